@@ -1,0 +1,29 @@
+# Every dependency comes from Debian 12 (scripts/packages.txt is the one list).
+find_package(Threads REQUIRED)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(PkgConfig REQUIRED)
+
+# Bullet in double precision only: in float the articulated-body algorithm freezes light links.
+# Its CMake config has relative include paths, hence pkg-config.
+pkg_check_modules(bullet REQUIRED IMPORTED_TARGET bullet-float64)
+pkg_check_modules(hdf5 REQUIRED IMPORTED_TARGET hdf5-serial)
+pkg_check_modules(assimp REQUIRED IMPORTED_TARGET assimp)
+pkg_check_modules(tinyxml2 REQUIRED IMPORTED_TARGET tinyxml2)
+pkg_check_modules(tomlplusplus REQUIRED IMPORTED_TARGET tomlplusplus)
+pkg_check_modules(png REQUIRED IMPORTED_TARGET libpng)
+find_package(fmt REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(nlohmann_json REQUIRED)
+
+if(WHOLEHAND_BUILD_TESTS)
+  find_package(GTest REQUIRED)
+endif()
+
+add_library(wholehand_options INTERFACE)
+target_compile_features(wholehand_options INTERFACE cxx_std_20)
+target_compile_options(wholehand_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor
+  -Woverloaded-virtual -Wdouble-promotion
+  # No fused multiply-add: the same inputs give the same bits whatever the compiler chooses to fuse.
+  -ffp-contract=off)
+target_link_libraries(wholehand_options INTERFACE Threads::Threads)

@@ -1,0 +1,38 @@
+# wholehand_module(<name> SOURCES a.cpp ... [USES core model ...] [VENDOR lib ...])
+#
+# One folder of src/ is one static library `wholehand_<name>` (alias wholehand::<name>).
+# Vendor libraries are linked PRIVATE: nothing of theirs shows in our headers.
+function(wholehand_module name)
+  cmake_parse_arguments(arg "" "" "SOURCES;USES;VENDOR" ${ARGN})
+  string(REPLACE "/" "_" target ${name})
+  add_library(wholehand_${target} STATIC ${arg_SOURCES})
+  add_library(wholehand::${target} ALIAS wholehand_${target})
+  target_include_directories(wholehand_${target} PUBLIC ${PROJECT_SOURCE_DIR}/src)
+  target_link_libraries(wholehand_${target} PUBLIC wholehand_options Eigen3::Eigen)
+  foreach(used IN LISTS arg_USES)
+    target_link_libraries(wholehand_${target} PUBLIC wholehand::${used})
+  endforeach()
+  target_link_libraries(wholehand_${target} PRIVATE ${arg_VENDOR})
+endfunction()
+
+# wholehand_test(<name> SOURCES a.cpp ... USES core ... [LABEL unit] [TIMEOUT seconds])
+function(wholehand_test name)
+  cmake_parse_arguments(arg "" "LABEL;TIMEOUT" "SOURCES;USES;VENDOR" ${ARGN})
+  add_executable(test_${name} ${arg_SOURCES})
+  target_link_libraries(test_${name} PRIVATE wholehand_options GTest::gtest GTest::gtest_main
+                                             ${arg_VENDOR})
+  target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+  foreach(used IN LISTS arg_USES)
+    target_link_libraries(test_${name} PRIVATE wholehand::${used})
+  endforeach()
+  target_compile_definitions(test_${name} PRIVATE WHOLEHAND_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
+                                                  WHOLEHAND_BINARY_DIR="${PROJECT_BINARY_DIR}")
+  if(NOT arg_LABEL)
+    set(arg_LABEL unit)
+  endif()
+  if(NOT arg_TIMEOUT)
+    set(arg_TIMEOUT 120)
+  endif()
+  add_test(NAME ${name} COMMAND test_${name})
+  set_tests_properties(${name} PROPERTIES LABELS ${arg_LABEL} TIMEOUT ${arg_TIMEOUT})
+endfunction()

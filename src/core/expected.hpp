@@ -1,0 +1,53 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace wholehand {
+
+/// One fault of one file (or of the command line), told so that a person can mend it.
+struct Diagnostic {
+  std::string file;     ///< path as the person gave it; empty when no file is concerned
+  int line = 0;         ///< 1-based; 0 when unknown
+  std::string key;      ///< e.g. "axes[2].effort_limit_n"; empty when no key is concerned
+  std::string value;    ///< what stands there; empty when nothing does
+  std::string problem;  ///< what is wrong: "is not finite"
+  std::string remedy;   ///< the allowed range or what to do: "must be in [0.1, 50] N"
+};
+using Diagnostics = std::vector<Diagnostic>;
+
+/// "config/devices/a.toml:12: axes[2].effort_limit_n = nan: is not finite; must be in (0, 1000] N".
+[[nodiscard]] std::string format(const Diagnostic& d);
+/// One line per diagnostic.
+[[nodiscard]] std::string format(const Diagnostics& ds);
+
+/// A value, or every reason why there is none. Not for the tick.
+template <class T>
+class [[nodiscard]] Expected {
+ public:
+  Expected(T value) : state_(std::in_place_index<0>, std::move(value)) {}
+  Expected(Diagnostics errors) : state_(std::in_place_index<1>, std::move(errors)) {}
+  Expected(Diagnostic error) : state_(std::in_place_index<1>, Diagnostics{std::move(error)}) {}
+
+  [[nodiscard]] bool ok() const noexcept { return state_.index() == 0; }
+  explicit operator bool() const noexcept { return ok(); }
+  [[nodiscard]] T& value() & { return std::get<0>(state_); }
+  [[nodiscard]] const T& value() const& { return std::get<0>(state_); }
+  [[nodiscard]] T&& value() && { return std::get<0>(std::move(state_)); }
+  T* operator->() { return &value(); }
+  const T* operator->() const { return &value(); }
+  T& operator*() & { return value(); }
+  const T& operator*() const& { return value(); }
+  T&& operator*() && { return std::move(*this).value(); }
+  [[nodiscard]] const Diagnostics& errors() const { return std::get<1>(state_); }
+
+ private:
+  std::variant<T, Diagnostics> state_;
+};
+
+/// The value of an operation that only may fail.
+struct Done {};
+
+}  // namespace wholehand

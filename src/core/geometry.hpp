@@ -1,0 +1,47 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include <type_traits>
+
+namespace wholehand {
+
+/// A vector that may cross a thread or a file (Eigen's own is not trivially copyable).
+struct Vec3 {
+  double x = 0.0, y = 0.0, z = 0.0;
+
+  [[nodiscard]] Eigen::Vector3d eigen() const noexcept { return {x, y, z}; }
+  [[nodiscard]] static Vec3 from(const Eigen::Vector3d& v) noexcept { return {v.x(), v.y(), v.z()}; }
+};
+
+/// A rotation that may cross a thread or a file; order x, y, z, w.
+struct QuatXyzw {
+  double x = 0.0, y = 0.0, z = 0.0, w = 1.0;
+
+  [[nodiscard]] Eigen::Quaterniond eigen() const noexcept { return {w, x, y, z}; }
+  [[nodiscard]] static QuatXyzw from(const Eigen::Quaterniond& q) noexcept {
+    return {q.x(), q.y(), q.z(), q.w()};
+  }
+};
+
+/// A rigid placement: p_outer = rotation * p_inner + translation_m.
+struct Pose {
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();
+
+  [[nodiscard]] Eigen::Vector3d operator*(const Eigen::Vector3d& p_m) const {
+    return rotation * p_m + translation_m;
+  }
+  [[nodiscard]] Pose operator*(const Pose& inner) const {
+    return {rotation * inner.rotation, rotation * inner.translation_m + translation_m};
+  }
+  [[nodiscard]] Pose inverse() const {
+    return {rotation.transpose(), -(rotation.transpose() * translation_m)};
+  }
+};
+
+static_assert(std::is_trivially_copyable_v<Vec3>);
+static_assert(std::is_trivially_copyable_v<QuatXyzw>);
+
+}  // namespace wholehand

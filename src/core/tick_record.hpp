@@ -1,0 +1,106 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <type_traits>
+
+#include "core/axis_array.hpp"
+#include "core/fault.hpp"
+#include "core/geometry.hpp"
+
+namespace wholehand {
+
+/// The most contact points one record holds; further ones are counted (Fault::kContactsDropped).
+inline constexpr int kMaxContacts = 64;
+/// The most bodies (fixed ones included) a scene may have.
+inline constexpr int kMaxBodies = 32;
+
+/// One point where the hand touches a body, after the step. World frame.
+struct Contact {
+  std::int32_t capsule = -1;  ///< index into HandModel::capsules
+  std::int32_t link = -1;     ///< index into HandModel::links
+  std::int32_t body = -1;     ///< index into SceneModel::bodies
+  std::int32_t reserved = 0;
+  Vec3 point_m;            ///< on the hand's surface
+  Vec3 normal;             ///< unit, from the body to the hand
+  Vec3 force_n;            ///< on the hand, normal and friction together
+  Vec3 torque_nm;          ///< on the hand, spinning friction about the normal
+  double distance_m = 0.0; ///< negative when the surfaces overlap
+};
+
+/// Where a body of the scene is and how it moves (centre of mass, world frame).
+struct BodyState {
+  Vec3 position_m;
+  QuatXyzw orientation_xyzw;
+  Vec3 velocity_m_s;
+  Vec3 angular_velocity_rad_s;
+};
+
+/// The stages of a tick, in order; each is timed.
+enum class Stage : std::int32_t {
+  kDeviceRead,
+  kObserve,
+  kDynamics,
+  kControl,
+  kSafety,
+  kDeviceWrite,
+  kPhysicsStep,
+  kContacts,
+  kCount
+};
+inline constexpr int kStages = static_cast<int>(Stage::kCount);
+/// snake_case name of a stage, as written to JSON and recordings.
+[[nodiscard]] const char* stageName(Stage s) noexcept;
+
+/// All that one tick read, computed and sent, grouped by writer. The only thing that leaves the
+/// real-time side. Efforts are power-conjugate to their coordinate: N on m, N·m on rad.
+struct TickRecord {
+  // written by: session
+  std::uint64_t tick = 0;             ///< periods since rendering started, skipped ones included
+  double time_s = 0.0;                ///< tick * period
+  std::uint32_t elapsed_periods = 1;  ///< 1 + periods skipped before this tick
+  Fault faults = Fault::kNone;
+  std::int64_t lateness_ns = 0;       ///< wake-up after the scheduled instant; not re-simulated
+  std::int64_t wall_ns = 0;           ///< duration of the tick on the wall clock; not re-simulated
+  std::int64_t cpu_ns = 0;            ///< CPU time of the tick; not re-simulated
+  std::array<std::int32_t, kStages> stage_cpu_ns{};  ///< CPU time per stage; not re-simulated
+
+  // written by: device.read
+  AxisPosition q_m;             ///< device position
+  AxisPosition intention;       ///< where the virtual patient wants to be (simulated device only)
+  AxisEffort patient_effort;    ///< what the virtual patient applies (simulated device only)
+
+  // written by: velocity_estimator
+  AxisVelocity qd_mf;           ///< filtered device velocity
+
+  // written by: world.observe, the state BEFORE this tick's step
+  AxisPosition q_s;             ///< avatar position
+  AxisVelocity qd_s;            ///< avatar velocity
+  JointPosition theta;          ///< joint positions of the avatar
+  double coupling_error_rad = 0.0;  ///< largest |θ - (θ₀ + G q_s)| the last step left, before correction
+  double palm_distance_m = 0.0;     ///< palm surface to the nearest body; +inf without bodies
+  std::int32_t body_count = 0;
+  std::array<BodyState, kMaxBodies> bodies{};
+
+  // written by: bilateral_coupling
+  AxisEffort f_s;               ///< drives the avatar, Eq. (2)
+  AxisEffort coupling;          ///< spring and γ term felt by the person, Eq. (3)
+
+  // written by: adaptive_damping
+  AxisRatio phi;                ///< Φ, Eq. (5)
+  AxisEffort damping;           ///< -Φ K_dm q̇_mf
+
+  // written by: safety
+  AxisEffort rendered;          ///< f_m before limits: coupling + damping
+  double authority = 1.0;       ///< 1 while rendering, falls to 0 while ramping to neutral
+  AxisEffort sent;              ///< what the device received
+
+  // written by: world.step
+  std::int32_t contact_count = 0;
+  std::int32_t contacts_dropped = 0;
+  std::array<Contact, kMaxContacts> contacts{};
+};
+
+static_assert(std::is_trivially_copyable_v<TickRecord>);
+
+}  // namespace wholehand

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/expected.hpp"
+#include "model/device_model.hpp"
+#include "model/hand_model.hpp"
+
+namespace wholehand {
+
+/// How one joint follows one coordinate: θ_joint += ratio * q_coordinate.
+struct SynergyTerm {
+  std::string joint;
+  std::string coordinate;  ///< a device axis name, e.g. "finger_flexion"
+  double ratio = 0.0;
+};
+
+/// A joint of the hand file: its range and its resting position θ₀.
+struct JointRange {
+  std::string joint;
+  double lower_rad = 0.0, upper_rad = 0.0, rest_rad = 0.0;
+};
+
+/// A hand file: anthropometry and synergy, before it meets a device.
+struct HandFile {
+  std::string path;
+  std::string name;
+  Side side = Side::kRight;
+  double length_m = 0.188;   ///< wrist crease to middle fingertip
+  double breadth_m = 0.085;  ///< across the knuckles
+  double mass_kg = 0.25;     ///< of the whole avatar; every link is scaled alike
+  std::vector<JointRange> joints;
+  std::vector<SynergyTerm> synergy;
+  std::vector<std::pair<std::string, double>> reference;  ///< coordinate -> position, q_ref
+};
+
+/// Reads and checks a hand file; every fault of the file is reported at once.
+[[nodiscard]] Expected<HandFile> loadHandFile(const std::string& path);
+
+/// Builds the hand that a device drives: capsules and inertias from the anthropometry, base joints
+/// for the device's base axes (translations x, y, z in the world, then yaw, pitch, roll about the
+/// hand's z, y, x in series), joints that no axis drives locked at rest. An axis that drives
+/// nothing, or a synergy term on an unknown joint, is an error.
+[[nodiscard]] Expected<HandModel> assembleHand(const HandFile& hand, const DeviceModel& device);
+
+}  // namespace wholehand
