@@ -65,9 +65,6 @@ struct HandModel {
   AxisPosition reference;          ///< q_ref: the posture at which gains are chosen
   double total_mass_kg = 0.0;
 
-  /// Centre of the palm's grasping surface, in the palm link's frame; the palm distance is measured
-  /// from the palm's capsules.
-  [[nodiscard]] int fingertipLink(HandPart part) const;
 };
 
 }  // namespace wholehand

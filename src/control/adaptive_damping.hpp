@@ -1,0 +1,47 @@
+#pragma once
+
+#include <vector>
+
+#include "core/axis_array.hpp"
+#include "core/real_time.hpp"
+#include "model/device_model.hpp"
+#include "model/rendering_config.hpp"
+
+namespace wholehand {
+
+/// Algorithm 1 for one axis as a one-state recursion: φ ← max(ρ, e^{−kT/τ} φ),
+/// ρ = clamp((|f| − f_d)/(f₀ − f_d), 0, 1). A non-finite effort counts as ρ = 1 (more damping, the
+/// safe side); f₀ ≤ f_d makes ρ a step at f_d; τ ≤ 0 decays at once. Pure, real-time safe.
+/// @param elapsed_periods k = 1 + skipped ticks.
+[[nodiscard]] WHOLEHAND_RT double activate(double phi, double effort, double effort_dead,
+                                           double effort_full, double decay_s, int elapsed_periods,
+                                           double period_s) noexcept;
+
+/// Parameters per axis, in plain arrays for the tick.
+struct AdaptiveDampingConfig {
+  int axes = 0;
+  AxisEffort effort_dead;   ///< f_d
+  AxisEffort effort_full;   ///< f₀
+  AxisRatio decay_s;        ///< τ_dec [s]
+  AxisRatio hand_axis;      ///< 1: drives the hand's joints, 0: carries the hand
+  AxisRatio palm_contact;   ///< 1: the base axis also has its own φ
+};
+[[nodiscard]] AdaptiveDampingConfig makeAdaptiveDamping(const DeviceModel& device,
+                                                        const RenderingConfig& rendering);
+
+struct AdaptiveDampingState {
+  AxisRatio own;  ///< φ of each axis by Algorithm 1
+  AxisRatio phi;  ///< diagonal of Φ, Eq. (5)
+};
+
+/// Algorithm 1 on every axis, then Eq. (5): a hand axis has its own φ; a base axis the largest φ of
+/// the hand axes, or its own where the device has no hand axes, or the larger of both where
+/// palm_contact is set. Pure, real-time safe.
+/// @param effort f_coupling + f_e, without the damping term (else φ would feed itself).
+[[nodiscard]] WHOLEHAND_RT AdaptiveDampingState adaptDamping(const AdaptiveDampingState& state,
+                                                             const AxisEffort& effort,
+                                                             const AdaptiveDampingConfig& config,
+                                                             int elapsed_periods,
+                                                             double period_s) noexcept;
+
+}  // namespace wholehand

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "control/coupling_gains.hpp"
+#include "core/expected.hpp"
+#include "model/device_model.hpp"
+#include "model/rendering_config.hpp"
+
+namespace wholehand {
+
+/// What the avatar touches in the linear model of one axis.
+enum class ContactCase { kFree, kRigid };
+
+/// One axis of device and avatar as a linear sampled loop (no person attached).
+struct AxisLoop {
+  double mass = 0.0, damping = 0.0;      ///< device
+  int delay_ticks = 0;
+  double k_pm = 0.0, phi_k_dm = 0.0, gamma = 0.0;
+  double k_ps_per_s2 = 0.0, k_ds_per_s = 0.0;
+  double filter_tau_s = 0.0;
+  double period_s = 1e-3;
+};
+
+/// Closed-loop matrix over [x_m, v_m, x_m previous, v_f, x_s, v_s, f_1 .. f_n]: exact zero-order
+/// hold for the device, symplectic Euler for the avatar, built column by column from unit states.
+[[nodiscard]] Eigen::MatrixXd closedLoopMatrix(const AxisLoop& loop, ContactCase contact);
+
+/// Largest modulus of its eigenvalues. In free motion an eigenvalue of exactly 1 (rigid drift) is
+/// structural.
+[[nodiscard]] double spectralRadius(const Eigen::MatrixXd& matrix);
+
+/// Checks every axis free and against a rigid stop at Φ = 0 and Φ = 1: spectral radius > 1 (+1e-7)
+/// is refused with the reason and the nearest allowed stiffness, found by bisection; and the avatar's
+/// multi-axis loop with M_r⁻¹ M̃_r over the given reduced inertias (several postures).
+[[nodiscard]] Diagnostics checkStability(const DeviceModel& device,
+                                         const RenderingConfig& rendering,
+                                         const CouplingGains& gains,
+                                         const std::vector<AxisMatrix>& reduced_inertias,
+                                         double period_s);
+
+}  // namespace wholehand

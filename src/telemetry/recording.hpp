@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/expected.hpp"
+#include "core/tick_record.hpp"
+
+namespace wholehand {
+
+/// All that is needed to understand a recording and to run it again: written once into its /meta.
+struct RecordingMeta {
+  std::string created_utc;      ///< ISO 8601
+  std::string git_version;      ///< of the program
+  std::uint64_t seed = 0;
+  double period_s = 1e-3;
+  std::string engine;           ///< "bullet"
+  bool simulated_clock = false;
+  bool uncertified = false;     ///< gains that the stability check refused were allowed
+  bool paper = false;
+  std::string title;            ///< "Reach and grasp", shown by the report
+  std::vector<std::string> axis_names, axis_units;      ///< "m" or "rad"
+  std::vector<double> effort_limits;                    ///< per axis [N or N·m]
+  std::vector<double> lever_arms_m;                     ///< per axis, 0 where there is no tip
+  std::vector<std::string> joint_names, body_names, capsule_names;
+  /// name -> full text of each configuration file used (device, hand, rendering, patient, scene,
+  /// motion, and every mesh or URDF by its path), so that the recording stands alone.
+  std::vector<std::pair<std::string, std::string>> files;
+};
+
+/// Writes every tick to HDF5 in single-writer-multiple-reader mode. Not for the real-time thread.
+/// Layout: docs/recording.md.
+class RecordingWriter {
+ public:
+  /// Creates the file; an existing one is not overwritten silently but replaced only when complete
+  /// parameters were written (temporary name, then rename).
+  static Expected<std::unique_ptr<RecordingWriter>> create(const std::string& path,
+                                                           const RecordingMeta& meta);
+  virtual ~RecordingWriter() = default;
+
+  /// Appends one tick. False when it could not be written (disk full): the tick is counted as
+  /// dropped, writing is tried again later, nothing throws.
+  virtual bool append(const TickRecord& record) = 0;
+  /// Brings everything to the disk; called at least once a second by the recorder.
+  virtual void flush() = 0;
+  /// Ends the recording properly. Idempotent.
+  virtual void close() = 0;
+  [[nodiscard]] virtual std::uint64_t written() const = 0;
+  [[nodiscard]] virtual std::uint64_t dropped() const = 0;
+};
+
+/// Reads a recording, also one that was cut off by kill -9 or is still being written.
+class RecordingReader {
+ public:
+  /// Refuses a foreign, truncated or newer-version file with the reason.
+  static Expected<std::unique_ptr<RecordingReader>> open(const std::string& path);
+  virtual ~RecordingReader() = default;
+
+  [[nodiscard]] virtual const RecordingMeta& meta() const = 0;
+  [[nodiscard]] virtual std::uint64_t size() const = 0;  ///< ticks in the file
+  /// The i-th recorded tick (0 .. size()-1), complete but for stage times. False past the end.
+  virtual bool read(std::uint64_t i, TickRecord& record) = 0;
+};
+
+}  // namespace wholehand
