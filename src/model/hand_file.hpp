@@ -39,8 +39,9 @@ struct HandFile {
 [[nodiscard]] Expected<HandFile> loadHandFile(const std::string& path);
 
 /// Builds the hand that a device drives: capsules and inertias from the anthropometry, base joints
-/// for the device's base axes (translations x, y, z in the world, then yaw, pitch, roll about the
-/// hand's z, y, x in series), joints that no axis drives locked at rest. An axis that drives
+/// for the device's base axes (translations x, y, z in the world, then roll, pitch, yaw about the
+/// hand's x, y, z in series, roll first, through the palm frame's origin), joints that no axis drives
+/// locked at rest (JointType::kFixed, the rest angle baked into parent_to_link). An axis that drives
 /// nothing, or a synergy term on an unknown joint, is an error.
 [[nodiscard]] Expected<HandModel> assembleHand(const HandFile& hand, const DeviceModel& device);
 
