@@ -1,12 +1,13 @@
 #pragma once
 
+#include "core/axis_array.hpp"
+#include "core/real_time.hpp"
+#include "dynamics/spatial_algebra.hpp"
+#include "model/hand_model.hpp"
+
 #include <Eigen/Core>
 
 #include <array>
-
-#include "core/axis_array.hpp"
-#include "core/real_time.hpp"
-#include "model/hand_model.hpp"
 
 namespace wholehand {
 
@@ -18,8 +19,8 @@ inline constexpr int kMaxLinks = 40;
 ///   M(θ) θ̈ + h(θ, θ̇) = τ          (paper Eq. 1)
 ///   M_r = Gᵀ M G,  h_r = Gᵀ h       (G constant)
 ///
-/// h by the recursive Newton-Euler algorithm, M by the composite-rigid-body algorithm, both in world
-/// axes about the world origin. Storage is fixed; nothing allocates after construction.
+/// h by the recursive Newton-Euler algorithm, M by the composite-rigid-body algorithm, both in
+/// world axes about the world origin. Storage is fixed; nothing allocates after construction.
 class ArticulatedBody {
  public:
   /// @pre hand outlives this; links <= kMaxLinks
@@ -30,16 +31,15 @@ class ArticulatedBody {
 
   /// Kinematics, h, M, M_r, h_r and M_r⁻¹ (Cholesky). Returns false when M_r is not positive
   /// definite (the inverse is then zero). Real-time safe.
-  [[nodiscard]] WHOLEHAND_RT bool update(const JointPosition& theta,
-                                         const JointVelocity& theta_dot,
+  [[nodiscard]] WHOLEHAND_RT bool update(const JointPosition& theta, const JointVelocity& theta_dot,
                                          const Eigen::Vector3d& gravity_m_s2) noexcept;
 
-  /// τ = M G a + h with a = M_r⁻¹ f_s: the joint torques whose reduced force is exactly f_s + h_r and
-  /// under which the synergy θ = θ₀ + G q_s keeps itself. Real-time safe.
+  /// τ = M G a + h with a = M_r⁻¹ f_s: the joint torques whose reduced force is exactly f_s + h_r
+  /// and under which the synergy θ = θ₀ + G q_s keeps itself. Real-time safe.
   WHOLEHAND_RT void distribute(const AxisEffort& f_s, JointEffort& torque) const noexcept;
 
-  /// Row of the reduced Jacobian: velocity per axis of the link's material point at `point_m` (world)
-  /// along `direction` (world), j = Gᵀ Jᵀ direction. Real-time safe.
+  /// Row of the reduced Jacobian: velocity per axis of the link's material point at `point_m`
+  /// (world) along `direction` (world), j = Gᵀ Jᵀ direction. Real-time safe.
   WHOLEHAND_RT void reducedPointRow(int link, const Eigen::Vector3d& point_m,
                                     const Eigen::Vector3d& direction,
                                     double* row /* axis_count */) const noexcept;
@@ -47,8 +47,8 @@ class ArticulatedBody {
   WHOLEHAND_RT void reducedAngularRow(int link, const Eigen::Vector3d& direction,
                                       double* row /* axis_count */) const noexcept;
 
-  [[nodiscard]] const JointEffort& bias() const noexcept { return bias_; }              ///< h
-  [[nodiscard]] const JointMatrix& inertia() const noexcept { return inertia_; }        ///< M
+  [[nodiscard]] const JointEffort& bias() const noexcept { return bias_; }                ///< h
+  [[nodiscard]] const JointMatrix& inertia() const noexcept { return inertia_; }          ///< M
   [[nodiscard]] const AxisEffort& reducedBias() const noexcept { return reduced_bias_; }  ///< h_r
   [[nodiscard]] const AxisMatrix& reducedInertia() const noexcept { return reduced_inertia_; }
   [[nodiscard]] const AxisMatrix& reducedInertiaInverse() const noexcept {
@@ -58,10 +58,54 @@ class ArticulatedBody {
   [[nodiscard]] const HandModel& hand() const noexcept { return *hand_; }
 
  private:
+  /// A driven joint and everything welded to the link it carries (locked joints are welds).
+  struct Body {
+    int parent = -1;  ///< index of the parent body, -1 for the world; always < own index
+    int link = 0;     ///< the link whose frame is the body's
+    int joint = 0;
+    bool revolute = false;
+    Eigen::Vector3d axis;  ///< body frame
+    Pose parent_to_body;   ///< at joint position zero; for parent -1 in the world
+    double mass_kg = 0.0;
+    Eigen::Vector3d com_m = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();  ///< about com_m
+    int first_term = 0, end_term = 0;                         ///< its row of G in terms_
+  };
+  /// A link that does not move against its body.
+  struct Weld {
+    int link = 0;
+    int body = -1;  ///< -1: stands in the world
+    Pose body_to_link;
+  };
+  /// One non-zero element of G.
+  struct Term {
+    int axis = 0;
+    double ratio = 0.0;
+  };
+
+  void addBody(int link, int parent, const Pose& parent_to_body);
+  static void addMass(Body& body, const HandLink& link, const Pose& body_to_link);
+  void sweepForward(const JointVelocity& theta_dot, const Eigen::Vector3d& gravity_m_s2) noexcept;
+  void sweepBackward() noexcept;
+  void reduce() noexcept;
+
   const HandModel* hand_;
+  int body_count_ = 0, weld_count_ = 0, term_count_ = 0;
+  std::array<Body, kMaxJoints> body_;
+  std::array<Weld, kMaxLinks> weld_;
+  std::array<int, kMaxLinks> body_of_link_{};
+  std::array<Term, kMaxJoints * kMaxAxes> terms_;
+
   std::array<Pose, kMaxLinks> pose_;
+  std::array<SpatialVector, kMaxJoints> screw_;  ///< velocity per unit joint velocity
+  std::array<SpatialVector, kMaxJoints> velocity_;
+  std::array<SpatialVector, kMaxJoints> acceleration_;  ///< at θ̈ = 0, gravity as -g of the world
+  std::array<SpatialVector, kMaxJoints> force_;
+  std::array<SpatialInertia, kMaxJoints> composite_;
+
   JointEffort bias_;
   JointMatrix inertia_;
+  JointAxisMatrix inertia_synergy_;  ///< M G
   AxisEffort reduced_bias_;
   AxisMatrix reduced_inertia_;
   AxisMatrix reduced_inertia_inverse_;

@@ -1,0 +1,226 @@
+#include "dynamics/articulated_body.hpp"
+
+#include "dynamics/cholesky.hpp"
+
+#include <cassert>
+#include <cmath>
+
+namespace wholehand {
+
+namespace {
+
+/// Rodrigues: the turn by `angle_rad` about the unit vector `axis`.
+Eigen::Matrix3d rotationAbout(const Eigen::Vector3d& axis, double angle_rad) noexcept {
+  const double c = std::cos(angle_rad);
+  const double s = std::sin(angle_rad);
+  const Eigen::Vector3d a = (1.0 - c) * axis;
+  const double x = axis.x(), y = axis.y(), z = axis.z();
+  Eigen::Matrix3d r;
+  r << c + a.x() * x, a.x() * y - s * z, a.x() * z + s * y,  //
+      a.y() * x + s * z, c + a.y() * y, a.y() * z - s * x,   //
+      a.z() * x - s * y, a.z() * y + s * x, c + a.z() * z;
+  return r;
+}
+
+/// Inertia of a point mass, of unit mass, at `r_m` about the origin.
+Eigen::Matrix3d steiner(const Eigen::Vector3d& r_m) {
+  return r_m.squaredNorm() * Eigen::Matrix3d::Identity() - r_m * r_m.transpose();
+}
+
+}  // namespace
+
+ArticulatedBody::ArticulatedBody(const HandModel& hand) : hand_(&hand) {
+  assert(hand.links.size() <= kMaxLinks && hand.joint_count <= kMaxJoints);
+  std::array<Pose, kMaxLinks> in_body;  // every link in the frame of the body that carries it
+  for (int i = 0; i < static_cast<int>(hand.links.size()); ++i) {
+    const HandLink& link = hand.links[i];
+    const int parent = link.parent < 0 ? -1 : body_of_link_[link.parent];
+    const Pose place =
+        link.parent < 0 ? link.parent_to_link : in_body[link.parent] * link.parent_to_link;
+    if (link.type == JointType::kFixed || link.joint < 0) {
+      body_of_link_[i] = parent;
+      in_body[i] = place;
+      weld_[weld_count_++] = {i, parent, place};
+      if (parent >= 0) addMass(body_[parent], link, place);
+    } else {
+      addBody(i, parent, place);
+    }
+  }
+  const int n = hand.joint_count;
+  bias_ = JointEffort(n);
+  inertia_ = JointMatrix::Zero(n, n);
+  inertia_synergy_ = JointAxisMatrix::Zero(n, hand.axis_count);
+  reduced_bias_ = AxisEffort(hand.axis_count);
+  reduced_inertia_ = AxisMatrix::Zero(hand.axis_count, hand.axis_count);
+  reduced_inertia_inverse_ = reduced_inertia_;
+}
+
+void ArticulatedBody::addBody(int link, int parent, const Pose& parent_to_body) {
+  const HandLink& l = hand_->links[link];
+  Body b;
+  b.parent = parent;
+  b.link = link;
+  b.joint = l.joint;
+  b.revolute = l.type == JointType::kRevolute;
+  b.axis = l.axis;
+  b.parent_to_body = parent_to_body;
+  addMass(b, l, Pose{});
+  b.first_term = term_count_;
+  for (int a = 0; a < hand_->axis_count; ++a) {
+    const double ratio = hand_->synergy(l.joint, a);
+    if (ratio != 0.0) terms_[term_count_++] = {a, ratio};
+  }
+  b.end_term = term_count_;
+  body_of_link_[link] = body_count_;
+  body_[body_count_++] = b;
+}
+
+void ArticulatedBody::addMass(Body& body, const HandLink& link, const Pose& body_to_link) {
+  if (link.mass_kg <= 0.0) return;
+  const Eigen::Vector3d com_m = body_to_link * link.com_m;
+  const double mass_kg = body.mass_kg + link.mass_kg;
+  const Eigen::Vector3d joint_com_m = (body.mass_kg * body.com_m + link.mass_kg * com_m) / mass_kg;
+  body.inertia_kg_m2 += body.mass_kg * steiner(body.com_m - joint_com_m);
+  body.inertia_kg_m2 +=
+      body_to_link.rotation * link.inertia_kg_m2 * body_to_link.rotation.transpose() +
+      link.mass_kg * steiner(com_m - joint_com_m);
+  body.mass_kg = mass_kg;
+  body.com_m = joint_com_m;
+}
+
+void ArticulatedBody::updateKinematics(const JointPosition& theta) noexcept {
+  for (int i = 0; i < body_count_; ++i) {
+    const Body& b = body_[i];
+    Pose& pose = pose_[b.link];
+    pose = b.parent < 0 ? b.parent_to_body : pose_[body_[b.parent].link] * b.parent_to_body;
+    if (b.revolute) {
+      pose.rotation = (pose.rotation * rotationAbout(b.axis, theta[b.joint])).eval();
+      const Eigen::Vector3d axis = pose.rotation * b.axis;
+      screw_[i] = {axis, cross(pose.translation_m, axis)};
+    } else {
+      const Eigen::Vector3d axis = pose.rotation * b.axis;
+      pose.translation_m += theta[b.joint] * axis;
+      screw_[i] = {Eigen::Vector3d::Zero(), axis};
+    }
+  }
+  for (int i = 0; i < weld_count_; ++i) {
+    const Weld& w = weld_[i];
+    pose_[w.link] = w.body < 0 ? w.body_to_link : pose_[body_[w.body].link] * w.body_to_link;
+  }
+}
+
+bool ArticulatedBody::update(const JointPosition& theta, const JointVelocity& theta_dot,
+                             const Eigen::Vector3d& gravity_m_s2) noexcept {
+  updateKinematics(theta);
+  sweepForward(theta_dot, gravity_m_s2);
+  sweepBackward();
+  reduce();
+  return invertPositiveDefinite(reduced_inertia_, reduced_inertia_inverse_);
+}
+
+// Outward recursion of Newton-Euler: velocities, accelerations at θ̈ = 0 and the wrench each body
+// needs. Gravity enters as an upward acceleration of the world.
+void ArticulatedBody::sweepForward(const JointVelocity& theta_dot,
+                                   const Eigen::Vector3d& gravity_m_s2) noexcept {
+  const SpatialVector world_velocity;
+  const SpatialVector world_acceleration{Eigen::Vector3d::Zero(), -gravity_m_s2};
+  for (int i = 0; i < body_count_; ++i) {
+    const Body& b = body_[i];
+    const double rate = theta_dot[b.joint];
+    const SpatialVector own{rate * screw_[i].angular, rate * screw_[i].linear};
+    SpatialVector& v = velocity_[i];
+    SpatialVector& a = acceleration_[i];
+    v = b.parent < 0 ? world_velocity : velocity_[b.parent];
+    a = b.parent < 0 ? world_acceleration : acceleration_[b.parent];
+    v += own;
+    a += crossMotion(v, own);
+    composite_[i] = inertiaInWorld(b.mass_kg, b.com_m, b.inertia_kg_m2, pose_[b.link]);
+    force_[i] = composite_[i] * a;
+    force_[i] += crossForce(v, composite_[i] * v);
+  }
+}
+
+// Inward recursion: h collects the wrenches, M the composite inertias (an element only for a joint
+// and its ancestors; all others are structurally zero).
+void ArticulatedBody::sweepBackward() noexcept {
+  for (int i = body_count_ - 1; i >= 0; --i) {
+    const Body& b = body_[i];
+    bias_[b.joint] = dot(screw_[i], force_[i]);
+    if (b.parent >= 0) {
+      force_[b.parent] += force_[i];
+      composite_[b.parent] += composite_[i];
+    }
+    const SpatialVector momentum = composite_[i] * screw_[i];
+    for (int j = i; j >= 0; j = body_[j].parent) {
+      const double m = dot(screw_[j], momentum);
+      inertia_(b.joint, body_[j].joint) = m;
+      inertia_(body_[j].joint, b.joint) = m;
+    }
+  }
+}
+
+void ArticulatedBody::reduce() noexcept {
+  inertia_synergy_.setZero();
+  reduced_inertia_.setZero();
+  reduced_bias_.vec().setZero();
+  for (int i = 0; i < body_count_; ++i) {
+    const Body& b = body_[i];
+    for (int t = b.first_term; t < b.end_term; ++t) {
+      const Term& term = terms_[t];
+      inertia_synergy_.col(term.axis) += term.ratio * inertia_.col(b.joint);
+      reduced_bias_[term.axis] += term.ratio * bias_[b.joint];
+    }
+  }
+  for (int i = 0; i < body_count_; ++i) {
+    const Body& b = body_[i];
+    for (int t = b.first_term; t < b.end_term; ++t) {
+      const Term& term = terms_[t];
+      for (int a = 0; a <= term.axis; ++a) {
+        reduced_inertia_(term.axis, a) += term.ratio * inertia_synergy_(b.joint, a);
+      }
+    }
+  }
+  // Only the lower triangle was summed: mirrored, M_r is symmetric to the last bit.
+  for (int a = 0; a < hand_->axis_count; ++a) {
+    for (int c = 0; c < a; ++c) reduced_inertia_(c, a) = reduced_inertia_(a, c);
+  }
+}
+
+void ArticulatedBody::distribute(const AxisEffort& f_s, JointEffort& torque) const noexcept {
+  torque = bias_;
+  for (int a = 0; a < hand_->axis_count; ++a) {
+    double acceleration = 0.0;
+    for (int c = 0; c < hand_->axis_count; ++c) {
+      acceleration += reduced_inertia_inverse_(c, a) * f_s[c];  // symmetric: walks down a column
+    }
+    for (int j = 0; j < hand_->joint_count; ++j) {
+      torque[j] += inertia_synergy_(j, a) * acceleration;
+    }
+  }
+}
+
+void ArticulatedBody::reducedPointRow(int link, const Eigen::Vector3d& point_m,
+                                      const Eigen::Vector3d& direction,
+                                      double* row) const noexcept {
+  for (int a = 0; a < hand_->axis_count; ++a) row[a] = 0.0;
+  const SpatialVector wrench{cross(point_m, direction), direction};
+  for (int i = body_of_link_[link]; i >= 0; i = body_[i].parent) {
+    const double rate = dot(screw_[i], wrench);
+    for (int t = body_[i].first_term; t < body_[i].end_term; ++t) {
+      row[terms_[t].axis] += terms_[t].ratio * rate;
+    }
+  }
+}
+
+void ArticulatedBody::reducedAngularRow(int link, const Eigen::Vector3d& direction,
+                                        double* row) const noexcept {
+  for (int a = 0; a < hand_->axis_count; ++a) row[a] = 0.0;
+  for (int i = body_of_link_[link]; i >= 0; i = body_[i].parent) {
+    const double rate = screw_[i].angular.dot(direction);
+    for (int t = body_[i].first_term; t < body_[i].end_term; ++t) {
+      row[terms_[t].axis] += terms_[t].ratio * rate;
+    }
+  }
+}
+
+}  // namespace wholehand
