@@ -1,6 +1,7 @@
 # wholehand_module(<name> SOURCES a.cpp ... [USES core model ...] [VENDOR lib ...])
 #
-# One folder of src/ is one static library `wholehand_<name>` (alias wholehand::<name>).
+# One folder of src/ is one static library `wholehand_<name>` (alias wholehand::<name>); a nested
+# folder a/b is wholehand_a_b, and USES takes it as a/b.
 # Vendor libraries are linked PRIVATE: nothing of theirs shows in our headers.
 function(wholehand_module name)
   cmake_parse_arguments(arg "" "" "SOURCES;USES;VENDOR" ${ARGN})
@@ -10,6 +11,7 @@ function(wholehand_module name)
   target_include_directories(wholehand_${target} PUBLIC ${PROJECT_SOURCE_DIR}/src)
   target_link_libraries(wholehand_${target} PUBLIC wholehand_options Eigen3::Eigen)
   foreach(used IN LISTS arg_USES)
+    string(REPLACE "/" "_" used ${used})
     target_link_libraries(wholehand_${target} PUBLIC wholehand::${used})
   endforeach()
   target_link_libraries(wholehand_${target} PRIVATE ${arg_VENDOR})
@@ -23,6 +25,7 @@ function(wholehand_test name)
                                              ${arg_VENDOR})
   target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
   foreach(used IN LISTS arg_USES)
+    string(REPLACE "/" "_" used ${used})
     target_link_libraries(test_${name} PRIVATE wholehand::${used})
   endforeach()
   target_compile_definitions(test_${name} PRIVATE WHOLEHAND_SOURCE_DIR="${PROJECT_SOURCE_DIR}"

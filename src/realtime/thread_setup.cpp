@@ -1,0 +1,188 @@
+#include "realtime/thread_setup.hpp"
+
+#include <malloc.h>
+#include <pthread.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+
+namespace wholehand {
+namespace {
+
+constexpr std::size_t kPage_bytes = 4096;
+
+/// Touches the stack below the caller so that its pages exist before the loop needs them.
+[[gnu::noinline]] void touchStack(std::size_t bytes) noexcept {
+  auto* stack = static_cast<volatile unsigned char*>(__builtin_alloca(bytes));
+  for (std::size_t i = 0; i < bytes; i += kPage_bytes) {
+    stack[i] = 0;
+  }
+}
+
+/// Freed memory stays with the process and large blocks come from the heap: pages that exist and
+/// are locked are used again instead of being mapped anew.
+SetupLine keepHeap() {
+  const bool kept = mallopt(M_TRIM_THRESHOLD, -1) == 1 && mallopt(M_MMAP_MAX, 0) == 1;
+  return {"heap", kept,
+          kept ? "Freed memory is kept for later use."
+               : "The allocator may give memory back: expect page faults after large releases."};
+}
+
+SetupLine touchedStack(std::size_t bytes) {
+  touchStack(bytes);
+  return {"stack", true,
+          std::to_string(bytes / 1024) + " KiB of stack are in memory before the first tick."};
+}
+
+SetupLine denormals() {
+  const bool flushed = flushDenormals();
+  return {"denormal numbers", flushed,
+          flushed ? "Denormal numbers count as zero in the loop."
+                  : "Denormal numbers keep their value on this processor: ticks may take longer."};
+}
+
+std::string reason(int error) {
+  return std::strerror(error);
+}
+
+}  // namespace
+
+SetupLine requestFifoPriority(int priority) {
+  sched_param parameter{};
+  parameter.sched_priority = priority;
+  const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameter);
+  const std::string number = std::to_string(priority);
+  if (error == 0) {
+    return {"real-time priority", true, "SCHED_FIFO, priority " + number + "."};
+  }
+  return {"real-time priority", false,
+          "The loop runs at normal priority (" + reason(error) + "): other programs delay it. " +
+              "Remedy: add '@realtime - rtprio 99' to /etc/security/limits.d/realtime.conf, join "
+              "the group realtime and log in again, or run as root."};
+}
+
+SetupLine requestLockedMemory() {
+  rlimit limit{};
+  const bool unlimited = getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY;
+  if (unlimited && mlockall(MCL_CURRENT | MCL_FUTURE) == 0) {
+    return {"locked memory", true, "All memory is locked, and what is allocated later too."};
+  }
+  if (mlockall(MCL_CURRENT) == 0) {
+    return {
+        "locked memory", true,
+        "All memory in use is locked; memory allocated later is not, since memlock is limited."};
+  }
+  return {"locked memory", false,
+          "Memory is not locked (" + reason(errno) + "): a page fault may delay a tick. Remedy: " +
+              "add '@realtime - memlock unlimited' to /etc/security/limits.d/realtime.conf, join "
+              "the group realtime and log in again, or run as root."};
+}
+
+SetupLine requestLastCore() {
+  cpu_set_t allowed;
+  CPU_ZERO(&allowed);
+  int core = -1;
+  int count = 0;
+  if (sched_getaffinity(0, sizeof allowed, &allowed) == 0) {
+    count = CPU_COUNT(&allowed);
+    for (int i = 0; i < CPU_SETSIZE; ++i) {
+      core = CPU_ISSET(i, &allowed) ? i : core;
+    }
+  }
+  const std::vector<int> isolated = isolatedCpus();
+  if (!isolated.empty()) {
+    core = *std::max_element(isolated.begin(), isolated.end());
+  } else if (count < 2) {
+    return {"own core", false,
+            "The loop shares the only core it may use. Remedy: allow it a second one."};
+  }
+  cpu_set_t wanted;
+  CPU_ZERO(&wanted);
+  CPU_SET(core, &wanted);
+  const int error = pthread_setaffinity_np(pthread_self(), sizeof wanted, &wanted);
+  if (error != 0) {
+    return {"own core", false,
+            "The loop may wander between cores (" + reason(error) + "). Remedy: allow core " +
+                std::to_string(core) + " to this program (taskset, cgroup)."};
+  }
+  return {"own core", true,
+          "The loop stays on core " + std::to_string(core) +
+              (isolated.empty() ? "." : ", which the kernel keeps free of other work.")};
+}
+
+SetupReport setUpThread(const ThreadSetupConfig& config) {
+  SetupReport report;
+  report.push_back(touchedStack(config.stack_bytes));
+  if (config.lock_memory) {
+    report.push_back(keepHeap());
+    report.push_back(requestLockedMemory());
+  }
+  if (config.pin_to_last_core) {
+    report.push_back(requestLastCore());
+  }
+  report.push_back(denormals());
+  // Last: from here on nothing of normal priority gets in between.
+  if (config.fifo_priority > 0) {
+    report.push_back(requestFifoPriority(config.fifo_priority));
+  }
+  return report;
+}
+
+bool flushDenormals() noexcept {
+#if defined(__SSE2__)
+  constexpr unsigned kFlushToZero = 0x8000;
+  constexpr unsigned kDenormalsAreZero = 0x0040;
+  _mm_setcsr(_mm_getcsr() | kFlushToZero | kDenormalsAreZero);
+  return true;
+#elif defined(__aarch64__)
+  std::uint64_t control = 0;
+  asm volatile("mrs %0, fpcr" : "=r"(control));
+  control |= std::uint64_t{1} << 24U;
+  asm volatile("msr fpcr, %0" : : "r"(control));
+  return true;
+#else
+  return false;
+#endif
+}
+
+std::vector<int> parseCpuList(std::string_view list) {
+  std::vector<int> cpus;
+  while (!list.empty()) {
+    const std::size_t comma = std::min(list.find(','), list.size());
+    const std::string_view part = list.substr(0, comma);
+    list.remove_prefix(std::min(comma + 1, list.size()));
+    int first = 0;
+    const char* end = part.data() + part.size();
+    const auto [rest, error] = std::from_chars(part.data(), end, first);
+    if (error != std::errc()) {
+      continue;
+    }
+    int last = first;
+    if (rest != end && *rest == '-') {
+      std::from_chars(rest + 1, end, last);
+    }
+    for (int cpu = first; cpu <= last && cpu < CPU_SETSIZE; ++cpu) {
+      cpus.push_back(cpu);
+    }
+  }
+  return cpus;
+}
+
+std::vector<int> isolatedCpus() {
+  std::ifstream file("/sys/devices/system/cpu/isolated");
+  std::string line;
+  std::getline(file, line);
+  return parseCpuList(line);
+}
+
+}  // namespace wholehand
