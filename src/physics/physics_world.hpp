@@ -1,19 +1,19 @@
 #pragma once
 
-#include <array>
-
 #include "core/axis_array.hpp"
 #include "core/expected.hpp"
 #include "core/real_time.hpp"
 #include "core/tick_record.hpp"
 
+#include <array>
+
 namespace wholehand {
 
 /// What the world looks like before a step.
 struct WorldState {
-  AxisPosition q_s;        ///< reduced coordinates of the hand
+  AxisPosition q_s;  ///< reduced coordinates of the hand
   AxisVelocity qd_s;
-  JointPosition theta;     ///< joint coordinates, θ = θ₀ + G q_s
+  JointPosition theta;  ///< joint coordinates, θ = θ₀ + G q_s
   JointVelocity theta_dot;
   double coupling_error_rad = 0.0;  ///< what the last step left of |θ - (θ₀ + G q_s)|, uncorrected
   double palm_distance_m = 0.0;     ///< palm surface to the nearest body; +inf without bodies
@@ -23,7 +23,7 @@ struct WorldState {
 
 /// What drives the hand through one step, computed at the state that observe() gave.
 struct HandDrive {
-  JointEffort torque;                  ///< τ = M G M_r⁻¹ f_s + h
+  JointEffort torque;                                   ///< τ = M G M_r⁻¹ f_s + h
   const AxisMatrix* reduced_inertia_inverse = nullptr;  ///< M_r⁻¹; an engine may ignore it
 };
 

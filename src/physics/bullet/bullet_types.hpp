@@ -1,0 +1,37 @@
+#pragma once
+
+#include "core/geometry.hpp"
+
+#include <Eigen/Core>
+#include <LinearMath/btMatrix3x3.h>
+#include <LinearMath/btQuaternion.h>
+#include <LinearMath/btTransform.h>
+#include <LinearMath/btVector3.h>
+
+namespace wholehand::bullet {
+
+// In single precision the articulated-body algorithm silently freezes light finger links.
+static_assert(sizeof(btScalar) == 8, "Bullet must be used in double precision");
+
+[[nodiscard]] inline btVector3 toBt(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+[[nodiscard]] inline Eigen::Vector3d toEigen(const btVector3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+[[nodiscard]] inline Vec3 toVec3(const btVector3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+[[nodiscard]] inline btMatrix3x3 toBt(const Eigen::Matrix3d& m) {
+  return {m(0, 0), m(0, 1), m(0, 2), m(1, 0), m(1, 1), m(1, 2), m(2, 0), m(2, 1), m(2, 2)};
+}
+[[nodiscard]] inline btQuaternion toBtQuaternion(const Eigen::Matrix3d& m) {
+  const Eigen::Quaterniond q(m);
+  return {q.x(), q.y(), q.z(), q.w()};
+}
+[[nodiscard]] inline btTransform toBt(const Pose& pose) {
+  return btTransform(toBt(pose.rotation), toBt(pose.translation_m));
+}
+
+}  // namespace wholehand::bullet

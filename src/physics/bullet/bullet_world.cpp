@@ -1,0 +1,266 @@
+#include "physics/bullet/bullet_world.hpp"
+
+#include "dynamics/synergy.hpp"
+#include "physics/bullet/bullet_bodies.hpp"
+#include "physics/bullet/bullet_hand.hpp"
+#include "physics/bullet/bullet_types.hpp"
+#include "physics/palm_distance.hpp"
+
+#include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
+#include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
+#include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>
+#include <BulletCollision/CollisionDispatch/btSimulationIslandManager.h>
+#include <BulletCollision/CollisionShapes/btSphereShape.h>
+#include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace wholehand {
+namespace {
+
+using bullet::toBt;
+using bullet::toVec3;
+
+// Collision groups: the hand meets bodies, never itself.
+constexpr int kBodyGroup = 1;
+constexpr int kHandGroup = 2;
+constexpr int kRehearsalGroup = 4;
+
+// Deeper than this at the start, the solver would throw the body away.
+constexpr double kAllowedOverlap_m = 2e-4;
+
+}  // namespace
+
+struct BulletWorld::Engine {
+  Engine(const HandModel& hand, const SceneModel& scene, const BulletSettings& settings);
+  ~Engine();
+
+  void configure(const SceneModel& scene, const BulletSettings& settings);
+  void rehearse();
+  void rehearsePairs();
+  void rehearseManifolds();
+  void setHand(const JointPosition& theta, const double* theta_dot) noexcept;
+  Diagnostics overlaps() const;
+
+  const HandModel& hand_model;
+  Synergy synergy;
+  ArticulatedBody kinematics;
+  PalmDistance palm_distance;
+  std::vector<std::string> body_names;
+  btDefaultCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher;
+  btDbvtBroadphase broadphase;
+  bullet::ReducedContactSolver solver;
+  btMultiBodyDynamicsWorld world;
+  bullet::BulletHand hand;
+  std::vector<bullet::SceneBodyInBullet> bodies;
+  double coupling_error_rad = 0.0;
+  double period_s = 1e-3;
+};
+
+BulletWorld::Engine::Engine(const HandModel& hand_in, const SceneModel& scene,
+                            const BulletSettings& settings)
+    : hand_model(hand_in),
+      synergy(hand_in),
+      kinematics(hand_in),
+      palm_distance(hand_in, scene),
+      dispatcher(&configuration),
+      solver(hand_in, synergy, settings),
+      world(&dispatcher, &broadphase, &solver, &configuration),
+      hand(hand_in, scene.hand_friction) {
+  configure(scene, settings);
+  solver.attach(&hand.body(), &kinematics);
+  world.addMultiBody(&hand.body());
+  for (const auto& capsule : hand.capsules()) {
+    world.addCollisionObject(capsule.get(), kHandGroup, kBodyGroup);
+  }
+  for (const SceneBody& body : scene.bodies) {
+    bodies.push_back(bullet::makeBody(body, static_cast<int>(bodies.size())));
+    body_names.push_back(body.name);
+    world.addRigidBody(bodies.back().rigid.get(), kBodyGroup, kBodyGroup | kHandGroup);
+  }
+  rehearse();
+}
+
+BulletWorld::Engine::~Engine() {
+  for (auto& body : bodies) world.removeRigidBody(body.rigid.get());
+  for (const auto& capsule : hand.capsules()) world.removeCollisionObject(capsule.get());
+  world.removeMultiBody(&hand.body());
+}
+
+// Each setting that differs from stock is explained in ADR 3.
+void BulletWorld::Engine::configure(const SceneModel& scene, const BulletSettings& settings) {
+  world.setGravity(toBt(scene.gravity_m_s2));
+  world.setForceUpdateAllAabbs(true);
+  // One solver call for the whole world: the hand's reduced velocities are one set of unknowns.
+  world.getSimulationIslandManager()->setSplitIslands(false);
+  btContactSolverInfo& info = world.getSolverInfo();
+  info.m_numIterations = settings.iterations;
+  info.m_leastSquaresResidualThreshold = 0.0;
+  info.m_splitImpulse = 0;
+  info.m_erp2 = settings.contact_erp;
+  info.m_frictionERP = settings.friction_anchor_erp;
+  info.m_linearSlop = settings.penetration_slop_m;
+  info.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
+}
+
+void BulletWorld::Engine::rehearse() {
+  rehearsePairs();
+  rehearseManifolds();
+}
+
+// Bullet's arrays grow when they first need to. Every capsule near every body at once is the worst
+// that can happen, so it happens here, before anybody is attached.
+void BulletWorld::Engine::rehearsePairs() {
+  btSphereShape shape(0.01);
+  const std::size_t count = std::min<std::size_t>(64, hand.capsules().size() + bodies.size());
+  std::vector<std::unique_ptr<btCollisionObject>> crowd;
+  for (std::size_t i = 0; i < count; ++i) {
+    crowd.push_back(std::make_unique<btCollisionObject>());
+    crowd.back()->setCollisionShape(&shape);
+    crowd.back()->setWorldTransform(toBt(Pose{Eigen::Matrix3d::Identity(), {0, 0, 1e3}}));
+    world.addCollisionObject(crowd.back().get(), kRehearsalGroup, kRehearsalGroup);
+  }
+  world.updateAabbs();
+  broadphase.calculateOverlappingPairs(&dispatcher);
+  for (auto& object : crowd) world.removeCollisionObject(object.get());
+}
+
+void BulletWorld::Engine::rehearseManifolds() {
+  std::vector<btPersistentManifold*> manifolds;
+  for (const auto& capsule : hand.capsules()) {
+    for (const auto& body : bodies) {
+      manifolds.push_back(dispatcher.getNewManifold(capsule.get(), body.rigid.get()));
+    }
+  }
+  for (std::size_t a = 0; a < bodies.size(); ++a) {
+    for (std::size_t b = a + 1; b < bodies.size(); ++b) {
+      manifolds.push_back(dispatcher.getNewManifold(bodies[a].rigid.get(), bodies[b].rigid.get()));
+    }
+  }
+  for (btPersistentManifold* manifold : manifolds) dispatcher.releaseManifold(manifold);
+}
+
+void BulletWorld::Engine::setHand(const JointPosition& theta, const double* theta_dot) noexcept {
+  hand.writeJoints(theta, theta_dot);
+  kinematics.updateKinematics(theta);
+  hand.placeCapsules(kinematics);
+}
+
+Diagnostics BulletWorld::Engine::overlaps() const {
+  Diagnostics found;
+  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
+    const auto* manifold =
+        const_cast<btCollisionDispatcher&>(dispatcher).getManifoldByIndexInternal(m);
+    const auto* a = static_cast<const bullet::ReducedContactSolver::CapsuleTag*>(
+        manifold->getBody0()->getUserPointer());
+    const auto* b = static_cast<const bullet::ReducedContactSolver::CapsuleTag*>(
+        manifold->getBody1()->getUserPointer());
+    if ((a == nullptr) == (b == nullptr)) continue;
+    const int capsule = (a != nullptr ? a : b)->capsule;
+    const int body = (a != nullptr ? manifold->getBody1() : manifold->getBody0())->getUserIndex();
+    double depth_m = 0.0;
+    for (int k = 0; k < manifold->getNumContacts(); ++k) {
+      depth_m = std::max(depth_m, -manifold->getContactPoint(k).getDistance());
+    }
+    if (depth_m <= kAllowedOverlap_m) continue;
+    Diagnostic d;
+    d.key = "bodies." + body_names[body];
+    d.problem = "starts " + std::to_string(depth_m * 1e3).substr(0, 5) + " mm inside the hand's " +
+                hand_model.capsules[capsule].name;
+    d.remedy = "move the body, or let the motion start elsewhere";
+    found.push_back(std::move(d));
+  }
+  return found;
+}
+
+BulletWorld::BulletWorld(const HandModel& hand, const SceneModel& scene,
+                         const BulletSettings& settings)
+    : engine_(std::make_unique<Engine>(hand, scene, settings)) {}
+
+BulletWorld::~BulletWorld() = default;
+
+Expected<Done> BulletWorld::placeHand(const AxisPosition& q_s) {
+  Engine& e = *engine_;
+  JointPosition theta;
+  e.synergy.expand(q_s, theta);
+  const std::array<double, kMaxJoints> at_rest{};
+  e.setHand(theta, at_rest.data());
+  e.coupling_error_rad = 0.0;
+  e.solver.clearContacts();
+  e.world.performDiscreteCollisionDetection();
+  Diagnostics found = e.overlaps();
+  if (!found.empty()) return found;
+  return Done{};
+}
+
+Fault BulletWorld::observe(WorldState& state) noexcept {
+  Engine& e = *engine_;
+  e.hand.readJoints(state.theta, state.theta_dot);
+  e.synergy.reduce(state.theta, state.q_s);
+  state.qd_s = AxisVelocity(e.hand_model.axis_count);
+  e.synergy.reduceRate(state.theta_dot.data(), state.qd_s.data());
+  state.coupling_error_rad = e.coupling_error_rad;
+  state.body_count = static_cast<int>(e.bodies.size());
+  bool finite = allFinite(state.q_s) && allFinite(state.qd_s);
+  for (int i = 0; i < state.body_count; ++i) {
+    state.bodies[i] = bullet::stateOf(e.bodies[i]);
+    finite = finite && state.bodies[i].position_m.eigen().allFinite() &&
+             state.bodies[i].velocity_m_s.eigen().allFinite();
+  }
+  state.palm_distance_m =
+      e.palm_distance(e.kinematics.linkPose(e.hand_model.palm_link), state.bodies.data());
+  return finite ? Fault::kNone : Fault::kNonFiniteState;
+}
+
+Fault BulletWorld::step(const HandDrive& drive, double period_s) noexcept {
+  Engine& e = *engine_;
+  e.period_s = period_s;
+  e.solver.setReducedInertiaInverse(drive.reduced_inertia_inverse);
+  e.hand.addTorque(drive.torque);
+  e.world.stepSimulation(period_s, 0);
+
+  JointPosition theta;
+  JointVelocity theta_dot;
+  e.hand.readJoints(theta, theta_dot);
+  AxisPosition q_s;
+  AxisVelocity qd_s(e.hand_model.axis_count);
+  e.synergy.reduce(theta, q_s);
+  e.synergy.reduceRate(theta_dot.data(), qd_s.data());
+  if (!allFinite(q_s) || !allFinite(qd_s)) return Fault::kNonFiniteState;
+
+  // The coupling holds but for rounding and placeholder masses; integrated over minutes those would
+  // add up. The correction carries no load, and its size is recorded so that it can hide nothing.
+  JointPosition on_synergy;
+  e.synergy.expand(q_s, on_synergy);
+  e.coupling_error_rad = (theta.vec() - on_synergy.vec()).cwiseAbs().maxCoeff();
+  e.synergy.expandRate(qd_s.data(), theta_dot.data());
+  e.setHand(on_synergy, theta_dot.data());
+  return Fault::kNone;
+}
+
+void BulletWorld::contacts(ContactList& contacts) const noexcept {
+  const Engine& e = *engine_;
+  contacts.count = 0;
+  contacts.dropped = e.solver.dropped();
+  for (int i = 0; i < e.solver.contactCount(); ++i) {
+    const bullet::HandContact& c = e.solver.contact(i);
+    if (c.normal_row.impulse <= 0.0) continue;
+    Contact& out = contacts.points[contacts.count++];
+    const double per_s = 1.0 / e.period_s;
+    out.capsule = c.capsule;
+    out.link = e.hand_model.capsules[c.capsule].link;
+    out.body = c.body;
+    out.point_m = toVec3(c.on_hand);
+    out.normal = toVec3(c.normal);
+    out.force_n = toVec3((c.normal * c.normal_row.impulse + c.tangent1 * c.tangent1_row.impulse +
+                          c.tangent2 * c.tangent2_row.impulse) *
+                         per_s);
+    out.torque_nm = toVec3(c.normal * (c.spin_row.impulse * per_s));
+    out.distance_m = c.distance_m;
+  }
+}
+
+}  // namespace wholehand

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "model/hand_model.hpp"
+#include "model/scene_model.hpp"
+#include "physics/bullet/reduced_contact_solver.hpp"
+#include "physics/physics_world.hpp"
+
+#include <memory>
+
+namespace wholehand {
+
+using BulletSettings = bullet::SolverSettings;
+
+/// Bullet 3.24, double precision, in process: the hand as an articulated body whose contacts are
+/// solved in its reduced velocities, the scene's bodies as rigid bodies.
+class BulletWorld final : public PhysicsWorld {
+ public:
+  /// Builds the world, grows every array it may need and touches everything once, so that no step
+  /// allocates. @pre hand outlives this; scene as loaded. Not real-time safe.
+  BulletWorld(const HandModel& hand, const SceneModel& scene, const BulletSettings& settings = {});
+  ~BulletWorld() override;
+
+  [[nodiscard]] Expected<Done> placeHand(const AxisPosition& q_s) override;
+  [[nodiscard]] Fault observe(WorldState& state) noexcept override;
+  [[nodiscard]] Fault step(const HandDrive& drive, double period_s) noexcept override;
+  void contacts(ContactList& contacts) const noexcept override;
+
+ private:
+  struct Engine;
+  std::unique_ptr<Engine> engine_;
+};
+
+}  // namespace wholehand

@@ -1,0 +1,240 @@
+#include "physics/bullet/reduced_contact_solver.hpp"
+
+#include "core/tick_record.hpp"
+#include "physics/bullet/bullet_types.hpp"
+
+#include <BulletCollision/NarrowPhaseCollision/btPersistentManifold.h>
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace wholehand::bullet {
+namespace {
+
+// A row whose effective inverse mass is below this moves nothing: the palm on a fixed body while
+// the spin row has no joint to turn. Dividing by it gave NaN.
+constexpr double kLeastInverseMass = 1e-12;
+constexpr double kNoLimit = 1e30;
+
+const ReducedContactSolver::CapsuleTag* tagOf(const btCollisionObject* object) {
+  return static_cast<const ReducedContactSolver::CapsuleTag*>(object->getUserPointer());
+}
+
+}  // namespace
+
+ReducedContactSolver::ReducedContactSolver(const HandModel& hand, const Synergy& synergy,
+                                           const SolverSettings& settings)
+    : synergy_(synergy), axes_(hand.axis_count), settings_(settings), contacts_(kMaxContacts) {
+  reserve();
+}
+
+// The base class grows these arrays at first contacts; growing them here keeps the tick free of
+// allocation. 512 rows are four times what a full scene of kMaxBodies was seen to need.
+void ReducedContactSolver::reserve() {
+  constexpr int kRows = 512;
+  m_tmpSolverBodyPool.reserve(4 * kMaxBodies);
+  m_tmpSolverContactConstraintPool.reserve(kRows);
+  m_tmpSolverContactFrictionConstraintPool.reserve(2 * kRows);
+  m_tmpSolverContactRollingFrictionConstraintPool.reserve(3 * kRows);
+  m_orderTmpConstraintPool.reserve(kRows);
+  m_orderNonContactConstraintPool.reserve(kRows);
+  m_orderFrictionConstraintPool.reserve(2 * kRows);
+  m_tmpConstraintSizesPool.reserve(kRows);
+}
+
+void ReducedContactSolver::convertContacts(btPersistentManifold** manifolds, int count,
+                                           const btContactSolverInfo& info) {
+  contact_count_ = 0;
+  dropped_ = 0;
+  change_.fill(0.0);
+  synergy_.reduceRate(multi_body_->getVelocityVector() + 6, velocity_.data());
+  for (int i = 0; i < count; ++i) {
+    const CapsuleTag* a = tagOf(manifolds[i]->getBody0());
+    const CapsuleTag* b = tagOf(manifolds[i]->getBody1());
+    if (a != nullptr && b != nullptr) continue;  // the hand does not touch itself
+    if (a == nullptr && b == nullptr) {
+      convertContact(manifolds[i], info);
+    } else {
+      convertHandManifold(*manifolds[i], a != nullptr ? *a : *b, a != nullptr, info);
+    }
+  }
+}
+
+void ReducedContactSolver::convertHandManifold(btPersistentManifold& manifold,
+                                               const CapsuleTag& tag, bool hand_is_a,
+                                               const btContactSolverInfo& info) {
+  auto* other =
+      const_cast<btCollisionObject*>(hand_is_a ? manifold.getBody1() : manifold.getBody0());
+  const int solver_body = getOrInitSolverBody(*other, info.m_timeStep);
+  for (int k = 0; k < manifold.getNumContacts(); ++k) {
+    btManifoldPoint& point = manifold.getContactPoint(k);
+    if (point.getDistance() > manifold.getContactProcessingThreshold()) continue;
+    if (contact_count_ == kMaxContacts) {
+      ++dropped_;
+      continue;
+    }
+    HandContact& contact = contacts_[contact_count_++];
+    contact.point = &point;
+    contact.capsule = tag.capsule;
+    contact.body = other->getUserIndex();
+    contact.solver_body = solver_body;
+    contact.friction = point.m_combinedFriction;
+    contact.normal = hand_is_a ? point.m_normalWorldOnB : -point.m_normalWorldOnB;
+    contact.on_hand = hand_is_a ? point.getPositionWorldOnA() : point.getPositionWorldOnB();
+    contact.distance_m = point.getDistance();
+    setUpContact(contact, tag,
+                 hand_is_a ? point.getPositionWorldOnB() : point.getPositionWorldOnA(), info);
+    warmStart(contact);
+  }
+}
+
+void ReducedContactSolver::setUpContact(HandContact& contact, const CapsuleTag& tag,
+                                        const btVector3& on_body, const btContactSolverInfo& info) {
+  const btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
+  const btRigidBody* rigid = body.m_originalBody;
+  const btVector3 arm =
+      rigid != nullptr ? on_body - rigid->getCenterOfMassPosition() : btVector3(0, 0, 0);
+  const Eigen::Vector3d at = toEigen(contact.on_hand);
+  const double step_s = info.m_timeStep;
+  btPlaneSpace1(contact.normal, contact.tangent1, contact.tangent2);
+
+  const auto linearRow = [&](ReducedRow& row, const btVector3& direction, double goal) {
+    kinematics_->reducedPointRow(tag.link, at, toEigen(direction), row.jacobian.data());
+    row.linear = -direction;
+    row.angular = arm.cross(-direction);
+    finishRow(row, body, false, goal, info);
+  };
+  // Apart: let them close the gap in this step and no further. Overlapping: push apart gently.
+  const double gap = contact.distance_m + settings_.penetration_slop_m;
+  const double goal = gap > 0.0 ? -gap / step_s : -gap * settings_.contact_erp / step_s;
+  linearRow(contact.normal_row, contact.normal, goal);
+  // Friction anchors: the two points were one when they first touched.
+  const btVector3 drift = contact.on_hand - on_body;
+  const double pull = -settings_.friction_anchor_erp / step_s;
+  linearRow(contact.tangent1_row, contact.tangent1, pull * drift.dot(contact.tangent1));
+  linearRow(contact.tangent2_row, contact.tangent2, pull * drift.dot(contact.tangent2));
+
+  ReducedRow& spin = contact.spin_row;
+  kinematics_->reducedAngularRow(tag.link, toEigen(contact.normal), spin.jacobian.data());
+  spin.linear.setZero();
+  spin.angular = -contact.normal;
+  finishRow(spin, body, true, 0.0, info);
+}
+
+void ReducedContactSolver::finishRow(ReducedRow& row, const btSolverBody& body, bool angular,
+                                     double goal_velocity, const btContactSolverInfo&) const {
+  double inverse_mass = 0.0;
+  double velocity = 0.0;
+  for (int a = 0; a < axes_; ++a) {
+    double y = 0.0;
+    for (int b = 0; b < axes_; ++b) y += (*inverse_)(a, b) * row.jacobian[b];
+    row.response[a] = y;
+    inverse_mass += y * row.jacobian[a];
+    velocity += row.jacobian[a] * velocity_[a];
+  }
+  const btRigidBody* rigid = body.m_originalBody;
+  row.inverse_mass = 0.0;
+  row.angular_response.setZero();
+  if (rigid != nullptr) {
+    row.inverse_mass = angular ? 0.0 : rigid->getInvMass();
+    row.angular_response = rigid->getInvInertiaTensorWorld() * row.angular;
+    inverse_mass += row.inverse_mass + row.angular_response.dot(row.angular);
+    velocity += row.linear.dot(body.m_linearVelocity + body.m_externalForceImpulse) +
+                row.angular.dot(body.m_angularVelocity + body.m_externalTorqueImpulse);
+  }
+  row.effective_mass = inverse_mass > kLeastInverseMass ? 1.0 / inverse_mass : 0.0;
+  row.target = (goal_velocity - velocity) * row.effective_mass;
+  row.impulse = 0.0;
+}
+
+// The point keeps its impulses and tangents from the step before; tangents may have turned.
+void ReducedContactSolver::warmStart(HandContact& contact) {
+  btManifoldPoint& point = *contact.point;
+  const btVector3 old = point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
+                        point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2;
+  const double share = settings_.warm_start;
+  btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
+  apply(contact.normal_row, body, share * point.m_appliedImpulse);
+  apply(contact.tangent1_row, body, share * old.dot(contact.tangent1));
+  apply(contact.tangent2_row, body, share * old.dot(contact.tangent2));
+  apply(contact.spin_row, body, share * point.m_prevRHS);
+}
+
+double ReducedContactSolver::wanted(const ReducedRow& row, const btSolverBody& body) const {
+  double velocity =
+      row.linear.dot(body.m_deltaLinearVelocity) + row.angular.dot(body.m_deltaAngularVelocity);
+  for (int a = 0; a < axes_; ++a) velocity += row.jacobian[a] * change_[a];
+  return row.impulse + row.target - velocity * row.effective_mass;
+}
+
+void ReducedContactSolver::apply(ReducedRow& row, btSolverBody& body, double impulse) {
+  if (row.effective_mass == 0.0) return;
+  const double change = impulse - row.impulse;
+  row.impulse = impulse;
+  const double velocity = change / row.effective_mass;
+  residual_ = std::max(residual_, velocity * velocity);
+  if (body.m_originalBody != nullptr) {
+    body.m_deltaLinearVelocity += row.linear * (row.inverse_mass * change);
+    body.m_deltaAngularVelocity += row.angular_response * change;
+  }
+  for (int a = 0; a < axes_; ++a) change_[a] += row.response[a] * change;
+}
+
+void ReducedContactSolver::solveContact(HandContact& contact) {
+  btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
+  const double normal = contact.normal_row.impulse;
+  const double spin_limit = settings_.spinning_friction_m * normal;
+  apply(contact.spin_row, body,
+        std::clamp(wanted(contact.spin_row, body), -spin_limit, spin_limit));
+  // Both tangents at once, so that friction is a disc and not a square.
+  double t1 = wanted(contact.tangent1_row, body);
+  double t2 = wanted(contact.tangent2_row, body);
+  const double length = std::hypot(t1, t2);
+  const double limit = contact.friction * normal;
+  if (length > limit) {
+    t1 *= limit / length;
+    t2 *= limit / length;
+  }
+  apply(contact.tangent1_row, body, t1);
+  apply(contact.tangent2_row, body, t2);
+}
+
+btScalar ReducedContactSolver::solveSingleIteration(
+    int iteration, btCollisionObject** bodies, int body_count, btPersistentManifold** manifolds,
+    int manifold_count, btTypedConstraint** constraints, int constraint_count,
+    const btContactSolverInfo& info, btIDebugDraw* drawer) {
+  const btScalar others = btMultiBodyConstraintSolver::solveSingleIteration(
+      iteration, bodies, body_count, manifolds, manifold_count, constraints, constraint_count, info,
+      drawer);
+  residual_ = 0.0;
+  for (int i = 0; i < contact_count_; ++i) {
+    HandContact& contact = contacts_[i];
+    btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
+    apply(contact.normal_row, body, std::clamp(wanted(contact.normal_row, body), 0.0, kNoLimit));
+  }
+  for (int i = 0; i < contact_count_; ++i) solveContact(contacts_[i]);
+  // With 0 the base class would stop after its first iteration.
+  return std::max(others, btScalar(residual_));
+}
+
+btScalar ReducedContactSolver::solveGroupCacheFriendlyFinish(btCollisionObject** bodies,
+                                                             int body_count,
+                                                             const btContactSolverInfo& info) {
+  std::array<btScalar, 6 + kMaxJoints> joint_change{};
+  synergy_.expandRate(change_.data(), joint_change.data() + 6);
+  multi_body_->applyDeltaVeeMultiDof(joint_change.data(), 1.0);
+  for (int i = 0; i < contact_count_; ++i) {
+    const HandContact& contact = contacts_[i];
+    btManifoldPoint& point = *contact.point;
+    point.m_appliedImpulse = contact.normal_row.impulse;
+    point.m_appliedImpulseLateral1 = contact.tangent1_row.impulse;
+    point.m_appliedImpulseLateral2 = contact.tangent2_row.impulse;
+    point.m_lateralFrictionDir1 = contact.tangent1;
+    point.m_lateralFrictionDir2 = contact.tangent2;
+    point.m_prevRHS = contact.spin_row.impulse;  // a free slot that lives with the point
+  }
+  return btMultiBodyConstraintSolver::solveGroupCacheFriendlyFinish(bodies, body_count, info);
+}
+
+}  // namespace wholehand::bullet

@@ -1,0 +1,119 @@
+#pragma once
+
+#include "core/axis_array.hpp"
+#include "dynamics/articulated_body.hpp"
+#include "dynamics/synergy.hpp"
+
+#include <BulletDynamics/Featherstone/btMultiBody.h>
+#include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
+
+#include <array>
+#include <vector>
+
+namespace wholehand::bullet {
+
+/// How Bullet's contacts are solved; why these differ from stock is written in ADR 3.
+struct SolverSettings {
+  int iterations = 50;        ///< per step; 20 let one grasp slide, 100 bring slip to 0.05 mm
+  double contact_erp = 0.05;  ///< share of a penetration removed per step
+  double friction_anchor_erp = 0.2;  ///< share of a tangential drift removed per step
+  double penetration_slop_m = 1e-5;
+  double warm_start = 0.9;             ///< share of last step's impulses to start from
+  double spinning_friction_m = 0.002;  ///< torque about the normal per normal force; the soft pad
+};
+
+/// A row of the solver, written in the hand's reduced velocities on one side and a rigid body's
+/// velocities on the other.
+struct ReducedRow {
+  std::array<double, kMaxAxes> jacobian;  ///< j = Gᵀ Jᵀ d
+  std::array<double, kMaxAxes> response;  ///< M_r⁻¹ j
+  btVector3 linear, angular;              ///< on the body
+  btVector3 angular_response;             ///< I⁻¹ angular
+  double inverse_mass = 0.0;              ///< of the body along `linear`
+  double effective_mass = 0.0;            ///< 1 / (j·M_r⁻¹ j + body); 0 switches the row off
+  double target = 0.0;                    ///< impulse that alone would reach the goal velocity
+  double impulse = 0.0;                   ///< accumulated [N·s or N·m·s]
+};
+
+/// One point where a capsule of the hand meets a body, with its four rows.
+struct HandContact {
+  btManifoldPoint* point = nullptr;
+  int capsule = -1;
+  int body = -1;
+  int solver_body = -1;
+  double friction = 0.0;
+  btVector3 normal, tangent1, tangent2;  ///< unit, world; the normal from the body to the hand
+  btVector3 on_hand;                     ///< world [m]
+  double distance_m = 0.0;
+  ReducedRow normal_row, tangent1_row, tangent2_row, spin_row;
+};
+
+/// Bullet's multi-body solver, but for the contacts of the hand. Those are solved in the hand's
+/// reduced velocities q̇_s, so that every impulse keeps θ = θ₀ + G q_s exactly: no gear rows that
+/// fight the contact rows, and six unknowns instead of nineteen joints.
+///
+/// Everything between other bodies is left to the base class.
+class ReducedContactSolver final : public btMultiBodyConstraintSolver {
+ public:
+  /// What marks a collision object as a capsule of the hand; set as its user pointer.
+  struct CapsuleTag {
+    int capsule = -1;
+    int link = -1;
+  };
+
+  /// @pre hand and synergy outlive this
+  ReducedContactSolver(const HandModel& hand, const Synergy& synergy,
+                       const SolverSettings& settings);
+
+  /// The articulated body of Bullet that receives the velocity change.
+  void attach(btMultiBody* body, const ArticulatedBody* kinematics) {
+    multi_body_ = body;
+    kinematics_ = kinematics;
+  }
+  /// M_r⁻¹ of the coming step. @pre outlives the step
+  void setReducedInertiaInverse(const AxisMatrix* inverse) { inverse_ = inverse; }
+
+  [[nodiscard]] int contactCount() const { return contact_count_; }
+  [[nodiscard]] const HandContact& contact(int i) const { return contacts_[i]; }
+  /// Contact points that did not fit in the last step.
+  [[nodiscard]] int dropped() const { return dropped_; }
+  void clearContacts() { contact_count_ = 0; }
+
+ protected:
+  void convertContacts(btPersistentManifold** manifolds, int count,
+                       const btContactSolverInfo& info) override;
+  btScalar solveSingleIteration(int iteration, btCollisionObject** bodies, int body_count,
+                                btPersistentManifold** manifolds, int manifold_count,
+                                btTypedConstraint** constraints, int constraint_count,
+                                const btContactSolverInfo& info, btIDebugDraw* drawer) override;
+  btScalar solveGroupCacheFriendlyFinish(btCollisionObject** bodies, int body_count,
+                                         const btContactSolverInfo& info) override;
+
+ private:
+  void reserve();
+  void convertHandManifold(btPersistentManifold& manifold, const CapsuleTag& tag, bool hand_is_a,
+                           const btContactSolverInfo& info);
+  void setUpContact(HandContact& contact, const CapsuleTag& tag, const btVector3& on_body,
+                    const btContactSolverInfo& info);
+  void finishRow(ReducedRow& row, const btSolverBody& body, bool angular, double goal_velocity,
+                 const btContactSolverInfo& info) const;
+  void warmStart(HandContact& contact);
+  [[nodiscard]] double wanted(const ReducedRow& row, const btSolverBody& body) const;
+  void apply(ReducedRow& row, btSolverBody& body, double impulse);
+  void solveContact(HandContact& contact);
+
+  const Synergy& synergy_;
+  const int axes_;
+  const SolverSettings settings_;
+  btMultiBody* multi_body_ = nullptr;
+  const ArticulatedBody* kinematics_ = nullptr;
+  const AxisMatrix* inverse_ = nullptr;
+  std::vector<HandContact> contacts_;  ///< fixed size; the first contact_count_ are in use
+  int contact_count_ = 0;
+  int dropped_ = 0;
+  std::array<double, kMaxAxes> velocity_{};  ///< q̇_s before the contacts, external forces applied
+  std::array<double, kMaxAxes> change_{};    ///< Δq̇_s by the contacts
+  double residual_ = 0.0;
+};
+
+}  // namespace wholehand::bullet

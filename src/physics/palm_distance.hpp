@@ -1,0 +1,33 @@
+#pragma once
+
+#include "core/real_time.hpp"
+#include "core/tick_record.hpp"
+#include "model/hand_model.hpp"
+#include "model/scene_model.hpp"
+
+#include <vector>
+
+namespace wholehand {
+
+/// Distance from the palm to the nearest body: the paper's invisible palm body without collisions.
+/// The palm is the capsule in its hollow ("palm_hollow"); a convex body's distance along it is a
+/// convex function, so that a golden-section search finds the nearest point. Serves every engine.
+class PalmDistance {
+ public:
+  PalmDistance(const HandModel& hand, const SceneModel& scene);
+
+  /// @param palm pose of the palm's link @param bodies states in the scene's order
+  /// @return [m], negative when they overlap, +inf without bodies. Real-time safe.
+  [[nodiscard]] WHOLEHAND_RT double operator()(const Pose& palm,
+                                               const BodyState* bodies) const noexcept;
+
+ private:
+  [[nodiscard]] double toBody(const SceneBody& body, const Eigen::Vector3d& a_m,
+                              const Eigen::Vector3d& b_m, double best_m) const noexcept;
+
+  Capsule palm_;
+  std::vector<SceneBody> bodies_;
+  std::vector<double> bounding_radius_m_;  ///< about the body's centre of mass
+};
+
+}  // namespace wholehand
