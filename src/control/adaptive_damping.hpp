@@ -1,11 +1,11 @@
 #pragma once
 
-#include <vector>
-
 #include "core/axis_array.hpp"
 #include "core/real_time.hpp"
 #include "model/device_model.hpp"
 #include "model/rendering_config.hpp"
+
+#include <vector>
 
 namespace wholehand {
 
@@ -20,11 +20,11 @@ namespace wholehand {
 /// Parameters per axis, in plain arrays for the tick.
 struct AdaptiveDampingConfig {
   int axes = 0;
-  AxisEffort effort_dead;   ///< f_d
-  AxisEffort effort_full;   ///< f₀
-  AxisRatio decay_s;        ///< τ_dec [s]
-  AxisRatio hand_axis;      ///< 1: drives the hand's joints, 0: carries the hand
-  AxisRatio palm_contact;   ///< 1: the base axis also has its own φ
+  AxisEffort effort_dead;  ///< f_d
+  AxisEffort effort_full;  ///< f₀
+  AxisRatio decay_s;       ///< τ_dec [s]
+  AxisRatio hand_axis;     ///< 1: drives the hand's joints, 0: carries the hand
+  AxisRatio palm_contact;  ///< 1: the base axis also has its own φ
 };
 [[nodiscard]] AdaptiveDampingConfig makeAdaptiveDamping(const DeviceModel& device,
                                                         const RenderingConfig& rendering);

@@ -16,8 +16,8 @@ namespace wholehand {
                                                    const CouplingGains& gains) noexcept;
 
 /// Effort the person feels from the coupling, first part of Eq. (3) with the reciprocal damping:
-/// f = K_pm (q_s − q_m) + γ B (q̇_s − q̇_m,f). q_s is the state before the step: after it, the pairing
-/// adds −K T of damping. Pure, real-time safe.
+/// f = K_pm (q_s − q_m) + γ B (q̇_s − q̇_m,f). q_s is the state before the step: after it, the
+/// pairing adds −K T of damping. Pure, real-time safe.
 [[nodiscard]] WHOLEHAND_RT AxisEffort couplingEffort(const AxisPosition& q_m,
                                                      const AxisVelocity& qd_mf,
                                                      const AxisPosition& q_s,

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "control/coupling_gains.hpp"
 #include "core/expected.hpp"
 #include "model/device_model.hpp"
 #include "model/rendering_config.hpp"
+
+#include <string>
+#include <vector>
 
 namespace wholehand {
 
@@ -15,7 +15,7 @@ enum class ContactCase { kFree, kRigid };
 
 /// One axis of device and avatar as a linear sampled loop (no person attached).
 struct AxisLoop {
-  double mass = 0.0, damping = 0.0;      ///< device
+  double mass = 0.0, damping = 0.0;  ///< device
   int delay_ticks = 0;
   double k_pm = 0.0, phi_k_dm = 0.0, gamma = 0.0;
   double k_ps_per_s2 = 0.0, k_ds_per_s = 0.0;
@@ -31,9 +31,15 @@ struct AxisLoop {
 /// structural.
 [[nodiscard]] double spectralRadius(const Eigen::MatrixXd& matrix);
 
-/// Checks every axis free and against a rigid stop at Φ = 0 and Φ = 1: spectral radius > 1 (+1e-7)
-/// is refused with the reason and the nearest allowed stiffness, found by bisection; and the avatar's
-/// multi-axis loop with M_r⁻¹ M̃_r over the given reduced inertias (several postures).
+/// The avatar alone, all axes coupled by its inertia, target at rest: matrix over [q_s, q̇_s] of
+/// q̈_s = −M_r⁻¹ M̃_r (K_ps q_s + K_ds q̇_s) under symplectic Euler, K_ds by Eq. (14).
+[[nodiscard]] Eigen::MatrixXd avatarLoopMatrix(const AxisMatrix& reduced_inertia,
+                                               const Eigen::VectorXd& k_ps_per_s2, double period_s);
+
+/// Checks every axis free and against a rigid stop at Φ = 0, ¼ .. 1: spectral radius > 1 (+1e-7) is
+/// refused with the reason and the nearest allowed stiffness (and damping, where less of it would
+/// do), found by bisection; and the avatar's multi-axis loop over the given reduced inertias
+/// (several postures), which must be < 1.
 [[nodiscard]] Diagnostics checkStability(const DeviceModel& device,
                                          const RenderingConfig& rendering,
                                          const CouplingGains& gains,

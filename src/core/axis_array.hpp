@@ -30,7 +30,7 @@ class TaggedArray {
   }
 
   [[nodiscard]] static constexpr int capacity() noexcept { return Capacity; }
-  [[nodiscard]] int size() const noexcept { return size_; }
+  [[nodiscard]] int size() const noexcept { return static_cast<int>(size_); }
   double& operator[](int i) noexcept { return values_[i]; }
   double operator[](int i) const noexcept { return values_[i]; }
   [[nodiscard]] const double* begin() const noexcept { return values_.data(); }

@@ -1,0 +1,28 @@
+#include "control/bilateral_coupling.hpp"
+
+namespace wholehand {
+
+AxisEffort avatarEffort(const AxisPosition& q_m, const AxisVelocity& qd_mf, const AxisPosition& q_s,
+                        const AxisVelocity& qd_s, const AxisMatrix& reduced_inertia,
+                        const CouplingGains& gains) noexcept {
+  AxisEffort f_s(gains.axes);
+  for (int i = 0; i < gains.axes; ++i) {
+    const double acceleration =
+        gains.k_ps_per_s2[i] * (q_m[i] - q_s[i]) + gains.k_ds_per_s[i] * (qd_mf[i] - qd_s[i]);
+    f_s[i] = reduced_inertia(i, i) * acceleration;
+  }
+  return f_s;
+}
+
+AxisEffort couplingEffort(const AxisPosition& q_m, const AxisVelocity& qd_mf,
+                          const AxisPosition& q_s, const AxisVelocity& qd_s,
+                          const CouplingGains& gains) noexcept {
+  AxisEffort f(gains.axes);
+  for (int i = 0; i < gains.axes; ++i) {
+    f[i] = gains.k_pm[i] * (q_s[i] - q_m[i]) +
+           gains.gamma[i] * gains.relative_damping[i] * (qd_s[i] - qd_mf[i]);
+  }
+  return f;
+}
+
+}  // namespace wholehand

@@ -1,0 +1,104 @@
+#include "control/stability.hpp"
+
+#include <Eigen/Eigenvalues>
+
+#include <cmath>
+#include <limits>
+
+namespace wholehand {
+
+namespace {
+
+/// State of the sampled loop; f holds the efforts on their way to the device, oldest first.
+enum Index : int { kXm, kVm, kXmPrevious, kVf, kXs, kVs, kFirstEffort };
+
+/// Exact zero-order-hold solution of m v̇ = f − b v over one period: x += travel v + push_x f,
+/// v = keep v + push_v f.
+struct HeldDevice {
+  double travel_s, keep, push_x, push_v;
+};
+
+HeldDevice holdDevice(double mass, double damping, double period_s) {
+  const double rate_per_s = damping / mass;
+  const double decay = rate_per_s * period_s;
+  if (decay < 1e-5) {  // series: the closed form loses digits by cancellation
+    const double travel_s = period_s * (1.0 - decay / 2.0 + decay * decay / 6.0);
+    return {travel_s, std::exp(-decay), period_s * period_s / mass * (0.5 - decay / 6.0),
+            travel_s / mass};
+  }
+  const double travel_s = -std::expm1(-decay) / rate_per_s;
+  return {travel_s, std::exp(-decay), (period_s - travel_s) / damping, travel_s / mass};
+}
+
+Eigen::VectorXd stepLoop(const AxisLoop& loop, ContactCase contact, const HeldDevice& device,
+                         const Eigen::VectorXd& s) {
+  const double t = loop.period_s;
+  const double vf =
+      (loop.filter_tau_s * s[kVf] + (s[kXm] - s[kXmPrevious])) / (loop.filter_tau_s + t);
+  const double b = loop.k_ps_per_s2 > 0.0 ? loop.k_pm * loop.k_ds_per_s / loop.k_ps_per_s2 : 0.0;
+  // The pairing of the tick: the avatar's state before its step.
+  const double effort =
+      loop.k_pm * (s[kXs] - s[kXm]) + loop.gamma * b * (s[kVs] - vf) - loop.phi_k_dm * vf;
+  Eigen::VectorXd next = s;
+  double felt = effort;
+  if (loop.delay_ticks > 0) {
+    felt = s[kFirstEffort];
+    for (int i = 1; i < loop.delay_ticks; ++i) next[kFirstEffort + i - 1] = s[kFirstEffort + i];
+    next[kFirstEffort + loop.delay_ticks - 1] = effort;
+  }
+  next[kXm] = s[kXm] + device.travel_s * s[kVm] + device.push_x * felt;
+  next[kVm] = device.keep * s[kVm] + device.push_v * felt;
+  next[kXmPrevious] = s[kXm];
+  next[kVf] = vf;
+  if (contact == ContactCase::kRigid) {
+    next[kXs] = next[kVs] = 0.0;
+  } else {
+    const double acceleration =
+        loop.k_ps_per_s2 * (s[kXm] - s[kXs]) + loop.k_ds_per_s * (vf - s[kVs]);
+    next[kVs] = s[kVs] + t * acceleration;
+    next[kXs] = s[kXs] + t * next[kVs];
+  }
+  return next;
+}
+
+/// Scales states (by powers of two, exactly) until rows and columns weigh alike: a stiffness of 1e3
+/// beside a period of 1e-3 would cost the eigenvalues their last digits.
+Eigen::MatrixXd balanced(Eigen::MatrixXd m) {
+  const Eigen::Index n = m.rows();
+  for (int sweep = 0; sweep < 30; ++sweep) {
+    bool changed = false;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const double column = m.col(i).lpNorm<1>() - std::abs(m(i, i));
+      const double row = m.row(i).lpNorm<1>() - std::abs(m(i, i));
+      if (column == 0.0 || row == 0.0) continue;
+      const double scale = std::exp2(std::round(0.5 * std::log2(row / column)));
+      if (scale == 1.0) continue;
+      m.col(i) *= scale;
+      m.row(i) /= scale;
+      changed = true;
+    }
+    if (!changed) break;
+  }
+  return m;
+}
+
+}  // namespace
+
+Eigen::MatrixXd closedLoopMatrix(const AxisLoop& loop, ContactCase contact) {
+  const int n = kFirstEffort + loop.delay_ticks;
+  const HeldDevice device = holdDevice(loop.mass, loop.damping, loop.period_s);
+  Eigen::MatrixXd matrix(n, n);
+  for (int j = 0; j < n; ++j) {
+    matrix.col(j) = stepLoop(loop, contact, device, Eigen::VectorXd::Unit(n, j));
+  }
+  return matrix;
+}
+
+double spectralRadius(const Eigen::MatrixXd& matrix) {
+  if (!matrix.allFinite()) return std::numeric_limits<double>::infinity();
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(balanced(matrix), false);
+  if (solver.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
+  return solver.eigenvalues().cwiseAbs().maxCoeff();
+}
+
+}  // namespace wholehand

@@ -1,0 +1,23 @@
+#include "safety/force_limiter.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace wholehand {
+
+LimitedEffort limitEffort(const AxisEffort& effort, const AxisEffort& limit) noexcept {
+  LimitedEffort out{AxisEffort(limit.size()), Fault::kNone};
+  const int n = std::min(effort.size(), limit.size());
+  for (int i = 0; i < n; ++i) {
+    if (!std::isfinite(effort[i])) {
+      out.faults |= Fault::kNonFiniteEffort;
+      continue;
+    }
+    const double bound = limit[i] > 0.0 ? limit[i] : 0.0;  // NaN: nothing passes
+    out.effort[i] = std::clamp(effort[i], -bound, bound);
+    if (out.effort[i] != effort[i]) out.faults |= Fault::kEffortLimit;
+  }
+  return out;
+}
+
+}  // namespace wholehand
