@@ -45,6 +45,7 @@ struct SceneModel {
   Eigen::Vector3d gravity_m_s2{0.0, 0.0, -9.81};
   std::vector<SceneBody> bodies;       ///< 0 .. kMaxBodies
   double hand_friction = 0.8;          ///< of the hand's capsules
+  std::vector<std::string> assets;     ///< paths of the meshes and URDFs it is made of
 
   [[nodiscard]] int bodyIndex(const std::string& body_name) const;
 };

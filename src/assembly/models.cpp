@@ -1,0 +1,88 @@
+#include "assembly/models.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <set>
+
+#include "model/hand_file.hpp"
+
+namespace wholehand {
+namespace fs = std::filesystem;
+namespace {
+
+// Moves the value out, or the errors into the common list.
+template <class T>
+bool take(Expected<T> from, T& into, Diagnostics& errors) {
+  if (from) {
+    into = std::move(from).value();
+    return true;
+  }
+  errors.insert(errors.end(), from.errors().begin(), from.errors().end());
+  return false;
+}
+
+std::vector<std::string> pathsOf(const Models& models) {
+  std::vector<std::string> paths{models.files.scene, models.files.hand, models.files.device,
+                                 models.files.rendering, models.files.patient};
+  if (!models.files.motion.empty()) paths.push_back(models.files.motion);
+  paths.insert(paths.end(), models.scene.assets.begin(), models.scene.assets.end());
+  return paths;
+}
+
+fs::path commonFolder(const std::vector<fs::path>& paths) {
+  fs::path common = paths.front().parent_path();
+  for (const fs::path& path : paths) {
+    while (fs::path relative = path.lexically_relative(common),
+           relative.empty() || *relative.begin() == "..") {
+      common = common.parent_path();
+    }
+  }
+  return common;
+}
+
+}  // namespace
+
+Expected<Models> loadModels(const ModelFiles& files) {
+  Models models;
+  models.files = files;
+  Diagnostics errors;
+  const bool have_device = take(loadDeviceFile(files.device), models.device, errors);
+  HandFile hand_file;
+  const bool have_hand = take(loadHandFile(files.hand), hand_file, errors);
+  take(loadSceneFile(files.scene), models.scene, errors);
+  if (!files.motion.empty()) {
+    MotionFile motion;
+    if (take(loadMotionFile(files.motion, have_device ? &models.device : nullptr), motion,
+             errors)) {
+      models.motion = std::move(motion);
+    }
+  }
+  if (have_device) {
+    take(loadRenderingFile(files.rendering, models.device), models.rendering, errors);
+    take(loadPatientFile(files.patient, models.device), models.patient, errors);
+    if (have_hand) take(assembleHand(hand_file, models.device), models.hand, errors);
+  }
+  if (!errors.empty()) return errors;
+  return models;
+}
+
+Expected<std::vector<std::pair<std::string, std::string>>> readFileTexts(const Models& models) {
+  std::vector<fs::path> absolute;
+  for (const std::string& path : pathsOf(models)) {
+    absolute.push_back(fs::weakly_canonical(path));
+  }
+  const fs::path common = commonFolder(absolute);
+  std::set<fs::path> seen;
+  std::vector<std::pair<std::string, std::string>> texts;
+  for (const fs::path& path : absolute) {
+    if (!seen.insert(path).second) continue;
+    std::ifstream in(path, std::ios::binary);
+    if (!in) return Diagnostic{path.string(), 0, "", "", "cannot be read", "check the path"};
+    texts.emplace_back(path.lexically_relative(common).string(),
+                       std::string(std::istreambuf_iterator<char>(in), {}));
+  }
+  return texts;
+}
+
+}  // namespace wholehand

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/expected.hpp"
+#include "model/device_model.hpp"
+#include "model/hand_model.hpp"
+#include "model/patient_config.hpp"
+#include "model/rendering_config.hpp"
+#include "model/scene_model.hpp"
+#include "patient/motion.hpp"
+
+namespace wholehand {
+
+/// Which files a run is made of. An empty motion means that the patient rests.
+struct ModelFiles {
+  std::string scene = "config/scenes/four-shapes.toml";
+  std::string hand = "config/hands/adult-median-right.toml";
+  std::string device = "config/devices/lambda-pride.toml";
+  std::string rendering = "config/rendering/lambda-pride.toml";
+  std::string patient = "config/patients/relaxed-adult.toml";
+  std::string motion;
+};
+
+/// Everything the files say, checked against each other.
+struct Models {
+  ModelFiles files;
+  DeviceModel device;
+  HandModel hand;
+  RenderingConfig rendering;
+  PatientConfig patient;
+  SceneModel scene;
+  std::optional<MotionFile> motion;
+};
+
+/// Loads all files; every fault of every file is reported at once.
+[[nodiscard]] Expected<Models> loadModels(const ModelFiles& files);
+
+/// Name and text of each file, of the meshes and URDFs of the scene too, so that a recording stands
+/// alone. Names are relative to the deepest folder that holds them all.
+[[nodiscard]] Expected<std::vector<std::pair<std::string, std::string>>> readFileTexts(
+    const Models& models);
+
+}  // namespace wholehand

@@ -1,0 +1,159 @@
+#include "renderer/haptic_renderer.hpp"
+
+#include <algorithm>
+
+#include "control/bilateral_coupling.hpp"
+#include "safety/force_limiter.hpp"
+
+namespace wholehand {
+namespace {
+
+AxisEffort sum(const AxisEffort& a, const AxisEffort& b) noexcept {
+  AxisEffort out(a.size());
+  for (int i = 0; i < a.size(); ++i) out[i] = a[i] + b[i];
+  return out;
+}
+
+// -Φ K_dm q̇_m,f, the last term of Eq. (3) but one.
+AxisEffort dampingEffort(const AxisRatio& phi, const AxisVelocity& qd_mf,
+                         const CouplingGains& gains) noexcept {
+  AxisEffort out(gains.axes);
+  for (int i = 0; i < gains.axes; ++i) out[i] = -phi[i] * gains.k_dm[i] * qd_mf[i];
+  return out;
+}
+
+}  // namespace
+
+HapticRenderer::HapticRenderer(HapticDevice& device, PhysicsWorld& world, const HandModel& hand,
+                               const RendererConfig& config)
+    : device_(device), world_(world), config_(config), dynamics_(hand) {}
+
+Expected<Done> HapticRenderer::arm() {
+  if (Expected<Done> opened = device_.open(); !opened) return opened;
+  if (any(device_.read(reading_, 1)) || !allFinite(reading_.q_m)) {
+    return Diagnostic{"", 0, "", "", "the device gives no position", "check that it is connected"};
+  }
+  if (Expected<Done> placed = world_.placeHand(reading_.q_m); !placed) return placed;
+  const int axes = config_.gains.axes;
+  velocity_ = VelocityState{};
+  damping_ = AdaptiveDampingState{AxisRatio(axes), AxisRatio(axes)};
+  ramp_ = engageFrom(config_.neutral);
+  latched_ = Fault::kNone;
+  stop_requested_.store(false, std::memory_order_relaxed);
+  return Done{};
+}
+
+bool HapticRenderer::atNeutral() const noexcept { return ramp_.phase == RampPhase::kNeutral; }
+
+void HapticRenderer::tick(std::uint32_t elapsed_periods, TickRecord& record,
+                          StageListener* stages) noexcept {
+  const auto lap = [stages](Stage stage) noexcept {
+    if (stages != nullptr) stages->lap(stage);
+  };
+  record.elapsed_periods = elapsed_periods;
+  record.faults = elapsed_periods > 1 ? Fault::kLateTick : Fault::kNone;
+
+  readDevice(elapsed_periods, record);
+  lap(Stage::kDeviceRead);
+  observeWorld(record);
+  lap(Stage::kObserve);
+  updateDynamics(record);
+  lap(Stage::kDynamics);
+  control(elapsed_periods, record);
+  lap(Stage::kControl);
+  makeSafe(elapsed_periods, record);
+  lap(Stage::kSafety);
+  writeDevice(record);  // the device hears before the solver runs: its time is not a delay (ADR 2)
+  lap(Stage::kDeviceWrite);
+  stepWorld(record);
+  lap(Stage::kPhysicsStep);
+  readContacts(record);
+  lap(Stage::kContacts);
+}
+
+void HapticRenderer::readDevice(std::uint32_t elapsed_periods, TickRecord& record) noexcept {
+  const Fault fault = device_.read(reading_, static_cast<int>(elapsed_periods));
+  record.faults |= fault;
+  if (!any(fault) && !allFinite(reading_.q_m)) record.faults |= Fault::kNonFinitePosition;
+  record.q_m = reading_.q_m;
+  record.intention = reading_.intention;
+  record.patient_effort = reading_.patient_effort;
+}
+
+void HapticRenderer::observeWorld(TickRecord& record) noexcept {
+  record.faults |= world_.observe(state_);
+  record.q_s = state_.q_s;
+  record.qd_s = state_.qd_s;
+  record.theta = state_.theta;
+  record.coupling_error_rad = state_.coupling_error_rad;
+  record.palm_distance_m = state_.palm_distance_m;
+  record.body_count = state_.body_count;
+  std::copy_n(state_.bodies.begin(), state_.body_count, record.bodies.begin());
+}
+
+void HapticRenderer::updateDynamics(TickRecord& record) noexcept {
+  if (!dynamics_.update(state_.theta, state_.theta_dot, config_.gravity_m_s2)) {
+    record.faults |= Fault::kSingularInertia;
+  }
+}
+
+void HapticRenderer::control(std::uint32_t elapsed_periods, TickRecord& record) noexcept {
+  const CouplingGains& gains = config_.gains;
+  const int elapsed = static_cast<int>(elapsed_periods);
+  const double period_s = config_.period_s;
+  if (any(record.faults & kStopping)) {  // what was read cannot be trusted: nothing new is computed
+    record.qd_mf = velocity_.filtered;
+    record.f_s = AxisEffort(gains.axes);
+    record.coupling = AxisEffort(gains.axes);
+    record.damping = AxisEffort(gains.axes);
+    record.phi = damping_.phi;
+    return;
+  }
+  velocity_ = estimateVelocity(velocity_, record.q_m, gains, elapsed, period_s);
+  record.qd_mf = velocity_.filtered;
+  record.f_s = avatarEffort(record.q_m, record.qd_mf, record.q_s, record.qd_s,
+                            dynamics_.reducedInertia(), gains);
+  record.coupling = couplingEffort(record.q_m, record.qd_mf, record.q_s, record.qd_s, gains);
+  damping_ = adaptDamping(damping_, record.coupling, config_.damping, elapsed, period_s);
+  record.phi = damping_.phi;
+  record.damping = dampingEffort(record.phi, record.qd_mf, gains);
+}
+
+void HapticRenderer::makeSafe(std::uint32_t elapsed_periods, TickRecord& record) noexcept {
+  record.rendered = sum(record.coupling, record.damping);
+  const LimitedEffort limited =
+      limitEffort(sum(record.rendered, config_.neutral), config_.effort_limit);
+  record.faults |= limited.faults;
+  latched_ |= record.faults & kStopping;
+  const bool stop = any(latched_) || stop_requested_.load(std::memory_order_relaxed);
+  ramp_ = advanceRamp(ramp_, limited.effort, config_.neutral, stop,
+                      static_cast<int>(elapsed_periods), config_.period_s, config_.ramp);
+  record.authority = ramp_.authority;
+  record.sent = ramp_.sent;
+}
+
+void HapticRenderer::writeDevice(TickRecord& record) noexcept {
+  const Fault fault = device_.write(record.sent);
+  record.faults |= fault;
+  latched_ |= fault & kStopping;
+}
+
+void HapticRenderer::stepWorld(TickRecord& record) noexcept {
+  if (any(latched_)) return;  // after a fault the world stands still
+  HandDrive drive;
+  dynamics_.distribute(record.f_s, drive.torque);
+  drive.reduced_inertia_inverse = &dynamics_.reducedInertiaInverse();
+  const Fault fault = world_.step(drive, config_.period_s);
+  record.faults |= fault;
+  latched_ |= fault & kStopping;
+}
+
+void HapticRenderer::readContacts(TickRecord& record) noexcept {
+  world_.contacts(contacts_);
+  record.contact_count = contacts_.count;
+  record.contacts_dropped = contacts_.dropped;
+  if (contacts_.dropped > 0) record.faults |= Fault::kContactsDropped;
+  std::copy_n(contacts_.points.begin(), contacts_.count, record.contacts.begin());
+}
+
+}  // namespace wholehand

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <atomic>
+
+#include "control/adaptive_damping.hpp"
+#include "control/coupling_gains.hpp"
+#include "control/velocity_estimator.hpp"
+#include "core/expected.hpp"
+#include "core/real_time.hpp"
+#include "core/tick_record.hpp"
+#include "device/haptic_device.hpp"
+#include "dynamics/articulated_body.hpp"
+#include "model/hand_model.hpp"
+#include "physics/physics_world.hpp"
+#include "renderer/stage_listener.hpp"
+#include "safety/neutral_ramp.hpp"
+
+namespace wholehand {
+
+/// What the tick needs to know, resolved before arming and immutable from then on.
+struct RendererConfig {
+  double period_s = 1e-3;             ///< T
+  CouplingGains gains;
+  AdaptiveDampingConfig damping;
+  AxisEffort effort_limit;            ///< of the device file [N or N·m]
+  AxisEffort neutral;                 ///< carries the device's own weight [N or N·m]
+  NeutralRampConfig ramp;
+  Eigen::Vector3d gravity_m_s2{0.0, 0.0, -9.81};
+};
+
+/// Whole-hand haptic rendering: one tick reads the device, lets the simulated hand follow it in the
+/// physics world, and sends back what holds it. Knows neither threads nor sockets nor clocks.
+class HapticRenderer {
+ public:
+  /// @pre device, world and hand outlive this
+  HapticRenderer(HapticDevice& device, PhysicsWorld& world, const HandModel& hand,
+                 const RendererConfig& config);
+
+  /// Opens the device, reads it and puts the simulated hand there. Not real-time safe.
+  [[nodiscard]] Expected<Done> arm();
+
+  /// One tick; fills the record but for what the session writes. Real-time safe.
+  /// @param elapsed_periods 1 + periods skipped since the last tick
+  /// @param stages told when each stage ends; may be null
+  WHOLEHAND_RT void tick(std::uint32_t elapsed_periods, TickRecord& record,
+                         StageListener* stages = nullptr) noexcept;
+
+  /// Lets the next tick begin the ramp to neutral. Any thread; real-time safe.
+  void requestStop() noexcept { stop_requested_.store(true, std::memory_order_relaxed); }
+
+  /// True once the device is at its neutral effort after a stop or a fault.
+  [[nodiscard]] bool atNeutral() const noexcept;
+
+  [[nodiscard]] const RendererConfig& config() const noexcept { return config_; }
+
+ private:
+  void readDevice(std::uint32_t elapsed_periods, TickRecord& record) noexcept;
+  void observeWorld(TickRecord& record) noexcept;
+  void updateDynamics(TickRecord& record) noexcept;
+  void control(std::uint32_t elapsed_periods, TickRecord& record) noexcept;
+  void makeSafe(std::uint32_t elapsed_periods, TickRecord& record) noexcept;
+  void writeDevice(TickRecord& record) noexcept;
+  void stepWorld(TickRecord& record) noexcept;
+  void readContacts(TickRecord& record) noexcept;
+
+  HapticDevice& device_;
+  PhysicsWorld& world_;
+  const RendererConfig config_;
+  ArticulatedBody dynamics_;
+  DeviceReading reading_;
+  WorldState state_;
+  ContactList contacts_;
+  VelocityState velocity_;
+  AdaptiveDampingState damping_;
+  NeutralRampState ramp_;
+  Fault latched_ = Fault::kNone;   ///< a stopping fault stays until armed again
+  std::atomic<bool> stop_requested_{false};
+};
+
+}  // namespace wholehand
