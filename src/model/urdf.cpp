@@ -1,0 +1,227 @@
+#include "model/urdf.hpp"
+
+#include "model/urdf_collision.hpp"
+#include "model/urdf_xml.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace wholehand {
+namespace {
+
+using tinyxml2::XMLElement;
+namespace fs = std::filesystem;
+
+struct Link {
+  const XMLElement* element = nullptr;
+  std::string name;
+  std::vector<Shape> shapes;               ///< in the link's frame
+  std::optional<MassProperties> inertial;  ///< in the link's frame
+  int parent = -1;                         ///< index of the parent link; -1 for the root
+  Pose in_parent;
+};
+
+class Reader {
+ public:
+  explicit Reader(const std::string& path) : faults_(path) {}
+
+  Expected<UrdfBody> read() {
+    if (!open()) return faults_.all();
+    for (const XMLElement* e = robot_->FirstChildElement("link"); e != nullptr;
+         e = e->NextSiblingElement("link")) {
+      readLink(*e);
+    }
+    if (links_.empty()) {
+      faults_.add(robot_, "robot", "", "has no link",
+                  "give at least one <link> with a <collision>");
+    }
+    for (const XMLElement* e = robot_->FirstChildElement("joint"); e != nullptr;
+         e = e->NextSiblingElement("joint")) {
+      readJoint(*e);
+    }
+    if (faults_.all().empty()) checkTree();
+    if (!faults_.all().empty()) return faults_.all();
+    return merged();
+  }
+
+ private:
+  bool open() {
+    std::error_code error;
+    if (!fs::is_regular_file(faults_.file(), error)) {
+      faults_.add(nullptr, "", "", "there is no such URDF file",
+                  "check the name; it is relative to the scene file");
+      return false;
+    }
+    if (document_.LoadFile(faults_.file().c_str()) != tinyxml2::XML_SUCCESS) {
+      faults_.add(nullptr, "", "", fmt::format("is not readable XML: {}", document_.ErrorStr()),
+                  fmt::format("mend it near line {}", document_.ErrorLineNum()));
+      return false;
+    }
+    robot_ = document_.FirstChildElement("robot");
+    if (robot_ != nullptr) return true;
+    faults_.add(document_.RootElement(), "", "", "is no URDF: its root element is not <robot>",
+                "give a URDF (run xacro first where the file is a .xacro)");
+    return false;
+  }
+
+  [[nodiscard]] int linkIndex(const std::string& name) const {
+    const auto at = std::find_if(links_.begin(), links_.end(),
+                                 [&](const Link& link) { return link.name == name; });
+    return at == links_.end() ? -1 : static_cast<int>(at - links_.begin());
+  }
+
+  void readLink(const XMLElement& e) {
+    Link link;
+    link.element = &e;
+    link.name = faults_.text(e, "name", "link");
+    const std::string key = fmt::format("link[{}]", link.name);
+    if (!link.name.empty() && linkIndex(link.name) >= 0) {
+      faults_.add(&e, key, "", "is there twice", "give every link a name of its own");
+    }
+    int number = 0;
+    for (const XMLElement* c = e.FirstChildElement("collision"); c != nullptr;
+         c = c->NextSiblingElement("collision")) {
+      const std::string collision = fmt::format("{}.collision[{}]", key, number++);
+      if (auto shape = readUrdfCollision(*c, collision, faults_)) {
+        link.shapes.push_back(std::move(*shape));
+      }
+    }
+    if (number == 0) {
+      faults_.add(&e, key, "", fmt::format("the link '{}' has no collider", link.name),
+                  "give it a <collision> with a <geometry>, or take the link out");
+    }
+    if (const XMLElement* i = e.FirstChildElement("inertial")) {
+      link.inertial = readInertial(*i, key + ".inertial");
+    }
+    links_.push_back(std::move(link));
+  }
+
+  std::optional<MassProperties> readInertial(const XMLElement& e, const std::string& key) {
+    const XMLElement* mass = e.FirstChildElement("mass");
+    const XMLElement* inertia = e.FirstChildElement("inertia");
+    if (mass == nullptr || inertia == nullptr) {
+      faults_.add(&e, key, "", fmt::format("has no <{}>", mass == nullptr ? "mass" : "inertia"),
+                  "give both <mass value> and <inertia ixx iyy izz ...>, or no <inertial> at all");
+      return std::nullopt;
+    }
+    const std::size_t before = faults_.all().size();
+    MassProperties m;
+    m.mass_kg = faults_.positive(*mass, "value", key + ".mass");
+    constexpr std::array<const char*, 6> kNames{"ixx", "iyy", "izz", "ixy", "ixz", "iyz"};
+    constexpr std::array<std::pair<int, int>, 6> kCells{
+        {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}}};
+    for (std::size_t i = 0; i < kNames.size(); ++i) {
+      if (i >= 3 && inertia->Attribute(kNames[i]) == nullptr) continue;  // a principal frame
+      const double value = faults_.numbers(*inertia, kNames[i], key + ".inertia", 1).front();
+      const auto [row, column] = kCells[i];
+      m.inertia_kg_m2(row, column) = m.inertia_kg_m2(column, row) = value;
+    }
+    const Pose frame = faults_.origin(e, key);
+    if (faults_.all().size() > before) return std::nullopt;
+    if (const std::string why = inertiaFault(m.inertia_kg_m2); !why.empty()) {
+      faults_.add(inertia, key + ".inertia", "", why,
+                  "principal moments must be > 0, none larger than the sum of the other two");
+      return std::nullopt;
+    }
+    return moved(m, frame);
+  }
+
+  void readJoint(const XMLElement& e) {
+    const std::string name = faults_.text(e, "name", "joint");
+    const std::string key = fmt::format("joint[{}]", name);
+    const std::string type = faults_.text(e, "type", key);
+    if (!type.empty() && type != "fixed") {
+      faults_.add(
+          &e, key + ".type", type,
+          fmt::format("the joint '{}' is movable: articulated objects are not supported yet", name),
+          "must be fixed");
+    }
+    const int parent = joined(e, "parent", key);
+    const int child = joined(e, "child", key);
+    const Pose pose = faults_.origin(e, key);
+    if (parent < 0 || child < 0) return;
+    if (links_[child].parent >= 0 || parent == child) {
+      faults_.add(&e, key + ".child", links_[child].name,
+                  parent == child ? "is its own parent" : "hangs on two joints",
+                  "the links must form a tree");
+      return;
+    }
+    links_[child].parent = parent;
+    links_[child].in_parent = pose;
+  }
+
+  /// Index of the link that a joint's <parent> or <child> names; -1, and a fault, without one.
+  int joined(const XMLElement& joint, const char* role, const std::string& key) {
+    const XMLElement* e = joint.FirstChildElement(role);
+    if (e == nullptr) {
+      faults_.add(&joint, key + "." + role, "", "is missing",
+                  fmt::format("give <{} link=\"...\"/>", role));
+      return -1;
+    }
+    const std::string name = faults_.text(*e, "link", key + "." + role);
+    const int index = linkIndex(name);
+    if (index < 0 && !name.empty()) {
+      faults_.add(e, key + "." + role, name, "there is no link of that name",
+                  "name one of the file's links");
+    }
+    return index;
+  }
+
+  void checkTree() {
+    const auto roots = std::count_if(links_.begin(), links_.end(),
+                                     [](const Link& link) { return link.parent < 0; });
+    if (roots != 1) {
+      faults_.add(robot_, "robot", "", fmt::format("has {} root links", roots),
+                  "join all links by fixed joints to one root");
+      return;
+    }
+    for (const Link& link : links_) {
+      // A walk longer than there are links goes in a circle, apart from the root.
+      std::size_t steps = 0;
+      for (int i = linkIndex(link.name); i >= 0 && steps <= links_.size(); ++steps) {
+        i = links_[i].parent;
+      }
+      if (steps <= links_.size()) continue;
+      faults_.add(link.element, fmt::format("link[{}]", link.name), "",
+                  "hangs on joints that form a circle", "the links must form a tree");
+    }
+  }
+
+  UrdfBody merged() const {
+    UrdfBody body;
+    for (const Link& link : links_) {
+      Pose in_root = link.in_parent;
+      for (int i = link.parent; i >= 0; i = links_[i].parent)
+        in_root = links_[i].in_parent * in_root;
+      for (Shape shape : link.shapes) {
+        shape.in_body = in_root * shape.in_body;
+        body.shapes.push_back(std::move(shape));
+      }
+      if (!link.inertial) continue;
+      const MassProperties m = moved(*link.inertial, in_root);
+      body.inertial = body.inertial ? combined(*body.inertial, m) : m;
+    }
+    return body;
+  }
+
+  UrdfFaults faults_;
+  tinyxml2::XMLDocument document_;
+  const XMLElement* robot_ = nullptr;
+  std::vector<Link> links_;
+};
+
+}  // namespace
+
+Expected<UrdfBody> loadUrdf(const std::string& path) {
+  return Reader(path).read();
+}
+
+}  // namespace wholehand

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "core/expected.hpp"
+#include "model/mass_properties.hpp"
+#include "model/scene_model.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace wholehand {
+
+/// A URDF as one rigid body, in the frame of its root link.
+struct UrdfBody {
+  std::vector<Shape> shapes;               ///< every collision element of every link
+  std::optional<MassProperties> inertial;  ///< the sum of the inertials; none when no link has one
+};
+
+/// Reads a URDF: every `<collision>` of every link (box, sphere, cylinder, capsule, convex mesh);
+/// links held by fixed joints become one rigid body. A capsule's length counts between the centres
+/// of its caps. Mesh names are relative to the URDF, absolute, "file://", or "package://name/...",
+/// which is looked for in the folders above the URDF.
+///
+/// @return every fault at once, with line and element: movable joints, links without a collider,
+/// inertials that no body can have, meshes that are no convex collider.
+[[nodiscard]] Expected<UrdfBody> loadUrdf(const std::string& path);
+
+}  // namespace wholehand

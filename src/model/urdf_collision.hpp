@@ -1,0 +1,16 @@
+#pragma once
+
+#include "model/scene_model.hpp"
+#include "model/urdf_xml.hpp"
+
+#include <optional>
+#include <string>
+
+namespace wholehand {
+
+/// The shape of one `<collision>`, in its link's frame; nothing, and a fault, when it is no
+/// collider. `key` names the element in messages. Internal to the URDF reader.
+[[nodiscard]] std::optional<Shape> readUrdfCollision(const tinyxml2::XMLElement& collision,
+                                                     const std::string& key, UrdfFaults& faults);
+
+}  // namespace wholehand

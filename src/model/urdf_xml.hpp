@@ -1,0 +1,47 @@
+#pragma once
+
+#include "core/expected.hpp"
+#include "core/geometry.hpp"
+
+#include <tinyxml2.h>
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace wholehand {
+
+/// Strict reading of a URDF's elements: every fault is kept with its line and a key such as
+/// "link[cup].collision[1].geometry", and reading goes on with something harmless. Internal to the
+/// URDF reader.
+class UrdfFaults {
+ public:
+  explicit UrdfFaults(std::string file) : file_(std::move(file)) {}
+
+  void add(const tinyxml2::XMLElement* at, std::string key, std::string value, std::string problem,
+           std::string remedy);
+  [[nodiscard]] const Diagnostics& all() const { return all_; }
+  [[nodiscard]] const std::string& file() const { return file_; }
+
+  /// An attribute's text; empty, and a fault, when it is missing or empty.
+  std::string text(const tinyxml2::XMLElement& e, const char* attribute, const std::string& key);
+  /// Exactly `count` finite numbers divided by blanks; zeros, and a fault, otherwise.
+  std::vector<double> numbers(const tinyxml2::XMLElement& e, const char* attribute,
+                              const std::string& key, std::size_t count);
+  /// One finite number greater than zero; 1, and a fault, otherwise.
+  double positive(const tinyxml2::XMLElement& e, const char* attribute, const std::string& key);
+  /// A dimension in [0.001, 10] m.
+  double length_m(const tinyxml2::XMLElement& e, const char* attribute, const std::string& key);
+  /// The `<origin xyz rpy>` of an element; identity without one.
+  Pose origin(const tinyxml2::XMLElement& parent, const std::string& key);
+
+ private:
+  std::string file_;
+  Diagnostics all_;
+};
+
+/// R = Rz(yaw) Ry(pitch) Rx(roll) [rad].
+[[nodiscard]] Eigen::Matrix3d rotationFromRpy(double roll_rad, double pitch_rad, double yaw_rad);
+
+}  // namespace wholehand
