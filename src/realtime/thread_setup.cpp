@@ -67,7 +67,7 @@ SetupLine requestFifoPriority(int priority) {
   }
   return {"real-time priority", false,
           "The loop runs at normal priority (" + reason(error) + "): other programs delay it. " +
-              "Remedy: add '@realtime - rtprio 99' to /etc/security/limits.d/realtime.conf, join "
+              "Remedy: Add '@realtime - rtprio 99' to /etc/security/limits.d/realtime.conf, join "
               "the group realtime and log in again, or run as root."};
 }
 
@@ -84,7 +84,7 @@ SetupLine requestLockedMemory() {
   }
   return {"locked memory", false,
           "Memory is not locked (" + reason(errno) + "): a page fault may delay a tick. Remedy: " +
-              "add '@realtime - memlock unlimited' to /etc/security/limits.d/realtime.conf, join "
+              "Add '@realtime - memlock unlimited' to /etc/security/limits.d/realtime.conf, join "
               "the group realtime and log in again, or run as root."};
 }
 
@@ -104,7 +104,7 @@ SetupLine requestLastCore() {
     core = *std::max_element(isolated.begin(), isolated.end());
   } else if (count < 2) {
     return {"own core", false,
-            "The loop shares the only core it may use. Remedy: allow it a second one."};
+            "The loop shares the only core it may use. Remedy: Allow it a second one."};
   }
   cpu_set_t wanted;
   CPU_ZERO(&wanted);
@@ -112,7 +112,7 @@ SetupLine requestLastCore() {
   const int error = pthread_setaffinity_np(pthread_self(), sizeof wanted, &wanted);
   if (error != 0) {
     return {"own core", false,
-            "The loop may wander between cores (" + reason(error) + "). Remedy: allow core " +
+            "The loop may wander between cores (" + reason(error) + "). Remedy: Allow core " +
                 std::to_string(core) + " to this program (taskset, cgroup)."};
   }
   return {"own core", true,

@@ -1,0 +1,223 @@
+#include "doctor_findings.hpp"
+
+#include "realtime/machine_facts.hpp"
+#include "realtime/wakeup_probe.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+#include <string_view>
+#include <system_error>
+#include <unistd.h>
+
+namespace wholehand {
+namespace {
+
+// Half a period of the 1 kHz loop: later than that, and a tick that takes its usual time may miss
+// its deadline. Two idle seconds find only gross delays; docs say how to measure for an hour.
+constexpr double kWorstWakeUp_us = 500.0;
+constexpr std::size_t kProbeWakeUps = 2000;
+// Room for recordings. A full disk ends the recording, not the run.
+constexpr double kDiskWanted_gb = 2.0;
+
+const char* const kLimitsRemedy =
+    "Put the line '@realtime - %s' into /etc/security/limits.d/realtime.conf, add yourself to the "
+    "group realtime (groupadd -f realtime; usermod -aG realtime <you>) and log in again.";
+
+std::string limitsRemedy(const char* item) {
+  std::array<char, 400> text{};
+  std::snprintf(text.data(), text.size(), kLimitsRemedy, item);
+  return text.data();
+}
+
+std::string decimal(double value, int digits) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%.*f", digits, value);
+  return text.data();
+}
+
+std::string listOf(const std::vector<int>& numbers) {
+  std::string text;
+  for (const int number : numbers) {
+    text += (text.empty() ? "" : ", ") + std::to_string(number);
+  }
+  return text;
+}
+
+void lookAtKernelAndCores(const MachineFacts& m, Findings& findings) {
+  findings.push_back(
+      {"kernel", m.real_time_kernel, Blocks::kDevice,
+       m.kernel + (m.real_time_kernel ? ", real time (PREEMPT_RT)" : ", not a real-time kernel"),
+       "apt-get install linux-image-rt-amd64, then start that kernel."});
+  findings.push_back(
+      {"cores", m.cpus_allowed > 1, Blocks::kDevice,
+       std::to_string(m.cpus_allowed) + " of " + std::to_string(m.cpus_online) + " usable",
+       "Give the program a second core: the loop wants one of its own."});
+  findings.push_back({"isolated cores", !m.isolated.empty(), Blocks::kNothing,
+                      m.isolated.empty() ? "none" : listOf(m.isolated),
+                      "Boot with isolcpus=" + std::to_string(m.cpus_online - 1) + " nohz_full=" +
+                          std::to_string(m.cpus_online - 1) + " to keep the loop's core free."});
+  if (m.governor.empty()) {
+    findings.push_back(
+        {"governor", true, Blocks::kNothing, "none: the kernel shows no cpufreq", ""});
+  } else {
+    findings.push_back({"governor", m.governor == "performance", Blocks::kDevice, m.governor,
+                        "cpupower frequency-set -g performance (package linux-cpupower)."});
+  }
+}
+
+void lookAtLimits(const MachineFacts& m, Findings& findings) {
+  const bool root = geteuid() == 0;
+  const bool priority = root || m.rtprio_limit < 0 || m.rtprio_limit >= 80;
+  findings.push_back({"rtprio limit", priority, Blocks::kDevice,
+                      (m.rtprio_limit < 0 ? "unlimited" : std::to_string(m.rtprio_limit)) +
+                          std::string(root ? ", but root may anyway" : ", 80 wanted"),
+                      limitsRemedy("rtprio 99")});
+  const bool memory = root || m.memlock_limit_bytes < 0;
+  findings.push_back(
+      {"memlock limit", memory, Blocks::kDevice,
+       (m.memlock_limit_bytes < 0 ? "unlimited"
+                                  : std::to_string(m.memlock_limit_bytes / 1024) + " KiB") +
+           std::string(root && m.memlock_limit_bytes >= 0 ? ", but root may anyway" : ""),
+       limitsRemedy("memlock unlimited")});
+}
+
+/// The names under [run] in the list; one a line, the rest of a line after # is a comment.
+std::vector<std::string> packagesToRun(const std::filesystem::path& file) {
+  std::vector<std::string> packages;
+  std::ifstream stream(file);
+  std::string line;
+  bool in_run = false;
+  while (std::getline(stream, line)) {
+    std::istringstream words(line.substr(0, line.find('#')));
+    std::string word;
+    while (words >> word) {
+      if (word.front() == '[') {
+        in_run = word == "[run]";
+      } else if (in_run) {
+        packages.push_back(word);
+      }
+    }
+  }
+  return packages;
+}
+
+/// What dpkg knows as installed, one package a line; empty where there is no dpkg.
+std::vector<std::string> installedPackages() {
+  std::vector<std::string> installed;
+  FILE* pipe = popen("dpkg-query -W -f='${db:Status-Status} ${Package}\\n' 2>/dev/null", "re");
+  if (pipe == nullptr) {
+    return installed;
+  }
+  std::array<char, 512> line{};
+  while (std::fgets(line.data(), static_cast<int>(line.size()), pipe) != nullptr) {
+    std::istringstream words(line.data());
+    std::string status;
+    std::string package;
+    if (words >> status >> package && status == "installed") {
+      installed.push_back(package);
+    }
+  }
+  pclose(pipe);
+  std::sort(installed.begin(), installed.end());
+  return installed;
+}
+
+void lookAtPackages(const std::filesystem::path& file, Findings& findings) {
+  const std::vector<std::string> wanted = packagesToRun(file);
+  const std::vector<std::string> installed = installedPackages();
+  if (wanted.empty() || installed.empty()) {
+    findings.push_back({"packages", false, Blocks::kNothing,
+                        wanted.empty() ? "the list " + file.string() + " cannot be read"
+                                       : "dpkg-query tells nothing: no Debian?",
+                        "Nothing to do as long as ./start builds."});
+    return;
+  }
+  std::string missing;
+  for (const std::string& package : wanted) {
+    if (!std::binary_search(installed.begin(), installed.end(), package)) {
+      missing += " " + package;
+    }
+  }
+  findings.push_back({"packages", missing.empty(), Blocks::kNothing,
+                      missing.empty() ? "all " + std::to_string(wanted.size()) +
+                                            " of scripts/packages.txt that a build needs"
+                                      : "missing:" + missing,
+                      "apt-get install" + missing});
+}
+
+void lookAtDisk(Findings& findings) {
+  std::error_code error;
+  const std::filesystem::path here = std::filesystem::current_path(error);
+  const std::filesystem::space_info space = std::filesystem::space(here, error);
+  const double free_gb = error ? 0.0 : static_cast<double>(space.available) * 1e-9;
+  findings.push_back({"free disk", free_gb >= kDiskWanted_gb, Blocks::kNothing,
+                      decimal(free_gb, 1) + " GB in " + here.string(),
+                      "Free " + decimal(kDiskWanted_gb, 0) + " GB here, or record elsewhere."});
+}
+
+void lookAtBuild(Findings& findings) {
+#if defined(__OPTIMIZE__) && defined(NDEBUG)
+  const bool optimised = true;
+#else
+  const bool optimised = false;
+#endif
+#if defined(__clang__)
+  const std::string compiler = "clang " __clang_version__;
+#else
+  const std::string compiler = "g++ " __VERSION__;
+#endif
+  findings.push_back({"build", optimised, Blocks::kDevice,
+                      compiler + (optimised ? ", optimised" : ", not optimised or with assertions"),
+                      "Use build/release/wholehand, which ./start builds."});
+  findings.push_back({"engine", true, Blocks::kNothing,
+                      "Bullet in double precision (the build accepts no other)", ""});
+}
+
+}  // namespace
+
+Findings findingsAboutMachine() {
+  Findings findings;
+  const MachineFacts machine = machineFacts();
+  lookAtKernelAndCores(machine, findings);
+  lookAtLimits(machine, findings);
+  return findings;
+}
+
+Findings findingsAboutSoftware(const std::filesystem::path& packages_file) {
+  Findings findings;
+  lookAtBuild(findings);
+  lookAtPackages(packages_file, findings);
+  lookAtDisk(findings);
+  return findings;
+}
+
+Findings findingsAboutLoop() {
+  Findings findings;
+  auto probe = probeWakeUps({}, kProbeWakeUps);
+  if (!probe) {
+    findings.push_back({"loop", false, Blocks::kEverything, format(probe.errors()), ""});
+    return findings;
+  }
+  for (const SetupLine& line : probe->setup) {
+    const std::size_t remedy = std::min(line.sentence.find(" Remedy: "), line.sentence.size());
+    findings.push_back({line.what, line.granted, Blocks::kDevice, line.sentence.substr(0, remedy),
+                        remedy < line.sentence.size()
+                            ? line.sentence.substr(remedy + std::string(" Remedy: ").size())
+                            : ""});
+  }
+  const WakeUpStatistics& s = probe->statistics;
+  const auto us = [](std::int64_t ns) { return decimal(static_cast<double>(ns) * 1e-3, 0); };
+  findings.push_back(
+      {"wake-ups, 1 kHz", static_cast<double>(s.max_ns) * 1e-3 < kWorstWakeUp_us, Blocks::kDevice,
+       "late by p50 " + us(s.p50_ns) + ", p99 " + us(s.p99_ns) + ", p99.9 " + us(s.p999_ns) +
+           ", max " + us(s.max_ns) + " µs; " + std::to_string(s.skipped_periods) + " of " +
+           std::to_string(s.wake_ups + s.skipped_periods) + " periods skipped",
+       "Mend the lines above, close other programs; a virtual machine stalls when "
+       "its host is busy."});
+  return findings;
+}
+
+}  // namespace wholehand
