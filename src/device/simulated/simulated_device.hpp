@@ -1,32 +1,69 @@
 #pragma once
 
-#include <vector>
-
 #include "device/haptic_device.hpp"
+#include "device/simulated/axis_dynamics.hpp"
 #include "model/device_model.hpp"
 #include "model/patient_config.hpp"
 #include "patient/motion.hpp"
 
+#include <array>
+#include <cstdint>
+#include <vector>
+
 namespace wholehand {
 
-/// A device that exists only as its file: per axis mass, viscous and Coulomb friction, encoder step,
-/// output delay in samples, saturation at the effort limit, stops at the ends of the range; with a
-/// virtual patient strapped to it. Right at any rate: the linear part is advanced by its exact
-/// zero-order-hold solution, Coulomb friction with true sticking.
+/// A device that exists only as its file: per axis mass, viscous and Coulomb friction, encoder
+/// step, output delay in samples, saturation at the effort limit, stops at the ends of the range;
+/// with a virtual patient strapped to it. Right at any rate: the linear part is advanced by its
+/// exact solution for a held effort and an impedance effort that is linear over the period, Coulomb
+/// friction with true sticking.
+///
+/// The axis's own weight pulls with minus its neutral effort, so that sending neutral balances it.
+/// Deterministic: the same calls give the same bits.
 class SimulatedDevice final : public HapticDevice {
  public:
-  /// The device starts at rest at the intention's start. @param period_s the loop's period
+  /// The device starts at rest at the intention's start, held inside its range.
+  /// @pre the patient and the intention have the device's axes  @param period_s the loop's period
   SimulatedDevice(const DeviceModel& device, const PatientConfig& patient, Intention intention,
                   double period_s);
 
+  /// Puts the device at its start, time at 0. Never fails.
   [[nodiscard]] Expected<Done> open() override;
+  /// The first read after open() says the start and lets no time pass. kDeviceRead unless open.
   [[nodiscard]] Fault read(DeviceReading& reading, int elapsed_periods) noexcept override;
+  /// Clamps to the effort limit; kDeviceWrite, and the last effort stays, unless open and the
+  /// effort is finite and has the device's number of axes.
   [[nodiscard]] Fault write(const AxisEffort& effort) noexcept override;
   void close() noexcept override;
 
   /// True (unquantised) state, for tests.
-  [[nodiscard]] const AxisPosition& position() const noexcept;
-  [[nodiscard]] const AxisVelocity& velocity() const noexcept;
+  [[nodiscard]] const AxisPosition& position() const noexcept { return q_; }
+  [[nodiscard]] const AxisVelocity& velocity() const noexcept { return qd_; }
+  /// What acts on the mechanism now: the last effort that came through the output delay.
+  [[nodiscard]] const AxisEffort& acting() const noexcept { return acting_; }
+
+ private:
+  void letPeriodPass() noexcept;
+  void shiftDelayLine() noexcept;
+
+  static constexpr int kMostDelay = 8;
+
+  DeviceModel device_;
+  PatientConfig patient_;
+  Intention intention_;
+  double period_s_;
+  AxisEffort neutral_;
+  std::vector<AxisDynamics> axes_;
+
+  bool open_ = false;
+  bool fresh_ = false;        // opened, not yet read
+  std::int64_t periods_ = 0;  // since open
+  AxisEffort commanded_;      // the last write, repeated every period until the next
+  AxisEffort acting_;
+  std::array<AxisEffort, kMostDelay> delayed_{};  // a ring: sent, not yet acting
+  int oldest_ = 0;
+  AxisPosition q_, q_intended_;
+  AxisVelocity qd_, qd_intended_;
 };
 
 }  // namespace wholehand

@@ -1,0 +1,36 @@
+#include "device/replay/replay_device.hpp"
+
+#include <utility>
+
+namespace wholehand {
+
+ReplayDevice::ReplayDevice(std::vector<RecordedReading> ticks) : ticks_(std::move(ticks)) {}
+
+Expected<Done> ReplayDevice::open() {
+  open_ = true;
+  next_ = 0;
+  return Done{};
+}
+
+Fault ReplayDevice::read(DeviceReading& reading, int /*elapsed_periods*/) noexcept {
+  if (!open_ || atEnd()) return Fault::kDeviceRead;
+  const RecordedReading& tick = ticks_[next_++];
+  reading = tick.reading;
+  return tick.faults & Fault::kDeviceRead;
+}
+
+Fault ReplayDevice::write(const AxisEffort& /*effort*/) noexcept {
+  if (!open_) return Fault::kDeviceWrite;
+  // The tick that writes is the one that was read last.
+  return next_ == 0 ? Fault::kNone : ticks_[next_ - 1].faults & Fault::kDeviceWrite;
+}
+
+void ReplayDevice::close() noexcept {
+  open_ = false;
+}
+
+int ReplayDevice::nextElapsedPeriods() const noexcept {
+  return atEnd() ? 1 : static_cast<int>(ticks_[next_].elapsed_periods);
+}
+
+}  // namespace wholehand

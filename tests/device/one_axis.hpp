@@ -1,0 +1,43 @@
+#pragma once
+
+#include "device/simulated/simulated_device.hpp"
+
+namespace wholehand::testing {
+
+/// A device of one free axis: mass, nothing else; tests add what they are about.
+inline DeviceModel oneAxisDevice(double mass) {
+  DeviceModel device;
+  device.name = "one-axis";
+  DeviceAxis axis;
+  axis.name = "x";
+  axis.lower = -1e3;
+  axis.upper = 1e3;
+  axis.effort_limit = 100.0;
+  axis.speed_limit = 100.0;
+  axis.mass = mass;
+  device.axes = {axis};
+  return device;
+}
+
+/// A person who does nothing.
+inline PatientConfig nobody(int axes = 1) {
+  PatientConfig patient;
+  patient.axes.assign(static_cast<std::size_t>(axes), PatientAxis{});
+  return patient;
+}
+
+inline Intention stayAt(double position) {
+  return Intention::throughWaypoints({{0.0, AxisPosition(1, position)}});
+}
+
+/// Reads and writes one effort for a number of ticks; returns the last reading.
+inline DeviceReading hold(SimulatedDevice& device, double effort, int ticks) {
+  DeviceReading reading;
+  for (int i = 0; i < ticks; ++i) {
+    (void)device.write(AxisEffort(1, effort));
+    (void)device.read(reading, 1);
+  }
+  return reading;
+}
+
+}  // namespace wholehand::testing
