@@ -6,10 +6,10 @@ namespace wholehand {
 
 const char* faultName(int bit) noexcept {
   static constexpr std::array<const char*, kFaultBits> kNames = {
-      "device read failed",      "device write failed",  "non-finite device position",
-      "non-finite effort",       "non-finite state",     "physics step failed",
-      "effort limited",          "late tick",            "contacts dropped",
-      "singular reduced inertia"};
+      "device read failed",       "device write failed", "non-finite device position",
+      "non-finite effort",        "non-finite state",    "physics step failed",
+      "effort limited",           "late tick",           "contacts dropped",
+      "singular reduced inertia", "stop requested"};
   return bit >= 0 && bit < kFaultBits ? kNames[static_cast<std::size_t>(bit)] : "unknown";
 }
 

@@ -18,6 +18,7 @@ enum class Fault : std::uint32_t {
   kLateTick = 1U << 7,           ///< information: one or more periods were skipped before this tick
   kContactsDropped = 1U << 8,    ///< information: more contacts than the record can hold
   kSingularInertia = 1U << 9,    ///< the reduced inertia could not be inverted
+  kStopRequested = 1U << 10,     ///< information: a person or the end of the run asked to stop
 };
 
 [[nodiscard]] constexpr Fault operator|(Fault a, Fault b) noexcept {
@@ -36,7 +37,7 @@ inline constexpr Fault kStopping = Fault::kDeviceRead | Fault::kDeviceWrite |
                                    Fault::kSingularInertia;
 
 /// The number of distinct bits above, for counters.
-inline constexpr int kFaultBits = 10;
+inline constexpr int kFaultBits = 11;
 
 /// A person's name for one bit (0 .. kFaultBits - 1), e.g. "device read failed".
 [[nodiscard]] const char* faultName(int bit) noexcept;

@@ -125,7 +125,9 @@ void HapticRenderer::makeSafe(std::uint32_t elapsed_periods, TickRecord& record)
       limitEffort(sum(record.rendered, config_.neutral), config_.effort_limit);
   record.faults |= limited.faults;
   latched_ |= record.faults & kStopping;
-  const bool stop = any(latched_) || stop_requested_.load(std::memory_order_relaxed);
+  const bool asked = stop_requested_.load(std::memory_order_relaxed);
+  if (asked) record.faults |= Fault::kStopRequested;
+  const bool stop = any(latched_) || asked;
   ramp_ = advanceRamp(ramp_, limited.effort, config_.neutral, stop,
                       static_cast<int>(elapsed_periods), config_.period_s, config_.ramp);
   record.authority = ramp_.authority;
