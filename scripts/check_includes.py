@@ -1,0 +1,110 @@
+#!/usr/bin/env python3
+"""Holds every #include of the repository against scripts/include_rules.toml.
+
+usage: check_includes.py [ROOT]      exit code 0: all well, 1: faults, one a line on stderr
+"""
+import re
+import sys
+import tomllib
+from pathlib import Path
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
+COMMENT = re.compile(r'//[^\n]*|/\*.*?\*/', re.DOTALL)
+
+
+class Rules:
+    def __init__(self, file):
+        table = tomllib.loads(file.read_text())
+        self.folders = table["folders"]
+        self.modules = table["modules"]
+        self.vendors = table["vendors"]
+        self.system = table["system"]
+        self.words = table["words"]
+
+    def module_of(self, path):
+        """The module that a path relative to src/ belongs to, or None."""
+        parts = path.split("/")[:-1]
+        for length in range(len(parts), 0, -1):
+            name = "/".join(parts[:length])
+            if name in self.modules:
+                return name
+        return None
+
+    def allows(self, module, header):
+        """Whether a module may include one of our headers, given relative to src/."""
+        target = self.module_of(header)
+        allowed = self.modules[module]
+        return target == module or "*" in allowed or target in allowed or header in allowed
+
+    def fault_of_vendor(self, module, header):
+        for prefix, allowed in self.vendors.items():
+            if header.startswith(prefix):
+                return None if module in allowed else f"only {', '.join(allowed)} may include <{header}>"
+        for prefix in self.system["forbidden"]:
+            same = header.startswith(prefix) if prefix.endswith("/") else header == prefix
+            if same and module in self.system["pure"]:
+                return f"{module} knows no clock, thread or I/O, but includes <{header}>"
+        return None
+
+
+def faults_of_file(rules, root, file, module):
+    text = file.read_text()
+    code = COMMENT.sub(lambda m: "\n" * m.group().count("\n"), text)
+    for match in INCLUDE.finditer(code):
+        line = code.count("\n", 0, match.start(2)) + 1
+        where = f"{file.relative_to(root)}:{line}"
+        header = match[2]
+        if match[1] == "<":
+            fault = rules.fault_of_vendor(module, header)
+        elif (root / "src" / header).exists():
+            fault = None
+            if rules.module_of(header) is None:
+                fault = f"{header} is in no module of scripts/include_rules.toml"
+            elif not rules.allows(module, header):
+                fault = f"{module} must not include {header}"
+        elif (file.parent / header).exists() and "/" not in header and module in rules.folders:
+            fault = None  # apps and include: a neighbour in the same folder
+        elif (root / "include" / header).exists() and module in rules.folders:
+            fault = None
+        else:
+            fault = f'"{header}" is no file of ours; write "module/file.hpp", vendors in <>'
+        if fault:
+            yield f"{where}: {fault}"
+    for word in rules.words.get(module, []):
+        match = re.search(rf"\b{word}\b", code)
+        if match:
+            line = code.count("\n", 0, match.start()) + 1
+            yield f"{file.relative_to(root)}:{line}: {module} has no '{word}'"
+
+
+def sources(folder):
+    return sorted(p for p in folder.rglob("*") if p.suffix in (".hpp", ".cpp", ".h", ".cc"))
+
+
+def check(root, rules):
+    faults = []
+    count = 0
+    files = [(f, rules.module_of(str(f.relative_to(root / "src")))) for f in sources(root / "src")]
+    for module, folder in rules.folders.items():
+        files += [(f, module) for f in sources(root / folder)]
+    for file, module in files:
+        count += 1
+        if module is None:
+            faults.append(f"{file.relative_to(root)}: its folder is not in scripts/include_rules.toml")
+        else:
+            faults += faults_of_file(rules, root, file, module)
+    return count, faults
+
+
+def main():
+    root = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parent.parent).resolve()
+    rules = Rules(Path(__file__).parent / "include_rules.toml")
+    count, faults = check(root, rules)
+    for fault in faults:
+        print(fault, file=sys.stderr)
+    print(f"{count} files, {len(faults)} faults")
+    return 1 if faults or count == 0 else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,140 @@
+# shellcheck shell=bash
+# What ./start and ./check share. Sourced, not run.
+
+root=${root:?the folder of the repository}
+
+say() { printf '%s\n' "$*"; }
+fail() {
+  printf '%s\n' "$*" >&2
+  exit 1
+}
+
+# Seconds as a person writes them: 7 s, 2 min 05 s.
+duration() {
+  if (($1 < 60)); then printf '%d s' "$1"; else printf '%d min %02d s' $(($1 / 60)) $(($1 % 60)); fi
+}
+
+# Names of packages under the given sections of scripts/packages.txt.
+packages_of() {
+  local section line wanted=" $* "
+  while read -r line _; do
+    case $line in
+      '' | \#*) ;;
+      \[*\]*) section=${line#[} section=${section%%]*} ;;
+      *) [[ $wanted == *" $section "* ]] && printf '%s\n' "$line" ;;
+    esac
+  done <"$root/scripts/packages.txt"
+  return 0
+}
+
+# Those of the given packages that are not installed.
+missing_packages() {
+  local installed
+  installed=" $(dpkg-query -W -f='${db:Status-Status} ${Package}\n' 2>/dev/null |
+    sed -n 's/^installed //p' | tr '\n' ' ') "
+  local package
+  for package in "$@"; do
+    [[ $installed == *" $package "* ]] || printf '%s\n' "$package"
+  done
+}
+
+# Installs what is missing of the given sections, or says what to do and ends.
+install_packages() {
+  command -v dpkg-query >/dev/null ||
+    fail "This is no Debian: install by hand what scripts/packages.txt lists, then build as README.md says."
+  local wanted missing as_root=()
+  mapfile -t wanted < <(packages_of "$@")
+  mapfile -t missing < <(missing_packages "${wanted[@]}")
+  ((${#missing[@]} == 0)) && return
+  local command="apt-get install --no-install-recommends ${missing[*]}"
+  say "Missing packages: ${missing[*]}"
+  if ((EUID != 0)); then
+    command -v sudo >/dev/null ||
+      fail "They need root and there is no sudo here. As root: $command"
+    as_root=(sudo)
+    # Without a terminal nobody could type a password.
+    [[ -t 0 ]] || sudo -n true 2>/dev/null || fail "They need root. Run: sudo $command"
+  fi
+  local log="$root/build/logs/packages.log" start=$SECONDS
+  make_log "$log"
+  local apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q
+    -o Acquire::Retries=1 -o Acquire::http::Timeout=20 -o Acquire::https::Timeout=20
+    -o DPkg::Lock::Timeout=120)
+  say "Reading the package lists ..."
+  "${apt[@]}" update >"$log" 2>&1 || true
+  say "Installing ${#missing[@]} packages (log: $log) ..."
+  if ! "${apt[@]}" install -y --no-install-recommends "${missing[@]}" >>"$log" 2>&1; then
+    tail -n 15 "$log" >&2
+    mapfile -t missing < <(missing_packages "${wanted[@]}")
+    fail "
+The packages could not be installed; is there a network?
+Still missing: ${missing[*]}
+Once there is one: ${as_root[*]:+sudo }apt-get update && ${as_root[*]:+sudo }$command
+Full log: $log"
+  fi
+  say "Installed in $(duration $((SECONDS - start)))."
+}
+
+make_log() {
+  { mkdir -p "$(dirname "$1")" && : >"$1"; } 2>/dev/null || fail \
+    "Cannot write to $root/build. Clone as the user who builds, or: chown -R \"\$USER\" \"$root\""
+}
+
+# Compilers at once: one a core, but at most one per 1.5 GB of free memory.
+build_jobs() {
+  local cores free_kb jobs
+  cores=$(nproc)
+  free_kb=$(sed -n 's/^MemAvailable: *\([0-9]*\).*/\1/p' /proc/meminfo)
+  jobs=$((${free_kb:-99000000} / 1500000))
+  if ((jobs < 1)); then jobs=1; fi
+  echo $((jobs < cores ? jobs : cores))
+}
+
+# configure <preset> [cmake arguments]: a moved or half-made build folder is configured afresh.
+configure() {
+  local preset=$1 folder="$root/build/$1" log="$root/build/logs/configure-$1.log" fresh=()
+  shift
+  make_log "$log"
+  if [[ -f $folder/CMakeCache.txt ]] &&
+    ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$folder/CMakeCache.txt"; then
+    fresh=(--fresh)
+  fi
+  if command -v ccache >/dev/null; then
+    set -- -DCMAKE_CXX_COMPILER_LAUNCHER=ccache "$@"
+  fi
+  if ! (cd "$root" && cmake "${fresh[@]}" --preset "$preset" "$@") >"$log" 2>&1; then
+    tail -n 30 "$log" >&2
+    fail "Configuring $preset failed. Full log: $log"
+  fi
+}
+
+# One line that counts up on a terminal; elsewhere a line every tenth of the way.
+show_progress() {
+  local line done_ of name tenth last=-1 terminal=0
+  [[ -t 1 ]] && terminal=1
+  while IFS= read -r line; do
+    [[ $line =~ ^\[([0-9]+)/([0-9]+)\] ]] || continue
+    done_=${BASH_REMATCH[1]} of=${BASH_REMATCH[2]} tenth=$((10 * BASH_REMATCH[1] / BASH_REMATCH[2]))
+    if ((terminal)); then
+      name=${line##*/}
+      printf '\r%s: %d of %d, %.40s\033[K' "$1" "$done_" "$of" "${name%.o}"
+    elif ((tenth != last && of > 10)); then
+      printf '%s: %d of %d\n' "$1" "$done_" "$of"
+    fi
+    last=$tenth
+  done
+  if ((terminal)); then printf '\r\033[K'; fi
+}
+
+# build <preset> <target ...>
+build() {
+  local preset=$1 log="$root/build/logs/build-$1.log"
+  shift
+  make_log "$log"
+  if ! ninja -C "$root/build/$preset" -j "$(build_jobs)" "$@" 2>&1 | tee "$log" |
+    show_progress "Building $preset"; then
+    grep -vE '^(\[|ninja: )' "$log" | grep -E -A12 -m3 '^FAILED|error|Error' >&2 ||
+      tail -n 30 "$log" >&2
+    fail "Building $preset failed. Full log: $log"
+  fi
+}

@@ -1,0 +1,35 @@
+#!/usr/bin/env bash
+# A rule that nothing can break is none: every kind of forbidden include must be found.
+set -euo pipefail
+tree=$(mktemp -d)
+trap 'rm -rf "$tree"' EXIT
+mkdir -p "$tree/src/core" "$tree/src/control" "$tree/src/physics" "$tree/src/runtime" "$tree/src/new"
+echo '#include <vector>' >"$tree/src/core/fine.hpp"
+echo '#include "core/fine.hpp"' >"$tree/src/runtime/session.hpp"
+
+expect() { # <message> <file> <content>
+  local said
+  printf '%s\n' "$3" >"$tree/src/$2"
+  said=$(python3 scripts/check_includes.py "$tree" 2>&1) && {
+    echo "not found: '$3' in $2"
+    exit 1
+  }
+  grep -qF "$1" <<<"$said" || {
+    echo "expected '$1', got: $said"
+    exit 1
+  }
+  rm "$tree/src/$2"
+}
+
+python3 scripts/check_includes.py "$tree" >/dev/null
+expect 'control must not include runtime/session.hpp' control/a.cpp '#include "runtime/session.hpp"'
+expect 'core must not include runtime/session.hpp' core/a.cpp '  #  include "runtime/session.hpp"'
+expect 'only physics/bullet may include <btBulletDynamicsCommon.h>' physics/a.hpp \
+  '#include <btBulletDynamicsCommon.h>'
+expect 'control knows no clock, thread or I/O' control/a.cpp '#include <thread>'
+expect "control has no 'virtual'" control/a.hpp 'struct A { virtual void f(); };'
+expect 'is no file of ours' core/a.cpp '#include "fine.hpp"'
+expect 'its folder is not in scripts/include_rules.toml' new/a.cpp 'int a;'
+# What stands in a comment includes nothing.
+echo '// #include "runtime/session.hpp" and virtual' >"$tree/src/control/a.cpp"
+python3 scripts/check_includes.py "$tree" >/dev/null

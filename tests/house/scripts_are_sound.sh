@@ -1,0 +1,32 @@
+#!/usr/bin/env bash
+# Shell that parses, runs from anywhere and lists packages that the scripts can read.
+set -euo pipefail
+for script in start check .ci/run scripts/*.sh tests/house/*.sh; do
+  bash -n "$script"
+done
+for script in start check .ci/run scripts/check_includes.py; do
+  [[ -x $script ]] || {
+    echo "$script is not executable"
+    exit 1
+  }
+done
+if command -v shellcheck >/dev/null; then
+  shellcheck -x start check .ci/run scripts/*.sh tests/house/*.sh
+fi
+root=$PWD
+# shellcheck source=scripts/lib.sh
+source scripts/lib.sh
+[[ $(packages_of run) == g++* && $(packages_of run) != *clang* ]]
+[[ $(packages_of check) == *libgtest-dev* ]]
+# A misspelt name of a package would be found missing on every machine.
+if command -v apt-cache >/dev/null && apt-cache show g++ >/dev/null 2>&1; then
+  for package in $(packages_of run check develop); do
+    apt-cache show "$package" >/dev/null 2>&1 || {
+      echo "scripts/packages.txt: Debian knows no package $package"
+      exit 1
+    }
+  done
+fi
+unknown=$(missing_packages dpkg no-such-package-anywhere)
+[[ $unknown == no-such-package-anywhere ]]
+[[ $(duration 125) == "2 min 05 s" ]]
