@@ -1,29 +1,30 @@
 #pragma once
 
+#include "core/expected.hpp"
+#include "core/tick_record.hpp"
+
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "core/expected.hpp"
-#include "core/tick_record.hpp"
-
 namespace wholehand {
 
 /// All that is needed to understand a recording and to run it again: written once into its /meta.
 struct RecordingMeta {
-  std::string created_utc;      ///< ISO 8601
-  std::string git_version;      ///< of the program
+  std::string created_utc;  ///< ISO 8601
+  std::string git_version;  ///< of the program
   std::uint64_t seed = 0;
   double period_s = 1e-3;
-  std::string engine;           ///< "bullet"
+  std::string engine;  ///< "bullet"
   bool simulated_clock = false;
-  bool uncertified = false;     ///< gains that the stability check refused were allowed
+  bool uncertified = false;  ///< gains that the stability check refused were allowed
   bool paper = false;
-  std::string title;            ///< "Reach and grasp", shown by the report
-  std::vector<std::string> axis_names, axis_units;      ///< "m" or "rad"
-  std::vector<double> effort_limits;                    ///< per axis [N or N·m]
-  std::vector<double> lever_arms_m;                     ///< per axis, 0 where there is no tip
+  std::string title;                                ///< "Reach and grasp", shown by the report
+  std::vector<std::string> axis_names, axis_units;  ///< "m" or "rad"
+  std::vector<double> effort_limits;                ///< per axis [N or N·m]
+  std::vector<double> lever_arms_m;                 ///< per axis, 0 where there is no tip
+  std::vector<double> armed_position;  ///< device position at which rendering was armed
   std::vector<std::string> joint_names, body_names, capsule_names;
   /// name -> full text of each configuration file used (device, hand, rendering, patient, scene,
   /// motion, and every mesh or URDF by its path), so that the recording stands alone.

@@ -1,0 +1,205 @@
+#include "telemetry/hdf5_handle.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace wholehand::hdf5 {
+namespace {
+
+/// Larger than any text a recording holds; a damaged file must not make us ask for terabytes.
+constexpr std::uint64_t kLargestText = std::uint64_t{1} << 31U;
+constexpr hssize_t kLongestList = 100000;
+
+Handle textType() {
+  Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type.get(), H5T_VARIABLE);
+  H5Tset_cset(type.get(), H5T_CSET_UTF8);
+  return type;
+}
+
+Handle listSpace(std::size_t size) {
+  const hsize_t n = size;
+  return {H5Screate_simple(1, &n, nullptr), H5Sclose};
+}
+
+bool writeRaw(hid_t object, const char* name, hid_t file_type, hid_t memory_type,
+              const Handle& space, const void* data) {
+  const Handle attribute(H5Acreate2(object, name, file_type, space.get(), H5P_DEFAULT, H5P_DEFAULT),
+                         H5Aclose);
+  return attribute.ok() && H5Awrite(attribute.get(), memory_type, data) >= 0;
+}
+
+/// Opens an attribute of the wanted class and tells how many elements it has.
+Handle openAttribute(hid_t object, const char* name, H5T_class_t wanted, hssize_t& count) {
+  if (H5Aexists(object, name) <= 0) return {};
+  Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
+  if (!attribute.ok()) return {};
+  const Handle type(H5Aget_type(attribute.get()), H5Tclose);
+  const Handle space(H5Aget_space(attribute.get()), H5Sclose);
+  if (!type.ok() || !space.ok() || H5Tget_class(type.get()) != wanted) return {};
+  if (wanted == H5T_STRING && H5Tis_variable_str(type.get()) <= 0) return {};
+  count = H5Sget_simple_extent_npoints(space.get());
+  return count >= 0 && count <= kLongestList ? std::move(attribute) : Handle();
+}
+
+bool readScalar(hid_t object, const char* name, H5T_class_t wanted, hid_t memory_type, void* out) {
+  hssize_t count = 0;
+  const Handle attribute = openAttribute(object, name, wanted, count);
+  return attribute.ok() && count == 1 && H5Aread(attribute.get(), memory_type, out) >= 0;
+}
+
+}  // namespace
+
+void silenceErrors() noexcept {
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // per thread: Debian's HDF5 is thread-safe
+}
+
+hid_t fileType(NumberType type) noexcept {
+  switch (type) {
+    case NumberType::kFloat64:
+      return H5T_IEEE_F64LE;
+    case NumberType::kUint64:
+      return H5T_STD_U64LE;
+    case NumberType::kInt64:
+      return H5T_STD_I64LE;
+    case NumberType::kUint32:
+      return H5T_STD_U32LE;
+    case NumberType::kInt32:
+      return H5T_STD_I32LE;
+  }
+  return H5I_INVALID_HID;
+}
+
+hid_t memoryType(NumberType type) noexcept {
+  switch (type) {
+    case NumberType::kFloat64:
+      return H5T_NATIVE_DOUBLE;
+    case NumberType::kUint64:
+      return H5T_NATIVE_UINT64;
+    case NumberType::kInt64:
+      return H5T_NATIVE_INT64;
+    case NumberType::kUint32:
+      return H5T_NATIVE_UINT32;
+    case NumberType::kInt32:
+      return H5T_NATIVE_INT32;
+  }
+  return H5I_INVALID_HID;
+}
+
+std::size_t byteSize(NumberType type) noexcept {
+  return type == NumberType::kUint32 || type == NumberType::kInt32 ? 4 : 8;
+}
+
+bool writeAttribute(hid_t object, const char* name, const std::string& text) {
+  const Handle type = textType();
+  const char* data = text.c_str();
+  return writeRaw(object, name, type.get(), type.get(), {H5Screate(H5S_SCALAR), H5Sclose}, &data);
+}
+
+bool writeAttribute(hid_t object, const char* name, const std::vector<std::string>& texts) {
+  const Handle type = textType();
+  std::vector<const char*> data;
+  for (const std::string& text : texts) data.push_back(text.c_str());
+  data.push_back(nullptr);  // so that data() is valid for an empty list
+  return writeRaw(object, name, type.get(), type.get(), listSpace(texts.size()), data.data());
+}
+
+bool writeAttribute(hid_t object, const char* name, const std::vector<double>& values) {
+  std::vector<double> data = values;
+  data.push_back(0.0);
+  return writeRaw(object, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, listSpace(values.size()),
+                  data.data());
+}
+
+bool writeAttribute(hid_t object, const char* name, double value) {
+  return writeRaw(object, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE,
+                  {H5Screate(H5S_SCALAR), H5Sclose}, &value);
+}
+
+bool writeAttribute(hid_t object, const char* name, std::uint64_t value) {
+  return writeRaw(object, name, H5T_STD_U64LE, H5T_NATIVE_UINT64, {H5Screate(H5S_SCALAR), H5Sclose},
+                  &value);
+}
+
+bool readAttribute(hid_t object, const char* name, std::string& text) {
+  const Handle type = textType();
+  char* data = nullptr;
+  if (!readScalar(object, name, H5T_STRING, type.get(), static_cast<void*>(&data))) return false;
+  text = data != nullptr ? data : "";
+  H5free_memory(data);
+  return true;
+}
+
+bool readAttribute(hid_t object, const char* name, std::vector<std::string>& texts) {
+  hssize_t count = 0;
+  const Handle attribute = openAttribute(object, name, H5T_STRING, count);
+  if (!attribute.ok()) return false;
+  const Handle type = textType();
+  std::vector<char*> data(static_cast<std::size_t>(count) + 1, nullptr);
+  if (H5Aread(attribute.get(), type.get(), static_cast<void*>(data.data())) < 0) return false;
+  texts.clear();
+  for (hssize_t i = 0; i < count; ++i) {
+    char* text = data[static_cast<std::size_t>(i)];
+    texts.emplace_back(text != nullptr ? text : "");
+    H5free_memory(text);
+  }
+  return true;
+}
+
+bool readAttribute(hid_t object, const char* name, std::vector<double>& values) {
+  hssize_t count = 0;
+  const Handle attribute = openAttribute(object, name, H5T_FLOAT, count);
+  if (!attribute.ok()) return false;
+  values.assign(static_cast<std::size_t>(count) + 1, 0.0);
+  const bool done = H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, values.data()) >= 0;
+  values.resize(static_cast<std::size_t>(count));
+  return done;
+}
+
+bool readAttribute(hid_t object, const char* name, double& value) {
+  return readScalar(object, name, H5T_FLOAT, H5T_NATIVE_DOUBLE, &value);
+}
+
+bool readAttribute(hid_t object, const char* name, std::uint64_t& value) {
+  return readScalar(object, name, H5T_INTEGER, H5T_NATIVE_UINT64, &value);
+}
+
+bool writeText(hid_t group, const char* name, const std::string& attribute_name,
+               const std::string& text) {
+  // A string of fixed length keeps bytes of every kind (a mesh may be binary), zeros included.
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type.get(), std::max<std::size_t>(text.size(), 1));
+  H5Tset_strpad(type.get(), H5T_STR_NULLPAD);
+  H5Tset_cset(type.get(), H5T_CSET_UTF8);
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Handle dataset(
+      H5Dcreate2(group, name, type.get(), space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+      H5Dclose);
+  return dataset.ok() &&
+         H5Dwrite(dataset.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, text.c_str()) >= 0 &&
+         writeAttribute(dataset.get(), "name", attribute_name) &&
+         writeAttribute(dataset.get(), "bytes", static_cast<std::uint64_t>(text.size()));
+}
+
+bool readText(hid_t group, const char* name, std::string& attribute_name, std::string& text) {
+  const Handle dataset(H5Dopen2(group, name, H5P_DEFAULT), H5Dclose);
+  std::uint64_t bytes = 0;
+  if (!dataset.ok() || !readAttribute(dataset.get(), "name", attribute_name) ||
+      !readAttribute(dataset.get(), "bytes", bytes) || bytes > kLargestText) {
+    return false;
+  }
+  const Handle type(H5Dget_type(dataset.get()), H5Tclose);
+  const Handle space(H5Dget_space(dataset.get()), H5Sclose);
+  if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) != 0 ||
+      H5Tget_size(type.get()) != std::max<std::uint64_t>(bytes, 1) ||
+      H5Sget_simple_extent_npoints(space.get()) != 1) {
+    return false;
+  }
+  text.assign(std::max<std::uint64_t>(bytes, 1), '\0');
+  const bool done =
+      H5Dread(dataset.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, text.data()) >= 0;
+  text.resize(bytes);
+  return done;
+}
+
+}  // namespace wholehand::hdf5

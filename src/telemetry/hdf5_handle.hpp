@@ -1,0 +1,75 @@
+#pragma once
+
+#include <hdf5.h>
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+/// The little of HDF5 that recordings need, with owners for its identifiers. Private to telemetry:
+/// no header that others include shows HDF5.
+namespace wholehand::hdf5 {
+
+/// Owns one HDF5 identifier. Not for the tick.
+class Handle {
+ public:
+  using Closer = herr_t (*)(hid_t);
+
+  Handle() noexcept = default;
+  Handle(hid_t id, Closer closer) noexcept : id_(id), closer_(closer) {}
+  Handle(Handle&& other) noexcept
+      : id_(std::exchange(other.id_, H5I_INVALID_HID)), closer_(other.closer_) {}
+  Handle& operator=(Handle&& other) noexcept {
+    if (this != &other) {
+      reset();
+      id_ = std::exchange(other.id_, H5I_INVALID_HID);
+      closer_ = other.closer_;
+    }
+    return *this;
+  }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  ~Handle() { reset(); }
+
+  void reset() noexcept {
+    if (ok()) closer_(std::exchange(id_, H5I_INVALID_HID));
+  }
+  [[nodiscard]] bool ok() const noexcept { return id_ >= 0; }
+  [[nodiscard]] hid_t get() const noexcept { return id_; }
+
+ private:
+  hid_t id_ = H5I_INVALID_HID;
+  Closer closer_ = nullptr;
+};
+
+/// Turns off HDF5's habit of printing an error stack, for the calling thread. Every public function
+/// of the recorder calls it first; faults are told as Diagnostic or counted instead.
+void silenceErrors() noexcept;
+
+/// The type of a number in the file (little-endian) and in memory.
+enum class NumberType { kFloat64, kUint64, kInt64, kUint32, kInt32 };
+[[nodiscard]] hid_t fileType(NumberType type) noexcept;
+[[nodiscard]] hid_t memoryType(NumberType type) noexcept;
+[[nodiscard]] std::size_t byteSize(NumberType type) noexcept;
+
+// Attributes. Writers and readers return false on any failure; texts are UTF-8 of variable length,
+// lists are one-dimensional.
+bool writeAttribute(hid_t object, const char* name, const std::string& text);
+bool writeAttribute(hid_t object, const char* name, const std::vector<std::string>& texts);
+bool writeAttribute(hid_t object, const char* name, const std::vector<double>& values);
+bool writeAttribute(hid_t object, const char* name, double value);
+bool writeAttribute(hid_t object, const char* name, std::uint64_t value);
+bool readAttribute(hid_t object, const char* name, std::string& text);
+bool readAttribute(hid_t object, const char* name, std::vector<std::string>& texts);
+bool readAttribute(hid_t object, const char* name, std::vector<double>& values);
+bool readAttribute(hid_t object, const char* name, double& value);
+bool readAttribute(hid_t object, const char* name, std::uint64_t& value);
+
+/// A scalar dataset holding a whole text (or any bytes), exactly.
+bool writeText(hid_t group, const char* name, const std::string& attribute_name,
+               const std::string& text);
+/// Reads what writeText wrote.
+bool readText(hid_t group, const char* name, std::string& attribute_name, std::string& text);
+
+}  // namespace wholehand::hdf5

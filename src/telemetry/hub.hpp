@@ -1,0 +1,58 @@
+#pragma once
+
+#include "core/tick_record.hpp"
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <thread>
+#include <vector>
+
+namespace wholehand {
+
+class RecordingWriter;
+class TickStatistics;
+
+/// The only consumer of the real-time side's records: takes them from their queue on a thread of
+/// its own, and hands each to the recorder, the statistics and any other sink. A slow disk slows
+/// this thread alone; the queue then fills, drops and counts.
+///
+/// The recorder, the statistics and the sinks must outlive the hub.
+class TelemetryHub {
+ public:
+  /// Takes the next record; false when there is none at present. Called from the hub's thread only.
+  using Source = std::function<bool(TickRecord&)>;
+  using Sink = std::function<void(const TickRecord&)>;
+
+  explicit TelemetryHub(Source source) : source_(std::move(source)) {}
+  ~TelemetryHub() { stop(); }
+  TelemetryHub(const TelemetryHub&) = delete;
+  TelemetryHub& operator=(const TelemetryHub&) = delete;
+
+  // Before start() only. Neither is owned.
+  void record(RecordingWriter& writer) { writer_ = &writer; }
+  void count(TickStatistics& statistics) { statistics_ = &statistics; }
+  void add(Sink sink) { sinks_.push_back(std::move(sink)); }
+
+  /// Starts the thread. Idempotent.
+  void start();
+  /// Takes what the source still holds, flushes the recorder, ends the thread. Idempotent.
+  /// @pre the source's producer has ended (else the drain follows it until it pauses).
+  void stop();
+  [[nodiscard]] std::uint64_t consumed() const noexcept { return consumed_; }
+
+ private:
+  void run();
+  /// Takes all records that wait; true when there was one.
+  bool drain();
+
+  Source source_;
+  RecordingWriter* writer_ = nullptr;
+  TickStatistics* statistics_ = nullptr;
+  std::vector<Sink> sinks_;
+  std::thread thread_;
+  std::atomic<bool> stopping_{false};
+  std::atomic<std::uint64_t> consumed_{0};
+};
+
+}  // namespace wholehand

@@ -1,0 +1,226 @@
+#include "telemetry/recording_layout.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+namespace wholehand::recording {
+namespace {
+
+using hdf5::NumberType;
+using Texts = std::vector<std::string>;
+
+/// Stands where a tick had no value: an axis array shorter than the device (no virtual patient).
+/// A quiet NaN with a payload of its own, so that a computed NaN is kept as such.
+constexpr std::uint64_t kAbsent = 0x7FFC'5748'0000'0001ULL;
+
+template <class T>
+constexpr NumberType numberType() {
+  if constexpr (std::is_same_v<T, double>) return NumberType::kFloat64;
+  if constexpr (std::is_same_v<T, std::uint64_t>) return NumberType::kUint64;
+  if constexpr (std::is_same_v<T, std::int64_t>) return NumberType::kInt64;
+  if constexpr (std::is_same_v<T, std::uint32_t> || std::is_same_v<T, Fault>) {
+    return NumberType::kUint32;
+  }
+  return NumberType::kInt32;
+}
+
+/// A plain number of a row, reached by `at`: Row& -> T&.
+template <class Row, class At>
+Column<Row> number(std::string name, std::string unit, At at) {
+  using T = std::remove_reference_t<std::invoke_result_t<At, Row&>>;
+  Column<Row> c;
+  c.name = std::move(name);
+  c.type = numberType<T>();
+  c.units = {std::move(unit)};
+  c.store = [at](const Row& row, std::byte* out) {
+    std::memcpy(out, &at(const_cast<Row&>(row)), sizeof(T));
+  };
+  c.load = [at](const std::byte* in, Row& row) { std::memcpy(&at(row), in, sizeof(T)); };
+  return c;
+}
+
+/// A block of doubles or int32 that lies contiguous in the row.
+template <class Row, class At>
+Column<Row> block(std::string name, std::uint64_t width, Texts units, Texts labels, At at) {
+  using T = std::remove_pointer_t<std::invoke_result_t<At, Row&>>;
+  Column<Row> c;
+  c.name = std::move(name);
+  c.type = numberType<T>();
+  c.shape = {width};
+  c.units = std::move(units);
+  c.labels = std::move(labels);
+  const std::size_t bytes = width * sizeof(T);
+  c.store = [at, bytes](const Row& row, std::byte* out) {
+    std::memcpy(out, at(const_cast<Row&>(row)), bytes);
+  };
+  c.load = [at, bytes](const std::byte* in, Row& row) { std::memcpy(at(row), in, bytes); };
+  return c;
+}
+
+/// A value per axis or per joint; the array of a tick may be shorter than the recording's.
+template <class Array>
+Column<TickRecord> perAxis(std::string name, Array TickRecord::*member, Texts units, Texts labels) {
+  Column<TickRecord> c;
+  c.name = std::move(name);
+  c.shape = {labels.size()};
+  c.units = std::move(units);
+  c.labels = std::move(labels);
+  const int width = static_cast<int>(c.labels.size());
+  c.store = [member, width](const TickRecord& row, std::byte* out) {
+    const Array& values = row.*member;
+    for (int i = 0; i < width; ++i) {
+      const double v = i < values.size() ? values[i] : std::bit_cast<double>(kAbsent);
+      std::memcpy(out + static_cast<std::size_t>(i) * sizeof v, &v, sizeof v);
+    }
+  };
+  c.load = [member, width](const std::byte* in, TickRecord& row) {
+    int size = 0;
+    std::array<double, Array::capacity()> values{};
+    for (; size < width; ++size) {
+      const std::size_t i = static_cast<std::size_t>(size);
+      std::memcpy(&values[i], in + i * sizeof(double), sizeof(double));
+      if (std::bit_cast<std::uint64_t>(values[i]) == kAbsent) break;
+    }
+    Array array(size);
+    std::copy_n(values.begin(), size, array.data());
+    row.*member = array;
+  };
+  return c;
+}
+
+Column<TickRecord> bodyColumn(const Texts& names) {
+  static_assert(sizeof(BodyState) == 13 * sizeof(double));
+  auto c = block<TickRecord>(
+      "bodies", names.size() * 13,
+      {"m", "m", "m", "1", "1", "1", "1", "m/s", "m/s", "m/s", "rad/s", "rad/s", "rad/s"}, names,
+      [](TickRecord& r) { return reinterpret_cast<double*>(r.bodies.data()); });
+  c.shape = {names.size(), 13};
+  c.columns = {"px", "py", "pz", "qx", "qy", "qz", "qw", "vx", "vy", "vz", "wx", "wy", "wz"};
+  return c;
+}
+
+Texts perUnit(const Texts& units, const char* per_m, const char* per_rad) {
+  Texts out;
+  for (const std::string& unit : units) out.emplace_back(unit == "rad" ? per_rad : per_m);
+  return out;
+}
+
+void addSessionColumns(std::vector<Column<TickRecord>>& out) {
+  const auto add = [&out](auto column) { out.push_back(std::move(column)); };
+  using R = TickRecord;
+  add(number<R>(
+      "tick", "1", [](R & r) -> auto& { return r.tick; }));
+  add(number<R>(
+      "time_s", "s", [](R & r) -> auto& { return r.time_s; }));
+  add(number<R>(
+      "elapsed_periods", "1", [](R & r) -> auto& { return r.elapsed_periods; }));
+  add(number<R>(
+      "faults", "bits", [](R & r) -> auto& { return r.faults; }));
+  add(number<R>(
+      "lateness_ns", "ns", [](R & r) -> auto& { return r.lateness_ns; }));
+  add(number<R>(
+      "wall_ns", "ns", [](R & r) -> auto& { return r.wall_ns; }));
+  add(number<R>(
+      "cpu_ns", "ns", [](R & r) -> auto& { return r.cpu_ns; }));
+  Texts stages;
+  for (int i = 0; i < kStages; ++i) stages.emplace_back(stageName(static_cast<Stage>(i)));
+  add(block<R>("stage_cpu_ns", kStages, {"ns"}, stages,
+               [](R& r) { return r.stage_cpu_ns.data(); }));
+}
+
+void addAxisColumns(std::vector<Column<TickRecord>>& out, const RecordingMeta& meta) {
+  const Texts& names = meta.axis_names;
+  const Texts position = perUnit(meta.axis_units, "m", "rad");
+  const Texts velocity = perUnit(meta.axis_units, "m/s", "rad/s");
+  const Texts effort = perUnit(meta.axis_units, "N", "N·m");
+  const auto add = [&](const char* name, auto member, const Texts& units) {
+    out.push_back(perAxis(name, member, units, names));
+  };
+  add("q_m", &TickRecord::q_m, position);
+  add("intention", &TickRecord::intention, position);
+  add("patient_effort", &TickRecord::patient_effort, effort);
+  add("qd_mf", &TickRecord::qd_mf, velocity);
+  add("q_s", &TickRecord::q_s, position);
+  add("qd_s", &TickRecord::qd_s, velocity);
+  add("f_s", &TickRecord::f_s, effort);
+  add("coupling", &TickRecord::coupling, effort);
+  add("phi", &TickRecord::phi, {"1"});
+  add("damping", &TickRecord::damping, effort);
+  add("rendered", &TickRecord::rendered, effort);
+  add("sent", &TickRecord::sent, effort);
+}
+
+}  // namespace
+
+std::vector<Column<TickRecord>> tickColumns(const RecordingMeta& meta) {
+  using R = TickRecord;
+  std::vector<Column<R>> out;
+  addSessionColumns(out);
+  addAxisColumns(out, meta);
+  const auto add = [&out](auto column) { out.push_back(std::move(column)); };
+  if (!meta.joint_names.empty()) {
+    add(perAxis("theta", &R::theta, {"m or rad"}, meta.joint_names));
+  }
+  add(number<R>(
+      "coupling_error_rad", "rad", [](R & r) -> auto& { return r.coupling_error_rad; }));
+  add(number<R>(
+      "palm_distance_m", "m", [](R & r) -> auto& { return r.palm_distance_m; }));
+  add(number<R>(
+      "authority", "1", [](R & r) -> auto& { return r.authority; }));
+  add(number<R>(
+      "body_count", "1", [](R & r) -> auto& { return r.body_count; }));
+  if (!meta.body_names.empty()) add(bodyColumn(meta.body_names));
+  add(number<R>(
+      "contact_count", "1", [](R & r) -> auto& { return r.contact_count; }));
+  add(number<R>(
+      "contacts_dropped", "1", [](R & r) -> auto& { return r.contacts_dropped; }));
+  return out;
+}
+
+std::vector<Column<ContactRow>> contactColumns() {
+  using R = ContactRow;
+  static_assert(sizeof(Vec3) == 3 * sizeof(double));
+  const Texts xyz = {"x", "y", "z"};
+  std::vector<Column<R>> out;
+  const auto add = [&out](auto column) { out.push_back(std::move(column)); };
+  add(number<R>(
+      "row", "1", [](R & r) -> auto& { return r.row; }));
+  add(number<R>(
+      "capsule", "1", [](R & r) -> auto& { return r.contact.capsule; }));
+  add(number<R>(
+      "link", "1", [](R & r) -> auto& { return r.contact.link; }));
+  add(number<R>(
+      "body", "1", [](R & r) -> auto& { return r.contact.body; }));
+  add(block<R>("point_m", 3, {"m"}, xyz, [](R& r) { return &r.contact.point_m.x; }));
+  add(block<R>("normal", 3, {"1"}, xyz, [](R& r) { return &r.contact.normal.x; }));
+  add(block<R>("force_n", 3, {"N"}, xyz, [](R& r) { return &r.contact.force_n.x; }));
+  add(block<R>("torque_nm", 3, {"N·m"}, xyz, [](R& r) { return &r.contact.torque_nm.x; }));
+  add(number<R>(
+      "distance_m", "m", [](R & r) -> auto& { return r.contact.distance_m; }));
+  return out;
+}
+
+std::string unusable(const RecordingMeta& meta) {
+  const auto within = [](std::size_t n, int most) { return n <= static_cast<std::size_t>(most); };
+  const std::size_t axes = meta.axis_names.size();
+  if (axes == 0 || !within(axes, kMaxAxes)) {
+    return "names " + std::to_string(axes) + " axes; 1 to " + std::to_string(kMaxAxes) +
+           " are possible";
+  }
+  if (meta.axis_units.size() != axes || meta.effort_limits.size() != axes ||
+      meta.lever_arms_m.size() != axes) {
+    return "has not one unit, effort limit and lever arm for each axis";
+  }
+  if (!within(meta.joint_names.size(), kMaxJoints)) return "names too many joints";
+  if (!within(meta.body_names.size(), kMaxBodies)) return "names too many bodies";
+  if (!std::isfinite(meta.period_s) || meta.period_s <= 0.0) return "has no positive period";
+  return {};
+}
+
+std::uint64_t chunkRows(double period_s) noexcept {
+  return static_cast<std::uint64_t>(std::clamp(std::round(0.25 / period_s), 25.0, 1000.0));
+}
+
+}  // namespace wholehand::recording

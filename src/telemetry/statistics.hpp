@@ -1,0 +1,69 @@
+#pragma once
+
+#include "core/tick_record.hpp"
+
+#include <array>
+#include <cstdint>
+#include <mutex>
+#include <vector>
+
+namespace wholehand {
+
+/// p50, p99, p99.9 and the largest of many durations [ns]; all zero when there were none.
+struct Percentiles {
+  double p50_ns = 0.0, p99_ns = 0.0, p999_ns = 0.0, max_ns = 0.0;
+};
+
+/// Counts durations in bins of equal ratio, so that a percentile is within 0.5 % of the exact one
+/// whatever their number, in constant memory. Range 10 ns .. 1000 s; beyond, the end bins count.
+class DurationHistogram {
+ public:
+  DurationHistogram();
+
+  void add(std::int64_t duration_ns);
+  /// The smallest duration that at least `share` (0 .. 1) of all do not exceed (nearest rank),
+  /// within 0.5 %; never above the largest one. 0 without durations.
+  [[nodiscard]] double quantile(double share) const;
+  [[nodiscard]] Percentiles percentiles() const;
+  [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
+  [[nodiscard]] std::int64_t maxNs() const noexcept { return max_ns_; }
+  [[nodiscard]] std::int64_t minNs() const noexcept { return count_ == 0 ? 0 : min_ns_; }
+
+ private:
+  std::vector<std::uint64_t> bins_;
+  std::uint64_t count_ = 0;
+  std::int64_t max_ns_ = 0, min_ns_ = INT64_MAX;
+};
+
+/// What a run came to so far.
+struct TickSummary {
+  std::uint64_t ticks = 0;    ///< periods, skipped ones included: the sum of elapsed_periods
+  std::uint64_t records = 0;  ///< ticks that ran
+  std::uint64_t missed_deadlines = 0;              ///< periods skipped
+  std::array<std::uint64_t, kFaultBits> faults{};  ///< ticks in which each bit was set
+  std::uint64_t stopping_faults = 0;               ///< ticks with a fault that stops rendering
+  AxisEffort max_effort;                           ///< largest |sent| per axis [N or N·m]
+  std::int32_t contacts_max = 0;                   ///< in one tick
+  double max_coupling_error_rad = 0.0;
+  Percentiles cpu, wall, lateness;
+  std::array<Percentiles, kStages> stage_cpu{};
+  double time_s = 0.0;        ///< of the last tick
+  std::int32_t contacts = 0;  ///< in the last tick
+  AxisEffort sent;            ///< in the last tick
+};
+
+/// Running statistics over records, without storing them. Any thread may ask for a snapshot while
+/// another adds. Locks: not for the tick.
+class TickStatistics {
+ public:
+  void add(const TickRecord& record);
+  [[nodiscard]] TickSummary snapshot() const;
+
+ private:
+  mutable std::mutex mutex_;
+  TickSummary totals_;  ///< all but the percentiles
+  DurationHistogram cpu_, wall_, lateness_;
+  std::array<DurationHistogram, kStages> stages_;
+};
+
+}  // namespace wholehand

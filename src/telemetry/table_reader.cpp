@@ -1,0 +1,47 @@
+#include "telemetry/table_reader.hpp"
+
+namespace wholehand::recording {
+namespace {
+using hdf5::Handle;
+}
+
+std::string openDataset(hid_t group, const ColumnShape& column, Handle& dataset,
+                        std::uint64_t& rows) {
+  const std::string missing = "has no dataset '" + column.name + "'";
+  if (H5Lexists(group, column.name.c_str(), H5P_DEFAULT) <= 0) return missing;
+  dataset = Handle(H5Dopen2(group, column.name.c_str(), H5P_DEFAULT), H5Dclose);
+  if (!dataset.ok()) return missing;
+  const Handle space(H5Dget_space(dataset.get()), H5Sclose);
+  const Handle type(H5Dget_type(dataset.get()), H5Tclose);
+  const int rank = H5Sget_simple_extent_ndims(space.get());
+  if (rank != static_cast<int>(column.shape.size()) + 1 ||
+      H5Tequal(type.get(), hdf5::fileType(column.type)) <= 0) {
+    return "has a dataset '" + column.name + "' of another form";
+  }
+  std::vector<hsize_t> dims(static_cast<std::size_t>(rank));
+  H5Sget_simple_extent_dims(space.get(), dims.data(), nullptr);
+  if (!std::equal(column.shape.begin(), column.shape.end(), dims.begin() + 1)) {
+    return "has a dataset '" + column.name + "' with another number of columns than /meta names";
+  }
+  rows = dims.front();
+  return {};
+}
+
+bool readRows(hid_t dataset, const ColumnShape& column, std::uint64_t first, std::uint64_t count,
+              std::vector<std::byte>& rows) {
+  rows.resize(count * column.rowBytes());
+  if (count == 0) return true;
+  std::vector<hsize_t> block = {count};
+  block.insert(block.end(), column.shape.begin(), column.shape.end());
+  std::vector<hsize_t> start(block.size(), 0);
+  start.front() = first;
+  const Handle in_file(H5Dget_space(dataset), H5Sclose);
+  const Handle in_memory(H5Screate_simple(static_cast<int>(block.size()), block.data(), nullptr),
+                         H5Sclose);
+  return H5Sselect_hyperslab(in_file.get(), H5S_SELECT_SET, start.data(), nullptr, block.data(),
+                             nullptr) >= 0 &&
+         H5Dread(dataset, hdf5::memoryType(column.type), in_memory.get(), in_file.get(),
+                 H5P_DEFAULT, rows.data()) >= 0;
+}
+
+}  // namespace wholehand::recording

@@ -1,0 +1,96 @@
+#pragma once
+
+#include "telemetry/hdf5_handle.hpp"
+#include "telemetry/recording_layout.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace wholehand::recording {
+
+/// Opens a dataset and checks that its type and its rows have the expected form; `rows` becomes its
+/// length. What is wrong, or nothing.
+std::string openDataset(hid_t group, const ColumnShape& column, hdf5::Handle& dataset,
+                        std::uint64_t& rows);
+/// Reads `count` rows from row `first` on into `rows`.
+bool readRows(hid_t dataset, const ColumnShape& column, std::uint64_t first, std::uint64_t count,
+              std::vector<std::byte>& rows);
+
+/// Reads the datasets that a TableWriter wrote, a block at a time. Not for the tick.
+template <class Row>
+class TableReader {
+ public:
+  explicit TableReader(std::vector<Column<Row>> columns)
+      : columns_(std::move(columns)), buffers_(columns_.size()) {}
+
+  /// Opens every dataset of the table. What is wrong, or nothing.
+  std::string open(hid_t group);
+  /// The rows that every dataset has: a killed writer may leave some a little longer.
+  [[nodiscard]] std::uint64_t rows() const noexcept { return rows_; }
+  /// Makes the rows first .. first+count-1 ready for get().
+  bool load(std::uint64_t first, std::uint64_t count);
+  /// The i-th row of the file. @pre it was loaded.
+  void get(std::uint64_t i, Row& row) const;
+  [[nodiscard]] bool holds(std::uint64_t i) const noexcept {
+    return i >= first_ && i < first_ + count_;
+  }
+  /// The dataset of that name, whole. @pre a number of type T per row.
+  template <class T>
+  bool readAll(const std::string& name, std::vector<T>& out) const;
+
+ private:
+  std::vector<Column<Row>> columns_;
+  std::vector<std::vector<std::byte>> buffers_;
+  std::vector<hdf5::Handle> datasets_;
+  std::uint64_t rows_ = 0, first_ = 0, count_ = 0;
+};
+
+template <class Row>
+std::string TableReader<Row>::open(hid_t group) {
+  rows_ = UINT64_MAX;
+  for (const Column<Row>& column : columns_) {
+    std::uint64_t rows = 0;
+    datasets_.emplace_back();
+    std::string problem = openDataset(group, column, datasets_.back(), rows);
+    if (!problem.empty()) return problem;
+    rows_ = std::min(rows_, rows);
+  }
+  return {};
+}
+
+template <class Row>
+bool TableReader<Row>::load(std::uint64_t first, std::uint64_t count) {
+  count_ = 0;
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    if (!readRows(datasets_[i].get(), columns_[i], first, count, buffers_[i])) return false;
+  }
+  first_ = first;
+  count_ = count;
+  return true;
+}
+
+template <class Row>
+void TableReader<Row>::get(std::uint64_t i, Row& row) const {
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    columns_[c].load(buffers_[c].data() + (i - first_) * columns_[c].rowBytes(), row);
+  }
+}
+
+template <class Row>
+template <class T>
+bool TableReader<Row>::readAll(const std::string& name, std::vector<T>& out) const {
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    if (columns_[c].name != name) continue;
+    std::vector<std::byte> bytes;
+    if (!readRows(datasets_[c].get(), columns_[c], 0, rows_, bytes)) return false;
+    out.resize(rows_);
+    std::copy_n(bytes.data(), bytes.size(), reinterpret_cast<std::byte*>(out.data()));
+    return true;
+  }
+  return false;
+}
+
+}  // namespace wholehand::recording

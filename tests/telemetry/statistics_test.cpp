@@ -1,0 +1,112 @@
+#include "telemetry/statistics.hpp"
+
+#include "telemetry/hub.hpp"
+#include "telemetry/recording.hpp"
+#include "telemetry/synthetic_recording.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <thread>
+
+namespace wholehand {
+namespace {
+
+/// The exact answer: nearest rank in the sorted samples.
+double nearestRank(std::vector<std::int64_t> samples, double share) {
+  std::sort(samples.begin(), samples.end());
+  const double rank = std::ceil(share * static_cast<double>(samples.size()));
+  return static_cast<double>(samples[static_cast<std::size_t>(std::max(rank, 1.0)) - 1]);
+}
+
+TEST(DurationHistogram, LogNormalDurations_PercentilesWithinOnePercentOfSorted) {
+  std::mt19937_64 random(7);
+  std::lognormal_distribution<double> us(std::log(40.0), 0.7);
+  DurationHistogram histogram;
+  std::vector<std::int64_t> samples;
+  for (int i = 0; i < 50000; ++i) {
+    samples.push_back(static_cast<std::int64_t>(us(random) * 1000.0));
+    histogram.add(samples.back());
+  }
+  for (const double share : {0.001, 0.25, 0.5, 0.9, 0.99, 0.999, 1.0}) {
+    const double exact = nearestRank(samples, share);
+    EXPECT_NEAR(histogram.quantile(share), exact, 0.01 * exact) << share;
+  }
+  EXPECT_EQ(histogram.percentiles().max_ns, nearestRank(samples, 1.0));  // exact
+}
+
+TEST(DurationHistogram, OneOrNoDuration_IsExact) {
+  DurationHistogram histogram;
+  EXPECT_EQ(histogram.quantile(0.5), 0.0);
+  histogram.add(12345);
+  EXPECT_EQ(histogram.quantile(0.5), 12345.0);
+  EXPECT_EQ(histogram.percentiles().p999_ns, 12345.0);
+}
+
+TEST(TickStatistics, NoisyRecords_AgreeWithDirectCounts) {
+  std::mt19937_64 random(3);
+  TickStatistics statistics;
+  std::uint64_t ticks = 0, missed = 0, limited = 0;
+  std::int32_t contacts = 0;
+  double most = 0.0, error = 0.0;
+  std::vector<std::int64_t> cpu, stage;
+  for (std::uint64_t i = 0; i < 5000; ++i) {
+    const TickRecord r = synthetic::noisy(i, random);
+    statistics.add(r);
+    ticks += r.elapsed_periods;
+    missed += r.elapsed_periods - 1;
+    limited += any(r.faults & Fault::kEffortLimit) ? 1 : 0;
+    contacts = std::max(contacts, r.contact_count + r.contacts_dropped);
+    most = std::max(most, std::abs(r.sent[5]));
+    error = std::max(error, std::abs(r.coupling_error_rad));
+    cpu.push_back(r.cpu_ns);
+    stage.push_back(r.stage_cpu_ns[2]);
+  }
+  const TickSummary s = statistics.snapshot();
+  EXPECT_EQ(s.records, 5000U);
+  EXPECT_EQ(s.ticks, ticks);
+  EXPECT_EQ(s.missed_deadlines, missed);
+  EXPECT_EQ(missed, 100U);  // the synthetic recording skips one period in fifty
+  EXPECT_EQ(s.faults[6], limited);
+  EXPECT_EQ(s.contacts_max, contacts);
+  EXPECT_EQ(s.max_effort[5], most);
+  EXPECT_EQ(s.max_coupling_error_rad, error);
+  EXPECT_NEAR(s.cpu.p99_ns, nearestRank(cpu, 0.99), 0.01 * nearestRank(cpu, 0.99));
+  EXPECT_NEAR(s.stage_cpu[2].p50_ns, nearestRank(stage, 0.5), 0.01 * nearestRank(stage, 0.5));
+}
+
+TEST(TelemetryHub, StopAfterBurst_EverySinkHasEveryRecord) {
+  const synthetic::Folder folder;
+  auto writer = RecordingWriter::create(folder.file("a.h5"), synthetic::meta()).value();
+  TickStatistics statistics;
+  std::atomic<std::uint64_t> offered{0};
+  std::uint64_t next = 0;
+  std::mt19937_64 random(1);
+  TelemetryHub hub([&](TickRecord& r) {
+    if (next >= offered) return false;
+    r = synthetic::noisy(next++, random);
+    return true;
+  });
+  std::vector<std::uint64_t> seen;
+  hub.record(*writer);
+  hub.count(statistics);
+  hub.add([&seen](const TickRecord& r) { seen.push_back(r.tick); });
+  hub.start();
+  for (int i = 0; i < 20; ++i) {
+    offered += 37;
+    std::this_thread::sleep_for(std::chrono::milliseconds(3));
+    EXPECT_LE(statistics.snapshot().records, 740U);  // from another thread
+  }
+  offered += 263;
+  hub.stop();
+  EXPECT_EQ(hub.consumed(), 1003U);
+  EXPECT_EQ(statistics.snapshot().records, 1003U);
+  ASSERT_EQ(seen.size(), 1003U);
+  for (std::uint64_t i = 0; i < seen.size(); ++i) ASSERT_EQ(seen[i], i);
+  EXPECT_EQ(writer->written(), 1003U);  // flushed, although not yet closed
+}
+
+}  // namespace
+}  // namespace wholehand

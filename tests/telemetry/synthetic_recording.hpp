@@ -1,0 +1,118 @@
+#pragma once
+
+#include "core/tick_record.hpp"
+#include "telemetry/recording.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+#include <random>
+#include <string>
+
+namespace wholehand::synthetic {
+
+/// A folder that vanishes with the test.
+class Folder {
+ public:
+  Folder() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "wholehand-XXXXXX").string();
+    path_ = ::mkdtemp(pattern.data());
+  }
+  ~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  [[nodiscard]] std::string file(const std::string& name) const { return path_ + "/" + name; }
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+inline RecordingMeta meta() {
+  RecordingMeta m;
+  m.created_utc = "2026-11-20T09:38:00Z";
+  m.git_version = "7c1e90a";
+  m.seed = 0xFEDC'BA98'7654'3210ULL;
+  m.engine = "bullet";
+  m.title = "Reach and grasp";
+  m.axis_names = {"x", "y", "z", "finger_flexion", "thumb_circumduction", "thumb_flexion"};
+  m.axis_units = {"m", "m", "m", "rad", "rad", "rad"};
+  m.effort_limits = {20, 20, 20, 0.8, 0.6, 0.8};
+  m.lever_arms_m = {0, 0, 0, 0.08, 0, 0.08};
+  for (int i = 0; i < 18; ++i) m.joint_names.push_back("joint_" + std::to_string(i));
+  m.body_names = {"cube", "sphere", "cylinder", "disk"};
+  m.capsule_names = {"palm", "index_proximal"};
+  m.files = {{"config/devices/lambda-pride.toml", "kind = \"device\"\nname = \"lambda-pride\"\n"},
+             {"mesh.stl", std::string("bin\0ary\xff\0", 9)},
+             {"empty.txt", ""}};
+  return m;
+}
+
+template <class Array>
+Array randomArray(int size, std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  Array a(size);
+  for (int i = 0; i < size; ++i) a[i] = normal(random);
+  return a;
+}
+
+/// A record with every field set to something of its own.
+inline TickRecord noisy(std::uint64_t tick, std::mt19937_64& random) {
+  std::normal_distribution<double> n;
+  const auto whole = [&random](int most) {
+    return static_cast<std::int32_t>(random() % static_cast<std::uint64_t>(most));
+  };
+  TickRecord r;
+  r.tick = tick;
+  r.time_s = static_cast<double>(tick) * 1e-3;
+  r.elapsed_periods = 1 + static_cast<std::uint32_t>(tick % 50 == 49);
+  r.faults = static_cast<Fault>(random() % (1U << kFaultBits));
+  r.lateness_ns = whole(100000);
+  r.wall_ns = whole(200000);
+  r.cpu_ns = whole(150000);
+  for (auto& s : r.stage_cpu_ns) s = whole(20000);
+  r.q_m = randomArray<AxisPosition>(6, random);
+  r.intention = randomArray<AxisPosition>(tick % 3 == 0 ? 0 : 6, random);
+  r.patient_effort = randomArray<AxisEffort>(tick % 3 == 0 ? 0 : 6, random);
+  r.qd_mf = randomArray<AxisVelocity>(6, random);
+  r.q_s = randomArray<AxisPosition>(6, random);
+  r.qd_s = randomArray<AxisVelocity>(6, random);
+  r.theta = randomArray<JointPosition>(18, random);
+  r.coupling_error_rad = n(random) * 1e-6;
+  r.palm_distance_m = tick % 7 == 0 ? std::numeric_limits<double>::infinity() : n(random);
+  r.body_count = 4;
+  for (std::size_t b = 0; b < 4; ++b) {
+    r.bodies[b].position_m = {n(random), n(random), n(random)};
+    r.bodies[b].orientation_xyzw = {n(random), n(random), n(random), n(random)};
+    r.bodies[b].velocity_m_s = {n(random), n(random), n(random)};
+    r.bodies[b].angular_velocity_rad_s = {n(random), n(random), n(random)};
+  }
+  r.f_s = randomArray<AxisEffort>(6, random);
+  r.coupling = randomArray<AxisEffort>(6, random);
+  r.phi = randomArray<AxisRatio>(6, random);
+  r.damping = randomArray<AxisEffort>(6, random);
+  r.rendered = randomArray<AxisEffort>(6, random);
+  if (tick % 11 == 0) r.rendered[2] = std::numeric_limits<double>::quiet_NaN();
+  r.authority = std::abs(n(random));
+  r.sent = randomArray<AxisEffort>(6, random);
+  r.contact_count = tick % 5 == 0 ? 0 : whole(9);
+  r.contacts_dropped = whole(2);
+  for (std::int32_t c = 0; c < r.contact_count; ++c) {
+    Contact& k = r.contacts[static_cast<std::size_t>(c)];
+    k.capsule = whole(40);
+    k.link = whole(20);
+    k.body = whole(4);
+    k.point_m = {n(random), n(random), n(random)};
+    k.normal = {n(random), n(random), n(random)};
+    k.force_n = {n(random), n(random), n(random)};
+    k.torque_nm = {n(random), n(random), n(random)};
+    k.distance_m = n(random);
+  }
+  return r;
+}
+
+}  // namespace wholehand::synthetic
