@@ -16,10 +16,12 @@ struct SynergyTerm {
   double ratio = 0.0;
 };
 
-/// A joint of the hand file: its range and its resting position θ₀.
+/// A joint of the hand file.
 struct JointRange {
   std::string joint;
-  double lower_rad = 0.0, upper_rad = 0.0, rest_rad = 0.0;
+  double lower_rad = 0.0, upper_rad = 0.0;
+  double rest_rad = 0.0;    ///< where the joint is locked when no axis of the device drives it
+  double offset_rad = 0.0;  ///< its share of θ₀ when one does: where it is at zero of the device
 };
 
 /// A hand file: anthropometry and synergy, before it meets a device.

@@ -1,0 +1,89 @@
+#include "model/axis_keys.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace wholehand {
+std::string unitOfKey(std::string_view key) {
+  // Longer endings first: "_tip_n" before "_n".
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 17> kUnits = {{
+      {"_tip_n_s_m", "N·s/m at the tip"},
+      {"_tip_n_m", "N/m at the tip"},
+      {"_tip_kg", "kg at the tip"},
+      {"_tip_n", "N at the tip"},
+      {"_nm_s_rad", "N·m·s/rad"},
+      {"_n_s_m", "N·s/m"},
+      {"_nm_rad", "N·m/rad"},
+      {"_n_m", "N/m"},
+      {"_kg_m2", "kg·m²"},
+      {"_rad_s", "rad/s"},
+      {"_m_s", "m/s"},
+      {"_rad", "rad"},
+      {"_nm", "N·m"},
+      {"_kg", "kg"},
+      {"_n", "N"},
+      {"_m", "m"},
+      {"_s", "s"},
+  }};
+  for (const auto& [ending, text] : kUnits) {
+    if (key.ends_with(ending)) return std::string(text);
+  }
+  return {};
+}
+
+namespace {
+
+NumberRule ruleFor(const AxisQuantity& quantity, std::string_view key) {
+  return {quantity.lower, quantity.upper, quantity.open_lower, unitOfKey(key)};
+}
+
+/// The tip key, where it stands and may be used; otherwise says why it may not.
+bool usesTip(TomlTable& table, const AxisQuantity& quantity, AxisKind kind, double lever_arm_m,
+             std::string_view key) {
+  if (quantity.tip_key.empty() || !table.has(quantity.tip_key)) return false;
+  if (kind == AxisKind::kTranslation) {
+    table.refuse(quantity.tip_key, key, "is for rotations that end in a fingertip");
+  } else if (table.has(key)) {
+    table.refuse(quantity.tip_key, key, "is given twice, at the tip and at the joint");
+  } else if (!(lever_arm_m > 0.0)) {
+    table.refuse(quantity.tip_key, key, "needs a lever arm, which this axis does not have");
+  } else {
+    return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+double readAxisQuantity(TomlTable& table, const AxisQuantity& quantity, AxisKind kind,
+                        double lever_arm_m, std::optional<double> fallback) {
+  const bool turns = kind == AxisKind::kRotation;
+  const std::string_view key = turns ? quantity.rotation_key : quantity.translation_key;
+  const std::string_view other = turns ? quantity.translation_key : quantity.rotation_key;
+  table.refuse(other, key,
+               turns ? "has the wrong unit: this axis is a rotation"
+                     : "has the wrong unit: this axis is a translation");
+  if (usesTip(table, quantity, kind, lever_arm_m, key)) {
+    const double tip = table.number(quantity.tip_key, ruleFor(quantity, quantity.tip_key));
+    return tip * std::pow(lever_arm_m, quantity.tip_power);
+  }
+  const NumberRule rule = ruleFor(quantity, key);
+  return fallback ? table.number(key, rule, *fallback) : table.number(key, rule);
+}
+
+bool hasAxisQuantity(const TomlTable& table, const AxisQuantity& quantity, AxisKind kind) {
+  if (kind == AxisKind::kTranslation) return table.good(quantity.translation_key);
+  return table.good(quantity.rotation_key) ||
+         (!quantity.tip_key.empty() && table.good(quantity.tip_key));
+}
+
+bool checkNewName(TomlTable& table, const std::string& name,
+                  const std::vector<std::string>& earlier) {
+  if (std::find(earlier.begin(), earlier.end(), name) == earlier.end()) return true;
+  table.fail("name", "stands twice", "name every axis once");
+  return false;
+}
+
+}  // namespace wholehand

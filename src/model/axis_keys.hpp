@@ -1,0 +1,40 @@
+#pragma once
+
+#include "model/device_model.hpp"
+#include "model/toml_file.hpp"
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace wholehand {
+
+/// A quantity of an axis as a file may give it: one key for a translation and another for a
+/// rotation, each with its unit; a rotation with a lever arm may give the value at the tip instead.
+struct AxisQuantity {
+  std::string_view translation_key;  ///< "effort_limit_n"
+  std::string_view rotation_key;     ///< "effort_limit_nm"
+  std::string_view tip_key = {};     ///< "effort_limit_tip_n"; empty where there is no such key
+  int tip_power = 1;                 ///< joint value = tip value * lever arm ^ tip_power
+  double lower = 0.0;                ///< smallest value, in the unit of the key
+  double upper = 0.0;                ///< largest value, in the unit of the key
+  bool open_lower = false;           ///< the smallest value itself is not allowed
+};
+
+/// The unit that a key names: "N·m" for "effort_limit_nm"; empty when it names none.
+[[nodiscard]] std::string unitOfKey(std::string_view key);
+
+/// Reads the quantity in the axis's own unit; without `fallback` it must be there. The key of the
+/// other kind of axis is reported together with the one to write.
+double readAxisQuantity(TomlTable& table, const AxisQuantity& quantity, AxisKind kind,
+                        double lever_arm_m, std::optional<double> fallback = std::nullopt);
+
+/// True when the table gives the quantity for that kind of axis under one of its keys.
+[[nodiscard]] bool hasAxisQuantity(const TomlTable& table, const AxisQuantity& quantity,
+                                   AxisKind kind);
+
+/// Reports a name that another table of the list has already. @return true when it is new
+bool checkNewName(TomlTable& table, const std::string& name,
+                  const std::vector<std::string>& earlier);
+
+}  // namespace wholehand

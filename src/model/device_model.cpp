@@ -1,0 +1,137 @@
+#include "model/device_model.hpp"
+
+#include "model/axis_keys.hpp"
+#include "model/toml_file.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <numbers>
+
+namespace wholehand {
+namespace {
+
+// Bounds are far outside what a device for a hand can be: they catch slipped units, not taste.
+constexpr AxisQuantity kEffortLimit{
+    "effort_limit_n", "effort_limit_nm", "effort_limit_tip_n", 1, 0.0, 1000.0, true};
+constexpr AxisQuantity kSpeedLimit{"speed_limit_m_s", "speed_limit_rad_s", {}, 1, 0.0, 100.0, true};
+constexpr AxisQuantity kMass{"mass_kg", "inertia_kg_m2", {}, 1, 0.0, 100.0, true};
+constexpr AxisQuantity kDamping{"damping_n_s_m", "damping_nm_s_rad", {}, 1, 0.0, 1000.0};
+constexpr AxisQuantity kCoulomb{"coulomb_n", "coulomb_nm", "coulomb_tip_n", 1, 0.0, 100.0};
+constexpr AxisQuantity kEncoderStep{"encoder_step_m", "encoder_step_rad", {}, 1, 0.0, 0.1};
+constexpr AxisQuantity kNeutral{
+    "neutral_effort_n", "neutral_effort_nm", "neutral_effort_tip_n", 1, -1000.0, 1000.0};
+
+bool isAxisName(const std::string& name) {
+  return !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return std::islower(c) != 0 || std::isdigit(c) != 0 || c == '_';
+  });
+}
+
+/// A base axis carries the hand: its name says how, and whether it moves or turns.
+void checkBaseAxis(TomlTable& table, const DeviceAxis& axis) {
+  const std::vector<std::string> translations = {"x", "y", "z"};
+  const std::vector<std::string> rotations = {"roll", "pitch", "yaw"};
+  const auto in = [&](const std::vector<std::string>& names) {
+    return std::find(names.begin(), names.end(), axis.name) != names.end();
+  };
+  const bool turns = axis.kind == AxisKind::kRotation;
+  if (in(translations) && turns) {
+    table.fail("type", "does not go with this name", "write type = \"translation\"");
+  } else if (in(rotations) && !turns) {
+    table.fail("type", "does not go with this name", "write type = \"rotation\"");
+  } else if (!in(translations) && !in(rotations)) {
+    table.fail("name", "is not an axis that carries the hand",
+               "must be x, y, z, roll, pitch or yaw, or write group = \"hand\"");
+  }
+}
+
+void readName(TomlTable& table, DeviceAxis& axis, const std::vector<std::string>& earlier) {
+  axis.name = table.text("name");
+  if (!table.good("name")) return;
+  if (!isAxisName(axis.name)) {
+    table.fail("name", "is not a name", "use small letters, digits and underscores");
+    return;
+  }
+  if (checkNewName(table, axis.name, earlier) && axis.group == AxisGroup::kBase) {
+    checkBaseAxis(table, axis);
+  }
+}
+
+DeviceAxis readAxis(TomlTable& table, const std::vector<std::string>& earlier) {
+  DeviceAxis axis;
+  axis.kind = table.choice("type", {"translation", "rotation"}) == "rotation"
+                  ? AxisKind::kRotation
+                  : AxisKind::kTranslation;
+  axis.group =
+      table.choice("group", {"base", "hand"}) == "hand" ? AxisGroup::kHand : AxisGroup::kBase;
+  readName(table, axis, earlier);
+  // Without a type no key has a known unit; further messages would mislead.
+  if (!table.good("type")) return axis;
+  const bool turns = axis.kind == AxisKind::kRotation;
+  const std::array<double, 2> range =
+      turns ? table.interval("range_rad",
+                             between(-4.0 * std::numbers::pi, 4.0 * std::numbers::pi, "rad"))
+            : table.interval("range_m", between(-10.0, 10.0, "m"));
+  axis.lower = range[0];
+  axis.upper = range[1];
+  if (turns) axis.lever_arm_m = table.number("lever_arm_m", between(0.0, 1.0, "m"), 0.0);
+  const double lever = axis.lever_arm_m;
+  axis.effort_limit = readAxisQuantity(table, kEffortLimit, axis.kind, lever);
+  axis.speed_limit = readAxisQuantity(table, kSpeedLimit, axis.kind, lever);
+  axis.mass = readAxisQuantity(table, kMass, axis.kind, lever);
+  axis.damping = readAxisQuantity(table, kDamping, axis.kind, lever);
+  axis.coulomb = readAxisQuantity(table, kCoulomb, axis.kind, lever, 0.0);
+  axis.encoder_step = readAxisQuantity(table, kEncoderStep, axis.kind, lever, 0.0);
+  axis.neutral_effort = readAxisQuantity(table, kNeutral, axis.kind, lever, 0.0);
+  if (std::abs(axis.neutral_effort) > axis.effort_limit) {
+    table.fail("", "the neutral effort exceeds the effort limit",
+               "the device could not carry its own weight: raise the limit or lower the neutral");
+  }
+  return axis;
+}
+
+}  // namespace
+
+int DeviceModel::axisIndex(const std::string& axis_name) const {
+  for (int i = 0; i < axisCount(); ++i) {
+    if (axes[static_cast<std::size_t>(i)].name == axis_name) return i;
+  }
+  return -1;
+}
+
+AxisEffort DeviceModel::neutral() const {
+  AxisEffort effort(axisCount());
+  for (int i = 0; i < axisCount(); ++i) {
+    effort[i] = axes[static_cast<std::size_t>(i)].neutral_effort;
+  }
+  return effort;
+}
+
+Expected<DeviceModel> loadDeviceFile(const std::string& path) {
+  TomlFile file(path, "device");
+  if (!file.readable()) return file.finish();
+  TomlTable& root = file.root();
+  DeviceModel device;
+  device.path = path;
+  device.name = root.text("name");
+  device.output_delay_ticks = static_cast<int>(root.integer("output_delay_ticks", 0, 8));
+  TomlTable mount = root.table("mount");
+  const NumberRule turn = between(-std::numbers::pi, std::numbers::pi, "rad");
+  device.mount_roll_rad = mount.number("roll_rad", turn);
+  device.mount_pitch_rad = mount.number("pitch_rad", turn);
+  device.mount_yaw_rad = mount.number("yaw_rad", turn);
+
+  std::vector<std::string> names;
+  for (TomlTable& table : root.tables("axes", 1)) {
+    device.axes.push_back(readAxis(table, names));
+    names.push_back(device.axes.back().name);
+  }
+  if (device.axisCount() > kMaxAxes) {
+    root.fail("axes", "are too many", "a device has at most " + std::to_string(kMaxAxes));
+  }
+  if (Diagnostics faults = file.finish(); !faults.empty()) return faults;
+  return device;
+}
+
+}  // namespace wholehand
