@@ -15,6 +15,7 @@ COMMENT = re.compile(r'//[^\n]*|/\*.*?\*/', re.DOTALL)
 class Rules:
     def __init__(self, file):
         table = tomllib.loads(file.read_text())
+        self.generated = table["generated"]
         self.folders = table["folders"]
         self.modules = table["modules"]
         self.vendors = table["vendors"]
@@ -54,7 +55,9 @@ def faults_of_file(rules, root, file, module):
         line = code.count("\n", 0, match.start(2)) + 1
         where = f"{file.relative_to(root)}:{line}"
         header = match[2]
-        if match[1] == "<":
+        if header in rules.generated:
+            fault = None
+        elif match[1] == "<":
             fault = rules.fault_of_vendor(module, header)
         elif (root / "src" / header).exists():
             fault = None
