@@ -96,6 +96,14 @@ std::string perUnit(const DeviceAxis& axis, const char* time) {
                                              : fmt::format("N·m{}/rad", time);
 }
 
+/// The key of the rendering file.
+std::string stiffnessKey(const DeviceAxis& axis) {
+  return axis.kind == AxisKind::kTranslation ? "k_pm_n_m" : "k_pm_nm_rad";
+}
+std::string dampingKey(const DeviceAxis& axis) {
+  return axis.kind == AxisKind::kTranslation ? "k_dm_n_s_m" : "k_dm_nm_s_rad";
+}
+
 std::string remedy(const Candidate& c, double k_pm, double k_dm) {
   const std::string at =
       fmt::format(" (device damping {:.4g} {}, {} tick{} of delay, {:.4g} Hz)", c.axis.damping,
@@ -105,16 +113,19 @@ std::string remedy(const Candidate& c, double k_pm, double k_dm) {
       roundedDown(largestAllowed(k_pm, [&](double k) { return judge(c, k, k_dm).stable(); }));
   std::string out;
   if (stiffness > 0.0) {
-    out = fmt::format("largest allowed k_pm: {:.3g} {}", stiffness, perUnit(c.axis, ""));
+    out = fmt::format("largest allowed {}: {:.3g} {}", stiffnessKey(c.axis), stiffness,
+                      perUnit(c.axis, ""));
   }
   const double damping =
       roundedDown(largestAllowed(k_dm, [&](double d) { return judge(c, k_pm, d).stable(); }));
   if (damping > 0.0) {
-    out += fmt::format("{} k_dm: {:.3g} {}", out.empty() ? "largest allowed" : ", or",  //
-                       damping, perUnit(c.axis, "·s"));
+    out += fmt::format("{} {}: {:.3g} {}", out.empty() ? "largest allowed" : ", or",
+                       dampingKey(c.axis), damping, perUnit(c.axis, "·s"));
   }
   if (out.empty()) {
-    out = "no smaller stiffness is stable with this damping: lower k_dm, or raise the device's";
+    out =
+        "no smaller stiffness is stable with this damping: lower the damping gain, or raise the "
+        "device's";
   }
   return out + at;
 }
@@ -123,7 +134,7 @@ Diagnostic refuse(const Candidate& c, const std::string& path, const Verdict& ve
   const double k_pm = c.gains.k_pm[c.index];
   Diagnostic d;
   d.file = path;
-  d.key = c.axis.name + ".k_pm";
+  d.key = c.axis.name + "." + stiffnessKey(c.axis);
   d.value = fmt::format("{:.6g} {}", k_pm, perUnit(c.axis, ""));
   d.problem =
       fmt::format("unstable {} at Φ = {:g}: spectral radius {:.6g} > 1",

@@ -1,0 +1,331 @@
+#include "control/stability.hpp"
+
+#include "control/bilateral_coupling.hpp"
+#include "control/critical_damping.hpp"
+#include "control/velocity_estimator.hpp"
+#include "one_axis_gains.hpp"
+#include "support/tolerance.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+namespace wholehand::test {
+namespace {
+
+AxisLoop loop(double mass, double damping, int delay, double k_pm, double phi_k_dm,
+              double filter_hz, double k_ps = 2500.0, double gamma = 0.0) {
+  AxisLoop l;
+  l.mass = mass;
+  l.damping = damping;
+  l.delay_ticks = delay;
+  l.k_pm = k_pm;
+  l.phi_k_dm = phi_k_dm;
+  l.gamma = gamma;
+  l.k_ps_per_s2 = k_ps;
+  l.k_ds_per_s = criticalDamping(k_ps, l.period_s);
+  l.filter_tau_s = filter_hz > 0.0 ? 1.0 / (2.0 * std::numbers::pi * filter_hz) : 0.0;
+  return l;
+}
+
+double radius(const AxisLoop& l, ContactCase contact) {
+  return spectralRadius(closedLoopMatrix(l, contact));
+}
+
+/// Largest stiffness that holds a rigid contact, by bisection on the logarithm.
+double largestStiffness(AxisLoop l) {
+  double low = 1.0, high = 1e6;
+  for (int i = 0; i < 40; ++i) {
+    const double middle = std::sqrt(low * high);
+    l.k_pm = middle;
+    (radius(l, ContactCase::kRigid) < 1.0 + 2e-7 ? low : high) = middle;
+  }
+  return low;
+}
+
+struct TableA {
+  double mass, damping;
+  int delay;
+  double stiffness;
+};
+
+// Reference: an independent program (series for the matrix exponential, Gelfand's formula by
+// repeated squaring instead of eigenvalues), and within 2 % b / (T (1/2 + n)) of Gil et al. 2009.
+class RigidContact : public testing::TestWithParam<TableA> {};
+
+TEST_P(RigidContact, LargestStiffness_EqualsReferenceTable) {
+  const TableA& row = GetParam();
+  const double k = largestStiffness(loop(row.mass, row.damping, row.delay, 1.0, 0.0, 30.0));
+  EXPECT_NEAR(k, row.stiffness, 0.001 * row.stiffness + 0.5);
+  EXPECT_NEAR(k, row.damping / (1e-3 * (0.5 + row.delay)), 0.025 * k);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    TableA, RigidContact,
+    testing::Values(TableA{0.1, 0.2, 0, 400}, TableA{0.1, 0.2, 1, 133}, TableA{0.1, 0.2, 2, 80},
+                    TableA{0.1, 1.0, 0, 2003}, TableA{0.1, 1.0, 1, 669}, TableA{0.1, 1.0, 2, 402},
+                    TableA{0.1, 5.0, 0, 10084}, TableA{0.1, 5.0, 1, 3379},
+                    TableA{0.1, 5.0, 2, 2042}, TableA{0.5, 1.0, 0, 2001}, TableA{0.5, 1.0, 1, 667},
+                    TableA{0.5, 1.0, 2, 400}, TableA{0.5, 5.0, 0, 10017}, TableA{0.5, 5.0, 1, 3343},
+                    TableA{0.5, 5.0, 2, 2009}, TableA{1.0, 0.2, 0, 401}, TableA{1.0, 0.2, 1, 134},
+                    TableA{1.0, 1.0, 2, 400}, TableA{1.0, 5.0, 0, 10009}, TableA{1.0, 5.0, 1, 3338},
+                    TableA{1.0, 5.0, 2, 2004}));
+
+TEST(ClosedLoop, DampedRigidContact_EqualsReferenceTable) {
+  const double dampings[] = {0, 2, 5, 10, 20, 40};
+  struct Row {
+    int delay;
+    double filter_hz;
+    double stiffness[6];
+  };
+  // Same reference; m = 0.5 kg, b = 1 N·s/m; columns Φ K_dm.
+  const Row rows[] = {{0, 0, {2001, 5978, 11885, 21572, 40368, 75724}},
+                      {0, 100, {2001, 5762, 10901, 18429, 30785, 49059}},
+                      {0, 30, {2001, 4907, 8073, 11941, 17349, 24330}},
+                      {0, 10, {2001, 3331, 4571, 5985, 7882, 10262}},
+                      {1, 0, {667, 1992, 3958, 7174, 13384, 24906}},
+                      {1, 100, {667, 1959, 3797, 6618, 11492, 18873}},
+                      {1, 50, {667, 1904, 3559, 5903, 9527, 14259}},
+                      {1, 30, {667, 1812, 3210, 5018, 7555, 10546}},
+                      {1, 10, {667, 1368, 2025, 2748, 3644, 4587}}};
+  for (const Row& row : rows) {
+    for (int i = 0; i < 6; ++i) {
+      const double k = largestStiffness(loop(0.5, 1.0, row.delay, 1.0, dampings[i], row.filter_hz));
+      EXPECT_NEAR(k, row.stiffness[i], 0.001 * row.stiffness[i] + 0.5)
+          << "n " << row.delay << " filter " << row.filter_hz << " ΦK_dm " << dampings[i];
+    }
+  }
+}
+
+TEST(ClosedLoop, SpectralRadii_EqualReference) {
+  // science.md §2.2: m 0.8, b 1, K 1000, k_p 2500, 30 Hz, n 1.
+  EXPECT_NEAR(radius(loop(0.8, 1.0, 1, 1000.0, 0.0, 30.0), ContactCase::kRigid), 1.000312, 1e-6);
+  EXPECT_NEAR(radius(loop(0.8, 1.0, 1, 1000.0, 10.0, 30.0), ContactCase::kRigid), 0.993900, 1e-6);
+  // Free: nothing holds device and hand, so an eigenvalue is exactly 1; rounding stays far below
+  // the 1e-7 of the check.
+  EXPECT_NEAR(radius(loop(0.8, 1.0, 1, 1000.0, 0.0, 30.0), ContactCase::kFree), 1.0, 1e-10);
+  EXPECT_NEAR(radius(loop(0.8, 1.0, 1, 1000.0, 10.0, 30.0), ContactCase::kFree), 1.0, 1e-10);
+}
+
+TEST(ClosedLoop, NonFiniteGain_IsInfinitelyUnstable) {
+  EXPECT_EQ(radius(loop(0.8, 1.0, 1, std::nan(""), 0.0, 30.0), ContactCase::kFree), HUGE_VAL);
+}
+
+TEST(ClosedLoop, VanishingDeviceDamping_HasTheLimitOfTheExactHold) {
+  const Eigen::MatrixXd none =
+      closedLoopMatrix(loop(0.5, 0.0, 1, 1e3, 1.0, 30.0), ContactCase::kFree);
+  for (const double b : {1e-12, 1e-3, 0.00499, 0.00501}) {  // both sides of the series' end
+    const Eigen::MatrixXd some =
+        closedLoopMatrix(loop(0.5, b, 1, 1e3, 1.0, 30.0), ContactCase::kFree);
+    // x += T²/2m (1 − bT/3m ..) f: first order in bT/m.
+    EXPECT_LE((some - none).cwiseAbs().maxCoeff(), b * 1e-3 / 0.5 * 1.01);
+  }
+  const auto push = [](double b) {
+    return closedLoopMatrix(loop(0.5, b, 1, 1e3, 1.0, 30.0), ContactCase::kFree)(0, 6);
+  };
+  EXPECT_NEAR(push(0.00499), 1e-6 * (0.5 - 0.00499e-3 / 0.5 / 6.0) / 0.5, 1e-15);
+  EXPECT_NEAR(push(0.00501), 1e-6 * (0.5 - 0.00501e-3 / 0.5 / 6.0) / 0.5, 1e-15);
+}
+
+/// The certificate must speak of the loop that runs: the tick's own functions round a device that
+/// is integrated in ten thousand small steps a period.
+TEST(ClosedLoop, PowersOfTheMatrix_EqualTheTicksOwnFunctions) {
+  const double mass = 0.8, damping = 6.0, k_dm = 10.0, phi = 0.6;
+  const CouplingGains gains = oneAxisGains(1000.0, 3900.0, 0.3);
+  const AxisLoop l = loop(mass, damping, 2, 1000.0, phi * k_dm, 30.0, 3900.0, 0.3);
+  const Eigen::MatrixXd matrix = closedLoopMatrix(l, ContactCase::kFree);
+
+  double x = 0.01, v = -0.2, q_s = 0.004, qd_s = 0.1;
+  double queue[2] = {0.0, 0.0};
+  VelocityState velocity{AxisPosition(1, x), AxisVelocity(1, 0.0), true};
+  Eigen::VectorXd state = Eigen::VectorXd::Zero(8);
+  state << x, v, x, 0.0, q_s, qd_s, 0.0, 0.0;
+  for (int k = 0; k < 40; ++k) {
+    const AxisPosition q_m(1, x);
+    velocity = estimateVelocity(velocity, q_m, gains, 1, 1e-3);
+    const AxisPosition avatar(1, q_s);
+    const AxisVelocity avatar_rate(1, qd_s);
+    const double sent = couplingEffort(q_m, velocity.filtered, avatar, avatar_rate, gains)[0] -
+                        phi * k_dm * velocity.filtered[0];
+    const double a = avatarEffort(q_m, velocity.filtered, avatar, avatar_rate,
+                                  AxisMatrix::Identity(1, 1), gains)[0];
+    qd_s += 1e-3 * a;
+    q_s += 1e-3 * qd_s;
+    const double felt = queue[0];
+    queue[0] = queue[1];
+    queue[1] = sent;
+    for (int i = 0; i < 10000; ++i) {  // midpoint rule
+      const double middle = v + 0.5e-7 * (felt - damping * v) / mass;
+      v += 1e-7 * (felt - damping * middle) / mass;
+      x += 1e-7 * middle;
+    }
+    state = (matrix * state).eval();
+    EXPECT_NEAR(state[0], x, 1e-12);
+    EXPECT_NEAR(state[1], v, 1e-10);
+    EXPECT_NEAR(state[4], q_s, 1e-12);
+    EXPECT_NEAR(state[5], qd_s, 1e-10);
+  }
+}
+
+// ---- several axes
+
+TEST(AvatarLoop, OneAxis_IsStableUpToTwiceTheFrequencyOfThePeriod) {
+  for (const double w : {1.98, 2.02}) {  // w = T √k_p; Jury: k_p < 4/T²
+    const double r = spectralRadius(avatarLoopMatrix(
+        AxisMatrix::Constant(1, 1, 0.3), Eigen::VectorXd::Constant(1, w * w * 1e6), 1e-3));
+    EXPECT_EQ(r < 1.0, w < 2.0) << r;
+  }
+}
+
+TEST(AvatarLoop, CommonStiffness_IsStableUpToTheClosedForm) {
+  std::mt19937 rng(11);
+  std::normal_distribution<double> normal;
+  for (int trial = 0; trial < cases(50); ++trial) {
+    const int n = 2 + trial % 6;
+    Eigen::MatrixXd a = Eigen::MatrixXd::NullaryExpr(n, n, [&] { return normal(rng); });
+    const AxisMatrix inertia = a * a.transpose() + 0.05 * Eigen::MatrixXd::Identity(n, n);
+    const Eigen::MatrixXd diagonal = inertia.diagonal().asDiagonal();
+    const double largest =
+        Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(diagonal, inertia)
+            .eigenvalues()
+            .maxCoeff();
+    // 4w − w² < 4/λmax (science.md §1.2), at its smaller root.
+    const double w = 2.0 - std::sqrt(4.0 - 4.0 / largest);
+    for (const double side : {0.99, 1.01}) {
+      const Eigen::VectorXd k_ps = Eigen::VectorXd::Constant(n, side * w * side * w * 1e6);
+      EXPECT_EQ(spectralRadius(avatarLoopMatrix(inertia, k_ps, 1e-3)) < 1.0, side < 1.0)
+          << "λmax " << largest;
+    }
+  }
+}
+
+// ---- the check at load
+
+struct Files {
+  DeviceModel device;
+  RenderingConfig rendering;
+};
+
+Files oneAxis(double mass, double damping, int delay, double k_pm, double k_dm, double gamma,
+              double k_ps = 0.0) {
+  Files s;
+  DeviceAxis axis;
+  axis.name = "x";
+  axis.mass = mass;
+  axis.damping = damping;
+  s.device.axes.push_back(axis);
+  s.device.output_delay_ticks = delay;
+  AxisRendering r;
+  r.name = "x";
+  r.k_pm = k_pm;
+  r.k_dm = k_dm;
+  r.gamma = gamma;
+  r.k_ps_per_s2 = k_ps;
+  s.rendering.path = "gains.toml";
+  s.rendering.axes.push_back(r);
+  return s;
+}
+
+Diagnostics check(const Files& s, double inertia = 0.25, double period_s = 1e-3) {
+  const AxisMatrix m = AxisMatrix::Constant(1, 1, inertia);
+  const auto gains = resolveGains(s.rendering, m, period_s);
+  EXPECT_TRUE(gains.ok()) << format(gains.errors());
+  return checkStability(s.device, s.rendering, *gains, {m}, period_s);
+}
+
+/// The number that follows `words` in the text.
+double numberAfter(const std::string& text, const std::string& words) {
+  const std::size_t at = text.find(words);
+  return at == std::string::npos ? std::nan("") : std::atof(text.c_str() + at + words.size());
+}
+
+TEST(CheckStability, StiffnessAboveTheRigidBound_IsRefusedWithTheLargestAllowed) {
+  const Diagnostics refused = check(oneAxis(0.5, 1.0, 1, 1000.0, 0.0, 0.0));
+  ASSERT_EQ(refused.size(), 1U);
+  EXPECT_EQ(refused[0].file, "gains.toml");
+  EXPECT_EQ(refused[0].key, "x.k_pm_n_m");
+  EXPECT_EQ(refused[0].value, "1000 N/m");
+  EXPECT_NE(
+      refused[0].problem.find("unstable against a rigid stop at Φ = 0: spectral radius 1.000"),
+      std::string::npos)
+      << refused[0].problem;
+  EXPECT_NE(refused[0].remedy.find("(device damping 1 N·s/m, 1 tick of delay, 1000 Hz)"),
+            std::string::npos)
+      << refused[0].remedy;
+  const double allowed = numberAfter(refused[0].remedy, "k_pm_n_m: ");
+  EXPECT_NEAR(allowed, 667.0, 1.5);  // table A: 667, rounded down
+  EXPECT_TRUE(check(oneAxis(0.5, 1.0, 1, allowed, 0.0, 0.0)).empty());
+  EXPECT_FALSE(check(oneAxis(0.5, 1.0, 1, 1.01 * allowed, 0.0, 0.0)).empty());
+}
+
+TEST(CheckStability, DefaultsOfTheHouse_Pass) {
+  // equations.md, last section: translations, fingers, circumduction.
+  EXPECT_TRUE(check(oneAxis(0.8, 6.0, 1, 1000.0, 10.0, 0.3), 1000.0 / 3900.0).empty());
+  EXPECT_TRUE(check(oneAxis(5e-4, 0.015, 1, 4.0, 0.024, 0.3), 5e-5).empty());
+}
+
+TEST(CheckStability, TooMuchDamping_NamesTheLargestAllowedDamping) {
+  // Pure damper, one tick of delay, 30 Hz, m 0.5 kg: 347 N·s/m (reference, section C).
+  const Diagnostics refused = check(oneAxis(0.5, 1.0, 1, 100.0, 1000.0, 0.0));
+  ASSERT_EQ(refused.size(), 1U);
+  EXPECT_NE(refused[0].problem.find("at Φ = 1"), std::string::npos) << refused[0].problem;
+  EXPECT_EQ(refused[0].remedy.find("k_pm_n_m"), std::string::npos) << refused[0].remedy;
+  const double allowed = numberAfter(refused[0].remedy, "k_dm_n_s_m: ");
+  EXPECT_NEAR(allowed, 347.0, 12.0);
+  EXPECT_TRUE(check(oneAxis(0.5, 1.0, 1, 100.0, allowed, 0.0)).empty());
+}
+
+TEST(CheckStability, DeviceThatPushesItself_SaysThatNoStiffnessHelps) {
+  const Diagnostics refused = check(oneAxis(0.5, -1.0, 1, 100.0, 0.0, 0.0));
+  ASSERT_EQ(refused.size(), 1U);
+  EXPECT_NE(refused[0].remedy.find("no smaller stiffness"), std::string::npos) << refused[0].remedy;
+}
+
+TEST(CheckStability, FasterLoop_AllowsMoreStiffness) {
+  EXPECT_FALSE(check(oneAxis(0.5, 1.0, 1, 1000.0, 0.0, 0.0), 0.25, 1.0 / 1000.0).empty());
+  EXPECT_TRUE(check(oneAxis(0.5, 1.0, 1, 1000.0, 0.0, 0.0), 0.25, 1.0 / 2000.0).empty());
+}
+
+TEST(CheckStability, RotationalAxis_SpeaksInItsOwnUnits) {
+  Files s = oneAxis(5e-4, 1e-4, 1, 4.0, 0.0, 0.0);
+  s.device.axes[0].kind = AxisKind::kRotation;
+  s.device.axes[0].name = "finger_flexion";
+  const Diagnostics refused = check(s, 1e-4);
+  ASSERT_EQ(refused.size(), 1U);
+  EXPECT_EQ(refused[0].key, "finger_flexion.k_pm_nm_rad");
+  EXPECT_EQ(refused[0].value, "4 N·m/rad");
+}
+
+TEST(CheckStability, EveryUnstableAxis_IsReported) {
+  Files s = oneAxis(0.5, 1.0, 1, 1000.0, 0.0, 0.0);
+  s.device.axes.push_back(s.device.axes[0]);
+  s.rendering.axes.push_back(s.rendering.axes[0]);
+  s.device.axes[1].name = "y";
+  const AxisMatrix m = 0.25 * AxisMatrix::Identity(2, 2);
+  const auto gains = resolveGains(s.rendering, m, 1e-3);
+  ASSERT_TRUE(gains.ok());
+  EXPECT_EQ(checkStability(s.device, s.rendering, *gains, {m}, 1e-3).size(), 2U);
+}
+
+TEST(CheckStability, AxesThatShakeEachOther_AreRefusedWithTheFactorThatHelps) {
+  Files s = oneAxis(0.8, 6.0, 1, 1000.0, 10.0, 0.3, 4e4);
+  s.device.axes.push_back(s.device.axes[0]);
+  s.rendering.axes.push_back(s.rendering.axes[0]);
+  AxisMatrix calm = 0.025 * AxisMatrix::Identity(2, 2);
+  AxisMatrix coupled = calm;
+  coupled(0, 1) = coupled(1, 0) = 0.95 * 0.025;  // λmax = 1 / (1 − 0.95) = 20
+  const auto gains = resolveGains(s.rendering, calm, 1e-3);
+  ASSERT_TRUE(gains.ok());
+  EXPECT_TRUE(checkStability(s.device, s.rendering, *gains, {calm}, 1e-3).empty());
+  const Diagnostics refused = checkStability(s.device, s.rendering, *gains, {calm, coupled}, 1e-3);
+  ASSERT_EQ(refused.size(), 1U);
+  EXPECT_NE(refused[0].problem.find("posture 2 of 2"), std::string::npos) << refused[0].problem;
+  // w (4 − w) = 4/20 gives w = 0.05064, k_p = 2564: a factor of 0.0641 of 4e4.
+  EXPECT_NEAR(numberAfter(refused[0].remedy, "at most "), 0.0641, 0.0002) << refused[0].remedy;
+}
+
+}  // namespace
+}  // namespace wholehand::test
