@@ -55,8 +55,9 @@ Expected<Shape> loadConvexMesh(const std::string& path, const Eigen::Vector3d& s
   const aiScene* scene =
       importer.ReadFile(path, aiProcess_Triangulate | aiProcess_PreTransformVertices);
   if (scene == nullptr) {
+    // The reader of OBJ skips corners written as ".5".
     return fault("the mesh file " + path + " cannot be read: " + importer.GetErrorString(),
-                 "give a closed convex surface as STL, OBJ, DAE or GLB");
+                 "export it again as STL, OBJ (a digit before every decimal point), DAE or GLB");
   }
   std::vector<Eigen::Vector3d> points_m;
   std::vector<Eigen::Vector3i> triangles;

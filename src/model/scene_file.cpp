@@ -1,11 +1,11 @@
 #include "core/tick_record.hpp"
 #include "model/convex_mesh.hpp"
 #include "model/mass_properties.hpp"
+#include "model/rotation.hpp"
 #include "model/scene_model.hpp"
 #include "model/separation.hpp"
 #include "model/toml_file.hpp"
 #include "model/urdf.hpp"
-#include "model/urdf_xml.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>

@@ -1,9 +1,13 @@
 #include "model/urdf_xml.hpp"
 
+#include "model/rotation.hpp"
+
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 namespace wholehand {
@@ -99,14 +103,6 @@ Pose UrdfFaults::origin(const XMLElement& parent, const std::string& key) {
     pose.rotation = rotationFromRpy(rpy[0], rpy[1], rpy[2]);
   }
   return pose;
-}
-
-Eigen::Matrix3d rotationFromRpy(double roll_rad, double pitch_rad, double yaw_rad) {
-  using Eigen::AngleAxisd;
-  using Eigen::Vector3d;
-  return (AngleAxisd(yaw_rad, Vector3d::UnitZ()) * AngleAxisd(pitch_rad, Vector3d::UnitY()) *
-          AngleAxisd(roll_rad, Vector3d::UnitX()))
-      .toRotationMatrix();
 }
 
 }  // namespace wholehand

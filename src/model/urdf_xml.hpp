@@ -6,7 +6,6 @@
 #include <tinyxml2.h>
 
 #include <cstddef>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,8 +39,5 @@ class UrdfFaults {
   std::string file_;
   Diagnostics all_;
 };
-
-/// R = Rz(yaw) Ry(pitch) Rx(roll) [rad].
-[[nodiscard]] Eigen::Matrix3d rotationFromRpy(double roll_rad, double pitch_rad, double yaw_rad);
 
 }  // namespace wholehand

@@ -1,0 +1,229 @@
+#include "core/tick_record.hpp"
+#include "model/scene_model.hpp"
+#include "model/separation.hpp"
+#include "model/temp_folder.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <numbers>
+#include <string>
+#include <vector>
+
+namespace wholehand {
+namespace {
+
+using Eigen::Vector3d;
+using std::numbers::pi;
+using test::TempFolder;
+
+const std::string kHead =
+    "kind = \"scene\"\nversion = 1\nname = \"s\"\ngravity_m_s2 = [0, 0, -9.81]\n";  // 4 lines
+
+std::string ball(const std::string& name, double x_m) {
+  return "[[bodies]]\nname = \"" + name +
+         "\"\nshape = \"sphere\"\nradius_m = 0.02\nmass_kg = 0.1\nposition_m = [" +
+         std::to_string(x_m) + ", 0, 0]\n";
+}
+
+TEST(SceneFile, EveryShippedScene_LoadsAndNothingOverlaps) {
+  int count = 0;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(WHOLEHAND_SOURCE_DIR "/config/scenes")) {
+    if (entry.path().extension() != ".toml") continue;
+    ++count;
+    const Expected<SceneModel> scene = loadSceneFile(entry.path().string());
+    ASSERT_TRUE(scene.ok()) << format(scene.errors());
+    for (const SceneBody& body : scene->bodies) {
+      ASSERT_FALSE(body.shapes.empty()) << body.name;
+      if (body.fixed) continue;
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> inertia(body.inertia_kg_m2);
+      EXPECT_GT(body.mass_kg, 0.0) << body.name;
+      EXPECT_GT(inertia.eigenvalues()[0], 0.0) << body.name;
+    }
+    for (std::size_t i = 0; i < scene->bodies.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        EXPECT_GT(separation(scene->bodies[i], scene->bodies[j]), -1e-4);
+      }
+    }
+  }
+  EXPECT_GE(count, 3);
+}
+
+TEST(SceneFile, FourShapes_IsThePapersFigure) {
+  const Expected<SceneModel> scene =
+      loadSceneFile(WHOLEHAND_SOURCE_DIR "/config/scenes/four-shapes.toml");
+  ASSERT_TRUE(scene.ok()) << format(scene.errors());
+  EXPECT_EQ(scene->gravity_m_s2, Vector3d::Zero());
+  ASSERT_EQ(scene->bodies.size(), 4U);
+  for (const char* name : {"cube", "sphere", "cylinder", "disk"}) {
+    ASSERT_GE(scene->bodyIndex(name), 0) << name;
+    const SceneBody& body = scene->bodies[scene->bodyIndex(name)];
+    EXPECT_DOUBLE_EQ(body.mass_kg, 0.1);
+    EXPECT_DOUBLE_EQ(body.linear_damping_per_s, 0.7);  // the paper's
+  }
+  const SceneBody& cube = scene->bodies[scene->bodyIndex("cube")];
+  EXPECT_NEAR(cube.inertia_kg_m2(0, 0), 0.1 * 0.05 * 0.05 / 6.0, 1e-15);  // m a² / 6
+}
+
+TEST(SceneFile, Table_HoldsWhatStandsOnIt) {
+  const Expected<SceneModel> scene =
+      loadSceneFile(WHOLEHAND_SOURCE_DIR "/config/scenes/table.toml");
+  ASSERT_TRUE(scene.ok()) << format(scene.errors());
+  const SceneBody& table = scene->bodies[scene->bodyIndex("table")];
+  EXPECT_TRUE(table.fixed);
+  for (const SceneBody& body : scene->bodies) {
+    if (!body.fixed) {
+      EXPECT_NEAR(separation(table, body), 0.0, 1e-6) << body.name;
+    }
+  }
+  const SceneBody& mug = scene->bodies[scene->bodyIndex("mug")];
+  EXPECT_EQ(mug.shapes.size(), 5U);
+  EXPECT_NEAR(mug.mass_kg, 0.23, 1e-12);  // 0.2 + 0.03, of its inertials
+}
+
+TEST(SceneFile, EveryKey_ReachesTheModel) {
+  const TempFolder folder;
+  const Expected<SceneModel> scene = loadSceneFile(folder.write("s.toml", kHead + R"(
+hand_friction = 0.5
+[[bodies]]
+name = "rod"
+shape = "capsule"
+radius_m = 0.01
+length_m = 0.1
+mass_kg = 0.2
+position_m = [0.1, 0.2, 0.3]
+orientation_rpy_rad = [0.0, 1.5707963267948966, 0.0]
+friction = 0.3
+linear_damping_per_s = 0.25
+color = "#a1B2c3"
+)"));
+  ASSERT_TRUE(scene.ok()) << format(scene.errors());
+  EXPECT_DOUBLE_EQ(scene->hand_friction, 0.5);
+  const SceneBody& rod = scene->bodies.at(0);
+  EXPECT_DOUBLE_EQ(rod.friction, 0.3);
+  EXPECT_DOUBLE_EQ(rod.linear_damping_per_s, 0.25);
+  EXPECT_EQ(rod.color, "#a1B2c3");
+  const Vector3d tip = rod.pose * Vector3d(0.0, 0.0, 0.06);  // z turned onto x by the pitch
+  EXPECT_LT((tip - Vector3d(0.16, 0.2, 0.3)).norm(), 1e-12);
+}
+
+TEST(SceneFile, UrdfWithMass_IsScaledAlike) {
+  const TempFolder folder;
+  folder.write("thing.urdf", R"(<robot name="r"><link name="a">
+    <inertial><mass value="2"/><inertia ixx="0.2" iyy="0.3" izz="0.4"/></inertial>
+    <collision><geometry><sphere radius="0.02"/></geometry></collision></link></robot>)");
+  const std::string body =
+      "[[bodies]]\nname = \"u\"\nshape = \"urdf\"\nfile = \"thing.urdf\"\nposition_m = [0, 0, 0]\n";
+  const Expected<SceneModel> own = loadSceneFile(folder.write("own.toml", kHead + body));
+  ASSERT_TRUE(own.ok()) << format(own.errors());
+  EXPECT_DOUBLE_EQ(own->bodies[0].mass_kg, 2.0);
+  EXPECT_DOUBLE_EQ(own->bodies[0].inertia_kg_m2(2, 2), 0.4);
+  const Expected<SceneModel> half =
+      loadSceneFile(folder.write("half.toml", kHead + body + "mass_kg = 1.0\n"));
+  ASSERT_TRUE(half.ok()) << format(half.errors());
+  EXPECT_DOUBLE_EQ(half->bodies[0].inertia_kg_m2(2, 2), 0.2);
+}
+
+TEST(SceneFile, Overlaps_NameBothAndTheDepth) {
+  const TempFolder folder;
+  const Expected<SceneModel> deep =
+      loadSceneFile(folder.write("deep.toml", kHead + ball("left", 0.0) + ball("right", 0.03)));
+  ASSERT_FALSE(deep.ok());
+  const std::string message = format(deep.errors());
+  EXPECT_NE(message.find("'right' starts 10 mm inside 'left'"), std::string::npos) << message;
+  EXPECT_NE(message.find(":16: bodies"), std::string::npos) << message;  // right's position_m
+  EXPECT_TRUE(
+      loadSceneFile(folder.write("touch.toml", kHead + ball("left", 0.0) + ball("right", 0.03995)))
+          .ok());  // 0.05 mm: rounding of files
+  EXPECT_FALSE(
+      loadSceneFile(folder.write("near.toml", kHead + ball("left", 0.0) + ball("right", 0.0398)))
+          .ok());
+}
+
+TEST(SceneFile, BadFiles_NameLineKeyAndFault) {
+  const std::string body = "[[bodies]]\nname = \"b\"\nposition_m = [0, 0, 0]\nmass_kg = 0.1\n";
+  const std::string sphere = body + "shape = \"sphere\"\n";
+  const std::string good = sphere + "radius_m = 0.02\n";
+  const TempFolder folder;
+  folder.write("empty.stl", "");
+  folder.write("dent.obj",
+               "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0.1 0.1 0.1\nf 1 2 3\nf 1 2 4\n"
+               "f 1 3 4\nf 2 3 5\nf 3 4 5\nf 4 2 5\n");
+  folder.write("lid.urdf", R"(<robot name="r">
+<link name="a"><collision><geometry><sphere radius="0.02"/></geometry></collision></link>
+<link name="b"/>
+<joint name="lid" type="revolute"><parent link="a"/><child link="b"/></joint></robot>)");
+  const struct {
+    std::string text, place, problem;
+  } kCases[] = {
+      {sphere + "radius_m = nan\n", ":10: ", "is not finite"},
+      {sphere + "radius_m = \"2 cm\"\n", ":10: ", "is a text"},
+      {sphere + "radius_m = -0.02\n", ":10: ", "is out of range"},
+      {sphere, "radius_m", "is missing"},
+      {good + "colour = \"#112233\"\n", ":11: ", "colour"},
+      {good + "height_m = 0.1\n", ":11: ", "height_m"},
+      {good + "color = \"red\"\n", ":11: ", "is not a colour"},
+      {good + "friction = inf\n", ":11: ", "is not finite"},
+      {good + "linear_damping_per_s = 1.5\n", ":11: ", "is out of range"},
+      {good + "fixed = true\n", ":8: ", "fixed body"},
+      {good + "orientation_rpy_rad = [0, 90, 0]\n", ":11: ", "orientation_rpy_rad"},
+      {good + good, ":12: ", "is the name of two bodies"},
+      {body + "shape = \"cone\"\nradius_m = 0.1\n", ":9: ", "is unknown"},
+      {body + "shape = \"mesh\"\nfile = \"none.stl\"\n", ":10: ", "none.stl"},
+      {body + "shape = \"mesh\"\nfile = \"empty.stl\"\n", ":10: ", "is empty"},
+      {body + "shape = \"mesh\"\nfile = \"dent.obj\"\n", ":10: ", "is not convex"},
+      {body + "shape = \"urdf\"\nfile = \"none.urdf\"\n", ":10: ", "none.urdf"},
+      {body + "shape = \"urdf\"\nfile = \"lid.urdf\"\n", "lid.urdf:3: link[b]", "no collider"},
+      {body + "shape = \"urdf\"\nfile = \"lid.urdf\"\n", "lid.urdf:4: joint[lid].type", "movable"},
+      {"[[bodies]]\nname = \"b\"\nshape = \"sphere\"\nradius_m = 0.02\nposition_m = [0, 0, 0]\n",
+       "mass_kg", "is missing"},
+  };
+  for (const auto& c : kCases) {
+    const std::string path = folder.write("bad.toml", kHead + c.text);
+    const Expected<SceneModel> scene = loadSceneFile(path);
+    ASSERT_FALSE(scene.ok()) << c.text;
+    const std::string message = format(scene.errors());
+    EXPECT_NE(message.find(folder.path("")), std::string::npos) << message;
+    EXPECT_NE(message.find(c.place), std::string::npos) << c.text << "\n" << message;
+    EXPECT_NE(message.find(c.problem), std::string::npos) << c.text << "\n" << message;
+  }
+}
+
+TEST(SceneFile, AllFaultsAtOnce_OneLineEach) {
+  const TempFolder folder;
+  const Expected<SceneModel> scene = loadSceneFile(
+      folder.write("bad.toml",
+                   "kind = \"scene\"\nversion = 1\nname = \"\"\n"
+                   "[[bodies]]\nname = \"a\"\nshape = \"box\"\nsize_m = [0.1, nan, 0.1]\n"
+                   "mass_kg = 0\nposition_m = [0, 0]\nwobble = 1\n"));
+  ASSERT_FALSE(scene.ok());
+  // name empty, gravity missing, size, mass, position, unknown key
+  EXPECT_EQ(scene.errors().size(), 6U) << format(scene.errors());
+}
+
+TEST(SceneFile, UnknownShape_IsTheOnlyFault) {
+  const TempFolder folder;
+  const Expected<SceneModel> scene = loadSceneFile(folder.write(
+      "bad.toml", kHead +
+                      "[[bodies]]\nname = \"a\"\nshape = \"pyramid\"\nsize_m = [0.1, 0.1, 0.1]\n"
+                      "radius_m = 0.1\nheight_m = 0.1\nfile = \"x\"\nmass_kg = 1\n"
+                      "position_m = [0, 0, 0]\n"));
+  ASSERT_FALSE(scene.ok());
+  EXPECT_EQ(scene.errors().size(), 1U) << format(scene.errors());
+}
+
+TEST(SceneFile, TooManyBodies_AreRefused) {
+  const TempFolder folder;
+  std::string text = kHead;
+  for (int i = 0; i < kMaxBodies; ++i) text += ball("b" + std::to_string(i), 0.05 * i);
+  EXPECT_TRUE(loadSceneFile(folder.write("full.toml", text)).ok());
+  const Expected<SceneModel> scene =
+      loadSceneFile(folder.write("over.toml", text + ball("x", 9.0)));
+  ASSERT_FALSE(scene.ok());
+  EXPECT_NE(format(scene.errors()).find("33 bodies"), std::string::npos) << format(scene.errors());
+}
+
+}  // namespace
+}  // namespace wholehand

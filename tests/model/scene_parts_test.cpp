@@ -1,0 +1,306 @@
+#include "model/convex_mesh.hpp"
+#include "model/mass_properties.hpp"
+#include "model/temp_folder.hpp"
+#include "model/urdf.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+namespace wholehand {
+namespace {
+
+using Eigen::Vector3d;
+using std::numbers::pi;
+using test::TempFolder;
+
+/// A cube of 20 mm as OBJ, with whatever faces; corners 1 .. 8 count x first, then y, then z.
+std::string cubeObj(const std::string& faces) {
+  return "v 0 0 0\nv 0.02 0 0\nv 0 0.02 0\nv 0.02 0.02 0\n"
+         "v 0 0 0.02\nv 0.02 0 0.02\nv 0 0.02 0.02\nv 0.02 0.02 0.02\n" +
+         faces;
+}
+const std::string kCubeFaces =
+    "f 1 2 4 3\nf 5 6 8 7\nf 1 2 6 5\nf 3 4 8 7\nf 1 3 7 5\nf 2 4 8 6\n";  // winding mixed
+
+/// Problem of the one fault that a mesh file has; "" when it has none.
+std::string problemOf(const std::string& path) {
+  const Expected<Shape> mesh = loadConvexMesh(path, Vector3d::Ones());
+  if (mesh) return {};
+  EXPECT_FALSE(mesh.errors().front().remedy.empty());
+  return mesh.errors().front().problem;
+}
+
+TEST(ConvexMesh, MixedWinding_ComesOutOutward) {
+  const TempFolder folder;
+  const Expected<Shape> mesh =
+      loadConvexMesh(folder.write("cube.obj", cubeObj(kCubeFaces)), Vector3d(1.0, 1.0, 2.0));
+  ASSERT_TRUE(mesh.ok()) << format(mesh.errors());
+  EXPECT_EQ(mesh->points_m.size(), 8U);
+  EXPECT_NEAR(moments(*mesh).volume_m3, 1.6e-5, 1e-11);  // 20 x 20 x 40 mm; the reader is in float
+  EXPECT_NEAR(signedDistance(*mesh, {0.01, 0.01, 0.02}), -0.01, 1e-8);
+  EXPECT_NEAR(signedDistance(*mesh, {0.01, 0.01, 0.05}), 0.01, 1e-8);
+}
+
+TEST(ConvexMesh, StlWithCornersPerFacet_IsWelded) {
+  const double s = 0.02;
+  const std::vector<Vector3d> p{{0, 0, 0}, {s, 0, 0}, {0, s, 0}, {0, 0, s}};
+  const int faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  std::string stl = "solid t\n";
+  for (const auto& face : faces) {
+    stl += "facet normal 0 0 0\nouter loop\n";
+    for (const int i : face) {
+      stl += "vertex " + std::to_string(p[i].x()) + " " + std::to_string(p[i].y()) + " " +
+             std::to_string(p[i].z()) + "\n";
+    }
+    stl += "endloop\nendfacet\n";
+  }
+  const TempFolder folder;
+  const Expected<Shape> mesh =
+      loadConvexMesh(folder.write("t.stl", stl + "endsolid t\n"), Vector3d::Ones());
+  ASSERT_TRUE(mesh.ok()) << format(mesh.errors());
+  EXPECT_EQ(mesh->points_m.size(), 4U);
+  EXPECT_NEAR(moments(*mesh).volume_m3, s * s * s / 6.0, 1e-12);
+  EXPECT_LT((moments(*mesh).center_m - Vector3d::Constant(s / 4.0)).norm(), 1e-8);
+}
+
+TEST(ConvexMesh, DaeWithUnitsAndUpAxis_KeepsAxesAndTakesUnits) {
+  const TempFolder folder;
+  const std::string dae = R"(<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+<asset><unit name="millimeter" meter="0.001"/><up_axis>Z_UP</up_axis></asset>
+<library_geometries><geometry id="g"><mesh>
+<source id="p"><float_array id="pa" count="12">0 0 0 20 0 0 0 20 0 0 0 40</float_array>
+<technique_common><accessor source="#pa" count="4" stride="3"><param name="X" type="float"/>
+<param name="Y" type="float"/><param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<triangles count="4"><input semantic="VERTEX" source="#v" offset="0"/>
+<p>0 2 1 0 1 3 0 3 2 1 2 3</p></triangles></mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="s"><node id="n"><instance_geometry url="#g"/></node>
+</visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>)";
+  const Expected<Shape> mesh = loadConvexMesh(folder.write("t.dae", dae), Vector3d::Ones());
+  ASSERT_TRUE(mesh.ok()) << format(mesh.errors());
+  EXPECT_LT((moments(*mesh).center_m - Vector3d(0.005, 0.005, 0.01)).norm(), 1e-8);
+}
+
+TEST(ConvexMesh, SubdividedFaces_AreConvex) {
+  // A corner in the middle of an edge and one in the middle of a face: exactly in their planes.
+  const std::string faces =
+      "f 1 9 4\nf 9 2 4\nf 1 4 3\nf 5 6 10\nf 6 8 10\nf 8 7 10\nf 7 5 10\n"
+      "f 1 9 5\nf 9 2 6\nf 9 6 5\nf 3 4 8 7\nf 1 3 7 5\nf 2 4 8 6\n";
+  const TempFolder folder;
+  const std::string obj = cubeObj("v 0.01 0 0\nv 0.01 0.01 0.02\n" + faces);
+  EXPECT_EQ(problemOf(folder.write("cube.obj", obj)), "");
+}
+
+TEST(ConvexMesh, BadMeshes_SayWhatIsWrong) {
+  const TempFolder folder;
+  const struct {
+    const char *name, *text, *problem;
+  } kCases[] = {
+      {"dent.obj",
+       "v 0.01 0.01 0.01\nf 1 2 4 3\nf 5 6 9\nf 6 8 9\nf 8 7 9\nf 7 5 9\nf 1 2 6 5\n"
+       "f 3 4 8 7\nf 1 3 7 5\nf 2 4 8 6\n",
+       "is not convex"},
+      {"hole.obj", "f 1 2 4 3\nf 1 2 6 5\nf 3 4 8 7\nf 1 3 7 5\nf 2 4 8 6\n", "is not watertight"},
+      {"twice.obj",
+       "f 1 2 4 3\nf 5 6 8 7\nf 1 2 6 5\nf 3 4 8 7\nf 1 3 7 5\nf 2 4 8 6\n"
+       "f 1 2 4 3\nf 5 6 8 7\nf 1 2 6 5\nf 3 4 8 7\nf 1 3 7 5\nf 2 4 8 6\n",
+       "is not watertight"},
+      {"flat.obj", "f 1 2 4 3\nf 3 4 2 1\n", "is flat"},
+      {"nofaces.obj", "# corners only\n", ""},
+  };
+  for (const auto& c : kCases) {
+    const std::string path = folder.write(c.name, cubeObj(c.text));
+    const std::string problem = problemOf(path);
+    ASSERT_FALSE(problem.empty()) << c.name;
+    EXPECT_NE(problem.find(path), std::string::npos) << problem;
+    EXPECT_NE(problem.find(c.problem), std::string::npos) << problem;
+  }
+  EXPECT_NE(problemOf(folder.path("none.stl")).find("there is no such"), std::string::npos);
+  EXPECT_NE(problemOf(folder.write("empty.stl", "")).find("is empty"), std::string::npos);
+  EXPECT_NE(problemOf(folder.write("noise.stl", "not a mesh")).find("cannot be read"),
+            std::string::npos);
+  const std::string millimetres =
+      "v 0 0 0\nv 20 0 0\nv 0 20 0\nv 0 0 20\nf 1 2 3\nf 1 2 4\n"
+      "f 1 3 4\nf 2 3 4\n";
+  EXPECT_NE(problemOf(folder.write("mm.obj", millimetres)).find("m across"), std::string::npos);
+}
+
+TEST(ConvexMesh, TooManyFaces_AreRefused) {
+  std::vector<Eigen::Vector3i> triangles(2 * kMaxMeshPoints + 1, Eigen::Vector3i(0, 1, 2));
+  const Expected<Shape> mesh =
+      convexMesh({{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}, {0, 0, 0.1}}, triangles);
+  ASSERT_FALSE(mesh.ok());
+  EXPECT_NE(mesh.errors().front().problem.find("2049 triangles"), std::string::npos);
+}
+
+TEST(MassProperties, TwoHalvesOfABox_AreTheBox) {
+  Shape whole, left, right;
+  whole.half_extents_m = {0.06, 0.02, 0.03};
+  left.half_extents_m = right.half_extents_m = {0.03, 0.02, 0.03};
+  left.in_body.translation_m.x() = -0.03;
+  right.in_body.translation_m.x() = 0.03;
+  const MassProperties a = uniformDensity({whole}, 0.3), b = uniformDensity({left, right}, 0.3);
+  EXPECT_LT((a.inertia_kg_m2 - b.inertia_kg_m2).norm(), 1e-15);
+  EXPECT_LT(b.com_m.norm(), 1e-15);
+  EXPECT_NEAR(a.inertia_kg_m2(2, 2), 0.3 * (0.12 * 0.12 + 0.04 * 0.04) / 12.0, 1e-16);  // textbook
+}
+
+TEST(MassProperties, ImpossibleInertias_AreNamed) {
+  EXPECT_EQ(inertiaFault(Vector3d(1.0, 1.0, 2.0).asDiagonal()), "");  // a flat plate
+  EXPECT_NE(inertiaFault(Vector3d(1.0, 1.0, 2.1).asDiagonal()).find("triangle"), std::string::npos);
+  EXPECT_NE(inertiaFault(Vector3d(1.0, 1.0, 0.0).asDiagonal()).find("definite"), std::string::npos);
+  Eigen::Matrix3d skew = Eigen::Matrix3d::Identity();
+  skew(0, 1) = skew(1, 0) = 1.5;  // positive diagonal, negative principal moment
+  EXPECT_NE(inertiaFault(skew).find("definite"), std::string::npos);
+}
+
+const std::string kBall = "<collision><geometry><sphere radius=\"0.02\"/></geometry></collision>";
+
+TEST(Urdf, EveryColliderOfEveryLink_IsKeptWhereItIs) {
+  const TempFolder folder;
+  folder.write("meshes/cube.obj", cubeObj(kCubeFaces));
+  const Expected<UrdfBody> body = loadUrdf(folder.write("thing.urdf", R"(<robot name="thing">
+    <link name="a">
+      <collision><origin xyz="0.1 0 0" rpy="0 1.5707963267948966 0"/>
+        <geometry><capsule radius="0.01" length="0.06"/></geometry></collision>
+      <collision><geometry><box size="0.02 0.04 0.06"/></geometry></collision>
+    </link>
+    <link name="b">
+      <collision><geometry><cylinder radius="0.02" length="0.1"/></geometry></collision>
+      <collision><geometry><mesh filename="meshes/cube.obj" scale="2 2 2"/></geometry></collision>
+    </link>
+    <link name="c">)" + kBall + R"(</link>
+    <joint name="ab" type="fixed"><parent link="a"/><child link="b"/>
+      <origin xyz="0 0 0.2" rpy="0 0 1.5707963267948966"/></joint>
+    <joint name="bc" type="fixed"><parent link="b"/><child link="c"/>
+      <origin xyz="0.05 0 0"/></joint>
+  </robot>)"));
+  ASSERT_TRUE(body.ok()) << format(body.errors());
+  ASSERT_EQ(body->shapes.size(), 5U);
+  const Shape& capsule = body->shapes[0];  // the one that urdfdom loses
+  EXPECT_EQ(capsule.type, ShapeType::kCapsule);
+  EXPECT_NEAR(signedDistance(capsule, {0.13, 0.0, 0.0}), -0.01, 1e-12);  // the centre of its cap
+  EXPECT_NEAR(signedDistance(capsule, {0.14, 0.0, 0.0}), 0.0, 1e-12);    // its tip, along x
+  EXPECT_EQ(body->shapes[1].type, ShapeType::kBox);
+  EXPECT_NEAR(signedDistance(body->shapes[2], {0.0, 0.0, 0.25}), 0.0, 1e-12);
+  EXPECT_NEAR(moments(body->shapes[3]).volume_m3, 6.4e-5, 1e-11);  // 40 mm cube
+  EXPECT_LT((body->shapes[4].in_body.translation_m - Vector3d(0.0, 0.05, 0.2)).norm(), 1e-12);
+  EXPECT_FALSE(body->inertial.has_value());
+}
+
+TEST(Urdf, Inertials_AddUpByParallelAxes) {
+  // Two thin rods of 1 kg and 1 m end to end along x, the second turned about z in its own frame:
+  // together a rod of 2 kg and 2 m: I = m L² / 12 across, 2e-6 along.
+  const std::string rod = R"(<inertial><origin xyz="0.5 0 0"/><mass value="1"/>
+    <inertia ixx="1e-6" iyy="0.0833333333333333" izz="0.0833333333333333"/></inertial>)";
+  const std::string turned = R"(<inertial><origin xyz="0.5 0 0" rpy="0 0 1.5707963267948966"/>
+    <mass value="1"/><inertia ixx="0.0833333333333333" iyy="1e-6" izz="0.0833333333333333"/>
+    </inertial>)";
+  const TempFolder folder;
+  const Expected<UrdfBody> body = loadUrdf(
+      folder.write("rods.urdf", "<robot name=\"r\"><link name=\"a\">" + rod + kBall +
+                                    "</link><link name=\"b\">" + turned + kBall +
+                                    R"(</link><joint name="j" type="fixed"><parent link="a"/>
+      <child link="b"/><origin xyz="1 0 0"/></joint></robot>)"));
+  ASSERT_TRUE(body.ok()) << format(body.errors());
+  const MassProperties& m = *body->inertial;
+  EXPECT_NEAR(m.mass_kg, 2.0, 1e-12);
+  EXPECT_LT((m.com_m - Vector3d(1.0, 0.0, 0.0)).norm(), 1e-12);
+  EXPECT_NEAR(m.inertia_kg_m2(0, 0), 2e-6, 1e-12);
+  EXPECT_NEAR(m.inertia_kg_m2(1, 1), 2.0 * 4.0 / 12.0, 1e-12);
+  EXPECT_NEAR(m.inertia_kg_m2(2, 2), 2.0 * 4.0 / 12.0, 1e-12);
+  EXPECT_LT(std::abs(m.inertia_kg_m2(0, 1)), 1e-12);
+}
+
+TEST(Urdf, PackageNames_AreFoundAboveTheFile) {
+  const TempFolder folder;
+  folder.write("my_cups/meshes/cube.obj", cubeObj(kCubeFaces));
+  const std::string urdf = R"(<robot name="r"><link name="a"><collision><geometry>
+    <mesh filename="package://my_cups/meshes/cube.obj"/></geometry></collision></link></robot>)";
+  EXPECT_TRUE(loadUrdf(folder.write("my_cups/urdf/cup.urdf", urdf)).ok());   // in the package
+  EXPECT_TRUE(loadUrdf(folder.write("others/robots/cup.urdf", urdf)).ok());  // beside it
+  const Expected<UrdfBody> lost = loadUrdf(folder.write("lost.urdf", R"(<robot name="r">
+    <link name="a"><collision><geometry><mesh filename="package://no_cups/cube.obj"/></geometry>
+    </collision></link></robot>)"));
+  ASSERT_FALSE(lost.ok());
+  EXPECT_NE(format(lost.errors()).find("no_cups/cube.obj"), std::string::npos);
+}
+
+TEST(Urdf, BadFiles_NameLineElementAndFault) {
+  const std::string ok = "<link name=\"a\">" + kBall + "</link>";
+  const auto joint = [](const std::string& type) {
+    return "<joint name=\"lid\" type=\"" + type +
+           "\"><parent link=\"a\"/><child link=\"b\"/></joint>";
+  };
+  const std::string b = "<link name=\"b\">" + kBall + "</link>";
+  const auto shaped = [](const std::string& g) {
+    return "<link name=\"a\"><collision><geometry>" + g + "</geometry></collision></link>";
+  };
+  const auto inertial = [](const std::string& i) {
+    return "<link name=\"a\">" + kBall + "<inertial>" + i + "</inertial></link>";
+  };
+  const struct {
+    std::string body, place, problem;
+  } kCases[] = {
+      {ok + "\n\n<link name=\"bare\"/>", ":4: link[bare]", "no collider"},
+      {ok + b + "\n" + joint("revolute"), ":3: joint[lid].type", "'lid' is movable"},
+      {ok + b, "robot", "2 root links"},
+      {ok + b + joint("fixed") + joint("fixed"), "joint[lid].child", "two joints"},
+      {ok + joint("fixed"), "joint[lid].child", "no link of that name"},
+      {ok + ok, "link[a]", "twice"},
+      {shaped("<sphere radius=\"nan\"/>"), "link[a].collision[0].sphere.radius", "cannot be read"},
+      {shaped("<sphere radius=\"-1\"/>"), "sphere.radius", "out of range"},
+      {shaped("<sphere/>"), "sphere.radius", "missing"},
+      {shaped("<box size=\"1 2\"/>"), "box.size", "3 finite numbers"},
+      {shaped("<box size=\"0.1 0 0.1\"/>"), "box.size", "out of range"},
+      {shaped("<cone radius=\"1\"/>"), "collision[0].cone", "unknown shape"},
+      {shaped(""), "collision[0].geometry", "exactly one shape"},
+      {shaped("<mesh filename=\"gone.stl\"/>"), "mesh.filename", "no such mesh file"},
+      {inertial("<mass value=\"1\"/>"), "link[a].inertial", "has no <inertia>"},
+      {inertial("<mass value=\"0\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"1\"/>"),
+       "inertial.mass.value", "not positive"},
+      {inertial("<mass value=\"1\"/><inertia ixx=\"1\" iyy=\"1\" izz=\"3\"/>"), "inertial.inertia",
+       "triangle inequality"},
+      {"", "robot", "has no link"},
+  };
+  const TempFolder folder;
+  for (const auto& c : kCases) {
+    const std::string path =
+        folder.write("bad.urdf", "<?xml version=\"1.0\"?>\n<robot name=\"r\" version=\"1.1\">" +
+                                     c.body + "</robot>\n");
+    const Expected<UrdfBody> body = loadUrdf(path);
+    ASSERT_FALSE(body.ok()) << c.body;
+    const std::string message = format(body.errors());
+    EXPECT_EQ(message.find(path), 0U) << message;
+    EXPECT_NE(message.find(c.place), std::string::npos) << message;
+    EXPECT_NE(message.find(c.problem), std::string::npos) << message;
+  }
+  const Expected<UrdfBody> broken = loadUrdf(folder.write("broken.urdf", "<robot><link></robot>"));
+  ASSERT_FALSE(broken.ok());
+  EXPECT_NE(format(broken.errors()).find("not readable XML"), std::string::npos);
+  EXPECT_FALSE(loadUrdf(folder.write("other.urdf", "<model/>")).ok());
+  EXPECT_FALSE(loadUrdf(folder.path("none.urdf")).ok());
+}
+
+TEST(Urdf, LinksInACircle_AreRefused) {
+  std::string text = "<robot name=\"r\">";
+  for (const char* name : {"root", "p", "q"}) {
+    text += std::string("<link name=\"") + name + "\">" + kBall + "</link>";
+  }
+  text += R"(<joint name="1" type="fixed"><parent link="p"/><child link="q"/></joint>
+             <joint name="2" type="fixed"><parent link="q"/><child link="p"/></joint></robot>)";
+  const TempFolder folder;
+  const Expected<UrdfBody> body = loadUrdf(folder.write("circle.urdf", text));
+  ASSERT_FALSE(body.ok());
+  EXPECT_NE(format(body.errors()).find("circle"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace wholehand
