@@ -1,0 +1,317 @@
+#include "picture/skin_field.hpp"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace wholehand {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kNode_m = 0.004;               // spacing of the sampled distances
+constexpr int kBlockNodes = 2;                  // a block of candidates is 8 mm wide
+constexpr double kPad_m = 0.028;                // grid beyond the colliders, for occlusion
+constexpr double kBlockHalfDiagonal_m = 0.007;  // of 8 mm
+constexpr double kNear_m = 0.003;               // the skin is exact up to here
+constexpr std::size_t kGroups = 6;
+constexpr double kSameJoint_m = 0.001;
+constexpr double kLightStep_m = 0.0022;  // calms the palm, follows a finger
+constexpr double kThin_m = 1e-6;         // keeps a blend's width positive
+constexpr double kFar = 1e9;
+
+/// Polynomial smooth minimum of width k: differs from min only where |a - b| < k.
+double smoothMin(double a, double b, double k) noexcept {
+  const double h = std::max(k - std::abs(a - b), 0.0);
+  return std::min(a, b) - h * h / (4.0 * k);
+}
+
+double smoothMax(double a, double b, double k) noexcept {
+  return -smoothMin(-a, -b, k);
+}
+
+double smoothStep(double from, double to, double x) noexcept {
+  const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
+  return t * t * (3.0 - 2.0 * t);
+}
+
+int group(HandPart part) noexcept {
+  return static_cast<int>(part);
+}
+
+}  // namespace
+
+SkinField::SkinField(const HandModel& hand, const std::vector<Pose>& link_poses, SkinRecipe recipe)
+    : recipe_(recipe) {
+  place(hand, link_poses);
+  if (empty()) return;
+  taper();
+  bound();
+  sampleGrid();
+  listCandidates();
+}
+
+void SkinField::place(const HandModel& hand, const std::vector<Pose>& link_poses) {
+  for (const Capsule& c : hand.capsules) {
+    const Pose& pose = link_poses[static_cast<std::size_t>(c.link)];
+    const HandLink& link = hand.links[static_cast<std::size_t>(c.link)];
+    Placed placed;
+    placed.a = pose * c.a_m;
+    placed.ab = pose * c.b_m - placed.a;
+    placed.length = placed.ab.norm();
+    placed.inverse_length2 = placed.length > 0.0 ? 1.0 / placed.ab.squaredNorm() : 0.0;
+    placed.radius = c.radius_m;
+    placed.part = c.part;
+    placed.tip = c.part != HandPart::kPalm && c.name.find("distal") != std::string::npos;
+    // Flexion is positive and moves a digit towards its pulp: axis x direction points there.
+    const Pose& palm = link_poses[static_cast<std::size_t>(hand.palm_link)];
+    const Vector3d bent = (pose.rotation * link.axis).cross(placed.ab);
+    const bool digit = c.part != HandPart::kPalm && bent.norm() > 0.7 * placed.length;
+    placed.palmar = digit ? Vector3d(bent.normalized()) : Vector3d(-palm.rotation.col(2));
+    if (placed.tip && digit) addNail(placed);
+    capsules_.push_back(placed);
+  }
+}
+
+/// Where two capsules of a digit share a joint, the skin takes the radius between theirs: fingers
+/// narrow from joint to joint instead of in steps.
+void SkinField::taper() {
+  for (Placed& c : capsules_) {
+    c.skin_radius_a = c.skin_radius_b = c.radius;
+    if (c.part == HandPart::kPalm) continue;
+    for (const Placed& other : capsules_) {
+      if (other.part != c.part || &other == &c) continue;
+      const double between = 0.5 * (c.radius + other.radius);
+      if ((other.a + other.ab - c.a).norm() < kSameJoint_m) {
+        c.skin_radius_a = between;
+        c.bend = c.ab.normalized() - other.ab.normalized();
+        c.joined = true;
+      }
+      if ((other.a - c.a - c.ab).norm() < kSameJoint_m) c.skin_radius_b = between;
+    }
+  }
+}
+
+void SkinField::bound() {
+  const double inf = std::numeric_limits<double>::infinity();
+  low_m_.setConstant(inf);
+  high_m_.setConstant(-inf);
+  for (const Placed& c : capsules_) {
+    const Vector3d r = Vector3d::Constant(c.radius), b = c.a + c.ab;
+    low_m_ = low_m_.cwiseMin(c.a - r).cwiseMin(b - r);
+    high_m_ = high_m_.cwiseMax(c.a + r).cwiseMax(b + r);
+  }
+  center_m_ = 0.5 * (low_m_ + high_m_);
+  for (const Placed& c : capsules_) {
+    const Vector3d a = c.a - center_m_, b = a + c.ab;
+    radius_m_ = std::max(radius_m_, std::max(a.norm(), b.norm()) + c.radius + recipe_.leave_m);
+  }
+}
+
+void SkinField::addNail(const Placed& distal) {
+  Nail nail;
+  nail.root = distal.a;
+  nail.along = distal.ab.normalized();
+  nail.dorsal = -distal.palmar;
+  nail.side = nail.along.cross(nail.dorsal);
+  nail.radius = distal.radius;
+  nail.segment = distal.length;
+  nail.center = distal.a + distal.ab + nail.dorsal * distal.radius;
+  nails_.push_back(nail);
+}
+
+void SkinField::sampleGrid() {
+  origin_m_ = low_m_ - Vector3d::Constant(kPad_m);
+  const Eigen::Array3d extent = (high_m_ - low_m_).array() + 2.0 * kPad_m;
+  blocks_ = (extent / (kNode_m * kBlockNodes)).ceil().cast<int>();
+  nodes_ = blocks_ * kBlockNodes + 1;
+  sampled_m_.resize(static_cast<std::size_t>(nodes_.prod()));
+  std::size_t at = 0;
+  for (int z = 0; z < nodes_.z(); ++z) {
+    for (int y = 0; y < nodes_.y(); ++y) {
+      for (int x = 0; x < nodes_.x(); ++x) {
+        sampled_m_[at++] = static_cast<float>(colliders(origin_m_ + kNode_m * Vector3d(x, y, z)));
+      }
+    }
+  }
+}
+
+void SkinField::listCandidates() {
+  // Beyond this distance from a block's centre a capsule can reach no skin point of the block, not
+  // even through the widest blend.
+  const double reach = kBlockHalfDiagonal_m + kNear_m + recipe_.palm_light_m;
+  const double width = kNode_m * kBlockNodes;
+  block_.resize(static_cast<std::size_t>(blocks_.prod()));
+  std::size_t at = 0;
+  for (int z = 0; z < blocks_.z(); ++z) {
+    for (int y = 0; y < blocks_.y(); ++y) {
+      for (int x = 0; x < blocks_.x(); ++x, ++at) {
+        const Vector3d middle = origin_m_ + width * (Vector3d(x, y, z) + Vector3d::Constant(0.5));
+        if (std::abs(colliders(middle)) > kBlockHalfDiagonal_m + kNear_m) continue;
+        block_[at].first = static_cast<std::uint32_t>(candidates_.size());
+        for (std::size_t i = 0; i < capsules_.size(); ++i) {
+          if (capsule(capsules_[i], middle) < reach) {
+            candidates_.push_back(static_cast<std::uint16_t>(i));
+          }
+        }
+        block_[at].count = static_cast<std::uint32_t>(candidates_.size()) - block_[at].first;
+      }
+    }
+  }
+}
+
+double SkinField::capsule(const Placed& c, const Vector3d& p) const noexcept {
+  const Vector3d ap = p - c.a;
+  const double t = std::clamp(ap.dot(c.ab) * c.inverse_length2, 0.0, 1.0);
+  return (ap - t * c.ab).norm() - c.radius;
+}
+
+double SkinField::colliders(const Vector3d& p_m) const noexcept {
+  double d = kFar;
+  for (const Placed& c : capsules_) d = std::min(d, capsule(c, p_m));
+  return d;
+}
+
+const SkinField::Block* SkinField::block(const Vector3d& p) const noexcept {
+  const Eigen::Array3d at = (p - origin_m_).array() / (kNode_m * kBlockNodes);
+  if ((at < 0.0).any() || (at >= blocks_.cast<double>()).any()) return nullptr;
+  const Eigen::Array3i i = at.cast<int>();
+  return &block_[static_cast<std::size_t>((i.z() * blocks_.y() + i.y()) * blocks_.x() + i.x())];
+}
+
+double SkinField::blend(const Placed& c, const Vector3d& p, double within_digit,
+                        double with_palm) const noexcept {
+  const double k = c.part == HandPart::kPalm    ? with_palm
+                   : c.part == HandPart::kThumb ? with_palm * recipe_.thumb_share
+                                                : within_digit;
+  if (!c.joined) return k;
+  // At a joint a blend would swell a straight finger: it is wanted in the inside of the bend only.
+  return k * std::clamp(c.bend.dot(p - c.a) / c.radius, 0.0, 1.0) + kThin_m;
+}
+
+double SkinField::blended(const Block& b, const Vector3d& p, double within_digit, double with_palm,
+                          double& hard) const noexcept {
+  std::array<double, kGroups> united;
+  united.fill(kFar);
+  hard = kFar;
+  for (std::uint32_t i = b.first; i < b.first + b.count; ++i) {
+    const Placed& c = capsules_[candidates_[i]];
+    const Vector3d ap = p - c.a;
+    const double t = std::clamp(ap.dot(c.ab) * c.inverse_length2, 0.0, 1.0);
+    const double to_axis = (ap - t * c.ab).norm();
+    hard = std::min(hard, to_axis - c.radius);
+    const double d = to_axis - c.skin_radius_a - t * (c.skin_radius_b - c.skin_radius_a);
+    double& u = united[static_cast<std::size_t>(group(c.part))];
+    u = smoothMin(u, d, blend(c, p, within_digit, with_palm));
+  }
+  double d = united[0];
+  for (std::size_t g = 1; g < united.size(); ++g) {
+    d = std::min(d, smoothMin(united[0], united[g], with_palm));
+  }
+  return d;
+}
+
+double SkinField::skin(const Vector3d& p_m) const noexcept {
+  const Block* b = block(p_m);
+  if (b == nullptr) return colliders(p_m) - recipe_.leave_m;
+  // Sampled with 4 mm the interpolated distance of a finger is at most 1 mm too large.
+  if (b->count == 0) return roughly(p_m) - 0.0015;
+  double hard = kFar;
+  const double united = blended(*b, p_m, recipe_.blend_m, recipe_.blend_m, hard);
+  if (united > kNear_m) return std::min(united, hard - recipe_.leave_m);
+  const double nailed = united - recipe_.nail_m * nailShare(p_m);
+  const double filled = smoothMin(nailed, hard + recipe_.leave_m, recipe_.clamp_m);
+  return smoothMax(filled, hard - recipe_.leave_m, recipe_.clamp_m);
+}
+
+double SkinField::roughly(const Vector3d& p_m) const noexcept {
+  const Eigen::Array3d at = (p_m - origin_m_).array() / kNode_m;
+  if ((at < 0.0).any() || (at >= (nodes_ - 1).cast<double>()).any()) {
+    return colliders(p_m);
+  }
+  const Eigen::Array3i i = at.cast<int>();
+  const Eigen::Array3d f = at - i.cast<double>();
+  const auto row = static_cast<std::size_t>(nodes_.x());
+  const std::size_t slab = row * static_cast<std::size_t>(nodes_.y());
+  const float* s =
+      &sampled_m_[static_cast<std::size_t>(i.z()) * slab + static_cast<std::size_t>(i.y()) * row +
+                  static_cast<std::size_t>(i.x())];
+  const auto along = [&](const float* q) {
+    return static_cast<double>(q[0]) + f.x() * static_cast<double>(q[1] - q[0]);
+  };
+  const auto across = [&](const float* q) {
+    return along(q) + f.y() * (along(q + row) - along(q));
+  };
+  return across(s) + f.z() * (across(s + slab) - across(s));
+}
+
+double SkinField::soft(const Vector3d& p) const noexcept {
+  const Block* b = block(p);
+  if (b == nullptr || b->count == 0) return roughly(p);
+  double hard = kFar;
+  return blended(*b, p, recipe_.digit_light_m, recipe_.palm_light_m, hard);
+}
+
+Vector3d SkinField::lightNormal(const Vector3d& p_m) const noexcept {
+  const auto gradient = [&](double h, auto&& field) {
+    Vector3d g;
+    for (int i = 0; i < 3; ++i) {
+      const Vector3d e = h * Vector3d::Unit(i);
+      g[i] = field(p_m + e) - field(p_m - e);
+    }
+    return Vector3d(g.normalized());
+  };
+  if (nailShare(p_m) > 0.0) {
+    return gradient(0.0003, [this](const Vector3d& q) { return skin(q); });
+  }
+  return gradient(kLightStep_m, [this](const Vector3d& q) { return soft(q); });
+}
+
+double SkinField::nailShare(const Vector3d& p) const noexcept {
+  for (const Nail& n : nails_) {
+    if ((p - n.center).squaredNorm() > 4.0 * n.radius * n.radius) continue;
+    const Vector3d q = p - n.root;
+    const double s = q.dot(n.along);
+    const double up = q.dot(n.dorsal);
+    if (up <= 0.0) continue;
+    // A rounded square, wrapped around the last capsule: a superellipse in arc and length.
+    const double length = 1.55 * n.radius;
+    const double end = n.segment + 0.66 * n.radius;
+    const double u = std::atan2(q.dot(n.side), up) / 0.80;
+    const double v = 2.0 * (s - end) / length + 1.0;
+    const double edge = std::pow(std::pow(std::abs(u), 3.2) + std::pow(std::abs(v), 3.2), 1 / 3.2);
+    return smoothStep(1.05, 0.95, edge);
+  }
+  return 0.0;
+}
+
+SkinLook SkinField::look(const Vector3d& p_m, const Vector3d& normal) const noexcept {
+  SkinLook look;
+  const Block* b = block(p_m);
+  if (b == nullptr || b->count == 0) return look;
+  double hard = kFar;
+  const double united = blended(*b, p_m, recipe_.digit_light_m, recipe_.palm_light_m, hard);
+  look.fold = std::clamp(-united / 0.0032, 0.0, 1.0);
+  look.nail = nailShare(p_m);
+  // Capsules near the point share it by distance, so that no colour has a seam.
+  double weight = 0.0;
+  Vector3d palmar = Vector3d::Zero();
+  for (std::uint32_t i = b->first; i < b->first + b->count; ++i) {
+    const Placed& c = capsules_[candidates_[i]];
+    const double w = std::exp(-(capsule(c, p_m) - hard) / 0.0025);
+    const double s = (p_m - c.a).dot(c.ab) * c.inverse_length2 * c.length;
+    weight += w;
+    palmar += w * c.palmar;
+    if (c.part == HandPart::kPalm) continue;
+    const double knuckle = std::exp(-std::pow(s / 0.007, 2.0)) * (0.5 - 0.5 * normal.dot(c.palmar));
+    const double tip = c.tip ? smoothStep(0.2 * c.length, 1.3 * c.length, s) : 0.0;
+    look.redness += w * std::max(0.7 * knuckle, 0.6 * tip);
+  }
+  look.redness /= weight;
+  look.palmar = std::clamp(0.8 * normal.dot(palmar) / weight + 0.15, 0.0, 1.0);
+  return look;
+}
+
+}  // namespace wholehand
