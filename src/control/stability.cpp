@@ -113,13 +113,13 @@ std::string remedy(const Candidate& c, double k_pm, double k_dm) {
       roundedDown(largestAllowed(k_pm, [&](double k) { return judge(c, k, k_dm).stable(); }));
   std::string out;
   if (stiffness > 0.0) {
-    out = fmt::format("largest allowed {}: {:.3g} {}", stiffnessKey(c.axis), stiffness,
+    out = fmt::format("largest allowed {}: {:.6g} {}", stiffnessKey(c.axis), stiffness,
                       perUnit(c.axis, ""));
   }
   const double damping =
       roundedDown(largestAllowed(k_dm, [&](double d) { return judge(c, k_pm, d).stable(); }));
   if (damping > 0.0) {
-    out += fmt::format("{} {}: {:.3g} {}", out.empty() ? "largest allowed" : ", or",
+    out += fmt::format("{} {}: {:.6g} {}", out.empty() ? "largest allowed" : ", or",
                        dampingKey(c.axis), damping, perUnit(c.axis, "·s"));
   }
   if (out.empty()) {
