@@ -1,0 +1,141 @@
+#include "patient/motion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace wholehand {
+namespace {
+
+std::string written(const std::string& content) {
+  const std::string path = ::testing::TempDir() + "wholehand_motion_" +
+                           ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".csv";
+  std::ofstream(path, std::ios::binary) << content;
+  return path;
+}
+
+/// The file's faults, one a line.
+std::string faultsOf(const std::string& content, const DeviceModel* device = nullptr) {
+  const std::string path = written(content);
+  const Expected<MotionFile> motion = loadMotionFile(path, device);
+  std::filesystem::remove(path);
+  return motion.ok() ? "" : format(motion.errors());
+}
+
+DeviceModel sled() {
+  DeviceModel device;
+  device.name = "sled";
+  DeviceAxis axis;
+  axis.name = "index_flexion";
+  axis.kind = AxisKind::kRotation;
+  device.axes = {axis};
+  return device;
+}
+
+#define EXPECT_SAYS(text, part) \
+  EXPECT_NE((text).find(part), std::string::npos) << "it says instead:\n" << (text)
+
+TEST(MotionFile, GoodFile_IsReadWithItsUnitsRemoved) {
+  const std::string path = written(
+      "\xEF\xBB\xBF# recorded by hand\r\ntime_s, x_m ,finger_flexion_rad\r\n"
+      "0.5,-1e-3,+0.25\r\n\r\n0.51, 2e-3 ,0.5\r\n");
+  const Expected<MotionFile> motion = loadMotionFile(path);
+  ASSERT_TRUE(motion.ok()) << format(motion.errors());
+  EXPECT_EQ(motion->path, path);
+  EXPECT_EQ(motion->columns, (std::vector<std::string>{"x", "finger_flexion"}));
+  EXPECT_EQ(motion->time_s, (std::vector<double>{0.5, 0.51}));
+  EXPECT_EQ(motion->samples, (std::vector<std::vector<double>>{{-1e-3, 0.25}, {2e-3, 0.5}}));
+}
+
+TEST(MotionFile, TimeColumn_MayStandAnywhere) {
+  const std::string path = written("x_m,time_s,z_m\n1,0,3\n4,1,6\n");
+  const Expected<MotionFile> motion = loadMotionFile(path);
+  ASSERT_TRUE(motion.ok());
+  EXPECT_EQ(motion->columns, (std::vector<std::string>{"x", "z"}));
+  EXPECT_EQ(motion->samples[1], (std::vector<double>{4.0, 6.0}));
+}
+
+TEST(MotionFile, MissingOrUnreadable_SaysSo) {
+  EXPECT_SAYS(format(loadMotionFile("/no/such/motion.csv").errors()),
+              "/no/such/motion.csv: cannot be opened");
+  EXPECT_SAYS(format(loadMotionFile(::testing::TempDir()).errors()), "not a folder");
+}
+
+TEST(MotionFile, EmptyOrTooShort_IsRefused) {
+  EXPECT_SAYS(faultsOf(""), "is empty");
+  EXPECT_SAYS(faultsOf("\n# nothing\n\n"), "is empty");
+  EXPECT_SAYS(faultsOf("time_s,x_m\n"), "has 0 rows");
+  EXPECT_SAYS(faultsOf("time_s,x_m\n0,0\n"), "has 1 rows");
+}
+
+TEST(MotionFile, Header_EachFaultNamesItsColumn) {
+  EXPECT_SAYS(faultsOf("x_m\n0\n1\n"), "time_s: is missing");
+  EXPECT_SAYS(faultsOf("time_s\n0\n1\n"), "has no axis column");
+  EXPECT_SAYS(faultsOf("time_s,x\n0,0\n1,1\n"), "column 2 = x: has no known unit");
+  EXPECT_SAYS(faultsOf("time_s,x_mm\n0,0\n1,1\n"), "column 2 = x_mm: has no known unit");
+  EXPECT_SAYS(faultsOf("time_s,figner_flexion_rad\n0,0\n1,1\n"),
+              "column 2 = figner_flexion_rad: is no known axis; use one of x, y, z");
+  EXPECT_SAYS(faultsOf("time_s,x_rad\n0,0\n1,1\n"), "x is a translation: use _m");
+  EXPECT_SAYS(faultsOf("time_s,yaw_m\n0,0\n1,1\n"), "yaw is a rotation: use _rad");
+  EXPECT_SAYS(faultsOf("time_s,x_m,x_m\n0,0,0\n1,1,1\n"), "column 3 = x_m: stands there twice");
+  EXPECT_SAYS(faultsOf("time_s,,x_m\n0,0,0\n1,1,1\n"), "column 2: has no name");
+}
+
+TEST(MotionFile, Rows_EachFaultNamesItsLineAndColumn) {
+  const std::string head = "time_s,x_m\n0,0\n";
+  EXPECT_SAYS(faultsOf(head + "1\n"), ":3: has 1 values, the header names 2 columns");
+  EXPECT_SAYS(faultsOf(head + "1,2,3\n"), ":3: has 3 values");
+  EXPECT_SAYS(faultsOf(head + "1,fast\n"), ":3: x_m = fast: is not a number");
+  EXPECT_SAYS(faultsOf(head + "1,0x10\n"), ":3: x_m = 0x10: is not a number");
+  EXPECT_SAYS(faultsOf(head + "1,\n"), ":3: x_m: is empty");
+  EXPECT_SAYS(faultsOf(head + "1,nan\n"), ":3: x_m = nan: is not finite");
+  EXPECT_SAYS(faultsOf(head + "inf,1\n"), ":3: time_s = inf: is not finite");
+  EXPECT_SAYS(faultsOf(head + "1,1e999\n"), ":3: x_m = 1e999: is not finite");
+  EXPECT_SAYS(faultsOf(head + "1,1e6\n"), ":3: x_m = 1e6: is out of range");
+  EXPECT_SAYS(faultsOf(head + "0,1\n"), ":3: time_s = 0: does not increase");
+  EXPECT_SAYS(faultsOf(head + "1,1\n0.5,1\n"), ":4: time_s = 0.5: does not increase");
+  EXPECT_SAYS(faultsOf(head + "3601,1\n"), ":3: time_s = 3601: is more than an hour");
+}
+
+TEST(MotionFile, SeveralFaults_AreAllToldAndCappedAtTwenty) {
+  const std::string faults = faultsOf("time_s,x_m,speed\n0,zero,0\n0,1,1\n2,2\n");
+  EXPECT_SAYS(faults, ":1: column 3 = speed");
+  EXPECT_SAYS(faults, ":2: x_m = zero");
+  EXPECT_SAYS(faults, ":3: time_s = 0");
+  EXPECT_SAYS(faults, ":4: has 2 values");
+
+  std::string many = "time_s,x_m\n";
+  for (int i = 0; i < 50; ++i) many += std::to_string(i) + ",bad\n";
+  const Expected<MotionFile> motion = loadMotionFile(written(many));
+  ASSERT_FALSE(motion.ok());
+  EXPECT_EQ(motion.errors().size(), 21U);
+  EXPECT_SAYS(format(motion.errors().back()), "has 30 more faults");
+}
+
+TEST(MotionFile, DeviceOfItsOwnAxes_WidensWhatIsKnown) {
+  const DeviceModel device = sled();
+  EXPECT_EQ(faultsOf("time_s,index_flexion_rad\n0,0\n1,1\n", &device), "");
+  // A column the device does not have is no fault as long as another one moves it.
+  EXPECT_EQ(faultsOf("time_s,x_m,index_flexion_rad\n0,0,0\n1,1,1\n", &device), "");
+  EXPECT_SAYS(faultsOf("time_s,index_flexion_rad\n0,0\n1,1\n"), "is no known axis");
+  EXPECT_SAYS(faultsOf("time_s,index_flexion_m\n0,0\n1,1\n", &device), "has the wrong unit");
+  EXPECT_SAYS(faultsOf("time_s,x_m\n0,0\n1,1\n", &device), "moves no axis of the device sled");
+}
+
+TEST(MotionFile, EveryRecordingOfTheProject_Loads) {
+  int recordings = 0;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(WHOLEHAND_SOURCE_DIR "/data/human-motion")) {
+    if (entry.path().extension() != ".csv") continue;
+    const Expected<MotionFile> motion = loadMotionFile(entry.path().string());
+    ASSERT_TRUE(motion.ok()) << format(motion.errors());
+    EXPECT_EQ(motion->columns.size(), 6U);
+    EXPECT_GT(motion->time_s.back(), 2.0);
+    ++recordings;
+  }
+  EXPECT_EQ(recordings, 15);
+}
+
+}  // namespace
+}  // namespace wholehand
