@@ -43,7 +43,7 @@ std::uint64_t threadReleases() noexcept {
 #if WHOLEHAND_COUNTS_ALLOCATIONS
 
 // The names are the C library's, and so is the missing documentation of the inner ones.
-// NOLINTBEGIN(readability-identifier-naming,bugprone-reserved-identifier)
+// NOLINTBEGIN(readability-identifier-naming)
 extern "C" {
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
@@ -94,6 +94,6 @@ void free(void* block) {
   __libc_free(block);
 }
 }
-// NOLINTEND(readability-identifier-naming,bugprone-reserved-identifier)
+// NOLINTEND(readability-identifier-naming)
 
 #endif
