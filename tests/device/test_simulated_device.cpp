@@ -105,6 +105,7 @@ TEST(SimulatedDevice, Encoder_RoundsToItsStepAndHidesNothingElse) {
 TEST(SimulatedDevice, OwnWeight_IsBalancedByNeutralAndFallsWithout) {
   DeviceModel model = oneAxisDevice(0.8);
   model.axes[0].neutral_effort = 0.8 * 9.81;
+  model.output_delay_ticks = 2;  // what is on its way when the device opens is neutral, too
   SimulatedDevice device(model, nobody(), stayAt(0.0), kPeriod_s);
   ASSERT_TRUE(device.open().ok());
   DeviceReading reading;
@@ -112,7 +113,7 @@ TEST(SimulatedDevice, OwnWeight_IsBalancedByNeutralAndFallsWithout) {
   EXPECT_EQ(device.position()[0], 0.0);  // open() holds neutral without a write
   hold(device, 0.8 * 9.81, 500);
   EXPECT_EQ(device.position()[0], 0.0);
-  hold(device, 0.0, 100);
+  hold(device, 0.0, 2 + 100);
   EXPECT_NEAR(device.position()[0], -0.5 * 9.81 * 0.1 * 0.1, 1e-9);
 }
 
