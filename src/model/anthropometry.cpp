@@ -33,10 +33,10 @@ struct DigitRow {
   double tilt_deg;
 };
 constexpr std::array<DigitRow, 4> kFingers = {{
-    {"index", HandPart::kIndex, {42.6, 25.1, 18.1}, {9, 8, 7}, {65.9, 18.2, 8.7}, 1.5, 0.0},
-    {"middle", HandPart::kMiddle, {44.7, 29.1, 19.1}, {9, 8, 7}, {65.5, 0.7, 9.2}, 0.5, 0.0},
-    {"ring", HandPart::kRing, {40.4, 24.9, 18.1}, {8.5, 7.5, 6.8}, {64.2, -13.9, 3.3}, -1.0, 0.0},
-    {"little", HandPart::kLittle, {36.1, 21.0, 17.3}, {8, 7, 6}, {56.1, -23.5, -5.7}, -4.0, -3.0},
+    {"index", HandPart::kIndex, {42.6, 25.1, 18.1}, {9, 8, 7}, {65.9, 18.2, 8.7}, 1.0, 0.0},
+    {"middle", HandPart::kMiddle, {44.7, 29.1, 19.1}, {9, 8, 7}, {65.5, 0.7, 9.2}, 0.0, 0.0},
+    {"ring", HandPart::kRing, {40.4, 24.9, 18.1}, {8.5, 7.5, 6.8}, {64.2, -13.9, 3.3}, -1.0, -1.0},
+    {"little", HandPart::kLittle, {36.1, 21.0, 17.3}, {8, 7, 6}, {56.1, -23.5, -5.7}, -6.0, -4.0},
 }};
 constexpr DigitRow kThumb = {
     "thumb", HandPart::kThumb, {35.9, 31.1, 23.7}, {9.5, 8.5, 6.5}, {10.0, 22.5, -12.8}, 0.0, 0.0};
