@@ -32,11 +32,12 @@ std::vector<std::string> pathsOf(const Models& models) {
 
 fs::path commonFolder(const std::vector<fs::path>& paths) {
   fs::path common = paths.front().parent_path();
+  const auto outside = [&common](const fs::path& path) {
+    const fs::path relative = path.lexically_relative(common);
+    return relative.empty() || *relative.begin() == "..";
+  };
   for (const fs::path& path : paths) {
-    while (fs::path relative = path.lexically_relative(common),
-           relative.empty() || *relative.begin() == "..") {
-      common = common.parent_path();
-    }
+    while (outside(path)) common = common.parent_path();
   }
   return common;
 }

@@ -2,7 +2,7 @@
 
 #include "model/hand_model.hpp"
 #include "model/scene_model.hpp"
-#include "physics/bullet/reduced_contact_solver.hpp"
+#include "physics/bullet/solver_settings.hpp"
 #include "physics/physics_world.hpp"
 
 #include <memory>

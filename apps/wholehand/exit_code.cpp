@@ -1,0 +1,14 @@
+#include "exit_code.hpp"
+
+#include <cstdio>
+
+namespace wholehand {
+
+int refuse(const Diagnostics& errors) {
+  for (const Diagnostic& error : errors) {
+    std::fprintf(stderr, "wholehand: %s\n", format(error).c_str());
+  }
+  return kExitBadInput;
+}
+
+}  // namespace wholehand

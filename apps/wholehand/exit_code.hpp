@@ -1,0 +1,19 @@
+#pragma once
+
+#include "core/expected.hpp"
+
+namespace wholehand {
+
+/// What the program tells the shell.
+enum ExitCode : int {
+  kExitDone = 0,
+  kExitDifferent = 1,    ///< replay --resimulate found a difference
+  kExitBadInput = 2,     ///< bad usage or a bad file
+  kExitFault = 3,        ///< a fault stopped the run
+  kExitInterrupted = 130
+};
+
+/// Prints every fault to standard error, one a line, and returns kExitBadInput.
+int refuse(const Diagnostics& errors);
+
+}  // namespace wholehand

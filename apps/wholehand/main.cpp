@@ -1,0 +1,118 @@
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+
+#include "doctor.hpp"
+#include "exit_code.hpp"
+#include "experiment_command.hpp"
+#include "git_version.hpp"
+#include "number_option.hpp"
+#include "replay_command.hpp"
+#include "report_command.hpp"
+#include "run_options.hpp"
+#include "shipped_files.hpp"
+#include "validate_command.hpp"
+
+namespace {
+
+using namespace wholehand;  // NOLINT(google-build-using-namespace): the program's own main
+
+void addRun(CLI::App& app, RunOptions& o, int& code) {
+  CLI::App* run = app.add_subcommand("run", "Play a motion: the simulated hand touches, the device feels");
+  run->add_option("--scene", o.files.scene, "Scene file")->capture_default_str();
+  run->add_option("--hand", o.files.hand, "Hand file")->capture_default_str();
+  run->add_option("--device", o.files.device, "Device file")->capture_default_str();
+  run->add_option("--rendering", o.files.rendering,
+                  "Gains that go with the device (default: the file of the device's name)");
+  run->add_option("--patient", o.files.patient, "Virtual patient")->capture_default_str();
+  run->add_option("--motion", o.files.motion, "Recorded motion, CSV")->capture_default_str();
+  run->add_option("--engine", o.engine, "Physics engine")->check(CLI::IsMember({"bullet"}))
+      ->capture_default_str();
+  run->add_option("--rate-hz", o.rate_hz, "Ticks a second")
+      ->check(finiteBetween(100.0, 16000.0, "Hz"))->capture_default_str();
+  run->add_option("--duration", o.duration_s, "Length of the run (default: the motion's)")
+      ->check(finiteBetween(0.001, 86400.0, "s"));
+  run->add_option("--record", o.record, "Write every tick to this HDF5 file");
+  run->add_option("--report", o.report, "Write a page with plots into this folder");
+  run->add_option("--json", o.json, "Write the summary to this file");
+  run->add_flag("--simulated-clock", o.simulated_clock, "As fast as it goes, no real time");
+  run->add_flag("--uncertified", o.uncertified,
+                "Allow gains that the stability check refuses (simulated device only; recorded)");
+  run->footer("Without --record, --report and --json all three go into out/run-<time>/.");
+  run->callback([&o, run, &code] {
+    if (run->count("--rendering") == 0) o.files.rendering = renderingFor(o.files.device);
+    code = runCommand(o);
+  });
+}
+
+void addOthers(CLI::App& app, ReplayOptions& replay, ReportOptions& report,
+               ExperimentOptions& experiment, std::vector<std::string>& files, int& code) {
+  CLI::App* r = app.add_subcommand("replay", "Play a recording back, or run it again and compare");
+  r->add_option("recording", replay.recording, "HDF5 file")->required();
+  r->add_flag("--resimulate", replay.resimulate,
+              "Run the recorded inputs again and compare bit by bit (exit code 1: they differ)");
+  r->add_option("--speed", replay.speed, "How fast to play it back")
+      ->check(finiteBetween(0.01, 1000.0, "times"))->capture_default_str();
+  r->callback([&] { code = replayCommand(replay); });
+
+  CLI::App* p = app.add_subcommand("report", "Make a self-contained HTML page of a recording");
+  p->add_option("recording", report.recording, "HDF5 file")->required();
+  p->add_option("--out", report.folder, "Folder to write into")->required();
+  p->callback([&] { code = reportCommand(report); });
+
+  CLI::App* e = app.add_subcommand("experiment", "Repeat the paper's experiments");
+  e->require_subcommand(1);
+  CLI::App* grasping = e->add_subcommand("grasping", "Fig. 5: grasp, carry and hold four shapes");
+  CLI::App* timing = e->add_subcommand("timing", "Fig. 6: time of 100,000 ticks while grasping");
+  for (CLI::App* sub : {grasping, timing}) {
+    sub->add_option("--json", experiment.json, "Write the results to this file");
+    sub->add_option("--out", experiment.folder, "Folder for plots, pictures and recordings")
+        ->capture_default_str();
+  }
+  grasping->add_option("--jittered", experiment.jittered, "Number of jittered trials")
+      ->check(finiteBetween(0, 10000, ""))->capture_default_str();
+  grasping->add_option("--seed", experiment.seed, "Seed of the jitter")->capture_default_str();
+  grasping->add_option("--only", experiment.only, "Only trials whose name contains this");
+  timing->add_option("--ticks", experiment.ticks, "Number of ticks")
+      ->check(finiteBetween(1000, 1e8, "ticks"))->capture_default_str();
+  timing->add_flag("--simulated-clock", experiment.simulated_clock, "As fast as it goes");
+  grasping->callback([&] { code = graspingCommand(experiment); });
+  timing->callback([&] { code = timingCommand(experiment); });
+
+  CLI::App* v = app.add_subcommand("validate", "Every fault of every file, with its place and remedy");
+  v->add_option("files", files, "TOML files, or a motion's CSV")->required();
+  v->callback([&] { code = validateCommand(files); });
+
+  CLI::App* d = app.add_subcommand("doctor", "Is this machine fit to drive a device?");
+  d->callback([&] { code = runDoctor(shippedFile("scripts/packages.txt")); });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Whole-hand haptic rendering on an off-the-shelf physics engine.\n"
+               "Research software, not a certified medical device."};
+  app.set_version_flag("--version", std::string("wholehand ") + WHOLEHAND_VERSION);
+  app.require_subcommand(1);
+  app.option_defaults()->always_capture_default(false);
+  int code = kExitDone;
+  RunOptions run;
+  run.files = {shippedFile("config/scenes/four-shapes.toml"),
+               shippedFile("config/hands/adult-median-right.toml"),
+               shippedFile("config/devices/lambda-pride.toml"), "",
+               shippedFile("config/patients/relaxed-adult.toml"),
+               shippedFile("data/human-motion/reach-grasp-00.csv")};
+  ReplayOptions replay;
+  ReportOptions report;
+  ExperimentOptions experiment;
+  std::vector<std::string> files;
+  addRun(app, run, code);
+  addOthers(app, replay, report, experiment, files, code);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    // CLI11 has a code of its own for every mistake; the shell gets one.
+    return app.exit(error) == 0 ? kExitDone : kExitBadInput;
+  }
+  return code;
+}

@@ -1,0 +1,27 @@
+#include "shipped_files.hpp"
+
+#include <filesystem>
+
+namespace wholehand {
+namespace fs = std::filesystem;
+
+std::string shippedFile(const std::string& relative) {
+  std::error_code error;
+  if (fs::exists(relative, error)) return relative;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  for (fs::path folder = program.parent_path(); !folder.empty(); folder = folder.parent_path()) {
+    if (fs::exists(folder / relative, error)) return (folder / relative).string();
+    if (folder == folder.root_path()) break;
+  }
+  return relative;
+}
+
+std::string renderingFor(const std::string& device_file) {
+  const fs::path device = device_file;
+  const fs::path beside = device.parent_path().parent_path() / "rendering" / device.filename();
+  std::error_code error;
+  if (fs::exists(beside, error)) return beside.string();
+  return shippedFile((fs::path("config/rendering") / device.filename()).string());
+}
+
+}  // namespace wholehand

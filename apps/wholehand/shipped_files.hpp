@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+
+namespace wholehand {
+
+/// Path of a file that comes with the program ("config/scenes/four-shapes.toml"): looked for from
+/// the working directory first, then in the folders above the program itself. Where it is nowhere,
+/// the name as it is, so that the error names it.
+[[nodiscard]] std::string shippedFile(const std::string& relative);
+
+/// The rendering file that goes with a device file: the one of the same name in the folder
+/// `rendering` beside the device's folder; the shipped one where that does not exist.
+[[nodiscard]] std::string renderingFor(const std::string& device_file);
+
+}  // namespace wholehand

@@ -1,0 +1,69 @@
+#include "status_line.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include "realtime/monotonic_clock.hpp"
+
+namespace wholehand {
+namespace {
+
+constexpr double kTerminalPeriod_s = 0.2;
+constexpr double kLogPeriod_s = 5.0;
+
+}  // namespace
+
+std::string largestEffort(const DeviceModel& device, const AxisEffort& effort) {
+  int largest = -1;
+  double share = 0.0;
+  for (int a = 0; a < effort.size(); ++a) {
+    const double s = std::abs(effort[a]) / device.axes[a].effort_limit;
+    if (s > share) {
+      share = s;
+      largest = a;
+    }
+  }
+  if (largest < 0) return "none";
+  const DeviceAxis& axis = device.axes[largest];
+  if (axis.lever_arm_m > 0.0) {
+    return fmt::format("{} {:.2f} N at the tip", axis.name,
+                       std::abs(effort[largest]) / axis.lever_arm_m);
+  }
+  return fmt::format("{} {:.2f} {}", axis.name, std::abs(effort[largest]), axis.effortUnit());
+}
+
+StatusLine::StatusLine(const DeviceModel& device)
+    : device_(device), terminal_(isatty(STDOUT_FILENO) == 1) {}
+
+std::string StatusLine::text(const TickSummary& s, double rate_hz) const {
+  return fmt::format(
+      "{:7.2f} s  {:5.0f} Hz  tick {:.0f}/{:.0f}/{:.0f} µs  missed {}  {} contacts  largest force {}",
+      s.time_s, rate_hz, s.cpu.p50_ns / 1e3, s.cpu.p99_ns / 1e3, s.cpu.p999_ns / 1e3,
+      s.missed_deadlines, s.contacts, largestEffort(device_, s.max_effort));
+}
+
+void StatusLine::update(const TickSummary& summary, double rate_hz) {
+  if (summary.records == 0) return;
+  const double now_s = static_cast<double>(monotonicNow_ns()) * 1e-9;
+  if (terminal_) {
+    if (now_s < next_wall_s_) return;
+    next_wall_s_ = now_s + kTerminalPeriod_s;
+    std::printf("\r\033[K%s", text(summary, rate_hz).c_str());
+  } else {
+    if (summary.time_s < next_run_s_) return;
+    next_run_s_ = summary.time_s + kLogPeriod_s;
+    std::printf("%s\n", text(summary, rate_hz).c_str());
+  }
+  drawn_ = true;
+  std::fflush(stdout);
+}
+
+void StatusLine::finish() {
+  if (terminal_ && drawn_) std::printf("\n");
+  drawn_ = false;
+}
+
+}  // namespace wholehand

@@ -1,0 +1,93 @@
+#include "experiments/grasp_script.hpp"
+
+#include <fmt/format.h>
+
+#include "dynamics/articulated_body.hpp"
+#include "dynamics/synergy.hpp"
+
+namespace wholehand {
+namespace {
+
+constexpr double kApproach_m = 0.08;      // along the palm's normal
+constexpr double kOpenThumb_rad = 0.09;   // circumduction while approaching: out of the object's way
+constexpr double kPedestal_m = 0.02;      // half of its edge
+
+struct ShapeText {
+  std::string keys;
+  double half_height_m = 0.0;  // as it stands in the world
+};
+
+// The cylinder and the disk stand: with the hand in handshake their axis lies along the palm's
+// radial direction, which is the world's z.
+ShapeText shapeText(const std::string& shape) {
+  if (shape == "cube") return {"shape = \"box\"\nsize_m = [0.05, 0.05, 0.05]\n", 0.025};
+  if (shape == "sphere") return {"shape = \"sphere\"\nradius_m = 0.03\n", 0.03};
+  if (shape == "cylinder") return {"shape = \"cylinder\"\nradius_m = 0.025\nheight_m = 0.12\n", 0.06};
+  return {"shape = \"disk\"\nradius_m = 0.04\nheight_m = 0.02\n", 0.01};
+}
+
+Eigen::Matrix3d palmRotation(const Models& models) {
+  ArticulatedBody body(models.hand);
+  JointPosition theta;
+  Synergy(models.hand).expand(AxisPosition(models.hand.axis_count), theta);
+  body.updateKinematics(theta);
+  return body.linkPose(models.hand.palm_link).rotation;
+}
+
+}  // namespace
+
+Eigen::Vector3d graspBase(const DeviceModel&) { return {0.0, kApproach_m / 2.0, -kLift_m / 2.0}; }
+
+Intention graspIntention(const GraspTrial& trial, const Models& models) {
+  namespace at = grasp_times;
+  const DeviceModel& device = models.device;
+  const Eigen::Vector3d base = graspBase(device);
+  const Eigen::Vector3d back = palmRotation(models) * Eigen::Vector3d::UnitZ();
+  const auto pose = [&](const Eigen::Vector3d& p, double fingers, double circumduction,
+                        double thumb) {
+    AxisPosition q(device.axisCount());
+    const auto set = [&](const char* axis, double value) {
+      if (const int a = device.axisIndex(axis); a >= 0) q[a] = value;
+    };
+    set("x", p.x());
+    set("y", p.y());
+    set("z", p.z());
+    set("finger_flexion", fingers);
+    set("thumb_circumduction", circumduction);
+    set("thumb_flexion", thumb);
+    return q;
+  };
+  const double open = trial.fingers_open_rad;
+  const double closed = trial.fingers_closed_rad;
+  const double opposed = trial.circumduction_rad;
+  const Eigen::Vector3d lifted = base + kLift_m * Eigen::Vector3d::UnitZ();
+  return Intention::throughWaypoints(
+      {{0.0, pose(base + kApproach_m * back, open, kOpenThumb_rad, 0.0)},
+       {at::kApproached, pose(base, open, kOpenThumb_rad, 0.0)},
+       {at::kOpposed, pose(base, open, opposed, 0.0)},
+       {at::kClosed, pose(base, closed, opposed, trial.thumb_closed_rad)},
+       {at::kLiftBegins, pose(base, closed, opposed, trial.thumb_closed_rad)},
+       {at::kLifted, pose(lifted, closed, opposed, trial.thumb_closed_rad)}});
+}
+
+std::string graspScene(const GraspTrial& trial, const Models& models) {
+  const Eigen::Vector3d center = graspBase(models.device) + palmRotation(models) * trial.center_m;
+  const ShapeText shape = shapeText(trial.shape);
+  std::string text = fmt::format(
+      "# Written by `wholehand experiment grasping`: {}.\n"
+      "kind = \"scene\"\nversion = 1\nname = \"{}\"\n"
+      "gravity_m_s2 = [0.0, 0.0, {}]\nhand_friction = 0.8\n\n"
+      "[[bodies]]\nname = \"{}\"\n{}mass_kg = 0.1\nposition_m = [{:.17g}, {:.17g}, {:.17g}]\n"
+      "friction = 0.8\nlinear_damping_per_s = {}\ncolor = \"#3B6FD1\"\n",
+      trial.name(), trial.name(), trial.gravity ? "-9.81" : "0.0", trial.shape, shape.keys,
+      center.x(), center.y(), center.z(), trial.gravity ? "0.0" : "0.7");
+  if (trial.gravity) {
+    text += fmt::format(
+        "\n[[bodies]]\nname = \"pedestal\"\nshape = \"box\"\nsize_m = [{0}, {0}, {0}]\nfixed = true\n"
+        "position_m = [{1:.17g}, {2:.17g}, {3:.17g}]\nfriction = 0.8\ncolor = \"#765443\"\n",
+        2.0 * kPedestal_m, center.x(), center.y(), center.z() - shape.half_height_m - kPedestal_m);
+  }
+  return text;
+}
+
+}  // namespace wholehand

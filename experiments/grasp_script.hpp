@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+
+#include "assembly/models.hpp"
+#include "experiments/grasp_trial.hpp"
+#include "patient/motion.hpp"
+
+namespace wholehand {
+
+/// When the parts of a grasp happen [s].
+namespace grasp_times {
+inline constexpr double kApproached = 1.0;
+inline constexpr double kOpposed = 1.6;
+inline constexpr double kClosed = 2.8;
+inline constexpr double kLiftBegins = 3.3;
+inline constexpr double kLifted = 4.8;
+inline constexpr double kHoldBegins = 5.3;
+}  // namespace grasp_times
+
+inline constexpr double kLift_m = 0.2;
+
+/// Where the hand's base is when it closes: low and forward, so that the lift fits the workspace.
+[[nodiscard]] Eigen::Vector3d graspBase(const DeviceModel& device);
+
+/// The person's aim over time for this trial.
+[[nodiscard]] Intention graspIntention(const GraspTrial& trial, const Models& models);
+
+/// A scene file with the trial's object where the hand will close, on a pedestal under gravity.
+[[nodiscard]] std::string graspScene(const GraspTrial& trial, const Models& models);
+
+}  // namespace wholehand

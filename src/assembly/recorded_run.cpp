@@ -1,0 +1,169 @@
+#include "assembly/recorded_run.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <chrono>
+#include <csignal>
+#include <thread>
+
+#include "git_version.hpp"
+#include "realtime/allocation_counter.hpp"
+#include "realtime/monotonic_clock.hpp"
+#include "telemetry/hub.hpp"
+
+namespace wholehand {
+namespace {
+
+std::atomic<Session*> g_session{nullptr};       // what Ctrl-C stops
+std::atomic<bool> g_interrupted{false};
+
+void onInterrupt(int) {
+  g_interrupted.store(true);
+  if (Session* session = g_session.load()) session->requestStop();
+}
+
+// Ctrl-C and a polite kill end the run gently while this lives.
+class InterruptGuard {
+ public:
+  explicit InterruptGuard(Session& session) {
+    g_interrupted.store(false);
+    g_session.store(&session);
+    struct sigaction action {};
+    action.sa_handler = onInterrupt;
+    sigaction(SIGINT, &action, &before_int_);
+    sigaction(SIGTERM, &action, &before_term_);
+  }
+  ~InterruptGuard() {
+    sigaction(SIGINT, &before_int_, nullptr);
+    sigaction(SIGTERM, &before_term_, nullptr);
+    g_session.store(nullptr);
+  }
+  InterruptGuard(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(const InterruptGuard&) = delete;
+
+ private:
+  struct sigaction before_int_ {};
+  struct sigaction before_term_ {};
+};
+
+RecordingMeta describe(const Rig& rig, const RunPlan& plan,
+                       std::vector<std::pair<std::string, std::string>> files) {
+  RecordingMeta meta;
+  meta.created_utc =
+      fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));
+  meta.git_version = WHOLEHAND_VERSION;
+  meta.seed = plan.seed;
+  meta.period_s = rig.options.period_s;
+  meta.engine = rig.options.engine;
+  meta.simulated_clock = plan.simulated_clock;
+  meta.uncertified = !rig.refused.empty();
+  meta.paper = rig.models.rendering.paper;
+  meta.title = plan.title;
+  for (const DeviceAxis& axis : rig.models.device.axes) {
+    meta.axis_names.push_back(axis.name);
+    meta.axis_units.push_back(axis.positionUnit());
+    meta.effort_limits.push_back(axis.effort_limit);
+    meta.lever_arms_m.push_back(axis.lever_arm_m);
+  }
+  for (double q : rig.renderer->armedPosition()) meta.armed_position.push_back(q);
+  meta.joint_names = rig.models.hand.joint_names;
+  for (const SceneBody& body : rig.models.scene.bodies) meta.body_names.push_back(body.name);
+  for (const Capsule& capsule : rig.models.hand.capsules) meta.capsule_names.push_back(capsule.name);
+  meta.files = std::move(files);
+  return meta;
+}
+
+double rateOf(const TickSummary& summary, std::int64_t began_ns) {
+  const double elapsed_s = static_cast<double>(monotonicNow_ns() - began_ns) * 1e-9;
+  return elapsed_s > 0.0 ? static_cast<double>(summary.records) / elapsed_s : 0.0;
+}
+
+Expected<SetupReport> runInRealTime(Session& session, TelemetryHub& hub,
+                                    const TickStatistics& statistics, double period_s,
+                                    const std::function<void(const TickSummary&, double)>& status) {
+  PeriodicThreadConfig thread;
+  thread.period_ns = static_cast<std::int64_t>(period_s * 1e9 + 0.5);
+  hub.start();
+  const std::int64_t began_ns = monotonicNow_ns();
+  Expected<SetupReport> setup = session.start(thread);
+  if (!setup) return setup;
+  while (session.running()) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    if (status) {
+      const TickSummary now = statistics.snapshot();
+      status(now, rateOf(now, began_ns));
+    }
+  }
+  session.join();
+  hub.stop();
+  return setup;
+}
+
+}  // namespace
+
+std::string faultText(const TickSummary& summary) {
+  std::string text;
+  for (int bit = 0; bit < kFaultBits; ++bit) {
+    const auto count = summary.faults[static_cast<std::size_t>(bit)];
+    if (count == 0 || (1U << bit) == static_cast<unsigned>(Fault::kStopRequested)) continue;
+    if (!text.empty()) text += ", ";
+    text += fmt::format("{} in {} ticks", faultName(bit), count);
+  }
+  return text.empty() ? "none" : text;
+}
+
+Expected<RunOutcome> runAndRecord(Rig& rig, const RunPlan& plan) {
+  if (Expected<Done> armed = rig.renderer->arm(); !armed) return armed.errors();
+
+  std::unique_ptr<RecordingWriter> writer;
+  if (!plan.record.empty()) {
+    auto files = readFileTexts(rig.models);
+    if (!files) return files.errors();
+    auto created = RecordingWriter::create(plan.record, describe(rig, plan, std::move(*files)));
+    if (!created) return created.errors();
+    writer = std::move(*created);
+  }
+  SessionConfig config;
+  config.duration_ticks = plan.duration_ticks;
+  if (plan.count_allocations) config.count_allocations = &threadAllocations;
+  Session session(*rig.renderer, config);
+  const InterruptGuard guard(session);
+  TickStatistics statistics;
+  RunOutcome outcome;
+  if (plan.simulated_clock) {
+    const std::int64_t began_ns = monotonicNow_ns();
+    session.runSimulated([&](const TickRecord& record) {
+      statistics.add(record);
+      if (writer) writer->append(record);
+      if (plan.sink) plan.sink(record);
+      if (plan.status && record.tick % 256 == 0) {
+        const TickSummary now = statistics.snapshot();
+        plan.status(now, rateOf(now, began_ns));
+      }
+    });
+  } else {
+    TelemetryHub hub([&](TickRecord& record) { return session.tryPop(record); });
+    if (writer) hub.record(*writer);
+    hub.count(statistics);
+    if (plan.sink) hub.add(plan.sink);
+    auto setup = runInRealTime(session, hub, statistics, rig.options.period_s,
+                               plan.status);
+    if (!setup) return setup.errors();
+    outcome.setup = *setup;
+  }
+  rig.device->close();
+  if (writer) {
+    writer->close();
+    outcome.written = writer->written();
+    outcome.dropped_writes = writer->dropped();
+  }
+  outcome.summary = statistics.snapshot();
+  outcome.counters = session.counters();
+  outcome.dropped_records = session.droppedRecords();
+  outcome.interrupted = g_interrupted.load();
+  outcome.faulted = outcome.summary.stopping_faults > 0;
+  return outcome;
+}
+
+}  // namespace wholehand

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "assembly/rig.hpp"
+#include "runtime/session.hpp"
+#include "telemetry/recording.hpp"
+#include "telemetry/statistics.hpp"
+
+namespace wholehand {
+
+/// How a rig is to be run and what is to be kept of it.
+struct RunPlan {
+  std::string title;
+  std::uint64_t duration_ticks = 0;
+  std::uint64_t seed = 0;
+  std::string record;                 ///< HDF5 file; empty: none
+  bool simulated_clock = false;
+  std::function<void(const TickSummary&, double rate_hz)> status;  ///< told how it goes, often
+  bool count_allocations = false;
+  std::function<void(const TickRecord&)> sink;   ///< sees every record, off the real-time thread
+};
+
+/// What came of it.
+struct RunOutcome {
+  TickSummary summary;
+  SessionCounters counters;
+  std::uint64_t dropped_records = 0;   ///< the queue was full
+  std::uint64_t dropped_writes = 0;    ///< the disk was full
+  std::uint64_t written = 0;           ///< ticks in the recording
+  SetupReport setup;                   ///< what the machine granted the real-time thread
+  bool interrupted = false;            ///< by Ctrl-C
+  bool faulted = false;
+};
+
+/// Arms the rig, runs it to the end of its time, a fault or Ctrl-C, records it and counts.
+[[nodiscard]] Expected<RunOutcome> runAndRecord(Rig& rig, const RunPlan& plan);
+
+/// The faults of a summary in words, one a line: "effort limited in 12 ticks".
+[[nodiscard]] std::string faultText(const TickSummary& summary);
+
+}  // namespace wholehand

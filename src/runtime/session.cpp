@@ -1,0 +1,69 @@
+#include "runtime/session.hpp"
+
+#include "realtime/thread_setup.hpp"
+
+namespace wholehand {
+
+// Hands the renderer's laps to the clock.
+class Session::TimedStages final : public StageListener {
+ public:
+  explicit TimedStages(StageClock& clock) : clock_(clock) {}
+  void lap(Stage stage) noexcept override { clock_.lap(stage); }
+
+ private:
+  StageClock& clock_;
+};
+
+Session::Session(HapticRenderer& renderer, const SessionConfig& config)
+    : renderer_(renderer), config_(config), queue_(config.queue_ticks) {}
+
+Expected<SetupReport> Session::start(const PeriodicThreadConfig& thread) {
+  thread_ = std::make_unique<PeriodicThread>(
+      thread, [this](std::uint32_t elapsed_periods, std::int64_t lateness_ns) noexcept {
+        const bool more = tickOnce(elapsed_periods, lateness_ns);
+        (void)queue_.try_push(record_);  // full: dropped and counted
+        return more;
+      });
+  return thread_->start();
+}
+
+bool Session::running() const { return thread_ != nullptr && thread_->running(); }
+
+void Session::join() {
+  if (thread_ != nullptr) thread_->join();
+}
+
+void Session::runSimulated(const std::function<void(const TickRecord&)>& sink) {
+  flushDenormals();  // as the real-time thread does: the same bits on both clocks
+  bool more = true;
+  while (more) {
+    more = tickOnce(1, 0);
+    sink(record_);
+  }
+}
+
+std::uint64_t Session::allocationsSoFar() const noexcept {
+  return config_.count_allocations != nullptr ? config_.count_allocations() : 0;
+}
+
+bool Session::tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) noexcept {
+  TimedStages stages(clock_);
+  const std::uint64_t allocated = allocationsSoFar();
+  clock_.start();
+  // The first period starts rendering; what was skipped before it never counted.
+  record_.tick = counters_.ticks_run == 0 ? 0 : next_tick_ + elapsed_periods - 1;
+  record_.time_s = static_cast<double>(record_.tick) * renderer_.config().period_s;
+  record_.lateness_ns = lateness_ns;
+  renderer_.tick(counters_.ticks_run == 0 ? 1 : elapsed_periods, record_, &stages);
+  next_tick_ = record_.tick + 1;
+  if (next_tick_ >= config_.duration_ticks) renderer_.requestStop();
+  const StageTimes times = clock_.finish();
+  record_.wall_ns = times.wall_ns;
+  record_.cpu_ns = times.cpu_ns;
+  record_.stage_cpu_ns = times.stage_cpu_ns;
+  ++counters_.ticks_run;
+  counters_.allocations += allocationsSoFar() - allocated;
+  return !renderer_.atNeutral();
+}
+
+}  // namespace wholehand

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+
+#include "core/tick_record.hpp"
+#include "realtime/periodic_thread.hpp"
+#include "realtime/spsc_queue.hpp"
+#include "realtime/stage_clock.hpp"
+#include "renderer/haptic_renderer.hpp"
+
+namespace wholehand {
+
+struct SessionConfig {
+  std::uint64_t duration_ticks = std::numeric_limits<std::uint64_t>::max();  ///< then ramp down
+  std::size_t queue_ticks = 4096;   ///< records the queue holds, four seconds at 1 kHz
+  /// Allocations of the calling thread so far (realtime/allocation_counter.hpp); null: not counted.
+  std::uint64_t (*count_allocations)() noexcept = nullptr;
+};
+
+/// What the real-time side counts for itself, beside the records.
+struct SessionCounters {
+  std::uint64_t ticks_run = 0;          ///< tick() calls
+  std::uint64_t allocations = 0;        ///< inside tick(), when counted
+};
+
+/// Runs a renderer, tick after tick, until its time is over, it is asked to stop, or a fault has
+/// brought the device to neutral. Every tick ends as one record in a queue; a full queue drops the
+/// record and counts it, and the tick never waits.
+class Session {
+ public:
+  /// @pre renderer is armed and outlives this
+  Session(HapticRenderer& renderer, const SessionConfig& config);
+
+  /// Real time: a thread of its own ticks at the renderer's period until the end.
+  [[nodiscard]] Expected<SetupReport> start(const PeriodicThreadConfig& thread);
+  /// True until the last record is in the queue.
+  [[nodiscard]] bool running() const;
+  void join();
+  /// The next record, in order. One consumer.
+  [[nodiscard]] bool tryPop(TickRecord& record) noexcept { return queue_.try_pop(record); }
+
+  /// Simulated clock: ticks in the calling thread as fast as it goes, handing each record over.
+  void runSimulated(const std::function<void(const TickRecord&)>& sink);
+
+  /// Begins the ramp to neutral; the session ends when it is done. Any thread, also from a signal
+  /// handler.
+  void requestStop() noexcept { renderer_.requestStop(); }
+
+  [[nodiscard]] std::uint64_t droppedRecords() const { return queue_.dropped(); }
+  /// Valid once the session has ended.
+  [[nodiscard]] SessionCounters counters() const { return counters_; }
+
+ private:
+  class TimedStages;
+  [[nodiscard]] std::uint64_t allocationsSoFar() const noexcept;
+  [[nodiscard]] bool tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) noexcept;
+
+  HapticRenderer& renderer_;
+  const SessionConfig config_;
+  SpscQueue<TickRecord> queue_;
+  std::unique_ptr<PeriodicThread> thread_;
+  StageClock clock_;
+  TickRecord record_;          ///< reused: the tick's own copy
+  std::uint64_t next_tick_ = 0;
+  SessionCounters counters_;
+};
+
+}  // namespace wholehand
