@@ -1,8 +1,10 @@
 #pragma once
 
 #include "model/hand_model.hpp"
+#include "support/tolerance.hpp"
 
 #include <Eigen/Geometry>
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <numeric>
@@ -83,6 +85,21 @@ inline JointState randomState(Rng& rng, const HandModel& hand) {
     s.torque[j] = uniform(rng, -1.0, 1.0);
   }
   return s;
+}
+
+/// Calls `check(hand, rng)` for trees of 3 .. 30 links and 1 .. 9 axes that have a full-rank G.
+template <class Check>
+void forRandomTrees(unsigned seed, int count, Check check) {
+  Rng rng(seed);
+  int tried = 0;
+  for (int k = 0; k < cases(count); ++k) {
+    const HandModel hand = randomTree(rng, 3 + k % 28, 1 + k % 9);
+    if (hand.joint_count < std::max(hand.axis_count, 1)) continue;
+    SCOPED_TRACE(testing::Message() << "tree " << k << ", " << hand.joint_count << " joints");
+    check(hand, rng);
+    ++tried;
+  }
+  EXPECT_GT(tried, cases(count) / 2);
 }
 
 }  // namespace wholehand::test
