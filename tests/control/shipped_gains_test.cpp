@@ -1,0 +1,85 @@
+#include "control/stability.hpp"
+#include "dynamics/articulated_body.hpp"
+#include "model/hand_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace wholehand::test {
+namespace {
+
+struct Shipped {
+  const char* name;  ///< of the device and of the gains that go with it
+  const char* hand;
+};
+
+class ShippedGains : public testing::TestWithParam<Shipped> {
+ protected:
+  void SetUp() override {
+    const std::string root = std::string(WHOLEHAND_SOURCE_DIR) + "/config/";
+    const auto device = loadDeviceFile(root + "devices/" + GetParam().name + ".toml");
+    ASSERT_TRUE(device.ok()) << format(device.errors());
+    device_ = *device;
+    const auto rendering =
+        loadRenderingFile(root + "rendering/" + GetParam().name + ".toml", device_);
+    ASSERT_TRUE(rendering.ok()) << format(rendering.errors());
+    rendering_ = *rendering;
+    const auto file = loadHandFile(root + "hands/" + GetParam().hand);
+    ASSERT_TRUE(file.ok()) << format(file.errors());
+    const auto hand = assembleHand(*file, device_);
+    ASSERT_TRUE(hand.ok()) << format(hand.errors());
+    hand_ = *hand;
+  }
+
+  AxisMatrix inertiaAt(const AxisPosition& q_s) const {
+    ArticulatedBody body(hand_);
+    JointPosition theta = hand_.theta0;
+    theta.vec() += hand_.synergy * q_s.vec();
+    EXPECT_TRUE(body.update(theta, JointVelocity(hand_.joint_count), Eigen::Vector3d::Zero()));
+    return body.reducedInertia();
+  }
+
+  DeviceModel device_;
+  RenderingConfig rendering_;
+  HandModel hand_;
+};
+
+TEST_P(ShippedGains, AtOneToFourKilohertz_PassTheirOwnCertificate) {
+  std::vector<AxisMatrix> inertias;
+  for (int k = 0; k <= 10; ++k) {
+    AxisPosition q(device_.axisCount());
+    for (int a = 0; a < device_.axisCount(); ++a) {
+      const DeviceAxis& axis = device_.axes[a];
+      q[a] = axis.lower + 0.1 * ((k * (a + 1)) % 11) * (axis.upper - axis.lower);
+    }
+    inertias.push_back(inertiaAt(q));
+  }
+  for (const double rate_hz : {1000.0, 2000.0, 4000.0}) {
+    const auto gains = resolveGains(rendering_, inertiaAt(hand_.reference), 1.0 / rate_hz);
+    ASSERT_TRUE(gains.ok()) << format(gains.errors());
+    const Diagnostics refused =
+        checkStability(device_, rendering_, *gains, inertias, 1.0 / rate_hz);
+    EXPECT_TRUE(refused.empty()) << rate_hz << " Hz: " << format(refused);
+  }
+}
+
+TEST_P(ShippedGains, Translations_FeelObjectsAtTheirTrueWeight) {
+  const auto gains = resolveGains(rendering_, inertiaAt(hand_.reference), 1e-3);
+  ASSERT_TRUE(gains.ok()) << format(gains.errors());
+  for (int a = 0; a < device_.axisCount(); ++a) {
+    if (device_.axes[a].kind != AxisKind::kTranslation) continue;
+    EXPECT_NEAR(gains->contact_scale[a], 1.0, 1e-12) << device_.axes[a].name;  // σ = 1
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Config, ShippedGains,
+                         testing::Values(Shipped{"lambda-pride", "adult-median-right.toml"},
+                                         Shipped{"lambda-pride", "woman-p05-right.toml"},
+                                         Shipped{"lambda-pride", "man-p95-right.toml"},
+                                         Shipped{"desktop-3axis", "adult-median-left.toml"},
+                                         Shipped{"wrist-9axis", "adult-median-right.toml"}));
+
+}  // namespace
+}  // namespace wholehand::test
