@@ -189,7 +189,7 @@ Expected<Done> BulletWorld::placeHand(const AxisPosition& q_s) {
   const std::array<double, kMaxJoints> at_rest{};
   e.setHand(theta, at_rest.data());
   e.coupling_error_rad = 0.0;
-  e.solver.clearContacts();
+  e.solver.beginStep();
   e.world.performDiscreteCollisionDetection();
   Diagnostics found = e.overlaps();
   if (!found.empty()) return found;
@@ -219,6 +219,7 @@ Fault BulletWorld::step(const HandDrive& drive, double period_s) noexcept {
   Engine& e = *engine_;
   e.period_s = period_s;
   e.solver.setReducedInertiaInverse(drive.reduced_inertia_inverse);
+  e.solver.beginStep();
   e.hand.addTorque(drive.torque);
   e.world.stepSimulation(period_s, 0);
 

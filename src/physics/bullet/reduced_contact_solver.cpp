@@ -45,8 +45,7 @@ void ReducedContactSolver::reserve() {
 
 void ReducedContactSolver::convertContacts(btPersistentManifold** manifolds, int count,
                                            const btContactSolverInfo& info) {
-  contact_count_ = 0;
-  dropped_ = 0;
+  first_contact_ = contact_count_;
   change_.fill(0.0);
   synergy_.reduceRate(multi_body_->getVelocityVector() + 6, velocity_.data());
   for (int i = 0; i < count; ++i) {
@@ -208,12 +207,12 @@ btScalar ReducedContactSolver::solveSingleIteration(
       iteration, bodies, body_count, manifolds, manifold_count, constraints, constraint_count, info,
       drawer);
   residual_ = 0.0;
-  for (int i = 0; i < contact_count_; ++i) {
+  for (int i = first_contact_; i < contact_count_; ++i) {
     HandContact& contact = contacts_[i];
     btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
     apply(contact.normal_row, body, std::clamp(wanted(contact.normal_row, body), 0.0, kNoLimit));
   }
-  for (int i = 0; i < contact_count_; ++i) solveContact(contacts_[i]);
+  for (int i = first_contact_; i < contact_count_; ++i) solveContact(contacts_[i]);
   // With 0 the base class would stop after its first iteration.
   return std::max(others, btScalar(residual_));
 }
@@ -224,7 +223,7 @@ btScalar ReducedContactSolver::solveGroupCacheFriendlyFinish(btCollisionObject**
   std::array<btScalar, 6 + kMaxJoints> joint_change{};
   synergy_.expandRate(change_.data(), joint_change.data() + 6);
   multi_body_->applyDeltaVeeMultiDof(joint_change.data(), 1.0);
-  for (int i = 0; i < contact_count_; ++i) {
+  for (int i = first_contact_; i < contact_count_; ++i) {
     const HandContact& contact = contacts_[i];
     btManifoldPoint& point = *contact.point;
     point.m_appliedImpulse = contact.normal_row.impulse;
