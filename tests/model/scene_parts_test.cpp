@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -84,6 +85,38 @@ TEST(ConvexMesh, DaeWithUnitsAndUpAxis_KeepsAxesAndTakesUnits) {
 <library_visual_scenes><visual_scene id="s"><node id="n"><instance_geometry url="#g"/></node>
 </visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>)";
   const Expected<Shape> mesh = loadConvexMesh(folder.write("t.dae", dae), Vector3d::Ones());
+  ASSERT_TRUE(mesh.ok()) << format(mesh.errors());
+  EXPECT_LT((moments(*mesh).center_m - Vector3d(0.005, 0.005, 0.01)).norm(), 1e-8);
+}
+
+/// Bytes of a number as they lie in a little-endian file.
+template <class T>
+std::string bytes(T value) {
+  return std::string(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+TEST(ConvexMesh, Glb_KeepsAxes) {
+  std::string data;  // four corners, then four triangles
+  for (const float v : {0.F, 0.F, 0.F, 0.02F, 0.F, 0.F, 0.F, 0.02F, 0.F, 0.F, 0.F, 0.04F}) {
+    data += bytes(v);
+  }
+  for (const int i : {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3}) data += bytes(std::uint16_t(i));
+  std::string json = R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],
+    "nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],
+    "buffers":[{"byteLength":72}],"bufferViews":[{"buffer":0,"byteLength":48},
+    {"buffer":0,"byteOffset":48,"byteLength":24}],"accessors":[{"bufferView":0,"count":4,
+    "componentType":5126,"type":"VEC3","min":[0,0,0],"max":[0.02,0.02,0.04]},
+    {"bufferView":1,"count":12,"componentType":5123,"type":"SCALAR"}]})";
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  const auto chunk = [](std::uint32_t kind, const std::string& content) {
+    return bytes(static_cast<std::uint32_t>(content.size())) + bytes(kind) + content;
+  };
+  const std::string body = chunk(0x4E4F534A, json) + chunk(0x004E4942, data);
+  const TempFolder folder;
+  const Expected<Shape> mesh = loadConvexMesh(
+      folder.write("t.glb", bytes(std::uint32_t{0x46546C67}) + bytes(std::uint32_t{2}) +
+                                bytes(static_cast<std::uint32_t>(12 + body.size())) + body),
+      Vector3d::Ones());
   ASSERT_TRUE(mesh.ok()) << format(mesh.errors());
   EXPECT_LT((moments(*mesh).center_m - Vector3d(0.005, 0.005, 0.01)).norm(), 1e-8);
 }

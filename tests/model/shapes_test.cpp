@@ -195,6 +195,27 @@ TEST(Separation, Boxes_MatchSlabs) {
   EXPECT_NEAR(separation(cube, at(0, 0, 0), cube, turned), 0.01, 1e-10);
 }
 
+// Aligned boxes are the hard case of the method (whole faces are equally far) and the usual one of
+// scene files. All offsets on a grid, some turned by right angles, as boxes and as meshes.
+TEST(Separation, AlignedBoxes_MatchSlabs) {
+  const Vector3d size(0.04, 0.06, 0.02);
+  const std::array<Shape, 2> kinds{box(size), boxMesh(size)};
+  for (int i = 0; i < 5 * 5 * 5 * 4; ++i) {
+    const Vector3d offset =
+        0.02 * Vector3d(i % 5, i / 5 % 5, i / 25 % 5) - Vector3d(0.04, 0.0, 0.01);
+    Pose b = at(offset.x(), offset.y(), offset.z());
+    b.rotation = rotationFromRpy(0.0, 0.0, pi / 2.0 * (i / 125));
+    const Vector3d turned = (b.rotation * size).cwiseAbs();
+    const Vector3d gap = offset.cwiseAbs() - (size + turned) / 2.0;
+    const double expected = gap.cwiseMax(0.0).norm() + std::min(gap.maxCoeff(), 0.0);
+    for (const Shape& s : kinds) {
+      for (const Shape& t : kinds) {
+        EXPECT_NEAR(separation(s, Pose{}, t, b), expected, 1e-8) << "offset " << offset.transpose();
+      }
+    }
+  }
+}
+
 TEST(Separation, Capsules_MatchSegmentDistance) {
   const Shape a = round(ShapeType::kCapsule, 0.01, 0.1);
   const Shape b = capsuleShape({-0.05, 0.0, 0.0}, {0.05, 0.0, 0.0}, 0.02);

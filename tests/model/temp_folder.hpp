@@ -28,7 +28,7 @@ class TempFolder {
   /// Writes a file (and the folders above it) and returns its path.
   std::string write(const std::string& name, const std::string& text) const {
     std::filesystem::create_directories((path_ / name).parent_path());
-    std::ofstream(path_ / name) << text;
+    std::ofstream(path_ / name, std::ios::binary) << text;
     return path(name);
   }
 
