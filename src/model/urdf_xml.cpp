@@ -61,7 +61,8 @@ std::vector<double> UrdfFaults::numbers(const XMLElement& e, const char* attribu
   const std::vector<double> zeros(count, 0.0);
   const char* found = e.Attribute(attribute);
   const std::string remedy =
-      fmt::format("must be {} finite number{}", count, count == 1 ? "" : "s divided by blanks");
+      count == 1 ? "must be a finite number"
+                 : fmt::format("must be {} finite numbers, with blanks between", count);
   if (found == nullptr) {
     add(&e, key + "." + attribute, "", "is missing", remedy);
     return zeros;
