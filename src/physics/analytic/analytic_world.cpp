@@ -20,6 +20,7 @@ constexpr int kSweeps = 60;
 AnalyticWorld::AnalyticWorld(const HandModel& hand, AnalyticScene scene)
     : hand_(&hand),
       scene_(std::move(scene)),
+      synergy_(hand),
       body_(hand),
       q_s_(hand.reference),
       qd_s_(hand.axis_count),
@@ -38,14 +39,9 @@ AnalyticWorld::AnalyticWorld(const HandModel& hand, AnalyticScene scene)
 }
 
 void AnalyticWorld::setJoints() noexcept {
-  theta_ = hand_->theta0;
+  synergy_.expand(q_s_, theta_);
   theta_dot_ = JointVelocity(hand_->joint_count);
-  for (int a = 0; a < hand_->axis_count; ++a) {
-    for (int j = 0; j < hand_->joint_count; ++j) {
-      theta_[j] += hand_->synergy(j, a) * q_s_[a];
-      theta_dot_[j] += hand_->synergy(j, a) * qd_s_[a];
-    }
-  }
+  synergy_.expandRate(qd_s_.data(), theta_dot_.data());
 }
 
 Expected<Done> AnalyticWorld::placeHand(const AxisPosition& q_s) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "dynamics/articulated_body.hpp"
+#include "dynamics/synergy.hpp"
 #include "physics/physics_world.hpp"
 
 #include <limits>
@@ -53,6 +54,7 @@ class AnalyticWorld final : public PhysicsWorld {
 
   const HandModel* hand_;
   AnalyticScene scene_;
+  Synergy synergy_;
   ArticulatedBody body_;
   std::vector<Carrier> carrier_;
   AxisPosition q_s_;

@@ -1,0 +1,216 @@
+#include "core/axis_array.hpp"
+#include "core/expected.hpp"
+#include "core/fault.hpp"
+#include "core/geometry.hpp"
+#include "core/tick_record.hpp"
+#include "realtime/allocation_counter.hpp"
+#include "support/tolerance.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <set>
+#include <string>
+#include <type_traits>
+#include <variant>
+
+namespace wholehand::test {
+namespace {
+
+// ---- axis arrays
+
+// Mixing positions, velocities and efforts, or axes and joints, must not compile.
+static_assert(!std::is_convertible_v<AxisVelocity, AxisPosition>);
+static_assert(!std::is_assignable_v<AxisPosition&, AxisVelocity>);
+static_assert(!std::is_assignable_v<AxisEffort&, AxisPosition>);
+static_assert(!std::is_assignable_v<JointPosition&, AxisPosition>);
+static_assert(!std::is_constructible_v<AxisPosition, AxisVelocity>);
+static_assert(!std::is_convertible_v<int, AxisPosition>, "a size is not a position");
+static_assert(std::is_trivially_copyable_v<TickRecord>);
+
+TEST(AxisArray, NewOne_IsEmpty) {
+  const AxisPosition q;
+  EXPECT_EQ(q.size(), 0);
+  EXPECT_EQ(q.begin(), q.end());
+}
+
+TEST(AxisArray, OfSizeAndValue_HoldsThatManyOfIt) {
+  const AxisEffort f(3, 1.5);
+  EXPECT_EQ(f.size(), 3);
+  double sum = 0.0;
+  for (double v : f) sum += v;
+  EXPECT_EQ(sum, 4.5);
+}
+
+TEST(AxisArray, View_WritesThroughToTheArray) {
+  AxisPosition q(kMaxAxes, 1.0);
+  q.vec() *= 2.0;
+  q.vec()[3] = 7.0;
+  EXPECT_EQ(q[0], 2.0);
+  EXPECT_EQ(q[3], 7.0);
+  EXPECT_EQ(q.vec().size(), kMaxAxes);
+}
+
+TEST(AxisArray, CopiedAsBytes_IsEqual) {
+  AxisVelocity a(2, 3.25);
+  a[1] = -1.0;
+  AxisVelocity b;
+  std::memcpy(static_cast<void*>(&b), &a, sizeof a);
+  EXPECT_EQ(b.size(), 2);
+  EXPECT_EQ(b[1], -1.0);
+}
+
+TEST(AxisArray, AllFinite_SeesEveryElementAndNothingBehindTheEnd) {
+  AxisPosition q(4, 1.0);
+  EXPECT_TRUE(allFinite(q));
+  EXPECT_TRUE(allFinite(AxisPosition{}));
+  for (int i = 0; i < 4; ++i) {
+    for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL}) {
+      AxisPosition broken = q;
+      broken[i] = bad;
+      EXPECT_FALSE(allFinite(broken));
+    }
+  }
+  q.data()[4] = std::nan("");  // beyond its size
+  EXPECT_TRUE(allFinite(q));
+}
+
+TEST(AxisArray, FullSizedMatrices_NeedNoHeap) {
+  const AllocationScope scope;
+  AxisMatrix m = AxisMatrix::Identity(kMaxAxes, kMaxAxes);
+  m *= 2.0;
+  const AxisPosition q(kMaxAxes, 1.0);
+  AxisPosition out(kMaxAxes);
+  out.vec() = m.lazyProduct(q.vec());
+  EXPECT_EQ(scope.allocations(), 0U);
+  EXPECT_EQ(out[kMaxAxes - 1], 2.0);
+}
+
+// ---- diagnostics
+
+TEST(Diagnostic, Complete_NamesFileLineKeyValueProblemAndRemedy) {
+  EXPECT_EQ(format(Diagnostic{"config/devices/a.toml", 12, "axes[2].effort_limit_n", "nan",
+                              "is not finite", "must be in (0, 1000] N"}),
+            "config/devices/a.toml:12: axes[2].effort_limit_n = nan: is not finite; "
+            "must be in (0, 1000] N");
+}
+
+TEST(Diagnostic, MissingParts_LeaveNoStrayPunctuation) {
+  EXPECT_EQ(format(Diagnostic{"a.toml", 0, "", "", "cannot be read", ""}),
+            "a.toml: cannot be read");
+  EXPECT_EQ(format(Diagnostic{"a.toml", 3, "name", "", "is missing", "add it"}),
+            "a.toml:3: name: is missing; add it");
+  EXPECT_EQ(format(Diagnostic{"", 0, "--engine", "mujoco", "is not a known engine", "use bullet"}),
+            "--engine = mujoco: is not a known engine; use bullet");
+  EXPECT_EQ(format(Diagnostic{"", 0, "", "", "something is wrong", ""}), "something is wrong");
+}
+
+TEST(Diagnostics, SeveralFaults_AreOneLineEachInOrder) {
+  const Diagnostics all = {{"a.toml", 1, "x", "", "is bad", ""}, {"a.toml", 2, "y", "", "too", ""}};
+  EXPECT_EQ(format(all), "a.toml:1: x: is bad\na.toml:2: y: too");
+  EXPECT_EQ(format(Diagnostics{}), "");
+}
+
+// ---- expected
+
+TEST(Expected, Value_IsReachedEveryWay) {
+  Expected<std::string> e(std::string("hand"));
+  ASSERT_TRUE(e.ok());
+  EXPECT_TRUE(static_cast<bool>(e));
+  EXPECT_EQ(*e, "hand");
+  EXPECT_EQ(e->size(), 4U);
+  e.value() += "s";
+  EXPECT_EQ(std::as_const(e).value(), "hands");
+}
+
+TEST(Expected, OneError_IsAListOfOne) {
+  const Expected<int> e(Diagnostic{"a.toml", 1, "", "", "broken", ""});
+  ASSERT_FALSE(e.ok());
+  ASSERT_EQ(e.errors().size(), 1U);
+  EXPECT_EQ(e.errors()[0].problem, "broken");
+}
+
+TEST(Expected, SeveralErrors_AllStay) {
+  const Expected<int> e(Diagnostics(3));
+  EXPECT_FALSE(e.ok());
+  EXPECT_EQ(e.errors().size(), 3U);
+}
+
+TEST(Expected, MoveOnlyValue_CanBeTaken) {
+  Expected<std::unique_ptr<int>> e(std::make_unique<int>(7));
+  const std::unique_ptr<int> taken = *std::move(e);
+  ASSERT_TRUE(taken);
+  EXPECT_EQ(*taken, 7);
+}
+
+TEST(Expected, WrongSide_ThrowsInsteadOfReadingGarbage) {
+  Expected<int> bad(Diagnostic{});
+  EXPECT_THROW((void)bad.value(), std::bad_variant_access);
+  const Expected<int> good(1);
+  EXPECT_THROW((void)good.errors(), std::bad_variant_access);
+}
+
+// ---- faults and stages
+
+TEST(Fault, Bits_CombineAndAreTold) {
+  Fault f = Fault::kNone;
+  EXPECT_FALSE(any(f));
+  f |= Fault::kEffortLimit | Fault::kLateTick;
+  EXPECT_TRUE(any(f & Fault::kLateTick));
+  EXPECT_FALSE(any(f & Fault::kDeviceRead));
+  EXPECT_FALSE(any(f & kStopping)) << "information must not stop rendering";
+  f |= Fault::kNonFinitePosition;
+  EXPECT_TRUE(any(f & kStopping));
+}
+
+TEST(Fault, EveryBit_HasItsOwnName) {
+  std::set<std::string> names;
+  for (int bit = 0; bit < kFaultBits; ++bit) names.insert(faultName(bit));
+  EXPECT_EQ(names.size(), static_cast<std::size_t>(kFaultBits));
+  EXPECT_EQ(names.count("unknown"), 0U);
+  EXPECT_STREQ(faultName(-1), "unknown");
+  EXPECT_STREQ(faultName(kFaultBits), "unknown");
+  EXPECT_STREQ(faultName(0), "device read failed");
+  EXPECT_STREQ(faultName(9), "singular reduced inertia");  // 1 << 9 of Fault::kSingularInertia
+}
+
+TEST(Stage, EveryStage_HasItsOwnName) {
+  std::set<std::string> names;
+  for (int i = 0; i < kStages; ++i) names.insert(stageName(static_cast<Stage>(i)));
+  EXPECT_EQ(names.size(), static_cast<std::size_t>(kStages));
+  EXPECT_EQ(names.count("unknown"), 0U);
+  EXPECT_STREQ(stageName(Stage::kCount), "unknown");
+}
+
+// ---- geometry
+
+TEST(Pose, InverseAndProduct_AreThoseOfHomogeneousMatrices) {
+  const Pose a{Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix(),
+               {0.1, -0.2, 0.3}};
+  const Pose b{Eigen::AngleAxisd(-1.1, Eigen::Vector3d(0, 1, 1).normalized()).toRotationMatrix(),
+               {1.0, 2.0, -3.0}};
+  const auto matrix = [](const Pose& p) {
+    Eigen::Matrix4d m = Eigen::Matrix4d::Identity();
+    m.topLeftCorner<3, 3>() = p.rotation;
+    m.topRightCorner<3, 1>() = p.translation_m;
+    return m;
+  };
+  EXPECT_LE((matrix(a * b) - matrix(a) * matrix(b)).norm(), tolerance(1e-15));
+  EXPECT_LE((matrix(a.inverse()) - matrix(a).inverse()).norm(), tolerance(1e-14));
+  const Eigen::Vector3d p(0.4, 0.5, 0.6);
+  EXPECT_LE(((a * p) - (matrix(a) * p.homogeneous()).head<3>()).norm(), tolerance(1e-15));
+}
+
+TEST(QuatXyzw, KeepsItsOrderBothWays) {
+  const Eigen::Quaterniond q(0.1, 0.2, 0.3, 0.4);  // Eigen: w first
+  const QuatXyzw stored = QuatXyzw::from(q);
+  EXPECT_EQ(stored.x, 0.2);
+  EXPECT_EQ(stored.w, 0.1);
+  EXPECT_EQ(stored.eigen().coeffs(), q.coeffs());
+  EXPECT_EQ(Vec3::from({1.0, 2.0, 3.0}).eigen(), Eigen::Vector3d(1.0, 2.0, 3.0));
+}
+
+}  // namespace
+}  // namespace wholehand::test
