@@ -71,6 +71,8 @@ class BodyReader {
            (!t_.has("orientation_rpy_rad") || t_.good("orientation_rpy_rad"));
   }
   [[nodiscard]] TomlTable& table() { return t_; }
+  /// Paths of the mesh or URDF, and of the URDF's meshes.
+  [[nodiscard]] const std::vector<std::string>& assets() const { return assets_; }
   /// Faults inside the URDF, with lines of that file.
   [[nodiscard]] const Diagnostics& urdfFaults() const { return urdf_faults_; }
 
@@ -132,7 +134,8 @@ class BodyReader {
     const double scale = t_.number("scale", above(0.0, 1e4), 1.0);
     const std::string file = t_.text("file");
     if (!t_.good("file")) return;
-    Expected<Shape> mesh = loadConvexMesh((folder_ / file).string(), Vector3d::Constant(scale));
+    assets_.push_back((folder_ / file).string());
+    Expected<Shape> mesh = loadConvexMesh(assets_.back(), Vector3d::Constant(scale));
     if (mesh) {
       body.shapes.push_back(std::move(*mesh));
     } else {
@@ -155,6 +158,8 @@ class BodyReader {
       urdf_faults_ = urdf.errors();
       return;
     }
+    assets_.push_back(path.string());
+    assets_.insert(assets_.end(), urdf->mesh_files.begin(), urdf->mesh_files.end());
     body.shapes = std::move(urdf->shapes);
     inertial_ = urdf->inertial;
   }
@@ -187,6 +192,7 @@ class BodyReader {
   bool shape_wrong_ = false;
   std::optional<MassProperties> inertial_;
   Diagnostics urdf_faults_;
+  std::vector<std::string> assets_;
 };
 
 void reportSameNames(const SceneModel& scene, std::vector<BodyReader>& readers) {
@@ -241,6 +247,7 @@ Expected<SceneModel> loadSceneFile(const std::string& path) {
   Diagnostics faults = file.finish();
   for (const BodyReader& reader : readers) {
     faults.insert(faults.end(), reader.urdfFaults().begin(), reader.urdfFaults().end());
+    scene.assets.insert(scene.assets.end(), reader.assets().begin(), reader.assets().end());
   }
   if (!faults.empty()) return faults;
   return scene;

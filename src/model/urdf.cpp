@@ -90,7 +90,7 @@ class Reader {
     for (const XMLElement* c = e.FirstChildElement("collision"); c != nullptr;
          c = c->NextSiblingElement("collision")) {
       const std::string collision = fmt::format("{}.collision[{}]", key, number++);
-      if (auto shape = readUrdfCollision(*c, collision, faults_)) {
+      if (auto shape = readUrdfCollision(*c, collision, faults_, mesh_files_)) {
         link.shapes.push_back(std::move(*shape));
       }
     }
@@ -197,6 +197,7 @@ class Reader {
 
   UrdfBody merged() const {
     UrdfBody body;
+    body.mesh_files = mesh_files_;
     for (const Link& link : links_) {
       Pose in_root = link.in_parent;
       for (int i = link.parent; i >= 0; i = links_[i].parent)
@@ -216,6 +217,7 @@ class Reader {
   tinyxml2::XMLDocument document_;
   const XMLElement* robot_ = nullptr;
   std::vector<Link> links_;
+  std::vector<std::string> mesh_files_;
 };
 
 }  // namespace

@@ -13,6 +13,7 @@ namespace wholehand {
 /// A URDF as one rigid body, in the frame of its root link.
 struct UrdfBody {
   std::vector<Shape> shapes;               ///< every collision element of every link
+  std::vector<std::string> mesh_files;     ///< paths of the meshes it names
   std::optional<MassProperties> inertial;  ///< the sum of the inertials; none when no link has one
 };
 

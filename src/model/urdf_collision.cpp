@@ -52,7 +52,8 @@ std::optional<Shape> readBox(const XMLElement& e, const std::string& key, UrdfFa
   return shape;
 }
 
-std::optional<Shape> readMesh(const XMLElement& e, const std::string& key, UrdfFaults& faults) {
+std::optional<Shape> readMesh(const XMLElement& e, const std::string& key, UrdfFaults& faults,
+                              std::vector<std::string>& mesh_files) {
   const std::string name = faults.text(e, "filename", key);
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
   if (e.Attribute("scale") != nullptr) {
@@ -60,7 +61,8 @@ std::optional<Shape> readMesh(const XMLElement& e, const std::string& key, UrdfF
     scale = {s[0], s[1], s[2]};
   }
   if (name.empty()) return std::nullopt;
-  Expected<Shape> mesh = loadConvexMesh(meshPath(name, faults.file()).string(), scale);
+  mesh_files.push_back(meshPath(name, faults.file()).string());
+  Expected<Shape> mesh = loadConvexMesh(mesh_files.back(), scale);
   if (mesh) return std::move(*mesh);
   const Diagnostic& d = mesh.errors().front();
   faults.add(&e, key + ".filename", name, d.problem, d.remedy);
@@ -78,13 +80,14 @@ std::optional<Shape> readRound(const XMLElement& e, ShapeType type, const std::s
   return shape;
 }
 
-std::optional<Shape> readGeometry(const XMLElement& e, const std::string& key, UrdfFaults& faults) {
+std::optional<Shape> readGeometry(const XMLElement& e, const std::string& key, UrdfFaults& faults,
+                                  std::vector<std::string>& mesh_files) {
   const std::string_view kind = e.Name();
   if (kind == "box") return readBox(e, key, faults);
   if (kind == "sphere") return readRound(e, ShapeType::kSphere, key, faults);
   if (kind == "cylinder") return readRound(e, ShapeType::kCylinder, key, faults);
   if (kind == "capsule") return readRound(e, ShapeType::kCapsule, key, faults);
-  if (kind == "mesh") return readMesh(e, key, faults);
+  if (kind == "mesh") return readMesh(e, key, faults, mesh_files);
   faults.add(&e, key, "", fmt::format("is an unknown shape <{}>", kind),
              "must be one of box, sphere, cylinder, capsule, mesh");
   return std::nullopt;
@@ -93,7 +96,7 @@ std::optional<Shape> readGeometry(const XMLElement& e, const std::string& key, U
 }  // namespace
 
 std::optional<Shape> readUrdfCollision(const XMLElement& collision, const std::string& key,
-                                       UrdfFaults& faults) {
+                                       UrdfFaults& faults, std::vector<std::string>& mesh_files) {
   const XMLElement* geometry = collision.FirstChildElement("geometry");
   const XMLElement* kind = geometry != nullptr ? geometry->FirstChildElement() : nullptr;
   if (kind == nullptr || kind->NextSiblingElement() != nullptr) {
@@ -101,7 +104,7 @@ std::optional<Shape> readUrdfCollision(const XMLElement& collision, const std::s
                "give one of box, sphere, cylinder, capsule, mesh");
     return std::nullopt;
   }
-  std::optional<Shape> shape = readGeometry(*kind, key + "." + kind->Name(), faults);
+  std::optional<Shape> shape = readGeometry(*kind, key + "." + kind->Name(), faults, mesh_files);
   const Pose in_link = faults.origin(collision, key);
   if (shape) shape->in_body = in_link;
   return shape;

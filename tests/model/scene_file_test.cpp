@@ -80,6 +80,9 @@ TEST(SceneFile, Table_HoldsWhatStandsOnIt) {
   }
   const SceneBody& mug = scene->bodies[scene->bodyIndex("mug")];
   EXPECT_EQ(mug.shapes.size(), 5U);
+  const std::string folder = WHOLEHAND_SOURCE_DIR "/config/scenes/assets/";
+  EXPECT_EQ(scene->assets,
+            (std::vector<std::string>{folder + "octagonal-prism.obj", folder + "mug.urdf"}));
   EXPECT_NEAR(mug.mass_kg, 0.23, 1e-12);  // 0.2 + 0.03, of its inertials
 }
 

@@ -225,6 +225,7 @@ TEST(Urdf, EveryColliderOfEveryLink_IsKeptWhereItIs) {
   EXPECT_NEAR(signedDistance(body->shapes[2], {0.0, 0.0, 0.25}), 0.0, 1e-12);
   EXPECT_NEAR(moments(body->shapes[3]).volume_m3, 6.4e-5, 1e-11);  // 40 mm cube
   EXPECT_LT((body->shapes[4].in_body.translation_m - Vector3d(0.0, 0.05, 0.2)).norm(), 1e-12);
+  EXPECT_EQ(body->mesh_files, std::vector<std::string>{folder.path("meshes/cube.obj")});
   EXPECT_FALSE(body->inertial.has_value());
 }
 
