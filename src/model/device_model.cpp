@@ -65,9 +65,12 @@ DeviceAxis readAxis(TomlTable& table, const std::vector<std::string>& earlier) {
                   : AxisKind::kTranslation;
   axis.group =
       table.choice("group", {"base", "hand"}) == "hand" ? AxisGroup::kHand : AxisGroup::kBase;
+  const bool typed = table.good("type");
   readName(table, axis, earlier);
-  // Without a type no key has a known unit; further messages would mislead.
-  if (!table.good("type")) return axis;
+  if (!typed) {  // no key has a known unit: further messages would mislead
+    table.skipRest();
+    return axis;
+  }
   const bool turns = axis.kind == AxisKind::kRotation;
   const std::array<double, 2> range =
       turns ? table.interval("range_rad",

@@ -53,7 +53,10 @@ Expected<PatientConfig> loadPatientFile(const std::string& path, const DeviceMod
   std::vector<std::string> names;
   for (TomlTable& table : root.tables("axes", 1)) {
     const std::string name = table.text("name");
-    if (!table.good("name") || !checkNewName(table, name, names)) continue;
+    if (!table.good("name") || !checkNewName(table, name, names)) {
+      table.skipRest();
+      continue;
+    }
     names.push_back(name);
     const int i = device.axisIndex(name);
     if (i < 0) {

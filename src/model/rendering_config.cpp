@@ -65,13 +65,17 @@ void readAxes(TomlTable& root, const DeviceModel& device, const Common& common,
   std::vector<std::string> names;
   for (TomlTable& table : root.tables("axes", 1)) {
     const std::string name = table.text("name");
-    if (!table.good("name") || !checkNewName(table, name, names)) continue;
+    if (!table.good("name") || !checkNewName(table, name, names)) {
+      table.skipRest();
+      continue;
+    }
     names.push_back(name);
     const int i = device.axisIndex(name);
     if (i < 0) {
       const std::string near = nearestWord(name, device_names);
       table.fail("name", "is not an axis of the device " + device.path,
                  near.empty() ? "remove it" : "did you mean " + near + "?");
+      table.skipRest();
       continue;
     }
     const auto at = static_cast<std::size_t>(i);

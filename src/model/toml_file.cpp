@@ -122,7 +122,9 @@ std::string nearestWord(std::string_view word, const std::vector<std::string>& w
   std::string best;
   std::size_t best_distance = std::max<std::size_t>(2, word.size() / 3) + 1;
   for (const std::string& candidate : words) {
-    const std::size_t distance = editDistance(word, candidate);
+    const bool begins = std::min(word.size(), candidate.size()) >= 3 &&
+                        (word.starts_with(candidate) || candidate.starts_with(word));
+    const std::size_t distance = begins ? 1 : editDistance(word, candidate);
     if (distance < best_distance) {
       best_distance = distance;
       best = candidate;
@@ -173,7 +175,7 @@ Diagnostics TomlFile::finish() {
   for (const auto& state : shared_->tables) {
     const std::vector<std::string> known(state->known.begin(), state->known.end());
     std::set<std::string, std::less<>> explained;
-    if (readable_ && state->table != nullptr) {
+    if (readable_ && state->table != nullptr && !state->rest_skipped) {
       for (const auto& [key, node] : *state->table) {
         if (state->known.contains(key.str())) continue;
         const Meant meant = meantKey(key.str(), known);

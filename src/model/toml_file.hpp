@@ -83,6 +83,10 @@ class TomlTable {
   /// recognised without this.
   void refuse(std::string_view wrong, std::string_view right, std::string reason);
 
+  /// Keys of this table that nobody asked for are not reported: after a fault that leaves open which
+  /// keys belong here.
+  void skipRest();
+
   /// Key path of the table ("axes[finger_flexion]"); empty for the file itself.
   [[nodiscard]] std::string path() const;
   /// 1-based line where the table starts; 0 when unknown.

@@ -34,6 +34,7 @@ struct TomlTable::State {
   const toml::table* table = nullptr;  ///< null for a required table that is not there
   std::string path;
   int line = 0;
+  bool rest_skipped = false;
   std::set<std::string, std::less<>> known;   ///< keys the program understands
   std::set<std::string, std::less<>> faulty;  ///< keys something was reported about
   std::vector<Missing> missing;  ///< reported at the end, when no misspelling explains them

@@ -45,6 +45,7 @@ NumberRule above(double lower, double upper, std::string unit) {
 
 std::string nodeText(const toml::node& node) {
   if (node.is_table()) return "{...}";
+  if (const auto* number = node.as_floating_point()) return formatNumber(number->get());
   std::ostringstream out;
   node.visit([&](const auto& value) { out << value; });
   std::string text = out.str();
@@ -279,6 +280,10 @@ void TomlTable::fail(std::string_view key, std::string problem, std::string reme
   state_->known.emplace(key);
   state_->report(key, node == nullptr ? "" : nodeText(*node), std::move(problem),
                  std::move(remedy));
+}
+
+void TomlTable::skipRest() {
+  state_->rest_skipped = true;
 }
 
 void TomlTable::refuse(std::string_view wrong, std::string_view right, std::string reason) {

@@ -1,0 +1,291 @@
+#include "model/device_model.hpp"
+#include "model/hand_file.hpp"
+#include "model/patient_config.hpp"
+#include "model/rendering_config.hpp"
+#include "model/temp_folder.hpp"
+#include "model/toml_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace wholehand {
+namespace {
+
+const std::string kConfig = std::string(WHOLEHAND_SOURCE_DIR) + "/config/";
+
+std::string readAll(const std::string& path) {
+  std::ifstream in(path);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+/// The shipped file of each kind that the cases below spoil.
+std::string shipped(const std::string& kind) {
+  if (kind == "device") return kConfig + "devices/lambda-pride.toml";
+  if (kind == "rendering") return kConfig + "rendering/lambda-pride.toml";
+  if (kind == "patient") return kConfig + "patients/relaxed-adult.toml";
+  return kConfig + "hands/adult-median-right.toml";
+}
+
+Diagnostics faultsOf(const std::string& kind, const std::string& path) {
+  const auto faults = [](const auto& loaded) {
+    return loaded.ok() ? Diagnostics{} : loaded.errors();
+  };
+  if (kind == "device") return faults(loadDeviceFile(path));
+  if (kind == "hand") return faults(loadHandFile(path));
+  const DeviceModel device = loadDeviceFile(shipped("device")).value();
+  if (kind == "rendering") return faults(loadRenderingFile(path, device));
+  return faults(loadPatientFile(path, device));
+}
+
+/// The shipped text with the first `find` replaced.
+std::string spoil(const std::string& kind, const std::string& find, const std::string& replace) {
+  std::string text = readAll(shipped(kind));
+  const std::size_t at = text.find(find);
+  EXPECT_NE(at, std::string::npos) << "the shipped " << kind << " file has no: " << find;
+  if (at != std::string::npos) text.replace(at, find.size(), replace);
+  return text;
+}
+
+/// 1-based line of the first occurrence.
+int lineOf(const std::string& text, const std::string& what) {
+  const std::size_t at = text.find(what);
+  EXPECT_NE(at, std::string::npos) << what;
+  if (at == std::string::npos) return 0;
+  return 1 + static_cast<int>(std::count(text.begin(), text.begin() + static_cast<long>(at), '\n'));
+}
+
+struct Case {
+  std::string kind;     ///< of the file
+  std::string find;     ///< in the shipped file ...
+  std::string replace;  ///< ... becomes this
+  std::string at;       ///< the line that is to be named holds this; empty: line not checked
+  std::string key;      ///< expected key path
+  std::string says;     ///< expected in the message
+  std::string remedy;   ///< expected in the remedy
+};
+
+void expectFault(const Case& c) {
+  SCOPED_TRACE(c.kind + ": " + c.find + " -> " + c.replace);
+  const test::TempFolder folder;
+  const std::string text = spoil(c.kind, c.find, c.replace);
+  const std::string path = folder.write("spoiled.toml", text);
+  const Diagnostics faults = faultsOf(c.kind, path);
+  ASSERT_EQ(faults.size(), 1U) << format(faults);  // one mistake, one message
+  const Diagnostic& fault = faults.front();
+  EXPECT_EQ(fault.file, path);
+  EXPECT_EQ(fault.key, c.key);
+  if (!c.at.empty()) {
+    EXPECT_EQ(fault.line, lineOf(text, c.at)) << format(fault);
+  }
+  EXPECT_NE(format(fault).find(c.says), std::string::npos) << format(fault);
+  EXPECT_NE(fault.remedy.find(c.remedy), std::string::npos) << format(fault);
+}
+
+TEST(BadInput, Device_OneMistakeOneMessageWithPlaceAndRemedy) {
+  const std::vector<Case> cases = {
+      {"device", "mass_kg = 0.8\n", "", "[[axes]]", "axes[x].mass_kg", "is missing", "(0, 100] kg"},
+      {"device", "mass_kg = 0.8", "mas_kg = 0.8", "mas_kg", "axes[x].mas_kg", "unknown",
+       "did you mean mass_kg?"},
+      {"device", "mass_kg = 0.8", "mass_kg = 0.8\ncolour = \"red\"", "colour", "axes[x].colour",
+       "unknown", "remove it"},
+      {"device", "range_m =", "range_rad =", "range_rad", "axes[x].range_rad", "wrong unit",
+       "range_m"},
+      {"device", "range_m =", "range_mm =", "range_mm", "axes[x].range_mm", "wrong unit",
+       "range_m"},
+      {"device", "effort_limit_n = 20.0", "effort_limit_nm = 20.0", "effort_limit_nm",
+       "axes[x].effort_limit_nm", "translation", "effort_limit_n"},
+      {"device", "effort_limit_n = 20.0", "effort_limit_tip_n = 20.0", "effort_limit_tip_n",
+       "axes[x].effort_limit_tip_n", "fingertip", "effort_limit_n"},
+      {"device", "inertia_kg_m2 = 5.0e-4", "mass_kg = 0.1", "mass_kg = 0.1",
+       "axes[finger_flexion].mass_kg", "rotation", "inertia_kg_m2"},
+      {"device",
+       "lever_arm_m = 0.08\neffort_limit_tip_n = 10.0\nspeed_limit_rad_s = 10.0\ninertia_"
+       "kg_m2 = 5.0e-4\ndamping_nm_s_rad = 0.015\ncoulomb_tip_n = 0.05",
+       "effort_limit_tip_n = 10.0\nspeed_limit_rad_s = 10.0\ninertia_kg_m2 = "
+       "5.0e-4\ndamping_nm_s_rad = 0.015",
+       "effort_limit_tip_n", "axes[finger_flexion].effort_limit_tip_n", "needs a lever arm",
+       "effort_limit_nm"},
+      {"device", "effort_limit_nm = 0.6", "effort_limit_nm = 0.6\neffort_limit_tip_n = 7.0",
+       "effort_limit_tip_n = 7.0", "axes[thumb_circumduction].effort_limit_tip_n", "twice", ""},
+      {"device", "mass_kg = 0.8", "mass_kg = nan", "mass_kg = nan", "axes[x].mass_kg",
+       "is not finite", "(0, 100] kg"},
+      {"device", "effort_limit_n = 20.0", "effort_limit_n = inf", "= inf", "axes[x].effort_limit_n",
+       "is not finite", "N"},
+      {"device", "mass_kg = 0.8", "mass_kg = 0", "mass_kg = 0\n", "axes[x].mass_kg", "out of range",
+       "(0, 100] kg"},
+      {"device", "damping_n_s_m = 6.0", "damping_n_s_m = -6.0", "= -6.0", "axes[x].damping_n_s_m",
+       "-6", "N·s/m"},
+      {"device", "mass_kg = 0.8", "mass_kg = \"0.8\"", "\"0.8\"", "axes[x].mass_kg", "is a text",
+       "without quotes"},
+      {"device", "range_m = [-0.085, 0.085]", "range_m = [0.085, -0.085]", "[0.085, -0.085]",
+       "axes[x].range_m", "not an interval", "lower < upper"},
+      {"device", "range_m = [-0.085, 0.085]", "range_m = [-0.085]", "[-0.085]", "axes[x].range_m",
+       "has 1 elements", "array of 2 numbers"},
+      {"device", "range_m = [-0.085, 0.085]", "range_m = [-0.085, nan]", "nan]", "axes[x].range_m",
+       "element 1 is not finite", "m"},
+      {"device", "range_m = [-0.085, 0.085]", "range_m = 0.085", "range_m = 0.085",
+       "axes[x].range_m", "is a number", "array of 2 numbers"},
+      {"device", "output_delay_ticks = 1", "output_delay_ticks = 9", "= 9", "output_delay_ticks",
+       "out of range", "[0, 8]"},
+      {"device", "output_delay_ticks = 1", "output_delay_ticks = 1.5", "1.5", "output_delay_ticks",
+       "not a whole number", "[0, 8]"},
+      {"device", "name = \"y\"", "name = \"x\"", "", "axes[x].name", "twice", "once"},
+      {"device", "name = \"y\"", "name = \"up\"", "\"up\"", "axes[up].name",
+       "not an axis that carries", "yaw"},
+      {"device", "name = \"y\"", "name = \"roll\"", "", "axes[roll].type", "does not go",
+       "\"rotation\""},
+      {"device", "name = \"y\"", "name = \"\"", "name = \"\"", "axes[].name", "is empty", ""},
+      {"device", "group = \"base\"", "group = \"arm\"", "\"arm\"", "axes[x].group", "unknown",
+       "\"base\" or \"hand\""},
+      {"device", "neutral_effort_n = 0.0", "neutral_effort_n = 25.0", "", "axes[x]",
+       "exceeds the effort limit", ""},
+      {"device", "[mount]", "[mounting]", "[mounting]", "mounting", "unknown",
+       "did you mean mount?"},
+      {"device", "version = 1", "version = 2", "version = 2", "version", "not known",
+       "version = 1"},
+      {"device", "kind = \"device\"", "kind = \"hand\"", "kind = \"hand\"", "kind", "another kind",
+       "device"},
+      {"device", "name = \"lambda-pride\"", "name = \"a\"\nname = \"b\"", "name = \"b\"", "",
+       "is not TOML", "mend"},
+  };
+  for (const Case& c : cases) expectFault(c);
+}
+
+TEST(BadInput, GainsPatientAndHand_OneMistakeOneMessageWithPlaceAndRemedy) {
+  const std::vector<Case> cases = {
+      {"rendering", "k_pm_n_m = 1000.0", "k_pm_nm_rad = 1000.0", "k_pm_nm_rad",
+       "axes[x].k_pm_nm_rad", "translation", "k_pm_n_m"},
+      {"rendering", "k_pm_n_m = 1000.0\n", "", "", "axes[x].k_pm_n_m", "is missing", "N/m"},
+      {"rendering", "effort_dead_n = 0.5", "effort_dead_n = 5.0", "", "axes[x]",
+       "effort_dead is not below effort_full", "<"},
+      {"rendering", "gamma = 0.3", "gamma = 1.5", "gamma = 1.5", "gamma", "out of range", "[0, 1]"},
+      {"rendering", "paper = false", "paper = \"no\"", "\"no\"", "paper", "is a text",
+       "true or false"},
+      {"rendering", "decay_s = 0.3", "decay_ms = 300", "decay_ms", "decay_ms", "wrong unit",
+       "decay_s"},
+      {"patient", "stiffness_n_m = 300.0", "stiffness_n_m = inf", "= inf", "axes[x].stiffness_n_m",
+       "is not finite", "N/m"},
+      {"patient", "mass_kg = 1.0", "inertia_kg_m2 = 1.0", "inertia_kg_m2 = 1.0",
+       "axes[x].inertia_kg_m2", "translation", "mass_kg"},
+      {"patient", "margin = 0.05", "margin = 0.5", "margin = 0.5", "motion.margin", "out of range",
+       "[0, 0.4]"},
+      {"patient", "center = true", "centre = true", "centre", "motion.centre", "unknown",
+       "did you mean center?"},
+      {"patient", "speed_share = 0.8", "speed_share = 0", "speed_share = 0 ", "motion.speed_share",
+       "out of range", "(0, 1]"},
+      {"hand", "side = \"right\"", "side = \"both\"", "\"both\"", "side", "unknown", "\"left\""},
+      {"hand", "length_m = 0.1880", "length_mm = 188.0", "length_mm", "length_mm", "wrong unit",
+       "length_m"},
+      {"hand", "length_m = 0.1880", "length_m = 188.0", "length_m = 188", "length_m",
+       "out of range", "[0.05, 0.35] m"},
+      {"hand", "index_mcp_flexion = 0.375", "index_mpc_flexion = 0.375", "index_mpc_flexion",
+       "synergy.finger_flexion.index_mpc_flexion", "not a joint",
+       "did you mean index_mcp_flexion?"},
+      {"hand", "index_mcp_flexion = 0.375", "index_mcp_flexion = nan", "= nan",
+       "synergy.finger_flexion.index_mcp_flexion", "is not finite", ""},
+      {"hand", "index_mcp_flexion = {", "index_mpc_flexion = {", "index_mpc_flexion = {",
+       "joints.index_mpc_flexion", "unknown", "did you mean index_mcp_flexion?"},
+      {"hand", "rest_rad = 0.35", "rest_rad = 1.7", "1.7", "joints.index_mcp_flexion.rest_rad",
+       "outside the joint's own range", "[0, 1.5708] rad"},
+      {"hand", "finger_flexion_rad =", "wrist_rad =", "wrist_rad", "reference.wrist_rad",
+       "not a coordinate", ""},
+      {"hand", "finger_flexion_rad =", "finger_flexion =", "finger_flexion =",
+       "reference.finger_flexion", "has no unit", "finger_flexion_rad"},
+  };
+  for (const Case& c : cases) expectFault(c);
+}
+
+TEST(BadInput, GainsOfAnotherAxis_SaysWhichIsMeantAndWhichIsMissing) {
+  const test::TempFolder folder;
+  const std::string path = folder.write(
+      "r.toml", spoil("rendering", "name = \"thumb_flexion\"", "name = \"thumb_flexon\""));
+  const Diagnostics faults = faultsOf("rendering", path);
+  const std::string text = format(faults);
+  EXPECT_NE(text.find("did you mean thumb_flexion?"), std::string::npos) << text;
+  EXPECT_NE(text.find("no gains for thumb_flexion"), std::string::npos) << text;
+}
+
+TEST(BadInput, ManyMistakes_AreAllReportedInTheOrderOfTheFile) {
+  const test::TempFolder folder;
+  std::string text = readAll(shipped("device"));
+  const auto replace = [&](const std::string& find, const std::string& with) {
+    text.replace(text.find(find), find.size(), with);
+  };
+  replace("output_delay_ticks = 1", "output_delay_ticks = -1");
+  replace("yaw_rad = 0.0", "yaw_deg = 0.0");
+  replace("mass_kg = 0.8", "mass_kg = nan");
+  replace("coulomb_n = 0.2", "friction = 0.2");
+  replace("effort_limit_tip_n = 10.0", "effort_limit_tip_n = \"ten\"");
+  const Diagnostics faults = faultsOf("device", folder.write("d.toml", text));
+  ASSERT_EQ(faults.size(), 5U) << format(faults);
+  EXPECT_EQ(faults[0].key, "output_delay_ticks");
+  EXPECT_EQ(faults[1].key, "mount.yaw_deg");
+  EXPECT_EQ(faults[2].key, "axes[x].mass_kg");
+  EXPECT_EQ(faults[3].key, "axes[x].friction");
+  EXPECT_EQ(faults[4].key, "axes[finger_flexion].effort_limit_tip_n");
+  EXPECT_TRUE(std::is_sorted(faults.begin(), faults.end(),
+                             [](const auto& a, const auto& b) { return a.line < b.line; }));
+}
+
+TEST(BadInput, WhatIsNoFile_IsSaidPlainly) {
+  const test::TempFolder folder;
+  const auto message = [](const std::string& path) { return format(faultsOf("device", path)); };
+  EXPECT_NE(message(folder.path("none.toml")).find("No such file"), std::string::npos);
+  EXPECT_NE(message(folder.path("")).find("is a folder"), std::string::npos);
+  EXPECT_NE(message(folder.write("empty.toml", "  \n\n")).find("is empty"), std::string::npos);
+  EXPECT_NE(message(folder.write("binary.toml", "\x89PNG\r\n\x1a\n")).find("is not TOML"),
+            std::string::npos);
+  EXPECT_FALSE(fileKind(folder.path("none.toml")).ok());
+  EXPECT_FALSE(fileKind(folder.write("no-kind.toml", "version = 1\n")).ok());
+}
+
+TEST(BadInput, FileWithoutKindOrVersion_NamesBothAndGoesOn) {
+  const test::TempFolder folder;
+  const Diagnostics faults = faultsOf("device", folder.write("d.toml", "name = \"d\"\n"));
+  const std::string text = format(faults);
+  for (const char* key : {"kind", "version", "output_delay_ticks", "mount", "axes"}) {
+    EXPECT_TRUE(std::any_of(faults.begin(), faults.end(),
+                            [&](const Diagnostic& d) { return d.key == key; }))
+        << key << " is not named in\n"
+        << text;
+  }
+}
+
+TEST(BadInput, HandAndDeviceThatDoNotGoTogether_SayWhy) {
+  const HandFile hand = loadHandFile(shipped("hand")).value();
+  DeviceModel device = loadDeviceFile(shipped("device")).value();
+  device.axes[3].name = "finger_spread";
+  auto assembled = assembleHand(hand, device);
+  ASSERT_FALSE(assembled.ok());
+  EXPECT_EQ(assembled.errors().front().key, "axes[finger_spread]");
+  EXPECT_NE(format(assembled.errors()).find("drives nothing"), std::string::npos);
+
+  device = loadDeviceFile(shipped("device")).value();
+  device.axes[3].upper = 6.0;  // 6 rad * 0.375 is beyond the 90 degrees of a knuckle
+  assembled = assembleHand(hand, device);
+  ASSERT_FALSE(assembled.ok());
+  EXPECT_EQ(assembled.errors().size(), 8U) << format(assembled.errors());  // MCP and PIP, 4 fingers
+  EXPECT_EQ(assembled.errors().front().key, "joints.index_mcp_flexion.range_rad");
+
+  HandFile stranger = hand;
+  stranger.synergy.push_back({"tail_flexion", "finger_flexion", 1.0});
+  assembled = assembleHand(stranger, loadDeviceFile(shipped("device")).value());
+  ASSERT_FALSE(assembled.ok());
+  EXPECT_EQ(assembled.errors().front().key, "synergy.finger_flexion.tail_flexion");
+}
+
+TEST(NearestWord, Misspelling_FindsTheWordAndNothingForAStranger) {
+  const std::vector<std::string> words = {"mass_kg", "range_m", "name"};
+  EXPECT_EQ(nearestWord("maas_kg", words), "mass_kg");
+  EXPECT_EQ(nearestWord("nmae", words), "name");
+  EXPECT_EQ(nearestWord("quaternion", words), "");
+}
+
+}  // namespace
+}  // namespace wholehand
