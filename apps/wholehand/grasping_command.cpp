@@ -1,0 +1,197 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "assembly/text_file.hpp"
+#include "exit_code.hpp"
+#include "experiment_command.hpp"
+#include "experiments/grasp_trial.hpp"
+#include "picture/picture.hpp"
+#include "report/svg_plot.hpp"
+#include "shipped_files.hpp"
+
+namespace wholehand {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr double kSlipAsked_m = 0.5e-3;
+
+ModelFiles shippedModels() {
+  ModelFiles files;
+  for (std::string* file : {&files.scene, &files.hand, &files.device, &files.rendering,
+                            &files.patient}) {
+    *file = shippedFile(*file);
+  }
+  return files;
+}
+
+nlohmann::ordered_json trialJson(const GraspResult& r) {
+  return {{"shape", r.trial.shape},
+          {"grasp", r.trial.grasp},
+          {"gravity", r.trial.gravity},
+          {"dropped", r.dropped},
+          {"slip_m", r.slip_m},
+          {"coupling_error_rad", r.coupling_error_rad},
+          {"object_travel_m", r.object_travel_m},
+          {"force_noise_n", r.force_noise_n},
+          {"rotation_rad", r.rotation_rad},
+          {"contact_residual", r.contact_residual},
+          {"contact_force_n", r.contact_force_n},
+          {"tip_force_max_n", r.tip_force_max_n},
+          {"saturated_ticks", r.saturated_ticks},
+          {"cpu_us", {{"p50", r.cpu_p50_us}, {"p999", r.cpu_p999_us}}}};
+}
+
+void printHeader() {
+  std::printf("%-32s %-7s %9s %9s %10s %9s %8s %8s\n", "trial", "held", "slip mm", "turn mrad",
+              "noise N", "grip N", "tip N", "tick µs");
+}
+
+void printTrial(const GraspResult& r) {
+  std::printf("%-32s %-7s %9.3f %9.2f %10.4f %9.1f %8.1f %8.0f\n", r.trial.name().c_str(),
+              r.dropped ? "DROPPED" : "yes", r.slip_m * 1e3, r.rotation_rad * 1e3, r.force_noise_n,
+              r.contact_force_n, r.tip_force_max_n, r.cpu_p50_us);
+  std::fflush(stdout);
+}
+
+// A picture of the held object, seen from the person's side and a little from above.
+void drawHeld(const Rig& rig, const TickRecord& last, const std::string& path) {
+  PictureRequest request;
+  request.target_m = last.bodies[0].position_m.eigen();
+  request.distance_m = 0.55;
+  request.azimuth_rad = 0.9;
+  request.elevation_rad = 0.3;
+  request.field_of_view_rad = 0.45;
+  const std::vector<BodyState> bodies(last.bodies.begin(), last.bodies.begin() + last.body_count);
+  const std::vector<Contact> contacts(last.contacts.begin(),
+                                      last.contacts.begin() + last.contact_count);
+  const auto drawn = drawPicture(rig.models.hand, rig.models.scene, last.theta, bodies, contacts,
+                                 request, path);
+  if (!drawn) refuse(drawn.errors());
+}
+
+// Slip of all trials, sorted, on a logarithmic axis: how many stay below what is asked.
+std::string slipPlot(const std::vector<GraspResult>& tuned,
+                     const std::vector<GraspResult>& jittered) {
+  LinePlot plot;
+  plot.title = "Slip during a 10 s hold, mm: share of the trials that slip no further";
+  plot.width_px = 760;
+  plot.height_px = 260;
+  plot.log_x = true;
+  plot.x_min = 1e-4;
+  plot.x_max = 100.0;
+  plot.y_min = 0.0;
+  plot.y_max = 1.0;
+  plot.x_unit = "mm";
+  plot.marks = {{kSlipAsked_m * 1e3, "asked: 0.5 mm"}};
+  const auto line = [](const char* name, const char* color, const char* dash,
+                       const std::vector<GraspResult>& results) {
+    std::vector<double> slips;
+    for (const GraspResult& r : results) slips.push_back(std::max(r.slip_m * 1e3, 1e-4));
+    std::sort(slips.begin(), slips.end());
+    PlotLine out;
+    out.name = name;
+    out.color = color;
+    out.dash = dash;
+    out.points.push_back({1e-4, 0.0});
+    for (std::size_t i = 0; i < slips.size(); ++i) {
+      const double n = static_cast<double>(slips.size());
+      out.points.push_back({slips[i], static_cast<double>(i) / n});
+      out.points.push_back({slips[i], static_cast<double>(i + 1) / n});
+    }
+    out.points.push_back({100.0, 1.0});
+    return out;
+  };
+  if (!tuned.empty()) plot.lines.push_back(line("tuned", "#006A94", "", tuned));
+  if (!jittered.empty()) plot.lines.push_back(line("jittered", "#8A5A00", "6 3", jittered));
+  return linePlot(plot);
+}
+
+struct Sweep {
+  std::vector<GraspResult> results;
+  Diagnostics errors;
+};
+
+Sweep runAll(const std::vector<GraspTrial>& trials, const ExperimentOptions& options,
+             bool keep_recordings) {
+  Sweep sweep;
+  for (const GraspTrial& trial : trials) {
+    if (trial.name().find(options.only) == std::string::npos) continue;
+    GraspPlan plan;
+    plan.folder = options.folder;
+    plan.record = keep_recordings;
+    if (keep_recordings) {
+      plan.at_end = [&](const Rig& rig, const TickRecord& last) {
+        std::string stem = trial.name();
+        std::replace(stem.begin(), stem.end(), ' ', '-');
+        drawHeld(rig, last, options.folder + "/" + stem + ".png");
+      };
+    }
+    auto result = runGrasp(trial, shippedModels(), plan);
+    if (!result) {
+      sweep.errors = result.errors();
+      return sweep;
+    }
+    printTrial(*result);
+    sweep.results.push_back(*result);
+  }
+  return sweep;
+}
+
+}  // namespace
+
+int graspingCommand(const ExperimentOptions& options) {
+  std::error_code error;
+  fs::create_directories(options.folder, error);
+  const std::string json_path =
+      options.json.empty() ? options.folder + "/grasping.json" : options.json;
+  for (const std::string& path : {options.folder + "/grasping.svg", json_path}) {
+    if (auto writable = checkWritable(path); !writable) return refuse(writable.errors());
+  }
+  std::printf("Grasp, carry 20 cm, hold 10 s; postures tuned, without and with gravity\n");
+  printHeader();
+  const Sweep tuned = runAll(tunedTrials(), options, true);
+  if (!tuned.errors.empty()) return refuse(tuned.errors);
+  if (options.jittered > 0) {
+    std::printf("\n%d trials with jittered positions and commands, seed %llu\n", options.jittered,
+                static_cast<unsigned long long>(options.seed));
+    printHeader();
+  }
+  const Sweep jittered =
+      runAll(jitteredTrials(options.jittered, options.seed), options, false);
+  if (!jittered.errors.empty()) return refuse(jittered.errors);
+
+  nlohmann::ordered_json json;
+  json["trials"] = nlohmann::ordered_json::array();
+  for (const GraspResult& r : tuned.results) json["trials"].push_back(trialJson(r));
+  int dropped = 0, slipped = 0;
+  double noise = 0.0;
+  nlohmann::ordered_json each = nlohmann::ordered_json::array();
+  for (const GraspResult& r : jittered.results) {
+    dropped += r.dropped ? 1 : 0;
+    slipped += r.slip_m > kSlipAsked_m ? 1 : 0;
+    noise = std::max(noise, r.force_noise_n);
+    each.push_back(trialJson(r));
+  }
+  json["jittered"] = {{"trials", jittered.results.size()},
+                      {"dropped", dropped},
+                      {"slip_over_half_mm", slipped},
+                      {"force_noise_max_n", noise},
+                      {"seed", options.seed},
+                      {"each", each}};
+  if (auto done = writeText(json_path, json.dump(2) + "\n"); !done) return refuse(done.errors());
+  const std::string plot = options.folder + "/grasping.svg";
+  if (auto done = writeText(plot, slipPlot(tuned.results, jittered.results)); !done) {
+    return refuse(done.errors());
+  }
+  std::printf("\njittered: %zu trials, %d dropped, %d slipped over 0.5 mm, noise at most %.4f N\n",
+              jittered.results.size(), dropped, slipped, noise);
+  std::printf("%s\n%s\npictures, recordings and scenes in %s\n", json_path.c_str(), plot.c_str(),
+              options.folder.c_str());
+  return kExitDone;
+}
+
+}  // namespace wholehand

@@ -1,0 +1,149 @@
+#include "experiments/timing_trial.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "assembly/text_file.hpp"
+#include "experiments/grasp_script.hpp"
+
+namespace wholehand {
+namespace {
+
+constexpr double kDeg = std::numbers::pi / 180.0;
+constexpr double kSway_m = 0.03;
+constexpr double kHolding_n = 1.0;
+
+GraspTrial cylinder() {
+  for (const GraspTrial& trial : tunedTrials()) {
+    if (trial.shape == "cylinder" && !trial.gravity) return trial;
+  }
+  return {};
+}
+
+// One cycle: close, carry the cylinder about on all three axes, bring it back, open, and again.
+std::vector<Waypoint> cycle(const GraspTrial& trial, const DeviceModel& device, double start_s) {
+  const Eigen::Vector3d base = graspBase(device);
+  const auto at = [&](double t, Eigen::Vector3d offset, double fingers, double turn, double thumb) {
+    Waypoint w{start_s + t, AxisPosition(device.axisCount())};
+    const auto set = [&](const char* axis, double value) {
+      if (const int a = device.axisIndex(axis); a >= 0) w.q[a] = value;
+    };
+    set("x", base.x() + offset.x());
+    set("y", base.y() + offset.y());
+    set("z", base.z() + offset.z());
+    set("finger_flexion", fingers);
+    set("thumb_circumduction", turn);
+    set("thumb_flexion", thumb);
+    return w;
+  };
+  const Eigen::Vector3d still = Eigen::Vector3d::Zero();
+  const double opposed = trial.circumduction_rad;
+  const double open = trial.fingers_open_rad;
+  const double closed = trial.fingers_closed_rad;
+  const double thumb = trial.thumb_closed_rad;
+  return {at(0.8, still, open, opposed, 0.0),
+          at(1.8, still, closed, opposed, thumb),
+          at(2.6, {-kSway_m, -kSway_m, 2 * kSway_m}, closed, opposed, thumb),
+          at(3.4, {kSway_m, kSway_m, 2 * kSway_m}, closed, opposed - 8 * kDeg, thumb),
+          at(4.2, still, closed, opposed, thumb),
+          at(5.0, still, open, opposed - 8 * kDeg, 0.0)};
+}
+
+Intention timingIntention(const GraspTrial& trial, const DeviceModel& device, double duration_s) {
+  std::vector<Waypoint> waypoints;
+  Waypoint first = cycle(trial, device, 0.0).front();
+  first.time_s = 0.0;
+  waypoints.push_back(first);
+  for (double start_s = 0.0; start_s < duration_s; start_s += 5.0) {
+    for (Waypoint& w : cycle(trial, device, start_s)) waypoints.push_back(std::move(w));
+  }
+  return Intention::throughWaypoints(std::move(waypoints));
+}
+
+// Counts what the records say, off the real-time thread.
+class Observer {
+ public:
+  explicit Observer(TimingResult& result, int joints) : result_(result) {
+    result_.wall_counts.assign(kTimingBins, 0);
+    result_.cpu_counts.assign(kTimingBins, 0);
+    lowest_.assign(static_cast<std::size_t>(joints), std::numeric_limits<double>::infinity());
+    highest_.assign(static_cast<std::size_t>(joints), -std::numeric_limits<double>::infinity());
+  }
+
+  void operator()(const TickRecord& r) {
+    ++result_.wall_counts[bin(r.wall_ns)];
+    ++result_.cpu_counts[bin(r.cpu_ns)];
+    double grip_n = 0.0;
+    for (int i = 0; i < r.contact_count; ++i) {
+      grip_n += r.contacts[static_cast<std::size_t>(i)].force_n.eigen().norm();
+    }
+    if (!holding_ && grip_n > kHolding_n) {
+      holding_ = true;
+      ++result_.grasps;
+    } else if (holding_ && r.contact_count == 0) {
+      holding_ = false;
+      ++result_.releases;
+    }
+    for (int j = 0; j < r.theta.size(); ++j) {
+      const auto k = static_cast<std::size_t>(j);
+      lowest_[k] = std::min(lowest_[k], r.theta[j]);
+      highest_[k] = std::max(highest_[k], r.theta[j]);
+    }
+  }
+
+  void finish() {
+    for (std::size_t j = 0; j < lowest_.size(); ++j) {
+      result_.joint_travel.push_back(highest_[j] - lowest_[j]);
+    }
+  }
+
+ private:
+  static std::size_t bin(std::int64_t ns) {
+    const double us = static_cast<double>(ns) / 1e3;
+    return static_cast<std::size_t>(std::clamp(us / kTimingBin_us, 0.0, kTimingBins - 1.0));
+  }
+
+  TimingResult& result_;
+  std::vector<double> lowest_, highest_;
+  bool holding_ = false;
+};
+
+}  // namespace
+
+Expected<TimingResult> runTiming(const ModelFiles& files, const TimingPlan& plan) {
+  const GraspTrial trial = cylinder();
+  auto models = loadModels(files);
+  if (!models) return models.errors();
+  ModelFiles with_scene = files;
+  with_scene.scene = plan.folder + "/timing-cylinder.toml";
+  if (auto written = writeText(with_scene.scene, graspScene(trial, *models)); !written) {
+    return written.errors();
+  }
+  models = loadModels(with_scene);
+  if (!models) return models.errors();
+  const RigOptions options;
+  Intention intention = timingIntention(trial, models->device,
+                                        static_cast<double>(plan.ticks) * options.period_s);
+  auto rig = buildRig(std::move(*models), std::move(intention), options);
+  if (!rig) return rig.errors();
+
+  TimingResult result;
+  Observer observer(result, (*rig)->models.hand.joint_count);
+  RunPlan run;
+  run.title = "Timing: a cylinder grasped, released and grasped again";
+  run.duration_ticks = plan.ticks;
+  run.simulated_clock = plan.simulated_clock;
+  run.count_allocations = true;
+  run.record = plan.folder + "/timing.h5";
+  run.status = plan.status;
+  run.sink = [&](const TickRecord& record) { observer(record); };
+  auto outcome = runAndRecord(**rig, run);
+  if (!outcome) return outcome.errors();
+  result.outcome = std::move(*outcome);
+  observer.finish();
+  return result;
+}
+
+}  // namespace wholehand

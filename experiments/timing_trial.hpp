@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "assembly/recorded_run.hpp"
+#include "assembly/rig.hpp"
+
+namespace wholehand {
+
+struct TimingPlan {
+  std::uint64_t ticks = 100000;
+  bool simulated_clock = false;   ///< as fast as it goes: CPU time alone
+  std::string folder;             ///< for the scene and the recording
+  std::function<void(const TickSummary&, double rate_hz)> status;
+};
+
+/// The paper's Fig. 6: time of the loop while a cylinder is grasped, released and grasped again and
+/// every joint moves.
+struct TimingResult {
+  RunOutcome outcome;
+  std::vector<std::uint64_t> wall_counts;   ///< ticks per bin of kTimingBin_us, wall clock
+  std::vector<std::uint64_t> cpu_counts;    ///< the same of CPU time
+  int grasps = 0;                           ///< times the grip went from nothing to above 1 N
+  int releases = 0;                         ///< times it went back to nothing
+  std::vector<double> joint_travel;         ///< range of every joint [m or rad]
+};
+
+inline constexpr double kTimingBin_us = 10.0;
+inline constexpr int kTimingBins = 200;     ///< the last holds everything beyond
+
+[[nodiscard]] Expected<TimingResult> runTiming(const ModelFiles& files, const TimingPlan& plan);
+
+}  // namespace wholehand
