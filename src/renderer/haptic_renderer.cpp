@@ -34,6 +34,7 @@ Expected<Done> HapticRenderer::arm() {
     return Diagnostic{"", 0, "", "", "the device gives no position", "check that it is connected"};
   }
   if (Expected<Done> placed = world_.placeHand(reading_.q_m); !placed) return placed;
+  armed_position_ = reading_.q_m;
   const int axes = config_.gains.axes;
   velocity_ = VelocityState{};
   damping_ = AdaptiveDampingState{AxisRatio(axes), AxisRatio(axes)};

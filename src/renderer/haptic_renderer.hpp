@@ -54,6 +54,8 @@ class HapticRenderer {
   [[nodiscard]] bool atNeutral() const noexcept;
 
   [[nodiscard]] const RendererConfig& config() const noexcept { return config_; }
+  /// The device's position at which arm() put the hand.
+  [[nodiscard]] const AxisPosition& armedPosition() const noexcept { return armed_position_; }
 
  private:
   void readDevice(std::uint32_t elapsed_periods, TickRecord& record) noexcept;
@@ -69,6 +71,7 @@ class HapticRenderer {
   PhysicsWorld& world_;
   const RendererConfig config_;
   ArticulatedBody dynamics_;
+  AxisPosition armed_position_;
   DeviceReading reading_;
   WorldState state_;
   ContactList contacts_;
