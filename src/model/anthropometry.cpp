@@ -1,5 +1,7 @@
 #include "model/anthropometry.hpp"
 
+#include <Eigen/Geometry>
+
 #include <cmath>
 #include <numbers>
 
@@ -104,8 +106,9 @@ constexpr std::array<PalmRow, 22> kPalm = {{
 }};
 
 constexpr double kWebRadius_mm = 7.0;
-constexpr double kWebAlong = 0.30;  ///< share of the first phalanx at which the web ends
-constexpr double kWebReach = 0.5;   ///< share of the gap: the neighbour's own skin is the rest
+constexpr double kWebAlong = 0.30;       ///< share of the first phalanx at which the web ends
+constexpr double kWebReach = 0.5;        ///< share of the gap: the neighbour's own skin is the rest
+constexpr double kWebFlexion_rad = 0.6;  ///< half of what a knuckle flexes
 constexpr double kThenarRadius_mm = 11.5;
 constexpr double kThenarAlong = 0.62;  ///< share of the thumb's metacarpal
 
@@ -158,13 +161,15 @@ std::array<PlacedCapsule, 3> fingerWebs(const Proportions& size) {
   const std::array<Digit, 4> digits = fingers(size);
   std::array<PlacedCapsule, 3> out;
   for (std::size_t i = 0; i < out.size(); ++i) {
-    // Sideways is the flexion axis, so this end keeps its place whatever the flexion.
-    const double gap_m = digits[i].base_m.y() - digits[i + 1].base_m.y();
+    // The neighbour's knuckle seen from this phalanx turns back as the fingers flex; the web lies
+    // where it is half-way.
+    const Vector3d gap_m = Eigen::AngleAxisd(-kWebFlexion_rad, Vector3d::UnitY()) *
+                           (digits[i + 1].base_m - digits[i].base_m);
     const Vector3d a_m(kWebAlong * digits[i].joint_to_joint_m[0], 0.0, 0.0);
     out[i] = {kNames[i],
               HandPart::kPalm,
               a_m,
-              a_m - Vector3d(0.0, kWebReach * gap_m, 0.0),
+              a_m + kWebReach * gap_m,
               kWebRadius_mm * size.breadth * kMm,
               false};
   }
