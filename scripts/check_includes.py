@@ -65,6 +65,8 @@ def faults_of_file(rules, root, file, module):
                 fault = f"{header} is in no module of scripts/include_rules.toml"
             elif not rules.allows(module, header):
                 fault = f"{module} must not include {header}"
+        elif header.split("/")[0] in rules.folders and (root / header).exists():
+            fault = None if "*" in rules.modules[module] else f"{module} must not include {header}"
         elif (file.parent / header).exists() and "/" not in header and module in rules.folders:
             fault = None  # apps and include: a neighbour in the same folder
         elif (root / "include" / header).exists() and module in rules.folders:
