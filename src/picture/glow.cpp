@@ -23,17 +23,18 @@ struct Stop {
 // Outwards from the white core.
 const std::array<Stop, 5> kHalo{{{0.00F, {1.0F, 1.0F, 1.0F}, 1.00F},
                                  {0.16F, {1.0F, 0.965F, 0.84F}, 0.92F},
-                                 {0.34F, {1.0F, 0.815F, 0.36F}, 0.52F},
-                                 {0.62F, {1.0F, 0.73F, 0.235F}, 0.15F},
-                                 {1.00F, {1.0F, 0.705F, 0.157F}, 0.00F}}};
+                                 {0.34F, {1.0F, 0.74F, 0.28F}, 0.52F},
+                                 {0.62F, {1.0F, 0.64F, 0.16F}, 0.16F},
+                                 {1.00F, {1.0F, 0.58F, 0.10F}, 0.00F}}};
 
-void lay(float radius, float strength, Array3f& pixel) {
+/// A hidden contact shines through as amber only, at 60 %.
+void lay(float radius, bool hidden, Array3f& pixel) {
   for (std::size_t i = 1; i < kHalo.size(); ++i) {
     const Stop &a = kHalo[i - 1], &b = kHalo[i];
     if (radius > b.at) continue;
     const float t = (radius - a.at) / (b.at - a.at);
-    const float alpha = strength * (a.alpha + t * (b.alpha - a.alpha));
-    const Array3f color = a.color + t * (b.color - a.color);
+    const float alpha = (hidden ? 0.6F : 1.0F) * (a.alpha + t * (b.alpha - a.alpha));
+    const Array3f color = hidden && i < 3 ? kHalo[2].color : a.color + t * (b.color - a.color);
     pixel += alpha * color * (1.0F - pixel);  // light is added: it never darkens
     return;
   }
@@ -82,7 +83,7 @@ void drawGlow(const std::vector<Ember>& embers, const Diorama& diorama, const Ca
     for (int y = top; y <= bottom; ++y) {
       for (int x = left; x <= right; ++x) {
         const double r = std::hypot(x + 0.5 - at.x(), y + 0.5 - at.y()) / radius;
-        lay(static_cast<float>(r), hidden ? 0.6F : 1.0F,
+        lay(static_cast<float>(r), hidden,
             canvas.pixel[static_cast<std::size_t>(y * canvas.width_px + x)]);
       }
     }

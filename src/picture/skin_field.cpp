@@ -19,6 +19,7 @@ constexpr double kNear_m = 0.003;               // the skin is exact up to here
 constexpr std::size_t kGroups = 6;
 constexpr double kSameJoint_m = 0.001;
 constexpr double kLightStep_m = 0.0022;  // calms the palm, follows a finger
+constexpr double kCrease_m = 0.0005;     // half width of a flexion line
 constexpr double kThin_m = 1e-6;         // keeps a blend's width positive
 constexpr double kFar = 1e9;
 
@@ -305,9 +306,16 @@ SkinLook SkinField::look(const Vector3d& p_m, const Vector3d& normal) const noex
     weight += w;
     palmar += w * c.palmar;
     if (c.part == HandPart::kPalm) continue;
-    const double knuckle = std::exp(-std::pow(s / 0.007, 2.0)) * (0.5 - 0.5 * normal.dot(c.palmar));
+    const double pulp = normal.dot(c.palmar);
+    const double knuckle = std::exp(-std::pow(s / 0.007, 2.0)) * (0.5 - 0.5 * pulp);
     const double tip = c.tip ? smoothStep(0.2 * c.length, 1.3 * c.length, s) : 0.0;
     look.redness += w * std::max(0.7 * knuckle, 0.6 * tip);
+    if (!c.joined) continue;
+    // Two lines, the second fainter, bowed a little and fading to the sides.
+    const double line = s + 0.05 * c.radius * (1.0 - pulp) * std::cos(900.0 * s);
+    const double lines = std::exp(-std::pow(line / kCrease_m, 2.0)) +
+                         0.5 * std::exp(-std::pow((line - 0.0026) / kCrease_m, 2.0));
+    look.crease = std::max(look.crease, lines * smoothStep(0.1, 0.7, pulp));
   }
   look.redness /= weight;
   look.palmar = std::clamp(0.8 * normal.dot(palmar) / weight + 0.15, 0.0, 1.0);

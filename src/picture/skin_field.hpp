@@ -27,6 +27,7 @@ struct SkinLook {
   double palmar = 0.0;   ///< along the normal: 1 on the palm side, 0 at the back
   double fold = 0.0;     ///< depth inside a crease
   double redness = 0.0;  ///< fingertips and knuckles
+  double crease = 0.0;   ///< flexion lines across the palm side of a joint
   double nail = 0.0;     ///< share of nail
 };
 

@@ -58,10 +58,10 @@ Vector3d lamp(const CameraFrame& camera, double right, double up, double back) {
   return (right * camera.right + up * Vector3d::UnitZ() + back * level_back).normalized();
 }
 
-const Color kKey = rgb(0xFFEFD9) * 2.55;
+const Color kKey = rgb(0xFFEFD9) * 2.40;
 const Color kRim = rgb(0xCFE6EA) * 1.25;
-const Color kSky = rgb(0xDCE4E2) * 0.72;
-const Color kBounce = rgb(0xD2A684) * 0.46;
+const Color kSky = rgb(0xDCE4E2) * 0.66;
+const Color kBounce = rgb(0xD2A684) * 0.42;
 
 }  // namespace
 
@@ -153,10 +153,12 @@ double Studio::emberShare(const Vector3d& p) const {
 
 Color Studio::skin(const Lit& at) const {
   const SkinLook look = diorama_->skin().look(at.point, at.normal);
-  Color base = mix(rgb(0xD9A787), rgb(0xE6BDA4), 0.75 * look.palmar);
+  Color base = mix(rgb(0xD3A084), rgb(0xE3B8A0), 0.75 * look.palmar);
   base = mix(base, base * Color(1.04, 0.74, 0.68), 0.55 * look.redness);
   base = mix(base, rgb(0x9C5F45), 0.42 * look.fold);
+  base = mix(base, rgb(0x9C5F45), 0.34 * look.crease);
   base = mix(base, rgb(0xF0CDBE), look.nail);
+  base = mix(base, rgb(0x9C5F45), 1.6 * look.nail * (1.0 - look.nail));  // the nail's fold
 
   const double n_l = at.normal.dot(key_);
   // Light that enters skin leaves it a little farther on, red the farthest: it wraps into shadow.
