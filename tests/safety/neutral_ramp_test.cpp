@@ -145,7 +145,7 @@ TEST(NeutralRamp, ConfiguredSlowerThanAllowed_StillEndsIn100Milliseconds) {
 TEST(NeutralRamp, AnyRun_StaysWithinLimitsAndSlewAndIsNeutralIn100Milliseconds) {
   EXPECT_TRUE(rc::check("run", [] {
     const double limit = 0.01 * *rc::gen::inRange(1, 5000);
-    const double neutral_effort = limit * 0.001 * *rc::gen::inRange(-1000, 1001);
+    const double neutral_effort = limit * (*rc::gen::inRange(-1000, 1001) / 1000.0);
     const AxisEffort neutral(1, neutral_effort);
     const int stop_at = *rc::gen::inRange(1, 400);
     const int rate_hz = *rc::gen::element(500, 1000, 4000);
@@ -155,7 +155,7 @@ TEST(NeutralRamp, AnyRun_StaysWithinLimitsAndSlewAndIsNeutralIn100Milliseconds) 
     double since_stop_s = 0.0;
     for (int k = 0; k < stop_at + 420; ++k) {
       const bool stop = k == stop_at;
-      double wanted = limit * 0.001 * *rc::gen::inRange(-1000, 1001);
+      double wanted = limit * (*rc::gen::inRange(-1000, 1001) / 1000.0);
       if (stop && by_nan) wanted = std::numeric_limits<double>::quiet_NaN();
       const int elapsed = *rc::gen::weightedElement<int>({{20, 1}, {2, 2}, {1, 9}});
       const NeutralRampState next = advanceRamp(s, AxisEffort(1, wanted), neutral, stop && !by_nan,
