@@ -1,0 +1,47 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include <string>
+#include <vector>
+
+namespace wholehand {
+
+/// A stretch of time in which the hand touched a body; breaks shorter than 0.2 s are bridged.
+struct Touch {
+  int body = 0;
+  double from_s = 0.0, to_s = 0.0;
+  double largest_force_n = 0.0;  ///< sum of the contact forces' magnitudes
+  double held_s = 0.0;           ///< time with fingers on one side and thumb or palm on the other
+};
+
+/// What the hand did with one body.
+struct BodyStory {
+  std::string name;
+  std::vector<Touch> touches;
+  double travelled_m = 0.0;  ///< length of its path, steps under 1 mm (solver jitter) left out
+
+  [[nodiscard]] double longest_s() const;
+  [[nodiscard]] double largestForce_n() const;
+  [[nodiscard]] double held_s() const;
+};
+
+/// Follows one body through a recording.
+class TouchLog {
+ public:
+  TouchLog(int body, std::string name) : body_(body) { story_.name = std::move(name); }
+
+  /// One tick: how hard the hand touches the body (no contact: touching = false).
+  void contact(double time_s, double period_s, bool touching, double force_n, bool held);
+  /// Where the body is in this tick.
+  void position(const Eigen::Vector3d& position_m);
+  [[nodiscard]] const BodyStory& story() const { return story_; }
+
+ private:
+  int body_;
+  BodyStory story_;
+  bool seen_ = false;
+  Eigen::Vector3d anchor_m_ = Eigen::Vector3d::Zero();
+};
+
+}  // namespace wholehand
