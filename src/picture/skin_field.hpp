@@ -61,6 +61,11 @@ class SkinField {
   [[nodiscard]] double radius() const noexcept { return radius_m_; }
 
  private:
+  static constexpr double kNode_m = 0.004;               // spacing of the sampled distances
+  static constexpr int kBlockNodes = 2;                  // a block of candidates is 8 mm wide
+  static constexpr double kBlockHalfDiagonal_m = 0.007;  // of 8 mm
+  static constexpr double kNear_m = 0.003;               // the skin is exact up to here
+
   struct Placed {
     Eigen::Vector3d a, ab, palmar;
     double inverse_length2, length, radius;

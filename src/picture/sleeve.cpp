@@ -1,5 +1,7 @@
 #include "picture/sleeve.hpp"
 
+#include "picture/smooth.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -91,8 +93,7 @@ double Sleeve::cloth(const Vector3d& p_m) const noexcept {
 
 double Sleeve::dissolved(const Vector3d& p_m) const noexcept {
   const double behind = -straightened(p_m).x();
-  const double t = std::clamp((behind - 0.07) / (0.86 * kSleeveLength_m - 0.07), 0.0, 1.0);
-  return t * t * (3.0 - 2.0 * t);
+  return smoothStep(0.07, 0.86 * kSleeveLength_m, behind);
 }
 
 }  // namespace wholehand

@@ -1,5 +1,7 @@
 #include "picture/studio.hpp"
 
+#include "picture/smooth.hpp"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -14,11 +16,6 @@ using Eigen::Vector3d;
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kKeySoftness = 0.16;  // tangent of the window's apparent radius
-
-double smoothStep(double from, double to, double x) {
-  const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
-  return t * t * (3.0 - 2.0 * t);
-}
 
 Color mix(const Color& a, const Color& b, double t) {
   return a + (b - a) * t;
