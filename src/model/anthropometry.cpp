@@ -188,7 +188,7 @@ PlacedCapsule thenarCapsule(const Proportions& size) {
 }
 
 const std::vector<std::string>& handJointNames() {
-  static const std::vector<std::string> names = [] {
+  static const std::vector<std::string> kNames = [] {
     std::vector<std::string> out;
     for (const Digit& finger : fingers({})) {
       out.insert(out.end(), finger.joints.begin(), finger.joints.end());
@@ -198,7 +198,7 @@ const std::vector<std::string>& handJointNames() {
     out.insert(out.end(), digit.joints.begin(), digit.joints.end());
     return out;
   }();
-  return names;
+  return kNames;
 }
 
 }  // namespace wholehand

@@ -61,6 +61,12 @@ std::optional<std::string> readText(const std::string& path, Diagnostic& fault) 
     fault.remedy = "name a .toml file in it";
     return std::nullopt;
   }
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
+      !std::filesystem::is_fifo(status)) {  // /dev/zero has no end
+    fault.problem = "is not a file";
+    fault.remedy = "name a .toml file";
+    return std::nullopt;
+  }
   errno = 0;
   std::ifstream stream(path, std::ios::binary);
   if (!stream) {

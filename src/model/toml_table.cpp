@@ -51,7 +51,12 @@ std::string nodeText(const toml::node& node) {
   std::string text = out.str();
   std::replace(text.begin(), text.end(), '\n', ' ');
   constexpr std::size_t kLongest = 60;
-  if (text.size() > kLongest) text = text.substr(0, kLongest) + "...";
+  if (text.size() > kLongest) {
+    std::size_t end = kLongest;
+    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U)
+      --end;  // whole UTF-8
+    text = text.substr(0, end) + "...";
+  }
   return text;
 }
 
@@ -260,7 +265,7 @@ std::string TomlTable::text(std::string_view key, std::string_view fallback) {
 
 std::string TomlTable::choice(std::string_view key, const std::vector<std::string>& words) {
   if (state_->require(key, "must be " + quotedList(words)) == nullptr) return words.front();
-  const std::string word = text(key);
+  std::string word = text(key);
   if (!good(key)) return words.front();
   if (std::find(words.begin(), words.end(), word) != words.end()) return word;
   state_->report(key, "\"" + word + "\"", "is unknown", "must be " + quotedList(words));

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <fstream>
 #include <iterator>
+#include <random>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -238,11 +239,46 @@ TEST(BadInput, WhatIsNoFile_IsSaidPlainly) {
   const auto message = [](const std::string& path) { return format(faultsOf("device", path)); };
   EXPECT_NE(message(folder.path("none.toml")).find("No such file"), std::string::npos);
   EXPECT_NE(message(folder.path("")).find("is a folder"), std::string::npos);
+  EXPECT_NE(message("/dev/zero").find("is not a file"), std::string::npos);
   EXPECT_NE(message(folder.write("empty.toml", "  \n\n")).find("is empty"), std::string::npos);
   EXPECT_NE(message(folder.write("binary.toml", "\x89PNG\r\n\x1a\n")).find("is not TOML"),
             std::string::npos);
   EXPECT_FALSE(fileKind(folder.path("none.toml")).ok());
   EXPECT_FALSE(fileKind(folder.write("no-kind.toml", "version = 1\n")).ok());
+}
+
+// Whatever a file holds, loading it ends in a value or in messages: it never crashes or throws.
+TEST(BadInput, RandomlySpoiledFiles_LoadOrSayWhy) {
+  const test::TempFolder folder;
+  constexpr unsigned kSeed = 20261120;
+  std::mt19937 random(kSeed);
+  SCOPED_TRACE("seed " + std::to_string(kSeed));
+  const auto pick = [&](std::size_t below) { return random() % below; };
+  const std::string bytes = "[]{}=\"'.,#\n-+e019_xnan\x80\xff";
+  int refused = 0;
+  for (const char* kind : {"device", "rendering", "patient", "hand"}) {
+    const std::string good = readAll(shipped(kind));
+    for (int round = 0; round < 60; ++round) {
+      std::string text = good;
+      for (std::size_t n = 1 + pick(3); n > 0; --n) {
+        const std::size_t at = pick(text.size());
+        if (pick(2) == 0) {
+          text[at] = bytes[pick(bytes.size())];
+        } else {
+          text.erase(at, pick(80));
+        }
+      }
+      const std::string path = folder.write("spoiled.toml", text);
+      const Diagnostics faults = faultsOf(kind, path);
+      refused += faults.empty() ? 0 : 1;
+      for (const Diagnostic& fault : faults) {
+        EXPECT_EQ(fault.file, path);
+        EXPECT_FALSE(fault.problem.empty());
+        EXPECT_FALSE(fault.remedy.empty()) << format(fault);
+      }
+    }
+  }
+  EXPECT_GT(refused, 60);  // the rest hit comments
 }
 
 TEST(BadInput, FileWithoutKindOrVersion_NamesBothAndGoesOn) {
