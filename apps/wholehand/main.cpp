@@ -7,6 +7,7 @@
 #include "experiment_command.hpp"
 #include "git_version.hpp"
 #include "number_option.hpp"
+#include "picture_command.hpp"
 #include "replay_command.hpp"
 #include "report_command.hpp"
 #include "run_options.hpp"
@@ -43,6 +44,21 @@ void addRun(CLI::App& app, RunOptions& o, int& code) {
     if (run->count("--rendering") == 0) o.files.rendering = renderingFor(o.files.device);
     code = runCommand(o);
   });
+}
+
+void addPicture(CLI::App& app, PictureOptions& o, int& code) {
+  CLI::App* picture = app.add_subcommand("picture", "Draw the hand and what it holds at a moment of a recording");
+  picture->add_option("recording", o.recording, "HDF5 file")->required();
+  picture->add_option("--out", o.png, "PNG file to write")->required();
+  picture->add_option("--at", o.time_s, "Moment (default: that of the largest contact force)")
+      ->check(finiteBetween(0.0, 1e9, "s"));
+  picture->add_option("--azimuth", o.azimuth_deg, "Camera about z; 0 looks away from the person")
+      ->check(finiteBetween(-360.0, 360.0, "degrees"))->capture_default_str();
+  picture->add_option("--elevation", o.elevation_deg, "Camera above the horizon")
+      ->check(finiteBetween(-89.0, 89.0, "degrees"))->capture_default_str();
+  picture->add_option("--distance", o.distance_m, "Camera from the palm")
+      ->check(finiteBetween(0.1, 5.0, "m"))->capture_default_str();
+  picture->callback([&o, &code] { code = pictureCommand(o); });
 }
 
 void addOthers(CLI::App& app, ReplayOptions& replay, ReportOptions& report,
@@ -90,6 +106,7 @@ void addOthers(CLI::App& app, ReplayOptions& replay, ReportOptions& report,
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // in order with standard error, also into a file
   CLI::App app{"Whole-hand haptic rendering on an off-the-shelf physics engine.\n"
                "Research software, not a certified medical device."};
   app.set_version_flag("--version", std::string("wholehand ") + WHOLEHAND_VERSION);
@@ -106,7 +123,9 @@ int main(int argc, char** argv) {
   ReportOptions report;
   ExperimentOptions experiment;
   std::vector<std::string> files;
+  PictureOptions picture;
   addRun(app, run, code);
+  addPicture(app, picture, code);
   addOthers(app, replay, report, experiment, files, code);
   try {
     app.parse(argc, argv);

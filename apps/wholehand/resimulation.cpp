@@ -160,11 +160,15 @@ std::string firstDifference(const TickRecord& recorded, const TickRecord& again)
   return compareTicks(recorded, again).field;
 }
 
-Expected<Resimulation> resimulate(RecordingReader& recording) {
+Expected<Models> recordedModels(const RecordingMeta& meta) {
   const TemporaryFolder folder;
-  auto files = unpack(recording.meta(), folder.path());
+  auto files = unpack(meta, folder.path());
   if (!files) return files.errors();
-  auto models = loadModels(*files);
+  return loadModels(*files);
+}
+
+Expected<Resimulation> resimulate(RecordingReader& recording) {
+  auto models = recordedModels(recording.meta());
   if (!models) return models.errors();
   RigOptions options;
   options.period_s = recording.meta().period_s;

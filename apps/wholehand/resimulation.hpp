@@ -22,6 +22,9 @@ struct Resimulation {
   std::string recorded, again;       ///< its values
 };
 
+/// The models of the files that a recording carries.
+[[nodiscard]] Expected<Models> recordedModels(const RecordingMeta& meta);
+
 /// Runs the recorded inputs (positions, skipped periods, device faults, stop requests) through a
 /// renderer built from the files that the recording carries, and compares.
 [[nodiscard]] Expected<Resimulation> resimulate(RecordingReader& recording);

@@ -28,7 +28,7 @@ double boundingRadius(const SceneBody& body) {
 
 PalmDistance::PalmDistance(const HandModel& hand, const SceneModel& scene) : bodies_(scene.bodies) {
   const auto hollow = std::find_if(hand.capsules.begin(), hand.capsules.end(),
-                                   [](const Capsule& c) { return c.name == "palm_hollow"; });
+                                   [](const Capsule& c) { return c.name == "hollow"; });
   const auto any = std::find_if(hand.capsules.begin(), hand.capsules.end(),
                                 [&](const Capsule& c) { return c.link == hand.palm_link; });
   if (hollow != hand.capsules.end()) {

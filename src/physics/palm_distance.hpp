@@ -10,7 +10,7 @@
 namespace wholehand {
 
 /// Distance from the palm to the nearest body: the paper's invisible palm body without collisions.
-/// The palm is the capsule in its hollow ("palm_hollow"); a convex body's distance along it is a
+/// The palm is the capsule in its hollow ("hollow"); a convex body's distance along it is a
 /// convex function, so that a golden-section search finds the nearest point. Serves every engine.
 class PalmDistance {
  public:
