@@ -14,7 +14,7 @@ void Decimator::add(double x, double y) {
     return;
   }
   const double share = x_max_ > x_min_ ? (x - x_min_) / (x_max_ - x_min_) : 0.0;
-  const int column = static_cast<int>(std::clamp(share, 0.0, 1.0) * (columns_ - 1) + 0.5);
+  const int column = static_cast<int>(std::lround(std::clamp(share, 0.0, 1.0) * (columns_ - 1)));
   if (column != column_) {
     if (column_ >= 0) closeColumn(points_);
     column_ = column;

@@ -28,12 +28,12 @@ constexpr NumberType numberType() {
 
 /// A plain number of a row, reached by `at`: Row& -> T&.
 template <class Row, class At>
-Column<Row> number(std::string name, std::string unit, At at) {
+Column<Row> number(const char* name, const char* unit, At at) {
   using T = std::remove_reference_t<std::invoke_result_t<At, Row&>>;
   Column<Row> c;
-  c.name = std::move(name);
+  c.name = name;
   c.type = numberType<T>();
-  c.units = {std::move(unit)};
+  c.units = {unit};
   c.store = [at](const Row& row, std::byte* out) {
     std::memcpy(out, &at(const_cast<Row&>(row)), sizeof(T));
   };
@@ -43,14 +43,15 @@ Column<Row> number(std::string name, std::string unit, At at) {
 
 /// A block of doubles or int32 that lies contiguous in the row.
 template <class Row, class At>
-Column<Row> block(std::string name, std::uint64_t width, Texts units, Texts labels, At at) {
+Column<Row> block(const char* name, std::uint64_t width, const Texts& units, const Texts& labels,
+                  At at) {
   using T = std::remove_pointer_t<std::invoke_result_t<At, Row&>>;
   Column<Row> c;
-  c.name = std::move(name);
+  c.name = name;
   c.type = numberType<T>();
   c.shape = {width};
-  c.units = std::move(units);
-  c.labels = std::move(labels);
+  c.units = units;
+  c.labels = labels;
   const std::size_t bytes = width * sizeof(T);
   c.store = [at, bytes](const Row& row, std::byte* out) {
     std::memcpy(out, at(const_cast<Row&>(row)), bytes);
@@ -61,12 +62,13 @@ Column<Row> block(std::string name, std::uint64_t width, Texts units, Texts labe
 
 /// A value per axis or per joint; the array of a tick may be shorter than the recording's.
 template <class Array>
-Column<TickRecord> perAxis(std::string name, Array TickRecord::*member, Texts units, Texts labels) {
+Column<TickRecord> perAxis(const char* name, Array TickRecord::*member, const Texts& units,
+                           const Texts& labels) {
   Column<TickRecord> c;
-  c.name = std::move(name);
+  c.name = name;
   c.shape = {labels.size()};
-  c.units = std::move(units);
-  c.labels = std::move(labels);
+  c.units = units;
+  c.labels = labels;
   const int width = static_cast<int>(c.labels.size());
   c.store = [member, width](const TickRecord& row, std::byte* out) {
     const Array& values = row.*member;

@@ -10,10 +10,7 @@ constexpr double kSmallestNs = 10.0, kLargestNs = 1e12;
 /// Bins 1 % wide; a bin is told by its geometric middle, hence at most 0.5 % off.
 constexpr double kRatio = 1.01;
 
-double logRatio() {
-  static const double value = std::log(kRatio);
-  return value;
-}
+const double kLogRatio = std::log(kRatio);
 
 void keepLargest(AxisEffort& largest, const AxisEffort& effort) {
   if (largest.size() < effort.size()) {
@@ -27,11 +24,11 @@ void keepLargest(AxisEffort& largest, const AxisEffort& effort) {
 }  // namespace
 
 DurationHistogram::DurationHistogram()
-    : bins_(static_cast<std::size_t>(std::log(kLargestNs / kSmallestNs) / logRatio()) + 2, 0) {}
+    : bins_(static_cast<std::size_t>(std::log(kLargestNs / kSmallestNs) / kLogRatio) + 2, 0) {}
 
 void DurationHistogram::add(std::int64_t duration_ns) {
   const double ns = std::clamp(static_cast<double>(duration_ns), kSmallestNs, kLargestNs);
-  const auto bin = static_cast<std::size_t>(std::log(ns / kSmallestNs) / logRatio());
+  const auto bin = static_cast<std::size_t>(std::log(ns / kSmallestNs) / kLogRatio);
   ++bins_[std::min(bin, bins_.size() - 1)];
   ++count_;
   max_ns_ = std::max(max_ns_, duration_ns);
@@ -46,7 +43,7 @@ double DurationHistogram::quantile(double share) const {
   for (std::size_t i = 0; i < bins_.size(); ++i) {
     seen += bins_[i];
     if (seen < wanted) continue;
-    const double middle = kSmallestNs * std::exp((static_cast<double>(i) + 0.5) * logRatio());
+    const double middle = kSmallestNs * std::exp((static_cast<double>(i) + 0.5) * kLogRatio);
     return std::clamp(middle, static_cast<double>(min_ns_), static_cast<double>(max_ns_));
   }
   return static_cast<double>(max_ns_);

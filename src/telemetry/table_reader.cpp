@@ -7,7 +7,7 @@ using hdf5::Handle;
 
 std::string openDataset(hid_t group, const ColumnShape& column, Handle& dataset,
                         std::uint64_t& rows) {
-  const std::string missing = "has no dataset '" + column.name + "'";
+  std::string missing = "has no dataset '" + column.name + "'";
   if (H5Lexists(group, column.name.c_str(), H5P_DEFAULT) <= 0) return missing;
   dataset = Handle(H5Dopen2(group, column.name.c_str(), H5P_DEFAULT), H5Dclose);
   if (!dataset.ok()) return missing;

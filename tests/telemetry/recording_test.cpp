@@ -98,6 +98,7 @@ TEST(Recording, Meta_ComesBackWithFilesByteForByte) {
   EXPECT_EQ(got.axis_units, want.axis_units);
   EXPECT_EQ(got.effort_limits, want.effort_limits);
   EXPECT_EQ(got.lever_arms_m, want.lever_arms_m);
+  EXPECT_EQ(got.armed_position, want.armed_position);
   EXPECT_EQ(got.joint_names, want.joint_names);
   EXPECT_EQ(got.body_names, want.body_names);
   EXPECT_EQ(got.capsule_names, want.capsule_names);

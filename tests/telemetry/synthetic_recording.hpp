@@ -43,6 +43,7 @@ inline RecordingMeta meta() {
   m.axis_units = {"m", "m", "m", "rad", "rad", "rad"};
   m.effort_limits = {20, 20, 20, 0.8, 0.6, 0.8};
   m.lever_arms_m = {0, 0, 0, 0.08, 0, 0.08};
+  m.armed_position = {0.01, -0.02, 0.03, 0.4, 0.5, 0.6};
   for (int i = 0; i < 18; ++i) m.joint_names.push_back("joint_" + std::to_string(i));
   m.body_names = {"cube", "sphere", "cylinder", "disk"};
   m.capsule_names = {"palm", "index_proximal"};
