@@ -39,7 +39,7 @@ MassProperties moved(const MassProperties& m, const Pose& inner_in_outer) {
 std::string inertiaFault(const Eigen::Matrix3d& inertia_kg_m2) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia_kg_m2,
                                                               Eigen::EigenvaluesOnly);
-  const Eigen::Vector3d principal = solver.eigenvalues();  // ascending
+  const Eigen::Vector3d& principal = solver.eigenvalues();  // ascending
   const std::string moments = fmt::format("(principal moments {:.4g}, {:.4g}, {:.4g} kg·m²)",
                                           principal[0], principal[1], principal[2]);
   if (!(principal[0] > 0.0)) return "is not positive definite " + moments;

@@ -30,7 +30,7 @@ fs::path meshPath(std::string_view name, const fs::path& urdf) {
   const fs::path rest(name.substr(std::min(slash + 1, name.size())));
   std::error_code error;
   for (fs::path up = folder; up.has_relative_path(); up = up.parent_path()) {
-    const fs::path inside = up / rest, below = up / package / rest;
+    fs::path inside = up / rest, below = up / package / rest;
     if (up.filename() == package && fs::exists(inside, error)) return inside;
     if (fs::exists(below, error)) return below;
   }

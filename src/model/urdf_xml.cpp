@@ -58,7 +58,7 @@ std::string UrdfFaults::text(const XMLElement& e, const char* attribute, const s
 
 std::vector<double> UrdfFaults::numbers(const XMLElement& e, const char* attribute,
                                         const std::string& key, std::size_t count) {
-  const std::vector<double> zeros(count, 0.0);
+  std::vector<double> zeros(count, 0.0);
   const char* found = e.Attribute(attribute);
   const std::string remedy =
       count == 1 ? "must be a finite number"
