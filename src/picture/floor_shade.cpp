@@ -40,7 +40,8 @@ FloorShade::FloorShade(const Diorama& diorama, const Vector3d& to_lamp) {
                        diorama.floorHeight() + 0.001);
       double sum = 0.0;
       for (const Vector3d& lamp : lamps) sum += diorama.shadow(p, lamp, kPointSoftness);
-      share_[static_cast<std::size_t>(y * kNodes + x)] = static_cast<float>(sum / kLampPoints);
+      share_[static_cast<std::size_t>(y) * kNodes + static_cast<std::size_t>(x)] =
+          static_cast<float>(sum / kLampPoints);
     }
   });
 }
@@ -51,7 +52,8 @@ double FloorShade::at(const Vector3d& p_m) const noexcept {
   if ((at < 0.0).any() || (at >= kNodes - 1.0).any()) return 1.0;
   const Eigen::Array2i i = at.cast<int>();
   const Eigen::Array2d f = at - i.cast<double>();
-  const float* s = &share_[static_cast<std::size_t>(i.y() * kNodes + i.x())];
+  const float* s =
+      &share_[static_cast<std::size_t>(i.y()) * kNodes + static_cast<std::size_t>(i.x())];
   const auto along = [&](const float* q) {
     return static_cast<double>(q[0]) + f.x() * static_cast<double>(q[1] - q[0]);
   };

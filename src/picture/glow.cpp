@@ -83,8 +83,7 @@ void drawGlow(const std::vector<Ember>& embers, const Diorama& diorama, const Ca
     for (int y = top; y <= bottom; ++y) {
       for (int x = left; x <= right; ++x) {
         const double r = std::hypot(x + 0.5 - at.x(), y + 0.5 - at.y()) / radius;
-        lay(static_cast<float>(r), hidden,
-            canvas.pixel[static_cast<std::size_t>(y * canvas.width_px + x)]);
+        lay(static_cast<float>(r), hidden, canvas.pixel[canvas.index(x, y)]);
       }
     }
   }

@@ -12,6 +12,11 @@ namespace wholehand {
 struct Canvas {
   int width_px = 0, height_px = 0;
   std::vector<Eigen::Array3f> pixel;
+
+  [[nodiscard]] std::size_t index(int x, int y) const noexcept {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_px) +
+           static_cast<std::size_t>(x);
+  }
 };
 
 /// The contacts of one tick as light: the points of one capsule on one body glow together, at their

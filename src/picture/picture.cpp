@@ -99,24 +99,19 @@ class Exposure {
   Canvas take() {
     const int width = canvas_.width_px, height = canvas_.height_px;
     forEachRow(height, [&](int y) {
-      for (int x = 0; x < width; ++x) canvas_.pixel[at(x, y)] = sample(x + 0.5, y + 0.5);
+      for (int x = 0; x < width; ++x) canvas_.pixel[canvas_.index(x, y)] = sample(x + 0.5, y + 0.5);
     });
     if (samples_ == 1) return canvas_;
     const std::vector<Eigen::Array3f> first = canvas_.pixel;
     forEachRow(height, [&](int y) {
       for (int x = 0; x < width; ++x) {
-        if (contrast(first, x, y)) canvas_.pixel[at(x, y)] = refined(x, y);
+        if (contrast(first, x, y)) canvas_.pixel[canvas_.index(x, y)] = refined(x, y);
       }
     });
     return canvas_;
   }
 
  private:
-  [[nodiscard]] std::size_t at(int x, int y) const {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(canvas_.width_px) +
-           static_cast<std::size_t>(x);
-  }
-
   [[nodiscard]] Eigen::Array3f sample(double x_px, double y_px) const {
     Hit hit;
     const double half = 0.5 * canvas_.height_px;
@@ -125,10 +120,10 @@ class Exposure {
   }
 
   [[nodiscard]] bool contrast(const std::vector<Eigen::Array3f>& first, int x, int y) const {
-    const Eigen::Array3f& here = first[at(x, y)];
+    const Eigen::Array3f& here = first[canvas_.index(x, y)];
     for (int j = std::max(0, y - 1); j <= std::min(canvas_.height_px - 1, y + 1); ++j) {
       for (int i = std::max(0, x - 1); i <= std::min(canvas_.width_px - 1, x + 1); ++i) {
-        if ((first[at(i, j)] - here).abs().maxCoeff() > kContrast) return true;
+        if ((first[canvas_.index(i, j)] - here).abs().maxCoeff() > kContrast) return true;
       }
     }
     return false;

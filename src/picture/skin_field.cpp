@@ -35,8 +35,10 @@ double SkinField::colliders(const Vector3d& p_m) const noexcept {
 const SkinField::Block* SkinField::block(const Vector3d& p) const noexcept {
   const Eigen::Array3d at = (p - origin_m_).array() / (kNode_m * kBlockNodes);
   if ((at < 0.0).any() || (at >= blocks_.cast<double>()).any()) return nullptr;
-  const Eigen::Array3i i = at.cast<int>();
-  return &block_[static_cast<std::size_t>((i.z() * blocks_.y() + i.y()) * blocks_.x() + i.x())];
+  const Eigen::Array<std::size_t, 3, 1> i = at.cast<std::size_t>();
+  const auto wide = static_cast<std::size_t>(blocks_.x()),
+             deep = static_cast<std::size_t>(blocks_.y());
+  return &block_[(i.z() * deep + i.y()) * wide + i.x()];
 }
 
 double SkinField::blend(const Placed& c, const Vector3d& p, double within_digit,

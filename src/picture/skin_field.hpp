@@ -15,7 +15,7 @@ namespace wholehand {
 struct SkinRecipe {
   double blend_m = 0.005;        ///< smooth union of what is drawn
   double digit_light_m = 0.007;  ///< softer union of what is lit: within a digit
-  double palm_light_m = 0.013;   ///< and within the palm, and of a digit with the palm
+  double palm_light_m = 0.019;   ///< and within the palm, and of a digit with the palm
   double thumb_share = 0.9;      ///< the thumb blends a little less than the palm does
   double leave_m = 0.00045;      ///< how far the skin may leave the colliders, out or in
   double clamp_m = 0.0005;       ///< rounding of that limit

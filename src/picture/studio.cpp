@@ -211,7 +211,7 @@ Color Studio::trace(const Ray& ray, double u, double v, Hit& hit) const {
   const Color wall = backdrop(u, v);
   const auto behind = [&](const Ray& r) -> Color {
     const double t = (diorama_->floorHeight() - r.origin_m.z()) / r.direction.z();
-    if (r.direction.z() >= 0.0 || t <= 0.0) return wall;
+    if (r.direction.z() >= 0.0 || t <= 0.0) return Color(wall);
     // The floor rises into the wall as in a photographer's cove.
     return mix(floor(r.at(t), wall), wall, smoothStep(0.9, 3.0, t));
   };

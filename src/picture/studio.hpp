@@ -16,7 +16,7 @@ using Color = Eigen::Array3d;
 /// "#RRGGBB" to linear light; mid grey when it is not a colour.
 [[nodiscard]] Color linearColor(const std::string& hex);
 /// Linear light to sRGB 0 .. 1, by a shoulder that keeps hues and lets only highlights whiten.
-[[nodiscard]] Color toneMapped(const Color& linear);
+[[nodiscard]] Color toneMapped(const Color& light);
 
 /// A contact as light: where it glows and how wide.
 struct Ember {
