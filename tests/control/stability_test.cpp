@@ -261,6 +261,15 @@ TEST(CheckStability, StiffnessAboveTheRigidBound_IsRefusedWithTheLargestAllowed)
   EXPECT_FALSE(check(oneAxis(0.5, 1.0, 1, 1.01 * allowed, 0.0, 0.0)).empty());
 }
 
+TEST(CheckStability, StiffnessByTheRule_IsSearchedWithTheRuleFollowingIt) {
+  // γ > 0: the bound depends on K_ps, which the file leaves to K_pm / M̃ and so moves with K_pm.
+  const Diagnostics refused = check(oneAxis(0.8, 6.0, 1, 40000.0, 10.0, 0.3), 2.0);
+  ASSERT_EQ(refused.size(), 1U);
+  const double allowed = numberAfter(refused[0].remedy, "k_pm_n_m: ");
+  EXPECT_TRUE(check(oneAxis(0.8, 6.0, 1, allowed, 10.0, 0.3), 2.0).empty()) << refused[0].remedy;
+  EXPECT_FALSE(check(oneAxis(0.8, 6.0, 1, 1.01 * allowed, 10.0, 0.3), 2.0).empty());
+}
+
 TEST(CheckStability, DefaultsOfTheHouse_Pass) {
   // equations.md, last section: translations, fingers, circumduction.
   EXPECT_TRUE(check(oneAxis(0.8, 6.0, 1, 1000.0, 10.0, 0.3), 1000.0 / 3900.0).empty());

@@ -222,6 +222,21 @@ TEST_F(AnalyticHand, StopsOnTwoAxes_TakeExactlyTheCouplingEffortAtRest) {
   EXPECT_EQ(contacts.count, 2);
 }
 
+TEST_F(AnalyticHand, StopsOnEveryAxis_AreNotPassedInOneStepAlthoughInertiaCouplesThem) {
+  AnalyticScene scene;
+  scene.axes.resize(hand_->axis_count);
+  for (int a = 0; a < hand_->axis_count; ++a) scene.axes[a].upper_stop = hand_->reference[a];
+  AnalyticWorld world(*hand_, scene);
+  ASSERT_TRUE(world.placeHand(hand_->reference).ok());
+  HandDrive push{JointEffort(hand_->joint_count, 0.2), nullptr};
+  for (int j = 0; j < 3; ++j) push.torque[j] = 20.0;
+  ASSERT_EQ(world.step(push, kPeriod_s), Fault::kNone);
+  ASSERT_EQ(world.observe(state_), Fault::kNone);
+  for (int a = 0; a < hand_->axis_count; ++a) {
+    EXPECT_LE(state_.q_s[a] - hand_->reference[a], tolerance(1e-12)) << hand_->axis_names[a];
+  }
+}
+
 TEST_F(AnalyticHand, Tick_DoesNotAllocate) {
   AnalyticWorld world(*hand_, {});
   const HandDrive none{JointEffort(hand_->joint_count), nullptr};
