@@ -160,7 +160,7 @@ TEST(SceneFile, BadFiles_NameLineKeyAndFault) {
 <joint name="lid" type="revolute"><parent link="a"/><child link="b"/></joint></robot>)");
   const struct {
     std::string text, place, problem;
-  } kCases[] = {
+  } cases[] = {
       {sphere + "radius_m = nan\n", ":10: ", "is not finite"},
       {sphere + "radius_m = \"2 cm\"\n", ":10: ", "is a text"},
       {sphere + "radius_m = -0.02\n", ":10: ", "is out of range"},
@@ -183,7 +183,7 @@ TEST(SceneFile, BadFiles_NameLineKeyAndFault) {
       {"[[bodies]]\nname = \"b\"\nshape = \"sphere\"\nradius_m = 0.02\nposition_m = [0, 0, 0]\n",
        "mass_kg", "is missing"},
   };
-  for (const auto& c : kCases) {
+  for (const auto& c : cases) {
     const std::string path = folder.write("bad.toml", kHead + c.text);
     const Expected<SceneModel> scene = loadSceneFile(path);
     ASSERT_FALSE(scene.ok()) << c.text;

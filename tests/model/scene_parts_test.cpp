@@ -135,7 +135,7 @@ TEST(ConvexMesh, BadMeshes_SayWhatIsWrong) {
   const TempFolder folder;
   const struct {
     const char *name, *text, *problem;
-  } kCases[] = {
+  } cases[] = {
       {"dent.obj",
        "v 0.01 0.01 0.01\nf 1 2 4 3\nf 5 6 9\nf 6 8 9\nf 8 7 9\nf 7 5 9\nf 1 2 6 5\n"
        "f 3 4 8 7\nf 1 3 7 5\nf 2 4 8 6\n",
@@ -148,7 +148,7 @@ TEST(ConvexMesh, BadMeshes_SayWhatIsWrong) {
       {"flat.obj", "f 1 2 4 3\nf 3 4 2 1\n", "is flat"},
       {"nofaces.obj", "# corners only\n", ""},
   };
-  for (const auto& c : kCases) {
+  for (const auto& c : cases) {
     const std::string path = folder.write(c.name, cubeObj(c.text));
     const std::string problem = problemOf(path);
     ASSERT_FALSE(problem.empty()) << c.name;
@@ -282,7 +282,7 @@ TEST(Urdf, BadFiles_NameLineElementAndFault) {
   };
   const struct {
     std::string body, place, problem;
-  } kCases[] = {
+  } cases[] = {
       {ok + "\n\n<link name=\"bare\"/>", ":4: link[bare]", "no collider"},
       {ok + b + "\n" + joint("revolute"), ":3: joint[lid].type", "'lid' is movable"},
       {ok + b, "robot", "2 root links"},
@@ -305,7 +305,7 @@ TEST(Urdf, BadFiles_NameLineElementAndFault) {
       {"", "robot", "has no link"},
   };
   const TempFolder folder;
-  for (const auto& c : kCases) {
+  for (const auto& c : cases) {
     const std::string path =
         folder.write("bad.urdf", "<?xml version=\"1.0\"?>\n<robot name=\"r\" version=\"1.1\">" +
                                      c.body + "</robot>\n");

@@ -100,7 +100,8 @@ TEST(Moments, EveryShape_MatchesSumOverGrid) {
     Vector3d first = Vector3d::Zero();
     Matrix3d second = Matrix3d::Zero();
     for (int i = 0; i < kCells * kCells * kCells; ++i) {
-      const Vector3d cell(i % kCells, i / kCells % kCells, i / (kCells * kCells));
+      const int layer = i / (kCells * kCells);
+      const Vector3d cell(i % kCells, i / kCells % kCells, layer);
       const Vector3d p = s.in_body.translation_m + (cell + Vector3d(0.3, 0.6, 0.9)) * kCell_m -
                          Vector3d::Constant(kHalf_m);
       if (signedDistance(s, p) > 0.0) continue;
@@ -201,10 +202,11 @@ TEST(Separation, AlignedBoxes_MatchSlabs) {
   const Vector3d size(0.04, 0.06, 0.02);
   const std::array<Shape, 2> kinds{box(size), boxMesh(size)};
   for (int i = 0; i < 5 * 5 * 5 * 4; ++i) {
+    const int quarter = i / 125;
     const Vector3d offset =
         0.02 * Vector3d(i % 5, i / 5 % 5, i / 25 % 5) - Vector3d(0.04, 0.0, 0.01);
     Pose b = at(offset.x(), offset.y(), offset.z());
-    b.rotation = rotationFromRpy(0.0, 0.0, pi / 2.0 * (i / 125));
+    b.rotation = rotationFromRpy(0.0, 0.0, pi / 2.0 * quarter);
     const Vector3d turned = (b.rotation * size).cwiseAbs();
     const Vector3d gap = offset.cwiseAbs() - (size + turned) / 2.0;
     const double expected = gap.cwiseMax(0.0).norm() + std::min(gap.maxCoeff(), 0.0);
