@@ -128,6 +128,7 @@ Expected<TimingResult> runTiming(const ModelFiles& files, const TimingPlan& plan
                                         static_cast<double>(plan.ticks) * options.period_s);
   auto rig = buildRig(std::move(*models), std::move(intention), options);
   if (!rig) return rig.errors();
+  if (auto armed = (*rig)->renderer->arm(); !armed) return armed.errors();
 
   TimingResult result;
   Observer observer(result, (*rig)->models.hand.joint_count);

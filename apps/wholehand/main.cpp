@@ -103,6 +103,13 @@ void addOthers(CLI::App& app, ReplayOptions& replay, ReportOptions& report,
   d->callback([&] { code = runDoctor(shippedFile("scripts/packages.txt")); });
 }
 
+// What of the command line nobody knew; CLI11 would only say that something else is missing.
+std::string unknownWord(const CLI::App& app, const CLI::ParseError& error) {
+  if (dynamic_cast<const CLI::RequiredError*>(&error) == nullptr) return {};
+  const std::vector<std::string> rest = app.remaining(true);
+  return rest.empty() ? std::string{} : rest.front();
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -130,6 +137,11 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
+    if (const std::string word = unknownWord(app, error); !word.empty()) {
+      std::fprintf(stderr, "'%s' is no subcommand or option of this\nRun with --help for more information.\n",
+                   word.c_str());
+      return kExitBadInput;
+    }
     // CLI11 has a code of its own for every mistake; the shell gets one.
     return app.exit(error) == 0 ? kExitDone : kExitBadInput;
   }

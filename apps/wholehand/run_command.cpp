@@ -24,7 +24,7 @@ constexpr double kRestAfterMotion_s = 1.0;
 constexpr double kRestWithoutMotion_s = 10.0;
 
 // With no output asked for, everything is kept in a folder of its own.
-Expected<Done> chooseOutputs(RunOptions& options) {
+void chooseOutputs(RunOptions& options) {
   if (options.record.empty() && options.report.empty() && options.json.empty()) {
     const std::string folder = fmt::format(
         "out/run-{:%Y%m%d-%H%M%S}", fmt::localtime(std::chrono::system_clock::now()));
@@ -35,7 +35,12 @@ Expected<Done> chooseOutputs(RunOptions& options) {
   if (!options.report.empty() && options.record.empty()) {
     options.record = options.report + "/recording.h5";
   }
-  for (const std::string& path : {options.record, options.json}) {
+}
+
+// Makes the folders and finds out now, not after the run, whether anything can be written there.
+Expected<Done> prepareOutputs(const RunOptions& options) {
+  const std::string page = options.report.empty() ? "" : options.report + "/index.html";
+  for (const std::string& path : {options.record, options.json, page}) {
     if (path.empty()) continue;
     std::error_code ignored;  // checkWritable says what is wrong
     fs::create_directories(fs::absolute(path).parent_path(), ignored);
@@ -112,7 +117,7 @@ int exitCodeOf(const RunOutcome& outcome) {
 int runCommand(RunOptions options) {
   Expected<Models> models = loadModels(options.files);
   if (!models) return refuse(models.errors());
-  if (auto chosen = chooseOutputs(options); !chosen) return refuse(chosen.errors());
+  chooseOutputs(options);
 
   printOpening(*models);
   Intention intention = intentionOf(*models);
@@ -127,6 +132,8 @@ int runCommand(RunOptions options) {
   rig_options.uncertified = options.uncertified;
   auto rig = buildRig(*models, std::move(intention), rig_options);
   if (!rig) return refuse(rig.errors());
+  if (auto armed = (*rig)->renderer->arm(); !armed) return refuse(armed.errors());
+  if (auto ready = prepareOutputs(options); !ready) return refuse(ready.errors());
   for (const Diagnostic& d : (*rig)->refused) {
     std::printf("  UNCERTIFIED %s\n", format(d).c_str());
   }

@@ -114,8 +114,6 @@ std::string faultText(const TickSummary& summary) {
 }
 
 Expected<RunOutcome> runAndRecord(Rig& rig, const RunPlan& plan) {
-  if (Expected<Done> armed = rig.renderer->arm(); !armed) return armed.errors();
-
   std::unique_ptr<RecordingWriter> writer;
   if (!plan.record.empty()) {
     auto files = readFileTexts(rig.models);

@@ -35,7 +35,8 @@ struct RunOutcome {
   bool faulted = false;
 };
 
-/// Arms the rig, runs it to the end of its time, a fault or Ctrl-C, records it and counts.
+/// Runs the rig to the end of its time, a fault or Ctrl-C, records it and counts.
+/// @pre the rig's renderer is armed
 [[nodiscard]] Expected<RunOutcome> runAndRecord(Rig& rig, const RunPlan& plan);
 
 /// The faults of a summary in words, one a line: "effort limited in 12 ticks".

@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <string>
 
 namespace wholehand {
@@ -42,12 +43,13 @@ struct BulletWorld::Engine {
   void rehearsePairs();
   void rehearseManifolds();
   void setHand(const JointPosition& theta, const double* theta_dot) noexcept;
-  Diagnostics overlaps() const;
+  Diagnostics overlaps();
 
   const HandModel& hand_model;
   Synergy synergy;
   ArticulatedBody kinematics;
   PalmDistance palm_distance;
+  std::string scene_path;
   std::vector<std::string> body_names;
   btDefaultCollisionConfiguration configuration;
   btCollisionDispatcher dispatcher;
@@ -66,6 +68,7 @@ BulletWorld::Engine::Engine(const HandModel& hand_in, const SceneModel& scene,
       synergy(hand_in),
       kinematics(hand_in),
       palm_distance(hand_in, scene),
+      scene_path(scene.path),
       dispatcher(&configuration),
       solver(hand_in, synergy, settings),
       world(&dispatcher, &broadphase, &solver, &configuration),
@@ -149,31 +152,38 @@ void BulletWorld::Engine::setHand(const JointPosition& theta, const double* thet
   hand.placeCapsules(kinematics);
 }
 
-Diagnostics BulletWorld::Engine::overlaps() const {
-  Diagnostics found;
+// The deepest overlap of each body with the hand.
+Diagnostics BulletWorld::Engine::overlaps() {
+  struct Deepest {
+    double depth_m = kAllowedOverlap_m;
+    int capsule = -1;
+  };
+  std::vector<Deepest> deepest(bodies.size());
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
-    const auto* manifold =
-        const_cast<btCollisionDispatcher&>(dispatcher).getManifoldByIndexInternal(m);
-    const auto* a = static_cast<const bullet::ReducedContactSolver::CapsuleTag*>(
-        manifold->getBody0()->getUserPointer());
-    const auto* b = static_cast<const bullet::ReducedContactSolver::CapsuleTag*>(
-        manifold->getBody1()->getUserPointer());
+    const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
+    const auto* a = bullet::ReducedContactSolver::tagOf(manifold.getBody0());
+    const auto* b = bullet::ReducedContactSolver::tagOf(manifold.getBody1());
     if ((a == nullptr) == (b == nullptr)) continue;
-    const int capsule = (a != nullptr ? a : b)->capsule;
-    const int body = (a != nullptr ? manifold->getBody1() : manifold->getBody0())->getUserIndex();
-    double depth_m = 0.0;
-    for (int k = 0; k < manifold->getNumContacts(); ++k) {
-      depth_m = std::max(depth_m, -manifold->getContactPoint(k).getDistance());
+    const btCollisionObject* body = a != nullptr ? manifold.getBody1() : manifold.getBody0();
+    Deepest& found = deepest[body->getUserIndex()];
+    for (int k = 0; k < manifold.getNumContacts(); ++k) {
+      const double depth_m = -manifold.getContactPoint(k).getDistance();
+      if (depth_m > found.depth_m) found = {depth_m, (a != nullptr ? a : b)->capsule};
     }
-    if (depth_m <= kAllowedOverlap_m) continue;
-    Diagnostic d;
-    d.key = "bodies." + body_names[body];
-    d.problem = "starts " + std::to_string(depth_m * 1e3).substr(0, 5) + " mm inside the hand's " +
-                hand_model.capsules[capsule].name;
-    d.remedy = "move the body, or let the motion start elsewhere";
-    found.push_back(std::move(d));
   }
-  return found;
+  Diagnostics errors;
+  for (std::size_t i = 0; i < deepest.size(); ++i) {
+    if (deepest[i].capsule < 0) continue;
+    Diagnostic d{scene_path, 0, "bodies." + body_names[i], "", "", ""};
+    char problem[160];
+    std::snprintf(problem, sizeof problem, "starts %.1f mm inside the hand (its %s)",
+                  deepest[i].depth_m * 1e3,
+                  hand_model.capsules[deepest[i].capsule].name.c_str());
+    d.problem = problem;
+    d.remedy = "move the body, or let the motion start elsewhere";
+    errors.push_back(std::move(d));
+  }
+  return errors;
 }
 
 BulletWorld::BulletWorld(const HandModel& hand, const SceneModel& scene,

@@ -17,11 +17,12 @@ namespace {
 constexpr double kLeastInverseMass = 1e-12;
 constexpr double kNoLimit = 1e30;
 
-const ReducedContactSolver::CapsuleTag* tagOf(const btCollisionObject* object) {
-  return static_cast<const ReducedContactSolver::CapsuleTag*>(object->getUserPointer());
-}
-
 }  // namespace
+
+const ReducedContactSolver::CapsuleTag* ReducedContactSolver::tagOf(
+    const btCollisionObject* object) {
+  return static_cast<const CapsuleTag*>(object->getUserPointer());
+}
 
 ReducedContactSolver::ReducedContactSolver(const HandModel& hand, const Synergy& synergy,
                                            const SolverSettings& settings)

@@ -51,6 +51,8 @@ class ReducedContactSolver final : public btMultiBodyConstraintSolver {
     int capsule = -1;
     int link = -1;
   };
+  /// The tag of a collision object, null where it is no part of the hand.
+  [[nodiscard]] static const CapsuleTag* tagOf(const btCollisionObject* object);
 
   /// @pre hand and synergy outlive this
   ReducedContactSolver(const HandModel& hand, const Synergy& synergy,
