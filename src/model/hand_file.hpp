@@ -1,11 +1,11 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "core/expected.hpp"
 #include "model/device_model.hpp"
 #include "model/hand_model.hpp"
+
+#include <string>
+#include <vector>
 
 namespace wholehand {
 
@@ -42,9 +42,9 @@ struct HandFile {
 
 /// Builds the hand that a device drives: capsules and inertias from the anthropometry, base joints
 /// for the device's base axes (translations x, y, z in the world, then roll, pitch, yaw about the
-/// hand's x, y, z in series, roll first, through the palm frame's origin), joints that no axis drives
-/// locked at rest (JointType::kFixed, the rest angle baked into parent_to_link). An axis that drives
-/// nothing, or a synergy term on an unknown joint, is an error.
+/// hand's x, y, z in series, roll first, through the palm frame's origin), joints that no axis
+/// drives locked at rest (JointType::kFixed, the rest angle baked into parent_to_link). An axis
+/// that drives nothing, or a synergy term on an unknown joint, is an error.
 [[nodiscard]] Expected<HandModel> assembleHand(const HandFile& hand, const DeviceModel& device);
 
 }  // namespace wholehand

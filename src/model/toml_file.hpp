@@ -83,8 +83,8 @@ class TomlTable {
   /// recognised without this.
   void refuse(std::string_view wrong, std::string_view right, std::string reason);
 
-  /// Keys of this table that nobody asked for are not reported: after a fault that leaves open which
-  /// keys belong here.
+  /// Keys of this table that nobody asked for are not reported: after a fault that leaves open
+  /// which keys belong here.
   void skipRest();
 
   /// Key path of the table ("axes[finger_flexion]"); empty for the file itself.

@@ -37,7 +37,7 @@ T orFail(Expected<T> loaded) {
   return std::move(loaded).value();
 }
 
-TEST(ShippedFiles, EveryFolder_HoldsWhatTheReadmePromises) {
+TEST(ShippedFiles, EveryFolder_HoldsEveryPromisedFile) {
   EXPECT_EQ(stems("devices"), kDevices);
   EXPECT_EQ(stems("rendering"), kDevices);  // gains for every device
   EXPECT_EQ(stems("patients"), kPatients);
