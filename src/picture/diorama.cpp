@@ -141,13 +141,14 @@ double Diorama::body(int index, const Vector3d& p_m) const noexcept {
 
 double Diorama::thing(const Thing& t, const Vector3d& p_m) const noexcept {
   const double outside = (p_m - t.center).norm() - t.radius;
-  return outside > 0.02 ? outside : whole(t, p_m);
+  if (outside > 0.02) return outside;
+  return t.surface == Surface::kSkin ? skin_.skin(p_m) : whole(t, p_m);
 }
 
 double Diorama::whole(const Thing& t, const Vector3d& p_m) const noexcept {
   switch (t.surface) {
     case Surface::kSkin:
-      return skin_.skin(p_m);
+      return skin_.estimate(p_m);
     case Surface::kCuff:
       return sleeve_.cuff(p_m);
     case Surface::kCloth:

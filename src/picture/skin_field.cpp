@@ -51,12 +51,12 @@ double SkinField::blend(const Placed& c, const Vector3d& p, double within_digit,
   return k * std::clamp(c.bend.dot(p - c.a) / c.radius, 0.0, 1.0) + kThin_m;
 }
 
-double SkinField::blended(const Block& b, const Vector3d& p, double within_digit, double with_palm,
-                          double& hard) const noexcept {
+double SkinField::blended(const List& list, const Vector3d& p, double within_digit,
+                          double with_palm, double& hard) const noexcept {
   std::array<double, kGroups> united;
   united.fill(kFar);
   hard = kFar;
-  for (std::uint32_t i = b.first; i < b.first + b.count; ++i) {
+  for (std::uint32_t i = list.first; i < list.first + list.count; ++i) {
     const Placed& c = capsules_[candidates_[i]];
     const Vector3d ap = p - c.a;
     const double t = std::clamp(ap.dot(c.ab) * c.inverse_length2, 0.0, 1.0);
@@ -77,13 +77,18 @@ double SkinField::skin(const Vector3d& p_m) const noexcept {
   const Block* b = block(p_m);
   if (b == nullptr) return colliders(p_m) - recipe_.leave_m;
   // Sampled with 4 mm the interpolated distance of a finger is at most 1 mm too large.
-  if (b->count == 0) return roughly(p_m) - 0.0015;
+  if (b->drawn.count == 0) return roughly(p_m) - 0.0015;
   double hard = kFar;
-  const double united = blended(*b, p_m, recipe_.blend_m, recipe_.blend_m, hard);
+  const double united = blended(b->drawn, p_m, recipe_.blend_m, recipe_.blend_m, hard);
   if (united > kNear_m) return std::min(united, hard - recipe_.leave_m);
   const double nailed = united - recipe_.nail_m * nailShare(p_m);
   const double filled = smoothMin(nailed, hard + recipe_.leave_m, recipe_.clamp_m);
   return smoothMax(filled, hard - recipe_.leave_m, recipe_.clamp_m);
+}
+
+double SkinField::estimate(const Vector3d& p_m) const noexcept {
+  const Block* b = block(p_m);
+  return b == nullptr || b->drawn.count == 0 ? roughly(p_m) : skin(p_m);
 }
 
 double SkinField::roughly(const Vector3d& p_m) const noexcept {
@@ -109,9 +114,9 @@ double SkinField::roughly(const Vector3d& p_m) const noexcept {
 
 double SkinField::soft(const Vector3d& p) const noexcept {
   const Block* b = block(p);
-  if (b == nullptr || b->count == 0) return roughly(p);
+  if (b == nullptr || b->drawn.count == 0) return roughly(p);
   double hard = kFar;
-  return blended(*b, p, recipe_.digit_light_m, recipe_.palm_light_m, hard);
+  return blended(b->lit, p, recipe_.digit_light_m, recipe_.palm_light_m, hard);
 }
 
 Vector3d SkinField::lightNormal(const Vector3d& p_m) const noexcept {
@@ -150,15 +155,15 @@ double SkinField::nailShare(const Vector3d& p) const noexcept {
 SkinLook SkinField::look(const Vector3d& p_m, const Vector3d& normal) const noexcept {
   SkinLook look;
   const Block* b = block(p_m);
-  if (b == nullptr || b->count == 0) return look;
+  if (b == nullptr || b->drawn.count == 0) return look;
   double hard = kFar;
-  const double united = blended(*b, p_m, recipe_.digit_light_m, recipe_.palm_light_m, hard);
+  const double united = blended(b->lit, p_m, recipe_.digit_light_m, recipe_.palm_light_m, hard);
   look.fold = std::clamp(-united / 0.0032, 0.0, 1.0);
   look.nail = nailShare(p_m);
   // Capsules near the point share it by distance, so that no colour has a seam.
   double weight = 0.0;
   Vector3d palmar = Vector3d::Zero();
-  for (std::uint32_t i = b->first; i < b->first + b->count; ++i) {
+  for (std::uint32_t i = b->drawn.first; i < b->drawn.first + b->drawn.count; ++i) {
     const Placed& c = capsules_[candidates_[i]];
     const double w = std::exp(-(capsule(c, p_m) - hard) / 0.0025);
     const double s = (p_m - c.a).dot(c.ab) * c.inverse_length2 * c.length;
@@ -171,10 +176,10 @@ SkinLook SkinField::look(const Vector3d& p_m, const Vector3d& normal) const noex
     look.redness += w * std::max(0.7 * knuckle, 0.6 * tip);
     if (!c.joined) continue;
     // Two lines, the second fainter, bowed a little and fading to the sides.
-    const double line = s + 0.05 * c.radius * (1.0 - pulp) * std::cos(900.0 * s);
+    const double line = s + 0.2 * c.radius * (1.0 - pulp);
     const double lines = std::exp(-std::pow(line / kCrease_m, 2.0)) +
                          0.5 * std::exp(-std::pow((line - 0.0026) / kCrease_m, 2.0));
-    look.crease = std::max(look.crease, lines * smoothStep(0.1, 0.7, pulp));
+    look.crease = std::max(look.crease, lines * std::min(w, 1.0) * smoothStep(0.1, 0.7, pulp));
   }
   look.redness /= weight;
   look.palmar = std::clamp(0.8 * normal.dot(palmar) / weight + 0.15, 0.0, 1.0);

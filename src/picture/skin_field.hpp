@@ -49,6 +49,8 @@ class SkinField {
   /// Distance to the drawn skin, exact within 3 mm of it; elsewhere that to the colliders, short by
   /// at most 2 mm.
   [[nodiscard]] double skin(const Eigen::Vector3d& p_m) const noexcept;
+  /// The same without leaving room for error: hardly jumps from place to place, for shadows.
+  [[nodiscard]] double estimate(const Eigen::Vector3d& p_m) const noexcept;
   /// A smooth estimate of the distance, right to about half a millimetre: for occlusion.
   [[nodiscard]] double roughly(const Eigen::Vector3d& p_m) const noexcept;
   /// Unit normal that light sees: of the softer union, so that light looks like skin while the
@@ -79,9 +81,11 @@ class SkinField {
     Eigen::Vector3d root, along, dorsal, side, center;
     double radius, segment;
   };
+  struct List {
+    std::uint32_t first = 0, count = 0;  // in candidates_
+  };
   struct Block {
-    std::uint32_t first = 0;
-    std::uint32_t count = 0;  ///< 0: no skin near; otherwise candidates_[first ...]
+    List drawn, lit;  // both empty where no skin is near
   };
 
   void place(const HandModel& hand, const std::vector<Pose>& link_poses);
@@ -90,12 +94,13 @@ class SkinField {
   void bound();
   void sampleGrid();
   void listCandidates();
+  List candidates(const Eigen::Vector3d& middle, double blend_m);
   [[nodiscard]] double capsule(const Placed& c, const Eigen::Vector3d& p) const noexcept;
   /// Width of the blend of a capsule with those of its part before it.
   [[nodiscard]] double blend(const Placed& c, const Eigen::Vector3d& p, double within_digit,
                              double with_palm) const noexcept;
   [[nodiscard]] const Block* block(const Eigen::Vector3d& p) const noexcept;
-  [[nodiscard]] double blended(const Block& b, const Eigen::Vector3d& p, double within_digit,
+  [[nodiscard]] double blended(const List& list, const Eigen::Vector3d& p, double within_digit,
                                double with_palm, double& hard) const noexcept;
   [[nodiscard]] double soft(const Eigen::Vector3d& p) const noexcept;
   [[nodiscard]] double nailShare(const Eigen::Vector3d& p) const noexcept;

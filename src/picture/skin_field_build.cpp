@@ -112,9 +112,6 @@ void SkinField::sampleGrid() {
 }
 
 void SkinField::listCandidates() {
-  // Beyond this distance from a block's centre a capsule can reach no skin point of the block, not
-  // even through the widest blend.
-  const double reach = kBlockHalfDiagonal_m + kNear_m + recipe_.palm_light_m;
   const double width = kNode_m * kBlockNodes;
   block_.resize(static_cast<std::size_t>(blocks_.prod()));
   std::size_t at = 0;
@@ -123,16 +120,23 @@ void SkinField::listCandidates() {
       for (int x = 0; x < blocks_.x(); ++x, ++at) {
         const Vector3d middle = origin_m_ + width * (Vector3d(x, y, z) + Vector3d::Constant(0.5));
         if (std::abs(colliders(middle)) > kBlockHalfDiagonal_m + kNear_m) continue;
-        block_[at].first = static_cast<std::uint32_t>(candidates_.size());
-        for (std::size_t i = 0; i < capsules_.size(); ++i) {
-          if (capsule(capsules_[i], middle) < reach) {
-            candidates_.push_back(static_cast<std::uint16_t>(i));
-          }
-        }
-        block_[at].count = static_cast<std::uint32_t>(candidates_.size()) - block_[at].first;
+        block_[at].drawn = candidates(middle, recipe_.blend_m);
+        block_[at].lit = candidates(middle, recipe_.palm_light_m);
       }
     }
   }
+}
+
+/// The capsules that can reach skin in a block: near enough to blend, or to swell what blends.
+SkinField::List SkinField::candidates(const Vector3d& middle, double blend_m) {
+  const double reach = kBlockHalfDiagonal_m + kNear_m + 2.0 * blend_m;
+  List list{static_cast<std::uint32_t>(candidates_.size()), 0};
+  for (std::size_t i = 0; i < capsules_.size(); ++i) {
+    if (capsule(capsules_[i], middle) >= reach) continue;
+    candidates_.push_back(static_cast<std::uint16_t>(i));
+    ++list.count;
+  }
+  return list;
 }
 
 }  // namespace wholehand

@@ -153,7 +153,7 @@ Color Studio::skin(const Lit& at) const {
   Color base = mix(rgb(0xD3A084), rgb(0xE3B8A0), 0.75 * look.palmar);
   base = mix(base, base * Color(1.04, 0.74, 0.68), 0.55 * look.redness);
   base = mix(base, rgb(0x9C5F45), 0.42 * look.fold);
-  base = mix(base, rgb(0x9C5F45), 0.34 * look.crease);
+  base = mix(base, rgb(0x9C5F45), 0.48 * look.crease);
   base = mix(base, rgb(0xF0CDBE), look.nail);
   base = mix(base, rgb(0x9C5F45), 1.6 * look.nail * (1.0 - look.nail));  // the nail's fold
 
