@@ -42,6 +42,17 @@ std::string formatNumber(double value, int decimals) {
   return value < 0.0 && !zero ? std::string("−").append(digits) : digits;
 }
 
+std::string formatShort(double value, const std::string& unit) {
+  static constexpr std::array<const char*, 4> kPrefixes = {"", "m", "µ", "n"};
+  std::size_t prefix = 0;
+  // Below 0.095 the next prefix gives two digits; what is smaller than all of them is nothing.
+  while (std::abs(value) < 0.095 && value != 0.0 && prefix + 1 < kPrefixes.size()) {
+    value *= 1000.0;
+    ++prefix;
+  }
+  return formatNumber(value, std::abs(value) < 9.95 ? 1 : 0) + " " + kPrefixes[prefix] + unit;
+}
+
 std::string formatCount(std::uint64_t value) {
   const std::string digits = std::to_string(value);
   std::string out;

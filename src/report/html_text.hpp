@@ -12,6 +12,8 @@ namespace wholehand {
 
 /// "−3.25": fixed decimals, a true minus sign, never "−0"; "–" when not finite.
 [[nodiscard]] std::string formatNumber(double value, int decimals);
+/// "2.5 s", "20 ms", "3.1 µrad": two or three digits with the prefix that suits the size.
+[[nodiscard]] std::string formatShort(double value, const std::string& unit);
 /// "100,000"
 [[nodiscard]] std::string formatCount(std::uint64_t value);
 /// "12.3 s" under a minute, else "2:41".

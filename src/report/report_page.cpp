@@ -132,7 +132,7 @@ std::string bodyTable(const ReportData& data) {
       return "<td>" + (touched ? formatNumber(v, decimals) : std::string("–")) + "</td>";
     };
     out += "<tr><td>" + e(b.name) + "</td>" + cell(touched ? b.touches.front().from_s : 0.0, 1) +
-           "<td>" + std::to_string(b.touches.size()) + "</td>" + cell(b.longest_s(), 1) +
+           "<td>" + std::to_string(b.touches.size()) + "</td>" + cell(b.longest_s(), 2) +
            cell(b.held_s(), 1) + cell(b.largestForce_n(), 1) + "<td>" +
            formatNumber(b.travelled_m * 100.0, 1) + "</td></tr>";
   }
@@ -152,13 +152,14 @@ std::string caption(const ReportData& data) {
   std::string out = "<p class=\"cap\">Shaded: the hand touches. ";
   for (std::size_t i = 0; i < touches.size(); ++i) {
     const Touch& t = touches[i];
+    const bool held = t.held_s > 0.05;
     out += "<span><b>" + std::to_string(i + 1) + "</b> " +
-           e(data.bodies[static_cast<std::size_t>(t.body)].name) +
-           (t.held_s > 0.05 ? ", held " + formatNumber(t.held_s, 1) + " s.</span> "
-                            : ", " + formatNumber(t.to_s - t.from_s, 1) + " s.</span> ");
+           e(data.bodies[static_cast<std::size_t>(t.body)].name) + (held ? ", held " : ", ") +
+           formatShort(held ? t.held_s : t.to_s - t.from_s, "s") + ", " +
+           formatNumber(t.largest_force_n, 1) + " N.</span> ";
   }
   if (data.touches.size() > touches.size()) {
-    out += "And " + std::to_string(data.touches.size() - touches.size()) + " shorter touches.";
+    out += "And " + std::to_string(data.touches.size() - touches.size()) + " lesser touches.";
   }
   return out + "</p>";
 }
@@ -192,7 +193,9 @@ std::string settingsTable(const ReportData& data) {
                          (m.simulated_clock ? "simulated clock" : "real time")) +
          row("Damping Φ above 0.5", formatNumber(100.0 * data.damped_share, 0) + " % of the time") +
          row("Largest coupling error of a joint",
-             formatNumber(data.summary.max_coupling_error_rad * 1e6, 1) + " µrad");
+             data.summary.max_coupling_error_rad < 1e-10
+                 ? "under 0.1 nrad"
+                 : formatShort(data.summary.max_coupling_error_rad, "rad"));
   return out + "</tbody></table>";
 }
 
@@ -251,7 +254,7 @@ std::string reportPage(const ReportData& data, const std::vector<EmbeddedPicture
   out += "<article class=\"sheet first\">" + header(data) + keyFigures(data) +
          "<section class=\"body\"><div><h2>What the hand felt <small>efforts as sent to the "
          "device; touches found from the data</small></h2>" +
-         effortPlots(data, 510) + caption(data) +
+         effortPlots(data, 498) + caption(data) +
          "</div><div class=\"right\"><div>"
          "<h2>Time per tick <small>" +
          ticks + "</small></h2>" + timingPlot(data) + "</div><div>" + bodyTable(data) +

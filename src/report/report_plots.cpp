@@ -161,9 +161,10 @@ Panel dampingPanel(const ReportData& data) {
 
 std::vector<Touch> numberedTouches(const ReportData& data) {
   std::vector<Touch> touches = data.touches;
-  std::stable_sort(touches.begin(), touches.end(), [](const Touch& a, const Touch& b) {
-    return a.to_s - a.from_s > b.to_s - b.from_s;
-  });
+  // A long touch is worth telling, and so is a short, hard one: 10 N count like a second.
+  const auto worth = [](const Touch& t) { return t.to_s - t.from_s + 0.1 * t.largest_force_n; };
+  std::stable_sort(touches.begin(), touches.end(),
+                   [&worth](const Touch& a, const Touch& b) { return worth(a) > worth(b); });
   if (touches.size() > kMostNumbered) touches.resize(kMostNumbered);
   std::stable_sort(touches.begin(), touches.end(),
                    [](const Touch& a, const Touch& b) { return a.from_s < b.from_s; });

@@ -12,7 +12,7 @@ namespace wholehand {
 [[nodiscard]] std::string movementPlots(const ReportData& data, int height_px);
 /// Time per tick, counted on a logarithmic scale, with the deadline.
 [[nodiscard]] std::string timingPlot(const ReportData& data);
-/// The touches that are numbered in the plots: the longest ones, in order of time.
+/// The touches that are numbered in the plots: the longest and hardest ones, in order of time.
 [[nodiscard]] std::vector<Touch> numberedTouches(const ReportData& data);
 
 }  // namespace wholehand

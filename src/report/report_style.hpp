@@ -12,11 +12,12 @@ body { margin: 0; background: #D9D5CE; color: var(--ink); font: 13px/1.35 'Atkin
 .sheet { width: 1123px; height: 794px; margin: 8px auto; background: #fff; padding: 28px 40px 18px; display: grid; grid-template-rows: auto 1fr auto; gap: 12px; box-shadow: 0 2px 20px #0003; overflow: hidden; break-after: page; }
 .sheet.first { grid-template-rows: auto auto 1fr auto; }
 header { display: flex; align-items: flex-end; gap: 26px; border-bottom: 2px solid var(--ink); padding-bottom: 9px; }
-h1 { font-size: 27px; line-height: 1.1; margin: 2px 0 0; letter-spacing: -.01em; }
+header > div { min-width: 0; }
+h1 { font-size: 25px; line-height: 1.15; margin: 2px 0 0; letter-spacing: -.01em; white-space: nowrap; overflow: hidden; text-overflow: ellipsis; }
 header .k { color: var(--ink-2); }
-header dl { margin: 0 0 0 auto; display: flex; gap: 26px; white-space: nowrap; }
+header dl { margin: 0 0 0 auto; display: flex; gap: 22px; white-space: nowrap; flex: none; }
 dt { color: var(--ink-2); }
-dd { margin: 0; font-weight: 650; font-variant-numeric: tabular-nums; max-width: 240px; overflow: hidden; text-overflow: ellipsis; }
+dd { margin: 0; font-weight: 650; font-variant-numeric: tabular-nums; max-width: 260px; overflow: hidden; text-overflow: ellipsis; }
 .sum { display: grid; grid-template-columns: repeat(6, auto); justify-content: space-between; }
 .sum div { padding: 0 14px; border-left: 1px solid var(--rule); }
 .sum div:first-child { padding-left: 0; border: 0; }

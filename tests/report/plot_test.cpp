@@ -122,6 +122,10 @@ TEST(HtmlText, Texts_AreSafeAndNumbersReadWell) {
   EXPECT_EQ(formatNumber(-3.25, 1), "−3.2");
   EXPECT_EQ(formatNumber(-0.001, 1), "0.0");
   EXPECT_EQ(formatNumber(std::nan(""), 1), "–");
+  EXPECT_EQ(formatShort(2.52, "s"), "2.5 s");
+  EXPECT_EQ(formatShort(0.02, "s"), "20 ms");
+  EXPECT_EQ(formatShort(-3.14e-6, "rad"), "−3.1 µrad");
+  EXPECT_EQ(formatShort(0.0, "rad"), "0.0 rad");
   EXPECT_EQ(formatCount(999), "999");
   EXPECT_EQ(formatCount(1234567), "1,234,567");
   EXPECT_EQ(formatDuration(59.94), "59.9 s");

@@ -107,8 +107,8 @@ TEST(Report, SyntheticRecording_ShowsTheFiguresComputedIndependently) {
   has("deadlines missed");
   // first touch, touches, longest, held, force, way: by the story; 4 N + 5 N; 20 cm less a last
   // step under 1 mm
-  has("<td>sphere</td><td>1.0</td><td>1</td><td>0.5</td><td>0.0</td><td>2.5</td><td>0.0</td>");
-  has("<td>cylinder</td><td>2.0</td><td>1</td><td>1.5</td><td>1.5</td><td>9.0</td><td>19.9</td>");
+  has("<td>sphere</td><td>1.0</td><td>1</td><td>0.50</td><td>0.0</td><td>2.5</td><td>0.0</td>");
+  has("<td>cylinder</td><td>2.0</td><td>1</td><td>1.50</td><td>1.5</td><td>9.0</td><td>19.9</td>");
   has("<td>cube</td><td>–</td><td>0</td>");
   has("<td>Damping Φ above 0.5</td><td>25 % of the time</td>");  // the first of four seconds
   // Durations 60 .. 159 µs, evenly: nearest rank p50 109 µs, p99 158 µs, within the bins' 1 %.
