@@ -84,6 +84,22 @@ Eigen::MatrixXd balanced(Eigen::MatrixXd m) {
 
 }  // namespace
 
+AxisLoop axisLoop(const DeviceModel& device, const CouplingGains& gains, int axis,
+                  double period_s) {
+  AxisLoop l;
+  l.mass = device.axes[axis].mass;
+  l.damping = device.axes[axis].damping;
+  l.delay_ticks = device.output_delay_ticks;
+  l.k_pm = gains.k_pm[axis];
+  l.phi_k_dm = gains.k_dm[axis];
+  l.gamma = gains.gamma[axis];
+  l.k_ps_per_s2 = gains.k_ps_per_s2[axis];
+  l.k_ds_per_s = gains.k_ds_per_s[axis];
+  l.filter_tau_s = gains.filter_tau_s[axis];
+  l.period_s = period_s;
+  return l;
+}
+
 Eigen::MatrixXd closedLoopMatrix(const AxisLoop& loop, ContactCase contact) {
   const int n = kFirstEffort + loop.delay_ticks;
   const HeldDevice device = holdDevice(loop.mass, loop.damping, loop.period_s);

@@ -30,19 +30,15 @@ struct Candidate {
 
   /// The loop with another stiffness and damping; K_ps follows K_pm where the rule sets it.
   [[nodiscard]] AxisLoop loop(double k_pm, double k_dm, double phi) const {
-    const int i = index;
-    AxisLoop l{axis.mass, axis.damping, device.output_delay_ticks};
+    AxisLoop l = axisLoop(device, gains, index, period_s);
     l.k_pm = k_pm;
     l.phi_k_dm = phi * k_dm;
-    l.gamma = gains.gamma[i];
-    l.k_ps_per_s2 = gains.k_ps_per_s2[i];
     if (rendering.k_ps_per_s2 <= 0.0) {
-      const double inertia = gains.k_pm[i] / (gains.k_ps_per_s2[i] * gains.contact_scale[i]);
+      const double inertia =
+          gains.k_pm[index] / (gains.k_ps_per_s2[index] * gains.contact_scale[index]);
       l.k_ps_per_s2 = ruleStiffness(k_pm, inertia);
+      l.k_ds_per_s = criticalDamping(l.k_ps_per_s2, period_s);
     }
-    l.k_ds_per_s = criticalDamping(l.k_ps_per_s2, period_s);
-    l.filter_tau_s = gains.filter_tau_s[i];
-    l.period_s = period_s;
     return l;
   }
 };

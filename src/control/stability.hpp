@@ -23,6 +23,10 @@ struct AxisLoop {
   double period_s = 1e-3;
 };
 
+/// The loop of one axis as the files have it, at Φ = 1.
+[[nodiscard]] AxisLoop axisLoop(const DeviceModel& device, const CouplingGains& gains, int axis,
+                                double period_s);
+
 /// Closed-loop matrix over [x_m, v_m, x_m previous, v_f, x_s, v_s, f_1 .. f_n]: exact zero-order
 /// hold for the device, symplectic Euler for the avatar, built column by column from unit states.
 [[nodiscard]] Eigen::MatrixXd closedLoopMatrix(const AxisLoop& loop, ContactCase contact);

@@ -1,3 +1,4 @@
+#include "control/passivity.hpp"
 #include "control/stability.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "model/hand_file.hpp"
@@ -71,6 +72,14 @@ TEST_P(ShippedGains, Translations_FeelObjectsAtTheirTrueWeight) {
   for (int a = 0; a < device_.axisCount(); ++a) {
     if (device_.axes[a].kind != AxisKind::kTranslation) continue;
     EXPECT_NEAR(gains->contact_scale[a], 1.0, 1e-12) << device_.axes[a].name;  // σ = 1
+  }
+}
+
+TEST_P(ShippedGains, EveryAxis_IsSafeWithAnyPassivePersonAndObject) {
+  const auto gains = resolveGains(rendering_, inertiaAt(hand_.reference), 1e-3);
+  ASSERT_TRUE(gains.ok()) << format(gains.errors());
+  for (int a = 0; a < device_.axisCount(); ++a) {
+    EXPECT_GE(passivityMargin(axisLoop(device_, *gains, a, 1e-3)), 1.0) << device_.axes[a].name;
   }
 }
 
