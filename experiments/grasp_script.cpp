@@ -1,16 +1,15 @@
 #include "experiments/grasp_script.hpp"
 
-#include <fmt/format.h>
-
 #include "dynamics/articulated_body.hpp"
 #include "dynamics/synergy.hpp"
+
+#include <fmt/format.h>
 
 namespace wholehand {
 namespace {
 
-constexpr double kApproach_m = 0.08;      // along the palm's normal
-constexpr double kOpenThumb_rad = 0.09;   // circumduction while approaching: out of the object's way
-constexpr double kPedestal_m = 0.02;      // half of its edge
+constexpr double kApproach_m = 0.08;  // along the palm's normal
+constexpr double kPedestal_m = 0.02;  // half of its edge
 
 struct ShapeText {
   std::string keys;
@@ -22,7 +21,8 @@ struct ShapeText {
 ShapeText shapeText(const std::string& shape) {
   if (shape == "cube") return {"shape = \"box\"\nsize_m = [0.05, 0.05, 0.05]\n", 0.025};
   if (shape == "sphere") return {"shape = \"sphere\"\nradius_m = 0.03\n", 0.03};
-  if (shape == "cylinder") return {"shape = \"cylinder\"\nradius_m = 0.025\nheight_m = 0.12\n", 0.06};
+  if (shape == "cylinder")
+    return {"shape = \"cylinder\"\nradius_m = 0.025\nheight_m = 0.12\n", 0.06};
   return {"shape = \"disk\"\nradius_m = 0.04\nheight_m = 0.02\n", 0.01};
 }
 
@@ -36,13 +36,18 @@ Eigen::Matrix3d palmRotation(const Models& models) {
 
 }  // namespace
 
-Eigen::Vector3d graspBase(const DeviceModel&) { return {0.0, kApproach_m / 2.0, -kLift_m / 2.0}; }
+Eigen::Vector3d graspBase(const DeviceModel&) {
+  return {0.0, kApproach_m / 2.0, -kLift_m / 2.0};
+}
+
+Eigen::Vector3d graspApproach(const Models& models) {
+  return kApproach_m * (palmRotation(models) * Eigen::Vector3d::UnitZ());
+}
 
 Intention graspIntention(const GraspTrial& trial, const Models& models) {
   namespace at = grasp_times;
   const DeviceModel& device = models.device;
   const Eigen::Vector3d base = graspBase(device);
-  const Eigen::Vector3d back = palmRotation(models) * Eigen::Vector3d::UnitZ();
   const auto pose = [&](const Eigen::Vector3d& p, double fingers, double circumduction,
                         double thumb) {
     AxisPosition q(device.axisCount());
@@ -62,8 +67,8 @@ Intention graspIntention(const GraspTrial& trial, const Models& models) {
   const double opposed = trial.circumduction_rad;
   const Eigen::Vector3d lifted = base + kLift_m * Eigen::Vector3d::UnitZ();
   return Intention::throughWaypoints(
-      {{0.0, pose(base + kApproach_m * back, open, kOpenThumb_rad, 0.0)},
-       {at::kApproached, pose(base, open, kOpenThumb_rad, 0.0)},
+      {{0.0, pose(base + graspApproach(models), open, kApproachCircumduction_rad, 0.0)},
+       {at::kApproached, pose(base, open, kApproachCircumduction_rad, 0.0)},
        {at::kOpposed, pose(base, open, opposed, 0.0)},
        {at::kClosed, pose(base, closed, opposed, trial.thumb_closed_rad)},
        {at::kLiftBegins, pose(base, closed, opposed, trial.thumb_closed_rad)},
@@ -83,7 +88,8 @@ std::string graspScene(const GraspTrial& trial, const Models& models) {
       center.x(), center.y(), center.z(), trial.gravity ? "0.0" : "0.7");
   if (trial.gravity) {
     text += fmt::format(
-        "\n[[bodies]]\nname = \"pedestal\"\nshape = \"box\"\nsize_m = [{0}, {0}, {0}]\nfixed = true\n"
+        "\n[[bodies]]\nname = \"pedestal\"\nshape = \"box\"\nsize_m = [{0}, {0}, {0}]\nfixed = "
+        "true\n"
         "position_m = [{1:.17g}, {2:.17g}, {3:.17g}]\nfriction = 0.8\ncolor = \"#765443\"\n",
         2.0 * kPedestal_m, center.x(), center.y(), center.z() - shape.half_height_m - kPedestal_m);
   }

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <string>
-
 #include "assembly/models.hpp"
 #include "experiments/grasp_trial.hpp"
 #include "patient/motion.hpp"
+
+#include <string>
 
 namespace wholehand {
 
@@ -22,6 +22,10 @@ inline constexpr double kLift_m = 0.2;
 
 /// Where the hand's base is when it closes: low and forward, so that the lift fits the workspace.
 [[nodiscard]] Eigen::Vector3d graspBase(const DeviceModel& device);
+
+/// From where the hand comes, relative to that: along the palm's normal, thumb out of the way.
+[[nodiscard]] Eigen::Vector3d graspApproach(const Models& models);
+inline constexpr double kApproachCircumduction_rad = 0.09;
 
 /// The person's aim over time for this trial.
 [[nodiscard]] Intention graspIntention(const GraspTrial& trial, const Models& models);

@@ -1,21 +1,21 @@
 #include "experiments/grasp_trial.hpp"
 
+#include "assembly/recorded_run.hpp"
+#include "assembly/text_file.hpp"
+#include "dynamics/articulated_body.hpp"
+#include "experiments/grasp_script.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
 
-#include "dynamics/articulated_body.hpp"
-#include "experiments/grasp_script.hpp"
-#include "assembly/recorded_run.hpp"
-#include "assembly/text_file.hpp"
-
 namespace wholehand {
 namespace {
 
 constexpr double kDeg = std::numbers::pi / 180.0;
-constexpr double kDropped_m = 0.02;       // further off than this in the palm's frame: dropped
+constexpr double kDropped_m = 0.02;  // further off than this in the palm's frame: dropped
 constexpr double kNoiseWindow_s = 2.0;
 
 // Mean and spread without storing the samples (Welford).
@@ -90,22 +90,22 @@ class Observer {
       holding_ = true;
       at_hold_ = held;
     }
-    result_.slip_m =
-        std::max(result_.slip_m, (held.translation_m - at_hold_.translation_m).norm());
+    result_.slip_m = std::max(result_.slip_m, (held.translation_m - at_hold_.translation_m).norm());
     const Eigen::Matrix3d turn = at_hold_.rotation.transpose() * held.rotation;
     result_.rotation_rad = Eigen::AngleAxisd(turn).angle();
     if (r.time_s < end_s_ - kNoiseWindow_s) return;
     for (int a = 0; a < r.coupling.size(); ++a) {
       const DeviceAxis& axis = rig_.models.device.axes[static_cast<std::size_t>(a)];
       double newton = r.coupling[a];
-      if (axis.kind == AxisKind::kRotation) newton /= axis.lever_arm_m > 0.0 ? axis.lever_arm_m : kTipArm_m;
+      if (axis.kind == AxisKind::kRotation)
+        newton /= axis.lever_arm_m > 0.0 ? axis.lever_arm_m : kTipArm_m;
       noise_[static_cast<std::size_t>(a)].add(newton);
     }
     if (r.tick % 10 == 0) trackResidual(r);
   }
 
-  // Virtual work: at rest the contact forces of this tick, seen by the person's coordinates, balance
-  // what drives the avatar.
+  // Virtual work: at rest the contact forces of this tick, seen by the person's coordinates,
+  // balance what drives the avatar.
   void trackResidual(const TickRecord& r) {
     const int axes = r.f_s.size();
     std::array<double, kMaxAxes> felt{};
@@ -114,9 +114,11 @@ class Observer {
       const Contact& c = r.contacts[static_cast<std::size_t>(i)];
       const Eigen::Vector3d f = c.force_n.eigen();
       body_.reducedPointRow(c.link, c.point_m.eigen(), f, row.data());
-      for (int a = 0; a < axes; ++a) felt[static_cast<std::size_t>(a)] += row[static_cast<std::size_t>(a)];
+      for (int a = 0; a < axes; ++a)
+        felt[static_cast<std::size_t>(a)] += row[static_cast<std::size_t>(a)];
       body_.reducedAngularRow(c.link, c.torque_nm.eigen(), row.data());
-      for (int a = 0; a < axes; ++a) felt[static_cast<std::size_t>(a)] += row[static_cast<std::size_t>(a)];
+      for (int a = 0; a < axes; ++a)
+        felt[static_cast<std::size_t>(a)] += row[static_cast<std::size_t>(a)];
     }
     double worst = 0.0;
     for (int a = 0; a < axes; ++a) {
@@ -148,9 +150,8 @@ class Observer {
 
 GraspTrial posture(std::string shape, std::string grasp, Eigen::Vector3d center_mm, double circ_deg,
                    double open_deg, double fingers_deg, double thumb_deg) {
-  return {std::move(shape),   std::move(grasp),   false,
-          center_mm * 1e-3,   circ_deg * kDeg,    open_deg * kDeg,
-          fingers_deg * kDeg, thumb_deg * kDeg};
+  return {std::move(shape), std::move(grasp),   false,           center_mm * 1e-3, circ_deg * kDeg,
+          open_deg * kDeg,  fingers_deg * kDeg, thumb_deg * kDeg};
 }
 
 }  // namespace

@@ -1,5 +1,8 @@
 #pragma once
 
+#include "assembly/rig.hpp"
+#include "core/expected.hpp"
+
 #include <Eigen/Core>
 
 #include <cstdint>
@@ -7,21 +10,18 @@
 #include <string>
 #include <vector>
 
-#include "assembly/rig.hpp"
-#include "core/expected.hpp"
-
 namespace wholehand {
 
-/// One grasp of the paper's Fig. 5: where the object is in the palm's frame when the hand closes, and
-/// what the person commands. Palm frame: x distal, y radial, z dorsal.
+/// One grasp of the paper's Fig. 5: where the object is in the palm's frame when the hand closes,
+/// and what the person commands. Palm frame: x distal, y radial, z dorsal.
 struct GraspTrial {
-  std::string shape;                     ///< "cube", "sphere", "cylinder", "disk"
-  std::string grasp;                     ///< "power", "pinch"
-  bool gravity = false;                  ///< off: free-floating with the paper's damping of 0.7
-  Eigen::Vector3d center_m{0, 0, 0};     ///< object's centre in the palm's frame
-  double circumduction_rad = 0.0;        ///< thumb opposed this far before closing
-  double fingers_open_rad = 0.35, fingers_closed_rad = 0.0;   ///< commanded
-  double thumb_closed_rad = 0.0;                              ///< commanded
+  std::string shape;                  ///< "cube", "sphere", "cylinder", "disk"
+  std::string grasp;                  ///< "power", "pinch"
+  bool gravity = false;               ///< off: free-floating with the paper's damping of 0.7
+  Eigen::Vector3d center_m{0, 0, 0};  ///< object's centre in the palm's frame
+  double circumduction_rad = 0.0;     ///< thumb opposed this far before closing
+  double fingers_open_rad = 0.35, fingers_closed_rad = 0.0;  ///< commanded
+  double thumb_closed_rad = 0.0;                             ///< commanded
 
   [[nodiscard]] std::string name() const;
 };
@@ -30,19 +30,20 @@ struct GraspTrial {
 struct GraspResult {
   GraspTrial trial;
   bool dropped = false;
-  double slip_m = 0.0;               ///< largest drift in the palm's frame during the hold
-  double rotation_rad = 0.0;         ///< turn in the palm's frame over the hold
-  double coupling_error_rad = 0.0;   ///< largest before any correction, over the whole trial
-  double object_travel_m = 0.0;      ///< how far it was carried
-  double force_noise_n = 0.0;        ///< rms about the mean over the last 2 s, worst axis, tips in N
-  double contact_residual = 0.0;     ///< |Σ Jᵀ f + f_s| / |f_s| at rest, worst axis, 1 = 100 %
-  double contact_force_n = 0.0;      ///< sum of |f| at the end
-  double tip_force_max_n = 0.0;      ///< largest effort sent, hand axes, at the tip
-  std::uint64_t saturated_ticks = 0; ///< ticks in which a limit clamped the effort
+  double slip_m = 0.0;              ///< largest drift in the palm's frame during the hold
+  double rotation_rad = 0.0;        ///< turn in the palm's frame over the hold
+  double coupling_error_rad = 0.0;  ///< largest before any correction, over the whole trial
+  double object_travel_m = 0.0;     ///< how far it was carried
+  double force_noise_n = 0.0;       ///< rms about the mean over the last 2 s, worst axis, tips in N
+  double contact_residual = 0.0;    ///< |Σ Jᵀ f + f_s| / |f_s| at rest, worst axis, 1 = 100 %
+  double contact_force_n = 0.0;     ///< sum of |f| at the end
+  double tip_force_max_n = 0.0;     ///< largest effort sent, hand axes, at the tip
+  std::uint64_t saturated_ticks = 0;  ///< ticks in which a limit clamped the effort
   double cpu_p50_us = 0.0, cpu_p999_us = 0.0;
 };
 
-/// The tuned trials: four shapes by power grasp, cube and sphere by pinch, without and with gravity.
+/// The tuned trials: four shapes by power grasp, cube and sphere by pinch, without and with
+/// gravity.
 [[nodiscard]] std::vector<GraspTrial> tunedTrials();
 
 /// The tuned trials with jittered positions (±3 mm) and commands (±4° circumduction, ±6° others);
@@ -50,7 +51,7 @@ struct GraspResult {
 [[nodiscard]] std::vector<GraspTrial> jitteredTrials(int count, std::uint64_t seed);
 
 struct GraspPlan {
-  std::string folder;            ///< the scene file is written here, and the recording if asked for
+  std::string folder;  ///< the scene file is written here, and the recording if asked for
   bool record = false;
   double hold_s = 10.0;
   RigOptions rig;
@@ -58,8 +59,8 @@ struct GraspPlan {
   std::function<void(const Rig&, const TickRecord&)> at_end;
 };
 
-/// Runs one trial through device, patient and renderer on the simulated clock: approach, close, carry
-/// 20 cm, hold.
+/// Runs one trial through device, patient and renderer on the simulated clock: approach, close,
+/// carry 20 cm, hold.
 [[nodiscard]] Expected<GraspResult> runGrasp(const GraspTrial& trial, const ModelFiles& files,
                                              const GraspPlan& plan);
 

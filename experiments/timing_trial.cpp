@@ -1,12 +1,12 @@
 #include "experiments/timing_trial.hpp"
 
+#include "assembly/text_file.hpp"
+#include "experiments/grasp_script.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
-
-#include "assembly/text_file.hpp"
-#include "experiments/grasp_script.hpp"
 
 namespace wholehand {
 namespace {
@@ -22,42 +22,46 @@ GraspTrial cylinder() {
   return {};
 }
 
-// One cycle: close, carry the cylinder about on all three axes, bring it back, open, and again.
-std::vector<Waypoint> cycle(const GraspTrial& trial, const DeviceModel& device, double start_s) {
-  const Eigen::Vector3d base = graspBase(device);
-  const auto at = [&](double t, Eigen::Vector3d offset, double fingers, double turn, double thumb) {
-    Waypoint w{start_s + t, AxisPosition(device.axisCount())};
-    const auto set = [&](const char* axis, double value) {
-      if (const int a = device.axisIndex(axis); a >= 0) w.q[a] = value;
-    };
-    set("x", base.x() + offset.x());
-    set("y", base.y() + offset.y());
-    set("z", base.z() + offset.z());
-    set("finger_flexion", fingers);
-    set("thumb_circumduction", turn);
-    set("thumb_flexion", thumb);
-    return w;
+// A pose of the six coordinates; axes that a device does not have are left out.
+AxisPosition poseOf(const DeviceModel& device, const Eigen::Vector3d& base, double fingers,
+                    double circumduction, double thumb) {
+  AxisPosition q(device.axisCount());
+  const auto set = [&](const char* axis, double value) {
+    if (const int a = device.axisIndex(axis); a >= 0) q[a] = value;
   };
-  const Eigen::Vector3d still = Eigen::Vector3d::Zero();
-  const double opposed = trial.circumduction_rad;
-  const double open = trial.fingers_open_rad;
-  const double closed = trial.fingers_closed_rad;
-  const double thumb = trial.thumb_closed_rad;
-  return {at(0.8, still, open, opposed, 0.0),
-          at(1.8, still, closed, opposed, thumb),
-          at(2.6, {-kSway_m, -kSway_m, 2 * kSway_m}, closed, opposed, thumb),
-          at(3.4, {kSway_m, kSway_m, 2 * kSway_m}, closed, opposed - 8 * kDeg, thumb),
-          at(4.2, still, closed, opposed, thumb),
-          at(5.0, still, open, opposed - 8 * kDeg, 0.0)};
+  set("x", base.x());
+  set("y", base.y());
+  set("z", base.z());
+  set("finger_flexion", fingers);
+  set("thumb_circumduction", circumduction);
+  set("thumb_flexion", thumb);
+  return q;
 }
 
-Intention timingIntention(const GraspTrial& trial, const DeviceModel& device, double duration_s) {
+// Approach once; then again and again: close, carry the cylinder about on all three axes, bring it
+// back, open.
+Intention timingIntention(const GraspTrial& trial, const Models& models, double duration_s) {
+  constexpr double kCycle_s = 5.0;
+  const Eigen::Vector3d base = graspBase(models.device);
+  const double opposed = trial.circumduction_rad, less = opposed - 8 * kDeg;
+  const double open = trial.fingers_open_rad, closed = trial.fingers_closed_rad;
+  const double thumb = trial.thumb_closed_rad;
   std::vector<Waypoint> waypoints;
-  Waypoint first = cycle(trial, device, 0.0).front();
-  first.time_s = 0.0;
-  waypoints.push_back(first);
-  for (double start_s = 0.0; start_s < duration_s; start_s += 5.0) {
-    for (Waypoint& w : cycle(trial, device, start_s)) waypoints.push_back(std::move(w));
+  const auto add = [&](double time_s, const Eigen::Vector3d& at, double fingers, double turn,
+                       double bent) {
+    waypoints.push_back({time_s, poseOf(models.device, at, fingers, turn, bent)});
+  };
+  add(0.0, base + graspApproach(models), open, kApproachCircumduction_rad, 0.0);
+  add(1.0, base, open, kApproachCircumduction_rad, 0.0);
+  const Eigen::Vector3d left = base + Eigen::Vector3d(-kSway_m, -kSway_m, 2 * kSway_m);
+  const Eigen::Vector3d right = base + Eigen::Vector3d(kSway_m, kSway_m, 2 * kSway_m);
+  for (double start_s = 1.0; start_s < duration_s; start_s += kCycle_s) {
+    add(start_s + 0.8, base, open, opposed, 0.0);
+    add(start_s + 1.8, base, closed, opposed, thumb);
+    add(start_s + 2.6, left, closed, opposed, thumb);
+    add(start_s + 3.4, right, closed, less, thumb);
+    add(start_s + 4.2, base, closed, opposed, thumb);
+    add(start_s + kCycle_s, base, open, less, 0.0);
   }
   return Intention::throughWaypoints(std::move(waypoints));
 }
@@ -124,8 +128,8 @@ Expected<TimingResult> runTiming(const ModelFiles& files, const TimingPlan& plan
   models = loadModels(with_scene);
   if (!models) return models.errors();
   const RigOptions options;
-  Intention intention = timingIntention(trial, models->device,
-                                        static_cast<double>(plan.ticks) * options.period_s);
+  Intention intention =
+      timingIntention(trial, *models, static_cast<double>(plan.ticks) * options.period_s);
   auto rig = buildRig(std::move(*models), std::move(intention), options);
   if (!rig) return rig.errors();
   if (auto armed = (*rig)->renderer->arm(); !armed) return armed.errors();

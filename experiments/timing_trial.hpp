@@ -1,19 +1,19 @@
 #pragma once
 
+#include "assembly/recorded_run.hpp"
+#include "assembly/rig.hpp"
+
 #include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
 
-#include "assembly/recorded_run.hpp"
-#include "assembly/rig.hpp"
-
 namespace wholehand {
 
 struct TimingPlan {
   std::uint64_t ticks = 100000;
-  bool simulated_clock = false;   ///< as fast as it goes: CPU time alone
-  std::string folder;             ///< for the scene and the recording
+  bool simulated_clock = false;  ///< as fast as it goes: CPU time alone
+  std::string folder;            ///< for the scene and the recording
   std::function<void(const TickSummary&, double rate_hz)> status;
 };
 
@@ -21,15 +21,15 @@ struct TimingPlan {
 /// every joint moves.
 struct TimingResult {
   RunOutcome outcome;
-  std::vector<std::uint64_t> wall_counts;   ///< ticks per bin of kTimingBin_us, wall clock
-  std::vector<std::uint64_t> cpu_counts;    ///< the same of CPU time
-  int grasps = 0;                           ///< times the grip went from nothing to above 1 N
-  int releases = 0;                         ///< times it went back to nothing
-  std::vector<double> joint_travel;         ///< range of every joint [m or rad]
+  std::vector<std::uint64_t> wall_counts;  ///< ticks per bin of kTimingBin_us, wall clock
+  std::vector<std::uint64_t> cpu_counts;   ///< the same of CPU time
+  int grasps = 0;                          ///< times the grip went from nothing to above 1 N
+  int releases = 0;                        ///< times it went back to nothing
+  std::vector<double> joint_travel;        ///< range of every joint [m or rad]
 };
 
 inline constexpr double kTimingBin_us = 10.0;
-inline constexpr int kTimingBins = 200;     ///< the last holds everything beyond
+inline constexpr int kTimingBins = 200;  ///< the last holds everything beyond
 
 [[nodiscard]] Expected<TimingResult> runTiming(const ModelFiles& files, const TimingPlan& plan);
 

@@ -6,13 +6,13 @@
 namespace wholehand {
 
 struct ExperimentOptions {
-  std::string folder = "out/experiment";   ///< plots, pictures, recordings, scenes
-  std::string json;                        ///< results; empty: only in the folder
-  int jittered = 72;                       ///< grasping: jittered trials
-  std::uint64_t seed = 1;                  ///< grasping: of the jitter
-  std::string only;                        ///< grasping: part of a trial's name
-  std::uint64_t ticks = 100000;            ///< timing
-  bool simulated_clock = false;            ///< timing: as fast as it goes
+  std::string folder = "out/experiment";  ///< plots, pictures, recordings, scenes
+  std::string json;                       ///< results; empty: only in the folder
+  int jittered = 72;                      ///< grasping: jittered trials
+  std::uint64_t seed = 1;                 ///< grasping: of the jitter
+  std::string only;                       ///< grasping: part of a trial's name
+  std::uint64_t ticks = 100000;           ///< timing
+  bool simulated_clock = false;           ///< timing: as fast as it goes
 };
 
 /// The paper's Fig. 5. Returns the program's exit code.

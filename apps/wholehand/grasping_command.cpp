@@ -1,10 +1,3 @@
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cstdio>
-#include <filesystem>
-#include <nlohmann/json.hpp>
-
 #include "assembly/text_file.hpp"
 #include "exit_code.hpp"
 #include "experiment_command.hpp"
@@ -12,6 +5,13 @@
 #include "picture/picture.hpp"
 #include "report/svg_plot.hpp"
 #include "shipped_files.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
 
 namespace wholehand {
 namespace fs = std::filesystem;
@@ -21,8 +21,8 @@ constexpr double kSlipAsked_m = 0.5e-3;
 
 ModelFiles shippedModels() {
   ModelFiles files;
-  for (std::string* file : {&files.scene, &files.hand, &files.device, &files.rendering,
-                            &files.patient}) {
+  for (std::string* file :
+       {&files.scene, &files.hand, &files.device, &files.rendering, &files.patient}) {
     *file = shippedFile(*file);
   }
   return files;
@@ -68,8 +68,8 @@ void drawHeld(const Rig& rig, const TickRecord& last, const std::string& path) {
   const std::vector<BodyState> bodies(last.bodies.begin(), last.bodies.begin() + last.body_count);
   const std::vector<Contact> contacts(last.contacts.begin(),
                                       last.contacts.begin() + last.contact_count);
-  const auto drawn = drawPicture(rig.models.hand, rig.models.scene, last.theta, bodies, contacts,
-                                 request, path);
+  const auto drawn =
+      drawPicture(rig.models.hand, rig.models.scene, last.theta, bodies, contacts, request, path);
   if (!drawn) refuse(drawn.errors());
 }
 
@@ -160,8 +160,7 @@ int graspingCommand(const ExperimentOptions& options) {
                 static_cast<unsigned long long>(options.seed));
     printHeader();
   }
-  const Sweep jittered =
-      runAll(jitteredTrials(options.jittered, options.seed), options, false);
+  const Sweep jittered = runAll(jitteredTrials(options.jittered, options.seed), options, false);
   if (!jittered.errors.empty()) return refuse(jittered.errors);
 
   nlohmann::ordered_json json;
@@ -176,12 +175,9 @@ int graspingCommand(const ExperimentOptions& options) {
     noise = std::max(noise, r.force_noise_n);
     each.push_back(trialJson(r));
   }
-  json["jittered"] = {{"trials", jittered.results.size()},
-                      {"dropped", dropped},
-                      {"slip_over_half_mm", slipped},
-                      {"force_noise_max_n", noise},
-                      {"seed", options.seed},
-                      {"each", each}};
+  json["jittered"] = {
+      {"trials", jittered.results.size()}, {"dropped", dropped},   {"slip_over_half_mm", slipped},
+      {"force_noise_max_n", noise},        {"seed", options.seed}, {"each", each}};
   if (auto done = writeText(json_path, json.dump(2) + "\n"); !done) return refuse(done.errors());
   const std::string plot = options.folder + "/grasping.svg";
   if (auto done = writeText(plot, slipPlot(tuned.results, jittered.results)); !done) {

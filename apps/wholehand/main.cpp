@@ -1,7 +1,3 @@
-#include <CLI/CLI.hpp>
-
-#include <cstdio>
-
 #include "doctor.hpp"
 #include "exit_code.hpp"
 #include "experiment_command.hpp"
@@ -14,12 +10,18 @@
 #include "shipped_files.hpp"
 #include "validate_command.hpp"
 
+#include <CLI/CLI.hpp>
+
+#include <csignal>
+#include <cstdio>
+
 namespace {
 
 using namespace wholehand;  // NOLINT(google-build-using-namespace): the program's own main
 
 void addRun(CLI::App& app, RunOptions& o, int& code) {
-  CLI::App* run = app.add_subcommand("run", "Play a motion: the simulated hand touches, the device feels");
+  CLI::App* run =
+      app.add_subcommand("run", "Play a motion: the simulated hand touches, the device feels");
   run->add_option("--scene", o.files.scene, "Scene file")->capture_default_str();
   run->add_option("--hand", o.files.hand, "Hand file")->capture_default_str();
   run->add_option("--device", o.files.device, "Device file")->capture_default_str();
@@ -27,10 +29,12 @@ void addRun(CLI::App& app, RunOptions& o, int& code) {
                   "Gains that go with the device (default: the file of the device's name)");
   run->add_option("--patient", o.files.patient, "Virtual patient")->capture_default_str();
   run->add_option("--motion", o.files.motion, "Recorded motion, CSV")->capture_default_str();
-  run->add_option("--engine", o.engine, "Physics engine")->check(CLI::IsMember({"bullet"}))
+  run->add_option("--engine", o.engine, "Physics engine")
+      ->check(CLI::IsMember({"bullet"}))
       ->capture_default_str();
   run->add_option("--rate-hz", o.rate_hz, "Ticks a second")
-      ->check(finiteBetween(100.0, 16000.0, "Hz"))->capture_default_str();
+      ->check(finiteBetween(100.0, 16000.0, "Hz"))
+      ->capture_default_str();
   run->add_option("--duration", o.duration_s, "Length of the run (default: the motion's)")
       ->check(finiteBetween(0.001, 86400.0, "s"));
   run->add_option("--record", o.record, "Write every tick to this HDF5 file");
@@ -47,17 +51,21 @@ void addRun(CLI::App& app, RunOptions& o, int& code) {
 }
 
 void addPicture(CLI::App& app, PictureOptions& o, int& code) {
-  CLI::App* picture = app.add_subcommand("picture", "Draw the hand and what it holds at a moment of a recording");
+  CLI::App* picture =
+      app.add_subcommand("picture", "Draw the hand and what it holds at a moment of a recording");
   picture->add_option("recording", o.recording, "HDF5 file")->required();
   picture->add_option("--out", o.png, "PNG file to write")->required();
   picture->add_option("--at", o.time_s, "Moment (default: that of the largest contact force)")
       ->check(finiteBetween(0.0, 1e9, "s"));
   picture->add_option("--azimuth", o.azimuth_deg, "Camera about z; 0 looks away from the person")
-      ->check(finiteBetween(-360.0, 360.0, "degrees"))->capture_default_str();
+      ->check(finiteBetween(-360.0, 360.0, "degrees"))
+      ->capture_default_str();
   picture->add_option("--elevation", o.elevation_deg, "Camera above the horizon")
-      ->check(finiteBetween(-89.0, 89.0, "degrees"))->capture_default_str();
+      ->check(finiteBetween(-89.0, 89.0, "degrees"))
+      ->capture_default_str();
   picture->add_option("--distance", o.distance_m, "Camera from the palm")
-      ->check(finiteBetween(0.1, 5.0, "m"))->capture_default_str();
+      ->check(finiteBetween(0.1, 5.0, "m"))
+      ->capture_default_str();
   picture->callback([&o, &code] { code = pictureCommand(o); });
 }
 
@@ -68,7 +76,8 @@ void addOthers(CLI::App& app, ReplayOptions& replay, ReportOptions& report,
   r->add_flag("--resimulate", replay.resimulate,
               "Run the recorded inputs again and compare bit by bit (exit code 1: they differ)");
   r->add_option("--speed", replay.speed, "How fast to play it back")
-      ->check(finiteBetween(0.01, 1000.0, "times"))->capture_default_str();
+      ->check(finiteBetween(0.01, 1000.0, "times"))
+      ->capture_default_str();
   r->callback([&] { code = replayCommand(replay); });
 
   CLI::App* p = app.add_subcommand("report", "Make a self-contained HTML page of a recording");
@@ -86,16 +95,19 @@ void addOthers(CLI::App& app, ReplayOptions& replay, ReportOptions& report,
         ->capture_default_str();
   }
   grasping->add_option("--jittered", experiment.jittered, "Number of jittered trials")
-      ->check(finiteBetween(0, 10000, ""))->capture_default_str();
+      ->check(finiteBetween(0, 10000, ""))
+      ->capture_default_str();
   grasping->add_option("--seed", experiment.seed, "Seed of the jitter")->capture_default_str();
   grasping->add_option("--only", experiment.only, "Only trials whose name contains this");
   timing->add_option("--ticks", experiment.ticks, "Number of ticks")
-      ->check(finiteBetween(1000, 1e8, "ticks"))->capture_default_str();
+      ->check(finiteBetween(1000, 1e8, "ticks"))
+      ->capture_default_str();
   timing->add_flag("--simulated-clock", experiment.simulated_clock, "As fast as it goes");
   grasping->callback([&] { code = graspingCommand(experiment); });
   timing->callback([&] { code = timingCommand(experiment); });
 
-  CLI::App* v = app.add_subcommand("validate", "Every fault of every file, with its place and remedy");
+  CLI::App* v =
+      app.add_subcommand("validate", "Every fault of every file, with its place and remedy");
   v->add_option("files", files, "TOML files, or a motion's CSV")->required();
   v->callback([&] { code = validateCommand(files); });
 
@@ -113,9 +125,11 @@ std::string unknownWord(const CLI::App& app, const CLI::ParseError& error) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_IGN);  // where nobody reads on, a run still ends with its ramp
   std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // in order with standard error, also into a file
-  CLI::App app{"Whole-hand haptic rendering on an off-the-shelf physics engine.\n"
-               "Research software, not a certified medical device."};
+  CLI::App app{
+      "Whole-hand haptic rendering on an off-the-shelf physics engine.\n"
+      "Research software, not a certified medical device."};
   app.set_version_flag("--version", std::string("wholehand ") + WHOLEHAND_VERSION);
   app.require_subcommand(1);
   app.option_defaults()->always_capture_default(false);
@@ -123,7 +137,8 @@ int main(int argc, char** argv) {
   RunOptions run;
   run.files = {shippedFile("config/scenes/four-shapes.toml"),
                shippedFile("config/hands/adult-median-right.toml"),
-               shippedFile("config/devices/lambda-pride.toml"), "",
+               shippedFile("config/devices/lambda-pride.toml"),
+               "",
                shippedFile("config/patients/relaxed-adult.toml"),
                shippedFile("data/human-motion/reach-grasp-00.csv")};
   ReplayOptions replay;
@@ -138,8 +153,10 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (const std::string word = unknownWord(app, error); !word.empty()) {
-      std::fprintf(stderr, "'%s' is no subcommand or option of this\nRun with --help for more information.\n",
-                   word.c_str());
+      std::fprintf(
+          stderr,
+          "'%s' is not a subcommand or option here\nRun with --help for more information.\n",
+          word.c_str());
       return kExitBadInput;
     }
     // CLI11 has a code of its own for every mistake; the shell gets one.

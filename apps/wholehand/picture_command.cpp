@@ -1,20 +1,21 @@
 #include "picture_command.hpp"
 
-#include <cmath>
-#include <cstdio>
-#include <numbers>
-
 #include "dynamics/articulated_body.hpp"
 #include "exit_code.hpp"
 #include "picture/picture.hpp"
 #include "resimulation.hpp"
 #include "telemetry/recording.hpp"
 
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
 namespace wholehand {
 namespace {
 
 constexpr double kDeg = std::numbers::pi / 180.0;
-constexpr double kPalmForward_m = 0.08;  // the palm frame is at the wrist; the picture is of the hand
+constexpr double kPalmForward_m =
+    0.08;  // the palm frame is at the wrist; the picture is of the hand
 
 double contactForce(const TickRecord& r) {
   double sum_n = 0.0;
@@ -62,8 +63,8 @@ int pictureCommand(const PictureOptions& options) {
   request.elevation_rad = options.elevation_deg * kDeg;
   const std::vector<BodyState> bodies(r.bodies.begin(), r.bodies.begin() + r.body_count);
   const std::vector<Contact> contacts(r.contacts.begin(), r.contacts.begin() + r.contact_count);
-  if (auto done = drawPicture(models->hand, models->scene, r.theta, bodies, contacts, request,
-                              options.png);
+  if (auto done =
+          drawPicture(models->hand, models->scene, r.theta, bodies, contacts, request, options.png);
       !done) {
     return refuse(done.errors());
   }

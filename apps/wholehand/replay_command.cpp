@@ -1,15 +1,15 @@
 #include "replay_command.hpp"
 
+#include "exit_code.hpp"
+#include "resimulation.hpp"
+#include "telemetry/recording.hpp"
+
 #include <fmt/format.h>
 
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <thread>
-
-#include "exit_code.hpp"
-#include "resimulation.hpp"
-#include "telemetry/recording.hpp"
 
 namespace wholehand {
 namespace {
@@ -48,7 +48,7 @@ int play(RecordingReader& recording, double speed) {
   TickRecord record;
   for (std::uint64_t i = 0; recording.read(i, record); i += step) {
     std::printf("%s\n", lineOf(record, meta).c_str());
-    std::fflush(stdout);
+    if (std::fflush(stdout) != 0) break;  // nobody reads on
     std::this_thread::sleep_for(std::chrono::duration<double>(kFrame_s / speed));
   }
   return kExitDone;

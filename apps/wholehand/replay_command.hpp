@@ -7,7 +7,7 @@ namespace wholehand {
 struct ReplayOptions {
   std::string recording;
   bool resimulate = false;
-  double speed = 1.0;   ///< of playing back; 1 is real time
+  double speed = 1.0;  ///< of playing back; 1 is real time
 };
 
 /// Plays a recording back in the terminal, or runs its inputs again and compares every re-simulated

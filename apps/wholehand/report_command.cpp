@@ -1,9 +1,9 @@
 #include "report_command.hpp"
 
-#include <cstdio>
-
 #include "exit_code.hpp"
 #include "report/report.hpp"
+
+#include <cstdio>
 
 namespace wholehand {
 

@@ -1,26 +1,29 @@
 #include "resimulation.hpp"
 
+#include "device/replay/replay_device.hpp"
+#include "model/toml_file.hpp"
+#include "runtime/session.hpp"
+
 #include <fmt/format.h>
 
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 
-#include "device/replay/replay_device.hpp"
-#include "model/toml_file.hpp"
-#include "runtime/session.hpp"
-
 namespace wholehand {
 namespace fs = std::filesystem;
 namespace {
 
-bool sameBits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+bool sameBits(double a, double b) {
+  return std::memcmp(&a, &b, sizeof a) == 0;
+}
 
 // Collects the first difference between two ticks.
 class Comparison {
  public:
   void check(const char* name, double a, double b) {
-    if (field.empty() && !sameBits(a, b)) set(name, fmt::format("{:.17g}", a), fmt::format("{:.17g}", b));
+    if (field.empty() && !sameBits(a, b))
+      set(name, fmt::format("{:.17g}", a), fmt::format("{:.17g}", b));
   }
   template <class Array>
   void checkArray(const char* name, const Array& a, const Array& b) {
@@ -86,7 +89,8 @@ Comparison compareTicks(const TickRecord& a, const TickRecord& b) {
   c.check("contact_count", a.contact_count, b.contact_count);
   c.check("contacts_dropped", a.contacts_dropped, b.contacts_dropped);
   if (!c.field.empty()) return c;
-  for (int i = 0; i < a.body_count; ++i) c.check(fmt::format("bodies[{}]", i), a.bodies[i], b.bodies[i]);
+  for (int i = 0; i < a.body_count; ++i)
+    c.check(fmt::format("bodies[{}]", i), a.bodies[i], b.bodies[i]);
   for (int i = 0; i < a.contact_count; ++i) {
     c.check(fmt::format("contacts[{}]", i), a.contacts[i], b.contacts[i]);
   }
@@ -119,7 +123,11 @@ Expected<ModelFiles> unpack(const RecordingMeta& meta, const fs::path& folder) {
     const fs::path path = (folder / name).lexically_normal();
     const fs::path inside = path.lexically_relative(folder);
     if (inside.empty() || *inside.begin() == "..") {
-      return Diagnostic{name, 0, "", "", "a file of the recording lies outside its folder",
+      return Diagnostic{name,
+                        0,
+                        "",
+                        "",
+                        "a file of the recording lies outside its folder",
                         "the recording was tampered with"};
     }
     std::error_code error;
@@ -174,8 +182,8 @@ Expected<Resimulation> resimulate(RecordingReader& recording) {
   options.period_s = recording.meta().period_s;
   options.engine = recording.meta().engine;
   options.uncertified = recording.meta().uncertified;
-  auto rig = buildRig(std::move(*models), std::make_unique<ReplayDevice>(readInputs(recording)),
-                      options);
+  auto rig =
+      buildRig(std::move(*models), std::make_unique<ReplayDevice>(readInputs(recording)), options);
   if (!rig) return rig.errors();
   flushDenormals();  // as the recorded thread did
   if (auto armed = (*rig)->renderer->arm(); !armed) return armed.errors();

@@ -1,12 +1,12 @@
 #pragma once
 
+#include "assembly/rig.hpp"
+#include "telemetry/recording.hpp"
+
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
-
-#include "assembly/rig.hpp"
-#include "telemetry/recording.hpp"
 
 namespace wholehand {
 

@@ -1,3 +1,13 @@
+#include "assembly/recorded_run.hpp"
+#include "assembly/rig.hpp"
+#include "assembly/text_file.hpp"
+#include "exit_code.hpp"
+#include "report/report.hpp"
+#include "run_options.hpp"
+#include "shipped_files.hpp"
+#include "status_line.hpp"
+#include "summary_json.hpp"
+
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
@@ -5,16 +15,6 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-
-#include "assembly/rig.hpp"
-#include "assembly/text_file.hpp"
-#include "exit_code.hpp"
-#include "assembly/recorded_run.hpp"
-#include "report/report.hpp"
-#include "run_options.hpp"
-#include "shipped_files.hpp"
-#include "status_line.hpp"
-#include "summary_json.hpp"
 
 namespace wholehand {
 namespace fs = std::filesystem;
@@ -26,8 +26,8 @@ constexpr double kRestWithoutMotion_s = 10.0;
 // With no output asked for, everything is kept in a folder of its own.
 void chooseOutputs(RunOptions& options) {
   if (options.record.empty() && options.report.empty() && options.json.empty()) {
-    const std::string folder = fmt::format(
-        "out/run-{:%Y%m%d-%H%M%S}", fmt::localtime(std::chrono::system_clock::now()));
+    const std::string folder =
+        fmt::format("out/run-{:%Y%m%d-%H%M%S}", fmt::localtime(std::chrono::system_clock::now()));
     options.record = folder + "/recording.h5";
     options.report = folder + "/report";
     options.json = folder + "/run.json";
@@ -64,8 +64,8 @@ Intention intentionOf(const Models& models) {
   }
   if (!models.motion) return Intention::throughWaypoints({{0.0, rest}});
   std::vector<std::string> sentences;
-  Intention intention = Intention::fromMotion(*models.motion, models.patient.motion, models.device,
-                                              rest, &sentences);
+  Intention intention =
+      Intention::fromMotion(*models.motion, models.patient.motion, models.device, rest, &sentences);
   for (const std::string& sentence : sentences) std::printf("  motion   %s\n", sentence.c_str());
   return intention;
 }
@@ -88,7 +88,7 @@ void printSetup(const SetupReport& setup) {
 void printSummary(const RunOptions& options, const Models& models, const RunOutcome& outcome) {
   const TickSummary& s = outcome.summary;
   std::printf("\n%s after %.2f s: %llu ticks, %llu deadlines missed\n",
-              outcome.faulted      ? "Stopped by a fault"
+              outcome.faulted       ? "Stopped by a fault"
               : outcome.interrupted ? "Interrupted"
                                     : "Done",
               s.time_s, static_cast<unsigned long long>(s.ticks),
@@ -121,9 +121,8 @@ int runCommand(RunOptions options) {
 
   printOpening(*models);
   Intention intention = intentionOf(*models);
-  const double length_s = intention.duration_s() > 0.0
-                              ? intention.duration_s() + kRestAfterMotion_s
-                              : kRestWithoutMotion_s;
+  const double length_s = intention.duration_s() > 0.0 ? intention.duration_s() + kRestAfterMotion_s
+                                                       : kRestWithoutMotion_s;
   const double duration_s = options.duration_s > 0.0 ? options.duration_s : length_s;
 
   RigOptions rig_options;
@@ -152,10 +151,12 @@ int runCommand(RunOptions options) {
 
   if (!options.json.empty()) {
     const auto json = summaryJson(models->device, *outcome);
-    if (auto done = writeText(options.json, json.dump(2) + "\n"); !done) return refuse(done.errors());
+    if (auto done = writeText(options.json, json.dump(2) + "\n"); !done)
+      return refuse(done.errors());
   }
   if (!options.report.empty()) {
-    if (auto done = writeReport(options.record, options.report); !done) return refuse(done.errors());
+    if (auto done = writeReport(options.record, options.report); !done)
+      return refuse(done.errors());
   }
   printSummary(options, *models, *outcome);
   return exitCodeOf(*outcome);

@@ -1,12 +1,12 @@
 #include "status_line.hpp"
 
+#include "realtime/monotonic_clock.hpp"
+
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <cstdio>
-
-#include "realtime/monotonic_clock.hpp"
+#include <unistd.h>
 
 namespace wholehand {
 namespace {
@@ -40,7 +40,8 @@ StatusLine::StatusLine(const DeviceModel& device)
 
 std::string StatusLine::text(const TickSummary& s, double rate_hz) const {
   return fmt::format(
-      "{:7.2f} s  {:5.0f} Hz  tick {:.0f}/{:.0f}/{:.0f} µs  missed {}  {} contacts  largest force {}",
+      "{:7.2f} s  {:5.0f} Hz  tick {:.0f}/{:.0f}/{:.0f} µs  missed {}  {} contacts  largest force "
+      "{}",
       s.time_s, rate_hz, s.cpu.p50_ns / 1e3, s.cpu.p99_ns / 1e3, s.cpu.p999_ns / 1e3,
       s.missed_deadlines, s.contacts, largestEffort(device_, s.max_effort));
 }

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <string>
-
 #include "core/tick_record.hpp"
 #include "model/device_model.hpp"
 #include "telemetry/statistics.hpp"
+
+#include <string>
 
 namespace wholehand {
 
@@ -29,7 +29,8 @@ class StatusLine {
   double next_run_s_ = 0.0;
 };
 
-/// The effort that uses the largest share of its limit, in words: "finger_flexion 7.31 N at the tip".
+/// The effort that uses the largest share of its limit, in words: "finger_flexion 7.31 N at the
+/// tip".
 [[nodiscard]] std::string largestEffort(const DeviceModel& device, const AxisEffort& effort);
 
 }  // namespace wholehand

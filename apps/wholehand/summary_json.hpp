@@ -1,9 +1,9 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
-
-#include "model/device_model.hpp"
 #include "assembly/recorded_run.hpp"
+#include "model/device_model.hpp"
+
+#include <nlohmann/json.hpp>
 
 namespace wholehand {
 

@@ -1,10 +1,3 @@
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cstdio>
-#include <filesystem>
-#include <nlohmann/json.hpp>
-
 #include "assembly/text_file.hpp"
 #include "exit_code.hpp"
 #include "experiment_command.hpp"
@@ -14,6 +7,13 @@
 #include "shipped_files.hpp"
 #include "status_line.hpp"
 #include "summary_json.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
 
 namespace wholehand {
 namespace fs = std::filesystem;
@@ -59,10 +59,10 @@ nlohmann::ordered_json timingJson(const TimingResult& r) {
 
 void print(const TimingResult& r) {
   const TickSummary& s = r.outcome.summary;
-  std::printf("%llu ticks, %llu deadlines missed, %llu allocations in the tick, %d grasps, %d releases\n",
-              static_cast<unsigned long long>(s.ticks),
-              static_cast<unsigned long long>(s.missed_deadlines),
-              static_cast<unsigned long long>(r.outcome.counters.allocations), r.grasps, r.releases);
+  std::printf(
+      "%llu ticks, %llu deadlines missed, %llu allocations in the tick, %d grasps, %d releases\n",
+      static_cast<unsigned long long>(s.ticks), static_cast<unsigned long long>(s.missed_deadlines),
+      static_cast<unsigned long long>(r.outcome.counters.allocations), r.grasps, r.releases);
   std::printf("%-16s %9s %9s %9s %9s\n", "µs", "p50", "p99", "p99.9", "max");
   const auto row = [](const char* name, const Percentiles& p) {
     std::printf("%-16s %9.1f %9.1f %9.1f %9.1f\n", name, p.p50_ns / 1e3, p.p99_ns / 1e3,
@@ -83,13 +83,14 @@ void print(const TimingResult& r) {
 int timingCommand(const ExperimentOptions& options) {
   std::error_code error;
   fs::create_directories(options.folder, error);
-  const std::string json_path = options.json.empty() ? options.folder + "/timing.json" : options.json;
+  const std::string json_path =
+      options.json.empty() ? options.folder + "/timing.json" : options.json;
   for (const std::string& path : {options.folder + "/timing.svg", json_path}) {
     if (auto writable = checkWritable(path); !writable) return refuse(writable.errors());
   }
   ModelFiles files;
-  for (std::string* file : {&files.scene, &files.hand, &files.device, &files.rendering,
-                            &files.patient}) {
+  for (std::string* file :
+       {&files.scene, &files.hand, &files.device, &files.rendering, &files.patient}) {
     *file = shippedFile(*file);
   }
   auto device = loadDeviceFile(files.device);
@@ -107,9 +108,10 @@ int timingCommand(const ExperimentOptions& options) {
     return refuse(done.errors());
   }
   const std::string plot = options.folder + "/timing.svg";
-  const std::string title = fmt::format("Time per tick on the wall clock, {} ticks",
-                                        result->outcome.summary.records);
-  if (auto done = writeText(plot, timePlot(result->wall_counts, result->outcome.summary.wall, title));
+  const std::string title =
+      fmt::format("Time per tick on the wall clock, {} ticks", result->outcome.summary.records);
+  if (auto done =
+          writeText(plot, timePlot(result->wall_counts, result->outcome.summary.wall, title));
       !done) {
     return refuse(done.errors());
   }

@@ -1,16 +1,16 @@
 #include "validate_command.hpp"
 
-#include <fmt/format.h>
-
-#include <cstdio>
-#include <filesystem>
-#include <map>
-
 #include "assembly/rig.hpp"
 #include "exit_code.hpp"
 #include "model/hand_file.hpp"
 #include "model/toml_file.hpp"
 #include "shipped_files.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <map>
 
 namespace wholehand {
 namespace fs = std::filesystem;
@@ -60,8 +60,8 @@ class Validation {
     return loaded.ok();
   }
 
-  // The device a file is meant for: of the same name among the arguments or beside it, else the only
-  // device among the arguments, else the shipped six-axis one.
+  // The device a file is meant for: of the same name among the arguments or beside it, else the
+  // only device among the arguments, else the shipped six-axis one.
   [[nodiscard]] std::string deviceFor(const std::string& file) const {
     const fs::path name = fs::path(file).filename();
     std::string only;
@@ -114,7 +114,8 @@ class Validation {
                            models.device.axes[a].name, gains.k_pm[a], gains.k_ps_per_s2[a],
                            gains.k_ds_per_s[a], gains.contact_scale[a]);
     }
-    return table + "    (σ: felt over simulated force at 1 kHz with the median hand; 1 is the truth)\n";
+    return table +
+           "    (σ: felt over simulated force at 1 kHz with the median hand; 1 is the truth)\n";
   }
 
   std::vector<std::pair<std::string, std::string>> kinds_;

@@ -1,11 +1,11 @@
 #include "assembly/models.hpp"
 
+#include "model/hand_file.hpp"
+
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <set>
-
-#include "model/hand_file.hpp"
 
 namespace wholehand {
 namespace fs = std::filesystem;

@@ -1,11 +1,5 @@
 #pragma once
 
-#include <map>
-#include <optional>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "core/expected.hpp"
 #include "model/device_model.hpp"
 #include "model/hand_model.hpp"
@@ -13,6 +7,12 @@
 #include "model/rendering_config.hpp"
 #include "model/scene_model.hpp"
 #include "patient/motion.hpp"
+
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace wholehand {
 

@@ -1,5 +1,10 @@
 #include "assembly/recorded_run.hpp"
 
+#include "git_version.hpp"
+#include "realtime/allocation_counter.hpp"
+#include "realtime/monotonic_clock.hpp"
+#include "telemetry/hub.hpp"
+
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
@@ -7,15 +12,10 @@
 #include <csignal>
 #include <thread>
 
-#include "git_version.hpp"
-#include "realtime/allocation_counter.hpp"
-#include "realtime/monotonic_clock.hpp"
-#include "telemetry/hub.hpp"
-
 namespace wholehand {
 namespace {
 
-std::atomic<Session*> g_session{nullptr};       // what Ctrl-C stops
+std::atomic<Session*> g_session{nullptr};  // what Ctrl-C stops
 std::atomic<bool> g_interrupted{false};
 
 void onInterrupt(int) {
@@ -69,7 +69,8 @@ RecordingMeta describe(const Rig& rig, const RunPlan& plan,
   for (double q : rig.renderer->armedPosition()) meta.armed_position.push_back(q);
   meta.joint_names = rig.models.hand.joint_names;
   for (const SceneBody& body : rig.models.scene.bodies) meta.body_names.push_back(body.name);
-  for (const Capsule& capsule : rig.models.hand.capsules) meta.capsule_names.push_back(capsule.name);
+  for (const Capsule& capsule : rig.models.hand.capsules)
+    meta.capsule_names.push_back(capsule.name);
   meta.files = std::move(files);
   return meta;
 }
@@ -145,8 +146,7 @@ Expected<RunOutcome> runAndRecord(Rig& rig, const RunPlan& plan) {
     if (writer) hub.record(*writer);
     hub.count(statistics);
     if (plan.sink) hub.add(plan.sink);
-    auto setup = runInRealTime(session, hub, statistics, rig.options.period_s,
-                               plan.status);
+    auto setup = runInRealTime(session, hub, statistics, rig.options.period_s, plan.status);
     if (!setup) return setup.errors();
     outcome.setup = *setup;
   }

@@ -1,13 +1,13 @@
 #pragma once
 
-#include <functional>
-#include <memory>
-#include <string>
-
 #include "assembly/rig.hpp"
 #include "runtime/session.hpp"
 #include "telemetry/recording.hpp"
 #include "telemetry/statistics.hpp"
+
+#include <functional>
+#include <memory>
+#include <string>
 
 namespace wholehand {
 
@@ -16,22 +16,22 @@ struct RunPlan {
   std::string title;
   std::uint64_t duration_ticks = 0;
   std::uint64_t seed = 0;
-  std::string record;                 ///< HDF5 file; empty: none
+  std::string record;  ///< HDF5 file; empty: none
   bool simulated_clock = false;
   std::function<void(const TickSummary&, double rate_hz)> status;  ///< told how it goes, often
   bool count_allocations = false;
-  std::function<void(const TickRecord&)> sink;   ///< sees every record, off the real-time thread
+  std::function<void(const TickRecord&)> sink;  ///< sees every record, off the real-time thread
 };
 
 /// What came of it.
 struct RunOutcome {
   TickSummary summary;
   SessionCounters counters;
-  std::uint64_t dropped_records = 0;   ///< the queue was full
-  std::uint64_t dropped_writes = 0;    ///< the disk was full
-  std::uint64_t written = 0;           ///< ticks in the recording
-  SetupReport setup;                   ///< what the machine granted the real-time thread
-  bool interrupted = false;            ///< by Ctrl-C
+  std::uint64_t dropped_records = 0;  ///< the queue was full
+  std::uint64_t dropped_writes = 0;   ///< the disk was full
+  std::uint64_t written = 0;          ///< ticks in the recording
+  SetupReport setup;                  ///< what the machine granted the real-time thread
+  bool interrupted = false;           ///< by Ctrl-C
   bool faulted = false;
 };
 

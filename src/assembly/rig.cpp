@@ -1,13 +1,13 @@
 #include "assembly/rig.hpp"
 
-#include <array>
-#include <cmath>
-
 #include "control/stability.hpp"
 #include "device/simulated/simulated_device.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "dynamics/synergy.hpp"
 #include "physics/bullet/bullet_world.hpp"
+
+#include <array>
+#include <cmath>
 
 namespace wholehand {
 namespace {
@@ -20,8 +20,8 @@ AxisMatrix reducedInertiaAt(const HandModel& hand, ArticulatedBody& body, const 
   return body.reducedInertia();
 }
 
-// Corners and middles of the ranges of the axes that change the hand's inertia. The inertia does not
-// depend on where the base is, so translations stay at rest.
+// Corners and middles of the ranges of the axes that change the hand's inertia. The inertia does
+// not depend on where the base is, so translations stay at rest.
 std::vector<AxisMatrix> sampleInertias(const HandModel& hand, const DeviceModel& device,
                                        ArticulatedBody& body) {
   std::vector<int> moving;
@@ -100,9 +100,9 @@ Expected<std::unique_ptr<Rig>> buildRig(Models models, std::unique_ptr<HapticDev
   if (!rig->world) {
     return Diagnostic{"", 0, "--engine", options.engine, "is not a known engine", "use bullet"};
   }
-  rig->renderer = std::make_unique<HapticRenderer>(
-      *rig->device, *rig->world, rig->models.hand,
-      rendererConfig(rig->models, rig->gains, options.period_s));
+  rig->renderer =
+      std::make_unique<HapticRenderer>(*rig->device, *rig->world, rig->models.hand,
+                                       rendererConfig(rig->models, rig->gains, options.period_s));
   return rig;
 }
 

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <memory>
-
 #include "assembly/models.hpp"
 #include "control/coupling_gains.hpp"
 #include "device/haptic_device.hpp"
@@ -9,12 +7,14 @@
 #include "physics/physics_world.hpp"
 #include "renderer/haptic_renderer.hpp"
 
+#include <memory>
+
 namespace wholehand {
 
 struct RigOptions {
   double period_s = 1e-3;
   std::string engine = "bullet";
-  bool uncertified = false;   ///< allow gains that the stability check refuses
+  bool uncertified = false;  ///< allow gains that the stability check refuses
 };
 
 /// A renderer with everything it needs, built from models: the device (simulated unless one is
@@ -23,7 +23,7 @@ struct Rig {
   Models models;
   RigOptions options;
   CouplingGains gains;
-  Diagnostics refused;        ///< what the stability check said; not empty only with `uncertified`
+  Diagnostics refused;  ///< what the stability check said; not empty only with `uncertified`
   std::unique_ptr<HapticDevice> device;
   std::unique_ptr<PhysicsWorld> world;
   std::unique_ptr<HapticRenderer> renderer;

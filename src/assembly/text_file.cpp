@@ -1,18 +1,21 @@
 #include "assembly/text_file.hpp"
 
-#include <unistd.h>
-
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <unistd.h>
 
 namespace wholehand {
 namespace fs = std::filesystem;
 namespace {
 
 Diagnostic unwritable(const fs::path& path, const std::string& why) {
-  return {path.string(), 0, "", "", "cannot be written: " + why,
+  return {path.string(),
+          0,
+          "",
+          "",
+          "cannot be written: " + why,
           "choose a folder that exists and that you may write to"};
 }
 
@@ -39,7 +42,8 @@ Expected<Done> writeText(const std::string& path, const std::string& text) {
 Expected<Done> checkWritable(const std::string& path) {
   const fs::path folder = fs::absolute(path).parent_path();
   std::error_code error;
-  if (!fs::is_directory(folder, error)) return unwritable(path, "there is no folder " + folder.string());
+  if (!fs::is_directory(folder, error))
+    return unwritable(path, "there is no folder " + folder.string());
   if (fs::is_directory(path, error)) return unwritable(path, "it is a folder");
   if (access(folder.c_str(), W_OK) != 0) return unwritable(path, std::strerror(errno));
   return Done{};

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <string>
-
 #include "core/expected.hpp"
+
+#include <string>
 
 namespace wholehand {
 

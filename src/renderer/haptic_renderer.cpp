@@ -1,9 +1,9 @@
 #include "renderer/haptic_renderer.hpp"
 
-#include <algorithm>
-
 #include "control/bilateral_coupling.hpp"
 #include "safety/force_limiter.hpp"
+
+#include <algorithm>
 
 namespace wholehand {
 namespace {
@@ -44,7 +44,9 @@ Expected<Done> HapticRenderer::arm() {
   return Done{};
 }
 
-bool HapticRenderer::atNeutral() const noexcept { return ramp_.phase == RampPhase::kNeutral; }
+bool HapticRenderer::atNeutral() const noexcept {
+  return ramp_.phase == RampPhase::kNeutral;
+}
 
 void HapticRenderer::tick(std::uint32_t elapsed_periods, TickRecord& record,
                           StageListener* stages) noexcept {

@@ -1,9 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
-
-#include <atomic>
-
 #include "control/adaptive_damping.hpp"
 #include "control/coupling_gains.hpp"
 #include "control/velocity_estimator.hpp"
@@ -17,15 +13,19 @@
 #include "renderer/stage_listener.hpp"
 #include "safety/neutral_ramp.hpp"
 
+#include <Eigen/Core>
+
+#include <atomic>
+
 namespace wholehand {
 
 /// What the tick needs to know, resolved before arming and immutable from then on.
 struct RendererConfig {
-  double period_s = 1e-3;             ///< T
+  double period_s = 1e-3;  ///< T
   CouplingGains gains;
   AdaptiveDampingConfig damping;
-  AxisEffort effort_limit;            ///< of the device file [N or N·m]
-  AxisEffort neutral;                 ///< carries the device's own weight [N or N·m]
+  AxisEffort effort_limit;  ///< of the device file [N or N·m]
+  AxisEffort neutral;       ///< carries the device's own weight [N or N·m]
   NeutralRampConfig ramp;
   Eigen::Vector3d gravity_m_s2{0.0, 0.0, -9.81};
 };
@@ -78,7 +78,7 @@ class HapticRenderer {
   VelocityState velocity_;
   AdaptiveDampingState damping_;
   NeutralRampState ramp_;
-  Fault latched_ = Fault::kNone;   ///< a stopping fault stays until armed again
+  Fault latched_ = Fault::kNone;  ///< a stopping fault stays until armed again
   std::atomic<bool> stop_requested_{false};
 };
 

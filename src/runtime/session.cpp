@@ -27,7 +27,9 @@ Expected<SetupReport> Session::start(const PeriodicThreadConfig& thread) {
   return thread_->start();
 }
 
-bool Session::running() const { return thread_ != nullptr && thread_->running(); }
+bool Session::running() const {
+  return thread_ != nullptr && thread_->running();
+}
 
 void Session::join() {
   if (thread_ != nullptr) thread_->join();

@@ -1,30 +1,30 @@
 #pragma once
 
-#include <atomic>
-#include <cstdint>
-#include <functional>
-#include <limits>
-#include <memory>
-
 #include "core/tick_record.hpp"
 #include "realtime/periodic_thread.hpp"
 #include "realtime/spsc_queue.hpp"
 #include "realtime/stage_clock.hpp"
 #include "renderer/haptic_renderer.hpp"
 
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+
 namespace wholehand {
 
 struct SessionConfig {
   std::uint64_t duration_ticks = std::numeric_limits<std::uint64_t>::max();  ///< then ramp down
-  std::size_t queue_ticks = 4096;   ///< records the queue holds, four seconds at 1 kHz
+  std::size_t queue_ticks = 4096;  ///< records the queue holds, four seconds at 1 kHz
   /// Allocations of the calling thread so far (realtime/allocation_counter.hpp); null: not counted.
   std::uint64_t (*count_allocations)() noexcept = nullptr;
 };
 
 /// What the real-time side counts for itself, beside the records.
 struct SessionCounters {
-  std::uint64_t ticks_run = 0;          ///< tick() calls
-  std::uint64_t allocations = 0;        ///< inside tick(), when counted
+  std::uint64_t ticks_run = 0;    ///< tick() calls
+  std::uint64_t allocations = 0;  ///< inside tick(), when counted
 };
 
 /// Runs a renderer, tick after tick, until its time is over, it is asked to stop, or a fault has
@@ -64,7 +64,7 @@ class Session {
   SpscQueue<TickRecord> queue_;
   std::unique_ptr<PeriodicThread> thread_;
   StageClock clock_;
-  TickRecord record_;          ///< reused: the tick's own copy
+  TickRecord record_;  ///< reused: the tick's own copy
   std::uint64_t next_tick_ = 0;
   SessionCounters counters_;
 };

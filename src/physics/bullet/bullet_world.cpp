@@ -177,8 +177,7 @@ Diagnostics BulletWorld::Engine::overlaps() {
     Diagnostic d{scene_path, 0, "bodies." + body_names[i], "", "", ""};
     char problem[160];
     std::snprintf(problem, sizeof problem, "starts %.1f mm inside the hand (its %s)",
-                  deepest[i].depth_m * 1e3,
-                  hand_model.capsules[deepest[i].capsule].name.c_str());
+                  deepest[i].depth_m * 1e3, hand_model.capsules[deepest[i].capsule].name.c_str());
     d.problem = problem;
     d.remedy = "move the body, or let the motion start elsewhere";
     errors.push_back(std::move(d));

@@ -70,8 +70,8 @@ class ReducedContactSolver final : public btMultiBodyConstraintSolver {
   [[nodiscard]] const HandContact& contact(int i) const { return contacts_[i]; }
   /// Contact points that did not fit in the last step.
   [[nodiscard]] int dropped() const { return dropped_; }
-  /// Forgets the contacts of the last step. Bullet calls the solver more than once a step; each call
-  /// adds its own.
+  /// Forgets the contacts of the last step. Bullet calls the solver more than once a step; each
+  /// call adds its own.
   void beginStep() {
     contact_count_ = 0;
     dropped_ = 0;
@@ -107,7 +107,7 @@ class ReducedContactSolver final : public btMultiBodyConstraintSolver {
   const ArticulatedBody* kinematics_ = nullptr;
   const AxisMatrix* inverse_ = nullptr;
   std::vector<HandContact> contacts_;  ///< fixed size; the first contact_count_ are in use
-  int first_contact_ = 0;               ///< of the present call
+  int first_contact_ = 0;              ///< of the present call
   int contact_count_ = 0;
   int dropped_ = 0;
   std::array<double, kMaxAxes> velocity_{};  ///< q̇_s before the contacts, external forces applied
