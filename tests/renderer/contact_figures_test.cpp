@@ -1,0 +1,183 @@
+// What contact feels like through the whole renderer, against closed forms.
+#include "support/rig_tools.hpp"
+#include "support/tolerance.hpp"
+
+#include <cmath>
+#include <numeric>
+
+namespace wholehand::test {
+namespace {
+
+const Capsule& capsuleNamed(const HandModel& hand, const std::string& name) {
+  for (const Capsule& c : hand.capsules) {
+    if (c.name == name) return c;
+  }
+  throw std::runtime_error("no capsule " + name);
+}
+
+TEST(FingertipForce, OneAxisFingerOnAFixedBall_DoesTheVirtualWorkOfTheEffort) {
+  Models m = load(shippedFiles());
+  keepAxes(m, {"finger_flexion"});
+  const Capsule tip = capsuleNamed(m.hand, "index_distal");
+  const AxisPosition met(1, 1.2), open(1, 0.3), pressed(1, 1.6);
+  m.scene.bodies = {ball(handAt(m.hand, met).linkPose(tip.link) * tip.b_m, 0.004, 0.0)};
+  const auto rig = buildScripted(m, moveAndHold(open, pressed, 800));
+  ASSERT_TRUE(rig->renderer->arm());
+  const auto last = runTicks(*rig->renderer, 2500);
+
+  ASSERT_GE(last->contact_count, 1);
+  for (int i = 0; i < last->contact_count; ++i) {
+    EXPECT_EQ(rig->models.hand.capsules[last->contacts[i].capsule].name, "index_distal");
+  }
+  EXPECT_LT(last->q_s[0], 1.2);
+  // At rest the virtual work of the contact forces is that of the effort that drives the avatar.
+  const AxisEffort work = virtualWork(rig->models.hand, last->q_s, *last);
+  const double error = std::abs(work[0] + last->f_s[0]) / std::abs(last->f_s[0]);
+  figure("fingertip force against virtual work", error * 100.0, "%");
+  EXPECT_LE(error, tolerance(0.02));
+  // Eq. (2) and (3) at rest: what the person feels is the same effort, scaled by
+  // σ = K_pm / (K_ps M̃) at this posture.
+  ArticulatedBody body(rig->models.hand);
+  ASSERT_TRUE(body.update(last->theta, JointVelocity(rig->models.hand.joint_count),
+                          Eigen::Vector3d::Zero()));
+  const double sigma =
+      rig->gains.k_pm[0] / (rig->gains.k_ps_per_s2[0] * body.reducedInertia()(0, 0));
+  EXPECT_NEAR(last->coupling[0], sigma * work[0], tolerance(0.02) * std::abs(sigma * work[0]));
+}
+
+/// Which way a hand with locked joints is pushed against a wall.
+class FixedContact : public testing::TestWithParam<std::pair<int, int>> {};
+
+TEST_P(FixedContact, FeltForceAtRest_IsStiffnessTimesPenetration) {
+  const auto [axis, sign] = GetParam();
+  constexpr double kGap_m = 0.02, kPenetration_m = 0.005;
+  Models m = load(shippedFiles("desktop-3axis"));
+  const Eigen::Vector3d along = sign * Eigen::Vector3d::Unit(axis);
+  m.scene.bodies = {wall(along, reach(m.hand, AxisPosition(3), along) + kGap_m)};
+  AxisPosition pressed(3);
+  pressed[axis] = sign * (kGap_m + kPenetration_m);
+  const auto rig = buildScripted(m, moveAndHold(AxisPosition(3), pressed, 600));
+  ASSERT_TRUE(rig->renderer->arm());
+  const auto last = runTicks(*rig->renderer, 2500);
+
+  // K_pm times how far the device is past the place where the hand's surface meets the wall, a
+  // length that comes from geometry alone.
+  const double expected = -sign * rig->models.rendering.axes[axis].k_pm * kPenetration_m;
+  const double error = std::abs(last->sent[axis] - expected) / std::abs(expected);
+  figure(std::string("fixed contact, felt force against K penetration, ") + (sign > 0 ? "+" : "-") +
+             "xyz"[axis],
+         error * 100.0, "%");
+  EXPECT_LE(error, tolerance(0.01));
+  // σ = 1 on a translation: the wall pushes as hard as the person is pushed.
+  Eigen::Vector3d wall_n = Eigen::Vector3d::Zero();
+  for (int i = 0; i < last->contact_count; ++i) wall_n += last->contacts[i].force_n.eigen();
+  EXPECT_NEAR(wall_n[axis], last->sent[axis], tolerance(0.01) * std::abs(expected));
+}
+INSTANTIATE_TEST_SUITE_P(AllSides, FixedContact,
+                         testing::Values(std::pair{0, 1}, std::pair{0, -1}, std::pair{1, 1},
+                                         std::pair{1, -1}, std::pair{2, 1}, std::pair{2, -1}),
+                         [](const auto& tested) {
+                           return std::string(tested.param.second > 0 ? "Plus" : "Minus") +
+                                  "XYZ"[tested.param.first];
+                         });
+
+// ---- largest stable stiffness
+
+/// The test rig: 0.5 kg and 1 N·s/m on one axis by their exact solution, one tick of output
+/// delay, a constant push of 3 N and a knock; 20 N·s/m more until it rests. All other axes stand.
+class StiffnessRig final : public HapticDevice {
+ public:
+  StiffnessRig(AxisPosition start, int axis, int sign, double period_s)
+      : q_(start), axis_(axis), sign_(sign), period_s_(period_s) {}
+  [[nodiscard]] Expected<Done> open() override { return Done{}; }
+  [[nodiscard]] Fault read(DeviceReading& reading, int) noexcept override {
+    if (reads_++ > 0) advance();
+    reading.q_m = q_;
+    return Fault::kNone;
+  }
+  [[nodiscard]] Fault write(const AxisEffort& effort) noexcept override {
+    written_n_ = effort[axis_];
+    return Fault::kNone;
+  }
+  void close() noexcept override {}
+  [[nodiscard]] double velocity() const { return v_; }
+
+  static constexpr double kSettled_s = 1.5, kKnock_s = 2.0, kKnockEnds_s = 2.02;
+  static constexpr double kMass_kg = 0.5, kDamping_n_s_m = 1.0;
+
+ private:
+  void advance() {
+    const double t = (reads_ - 2) * period_s_;
+    const double b = kDamping_n_s_m + (t < kSettled_s ? 20.0 : 0.0);
+    const double knock = t >= kKnock_s && t < kKnockEnds_s ? 0.5 : 0.0;
+    const double force = sign_ * (3.0 + knock) + acting_n_;
+    acting_n_ = written_n_;  // what was written a tick ago acts from now on
+    const double decay = std::exp(-b / kMass_kg * period_s_), drift = force / b;
+    q_[axis_] += drift * period_s_ + (v_ - drift) * kMass_kg / b * (1.0 - decay);
+    v_ = drift + (v_ - drift) * decay;
+  }
+
+  AxisPosition q_;
+  int axis_, sign_;
+  double period_s_, v_ = 0.0, acting_n_ = 0.0, written_n_ = 0.0;
+  int reads_ = 0;
+};
+
+/// Growth of the device's oscillation after a knock: below 1 it dies away.
+double growth(double stiffness_n_m, double rate_hz) {
+  const double period_s = 1.0 / rate_hz;
+  Models m = load(shippedFiles());
+  const int y = m.device.axisIndex("y");
+  m.device.axes[y].effort_limit = 1e6;  // limits off
+  AxisRendering& gains = m.rendering.axes[y];
+  gains.k_pm = stiffness_n_m;
+  gains.k_ps_per_s2 = 1e4;
+  gains.gamma = gains.k_dm = 0.0;
+  AxisPosition start(m.device.axisCount());
+  start[m.device.axisIndex("finger_flexion")] = 1.0;  // the back of the hand alone meets the box
+  const Eigen::Vector3d backwards = -Eigen::Vector3d::UnitY();
+  m.scene.bodies = {wall(backwards, reach(m.hand, start, backwards) + 0.004)};
+  RigOptions options;
+  options.period_s = period_s;
+  options.uncertified = true;
+  auto device = std::make_unique<StiffnessRig>(start, y, -1, period_s);
+  const StiffnessRig& rig_device = *device;
+  const auto rig = build(std::move(m), std::move(device), options);
+  if (!rig->renderer->arm()) throw std::runtime_error("not armed");
+  double early = 0.0, late = 0.0;
+  runTicks(*rig->renderer, static_cast<int>(4.0 * rate_hz), [&](const TickRecord& r) {
+    const double v2 = rig_device.velocity() * rig_device.velocity();
+    if (r.time_s > 2.1 && r.time_s <= 2.6) early += v2;
+    if (r.time_s > 3.5) late += v2;
+  });
+  return std::sqrt(late / early);
+}
+
+class LargestStableStiffness : public testing::TestWithParam<double> {};
+
+TEST_P(LargestStableStiffness, AgainstAFixedBox_IsNearTheLoopsOwnLimit) {
+  const double rate_hz = GetParam();
+  if (rate_hz == 2000.0 && cases(1) == 1) GTEST_SKIP() << "1 and 4 kHz stand for it; see --full";
+  // K < b / (T (½ + n)) with n = 1 tick of delay, the sampled-data limit of a rigid contact.
+  const double bound_n_m = StiffnessRig::kDamping_n_s_m * rate_hz / 1.5;
+  double stable = 0.9, unstable = 1.3;
+  ASSERT_LT(growth(stable * bound_n_m, rate_hz), 1.0);
+  for (int i = 0; i < 4; ++i) {
+    const double middle = 0.5 * (stable + unstable);
+    (growth(middle * bound_n_m, rate_hz) < 1.0 ? stable : unstable) = middle;
+  }
+  figure("largest stable stiffness at " + std::to_string(static_cast<int>(rate_hz)) + " Hz",
+         stable * bound_n_m, "N/m");
+  figure("share of b/(1.5 T) at " + std::to_string(static_cast<int>(rate_hz)) + " Hz",
+         stable * 100.0, "%");
+  EXPECT_GE(stable, 0.9);
+  // The test can tell: well beyond the limit the oscillation does grow.
+  EXPECT_GT(growth(1.3 * bound_n_m, rate_hz), 1.0);
+}
+INSTANTIATE_TEST_SUITE_P(Rates, LargestStableStiffness, testing::Values(1000.0, 2000.0, 4000.0),
+                         [](const auto& tested) {
+                           return std::to_string(static_cast<int>(tested.param)) + "Hz";
+                         });
+
+}  // namespace
+}  // namespace wholehand::test
