@@ -1,52 +1,23 @@
 #include "report/svg_plot.hpp"
 
-#include "report/html_text.hpp"
 #include "report/plot_scale.hpp"
+#include "report/svg_text.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 namespace wholehand {
 namespace {
 
-constexpr double kTitlePx = 16.0, kHeadsPx = 34.0, kNumbersPx = 20.0, kFontPx = 12.0;
-/// Width of an average letter as a share of the font size, for placing words side by side.
-constexpr double kLetter = 0.56;
-
-/// A pixel coordinate; one decimal is finer than any screen shows.
-std::string px(double value) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.1f", std::clamp(value, -1e5, 1e5));
-  return text.data();
-}
-
-std::string attribute(const char* name, const std::string& value) {
-  return std::string(" ") + name + "=\"" + escapeHtml(value) + "\"";
-}
-
-std::string segment(double x1, double y1, double x2, double y2, const std::string& color,
-                    double width, const std::string& dash = {}) {
-  return "<path d=\"M" + px(x1) + " " + px(y1) + "L" + px(x2) + " " + px(y2) + "\"" +
-         attribute("stroke", color) + " stroke-width=\"" + px(width) + "\"" +
-         (dash.empty() ? "" : attribute("stroke-dasharray", dash)) + "/>";
-}
-
-std::string words(double x, double y, const std::string& text, const char* anchor,
-                  const std::string& color, int weight = 400, double size = kFontPx,
-                  const char* extra = "") {
-  return "<text x=\"" + px(x) + "\" y=\"" + px(y) + "\" text-anchor=\"" + anchor + "\"" +
-         attribute("fill", color) + " font-weight=\"" + std::to_string(weight) + "\" font-size=\"" +
-         px(size) + "\"" + extra + ">" + escapeHtml(text) + "</text>";
-}
-
-std::string opening(int width, int height, const std::string& title) {
-  const std::string w = std::to_string(width), h = std::to_string(height);
-  return "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + w + "\" height=\"" + h +
-         "\" viewBox=\"0 0 " + w + " " + h + "\" role=\"img\"" + attribute("aria-label", title) +
-         attribute("font-family", kPlotFont) + ">";
-}
+constexpr double kTitlePx = 16.0, kHeadsPx = 34.0, kNumbersPx = 20.0;
+using svg::attribute;
+using svg::kFontPx;
+using svg::kLetter;
+using svg::opening;
+using svg::px;
+using svg::segment;
+using svg::words;
 
 struct Range {
   double low = std::numeric_limits<double>::infinity();
@@ -219,59 +190,6 @@ std::string linePlot(const LinePlot& plot) {
   if (plot.mark_heads) out += drawHeads(plot, f, x);
   for (const PlotLine& line : plot.lines) out += drawLine(line, x, y);
   out += drawNames(plot, f, y);
-  return out + "</svg>\n";
-}
-
-std::string histogramPlot(const HistogramPlot& plot) {
-  const double left = 34.0, right = plot.width_px - 2.0;
-  const double bottom = plot.height_px - kNumbersPx;
-  const double top = plot.title.empty() ? 8.0 : kTitlePx + 8.0;
-  std::uint64_t most = 1;
-  for (const std::uint64_t c : plot.counts) most = std::max(most, c);
-  // Room above the bars for the names of the marks.
-  const double most_shown = static_cast<double>(most) * 8.0;
-  const PlotScale x(plot.x_min, plot.x_max, left, right);
-  // From 0.7, so that a bin that holds one tick is seen.
-  const PlotScale y(0.7, most_shown, bottom, top, true);
-  std::string out = opening(plot.width_px, plot.height_px, plot.title);
-  if (!plot.title.empty()) out += words(left, 11.0, plot.title, "start", kPlotInk, 650);
-  for (const double v : decadeTicks(0.7, most_shown, 4)) {
-    out += segment(left, y.px(v), right, y.px(v), kPlotRule, 0.7);
-    out += words(left - 6.0, y.px(v) + 4.0, decadeText(v), "end", kPlotInk2);
-  }
-  const double step =
-      (right - left) / static_cast<double>(std::max<std::size_t>(1, plot.counts.size()));
-  for (std::size_t i = 0; i < plot.counts.size(); ++i) {
-    if (plot.counts[i] == 0) continue;
-    const double at = y.px(static_cast<double>(plot.counts[i]));
-    out += "<rect x=\"" + px(left + static_cast<double>(i) * step) + "\" y=\"" + px(at) +
-           "\" width=\"" + px(std::max(0.5, step - 0.5)) + "\" height=\"" + px(bottom - at) +
-           "\" fill=\"#6F675F\"/>";
-  }
-  out += segment(left, bottom, right, bottom, kPlotInk, 1.0);
-  double row = top + 12.0;
-  for (const PlotMark& mark : plot.marks) {
-    const double at = std::clamp(x.px(mark.x), left, right);
-    const double width = static_cast<double>(mark.label.size()) * kLetter * kFontPx;
-    const bool before = at + 5.0 + width > right;  // no room to the right
-    out += segment(at, row - 8.0, at, bottom, kPlotInk, 1.0, "3 2.5");
-    // A white halo keeps the word readable where it crosses a line or a bar.
-    out += words(before ? at - 5.0 : at + 5.0, row, mark.label, before ? "end" : "start", kPlotInk,
-                 650, kFontPx, " paint-order=\"stroke\" stroke=\"#FFFFFF\" stroke-width=\"4\"");
-    row += 15.0;
-  }
-  if (std::isfinite(plot.deadline)) {
-    const double at = x.px(plot.deadline);
-    out += segment(at, 0.0, at, bottom, kPlotBad, 2.0);
-    out += words(at - 6.0, 10.0, plot.deadline_label, "end", kPlotBad, 650);
-  }
-  const auto numbers = niceTicks(plot.x_min, plot.x_max, 6);
-  for (const double v : numbers) {
-    const bool last = v == numbers.back();
-    out +=
-        words(x.px(v), plot.height_px - 5.0, tickText(v, numbers) + (last ? " " + plot.x_unit : ""),
-              v == plot.x_min ? "start" : (x.px(v) > right - 20.0 ? "end" : "middle"), kPlotInk2);
-  }
   return out + "</svg>\n";
 }
 
