@@ -13,11 +13,12 @@ namespace {
 
 constexpr double kDeg = std::numbers::pi / 180.0;
 constexpr double kSway_m = 0.03;
-constexpr double kHolding_n = 1.0;
+constexpr double kHolding_n = 5.0;    // a grasp; the swinging thumb brushes with less than 1 N
+constexpr double kReleased_n = 1.0;
 
 GraspTrial cylinder() {
   for (const GraspTrial& trial : tunedTrials()) {
-    if (trial.shape == "cylinder" && !trial.gravity) return trial;
+    if (trial.shape == "cylinder" && trial.gravity) return trial;
   }
   return {};
 }
@@ -86,7 +87,7 @@ class Observer {
     if (!holding_ && grip_n > kHolding_n) {
       holding_ = true;
       ++result_.grasps;
-    } else if (holding_ && r.contact_count == 0) {
+    } else if (holding_ && grip_n < kReleased_n) {
       holding_ = false;
       ++result_.releases;
     }

@@ -23,8 +23,8 @@ struct TimingResult {
   RunOutcome outcome;
   std::vector<std::uint64_t> wall_counts;  ///< ticks per bin of kTimingBin_us, wall clock
   std::vector<std::uint64_t> cpu_counts;   ///< the same of CPU time
-  int grasps = 0;                          ///< times the grip went from nothing to above 1 N
-  int releases = 0;                        ///< times it went back to nothing
+  int grasps = 0;                          ///< times the grip rose above 5 N
+  int releases = 0;                        ///< times it fell below 1 N again
   std::vector<double> joint_travel;        ///< range of every joint [m or rad]
 };
 

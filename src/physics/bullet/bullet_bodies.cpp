@@ -87,9 +87,8 @@ SceneBodyInBullet makeBody(const SceneBody& body, int index) {
   btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, out.shapes.back().get(),
                                                 body.fixed ? btVector3(0, 0, 0) : moments);
   out.rigid = std::make_unique<btRigidBody>(info);
-  const btTransform start = toBt(body.pose * out.from_body);
-  out.rigid->setWorldTransform(start);
-  out.rigid->setInterpolationWorldTransform(start);
+  out.start = toBt(body.pose * out.from_body);
+  out.putAtStart();
   out.rigid->setUserIndex(index);
   // Bullet multiplies the two coefficients of a pair; the roots make equal pairs come out true.
   out.rigid->setFriction(std::sqrt(body.friction));
@@ -98,6 +97,16 @@ SceneBodyInBullet makeBody(const SceneBody& body, int index) {
   out.rigid->setCollisionFlags(out.rigid->getCollisionFlags() |
                                btCollisionObject::CF_HAS_FRICTION_ANCHOR);
   return out;
+}
+
+void SceneBodyInBullet::putAtStart() {
+  rigid->setWorldTransform(start);
+  rigid->setInterpolationWorldTransform(start);
+  rigid->setLinearVelocity(btVector3(0, 0, 0));
+  rigid->setAngularVelocity(btVector3(0, 0, 0));
+  rigid->setInterpolationLinearVelocity(btVector3(0, 0, 0));
+  rigid->setInterpolationAngularVelocity(btVector3(0, 0, 0));
+  rigid->clearForces();
 }
 
 BodyState stateOf(const SceneBodyInBullet& body) noexcept {

@@ -16,6 +16,10 @@ struct SceneBodyInBullet {
   std::vector<std::unique_ptr<btCollisionShape>> shapes;  ///< the last is the body's own
   std::unique_ptr<btRigidBody> rigid;
   Pose from_body;
+  btTransform start;  ///< of Bullet's frame
+
+  /// Back to the starting pose, at rest.
+  void putAtStart();
 };
 
 /// Builds a body at its starting pose. `index` becomes its user index.

@@ -42,6 +42,7 @@ struct BulletWorld::Engine {
   void rehearse();
   void rehearsePairs();
   void rehearseManifolds();
+  void rehearseStep();
   void setHand(const JointPosition& theta, const double* theta_dot) noexcept;
   Diagnostics overlaps();
 
@@ -112,6 +113,7 @@ void BulletWorld::Engine::configure(const SceneModel& scene, const BulletSetting
 void BulletWorld::Engine::rehearse() {
   rehearsePairs();
   rehearseManifolds();
+  rehearseStep();
 }
 
 // Bullet's arrays grow when they first need to. Every capsule near every body at once is the worst
@@ -144,6 +146,19 @@ void BulletWorld::Engine::rehearseManifolds() {
     }
   }
   for (btPersistentManifold* manifold : manifolds) dispatcher.releaseManifold(manifold);
+}
+
+// One step of a microsecond, then everything is put back as it was.
+void BulletWorld::Engine::rehearseStep() {
+  AxisMatrix no_motion = AxisMatrix::Zero(hand_model.axis_count, hand_model.axis_count);
+  solver.beginStep();
+  solver.setReducedInertiaInverse(&no_motion);
+  world.stepSimulation(1e-6, 0);
+  solver.beginStep();
+  for (bullet::SceneBodyInBullet& body : bodies) body.putAtStart();
+  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
+    dispatcher.getManifoldByIndexInternal(m)->clearManifold();
+  }
 }
 
 void BulletWorld::Engine::setHand(const JointPosition& theta, const double* theta_dot) noexcept {
