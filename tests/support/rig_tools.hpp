@@ -51,7 +51,9 @@ inline ModelFiles shippedFiles(const std::string& device = "lambda-pride",
   return files;
 }
 
-inline Models load(const ModelFiles& files) { return orThrow(loadModels(files)); }
+inline Models load(const ModelFiles& files) {
+  return orThrow(loadModels(files));
+}
 
 /// Takes every other axis off the device; the joints they drove are locked.
 inline void keepAxes(Models& m, const std::vector<std::string>& names) {
@@ -105,8 +107,8 @@ inline double reach(const HandModel& hand, const AxisPosition& q_s, const Eigen:
   double furthest_m = -std::numeric_limits<double>::infinity();
   for (const Capsule& c : hand.capsules) {
     const Pose& at = body.linkPose(c.link);
-    furthest_m = std::max({furthest_m, along.dot(at * c.a_m) + c.radius_m,
-                           along.dot(at * c.b_m) + c.radius_m});
+    furthest_m = std::max(
+        {furthest_m, along.dot(at * c.a_m) + c.radius_m, along.dot(at * c.b_m) + c.radius_m});
   }
   return furthest_m;
 }
