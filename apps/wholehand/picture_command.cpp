@@ -47,7 +47,7 @@ bool findMoment(RecordingReader& recording, double time_s, TickRecord& found) {
 int pictureCommand(const PictureOptions& options) {
   auto recording = RecordingReader::open(options.recording);
   if (!recording) return refuse(recording.errors());
-  auto models = recordedModels((*recording)->meta());
+  auto models = recordedModels((*recording)->meta(), options.recording);
   if (!models) return refuse(models.errors());
   TickRecord r;
   if (!findMoment(**recording, options.time_s, r)) {

@@ -15,7 +15,7 @@ namespace wholehand {
 namespace {
 
 int compare(RecordingReader& recording, const std::string& path) {
-  Expected<Resimulation> result = resimulate(recording);
+  Expected<Resimulation> result = resimulate(recording, path);
   if (!result) return refuse(result.errors());
   if (result->field.empty()) {
     std::printf("%s: %llu ticks run again, every bit the same\n", path.c_str(),

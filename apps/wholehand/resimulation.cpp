@@ -101,8 +101,9 @@ Comparison compareTicks(const TickRecord& a, const TickRecord& b) {
 class TemporaryFolder {
  public:
   TemporaryFolder() {
-    std::string pattern = (fs::temp_directory_path() / "wholehand-XXXXXX").string();
-    if (mkdtemp(pattern.data()) != nullptr) path_ = pattern;
+    std::error_code error;
+    std::string pattern = (fs::temp_directory_path(error) / "wholehand-XXXXXX").string();
+    if (!error && mkdtemp(pattern.data()) != nullptr) path_ = pattern;
   }
   ~TemporaryFolder() {
     std::error_code ignored;
@@ -110,11 +111,26 @@ class TemporaryFolder {
   }
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  [[nodiscard]] const fs::path& path() const { return path_; }
+  [[nodiscard]] const fs::path& path() const { return path_; }  ///< empty: there is none
 
  private:
   fs::path path_;
 };
+
+Expected<Done> write(const fs::path& path, const std::string& text) {
+  std::error_code ignored;  // the file says whether it could be written
+  fs::create_directories(path.parent_path(), ignored);
+  std::ofstream out(path, std::ios::binary);
+  out << text;
+  out.close();
+  if (out) return Done{};
+  return Diagnostic{path.string(),
+                    0,
+                    "",
+                    "",
+                    "cannot be unpacked",
+                    "make room in the folder for temporary files, or set TMPDIR to another"};
+}
 
 // Lays the recorded files out as they lay when they were recorded; which is which their kind says.
 Expected<ModelFiles> unpack(const RecordingMeta& meta, const fs::path& folder) {
@@ -130,9 +146,7 @@ Expected<ModelFiles> unpack(const RecordingMeta& meta, const fs::path& folder) {
                         "a file of the recording lies outside its folder",
                         "the recording was tampered with"};
     }
-    std::error_code error;
-    fs::create_directories(path.parent_path(), error);
-    std::ofstream(path, std::ios::binary) << text;
+    if (auto written = write(path, text); !written) return written.errors();
     if (path.extension() == ".csv") files.motion = path.string();
     if (path.extension() != ".toml") continue;
     auto kind = fileKind(path.string());
@@ -143,7 +157,30 @@ Expected<ModelFiles> unpack(const RecordingMeta& meta, const fs::path& folder) {
     if (*kind == "rendering") files.rendering = path.string();
     if (*kind == "patient") files.patient = path.string();
   }
+  const std::pair<const char*, const std::string*> needed[] = {{"scene", &files.scene},
+                                                               {"hand", &files.hand},
+                                                               {"device", &files.device},
+                                                               {"rendering", &files.rendering},
+                                                               {"patient", &files.patient}};
+  Diagnostics missing;
+  for (const auto& [kind, file] : needed) {
+    if (!file->empty()) continue;
+    missing.push_back({"", 0, "", "", fmt::format("the recording carries no {} file", kind),
+                       "copy it again from where it was recorded"});
+  }
+  if (!missing.empty()) return missing;
   return files;
+}
+
+// Names faults as the person knows the files: not by a temporary folder, but by the recording.
+Diagnostics named(Diagnostics errors, const fs::path& folder, const std::string& recording) {
+  for (Diagnostic& error : errors) {
+    const std::string prefix = folder.string() + "/";
+    const bool unpacked = error.file.rfind(prefix, 0) == 0;
+    const std::string inside = unpacked ? error.file.substr(prefix.size()) : error.file;
+    error.file = inside.empty() ? recording : recording + ": " + inside;
+  }
+  return errors;
 }
 
 std::vector<RecordedReading> readInputs(RecordingReader& recording) {
@@ -168,15 +205,29 @@ std::string firstDifference(const TickRecord& recorded, const TickRecord& again)
   return compareTicks(recorded, again).field;
 }
 
-Expected<Models> recordedModels(const RecordingMeta& meta) {
+Expected<Models> recordedModels(const RecordingMeta& meta, const std::string& recording) {
   const TemporaryFolder folder;
+  if (folder.path().empty()) {
+    return Diagnostic{recording,
+                      0,
+                      "",
+                      "",
+                      "there is no folder to unpack it into",
+                      "set TMPDIR to a folder that you may write to"};
+  }
   auto files = unpack(meta, folder.path());
-  if (!files) return files.errors();
-  return loadModels(*files);
+  if (!files) return named(files.errors(), folder.path(), recording);
+  auto models = loadModels(*files);
+  if (!models) return named(models.errors(), folder.path(), recording);
+  for (std::string* file : {&models->files.scene, &models->files.hand, &models->files.device,
+                            &models->files.rendering, &models->files.patient}) {
+    *file = recording + ": " + fs::path(*file).lexically_relative(folder.path()).string();
+  }
+  return models;
 }
 
-Expected<Resimulation> resimulate(RecordingReader& recording) {
-  auto models = recordedModels(recording.meta());
+Expected<Resimulation> resimulate(RecordingReader& recording, const std::string& path) {
+  auto models = recordedModels(recording.meta(), path);
   if (!models) return models.errors();
   RigOptions options;
   options.period_s = recording.meta().period_s;

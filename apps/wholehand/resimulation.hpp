@@ -22,11 +22,13 @@ struct Resimulation {
   std::string recorded, again;       ///< its values
 };
 
-/// The models of the files that a recording carries.
-[[nodiscard]] Expected<Models> recordedModels(const RecordingMeta& meta);
+/// The models of the files that a recording carries; `recording` is its path, for messages.
+[[nodiscard]] Expected<Models> recordedModels(const RecordingMeta& meta,
+                                              const std::string& recording);
 
 /// Runs the recorded inputs (positions, skipped periods, device faults, stop requests) through a
 /// renderer built from the files that the recording carries, and compares.
-[[nodiscard]] Expected<Resimulation> resimulate(RecordingReader& recording);
+[[nodiscard]] Expected<Resimulation> resimulate(RecordingReader& recording,
+                                                const std::string& path);
 
 }  // namespace wholehand
