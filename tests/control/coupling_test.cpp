@@ -155,7 +155,7 @@ TEST(BilateralCoupling, SteadyAcceleration_FeelsTheMassOfTheClosedForm) {
       Rig rig{oneAxisGains(1000.0, kp, gamma)};
       double effort = 0.0;
       for (int k = 0; k < 2000; ++k) effort = rig.tick(0.5 * 0.7 * (k * 1e-3) * (k * 1e-3));
-      // science.md §1.1: the lag (1 + k_d τ)/k_p, and γ takes the filter's part of it away.
+      // Closed form: the lag (1 + k_d τ)/k_p, and γ takes the filter's part of it away.
       const double kd = criticalDamping(kp, 1e-3);
       const double mass = 1000.0 * (1.0 + (1.0 - gamma) * kd * rig.gains.filter_tau_s[0]) / kp;
       EXPECT_NEAR(-effort / 0.7, mass, tolerance(1e-6) * mass) << "γ " << gamma << " k_p " << kp;
@@ -188,7 +188,7 @@ TEST(BilateralCoupling, HeldAvatar_IsFeltAsTheSpring) {
 
 TEST(BilateralCoupling, PowerOfTheCoupling_HasTheSignGammaGivesIt) {
   // The dissipated power of both sides' dampers, σ = 1: B (v_f − v_s)² at γ = 1, and
-  // B v_s (v_s − v_f), which can be negative, in the paper's law γ = 0 (science.md §2.2).
+  // B v_s (v_s − v_f), which can be negative, in the paper's law γ = 0.
   EXPECT_TRUE(rc::check("dampers", [](double raw_f, double raw_s) {
     const double vf = std::remainder(raw_f, 1.0), vs = std::remainder(raw_s, 1.0);
     RC_PRE(std::isfinite(vf) && std::isfinite(vs));

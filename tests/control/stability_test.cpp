@@ -101,7 +101,7 @@ TEST(ClosedLoop, DampedRigidContact_EqualsReferenceTable) {
 }
 
 TEST(ClosedLoop, SpectralRadii_EqualReference) {
-  // science.md §2.2: m 0.8, b 1, K 1000, k_p 2500, 30 Hz, n 1.
+  // The same reference: m 0.8, b 1, K 1000, k_p 2500, 30 Hz, n 1.
   EXPECT_NEAR(radius(loop(0.8, 1.0, 1, 1000.0, 0.0, 30.0), ContactCase::kRigid), 1.000312, 1e-6);
   EXPECT_NEAR(radius(loop(0.8, 1.0, 1, 1000.0, 10.0, 30.0), ContactCase::kRigid), 0.993900, 1e-6);
   // Free: nothing holds device and hand, so an eigenvalue is exactly 1; rounding stays far below
@@ -192,7 +192,7 @@ TEST(AvatarLoop, CommonStiffness_IsStableUpToTheClosedForm) {
         Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(diagonal, inertia)
             .eigenvalues()
             .maxCoeff();
-    // 4w − w² < 4/λmax (science.md §1.2), at its smaller root.
+    // 4w − w² < 4/λmax at its smaller root.
     const double w = 2.0 - std::sqrt(4.0 - 4.0 / largest);
     for (const double side : {0.99, 1.01}) {
       const Eigen::VectorXd k_ps = Eigen::VectorXd::Constant(n, side * w * side * w * 1e6);
@@ -271,13 +271,13 @@ TEST(CheckStability, StiffnessByTheRule_IsSearchedWithTheRuleFollowingIt) {
 }
 
 TEST(CheckStability, DefaultsOfTheHouse_Pass) {
-  // equations.md, last section: translations, fingers, circumduction.
+  // The gains of the default device: translations, fingers.
   EXPECT_TRUE(check(oneAxis(0.8, 6.0, 1, 1000.0, 10.0, 0.3), 1000.0 / 3900.0).empty());
   EXPECT_TRUE(check(oneAxis(5e-4, 0.015, 1, 4.0, 0.024, 0.3), 5e-5).empty());
 }
 
 TEST(CheckStability, TooMuchDamping_NamesTheLargestAllowedDamping) {
-  // Pure damper, one tick of delay, 30 Hz, m 0.5 kg: 347 N·s/m (reference, section C).
+  // Pure damper, one tick of delay, 30 Hz, m 0.5 kg: 347 N·s/m by the same reference.
   const Diagnostics refused = check(oneAxis(0.5, 1.0, 1, 100.0, 1000.0, 0.0));
   ASSERT_EQ(refused.size(), 1U);
   EXPECT_NE(refused[0].problem.find("at Φ = 1"), std::string::npos) << refused[0].problem;
