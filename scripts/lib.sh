@@ -110,12 +110,19 @@ configure() {
 
 # One line that counts up on a terminal; elsewhere a line every tenth of the way.
 show_progress() {
-  local line done_ of name tenth last=-1 terminal=0
+  local line done_ of name tenth last=-1 terminal=0 start=-1
   [[ -t 1 ]] && terminal=1
   while IFS= read -r line; do
     [[ $line =~ ^\[([0-9]+)/([0-9]+)\] ]] || continue
+    # Looking up the version of the sources, as every build does, is nothing to speak of.
+    if ((start < 0)) && [[ $line == *'] Building '* ]]; then
+      start=$SECONDS
+      say "$1, ${BASH_REMATCH[2]} steps; the first time this takes some minutes ..."
+    fi
     done_=${BASH_REMATCH[1]} of=${BASH_REMATCH[2]} tenth=$((10 * BASH_REMATCH[1] / BASH_REMATCH[2]))
-    if ((terminal)); then
+    if ((start < 0)); then
+      continue
+    elif ((terminal)); then
       name=${line##*/}
       printf '\r%s: %d of %d, %.40s\033[K' "$1" "$done_" "$of" "${name%.o}"
     elif ((tenth != last && of > 10)); then
@@ -124,6 +131,7 @@ show_progress() {
     last=$tenth
   done
   if ((terminal)); then printf '\r\033[K'; fi
+  if ((start >= 0)); then say "Built in $(duration $((SECONDS - start)))."; fi
 }
 
 # build <preset> <target ...>

@@ -97,6 +97,9 @@ BulletWorld::Engine::~Engine() {
 // Each setting that differs from stock is explained in ADR 3.
 void BulletWorld::Engine::configure(const SceneModel& scene, const BulletSettings& settings) {
   world.setGravity(toBt(scene.gravity_m_s2));
+  gContactBreakingThreshold = settings.contact_threshold_m;
+  dispatcher.setDispatcherFlags(dispatcher.getDispatcherFlags() &
+                                ~btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD);
   world.setForceUpdateAllAabbs(true);
   // One solver call for the whole world: the hand's reduced velocities are one set of unknowns.
   world.getSimulationIslandManager()->setSplitIslands(false);
