@@ -110,17 +110,17 @@ configure() {
 
 # One line that counts up on a terminal; elsewhere a line every tenth of the way.
 show_progress() {
-  local line done_ of name tenth last=-1 terminal=0 start=-1
+  local line done_ of name tenth last=-1 terminal=0 compiling=0
   [[ -t 1 ]] && terminal=1
   while IFS= read -r line; do
     [[ $line =~ ^\[([0-9]+)/([0-9]+)\] ]] || continue
     # Looking up the version of the sources, as every build does, is nothing to speak of.
-    if ((start < 0)) && [[ $line == *'] Building '* ]]; then
-      start=$SECONDS
+    if ((!compiling)) && [[ $line == *'] Building '* ]]; then
+      compiling=1
       say "$1, ${BASH_REMATCH[2]} steps; the first time this takes some minutes ..."
     fi
     done_=${BASH_REMATCH[1]} of=${BASH_REMATCH[2]} tenth=$((10 * BASH_REMATCH[1] / BASH_REMATCH[2]))
-    if ((start < 0)); then
+    if ((!compiling)); then
       continue
     elif ((terminal)); then
       name=${line##*/}
@@ -131,12 +131,11 @@ show_progress() {
     last=$tenth
   done
   if ((terminal)); then printf '\r\033[K'; fi
-  if ((start >= 0)); then say "Built in $(duration $((SECONDS - start)))."; fi
 }
 
 # build <preset> <target ...>
 build() {
-  local preset=$1 log="$root/build/logs/build-$1.log"
+  local preset=$1 log="$root/build/logs/build-$1.log" start=$SECONDS
   shift
   make_log "$log"
   if ! ninja -C "$root/build/$preset" -j "$(build_jobs)" "$@" 2>&1 | tee "$log" |
@@ -145,4 +144,5 @@ build() {
       tail -n 30 "$log" >&2
     fail "Building $preset failed. Full log: $log"
   fi
+  if grep -q '\] Building ' "$log"; then say "Built in $(duration $((SECONDS - start)))."; fi
 }
