@@ -10,7 +10,7 @@
 
 #include <cstdio>
 #include <filesystem>
-#include <map>
+#include <set>
 
 namespace wholehand {
 namespace fs = std::filesystem;
@@ -23,11 +23,9 @@ class Validation {
     for (const std::string& file : files) {
       if (fs::path(file).extension() == ".csv") {
         kinds_.emplace_back(file, "motion");
-      } else if (auto kind = fileKind(file)) {
-        kinds_.emplace_back(file, *kind);
       } else {
-        kinds_.emplace_back(file, "");
-        add(kind.errors());
+        auto kind = fileKind(file);
+        kinds_.emplace_back(file, kind ? *kind : "");
       }
     }
   }
@@ -36,13 +34,19 @@ class Validation {
     for (const auto& [file, kind] : kinds_) {
       const std::size_t before = errors_.size();
       std::string remark;
-      if (kind == "device") add(loadDeviceFile(file));
+      faulty_device_.clear();
+      if (kind.empty() && add(fileKind(file))) checkKind(file, kind);
+      if (kind == "device") checkDevice(file);
       if (kind == "hand") checkHand(file);
       if (kind == "rendering") remark = checkRendering(file);
       if (kind == "patient") checkWithDevice(file, loadPatientFile);
       if (kind == "scene") add(loadSceneFile(file));
       if (kind == "motion") add(loadMotionFile(file));
-      if (!kind.empty() && errors_.size() == before) {
+      if (kind != "motion" && !kind.empty()) checkKind(file, kind);
+      if (!faulty_device_.empty()) {
+        std::printf("-   %-9s %s (not checked: mend %s first)\n", kind.c_str(), file.c_str(),
+                    faulty_device_.c_str());
+      } else if (errors_.size() == before) {
         std::printf("ok  %-9s %s\n%s", kind.c_str(), file.c_str(), remark.c_str());
       }
     }
@@ -51,8 +55,11 @@ class Validation {
   [[nodiscard]] const Diagnostics& errors() const { return errors_; }
 
  private:
+  // A device's faults come up again with every file that is checked against it: told once.
   void add(const Diagnostics& errors) {
-    errors_.insert(errors_.end(), errors.begin(), errors.end());
+    for (const Diagnostic& error : errors) {
+      if (told_.insert(format(error)).second) errors_.push_back(error);
+    }
   }
   template <class T>
   bool add(const Expected<T>& loaded) {
@@ -76,24 +83,55 @@ class Validation {
     return only.empty() ? shippedFile("config/devices/lambda-pride.toml") : only;
   }
 
+  Expected<DeviceModel> loadDeviceFor(const std::string& file) {
+    const std::string device_file = deviceFor(file);
+    auto device = loadDeviceFile(device_file);
+    if (!add(device)) faulty_device_ = device_file;
+    return device;
+  }
+
+  // The hand a device is meant for: the first one among the arguments, else the median one.
+  [[nodiscard]] std::string handFor() const {
+    for (const auto& [other, kind] : kinds_) {
+      if (kind == "hand") return other;
+    }
+    return shippedFile("config/hands/adult-median-right.toml");
+  }
+
+  // An axis of a name that no hand knows drives nothing.
+  void checkDevice(const std::string& file) {
+    auto device = loadDeviceFile(file);
+    auto hand = loadHandFile(handFor());
+    if (add(device) && hand) add(assembleHand(*hand, *device));
+  }
+
+  void checkKind(const std::string& file, const std::string& kind) {
+    TomlFile toml(file, kind);
+    if (!toml.readable()) return;
+    toml.root().choice("kind", {"hand", "device", "rendering", "patient", "scene"});
+    if (toml.root().good("kind")) return;
+    toml.root().skipRest();
+    add(toml.finish());
+  }
+
   template <class Load>
   void checkWithDevice(const std::string& file, Load load) {
-    auto device = loadDeviceFile(deviceFor(file));
-    if (add(device)) add(load(file, *device));
+    auto device = loadDeviceFor(file);
+    if (device) add(load(file, *device));
   }
 
   void checkHand(const std::string& file) {
     auto hand = loadHandFile(file);
-    auto device = loadDeviceFile(deviceFor(file));
-    if (add(hand) && add(device)) add(assembleHand(*hand, *device));
+    auto device = loadDeviceFor(file);
+    if (add(hand) && device) add(assembleHand(*hand, *device));
   }
 
   // Gains are right only where the loop they close is stable, at 1 kHz, with the shipped hand.
   std::string checkRendering(const std::string& file) {
     Models models;
-    auto device = loadDeviceFile(deviceFor(file));
+    auto device = loadDeviceFor(file);
     auto hand_file = loadHandFile(shippedFile("config/hands/adult-median-right.toml"));
-    if (!add(device) || !add(hand_file)) return {};
+    if (!device || !add(hand_file)) return {};
     models.device = *device;
     auto rendering = loadRenderingFile(file, *device);
     auto hand = assembleHand(*hand_file, *device);
@@ -120,6 +158,8 @@ class Validation {
 
   std::vector<std::pair<std::string, std::string>> kinds_;
   Diagnostics errors_;
+  std::set<std::string> told_;
+  std::string faulty_device_;  // that keeps the file at hand from being checked
 };
 
 }  // namespace
