@@ -1,0 +1,109 @@
+"""What the end-to-end tests share: running the real program in a folder of their own."""
+import os
+import pathlib
+import random
+import resource
+import shutil
+import subprocess
+import tempfile
+import unittest
+
+import h5py
+
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+BINARY = pathlib.Path(os.environ.get("WHOLEHAND_BINARY", SOURCE / "build/release/wholehand")).resolve()
+FULL = os.environ.get("WHOLEHAND_FULL") == "1"
+SEED = int(os.environ.get("WHOLEHAND_SEED", "1"))
+CONFIG = SOURCE / "config"
+MOTION = SOURCE / "data/human-motion/reach-grasp-00.csv"
+
+DONE, DIFFERENT, BAD_INPUT, FAULT, INTERRUPTED = 0, 1, 2, 3, 130
+STOP_REQUESTED = 1 << 10  # docs/recording.md, bits of `faults`
+
+
+class Result:
+    def __init__(self, done):
+        self.code, self.out, self.err = done.returncode, done.stdout, done.stderr
+
+    def __str__(self):
+        return f"exit code {self.code}\n--- standard output\n{self.out}--- standard error\n{self.err}"
+
+
+class AppTest(unittest.TestCase):
+    """A test with an empty folder `self.folder`, in which the program is run."""
+
+    @classmethod
+    def setUpClass(cls):
+        # In random order of the seed where a test draws; the seed is printed by ./check.
+        cls.random = random.Random(SEED)
+
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="wholehand-test-"))
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+
+    def run_app(self, *arguments, timeout=100, binary=BINARY, cwd=None, **how):
+        command = [str(binary), *map(str, arguments)]
+        return Result(subprocess.run(command, cwd=cwd or self.folder, timeout=timeout, text=True, errors="replace",
+                                     stdin=subprocess.DEVNULL, capture_output=True, **how))
+
+    def start_app(self, *arguments, **how):
+        """The program in the background; it is killed at the end of the test at the latest."""
+        process = subprocess.Popen([str(BINARY), *map(str, arguments)], cwd=self.folder, text=True,
+                                   stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, **how)
+        self.addCleanup(process.communicate)
+        self.addCleanup(process.kill)
+        return process
+
+    def expect(self, result, code, *texts):
+        self.assertEqual(result.code, code, result)
+        for text in texts:
+            self.assertIn(text, result.out + result.err, result)
+        return result
+
+    def expect_refused(self, result, *texts, lines=None):
+        """Exit code 2, the reason on standard error with these texts, and never a crash's words."""
+        self.expect(result, BAD_INPUT)
+        for text in texts:
+            self.assertIn(text, result.err, result)
+        for word in ("terminate called", "what():", "HDF5-DIAG", "Assertion", "Segmentation"):
+            self.assertNotIn(word, result.out + result.err, result)
+        if lines is not None:
+            self.assertEqual(len(result.err.splitlines()), lines, result)
+        return result
+
+    def write(self, name, text):
+        path = self.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
+        return path
+
+    def record(self, name="run.h5", *arguments, duration=1.5, code=DONE, simulated=True):
+        clock = ["--simulated-clock"] if simulated else []
+        self.expect(self.run_app("run", *clock, "--duration", duration, "--record", name, *arguments),
+                    code)
+        return self.folder / name
+
+    def expect_same_when_run_again(self, recording):
+        return self.expect(self.run_app("replay", "--resimulate", recording), DONE,
+                           "every bit the same")
+
+    def names_in(self, folder):
+        return sorted(str(p.relative_to(folder)) for p in pathlib.Path(folder).rglob("*"))
+
+
+def read_recording(path):
+    """Opens a recording as docs/recording.md says."""
+    return h5py.File(path, "r", libver="latest", swmr=True)
+
+
+def limit_file_size(size_bytes):
+    """For preexec_fn: files of this program end here, as on a full disk."""
+    return lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (size_bytes, size_bytes))
+
+
+def ordinary_user():
+    """How subprocess runs a program as an ordinary user: root steps down to nobody."""
+    if os.geteuid() != 0:
+        return {}
+    return {"user": 65534, "group": 65534, "extra_groups": []}

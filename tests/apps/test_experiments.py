@@ -1,0 +1,80 @@
+"""`wholehand experiment grasping|timing`: what they write and how they are stopped."""
+import json
+import signal
+import time
+import unittest
+
+from app import DONE, INTERRUPTED, AppTest
+
+
+class Grasping(AppTest):
+    def test_keys_of_the_results(self):
+        self.expect(self.run_app("experiment", "grasping", "--only", "pinch sphere", "--jittered", "2",
+                                 "--json", "g.json", "--out", "out"), DONE,
+                    "pinch sphere floating", "pinch sphere under gravity", "jittered: 2 trials")
+        results = json.loads((self.folder / "g.json").read_text())
+        self.assertEqual([t["gravity"] for t in results["trials"]], [False, True])
+        for trial in results["trials"]:
+            self.assertEqual((trial["shape"], trial["grasp"]), ("sphere", "pinch"))
+            self.assertIs(trial["dropped"], False)
+            for key in ("slip_m", "coupling_error_rad", "object_travel_m", "force_noise_n"):
+                self.assertIs(type(trial[key]), float, key)
+            self.assertLessEqual(trial["coupling_error_rad"], 1e-5)  # asked of the grasps
+            self.assertLessEqual(trial["slip_m"], 0.5e-3)
+        for key, most in (("trials", 2), ("dropped", 2), ("slip_over_half_mm", 2)):
+            self.assertIs(type(results["jittered"][key]), int, key)
+            self.assertLessEqual(results["jittered"][key], most)
+        self.assertEqual(results["jittered"]["trials"], 2)
+        self.assertEqual(self.names_in(self.folder / "out"),
+                         ["grasping.svg"] + sorted(
+                             f"pinch-sphere-{how}.{what}" for how in ("floating", "under-gravity")
+                             for what in ("h5", "png", "toml")))
+        # A trial's recording is a recording as any other.
+        self.expect_same_when_run_again(self.folder / "out/pinch-sphere-floating.h5")
+
+    def test_unknown_trial_is_refused(self):
+        self.expect_refused(self.run_app("experiment", "grasping", "--only", "kick", "--out", "out"),
+                            "--only", "kick", "power cube floating", lines=1)
+        self.assertEqual(self.names_in(self.folder), [])
+
+    def test_ctrl_c_ends_all_trials(self):
+        run = self.start_app("experiment", "grasping", "--out", "out")
+        time.sleep(1.0)
+        run.send_signal(signal.SIGINT)
+        said, complained = run.communicate(timeout=20)
+        self.assertEqual(run.returncode, INTERRUPTED, said + complained)
+        self.assertIn("Interrupted", said)
+        self.assertFalse((self.folder / "out/grasping.json").exists())
+
+
+class Timing(AppTest):
+    def test_keys_of_the_results(self):
+        result = self.expect(self.run_app("experiment", "timing", "--ticks", "3000",
+                                          "--simulated-clock", "--json", "t.json", "--out", "out"), DONE)
+        results = json.loads((self.folder / "t.json").read_text())
+        for key in ("ticks", "missed_deadlines", "allocations"):
+            self.assertIs(type(results[key]), int, key)
+        self.assertGreaterEqual(results["ticks"], 3000)
+        self.assertEqual(results["missed_deadlines"], 0)
+        self.assertEqual(results["allocations"], 0)  # none after arming: asked of the tick
+        self.assertIs(results["allocations_counted"], True)  # else the 0 says nothing
+        for times in (results["cpu_us"], results["wall_us"], *results["stages_cpu_us"].values()):
+            self.assertLessEqual(times["p50"], times["p99"])
+            self.assertLessEqual(times["p99"], times["p999"])
+            self.assertLessEqual(times["p999"], times["max"])
+        self.assertGreaterEqual(len(results["stages_cpu_us"]), 6)
+        self.assertIn("<svg", (self.folder / "out/timing.svg").read_text())
+        for row in ("tick, CPU", "physics_step"):
+            self.assertIn(row, result.out)
+        self.expect_same_when_run_again(self.folder / "out/timing.h5")
+
+    def test_ctrl_c_in_real_time(self):
+        run = self.start_app("experiment", "timing", "--out", "out")
+        time.sleep(2.0)
+        run.send_signal(signal.SIGINT)
+        said, complained = run.communicate(timeout=20)
+        self.assertEqual(run.returncode, INTERRUPTED, said + complained)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

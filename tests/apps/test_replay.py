@@ -1,0 +1,236 @@
+"""`wholehand replay --resimulate`: bit by bit the same, or the first tick and field that differ."""
+import json
+import os
+import shutil
+import signal
+import struct
+import time
+import unittest
+
+import h5py
+
+from app import BAD_INPUT, CONFIG, DIFFERENT, DONE, FULL, AppTest, read_recording
+
+
+def flip_last_bit(path, dataset, row, column=None):
+    """Changes the lowest bit of one recorded number: the smallest change there is."""
+    with h5py.File(path, "r+", libver="latest") as f:
+        values = f[dataset]
+        at = (row,) if column is None else (row, *column) if isinstance(column, tuple) else (row, column)
+        value = values[at]
+        if values.dtype.kind == "f":
+            bits = struct.unpack("<q", struct.pack("<d", value))[0] ^ 1
+            values[at] = struct.unpack("<d", struct.pack("<q", bits))[0]
+        else:
+            values[at] = value ^ 1
+
+
+class Same(AppTest):
+    CASES = {
+        "six axes": [],
+        "three axes": ["--device", CONFIG / "devices/desktop-3axis.toml"],
+        "nine axes": ["--device", CONFIG / "devices/wrist-9axis.toml"],
+        "left hand": ["--hand", CONFIG / "hands/adult-median-left.toml"],
+        "at 2 kHz": ["--rate-hz", "2000"],
+        "mesh and URDF": ["--scene", CONFIG / "scenes/table.toml"],
+        "no body, no arm": ["--scene", CONFIG / "scenes/empty.toml", "--patient",
+                            CONFIG / "patients/no-arm.toml"],
+    }
+
+    def test_simulated_clock(self):
+        for name, arguments in self.CASES.items():
+            with self.subTest(name):
+                path = self.record("run.h5", *arguments, duration=9.0 if FULL or not arguments else 4.0)
+                self.expect_same_when_run_again(path)
+
+    def test_the_same_files_twice_give_the_same_ticks(self):
+        first, second = self.record("a.h5"), self.record("b.h5")
+        with read_recording(first) as a, read_recording(second) as b:
+            for name in ("q_m", "theta", "sent", "bodies", "coupling"):
+                self.assertEqual(a["ticks/" + name][:].tobytes(), b["ticks/" + name][:].tobytes(), name)
+
+    def test_real_time_with_skipped_ticks(self):
+        run = self.start_app("run", "--duration", "3", "--record", "run.h5", "--json", "run.json")
+        time.sleep(1.5)
+        for _ in range(3):  # the machine stalls
+            run.send_signal(signal.SIGSTOP)
+            time.sleep(0.05)
+            run.send_signal(signal.SIGCONT)
+            time.sleep(0.2)
+        said, complained = run.communicate(timeout=30)
+        self.assertEqual(run.returncode, DONE, said + complained)
+        summary = json.loads((self.folder / "run.json").read_text())
+        with read_recording(self.folder / "run.h5") as f:
+            tick, elapsed = f["ticks/tick"][:], f["ticks/elapsed_periods"][:]
+        # Skipped periods keep their place in time: no burst, no drift; all of them are told.
+        self.assertGreaterEqual((elapsed > 20).sum(), 3)
+        self.assertTrue((tick[1:].astype(int) - tick[:-1].astype(int) == elapsed[1:]).all())
+        self.assertGreaterEqual(summary["missed_deadlines"], 3)
+        self.assertEqual(summary["ticks"], tick[-1] + 1)
+        self.expect_same_when_run_again("run.h5")
+
+    def test_leaves_nothing_behind(self):
+        path = self.record(duration=0.3)
+        scratch = self.folder / "scratch"
+        scratch.mkdir()
+        environment = dict(os.environ, TMPDIR=str(scratch))
+        for arguments in (["replay", "--resimulate"], ["picture", "--out", "p.png"]):
+            self.expect(self.run_app(*arguments, path, env=environment), DONE)
+        self.assertEqual(self.names_in(scratch), [])
+        self.assertEqual(self.names_in(self.folder), ["p.png", "run.h5", "scratch"])
+
+
+class Different(AppTest):
+    def setUp(self):
+        super().setUp()
+        self.path = self.record(duration=1.5)
+
+    def changed(self, dataset, row, column=None):
+        copy = self.folder / "changed.h5"
+        shutil.copy(self.path, copy)
+        flip_last_bit(copy, dataset, row, column)
+        return self.run_app("replay", "--resimulate", copy)
+
+    def test_one_bit_of_an_effort_is_found_where_it_was_changed(self):
+        for dataset, row, column in (("f_s", 700, 2), ("sent", 0, 5), ("theta", 1499, 3),
+                                     ("bodies", 1000, (1, 0)), ("phi", 321, 4)):
+            with self.subTest(dataset):
+                result = self.changed("ticks/" + dataset, row, column)
+                field = "bodies[1].position_m.x" if dataset == "bodies" else f"{dataset}[{column}]"
+                self.expect(result, DIFFERENT, f"tick {row} differs in {field}")
+
+    def test_one_bit_of_a_number_without_columns(self):
+        self.expect(self.changed("ticks/coupling_error_rad", 900), DIFFERENT,
+                    "tick 900 differs in coupling_error_rad")
+
+    def test_one_bit_of_an_input_changes_what_follows(self):
+        # q_m is an input: the tick takes the changed one, and what it computes from it differs.
+        result = self.expect(self.changed("ticks/q_m", 800, 1), DIFFERENT)
+        self.assertRegex(result.out, r"tick 80[01] differs in \w+")
+
+    def test_another_configuration_is_not_the_same(self):
+        copy = self.folder / "changed.h5"
+        shutil.copy(self.path, copy)
+        with h5py.File(copy, "r+", libver="latest") as f:
+            for group in f["meta/files"]:
+                file = f["meta/files"][group]
+                if not file.attrs["name"].endswith("rendering/lambda-pride.toml"):
+                    continue
+                text = bytes(file[()]).replace(b"k_pm_n_m = 1000.0", b"k_pm_n_m = 1001.0")
+                replace_text(f, group, text)
+        result = self.expect(self.run_app("replay", "--resimulate", copy), DIFFERENT)
+        self.assertRegex(result.out, r"tick \d+ differs in \w+")
+
+
+def replace_text(f, group, text, name=None):
+    """Writes another text over an embedded file, with the attributes it had."""
+    old = f["meta/files"][group]
+    attributes = dict(old.attrs)
+    dtype, shape = old.dtype, old.shape
+    del f["meta/files"][group]
+    if dtype.kind == "u" or dtype.kind == "i":
+        new = f["meta/files"].create_dataset(group, data=list(text), dtype=dtype)
+    else:
+        new = f["meta/files"].create_dataset(group, data=text, dtype=dtype, shape=shape)
+    for key, value in attributes.items():
+        new.attrs[key] = value
+    if "bytes" in attributes:
+        new.attrs["bytes"] = type(attributes["bytes"])(len(text))
+    if name is not None:
+        new.attrs["name"] = name
+
+
+class Foreign(AppTest):
+    def commands(self, path):
+        return (["replay", path], ["replay", "--resimulate", path],
+                ["report", path, "--out", "report"], ["picture", path, "--out", "picture.png"])
+
+    def expect_all_refuse(self, path, *texts):
+        before = self.names_in(self.folder)
+        for arguments in self.commands(path):
+            with self.subTest(" ".join(map(str, arguments))):
+                self.expect_refused(self.run_app(*arguments), str(path), *texts, lines=1)
+        self.assertEqual(self.names_in(self.folder), before)  # nothing half-written
+
+    def test_what_is_no_recording(self):
+        self.write("text.h5", "time,force\n0,1\n")
+        self.write("empty.h5", "")
+        self.write("garbage.h5", bytes(range(256)) * 4000)
+        (self.folder / "folder.h5").mkdir()
+        with h5py.File(self.folder / "foreign.h5", "w") as f:
+            f["results"] = [1.0, 2.0]
+        for name in ("text.h5", "empty.h5", "garbage.h5", "folder.h5", "foreign.h5", "missing.h5"):
+            self.expect_all_refuse(name)
+
+    def test_truncated(self):
+        whole = self.record(duration=0.5).read_bytes()
+        for share in (0.02, 0.3, 0.7, 0.99):
+            self.write("cut.h5", whole[: int(len(whole) * share)])
+            self.expect_all_refuse("cut.h5")
+
+    def test_spoiled_bytes_never_crash(self):
+        # In the second half, where the ticks are: HDF5 1.10 itself falls over spoiled descriptions.
+        whole = self.record(duration=1.0).read_bytes()
+        for trial in range(300 if FULL else 20):
+            spoiled = bytearray(whole)
+            for _ in range(self.random.randrange(1, 100)):
+                at = self.random.randrange(len(spoiled) // 2, len(spoiled))
+                spoiled[at] = self.random.randrange(256)
+            path = self.write("spoiled.h5", bytes(spoiled))
+            with self.subTest(trial=trial):
+                result = self.run_app("replay", "--resimulate", path)
+                self.assertIn(result.code, (DONE, DIFFERENT, BAD_INPUT), result)
+                self.assertNotIn("HDF5-DIAG", result.err)
+
+    def test_later_version_says_so(self):
+        path = self.record(duration=0.2)
+        with h5py.File(path, "r+", libver="latest") as f:
+            version = f["meta"].attrs["schema_version"]
+            f["meta"].attrs.modify("schema_version", type(version)(99))
+        self.expect_all_refuse(path, "99")
+
+    def test_file_names_that_escape_are_refused(self):
+        path = self.record(duration=0.2)
+        victim = self.folder / "victim.toml"
+        for name in ("../../../../../../../.." + str(victim), str(victim), "a/../../victim.toml", ".."):
+            copy = self.folder / "escaping.h5"
+            shutil.copy(path, copy)
+            with h5py.File(copy, "r+", libver="latest") as f:
+                f["meta/files/0"].attrs["name"] = name
+            for command in ("replay", "picture"):
+                arguments = ["--resimulate"] if command == "replay" else ["--out", "p.png"]
+                with self.subTest(name=name, command=command):
+                    self.expect_refused(self.run_app(command, copy, *arguments), name, lines=1)
+            self.assertFalse(victim.exists())
+
+    def test_recording_without_its_scene_is_refused(self):
+        path = self.record(duration=0.2)
+        with h5py.File(path, "r+", libver="latest") as f:
+            for group in list(f["meta/files"]):
+                if "scenes/" in f["meta/files"][group].attrs["name"]:
+                    f["meta/files"][group].attrs["name"] = "scene.txt"
+        self.expect_refused(self.run_app("replay", "--resimulate", path), "run.h5",
+                            "carries no scene file", lines=1)
+
+    def test_fault_of_an_embedded_file_is_named_by_the_recording(self):
+        path = self.record(duration=0.2)
+        with h5py.File(path, "r+", libver="latest") as f:
+            for group in list(f["meta/files"]):
+                file = f["meta/files"][group]
+                if file.attrs["name"].endswith("lambda-pride.toml"):
+                    text = bytes(file[()]).replace(b"version = 1 ", b"version = 2 ")
+                    replace_text(f, group, text)
+        result = self.expect_refused(self.run_app("replay", "--resimulate", path),
+                                     "run.h5: config/devices/lambda-pride.toml:", "version = 2")
+        self.assertNotIn("/tmp", result.err.replace(str(self.folder), ""))
+
+    def test_no_folder_for_temporary_files_is_said(self):
+        path = self.record(duration=0.2)
+        environment = dict(os.environ, TMPDIR=str(self.folder / "none"))
+        self.expect_refused(self.run_app("replay", "--resimulate", path, env=environment),
+                            "run.h5", "TMPDIR", lines=1)
+        self.assertEqual(self.names_in(self.folder), ["run.h5"])
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

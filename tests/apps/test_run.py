@@ -1,0 +1,207 @@
+"""`wholehand run`: what it writes, how it ends, and what survives a kill or a full disk."""
+import json
+import os
+import re
+import signal
+import subprocess
+import time
+import unittest
+
+from app import (CONFIG, DONE, FULL, INTERRUPTED, STOP_REQUESTED, AppTest, limit_file_size,
+                 read_recording)
+
+AXES = ["x", "y", "z", "finger_flexion", "thumb_circumduction", "thumb_flexion"]
+
+
+class WhatItWrites(AppTest):
+    def test_all_three_and_nothing_else(self):
+        result = self.expect(
+            self.run_app("run", "--simulated-clock", "--record", "a/run.h5", "--json", "b/run.json",
+                         "--report", "c"), DONE, "Done after", "a/run.h5", "c/index.html")
+        self.assertEqual(result.err, "")
+        self.assertEqual(self.names_in(self.folder),
+                         ["a", "a/run.h5", "b", "b/run.json", "c", "c/index.html"])
+        summary = json.loads((self.folder / "b/run.json").read_text())
+        self.check_summary(summary)
+        self.check_recording(summary)
+        self.check_report()
+
+    def check_summary(self, summary):
+        for key in ("ticks", "missed_deadlines", "faults", "contacts_max"):
+            self.assertIs(type(summary[key]), int, key)
+        self.assertGreater(summary["ticks"], 1000)
+        self.assertEqual(summary["missed_deadlines"], 0)  # no clock, no deadline
+        self.assertEqual(summary["faults"], 0)
+        self.assertGreater(summary["contacts_max"], 0)  # the motion leads to the shapes
+        self.assertEqual(list(summary["max_effort"]), AXES)
+        for effort in summary["max_effort"].values():
+            self.assertIs(type(effort), float)
+            self.assertGreater(effort, 0.0)
+        for key in ("p50", "p99", "p999", "max"):
+            self.assertGreater(summary["cpu_us"][key], 0.0)
+
+    def check_recording(self, summary):
+        with read_recording(self.folder / "a/run.h5") as f:
+            # The lines of docs/recording.md.
+            time_s, sent = f["ticks/time_s"][:], f["ticks/sent"][:]
+            names, units = f["ticks/sent"].attrs["labels"], f["ticks/sent"].attrs["units"]
+            self.assertEqual(list(names), AXES)
+            self.assertEqual(list(units), ["N", "N", "N", "N·m", "N·m", "N·m"])
+            self.assertEqual(len(time_s), summary["ticks"])
+            self.assertAlmostEqual(time_s[-1] - time_s[0], (summary["ticks"] - 1) * 1e-3, places=9)
+            for axis, name in enumerate(AXES):  # the two outputs tell the same
+                self.assertEqual(abs(sent[:, axis]).max(), summary["max_effort"][name])
+            self.assertEqual(f["ticks/contact_count"][:].max(), summary["contacts_max"])
+            embedded = {group.attrs["name"] for group in f["meta/files"].values()}
+            for file in ("config/scenes/four-shapes.toml", "config/devices/lambda-pride.toml",
+                         "config/rendering/lambda-pride.toml", "config/patients/relaxed-adult.toml",
+                         "config/hands/adult-median-right.toml",
+                         "data/human-motion/reach-grasp-00.csv"):
+                self.assertIn(file, embedded)
+
+    def check_report(self):
+        page = (self.folder / "c/index.html").read_text()
+        self.assertIn("<svg", page)
+        # Self-contained: nothing is fetched. Links to click, the SVG namespace and fragments are fine.
+        for reference in re.findall(r'(?:src|href|data|action)\s*=\s*["\']([^"\']*)', page):
+            self.assertTrue(reference.startswith(("#", "data:")), reference)
+        self.assertNotRegex(page, r"@import|url\(\s*['\"]?(?!#|data:|['\"]?#)")
+        self.assertNotIn("<script src", page)
+
+    def test_without_arguments_for_output_a_folder_of_its_own_holds_all_three(self):
+        self.expect(self.run_app("run", "--simulated-clock", "--duration", "0.3"), DONE)
+        (run,) = (self.folder / "out").iterdir()
+        self.assertRegex(run.name, r"^run-\d{8}-\d{6}")
+        self.assertEqual(self.names_in(run),
+                         ["recording.h5", "report", "report/index.html", "run.json"])
+        self.assertEqual(os.listdir(self.folder), ["out"])
+
+    def test_only_what_was_asked_for(self):
+        self.expect(self.run_app("run", "--simulated-clock", "--duration", "0.3", "--json", "run.json"),
+                    DONE)
+        self.assertEqual(self.names_in(self.folder), ["run.json"])
+
+    def test_shortest_run_at_the_slowest_rate_ends(self):
+        slow = self.write("slow.toml", (CONFIG / "rendering/lambda-pride.toml").read_text().replace(
+            "k_pm_nm_rad = 4.0", "k_pm_nm_rad = 4.0\nk_ps_per_s2 = 5000.0").replace(
+            "k_pm_nm_rad = 1.5", "k_pm_nm_rad = 1.5\nk_ps_per_s2 = 5000.0"))
+        result = self.run_app("run", "--simulated-clock", "--duration", "0.001", "--rate-hz", "100",
+                              "--rendering", slow, "--uncertified", "--json", "run.json", timeout=20)
+        self.expect(result, DONE, "Done after")
+
+
+class HowItEnds(AppTest):
+    def interrupted(self, how):
+        run = self.start_app("run", "--duration", "600", "--record", "run.h5", "--json", "run.json",
+                             "--report", "report")
+        time.sleep(3.0)
+        asked = time.monotonic()
+        run.send_signal(how)
+        said, complained = run.communicate(timeout=30)
+        self.assertLess(time.monotonic() - asked, 15.0)
+        self.assertEqual(run.returncode, INTERRUPTED, said + complained)
+        self.assertIn("Interrupted after", said)
+        self.assertIn("run.h5", said)
+        self.assertTrue(json.loads((self.folder / "run.json").read_text())["interrupted"])
+        self.assertTrue((self.folder / "report/index.html").exists())
+        with read_recording(self.folder / "run.h5") as f:
+            self.assertGreater(len(f["ticks/tick"]), 1000)
+            sent, authority, faults = (f["ticks/" + n][:] for n in ("sent", "authority", "faults"))
+            elapsed = f["ticks/elapsed_periods"][:]
+        # The device's neutral effort is zero on every axis (its file); the ramp ends within 100 ms.
+        self.assertEqual(authority[-1], 0.0)
+        self.assertEqual(abs(sent[-1]).max(), 0.0)
+        stopping = (faults & STOP_REQUESTED) != 0
+        self.assertGreater(stopping.sum(), 1)
+        self.assertLessEqual(elapsed[stopping].sum(), 101 + elapsed[stopping].max())
+        self.expect_same_when_run_again("run.h5")
+
+    def test_ctrl_c_ramps_closes_and_sums_up(self):
+        self.interrupted(signal.SIGINT)
+
+    def test_polite_kill_does_the_same(self):
+        self.interrupted(signal.SIGTERM)
+
+    def test_ctrl_c_during_a_simulated_clock(self):
+        run = self.start_app("run", "--duration", "3600", "--simulated-clock", "--json", "run.json")
+        time.sleep(1.5)
+        run.send_signal(signal.SIGINT)
+        said, complained = run.communicate(timeout=20)
+        self.assertEqual(run.returncode, INTERRUPTED, said + complained)
+
+    def test_run_in_real_time_takes_its_time(self):
+        began = time.monotonic()
+        self.record(duration=2.0, simulated=False)
+        self.assertGreater(time.monotonic() - began, 2.0)
+
+    def test_status_goes_on_where_nobody_reads_it(self):
+        # `wholehand run | head -1`: the reader is gone, the run and its recording go on or end cleanly.
+        run = self.start_app("run", "--simulated-clock", "--record", "run.h5")
+        run.stdout.readline()
+        run.stdout.close()
+        run.wait(timeout=60)
+        run.stdout = None
+        self.expect_same_when_run_again("run.h5")
+
+
+class WhatSurvives(AppTest):
+    def test_kill_at_any_moment_costs_less_than_the_last_second(self):
+        trials = 20 if FULL else 3
+        for trial in range(trials):
+            after_s = self.random.uniform(1.5, 4.0)
+            with self.subTest(trial=trial, after_s=after_s):
+                path = self.folder / f"killed-{trial}.h5"
+                run = self.start_app("run", "--duration", "60", "--record", path)
+                while not path.exists():
+                    time.sleep(0.01)
+                    self.assertIsNone(run.poll())
+                created = time.monotonic()
+                time.sleep(after_s)
+                run.kill()
+                run.wait()
+                alive_s = time.monotonic() - created
+                with read_recording(path) as f:
+                    kept_s = f["ticks/time_s"][-1]
+                self.assertGreater(kept_s, alive_s - 1.0 - 0.5)  # 0.5: the thread's start
+                self.expect_same_when_run_again(path)
+                self.expect(self.run_app("report", path, "--out", "report"), DONE)
+
+    def check_run_over_a_full_disk(self, path, **how):
+        result = self.expect(self.run_app("run", "--simulated-clock", "--duration", "20", "--record",
+                                          path, "--json", self.folder / "run.json", **how),
+                             DONE, "Done after 20")
+        self.assertRegex(result.out, r"dropped +\d+ records: the disk was full")
+        summary = json.loads((self.folder / "run.json").read_text())
+        with read_recording(path) as f:
+            kept = len(f["ticks/tick"])
+        self.assertGreater(kept, 100)
+        self.assertEqual(kept + summary["records_dropped"], summary["ticks"])
+        self.assertRegex(result.out, rf"dropped +{summary['records_dropped']} records")
+        # What lies there is sound: played, drawn and run again up to where the disk was full.
+        self.expect(self.run_app("replay", "--speed", "1000", path), DONE)
+        self.expect(self.run_app("report", path, "--out", "report"), DONE)
+        self.expect_same_when_run_again(path)
+
+    def test_limit_of_file_size(self):
+        self.check_run_over_a_full_disk(self.folder / "run.h5", preexec_fn=limit_file_size(3_000_000))
+
+    @unittest.skipUnless(os.geteuid() == 0, "only root can make a small disk")
+    def test_small_disk(self):
+        disk = self.folder / "disk"
+        disk.mkdir()
+        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=3m", "tmpfs", str(disk)],
+                                 capture_output=True, text=True, check=False)
+        if mounted.returncode != 0:
+            self.skipTest("mount is not allowed here: " + mounted.stderr.strip())
+        self.addCleanup(subprocess.run, ["umount", str(disk)], check=True)
+        self.check_run_over_a_full_disk(disk / "run.h5")
+
+    def test_no_room_even_for_the_description_is_refused(self):
+        result = self.run_app("run", "--simulated-clock", "--record", "run.h5",
+                              preexec_fn=limit_file_size(2_000))
+        self.expect_refused(result, "run.h5", lines=1)
+        self.assertEqual(self.names_in(self.folder), [])
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

@@ -1,0 +1,189 @@
+"""The command line: help, usage errors, places that cannot be written, doctor, users and folders."""
+import os
+import shutil
+import unittest
+
+from app import BINARY, CONFIG, DONE, SOURCE, AppTest, ordinary_user
+
+# Of every subcommand, what its --help must mention: the contract of the command line.
+OPTIONS = {
+    "run": ["--scene", "--hand", "--device", "--rendering", "--patient", "--motion", "--engine",
+            "--rate-hz", "--duration", "--record", "--report", "--json", "--simulated-clock",
+            "--uncertified"],
+    "replay": ["--resimulate", "recording"],
+    "report": ["--out", "recording"],
+    "picture": ["--out", "--at", "recording"],
+    "experiment": ["grasping", "timing"],
+    "experiment grasping": ["--json", "--out", "--jittered", "--only", "--seed"],
+    "experiment timing": ["--json", "--out", "--ticks", "--simulated-clock"],
+    "validate": ["files"],
+    "doctor": ["--help"],
+}
+
+
+class Help(AppTest):
+    def test_program_names_every_subcommand(self):
+        result = self.expect(self.run_app("--help"), DONE)
+        for subcommand in OPTIONS:
+            self.assertIn(subcommand.split()[0], result.out)
+
+    def test_every_subcommand_names_its_options(self):
+        for subcommand, options in OPTIONS.items():
+            with self.subTest(subcommand):
+                result = self.expect(self.run_app(*subcommand.split(), "--help"), DONE)
+                for option in options:
+                    self.assertIn(option, result.out)
+        self.assertEqual(self.names_in(self.folder), [])
+
+    def test_version_is_said(self):
+        self.expect(self.run_app("--version"), DONE, "wholehand ")
+
+
+class BadUsage(AppTest):
+    # Arguments, and a word of the message that says which of them is meant.
+    MISTAKES = [
+        ("", "--help"),
+        ("bogus", "bogus"),
+        ("runn", "runn"),
+        ("--bogus", "--bogus"),
+        ("run --bogus", "--bogus"),
+        ("run extra", "extra"),
+        ("run --scene", "--scene"),
+        ("run --rate-hz", "--rate-hz"),
+        ("run --rate-hz 1000 --rate-hz 1000", "--rate-hz"),
+        ("run --engine havok", "havok"),
+        ("replay", "recording"),
+        ("replay a.h5 b.h5", "b.h5"),
+        ("report a.h5", "--out"),
+        ("picture a.h5", "--out"),
+        ("picture a.h5 --out a.png --at nan", "--at"),
+        ("experiment", "--help"),
+        ("experiment walking", "walking"),
+        ("experiment grasping --jittered -1", "--jittered"),
+        ("experiment grasping --jittered 1.5", "--jittered"),
+        ("experiment grasping --jittered many", "--jittered"),
+        ("experiment timing --ticks 10", "--ticks"),
+        ("experiment timing --ticks nan", "--ticks"),
+        ("validate", "files"),
+        ("validate --bogus", "--bogus"),
+        ("doctor now", "now"),
+    ]
+
+    def test_every_mistake_is_named_with_exit_code_2(self):
+        for arguments, word in self.MISTAKES:
+            with self.subTest(arguments):
+                result = self.expect_refused(self.run_app(*arguments.split()), word)
+                self.assertLessEqual(len(result.err.splitlines()), 2, result)
+                self.assertEqual(result.out, "")
+        self.assertEqual(self.names_in(self.folder), [])
+
+    def test_numbers_that_are_none(self):
+        for option in ("--rate-hz", "--duration"):
+            for value in ("nan", "NaN", "inf", "-inf", "0", "-0", "-5", "1e400", "1e-320", "fast",
+                          "", "1000x", "1,5", "0x"):
+                with self.subTest(option=option, value=value):
+                    result = self.expect_refused(
+                        self.run_app("run", "--simulated-clock", option, value), option, "number")
+                    self.assertLessEqual(len(result.err.splitlines()), 2, result)
+        self.assertEqual(self.names_in(self.folder), [])
+
+
+class PlacesThatCannotBeWritten(AppTest):
+    def setUp(self):
+        super().setUp()
+        self.write("a-file", "x")
+        (self.folder / "a-folder").mkdir()
+
+    def expect_nothing_ran(self, *arguments, place):
+        before = self.names_in(self.folder)
+        result = self.expect_refused(self.run_app(*arguments, timeout=20), place)
+        self.assertNotIn("ticks", result.out, "it ran first")
+        self.assertEqual(self.names_in(self.folder), before)
+
+    def test_run_says_so_before_it_runs(self):
+        for option in ("--record", "--json", "--report"):
+            for place in ("a-file/below", "/proc/none/below"):
+                with self.subTest(option=option, place=place):
+                    self.expect_nothing_ran("run", option, place, place=place)
+        for option, place in (("--record", "a-folder"), ("--json", "a-folder"), ("--report", "a-file")):
+            with self.subTest(option=option, place=place):
+                self.expect_nothing_ran("run", option, place, place=place)
+
+    def test_experiments_say_so_before_they_run(self):
+        for experiment in ("grasping", "timing"):
+            with self.subTest(experiment):
+                self.expect_nothing_ran("experiment", experiment, "--out", "a-file/x", place="a-file/x")
+                self.expect_nothing_ran("experiment", experiment, "--out", "a-folder", "--json",
+                                        "a-folder", place="a-folder")
+
+    def test_report_and_picture_say_so(self):
+        recording = self.record(duration=0.2)
+        self.expect_nothing_ran("report", recording, "--out", "a-file", place="a-file")
+        self.expect_nothing_ran("report", recording, "--out", "a-file/x", place="a-file/x")
+        self.expect_nothing_ran("picture", recording, "--out", "a-file/x.png", place="a-file/x.png")
+        self.expect_nothing_ran("picture", recording, "--out", "a-folder", place="a-folder")
+
+    def test_a_folder_of_somebody_else(self):
+        os.chmod(self.folder, 0o755)
+        os.chmod(self.folder / "a-folder", 0o555)
+        for option, place in (("--record", "a-folder/run.h5"), ("--json", "a-folder/run.json"),
+                              ("--report", "a-folder/report")):
+            with self.subTest(option):
+                tree = deployed_tree(self)
+                result = self.run_app("run", "--simulated-clock", option, self.folder / place,
+                                      binary=tree / "build/release/wholehand", **ordinary_user())
+                self.expect_refused(result, place)
+                self.assertNotIn("ticks", result.out, "it ran first")
+
+
+def deployed_tree(test):
+    """Program, configuration and data in a tree that every user may read."""
+    tree = test.folder / "tree"
+    if not tree.exists():
+        (tree / "build/release").mkdir(parents=True)
+        shutil.copy(BINARY, tree / "build/release/wholehand")
+        shutil.copytree(CONFIG, tree / "config")
+        shutil.copytree(SOURCE / "data", tree / "data")
+        for path in [test.folder, tree, *tree.rglob("*")]:
+            path.chmod(0o755)
+    return tree
+
+
+class UsersAndFolders(AppTest):
+    def test_ordinary_user_in_another_folder_gets_all_three(self):
+        binary = deployed_tree(self) / "build/release/wholehand"
+        home = self.folder / "home"
+        home.mkdir()
+        if os.geteuid() == 0:
+            os.chown(home, 65534, 65534)
+        self.expect(self.run_app("run", "--duration", "0.5", binary=binary, cwd=home,
+                                 **ordinary_user()), DONE, "Done after")
+        (run,) = (home / "out").iterdir()
+        self.assertEqual(self.names_in(run),
+                         ["recording.h5", "report", "report/index.html", "run.json"])
+        for path in run.rglob("*"):
+            self.assertNotEqual(path.stat().st_uid, 0)
+        self.expect(self.run_app("replay", "--resimulate", run / "recording.h5", binary=binary,
+                                 cwd=home, **ordinary_user()), DONE, "every bit the same")
+
+    def test_ordinary_user_asks_the_doctor(self):
+        binary = deployed_tree(self) / "build/release/wholehand"
+        result = self.expect(self.run_app("doctor", binary=binary, cwd="/", **ordinary_user()), DONE)
+        self.expect_verdict(result)
+
+    def test_doctor_prints_its_verdict(self):
+        self.expect_verdict(self.expect(self.run_app("doctor"), DONE))
+        self.assertEqual(self.names_in(self.folder), [])
+
+    def expect_verdict(self, result):
+        self.assertRegex(result.out.strip().splitlines()[-1] + result.out.strip().splitlines()[-2],
+                         "This machine (cannot run|is fine for simulation|may drive a device)")
+        lines = result.out.splitlines()
+        for number, line in enumerate(lines):  # each line that complains says the remedy
+            if line.startswith("  ! "):
+                following = [l for l in lines[number + 1:] if not l.startswith("      ") or "→" in l]
+                self.assertIn("→", following[0] if following else "", result.out)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

@@ -1,0 +1,263 @@
+"""`wholehand validate`, and that `run` refuses what it refuses: one message says file, place and remedy."""
+import re
+import shutil
+import unittest
+
+from app import CONFIG, DONE, MOTION, SOURCE, AppTest, read_recording
+
+DEVICE, GAINS = CONFIG / "devices/lambda-pride.toml", CONFIG / "rendering/lambda-pride.toml"
+HAND, PATIENT = CONFIG / "hands/adult-median-right.toml", CONFIG / "patients/relaxed-adult.toml"
+SCENE, TABLE = CONFIG / "scenes/four-shapes.toml", CONFIG / "scenes/table.toml"
+MUG, PRISM = CONFIG / "scenes/assets/mug.urdf", CONFIG / "scenes/assets/octagonal-prism.obj"
+
+# What is spoiled, how, and what the one message must contain besides the file. Where the new text is
+# not empty, its line must be named too.
+#   (what the issue calls it, file, old text, new text, texts of the message)
+MISTAKES = [
+    ("missing key", DEVICE, "effort_limit_n = 20.0\n", "", ["effort_limit_n", "missing"]),
+    ("missing key", GAINS, "k_dm_n_s_m = 10.0\n", "", ["k_dm_n_s_m", "missing"]),
+    ("missing key", SCENE, "mass_kg = 0.1 ", "# ", ["mass_kg", "missing"]),
+    ("missing key", HAND, "length_m = 0.1880", "", ["length_m", "missing"]),
+    ("missing key", PATIENT, "stiffness_n_m = 300.0\n", "", ["stiffness_n_m", "missing"]),
+    ("missing kind", SCENE, 'kind = "scene"\n', "", ["kind", "missing"]),
+    ("empty kind", SCENE, 'kind = "scene"', 'kind = ""', ["kind"]),
+    ("missing version", GAINS, "version = 1 ", "# ", ["version", "missing"]),
+    ("unknown key", DEVICE, "damping_n_s_m", "dumping_n_s_m", ["dumping_n_s_m", "damping_n_s_m"]),
+    ("unknown key", SCENE, "friction = 0.8 ", "fricton = 0.8 ", ["fricton", "friction"]),
+    ("unknown key", HAND, "mass_kg = 0.25", "mass_kg = 0.25\nweight_kg = 1.0", ["weight_kg"]),
+    ("wrong unit", DEVICE, "effort_limit_n = ", "effort_limit_nm = ", ["effort_limit_nm", "effort_limit_n"]),
+    ("wrong unit", GAINS, "k_pm_n_m = ", "k_pm_nm_rad = ", ["k_pm_nm_rad", "k_pm_n_m"]),
+    ("wrong unit", SCENE, "mass_kg = 0.1 ", "mass_g = 100.0 ", ["mass_g", "mass_kg"]),
+    ("wrong type", DEVICE, "mass_kg = 0.8", 'mass_kg = "0.8"', ["mass_kg", "number"]),
+    ("wrong type", SCENE, "[0.05, 0.05, 0.05]", "[0.05, 0.05]", ["size_m", "3"]),
+    ("wrong type", GAINS, "paper = false", "paper = 0", ["paper", "true"]),
+    ("not finite", DEVICE, "mass_kg = 0.8", "mass_kg = nan", ["mass_kg", "nan"]),
+    ("not finite", GAINS, "gamma = 0.3", "gamma = inf", ["gamma", "inf"]),
+    ("not finite", SCENE, "gravity_m_s2 = [0.0, 0.0, 0.0]", "gravity_m_s2 = [0.0, nan, 0.0]",
+     ["gravity_m_s2", "nan"]),
+    ("out of range", DEVICE, "output_delay_ticks = 1", "output_delay_ticks = 9",
+     ["output_delay_ticks", "9", "[0, 8]"]),
+    ("out of range", GAINS, "gamma = 0.3", "gamma = 1.5", ["gamma", "1.5", "[0, 1]"]),
+    ("out of range", PATIENT, "margin = 0.05", "margin = 0.5", ["margin", "0.5", "0.4"]),
+    ("out of range", HAND, "length_m = 0.1880", "length_m = 18.80", ["length_m", "18.8"]),
+    ("out of range", SCENE, "radius_m = 0.025", "radius_m = -0.025", ["radius_m", "-0.025"]),
+    ("unknown axis", DEVICE, 'name = "finger_flexion"', 'name = "finger_flexoin"',
+     ["finger_flexoin", "drives nothing"]),
+    ("unknown axis", GAINS, 'name = "thumb_flexion"', 'name = "thumb_extension"',
+     ["thumb_extension", "thumb_flexion"]),
+    ("unknown joint", HAND, "index_mcp_flexion = 0.375", "index_mpc_flexion = 0.375",
+     ["index_mpc_flexion", "index_mcp_flexion"]),
+    ("unknown joint", HAND, "ring_dip_flexion = {", "fourth_dip_flexion = {",
+     ["fourth_dip_flexion"]),
+    ("wrong kind", SCENE, 'kind = "scene"', 'kind = "scnee"', ['kind = "scnee"', '"scene"']),
+    ("version 2", SCENE, "version = 1", "version = 2", ["version = 2", "1"]),
+    ("not TOML", SCENE, "[[bodies]]", "[[bodies]", ["TOML"]),
+    ("bodies inside each other", SCENE, "position_m = [0.055, 0.11, 0.0]",
+     "position_m = [0.165, 0.12, 0.03]", ["cube", "cylinder"]),
+    ("unstable gains", GAINS, "k_pm_n_m = 1000.0", "k_pm_n_m = 50000.0",
+     ["x.k_pm_n_m", "unstable", "largest allowed"]),
+    ("unstable gains", GAINS, "k_pm_nm_rad = 4.0", "k_pm_nm_rad = 400.0",
+     ["finger_flexion.k_pm_nm_rad", "unstable", "largest allowed"]),
+]
+
+MOTION_MISTAKES = [  # what it is, text of the file, texts of the message
+    ("empty", "", ["empty"]),
+    ("only a header", "time_s,x_m\n", []),
+    ("one row", "time_s,x_m\n0,0\n", []),
+    ("ragged", "time_s,x_m,y_m\n0,0,0\n0.01,0\n0.02,0,0\n", [":3:"]),
+    ("not monotonic", "time_s,x_m\n0,0\n0.02,0\n0.01,0\n", [":4:", "time_s", "0.01"]),
+    ("not a number", "time_s,x_m\n0,0\n0.01,abc\n0.02,0\n", [":3:", "x_m", "abc"]),
+    ("not finite", "time_s,x_m\n0,0\n0.01,nan\n0.02,0\n", [":3:", "x_m", "nan"]),
+    ("unknown axis", "time_s,elbow_rad\n0,0\n0.01,0\n", ["elbow_rad"]),
+    ("wrong unit", "time_s,x_rad\n0,0\n0.01,0\n", ["x_rad", "use _m"]),
+    ("no time", "x_m\n0\n0.01\n", ["time_s"]),
+    ("binary", bytes(range(256)) * 64, []),
+]
+
+
+class Shipped(AppTest):
+    def test_every_file_passes_at_once(self):
+        files = sorted(CONFIG.rglob("*.toml")) + sorted((SOURCE / "data").rglob("*.csv"))
+        self.assertGreater(len(files), 30)
+        result = self.expect(self.run_app("validate", *files), DONE)
+        self.assertEqual(result.err, "")
+        said = [line for line in result.out.splitlines() if line.startswith("ok ")]
+        self.assertEqual(len(said), len(files), result)
+
+    def test_copies_anywhere_pass_by_themselves(self):
+        for file in (SCENE, HAND, DEVICE, GAINS, PATIENT, MOTION):
+            copy = shutil.copy(file, self.folder / ("copy" + file.suffix))
+            self.expect(self.run_app("validate", copy), DONE, "ok ")
+
+
+class Mistakes(AppTest):
+    def expect_one_message(self, path, texts, line=0):
+        place = f"{path}:{line}:" if line else str(path)
+        result = self.expect_refused(self.run_app("validate", path), place, *texts)
+        # One mistake, one message; a name in place of another is told as unknown and as missing.
+        most = 2 if "is not an axis" in result.err or "did you mean" in result.err else 1
+        self.assertLessEqual(len(result.err.splitlines()), most, result)
+        self.assertRegex(result.err, r"; \S+", "no remedy")
+        self.assertNotIn("ok ", result.out)
+        self.assertLess(len(result.err), 500, result)
+        return result
+
+    def spoiled(self, name, base, old, new):
+        text = base.read_text()
+        self.assertIn(old, text)
+        at = text.index(old)
+        path = self.write(name, text.replace(old, new, 1))
+        changed_line = text[:at].count("\n") + 1 + (new.count("\n") if new else 0)
+        return path, changed_line
+
+    def test_every_mistake_is_told_once_with_place_and_remedy(self):
+        for number, (what, base, old, new, texts) in enumerate(MISTAKES):
+            with self.subTest(what, text=new or old):
+                path, line = self.spoiled(f"{number}.toml", base, old, new)
+                told_by_line = new and not new.startswith("#") and not {"unstable", "drives nothing"} & {*texts}
+                self.expect_one_message(path, texts, line if told_by_line else 0)
+
+    def test_motion_files(self):
+        for number, (what, text, texts) in enumerate(MOTION_MISTAKES):
+            with self.subTest(what):
+                path = self.write(f"{number}.csv", text)
+                result = self.expect_refused(self.run_app("validate", path), str(path), *texts)
+                self.assertLessEqual(len(result.err.splitlines()), 21, result)
+                if what != "binary":
+                    self.assertEqual(len(result.err.splitlines()), 1, result)
+                self.assertRegex(result.err, r"; \S+", "no remedy")
+
+    def test_what_is_no_file(self):
+        (self.folder / "folder.toml").mkdir()
+        (self.folder / "folder.csv").mkdir()
+        self.write("empty.toml", "")
+        self.write("garbage.toml", bytes(range(256)) * 100)
+        self.write("big.toml", "# nothing\n" * 1_000_000 + "kind = 1\n")
+        self.write("other.toml", 'title = "somebody else\'s"\n')
+        for name in ("missing.toml", "missing.csv", "folder.toml", "folder.csv", "empty.toml",
+                     "garbage.toml", "big.toml", "other.toml"):
+            with self.subTest(name):
+                result = self.expect_refused(self.run_app("validate", name, timeout=20), name)
+                self.assertLessEqual(len(result.err.splitlines()), 2, result)
+                self.assertRegex(result.err, r"; \S+", "no remedy")
+
+    def scene_with(self, body, assets=None):
+        folder = self.folder / f"scene-{len(list(self.folder.iterdir()))}"
+        folder.mkdir()
+        for name, content in (assets or {}).items():
+            (folder / name).write_text(content)
+        path = folder / "scene.toml"
+        path.write_text('kind = "scene"\nversion = 1\nname = "s"\ngravity_m_s2 = [0.0, 0.0, 0.0]\n'
+                        f'[[bodies]]\nname = "b"\nposition_m = [0.2, 0.0, 0.0]\n{body}\n')
+        return path
+
+    def test_meshes(self):
+        mesh = 'shape = "mesh"\nfile = "m.obj"\nmass_kg = 0.1\n'
+        corner = "v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 .1\n"
+        solid = PRISM.read_text()
+        # A bar with a notch: an L of two boxes has an edge that goes inward.
+        profile = [(0, 0), (4, 0), (4, 1), (1, 1), (1, 4), (0, 4)]
+        bent = "".join(f"v {x * .02} {y * .02} {z}\n" for z in (0, .02) for x, y in profile)
+        bent += "f 1 4 3 2\nf 1 6 5 4\nf 7 8 9 10\nf 7 10 11 12\n"
+        bent += "".join(f"f {i} {i % 6 + 1} {i % 6 + 7} {i + 6}\n" for i in range(1, 7))
+        for what, assets, texts in (
+                ("missing", {}, ["m.obj"]),
+                ("empty", {"m.obj": ""}, ["m.obj"]),
+                ("no faces", {"m.obj": corner}, ["m.obj"]),
+                ("open", {"m.obj": corner + "f 1 2 3\nf 1 2 4\n"}, ["m.obj"]),
+                ("not convex", {"m.obj": bent}, ["m.obj", "convex"]),
+                ("far too large: millimetres", {"m.obj": solid}, ["m.obj"]),
+        ):
+            with self.subTest(what):
+                self.expect_one_message(self.scene_with(mesh, assets), texts)
+
+    def test_urdf(self):
+        urdf = 'shape = "urdf"\nfile = "r.urdf"\n'
+        good = MUG.read_text()
+        bare = re.sub(r"<collision.*?</collision>", "", good, flags=re.DOTALL)
+        for what, assets, texts in (
+                ("missing", {}, ["r.urdf"]),
+                ("empty", {"r.urdf": ""}, ["r.urdf"]),
+                ("not XML", {"r.urdf": good[:200]}, ["r.urdf"]),
+                ("no collider at all", {"r.urdf": bare}, ["r.urdf", "collision"]),
+                ("negative radius", {"r.urdf": good.replace('radius="0.035"', 'radius="-1"')},
+                 ["r.urdf", "radius"]),
+        ):
+            with self.subTest(what):
+                path = self.scene_with(urdf, assets)
+                result = self.expect_refused(self.run_app("validate", path), *texts)
+                self.assertRegex(result.err, r"; \S+", "no remedy")
+                self.assertLessEqual(len(result.err.splitlines()), 2, result)
+
+    def test_link_without_collider(self):
+        good = MUG.read_text()
+        at = good.index('<link name="handle">')
+        handle_bare = good[:at] + re.sub(r"<collision.*?</collision>", "", good[at:], flags=re.DOTALL)
+        path = self.scene_with('shape = "urdf"\nfile = "r.urdf"\n', {"r.urdf": handle_bare})
+        self.expect_refused(self.run_app("validate", path), "r.urdf", "handle", "collision", lines=1)
+
+    def test_all_faults_of_all_files_in_one_call(self):
+        device, _ = self.spoiled("device.toml", DEVICE, "mass_kg = 0.8", "mass_kg = nan")
+        device.write_text(device.read_text().replace("encoder_step_m", "encoder_stp_m", 1))
+        scene, _ = self.spoiled("scene.toml", SCENE, "friction = 0.8 ", "friction = 3.0 ")
+        motion = self.write("motion.csv", "time_s,x_m\n0,0\n0.01,abc\n0.02,\n")
+        result = self.expect_refused(self.run_app("validate", device, HAND, scene, motion, "none.toml"))
+        lines = result.err.splitlines()
+        for name, count in (("device.toml", 2), ("scene.toml", 1), ("motion.csv", 2),
+                            ("none.toml", 1)):
+            self.assertEqual(sum(name + ":" in line for line in lines), count, result)
+        self.assertEqual(len(lines), 6, result)
+        self.assertIn("adult-median-right", result.out)  # what is right is said to be right
+
+
+class RunRefuses(AppTest):
+    def expect_run_refused(self, *arguments, texts=(), lines=None):
+        before = self.names_in(self.folder)
+        result = self.expect_refused(self.run_app("run", "--simulated-clock", *arguments), *texts,
+                                     lines=lines)
+        self.assertNotIn("Done", result.out)
+        self.assertEqual(self.names_in(self.folder), before)  # nothing half-written, no folder left
+        return result
+
+    def test_every_bad_file_by_its_option(self):
+        for option in ("--scene", "--hand", "--device", "--rendering", "--patient", "--motion"):
+            with self.subTest(option):
+                name = "bad" + (".csv" if option == "--motion" else ".toml")
+                self.write(name, "nonsense\n")
+                self.expect_run_refused(option, name, texts=[name])
+                self.expect_run_refused(option, "missing-" + name, texts=["missing-" + name])
+
+    def test_file_of_another_kind(self):
+        self.expect_run_refused("--scene", HAND, texts=["adult-median-right.toml", "scene"], lines=1)
+        self.expect_run_refused("--hand", SCENE, texts=["four-shapes.toml", "hand"], lines=1)
+        self.expect_run_refused("--motion", SCENE, texts=["four-shapes.toml"])
+
+    def test_gains_of_another_device(self):
+        self.expect_run_refused("--rendering", CONFIG / "rendering/wrist-9axis.toml", texts=["roll"])
+
+    def test_body_inside_the_hand(self):
+        # Where the hand is when it is armed, a recording says; its palm lies 5 cm before the wrist.
+        with read_recording(self.record(duration=0.1)) as f:
+            x, y, z = f["meta"].attrs["armed_position"][:3]
+        text = SCENE.read_text().replace("position_m = [0.055, 0.11, 0.0]",
+                                         f"position_m = [{x + 0.05}, {y}, {z}]")
+        self.write("inside.toml", text)
+        self.expect_run_refused("--scene", "inside.toml", texts=["inside.toml", "cylinder", "hand"],
+                                lines=1)
+
+    def test_unstable_gains(self):
+        text = GAINS.read_text().replace("k_pm_n_m = 1000.0", "k_pm_n_m = 50000.0")
+        self.write("hot.toml", text)
+        self.expect_run_refused("--rendering", "hot.toml", "--record", "run.h5",
+                                texts=["hot.toml", "x.k_pm_n_m", "largest allowed"], lines=3)
+
+    def test_uncertified_says_so_and_runs(self):
+        text = GAINS.read_text().replace("k_pm_n_m = 1000.0", "k_pm_n_m = 50000.0")
+        self.write("hot.toml", text)
+        path = self.record("run.h5", "--rendering", "hot.toml", "--uncertified", duration=0.5)
+        with read_recording(path) as f:
+            self.assertEqual(f["meta"].attrs["uncertified"], 1)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
