@@ -1,7 +1,8 @@
 // The paper's Fig. 5 through device, patient and renderer: the figures of the issue.
+#include "experiments/grasp_trial.hpp"
+
 #include "assembly/recorded_run.hpp"
 #include "experiments/grasp_script.hpp"
-#include "experiments/grasp_trial.hpp"
 #include "realtime/allocation_counter.hpp"
 #include "realtime/monotonic_clock.hpp"
 #include "support/rig_tools.hpp"
@@ -128,8 +129,8 @@ Cost costOf(Rig& rig, int ticks) {
   return cost;
 }
 
-#define SKIP_WITHOUT_COUNTING()                                              \
-  if (!allocationCountingAvailable()) {                                      \
+#define SKIP_WITHOUT_COUNTING()                                               \
+  if (!allocationCountingAvailable()) {                                       \
     GTEST_SKIP() << "a sanitizer owns malloc here: nothing could be counted"; \
   }
 
