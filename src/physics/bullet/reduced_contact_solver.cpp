@@ -17,6 +17,23 @@ namespace {
 constexpr double kLeastInverseMass = 1e-12;
 constexpr double kNoLimit = 1e30;
 
+// True when friction is at its limit, or there is none because nothing presses.
+bool slides(const HandContact& contact) {
+  const double limit = contact.friction * contact.normal_row.impulse;
+  return std::hypot(contact.tangent1_row.impulse, contact.tangent2_row.impulse) >=
+         limit * (1.0 - 1e-9);
+}
+
+// Bullet keeps an anchored point until its friction is seen outside the cone, and ours never is. A
+// point that slides must not be kept: it drifts past the contact threshold and is thrown away, and
+// the step in which that happens has no contact at all (a fast thumb sank 12 mm into a box).
+void letGoOfAnchor(btManifoldPoint& point) {
+  constexpr double kOutside = 1.0 + 1e-6;
+  constexpr double kAnything_ns = 1e-12;  // where both are zero
+  point.m_appliedImpulseLateral1 = point.m_appliedImpulseLateral1 * kOutside + kAnything_ns;
+  point.m_appliedImpulseLateral2 *= kOutside;
+}
+
 }  // namespace
 
 const ReducedContactSolver::CapsuleTag* ReducedContactSolver::tagOf(
@@ -97,7 +114,8 @@ void ReducedContactSolver::setUpContact(HandContact& contact, const CapsuleTag& 
       rigid != nullptr ? on_body - rigid->getCenterOfMassPosition() : btVector3(0, 0, 0);
   const Eigen::Vector3d at = toEigen(contact.on_hand);
   const double step_s = info.m_timeStep;
-  btPlaneSpace1(contact.normal, contact.tangent1, contact.tangent2);
+  // As Bullet lays them for a new point, so that one that replaces an old one inherits its impulses.
+  btPlaneSpace1(contact.point->m_normalWorldOnB, contact.tangent1, contact.tangent2);
 
   const auto linearRow = [&](ReducedRow& row, const btVector3& direction, double goal) {
     kinematics_->reducedPointRow(tag.link, at, toEigen(direction), row.jacobian.data());
@@ -230,6 +248,7 @@ btScalar ReducedContactSolver::solveGroupCacheFriendlyFinish(btCollisionObject**
     point.m_appliedImpulse = contact.normal_row.impulse;
     point.m_appliedImpulseLateral1 = contact.tangent1_row.impulse;
     point.m_appliedImpulseLateral2 = contact.tangent2_row.impulse;
+    if (slides(contact)) letGoOfAnchor(point);
     point.m_lateralFrictionDir1 = contact.tangent1;
     point.m_lateralFrictionDir2 = contact.tangent2;
     point.m_prevRHS = contact.spin_row.impulse;  // a free slot that lives with the point
