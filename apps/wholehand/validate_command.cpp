@@ -32,8 +32,8 @@ class Validation {
 
   void run() {
     for (const auto& [file, kind] : kinds_) {
-      const std::size_t before = errors_.size();
       std::string remark;
+      faulty_ = false;
       faulty_device_.clear();
       if (kind.empty() && add(fileKind(file))) checkKind(file, kind);
       if (kind == "device") checkDevice(file);
@@ -46,7 +46,7 @@ class Validation {
       if (!faulty_device_.empty()) {
         std::printf("-   %-9s %s (not checked: mend %s first)\n", kind.c_str(), file.c_str(),
                     faulty_device_.c_str());
-      } else if (errors_.size() == before) {
+      } else if (!faulty_) {
         std::printf("ok  %-9s %s\n%s", kind.c_str(), file.c_str(), remark.c_str());
       }
     }
@@ -57,6 +57,7 @@ class Validation {
  private:
   // A device's faults come up again with every file that is checked against it: told once.
   void add(const Diagnostics& errors) {
+    faulty_ = faulty_ || !errors.empty();
     for (const Diagnostic& error : errors) {
       if (told_.insert(format(error)).second) errors_.push_back(error);
     }
@@ -90,12 +91,16 @@ class Validation {
     return device;
   }
 
-  // The hand a device is meant for: the first one among the arguments, else the median one.
+  // The hand a device is meant for: the only one among the arguments, else the median one.
   [[nodiscard]] std::string handFor() const {
+    std::string only;
+    int hands = 0;
     for (const auto& [other, kind] : kinds_) {
-      if (kind == "hand") return other;
+      if (kind != "hand") continue;
+      only = other;
+      ++hands;
     }
-    return shippedFile("config/hands/adult-median-right.toml");
+    return hands == 1 ? only : shippedFile("config/hands/adult-median-right.toml");
   }
 
   // An axis of a name that no hand knows drives nothing.
@@ -126,11 +131,11 @@ class Validation {
     if (add(hand) && device) add(assembleHand(*hand, *device));
   }
 
-  // Gains are right only where the loop they close is stable, at 1 kHz, with the shipped hand.
+  // Gains are right only where the loop they close is stable, at 1 kHz.
   std::string checkRendering(const std::string& file) {
     Models models;
     auto device = loadDeviceFor(file);
-    auto hand_file = loadHandFile(shippedFile("config/hands/adult-median-right.toml"));
+    auto hand_file = loadHandFile(handFor());
     if (!device || !add(hand_file)) return {};
     models.device = *device;
     auto rendering = loadRenderingFile(file, *device);
@@ -152,13 +157,14 @@ class Validation {
                            models.device.axes[a].name, gains.k_pm[a], gains.k_ps_per_s2[a],
                            gains.k_ds_per_s[a], gains.contact_scale[a]);
     }
-    return table +
-           "    (σ: felt over simulated force at 1 kHz with the median hand; 1 is the truth)\n";
+    return table + "    (σ: felt over simulated force at 1 kHz with the hand " + models.hand.name +
+           "; 1 is the truth)\n";
   }
 
   std::vector<std::pair<std::string, std::string>> kinds_;
   Diagnostics errors_;
   std::set<std::string> told_;
+  bool faulty_ = false;        // the file at hand
   std::string faulty_device_;  // that keeps the file at hand from being checked
 };
 
