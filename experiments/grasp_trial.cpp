@@ -162,12 +162,12 @@ std::string GraspTrial::name() const {
 
 std::vector<GraspTrial> tunedTrials() {
   const std::vector<GraspTrial> floating = {
-      posture("cube", "power", {49, 6, -40}, 75, 20, 180, 80),
-      posture("sphere", "power", {55, 6, -39}, 75, 20, 160, 80),
-      posture("cylinder", "power", {48, 2, -40}, 65, 20, 160, 50),
-      posture("disk", "power", {64, 8, -49}, 80, 20, 140, 80),
-      posture("sphere", "pinch", {69, 11, -68}, 75, 40, 125, 80),
-      posture("cube", "pinch", {69, 11, -68}, 75, 40, 180, 80)};
+      posture("cube", "power", {51, 6, -41}, 75, 20, 160, 75),
+      posture("sphere", "power", {57, 6, -44}, 75, 20, 160, 80),
+      posture("cylinder", "power", {49, 4, -41}, 65, 20, 155, 55),
+      posture("disk", "power", {65, 8, -51}, 80, 20, 130, 75),
+      posture("sphere", "pinch", {69, 11, -68}, 75, 40, 122, 75),
+      posture("cube", "pinch", {69, 11, -68}, 75, 40, 170, 75)};
   std::vector<GraspTrial> trials;
   for (bool gravity : {false, true}) {
     for (GraspTrial trial : floating) {
@@ -232,6 +232,7 @@ Expected<GraspResult> runGrasp(const GraspTrial& trial, const ModelFiles& files,
   if (!outcome) return outcome.errors();
   GraspResult result = observer.finish(last);
   result.dropped = result.dropped || outcome->faulted;
+  result.interrupted = outcome->interrupted;
   result.cpu_p50_us = outcome->summary.cpu.p50_ns / 1e3;
   result.cpu_p999_us = outcome->summary.cpu.p999_ns / 1e3;
   if (plan.at_end) plan.at_end(**rig, last);

@@ -40,6 +40,7 @@ struct GraspResult {
   double tip_force_max_n = 0.0;     ///< largest effort sent, hand axes, at the tip
   std::uint64_t saturated_ticks = 0;  ///< ticks in which a limit clamped the effort
   double cpu_p50_us = 0.0, cpu_p999_us = 0.0;
+  bool interrupted = false;  ///< by Ctrl-C: the figures above are of a part of the trial
 };
 
 /// The tuned trials: four shapes by power grasp, cube and sphere by pinch, without and with

@@ -89,9 +89,9 @@ constexpr std::array<PalmRow, 22> kPalm = {{
     {"pad_ulnar", {56, -3, 0}, {50, -20, -8.5}, 8.4, true, true, true},
     {"thenar", {20, 15, -4}, {44, 17, 0}, 9.5, false, false, true},
     {"hollow", {14, 0, -5}, {44, 2, -1}, 9.5, false, false, true},
-    {"hypothenar_edge", {2, -17, -6}, {38, -23, -10.5}, 11.0, false, false, true},
+    {"hypothenar_edge", {2, -16, -6}, {42, -23, -8.5}, 10.0, false, false, true},
     {"hypothenar", {12, -14, -7}, {42, -15, -7}, 9.5, false, false, true},
-    {"carpus", {0, 14, -5}, {0, -14, -5}, 12.5, false, false, true},
+    {"carpus", {2, 12, -4}, {2, -13, -5}, 11.5, false, false, true},
     // The knuckle webs lie between first joints, which do not move against the palm.
     {"knuckle_web_23", {65.9, 18.2, 8.7}, {65.5, 0.7, 9.2}, 8.4, true, true, true},
     {"knuckle_web_34", {65.5, 0.7, 9.2}, {64.2, -13.9, 3.3}, 8.4, true, true, true},
@@ -100,17 +100,17 @@ constexpr std::array<PalmRow, 22> kPalm = {{
     {"thumb_web", {22, 24, -6}, {48, 21, 3}, 7.5, false, false, true},
     {"thumb_web_deep", {14, 25, -11}, {40, 19, 2}, 8.0, false, false, true},
     // A stub of the forearm: it collides, its mass is not the hand's.
-    {"wrist_radial", {-52, 12, -2}, {-2, 13, -2}, 14.5, false, false, false},
-    {"wrist_ulnar", {-52, -12, -2}, {-2, -14, -3}, 14.5, false, false, false},
-    {"wrist_middle", {-52, 0, -2}, {-2, 0, -2}, 15.5, false, false, false},
+    {"wrist_radial", {-52, 12, -3}, {0, 13, -3.5}, 13.0, false, false, false},
+    {"wrist_ulnar", {-52, -12, -3}, {4, -14, -5}, 12.5, false, false, false},
+    {"wrist_middle", {-52, 0, -3}, {0, 0, -2.5}, 14.0, false, false, false},
 }};
 
 constexpr double kWebRadius_mm = 7.0;
-constexpr double kWebAlong = 0.30;       ///< share of the first phalanx at which the web ends
+constexpr double kWebAlong = 0.24;       ///< share of the first phalanx at which the web ends
 constexpr double kWebReach = 0.5;        ///< share of the gap: the neighbour's own skin is the rest
 constexpr double kWebFlexion_rad = 0.6;  ///< half of what a knuckle flexes
-constexpr double kThenarRadius_mm = 11.5;
-constexpr double kThenarAlong = 0.62;  ///< share of the thumb's metacarpal
+constexpr double kThenarRadius_mm = 10.6;
+constexpr double kThenarAlong = 0.46;  ///< share of the thumb's metacarpal
 
 }  // namespace
 
