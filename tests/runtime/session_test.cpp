@@ -1,0 +1,208 @@
+// A session on both clocks, in an analytic world: a mass on a rail against a rigid stop.
+#include "runtime/session.hpp"
+
+#include "control/adaptive_damping.hpp"
+#include "control/coupling_gains.hpp"
+#include "device/one_axis.hpp"
+#include "physics/analytic/analytic_world.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <thread>
+#include <vector>
+
+namespace wholehand::test {
+namespace {
+
+constexpr double kPeriod_s = 1e-3;
+constexpr double kAvatar_kg = 0.25;
+constexpr int kRampTicks = 80;  // NeutralRampConfig::ramp_s
+
+HandModel slider() {
+  HandModel hand;
+  hand.joint_count = hand.axis_count = 1;
+  hand.joint_names = hand.axis_names = {"x"};
+  HandLink link;
+  link.type = JointType::kPrismatic;
+  link.joint = 0;
+  link.mass_kg = kAvatar_kg;
+  link.inertia_kg_m2 = 1e-6 * Eigen::Matrix3d::Identity();
+  hand.links = {link};
+  hand.synergy = JointAxisMatrix::Ones(1, 1);
+  hand.theta0 = JointPosition(1);
+  hand.reference = AxisPosition(1);
+  return hand;
+}
+
+AnalyticScene stopAt(double x_m) {
+  AnalyticScene scene;
+  scene.axes.resize(1);
+  scene.axes[0].upper_stop = x_m;
+  return scene;
+}
+
+/// A person who pushes 4 cm beyond a stop at 1 cm, with 200 N/m.
+struct Rail {
+  explicit Rail(const SessionConfig& session_config) {
+    device_model.axes[0].damping = 6.0;
+    device_model.axes[0].neutral_effort = 1.5;
+    person.axes[0] = {"x", 0.5, 15.0, 200.0};
+    device = std::make_unique<SimulatedDevice>(
+        device_model, person,
+        Intention::throughWaypoints({{0.0, AxisPosition(1, 0.0)}, {0.1, AxisPosition(1, 0.05)}}),
+        kPeriod_s);
+    RenderingConfig rendering;
+    rendering.axes.resize(1);
+    rendering.axes[0].k_pm = 1000.0;
+    rendering.axes[0].k_dm = 10.0;
+    const auto gains = resolveGains(rendering, AxisMatrix::Constant(1, 1, kAvatar_kg), kPeriod_s);
+    EXPECT_TRUE(gains) << format(gains.errors());
+    RendererConfig config;
+    config.gains = *gains;
+    config.damping = makeAdaptiveDamping(device_model, rendering);
+    config.effort_limit = AxisEffort(1, 20.0);
+    config.neutral = device_model.neutral();
+    renderer = std::make_unique<HapticRenderer>(*device, world, hand, config);
+    EXPECT_TRUE(renderer->arm());
+    session = std::make_unique<Session>(*renderer, session_config);
+  }
+
+  HandModel hand = slider();
+  DeviceModel device_model = testing::oneAxisDevice(0.8);
+  PatientConfig person = testing::nobody();
+  AnalyticWorld world{hand, stopAt(0.01)};
+  std::unique_ptr<SimulatedDevice> device;
+  std::unique_ptr<HapticRenderer> renderer;
+  std::unique_ptr<Session> session;
+};
+
+void startThread(Session& session) {
+  PeriodicThreadConfig thread;
+  thread.period_ns = 1'000'000;
+  const Expected<SetupReport> started = session.start(thread);
+  ASSERT_TRUE(started) << format(started.errors());
+}
+
+/// Pops until the session has ended and its queue is empty.
+std::vector<TickRecord> drain(Session& session) {
+  std::vector<TickRecord> records;
+  TickRecord record;
+  for (bool more = true; more;) {
+    more = session.running();
+    while (session.tryPop(record)) records.push_back(record);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return records;
+}
+
+TEST(SimulatedSession, ForItsTime_TicksEveryPeriodAndEndsAtNeutral) {
+  SessionConfig config;
+  config.duration_ticks = 1500;
+  Rail rail(config);
+  std::vector<TickRecord> records;
+  rail.session->runSimulated([&](const TickRecord& r) { records.push_back(r); });
+  ASSERT_EQ(records.size(), 1500U + kRampTicks);
+  for (std::size_t k = 0; k < records.size(); ++k) {
+    ASSERT_EQ(records[k].tick, k);
+    ASSERT_DOUBLE_EQ(records[k].time_s, static_cast<double>(k) * kPeriod_s);
+    ASSERT_EQ(records[k].elapsed_periods, 1U);
+  }
+  // At rest against the stop at 1 cm: the person's 200 N/m pulls to 5 cm, the coupling's 1000 N/m
+  // back to 1 cm.
+  const double rest_m = (200.0 * 0.05 + 1000.0 * 0.01) / 1200.0;
+  EXPECT_NEAR(records[1499].q_m[0], rest_m, 1e-6);
+  EXPECT_NEAR(records[1499].sent[0], 1.5 - 1000.0 * (rest_m - 0.01), 1e-3);
+  EXPECT_EQ(records.back().sent[0], 1.5);
+  EXPECT_EQ(records.back().authority, 0.0);
+  EXPECT_EQ(rail.session->counters().ticks_run, records.size());
+}
+
+TEST(RealTimeSession, ForItsTime_GivesEveryRecordInOrder) {
+  SessionConfig config;
+  config.duration_ticks = 300;
+  Rail rail(config);
+  startThread(*rail.session);
+  const std::vector<TickRecord> records = drain(*rail.session);
+  rail.session->join();
+  EXPECT_EQ(rail.session->droppedRecords(), 0U);
+  ASSERT_EQ(records.size(), rail.session->counters().ticks_run);
+  std::uint64_t periods = 0;
+  for (std::size_t k = 0; k < records.size(); ++k) {
+    const TickRecord& r = records[k];
+    periods += r.elapsed_periods;
+    // Skipped periods count: tick is the period's number, whatever was missed before.
+    ASSERT_EQ(r.tick + 1, periods);
+    ASSERT_EQ(any(r.faults & Fault::kLateTick), r.elapsed_periods > 1);
+    ASSERT_EQ(r.faults & kStopping, Fault::kNone);
+    ASSERT_GE(r.lateness_ns, 0);
+    ASSERT_GE(r.wall_ns, 0);
+  }
+  EXPECT_GE(records.back().tick + 1, 300U);
+  EXPECT_EQ(records.back().sent[0], 1.5);
+}
+
+TEST(RealTimeSession, WithAQueueOfFourAndNobodyReading_DropsCountsAndRunsOn) {
+  SessionConfig config;
+  config.duration_ticks = 150;
+  config.queue_ticks = 4;
+  Rail rail(config);
+  startThread(*rail.session);
+  rail.session->join();
+  const std::uint64_t run = rail.session->counters().ticks_run;
+  EXPECT_EQ(rail.session->droppedRecords(), run - 4);
+  TickRecord record;
+  std::uint64_t left = 0;
+  for (; rail.session->tryPop(record); ++left) EXPECT_LT(record.tick, 150U);
+  EXPECT_EQ(left, 4U);  // the oldest: what came later was dropped
+}
+
+TEST(RealTimeSession, AskedToStopFromAnotherThread_EndsAtNeutral) {
+  Rail rail({});  // without end
+  startThread(*rail.session);
+  std::thread other([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(150));
+    rail.session->requestStop();
+  });
+  const std::vector<TickRecord> records = drain(*rail.session);
+  other.join();
+  rail.session->join();
+  EXPECT_FALSE(rail.session->running());
+  ASSERT_FALSE(records.empty());
+  EXPECT_TRUE(any(records.back().faults & Fault::kStopRequested));
+  EXPECT_EQ(records.back().sent[0], 1.5);
+  // Monotone on the way down, and within 100 ms however late the ticks were.
+  std::size_t first = 0;
+  while (!any(records[first].faults & Fault::kStopRequested)) ++first;
+  std::uint64_t ramp_periods = 0;
+  for (std::size_t k = first; k < records.size(); ++k) {
+    if (k > first) {
+      ramp_periods += records[k].elapsed_periods;
+      ASSERT_LE(records[k].authority, records[k - 1].authority);
+    }
+  }
+  EXPECT_LE(ramp_periods - records.back().elapsed_periods, 100U);
+}
+
+TEST(RealTimeSession, OnTime_GivesTheBitsOfTheSimulatedClock) {
+  SessionConfig config;
+  config.duration_ticks = 120;
+  Rail real(config), simulated(config);
+  startThread(*real.session);
+  const std::vector<TickRecord> records = drain(*real.session);
+  real.session->join();
+  std::vector<TickRecord> expected;
+  simulated.session->runSimulated([&](const TickRecord& r) { expected.push_back(r); });
+  // Up to the first late tick, from which on the two saw different inputs.
+  std::size_t compared = 0;
+  for (; compared < records.size() && records[compared].elapsed_periods == 1; ++compared) {
+    ASSERT_EQ(std::memcmp(records[compared].sent.data(), expected[compared].sent.data(), 8), 0);
+    ASSERT_EQ(std::memcmp(records[compared].q_s.data(), expected[compared].q_s.data(), 8), 0);
+  }
+  EXPECT_GE(compared, 1U);
+}
+
+}  // namespace
+}  // namespace wholehand::test
