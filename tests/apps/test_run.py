@@ -1,13 +1,14 @@
 """`wholehand run`: what it writes, how it ends, and what survives a kill or a full disk."""
 import json
 import os
+import pty
 import re
 import signal
 import subprocess
 import time
 import unittest
 
-from app import (CONFIG, DONE, FULL, INTERRUPTED, STOP_REQUESTED, AppTest, limit_file_size,
+from app import (BINARY, CONFIG, DONE, FAULT, FULL, INTERRUPTED, STOP_REQUESTED, AppTest, limit_file_size,
                  read_recording)
 
 AXES = ["x", "y", "z", "finger_flexion", "thumb_circumduction", "thumb_flexion"]
@@ -133,6 +134,60 @@ class HowItEnds(AppTest):
         began = time.monotonic()
         self.record(duration=2.0, simulated=False)
         self.assertGreater(time.monotonic() - began, 2.0)
+
+    def test_fault_stops_the_run_with_its_name_and_a_ramp(self):
+        # A second axis that drives the thumb's base as the first does: the reduced inertia is
+        # singular. The certificate refuses such a hand; past it, the fault of the tick must stop it.
+        def with_twin(name, file, begin):
+            text = (CONFIG / file).read_text()
+            at = text.index(begin)
+            axis = text[at:text.index("[[axes]]", at + 5)]
+            return self.write(name, text + "\n" + axis.replace("thumb_circumduction", "twin"))
+
+        device = with_twin("device.toml", "devices/lambda-pride.toml", "[[axes]]  # 0 to 90 degrees")
+        device.write_text(device.read_text().replace("[0.0, 1.5707963267948966]", "[0.0, 0.78]"))
+        gains = with_twin("gains.toml", "rendering/lambda-pride.toml",
+                          '[[axes]]\nname = "thumb_circumduction"')
+        hand = self.write("hand.toml", (CONFIG / "hands/adult-median-right.toml").read_text().replace(
+            "[synergy.thumb_flexion]",
+            "[synergy.twin]\nthumb_circumduction = 1.0\n\n[synergy.thumb_flexion]").replace(
+            "thumb_circumduction_rad", "twin_rad = 0.0\nthumb_circumduction_rad"))
+        files = ["--device", device, "--rendering", gains, "--hand", hand]
+        self.expect_refused(self.run_app("run", "--simulated-clock", *files), "singular")
+        result = self.expect(
+            self.run_app("run", "--simulated-clock", "--duration", "5", *files, "--uncertified",
+                         "--record", "run.h5", "--json", "run.json", "--report", "report"),
+            FAULT, "Stopped by a fault", "singular reduced inertia", "UNCERTIFIED")
+        self.assertNotIn("Done", result.out)
+        self.assertGreater(json.loads((self.folder / "run.json").read_text())["faults"], 0)
+        with read_recording(self.folder / "run.h5") as f:
+            self.assertLessEqual(f["ticks/time_s"][-1], 0.1)  # stopped at once, within the ramp
+            self.assertEqual(f["ticks/authority"][-1], 0.0)
+            self.assertTrue((abs(f["ticks/sent"][-1]) == 0.0).all())
+        self.expect_same_when_run_again("run.h5")
+
+    def test_status_line_of_a_terminal(self):
+        ours, theirs = pty.openpty()
+        run = subprocess.Popen([BINARY, "run", "--duration", "1.5", "--json", "run.json"],
+                               cwd=self.folder, stdin=subprocess.DEVNULL, stdout=theirs,
+                               stderr=theirs)
+        self.addCleanup(run.kill)
+        os.close(theirs)
+        said = b""
+        while True:
+            try:
+                said += os.read(ours, 4096)
+            except OSError:  # the other end is closed
+                break
+        os.close(ours)
+        self.assertEqual(run.wait(timeout=20), DONE, said)
+        # One line, drawn again in place, several times a second; it says the seven things.
+        drawn = re.findall(r"\r\x1b\[K *([\d.]+) s +([\d.]+) Hz  tick (\d+)/(\d+)/(\d+) µs  "
+                           r"missed (\d+)  (\d+) contacts  largest force \S", said.decode())
+        self.assertGreaterEqual(len(drawn), 3, said)
+        times_s = [float(line[0]) for line in drawn]
+        self.assertEqual(times_s, sorted(times_s))
+        self.assertIn("Done after", said.decode())
 
     def test_status_goes_on_where_nobody_reads_it(self):
         # `wholehand run | head -1`: the reader is gone, the run and its recording go on or end cleanly.
