@@ -113,13 +113,38 @@ std::string slipPlot(const std::vector<GraspResult>& tuned,
 struct Sweep {
   std::vector<GraspResult> results;
   Diagnostics errors;
+  bool interrupted = false;
 };
+
+std::vector<GraspTrial> onlyThose(const std::vector<GraspTrial>& trials, const std::string& part) {
+  std::vector<GraspTrial> chosen;
+  for (const GraspTrial& trial : trials) {
+    if (trial.name().find(part) != std::string::npos) chosen.push_back(trial);
+  }
+  return chosen;
+}
+
+// As many jittered trials as asked for, of the chosen ones: they come round in the tuned ones'
+// order.
+std::vector<GraspTrial> chosenJitter(const ExperimentOptions& options) {
+  const int rounds = options.only.empty() ? 1 : static_cast<int>(tunedTrials().size());
+  auto chosen = onlyThose(jitteredTrials(options.jittered * rounds, options.seed), options.only);
+  chosen.resize(std::min(chosen.size(), static_cast<std::size_t>(options.jittered)));
+  return chosen;
+}
+
+Diagnostic unknownTrial(const std::string& part) {
+  std::string names;
+  for (const GraspTrial& trial : tunedTrials()) {
+    names += (names.empty() ? "" : ", ") + trial.name();
+  }
+  return {"", 0, "--only", part, "is part of no trial's name", "the trials are " + names};
+}
 
 Sweep runAll(const std::vector<GraspTrial>& trials, const ExperimentOptions& options,
              bool keep_recordings) {
   Sweep sweep;
   for (const GraspTrial& trial : trials) {
-    if (trial.name().find(options.only) == std::string::npos) continue;
     GraspPlan plan;
     plan.folder = options.folder;
     plan.record = keep_recordings;
@@ -135,15 +160,26 @@ Sweep runAll(const std::vector<GraspTrial>& trials, const ExperimentOptions& opt
       sweep.errors = result.errors();
       return sweep;
     }
+    if (result->interrupted) {
+      sweep.interrupted = true;
+      return sweep;
+    }
     printTrial(*result);
     sweep.results.push_back(*result);
   }
   return sweep;
 }
 
+int interrupted() {
+  std::printf("\nInterrupted: no results were written\n");
+  return kExitInterrupted;
+}
+
 }  // namespace
 
 int graspingCommand(const ExperimentOptions& options) {
+  const std::vector<GraspTrial> trials = onlyThose(tunedTrials(), options.only);
+  if (trials.empty()) return refuse({unknownTrial(options.only)});
   std::error_code error;
   fs::create_directories(options.folder, error);
   const std::string json_path =
@@ -153,15 +189,17 @@ int graspingCommand(const ExperimentOptions& options) {
   }
   std::printf("Grasp, carry 20 cm, hold 10 s; postures tuned, without and with gravity\n");
   printHeader();
-  const Sweep tuned = runAll(tunedTrials(), options, true);
+  const Sweep tuned = runAll(trials, options, true);
   if (!tuned.errors.empty()) return refuse(tuned.errors);
+  if (tuned.interrupted) return interrupted();
   if (options.jittered > 0) {
     std::printf("\n%d trials with jittered positions and commands, seed %llu\n", options.jittered,
                 static_cast<unsigned long long>(options.seed));
     printHeader();
   }
-  const Sweep jittered = runAll(jitteredTrials(options.jittered, options.seed), options, false);
+  const Sweep jittered = runAll(chosenJitter(options), options, false);
   if (!jittered.errors.empty()) return refuse(jittered.errors);
+  if (jittered.interrupted) return interrupted();
 
   nlohmann::ordered_json json;
   json["trials"] = nlohmann::ordered_json::array();
