@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kDeg = std::numbers::pi / 180.0;
 constexpr double kSway_m = 0.03;
-constexpr double kHolding_n = 5.0;    // a grasp; the swinging thumb brushes with less than 1 N
+constexpr double kHolding_n = 5.0;  // a grasp; the swinging thumb brushes with less than 1 N
 constexpr double kReleased_n = 1.0;
 
 GraspTrial cylinder() {
@@ -141,7 +141,7 @@ Expected<TimingResult> runTiming(const ModelFiles& files, const TimingPlan& plan
   run.title = "Timing: a cylinder grasped, released and grasped again";
   run.duration_ticks = plan.ticks;
   run.simulated_clock = plan.simulated_clock;
-  run.count_allocations = true;
+  run.count_allocations = plan.count_allocations;
   run.record = plan.folder + "/timing.h5";
   run.status = plan.status;
   run.sink = [&](const TickRecord& record) { observer(record); };

@@ -15,6 +15,8 @@ struct TimingPlan {
   bool simulated_clock = false;  ///< as fast as it goes: CPU time alone
   std::string folder;            ///< for the scene and the recording
   std::function<void(const TickSummary&, double rate_hz)> status;
+  /// Allocations of the calling thread so far (realtime/allocation_counter.hpp); null: not counted.
+  std::uint64_t (*count_allocations)() noexcept = nullptr;
 };
 
 /// The paper's Fig. 6: time of the loop while a cylinder is grasped, released and grasped again and

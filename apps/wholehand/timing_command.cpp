@@ -100,6 +100,7 @@ int timingCommand(const ExperimentOptions& options) {
   plan.ticks = options.ticks;
   plan.simulated_clock = options.simulated_clock;
   plan.folder = options.folder;
+  plan.count_allocations = &threadAllocations;
   plan.status = [&](const TickSummary& now, double rate_hz) { status.update(now, rate_hz); };
   auto result = runTiming(files, plan);
   status.finish();

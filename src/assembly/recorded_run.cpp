@@ -1,7 +1,6 @@
 #include "assembly/recorded_run.hpp"
 
 #include "git_version.hpp"
-#include "realtime/allocation_counter.hpp"
 #include "realtime/monotonic_clock.hpp"
 #include "telemetry/hub.hpp"
 
@@ -125,7 +124,7 @@ Expected<RunOutcome> runAndRecord(Rig& rig, const RunPlan& plan) {
   }
   SessionConfig config;
   config.duration_ticks = plan.duration_ticks;
-  if (plan.count_allocations) config.count_allocations = &threadAllocations;
+  config.count_allocations = plan.count_allocations;
   Session session(*rig.renderer, config);
   const InterruptGuard guard(session);
   TickStatistics statistics;

@@ -5,6 +5,7 @@
 #include "telemetry/recording.hpp"
 #include "telemetry/statistics.hpp"
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -19,7 +20,8 @@ struct RunPlan {
   std::string record;  ///< HDF5 file; empty: none
   bool simulated_clock = false;
   std::function<void(const TickSummary&, double rate_hz)> status;  ///< told how it goes, often
-  bool count_allocations = false;
+  /// Allocations of the calling thread so far (realtime/allocation_counter.hpp); null: not counted.
+  std::uint64_t (*count_allocations)() noexcept = nullptr;
   std::function<void(const TickRecord&)> sink;  ///< sees every record, off the real-time thread
 };
 
