@@ -162,7 +162,7 @@ std::string GraspTrial::name() const {
 
 std::vector<GraspTrial> tunedTrials() {
   const std::vector<GraspTrial> floating = {
-      posture("cube", "power", {51, 6, -41}, 75, 20, 160, 75),
+      posture("cube", "power", {49, 7, -40}, 75, 20, 152, 75),
       posture("sphere", "power", {57, 6, -44}, 75, 20, 160, 80),
       posture("cylinder", "power", {49, 4, -41}, 65, 20, 155, 55),
       posture("disk", "power", {65, 8, -51}, 80, 20, 130, 75),

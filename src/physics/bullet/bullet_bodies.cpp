@@ -4,9 +4,9 @@
 
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
 #include <BulletCollision/CollisionShapes/btCapsuleShape.h>
-#include <BulletCollision/CollisionShapes/btCompoundShape.h>
 #include <BulletCollision/CollisionShapes/btConvexHullShape.h>
 #include <BulletCollision/CollisionShapes/btCylinderShape.h>
+#include <BulletCollision/CollisionShapes/btEmptyShape.h>
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
 #include <Eigen/Eigenvalues>
 
@@ -32,8 +32,7 @@ Pose principalFrame(const SceneBody& body, btVector3& moments) {
   return {axes, body.com_m};
 }
 
-// `at` is the shape's frame in Bullet's body frame; a hull absorbs it into its points.
-std::unique_ptr<btCollisionShape> makeShape(const Shape& shape, const Pose& at) {
+std::unique_ptr<btCollisionShape> makeShape(const Shape& shape) {
   switch (shape.type) {
     case ShapeType::kBox:
       return std::make_unique<btBoxShape>(toBt(shape.half_extents_m));
@@ -46,8 +45,7 @@ std::unique_ptr<btCollisionShape> makeShape(const Shape& shape, const Pose& at) 
       return std::make_unique<btCapsuleShapeZ>(shape.radius_m, shape.length_m);
     case ShapeType::kConvexMesh: {
       auto hull = std::make_unique<btConvexHullShape>();
-      for (const Eigen::Vector3d& p : shape.points_m)
-        hull->addPoint(toBt(Eigen::Vector3d(at * p)), false);
+      for (const Eigen::Vector3d& p : shape.points_m) hull->addPoint(toBt(p), false);
       hull->recalcLocalAabb();
       // The default margin would swell the mesh by 4 cm; the capsules bring a margin of their own.
       hull->setMargin(0.0);
@@ -57,66 +55,71 @@ std::unique_ptr<btCollisionShape> makeShape(const Shape& shape, const Pose& at) 
   return nullptr;
 }
 
-bool isIdentity(const Pose& pose) {
-  return pose.rotation.isIdentity(1e-12) && pose.translation_m.isZero(1e-12);
-}
-
 }  // namespace
 
-SceneBodyInBullet makeBody(const SceneBody& body, int index) {
-  SceneBodyInBullet out;
+BulletBody::BulletBody(const SceneBody& body, int index) : no_shape_(new btEmptyShape) {
   btVector3 moments(0, 0, 0);
-  out.from_body = principalFrame(body, moments);
-  const Pose to_bullet = out.from_body.inverse();
-  const auto placed = [&](const Shape& s) { return to_bullet * s.in_body; };
-  const bool is_hull = body.shapes[0].type == ShapeType::kConvexMesh;
-  if (body.shapes.size() == 1 && (is_hull || isIdentity(placed(body.shapes[0])))) {
-    out.shapes.push_back(makeShape(body.shapes[0], placed(body.shapes[0])));
-  } else {
-    auto compound = std::make_unique<btCompoundShape>();
-    for (const Shape& shape : body.shapes) {
-      const Pose at = placed(shape);
-      out.shapes.push_back(makeShape(shape, at));
-      const bool absorbed = shape.type == ShapeType::kConvexMesh;
-      compound->addChildShape(absorbed ? btTransform::getIdentity() : toBt(at),
-                              out.shapes.back().get());
-    }
-    out.shapes.push_back(std::move(compound));
-  }
+  from_body_ = principalFrame(body, moments);
+  start_ = toBt(body.pose * from_body_);
   const double mass = body.fixed ? 0.0 : body.mass_kg;
-  btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, out.shapes.back().get(),
-                                                body.fixed ? btVector3(0, 0, 0) : moments);
-  out.rigid = std::make_unique<btRigidBody>(info);
-  out.start = toBt(body.pose * out.from_body);
-  out.putAtStart();
-  out.rigid->setUserIndex(index);
+  if (body.fixed) moments.setZero();
+  rigid_ = std::make_unique<btRigidBody>(
+      btRigidBody::btRigidBodyConstructionInfo(mass, nullptr, no_shape_.get(), moments));
+  rigid_->setDamping(body.linear_damping_per_s, 0.0);
+  rigid_->setActivationState(DISABLE_DEACTIVATION);
+  tag_ = std::make_unique<ColliderTag>(ColliderTag{-1, -1, index, rigid_.get()});
+  for (const Shape& shape : body.shapes) addCollider(body, shape);
+  putAtStart();
+}
+
+void BulletBody::addCollider(const SceneBody& body, const Shape& shape) {
+  Collider collider;
+  collider.shape = makeShape(shape);
+  collider.in_rigid = toBt(from_body_.inverse() * shape.in_body);
+  collider.object = std::make_unique<btCollisionObject>();
+  btCollisionObject& object = *collider.object;
+  object.setCollisionShape(collider.shape.get());
+  object.setUserPointer(tag_.get());
   // Bullet multiplies the two coefficients of a pair; the roots make equal pairs come out true.
-  out.rigid->setFriction(std::sqrt(body.friction));
-  out.rigid->setDamping(body.linear_damping_per_s, 0.0);
-  out.rigid->setActivationState(DISABLE_DEACTIVATION);
-  out.rigid->setCollisionFlags(out.rigid->getCollisionFlags() |
-                               btCollisionObject::CF_HAS_FRICTION_ANCHOR);
-  return out;
+  object.setFriction(std::sqrt(body.friction));
+  object.setActivationState(DISABLE_DEACTIVATION);
+  object.setCollisionFlags(btCollisionObject::CF_HAS_FRICTION_ANCHOR |
+                           (body.fixed ? btCollisionObject::CF_STATIC_OBJECT : 0));
+  for (const Collider& sibling : colliders_) {
+    object.setIgnoreCollisionCheck(sibling.object.get(), true);
+    sibling.object->setIgnoreCollisionCheck(&object, true);
+  }
+  colliders_.push_back(std::move(collider));
 }
 
-void SceneBodyInBullet::putAtStart() {
-  rigid->setWorldTransform(start);
-  rigid->setInterpolationWorldTransform(start);
-  rigid->setLinearVelocity(btVector3(0, 0, 0));
-  rigid->setAngularVelocity(btVector3(0, 0, 0));
-  rigid->setInterpolationLinearVelocity(btVector3(0, 0, 0));
-  rigid->setInterpolationAngularVelocity(btVector3(0, 0, 0));
-  rigid->clearForces();
+void BulletBody::placeColliders() noexcept {
+  for (const Collider& collider : colliders_) {
+    const btTransform at = rigid_->getWorldTransform() * collider.in_rigid;
+    collider.object->setWorldTransform(at);
+    collider.object->setInterpolationWorldTransform(at);
+  }
 }
 
-BodyState stateOf(const SceneBodyInBullet& body) noexcept {
-  const btTransform& at = body.rigid->getWorldTransform();
+void BulletBody::putAtStart() noexcept {
+  const btVector3 none(0, 0, 0);
+  rigid_->setWorldTransform(start_);
+  rigid_->setInterpolationWorldTransform(start_);
+  rigid_->setLinearVelocity(none);
+  rigid_->setAngularVelocity(none);
+  rigid_->setInterpolationLinearVelocity(none);
+  rigid_->setInterpolationAngularVelocity(none);
+  rigid_->clearForces();
+  placeColliders();
+}
+
+BodyState BulletBody::state() const noexcept {
+  const btTransform& at = rigid_->getWorldTransform();
   const btQuaternion q = at.getRotation();
   const Eigen::Quaterniond turned =
       Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z()) *
-      Eigen::Quaterniond(Eigen::Matrix3d(body.from_body.rotation.transpose()));
-  return {toVec3(at.getOrigin()), QuatXyzw::from(turned), toVec3(body.rigid->getLinearVelocity()),
-          toVec3(body.rigid->getAngularVelocity())};
+      Eigen::Quaterniond(Eigen::Matrix3d(from_body_.rotation.transpose()));
+  return {toVec3(at.getOrigin()), QuatXyzw::from(turned), toVec3(rigid_->getLinearVelocity()),
+          toVec3(rigid_->getAngularVelocity())};
 }
 
 }  // namespace wholehand::bullet

@@ -2,6 +2,7 @@
 
 #include "core/tick_record.hpp"
 #include "model/scene_model.hpp"
+#include "physics/bullet/collider_tag.hpp"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
@@ -10,22 +11,37 @@
 
 namespace wholehand::bullet {
 
-/// A body of the scene in Bullet. Bullet's body frame is the principal frame of inertia at the
-/// centre of mass; `from_body` says where that is in the scene's body frame.
-struct SceneBodyInBullet {
-  std::vector<std::unique_ptr<btCollisionShape>> shapes;  ///< the last is the body's own
-  std::unique_ptr<btRigidBody> rigid;
-  Pose from_body;
-  btTransform start;  ///< of Bullet's frame
+/// A body of the scene in Bullet: a rigid body that moves and has no shape, and colliders that
+/// touch. Bullet's body frame is the principal frame of inertia at the centre of mass.
+class BulletBody {
+ public:
+  /// At its starting pose. @param index in the scene
+  BulletBody(const SceneBody& body, int index);
 
+  [[nodiscard]] btRigidBody& rigid() { return *rigid_; }
+  struct Collider {
+    std::unique_ptr<btCollisionShape> shape;
+    std::unique_ptr<btCollisionObject> object;
+    btTransform in_rigid;
+  };
+  [[nodiscard]] const std::vector<Collider>& colliders() const { return colliders_; }
+
+  /// Moves the colliders to the rigid body. Real-time safe.
+  void placeColliders() noexcept;
   /// Back to the starting pose, at rest.
-  void putAtStart();
+  void putAtStart() noexcept;
+  /// Centre of mass and the orientation of the scene's body frame. Real-time safe.
+  [[nodiscard]] BodyState state() const noexcept;
+
+ private:
+  void addCollider(const SceneBody& body, const Shape& shape);
+
+  Pose from_body_;     ///< Bullet's frame in the scene's body frame
+  btTransform start_;  ///< of Bullet's frame
+  std::unique_ptr<btCollisionShape> no_shape_;
+  std::unique_ptr<btRigidBody> rigid_;
+  std::unique_ptr<ColliderTag> tag_;
+  std::vector<Collider> colliders_;
 };
-
-/// Builds a body at its starting pose. `index` becomes its user index.
-[[nodiscard]] SceneBodyInBullet makeBody(const SceneBody& body, int index);
-
-/// Its state: centre of mass and the orientation of the scene's body frame. Real-time safe.
-[[nodiscard]] BodyState stateOf(const SceneBodyInBullet& body) noexcept;
 
 }  // namespace wholehand::bullet

@@ -2,7 +2,7 @@
 
 #include "dynamics/articulated_body.hpp"
 #include "model/hand_model.hpp"
-#include "physics/bullet/reduced_contact_solver.hpp"
+#include "physics/bullet/collider_tag.hpp"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 #include <BulletCollision/CollisionShapes/btCapsuleShape.h>
@@ -39,7 +39,7 @@ class BulletHand {
   std::vector<int> link_of_joint_;
   std::vector<std::unique_ptr<btCapsuleShapeZ>> shapes_;
   std::vector<std::unique_ptr<btCollisionObject>> objects_;
-  std::vector<ReducedContactSolver::CapsuleTag> tags_;
+  std::vector<ColliderTag> tags_;
   std::vector<Pose> capsule_in_link_;
 };
 

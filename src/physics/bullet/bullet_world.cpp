@@ -4,6 +4,7 @@
 #include "physics/bullet/bullet_bodies.hpp"
 #include "physics/bullet/bullet_hand.hpp"
 #include "physics/bullet/bullet_types.hpp"
+#include "physics/bullet/reduced_contact_solver.hpp"
 #include "physics/palm_distance.hpp"
 
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
@@ -28,6 +29,10 @@ using bullet::toVec3;
 constexpr int kBodyGroup = 1;
 constexpr int kHandGroup = 2;
 constexpr int kRehearsalGroup = 4;
+constexpr int kNoGroup = 0;
+
+// More than this many pairs touch at once only in scenes far too large for the tick.
+constexpr std::size_t kRehearsedManifolds = 1024;
 
 // Deeper than this at the start, the solver would throw the body away.
 constexpr double kAllowedOverlap_m = 2e-4;
@@ -43,6 +48,7 @@ struct BulletWorld::Engine {
   void rehearsePairs();
   void rehearseManifolds();
   void rehearseStep();
+  std::vector<btCollisionObject*> colliders() const;
   void setHand(const JointPosition& theta, const double* theta_dot) noexcept;
   Diagnostics overlaps();
 
@@ -58,7 +64,7 @@ struct BulletWorld::Engine {
   bullet::ReducedContactSolver solver;
   btMultiBodyDynamicsWorld world;
   bullet::BulletHand hand;
-  std::vector<bullet::SceneBodyInBullet> bodies;
+  std::vector<bullet::BulletBody> bodies;
   double coupling_error_rad = 0.0;
   double period_s = 1e-3;
 };
@@ -80,16 +86,24 @@ BulletWorld::Engine::Engine(const HandModel& hand_in, const SceneModel& scene,
   for (const auto& capsule : hand.capsules()) {
     world.addCollisionObject(capsule.get(), kHandGroup, kBodyGroup);
   }
+  bodies.reserve(scene.bodies.size());
   for (const SceneBody& body : scene.bodies) {
-    bodies.push_back(bullet::makeBody(body, static_cast<int>(bodies.size())));
+    bullet::BulletBody& added = bodies.emplace_back(body, static_cast<int>(bodies.size()));
     body_names.push_back(body.name);
-    world.addRigidBody(bodies.back().rigid.get(), kBodyGroup, kBodyGroup | kHandGroup);
+    world.addRigidBody(&added.rigid(), kNoGroup, kNoGroup);
+    for (const auto& collider : added.colliders()) {
+      world.addCollisionObject(collider.object.get(), kBodyGroup, kBodyGroup | kHandGroup);
+    }
   }
   rehearse();
 }
 
 BulletWorld::Engine::~Engine() {
-  for (auto& body : bodies) world.removeRigidBody(body.rigid.get());
+  for (auto& body : bodies) {
+    for (const auto& collider : body.colliders())
+      world.removeCollisionObject(collider.object.get());
+    world.removeRigidBody(&body.rigid());
+  }
   for (const auto& capsule : hand.capsules()) world.removeCollisionObject(capsule.get());
   world.removeMultiBody(&hand.body());
 }
@@ -123,7 +137,7 @@ void BulletWorld::Engine::rehearse() {
 // that can happen, so it happens here, before anybody is attached.
 void BulletWorld::Engine::rehearsePairs() {
   btSphereShape shape(0.01);
-  const std::size_t count = std::min<std::size_t>(64, hand.capsules().size() + bodies.size());
+  const std::size_t count = std::min<std::size_t>(64, colliders().size());
   std::vector<std::unique_ptr<btCollisionObject>> crowd;
   for (std::size_t i = 0; i < count; ++i) {
     crowd.push_back(std::make_unique<btCollisionObject>());
@@ -137,18 +151,23 @@ void BulletWorld::Engine::rehearsePairs() {
 }
 
 void BulletWorld::Engine::rehearseManifolds() {
+  const std::vector<btCollisionObject*> all = colliders();
   std::vector<btPersistentManifold*> manifolds;
-  for (const auto& capsule : hand.capsules()) {
-    for (const auto& body : bodies) {
-      manifolds.push_back(dispatcher.getNewManifold(capsule.get(), body.rigid.get()));
-    }
-  }
-  for (std::size_t a = 0; a < bodies.size(); ++a) {
-    for (std::size_t b = a + 1; b < bodies.size(); ++b) {
-      manifolds.push_back(dispatcher.getNewManifold(bodies[a].rigid.get(), bodies[b].rigid.get()));
+  for (std::size_t a = 0; a < all.size() && manifolds.size() < kRehearsedManifolds; ++a) {
+    for (std::size_t b = a + 1; b < all.size() && manifolds.size() < kRehearsedManifolds; ++b) {
+      manifolds.push_back(dispatcher.getNewManifold(all[a], all[b]));
     }
   }
   for (btPersistentManifold* manifold : manifolds) dispatcher.releaseManifold(manifold);
+}
+
+std::vector<btCollisionObject*> BulletWorld::Engine::colliders() const {
+  std::vector<btCollisionObject*> all;
+  for (const auto& capsule : hand.capsules()) all.push_back(capsule.get());
+  for (const auto& body : bodies) {
+    for (const auto& collider : body.colliders()) all.push_back(collider.object.get());
+  }
+  return all;
 }
 
 // One step of a microsecond, then everything is put back as it was.
@@ -158,7 +177,7 @@ void BulletWorld::Engine::rehearseStep() {
   solver.setReducedInertiaInverse(&no_motion);
   world.stepSimulation(1e-6, 0);
   solver.beginStep();
-  for (bullet::SceneBodyInBullet& body : bodies) body.putAtStart();
+  for (bullet::BulletBody& body : bodies) body.putAtStart();
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
     dispatcher.getManifoldByIndexInternal(m)->clearManifold();
   }
@@ -179,14 +198,14 @@ Diagnostics BulletWorld::Engine::overlaps() {
   std::vector<Deepest> deepest(bodies.size());
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
     const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
-    const auto* a = bullet::ReducedContactSolver::tagOf(manifold.getBody0());
-    const auto* b = bullet::ReducedContactSolver::tagOf(manifold.getBody1());
-    if ((a == nullptr) == (b == nullptr)) continue;
-    const btCollisionObject* body = a != nullptr ? manifold.getBody1() : manifold.getBody0();
-    Deepest& found = deepest[body->getUserIndex()];
+    const bullet::ColliderTag* a = bullet::tagOf(manifold.getBody0());
+    const bullet::ColliderTag* b = bullet::tagOf(manifold.getBody1());
+    if (a->ofHand() == b->ofHand()) continue;
+    const int capsule = (a->ofHand() ? a : b)->capsule;
+    Deepest& found = deepest[(a->ofHand() ? b : a)->body];
     for (int k = 0; k < manifold.getNumContacts(); ++k) {
       const double depth_m = -manifold.getContactPoint(k).getDistance();
-      if (depth_m > found.depth_m) found = {depth_m, (a != nullptr ? a : b)->capsule};
+      if (depth_m > found.depth_m) found = {depth_m, capsule};
     }
   }
   Diagnostics errors;
@@ -233,7 +252,7 @@ Fault BulletWorld::observe(WorldState& state) noexcept {
   state.body_count = static_cast<int>(e.bodies.size());
   bool finite = allFinite(state.q_s) && allFinite(state.qd_s);
   for (int i = 0; i < state.body_count; ++i) {
-    state.bodies[i] = bullet::stateOf(e.bodies[i]);
+    state.bodies[i] = e.bodies[i].state();
     finite = finite && state.bodies[i].position_m.eigen().allFinite() &&
              state.bodies[i].velocity_m_s.eigen().allFinite();
   }
@@ -266,6 +285,7 @@ Fault BulletWorld::step(const HandDrive& drive, double period_s) noexcept {
   e.coupling_error_rad = (theta.vec() - on_synergy.vec()).cwiseAbs().maxCoeff();
   e.synergy.expandRate(qd_s.data(), theta_dot.data());
   e.setHand(on_synergy, theta_dot.data());
+  for (bullet::BulletBody& body : e.bodies) body.placeColliders();
   return Fault::kNone;
 }
 

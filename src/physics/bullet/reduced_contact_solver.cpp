@@ -36,11 +36,6 @@ void letGoOfAnchor(btManifoldPoint& point) {
 
 }  // namespace
 
-const ReducedContactSolver::CapsuleTag* ReducedContactSolver::tagOf(
-    const btCollisionObject* object) {
-  return static_cast<const CapsuleTag*>(object->getUserPointer());
-}
-
 ReducedContactSolver::ReducedContactSolver(const HandModel& hand, const Synergy& synergy,
                                            const SolverSettings& settings)
     : synergy_(synergy), axes_(hand.axis_count), settings_(settings), contacts_(kMaxContacts) {
@@ -67,23 +62,33 @@ void ReducedContactSolver::convertContacts(btPersistentManifold** manifolds, int
   change_.fill(0.0);
   synergy_.reduceRate(multi_body_->getVelocityVector() + 6, velocity_.data());
   for (int i = 0; i < count; ++i) {
-    const CapsuleTag* a = tagOf(manifolds[i]->getBody0());
-    const CapsuleTag* b = tagOf(manifolds[i]->getBody1());
-    if (a != nullptr && b != nullptr) continue;  // the hand does not touch itself
-    if (a == nullptr && b == nullptr) {
-      convertContact(manifolds[i], info);
+    const ColliderTag& a = *tagOf(manifolds[i]->getBody0());
+    const ColliderTag& b = *tagOf(manifolds[i]->getBody1());
+    if (!a.ofHand() && !b.ofHand()) {
+      convertBodyManifold(*manifolds[i], info);
+    } else if (a.ofHand()) {
+      convertHandManifold(*manifolds[i], a, b, true, info);
     } else {
-      convertHandManifold(*manifolds[i], a != nullptr ? *a : *b, a != nullptr, info);
+      convertHandManifold(*manifolds[i], b, a, false, info);
     }
   }
 }
 
-void ReducedContactSolver::convertHandManifold(btPersistentManifold& manifold,
-                                               const CapsuleTag& tag, bool hand_is_a,
+// The base class moves what a manifold names: for this call that is the bodies, not their
+// colliders.
+void ReducedContactSolver::convertBodyManifold(btPersistentManifold& manifold,
                                                const btContactSolverInfo& info) {
-  auto* other =
-      const_cast<btCollisionObject*>(hand_is_a ? manifold.getBody1() : manifold.getBody0());
-  const int solver_body = getOrInitSolverBody(*other, info.m_timeStep);
+  const btCollisionObject* a = manifold.getBody0();
+  const btCollisionObject* b = manifold.getBody1();
+  manifold.setBodies(tagOf(a)->rigid, tagOf(b)->rigid);
+  convertContact(&manifold, info);
+  manifold.setBodies(a, b);
+}
+
+void ReducedContactSolver::convertHandManifold(btPersistentManifold& manifold,
+                                               const ColliderTag& hand, const ColliderTag& body,
+                                               bool hand_is_a, const btContactSolverInfo& info) {
+  const int solver_body = getOrInitSolverBody(*body.rigid, info.m_timeStep);
   for (int k = 0; k < manifold.getNumContacts(); ++k) {
     btManifoldPoint& point = manifold.getContactPoint(k);
     if (point.getDistance() > manifold.getContactProcessingThreshold()) continue;
@@ -93,20 +98,20 @@ void ReducedContactSolver::convertHandManifold(btPersistentManifold& manifold,
     }
     HandContact& contact = contacts_[contact_count_++];
     contact.point = &point;
-    contact.capsule = tag.capsule;
-    contact.body = other->getUserIndex();
+    contact.capsule = hand.capsule;
+    contact.body = body.body;
     contact.solver_body = solver_body;
     contact.friction = point.m_combinedFriction;
     contact.normal = hand_is_a ? point.m_normalWorldOnB : -point.m_normalWorldOnB;
     contact.on_hand = hand_is_a ? point.getPositionWorldOnA() : point.getPositionWorldOnB();
     contact.distance_m = point.getDistance();
-    setUpContact(contact, tag,
+    setUpContact(contact, hand,
                  hand_is_a ? point.getPositionWorldOnB() : point.getPositionWorldOnA(), info);
     warmStart(contact);
   }
 }
 
-void ReducedContactSolver::setUpContact(HandContact& contact, const CapsuleTag& tag,
+void ReducedContactSolver::setUpContact(HandContact& contact, const ColliderTag& tag,
                                         const btVector3& on_body, const btContactSolverInfo& info) {
   const btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
   const btRigidBody* rigid = body.m_originalBody;
@@ -114,7 +119,8 @@ void ReducedContactSolver::setUpContact(HandContact& contact, const CapsuleTag& 
       rigid != nullptr ? on_body - rigid->getCenterOfMassPosition() : btVector3(0, 0, 0);
   const Eigen::Vector3d at = toEigen(contact.on_hand);
   const double step_s = info.m_timeStep;
-  // As Bullet lays them for a new point, so that one that replaces an old one inherits its impulses.
+  // As Bullet lays them for a new point, so that one that replaces an old one inherits its
+  // impulses.
   btPlaneSpace1(contact.point->m_normalWorldOnB, contact.tangent1, contact.tangent2);
 
   const auto linearRow = [&](ReducedRow& row, const btVector3& direction, double goal) {

@@ -3,6 +3,7 @@
 #include "core/axis_array.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "dynamics/synergy.hpp"
+#include "physics/bullet/collider_tag.hpp"
 #include "physics/bullet/solver_settings.hpp"
 
 #include <BulletDynamics/Featherstone/btMultiBody.h>
@@ -46,14 +47,6 @@ struct HandContact {
 /// Everything between other bodies is left to the base class.
 class ReducedContactSolver final : public btMultiBodyConstraintSolver {
  public:
-  /// What marks a collision object as a capsule of the hand; set as its user pointer.
-  struct CapsuleTag {
-    int capsule = -1;
-    int link = -1;
-  };
-  /// The tag of a collision object, null where it is no part of the hand.
-  [[nodiscard]] static const CapsuleTag* tagOf(const btCollisionObject* object);
-
   /// @pre hand and synergy outlive this
   ReducedContactSolver(const HandModel& hand, const Synergy& synergy,
                        const SolverSettings& settings);
@@ -89,9 +82,11 @@ class ReducedContactSolver final : public btMultiBodyConstraintSolver {
 
  private:
   void reserve();
-  void convertHandManifold(btPersistentManifold& manifold, const CapsuleTag& tag, bool hand_is_a,
+  void convertBodyManifold(btPersistentManifold& manifold, const btContactSolverInfo& info);
+  void convertHandManifold(btPersistentManifold& manifold, const ColliderTag& hand,
+                           const ColliderTag& body, bool hand_is_a,
                            const btContactSolverInfo& info);
-  void setUpContact(HandContact& contact, const CapsuleTag& tag, const btVector3& on_body,
+  void setUpContact(HandContact& contact, const ColliderTag& tag, const btVector3& on_body,
                     const btContactSolverInfo& info);
   void finishRow(ReducedRow& row, const btSolverBody& body, bool angular, double goal_velocity,
                  const btContactSolverInfo& info) const;
