@@ -102,10 +102,14 @@ AxisPosition swing(double t, double sign) {
   return q;
 }
 
-TEST(FreeBody, PushedByTheHand_ChangesItsMomentumByMinusTheContactForces) {
-  Bench bench(weightless({ball({0.09, 0.075, 0.0}, 0.03, 0.1)}));
-  const AxisPosition start = swing(0.0, 1.0);
-  ASSERT_TRUE(bench.world->placeHand(start));
+TEST(FreeBodies, PushedByTheHand_ChangeTheirMomentumByMinusTheContactForces) {
+  // The hand pushes one ball, that one the other: what they give each other cancels.
+  Bench bench(
+      weightless({ball({0.09, 0.075, 0.0}, 0.03, 0.1), ball({0.095, 0.142, 0.0}, 0.03, 0.2)}));
+  ASSERT_TRUE(bench.world->placeHand(swing(0.0, 1.0)));
+  const auto momentum = [](const WorldState& s) -> Eigen::Vector3d {
+    return 0.1 * s.bodies[0].velocity_m_s.eigen() + 0.2 * s.bodies[1].velocity_m_s.eigen();
+  };
   double worst = 0.0;
   int touched = 0;
   for (int k = 0; k < 1500; ++k) {
@@ -115,13 +119,61 @@ TEST(FreeBody, PushedByTheHand_ChangesItsMomentumByMinusTheContactForces) {
       on_hand += bench.touching.points[i].force_n.eigen();
     }
     touched += bench.touching.count > 0 ? 1 : 0;
-    const Eigen::Vector3d change = 0.1 * (bench.after.bodies[0].velocity_m_s.eigen() -
-                                          bench.state.bodies[0].velocity_m_s.eigen());
+    const Eigen::Vector3d change = momentum(bench.after) - momentum(bench.state);
     worst = std::max(worst, (change + kPeriod_s * on_hand).norm());  // action = reaction
   }
   EXPECT_GT(touched, 20);
-  figure("momentum of a pushed ball against the contact forces", worst, "N s");
+  EXPECT_GT(bench.after.bodies[1].velocity_m_s.eigen().norm(), 0.01);  // the second was hit
+  figure("momentum of pushed balls against the contact forces", worst, "N s");
   EXPECT_LE(worst, tolerance(1e-12));
+}
+
+/// A block on a fixed slab, gravity tilted by a slope. Its speed down the slope after 0.5 s [m/s].
+double slidingSpeed(double slope_rad) {
+  SceneBody block = fixedBox({0.0, 0.0, 0.3}, {0.1, 0.1, 0.02});
+  block.name = "block";
+  block.fixed = false;
+  block.mass_kg = 0.2;
+  block.inertia_kg_m2 =
+      Eigen::Vector3d(1.7333e-4, 1.7333e-4, 3.3333e-4).asDiagonal();  // m (a² + b²) / 12
+  SceneModel scene = weightless({fixedBox({0.0, 0.0, 0.28}, {3.0, 0.5, 0.02}), block});
+  scene.gravity_m_s2 = 9.81 * Eigen::Vector3d(std::sin(slope_rad), 0.0, -std::cos(slope_rad));
+  Bench bench(scene);
+  const AxisPosition far_below(6);
+  EXPECT_TRUE(bench.world->placeHand(far_below));
+  for (int k = 0; k < 500; ++k) bench.step(far_below, AxisVelocity(6));
+  return bench.after.bodies[1].velocity_m_s.x;
+}
+
+TEST(Friction, BetweenBodies_IsCoulombs) {
+  // μ = 0.8 on both. Below tan α = 0.8 it stays, above it slides with g (sin α − μ cos α).
+  EXPECT_NEAR(slidingSpeed(std::atan(0.7)), 0.0, tolerance(1e-4));
+  const double steep = std::atan(1.2);
+  const double expected = 0.5 * 9.81 * (std::sin(steep) - 0.8 * std::cos(steep));
+  EXPECT_NEAR(slidingSpeed(steep), expected, tolerance(0.01) * expected);
+}
+
+TEST(TableScene, LeftAlone_StandsStill) {
+  const Models m = load(shippedFiles("lambda-pride", "table"));
+  Bench bench(m.scene);
+  AxisPosition clear(6);
+  clear[0] = -0.08, clear[2] = 0.11;
+  ASSERT_TRUE(bench.world->placeHand(clear));
+  const WorldState before = look(*bench.world);
+  for (int k = 0; k < 1500; ++k) {
+    ASSERT_NO_FATAL_FAILURE(bench.step(clear, AxisVelocity(6)));
+    ASSERT_EQ(bench.touching.count, 0);
+  }
+  double moved_m = 0.0, turned_rad = 0.0;
+  for (int i = 0; i < before.body_count; ++i) {
+    const BodyState &a = before.bodies[i], &b = bench.after.bodies[i];
+    moved_m = std::max(moved_m, (a.position_m.eigen() - b.position_m.eigen()).norm());
+    turned_rad = std::max(turned_rad,
+                          a.orientation_xyzw.eigen().angularDistance(b.orientation_xyzw.eigen()));
+  }
+  figure("largest move of a body left alone for 1.5 s", moved_m * 1e3, "mm");
+  EXPECT_LE(moved_m, tolerance(2e-4));
+  EXPECT_LE(turned_rad, tolerance(5e-3));
 }
 
 TEST(LeftHand, InTheMirroredScene_DoesTheMirrorImage) {

@@ -191,6 +191,22 @@ TEST(StopRequest, WhileRendering_RampsToNeutralAndStays) {
   expectRamp(*f.rig, records, 700);
 }
 
+TEST(LateTicks, AtRandom_AreToldAndStayWithinTheLimits) {
+  std::mt19937_64 random(11);
+  FaultyRig f = faultyRig({}, random);
+  ASSERT_TRUE(f.rig->renderer->arm());
+  TickRecord r;
+  for (int k = 0; k < 1500; ++k) {
+    // One tick in ten is late, by up to 30 ms.
+    const auto late = random() % 10 == 0 ? static_cast<std::uint32_t>(random() % 30) : 0U;
+    f.rig->renderer->tick(1 + late, r);
+    ASSERT_EQ(any(r.faults & Fault::kLateTick), late > 0) << k;
+    ASSERT_EQ(r.faults & kStopping, Fault::kNone) << k;
+    expectWithinLimits(*f.rig, r);
+    ASSERT_TRUE(allFinite(r.sent));
+  }
+}
+
 class SlammingPatient : public ::testing::TestWithParam<std::pair<std::string, std::string>> {};
 
 TEST_P(SlammingPatient, InAScene_NeverFeelsMoreThanTheDevicesLimits) {
