@@ -22,8 +22,11 @@ function(wholehand_module name)
   # END-BUILDING-PHASE
   add_library(wholehand_${target} STATIC ${arg_SOURCES})
   add_library(wholehand::${target} ALIAS wholehand_${target})
-  target_include_directories(wholehand_${target} PUBLIC ${PROJECT_SOURCE_DIR}/src)
-  target_link_libraries(wholehand_${target} PUBLIC wholehand_options Eigen3::Eigen)
+  # Our folders and our warnings are ours: a program that finds the installed package gets neither.
+  target_include_directories(wholehand_${target} PUBLIC
+                             $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>)
+  target_link_libraries(wholehand_${target} PUBLIC $<BUILD_INTERFACE:wholehand_options>
+                                                   Eigen3::Eigen)
   foreach(used IN LISTS arg_USES)
     string(REPLACE "/" "_" used ${used})
     target_link_libraries(wholehand_${target} PUBLIC wholehand::${used})

@@ -1,0 +1,24 @@
+#pragma once
+
+/// Wholehand, for programs that embed the renderer. One include, and of all the libraries it is
+/// made with only Eigen shows.
+///
+///   auto models = wholehand::loadModels(files);                 // TOML, every fault at once
+///   auto rig = wholehand::buildRig(*models, device, options);   // gains checked, world built
+///   (*rig)->renderer->arm();                                    // the hand stands at the device
+///   (*rig)->renderer->tick(1, record);                          // your loop, or
+///   wholehand::Session session(*(*rig)->renderer, config);      // a real-time thread of its own
+///
+/// loadModels(), buildRig() and arm() allocate and read files; tick() is real-time safe.
+
+// IWYU pragma: begin_exports
+#include "assembly/models.hpp"           // loadModels(): device, hand, scene, gains, patient
+#include "assembly/rig.hpp"              // buildRig(), checkGains()
+#include "core/expected.hpp"             // Expected, Diagnostic
+#include "core/tick_record.hpp"          // TickRecord: all that one tick read, computed and sent
+#include "device/haptic_device.hpp"      // HapticDevice: implement it for a device of your own
+#include "patient/motion.hpp"            // Intention: what the virtual patient wants
+#include "physics/physics_world.hpp"     // PhysicsWorld: the interface of an engine
+#include "renderer/haptic_renderer.hpp"  // HapticRenderer: arm(), tick()
+#include "runtime/session.hpp"           // Session: thread, queue, end at neutral
+// IWYU pragma: end_exports
