@@ -257,6 +257,7 @@ class RunRefuses(AppTest):
         path = self.record("run.h5", "--rendering", "hot.toml", "--uncertified", duration=0.5)
         with read_recording(path) as f:
             self.assertEqual(f["meta"].attrs["uncertified"], 1)
+        self.expect_same_when_run_again(path)
 
 
 if __name__ == "__main__":
