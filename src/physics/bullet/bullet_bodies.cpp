@@ -57,7 +57,8 @@ std::unique_ptr<btCollisionShape> makeShape(const Shape& shape) {
 
 }  // namespace
 
-BulletBody::BulletBody(const SceneBody& body, int index) : no_shape_(new btEmptyShape) {
+BulletBody::BulletBody(const SceneBody& body, int index)
+    : no_shape_(new btEmptyShape), index_(index) {
   btVector3 moments(0, 0, 0);
   from_body_ = principalFrame(body, moments);
   start_ = toBt(body.pose * from_body_);
@@ -67,36 +68,39 @@ BulletBody::BulletBody(const SceneBody& body, int index) : no_shape_(new btEmpty
       btRigidBody::btRigidBodyConstructionInfo(mass, nullptr, no_shape_.get(), moments));
   rigid_->setDamping(body.linear_damping_per_s, 0.0);
   rigid_->setActivationState(DISABLE_DEACTIVATION);
-  tag_ = std::make_unique<ColliderTag>(ColliderTag{-1, -1, index, rigid_.get()});
   for (const Shape& shape : body.shapes) addCollider(body, shape);
   putAtStart();
 }
 
 void BulletBody::addCollider(const SceneBody& body, const Shape& shape) {
-  Collider collider;
-  collider.shape = makeShape(shape);
-  collider.in_rigid = toBt(from_body_.inverse() * shape.in_body);
-  collider.object = std::make_unique<btCollisionObject>();
-  btCollisionObject& object = *collider.object;
-  object.setCollisionShape(collider.shape.get());
-  object.setUserPointer(tag_.get());
+  auto collider = std::make_unique<Collider>();
+  collider->form = shape;
+  collider->form.in_body = Pose{};
+  const bool closed_form = shape.type != ShapeType::kConvexMesh;
+  collider->tag = {-1, -1, index_, rigid_.get(), closed_form ? &collider->form : nullptr};
+  collider->shape = makeShape(shape);
+  collider->in_rigid = toBt(from_body_.inverse() * shape.in_body);
+  collider->object = std::make_unique<btCollisionObject>();
+  btCollisionObject& object = *collider->object;
+  object.setCollisionShape(collider->shape.get());
+  object.setUserPointer(&collider->tag);
   // Bullet multiplies the two coefficients of a pair; the roots make equal pairs come out true.
   object.setFriction(std::sqrt(body.friction));
   object.setActivationState(DISABLE_DEACTIVATION);
   object.setCollisionFlags(btCollisionObject::CF_HAS_FRICTION_ANCHOR |
                            (body.fixed ? btCollisionObject::CF_STATIC_OBJECT : 0));
-  for (const Collider& sibling : colliders_) {
-    object.setIgnoreCollisionCheck(sibling.object.get(), true);
-    sibling.object->setIgnoreCollisionCheck(&object, true);
+  for (const auto& sibling : colliders_) {
+    object.setIgnoreCollisionCheck(sibling->object.get(), true);
+    sibling->object->setIgnoreCollisionCheck(&object, true);
   }
   colliders_.push_back(std::move(collider));
 }
 
 void BulletBody::placeColliders() noexcept {
-  for (const Collider& collider : colliders_) {
-    const btTransform at = rigid_->getWorldTransform() * collider.in_rigid;
-    collider.object->setWorldTransform(at);
-    collider.object->setInterpolationWorldTransform(at);
+  for (const auto& collider : colliders_) {
+    const btTransform at = rigid_->getWorldTransform() * collider->in_rigid;
+    collider->object->setWorldTransform(at);
+    collider->object->setInterpolationWorldTransform(at);
   }
 }
 

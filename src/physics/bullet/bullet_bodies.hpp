@@ -20,11 +20,15 @@ class BulletBody {
 
   [[nodiscard]] btRigidBody& rigid() { return *rigid_; }
   struct Collider {
+    Shape form;  ///< in the collider's own frame
+    ColliderTag tag;
     std::unique_ptr<btCollisionShape> shape;
     std::unique_ptr<btCollisionObject> object;
     btTransform in_rigid;
   };
-  [[nodiscard]] const std::vector<Collider>& colliders() const { return colliders_; }
+  [[nodiscard]] const std::vector<std::unique_ptr<Collider>>& colliders() const {
+    return colliders_;
+  }
 
   /// Moves the colliders to the rigid body. Real-time safe.
   void placeColliders() noexcept;
@@ -40,8 +44,8 @@ class BulletBody {
   btTransform start_;  ///< of Bullet's frame
   std::unique_ptr<btCollisionShape> no_shape_;
   std::unique_ptr<btRigidBody> rigid_;
-  std::unique_ptr<ColliderTag> tag_;
-  std::vector<Collider> colliders_;
+  int index_;
+  std::vector<std::unique_ptr<Collider>> colliders_;  ///< tags are pointed to: addresses stay
 };
 
 }  // namespace wholehand::bullet

@@ -90,7 +90,7 @@ void BulletHand::addCapsules(double friction) {
     }
     capsule_in_link_.push_back(at);
     shapes_.push_back(std::make_unique<btCapsuleShapeZ>(capsule.radius_m, length));
-    tags_.push_back({static_cast<int>(tags_.size()), capsule.link, -1, nullptr});
+    tags_.push_back({static_cast<int>(tags_.size()), capsule.link, -1, nullptr, nullptr});
     auto object = std::make_unique<btCollisionObject>();
     object->setCollisionShape(shapes_.back().get());
     object->setUserPointer(&tags_.back());

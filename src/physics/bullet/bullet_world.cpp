@@ -4,11 +4,11 @@
 #include "physics/bullet/bullet_bodies.hpp"
 #include "physics/bullet/bullet_hand.hpp"
 #include "physics/bullet/bullet_types.hpp"
+#include "physics/bullet/near_filter.hpp"
 #include "physics/bullet/reduced_contact_solver.hpp"
 #include "physics/palm_distance.hpp"
 
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
-#include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>
 #include <BulletCollision/CollisionDispatch/btSimulationIslandManager.h>
 #include <BulletCollision/CollisionShapes/btSphereShape.h>
@@ -59,7 +59,7 @@ struct BulletWorld::Engine {
   std::string scene_path;
   std::vector<std::string> body_names;
   btDefaultCollisionConfiguration configuration;
-  btCollisionDispatcher dispatcher;
+  bullet::NearFilter dispatcher;
   btDbvtBroadphase broadphase;
   bullet::ReducedContactSolver solver;
   btMultiBodyDynamicsWorld world;
@@ -76,7 +76,7 @@ BulletWorld::Engine::Engine(const HandModel& hand_in, const SceneModel& scene,
       kinematics(hand_in),
       palm_distance(hand_in, scene),
       scene_path(scene.path),
-      dispatcher(&configuration),
+      dispatcher(&configuration, settings.contact_threshold_m),
       solver(hand_in, synergy, settings),
       world(&dispatcher, &broadphase, &solver, &configuration),
       hand(hand_in, scene.hand_friction) {
@@ -92,7 +92,7 @@ BulletWorld::Engine::Engine(const HandModel& hand_in, const SceneModel& scene,
     body_names.push_back(body.name);
     world.addRigidBody(&added.rigid(), kNoGroup, kNoGroup);
     for (const auto& collider : added.colliders()) {
-      world.addCollisionObject(collider.object.get(), kBodyGroup, kBodyGroup | kHandGroup);
+      world.addCollisionObject(collider->object.get(), kBodyGroup, kBodyGroup | kHandGroup);
     }
   }
   rehearse();
@@ -101,7 +101,7 @@ BulletWorld::Engine::Engine(const HandModel& hand_in, const SceneModel& scene,
 BulletWorld::Engine::~Engine() {
   for (auto& body : bodies) {
     for (const auto& collider : body.colliders())
-      world.removeCollisionObject(collider.object.get());
+      world.removeCollisionObject(collider->object.get());
     world.removeRigidBody(&body.rigid());
   }
   for (const auto& capsule : hand.capsules()) world.removeCollisionObject(capsule.get());
@@ -165,7 +165,7 @@ std::vector<btCollisionObject*> BulletWorld::Engine::colliders() const {
   std::vector<btCollisionObject*> all;
   for (const auto& capsule : hand.capsules()) all.push_back(capsule.get());
   for (const auto& body : bodies) {
-    for (const auto& collider : body.colliders()) all.push_back(collider.object.get());
+    for (const auto& collider : body.colliders()) all.push_back(collider->object.get());
   }
   return all;
 }

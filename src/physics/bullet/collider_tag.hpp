@@ -1,5 +1,7 @@
 #pragma once
 
+#include "model/scene_model.hpp"
+
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
@@ -14,6 +16,7 @@ struct ColliderTag {
   int link = -1;                 ///< of the hand
   int body = -1;                 ///< of the scene
   btRigidBody* rigid = nullptr;  ///< what a scene's collider moves
+  const Shape* shape = nullptr;  ///< of a scene's collider, in its own frame; null: no closed form
 
   [[nodiscard]] bool ofHand() const { return capsule >= 0; }
 };

@@ -214,7 +214,7 @@ void ReducedContactSolver::solveContact(HandContact& contact) {
   // Both tangents at once, so that friction is a disc and not a square.
   double t1 = wanted(contact.tangent1_row, body);
   double t2 = wanted(contact.tangent2_row, body);
-  const double length = std::hypot(t1, t2);
+  const double length = std::sqrt(t1 * t1 + t2 * t2);
   const double limit = contact.friction * normal;
   if (length > limit) {
     t1 *= limit / length;
