@@ -41,6 +41,22 @@ class RecordHash {
   std::uint64_t hash_ = 0;
 };
 
+/// Sweeps over the table: a mesh, a URDF and bodies that touch each other.
+std::unique_ptr<Rig> sweepingHand() {
+  Models m = load(shippedFiles("lambda-pride", "table"));
+  AxisPosition above(6), along(6), beyond(6);
+  above[0] = along[0] = -0.08;
+  above[2] = 0.11;
+  along[2] = beyond[2] = -0.03;
+  beyond[0] = 0.08;
+  along[1] = -0.1;
+  beyond[1] = 0.1;
+  along[3] = beyond[3] = 1.0;
+  Intention sweep = Intention::throughWaypoints(
+      {{0.0, above}, {1.0, along}, {2.0, beyond}, {3.0, along}, {4.0, beyond}});
+  return orThrow(buildRig(std::move(m), std::move(sweep), {}));
+}
+
 struct Played {
   std::vector<std::uint64_t> hashes;
   std::vector<RecordedReading> readings;
@@ -81,29 +97,32 @@ void expectSame(const Played& a, const Played& b) {
   }
 }
 
-TEST(SameInputs, TwoRigsInOneProcess_GiveTheSameBits) {
-  const Played first = play(*recordedHand());
+class SameInputs : public testing::TestWithParam<std::unique_ptr<Rig> (*)()> {};
+
+TEST_P(SameInputs, TwoRigsInOneProcess_GiveTheSameBits) {
+  const Played first = play(*GetParam()());
   EXPECT_GT(first.touching_ticks, 100);  // objects are met: free motion alone would prove little
   // Another world lives, steps and dies meanwhile, so that memory and addresses differ.
-  Models other_models = load(shippedFiles("wrist-9axis", "table"));
+  const Models other_models = load(shippedFiles("wrist-9axis", "table"));
   const auto other = buildScripted(other_models, [&](int) {
     AxisPosition q(other_models.device.axisCount());
     q[2] = 0.11;
     return q;
   });
   ASSERT_TRUE(other->renderer->arm());
-  const Played second = play(*recordedHand(), [&] { runTicks(*other->renderer, 1); });
+  const Played second = play(*GetParam()(), [&] { runTicks(*other->renderer, 1); });
   expectSame(first, second);
 }
 
-TEST(SameInputs, ReplayedReadings_GiveTheSameBits) {
-  const Played recorded = play(*recordedHand());
+TEST_P(SameInputs, ReplayedReadings_GiveTheSameBits) {
+  const Played recorded = play(*GetParam()());
   const Played replayed =
-      play(*build(recordedHand()->models, std::make_unique<ReplayDevice>(recorded.readings)));
+      play(*build(GetParam()()->models, std::make_unique<ReplayDevice>(recorded.readings)));
   expectSame(recorded, replayed);
 }
+INSTANTIATE_TEST_SUITE_P(Scenes, SameInputs, testing::Values(&recordedHand, &sweepingHand));
 
-TEST(SameInputs, OneLastBitOfOneReading_ChangesTheHash) {
+TEST(RecordHash, OneLastBitOfOneReading_ChangesTheHash) {
   // The hash can fail.
   TickRecord a{}, b{};
   a.q_m = b.q_m = AxisPosition(6, 0.1);
