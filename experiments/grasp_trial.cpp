@@ -148,8 +148,8 @@ class Observer {
   double residual_sum_ = 0.0, count_ = 0.0;
 };
 
-GraspTrial posture(std::string shape, std::string grasp, Eigen::Vector3d center_mm, double circ_deg,
-                   double open_deg, double fingers_deg, double thumb_deg) {
+GraspTrial posture(std::string shape, std::string grasp, const Eigen::Vector3d& center_mm,
+                   double circ_deg, double open_deg, double fingers_deg, double thumb_deg) {
   return {std::move(shape), std::move(grasp),   false,           center_mm * 1e-3, circ_deg * kDeg,
           open_deg * kDeg,  fingers_deg * kDeg, thumb_deg * kDeg};
 }

@@ -55,15 +55,18 @@ void addPicture(CLI::App& app, PictureOptions& o, int& code) {
       app.add_subcommand("picture", "Draw the hand and what it holds at a moment of a recording");
   picture->add_option("recording", o.recording, "HDF5 file")->required();
   picture->add_option("--out", o.png, "PNG file to write")->required();
-  picture->add_option("--at", o.time_s, "Moment (default: that of the largest contact force)")
+  picture
+      ->add_option("--at", o.moment.time_s, "Moment (default: that of the largest contact force)")
       ->check(finiteBetween(0.0, 1e9, "s"));
-  picture->add_option("--azimuth", o.azimuth_deg, "Camera about z; 0 looks away from the person")
+  picture
+      ->add_option("--azimuth", o.moment.azimuth_deg,
+                   "Camera about z; 0 looks away from the person")
       ->check(finiteBetween(-360.0, 360.0, "degrees"))
       ->capture_default_str();
-  picture->add_option("--elevation", o.elevation_deg, "Camera above the horizon")
+  picture->add_option("--elevation", o.moment.elevation_deg, "Camera above the horizon")
       ->check(finiteBetween(-89.0, 89.0, "degrees"))
       ->capture_default_str();
-  picture->add_option("--distance", o.distance_m, "Camera from the palm")
+  picture->add_option("--distance", o.moment.distance_m, "Camera from the palm")
       ->check(finiteBetween(0.1, 5.0, "m"))
       ->capture_default_str();
   picture->callback([&o, &code] { code = pictureCommand(o); });

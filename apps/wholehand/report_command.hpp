@@ -1,5 +1,7 @@
 #pragma once
 
+#include "core/expected.hpp"
+
 #include <string>
 
 namespace wholehand {
@@ -9,7 +11,10 @@ struct ReportOptions {
   std::string folder;
 };
 
-/// Makes a self-contained page of a recording. Returns the program's exit code.
+/// Makes a self-contained page of a recording, with a picture of its strongest moment.
+[[nodiscard]] Expected<Done> makeReport(const std::string& recording, const std::string& folder);
+
+/// `wholehand report`. Returns the program's exit code.
 int reportCommand(const ReportOptions& options);
 
 }  // namespace wholehand

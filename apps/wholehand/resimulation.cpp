@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include <cstring>
+#include <bit>
 #include <filesystem>
 #include <fstream>
 
@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 namespace {
 
 bool sameBits(double a, double b) {
-  return std::memcmp(&a, &b, sizeof a) == 0;
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
 // Collects the first difference between two ticks.

@@ -2,7 +2,7 @@
 #include "assembly/rig.hpp"
 #include "assembly/text_file.hpp"
 #include "exit_code.hpp"
-#include "report/report.hpp"
+#include "report_command.hpp"
 #include "run_options.hpp"
 #include "shipped_files.hpp"
 #include "status_line.hpp"
@@ -155,8 +155,7 @@ int runCommand(RunOptions options) {
       return refuse(done.errors());
   }
   if (!options.report.empty()) {
-    if (auto done = writeReport(options.record, options.report); !done)
-      return refuse(done.errors());
+    if (auto done = makeReport(options.record, options.report); !done) return refuse(done.errors());
   }
   printSummary(options, *models, *outcome);
   return exitCodeOf(*outcome);

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <thread>
 
@@ -83,7 +84,7 @@ Expected<SetupReport> runInRealTime(Session& session, TelemetryHub& hub,
                                     const TickStatistics& statistics, double period_s,
                                     const std::function<void(const TickSummary&, double)>& status) {
   PeriodicThreadConfig thread;
-  thread.period_ns = static_cast<std::int64_t>(period_s * 1e9 + 0.5);
+  thread.period_ns = std::llround(period_s * 1e9);
   hub.start();
   const std::int64_t began_ns = monotonicNow_ns();
   Expected<SetupReport> setup = session.start(thread);

@@ -27,14 +27,17 @@ enum class Fault : std::uint32_t {
 [[nodiscard]] constexpr Fault operator&(Fault a, Fault b) noexcept {
   return static_cast<Fault>(static_cast<std::uint32_t>(a) & static_cast<std::uint32_t>(b));
 }
-constexpr Fault& operator|=(Fault& a, Fault b) noexcept { return a = a | b; }
-[[nodiscard]] constexpr bool any(Fault f) noexcept { return f != Fault::kNone; }
+constexpr Fault& operator|=(Fault& a, Fault b) noexcept {
+  return a = a | b;
+}
+[[nodiscard]] constexpr bool any(Fault f) noexcept {
+  return f != Fault::kNone;
+}
 
 /// The faults that stop rendering; the others are counted and shown.
-inline constexpr Fault kStopping = Fault::kDeviceRead | Fault::kDeviceWrite |
-                                   Fault::kNonFinitePosition | Fault::kNonFiniteEffort |
-                                   Fault::kNonFiniteState | Fault::kPhysicsStep |
-                                   Fault::kSingularInertia;
+inline constexpr Fault kStopping =
+    Fault::kDeviceRead | Fault::kDeviceWrite | Fault::kNonFinitePosition | Fault::kNonFiniteEffort |
+    Fault::kNonFiniteState | Fault::kPhysicsStep | Fault::kSingularInertia;
 
 /// The number of distinct bits above, for counters.
 inline constexpr int kFaultBits = 11;

@@ -12,7 +12,9 @@ struct Vec3 {
   double x = 0.0, y = 0.0, z = 0.0;
 
   [[nodiscard]] Eigen::Vector3d eigen() const noexcept { return {x, y, z}; }
-  [[nodiscard]] static Vec3 from(const Eigen::Vector3d& v) noexcept { return {v.x(), v.y(), v.z()}; }
+  [[nodiscard]] static Vec3 from(const Eigen::Vector3d& v) noexcept {
+    return {v.x(), v.y(), v.z()};
+  }
 };
 
 /// A rotation that may cross a thread or a file; order x, y, z, w.

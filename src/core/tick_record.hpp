@@ -1,12 +1,12 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <type_traits>
-
 #include "core/axis_array.hpp"
 #include "core/fault.hpp"
 #include "core/geometry.hpp"
+
+#include <array>
+#include <cstdint>
+#include <type_traits>
 
 namespace wholehand {
 
@@ -21,11 +21,11 @@ struct Contact {
   std::int32_t link = -1;     ///< index into HandModel::links
   std::int32_t body = -1;     ///< index into SceneModel::bodies
   std::int32_t reserved = 0;
-  Vec3 point_m;            ///< on the hand's surface
-  Vec3 normal;             ///< unit, from the body to the hand
-  Vec3 force_n;            ///< on the hand, normal and friction together
-  Vec3 torque_nm;          ///< on the hand, spinning friction about the normal
-  double distance_m = 0.0; ///< negative when the surfaces overlap
+  Vec3 point_m;             ///< on the hand's surface
+  Vec3 normal;              ///< unit, from the body to the hand
+  Vec3 force_n;             ///< on the hand, normal and friction together
+  Vec3 torque_nm;           ///< on the hand, spinning friction about the normal
+  double distance_m = 0.0;  ///< negative when the surfaces overlap
 };
 
 /// Where a body of the scene is and how it moves (centre of mass, world frame).
@@ -60,40 +60,41 @@ struct TickRecord {
   double time_s = 0.0;                ///< tick * period
   std::uint32_t elapsed_periods = 1;  ///< 1 + periods skipped before this tick
   Fault faults = Fault::kNone;
-  std::int64_t lateness_ns = 0;       ///< wake-up after the scheduled instant; not re-simulated
-  std::int64_t wall_ns = 0;           ///< duration of the tick on the wall clock; not re-simulated
-  std::int64_t cpu_ns = 0;            ///< CPU time of the tick; not re-simulated
+  std::int64_t lateness_ns = 0;  ///< wake-up after the scheduled instant; not re-simulated
+  std::int64_t wall_ns = 0;      ///< duration of the tick on the wall clock; not re-simulated
+  std::int64_t cpu_ns = 0;       ///< CPU time of the tick; not re-simulated
   std::array<std::int32_t, kStages> stage_cpu_ns{};  ///< CPU time per stage; not re-simulated
 
   // written by: device.read
-  AxisPosition q_m;             ///< device position
-  AxisPosition intention;       ///< where the virtual patient wants to be (simulated device only)
-  AxisEffort patient_effort;    ///< what the virtual patient applies (simulated device only)
+  AxisPosition q_m;           ///< device position
+  AxisPosition intention;     ///< where the virtual patient wants to be (simulated device only)
+  AxisEffort patient_effort;  ///< what the virtual patient applies (simulated device only)
 
   // written by: velocity_estimator
-  AxisVelocity qd_mf;           ///< filtered device velocity
+  AxisVelocity qd_mf;  ///< filtered device velocity
 
   // written by: world.observe, the state BEFORE this tick's step
-  AxisPosition q_s;             ///< avatar position
-  AxisVelocity qd_s;            ///< avatar velocity
-  JointPosition theta;          ///< joint positions of the avatar
-  double coupling_error_rad = 0.0;  ///< largest |θ - (θ₀ + G q_s)| the last step left, before correction
-  double palm_distance_m = 0.0;     ///< palm surface to the nearest body; +inf without bodies
+  AxisPosition q_s;     ///< avatar position
+  AxisVelocity qd_s;    ///< avatar velocity
+  JointPosition theta;  ///< joint positions of the avatar
+  double coupling_error_rad =
+      0.0;  ///< largest |θ - (θ₀ + G q_s)| the last step left, before correction
+  double palm_distance_m = 0.0;  ///< palm surface to the nearest body; +inf without bodies
   std::int32_t body_count = 0;
   std::array<BodyState, kMaxBodies> bodies{};
 
   // written by: bilateral_coupling
-  AxisEffort f_s;               ///< drives the avatar, Eq. (2)
-  AxisEffort coupling;          ///< spring and γ term felt by the person, Eq. (3)
+  AxisEffort f_s;       ///< drives the avatar, Eq. (2)
+  AxisEffort coupling;  ///< spring and γ term felt by the person, Eq. (3)
 
   // written by: adaptive_damping
-  AxisRatio phi;                ///< Φ, Eq. (5)
-  AxisEffort damping;           ///< -Φ K_dm q̇_mf
+  AxisRatio phi;       ///< Φ, Eq. (5)
+  AxisEffort damping;  ///< -Φ K_dm q̇_mf
 
   // written by: safety
-  AxisEffort rendered;          ///< f_m before limits: coupling + damping
-  double authority = 1.0;       ///< 1 while rendering, falls to 0 while ramping to neutral
-  AxisEffort sent;              ///< what the device received
+  AxisEffort rendered;     ///< f_m before limits: coupling + damping
+  double authority = 1.0;  ///< 1 while rendering, falls to 0 while ramping to neutral
+  AxisEffort sent;         ///< what the device received
 
   // written by: world.step
   std::int32_t contact_count = 0;

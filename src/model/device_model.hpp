@@ -1,10 +1,10 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "core/axis_array.hpp"
 #include "core/expected.hpp"
+
+#include <string>
+#include <vector>
 
 namespace wholehand {
 
@@ -13,18 +13,18 @@ enum class AxisGroup { kBase, kHand };  ///< carries the hand, or moves its join
 
 /// One named axis of a device. SI; a value per radian for a rotation.
 struct DeviceAxis {
-  std::string name;                       ///< "x", "finger_flexion", ...
+  std::string name;  ///< "x", "finger_flexion", ...
   AxisKind kind = AxisKind::kTranslation;
   AxisGroup group = AxisGroup::kBase;
-  double lower = 0.0, upper = 0.0;        ///< range [m or rad]
-  double effort_limit = 0.0;              ///< [N or N·m], > 0
-  double speed_limit = 0.0;               ///< [m/s or rad/s], > 0
-  double mass = 0.0;                      ///< moving mass [kg or kg·m²], > 0
-  double damping = 0.0;                   ///< viscous friction [N·s/m or N·m·s/rad], >= 0
-  double coulomb = 0.0;                   ///< dry friction [N or N·m], >= 0
-  double encoder_step = 0.0;              ///< [m or rad], >= 0; 0: ideal
-  double lever_arm_m = 0.0;               ///< joint torque / tip force; 0 where there is no tip
-  double neutral_effort = 0.0;            ///< carries the axis's own weight [N or N·m]
+  double lower = 0.0, upper = 0.0;  ///< range [m or rad]
+  double effort_limit = 0.0;        ///< [N or N·m], > 0
+  double speed_limit = 0.0;         ///< [m/s or rad/s], > 0
+  double mass = 0.0;                ///< moving mass [kg or kg·m²], > 0
+  double damping = 0.0;             ///< viscous friction [N·s/m or N·m·s/rad], >= 0
+  double coulomb = 0.0;             ///< dry friction [N or N·m], >= 0
+  double encoder_step = 0.0;        ///< [m or rad], >= 0; 0: ideal
+  double lever_arm_m = 0.0;         ///< joint torque / tip force; 0 where there is no tip
+  double neutral_effort = 0.0;      ///< carries the axis's own weight [N or N·m]
 
   /// "N" or "N·m"
   [[nodiscard]] const char* effortUnit() const {
@@ -39,9 +39,9 @@ struct DeviceAxis {
 /// A device: N named axes and how the hand is strapped to it. Nothing knows the number six.
 struct DeviceModel {
   std::string path;
-  std::string name;                 ///< "lambda-pride"
-  std::vector<DeviceAxis> axes;     ///< 1 .. kMaxAxes
-  int output_delay_ticks = 0;       ///< whole samples between write and effect, 0 .. 8
+  std::string name;              ///< "lambda-pride"
+  std::vector<DeviceAxis> axes;  ///< 1 .. kMaxAxes
+  int output_delay_ticks = 0;    ///< whole samples between write and effect, 0 .. 8
   /// Orientation of a right hand's palm frame in the world when all base rotations are zero
   /// (roll, pitch, yaw about x, y, z; R = Rz Ry Rx). A left hand takes the mirror image in y.
   double mount_roll_rad = 0.0, mount_pitch_rad = 0.0, mount_yaw_rad = 0.0;

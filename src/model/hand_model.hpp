@@ -1,13 +1,13 @@
 #pragma once
 
+#include "core/axis_array.hpp"
+#include "core/expected.hpp"
+#include "core/geometry.hpp"
+
 #include <Eigen/Core>
 
 #include <string>
 #include <vector>
-
-#include "core/axis_array.hpp"
-#include "core/expected.hpp"
-#include "core/geometry.hpp"
 
 namespace wholehand {
 
@@ -18,9 +18,9 @@ enum class HandPart { kPalm, kIndex, kMiddle, kRing, kLittle, kThumb };
 
 /// A collider: a segment swollen by a radius, in its link's frame.
 struct Capsule {
-  std::string name;        ///< "index_proximal", "palm_metacarpal_2", ...
+  std::string name;  ///< "index_proximal", "palm_metacarpal_2", ...
   HandPart part = HandPart::kPalm;
-  int link = 0;            ///< index into HandModel::links
+  int link = 0;  ///< index into HandModel::links
   Eigen::Vector3d a_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d b_m = Eigen::Vector3d::Zero();
   double radius_m = 0.0;
@@ -32,16 +32,16 @@ enum class JointType { kPrismatic, kRevolute, kFixed };
 /// joint position zero; a revolute joint turns the link about `axis` through the frame's origin, a
 /// prismatic one moves it along `axis`.
 struct HandLink {
-  std::string name;             ///< of the joint: "x", "index_mcp_flexion", ...
-  int parent = -1;              ///< index of the parent link, -1 for the world; always < own index
+  std::string name;  ///< of the joint: "x", "index_mcp_flexion", ...
+  int parent = -1;   ///< index of the parent link, -1 for the world; always < own index
   JointType type = JointType::kFixed;
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();  ///< unit, in the link frame
-  Pose parent_to_link;          ///< link frame in the parent's frame at joint position zero
-  int joint = -1;               ///< index into the joint arrays; -1 for a fixed (locked) joint
+  Pose parent_to_link;  ///< link frame in the parent's frame at joint position zero
+  int joint = -1;       ///< index into the joint arrays; -1 for a fixed (locked) joint
   double mass_kg = 0.0;
-  Eigen::Vector3d com_m = Eigen::Vector3d::Zero();               ///< link frame
-  Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();       ///< about the com, link axes
-  double lower = 0.0, upper = 0.0;  ///< joint range [m or rad], of the file
+  Eigen::Vector3d com_m = Eigen::Vector3d::Zero();          ///< link frame
+  Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();  ///< about the com, link axes
+  double lower = 0.0, upper = 0.0;                          ///< joint range [m or rad], of the file
 };
 
 /// The simulated hand as the tick uses it: a tree of links, the capsules that collide, and the
@@ -53,18 +53,17 @@ struct HandLink {
 struct HandModel {
   std::string name;
   Side side = Side::kRight;
-  std::vector<HandLink> links;     ///< parents first
+  std::vector<HandLink> links;  ///< parents first
   std::vector<Capsule> capsules;
-  int palm_link = 0;               ///< the link that carries the palm
-  int joint_count = 0;             ///< driven joints, N_j
-  int axis_count = 0;              ///< device axes, N
+  int palm_link = 0;                     ///< the link that carries the palm
+  int joint_count = 0;                   ///< driven joints, N_j
+  int axis_count = 0;                    ///< device axes, N
   std::vector<std::string> joint_names;  ///< size joint_count
   std::vector<std::string> axis_names;   ///< size axis_count, the device's order
-  JointPosition theta0;            ///< θ₀
-  JointAxisMatrix synergy;         ///< G, joint_count x axis_count
-  AxisPosition reference;          ///< q_ref: the posture at which gains are chosen
+  JointPosition theta0;                  ///< θ₀
+  JointAxisMatrix synergy;               ///< G, joint_count x axis_count
+  AxisPosition reference;                ///< q_ref: the posture at which gains are chosen
   double total_mass_kg = 0.0;
-
 };
 
 }  // namespace wholehand

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "core/expected.hpp"
 #include "model/device_model.hpp"
+
+#include <string>
+#include <vector>
 
 namespace wholehand {
 
@@ -18,10 +18,10 @@ struct PatientAxis {
 
 /// How a recorded motion becomes an intention inside the device's workspace.
 struct MotionMapping {
-  double margin = 0.05;            ///< share of each axis's range kept free at both ends, 0 .. 0.4
-  double speed_share = 0.8;        ///< share of each axis's speed limit that may be used, (0, 1]
-  double base_scale = 0.0;         ///< translations are multiplied by it; 0: as large as fits, <= 1
-  bool center = true;              ///< translations are shifted to the middle of the workspace
+  double margin = 0.05;      ///< share of each axis's range kept free at both ends, 0 .. 0.4
+  double speed_share = 0.8;  ///< share of each axis's speed limit that may be used, (0, 1]
+  double base_scale = 0.0;   ///< translations are multiplied by it; 0: as large as fits, <= 1
+  bool center = true;        ///< translations are shifted to the middle of the workspace
 };
 
 /// A patient file: arm and finger impedance, and how motion is mapped. An axis named in the file
@@ -29,7 +29,7 @@ struct MotionMapping {
 struct PatientConfig {
   std::string path;
   std::string name;
-  std::vector<PatientAxis> axes;   ///< in the device's order, one for each of its axes
+  std::vector<PatientAxis> axes;  ///< in the device's order, one for each of its axes
   MotionMapping motion;
 };
 

@@ -1,34 +1,34 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "core/expected.hpp"
 #include "model/device_model.hpp"
+
+#include <string>
+#include <vector>
 
 namespace wholehand {
 
 /// The gains of one axis. Units follow the axis: N and m, or N·m and rad.
 struct AxisRendering {
   std::string name;
-  double k_pm = 0.0;            ///< coupling stiffness felt by the person [N/m or N·m/rad], > 0
-  double k_dm = 0.0;            ///< adaptive damping at Φ = 1 [N·s/m or N·m·s/rad], >= 0
-  double gamma = 0.3;           ///< γ of Eq. (3), 0 .. 1; 0 is the paper's law
+  double k_pm = 0.0;   ///< coupling stiffness felt by the person [N/m or N·m/rad], > 0
+  double k_dm = 0.0;   ///< adaptive damping at Φ = 1 [N·s/m or N·m·s/rad], >= 0
+  double gamma = 0.3;  ///< γ of Eq. (3), 0 .. 1; 0 is the paper's law
   double velocity_filter_hz = 30.0;  ///< cut-off of the first-order low-pass, > 0
-  double k_ps_per_s2 = 0.0;     ///< avatar stiffness per unit inertia [1/s²]; 0: by the rule
-                                ///< min(K_pm / M̃_ii(q_ref), 5e4), which makes σ = 1
-  double effort_full = 5.0;     ///< f₀: effort at which φ = 1 [N or N·m]
-  double effort_dead = 0.5;     ///< f_d: effort below which φ = 0, < f₀
-  double decay_s = 0.3;         ///< τ_dec of Algorithm 1
-  bool palm_contact = false;    ///< base axes: own φ beside the hand's largest (Eq. 5, mended)
+  double k_ps_per_s2 = 0.0;          ///< avatar stiffness per unit inertia [1/s²]; 0: by the rule
+                                     ///< min(K_pm / M̃_ii(q_ref), 5e4), which makes σ = 1
+  double effort_full = 5.0;          ///< f₀: effort at which φ = 1 [N or N·m]
+  double effort_dead = 0.5;          ///< f_d: effort below which φ = 0, < f₀
+  double decay_s = 0.3;              ///< τ_dec of Algorithm 1
+  bool palm_contact = false;  ///< base axes: own φ beside the hand's largest (Eq. 5, mended)
 };
 
 /// A rendering file: the gains that go with a device.
 struct RenderingConfig {
   std::string path;
   std::string name;
-  bool paper = false;                 ///< the seed's own law: γ = 0, f_d = 0
-  std::vector<AxisRendering> axes;    ///< in the device's order, one for each of its axes
+  bool paper = false;               ///< the seed's own law: γ = 0, f_d = 0
+  std::vector<AxisRendering> axes;  ///< in the device's order, one for each of its axes
 };
 
 /// Reads a rendering file and matches it to a device: every axis of the device must have gains, no

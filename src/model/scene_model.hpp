@@ -1,12 +1,12 @@
 #pragma once
 
+#include "core/expected.hpp"
+#include "core/geometry.hpp"
+
 #include <Eigen/Core>
 
 #include <string>
 #include <vector>
-
-#include "core/expected.hpp"
-#include "core/geometry.hpp"
 
 namespace wholehand {
 
@@ -19,8 +19,8 @@ struct Shape {
   Eigen::Vector3d half_extents_m = Eigen::Vector3d::Zero();  ///< box
   double radius_m = 0.0;                                     ///< sphere, cylinder, capsule
   double length_m = 0.0;  ///< cylinder: height; capsule: between the centres of its caps
-  std::vector<Eigen::Vector3d> points_m;                     ///< convex mesh: hull vertices
-  std::vector<Eigen::Vector3i> triangles;                    ///< convex mesh: faces, outward
+  std::vector<Eigen::Vector3d> points_m;   ///< convex mesh: hull vertices
+  std::vector<Eigen::Vector3i> triangles;  ///< convex mesh: faces, outward
   Pose in_body;
 };
 
@@ -28,14 +28,14 @@ struct Shape {
 struct SceneBody {
   std::string name;
   bool fixed = false;
-  double mass_kg = 0.0;                ///< > 0 unless fixed
-  Eigen::Vector3d com_m = Eigen::Vector3d::Zero();            ///< body frame
-  Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();    ///< about the com, body axes
-  Pose pose;                           ///< body frame in the world at the start
-  std::vector<Shape> shapes;           ///< at least one
-  double friction = 0.8;               ///< Coulomb coefficient against the hand
-  double linear_damping_per_s = 0.0;   ///< share of velocity lost per second, 0 .. 1 (Bullet's)
-  std::string color = "#3B6FD1";       ///< for pictures and pages, #RRGGBB
+  double mass_kg = 0.0;                                     ///< > 0 unless fixed
+  Eigen::Vector3d com_m = Eigen::Vector3d::Zero();          ///< body frame
+  Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();  ///< about the com, body axes
+  Pose pose;                          ///< body frame in the world at the start
+  std::vector<Shape> shapes;          ///< at least one
+  double friction = 0.8;              ///< Coulomb coefficient against the hand
+  double linear_damping_per_s = 0.0;  ///< share of velocity lost per second, 0 .. 1 (Bullet's)
+  std::string color = "#3B6FD1";      ///< for pictures and pages, #RRGGBB
 };
 
 /// A scene: bodies, gravity, and where the hand starts.
@@ -43,9 +43,9 @@ struct SceneModel {
   std::string path;
   std::string name;
   Eigen::Vector3d gravity_m_s2{0.0, 0.0, -9.81};
-  std::vector<SceneBody> bodies;       ///< 0 .. kMaxBodies
-  double hand_friction = 0.8;          ///< of the hand's capsules
-  std::vector<std::string> assets;     ///< paths of the meshes and URDFs it is made of
+  std::vector<SceneBody> bodies;    ///< 0 .. kMaxBodies
+  double hand_friction = 0.8;       ///< of the hand's capsules
+  std::vector<std::string> assets;  ///< paths of the meshes and URDFs it is made of
 
   [[nodiscard]] int bodyIndex(const std::string& body_name) const;
 };

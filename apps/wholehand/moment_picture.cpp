@@ -1,0 +1,75 @@
+#include "moment_picture.hpp"
+
+#include "dynamics/articulated_body.hpp"
+#include "picture/picture.hpp"
+#include "resimulation.hpp"
+#include "telemetry/recording.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace wholehand {
+namespace {
+
+constexpr double kDeg = std::numbers::pi / 180.0;
+constexpr double kPalmForward_m =
+    0.08;  // the palm frame is at the wrist; the picture is of the hand
+
+double contactForce(const TickRecord& r) {
+  double sum_n = 0.0;
+  for (int i = 0; i < r.contact_count; ++i) {
+    sum_n += r.contacts[static_cast<std::size_t>(i)].force_n.eigen().norm();
+  }
+  return sum_n;
+}
+
+bool findMoment(RecordingReader& recording, double time_s, TickRecord& found) {
+  if (time_s >= 0.0) {
+    const double index = std::round(time_s / recording.meta().period_s);
+    const double last = static_cast<double>(recording.size()) - 1.0;
+    return recording.read(static_cast<std::uint64_t>(std::min(index, last)), found);
+  }
+  TickRecord record;
+  double largest_n = -1.0;
+  for (std::uint64_t i = 0; recording.read(i, record); ++i) {
+    if (const double n = contactForce(record); n > largest_n) {
+      largest_n = n;
+      found = record;
+    }
+  }
+  return largest_n >= 0.0;
+}
+
+}  // namespace
+
+Expected<std::string> drawMoment(const std::string& recording_path, const Moment& moment,
+                                 const std::string& png_path) {
+  auto recording = RecordingReader::open(recording_path);
+  if (!recording) return recording.errors();
+  auto models = recordedModels((*recording)->meta(), recording_path);
+  if (!models) return models.errors();
+  TickRecord r;
+  if (!findMoment(**recording, moment.time_s, r)) {
+    return Diagnostic{recording_path, 0, "", "", "holds no tick", "record a longer run"};
+  }
+  ArticulatedBody body(models->hand);
+  body.updateKinematics(r.theta);
+  PictureRequest request;
+  request.target_m =
+      body.linkPose(models->hand.palm_link) * Eigen::Vector3d(kPalmForward_m, 0.0, 0.0);
+  request.distance_m = moment.distance_m;
+  request.azimuth_rad = moment.azimuth_deg * kDeg;
+  request.elevation_rad = moment.elevation_deg * kDeg;
+  const std::vector<BodyState> bodies(r.bodies.begin(), r.bodies.begin() + r.body_count);
+  const std::vector<Contact> contacts(r.contacts.begin(), r.contacts.begin() + r.contact_count);
+  auto drawn =
+      drawPicture(models->hand, models->scene, r.theta, bodies, contacts, request, png_path);
+  if (!drawn) return drawn.errors();
+  return fmt::format("{:.2f} s: {} contact points, {:.1f} N in all", r.time_s, r.contact_count,
+                     contactForce(r));
+}
+
+}  // namespace wholehand
