@@ -1,0 +1,76 @@
+// A device of one's own: thirty lines that read positions and write efforts, and the renderer
+// drives it like any other.
+//
+// Here the "hardware" is a handle on three rails that somebody pulls forward with a steady 3 N; a
+// wall stands 17 mm ahead of the fingertips. At rest the wall must give back exactly these 3 N.
+//
+//   02_own_device [folder that holds config/]
+#include "wholehand/wholehand.hpp"
+
+#include <cstdio>
+#include <memory>
+#include <string>
+
+using namespace wholehand;
+
+constexpr double kPull_n = 3.0, kMass_kg = 0.5, kFriction_n_s_m = 20.0, kPeriod_s = 1e-3;
+
+class Handle final : public HapticDevice {
+ public:
+  Expected<Done> open() override {  // a driver would find, calibrate and power the device here
+    position_ = AxisPosition(3);
+    velocity_ = AxisVelocity(3);
+    effort_ = AxisEffort(3);
+    return Done{};
+  }
+  Fault read(DeviceReading& reading, int elapsed_periods) noexcept override {
+    for (int period = 0; period < elapsed_periods; ++period) {
+      for (int a = 0; a < 3; ++a) {
+        const double pull_n = a == 0 ? kPull_n : 0.0;
+        const double force_n = effort_[a] + pull_n - kFriction_n_s_m * velocity_[a];
+        velocity_[a] += kPeriod_s * force_n / kMass_kg;
+        position_[a] += kPeriod_s * velocity_[a];
+      }
+    }
+    reading.q_m = position_;
+    return Fault::kNone;  // Fault::kDeviceRead lets the renderer ramp to the neutral effort
+  }
+  Fault write(const AxisEffort& effort) noexcept override {
+    effort_ = effort;
+    return Fault::kNone;
+  }
+  void close() noexcept override {}
+
+ private:
+  AxisPosition position_;
+  AxisVelocity velocity_;
+  AxisEffort effort_;
+};
+
+int main(int argc, char** argv) {
+  const std::string config = (argc > 1 ? argv[1] : std::string(WHOLEHAND_SOURCE_DIR)) + "/config/";
+  auto models =
+      loadModels({config + "scenes/empty.toml", config + "hands/adult-median-right.toml",
+                  config + "devices/desktop-3axis.toml",  // describes the three axes
+                  config + "rendering/desktop-3axis.toml", config + "patients/no-arm.toml", ""});
+  if (!models) return std::fprintf(stderr, "%s\n", format(models.errors()).c_str()), 2;
+  SceneBody wall;
+  wall.name = "wall";
+  wall.fixed = true;
+  wall.pose.translation_m = {0.205, 0.0, 0.0};
+  wall.shapes.emplace_back().half_extents_m = {0.05, 0.5, 0.5};
+  models->scene.bodies.push_back(wall);
+
+  auto rig = buildRig(*models, std::make_unique<Handle>(), RigOptions{});
+  if (!rig) return std::fprintf(stderr, "%s\n", format(rig.errors()).c_str()), 2;
+  HapticRenderer& renderer = *(*rig)->renderer;
+  if (auto armed = renderer.arm(); !armed) {
+    return std::fprintf(stderr, "%s\n", format(armed.errors()).c_str()), 2;
+  }
+  TickRecord record;
+  for (int tick = 0; tick < 2000; ++tick) {
+    renderer.tick(1, record);
+    if (tick % 100 == 0) std::printf("x %6.2f mm  %6.3f N\n", record.q_m[0] * 1e3, record.sent[0]);
+  }
+  std::printf("pulled with %.3f N, the wall gives back %.3f N\n", kPull_n, -record.sent[0]);
+}

@@ -1,0 +1,42 @@
+// How stiff may the coupling be? Tries stiffnesses on the axis x and asks checkGains() which of
+// them hold their certificate: stable, free and against a rigid stop, at every adaptive damping.
+//
+// The loop's period buys stiffness: the same device allows more of it at 2 kHz than at 1 kHz.
+//
+//   04_change_the_gains [folder that holds config/]
+#include "wholehand/wholehand.hpp"
+
+#include <cstdio>
+#include <string>
+
+using namespace wholehand;
+
+int main(int argc, char** argv) {
+  const std::string config = (argc > 1 ? argv[1] : std::string(WHOLEHAND_SOURCE_DIR)) + "/config/";
+  auto models =
+      loadModels({config + "scenes/empty.toml", config + "hands/adult-median-right.toml",
+                  config + "devices/lambda-pride.toml", config + "rendering/lambda-pride.toml",
+                  config + "patients/relaxed-adult.toml", ""});
+  if (!models) return std::fprintf(stderr, "%s\n", format(models.errors()).c_str()), 2;
+  const int x = models->device.axisIndex("x");
+
+  for (const double rate_hz : {1000.0, 2000.0}) {
+    std::printf("\n%.0f Hz\n%12s %8s %8s   %s\n", rate_hz, "K_pm N/m", "K_ps", "sigma", "verdict");
+    for (const double k_pm : {1000.0, 4000.0, 12000.0, 16000.0, 48000.0}) {
+      models->rendering.axes[static_cast<std::size_t>(x)].k_pm = k_pm;
+      const Expected<CheckedGains> checked = checkGains(*models, 1.0 / rate_hz);
+      if (!checked) {
+        std::printf("%12.0f %8s %8s   %s\n", k_pm, "-", "-", format(checked.errors()).c_str());
+        continue;
+      }
+      const CouplingGains& gains = checked->gains;
+      std::printf("%12.0f %8.0f %8.3f   ", k_pm, gains.k_ps_per_s2[x], gains.contact_scale[x]);
+      if (checked->refused.empty()) {
+        std::printf("certified\n");
+      } else {
+        const Diagnostic& why = checked->refused.front();
+        std::printf("refused: %s; %s\n", why.problem.c_str(), why.remedy.c_str());
+      }
+    }
+  }
+}

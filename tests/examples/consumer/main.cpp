@@ -1,0 +1,52 @@
+// A program outside the tree: builds a rig from the installed files, runs a session on a thread of
+// its own and reads the records.
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <wholehand/wholehand.hpp>
+
+using namespace wholehand;
+
+int fail(const std::string& why) {
+  std::fprintf(stderr, "%s\n", why.c_str());
+  return 1;
+}
+
+int main() {
+  const std::string config = SHARE "/config/";
+  auto models = loadModels(
+      {config + "scenes/four-shapes.toml", config + "hands/adult-median-right.toml",
+       config + "devices/lambda-pride.toml", config + "rendering/lambda-pride.toml",
+       config + "patients/relaxed-adult.toml", SHARE "/data/human-motion/reach-grasp-00.csv"});
+  if (!models) return fail(format(models.errors()));
+  AxisPosition rest(models->device.axisCount());
+  Intention intention =
+      Intention::fromMotion(*models->motion, models->patient.motion, models->device, rest, nullptr);
+  auto rig = buildRig(*models, std::move(intention), RigOptions{});
+  if (!rig) return fail(format(rig.errors()));
+  if (auto armed = (*rig)->renderer->arm(); !armed) return fail(format(armed.errors()));
+
+  SessionConfig config_of_session;
+  config_of_session.duration_ticks = 300;
+  Session session(*(*rig)->renderer, config_of_session);
+  auto started = session.start(PeriodicThreadConfig{});
+  if (!started) return fail(format(started.errors()));
+  session.join();
+
+  TickRecord record;
+  std::uint64_t records = 0, last = 0;
+  while (session.tryPop(record)) {
+    if (any(record.faults & kStopping))
+      return fail("a fault in tick " + std::to_string(record.tick));
+    if (record.q_m.size() != 6 || !allFinite(record.sent)) return fail("a record is not sound");
+    last = record.tick;
+    ++records;
+  }
+  if (records == 0 || records != session.counters().ticks_run) return fail("records are missing");
+  if (last < 299) return fail("ended early");
+  for (double effort : record.sent) {
+    if (effort != 0.0) return fail("does not end at neutral");
+  }
+  std::printf("%llu records, the last of tick %llu\n", static_cast<unsigned long long>(records),
+              static_cast<unsigned long long>(last));
+}

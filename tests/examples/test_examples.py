@@ -1,0 +1,87 @@
+"""Every example says what its first lines promise."""
+import csv
+import os
+import pathlib
+import re
+import sys
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "apps"))
+from app import DONE, SOURCE, AppTest, read_recording  # noqa: E402
+
+EXAMPLES = pathlib.Path(os.environ["WHOLEHAND_EXAMPLES"])
+MOST_LINES = 80
+
+
+class Examples(AppTest):
+    def example(self, name, *arguments):
+        return self.expect(self.run_app(*arguments, binary=EXAMPLES / name), DONE)
+
+    def test_every_example_is_short_and_tested(self):
+        for file in sorted((SOURCE / "examples").glob("*.cpp")):
+            self.assertLess(len(file.read_text().splitlines()), MOST_LINES, file.name)
+            self.assertIn(f'"{file.stem}"', pathlib.Path(__file__).read_text())
+
+    def test_first_touch_feels_the_spring_between_device_and_hand(self):
+        rows = [[float(word) for word in line.split()]
+                for line in self.example("01_first_touch").out.splitlines()[1:]]
+        self.assertEqual(len(rows), 21)
+        _, device_mm, hand_mm, felt_n, contacts = rows[-1]
+        self.assertGreater(contacts, 0)
+        self.assertLess(device_mm, hand_mm - 5)
+        # Eq. (3) at rest, K_pm = 1 N/mm; the file's columns have two decimals in mm.
+        self.assertAlmostEqual(felt_n, 1.0 * (hand_mm - device_mm), delta=0.011)
+        # The patient, 0.3 N/mm towards -60 mm, pushes as much, but for 0.2 N of dry friction.
+        self.assertAlmostEqual(felt_n, 0.3 * (device_mm + 60), delta=0.21)
+        # Nothing was felt of the box before it was touched, and the hand is not inside it.
+        before = [row for row in rows if row[4] == 0]
+        self.assertGreater(len(before), 5)
+        self.assertLess(max(row[3] for row in before), 0.5)
+        self.assertLess(max(row[2] for row in rows[-5:]) - min(row[2] for row in rows[-5:]), 0.05)
+
+    def test_own_device_gets_back_what_it_pulls_with(self):
+        said = self.example("02_own_device").out
+        self.assertIn("pulled with 3.000 N", said)
+        back_n = float(re.search(r"gives back (\S+) N", said)[1])
+        self.assertAlmostEqual(back_n, 3.0, delta=0.003)
+
+    def test_read_a_recording_prints_what_h5py_reads(self):
+        recording = self.record(duration=0.3)
+        rows = list(csv.reader(self.example("03_read_a_recording", recording).out.splitlines()))
+        self.assertEqual(rows[0], ["time_s", "x_n", "y_n", "z_n", "finger_flexion_nm",
+                                   "thumb_circumduction_nm", "thumb_flexion_nm"])
+        with read_recording(recording) as file:
+            time_s, sent = file["ticks/time_s"][:], file["ticks/sent"][:]
+        self.assertEqual(len(rows) - 1, len(sent))
+        for row, time, efforts in zip(rows[1:], time_s, sent):
+            self.assertAlmostEqual(float(row[0]), time, delta=5e-5)
+            for text, effort in zip(row[1:], efforts):
+                self.assertAlmostEqual(float(text), effort, delta=1e-5 * abs(effort) + 1e-12)
+
+    def test_read_a_recording_without_one_makes_and_removes_it(self):
+        said = self.run_app(binary=EXAMPLES / "03_read_a_recording", env={"TMPDIR": str(self.folder)})
+        self.expect(said, DONE)
+        # Half a second, and the ramp to neutral after it, at most 100 ms.
+        self.assertGreater(len(said.out.splitlines()), 500)
+        self.assertLessEqual(len(said.out.splitlines()), 1 + 500 + 101)
+        self.assertEqual(self.names_in(self.folder), [])
+
+    def test_change_the_gains_certifies_up_to_the_limit_that_it_names(self):
+        largest = {}
+        rate = None
+        for line in self.example("04_change_the_gains").out.splitlines():
+            if line.endswith(" Hz") and "N/m" not in line:
+                rate = float(line.split()[0])
+                largest[rate] = 0.0
+            elif "certified" in line:
+                largest[rate] = max(largest[rate], float(line.split()[0]))
+            elif "refused" in line:
+                allowed = float(re.search(r"largest allowed k_pm_n_m: (\S+) N/m", line)[1])
+                self.assertGreater(float(line.split()[0]), allowed)
+                self.assertGreaterEqual(allowed, largest[rate])
+        self.assertGreaterEqual(largest[1000.0], 1000.0)  # the shipped gain
+        self.assertGreater(largest[2000.0], largest[1000.0])
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
