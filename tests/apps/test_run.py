@@ -21,7 +21,7 @@ class WhatItWrites(AppTest):
                          "--report", "c"), DONE, "Done after", "a/run.h5", "c/index.html")
         self.assertEqual(result.err, "")
         self.assertEqual(self.names_in(self.folder),
-                         ["a", "a/run.h5", "b", "b/run.json", "c", "c/index.html"])
+                         ["a", "a/run.h5", "b", "b/run.json", "c", "c/index.html", "c/moment.png"])
         summary = json.loads((self.folder / "b/run.json").read_text())
         self.check_summary(summary)
         self.check_recording(summary)
@@ -74,7 +74,7 @@ class WhatItWrites(AppTest):
         (run,) = (self.folder / "out").iterdir()
         self.assertRegex(run.name, r"^run-\d{8}-\d{6}")
         self.assertEqual(self.names_in(run),
-                         ["recording.h5", "report", "report/index.html", "run.json"])
+                         ["recording.h5", "report", "report/index.html", "report/moment.png", "run.json"])
         self.assertEqual(os.listdir(self.folder), ["out"])
 
     def test_only_what_was_asked_for(self):

@@ -160,7 +160,7 @@ class UsersAndFolders(AppTest):
                                  **ordinary_user()), DONE, "Done after")
         (run,) = (home / "out").iterdir()
         self.assertEqual(self.names_in(run),
-                         ["recording.h5", "report", "report/index.html", "run.json"])
+                         ["recording.h5", "report", "report/index.html", "report/moment.png", "run.json"])
         for path in run.rglob("*"):
             self.assertNotEqual(path.stat().st_uid, 0)
         self.expect(self.run_app("replay", "--resimulate", run / "recording.h5", binary=binary,
