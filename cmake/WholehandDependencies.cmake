@@ -21,9 +21,12 @@ endif()
 
 add_library(wholehand_options INTERFACE)
 target_compile_features(wholehand_options INTERFACE cxx_std_20)
+if(PROJECT_IS_TOP_LEVEL)  # a project that has us inside it chooses its own warnings
+  target_compile_options(wholehand_options INTERFACE
+    -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor
+    -Woverloaded-virtual -Wdouble-promotion)
+endif()
 target_compile_options(wholehand_options INTERFACE
-  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor
-  -Woverloaded-virtual -Wdouble-promotion
   # No fused multiply-add: the same inputs give the same bits whatever the compiler chooses to fuse.
   -ffp-contract=off)
 target_link_libraries(wholehand_options INTERFACE Threads::Threads)

@@ -61,5 +61,7 @@ int main(int argc, char** argv) {
     std::printf("%8.1f %12.2f %12.2f %12.3f %10d\n", tick * 1e-3, record.q_m[z] * 1e3,
                 record.q_s[z] * 1e3, record.sent[z], record.contact_count);
   }
+  renderer.requestStop();  // never let go of a loaded device: ramp to its neutral effort first
+  while (!renderer.atNeutral()) renderer.tick(1, record);
   (*rig)->device->close();
 }

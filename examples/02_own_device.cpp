@@ -73,4 +73,7 @@ int main(int argc, char** argv) {
     if (tick % 100 == 0) std::printf("x %6.2f mm  %6.3f N\n", record.q_m[0] * 1e3, record.sent[0]);
   }
   std::printf("pulled with %.3f N, the wall gives back %.3f N\n", kPull_n, -record.sent[0]);
+  renderer.requestStop();  // ramps to the neutral effort, within 100 ms
+  while (!renderer.atNeutral()) renderer.tick(1, record);
+  (*rig)->device->close();
 }
