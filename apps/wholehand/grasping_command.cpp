@@ -11,10 +11,8 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 
 namespace wholehand {
-namespace fs = std::filesystem;
 namespace {
 
 constexpr double kSlipAsked_m = 0.5e-3;
@@ -180,12 +178,10 @@ int interrupted() {
 int graspingCommand(const ExperimentOptions& options) {
   const std::vector<GraspTrial> trials = onlyThose(tunedTrials(), options.only);
   if (trials.empty()) return refuse({unknownTrial(options.only)});
-  std::error_code error;
-  fs::create_directories(options.folder, error);
   const std::string json_path =
       options.json.empty() ? options.folder + "/grasping.json" : options.json;
-  for (const std::string& path : {options.folder + "/grasping.svg", json_path}) {
-    if (auto writable = checkWritable(path); !writable) return refuse(writable.errors());
+  if (auto ready = prepareFiles({options.folder + "/grasping.svg", json_path}); !ready) {
+    return refuse(ready.errors());
   }
   std::printf("Grasp, carry 20 cm, hold 10 s; postures tuned, without and with gravity\n");
   printHeader();

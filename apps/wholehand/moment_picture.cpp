@@ -2,7 +2,7 @@
 
 #include "dynamics/articulated_body.hpp"
 #include "picture/picture.hpp"
-#include "resimulation.hpp"
+#include "recorded_files.hpp"
 #include "telemetry/recording.hpp"
 
 #include <fmt/format.h>

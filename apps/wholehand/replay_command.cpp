@@ -17,14 +17,15 @@ namespace {
 int compare(RecordingReader& recording, const std::string& path) {
   Expected<Resimulation> result = resimulate(recording, path);
   if (!result) return refuse(result.errors());
-  if (result->field.empty()) {
+  if (result->difference.field.empty()) {
     std::printf("%s: %llu ticks run again, every bit the same\n", path.c_str(),
                 static_cast<unsigned long long>(result->ticks));
     return kExitDone;
   }
   std::printf("%s: tick %llu differs in %s: recorded %s, now %s\n", path.c_str(),
-              static_cast<unsigned long long>(result->different_tick), result->field.c_str(),
-              result->recorded.c_str(), result->again.c_str());
+              static_cast<unsigned long long>(result->different_tick),
+              result->difference.field.c_str(), result->difference.first.c_str(),
+              result->difference.again.c_str());
   return kExitDifferent;
 }
 

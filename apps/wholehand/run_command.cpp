@@ -23,11 +23,23 @@ namespace {
 constexpr double kRestAfterMotion_s = 1.0;
 constexpr double kRestWithoutMotion_s = 10.0;
 
+// Made at once, so that of two runs in one second each has its own.
+std::string folderOfItsOwn() {
+  const std::string stem =
+      fmt::format("out/run-{:%Y%m%d-%H%M%S}", fmt::localtime(std::chrono::system_clock::now()));
+  std::error_code error;  // prepareFiles says what is wrong
+  fs::create_directories("out", error);
+  std::string folder = stem;
+  for (int i = 2; !fs::create_directory(folder, error) && !error; ++i) {
+    folder = fmt::format("{}-{}", stem, i);
+  }
+  return folder;
+}
+
 // With no output asked for, everything is kept in a folder of its own.
 void chooseOutputs(RunOptions& options) {
   if (options.record.empty() && options.report.empty() && options.json.empty()) {
-    const std::string folder =
-        fmt::format("out/run-{:%Y%m%d-%H%M%S}", fmt::localtime(std::chrono::system_clock::now()));
+    const std::string folder = folderOfItsOwn();
     options.record = folder + "/recording.h5";
     options.report = folder + "/report";
     options.json = folder + "/run.json";
@@ -35,18 +47,6 @@ void chooseOutputs(RunOptions& options) {
   if (!options.report.empty() && options.record.empty()) {
     options.record = options.report + "/recording.h5";
   }
-}
-
-// Makes the folders and finds out now, not after the run, whether anything can be written there.
-Expected<Done> prepareOutputs(const RunOptions& options) {
-  const std::string page = options.report.empty() ? "" : options.report + "/index.html";
-  for (const std::string& path : {options.record, options.json, page}) {
-    if (path.empty()) continue;
-    std::error_code ignored;  // checkWritable says what is wrong
-    fs::create_directories(fs::absolute(path).parent_path(), ignored);
-    if (auto writable = checkWritable(path); !writable) return writable;
-  }
-  return Done{};
 }
 
 std::string titleOf(const Models& models) {
@@ -117,7 +117,6 @@ int exitCodeOf(const RunOutcome& outcome) {
 int runCommand(RunOptions options) {
   Expected<Models> models = loadModels(options.files);
   if (!models) return refuse(models.errors());
-  chooseOutputs(options);
 
   printOpening(*models);
   Intention intention = intentionOf(*models);
@@ -132,7 +131,11 @@ int runCommand(RunOptions options) {
   auto rig = buildRig(*models, std::move(intention), rig_options);
   if (!rig) return refuse(rig.errors());
   if (auto armed = (*rig)->renderer->arm(); !armed) return refuse(armed.errors());
-  if (auto ready = prepareOutputs(options); !ready) return refuse(ready.errors());
+  chooseOutputs(options);
+  const std::string page = options.report.empty() ? "" : options.report + "/index.html";
+  if (auto ready = prepareFiles({options.record, options.json, page}); !ready) {
+    return refuse(ready.errors());
+  }
   for (const Diagnostic& d : (*rig)->refused) {
     std::printf("  UNCERTIFIED %s\n", format(d).c_str());
   }

@@ -13,10 +13,8 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
 
 namespace wholehand {
-namespace fs = std::filesystem;
 namespace {
 
 std::string timePlot(const std::vector<std::uint64_t>& counts, const Percentiles& p,
@@ -81,12 +79,10 @@ void print(const TimingResult& r) {
 }  // namespace
 
 int timingCommand(const ExperimentOptions& options) {
-  std::error_code error;
-  fs::create_directories(options.folder, error);
   const std::string json_path =
       options.json.empty() ? options.folder + "/timing.json" : options.json;
-  for (const std::string& path : {options.folder + "/timing.svg", json_path}) {
-    if (auto writable = checkWritable(path); !writable) return refuse(writable.errors());
+  if (auto ready = prepareFiles({options.folder + "/timing.svg", json_path}); !ready) {
+    return refuse(ready.errors());
   }
   ModelFiles files;
   for (std::string* file :

@@ -23,7 +23,7 @@ void onInterrupt(int) {
   if (Session* session = g_session.load()) session->requestStop();
 }
 
-// Ctrl-C and a polite kill end the run gently while this lives.
+// Ctrl-C, a polite kill and a terminal that is closed end the run gently while this lives.
 class InterruptGuard {
  public:
   explicit InterruptGuard(Session& session) {
@@ -33,10 +33,12 @@ class InterruptGuard {
     action.sa_handler = onInterrupt;
     sigaction(SIGINT, &action, &before_int_);
     sigaction(SIGTERM, &action, &before_term_);
+    sigaction(SIGHUP, &action, &before_hup_);
   }
   ~InterruptGuard() {
     sigaction(SIGINT, &before_int_, nullptr);
     sigaction(SIGTERM, &before_term_, nullptr);
+    sigaction(SIGHUP, &before_hup_, nullptr);
     g_session.store(nullptr);
   }
   InterruptGuard(const InterruptGuard&) = delete;
@@ -45,6 +47,7 @@ class InterruptGuard {
  private:
   struct sigaction before_int_ {};
   struct sigaction before_term_ {};
+  struct sigaction before_hup_ {};
 };
 
 RecordingMeta describe(const Rig& rig, const RunPlan& plan,

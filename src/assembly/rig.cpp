@@ -1,48 +1,12 @@
 #include "assembly/rig.hpp"
 
+#include "assembly/sampled_inertia.hpp"
 #include "control/stability.hpp"
 #include "device/simulated/simulated_device.hpp"
-#include "dynamics/articulated_body.hpp"
-#include "dynamics/synergy.hpp"
 #include "physics/bullet/bullet_world.hpp"
-
-#include <array>
-#include <cmath>
 
 namespace wholehand {
 namespace {
-
-AxisMatrix reducedInertiaAt(const HandModel& hand, ArticulatedBody& body, const AxisPosition& q_s) {
-  JointPosition theta;
-  Synergy(hand).expand(q_s, theta);
-  [[maybe_unused]] const bool definite =
-      body.update(theta, JointVelocity(hand.joint_count), Eigen::Vector3d::Zero());
-  return body.reducedInertia();
-}
-
-// Corners and middles of the ranges of the axes that change the hand's inertia. The inertia does
-// not depend on where the base is, so translations stay at rest.
-std::vector<AxisMatrix> sampleInertias(const HandModel& hand, const DeviceModel& device,
-                                       ArticulatedBody& body) {
-  std::vector<int> moving;
-  for (int a = 0; a < device.axisCount(); ++a) {
-    if (device.axes[a].kind == AxisKind::kRotation) moving.push_back(a);
-  }
-  int count = 1;
-  for (std::size_t i = 0; i < moving.size(); ++i) count *= 3;
-  std::vector<AxisMatrix> samples;
-  for (int index = 0; index < count; ++index) {
-    AxisPosition q_s(device.axisCount());
-    int digits = index;
-    for (int a : moving) {
-      const DeviceAxis& axis = device.axes[a];
-      q_s[a] = axis.lower + 0.5 * (digits % 3) * (axis.upper - axis.lower);
-      digits /= 3;
-    }
-    samples.push_back(reducedInertiaAt(hand, body, q_s));
-  }
-  return samples;
-}
 
 RendererConfig rendererConfig(const Models& models, const CouplingGains& gains, double period_s) {
   RendererConfig config;
@@ -66,14 +30,12 @@ std::unique_ptr<PhysicsWorld> makeWorld(const Models& models, const std::string&
 }  // namespace
 
 Expected<CheckedGains> checkGains(const Models& models, double period_s) {
-  ArticulatedBody body(models.hand);
-  const AxisMatrix at_reference = reducedInertiaAt(models.hand, body, models.hand.reference);
-  Expected<CouplingGains> gains = resolveGains(models.rendering, at_reference, period_s);
+  const SampledInertia inertia = sampleInertia(models.hand, models.device);
+  Expected<CouplingGains> gains = resolveGains(models.rendering, inertia.at_reference, period_s);
   if (!gains) return gains.errors();
   CheckedGains out;
   out.gains = *gains;
-  out.refused = checkStability(models.device, models.rendering, *gains,
-                               sampleInertias(models.hand, models.device, body), period_s);
+  out.refused = checkStability(models.device, models.rendering, *gains, inertia.samples, period_s);
   return out;
 }
 

@@ -16,7 +16,24 @@ Diagnostic unwritable(const fs::path& path, const std::string& why) {
           "",
           "",
           "cannot be written: " + why,
-          "choose a folder that exists and that you may write to"};
+          "name a file in a folder that you may write to"};
+}
+
+Expected<Done> checkWritable(const std::string& path) {
+  std::error_code error;
+  const fs::file_status there = fs::symlink_status(path, error);
+  if (fs::is_directory(there)) return unwritable(path, "it is a folder");
+  // A new file takes its place: that must not happen to /dev/null or /dev/stdout.
+  if (fs::exists(there) && !fs::is_regular_file(there)) {
+    return unwritable(path, "what is there is no ordinary file");
+  }
+  fs::path folder = fs::absolute(path).parent_path();
+  while (!fs::exists(folder, error) && folder != folder.root_path()) folder = folder.parent_path();
+  if (!fs::is_directory(folder, error)) {
+    return unwritable(path, folder.string() + " is no folder");
+  }
+  if (access(folder.c_str(), W_OK | X_OK) != 0) return unwritable(path, std::strerror(errno));
+  return Done{};
 }
 
 }  // namespace
@@ -39,13 +56,17 @@ Expected<Done> writeText(const std::string& path, const std::string& text) {
   return Done{};
 }
 
-Expected<Done> checkWritable(const std::string& path) {
-  const fs::path folder = fs::absolute(path).parent_path();
-  std::error_code error;
-  if (!fs::is_directory(folder, error))
-    return unwritable(path, "there is no folder " + folder.string());
-  if (fs::is_directory(path, error)) return unwritable(path, "it is a folder");
-  if (access(folder.c_str(), W_OK) != 0) return unwritable(path, std::strerror(errno));
+Expected<Done> prepareFiles(const std::vector<std::string>& paths) {
+  for (const std::string& path : paths) {
+    if (path.empty()) continue;
+    if (auto writable = checkWritable(path); !writable) return writable;
+  }
+  for (const std::string& path : paths) {
+    if (path.empty()) continue;
+    std::error_code error;
+    fs::create_directories(fs::absolute(path).parent_path(), error);
+    if (error) return unwritable(path, error.message());
+  }
   return Done{};
 }
 

@@ -3,13 +3,15 @@
 #include "core/expected.hpp"
 
 #include <string>
+#include <vector>
 
 namespace wholehand {
 
 /// Writes a file through a temporary one beside it; nothing half-written.
 [[nodiscard]] Expected<Done> writeText(const std::string& path, const std::string& text);
 
-/// Fails where `path` could not be written later: checked before a run, not after it.
-[[nodiscard]] Expected<Done> checkWritable(const std::string& path);
+/// Finds out before a run, not after it, whether all these files can be written; then makes their
+/// folders. Empty paths are passed over.
+[[nodiscard]] Expected<Done> prepareFiles(const std::vector<std::string>& paths);
 
 }  // namespace wholehand

@@ -77,6 +77,13 @@ class WhatItWrites(AppTest):
                          ["recording.h5", "report", "report/index.html", "report/moment.png", "run.json"])
         self.assertEqual(os.listdir(self.folder), ["out"])
 
+    def test_two_runs_at_once_keep_their_outputs_apart(self):
+        runs = [self.start_app("run", "--simulated-clock", "--duration", "0.3") for _ in range(2)]
+        for run in runs:
+            said, complained = run.communicate(timeout=60)
+            self.assertEqual(run.returncode, DONE, said + complained)
+        self.assertEqual(len(os.listdir(self.folder / "out")), 2)
+
     def test_only_what_was_asked_for(self):
         self.expect(self.run_app("run", "--simulated-clock", "--duration", "0.3", "--json", "run.json"),
                     DONE)
@@ -122,6 +129,9 @@ class HowItEnds(AppTest):
 
     def test_polite_kill_does_the_same(self):
         self.interrupted(signal.SIGTERM)
+
+    def test_closed_terminal_does_the_same(self):
+        self.interrupted(signal.SIGHUP)
 
     def test_ctrl_c_during_a_simulated_clock(self):
         run = self.start_app("run", "--duration", "3600", "--simulated-clock", "--json", "run.json")

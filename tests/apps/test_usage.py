@@ -109,6 +109,23 @@ class PlacesThatCannotBeWritten(AppTest):
             with self.subTest(option=option, place=place):
                 self.expect_nothing_ran("run", option, place, place=place)
 
+    def test_what_is_no_ordinary_file_is_left_alone(self):
+        # As root, a new file would take the place of /dev/null for the whole machine.
+        os.mkfifo(self.folder / "pipe")
+        os.symlink("/dev/null", self.folder / "link")
+        for option in ("--record", "--json"):
+            for place in ("pipe", "link"):
+                with self.subTest(option=option, place=place):
+                    self.expect_nothing_ran("run", "--simulated-clock", option, place, place=place)
+        self.assertTrue((self.folder / "pipe").is_fifo())
+        self.assertTrue((self.folder / "link").is_symlink())
+
+    def test_one_bad_place_leaves_no_folder_for_the_others(self):
+        self.expect_nothing_ran("run", "--record", "new/run.h5", "--report", "new/report", "--json",
+                                "a-file/x.json", place="a-file/x.json")
+        self.expect_nothing_ran("experiment", "timing", "--out", "new", "--json", "a-file/x.json",
+                                place="a-file/x.json")
+
     def test_experiments_say_so_before_they_run(self):
         for experiment in ("grasping", "timing"):
             with self.subTest(experiment):
@@ -132,7 +149,7 @@ class PlacesThatCannotBeWritten(AppTest):
                 tree = deployed_tree(self)
                 result = self.run_app("run", "--simulated-clock", option, self.folder / place,
                                       binary=tree / "build/release/wholehand", **ordinary_user())
-                self.expect_refused(result, place)
+                self.expect_refused(result, place, "denied")
                 self.assertNotIn("ticks", result.out, "it ran first")
 
 

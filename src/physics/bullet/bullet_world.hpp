@@ -9,6 +9,10 @@
 
 namespace wholehand {
 
+namespace bullet {
+struct BulletEngine;
+}
+
 using BulletSettings = bullet::SolverSettings;
 
 /// Bullet 3.24, double precision, in process: the hand as an articulated body whose contacts are
@@ -26,8 +30,7 @@ class BulletWorld final : public PhysicsWorld {
   void contacts(ContactList& contacts) const noexcept override;
 
  private:
-  struct Engine;
-  std::unique_ptr<Engine> engine_;
+  std::unique_ptr<bullet::BulletEngine> engine_;
 };
 
 }  // namespace wholehand

@@ -1,0 +1,90 @@
+#include "tick_comparison.hpp"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <cstdint>
+
+namespace wholehand {
+namespace {
+
+// Not ==: a NaN equals itself here, and 0 is not -0.
+bool sameBits(double a, double b) {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
+
+// Collects the first difference between two ticks.
+class Comparison {
+ public:
+  void check(const char* name, double a, double b) {
+    if (!found.field.empty() || sameBits(a, b)) return;
+    found = {name, fmt::format("{:.17g}", a), fmt::format("{:.17g}", b)};
+  }
+  template <class Array>
+  void checkArray(const char* name, const Array& a, const Array& b) {
+    if (a.size() != b.size()) {
+      check((std::string(name) + ".size").c_str(), a.size(), b.size());
+      return;
+    }
+    for (int i = 0; i < a.size(); ++i) check(fmt::format("{}[{}]", name, i).c_str(), a[i], b[i]);
+  }
+  void check(const std::string& name, const Vec3& a, const Vec3& b) {
+    check((name + ".x").c_str(), a.x, b.x);
+    check((name + ".y").c_str(), a.y, b.y);
+    check((name + ".z").c_str(), a.z, b.z);
+  }
+  void check(const std::string& name, const BodyState& a, const BodyState& b) {
+    check(name + ".position_m", a.position_m, b.position_m);
+    check((name + ".orientation_xyzw.x").c_str(), a.orientation_xyzw.x, b.orientation_xyzw.x);
+    check((name + ".orientation_xyzw.y").c_str(), a.orientation_xyzw.y, b.orientation_xyzw.y);
+    check((name + ".orientation_xyzw.z").c_str(), a.orientation_xyzw.z, b.orientation_xyzw.z);
+    check((name + ".orientation_xyzw.w").c_str(), a.orientation_xyzw.w, b.orientation_xyzw.w);
+    check(name + ".velocity_m_s", a.velocity_m_s, b.velocity_m_s);
+    check(name + ".angular_velocity_rad_s", a.angular_velocity_rad_s, b.angular_velocity_rad_s);
+  }
+  void check(const std::string& name, const Contact& a, const Contact& b) {
+    check((name + ".capsule").c_str(), a.capsule, b.capsule);
+    check((name + ".link").c_str(), a.link, b.link);
+    check((name + ".body").c_str(), a.body, b.body);
+    check(name + ".point_m", a.point_m, b.point_m);
+    check(name + ".normal", a.normal, b.normal);
+    check(name + ".force_n", a.force_n, b.force_n);
+    check(name + ".torque_nm", a.torque_nm, b.torque_nm);
+    check((name + ".distance_m").c_str(), a.distance_m, b.distance_m);
+  }
+
+  TickDifference found;
+};
+
+}  // namespace
+
+TickDifference firstDifference(const TickRecord& a, const TickRecord& b) {
+  Comparison c;
+  c.check("faults", static_cast<double>(a.faults), static_cast<double>(b.faults));
+  c.checkArray("q_m", a.q_m, b.q_m);
+  c.checkArray("qd_mf", a.qd_mf, b.qd_mf);
+  c.checkArray("q_s", a.q_s, b.q_s);
+  c.checkArray("qd_s", a.qd_s, b.qd_s);
+  c.checkArray("theta", a.theta, b.theta);
+  c.check("coupling_error_rad", a.coupling_error_rad, b.coupling_error_rad);
+  c.check("palm_distance_m", a.palm_distance_m, b.palm_distance_m);
+  c.checkArray("f_s", a.f_s, b.f_s);
+  c.checkArray("coupling", a.coupling, b.coupling);
+  c.checkArray("phi", a.phi, b.phi);
+  c.checkArray("damping", a.damping, b.damping);
+  c.checkArray("rendered", a.rendered, b.rendered);
+  c.check("authority", a.authority, b.authority);
+  c.checkArray("sent", a.sent, b.sent);
+  c.check("body_count", a.body_count, b.body_count);
+  c.check("contact_count", a.contact_count, b.contact_count);
+  c.check("contacts_dropped", a.contacts_dropped, b.contacts_dropped);
+  if (!c.found.field.empty()) return c.found;
+  for (int i = 0; i < a.body_count; ++i)
+    c.check(fmt::format("bodies[{}]", i), a.bodies[i], b.bodies[i]);
+  for (int i = 0; i < a.contact_count; ++i) {
+    c.check(fmt::format("contacts[{}]", i), a.contacts[i], b.contacts[i]);
+  }
+  return c.found;
+}
+
+}  // namespace wholehand

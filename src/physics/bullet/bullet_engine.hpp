@@ -1,0 +1,59 @@
+#pragma once
+
+#include "dynamics/articulated_body.hpp"
+#include "dynamics/synergy.hpp"
+#include "model/scene_model.hpp"
+#include "physics/bullet/bullet_bodies.hpp"
+#include "physics/bullet/bullet_hand.hpp"
+#include "physics/bullet/near_filter.hpp"
+#include "physics/bullet/reduced_contact_solver.hpp"
+#include "physics/palm_distance.hpp"
+
+#include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
+#include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>
+#include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
+
+#include <string>
+#include <vector>
+
+namespace wholehand::bullet {
+
+/// All that Bullet needs for one world: built, rehearsed and taken apart here; BulletWorld steps
+/// it.
+struct BulletEngine {
+  /// Builds everything, then rehearses: no later step allocates. @pre hand outlives this
+  BulletEngine(const HandModel& hand, const SceneModel& scene, const SolverSettings& settings);
+  ~BulletEngine();
+  BulletEngine(const BulletEngine&) = delete;
+  BulletEngine& operator=(const BulletEngine&) = delete;
+
+  /// Puts joints and capsules there. Real-time safe.
+  void setHand(const JointPosition& theta, const double* theta_dot) noexcept;
+  /// The deepest overlap of each body with the hand, after collision detection.
+  [[nodiscard]] Diagnostics overlaps();
+
+  const HandModel& hand_model;
+  Synergy synergy;
+  ArticulatedBody kinematics;
+  PalmDistance palm_distance;
+  std::string scene_path;
+  std::vector<std::string> body_names;
+  btDefaultCollisionConfiguration configuration;
+  NearFilter dispatcher;
+  btDbvtBroadphase broadphase;
+  ReducedContactSolver solver;
+  btMultiBodyDynamicsWorld world;
+  BulletHand hand;
+  std::vector<BulletBody> bodies;
+  double coupling_error_rad = 0.0;
+  double period_s = 1e-3;
+
+ private:
+  void configure(const SceneModel& scene, const SolverSettings& settings);
+  void rehearsePairs();
+  void rehearseManifolds();
+  void rehearseStep();
+  [[nodiscard]] std::vector<btCollisionObject*> colliders() const;
+};
+
+}  // namespace wholehand::bullet
