@@ -12,13 +12,14 @@ namespace {
 /// State of the sampled loop; f holds the efforts on their way to the device, oldest first.
 enum Index : int { kXm, kVm, kXmPrevious, kVf, kXs, kVs, kFirstEffort };
 
-/// Exact zero-order-hold solution of m v̇ = f − b v over one period: x += travel v + push_x f,
-/// v = keep v + push_v f.
+/// Exact zero-order-hold solution of m ẍ = f − b ẋ − k x over one period:
+/// x += travel v + push_x f − fall_x x, v = keep v + push_v f − fall_v x.
 struct HeldDevice {
   double travel_s, keep, push_x, push_v;
+  double fall_x = 0.0, fall_v = 0.0;
 };
 
-HeldDevice holdDevice(double mass, double damping, double period_s) {
+HeldDevice holdWithoutSpring(double mass, double damping, double period_s) {
   const double rate_per_s = damping / mass;
   const double decay = rate_per_s * period_s;
   if (decay < 1e-5) {  // series: the closed form loses digits by cancellation
@@ -28,6 +29,32 @@ HeldDevice holdDevice(double mass, double damping, double period_s) {
   }
   const double travel_s = -std::expm1(-decay) / rate_per_s;
   return {travel_s, std::exp(-decay), (period_s - travel_s) / damping, travel_s / mass};
+}
+
+/// The matrix exponential by its series, on a share of the period that is small against every time
+/// constant, then squared back.
+HeldDevice holdWithSpring(double mass, double damping, double stiffness, double period_s) {
+  const double fastest = period_s * (damping / mass + std::sqrt(stiffness / mass));
+  int halvings = 0;
+  while (std::ldexp(fastest, -halvings) > 0.5 && halvings < 60) ++halvings;
+  const double part_s = std::ldexp(period_s, -halvings);
+  Eigen::Matrix3d rate = Eigen::Matrix3d::Zero();
+  rate.topRows<2>() << 0.0, part_s, 0.0,  //
+      -stiffness / mass * part_s, -damping / mass * part_s, part_s / mass;
+  Eigen::Matrix3d term = Eigen::Matrix3d::Identity(), sum = term;
+  for (int i = 1; i < 24; ++i) {
+    term = (term * rate / i).eval();
+    sum += term;
+  }
+  for (int i = 0; i < halvings; ++i) sum = (sum * sum).eval();
+  return {sum(0, 1), sum(1, 1), sum(0, 2), sum(1, 2), 1.0 - sum(0, 0), -sum(1, 0)};
+}
+
+HeldDevice holdDevice(const AxisLoop& l) {
+  const double mass = l.mass + l.person.mass;
+  const double damping = l.damping + l.person.damping;
+  if (l.person.stiffness == 0.0) return holdWithoutSpring(mass, damping, l.period_s);
+  return holdWithSpring(mass, damping, l.person.stiffness, l.period_s);
 }
 
 Eigen::VectorXd stepLoop(const AxisLoop& loop, ContactCase contact, const HeldDevice& device,
@@ -46,8 +73,8 @@ Eigen::VectorXd stepLoop(const AxisLoop& loop, ContactCase contact, const HeldDe
     for (int i = 1; i < loop.delay_ticks; ++i) next[kFirstEffort + i - 1] = s[kFirstEffort + i];
     next[kFirstEffort + loop.delay_ticks - 1] = effort;
   }
-  next[kXm] = s[kXm] + device.travel_s * s[kVm] + device.push_x * felt;
-  next[kVm] = device.keep * s[kVm] + device.push_v * felt;
+  next[kXm] = s[kXm] + device.travel_s * s[kVm] + device.push_x * felt - device.fall_x * s[kXm];
+  next[kVm] = device.keep * s[kVm] + device.push_v * felt - device.fall_v * s[kXm];
   next[kXmPrevious] = s[kXm];
   next[kVf] = vf;
   if (contact == ContactCase::kRigid) {
@@ -55,7 +82,13 @@ Eigen::VectorXd stepLoop(const AxisLoop& loop, ContactCase contact, const HeldDe
   } else {
     const double acceleration =
         loop.k_ps_per_s2 * (s[kXm] - s[kXs]) + loop.k_ds_per_s * (vf - s[kVs]);
-    next[kVs] = s[kVs] + t * acceleration;
+    if (contact == ContactCase::kObject) {  // implicit, as an engine solves contacts: passive
+      const double mass = 1.0 + loop.held_mass;
+      next[kVs] = (mass * s[kVs] + t * (acceleration - loop.spring_per_s2 * s[kXs])) /
+                  (mass + t * t * loop.spring_per_s2);
+    } else {
+      next[kVs] = s[kVs] + t * acceleration;
+    }
     next[kXs] = s[kXs] + t * next[kVs];
   }
   return next;
@@ -102,7 +135,7 @@ AxisLoop axisLoop(const DeviceModel& device, const CouplingGains& gains, int axi
 
 Eigen::MatrixXd closedLoopMatrix(const AxisLoop& loop, ContactCase contact) {
   const int n = kFirstEffort + loop.delay_ticks;
-  const HeldDevice device = holdDevice(loop.mass, loop.damping, loop.period_s);
+  const HeldDevice device = holdDevice(loop);
   Eigen::MatrixXd matrix(n, n);
   for (int j = 0; j < n; ++j) {
     matrix.col(j) = stepLoop(loop, contact, device, Eigen::VectorXd::Unit(n, j));

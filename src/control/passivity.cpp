@@ -12,8 +12,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// A logarithmic sweep: the worst frequency lies near zero or near Nyquist, rarely between.
-constexpr int kFrequencies = 4000;
+/// Of a logarithmic sweep: the worst frequency lies near zero or near Nyquist, rarely between.
 constexpr double kLowest_rad = 2e-5;
 
 /// Re q + |q| without cancellation where Re q < 0.
@@ -39,10 +38,10 @@ double requiredAt(const AxisLoop& l, double angle_rad) {
 
 }  // namespace
 
-double requiredDamping(const AxisLoop& loop) {
+double requiredDamping(const AxisLoop& loop, int frequencies) {
   double worst = -std::numeric_limits<double>::infinity();
-  for (int i = 0; i <= kFrequencies; ++i) {
-    const double share = static_cast<double>(i) / kFrequencies;
+  for (int i = 0; i <= frequencies; ++i) {
+    const double share = static_cast<double>(i) / frequencies;
     worst = std::max(
         worst, requiredAt(loop, kLowest_rad * std::pow(std::numbers::pi / kLowest_rad, share)));
   }

@@ -13,8 +13,9 @@ namespace wholehand {
 ///   r₂₂ = (1 − cos φ)/T − T K_ps/2 + K_ds cos φ,  z = e^{jφ}.
 /// `loop.damping` and `loop.mass` play no part. Infinite where r₂₂ <= 0: the avatar itself is
 /// active.
+/// @param frequencies how many, spaced evenly on the logarithm; fewer for a first look
 /// @return [N·s/m or N·m·s/rad]
-[[nodiscard]] double requiredDamping(const AxisLoop& loop);
+[[nodiscard]] double requiredDamping(const AxisLoop& loop, int frequencies = 4000);
 
 /// The device's damping over requiredDamping(), the worst over Φ = 0, ¼ .. 1; below 1 some person
 /// and some object could make the axis unstable. +inf where no damping is required.

@@ -1,14 +1,13 @@
 #include "control/stability.hpp"
 
 #include "control/critical_damping.hpp"
+#include "control/gain_search.hpp"
 
-#include <Eigen/Cholesky>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 
 namespace wholehand {
 
@@ -60,31 +59,6 @@ Verdict judge(const Candidate& c, double k_pm, double k_dm) {
     }
   }
   return worst;
-}
-
-/// Largest value <= `start` that passes, 0 when none above start / 1e5 does: walks down until one
-/// passes, then bisects to the boundary above it (the allowed set need not begin at zero).
-double largestAllowed(double start, const std::function<bool(double)>& passes) {
-  if (!(start > 0.0) || !std::isfinite(start)) return 0.0;
-  double high = start;
-  double low = start;
-  do {
-    high = low;
-    low *= 0.9;
-    if (low < 1e-5 * start) return 0.0;
-  } while (!passes(low));
-  for (int i = 0; i < 40; ++i) {
-    const double middle = 0.5 * (low + high);
-    (passes(middle) ? low : high) = middle;
-  }
-  return low;
-}
-
-/// Rounded down to three digits, so that the number, typed into the file, passes.
-double roundedDown(double value) {
-  if (!(value > 0.0)) return 0.0;
-  const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2.0);
-  return std::floor(value / unit) * unit;
 }
 
 std::string perUnit(const DeviceAxis& axis, const char* time) {
@@ -140,62 +114,13 @@ Diagnostic refuse(const Candidate& c, const std::string& path, const Verdict& ve
   return d;
 }
 
-}  // namespace
-
-Eigen::MatrixXd avatarLoopMatrix(const AxisMatrix& reduced_inertia,
-                                 const Eigen::VectorXd& k_ps_per_s2, double period_s) {
-  const Eigen::Index n = reduced_inertia.rows();
-  const Eigen::MatrixXd m = reduced_inertia;
-  const Eigen::MatrixXd coupled = m.llt().solve(Eigen::MatrixXd(m.diagonal().asDiagonal()));
-  Eigen::VectorXd k_ds_per_s(n);
-  for (Eigen::Index i = 0; i < n; ++i) k_ds_per_s[i] = criticalDamping(k_ps_per_s2[i], period_s);
-  Eigen::MatrixXd out = Eigen::MatrixXd::Identity(2 * n, 2 * n);
-  auto velocity = out.bottomRows(n);
-  velocity.leftCols(n) = -period_s * coupled * k_ps_per_s2.asDiagonal();
-  velocity.rightCols(n) -= period_s * coupled * k_ds_per_s.asDiagonal();
-  out.topRows(n) += period_s * velocity;
-  return out;
-}
-
-namespace {
-
-/// The avatar in the posture that shakes most.
-struct Shaking {
-  double radius = 0.0;
-  std::size_t posture = 0;
-};
-
-Shaking worstPosture(const std::vector<AxisMatrix>& inertias, const Eigen::VectorXd& k_ps,
-                     double period_s) {
-  Shaking worst;
-  for (std::size_t p = 0; p < inertias.size(); ++p) {
-    const double radius = spectralRadius(avatarLoopMatrix(inertias[p], k_ps, period_s));
-    if (!(radius <= worst.radius)) worst = {radius, p};
-  }
-  return worst;
-}
-
-/// Largest common factor on K_ps that is stable in every posture, 0 when none is. Bisects in the
-/// worst posture alone, then looks at all again: a search over all at once would take seconds.
-double allowedFactor(const std::vector<AxisMatrix>& inertias, const Eigen::VectorXd& k_ps,
-                     double period_s, Shaking worst) {
-  double factor = 1.0;
-  while (factor > 0.0 && worst.radius >= 1.0) {
-    factor = roundedDown(largestAllowed(factor, [&](double f) {
-      return spectralRadius(avatarLoopMatrix(inertias[worst.posture], f * k_ps, period_s)) < 1.0;
-    }));
-    worst = worstPosture(inertias, factor * k_ps, period_s);
-  }
-  return factor;
-}
-
 /// Eq. (4) with M_r⁻¹ M̃_r instead of 1: inertia couples the axes of the avatar.
 Diagnostics checkAvatar(const std::string& path, const CouplingGains& gains,
                         const std::vector<AxisMatrix>& inertias, double period_s) {
   const Eigen::VectorXd k_ps = gains.k_ps_per_s2.vec();
-  const Shaking worst = worstPosture(inertias, k_ps, period_s);
+  const ShakingPosture worst = worstPosture(inertias, k_ps, period_s);
   if (worst.radius < 1.0) return {};
-  const double factor = allowedFactor(inertias, k_ps, period_s, worst);
+  const double factor = allowedFactor(inertias, k_ps, period_s);
   Diagnostic d;
   d.file = path;
   d.key = "k_ps_per_s2";

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "control/avatar_loop.hpp"
 #include "control/coupling_gains.hpp"
 #include "core/expected.hpp"
 #include "model/device_model.hpp"
@@ -10,10 +11,16 @@
 
 namespace wholehand {
 
-/// What the avatar touches in the linear model of one axis.
-enum class ContactCase { kFree, kRigid };
+/// What the avatar touches in the linear model of one axis: nothing, what never moves, or the
+/// object of AxisLoop.
+enum class ContactCase { kFree, kRigid, kObject };
 
-/// One axis of device and avatar as a linear sampled loop (no person attached).
+/// A passive impedance: what holds the device, in the axis's units.
+struct Impedance {
+  double mass = 0.0, damping = 0.0, stiffness = 0.0;
+};
+
+/// One axis of device and avatar as a linear sampled loop.
 struct AxisLoop {
   double mass = 0.0, damping = 0.0;  ///< device
   int delay_ticks = 0;
@@ -21,6 +28,9 @@ struct AxisLoop {
   double k_ps_per_s2 = 0.0, k_ds_per_s = 0.0;
   double filter_tau_s = 0.0;
   double period_s = 1e-3;
+  Impedance person;            ///< moves with the device; nobody unless given
+  double held_mass = 0.0;      ///< kObject: the object's mass over the avatar's inertia
+  double spring_per_s2 = 0.0;  ///< kObject: the object's spring over the avatar's inertia
 };
 
 /// The loop of one axis as the files have it, at Φ = 1.
@@ -28,17 +38,13 @@ struct AxisLoop {
                                 double period_s);
 
 /// Closed-loop matrix over [x_m, v_m, x_m previous, v_f, x_s, v_s, f_1 .. f_n]: exact zero-order
-/// hold for the device, symplectic Euler for the avatar, built column by column from unit states.
+/// hold for device and person, symplectic Euler for the avatar, built column by column from unit
+/// states.
 [[nodiscard]] Eigen::MatrixXd closedLoopMatrix(const AxisLoop& loop, ContactCase contact);
 
 /// Largest modulus of its eigenvalues. In free motion an eigenvalue of exactly 1 (rigid drift) is
 /// structural.
 [[nodiscard]] double spectralRadius(const Eigen::MatrixXd& matrix);
-
-/// The avatar alone, all axes coupled by its inertia, target at rest: matrix over [q_s, q̇_s] of
-/// q̈_s = −M_r⁻¹ M̃_r (K_ps q_s + K_ds q̇_s) under symplectic Euler, K_ds by Eq. (14).
-[[nodiscard]] Eigen::MatrixXd avatarLoopMatrix(const AxisMatrix& reduced_inertia,
-                                               const Eigen::VectorXd& k_ps_per_s2, double period_s);
 
 /// Checks every axis free and against a rigid stop at Φ = 0, ¼ .. 1: spectral radius > 1 (+1e-7) is
 /// refused with the reason and the nearest allowed stiffness (and damping, where less of it would

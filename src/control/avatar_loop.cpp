@@ -1,0 +1,52 @@
+#include "control/avatar_loop.hpp"
+
+#include "control/critical_damping.hpp"
+#include "control/gain_search.hpp"
+#include "control/stability.hpp"
+
+#include <Eigen/Cholesky>
+
+namespace wholehand {
+
+Eigen::MatrixXd avatarLoopMatrix(const AxisMatrix& reduced_inertia,
+                                 const Eigen::VectorXd& k_ps_per_s2, double period_s) {
+  const Eigen::Index n = reduced_inertia.rows();
+  const Eigen::MatrixXd m = reduced_inertia;
+  const Eigen::MatrixXd coupled = m.llt().solve(Eigen::MatrixXd(m.diagonal().asDiagonal()));
+  Eigen::VectorXd k_ds_per_s(n);
+  for (Eigen::Index i = 0; i < n; ++i) k_ds_per_s[i] = criticalDamping(k_ps_per_s2[i], period_s);
+  Eigen::MatrixXd out = Eigen::MatrixXd::Identity(2 * n, 2 * n);
+  auto velocity = out.bottomRows(n);
+  velocity.leftCols(n) = -period_s * coupled * k_ps_per_s2.asDiagonal();
+  velocity.rightCols(n) -= period_s * coupled * k_ds_per_s.asDiagonal();
+  out.topRows(n) += period_s * velocity;
+  return out;
+}
+
+ShakingPosture worstPosture(const std::vector<AxisMatrix>& inertias,
+                            const Eigen::VectorXd& k_ps_per_s2, double period_s) {
+  ShakingPosture worst;
+  for (std::size_t p = 0; p < inertias.size(); ++p) {
+    const double radius = spectralRadius(avatarLoopMatrix(inertias[p], k_ps_per_s2, period_s));
+    if (!(radius <= worst.radius)) worst = {radius, p};
+  }
+  return worst;
+}
+
+double allowedFactor(const std::vector<AxisMatrix>& inertias, const Eigen::VectorXd& k_ps_per_s2,
+                     double period_s, double most) {
+  // Bisects in the worst posture alone, then looks at all again: a search over all at once would
+  // take seconds.
+  double factor = most;
+  ShakingPosture worst = worstPosture(inertias, factor * k_ps_per_s2, period_s);
+  while (factor > 0.0 && worst.radius >= 1.0) {
+    factor = roundedDown(largestAllowed(factor, [&](double f) {
+      return spectralRadius(avatarLoopMatrix(inertias[worst.posture], f * k_ps_per_s2, period_s)) <
+             1.0;
+    }));
+    worst = worstPosture(inertias, factor * k_ps_per_s2, period_s);
+  }
+  return factor;
+}
+
+}  // namespace wholehand

@@ -1,0 +1,223 @@
+#include "control/certificate.hpp"
+
+#include "control/critical_damping.hpp"
+#include "control/passivity.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace wholehand {
+
+namespace {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr int kPhiSteps = 8;
+constexpr double kLargestFactor = 100.0;
+/// Where an axis names no lever arm: from a wrist to the middle of the palm.
+constexpr double kPalmLever_m = 0.08;
+constexpr std::array<const char*, 3> kPersons = {"no arm", "relaxed arm", "stiff arm"};
+/// Objects held, as multiples of the avatar's inertia, and springs touched, as multiples of the
+/// avatar's own stiffness.
+constexpr std::array<double, 2> kHeldMasses = {1.0, 5.0};
+constexpr std::array<double, 3> kSprings = {0.1, 1.0, 10.0};
+
+/// The loop with what the hand touches; `object` as in WorstRadius.
+double radiusWith(AxisLoop loop, Criterion contact, double object) {
+  if (contact == Criterion::kMass) loop.held_mass = object;
+  if (contact == Criterion::kSpring) loop.spring_per_s2 = object * loop.k_ps_per_s2;
+  const ContactCase touched = contact == Criterion::kFree    ? ContactCase::kFree
+                              : contact == Criterion::kRigid ? ContactCase::kRigid
+                                                             : ContactCase::kObject;
+  return spectralRadius(closedLoopMatrix(loop, touched));
+}
+
+std::vector<double> objectsOf(Criterion contact) {
+  if (contact == Criterion::kMass) return {kHeldMasses.begin(), kHeldMasses.end()};
+  if (contact == Criterion::kSpring) return {kSprings.begin(), kSprings.end()};
+  return {0.0};
+}
+
+/// Largest K_pm up to which the contact is stable at every Φ, from below: a thousandth of the
+/// axis's own first, then up to a thousand times. Nobody attached: a passive arm only helps.
+double stiffnessLimit(const AxisCase& c, Criterion contact) {
+  const auto stable = [&](double k_pm) {
+    AxisCase tried = c;
+    tried.gains.k_pm = k_pm;
+    for (int i = 0; i <= kPhiSteps; ++i) {
+      for (const double object : objectsOf(contact)) {
+        const double phi = static_cast<double>(i) / kPhiSteps;
+        if (!(radiusWith(tried.loop(phi), contact, object) <= 1.0 + 1e-7)) return false;
+      }
+    }
+    return true;
+  };
+  double low = 1e-3 * c.gains.k_pm, high = low;
+  if (!stable(low)) return 0.0;
+  while (high < 1e3 * c.gains.k_pm && stable(high)) {
+    low = high;
+    high *= 1.2;
+  }
+  for (int i = 0; i < 25; ++i) {
+    const double middle = 0.5 * (low + high);
+    (stable(middle) ? low : high) = middle;
+  }
+  return low;
+}
+
+/// Allowed over present, of every criterion of one axis.
+double marginOf(const AxisCertificate& a, Criterion criterion) {
+  const double k_pm = a.of.gains.k_pm;
+  switch (criterion) {
+    case Criterion::kRigid:
+      return a.rigid_limit / k_pm;
+    case Criterion::kDamping:
+      return a.damping_required > 0.0 ? a.of.axis.damping / a.damping_required : kInfinite;
+    case Criterion::kQuantisation:
+      return a.quantisationLimit() / k_pm;
+    case Criterion::kAvatar: {  // 1/T²: above it the avatar rings
+      const double wt = a.of.avatarStiffness() * a.of.period_s * a.of.period_s;
+      return wt <= 1.0 ? kInfinite : 1.0 / wt;
+    }
+    default:
+      return a.meets(criterion) ? kInfinite : stiffnessLimit(a.of, criterion) / k_pm;
+  }
+}
+
+}  // namespace
+
+const char* criterionKey(Criterion criterion) {
+  static constexpr std::array<const char*, 7> kKeys = {
+      "free", "rigid_contact", "mass", "spring", "damping", "quantisation", "avatar"};
+  return kKeys[static_cast<std::size_t>(criterion)];
+}
+
+Impedance armAt(const DeviceAxis& axis, const std::string& person) {
+  Impedance arm;
+  if (person == kPersons[1]) arm = {1.0, 5.0, 100.0};
+  if (person == kPersons[2]) arm = {1.5, 20.0, 600.0};
+  if (axis.kind == AxisKind::kTranslation) return arm;
+  const double lever_m = axis.lever_arm_m > 0.0 ? axis.lever_arm_m : kPalmLever_m;
+  const double squared = lever_m * lever_m;
+  return {arm.mass * squared, arm.damping * squared, arm.stiffness * squared};
+}
+
+double AxisCase::avatarStiffness() const {
+  return gains.k_ps_per_s2 > 0.0 ? gains.k_ps_per_s2 : ruleStiffness(gains.k_pm, inertia);
+}
+
+AxisLoop AxisCase::loop(double phi) const {
+  AxisLoop l;
+  l.mass = axis.mass;
+  l.damping = axis.damping;
+  l.delay_ticks = delay_ticks;
+  l.k_pm = gains.k_pm;
+  l.phi_k_dm = phi * gains.k_dm;
+  l.gamma = gains.gamma;
+  l.k_ps_per_s2 = avatarStiffness();
+  l.k_ds_per_s = criticalDamping(l.k_ps_per_s2, period_s);
+  l.filter_tau_s = 1.0 / (2.0 * std::numbers::pi * gains.velocity_filter_hz);
+  l.period_s = period_s;
+  return l;
+}
+
+double AxisCertificate::quantisationLimit() const {
+  return std::min(viscous_limit, coulomb_limit);
+}
+
+bool AxisCertificate::meets(Criterion criterion) const {
+  if (static_cast<int>(criterion) < kContactCriteria) {
+    return contacts[static_cast<std::size_t>(criterion)].stable();
+  }
+  return marginOf(*this, criterion) >= 1.0;
+}
+
+AxisCase axisCase(const CertificateInput& input, int axis) {
+  return {input.device.axes[static_cast<std::size_t>(axis)], input.device.output_delay_ticks,
+          input.period_s, input.rendering.axes[static_cast<std::size_t>(axis)],
+          input.inertia_at_reference(axis, axis)};
+}
+
+WorstRadius worstContact(const AxisCase& c, Criterion contact) {
+  WorstRadius worst;
+  for (const char* person : kPersons) {
+    for (int i = 0; i <= kPhiSteps; ++i) {
+      const double phi = static_cast<double>(i) / kPhiSteps;
+      AxisLoop loop = c.loop(phi);
+      loop.person = armAt(c.axis, person);
+      for (const double object : objectsOf(contact)) {
+        const double radius = radiusWith(loop, contact, object);
+        if (!(radius <= worst.radius)) worst = {radius, phi, person, object};
+      }
+    }
+  }
+  return worst;
+}
+
+AxisCertificate certifyAxis(const AxisCase& c) {
+  AxisCertificate a;
+  a.of = c;
+  a.rigid_formula = c.axis.damping / (c.period_s * (0.5 + c.delay_ticks));
+  a.rigid_limit = stiffnessLimit(c, Criterion::kRigid);
+  for (int i = 0; i < kContactCriteria; ++i) {
+    a.contacts[static_cast<std::size_t>(i)] = worstContact(c, static_cast<Criterion>(i));
+  }
+  a.damping_required = -kInfinite;
+  for (int i = 0; i <= kPhiSteps; ++i) {
+    const double phi = static_cast<double>(i) / kPhiSteps;
+    const double required = requiredDamping(c.loop(phi));
+    if (required > a.damping_required) {
+      a.damping_required = required;
+      a.damping_required_phi = phi;
+    }
+  }
+  a.viscous_limit = 2.0 * c.axis.damping / c.period_s;
+  const bool stated = c.axis.encoder_step > 0.0 && c.axis.coulomb > 0.0;
+  a.coulomb_limit = stated ? 2.0 * c.axis.coulomb / c.axis.encoder_step : kInfinite;
+  a.passes = true;
+  a.margin = kInfinite;
+  for (int i = 0; i <= static_cast<int>(Criterion::kAvatar); ++i) {
+    const auto criterion = static_cast<Criterion>(i);
+    a.passes = a.passes && a.meets(criterion);
+    const double margin = marginOf(a, criterion);
+    if (margin < a.margin) {
+      a.margin = margin;
+      a.binding = criterion;
+    }
+  }
+  return a;
+}
+
+double Certificate::margin() const {
+  return binding_axis < 0 ? avatar.margin : axes[static_cast<std::size_t>(binding_axis)].margin;
+}
+
+std::string Certificate::binding() const {
+  if (binding_axis < 0) return criterionKey(Criterion::kAvatar);
+  const AxisCertificate& a = axes[static_cast<std::size_t>(binding_axis)];
+  return a.of.axis.name + "." + criterionKey(a.binding);
+}
+
+Certificate certify(const CertificateInput& input) {
+  Certificate out;
+  out.period_s = input.period_s;
+  const int n = input.device.axisCount();
+  Eigen::VectorXd k_ps(n);
+  for (int i = 0; i < n; ++i) {
+    out.axes.push_back(certifyAxis(axisCase(input, i)));
+    k_ps[i] = out.axes.back().of.avatarStiffness();
+  }
+  const ShakingPosture worst = worstPosture(input.inertias, k_ps, input.period_s);
+  out.avatar = {worst.radius, worst.posture, input.inertias.size(),
+                allowedFactor(input.inertias, k_ps, input.period_s, kLargestFactor)};
+  out.certified = worst.radius < 1.0;
+  for (int i = 0; i < n; ++i) {
+    const AxisCertificate& a = out.axes[static_cast<std::size_t>(i)];
+    out.certified = out.certified && a.passes;
+    if (a.margin < out.margin()) out.binding_axis = i;
+  }
+  return out;
+}
+
+}  // namespace wholehand

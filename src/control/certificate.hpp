@@ -1,0 +1,104 @@
+#pragma once
+
+#include "control/stability.hpp"
+#include "model/device_model.hpp"
+#include "model/rendering_config.hpp"
+
+#include <array>
+#include <string>
+#include <vector>
+
+/// The stability certificate of a device, its gains and a hand (docs/certificate.md): pure
+/// computation, not for the tick.
+namespace wholehand {
+
+/// What a certificate asks of one axis, and (the last) of all axes together.
+enum class Criterion { kFree, kRigid, kMass, kSpring, kDamping, kQuantisation, kAvatar };
+inline constexpr int kContactCriteria = 4;  ///< kFree .. kSpring, judged by eigenvalues
+/// "free", "rigid_contact", "mass", "spring", "damping", "quantisation", "avatar"
+[[nodiscard]] const char* criterionKey(Criterion criterion);
+
+/// One axis with all that its certificate depends on.
+struct AxisCase {
+  DeviceAxis axis;
+  int delay_ticks = 0;
+  double period_s = 1e-3;
+  AxisRendering gains;   ///< k_ps_per_s2 as in the file: 0 lets it follow K_pm by the rule
+  double inertia = 0.0;  ///< of the avatar along the axis at its reference [kg or kg·m²]
+
+  /// K_ps as it is, or by the rule [1/s²].
+  [[nodiscard]] double avatarStiffness() const;
+  /// The loop at a share Φ of the adaptive damping, nobody attached.
+  [[nodiscard]] AxisLoop loop(double phi) const;
+};
+
+/// The worst spectral radius of a kind of contact, and where it was found.
+struct WorstRadius {
+  double radius = 0.0;
+  double phi = 0.0;               ///< Φ
+  const char* person = "no arm";  ///< "no arm", "relaxed arm" or "stiff arm"
+  double object = 0.0;  ///< kMass: μ, times the avatar; kSpring: times the avatar's own stiffness
+  /// Rounding of the eigenvalue 1 of a rigid drift stays well below 1e-7.
+  [[nodiscard]] bool stable() const { return radius <= 1.0 + 1e-7; }
+};
+
+/// One axis, judged. Stiffness in [N/m or N·m/rad], damping in [N·s/m or N·m·s/rad].
+struct AxisCertificate {
+  AxisCase of;
+  double rigid_formula = 0.0;  ///< b / (T (½ + n)): γ = Φ = 0
+  double rigid_limit = 0.0;  ///< largest K_pm held against a rigid stop at every Φ, by eigenvalues
+  std::array<WorstRadius, kContactCriteria> contacts;  ///< by Criterion
+  double damping_required = 0.0;                       ///< b_min, the largest over Φ
+  double damping_required_phi = 0.0;                   ///< where it is the largest
+  double viscous_limit = 0.0;                          ///< 2 b / T
+  double coulomb_limit = 0.0;  ///< 2 f_c / Δ; +inf where the encoder is ideal or f_c not stated
+  Criterion binding = Criterion::kDamping;  ///< of the smallest margin
+  double margin = 0.0;  ///< of the binding criterion: allowed over present; >= 1 passes
+  bool passes = false;
+
+  [[nodiscard]] double quantisationLimit() const;
+  [[nodiscard]] bool meets(Criterion criterion) const;
+};
+
+/// The avatar's loop with all axes coupled, over the sampled postures.
+struct AvatarCertificate {
+  double radius = 0.0;       ///< < 1 passes
+  std::size_t posture = 0;   ///< the worst one, from 0
+  std::size_t postures = 0;  ///< how many were looked at
+  double margin = 0.0;       ///< largest common factor on K_ps, at most 100
+};
+
+struct Certificate {
+  double period_s = 1e-3;
+  std::vector<AxisCertificate> axes;
+  AvatarCertificate avatar;
+  int binding_axis = -1;  ///< of the smallest margin of all; -1: the avatar's axes together
+  bool certified = false;
+
+  [[nodiscard]] double margin() const;
+  /// "finger_flexion.damping", or "avatar".
+  [[nodiscard]] std::string binding() const;
+};
+
+/// What is judged. Inertias of the avatar: the reduced inertia at the hand's reference and in
+/// sampled postures.
+struct CertificateInput {
+  DeviceModel device;
+  RenderingConfig rendering;
+  AxisMatrix inertia_at_reference;
+  std::vector<AxisMatrix> inertias;
+  double period_s = 1e-3;
+};
+
+/// @pre device and rendering have the same axes, the inertias as many rows; period_s > 0
+[[nodiscard]] Certificate certify(const CertificateInput& input);
+
+/// The parts of it, for searches.
+[[nodiscard]] AxisCase axisCase(const CertificateInput& input, int axis);
+[[nodiscard]] AxisCertificate certifyAxis(const AxisCase& c);
+/// The worst over Φ = 0, ⅛ .. 1, no, a relaxed and a stiff arm, and the objects of the criterion.
+[[nodiscard]] WorstRadius worstContact(const AxisCase& c, Criterion contact);
+/// The arm of that name at the axis: on a rotation times the square of its lever arm.
+[[nodiscard]] Impedance armAt(const DeviceAxis& axis, const std::string& person);
+
+}  // namespace wholehand

@@ -1,0 +1,163 @@
+#include "control/certificate_advice.hpp"
+
+#include "control/gain_search.hpp"
+#include "control/passivity.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace wholehand {
+
+namespace {
+
+/// Enough to look with; what is found is looked at again with all frequencies.
+constexpr int kSearchFrequencies = 400;
+constexpr int kAllFrequencies = 4000;
+constexpr std::array<double, 8> kDampingShares = {1.0, 0.8, 0.6, 0.4, 0.2, 0.1, 0.05, 0.0};
+
+AxisCase withStiffness(AxisCase c, double k_pm) {
+  c.gains.k_pm = k_pm;
+  return c;
+}
+
+bool rings(const AxisCase& c) {
+  return c.avatarStiffness() * c.period_s * c.period_s > 1.0;
+}
+
+/// b_min is convex in Φ (a maximum over frequencies of functions that are affine in Φ), so its
+/// largest value lies at one end.
+bool dampedEnough(const AxisCase& c, int frequencies) {
+  return !rings(c) && requiredDamping(c.loop(0.0), frequencies) <= c.axis.damping &&
+         requiredDamping(c.loop(1.0), frequencies) <= c.axis.damping;
+}
+
+bool stableInEveryContact(const AxisCase& c) {
+  for (int i = 0; i < kContactCriteria; ++i) {
+    if (!worstContact(c, static_cast<Criterion>(i)).stable()) return false;
+  }
+  return true;
+}
+
+/// The quantisation limit, where the search begins.
+double quantisationLimit(const AxisCase& c) {
+  const double viscous = 2.0 * c.axis.damping / c.period_s;
+  if (!(c.axis.encoder_step > 0.0 && c.axis.coulomb > 0.0)) return viscous;
+  return std::min(viscous, 2.0 * c.axis.coulomb / c.axis.encoder_step);
+}
+
+/// By absolute stability alone; not rounded.
+double searched(const AxisCase& c, double most) {
+  const double start = std::min(most, quantisationLimit(c));
+  const auto passes = [&](double k_pm) {
+    return dampedEnough(withStiffness(c, k_pm), kSearchFrequencies);
+  };
+  if (start > 0.0 && passes(start)) return start;
+  return largestAllowed(start, passes);
+}
+
+double verified(const AxisCase& c, double k_pm) {
+  for (int attempt = 0; attempt < 100 && k_pm > 0.0; ++attempt) {
+    k_pm = roundedDown(k_pm);
+    const AxisCase tried = withStiffness(c, k_pm);
+    if (dampedEnough(tried, kAllFrequencies) && stableInEveryContact(tried)) return k_pm;
+    k_pm *= 0.99;
+  }
+  return 0.0;
+}
+
+/// K_pm lowered no further than K_dm must be: of the shares of K_dm that admit a tenth of the
+/// stiffness the largest, else the one that admits most.
+NearestGains nearestOfAxis(AxisCase c) {
+  const double present = c.gains.k_pm, damping = c.gains.k_dm;
+  NearestGains best{0.0, 0.0, c.gains.k_ps_per_s2};
+  for (const double share : kDampingShares) {
+    c.gains.k_dm = share == 1.0 ? damping : roundedDown(share * damping);
+    const double k_pm = largestStiffness(c, present);
+    if (k_pm > best.k_pm) best = {k_pm, c.gains.k_dm, c.gains.k_ps_per_s2};
+    if (best.k_pm >= 0.1 * present || damping == 0.0) break;
+  }
+  return best;
+}
+
+CertificateInput withGains(CertificateInput input, const std::vector<NearestGains>& nearest) {
+  for (std::size_t i = 0; i < nearest.size(); ++i) {
+    input.rendering.axes[i].k_pm = nearest[i].k_pm;
+    input.rendering.axes[i].k_dm = nearest[i].k_dm;
+    input.rendering.axes[i].k_ps_per_s2 = nearest[i].k_ps_per_s2;
+  }
+  return input;
+}
+
+/// K_ps stated, and lowered, where it rings or where the axes shake each other.
+void calmAvatar(CertificateInput& input, const Certificate& judged) {
+  const double ringing = 1.0 / (input.period_s * input.period_s);
+  const double factor = judged.avatar.radius < 1.0 ? 1.0 : judged.avatar.margin;
+  for (std::size_t i = 0; i < judged.axes.size(); ++i) {
+    const double k_ps = judged.axes[i].of.avatarStiffness();
+    if (factor < 1.0 || k_ps > ringing) {
+      input.rendering.axes[i].k_ps_per_s2 = roundedDown(std::min(factor * k_ps, ringing));
+    }
+  }
+}
+
+}  // namespace
+
+double largestStiffness(const AxisCase& c, double most) {
+  return verified(c, searched(c, most));
+}
+
+AxisAdvice advise(const AxisCase& c) {
+  AxisAdvice out;
+  constexpr double kAny = 1e9;
+  for (std::size_t i = 0; i < kAdmittedRatesHz.size(); ++i) {
+    AxisCase faster = c;
+    faster.period_s = 1.0 / kAdmittedRatesHz[i];
+    out.admitted_k_pm[i] = largestStiffness(faster, kAny);
+  }
+  AxisCase best = c;
+  double most = 0.0;
+  for (int step = 0; step <= 20; ++step) {
+    AxisCase tried = c;
+    tried.gains.gamma = 0.05 * step;
+    const double k_pm = searched(tried, kAny);
+    if (k_pm > most) {
+      most = k_pm;
+      best = tried;
+    }
+  }
+  out.best_gamma = best.gains.gamma;
+  out.best_gamma_k_pm = verified(best, most);
+  return out;
+}
+
+std::optional<std::vector<NearestGains>> nearestGains(const CertificateInput& input,
+                                                      const Certificate& judged) {
+  CertificateInput tried = input;
+  calmAvatar(tried, judged);
+  std::vector<NearestGains> nearest;
+  for (int i = 0; i < tried.device.axisCount(); ++i) {
+    const AxisCase c = axisCase(tried, i);
+    const AxisCase& before = judged.axes[static_cast<std::size_t>(i)].of;
+    const bool untouched = c.gains.k_ps_per_s2 == before.gains.k_ps_per_s2;
+    if (untouched && judged.axes[static_cast<std::size_t>(i)].passes) {
+      nearest.push_back({c.gains.k_pm, c.gains.k_dm, c.gains.k_ps_per_s2});
+      continue;
+    }
+    nearest.push_back(nearestOfAxis(c));
+    if (!(nearest.back().k_pm > 0.0)) return std::nullopt;
+  }
+  if (!certify(withGains(input, nearest)).certified) return std::nullopt;
+  return nearest;
+}
+
+bool sameCase(const AxisCase& a, const AxisCase& b) {
+  const auto key = [](const AxisCase& c) {
+    return std::tuple(c.axis.kind, c.axis.mass, c.axis.damping, c.axis.coulomb, c.axis.encoder_step,
+                      c.axis.lever_arm_m, c.delay_ticks, c.period_s, c.gains.k_pm, c.gains.k_dm,
+                      c.gains.gamma, c.gains.velocity_filter_hz, c.gains.k_ps_per_s2, c.inertia);
+  };
+  return key(a) == key(b);
+}
+
+}  // namespace wholehand

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "control/certificate.hpp"
+
+#include <array>
+#include <optional>
+
+/// What a certificate advises: the nearest gains that pass, and what the device would admit.
+namespace wholehand {
+
+inline constexpr std::array<double, 4> kAdmittedRatesHz = {1000.0, 2000.0, 4000.0, 8000.0};
+
+/// Gains of one axis that pass; typed into the file they still do.
+struct NearestGains {
+  double k_pm = 0.0, k_dm = 0.0;
+  double k_ps_per_s2 = 0.0;  ///< 0: by the rule, as in the file
+};
+
+struct AxisAdvice {
+  /// Largest K_pm that passes at 1, 2, 4 and 8 kHz with the axis's own γ and K_dm, its own K_ps or
+  /// the rule, and the same delay in ticks; 0 where none does.
+  std::array<double, kAdmittedRatesHz.size()> admitted_k_pm{};
+  double best_gamma = 0.0;       ///< of 0, 0.05 .. 1, the one that admits the largest K_pm
+  double best_gamma_k_pm = 0.0;  ///< and that K_pm, at the certificate's own rate
+};
+
+/// Largest K_pm <= `most` with which the axis meets every criterion of its own, three digits; 0
+/// where none does. Absolute stability is searched, and the contacts are then looked at.
+[[nodiscard]] double largestStiffness(const AxisCase& c, double most);
+
+[[nodiscard]] AxisAdvice advise(const AxisCase& c);
+
+/// For every axis the nearest gains (K_pm lowered, K_dm too where that alone does not do, K_ps of
+/// all by a common factor where the avatar shakes) with which the whole passes. None where only
+/// another device would help.
+[[nodiscard]] std::optional<std::vector<NearestGains>> nearestGains(const CertificateInput& input,
+                                                                    const Certificate& judged);
+
+/// True when nothing but their names tells two axes apart: they share certificate and advice.
+[[nodiscard]] bool sameCase(const AxisCase& a, const AxisCase& b);
+
+}  // namespace wholehand
