@@ -6,20 +6,6 @@
 function(wholehand_module name)
   cmake_parse_arguments(arg "" "" "SOURCES;USES;VENDOR" ${ARGN})
   string(REPLACE "/" "_" target ${name})
-  # BEGIN-BUILDING-PHASE: several people write modules at once; remove when all have landed
-  set(present "")
-  foreach(source IN LISTS arg_SOURCES)
-    if(EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/${source})
-      list(APPEND present ${source})
-    endif()
-  endforeach()
-  if(NOT present)
-    add_library(wholehand_${target} INTERFACE)
-    add_library(wholehand::${target} ALIAS wholehand_${target})
-    return()
-  endif()
-  set(arg_SOURCES ${present})
-  # END-BUILDING-PHASE
   add_library(wholehand_${target} STATIC ${arg_SOURCES})
   add_library(wholehand::${target} ALIAS wholehand_${target})
   # Our folders and our warnings are ours: a program that finds the installed package gets neither.
@@ -39,13 +25,6 @@ endfunction()
 # THREADED: ./check runs it under ThreadSanitizer too. LABEL realtime: nothing runs beside it.
 function(wholehand_test name)
   cmake_parse_arguments(arg "THREADED" "LABEL;TIMEOUT" "SOURCES;USES;VENDOR" ${ARGN})
-  # BEGIN-BUILDING-PHASE
-  foreach(source IN LISTS arg_SOURCES)
-    if(NOT EXISTS ${CMAKE_CURRENT_SOURCE_DIR}/${source})
-      return()
-    endif()
-  endforeach()
-  # END-BUILDING-PHASE
   add_executable(test_${name} ${arg_SOURCES})
   target_link_libraries(test_${name} PRIVATE wholehand_options GTest::gtest GTest::gtest_main
                                              ${arg_VENDOR})
