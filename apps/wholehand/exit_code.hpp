@@ -7,9 +7,10 @@ namespace wholehand {
 /// What the program tells the shell.
 enum ExitCode : int {
   kExitDone = 0,
-  kExitDifferent = 1,  ///< replay --resimulate found a difference
-  kExitBadInput = 2,   ///< bad usage or a bad file
-  kExitFault = 3,      ///< a fault stopped the run
+  kExitDifferent = 1,     ///< replay --resimulate found a difference
+  kExitNotCertified = 1,  ///< certify says no
+  kExitBadInput = 2,      ///< bad usage or a bad file
+  kExitFault = 3,         ///< a fault stopped the run
   kExitInterrupted = 130
 };
 

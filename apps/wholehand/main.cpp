@@ -1,3 +1,4 @@
+#include "certify_command.hpp"
 #include "doctor.hpp"
 #include "exit_code.hpp"
 #include "experiment_command.hpp"
@@ -70,6 +71,25 @@ void addPicture(CLI::App& app, PictureOptions& o, int& code) {
       ->check(finiteBetween(0.1, 5.0, "m"))
       ->capture_default_str();
   picture->callback([&o, &code] { code = pictureCommand(o); });
+}
+
+void addCertify(CLI::App& app, CertifyOptions& o, int& code) {
+  CLI::App* certify = app.add_subcommand(
+      "certify", "Are these gains stable with any passive person and object, and by what margin?");
+  certify->add_option("--device", o.device, "Device file")->capture_default_str();
+  certify->add_option("--rendering", o.rendering,
+                      "Gains that go with the device (default: the file of the device's name)");
+  certify->add_option("--hand", o.hand, "Hand file")->capture_default_str();
+  certify->add_option("--rate-hz", o.rate_hz, "Ticks a second")
+      ->check(finiteBetween(100.0, 16000.0, "Hz"))
+      ->capture_default_str();
+  certify->add_option("--json", o.json, "Write the certificate to this file");
+  certify->add_option("--svg", o.svg, "Draw each axis's Z-width into this file");
+  certify->footer("Exit code 0: certified; 1: not; 2: a file is not well formed.");
+  certify->callback([&o, certify, &code] {
+    if (certify->count("--rendering") == 0) o.rendering = renderingFor(o.device);
+    code = certifyCommand(o);
+  });
 }
 
 void addOthers(CLI::App& app, ReplayOptions& replay, ReportOptions& report,
@@ -150,7 +170,10 @@ int main(int argc, char** argv) {
   std::vector<std::string> files;
   PictureOptions picture;
   addRun(app, run, code);
+  CertifyOptions certify{shippedFile("config/devices/lambda-pride.toml"), "",
+                         shippedFile("config/hands/adult-median-right.toml")};
   addPicture(app, picture, code);
+  addCertify(app, certify, code);
   addOthers(app, replay, report, experiment, files, code);
   try {
     app.parse(argc, argv);

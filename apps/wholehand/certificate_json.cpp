@@ -1,0 +1,75 @@
+#include "certificate_text.hpp"
+
+#include <fmt/format.h>
+
+namespace wholehand {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<const char*, kContactCriteria> kContactKeys = {"free", "rigid", "mass",
+                                                                    "spring"};
+
+Json axisJson(const AxisCertificate& a, const AxisAdvice& advice) {
+  Json json;
+  json["name"] = a.of.axis.name;
+  json["unit"] = fmt::format("{}/{}", a.of.axis.effortUnit(), a.of.axis.positionUnit());
+  json["k_pm"] = a.of.gains.k_pm;
+  json["k_dm"] = a.of.gains.k_dm;
+  json["gamma"] = a.of.gains.gamma;
+  json["k_ps_per_s2"] = a.of.avatarStiffness();
+  json["rigid_contact_limit"] = a.rigid_limit;
+  json["rigid_contact_formula"] = a.rigid_formula;
+  for (std::size_t i = 0; i < kContactKeys.size(); ++i) {
+    const WorstRadius& worst = a.contacts[i];
+    json["spectral_radius"][kContactKeys[i]] = worst.radius;
+    json["worst_case"][kContactKeys[i]] = {{"phi", worst.phi}, {"person", worst.person}};
+    if (worst.object > 0.0) json["worst_case"][kContactKeys[i]]["object"] = worst.object;
+  }
+  json["damping_required"] = a.damping_required;
+  json["damping_required_phi"] = a.damping_required_phi;
+  json["damping_available"] = a.of.axis.damping;
+  json["quantisation_limit"] = a.quantisationLimit();
+  json["viscous_limit"] = a.viscous_limit;
+  json["coulomb_limit"] = a.coulomb_limit;
+  json["passes"] = a.passes;
+  json["binding"] = criterionKey(a.binding);
+  json["margin"] = a.margin;
+  for (std::size_t i = 0; i < kAdmittedRatesHz.size(); ++i) {
+    json["admitted_k_pm"][fmt::format("{:.0f}", kAdmittedRatesHz[i])] = advice.admitted_k_pm[i];
+  }
+  json["best_gamma"] = {{"gamma", advice.best_gamma}, {"k_pm", advice.best_gamma_k_pm}};
+  return json;
+}
+
+}  // namespace
+
+Json certificateJson(const AdvisedCertificate& judged) {
+  const Certificate& c = judged.certificate;
+  Json json;
+  json["certified"] = c.certified;
+  json["binding"] = c.binding();
+  json["margin"] = c.margin();
+  json["rate_hz"] = 1.0 / c.period_s;
+  json["device"] = judged.input.device.name;
+  json["rendering"] = judged.input.rendering.name;
+  json["hand"] = judged.hand;
+  json["axes"] = Json::array();
+  for (std::size_t i = 0; i < c.axes.size(); ++i) {
+    json["axes"].push_back(axisJson(c.axes[i], judged.advice[i]));
+    if (!judged.nearest) continue;
+    const NearestGains& nearest = (*judged.nearest)[i];
+    json["axes"].back()["nearest"] = {{"k_pm", nearest.k_pm}, {"k_dm", nearest.k_dm}};
+    if (nearest.k_ps_per_s2 > 0.0) {
+      json["axes"].back()["nearest"]["k_ps_per_s2"] = nearest.k_ps_per_s2;
+    }
+  }
+  json["avatar"] = {{"spectral_radius", c.avatar.radius},
+                    {"worst_posture", c.avatar.posture + 1},
+                    {"postures", c.avatar.postures},
+                    {"margin", c.avatar.margin},
+                    {"passes", c.avatar.radius < 1.0}};
+  return json;
+}
+
+}  // namespace wholehand

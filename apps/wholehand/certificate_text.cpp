@@ -1,0 +1,131 @@
+#include "certificate_text.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace wholehand {
+namespace {
+
+std::string unit(const DeviceAxis& axis, const char* time) {
+  return fmt::format("{}{}/{}", axis.effortUnit(), time, axis.positionUnit());
+}
+std::string stiffnessKey(const DeviceAxis& axis) {
+  return axis.kind == AxisKind::kTranslation ? "k_pm_n_m" : "k_pm_nm_rad";
+}
+std::string dampingKey(const DeviceAxis& axis) {
+  return axis.kind == AxisKind::kTranslation ? "k_dm_n_s_m" : "k_dm_nm_s_rad";
+}
+
+std::string criteriaTable(const Certificate& c) {
+  std::string out = fmt::format("{:<20}{:>8}  {:<8}{:>9}{:>34}{:>18}{:>9}{:>9}\n", "", "", "",
+                                "rigid", "worst spectral radius   ", "damping   ", "quanti-", "");
+  out += fmt::format("{:<20}{:>8}  {:<8}{:>9}{:>10}{:>9}{:>9}{:>9}{:>9}{:>8}{:>9}{:>8}\n", "axis",
+                     "K_pm", "", "limit", "free", "rigid", "mass", "spring", "needs", "has",
+                     "sation", "margin");
+  for (const AxisCertificate& a : c.axes) {
+    out += fmt::format("{:<20}{:>8.4g}  {:<8}{:>9.4g} ", a.of.axis.name, a.of.gains.k_pm,
+                       unit(a.of.axis, ""), a.rigid_limit);
+    for (const WorstRadius& w : a.contacts) out += fmt::format("{:>9.5f}", w.radius);
+    out += fmt::format("{:>9.3g}{:>8.3g}{:>9.4g}{:>8.3g}  {}\n", a.damping_required,
+                       a.of.axis.damping, a.quantisationLimit(), a.margin,
+                       a.passes ? "passes" : fmt::format("FAILS: {}", criterionKey(a.binding)));
+  }
+  return out + fmt::format(
+                   "all axes together: spectral radius {:.5f} in the worst of {} postures, margin "
+                   "{:.3g}  {}\n",
+                   c.avatar.radius, c.avatar.postures, c.avatar.margin,
+                   c.avatar.radius < 1.0 ? "passes" : "FAILS: avatar");
+}
+
+std::string admittedTable(const AdvisedCertificate& judged) {
+  std::string out = fmt::format("\n{:<20}", "largest K_pm at");
+  for (const double rate_hz : kAdmittedRatesHz) {
+    out += fmt::format("{:>9}", fmt::format("{:.0f} kHz", rate_hz / 1e3));
+  }
+  out += fmt::format("  {:<10}the γ that admits most at {:.4g} Hz\n", "",
+                     1.0 / judged.certificate.period_s);
+  for (std::size_t i = 0; i < judged.advice.size(); ++i) {
+    const AxisCertificate& a = judged.certificate.axes[i];
+    const AxisAdvice& advice = judged.advice[i];
+    out += fmt::format("{:<20}", a.of.axis.name);
+    for (const double k_pm : advice.admitted_k_pm) out += fmt::format("{:>9.4g}", k_pm);
+    out += fmt::format("  {:<10}{:.2f} ({:.4g}; the file has {:.2g})\n", unit(a.of.axis, ""),
+                       advice.best_gamma, advice.best_gamma_k_pm, a.of.gains.gamma);
+  }
+  return out;
+}
+
+/// "needs 7.1 N·s/m of device damping ..., has 6"
+std::string finding(const AxisCertificate& a) {
+  const DeviceAxis& axis = a.of.axis;
+  const std::string damping = unit(axis, "·s");
+  switch (a.binding) {
+    case Criterion::kDamping:
+      return fmt::format(
+          "any passive person and object need {:.3g} {} of device damping (at Φ = {:g}), it has "
+          "{:.3g}",
+          a.damping_required, damping, a.damping_required_phi, axis.damping);
+    case Criterion::kQuantisation:
+      return fmt::format("quantisation allows K_pm up to {:.4g} {}, it is {:.4g}",
+                         a.quantisationLimit(), unit(axis, ""), a.of.gains.k_pm);
+    case Criterion::kRigid:
+      return fmt::format("a rigid stop allows K_pm up to {:.4g} {}, it is {:.4g}", a.rigid_limit,
+                         unit(axis, ""), a.of.gains.k_pm);
+    case Criterion::kAvatar:
+      return fmt::format("the avatar rings: K_ps is {:.4g} 1/s², above 1/T²",
+                         a.of.avatarStiffness());
+    default:
+      return fmt::format("the loop is unstable ({})", criterionKey(a.binding));
+  }
+}
+
+/// What to type into the rendering file, of every axis that must change.
+std::string remedy(const AdvisedCertificate& judged) {
+  if (!judged.nearest) {
+    return "no smaller gains pass: the device needs more damping, less delay or a faster loop";
+  }
+  std::string out;
+  for (std::size_t i = 0; i < judged.nearest->size(); ++i) {
+    const NearestGains& to = (*judged.nearest)[i];
+    const AxisCertificate& a = judged.certificate.axes[i];
+    const AxisRendering& from = a.of.gains;
+    std::string change;
+    const auto set = [&](const std::string& key, double present, double value) {
+      if (value == present) return;
+      change += fmt::format("{}{} = {:.6g}", change.empty() ? "" : ", ", key, value);
+    };
+    set(stiffnessKey(a.of.axis), from.k_pm, to.k_pm);
+    set(dampingKey(a.of.axis), from.k_dm, to.k_dm);
+    set("k_ps_per_s2", from.k_ps_per_s2, to.k_ps_per_s2);
+    if (change.empty()) continue;
+    out += fmt::format("{}on {} {}", out.empty() ? "these pass: " : "; ", a.of.axis.name, change);
+  }
+  return out;
+}
+
+std::string verdict(const AdvisedCertificate& judged) {
+  const Certificate& c = judged.certificate;
+  const bool avatar = c.binding_axis < 0;
+  const std::string what =
+      avatar ? fmt::format("all axes together (posture {} of {})", c.avatar.posture + 1,
+                           c.avatar.postures)
+             : fmt::format("{}: {}", c.axes[static_cast<std::size_t>(c.binding_axis)].of.axis.name,
+                           finding(c.axes[static_cast<std::size_t>(c.binding_axis)]));
+  if (c.certified) {
+    return fmt::format("Certified at {:.4g} Hz with a margin of {:.3g}; the tightest is {}.\n",
+                       1.0 / c.period_s, c.margin(), what);
+  }
+  return fmt::format("NOT certified at {:.4g} Hz: {}; {}.\n", 1.0 / c.period_s, what,
+                     remedy(judged));
+}
+
+}  // namespace
+
+std::string certificateText(const AdvisedCertificate& judged) {
+  return fmt::format("{} with the gains {} and the hand {}\n\n", judged.input.device.name,
+                     judged.input.rendering.name, judged.hand) +
+         criteriaTable(judged.certificate) + admittedTable(judged) + "\n" + verdict(judged);
+}
+
+}  // namespace wholehand

@@ -1,0 +1,77 @@
+#include "certify_command.hpp"
+
+#include "assembly/sampled_inertia.hpp"
+#include "assembly/text_file.hpp"
+#include "certificate_chart.hpp"
+#include "certificate_text.hpp"
+#include "exit_code.hpp"
+#include "model/hand_file.hpp"
+
+#include <cstdio>
+
+namespace wholehand {
+namespace {
+
+template <class T>
+void collect(const Expected<T>& loaded, Diagnostics& errors) {
+  if (!loaded) errors.insert(errors.end(), loaded.errors().begin(), loaded.errors().end());
+}
+
+/// Device, gains and hand; every fault of every file. Unstable gains are no fault of the file.
+Expected<Models> loadFiles(const CertifyOptions& o) {
+  Diagnostics errors;
+  Models models;
+  const auto device = loadDeviceFile(o.device);
+  const auto hand_file = loadHandFile(o.hand);
+  collect(device, errors);
+  collect(hand_file, errors);
+  if (device) {
+    models.device = *device;
+    const auto rendering = loadRenderingFile(o.rendering, *device);
+    collect(rendering, errors);
+    if (rendering) models.rendering = *rendering;
+  }
+  if (device && hand_file) {
+    const auto hand = assembleHand(*hand_file, *device);
+    collect(hand, errors);
+    if (hand) models.hand = *hand;
+  }
+  if (!errors.empty()) return errors;
+  return models;
+}
+
+AdvisedCertificate judge(const Models& models, double period_s) {
+  AdvisedCertificate out;
+  out.input = certificateInput(models, period_s);
+  out.hand = models.hand.name;
+  out.certificate = certify(out.input);
+  for (std::size_t i = 0; i < out.certificate.axes.size(); ++i) {
+    const AxisCase& c = out.certificate.axes[i].of;
+    std::size_t twin = 0;  // x, y and z are often alike
+    while (twin < i && !sameCase(out.certificate.axes[twin].of, c)) ++twin;
+    out.advice.push_back(twin < i ? out.advice[twin] : advise(c));
+  }
+  if (!out.certificate.certified) out.nearest = nearestGains(out.input, out.certificate);
+  return out;
+}
+
+}  // namespace
+
+int certifyCommand(const CertifyOptions& options) {
+  const auto models = loadFiles(options);
+  if (!models) return refuse(models.errors());
+  if (auto ready = prepareFiles({options.json, options.svg}); !ready) return refuse(ready.errors());
+  const AdvisedCertificate judged = judge(*models, 1.0 / options.rate_hz);
+  std::fputs(certificateText(judged).c_str(), stdout);
+  if (!options.json.empty()) {
+    const auto done = writeText(options.json, certificateJson(judged).dump(2) + "\n");
+    if (!done) return refuse(done.errors());
+  }
+  if (!options.svg.empty()) {
+    const auto done = writeText(options.svg, certificateChart(judged));
+    if (!done) return refuse(done.errors());
+  }
+  return judged.certificate.certified ? kExitDone : kExitNotCertified;
+}
+
+}  // namespace wholehand

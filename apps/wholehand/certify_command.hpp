@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+
+namespace wholehand {
+
+struct CertifyOptions {
+  std::string device, rendering, hand;
+  double rate_hz = 1000.0;
+  std::string json = {};  ///< empty: none
+  std::string svg = {};   ///< empty: none
+};
+
+/// Judges whether device, gains and hand make a stable loop with any passive person and object, and
+/// says so as a table and one sentence. Returns the program's exit code: kExitDone where they do,
+/// kExitNotCertified where not, kExitBadInput where a file is not well formed.
+int certifyCommand(const CertifyOptions& options);
+
+}  // namespace wholehand
