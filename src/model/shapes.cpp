@@ -75,7 +75,7 @@ double boxDistance(const Vector3d& half_m, const Vector3d& p) {
 }
 
 double cylinderDistance(double radius_m, double height_m, const Vector3d& p) {
-  const double side = std::hypot(p.x(), p.y()) - radius_m;
+  const double side = p.head<2>().norm() - radius_m;
   const double end = std::abs(p.z()) - height_m / 2.0;
   return std::hypot(std::max(side, 0.0), std::max(end, 0.0)) + std::min(std::max(side, end), 0.0);
 }

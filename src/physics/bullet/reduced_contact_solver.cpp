@@ -16,6 +16,7 @@ namespace {
 // the spin row has no joint to turn. Dividing by it gave NaN.
 constexpr double kLeastInverseMass = 1e-12;
 constexpr double kNoLimit = 1e30;
+constexpr int kNarrow = 8;  // axes that most devices do not exceed
 
 // True when friction is at its limit, or there is none because nothing presses.
 bool slides(const HandContact& contact) {
@@ -179,49 +180,70 @@ void ReducedContactSolver::warmStart(HandContact& contact) {
                         point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2;
   const double share = settings_.warm_start;
   btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
-  apply(contact.normal_row, body, share * point.m_appliedImpulse);
-  apply(contact.tangent1_row, body, share * old.dot(contact.tangent1));
-  apply(contact.tangent2_row, body, share * old.dot(contact.tangent2));
-  apply(contact.spin_row, body, share * point.m_prevRHS);
+  apply<kMaxAxes>(contact.normal_row, body, share * point.m_appliedImpulse);
+  apply<kMaxAxes>(contact.tangent1_row, body, share * old.dot(contact.tangent1));
+  apply<kMaxAxes>(contact.tangent2_row, body, share * old.dot(contact.tangent2));
+  apply<kMaxAxes>(contact.spin_row, body, share * point.m_prevRHS);
 }
 
+template <int Width>
 double ReducedContactSolver::wanted(const ReducedRow& row, const btSolverBody& body) const {
-  double velocity =
-      row.linear.dot(body.m_deltaLinearVelocity) + row.angular.dot(body.m_deltaAngularVelocity);
-  for (int a = 0; a < axes_; ++a) velocity += row.jacobian[a] * change_[a];
+  using Axes = Eigen::Map<const Eigen::Matrix<double, Width, 1>>;
+  const double velocity = row.linear.dot(body.m_deltaLinearVelocity) +
+                          row.angular.dot(body.m_deltaAngularVelocity) +
+                          Axes(row.jacobian.data()).dot(Axes(change_.data()));
   return row.impulse + row.target - velocity * row.effective_mass;
 }
 
+template <int Width>
 void ReducedContactSolver::apply(ReducedRow& row, btSolverBody& body, double impulse) {
-  if (row.effective_mass == 0.0) return;
   const double change = impulse - row.impulse;
+  if (row.effective_mass == 0.0 || change == 0.0) return;
   row.impulse = impulse;
-  const double velocity = change / row.effective_mass;
-  residual_ = std::max(residual_, velocity * velocity);
+  residual_ = std::max(residual_, change * change);
   if (body.m_originalBody != nullptr) {
     body.m_deltaLinearVelocity += row.linear * (row.inverse_mass * change);
     body.m_deltaAngularVelocity += row.angular_response * change;
   }
-  for (int a = 0; a < axes_; ++a) change_[a] += row.response[a] * change;
+  using Axes = Eigen::Matrix<double, Width, 1>;
+  Eigen::Map<Axes>(change_.data()) += change * Eigen::Map<const Axes>(row.response.data());
 }
 
-void ReducedContactSolver::solveContact(HandContact& contact) {
+template <int Width>
+void ReducedContactSolver::solveFriction(HandContact& contact) {
   btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
   const double normal = contact.normal_row.impulse;
+  if (normal == 0.0) {  // nothing presses, nothing rubs
+    apply<Width>(contact.spin_row, body, 0.0);
+    apply<Width>(contact.tangent1_row, body, 0.0);
+    apply<Width>(contact.tangent2_row, body, 0.0);
+    return;
+  }
   const double spin_limit = settings_.spinning_friction_m * normal;
-  apply(contact.spin_row, body,
-        std::clamp(wanted(contact.spin_row, body), -spin_limit, spin_limit));
+  apply<Width>(contact.spin_row, body,
+               std::clamp(wanted<Width>(contact.spin_row, body), -spin_limit, spin_limit));
   // Both tangents at once, so that friction is a disc and not a square.
-  double t1 = wanted(contact.tangent1_row, body);
-  double t2 = wanted(contact.tangent2_row, body);
+  double t1 = wanted<Width>(contact.tangent1_row, body);
+  double t2 = wanted<Width>(contact.tangent2_row, body);
   const double length = std::sqrt(t1 * t1 + t2 * t2);
   const double limit = contact.friction * normal;
   if (length > limit) {
     t1 *= limit / length;
     t2 *= limit / length;
   }
-  apply(contact.tangent1_row, body, t1);
-  apply(contact.tangent2_row, body, t2);
+  apply<Width>(contact.tangent1_row, body, t1);
+  apply<Width>(contact.tangent2_row, body, t2);
+}
+
+template <int Width>
+void ReducedContactSolver::iterate() {
+  for (int i = first_contact_; i < contact_count_; ++i) {
+    HandContact& contact = contacts_[i];
+    btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
+    apply<Width>(contact.normal_row, body,
+                 std::clamp(wanted<Width>(contact.normal_row, body), 0.0, kNoLimit));
+  }
+  for (int i = first_contact_; i < contact_count_; ++i) solveFriction<Width>(contacts_[i]);
 }
 
 btScalar ReducedContactSolver::solveSingleIteration(
@@ -232,12 +254,11 @@ btScalar ReducedContactSolver::solveSingleIteration(
       iteration, bodies, body_count, manifolds, manifold_count, constraints, constraint_count, info,
       drawer);
   residual_ = 0.0;
-  for (int i = first_contact_; i < contact_count_; ++i) {
-    HandContact& contact = contacts_[i];
-    btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
-    apply(contact.normal_row, body, std::clamp(wanted(contact.normal_row, body), 0.0, kNoLimit));
+  if (axes_ <= kNarrow) {
+    iterate<kNarrow>();
+  } else {
+    iterate<kMaxAxes>();
   }
-  for (int i = first_contact_; i < contact_count_; ++i) solveContact(contacts_[i]);
   // With 0 the base class would stop after its first iteration.
   return std::max(others, btScalar(residual_));
 }

@@ -17,14 +17,14 @@ namespace wholehand::bullet {
 /// A row of the solver, written in the hand's reduced velocities on one side and a rigid body's
 /// velocities on the other.
 struct ReducedRow {
-  std::array<double, kMaxAxes> jacobian;  ///< j = Gᵀ Jᵀ d
-  std::array<double, kMaxAxes> response;  ///< M_r⁻¹ j
-  btVector3 linear, angular;              ///< on the body
-  btVector3 angular_response;             ///< I⁻¹ angular
-  double inverse_mass = 0.0;              ///< of the body along `linear`
-  double effective_mass = 0.0;            ///< 1 / (j·M_r⁻¹ j + body); 0 switches the row off
-  double target = 0.0;                    ///< impulse that alone would reach the goal velocity
-  double impulse = 0.0;                   ///< accumulated [N·s or N·m·s]
+  std::array<double, kMaxAxes> jacobian{};  ///< j = Gᵀ Jᵀ d
+  std::array<double, kMaxAxes> response{};  ///< M_r⁻¹ j
+  btVector3 linear, angular;                ///< on the body
+  btVector3 angular_response;               ///< I⁻¹ angular
+  double inverse_mass = 0.0;                ///< of the body along `linear`
+  double effective_mass = 0.0;              ///< 1 / (j·M_r⁻¹ j + body); 0 switches the row off
+  double target = 0.0;                      ///< impulse that alone would reach the goal velocity
+  double impulse = 0.0;                     ///< accumulated [N·s or N·m·s]
 };
 
 /// One point where a capsule of the hand meets a body, with its four rows.
@@ -91,9 +91,16 @@ class ReducedContactSolver final : public btMultiBodyConstraintSolver {
   void finishRow(ReducedRow& row, const btSolverBody& body, bool angular, double goal_velocity,
                  const btContactSolverInfo& info) const;
   void warmStart(HandContact& contact);
+  // The inner loop. Width is a compile-time multiple of the processor's vectors, no less than the
+  // number of axes; what lies beyond the axes is zero.
+  template <int Width>
+  void iterate();
+  template <int Width>
   [[nodiscard]] double wanted(const ReducedRow& row, const btSolverBody& body) const;
+  template <int Width>
   void apply(ReducedRow& row, btSolverBody& body, double impulse);
-  void solveContact(HandContact& contact);
+  template <int Width>
+  void solveFriction(HandContact& contact);
 
   const Synergy& synergy_;
   const int axes_;
