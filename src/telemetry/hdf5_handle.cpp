@@ -8,11 +8,16 @@ namespace {
 
 /// Larger than any text a recording holds; a damaged file must not make us ask for terabytes.
 constexpr std::uint64_t kLargestText = std::uint64_t{1} << 31U;
+/// Larger than any list of names.
+constexpr std::uint64_t kLargestList = std::uint64_t{1} << 24U;
 constexpr hssize_t kLongestList = 100000;
 
-Handle textType() {
+/// UTF-8 of a fixed number of bytes, zeros behind shorter texts. Never of variable length: HDF5
+/// keeps such texts apart, in a heap without checksums, and falls over when that is damaged.
+Handle textType(std::size_t bytes) {
   Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  H5Tset_size(type.get(), H5T_VARIABLE);
+  H5Tset_size(type.get(), std::max<std::size_t>(bytes, 1));
+  H5Tset_strpad(type.get(), H5T_STR_NULLPAD);
   H5Tset_cset(type.get(), H5T_CSET_UTF8);
   return type;
 }
@@ -37,7 +42,7 @@ Handle openAttribute(hid_t object, const char* name, H5T_class_t wanted, hssize_
   const Handle type(H5Aget_type(attribute.get()), H5Tclose);
   const Handle space(H5Aget_space(attribute.get()), H5Sclose);
   if (!type.ok() || !space.ok() || H5Tget_class(type.get()) != wanted) return {};
-  if (wanted == H5T_STRING && H5Tis_variable_str(type.get()) <= 0) return {};
+  if (wanted == H5T_STRING && H5Tis_variable_str(type.get()) != 0) return {};
   count = H5Sget_simple_extent_npoints(space.get());
   return count >= 0 && count <= kLongestList ? std::move(attribute) : Handle();
 }
@@ -46,6 +51,18 @@ bool readScalar(hid_t object, const char* name, H5T_class_t wanted, hid_t memory
   hssize_t count = 0;
   const Handle attribute = openAttribute(object, name, wanted, count);
   return attribute.ok() && count == 1 && H5Aread(attribute.get(), memory_type, out) >= 0;
+}
+
+bool writeTexts(hid_t object, const char* name, const Handle& space,
+                const std::vector<std::string>& texts) {
+  std::size_t width = 1;
+  for (const std::string& text : texts) width = std::max(width, text.size());
+  std::string data(width * std::max<std::size_t>(texts.size(), 1), '\0');
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    std::copy(texts[i].begin(), texts[i].end(), data.begin() + static_cast<long>(i * width));
+  }
+  const Handle type = textType(width);
+  return writeRaw(object, name, type.get(), type.get(), space, data.data());
 }
 
 }  // namespace
@@ -91,17 +108,11 @@ std::size_t byteSize(NumberType type) noexcept {
 }
 
 bool writeAttribute(hid_t object, const char* name, const std::string& text) {
-  const Handle type = textType();
-  const char* data = text.c_str();
-  return writeRaw(object, name, type.get(), type.get(), {H5Screate(H5S_SCALAR), H5Sclose}, &data);
+  return writeTexts(object, name, {H5Screate(H5S_SCALAR), H5Sclose}, {text});
 }
 
 bool writeAttribute(hid_t object, const char* name, const std::vector<std::string>& texts) {
-  const Handle type = textType();
-  std::vector<const char*> data;
-  for (const std::string& text : texts) data.push_back(text.c_str());
-  data.push_back(nullptr);  // so that data() is valid for an empty list
-  return writeRaw(object, name, type.get(), type.get(), listSpace(texts.size()), data.data());
+  return writeTexts(object, name, listSpace(texts.size()), texts);
 }
 
 bool writeAttribute(hid_t object, const char* name, const std::vector<double>& values) {
@@ -122,11 +133,9 @@ bool writeAttribute(hid_t object, const char* name, std::uint64_t value) {
 }
 
 bool readAttribute(hid_t object, const char* name, std::string& text) {
-  const Handle type = textType();
-  char* data = nullptr;
-  if (!readScalar(object, name, H5T_STRING, type.get(), static_cast<void*>(&data))) return false;
-  text = data != nullptr ? data : "";
-  H5free_memory(data);
+  std::vector<std::string> texts;
+  if (!readAttribute(object, name, texts) || texts.size() != 1) return false;
+  text = std::move(texts.front());
   return true;
 }
 
@@ -134,16 +143,27 @@ bool readAttribute(hid_t object, const char* name, std::vector<std::string>& tex
   hssize_t count = 0;
   const Handle attribute = openAttribute(object, name, H5T_STRING, count);
   if (!attribute.ok()) return false;
-  const Handle type = textType();
-  std::vector<char*> data(static_cast<std::size_t>(count) + 1, nullptr);
-  if (H5Aread(attribute.get(), type.get(), static_cast<void*>(data.data())) < 0) return false;
+  const Handle type(H5Aget_type(attribute.get()), H5Tclose);
+  const std::size_t width = H5Tget_size(type.get());
+  const auto size = static_cast<std::size_t>(count);
+  if (width == 0 || width > kLargestList / std::max<std::size_t>(size, 1)) return false;
+  std::string data(width * std::max<std::size_t>(size, 1), '\0');
+  if (size > 0 && H5Aread(attribute.get(), type.get(), data.data()) < 0) return false;
   texts.clear();
-  for (hssize_t i = 0; i < count; ++i) {
-    char* text = data[static_cast<std::size_t>(i)];
-    texts.emplace_back(text != nullptr ? text : "");
-    H5free_memory(text);
+  for (std::size_t i = 0; i < size; ++i) {
+    texts.push_back(data.substr(i * width, width));
+    texts.back().erase(texts.back().find_last_not_of('\0') + 1);
   }
   return true;
+}
+
+bool hasVariableText(hid_t object) {
+  const auto is_variable = [](hid_t owner, const char* name, const H5A_info_t*, void*) -> herr_t {
+    const Handle attribute(H5Aopen(owner, name, H5P_DEFAULT), H5Aclose);
+    const Handle type(H5Aget_type(attribute.get()), H5Tclose);
+    return type.ok() && H5Tis_variable_str(type.get()) > 0 ? 1 : 0;  // 1 ends the search
+  };
+  return H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, is_variable, nullptr) > 0;
 }
 
 bool readAttribute(hid_t object, const char* name, std::vector<double>& values) {
@@ -167,10 +187,7 @@ bool readAttribute(hid_t object, const char* name, std::uint64_t& value) {
 bool writeText(hid_t group, const char* name, const std::string& attribute_name,
                const std::string& text) {
   // A string of fixed length keeps bytes of every kind (a mesh may be binary), zeros included.
-  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  H5Tset_size(type.get(), std::max<std::size_t>(text.size(), 1));
-  H5Tset_strpad(type.get(), H5T_STR_NULLPAD);
-  H5Tset_cset(type.get(), H5T_CSET_UTF8);
+  const Handle type = textType(text.size());
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
   const Handle dataset(
       H5Dcreate2(group, name, type.get(), space.get(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),

@@ -53,8 +53,8 @@ enum class NumberType { kFloat64, kUint64, kInt64, kUint32, kInt32 };
 [[nodiscard]] hid_t memoryType(NumberType type) noexcept;
 [[nodiscard]] std::size_t byteSize(NumberType type) noexcept;
 
-// Attributes. Writers and readers return false on any failure; texts are UTF-8 of variable length,
-// lists are one-dimensional.
+// Attributes. Writers and readers return false on any failure; texts are UTF-8 of fixed length (the
+// longest of a list sets it), filled up with zeros; lists are one-dimensional.
 bool writeAttribute(hid_t object, const char* name, const std::string& text);
 bool writeAttribute(hid_t object, const char* name, const std::vector<std::string>& texts);
 bool writeAttribute(hid_t object, const char* name, const std::vector<double>& values);
@@ -65,6 +65,8 @@ bool readAttribute(hid_t object, const char* name, std::vector<std::string>& tex
 bool readAttribute(hid_t object, const char* name, std::vector<double>& values);
 bool readAttribute(hid_t object, const char* name, double& value);
 bool readAttribute(hid_t object, const char* name, std::uint64_t& value);
+/// True when an attribute of the object is a text of variable length, which is not read.
+[[nodiscard]] bool hasVariableText(hid_t object);
 
 /// A scalar dataset holding a whole text (or any bytes), exactly.
 bool writeText(hid_t group, const char* name, const std::string& attribute_name,

@@ -24,6 +24,11 @@ Diagnostic refusal(const std::string& path, std::string problem, std::string rem
 }
 
 constexpr const char* kGiveRecording = "give a .h5 file that `wholehand run --record` wrote";
+constexpr const char* kVariableTexts = "holds texts of variable length, which are not read";
+constexpr const char* kFixedTexts =
+    "write its texts with a fixed length (h5py: numpy.bytes_), or record anew";
+/// Far above what a file of a byte can hold: a damaged file must not make us ask for terabytes.
+constexpr std::uint64_t kMostTicksPerByte = 10;
 constexpr const char* kBrokenCopy =
     "copy it again from where it was recorded; what is missing cannot be restored";
 
@@ -130,6 +135,9 @@ Expected<Done> Hdf5Reader::readDescription(const std::string& path) {
   const Handle group(H5Gopen2(file_.get(), "meta", H5P_DEFAULT), H5Gclose);
   std::string kind;
   std::uint64_t version = 0;
+  if (group.ok() && hdf5::hasVariableText(group.get())) {
+    return refusal(path, kVariableTexts, kFixedTexts);
+  }
   if (!group.ok() || !readAttribute(group.get(), "format", kind) || kind != recording::kFormat ||
       !readAttribute(group.get(), "schema_version", version)) {
     return refusal(path, "is an HDF5 file, but no Wholehand recording", kGiveRecording);
@@ -174,6 +182,10 @@ std::string Hdf5Reader::openTables() {
 std::string Hdf5Reader::countTicks() {
   std::vector<std::int32_t> counts;
   std::vector<std::uint64_t> numbers;
+  hsize_t bytes = 0;
+  if (H5Fget_filesize(file_.get(), &bytes) < 0 || ticks_->rows() / kMostTicksPerByte > bytes) {
+    return "is damaged: it claims more ticks than a file of its size can hold";
+  }
   if (!ticks_->readAll("contact_count", counts) || !ticks_->readAll("tick", numbers)) {
     return "is truncated or damaged: its ticks cannot be read";
   }

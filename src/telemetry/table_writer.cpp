@@ -45,11 +45,12 @@ Handle createDataset(hid_t group, const ColumnShape& column, std::uint64_t chunk
       H5Dclose);
   if (!dataset.ok()) return {};
   const hid_t id = dataset.get();
-  const bool done =
-      (column.units.size() == 1 ? hdf5::writeAttribute(id, "units", column.units.front())
-                                : hdf5::writeAttribute(id, "units", column.units)) &&
-      (column.labels.empty() || hdf5::writeAttribute(id, "labels", column.labels)) &&
-      (column.columns.empty() || hdf5::writeAttribute(id, "columns", column.columns));
+  // A device of one axis has lists of one.
+  const bool one_unit = column.units.size() == 1 && column.labels.size() != 1;
+  const bool done = (one_unit ? hdf5::writeAttribute(id, "units", column.units.front())
+                              : hdf5::writeAttribute(id, "units", column.units)) &&
+                    (column.labels.empty() || hdf5::writeAttribute(id, "labels", column.labels)) &&
+                    (column.columns.empty() || hdf5::writeAttribute(id, "columns", column.columns));
   return done ? std::move(dataset) : Handle();
 }
 

@@ -45,7 +45,7 @@ class WhatItWrites(AppTest):
         with read_recording(self.folder / "a/run.h5") as f:
             # The lines of docs/recording.md.
             time_s, sent = f["ticks/time_s"][:], f["ticks/sent"][:]
-            names, units = f["ticks/sent"].attrs["labels"], f["ticks/sent"].attrs["units"]
+            names, units = ([text.decode() for text in f["ticks/sent"].attrs[key]] for key in ("labels", "units"))
             self.assertEqual(list(names), AXES)
             self.assertEqual(list(units), ["N", "N", "N", "N·m", "N·m", "N·m"])
             self.assertEqual(len(time_s), summary["ticks"])
@@ -53,7 +53,7 @@ class WhatItWrites(AppTest):
             for axis, name in enumerate(AXES):  # the two outputs tell the same
                 self.assertEqual(abs(sent[:, axis]).max(), summary["max_effort"][name])
             self.assertEqual(f["ticks/contact_count"][:].max(), summary["contacts_max"])
-            embedded = {group.attrs["name"] for group in f["meta/files"].values()}
+            embedded = {group.attrs["name"].decode() for group in f["meta/files"].values()}
             for file in ("config/scenes/four-shapes.toml", "config/devices/lambda-pride.toml",
                          "config/rendering/lambda-pride.toml", "config/patients/relaxed-adult.toml",
                          "config/hands/adult-median-right.toml",

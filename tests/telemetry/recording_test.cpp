@@ -380,6 +380,29 @@ TEST(RecordingReader, OtherHdf5AndNewerSchema_AreRefused) {
       << refusal(newer);
 }
 
+TEST(RecordingReader, TextsOfVariableLengthAndEndlessTicks_AreRefused) {
+  const Folder folder;
+  const std::string edited = folder.file("edited.h5"), endless = folder.file("endless.h5");
+  writer(edited)->close();
+  writer(endless)->close();
+  ASSERT_EQ(python("import h5py, numpy\n"
+                   "f = h5py.File('" +
+                   edited +
+                   "', 'r+')\n"
+                   "f['meta'].attrs['title'] = 'Edited'\n"  // h5py writes it with variable length
+                   "f = h5py.File('" +
+                   endless +
+                   "', 'r+')\n"
+                   "[t.resize(2**50, axis=0) for t in f['ticks'].values()]"),
+            "");
+  EXPECT_NE(refusal(edited).find("texts of variable length"), std::string::npos) << refusal(edited);
+  EXPECT_NE(refusal(endless).find("claims more ticks"), std::string::npos) << refusal(endless);
+  ASSERT_EQ(python("import h5py, numpy\nh5py.File('" + edited +
+                   "', 'r+')['meta'].attrs['title'] = numpy.bytes_('Edited')"),
+            "");
+  EXPECT_EQ(reader(edited)->meta().title, "Edited");  // as docs/recording.md advises
+}
+
 /// The lines that docs/recording.md gives to users of h5py, taken from that file.
 std::string documentedPython() {
   std::ifstream in(WHOLEHAND_SOURCE_DIR "/docs/recording.md");
@@ -409,7 +432,7 @@ TEST(Recording, DocumentedPythonLines_ReadWhatWasWritten) {
   const std::string out =
       python("import os\nos.chdir('" + folder.path() + "')\n" + lines +
              "\nprint('%.9f' % sent[:, 3].sum(), len(time_s), names[3], units[3])\n"
-             "print(f['meta'].attrs['title'], f['meta/files/0'][()].decode().split()[0])");
+             "print(f['meta'].attrs['title'].decode(), f['meta/files/0'][()].decode().split()[0])");
   std::array<char, 64> expected{};
   std::snprintf(expected.data(), expected.size(), "%.9f 400 finger_flexion N·m\n", sum);
   EXPECT_EQ(out, std::string(expected.data()) + "Reach and grasp kind\n");
