@@ -66,15 +66,17 @@ std::string axisPlot(const AxisCertificate& a, const std::string& names) {
                          1.0,
                          {{0.0, a.of.gains.k_pm}, {work, a.of.gains.k_pm}}};
   plot.lines = {rigid, passive, quantisation, working};
-  plot.y_min = 0.0;
-  double highest = a.of.gains.k_pm;
-  for (const PlotPoint& p : passive.points) highest = std::max(highest, p.y);
-  plot.y_max = 2.0 * highest;
-  for (PlotLine& line : plot.lines) {  // what leaves the plot ends there
+  plot.log_y = true;
+  double lowest = a.of.gains.k_pm, highest = lowest;
+  for (PlotLine& line : plot.lines) {
     for (PlotPoint& p : line.points) {
-      if (p.y > plot.y_max) p.y = LinePlot::kFromData;
+      if (!(p.y > 0.0)) p.y = LinePlot::kFromData;  // nothing is allowed: the line ends
+      if (p.y < lowest) lowest = p.y;
+      if (p.y > highest) highest = p.y;
     }
   }
+  plot.y_min = 0.5 * lowest;
+  plot.y_max = 2.0 * highest;
   return linePlot(plot);
 }
 
@@ -92,12 +94,13 @@ std::string certificateChart(const AdvisedCertificate& judged) {
   std::string out = svg::opening(width, height, title) +
                     "<rect width=\"100%\" height=\"100%\" fill=\"#FFFFFF\"/>";
   out += svg::words(kGap_px, 24, title, "start", kPlotInk, 700, 16.0);
-  out += svg::words(kGap_px, 44,
-                    fmt::format("Largest stiffness against the adaptive damping Φ K_dm at {:.4g} "
-                                "Hz. Thick: where the axis works, Φ from 0 to 1; it must stay "
-                                "below every line.",
-                                1.0 / judged.certificate.period_s),
-                    "start", kPlotInk2);
+  out += svg::words(
+      kGap_px, 44,
+      fmt::format("Largest stiffness (logarithmic) against the adaptive damping Φ K_dm at {:.4g} "
+                  "Hz. Thick: where the axis works, Φ from 0 to 1; it must stay "
+                  "below every line.",
+                  1.0 / judged.certificate.period_s),
+      "start", kPlotInk2);
   for (std::size_t i = 0; i < groups.size(); ++i) {
     const int column = static_cast<int>(i) % columns, row = static_cast<int>(i) / columns;
     out +=

@@ -106,12 +106,20 @@ std::string remedy(const AdvisedCertificate& judged) {
 
 std::string verdict(const AdvisedCertificate& judged) {
   const Certificate& c = judged.certificate;
-  const bool avatar = c.binding_axis < 0;
-  const std::string what =
-      avatar ? fmt::format("all axes together (posture {} of {})", c.avatar.posture + 1,
-                           c.avatar.postures)
-             : fmt::format("{}: {}", c.axes[static_cast<std::size_t>(c.binding_axis)].of.axis.name,
-                           finding(c.axes[static_cast<std::size_t>(c.binding_axis)]));
+  const std::string posture =
+      fmt::format("in posture {} of {}", c.avatar.posture + 1, c.avatar.postures);
+  std::string what;
+  if (c.binding_axis >= 0) {
+    const AxisCertificate& a = c.axes[static_cast<std::size_t>(c.binding_axis)];
+    what = a.of.axis.name + ": " + finding(a);
+  } else if (c.certified) {
+    what =
+        fmt::format("the avatar: {:.3g} times its stiffness would let its axes shake each other {}",
+                    c.avatar.margin, posture);
+  } else {
+    what = fmt::format("the avatar's axes shake each other {} (spectral radius {:.5g})", posture,
+                       c.avatar.radius);
+  }
   if (c.certified) {
     return fmt::format("Certified at {:.4g} Hz with a margin of {:.3g}; the tightest is {}.\n",
                        1.0 / c.period_s, c.margin(), what);

@@ -66,18 +66,19 @@ double verified(const AxisCase& c, double k_pm) {
   return 0.0;
 }
 
-/// K_pm lowered no further than K_dm must be: of the shares of K_dm that admit a tenth of the
-/// stiffness the largest, else the one that admits most.
+/// K_pm lowered, and K_dm only as far as at least doubles the stiffness that is left.
 NearestGains nearestOfAxis(AxisCase c) {
   const double present = c.gains.k_pm, damping = c.gains.k_dm;
-  NearestGains best{0.0, 0.0, c.gains.k_ps_per_s2};
+  std::vector<NearestGains> found;
+  double most = 0.0;
   for (const double share : kDampingShares) {
     c.gains.k_dm = share == 1.0 ? damping : roundedDown(share * damping);
-    const double k_pm = largestStiffness(c, present);
-    if (k_pm > best.k_pm) best = {k_pm, c.gains.k_dm, c.gains.k_ps_per_s2};
-    if (best.k_pm >= 0.1 * present || damping == 0.0) break;
+    found.push_back({largestStiffness(c, present), c.gains.k_dm, c.gains.k_ps_per_s2});
+    most = std::max(most, found.back().k_pm);
+    if (damping == 0.0 || found.back().k_pm >= 0.5 * present) break;
   }
-  return best;
+  return *std::find_if(found.begin(), found.end(),
+                       [&](const NearestGains& g) { return g.k_pm >= 0.5 * most; });
 }
 
 CertificateInput withGains(CertificateInput input, const std::vector<NearestGains>& nearest) {
@@ -155,9 +156,10 @@ bool sameCase(const AxisCase& a, const AxisCase& b) {
   const auto key = [](const AxisCase& c) {
     return std::tuple(c.axis.kind, c.axis.mass, c.axis.damping, c.axis.coulomb, c.axis.encoder_step,
                       c.axis.lever_arm_m, c.delay_ticks, c.period_s, c.gains.k_pm, c.gains.k_dm,
-                      c.gains.gamma, c.gains.velocity_filter_hz, c.gains.k_ps_per_s2, c.inertia);
+                      c.gains.gamma, c.gains.velocity_filter_hz, c.gains.k_ps_per_s2);
   };
-  return key(a) == key(b);
+  // The inertia of the whole hand along x, y and z differs by rounding.
+  return key(a) == key(b) && std::abs(a.inertia - b.inertia) <= 1e-9 * a.inertia;
 }
 
 }  // namespace wholehand

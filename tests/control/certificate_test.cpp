@@ -1,0 +1,289 @@
+#include "control/certificate.hpp"
+
+#include "control/critical_damping.hpp"
+#include "control/passivity.hpp"
+#include "control/z_width.hpp"
+#include "support/tolerance.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <numbers>
+#include <random>
+#include <tuple>
+
+namespace wholehand::test {
+namespace {
+
+/// An axis with an ideal encoder. Numbers of the tables: an independent program that uses series
+/// and Gelfand's formula where ours uses closed forms and eigenvalues.
+AxisCase axisOf(double mass, double damping, int delay, double k_pm, double k_dm, double filter_hz,
+                double k_ps = 2500.0, double gamma = 0.0) {
+  AxisCase c;
+  c.axis.name = "x";
+  c.axis.mass = mass;
+  c.axis.damping = damping;
+  c.delay_ticks = delay;
+  c.gains.name = "x";
+  c.gains.k_pm = k_pm;
+  c.gains.k_dm = k_dm;
+  c.gains.gamma = gamma;
+  c.gains.velocity_filter_hz = filter_hz;
+  c.gains.k_ps_per_s2 = k_ps;
+  c.inertia = 0.25;
+  return c;
+}
+
+/// Steps the device against a pinned avatar through time, by the exact motion under a held force,
+/// and tells whether it swings wider in the end than in the beginning. No matrix, no eigenvalue.
+bool swingsWider(const AxisCase& c, double k_pm, double phi_k_dm, int ticks) {
+  const double t = c.period_s, m = c.axis.mass, b = c.axis.damping;
+  const double decay = std::exp(-b * t / m), travel = m / b * (1.0 - decay);
+  const double tau = 1.0 / (2.0 * std::numbers::pi * c.gains.velocity_filter_hz);
+  std::deque<double> queue(static_cast<std::size_t>(c.delay_ticks), 0.0);
+  double x = 1e-3, v = 0.0, before = x, vf = 0.0, early = 0.0, late = 0.0;
+  const int window = ticks / 8;
+  for (int k = 0; k < ticks; ++k) {
+    vf = (tau * vf + (x - before)) / (tau + t);
+    before = x;
+    queue.push_back(-k_pm * x - phi_k_dm * vf);
+    const double f = queue.front();
+    queue.pop_front();
+    x += travel * v + (t - travel) / b * f;
+    v = decay * v + travel / m * f;
+    if (k >= window && k < 2 * window) early = std::max(early, std::abs(x));
+    if (k >= ticks - window) late = std::max(late, std::abs(x));
+    if (std::abs(x) > 1e3) return true;
+  }
+  return late > early;
+}
+
+TEST(Certificate, RigidContactTable_IsMetAndSimulationAgreesFromBothSides) {
+  const std::tuple<double, double, int, double> rows[] = {
+      {0.1, 0.2, 0, 400},   {0.1, 0.2, 1, 133},  {0.1, 0.2, 2, 80},    {0.1, 1.0, 0, 2003},
+      {0.1, 1.0, 1, 669},   {0.1, 1.0, 2, 402},  {0.1, 5.0, 0, 10084}, {0.1, 5.0, 1, 3379},
+      {0.1, 5.0, 2, 2042},  {0.5, 0.2, 0, 400},  {0.5, 0.2, 1, 133},   {0.5, 0.2, 2, 80},
+      {0.5, 1.0, 0, 2001},  {0.5, 1.0, 1, 667},  {0.5, 1.0, 2, 400},   {0.5, 5.0, 0, 10017},
+      {0.5, 5.0, 1, 3343},  {0.5, 5.0, 2, 2009}, {1.0, 0.2, 0, 401},   {1.0, 0.2, 1, 134},
+      {1.0, 0.2, 2, 80},    {1.0, 1.0, 0, 2001}, {1.0, 1.0, 1, 667},   {1.0, 1.0, 2, 400},
+      {1.0, 5.0, 0, 10009}, {1.0, 5.0, 1, 3338}, {1.0, 5.0, 2, 2004}};
+  for (const auto& [mass, damping, delay, table] : rows) {
+    const AxisCase c = axisOf(mass, damping, delay, 1000.0, 0.0, 30.0);
+    const AxisCertificate a = certifyAxis(c);
+    EXPECT_NEAR(a.rigid_limit, table, 0.02 * table) << mass << " " << damping << " " << delay;
+    EXPECT_NEAR(a.rigid_formula, damping / (1e-3 * (0.5 + delay)), 1e-9 * table);
+    // 2 % beyond the limit the swing grows as e^{0.02 b t / 2m}.
+    const int ticks = static_cast<int>(300.0 * mass / damping / 1e-3);
+    EXPECT_FALSE(swingsWider(c, 0.98 * a.rigid_limit, 0.0, ticks)) << mass << " " << damping;
+    EXPECT_TRUE(swingsWider(c, 1.02 * a.rigid_limit, 0.0, ticks)) << mass << " " << damping;
+  }
+}
+
+TEST(Certificate, ZWidthTable_IsMetAndSimulationAgreesFromBothSides) {
+  const double dampings[] = {2, 5, 10, 20, 40};
+  const std::tuple<int, double, std::array<double, 5>> rows[] = {
+      {0, 30, {4907, 8073, 11941, 17349, 24330}}, {0, 100, {5762, 10901, 18429, 30785, 49059}},
+      {0, 50, {5413, 9595, 15115, 23290, 34294}}, {0, 10, {3331, 4571, 5985, 7882, 10262}},
+      {1, 30, {1812, 3210, 5018, 7555, 10546}},   {1, 100, {1959, 3797, 6618, 11492, 18873}},
+      {1, 50, {1904, 3559, 5903, 9527, 14259}},   {1, 10, {1368, 2025, 2748, 3644, 4587}}};
+  for (const auto& [delay, filter_hz, table] : rows) {
+    for (std::size_t i = 0; i < 5; ++i) {
+      const AxisCase c = axisOf(0.5, 1.0, delay, 5000.0, dampings[i] / 2.0, filter_hz);
+      const ZWidthPoint at = zWidth(c, 2).back();
+      EXPECT_DOUBLE_EQ(at.damping, dampings[i]);
+      EXPECT_NEAR(at.rigid, table[i], 0.02 * table[i]) << delay << " " << filter_hz;
+      EXPECT_FALSE(swingsWider(c, 0.98 * at.rigid, at.damping, 30000)) << delay << filter_hz;
+      EXPECT_TRUE(swingsWider(c, 1.02 * at.rigid, at.damping, 30000)) << delay << filter_hz;
+    }
+  }
+}
+
+TEST(Certificate, AnyPassivePersonTable_DecidesWithinOnePercentFromBothSides) {
+  struct Row {
+    double k_ps;
+    int delay;
+    double filter_hz;
+    double gamma_0, gamma_half, gamma_1;
+  };
+  const Row rows[] = {{400, 0, 30, 24.88, 6.22, 9.21},    {900, 1, 30, 17.05, 7.21, 13.21},
+                      {2500, 0, 30, 9.88, 2.47, 4.06},    {2500, 1, 30, 10.39, 4.78, 8.36},
+                      {2500, 1, 100, 10.39, 9.18, 17.36}, {10000, 0, 30, 4.88, 1.44, 2.37},
+                      {10000, 1, 30, 5.41, 2.98, 4.73},   {40000, 1, 30, 2.94, 2.11, 2.95}};
+  for (const Row& row : rows) {
+    for (const auto& [gamma, table] :
+         {std::pair{0.0, row.gamma_0}, {0.5, row.gamma_half}, {1.0, row.gamma_1}}) {
+      for (const double side : {0.985, 1.015}) {  // the table's last digit rounds, too
+        const AxisCertificate a = certifyAxis(
+            axisOf(0.5, side * table, row.delay, 1000.0, 0.0, row.filter_hz, row.k_ps, gamma));
+        EXPECT_NEAR(a.damping_required, table, 0.01 * table) << row.k_ps << " γ " << gamma;
+        EXPECT_EQ(a.meets(Criterion::kDamping), side > 1.0) << row.k_ps << " γ " << gamma;
+      }
+    }
+  }
+}
+
+double radiusOf(const AxisCase& c, double phi, ContactCase contact, const char* person,
+                double held_mass = 0.0) {
+  AxisLoop loop = c.loop(phi);
+  loop.person = armAt(c.axis, person);
+  loop.held_mass = held_mass;
+  return spectralRadius(closedLoopMatrix(loop, contact));
+}
+
+TEST(ClosedLoop, PersonsAndHeldMasses_EqualTheTableOfRadii) {
+  struct Row {
+    const char* person;
+    double k_pm, k_ps;
+    double radius[8];  // free, rigid, μ 1, μ 5; each at Φ = 0 and 1
+  };
+  const Row rows[] = {
+      {"no arm", 1000, 2500, {1, 1, 1.000312, 0.993900, 1, 1, 1, 1}},
+      {"relaxed arm",
+       1000,
+       2500,
+       {0.998550, 0.996572, 0.998752, 0.995891, 0.998698, 0.997057, 0.999103, 0.998109}},
+      {"stiff arm",
+       1000,
+       2500,
+       {0.995523, 0.993867, 0.995772, 0.993464, 0.995861, 0.994576, 0.997173, 0.996512}},
+      {"relaxed arm",
+       3000,
+       2500,
+       {0.998905, 0.997657, 0.999583, 0.996904, 0.999137, 0.998206, 0.999537, 0.999066}},
+      {"relaxed arm",
+       3000,
+       7500,
+       {0.998689, 0.996773, 0.999583, 0.996904, 0.998837, 0.997204, 0.999204, 0.998168}},
+      {"relaxed arm",
+       300,
+       900,
+       {0.998369, 0.996292, 0.998460, 0.995530, 0.998474, 0.996799, 0.998905, 0.997949}}};
+  for (const Row& row : rows) {
+    const AxisCase c = axisOf(0.8, 1.0, 1, row.k_pm, 10.0, 30.0, row.k_ps);
+    for (int i = 0; i < 8; ++i) {
+      const ContactCase contact = i < 2   ? ContactCase::kFree
+                                  : i < 4 ? ContactCase::kRigid
+                                          : ContactCase::kObject;
+      const double held = i < 4 ? 0.0 : i < 6 ? 1.0 : 5.0;
+      EXPECT_NEAR(radiusOf(c, i % 2, contact, row.person, held), row.radius[i], 1e-6)
+          << row.person << " " << row.k_pm << " column " << i;
+    }
+  }
+  // The certificate names the worst of all persons, and only against the stop that is unstable.
+  const AxisCertificate a = certifyAxis(axisOf(0.8, 1.0, 1, 1000.0, 10.0, 30.0));
+  EXPECT_NEAR(a.contacts[1].radius, 1.000312, 1e-6);
+  EXPECT_STREQ(a.contacts[1].person, "no arm");
+  EXPECT_EQ(a.contacts[1].phi, 0.0);
+  EXPECT_FALSE(a.meets(Criterion::kRigid));
+  EXPECT_TRUE(a.meets(Criterion::kFree));
+  EXPECT_FALSE(a.passes);
+}
+
+TEST(ClosedLoop, HeldMass_LimitsTheStiffnessAsTheTableSays) {
+  struct Row {
+    double k_ps, held;
+    double gamma_0, gamma_half, gamma_1, relaxed;
+  };
+  const Row rows[] = {
+      {900, 0, 17496, 16619, 9690, 40946},    {900, 5, 4841, 12839, 7546, 12912},
+      {900, 20, 2014, 12307, 7244, 6825},     {2500, 1, 15371, 22042, 14085, 36170},
+      {2500, 20, 2806, 17030, 11030, 8495},   {10000, 0, 42063, 56020, 41382, 96044},
+      {10000, 5, 11390, 26518, 20677, 27237}, {10000, 20, 4526, 22462, 17846, 12144}};
+  for (const Row& row : rows) {
+    const auto check = [&](double gamma, const char* person, double table) {
+      for (const double side : {0.98, 1.02}) {
+        const AxisCase c = axisOf(0.8, 1.0, 1, side * table, 0.0, 30.0, row.k_ps, gamma);
+        const double radius = radiusOf(c, 0.0, ContactCase::kObject, person, row.held);
+        EXPECT_EQ(radius <= 1.0 + 1e-7, side < 1.0)
+            << row.k_ps << " μ " << row.held << " γ " << gamma << " " << person;
+      }
+    };
+    check(0.0, "no arm", row.gamma_0);
+    check(0.5, "no arm", row.gamma_half);
+    check(1.0, "no arm", row.gamma_1);
+    check(0.0, "relaxed arm", row.relaxed);
+  }
+}
+
+/// The reference's random search found these passive persons and objects, just under b_min.
+TEST(Certificate, WorstKnownPersonAndObject_AreUnstableJustBelowAndStableAtTheRequiredDamping) {
+  struct Row {
+    double gamma, worst, mass, stiffness, held, spring;
+  };
+  const Row rows[] = {{0.0, 9.538, 19.3, 0.0, 0.156, 2590.0},
+                      {0.5, 2.238, 9.04, 0.0, 0.182, 886.0},
+                      {1.0, 3.284, 0.0683, 6.75e5, 0.0149, 613.0}};
+  for (const Row& row : rows) {
+    AxisLoop loop = axisOf(row.mass, 0.0, 0, 1000.0, 0.0, 30.0, 2500.0, row.gamma).loop(0.0);
+    loop.person.stiffness = row.stiffness;
+    loop.held_mass = row.held;
+    loop.spring_per_s2 = row.spring;
+    loop.damping = 0.98 * row.worst;
+    EXPECT_GT(spectralRadius(closedLoopMatrix(loop, ContactCase::kObject)), 1.0 + 1e-7);
+    loop.damping = requiredDamping(loop);
+    EXPECT_LE(spectralRadius(closedLoopMatrix(loop, ContactCase::kObject)), 1.0 + 1e-7);
+  }
+}
+
+TEST(Certificate, DampedAxis_IsStableWithRandomPassivePersonsAndObjects) {
+  std::mt19937 rng(5);
+  std::uniform_real_distribution<double> u(0.0, 1.0);
+  const auto between = [&](double low, double high) { return low * std::pow(high / low, u(rng)); };
+  for (int trial = 0; trial < cases(300); ++trial) {
+    const int delay = trial % 3;
+    const double phi = 0.5 * (trial % 3);
+    AxisLoop loop = axisOf(between(0.05, 5.0), 0.0, delay, between(100.0, 5000.0),
+                           between(0.1, 20.0), 30.0, between(400.0, 4e4), u(rng))
+                        .loop(phi);
+    loop.damping = std::max(1.001 * requiredDamping(loop), 1e-3);
+    loop.person = {u(rng) < 0.3 ? 0.0 : between(0.01, 10.0), 0.0,
+                   u(rng) < 0.3 ? 0.0 : between(1.0, 1e5)};
+    loop.held_mass = u(rng) < 0.3 ? 0.0 : between(0.01, 100.0);
+    loop.spring_per_s2 = u(rng) < 0.3 ? 0.0 : between(10.0, 1e6);
+    EXPECT_LE(spectralRadius(closedLoopMatrix(loop, ContactCase::kObject)), 1.0 + 1e-7)
+        << "trial " << trial;
+  }
+}
+
+TEST(Certificate, RequiredDamping_IsLargestAtOneEndOfPhi) {
+  // Convex in Φ: a maximum of functions that are affine in Φ. The nine samples find the maximum.
+  for (const double gamma : {0.0, 0.3, 1.0}) {
+    const AxisCase c = axisOf(0.5, 5.0, 1, 1000.0, 20.0, 30.0, 4000.0, gamma);
+    const AxisCertificate a = certifyAxis(c);
+    EXPECT_TRUE(a.damping_required_phi == 0.0 || a.damping_required_phi == 1.0);
+    for (int i = 0; i <= 50; ++i) {
+      EXPECT_LE(requiredDamping(c.loop(i / 50.0)), a.damping_required * (1.0 + 1e-12));
+    }
+  }
+}
+
+TEST(Certificate, Quantisation_IsTheSmallerOfViscousAndDryFriction) {
+  AxisCase c = axisOf(0.8, 6.0, 1, 1000.0, 10.0, 30.0, 0.0, 0.3);
+  EXPECT_DOUBLE_EQ(certifyAxis(c).quantisationLimit(), 12000.0);  // 2 b / T; ideal encoder
+  c.axis.encoder_step = 1e-4;
+  EXPECT_DOUBLE_EQ(certifyAxis(c).quantisationLimit(), 12000.0);  // dry friction not stated
+  c.axis.coulomb = 0.2;
+  EXPECT_DOUBLE_EQ(certifyAxis(c).quantisationLimit(), 4000.0);  // 2 f_c / Δ
+  EXPECT_TRUE(certifyAxis(c).passes);
+  c.axis.encoder_step = 4.1e-4;  // 976 < 1000
+  const AxisCertificate a = certifyAxis(c);
+  EXPECT_FALSE(a.passes);
+  EXPECT_EQ(a.binding, Criterion::kQuantisation);
+  EXPECT_NEAR(a.margin, 0.4 / 4.1e-4 / 1000.0, 1e-12);
+}
+
+TEST(Certificate, ArmOnARotation_IsScaledByTheLeverArmSquared) {
+  DeviceAxis axis;
+  axis.kind = AxisKind::kRotation;
+  axis.lever_arm_m = 0.05;
+  const Impedance arm = armAt(axis, "stiff arm");
+  EXPECT_DOUBLE_EQ(arm.mass, 1.5 * 0.0025);
+  EXPECT_DOUBLE_EQ(arm.damping, 20.0 * 0.0025);
+  EXPECT_DOUBLE_EQ(arm.stiffness, 600.0 * 0.0025);
+  EXPECT_EQ(armAt(axis, "no arm").mass, 0.0);
+}
+
+}  // namespace
+}  // namespace wholehand::test
