@@ -79,6 +79,28 @@ bool hasAxisQuantity(const TomlTable& table, const AxisQuantity& quantity, AxisK
          (!quantity.tip_key.empty() && table.good(quantity.tip_key));
 }
 
+std::optional<AxisKind> knownAxisKind(std::string_view name) noexcept {
+  for (const KnownAxis& axis : kKnownAxes) {
+    if (axis.name == name) return axis.kind;
+  }
+  return std::nullopt;
+}
+
+std::vector<NamedAxis> readAxisNames(TomlTable& root) {
+  std::vector<NamedAxis> out;
+  std::vector<std::string> names;
+  for (TomlTable& table : root.tables("axes", 1)) {
+    std::string name = table.text("name");
+    if (!table.good("name") || !checkNewName(table, name, names)) {
+      table.skipRest();
+      continue;
+    }
+    names.push_back(name);
+    out.push_back({table, std::move(name)});
+  }
+  return out;
+}
+
 bool checkNewName(TomlTable& table, const std::string& name,
                   const std::vector<std::string>& earlier) {
   if (std::find(earlier.begin(), earlier.end(), name) == earlier.end()) return true;

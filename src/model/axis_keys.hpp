@@ -3,9 +3,11 @@
 #include "model/device_model.hpp"
 #include "model/toml_file.hpp"
 
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace wholehand {
 
@@ -32,6 +34,33 @@ double readAxisQuantity(TomlTable& table, const AxisQuantity& quantity, AxisKind
 /// True when the table gives the quantity for that kind of axis under one of its keys.
 [[nodiscard]] bool hasAxisQuantity(const TomlTable& table, const AxisQuantity& quantity,
                                    AxisKind kind);
+
+/// An axis as Wholehand names it, whatever the device.
+struct KnownAxis {
+  std::string_view name;
+  AxisKind kind;
+};
+inline constexpr std::array<KnownAxis, 9> kKnownAxes{{{"x", AxisKind::kTranslation},
+                                                      {"y", AxisKind::kTranslation},
+                                                      {"z", AxisKind::kTranslation},
+                                                      {"roll", AxisKind::kRotation},
+                                                      {"pitch", AxisKind::kRotation},
+                                                      {"yaw", AxisKind::kRotation},
+                                                      {"finger_flexion", AxisKind::kRotation},
+                                                      {"thumb_circumduction", AxisKind::kRotation},
+                                                      {"thumb_flexion", AxisKind::kRotation}}};
+
+/// The kind of an axis that Wholehand knows; nothing for any other name.
+[[nodiscard]] std::optional<AxisKind> knownAxisKind(std::string_view name) noexcept;
+
+/// An `[[axes]]` table and its name.
+struct NamedAxis {
+  TomlTable table;
+  std::string name;
+};
+/// Every `[[axes]]` of a file. Tables without a usable name, or with one that stood before, are
+/// reported and left out; their other keys are not looked at.
+[[nodiscard]] std::vector<NamedAxis> readAxisNames(TomlTable& root);
 
 /// Reports a name that another table of the list has already. @return true when it is new
 bool checkNewName(TomlTable& table, const std::string& name,

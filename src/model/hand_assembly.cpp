@@ -2,6 +2,8 @@
 #include "model/hand_file.hpp"
 #include "model/hand_links.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -108,8 +110,9 @@ class Assembly {
       }
       fail(hand_.path, "joints." + joint->joint + ".range_rad",
            "is left when the device " + device_.path + " moves through its range",
-           "the joint goes through [" + std::to_string(low) + ", " + std::to_string(high) +
-               "] rad: widen its range or lower its ratio in [synergy]");
+           fmt::format("the joint goes through [{:.5g}, {:.5g}] rad: widen its range or lower its "
+                       "ratio in [synergy]",
+                       low, high));
     }
   }
 

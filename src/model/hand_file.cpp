@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace wholehand {
 namespace {
@@ -41,12 +42,17 @@ void readJoints(TomlTable& root, HandFile& hand) {
 void readSynergy(TomlTable& root, HandFile& hand) {
   TomlTable synergy = root.table("synergy");
   const std::vector<std::string>& known = handJointNames();
+  std::vector<std::pair<std::string, TomlTable>> coordinates;
+  std::vector<std::string> used;
   for (const std::string& coordinate : synergy.keys()) {
-    TomlTable terms = synergy.table(coordinate);
+    coordinates.emplace_back(coordinate, synergy.table(coordinate));
+    for (std::string& joint : coordinates.back().second.keys()) used.push_back(std::move(joint));
+  }
+  for (auto& [coordinate, terms] : coordinates) {
     for (const std::string& joint : terms.keys()) {
       const double ratio = terms.number(joint, between(-10.0, 10.0, "rad per unit"));
       if (std::find(known.begin(), known.end(), joint) == known.end()) {
-        const std::string near = nearestWord(joint, known);
+        const std::string near = nearestUnused(joint, known, used);
         terms.fail(joint, "is not a joint of a hand",
                    near.empty() ? "remove it" : "did you mean " + near + "?");
       } else if (terms.good(joint) && ratio == 0.0) {

@@ -38,6 +38,17 @@ void append(const aiMesh& mesh, const Eigen::Vector3d& scale,
   }
 }
 
+/// Why assimp gave up, in words; its own go into brackets.
+std::string unreadable(const Assimp::Importer& importer, const std::string& path) {
+  const std::string ending = std::filesystem::path(path).extension().string();
+  const std::string own = importer.GetErrorString();
+  if (ending.empty() || !importer.IsExtensionSupported(ending)) {
+    return "the mesh file " + path + " is of no known kind: its name ends in '" + ending + "'";
+  }
+  return "the mesh file " + path + " holds no surface that can be read" +
+         (own.empty() ? "" : " (" + own + ")");
+}
+
 }  // namespace
 
 Expected<Shape> loadConvexMesh(const std::string& path, const Eigen::Vector3d& scale) {
@@ -55,8 +66,8 @@ Expected<Shape> loadConvexMesh(const std::string& path, const Eigen::Vector3d& s
   const aiScene* scene =
       importer.ReadFile(path, aiProcess_Triangulate | aiProcess_PreTransformVertices);
   if (scene == nullptr) {
-    // The reader of OBJ skips corners written as ".5".
-    return fault("the mesh file " + path + " cannot be read: " + importer.GetErrorString(),
+    return fault(unreadable(importer, path),
+                 // The reader of OBJ skips corners written as ".5".
                  "export it again as STL, OBJ (a digit before every decimal point), DAE or GLB");
   }
   std::vector<Eigen::Vector3d> points_m;

@@ -14,12 +14,6 @@ constexpr AxisQuantity kDamping{
 constexpr AxisQuantity kStiffness{
     "stiffness_n_m", "stiffness_nm_rad", "stiffness_tip_n_m", 2, 0.0, 1e6};
 
-/// The kind of an axis that this device does not have, so that its keys can be checked all the
-/// same.
-AxisKind guessedKind(const std::string& name) {
-  return name == "x" || name == "y" || name == "z" ? AxisKind::kTranslation : AxisKind::kRotation;
-}
-
 MotionMapping readMotion(TomlTable& root) {
   MotionMapping motion;
   std::optional<TomlTable> table = root.optionalTable("motion");
@@ -29,6 +23,20 @@ MotionMapping readMotion(TomlTable& root) {
   motion.base_scale = table->number("base_scale", between(0.0, 10.0), motion.base_scale);
   motion.center = table->flag("center", motion.center);
   return motion;
+}
+
+/// An axis that nobody knows would feel no person, and nobody would notice.
+void refuseAxis(NamedAxis& axis, const std::vector<NamedAxis>& all, const DeviceModel& device) {
+  std::vector<std::string> names, used;
+  for (const DeviceAxis& on_device : device.axes) names.push_back(on_device.name);
+  for (const KnownAxis& known : kKnownAxes) {
+    if (device.axisIndex(std::string(known.name)) < 0) names.emplace_back(known.name);
+  }
+  for (const NamedAxis& other : all) used.push_back(other.name);
+  const std::string near = nearestUnused(axis.name, names, used);
+  axis.table.fail("name", "is no axis of the device " + device.path + " nor any known one",
+                  near.empty() ? "remove it" : "did you mean " + near + "?");
+  axis.table.skipRest();
 }
 
 PatientAxis readAxis(TomlTable& table, const std::string& name, AxisKind kind, double lever_m) {
@@ -50,22 +58,20 @@ Expected<PatientConfig> loadPatientFile(const std::string& path, const DeviceMod
   config.path = path;
   config.name = root.text("name");
   for (const DeviceAxis& axis : device.axes) config.axes.push_back({axis.name, 0.0, 0.0, 0.0});
-  std::vector<std::string> names;
-  for (TomlTable& table : root.tables("axes", 1)) {
-    const std::string name = table.text("name");
-    if (!table.good("name") || !checkNewName(table, name, names)) {
-      table.skipRest();
-      continue;
+  std::vector<NamedAxis> named = readAxisNames(root);
+  for (NamedAxis& axis : named) {
+    const int i = device.axisIndex(axis.name);
+    if (i >= 0) {
+      const DeviceAxis& own = device.axes[static_cast<std::size_t>(i)];
+      config.axes[static_cast<std::size_t>(i)] =
+          readAxis(axis.table, axis.name, own.kind, own.lever_arm_m);
+    } else if (const std::optional<AxisKind> kind = knownAxisKind(axis.name)) {
+      constexpr double kAnyLever_m =
+          1.0;  // another device's axis: its keys are checked all the same
+      (void)readAxis(axis.table, axis.name, *kind, kAnyLever_m);
+    } else {
+      refuseAxis(axis, named, device);
     }
-    names.push_back(name);
-    const int i = device.axisIndex(name);
-    if (i < 0) {
-      constexpr double kAnyLever_m = 1.0;
-      (void)readAxis(table, name, guessedKind(name), kAnyLever_m);
-      continue;
-    }
-    const auto at = static_cast<std::size_t>(i);
-    config.axes[at] = readAxis(table, name, device.axes[at].kind, device.axes[at].lever_arm_m);
   }
   config.motion = readMotion(root);
   if (Diagnostics faults = file.finish(); !faults.empty()) return faults;

@@ -24,8 +24,9 @@ struct MotionMapping {
   bool center = true;        ///< translations are shifted to the middle of the workspace
 };
 
-/// A patient file: arm and finger impedance, and how motion is mapped. An axis named in the file
-/// but not on the device is ignored; an axis of the device the file does not name feels no person.
+/// A patient file: arm and finger impedance, and how motion is mapped. An axis that
+/// Wholehand knows (kKnownAxes) but the device has not is ignored; any other name is a fault. An
+/// axis of the device that the file does not name feels no person.
 struct PatientConfig {
   std::string path;
   std::string name;

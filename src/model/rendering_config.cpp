@@ -3,7 +3,8 @@
 #include "model/axis_keys.hpp"
 #include "model/toml_file.hpp"
 
-#include <algorithm>
+#include <string>
+#include <vector>
 
 namespace wholehand {
 namespace {
@@ -57,35 +58,52 @@ AxisRendering readAxis(TomlTable& table, const DeviceAxis& axis, const Common& c
   return out;
 }
 
+/// "roll, pitch and yaw"
+std::string listed(const std::vector<std::string>& names) {
+  std::string out;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    out += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
+  }
+  return out;
+}
+
+/// Reports an axis that the device does not have. The axis without gains that it probably stands
+/// for is named as the remedy and taken out of `without_gains`: one mistake, one message.
+void refuseAxis(NamedAxis& axis, const DeviceModel& device, bool only_one,
+                std::vector<std::string>& without_gains) {
+  std::string meant = nearestWord(axis.name, without_gains);
+  if (meant.empty() && only_one && without_gains.size() == 1) meant = without_gains.front();
+  std::erase(without_gains, meant);
+  axis.table.fail("name", "is not an axis of the device " + device.path,
+                  meant.empty() ? "remove it" : "did you mean " + meant + "?");
+  axis.table.skipRest();
+}
+
 void readAxes(TomlTable& root, const DeviceModel& device, const Common& common,
               RenderingConfig& config) {
   config.axes.resize(device.axes.size());
-  std::vector<std::string> device_names;
-  for (const DeviceAxis& axis : device.axes) device_names.push_back(axis.name);
-  std::vector<std::string> names;
-  for (TomlTable& table : root.tables("axes", 1)) {
-    const std::string name = table.text("name");
-    if (!table.good("name") || !checkNewName(table, name, names)) {
-      table.skipRest();
-      continue;
-    }
-    names.push_back(name);
-    const int i = device.axisIndex(name);
+  std::vector<std::string> without_gains;
+  for (const DeviceAxis& axis : device.axes) without_gains.push_back(axis.name);
+  std::vector<NamedAxis> strangers;
+  for (NamedAxis& axis : readAxisNames(root)) {
+    const int i = device.axisIndex(axis.name);
     if (i < 0) {
-      const std::string near = nearestWord(name, device_names);
-      table.fail("name", "is not an axis of the device " + device.path,
-                 near.empty() ? "remove it" : "did you mean " + near + "?");
-      table.skipRest();
+      strangers.push_back(axis);
       continue;
     }
+    std::erase(without_gains, axis.name);
     const auto at = static_cast<std::size_t>(i);
-    config.axes[at] = readAxis(table, device.axes[at], common, config.paper);
+    config.axes[at] = readAxis(axis.table, device.axes[at], common, config.paper);
   }
-  for (const std::string& name : device_names) {
-    if (std::find(names.begin(), names.end(), name) == names.end()) {
-      root.fail("axes", "have no gains for " + name + " of the device " + device.path,
-                "add an [[axes]] with name = \"" + name + "\"");
-    }
+  for (NamedAxis& axis : strangers) {
+    refuseAxis(axis, device, strangers.size() == 1, without_gains);
+  }
+  // Without any readable [[axes]] that was said already.
+  if (root.good("axes") && !without_gains.empty()) {
+    root.fail("axes",
+              "have no gains for " + listed(without_gains) + " of the device " + device.path,
+              "add an [[axes]] with name = \"" + without_gains.front() + "\"" +
+                  (without_gains.size() > 1 ? ", and one for each other" : ""));
   }
 }
 

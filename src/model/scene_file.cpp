@@ -144,6 +144,7 @@ class BodyReader {
   }
 
   void readUrdf(SceneBody& body) {
+    urdf_wrong_ = true;
     const std::string file = t_.text("file");
     if (!t_.good("file")) return;
     const fs::path path = folder_ / file;
@@ -158,6 +159,7 @@ class BodyReader {
       urdf_faults_ = urdf.errors();
       return;
     }
+    urdf_wrong_ = false;
     assets_.push_back(path.string());
     assets_.insert(assets_.end(), urdf->mesh_files.begin(), urdf->mesh_files.end());
     body.shapes = std::move(urdf->shapes);
@@ -174,7 +176,7 @@ class BodyReader {
       return;
     }
     const NumberRule rule = between(1e-4, 1e3, "kg");
-    const bool from_urdf = inertial_.has_value() || !urdf_faults_.empty();
+    const bool from_urdf = inertial_.has_value() || urdf_wrong_;
     body.mass_kg = from_urdf ? t_.number("mass_kg", rule, inertial_ ? inertial_->mass_kg : 1.0)
                              : t_.number("mass_kg", rule);
     if (body.shapes.empty()) return;
@@ -192,6 +194,7 @@ class BodyReader {
   bool shape_wrong_ = false;
   std::optional<MassProperties> inertial_;
   Diagnostics urdf_faults_;
+  bool urdf_wrong_ = false;  ///< whether it has a mass is not known
   std::vector<std::string> assets_;
 };
 

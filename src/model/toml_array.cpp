@@ -16,7 +16,8 @@ std::vector<double> TomlTable::numbers(std::string_view key, std::size_t count,
   if (array == nullptr || array->size() != count) {
     state_->report(key, nodeText(*node),
                    array == nullptr ? typeProblem(*node)
-                                    : "has " + std::to_string(array->size()) + " elements",
+                                    : "has " + std::to_string(array->size()) +
+                                          (array->size() == 1 ? " element" : " elements"),
                    shape);
     return out;
   }

@@ -115,11 +115,13 @@ struct Meant {
   bool unit = false;  ///< same quantity, other unit
 };
 
-Meant meantKey(std::string_view unknown, const std::vector<std::string>& known) {
+/// @param used keys that stand in the table already
+Meant meantKey(std::string_view unknown, const std::vector<std::string>& known,
+               const std::vector<std::string>& used) {
   for (const std::string& candidate : known) {
     if (stem(candidate) == stem(unknown)) return {candidate, true};
   }
-  return {nearestWord(unknown, known), false};
+  return {nearestUnused(unknown, known, used), false};
 }
 
 }  // namespace
@@ -137,6 +139,16 @@ std::string nearestWord(std::string_view word, const std::vector<std::string>& w
     }
   }
   return best;
+}
+
+std::string nearestUnused(std::string_view word, const std::vector<std::string>& words,
+                          const std::vector<std::string>& used) {
+  std::vector<std::string> free;
+  std::copy_if(words.begin(), words.end(), std::back_inserter(free), [&](const std::string& w) {
+    return std::find(used.begin(), used.end(), w) == used.end();
+  });
+  const std::string near = nearestWord(word, free);
+  return near.empty() ? nearestWord(word, words) : near;
 }
 
 std::string formatNumber(double value) {
@@ -180,11 +192,12 @@ TomlFile::TomlFile(const std::string& path, std::string_view kind)
 Diagnostics TomlFile::finish() {
   for (const auto& state : shared_->tables) {
     const std::vector<std::string> known(state->known.begin(), state->known.end());
+    const std::vector<std::string> used = TomlTable(state).keys();
     std::set<std::string, std::less<>> explained;
     if (readable_ && state->table != nullptr && !state->rest_skipped) {
       for (const auto& [key, node] : *state->table) {
         if (state->known.contains(key.str())) continue;
-        const Meant meant = meantKey(key.str(), known);
+        const Meant meant = meantKey(key.str(), known, used);
         std::string remedy = "remove it";
         if (!meant.key.empty()) {
           remedy = meant.unit ? "the key for this quantity and its unit is " + meant.key

@@ -139,6 +139,12 @@ class TomlFile {
 /// The word of `words` that is spelled most like `word`; empty when none is near.
 [[nodiscard]] std::string nearestWord(std::string_view word, const std::vector<std::string>& words);
 
+/// The same, of the words that are not in `used` where one of them is near: a misspelt name rarely
+/// stands for one that is there as well.
+[[nodiscard]] std::string nearestUnused(std::string_view word,
+                                        const std::vector<std::string>& words,
+                                        const std::vector<std::string>& used);
+
 /// A number for people: shortest form that reads back to the same double.
 [[nodiscard]] std::string formatNumber(double value);
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to toml_file.cpp and toml_table.cpp: the only place that sees toml++.
+// Private to toml_*.cpp: the only place that sees toml++.
 
 #include "model/toml_file.hpp"
 

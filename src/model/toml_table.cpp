@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 #include <utility>
 
 namespace wholehand {
@@ -41,42 +40,7 @@ NumberRule above(double lower, double upper, std::string unit) {
   return {lower, upper, true, std::move(unit)};
 }
 
-// ---------------------------------------------------------------- what stands in the file
-
-std::string nodeText(const toml::node& node) {
-  if (node.is_table()) return "{...}";
-  if (const auto* number = node.as_floating_point()) return formatNumber(number->get());
-  std::ostringstream out;
-  node.visit([&](const auto& value) { out << value; });
-  std::string text = out.str();
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  constexpr std::size_t kLongest = 60;
-  if (text.size() > kLongest) {
-    std::size_t end = kLongest;
-    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U)
-      --end;  // whole UTF-8
-    text = text.substr(0, end) + "...";
-  }
-  return text;
-}
-
-std::string typeProblem(const toml::node& node) {
-  switch (node.type()) {
-    case toml::node_type::string:
-      return "is a text";
-    case toml::node_type::integer:
-    case toml::node_type::floating_point:
-      return "is a number";
-    case toml::node_type::boolean:
-      return "is true or false";
-    case toml::node_type::array:
-      return "is an array";
-    case toml::node_type::table:
-      return "is a table";
-    default:
-      return "is a date or time";
-  }
-}
+// ---------------------------------------------------------------- state
 
 std::string TomlTable::State::keyPath(std::string_view key) const {
   if (key.empty()) return path;
@@ -282,6 +246,8 @@ std::string TomlTable::choice(std::string_view key, const std::vector<std::strin
 
 void TomlTable::fail(std::string_view key, std::string problem, std::string remedy) {
   const toml::node* node = key.empty() ? nullptr : state_->find(key);
+  // Of a list of tables there is nothing to show.
+  if (node != nullptr && node->is_array_of_tables()) node = nullptr;
   state_->known.emplace(key);
   state_->report(key, node == nullptr ? "" : nodeText(*node), std::move(problem),
                  std::move(remedy));

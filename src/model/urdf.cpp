@@ -61,8 +61,7 @@ class Reader {
       return false;
     }
     if (document_.LoadFile(faults_.file().c_str()) != tinyxml2::XML_SUCCESS) {
-      faults_.add(nullptr, "", "", fmt::format("is not readable XML: {}", document_.ErrorStr()),
-                  fmt::format("mend it near line {}", document_.ErrorLineNum()));
+      addXmlFault();
       return false;
     }
     robot_ = document_.FirstChildElement("robot");
@@ -70,6 +69,33 @@ class Reader {
     faults_.add(document_.RootElement(), "", "", "is no URDF: its root element is not <robot>",
                 "give a URDF (run xacro first where the file is a .xacro)");
     return false;
+  }
+
+  /// Why the file is no XML, in words; the parser's own name for it goes into brackets.
+  void addXmlFault() {
+    using tinyxml2::XMLError;
+    const XMLError code = document_.ErrorID();
+    std::error_code error;
+    if (fs::file_size(faults_.file(), error) == 0) {
+      faults_.addAtLine(0, "is empty", "give a URDF with at least one <link>");
+    } else if (code == XMLError::XML_ERROR_EMPTY_DOCUMENT ||
+               code == XMLError::XML_ERROR_PARSING_TEXT) {
+      faults_.addAtLine(0, "is no URDF: it holds no XML",
+                        "give a URDF: XML that starts <robot ...>");
+    } else if (code == XMLError::XML_ERROR_FILE_COULD_NOT_BE_OPENED ||
+               code == XMLError::XML_ERROR_FILE_READ_ERROR) {
+      faults_.addAtLine(0, "cannot be read", "check that the file may be read");
+    } else {
+      const bool unclosed =
+          code == XMLError::XML_ERROR_MISMATCHED_ELEMENT || code == XMLError::XML_ERROR_PARSING;
+      faults_.addAtLine(
+          document_.ErrorLineNum(),
+          fmt::format("is not whole XML: {} ({})",
+                      unclosed ? "an element is not closed, or closed under another name"
+                               : "something is not written as XML wants it",
+                      document_.ErrorName()),
+          "mend it at or above this line");
+    }
   }
 
   [[nodiscard]] int linkIndex(const std::string& name) const {

@@ -48,6 +48,11 @@ void UrdfFaults::add(const XMLElement* at, std::string key, std::string value, s
   all_.push_back(std::move(d));
 }
 
+void UrdfFaults::addAtLine(int line, std::string problem, std::string remedy) {
+  add(nullptr, "", "", std::move(problem), std::move(remedy));
+  all_.back().line = line;
+}
+
 std::string UrdfFaults::text(const XMLElement& e, const char* attribute, const std::string& key) {
   const char* found = e.Attribute(attribute);
   if (found != nullptr && *found != '\0') return found;

@@ -20,6 +20,8 @@ class UrdfFaults {
 
   void add(const tinyxml2::XMLElement* at, std::string key, std::string value, std::string problem,
            std::string remedy);
+  /// A fault of the whole file, or of a line (0 when unknown) that belongs to no element.
+  void addAtLine(int line, std::string problem, std::string remedy);
   [[nodiscard]] const Diagnostics& all() const { return all_; }
   [[nodiscard]] const std::string& file() const { return file_; }
 

@@ -1,9 +1,11 @@
+#include "model/axis_keys.hpp"
+#include "patient/csv_text.hpp"
 #include "patient/motion.hpp"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <optional>
 #include <string_view>
@@ -15,36 +17,18 @@ namespace {
 constexpr std::size_t kMostFaults = 20;
 constexpr double kLargestValue = 1000.0;  // m or rad: beyond it no hand moves
 constexpr double kLongest_s = 3600.0;
+constexpr const char* kGiveMotion =
+    "give a CSV file whose first line names the columns: time_s, x_m, ...";
 
-struct KnownAxis {
-  std::string_view name;
-  AxisKind kind;
-};
-constexpr std::array<KnownAxis, 9> kUsualAxes{{{"x", AxisKind::kTranslation},
-                                               {"y", AxisKind::kTranslation},
-                                               {"z", AxisKind::kTranslation},
-                                               {"roll", AxisKind::kRotation},
-                                               {"pitch", AxisKind::kRotation},
-                                               {"yaw", AxisKind::kRotation},
-                                               {"finger_flexion", AxisKind::kRotation},
-                                               {"thumb_circumduction", AxisKind::kRotation},
-                                               {"thumb_flexion", AxisKind::kRotation}}};
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r";
-  const std::size_t first = text.find_first_not_of(kBlank);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
-
-std::vector<std::string_view> cells(std::string_view line) {
-  std::vector<std::string_view> found;
-  for (std::size_t begin = 0;;) {
-    const std::size_t comma = line.find(',', begin);
-    found.push_back(trimmed(line.substr(begin, comma - begin)));
-    if (comma == std::string_view::npos) return found;
-    begin = comma + 1;
+/// Why a first line cannot name columns of a motion; empty where it can.
+std::string noHeader(const std::vector<std::string_view>& names) {
+  const bool any = std::any_of(names.begin(), names.end(), [](std::string_view name) {
+    return name == "time_s" || name.ends_with("_m") || name.ends_with("_rad");
+  });
+  if (names.size() == 1 && names.front().find_first_of(";\t") != std::string_view::npos) {
+    return "is not a CSV file of commas: its columns are divided by something else";
   }
+  return any ? "" : "is not a motion: its first line names no column of one";
 }
 
 /// The device's axis of that name, else the usual one.
@@ -54,15 +38,12 @@ std::optional<AxisKind> kindOf(std::string_view name, const DeviceModel* device)
       if (axis.name == name) return axis.kind;
     }
   }
-  for (const KnownAxis& axis : kUsualAxes) {
-    if (axis.name == name) return axis.kind;
-  }
-  return std::nullopt;
+  return knownAxisKind(name);
 }
 
 std::string axisNames(const DeviceModel* device) {
   std::string names;
-  for (const KnownAxis& axis : kUsualAxes) {
+  for (const KnownAxis& axis : kKnownAxes) {
     names += (names.empty() ? "" : ", ") + std::string(axis.name);
   }
   if (device == nullptr) return names;
@@ -83,7 +64,9 @@ class Reader {
   Expected<MotionFile> read();
 
  private:
-  void header(std::string_view line);
+  /// False when the file is something else, and reading on would only make noise.
+  bool line(std::string_view text);
+  bool header(std::string_view line);
   void column(std::string_view name, std::size_t place);
   void row(std::string_view line);
   std::optional<double> number(std::string_view cell, std::size_t place);
@@ -107,8 +90,8 @@ void Reader::fault(std::string key, std::string_view value, std::string problem,
     ++untold_;
     return;
   }
-  faults_.push_back({motion_.path, line_, std::move(key), std::string(value.substr(0, 40)),
-                     std::move(problem), std::move(remedy)});
+  faults_.push_back(
+      {motion_.path, line_, std::move(key), shown(value), std::move(problem), std::move(remedy)});
 }
 
 void Reader::column(std::string_view name, std::size_t place) {
@@ -138,8 +121,12 @@ void Reader::column(std::string_view name, std::size_t place) {
   motion_.columns.emplace_back(axis);
 }
 
-void Reader::header(std::string_view line) {
+bool Reader::header(std::string_view line) {
   const std::vector<std::string_view> names = cells(line);
+  if (std::string why = noHeader(names); !why.empty()) {
+    fault("", "", std::move(why), kGiveMotion);
+    return false;
+  }
   for (std::size_t i = 0; i < names.size(); ++i) {
     header_.emplace_back(names[i]);
     column(names[i], i);
@@ -152,6 +139,19 @@ void Reader::header(std::string_view line) {
   if (faults_.empty() && motion_.columns.empty()) {
     fault("", "", "has no axis column", "add a column such as x_m or finger_flexion_rad");
   }
+  return true;
+}
+
+bool Reader::line(std::string_view text) {
+  if (holdsControl(text)) {
+    fault("", "", "is not a CSV text: it holds bytes that no text has", kGiveMotion);
+    return false;
+  }
+  if (!header_.empty()) {
+    row(text);
+    return true;
+  }
+  return header(text);
 }
 
 std::optional<double> Reader::number(std::string_view cell, std::size_t place) {
@@ -188,8 +188,8 @@ void Reader::row(std::string_view line) {
   const std::vector<std::string_view> values = cells(line);
   if (values.size() != header_.size()) {
     fault("", "",
-          "has " + std::to_string(values.size()) + " values, the header names " +
-              std::to_string(header_.size()) + " columns",
+          "has " + counted(values.size(), "value") + ", the header names " +
+              counted(header_.size(), "column"),
           "give every row one value a column");
     return;
   }
@@ -211,7 +211,8 @@ void Reader::checkWhole() {
   if (header_.empty()) {
     fault("", "", "is empty", "the first line names the columns: time_s, x_m, ...");
   } else if (rows_ < 2) {
-    fault("", "", "has " + std::to_string(rows_) + " rows of samples", "at least 2 are needed");
+    fault("", "", rows_ == 0 ? "has no row of samples" : "has only 1 row of samples",
+          "at least 2 are needed");
   }
   if (device_ == nullptr || !faults_.empty()) return;
   const auto onDevice = [this](const std::string& name) {
@@ -225,6 +226,12 @@ void Reader::checkWhole() {
 }
 
 Expected<MotionFile> Reader::read() {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(motion_.path, error);
+  if (std::filesystem::is_character_file(status) || std::filesystem::is_block_file(status)) {
+    fault("", "", "is not a file", kGiveMotion);  // /dev/zero has no end
+    return faults_;
+  }
   std::ifstream file(motion_.path);
   if (!file.is_open()) {
     fault("", "", "cannot be opened", "check the path and the permissions");
@@ -235,21 +242,17 @@ Expected<MotionFile> Reader::read() {
     fault("", "", "cannot be read", "give a CSV file, not a folder");
     return faults_;
   }
-  for (std::string line; std::getline(file, line);) {
+  for (std::string whole; std::getline(file, whole);) {
     ++line_;
-    std::string_view text = line;
+    std::string_view text = whole;
     if (line_ == 1 && text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);  // byte order mark
     text = trimmed(text);
     if (text.empty() || text.starts_with('#')) continue;
-    if (header_.empty()) {
-      header(text);
-    } else {
-      row(text);
-    }
+    if (!line(text)) return faults_;
   }
   checkWhole();
   if (untold_ > 0) {
-    faults_.push_back({motion_.path, 0, "", "", "has " + std::to_string(untold_) + " more faults",
+    faults_.push_back({motion_.path, 0, "", "", "has " + counted(untold_, "more fault"),
                        "mend the ones above first"});
   }
   if (!faults_.empty()) return faults_;

@@ -127,7 +127,7 @@ TEST(BadInput, Device_OneMistakeOneMessageWithPlaceAndRemedy) {
       {"device", "range_m = [-0.085, 0.085]", "range_m = [0.085, -0.085]", "[0.085, -0.085]",
        "axes[x].range_m", "not an interval", "lower < upper"},
       {"device", "range_m = [-0.085, 0.085]", "range_m = [-0.085]", "[-0.085]", "axes[x].range_m",
-       "has 1 elements", "array of 2 numbers"},
+       "has 1 element", "array of 2 numbers"},
       {"device", "range_m = [-0.085, 0.085]", "range_m = [-0.085, nan]", "nan]", "axes[x].range_m",
        "element 1 is not finite", "m"},
       {"device", "range_m = [-0.085, 0.085]", "range_m = 0.085", "range_m = 0.085",
@@ -202,14 +202,65 @@ TEST(BadInput, GainsPatientAndHand_OneMistakeOneMessageWithPlaceAndRemedy) {
   for (const Case& c : cases) expectFault(c);
 }
 
-TEST(BadInput, GainsOfAnotherAxis_SaysWhichIsMeantAndWhichIsMissing) {
+TEST(BadInput, WrongAxisName_IsOneMessageWithTheNameItStandsFor) {
+  const std::vector<Case> cases = {
+      // Near in spelling; another word, but the only axis without gains; nothing left to stand for.
+      {"rendering", "name = \"thumb_flexion\"", "name = \"thumb_flexon\"", "\"thumb_flexon\"",
+       "axes[thumb_flexon].name", "is not an axis of the device", "did you mean thumb_flexion?"},
+      {"rendering", "name = \"thumb_flexion\"", "name = \"thumb_extension\"", "\"thumb_extension\"",
+       "axes[thumb_extension].name", "is not an axis of the device", "did you mean thumb_flexion?"},
+      {"rendering", "[[axes]]", "[[axes]]\nname = \"roll\"\n[[axes]]", "\"roll\"",
+       "axes[roll].name", "is not an axis of the device", "remove it"},
+      {"patient", "name = \"finger_flexion\"", "name = \"finger_flexoin\"", "\"finger_flexoin\"",
+       "axes[finger_flexoin].name", "is no axis of the device", "did you mean finger_flexion?"},
+      {"patient", "name = \"x\"", "name = \"elbow\"", "\"elbow\"", "axes[elbow].name",
+       "is no axis of the device", ""},
+  };
+  for (const Case& c : cases) expectFault(c);
+}
+
+TEST(BadInput, AxesWithoutGains_AreNamedInOneMessageWithoutTheTables) {
+  DeviceModel device = loadDeviceFile(shipped("device")).value();
+  for (const char* name : {"roll", "pitch"}) {
+    device.axes.push_back(device.axes.front());
+    device.axes.back().name = name;
+  }
+  const Diagnostics faults = loadRenderingFile(shipped("rendering"), device).errors();
+  ASSERT_EQ(faults.size(), 1U) << format(faults);
+  EXPECT_EQ(faults.front().value, "");  // not the text of all [[axes]]
+  EXPECT_NE(faults.front().problem.find("have no gains for roll and pitch"), std::string::npos)
+      << format(faults);
+}
+
+TEST(BadInput, PatientOfAnotherDevice_KnownAxesAreIgnoredButChecked) {
+  DeviceModel device = loadDeviceFile(shipped("device")).value();
+  std::erase_if(device.axes, [](const DeviceAxis& axis) { return axis.name == "thumb_flexion"; });
+  EXPECT_TRUE(loadPatientFile(shipped("patient"), device).ok());
+  device.axes.back().name = "index_flexion";  // a device's own name is known to its own patients
   const test::TempFolder folder;
   const std::string path = folder.write(
-      "r.toml", spoil("rendering", "name = \"thumb_flexion\"", "name = \"thumb_flexon\""));
-  const Diagnostics faults = faultsOf("rendering", path);
-  const std::string text = format(faults);
-  EXPECT_NE(text.find("did you mean thumb_flexion?"), std::string::npos) << text;
-  EXPECT_NE(text.find("no gains for thumb_flexion"), std::string::npos) << text;
+      "p.toml", spoil("patient", "name = \"thumb_flexion\"", "name = \"index_flexion\""));
+  EXPECT_TRUE(loadPatientFile(path, device).ok());
+}
+
+TEST(BadInput, JointName_SuggestionIsOneThatIsNotUsedYet) {
+  // "mittle" is as near to "little" as to "middle": only the one that is missing can be meant.
+  expectFault({"hand", "middle_mcp_flexion = {", "mittle_mcp_flexion = {", "mittle_mcp_flexion = {",
+               "joints.mittle_mcp_flexion", "is unknown", "did you mean middle_mcp_flexion?"});
+  expectFault({"hand", "little_mcp_flexion = {", "mittle_mcp_flexion = {", "mittle_mcp_flexion = {",
+               "joints.mittle_mcp_flexion", "is unknown", "did you mean little_mcp_flexion?"});
+  expectFault({"hand", "ring_mcp_flexion = 0.", "rink_pip_flexion = 0.", "rink_pip_flexion",
+               "synergy.finger_flexion.rink_pip_flexion", "is not a joint",
+               "did you mean ring_mcp_flexion?"});
+}
+
+TEST(BadInput, NumbersInMessages_AreTheShortestThatReadBack) {
+  const test::TempFolder folder;
+  const std::string path = folder.write(
+      "d.toml", spoil("device", "range_m = [-0.085, 0.085]", "range_m = [ 0.165,nan ]"));
+  const Diagnostics faults = faultsOf("device", path);
+  ASSERT_EQ(faults.size(), 1U) << format(faults);
+  EXPECT_EQ(faults.front().value, "[0.165, nan]");
 }
 
 TEST(BadInput, ManyMistakes_AreAllReportedInTheOrderOfTheFile) {

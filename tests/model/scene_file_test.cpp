@@ -206,6 +206,20 @@ TEST(SceneFile, AllFaultsAtOnce_OneLineEach) {
   EXPECT_EQ(scene.errors().size(), 6U) << format(scene.errors());
 }
 
+// Whether a URDF gives the mass is not known before it can be read.
+TEST(SceneFile, UrdfThatCannotBeRead_IsTheOnlyFault) {
+  const TempFolder folder;
+  folder.write("empty.urdf", "");
+  for (const char* file : {"none.urdf", "empty.urdf"}) {
+    const Expected<SceneModel> scene = loadSceneFile(
+        folder.write("bad.toml", kHead + "[[bodies]]\nname = \"a\"\nshape = \"urdf\"\nfile = \"" +
+                                     file + "\"\nposition_m = [0, 0, 0]\n"));
+    ASSERT_FALSE(scene.ok());
+    EXPECT_EQ(scene.errors().size(), 1U) << format(scene.errors());
+    EXPECT_NE(format(scene.errors()).find(file), std::string::npos) << format(scene.errors());
+  }
+}
+
 TEST(SceneFile, UnknownShape_IsTheOnlyFault) {
   const TempFolder folder;
   const Expected<SceneModel> scene = loadSceneFile(folder.write(

@@ -157,8 +157,9 @@ TEST(ConvexMesh, BadMeshes_SayWhatIsWrong) {
   }
   EXPECT_NE(problemOf(folder.path("none.stl")).find("there is no such"), std::string::npos);
   EXPECT_NE(problemOf(folder.write("empty.stl", "")).find("is empty"), std::string::npos);
-  EXPECT_NE(problemOf(folder.write("noise.stl", "not a mesh")).find("cannot be read"),
-            std::string::npos);
+  EXPECT_NE(
+      problemOf(folder.write("noise.stl", "not a mesh")).find("holds no surface that can be read"),
+      std::string::npos);
   const std::string millimetres =
       "v 0 0 0\nv 20 0 0\nv 0 20 0\nv 0 0 20\nf 1 2 3\nf 1 2 4\n"
       "f 1 3 4\nf 2 3 4\n";
@@ -318,7 +319,19 @@ TEST(Urdf, BadFiles_NameLineElementAndFault) {
   }
   const Expected<UrdfBody> broken = loadUrdf(folder.write("broken.urdf", "<robot><link></robot>"));
   ASSERT_FALSE(broken.ok());
-  EXPECT_NE(format(broken.errors()).find("not readable XML"), std::string::npos);
+  EXPECT_NE(
+      format(broken.errors()).find("broken.urdf:1: is not whole XML: an element is not closed"),
+      std::string::npos)
+      << format(broken.errors());
+  const auto said = [&](const std::string& text) {
+    return format(loadUrdf(folder.write("said.urdf", text)).errors());
+  };
+  EXPECT_NE(said("").find("said.urdf: is empty; give"), std::string::npos) << said("");
+  EXPECT_NE(said("kind = \"scene\"\n").find("it holds no XML"), std::string::npos)
+      << said("kind\n");
+  EXPECT_NE(said("<robot>\n<link name=a/></robot>").find("said.urdf:2: is not whole XML"),
+            std::string::npos)
+      << said("<robot>\n<link name=a/></robot>");
   EXPECT_FALSE(loadUrdf(folder.write("other.urdf", "<model/>")).ok());
   EXPECT_FALSE(loadUrdf(folder.path("none.urdf")).ok());
 }

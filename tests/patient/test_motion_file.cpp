@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -65,8 +66,38 @@ TEST(MotionFile, MissingOrUnreadable_SaysSo) {
 TEST(MotionFile, EmptyOrTooShort_IsRefused) {
   EXPECT_SAYS(faultsOf(""), "is empty");
   EXPECT_SAYS(faultsOf("\n# nothing\n\n"), "is empty");
-  EXPECT_SAYS(faultsOf("time_s,x_m\n"), "has 0 rows");
-  EXPECT_SAYS(faultsOf("time_s,x_m\n0,0\n"), "has 1 rows");
+  EXPECT_SAYS(faultsOf("time_s,x_m\n"), "has no row of samples");
+  EXPECT_SAYS(faultsOf("time_s,x_m\n0,0\n"), "has only 1 row of samples");
+}
+
+/// A file that is something else gets one message, whatever it holds, and no raw bytes in it.
+TEST(MotionFile, SomethingElse_IsSaidOnce) {
+  const auto once = [](const std::string& content) {
+    const std::string faults = faultsOf(content);
+    EXPECT_EQ(std::count(faults.begin(), faults.end(), '\n'), 0) << faults;
+    EXPECT_TRUE(
+        std::none_of(faults.begin(), faults.end(), [](unsigned char c) { return c < 0x20; }));
+    EXPECT_SAYS(faults, "first line names the columns: time_s, x_m");
+    return faults;
+  };
+  std::string every_byte;
+  for (int i = 0; i < 1024; ++i) every_byte += static_cast<char>(i);
+  EXPECT_SAYS(once(every_byte), "is not a CSV text");
+  EXPECT_SAYS(once("\x89HDF\r\n\x1a\n"), "is not a motion");
+  EXPECT_SAYS(once(std::string("t\0i\0m\0e\0", 8)), "is not a CSV text");  // UTF-16
+  EXPECT_SAYS(once("# A scene.\nkind = \"scene\"\nversion = 1\nsize_m = [1, 2, 3]\n"),
+              ":2: is not a motion");
+  EXPECT_SAYS(once("0.0,0.1,0.2\n0.1,0.1,0.2\n"), ":1: is not a motion");  // no header
+  EXPECT_SAYS(once("time_s;x_m\n0;0\n1;1\n"), "divided by something else");
+  EXPECT_SAYS(once("time_s,x_m\n0,0\n1,\x01\n2,\x01\n"), ":3: is not a CSV text");
+  EXPECT_SAYS(format(loadMotionFile("/dev/zero").errors()), "is not a file");
+}
+
+TEST(MotionFile, ValueInAMessage_IsWholeUtf8) {
+  EXPECT_SAYS(faultsOf("time_s,größe_m\n0,0\n1,1\n"), "column 2 = größe_m: is no known axis");
+  EXPECT_SAYS(faultsOf("time_s,gr\xF6\xDF"
+                       "e_m\n0,0\n1,1\n"),
+              "column 2 = gr??e_m");  // Latin-1
 }
 
 TEST(MotionFile, Header_EachFaultNamesItsColumn) {
@@ -84,7 +115,7 @@ TEST(MotionFile, Header_EachFaultNamesItsColumn) {
 
 TEST(MotionFile, Rows_EachFaultNamesItsLineAndColumn) {
   const std::string head = "time_s,x_m\n0,0\n";
-  EXPECT_SAYS(faultsOf(head + "1\n"), ":3: has 1 values, the header names 2 columns");
+  EXPECT_SAYS(faultsOf(head + "1\n"), ":3: has 1 value, the header names 2 columns");
   EXPECT_SAYS(faultsOf(head + "1,2,3\n"), ":3: has 3 values");
   EXPECT_SAYS(faultsOf(head + "1,fast\n"), ":3: x_m = fast: is not a number");
   EXPECT_SAYS(faultsOf(head + "1,0x10\n"), ":3: x_m = 0x10: is not a number");
