@@ -16,19 +16,34 @@ const btCollisionObject* objectOf(const btBroadphaseProxy* proxy) {
   return static_cast<const btCollisionObject*>(proxy->m_clientObject);
 }
 
-// A distance changes by at most as much as one moves. Between two points `step_m` apart with
-// distances d1 and d2 it is therefore never below (d1 + d2 - step_m) / 2.
-double leastDistance(const Shape& shape, const btTransform& shape_in_world,
-                     const btCollisionObject& capsule) {
+// A segment between two points with their distances to a shape.
+struct Stretch {
+  Eigen::Vector3d a_m, b_m;
+  double at_a_m, at_b_m;
+};
+
+// A distance changes by at most as much as one moves: between two points it is never below half of
+// the sum of theirs less the way between them. Halving the way tells more; twice is enough.
+bool everywhereBeyond(const Shape& shape, const Stretch& s, double limit_m, int halvings) {
+  const double least_m = 0.5 * (s.at_a_m + s.at_b_m - (s.b_m - s.a_m).norm());
+  if (least_m > limit_m) return true;
+  if (halvings == 0 || std::min(s.at_a_m, s.at_b_m) <= limit_m) return false;
+  const Eigen::Vector3d middle_m = 0.5 * (s.a_m + s.b_m);
+  const double at_middle_m = signedDistance(shape, middle_m);
+  return everywhereBeyond(shape, {s.a_m, middle_m, s.at_a_m, at_middle_m}, limit_m, halvings - 1) &&
+         everywhereBeyond(shape, {middle_m, s.b_m, at_middle_m, s.at_b_m}, limit_m, halvings - 1);
+}
+
+bool beyond(const Shape& shape, const btTransform& shape_in_world, const btCollisionObject& capsule,
+            double gap_m) {
+  constexpr int kHalvings = 2;
   const auto* form = static_cast<const btCapsuleShape*>(capsule.getCollisionShape());
-  const double half_m = form->getHalfHeight();
   const btTransform in_shape = shape_in_world.inverseTimes(capsule.getWorldTransform());
-  const btVector3 along = in_shape.getBasis().getColumn(2) * half_m;
-  const btVector3 middle = in_shape.getOrigin();
-  const double at_a = signedDistance(shape, toEigen(middle - along));
-  const double at_middle = signedDistance(shape, toEigen(middle));
-  const double at_b = signedDistance(shape, toEigen(middle + along));
-  return 0.5 * (at_middle + std::min(at_a, at_b) - half_m) - form->getRadius();
+  const btVector3 along = in_shape.getBasis().getColumn(2) * form->getHalfHeight();
+  const Eigen::Vector3d a_m = toEigen(in_shape.getOrigin() - along);
+  const Eigen::Vector3d b_m = toEigen(in_shape.getOrigin() + along);
+  const Stretch axis{a_m, b_m, signedDistance(shape, a_m), signedDistance(shape, b_m)};
+  return everywhereBeyond(shape, axis, form->getRadius() + gap_m, kHalvings);
 }
 
 }  // namespace
@@ -57,7 +72,7 @@ bool NearFilter::apart(const btBroadphasePair& pair) const {
   if (shape == nullptr) return false;
   const btCollisionObject& capsule = tag_a->ofHand() ? *a : *b;
   const btCollisionObject& body = tag_a->ofHand() ? *b : *a;
-  return leastDistance(*shape, body.getWorldTransform(), capsule) > threshold_m_;
+  return beyond(*shape, body.getWorldTransform(), capsule, threshold_m_);
 }
 
 bool NearFilter::touching(const btBroadphasePair& pair) {
