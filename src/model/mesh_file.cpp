@@ -43,7 +43,8 @@ std::string unreadable(const Assimp::Importer& importer, const std::string& path
   const std::string ending = std::filesystem::path(path).extension().string();
   const std::string own = importer.GetErrorString();
   if (ending.empty() || !importer.IsExtensionSupported(ending)) {
-    return "the mesh file " + path + " is of no known kind: its name ends in '" + ending + "'";
+    return "the mesh file " + path + " is of no known kind: its name " +
+           (ending.empty() ? "has no ending" : "ends in " + ending);
   }
   return "the mesh file " + path + " holds no surface that can be read" +
          (own.empty() ? "" : " (" + own + ")");

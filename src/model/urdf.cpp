@@ -29,6 +29,24 @@ struct Link {
   Pose in_parent;
 };
 
+/// What is wrong with an XML text, in words.
+const char* xmlProblem(tinyxml2::XMLError code) {
+  switch (code) {
+    case tinyxml2::XML_ERROR_PARSING:
+    case tinyxml2::XML_ERROR_PARSING_ELEMENT:
+    case tinyxml2::XML_ERROR_MISMATCHED_ELEMENT:
+      return "an element is not closed, or closed under another name";
+    case tinyxml2::XML_ERROR_PARSING_ATTRIBUTE:
+      return "an attribute is not written as name=\"value\"";
+    case tinyxml2::XML_ERROR_PARSING_COMMENT:
+      return "a comment is not closed";
+    case tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED:
+      return "its elements stand too deep in each other";
+    default:
+      return "something is not written as XML wants it";
+  }
+}
+
 class Reader {
  public:
   explicit Reader(const std::string& path) : faults_(path) {}
@@ -86,14 +104,9 @@ class Reader {
                code == XMLError::XML_ERROR_FILE_READ_ERROR) {
       faults_.addAtLine(0, "cannot be read", "check that the file may be read");
     } else {
-      const bool unclosed =
-          code == XMLError::XML_ERROR_MISMATCHED_ELEMENT || code == XMLError::XML_ERROR_PARSING;
       faults_.addAtLine(
           document_.ErrorLineNum(),
-          fmt::format("is not whole XML: {} ({})",
-                      unclosed ? "an element is not closed, or closed under another name"
-                               : "something is not written as XML wants it",
-                      document_.ErrorName()),
+          fmt::format("is not whole XML: {} ({})", xmlProblem(code), document_.ErrorName()),
           "mend it at or above this line");
     }
   }

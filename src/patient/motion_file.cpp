@@ -28,7 +28,7 @@ std::string noHeader(const std::vector<std::string_view>& names) {
   if (names.size() == 1 && names.front().find_first_of(";\t") != std::string_view::npos) {
     return "is not a CSV file of commas: its columns are divided by something else";
   }
-  return any ? "" : "is not a motion: its first line names no column of one";
+  return any ? "" : "is not a motion: its first line names no columns";
 }
 
 /// The device's axis of that name, else the usual one.

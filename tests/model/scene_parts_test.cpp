@@ -158,6 +158,9 @@ TEST(ConvexMesh, BadMeshes_SayWhatIsWrong) {
   EXPECT_NE(problemOf(folder.path("none.stl")).find("there is no such"), std::string::npos);
   EXPECT_NE(problemOf(folder.write("empty.stl", "")).find("is empty"), std::string::npos);
   EXPECT_NE(
+      problemOf(folder.write("cup.xyz", "0 0 0\n")).find("no known kind: its name ends in .xyz"),
+      std::string::npos);
+  EXPECT_NE(
       problemOf(folder.write("noise.stl", "not a mesh")).find("holds no surface that can be read"),
       std::string::npos);
   const std::string millimetres =
@@ -329,8 +332,9 @@ TEST(Urdf, BadFiles_NameLineElementAndFault) {
   EXPECT_NE(said("").find("said.urdf: is empty; give"), std::string::npos) << said("");
   EXPECT_NE(said("kind = \"scene\"\n").find("it holds no XML"), std::string::npos)
       << said("kind\n");
-  EXPECT_NE(said("<robot>\n<link name=a/></robot>").find("said.urdf:2: is not whole XML"),
-            std::string::npos)
+  EXPECT_NE(
+      said("<robot>\n<link name=a/></robot>").find("said.urdf:2: is not whole XML: an attribute"),
+      std::string::npos)
       << said("<robot>\n<link name=a/></robot>");
   EXPECT_FALSE(loadUrdf(folder.write("other.urdf", "<model/>")).ok());
   EXPECT_FALSE(loadUrdf(folder.path("none.urdf")).ok());
