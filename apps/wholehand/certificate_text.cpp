@@ -2,7 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
+#include <utility>
 
 namespace wholehand {
 namespace {
@@ -80,26 +81,39 @@ std::string finding(const AxisCertificate& a) {
   }
 }
 
-/// What to type into the rendering file, of every axis that must change.
+/// What must change on one axis: "k_pm_n_m = 478, k_ps_per_s2 = 2910"; empty where nothing.
+std::string change(const AxisCertificate& a, const NearestGains& to) {
+  std::string out;
+  const auto set = [&](const std::string& key, double present, double value) {
+    if (value != present) out += fmt::format("{}{} = {:.6g}", out.empty() ? "" : ", ", key, value);
+  };
+  set(stiffnessKey(a.of.axis), a.of.gains.k_pm, to.k_pm);
+  set(dampingKey(a.of.axis), a.of.gains.k_dm, to.k_dm);
+  set("k_ps_per_s2", a.of.gains.k_ps_per_s2, to.k_ps_per_s2);
+  return out;
+}
+
+/// What to type into the rendering file; axes of one change together.
 std::string remedy(const AdvisedCertificate& judged) {
   if (!judged.nearest) {
     return "no smaller gains pass: the device needs more damping, less delay or a faster loop";
   }
-  std::string out;
+  std::vector<std::pair<std::string, std::string>> changes;  // what, on which axes
   for (std::size_t i = 0; i < judged.nearest->size(); ++i) {
-    const NearestGains& to = (*judged.nearest)[i];
     const AxisCertificate& a = judged.certificate.axes[i];
-    const AxisRendering& from = a.of.gains;
-    std::string change;
-    const auto set = [&](const std::string& key, double present, double value) {
-      if (value == present) return;
-      change += fmt::format("{}{} = {:.6g}", change.empty() ? "" : ", ", key, value);
-    };
-    set(stiffnessKey(a.of.axis), from.k_pm, to.k_pm);
-    set(dampingKey(a.of.axis), from.k_dm, to.k_dm);
-    set("k_ps_per_s2", from.k_ps_per_s2, to.k_ps_per_s2);
-    if (change.empty()) continue;
-    out += fmt::format("{}on {} {}", out.empty() ? "these pass: " : "; ", a.of.axis.name, change);
+    const std::string what = change(a, (*judged.nearest)[i]);
+    if (what.empty()) continue;
+    const auto same = std::find_if(changes.begin(), changes.end(),
+                                   [&](const auto& known) { return known.first == what; });
+    if (same == changes.end()) {
+      changes.emplace_back(what, a.of.axis.name);
+    } else {
+      same->second += ", " + a.of.axis.name;
+    }
+  }
+  std::string out;
+  for (const auto& [what, axes] : changes) {
+    out += fmt::format("{}{} on {}", out.empty() ? "these gains pass: " : "; ", what, axes);
   }
   return out;
 }

@@ -36,7 +36,8 @@ struct AxisAdvice {
 [[nodiscard]] std::optional<std::vector<NearestGains>> nearestGains(const CertificateInput& input,
                                                                     const Certificate& judged);
 
-/// True when nothing but their names tells two axes apart: they share certificate and advice.
+/// True when nothing but their names (and 1e-4 of the avatar's inertia) tells two axes apart: they
+/// share advice and chart.
 [[nodiscard]] bool sameCase(const AxisCase& a, const AxisCase& b);
 
 }  // namespace wholehand

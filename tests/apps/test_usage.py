@@ -17,6 +17,7 @@ OPTIONS = {
     "experiment grasping": ["--json", "--out", "--jittered", "--only", "--seed"],
     "experiment timing": ["--json", "--out", "--ticks", "--simulated-clock"],
     "validate": ["files"],
+    "certify": ["--device", "--rendering", "--hand", "--rate-hz", "--json", "--svg"],
     "doctor": ["--help"],
 }
 

@@ -1,0 +1,143 @@
+"""`wholehand certify`: its JSON, its exit codes, what it says, and that what it advises passes."""
+import json
+import math
+import re
+import unittest
+import xml.etree.ElementTree as ElementTree
+
+from app import BAD_INPUT, CONFIG, DONE, AppTest
+
+DEVICE, GAINS = CONFIG / "devices/lambda-pride.toml", CONFIG / "rendering/lambda-pride.toml"
+HAND = CONFIG / "hands/adult-median-right.toml"
+NOT_CERTIFIED = 1
+
+
+class Certify(AppTest):
+    def certify(self, *arguments, code=DONE):
+        result = self.expect(self.run_app("certify", *arguments, "--json", "c.json"), code)
+        return result, json.loads((self.folder / "c.json").read_text())
+
+    def gains(self, *changes, name="gains.toml"):
+        text = GAINS.read_text()
+        for old, new in changes:
+            self.assertIn(old, text)
+            text = text.replace(old, new)
+        return self.write(name, text)
+
+    def test_shipped_files_hold_the_contract(self):
+        for device, axes in (("desktop-3axis", 3), ("lambda-pride", 6), ("wrist-9axis", 9)):
+            with self.subTest(device):
+                path = CONFIG / f"devices/{device}.toml"
+                result, certificate = self.certify("--device", path, "--hand", HAND)
+                self.assertIs(certificate["certified"], True)
+                self.assertEqual(certificate["rate_hz"], 1000)
+                self.assertIsInstance(certificate["binding"], str)
+                self.assertEqual(len(certificate["axes"]), axes)
+                for axis in certificate["axes"]:
+                    self.assertIs(axis["passes"], True)
+                    self.assertIn(axis["name"], result.out)
+                    self.assertEqual(set(axis["spectral_radius"]), {"free", "rigid", "mass", "spring"})
+                    for radius in axis["spectral_radius"].values():
+                        self.assertLessEqual(radius, 1 + 1e-7)
+                    self.assertLessEqual(axis["damping_required"], axis["damping_available"])
+                    self.assertLessEqual(axis["k_pm"], axis["quantisation_limit"])
+                    self.assertLessEqual(axis["k_pm"], axis["rigid_contact_limit"])
+                    self.assertGreaterEqual(axis["admitted_k_pm"]["1000"], axis["k_pm"])
+                sentence = result.out.splitlines()[-1]
+                self.assertTrue(sentence.startswith("Certified at 1000 Hz with a margin of"), sentence)
+
+    def test_closed_forms(self):
+        # One axis of the three: b 3 N·s/m, one tick of delay, f_c 0.1 N, Δ 20 µm, T 1 ms.
+        _, certificate = self.certify("--device", CONFIG / "devices/desktop-3axis.toml")
+        axis = certificate["axes"][0]
+        self.assertAlmostEqual(axis["rigid_contact_formula"], 3 / (1e-3 * 1.5))
+        self.assertAlmostEqual(axis["viscous_limit"], 2 * 3 / 1e-3)
+        self.assertAlmostEqual(axis["coulomb_limit"], 2 * 0.1 / 2e-5)
+        self.assertAlmostEqual(axis["quantisation_limit"], 6000)
+
+    def test_rate_counts(self):
+        _, certificate = self.certify("--rate-hz", "4000")
+        self.assertEqual(certificate["rate_hz"], 4000)
+        self.assertAlmostEqual(certificate["axes"][0]["viscous_limit"], 2 * 6 * 4000)
+        self.certify("--rate-hz", "250", code=NOT_CERTIFIED)
+
+    def test_gains_that_are_too_stiff_name_axis_and_remedy_and_the_remedy_passes(self):
+        hot = self.gains(("k_pm_n_m = 1000.0", "k_pm_n_m = 50000.0"))
+        result, certificate = self.certify("--rendering", hot, code=NOT_CERTIFIED)
+        self.assertIs(certificate["certified"], False)
+        self.assertEqual(certificate["binding"], "x.damping")
+        self.assertEqual([a["passes"] for a in certificate["axes"]], [False] * 3 + [True] * 3)
+        sentence = result.out.splitlines()[-1]
+        self.assertTrue(sentence.startswith("NOT certified at 1000 Hz: x: "), sentence)
+        nearest = certificate["axes"][0]["nearest"]
+        found = re.search(r"k_pm_n_m = (\S+) on x, y, z", sentence)
+        self.assertIsNotNone(found, sentence)
+        self.assertEqual(float(found[1]), nearest["k_pm"])
+        mild = self.gains(("k_pm_n_m = 1000.0", f"k_pm_n_m = {found[1]}"), name="mild.toml")
+        self.certify("--rendering", mild)
+        still = self.gains(("k_pm_n_m = 1000.0", f"k_pm_n_m = {1.03 * float(found[1])}"), name="still.toml")
+        self.certify("--rendering", still, code=NOT_CERTIFIED)
+
+    def test_paper_gains_need_more_damping_than_the_device_has(self):
+        # γ = 0: at least K k_d / 4 k_p, k_d = 2 √k_p − T k_p and here k_p = 4000 s⁻².
+        paper = self.gains(("paper = false", "paper = true"))
+        _, certificate = self.certify("--rendering", paper, code=NOT_CERTIFIED)
+        axis = certificate["axes"][0]
+        self.assertAlmostEqual(axis["k_ps_per_s2"], 4000, delta=1)
+        least = 1000 * (2 * math.sqrt(4000) - 4) / (4 * 4000)
+        self.assertGreater(axis["damping_required"], least)
+        self.assertLess(axis["damping_required"], least + 1.5)  # and the delay: K T (½ + n)
+
+    def test_unstable_gains_load_and_spectral_radii_say_so(self):
+        hot = self.gains(("k_pm_n_m = 1000.0", "k_pm_n_m = 900000.0"))
+        _, certificate = self.certify("--rendering", hot, code=NOT_CERTIFIED)
+        self.assertGreater(certificate["axes"][0]["spectral_radius"]["rigid"], 1.01)
+        self.assertLess(certificate["axes"][0]["margin"], 0.01)
+
+    def test_device_without_damping_cannot_be_helped_by_gains(self):
+        text = re.sub(r"damping_n_s_m = 6.0", "damping_n_s_m = 0.0", DEVICE.read_text())
+        device = self.write("slippery.toml", text)
+        result, certificate = self.certify("--device", device, "--rendering", GAINS, code=NOT_CERTIFIED)
+        self.assertIn("no smaller gains pass", result.out)
+        self.assertNotIn("nearest", certificate["axes"][0])
+
+    def test_chart_is_an_svg_with_every_axis(self):
+        self.expect(self.run_app("certify", "--svg", "z.svg"), DONE)
+        words = " ".join(ElementTree.parse(self.folder / "z.svg").getroot().itertext())
+        for word in ("x, y, z", "finger_flexion", "thumb_circumduction", "thumb_flexion", "any person",
+                     "rigid stop", "quantisation", "this axis", "N·m/rad"):
+            self.assertIn(word, words)
+
+    def test_files_that_are_not_well_formed(self):
+        bad_gains = self.gains(("gamma = 0.3", "gamma = nan"), name="bad-gains.toml")
+        bad_device = self.write("bad-device.toml", DEVICE.read_text().replace("mass_kg = 0.8", "mass_kg = -1", 1))
+        for arguments, texts in (
+                (["--rendering", bad_gains], ["bad-gains.toml", "gamma"]),
+                (["--device", bad_device, "--rendering", GAINS], ["bad-device.toml", "mass_kg"]),
+                (["--hand", GAINS], ["lambda-pride.toml", "hand"]),
+                (["--device", "none.toml"], ["none.toml"]),
+                (["--device", CONFIG / "devices/wrist-9axis.toml", "--rendering", GAINS], ["roll"]),
+                (["--rate-hz", "nan"], ["--rate-hz"]),
+                (["--rate-hz", "0"], ["--rate-hz"]),
+        ):
+            with self.subTest(arguments):
+                result = self.run_app("certify", *arguments, "--json", "c.json", "--svg", "c.svg")
+                self.expect_refused(result, *texts)
+        self.assertFalse((self.folder / "c.json").exists())  # nothing half-written
+        self.assertFalse((self.folder / "c.svg").exists())
+
+    def test_faults_of_all_files_are_told_at_once(self):
+        bad_gains = self.gains(("gamma = 0.3", "gamma = 2.0"), name="bad-gains.toml")
+        bad_hand = self.write("bad-hand.toml", HAND.read_text().replace("length_m = 0.1880", "length_m = -1"))
+        result = self.run_app("certify", "--rendering", bad_gains, "--hand", bad_hand)
+        self.expect_refused(result, "bad-gains.toml", "bad-hand.toml", lines=2)
+
+    def test_place_that_cannot_be_written(self):
+        self.write("file", "not a folder")
+        result = self.run_app("certify", "--json", "file/c.json")
+        self.expect_refused(result, "file")
+        self.assertEqual(result.code, BAD_INPUT)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
