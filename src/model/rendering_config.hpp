@@ -27,7 +27,7 @@ struct AxisRendering {
 struct RenderingConfig {
   std::string path;
   std::string name;
-  bool paper = false;               ///< the seed's own law: γ = 0, f_d = 0
+  bool paper = false;               ///< the paper's own law: γ = 0, f_d = 0
   std::vector<AxisRendering> axes;  ///< in the device's order, one for each of its axes
 };
 

@@ -12,7 +12,7 @@ MUG, PRISM = CONFIG / "scenes/assets/mug.urdf", CONFIG / "scenes/assets/octagona
 
 # What is spoiled, how, and what the one message must contain besides the file. Where the new text is
 # not empty, its line must be named too.
-#   (what the issue calls it, file, old text, new text, texts of the message)
+#   (what is wrong, file, old text, new text, texts of the message)
 MISTAKES = [
     ("missing key", DEVICE, "effort_limit_n = 20.0\n", "", ["effort_limit_n", "missing"]),
     ("missing key", GAINS, "k_dm_n_s_m = 10.0\n", "", ["k_dm_n_s_m", "missing"]),

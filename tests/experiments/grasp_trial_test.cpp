@@ -1,4 +1,4 @@
-// The paper's Fig. 5 through device, patient and renderer: the figures of the issue.
+// The paper's Fig. 5 through device, patient and renderer: the figures that README.md promises.
 #include "experiments/grasp_trial.hpp"
 
 #include "assembly/recorded_run.hpp"

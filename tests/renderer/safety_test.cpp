@@ -15,7 +15,7 @@ using testing::FaultyDevice;
 using testing::InjectedFault;
 
 constexpr double kPeriod_s = 1e-3;
-constexpr int kNeutralWithin = 100;  // ticks: the 100 ms
+constexpr int kNeutralWithin = 100;  // ticks; 100 ms is the longest ramp allowed
 
 double uniform(std::mt19937_64& random, double low, double high) {
   return low + (high - low) * static_cast<double>(random() >> 11U) * 0x1.0p-53;
