@@ -10,7 +10,8 @@
 
 namespace wholehand {
 
-/// The most contact points one record holds; further ones are counted (Fault::kContactsDropped).
+/// The most contact points one record holds; further ones act but are only counted
+/// (Fault::kContactsDropped).
 inline constexpr int kMaxContacts = 64;
 /// The most bodies (fixed ones included) a scene may have.
 inline constexpr int kMaxBodies = 32;

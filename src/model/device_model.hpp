@@ -18,7 +18,7 @@ struct DeviceAxis {
   AxisGroup group = AxisGroup::kBase;
   double lower = 0.0, upper = 0.0;  ///< range [m or rad]
   double effort_limit = 0.0;        ///< [N or N·m], > 0
-  double speed_limit = 0.0;         ///< [m/s or rad/s], > 0
+  double speed_limit = 0.0;         ///< [m/s or rad/s], > 0; motions are slowed down to it
   double mass = 0.0;                ///< moving mass [kg or kg·m²], > 0
   double damping = 0.0;             ///< viscous friction [N·s/m or N·m·s/rad], >= 0
   double coulomb = 0.0;             ///< dry friction [N or N·m], >= 0

@@ -24,7 +24,7 @@ struct WorldState {
 /// What drives the hand through one step, computed at the state that observe() gave.
 struct HandDrive {
   JointEffort torque;                                   ///< τ = M G M_r⁻¹ f_s + h
-  const AxisMatrix* reduced_inertia_inverse = nullptr;  ///< M_r⁻¹; an engine may ignore it
+  const AxisMatrix* reduced_inertia_inverse = nullptr;  ///< M_r⁻¹; without it an engine may refuse
 };
 
 /// The touching points of the last step.

@@ -4,6 +4,7 @@
 #include "safety/force_limiter.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace wholehand {
 namespace {
@@ -30,10 +31,15 @@ HapticRenderer::HapticRenderer(HapticDevice& device, PhysicsWorld& world, const 
 
 Expected<Done> HapticRenderer::arm() {
   if (Expected<Done> opened = device_.open(); !opened) return opened;
-  if (any(device_.read(reading_, 1)) || !allFinite(reading_.q_m)) {
+  if (any(device_.read(reading_, 1)) || !allFinite(reading_.q_m) ||
+      reading_.q_m.size() != config_.gains.axes) {
+    device_.close();  // nobody will tick it
     return Diagnostic{"", 0, "", "", "the device gives no position", "check that it is connected"};
   }
-  if (Expected<Done> placed = world_.placeHand(reading_.q_m); !placed) return placed;
+  if (Expected<Done> placed = world_.placeHand(reading_.q_m); !placed) {
+    device_.close();
+    return placed;
+  }
   armed_position_ = reading_.q_m;
   const int axes = config_.gains.axes;
   velocity_ = VelocityState{};
@@ -77,7 +83,12 @@ void HapticRenderer::tick(std::uint32_t elapsed_periods, TickRecord& record,
 void HapticRenderer::readDevice(std::uint32_t elapsed_periods, TickRecord& record) noexcept {
   const Fault fault = device_.read(reading_, static_cast<int>(elapsed_periods));
   record.faults |= fault;
-  if (!any(fault) && !allFinite(reading_.q_m)) record.faults |= Fault::kNonFinitePosition;
+  if (reading_.q_m.size() != config_.gains.axes) {  // a missing axis would read as 0 and be pulled
+    record.faults |= Fault::kDeviceRead;
+    reading_.q_m = AxisPosition(config_.gains.axes, std::numeric_limits<double>::quiet_NaN());
+  } else if (!any(fault) && !allFinite(reading_.q_m)) {
+    record.faults |= Fault::kNonFinitePosition;
+  }
   record.q_m = reading_.q_m;
   record.intention = reading_.intention;
   record.patient_effort = reading_.patient_effort;

@@ -38,7 +38,8 @@ class HapticRenderer {
   HapticRenderer(HapticDevice& device, PhysicsWorld& world, const HandModel& hand,
                  const RendererConfig& config);
 
-  /// Opens the device, reads it and puts the simulated hand there. Not real-time safe.
+  /// Opens the device, reads it and puts the simulated hand there. Where that fails the device is
+  /// closed again. Not real-time safe.
   [[nodiscard]] Expected<Done> arm();
 
   /// One tick; fills the record but for what the session writes. Real-time safe.
@@ -52,6 +53,10 @@ class HapticRenderer {
 
   /// True once the device is at its neutral effort after a stop or a fault.
   [[nodiscard]] bool atNeutral() const noexcept;
+
+  /// The stopping faults of this run so far; kNone again once armed. For the thread that ticks, or
+  /// after its end. Real-time safe.
+  [[nodiscard]] Fault latched() const noexcept { return latched_; }
 
   [[nodiscard]] const RendererConfig& config() const noexcept { return config_; }
   /// The device's position at which arm() put the hand.

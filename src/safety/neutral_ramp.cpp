@@ -21,11 +21,16 @@ AxisEffort blend(const AxisEffort& neutral, const AxisEffort& effort, double sha
   return out;
 }
 
-void render(NeutralRampState& s, const AxisEffort& wanted, const AxisEffort& neutral,
-            double period_s, double engage_s) noexcept {
+void engageAnew(NeutralRampState& s) noexcept {
+  s.held = s.sent;
+  s.elapsed_s = 0.0;
+}
+
+void render(NeutralRampState& s, const AxisEffort& wanted, double period_s,
+            double engage_s) noexcept {
   s.elapsed_s += period_s;
   s.authority = smoothstep(s.elapsed_s, engage_s);
-  s.sent = blend(neutral, wanted, s.authority);
+  s.sent = blend(s.held, wanted, s.authority);
 }
 
 void ramp(NeutralRampState& s, const AxisEffort& neutral, double elapsed_s,
@@ -63,7 +68,8 @@ NeutralRampState advanceRamp(const NeutralRampState& state, const AxisEffort& wa
   }
   switch (next.phase) {
     case RampPhase::kRendering:
-      render(next, wanted, neutral, period_s, config.engage_s);
+      if (elapsed_s > config.gap_s) engageAnew(next);
+      render(next, wanted, period_s, config.engage_s);
       break;
     case RampPhase::kRamping:
       ramp(next, neutral, elapsed_s, config.ramp_s);

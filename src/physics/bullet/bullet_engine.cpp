@@ -21,6 +21,13 @@ constexpr int kNoGroup = 0;
 // More than this many pairs touch at once only in scenes far too large for the tick.
 constexpr std::size_t kRehearsedManifolds = 1024;
 
+// Surfaces nearer than this are a contact point; boxes are padded by as much. Bullet keeps it in
+// one variable of the process, so it is one constant, set once.
+double contactThreshold() {
+  static const double threshold_m = gContactBreakingThreshold = 5e-4;
+  return threshold_m;
+}
+
 // Deeper than this at the start, the solver would throw the body away.
 constexpr double kAllowedOverlap_m = 2e-4;
 
@@ -33,7 +40,7 @@ BulletEngine::BulletEngine(const HandModel& hand_in, const SceneModel& scene,
       kinematics(hand_in),
       palm_distance(hand_in, scene),
       scene_path(scene.path),
-      dispatcher(&configuration, settings.contact_threshold_m),
+      dispatcher(&configuration, contactThreshold()),
       solver(hand_in, synergy, settings),
       world(&dispatcher, &broadphase, &solver, &configuration),
       hand(hand_in, scene.hand_friction) {
@@ -70,7 +77,6 @@ BulletEngine::~BulletEngine() {
 // Each setting that differs from stock is explained in ADR 3.
 void BulletEngine::configure(const SceneModel& scene, const SolverSettings& settings) {
   world.setGravity(toBt(scene.gravity_m_s2));
-  gContactBreakingThreshold = settings.contact_threshold_m;
   dispatcher.setDispatcherFlags(dispatcher.getDispatcherFlags() &
                                 ~btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD);
   world.setForceUpdateAllAabbs(true);
@@ -131,6 +137,10 @@ void BulletEngine::rehearseStep() {
   world.stepSimulation(1e-6, 0);
   solver.beginStep();
   for (BulletBody& body : bodies) body.putAtStart();
+  forgetContacts();
+}
+
+void BulletEngine::forgetContacts() {
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
     dispatcher.getManifoldByIndexInternal(m)->clearManifold();
   }

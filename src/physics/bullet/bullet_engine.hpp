@@ -29,6 +29,8 @@ struct BulletEngine {
 
   /// Puts joints and capsules there. Real-time safe.
   void setHand(const JointPosition& theta, const double* theta_dot) noexcept;
+  /// Drops every contact point with the impulses it remembers.
+  void forgetContacts();
   /// The deepest overlap of each body with the hand, after collision detection.
   [[nodiscard]] Diagnostics overlaps();
 

@@ -9,6 +9,16 @@ namespace wholehand {
 
 using bullet::toVec3;
 
+namespace {
+
+bool allFinite(const BodyState& body) {
+  return body.position_m.eigen().allFinite() && body.velocity_m_s.eigen().allFinite() &&
+         body.angular_velocity_rad_s.eigen().allFinite() &&
+         body.orientation_xyzw.eigen().coeffs().allFinite();
+}
+
+}  // namespace
+
 BulletWorld::BulletWorld(const HandModel& hand, const SceneModel& scene,
                          const BulletSettings& settings)
     : engine_(std::make_unique<bullet::BulletEngine>(hand, scene, settings)) {}
@@ -17,6 +27,13 @@ BulletWorld::~BulletWorld() = default;
 
 Expected<Done> BulletWorld::placeHand(const AxisPosition& q_s) {
   bullet::BulletEngine& e = *engine_;
+  for (std::size_t i = 0; i < e.bodies.size(); ++i) {
+    if (allFinite(e.bodies[i].state())) continue;
+    return Diagnostic{
+        e.scene_path,          0, "bodies." + e.body_names[i], "", "is nowhere after a fault",
+        "build the scene anew"};
+  }
+  e.forgetContacts();
   JointPosition theta;
   e.synergy.expand(q_s, theta);
   const std::array<double, kMaxJoints> at_rest{};
@@ -40,8 +57,7 @@ Fault BulletWorld::observe(WorldState& state) noexcept {
   bool finite = allFinite(state.q_s) && allFinite(state.qd_s);
   for (int i = 0; i < state.body_count; ++i) {
     state.bodies[i] = e.bodies[i].state();
-    finite = finite && state.bodies[i].position_m.eigen().allFinite() &&
-             state.bodies[i].velocity_m_s.eigen().allFinite();
+    finite = finite && allFinite(state.bodies[i]);
   }
   state.palm_distance_m =
       e.palm_distance(e.kinematics.linkPose(e.hand_model.palm_link), state.bodies.data());
@@ -50,6 +66,7 @@ Fault BulletWorld::observe(WorldState& state) noexcept {
 
 Fault BulletWorld::step(const HandDrive& drive, double period_s) noexcept {
   bullet::BulletEngine& e = *engine_;
+  if (drive.reduced_inertia_inverse == nullptr) return Fault::kPhysicsStep;
   e.period_s = period_s;
   e.solver.setReducedInertiaInverse(drive.reduced_inertia_inverse);
   e.solver.beginStep();
@@ -79,10 +96,14 @@ Fault BulletWorld::step(const HandDrive& drive, double period_s) noexcept {
 void BulletWorld::contacts(ContactList& contacts) const noexcept {
   const bullet::BulletEngine& e = *engine_;
   contacts.count = 0;
-  contacts.dropped = e.solver.dropped();
+  contacts.dropped = e.solver.dropped();  // not even solved
   for (int i = 0; i < e.solver.contactCount(); ++i) {
     const bullet::HandContact& c = e.solver.contact(i);
     if (c.normal_row.impulse <= 0.0) continue;
+    if (contacts.count == kMaxContacts) {
+      ++contacts.dropped;
+      continue;
+    }
     Contact& out = contacts.points[contacts.count++];
     const double per_s = 1.0 / e.period_s;
     out.capsule = c.capsule;

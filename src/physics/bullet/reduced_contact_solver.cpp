@@ -16,6 +16,8 @@ namespace {
 // the spin row has no joint to turn. Dividing by it gave NaN.
 constexpr double kLeastInverseMass = 1e-12;
 constexpr double kNoLimit = 1e30;
+// More points than a record shows: what is not shown still pushes.
+constexpr int kMostContacts = 4 * kMaxContacts;
 constexpr int kNarrow = 8;  // axes that most devices do not exceed
 
 // True when friction is at its limit, or there is none because nothing presses.
@@ -39,7 +41,7 @@ void letGoOfAnchor(btManifoldPoint& point) {
 
 ReducedContactSolver::ReducedContactSolver(const HandModel& hand, const Synergy& synergy,
                                            const SolverSettings& settings)
-    : synergy_(synergy), axes_(hand.axis_count), settings_(settings), contacts_(kMaxContacts) {
+    : synergy_(synergy), axes_(hand.axis_count), settings_(settings), contacts_(kMostContacts) {
   reserve();
 }
 
@@ -93,7 +95,7 @@ void ReducedContactSolver::convertHandManifold(btPersistentManifold& manifold,
   for (int k = 0; k < manifold.getNumContacts(); ++k) {
     btManifoldPoint& point = manifold.getContactPoint(k);
     if (point.getDistance() > manifold.getContactProcessingThreshold()) continue;
-    if (contact_count_ == kMaxContacts) {
+    if (contact_count_ == kMostContacts) {
       ++dropped_;
       continue;
     }

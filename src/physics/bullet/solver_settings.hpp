@@ -8,8 +8,6 @@ struct SolverSettings {
   double contact_erp = 0.05;  ///< share of a penetration removed per step
   double friction_anchor_erp = 0.2;  ///< share of a tangential drift removed per step
   double penetration_slop_m = 1e-5;
-  double contact_threshold_m = 5e-4;   ///< surfaces nearer than this are a contact point; also by
-                                       ///< how much boxes are padded before shapes are compared
   double warm_start = 0.9;             ///< share of last step's impulses to start from
   double spinning_friction_m = 0.002;  ///< torque about the normal per normal force; the soft pad
 };
