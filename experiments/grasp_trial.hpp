@@ -26,7 +26,7 @@ struct GraspTrial {
   [[nodiscard]] std::string name() const;
 };
 
-/// What the issue asks of a grasp.
+/// How one grasp went.
 struct GraspResult {
   GraspTrial trial;
   bool dropped = false;
