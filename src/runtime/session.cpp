@@ -17,6 +17,12 @@ class Session::TimedStages final : public StageListener {
 Session::Session(HapticRenderer& renderer, const SessionConfig& config)
     : renderer_(renderer), config_(config), queue_(config.queue_ticks) {}
 
+Session::~Session() {
+  // Only a loop that runs: a renderer that another session will tick must not find a stop request.
+  if (running()) requestStop();
+  join();
+}
+
 Expected<SetupReport> Session::start(const PeriodicThreadConfig& thread) {
   thread_ = std::make_unique<PeriodicThread>(
       thread, [this](std::uint32_t elapsed_periods, std::int64_t lateness_ns) noexcept {
@@ -63,9 +69,20 @@ bool Session::tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) 
   record_.wall_ns = times.wall_ns;
   record_.cpu_ns = times.cpu_ns;
   record_.stage_cpu_ns = times.stage_cpu_ns;
-  ++counters_.ticks_run;
-  counters_.allocations += allocationsSoFar() - allocated;
+  count(allocationsSoFar() - allocated);
   return !renderer_.atNeutral();
+}
+
+void Session::count(std::uint64_t allocations) noexcept {
+  SessionCounters& c = counters_;
+  ++c.ticks_run;
+  c.skipped_periods += record_.elapsed_periods - 1;
+  c.allocations += allocations;
+  c.latched = renderer_.latched();
+  for (unsigned bit = 0; bit < kFaultBits; ++bit) {
+    c.faults[bit] += static_cast<std::uint32_t>(record_.faults) >> bit & 1U;
+  }
+  if (any(record_.faults & kStopping)) ++c.stopping_faults;
 }
 
 }  // namespace wholehand

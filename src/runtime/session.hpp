@@ -6,6 +6,7 @@
 #include "realtime/stage_clock.hpp"
 #include "renderer/haptic_renderer.hpp"
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -21,10 +22,14 @@ struct SessionConfig {
   std::uint64_t (*count_allocations)() noexcept = nullptr;
 };
 
-/// What the real-time side counts for itself, beside the records.
+/// What the real-time side counts for itself: true even where a full queue dropped the record.
 struct SessionCounters {
-  std::uint64_t ticks_run = 0;    ///< tick() calls
-  std::uint64_t allocations = 0;  ///< inside tick(), when counted
+  std::uint64_t ticks_run = 0;        ///< tick() calls
+  std::uint64_t skipped_periods = 0;  ///< missed deadlines; with ticks_run, all periods
+  std::uint64_t allocations = 0;      ///< inside tick(), when counted
+  Fault latched = Fault::kNone;       ///< the faults that stopped the run
+  std::array<std::uint64_t, kFaultBits> faults{};  ///< ticks in which each bit was set
+  std::uint64_t stopping_faults = 0;               ///< ticks with a fault that stops rendering
 };
 
 /// Runs a renderer, tick after tick, until its time is over, it is asked to stop, or a fault has
@@ -34,6 +39,10 @@ class Session {
  public:
   /// @pre renderer is armed and outlives this
   Session(HapticRenderer& renderer, const SessionConfig& config);
+  /// Where it still runs: ramps to neutral first, which takes up to 100 ms.
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
 
   /// Real time: a thread of its own ticks at the renderer's period until the end.
   [[nodiscard]] Expected<SetupReport> start(const PeriodicThreadConfig& thread);
@@ -58,15 +67,16 @@ class Session {
   class TimedStages;
   [[nodiscard]] std::uint64_t allocationsSoFar() const noexcept;
   [[nodiscard]] bool tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) noexcept;
+  void count(std::uint64_t allocations) noexcept;
 
   HapticRenderer& renderer_;
   const SessionConfig config_;
   SpscQueue<TickRecord> queue_;
-  std::unique_ptr<PeriodicThread> thread_;
   StageClock clock_;
   TickRecord record_;  ///< reused: the tick's own copy
   std::uint64_t next_tick_ = 0;
   SessionCounters counters_;
+  std::unique_ptr<PeriodicThread> thread_;  ///< last: joined before what it writes to goes
 };
 
 }  // namespace wholehand

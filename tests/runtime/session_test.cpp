@@ -3,6 +3,7 @@
 
 #include "control/adaptive_damping.hpp"
 #include "control/coupling_gains.hpp"
+#include "device/faulty_device.hpp"
 #include "device/one_axis.hpp"
 #include "physics/analytic/analytic_world.hpp"
 
@@ -46,7 +47,8 @@ AnalyticScene stopAt(double x_m) {
 
 /// A person who pushes 4 cm beyond a stop at 1 cm, with 200 N/m.
 struct Rail {
-  explicit Rail(const SessionConfig& session_config) {
+  explicit Rail(const SessionConfig& session_config,
+                std::vector<testing::InjectedFault> faults = {}) {
     device_model.axes[0].damping = 6.0;
     device_model.axes[0].neutral_effort = 1.5;
     person.axes[0] = {"x", 0.5, 15.0, 200.0};
@@ -54,6 +56,7 @@ struct Rail {
         device_model, person,
         Intention::throughWaypoints({{0.0, AxisPosition(1, 0.0)}, {0.1, AxisPosition(1, 0.05)}}),
         kPeriod_s);
+    faulty = std::make_unique<testing::FaultyDevice>(*device, std::move(faults));
     RenderingConfig rendering;
     rendering.axes.resize(1);
     rendering.axes[0].k_pm = 1000.0;
@@ -65,7 +68,7 @@ struct Rail {
     config.damping = makeAdaptiveDamping(device_model, rendering);
     config.effort_limit = AxisEffort(1, 20.0);
     config.neutral = device_model.neutral();
-    renderer = std::make_unique<HapticRenderer>(*device, world, hand, config);
+    renderer = std::make_unique<HapticRenderer>(*faulty, world, hand, config);
     EXPECT_TRUE(renderer->arm());
     session = std::make_unique<Session>(*renderer, session_config);
   }
@@ -75,6 +78,7 @@ struct Rail {
   PatientConfig person = testing::nobody();
   AnalyticWorld world{hand, stopAt(0.01)};
   std::unique_ptr<SimulatedDevice> device;
+  std::unique_ptr<testing::FaultyDevice> faulty;  ///< before it; keeps the last effort written
   std::unique_ptr<HapticRenderer> renderer;
   std::unique_ptr<Session> session;
 };
@@ -128,7 +132,9 @@ TEST(RealTimeSession, ForItsTime_GivesEveryRecordInOrder) {
   const std::vector<TickRecord> records = drain(*rail.session);
   rail.session->join();
   EXPECT_EQ(rail.session->droppedRecords(), 0U);
-  ASSERT_EQ(records.size(), rail.session->counters().ticks_run);
+  const SessionCounters counters = rail.session->counters();
+  ASSERT_EQ(records.size(), counters.ticks_run);
+  EXPECT_EQ(records.back().tick + 1, counters.ticks_run + counters.skipped_periods);
   std::uint64_t periods = 0;
   for (std::size_t k = 0; k < records.size(); ++k) {
     const TickRecord& r = records[k];
@@ -184,6 +190,52 @@ TEST(RealTimeSession, AskedToStopFromAnotherThread_EndsAtNeutral) {
     }
   }
   EXPECT_LE(ramp_periods - records.back().elapsed_periods, 100U);
+}
+
+TEST(RealTimeSession, DestroyedWhileItRuns_LeavesTheDeviceAtNeutral) {
+  Rail rail({});  // without end
+  startThread(*rail.session);
+  TickRecord last;
+  // Pressed against the stop: what the device holds is far from its neutral effort.
+  for (int i = 0; i < 200 && !(last.tick > 200 && std::abs(last.sent[0] - 1.5) > 1.0); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    while (rail.session->tryPop(last)) {
+    }
+  }
+  ASSERT_GT(std::abs(last.sent[0] - 1.5), 1.0);
+  ASSERT_TRUE(rail.session->running());
+  rail.session.reset();
+  EXPECT_EQ(rail.faulty->written()[0], 1.5);
+  EXPECT_TRUE(rail.renderer->atNeutral());
+}
+
+TEST(Session, DestroyedBeforeItRan_LeavesTheRendererToTheNextOne) {
+  SessionConfig config;
+  config.duration_ticks = 20;
+  Rail rail(config);
+  rail.session = std::make_unique<Session>(*rail.renderer, config);
+  rail.session->runSimulated([](const TickRecord&) {});
+  EXPECT_EQ(rail.session->counters().ticks_run, 20U + kRampTicks);
+}
+
+TEST(RealTimeSession, FaultWhoseRecordsWereDropped_IsCountedWithEveryPeriod) {
+  SessionConfig config;
+  config.queue_ticks = 4;
+  // arm() is the first read; the fault is in tick 40.
+  Rail rail(config, {{testing::InjectedFault::Kind::kReadFails, 41, 41, 0}});
+  startThread(*rail.session);
+  rail.session->join();
+  std::uint64_t told = 0;
+  TickRecord record;
+  while (rail.session->tryPop(record)) told += any(record.faults & kStopping) ? 1 : 0;
+  ASSERT_EQ(told, 0U);  // no record knows of it
+  const SessionCounters c = rail.session->counters();
+  EXPECT_EQ(c.latched, Fault::kDeviceRead);
+  EXPECT_EQ(c.stopping_faults, 1U);
+  EXPECT_EQ(c.faults[0], 1U);  // the device's read
+  // 40 ticks, then the ramp of 80 periods; a skipped period replaces a tick of the ramp.
+  EXPECT_GE(c.ticks_run + c.skipped_periods, 40U + kRampTicks);
+  EXPECT_LE(c.ticks_run, 40U + kRampTicks);
 }
 
 TEST(RealTimeSession, OnTime_GivesTheBitsOfTheSimulatedClock) {
