@@ -2,9 +2,11 @@
 
 #include "core/tick_record.hpp"
 
+#include <array>
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -15,7 +17,8 @@ class TickStatistics;
 
 /// The only consumer of the real-time side's records: takes them from their queue on a thread of
 /// its own, and hands each to the recorder, the statistics and any other sink. A slow disk slows
-/// this thread alone; the queue then fills, drops and counts.
+/// this thread alone; the queue then fills, drops and counts. A consumer that throws is asked no
+/// more, the others go on: what happens here never ends the process, and with it the loop.
 ///
 /// The recorder, the statistics and the sinks must outlive the hub.
 class TelemetryHub {
@@ -40,11 +43,28 @@ class TelemetryHub {
   /// @pre the source's producer has ended (else the drain follows it until it pauses).
   void stop();
   [[nodiscard]] std::uint64_t consumed() const noexcept { return consumed_; }
+  /// Records that the recorder did not get since it threw. Valid after stop().
+  [[nodiscard]] std::uint64_t unrecorded() const noexcept { return unrecorded_; }
+  /// What threw, in words: "sink 2 threw: bad file". Valid after stop().
+  [[nodiscard]] std::vector<std::string> failures() const;
 
  private:
-  void run();
+  /// Without heap: it is filled in where memory may have run out.
+  struct Failure {
+    const char* consumer = "";
+    std::size_t number = 0;
+    std::array<char, 120> why{};
+  };
+
+  /// Calls a consumer; false where it threw.
+  template <class Call>
+  bool holds(const char* consumer, std::size_t number, Call&& call) noexcept;
+  void noteFailure(const char* consumer, std::size_t number, const char* why) noexcept;
+  void hand(const TickRecord& record) noexcept;
+  void flush() noexcept;
+  void run() noexcept;
   /// Takes all records that wait; true when there was one.
-  bool drain();
+  bool drain() noexcept;
 
   Source source_;
   RecordingWriter* writer_ = nullptr;
@@ -53,6 +73,9 @@ class TelemetryHub {
   std::thread thread_;
   std::atomic<bool> stopping_{false};
   std::atomic<std::uint64_t> consumed_{0};
+  bool recording_failed_ = false;
+  std::uint64_t unrecorded_ = 0;
+  std::vector<Failure> failures_;  ///< room for one of each is reserved by start()
 };
 
 }  // namespace wholehand

@@ -9,7 +9,11 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <new>
+#include <stdexcept>
+#include <string>
 #include <thread>
+#include <vector>
 
 namespace wholehand {
 namespace {
@@ -106,6 +110,70 @@ TEST(TelemetryHub, StopAfterBurst_EverySinkHasEveryRecord) {
   ASSERT_EQ(seen.size(), 1003U);
   for (std::uint64_t i = 0; i < seen.size(); ++i) ASSERT_EQ(seen[i], i);
   EXPECT_EQ(writer->written(), 1003U);  // flushed, although not yet closed
+}
+
+/// A disk whose driver throws at one tick.
+class BrokenRecorder final : public RecordingWriter {
+ public:
+  bool append(const TickRecord& record) override {
+    if (record.tick == 10) throw std::bad_alloc();
+    ++written_;
+    return true;
+  }
+  void flush() override {}
+  void close() override {}
+  [[nodiscard]] std::uint64_t written() const override { return written_; }
+  [[nodiscard]] std::uint64_t dropped() const override { return 0; }
+
+ private:
+  std::uint64_t written_ = 0;
+};
+
+TEST(TelemetryHub, ConsumersThatThrow_AreAskedNoMoreAndToldOf) {
+  BrokenRecorder recorder;
+  TickStatistics statistics;
+  std::uint64_t next = 0;
+  std::mt19937_64 random(1);
+  TelemetryHub hub([&](TickRecord& r) {
+    if (next >= 100) return false;
+    r = synthetic::noisy(next++, random);
+    return true;
+  });
+  int before = 0, after = 0, good = 0;
+  hub.record(recorder);
+  hub.count(statistics);
+  hub.add([&](const TickRecord& r) {
+    ++before;
+    if (r.tick == 20) throw std::runtime_error("no more paper");
+  });
+  hub.add([&](const TickRecord&) {
+    ++after;
+    throw 7;
+  });
+  hub.add([&](const TickRecord&) { ++good; });
+  hub.start();
+  hub.stop();
+  EXPECT_EQ(hub.consumed(), 100U);
+  EXPECT_EQ(statistics.snapshot().records, 100U);
+  EXPECT_EQ(good, 100);
+  EXPECT_EQ(before, 21);  // 0 to 20
+  EXPECT_EQ(after, 1);
+  EXPECT_EQ(recorder.written(), 10U);  // 0 to 9
+  EXPECT_EQ(hub.unrecorded(), 90U);
+  const std::vector<std::string> failures = hub.failures();
+  ASSERT_EQ(failures.size(), 3U);
+  EXPECT_EQ(failures[0], "sink 2 threw: something that is no std::exception");
+  EXPECT_EQ(failures[1], std::string("the recorder threw: ") + std::bad_alloc().what());
+  EXPECT_EQ(failures[2], "sink 1 threw: no more paper");
+}
+
+TEST(TelemetryHub, SourceThatThrows_EndsInSilenceAndIsToldOf) {
+  TelemetryHub hub([](TickRecord&) -> bool { throw std::runtime_error("gone"); });
+  hub.start();
+  hub.stop();
+  EXPECT_EQ(hub.consumed(), 0U);
+  ASSERT_EQ(hub.failures().size(), 1U);
+  EXPECT_EQ(hub.failures()[0], "the source threw: gone");
 }
 
 }  // namespace
