@@ -35,8 +35,8 @@ Expected<Resimulation> resimulate(RecordingReader& recording, const std::string&
   options.period_s = recording.meta().period_s;
   options.engine = recording.meta().engine;
   options.uncertified = recording.meta().uncertified;
-  auto rig =
-      buildRig(std::move(*models), std::make_unique<ReplayDevice>(readInputs(recording)), options);
+  auto rig = buildRigThatMovesNobody(
+      std::move(*models), std::make_unique<ReplayDevice>(readInputs(recording)), options);
   if (!rig) return rig.errors();
   flushDenormals();  // as the recorded thread did
   if (auto armed = (*rig)->renderer->arm(); !armed) return armed.errors();

@@ -15,6 +15,8 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 namespace wholehand {
 namespace fs = std::filesystem;
@@ -36,18 +38,50 @@ std::string folderOfItsOwn() {
   return folder;
 }
 
-// With no output asked for, everything is kept in a folder of its own.
-void chooseOutputs(RunOptions& options) {
-  if (options.record.empty() && options.report.empty() && options.json.empty()) {
-    const std::string folder = folderOfItsOwn();
-    options.record = folder + "/recording.h5";
-    options.report = folder + "/report";
-    options.json = folder + "/run.json";
+// What a run writes. Checked before the device is armed and made afterwards: a run that is refused
+// leaves nothing behind.
+class Outputs {
+ public:
+  explicit Outputs(RunOptions& options)
+      : options_(options),
+        own_folder_(options.record.empty() && options.report.empty() && options.json.empty()) {
+    if (own_folder_) keepAllIn("out/run");  // the name is final when it is made
+    if (!options.report.empty() && options.record.empty()) {
+      options.record = options.report + "/recording.h5";
+    }
   }
-  if (!options.report.empty() && options.record.empty()) {
-    options.record = options.report + "/recording.h5";
+
+  [[nodiscard]] Expected<Done> check() const { return checkFiles(files()); }
+
+  [[nodiscard]] Expected<Done> make() {
+    if (own_folder_) {
+      folder_ = folderOfItsOwn();
+      keepAllIn(folder_);
+    }
+    return prepareFiles(files());
   }
-}
+
+  // For a run that could not begin.
+  void unmake() const {
+    std::error_code ignored;
+    if (!folder_.empty()) fs::remove_all(folder_, ignored);
+  }
+
+ private:
+  void keepAllIn(const std::string& folder) {
+    options_.record = folder + "/recording.h5";
+    options_.report = folder + "/report";
+    options_.json = folder + "/run.json";
+  }
+  [[nodiscard]] std::vector<std::string> files() const {
+    return {options_.record, options_.json,
+            options_.report.empty() ? "" : options_.report + "/index.html"};
+  }
+
+  RunOptions& options_;
+  bool own_folder_;  ///< no output was asked for: everything is kept in a folder of its own
+  std::string folder_;
+};
 
 std::string titleOf(const Models& models) {
   if (models.files.motion.empty()) return models.scene.name;
@@ -99,9 +133,14 @@ void printSummary(const RunOptions& options, const Models& models, const RunOutc
               largestEffort(models.device, s.max_effort).c_str(), s.contacts_max);
   std::printf("  faults   %s\n", faultText(s).c_str());
   if (outcome.dropped_records + outcome.dropped_writes > 0) {
-    std::printf("  dropped  %llu records: the %s was full\n",
+    std::printf("  dropped  %llu records: %s\n",
                 static_cast<unsigned long long>(outcome.dropped_records + outcome.dropped_writes),
-                outcome.dropped_writes > 0 ? "disk" : "queue");
+                !outcome.failures.empty()    ? "see what failed"
+                : outcome.dropped_writes > 0 ? "the disk was full"
+                                             : "the queue was full");
+  }
+  for (const std::string& failure : outcome.failures) {
+    std::printf("  FAILED   %s; it was switched off, the loop ran on\n", failure.c_str());
   }
   if (!options.record.empty()) std::printf("  recorded %s\n", options.record.c_str());
   if (!options.report.empty()) std::printf("  report   %s/index.html\n", options.report.c_str());
@@ -130,12 +169,10 @@ int runCommand(RunOptions options) {
   rig_options.uncertified = options.uncertified;
   auto rig = buildRig(*models, std::move(intention), rig_options);
   if (!rig) return refuse(rig.errors());
+  Outputs outputs(options);
+  if (auto writable = outputs.check(); !writable) return refuse(writable.errors());
   if (auto armed = (*rig)->renderer->arm(); !armed) return refuse(armed.errors());
-  chooseOutputs(options);
-  const std::string page = options.report.empty() ? "" : options.report + "/index.html";
-  if (auto ready = prepareFiles({options.record, options.json, page}); !ready) {
-    return refuse(ready.errors());
-  }
+  if (auto made = outputs.make(); !made) return refuse(made.errors());
   for (const Diagnostic& d : (*rig)->refused) {
     std::printf("  UNCERTIFIED %s\n", format(d).c_str());
   }
@@ -149,7 +186,10 @@ int runCommand(RunOptions options) {
   plan.status = [&](const TickSummary& now, double rate_hz) { status.update(now, rate_hz); };
   Expected<RunOutcome> outcome = runAndRecord(**rig, plan);
   status.finish();
-  if (!outcome) return refuse(outcome.errors());
+  if (!outcome) {
+    outputs.unmake();
+    return refuse(outcome.errors());
+  }
   printSetup(outcome->setup);
 
   if (!options.json.empty()) {

@@ -14,6 +14,7 @@ nlohmann::ordered_json summaryJson(const DeviceModel& device, const RunOutcome& 
   json["ticks"] = s.ticks;
   json["missed_deadlines"] = s.missed_deadlines;
   json["faults"] = s.stopping_faults;
+  json["faulted"] = outcome.faulted;
   for (int bit = 0; bit < kFaultBits; ++bit) {
     const auto count = s.faults[static_cast<std::size_t>(bit)];
     if (count > 0) json["fault_ticks"][faultName(bit)] = count;
@@ -26,6 +27,7 @@ nlohmann::ordered_json summaryJson(const DeviceModel& device, const RunOutcome& 
   json["cpu_us"] = microseconds(s.cpu);
   json["wall_us"] = microseconds(s.wall);
   json["records_dropped"] = outcome.dropped_records + outcome.dropped_writes;
+  if (!outcome.failures.empty()) json["telemetry_failures"] = outcome.failures;
   json["interrupted"] = outcome.interrupted;
   return json;
 }

@@ -5,9 +5,10 @@
 ///   auto reader = wholehand::RecordingReader::open("run.h5");
 ///   while ((*reader)->read(i++, record)) ...
 ///
-/// runAndRecord() brings Ctrl-C with it: it answers SIGINT and SIGTERM while it runs. A program
-/// with handlers of its own takes a Session and feeds a RecordingWriter from its queue, by a
-/// TelemetryHub. Nothing here is for the tick.
+/// runAndRecord() brings Ctrl-C with it: while it runs, SIGINT, SIGTERM, SIGHUP and SIGTSTP
+/// (Ctrl-Z) stop it gently, but for those that are ignored already (nohup). A program with handlers
+/// of its own takes a Session and feeds a RecordingWriter from its queue, by a TelemetryHub.
+/// Nothing here is for the tick.
 
 // IWYU pragma: begin_exports
 #include "assembly/recorded_run.hpp"  // runAndRecord()

@@ -7,9 +7,12 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <array>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <filesystem>
 #include <thread>
 
 namespace wholehand {
@@ -23,7 +26,9 @@ void onInterrupt(int) {
   if (Session* session = g_session.load()) session->requestStop();
 }
 
-// Ctrl-C, a polite kill and a terminal that is closed end the run gently while this lives.
+// Ctrl-C, a polite kill and a terminal that is closed end the run gently while this lives; so does
+// Ctrl-Z, which would freeze the loop while the device holds its last effort. What was ignored
+// already (nohup) stays ignored.
 class InterruptGuard {
  public:
   explicit InterruptGuard(Session& session) {
@@ -31,24 +36,46 @@ class InterruptGuard {
     g_session.store(&session);
     struct sigaction action {};
     action.sa_handler = onInterrupt;
-    sigaction(SIGINT, &action, &before_int_);
-    sigaction(SIGTERM, &action, &before_term_);
-    sigaction(SIGHUP, &action, &before_hup_);
+    action.sa_flags = SA_RESTART;
+    for (std::size_t i = 0; i < kSignals.size(); ++i) {
+      sigaction(kSignals[i], nullptr, &before_[i]);
+      if (before_[i].sa_handler != SIG_IGN) sigaction(kSignals[i], &action, nullptr);
+    }
   }
   ~InterruptGuard() {
-    sigaction(SIGINT, &before_int_, nullptr);
-    sigaction(SIGTERM, &before_term_, nullptr);
-    sigaction(SIGHUP, &before_hup_, nullptr);
+    for (std::size_t i = 0; i < kSignals.size(); ++i) {
+      if (before_[i].sa_handler != SIG_IGN) sigaction(kSignals[i], &before_[i], nullptr);
+    }
     g_session.store(nullptr);
   }
   InterruptGuard(const InterruptGuard&) = delete;
   InterruptGuard& operator=(const InterruptGuard&) = delete;
 
  private:
-  struct sigaction before_int_ {};
-  struct sigaction before_term_ {};
-  struct sigaction before_hup_ {};
+  static constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP, SIGTSTP};
+  std::array<struct sigaction, kSignals.size()> before_{};
 };
+
+// However the run ends, the device does not stay open.
+class DeviceGuard {
+ public:
+  explicit DeviceGuard(HapticDevice& device) : device_(device) {}
+  ~DeviceGuard() { device_.close(); }
+  DeviceGuard(const DeviceGuard&) = delete;
+  DeviceGuard& operator=(const DeviceGuard&) = delete;
+
+ private:
+  HapticDevice& device_;
+};
+
+// A full queue drops records, never a count: what the real-time side has counted overrules.
+void correct(TickSummary& summary, const SessionCounters& counted, double period_s) {
+  summary.ticks = counted.ticks_run + counted.skipped_periods;
+  summary.missed_deadlines = counted.skipped_periods;
+  summary.faults = counted.faults;
+  summary.stopping_faults = counted.stopping_faults;
+  if (summary.ticks > 0) summary.time_s = static_cast<double>(summary.ticks - 1) * period_s;
+}
 
 RecordingMeta describe(const Rig& rig, const RunPlan& plan,
                        std::vector<std::pair<std::string, std::string>> files) {
@@ -81,6 +108,13 @@ RecordingMeta describe(const Rig& rig, const RunPlan& plan,
 double rateOf(const TickSummary& summary, std::int64_t began_ns) {
   const double elapsed_s = static_cast<double>(monotonicNow_ns() - began_ns) * 1e-9;
   return elapsed_s > 0.0 ? static_cast<double>(summary.records) / elapsed_s : 0.0;
+}
+
+// A recording of no tick, of a run that never was.
+void discard(RecordingWriter& writer, const std::string& path) {
+  writer.close();
+  std::error_code ignored;
+  std::filesystem::remove(path, ignored);
 }
 
 Expected<SetupReport> runInRealTime(Session& session, TelemetryHub& hub,
@@ -118,6 +152,7 @@ std::string faultText(const TickSummary& summary) {
 }
 
 Expected<RunOutcome> runAndRecord(Rig& rig, const RunPlan& plan) {
+  const DeviceGuard device(*rig.device);  // first: closed after the session has ramped
   std::unique_ptr<RecordingWriter> writer;
   if (!plan.record.empty()) {
     auto files = readFileTexts(rig.models);
@@ -129,6 +164,7 @@ Expected<RunOutcome> runAndRecord(Rig& rig, const RunPlan& plan) {
   SessionConfig config;
   config.duration_ticks = plan.duration_ticks;
   config.count_allocations = plan.count_allocations;
+  config.queue_ticks = plan.queue_ticks;
   Session session(*rig.renderer, config);
   const InterruptGuard guard(session);
   TickStatistics statistics;
@@ -150,20 +186,27 @@ Expected<RunOutcome> runAndRecord(Rig& rig, const RunPlan& plan) {
     hub.count(statistics);
     if (plan.sink) hub.add(plan.sink);
     auto setup = runInRealTime(session, hub, statistics, rig.options.period_s, plan.status);
-    if (!setup) return setup.errors();
+    if (!setup) {
+      hub.stop();
+      if (writer) discard(*writer, plan.record);
+      return setup.errors();
+    }
     outcome.setup = *setup;
+    outcome.failures = hub.failures();
+    outcome.dropped_writes = hub.unrecorded();
   }
-  rig.device->close();
+  rig.device->close();  // before the disk takes its time
   if (writer) {
     writer->close();
     outcome.written = writer->written();
-    outcome.dropped_writes = writer->dropped();
+    outcome.dropped_writes += writer->dropped();
   }
   outcome.summary = statistics.snapshot();
   outcome.counters = session.counters();
+  correct(outcome.summary, outcome.counters, rig.options.period_s);
   outcome.dropped_records = session.droppedRecords();
   outcome.interrupted = g_interrupted.load();
-  outcome.faulted = outcome.summary.stopping_faults > 0;
+  outcome.faulted = any(outcome.counters.latched);
   return outcome;
 }
 

@@ -5,10 +5,12 @@
 #include "telemetry/recording.hpp"
 #include "telemetry/statistics.hpp"
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace wholehand {
 
@@ -19,6 +21,7 @@ struct RunPlan {
   std::uint64_t seed = 0;
   std::string record;  ///< HDF5 file; empty: none
   bool simulated_clock = false;
+  std::size_t queue_ticks = SessionConfig{}.queue_ticks;  ///< records that wait; more are dropped
   std::function<void(const TickSummary&, double rate_hz)> status;  ///< told how it goes, often
   /// Allocations of the calling thread so far (realtime/allocation_counter.hpp); null: not counted.
   std::uint64_t (*count_allocations)() noexcept = nullptr;
@@ -27,17 +30,21 @@ struct RunPlan {
 
 /// What came of it.
 struct RunOutcome {
-  TickSummary summary;
+  TickSummary summary;  ///< its ticks, missed deadlines and faults are the real-time side's
   SessionCounters counters;
   std::uint64_t dropped_records = 0;  ///< the queue was full
-  std::uint64_t dropped_writes = 0;   ///< the disk was full
+  std::uint64_t dropped_writes = 0;   ///< the disk was full, or the recorder failed
   std::uint64_t written = 0;          ///< ticks in the recording
   SetupReport setup;                  ///< what the machine granted the real-time thread
+  std::vector<std::string> failures;  ///< consumers that threw and were switched off, in words
   bool interrupted = false;           ///< by Ctrl-C
   bool faulted = false;
 };
 
-/// Runs the rig to the end of its time, a fault or Ctrl-C, records it and counts.
+/// Runs the rig to the end of its time, a fault or Ctrl-C, records it and counts. The device is
+/// closed afterwards, whatever happens; without a run there is no recording.
+/// While it runs, SIGINT, SIGTERM, SIGHUP and SIGTSTP (Ctrl-Z would freeze the loop with its last
+/// effort held) stop it gently, but for those that the program has inherited as ignored (nohup).
 /// @pre the rig's renderer is armed
 [[nodiscard]] Expected<RunOutcome> runAndRecord(Rig& rig, const RunPlan& plan);
 

@@ -5,6 +5,9 @@
 #include "device/simulated/simulated_device.hpp"
 #include "physics/bullet/bullet_world.hpp"
 
+#include <algorithm>
+#include <string>
+
 namespace wholehand {
 namespace {
 
@@ -27,7 +30,30 @@ std::unique_ptr<PhysicsWorld> makeWorld(const Models& models, const std::string&
   return nullptr;
 }
 
+void refuseAbove(int most, std::size_t count, const char* key, const char* what,
+                 Diagnostics& refused) {
+  if (count <= static_cast<std::size_t>(most)) return;
+  refused.push_back({"", 0, key, std::to_string(count), "are more than a tick has room for",
+                     std::string("at most ") + std::to_string(most) + " " + what});
+}
+
+// Here, not in the loaders alone: a program may change its models after they were loaded.
+Diagnostics refuseTooLarge(const Models& m) {
+  Diagnostics refused;
+  refuseAbove(kMaxBodies, m.scene.bodies.size(), "bodies", "bodies in a scene", refused);
+  refuseAbove(kMaxLinks, m.hand.links.size(), "links", "links in a hand", refused);
+  refuseAbove(kMaxJoints, static_cast<std::size_t>(std::max(m.hand.joint_count, 0)), "joints",
+              "joints in a hand", refused);
+  const auto axes = static_cast<std::size_t>(std::max(m.hand.axis_count, 0));
+  refuseAbove(kMaxAxes, std::max(axes, m.device.axes.size()), "axes", "axes of a device", refused);
+  return refused;
+}
+
 }  // namespace
+
+Rig::~Rig() {
+  if (device) device->close();
+}
 
 Expected<CheckedGains> checkGains(const Models& models, double period_s) {
   const SampledInertia inertia = sampleInertia(models.hand, models.device);
@@ -41,13 +67,29 @@ Expected<CheckedGains> checkGains(const Models& models, double period_s) {
 
 Expected<std::unique_ptr<Rig>> buildRig(Models models, Intention intention,
                                         const RigOptions& options) {
+  if (Diagnostics large = refuseTooLarge(models); !large.empty()) return large;
   auto device = std::make_unique<SimulatedDevice>(models.device, models.patient,
                                                   std::move(intention), options.period_s);
-  return buildRig(std::move(models), std::move(device), options);
+  return buildRigThatMovesNobody(std::move(models), std::move(device), options);
 }
 
 Expected<std::unique_ptr<Rig>> buildRig(Models models, std::unique_ptr<HapticDevice> device,
                                         const RigOptions& options) {
+  if (options.uncertified) {
+    return Diagnostic{"",
+                      0,
+                      "uncertified",
+                      "true",
+                      "is for simulated and replayed devices only",
+                      "use gains that `wholehand certify` accepts"};
+  }
+  return buildRigThatMovesNobody(std::move(models), std::move(device), options);
+}
+
+Expected<std::unique_ptr<Rig>> buildRigThatMovesNobody(Models models,
+                                                       std::unique_ptr<HapticDevice> device,
+                                                       const RigOptions& options) {
+  if (Diagnostics large = refuseTooLarge(models); !large.empty()) return large;
   Expected<CheckedGains> checked = checkGains(models, options.period_s);
   if (!checked) return checked.errors();
   if (!checked->refused.empty() && !options.uncertified) return checked->refused;

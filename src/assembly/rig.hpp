@@ -14,12 +14,19 @@ namespace wholehand {
 struct RigOptions {
   double period_s = 1e-3;
   std::string engine = "bullet";
-  bool uncertified = false;  ///< allow gains that the stability check refuses
+  bool uncertified =
+      false;  ///< allow gains that the stability check refuses; where nobody is moved
 };
 
 /// A renderer with everything it needs, built from models: the device (simulated unless one is
-/// given), the world, the gains. Owns all of it; addresses stay fixed.
+/// given), the world, the gains. Owns all of it; addresses stay fixed. Closes the device at its
+/// end.
 struct Rig {
+  Rig() = default;
+  ~Rig();
+  Rig(const Rig&) = delete;
+  Rig& operator=(const Rig&) = delete;
+
   Models models;
   RigOptions options;
   CouplingGains gains;
@@ -29,14 +36,21 @@ struct Rig {
   std::unique_ptr<HapticRenderer> renderer;
 };
 
+// All three refuse models that are larger than what a tick has room for.
+
 /// Builds a rig around a simulated device whose patient follows `intention`.
 [[nodiscard]] Expected<std::unique_ptr<Rig>> buildRig(Models models, Intention intention,
                                                       const RigOptions& options);
 
-/// The same around any device.
+/// The same around any device. It may hold a person: `uncertified` is refused.
 [[nodiscard]] Expected<std::unique_ptr<Rig>> buildRig(Models models,
                                                       std::unique_ptr<HapticDevice> device,
                                                       const RigOptions& options);
+
+/// The same around a device that moves nobody, `uncertified` or not: a replayed or scripted one.
+/// @pre whatever is written to the device, no person feels it
+[[nodiscard]] Expected<std::unique_ptr<Rig>> buildRigThatMovesNobody(
+    Models models, std::unique_ptr<HapticDevice> device, const RigOptions& options);
 
 /// The coupling gains and what the stability check thinks of them, over sampled postures.
 struct CheckedGains {

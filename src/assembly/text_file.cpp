@@ -56,11 +56,16 @@ Expected<Done> writeText(const std::string& path, const std::string& text) {
   return Done{};
 }
 
-Expected<Done> prepareFiles(const std::vector<std::string>& paths) {
+Expected<Done> checkFiles(const std::vector<std::string>& paths) {
   for (const std::string& path : paths) {
     if (path.empty()) continue;
     if (auto writable = checkWritable(path); !writable) return writable;
   }
+  return Done{};
+}
+
+Expected<Done> prepareFiles(const std::vector<std::string>& paths) {
+  if (auto writable = checkFiles(paths); !writable) return writable;
   for (const std::string& path : paths) {
     if (path.empty()) continue;
     std::error_code error;

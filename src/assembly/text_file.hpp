@@ -10,6 +10,10 @@ namespace wholehand {
 /// Writes a file through a temporary one beside it; nothing half-written.
 [[nodiscard]] Expected<Done> writeText(const std::string& path, const std::string& text);
 
+/// Finds out whether all these files can be written, folders that are still to be made included;
+/// makes nothing. Empty paths are passed over.
+[[nodiscard]] Expected<Done> checkFiles(const std::vector<std::string>& paths);
+
 /// Finds out before a run, not after it, whether all these files can be written; then makes their
 /// folders. Empty paths are passed over.
 [[nodiscard]] Expected<Done> prepareFiles(const std::vector<std::string>& paths);

@@ -143,7 +143,7 @@ class ScriptedDevice final : public HapticDevice {
 
 inline std::unique_ptr<Rig> build(Models models, std::unique_ptr<HapticDevice> device,
                                   const RigOptions& options = {}) {
-  return orThrow(buildRig(std::move(models), std::move(device), options));
+  return orThrow(buildRigThatMovesNobody(std::move(models), std::move(device), options));
 }
 inline std::unique_ptr<Rig> buildScripted(Models models, ScriptedDevice::Script script,
                                           const RigOptions& options = {}) {
