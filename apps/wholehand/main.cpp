@@ -36,14 +36,15 @@ void addRun(CLI::App& app, RunOptions& o, int& code) {
   run->add_option("--rate-hz", o.rate_hz, "Ticks a second")
       ->check(finiteBetween(100.0, 16000.0, "Hz"))
       ->capture_default_str();
-  run->add_option("--duration", o.duration_s, "Length of the run (default: the motion's)")
+  run->add_option("--duration", o.duration_s,
+                  "Length of the run (default: the motion's and 1 s of rest)")
       ->check(finiteBetween(0.001, 86400.0, "s"));
   run->add_option("--record", o.record, "Write every tick to this HDF5 file");
   run->add_option("--report", o.report, "Write a page with plots into this folder");
   run->add_option("--json", o.json, "Write the summary to this file");
   run->add_flag("--simulated-clock", o.simulated_clock, "As fast as it goes, no real time");
   run->add_flag("--uncertified", o.uncertified,
-                "Allow gains that the stability check refuses (simulated device only; recorded)");
+                "Allow gains that `certify` refuses (simulated device only; recorded)");
   run->footer("Without --record, --report and --json all three go into out/run-<time>/.");
   run->callback([&o, run, &code] {
     if (run->count("--rendering") == 0) o.files.rendering = renderingFor(o.files.device);

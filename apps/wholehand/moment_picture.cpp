@@ -2,6 +2,7 @@
 
 #include "dynamics/articulated_body.hpp"
 #include "picture/picture.hpp"
+#include "plural.hpp"
 #include "recorded_files.hpp"
 #include "telemetry/recording.hpp"
 
@@ -26,12 +27,23 @@ double contactForce(const TickRecord& r) {
   return sum_n;
 }
 
-bool findMoment(RecordingReader& recording, double time_s, TickRecord& found) {
-  if (time_s >= 0.0) {
-    const double index = std::round(time_s / recording.meta().period_s);
-    const double last = static_cast<double>(recording.size()) - 1.0;
-    return recording.read(static_cast<std::uint64_t>(std::min(index, last)), found);
+// The first tick that is not before `time_s`. Not time / period: skipped ticks are not in the file.
+bool findTime(RecordingReader& recording, double time_s, TickRecord& found) {
+  const double from_s = time_s - 0.5 * recording.meta().period_s;
+  std::uint64_t low = 0, high = recording.size();
+  while (low < high) {
+    const std::uint64_t middle = low + (high - low) / 2;
+    if (!recording.read(middle, found)) return false;
+    if (found.time_s < from_s) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
   }
+  return recording.read(low, found);
+}
+
+bool findForce(RecordingReader& recording, TickRecord& found) {
   TickRecord record;
   double largest_n = -1.0;
   for (std::uint64_t i = 0; recording.read(i, record); ++i) {
@@ -43,6 +55,26 @@ bool findMoment(RecordingReader& recording, double time_s, TickRecord& found) {
   return largest_n >= 0.0;
 }
 
+Expected<TickRecord> findMoment(RecordingReader& recording, const std::string& path,
+                                double time_s) {
+  TickRecord found;
+  if (recording.size() == 0) {
+    return Diagnostic{path, 0, "", "", "holds no tick", "record a longer run"};
+  }
+  const bool is_there =
+      time_s < 0.0 ? findForce(recording, found) : findTime(recording, time_s, found);
+  if (is_there) return found;
+  if (time_s >= 0.0 && recording.read(recording.size() - 1, found)) {
+    return Diagnostic{path,
+                      0,
+                      "--at",
+                      fmt::format("{:g} s", time_s),
+                      "is beyond the end",
+                      fmt::format("the recording ends at {:.2f} s", found.time_s)};
+  }
+  return Diagnostic{path, 0, "", "", "cannot be read to the end", "record it anew"};
+}
+
 }  // namespace
 
 Expected<std::string> drawMoment(const std::string& recording_path, const Moment& moment,
@@ -51,10 +83,9 @@ Expected<std::string> drawMoment(const std::string& recording_path, const Moment
   if (!recording) return recording.errors();
   auto models = recordedModels((*recording)->meta(), recording_path);
   if (!models) return models.errors();
-  TickRecord r;
-  if (!findMoment(**recording, moment.time_s, r)) {
-    return Diagnostic{recording_path, 0, "", "", "holds no tick", "record a longer run"};
-  }
+  auto found = findMoment(**recording, recording_path, moment.time_s);
+  if (!found) return found.errors();
+  const TickRecord& r = *found;
   ArticulatedBody body(models->hand);
   body.updateKinematics(r.theta);
   PictureRequest request;
@@ -68,8 +99,8 @@ Expected<std::string> drawMoment(const std::string& recording_path, const Moment
   auto drawn =
       drawPicture(models->hand, models->scene, r.theta, bodies, contacts, request, png_path);
   if (!drawn) return drawn.errors();
-  return fmt::format("{:.2f} s: {} contact points, {:.1f} N in all", r.time_s, r.contact_count,
-                     contactForce(r));
+  return fmt::format("{:.2f} s: {} contact point{}, {:.1f} N in all", r.time_s, r.contact_count,
+                     plural(r.contact_count), contactForce(r));
 }
 
 }  // namespace wholehand

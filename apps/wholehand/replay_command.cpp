@@ -1,6 +1,7 @@
 #include "replay_command.hpp"
 
 #include "exit_code.hpp"
+#include "git_version.hpp"
 #include "resimulation.hpp"
 #include "telemetry/recording.hpp"
 
@@ -14,6 +15,12 @@
 namespace wholehand {
 namespace {
 
+// A difference between two versions of the program is no fault of either.
+std::string versions(const RecordingMeta& meta) {
+  if (meta.git_version == WHOLEHAND_VERSION) return {};
+  return " (recorded by " + meta.git_version + ", this is " + WHOLEHAND_VERSION + ")";
+}
+
 int compare(RecordingReader& recording, const std::string& path) {
   Expected<Resimulation> result = resimulate(recording, path);
   if (!result) return refuse(result.errors());
@@ -22,10 +29,10 @@ int compare(RecordingReader& recording, const std::string& path) {
                 static_cast<unsigned long long>(result->ticks));
     return kExitDone;
   }
-  std::printf("%s: tick %llu differs in %s: recorded %s, now %s\n", path.c_str(),
+  std::printf("%s: tick %llu differs in %s: recorded %s, now %s%s\n", path.c_str(),
               static_cast<unsigned long long>(result->different_tick),
               result->difference.field.c_str(), result->difference.first.c_str(),
-              result->difference.again.c_str());
+              result->difference.again.c_str(), versions(recording.meta()).c_str());
   return kExitDifferent;
 }
 

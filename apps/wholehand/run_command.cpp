@@ -2,6 +2,7 @@
 #include "assembly/rig.hpp"
 #include "assembly/text_file.hpp"
 #include "exit_code.hpp"
+#include "plural.hpp"
 #include "report_command.hpp"
 #include "run_options.hpp"
 #include "shipped_files.hpp"
@@ -121,17 +122,19 @@ void printSetup(const SetupReport& setup) {
 
 void printSummary(const RunOptions& options, const Models& models, const RunOutcome& outcome) {
   const TickSummary& s = outcome.summary;
-  std::printf("\n%s after %.2f s: %llu ticks, %llu deadlines missed\n",
+  std::printf("\n%s after %.2f s: %llu ticks, %llu deadline%s missed\n",
               outcome.faulted       ? "Stopped by a fault"
               : outcome.interrupted ? "Interrupted"
                                     : "Done",
               s.time_s, static_cast<unsigned long long>(s.ticks),
-              static_cast<unsigned long long>(s.missed_deadlines));
+              static_cast<unsigned long long>(s.missed_deadlines), plural(s.missed_deadlines));
   std::printf("  tick     %.0f µs CPU at the median, %.0f p99, %.0f p99.9, %.0f at most\n",
               s.cpu.p50_ns / 1e3, s.cpu.p99_ns / 1e3, s.cpu.p999_ns / 1e3, s.cpu.max_ns / 1e3);
-  std::printf("  force    largest %s; at most %d contacts at once\n",
-              largestEffort(models.device, s.max_effort).c_str(), s.contacts_max);
+  std::printf("  force    largest %s; at most %d contact%s at once\n",
+              largestEffort(models.device, s.max_effort).c_str(), s.contacts_max,
+              plural(s.contacts_max));
   std::printf("  faults   %s\n", faultText(s).c_str());
+  if (noticeText(s) != "none") std::printf("  noticed  %s\n", noticeText(s).c_str());
   if (outcome.dropped_records + outcome.dropped_writes > 0) {
     std::printf("  dropped  %llu records: %s\n",
                 static_cast<unsigned long long>(outcome.dropped_records + outcome.dropped_writes),

@@ -1,5 +1,6 @@
 #include "status_line.hpp"
 
+#include "plural.hpp"
 #include "realtime/monotonic_clock.hpp"
 
 #include <fmt/format.h>
@@ -13,6 +14,7 @@ namespace {
 
 constexpr double kTerminalPeriod_s = 0.2;
 constexpr double kLogPeriod_s = 5.0;
+constexpr double kFirst_s = 0.5;  // of the run; before it the rate and the percentiles mean nothing
 
 }  // namespace
 
@@ -40,14 +42,14 @@ StatusLine::StatusLine(const DeviceModel& device)
 
 std::string StatusLine::text(const TickSummary& s, double rate_hz) const {
   return fmt::format(
-      "{:7.2f} s  {:5.0f} Hz  tick {:.0f}/{:.0f}/{:.0f} µs  missed {}  {} contacts  largest force "
-      "{}",
+      "{:7.2f} s  {:5.0f} Hz  tick {:.0f}/{:.0f}/{:.0f} µs  missed {}  {} contact{}  largest "
+      "force {}",
       s.time_s, rate_hz, s.cpu.p50_ns / 1e3, s.cpu.p99_ns / 1e3, s.cpu.p999_ns / 1e3,
-      s.missed_deadlines, s.contacts, largestEffort(device_, s.max_effort));
+      s.missed_deadlines, s.contacts, plural(s.contacts), largestEffort(device_, s.max_effort));
 }
 
 void StatusLine::update(const TickSummary& summary, double rate_hz) {
-  if (summary.records == 0) return;
+  if (summary.time_s < kFirst_s) return;
   const double now_s = static_cast<double>(monotonicNow_ns()) * 1e-9;
   if (terminal_) {
     if (now_s < next_wall_s_) return;

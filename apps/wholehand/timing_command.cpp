@@ -2,6 +2,7 @@
 #include "exit_code.hpp"
 #include "experiment_command.hpp"
 #include "experiments/timing_trial.hpp"
+#include "plural.hpp"
 #include "realtime/allocation_counter.hpp"
 #include "report/svg_plot.hpp"
 #include "shipped_files.hpp"
@@ -58,9 +59,12 @@ nlohmann::ordered_json timingJson(const TimingResult& r) {
 void print(const TimingResult& r) {
   const TickSummary& s = r.outcome.summary;
   std::printf(
-      "%llu ticks, %llu deadlines missed, %llu allocations in the tick, %d grasps, %d releases\n",
+      "%llu ticks, %llu deadline%s missed, %llu allocation%s in the tick, %d grasp%s, %d "
+      "release%s\n",
       static_cast<unsigned long long>(s.ticks), static_cast<unsigned long long>(s.missed_deadlines),
-      static_cast<unsigned long long>(r.outcome.counters.allocations), r.grasps, r.releases);
+      plural(s.missed_deadlines), static_cast<unsigned long long>(r.outcome.counters.allocations),
+      plural(r.outcome.counters.allocations), r.grasps, plural(r.grasps), r.releases,
+      plural(r.releases));
   std::printf("%-16s %9s %9s %9s %9s\n", "µs", "p50", "p99", "p99.9", "max");
   const auto row = [](const char* name, const Percentiles& p) {
     std::printf("%-16s %9.1f %9.1f %9.1f %9.1f\n", name, p.p50_ns / 1e3, p.p99_ns / 1e3,

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <set>
@@ -122,7 +123,27 @@ class Validation {
   template <class Load>
   void checkWithDevice(const std::string& file, Load load) {
     auto device = loadDeviceFor(file);
-    if (device) add(load(file, *device));
+    if (device) addOfAxes(file, load(file, *device));
+  }
+
+  // A file checked against a device that nobody named may be right for another.
+  template <class T>
+  bool addOfAxes(const std::string& file, const Expected<T>& loaded) {
+    if (loaded.ok()) return true;
+    const std::string device_file = deviceFor(file);
+    Diagnostics errors = loaded.errors();
+    for (Diagnostic& error : errors) {
+      if (!named(device_file) && error.problem.find(device_file) != std::string::npos) {
+        error.remedy += "; if it is for another device, name its device file beside it";
+      }
+    }
+    add(errors);
+    return false;
+  }
+
+  [[nodiscard]] bool named(const std::string& file) const {
+    return std::any_of(kinds_.begin(), kinds_.end(),
+                       [&](const auto& other) { return other.first == file; });
   }
 
   void checkHand(const std::string& file) {
@@ -140,7 +161,7 @@ class Validation {
     models.device = *device;
     auto rendering = loadRenderingFile(file, *device);
     auto hand = assembleHand(*hand_file, *device);
-    if (!add(rendering) || !add(hand)) return {};
+    if (!addOfAxes(file, rendering) || !add(hand)) return {};
     models.rendering = *rendering;
     models.hand = *hand;
     auto checked = checkGains(models, 1e-3);
@@ -157,8 +178,10 @@ class Validation {
                            models.device.axes[a].name, gains.k_pm[a], gains.k_ps_per_s2[a],
                            gains.k_ds_per_s[a], gains.contact_scale[a]);
     }
-    return table + "    (σ: felt over simulated force at 1 kHz with the hand " + models.hand.name +
-           "; 1 is the truth)\n";
+    return table + fmt::format(
+                       "    (σ: felt over simulated force at 1 kHz on the device {} with the hand "
+                       "{}; 1 is the truth)\n",
+                       models.device.name, models.hand.name);
   }
 
   std::vector<std::pair<std::string, std::string>> kinds_;

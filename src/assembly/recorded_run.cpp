@@ -138,17 +138,26 @@ Expected<SetupReport> runInRealTime(Session& session, TelemetryHub& hub,
   return setup;
 }
 
-}  // namespace
-
-std::string faultText(const TickSummary& summary) {
+// "late tick in 2 ticks, effort limited in 1 tick", of these bits; "none".
+std::string countText(const TickSummary& summary, Fault bits) {
   std::string text;
   for (int bit = 0; bit < kFaultBits; ++bit) {
     const auto count = summary.faults[static_cast<std::size_t>(bit)];
-    if (count == 0 || (1U << bit) == static_cast<unsigned>(Fault::kStopRequested)) continue;
+    if (count == 0 || !any(bits & static_cast<Fault>(1U << static_cast<unsigned>(bit)))) continue;
     if (!text.empty()) text += ", ";
-    text += fmt::format("{} in {} ticks", faultName(bit), count);
+    text += fmt::format("{} in {} tick{}", faultName(bit), count, count == 1 ? "" : "s");
   }
   return text.empty() ? "none" : text;
+}
+
+}  // namespace
+
+std::string faultText(const TickSummary& summary) {
+  return countText(summary, kStopping);
+}
+
+std::string noticeText(const TickSummary& summary) {
+  return countText(summary, Fault::kEffortLimit | Fault::kLateTick | Fault::kContactsDropped);
 }
 
 Expected<RunOutcome> runAndRecord(Rig& rig, const RunPlan& plan) {

@@ -48,7 +48,9 @@ struct RunOutcome {
 /// @pre the rig's renderer is armed
 [[nodiscard]] Expected<RunOutcome> runAndRecord(Rig& rig, const RunPlan& plan);
 
-/// The faults of a summary in words, one a line: "effort limited in 12 ticks".
+/// What stopped a run, in words: "device read failed in 1 tick"; "none".
 [[nodiscard]] std::string faultText(const TickSummary& summary);
+/// What was noticed and stopped nothing: "effort limited in 12 ticks"; "none".
+[[nodiscard]] std::string noticeText(const TickSummary& summary);
 
 }  // namespace wholehand

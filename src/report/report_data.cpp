@@ -183,7 +183,7 @@ void Collector::finish(ReportData& data) const {
   std::stable_sort(data.touches.begin(), data.touches.end(),
                    [](const Touch& a, const Touch& b) { return a.from_s < b.from_s; });
   data.summary = statistics_.snapshot();
-  data.cpu_time = data.summary.wall.max_ns <= 0.0;
+  data.cpu_time = data.meta.simulated_clock || data.summary.wall.max_ns <= 0.0;
   data.durations = data.cpu_time ? cpu_ : wall_;
   data.largest_contact_force_n = largest_force_n_;
   data.damped_share =

@@ -38,7 +38,7 @@ struct ReportData {
   std::vector<Touch> touches;  ///< of all bodies, by time
   std::vector<PlotPoint> contact_force_n, contact_count, palm_distance_mm;
   double largest_contact_force_n = 0.0;
-  bool cpu_time = false;                 ///< no wall time was recorded: durations are CPU time
+  bool cpu_time = false;  ///< simulated clock or no wall time: durations are CPU time
   std::vector<std::uint64_t> durations;  ///< ticks in steps of 1 % of the period; the last: beyond
   double damped_share = 0.0;             ///< of the time with some Φ above 0.5
 };

@@ -14,6 +14,8 @@ using svg::px;
 using svg::segment;
 using svg::words;
 
+constexpr double kRow_px = 15.0;  ///< from one line of words to the next
+
 /// Where the bars go [px].
 struct Area {
   double left, right, top, bottom;
@@ -34,9 +36,8 @@ std::string drawBars(const HistogramPlot& plot, const Area& area, const PlotScal
 }
 
 /// The percentiles, one below the other so that their names do not meet.
-std::string drawMarks(const HistogramPlot& plot, const Area& area, const PlotScale& x) {
+std::string drawMarks(const HistogramPlot& plot, const Area& area, const PlotScale& x, double row) {
   std::string out;
-  double row = area.top + 12.0;
   for (const PlotMark& mark : plot.marks) {
     const double at = std::clamp(x.px(mark.x), area.left, area.right);
     const double width = static_cast<double>(mark.label.size()) * kLetter * kFontPx;
@@ -45,7 +46,7 @@ std::string drawMarks(const HistogramPlot& plot, const Area& area, const PlotSca
     // A white halo keeps the word readable where it crosses a line or a bar.
     out += words(before ? at - 5.0 : at + 5.0, row, mark.label, before ? "end" : "start", kPlotInk,
                  650, kFontPx, " paint-order=\"stroke\" stroke=\"#FFFFFF\" stroke-width=\"4\"");
-    row += 15.0;
+    row += kRow_px;
   }
   return out;
 }
@@ -81,12 +82,15 @@ std::string histogramPlot(const HistogramPlot& plot) {
     out += segment(area.left, y.px(v), area.right, y.px(v), kPlotRule, 0.7);
     out += words(area.left - 6.0, y.px(v) + 4.0, decadeText(v), "end", kPlotInk2);
   }
-  out += drawBars(plot, area, y) + drawMarks(plot, area, x);
-  if (std::isfinite(plot.deadline)) {
+  out += drawBars(plot, area, y);
+  double row = area.top + 4.0;
+  if (std::isfinite(plot.deadline)) {  // below the title, above the percentiles: meets neither
     const double at = x.px(plot.deadline);
-    out += segment(at, 0.0, at, area.bottom, kPlotBad, 2.0);
-    out += words(at - 6.0, 10.0, plot.deadline_label, "end", kPlotBad, 650);
+    out += segment(at, area.top - 8.0, at, area.bottom, kPlotBad, 2.0);
+    out += words(at - 6.0, row, plot.deadline_label, "end", kPlotBad, 650);
+    row += kRow_px;
   }
+  out += drawMarks(plot, area, x, row);
   return out + drawNumbers(plot, area, x) + "</svg>\n";
 }
 

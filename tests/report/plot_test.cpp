@@ -189,6 +189,28 @@ TEST(HistogramPlot, Bins_OneBarEachAndASingleTickIsSeen) {
   EXPECT_NE(svg.find("deadline &lt;75&gt;"), std::string::npos);
 }
 
+TEST(HistogramPlot, TitleDeadlineAndPercentiles_StandOnLinesOfTheirOwn) {
+  HistogramPlot plot;
+  plot.x_max = 1100.0;
+  plot.counts.assign(110, 1000);
+  plot.deadline = 1000.0;
+  plot.deadline_label = "deadline 1 ms";
+  plot.marks = {{900.0, "p50 900 µs"}, {950.0, "p99 950 µs"}, {990.0, "p99.9 990 µs"}};
+  for (const char* title : {"", "Time per tick on the wall clock, 100080 ticks"}) {
+    plot.title = title;
+    const std::string svg = histogramPlot(plot);
+    std::vector<double> lines;
+    const std::regex word("<text[^>]* y=\"([0-9.]+)\"[^>]*>(Time|deadline|p5|p9)");
+    for (std::sregex_iterator i(svg.begin(), svg.end(), word), end; i != end; ++i) {
+      lines.push_back(std::stod((*i)[1]));
+    }
+    ASSERT_EQ(lines.size(), plot.title.empty() ? 4U : 5U) << svg;
+    std::sort(lines.begin(), lines.end());
+    EXPECT_GE(lines.front(), 10.0);  // a capital letter is about 9 px high
+    for (std::size_t i = 1; i < lines.size(); ++i) EXPECT_GE(lines[i] - lines[i - 1], 12.0);
+  }
+}
+
 TEST(TouchLog, ShortBreaks_AreOneTouch) {
   TouchLog log(3, "cube");
   for (int i = 0; i < 3000; ++i) {

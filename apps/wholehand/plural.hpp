@@ -1,0 +1,12 @@
+#pragma once
+
+#include <concepts>
+
+namespace wholehand {
+
+/// What a count asks of its noun: "1 tick", "2 ticks".
+[[nodiscard]] constexpr const char* plural(std::integral auto count) {
+  return count == 1 ? "" : "s";
+}
+
+}  // namespace wholehand
