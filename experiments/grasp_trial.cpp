@@ -231,6 +231,7 @@ Expected<GraspResult> runGrasp(const GraspTrial& trial, const ModelFiles& files,
   auto outcome = runAndRecord(**rig, run);
   if (!outcome) return outcome.errors();
   GraspResult result = observer.finish(last);
+  result.faulted = outcome->faulted;
   result.dropped = result.dropped || outcome->faulted;
   result.interrupted = outcome->interrupted;
   result.cpu_p50_us = outcome->summary.cpu.p50_ns / 1e3;

@@ -40,6 +40,7 @@ struct GraspResult {
   double tip_force_max_n = 0.0;     ///< largest effort sent, hand axes, at the tip
   std::uint64_t saturated_ticks = 0;  ///< ticks in which a limit clamped the effort
   double cpu_p50_us = 0.0, cpu_p999_us = 0.0;
+  bool faulted = false;      ///< a fault stopped it; it counts as dropped, too
   bool interrupted = false;  ///< by Ctrl-C: the figures above are of a part of the trial
 };
 

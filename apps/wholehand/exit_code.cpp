@@ -4,6 +4,11 @@
 
 namespace wholehand {
 
+int endOf(bool faulted, bool interrupted) {
+  if (faulted) return kExitFault;
+  return interrupted ? kExitInterrupted : kExitDone;
+}
+
 int refuse(const Diagnostics& errors) {
   for (const Diagnostic& error : errors) {
     std::fprintf(stderr, "wholehand: %s\n", format(error).c_str());

@@ -14,6 +14,9 @@ enum ExitCode : int {
   kExitInterrupted = 130
 };
 
+/// How a run that took place ended; a fault weighs more than Ctrl-C.
+[[nodiscard]] int endOf(bool faulted, bool interrupted);
+
 /// Prints every fault to standard error, one a line, and returns kExitBadInput.
 int refuse(const Diagnostics& errors);
 

@@ -31,6 +31,7 @@ nlohmann::ordered_json trialJson(const GraspResult& r) {
           {"grasp", r.trial.grasp},
           {"gravity", r.trial.gravity},
           {"dropped", r.dropped},
+          {"faulted", r.faulted},
           {"slip_m", r.slip_m},
           {"coupling_error_rad", r.coupling_error_rad},
           {"object_travel_m", r.object_travel_m},
@@ -50,8 +51,9 @@ void printHeader() {
 
 void printTrial(const GraspResult& r) {
   std::printf("%-32s %-7s %9.3f %9.2f %10.4f %9.1f %8.1f %8.0f\n", r.trial.name().c_str(),
-              r.dropped ? "DROPPED" : "yes", r.slip_m * 1e3, r.rotation_rad * 1e3, r.force_noise_n,
-              r.contact_force_n, r.tip_force_max_n, r.cpu_p50_us);
+              r.faulted ? "FAULT" : (r.dropped ? "DROPPED" : "yes"), r.slip_m * 1e3,
+              r.rotation_rad * 1e3, r.force_noise_n, r.contact_force_n, r.tip_force_max_n,
+              r.cpu_p50_us);
   std::fflush(stdout);
 }
 
@@ -112,6 +114,10 @@ struct Sweep {
   std::vector<GraspResult> results;
   Diagnostics errors;
   bool interrupted = false;
+  [[nodiscard]] auto faulted() const {
+    return std::count_if(results.begin(), results.end(),
+                         [](const GraspResult& r) { return r.faulted; });
+  }
 };
 
 std::vector<GraspTrial> onlyThose(const std::vector<GraspTrial>& trials, const std::string& part) {
@@ -221,7 +227,9 @@ int graspingCommand(const ExperimentOptions& options) {
               jittered.results.size(), dropped, slipped, noise);
   std::printf("%s\n%s\npictures, recordings and scenes in %s\n", json_path.c_str(), plot.c_str(),
               options.folder.c_str());
-  return kExitDone;
+  const auto faulted = tuned.faulted() + jittered.faulted();
+  if (faulted > 0) std::printf("FAULT    %td trials were stopped by a fault\n", faulted);
+  return endOf(faulted > 0, false);
 }
 
 }  // namespace wholehand

@@ -149,11 +149,6 @@ void printSummary(const RunOptions& options, const Models& models, const RunOutc
   if (!options.report.empty()) std::printf("  report   %s/index.html\n", options.report.c_str());
 }
 
-int exitCodeOf(const RunOutcome& outcome) {
-  if (outcome.faulted) return kExitFault;
-  return outcome.interrupted ? kExitInterrupted : kExitDone;
-}
-
 }  // namespace
 
 int runCommand(RunOptions options) {
@@ -204,7 +199,7 @@ int runCommand(RunOptions options) {
     if (auto done = makeReport(options.record, options.report); !done) return refuse(done.errors());
   }
   printSummary(options, *models, *outcome);
-  return exitCodeOf(*outcome);
+  return endOf(outcome->faulted, outcome->interrupted);
 }
 
 }  // namespace wholehand

@@ -118,8 +118,7 @@ int timingCommand(const ExperimentOptions& options) {
   }
   print(*result);
   std::printf("%s\n%s\n%s/timing.h5\n", json_path.c_str(), plot.c_str(), options.folder.c_str());
-  if (result->outcome.faulted) return kExitFault;
-  return result->outcome.interrupted ? kExitInterrupted : kExitDone;
+  return endOf(result->outcome.faulted, result->outcome.interrupted);
 }
 
 }  // namespace wholehand

@@ -133,6 +133,22 @@ class HowItEnds(AppTest):
     def test_closed_terminal_does_the_same(self):
         self.interrupted(signal.SIGHUP)
 
+    def test_hang_up_under_nohup_is_ignored(self):
+        run = self.start_app("run", "--duration", "2.5", "--json", "run.json",
+                             preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
+        time.sleep(1.5)
+        run.send_signal(signal.SIGHUP)
+        said, complained = run.communicate(timeout=20)
+        self.assertEqual(run.returncode, DONE, said + complained)
+        self.assertFalse(json.loads((self.folder / "run.json").read_text())["interrupted"])
+
+    def test_ctrl_z_stops_instead_of_freezing_the_loop(self):
+        run = self.start_app("run", "--duration", "600", "--json", "run.json")
+        time.sleep(1.5)
+        run.send_signal(signal.SIGTSTP)
+        said, complained = run.communicate(timeout=20)
+        self.assertEqual(run.returncode, INTERRUPTED, said + complained)
+
     def test_ctrl_c_during_a_simulated_clock(self):
         run = self.start_app("run", "--duration", "3600", "--simulated-clock", "--json", "run.json")
         time.sleep(1.5)
@@ -169,7 +185,9 @@ class HowItEnds(AppTest):
                          "--record", "run.h5", "--json", "run.json", "--report", "report"),
             FAULT, "Stopped by a fault", "singular reduced inertia", "UNCERTIFIED")
         self.assertNotIn("Done", result.out)
-        self.assertGreater(json.loads((self.folder / "run.json").read_text())["faults"], 0)
+        summary = json.loads((self.folder / "run.json").read_text())
+        self.assertGreater(summary["faults"], 0)
+        self.assertIs(summary["faulted"], True)
         with read_recording(self.folder / "run.h5") as f:
             self.assertLessEqual(f["ticks/time_s"][-1], 0.1)  # stopped at once, within the ramp
             self.assertEqual(f["ticks/authority"][-1], 0.0)

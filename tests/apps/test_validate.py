@@ -246,6 +246,12 @@ class RunRefuses(AppTest):
         self.write("inside.toml", text)
         self.expect_run_refused("--scene", "inside.toml", texts=["inside.toml", "cylinder", "hand"],
                                 lines=1)
+        # What can be checked is checked before the device is armed, and nothing is made until then.
+        self.write("file", "")
+        self.expect_run_refused("--scene", "inside.toml", "--record", "file/run.h5",
+                                texts=["file/run.h5", "no folder"], lines=1)
+        self.expect_run_refused("--scene", "inside.toml", "--record", "new/run.h5",
+                                texts=["inside.toml", "cylinder", "hand"], lines=1)
 
     def test_unstable_gains(self):
         text = GAINS.read_text().replace("k_pm_n_m = 1000.0", "k_pm_n_m = 50000.0")
