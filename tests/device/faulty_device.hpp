@@ -10,7 +10,7 @@ namespace wholehand::testing {
 
 /// A fault to inject: what goes wrong in which ticks (counted by reads since open, from 0).
 struct InjectedFault {
-  enum class Kind { kNanPosition, kInfinitePosition, kReadFails, kWriteFails };
+  enum class Kind { kNanPosition, kInfinitePosition, kShortReading, kReadFails, kWriteFails };
   Kind kind = Kind::kReadFails;
   int first_tick = 0;
   int last_tick = 0;  ///< inclusive
@@ -39,6 +39,11 @@ class FaultyDevice final : public HapticDevice {
     }
     if (const InjectedFault* f = now(InjectedFault::Kind::kInfinitePosition)) {
       truth.q_m[f->axis] = std::numeric_limits<double>::infinity();
+    }
+    if (now(InjectedFault::Kind::kShortReading) != nullptr) {
+      AxisPosition fewer(truth.q_m.size() - 1);
+      for (int i = 0; i < fewer.size(); ++i) fewer[i] = truth.q_m[i];
+      truth.q_m = fewer;
     }
     reading = truth;
     return fault;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "model/hand_model.hpp"
+#include "support/seed.hpp"
 #include "support/tolerance.hpp"
 
 #include <Eigen/Geometry>
@@ -89,8 +90,8 @@ inline JointState randomState(Rng& rng, const HandModel& hand) {
 
 /// Calls `check(hand, rng)` for trees of 3 .. 30 links and 1 .. 9 axes that have a full-rank G.
 template <class Check>
-void forRandomTrees(unsigned seed, int count, Check check) {
-  Rng rng(seed);
+void forRandomTrees(unsigned stream, int count, Check check) {
+  auto rng = seededRandom<Rng>(stream);
   int tried = 0;
   for (int k = 0; k < cases(count); ++k) {
     const HandModel hand = randomTree(rng, 3 + k % 28, 1 + k % 9);

@@ -70,8 +70,8 @@ TEST(NeutralRamp, StallWhileEngaging_DoesNotEndInAStep) {
   NeutralRampState s = engageFrom(kNeutral);
   for (int k = 0; k < 50; ++k) s = tick(s, kWanted, false);
   const NeutralRampState next = tick(s, kWanted, false, 500);
-  // One period of the steepest slope 1.5 / engage_s, of a span of 16 N.
-  EXPECT_LE(std::abs(next.sent[0] - s.sent[0]), 16.0 * 1.5 * kPeriod_s / kConfig.engage_s);
+  // The first step of the smoothstep, of a span that is less than the 16 N from neutral to wanted.
+  EXPECT_LE(std::abs(next.sent[0] - s.sent[0]), 16.0 * smooth(kPeriod_s / kConfig.engage_s));
 }
 
 TEST(NeutralRamp, Stop_FollowsTheSmoothstepFromTheLastEffortToExactlyNeutral) {
@@ -141,6 +141,68 @@ TEST(NeutralRamp, ConfiguredSlowerThanAllowed_StillEndsIn100Milliseconds) {
   }
 }
 
+// ---- after a stall, while rendering
+
+const AxisEffort kWantedNow = two(9.0, -0.5);  // far from kWanted: the device has moved on
+
+TEST(NeutralRamp, StallLongerThanTheGap_EngagesAnewFromTheEffortThatWasHeld) {
+  NeutralRampState s = engaged();
+  for (int k = 1; k <= 220; ++k) {
+    s = tick(s, kWantedNow, false, k == 1 ? 200 : 1);
+    const double a = smooth(k * kPeriod_s / kConfig.engage_s);  // the first tick counts as one
+    EXPECT_NEAR(s.authority, a, tolerance(1e-12)) << k;
+    EXPECT_NEAR(s.sent[0], -12.0 + a * (9.0 + 12.0), tolerance(1e-11)) << k;
+    EXPECT_NEAR(s.sent[1], 0.5 + a * (-0.5 - 0.5), tolerance(1e-12)) << k;
+    EXPECT_EQ(s.phase, RampPhase::kRendering);
+  }
+  EXPECT_EQ(s.sent[0], 9.0);
+  EXPECT_EQ(s.sent[1], -0.5);
+  EXPECT_EQ(s.authority, 1.0);
+}
+
+TEST(NeutralRamp, GapOfExactlyFiveMilliseconds_IsNoStallAndOnePeriodMoreIs) {
+  for (const int rate_khz : {1, 2, 4}) {
+    const auto after = [&](int periods) {
+      return advanceRamp(engaged(), kWantedNow, kNeutral, false, periods, 1e-3 / rate_khz, kConfig);
+    };
+    for (int periods = 1; periods <= 5 * rate_khz; ++periods) {
+      EXPECT_EQ(after(periods).authority, 1.0) << periods << " periods at " << rate_khz << " kHz";
+      EXPECT_EQ(after(periods).sent[0], 9.0);
+    }
+    const NeutralRampState stalled = after(5 * rate_khz + 1);
+    EXPECT_LT(stalled.authority, 1e-3);
+    // The first step of the smoothstep, of a span of 21 N.
+    EXPECT_LE(std::abs(stalled.sent[0] + 12.0),
+              21.0 * smooth(1e-3 / rate_khz / kConfig.engage_s) + 1e-12);
+  }
+}
+
+TEST(NeutralRamp, StallAfterStall_EachBeginsFromWhatWasSentLast) {
+  NeutralRampState s = engaged();
+  for (int k = 0; k < 400; ++k) {
+    const AxisEffort& wanted = k % 2 == 0 ? kWantedNow : kWanted;
+    const NeutralRampState next = tick(s, wanted, false, 50);
+    const double first = smooth(kPeriod_s / kConfig.engage_s);
+    EXPECT_NEAR(next.sent[0], s.sent[0] + first * (wanted[0] - s.sent[0]), tolerance(1e-12)) << k;
+    s = next;
+  }
+}
+
+TEST(NeutralRamp, StopWhileEngagingAnew_RampsFromWhatWasSentLast) {
+  NeutralRampState s = engaged();
+  for (int k = 0; k < 100; ++k) s = tick(s, kWantedNow, false, k == 0 ? 200 : 1);
+  const double held = s.sent[0];
+  EXPECT_NEAR(held, -1.5, 1e-9);  // halfway from -12 to 9
+  for (int k = 1; k <= 120; ++k) {
+    s = tick(s, kWanted, true);
+    const double share = 1.0 - smooth(k * kPeriod_s / kConfig.ramp_s);
+    EXPECT_NEAR(s.sent[0], 4.0 + share * (held - 4.0), tolerance(1e-11)) << k;
+    EXPECT_NEAR(s.authority, 0.5 * share, tolerance(1e-9)) << k;
+  }
+  EXPECT_EQ(s.phase, RampPhase::kNeutral);
+  EXPECT_EQ(s.sent[0], 4.0);
+}
+
 /// A run as bad as it gets: random efforts, a stop at a random tick, periods skipped at random.
 TEST(NeutralRamp, AnyRun_StaysWithinLimitsAndSlewAndIsNeutralIn100Milliseconds) {
   EXPECT_TRUE(rc::check("run", [] {
@@ -162,6 +224,11 @@ TEST(NeutralRamp, AnyRun_StaysWithinLimitsAndSlewAndIsNeutralIn100Milliseconds) 
                                                 elapsed, period_s, kConfig);
       RC_ASSERT(std::isfinite(next.sent[0]));
       RC_ASSERT(std::abs(next.sent[0]) <= limit);
+      if (k < stop_at && elapsed * period_s > kConfig.gap_s) {
+        // After a stall: no more than the smoothstep's first step of the way.
+        RC_ASSERT(std::abs(next.sent[0] - s.sent[0]) <=
+                  smooth(period_s / kConfig.engage_s) * std::abs(wanted - s.sent[0]) + 1e-12);
+      }
       if (k >= stop_at) {
         const double counted_s = (k == stop_at ? 1 : elapsed) * period_s;
         if (k > stop_at) since_stop_s += elapsed * period_s;

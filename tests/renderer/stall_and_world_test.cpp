@@ -1,0 +1,181 @@
+// What reaches a person's hand when the physics world fails, and after the loop has stood still.
+#include "device/simulated/simulated_device.hpp"
+#include "physics/analytic/analytic_world.hpp"
+#include "renderer/safety_tools.hpp"
+#include "support/faulty_world.hpp"
+#include "support/seed.hpp"
+#include "support/tolerance.hpp"
+
+#include <cmath>
+#include <cstring>
+
+namespace wholehand::test {
+namespace {
+
+/// A renderer of a world in closed form that fails: the hand meets a rigid stop halfway along x.
+struct FailingWorldRig {
+  std::unique_ptr<Rig> rig;  ///< lends its models, device and gains; its own renderer stays idle
+  std::unique_ptr<AnalyticWorld> world;
+  std::unique_ptr<FaultyWorld> faulty;
+  std::unique_ptr<HapticRenderer> renderer;
+};
+
+FailingWorldRig failingWorldRig(InjectedWorldFault fault, std::mt19937_64& random) {
+  FailingWorldRig out;
+  Models m =
+      withWeight(load(shippedFiles("lambda-pride", "empty", "adult-median-right", "stiff-adult")));
+  Intention intention = slamming(m.device, random, clear(m.device));
+  out.rig = orThrow(buildRig(std::move(m), std::move(intention), {}));
+  const Models& models = out.rig->models;
+  AnalyticScene scene;
+  scene.axes.resize(static_cast<std::size_t>(models.hand.axis_count));
+  scene.axes[static_cast<std::size_t>(models.device.axisIndex("x"))].upper_stop = 0.0;
+  out.world = std::make_unique<AnalyticWorld>(models.hand, std::move(scene));
+  out.faulty = std::make_unique<FaultyWorld>(*out.world, fault);
+  out.renderer = std::make_unique<HapticRenderer>(*out.rig->device, *out.faulty, models.hand,
+                                                  out.rig->renderer->config());
+  return out;
+}
+
+std::vector<TickRecord> run(HapticRenderer& renderer, int ticks) {
+  std::vector<TickRecord> records;
+  records.reserve(static_cast<std::size_t>(ticks));
+  runTicks(renderer, ticks, [&](const TickRecord& r) { records.push_back(r); });
+  return records;
+}
+
+struct WorldFailure {
+  const char* name;
+  InjectedWorldFault::Kind kind;
+  Fault told;
+  int delay;  ///< ticks until the ramp begins: a failed step is known only after the write
+};
+
+class InjectedWorldFailure : public ::testing::TestWithParam<WorldFailure> {};
+
+TEST_P(InjectedWorldFailure, AtARandomTick_RampsToNeutralAndTheWorldStandsUntilArmed) {
+  const WorldFailure failure = GetParam();
+  std::mt19937_64 random = seededRandom(5);
+  for (int i = 0; i < cases(3); ++i) {
+    const int at = static_cast<int>(uniform(random, 20, 1000));  // some while the force engages
+    SCOPED_TRACE("tick " + std::to_string(at));
+    FailingWorldRig f = failingWorldRig({failure.kind, at}, random);
+    ASSERT_TRUE(f.renderer->arm());
+    const std::vector<TickRecord> records = run(*f.renderer, at + 300);
+    ASSERT_EQ(records[at - 1].faults & kStopping, Fault::kNone);
+    EXPECT_EQ(records[at].faults & failure.told, failure.told);
+    EXPECT_EQ(f.renderer->latched() & failure.told, failure.told);
+    for (const TickRecord& r : records) {
+      expectWithinLimits(*f.renderer, r);
+      ASSERT_TRUE(allFinite(r.sent)) << "tick " << r.tick;
+    }
+    expectRamp(*f.renderer, records, at + failure.delay);
+    EXPECT_EQ(f.faulty->steps(), at);  // the ticks before it, and none since
+
+    ASSERT_TRUE(f.renderer->arm());
+    const std::vector<TickRecord> again = run(*f.renderer, 15);
+    EXPECT_FALSE(f.renderer->atNeutral());
+    EXPECT_EQ(again.back().faults & kStopping, Fault::kNone);
+    EXPECT_GT(again.back().authority, 0.0);
+    EXPECT_LT(again.front().authority, 1e-3);
+    EXPECT_EQ(f.faulty->steps(), 15);
+  }
+}
+INSTANTIATE_TEST_SUITE_P(
+    Kinds, InjectedWorldFailure,
+    ::testing::Values(
+        WorldFailure{"NonFiniteState", InjectedWorldFault::Kind::kNonFiniteState,
+                     Fault::kNonFiniteState, 0},
+        // An engine that does not notice is caught by what its state makes of the effort.
+        WorldFailure{"SilentNan", InjectedWorldFault::Kind::kSilentNan, Fault::kNonFiniteEffort, 0},
+        WorldFailure{"StepFails", InjectedWorldFault::Kind::kStepFails, Fault::kPhysicsStep, 1}),
+    [](const auto& tested) { return std::string(tested.param.name); });
+
+// ---- the loop stands still
+
+/// The patient is on the way across the workspace, every axis at once.
+std::unique_ptr<Rig> crossingRig() {
+  Models m =
+      withWeight(load(shippedFiles("lambda-pride", "empty", "adult-median-right", "stiff-adult")));
+  AxisPosition here(m.device.axisCount()), there(m.device.axisCount());
+  for (int a = 0; a < here.size(); ++a) {
+    const DeviceAxis& axis = m.device.axes[a];
+    here[a] = std::lerp(axis.lower, axis.upper, 0.1);
+    there[a] = std::lerp(axis.lower, axis.upper, 0.9);
+  }
+  Intention intention = Intention::throughWaypoints({{0.0, here}, {0.4, here}, {0.9, there}});
+  return orThrow(buildRig(std::move(m), std::move(intention), {}));
+}
+
+/// What the renderer would send, were it engaged for good.
+AxisEffort wanted(const HapticRenderer& renderer, const TickRecord& r) {
+  const RendererConfig& config = renderer.config();
+  AxisEffort out = r.rendered;
+  for (int a = 0; a < out.size(); ++a) {
+    out[a] =
+        std::clamp(out[a] + config.neutral[a], -config.effort_limit[a], config.effort_limit[a]);
+  }
+  return out;
+}
+
+TEST(StalledLoop, WhileThePatientMovesFast_EngagesAnewWithoutAStep) {
+  const auto rig = crossingRig();
+  HapticRenderer& renderer = *rig->renderer;
+  const RendererConfig& config = renderer.config();
+  const AxisEffort& limit = config.effort_limit;
+  ASSERT_TRUE(renderer.arm());
+  TickRecord before = *runTicks(renderer, 600);
+  const AxisEffort held = before.sent;
+  ASSERT_EQ(before.authority, 1.0);
+  TickRecord now = before;
+  renderer.tick(200, now);  // the device went on for 200 ms under that effort
+
+  // The test can tell: what is wanted did jump, on the worst axis by half the limit or more.
+  double jump = 0.0;
+  for (int a = 0; a < held.size(); ++a) {
+    jump = std::max(jump, std::abs(wanted(renderer, now)[a] - held[a]) / limit[a]);
+  }
+  EXPECT_GT(jump, 0.5);
+
+  // sent = held + s (wanted - held), both within the limit: |sent - held| <= 2 limit s. From a tick
+  // to the next it changes by (s' - s) (wanted' - held) + s (wanted' - wanted), where s rises by at
+  // most the smoothstep's steepest slope, 1.5 T / engage_s: by at most 3 limit T / engage_s, 1.5 %
+  // of the limit here, and the share s of what the rendered force itself changes by.
+  double largest = 0.0;
+  double authority = 0.0;  // of the tick before: none yet, it was engaged anew
+  for (int k = 1; k <= 250; ++k) {
+    const AxisEffort want = wanted(renderer, now), wanted_before = wanted(renderer, before);
+    for (int a = 0; a < held.size(); ++a) {
+      const double change = std::abs(now.sent[a] - before.sent[a]);
+      const double own = authority * std::abs(want[a] - wanted_before[a]);
+      ASSERT_LE(change, 3.0 * limit[a] * config.period_s / config.ramp.engage_s + own + 1e-12) << k;
+      ASSERT_LE(std::abs(now.sent[a] - held[a]), 2.0 * limit[a] * now.authority + 1e-12) << k;
+      if (k == 1) largest = std::max(largest, change / limit[a]);
+      if (k * config.period_s >= config.ramp.engage_s + config.period_s) {
+        ASSERT_EQ(now.sent[a], want[a]) << k;  // wholly engaged again
+      }
+    }
+    authority = now.authority;
+    before = now;
+    renderer.tick(1, now);
+  }
+  // The smoothstep's first step, 3 (T / engage_s)², of a span of at most twice the limit.
+  const double u = config.period_s / config.ramp.engage_s;
+  EXPECT_LE(largest, 6.0 * u * u + 1e-12);
+  figure("step of the effort after a stall of 200 ms, worst axis, share of its limit", largest, "");
+  figure("the same had it not engaged anew", jump, "");
+}
+
+TEST(StalledLoop, ForFivePeriods_StaysEngaged) {
+  const auto rig = crossingRig();
+  HapticRenderer& renderer = *rig->renderer;
+  ASSERT_TRUE(renderer.arm());
+  TickRecord now = *runTicks(renderer, 600);
+  renderer.tick(5, now);
+  EXPECT_EQ(now.authority, 1.0);
+  const AxisEffort want = wanted(renderer, now);
+  for (int a = 0; a < want.size(); ++a) EXPECT_EQ(now.sent[a], want[a]);
+}
+
+}  // namespace
+}  // namespace wholehand::test

@@ -1,0 +1,67 @@
+#pragma once
+
+#include "physics/physics_world.hpp"
+
+#include <limits>
+
+namespace wholehand::test {
+
+/// What goes wrong in a world, in one tick (counted by observations since the hand was placed).
+struct InjectedWorldFault {
+  enum class Kind {
+    kNonFiniteState,  ///< a joint is NaN, and the engine says so
+    kSilentNan,       ///< a coordinate of the hand is NaN, and the engine does not notice
+    kStepFails        ///< the engine cannot step, and does not
+  };
+  Kind kind = Kind::kStepFails;
+  int tick = 0;
+};
+
+/// Passes everything on to another world, but for the fault it injects.
+class FaultyWorld final : public PhysicsWorld {
+ public:
+  /// @pre world outlives this
+  FaultyWorld(PhysicsWorld& world, InjectedWorldFault fault) : world_(world), fault_(fault) {}
+
+  [[nodiscard]] Expected<Done> placeHand(const AxisPosition& q_s) override {
+    tick_ = -1;
+    steps_ = 0;
+    return world_.placeHand(q_s);
+  }
+
+  [[nodiscard]] Fault observe(WorldState& state) noexcept override {
+    ++tick_;
+    const Fault fault = world_.observe(state);
+    if (now(InjectedWorldFault::Kind::kNonFiniteState)) {
+      state.q_s[0] = state.theta[0] = std::numeric_limits<double>::quiet_NaN();
+      return fault | Fault::kNonFiniteState;
+    }
+    if (now(InjectedWorldFault::Kind::kSilentNan)) {
+      state.q_s[0] = std::numeric_limits<double>::quiet_NaN();
+    }
+    return fault;
+  }
+
+  [[nodiscard]] Fault step(const HandDrive& drive, double period_s) noexcept override {
+    if (now(InjectedWorldFault::Kind::kStepFails)) return Fault::kPhysicsStep;
+    ++steps_;
+    return world_.step(drive, period_s);
+  }
+
+  void contacts(ContactList& contacts) const noexcept override { world_.contacts(contacts); }
+
+  /// How often the world behind was stepped since the hand was placed.
+  [[nodiscard]] int steps() const noexcept { return steps_; }
+
+ private:
+  [[nodiscard]] bool now(InjectedWorldFault::Kind kind) const noexcept {
+    return fault_.kind == kind && fault_.tick == tick_;
+  }
+
+  PhysicsWorld& world_;
+  InjectedWorldFault fault_;
+  int tick_ = -1;
+  int steps_ = 0;
+};
+
+}  // namespace wholehand::test

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <numeric>
+#include <random>
+#include <utility>
+#include <vector>
+
+/// One seed for all that tests draw: ./check picks it anew every time and prints it.
+namespace wholehand::test {
+
+/// WHOLEHAND_SEED; where it is unset always the same one, so that a test run by hand repeats.
+inline std::uint64_t seed() {
+  const char* text = std::getenv("WHOLEHAND_SEED");
+  return text != nullptr ? std::strtoull(text, nullptr, 10) : 20251120U;
+}
+
+/// Draws by the seed, printed so that a failure can be had again. `stream` keeps apart what two
+/// tests draw: it stands for the test, not for the seed.
+template <class Random = std::mt19937_64>
+Random seededRandom(unsigned stream) {
+  std::printf("seed: WHOLEHAND_SEED=%llu\n", static_cast<unsigned long long>(seed()));
+  std::seed_seq mixed{static_cast<unsigned>(seed()), static_cast<unsigned>(seed() >> 32U), stream};
+  return Random(mixed);
+}
+
+/// `count` of the numbers 0 .. size - 1, none of them twice, in random order.
+/// @pre count <= size
+template <class Random>
+std::vector<std::size_t> sampleOf(std::size_t size, std::size_t count, Random& random) {
+  std::vector<std::size_t> out(size);
+  std::iota(out.begin(), out.end(), std::size_t{0});
+  for (std::size_t i = 0; i < count; ++i) std::swap(out[i], out[i + random() % (size - i)]);
+  out.resize(count);
+  return out;
+}
+
+}  // namespace wholehand::test
