@@ -3,6 +3,7 @@
 #include "experiment_command.hpp"
 #include "experiments/grasp_trial.hpp"
 #include "picture/picture.hpp"
+#include "plural.hpp"
 #include "report/svg_plot.hpp"
 #include "shipped_files.hpp"
 
@@ -168,9 +169,10 @@ Sweep runAll(const std::vector<GraspTrial>& trials, const ExperimentOptions& opt
       sweep.interrupted = true;
       return sweep;
     }
-    printTrial(*result);
     sweep.results.push_back(*result);
   }
+    if (!keep_recordings) std::printf("%3zu ", sweep.results.size());  // they share their names
+    printTrial(*result);
   return sweep;
 }
 
@@ -195,7 +197,8 @@ int graspingCommand(const ExperimentOptions& options) {
   if (!tuned.errors.empty()) return refuse(tuned.errors);
   if (tuned.interrupted) return interrupted();
   if (options.jittered > 0) {
-    std::printf("\n%d trials with jittered positions and commands, seed %llu\n", options.jittered,
+    std::printf("\n%d trial%s with jittered positions and commands, seed %llu\n    ",
+                options.jittered, plural(options.jittered),
                 static_cast<unsigned long long>(options.seed));
     printHeader();
   }
@@ -223,8 +226,8 @@ int graspingCommand(const ExperimentOptions& options) {
   if (auto done = writeText(plot, slipPlot(tuned.results, jittered.results)); !done) {
     return refuse(done.errors());
   }
-  std::printf("\njittered: %zu trials, %d dropped, %d slipped over 0.5 mm, noise at most %.4f N\n",
-              jittered.results.size(), dropped, slipped, noise);
+  std::printf("\njittered: %zu trial%s, %d dropped, %d slipped over 0.5 mm, noise at most %.4f N\n",
+              jittered.results.size(), plural(jittered.results.size()), dropped, slipped, noise);
   std::printf("%s\n%s\npictures, recordings and scenes in %s\n", json_path.c_str(), plot.c_str(),
               options.folder.c_str());
   const auto faulted = tuned.faulted() + jittered.faulted();

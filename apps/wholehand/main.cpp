@@ -20,6 +20,18 @@ namespace {
 
 using namespace wholehand;  // NOLINT(google-build-using-namespace): the program's own main
 
+// The gains that go with a device where none are named; false and the exit code where there are
+// none.
+bool findGains(const std::string& device, std::string& rendering, int& code) {
+  auto found = renderingFor(device);
+  if (found) {
+    rendering = *found;
+  } else {
+    code = refuse(found.errors());
+  }
+  return found.ok();
+}
+
 void addRun(CLI::App& app, RunOptions& o, int& code) {
   CLI::App* run =
       app.add_subcommand("run", "Play a motion: the simulated hand touches, the device feels");
@@ -47,8 +59,9 @@ void addRun(CLI::App& app, RunOptions& o, int& code) {
                 "Allow gains that `certify` refuses (simulated device only; recorded)");
   run->footer("Without --record, --report and --json all three go into out/run-<time>/.");
   run->callback([&o, run, &code] {
-    if (run->count("--rendering") == 0) o.files.rendering = renderingFor(o.files.device);
-    code = runCommand(o);
+    if (run->count("--rendering") > 0 || findGains(o.files.device, o.files.rendering, code)) {
+      code = runCommand(o);
+    }
   });
 }
 
@@ -88,8 +101,9 @@ void addCertify(CLI::App& app, CertifyOptions& o, int& code) {
   certify->add_option("--svg", o.svg, "Draw each axis's Z-width into this file");
   certify->footer("Exit code 0: certified; 1: not; 2: a file is not well formed.");
   certify->callback([&o, certify, &code] {
-    if (certify->count("--rendering") == 0) o.rendering = renderingFor(o.device);
-    code = certifyCommand(o);
+    if (certify->count("--rendering") > 0 || findGains(o.device, o.rendering, code)) {
+      code = certifyCommand(o);
+    }
   });
 }
 

@@ -16,12 +16,21 @@ std::string shippedFile(const std::string& relative) {
   return relative;
 }
 
-std::string renderingFor(const std::string& device_file) {
+Expected<std::string> renderingFor(const std::string& device_file) {
   const fs::path device = device_file;
   const fs::path beside = device.parent_path().parent_path() / "rendering" / device.filename();
   std::error_code error;
   if (fs::exists(beside, error)) return beside.string();
-  return shippedFile((fs::path("config/rendering") / device.filename()).string());
+  const std::string shipped =
+      shippedFile((fs::path("config/rendering") / device.filename()).string());
+  // Where the device is not there either, that is what the person must hear.
+  if (fs::exists(shipped, error) || !fs::exists(device, error)) return shipped;
+  return Diagnostic{device_file,
+                    0,
+                    "",
+                    "",
+                    "no gains are known for this device",
+                    "give --rendering FILE, or put them at " + beside.lexically_normal().string()};
 }
 
 }  // namespace wholehand

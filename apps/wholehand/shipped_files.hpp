@@ -1,5 +1,7 @@
 #pragma once
 
+#include "core/expected.hpp"
+
 #include <string>
 
 namespace wholehand {
@@ -10,7 +12,8 @@ namespace wholehand {
 [[nodiscard]] std::string shippedFile(const std::string& relative);
 
 /// The rendering file that goes with a device file: the one of the same name in the folder
-/// `rendering` beside the device's folder; the shipped one where that does not exist.
-[[nodiscard]] std::string renderingFor(const std::string& device_file);
+/// `rendering` beside the device's folder; the shipped one where that does not exist; an error
+/// where there is neither.
+[[nodiscard]] Expected<std::string> renderingFor(const std::string& device_file);
 
 }  // namespace wholehand

@@ -81,10 +81,28 @@ class Same(AppTest):
         self.assertEqual(self.names_in(self.folder), ["p.png", "run.h5", "scratch"])
 
 
+    def test_moment_beyond_the_end_is_refused_with_the_length(self):
+        path = self.record(duration=0.3)  # and at most 0.1 s of ramp
+        self.expect(self.run_app("picture", path, "--at", "0.2", "--out", "p.png"), DONE, "0.20 s: ")
+        self.expect_refused(self.run_app("picture", path, "--at", "5", "--out", "q.png"), "run.h5",
+                            "--at = 5 s", "the recording ends at 0.3", lines=1)
+        self.assertFalse((self.folder / "q.png").exists())
+
+
 class Different(AppTest):
     def setUp(self):
         super().setUp()
         self.path = self.record(duration=1.5)
+
+    def test_recording_of_another_version_says_so(self):
+        with h5py.File(self.path, "r+", libver="latest") as f:
+            f["meta"].attrs["git_version"] = numpy.bytes_(b"0.0.9 (older)")  # of fixed length
+        flip_last_bit(self.path, "ticks/f_s", 700, 2)
+        result = self.expect(self.run_app("replay", "--resimulate", self.path), DIFFERENT)
+        self.assertIn("(recorded by 0.0.9 (older), this is ", result.out)
+
+    def test_recording_of_this_version_says_nothing_of_versions(self):
+        self.assertNotIn("recorded by", self.changed("ticks/f_s", 700, 2).out)
 
     def changed(self, dataset, row, column=None):
         copy = self.folder / "changed.h5"

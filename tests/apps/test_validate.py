@@ -93,6 +93,24 @@ class Shipped(AppTest):
             self.expect(self.run_app("validate", copy), DONE, "ok ")
 
 
+class Guessed(AppTest):
+    """What a file alone is checked against is said, and what to do where that is not what it is for."""
+
+    def test_gains_alone_name_device_and_hand(self):
+        gains = shutil.copy(GAINS, self.folder / "my-gains.toml")
+        self.expect(self.run_app("validate", gains), DONE,
+                    "on the device lambda-pride with the hand adult-median-right")
+
+    def test_axes_that_do_not_fit_ask_for_the_device(self):
+        gains = shutil.copy(CONFIG / "rendering/wrist-9axis.toml", self.folder / "my-gains.toml")
+        self.expect_refused(self.run_app("validate", gains), "roll", "lambda-pride.toml",
+                            "name its device file beside it")
+        device = CONFIG / "devices/wrist-9axis.toml"
+        self.expect(self.run_app("validate", gains, device), DONE)
+        result = self.expect_refused(self.run_app("validate", gains, DEVICE), "roll")
+        self.assertNotIn("beside it", result.err)  # the device was named
+
+
 class Mistakes(AppTest):
     def expect_one_message(self, path, texts, line=0):
         place = f"{path}:{line}:" if line else str(path)
@@ -233,6 +251,14 @@ class RunRefuses(AppTest):
         self.expect_run_refused("--scene", HAND, texts=["adult-median-right.toml", "scene"], lines=1)
         self.expect_run_refused("--hand", SCENE, texts=["four-shapes.toml", "hand"], lines=1)
         self.expect_run_refused("--motion", SCENE, texts=["four-shapes.toml"], lines=1)
+
+    def test_device_without_gains_asks_for_them(self):
+        (self.folder / "elsewhere").mkdir()
+        device = shutil.copy(DEVICE, self.folder / "elsewhere/mine.toml")
+        self.expect_run_refused("--device", device, texts=["elsewhere/mine.toml", "give --rendering"],
+                                lines=1)
+        self.expect_refused(self.run_app("certify", "--device", device), "give --rendering", lines=1)
+        self.expect_run_refused("--device", "nowhere.toml", texts=["nowhere.toml"], lines=1)
 
     def test_gains_of_another_device(self):
         self.expect_run_refused("--rendering", CONFIG / "rendering/wrist-9axis.toml", texts=["roll"])
