@@ -1,6 +1,7 @@
 #include "control/adaptive_damping.hpp"
 
 #include "realtime/allocation_counter.hpp"
+#include "support/seed.hpp"
 #include "support/tolerance.hpp"
 
 #include <gtest/gtest.h>
@@ -32,7 +33,7 @@ struct PrintedAlgorithm {
 };
 
 TEST(AdaptiveDamping, RandomEfforts_EqualThePrintedAlgorithmUpToChatter) {
-  std::mt19937 rng(3);
+  auto rng = seededRandom(3);
   std::normal_distribution<double> noise;
   for (int trial = 0; trial < cases(40); ++trial) {
     const double decay_s = std::uniform_real_distribution<double>(0.05, 2.0)(rng);

@@ -3,6 +3,7 @@
 #include "control/critical_damping.hpp"
 #include "control/passivity.hpp"
 #include "control/z_width.hpp"
+#include "support/seed.hpp"
 #include "support/tolerance.hpp"
 
 #include <gtest/gtest.h>
@@ -228,7 +229,7 @@ TEST(Certificate, WorstKnownPersonAndObject_AreUnstableJustBelowAndStableAtTheRe
 }
 
 TEST(Certificate, DampedAxis_IsStableWithRandomPassivePersonsAndObjects) {
-  std::mt19937 rng(5);
+  auto rng = seededRandom(5);
   std::uniform_real_distribution<double> u(0.0, 1.0);
   const auto between = [&](double low, double high) { return low * std::pow(high / low, u(rng)); };
   for (int trial = 0; trial < cases(300); ++trial) {

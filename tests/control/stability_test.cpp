@@ -4,6 +4,7 @@
 #include "control/critical_damping.hpp"
 #include "control/velocity_estimator.hpp"
 #include "one_axis_gains.hpp"
+#include "support/seed.hpp"
 #include "support/tolerance.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -181,7 +182,7 @@ TEST(AvatarLoop, OneAxis_IsStableUpToTwiceTheFrequencyOfThePeriod) {
 }
 
 TEST(AvatarLoop, CommonStiffness_IsStableUpToTheClosedForm) {
-  std::mt19937 rng(11);
+  auto rng = seededRandom(11);
   std::normal_distribution<double> normal;
   for (int trial = 0; trial < cases(50); ++trial) {
     const int n = 2 + trial % 6;

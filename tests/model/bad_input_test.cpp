@@ -4,13 +4,13 @@
 #include "model/rendering_config.hpp"
 #include "model/temp_folder.hpp"
 #include "model/toml_file.hpp"
+#include "support/seed.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <fstream>
 #include <iterator>
-#include <random>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -301,9 +301,7 @@ TEST(BadInput, WhatIsNoFile_IsSaidPlainly) {
 // Whatever a file holds, loading it ends in a value or in messages: it never crashes or throws.
 TEST(BadInput, RandomlySpoiledFiles_LoadOrSayWhy) {
   const test::TempFolder folder;
-  constexpr unsigned kSeed = 20261120;
-  std::mt19937 random(kSeed);
-  SCOPED_TRACE("seed " + std::to_string(kSeed));
+  auto random = test::seededRandom(1);
   const auto pick = [&](std::size_t below) { return random() % below; };
   const std::string bytes = "[]{}=\"'.,#\n-+e019_xnan\x80\xff";
   int refused = 0;

@@ -2,6 +2,7 @@
 #include "model/rotation.hpp"
 #include "model/scene_model.hpp"
 #include "model/separation.hpp"
+#include "support/seed.hpp"
 #include "support/tolerance.hpp"
 
 #include <Eigen/Geometry>
@@ -66,7 +67,7 @@ Pose at(double x_m, double y_m, double z_m) {
   return pose;
 }
 
-Pose randomPose(std::mt19937& random, double reach_m) {
+Pose randomPose(std::mt19937_64& random, double reach_m) {
   std::uniform_real_distribution<double> place(-reach_m, reach_m), turn(-pi, pi);
   Pose pose = at(place(random), place(random), place(random));
   pose.rotation = rotationFromRpy(turn(random), turn(random), turn(random));
@@ -145,7 +146,7 @@ TEST(SignedDistance, KnownPoints_AreExact) {
 // A distance never changes faster than the point moves, and is zero on the surface that its own
 // gradient leads to. The mesh is exact only inside: there the step must end on it, too.
 TEST(SignedDistance, AnyPoint_LeadsToTheSurface) {
-  std::mt19937 random(7);
+  auto random = test::seededRandom(7);
   std::uniform_real_distribution<double> place(-0.08, 0.08);
   for (const Shape& s : oneOfEach()) {
     for (int i = 0; i < 300; ++i) {
@@ -173,7 +174,7 @@ TEST(Separation, Spheres_IsDistanceLessRadii) {
 }
 
 TEST(Separation, SphereAgainstAnyShape_IsSignedDistanceLessRadius) {
-  std::mt19937 random(11);
+  auto random = test::seededRandom(11);
   const Shape ball = round(ShapeType::kSphere, 0.01);
   for (const Shape& s : oneOfEach()) {
     for (int i = 0; i < 200; ++i) {
@@ -239,7 +240,7 @@ TEST(Separation, CylinderOnTable_IsItsHeightAboveIt) {
 }
 
 TEST(Separation, MeshBox_EqualsBoxAgainstAnyShape) {
-  std::mt19937 random(3);
+  auto random = test::seededRandom(3);
   const Shape exact = box({0.04, 0.06, 0.02}), mesh = boxMesh({0.04, 0.06, 0.02});
   for (const Shape& s : oneOfEach()) {
     for (int i = 0; i < 100; ++i) {
@@ -277,7 +278,7 @@ double gapAlong(const Shape& s, const Pose& a, const Shape& t, const Pose& b, co
 // The separation of convex shapes is the largest gap over all directions: closed-form reaches, many
 // directions and a climb from the best of them find it without any of the code under test.
 TEST(Separation, RandomPairs_IsLargestGapOverDirections) {
-  std::mt19937 random(5);
+  auto random = test::seededRandom(5);
   std::normal_distribution<double> any;
   const auto direction = [&] { return Vector3d(any(random), any(random), any(random)); };
   int overlapping = 0;

@@ -1,3 +1,4 @@
+#include "support/seed.hpp"
 #include "support/tolerance.hpp"
 #include "telemetry/recording.hpp"
 #include "telemetry/synthetic_recording.hpp"
@@ -17,12 +18,7 @@ namespace wholehand {
 namespace {
 
 using synthetic::Folder;
-
-/// WHOLEHAND_SEED looks elsewhere.
-std::uint64_t seed() {
-  const char* text = std::getenv("WHOLEHAND_SEED");
-  return text != nullptr ? std::strtoull(text, nullptr, 10) : 20261120U;
-}
+using test::seed;
 
 std::string bytesOf(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
