@@ -6,8 +6,10 @@
 #include "realtime/allocation_counter.hpp"
 #include "realtime/monotonic_clock.hpp"
 #include "support/rig_tools.hpp"
+#include "support/seed.hpp"
 #include "support/tolerance.hpp"
 
+#include <array>
 #include <filesystem>
 #include <fstream>
 
@@ -46,17 +48,30 @@ struct Worst {
   }
 };
 
+bool everyLargeCount() {
+  return cases(1) > 1;
+}
+
+/// By the seed, one each of: power without gravity, power with it, pinch.
+std::vector<GraspTrial> oneOfEachKind(const std::vector<GraspTrial>& trials) {
+  auto random = seededRandom(1);
+  std::array<std::vector<GraspTrial>, 3> kinds;
+  for (const GraspTrial& t : trials) {
+    kinds[t.grasp == "pinch" ? 2 : t.gravity ? 1 : 0].push_back(t);
+  }
+  std::vector<GraspTrial> sample;
+  for (const auto& kind : kinds) sample.push_back(kind.at(random() % kind.size()));
+  return sample;
+}
+
 TEST(Grasping, TunedTrials_HoldTenSeconds) {
-  const std::vector<GraspTrial> tuned = tunedTrials();
-  // Sampled: power without gravity, power and pinch with it.
-  const std::vector<std::size_t> sample{2, 6, 10};
-  std::vector<GraspTrial> trials;
-  for (std::size_t i : sample) trials.push_back(tuned[i]);
-  if (cases(1) > 1) trials = tuned;
+  std::vector<GraspTrial> trials = tunedTrials();
+  if (!everyLargeCount()) trials = oneOfEachKind(trials);
   Worst worst;
   for (const GraspTrial& trial : trials) {
     const GraspResult r = grasp(trial);
     SCOPED_TRACE(trial.name());
+    std::printf("trial: %s\n", trial.name().c_str());
     EXPECT_FALSE(r.dropped);
     EXPECT_LE(r.slip_m, tolerance(5e-4));
     EXPECT_LE(r.coupling_error_rad, tolerance(1e-5));
@@ -69,26 +84,53 @@ TEST(Grasping, TunedTrials_HoldTenSeconds) {
   worst.print(std::to_string(trials.size()) + " tuned trials");
 }
 
-TEST(Grasping, JitteredTrials_AreMostlyHeld) {
-  constexpr std::uint64_t kSeed = 1;
-  const bool full = cases(1) > 1;
-  std::vector<GraspTrial> trials = jitteredTrials(72, kSeed);
-  if (!full) trials.resize(2);
-  std::printf("seed: %llu\n", static_cast<unsigned long long>(kSeed));
-  Worst worst;
+struct Jittered {
   int dropped = 0, slipped = 0;
+};
+
+Jittered hold(const std::vector<GraspTrial>& trials, const std::string& of) {
+  Worst worst;
+  Jittered seen;
   for (const GraspTrial& trial : trials) {
     const GraspResult r = grasp(trial);
-    dropped += r.dropped ? 1 : 0;
-    slipped += r.slip_m > 5e-4 ? 1 : 0;
+    seen.dropped += r.dropped ? 1 : 0;
+    seen.slipped += r.slip_m > 5e-4 ? 1 : 0;
     EXPECT_LE(r.coupling_error_rad, tolerance(1e-5)) << trial.name();
     worst.add(r);
   }
-  worst.print(std::to_string(trials.size()) + " jittered trials");
-  figure("jittered trials dropped", dropped, "");
-  figure("jittered trials that slipped over half a millimetre", slipped, "");
-  EXPECT_LE(dropped, full ? 2 : 0);
-  EXPECT_LE(slipped, full ? 7 : 0);  // at least 90 % of 72
+  worst.print(of);
+  figure("dropped of " + of, seen.dropped, "");
+  figure("slipped over half a millimetre of " + of, seen.slipped, "");
+  return seen;
+}
+
+/// The seed of which README.md's figure is told: `wholehand experiment grasping`.
+constexpr std::uint64_t kToldSeed = 1;
+
+TEST(Grasping, JitteredTrials_AreMostlyHeld) {
+  auto random = seededRandom(2);
+  if (everyLargeCount()) {
+    for (const std::uint64_t s : {kToldSeed, std::uint64_t{2 + random() % 1'000'000'000}}) {
+      const std::string of = "72 jittered trials of seed " + std::to_string(s);
+      const Jittered seen = hold(jitteredTrials(72, s), of);
+      EXPECT_LE(seen.dropped, 2) << of;
+      EXPECT_LE(seen.slipped, 7) << of;  // at least 90 % of 72
+    }
+    return;
+  }
+  const std::vector<GraspTrial> all = jitteredTrials(72, kToldSeed);
+  std::vector<GraspTrial> sample;
+  for (const std::size_t i : sampleOf(all.size(), 4, random)) {
+    sample.push_back(all[i]);
+    std::printf("jittered trial %zu of 0 .. 71: %s\n", i, all[i].name().c_str());
+  }
+  const Jittered seen = hold(sample, "4 jittered trials");
+  // One of four may fail, two may not. The contract lets 2 of 72 drop and 7 slip: a draw of four
+  // would hold two of the dropped in 1 of 430 runs and two of the slipped in 1 of 22, were the
+  // grasps at its very edge. They are not: of these 72, none drops and one slips, so that no seed
+  // fails by chance. Where half of the trials break, two runs of three see it.
+  EXPECT_LE(seen.dropped, 1);
+  EXPECT_LE(seen.slipped, 1);
 }
 
 /// A grasp, rigged tick by tick.
