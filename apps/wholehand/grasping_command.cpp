@@ -170,10 +170,10 @@ Sweep runAll(const std::vector<GraspTrial>& trials, const ExperimentOptions& opt
       return sweep;
     }
     sweep.results.push_back(*result);
-  }
     if (!keep_recordings) std::printf("%3zu ", sweep.results.size());  // they share their names
     printTrial(*result);
   return sweep;
+  }
 }
 
 int interrupted() {
@@ -231,7 +231,7 @@ int graspingCommand(const ExperimentOptions& options) {
   std::printf("%s\n%s\npictures, recordings and scenes in %s\n", json_path.c_str(), plot.c_str(),
               options.folder.c_str());
   const auto faulted = tuned.faulted() + jittered.faulted();
-  if (faulted > 0) std::printf("FAULT    %td trials were stopped by a fault\n", faulted);
+  if (faulted > 0) std::printf("FAULT    trials stopped by a fault: %td\n", faulted);
   return endOf(faulted > 0, false);
 }
 

@@ -107,11 +107,13 @@ Intention intentionOf(const Models& models) {
 
 void printOpening(const Models& models) {
   std::printf("Wholehand: %s\n", titleOf(models).c_str());
-  std::printf("  device   %s, %d axes, simulated; patient %s\n", models.device.name.c_str(),
-              models.device.axisCount(), models.patient.name.c_str());
-  std::printf("  hand     %s, %d joints, %zu capsules; scene %s, %zu bodies\n",
+  std::printf("  device   %s, %d %s, simulated; patient %s\n", models.device.name.c_str(),
+              models.device.axisCount(), models.device.axisCount() == 1 ? "axis" : "axes",
+              models.patient.name.c_str());
+  std::printf("  hand     %s, %d joints, %zu capsules; scene %s, %zu %s\n",
               models.hand.name.c_str(), models.hand.joint_count, models.hand.capsules.size(),
-              models.scene.name.c_str(), models.scene.bodies.size());
+              models.scene.name.c_str(), models.scene.bodies.size(),
+              models.scene.bodies.size() == 1 ? "body" : "bodies");
 }
 
 void printSetup(const SetupReport& setup) {
@@ -136,8 +138,9 @@ void printSummary(const RunOptions& options, const Models& models, const RunOutc
   std::printf("  faults   %s\n", faultText(s).c_str());
   if (noticeText(s) != "none") std::printf("  noticed  %s\n", noticeText(s).c_str());
   if (outcome.dropped_records + outcome.dropped_writes > 0) {
-    std::printf("  dropped  %llu records: %s\n",
+    std::printf("  dropped  %llu record%s: %s\n",
                 static_cast<unsigned long long>(outcome.dropped_records + outcome.dropped_writes),
+                plural(outcome.dropped_records + outcome.dropped_writes),
                 !outcome.failures.empty()    ? "see what failed"
                 : outcome.dropped_writes > 0 ? "the disk was full"
                                              : "the queue was full");

@@ -57,7 +57,9 @@ std::string faultFigure(const ReportData& data) {
   const TickSummary& s = data.summary;
   std::string label = "no limit reached";
   const std::uint64_t limited = s.faults[6];
-  if (limited > 0) label = "limit reached in " + formatCount(limited) + " ticks";
+  if (limited > 0) {
+    label = "limit reached in " + formatCount(limited) + (limited == 1 ? " tick" : " ticks");
+  }
   for (int bit = kFaultBits - 1; bit >= 0; --bit) {
     const bool stops = any(kStopping & static_cast<Fault>(1U << static_cast<unsigned>(bit)));
     if (stops && s.faults[static_cast<std::size_t>(bit)] > 0) label = faultName(bit);
@@ -83,7 +85,8 @@ std::string keyFigures(const ReportData& data) {
   out += arm.empty() ? force : arm;
   out += data.bodies.empty() ? figure("0", "objects", "in the scene")
                              : figure(std::to_string(touched),
-                                      "of " + std::to_string(data.bodies.size()) + " objects",
+                                      "of " + std::to_string(data.bodies.size()) +
+                                          (data.bodies.size() == 1 ? " object" : " objects"),
                                       "touched; moved " + formatNumber(way_m, 2) + " m in all");
   out += faultFigure(data);
   out +=
@@ -97,7 +100,8 @@ std::string header(const ReportData& data) {
   const bool simulated = std::any_of(m.files.begin(), m.files.end(), [](const auto& f) {
     return f.second.find("kind = \"patient\"") != std::string::npos;
   });
-  std::string device = std::to_string(m.axis_names.size()) + " axes";
+  std::string device =
+      std::to_string(m.axis_names.size()) + (m.axis_names.size() == 1 ? " axis" : " axes");
   if (const std::string name = embeddedName(m, "device"); !name.empty())
     device = name + ", " + device;
   if (simulated) device += ", simulated";
@@ -159,7 +163,8 @@ std::string caption(const ReportData& data) {
            formatNumber(t.largest_force_n, 1) + " N.</span> ";
   }
   if (data.touches.size() > touches.size()) {
-    out += "And " + std::to_string(data.touches.size() - touches.size()) + " lesser touches.";
+    const std::size_t rest = data.touches.size() - touches.size();
+    out += "And " + std::to_string(rest) + (rest == 1 ? " lesser touch." : " lesser touches.");
   }
   return out + "</p>";
 }

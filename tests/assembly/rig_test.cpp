@@ -239,5 +239,16 @@ INSTANTIATE_TEST_SUITE_P(AllFour, Signals, testing::Values(SIGINT, SIGTERM, SIGH
                            return std::string("SIG") + ::sigabbrev_np(tested.param);
                          });
 
+TEST(FaultText, WhatStopsNothing_IsToldApartFromFaults) {
+  TickSummary summary;
+  summary.faults[6] = 1;  // the bits of core/fault.hpp
+  summary.faults[7] = 2;
+  summary.faults[10] = 1;  // a request to stop is neither
+  EXPECT_EQ(faultText(summary), "none");
+  EXPECT_EQ(noticeText(summary), "effort limited in 1 tick, late tick in 2 ticks");
+  summary.faults[0] = 3;
+  EXPECT_EQ(faultText(summary), "device read failed in 3 ticks");
+}
+
 }  // namespace
 }  // namespace wholehand::test

@@ -83,7 +83,7 @@ INSTANTIATE_TEST_SUITE_P(AllSides, FixedContact,
 
 // ---- largest stable stiffness
 
-/// The test rig: 0.5 kg and 1 N·s/m on one axis by their exact solution, one tick of output
+/// A test rig: 0.5 kg and 1 N·s/m on one axis by their exact solution, one tick of output
 /// delay, a constant push of 3 N and a knock; 20 N·s/m more until it rests. All other axes stand.
 class StiffnessRig final : public HapticDevice {
  public:
