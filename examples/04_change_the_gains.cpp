@@ -1,6 +1,6 @@
 // How stiff may the coupling be? Tries stiffnesses on the axis x and asks checkGains() which of
-// them hold their certificate: stable with any passive person and object, at every adaptive
-// damping.
+// them make a loop that is stable by itself, free and against a rigid stop, at every adaptive damping.
+// (`wholehand certify` asks for more: stable with any passive person and object.)
 //
 // The loop's period buys stiffness: the same device allows more of it at 2 kHz than at 1 kHz.
 //
@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
 
   for (const double rate_hz : {1000.0, 2000.0}) {
     std::printf("\n%.0f Hz\n%12s %8s %8s   %s\n", rate_hz, "K_pm N/m", "K_ps", "sigma", "verdict");
-    for (const double k_pm : {1000.0, 1500.0, 2000.0, 4000.0, 16000.0}) {
+    for (const double k_pm : {1000.0, 4000.0, 12000.0, 16000.0, 48000.0}) {
       models->rendering.axes[static_cast<std::size_t>(x)].k_pm = k_pm;
       const Expected<CheckedGains> checked = checkGains(*models, 1.0 / rate_hz);
       if (!checked) {

@@ -1,7 +1,6 @@
 #include "assembly/rig.hpp"
 
 #include "assembly/sampled_inertia.hpp"
-#include "control/certificate_advice.hpp"
 #include "control/stability.hpp"
 #include "device/simulated/simulated_device.hpp"
 #include "physics/bullet/bullet_world.hpp"
@@ -57,14 +56,12 @@ Rig::~Rig() {
 }
 
 Expected<CheckedGains> checkGains(const Models& models, double period_s) {
-  const CertificateInput input = certificateInput(models, period_s);
-  Expected<CouplingGains> gains =
-      resolveGains(models.rendering, input.inertia_at_reference, period_s);
+  const SampledInertia inertia = sampleInertia(models.hand, models.device);
+  Expected<CouplingGains> gains = resolveGains(models.rendering, inertia.at_reference, period_s);
   if (!gains) return gains.errors();
   CheckedGains out;
   out.gains = *gains;
-  out.refused = refuseUncertified(
-      input, checkStability(models.device, models.rendering, *gains, input.inertias, period_s));
+  out.refused = checkStability(models.device, models.rendering, *gains, inertia.samples, period_s);
   return out;
 }
 

@@ -3,8 +3,6 @@
 #include "control/gain_search.hpp"
 #include "control/passivity.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <tuple>
@@ -104,60 +102,7 @@ void calmAvatar(CertificateInput& input, const Certificate& judged) {
   }
 }
 
-std::string perUnit(const DeviceAxis& axis, const char* time) {
-  return fmt::format("{}{}/{}", axis.effortUnit(), time, axis.positionUnit());
-}
-
-/// "x.k_pm_n_m = 3000 N/m: not certified ...; largest allowed k_pm_n_m: 1650 N/m (...)"
-Diagnostic refusal(const AxisCase& c, const std::string& path) {
-  const bool translation = c.axis.kind == AxisKind::kTranslation;
-  const std::string key = translation ? "k_pm_n_m" : "k_pm_nm_rad";
-  Diagnostic d;
-  d.file = path;
-  d.key = c.axis.name + "." + key;
-  d.value = fmt::format("{:.6g} {}", c.gains.k_pm, perUnit(c.axis, ""));
-  d.problem =
-      dampedEnough(c, kAllFrequencies)
-          ? fmt::format("not certified: the encoder's steps would make it chatter above {:.4g} {}",
-                        quantisationLimit(c), perUnit(c.axis, ""))
-          : fmt::format(
-                "not certified: some passive person and object make it unstable; it would "
-                "need {:.4g} {} of device damping",
-                std::max(requiredDamping(c.loop(0.0)), requiredDamping(c.loop(1.0))),
-                perUnit(c.axis, "·s"));
-  const NearestGains nearest = nearestOfAxis(c);
-  if (!(nearest.k_pm > 0.0)) {
-    d.remedy = "no smaller gains pass: the device needs more damping, less delay or a faster loop";
-    return d;
-  }
-  d.remedy = fmt::format("largest allowed {}: {:.6g} {}", key, nearest.k_pm, perUnit(c.axis, ""));
-  if (nearest.k_dm != c.gains.k_dm) {
-    d.remedy += fmt::format(" with {} = {:.6g}", translation ? "k_dm_n_s_m" : "k_dm_nm_s_rad",
-                            nearest.k_dm);
-  }
-  d.remedy += fmt::format(" (device damping {:.4g} {}, {} tick{} of delay, {:.4g} Hz)",
-                          c.axis.damping, perUnit(c.axis, "·s"), c.delay_ticks,
-                          c.delay_ticks == 1 ? "" : "s", 1.0 / c.period_s);
-  return d;
-}
-
 }  // namespace
-
-Diagnostics refuseUncertified(const CertificateInput& input, const Diagnostics& unstable) {
-  Diagnostics out, rest = unstable;
-  for (int i = 0; i < input.device.axisCount(); ++i) {
-    const AxisCase c = axisCase(input, i);
-    if (c.gains.k_pm <= quantisationLimit(c) && dampedEnough(c, kAllFrequencies)) continue;
-    out.push_back(refusal(c, input.rendering.path));
-    const auto worse = std::find_if(rest.begin(), rest.end(),
-                                    [&](const Diagnostic& d) { return d.key == out.back().key; });
-    if (worse == rest.end()) continue;
-    out.back().problem = worse->problem;
-    rest.erase(worse);
-  }
-  out.insert(out.end(), rest.begin(), rest.end());
-  return out;
-}
 
 double largestStiffness(const AxisCase& c, double most) {
   return verified(c, searched(c, most));

@@ -36,12 +36,6 @@ struct AxisAdvice {
 [[nodiscard]] std::optional<std::vector<NearestGains>> nearestGains(const CertificateInput& input,
                                                                     const Certificate& judged);
 
-/// What is wrong with gains at load: one for each axis that does not meet its certificate, with the
-/// largest stiffness that does, and the rest of `unstable`, what checkStability() said, which comes
-/// before the milder words about the same axis.
-[[nodiscard]] Diagnostics refuseUncertified(const CertificateInput& input,
-                                            const Diagnostics& unstable);
-
 /// True when nothing but their names (and 1e-4 of the avatar's inertia) tells two axes apart: they
 /// share advice and chart.
 [[nodiscard]] bool sameCase(const AxisCase& a, const AxisCase& b);

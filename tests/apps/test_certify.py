@@ -88,17 +88,6 @@ class Certify(AppTest):
         self.assertGreater(axis["damping_required"], least)
         self.assertLess(axis["damping_required"], least + 1.5)  # and the delay: K T (½ + n)
 
-    def test_run_refuses_what_certify_refuses(self):
-        for old, new in (("k_pm_n_m = 1000.0", "k_pm_n_m = 3000.0"), ("paper = false", "paper = true")):
-            with self.subTest(new):
-                gains = self.gains((old, new))
-                self.certify("--rendering", gains, code=NOT_CERTIFIED)
-                run = ["run", "--simulated-clock", "--duration", "0.1", "--json", "r.json", "--rendering", gains]
-                self.expect_refused(self.run_app(*run), "x.k_pm_n_m", "not certified", "largest allowed")
-                self.assertFalse((self.folder / "r.json").exists())
-                self.expect(self.run_app(*run, "--uncertified"), DONE)
-                (self.folder / "r.json").unlink()
-
     def test_unstable_gains_load_and_spectral_radii_say_so(self):
         hot = self.gains(("k_pm_n_m = 1000.0", "k_pm_n_m = 900000.0"))
         _, certificate = self.certify("--rendering", hot, code=NOT_CERTIFIED)

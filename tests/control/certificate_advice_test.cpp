@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 
 namespace wholehand::test {
 namespace {
@@ -113,33 +112,6 @@ TEST(NearestGains, DeviceWithoutAnyDamping_HasNone) {
   const Certificate judged = certify(in);
   EXPECT_FALSE(judged.certified);
   EXPECT_FALSE(nearestGains(in, judged).has_value());
-}
-
-TEST(RefuseUncertified, AxisThatCertifyRefuses_IsRefusedWithAStiffnessThatPasses) {
-  CertificateInput in = inputOf(2, 6.0, 1000.0, 10.0, 0.3);
-  in.rendering.path = "gains.toml";
-  EXPECT_TRUE(refuseUncertified(in, {}).empty());
-  in.rendering.axes[1].k_pm = 3000.0;  // stable against a stop, but not with every object
-  const Diagnostics refused = refuseUncertified(in, {});
-  ASSERT_EQ(refused.size(), 1U);
-  EXPECT_EQ(refused[0].file, "gains.toml");
-  EXPECT_EQ(refused[0].key, "y.k_pm_n_m");
-  const std::string words = "largest allowed k_pm_n_m: ";
-  ASSERT_EQ(refused[0].remedy.rfind(words, 0), 0U) << refused[0].remedy;
-  in.rendering.axes[1].k_pm = std::atof(refused[0].remedy.c_str() + words.size());
-  EXPECT_TRUE(refuseUncertified(in, {}).empty());
-  EXPECT_TRUE(certify(in).certified);
-}
-
-TEST(RefuseUncertified, WordsAboutInstability_ComeFirstAndOthersAreKept) {
-  CertificateInput in = inputOf(1, 6.0, 90000.0, 10.0, 0.3);
-  const Diagnostics unstable = {{"f", 0, "x.k_pm_n_m", "", "unstable against a rigid stop", ""},
-                                {"f", 0, "k_ps_per_s2", "", "the axes shake each other", "less"}};
-  const Diagnostics refused = refuseUncertified(in, unstable);
-  ASSERT_EQ(refused.size(), 2U);
-  EXPECT_EQ(refused[0].problem, "unstable against a rigid stop");
-  EXPECT_NE(refused[0].remedy.find("largest allowed"), std::string::npos);
-  EXPECT_EQ(refused[1].problem, "the axes shake each other");
 }
 
 TEST(Advice, AdmittedStiffness_PassesAtItsRateAndATouchMoreDoesNot) {
