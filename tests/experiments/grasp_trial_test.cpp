@@ -95,6 +95,10 @@ Jittered hold(const std::vector<GraspTrial>& trials, const std::string& of) {
     const GraspResult r = grasp(trial);
     seen.dropped += r.dropped ? 1 : 0;
     seen.slipped += r.slip_m > 5e-4 ? 1 : 0;
+    if (r.dropped || r.slip_m > 5e-4) {
+      std::printf("%s: trial %td, %s\n", r.dropped ? "dropped" : "slipped", &trial - trials.data(),
+                  trial.name().c_str());
+    }
     EXPECT_LE(r.coupling_error_rad, tolerance(1e-5)) << trial.name();
     worst.add(r);
   }
