@@ -1,5 +1,6 @@
 // How stiff may the coupling be? Tries stiffnesses on the axis x and asks checkGains() which of
-// them make a loop that is stable by itself, free and against a rigid stop, at every adaptive damping.
+// them make a loop that is stable by itself, free and against a rigid stop, at every adaptive
+// damping.
 // (`wholehand certify` asks for more: stable with any passive person and object.)
 //
 // The loop's period buys stiffness: the same device allows more of it at 2 kHz than at 1 kHz.
@@ -33,7 +34,7 @@ int main(int argc, char** argv) {
       const CouplingGains& gains = checked->gains;
       std::printf("%12.0f %8.0f %8.3f   ", k_pm, gains.k_ps_per_s2[x], gains.contact_scale[x]);
       if (checked->refused.empty()) {
-        std::printf("certified\n");
+        std::printf("stable by itself\n");
       } else {
         const Diagnostic& why = checked->refused.front();
         std::printf("refused: %s; %s\n", why.problem.c_str(), why.remedy.c_str());

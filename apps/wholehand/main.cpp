@@ -56,7 +56,7 @@ void addRun(CLI::App& app, RunOptions& o, int& code) {
   run->add_option("--json", o.json, "Write the summary to this file");
   run->add_flag("--simulated-clock", o.simulated_clock, "As fast as it goes, no real time");
   run->add_flag("--uncertified", o.uncertified,
-                "Allow gains that `certify` refuses (simulated device only; recorded)");
+                "Allow gains whose loop is unstable (simulated device only; recorded)");
   run->footer("Without --record, --report and --json all three go into out/run-<time>/.");
   run->callback([&o, run, &code] {
     if (run->count("--rendering") > 0 || findGains(o.files.device, o.files.rendering, code)) {

@@ -55,7 +55,7 @@ struct Rig {
 /// The coupling gains and what the stability check thinks of them, over sampled postures.
 struct CheckedGains {
   CouplingGains gains;
-  Diagnostics refused;  ///< empty: certified
+  Diagnostics refused;  ///< empty: stable by themselves
 };
 [[nodiscard]] Expected<CheckedGains> checkGains(const Models& models, double period_s);
 
