@@ -8,8 +8,9 @@
 namespace wholehand {
 namespace {
 
-constexpr double kApproach_m = 0.08;  // along the palm's normal
-constexpr double kPedestal_m = 0.02;  // half of its edge
+constexpr double kApproach_m = 0.08;       // along the palm's normal
+constexpr double kPedestal_m = 0.02;       // half of its height
+constexpr double kPedestalWidth_m = 0.02;  // wider, and the little finger lands on it
 
 struct ShapeText {
   std::string keys;
@@ -88,10 +89,11 @@ std::string graspScene(const GraspTrial& trial, const Models& models) {
       center.x(), center.y(), center.z(), trial.gravity ? "0.0" : "0.7");
   if (trial.gravity) {
     text += fmt::format(
-        "\n[[bodies]]\nname = \"pedestal\"\nshape = \"box\"\nsize_m = [{0}, {0}, {0}]\nfixed = "
+        "\n[[bodies]]\nname = \"pedestal\"\nshape = \"box\"\nsize_m = [{0}, {0}, {1}]\nfixed = "
         "true\n"
-        "position_m = [{1:.17g}, {2:.17g}, {3:.17g}]\nfriction = 0.8\ncolor = \"#765443\"\n",
-        2.0 * kPedestal_m, center.x(), center.y(), center.z() - shape.half_height_m - kPedestal_m);
+        "position_m = [{2:.17g}, {3:.17g}, {4:.17g}]\nfriction = 0.8\ncolor = \"#765443\"\n",
+        kPedestalWidth_m, 2.0 * kPedestal_m, center.x(), center.y(),
+        center.z() - shape.half_height_m - kPedestal_m);
   }
   return text;
 }

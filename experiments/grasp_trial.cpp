@@ -60,18 +60,21 @@ class Observer {
       world_at_lift_ = object.translation_m;
     }
     result_.object_travel_m = (object.translation_m - world_at_lift_).norm();
+    result_.carry_shift_m =
+        std::max(result_.carry_shift_m, (held.translation_m - at_lift_.translation_m).norm());
     if (r.time_s < grasp_times::kHoldBegins) return;
     trackHold(r, held);
   }
 
   GraspResult finish(const TickRecord& last) {
     for (const Spread& s : noise_) result_.force_noise_n = std::max(result_.force_noise_n, s.rms());
-    result_.contact_residual = count_ > 0 ? residual_sum_ / count_ : 1.0;
+    result_.contact_residual = residual_;
     for (int i = 0; i < last.contact_count; ++i) {
       result_.contact_force_n += last.contacts[static_cast<std::size_t>(i)].force_n.eigen().norm();
     }
-    const bool carried = std::abs(result_.object_travel_m - kLift_m) < 0.5 * kLift_m;
-    result_.dropped = result_.slip_m > kDropped_m || !carried || !holding_;
+    const bool carried = std::abs(result_.object_travel_m - kLift_m) < 0.1 * kLift_m;
+    const bool stayed = result_.carry_shift_m < kDropped_m;  // false for NaN, too
+    result_.dropped = !stayed || !carried || !holding_;
     return result_;
   }
 
@@ -120,20 +123,22 @@ class Observer {
       for (int a = 0; a < axes; ++a)
         felt[static_cast<std::size_t>(a)] += row[static_cast<std::size_t>(a)];
     }
-    double worst = 0.0;
     for (int a = 0; a < axes; ++a) {
-      if (rig_.models.device.axes[static_cast<std::size_t>(a)].group != AxisGroup::kHand) continue;
-      double largest = 0.0;
-      for (int b = 0; b < axes; ++b) {
-        if (rig_.models.device.axes[static_cast<std::size_t>(b)].group == AxisGroup::kHand) {
-          largest = std::max(largest, std::abs(r.f_s[b]));
-        }
-      }
-      const double scale = std::max(std::abs(r.f_s[a]), 0.1 * largest);
-      worst = std::max(worst, std::abs(felt[static_cast<std::size_t>(a)] + r.f_s[a]) / scale);
+      const double off = std::abs(felt[static_cast<std::size_t>(a)] + r.f_s[a]);
+      residual_ = std::max(residual_, off / std::max(std::abs(r.f_s[a]), leastScale(r.f_s, a)));
     }
-    residual_sum_ += worst;
-    count_ += 1.0;
+  }
+
+  // An axis that carries next to nothing is judged by what its kind carries.
+  [[nodiscard]] double leastScale(const AxisEffort& f_s, int axis) const {
+    const auto& axes = rig_.models.device.axes;
+    const AxisKind kind = axes[static_cast<std::size_t>(axis)].kind;
+    double largest = 0.0;
+    for (int b = 0; b < f_s.size(); ++b) {
+      if (axes[static_cast<std::size_t>(b)].kind == kind)
+        largest = std::max(largest, std::abs(f_s[b]));
+    }
+    return std::max(0.1 * largest, kind == AxisKind::kTranslation ? 0.1 : 0.01);
   }
 
   static constexpr double kTipArm_m = 0.08;  // an axis without a tip counts at a finger's lever arm
@@ -145,7 +150,7 @@ class Observer {
   Pose at_lift_, at_hold_;
   Eigen::Vector3d world_at_lift_ = Eigen::Vector3d::Zero();
   bool lifting_ = false, holding_ = false;
-  double residual_sum_ = 0.0, count_ = 0.0;
+  double residual_ = 0.0;
 };
 
 GraspTrial posture(std::string shape, std::string grasp, const Eigen::Vector3d& center_mm,

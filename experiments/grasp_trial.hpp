@@ -30,14 +30,17 @@ struct GraspTrial {
 struct GraspResult {
   GraspTrial trial;
   bool dropped = false;
-  double slip_m = 0.0;              ///< largest drift in the palm's frame during the hold
-  double rotation_rad = 0.0;        ///< turn in the palm's frame over the hold
+  double carry_shift_m =
+      0.0;                    ///< largest shift of its centre in the palm's frame, from the lift on
+  double slip_m = 0.0;        ///< the same during the hold alone; turning is in rotation_rad
+  double rotation_rad = 0.0;  ///< turn in the palm's frame over the hold
   double coupling_error_rad = 0.0;  ///< largest before any correction, over the whole trial
   double object_travel_m = 0.0;     ///< how far it was carried
   double force_noise_n = 0.0;       ///< rms about the mean over the last 2 s, worst axis, tips in N
-  double contact_residual = 0.0;    ///< |Σ Jᵀ f + f_s| / |f_s| at rest, worst axis, 1 = 100 %
-  double contact_force_n = 0.0;     ///< sum of |f| at the end
-  double tip_force_max_n = 0.0;     ///< largest effort sent, hand axes, at the tip
+  double contact_residual = 0.0;  ///< largest |Σ Jᵀ f + f_s| at rest on any axis, of max(|f_s|, a
+                                  ///< tenth of the largest f_s in the same unit, 0.1 N or 0.01 N·m)
+  double contact_force_n = 0.0;       ///< sum of |f| at the end
+  double tip_force_max_n = 0.0;       ///< largest effort sent, hand axes, at the tip
   std::uint64_t saturated_ticks = 0;  ///< ticks in which a limit clamped the effort
   double cpu_p50_us = 0.0, cpu_p999_us = 0.0;
   bool faulted = false;      ///< a fault stopped it; it counts as dropped, too

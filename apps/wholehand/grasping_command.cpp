@@ -34,6 +34,7 @@ nlohmann::ordered_json trialJson(const GraspResult& r) {
           {"dropped", r.dropped},
           {"faulted", r.faulted},
           {"slip_m", r.slip_m},
+          {"carry_shift_m", r.carry_shift_m},
           {"coupling_error_rad", r.coupling_error_rad},
           {"object_travel_m", r.object_travel_m},
           {"force_noise_n", r.force_noise_n},
@@ -46,15 +47,15 @@ nlohmann::ordered_json trialJson(const GraspResult& r) {
 }
 
 void printHeader() {
-  std::printf("%-32s %-7s %9s %9s %10s %9s %8s %8s\n", "trial", "held", "slip mm", "turn mrad",
-              "noise N", "grip N", "tip N", "tick µs");
+  std::printf("%-32s %-7s %9s %9s %9s %10s %9s %8s %8s\n", "trial", "held", "shift mm", "slip mm",
+              "turn mrad", "noise N", "grip N", "tip N", "tick µs");
 }
 
 void printTrial(const GraspResult& r) {
-  std::printf("%-32s %-7s %9.3f %9.2f %10.4f %9.1f %8.1f %8.0f\n", r.trial.name().c_str(),
-              r.faulted ? "FAULT" : (r.dropped ? "DROPPED" : "yes"), r.slip_m * 1e3,
-              r.rotation_rad * 1e3, r.force_noise_n, r.contact_force_n, r.tip_force_max_n,
-              r.cpu_p50_us);
+  std::printf("%-32s %-7s %9.2f %9.3f %9.2f %10.4f %9.1f %8.1f %8.0f\n", r.trial.name().c_str(),
+              r.faulted ? "FAULT" : (r.dropped ? "DROPPED" : "yes"), r.carry_shift_m * 1e3,
+              r.slip_m * 1e3, r.rotation_rad * 1e3, r.force_noise_n, r.contact_force_n,
+              r.tip_force_max_n, r.cpu_p50_us);
   std::fflush(stdout);
 }
 
@@ -172,8 +173,8 @@ Sweep runAll(const std::vector<GraspTrial>& trials, const ExperimentOptions& opt
     sweep.results.push_back(*result);
     if (!keep_recordings) std::printf("%3zu ", sweep.results.size());  // they share their names
     printTrial(*result);
-  return sweep;
   }
+  return sweep;
 }
 
 int interrupted() {
