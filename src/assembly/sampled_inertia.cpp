@@ -3,6 +3,9 @@
 #include "dynamics/articulated_body.hpp"
 #include "dynamics/synergy.hpp"
 
+#include <random>
+#include <vector>
+
 namespace wholehand {
 namespace {
 
@@ -12,6 +15,35 @@ AxisMatrix reducedInertiaAt(const HandModel& hand, ArticulatedBody& body, const 
   [[maybe_unused]] const bool definite =
       body.update(theta, JointVelocity(hand.joint_count), Eigen::Vector3d::Zero());
   return body.reducedInertia();
+}
+
+// A posture as one of three places on every axis: lower end, middle, upper end.
+using Places = std::vector<int>;
+
+// Every combination where the axes are few. Three to the power of many is too many: then as many as
+// for six axes, drawn at random, the same each time.
+std::vector<Places> choosePlaces(std::size_t axes) {
+  constexpr std::size_t kFew = 6;
+  constexpr int kMost = 729;  // 3^6
+  std::vector<Places> chosen;
+  if (axes <= kFew) {
+    int count = 1;
+    for (std::size_t i = 0; i < axes; ++i) count *= 3;
+    for (int index = 0; index < count; ++index) {
+      Places places;
+      for (int digits = index; places.size() < axes; digits /= 3) places.push_back(digits % 3);
+      chosen.push_back(places);
+    }
+    return chosen;
+  }
+  for (int place = 0; place < 3; ++place) chosen.emplace_back(axes, place);
+  std::mt19937_64 random(1);  // NOLINT(cert-msc51-cpp): the same postures at every run
+  while (chosen.size() < kMost) {
+    Places places;
+    while (places.size() < axes) places.push_back(static_cast<int>(random() % 3));
+    chosen.push_back(places);
+  }
+  return chosen;
 }
 
 }  // namespace
@@ -24,15 +56,11 @@ SampledInertia sampleInertia(const HandModel& hand, const DeviceModel& device) {
   for (int a = 0; a < device.axisCount(); ++a) {
     if (device.axes[static_cast<std::size_t>(a)].kind == AxisKind::kRotation) moving.push_back(a);
   }
-  int count = 1;
-  for (std::size_t i = 0; i < moving.size(); ++i) count *= 3;
-  for (int index = 0; index < count; ++index) {
+  for (const Places& places : choosePlaces(moving.size())) {
     AxisPosition q_s(device.axisCount());
-    int digits = index;
-    for (int a : moving) {
-      const DeviceAxis& axis = device.axes[static_cast<std::size_t>(a)];
-      q_s[a] = axis.lower + 0.5 * (digits % 3) * (axis.upper - axis.lower);
-      digits /= 3;
+    for (std::size_t i = 0; i < moving.size(); ++i) {
+      const DeviceAxis& axis = device.axes[static_cast<std::size_t>(moving[i])];
+      q_s[moving[i]] = axis.lower + 0.5 * places[i] * (axis.upper - axis.lower);
     }
     out.samples.push_back(reducedInertiaAt(hand, body, q_s));
   }

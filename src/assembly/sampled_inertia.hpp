@@ -6,7 +6,8 @@
 namespace wholehand {
 
 /// Reduced inertia of the hand at its reference, and at the corners and middles of the ranges of
-/// the device's rotations. It does not depend on where the base is: translations stay at rest.
+/// the device's rotations: every combination up to six of them, 729 drawn ones beyond. It does not
+/// depend on where the base is: translations stay at rest.
 struct SampledInertia {
   AxisMatrix at_reference;
   std::vector<AxisMatrix> samples;
