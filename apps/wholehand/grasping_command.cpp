@@ -1,3 +1,4 @@
+#include "assembly/recorded_run.hpp"
 #include "assembly/text_file.hpp"
 #include "exit_code.hpp"
 #include "experiment_command.hpp"
@@ -166,7 +167,7 @@ Sweep runAll(const std::vector<GraspTrial>& trials, const ExperimentOptions& opt
       sweep.errors = result.errors();
       return sweep;
     }
-    if (result->interrupted) {
+    if (result->interrupted || InterruptScope::interrupted()) {
       sweep.interrupted = true;
       return sweep;
     }
@@ -185,6 +186,7 @@ int interrupted() {
 }  // namespace
 
 int graspingCommand(const ExperimentOptions& options) {
+  const InterruptScope interrupts;  // also between trials, while pictures are drawn
   const std::vector<GraspTrial> trials = onlyThose(tunedTrials(), options.only);
   if (trials.empty()) return refuse({unknownTrial(options.only)});
   const std::string json_path =

@@ -26,34 +26,20 @@ void onInterrupt(int) {
   if (Session* session = g_session.load()) session->requestStop();
 }
 
-// Ctrl-C, a polite kill and a terminal that is closed end the run gently while this lives; so does
-// Ctrl-Z, which would freeze the loop while the device holds its last effort. What was ignored
-// already (nohup) stays ignored.
-class InterruptGuard {
- public:
-  explicit InterruptGuard(Session& session) {
-    g_interrupted.store(false);
-    g_session.store(&session);
-    struct sigaction action {};
-    action.sa_handler = onInterrupt;
-    action.sa_flags = SA_RESTART;
-    for (std::size_t i = 0; i < kSignals.size(); ++i) {
-      sigaction(kSignals[i], nullptr, &before_[i]);
-      if (before_[i].sa_handler != SIG_IGN) sigaction(kSignals[i], &action, nullptr);
-    }
-  }
-  ~InterruptGuard() {
-    for (std::size_t i = 0; i < kSignals.size(); ++i) {
-      if (before_[i].sa_handler != SIG_IGN) sigaction(kSignals[i], &before_[i], nullptr);
-    }
-    g_session.store(nullptr);
-  }
-  InterruptGuard(const InterruptGuard&) = delete;
-  InterruptGuard& operator=(const InterruptGuard&) = delete;
+constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP, SIGTSTP};
+std::array<struct sigaction, kSignals.size()> g_before{};
+int g_scopes = 0;
 
- private:
-  static constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP, SIGTSTP};
-  std::array<struct sigaction, kSignals.size()> before_{};
+// What Ctrl-C stops while this lives.
+class StoppedByInterrupt {
+ public:
+  explicit StoppedByInterrupt(Session& session) {
+    g_session.store(&session);
+    if (InterruptScope::interrupted()) session.requestStop();
+  }
+  ~StoppedByInterrupt() { g_session.store(nullptr); }
+  StoppedByInterrupt(const StoppedByInterrupt&) = delete;
+  StoppedByInterrupt& operator=(const StoppedByInterrupt&) = delete;
 };
 
 // However the run ends, the device does not stay open.
@@ -160,6 +146,29 @@ std::string noticeText(const TickSummary& summary) {
   return countText(summary, Fault::kEffortLimit | Fault::kLateTick | Fault::kContactsDropped);
 }
 
+InterruptScope::InterruptScope() {
+  if (g_scopes++ > 0) return;
+  g_interrupted.store(false);
+  struct sigaction action {};
+  action.sa_handler = onInterrupt;
+  action.sa_flags = SA_RESTART;
+  for (std::size_t i = 0; i < kSignals.size(); ++i) {
+    sigaction(kSignals[i], nullptr, &g_before[i]);
+    if (g_before[i].sa_handler != SIG_IGN) sigaction(kSignals[i], &action, nullptr);
+  }
+}
+
+InterruptScope::~InterruptScope() {
+  if (--g_scopes > 0) return;
+  for (std::size_t i = 0; i < kSignals.size(); ++i) {
+    if (g_before[i].sa_handler != SIG_IGN) sigaction(kSignals[i], &g_before[i], nullptr);
+  }
+}
+
+bool InterruptScope::interrupted() noexcept {
+  return g_interrupted.load();
+}
+
 Expected<RunOutcome> runAndRecord(Rig& rig, const RunPlan& plan) {
   const DeviceGuard device(*rig.device);  // first: closed after the session has ramped
   std::unique_ptr<RecordingWriter> writer;
@@ -175,7 +184,8 @@ Expected<RunOutcome> runAndRecord(Rig& rig, const RunPlan& plan) {
   config.count_allocations = plan.count_allocations;
   config.queue_ticks = plan.queue_ticks;
   Session session(*rig.renderer, config);
-  const InterruptGuard guard(session);
+  const InterruptScope interrupts;
+  const StoppedByInterrupt stopped(session);
   TickStatistics statistics;
   RunOutcome outcome;
   if (plan.simulated_clock) {
@@ -214,7 +224,7 @@ Expected<RunOutcome> runAndRecord(Rig& rig, const RunPlan& plan) {
   outcome.counters = session.counters();
   correct(outcome.summary, outcome.counters, rig.options.period_s);
   outcome.dropped_records = session.droppedRecords();
-  outcome.interrupted = g_interrupted.load();
+  outcome.interrupted = InterruptScope::interrupted();
   outcome.faulted = any(outcome.counters.latched);
   return outcome;
 }

@@ -41,6 +41,20 @@ struct RunOutcome {
   bool faulted = false;
 };
 
+/// While one lives, Ctrl-C, a polite kill, a terminal that is closed and Ctrl-Z (which would freeze
+/// the loop while the device holds its last effort) are remembered, and end the run that is going
+/// on gently. What was ignored already (nohup) stays ignored. runAndRecord() has its own; a program
+/// of several runs puts one around them all. Scopes may nest, in one thread.
+class InterruptScope {
+ public:
+  InterruptScope();
+  ~InterruptScope();
+  InterruptScope(const InterruptScope&) = delete;
+  InterruptScope& operator=(const InterruptScope&) = delete;
+  /// True once it happened, since the outermost scope began. Any thread.
+  [[nodiscard]] static bool interrupted() noexcept;
+};
+
 /// Runs the rig to the end of its time, a fault or Ctrl-C, records it and counts. The device is
 /// closed afterwards, whatever happens; without a run there is no recording.
 /// While it runs, SIGINT, SIGTERM, SIGHUP and SIGTSTP (Ctrl-Z would freeze the loop with its last
