@@ -8,9 +8,8 @@
 namespace wholehand {
 namespace {
 
-constexpr double kApproach_m = 0.08;       // along the palm's normal
-constexpr double kPedestal_m = 0.02;       // half of its height
-constexpr double kPedestalWidth_m = 0.02;  // wider, and the little finger lands on it
+constexpr double kApproach_m = 0.08;  // along the palm's normal
+constexpr double kPedestal_m = 0.02;  // half of its height
 
 struct ShapeText {
   std::string keys;
@@ -76,7 +75,7 @@ Intention graspIntention(const GraspTrial& trial, const Models& models) {
        {at::kLifted, pose(lifted, closed, opposed, trial.thumb_closed_rad)}});
 }
 
-std::string graspScene(const GraspTrial& trial, const Models& models) {
+std::string graspScene(const GraspTrial& trial, const Models& models, double pedestal_width_m) {
   const Eigen::Vector3d center = graspBase(models.device) + palmRotation(models) * trial.center_m;
   const ShapeText shape = shapeText(trial.shape);
   std::string text = fmt::format(
@@ -92,7 +91,7 @@ std::string graspScene(const GraspTrial& trial, const Models& models) {
         "\n[[bodies]]\nname = \"pedestal\"\nshape = \"box\"\nsize_m = [{0}, {0}, {1}]\nfixed = "
         "true\n"
         "position_m = [{2:.17g}, {3:.17g}, {4:.17g}]\nfriction = 0.8\ncolor = \"#765443\"\n",
-        kPedestalWidth_m, 2.0 * kPedestal_m, center.x(), center.y(),
+        pedestal_width_m, 2.0 * kPedestal_m, center.x(), center.y(),
         center.z() - shape.half_height_m - kPedestal_m);
   }
   return text;

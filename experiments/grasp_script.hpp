@@ -30,7 +30,11 @@ inline constexpr double kApproachCircumduction_rad = 0.09;
 /// The person's aim over time for this trial.
 [[nodiscard]] Intention graspIntention(const GraspTrial& trial, const Models& models);
 
+/// Edge of the pedestal's top. Wider, and the little finger lands on it when it pinches.
+inline constexpr double kPedestalWidth_m = 0.02;
+
 /// A scene file with the trial's object where the hand will close, on a pedestal under gravity.
-[[nodiscard]] std::string graspScene(const GraspTrial& trial, const Models& models);
+[[nodiscard]] std::string graspScene(const GraspTrial& trial, const Models& models,
+                                     double pedestal_width_m = kPedestalWidth_m);
 
 }  // namespace wholehand

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kDeg = std::numbers::pi / 180.0;
 constexpr double kSway_m = 0.03;
+constexpr double kTable_m = 0.12;   // wide enough for a cylinder that is put down a little askew
 constexpr double kHolding_n = 5.0;  // a grasp; the swinging thumb brushes with less than 1 N
 constexpr double kReleased_n = 1.0;
 
@@ -123,7 +124,7 @@ Expected<TimingResult> runTiming(const ModelFiles& files, const TimingPlan& plan
   if (!models) return models.errors();
   ModelFiles with_scene = files;
   with_scene.scene = plan.folder + "/timing-cylinder.toml";
-  if (auto written = writeText(with_scene.scene, graspScene(trial, *models)); !written) {
+  if (auto written = writeText(with_scene.scene, graspScene(trial, *models, kTable_m)); !written) {
     return written.errors();
   }
   models = loadModels(with_scene);
