@@ -68,7 +68,7 @@ class Observer {
 
   GraspResult finish(const TickRecord& last) {
     for (const Spread& s : noise_) result_.force_noise_n = std::max(result_.force_noise_n, s.rms());
-    result_.contact_residual = residual_;
+    result_.contact_residual = residual();
     for (int i = 0; i < last.contact_count; ++i) {
       result_.contact_force_n += last.contacts[static_cast<std::size_t>(i)].force_n.eigen().norm();
     }
@@ -104,7 +104,7 @@ class Observer {
         newton /= axis.lever_arm_m > 0.0 ? axis.lever_arm_m : kTipArm_m;
       noise_[static_cast<std::size_t>(a)].add(newton);
     }
-    if (r.tick % 10 == 0) trackResidual(r);
+    trackResidual(r);
   }
 
   // Virtual work: at rest the contact forces of this tick, seen by the person's coordinates,
@@ -123,20 +123,31 @@ class Observer {
       for (int a = 0; a < axes; ++a)
         felt[static_cast<std::size_t>(a)] += row[static_cast<std::size_t>(a)];
     }
+    if (unbalanced_.size() != axes) unbalanced_ = driving_ = AxisEffort(axes);
     for (int a = 0; a < axes; ++a) {
-      const double off = std::abs(felt[static_cast<std::size_t>(a)] + r.f_s[a]);
-      residual_ = std::max(residual_, off / std::max(std::abs(r.f_s[a]), leastScale(r.f_s, a)));
+      unbalanced_[a] += felt[static_cast<std::size_t>(a)] + r.f_s[a];
+      driving_[a] += r.f_s[a];
     }
+    count_ += 1.0;
+  }
+
+  [[nodiscard]] double residual() const {
+    double worst = unbalanced_.size() > 0 ? 0.0 : 1.0;
+    for (int a = 0; a < unbalanced_.size(); ++a) {
+      const double scale = std::max(std::abs(driving_[a]) / count_, leastScale(a));
+      worst = std::max(worst, std::abs(unbalanced_[a]) / count_ / scale);
+    }
+    return worst;
   }
 
   // An axis that carries next to nothing is judged by what its kind carries.
-  [[nodiscard]] double leastScale(const AxisEffort& f_s, int axis) const {
+  [[nodiscard]] double leastScale(int axis) const {
     const auto& axes = rig_.models.device.axes;
     const AxisKind kind = axes[static_cast<std::size_t>(axis)].kind;
     double largest = 0.0;
-    for (int b = 0; b < f_s.size(); ++b) {
-      if (axes[static_cast<std::size_t>(b)].kind == kind)
-        largest = std::max(largest, std::abs(f_s[b]));
+    for (int b = 0; b < driving_.size(); ++b) {
+      if (axes[static_cast<std::size_t>(b)].kind != kind) continue;
+      largest = std::max(largest, std::abs(driving_[b]) / count_);
     }
     return std::max(0.1 * largest, kind == AxisKind::kTranslation ? 0.1 : 0.01);
   }
@@ -150,7 +161,8 @@ class Observer {
   Pose at_lift_, at_hold_;
   Eigen::Vector3d world_at_lift_ = Eigen::Vector3d::Zero();
   bool lifting_ = false, holding_ = false;
-  double residual_ = 0.0;
+  AxisEffort unbalanced_, driving_;  // sums over the last 2 s
+  double count_ = 0.0;
 };
 
 GraspTrial posture(std::string shape, std::string grasp, const Eigen::Vector3d& center_mm,

@@ -37,8 +37,9 @@ struct GraspResult {
   double coupling_error_rad = 0.0;  ///< largest before any correction, over the whole trial
   double object_travel_m = 0.0;     ///< how far it was carried
   double force_noise_n = 0.0;       ///< rms about the mean over the last 2 s, worst axis, tips in N
-  double contact_residual = 0.0;  ///< largest |Σ Jᵀ f + f_s| at rest on any axis, of max(|f_s|, a
-                                  ///< tenth of the largest f_s in the same unit, 0.1 N or 0.01 N·m)
+  double contact_residual = 0.0;  ///< |Σ Jᵀ f + f_s| at rest, means over the last 2 s, worst axis,
+                                  ///< as a share of the largest of |f_s|, a tenth of the largest
+                                  ///< f_s in the same unit, 0.1 N or 0.01 N·m
   double contact_force_n = 0.0;       ///< sum of |f| at the end
   double tip_force_max_n = 0.0;       ///< largest effort sent, hand axes, at the tip
   std::uint64_t saturated_ticks = 0;  ///< ticks in which a limit clamped the effort
