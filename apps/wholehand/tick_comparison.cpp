@@ -58,31 +58,31 @@ class Comparison {
 
 }  // namespace
 
-TickDifference firstDifference(const TickRecord& a, const TickRecord& b) {
+TickDifference firstDifference(const TickRecord& first, const TickRecord& again) {
   Comparison c;
-  c.check("faults", static_cast<double>(a.faults), static_cast<double>(b.faults));
-  c.checkArray("q_m", a.q_m, b.q_m);
-  c.checkArray("qd_mf", a.qd_mf, b.qd_mf);
-  c.checkArray("q_s", a.q_s, b.q_s);
-  c.checkArray("qd_s", a.qd_s, b.qd_s);
-  c.checkArray("theta", a.theta, b.theta);
-  c.check("coupling_error_rad", a.coupling_error_rad, b.coupling_error_rad);
-  c.check("palm_distance_m", a.palm_distance_m, b.palm_distance_m);
-  c.checkArray("f_s", a.f_s, b.f_s);
-  c.checkArray("coupling", a.coupling, b.coupling);
-  c.checkArray("phi", a.phi, b.phi);
-  c.checkArray("damping", a.damping, b.damping);
-  c.checkArray("rendered", a.rendered, b.rendered);
-  c.check("authority", a.authority, b.authority);
-  c.checkArray("sent", a.sent, b.sent);
-  c.check("body_count", a.body_count, b.body_count);
-  c.check("contact_count", a.contact_count, b.contact_count);
-  c.check("contacts_dropped", a.contacts_dropped, b.contacts_dropped);
+  c.check("faults", static_cast<double>(first.faults), static_cast<double>(again.faults));
+  c.checkArray("q_m", first.q_m, again.q_m);
+  c.checkArray("qd_mf", first.qd_mf, again.qd_mf);
+  c.checkArray("q_s", first.q_s, again.q_s);
+  c.checkArray("qd_s", first.qd_s, again.qd_s);
+  c.checkArray("theta", first.theta, again.theta);
+  c.check("coupling_error_rad", first.coupling_error_rad, again.coupling_error_rad);
+  c.check("palm_distance_m", first.palm_distance_m, again.palm_distance_m);
+  c.checkArray("f_s", first.f_s, again.f_s);
+  c.checkArray("coupling", first.coupling, again.coupling);
+  c.checkArray("phi", first.phi, again.phi);
+  c.checkArray("damping", first.damping, again.damping);
+  c.checkArray("rendered", first.rendered, again.rendered);
+  c.check("authority", first.authority, again.authority);
+  c.checkArray("sent", first.sent, again.sent);
+  c.check("body_count", first.body_count, again.body_count);
+  c.check("contact_count", first.contact_count, again.contact_count);
+  c.check("contacts_dropped", first.contacts_dropped, again.contacts_dropped);
   if (!c.found.field.empty()) return c.found;
-  for (int i = 0; i < a.body_count; ++i)
-    c.check(fmt::format("bodies[{}]", i), a.bodies[i], b.bodies[i]);
-  for (int i = 0; i < a.contact_count; ++i) {
-    c.check(fmt::format("contacts[{}]", i), a.contacts[i], b.contacts[i]);
+  for (int i = 0; i < first.body_count; ++i)
+    c.check(fmt::format("bodies[{}]", i), first.bodies[i], again.bodies[i]);
+  for (int i = 0; i < first.contact_count; ++i) {
+    c.check(fmt::format("contacts[{}]", i), first.contacts[i], again.contacts[i]);
   }
   return c.found;
 }

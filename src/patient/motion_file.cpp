@@ -215,11 +215,11 @@ void Reader::checkWhole() {
           "at least 2 are needed");
   }
   if (device_ == nullptr || !faults_.empty()) return;
-  const auto onDevice = [this](const std::string& name) {
+  const auto on_device = [this](const std::string& name) {
     return std::any_of(device_->axes.begin(), device_->axes.end(),
                        [&](const DeviceAxis& axis) { return axis.name == name; });
   };
-  if (std::none_of(motion_.columns.begin(), motion_.columns.end(), onDevice)) {
+  if (std::none_of(motion_.columns.begin(), motion_.columns.end(), on_device)) {
     fault("", "", "moves no axis of the device " + device_->name,
           "name at least one of its axes in a column");
   }

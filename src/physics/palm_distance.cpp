@@ -48,10 +48,10 @@ double PalmDistance::operator()(const Pose& palm, const BodyState* bodies) const
     const double reach = (b - a).norm() / 2.0 + bounding_radius_m_[i] + palm_.radius_m;
     if ((com - 0.5 * (a + b)).norm() - reach > best) continue;
     const Eigen::Matrix3d turn = bodies[i].orientation_xyzw.eigen().toRotationMatrix().transpose();
-    const auto toBodyFrame = [&](const Eigen::Vector3d& p) -> Eigen::Vector3d {
+    const auto to_body_frame = [&](const Eigen::Vector3d& p) -> Eigen::Vector3d {
       return turn * (p - com) + bodies_[i].com_m;
     };
-    best = std::min(best, toBody(bodies_[i], toBodyFrame(a), toBodyFrame(b), best));
+    best = std::min(best, toBody(bodies_[i], to_body_frame(a), to_body_frame(b), best));
   }
   return best;
 }

@@ -10,9 +10,8 @@ inline constexpr double kLongestRamp_s = 0.1;
 
 struct NeutralRampConfig {
   double engage_s = 0.2;  ///< authority rises from 0 to 1 at the start. Range [0.02, 5]. Ours.
-  double ramp_s =
-      0.08;  ///< from a fault to neutral. Range (0, 0.1]. 100 ms, less slack.
-  double gap_s = 0.005;  ///< a stall longer than this engages anew from the effort it held. Ours.
+  double ramp_s = 0.08;   ///< from a fault to neutral. Range (0, 0.1]. 100 ms, less slack.
+  double gap_s = 0.005;   ///< a stall longer than this engages anew from the effort it held. Ours.
 };
 
 enum class RampPhase {

@@ -24,8 +24,8 @@ constexpr std::size_t kRehearsedManifolds = 1024;
 // Surfaces nearer than this are a contact point; boxes are padded by as much. Bullet keeps it in
 // one variable of the process, so it is one constant, set once.
 double contactThreshold() {
-  static const double threshold_m = gContactBreakingThreshold = 5e-4;
-  return threshold_m;
+  static const double kThreshold_m = gContactBreakingThreshold = 5e-4;
+  return kThreshold_m;
 }
 
 // Deeper than this at the start, the solver would throw the body away.

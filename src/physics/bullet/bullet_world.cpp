@@ -82,8 +82,9 @@ Fault BulletWorld::step(const HandDrive& drive, double period_s) noexcept {
   e.synergy.reduceRate(theta_dot.data(), qd_s.data());
   if (!allFinite(q_s) || !allFinite(qd_s)) return Fault::kNonFiniteState;
 
-  // The coupling holds but for rounding and placeholder masses; integrated over minutes those would
-  // add up. The correction carries no load, and its size is recorded so that it can hide nothing.
+  // The coupling holds but for rounding and the tiny masses of the base links; integrated over
+  // minutes those would add up. The correction carries no load, and its size is recorded so that it
+  // can hide nothing.
   JointPosition on_synergy;
   e.synergy.expand(q_s, on_synergy);
   e.coupling_error_rad = (theta.vec() - on_synergy.vec()).cwiseAbs().maxCoeff();

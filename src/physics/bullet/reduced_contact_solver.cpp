@@ -126,7 +126,7 @@ void ReducedContactSolver::setUpContact(HandContact& contact, const ColliderTag&
   // impulses.
   btPlaneSpace1(contact.point->m_normalWorldOnB, contact.tangent1, contact.tangent2);
 
-  const auto linearRow = [&](ReducedRow& row, const btVector3& direction, double goal) {
+  const auto linear_row = [&](ReducedRow& row, const btVector3& direction, double goal) {
     kinematics_->reducedPointRow(tag.link, at, toEigen(direction), row.jacobian.data());
     row.linear = -direction;
     row.angular = arm.cross(-direction);
@@ -135,12 +135,12 @@ void ReducedContactSolver::setUpContact(HandContact& contact, const ColliderTag&
   // Apart: let them close the gap in this step and no further. Overlapping: push apart gently.
   const double gap = contact.distance_m + settings_.penetration_slop_m;
   const double goal = gap > 0.0 ? -gap / step_s : -gap * settings_.contact_erp / step_s;
-  linearRow(contact.normal_row, contact.normal, goal);
+  linear_row(contact.normal_row, contact.normal, goal);
   // Friction anchors: the two points were one when they first touched.
   const btVector3 drift = contact.on_hand - on_body;
   const double pull = -settings_.friction_anchor_erp / step_s;
-  linearRow(contact.tangent1_row, contact.tangent1, pull * drift.dot(contact.tangent1));
-  linearRow(contact.tangent2_row, contact.tangent2, pull * drift.dot(contact.tangent2));
+  linear_row(contact.tangent1_row, contact.tangent1, pull * drift.dot(contact.tangent1));
+  linear_row(contact.tangent2_row, contact.tangent2, pull * drift.dot(contact.tangent2));
 
   ReducedRow& spin = contact.spin_row;
   kinematics_->reducedAngularRow(tag.link, toEigen(contact.normal), spin.jacobian.data());
