@@ -105,6 +105,7 @@ class Hdf5Reader final : public RecordingReader {
   std::string openTables();
   std::string countTicks();
   bool loadAround(std::uint64_t i);
+  [[nodiscard]] bool holds(std::uint64_t i) const;
 
   Handle file_;
   RecordingMeta meta_;
@@ -207,10 +208,17 @@ bool Hdf5Reader::loadAround(std::uint64_t i) {
          contacts_->load(first_contact_[first], first_contact_[last] - first_contact_[first]);
 }
 
+// Of a damaged file the ticks may have been read and their contacts not.
+bool Hdf5Reader::holds(std::uint64_t i) const {
+  if (!ticks_->holds(i)) return false;
+  if (first_contact_[i] == first_contact_[i + 1]) return true;
+  return contacts_->holds(first_contact_[i]) && contacts_->holds(first_contact_[i + 1] - 1);
+}
+
 bool Hdf5Reader::read(std::uint64_t i, TickRecord& record) {
   if (i >= size_) return false;
   hdf5::silenceErrors();
-  if (!ticks_->holds(i) && !loadAround(i)) return false;
+  if (!holds(i) && !loadAround(i)) return false;
   record = TickRecord{};
   ticks_->get(i, record);
   record.body_count =
