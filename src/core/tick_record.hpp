@@ -1,8 +1,11 @@
 #pragma once
 
 #include "core/axis_array.hpp"
+#include "core/command.hpp"
+#include "core/exercise_record.hpp"
 #include "core/fault.hpp"
 #include "core/geometry.hpp"
+#include "core/world_query.hpp"
 
 #include <array>
 #include <cstdint>
@@ -66,6 +69,9 @@ struct TickRecord {
   std::int64_t cpu_ns = 0;       ///< CPU time of the tick; not re-simulated
   std::array<std::int32_t, kStages> stage_cpu_ns{};  ///< CPU time per stage; not re-simulated
 
+  std::int32_t command_count = 0;
+  std::array<Command, kMaxCommands> commands{};  ///< taken before this tick
+
   // written by: device.read
   AxisPosition q_m;           ///< device position
   AxisPosition intention;     ///< where the virtual patient wants to be (simulated device only)
@@ -81,6 +87,11 @@ struct TickRecord {
   double coupling_error_rad =
       0.0;  ///< largest |θ - (θ₀ + G q_s)| the last step left, before correction
   double palm_distance_m = 0.0;  ///< palm surface to the nearest body; +inf without bodies
+  std::int32_t palm_body = -1;  ///< nearest of the exercise's targets; -1: none
+  double palm_target_distance_m = 0.0;  ///< to that body; +inf without targets
+  /// Where each hand axis, closed kinematically from where it is open, first touches the exercise's
+  /// closure body; NaN where it never does, on base axes, and where nothing was asked.
+  AxisPosition closure;
   std::int32_t body_count = 0;
   std::array<BodyState, kMaxBodies> bodies{};
 
@@ -88,14 +99,19 @@ struct TickRecord {
   AxisEffort f_s;       ///< drives the avatar, Eq. (2)
   AxisEffort coupling;  ///< spring and γ term felt by the person, Eq. (3)
 
+  // written by: exercise
+  ExerciseRecord exercise;
+  BodyPlacements placements;  ///< bodies that the exercise puts somewhere before the step
+
   // written by: adaptive_damping
   AxisRatio phi;       ///< Φ, Eq. (5)
   AxisEffort damping;  ///< -Φ K_dm q̇_mf
 
   // written by: safety
-  AxisEffort rendered;     ///< f_m before limits: coupling + damping
+  AxisEffort rendered;     ///< f_m before limits: coupling + exercise + damping
   double authority = 1.0;  ///< 1 while rendering, falls to 0 while ramping to neutral
   AxisEffort sent;         ///< what the device received
+  AxisEffort effort_limit;  ///< in force: the device's, or less where a therapist set less
 
   // written by: world.step
   std::int32_t contact_count = 0;

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "core/real_time.hpp"
+#include "core/tick_record.hpp"
+
+namespace wholehand {
+
+/// Where somebody wants the hand to be, decided tick by tick: a script, a virtual patient who does
+/// an exercise, a person at the screen. Deterministic but for commands.
+class Player {
+ public:
+  virtual ~Player() = default;
+
+  /// Where the hand is before anything happens. Called before the device is opened.
+  [[nodiscard]] virtual AxisPosition start() const = 0;
+
+  /// Back to the start. Not real-time safe.
+  virtual void reset() = 0;
+
+  /// The aim one period later: position and velocity, continuous.
+  WHOLEHAND_RT virtual void advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept = 0;
+
+  /// What a tick came to; called after each.
+  WHOLEHAND_RT virtual void see(const TickRecord& record) noexcept = 0;
+};
+
+}  // namespace wholehand
