@@ -1,0 +1,122 @@
+#pragma once
+
+#include "core/axis_array.hpp"
+#include "core/command.hpp"
+#include "core/tick_record.hpp"
+#include "model/device_model.hpp"
+#include "model/hand_model.hpp"
+#include "model/scene_model.hpp"
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace wholehand {
+
+/// Where the loop is in its life, as clients see it (protocol RunState, in its order).
+enum class RunState : std::int8_t { kDisarmed, kRendering, kStopping, kStopped, kFaulted };
+
+enum class LiveParameterGroup : std::int8_t { kPatient, kHand, kExercise };
+
+/// A live parameter as clients see it.
+struct PublishedParameter {
+  std::string name;
+  LiveParameterGroup group = LiveParameterGroup::kExercise;
+  std::string unit;
+  double lower = 0.0, upper = 0.0, initial = 0.0, rate_per_s = 0.0;
+};
+
+/// All that a client needs to draw and name what WorldState says. Immutable once published; a new
+/// one with every arming and loading.
+struct SceneFacts {
+  std::uint32_t session = 0;  ///< that the next states belong to; 0: none yet
+  std::string program_version;
+  HandModel hand;
+  DeviceModel device;
+  SceneModel scene;
+  std::string patient_name;
+  std::string exercise_name, exercise_json;
+  int level = 1, levels = 1;
+  double period_s = 1e-3;
+  std::vector<std::string> value_names, event_names;
+  std::vector<PublishedParameter> parameters;
+  std::vector<std::string> exercises, hands;  ///< what LoadExercise accepts
+  std::string recording;                      ///< name of the file being written; empty: none
+};
+
+/// What is true of the loop beside its newest record.
+struct LoopStatus {
+  std::uint32_t session = 0;
+  RunState run_state = RunState::kDisarmed;
+  Steering steering = Steering::kVirtualPatient;
+  Fault latched = Fault::kNone;
+  std::uint64_t ticks = 0, missed_deadlines = 0, dropped_records = 0;
+  double cpu_p50_us = 0.0, cpu_p99_us = 0.0, cpu_p999_us = 0.0, cpu_max_us = 0.0;
+  std::uint64_t recording_bytes = 0;
+  std::vector<double> parameters;  ///< present values, in the order of SceneFacts::parameters
+};
+
+enum class OrderType {
+  kArm,
+  kStop,
+  kEmergencyStop,
+  kLoadExercise,
+  kSetParameter,
+  kAim,
+  kSteer,
+  kAction,
+  kOwnerAlive  ///< value 1 or 0: the game that holds the controls is alive, or went silent
+};
+
+/// What a client that may command asks for, already verified in form (finite, known enums); the
+/// backend checks ranges and names.
+struct Order {
+  OrderType type = OrderType::kStop;
+  std::string name;      ///< parameter, exercise
+  std::string hand;      ///< kLoadExercise; empty: as it is
+  int level = 0;         ///< kLoadExercise; 0: as it is
+  double value = 0.0;    ///< kSetParameter, kOwnerAlive
+  AxisPosition aim;      ///< kAim
+  Steering steering = Steering::kVirtualPatient;
+  ExerciseAction action = ExerciseAction::kNext;
+};
+
+struct OrderReply {
+  bool accepted = false;
+  std::string reason;  ///< for a person; empty when accepted
+};
+
+/// One finished recording.
+struct RecordingEntry {
+  std::string name;  ///< file name without folder
+  std::string title;
+  std::string created_utc;
+  double duration_s = 0.0;
+  std::uint64_t bytes = 0;
+};
+
+/// What the server asks of the program. All of it may be called from the server's thread, and none
+/// of it waits for the loop: orders that take time (arm, load) answer through `done`, from any
+/// thread, exactly once.
+class ServerBackend {
+ public:
+  virtual ~ServerBackend() = default;
+
+  virtual void order(const Order& order, std::function<void(OrderReply)> done) = 0;
+  [[nodiscard]] virtual std::shared_ptr<const SceneFacts> scene() const = 0;
+  [[nodiscard]] virtual LoopStatus status() const = 0;
+  /// The newest record; false where there is none yet.
+  [[nodiscard]] virtual bool latest(TickRecord& record) const = 0;
+  [[nodiscard]] virtual std::vector<RecordingEntry> recordings() const = 0;
+  /// Full path of a recording of that name; empty where there is none. Names with a slash, "..", or
+  /// that are not in recordings() have none.
+  [[nodiscard]] virtual std::string recordingPath(const std::string& name) const = 0;
+  /// Folder of its report page, made where it is missing (may take seconds); empty and a reason
+  /// where it cannot be made.
+  [[nodiscard]] virtual std::string reportFolder(const std::string& name, std::string& why) = 0;
+};
+
+}  // namespace wholehand

@@ -1,0 +1,78 @@
+#pragma once
+
+#include "core/expected.hpp"
+#include "dynamics/articulated_body.hpp"
+#include "server/backend.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+// Messages of protocol/wholehand.fbs: the only place that knows FlatBuffers.
+namespace wholehand::wire {
+
+/// Counts changes of the schema that older clients cannot read.
+inline constexpr std::uint16_t kSchemaVersion = 1;
+
+/// How much of a record a WorldState carries.
+enum class Detail {
+  kFull,    ///< all of it: the browser
+  kCompact  ///< hand coordinates, joints, efforts, values; no links, bodies, contacts: fits a datagram
+};
+
+/// Encodes one scene's states. Allocates only while its buffer grows. One thread.
+class StateEncoder {
+ public:
+  explicit StateEncoder(std::shared_ptr<const SceneFacts> scene);
+  ~StateEncoder();
+  StateEncoder(const StateEncoder&) = delete;
+  StateEncoder& operator=(const StateEncoder&) = delete;
+
+  /// The message; valid until the next call.
+  [[nodiscard]] std::span<const std::uint8_t> encode(const TickRecord& record,
+                                                     const LoopStatus& status, Detail detail,
+                                                     std::int64_t sent_monotonic_ns);
+
+ private:
+  struct Buffer;
+  std::shared_ptr<const SceneFacts> scene_;
+  ArticulatedBody kinematics_;
+  std::unique_ptr<Buffer> buffer_;
+};
+
+using Bytes = std::vector<std::uint8_t>;
+
+struct NumberedEvent {
+  std::uint64_t tick = 0;
+  ExerciseEvent event;
+};
+
+[[nodiscard]] Bytes sceneMessage(const SceneFacts& scene);
+[[nodiscard]] Bytes eventsMessage(std::span<const NumberedEvent> events);
+[[nodiscard]] Bytes welcomeMessage(std::uint32_t client, bool controls,
+                                   const std::string& program_version);
+[[nodiscard]] Bytes controlsMessage(bool held_by_you, bool held);
+[[nodiscard]] Bytes replyMessage(std::uint32_t command, const OrderReply& reply);
+
+/// What a client may say.
+enum class ClientMessageType { kOrder, kTakeControls, kReleaseControls, kHeartbeat, kAcknowledge };
+
+struct ClientMessage {
+  ClientMessageType type = ClientMessageType::kHeartbeat;
+  std::uint32_t id = 0;  ///< Command.id, or the sequence acknowledged
+  Order order;
+  std::string token;     ///< kTakeControls
+};
+
+/// The largest message a client may send [bytes].
+inline constexpr std::size_t kLargestClientMessage = 4096;
+
+/// Verifies and decodes; the reason where it is refused: too large, not a message, another schema
+/// version, not for the program, unknown enum, a number that is not finite, more axes than there
+/// can be.
+[[nodiscard]] Expected<ClientMessage> decode(std::span<const std::uint8_t> message);
+
+}  // namespace wholehand::wire
