@@ -39,26 +39,35 @@ PalmDistance::PalmDistance(const HandModel& hand, const SceneModel& scene) : bod
   for (const SceneBody& body : bodies_) bounding_radius_m_.push_back(boundingRadius(body));
 }
 
-double PalmDistance::operator()(const Pose& palm, const BodyState* bodies) const noexcept {
+PalmDistance::Result PalmDistance::operator()(const Pose& palm, const BodyState* bodies,
+                                              std::uint32_t targets) const noexcept {
   const Eigen::Vector3d a = palm * palm_.a_m;
   const Eigen::Vector3d b = palm * palm_.b_m;
-  double best = kInfinity;
+  Result nearest{kInfinity, -1, kInfinity};
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const Eigen::Vector3d com = bodies[i].position_m.eigen();
+    const bool target = ((targets >> i) & 1U) != 0;
+    const double best = target ? std::max(nearest.any_m, nearest.target_m) : nearest.any_m;
     const double reach = (b - a).norm() / 2.0 + bounding_radius_m_[i] + palm_.radius_m;
     if ((com - 0.5 * (a + b)).norm() - reach > best) continue;
     const Eigen::Matrix3d turn = bodies[i].orientation_xyzw.eigen().toRotationMatrix().transpose();
     const auto to_body_frame = [&](const Eigen::Vector3d& p) -> Eigen::Vector3d {
       return turn * (p - com) + bodies_[i].com_m;
     };
-    best = std::min(best, toBody(bodies_[i], to_body_frame(a), to_body_frame(b), best));
+    const double distance_m = toBody(bodies_[i], to_body_frame(a), to_body_frame(b));
+    nearest.any_m = std::min(nearest.any_m, distance_m);
+    if (target && distance_m < nearest.target_m) {
+      nearest.target = static_cast<int>(i);
+      nearest.target_m = distance_m;
+    }
   }
-  return best;
+  return nearest;
 }
 
 double PalmDistance::toBody(const SceneBody& body, const Eigen::Vector3d& a_m,
-                            const Eigen::Vector3d& b_m, double best_m) const noexcept {
+                            const Eigen::Vector3d& b_m) const noexcept {
   constexpr double kGolden = 0.6180339887498949;
+  double best_m = kInfinity;
   for (const Shape& shape : body.shapes) {
     const auto at = [&](double u) {
       return signedDistance(shape, a_m + u * (b_m - a_m)) - palm_.radius_m;

@@ -5,6 +5,7 @@
 #include "model/hand_model.hpp"
 #include "model/scene_model.hpp"
 
+#include <cstdint>
 #include <vector>
 
 namespace wholehand {
@@ -16,14 +17,21 @@ class PalmDistance {
  public:
   PalmDistance(const HandModel& hand, const SceneModel& scene);
 
+  struct Result {
+    double any_m;     ///< to the nearest body; +inf without bodies
+    int target = -1;  ///< the nearest target; -1: none
+    double target_m;  ///< to that; +inf without targets
+  };
+
   /// @param palm pose of the palm's link @param bodies states in the scene's order
-  /// @return [m], negative when they overlap, +inf without bodies. Real-time safe.
-  [[nodiscard]] WHOLEHAND_RT double operator()(const Pose& palm,
-                                               const BodyState* bodies) const noexcept;
+  /// @param targets bit b: body b is a target
+  /// @return [m], negative where they overlap. Real-time safe.
+  [[nodiscard]] WHOLEHAND_RT Result operator()(const Pose& palm, const BodyState* bodies,
+                                               std::uint32_t targets = 0) const noexcept;
 
  private:
   [[nodiscard]] double toBody(const SceneBody& body, const Eigen::Vector3d& a_m,
-                              const Eigen::Vector3d& b_m, double best_m) const noexcept;
+                              const Eigen::Vector3d& b_m) const noexcept;
 
   Capsule palm_;
   std::vector<SceneBody> bodies_;

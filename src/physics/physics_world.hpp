@@ -4,6 +4,7 @@
 #include "core/expected.hpp"
 #include "core/real_time.hpp"
 #include "core/tick_record.hpp"
+#include "core/world_query.hpp"
 
 #include <array>
 
@@ -17,6 +18,10 @@ struct WorldState {
   JointVelocity theta_dot;
   double coupling_error_rad = 0.0;  ///< what the last step left of |θ - (θ₀ + G q_s)|, uncorrected
   double palm_distance_m = 0.0;     ///< palm surface to the nearest body; +inf without bodies
+  int palm_body = -1;               ///< nearest of the query's targets; -1: none
+  double palm_target_distance_m = 0.0;  ///< palm surface to that body; +inf without targets
+  /// First touch of each hand axis with the query's closure body (physics/axis_closure.hpp).
+  AxisPosition closure;
   int body_count = 0;
   std::array<BodyState, kMaxBodies> bodies{};
 };
@@ -44,8 +49,13 @@ class PhysicsWorld {
   /// what it would overlap. Not real-time safe.
   [[nodiscard]] virtual Expected<Done> placeHand(const AxisPosition& q_s) = 0;
 
-  /// The state before the next step.
-  [[nodiscard]] WHOLEHAND_RT virtual Fault observe(WorldState& state) noexcept = 0;
+  /// The state before the next step, and what an exercise wants to know of it. `state` is the one
+  /// of the last call: a first touch may be refined from tick to tick.
+  [[nodiscard]] WHOLEHAND_RT virtual Fault observe(const WorldQuery& query,
+                                                   WorldState& state) noexcept = 0;
+
+  /// Puts bodies, fixed or free, where an exercise wants them in the coming step.
+  WHOLEHAND_RT virtual void placeBodies(const BodyPlacements& placements) noexcept = 0;
 
   /// Advances by exactly one step of period_s.
   [[nodiscard]] WHOLEHAND_RT virtual Fault step(const HandDrive& drive,

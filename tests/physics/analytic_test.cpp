@@ -44,7 +44,7 @@ HandDrive push(double effort) {
 
 WorldState look(AnalyticWorld& world) {
   WorldState s;
-  EXPECT_EQ(world.observe(s), Fault::kNone);
+  EXPECT_EQ(world.observe({}, s), Fault::kNone);
   return s;
 }
 
@@ -150,7 +150,7 @@ TEST(AnalyticWorld, NonFiniteTorque_IsAFault) {
   AnalyticWorld world(hand, {});
   EXPECT_EQ(world.step(push(std::nan("")), kPeriod_s), Fault::kNonFiniteState);
   WorldState s;
-  EXPECT_EQ(world.observe(s), Fault::kNonFiniteState);
+  EXPECT_EQ(world.observe({}, s), Fault::kNonFiniteState);
 }
 
 // ---- the hand of the house
@@ -174,7 +174,7 @@ class AnalyticHand : public testing::Test {
     gains_.k_ps_per_s2 = AxisRatio(gains_.axes, 3900.0);
     gains_.k_ds_per_s = AxisRatio(gains_.axes, criticalDamping(3900.0, kPeriod_s));
     for (int k = 0; k < ticks; ++k) {
-      ASSERT_EQ(world.observe(state_), Fault::kNone);
+      ASSERT_EQ(world.observe({}, state_), Fault::kNone);
       ASSERT_TRUE(body.update(state_.theta, state_.theta_dot, {0.0, 0.0, -9.81}));
       f_s_ = avatarEffort(target, AxisVelocity(gains_.axes), state_.q_s, state_.qd_s,
                           body.reducedInertia(), gains_);
@@ -231,7 +231,7 @@ TEST_F(AnalyticHand, StopsOnEveryAxis_AreNotPassedInOneStepAlthoughInertiaCouple
   HandDrive push{JointEffort(hand_->joint_count, 0.2), nullptr};
   for (int j = 0; j < 3; ++j) push.torque[j] = 20.0;
   ASSERT_EQ(world.step(push, kPeriod_s), Fault::kNone);
-  ASSERT_EQ(world.observe(state_), Fault::kNone);
+  ASSERT_EQ(world.observe({}, state_), Fault::kNone);
   for (int a = 0; a < hand_->axis_count; ++a) {
     EXPECT_LE(state_.q_s[a] - hand_->reference[a], tolerance(1e-12)) << hand_->axis_names[a];
   }
@@ -242,7 +242,7 @@ TEST_F(AnalyticHand, Tick_DoesNotAllocate) {
   const HandDrive none{JointEffort(hand_->joint_count), nullptr};
   ContactList contacts;
   const AllocationScope scope;
-  Fault fault = world.observe(state_);
+  Fault fault = world.observe({}, state_);
   fault |= world.step(none, kPeriod_s);
   world.contacts(contacts);
   EXPECT_EQ(scope.allocations(), 0U);

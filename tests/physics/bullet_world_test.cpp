@@ -14,7 +14,7 @@ constexpr double kPeriod_s = 1e-3;
 
 WorldState look(PhysicsWorld& world) {
   WorldState state;
-  EXPECT_EQ(world.observe(state), Fault::kNone);
+  EXPECT_EQ(world.observe({}, state), Fault::kNone);
   return state;
 }
 

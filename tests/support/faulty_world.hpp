@@ -29,9 +29,9 @@ class FaultyWorld final : public PhysicsWorld {
     return world_.placeHand(q_s);
   }
 
-  [[nodiscard]] Fault observe(WorldState& state) noexcept override {
+  [[nodiscard]] Fault observe(const WorldQuery& query, WorldState& state) noexcept override {
     ++tick_;
-    const Fault fault = world_.observe(state);
+    const Fault fault = world_.observe(query, state);
     if (now(InjectedWorldFault::Kind::kNonFiniteState)) {
       state.q_s[0] = state.theta[0] = std::numeric_limits<double>::quiet_NaN();
       return fault | Fault::kNonFiniteState;
@@ -40,6 +40,10 @@ class FaultyWorld final : public PhysicsWorld {
       state.q_s[0] = std::numeric_limits<double>::quiet_NaN();
     }
     return fault;
+  }
+
+  void placeBodies(const BodyPlacements& placements) noexcept override {
+    world_.placeBodies(placements);
   }
 
   [[nodiscard]] Fault step(const HandDrive& drive, double period_s) noexcept override {

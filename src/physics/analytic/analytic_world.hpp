@@ -34,7 +34,10 @@ class AnalyticWorld final : public PhysicsWorld {
   AnalyticWorld(const HandModel& hand, AnalyticScene scene);
 
   [[nodiscard]] Expected<Done> placeHand(const AxisPosition& q_s) override;
-  [[nodiscard]] WHOLEHAND_RT Fault observe(WorldState& state) noexcept override;
+  [[nodiscard]] WHOLEHAND_RT Fault observe(const WorldQuery& query,
+                                           WorldState& state) noexcept override;
+  /// There is nothing to place.
+  WHOLEHAND_RT void placeBodies(const BodyPlacements& placements) noexcept override;
   [[nodiscard]] WHOLEHAND_RT Fault step(const HandDrive& drive, double period_s) noexcept override;
   WHOLEHAND_RT void contacts(ContactList& contacts) const noexcept override;
 

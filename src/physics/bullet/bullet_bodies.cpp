@@ -104,13 +104,26 @@ void BulletBody::placeColliders() noexcept {
   }
 }
 
+void BulletBody::place(const BodyPlacement& placement) noexcept {
+  const Eigen::Quaterniond body = placement.orientation_xyzw.eigen().normalized();
+  const Eigen::Quaterniond turned = body * Eigen::Quaterniond(from_body_.rotation);
+  put(btTransform(btQuaternion(turned.x(), turned.y(), turned.z(), turned.w()),
+                  toBt(placement.position_m.eigen())),
+      toBt(placement.velocity_m_s.eigen()));
+  rigid_->updateInertiaTensor();
+}
+
 void BulletBody::putAtStart() noexcept {
+  put(start_, btVector3(0, 0, 0));
+}
+
+void BulletBody::put(const btTransform& at, const btVector3& velocity) noexcept {
   const btVector3 none(0, 0, 0);
-  rigid_->setWorldTransform(start_);
-  rigid_->setInterpolationWorldTransform(start_);
-  rigid_->setLinearVelocity(none);
+  rigid_->setWorldTransform(at);
+  rigid_->setInterpolationWorldTransform(at);
+  rigid_->setLinearVelocity(velocity);
   rigid_->setAngularVelocity(none);
-  rigid_->setInterpolationLinearVelocity(none);
+  rigid_->setInterpolationLinearVelocity(velocity);
   rigid_->setInterpolationAngularVelocity(none);
   rigid_->clearForces();
   placeColliders();

@@ -32,12 +32,15 @@ class BulletBody {
 
   /// Moves the colliders to the rigid body. Real-time safe.
   void placeColliders() noexcept;
+  /// Where an exercise wants it; nothing that turns goes on turning. Real-time safe.
+  void place(const BodyPlacement& placement) noexcept;
   /// Back to the starting pose, at rest.
   void putAtStart() noexcept;
   /// Centre of mass and the orientation of the scene's body frame. Real-time safe.
   [[nodiscard]] BodyState state() const noexcept;
 
  private:
+  void put(const btTransform& at, const btVector3& velocity) noexcept;
   void addCollider(const SceneBody& body, const Shape& shape);
 
   Pose from_body_;     ///< Bullet's frame in the scene's body frame

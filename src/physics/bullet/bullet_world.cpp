@@ -4,6 +4,7 @@
 #include "physics/bullet/bullet_types.hpp"
 
 #include <array>
+#include <limits>
 
 namespace wholehand {
 
@@ -46,7 +47,7 @@ Expected<Done> BulletWorld::placeHand(const AxisPosition& q_s) {
   return Done{};
 }
 
-Fault BulletWorld::observe(WorldState& state) noexcept {
+Fault BulletWorld::observe(const WorldQuery& query, WorldState& state) noexcept {
   bullet::BulletEngine& e = *engine_;
   e.hand.readJoints(state.theta, state.theta_dot);
   e.synergy.reduce(state.theta, state.q_s);
@@ -59,9 +60,21 @@ Fault BulletWorld::observe(WorldState& state) noexcept {
     state.bodies[i] = e.bodies[i].state();
     finite = finite && allFinite(state.bodies[i]);
   }
-  state.palm_distance_m =
-      e.palm_distance(e.kinematics.linkPose(e.hand_model.palm_link), state.bodies.data());
+  const PalmDistance::Result palm = e.palm_distance(e.kinematics.linkPose(e.hand_model.palm_link),
+                                                    state.bodies.data(), query.targets);
+  state.palm_distance_m = palm.any_m;
+  state.palm_body = palm.target;
+  state.palm_target_distance_m = palm.target_m;
+  state.closure = AxisPosition(e.hand_model.axis_count, std::numeric_limits<double>::quiet_NaN());
   return finite ? Fault::kNone : Fault::kNonFiniteState;
+}
+
+void BulletWorld::placeBodies(const BodyPlacements& placements) noexcept {
+  for (int i = 0; i < placements.count; ++i) {
+    const BodyPlacement& placement = placements.items[i];
+    if (placement.body < 0 || placement.body >= static_cast<int>(engine_->bodies.size())) continue;
+    engine_->bodies[placement.body].place(placement);
+  }
 }
 
 Fault BulletWorld::step(const HandDrive& drive, double period_s) noexcept {
