@@ -1,0 +1,1 @@
+console.log("the game page comes here");

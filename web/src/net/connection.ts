@@ -1,0 +1,309 @@
+// The page's only way to the program: messages in, orders out, by itself back after a loss.
+import * as flatbuffers from 'flatbuffers';
+import {
+  Act, ActionT, AimT, ArmT, CommandT, Controls, EmergencyStopT, Events, HeartbeatT, LoadExerciseT,
+  Message, MessageT, Order, Payload, ReleaseControlsT, Reply, Scene, SCHEMA_VERSION, SetParameterT,
+  Steering, SteerT, StopT, TakeControlsT, Welcome, WorldState,
+  type ControlsT, type EventT, type SceneT, type WelcomeT, type WorldStateT,
+} from '../protocol';
+
+export type ConnectionStatus = 'connecting' | 'open' | 'lost';
+
+/** Why no connection can be: it is not tried again by itself. */
+export interface VersionProblem { readonly theirs: number; readonly ours: number }
+
+export interface Answer { readonly accepted: boolean; readonly reason: string }
+
+export type AnyOrder =
+  | ArmT | StopT | EmergencyStopT | LoadExerciseT | SetParameterT | AimT | SteerT | ActionT
+  | TakeControlsT | ReleaseControlsT | HeartbeatT;
+
+export interface ConnectionEvents {
+  state: WorldStateT;
+  scene: SceneT;
+  events: readonly EventT[];
+  controls: ControlsT;
+  status: ConnectionStatus;
+  welcome: WelcomeT;
+}
+
+/** The part of a WebSocket that is used; net/fake_program.ts is another one. */
+export interface Line {
+  binaryType: string;
+  onopen: ((event: Event) => void) | null;
+  onmessage: ((event: MessageEvent) => void) | null;
+  onclose: ((event: CloseEvent) => void) | null;
+  send(data: Uint8Array<ArrayBuffer>): void;
+  close(): void;
+}
+
+export interface ConnectionOptions {
+  /** ws://… or wss://…, with its query. */
+  readonly url: string;
+  /** Shown to the program by TakeControls; empty on this machine. */
+  readonly token?: string;
+  /** Makes the line; a WebSocket unless told otherwise. */
+  readonly open?: (url: string) => Line;
+}
+
+// Reconnection waits this long [ms], twice as long after every failure, up to the second value.
+const FIRST_WAIT_MS = 250;
+const LONGEST_WAIT_MS = 2000;
+const HEARTBEAT_MS = 50;
+const ANSWER_WITHIN_MS = 3000;
+// Of an open line that says nothing at all: the program sends 60 states a second.
+const SILENCE_MS = 3000;
+
+const ORDER_OF = new Map<unknown, Order>([
+  [ArmT, Order.Arm], [StopT, Order.Stop], [EmergencyStopT, Order.EmergencyStop],
+  [LoadExerciseT, Order.LoadExercise], [SetParameterT, Order.SetParameter], [AimT, Order.Aim],
+  [SteerT, Order.Steer], [ActionT, Order.Action], [TakeControlsT, Order.TakeControls],
+  [ReleaseControlsT, Order.ReleaseControls], [HeartbeatT, Order.Heartbeat],
+]);
+
+/** Bytes of a command, as the program reads them. */
+export function encodeCommand(id: number, order: AnyOrder): Uint8Array<ArrayBuffer> {
+  const kind = ORDER_OF.get(order.constructor) ?? Order.NONE;
+  const builder = new flatbuffers.Builder(256);
+  const message = new MessageT(SCHEMA_VERSION, Payload.Command, new CommandT(id, kind, order));
+  Message.finishMessageBuffer(builder, message.pack(builder));
+  return builder.asUint8Array().slice();
+}
+
+interface Waiting { readonly settle: (answer: Answer) => void; readonly timer: ReturnType<typeof setTimeout> }
+type Listeners = { [Name in keyof ConnectionEvents]: Set<(value: ConnectionEvents[Name]) => void> };
+
+export class Connection {
+  status: ConnectionStatus = 'connecting';
+  /** Set when the program speaks another version; then the page does not try again. */
+  problem: VersionProblem | null = null;
+  latestState: WorldStateT | null = null;
+  scene: SceneT | null = null;
+  welcome: WelcomeT | null = null;
+  /** Whether this client commands, and whether any client does. */
+  controls = { heldByYou: false, held: false };
+  /** Failed attempts since the line was last open, for the person to see that something happens. */
+  attempts = 0;
+  /** Messages that could not be read. */
+  unreadable = 0;
+  /** performance.now() when latestState came [ms]. */
+  latestStateAt_ms = 0;
+
+  private readonly listeners: Listeners = {
+    state: new Set(), scene: new Set(), events: new Set(), controls: new Set(), status: new Set(), welcome: new Set(),
+  };
+  private readonly waiting = new Map<number, Waiting>();
+  private line: Line | null = null;
+  private lastId = 0;
+  private wait_ms = FIRST_WAIT_MS;
+  private retryTimer: ReturnType<typeof setTimeout> | undefined;
+  private readonly beatTimer: ReturnType<typeof setInterval>;
+  private heard_ms = 0;
+  private closed = false;
+
+  constructor(private readonly options: ConnectionOptions) {
+    this.beatTimer = setInterval(() => this.beat(), HEARTBEAT_MS);
+    this.connect();
+  }
+
+  /** Calls back with every later message of that kind; returns what ends it. */
+  on<Name extends keyof ConnectionEvents>(name: Name, callback: (value: ConnectionEvents[Name]) => void): () => void {
+    const set: Set<(value: ConnectionEvents[Name]) => void> = this.listeners[name];
+    set.add(callback);
+    return () => { set.delete(callback); };
+  }
+
+  /** Sends an order. The answer comes from the program, or from here when it cannot be sent. Never rejects. */
+  order(order: AnyOrder): Promise<Answer> {
+    const line = this.line;
+    if (this.status !== 'open' || !line) return Promise.resolve({ accepted: false, reason: 'not connected' });
+    const id = ++this.lastId;
+    return new Promise((settle) => {
+      const timer = setTimeout(() => this.settle(id, { accepted: false, reason: 'no answer' }), ANSWER_WITHIN_MS);
+      this.waiting.set(id, { settle, timer });
+      line.send(encodeCommand(id, order));
+    });
+  }
+
+  arm(): Promise<Answer> { return this.order(new ArmT()); }
+  stop(): Promise<Answer> { return this.order(new StopT()); }
+  emergencyStop(): Promise<Answer> { return this.order(new EmergencyStopT()); }
+  /** Empty names and level 0 leave that part as it is. */
+  loadExercise(exercise: string, level: number, hand: string): Promise<Answer> {
+    return this.order(new LoadExerciseT(exercise, level, hand));
+  }
+  setParameter(name: string, value: number): Promise<Answer> { return this.order(new SetParameterT(name, value)); }
+  /** Where the person wants to be, one value per axis of the scene [m or rad]. */
+  aim(q: number[]): Promise<Answer> { return this.order(new AimT(q)); }
+  steer(by: Steering): Promise<Answer> { return this.order(new SteerT(by)); }
+  act(act: Act): Promise<Answer> { return this.order(new ActionT(act)); }
+  async takeControls(): Promise<Answer> {
+    const answer = await this.order(new TakeControlsT(this.options.token ?? ''));
+    if (answer.accepted) this.controls = { heldByYou: true, held: true };  // the beat begins at once
+    return answer;
+  }
+  releaseControls(): Promise<Answer> { return this.order(new ReleaseControlsT()); }
+
+  /** Tries at once instead of after the wait. */
+  retryNow(): void {
+    if (this.status !== 'lost' || this.closed || this.problem) return;
+    clearTimeout(this.retryTimer);
+    this.connect();
+  }
+
+  /** Ends it for good. */
+  close(): void {
+    this.closed = true;
+    clearInterval(this.beatTimer);
+    clearTimeout(this.retryTimer);
+    this.dropLine();
+  }
+
+  private connect(): void {
+    let line: Line;
+    try {
+      line = (this.options.open ?? ((url) => new WebSocket(url) as Line))(this.options.url);
+    } catch {
+      this.lost();
+      return;
+    }
+    this.line = line;
+    this.heard_ms = performance.now();
+    line.binaryType = 'arraybuffer';
+    line.onopen = () => {
+      this.heard_ms = performance.now();
+      this.wait_ms = FIRST_WAIT_MS;
+    };
+    line.onmessage = (event) => this.read(event.data);
+    line.onclose = () => { if (this.line === line) this.lost(); };
+  }
+
+  private lost(): void {
+    this.dropLine();
+    this.controls = { heldByYou: false, held: false };
+    for (const id of [...this.waiting.keys()]) this.settle(id, { accepted: false, reason: 'the connection was lost' });
+    this.attempts += 1;
+    this.setStatus('lost');
+    if (this.closed || this.problem) return;
+    clearTimeout(this.retryTimer);
+    this.retryTimer = setTimeout(() => this.connect(), this.wait_ms);
+    this.wait_ms = Math.min(2 * this.wait_ms, LONGEST_WAIT_MS);
+  }
+
+  private dropLine(): void {
+    const line = this.line;
+    this.line = null;
+    if (!line) return;
+    line.onopen = line.onmessage = line.onclose = null;
+    line.close();
+  }
+
+  private settle(id: number, answer: Answer): void {
+    const waiting = this.waiting.get(id);
+    if (!waiting) return;
+    clearTimeout(waiting.timer);
+    this.waiting.delete(id);
+    waiting.settle(answer);
+  }
+
+  private setStatus(status: ConnectionStatus): void {
+    this.status = status;
+    this.tell('status', status);
+  }
+
+  private beat(): void {
+    if (!this.line) return;
+    if (performance.now() - this.heard_ms > SILENCE_MS) {
+      this.lost();
+      return;
+    }
+    // Not answered for: a beat whose answer is lost is followed by the next one.
+    if (this.status === 'open' && this.controls.heldByYou) this.line.send(encodeCommand(++this.lastId, new HeartbeatT()));
+  }
+
+  private tell<Name extends keyof ConnectionEvents>(name: Name, value: ConnectionEvents[Name]): void {
+    const set: Set<(value: ConnectionEvents[Name]) => void> = this.listeners[name];
+    for (const callback of set) callback(value);
+  }
+
+  private read(data: unknown): void {
+    this.heard_ms = performance.now();
+    let message: Message;
+    try {
+      const buffer = new flatbuffers.ByteBuffer(new Uint8Array(data as ArrayBuffer));
+      if (!Message.bufferHasIdentifier(buffer)) throw new Error('not a Wholehand message');
+      message = Message.getRootAsMessage(buffer);
+      if (message.schemaVersion() !== SCHEMA_VERSION) {
+        this.problem = { theirs: message.schemaVersion(), ours: SCHEMA_VERSION };
+        this.lost();
+        return;
+      }
+    } catch {
+      this.countUnreadable();
+      return;
+    }
+    this.dispatch(message);
+  }
+
+  // The messages have no verifier here: one that is cut short throws while it is unpacked.
+  private dispatch(message: Message): void {
+    const unpack = <Table extends { unpack(): unknown }>(table: Table): ReturnType<Table['unpack']> | null => {
+      try {
+        return (message.payload(table as never) as Table).unpack() as ReturnType<Table['unpack']>;
+      } catch {
+        this.countUnreadable();
+        return null;
+      }
+    };
+    switch (message.payloadType()) {
+      case Payload.WorldState: {
+        const state = unpack(new WorldState());
+        if (!state) return;
+        this.latestState = state;
+        this.latestStateAt_ms = this.heard_ms;
+        this.tell('state', state);
+        return;
+      }
+      case Payload.Scene: {
+        const scene = unpack(new Scene());
+        if (!scene) return;
+        this.scene = scene;
+        this.tell('scene', scene);
+        return;
+      }
+      case Payload.Events: {
+        const events = unpack(new Events());
+        if (events) this.tell('events', events.events);
+        return;
+      }
+      case Payload.Welcome: {
+        const welcome = unpack(new Welcome());
+        if (!welcome) return;
+        this.welcome = welcome;
+        this.attempts = 0;
+        this.setStatus('open');
+        this.tell('welcome', welcome);
+        return;
+      }
+      case Payload.Controls: {
+        const controls = unpack(new Controls());
+        if (!controls) return;
+        this.controls = { heldByYou: controls.heldByYou, held: controls.held };
+        this.tell('controls', controls);
+        return;
+      }
+      case Payload.Reply: {
+        const reply = unpack(new Reply());
+        if (reply) this.settle(reply.command, { accepted: reply.accepted, reason: String(reply.reason ?? '') });
+        return;
+      }
+      default:
+        this.countUnreadable();
+    }
+  }
+
+  private countUnreadable(): void {
+    this.unreadable += 1;
+    if (this.unreadable === 1) console.warn('A message of the program could not be read; further ones are only counted.');
+  }
+}

@@ -1,0 +1,64 @@
+import { createReadStream, readdirSync, readFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { defineConfig, type Plugin } from 'vite';
+
+// Where the program listens while the pages are served by "npm run dev".
+const program = `http://127.0.0.1:${process.env.WHOLEHAND_PORT ?? '8080'}`;
+
+/** Hand tracking by webcam: its program and models, from our own origin and never from the network. */
+function mediapipeHands(): Plugin {
+  const folder = join(__dirname, 'node_modules', '@mediapipe', 'hands');
+  const wanted = /\.(js|wasm|data|tflite|binarypb)$/;
+  const type = (name: string) => name.endsWith('.js') ? 'text/javascript' : name.endsWith('.wasm') ? 'application/wasm' : 'application/octet-stream';
+  return {
+    name: 'wholehand-mediapipe-hands',
+    configureServer(server) {
+      server.middlewares.use('/mediapipe/', (request, response, next) => {
+        const name = (request.url ?? '').split('?')[0].slice(1);
+        if (!wanted.test(name) || !readdirSync(folder).includes(name)) return next();
+        response.setHeader('Content-Type', type(name));
+        createReadStream(join(folder, name)).pipe(response);
+      });
+    },
+    generateBundle() {
+      for (const name of readdirSync(folder).filter((n) => wanted.test(n)))
+        this.emitFile({ type: 'asset', fileName: `mediapipe/${name}`, source: readFileSync(join(folder, name)) });
+    },
+  };
+}
+
+/** `/console` is console.html, as the program serves it. */
+function consoleAddress(): Plugin {
+  return {
+    name: 'wholehand-console-address',
+    configureServer(server) {
+      server.middlewares.use((request, _response, next) => {
+        if (request.url) request.url = request.url.replace(/^\/console(?=\?|#|$)/, '/console.html');
+        next();
+      });
+    },
+  };
+}
+
+export default defineConfig({
+  plugins: [mediapipeHands(), consoleAddress()],
+  server: {
+    host: '127.0.0.1',
+    port: 5173,
+    proxy: {
+      '/ws': { target: program, ws: true },
+      '/api': program,
+      '/healthz': program,
+      '/metrics': program,
+    },
+  },
+  build: {
+    target: 'es2022',
+    outDir: 'dist',
+    emptyOutDir: true,
+    assetsInlineLimit: 0,  // nothing as data: address, so that the content policy can be strict
+    modulePreload: { polyfill: false },
+    chunkSizeWarningLimit: 900,
+    rollupOptions: { input: { game: 'index.html', console: 'console.html' } },
+  },
+});
