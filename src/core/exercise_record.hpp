@@ -22,10 +22,10 @@ struct ExerciseEvent {
 
 /// What the exercise did in a tick: its effort and its figures, named by its description.
 struct ExerciseRecord {
-  AxisEffort effort;         ///< f_e [N or N·m]; 0 on every axis without an exercise
-  double alpha = 0.0;        ///< of the transition, Eq. (16), 0 .. 1
-  AxisRatio wall_active;     ///< 1 on axes with a wall
-  AxisPosition wall;         ///< θ_wall per axis; meaningful where wall_active is 1
+  AxisEffort effort;      ///< f_e [N or N·m]; 0 on every axis without an exercise
+  double alpha = 0.0;     ///< of the transition, Eq. (16), 0 .. 1
+  AxisRatio wall_active;  ///< 1 on axes with a wall
+  AxisPosition wall;      ///< θ_wall per axis; meaningful where wall_active is 1
   std::int32_t value_count = 0;
   std::int32_t event_count = 0;
   std::array<double, kMaxExerciseValues> values{};

@@ -12,6 +12,8 @@ const char* stageName(Stage s) noexcept {
       return "dynamics";
     case Stage::kControl:
       return "control";
+    case Stage::kExercise:
+      return "exercise";
     case Stage::kSafety:
       return "safety";
     case Stage::kDeviceWrite:

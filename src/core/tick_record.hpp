@@ -5,6 +5,7 @@
 #include "core/exercise_record.hpp"
 #include "core/fault.hpp"
 #include "core/geometry.hpp"
+#include "core/live_parameter.hpp"
 #include "core/world_query.hpp"
 
 #include <array>
@@ -46,6 +47,7 @@ enum class Stage : std::int32_t {
   kObserve,
   kDynamics,
   kControl,
+  kExercise,  ///< the exercise, and the damping that counts its effort
   kSafety,
   kDeviceWrite,
   kPhysicsStep,
@@ -72,6 +74,11 @@ struct TickRecord {
   std::int32_t command_count = 0;
   std::array<Command, kMaxCommands> commands{};  ///< taken before this tick
 
+  // written by: live settings
+  std::int32_t parameter_count = 0;
+  std::array<double, kMaxLiveParameters> parameters{};  ///< in force now: the renderer's, then
+                                                        ///< the exercise's
+
   // written by: device.read
   AxisPosition q_m;           ///< device position
   AxisPosition intention;     ///< where the virtual patient wants to be (simulated device only)
@@ -86,8 +93,8 @@ struct TickRecord {
   JointPosition theta;  ///< joint positions of the avatar
   double coupling_error_rad =
       0.0;  ///< largest |θ - (θ₀ + G q_s)| the last step left, before correction
-  double palm_distance_m = 0.0;  ///< palm surface to the nearest body; +inf without bodies
-  std::int32_t palm_body = -1;  ///< nearest of the exercise's targets; -1: none
+  double palm_distance_m = 0.0;         ///< palm surface to the nearest body; +inf without bodies
+  std::int32_t palm_body = -1;          ///< nearest of the exercise's targets; -1: none
   double palm_target_distance_m = 0.0;  ///< to that body; +inf without targets
   /// Where each hand axis, closed kinematically from where it is open, first touches the exercise's
   /// closure body; NaN where it never does, on base axes, and where nothing was asked.
@@ -108,9 +115,9 @@ struct TickRecord {
   AxisEffort damping;  ///< -Φ K_dm q̇_mf
 
   // written by: safety
-  AxisEffort rendered;     ///< f_m before limits: coupling + exercise + damping
-  double authority = 1.0;  ///< 1 while rendering, falls to 0 while ramping to neutral
-  AxisEffort sent;         ///< what the device received
+  AxisEffort rendered;      ///< f_m before limits: coupling + exercise + damping
+  double authority = 1.0;   ///< 1 while rendering, falls to 0 while ramping to neutral
+  AxisEffort sent;          ///< what the device received
   AxisEffort effort_limit;  ///< in force: the device's, or less where a therapist set less
 
   // written by: world.step

@@ -1,9 +1,10 @@
 #pragma once
 
+#include "core/live_parameter.hpp"
 #include "core/real_time.hpp"
 #include "core/tick_record.hpp"
 #include "core/world_query.hpp"
-#include "exercise/player.hpp"
+#include "patient/player.hpp"
 
 #include <cstdint>
 #include <memory>
@@ -11,16 +12,6 @@
 #include <vector>
 
 namespace wholehand {
-
-/// Something that may be changed while the loop runs. Every change is a ramp.
-struct LiveParameter {
-  std::string name;         ///< with its unit at the end, "wall_stiffness_ratio", "lead_in_m"
-  std::string unit;         ///< for people: "N", "mm" is never used: SI
-  double lower = 0.0;       ///< what a command may ask for
-  double upper = 0.0;
-  double value = 0.0;       ///< at the start
-  double rate_per_s = 0.0;  ///< slope of the ramp, > 0
-};
 
 /// What an exercise says of itself, once. Names end with their unit.
 struct ExerciseDescription {
@@ -36,8 +27,8 @@ struct ExerciseDescription {
 /// What the exercise sees in a tick.
 struct ExerciseInput {
   double period_s = 1e-3;
-  /// The tick so far: device, velocities, avatar, bodies, palm, closure, commands. Contacts are those
-  /// of the last step.
+  /// The tick so far: device, velocities, avatar, bodies, palm, closure, commands. Contacts are
+  /// those of the last step.
   const TickRecord* observed = nullptr;
   const double* parameters = nullptr;  ///< present values, in the description's order
   bool may_push = true;  ///< false: the owner is silent or a stop began, f_e is to fade out

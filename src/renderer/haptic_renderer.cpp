@@ -15,6 +15,15 @@ AxisEffort sum(const AxisEffort& a, const AxisEffort& b) noexcept {
   return out;
 }
 
+std::vector<LiveParameter> together(const RendererConfig& config, const Exercise* exercise) {
+  std::vector<LiveParameter> all = config.live.parameters();
+  if (exercise != nullptr) {
+    const std::vector<LiveParameter>& more = exercise->description().parameters;
+    all.insert(all.end(), more.begin(), more.end());
+  }
+  return all;
+}
+
 // -Φ K_dm q̇_m,f, the last term of Eq. (3) but one.
 AxisEffort dampingEffort(const AxisRatio& phi, const AxisVelocity& qd_mf,
                          const CouplingGains& gains) noexcept {
@@ -26,8 +35,19 @@ AxisEffort dampingEffort(const AxisRatio& phi, const AxisVelocity& qd_mf,
 }  // namespace
 
 HapticRenderer::HapticRenderer(HapticDevice& device, PhysicsWorld& world, const HandModel& hand,
-                               const RendererConfig& config)
-    : device_(device), world_(world), config_(config), dynamics_(hand) {}
+                               const RendererConfig& config, Exercise* exercise)
+    : device_(device),
+      world_(world),
+      exercise_(exercise),
+      config_(config),
+      parameters_(together(config, exercise)),
+      effort_limit_(config.effort_limit),
+      damping_config_(config.damping),
+      dynamics_(hand) {}
+
+std::vector<LiveParameter> HapticRenderer::liveParameters() const {
+  return together(config_, exercise_);
+}
 
 Expected<Done> HapticRenderer::arm() {
   if (Expected<Done> opened = device_.open(); !opened) return opened;
@@ -45,6 +65,14 @@ Expected<Done> HapticRenderer::arm() {
   velocity_ = VelocityState{};
   damping_ = AdaptiveDampingState{AxisRatio(axes), AxisRatio(axes)};
   ramp_ = engageFrom(config_.neutral);
+  parameters_.reset();
+  contacts_ = ContactList{};
+  query_ = WorldQuery{};
+  owner_alive_ = true;
+  if (exercise_ != nullptr) {
+    exercise_->reset();
+    query_ = exercise_->query();
+  }
   latched_ = Fault::kNone;
   stop_requested_.store(false, std::memory_order_relaxed);
   return Done{};
@@ -62,6 +90,7 @@ void HapticRenderer::tick(std::uint32_t elapsed_periods, TickRecord& record,
   record.elapsed_periods = elapsed_periods;
   record.faults = elapsed_periods > 1 ? Fault::kLateTick : Fault::kNone;
 
+  takeCommands(elapsed_periods, record);
   readDevice(elapsed_periods, record);
   lap(Stage::kDeviceRead);
   observeWorld(record);
@@ -70,6 +99,8 @@ void HapticRenderer::tick(std::uint32_t elapsed_periods, TickRecord& record,
   lap(Stage::kDynamics);
   control(elapsed_periods, record);
   lap(Stage::kControl);
+  exercise(elapsed_periods, record);
+  lap(Stage::kExercise);
   makeSafe(elapsed_periods, record);
   lap(Stage::kSafety);
   writeDevice(record);  // the device hears before the solver runs: its time is not a delay (ADR 2)
@@ -78,6 +109,20 @@ void HapticRenderer::tick(std::uint32_t elapsed_periods, TickRecord& record,
   lap(Stage::kPhysicsStep);
   readContacts(record);
   lap(Stage::kContacts);
+}
+
+void HapticRenderer::takeCommands(std::uint32_t elapsed_periods, TickRecord& record) noexcept {
+  for (int i = 0; i < record.command_count; ++i) {
+    const Command& command = record.commands[static_cast<std::size_t>(i)];
+    if (command.type == CommandType::kParameter) parameters_.ask(command.index, command.value);
+    if (command.type == CommandType::kOwner) owner_alive_ = command.value != 0.0;
+  }
+  parameters_.advance(static_cast<int>(elapsed_periods), config_.period_s);
+  config_.live.apply(parameters_.values(), config_.effort_limit, config_.damping, effort_limit_,
+                     damping_config_);
+  record.effort_limit = effort_limit_;
+  record.parameter_count = parameters_.count();
+  std::copy_n(parameters_.values(), parameters_.count(), record.parameters.begin());
 }
 
 void HapticRenderer::readDevice(std::uint32_t elapsed_periods, TickRecord& record) noexcept {
@@ -95,12 +140,15 @@ void HapticRenderer::readDevice(std::uint32_t elapsed_periods, TickRecord& recor
 }
 
 void HapticRenderer::observeWorld(TickRecord& record) noexcept {
-  record.faults |= world_.observe(state_);
+  record.faults |= world_.observe(query_, state_);
   record.q_s = state_.q_s;
   record.qd_s = state_.qd_s;
   record.theta = state_.theta;
   record.coupling_error_rad = state_.coupling_error_rad;
   record.palm_distance_m = state_.palm_distance_m;
+  record.palm_body = state_.palm_body;
+  record.palm_target_distance_m = state_.palm_target_distance_m;
+  record.closure = state_.closure;
   record.body_count = state_.body_count;
   std::copy_n(state_.bodies.begin(), state_.body_count, record.bodies.begin());
 }
@@ -119,8 +167,6 @@ void HapticRenderer::control(std::uint32_t elapsed_periods, TickRecord& record) 
     record.qd_mf = velocity_.filtered;
     record.f_s = AxisEffort(gains.axes);
     record.coupling = AxisEffort(gains.axes);
-    record.damping = AxisEffort(gains.axes);
-    record.phi = damping_.phi;
     return;
   }
   velocity_ = estimateVelocity(velocity_, record.q_m, gains, elapsed, period_s);
@@ -128,15 +174,35 @@ void HapticRenderer::control(std::uint32_t elapsed_periods, TickRecord& record) 
   record.f_s = avatarEffort(record.q_m, record.qd_mf, record.q_s, record.qd_s,
                             dynamics_.reducedInertia(), gains);
   record.coupling = couplingEffort(record.q_m, record.qd_mf, record.q_s, record.qd_s, gains);
-  damping_ = adaptDamping(damping_, record.coupling, config_.damping, elapsed, period_s);
+}
+
+void HapticRenderer::exercise(std::uint32_t elapsed_periods, TickRecord& record) noexcept {
+  const CouplingGains& gains = config_.gains;
+  record.exercise.effort = AxisEffort(gains.axes);
+  record.exercise.event_count = 0;
+  record.placements.count = 0;
+  record.damping = AxisEffort(gains.axes);
+  record.phi = damping_.phi;
+  if (any(record.faults & kStopping)) return;
+  if (exercise_ != nullptr) {
+    showContacts(record);  // of the last step
+    ExerciseInput input;
+    input.period_s = config_.period_s;
+    input.observed = &record;
+    input.parameters = parameters_.values() + config_.live.parameters().size();
+    input.may_push = owner_alive_ && ramp_.phase == RampPhase::kRendering;
+    exercise_->tick(input, record.exercise, record.placements);
+    query_ = exercise_->query();
+  }
+  damping_ = adaptDamping(damping_, sum(record.coupling, record.exercise.effort), damping_config_,
+                          static_cast<int>(elapsed_periods), config_.period_s);
   record.phi = damping_.phi;
   record.damping = dampingEffort(record.phi, record.qd_mf, gains);
 }
 
 void HapticRenderer::makeSafe(std::uint32_t elapsed_periods, TickRecord& record) noexcept {
-  record.rendered = sum(record.coupling, record.damping);
-  const LimitedEffort limited =
-      limitEffort(sum(record.rendered, config_.neutral), config_.effort_limit);
+  record.rendered = sum(sum(record.coupling, record.exercise.effort), record.damping);
+  const LimitedEffort limited = limitEffort(sum(record.rendered, config_.neutral), effort_limit_);
   record.faults |= limited.faults;
   latched_ |= record.faults & kStopping;
   const bool asked = stop_requested_.load(std::memory_order_relaxed);
@@ -156,6 +222,7 @@ void HapticRenderer::writeDevice(TickRecord& record) noexcept {
 
 void HapticRenderer::stepWorld(TickRecord& record) noexcept {
   if (any(latched_)) return;  // after a fault the world stands still
+  if (record.placements.count > 0) world_.placeBodies(record.placements);
   HandDrive drive;
   dynamics_.distribute(record.f_s, drive.torque);
   drive.reduced_inertia_inverse = &dynamics_.reducedInertiaInverse();
@@ -166,9 +233,13 @@ void HapticRenderer::stepWorld(TickRecord& record) noexcept {
 
 void HapticRenderer::readContacts(TickRecord& record) noexcept {
   world_.contacts(contacts_);
+  showContacts(record);
+  if (contacts_.dropped > 0) record.faults |= Fault::kContactsDropped;
+}
+
+void HapticRenderer::showContacts(TickRecord& record) const noexcept {
   record.contact_count = contacts_.count;
   record.contacts_dropped = contacts_.dropped;
-  if (contacts_.dropped > 0) record.faults |= Fault::kContactsDropped;
   std::copy_n(contacts_.points.begin(), contacts_.count, record.contacts.begin());
 }
 

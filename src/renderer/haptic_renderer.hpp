@@ -8,8 +8,11 @@
 #include "core/tick_record.hpp"
 #include "device/haptic_device.hpp"
 #include "dynamics/articulated_body.hpp"
+#include "exercise/exercise.hpp"
 #include "model/hand_model.hpp"
 #include "physics/physics_world.hpp"
+#include "renderer/live_settings.hpp"
+#include "renderer/parameter_ramps.hpp"
 #include "renderer/stage_listener.hpp"
 #include "safety/neutral_ramp.hpp"
 
@@ -28,21 +31,24 @@ struct RendererConfig {
   AxisEffort neutral;       ///< carries the device's own weight [N or N·m]
   NeutralRampConfig ramp;
   Eigen::Vector3d gravity_m_s2{0.0, 0.0, -9.81};
+  LiveSettings live;  ///< what may be changed while it runs; nothing unless given
 };
 
 /// Whole-hand haptic rendering: one tick reads the device, lets the simulated hand follow it in the
 /// physics world, and sends back what holds it. Knows neither threads nor sockets nor clocks.
 class HapticRenderer {
  public:
-  /// @pre device, world and hand outlive this
+  /// @param exercise adds its effort to the coupling's; may be null
+  /// @pre device, world, hand and exercise outlive this
   HapticRenderer(HapticDevice& device, PhysicsWorld& world, const HandModel& hand,
-                 const RendererConfig& config);
+                 const RendererConfig& config, Exercise* exercise = nullptr);
 
   /// Opens the device, reads it and puts the simulated hand there. Where that fails the device is
   /// closed again. Not real-time safe.
   [[nodiscard]] Expected<Done> arm();
 
-  /// One tick; fills the record but for what the session writes. Real-time safe.
+  /// One tick; fills the record but for what the session writes, and takes the record's commands.
+  /// Real-time safe.
   /// @param elapsed_periods 1 + periods skipped since the last tick
   /// @param stages told when each stage ends; may be null
   WHOLEHAND_RT void tick(std::uint32_t elapsed_periods, TickRecord& record,
@@ -59,22 +65,34 @@ class HapticRenderer {
   [[nodiscard]] Fault latched() const noexcept { return latched_; }
 
   [[nodiscard]] const RendererConfig& config() const noexcept { return config_; }
+  /// The live parameters, in the order of TickRecord::parameters: the renderer's, then the
+  /// exercise's.
+  [[nodiscard]] std::vector<LiveParameter> liveParameters() const;
   /// The device's position at which arm() put the hand.
   [[nodiscard]] const AxisPosition& armedPosition() const noexcept { return armed_position_; }
 
  private:
+  void takeCommands(std::uint32_t elapsed_periods, TickRecord& record) noexcept;
   void readDevice(std::uint32_t elapsed_periods, TickRecord& record) noexcept;
   void observeWorld(TickRecord& record) noexcept;
   void updateDynamics(TickRecord& record) noexcept;
   void control(std::uint32_t elapsed_periods, TickRecord& record) noexcept;
+  void exercise(std::uint32_t elapsed_periods, TickRecord& record) noexcept;
   void makeSafe(std::uint32_t elapsed_periods, TickRecord& record) noexcept;
   void writeDevice(TickRecord& record) noexcept;
   void stepWorld(TickRecord& record) noexcept;
   void readContacts(TickRecord& record) noexcept;
+  void showContacts(TickRecord& record) const noexcept;
 
   HapticDevice& device_;
   PhysicsWorld& world_;
+  Exercise* exercise_;
   const RendererConfig config_;
+  ParameterRamps parameters_;
+  AxisEffort effort_limit_;               ///< in force now
+  AdaptiveDampingConfig damping_config_;  ///< in force now
+  WorldQuery query_;
+  bool owner_alive_ = true;  ///< whoever shows the exercise is there
   ArticulatedBody dynamics_;
   AxisPosition armed_position_;
   DeviceReading reading_;

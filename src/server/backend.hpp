@@ -75,11 +75,11 @@ enum class OrderType {
 /// backend checks ranges and names.
 struct Order {
   OrderType type = OrderType::kStop;
-  std::string name;      ///< parameter, exercise
-  std::string hand;      ///< kLoadExercise; empty: as it is
-  int level = 0;         ///< kLoadExercise; 0: as it is
-  double value = 0.0;    ///< kSetParameter, kOwnerAlive
-  AxisPosition aim;      ///< kAim
+  std::string name;    ///< parameter, exercise
+  std::string hand;    ///< kLoadExercise; empty: as it is
+  int level = 0;       ///< kLoadExercise; 0: as it is
+  double value = 0.0;  ///< kSetParameter, kOwnerAlive
+  AxisPosition aim;    ///< kAim
   Steering steering = Steering::kVirtualPatient;
   ExerciseAction action = ExerciseAction::kNext;
 };

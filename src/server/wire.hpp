@@ -20,7 +20,8 @@ inline constexpr std::uint16_t kSchemaVersion = 1;
 /// How much of a record a WorldState carries.
 enum class Detail {
   kFull,    ///< all of it: the browser
-  kCompact  ///< hand coordinates, joints, efforts, values; no links, bodies, contacts: fits a datagram
+  kCompact  ///< hand coordinates, joints, efforts, values; no links, bodies, contacts: fits a
+            ///< datagram
 };
 
 /// Encodes one scene's states. Allocates only while its buffer grows. One thread.
@@ -64,7 +65,7 @@ struct ClientMessage {
   ClientMessageType type = ClientMessageType::kHeartbeat;
   std::uint32_t id = 0;  ///< Command.id, or the sequence acknowledged
   Order order;
-  std::string token;     ///< kTakeControls
+  std::string token;  ///< kTakeControls
 };
 
 /// The largest message a client may send [bytes].

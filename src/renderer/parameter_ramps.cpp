@@ -1,0 +1,35 @@
+#include "renderer/parameter_ramps.hpp"
+
+#include <algorithm>
+
+namespace wholehand {
+
+ParameterRamps::ParameterRamps(const std::vector<LiveParameter>& parameters)
+    : count_(std::min(static_cast<int>(parameters.size()), kMaxLiveParameters)) {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count_); ++i) {
+    lower_[i] = parameters[i].lower;
+    upper_[i] = parameters[i].upper;
+    rate_per_s_[i] = parameters[i].rate_per_s;
+    initial_[i] = parameters[i].value;
+  }
+  reset();
+}
+
+void ParameterRamps::reset() noexcept {
+  value_ = wanted_ = initial_;
+}
+
+void ParameterRamps::ask(int index, double value) noexcept {
+  if (index < 0 || index >= count_) return;
+  const auto i = static_cast<std::size_t>(index);
+  if (value >= lower_[i] && value <= upper_[i]) wanted_[i] = value;  // false for NaN
+}
+
+void ParameterRamps::advance(int elapsed_periods, double period_s) noexcept {
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count_); ++i) {
+    const double most = rate_per_s_[i] * elapsed_periods * period_s;
+    value_[i] += std::clamp(wanted_[i] - value_[i], -most, most);
+  }
+}
+
+}  // namespace wholehand
