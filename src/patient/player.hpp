@@ -22,8 +22,8 @@ class Player {
                                     AxisVelocity& qd) noexcept = 0;
 
   /// What a tick came to; called after each. A player that was not asked to advance() since the
-  /// last one does not steer: somebody else has the hand where `record.intention` says, and a player
-  /// that decides by what it sees goes on from there.
+  /// last one does not steer: somebody else has the hand where `record.intention` says, and a
+  /// player that decides by what it sees goes on from there.
   WHOLEHAND_RT virtual void see(const TickRecord& record) noexcept = 0;
 };
 

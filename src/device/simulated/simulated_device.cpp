@@ -1,5 +1,6 @@
 #include "device/simulated/simulated_device.hpp"
 
+#include "patient/scripted_player.hpp"
 #include "patient/virtual_patient.hpp"
 
 #include <algorithm>
@@ -10,9 +11,14 @@ namespace wholehand {
 
 SimulatedDevice::SimulatedDevice(const DeviceModel& device, const PatientConfig& patient,
                                  Intention intention, double period_s)
+    : SimulatedDevice(device, patient, std::make_unique<ScriptedPlayer>(std::move(intention)),
+                      period_s) {}
+
+SimulatedDevice::SimulatedDevice(const DeviceModel& device, const PatientConfig& patient,
+                                 std::unique_ptr<Player> player, double period_s)
     : device_(device),
       patient_(patient),
-      intention_(std::move(intention)),
+      player_(std::move(player)),
       period_s_(period_s),
       neutral_(device.axisCount()) {
   device_.output_delay_ticks = std::clamp(device_.output_delay_ticks, 0, kMostDelay);
@@ -29,16 +35,16 @@ SimulatedDevice::SimulatedDevice(const DeviceModel& device, const PatientConfig&
 Expected<Done> SimulatedDevice::open() {
   open_ = true;
   fresh_ = true;
-  periods_ = 0;
   oldest_ = 0;
   commanded_ = acting_ = neutral_;
   delayed_.fill(neutral_);
-  intention_.evaluate(0.0, q_intended_, qd_intended_);
-  const AxisPosition start = intention_.start();
+  player_->reset();
+  q_intended_ = player_->start();
+  qd_intended_ = AxisVelocity(device_.axisCount());
   q_ = AxisPosition(device_.axisCount());
   qd_ = AxisVelocity(device_.axisCount());
   for (int i = 0; i < q_.size(); ++i) {
-    axes_[i].place(start[i], 0.0);
+    axes_[i].place(q_intended_[i], 0.0);
     q_[i] = axes_[i].position();
   }
   return Done{};
@@ -58,8 +64,7 @@ void SimulatedDevice::letPeriodPass() noexcept {
   shiftDelayLine();
   AxisPosition aim;
   AxisVelocity aim_speed;
-  ++periods_;
-  intention_.evaluate(static_cast<double>(periods_) * period_s_, aim, aim_speed);
+  player_->advance(period_s_, aim, aim_speed);
   for (int i = 0; i < q_.size(); ++i) {
     const PatientAxis& person = patient_.axes[i];
     // The plant holds the person's K and B towards zero; what remains is the pull of the aim.

@@ -5,9 +5,10 @@
 #include "model/device_model.hpp"
 #include "model/patient_config.hpp"
 #include "patient/motion.hpp"
+#include "patient/player.hpp"
 
 #include <array>
-#include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace wholehand {
@@ -22,8 +23,12 @@ namespace wholehand {
 /// Deterministic: the same calls give the same bits.
 class SimulatedDevice final : public HapticDevice {
  public:
-  /// The device starts at rest at the intention's start, held inside its range.
-  /// @pre the patient and the intention have the device's axes  @param period_s the loop's period
+  /// The device starts at rest at the player's start, held inside its range, and is pulled to where
+  /// the player wants to be.
+  /// @pre the patient and the player have the device's axes  @param period_s the loop's period
+  SimulatedDevice(const DeviceModel& device, const PatientConfig& patient,
+                  std::unique_ptr<Player> player, double period_s);
+  /// The same with a ScriptedPlayer.
   SimulatedDevice(const DeviceModel& device, const PatientConfig& patient, Intention intention,
                   double period_s);
 
@@ -50,15 +55,14 @@ class SimulatedDevice final : public HapticDevice {
 
   DeviceModel device_;
   PatientConfig patient_;
-  Intention intention_;
+  std::unique_ptr<Player> player_;
   double period_s_;
   AxisEffort neutral_;
   std::vector<AxisDynamics> axes_;
 
   bool open_ = false;
-  bool fresh_ = false;        // opened, not yet read
-  std::int64_t periods_ = 0;  // since open
-  AxisEffort commanded_;      // the last write, repeated every period until the next
+  bool fresh_ = false;    // opened, not yet read
+  AxisEffort commanded_;  // the last write, repeated every period until the next
   AxisEffort acting_;
   std::array<AxisEffort, kMostDelay> delayed_{};  // a ring: sent, not yet acting
   int oldest_ = 0;

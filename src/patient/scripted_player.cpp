@@ -1,0 +1,18 @@
+#include "patient/scripted_player.hpp"
+
+#include <utility>
+
+namespace wholehand {
+
+ScriptedPlayer::ScriptedPlayer(Intention intention) : intention_(std::move(intention)) {}
+
+AxisPosition ScriptedPlayer::start() const {
+  return intention_.start();
+}
+
+void ScriptedPlayer::advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept {
+  ++periods_;
+  intention_.evaluate(static_cast<double>(periods_) * period_s, q, qd);
+}
+
+}  // namespace wholehand

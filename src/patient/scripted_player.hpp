@@ -1,0 +1,27 @@
+#pragma once
+
+#include "patient/motion.hpp"
+#include "patient/player.hpp"
+
+#include <cstdint>
+
+namespace wholehand {
+
+/// Plays an intention by the clock, whatever happens to the hand. Time is counted in periods, so
+/// that a period skipped and one waited for lead to the same bits.
+class ScriptedPlayer final : public Player {
+ public:
+  explicit ScriptedPlayer(Intention intention);
+
+  [[nodiscard]] AxisPosition start() const override;
+  void reset() override { periods_ = 0; }
+  /// @pre the same period as in every other call since reset()
+  WHOLEHAND_RT void advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept override;
+  WHOLEHAND_RT void see(const TickRecord&) noexcept override {}
+
+ private:
+  Intention intention_;
+  std::int64_t periods_ = 0;
+};
+
+}  // namespace wholehand
