@@ -8,7 +8,7 @@ namespace wholehand {
 /// whatever passive world the hand meets (absolute stability of the two-port of Eq. (2), (3), a
 /// stronger claim than a stable rigid contact): the largest over all frequencies up to Nyquist of
 ///   −Re A₀ + (Re q + |q|) / (2 r₂₂),
-///   A₀ = T z⁻ⁿ (K_pm + (γB + Φ K_dm) D) / (z − 1),  D = (z − 1)/((τ + T) z − τ),
+///   A₀ = T z⁻ⁿ (K_pm + αk + (γB + Φ K_dm + αd) D) / (z − 1),  D = (z − 1)/((τ + T) z − τ),
 ///   q  = T z⁻ⁿ (K_pm T/(z − 1) + γB z⁻¹) (K_ps + K_ds D) / (z − 1),
 ///   r₂₂ = (1 − cos φ)/T − T K_ps/2 + K_ds cos φ,  z = e^{jφ}.
 /// `loop.damping` and `loop.mass` play no part. Infinite where r₂₂ <= 0: the avatar itself is

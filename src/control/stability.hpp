@@ -31,6 +31,8 @@ struct AxisLoop {
   Impedance person;            ///< moves with the device; nobody unless given
   double held_mass = 0.0;      ///< kObject: the object's mass over the avatar's inertia
   double spring_per_s2 = 0.0;  ///< kObject: the object's spring over the avatar's inertia
+  /// αk and αd of an exercise's wall, Eq. (15), while the finger is in it: acts on the device alone
+  double wall_stiffness = 0.0, wall_damping = 0.0;
 };
 
 /// The loop of one axis as the files have it, at Φ = 1.
