@@ -15,7 +15,10 @@ class Session::TimedStages final : public StageListener {
 };
 
 Session::Session(HapticRenderer& renderer, const SessionConfig& config)
-    : renderer_(renderer), config_(config), queue_(config.queue_ticks) {}
+    : renderer_(renderer),
+      config_(config),
+      queue_(config.queue_ticks),
+      commands_(config.queue_commands) {}
 
 Session::~Session() {
   // Only a loop that runs: a renderer that another session will tick must not find a stop request.
@@ -62,6 +65,12 @@ bool Session::tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) 
   record_.tick = counters_.ticks_run == 0 ? 0 : next_tick_ + elapsed_periods - 1;
   record_.time_s = static_cast<double>(record_.tick) * renderer_.config().period_s;
   record_.lateness_ns = lateness_ns;
+  record_.command_count = 0;
+  while (record_.command_count < kMaxCommands &&
+         commands_.try_pop(record_.commands[static_cast<std::size_t>(record_.command_count)])) {
+    ++record_.command_count;
+  }
+  if (config_.listener != nullptr) config_.listener->beforeTick(record_);
   renderer_.tick(counters_.ticks_run == 0 ? 1 : elapsed_periods, record_, &stages);
   next_tick_ = record_.tick + 1;
   if (next_tick_ >= config_.duration_ticks) renderer_.requestStop();
@@ -69,6 +78,7 @@ bool Session::tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) 
   record_.wall_ns = times.wall_ns;
   record_.cpu_ns = times.cpu_ns;
   record_.stage_cpu_ns = times.stage_cpu_ns;
+  if (config_.listener != nullptr) config_.listener->afterTick(record_);
   count(allocationsSoFar() - allocated);
   return !renderer_.atNeutral();
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "core/command.hpp"
+#include "core/real_time.hpp"
 #include "core/tick_record.hpp"
 #include "realtime/periodic_thread.hpp"
 #include "realtime/spsc_queue.hpp"
@@ -15,9 +17,22 @@
 
 namespace wholehand {
 
+/// Told of every tick, in the thread that ticks: the virtual patient who plays an exercise.
+/// Real-time safe.
+class TickListener {
+ public:
+  virtual ~TickListener() = default;
+  /// Before the tick, with the commands it takes.
+  WHOLEHAND_RT virtual void beforeTick(const TickRecord& record) noexcept = 0;
+  /// After it, with all that came of it.
+  WHOLEHAND_RT virtual void afterTick(const TickRecord& record) noexcept = 0;
+};
+
 struct SessionConfig {
   std::uint64_t duration_ticks = std::numeric_limits<std::uint64_t>::max();  ///< then ramp down
-  std::size_t queue_ticks = 4096;  ///< records the queue holds, four seconds at 1 kHz
+  std::size_t queue_ticks = 4096;    ///< records the queue holds, four seconds at 1 kHz
+  std::size_t queue_commands = 256;  ///< commands that wait; more are refused
+  TickListener* listener = nullptr;  ///< outlives the session; may be null
   /// Allocations of the calling thread so far (realtime/allocation_counter.hpp); null: not counted.
   std::uint64_t (*count_allocations)() noexcept = nullptr;
 };
@@ -55,6 +70,12 @@ class Session {
   /// Simulated clock: ticks in the calling thread as fast as it goes, handing each record over.
   void runSimulated(const std::function<void(const TickRecord&)>& sink);
 
+  /// Asks something of one of the next ticks, in order; false where the queue is full. From one
+  /// thread at a time. Commands of a simulated run may also come from its sink.
+  [[nodiscard]] bool tryCommand(const Command& command) noexcept {
+    return commands_.try_push(command);
+  }
+
   /// Begins the ramp to neutral; the session ends when it is done. Any thread, also from a signal
   /// handler.
   void requestStop() noexcept { renderer_.requestStop(); }
@@ -72,6 +93,7 @@ class Session {
   HapticRenderer& renderer_;
   const SessionConfig config_;
   SpscQueue<TickRecord> queue_;
+  SpscQueue<Command> commands_;
   StageClock clock_;
   TickRecord record_;  ///< reused: the tick's own copy
   std::uint64_t next_tick_ = 0;
