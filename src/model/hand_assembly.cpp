@@ -27,6 +27,7 @@ class Assembly {
     model_.axis_count = device_.axisCount();
     for (const DeviceAxis& axis : device_.axes) model_.axis_names.push_back(axis.name);
     addSynergy();
+    setTravel();
     setReference();
     checkRanges();
     if (!faults_.empty()) return faults_;
@@ -77,6 +78,14 @@ class Assembly {
         const int driver = handAxisIndex(device_, term.coordinate);
         if (term.joint == name && driver >= 0) model_.synergy(j, driver) += term.ratio;
       }
+    }
+  }
+
+  void setTravel() {
+    model_.axis_lower = model_.axis_upper = AxisPosition(model_.axis_count);
+    for (int i = 0; i < model_.axis_count; ++i) {
+      model_.axis_lower[i] = device_.axes[static_cast<std::size_t>(i)].lower;
+      model_.axis_upper[i] = device_.axes[static_cast<std::size_t>(i)].upper;
     }
   }
 

@@ -63,6 +63,7 @@ struct HandModel {
   JointPosition theta0;                  ///< θ₀
   JointAxisMatrix synergy;               ///< G, joint_count x axis_count
   AxisPosition reference;                ///< q_ref: the posture at which gains are chosen
+  AxisPosition axis_lower, axis_upper;   ///< travel of the device's axes
   double total_mass_kg = 0.0;
 };
 
