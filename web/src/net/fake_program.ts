@@ -1,7 +1,278 @@
+// A stand-in for the program inside the page, for development and tests: the same bytes over a line that goes
+// nowhere. Options, all in the address beside ?fake:
+//   level=2       which level            at=pour     plays on until that stage, at once
+//   held          another client commands          lost=8    the line breaks after 8 s, and comes back 5 s later
+//   version=9     speaks another schema version    hardware  a device that is not simulated
+import * as flatbuffers from 'flatbuffers';
+import {
+  Act, Action, Aim, AxisT, BodyT, CapsuleT, Command, ContactPointT, ControlsT, EventsT, EventT,
+  LoadExercise, Message, MessageT, Order, ParameterGroup, ParameterT, Payload, PoseT, QuatXyzwT, ReplyT, RunState, SceneT,
+  SCHEMA_VERSION, SetParameter, ShapeT, ShapeType, StatisticsT, Steer, Steering, Vec3T, WelcomeT, WorldStateT,
+} from '../protocol';
 import type { Line } from './connection';
+import { AXES, FakeBar, GEOMETRY, LEVEL_NAMES, SQUEEZE, Stage } from './fake_bar';
+import { HAND, type Quad, type Triple } from './fake_hand';
 
-/** A stand-in for the program inside the page: development and tests only. */
+const PERIOD_MS = 1000 / 60;
+const EVENT_NAMES = ['approached', 'touched', 'engaged', 'disengaged', 'pour_began', 'pour_ended', 'line_reached', 'overfilled', 'spilt',
+  'wrong_dispenser', 'knocked_over', 'stood_up', 'step_done', 'drink_done', 'level_done', 'paused', 'resumed', 'restarted'];
+const FAULT_NAMES = ['device read failed', 'device write failed', 'non-finite device position', 'non-finite effort', 'non-finite state',
+  'physics step failed', 'effort limited', 'late tick', 'contacts dropped', 'singular reduced inertia', 'stop requested'];
+const STOP_REQUESTED = 1 << 10;
+
+const PARAMETERS = [
+  ['effort_limit_hand_tip_n', ParameterGroup.Patient, 'N', 2, 10, 10, 2],
+  ['effort_limit_arm_n', ParameterGroup.Patient, 'N', 4, 20, 20, 4],
+  ['damping_full_n', ParameterGroup.Patient, 'N', 1, 10, 5, 2],
+  ['damping_decay_s', ParameterGroup.Hand, 's', 0.05, 1, 0.3, 0.2],
+  ['wall_stiffness_ratio', ParameterGroup.Exercise, '', 0.2, 1, 0.8, 0.2],
+  ['wall_damping_ratio', ParameterGroup.Exercise, '', 0.2, 2, 1, 0.5],
+  ['lead_in_m', ParameterGroup.Exercise, 'm', 0.001, 0.01, 0.004, 0.002],
+  ['squeeze_threshold_ratio', ParameterGroup.Exercise, '', 0.5, 2, 1, 0.25],
+] as const;
+
+const vec = (v: Triple): Vec3T => new Vec3T(v[0], v[1], v[2]);
+const pose = (p: Triple, q: Quad = [0, 0, 0, 1]): PoseT => new PoseT(vec(p), new QuatXyzwT(q[0], q[1], q[2], q[3]));
+const box = (half: Triple): ShapeT => new ShapeT(ShapeType.Box, vec(half), 0, 0, [], [], pose([0, 0, 0]));
+const cylinder = (radius_m: number, length_m: number, q?: Quad): ShapeT =>
+  new ShapeT(ShapeType.Cylinder, vec([0, 0, 0]), radius_m, length_m, [], [], pose([0, 0, 0], q));
+
 export class FakeProgram {
-  constructor(_options: URLSearchParams) {}
-  line(): Line { throw new Error('comes next'); }
+  private bar: FakeBar;
+  private runState = RunState.Rendering;
+  private steering = Steering.VirtualPatient;
+  private authority = 1;
+  private tick = 0;
+  private session = 1;
+  private latched = 0;
+  private heldByClient = false;
+  private readonly parameters = PARAMETERS.map((p) => ({ now: p[5] as number, target: p[5] as number }));
+  private readonly version: number;
+  private readonly started_ms = performance.now();
+  private breaksAt_ms: number;
+
+  constructor(private readonly options: URLSearchParams) {
+    this.bar = new FakeBar(this.level(options.get('level')));
+    this.version = Number(options.get('version') ?? SCHEMA_VERSION);
+    this.breaksAt_ms = options.has('lost') ? this.started_ms + 1000 * Number(options.get('lost')) : Infinity;
+    const until: Record<string, number> = { reach: Stage.Reach, squeeze: Stage.Squeeze, pour: Stage.Pour, letgo: Stage.LetGo, success: Stage.DrinkDone, level: Stage.LevelDone, drawback: Stage.DrawBack };
+    const stage = until[options.get('at') ?? ''];
+    const drink = Number(options.get('drink') ?? 0), step = Number(options.get('step') ?? 0);
+    const there = () => this.bar.stage === stage && this.bar.drink >= drink && this.bar.step >= step;
+    for (let k = 0; stage !== undefined && k < 12000 && !there(); k++) this.bar.advance(1 / 60, true, true);
+    const further_s = Number(options.get('further') ?? 0);
+    for (let k = 0; k < 60 * further_s; k++) this.bar.advance(1 / 60, true, true);
+  }
+
+  /** A new line to it; several may be open at once. */
+  line(): Line {
+    if (performance.now() > this.breaksAt_ms && performance.now() < this.breaksAt_ms + 5000) throw new Error('not there');
+    const line: Line & { timer?: ReturnType<typeof setInterval> } = {
+      binaryType: 'arraybuffer', onopen: null, onmessage: null, onclose: null,
+      send: (data) => { setTimeout(() => this.hear(line, data), 1); },
+      close: () => { clearInterval(line.timer); },
+    };
+    setTimeout(() => {
+      line.onopen?.({} as Event);
+      this.say(line, Payload.Welcome, new WelcomeT(SCHEMA_VERSION, 1, true, '0.3.0 (stand-in)'));
+      this.say(line, Payload.Controls, new ControlsT(false, this.options.has('held')));
+      this.say(line, Payload.Scene, this.scene());
+      let last_ms = performance.now();
+      line.timer = setInterval(() => {
+        const now_ms = performance.now();
+        if (now_ms > this.breaksAt_ms && now_ms < this.breaksAt_ms + 5000) {
+          clearInterval(line.timer);
+          line.onclose?.({} as CloseEvent);
+          return;
+        }
+        this.advance(Math.min(0.1, (now_ms - last_ms) / 1000));
+        last_ms = now_ms;
+        this.say(line, Payload.WorldState, this.state());
+        const events = this.bar.takeEvents();
+        if (events.length > 0)
+          this.say(line, Payload.Events, new EventsT(events.map((e) => new EventT(BigInt(this.tick), EVENT_NAMES.indexOf(e.name), e.index, e.value))));
+      }, PERIOD_MS);
+    }, 20);
+    return line;
+  }
+
+  /** What happens in that time. */
+  advance(dt: number): void {
+    this.tick += Math.round(dt * 1000);
+    const on = this.runState === RunState.Rendering;
+    this.authority = Math.max(0, Math.min(1, this.authority + (on ? 4 : -4) * dt));
+    if (this.runState === RunState.Stopping && this.authority === 0) this.runState = RunState.Stopped;
+    this.bar.advance(dt, this.steering === Steering.VirtualPatient, on);
+    this.parameters.forEach((p, i) => {
+      const most = PARAMETERS[i][6] * dt;
+      p.now += Math.max(-most, Math.min(most, p.target - p.now));
+    });
+  }
+
+  private level(text: string | null): number { return Math.max(1, Math.min(LEVEL_NAMES.length, Number(text ?? 3) || 1)); }
+
+  private say(line: Line, kind: Payload, payload: unknown): void {
+    const builder = new flatbuffers.Builder(4096);
+    Message.finishMessageBuffer(builder, new MessageT(this.version, kind, payload as MessageT['payload']).pack(builder));
+    line.onmessage?.({ data: builder.asUint8Array().slice().buffer } as MessageEvent);
+  }
+
+  private hear(line: Line, data: Uint8Array<ArrayBuffer>): void {
+    const message = Message.getRootAsMessage(new flatbuffers.ByteBuffer(data));
+    if (message.payloadType() !== Payload.Command) return;
+    const command = message.payload(new Command()) as Command;
+    const refusal = this.obey(line, command);
+    this.say(line, Payload.Reply, new ReplyT(command.id(), refusal === '', refusal));
+  }
+
+  private obey(line: Line, command: Command): string {
+    const kind = command.orderType();
+    const held = this.options.has('held');
+    if (kind === Order.EmergencyStop) return this.halt();
+    if (kind === Order.TakeControls) {
+      if (held) return 'another client holds the controls';
+      this.heldByClient = true;
+      this.say(line, Payload.Controls, new ControlsT(true, true));
+      return '';
+    }
+    if (!this.heldByClient) return 'this client does not hold the controls';
+    switch (kind) {
+      case Order.ReleaseControls:
+        this.heldByClient = false;
+        this.steering = Steering.VirtualPatient;
+        this.say(line, Payload.Controls, new ControlsT(false, false));
+        return '';
+      case Order.Arm:
+        if (this.runState === RunState.Rendering) return 'it is rendering already';
+        this.runState = RunState.Rendering;
+        this.latched = 0;
+        this.session += 1;
+        this.bar.restart();
+        this.say(line, Payload.Scene, this.scene());
+        return '';
+      case Order.Stop: return this.halt();
+      case Order.Steer: this.steering = (command.order(new Steer()) as Steer).by(); return '';
+      case Order.Aim: {
+        const aim = command.order(new Aim()) as Aim;
+        if (aim.qLength() !== AXES.length) return `an aim has ${AXES.length} values`;
+        if (this.steering === Steering.Person) AXES.forEach((_, i) => { this.bar.intention[i] = aim.q(i) ?? 0; });
+        return '';
+      }
+      case Order.SetParameter: return this.setParameter(command.order(new SetParameter()) as SetParameter);
+      case Order.LoadExercise: {
+        const order = command.order(new LoadExercise()) as LoadExercise;
+        const level = order.level() || this.bar.level;
+        if (level > LEVEL_NAMES.length) return `level ${level} does not exist: 1 to ${LEVEL_NAMES.length}`;
+        if (order.exercise() && order.exercise() !== 'cocktail-bar') return `exercise "${order.exercise()}" is unknown`;
+        this.bar = new FakeBar(level);
+        this.say(line, Payload.Scene, this.scene());
+        return '';
+      }
+      case Order.Action: {
+        const act = (command.order(new Action()) as Action).act();
+        if (act === Act.Next) this.bar.next();
+        if (act === Act.Restart) this.bar.restart();
+        if (act === Act.Pause || act === Act.Resume) this.bar.paused = act === Act.Pause;
+        return '';
+      }
+      default: return '';
+    }
+  }
+
+  private halt(): string {
+    if (this.runState === RunState.Rendering) this.runState = RunState.Stopping;
+    this.latched |= STOP_REQUESTED;
+    return '';
+  }
+
+  private setParameter(order: SetParameter): string {
+    const index = PARAMETERS.findIndex((p) => p[0] === order.name());
+    if (index < 0) return `parameter "${order.name()}" is unknown`;
+    const [name, , unit, lower, upper] = PARAMETERS[index];
+    if (!(order.value() >= lower && order.value() <= upper)) return `${name} = ${order.value()} ${unit}: allowed is ${lower} to ${upper}`;
+    this.parameters[index].target = order.value();
+    return '';
+  }
+
+  private scene(): SceneT {
+    const g = GEOMETRY, bar = this.bar;
+    const s = new SceneT(this.session, '0.3.0 (stand-in)', 'cocktail-bar', HAND.name, true, this.options.has('hardware') ? 'lambda-pride' : 'simulated lambda-pride', 'relaxed-adult', 'cocktail-bar');
+    s.exerciseJson = JSON.stringify({
+      kind: 'cocktail_bar', level: bar.level, levels: LEVEL_NAMES.map((name, i) => ({ level: i + 1, name })), liquids: bar.liquids,
+      dispensers: bar.liquids.map((l) => ({ body: `dispenser_${l.name}`, liquid: l.name, free: false, radius_m: g.bottle_r, height_m: g.bottle_h, nozzle_m: [0, 0, g.nozzle_z], grip_m: [0, 0, 0] })),
+      glass: { body: 'glass', radius_m: g.glass_r, height_m: g.glass_h, m_per_l: g.m_per_l, capacity_l: g.capacity_l },
+      counter_z_m: g.counter_z, rail_z_m: g.rail_z, drinks: bar.drinks,
+    });
+    s.periodS = 0.001;
+    s.axes = AXES.map((a) => new AxisT(a.name, a.unit, a.lower, a.upper, a.limit, a.lever, a.speed));
+    s.jointNames = HAND.joints;
+    s.linkNames = HAND.links.map((l) => l.name);
+    s.capsules = HAND.capsules.map((c) => new CapsuleT(c.name, c.part, c.link, vec(c.a as unknown as Triple), vec(c.b as unknown as Triple), c.r));
+    s.bodies = [
+      new BodyT('counter', true, '#765443', [box([0.25, 0.6, 0.02])]),
+      new BodyT('rail', true, '#D0A869', [cylinder(0.008, 1.2, [Math.SQRT1_2, 0, 0, Math.SQRT1_2])]),
+      new BodyT('glass', true, '#DDE8E8', [cylinder(g.glass_r, g.glass_h)]),
+      ...bar.liquids.map((l) => new BodyT(`dispenser_${l.name}`, true, l.color, [cylinder(g.bottle_r, g.bottle_h)])),
+    ];
+    s.valueNames = this.values().map(([name]) => name);
+    s.eventNames = EVENT_NAMES;
+    s.faultNames = FAULT_NAMES;
+    s.parameters = PARAMETERS.map(([name, group, unit, lower, upper, initial, rate]) => new ParameterT(name, group, unit, lower, upper, initial, rate));
+    s.exercises = ['cocktail-bar', 'free-grasping'];
+    s.hands = [HAND.name, 'woman-p50-right'];
+    s.levels = LEVEL_NAMES.length;
+    s.level = bar.level;
+    return s;
+  }
+
+  private values(): [string, number][] {
+    const bar = this.bar, asked = bar.steps[Math.min(bar.step, bar.steps.length - 1)];
+    return [
+      ['stage', bar.stage], ['drink', bar.drink], ['drinks', bar.drinks.length], ['step', bar.step], ['steps', bar.steps.length],
+      ['target_dispenser', bar.target], ['engaged_dispenser', bar.engaged], ['squeeze_n', bar.squeeze_n], ['squeeze_low_n', SQUEEZE.low_n],
+      ['squeeze_high_n', SQUEEZE.high_n], ['squeeze_full_n', SQUEEZE.full_n], ['flow_l_s', bar.flow_l_s],
+      ['over_glass', Number(bar.flow_l_s > 0 && bar.engaged === bar.target)], ['poured_l', bar.poured_l], ['asked_l', asked.amount_l],
+      ['tolerance_l', asked.tolerance_l], ['glass_l', bar.layers_l.reduce((a, b) => a + b, 0)], ['spilt_l', bar.spilt_l], ['score', bar.score],
+      ['stars', bar.stars], ['drink_time_s', bar.drinkTime_s], ['row_y_m', bar.row_y],
+      ...bar.liquids.map((l, i): [string, number] => [`left_l/${l.name}`, bar.left_l[i]]),
+      ...bar.layers_l.map((v, i): [string, number] => [`layer_l/${i}`, v]),
+    ];
+  }
+
+  private state(): WorldStateT {
+    const g = GEOMETRY, bar = this.bar, s = new WorldStateT();
+    s.session = this.session;
+    s.tick = BigInt(this.tick);
+    s.timeS = bar.time_s;
+    s.sentMonotonicNs = BigInt(Math.round(performance.now() * 1e6));
+    s.runState = this.runState;
+    s.steering = this.steering;
+    s.latchedFaults = s.faults = this.runState === RunState.Rendering ? 0 : this.latched;
+    s.authority = this.authority;
+    s.qM = bar.qM;
+    s.qS = bar.qS;
+    s.theta = bar.theta;
+    s.intention = bar.intention;
+    const wobble = (i: number) => 0.05 * Math.sin(bar.time_s * (5 + i)) * AXES[i].limit / 20;
+    s.coupling = AXES.map((a, i) => Math.max(-a.limit, Math.min(a.limit, a.spring * (bar.qS[i] - bar.qM[i]) + wobble(i))));
+    s.exerciseEffort = AXES.map((_, i) => (i === 3 || i === 5 ? -bar.alpha * 0.02 * bar.squeeze_n : 0));
+    s.phi = AXES.map((a, i) => Math.min(1, Math.abs(s.coupling[i]) / (0.5 * a.limit)));
+    s.damping = s.phi.map((phi, i) => -0.1 * phi * Math.sin(bar.time_s * 3 + i) * AXES[i].limit / 20);
+    s.sent = s.coupling.map((c, i) => this.authority * (c + s.exerciseEffort[i] + s.damping[i]));
+    s.alpha = bar.alpha;
+    const dispenser = 3;
+    s.palmBody = bar.palmDistance_m < 0.2 ? dispenser + Math.max(bar.engaged, bar.target) : -1;
+    s.palmDistanceM = bar.palmDistance_m;
+    s.links = bar.links.map((l) => pose(l.p, l.q));
+    s.bodies = [
+      pose([0.2, 0, g.counter_z - 0.02]), pose([g.row_x, 0, g.rail_z]), pose([g.row_x, bar.glass_y, g.counter_z + g.glass_h / 2]),
+      ...bar.liquids.map((_, i) => pose([g.row_x, bar.dispenserY(i), g.bottle_z])),
+    ];
+    s.contacts = bar.contacts.map((c) => new ContactPointT(c.capsule, dispenser + c.dispenser, vec(c.point), vec(c.force)));
+    s.values = this.values().map(([, value]) => value);
+    s.parameters = this.parameters.map((p) => p.now);
+    s.statistics = new StatisticsT(BigInt(this.tick), BigInt(2), BigInt(0), 148 + 4 * Math.random(), 236, 402, 890);
+    s.recordingBytes = BigInt(this.tick * 400);
+    return s;
+  }
 }
