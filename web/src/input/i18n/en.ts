@@ -1,0 +1,51 @@
+import type { Way } from '../wish';
+
+/** One line of help: what to use, and what it does. */
+export interface HelpLine { keys: string[]; does: string }
+
+export interface InputTexts {
+  ways: Record<Way, string>;
+  help: Record<Way, HelpLine[]>;
+  touch: { squeeze: string; higher: string; lower: string };
+  webcam: Record<'insecure' | 'refused' | 'absent' | 'busy' | 'model' | 'noHand', string>;
+}
+
+export const en: InputTexts = {
+  ways: { keys: 'Keys', mouse: 'Mouse', touch: 'Touch', gamepad: 'Game pad', webcam: 'Camera' },
+  help: {
+    keys: [
+      { keys: ['↑', '↓', 'W', 'S'], does: 'away from you, towards you' },
+      { keys: ['←', '→', 'A', 'D'], does: 'left, right' },
+      { keys: ['R', 'F', 'Page ↑', 'Page ↓'], does: 'up, down' },
+      { keys: ['Space'], does: 'hold to squeeze, let go to open' },
+    ],
+    mouse: [
+      { keys: ['Move'], does: 'left, right, up, down' },
+      { keys: ['Wheel'], does: 'away from you, towards you' },
+      { keys: ['Left button'], does: 'hold to squeeze, let go to open' },
+    ],
+    touch: [
+      { keys: ['Drag'], does: 'left, right; up is away from you' },
+      { keys: ['Second finger', 'Squeeze'], does: 'hold to squeeze, let go to open' },
+      { keys: ['Higher', 'Lower'], does: 'up, down' },
+    ],
+    gamepad: [
+      { keys: ['Left stick'], does: 'left, right, away, towards you' },
+      { keys: ['Right stick'], does: 'up, down' },
+      { keys: ['Trigger', 'A'], does: 'squeeze, as far as it is pulled' },
+    ],
+    webcam: [
+      { keys: ['Hand'], does: 'move it before the camera; nearer to the camera is away from you' },
+      { keys: ['Fist'], does: 'close your hand to squeeze, open it to let go' },
+    ],
+  },
+  touch: { squeeze: 'Squeeze', higher: 'Higher', lower: 'Lower' },
+  webcam: {
+    insecure: 'The browser gives no camera here. Open this page by https or on this computer itself.',
+    refused: 'The camera was refused. Allow it in the browser’s address bar, then try again.',
+    absent: 'No camera was found. Connect one, or play with keys or mouse.',
+    busy: 'The camera did not start. Another program may be using it.',
+    model: 'Hand tracking could not be loaded. Play with keys or mouse.',
+    noHand: 'No hand is seen. Hold your hand before the camera.',
+  },
+};

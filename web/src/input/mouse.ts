@@ -1,0 +1,104 @@
+import { clamp } from './posture';
+import type { InputWay, Triple, Wish } from './wish';
+import { now_s, restingWish } from './wish';
+
+/** The part of the picture's width and height that covers the whole workspace. */
+const PLAY_PART = 0.7;
+/** A cursor that crosses the picture by chance is not a wish to play [px of travel]. */
+const FIRST_TRAVEL_PX = 24;
+const TRAVEL_FROM_ANOTHER_WAY_PX = 240;
+/** How far one notch of a wheel (100 px of scrolling) goes, in parts of half the depth. */
+const DEPTH_PER_NOTCH = 0.12;
+
+/** y (left) and z (up), each -1 .. 1, of a point in the picture. */
+export function placeOfPointer(
+  x_px: number, y_px: number, box: { left: number; top: number; width: number; height: number },
+): { y: number; z: number } {
+  const across = (x_px - box.left) / box.width - 0.5;
+  const down = (y_px - box.top) / box.height - 0.5;
+  return {
+    y: clamp(-across / (PLAY_PART / 2), -1, 1),
+    z: clamp(-down / (PLAY_PART / 2), -1, 1),
+  };
+}
+
+/** Depth -1 .. 1 after scrolling; pages and lines count as the pixels they stand for. */
+export function depthAfterWheel(depth: number, delta: number, deltaMode: number): number {
+  const pixels = delta * (deltaMode === 0 ? 1 : deltaMode === 1 ? 33 : 400);
+  return clamp(depth - (pixels / 100) * DEPTH_PER_NOTCH, -1, 1);
+}
+
+/** The cursor is the hand's place in the picture; the wheel goes away and near; a button squeezes. */
+export class Mouse implements InputWay {
+  readonly way = 'mouse';
+  claimed_s = -Infinity;
+  private place: Partial<Triple> = {};
+  private squeeze = false;
+  private stillToGo_px = FIRST_TRAVEL_PX;
+
+  /** `depthNow` says where the hand is along x, -1 .. 1, when the wheel is first turned. */
+  constructor(
+    private readonly element: HTMLElement,
+    private readonly depthNow: () => number,
+  ) {}
+
+  enable(): void {
+    this.element.addEventListener('pointermove', this.move);
+    this.element.addEventListener('pointerdown', this.press);
+    this.element.addEventListener('wheel', this.wheel, { passive: false });
+    addEventListener('pointerup', this.release);
+    addEventListener('blur', this.release);
+  }
+
+  disable(): void {
+    this.element.removeEventListener('pointermove', this.move);
+    this.element.removeEventListener('pointerdown', this.press);
+    this.element.removeEventListener('wheel', this.wheel);
+    removeEventListener('pointerup', this.release);
+    removeEventListener('blur', this.release);
+    this.yield();
+    this.stillToGo_px = FIRST_TRAVEL_PX;
+    this.claimed_s = -Infinity;
+  }
+
+  yield(): void {
+    this.place = {};
+    this.squeeze = false;
+    this.stillToGo_px = TRAVEL_FROM_ANOTHER_WAY_PX;
+  }
+
+  wish(): Wish {
+    return { ...restingWish(), place: this.place, squeeze: this.squeeze };
+  }
+
+  private readonly move = (event: PointerEvent): void => {
+    if (event.pointerType !== 'mouse') return;
+    this.stillToGo_px -= Math.hypot(event.movementX, event.movementY);
+    if (this.stillToGo_px <= 0) this.point(event);
+  };
+
+  private point(event: PointerEvent): void {
+    this.stillToGo_px = 0;
+    this.claimed_s = now_s();
+    const box = this.element.getBoundingClientRect();
+    this.place = { ...this.place, ...placeOfPointer(event.clientX, event.clientY, box) };
+  }
+
+  private readonly press = (event: PointerEvent): void => {
+    if (event.pointerType !== 'mouse' || event.button !== 0) return;
+    this.point(event);
+    this.squeeze = true;
+  };
+
+  private readonly release = (): void => {
+    this.squeeze = false;
+  };
+
+  private readonly wheel = (event: WheelEvent): void => {
+    if (event.ctrlKey) return;
+    event.preventDefault();
+    this.claimed_s = now_s();
+    const from = this.place.x ?? this.depthNow();
+    this.place = { ...this.place, x: depthAfterWheel(from, event.deltaY, event.deltaMode) };
+  };
+}
