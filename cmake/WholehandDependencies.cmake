@@ -14,6 +14,9 @@ pkg_check_modules(png REQUIRED IMPORTED_TARGET libpng)
 find_package(fmt REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)
+# Both are headers only here: nothing of them is linked. FlatBuffers brings flatc.
+find_package(FlatBuffers CONFIG REQUIRED)
+find_package(Boost 1.81 CONFIG REQUIRED COMPONENTS headers)
 
 if(WHOLEHAND_BUILD_TESTS)
   find_package(GTest REQUIRED)

@@ -16,8 +16,9 @@
 
 namespace wholehand {
 
-/// Where the loop is in its life, as clients see it (protocol RunState, in its order).
-enum class RunState : std::int8_t { kDisarmed, kRendering, kStopping, kStopped, kFaulted };
+/// Where the loop is in its life, as clients see it (protocol RunState, in its order:
+/// kRampingDown is its Stopping).
+enum class RunState : std::int8_t { kDisarmed, kRendering, kRampingDown, kStopped, kFaulted };
 
 enum class LiveParameterGroup : std::int8_t { kPatient, kHand, kExercise };
 

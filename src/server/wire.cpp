@@ -1,0 +1,192 @@
+#include "server/wire.hpp"
+
+#include "server/wire_common.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace wholehand::wire {
+
+namespace {
+
+/// More axes than this, and a compact state leaves out what a game can do without, so that it
+/// always fits into a datagram.
+constexpr int kAxesThatFitDatagram = 9;
+
+/// The arrays of a state, made before the table that names them.
+struct Arrays {
+  VectorOffset<float> q_m, q_s, theta, intention, coupling, exercise_effort, damping, sent, phi;
+  VectorOffset<float> parameters;
+  VectorOffset<double> values;
+  VectorOffset<const fb::Pose*> links, bodies;
+  VectorOffset<const fb::ContactPoint*> contacts;
+};
+
+VectorOffset<const fb::Pose*> links(Builder& b, const HandModel& hand,
+                                    const ArticulatedBody& kinematics) {
+  std::array<fb::Pose, kMaxLinks> poses;
+  const std::size_t n = std::min(hand.links.size(), poses.size());
+  for (std::size_t i = 0; i < n; ++i) {
+    poses[i] = toWire(kinematics.linkPose(static_cast<int>(i)));
+  }
+  return b.CreateVectorOfStructs(poses.data(), n);
+}
+
+VectorOffset<const fb::Pose*> bodies(Builder& b, const TickRecord& r) {
+  std::array<fb::Pose, kMaxBodies> poses;
+  const auto n = static_cast<std::size_t>(std::clamp(r.body_count, 0, kMaxBodies));
+  for (std::size_t i = 0; i < n; ++i) {
+    poses[i] = {toWire(r.bodies[i].position_m), toWire(r.bodies[i].orientation_xyzw)};
+  }
+  return b.CreateVectorOfStructs(poses.data(), n);
+}
+
+VectorOffset<const fb::ContactPoint*> contacts(Builder& b, const TickRecord& r) {
+  std::array<fb::ContactPoint, kMaxContacts> points;
+  const auto n = static_cast<std::size_t>(std::clamp(r.contact_count, 0, kMaxContacts));
+  for (std::size_t i = 0; i < n; ++i) {
+    const Contact& c = r.contacts[i];
+    points[i] = {static_cast<std::int16_t>(c.capsule), static_cast<std::int16_t>(c.body),
+                 toWire(c.point_m), toWire(c.force_n)};
+  }
+  return b.CreateVectorOfStructs(points.data(), n);
+}
+
+Arrays makeArrays(Builder& b, const TickRecord& r, const LoopStatus& status, Detail detail) {
+  Arrays a;
+  a.q_m = floats(b, r.q_m);
+  a.q_s = floats(b, r.q_s);
+  a.theta = floats(b, r.theta);
+  a.exercise_effort = floats(b, r.exercise.effort);
+  a.sent = floats(b, r.sent);
+  a.phi = floats(b, r.phi);
+  a.values = b.CreateVector(
+      r.exercise.values.data(),
+      static_cast<std::size_t>(std::clamp(r.exercise.value_count, 0, kMaxExerciseValues)));
+  if (detail == Detail::kFull || r.q_m.size() <= kAxesThatFitDatagram) {
+    a.intention = floats(b, r.intention);
+    a.coupling = floats(b, r.coupling);
+    a.damping = floats(b, r.damping);
+  }
+  if (detail == Detail::kFull) {
+    a.parameters = floats(b, status.parameters);
+    a.bodies = bodies(b, r);
+    a.contacts = contacts(b, r);
+  }
+  return a;
+}
+
+void addArrays(fb::WorldStateBuilder& out, const Arrays& a) {
+  out.add_q_m(a.q_m);
+  out.add_q_s(a.q_s);
+  out.add_theta(a.theta);
+  out.add_intention(a.intention);  // nothing is added for an array that was not made
+  out.add_coupling(a.coupling);
+  out.add_exercise_effort(a.exercise_effort);
+  out.add_damping(a.damping);
+  out.add_sent(a.sent);
+  out.add_phi(a.phi);
+  out.add_links(a.links);
+  out.add_bodies(a.bodies);
+  out.add_contacts(a.contacts);
+  out.add_values(a.values);
+  out.add_parameters(a.parameters);
+}
+
+fb::Statistics toWire(const LoopStatus& s) {
+  return {s.ticks,
+          s.missed_deadlines,
+          s.dropped_records,
+          static_cast<float>(s.cpu_p50_us),
+          static_cast<float>(s.cpu_p99_us),
+          static_cast<float>(s.cpu_p999_us),
+          static_cast<float>(s.cpu_max_us)};
+}
+
+Offset<fb::WorldState> makeState(Builder& b, const TickRecord& r, const LoopStatus& status,
+                                 const Arrays& arrays, std::int64_t sent_monotonic_ns) {
+  const fb::Statistics statistics = toWire(status);
+  fb::WorldStateBuilder out(b);
+  // The large ones first: no bytes are lost to alignment between them.
+  out.add_tick(r.tick);
+  out.add_time_s(r.time_s);
+  out.add_sent_monotonic_ns(sent_monotonic_ns);
+  out.add_recording_bytes(status.recording_bytes);
+  out.add_statistics(&statistics);
+  out.add_session(status.session);
+  out.add_faults(static_cast<std::uint32_t>(r.faults));
+  out.add_latched_faults(static_cast<std::uint32_t>(status.latched));
+  out.add_authority(static_cast<float>(r.authority));
+  out.add_alpha(static_cast<float>(r.exercise.alpha));
+  out.add_palm_distance_m(static_cast<float>(r.palm_target_distance_m));
+  addArrays(out, arrays);
+  out.add_palm_body(static_cast<std::int16_t>(r.palm_body));
+  out.add_run_state(static_cast<fb::RunState>(status.run_state));
+  out.add_steering(static_cast<fb::Steering>(status.steering));
+  return out.Finish();
+}
+
+Bytes take(const Builder& b) {
+  return {b.GetBufferPointer(), b.GetBufferPointer() + b.GetSize()};
+}
+
+}  // namespace
+
+struct StateEncoder::Buffer {
+  Builder builder{16 * 1024};
+};
+
+StateEncoder::StateEncoder(std::shared_ptr<const SceneFacts> scene)
+    : scene_(std::move(scene)), kinematics_(scene_->hand), buffer_(std::make_unique<Buffer>()) {}
+
+StateEncoder::~StateEncoder() = default;
+
+std::span<const std::uint8_t> StateEncoder::encode(const TickRecord& record,
+                                                   const LoopStatus& status, Detail detail,
+                                                   std::int64_t sent_monotonic_ns) {
+  Builder& b = buffer_->builder;
+  b.Clear();
+  Arrays arrays = makeArrays(b, record, status, detail);
+  // A record from before the scene was changed may have other joints: then there are no links.
+  const HandModel& hand = scene_->hand;
+  if (detail == Detail::kFull && hand.joint_count > 0 && record.theta.size() == hand.joint_count) {
+    kinematics_.updateKinematics(record.theta);
+    arrays.links = links(b, hand, kinematics_);
+  }
+  finish(b, makeState(b, record, status, arrays, sent_monotonic_ns), kSchemaVersion);
+  return {b.GetBufferPointer(), b.GetSize()};
+}
+
+Bytes eventsMessage(std::span<const NumberedEvent> events) {
+  Builder b;
+  std::vector<fb::Event> out;
+  out.reserve(events.size());
+  for (const NumberedEvent& e : events) {
+    out.emplace_back(e.tick, static_cast<std::uint16_t>(e.event.type),
+                     static_cast<std::int16_t>(e.event.index), static_cast<float>(e.event.value));
+  }
+  finish(b, fb::CreateEvents(b, b.CreateVectorOfStructs(out)), kSchemaVersion);
+  return take(b);
+}
+
+Bytes welcomeMessage(std::uint32_t client, bool controls, const std::string& program_version) {
+  Builder b;
+  const auto version = b.CreateString(program_version);
+  finish(b, fb::CreateWelcome(b, kSchemaVersion, client, controls, version), kSchemaVersion);
+  return take(b);
+}
+
+Bytes controlsMessage(bool held_by_you, bool held) {
+  Builder b;
+  finish(b, fb::CreateControls(b, held_by_you, held), kSchemaVersion);
+  return take(b);
+}
+
+Bytes replyMessage(std::uint32_t command, const OrderReply& reply) {
+  Builder b;
+  const auto reason = b.CreateString(reply.reason);
+  finish(b, fb::CreateReply(b, command, reply.accepted, reason), kSchemaVersion);
+  return take(b);
+}
+
+}  // namespace wholehand::wire
