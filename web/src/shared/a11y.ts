@@ -1,0 +1,35 @@
+// What both pages need to be usable without a mouse, without sight of colour, and without motion.
+
+const FOCUSABLE = 'a[href], button:not(:disabled), input:not(:disabled), select:not(:disabled), textarea:not(:disabled), [tabindex]:not([tabindex="-1"])';
+
+export function focusable(root: ParentNode): HTMLElement[] {
+  return [...root.querySelectorAll<HTMLElement>(FOCUSABLE)].filter((element) => element.getClientRects().length > 0);
+}
+
+/**
+ * Keeps Tab within these parts of the page (a dialog, and what must stay reachable beside it, as Stop is).
+ * Returns what ends it and gives the focus back.
+ */
+export function trapFocus(parts: readonly HTMLElement[], first?: HTMLElement | null): () => void {
+  const before = document.activeElement instanceof HTMLElement ? document.activeElement : null;
+  const onKey = (event: KeyboardEvent) => {
+    if (event.key !== 'Tab') return;
+    const all = parts.flatMap((part) => focusable(part));
+    if (all.length === 0) return;
+    const at = all.indexOf(document.activeElement as HTMLElement);
+    const next = event.shiftKey ? (at <= 0 ? all.length - 1 : at - 1) : (at + 1) % all.length;
+    event.preventDefault();
+    all[next].focus();
+  };
+  document.addEventListener('keydown', onKey, true);
+  (first ?? parts.flatMap((part) => focusable(part))[0])?.focus();
+  return () => {
+    document.removeEventListener('keydown', onKey, true);
+    if (before?.isConnected) before.focus();
+  };
+}
+
+/** Whether the person asked the system for less motion. */
+export function reducedMotion(): boolean {
+  return matchMedia('(prefers-reduced-motion: reduce)').matches;
+}

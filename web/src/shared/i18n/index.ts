@@ -1,0 +1,72 @@
+// The words of both pages, in three languages, one file each.
+import { de } from './de';
+import { en } from './en';
+import { fr } from './fr';
+
+export type TextKey = keyof typeof en;
+export type Texts = Readonly<Record<TextKey, string>>;
+export type Language = 'en' | 'de' | 'fr';
+
+export const LANGUAGES: readonly Language[] = ['de', 'fr', 'en'];
+const ALL: Readonly<Record<Language, Texts>> = { en, de, fr };
+const STORED = 'wholehand.language';
+
+/** The first wish that is one of ours: "de-CH" is "de"; English when none is. */
+export function chooseLanguage(wishes: readonly (string | null | undefined)[]): Language {
+  for (const wish of wishes) {
+    const found = LANGUAGES.find((language) => language === wish?.slice(0, 2).toLowerCase());
+    if (found) return found;
+  }
+  return 'en';
+}
+
+/** Puts values in the places of a text: {x} takes values.x. */
+export function fill(text: string, values: Readonly<Record<string, string | number>> = {}): string {
+  return text.replace(/\{(\w+)\}/g, (place, name: string) => (name in values ? String(values[name]) : place));
+}
+
+export function hasText(key: string): key is TextKey { return key in en; }
+
+/** Reads what a person chose earlier; private windows may refuse. */
+export function stored(key: string): string | null {
+  try { return localStorage.getItem(key); } catch { return null; }
+}
+export function store(key: string, value: string): void {
+  try { localStorage.setItem(key, value); } catch { /* the choice lasts for this visit */ }
+}
+
+let current: Language = 'en';
+const listeners = new Set<(language: Language) => void>();
+
+/** Address (?lang=), then stored choice, then the browser's languages. Call once at the start. */
+export function startLanguage(): Language {
+  current = chooseLanguage([new URLSearchParams(location.search).get('lang'), stored(STORED), ...navigator.languages]);
+  document.documentElement.lang = current;
+  return current;
+}
+
+export function language(): Language { return current; }
+
+export function setLanguage(wanted: Language): void {
+  current = wanted;
+  document.documentElement.lang = wanted;
+  store(STORED, wanted);
+  for (const callback of listeners) callback(wanted);
+}
+
+/** Called after every change of language; returns what ends it. */
+export function onLanguage(callback: (language: Language) => void): () => void {
+  listeners.add(callback);
+  return () => { listeners.delete(callback); };
+}
+
+/** A text in the chosen language. */
+export function text(key: TextKey, values?: Readonly<Record<string, string | number>>): string {
+  return fill(ALL[current][key], values);
+}
+
+/** The name of a liquid or drink that a file gave; an unknown one as it stands, with a capital. */
+export function nameOf(kind: 'liquid' | 'drink', name: string): string {
+  const key = `${kind}.${name}`;
+  return hasText(key) ? text(key) : name.charAt(0).toUpperCase() + name.slice(1).replace(/[-_]/g, ' ');
+}

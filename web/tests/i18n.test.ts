@@ -1,0 +1,30 @@
+import { expect, test } from 'vitest';
+import { chooseLanguage, fill } from '../src/shared/i18n';
+import { de } from '../src/shared/i18n/de';
+import { en } from '../src/shared/i18n/en';
+import { fr } from '../src/shared/i18n/fr';
+
+const places = (text: string) => (text.match(/\{\w+\}/g) ?? []).sort();
+
+test.each([['de', de], ['fr', fr]])('Texts_In_%s_HaveTheKeysAndPlacesOfEnglish', (_name, texts) => {
+  expect(Object.keys(texts).sort()).toEqual(Object.keys(en).sort());
+  for (const [key, value] of Object.entries(en)) {
+    const translated = (texts as Record<string, string>)[key];
+    expect(translated.trim(), key).not.toBe('');
+    expect(places(translated), key).toEqual(places(value));
+  }
+});
+
+test('Texts_InGerman_AreSpeltTheSwissWay', () => {
+  for (const [key, value] of Object.entries(de)) expect(value, key).not.toContain('ß');
+});
+
+test('Language_FromWishes_IsTheFirstThatWeHave', () => {
+  expect(chooseLanguage([null, 'it-CH', 'fr-CH', 'de'])).toBe('fr');
+  expect(chooseLanguage(['DE-ch'])).toBe('de');
+  expect(chooseLanguage(['ja', undefined])).toBe('en');
+});
+
+test('Fill_APlaceWithoutValue_StaysVisible', () => {
+  expect(fill('{a} of {b} ml', { a: 12 })).toBe('12 of {b} ml');
+});
