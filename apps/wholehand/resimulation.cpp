@@ -45,6 +45,8 @@ Expected<Resimulation> resimulate(RecordingReader& recording, const std::string&
   TickRecord recorded, again;
   for (std::uint64_t i = 0; recording.read(i, recorded); ++i) {
     if (any(recorded.faults & Fault::kStopRequested)) (*rig)->renderer->requestStop();
+    again.command_count = recorded.command_count;
+    again.commands = recorded.commands;
     (*rig)->renderer->tick(recorded.elapsed_periods, again);
     ++result.ticks;
     result.difference = firstDifference(recorded, again);

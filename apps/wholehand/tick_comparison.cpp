@@ -70,6 +70,16 @@ TickDifference firstDifference(const TickRecord& first, const TickRecord& again)
   c.check("palm_distance_m", first.palm_distance_m, again.palm_distance_m);
   c.checkArray("f_s", first.f_s, again.f_s);
   c.checkArray("coupling", first.coupling, again.coupling);
+  c.checkArray("exercise_effort", first.exercise.effort, again.exercise.effort);
+  c.check("alpha", first.exercise.alpha, again.exercise.alpha);
+  c.checkArray("wall", first.exercise.wall, again.exercise.wall);
+  c.check("palm_body", first.palm_body, again.palm_body);
+  c.check("palm_target_distance_m", first.palm_target_distance_m, again.palm_target_distance_m);
+  c.checkArray("closure", first.closure, again.closure);
+  c.checkArray("effort_limit", first.effort_limit, again.effort_limit);
+  c.check("parameter_count", first.parameter_count, again.parameter_count);
+  c.check("value_count", first.exercise.value_count, again.exercise.value_count);
+  c.check("event_count", first.exercise.event_count, again.exercise.event_count);
   c.checkArray("phi", first.phi, again.phi);
   c.checkArray("damping", first.damping, again.damping);
   c.checkArray("rendered", first.rendered, again.rendered);
@@ -79,6 +89,19 @@ TickDifference firstDifference(const TickRecord& first, const TickRecord& again)
   c.check("contact_count", first.contact_count, again.contact_count);
   c.check("contacts_dropped", first.contacts_dropped, again.contacts_dropped);
   if (!c.found.field.empty()) return c.found;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(first.parameter_count); ++i) {
+    c.check(fmt::format("parameters[{}]", i).c_str(), first.parameters[i], again.parameters[i]);
+  }
+  for (std::size_t i = 0; i < static_cast<std::size_t>(first.exercise.value_count); ++i) {
+    c.check(fmt::format("exercise_values[{}]", i).c_str(), first.exercise.values[i],
+            again.exercise.values[i]);
+  }
+  for (std::size_t i = 0; i < static_cast<std::size_t>(first.exercise.event_count); ++i) {
+    const ExerciseEvent &a = first.exercise.events[i], &b = again.exercise.events[i];
+    c.check(fmt::format("events[{}].type", i).c_str(), a.type, b.type);
+    c.check(fmt::format("events[{}].index", i).c_str(), a.index, b.index);
+    c.check(fmt::format("events[{}].value", i).c_str(), a.value, b.value);
+  }
   for (int i = 0; i < first.body_count; ++i)
     c.check(fmt::format("bodies[{}]", i), first.bodies[i], again.bodies[i]);
   for (int i = 0; i < first.contact_count; ++i) {

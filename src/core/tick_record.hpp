@@ -72,10 +72,11 @@ struct TickRecord {
   std::array<std::int32_t, kStages> stage_cpu_ns{};  ///< CPU time per stage; not re-simulated
 
   std::int32_t command_count = 0;
+  std::int32_t parameter_count = 0;  ///< of the live settings
+  std::int32_t reserved = 0;
   std::array<Command, kMaxCommands> commands{};  ///< taken before this tick
 
   // written by: live settings
-  std::int32_t parameter_count = 0;
   std::array<double, kMaxLiveParameters> parameters{};  ///< in force now: the renderer's, then
                                                         ///< the exercise's
 
@@ -94,12 +95,12 @@ struct TickRecord {
   double coupling_error_rad =
       0.0;  ///< largest |θ - (θ₀ + G q_s)| the last step left, before correction
   double palm_distance_m = 0.0;         ///< palm surface to the nearest body; +inf without bodies
-  std::int32_t palm_body = -1;          ///< nearest of the exercise's targets; -1: none
   double palm_target_distance_m = 0.0;  ///< to that body; +inf without targets
   /// Where each hand axis, closed kinematically from where it is open, first touches the exercise's
   /// closure body; NaN where it never does, on base axes, and where nothing was asked.
   AxisPosition closure;
   std::int32_t body_count = 0;
+  std::int32_t palm_body = -1;  ///< nearest of the exercise's targets; -1: none
   std::array<BodyState, kMaxBodies> bodies{};
 
   // written by: bilateral_coupling

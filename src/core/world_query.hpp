@@ -17,6 +17,7 @@ struct WorldQuery {
 /// free one that is stood up again.
 struct BodyPlacement {
   std::int32_t body = -1;
+  std::int32_t reserved = 0;
   Vec3 position_m;  ///< of its centre of mass, as in BodyState
   QuatXyzw orientation_xyzw;
   Vec3 velocity_m_s;
@@ -27,6 +28,7 @@ inline constexpr int kMaxPlacements = 8;
 
 struct BodyPlacements {
   std::int32_t count = 0;
+  std::int32_t reserved = 0;
   std::array<BodyPlacement, kMaxPlacements> items{};
 };
 

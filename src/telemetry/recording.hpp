@@ -26,6 +26,9 @@ struct RecordingMeta {
   std::vector<double> lever_arms_m;                 ///< per axis, 0 where there is no tip
   std::vector<double> armed_position;  ///< device position at which rendering was armed
   std::vector<std::string> joint_names, body_names, capsule_names;
+  std::string exercise;  ///< name of the exercise; empty: none
+  int level = 0;
+  std::vector<std::string> parameter_names, value_names, event_names;  ///< of the exercise
   /// name -> full text of each configuration file used (device, hand, rendering, patient, scene,
   /// motion, and every mesh or URDF by its path), so that the recording stands alone.
   std::vector<std::pair<std::string, std::string>> files;

@@ -23,6 +23,7 @@ constexpr NumberType numberType() {
   if constexpr (std::is_same_v<T, std::uint32_t> || std::is_same_v<T, Fault>) {
     return NumberType::kUint32;
   }
+  static_assert(sizeof(T) == 4 || sizeof(T) == 8);
   return NumberType::kInt32;
 }
 
@@ -60,24 +61,25 @@ Column<Row> block(const char* name, std::uint64_t width, const Texts& units, con
   return c;
 }
 
-/// A value per axis or per joint; the array of a tick may be shorter than the recording's.
-template <class Array>
-Column<TickRecord> perAxis(const char* name, Array TickRecord::*member, const Texts& units,
-                           const Texts& labels) {
-  Column<TickRecord> c;
+/// A value per axis or per joint, reached by `at`: Row& -> array&; the array may be shorter than
+/// the recording's.
+template <class Row, class At>
+Column<Row> perAxis(const char* name, At at, const Texts& units, const Texts& labels) {
+  using Array = std::remove_reference_t<std::invoke_result_t<At, Row&>>;
+  Column<Row> c;
   c.name = name;
   c.shape = {labels.size()};
   c.units = units;
   c.labels = labels;
   const int width = static_cast<int>(c.labels.size());
-  c.store = [member, width](const TickRecord& row, std::byte* out) {
-    const Array& values = row.*member;
+  c.store = [at, width](const Row& row, std::byte* out) {
+    const Array& values = at(const_cast<Row&>(row));
     for (int i = 0; i < width; ++i) {
       const double v = i < values.size() ? values[i] : std::bit_cast<double>(kAbsent);
       std::memcpy(out + static_cast<std::size_t>(i) * sizeof v, &v, sizeof v);
     }
   };
-  c.load = [member, width](const std::byte* in, TickRecord& row) {
+  c.load = [at, width](const std::byte* in, Row& row) {
     int size = 0;
     std::array<double, Array::capacity()> values{};
     for (; size < width; ++size) {
@@ -87,7 +89,7 @@ Column<TickRecord> perAxis(const char* name, Array TickRecord::*member, const Te
     }
     Array array(size);
     std::copy_n(values.begin(), size, array.data());
-    row.*member = array;
+    at(row) = array;
   };
   return c;
 }
@@ -138,7 +140,8 @@ void addAxisColumns(std::vector<Column<TickRecord>>& out, const RecordingMeta& m
   const Texts velocity = perUnit(meta.axis_units, "m/s", "rad/s");
   const Texts effort = perUnit(meta.axis_units, "N", "N·m");
   const auto add = [&](const char* name, auto member, const Texts& units) {
-    out.push_back(perAxis(name, member, units, names));
+    out.push_back(perAxis<TickRecord>(
+        name, [member](TickRecord & r) -> auto& { return r.*member; }, units, names));
   };
   add("q_m", &TickRecord::q_m, position);
   add("intention", &TickRecord::intention, position);
@@ -154,6 +157,42 @@ void addAxisColumns(std::vector<Column<TickRecord>>& out, const RecordingMeta& m
   add("sent", &TickRecord::sent, effort);
 }
 
+void addExerciseColumns(std::vector<Column<TickRecord>>& out, const RecordingMeta& meta) {
+  using R = TickRecord;
+  const Texts& names = meta.axis_names;
+  const Texts position = perUnit(meta.axis_units, "m", "rad");
+  const Texts effort = perUnit(meta.axis_units, "N", "N·m");
+  const auto add = [&out](auto column) { out.push_back(std::move(column)); };
+  add(perAxis<R>(
+      "effort_limit", [](R & r) -> auto& { return r.effort_limit; }, effort, names));
+  add(perAxis<R>(
+      "closure", [](R & r) -> auto& { return r.closure; }, position, names));
+  add(perAxis<R>(
+      "exercise_effort", [](R & r) -> auto& { return r.exercise.effort; }, effort, names));
+  add(perAxis<R>(
+      "wall", [](R & r) -> auto& { return r.exercise.wall; }, position, names));
+  add(perAxis<R>(
+      "wall_active", [](R & r) -> auto& { return r.exercise.wall_active; }, {"1"}, names));
+  add(number<R>(
+      "alpha", "1", [](R & r) -> auto& { return r.exercise.alpha; }));
+  add(number<R>(
+      "palm_body", "1", [](R & r) -> auto& { return r.palm_body; }));
+  add(number<R>(
+      "palm_target_distance_m", "m", [](R & r) -> auto& { return r.palm_target_distance_m; }));
+  add(number<R>(
+      "event_count", "1", [](R & r) -> auto& { return r.exercise.event_count; }));
+  add(number<R>(
+      "command_count", "1", [](R & r) -> auto& { return r.command_count; }));
+  if (!meta.parameter_names.empty()) {
+    add(block<R>("parameters", meta.parameter_names.size(), {"see name"}, meta.parameter_names,
+                 [](R& r) { return r.parameters.data(); }));
+  }
+  if (!meta.value_names.empty()) {
+    add(block<R>("exercise_values", meta.value_names.size(), {"see name"}, meta.value_names,
+                 [](R& r) { return r.exercise.values.data(); }));
+  }
+}
+
 }  // namespace
 
 std::vector<Column<TickRecord>> tickColumns(const RecordingMeta& meta) {
@@ -163,7 +202,8 @@ std::vector<Column<TickRecord>> tickColumns(const RecordingMeta& meta) {
   addAxisColumns(out, meta);
   const auto add = [&out](auto column) { out.push_back(std::move(column)); };
   if (!meta.joint_names.empty()) {
-    add(perAxis("theta", &R::theta, {"m or rad"}, meta.joint_names));
+    add(perAxis<R>(
+        "theta", [](R & r) -> auto& { return r.theta; }, {"m or rad"}, meta.joint_names));
   }
   add(number<R>(
       "coupling_error_rad", "rad", [](R & r) -> auto& { return r.coupling_error_rad; }));
@@ -178,6 +218,40 @@ std::vector<Column<TickRecord>> tickColumns(const RecordingMeta& meta) {
       "contact_count", "1", [](R & r) -> auto& { return r.contact_count; }));
   add(number<R>(
       "contacts_dropped", "1", [](R & r) -> auto& { return r.contacts_dropped; }));
+  addExerciseColumns(out, meta);
+  return out;
+}
+
+std::vector<Column<EventRow>> eventColumns() {
+  using R = EventRow;
+  std::vector<Column<R>> out;
+  const auto add = [&out](auto column) { out.push_back(std::move(column)); };
+  add(number<R>(
+      "row", "1", [](R & r) -> auto& { return r.row; }));
+  add(number<R>(
+      "type", "1", [](R & r) -> auto& { return r.event.type; }));
+  add(number<R>(
+      "index", "1", [](R & r) -> auto& { return r.event.index; }));
+  add(number<R>(
+      "value", "see type", [](R & r) -> auto& { return r.event.value; }));
+  return out;
+}
+
+std::vector<Column<CommandRow>> commandColumns(const RecordingMeta& meta) {
+  using R = CommandRow;
+  std::vector<Column<R>> out;
+  const auto add = [&out](auto column) { out.push_back(std::move(column)); };
+  add(number<R>(
+      "row", "1", [](R & r) -> auto& { return r.row; }));
+  add(number<R>(
+      "type", "1", [](R & r) -> auto& { return r.command.type; }));
+  add(number<R>(
+      "index", "1", [](R & r) -> auto& { return r.command.index; }));
+  add(number<R>(
+      "value", "see type", [](R & r) -> auto& { return r.command.value; }));
+  add(perAxis<R>(
+      "aim", [](R & r) -> auto& { return r.command.aim; }, perUnit(meta.axis_units, "m", "rad"),
+      meta.axis_names));
   return out;
 }
 
@@ -217,6 +291,8 @@ std::string unusable(const RecordingMeta& meta) {
   }
   if (!within(meta.joint_names.size(), kMaxJoints)) return "names too many joints";
   if (!within(meta.body_names.size(), kMaxBodies)) return "names too many bodies";
+  if (!within(meta.parameter_names.size(), kMaxLiveParameters)) return "names too many parameters";
+  if (!within(meta.value_names.size(), kMaxExerciseValues)) return "names too many values";
   if (!std::isfinite(meta.period_s) || meta.period_s <= 0.0) return "has no positive period";
   return {};
 }

@@ -15,7 +15,7 @@
 namespace wholehand::recording {
 
 inline constexpr const char* kFormat = "wholehand-recording";
-inline constexpr std::uint64_t kSchemaVersion = 1;
+inline constexpr std::uint64_t kSchemaVersion = 2;
 
 /// One dataset: a row per tick (or per contact).
 struct ColumnShape {
@@ -46,10 +46,26 @@ struct ContactRow {
   Contact contact;
 };
 
+/// One event of the exercise and the row of /ticks it belongs to.
+struct EventRow {
+  std::uint64_t row = 0;
+  ExerciseEvent event;
+};
+
+/// One command and the row of /ticks that took it.
+struct CommandRow {
+  std::uint64_t row = 0;
+  Command command;
+};
+
 /// The datasets of /ticks. Datasets that would have no columns (no bodies, no joints) are left out.
 [[nodiscard]] std::vector<Column<TickRecord>> tickColumns(const RecordingMeta& meta);
 /// The datasets of /contacts.
 [[nodiscard]] std::vector<Column<ContactRow>> contactColumns();
+/// The datasets of /events.
+[[nodiscard]] std::vector<Column<EventRow>> eventColumns();
+/// The datasets of /commands.
+[[nodiscard]] std::vector<Column<CommandRow>> commandColumns(const RecordingMeta& meta);
 
 /// Says why this meta cannot describe a TickRecord (too many axes, joints, bodies ...), or nothing.
 [[nodiscard]] std::string unusable(const RecordingMeta& meta);
@@ -57,5 +73,6 @@ struct ContactRow {
 /// The rows that one chunk holds: about a quarter of a second, so that a write fills one chunk.
 [[nodiscard]] std::uint64_t chunkRows(double period_s) noexcept;
 inline constexpr std::uint64_t kContactChunkRows = 512;
+inline constexpr std::uint64_t kRareChunkRows = 64;  ///< events and commands
 
 }  // namespace wholehand::recording

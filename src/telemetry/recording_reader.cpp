@@ -84,11 +84,49 @@ bool readMeta(hid_t file, hid_t id, RecordingMeta& meta) {
       readAttribute(id, "joint_names", meta.joint_names) &&
       readAttribute(id, "body_names", meta.body_names) &&
       readAttribute(id, "capsule_names", meta.capsule_names);
+  std::uint64_t level = 0;
+  const bool exercise = readAttribute(id, "exercise", meta.exercise) &&
+                        readAttribute(id, "level", level) &&
+                        readAttribute(id, "parameter_names", meta.parameter_names) &&
+                        readAttribute(id, "value_names", meta.value_names) &&
+                        readAttribute(id, "event_names", meta.event_names);
+  meta.level = static_cast<int>(std::min<std::uint64_t>(level, 1000));
   meta.simulated_clock = clock != 0;
   meta.uncertified = uncertified != 0;
   meta.paper = paper != 0;
-  return ok && readFiles(file, meta);
+  return ok && exercise && readFiles(file, meta);
 }
+
+/// A table with any number of rows for a tick: its reader, and which rows belong to which tick.
+template <class Row>
+struct SideTable {
+  recording::TableReader<Row> table;
+  std::vector<std::uint64_t> first = {0};  ///< of each tick, and the end of the last
+
+  /// Takes how many rows each tick has. False where the table ends before that tick's do.
+  bool follow(std::int32_t count, int most) {
+    const std::uint64_t end = first.back() + static_cast<std::uint64_t>(std::clamp(count, 0, most));
+    if (end > table.rows()) return false;
+    first.push_back(end);
+    return true;
+  }
+  bool load(std::uint64_t tick, std::uint64_t end_tick) {
+    return table.load(first[tick], first[end_tick] - first[tick]);
+  }
+  // Of a damaged file the ticks may have been read and these rows not.
+  [[nodiscard]] bool holds(std::uint64_t tick) const {
+    if (first[tick] == first[tick + 1]) return true;
+    return table.holds(first[tick]) && table.holds(first[tick + 1] - 1);
+  }
+  [[nodiscard]] std::int32_t count(std::uint64_t tick) const {
+    return static_cast<std::int32_t>(first[tick + 1] - first[tick]);
+  }
+  [[nodiscard]] Row row(std::uint64_t tick, std::int32_t i) const {
+    Row row;
+    table.get(first[tick] + static_cast<std::uint64_t>(i), row);
+    return row;
+  }
+};
 
 class Hdf5Reader final : public RecordingReader {
  public:
@@ -101,7 +139,9 @@ class Hdf5Reader final : public RecordingReader {
 
  private:
   Expected<Done> readDescription(const std::string& path);
-  /// Opens the two tables and counts the ticks that are complete. What is wrong, or nothing.
+  template <class Row>
+  std::string openTable(const char* name, recording::TableReader<Row>& table);
+  /// Opens the tables and counts the ticks that are complete. What is wrong, or nothing.
   std::string openTables();
   std::string countTicks();
   bool loadAround(std::uint64_t i);
@@ -110,8 +150,9 @@ class Hdf5Reader final : public RecordingReader {
   Handle file_;
   RecordingMeta meta_;
   std::unique_ptr<recording::TableReader<TickRecord>> ticks_;
-  std::unique_ptr<recording::TableReader<recording::ContactRow>> contacts_;
-  std::vector<std::uint64_t> first_contact_;  ///< of each tick, and the end of the last
+  std::unique_ptr<SideTable<recording::ContactRow>> contacts_;
+  std::unique_ptr<SideTable<recording::EventRow>> events_;
+  std::unique_ptr<SideTable<recording::CommandRow>> commands_;
   std::uint64_t size_ = 0, block_ = 1;
 };
 
@@ -162,18 +203,26 @@ Expected<Done> Hdf5Reader::readDescription(const std::string& path) {
   return Done{};
 }
 
+template <class Row>
+std::string Hdf5Reader::openTable(const char* name, recording::TableReader<Row>& table) {
+  const Handle group(H5Gopen2(file_.get(), name, H5P_DEFAULT), H5Gclose);
+  if (!group.ok()) return std::string("is truncated: it has no ") + name;
+  const std::string problem = table.open(group.get());
+  return problem.empty() ? problem : "is damaged: it " + problem;
+}
+
 std::string Hdf5Reader::openTables() {
-  ticks_ = std::make_unique<recording::TableReader<TickRecord>>(recording::tickColumns(meta_));
-  contacts_ =
-      std::make_unique<recording::TableReader<recording::ContactRow>>(recording::contactColumns());
-  const Handle tick_group(H5Gopen2(file_.get(), "ticks", H5P_DEFAULT), H5Gclose);
-  const Handle contact_group(H5Gopen2(file_.get(), "contacts", H5P_DEFAULT), H5Gclose);
-  if (!tick_group.ok() || !contact_group.ok()) return "is truncated: it has no ticks or contacts";
+  using namespace recording;
+  ticks_ = std::make_unique<TableReader<TickRecord>>(tickColumns(meta_));
+  contacts_.reset(new SideTable<ContactRow>{TableReader<ContactRow>(contactColumns())});
+  events_.reset(new SideTable<EventRow>{TableReader<EventRow>(eventColumns())});
+  commands_.reset(new SideTable<CommandRow>{TableReader<CommandRow>(commandColumns(meta_))});
   for (const std::string& problem :
-       {ticks_->open(tick_group.get()), contacts_->open(contact_group.get())}) {
-    if (!problem.empty()) return "is damaged: it " + problem;
+       {openTable("ticks", *ticks_), openTable("contacts", contacts_->table),
+        openTable("events", events_->table), openTable("commands", commands_->table)}) {
+    if (!problem.empty()) return problem;
   }
-  block_ = recording::chunkRows(meta_.period_s);
+  block_ = chunkRows(meta_.period_s);
   if (std::string problem = countTicks(); !problem.empty()) return problem;
   // The last rows lie at the end of the file: a copy that stopped early shows here.
   if (size_ > 0 && !loadAround(size_ - 1)) return "is truncated: its last ticks cannot be read";
@@ -181,38 +230,38 @@ std::string Hdf5Reader::openTables() {
 }
 
 std::string Hdf5Reader::countTicks() {
-  std::vector<std::int32_t> counts;
+  std::vector<std::int32_t> contacts, events, commands;
   std::vector<std::uint64_t> numbers;
   hsize_t bytes = 0;
   if (H5Fget_filesize(file_.get(), &bytes) < 0 || ticks_->rows() / kMostTicksPerByte > bytes) {
     return "is damaged: it claims more ticks than a file of its size can hold";
   }
-  if (!ticks_->readAll("contact_count", counts) || !ticks_->readAll("tick", numbers)) {
+  if (!ticks_->readAll("contact_count", contacts) || !ticks_->readAll("tick", numbers) ||
+      !ticks_->readAll("event_count", events) || !ticks_->readAll("command_count", commands)) {
     return "is truncated or damaged: its ticks cannot be read";
   }
-  first_contact_.assign(1, 0);
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    const auto count = static_cast<std::uint64_t>(std::clamp(counts[i], 0, kMaxContacts));
-    const std::uint64_t end = first_contact_.back() + count;
-    if (numbers[i] == UINT64_MAX || end > contacts_->rows()) break;  // the kill came in between
-    first_contact_.push_back(end);
+  size_ = 0;
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    // Where a table ends early the kill came in between.
+    if (numbers[i] == UINT64_MAX || !contacts_->follow(contacts[i], kMaxContacts) ||
+        !events_->follow(events[i], kMaxExerciseEvents) ||
+        !commands_->follow(commands[i], kMaxCommands)) {
+      break;
+    }
+    ++size_;
   }
-  size_ = first_contact_.size() - 1;
   return {};
 }
 
 bool Hdf5Reader::loadAround(std::uint64_t i) {
   const std::uint64_t first = i / block_ * block_;
-  const std::uint64_t last = std::min(size_, first + block_);
-  return ticks_->load(first, last - first) &&
-         contacts_->load(first_contact_[first], first_contact_[last] - first_contact_[first]);
+  const std::uint64_t end = std::min(size_, first + block_);
+  return ticks_->load(first, end - first) && contacts_->load(first, end) &&
+         events_->load(first, end) && commands_->load(first, end);
 }
 
-// Of a damaged file the ticks may have been read and their contacts not.
 bool Hdf5Reader::holds(std::uint64_t i) const {
-  if (!ticks_->holds(i)) return false;
-  if (first_contact_[i] == first_contact_[i + 1]) return true;
-  return contacts_->holds(first_contact_[i]) && contacts_->holds(first_contact_[i + 1] - 1);
+  return ticks_->holds(i) && contacts_->holds(i) && events_->holds(i) && commands_->holds(i);
 }
 
 bool Hdf5Reader::read(std::uint64_t i, TickRecord& record) {
@@ -223,11 +272,19 @@ bool Hdf5Reader::read(std::uint64_t i, TickRecord& record) {
   ticks_->get(i, record);
   record.body_count =
       std::clamp(record.body_count, 0, static_cast<std::int32_t>(meta_.body_names.size()));
-  record.contact_count = static_cast<std::int32_t>(first_contact_[i + 1] - first_contact_[i]);
+  record.contact_count = contacts_->count(i);
   for (std::int32_t c = 0; c < record.contact_count; ++c) {
-    recording::ContactRow row;
-    contacts_->get(first_contact_[i] + static_cast<std::uint64_t>(c), row);
-    record.contacts[static_cast<std::size_t>(c)] = row.contact;
+    record.contacts[static_cast<std::size_t>(c)] = contacts_->row(i, c).contact;
+  }
+  record.parameter_count = static_cast<std::int32_t>(meta_.parameter_names.size());
+  record.exercise.value_count = static_cast<std::int32_t>(meta_.value_names.size());
+  record.exercise.event_count = events_->count(i);
+  for (std::int32_t c = 0; c < record.exercise.event_count; ++c) {
+    record.exercise.events[static_cast<std::size_t>(c)] = events_->row(i, c).event;
+  }
+  record.command_count = commands_->count(i);
+  for (std::int32_t c = 0; c < record.command_count; ++c) {
+    record.commands[static_cast<std::size_t>(c)] = commands_->row(i, c).command;
   }
   return true;
 }

@@ -3,6 +3,7 @@
 #include "telemetry/recording_layout.hpp"
 #include "telemetry/table_writer.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <chrono>
@@ -46,7 +47,12 @@ bool writeMeta(hid_t file, const RecordingMeta& meta) {
             writeAttribute(id, "armed_position", meta.armed_position) &&
             writeAttribute(id, "joint_names", meta.joint_names) &&
             writeAttribute(id, "body_names", meta.body_names) &&
-            writeAttribute(id, "capsule_names", meta.capsule_names);
+            writeAttribute(id, "capsule_names", meta.capsule_names) &&
+            writeAttribute(id, "exercise", meta.exercise) &&
+            writeAttribute(id, "level", static_cast<std::uint64_t>(std::max(meta.level, 0))) &&
+            writeAttribute(id, "parameter_names", meta.parameter_names) &&
+            writeAttribute(id, "value_names", meta.value_names) &&
+            writeAttribute(id, "event_names", meta.event_names);
   const Handle files(H5Gcreate2(file, "meta/files", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
                      H5Gclose);
   for (std::size_t i = 0; ok && i < meta.files.size(); ++i) {
@@ -67,6 +73,8 @@ class Hdf5Writer final : public RecordingWriter {
   explicit Hdf5Writer(const RecordingMeta& meta)
       : ticks_(recording::tickColumns(meta), recording::chunkRows(meta.period_s)),
         contacts_(recording::contactColumns(), recording::kContactChunkRows),
+        events_(recording::eventColumns(), recording::kRareChunkRows),
+        commands_(recording::commandColumns(meta), recording::kRareChunkRows),
         most_pending_(recording::chunkRows(meta.period_s)) {}
   ~Hdf5Writer() override { close(); }
 
@@ -90,6 +98,8 @@ class Hdf5Writer final : public RecordingWriter {
   Handle file_;
   recording::TableWriter<TickRecord> ticks_;
   recording::TableWriter<recording::ContactRow> contacts_;
+  recording::TableWriter<recording::EventRow> events_;
+  recording::TableWriter<recording::CommandRow> commands_;
   std::uint64_t most_pending_;
   Clock::time_point oldest_pending_{};
   Clock::time_point failed_at_ = Clock::time_point::min();
@@ -107,11 +117,14 @@ std::string Hdf5Writer::create(const std::string& path, const RecordingMeta& met
   // After H5Fcreate: it empties the file, which would give the claimed space back.
   if (!reserve_.claim(metaBytes(meta))) return "cannot be created: the disk is full";
   if (!file_.ok() || !writeMeta(file_.get(), meta)) return "cannot be written by HDF5";
-  for (const char* name : {"ticks", "contacts"}) {
+  const auto makeTable = [this](const char* name, auto& table) {
     const Handle group(H5Gcreate2(file_.get(), name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
                        H5Gclose);
-    const bool done = name[0] == 't' ? ticks_.create(group.get()) : contacts_.create(group.get());
-    if (!done) return "cannot be written by HDF5";
+    return group.ok() && table.create(group.get());
+  };
+  if (!makeTable("ticks", ticks_) || !makeTable("contacts", contacts_) ||
+      !makeTable("events", events_) || !makeTable("commands", commands_)) {
+    return "cannot be written by HDF5";
   }
   // From here on a reader may follow along, and a kill leaves a readable file.
   if (H5Fstart_swmr_write(file_.get()) < 0) return "cannot be opened to readers (SWMR)";
@@ -130,6 +143,12 @@ bool Hdf5Writer::append(const TickRecord& record) {
   for (int i = 0; i < std::min<int>(record.contact_count, kMaxContacts); ++i) {
     contacts_.push({row, record.contacts[static_cast<std::size_t>(i)]});
   }
+  for (int i = 0; i < std::min<int>(record.exercise.event_count, kMaxExerciseEvents); ++i) {
+    events_.push({row, record.exercise.events[static_cast<std::size_t>(i)]});
+  }
+  for (int i = 0; i < std::min<int>(record.command_count, kMaxCommands); ++i) {
+    commands_.push({row, record.commands[static_cast<std::size_t>(i)]});
+  }
   if (ticks_.atChunkEnd() || Clock::now() - oldest_pending_ > kOldest) writeOut();
   return true;
 }
@@ -138,22 +157,25 @@ bool Hdf5Writer::claimRoom() {
   hsize_t end = 0;
   if (H5Fget_filesize(file_.get(), &end) < 0) return false;
   // A chunk may be written anew as a whole, hence twice the rows.
-  return reserve_.claim(end + 2 * (ticks_.pendingBytes() + contacts_.pendingBytes()) +
-                        kTablesBytes);
+  const std::uint64_t rows = ticks_.pendingBytes() + contacts_.pendingBytes() +
+                             events_.pendingBytes() + commands_.pendingBytes();
+  return reserve_.claim(end + 2 * rows + kTablesBytes);
 }
 
 bool Hdf5Writer::writeOut() {
   if (!file_.ok()) return false;
   if (ticks_.pending() == 0) return true;
   if (failing_ && Clock::now() - failed_at_ < kRetryAfter) return false;
-  // Contacts first: a tick on the disk then has its contacts there too.
-  failing_ = !claimRoom() || !contacts_.write() || !ticks_.write() ||
-             H5Fflush(file_.get(), H5F_SCOPE_GLOBAL) < 0;
+  // Ticks last: a tick on the disk then has its contacts, events and commands there too.
+  failing_ = !claimRoom() || !contacts_.write() || !events_.write() || !commands_.write() ||
+             !ticks_.write() || H5Fflush(file_.get(), H5F_SCOPE_GLOBAL) < 0;
   if (failing_) {
     failed_at_ = Clock::now();
     return false;
   }
   contacts_.commit();
+  events_.commit();
+  commands_.commit();
   ticks_.commit();
   written_ = ticks_.written();
   return true;
@@ -167,6 +189,8 @@ void Hdf5Writer::close() {
   dropped_ += ticks_.pending();
   ticks_.close();
   contacts_.close();
+  events_.close();
+  commands_.close();
   file_.reset();
   reserve_.release();
 }

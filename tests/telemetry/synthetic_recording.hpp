@@ -47,6 +47,11 @@ inline RecordingMeta meta() {
   for (int i = 0; i < 18; ++i) m.joint_names.push_back("joint_" + std::to_string(i));
   m.body_names = {"cube", "sphere", "cylinder", "disk"};
   m.capsule_names = {"palm", "index_proximal"};
+  m.exercise = "cocktail-bar";
+  m.level = 3;
+  m.parameter_names = {"effort_limit_arm_n", "wall_stiffness_ratio"};
+  m.value_names = {"stage", "flow_l_s", "spilt_l"};
+  m.event_names = {"touched", "spilt"};
   m.files = {{"config/devices/lambda-pride.toml", "kind = \"device\"\nname = \"lambda-pride\"\n"},
              {"mesh.stl", std::string("bin\0ary\xff\0", 9)},
              {"empty.txt", ""}};
@@ -112,6 +117,28 @@ inline TickRecord noisy(std::uint64_t tick, std::mt19937_64& random) {
     k.force_n = {n(random), n(random), n(random)};
     k.torque_nm = {n(random), n(random), n(random)};
     k.distance_m = n(random);
+  }
+  r.effort_limit = randomArray<AxisEffort>(6, random);
+  r.closure = randomArray<AxisPosition>(tick % 4 == 0 ? 0 : 6, random);
+  if (tick % 4 != 0) r.closure[0] = std::numeric_limits<double>::quiet_NaN();
+  r.palm_body = whole(5) - 1;
+  r.palm_target_distance_m = n(random);
+  r.parameter_count = 2;
+  for (std::size_t i = 0; i < 2; ++i) r.parameters[i] = n(random);
+  r.command_count = tick % 20 == 0 ? whole(kMaxCommands + 1) : 0;
+  for (std::int32_t c = 0; c < r.command_count; ++c) {
+    r.commands[static_cast<std::size_t>(c)] = {static_cast<CommandType>(whole(6)), whole(9),
+                                               n(random), randomArray<AxisPosition>(6, random)};
+  }
+  r.exercise.effort = randomArray<AxisEffort>(6, random);
+  r.exercise.alpha = n(random);
+  r.exercise.wall_active = randomArray<AxisRatio>(6, random);
+  r.exercise.wall = randomArray<AxisPosition>(6, random);
+  r.exercise.value_count = 3;
+  for (std::size_t i = 0; i < 3; ++i) r.exercise.values[i] = n(random);
+  r.exercise.event_count = tick % 9 == 0 ? whole(kMaxExerciseEvents + 1) : 0;
+  for (std::int32_t c = 0; c < r.exercise.event_count; ++c) {
+    r.exercise.events[static_cast<std::size_t>(c)] = {whole(2), whole(4) - 1, n(random)};
   }
   return r;
 }
