@@ -1,0 +1,117 @@
+import { describe, expect, it } from 'vitest';
+import { colliderField, skinField, smoothMin } from '../src/hand/field';
+import { measureSkin } from '../src/hand/measure';
+import { handShape } from '../src/hand/shape';
+import { skinMesh, type SkinMesh } from '../src/hand/skin_mesh';
+import { HANDS, allPostures, fixtureScene, forwardKinematics, posture } from './hand_fixture';
+
+const MM = 1e-3;
+const REST = posture([0, 0, 0], 90, 45, 30);
+/** Grid spacing of high and of low quality. */
+const STEPS_M = [1.5e-3, 2.0e-3];
+
+const built = (hand: (typeof HANDS)[number], step: number) => {
+  const rest = forwardKinematics(hand, REST), shape = handShape(fixtureScene(hand), rest);
+  return { shape, mesh: skinMesh(shape, rest, step) };
+};
+
+/** Volume inside a closed mesh, from its signed tetrahedra. */
+function volume(mesh: SkinMesh, slot: number): number {
+  let v = 0;
+  for (let t = 0; t < mesh.triangles.length; t += 3) {
+    if (mesh.links[mesh.triangles[t]] !== slot) continue;
+    const [a, b, c] = [0, 1, 2].map((i) => [...mesh.positions.slice(3 * mesh.triangles[t + i], 3 * mesh.triangles[t + i] + 3)]);
+    v += (a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])) / 6;
+  }
+  return v;
+}
+
+describe('kinematics of the fixture', () => {
+  it.each(HANDS)('$name moves as the program moves it', (hand) => {
+    // Expected: link poses of the program's own ArticulatedBody, exported beside the hand.
+    for (const check of hand.checks) {
+      const poses = forwardKinematics(hand, check.q);
+      check.links.forEach((expected, i) => {
+        const got = [...poses.slice(7 * i, 7 * i + 7)];
+        const sign = Math.sign(got[6] * expected[6] + got[3] * expected[3] + got[4] * expected[4] + got[5] * expected[5]);
+        expected.forEach((value, k) => expect(got[k] * (k < 3 ? 1 : sign)).toBeCloseTo(value, 6));
+      });
+    }
+  });
+});
+
+describe('field', () => {
+  const capsule = { name: '', part: 1, link: 0, a: [0, 0, 0], b: [0.03, 0, 0], radius: 0.01, skinA: 0.01, skinB: 0.01, shading: 1e-3 } as const;
+
+  it('of one capsule is the distance to its axis less its radius', () => {
+    expect(colliderField([capsule], 0.015, 0.02, 0)).toBeCloseTo(0.01, 12);
+    expect(colliderField([capsule], -0.03, 0.04, 0)).toBeCloseTo(0.04, 12);   // 3-4-5
+    expect(colliderField([capsule], 0.015, 0, 0)).toBeCloseTo(-0.01, 12);
+  });
+
+  it('smooth minimum leaves a quarter of its width between equals, and nothing apart', () => {
+    expect(smoothMin(1, 1, 0.4)).toBeCloseTo(0.9, 12);
+    expect(smoothMin(1, 1.4, 0.4)).toBe(1);
+  });
+
+  it('of the skin never leaves the colliders by more than its reach, wherever it is zero', () => {
+    const { shape } = built(HANDS[0], 4 * MM);
+    const palm = shape.capsules.filter((c) => c.link === shape.palmLink);
+    let seed = 1;
+    const random = () => (seed = (seed * 16807) % 2147483647) / 2147483647;
+    for (let n = 0; n < 20000; n++) {
+      const p = [0.08 * random() - 0.01, 0.08 * random() - 0.04, 0.05 * random() - 0.025] as const;
+      const skin = skinField(palm, ...p), hard = colliderField(palm, ...p);
+      expect(skin).toBeGreaterThanOrEqual(hard - 0.42 * MM - 1e-12);
+      expect(skin).toBeLessThanOrEqual(hard + 0.42 * MM + 1e-12);
+    }
+  });
+});
+
+describe('skin', () => {
+  it.each(HANDS.flatMap((hand) => STEPS_M.map((step) => ({ hand, step, name: hand.name }))))(
+    'of $name at $step m follows the colliders in every posture', ({ hand, step }) => {
+      const { shape, mesh } = built(hand, step);
+      const all = allPostures().filter((_, i) => i % (hand === HANDS[0] && step === STEPS_M[0] ? 6 : 20) === 0);
+      const figures = measureSkin(shape, mesh, all.map((q) => forwardKinematics(hand, q)));
+      const mm = (d: { outside: number; inside: number; p995: number }) =>
+        `${(d.outside / MM).toFixed(3)} out, ${(d.inside / MM).toFixed(3)} in, p99.5 ${(d.p995 / MM).toFixed(3)} mm`;
+      console.log(`${hand.name} ${step * 1e3} mm: ${mesh.links.length} vertices, ${mesh.triangles.length / 3} triangles; vertices ${mm(figures.posedVertices)}; centres ${mm(figures.posedCentres)}`);
+      for (const d of [figures.vertices, figures.posedVertices]) {
+        expect(d.outside).toBeLessThanOrEqual(0.5 * MM);
+        expect(d.inside).toBeLessThanOrEqual(0.5 * MM);
+      }
+      for (const d of [figures.centres, figures.posedCentres]) expect(d.p995).toBeLessThanOrEqual(0.75 * MM);
+    }, 60_000);
+
+  it('of every link is closed: each edge has two triangles, one each way', () => {
+    const { mesh } = built(HANDS[0], 1.5 * MM);
+    const edges = new Map<string, number>();
+    for (let t = 0; t < mesh.triangles.length; t += 3)
+      for (let i = 0; i < 3; i++) {
+        const a = mesh.triangles[t + i], b = mesh.triangles[t + (i + 1) % 3];
+        const key = a < b ? `${a} ${b}` : `${b} ${a}`;
+        edges.set(key, (edges.get(key) ?? 0) + (a < b ? 1 : -1));
+      }
+    expect([...edges.values()].filter((n) => n !== 0)).toEqual([]);
+  });
+
+  it('of a fingertip holds the volume of its capsule, outward', () => {
+    const { shape, mesh } = built(HANDS[0], 1.5 * MM);
+    const slot = shape.links.findIndex((l) => shape.capsules.some((c) => c.link === l && c.name === 'index_distal'));
+    const c = shape.capsules.find((k) => k.name === 'index_distal')!;
+    const l = Math.hypot(c.b[0] - c.a[0], c.b[1] - c.a[1], c.b[2] - c.a[2]);
+    // Between the capsules of the smallest and the largest radius that the skin may take; closed form.
+    const capsuleVolume = (r: number) => Math.PI * r * r * l + 4 / 3 * Math.PI * r ** 3;
+    expect(volume(mesh, slot)).toBeGreaterThan(capsuleVolume(c.radius - 0.5 * MM));
+    expect(volume(mesh, slot)).toBeLessThan(capsuleVolume(c.radius + 0.5 * MM));
+  });
+
+  it('is meshed quickly enough not to hold up the page', () => {
+    const start = performance.now();
+    built(HANDS[0], 1.5 * MM);
+    const took = performance.now() - start;
+    console.log(`meshing: ${took.toFixed(0)} ms`);
+    expect(took).toBeLessThan(3000);   // printed; a busy machine is slow
+  });
+});
