@@ -1,0 +1,261 @@
+#include "server/udp_host.hpp"
+
+#include <algorithm>
+#include <string_view>
+
+namespace wholehand::udp {
+
+namespace {
+
+/// Nonces remembered; an old Hello that is played back later than that begins a conversation that
+/// nobody continues.
+constexpr std::size_t kOldNonces = 64;
+
+UdpIgnored reasonOf(Flaw flaw) noexcept {
+  switch (flaw) {
+    case Flaw::kTooShort:
+      return UdpIgnored::kTooShort;
+    case Flaw::kTooLong:
+      return UdpIgnored::kTooLong;
+    case Flaw::kWrongMagic:
+      return UdpIgnored::kMagic;
+    case Flaw::kWrongVersion:
+      return UdpIgnored::kVersion;
+    case Flaw::kWrongLength:
+      return UdpIgnored::kLength;
+    case Flaw::kWrongChecksum:
+      return UdpIgnored::kChecksum;
+    case Flaw::kBadHeader:
+    case Flaw::kNone:
+      break;
+  }
+  return UdpIgnored::kHeader;
+}
+
+/// Takes as long for a wrong token as for the right one.
+bool sameToken(std::string_view wanted, std::span<const std::uint8_t> given) noexcept {
+  std::size_t difference = wanted.size() ^ given.size();
+  for (std::size_t i = 0; i < given.size() && !wanted.empty(); ++i) {
+    difference |= static_cast<std::uint8_t>(wanted[i % wanted.size()]) ^ std::size_t{given[i]};
+  }
+  return difference == 0;
+}
+
+/// A number that is not 0 and hard to guess from the last one (SplitMix64).
+std::uint32_t nextSession(std::uint64_t& state) noexcept {
+  std::uint64_t z = 0;
+  do {
+    z = (state += 0x9E3779B97F4A7C15U);
+    z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9U;
+    z = (z ^ (z >> 27U)) * 0x94D049BB133111EBU;
+    z ^= z >> 31U;
+  } while (static_cast<std::uint32_t>(z) == 0);
+  return static_cast<std::uint32_t>(z);
+}
+
+}  // namespace
+
+Host::Host(Admission admission, ControlsArbiter& controls, UdpCounters& counters, Send send,
+           std::uint64_t seed)
+    : admission_(std::move(admission)),
+      controls_(controls),
+      counters_(counters),
+      send_(std::move(send)),
+      random_(seed) {}
+
+std::vector<PendingOrder> Host::takeOrders() {
+  return std::exchange(orders_, {});
+}
+
+Peer* Host::find(const UdpEndpoint& endpoint) {
+  const auto it = std::find_if(peers_.begin(), peers_.end(),
+                               [&](const Peer& p) { return p.endpoint == endpoint; });
+  return it == peers_.end() ? nullptr : &*it;
+}
+
+bool Host::mayHello(const UdpEndpoint& from) const {
+  return from.isLoopback() ||
+         std::any_of(admission_.peers.begin(), admission_.peers.end(), [&](const UdpEndpoint& p) {
+           return p.address == from.address && (p.port == 0 || p.port == from.port);
+         });
+}
+
+void Host::receive(const UdpEndpoint& from, std::span<const std::uint8_t> bytes,
+                   std::int64_t now_ns) {
+  ++counters_.received;
+  const Received datagram = read(bytes);
+  if (datagram.flaw != Flaw::kNone) return counters_.ignore(reasonOf(datagram.flaw));
+  if (datagram.header.kind == Kind::kHello) return receiveHello(from, datagram.payload, now_ns);
+  Peer* peer = find(from);
+  if (peer == nullptr) return counters_.ignore(UdpIgnored::kUnknownPeer);
+  receiveFrom(*peer, datagram, now_ns);
+}
+
+void Host::receiveHello(const UdpEndpoint& from, std::span<const std::uint8_t> payload,
+                        std::int64_t now_ns) {
+  if (!mayHello(from)) return counters_.ignore(UdpIgnored::kUnknownPeer);
+  Hello hello;
+  if (!readHello(payload, hello)) return counters_.ignore(UdpIgnored::kHello);
+  if (!admission_.token.empty() && !sameToken(admission_.token, hello.token)) {
+    return refuseHello(from, UdpIgnored::kToken, "this is not the token of the program", now_ns);
+  }
+  if (hello.schema_version != wire::kSchemaVersion) {
+    return refuseHello(from, UdpIgnored::kSchema,
+                       "the program speaks version " + std::to_string(wire::kSchemaVersion) +
+                           " of protocol/wholehand.fbs, the game version " +
+                           std::to_string(hello.schema_version),
+                       now_ns);
+  }
+  Peer* peer = find(from);
+  if (peer != nullptr && peer->nonce == hello.nonce) return welcome(*peer, now_ns);
+  if (std::find(old_nonces_.begin(), old_nonces_.end(), hello.nonce) != old_nonces_.end()) {
+    return counters_.ignore(UdpIgnored::kReplayed);
+  }
+  if (peer != nullptr) remove([&](const Peer& p) { return p.endpoint == from; });
+  if (peers_.size() >= admission_.most_peers) {
+    return refuseHello(from, UdpIgnored::kHello,
+                       std::to_string(peers_.size()) + " games are connected already", now_ns);
+  }
+  if (old_nonces_.size() == kOldNonces) old_nonces_.erase(old_nonces_.begin());
+  old_nonces_.push_back(hello.nonce);
+  Peer& added = peers_.emplace_back();
+  added.endpoint = from;
+  added.nonce = hello.nonce;
+  added.session = nextSession(random_);
+  added.client = controls_.newClient();
+  added.rate_hz = hello.rate_hz;
+  added.decimator = Decimator(hello.rate_hz, tick_rate_hz_);
+  added.heard_ns = now_ns;
+  counters_.peers = static_cast<std::uint32_t>(peers_.size());
+  welcome(added, now_ns);
+  tellControls(added, now_ns);
+  if (scene_message_ != nullptr) sendReliable(added, scene_message_, now_ns);
+}
+
+void Host::receiveFrom(Peer& peer, const Received& datagram, std::int64_t now_ns) {
+  const Header& header = datagram.header;
+  if (header.session != peer.session) return counters_.ignore(UdpIgnored::kSession);
+  if (header.kind > Kind::kGoodbye) return counters_.ignore(UdpIgnored::kHeader);
+  if (!peer.window.isNew(header.sequence)) return counters_.ignore(UdpIgnored::kReplayed);
+  const Reassembler::Result result = peer.reassembler.add(header, datagram.payload);
+  if (result == Reassembler::Result::kRefused) return counters_.ignore(UdpIgnored::kFragment);
+  if (result == Reassembler::Result::kRepeated) return counters_.ignore(UdpIgnored::kReplayed);
+  hear(peer, now_ns);
+  if (result == Reassembler::Result::kIncomplete) return;
+  peer.window.accept(header.sequence);
+  if (header.kind == Kind::kMessage)
+    return receiveMessage(peer, peer.reassembler.message(), now_ns);
+  if (header.kind == Kind::kGoodbye) {
+    const std::uint32_t session = peer.session;
+    remove([&](const Peer& p) { return p.session == session; });
+  }
+}
+
+void Host::hear(Peer& peer, std::int64_t now_ns) {
+  peer.heard_ns = now_ns;
+  if (!peer.silent) return;
+  peer.silent = false;
+  if (controls_.heldBy(peer.client)) order(OrderType::kOwnerAlive, 1.0);
+}
+
+void Host::receiveMessage(Peer& peer, std::span<const std::uint8_t> message, std::int64_t now_ns) {
+  const Expected<wire::ClientMessage> decoded = wire::decode(message);
+  if (!decoded) {
+    counters_.ignore(UdpIgnored::kMessage);
+    return reply(peer, 0, {false, format(decoded.errors())}, now_ns);
+  }
+  if (decoded->type == wire::ClientMessageType::kAcknowledge) {
+    return peer.outbox.acknowledge(decoded->id);
+  }
+  receiveCommand(peer, *decoded, now_ns);
+}
+
+void Host::receiveCommand(Peer& peer, const wire::ClientMessage& message, std::int64_t now_ns) {
+  const bool aim =
+      message.type == wire::ClientMessageType::kOrder && message.order.type == OrderType::kAim;
+  std::uint32_t& last = aim ? peer.last_aim : peer.last_order;
+  // A late Arm must not undo the stop that overtook it.
+  if (message.id <= last) return counters_.ignore(UdpIgnored::kCommand);
+  last = message.id;
+  switch (message.type) {
+    case wire::ClientMessageType::kOrder:
+      return receiveOrder(peer, message, now_ns);
+    case wire::ClientMessageType::kTakeControls:
+      return takeControls(peer, message.id, now_ns);
+    case wire::ClientMessageType::kReleaseControls:
+      return releaseControls(peer, message.id, now_ns);
+    case wire::ClientMessageType::kHeartbeat:
+    case wire::ClientMessageType::kAcknowledge:
+      return;  // to have been heard is all
+  }
+}
+
+void Host::receiveOrder(Peer& peer, const wire::ClientMessage& message, std::int64_t now_ns) {
+  const bool aim = message.order.type == OrderType::kAim;
+  if (message.order.type != OrderType::kEmergencyStop && !controls_.heldBy(peer.client)) {
+    if (aim && std::exchange(peer.aim_refused, true)) return void(++counters_.commands_refused);
+    return reply(peer, message.id,
+                 {false, controls_.holder() == 0 ? "take the controls first"
+                                                 : "another client holds the controls"},
+                 now_ns);
+  }
+  orders_.push_back({peer.session, message.id, message.order});
+}
+
+void Host::takeControls(Peer& peer, std::uint32_t command, std::int64_t now_ns) {
+  if (!controls_.take(peer.client)) {
+    return reply(peer, command, {false, "another client holds the controls"}, now_ns);
+  }
+  peer.silent = false;
+  peer.aim_refused = false;
+  order(OrderType::kOwnerAlive, 1.0);
+  reply(peer, command, {true, ""}, now_ns);
+  tellControls(peer, now_ns);
+}
+
+void Host::releaseControls(Peer& peer, std::uint32_t command, std::int64_t now_ns) {
+  if (!controls_.release(peer.client)) {
+    return reply(peer, command, {false, "the game does not hold the controls"}, now_ns);
+  }
+  reply(peer, command, {true, ""}, now_ns);
+  tellControls(peer, now_ns);
+}
+
+void Host::answer(const PendingOrder& pending, const OrderReply& given, std::int64_t now_ns) {
+  if (pending.command == 0) return;
+  const auto it = std::find_if(peers_.begin(), peers_.end(),
+                               [&](const Peer& p) { return p.session == pending.session; });
+  if (it == peers_.end()) return;
+  if (pending.order.type == OrderType::kAim) {
+    // Aims come by the hundred: only the first that is refused is answered.
+    if (given.accepted) {
+      it->aim_refused = false;
+      return void(++counters_.commands_accepted);
+    }
+    if (std::exchange(it->aim_refused, true)) return void(++counters_.commands_refused);
+  }
+  reply(*it, pending.command, given, now_ns);
+}
+
+void Host::order(OrderType type, double value) {
+  PendingOrder pending;
+  pending.order.type = type;
+  pending.order.value = value;
+  orders_.push_back(std::move(pending));
+}
+
+void Host::leave(Peer& peer) {
+  // Nobody shows the exercise any more: its effort fades out until somebody takes the controls.
+  if (controls_.heldBy(peer.client) && !peer.silent) order(OrderType::kOwnerAlive, 0.0);
+  controls_.release(peer.client);
+}
+
+void Host::remove(const std::function<bool(const Peer&)>& which) {
+  for (Peer& peer : peers_) {
+    if (which(peer)) leave(peer);
+  }
+  std::erase_if(peers_, which);
+  counters_.peers = static_cast<std::uint32_t>(peers_.size());
+}
+
+}  // namespace wholehand::udp
