@@ -1,0 +1,84 @@
+#pragma once
+
+#include "server/wire.hpp"
+#include "wholehand_generated.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+/// What a client says, as clients in other languages build it: by flatc's own code.
+namespace wholehand::test::words {
+
+namespace fb = wholehand::protocol;
+using Builder = flatbuffers::FlatBufferBuilder;
+
+template <class Table>
+wire::Bytes command(std::uint32_t id, flatbuffers::Offset<Table> order, Builder& b,
+                    std::uint16_t version = wire::kSchemaVersion) {
+  const auto c = fb::CreateCommand(b, id, fb::OrderTraits<Table>::enum_value, order.Union());
+  fb::FinishMessageBuffer(b, fb::CreateMessage(b, version, fb::Payload::Command, c.Union()));
+  return {b.GetBufferPointer(), b.GetBufferPointer() + b.GetSize()};
+}
+
+/// A command whose order is made by `make(builder)`.
+template <class Make>
+wire::Bytes command(std::uint32_t id, Make make, std::uint16_t version = wire::kSchemaVersion) {
+  Builder b;
+  const auto order = make(b);
+  return command(id, order, b, version);
+}
+
+inline wire::Bytes arm(std::uint32_t id, std::uint16_t version = wire::kSchemaVersion) {
+  return command(
+      id, [](Builder& b) { return fb::CreateArm(b); }, version);
+}
+inline wire::Bytes stop(std::uint32_t id) {
+  return command(id, [](Builder& b) { return fb::CreateStop(b); });
+}
+inline wire::Bytes emergencyStop(std::uint32_t id) {
+  return command(id, [](Builder& b) { return fb::CreateEmergencyStop(b); });
+}
+inline wire::Bytes load(std::uint32_t id, const char* exercise, std::uint16_t level,
+                        const char* hand) {
+  return command(
+      id, [&](Builder& b) { return fb::CreateLoadExerciseDirect(b, exercise, level, hand); });
+}
+inline wire::Bytes aim(std::uint32_t id, const std::vector<float>& q) {
+  return command(id, [&](Builder& b) { return fb::CreateAimDirect(b, &q); });
+}
+inline wire::Bytes setParameter(std::uint32_t id, const char* name, double value) {
+  return command(id, [&](Builder& b) { return fb::CreateSetParameterDirect(b, name, value); });
+}
+inline wire::Bytes steer(std::uint32_t id, fb::Steering by) {
+  return command(id, [&](Builder& b) { return fb::CreateSteer(b, by); });
+}
+inline wire::Bytes action(std::uint32_t id, fb::Act act) {
+  return command(id, [&](Builder& b) { return fb::CreateAction(b, act); });
+}
+inline wire::Bytes takeControls(std::uint32_t id, const char* token = "") {
+  return command(id, [&](Builder& b) { return fb::CreateTakeControlsDirect(b, token); });
+}
+inline wire::Bytes releaseControls(std::uint32_t id) {
+  return command(id, [](Builder& b) { return fb::CreateReleaseControls(b); });
+}
+inline wire::Bytes heartbeat(std::uint32_t id) {
+  return command(id, [](Builder& b) { return fb::CreateHeartbeat(b); });
+}
+
+/// One of each, with ids from 1.
+inline std::vector<wire::Bytes> oneOfEach() {
+  return {arm(1),
+          stop(2),
+          emergencyStop(3),
+          load(4, "cocktail-bar", 2, "adult"),
+          aim(5, {0.1F, -0.2F}),
+          setParameter(6, "lead_in_m", 0.01),
+          steer(7, fb::Steering::Person),
+          action(8, fb::Act::Pause),
+          takeControls(9, "a token of 18 char"),
+          releaseControls(10),
+          heartbeat(11)};
+}
+
+}  // namespace wholehand::test::words

@@ -1,0 +1,316 @@
+#include "server/wire.hpp"
+
+#include "realtime/allocation_counter.hpp"
+#include "server/client_words.hpp"
+#include "support/rig_tools.hpp"
+#include "support/seed.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+// Messages are read back by flatc's own accessors after its verifier has passed them: what a client
+// in another language does.
+namespace wholehand {
+namespace {
+
+using namespace test::words;
+using flatbuffers::FlatBufferBuilder;
+
+const fb::Message& verified(std::span<const std::uint8_t> bytes) {
+  flatbuffers::Verifier verifier(bytes.data(), bytes.size());
+  if (!fb::VerifyMessageBuffer(verifier)) throw std::runtime_error("not a message");
+  return *fb::GetMessage(bytes.data());
+}
+
+/// A hand of two links: carried along x, then turned about z at 0.1 m.
+HandModel crank() {
+  HandModel hand;
+  hand.name = "crank";
+  hand.joint_count = hand.axis_count = 2;
+  hand.joint_names = hand.axis_names = {"x", "turn"};
+  HandLink carriage;
+  carriage.name = "x";
+  carriage.type = JointType::kPrismatic;
+  carriage.joint = 0;
+  HandLink arm;
+  arm.name = "turn";
+  arm.parent = 0;
+  arm.type = JointType::kRevolute;
+  arm.axis = Eigen::Vector3d::UnitZ();
+  arm.parent_to_link.translation_m = {0.0, 0.1, 0.0};
+  arm.joint = 1;
+  hand.links = {carriage, arm};
+  hand.theta0 = JointPosition(2);
+  hand.synergy = JointAxisMatrix::Identity(2, 2);
+  return hand;
+}
+
+SceneFacts smallFacts() {
+  SceneFacts facts;
+  facts.session = 3;
+  facts.hand = crank();
+  facts.exercise_name = "cocktail-bar";
+  facts.value_names = {"stage", "flow_l_s"};
+  facts.parameters = {{"lead_in_m", LiveParameterGroup::kExercise, "m", 0.0, 0.02, 0.005, 0.01}};
+  SceneBody body;
+  body.name = "glass";
+  body.com_m = {0.0, 0.0, 0.05};
+  body.shapes.resize(1);
+  body.shapes[0].in_body.translation_m = {0.0, 0.0, 0.058};
+  facts.scene.bodies = {body};
+  return facts;
+}
+
+/// Every array as long as it can be for that many axes and joints, nothing at its default.
+TickRecord fullRecord(int axes, int joints, int values) {
+  TickRecord r;
+  r.tick = 123456789012;
+  r.time_s = 123456.789;
+  r.faults = Fault::kLateTick;
+  r.q_m = r.intention = r.q_s = AxisPosition(axes, 0.25);
+  r.theta = JointPosition(joints, 0.5);
+  r.coupling = r.damping = r.sent = r.exercise.effort = AxisEffort(axes, -1.5);
+  r.phi = AxisRatio(axes, 0.75);
+  r.authority = 0.5;
+  r.exercise.alpha = 0.25;
+  r.palm_body = 1;
+  r.palm_target_distance_m = 0.125;
+  r.exercise.value_count = values;
+  for (int i = 0; i < values; ++i) r.exercise.values[i] = i + 0.1;
+  r.body_count = kMaxBodies;
+  r.contact_count = kMaxContacts;
+  for (int i = 0; i < kMaxContacts; ++i) {
+    r.contacts[i].capsule = i;
+    r.contacts[i].body = 1;
+    r.contacts[i].force_n = {0.0, 0.0, 2.0};
+  }
+  return r;
+}
+
+LoopStatus fullStatus() {
+  LoopStatus s;
+  s.session = 3;
+  s.run_state = RunState::kFaulted;
+  s.steering = Steering::kPerson;
+  s.latched = Fault::kDeviceRead;
+  s.ticks = 7;
+  s.missed_deadlines = 8;
+  s.dropped_records = 9;
+  s.cpu_p999_us = 42.5;
+  s.recording_bytes = 1ULL << 40U;
+  s.parameters.assign(8, 0.5);
+  return s;
+}
+
+TEST(WireState, FullRecord_ArrivesAsItWas) {
+  auto facts = std::make_shared<SceneFacts>(smallFacts());
+  wire::StateEncoder encoder(facts);
+  TickRecord r = fullRecord(2, 2, 48);
+  r.theta[0] = 0.3;
+  r.theta[1] = std::acos(0.0);
+  const auto* s =
+      verified(encoder.encode(r, fullStatus(), wire::Detail::kFull, 555)).payload_as_WorldState();
+  ASSERT_NE(s, nullptr);
+  EXPECT_EQ(s->session(), 3U);
+  EXPECT_EQ(s->tick(), 123456789012U);
+  EXPECT_EQ(s->time_s(), 123456.789);
+  EXPECT_EQ(s->sent_monotonic_ns(), 555);
+  EXPECT_EQ(s->run_state(), fb::RunState::Faulted);
+  EXPECT_EQ(s->steering(), fb::Steering::Person);
+  EXPECT_EQ(s->faults(), 128U);        // bit 7
+  EXPECT_EQ(s->latched_faults(), 1U);  // bit 0
+  EXPECT_EQ(s->q_m()->Get(1), 0.25F);
+  EXPECT_EQ(s->sent()->Get(0), -1.5F);
+  EXPECT_EQ(s->phi()->Get(0), 0.75F);
+  EXPECT_EQ(s->palm_body(), 1);
+  EXPECT_EQ(s->palm_distance_m(), 0.125F);
+  EXPECT_EQ(s->values()->size(), 48U);
+  EXPECT_EQ(s->values()->Get(47), 47.1);  // a double: exact
+  EXPECT_EQ(s->contacts()->size(), 64U);
+  EXPECT_EQ(s->contacts()->Get(63)->capsule(), 63);
+  EXPECT_EQ(s->contacts()->Get(0)->force_n().z(), 2.0F);
+  EXPECT_EQ(s->bodies()->size(), 32U);
+  EXPECT_EQ(s->parameters()->size(), 8U);
+  EXPECT_EQ(s->statistics()->dropped_records(), 9U);
+  EXPECT_EQ(s->statistics()->cpu_p999_us(), 42.5F);
+  EXPECT_EQ(s->recording_bytes(), 1ULL << 40U);
+  // By hand: the arm's frame at (0.3, 0.1, 0), turned by 90° about z.
+  ASSERT_EQ(s->links()->size(), 2U);
+  const fb::Pose& arm = *s->links()->Get(1);
+  EXPECT_NEAR(arm.position_m().x(), 0.3F, 1e-7F);
+  EXPECT_NEAR(arm.position_m().y(), 0.1F, 1e-7F);
+  EXPECT_NEAR(arm.orientation_xyzw().z(), std::sqrt(0.5F), 1e-7F);
+  EXPECT_NEAR(arm.orientation_xyzw().w(), std::sqrt(0.5F), 1e-7F);
+}
+
+TEST(WireState, NothingRenderedYet_StillSaysTheRunState) {
+  wire::StateEncoder encoder(std::make_shared<SceneFacts>(smallFacts()));
+  LoopStatus idle;
+  const auto* s =
+      verified(encoder.encode(TickRecord{}, idle, wire::Detail::kFull, 0)).payload_as_WorldState();
+  EXPECT_EQ(s->run_state(), fb::RunState::Disarmed);
+  EXPECT_EQ(s->links(), nullptr);  // no joints in the record: nowhere to draw them
+}
+
+// 1,150 bytes: a datagram of 1,200 with its header.
+TEST(WireState, CompactOfAnyDevice_FitsADatagram) {
+  auto facts = std::make_shared<SceneFacts>(smallFacts());
+  wire::StateEncoder encoder(facts);
+  for (int axes = 1; axes <= kMaxAxes; ++axes) {
+    const auto bytes = encoder.encode(fullRecord(axes, kMaxJoints, kMaxExerciseValues),
+                                      fullStatus(), wire::Detail::kCompact, 555);
+    EXPECT_LE(bytes.size(), 1150U) << axes << " axes";
+    const auto* s = verified(bytes).payload_as_WorldState();
+    EXPECT_EQ(s->values()->size(), 48U);
+    EXPECT_EQ(s->links(), nullptr);
+    EXPECT_EQ(s->contacts(), nullptr);
+    EXPECT_EQ(s->coupling() != nullptr, axes <= 9);
+    if (axes == 9) test::figure("compact state, 9 axes", static_cast<double>(bytes.size()), "B");
+  }
+}
+
+TEST(WireState, AfterTheFirst_EncodingAllocatesNothing) {
+  if (!allocationCountingAvailable()) GTEST_SKIP() << "a sanitizer owns malloc";
+  auto facts = std::make_shared<SceneFacts>(smallFacts());
+  wire::StateEncoder encoder(facts);
+  const TickRecord r = fullRecord(2, 2, 48);
+  const LoopStatus status = fullStatus();
+  (void)encoder.encode(r, status, wire::Detail::kFull, 0);
+  const AllocationScope scope;
+  for (int i = 0; i < 1000; ++i) (void)encoder.encode(r, status, wire::Detail::kFull, i);
+  EXPECT_EQ(scope.allocations(), 0U);
+}
+
+TEST(WireScene, ShippedHand_EveryNameAndCapsule) {
+  const Models models = test::load(test::shippedFiles("lambda-pride", "four-shapes"));
+  SceneFacts facts;
+  facts.hand = models.hand;
+  facts.device = models.device;
+  facts.scene = models.scene;
+  facts.levels = 4;
+  const wire::Bytes bytes = wire::sceneMessage(facts);
+  test::figure("scene message", static_cast<double>(bytes.size()), "B");
+  const auto* s = verified(bytes).payload_as_Scene();
+  ASSERT_NE(s, nullptr);
+  EXPECT_TRUE(s->right_hand());
+  EXPECT_EQ(s->axes()->size(), models.device.axes.size());
+  EXPECT_EQ(s->axes()->Get(0)->name()->str(), "x");
+  EXPECT_EQ(s->axes()->Get(0)->unit()->str(), "m");
+  EXPECT_EQ(s->capsules()->size(), models.hand.capsules.size());
+  EXPECT_EQ(s->link_names()->size(), models.hand.links.size());
+  EXPECT_EQ(s->bodies()->size(), models.scene.bodies.size());
+  EXPECT_EQ(s->fault_names()->size(), static_cast<unsigned>(kFaultBits));
+  EXPECT_EQ(s->fault_names()->Get(7)->str(), "late tick");
+  EXPECT_EQ(s->levels(), 4);
+}
+
+// WorldState.bodies says where the centre of mass is: a shape 0.058 above the body's frame, with
+// the centre of mass at 0.05, is drawn 0.008 above it.
+TEST(WireScene, Shapes_StandAboutTheCentreOfMass) {
+  const wire::Bytes bytes = wire::sceneMessage(smallFacts());
+  const auto* s = verified(bytes).payload_as_Scene();
+  EXPECT_NEAR(s->bodies()->Get(0)->shapes()->Get(0)->in_body()->position_m().z(), 0.008F, 1e-7F);
+}
+
+// ---- what clients say ----------------------------------------------------------------------
+
+std::string refusalOf(const wire::Bytes& bytes) {
+  const auto m = wire::decode(bytes);
+  return m ? "" : format(m.errors());
+}
+
+TEST(WireDecode, EveryOrder_IsUnderstood) {
+  std::vector<wire::ClientMessage> m;
+  for (const wire::Bytes& bytes : oneOfEach()) m.push_back(test::orThrow(wire::decode(bytes)));
+  for (std::size_t i = 0; i < m.size(); ++i) EXPECT_EQ(m[i].id, i + 1);
+  EXPECT_EQ(m[0].order.type, OrderType::kArm);
+  EXPECT_EQ(m[1].order.type, OrderType::kStop);
+  EXPECT_EQ(m[2].order.type, OrderType::kEmergencyStop);
+  EXPECT_EQ(m[3].order.type, OrderType::kLoadExercise);
+  EXPECT_EQ(m[3].order.name, "cocktail-bar");
+  EXPECT_EQ(m[3].order.level, 2);
+  EXPECT_EQ(m[3].order.hand, "adult");
+  EXPECT_EQ(m[4].order.aim.size(), 2);
+  EXPECT_EQ(m[4].order.aim[1], static_cast<double>(-0.2F));
+  EXPECT_EQ(m[5].order.name, "lead_in_m");
+  EXPECT_EQ(m[5].order.value, 0.01);
+  EXPECT_EQ(m[6].order.steering, Steering::kPerson);
+  EXPECT_EQ(m[7].order.action, ExerciseAction::kPause);
+  EXPECT_EQ(m[8].type, wire::ClientMessageType::kTakeControls);
+  EXPECT_EQ(m[8].token, "a token of 18 char");
+  EXPECT_EQ(m[9].type, wire::ClientMessageType::kReleaseControls);
+  EXPECT_EQ(m[10].type, wire::ClientMessageType::kHeartbeat);
+}
+
+TEST(WireDecode, BadMessages_AreRefusedWithTheReason) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const float inf = std::numeric_limits<float>::infinity();
+  EXPECT_NE(refusalOf({}), "");
+  EXPECT_NE(refusalOf({1, 2, 3}), "");
+  EXPECT_NE(refusalOf(wire::Bytes(100, 0xFF)).find("not one of Wholehand's"), std::string::npos);
+  EXPECT_NE(refusalOf(wire::Bytes(4097, 0)).find("too large"), std::string::npos);
+  EXPECT_NE(refusalOf(arm(1, 2)).find("schema_version = 2"), std::string::npos);
+  EXPECT_NE(refusalOf(aim(1, {0.0F, nan})).find("finite"), std::string::npos);
+  EXPECT_NE(refusalOf(aim(1, {inf})).find("finite"), std::string::npos);
+  EXPECT_NE(refusalOf(aim(1, {})).find("1 to 16 axes"), std::string::npos);
+  EXPECT_NE(refusalOf(aim(1, std::vector<float>(17))).find("1 to 16 axes"), std::string::npos);
+  EXPECT_NE(refusalOf(setParameter(1, "lead_in_m", -std::numeric_limits<double>::infinity()))
+                .find("finite"),
+            std::string::npos);
+  EXPECT_NE(refusalOf(steer(1, static_cast<fb::Steering>(2))).find("steer = 2"), std::string::npos);
+  EXPECT_NE(refusalOf(action(1, static_cast<fb::Act>(-1))).find("action = -1"), std::string::npos);
+  // What the program says is nothing that a client may say.
+  EXPECT_NE(refusalOf(wire::controlsMessage(true, true)).find("client says"), std::string::npos);
+}
+
+TEST(WireDecode, OrderLeftOut_IsRefused) {
+  FlatBufferBuilder b;
+  fb::FinishMessageBuffer(b, fb::CreateMessage(b, wire::kSchemaVersion, fb::Payload::Command,
+                                               fb::CreateCommand(b, 1, fb::Order::Aim, 0).Union()));
+  EXPECT_NE(refusalOf({b.GetBufferPointer(), b.GetBufferPointer() + b.GetSize()}), "");
+}
+
+// Never beyond the bytes (asan-ubsan runs this), and never an order with a number that is not one.
+void survives(std::span<const std::uint8_t> bytes) {
+  // A copy of its very size: reading one byte more is seen.
+  const wire::Bytes exact(bytes.begin(), bytes.end());
+  const auto m = wire::decode(exact);
+  if (!m) return;
+  EXPECT_TRUE(std::isfinite(m->order.value));
+  EXPECT_TRUE(allFinite(m->order.aim));
+  EXPECT_LE(m->order.aim.size(), kMaxAxes);
+}
+
+TEST(WireDecode, CutAnywhere_NeverReadsBeyond) {
+  for (const wire::Bytes& whole : oneOfEach()) {
+    for (std::size_t n = 0; n < whole.size(); ++n) survives(std::span(whole).first(n));
+  }
+}
+
+TEST(WireDecode, MutatedAndRandomBytes_NeverReadBeyond) {
+  auto random = test::seededRandom(41);
+  const auto valid = oneOfEach();
+  int understood = 0;
+  for (int i = 0; i < 200000; ++i) {
+    wire::Bytes bytes = valid[random() % valid.size()];
+    const int changes = static_cast<int>(random() % 4) + 1;
+    for (int c = 0; c < changes; ++c) {
+      bytes[random() % bytes.size()] = static_cast<std::uint8_t>(random());
+    }
+    if (random() % 8 == 0) bytes.resize(random() % (2 * bytes.size()));
+    survives(bytes);
+    if (wire::decode(bytes)) ++understood;
+  }
+  EXPECT_GT(understood, 1000);  // mutations reach beyond the verifier
+  for (int i = 0; i < 20000; ++i) {
+    wire::Bytes bytes(random() % 200);
+    for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random());
+    if (bytes.size() >= 8) std::copy_n("WHND", 4, bytes.begin() + 4);
+    survives(bytes);
+  }
+}
+
+}  // namespace
+}  // namespace wholehand
