@@ -1,0 +1,118 @@
+import type { AxisT, WorldStateT } from '../protocol';
+import { SampleWindow } from './sample_window';
+
+/** What the plots show [s]. */
+export const WINDOW_S = 10;
+// Twice 60 messages a second, so that a hasty program still fills the window.
+const CAPACITY = 2 * 60 * WINDOW_S;
+/** A jump of the program's clock larger than this is a gap or a new session [s]. */
+const LARGEST_STEP_S = 1;
+
+/** What is kept of every axis, one column each. */
+export const KEPT = ['effort', 'device', 'avatar', 'phi'] as const;
+export type Kept = (typeof KEPT)[number];
+
+/** Torques become forces at the tip, radians degrees, metres millimetres: what people read. */
+export interface Shown {
+  effort: number;
+  coordinate: number;
+  effortUnit: string;
+  coordinateUnit: string;
+}
+
+export function shownUnits(axis: Pick<AxisT, 'unit' | 'leverArmM'>): Shown {
+  const turns = String(axis.unit) === 'rad';
+  const tip = turns && axis.leverArmM > 0;
+  return {
+    effort: tip ? 1 / axis.leverArmM : 1,
+    coordinate: turns ? 180 / Math.PI : 1000,
+    effortUnit: turns && !tip ? 'Nm' : 'N',
+    coordinateUnit: turns ? '°' : 'mm',
+  };
+}
+
+/** The last ten seconds of what is felt. Time runs on over a new session and stands still without one. */
+export class History {
+  readonly samples: SampleWindow;
+  private readonly units: Shown[];
+  private readonly row: Float64Array;
+  private tick: bigint | undefined;
+  private session = 0;
+  private program_s = 0;
+  private own_s = 0;
+
+  constructor(axes: readonly AxisT[]) {
+    this.units = axes.map(shownUnits);
+    const columns = 2 + KEPT.length * axes.length;
+    this.samples = new SampleWindow(columns, CAPACITY);
+    this.row = new Float64Array(columns);
+  }
+
+  /** Of the latest sample, on the plots' own clock [s]. */
+  get now_s(): number {
+    return this.own_s;
+  }
+
+  get alphaColumn(): number {
+    return 1;
+  }
+
+  column(kept: Kept, axis: number): number {
+    return 2 + KEPT.indexOf(kept) * this.units.length + axis;
+  }
+
+  /** Where a tick of the present session lies on the plots' clock [s]. */
+  timeOfTick(tick: bigint, period_s: number): number {
+    return this.tick === undefined ? this.own_s : this.own_s - Number(this.tick - tick) * period_s;
+  }
+
+  /** Takes a state in; false when it says nothing new. */
+  add(state: WorldStateT): boolean {
+    if (this.tick === state.tick && this.session === state.session) return false;
+    const step_s = state.timeS - this.program_s;
+    const follows = this.tick !== undefined && step_s > 0 && step_s < LARGEST_STEP_S;
+    this.own_s += follows ? step_s : 1 / 60;
+    this.tick = state.tick;
+    this.session = state.session;
+    this.program_s = state.timeS;
+    this.row[0] = this.own_s;
+    this.row[1] = state.alpha;
+    this.units.forEach((unit, i) => {
+      this.row[this.column('effort', i)] = (state.sent[i] ?? 0) * unit.effort;
+      this.row[this.column('device', i)] = (state.qM[i] ?? 0) * unit.coordinate;
+      this.row[this.column('avatar', i)] = (state.qS[i] ?? 0) * unit.coordinate;
+      this.row[this.column('phi', i)] = state.phi[i] ?? 0;
+    });
+    this.samples.push(this.row);
+    return true;
+  }
+
+  /** Largest size in the window of what is kept of an axis, in shown units. */
+  peak(kept: Kept, axis: number): number {
+    const values = this.samples.column(this.column(kept, axis), this.count());
+    let most = 0;
+    for (const value of values) most = Math.max(most, Math.abs(value));
+    return most;
+  }
+
+  /** Highest speed in the window over these translations together, over steps of about 50 ms [m/s]. */
+  peakSpeed(axes: readonly number[]): number {
+    const count = this.count();
+    const times = this.samples.column(0, count);
+    const columns = axes.map((axis) => this.samples.column(this.column('device', axis), count));
+    const stride = 3;
+    let most = 0;
+    for (let k = stride; k < count; k += 1) {
+      const dt_s = times[k] - times[k - stride];
+      if (!(dt_s > 0) || dt_s > 0.5) continue;
+      const moved_mm = Math.hypot(...columns.map((column) => column[k] - column[k - stride]));
+      most = Math.max(most, moved_mm / 1000 / dt_s);
+    }
+    return most;
+  }
+
+  /** How many samples the window holds. */
+  count(): number {
+    return this.samples.countSince(this.own_s - WINDOW_S);
+  }
+}

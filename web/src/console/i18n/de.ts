@@ -1,0 +1,128 @@
+import type { ConsoleTexts } from './en';
+
+export const de: ConsoleTexts = {
+  title: 'Wholehand: Konsole',
+  skip: 'Zu den Parametern',
+  hand: { right: 'rechte Hand', left: 'linke Hand' },
+  session: 'Sitzung {n}',
+  level: 'Stufe {n}',
+  levelOf: 'Stufe {n} von {m}',
+  drinkOf: 'Getränk {n} von {m}',
+  exercises: { 'cocktail-bar': 'Cocktailbar', 'free-grasping': 'Freies Greifen' },
+  noExercise: 'Keine Übung',
+
+  states: {
+    connecting: 'Verbindet', lost: 'Verbindung weg', disarmed: 'Nicht scharf', rendering: 'Läuft',
+    paused: 'Pause', stopping: 'Hält an', stopped: 'Angehalten', faulted: 'Störung',
+  },
+  pill: {
+    connecting: 'Wartet auf das Programm', lost: 'Nichts hier ist aktuell', disarmed: 'Nichts drückt',
+    rendering: 'Alle Grenzen eingehalten', limited: 'Kraft an der Grenze', paused: 'Die Übung wartet',
+    stopping: 'Auf dem Weg zu neutral', stopped: 'In Ruhe', faulted: 'In Ruhe',
+  },
+
+  theme: 'Dunkel oder hell',
+  language: 'Sprache',
+  tables: 'Tabellen statt Kurven',
+  pause: 'Pause', resume: 'Weiter', arm: 'Starten', armAgain: 'Neu starten', stop: 'Sanft anhalten',
+  emergency: 'Not-Halt',
+  space: 'Leertaste', esc: 'Esc',
+
+  plots: {
+    hand: 'Kraft, Hand', arm: 'Kraft, Arm', axis: 'Koordinate', ratios: 'φ und α',
+    device: 'Gerät', avatar: 'Avatar', limit: 'Grenze', now: 'jetzt', axisChoice: 'Achse',
+    image: '{name}: die letzten 10 Sekunden. Zahlen mit «Tabellen».',
+    series: 'Kurve', latest: 'Jetzt', least: 'Kleinster', most: 'Grösster',
+    tableCaption: '{name}, letzte 10 Sekunden', fault: 'Störung', stop: 'Halt',
+  },
+  axes: {
+    x: 'x', y: 'y', z: 'z', roll: 'Rollen', pitch: 'Nicken', yaw: 'Gieren',
+    finger_flexion: 'Finger', thumb_circumduction: 'Drehung', thumb_flexion: 'Daumen',
+  },
+  axesLong: {
+    x: 'x, weg', y: 'y, links', z: 'z, hinauf', roll: 'Rollen', pitch: 'Nicken', yaw: 'Gieren',
+    finger_flexion: 'Finger', thumb_circumduction: 'Daumen, Drehung', thumb_flexion: 'Daumen, Beugung',
+  },
+  axesKey: {
+    x: 'x', y: 'y', z: 'z', roll: 'ro', pitch: 'ni', yaw: 'gi',
+    finger_flexion: 'f', thumb_circumduction: 'c', thumb_flexion: 't',
+  },
+  phases: { bump: 'berührt', engaged: 'Griff, Wand blendet ein', pour: 'giesst', release: 'lässt los' },
+
+  view: {
+    title: '3D-Ansicht', skin: 'Haut', colliders: 'Kollider', choice: 'Hand gezeichnet als',
+    none: 'Keine 3D-Ansicht: Dieser Browser hat kein WebGL. Alles andere geht.',
+    loading: 'Die 3D-Ansicht wird aufgebaut …',
+  },
+  liquids: { lemon: 'Zitrone', cherry: 'Kirsche', blueberry: 'Blaubeere', coconut: 'Kokos' },
+  pouring: '{liquid}, {a} / {b} ml',
+
+  safety: {
+    title: 'Sicherheit', peaks: 'Spitzen der letzten 10 s', state: 'Zustand',
+    noFault: 'Keine Störung', cause: 'Ursache: {what}',
+    nothingYet: 'Seit dem Start ist nichts geschehen.',
+    lastNotice: '{time}: {what}',
+    disarmed: 'Nicht gestartet', disarmedWhat: 'Das Gerät drückt nicht. Starten Sie, wenn die Person bereit ist.',
+    stopping: 'Die Kraft geht zu neutral', stoppingWhat: 'Das dauert höchstens eine Zehntelsekunde. Der Arm wird getragen.',
+    stopped: 'Auf Wunsch angehalten', stoppedWhat: 'Die Kraft ist neutral, der Arm wird getragen. Neu starten, wenn alle bereit sind.',
+    faultedWhat: 'Die Kraft ging innert 0,1 s zu neutral. Der Arm wird getragen. Neu starten, wenn die Ursache weg ist.',
+    lost: 'Keine Verbindung zum Programm',
+    lostWhat: 'Die Kraft der Übung klingt von selbst ab. Die Zahlen hier sind von vorher.',
+    fingers: 'Finger', thumb: 'Daumen', arm: 'Arm x y z', speed: 'Tempo Arm', of: '{a} von {b}',
+  },
+  faults: {
+    'device read failed': 'das Gerät gab keine Position',
+    'device write failed': 'das Gerät nahm eine Kraft nicht an',
+    'non-finite device position': 'eine Position des Geräts ist keine Zahl',
+    'non-finite effort': 'eine Kraft ist keine Zahl',
+    'non-finite state': 'die simulierte Hand ist keine Zahl',
+    'physics step failed': 'die Physik konnte nicht weiterrechnen',
+    'effort limited': 'Kraft an der Grenze gehalten',
+    'late tick': 'ein Takt kam zu spät',
+    'contacts dropped': 'mehr Kontakte, als gezeigt werden können',
+    'singular reduced inertia': 'die Trägheit der Hand liess sich nicht umkehren',
+    'stop requested': 'jemand wollte anhalten',
+  },
+
+  timing: {
+    title: 'Zeit pro Takt', missed: '{n} verpasst von {m}', deadline: 'Frist {t}', slower: 'Takte, die länger dauerten',
+    image: 'Wie viele Takte länger dauerten als eine Zeit, in Mikrosekunden: die Hälfte {p50}, einer von hundert {p99}, einer von tausend {p999}, der langsamste {max}.',
+    max: 'max, µs', dropped: '{n} Einträge verworfen',
+  },
+
+  setup: {
+    title: 'Sitzung', exercise: 'Übung', level: 'Stufe', hand: 'Hand', load: 'Laden', steering: 'Wer spielt',
+    virtual: 'Virtuelle Person', person: 'Person', next: 'Weiter', restart: 'Von vorn',
+    yours: 'Sie steuern', free: 'Niemand steuert', others: 'Ein anderes Gerät steuert',
+    take: 'Steuerung übernehmen', giveBack: 'Abgeben',
+  },
+
+  parameters: {
+    title: 'Parameter', groups: { 0: 'Person', 1: 'Hand', 2: 'Übung' },
+    ramp: 'Rampe → {v}', range: '{name}, {lo} bis {hi} {unit}', none: 'Hier ist nichts einzustellen.',
+    notANumber: 'Bitte eine Zahl von {lo} bis {hi} eingeben.', refused: 'Nicht geändert: {reason}',
+    names: {
+      effort_limit_hand_tip_n: 'Kraftgrenze, Hand',
+      effort_limit_arm_n: 'Kraftgrenze, Arm',
+      damping_full_n: 'Dämpfung, voll ab',
+      damping_decay_s: 'Dämpfung klingt ab in',
+      wall_stiffness_ratio: 'Steifigkeit der Wand',
+      wall_damping_ratio: 'Dämpfung der Wand',
+      lead_in_m: 'Wand vor dem Kontakt',
+      squeeze_threshold_ratio: 'Nötiger Druck',
+    },
+  },
+
+  recordings: {
+    title: 'Aufzeichnungen', none: 'Noch keine Aufzeichnungen.', failed: 'Die Liste liess sich nicht lesen. Neuer Versuch folgt.',
+    report: 'Bericht', download: 'Laden', reportOf: 'Bericht von {name}', downloadOf: '{name} herunterladen', now: 'Zeichnet auf',
+  },
+
+  notices: {
+    lost: 'Verbindung unterbrochen. Die Zahlen sind von vorher.', lostMore: 'Die Kraft der Übung klingt von selbst ab.',
+    hardware: 'Der rote Knopf am Roboter wirkt immer.', retry: 'Jetzt versuchen', attempts: 'Versuch {n} …',
+    held: 'Ein anderes Gerät steuert: Sie sehen zu. Der Not-Halt wirkt immer.',
+    version: 'Das Programm spricht Version {theirs} der Meldungen, diese Seite Version {ours}. Laden Sie die Seite neu.',
+    refused: '{what} wurde abgelehnt: {reason}', close: 'Schliessen',
+  },
+};

@@ -1,0 +1,129 @@
+/** Everything the console says. The other languages have the same shape. */
+export const en = {
+  title: 'Wholehand: console',
+  skip: 'Skip to the parameters',
+  hand: { right: 'right hand', left: 'left hand' },
+  session: 'Session {n}',
+  level: 'Level {n}',
+  levelOf: 'Level {n} of {m}',
+  drinkOf: 'drink {n} of {m}',
+  exercises: { 'cocktail-bar': 'Cocktail bar', 'free-grasping': 'Free grasping' } as Record<string, string>,
+  noExercise: 'No exercise',
+
+  states: {
+    connecting: 'Connecting', lost: 'Connection lost', disarmed: 'Disarmed', rendering: 'Rendering',
+    paused: 'Paused', stopping: 'Stopping', stopped: 'Stopped', faulted: 'Faulted',
+  },
+  pill: {
+    connecting: 'Waiting for the program', lost: 'Nothing here is live', disarmed: 'Nothing pushes',
+    rendering: 'All limits kept', limited: 'Effort at its limit', paused: 'The exercise waits',
+    stopping: 'On the way to neutral', stopped: 'At neutral', faulted: 'At neutral',
+  },
+
+  theme: 'Dark or light',
+  language: 'Language',
+  tables: 'Tables instead of plots',
+  pause: 'Pause', resume: 'Resume', arm: 'Start', armAgain: 'Arm again', stop: 'Stop gently',
+  emergency: 'Emergency stop',
+  space: 'Space', esc: 'Esc',
+
+  plots: {
+    hand: 'Effort, hand', arm: 'Effort, arm', axis: 'Coordinate', ratios: 'φ and α',
+    device: 'device', avatar: 'avatar', limit: 'limit', now: 'now', axisChoice: 'Axis',
+    image: '{name}: the last 10 seconds. Press “Tables” for numbers.',
+    series: 'Series', latest: 'Now', least: 'Least', most: 'Most',
+    tableCaption: '{name}, last 10 seconds', fault: 'fault', stop: 'stop',
+  },
+  axes: {
+    x: 'x', y: 'y', z: 'z', roll: 'roll', pitch: 'pitch', yaw: 'yaw',
+    finger_flexion: 'fingers', thumb_circumduction: 'turn', thumb_flexion: 'thumb',
+  } as Record<string, string>,
+  axesLong: {
+    x: 'x, away', y: 'y, left', z: 'z, up', roll: 'Roll', pitch: 'Pitch', yaw: 'Yaw',
+    finger_flexion: 'Fingers', thumb_circumduction: 'Thumb, turn', thumb_flexion: 'Thumb, bend',
+  } as Record<string, string>,
+  axesKey: {
+    x: 'x', y: 'y', z: 'z', roll: 'ro', pitch: 'pi', yaw: 'ya',
+    finger_flexion: 'f', thumb_circumduction: 'c', thumb_flexion: 't',
+  } as Record<string, string>,
+  phases: { bump: 'touched', engaged: 'grasp, wall fades in', pour: 'pours', release: 'lets go' },
+
+  view: {
+    title: '3D view', skin: 'Skin', colliders: 'Colliders', choice: 'Hand drawn as',
+    none: 'No 3D view: this browser has no WebGL. Everything else works.',
+    loading: 'The 3D view is being built …',
+  },
+  liquids: { lemon: 'Lemon', cherry: 'Cherry', blueberry: 'Blueberry', coconut: 'Coconut' } as Record<string, string>,
+  pouring: '{liquid}, {a} / {b} ml',
+
+  safety: {
+    title: 'Safety', peaks: 'peaks of the last 10 s', state: 'State',
+    noFault: 'No fault', cause: 'Cause: {what}',
+    nothingYet: 'Nothing has happened since the start.',
+    lastNotice: '{time}: {what}',
+    disarmed: 'Not started', disarmedWhat: 'The device pushes nothing. Start when the person is ready.',
+    stopping: 'Effort ramps to neutral', stoppingWhat: 'It ends within a tenth of a second. The arm is carried.',
+    stopped: 'Stopped on request', stoppedWhat: 'Effort is at neutral, the arm is carried. Arm again when ready.',
+    faultedWhat: 'Effort ramped to neutral within 0.1 s. The arm is carried. Arm again when the cause is gone.',
+    lost: 'No connection to the program',
+    lostWhat: 'The exercise effort fades out by itself. The figures here are from before.',
+    fingers: 'Fingers', thumb: 'Thumb', arm: 'Arm x y z', speed: 'Arm speed', of: '{a} of {b}',
+  },
+  faults: {
+    'device read failed': 'the device gave no position',
+    'device write failed': 'the device refused an effort',
+    'non-finite device position': 'a device position is no number',
+    'non-finite effort': 'an effort is no number',
+    'non-finite state': 'the simulated hand is no number',
+    'physics step failed': 'the physics could not step',
+    'effort limited': 'effort held at its limit',
+    'late tick': 'a tick came late',
+    'contacts dropped': 'more contacts than can be shown',
+    'singular reduced inertia': 'the hand’s inertia could not be inverted',
+    'stop requested': 'a person asked to stop',
+  } as Record<string, string>,
+
+  timing: {
+    title: 'Time per tick', missed: '{n} missed of {m}', deadline: 'deadline {t}', slower: 'ticks that took longer',
+    image: 'How many ticks took longer than a time, in microseconds: half {p50}, one in a hundred {p99}, one in a thousand {p999}, the slowest {max}.',
+    max: 'max, µs', dropped: '{n} records dropped',
+  },
+
+  setup: {
+    title: 'Session', exercise: 'Exercise', level: 'Level', hand: 'Hand', load: 'Load', steering: 'Who plays',
+    virtual: 'Virtual patient', person: 'Person', next: 'Next', restart: 'Restart',
+    yours: 'You hold the controls', free: 'Nobody holds the controls', others: 'Another client holds the controls',
+    take: 'Take the controls', giveBack: 'Give back',
+  },
+
+  parameters: {
+    title: 'Parameters', groups: { 0: 'Patient', 1: 'Hand', 2: 'Exercise' } as Record<number, string>,
+    ramp: 'ramp → {v}', range: '{name}, {lo} to {hi} {unit}', none: 'Nothing to set here.',
+    notANumber: 'Please enter a number from {lo} to {hi}.', refused: 'Not changed: {reason}',
+    names: {
+      effort_limit_hand_tip_n: 'Effort limit, hand',
+      effort_limit_arm_n: 'Effort limit, arm',
+      damping_full_n: 'Adaptive damping, full at',
+      damping_decay_s: 'Damping fades in',
+      wall_stiffness_ratio: 'Wall stiffness',
+      wall_damping_ratio: 'Wall damping',
+      lead_in_m: 'Wall before contact',
+      squeeze_threshold_ratio: 'Squeeze needed',
+    } as Record<string, string>,
+  },
+
+  recordings: {
+    title: 'Recordings', none: 'No recordings yet.', failed: 'The list could not be read. It is tried again.',
+    report: 'Report', download: 'Download', reportOf: 'Report of {name}', downloadOf: 'Download {name}', now: 'Recording',
+  },
+
+  notices: {
+    lost: 'Connection lost. The figures are from before.', lostMore: 'The exercise effort fades out by itself.',
+    hardware: 'The red button on the robot always works.', retry: 'Try now', attempts: 'Attempt {n} …',
+    held: 'Another client holds the controls: you are watching. Emergency stop always works.',
+    version: 'The program speaks version {theirs} of the messages, this page version {ours}. Load the page again.',
+    refused: '{what} was refused: {reason}', close: 'Close',
+  },
+};
+
+export type ConsoleTexts = typeof en;

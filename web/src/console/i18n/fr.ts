@@ -1,0 +1,128 @@
+import type { ConsoleTexts } from './en';
+
+export const fr: ConsoleTexts = {
+  title: 'Wholehand : console',
+  skip: 'Aller aux paramètres',
+  hand: { right: 'main droite', left: 'main gauche' },
+  session: 'Séance {n}',
+  level: 'Niveau {n}',
+  levelOf: 'Niveau {n} sur {m}',
+  drinkOf: 'boisson {n} sur {m}',
+  exercises: { 'cocktail-bar': 'Bar à cocktails', 'free-grasping': 'Saisie libre' },
+  noExercise: 'Aucun exercice',
+
+  states: {
+    connecting: 'Connexion', lost: 'Connexion perdue', disarmed: 'Désarmé', rendering: 'En marche',
+    paused: 'Pause', stopping: 'S’arrête', stopped: 'Arrêté', faulted: 'Défaut',
+  },
+  pill: {
+    connecting: 'Attend le programme', lost: 'Rien ici n’est actuel', disarmed: 'Rien ne pousse',
+    rendering: 'Toutes les limites tenues', limited: 'Force à sa limite', paused: 'L’exercice attend',
+    stopping: 'Retour au neutre', stopped: 'Au neutre', faulted: 'Au neutre',
+  },
+
+  theme: 'Sombre ou clair',
+  language: 'Langue',
+  tables: 'Tableaux au lieu des courbes',
+  pause: 'Pause', resume: 'Reprendre', arm: 'Démarrer', armAgain: 'Réarmer', stop: 'Arrêt doux',
+  emergency: 'Arrêt d’urgence',
+  space: 'Espace', esc: 'Échap',
+
+  plots: {
+    hand: 'Force, main', arm: 'Force, bras', axis: 'Coordonnée', ratios: 'φ et α',
+    device: 'appareil', avatar: 'avatar', limit: 'limite', now: 'ici', axisChoice: 'Axe',
+    image: '{name} : les 10 dernières secondes. Les nombres avec « Tableaux ».',
+    series: 'Courbe', latest: 'Maintenant', least: 'Minimum', most: 'Maximum',
+    tableCaption: '{name}, 10 dernières secondes', fault: 'défaut', stop: 'arrêt',
+  },
+  axes: {
+    x: 'x', y: 'y', z: 'z', roll: 'roulis', pitch: 'tangage', yaw: 'lacet',
+    finger_flexion: 'doigts', thumb_circumduction: 'rotation', thumb_flexion: 'pouce',
+  },
+  axesLong: {
+    x: 'x, loin', y: 'y, gauche', z: 'z, haut', roll: 'Roulis', pitch: 'Tangage', yaw: 'Lacet',
+    finger_flexion: 'Doigts', thumb_circumduction: 'Pouce, rotation', thumb_flexion: 'Pouce, flexion',
+  },
+  axesKey: {
+    x: 'x', y: 'y', z: 'z', roll: 'ro', pitch: 'ta', yaw: 'la',
+    finger_flexion: 'd', thumb_circumduction: 'r', thumb_flexion: 'p',
+  },
+  phases: { bump: 'touche', engaged: 'prise, le mur apparaît', pour: 'verse', release: 'lâche' },
+
+  view: {
+    title: 'Vue 3D', skin: 'Peau', colliders: 'Collisions', choice: 'Main dessinée en',
+    none: 'Pas de vue 3D : ce navigateur n’a pas WebGL. Tout le reste fonctionne.',
+    loading: 'La vue 3D se prépare …',
+  },
+  liquids: { lemon: 'Citron', cherry: 'Cerise', blueberry: 'Myrtille', coconut: 'Coco' },
+  pouring: '{liquid}, {a} / {b} ml',
+
+  safety: {
+    title: 'Sécurité', peaks: 'pics des 10 dernières s', state: 'État',
+    noFault: 'Aucun défaut', cause: 'Cause : {what}',
+    nothingYet: 'Rien ne s’est passé depuis le départ.',
+    lastNotice: '{time} : {what}',
+    disarmed: 'Pas démarré', disarmedWhat: 'L’appareil ne pousse pas. Démarrez quand la personne est prête.',
+    stopping: 'La force revient au neutre', stoppingWhat: 'Cela dure un dixième de seconde au plus. Le bras est porté.',
+    stopped: 'Arrêté sur demande', stoppedWhat: 'La force est au neutre, le bras est porté. Réarmez quand tout est prêt.',
+    faultedWhat: 'La force est revenue au neutre en 0,1 s. Le bras est porté. Réarmez quand la cause a disparu.',
+    lost: 'Pas de connexion au programme',
+    lostWhat: 'La force de l’exercice s’éteint d’elle-même. Les chiffres ici datent d’avant.',
+    fingers: 'Doigts', thumb: 'Pouce', arm: 'Bras x y z', speed: 'Vitesse bras', of: '{a} sur {b}',
+  },
+  faults: {
+    'device read failed': 'l’appareil n’a pas donné de position',
+    'device write failed': 'l’appareil a refusé une force',
+    'non-finite device position': 'une position de l’appareil n’est pas un nombre',
+    'non-finite effort': 'une force n’est pas un nombre',
+    'non-finite state': 'la main simulée n’est pas un nombre',
+    'physics step failed': 'la physique n’a pas pu avancer',
+    'effort limited': 'force tenue à sa limite',
+    'late tick': 'un pas est venu en retard',
+    'contacts dropped': 'plus de contacts qu’on ne peut montrer',
+    'singular reduced inertia': 'l’inertie de la main n’a pas pu être inversée',
+    'stop requested': 'quelqu’un a demandé l’arrêt',
+  },
+
+  timing: {
+    title: 'Temps par pas', missed: '{n} manqués sur {m}', deadline: 'délai {t}', slower: 'pas plus longs',
+    image: 'Combien de pas ont duré plus longtemps qu’un temps, en microsecondes : la moitié {p50}, un sur cent {p99}, un sur mille {p999}, le plus lent {max}.',
+    max: 'max, µs', dropped: '{n} données perdues',
+  },
+
+  setup: {
+    title: 'Séance', exercise: 'Exercice', level: 'Niveau', hand: 'Main', load: 'Charger', steering: 'Qui joue',
+    virtual: 'Patient virtuel', person: 'Personne', next: 'Suite', restart: 'Recommencer',
+    yours: 'Vous avez les commandes', free: 'Personne n’a les commandes', others: 'Un autre client a les commandes',
+    take: 'Prendre les commandes', giveBack: 'Rendre',
+  },
+
+  parameters: {
+    title: 'Paramètres', groups: { 0: 'Patient', 1: 'Main', 2: 'Exercice' },
+    ramp: 'rampe → {v}', range: '{name}, de {lo} à {hi} {unit}', none: 'Rien à régler ici.',
+    notANumber: 'Entrez un nombre de {lo} à {hi}.', refused: 'Inchangé : {reason}',
+    names: {
+      effort_limit_hand_tip_n: 'Limite de force, main',
+      effort_limit_arm_n: 'Limite de force, bras',
+      damping_full_n: 'Amortissement, plein à',
+      damping_decay_s: 'Amortissement s’éteint en',
+      wall_stiffness_ratio: 'Raideur du mur',
+      wall_damping_ratio: 'Amortissement du mur',
+      lead_in_m: 'Mur avant le contact',
+      squeeze_threshold_ratio: 'Pression requise',
+    },
+  },
+
+  recordings: {
+    title: 'Enregistrements', none: 'Pas encore d’enregistrement.', failed: 'La liste n’a pas pu être lue. Nouvel essai en cours.',
+    report: 'Rapport', download: 'Télécharger', reportOf: 'Rapport de {name}', downloadOf: 'Télécharger {name}', now: 'Enregistre',
+  },
+
+  notices: {
+    lost: 'Connexion perdue. Les chiffres datent d’avant.', lostMore: 'La force de l’exercice s’éteint d’elle-même.',
+    hardware: 'Le bouton rouge du robot agit toujours.', retry: 'Réessayer', attempts: 'Essai {n} …',
+    held: 'Un autre client a les commandes : vous regardez. L’arrêt d’urgence agit toujours.',
+    version: 'Le programme parle la version {theirs} des messages, cette page la version {ours}. Rechargez la page.',
+    refused: '{what} a été refusé : {reason}', close: 'Fermer',
+  },
+};

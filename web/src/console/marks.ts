@@ -1,0 +1,52 @@
+import { RunState, type EventT } from '../protocol';
+import type { ConsoleTexts } from './i18n/en';
+
+/** A moment that every plot shows as an upright line. */
+export interface Mark {
+  time_s: number;
+  label: string;
+  /** In words, for the safety panel and tables. */
+  meaning: string;
+  bad: boolean;
+}
+
+const SIGNS: Readonly<Record<string, [string, keyof ConsoleTexts['phases']]>> = {
+  touched: ['①', 'bump'],
+  engaged: ['②', 'engaged'],
+  pour_began: ['③', 'pour'],
+  pour_ended: ['④', 'release'],
+};
+/** The same sign again within this time is the same moment [s]. */
+const SAME_MOMENT_S = 0.4;
+
+/** Moments of the last seconds: the phases of a grasp, stops and faults. */
+export class Marks {
+  list: Mark[] = [];
+  private runState: RunState | undefined;
+
+  /** Events of the exercise, with where their ticks lie on the plots' clock. */
+  addEvents(events: readonly EventT[], names: readonly string[], timeOf: (tick: bigint) => number, texts: ConsoleTexts): void {
+    for (const event of events) {
+      const sign = SIGNS[names[event.type] ?? ''];
+      if (sign) this.add({ time_s: timeOf(event.tick), label: sign[0], meaning: texts.phases[sign[1]], bad: false });
+    }
+  }
+
+  /** Leaving Rendering is a moment too. */
+  addRunState(runState: RunState, time_s: number, texts: ConsoleTexts): void {
+    const left = this.runState === RunState.Rendering && runState !== RunState.Rendering;
+    this.runState = runState;
+    if (!left) return;
+    const label = runState === RunState.Faulted ? texts.plots.fault : texts.plots.stop;
+    this.add({ time_s, label, meaning: label, bad: true });
+  }
+
+  forgetBefore(time_s: number): void {
+    this.list = this.list.filter((mark) => mark.time_s >= time_s);
+  }
+
+  private add(mark: Mark): void {
+    const last = this.list.filter((other) => other.label === mark.label).at(-1);
+    if (!last || mark.time_s - last.time_s > SAME_MOMENT_S) this.list.push(mark);
+  }
+}

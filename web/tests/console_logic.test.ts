@@ -1,0 +1,275 @@
+import { describe, expect, it } from 'vitest';
+import { asWords, bytes, duration, fill, fixed, grouped } from '../src/console/format';
+import { History, shownUnits, WINDOW_S } from '../src/console/history';
+import { de } from '../src/console/i18n/de';
+import { en } from '../src/console/i18n/en';
+import { fr } from '../src/console/i18n/fr';
+import { Marks } from '../src/console/marks';
+import { parsed, ParameterTarget, viewOf } from '../src/console/parameter_model';
+import { SampleWindow } from '../src/console/sample_window';
+import { faultWords, statusOf } from '../src/console/run_status';
+import { CalmRange, niceStep, ticksIn } from '../src/console/scale';
+import { logHeight, logTicks, tail, timeEnd } from '../src/console/timing_model';
+import { AxisT, EventT, ParameterGroup, ParameterT, RunState, WorldStateT } from '../src/protocol';
+
+describe('numbers for people', () => {
+  it('have a true minus and no minus zero', () => {
+    expect(fixed(-5.34, 1)).toBe('−5.3');
+    expect(fixed(-0.04, 1)).toBe('0.0');
+    expect(fixed(Number.NaN, 1)).toBe('–');
+  });
+
+  it('durations, sizes, groups', () => {
+    expect(duration(161.9)).toBe('2:41');
+    expect(duration(3761)).toBe('1:02:41');
+    expect(bytes(18_400_000)).toBe('18 MB');
+    expect(bytes(950)).toBe('950 B');
+    expect(grouped(251840n)).toBe('251\u202f840');
+    expect(grouped(999)).toBe('999');
+  });
+
+  it('texts keep a gap that nobody fills', () => {
+    expect(fill('{a} of {b}', { a: 1 })).toBe('1 of {b}');
+    expect(asWords('adult-median_right')).toBe('Adult median right');
+  });
+});
+
+describe('the ring of samples', () => {
+  it('gives the latest samples, oldest first, through many turns', () => {
+    const ring = new SampleWindow(2, 4);
+    for (let k = 1; k <= 11; k += 1) {
+      ring.push([k, 10 * k]);
+      const first = Math.max(1, k - 3);
+      const expected = Array.from({ length: k - first + 1 }, (_, i) => first + i);
+      expect([...ring.column(0)]).toEqual(expected);
+      expect([...ring.column(1)]).toEqual(expected.map((v) => 10 * v));
+      expect(ring.latest(0)).toBe(k);
+    }
+    expect([...ring.column(0, 2)]).toEqual([10, 11]);
+  });
+
+  it('counts the samples since a time', () => {
+    const ring = new SampleWindow(1, 8);
+    for (const t of [1, 2, 3, 4]) ring.push([t]);
+    expect(ring.countSince(2.5)).toBe(2);
+    expect(ring.countSince(2)).toBe(3);
+    expect(ring.countSince(9)).toBe(0);
+    expect(ring.countSince(0)).toBe(4);
+  });
+});
+
+const AXES = [new AxisT('x', 'm', -0.085, 0.085, 20, 0, 1.5), new AxisT('finger_flexion', 'rad', 0, 3.14, 0.8, 0.08, 10)];
+
+function state(tick: number, more: Partial<WorldStateT> = {}): WorldStateT {
+  return Object.assign(new WorldStateT(), { session: 1, tick: BigInt(tick), timeS: tick / 1000, sent: [0, 0], qM: [0, 0], qS: [0, 0], phi: [0, 0] }, more);
+}
+
+describe('the history', () => {
+  it('shows forces at the tip, millimetres and degrees', () => {
+    const history = new History(AXES);
+    // 0.4 Nm over a lever arm of 0.08 m are 5 N.
+    history.add(state(1, { sent: [3, -0.4], qM: [0.02, Math.PI / 2], phi: [0, 1], alpha: 0.25 }));
+    expect(history.samples.latest(history.column('effort', 0))).toBe(3);
+    expect(history.samples.latest(history.column('effort', 1))).toBeCloseTo(-5, 9);
+    expect(history.samples.latest(history.column('device', 0))).toBeCloseTo(20, 9);
+    expect(history.samples.latest(history.column('device', 1))).toBeCloseTo(90, 9);
+    expect(history.samples.latest(history.column('phi', 1))).toBe(1);
+    expect(history.samples.latest(history.alphaColumn)).toBe(0.25);
+  });
+
+  it('a rotation without a tip stays a torque', () => {
+    expect(shownUnits(new AxisT('roll', 'rad', -1, 1, 2, 0, 5)).effortUnit).toBe('Nm');
+  });
+
+  it('the same tick twice is one sample', () => {
+    const history = new History(AXES);
+    expect(history.add(state(5))).toBe(true);
+    expect(history.add(state(5))).toBe(false);
+    expect(history.samples.length).toBe(1);
+  });
+
+  it('time runs on when a new session begins at zero', () => {
+    const history = new History(AXES);
+    history.add(state(5000));
+    history.add(state(5100));
+    const before_s = history.now_s;
+    history.add(state(3, { session: 2 }));
+    expect(history.now_s).toBeCloseTo(before_s + 1 / 60, 9);
+  });
+
+  it('peaks are those of the last ten seconds only', () => {
+    const history = new History(AXES);
+    history.add(state(0, { sent: [-9, 0] }));
+    for (let tick = 100; tick <= 9900; tick += 100) history.add(state(tick, { sent: [2, 0] }));
+    expect(history.peak('effort', 0)).toBe(9);
+    for (let tick = 10000; tick <= 10300; tick += 100) history.add(state(tick, { sent: [2, 0] }));
+    expect(history.peak('effort', 0)).toBe(2);
+    expect(WINDOW_S).toBe(10);
+  });
+
+  it('speed: 10 mm in 50 ms are 0.2 m/s', () => {
+    const history = new History(AXES);
+    for (let k = 0; k <= 30; k += 1) history.add(state(1000 + k * 10, { qM: [k * 0.002, 0] }));
+    expect(history.peakSpeed([0])).toBeCloseTo(0.2, 6);
+  });
+
+  it('knows where a tick lies on its clock', () => {
+    const history = new History(AXES);
+    history.add(state(1000));
+    history.add(state(1500));
+    expect(history.timeOfTick(1250n, 0.001)).toBeCloseTo(history.now_s - 0.25, 9);
+  });
+});
+
+describe('scales', () => {
+  it('steps are 1, 2 or 5 times a power of ten', () => {
+    expect(niceStep(10, 5)).toBe(2);
+    expect(niceStep(11, 5)).toBe(5);
+    expect(niceStep(0.09, 10)).toBeCloseTo(0.01, 12);
+  });
+
+  it('ticks lie inside the range, with a true zero', () => {
+    expect(ticksIn(-9, 5, 4)).toEqual([-8, -4, 0, 4]);
+    expect(Object.is(ticksIn(-1, 1, 1)[1], 0)).toBe(true);
+  });
+
+  it('a range grows at once and shrinks only after two calm seconds', () => {
+    const range = new CalmRange(4, true);
+    range.follow(-1, 1, 0);
+    expect(range.follow(-1, 17, 1)).toBe(true);
+    expect(range.upper).toBeGreaterThanOrEqual(17);
+    expect(range.follow(-1, 1, 2)).toBe(false);
+    expect(range.follow(-1, 1, 3.5)).toBe(true);
+    expect(range.upper).toBeLessThan(10);
+  });
+
+  it('a flat line has room around it', () => {
+    const range = new CalmRange(4, true);
+    range.follow(0, 0, 0);
+    expect(range.lower).toBeLessThan(-1);
+    expect(range.upper).toBeGreaterThan(1);
+  });
+});
+
+describe('time per tick', () => {
+  const times = { ticks: 200_000, p50_us: 155, p99_us: 260, p999_us: 402, max_us: 874 };
+
+  it('the tail follows from what quantiles mean', () => {
+    expect(tail(times)).toEqual([
+      { time_us: 0, count: 200_000 }, { time_us: 155, count: 100_000 }, { time_us: 260, count: 2000 },
+      { time_us: 402, count: 200 }, { time_us: 874, count: 1 },
+    ]);
+  });
+
+  it('a run of 500 ticks says nothing of one in a thousand', () => {
+    expect(tail({ ...times, ticks: 500 }).map((point) => point.count)).toEqual([500, 250, 5, 1]);
+    expect(tail({ ...times, ticks: 0 })).toEqual([]);
+  });
+
+  it('the axis ends after the deadline, or after the slowest tick', () => {
+    expect(timeEnd(1000, 874)).toBeCloseTo(1100, 9);
+    expect(timeEnd(1000, 2000)).toBeCloseTo(2100, 9);
+  });
+
+  it('a hundred times as many is the same height more', () => {
+    const step = logHeight(10_000, 1e6) - logHeight(100, 1e6);
+    expect(logHeight(1e6, 1e6) - logHeight(10_000, 1e6)).toBeCloseTo(step, 12);
+    expect(logHeight(0, 1e6)).toBe(0);
+    expect(logTicks(20_000).map((tick) => tick.name)).toEqual(['1', '10²', '10⁴']);
+  });
+});
+
+describe('parameters', () => {
+  const lead = viewOf(new ParameterT('lead_in_m', ParameterGroup.Exercise, 'm', 0.001, Math.fround(0.01), 0.004, 0.002), {});
+
+  it('metres are shown as millimetres, with the range rounded to what was meant', () => {
+    expect(lead).toMatchObject({ unit: 'mm', lower: 1, upper: 10, factor: 1000, label: 'Lead in m' });
+  });
+
+  it('typed numbers take comma or point and become SI; others are refused', () => {
+    expect(parsed('4,5', lead)).toBeCloseTo(0.0045, 12);
+    expect(parsed(' 4.5 ', lead)).toBeCloseTo(0.0045, 12);
+    for (const wrong of ['', 'four', '0.5', '11', '1e999', 'NaN']) expect(parsed(wrong, lead)).toBeUndefined();
+  });
+
+  it('decimals follow the range: 1 to 10 N in steps of 0.05, 0.05 to 1 s in steps of 0.005', () => {
+    const newton = viewOf(new ParameterT('a', 0, 'N', 1, 10, 5, 1), {});
+    expect([newton.step, newton.decimals]).toEqual([0.05, 2]);
+    const second = viewOf(new ParameterT('b', 0, 's', 0.05, 1, 0.3, 1), {});
+    expect([second.step, second.decimals]).toEqual([0.005, 3]);
+  });
+
+  it('a ramp is shown until it arrives; a refusal puts the value back', () => {
+    const target = new ParameterTarget(1.4);
+    target.ask(1.6);
+    target.see(1.5);
+    expect([target.target, target.shown, target.now]).toEqual([1.6, 1.6, 1.5]);
+    target.see(Math.fround(1.6));
+    expect(target.target).toBeUndefined();
+    target.ask(9);
+    target.refuse();
+    expect(target.shown).toBe(Math.fround(1.6));
+  });
+});
+
+describe('what the state means', () => {
+  const names = ['device read failed', 'device write failed', 'effort limited', 'stop requested', 'something new'];
+
+  it('faults are named by their bits, unknown ones in the program’s words', () => {
+    expect(faultWords(0b10101, names, en)).toEqual(['the device gave no position', 'effort held at its limit', 'something new']);
+    expect(faultWords(0, names, en)).toEqual([]);
+  });
+
+  it('a fault says its cause, without the stop that followed it', () => {
+    const status = statusOf('open', { runState: RunState.Faulted, latchedFaults: 0b1001 }, false, names, en);
+    expect(status).toMatchObject({ name: 'faulted', step: 3, bad: true, cause: 'Cause: the device gave no position' });
+  });
+
+  it('without a connection nothing of the state is believed', () => {
+    expect(statusOf('lost', { runState: RunState.Rendering, latchedFaults: 0 }, false, names, en).name).toBe('lost');
+    expect(statusOf('connecting', null, false, names, en).step).toBeUndefined();
+  });
+
+  it('a pause is a kind of rendering, and of nothing else', () => {
+    expect(statusOf('open', { runState: RunState.Rendering, latchedFaults: 0 }, true, names, en)).toMatchObject({ name: 'paused', step: 1 });
+    expect(statusOf('open', { runState: RunState.Stopped, latchedFaults: 0 }, true, names, en).name).toBe('stopped');
+  });
+});
+
+describe('marks', () => {
+  it('events become the phases ① to ④, the same moment only once', () => {
+    const marks = new Marks();
+    const names = ['touched', 'engaged', 'spilt'];
+    const event = (type: number, tick: number): EventT => new EventT(BigInt(tick), type, 0, 0);
+    marks.addEvents([event(0, 1000), event(0, 1100), event(1, 1200), event(2, 1300), event(0, 2000)], names, (tick) => Number(tick) / 1000, en);
+    expect(marks.list.map((mark) => `${mark.label}${mark.time_s}`)).toEqual(['①1', '②1.2', '①2']);
+    marks.forgetBefore(1.1);
+    expect(marks.list.length).toBe(2);
+  });
+
+  it('leaving Rendering is marked once', () => {
+    const marks = new Marks();
+    for (const [run, t] of [[RunState.Rendering, 0], [RunState.Faulted, 1], [RunState.Faulted, 2]] as const) marks.addRunState(run, t, en);
+    expect(marks.list).toMatchObject([{ time_s: 1, label: 'fault', bad: true }]);
+  });
+});
+
+describe('texts', () => {
+  const gaps = (text: string): string[] => (text.match(/\{\w+\}/g) ?? []).sort();
+  const flat = (value: object, at = ''): [string, string][] => Object.entries(value).flatMap(([key, inner]) =>
+    typeof inner === 'string' ? [[`${at}${key}`, inner]] : flat(inner as object, `${at}${key}.`)) as [string, string][];
+
+  it.each([['German', de], ['French', fr]])('%s says everything that English says, with the same gaps', (_name, other) => {
+    const english = flat(en);
+    const theirs = new Map(flat(other));
+    expect([...theirs.keys()]).toEqual(english.map(([key]) => key));
+    for (const [key, text] of english) {
+      expect(theirs.get(key)?.length, key).toBeGreaterThan(0);
+      expect(gaps(theirs.get(key) ?? ''), key).toEqual(gaps(text));
+    }
+  });
+
+  it('German is spelt the Swiss way', () => {
+    expect(JSON.stringify(de)).not.toContain('ß');
+  });
+});
