@@ -243,7 +243,7 @@ void BarPlayer::see(const TickRecord& record) noexcept {
   if (glance_due_s_ < 0.5 * period_s_) {
     glance_due_s_ += kGlance_s;
     newest_ = (newest_ + 1) % kMemory;
-    memory_[static_cast<std::size_t>(newest_)] = glance(view_, record.exercise);
+    memory_[static_cast<std::size_t>(newest_)] = glance(record.exercise);
     remembered_ = std::min(remembered_ + 1, kMemory);
   }
   if (!lost_) decide(remember(), record);
@@ -266,7 +266,7 @@ void BarPlayer::aimAt(const TickRecord& record, int dispenser) noexcept {
   const BarView::Dispenser& d = view_.dispensers[static_cast<std::size_t>(dispenser)];
   const BodyState& body = record.bodies[static_cast<std::size_t>(std::max(d.body, 0))];
   const double off = character_.aim_m;
-  grip_ = worldPoint(body, d.grip_m) - view_.grip_m.eigen() +
+  grip_ = worldPoint(body, d.grip_m) - view_.grip_m +
           Eigen::Vector3d(draw(-off, off), draw(-off, off), draw(-off, off));
   over_ = grip_;
   if (!d.free || view_.glass_body < 0) return;
@@ -373,8 +373,9 @@ void BarPlayer::pressBy(const BarGlance& seen) noexcept {
     if (since_s_ > kGivesUp_s) return go(lifted_ ? Doing::kReturn : Doing::kOpen);
     return;
   }
-  const bool other = !wantsToGrasp(seen) || seen.target != dispenser_ || seen.step != step_ ||
-                     seen.drink != drink_;
+  const bool pouring = wantsToGrasp(seen) || seen.stage == BarStage::kLetGo;  // not yet the line
+  const bool other =
+      !pouring || seen.target != dispenser_ || seen.step != step_ || seen.drink != drink_;
   const double coming_l = seen.flow_l_s * (character_.reaction_s + kReleaseLag_s);
   const bool enough = seen.asked_l > 0.0 && seen.poured_l + coming_l >= seen.asked_l;
   const bool wrong = seen.engaged >= 0 && seen.engaged != dispenser_;
@@ -384,6 +385,16 @@ void BarPlayer::pressBy(const BarGlance& seen) noexcept {
     ++tries_;
     go(free ? Doing::kEase : Doing::kOpen);
   }
+}
+
+std::unique_ptr<Player> makeBarPlayer(const Bar& bar, const DeviceModel& device,
+                                      const HandModel* hand, std::uint64_t seed) {
+  return std::make_unique<BarPlayer>(makeBarView(bar, device, hand), seed);
+}
+
+std::unique_ptr<Player> makeBarPlayer(const Bar& bar, const ExerciseDescription&,
+                                      const DeviceModel& device, std::uint64_t seed) {
+  return makeBarPlayer(bar, device, nullptr, seed);
 }
 
 }  // namespace wholehand

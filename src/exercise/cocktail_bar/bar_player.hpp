@@ -1,11 +1,13 @@
 #pragma once
 
 #include "exercise/cocktail_bar/bar_view.hpp"
+#include "exercise/exercise.hpp"
 #include "patient/player.hpp"
 #include "patient/reach.hpp"
 
 #include <array>
 #include <cstdint>
+#include <memory>
 
 namespace wholehand {
 
@@ -106,5 +108,11 @@ class BarPlayer final : public Player {
   double glance_due_s_ = 0.0;
   double trembling_s_ = 0.0;
 };
+
+/// A virtual patient for a bar. @param hand null: the adult median right one
+[[nodiscard]] std::unique_ptr<Player> makeBarPlayer(const Bar& bar, const DeviceModel& device,
+                                                    const HandModel* hand, std::uint64_t seed);
+[[nodiscard]] std::unique_ptr<Player> makeBarPlayer(const Bar& bar, const ExerciseDescription&,
+                                                    const DeviceModel& device, std::uint64_t seed);
 
 }  // namespace wholehand
