@@ -50,7 +50,7 @@ Expected<Done> write(const fs::path& path, const std::string& text) {
 
 // Lays the recorded files out as they lay when they were recorded; which is which their kind says.
 Expected<ModelFiles> unpack(const RecordingMeta& meta, const fs::path& folder) {
-  ModelFiles files{"", "", "", "", "", ""};
+  ModelFiles files{"", "", "", "", "", "", "", meta.level};
   for (const auto& [name, text] : meta.files) {
     const fs::path path = (folder / name).lexically_normal();
     const fs::path inside = path.lexically_relative(folder);
@@ -68,6 +68,7 @@ Expected<ModelFiles> unpack(const RecordingMeta& meta, const fs::path& folder) {
     auto kind = fileKind(path.string());
     if (!kind) return kind.errors();
     if (*kind == "scene") files.scene = path.string();
+    if (*kind == "exercise") files.exercise = path.string();
     if (*kind == "hand") files.hand = path.string();
     if (*kind == "device") files.device = path.string();
     if (*kind == "rendering") files.rendering = path.string();
@@ -115,8 +116,10 @@ Expected<Models> recordedModels(const RecordingMeta& meta, const std::string& re
   if (!files) return named(files.errors(), folder.path(), recording);
   auto models = loadModels(*files);
   if (!models) return named(models.errors(), folder.path(), recording);
-  for (std::string* file : {&models->files.scene, &models->files.hand, &models->files.device,
-                            &models->files.rendering, &models->files.patient}) {
+  for (std::string* file :
+       {&models->files.scene, &models->files.hand, &models->files.device, &models->files.rendering,
+        &models->files.patient, &models->files.exercise}) {
+    if (file->empty()) continue;
     *file = recording + ": " + fs::path(*file).lexically_relative(folder.path()).string();
   }
   return models;

@@ -1,5 +1,6 @@
 #include "assembly/models.hpp"
 
+#include "exercise/load_exercise.hpp"
 #include "model/hand_file.hpp"
 
 #include <filesystem>
@@ -22,9 +23,20 @@ bool take(Expected<T> from, T& into, Diagnostics& errors) {
   return false;
 }
 
+void takeExercise(Expected<LoadedExercise> from, Models& models, Diagnostics& errors) {
+  LoadedExercise loaded;
+  if (!take(std::move(from), loaded, errors)) return;
+  models.exercise = std::move(loaded.exercise);
+  models.scene = std::move(loaded.scene);
+  models.exercise_files = std::move(loaded.files);
+  models.exercise_walls = std::move(loaded.walls);
+}
+
 std::vector<std::string> pathsOf(const Models& models) {
-  std::vector<std::string> paths{models.files.scene, models.files.hand, models.files.device,
-                                 models.files.rendering, models.files.patient};
+  std::vector<std::string> paths{models.files.hand, models.files.device, models.files.rendering,
+                                 models.files.patient};
+  if (models.files.exercise.empty()) paths.push_back(models.files.scene);
+  paths.insert(paths.end(), models.exercise_files.begin(), models.exercise_files.end());
   if (!models.files.motion.empty()) paths.push_back(models.files.motion);
   paths.insert(paths.end(), models.scene.assets.begin(), models.scene.assets.end());
   return paths;
@@ -51,7 +63,7 @@ Expected<Models> loadModels(const ModelFiles& files) {
   const bool have_device = take(loadDeviceFile(files.device), models.device, errors);
   HandFile hand_file;
   const bool have_hand = take(loadHandFile(files.hand), hand_file, errors);
-  take(loadSceneFile(files.scene), models.scene, errors);
+  if (files.exercise.empty()) take(loadSceneFile(files.scene), models.scene, errors);
   if (!files.motion.empty()) {
     MotionFile motion;
     if (take(loadMotionFile(files.motion, have_device ? &models.device : nullptr), motion,
@@ -62,7 +74,11 @@ Expected<Models> loadModels(const ModelFiles& files) {
   if (have_device) {
     take(loadRenderingFile(files.rendering, models.device), models.rendering, errors);
     take(loadPatientFile(files.patient, models.device), models.patient, errors);
-    if (have_hand) take(assembleHand(hand_file, models.device), models.hand, errors);
+    if (have_hand && take(assembleHand(hand_file, models.device), models.hand, errors) &&
+        !files.exercise.empty()) {
+      takeExercise(loadExercise(files.exercise, files.level, models.device, models.hand), models,
+                   errors);
+    }
   }
   if (!errors.empty()) return errors;
   return models;

@@ -1,6 +1,8 @@
 #pragma once
 
 #include "core/expected.hpp"
+#include "exercise/exercise.hpp"
+#include "exercise/exercise_wall.hpp"
 #include "model/device_model.hpp"
 #include "model/hand_model.hpp"
 #include "model/patient_config.hpp"
@@ -9,6 +11,7 @@
 #include "patient/motion.hpp"
 
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -24,6 +27,8 @@ struct ModelFiles {
   std::string rendering = "config/rendering/lambda-pride.toml";
   std::string patient = "config/patients/relaxed-adult.toml";
   std::string motion;
+  std::string exercise;  ///< names its scene itself; empty: just the scene
+  int level = 1;         ///< of the exercise
 };
 
 /// Everything the files say, checked against each other.
@@ -35,6 +40,11 @@ struct Models {
   PatientConfig patient;
   SceneModel scene;
   std::optional<MotionFile> motion;
+  /// Null where none was asked for. It has a state: copies of these models share it, so that only
+  /// one rig at a time may use them.
+  std::shared_ptr<Exercise> exercise;
+  std::vector<std::string> exercise_files;   ///< exercise and scene
+  std::vector<ExerciseWall> exercise_walls;  ///< what the certificate has to bear
 };
 
 /// Loads all files; every fault of every file is reported at once.

@@ -63,34 +63,6 @@ void correct(TickSummary& summary, const SessionCounters& counted, double period
   if (summary.ticks > 0) summary.time_s = static_cast<double>(summary.ticks - 1) * period_s;
 }
 
-RecordingMeta describe(const Rig& rig, const RunPlan& plan,
-                       std::vector<std::pair<std::string, std::string>> files) {
-  RecordingMeta meta;
-  meta.created_utc =
-      fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));
-  meta.git_version = WHOLEHAND_VERSION;
-  meta.seed = plan.seed;
-  meta.period_s = rig.options.period_s;
-  meta.engine = rig.options.engine;
-  meta.simulated_clock = plan.simulated_clock;
-  meta.uncertified = !rig.refused.empty();
-  meta.paper = rig.models.rendering.paper;
-  meta.title = plan.title;
-  for (const DeviceAxis& axis : rig.models.device.axes) {
-    meta.axis_names.push_back(axis.name);
-    meta.axis_units.push_back(axis.positionUnit());
-    meta.effort_limits.push_back(axis.effort_limit);
-    meta.lever_arms_m.push_back(axis.lever_arm_m);
-  }
-  for (double q : rig.renderer->armedPosition()) meta.armed_position.push_back(q);
-  meta.joint_names = rig.models.hand.joint_names;
-  for (const SceneBody& body : rig.models.scene.bodies) meta.body_names.push_back(body.name);
-  for (const Capsule& capsule : rig.models.hand.capsules)
-    meta.capsule_names.push_back(capsule.name);
-  meta.files = std::move(files);
-  return meta;
-}
-
 double rateOf(const TickSummary& summary, std::int64_t began_ns) {
   const double elapsed_s = static_cast<double>(monotonicNow_ns() - began_ns) * 1e-9;
   return elapsed_s > 0.0 ? static_cast<double>(summary.records) / elapsed_s : 0.0;
@@ -138,6 +110,45 @@ std::string countText(const TickSummary& summary, Fault bits) {
 
 }  // namespace
 
+Expected<RecordingMeta> describeRecording(const Rig& rig, const std::string& title,
+                                          std::uint64_t seed, bool simulated_clock) {
+  auto files = readFileTexts(rig.models);
+  if (!files) return files.errors();
+  RecordingMeta meta;
+  meta.created_utc =
+      fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));
+  meta.git_version = WHOLEHAND_VERSION;
+  meta.seed = seed;
+  meta.period_s = rig.options.period_s;
+  meta.engine = rig.options.engine;
+  meta.simulated_clock = simulated_clock;
+  meta.uncertified = !rig.refused.empty();
+  meta.paper = rig.models.rendering.paper;
+  meta.title = title;
+  for (const DeviceAxis& axis : rig.models.device.axes) {
+    meta.axis_names.push_back(axis.name);
+    meta.axis_units.push_back(axis.positionUnit());
+    meta.effort_limits.push_back(axis.effort_limit);
+    meta.lever_arms_m.push_back(axis.lever_arm_m);
+  }
+  for (double q : rig.renderer->armedPosition()) meta.armed_position.push_back(q);
+  meta.joint_names = rig.models.hand.joint_names;
+  for (const SceneBody& body : rig.models.scene.bodies) meta.body_names.push_back(body.name);
+  for (const Capsule& capsule : rig.models.hand.capsules)
+    meta.capsule_names.push_back(capsule.name);
+  for (const LiveParameter& parameter : rig.renderer->liveParameters()) {
+    meta.parameter_names.push_back(parameter.name);
+  }
+  if (const Exercise* exercise = rig.models.exercise.get()) {
+    meta.exercise = exercise->description().name;
+    meta.level = exercise->description().level;
+    meta.value_names = exercise->description().value_names;
+    meta.event_names = exercise->description().event_names;
+  }
+  meta.files = std::move(*files);
+  return meta;
+}
+
 std::string faultText(const TickSummary& summary) {
   return countText(summary, kStopping);
 }
@@ -173,9 +184,9 @@ Expected<RunOutcome> runAndRecord(Rig& rig, const RunPlan& plan) {
   const DeviceGuard device(*rig.device);  // first: closed after the session has ramped
   std::unique_ptr<RecordingWriter> writer;
   if (!plan.record.empty()) {
-    auto files = readFileTexts(rig.models);
-    if (!files) return files.errors();
-    auto created = RecordingWriter::create(plan.record, describe(rig, plan, std::move(*files)));
+    auto meta = describeRecording(rig, plan.title, plan.seed, plan.simulated_clock);
+    if (!meta) return meta.errors();
+    auto created = RecordingWriter::create(plan.record, *meta);
     if (!created) return created.errors();
     writer = std::move(*created);
   }
@@ -183,6 +194,7 @@ Expected<RunOutcome> runAndRecord(Rig& rig, const RunPlan& plan) {
   config.duration_ticks = plan.duration_ticks;
   config.count_allocations = plan.count_allocations;
   config.queue_ticks = plan.queue_ticks;
+  config.listener = plan.listener;
   Session session(*rig.renderer, config);
   const InterruptScope interrupts;
   const StoppedByInterrupt stopped(session);

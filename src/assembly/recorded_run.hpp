@@ -26,6 +26,7 @@ struct RunPlan {
   /// Allocations of the calling thread so far (realtime/allocation_counter.hpp); null: not counted.
   std::uint64_t (*count_allocations)() noexcept = nullptr;
   std::function<void(const TickRecord&)> sink;  ///< sees every record, off the real-time thread
+  TickListener* listener = nullptr;             ///< told of every tick in the thread that ticks
 };
 
 /// What came of it.
@@ -40,6 +41,10 @@ struct RunOutcome {
   bool interrupted = false;           ///< by Ctrl-C
   bool faulted = false;
 };
+
+/// What a recording of this rig says of itself.
+[[nodiscard]] Expected<RecordingMeta> describeRecording(const Rig& rig, const std::string& title,
+                                                        std::uint64_t seed, bool simulated_clock);
 
 /// While one lives, Ctrl-C, a polite kill, a terminal that is closed and Ctrl-Z (which would freeze
 /// the loop while the device holds its last effort) are remembered, and end the run that is going

@@ -3,6 +3,7 @@
 #include "assembly/sampled_inertia.hpp"
 #include "control/stability.hpp"
 #include "device/simulated/simulated_device.hpp"
+#include "patient/scripted_player.hpp"
 #include "physics/bullet/bullet_world.hpp"
 
 #include <algorithm>
@@ -22,6 +23,7 @@ RendererConfig rendererConfig(const Models& models, const CouplingGains& gains, 
     config.effort_limit[a] = models.device.axes[a].effort_limit;
   }
   config.gravity_m_s2 = models.scene.gravity_m_s2;
+  config.live = LiveSettings(models.device, config.damping);
   return config;
 }
 
@@ -67,9 +69,15 @@ Expected<CheckedGains> checkGains(const Models& models, double period_s) {
 
 Expected<std::unique_ptr<Rig>> buildRig(Models models, Intention intention,
                                         const RigOptions& options) {
+  return buildRig(std::move(models), std::make_unique<ScriptedPlayer>(std::move(intention)),
+                  options);
+}
+
+Expected<std::unique_ptr<Rig>> buildRig(Models models, std::unique_ptr<Player> player,
+                                        const RigOptions& options) {
   if (Diagnostics large = refuseTooLarge(models); !large.empty()) return large;
-  auto device = std::make_unique<SimulatedDevice>(models.device, models.patient,
-                                                  std::move(intention), options.period_s);
+  auto device = std::make_unique<SimulatedDevice>(models.device, models.patient, std::move(player),
+                                                  options.period_s);
   return buildRigThatMovesNobody(std::move(models), std::move(device), options);
 }
 
@@ -104,9 +112,9 @@ Expected<std::unique_ptr<Rig>> buildRigThatMovesNobody(Models models,
   if (!rig->world) {
     return Diagnostic{"", 0, "--engine", options.engine, "is not a known engine", "use bullet"};
   }
-  rig->renderer =
-      std::make_unique<HapticRenderer>(*rig->device, *rig->world, rig->models.hand,
-                                       rendererConfig(rig->models, rig->gains, options.period_s));
+  rig->renderer = std::make_unique<HapticRenderer>(
+      *rig->device, *rig->world, rig->models.hand,
+      rendererConfig(rig->models, rig->gains, options.period_s), rig->models.exercise.get());
   return rig;
 }
 

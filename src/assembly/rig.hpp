@@ -4,6 +4,7 @@
 #include "control/coupling_gains.hpp"
 #include "device/haptic_device.hpp"
 #include "patient/motion.hpp"
+#include "patient/player.hpp"
 #include "physics/physics_world.hpp"
 #include "renderer/haptic_renderer.hpp"
 
@@ -40,6 +41,10 @@ struct Rig {
 
 /// Builds a rig around a simulated device whose patient follows `intention`.
 [[nodiscard]] Expected<std::unique_ptr<Rig>> buildRig(Models models, Intention intention,
+                                                      const RigOptions& options);
+
+/// The same where the patient does what a player wants.
+[[nodiscard]] Expected<std::unique_ptr<Rig>> buildRig(Models models, std::unique_ptr<Player> player,
                                                       const RigOptions& options);
 
 /// The same around any device. It may hold a person: `uncertified` is refused.

@@ -117,6 +117,8 @@ TEST(Recording, SceneWithoutBodiesOrJoints_RoundTrips) {
   meta.axis_units = {"m"};
   meta.effort_limits = {20};
   meta.lever_arms_m = {0};
+  meta.parameter_names.clear();
+  meta.value_names.clear();
   TickRecord want;
   want.q_m = AxisPosition(1, 0.25);
   want.palm_distance_m = std::numeric_limits<double>::infinity();

@@ -1,0 +1,70 @@
+#include "station/live_session.hpp"
+
+#include <cmath>
+
+namespace wholehand {
+
+void LiveSession::Watcher::beforeTick(const TickRecord& record) noexcept {
+  for (int i = 0; i < record.command_count; ++i) {
+    player_.command(record.commands[static_cast<std::size_t>(i)]);
+  }
+}
+
+void LiveSession::Watcher::afterTick(const TickRecord& record) noexcept {
+  player_.see(record);
+}
+
+Expected<std::unique_ptr<LiveSession>> LiveSession::start(const Models& models,
+                                                          std::unique_ptr<Player> player,
+                                                          const RigOptions& options,
+                                                          const LiveSessionPlan& plan) {
+  std::unique_ptr<LiveSession> live(new LiveSession);
+  auto steered = std::make_unique<SteeredPlayer>(std::move(player), models.device);
+  live->watcher_ = std::make_unique<Watcher>(*steered);
+  auto rig = buildRig(models, std::move(steered), options);
+  if (!rig) return rig.errors();
+  live->rig_ = std::move(*rig);
+  if (auto armed = live->rig_->renderer->arm(); !armed) return armed.errors();
+  if (!plan.record.empty()) {
+    auto meta = describeRecording(*live->rig_, plan.title, plan.seed, false);
+    if (!meta) return meta.errors();
+    auto created = RecordingWriter::create(plan.record, *meta);
+    if (!created) return created.errors();
+    live->writer_ = std::move(*created);
+  }
+  SessionConfig config;
+  config.listener = live->watcher_.get();
+  if (plan.duration_ticks > 0) config.duration_ticks = plan.duration_ticks;
+  live->session_ = std::make_unique<Session>(*live->rig_->renderer, config);
+  live->hub_ = std::make_unique<TelemetryHub>(
+      [session = live->session_.get()](TickRecord& record) { return session->tryPop(record); });
+  if (live->writer_) live->hub_->record(*live->writer_);
+  live->hub_->count(live->statistics_);
+  for (const auto& sink : plan.sinks) live->hub_->add(sink);
+  live->hub_->start();
+  PeriodicThreadConfig thread;
+  thread.period_ns = std::llround(options.period_s * 1e9);
+  Expected<SetupReport> setup = live->session_->start(thread);
+  if (!setup) return setup.errors();
+  live->setup_ = *setup;
+  return Expected<std::unique_ptr<LiveSession>>(std::move(live));
+}
+
+LiveSession::~LiveSession() {
+  if (session_ && session_->running()) session_->requestStop();
+  finish();
+}
+
+void LiveSession::finish() {
+  if (finished_) return;
+  finished_ = true;
+  if (session_) session_->join();
+  if (hub_) {
+    hub_->stop();
+    failures_ = hub_->failures();
+  }
+  if (writer_) writer_->close();
+  if (rig_) rig_->device->close();
+}
+
+}  // namespace wholehand

@@ -1,0 +1,84 @@
+#pragma once
+
+#include "assembly/recorded_run.hpp"
+#include "assembly/rig.hpp"
+#include "patient/steered_player.hpp"
+#include "runtime/session.hpp"
+#include "telemetry/hub.hpp"
+#include "telemetry/recording.hpp"
+#include "telemetry/statistics.hpp"
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace wholehand {
+
+/// How one armed loop is to run.
+struct LiveSessionPlan {
+  std::string title;
+  std::uint64_t seed = 0;
+  std::string record;                                         ///< HDF5 file; empty: none
+  std::uint64_t duration_ticks = 0;                           ///< 0: until stopped
+  std::vector<std::function<void(const TickRecord&)>> sinks;  ///< on the telemetry thread
+};
+
+/// One armed loop in real time, with a virtual patient that a person may steer: rig, session,
+/// telemetry and recording, from arming to neutral. Made and ended by one thread.
+class LiveSession {
+ public:
+  /// Builds the rig, arms it and starts the loop.
+  /// @pre player has the device's axes
+  [[nodiscard]] static Expected<std::unique_ptr<LiveSession>> start(const Models& models,
+                                                                    std::unique_ptr<Player> player,
+                                                                    const RigOptions& options,
+                                                                    const LiveSessionPlan& plan);
+  /// Where it still runs: ramps to neutral first.
+  ~LiveSession();
+  LiveSession(const LiveSession&) = delete;
+  LiveSession& operator=(const LiveSession&) = delete;
+
+  // Any one thread at a time.
+  [[nodiscard]] bool tryCommand(const Command& command) { return session_->tryCommand(command); }
+  // Any thread.
+  void requestStop() noexcept { session_->requestStop(); }
+  [[nodiscard]] bool running() const { return session_->running(); }
+  [[nodiscard]] TickSummary summary() const { return statistics_.snapshot(); }
+  [[nodiscard]] std::uint64_t droppedRecords() const { return session_->droppedRecords(); }
+
+  /// Waits for the end, closes recording and device. Idempotent.
+  void finish();
+  /// Valid after finish().
+  [[nodiscard]] SessionCounters counters() const { return session_->counters(); }
+  [[nodiscard]] std::vector<std::string> failures() const { return failures_; }
+  [[nodiscard]] std::uint64_t written() const { return writer_ ? writer_->written() : 0; }
+  [[nodiscard]] const SetupReport& setup() const { return setup_; }
+  [[nodiscard]] const Rig& rig() const { return *rig_; }
+
+ private:
+  LiveSession() = default;
+
+  /// Shows the players what happens, in the thread that ticks.
+  class Watcher final : public TickListener {
+   public:
+    explicit Watcher(SteeredPlayer& player) : player_(player) {}
+    void beforeTick(const TickRecord& record) noexcept override;
+    void afterTick(const TickRecord& record) noexcept override;
+
+   private:
+    SteeredPlayer& player_;
+  };
+
+  std::unique_ptr<Rig> rig_;
+  std::unique_ptr<Watcher> watcher_;
+  std::unique_ptr<RecordingWriter> writer_;
+  TickStatistics statistics_;
+  std::unique_ptr<Session> session_;
+  std::unique_ptr<TelemetryHub> hub_;
+  SetupReport setup_;
+  std::vector<std::string> failures_;
+  bool finished_ = false;
+};
+
+}  // namespace wholehand

@@ -1,0 +1,42 @@
+#include "station/scene_facts.hpp"
+
+#include "control/adaptive_damping.hpp"
+#include "renderer/live_settings.hpp"
+
+namespace wholehand {
+namespace {
+
+void publish(const std::vector<LiveParameter>& parameters, LiveParameterGroup group,
+             SceneFacts& facts) {
+  for (const LiveParameter& p : parameters) {
+    facts.parameters.push_back({p.name, group, p.unit, p.lower, p.upper, p.value, p.rate_per_s});
+  }
+}
+
+}  // namespace
+
+SceneFacts sceneFacts(const Models& models, double period_s) {
+  SceneFacts facts;
+  facts.hand = models.hand;
+  facts.device = models.device;
+  facts.scene = models.scene;
+  facts.patient_name = models.patient.name;
+  facts.period_s = period_s;
+  // The renderer's own come first, as in TickRecord::parameters.
+  publish(LiveSettings(models.device, makeAdaptiveDamping(models.device, models.rendering))
+              .parameters(),
+          LiveParameterGroup::kPatient, facts);
+  if (models.exercise) {
+    const ExerciseDescription& exercise = models.exercise->description();
+    facts.exercise_name = exercise.name;
+    facts.exercise_json = exercise.json;
+    facts.level = exercise.level;
+    facts.levels = exercise.levels;
+    facts.value_names = exercise.value_names;
+    facts.event_names = exercise.event_names;
+    publish(exercise.parameters, LiveParameterGroup::kExercise, facts);
+  }
+  return facts;
+}
+
+}  // namespace wholehand

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "assembly/models.hpp"
+#include "server/backend.hpp"
+
+namespace wholehand {
+
+/// What clients are told of these models; session, version, choices and recording are the caller's.
+[[nodiscard]] SceneFacts sceneFacts(const Models& models, double period_s);
+
+}  // namespace wholehand

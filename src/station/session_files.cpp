@@ -1,0 +1,95 @@
+#include "station/session_files.hpp"
+
+#include "assembly/text_file.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+
+namespace wholehand {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kExtension = ".h5";
+
+std::string notePath(const fs::path& recording) {
+  return recording.string() + ".json";
+}
+
+std::string utcNow() {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));
+}
+
+// What was noted of it; a note that is missing or damaged leaves the entry as it is.
+void readNote(const fs::path& recording, RecordingEntry& entry) {
+  std::ifstream in(notePath(recording));
+  const auto note = nlohmann::json::parse(in, nullptr, false);
+  if (!note.is_object()) return;
+  const auto text = [&note](const char* key) {
+    const auto found = note.find(key);
+    return found != note.end() && found->is_string() ? found->get<std::string>() : std::string();
+  };
+  entry.title = text("title");
+  entry.created_utc = text("created_utc");
+  if (const auto found = note.find("duration_s"); found != note.end() && found->is_number()) {
+    entry.duration_s = found->get<double>();
+  }
+}
+
+}  // namespace
+
+std::string SessionFiles::nameNew(const std::string& exercise, int level) const {
+  std::error_code error;
+  fs::create_directories(folder_, error);
+  if (error) return {};
+  const std::string stem = fmt::format("{}/{:%Y%m%d-%H%M%S}-{}-level-{}", folder_,
+                                       fmt::localtime(std::chrono::system_clock::now()),
+                                       exercise.empty() ? "scene" : exercise, level);
+  std::string path = stem + kExtension;
+  for (int i = 2; fs::exists(path, error); ++i) path = fmt::format("{}-{}{}", stem, i, kExtension);
+  return path;
+}
+
+void SessionFiles::note(const std::string& path, const std::string& title,
+                        double duration_s) const {
+  const nlohmann::json note = {
+      {"title", title}, {"created_utc", utcNow()}, {"duration_s", duration_s}};
+  (void)writeText(notePath(path), note.dump(2) + "\n");  // the list then shows the file alone
+}
+
+std::vector<RecordingEntry> SessionFiles::list(const std::string& being_written) const {
+  std::vector<RecordingEntry> entries;
+  std::error_code error;
+  for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
+    const fs::path& path = it->path();
+    if (path.extension() != kExtension || path.filename() == being_written) continue;
+    RecordingEntry entry;
+    entry.name = path.filename().string();
+    entry.title = path.stem().string();
+    std::error_code unknown;
+    entry.bytes = fs::file_size(path, unknown);
+    if (unknown) continue;
+    readNote(path, entry);
+    entries.push_back(std::move(entry));
+  }
+  std::sort(entries.begin(), entries.end(),
+            [](const auto& a, const auto& b) { return a.name > b.name; });
+  return entries;
+}
+
+std::string SessionFiles::path(const std::string& name) const {
+  const fs::path file(name);
+  if (!kept() || name.empty() || file.filename() != file || file.extension() != kExtension) {
+    return {};
+  }
+  std::error_code error;
+  const fs::path path = fs::path(folder_) / file;
+  return fs::is_regular_file(fs::symlink_status(path, error)) ? path.string() : std::string();
+}
+
+}  // namespace wholehand

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "server/backend.hpp"
+
+#include <string>
+#include <vector>
+
+namespace wholehand {
+
+/// The folder in which a station keeps its recordings. Beside each a small JSON file says what a
+/// list shows of it, so that a list opens no HDF5 file while another is being written.
+class SessionFiles {
+ public:
+  /// @param folder made when the first recording is; empty: nothing is kept
+  explicit SessionFiles(std::string folder) : folder_(std::move(folder)) {}
+
+  [[nodiscard]] bool kept() const { return !folder_.empty(); }
+  /// A path for a new recording: "<folder>/20261120-093812-cocktail-bar-level-1.h5". Makes the
+  /// folder; empty where it cannot.
+  [[nodiscard]] std::string nameNew(const std::string& exercise, int level) const;
+  /// Notes what a finished recording holds.
+  void note(const std::string& path, const std::string& title, double duration_s) const;
+  /// The finished ones, newest first; those that nobody noted with what their file tells.
+  [[nodiscard]] std::vector<RecordingEntry> list(const std::string& being_written) const;
+  /// Path of a recording in the folder; empty for any name that is none.
+  [[nodiscard]] std::string path(const std::string& name) const;
+
+ private:
+  std::string folder_;
+};
+
+}  // namespace wholehand

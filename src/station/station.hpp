@@ -1,0 +1,80 @@
+#pragma once
+
+#include "assembly/models.hpp"
+#include "assembly/rig.hpp"
+#include "server/backend.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace wholehand {
+
+/// What a station works with.
+struct StationConfig {
+  ModelFiles files;  ///< what is loaded first
+  RigOptions rig;
+  std::uint64_t seed = 1;         ///< of the virtual patient; counts up with every arming
+  std::string config_folder;      ///< holds exercises/ and hands/, what clients may load
+  std::string recordings_folder;  ///< sessions that a client arms are recorded here; empty: not
+  std::string record;             ///< file of the first session; empty: none
+  std::string program_version;
+  /// Who plays where the exercise brings nobody; null: the hand rests in the middle.
+  std::function<std::unique_ptr<Player>(const Models&)> make_player;
+  /// Makes a report page of a recording, in a process of its own: HDF5 may be writing in this one.
+  std::function<Expected<Done>(const std::string& recording, const std::string& folder)>
+      make_report;
+  std::function<void(const std::string&)> log;  ///< a line for the person who runs the program
+  std::function<void(const RunState, const TickRecord&)> status;  ///< told how it goes; may be null
+};
+
+/// What came of a station's run.
+struct StationOutcome {
+  std::uint64_t sessions = 0;
+  bool faulted = false;      ///< the last session ended by a fault
+  bool interrupted = false;  ///< by Ctrl-C
+};
+
+/// Loads, arms, stops and records the loop on behalf of people: the program's main thread runs it,
+/// clients ask it for things. Each arming is one session, with a world, an exercise and, where
+/// asked for, a recording of its own. A stop fades the exercise's effort out before the ramp to
+/// neutral; an emergency stop ramps at once. After either, and after a fault, nothing pushes until
+/// somebody arms.
+class Station final : public ServerBackend {
+ public:
+  explicit Station(StationConfig config);
+  ~Station() override;
+  Station(const Station&) = delete;
+  Station& operator=(const Station&) = delete;
+
+  /// Loads the first models. Before run(); not thread-safe.
+  [[nodiscard]] Expected<Done> load();
+  [[nodiscard]] const Models& models() const;
+
+  /// Sees every record, on the telemetry thread. Before run().
+  void addSink(std::function<void(const TickRecord&)> sink);
+
+  /// Serves orders on the calling thread until Ctrl-C, quit(), or the end of the time.
+  /// @param arm_at_once the first session begins without an order
+  /// @param duration_s of the first session, after which the station ends; 0: endless
+  [[nodiscard]] Expected<StationOutcome> run(bool arm_at_once, double duration_s);
+  /// Lets run() stop gently and end. Any thread.
+  void quit();
+
+  // ServerBackend: any thread.
+  void order(const Order& order, std::function<void(OrderReply)> done) override;
+  [[nodiscard]] std::shared_ptr<const SceneFacts> scene() const override;
+  [[nodiscard]] LoopStatus status() const override;
+  [[nodiscard]] bool latest(TickRecord& record) const override;
+  [[nodiscard]] std::vector<RecordingEntry> recordings() const override;
+  [[nodiscard]] std::string recordingPath(const std::string& name) const override;
+  [[nodiscard]] std::string reportFolder(const std::string& name, std::string& why) override;
+
+ private:
+  class Core;
+  std::unique_ptr<Core> core_;
+};
+
+}  // namespace wholehand
