@@ -1,0 +1,33 @@
+namespace Wholehand
+{
+    /// <summary>How a client connects.</summary>
+    public sealed class ClientOptions
+    {
+        public string Host = "127.0.0.1";
+        public int Port = 8091;
+
+        /// <summary>States a second, 1 to 1000; 0: none.</summary>
+        public int RateHz = 1000;
+
+        /// <summary>What the program asks for; empty where it asks for none.</summary>
+        public string Token = "";
+
+        /// <summary>True: events are raised by Poll(), on its caller's thread (a game's main thread), and
+        /// the game counts as alive only while it polls at least every 100 ms; where it hangs, the exercise
+        /// fades out. False: events are raised on the client's own thread, as they come.</summary>
+        public bool Polled = false;
+    }
+
+    /// <summary>The program's answer to a command.</summary>
+    public sealed class CommandReply
+    {
+        public readonly bool Accepted;
+        public readonly string Reason; // for a person; empty when accepted
+
+        public CommandReply(bool accepted, string reason)
+        {
+            Accepted = accepted;
+            Reason = reason ?? "";
+        }
+    }
+}

@@ -1,0 +1,67 @@
+using System;
+using wholehand.protocol;
+
+namespace Wholehand
+{
+    /// <summary>A copy of a WorldState that the game owns. Taking the next state into it allocates
+    /// nothing unless a number of axes changes. SI, radians, the program's axes; arrays per axis are in the order of
+    /// Scene.Axes, joints in that of Scene.JointNames, values in that of Scene.ValueNames.</summary>
+    public sealed class HandState
+    {
+        public uint Session;           // counts from 1 with every arming
+        public ulong Tick;
+        public double TimeS;
+        public long SentMonotonicNs;
+        public RunState RunState;
+        public Steering Steering;
+        public uint Faults;
+        public uint LatchedFaults;
+        public float Authority;        // 1 while rendering, 0 at neutral
+        public float Alpha;            // of the exercise's transition
+        public int PalmBody = -1;      // nearest of the exercise's bodies; -1: none
+        public float PalmDistanceM;
+        public float[] DevicePosition = new float[0];
+        public float[] HandPosition = new float[0];    // of the avatar, per axis
+        public float[] JointAngles = new float[0];     // of the avatar
+        public float[] Intention = new float[0];
+        public float[] Coupling = new float[0];        // efforts, N or N·m
+        public float[] ExerciseEffort = new float[0];
+        public float[] Damping = new float[0];
+        public float[] Sent = new float[0];
+        public float[] Phi = new float[0];
+        public double[] Values = new double[0];        // of the exercise
+
+        // Without captured variables: the compiler makes each of these once.
+        internal void CopyFrom(WorldState s)
+        {
+            Session = s.Session;
+            Tick = s.Tick;
+            TimeS = s.TimeS;
+            SentMonotonicNs = s.SentMonotonicNs;
+            RunState = s.RunState;
+            Steering = s.Steering;
+            Faults = s.Faults;
+            LatchedFaults = s.LatchedFaults;
+            Authority = s.Authority;
+            Alpha = s.Alpha;
+            PalmBody = s.PalmBody;
+            PalmDistanceM = s.PalmDistanceM;
+            Copy(ref DevicePosition, s, s.QMLength, (w, i) => w.QM(i));
+            Copy(ref HandPosition, s, s.QSLength, (w, i) => w.QS(i));
+            Copy(ref JointAngles, s, s.ThetaLength, (w, i) => w.Theta(i));
+            Copy(ref Intention, s, s.IntentionLength, (w, i) => w.Intention(i));
+            Copy(ref Coupling, s, s.CouplingLength, (w, i) => w.Coupling(i));
+            Copy(ref ExerciseEffort, s, s.ExerciseEffortLength, (w, i) => w.ExerciseEffort(i));
+            Copy(ref Damping, s, s.DampingLength, (w, i) => w.Damping(i));
+            Copy(ref Sent, s, s.SentLength, (w, i) => w.Sent(i));
+            Copy(ref Phi, s, s.PhiLength, (w, i) => w.Phi(i));
+            Copy(ref Values, s, s.ValuesLength, (w, i) => w.Values(i));
+        }
+
+        private static void Copy<T>(ref T[] target, WorldState from, int length, Func<WorldState, int, T> at)
+        {
+            if (target.Length != length) target = new T[length];
+            for (int i = 0; i < length; ++i) target[i] = at(from, i);
+        }
+    }
+}

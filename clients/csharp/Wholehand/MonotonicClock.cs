@@ -1,0 +1,17 @@
+using System.Diagnostics;
+
+namespace Wholehand
+{
+    /// <summary>Time since an arbitrary start, never set back. On Linux it is the clock of the program
+    /// (CLOCK_MONOTONIC), so that latencies can be told on one machine.</summary>
+    public static class MonotonicClock
+    {
+        public static long NowNs()
+        {
+            long ticks = Stopwatch.GetTimestamp();
+            long seconds = ticks / Stopwatch.Frequency;
+            long rest = ticks % Stopwatch.Frequency;
+            return seconds * 1000000000L + rest * 1000000000L / Stopwatch.Frequency;
+        }
+    }
+}

@@ -1,0 +1,117 @@
+using System;
+using System.Threading.Tasks;
+using FlatBuffers;
+using wholehand.protocol;
+
+namespace Wholehand
+{
+    // Commands. Each task ends with the program's answer; it never faults.
+    public sealed partial class WholehandClient
+    {
+        /// <summary>Asks for the controls; refused while another client holds them.</summary>
+        public Task<CommandReply> TakeControls()
+        {
+            return Ask(Order.TakeControls, b =>
+                wholehand.protocol.TakeControls.CreateTakeControls(b, b.CreateString(options.Token ?? "")).Value);
+        }
+
+        public Task<CommandReply> ReleaseControls()
+        {
+            return Ask(Order.ReleaseControls, b =>
+            {
+                wholehand.protocol.ReleaseControls.StartReleaseControls(b);
+                return wholehand.protocol.ReleaseControls.EndReleaseControls(b).Value;
+            });
+        }
+
+        /// <summary>Starts rendering (again).</summary>
+        public Task<CommandReply> Arm()
+        {
+            return Ask(Order.Arm, b =>
+            {
+                wholehand.protocol.Arm.StartArm(b);
+                return wholehand.protocol.Arm.EndArm(b).Value;
+            });
+        }
+
+        /// <summary>Fades the exercise out and ramps to neutral.</summary>
+        public Task<CommandReply> Stop()
+        {
+            return Ask(Order.Stop, b =>
+            {
+                wholehand.protocol.Stop.StartStop(b);
+                return wholehand.protocol.Stop.EndStop(b).Value;
+            });
+        }
+
+        /// <summary>Ramps to neutral at once; without the controls, too. Commands that still wait are
+        /// dropped.</summary>
+        public Task<CommandReply> EmergencyStop()
+        {
+            return Ask(Order.EmergencyStop, b =>
+            {
+                wholehand.protocol.EmergencyStop.StartEmergencyStop(b);
+                return wholehand.protocol.EmergencyStop.EndEmergencyStop(b).Value;
+            });
+        }
+
+        /// <summary>Empty texts and level 0: as it is.</summary>
+        public Task<CommandReply> LoadExercise(string exercise, int level = 0, string hand = "")
+        {
+            return Ask(Order.LoadExercise, b =>
+            {
+                StringOffset name = b.CreateString(exercise ?? "");
+                StringOffset handName = b.CreateString(hand ?? "");
+                return wholehand.protocol.LoadExercise.CreateLoadExercise(b, name, (ushort)level, handName).Value;
+            });
+        }
+
+        /// <summary>One of Scene.Parameters; the program ramps to the value.</summary>
+        public Task<CommandReply> SetParameter(string name, double value)
+        {
+            return Ask(Order.SetParameter, b =>
+                wholehand.protocol.SetParameter.CreateSetParameter(b, b.CreateString(name ?? ""), value).Value);
+        }
+
+        /// <summary>Who says where the virtual patient wants to be.</summary>
+        public Task<CommandReply> Steer(Steering by)
+        {
+            return Ask(Order.Steer, b => wholehand.protocol.Steer.CreateSteer(b, by).Value);
+        }
+
+        /// <summary>Next, restart, pause, resume.</summary>
+        public Task<CommandReply> Action(Act act)
+        {
+            return Ask(Order.Action, b => wholehand.protocol.Action.CreateAction(b, act).Value);
+        }
+
+        /// <summary>Where the person wants the hand to be, per axis; sent once and at once, since the next
+        /// one corrects it. Only the first that is refused is answered, through ReplyReceived.</summary>
+        public void Aim(float[] position)
+        {
+            if (position == null || position.Length < 1) throw new ArgumentException("no axes", "position");
+            lock (gate)
+            {
+                if (session == 0) return;
+                builder.Clear();
+                VectorOffset q = wholehand.protocol.Aim.CreateQVector(builder, position);
+                int aim = wholehand.protocol.Aim.CreateAim(builder, q).Value;
+                Send(DatagramKind.Message, Words.Command(builder, ++command, Order.Aim, aim));
+            }
+        }
+
+        private Task<CommandReply> Ask(Order type, Func<FlatBufferBuilder, int> make)
+        {
+            lock (gate)
+            {
+                if (session == 0) return Task.FromResult(new CommandReply(false, "not connected"));
+                builder.Clear();
+                int order = make(builder);
+                byte[] message = Words.Command(builder, ++command, type, order);
+                Task<CommandReply> answer = commands.Add(command, message, type == Order.EmergencyStop);
+                SendWhatIsDue(MonotonicClock.NowNs());
+                return answer;
+            }
+        }
+    }
+}

@@ -1,0 +1,84 @@
+// Plays the program to a game: a UdpBridge whose records come at 1 kHz from a fake backend, as
+// telemetry hands them over. Prints its port, then runs until its standard input ends, and prints
+// how late it was itself: a client on a busy machine is judged by that.
+
+#include "realtime/monotonic_clock.hpp"
+#include "server/udp_bridge.hpp"
+#include "server/udp_fake_backend.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace {
+
+constexpr std::int64_t kPeriod_ns = 1'000'000;
+constexpr std::uint64_t kTicksBetweenEvents = 250;
+
+void sleepUntil(std::int64_t at_ns) {
+  timespec t{};
+  t.tv_sec = at_ns / 1'000'000'000;
+  t.tv_nsec = at_ns % 1'000'000'000;
+  clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr);
+}
+
+/// Publishes every tick that is due, in batches where it is late, as telemetry does.
+std::vector<std::int64_t> publish(wholehand::UdpBridge& bridge,
+                                  wholehand::test::FakeBackend& backend,
+                                  const std::atomic<bool>& stopping) {
+  std::vector<std::int64_t> lateness_ns;
+  lateness_ns.reserve(200'000);
+  const std::int64_t start_ns = wholehand::monotonicNow_ns();
+  for (std::uint64_t tick = 0; !stopping; ++tick) {
+    const std::int64_t due_ns = start_ns + static_cast<std::int64_t>(tick) * kPeriod_ns;
+    if (wholehand::monotonicNow_ns() < due_ns) sleepUntil(due_ns);
+    wholehand::TickRecord record = backend.record(tick);
+    if (tick % kTicksBetweenEvents == 0) {
+      record.exercise.event_count = 1;
+      record.exercise.events[0] = {1, 2, static_cast<double>(tick / kTicksBetweenEvents)};
+    }
+    bridge.publish(record);
+    lateness_ns.push_back(wholehand::monotonicNow_ns() - due_ns);
+  }
+  return lateness_ns;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  wholehand::UdpOptions options;
+  options.local.port = 0;
+  if (argc > 1) options.token = argv[1];
+  wholehand::test::FakeBackend backend;
+  wholehand::ControlsArbiter controls;
+  wholehand::UdpBridge bridge(backend, controls);
+  if (const auto started = bridge.start(options); !started) {
+    std::fprintf(stderr, "%s\n", wholehand::format(started.errors()).c_str());
+    return 2;
+  }
+  std::printf("port %u\n", unsigned{bridge.local().port});
+  std::fflush(stdout);
+
+  std::atomic<bool> stopping{false};
+  std::vector<std::int64_t> lateness_ns;
+  std::thread telemetry([&] { lateness_ns = publish(bridge, backend, stopping); });
+  while (std::getchar() != EOF) {
+  }
+  stopping = true;
+  telemetry.join();
+  bridge.stop();
+  std::sort(lateness_ns.begin(), lateness_ns.end());
+  const auto& c = bridge.counters();
+  std::printf(
+      "late p99 %.3f ms, max %.3f ms; states %llu, repeated %llu, full %llu, silences %llu\n",
+      static_cast<double>(lateness_ns[lateness_ns.size() * 99 / 100]) * 1e-6,
+      static_cast<double>(lateness_ns.back()) * 1e-6,
+      static_cast<unsigned long long>(c.states_sent), static_cast<unsigned long long>(c.repeated),
+      static_cast<unsigned long long>(c.dropped_full), static_cast<unsigned long long>(c.silences));
+  return 0;
+}
