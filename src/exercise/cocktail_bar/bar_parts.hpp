@@ -1,0 +1,55 @@
+#pragma once
+
+#include "exercise/cocktail_bar/bar.hpp"
+#include "model/device_model.hpp"
+#include "model/toml_file.hpp"
+
+#include <string>
+#include <vector>
+
+/// The tables of a bar's file. Private to bar_*.cpp.
+namespace wholehand {
+
+/// A step as the file has it: which dispenser it is depends on the level.
+struct StepPart {
+  int liquid = -1;
+  double amount_l = 0.0;
+};
+struct DrinkPart {
+  std::string name;
+  std::vector<StepPart> steps;
+};
+struct LevelPart {
+  std::string name;
+  std::vector<int> dispensers;  ///< indices into BarParts::dispensers
+  std::vector<int> drinks;      ///< indices into BarParts::drinks
+  double tolerance_l = 0.0;
+  double threshold_n = 0.0, low_n = 0.0, high_n = 0.0;
+};
+struct BarParts {
+  std::vector<BarLiquid> liquids;
+  std::vector<BarDispenser> dispensers;  ///< of all levels
+  std::vector<DrinkPart> drinks;
+  std::vector<LevelPart> levels;
+};
+
+// Each reports what is wrong with its table to the file and returns something harmless.
+void readWall(TomlTable& wall, const DeviceModel& device, Bar& bar);
+void readGlass(TomlTable& table, BarGlass& glass);
+void readRow(TomlTable& table, BarRow& row);
+void readUpset(TomlTable& table, BarUpset& upset);
+void readScoring(TomlTable& table, BarScoring& scoring);
+[[nodiscard]] std::vector<BarLiquid> readLiquids(TomlTable& root);
+[[nodiscard]] std::vector<BarDispenser> readDispensers(TomlTable& root,
+                                                       const std::vector<BarLiquid>& liquids);
+[[nodiscard]] std::vector<DrinkPart> readDrinks(TomlTable& root,
+                                                const std::vector<BarLiquid>& liquids);
+[[nodiscard]] std::vector<LevelPart> readLevels(TomlTable& root, const BarParts& parts);
+
+/// What tables ask of each other: every drink of a level can be poured with what the level has.
+void checkLevels(TomlTable& root, const BarParts& parts, const Bar& bar);
+
+/// Fills in what the level says. @pre nothing was reported, bar.level is one of the levels
+void takeLevel(const BarParts& parts, Bar& bar);
+
+}  // namespace wholehand

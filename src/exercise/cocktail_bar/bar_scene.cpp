@@ -1,0 +1,111 @@
+#include "exercise/cocktail_bar/bar_scene.hpp"
+
+#include <algorithm>
+
+namespace wholehand {
+namespace {
+
+/// The body of that name where it is one upright cylinder; null, and told, where it is not.
+const SceneBody* cylinderOf(TomlTable& table, const std::string& name, const SceneModel& scene) {
+  const int i = scene.bodyIndex(name);
+  if (i < 0) {
+    table.fail("body", "the scene " + scene.path + " has no such body", "write the name of one");
+    return nullptr;
+  }
+  const SceneBody& body = scene.bodies[static_cast<std::size_t>(i)];
+  const bool cylinder = body.shapes.size() == 1 && body.shapes[0].type == ShapeType::kCylinder;
+  if (!cylinder || !body.pose.rotation.isIdentity(1e-9)) {
+    table.fail("body", "is no upright cylinder in the scene " + scene.path,
+               "dispensers and glass are: shape = \"cylinder\", not turned");
+    return nullptr;
+  }
+  return &body;
+}
+
+/// z of the upper (+1) or lower (-1) side of a box.
+double sideOf(TomlTable& root, const std::string& name, double side, const SceneModel& scene) {
+  const int i = scene.bodyIndex(name);
+  if (i >= 0) {
+    const SceneBody& body = scene.bodies[static_cast<std::size_t>(i)];
+    if (body.shapes.size() == 1 && body.shapes[0].type == ShapeType::kBox) {
+      return body.pose.translation_m.z() + side * body.shapes[0].half_extents_m.z();
+    }
+  }
+  root.fail("scene", "has no box named " + name, "add it: the page draws the bar by it");
+  return 0.0;
+}
+
+}  // namespace
+
+void readBodies(TomlTable& root, const SceneModel& scene, BarParts& parts, Bar& bar) {
+  bar.counter_z_m = sideOf(root, "counter", 1.0, scene);
+  bar.rail_z_m = sideOf(root, "rail", -1.0, scene);
+  if (!root.good("glass") || !root.good("dispensers")) return;
+  TomlTable glass = root.table("glass");
+  if (glass.good("body")) {
+    if (const SceneBody* body = cylinderOf(glass, bar.glass.body, scene)) {
+      bar.glass.radius_m = body->shapes[0].radius_m;
+      bar.glass.height_m = body->shapes[0].length_m;
+      if (!body->fixed) glass.fail("body", "is not fixed", "the exercise moves it: fixed = true");
+      if (bar.glass.inner_radius_m > bar.glass.radius_m) {
+        glass.fail("inner_radius_m", "is more than the body's radius", "must be less");
+      }
+      if (bar.glass.capacity_l * bar.glass.m_per_l > bar.glass.height_m) {
+        glass.fail(
+            "capacity_l", "stands higher than the glass, at m_per_l",
+            "must be " + formatNumber(bar.glass.height_m / bar.glass.m_per_l) + " l at most");
+      }
+    }
+  }
+  std::vector<TomlTable> tables = root.tables("dispensers", 1);
+  for (std::size_t i = 0; i < tables.size() && i < parts.dispensers.size(); ++i) {
+    if (!tables[i].good("body")) continue;
+    BarDispenser& d = parts.dispensers[i];
+    const SceneBody* body = cylinderOf(tables[i], d.body, scene);
+    if (body == nullptr) continue;
+    d.radius_m = body->shapes[0].radius_m;
+    d.height_m = body->shapes[0].length_m;
+    d.free = !body->fixed;
+    if (bar.row.slides && bar.row.spacing_m < 2.0 * d.radius_m) {
+      root.table("row").fail("spacing_m", "is less than " + d.body + " is wide", "must be more");
+    }
+    if (d.free && bar.row.slides) {
+      tables[i].fail("body", "is free: it cannot slide in a row",
+                     "set fixed = true in the scene, or take the table [row] out");
+    }
+  }
+}
+
+void keepBodies(const BarParts& parts, Bar& bar, SceneModel& scene) {
+  std::vector<SceneBody> kept;
+  for (SceneBody& body : scene.bodies) {
+    const auto is = [&body](const BarDispenser& d) { return d.body == body.name; };
+    const bool any = std::any_of(parts.dispensers.begin(), parts.dispensers.end(), is);
+    const bool wanted = std::any_of(bar.dispensers.begin(), bar.dispensers.end(), is);
+    if (wanted || !any) kept.push_back(std::move(body));
+  }
+  scene.bodies = std::move(kept);
+  // One alone hangs in the middle of the reach, more of them from its lower end on.
+  const BarRow& row = bar.row;
+  const double first_y_m = bar.dispensers.size() == 1
+                               ? 0.5 * (row.reach_lower_m + row.reach_upper_m)
+                               : row.reach_lower_m;
+  for (std::size_t i = 0; i < bar.dispensers.size(); ++i) {
+    BarDispenser& d = bar.dispensers[i];
+    d.body_index = scene.bodyIndex(d.body);
+    SceneBody& body = scene.bodies[static_cast<std::size_t>(d.body_index)];
+    if (row.slides) {
+      body.pose.translation_m.y() = first_y_m + static_cast<double>(i) * row.spacing_m;
+    }
+    d.home_m = body.pose.translation_m;
+  }
+  bar.glass.body_index = scene.bodyIndex(bar.glass.body);
+  const BarDispenser& first =
+      bar.dispensers[static_cast<std::size_t>(bar.drinks[0].steps[0].dispenser)];
+  if (first.free) return;
+  Eigen::Vector3d& glass_m =
+      scene.bodies[static_cast<std::size_t>(bar.glass.body_index)].pose.translation_m;
+  glass_m.head<2>() = (first.home_m + first.nozzle_m).head<2>();
+}
+
+}  // namespace wholehand

@@ -1,0 +1,58 @@
+#include "exercise/cocktail_bar/bar_senses.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace wholehand {
+namespace {
+
+int dispenserOf(const Bar& bar, int body) noexcept {
+  for (std::size_t i = 0; i < bar.dispensers.size(); ++i) {
+    if (bar.dispensers[i].body_index == body) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+void senseContacts(const Bar& bar, const TickRecord& record, BarSenses& out) noexcept {
+  for (int k = 0; k < record.contact_count; ++k) {
+    const Contact& c = record.contacts[static_cast<std::size_t>(k)];
+    const int at = dispenserOf(bar, c.body);
+    if (at < 0 && c.body != bar.glass.body_index) continue;
+    const double normal_n = c.force_n.eigen().dot(c.normal.eigen());
+    if (!(normal_n > 0.0)) continue;  // a point that is near but bears nothing
+    out.touches_any = true;
+    if (at < 0) continue;
+    out.force_n[static_cast<std::size_t>(at)] += normal_n;
+    out.touched[static_cast<std::size_t>(at)] = true;
+  }
+}
+
+}  // namespace
+
+BarSenses senseBar(const Bar& bar, const TickRecord& record, double period_s) noexcept {
+  BarSenses out;
+  out.elapsed_s = std::max(record.elapsed_periods, 1U) * period_s;
+  senseContacts(bar, record, out);
+  for (std::size_t i = 0; i < bar.dispensers.size(); ++i) {
+    const BarDispenser& d = bar.dispensers[i];
+    const BodyState& body = record.bodies[static_cast<std::size_t>(d.body_index)];
+    const Eigen::Matrix3d turn = body.orientation_xyzw.eigen().toRotationMatrix();
+    out.at_m[i] = body.position_m.eigen();
+    out.nozzle_m[i] = out.at_m[i] + turn * d.nozzle_m;
+    out.tilt_rad[i] = std::acos(std::clamp(turn(2, 2), -1.0, 1.0));
+  }
+  out.glass_m = record.bodies[static_cast<std::size_t>(bar.glass.body_index)].position_m.eigen();
+  out.nearest = dispenserOf(bar, record.palm_body);
+  out.palm_m = record.palm_target_distance_m;
+  const bool in_front = bar.x_axis < 0 || record.q_s[bar.x_axis] < bar.row.away_x_m;
+  out.drawn_back = in_front && out.palm_m >= bar.row.away_palm_m && !out.touches_any;
+  return out;
+}
+
+bool BarSenses::overGlass(int dispenser, const BarGlass& glass) const noexcept {
+  const Eigen::Vector3d from_glass = nozzle_m[static_cast<std::size_t>(dispenser)] - glass_m;
+  return from_glass.head<2>().norm() < glass.inner_radius_m &&
+         from_glass.z() > 0.5 * glass.height_m;
+}
+
+}  // namespace wholehand

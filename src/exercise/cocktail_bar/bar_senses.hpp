@@ -1,0 +1,35 @@
+#pragma once
+
+#include "core/real_time.hpp"
+#include "core/tick_record.hpp"
+#include "exercise/cocktail_bar/bar.hpp"
+
+#include <Eigen/Core>
+
+#include <array>
+
+namespace wholehand {
+
+/// What the bar makes of a tick's observation. Indices are those of Bar::dispensers, -1: none.
+struct BarSenses {
+  double elapsed_s = 0.0;
+  std::array<double, kMaxDispensers> force_n{};  ///< summed normal contact force on each
+  std::array<bool, kMaxDispensers> touched{};
+  std::array<Eigen::Vector3d, kMaxDispensers> at_m;      ///< centre of mass
+  std::array<Eigen::Vector3d, kMaxDispensers> nozzle_m;  ///< world
+  std::array<double, kMaxDispensers> tilt_rad{};         ///< of its axis from upright
+  Eigen::Vector3d glass_m = Eigen::Vector3d::Zero();     ///< centre of mass
+  bool touches_any = false;                              ///< a dispenser of the row or the glass
+  int nearest = -1;                                      ///< to the palm
+  double palm_m = 0.0;                                   ///< palm surface to it; +inf without
+  bool drawn_back = false;  ///< nothing in the way of a sliding row, nothing touched
+
+  /// Whether what leaves the nozzle falls into the glass (were it not full).
+  [[nodiscard]] WHOLEHAND_RT bool overGlass(int dispenser, const BarGlass& glass) const noexcept;
+};
+
+/// Real-time safe.
+[[nodiscard]] WHOLEHAND_RT BarSenses senseBar(const Bar& bar, const TickRecord& record,
+                                              double period_s) noexcept;
+
+}  // namespace wholehand

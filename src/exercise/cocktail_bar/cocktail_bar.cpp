@@ -1,0 +1,297 @@
+#include "exercise/cocktail_bar/cocktail_bar.hpp"
+
+#include "exercise/cocktail_bar/bar_events.hpp"
+#include "exercise/cocktail_bar/bar_file.hpp"
+#include "exercise/cocktail_bar/bar_player.hpp"
+#include "exercise/cocktail_bar/bar_values.hpp"
+#include "exercise/cocktail_bar/pouring.hpp"
+#include "exercise/cocktail_bar/recipe.hpp"
+#include "exercise/cocktail_bar/serving.hpp"
+#include "exercise/finger_walls.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <utility>
+
+namespace wholehand::cocktail_bar {
+namespace {
+
+enum Parameter : std::int32_t { kWallStiffness, kWallDamping, kLeadIn, kThreshold };
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+/// Palm nearer than the engaging distance by this: the walls are asked for, the approach is told.
+constexpr double kApproach_m = 0.05;
+
+std::vector<LiveParameter> liveParameters(const Bar& bar) {
+  return {{"wall_stiffness_ratio", "1", 0.0, kLargestWallRatio, 1.0, 0.5},
+          {"wall_damping_ratio", "1", 0.0, kLargestWallRatio, 1.0, 0.5},
+          {"lead_in_m", "m", 0.0, kLargestLeadIn_m, bar.lead_in_m, 0.005},
+          {"squeeze_threshold_ratio", "1", 0.25, 2.0, 1.0, 0.5}};
+}
+
+class CocktailBar final : public Exercise {
+ public:
+  CocktailBar(Bar bar, const DeviceModel& device, const HandModel& hand)
+      : bar_(std::move(bar)),
+        device_(device),
+        hand_(hand),
+        serving_(bar_),
+        pouring_(bar_),
+        recipe_(bar_) {
+    description_.name = bar_.name;
+    description_.level = bar_.level;
+    description_.levels = static_cast<int>(bar_.level_names.size());
+    description_.parameters = liveParameters(bar_);
+    description_.value_names = barValueNames(bar_);
+    description_.event_names.assign(kBarEventNames.begin(), kBarEventNames.end());
+    description_.json = barJson(bar_);
+    for (const BarDispenser& d : bar_.dispensers) targets_ |= 1U << d.body_index;
+    reset();
+  }
+  CocktailBar(const CocktailBar&) = delete;
+  CocktailBar& operator=(const CocktailBar&) = delete;
+
+  [[nodiscard]] const ExerciseDescription& description() const noexcept override {
+    return description_;
+  }
+
+  void reset() override {
+    serving_.reset();
+    pouring_.reset();
+    recipe_.reset();
+    transition_ = TransitionState{};
+    walls_ = FingerWallState{AxisPosition(bar_.walls.axes), AxisRatio(bar_.walls.axes)};
+    at_ = near_ = -1;
+    approached_ = -1;
+    untouched_s_ = {};
+    untouched_s_.fill(kInfinite);
+    paused_ = false;
+  }
+
+  [[nodiscard]] WorldQuery query() const noexcept override {
+    return {targets_, near_ < 0 ? -1 : bar_.dispensers[static_cast<std::size_t>(near_)].body_index};
+  }
+
+  void tick(const ExerciseInput& input, ExerciseRecord& out,
+            BodyPlacements& placements) noexcept override {
+    const TickRecord& seen = *input.observed;
+    const int closed_on_to = near_;
+    out = ExerciseRecord{};
+    const BarSenses senses = senseBar(bar_, seen, input.period_s);
+    takeActions(seen, out);
+    tellTouches(senses, out);
+    engage(senses, input, out);
+    push(senses, input, closed_on_to, out);
+    serving_.tick(senses, recipe_.order().dispenser, !paused_, placements);
+    tellUpsets(out);
+    pouring_.tick(senses, recipe_.order(), held(), lying(), input.parameters[kThreshold], !paused_,
+                  out);
+    if (!paused_) {
+      recipe_.tick(senses.elapsed_s, held(), serving_.pending(), pouring_, out);
+    }
+    show(senses, input, out);
+  }
+
+  [[nodiscard]] std::unique_ptr<Player> makePlayer(std::uint64_t seed) const override {
+    return makeBarPlayer(bar_, device_, &hand_, seed);
+  }
+
+ private:
+  /// The dispenser that the palm holds, -1: none.
+  [[nodiscard]] int held() const noexcept { return transition_.engaged ? at_ : -1; }
+
+  [[nodiscard]] unsigned lying() const noexcept {
+    unsigned bits = 0;
+    for (std::size_t i = 0; i < bar_.dispensers.size(); ++i) {
+      if (serving_.lies(static_cast<int>(i))) bits |= 1U << i;
+    }
+    return bits;
+  }
+
+  void takeActions(const TickRecord& seen, ExerciseRecord& out) noexcept {
+    for (int i = 0; i < seen.command_count; ++i) {
+      const Command& c = seen.commands[static_cast<std::size_t>(i)];
+      if (c.type == CommandType::kAction) act(static_cast<ExerciseAction>(c.index), out);
+    }
+  }
+
+  void act(ExerciseAction action, ExerciseRecord& out) noexcept {
+    if (action == ExerciseAction::kNext && recipe_.stage() != BarStage::kLevelDone) {
+      recipe_.hurry();
+    } else if (action == ExerciseAction::kRestart || action == ExerciseAction::kNext) {
+      pouring_.reset();
+      recipe_.reset();
+      paused_ = false;
+      addEvent(out, BarEvent::kRestarted);
+    } else if (action == ExerciseAction::kPause && !paused_) {
+      paused_ = true;
+      addEvent(out, BarEvent::kPaused);
+    } else if (action == ExerciseAction::kResume && paused_) {
+      paused_ = false;
+      addEvent(out, BarEvent::kResumed);
+    }
+  }
+
+  void tellTouches(const BarSenses& senses, ExerciseRecord& out) noexcept {
+    constexpr double kAgain_s = 0.2;  // contacts come and go for some ticks
+    for (std::size_t i = 0; i < bar_.dispensers.size(); ++i) {
+      if (senses.touched[i] && untouched_s_[i] > kAgain_s) {
+        addEvent(out, BarEvent::kTouched, static_cast<int>(i), senses.force_n[i]);
+      }
+      untouched_s_[i] = senses.touched[i] ? 0.0 : untouched_s_[i] + senses.elapsed_s;
+    }
+    const bool close = senses.palm_m < bar_.transition.engage_m + kApproach_m;
+    const int approached = close ? senses.nearest : -1;
+    if (approached >= 0 && approached != approached_) {
+      addEvent(out, BarEvent::kApproached, approached, senses.palm_m);
+    }
+    if (close || senses.palm_m > bar_.transition.release_m + kApproach_m) approached_ = approached;
+  }
+
+  /// The transition, Eq. (16), of one dispenser at a time: which one changes only at α = 0, so that
+  /// the walls' gains do.
+  void engage(const BarSenses& senses, const ExerciseInput& input, ExerciseRecord& out) noexcept {
+    if (!(transition_.u > 0.0)) at_ = senses.nearest;
+    const bool was_engaged = transition_.engaged;
+    const double distance_m = at_ >= 0 && senses.nearest == at_ ? senses.palm_m : kInfinite;
+    transition_ =
+        advanceTransition(transition_, distance_m, input.may_push && !paused_, bar_.transition,
+                          static_cast<int>(input.observed->elapsed_periods), input.period_s);
+    if (!(transition_.u > 0.0)) {
+      near_ = senses.palm_m < bar_.transition.release_m + kApproach_m ? senses.nearest : -1;
+    } else {
+      near_ = at_;
+    }
+    if (transition_.engaged == was_engaged) return;
+    addEvent(out, was_engaged ? BarEvent::kDisengaged : BarEvent::kEngaged, at_, senses.palm_m);
+    const int wanted = recipe_.order().dispenser;
+    if (!was_engaged && wanted >= 0 && at_ != wanted) {
+      addEvent(out, BarEvent::kWrongDispenser, at_);
+    }
+  }
+
+  /// f_e, Eq. (15) to (17). @param closed_on_to the dispenser that the closure was asked of
+  void push(const BarSenses& senses, const ExerciseInput& input, int closed_on_to,
+            ExerciseRecord& out) noexcept {
+    const TickRecord& seen = *input.observed;
+    const double alpha = transitionAlpha(transition_);
+    const bool answered = at_ >= 0 && closed_on_to == at_;
+    walls_ = followClosure(walls_, answered ? seen.closure : AxisPosition{}, seen.q_m,
+                           input.parameters[kLeadIn], alpha, bar_.walls, senses.elapsed_s);
+    WallRatios ratios{input.parameters[kWallStiffness], input.parameters[kWallDamping]};
+    if (at_ >= 0) {
+      const BarLiquid& liquid = bar_.liquids[static_cast<std::size_t>(
+          bar_.dispensers[static_cast<std::size_t>(at_)].liquid)];
+      ratios.stiffness *= liquid.stiffness;
+      ratios.damping *= liquid.viscosity;
+    }
+    out.effort = fingerWallEffort(walls_, seen.q_m, seen.qd_mf, alpha, ratios, bar_.walls);
+    out.alpha = alpha;
+    out.wall = walls_.position;
+    out.wall_active = walls_.known;
+  }
+
+  void tellUpsets(ExerciseRecord& out) const noexcept {
+    for (std::size_t i = 0; i < bar_.dispensers.size(); ++i) {
+      const int index = static_cast<int>(i);
+      if ((serving_.knockedOver() >> i & 1U) != 0U) addEvent(out, BarEvent::kKnockedOver, index);
+      if ((serving_.stoodUp() >> i & 1U) != 0U) addEvent(out, BarEvent::kStoodUp, index);
+    }
+  }
+
+  void show(const BarSenses& senses, const ExerciseInput& input,
+            ExerciseRecord& out) const noexcept;
+
+  const Bar bar_;
+  const DeviceModel device_;  ///< these two for the player
+  const HandModel hand_;
+  ExerciseDescription description_;
+  std::uint32_t targets_ = 0;
+  Serving serving_;
+  Pouring pouring_;
+  Recipe recipe_;
+  TransitionState transition_;
+  FingerWallState walls_;
+  int at_ = -1;          ///< whose walls these are; changes only at α = 0
+  int near_ = -1;        ///< whom the fingers are closed on to in the next observation
+  int approached_ = -1;  ///< told already
+  std::array<double, kMaxDispensers> untouched_s_{};
+  bool paused_ = false;
+};
+
+void CocktailBar::show(const BarSenses& senses, const ExerciseInput& input,
+                       ExerciseRecord& out) const noexcept {
+  const auto set = [&out](BarValue value, double number) noexcept {
+    out.values[static_cast<std::size_t>(value)] = number;
+  };
+  const PourOrder order = recipe_.order();
+  const Ledger& ledger = pouring_.ledger();
+  const int meter = held() >= 0 ? held() : order.dispenser;
+  const double ratio = input.parameters[kThreshold];
+  set(BarValue::kStage, static_cast<double>(recipe_.stage()));
+  set(BarValue::kDrink, recipe_.drink());
+  set(BarValue::kDrinks, static_cast<double>(bar_.drinks.size()));
+  set(BarValue::kStep, recipe_.step());
+  set(BarValue::kSteps, recipe_.steps());
+  set(BarValue::kTargetDispenser, order.dispenser);
+  set(BarValue::kEngagedDispenser, held());
+  set(BarValue::kSqueeze, pouring_.squeeze_n(meter));
+  set(BarValue::kSqueezeLow, ratio * bar_.squeeze.low_n);
+  set(BarValue::kSqueezeHigh, ratio * bar_.squeeze.high_n);
+  set(BarValue::kSqueezeFull, ratio * bar_.squeeze.full_n);
+  set(BarValue::kSqueezeThreshold, ratio * bar_.squeeze.threshold_n);
+  set(BarValue::kFlow, pouring_.flow_l_s());
+  set(BarValue::kOverGlass, meter >= 0 && senses.overGlass(meter, bar_.glass) ? 1.0 : 0.0);
+  set(BarValue::kPoured, ledger.layer_l(order.step));
+  set(BarValue::kAsked, order.amount_l);
+  set(BarValue::kTolerance, order.tolerance_l);
+  set(BarValue::kGlass, ledger.glass_l());
+  set(BarValue::kSpilt, ledger.spilt_l());
+  set(BarValue::kScore, recipe_.score());
+  set(BarValue::kStars, recipe_.stars());
+  set(BarValue::kDrinkTime, recipe_.drinkTime_s());
+  set(BarValue::kRowY, serving_.rowY_m());
+  set(BarValue::kPouredTotal, ledger.poured_l());
+  set(BarValue::kStartTotal, ledger.start_l());
+  set(BarValue::kRestLeft, recipe_.restLeft_s());
+  set(BarValue::kPaused, paused_ ? 1.0 : 0.0);
+  set(BarValue::kPalmDispenser, senses.nearest);
+  auto next = static_cast<std::size_t>(BarValue::kCount);
+  for (std::size_t i = 0; i < bar_.dispensers.size(); ++i) {
+    out.values[next++] = ledger.left_l(static_cast<int>(i));
+  }
+  for (int i = 0; i < kMaxSteps; ++i) out.values[next++] = ledger.layer_l(i);
+  out.value_count = static_cast<std::int32_t>(next);
+}
+
+std::vector<ExerciseWall> stiffestWalls(const Bar& bar) {
+  double stiffest = 0.0, thickest = 0.0;
+  for (const BarDispenser& d : bar.dispensers) {
+    stiffest = std::max(stiffest, bar.liquids[static_cast<std::size_t>(d.liquid)].stiffness);
+    thickest = std::max(thickest, bar.liquids[static_cast<std::size_t>(d.liquid)].viscosity);
+  }
+  std::vector<ExerciseWall> walls;
+  for (int i = 0; i < bar.walls.axes; ++i) {
+    const double k = kLargestWallRatio * stiffest * bar.walls.stiffness[i];
+    const double d = kLargestWallRatio * thickest * bar.walls.damping[i];
+    if (k > 0.0 || d > 0.0) walls.push_back({i, k, d});
+  }
+  return walls;
+}
+
+}  // namespace
+
+Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
+  Expected<LoadedBar> loaded = loadBar(file, source);
+  if (!loaded) return loaded.errors();
+  LoadedExercise out;
+  out.files = {source.path, loaded->scene.path};
+  out.walls = stiffestWalls(loaded->bar);
+  out.exercise =
+      std::make_unique<CocktailBar>(std::move(loaded->bar), *source.device, *source.hand);
+  out.scene = std::move(loaded->scene);
+  return out;
+}
+
+}  // namespace wholehand::cocktail_bar

@@ -1,0 +1,83 @@
+#include "exercise/cocktail_bar/pouring.hpp"
+
+#include "exercise/cocktail_bar/bar_events.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+namespace wholehand {
+
+void Pouring::reset() noexcept {
+  ledger_.fill(bar_.dispensers);
+  squeeze_n_ = {};
+  flowing_ = -1;
+  flow_l_s_ = 0.0;
+  into_glass_ = spilling_ = false;
+}
+
+double Pouring::squeeze_n(int dispenser) const noexcept {
+  return dispenser < 0 ? 0.0 : squeeze_n_[static_cast<std::size_t>(dispenser)];
+}
+
+bool Pouring::letGo(int dispenser) const noexcept {
+  return squeeze_n(dispenser) < bar_.squeeze.let_go_n &&
+         !(flowing_ == dispenser && flow_l_s_ > 0.0);
+}
+
+double Pouring::wanted_l_s(int dispenser, double threshold_ratio) const noexcept {
+  const BarDispenser& d = bar_.dispensers[static_cast<std::size_t>(dispenser)];
+  const double over_n = squeeze_n(dispenser) - threshold_ratio * bar_.squeeze.threshold_n;
+  const double thinnest_l_s = std::clamp(bar_.flow.l_per_s_n * over_n, 0.0, bar_.flow.max_l_s);
+  return thinnest_l_s / bar_.liquids[static_cast<std::size_t>(d.liquid)].viscosity;
+}
+
+void Pouring::tick(const BarSenses& senses, const PourOrder& order, int engaged, unsigned lying,
+                   double threshold_ratio, bool running, ExerciseRecord& out) noexcept {
+  const double tau_s = 1.0 / (2.0 * std::numbers::pi * bar_.squeeze.filter_hz);
+  for (std::size_t i = 0; i < bar_.dispensers.size(); ++i) {
+    squeeze_n_[i] =
+        (tau_s * squeeze_n_[i] + senses.elapsed_s * senses.force_n[i]) / (tau_s + senses.elapsed_s);
+  }
+  const bool was_into_glass = into_glass_;
+  const double before_l = ledger_.layer_l(order.step), spilt_before_l = ledger_.spilt_l();
+  flowing_ = engaged;
+  flow_l_s_ = 0.0;
+  into_glass_ = false;
+  if (running && engaged >= 0) {
+    const double wanted_l = wanted_l_s(engaged, threshold_ratio) * senses.elapsed_s;
+    const bool over = engaged == order.dispenser && senses.overGlass(engaged, bar_.glass);
+    const double room_l = order.amount_l + order.tolerance_l - before_l;
+    const bool had = !empty(engaged);
+    const double went_l =
+        over ? ledger_.pour(engaged, wanted_l, order.step, room_l, bar_.glass.capacity_l)
+             : ledger_.spill(engaged, wanted_l);
+    flow_l_s_ = went_l / senses.elapsed_s;
+    into_glass_ = over && went_l > 0.0;
+    if (had && empty(engaged)) addEvent(out, BarEvent::kEmpty, engaged);
+  }
+  for (std::size_t i = 0; running && i < bar_.dispensers.size(); ++i) {
+    const BarLiquid& liquid = bar_.liquids[static_cast<std::size_t>(bar_.dispensers[i].liquid)];
+    if ((lying >> i & 1U) == 0U) continue;
+    (void)ledger_.spill(static_cast<int>(i),
+                        bar_.upset.leak_l_s / liquid.viscosity * senses.elapsed_s);
+  }
+  tellOf(order, before_l, spilt_before_l, was_into_glass, out);
+}
+
+void Pouring::tellOf(const PourOrder& order, double before_l, double spilt_before_l,
+                     bool was_into_glass, ExerciseRecord& out) noexcept {
+  const double now_l = ledger_.layer_l(order.step);
+  const bool spills = ledger_.spilt_l() > spilt_before_l;
+  if (into_glass_ && !was_into_glass) addEvent(out, BarEvent::kPourBegan, order.dispenser);
+  if (!into_glass_ && was_into_glass) addEvent(out, BarEvent::kPourEnded, order.dispenser, now_l);
+  if (before_l < order.amount_l && now_l >= order.amount_l) {
+    addEvent(out, BarEvent::kLineReached, order.step, now_l);
+  }
+  if (spills && !spilling_) {
+    if (into_glass_) addEvent(out, BarEvent::kOverfilled, order.step, now_l);
+    addEvent(out, BarEvent::kSpilt, flowing_, ledger_.spilt_l());
+  }
+  spilling_ = spills;
+}
+
+}  // namespace wholehand

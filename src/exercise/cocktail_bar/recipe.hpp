@@ -1,0 +1,64 @@
+#pragma once
+
+#include "core/exercise_record.hpp"
+#include "core/real_time.hpp"
+#include "exercise/cocktail_bar/bar.hpp"
+#include "exercise/cocktail_bar/bar_stage.hpp"
+#include "exercise/cocktail_bar/pouring.hpp"
+
+#include <cstdint>
+
+namespace wholehand {
+
+/// Share of accuracy: 1 at the asked amount, 0.8 at the tolerance's edge, 0 from three tolerances
+/// on.
+[[nodiscard]] WHOLEHAND_RT double pourAccuracy(double poured_l, double asked_l,
+                                               double tolerance_l) noexcept;
+
+/// Score of a drink, 0 .. 100: 100 · accuracy − points for spills + points for time, these in full
+/// up to par and none from twice par on.
+[[nodiscard]] WHOLEHAND_RT double drinkScore(const BarScoring& scoring, double accuracy,
+                                             double spilt_l, double time_s, int steps) noexcept;
+
+/// Goes through drinks and steps of a level and counts.
+class Recipe {
+ public:
+  explicit Recipe(const Bar& bar) : bar_(bar) {}
+
+  void reset() noexcept;
+  /// Ends the rest after a drink. Real-time safe.
+  WHOLEHAND_RT void hurry() noexcept { rest_left_s_ = 0.0; }
+
+  /// @param held the dispenser that is held, -1: none @param pending the target is not yet served
+  WHOLEHAND_RT void tick(double elapsed_s, int held, bool pending, Pouring& pouring,
+                         ExerciseRecord& out) noexcept;
+
+  [[nodiscard]] PourOrder order() const noexcept;
+  [[nodiscard]] BarStage stage() const noexcept { return stage_; }
+  [[nodiscard]] int drink() const noexcept { return drink_; }
+  [[nodiscard]] int step() const noexcept { return step_; }
+  [[nodiscard]] int steps() const noexcept;
+  [[nodiscard]] double score() const noexcept;
+  [[nodiscard]] int stars() const noexcept { return stars_; }
+  [[nodiscard]] double drinkTime_s() const noexcept { return time_s_; }
+  [[nodiscard]] double restLeft_s() const noexcept { return rest_left_s_; }
+
+ private:
+  [[nodiscard]] BarStage stageOfStep(int held, bool pending, const Pouring& pouring) const noexcept;
+  void endStep(double poured_l, const Pouring& pouring, ExerciseRecord& out) noexcept;
+  void endDrink(const Pouring& pouring, ExerciseRecord& out) noexcept;
+  void rest(double elapsed_s, Pouring& pouring, ExerciseRecord& out) noexcept;
+
+  const Bar& bar_;
+  BarStage stage_ = BarStage::kReach;
+  int drink_ = 0, step_ = 0;
+  double accuracy_sum_ = 0.0;  ///< of this drink's steps
+  double spilt_before_l_ = 0.0;
+  double time_s_ = 0.0;
+  double score_sum_ = 0.0;  ///< of the drinks that are done
+  int drinks_done_ = 0;
+  int stars_ = 0;
+  double rest_left_s_ = 0.0;
+};
+
+}  // namespace wholehand

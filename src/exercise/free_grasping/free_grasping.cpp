@@ -1,0 +1,85 @@
+#include "exercise/free_grasping/free_grasping.hpp"
+
+#include <array>
+#include <cstdint>
+#include <utility>
+
+namespace wholehand::free_grasping {
+namespace {
+
+enum Value : std::int32_t { kPalmBody, kPalmDistance, kHeldForce, kValues };
+
+/// Sum of the normal forces of the hand's contacts, whatever they touch [N].
+double normalForce(const TickRecord& record) noexcept {
+  double sum_n = 0.0;
+  for (int i = 0; i < record.contact_count; ++i) {
+    const Contact& c = record.contacts[static_cast<std::size_t>(i)];
+    sum_n += c.force_n.x * c.normal.x + c.force_n.y * c.normal.y + c.force_n.z * c.normal.z;
+  }
+  return sum_n;
+}
+
+class FreeGrasping final : public Exercise {
+ public:
+  FreeGrasping(const SceneModel& scene, const std::string& name, const DeviceModel& device)
+      : axes_(device.axisCount()) {
+    description_.name = name;
+    description_.value_names = {"palm_body", "palm_distance_m", "squeeze_n"};
+    description_.json = R"({"kind":"free_grasping"})";
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) query_.targets |= 1U << i;
+  }
+
+  [[nodiscard]] const ExerciseDescription& description() const noexcept override {
+    return description_;
+  }
+  void reset() override {}
+  [[nodiscard]] WorldQuery query() const noexcept override { return query_; }
+
+  void tick(const ExerciseInput& input, ExerciseRecord& out,
+            BodyPlacements& placements) noexcept override {
+    out = ExerciseRecord{};
+    placements.count = 0;
+    out.effort = AxisEffort(axes_);
+    out.wall_active = AxisRatio(axes_);
+    out.wall = AxisPosition(axes_);
+    out.value_count = kValues;
+    out.values[kPalmBody] = input.observed->palm_body;
+    out.values[kPalmDistance] = input.observed->palm_target_distance_m;
+    out.values[kHeldForce] = normalForce(*input.observed);
+  }
+
+  [[nodiscard]] std::unique_ptr<Player> makePlayer(std::uint64_t) const override {
+    return nullptr;  // what a free hand wants, a motion or a person says
+  }
+
+ private:
+  int axes_;
+  ExerciseDescription description_;
+  WorldQuery query_;
+};
+
+}  // namespace
+
+LoadedExercise inScene(SceneModel scene, const std::string& name, const DeviceModel& device) {
+  LoadedExercise out;
+  out.exercise = std::make_unique<FreeGrasping>(scene, name, device);
+  out.files = {scene.path};
+  out.scene = std::move(scene);
+  return out;
+}
+
+Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
+  Diagnostics faults = file.finish();
+  if (source.level != 1) {
+    faults.push_back({source.path, 0, "", "", "free grasping has one level", "ask for level 1"});
+  }
+  if (source.scene_path.empty()) return faults;
+  Expected<SceneModel> scene = loadSceneFile(source.scene_path);
+  if (!scene) faults.insert(faults.end(), scene.errors().begin(), scene.errors().end());
+  if (!faults.empty()) return faults;
+  LoadedExercise out = inScene(std::move(*scene), source.name, *source.device);
+  out.files.insert(out.files.begin(), source.path);
+  return out;
+}
+
+}  // namespace wholehand::free_grasping
