@@ -1,0 +1,152 @@
+#include "experiments/cocktail_trial.hpp"
+
+#include "assembly/recorded_run.hpp"
+#include "experiments/listening_player.hpp"
+#include "realtime/monotonic_clock.hpp"
+#include "runtime/session.hpp"
+#include "telemetry/recording.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace wholehand {
+namespace {
+
+constexpr int kLevelDone = 5;  // value "stage"
+constexpr double kAfterwards_s = 0.5;
+
+/// Reads figures of the exercise by their names.
+class BarFigures {
+ public:
+  explicit BarFigures(const ExerciseDescription& description) : description_(description) {
+    for (const char* name : {"stage", "score", "spilt_l", "poured_l", "asked_l", "tolerance_l",
+                             "poured_total_l", "start_total_l"}) {
+      indices_.push_back(indexOf(description.value_names, name));
+    }
+    for (std::size_t i = 0; i < description.value_names.size(); ++i) {
+      if (description.value_names[i].starts_with("left_l/")) left_.push_back(i);
+    }
+  }
+  [[nodiscard]] bool known() const {
+    return std::all_of(indices_.begin(), indices_.end(), [](int i) { return i >= 0; });
+  }
+  enum Figure { kStage, kScore, kSpilt, kPoured, kAsked, kTolerance, kPouredTotal, kStartTotal };
+  [[nodiscard]] double operator()(Figure figure, const ExerciseRecord& record) const {
+    return record.values[static_cast<std::size_t>(indices_[figure])];
+  }
+  [[nodiscard]] double left_l(const ExerciseRecord& record) const {
+    double sum = 0.0;
+    for (const std::size_t i : left_) sum += record.values[i];
+    return sum;
+  }
+  [[nodiscard]] int event(const char* name) const {
+    return indexOf(description_.event_names, name);
+  }
+
+ private:
+  static int indexOf(const std::vector<std::string>& names, const std::string& name) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    return found == names.end() ? -1 : static_cast<int>(found - names.begin());
+  }
+  const ExerciseDescription& description_;
+  std::vector<int> indices_;
+  std::vector<std::size_t> left_;
+};
+
+class Observer {
+ public:
+  Observer(const BarFigures& figures, CocktailResult& result)
+      : figures_(figures),
+        result_(result),
+        step_done_(figures.event("step_done")),
+        wrong_(figures.event("wrong_dispenser")),
+        knocked_over_(figures.event("knocked_over")) {}
+
+  void operator()(const TickRecord& r) {
+    const ExerciseRecord& e = r.exercise;
+    for (int i = 0; i < e.event_count; ++i) take(e.events[static_cast<std::size_t>(i)]);
+    asked_l_ = figures_(BarFigures::kAsked, e);
+    tolerance_l_ = figures_(BarFigures::kTolerance, e);
+    result_.score = figures_(BarFigures::kScore, e);
+    result_.spilt_l = figures_(BarFigures::kSpilt, e);
+    const double sum_l = figures_(BarFigures::kPouredTotal, e) + result_.spilt_l +
+                         figures_.left_l(e) - figures_(BarFigures::kStartTotal, e);
+    result_.volume_error_l = std::max(result_.volume_error_l, std::abs(sum_l));
+    result_.time_s = r.time_s;
+    done_ = figures_(BarFigures::kStage, e) == kLevelDone;
+  }
+  [[nodiscard]] bool done() const { return done_; }
+
+ private:
+  void take(const ExerciseEvent& event) {
+    if (event.type == wrong_) ++result_.wrong_dispenser;
+    if (event.type == knocked_over_) ++result_.knocked_over;
+    if (event.type != step_done_) return;
+    const double error_l = std::abs(event.value - asked_l_);  // asked for until the tick before
+    ++result_.steps;
+    result_.amount_error_max_l = std::max(result_.amount_error_max_l, error_l);
+    if (error_l <= tolerance_l_) ++result_.steps_in_tolerance;
+  }
+
+  const BarFigures& figures_;
+  CocktailResult& result_;
+  int step_done_, wrong_, knocked_over_;
+  double asked_l_ = 0.0, tolerance_l_ = 0.0;
+  bool done_ = false;
+};
+
+Diagnostic notPlayable(const std::string& file, const char* why) {
+  return {file, 0, "", "", why, "give the file of a cocktail bar"};
+}
+
+}  // namespace
+
+Expected<CocktailResult> runCocktail(const CocktailPlan& plan) {
+  auto models = loadModels(plan.files);
+  if (!models) return models.errors();
+  if (!models->exercise) return notPlayable(plan.files.exercise, "no exercise was named");
+  const Exercise& exercise = *models->exercise;
+  const BarFigures figures(exercise.description());
+  std::unique_ptr<Player> player = exercise.makePlayer(plan.seed);
+  if (!figures.known() || !player) {
+    return notPlayable(plan.files.exercise, "is not an exercise that a virtual patient can win");
+  }
+  ListeningPlayer listener(*player);
+  auto rig = buildRig(std::move(*models), std::move(player), plan.rig);
+  if (!rig) return rig.errors();
+  if (auto armed = (*rig)->renderer->arm(); !armed) return armed.errors();
+
+  CocktailResult result;
+  result.level = plan.files.level;
+  result.seed = plan.seed;
+  std::unique_ptr<RecordingWriter> writer;
+  if (!plan.record.empty()) {
+    auto meta = describeRecording(**rig, "Cocktail bar, level " + std::to_string(result.level),
+                                  plan.seed, true);
+    if (!meta) return meta.errors();
+    auto created = RecordingWriter::create(plan.record, *meta);
+    if (!created) return created.errors();
+    writer = std::move(*created);
+  }
+  SessionConfig config;
+  config.duration_ticks = static_cast<std::uint64_t>(plan.most_s / plan.rig.period_s);
+  config.listener = &listener;
+  Session session(*(*rig)->renderer, config);
+  Observer observe(figures, result);
+  double done_s = 0.0;
+  const std::int64_t began_ns = monotonicNow_ns();
+  session.runSimulated([&](const TickRecord& record) {
+    observe(record);
+    if (writer) writer->append(record);
+    done_s = observe.done() ? done_s + plan.rig.period_s : 0.0;
+    if (done_s > kAfterwards_s || InterruptScope::interrupted()) session.requestStop();
+  });
+  result.wall_s = static_cast<double>(monotonicNow_ns() - began_ns) * 1e-9;
+  if (writer) writer->close();
+  result.faulted = any(session.counters().latched);
+  result.interrupted = InterruptScope::interrupted();
+  result.completed = observe.done() && !result.faulted;
+  return result;
+}
+
+}  // namespace wholehand
