@@ -26,11 +26,6 @@ export function bytes(count: number): string {
   return `${fixed(count / 1e9, 1)} GB`;
 }
 
-/** Puts values into the gaps of a text: fill('{a} of {b}', {a: 1, b: 2}). */
-export function fill(text: string, values: Readonly<Record<string, string | number>>): string {
-  return text.replace(/\{(\w+)\}/g, (gap, name: string) => String(values[name] ?? gap));
-}
-
 /** A name of the program, "adult-median-right" or "wall_ratio", as words. */
 export function asWords(name: string): string {
   const words = name.replace(/[-_]+/g, ' ').trim();

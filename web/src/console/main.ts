@@ -1,1 +1,40 @@
-export {};
+import 'uplot/dist/uPlot.min.css';
+import '../shared/tokens.css';
+import './console.css';
+import { openConnection } from '../net/open_connection';
+import { ClockOffset, FrameStats, type WholehandStats } from '../game/frame_stats';
+import { onLanguage, startLanguage } from '../shared/i18n';
+import { ConsolePage } from './page';
+import { startTheme } from './theme';
+
+declare global {
+  interface Window { wholehandStats: WholehandStats }
+}
+
+startTheme();
+startLanguage();
+const connection = await openConnection();
+const page = new ConsolePage(document.querySelector<HTMLElement>('#app')!, connection);
+onLanguage(() => page.build());
+
+// What the page costs and how old what it shows is.
+const stats = new FrameStats();
+const clock = new ClockOffset();
+connection.on('state', (state) => clock.heard(Number(state.sentMonotonicNs) / 1e6, connection.latestStateAt_ms));
+Object.defineProperty(window, 'wholehandStats', { get: () => stats.report(page.quality) });
+
+function frame(now_ms: number): void {
+  requestAnimationFrame(frame);
+  const began_ms = performance.now();
+  const state = connection.latestState;
+  page.frame(began_ms);
+  // uPlot draws in a microtask of its own: what it costs counts too.
+  queueMicrotask(() => {
+    const ended_ms = performance.now();
+    const age_ms = state ? clock.age_ms(Number(state.sentMonotonicNs) / 1e6, ended_ms) : NaN;
+    stats.add(now_ms, ended_ms - began_ms + connection.takeReading_ms(), age_ms);
+  });
+}
+requestAnimationFrame(frame);
+await page.loadView();
+stats.reset();

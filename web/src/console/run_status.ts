@@ -1,7 +1,7 @@
 import type { ConnectionStatus } from '../net/connection';
 import { RunState, type WorldStateT } from '../protocol';
+import { fill } from '../shared/i18n';
 import type { ConsoleTexts } from './i18n/en';
-import { fill } from './format';
 
 export type StatusName = keyof ConsoleTexts['states'];
 

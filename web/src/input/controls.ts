@@ -1,6 +1,7 @@
 import './input.css';
 import type { Connection } from '../net/connection';
 import { RunState, Steering, type SceneT } from '../protocol';
+import { language, type Language } from '../shared/i18n';
 import { AimModel, type AimConfig } from './aim_model';
 import { GamepadWay } from './gamepad';
 import { de } from './i18n/de';
@@ -13,7 +14,7 @@ import { Touch } from './touch';
 import { Webcam, type WebcamView } from './webcam';
 import { now_s, WAYS, type InputWay, type Way } from './wish';
 
-const TEXTS: Readonly<Record<string, InputTexts>> = { en, de, fr };
+const TEXTS: Readonly<Record<Language, InputTexts>> = { en, de, fr };
 
 /** Aims go out this often at most [Hz]. */
 const RATE_HZ = 60;
@@ -21,8 +22,8 @@ const RATE_HZ = 60;
 const ASK_AGAIN_S = 1;
 
 export interface ControlsOptions {
-  /** "en", "de" or "fr", asked whenever something is said. */
-  language?: () => string;
+  /** Language of what is said; the page's unless told otherwise. */
+  language?: () => Language;
   aim?: Partial<AimConfig>;
 }
 
@@ -119,7 +120,7 @@ export class Controls {
     this.timer = setInterval(() => this.step(), 1000 / RATE_HZ);
   }
 
-  /** Stops listening; the hand stays where it was last aimed. */
+  /** Stops listening; the hand stays where it was last aimed, and an open camera stays open. */
   disable(): void {
     if (this.timer === undefined) return;
     clearInterval(this.timer);
@@ -136,7 +137,7 @@ export class Controls {
   }
 
   stopWebcam(): void {
-    this.webcam.disable();
+    this.webcam.stop();
   }
 
   /** What to say while the camera sees no hand. */
@@ -145,7 +146,7 @@ export class Controls {
   }
 
   private texts(): InputTexts {
-    return TEXTS[this.options.language?.() ?? 'en'] ?? en;
+    return TEXTS[(this.options.language ?? language)()];
   }
 
   private onScene(scene: SceneT): void {

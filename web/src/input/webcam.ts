@@ -69,14 +69,17 @@ export class Webcam implements InputWay {
   private stream: MediaStream | undefined;
   private video: HTMLVideoElement | undefined;
   private running = false;
+  private enabled = false;
 
   constructor(private readonly onView: (view: WebcamView | undefined) => void) {}
 
-  // The camera is only ever opened by start(): enabling must not ask for it.
-  enable(): void {}
+  // The camera is only ever opened by start() and closed by stop(): a pause does neither.
+  enable(): void {
+    this.enabled = true;
+  }
 
   disable(): void {
-    this.stop();
+    this.enabled = false;
     this.claimed_s = -Infinity;
   }
 
@@ -114,6 +117,7 @@ export class Webcam implements InputWay {
 
   stop(): void {
     this.running = false;
+    this.claimed_s = -Infinity;
     this.stream?.getTracks().forEach((track) => track.stop());
     this.stream = undefined;
     void this.hands?.close();
@@ -155,7 +159,8 @@ export class Webcam implements InputWay {
     const reading = readHand(image, world, aspect);
     if (reading) {
       this.latest = this.follower.follow(reading, time_s);
-      this.lastSeen_s = this.claimed_s = time_s;
+      this.lastSeen_s = time_s;
+      if (this.enabled) this.claimed_s = time_s;
     }
     this.onView({ video: this.video, seen: time_s - this.lastSeen_s < LOST_S });
   }

@@ -2,7 +2,6 @@ import type { ConsoleTexts } from './en';
 
 export const de: ConsoleTexts = {
   title: 'Wholehand: Konsole',
-  skip: 'Zu den Parametern',
   hand: { right: 'rechte Hand', left: 'linke Hand' },
   session: 'Sitzung {n}',
   level: 'Stufe {n}',
@@ -54,7 +53,6 @@ export const de: ConsoleTexts = {
     none: 'Keine 3D-Ansicht: Dieser Browser hat kein WebGL. Alles andere geht.',
     loading: 'Die 3D-Ansicht wird aufgebaut …',
   },
-  liquids: { lemon: 'Zitrone', cherry: 'Kirsche', blueberry: 'Blaubeere', coconut: 'Kokos' },
   pouring: '{liquid}, {a} / {b} ml',
 
   safety: {

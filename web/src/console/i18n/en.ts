@@ -1,7 +1,6 @@
 /** Everything the console says. The other languages have the same shape. */
 export const en = {
   title: 'Wholehand: console',
-  skip: 'Skip to the parameters',
   hand: { right: 'right hand', left: 'left hand' },
   session: 'Session {n}',
   level: 'Level {n}',
@@ -53,7 +52,6 @@ export const en = {
     none: 'No 3D view: this browser has no WebGL. Everything else works.',
     loading: 'The 3D view is being built …',
   },
-  liquids: { lemon: 'Lemon', cherry: 'Cherry', blueberry: 'Blueberry', coconut: 'Coconut' } as Record<string, string>,
   pouring: '{liquid}, {a} / {b} ml',
 
   safety: {

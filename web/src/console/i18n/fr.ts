@@ -2,7 +2,6 @@ import type { ConsoleTexts } from './en';
 
 export const fr: ConsoleTexts = {
   title: 'Wholehand : console',
-  skip: 'Aller aux paramètres',
   hand: { right: 'main droite', left: 'main gauche' },
   session: 'Séance {n}',
   level: 'Niveau {n}',
@@ -54,7 +53,6 @@ export const fr: ConsoleTexts = {
     none: 'Pas de vue 3D : ce navigateur n’a pas WebGL. Tout le reste fonctionne.',
     loading: 'La vue 3D se prépare …',
   },
-  liquids: { lemon: 'Citron', cherry: 'Cerise', blueberry: 'Myrtille', coconut: 'Coco' },
   pouring: '{liquid}, {a} / {b} ml',
 
   safety: {

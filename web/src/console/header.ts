@@ -1,0 +1,136 @@
+import { Act, RunState } from '../protocol';
+import { fill, language, LANGUAGES, setLanguage, type Language } from '../shared/i18n';
+import { h, say, setAttribute, setClass } from './dom';
+import { asWords } from './format';
+import { texts } from './i18n';
+import { icon, type IconName } from './icons';
+import type { ConsoleModel, Panel } from './model';
+import { toggleTheme } from './theme';
+
+const LANGUAGE_NAMES: Readonly<Record<Language, string>> = { de: 'Deutsch', fr: 'Français', en: 'English' };
+const PILL_ICON: Readonly<Record<string, IconName>> = {
+  rendering: 'ok', disarmed: 'wait', connecting: 'wait', paused: 'wait', stopping: 'wait', stopped: 'wait', faulted: 'bad', lost: 'bad',
+};
+
+/** Who, what, which state; pause or start, and the emergency stop, always in the same place. */
+export class Header implements Panel {
+  readonly element: HTMLElement;
+  private readonly t = texts();
+  private readonly who = pair();
+  private readonly what = pair();
+  private readonly pillName = h('b');
+  private readonly pillCause = h('small');
+  private readonly pillIcon = h('span', { class: 'pill-icon' });
+  private readonly pill: HTMLElement;
+  private readonly main: HTMLButtonElement;
+  private mainShows = '';
+
+  constructor(private readonly model: ConsoleModel, private readonly rebuild: () => void) {
+    const { t } = this;
+    this.pill = h('div', { class: 'pill', role: 'status', 'data-testid': 'state' },
+      this.pillIcon, h('span', {}, this.pillName, this.pillCause));
+    this.main = h('button', { type: 'button', class: 'b', 'data-testid': 'pause' });
+    this.main.addEventListener('click', () => this.pauseOrStart());
+    const stop = h('button', { type: 'button', class: 'b stop', 'data-testid': 'emergency-stop' },
+      icon('stop'), t.emergency, h('kbd', {}, t.esc));
+    stop.addEventListener('click', () => void model.emergencyStop());
+    this.element = h('header', { class: 'top' },
+      h('h1', { class: 'brand' }, icon('logo'), 'Wholehand'), this.who.element, this.what.element, this.pill,
+      h('span', { class: 'sp' }), this.languageChoice(), this.tablesButton(), this.themeButton(), this.main, stop);
+    this.refresh();
+  }
+
+  /** Space: pauses, goes on, or starts. */
+  pauseOrStart(): void {
+    const { model, t } = this;
+    if (model.state?.runState !== RunState.Rendering) {
+      void model.command(t.arm, () => model.connection.arm());
+      return;
+    }
+    const act = model.paused ? Act.Resume : Act.Pause;
+    void model.command(model.paused ? t.resume : t.pause, () => model.connection.act(act));
+  }
+
+  refresh(): void {
+    this.refreshWho();
+    this.refreshPill();
+    this.refreshMain();
+  }
+
+  private refreshWho(): void {
+    const { model, t } = this;
+    const { scene } = model;
+    if (!scene) return;
+    const side = scene.rightHand ? t.hand.right : t.hand.left;
+    say(this.who.first, `${asWords(String(scene.patientName ?? ''))}, ${side}`);
+    say(this.who.second, `${fill(t.session, { n: model.state?.session ?? scene.session })}, ${String(scene.deviceName ?? '')}`);
+    const exercise = String(scene.exerciseName ?? '');
+    say(this.what.first, t.exercises[exercise] ?? (exercise === '' ? t.noExercise : asWords(exercise)));
+    const drinks = model.value('drinks') ?? 0;
+    const drink = Math.min((model.value('drink') ?? 0) + 1, drinks);
+    const level = scene.levels > 0 ? fill(t.level, { n: scene.level }) : '';
+    say(this.what.second, drinks > 0 ? `${level}, ${fill(t.drinkOf, { n: drink, m: drinks })}` : level);
+  }
+
+  private refreshPill(): void {
+    const { model, t } = this;
+    const { name, bad } = model.status;
+    const limited = name === 'rendering' && model.limited;
+    if (this.pill.dataset.name !== name) {
+      this.pill.dataset.name = name;
+      this.pillIcon.replaceChildren(icon(PILL_ICON[name]));
+    }
+    setClass(this.pill, 'bad', bad);
+    setClass(this.pill, 'warn', limited || name === 'stopping' || name === 'stopped' || name === 'paused');
+    say(this.pillName, t.states[name]);
+    say(this.pillCause, limited ? t.pill.limited : t.pill[name]);
+  }
+
+  private refreshMain(): void {
+    const { model, t } = this;
+    const { name } = model.status;
+    const shows = name === 'rendering' ? 'pause' : name === 'paused' ? 'resume' : name === 'disarmed' ? 'arm' : 'armAgain';
+    const usable = ['rendering', 'paused', 'disarmed', 'stopped', 'faulted'].includes(name);
+    this.main.disabled = !usable;
+    if (this.mainShows === shows) return;
+    this.mainShows = shows;
+    setClass(this.main, 'go', shows === 'arm' || shows === 'armAgain');
+    this.main.replaceChildren(icon(shows === 'pause' ? 'pause' : 'play'), t[shows], h('kbd', {}, t.space));
+    setAttribute(this.main, 'data-testid', shows === 'pause' || shows === 'resume' ? 'pause' : 'arm');
+  }
+
+  private languageChoice(): HTMLElement {
+    const select = h('select', { 'aria-label': this.t.language, 'data-testid': 'language', class: 'lang' },
+      ...LANGUAGES.map((key) => h('option', { value: key, selected: key === language(), lang: key }, LANGUAGE_NAMES[key])));
+    select.addEventListener('change', () => setLanguage(select.value as Language));
+    return select;
+  }
+
+  private themeButton(): HTMLElement {
+    const button = h('button', { type: 'button', class: 'b icon', 'aria-label': this.t.theme, title: this.t.theme, 'data-testid': 'theme' }, icon('theme'));
+    button.addEventListener('click', () => {
+      toggleTheme();
+      this.rebuild();
+      document.querySelector<HTMLElement>('[data-testid=theme]')?.focus();
+    });
+    return button;
+  }
+
+  private tablesButton(): HTMLElement {
+    const pressed = document.body.classList.contains('tables');
+    const button = h('button', {
+      type: 'button', class: 'b icon', 'aria-label': this.t.tables, title: this.t.tables, 'aria-pressed': String(pressed), 'data-testid': 'tables',
+    }, icon('table'));
+    button.addEventListener('click', () => {
+      const on = document.body.classList.toggle('tables');
+      button.setAttribute('aria-pressed', String(on));
+    });
+    return button;
+  }
+}
+
+function pair(): { element: HTMLElement; first: HTMLElement; second: HTMLElement } {
+  const first = h('b');
+  const second = h('span');
+  return { element: h('div', { class: 'who' }, first, second), first, second };
+}

@@ -1,0 +1,123 @@
+import type { Connection, Answer } from '../net/connection';
+import { RunState, type EventT, type SceneT, type WorldStateT } from '../protocol';
+import { History, WINDOW_S } from './history';
+import { texts } from './i18n';
+import { Marks } from './marks';
+import { faultWords, statusOf, type Status } from './run_status';
+
+/** Something worth a line in the safety panel. */
+export interface Notice {
+  at: Date;
+  what: string;
+}
+
+/** Faults that do not stop: worth a word. Bit 6: effort limited, 7: late tick, 8: contacts dropped. */
+const INFORMATION = (1 << 6) | (1 << 7) | (1 << 8);
+/** A limit that held within this time is said in the header [s]. */
+const LIMITED_FOR_S = 1;
+
+/** All that the console knows; panels read it and send orders through it. */
+export class ConsoleModel {
+  scene: SceneT | null = null;
+  state: WorldStateT | null = null;
+  history = new History([]);
+  readonly marks = new Marks();
+  paused = false;
+  notice: Notice | undefined;
+  /** true when a sample came that is not drawn yet. */
+  fresh = false;
+  /** Called after a scene came: panels are built for it. */
+  onScene: () => void = () => {};
+  /** Called when an order was refused, with what it was. */
+  onRefused: (what: string, reason: string) => void = () => {};
+  private limited_s = -Infinity;
+
+  constructor(readonly connection: Connection) {
+    connection.on('scene', (scene) => this.takeScene(scene));
+    connection.on('state', (state) => this.takeState(state));
+    connection.on('events', (events) => this.takeEvents(events));
+    if (connection.scene) this.takeScene(connection.scene);
+  }
+
+  get status(): Status {
+    return statusOf(this.connection.status, this.state, this.paused, this.scene?.faultNames ?? [], texts());
+  }
+
+  /** Whether an effort was at its limit just now. */
+  get limited(): boolean {
+    return this.history.now_s - this.limited_s < LIMITED_FOR_S;
+  }
+
+  /** A figure of the exercise by its name; undefined where there is none. */
+  value(name: string): number | undefined {
+    const index = this.scene?.valueNames.indexOf(name) ?? -1;
+    return index < 0 ? undefined : this.state?.values[index];
+  }
+
+  /** Present value of a live parameter; undefined where there is none. */
+  parameter(name: string): number | undefined {
+    const index = this.scene?.parameters.findIndex((parameter) => parameter.name === name) ?? -1;
+    return index < 0 ? undefined : this.state?.parameters[index];
+  }
+
+  /**
+   * Sends an order, with the controls taken first when nobody holds them. A refusal is said to the
+   * therapist and returned.
+   */
+  async command(what: string, send: () => Promise<Answer>, quietly = false): Promise<Answer> {
+    let answer: Answer = { accepted: true, reason: '' };
+    const { heldByYou, held } = this.connection.controls;
+    if (!heldByYou && !held) answer = await this.connection.takeControls();
+    if (answer.accepted) answer = await send();
+    if (!answer.accepted && !quietly) this.onRefused(what, answer.reason);
+    return answer;
+  }
+
+  /** Asked of any client, at any time, without the controls. */
+  async emergencyStop(): Promise<void> {
+    const answer = await this.connection.emergencyStop();
+    if (!answer.accepted) this.onRefused(texts().emergency, answer.reason);
+  }
+
+  private takeScene(scene: SceneT): void {
+    const axes = (of: SceneT | null): string => JSON.stringify(of?.axes ?? null);
+    if (axes(this.scene) !== axes(scene)) this.history = new History(scene.axes);
+    if (this.scene?.session !== scene.session) this.paused = false;
+    this.scene = scene;
+    this.onScene();
+  }
+
+  private takeState(state: WorldStateT): void {
+    this.state = state;
+    if (!this.history.add(state)) return;
+    this.fresh = true;
+    this.marks.addRunState(state.runState, this.history.now_s, texts());
+    this.marks.forgetBefore(this.history.now_s - WINDOW_S);
+    if ((state.faults & INFORMATION) === 0) return;
+    if ((state.faults & (1 << 6)) !== 0) this.limited_s = this.history.now_s;
+    const what = faultWords(state.faults & INFORMATION, this.scene?.faultNames ?? [], texts()).join(', ');
+    this.notice = { at: new Date(), what };
+  }
+
+  private takeEvents(events: readonly EventT[]): void {
+    const names = this.scene?.eventNames ?? [];
+    const period_s = this.scene?.periodS ?? 1e-3;
+    this.marks.addEvents(events, names, (tick) => this.history.timeOfTick(tick, period_s), texts());
+    for (const event of events) {
+      if (names[event.type] === 'paused') this.paused = true;
+      if (names[event.type] === 'resumed' || names[event.type] === 'restarted') this.paused = false;
+    }
+    if (this.state?.runState !== RunState.Rendering) this.paused = false;
+  }
+}
+
+/** A part of the page. */
+export interface Panel {
+  readonly element: HTMLElement;
+  /** Every picture that shows new samples. */
+  draw?(): void;
+  /** A few times a second. */
+  refresh?(): void;
+  /** When the page is built anew. */
+  close?(): void;
+}

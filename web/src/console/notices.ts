@@ -1,0 +1,73 @@
+import { fill } from '../shared/i18n';
+import { h, say } from './dom';
+import { texts } from './i18n';
+import type { ConsoleModel, Panel } from './model';
+
+/** A refusal is shown for this long [ms]. */
+const REFUSAL_MS = 10_000;
+
+/** A device that is not simulated has a button of its own. */
+function hasHardware(deviceName: unknown): boolean {
+  const name = String(deviceName ?? '').toLowerCase();
+  return name !== '' && !name.includes('simulated') && !name.includes('virtual');
+}
+
+/** Lines below the header: connection lost, somebody else commands, an order was refused. */
+export class NoticesPanel implements Panel {
+  readonly element: HTMLElement;
+  private readonly t = texts();
+  private readonly lost: HTMLElement;
+  private readonly lostText = h('span');
+  private readonly attempts = h('span', { class: 'num' });
+  private readonly held: HTMLElement;
+  private readonly refused: HTMLElement;
+  private readonly refusedText = h('span');
+  private timer: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(private readonly model: ConsoleModel) {
+    const t = this.t.notices;
+    const retry = h('button', { type: 'button', class: 'b small', 'data-testid': 'retry' }, t.retry);
+    retry.addEventListener('click', () => model.connection.retryNow());
+    this.lost = h('div', { class: 'notice bad', role: 'alert', hidden: true, 'data-testid': 'lost' }, this.lostText, this.attempts, retry);
+    const take = h('button', { type: 'button', class: 'b small', 'data-testid': 'take-controls-banner' }, this.t.setup.take);
+    take.addEventListener('click', () => void this.take());
+    this.held = h('div', { class: 'notice', role: 'status', hidden: true, 'data-testid': 'held' }, h('span', {}, t.held), take);
+    const close = h('button', { type: 'button', class: 'b small' }, t.close);
+    close.addEventListener('click', () => { this.refused.hidden = true; });
+    this.refused = h('div', { class: 'notice warn', role: 'alert', hidden: true, 'data-testid': 'refused' }, this.refusedText, close);
+    this.element = h('div', { class: 'notices' }, this.lost, this.held, this.refused);
+    this.refresh();
+  }
+
+  /** Says that an order was refused, and why. */
+  refuse(what: string, reason: string): void {
+    say(this.refusedText, fill(this.t.notices.refused, { what, reason }));
+    this.refused.hidden = false;
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => { this.refused.hidden = true; }, REFUSAL_MS);
+  }
+
+  refresh(): void {
+    const { connection, scene } = this.model;
+    const t = this.t.notices;
+    const { problem } = connection;
+    const lost = connection.status === 'lost';
+    if (this.lost.hidden === lost) this.lost.hidden = !lost;
+    if (lost) {
+      const hardware = hasHardware(scene?.deviceName) ? ` ${t.hardware}` : '';
+      say(this.lostText, problem ? fill(t.version, { theirs: problem.theirs, ours: problem.ours }) : `${t.lost} ${t.lostMore}${hardware}`);
+      say(this.attempts, problem ? '' : fill(t.attempts, { n: connection.attempts }));
+    }
+    const held = connection.status === 'open' && connection.controls.held && !connection.controls.heldByYou;
+    if (this.held.hidden === held) this.held.hidden = !held;
+  }
+
+  close(): void {
+    clearTimeout(this.timer);
+  }
+
+  private async take(): Promise<void> {
+    const answer = await this.model.connection.takeControls();
+    if (!answer.accepted) this.refuse(this.t.setup.take, answer.reason);
+  }
+}

@@ -1,0 +1,115 @@
+import type { Connection } from '../net/connection';
+import { loadBarView } from './bar_view';
+import { h, setAttribute } from './dom';
+import { Header } from './header';
+import { texts } from './i18n';
+import { ConsoleModel, type Panel } from './model';
+import { NoticesPanel } from './notices';
+import { ParametersPanel } from './parameters';
+import { PlotsPanel } from './plots_panel';
+import { RecordingsPanel } from './recordings';
+import { SafetyPanel } from './safety';
+import { SetupPanel } from './setup';
+import { TimingPanel } from './timing';
+import { ViewPanel, type BarView, type HandLook } from './view';
+
+/** Words and numbers change this often: faster cannot be read [ms]. */
+const REFRESH_MS = 200;
+
+/** Keys that mean something to what has the focus are left to it. */
+function spaceIsTaken(target: EventTarget | null): boolean {
+  return target instanceof Element && target.closest('input, select, textarea, button, a, summary, [role=tab]') !== null;
+}
+
+/** The therapist's page: panels around one model, built anew for a language, a theme or a scene. */
+export class ConsolePage {
+  private readonly model: ConsoleModel;
+  private panels: Panel[] = [];
+  private header: Header | undefined;
+  private notices: NoticesPanel | undefined;
+  private plots: PlotsPanel | undefined;
+  private parameters: ParametersPanel | undefined;
+  private viewPanel: ViewPanel | undefined;
+  private view: BarView | undefined;
+  private viewTried = false;
+  private look: HandLook = 'skin';
+  private refreshed_ms = -Infinity;
+
+  constructor(private readonly root: HTMLElement, connection: Connection) {
+    this.model = new ConsoleModel(connection);
+    this.model.onScene = () => {
+      this.build();
+      if (this.model.scene) this.view?.picture.setScene(this.model.scene);
+    };
+    this.model.onRefused = (what, reason) => this.notices?.refuse(what, reason);
+    addEventListener('keydown', (event) => this.onKey(event), true);
+    this.build();
+  }
+
+  /** Of the 3D view: "high", "low", or "none" without one. */
+  get quality(): string {
+    return this.view ? (this.view.low ? 'low' : 'high') : 'none';
+  }
+
+  /** Builds every panel; what the therapist chose stays chosen. */
+  build(): void {
+    const axis = this.plots?.axisName ?? 'finger_flexion';
+    const group = this.parameters?.openGroup ?? 0;
+    const focused = document.activeElement?.getAttribute('data-testid');
+    for (const panel of this.panels) panel.close?.();
+    document.title = texts().title;
+    const { model } = this;
+    this.header = new Header(model, () => this.build());
+    this.notices = new NoticesPanel(model);
+    this.plots = new PlotsPanel(model, axis);
+    this.viewPanel = new ViewPanel(model, this.look, (look) => { this.look = look; });
+    const safety = new SafetyPanel(model);
+    const timing = new TimingPanel(model);
+    const setup = new SetupPanel(model);
+    this.parameters = new ParametersPanel(model, group);
+    const recordings = new RecordingsPanel(model);
+    this.panels = [this.header, this.notices, this.plots, this.viewPanel, safety, timing, setup, this.parameters, recordings];
+    this.root.replaceChildren(this.header.element, this.notices.element, h('main', {}, this.plots.element,
+      h('div', { class: 'col' }, this.viewPanel.element, safety.element, timing.element),
+      h('div', { class: 'col' }, setup.element, this.parameters.element, recordings.element)));
+    if (this.viewTried) this.viewPanel.setView(this.view);
+    if (focused) this.root.querySelector<HTMLElement>(`[data-testid="${focused}"]`)?.focus();
+    this.model.fresh = true;
+    this.refreshed_ms = -Infinity;
+  }
+
+  /** Builds the 3D view; without WebGL the page says so and goes on. */
+  async loadView(): Promise<void> {
+    try {
+      this.view = await loadBarView();
+      if (this.model.scene) this.view.picture.setScene(this.model.scene);
+    } catch (problem) {
+      console.warn('The 3D view cannot be drawn here:', problem);
+    }
+    this.viewTried = true;
+    this.viewPanel?.setView(this.view);
+  }
+
+  /** One picture of the page. */
+  frame(now_ms: number): void {
+    if (now_ms - this.refreshed_ms >= REFRESH_MS) {
+      this.refreshed_ms = now_ms;
+      setAttribute(document.body, 'data-state', this.model.status.name);
+      for (const panel of this.panels) panel.refresh?.();
+    }
+    if (!this.model.fresh) return;
+    this.model.fresh = false;
+    for (const panel of this.panels) panel.draw?.();
+  }
+
+  private onKey(event: KeyboardEvent): void {
+    if (event.key === 'Escape' && !event.repeat) {
+      event.preventDefault();
+      void this.model.emergencyStop();
+    }
+    if (event.code === 'Space' && !event.repeat && !event.ctrlKey && !event.altKey && !event.metaKey && !spaceIsTaken(event.target)) {
+      event.preventDefault();
+      this.header?.pauseOrStart();
+    }
+  }
+}

@@ -1,0 +1,161 @@
+import type { ParameterT } from '../protocol';
+import { fill } from '../shared/i18n';
+import { h, say, setAttribute } from './dom';
+import { fixed } from './format';
+import { texts } from './i18n';
+import type { ConsoleModel, Panel } from './model';
+import { parsed, ParameterTarget, viewOf, type ParameterView } from './parameter_model';
+
+/** A refusal is shown for this long [ms]. */
+const REFUSAL_MS = 8000;
+
+/** A slider and a number for one parameter, with its range, its ramp, and why it was refused. */
+class ParameterRow {
+  readonly element: HTMLElement;
+  private readonly t = texts().parameters;
+  private readonly view: ParameterView;
+  private readonly target: ParameterTarget;
+  private readonly slider: HTMLInputElement;
+  private readonly number: HTMLInputElement;
+  private readonly ramp = h('span', { class: 'ramp', hidden: true });
+  private readonly refusal: HTMLElement;
+  private refusalTimer: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(private readonly model: ConsoleModel, private readonly index: number, parameter: ParameterT) {
+    this.view = viewOf(parameter, this.t.names);
+    this.target = new ParameterTarget(model.state?.parameters[index] ?? parameter.initial);
+    const { view } = this;
+    const lo = fixed(view.lower, view.decimals);
+    const hi = fixed(view.upper, view.decimals);
+    const range = fill(this.t.range, { name: view.label, lo, hi, unit: view.unit });
+    const id = `parameter-${view.name}`;
+    this.refusal = h('p', { class: 'refusal', role: 'alert', id: `${id}-refusal`, hidden: true });
+    this.number = h('input', { type: 'text', inputmode: 'decimal', id, autocomplete: 'off', 'aria-describedby': `${id}-refusal`, 'data-testid': id });
+    this.slider = h('input', { type: 'range', min: view.lower, max: view.upper, step: view.step, 'aria-label': range, 'data-testid': `${id}-slider` });
+    this.element = h('div', { class: 'par', 'data-parameter': view.name },
+      h('label', { for: id }, view.label, this.ramp), h('span', { class: 'v' }, this.number, h('span', { class: 'unit' }, view.unit)),
+      h('div', { class: 'r' }, h('span', {}, trimmed(lo)), this.slider, h('span', {}, trimmed(hi))), this.refusal);
+    this.slider.addEventListener('input', () => { this.number.value = fixed(Number(this.slider.value), view.decimals); });
+    this.slider.addEventListener('change', () => void this.ask(Number(this.slider.value) / view.factor));
+    this.number.addEventListener('change', () => this.typed());
+    this.refresh(true);
+  }
+
+  refresh(always = false): void {
+    this.target.see(this.model.state?.parameters[this.index] ?? this.target.now);
+    const { target } = this.target;
+    const ramping = target !== undefined;
+    if (this.ramp.hidden === ramping) this.ramp.hidden = !ramping;
+    if (ramping) say(this.ramp, fill(this.t.ramp, { v: this.text(target) }));
+    // What is under the person's finger is left alone.
+    const touched = document.activeElement === this.number || this.slider.matches(':active');
+    if (touched && !always) return;
+    const shown = this.text(this.target.shown);
+    if (document.activeElement !== this.number && this.number.value !== shown) this.number.value = shown;
+    const value = String(this.target.shown * this.view.factor);
+    if (Math.abs(Number(this.slider.value) - Number(value)) > this.view.step / 2) this.slider.value = value;
+    setAttribute(this.slider, 'aria-valuetext', `${shown} ${this.view.unit}`);
+  }
+
+  private text(value: number): string {
+    return fixed(value * this.view.factor, this.view.decimals);
+  }
+
+  private typed(): void {
+    const value = parsed(this.number.value, this.view);
+    if (value !== undefined) void this.ask(value);
+    else {
+      const { lower, upper, decimals } = this.view;
+      this.refuse(fill(this.t.notANumber, { lo: fixed(lower, decimals), hi: fixed(upper, decimals) }));
+    }
+  }
+
+  private async ask(value: number): Promise<void> {
+    this.clearRefusal();
+    this.target.ask(value);
+    const { view, model } = this;
+    const answer = await model.command(view.label, () => model.connection.setParameter(view.name, value), true);
+    if (answer.accepted) this.refresh();
+    else this.refuse(fill(this.t.refused, { reason: answer.reason }));
+  }
+
+  private refuse(reason: string): void {
+    this.target.refuse();
+    this.number.value = this.text(this.target.shown);
+    this.refresh(true);
+    this.refusal.hidden = false;
+    say(this.refusal, reason);
+    setAttribute(this.number, 'aria-invalid', 'true');
+    clearTimeout(this.refusalTimer);
+    this.refusalTimer = setTimeout(() => this.clearRefusal(), REFUSAL_MS);
+  }
+
+  private clearRefusal(): void {
+    this.refusal.hidden = true;
+    say(this.refusal, '');
+    this.number.removeAttribute('aria-invalid');
+  }
+}
+
+// The ends of a slider need no more digits than say which they are.
+function trimmed(text: string): string {
+  return text.replace(/(\.\d*?)0+$/, '$1').replace(/\.$/, '');
+}
+
+/** All live parameters in their three groups. */
+export class ParametersPanel implements Panel {
+  readonly element: HTMLElement;
+  private readonly tabs: HTMLButtonElement[] = [];
+  private readonly pages: HTMLElement[] = [];
+  private readonly rows: ParameterRow[] = [];
+
+  constructor(private readonly model: ConsoleModel, private group: number) {
+    const t = texts().parameters;
+    for (const key of Object.keys(t.groups).map(Number)) this.addGroup(key, t.groups[key], t.none);
+    const tablist = h('div', { class: 'seg', role: 'tablist', 'aria-label': t.title }, ...this.tabs);
+    tablist.addEventListener('keydown', (event) => this.onArrow(event));
+    this.element = h('section', { class: 'panel parameters', 'aria-label': t.title },
+      h('div', { class: 'hd' }, h('h2', {}, t.title), tablist), ...this.pages);
+    this.show(this.group);
+  }
+
+  /** Which group is open. */
+  get openGroup(): number {
+    return this.group;
+  }
+
+  refresh(): void {
+    for (const row of this.rows) row.refresh();
+  }
+
+  private addGroup(key: number, name: string, none: string): void {
+    const rows = (this.model.scene?.parameters ?? [])
+      .map((parameter, index) => ({ parameter, index }))
+      .filter(({ parameter }) => parameter.group === key)
+      .map(({ parameter, index }) => new ParameterRow(this.model, index, parameter));
+    this.rows.push(...rows);
+    const tab = h('button', { type: 'button', role: 'tab', id: `group-${key}`, 'aria-controls': `page-${key}`, 'data-testid': `group-${key}` }, name);
+    tab.addEventListener('click', () => this.show(key));
+    this.tabs.push(tab);
+    const content = rows.length > 0 ? rows.map((row) => row.element) : [h('p', { class: 'none' }, none)];
+    this.pages.push(h('div', { role: 'tabpanel', id: `page-${key}`, 'aria-labelledby': `group-${key}`, class: 'page', tabindex: 0 }, ...content));
+  }
+
+  private show(key: number): void {
+    this.group = key;
+    this.tabs.forEach((tab, i) => {
+      const on = i === key;
+      tab.setAttribute('aria-selected', String(on));
+      tab.tabIndex = on ? 0 : -1;
+      this.pages[i].hidden = !on;
+    });
+  }
+
+  private onArrow(event: KeyboardEvent): void {
+    const step = event.key === 'ArrowRight' ? 1 : event.key === 'ArrowLeft' ? -1 : 0;
+    if (step === 0) return;
+    event.preventDefault();
+    this.show((this.group + step + this.tabs.length) % this.tabs.length);
+    this.tabs[this.group].focus();
+  }
+}

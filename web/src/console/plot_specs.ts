@@ -1,0 +1,101 @@
+import type { AxisT, SceneT } from '../protocol';
+import { shownUnits, type History } from './history';
+import type { ConsoleTexts } from './i18n';
+
+export interface SeriesSpec {
+  name: string;
+  /** Custom property of the colour. */
+  color: string;
+  dash: readonly number[];
+  column: number;
+  decimals: number;
+}
+
+export interface PlotSpec {
+  id: 'hand' | 'arm' | 'axis' | 'ratios';
+  title: string;
+  unit: string;
+  series: readonly SeriesSpec[];
+  /** Smallest span of the values shown. */
+  leastSpan: number;
+  withZero: boolean;
+  /** Fixed range, where the values have one. */
+  range?: readonly [number, number];
+}
+
+/** Colour of an axis and its dash, which repeats the distinction: solid, long, dotted. */
+const LOOKS: Readonly<Record<string, readonly [string, readonly number[]]>> = {
+  x: ['--ax-x', []], y: ['--ax-y', [11, 4]], z: ['--ax-z', [2, 3]],
+  roll: ['--ax-c', [7, 3, 2, 3]], pitch: ['--ax-f', [14, 4]], yaw: ['--ax-t', [4, 4]],
+  finger_flexion: ['--ax-f', []], thumb_circumduction: ['--ax-c', [2, 3]], thumb_flexion: ['--ax-t', [11, 4]],
+};
+const ARM = ['x', 'y', 'z', 'roll', 'pitch', 'yaw'];
+const AVATAR_DASH = [7, 5];
+
+export function isArm(axis: Pick<AxisT, 'name'>): boolean {
+  return ARM.includes(String(axis.name));
+}
+
+function look(axis: AxisT): readonly [string, readonly number[]] {
+  return LOOKS[String(axis.name)] ?? ['--ax-x', []];
+}
+
+/** Efforts of one part of the device; a unit other than the plot's is said at the series. */
+function efforts(id: 'hand' | 'arm', scene: SceneT, history: History, t: ConsoleTexts): PlotSpec {
+  const wanted = scene.axes.map((axis, i) => ({ axis, i })).filter(({ axis }) => isArm(axis) === (id === 'arm'));
+  const series = wanted.map(({ axis, i }): SeriesSpec => {
+    const [color, dash] = look(axis);
+    const { effortUnit } = shownUnits(axis);
+    const name = t.axes[String(axis.name)] ?? String(axis.name);
+    return {
+      name: effortUnit === 'N' ? name : `${name}, ${effortUnit}`, color, dash,
+      column: history.column('effort', i), decimals: effortUnit === 'N' ? 1 : 2,
+    };
+  });
+  return { id, title: t.plots[id], unit: 'N', series, leastSpan: 6, withZero: true };
+}
+
+/** Device and avatar coordinate of one axis. */
+export function coordinateSpec(scene: SceneT, history: History, axis: number, t: ConsoleTexts): PlotSpec {
+  const spec = scene.axes[axis];
+  const name = String(spec.name);
+  const [color] = look(spec);
+  return {
+    id: 'axis', title: t.axesLong[name] ?? name, unit: shownUnits(spec).coordinateUnit, leastSpan: 8, withZero: false,
+    series: [
+      { name: t.plots.device, color, dash: [], column: history.column('device', axis), decimals: 0 },
+      { name: t.plots.avatar, color: '--ax-a', dash: AVATAR_DASH, column: history.column('avatar', axis), decimals: 0 },
+    ],
+  };
+}
+
+/** φ of the hand's axes and α; of every axis where there is no hand. */
+function ratios(scene: SceneT, history: History, t: ConsoleTexts): PlotSpec {
+  const all = scene.axes.map((axis, i) => ({ axis, i }));
+  const hand = all.filter(({ axis }) => !isArm(axis));
+  const series = (hand.length > 0 ? hand : all).map(({ axis, i }): SeriesSpec => {
+    const [color, dash] = look(axis);
+    return { name: `φ ${t.axes[String(axis.name)] ?? String(axis.name)}`, color, dash, column: history.column('phi', i), decimals: 2 };
+  });
+  const alpha = { name: 'α', color: '--ax-a', dash: AVATAR_DASH, column: history.alphaColumn, decimals: 2 };
+  return { id: 'ratios', title: t.plots.ratios, unit: '', series: [...series, alpha], leastSpan: 1, withZero: true, range: [-0.05, 1.08] };
+}
+
+/** The four plots for a scene, with the chosen axis in the third. */
+export function plotSpecs(scene: SceneT, history: History, axis: number, t: ConsoleTexts): PlotSpec[] {
+  return [
+    efforts('hand', scene, history, t), efforts('arm', scene, history, t),
+    coordinateSpec(scene, history, axis, t), ratios(scene, history, t),
+  ].filter((spec) => spec.series.length > 0);
+}
+
+/** The limit that holds for a part of the device now [N]; undefined: none is known. */
+export function limitOf(id: string, scene: SceneT, parameter: (name: string) => number | undefined): number | undefined {
+  if (id !== 'hand' && id !== 'arm') return undefined;
+  const own = scene.axes
+    .filter((axis) => isArm(axis) === (id === 'arm') && shownUnits(axis).effortUnit === 'N')
+    .map((axis) => axis.effortLimit * shownUnits(axis).effort);
+  if (own.length === 0) return undefined;
+  const set = parameter(id === 'hand' ? 'effort_limit_hand_tip_n' : 'effort_limit_arm_n');
+  return Math.min(Math.max(...own), set ?? Infinity);
+}

@@ -1,0 +1,111 @@
+import { tokenOf } from '../net/open_connection';
+import { fill, language } from '../shared/i18n';
+import { h, say } from './dom';
+import { bytes, duration } from './format';
+import { texts } from './i18n';
+import type { ConsoleModel, Panel } from './model';
+
+/** How often the list is read [ms]. */
+const EVERY_MS = 5000;
+
+export interface Recording {
+  name: string;
+  created_utc?: string;
+  duration_s?: number;
+  bytes?: number;
+  title?: string;
+  report?: boolean | string;
+}
+
+/** What /api/recordings said, as far as it can be believed; undefined: it is no such list. */
+export function readRecordings(json: unknown): { recordings: Recording[]; recording: string } | undefined {
+  if (typeof json !== 'object' || json === null || !Array.isArray((json as { recordings?: unknown }).recordings)) return undefined;
+  const { recordings, recording } = json as { recordings: unknown[]; recording?: unknown };
+  const good = recordings.filter((entry): entry is Recording =>
+    typeof entry === 'object' && entry !== null && typeof (entry as Recording).name === 'string');
+  return { recordings: good, recording: typeof recording === 'string' ? recording : '' };
+}
+
+/** When it was made: the time for today, else the day. */
+export function whenMade(created_utc: string | undefined, now: Date, locale: string): string {
+  const made = new Date(created_utc ?? '');
+  if (Number.isNaN(made.getTime())) return '';
+  const today = made.toDateString() === now.toDateString();
+  return today
+    ? made.toLocaleTimeString(locale, { hour: '2-digit', minute: '2-digit' })
+    : made.toLocaleDateString(locale, { day: 'numeric', month: 'short' });
+}
+
+/** The address of a recording or its report; the token where this page has one. */
+export function recordingUrl(name: string, report: boolean, token: string): string {
+  return `/api/recordings/${encodeURIComponent(name)}${report ? '/report' : ''}${token === '' ? '' : `?token=${encodeURIComponent(token)}`}`;
+}
+
+/** What was recorded, with report and download, and what is being recorded. */
+export class RecordingsPanel implements Panel {
+  readonly element: HTMLElement;
+  private readonly t = texts().recordings;
+  private readonly list = h('ul', { class: 'recs', 'data-testid': 'recordings' });
+  private readonly words = h('p', { class: 'none', role: 'status' }, this.t.none);
+  private readonly now: HTMLElement;
+  private readonly nowText = h('span', { class: 'num' });
+  private readonly timer: ReturnType<typeof setInterval>;
+  private shown = '';
+
+  constructor(private readonly model: ConsoleModel) {
+    this.now = h('span', { class: 'rec', hidden: true }, h('i'), `${this.t.now} `, this.nowText);
+    this.element = h('section', { class: 'panel recordings', 'aria-label': this.t.title },
+      h('div', { class: 'hd' }, h('h2', {}, this.t.title), this.now), this.words, this.list);
+    this.timer = setInterval(() => void this.read(), EVERY_MS);
+    void this.read();
+  }
+
+  refresh(): void {
+    const state = this.model.state;
+    const size = Number(state?.recordingBytes ?? 0n);
+    const runs = String(this.model.scene?.recording ?? '') !== '' || size > 0;
+    if (this.now.hidden === runs) this.now.hidden = !runs;
+    if (runs) say(this.nowText, `${duration(state?.timeS ?? 0)}, ${bytes(size)}`);
+  }
+
+  close(): void {
+    clearInterval(this.timer);
+  }
+
+  private async read(): Promise<void> {
+    if (document.hidden) return;
+    const token = tokenOf(location);
+    try {
+      const answer = await fetch(`/api/recordings${token === '' ? '' : `?token=${encodeURIComponent(token)}`}`);
+      const found = answer.ok ? readRecordings(await answer.json()) : undefined;
+      if (!found) throw new Error('no list');
+      this.show(found.recordings.filter(({ name }) => name !== found.recording), token);
+    } catch {
+      say(this.words, this.t.failed);
+      this.words.hidden = false;
+    }
+  }
+
+  private show(recordings: readonly Recording[], token: string): void {
+    this.words.hidden = recordings.length > 0;
+    say(this.words, this.t.none);
+    const key = JSON.stringify(recordings);
+    if (key === this.shown) return;
+    this.shown = key;
+    this.list.replaceChildren(...recordings.map((recording) => this.row(recording, token)));
+  }
+
+  private row(recording: Recording, token: string): HTMLElement {
+    const { t } = this;
+    const { name, title, report } = recording;
+    const when = whenMade(recording.created_utc, new Date(), language());
+    const figures = [
+      ...(recording.duration_s === undefined ? [] : [duration(recording.duration_s)]),
+      ...(recording.bytes === undefined ? [] : [bytes(recording.bytes)]),
+    ].join(', ');
+    const called = title || name;
+    const reportLink = report ? h('a', { href: recordingUrl(name, true, token), target: '_blank', rel: 'noopener', 'aria-label': fill(t.reportOf, { name: called }) }, t.report) : h('span');
+    return h('li', { title: name }, h('span', {}, h('b', {}, when), ` ${called}`, h('small', {}, figures)), reportLink,
+      h('a', { href: recordingUrl(name, false, token), download: name, 'aria-label': fill(t.downloadOf, { name: called }) }, t.download));
+  }
+}

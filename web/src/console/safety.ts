@@ -1,0 +1,115 @@
+import { fill } from '../shared/i18n';
+import { h, say, setAttribute, setClass } from './dom';
+import { fixed } from './format';
+import { shownUnits } from './history';
+import { language } from '../shared/i18n';
+import { texts } from './i18n';
+import { icon } from './icons';
+import type { ConsoleModel, Panel } from './model';
+import { isArm, limitOf } from './plot_specs';
+
+/** A peak against its limit. */
+class PeakRow {
+  readonly element: HTMLElement;
+  private readonly bar = h('i');
+  private readonly text = h('span', { class: 'num' });
+  private readonly track: HTMLElement;
+
+  constructor(private readonly name: string, private readonly unit: string, private readonly decimals: number) {
+    this.track = h('span', { class: 'tr', role: 'meter', 'aria-label': name, 'aria-valuemin': 0 }, this.bar);
+    this.element = h('div', { class: 'lim' }, h('span', {}, name), this.track, this.text);
+  }
+
+  show(peak: number, limit: number, words: string): void {
+    const shown = fixed(peak, this.decimals);
+    const most = String(Number(limit.toPrecision(3)));
+    this.bar.style.width = `${Math.min(100, (100 * peak) / limit).toFixed(1)}%`;
+    setClass(this.track, 'over', peak >= 0.995 * limit);
+    say(this.text, `${shown} / ${most} ${this.unit}`);
+    setAttribute(this.track, 'aria-valuemax', most);
+    setAttribute(this.track, 'aria-valuenow', String(Math.min(peak, limit).toFixed(this.decimals)));
+    setAttribute(this.track, 'aria-valuetext', `${this.name}: ${fill(words, { a: shown, b: most })} ${this.unit}`);
+  }
+}
+
+/** Which state, why, what the system did, and how near to its limits it was. */
+export class SafetyPanel implements Panel {
+  readonly element: HTMLElement;
+  private readonly t = texts();
+  private readonly steps: HTMLElement[];
+  private readonly cause = h('b');
+  private readonly did = h('small');
+  private readonly causeIcon = h('span', { class: 'cause-icon' });
+  private readonly box: HTMLElement;
+  private readonly fingers = new PeakRow(this.t.safety.fingers, 'N', 1);
+  private readonly thumb = new PeakRow(this.t.safety.thumb, 'N', 1);
+  private readonly arm = new PeakRow(this.t.safety.arm, 'N', 1);
+  private readonly speed = new PeakRow(this.t.safety.speed, 'm/s', 2);
+
+  constructor(private readonly model: ConsoleModel) {
+    const { t } = this;
+    this.steps = [t.states.disarmed, t.states.rendering, t.states.stopping, t.states.stopped].map((name) => h('li', {}, name));
+    this.box = h('div', { class: 'cause' }, this.causeIcon, h('div', {}, this.cause, this.did));
+    const rows = [...this.handRows(), ...(model.scene?.axes.some(isArm) ? [this.arm, this.speed] : [])];
+    this.element = h('section', { class: 'panel safety', 'aria-label': t.safety.title },
+      h('div', { class: 'hd' }, h('h2', {}, t.safety.title), h('span', { class: 'aside' }, t.safety.peaks)),
+      h('ol', { class: 'steps', 'aria-label': t.safety.state }, ...this.steps), this.box,
+      ...rows.map((row) => row.element));
+    this.refresh();
+  }
+
+  refresh(): void {
+    this.refreshState();
+    this.refreshPeaks();
+  }
+
+  private handRows(): PeakRow[] {
+    const axes = this.model.scene?.axes ?? [];
+    const has = (thumb: boolean): boolean => axes.some((axis) => !isArm(axis) && String(axis.name).startsWith('thumb') === thumb);
+    return [...(has(false) ? [this.fingers] : []), ...(has(true) ? [this.thumb] : [])];
+  }
+
+  private refreshState(): void {
+    const { t } = this;
+    const status = this.model.status;
+    this.steps.forEach((step, i) => {
+      setClass(step, 'on', i === status.step && !status.bad);
+      setClass(step, 'bad', i === status.step && status.bad);
+      if (i === status.step) setAttribute(step, 'aria-current', 'step');
+      else step.removeAttribute('aria-current');
+    });
+    say(this.steps[3], status.name === 'faulted' ? t.states.faulted : t.states.stopped);
+    if (this.box.dataset.bad !== String(status.bad)) {
+      this.box.dataset.bad = String(status.bad);
+      this.causeIcon.replaceChildren(icon(status.bad ? 'bad' : 'ok'));
+    }
+    setClass(this.box, 'bad', status.bad);
+    say(this.cause, status.cause);
+    say(this.did, status.did || this.lastNotice());
+  }
+
+  private lastNotice(): string {
+    const { notice } = this.model;
+    if (!notice) return this.t.safety.nothingYet;
+    return fill(this.t.safety.lastNotice, { time: notice.at.toLocaleTimeString(language()), what: notice.what });
+  }
+
+  private refreshPeaks(): void {
+    const { model, t } = this;
+    const { scene, history } = model;
+    if (!scene || history.samples.length === 0) return;
+    const own = (i: number): number => scene.axes[i].effortLimit * shownUnits(scene.axes[i]).effort;
+    const limitFor = (id: string, fallback: number): number => limitOf(id, scene, (name) => model.parameter(name)) ?? fallback;
+    const indices = scene.axes.map((_, i) => i);
+    const peakOf = (wanted: (i: number) => boolean): number => Math.max(0, ...indices.filter(wanted).map((i) => history.peak('effort', i)));
+    const isThumb = (i: number): boolean => String(scene.axes[i].name) === 'thumb_flexion';
+    const isFinger = (i: number): boolean => !isArm(scene.axes[i]) && !String(scene.axes[i].name).startsWith('thumb');
+    const isTranslation = (i: number): boolean => isArm(scene.axes[i]) && String(scene.axes[i].unit) === 'm';
+    this.fingers.show(peakOf(isFinger), limitFor('hand', 10), t.safety.of);
+    this.thumb.show(peakOf(isThumb), limitFor('hand', 10), t.safety.of);
+    const arm = indices.filter(isTranslation);
+    if (arm.length === 0) return;
+    this.arm.show(peakOf(isTranslation), limitFor('arm', own(arm[0])), t.safety.of);
+    this.speed.show(history.peakSpeed(arm), scene.axes[arm[0]].speedLimit || 1, t.safety.of);
+  }
+}

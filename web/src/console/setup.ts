@@ -1,0 +1,98 @@
+import { Act, RunState, Steering } from '../protocol';
+import { choice, h, say, setClass } from './dom';
+import { asWords } from './format';
+import { texts } from './i18n';
+import type { ConsoleModel, Panel } from './model';
+
+/** Which exercise, level and hand; who plays; who holds the controls. */
+export class SetupPanel implements Panel {
+  readonly element: HTMLElement;
+  private readonly t = texts();
+  private readonly exercise = h('select', { id: 'exercise', 'data-testid': 'exercise' });
+  private readonly level = h('select', { id: 'level', 'data-testid': 'level' });
+  private readonly hand = h('select', { id: 'hand', 'data-testid': 'hand' });
+  private readonly holder = h('span', { class: 'holder', 'data-testid': 'holder' });
+  private readonly take: HTMLButtonElement;
+  private readonly stop: HTMLButtonElement;
+  private readonly who: ReturnType<typeof choice>;
+
+  constructor(private readonly model: ConsoleModel) {
+    const { t } = this;
+    this.take = button(t.setup.take, 'take-controls', () => void this.takeOrGive());
+    this.stop = button(t.stop, 'stop', () => void model.command(t.stop, () => model.connection.stop()));
+    const load = button(t.setup.load, 'load', () => void this.load());
+    const restart = button(t.setup.restart, 'restart', () => void model.command(t.setup.restart, () => model.connection.act(Act.Restart)));
+    const next = button(t.setup.next, 'next', () => void model.command(t.setup.next, () => model.connection.act(Act.Next)));
+    this.who = choice(t.setup.steering, [
+      { key: String(Steering.VirtualPatient), name: t.setup.virtual }, { key: String(Steering.Person), name: t.setup.person },
+    ], String(Steering.VirtualPatient), (key) => void model.command(t.setup.steering, () => model.connection.steer(Number(key))));
+    this.element = h('section', { class: 'panel setup', 'aria-label': t.setup.title },
+      h('div', { class: 'hd' }, h('h2', {}, t.setup.title), this.holder, this.take),
+      h('div', { class: 'fields' },
+        field(t.setup.exercise, this.exercise), field(t.setup.level, this.level), field(t.setup.hand, this.hand), load),
+      h('div', { class: 'row' }, this.who.element, h('span', { class: 'sp' }), restart, next, this.stop));
+    this.fillChoices();
+    this.refresh();
+  }
+
+  refresh(): void {
+    const { t, model } = this;
+    const { heldByYou, held } = model.connection.controls;
+    say(this.holder, heldByYou ? t.setup.yours : held ? t.setup.others : t.setup.free);
+    say(this.take, heldByYou ? t.setup.giveBack : t.setup.take);
+    setClass(this.take, 'go', !heldByYou);
+    this.who.choose(String(model.state?.steering ?? Steering.VirtualPatient));
+    this.stop.disabled = model.state?.runState !== RunState.Rendering;
+  }
+
+  private fillChoices(): void {
+    const { scene } = this.model;
+    if (!scene) return;
+    const { t } = this;
+    const now = String(scene.exerciseName ?? '');
+    const exercises = scene.exercises.length > 0 ? scene.exercises : [now];
+    this.exercise.append(...exercises.map((name) => h('option', { value: name, selected: name === now }, t.exercises[name] ?? asWords(name))));
+    const hands = scene.hands.length > 0 ? scene.hands : [String(scene.handName)];
+    this.hand.append(...hands.map((name) => h('option', { value: name, selected: name === scene.handName }, asWords(name))));
+    const names = levelNames(scene.exerciseJson);
+    const levels = Array.from({ length: Math.max(1, scene.levels) }, (_, i) => i + 1);
+    this.level.append(...levels.map((n) => h('option', { value: n, selected: n === scene.level }, names[n] ? `${n} ${names[n]}` : String(n))));
+    this.level.disabled = scene.levels < 2;
+  }
+
+  private async load(): Promise<void> {
+    const { model, t } = this;
+    const level = this.level.disabled ? 0 : Number(this.level.value);
+    await model.command(t.setup.load, () => model.connection.loadExercise(this.exercise.value, level, this.hand.value));
+  }
+
+  private async takeOrGive(): Promise<void> {
+    const { model, t } = this;
+    if (model.connection.controls.heldByYou) await model.connection.releaseControls();
+    else {
+      const answer = await model.connection.takeControls();
+      if (!answer.accepted) model.onRefused(t.setup.take, answer.reason);
+    }
+    this.refresh();
+  }
+}
+
+function button(name: string, id: string, onClick: () => void): HTMLButtonElement {
+  const element = h('button', { type: 'button', class: 'b small', 'data-testid': id }, name);
+  element.addEventListener('click', onClick);
+  return element;
+}
+
+function field(name: string, select: HTMLSelectElement): HTMLElement {
+  return h('label', {}, h('span', {}, name), select);
+}
+
+/** Names of the levels, by number, as the exercise tells them. */
+function levelNames(json: unknown): Record<number, string> {
+  try {
+    const { levels } = JSON.parse(String(json ?? '')) as { levels?: { level: number; name: string }[] };
+    return Object.fromEntries((levels ?? []).map(({ level, name }) => [level, name]));
+  } catch {
+    return {};
+  }
+}
