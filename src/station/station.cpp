@@ -29,28 +29,6 @@ constexpr auto kPoll = std::chrono::milliseconds(20);
 constexpr auto kStatusEvery = std::chrono::milliseconds(200);
 constexpr auto kArmTimeout = std::chrono::seconds(5);
 
-/// The hand rests where its ranges have their middle.
-class RestingPlayer final : public Player {
- public:
-  explicit RestingPlayer(const Models& models) : rest_(models.device.axisCount()) {
-    for (int a = 0; a < rest_.size(); ++a) {
-      const DeviceAxis& axis = models.device.axes[static_cast<std::size_t>(a)];
-      const bool centered = axis.kind == AxisKind::kTranslation || axis.lower < 0.0;
-      rest_[a] = centered ? 0.5 * (axis.lower + axis.upper) : models.hand.reference[a];
-    }
-  }
-  [[nodiscard]] AxisPosition start() const override { return rest_; }
-  void reset() override {}
-  void advance(double, AxisPosition& q, AxisVelocity& qd) noexcept override {
-    q = rest_;
-    qd = AxisVelocity(rest_.size());
-  }
-  void see(const TickRecord&) noexcept override {}
-
- private:
-  AxisPosition rest_;
-};
-
 std::vector<std::string> stemsIn(const std::string& folder) {
   std::vector<std::string> stems;
   std::error_code error;
@@ -167,8 +145,7 @@ void Station::Core::publishScene(const std::string& recording) {
 std::unique_ptr<Player> Station::Core::makePlayer() {
   std::unique_ptr<Player> player;
   if (models_.exercise) player = models_.exercise->makePlayer(config_.seed + arming_);
-  if (!player && config_.make_player) player = config_.make_player(models_);
-  if (!player) player = std::make_unique<RestingPlayer>(models_);
+  if (!player) player = config_.make_player(models_);
   return player;
 }
 
@@ -311,8 +288,7 @@ void Station::Core::refreshStatus() {
     status_.recording_bytes = unknown ? 0 : bytes;
     state = status_.run_state;
   }
-  TickRecord record;
-  if (config_.status && latest(record)) config_.status(state, record);
+  if (config_.status) config_.status(state, summary);
 }
 
 void Station::Core::runTasks() {

@@ -3,6 +3,7 @@
 #include "assembly/models.hpp"
 #include "assembly/rig.hpp"
 #include "server/backend.hpp"
+#include "telemetry/statistics.hpp"
 
 #include <cstdint>
 #include <functional>
@@ -21,13 +22,13 @@ struct StationConfig {
   std::string recordings_folder;  ///< sessions that a client arms are recorded here; empty: not
   std::string record;             ///< file of the first session; empty: none
   std::string program_version;
-  /// Who plays where the exercise brings nobody; null: the hand rests in the middle.
+  /// Who plays where the exercise brings nobody. Needed.
   std::function<std::unique_ptr<Player>(const Models&)> make_player;
   /// Makes a report page of a recording, in a process of its own: HDF5 may be writing in this one.
   std::function<Expected<Done>(const std::string& recording, const std::string& folder)>
       make_report;
   std::function<void(const std::string&)> log;  ///< a line for the person who runs the program
-  std::function<void(const RunState, const TickRecord&)> status;  ///< told how it goes; may be null
+  std::function<void(RunState, const TickSummary&)> status;  ///< told how it goes; may be null
 };
 
 /// What came of a station's run.

@@ -1,0 +1,277 @@
+// The loop as clients see it: armed, commanded, stopped, loaded anew, recorded. In real time.
+#include "station/station.hpp"
+
+#include "patient/scripted_player.hpp"
+#include "telemetry/recording.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <future>
+#include <thread>
+
+namespace wholehand {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+using namespace std::chrono_literals;
+
+const std::string kRoot = WHOLEHAND_SOURCE_DIR;
+
+std::unique_ptr<Player> atRest(const Models& models) {
+  AxisPosition rest(models.device.axisCount());
+  return std::make_unique<ScriptedPlayer>(Intention::throughWaypoints({{0.0, rest}}));
+}
+
+/// A station on a thread of its own, with the bar and a folder that vanishes.
+class Bar : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = (fs::temp_directory_path() / "wholehand-XXXXXX").string();
+    folder_ = ::mkdtemp(pattern.data());
+    StationConfig config;
+    config.files = {"",
+                    kRoot + "/config/hands/adult-median-right.toml",
+                    kRoot + "/config/devices/lambda-pride.toml",
+                    kRoot + "/config/rendering/lambda-pride.toml",
+                    kRoot + "/config/patients/relaxed-adult.toml",
+                    "",
+                    kRoot + "/config/exercises/cocktail-bar.toml",
+                    1};
+    config.config_folder = kRoot + "/config";
+    config.recordings_folder = folder_ + "/recordings";
+    config.make_player = atRest;
+    station_ = std::make_unique<Station>(config);
+    const auto loaded = station_->load();
+    ASSERT_TRUE(loaded) << format(loaded.errors());
+    station_->addSink([this](const TickRecord& record) {
+      ++records_;
+      last_ = record.tick;
+    });
+  }
+  void TearDown() override {
+    if (thread_.joinable()) {
+      station_->quit();
+      thread_.join();
+    }
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+
+  void run(bool arm_at_once) {
+    thread_ = std::thread([this, arm_at_once] {
+      const auto outcome = station_->run(arm_at_once, 0.0);
+      ASSERT_TRUE(outcome) << format(outcome.errors());
+    });
+  }
+  OrderReply ask(const Order& order) {
+    auto answered = std::make_shared<std::promise<OrderReply>>();
+    auto answer = answered->get_future();
+    station_->order(order, [answered](const OrderReply& reply) { answered->set_value(reply); });
+    if (answer.wait_for(60s) != std::future_status::ready) return {false, "no answer"};
+    return answer.get();
+  }
+  OrderReply ask(OrderType type) {
+    Order order;
+    order.type = type;
+    return ask(order);
+  }
+  template <class Condition>
+  static bool becomes(Condition&& condition, std::chrono::seconds within = 30s) {
+    const auto until = Clock::now() + within;
+    while (Clock::now() < until) {
+      if (condition()) return true;
+      std::this_thread::sleep_for(2ms);
+    }
+    return condition();
+  }
+  bool becomes(RunState state) {
+    return becomes([&] { return station_->status().run_state == state; });
+  }
+  bool rendersOn() {
+    const std::uint64_t before = records_;
+    return becomes([&] { return records_ > before + 100; });
+  }
+
+  std::string folder_;
+  std::unique_ptr<Station> station_;
+  std::atomic<std::uint64_t> records_{0}, last_{0};
+  std::thread thread_;
+};
+
+TEST_F(Bar, ArmStopArm_NothingPushesInBetween) {
+  run(false);
+  EXPECT_EQ(station_->status().run_state, RunState::kDisarmed);
+  std::this_thread::sleep_for(50ms);
+  EXPECT_EQ(records_, 0U);
+
+  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(rendersOn());
+  EXPECT_EQ(station_->status().run_state, RunState::kRendering);
+  const OrderReply twice = ask(OrderType::kArm);
+  EXPECT_FALSE(twice.accepted);
+  EXPECT_NE(twice.reason, "");
+
+  ASSERT_TRUE(ask(OrderType::kStop).accepted);
+  ASSERT_TRUE(becomes(RunState::kStopped));
+  TickRecord record;
+  ASSERT_TRUE(station_->latest(record));
+  for (double effort : record.sent) EXPECT_EQ(effort, 0.0);  // neutral of this device
+  EXPECT_EQ(record.authority, 0.0);
+  const std::uint64_t at_rest = records_;
+  std::this_thread::sleep_for(100ms);
+  EXPECT_EQ(records_, at_rest);
+
+  EXPECT_EQ(station_->scene()->session, 1U);
+  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  EXPECT_EQ(station_->scene()->session, 2U);
+  EXPECT_TRUE(rendersOn());
+}
+
+TEST_F(Bar, EmergencyStop_IsAtNeutralWithinItsRamp) {
+  run(true);
+  ASSERT_TRUE(rendersOn());
+  // An aim beside the dispenser, so that there is an effort to take away.
+  Order steer;
+  steer.type = OrderType::kSteer;
+  steer.steering = Steering::kPerson;
+  ASSERT_TRUE(ask(steer).accepted);
+  ASSERT_TRUE(ask(OrderType::kEmergencyStop).accepted);
+  const std::uint64_t asked_at = last_;
+  ASSERT_TRUE(becomes(RunState::kStopped));
+  // 80 ms of ramp, and what the stop waited in line.
+  EXPECT_LE(last_ - asked_at, 80U + 60U);
+  TickRecord record;
+  ASSERT_TRUE(station_->latest(record));
+  for (double effort : record.sent) EXPECT_EQ(effort, 0.0);
+}
+
+TEST_F(Bar, Parameters_RampOrAreRefusedWithTheirRange) {
+  run(true);
+  ASSERT_TRUE(rendersOn());
+  Order order;
+  order.type = OrderType::kSetParameter;
+  order.name = "effort_limit_arm_n";
+  order.value = 8.0;
+  ASSERT_TRUE(ask(order).accepted);
+  const auto index = [&] {
+    const auto& all = station_->scene()->parameters;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (all[i].name == order.name) return i;
+    }
+    return all.size();
+  }();
+  ASSERT_LT(index, station_->scene()->parameters.size());
+  // From 20 N, the device's limit, by 18 N/s: the whole range, 2 to 20 N, in a second.
+  EXPECT_TRUE(becomes([&] { return station_->status().parameters[index] == 8.0; }));
+  TickRecord record;
+  ASSERT_TRUE(station_->latest(record));
+  EXPECT_EQ(record.effort_limit[0], 8.0);
+
+  order.value = 25.0;
+  const OrderReply above = ask(order);
+  EXPECT_FALSE(above.accepted);
+  EXPECT_NE(above.reason.find("2 to 20 N"), std::string::npos) << above.reason;
+  order.value = std::nan("");
+  EXPECT_FALSE(ask(order).accepted);
+  order.name = "effort_limit";
+  EXPECT_FALSE(ask(order).accepted);
+  std::this_thread::sleep_for(50ms);
+  EXPECT_EQ(station_->status().parameters[index], 8.0);
+}
+
+TEST_F(Bar, PersonAims_TheDeviceFollows) {
+  run(true);
+  ASSERT_TRUE(rendersOn());
+  Order order;
+  order.type = OrderType::kSteer;
+  order.steering = Steering::kPerson;
+  ASSERT_TRUE(ask(order).accepted);
+  TickRecord record;
+  ASSERT_TRUE(station_->latest(record));
+  order.type = OrderType::kAim;
+  order.aim = record.q_m;
+  order.aim[0] = -0.06;  // drawn back: nothing is in the way
+  order.aim[2] = 0.03;
+  ASSERT_TRUE(ask(order).accepted);
+  EXPECT_TRUE(becomes([&] {
+    return station_->latest(record) && std::abs(record.q_m[0] + 0.06) < 0.005 &&
+           std::abs(record.q_m[2] - 0.03) < 0.005;
+  })) << record.q_m[0]
+      << " " << record.q_m[2];
+  order.aim = AxisPosition(2);
+  EXPECT_FALSE(ask(order).accepted);
+}
+
+TEST_F(Bar, LoadWhileRendering_GoesOnWithTheNewLevelAndOnlyThen) {
+  run(true);
+  ASSERT_TRUE(rendersOn());
+  Order order;
+  order.type = OrderType::kLoadExercise;
+  order.name = "no-such-exercise";
+  EXPECT_FALSE(ask(order).accepted);
+  order.name = "../cocktail-bar";
+  EXPECT_FALSE(ask(order).accepted);
+  order.name = "cocktail-bar";
+  order.level = 999;
+  EXPECT_FALSE(ask(order).accepted);
+  order.level = 1;
+  order.hand = "no-such-hand";
+  EXPECT_FALSE(ask(order).accepted);
+  EXPECT_EQ(station_->status().run_state, RunState::kRendering);
+  EXPECT_EQ(station_->status().session, 1U);
+  EXPECT_TRUE(rendersOn());
+
+  order.hand = "woman-p05-right";
+  order.level = 2;
+  const OrderReply loaded = ask(order);
+  ASSERT_TRUE(loaded.accepted) << loaded.reason;
+  EXPECT_EQ(station_->scene()->level, 2);
+  EXPECT_EQ(station_->scene()->hand.name, "woman-p05-right");
+  EXPECT_EQ(station_->status().session, 2U);
+  EXPECT_TRUE(rendersOn());
+}
+
+TEST_F(Bar, SessionsThatClientsArm_AreRecordedAndListed) {
+  run(false);
+  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(rendersOn());
+  const std::string name = station_->scene()->recording;
+  ASSERT_NE(name, "");
+  EXPECT_TRUE(station_->recordings().empty()) << "the one being written is not finished";
+  EXPECT_EQ(station_->recordingPath(name), "");
+  ASSERT_TRUE(ask(OrderType::kStop).accepted);
+  ASSERT_TRUE(becomes(RunState::kStopped));
+  ASSERT_TRUE(becomes([&] { return !station_->recordings().empty(); }));
+  const RecordingEntry entry = station_->recordings().front();
+  EXPECT_EQ(entry.name, name);
+  EXPECT_GT(entry.bytes, 1000U);
+  EXPECT_GT(entry.duration_s, 0.4);  // 100 ticks and the fade of 0.35 s
+  auto recording = RecordingReader::open(station_->recordingPath(name));
+  ASSERT_TRUE(recording) << format(recording.errors());
+  EXPECT_EQ((*recording)->meta().exercise, "cocktail-bar");
+  EXPECT_NEAR(static_cast<double>((*recording)->size()) * 1e-3, entry.duration_s, 0.3);
+  for (const char* bad : {"", ".", "..", "../x.h5", "/etc/passwd", "a/b.h5", "note.json"}) {
+    EXPECT_EQ(station_->recordingPath(bad), "") << bad;
+  }
+}
+
+TEST_F(Bar, OwnerSilent_FadesTheExerciseAndNothingElse) {
+  run(true);
+  ASSERT_TRUE(rendersOn());
+  Order order;
+  order.type = OrderType::kOwnerAlive;
+  order.value = 0.0;
+  ASSERT_TRUE(ask(order).accepted);
+  TickRecord record;
+  EXPECT_TRUE(becomes([&] { return station_->latest(record) && record.exercise.alpha == 0.0; }));
+  EXPECT_EQ(station_->status().run_state, RunState::kRendering);
+  EXPECT_TRUE(rendersOn());
+}
+
+}  // namespace
+}  // namespace wholehand
