@@ -89,6 +89,7 @@ export class Connection {
   /** performance.now() when latestState came [ms]. */
   latestStateAt_ms = 0;
 
+  private reading_ms = 0;
   private readonly listeners: Listeners = {
     state: new Set(), scene: new Set(), events: new Set(), controls: new Set(), status: new Set(), welcome: new Set(),
   };
@@ -159,6 +160,13 @@ export class Connection {
     this.dropLine();
   }
 
+  /** Main-thread time that reading messages (and those who listen) took since the last call [ms]. */
+  takeReading_ms(): number {
+    const spent_ms = this.reading_ms;
+    this.reading_ms = 0;
+    return spent_ms;
+  }
+
   private connect(): void {
     let line: Line;
     try {
@@ -174,7 +182,11 @@ export class Connection {
       this.heard_ms = performance.now();
       this.wait_ms = FIRST_WAIT_MS;
     };
-    line.onmessage = (event) => this.read(event.data);
+    line.onmessage = (event) => {
+      const began_ms = performance.now();
+      this.read(event.data);
+      this.reading_ms += performance.now() - began_ms;
+    };
     line.onclose = () => { if (this.line === line) this.lost(); };
   }
 

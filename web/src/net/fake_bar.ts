@@ -119,9 +119,8 @@ export class FakeBar {
     this.step = index;
     this.poured_l = 0;
     // Only what is within the hand's travel can be reached: the row comes to it.
-    const reach = 0.115;
     const need_y = this.dispenserY(this.target) - GEOMETRY.grip[1];
-    this.rowTarget_y = this.row_y + (Math.abs(need_y) > reach ? Math.sign(need_y) * reach * 0.6 - need_y : 0);
+    this.rowTarget_y = this.row_y + Math.min(0.115, Math.max(-0.07, need_y)) - need_y;
     this.stage = this.mustSlide() ? Stage.DrawBack : Stage.Reach;
   }
 
@@ -137,21 +136,27 @@ export class FakeBar {
     if (this.stage === Stage.DrawBack && !this.mustSlide()) this.stage = Stage.Reach;
   }
 
+  /** From beside the bottle: forward past it, then sideways until it lies in the palm; back the same way. */
   private play(dt: number): void {
     const y = this.dispenserY(this.target) - GEOMETRY.grip[1];
     const x = GEOMETRY.row_x - GEOMETRY.grip[0];
-    let wanted = [-0.04, y, -0.01, 65 * DEGREE, 5 * DEGREE, 0];
-    const beside = Math.abs(this.qM[1] - y) < 0.006;
-    if ((this.stage === Stage.Reach || this.stage === Stage.Squeeze) && (beside || this.qM[0] > 0.03)) wanted = [x, y, 0, 65 * DEGREE, 5 * DEGREE, 0];
-    const there = beside && this.qM[0] > x - 0.004;
-    const grasping = this.stage === Stage.Squeeze || this.stage === Stage.Pour;
-    if (there && grasping) {
+    const side = y - 0.045;
+    const grasping = this.stage === Stage.Reach || this.stage === Stage.Squeeze || this.stage === Stage.Pour;
+    const open = this.qM[3] < 60 * DEGREE;
+    const [nowX, nowY] = this.qM;
+    let wanted = [-0.04, side, -0.01, 40 * DEGREE, 5 * DEGREE, 0];
+    if (grasping && Math.abs(nowY - side) < 0.01 || grasping && nowX > 0.03 && nowY < side + 0.01) { wanted[0] = x; wanted[2] = 0; }
+    if (grasping && nowX > x - 0.004) wanted = [x, y, 0, 65 * DEGREE, 20 * DEGREE, 0];
+    // Out again: open first, then sideways, then back.
+    if (!grasping && nowX > 0.03) wanted = [x, open ? side : y, 0, 40 * DEGREE, open ? 5 * DEGREE : 20 * DEGREE, 0];
+    if (!grasping && nowX > 0.03 && open && nowY < side + 0.01) wanted[0] = -0.04;
+    if (grasping && this.stage !== Stage.Reach && nowX > x - 0.004 && Math.abs(nowY - y) < 0.004) {
       const wish_n = this.poured_l > 0.85 * this.steps[this.step].amount_l ? 6 : 8.5;
-      const more = Math.max(-1, Math.min(1, (wish_n - this.squeeze_n) / 4)) * dt;
-      wanted = [x, y, 0, Math.min(155 * DEGREE, this.intention[3] + 1.1 * more), 20 * DEGREE, Math.min(55 * DEGREE, this.intention[5] + 0.5 * more)];
+      const more = Math.max(-1, Math.min(1, (wish_n - this.squeeze_n) / 3)) * dt;
+      wanted = [x, y, 0, Math.min(155 * DEGREE, this.intention[3] + 1.2 * more), 20 * DEGREE, Math.min(55 * DEGREE, this.intention[5] + 0.5 * more)];
     }
     if (this.stage === Stage.DrinkDone && this.rest_s > 6) this.next();
-    const speed = [0.14, 0.14, 0.14, 1.6, 1.2, 1.2];
+    const speed = [0.2, 0.16, 0.14, 1.6, 1.2, 1.2];
     wanted.forEach((w, i) => { this.intention[i] += Math.max(-speed[i] * dt, Math.min(speed[i] * dt, w - this.intention[i])); });
   }
 
@@ -181,7 +186,7 @@ export class FakeBar {
   /** The avatar stops at the bottle where the device goes on: what is between is felt as force. */
   private touch(dt: number): void {
     const q = [...this.qM];
-    const near = this.liquids.findIndex((_, i) => Math.hypot(GEOMETRY.row_x - q[0] - GEOMETRY.grip[0], this.dispenserY(i) - q[1] - GEOMETRY.grip[1]) < 0.07);
+    const near = this.liquids.findIndex((_, i) => Math.hypot(GEOMETRY.row_x - q[0] - GEOMETRY.grip[0], this.dispenserY(i) - q[1] - GEOMETRY.grip[1]) < 0.04);
     this.contacts = [];
     this.squeeze_n = 0;
     this.palmDistance_m = 0.2;
