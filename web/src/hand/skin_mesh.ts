@@ -23,7 +23,7 @@ export interface SkinMesh {
 }
 
 /** Outward on the palm's side, in the frame of a link: dorsal is z, and ±y on the thumb. */
-function palmarDirection(shape: HandShape, link: number): Vec {
+export function palmarDirection(shape: HandShape, link: number): Vec {
   if (shape.digitOfLink.get(link) !== HandPart.Thumb) return [0, 0, -1];
   return shape.right ? [0, -1, 0] : [0, 1, 0];
 }

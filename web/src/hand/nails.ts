@@ -1,0 +1,58 @@
+// Nails: thin shells on the last capsule of each digit, in the frame of its link.
+
+import { BufferAttribute, BufferGeometry } from 'three';
+import { HandPart } from '../protocol';
+import type { HandCapsule, HandShape } from './shape';
+import { palmarDirection } from './skin_mesh';
+import { add, cross, length, scale, sub, type Vec } from './vector';
+
+/** Over the skin, and under it at the nail's edge [m]; the skin itself may be 0.07 mm below its reach. */
+const OVER_M = 0.34e-3;
+const UNDER_M = -0.25e-3;
+const CELLS = 18;
+/** Half width and length, in radii of the fingertip. */
+const HALF_WIDTH = 0.83;
+const LENGTH = 1.62;
+/** How far its end lies beyond the centre of the tip, in radii. */
+const BEYOND = 0.62;
+
+/** The last capsule of each digit. */
+export function fingertips(shape: HandShape): HandCapsule[] {
+  const last = new Map<HandPart, HandCapsule>();
+  for (const c of shape.capsules) if (c.part !== HandPart.Palm) last.set(c.part, c);
+  return [...last.values()];
+}
+
+/** From a square to a rounded one, -1 .. 1 each. */
+function squircle(a: number, b: number): [number, number] {
+  const e = 3.4, even = Math.pow(Math.abs(a) ** e + Math.abs(b) ** e, 1 / e);
+  const k = even > 0 ? Math.max(Math.abs(a), Math.abs(b)) / even : 1;
+  return [a * k, b * k];
+}
+
+export function nailGeometry(shape: HandShape, tip: HandCapsule): BufferGeometry {
+  const axis = sub(tip.b, tip.a), long = length(axis), along = scale(axis, 1 / long);
+  const dorsal = scale(palmarDirection(shape, tip.link), -1), side = cross(along, dorsal);
+  const r = tip.skinB, extent = r * LENGTH, start = long + r * BEYOND - extent;
+  const at: number[] = [], index: number[] = [];
+  for (let j = 0; j <= CELLS; j++)
+    for (let i = 0; i <= CELLS; i++) {
+      const u = 2 * i / CELLS - 1, v = 2 * j / CELLS - 1, [a, b] = squircle(u, v);
+      const s = start + (b + 1) / 2 * extent, beyond = Math.max(0, s - long), angle = a * HALF_WIDTH;
+      const here = tip.skinA + (r - tip.skinA) * Math.min(1, s / long);
+      const rim = Math.max(Math.abs(u), Math.abs(v)) > 0.93;
+      const radius = Math.sqrt(Math.max(0.2 * r * r, here * here - 0.86 * beyond * beyond)) + (rim ? UNDER_M : OVER_M);
+      const p: Vec = add(add(add(tip.a, scale(along, s)), scale(dorsal, radius * Math.cos(angle))), scale(side, radius * Math.sin(angle)));
+      at.push(...p);
+    }
+  for (let j = 0; j < CELLS; j++)
+    for (let i = 0; i < CELLS; i++) {
+      const q = j * (CELLS + 1) + i;
+      index.push(q, q + 1, q + CELLS + 1, q + 1, q + CELLS + 2, q + CELLS + 1);
+    }
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', new BufferAttribute(new Float32Array(at), 3));
+  geometry.setIndex(index);
+  geometry.computeVertexNormals();
+  return geometry;
+}

@@ -1,0 +1,223 @@
+// What the person sees: the room, the exercise's things, the hand. Fed with scenes and states as they
+// come from the program, drawn when the page says so.
+
+import { Group, NeutralToneMapping, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from 'three';
+import { handShape, linkPoses } from '../hand/shape';
+import { HandView } from '../hand/hand_view';
+import type { SceneT, WorldStateT } from '../protocol';
+import { BarView } from './bar_view';
+import { placeCamera, type CameraPlace, type View } from './camera';
+import { ContactGlow } from './contacts';
+import { barOf, type Bar } from './exercise';
+import { FrameClock } from './frame_clock';
+import { programFrame, toThree, type Triple } from './frames';
+import { disposeTree } from './materials';
+import { makeBody } from './plain_bodies';
+import type { FrameStats, Quality } from './quality';
+import { makeStage, type Stage } from './stage';
+
+export interface BarSceneOptions { quality: Quality; tone: string; view: View }
+
+export interface Look {
+  dimmed: boolean;          // behind a card
+  grey: boolean;            // stopped, or the connection is lost
+  ghostHand: boolean;       // the hand is not the person's at present
+  showColliders: boolean;
+  tone: string;
+  /** Word of each liquid for the sign over its dispenser; a liquid without one has no sign. */
+  names: Readonly<Record<string, string>>;
+}
+
+export interface Pixel { x_px: number; y_px: number }
+export interface Labels {
+  dispensers: (Pixel & { liquid: string })[];   // middle of each sign
+  fillLine: Pixel | null;                       // its right end
+  glass: Pixel | null;
+  target: Pixel | null;                         // grip of the dispenser that is wanted
+}
+
+/** Against a device's own pixels; low quality draws this share of them in either direction. */
+const LOW_PIXELS = 0.75;
+const MOST_PIXELS = 2;
+/** Where the row stands when no exercise says so [m]. */
+const DEFAULT_PLACE: CameraPlace = { counter_y: -0.253, row_z: -0.119 };
+
+export class BarScene {
+  private readonly renderer: WebGLRenderer;
+  private readonly scene = new Scene();
+  private readonly camera = new PerspectiveCamera();
+  private readonly clock = new FrameClock();
+  private readonly contacts = new ContactGlow();
+  private quality: Quality;
+  private look: Look;
+  private told: SceneT | undefined;
+  private state: WorldStateT | undefined;
+  private bar: BarView | undefined;
+  private place = DEFAULT_PLACE;
+  private stage: Stage | undefined;
+  private hand: HandView | undefined;
+  private bodies: (Group | undefined)[] = [];
+  private readonly plain = new Group();
+  private poses = new Float64Array(0);
+  private fresh = false;
+  private last_ms: number | undefined;
+  private stateScript_ms = 0;
+
+  constructor(private readonly canvas: HTMLCanvasElement, private readonly options: BarSceneOptions) {
+    this.quality = options.quality;
+    this.look = { dimmed: false, grey: false, ghostHand: false, showColliders: false, tone: options.tone, names: {} };
+    this.renderer = new WebGLRenderer({ canvas, antialias: options.quality === 'high', powerPreference: 'high-performance' });
+    this.renderer.toneMapping = NeutralToneMapping;
+    this.plain.matrixAutoUpdate = false;
+    this.plain.matrix.copy(programFrame());
+    this.build();
+    this.resize();
+  }
+
+  /** A new scene: another hand, exercise, level. The hand is made when its first state comes. */
+  setScene(scene: SceneT): void {
+    this.told = scene;
+    this.state = undefined;
+    this.build();
+    this.resize();
+  }
+
+  setState(state: WorldStateT): void {
+    const start = performance.now();
+    this.state = state;
+    this.fresh = true;
+    this.poses = linkPoses(state.links, this.poses) as Float64Array<ArrayBuffer>;
+    if (!this.hand && this.told && state.links.length > 0 && this.told.capsules.length > 0) this.makeHand();
+    this.contacts.take(state.contacts);
+    this.stateScript_ms += performance.now() - start;
+  }
+
+  setLook(look: Partial<Look>): void {
+    this.look = { ...this.look, ...look };
+    this.applyLook();
+    this.fresh = true;
+  }
+
+  setQuality(quality: Quality): void {
+    if (quality === this.quality) return;
+    this.quality = quality;
+    this.build();
+    this.resize();
+  }
+
+  /** @param now_ms of requestAnimationFrame */
+  render(now_ms: number): void {
+    const start = performance.now();
+    const dt_s = this.last_ms === undefined ? 0 : Math.min(0.25, Math.max(0, (now_ms - this.last_ms) / 1000));
+    this.last_ms = now_ms;
+    if (this.state) this.update(this.state, dt_s);
+    this.renderer.render(this.scene, this.camera);
+    this.clock.add(now_ms, performance.now() - start + this.stateScript_ms);
+    this.stateScript_ms = 0;
+  }
+
+  resize(): void {
+    const width = Math.max(1, this.canvas.clientWidth), height = Math.max(1, this.canvas.clientHeight);
+    const device = Math.min(MOST_PIXELS, window.devicePixelRatio || 1);
+    this.renderer.setPixelRatio(this.quality === 'high' ? device : LOW_PIXELS);
+    this.renderer.setSize(width, height, false);
+    placeCamera(this.camera, this.options.view, this.place, width, height);
+  }
+
+  /** Where a point of the program's world is in the canvas. */
+  project(world_m: Triple): Pixel { return this.pixel(toThree(world_m)); }
+
+  labels(): Labels {
+    const anchors = this.bar?.anchors(this.camera);
+    const maybe = (p: Vector3 | undefined) => p ? this.pixel(p) : null;
+    return {
+      dispensers: anchors?.signs.map((s) => ({ liquid: s.liquid, ...this.pixel(s.at) })) ?? [],
+      fillLine: maybe(anchors?.line), glass: maybe(anchors?.glass), target: maybe(anchors?.target),
+    };
+  }
+
+  stats(): FrameStats {
+    return { frame_ms: this.clock.frame_ms, script_ms: this.clock.script_ms, triangles: this.renderer.info.render.triangles };
+  }
+
+  dispose(): void {
+    this.clear();
+    this.contacts.root.clear();
+    this.renderer.dispose();
+  }
+
+  private pixel(p: Vector3): Pixel {
+    const v = p.clone().project(this.camera);
+    return { x_px: (v.x * 0.5 + 0.5) * this.canvas.clientWidth, y_px: (0.5 - v.y * 0.5) * this.canvas.clientHeight };
+  }
+
+  private clear(): void {
+    this.hand?.dispose();
+    this.stage?.dispose();
+    disposeTree(this.scene);
+    this.scene.clear();
+    this.plain.clear();
+    this.hand = this.bar = this.stage = undefined;
+    this.bodies = [];
+  }
+
+  /** Everything but the hand, of what the program told and in the present quality. */
+  private build(): void {
+    this.clear();
+    const bar = this.told ? barOf(this.told) : undefined;
+    this.place = placeOf(bar, this.told, this.state);
+    this.stage = makeStage(this.renderer, this.scene, this.quality, bar ? bar.rail_z_m - bar.counter_z_m : this.told ? undefined : 0.381);
+    this.stage.root.position.set(0, this.place.counter_y, this.place.row_z);
+    if (bar && this.told) {
+      this.bar = new BarView(bar, this.told, this.quality);
+      this.scene.add(this.bar.root);
+    }
+    this.bodies = this.told?.bodies.map((body) => {
+      if (this.bar?.owns(String(body.name))) return undefined;
+      const group = makeBody(body, this.quality);
+      this.plain.add(group);
+      return group;
+    }) ?? [];
+    this.scene.add(this.plain, this.contacts.root);
+    if (this.state && this.told) this.makeHand();
+    this.fresh = true;
+  }
+
+  private makeHand(): void {
+    if (!this.told) return;
+    this.hand = new HandView(handShape(this.told, this.poses), this.poses, this.quality);
+    this.scene.add(this.hand.root);
+    this.applyLook();
+  }
+
+  private applyLook(): void {
+    const { dimmed, grey, ghostHand, showColliders, tone } = this.look;
+    this.hand?.look({ ghost: ghostHand, colliders: showColliders, tone });
+    const filters = [grey ? 'saturate(.22) brightness(.82)' : '', dimmed ? 'brightness(.62)' : ''].filter(Boolean);
+    this.canvas.style.filter = filters.join(' ');
+  }
+
+  private update(state: WorldStateT, dt_s: number): void {
+    if (this.fresh) this.hand?.pose(this.poses);
+    this.fresh = false;
+    this.bar?.update(state, this.look.names, dt_s);
+    if (this.stage?.target) this.bar?.lightTarget(this.stage.target, dt_s);
+    state.bodies.forEach((pose, i) => {
+      const p = pose.positionM, q = pose.orientationXyzw;
+      if (!p || !q || !this.bodies[i]) return;
+      this.bodies[i].position.set(p.x, p.y, p.z);
+      this.bodies[i].quaternion.set(q.x, q.y, q.z, q.w);
+    });
+    const spots = this.contacts.update(this.camera, dt_s);
+    this.contacts.root.visible = !this.look.ghostHand;
+    this.hand?.tint(this.look.ghostHand ? [] : spots);
+  }
+}
+
+/** The bar's own place; another scene's table top, or the usual one. */
+function placeOf(bar: Bar | undefined, scene: SceneT | undefined, state: WorldStateT | undefined): CameraPlace {
+  if (!bar || !scene) return DEFAULT_PLACE;
+  const first = scene.bodies.findIndex((b) => String(b.name) === bar.dispensers[0]?.body);
+  const row_x = state?.bodies[first]?.positionM?.x ?? -DEFAULT_PLACE.row_z;
+  return { counter_y: bar.counter_z_m, row_z: -row_x };
+}

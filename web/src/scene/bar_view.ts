@@ -1,0 +1,125 @@
+// Everything that belongs to the cocktail bar: dispensers, signs, glass, stream.
+
+import { Group, Vector3, type PerspectiveCamera, type SpotLight } from 'three';
+import { RunState, type PoseT, type SceneT, type WorldStateT } from '../protocol';
+import { AZIMUTH_RAD } from './camera';
+import { Sign, makeDispenser } from './dispenser';
+import { ExerciseValues, STAGE, type Bar } from './exercise';
+import { quaternionToThree, toThree } from './frames';
+import { FLOOR_M, GlassView, innerRadius, rimHeight } from './glass';
+import { layersOf, lineHeight, surfaceHeight } from './layers';
+import type { Quality } from './quality';
+import { StreamView } from './stream';
+
+/** Over the rail, and before it [m]. */
+const SIGN_OVER_M = 0.016;
+const SIGN_BEFORE_M = 0.038;
+
+interface Hung { readonly body: number; readonly root: Group; readonly sign: Sign; slot: Vector3 | undefined }
+
+export interface BarAnchors {
+  readonly signs: readonly { liquid: string; at: Vector3 }[];
+  readonly line: Vector3 | undefined;
+  readonly glass: Vector3 | undefined;
+  readonly target: Vector3 | undefined;
+}
+
+export class BarView {
+  readonly root = new Group();
+  private readonly values: ExerciseValues;
+  private readonly hung: Hung[];
+  private readonly glass: GlassView;
+  private readonly stream: StreamView;
+  private readonly glassBody: number;
+  private row_y0: number | undefined;
+  private line_m: number | undefined;
+  private target = -1;
+
+  constructor(private readonly bar: Bar, scene: SceneT, quality: Quality) {
+    const bodyIndex = (name: string) => scene.bodies.findIndex((b) => String(b.name) === name);
+    this.values = new ExerciseValues(scene.valueNames);
+    this.glassBody = bodyIndex(bar.glass.body);
+    this.glass = new GlassView(bar.glass, quality);
+    this.stream = new StreamView(quality);
+    this.root.add(this.glass.root, this.stream.root);
+    this.hung = bar.dispensers.map((d) => {
+      const root = makeDispenser(d, quality, bar.rail_z_m - d.grip_m[2]);
+      const sign = new Sign(d.liquid, AZIMUTH_RAD);
+      this.root.add(root, sign.root);
+      return { body: bodyIndex(d.body), root, sign, slot: undefined };
+    });
+  }
+
+  /** Bodies that this view draws: nothing else should. */
+  owns(name: string): boolean {
+    return ['counter', 'rail', this.bar.glass.body].includes(name) || this.bar.dispensers.some((d) => d.body === name);
+  }
+
+  update(state: WorldStateT, names: Readonly<Record<string, string>>, dt_s: number): void {
+    this.target = this.values.get(state, 'target_dispenser');
+    const stage = this.values.get(state, 'stage'), done = stage === STAGE.drinkDone || stage === STAGE.levelDone;
+    this.placeDispensers(state, names, done);
+    const poured = this.values.poured(state), drink = this.bar.drinks[this.values.get(state, 'drink')];
+    const rim = rimHeight(this.bar.glass), rise = this.bar.glass.m_per_l, step = this.values.get(state, 'step');
+    const liquids = drink?.steps.map((s) => s.liquid) ?? [];
+    this.line_m = done || !drink ? undefined : lineHeight(poured, step, this.values.get(state, 'asked_l'), rise, rim);
+    this.glass.update(layersOf(poured, liquids, rise, rim), this.line_m, done);
+    const body = state.bodies[this.glassBody];
+    if (body) place(this.glass.root, body, -this.bar.glass.height_m / 2);
+    this.updateStream(state, surfaceHeight(poured, rise, rim), dt_s);
+  }
+
+  /** Where signs, line and target are, three.js's frame. @param camera for the line's right end */
+  anchors(camera: PerspectiveCamera): BarAnchors {
+    const right = new Vector3(1, 0, 0).applyQuaternion(camera.quaternion).setY(0).normalize();
+    const up = (h: number) => this.glass.root.position.clone().add(new Vector3(0, h, 0));
+    const line = this.line_m === undefined ? undefined
+      : up(this.line_m + FLOOR_M).addScaledVector(right, innerRadius(this.bar.glass, this.line_m + FLOOR_M) + 0.003);
+    return {
+      signs: this.hung.map((h, i) => ({ liquid: this.bar.dispensers[i].liquid, at: h.sign.root.position.clone() })),
+      line, glass: up(this.bar.glass.height_m / 2),
+      target: this.hung[this.target]?.root.position.clone(),
+    };
+  }
+
+  /** The soft spot of light on the dispenser that is wanted. */
+  lightTarget(light: SpotLight, dt_s: number): void {
+    const at = this.hung[this.target]?.root.position;
+    if (!at) return;
+    const share = 1 - Math.exp(-dt_s / 0.15), x = light.target.position.x + (at.x - light.target.position.x) * share;
+    light.target.position.x = light.position.x = x;
+  }
+
+  private placeDispensers(state: WorldStateT, names: Readonly<Record<string, string>>, done: boolean): void {
+    const row_y = this.values.get(state, 'row_y_m');
+    this.row_y0 ??= row_y;
+    this.hung.forEach((h, i) => {
+      const body = state.bodies[h.body], d = this.bar.dispensers[i];
+      if (!body) return;
+      place(h.root, body, 0);
+      h.slot ??= h.root.position.clone();
+      // A free dispenser leaves; its sign stays on the rail, and slides with the row.
+      const x = d.free ? h.slot.x - (row_y - (this.row_y0 ?? 0)) : h.root.position.x;
+      h.sign.root.position.set(x, this.bar.rail_z_m + SIGN_OVER_M, h.slot.z + SIGN_BEFORE_M);
+      const running = state.runState === RunState.Rendering || state.runState === RunState.Disarmed;
+      h.sign.show(names[d.liquid] ?? '', i === this.target && !done && running);
+    });
+  }
+
+  private updateStream(state: WorldStateT, surface_m: number, dt_s: number): void {
+    const flow = this.values.get(state, 'flow_l_s'), engaged = this.values.get(state, 'engaged_dispenser');
+    const which = engaged >= 0 ? engaged : this.target, h = this.hung[which], d = this.bar.dispensers[which];
+    if (!h || !d) return;
+    const tip = toThree({ x: d.nozzle_m[0], y: d.nozzle_m[1], z: d.nozzle_m[2] }).applyQuaternion(h.root.quaternion).add(h.root.position);
+    const over = this.values.get(state, 'over_glass') > 0.5;
+    const floor = over ? this.glass.root.position.y + FLOOR_M + surface_m : this.bar.counter_z_m;
+    this.stream.update(d.liquid, flow, tip, floor, over, this.bar.counter_z_m, this.values.get(state, 'spilt_l'), dt_s);
+  }
+}
+
+/** @param lift of the model's origin against the body's, along its own upright [m] */
+function place(root: Group, pose: PoseT, lift: number): void {
+  if (!pose.positionM || !pose.orientationXyzw) return;
+  quaternionToThree(pose.orientationXyzw, root.quaternion);
+  toThree(pose.positionM, root.position).add(new Vector3(0, lift, 0).applyQuaternion(root.quaternion));
+}

@@ -1,0 +1,24 @@
+// Two frames: the program's (x away from the person, y left, z up) and three.js's (x right, y up,
+// z towards the person). Both are right-handed.
+
+import { Matrix4, Quaternion, Vector3 } from 'three';
+
+export interface Triple { readonly x: number; readonly y: number; readonly z: number }
+
+/** A point or a direction: (−y, z, −x). */
+export function toThree(p: Triple, into = new Vector3()): Vector3 {
+  return into.set(-p.y, p.z, -p.x);
+}
+
+/** A rotation: its axis turns like any direction, its angle stays. */
+export function quaternionToThree(q: Triple & { readonly w: number }, into = new Quaternion()): Quaternion {
+  return into.set(-q.y, q.z, -q.x, q.w);
+}
+
+/**
+ * The same as a matrix, for one group that holds everything of the program: inside it, positions and
+ * quaternions are the program's own.
+ */
+export function programFrame(): Matrix4 {
+  return new Matrix4().makeBasis(new Vector3(0, 0, -1), new Vector3(-1, 0, 0), new Vector3(0, 1, 0));
+}

@@ -1,0 +1,36 @@
+// One way to ask for a surface: physically based in high quality, plain in low.
+
+import {
+  Color, MeshBasicMaterial, MeshLambertMaterial, MeshPhysicalMaterial, type Material,
+  type MeshPhysicalMaterialParameters,
+} from 'three';
+import type { Quality } from './quality';
+
+export type Finish = Pick<MeshPhysicalMaterialParameters,
+  'color' | 'map' | 'roughness' | 'metalness' | 'clearcoat' | 'clearcoatRoughness' | 'sheen' | 'sheenRoughness'
+  | 'sheenColor' | 'specularIntensity' | 'envMapIntensity' | 'side' | 'transparent' | 'opacity' | 'depthWrite'
+  | 'emissive' | 'emissiveIntensity'>;
+
+export function surface(quality: Quality, finish: Finish): Material {
+  if (quality === 'high') return new MeshPhysicalMaterial(finish);
+  const { color, map, side, transparent, opacity, depthWrite, emissive, emissiveIntensity } = finish;
+  const plain = { color, map, side, transparent, opacity, depthWrite, emissive, emissiveIntensity };
+  return new MeshLambertMaterial(Object.fromEntries(Object.entries(plain).filter(([, value]) => value !== undefined)));
+}
+
+/** A surface that light does not change: signs, lines. */
+export function flat(color: string, more: ConstructorParameters<typeof MeshBasicMaterial>[0] = {}): MeshBasicMaterial {
+  return new MeshBasicMaterial({ color: new Color(color), toneMapped: false, ...more });
+}
+
+/** Frees geometry, materials and textures of everything below. */
+export function disposeTree(root: { traverse(visit: (o: object) => void): void }): void {
+  root.traverse((object) => {
+    const { geometry, material } = object as { geometry?: { dispose(): void }; material?: Material | Material[] };
+    geometry?.dispose();
+    for (const m of material ? [material].flat() : []) {
+      for (const value of Object.values(m)) if (value?.isTexture) value.dispose();
+      m.dispose();
+    }
+  });
+}

@@ -1,0 +1,42 @@
+// High or low: what the machine can draw. Low is plain materials, no shadows, no multisampling.
+
+export type Quality = 'high' | 'low';
+
+export interface FrameStats { readonly frame_ms: number; readonly script_ms: number; readonly triangles: number }
+
+/** Slower than this in high quality asks for low [ms]; 24 frames a second. */
+const TOO_SLOW_MS = 42;
+/** For so long in a row [ms]. A page that has just opened, or a tab in the background, is slow for a moment. */
+const FOR_MS = 1500;
+
+/** Names of renderers that draw on the processor. */
+const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
+
+/** What to begin with, from the name of the machine's renderer. */
+export function initialQuality(): Quality {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  if (!gl) return 'low';
+  const info = gl.getExtension('WEBGL_debug_renderer_info');
+  const name = String(info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : gl.getParameter(gl.RENDERER));
+  gl.getExtension('WEBGL_lose_context')?.loseContext();
+  return SOFTWARE.test(name) ? 'low' : 'high';
+}
+
+/**
+ * From high to low where the frame time asks for it, and never back by itself: a picture that changes
+ * to and fro would be worse than a plain one.
+ */
+export class QualityChooser {
+  private slowSince_ms: number | undefined;
+
+  constructor(private quality: Quality) {}
+
+  /** @param now_ms of any clock that only goes forward */
+  choose(stats: Pick<FrameStats, 'frame_ms'>, now_ms: number): Quality {
+    if (this.quality === 'low') return 'low';
+    if (stats.frame_ms <= TOO_SLOW_MS) this.slowSince_ms = undefined;
+    else this.slowSince_ms ??= now_ms;
+    if (this.slowSince_ms !== undefined && now_ms - this.slowSince_ms >= FOR_MS) this.quality = 'low';
+    return this.quality;
+  }
+}

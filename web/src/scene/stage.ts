@@ -1,0 +1,158 @@
+// The room: counter, fluted wall, brass rail, light. Its own frame: y up from the counter's top, the
+// row of dispensers over z = 0, the guest at +z.
+
+import {
+  BoxGeometry, Color, CylinderGeometry, DirectionalLight, DoubleSide, Group, HemisphereLight, InstancedMesh, Matrix4,
+  Mesh, MeshBasicMaterial, PCFShadowMap, PlaneGeometry, PMREMGenerator, Scene, SphereGeometry, SpotLight,
+  type Texture, type WebGLRenderer,
+} from 'three';
+import { surface } from './materials';
+import { picture, woodTexture } from './patterns';
+import type { Quality } from './quality';
+
+const WALL_Z = -0.62;
+const FLUTE = 0.05;
+const WIDTH = 4.2;
+const RAIL_M = 0.01;
+
+export interface Stage { readonly root: Group; readonly target: SpotLight | undefined; dispose(): void }
+
+export function brass(quality: Quality) {
+  return surface(quality, { color: new Color('#D0A869'), metalness: 1, roughness: 0.32, envMapIntensity: 1.5 });
+}
+
+/** What shiny things mirror: a wide warm window on the left, a low cool one on the right. */
+function softbox(renderer: WebGLRenderer): Texture {
+  const studio = new Scene(), generator = new PMREMGenerator(renderer);
+  const window = (color: string, light: number, at: [number, number, number], w: number, h: number) => {
+    const pane = new Mesh(new PlaneGeometry(w, h), new MeshBasicMaterial({ color: new Color(color).multiplyScalar(light), side: DoubleSide }));
+    pane.position.set(...at);
+    pane.lookAt(0, 0, 0);
+    studio.add(pane);
+  };
+  studio.add(new Mesh(new SphereGeometry(8, 24, 12), new MeshBasicMaterial({ color: '#3c3a34', side: DoubleSide })));
+  window('#fff0d8', 5.5, [-4, 2.6, 2.2], 2.6, 3.4);
+  window('#dbe9ea', 2.2, [4.2, 1.6, 1.6], 1.6, 3.6);
+  window('#ffe2b8', 3.2, [0, 5, 0.5], 4, 1.6);
+  window('#8a5a38', 0.8, [0, -4, 2], 8, 4);
+  const texture = generator.fromScene(studio, 0.03).texture;
+  generator.dispose();
+  return texture;
+}
+
+function spot(color: string, candela: number, half: number, soft: number, from: [number, number, number], to: [number, number, number]): SpotLight {
+  const light = new SpotLight(color, candela, 0, half, soft, 2);
+  light.position.set(...from);
+  light.target.position.set(...to);
+  return light;
+}
+
+function highLights(root: Group): SpotLight {
+  const key = spot('#fff0dc', 11.5, 0.46, 0.9, [-0.42, 1.42, 1.0], [0.05, 0.16, 0]);
+  key.castShadow = true;
+  key.shadow.mapSize.set(4096, 4096);
+  key.shadow.radius = 9;
+  key.shadow.bias = -0.0016;
+  key.shadow.normalBias = 0.01;
+  key.shadow.intensity = 0.62;
+  key.shadow.camera.near = 0.4;
+  key.shadow.camera.far = 3;
+  const rim = spot('#cfe6ea', 5, 0.6, 1, [1.1, 0.9, -0.35], [0.1, 0.25, 0.05]);
+  const target = spot('#fff2d6', 2.6, 0.13, 0.9, [0, 1.05, 0.75], [0, 0.2, 0]);
+  for (const light of [key, rim, target]) root.add(light, light.target);
+  for (const x of [-0.42, 0.42]) {   // a calm pool of lamp light on the wall
+    const lamp = spot('#ffd9a6', 5.5, 0.8, 1, [x, 1.0, -0.12], [x, 0.22, WALL_Z]);
+    root.add(lamp, lamp.target);
+  }
+  root.add(new HemisphereLight('#fff3e2', '#5a4334', 0.55));
+  return target;
+}
+
+function lowLights(root: Group): void {
+  const key = new DirectionalLight('#fff0dc', 2.1);
+  key.position.set(-0.42, 1.26, 1.0);
+  root.add(key, new HemisphereLight('#fff3e2', '#6a5344', 1.5));
+}
+
+function flutedWall(): Mesh {
+  const material = surface('high', { color: new Color('#27495C'), roughness: 0.82 });
+  const count = Math.round(WIDTH / FLUTE);
+  const wall = new InstancedMesh(new CylinderGeometry(FLUTE * 0.86, FLUTE * 0.86, 1.6, 32, 1, true), material, count);
+  for (let i = 0; i < count; i++) wall.setMatrixAt(i, new Matrix4().makeTranslation((i - count / 2 + 0.5) * FLUTE, 0.5, WALL_Z));
+  wall.receiveShadow = true;
+  return wall;
+}
+
+/** The same wall as a picture: flutes and the two pools of light. */
+function paintedWall(): Mesh {
+  const texture = picture(2048, 512, (pen) => {
+    const flute = 2048 / (WIDTH / FLUTE);
+    for (let x = 0; x < 2048; x += flute) {
+      const g = pen.createLinearGradient(x, 0, x + flute, 0);
+      g.addColorStop(0, '#132f38'); g.addColorStop(0.3, '#2c5059'); g.addColorStop(0.7, '#27484f'); g.addColorStop(1, '#132f38');
+      pen.fillStyle = g;
+      pen.fillRect(x, 0, flute + 1, 512);
+    }
+    for (const x of [0.4, 0.6]) {
+      const g = pen.createRadialGradient(x * 2048, 300, 20, x * 2048, 300, 330);
+      g.addColorStop(0, 'rgba(255,230,190,.20)'); g.addColorStop(1, 'rgba(0,10,14,0)');
+      pen.fillStyle = g;
+      pen.fillRect(0, 0, 2048, 512);
+    }
+  });
+  const wall = new Mesh(new PlaneGeometry(WIDTH, 1.05), new MeshBasicMaterial({ map: texture }));
+  wall.position.set(0, 0.525, WALL_Z + FLUTE * 0.8);
+  return wall;
+}
+
+function counter(quality: Quality): Group {
+  const root = new Group(), wood = woodTexture();
+  wood.repeat.set(1.6, 0.9);
+  const low = quality === 'low';
+  const top = new Mesh(new BoxGeometry(WIDTH, 0.045, 0.86), low
+    ? new MeshBasicMaterial({ map: wood, color: '#d9b496' })
+    : surface('high', { map: wood, roughness: 0.48, clearcoat: 0.35, clearcoatRoughness: 0.35 }));
+  top.position.set(0, -0.0225, -0.2);
+  const edge = new Mesh(new CylinderGeometry(0.0225, 0.0225, WIDTH, 24), surface(quality, { map: wood, roughness: 0.42, clearcoat: 0.4, clearcoatRoughness: 0.3 }));
+  edge.rotation.z = Math.PI / 2;
+  edge.position.set(0, -0.0225, 0.23);
+  const front = new Mesh(new PlaneGeometry(WIDTH, 0.6), new MeshBasicMaterial({ color: '#15100d' }));
+  front.position.set(0, -0.34, 0.232);
+  top.receiveShadow = edge.receiveShadow = true;
+  root.add(top, edge, front);
+  return root;
+}
+
+function rail(quality: Quality, height: number): Mesh {
+  const mesh = new Mesh(new CylinderGeometry(RAIL_M, RAIL_M, WIDTH, 20), brass(quality));
+  mesh.rotation.z = Math.PI / 2;
+  mesh.position.y = height + RAIL_M;
+  mesh.castShadow = true;
+  return mesh;
+}
+
+/** @param railHeight of its underside over the counter [m]; undefined: no bar, a calm table alone */
+export function makeStage(renderer: WebGLRenderer, scene: Scene, quality: Quality, railHeight: number | undefined): Stage {
+  const root = new Group();
+  scene.background = new Color('#142726');
+  renderer.shadowMap.enabled = quality === 'high';
+  renderer.shadowMap.type = PCFShadowMap;
+  let target: SpotLight | undefined;
+  if (quality === 'high') {
+    scene.environment = softbox(renderer);
+    scene.environmentIntensity = 0.62;
+    target = highLights(root);
+  } else lowLights(root);
+  root.add(quality === 'high' ? flutedWall() : paintedWall());
+  root.add(counter(quality));
+  if (railHeight !== undefined) root.add(rail(quality, railHeight));
+  scene.add(root);
+  return {
+    root, target,
+    dispose() {
+      scene.environment?.dispose();
+      scene.environment = null;
+      scene.remove(root);
+    },
+  };
+}

@@ -1,0 +1,43 @@
+// A page with nothing but the scene, for pictures and measurements: "npm run dev", then
+//   /tests/scene_page.html?at=pour&level=3&quality=high&tone=honey&ghost&colliders&plain&card
+// Options of the stand-in program (src/net/fake_program.ts) work too. window.scene is the scene,
+// window.ready counts frames.
+
+import '../src/shared/tokens.css';
+import { FakeProgram } from '../src/net/fake_program';
+import type { SceneT, WorldStateT } from '../src/protocol';
+import { BarScene } from '../src/scene/bar_scene';
+import type { Quality } from '../src/scene/quality';
+
+const options = new URLSearchParams(location.search);
+const program = new FakeProgram(options) as unknown as { advance(dt: number): void; scene(): SceneT; state(): WorldStateT };
+const quality = (options.get('quality') ?? 'high') as Quality;
+
+await document.fonts.load('700 40px "Atkinson Hyperlegible Next Variable"');
+const scene = new BarScene(document.getElementById('scene') as HTMLCanvasElement, {
+  quality, tone: options.get('tone') ?? 'honey', view: options.get('view') === 'console' ? 'console' : 'game' });
+const told = program.scene();
+if (options.has('plain')) told.exerciseJson = '';
+scene.setScene(told);
+scene.setLook({ ghostHand: options.has('ghost'), grey: options.has('ghost'), showColliders: options.has('colliders'),
+                names: { lemon: 'Lemon', cherry: 'Cherry', blueberry: 'Blueberry', coconut: 'Coconut' } });
+
+const page = window as unknown as { scene: BarScene; ready: number };
+page.scene = scene;
+page.ready = 0;
+const still = options.has('still');
+scene.setState(program.state());
+let last_ms = performance.now(), clock_ms = 0;
+const frame = (now_ms: number) => {
+  if (!still) {
+    program.advance(Math.min(0.1, (now_ms - last_ms) / 1000));
+    scene.setState(program.state());
+  }
+  last_ms = now_ms;
+  // A still picture needs time too: what is low-passed comes to rest.
+  clock_ms = still ? clock_ms + 200 : now_ms;
+  scene.render(clock_ms);
+  page.ready += 1;
+  if (!still || page.ready < 6) requestAnimationFrame(frame);
+};
+requestAnimationFrame(frame);
