@@ -1,0 +1,285 @@
+#include "server/clients.hpp"
+
+#include "realtime/monotonic_clock.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace wholehand {
+
+namespace {
+
+/// A state is sent this often even when nothing changes, so that clients see that the line lives.
+constexpr std::int64_t kRepeat_ns = 500'000'000;
+/// A client that sends too much is told so this often.
+constexpr std::int64_t kRateReply_ns = 1'000'000'000;
+
+SharedBytes share(wire::Bytes bytes) {
+  return std::make_shared<const wire::Bytes>(std::move(bytes));
+}
+
+/// Which counter a message that cannot be read belongs to.
+const char* reasonOf(const Diagnostics& errors) {
+  const std::string& key = errors.front().key;
+  if (key == "size") return "oversized";
+  if (key == "schema_version") return "schema_version";
+  return "malformed";
+}
+
+bool sameState(const LoopStatus& a, const LoopStatus& b) {
+  return a.session == b.session && a.run_state == b.run_state && a.steering == b.steering &&
+         a.latched == b.latched && a.parameters == b.parameters;
+}
+
+}  // namespace
+
+Clients::Clients(ServerBackend& backend, EventMailbox& mailbox, Traffic& traffic, PoliteLog& log,
+                 ControlsArbiter& controls, Access access, Post post)
+    : backend_(backend),
+      mailbox_(mailbox),
+      traffic_(traffic),
+      log_(log),
+      access_(std::move(access)),
+      post_(std::move(post)),
+      controls_(controls),
+      desk_(controls),
+      record_(std::make_unique<TickRecord>()) {}
+
+std::uint32_t Clients::join(std::shared_ptr<ClientLine> line, std::int64_t now_ns) {
+  followScene();
+  const std::uint32_t number = controls_.newClient();
+  Client client;
+  client.line = std::move(line);
+  client.allowance_ns = now_ns;
+  const std::string version = scene_ ? scene_->program_version : std::string();
+  client.line->deliver(share(wire::welcomeMessage(number, false, version)));
+  if (scene_message_) client.line->deliver(scene_message_);
+  client.line->deliver(share(wire::controlsMessage(false, desk_.held())));
+  clients_.emplace(number, std::move(client));
+  traffic_.clients = clients_.size();
+  ++traffic_.clients_seen;
+  return number;
+}
+
+void Clients::leave(std::uint32_t client, std::int64_t now_ns) {
+  if (clients_.erase(client) == 0) return;
+  traffic_.clients = clients_.size();
+  if (desk_.holds(client)) {
+    log_.write(fmt::format("client {} left while it held the controls", client), now_ns);
+  }
+  desk_.left(client, now_ns);
+  followControls(now_ns);
+}
+
+void Clients::refuse(Entry client, std::uint32_t command, const char* reason,
+                     const std::string& why, std::int64_t now_ns, bool reply) {
+  ++traffic_.refused[reason];
+  log_.write(fmt::format("client {}: refused ({}): {}", client->first, reason, why), now_ns);
+  if (reply) client->second.line->deliver(share(wire::replyMessage(command, {false, why})));
+}
+
+bool Clients::withinRate(Entry entry, std::int64_t now_ns) {
+  Client& c = entry->second;
+  const double elapsed_s = 1e-9 * static_cast<double>(now_ns - c.allowance_ns);
+  c.allowance_ns = now_ns;
+  c.allowance = std::min(kMessagesPerSecond, c.allowance + kMessagesPerSecond * elapsed_s);
+  if (c.allowance < 1.0) return false;
+  c.allowance -= 1.0;
+  return true;
+}
+
+void Clients::heard(std::uint32_t client, std::span<const std::uint8_t> message, bool text,
+                    std::int64_t now_ns) {
+  const Entry entry = clients_.find(client);
+  if (entry == clients_.end()) return;
+  const bool within_rate = withinRate(entry, now_ns);
+  const auto decoded = text ? Expected<wire::ClientMessage>(Diagnostic{}) : wire::decode(message);
+  // Whoever asks for an emergency stop gets it, however often and under whatever number.
+  const bool emergency = decoded && decoded->type == wire::ClientMessageType::kOrder &&
+                         decoded->order.type == OrderType::kEmergencyStop;
+  if (!within_rate && !emergency) {
+    const bool reply = now_ns - entry->second.last_rate_reply_ns > kRateReply_ns;
+    if (reply) entry->second.last_rate_reply_ns = now_ns;
+    refuse(entry, 0, "rate", "more than 400 messages in a second: those beyond are dropped", now_ns,
+           reply);
+  } else if (text) {
+    refuse(entry, 0, "text", "this is text; messages are binary", now_ns);
+  } else if (!decoded) {
+    refuse(entry, 0, reasonOf(decoded.errors()), format(decoded.errors()), now_ns);
+  } else if (decoded->type == wire::ClientMessageType::kAcknowledge) {
+    refuse(entry, 0, "malformed", "nothing is acknowledged over WebSocket", now_ns);
+  } else if (decoded->id <= entry->second.last_command && !emergency) {
+    refuse(entry, decoded->id, "replayed",
+           fmt::format("command {} came after command {}: their numbers must rise", decoded->id,
+                       entry->second.last_command),
+           now_ns);
+  } else {
+    entry->second.last_command = std::max(entry->second.last_command, decoded->id);
+    obey(entry, *decoded, now_ns);
+  }
+  followControls(now_ns);
+}
+
+void Clients::saidTooMuch(std::uint32_t client, std::int64_t now_ns) {
+  const Entry entry = clients_.find(client);
+  if (entry == clients_.end()) return;
+  ++traffic_.dropped["oversized"];
+  refuse(entry, 0, "oversized",
+         fmt::format("a message of more than {} bytes; the connection is closed",
+                     wire::kLargestClientMessage),
+         now_ns, false);
+}
+
+void Clients::obey(Entry entry, const wire::ClientMessage& m, std::int64_t now_ns) {
+  const std::uint32_t client = entry->first;
+  desk_.heard(client, now_ns);
+  if (m.type == wire::ClientMessageType::kHeartbeat) return;
+  if (m.type == wire::ClientMessageType::kOrder) {
+    const bool emergency = m.order.type == OrderType::kEmergencyStop;
+    if (emergency) log_.write(fmt::format("client {}: emergency stop", client), now_ns);
+    if (desk_.holds(client) || emergency) {
+      forward(client, m.id, m.order);
+    } else {
+      refuse(entry, m.id, "not_holder", "this client does not hold the controls", now_ns);
+    }
+    return;
+  }
+  const bool take = m.type == wire::ClientMessageType::kTakeControls;
+  // Who connects has shown the token already; a wrong one beside it is a mistake to be told.
+  if (take && !m.token.empty() && !access_.tokenMatches(m.token)) {
+    refuse(entry, m.id, "token", "this is not the token", now_ns);
+    return;
+  }
+  const std::string why = take ? desk_.take(client, now_ns) : desk_.release(client);
+  if (!why.empty()) {
+    refuse(entry, m.id, take ? "controls_held" : "not_holder", why, now_ns);
+    return;
+  }
+  log_.write(fmt::format("client {} {} the controls", client, take ? "takes" : "gives back"),
+             now_ns);
+  entry->second.line->deliver(share(wire::replyMessage(m.id, {true, ""})));
+}
+
+void Clients::forward(std::uint32_t client, std::uint32_t command, const Order& order) {
+  std::weak_ptr<Clients> self = weak_from_this();
+  backend_.order(order, [self, post = post_, client, command](OrderReply reply) {
+    post([self, client, command, reply = std::move(reply)] {
+      if (const auto clients = self.lock()) clients->answer(client, command, reply);
+    });
+  });
+}
+
+void Clients::answer(std::uint32_t client, std::uint32_t command, const OrderReply& reply) {
+  const Entry entry = clients_.find(client);
+  if (entry == clients_.end()) return;
+  if (!reply.accepted) {
+    refuse(entry, command, "order", reply.reason, monotonicNow_ns());
+  } else {
+    entry->second.line->deliver(share(wire::replyMessage(command, reply)));
+  }
+}
+
+void Clients::orderQuietly(const Order& order) {
+  backend_.order(order, [](OrderReply) {});
+}
+
+void Clients::followControls(std::int64_t now_ns) {
+  const ControlDesk::Advice advice = desk_.advance(now_ns);
+  if (advice.give_back) {
+    Order steer;
+    steer.type = OrderType::kSteer;
+    steer.steering = Steering::kVirtualPatient;
+    orderQuietly(steer);
+  }
+  if (advice.owner_alive) {
+    Order alive;
+    alive.type = OrderType::kOwnerAlive;
+    alive.value = *advice.owner_alive ? 1.0 : 0.0;
+    orderQuietly(alive);
+  }
+  if (advice.silent_client != 0) {
+    log_.write(fmt::format("client {} was silent and lost the controls", advice.silent_client),
+               now_ns);
+  }
+  if (advice.holder_changed) tellControls();
+}
+
+void Clients::tellControls() {
+  for (auto& [number, client] : clients_) {
+    client.line->deliver(share(wire::controlsMessage(desk_.holds(number), desk_.held())));
+  }
+}
+
+void Clients::deliverToAll(SharedBytes message) {
+  for (auto& [number, client] : clients_) client.line->deliver(message);
+}
+
+void Clients::tick(std::int64_t now_ns) {
+  followControls(now_ns);
+  dropSlow(now_ns);
+  followScene();
+  sendEvents();
+  sendState(now_ns);
+}
+
+void Clients::followScene() {
+  auto scene = backend_.scene();
+  if (!scene || scene == scene_) return;
+  scene_ = std::move(scene);
+  encoder_ = std::make_unique<wire::StateEncoder>(scene_);
+  scene_message_ = share(wire::sceneMessage(*scene_));
+  shown_ns_ = 0;  // what was shown belongs to the scene before
+  deliverToAll(scene_message_);
+}
+
+void Clients::sendEvents() {
+  mailbox_.fetch(events_);
+  if (!events_.empty() && !clients_.empty()) deliverToAll(share(wire::eventsMessage(events_)));
+}
+
+void Clients::sendState(std::int64_t now_ns) {
+  if (clients_.empty() || !encoder_) return;
+  LoopStatus status = backend_.status();
+  if (!backend_.latest(*record_)) *record_ = TickRecord{};
+  if (shown_ns_ == 0 || record_->tick != shown_tick_ || !sameState(status, shown_) ||
+      now_ns - shown_ns_ > kRepeat_ns) {
+    state_arrived_ns_ = mailbox_.arrivalOf(record_->tick);
+    const auto bytes = encoder_->encode(*record_, status, wire::Detail::kFull, state_arrived_ns_);
+    state_ = share({bytes.begin(), bytes.end()});
+    ++state_number_;
+    shown_ = std::move(status);
+    // An age says how long a record took, not how long the loop has stood still.
+    if (record_->tick == shown_tick_) state_arrived_ns_ = 0;
+    shown_tick_ = record_->tick;
+    shown_ns_ = now_ns;
+  }
+  for (auto& [number, client] : clients_) {
+    if (client.state == state_number_) continue;
+    if (client.line->offer(state_, state_arrived_ns_)) {
+      client.state = state_number_;
+    } else {
+      ++traffic_.states_skipped;
+    }
+  }
+}
+
+void Clients::dropSlow(std::int64_t now_ns) {
+  std::vector<std::uint32_t> slow;
+  for (const auto& [number, client] : clients_) {
+    const std::int64_t since_ns = client.line->writingSince_ns();
+    const bool stuck = since_ns != 0 && now_ns - since_ns > kDrainWithin_ns;
+    const bool full = client.line->waiting() > kMostWaiting;
+    if (!stuck && !full) continue;
+    ++traffic_.dropped[stuck ? "slow" : "backlog"];
+    log_.write(fmt::format("client {} does not follow and is cut off", number), now_ns);
+    slow.push_back(number);
+  }
+  for (const std::uint32_t number : slow) {
+    clients_.at(number).line->cut();
+    leave(number, now_ns);
+  }
+}
+
+}  // namespace wholehand

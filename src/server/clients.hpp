@@ -1,0 +1,118 @@
+#pragma once
+
+#include "server/access.hpp"
+#include "server/backend.hpp"
+#include "server/control_desk.hpp"
+#include "server/event_mailbox.hpp"
+#include "server/polite_log.hpp"
+#include "server/traffic.hpp"
+#include "server/wire.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace wholehand {
+
+using SharedBytes = std::shared_ptr<const wire::Bytes>;
+
+/// A connected client, as a line to write to. No call blocks or calls back.
+class ClientLine {
+ public:
+  virtual ~ClientLine() = default;
+
+  /// Must arrive, in order: waits while earlier ones are written.
+  virtual void deliver(SharedBytes message) = 0;
+  /// Worth something only when it is new: false where earlier writing goes on.
+  [[nodiscard]] virtual bool offer(SharedBytes state, std::int64_t arrived_ns) = 0;
+  /// Messages that wait beside the one being written.
+  [[nodiscard]] virtual std::size_t waiting() const = 0;
+  /// Since when the one being written is; 0: nothing is.
+  [[nodiscard]] virtual std::int64_t writingSince_ns() const = 0;
+  /// Ends the connection at once.
+  virtual void cut() = 0;
+};
+
+/// All WebSocket clients: what they are told, and what they may order. Knows no sockets; one
+/// thread, time is an argument.
+class Clients : public std::enable_shared_from_this<Clients> {
+ public:
+  static constexpr std::int64_t kDrainWithin_ns = 2'000'000'000;
+  static constexpr std::size_t kMostWaiting = 64;
+  static constexpr double kMessagesPerSecond = 400.0;
+
+  /// Runs a task on the server's thread; called from any thread.
+  using Post = std::function<void(std::function<void()>)>;
+
+  Clients(ServerBackend& backend, EventMailbox& mailbox, Traffic& traffic, PoliteLog& log,
+          ControlsArbiter& controls, Access access, Post post);
+
+  /// Greets a new client; its number.
+  std::uint32_t join(std::shared_ptr<ClientLine> line, std::int64_t now_ns);
+  /// Its connection ended.
+  void leave(std::uint32_t client, std::int64_t now_ns);
+  /// It said something.
+  void heard(std::uint32_t client, std::span<const std::uint8_t> message, bool text,
+             std::int64_t now_ns);
+  /// It said more than kLargestClientMessage; its connection is being closed.
+  void saidTooMuch(std::uint32_t client, std::int64_t now_ns);
+  /// 60 times a second: scene, events, state, controls, clients that do not follow.
+  void tick(std::int64_t now_ns);
+
+  [[nodiscard]] std::size_t count() const { return clients_.size(); }
+
+ private:
+  struct Client {
+    std::shared_ptr<ClientLine> line;
+    std::uint32_t last_command = 0;
+    double allowance = kMessagesPerSecond;  ///< messages it may send now
+    std::int64_t allowance_ns = 0;          ///< when that was so
+    std::int64_t last_rate_reply_ns = 0;
+    std::uint64_t state = 0;  ///< number of the newest state it has
+  };
+  using Entry = std::map<std::uint32_t, Client>::iterator;
+
+  void refuse(Entry client, std::uint32_t command, const char* reason, const std::string& why,
+              std::int64_t now_ns, bool reply = true);
+  [[nodiscard]] bool withinRate(Entry client, std::int64_t now_ns);
+  void obey(Entry client, const wire::ClientMessage& message, std::int64_t now_ns);
+  void forward(std::uint32_t client, std::uint32_t command, const Order& order);
+  void answer(std::uint32_t client, std::uint32_t command, const OrderReply& reply);
+  void orderQuietly(const Order& order);
+  void followControls(std::int64_t now_ns);
+  void tellControls();
+  void deliverToAll(SharedBytes message);
+  void followScene();
+  void sendEvents();
+  void sendState(std::int64_t now_ns);
+  void dropSlow(std::int64_t now_ns);
+
+  ServerBackend& backend_;
+  EventMailbox& mailbox_;
+  Traffic& traffic_;
+  PoliteLog& log_;
+  Access access_;
+  Post post_;
+
+  std::map<std::uint32_t, Client> clients_;
+  ControlsArbiter& controls_;
+  ControlDesk desk_;
+
+  std::shared_ptr<const SceneFacts> scene_;
+  SharedBytes scene_message_;
+  std::unique_ptr<wire::StateEncoder> encoder_;
+  std::vector<wire::NumberedEvent> events_;
+  std::unique_ptr<TickRecord> record_;
+  LoopStatus shown_;  ///< status of the newest state
+  std::uint64_t shown_tick_ = 0;
+  std::int64_t shown_ns_ = 0;  ///< when it was made
+  std::uint64_t state_number_ = 0;
+  SharedBytes state_;
+  std::int64_t state_arrived_ns_ = 0;
+};
+
+}  // namespace wholehand

@@ -1,0 +1,70 @@
+#include "server/control_desk.hpp"
+
+namespace wholehand {
+
+std::string ControlDesk::take(Client client, std::int64_t now_ns) {
+  if (!arbiter_.take(client)) return "another client holds the controls";
+  // Whoever takes over says anew who steers: the aim of the one who is gone must not go on.
+  if (lost_ns_) give_back_ = true;
+  lost_ns_.reset();
+  mine_ = client;
+  heard_ns_ = now_ns;
+  return {};
+}
+
+std::string ControlDesk::release(Client client) {
+  if (!holds(client)) return "this client does not hold the controls";
+  arbiter_.release(client);
+  mine_ = 0;
+  give_back_ = true;
+  return {};
+}
+
+void ControlDesk::heard(Client client, std::int64_t now_ns) {
+  if (holds(client)) heard_ns_ = now_ns;
+}
+
+void ControlDesk::left(Client client, std::int64_t now_ns) {
+  if (!holds(client)) return;
+  arbiter_.release(client);
+  mine_ = 0;
+  lost_ns_ = now_ns;
+}
+
+void ControlDesk::followOthers(std::int64_t now_ns) {
+  const Client holder = arbiter_.holder();
+  const bool other_holds = holder != 0 && holder != mine_;
+  if (other_holds) {
+    // Its own server says whether it is alive, and it says who steers.
+    lost_ns_.reset();
+    told_alive_ = true;
+  } else if (other_holds_ && holder == 0) {
+    lost_ns_ = now_ns;
+  }
+  other_holds_ = other_holds;
+}
+
+ControlDesk::Advice ControlDesk::advance(std::int64_t now_ns) {
+  Advice advice;
+  followOthers(now_ns);
+  if (mine_ != 0 && now_ns - heard_ns_ > kLost_ns) {
+    advice.silent_client = mine_;
+    arbiter_.release(mine_);
+    mine_ = 0;
+    give_back_ = true;
+  }
+  if (lost_ns_ && now_ns - *lost_ns_ > kLost_ns) {
+    lost_ns_.reset();
+    give_back_ = true;
+  }
+  const bool alive = mine_ != 0 ? now_ns - heard_ns_ <= kSilent_ns : !lost_ns_.has_value();
+  if (alive != told_alive_) advice.owner_alive = told_alive_ = alive;
+  advice.give_back = give_back_;
+  give_back_ = false;
+  const Client holder = arbiter_.holder();
+  advice.holder_changed = holder != told_;
+  told_ = holder;
+  return advice;
+}
+
+}  // namespace wholehand

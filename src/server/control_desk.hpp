@@ -1,0 +1,69 @@
+#pragma once
+
+#include "server/controls_arbiter.hpp"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace wholehand {
+
+/// What becomes of the controls when the browser that holds them goes silent, and to whom the hand
+/// falls when nobody holds them. Time is an argument [ns, monotonic]; one thread.
+///
+///   nobody has held them     the virtual patient plays, the exercise pushes (the demo)
+///   holder silent 200 ms     the exercise's effort fades out; back when it is heard again
+///   holder silent 5 s        it loses the controls, the virtual patient plays again
+///   holder's line is lost    the effort fades out at once; after 5 s without a new holder the
+///                            virtual patient plays again
+///   holder gives them back   the virtual patient plays again at once
+///
+/// A game over UDP that holds the controls is heard by its own server; here it counts when it loses
+/// them: after 5 s without a new holder the virtual patient plays again.
+class ControlDesk {
+ public:
+  static constexpr std::int64_t kSilent_ns = 200'000'000;
+  static constexpr std::int64_t kLost_ns = 5'000'000'000;
+
+  using Client = ControlsArbiter::Client;
+
+  /// What the program has to be told.
+  struct Advice {
+    std::optional<bool> owner_alive;  ///< when it changed
+    bool give_back = false;           ///< steering returns to the virtual patient
+    bool holder_changed = false;      ///< all clients are told
+    Client silent_client = 0;         ///< who lost the controls by silence; 0: nobody
+  };
+
+  /// @pre the arbiter outlives the desk
+  explicit ControlDesk(ControlsArbiter& arbiter) : arbiter_(arbiter) {}
+
+  /// Empty when the client holds the controls now, else why not.
+  [[nodiscard]] std::string take(Client client, std::int64_t now_ns);
+  /// Empty when given back, else why not.
+  [[nodiscard]] std::string release(Client client);
+  /// A message of that client came.
+  void heard(Client client, std::int64_t now_ns);
+  /// Its connection ended.
+  void left(Client client, std::int64_t now_ns);
+
+  /// After any of the above, and at least every 20 ms: what is new since the last call.
+  [[nodiscard]] Advice advance(std::int64_t now_ns);
+
+  [[nodiscard]] bool holds(Client client) const { return client != 0 && mine_ == client; }
+  [[nodiscard]] bool held() const { return arbiter_.holder() != 0; }
+
+ private:
+  void followOthers(std::int64_t now_ns);
+
+  ControlsArbiter& arbiter_;
+  Client mine_ = 0;            ///< the holder, where it is a client of ours
+  Client told_ = 0;            ///< the holder of the last advice
+  bool other_holds_ = false;   ///< a client of another server held them at the last advice
+  std::int64_t heard_ns_ = 0;  ///< the last message of mine_
+  std::optional<std::int64_t> lost_ns_;  ///< when the holder was lost; nobody took over
+  bool give_back_ = false;
+  bool told_alive_ = true;
+};
+
+}  // namespace wholehand

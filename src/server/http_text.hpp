@@ -1,0 +1,26 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+// The few pieces of HTTP text that our routes need.
+namespace wholehand {
+
+/// Of "a=1&b=2"; as it stands there, empty where it is missing.
+[[nodiscard]] std::string_view queryValue(std::string_view query, std::string_view key);
+
+/// A path with %XX decoded, once. Nothing where it is malformed or holds what no path of ours
+/// does: control characters, a backslash, an empty, "." or ".." segment, a slash that was encoded.
+[[nodiscard]] std::optional<std::string> decodedPath(std::string_view path);
+
+/// For HTML text and attributes.
+[[nodiscard]] std::string htmlEscaped(std::string_view text);
+
+/// A path segment, with all but the plainest characters as %XX.
+[[nodiscard]] std::string percentEncoded(std::string_view text);
+
+/// Without control characters and of bounded length: fit for a log.
+[[nodiscard]] std::string printable(std::string_view text, std::size_t longest = 200);
+
+}  // namespace wholehand

@@ -1,0 +1,27 @@
+#include "server/polite_log.hpp"
+
+#include "server/http_text.hpp"
+
+#include <algorithm>
+
+namespace wholehand {
+
+void PoliteLog::write(const std::string& line, std::int64_t now_ns) {
+  if (!sink_) return;
+  if (last_ns_ != 0) {
+    allowance_ += kPerSecond * 1e-9 * static_cast<double>(now_ns - last_ns_);
+    allowance_ = std::min(allowance_, kBurst);
+  }
+  last_ns_ = now_ns;
+  if (allowance_ < 1.0) {
+    ++left_out_;
+    return;
+  }
+  allowance_ -= 1.0;
+  std::string text = printable(line, 400);
+  if (left_out_ > 0) text += " (" + std::to_string(left_out_) + " lines before were left out)";
+  left_out_ = 0;
+  sink_(text);
+}
+
+}  // namespace wholehand

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+namespace wholehand {
+
+/// A log that a hostile client cannot flood: at most kBurst lines at once and kPerSecond in the
+/// long run; what is left out is counted and told. One thread.
+class PoliteLog {
+ public:
+  static constexpr double kBurst = 20.0, kPerSecond = 2.0;
+
+  explicit PoliteLog(std::function<void(const std::string&)> sink) : sink_(std::move(sink)) {}
+
+  void write(const std::string& line, std::int64_t now_ns);
+
+ private:
+  std::function<void(const std::string&)> sink_;
+  double allowance_ = kBurst;
+  std::int64_t last_ns_ = 0;
+  std::uint64_t left_out_ = 0;
+};
+
+}  // namespace wholehand

@@ -1,0 +1,191 @@
+#include "server/server.hpp"
+
+#include "realtime/monotonic_clock.hpp"
+#include "server/http_connection.hpp"
+
+#include <fmt/format.h>
+
+#include <exception>
+#include <pthread.h>
+#include <thread>
+
+namespace wholehand {
+
+namespace {
+
+constexpr std::chrono::nanoseconds kFrame{16'666'667};  ///< 60 states a second
+constexpr std::size_t kMostConnections = 128;           ///< over plain HTTP
+constexpr unsigned kWorkers = 2;
+
+}  // namespace
+
+class Server::Machinery : public std::enable_shared_from_this<Server::Machinery> {
+ public:
+  Machinery(ServerBackend& backend, ServerOptions options, ControlsArbiter& controls)
+      : backend_(backend),
+        options_(std::move(options)),
+        controls_(controls),
+        acceptor_(io_),
+        retry_(io_),
+        frames_(io_),
+        log_(options_.log) {}
+
+  /// Why the port cannot be had; empty: it listens.
+  std::string listen() {
+    ErrorCode error;
+    const auto address = net::ip::make_address(options_.address, error);
+    if (error) return "is no IP address";
+    const Tcp::endpoint endpoint(address, options_.port);
+    acceptor_.open(endpoint.protocol(), error);
+    if (!error) acceptor_.set_option(net::socket_base::reuse_address(true), error);
+    if (!error) acceptor_.bind(endpoint, error);
+    if (!error) acceptor_.listen(net::socket_base::max_listen_connections, error);
+    if (!error) port_ = acceptor_.local_endpoint(error).port();
+    return error ? error.message() : std::string();
+  }
+
+  void start() {
+    const Access access(options_, port_);
+    clients_ = std::make_shared<Clients>(backend_, mailbox_, traffic_, log_, controls_, access,
+                                         [weak = weak_from_this()](std::function<void()> task) {
+                                           if (const auto self = weak.lock())
+                                             net::post(self->io_, std::move(task));
+                                         });
+    site_ =
+        std::make_unique<Site>(backend_, options_.web_folder, access,
+                               Site::Figures{[this] {
+                                               const Pulse p = pulse();
+                                               return std::make_pair(healthy(p), healthJson(p));
+                                             },
+                                             [this] { return metricsText(pulse(), traffic_); }});
+    premises_.emplace(Premises{*site_, *clients_, traffic_, log_, workers_,
+                               static_cast<std::size_t>(options_.max_clients)});
+    acceptNext();
+    frames_.expires_after(kFrame);
+    frameNext();
+    thread_ = std::thread([this] { run(); });
+    pthread_setname_np(thread_.native_handle(), "wholehand-web");
+  }
+
+  void stop() {
+    io_.stop();
+    if (thread_.joinable()) thread_.join();
+    workers_.stop();
+    workers_.join();
+  }
+
+  void publish(const TickRecord& record) { mailbox_.put(record, monotonicNow_ns()); }
+  std::uint16_t port() const noexcept { return port_; }
+  std::string url() const {
+    return fmt::format("http://{}:{}/", bracketed(options_.address), port_);
+  }
+
+ private:
+  // An exception here must end neither the process nor the loop in it: whoever caused it has lost
+  // its connection, all others go on.
+  void run() noexcept {
+    while (true) {
+      try {
+        io_.run();
+        return;
+      } catch (const std::exception& e) {
+        ++traffic_.dropped["exception"];
+        log_.write(fmt::format("the server went on after: {}", e.what()), monotonicNow_ns());
+      }
+    }
+  }
+
+  void acceptNext() {
+    acceptor_.async_accept([this](ErrorCode error, Tcp::socket socket) {
+      if (error == net::error::operation_aborted) return;
+      if (error) {  // no file handles left: later perhaps
+        retry_.expires_after(std::chrono::milliseconds(100));
+        retry_.async_wait([this](ErrorCode) { acceptNext(); });
+        return;
+      }
+      acceptNext();
+      if (premises_->connections >= kMostConnections) {
+        ++traffic_.refused["connections"];
+        return;
+      }
+      std::make_shared<HttpConnection>(std::move(socket), *premises_)->read();
+    });
+  }
+
+  void frameNext() {
+    frames_.async_wait([this](ErrorCode error) {
+      if (error) return;
+      // Frames that were missed are not made up for.
+      const auto now = net::steady_timer::clock_type::now();
+      frames_.expires_at(std::max(frames_.expiry() + kFrame, now));
+      frameNext();
+      clients_->tick(monotonicNow_ns());
+    });
+  }
+
+  Pulse pulse() const {
+    Pulse p;
+    p.status = backend_.status();
+    const std::int64_t newest_ns = mailbox_.newest_ns();
+    if (newest_ns != 0) {
+      p.record_age_s = 1e-9 * static_cast<double>(monotonicNow_ns() - newest_ns);
+    }
+    p.events_dropped = mailbox_.dropped();
+    return p;
+  }
+
+  // The order matters: what was made last goes first, and every socket before io_.
+  ServerBackend& backend_;
+  ServerOptions options_;
+  ControlsArbiter& controls_;
+  std::uint16_t port_ = 0;
+  Traffic traffic_;
+  EventMailbox mailbox_;
+  std::optional<Premises> premises_;  ///< connections count themselves out there at their end
+  net::io_context io_{1};
+  net::thread_pool workers_{kWorkers};
+  Tcp::acceptor acceptor_;
+  net::steady_timer retry_, frames_;
+  PoliteLog log_;
+  std::shared_ptr<Clients> clients_;
+  std::unique_ptr<Site> site_;
+  std::thread thread_;
+};
+
+Server::Server(std::shared_ptr<Machinery> machinery) : machinery_(std::move(machinery)) {}
+
+Expected<std::unique_ptr<Server>> Server::open(ServerBackend& backend, ServerOptions options,
+                                               ControlsArbiter& controls) {
+  if (Diagnostics faults = validate(options); !faults.empty()) return faults;
+  const std::string address = options.address;
+  const std::uint16_t port = options.port;
+  auto machinery = std::make_shared<Machinery>(backend, std::move(options), controls);
+  if (const std::string why = machinery->listen(); !why.empty()) {
+    return Diagnostic{"",
+                      0,
+                      "port",
+                      fmt::format("{}:{}", bracketed(address), port),
+                      "cannot be listened at: " + why,
+                      "take another one; 0 takes any that is free"};
+  }
+  machinery->start();
+  return std::unique_ptr<Server>(new Server(std::move(machinery)));
+}
+
+Server::~Server() {
+  machinery_->stop();
+}
+
+std::uint16_t Server::port() const noexcept {
+  return machinery_->port();
+}
+
+std::string Server::url() const {
+  return machinery_->url();
+}
+
+void Server::publish(const TickRecord& record) {
+  machinery_->publish(record);
+}
+
+}  // namespace wholehand

@@ -1,0 +1,67 @@
+#pragma once
+
+#include "core/expected.hpp"
+#include "core/tick_record.hpp"
+#include "server/backend.hpp"
+#include "server/controls_arbiter.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace wholehand {
+
+/// How the program shows itself. Safe as it stands: this machine only.
+struct ServerOptions {
+  std::string address = "127.0.0.1";  ///< IP address to listen at
+  std::uint16_t port = 8080;          ///< 0: any that is free
+  std::string web_folder;             ///< with index.html; where it is missing a page says so
+  /// Whoever wants more than the bare pages shows it. Empty: none is asked for; not allowed
+  /// where the address is not of this machine.
+  std::string token;
+  std::vector<std::string> allowed_origins;  ///< besides our own, e.g. "https://clinic.example"
+  int max_clients = 16;                      ///< WebSocket connections at a time, 1 .. 1000
+  /// One line for a person, from the server's thread; rate-limited.
+  std::function<void(const std::string&)> log;
+};
+
+/// The shortest token [characters].
+inline constexpr std::size_t kShortestToken = 16;
+
+/// Every fault of the options.
+[[nodiscard]] Diagnostics validate(const ServerOptions& options);
+
+/// Pages, state and orders over one port: HTTP, and WebSocket at /ws. docs/protocol.md.
+///
+/// One thread does all input and output, two more what may take seconds (recordings, reports). The
+/// loop is read through the backend and through publish(); nothing here ever makes it wait, and
+/// nothing that happens here ends the process.
+class Server {
+ public:
+  /// Listens and starts the threads; the faults of the options, or why the port cannot be had.
+  /// @pre the backend and the arbiter outlive the server
+  [[nodiscard]] static Expected<std::unique_ptr<Server>> open(ServerBackend& backend,
+                                                              ServerOptions options,
+                                                              ControlsArbiter& controls);
+  /// Closes every connection, ends the threads; waits for a report under way.
+  ~Server();
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+
+  [[nodiscard]] std::uint16_t port() const noexcept;
+  /// Of the game, for a person to open: "http://127.0.0.1:8080/".
+  [[nodiscard]] std::string url() const;
+  /// Takes a record's events and notes when it came. From the telemetry thread, with every record:
+  /// bounded, never waits for a client.
+  void publish(const TickRecord& record);
+
+ private:
+  class Machinery;
+  explicit Server(std::shared_ptr<Machinery> machinery);
+
+  std::shared_ptr<Machinery> machinery_;  ///< answers that come late find it, or find it gone
+};
+
+}  // namespace wholehand

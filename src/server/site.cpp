@@ -1,0 +1,242 @@
+#include "server/site.hpp"
+
+#include "server/http_text.hpp"
+#include "server/static_files.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+
+namespace wholehand {
+
+namespace {
+
+constexpr std::string_view kRecordings = "/api/recordings";
+// Hand tracking compiles WebAssembly and starts from blobs; plots and the scene set styles.
+constexpr const char* kPagePolicy =
+    "default-src 'self'; script-src 'self' 'wasm-unsafe-eval' blob:; worker-src 'self' blob:; "
+    "style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; media-src 'self' blob:; "
+    "connect-src 'self' data: blob:; object-src 'none'; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors 'none'";
+// A report carries its styles and pictures inside, and asks for nothing else.
+constexpr const char* kReportPolicy =
+    "default-src 'none'; img-src 'self' data:; style-src 'self' 'unsafe-inline'; "
+    "script-src 'self'; font-src 'self' data:; base-uri 'none'; form-action 'none'; "
+    "frame-ancestors 'none'";
+
+HttpAnswer text(std::string body, const char* content_type) {
+  HttpAnswer a;
+  a.body = std::move(body);
+  a.content_type = content_type;
+  a.headers.emplace_back("Cache-Control", "no-store");
+  return a;
+}
+
+HttpAnswer html(int status, std::string_view title, std::string_view body_html) {
+  HttpAnswer a = text(plainPage(title, body_html), "text/html; charset=utf-8");
+  a.status = status;
+  return a;
+}
+
+HttpAnswer refusal(int status, const char* reason, std::string_view title, std::string_view why) {
+  HttpAnswer a = html(status, title, fmt::format("<p>{}</p>", htmlEscaped(why)));
+  a.refused = reason;
+  return a;
+}
+
+HttpAnswer notFound(std::string_view what) {
+  return html(404, "Not here",
+              fmt::format("<p>There is no <code>{}</code>.</p><p><a href=\"/\">To the bar</a> · "
+                          "<a href=\"/console\">To the console</a></p>",
+                          htmlEscaped(printable(what))));
+}
+
+HttpAnswer file(const std::string& path, const HttpRequest& request, const char* cache) {
+  HttpAnswer a;
+  a.content_type = mimeType(path);
+  a.headers.emplace_back("Cache-Control", cache);
+  const std::string tag = entityTag(path);
+  if (!tag.empty()) a.headers.emplace_back("ETag", tag);
+  if (!tag.empty() && request.if_none_match == tag) {
+    a.status = 304;
+  } else {
+    a.file = path;
+  }
+  return a;
+}
+
+void addSecurity(HttpAnswer& a) {
+  const bool has_policy = std::any_of(a.headers.begin(), a.headers.end(), [](const auto& h) {
+    return h.first == "Content-Security-Policy";
+  });
+  if (!has_policy) a.headers.emplace_back("Content-Security-Policy", kPagePolicy);
+  a.headers.emplace_back("X-Content-Type-Options", "nosniff");
+  a.headers.emplace_back("Referrer-Policy", "no-referrer");
+  a.headers.emplace_back("Cross-Origin-Opener-Policy", "same-origin");
+  a.headers.emplace_back("Cross-Origin-Resource-Policy", "same-origin");
+  a.headers.emplace_back("Permissions-Policy",
+                         "camera=(self), gamepad=(self), microphone=(), "
+                         "geolocation=()");
+}
+
+bool needsToken(std::string_view path) {
+  return path.starts_with("/api/") || path == "/metrics" || path == "/ws";
+}
+
+}  // namespace
+
+std::string_view HttpRequest::path() const {
+  return std::string_view(target).substr(0, target.find_first_of("?#"));
+}
+
+std::string_view HttpRequest::query() const {
+  const std::size_t begin = target.find('?');
+  return begin == std::string::npos ? std::string_view()
+                                    : std::string_view(target).substr(begin + 1);
+}
+
+Credentials HttpRequest::credentials() const {
+  return {host, origin, query(), authorization, cookie};
+}
+
+Site::Site(ServerBackend& backend, std::string web_folder, Access access, Figures figures)
+    : backend_(backend),
+      web_folder_(std::move(web_folder)),
+      access_(std::move(access)),
+      figures_(std::move(figures)) {}
+
+bool Site::mayTakeSeconds(const HttpRequest& request) {
+  return request.path().starts_with(kRecordings);
+}
+
+std::string Site::cookieFor(const HttpRequest& request) const {
+  return access_.cookieFor(request.credentials());
+}
+
+HttpAnswer Site::answer(const HttpRequest& request) const {
+  HttpAnswer a;
+  const std::optional<std::string> path = decodedPath(request.path());
+  if (!access_.hostAllowed(request.host)) {
+    a = refusal(421, "host", "Not this address", "This program answers to localhost only.");
+  } else if (!request.get) {
+    a = refusal(405, "method", "Not like this", "Only GET and HEAD are answered here.");
+    a.headers.emplace_back("Allow", "GET, HEAD");
+  } else if (!path) {
+    a = refusal(400, "path", "Not an address", "This path is not one that the program serves.");
+  } else if (needsToken(*path) && !access_.originAllowed(request.origin, request.host)) {
+    a = refusal(403, "origin", "Not from there", "Another site may not ask for this.");
+  } else if (needsToken(*path) && !access_.authorized(request.credentials())) {
+    a = refusal(401, "token", "A token is needed",
+                "Open the page with ?token=..., as the program was started with.");
+    a.headers.emplace_back("WWW-Authenticate", "Bearer");
+  } else {
+    a = route(request, *path);
+  }
+  if (std::string cookie = cookieFor(request); !cookie.empty()) {
+    a.headers.emplace_back("Set-Cookie", std::move(cookie));
+  }
+  addSecurity(a);
+  return a;
+}
+
+HttpAnswer Site::mayConnect(const HttpRequest& request) const {
+  HttpAnswer a;
+  if (!access_.hostAllowed(request.host)) {
+    a = refusal(421, "host", "Not this address", "This program answers to localhost only.");
+  } else if (!access_.originAllowed(request.origin, request.host)) {
+    a = refusal(403, "origin", "Not from there", "Another site may not connect to this program.");
+  } else if (!access_.authorized(request.credentials())) {
+    a = refusal(401, "token", "A token is needed", "Connect with ?token=...");
+  }
+  addSecurity(a);
+  return a;
+}
+
+HttpAnswer Site::route(const HttpRequest& request, const std::string& path) const {
+  if (path == "/healthz") {
+    const auto [healthy, json] = figures_.health();
+    HttpAnswer a = text(json, "application/json");
+    a.status = healthy ? 200 : 503;
+    return a;
+  }
+  if (path == "/metrics") return text(figures_.metrics(), "text/plain; version=0.0.4");
+  if (path == "/ws") return refusal(426, "no_upgrade", "For programs", "This is a WebSocket.");
+  if (path == kRecordings) return recordingList();
+  if (path.starts_with(std::string(kRecordings) + "/")) {
+    return recording(path.substr(kRecordings.size() + 1));
+  }
+  return page(request, path);
+}
+
+HttpAnswer Site::page(const HttpRequest& request, const std::string& path) const {
+  const std::string name = path == "/console" ? "/console.html" : path;
+  if (const auto found = fileWithin(web_folder_, name)) {
+    return file(*found, request,
+                nameHasHash(name) ? "public, max-age=31536000, immutable" : "no-cache");
+  }
+  const bool built = fileWithin(web_folder_, "/index.html").has_value();
+  if (built || (path != "/" && path != "/console")) return notFound(path);
+  return html(503, "The pages are not built",
+              "<p>The loop runs; what shows it does not exist yet. With Node 18 or newer "
+              "(packages <code>nodejs</code> and <code>npm</code>):</p>"
+              "<pre>cd web &amp;&amp; npm ci &amp;&amp; npm run build</pre>"
+              "<p>or <code>./start</code>, which does it. Until then: "
+              "<a href=\"/healthz\">health</a>, <a href=\"/metrics\">figures</a>.</p>");
+}
+
+HttpAnswer Site::recordingList() const {
+  nlohmann::json list = nlohmann::json::array();
+  for (const RecordingEntry& r : backend_.recordings()) {
+    list.push_back({{"name", r.name},
+                    {"title", r.title},
+                    {"created_utc", r.created_utc},
+                    {"duration_s", r.duration_s},
+                    {"bytes", r.bytes},
+                    {"report", fmt::format("{}/{}/report/", kRecordings, percentEncoded(r.name))}});
+  }
+  const auto scene = backend_.scene();
+  const nlohmann::json json = {{"recordings", list}, {"recording", scene ? scene->recording : ""}};
+  return text(json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n",
+              "application/json");
+}
+
+HttpAnswer Site::recording(const std::string& name_and_rest) const {
+  const std::size_t slash = name_and_rest.find('/');
+  const std::string name = name_and_rest.substr(0, slash);
+  const std::string path = name.empty() ? std::string() : backend_.recordingPath(name);
+  if (path.empty()) return notFound(name_and_rest);
+  if (slash != std::string::npos) return report(name, name_and_rest.substr(slash));
+  HttpAnswer a = file(path, HttpRequest{}, "no-cache");
+  a.headers.emplace_back("Content-Disposition",
+                         "attachment; filename*=UTF-8''" + percentEncoded(name));
+  return a;
+}
+
+HttpAnswer Site::report(const std::string& name, const std::string& rest) const {
+  if (rest == "/report") {
+    HttpAnswer a = text("", "text/plain; charset=utf-8");
+    a.status = 308;
+    a.headers.emplace_back("Location",
+                           fmt::format("{}/{}/report/", kRecordings, percentEncoded(name)));
+    return a;
+  }
+  constexpr std::string_view kReport = "/report/";
+  if (!rest.starts_with(kReport)) return notFound(name + rest);
+  std::string why;
+  const std::string folder = backend_.reportFolder(name, why);
+  if (folder.empty()) {
+    HttpAnswer a = html(500, "No report",
+                        fmt::format("<p>The report of <code>{}</code> could not be made: {}</p>",
+                                    htmlEscaped(name), htmlEscaped(printable(why, 1000))));
+    a.refused = "report";
+    return a;
+  }
+  const auto found = fileWithin(folder, rest.substr(kReport.size() - 1));
+  if (!found) return notFound(name + rest);
+  HttpAnswer a = file(*found, HttpRequest{}, "no-cache");
+  a.headers.emplace_back("Content-Security-Policy", kReportPolicy);
+  return a;
+}
+
+}  // namespace wholehand
