@@ -3,6 +3,7 @@
 #include "dynamics/articulated_body.hpp"
 #include "dynamics/synergy.hpp"
 #include "model/scene_model.hpp"
+#include "physics/axis_closure.hpp"
 #include "physics/bullet/bullet_bodies.hpp"
 #include "physics/bullet/bullet_hand.hpp"
 #include "physics/bullet/near_filter.hpp"
@@ -38,6 +39,7 @@ struct BulletEngine {
   Synergy synergy;
   ArticulatedBody kinematics;
   PalmDistance palm_distance;
+  AxisClosure axis_closure;
   std::string scene_path;
   std::vector<std::string> body_names;
   btDefaultCollisionConfiguration configuration;

@@ -4,7 +4,6 @@
 #include "physics/bullet/bullet_types.hpp"
 
 #include <array>
-#include <limits>
 
 namespace wholehand {
 
@@ -40,6 +39,7 @@ Expected<Done> BulletWorld::placeHand(const AxisPosition& q_s) {
   const std::array<double, kMaxJoints> at_rest{};
   e.setHand(theta, at_rest.data());
   e.coupling_error_rad = 0.0;
+  e.axis_closure.reset();
   e.solver.beginStep();
   e.world.performDiscreteCollisionDetection();
   Diagnostics found = e.overlaps();
@@ -65,7 +65,8 @@ Fault BulletWorld::observe(const WorldQuery& query, WorldState& state) noexcept 
   state.palm_distance_m = palm.any_m;
   state.palm_body = palm.target;
   state.palm_target_distance_m = palm.target_m;
-  state.closure = AxisPosition(e.hand_model.axis_count, std::numeric_limits<double>::quiet_NaN());
+  e.axis_closure.update(&e.kinematics.linkPose(0), state.theta, state.q_s, query.closure_body,
+                        state.bodies.data(), state.closure);
   return finite ? Fault::kNone : Fault::kNonFiniteState;
 }
 

@@ -1,0 +1,198 @@
+#include "physics/axis_closure.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace wholehand {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr int kDistancesPerTick = 6;  ///< of the search; three more follow what was found
+
+// Nearer than this a capsule is looked at by Newton's method.
+constexpr double kNear_m = 5e-5;
+constexpr double kTouching_m = 1e-6;
+constexpr int kNewtonSteps = 4;
+constexpr double kBasin_m = 5e-4;
+constexpr double kShare = 0.2;         ///< how exact the search's distances are
+constexpr double kLeastStep_m = 5e-6;  ///< by which one that passes is taken on
+/// A touch is where the gap closes by at least this share of the path; below that it is grazed.
+constexpr double kLeastShare = 1e-3;
+/// What is followed moves no faster than this [m of path per tick]; a gap wider is none of its own.
+constexpr double kStride_m = 3e-3;
+// More than this between two ticks is not a hand that moves but one that was put elsewhere.
+constexpr double kJump_m = 5e-3;
+constexpr double kJump_rad = 0.1;
+
+}  // namespace
+
+AxisClosure::AxisClosure(const HandModel& hand, const SceneModel& scene)
+    : bodies_(scene.bodies), axis_count_(hand.axis_count), palm_link_(hand.palm_link) {
+  std::size_t most_chains = 0, most_shapes = 0;
+  std::vector<std::vector<ClosingChain>> chains = ClosingChain::ofAxes(hand);
+  for (int a = 0; a < hand.axis_count; ++a) {
+    if (chains[a].empty()) continue;
+    most_chains = std::max(most_chains, chains[a].size());
+    Axis& axis = axes_.emplace_back();
+    axis.index = a;
+    axis.lower = hand.axis_lower[a];
+    axis.upper = hand.axis_upper[a];
+    axis.chains = std::move(chains[a]);
+  }
+  for (const SceneBody& body : bodies_) most_shapes = std::max(most_shapes, body.shapes.size());
+  clear_.resize(most_chains * most_shapes);
+  reset();
+}
+
+void AxisClosure::reset() noexcept {
+  body_ = -1;
+  for (Axis& axis : axes_) {
+    axis.follows = false;
+    axis.touch = kNaN;
+  }
+}
+
+void AxisClosure::update(const Pose* links, const JointPosition& theta, const AxisPosition& q_s,
+                         int body, const BodyState* bodies, AxisPosition& closure) noexcept {
+  closure = AxisPosition(axis_count_, kNaN);
+  const bool asked = body >= 0 && body < static_cast<int>(bodies_.size()) && !axes_.empty() &&
+                     !bodies_[static_cast<std::size_t>(body)].shapes.empty();
+  if (!asked || body != body_) reset();
+  if (!asked) return;
+  const SceneBody& model = bodies_[static_cast<std::size_t>(body)];
+  const Eigen::Matrix3d turn = bodies[body].orientation_xyzw.eigen().toRotationMatrix();
+  const Pose in_world{turn, bodies[body].position_m.eigen() - turn * model.com_m};
+  const Scene scene{links, &theta, &q_s, &model, in_world.inverse()};
+  const bool anew = body != body_;
+  body_ = body;
+  if (jumped(scene) || anew) {
+    for (Axis& axis : axes_) axis.follows = false;
+    searched_ = 0;
+    beginSearch();
+  }
+  for (Axis& axis : axes_) follow(scene, axis);
+  search(scene);
+  for (const Axis& axis : axes_) closure[axis.index] = axis.touch;
+}
+
+/// Whether what was found one tick ago says nothing of now.
+bool AxisClosure::jumped(const Scene& scene) noexcept {
+  const Pose palm = scene.from_world * scene.links[palm_link_];
+  bool far = !((palm.translation_m - palm_in_body_.translation_m).norm() <= kJump_m) ||
+             !((palm.rotation - palm_in_body_.rotation).norm() <= kJump_rad);
+  for (const Axis& axis : axes_) {
+    far = far || !(std::abs((*scene.q_s)[axis.index] - q_s_[axis.index]) <= kJump_rad);
+  }
+  palm_in_body_ = palm;
+  q_s_ = *scene.q_s;
+  return far;
+}
+
+AxisClosure::Gap AxisClosure::gap(const Scene& scene, const Axis& axis, Pair pair, double q,
+                                  double share) noexcept {
+  const ClosingChain& chain = axis.chains[static_cast<std::size_t>(pair.chain)];
+  const Pose root =
+      chain.rootLink() < 0 ? scene.from_world : scene.from_world * scene.links[chain.rootLink()];
+  ClosingChain::Placed at;
+  chain.place(root, *scene.theta, (*scene.q_s)[axis.index], q, at);
+  const SegmentDistance d =
+      segmentDistance(scene.body->shapes[static_cast<std::size_t>(pair.shape)], at.a_m, at.b_m,
+                      chain.radius_m(), share);
+  const Eigen::Vector3d nearest_m = at.a_m + d.along * (at.b_m - at.a_m);
+  return {d.distance_m, d.least_m, d.normal.dot(at.rate(chain, nearest_m))};
+}
+
+void AxisClosure::follow(const Scene& scene, Axis& axis) noexcept {
+  if (!axis.follows) return;
+  const double fastest = axis.chains[static_cast<std::size_t>(axis.pair.chain)].fastest();
+  const Gap now = gap(scene, axis, axis.pair, axis.touch, 0.0);
+  const bool closes = now.slope < -kLeastShare * fastest;
+  double step = now.distance_m / fastest;  // as much of an overlap is left at least
+  if (closes)
+    step = std::clamp(-now.distance_m / now.slope, -kStride_m / fastest, kStride_m / fastest);
+  const double touch = axis.touch + step;
+  if (now.distance_m > kStride_m || (now.distance_m > 0.0 && !closes) || !(touch <= axis.upper)) {
+    axis.follows = false;  // it passes by, or is out of reach: the search finds what touches now
+    return;
+  }
+  axis.touch = std::max(touch, axis.lower);
+}
+
+void AxisClosure::beginSearch() noexcept {
+  std::fill(clear_.begin(), clear_.end(), axes_[static_cast<std::size_t>(searched_)].lower);
+}
+
+/// The search: always the pair that is known to be clear least far. The first that touches is then
+/// the first touch.
+void AxisClosure::search(const Scene& scene) noexcept {
+  const auto shapes = static_cast<int>(scene.body->shapes.size());
+  auto axes_left = axes_.size();  // where all overlap at their open ends nothing is left to do
+  for (int left = kDistancesPerTick; left > 0 && axes_left > 0;) {
+    Axis& axis = axes_[static_cast<std::size_t>(searched_)];
+    const auto pairs = static_cast<std::ptrdiff_t>(axis.chains.size()) * shapes;
+    const auto least = std::min_element(clear_.begin(), clear_.begin() + pairs);
+    const auto at = static_cast<int>(least - clear_.begin());
+    const Pair pair{at / shapes, at % shapes};
+    const bool through = *least >= (axis.follows ? axis.touch : axis.upper);
+    if (through) {
+      if (!axis.follows) axis.touch = kNaN;
+      searched_ = (searched_ + 1) % static_cast<int>(axes_.size());
+      beginSearch();
+      --axes_left;
+      continue;
+    }
+    left -= look(scene, axis, pair, *least);
+  }
+}
+
+/// Takes a pair further, from where it is known to be clear. Gives how many distances it took.
+int AxisClosure::look(const Scene& scene, Axis& axis, Pair pair, double& clear) noexcept {
+  const double fastest = axis.chains[static_cast<std::size_t>(pair.chain)].fastest();
+  const Gap here = gap(scene, axis, pair, clear, kShare);
+  if (here.distance_m <= 0.0 && clear == axis.lower) {
+    meet(axis, pair, axis.lower);
+    return 1;
+  }
+  int used = 1;
+  if (here.distance_m < kNear_m && here.slope < -kLeastShare * fastest) {
+    double touch = clear;
+    used += refine(scene, axis, pair, touch);
+    if (touch != clear) {
+      if (!axis.follows || touch < axis.touch) meet(axis, pair, touch);
+      clear = std::max(clear, axis.touch);
+      return used;
+    }
+  }
+  if (here.distance_m < -kNear_m) {
+    beginSearch();  // the hand has moved, and what was clear no longer is
+  } else {
+    clear += std::max(here.least_m, kLeastStep_m) / fastest;
+  }
+  return used;
+}
+
+void AxisClosure::meet(Axis& axis, Pair pair, double touch) noexcept {
+  axis.follows = true;
+  axis.touch = touch;
+  axis.pair = pair;
+}
+
+/// Newton's method from a small gap on; leaves q as it is where nothing touches. Gives how many
+/// distances it took.
+int AxisClosure::refine(const Scene& scene, const Axis& axis, Pair pair, double& q) noexcept {
+  const double fastest = axis.chains[static_cast<std::size_t>(pair.chain)].fastest();
+  double touch = q;
+  for (int i = 1; i <= kNewtonSteps; ++i) {
+    const Gap now = gap(scene, axis, pair, touch, 0.0);
+    if (!(now.slope < -kLeastShare * fastest)) return i;
+    touch -= now.distance_m / now.slope;
+    if (!(std::abs(touch - q) < kBasin_m / fastest)) return i;
+    if (std::abs(now.distance_m) > kTouching_m) continue;
+    if (touch <= axis.upper) q = std::max(touch, axis.lower);
+    return i;
+  }
+  return kNewtonSteps;
+}
+
+}  // namespace wholehand

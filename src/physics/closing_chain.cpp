@@ -1,0 +1,104 @@
+#include "physics/closing_chain.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace wholehand {
+namespace {
+
+bool moves(const HandModel& hand, int link, int axis) {
+  const int joint = hand.links[link].joint;
+  return joint >= 0 && hand.synergy(joint, axis) != 0.0;
+}
+
+/// The links from the one that the axis moves first to the given one; empty where it moves none.
+std::vector<int> movedLinks(const HandModel& hand, int link, int axis) {
+  std::vector<int> path;
+  std::size_t moved = 0;
+  for (int i = link; i >= 0; i = hand.links[i].parent) {
+    path.push_back(i);
+    if (moves(hand, i, axis)) moved = path.size();
+  }
+  path.resize(moved);
+  std::reverse(path.begin(), path.end());
+  return path;
+}
+
+}  // namespace
+
+ClosingChain::ClosingChain(const HandModel& hand, int axis, int capsule) : capsule_(capsule) {
+  const Capsule& c = hand.capsules[capsule];
+  const std::vector<int> path = movedLinks(hand, c.link, axis);
+  root_link_ = hand.links[path.front()].parent;
+  radius_m_ = c.radius_m;
+  Pose since;
+  for (const int i : path) {
+    const HandLink& link = hand.links[i];
+    since = since * link.parent_to_link;
+    if (link.joint < 0) continue;
+    joints_.push_back({since, link.axis, link.type == JointType::kRevolute, link.joint,
+                       hand.synergy(link.joint, axis)});
+    since = Pose{};
+  }
+  a_m_ = since * c.a_m;
+  b_m_ = since * c.b_m;
+  // Stretched out, a point is as far from a joint as it can ever be. A joint that slides lets the
+  // ones before it see it farther off, by no more than its travel.
+  double reach_m = std::max(a_m_.norm(), b_m_.norm());
+  for (std::size_t k = joints_.size(); k-- > 0;) {
+    const Joint& joint = joints_[k];
+    const double lever_m = joint.revolute ? reach_m : 1.0;
+    fastest_ += std::abs(joint.ratio) * lever_m;
+    if (!joint.revolute) {
+      reach_m += std::abs(joint.ratio) *
+                 std::max(std::abs(hand.axis_lower[axis]), std::abs(hand.axis_upper[axis]));
+    }
+    reach_m += joint.from_previous.translation_m.norm();
+  }
+}
+
+void ClosingChain::place(const Pose& root, const JointPosition& theta, double q_present,
+                         double q_axis, Placed& placed) const noexcept {
+  Pose at = root;
+  placed.joints = static_cast<int>(joints_.size());
+  for (std::size_t k = 0; k < joints_.size(); ++k) {
+    const Joint& joint = joints_[k];
+    const double position = theta[joint.joint] + joint.ratio * (q_axis - q_present);
+    at = at * joint.from_previous;
+    placed.origin_m[k] = at.translation_m;
+    placed.screw[k] = at.rotation * joint.axis;
+    if (joint.revolute) {
+      at.rotation = at.rotation * Eigen::AngleAxisd(position, joint.axis).toRotationMatrix();
+    } else {
+      at.translation_m += position * placed.screw[k];
+    }
+  }
+  placed.a_m = at * a_m_;
+  placed.b_m = at * b_m_;
+}
+
+Eigen::Vector3d ClosingChain::Placed::rate(const ClosingChain& chain,
+                                           const Eigen::Vector3d& at_m) const {
+  Eigen::Vector3d rate = Eigen::Vector3d::Zero();
+  for (int k = 0; k < joints; ++k) {
+    const Joint& joint = chain.joints_[static_cast<std::size_t>(k)];
+    rate += joint.ratio *
+            (joint.revolute ? Eigen::Vector3d(screw[k].cross(at_m - origin_m[k])) : screw[k]);
+  }
+  return rate;
+}
+
+std::vector<std::vector<ClosingChain>> ClosingChain::ofAxes(const HandModel& hand) {
+  std::vector<std::vector<ClosingChain>> chains(static_cast<std::size_t>(hand.axis_count));
+  for (int axis = 0; axis < hand.axis_count; ++axis) {
+    const bool has_travel = axis < hand.axis_lower.size();
+    if (!has_travel || !movedLinks(hand, hand.palm_link, axis).empty()) continue;
+    for (std::size_t c = 0; c < hand.capsules.size(); ++c) {
+      if (movedLinks(hand, hand.capsules[c].link, axis).empty()) continue;
+      chains[static_cast<std::size_t>(axis)].emplace_back(hand, axis, static_cast<int>(c));
+    }
+  }
+  return chains;
+}
+
+}  // namespace wholehand
