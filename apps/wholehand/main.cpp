@@ -5,6 +5,7 @@
 #include "git_version.hpp"
 #include "number_option.hpp"
 #include "picture_command.hpp"
+#include "play_command.hpp"
 #include "replay_command.hpp"
 #include "report_command.hpp"
 #include "run_options.hpp"
@@ -32,16 +33,47 @@ bool findGains(const std::string& device, std::string& rendering, int& code) {
   return found.ok();
 }
 
+// The exercise by name or path; the bar where none is named.
+void chooseExercise(RunOptions& o) {
+  o.files.motion.clear();
+  std::string& exercise = o.files.exercise;
+  if (exercise.empty()) exercise = "cocktail-bar";
+  const bool is_path = exercise.find('/') != std::string::npos || exercise.ends_with(".toml");
+  if (!is_path) exercise = shippedFile("config/exercises/" + exercise + ".toml");
+}
+
+void addPages(CLI::App& run, RunOptions& o) {
+  run.add_option("--port", o.port, "Of the pages; 0: any that is free")
+      ->check(CLI::Range(0, 65535))
+      ->capture_default_str();
+  run.add_option("--address", o.address, "To listen at; another than this machine needs --token")
+      ->capture_default_str();
+  run.add_option("--token", o.token, "What clients must show, at least 16 characters");
+  run.add_option("--origin", o.origins, "Pages of other origins that may connect");
+  run.add_option("--udp", o.udp_port, "Port for game engines, 0: any (default: closed)")
+      ->check(CLI::Range(0, 65535));
+  run.add_flag("--no-web{false}", o.web, "Open no port");
+  run.add_flag("--wait", o.wait, "Arm only when a client asks for it");
+}
+
 void addRun(CLI::App& app, RunOptions& o, int& code) {
   CLI::App* run =
-      app.add_subcommand("run", "Play a motion: the simulated hand touches, the device feels");
-  run->add_option("--scene", o.files.scene, "Scene file")->capture_default_str();
+      app.add_subcommand("run", "Open the cocktail bar, or play a motion: a hand that feels");
+  run->add_option("--exercise", o.files.exercise,
+                  "Exercise: a name (cocktail-bar, the default; free-grasping ...) or a file");
+  run->add_option("--level", o.files.level, "Level of the exercise")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  run->add_option("--seed", o.seed, "Of the virtual patient who plays")->capture_default_str();
+  run->add_option("--scene", o.files.scene, "Scene file, without exercise: free grasping")
+      ->capture_default_str();
   run->add_option("--hand", o.files.hand, "Hand file")->capture_default_str();
   run->add_option("--device", o.files.device, "Device file")->capture_default_str();
   run->add_option("--rendering", o.files.rendering,
                   "Gains that go with the device (default: the file of the device's name)");
   run->add_option("--patient", o.files.patient, "Virtual patient")->capture_default_str();
-  run->add_option("--motion", o.files.motion, "Recorded motion, CSV")->capture_default_str();
+  run->add_option("--motion", o.files.motion, "Recorded motion to play in the scene, CSV")
+      ->capture_default_str();
   run->add_option("--engine", o.engine, "Physics engine")
       ->check(CLI::IsMember({"bullet"}))
       ->capture_default_str();
@@ -49,7 +81,7 @@ void addRun(CLI::App& app, RunOptions& o, int& code) {
       ->check(finiteBetween(100.0, 16000.0, "Hz"))
       ->capture_default_str();
   run->add_option("--duration", o.duration_s,
-                  "Length of the run (default: the motion's and 1 s of rest)")
+                  "Length of the run (default: the motion's and 1 s of rest; with pages endless)")
       ->check(finiteBetween(0.001, 86400.0, "s"));
   run->add_option("--record", o.record, "Write every tick to this HDF5 file");
   run->add_option("--report", o.report, "Write a page with plots into this folder");
@@ -57,11 +89,25 @@ void addRun(CLI::App& app, RunOptions& o, int& code) {
   run->add_flag("--simulated-clock", o.simulated_clock, "As fast as it goes, no real time");
   run->add_flag("--uncertified", o.uncertified,
                 "Allow gains whose loop is unstable (simulated device only; recorded)");
-  run->footer("Without --record, --report and --json all three go into out/run-<time>/.");
+  addPages(*run, o);
+  run->footer(
+      "An exercise opens the pages and prints their address first; a scene with a motion,\n"
+      "--simulated-clock and --no-web open no port, and write what --record, --report and --json\n"
+      "name, or all three into out/run-<time>/.");
   run->callback([&o, run, &code] {
-    if (run->count("--rendering") > 0 || findGains(o.files.device, o.files.rendering, code)) {
-      code = runCommand(o);
+    const bool scene = run->count("--scene") + run->count("--motion") > 0;
+    if (scene && !o.files.exercise.empty()) {
+      code = refuse({Diagnostic{"", 0, "--exercise", o.files.exercise,
+                                "cannot go with --scene or --motion: it names its own scene",
+                                "leave one of them out"}});
+      return;
     }
+    if (!scene) chooseExercise(o);
+    if (run->count("--rendering") == 0 && !findGains(o.files.device, o.files.rendering, code)) {
+      return;
+    }
+    const bool pages = o.web && !o.simulated_clock && (!scene || run->count("--port") > 0);
+    code = pages ? playCommand(o) : runCommand(o);
   });
 }
 

@@ -2,8 +2,10 @@
 #include "assembly/rig.hpp"
 #include "assembly/text_file.hpp"
 #include "exit_code.hpp"
+#include "patient/scripted_player.hpp"
 #include "plural.hpp"
 #include "report_command.hpp"
+#include "resting_player.hpp"
 #include "run_options.hpp"
 #include "shipped_files.hpp"
 #include "status_line.hpp"
@@ -25,6 +27,7 @@ namespace {
 
 constexpr double kRestAfterMotion_s = 1.0;
 constexpr double kRestWithoutMotion_s = 10.0;
+constexpr double kExercise_s = 60.0;
 
 // Made at once, so that of two runs in one second each has its own.
 std::string folderOfItsOwn() {
@@ -85,25 +88,43 @@ class Outputs {
 };
 
 std::string titleOf(const Models& models) {
+  if (models.exercise) {
+    return fmt::format("{}, level {}", models.exercise->description().name, models.files.level);
+  }
   if (models.files.motion.empty()) return models.scene.name;
   return models.scene.name + ", " + fs::path(models.files.motion).stem().string();
 }
 
-// Where the person starts and what they aim at, told in sentences on the way.
-Intention intentionOf(const Models& models) {
-  AxisPosition rest(models.device.axisCount());
-  for (int a = 0; a < rest.size(); ++a) {
-    const DeviceAxis& axis = models.device.axes[a];
-    const bool centered = axis.kind == AxisKind::kTranslation || axis.lower < 0.0;
-    rest[a] = centered ? 0.5 * (axis.lower + axis.upper) : models.hand.reference[a];
-  }
-  if (!models.motion) return Intention::throughWaypoints({{0.0, rest}});
+// Who moves the hand: the exercise's virtual patient, or the motion, told of in sentences.
+struct Mover {
+  std::unique_ptr<Player> player;
+  double length_s = 0.0;  // of the run, where nobody says
+};
+
+Mover moverOf(const Models& models, std::uint64_t seed) {
+  Mover mover;
+  if (models.exercise) mover.player = models.exercise->makePlayer(seed);
+  mover.length_s = kExercise_s;
+  if (mover.player) return mover;
   std::vector<std::string> sentences;
-  Intention intention =
-      Intention::fromMotion(*models.motion, models.patient.motion, models.device, rest, &sentences);
+  Intention intention = intentionOf(models, &sentences);
   for (const std::string& sentence : sentences) std::printf("  motion   %s\n", sentence.c_str());
-  return intention;
+  mover.length_s = intention.duration_s() > 0.0 ? intention.duration_s() + kRestAfterMotion_s
+                                                : kRestWithoutMotion_s;
+  mover.player = std::make_unique<ScriptedPlayer>(std::move(intention));
+  return mover;
 }
+
+// Shows the virtual patient what happens, in the thread that ticks.
+class Watcher final : public TickListener {
+ public:
+  explicit Watcher(Player& player) : player_(player) {}
+  void beforeTick(const TickRecord&) noexcept override {}
+  void afterTick(const TickRecord& record) noexcept override { player_.see(record); }
+
+ private:
+  Player& player_;
+};
 
 void printOpening(const Models& models) {
   std::printf("Wholehand: %s\n", titleOf(models).c_str());
@@ -159,16 +180,15 @@ int runCommand(RunOptions options) {
   if (!models) return refuse(models.errors());
 
   printOpening(*models);
-  Intention intention = intentionOf(*models);
-  const double length_s = intention.duration_s() > 0.0 ? intention.duration_s() + kRestAfterMotion_s
-                                                       : kRestWithoutMotion_s;
-  const double duration_s = options.duration_s > 0.0 ? options.duration_s : length_s;
+  Mover mover = moverOf(*models, options.seed);
+  const double duration_s = options.duration_s > 0.0 ? options.duration_s : mover.length_s;
+  Watcher watcher(*mover.player);
 
   RigOptions rig_options;
   rig_options.period_s = 1.0 / options.rate_hz;
   rig_options.engine = options.engine;
   rig_options.uncertified = options.uncertified;
-  auto rig = buildRig(*models, std::move(intention), rig_options);
+  auto rig = buildRig(*models, std::move(mover.player), rig_options);
   if (!rig) return refuse(rig.errors());
   Outputs outputs(options);
   if (auto writable = outputs.check(); !writable) return refuse(writable.errors());
@@ -183,6 +203,8 @@ int runCommand(RunOptions options) {
   plan.duration_ticks = static_cast<std::uint64_t>(std::llround(duration_s * options.rate_hz));
   plan.record = options.record;
   plan.simulated_clock = options.simulated_clock;
+  plan.seed = options.seed;
+  plan.listener = &watcher;
   StatusLine status(models->device);
   plan.status = [&](const TickSummary& now, double rate_hz) { status.update(now, rate_hz); };
   Expected<RunOutcome> outcome = runAndRecord(**rig, plan);

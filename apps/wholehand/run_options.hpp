@@ -17,9 +17,18 @@ struct RunOptions {
   std::string json;         ///< file; empty: none
   bool simulated_clock = false;
   bool uncertified = false;
+  std::uint64_t seed = 1;  ///< of the virtual patient who plays an exercise
+
+  bool web = true;                     ///< serve the pages
+  std::string address = "127.0.0.1";   ///< of the server
+  int port = 8080;                     ///< 0: any that is free
+  std::string token;                   ///< what clients on other machines must show
+  std::vector<std::string> origins;    ///< allowed besides our own pages
+  int udp_port = -1;                   ///< for game engines; -1: closed, 0: any that is free
+  bool wait = false;                   ///< arm only when a client asks for it
 };
 
-/// Plays a motion through the whole of Wholehand. Returns the program's exit code.
+/// Plays a motion or an exercise without pages. Returns the program's exit code.
 int runCommand(RunOptions options);
 
 }  // namespace wholehand

@@ -3,8 +3,11 @@
 #include "assembly/sampled_inertia.hpp"
 #include "control/stability.hpp"
 #include "device/simulated/simulated_device.hpp"
+#include "exercise/wall_margin.hpp"
 #include "patient/scripted_player.hpp"
 #include "physics/bullet/bullet_world.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <string>
@@ -39,6 +42,22 @@ void refuseAbove(int most, std::size_t count, const char* key, const char* what,
                      std::string("at most ") + std::to_string(most) + " " + what});
 }
 
+// Walls of the exercise that would leave a finger's loop unstable with somebody or something.
+void refuseWalls(const Models& models, const CouplingGains& gains, double period_s,
+                 Diagnostics& refused) {
+  for (const ExerciseWall& wall : models.exercise_walls) {
+    const double margin = wallMargin(axisLoop(models.device, gains, wall.axis, period_s),
+                                     wall.stiffness, wall.damping);
+    if (margin >= 1.0) continue;
+    const DeviceAxis& axis = models.device.axes[static_cast<std::size_t>(wall.axis)];
+    refused.push_back(
+        {models.files.exercise, 0, "wall." + axis.name,
+         fmt::format("{:.4g} N·m/rad", wall.stiffness),
+         fmt::format("leaves the loop unstable: {:.2f} of the damping it needs", margin),
+         "soften the wall, or give the device gains with more margin"});
+  }
+}
+
 // Here, not in the loaders alone: a program may change its models after they were loaded.
 Diagnostics refuseTooLarge(const Models& m) {
   Diagnostics refused;
@@ -64,6 +83,7 @@ Expected<CheckedGains> checkGains(const Models& models, double period_s) {
   CheckedGains out;
   out.gains = *gains;
   out.refused = checkStability(models.device, models.rendering, *gains, inertia.samples, period_s);
+  refuseWalls(models, *gains, period_s, out.refused);
   return out;
 }
 

@@ -1,0 +1,49 @@
+#pragma once
+
+#include "assembly/models.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <cstdint>
+#include <string>
+
+namespace wholehand {
+
+/// Files that both experiments of the bar can be asked to use; empty: the shipped ones.
+struct BarFiles {
+  std::string exercise, hand, device, rendering, patient;
+};
+
+struct CocktailOptions {
+  BarFiles files;
+  int seeds = 100;
+  std::uint64_t first_seed = 1;
+  int level = 0;      ///< 0: all
+  int processes = 0;  ///< 0: one a core
+  std::string json;   ///< empty: none
+};
+
+struct ExerciseOptions {
+  BarFiles files;
+  std::uint64_t seed = 1;
+  std::string folder = "out/experiment";  ///< for what is not named
+  std::string json, record, svg;
+};
+
+struct BarExperimentOptions {
+  CocktailOptions cocktail;
+  ExerciseOptions exercise;
+};
+
+/// The levels of the cocktail bar, each played by many virtual patients. Returns the exit code.
+int cocktailCommand(const CocktailOptions& options);
+/// The paper's Fig. 7.
+int exerciseCommand(const ExerciseOptions& options);
+
+/// Adds both to `wholehand experiment`. @pre options outlive the parsing
+void addBarExperiments(CLI::App& experiment, BarExperimentOptions& options, int& code);
+
+/// The files of a run of the bar, those that are not named as shipped.
+[[nodiscard]] Expected<ModelFiles> barModelFiles(const BarFiles& files);
+
+}  // namespace wholehand
