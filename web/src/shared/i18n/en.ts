@@ -9,6 +9,8 @@ export const en = {
   'drink.blush': 'Blush',
   'drink.sunset': 'Sunset',
   'drink.island': 'Island',
+  'drink.dawn': 'Dawn',
+  'drink.lagoon': 'Lagoon',
   'level.1': 'easy',
   'level.2': 'two juices',
   'level.3': 'three juices',
@@ -25,8 +27,7 @@ export const en = {
   'game.fillToHere': 'Fill to here',
   'game.reach': 'Reach for the {x}',
   'game.reachMore': 'Move to the bright sign',
-  'game.grasp': 'Close your hand',
-  'game.graspMore': 'Hold the {x} and squeeze gently',
+  'game.graspMore': 'Close your hand around the bottle',
   'game.squeeze': 'Squeeze gently',
   'game.squeezeMore': 'Let go at the white line',
   'game.letGo': 'Let go',
@@ -86,6 +87,8 @@ export const en = {
   'watch.programMore': 'The computer is playing',
   'watch.other': 'You are watching',
   'watch.otherMore': 'Another screen is playing',
+  'watch.idle': 'Ready',
+  'watch.idleMore': 'Press “Play yourself” to begin',
   'watch.play': 'Play yourself',
 
   // ---- game: success

@@ -1,0 +1,86 @@
+// Gentle sounds, made here: a trickle while it pours, a bell at the line, three tones when a drink is done.
+import { store, stored } from '../shared/i18n';
+
+const STORED = 'wholehand.sound';
+const VOLUME = 0.16;
+
+export class Sound {
+  on = stored(STORED) !== 'off';
+  private context: AudioContext | null = null;
+  private master: GainNode | null = null;
+  private trickle: { gain: GainNode; filter: BiquadFilterNode } | null = null;
+
+  /** Browsers let sound begin only after a gesture of the person: call it from one. */
+  unlock(): void {
+    if (this.context || typeof AudioContext === 'undefined') return;
+    try {
+      this.context = new AudioContext();
+      this.master = this.context.createGain();
+      this.master.gain.value = this.on ? VOLUME : 0;
+      this.master.connect(this.context.destination);
+      this.trickle = this.makeTrickle(this.context, this.master);
+    } catch {
+      this.context = null;   // no audio device: the game is complete without
+    }
+  }
+
+  toggle(): boolean {
+    this.on = !this.on;
+    store(STORED, this.on ? 'on' : 'off');
+    this.unlock();
+    if (this.context && this.master) this.master.gain.setTargetAtTime(this.on ? VOLUME : 0, this.context.currentTime, 0.05);
+    return this.on;
+  }
+
+  /** While it flows [l/s]; the pitch rises with the level in the glass, 0 .. 1, as in a real one. */
+  pour(flow_l_s: number, level: number): void {
+    if (!this.context || !this.trickle) return;
+    const now = this.context.currentTime;
+    this.trickle.gain.gain.setTargetAtTime(Math.min(1, flow_l_s / 0.012) * 0.8, now, 0.08);
+    this.trickle.filter.frequency.setTargetAtTime(500 + 900 * Math.min(1, Math.max(0, level)), now, 0.1);
+  }
+
+  line(): void { this.bell([880], 0.12); }
+  step(): void { this.bell([659, 880], 0.16); }
+  done(): void { this.bell([523, 659, 784], 0.18); }
+
+  private bell(tones_hz: readonly number[], apart_s: number): void {
+    const { context, master } = this;
+    if (!context || !master || !this.on) return;
+    tones_hz.forEach((tone_hz, i) => {
+      const at = context.currentTime + i * apart_s;
+      const gain = context.createGain();
+      const tone = context.createOscillator();
+      tone.frequency.value = tone_hz;
+      gain.gain.setValueAtTime(0, at);
+      gain.gain.linearRampToValueAtTime(0.7, at + 0.02);
+      gain.gain.exponentialRampToValueAtTime(0.001, at + 0.9);
+      tone.connect(gain).connect(master);
+      tone.start(at);
+      tone.stop(at + 1);
+    });
+  }
+
+  /** Two seconds of noise, round and round, through a band that sounds like a thin stream. */
+  private makeTrickle(context: AudioContext, master: GainNode): { gain: GainNode; filter: BiquadFilterNode } {
+    const noise = context.createBuffer(1, 2 * context.sampleRate, context.sampleRate);
+    const samples = noise.getChannelData(0);
+    for (let i = 0, drop = 0; i < samples.length; i++) {
+      if (Math.random() < 0.004) drop = 1;
+      drop *= 0.996;
+      samples[i] = (Math.random() * 2 - 1) * (0.25 + 0.75 * drop);
+    }
+    const source = context.createBufferSource();
+    source.buffer = noise;
+    source.loop = true;
+    const filter = context.createBiquadFilter();
+    filter.type = 'bandpass';
+    filter.frequency.value = 600;
+    filter.Q.value = 1.2;
+    const gain = context.createGain();
+    gain.gain.value = 0;
+    source.connect(filter).connect(gain).connect(master);
+    source.start();
+    return { gain, filter };
+  }
+}

@@ -1,0 +1,31 @@
+type Child = Node | string | null | undefined;
+type Attributes = Readonly<Record<string, string | number | boolean | ((event: Event) => void) | undefined>>;
+
+/** An element: "on…" attributes are listeners, true is an empty attribute, false and undefined none. */
+export function h<Tag extends keyof HTMLElementTagNameMap>(
+  tag: Tag, attributes: Attributes = {}, ...children: Child[]): HTMLElementTagNameMap[Tag] {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (typeof value === 'function') element.addEventListener(name.slice(2).toLowerCase(), value);
+    else if (value === true) element.setAttribute(name, '');
+    else if (value !== false && value !== undefined) element.setAttribute(name, String(value));
+  }
+  element.append(...children.filter((child): child is Node | string => child !== null && child !== undefined));
+  return element;
+}
+
+/** A drawing from constant markup. */
+export function drawing(markup: string): SVGElement {
+  const holder = document.createElement('template');
+  holder.innerHTML = markup.trim();
+  return holder.content.firstElementChild as SVGElement;
+}
+
+/** Sets a text only when it is another one: a screen reader speaks what changes. */
+export function setText(element: Element, value: string): void {
+  if (element.textContent !== value) element.textContent = value;
+}
+
+export function setAttribute(element: Element, name: string, value: string): void {
+  if (element.getAttribute(name) !== value) element.setAttribute(name, value);
+}
