@@ -63,7 +63,8 @@ export class Header implements Panel {
     if (!scene) return;
     const side = scene.rightHand ? t.hand.right : t.hand.left;
     say(this.who.first, `${asWords(String(scene.patientName ?? ''))}, ${side}`);
-    say(this.who.second, `${fill(t.session, { n: model.state?.session ?? scene.session })}, ${String(scene.deviceName ?? '')}`);
+    say(this.who.second, fill(t.session, { n: model.state?.session ?? scene.session }));
+    setAttribute(this.who.element, 'title', `${String(scene.deviceName ?? '')}, ${String(scene.handName ?? '')}`);
     const exercise = String(scene.exerciseName ?? '');
     say(this.what.first, t.exercises[exercise] ?? (exercise === '' ? t.noExercise : asWords(exercise)));
     const drinks = model.value('drinks') ?? 0;
@@ -101,7 +102,7 @@ export class Header implements Panel {
 
   private languageChoice(): HTMLElement {
     const select = h('select', { 'aria-label': this.t.language, 'data-testid': 'language', class: 'lang' },
-      ...LANGUAGES.map((key) => h('option', { value: key, selected: key === language(), lang: key }, LANGUAGE_NAMES[key])));
+      ...LANGUAGES.map((key) => h('option', { value: key, selected: key === language(), lang: key, 'aria-label': LANGUAGE_NAMES[key] }, key.toUpperCase())));
     select.addEventListener('change', () => setLanguage(select.value as Language));
     return select;
   }

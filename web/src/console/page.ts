@@ -1,5 +1,5 @@
 import type { Connection } from '../net/connection';
-import { loadBarView } from './bar_view';
+import { SmallBar, type HandLook } from './bar_view';
 import { h, setAttribute } from './dom';
 import { Header } from './header';
 import { texts } from './i18n';
@@ -11,7 +11,7 @@ import { RecordingsPanel } from './recordings';
 import { SafetyPanel } from './safety';
 import { SetupPanel } from './setup';
 import { TimingPanel } from './timing';
-import { ViewPanel, type BarView, type HandLook } from './view';
+import { ViewPanel } from './view';
 
 /** Words and numbers change this often: faster cannot be read [ms]. */
 const REFRESH_MS = 200;
@@ -30,7 +30,7 @@ export class ConsolePage {
   private plots: PlotsPanel | undefined;
   private parameters: ParametersPanel | undefined;
   private viewPanel: ViewPanel | undefined;
-  private view: BarView | undefined;
+  private view: SmallBar | undefined;
   private viewTried = false;
   private look: HandLook = 'skin';
   private refreshed_ms = -Infinity;
@@ -39,7 +39,7 @@ export class ConsolePage {
     this.model = new ConsoleModel(connection);
     this.model.onScene = () => {
       this.build();
-      if (this.model.scene) this.view?.picture.setScene(this.model.scene);
+      if (this.model.scene) this.view?.setScene(this.model.scene);
     };
     this.model.onRefused = (what, reason) => this.notices?.refuse(what, reason);
     addEventListener('keydown', (event) => this.onKey(event), true);
@@ -48,12 +48,12 @@ export class ConsolePage {
 
   /** Of the 3D view: "high", "low", or "none" without one. */
   get quality(): string {
-    return this.view ? (this.view.low ? 'low' : 'high') : 'none';
+    return this.view?.drawnIn ?? 'none';
   }
 
   /** Builds every panel; what the therapist chose stays chosen. */
   build(): void {
-    const axis = this.plots?.axisName ?? 'finger_flexion';
+    const axis = this.plots?.axisName || 'finger_flexion';
     const group = this.parameters?.openGroup ?? 0;
     const focused = document.activeElement?.getAttribute('data-testid');
     for (const panel of this.panels) panel.close?.();
@@ -81,8 +81,8 @@ export class ConsolePage {
   /** Builds the 3D view; without WebGL the page says so and goes on. */
   async loadView(): Promise<void> {
     try {
-      this.view = await loadBarView();
-      if (this.model.scene) this.view.picture.setScene(this.model.scene);
+      this.view = await SmallBar.load();
+      if (this.model.scene) this.view.setScene(this.model.scene);
     } catch (problem) {
       console.warn('The 3D view cannot be drawn here:', problem);
     }

@@ -21,7 +21,7 @@ export function viewOf(parameter: ParameterT, labels: Readonly<Record<string, st
   const [unit, factor] = shownUnit(String(parameter.unit ?? ''), parameter.upper);
   const lower = roundAway(parameter.lower * factor);
   const upper = roundAway(parameter.upper * factor);
-  const step = niceStep(upper - lower, 200);
+  const step = niceStep(upper - lower, 100);
   return {
     name, group: parameter.group, label: labels[name] ?? asWords(name), unit, factor, lower, upper, step,
     decimals: Math.max(0, Math.min(4, -Math.floor(Math.log10(step) + 1e-9))),

@@ -1,5 +1,5 @@
 import { Act, RunState, Steering } from '../protocol';
-import { choice, h, say, setClass } from './dom';
+import { choice, h, say, setAttribute, setClass } from './dom';
 import { asWords } from './format';
 import { texts } from './i18n';
 import type { ConsoleModel, Panel } from './model';
@@ -30,7 +30,8 @@ export class SetupPanel implements Panel {
       h('div', { class: 'hd' }, h('h2', {}, t.setup.title), this.holder, this.take),
       h('div', { class: 'fields' },
         field(t.setup.exercise, this.exercise), field(t.setup.level, this.level), field(t.setup.hand, this.hand), load),
-      h('div', { class: 'row' }, this.who.element, h('span', { class: 'sp' }), restart, next, this.stop));
+      h('div', { class: 'row' }, this.who.element, h('span', { class: 'sp' }), this.stop),
+      h('div', { class: 'row' }, restart, next, h('span', { class: 'sp' })));
     this.fillChoices();
     this.refresh();
   }
@@ -39,7 +40,8 @@ export class SetupPanel implements Panel {
     const { t, model } = this;
     const { heldByYou, held } = model.connection.controls;
     say(this.holder, heldByYou ? t.setup.yours : held ? t.setup.others : t.setup.free);
-    say(this.take, heldByYou ? t.setup.giveBack : t.setup.take);
+    say(this.take, heldByYou ? t.setup.giveBack : t.setup.takeShort);
+    setAttribute(this.take, 'title', heldByYou ? t.setup.giveBack : t.setup.take);
     setClass(this.take, 'go', !heldByYou);
     this.who.choose(String(model.state?.steering ?? Steering.VirtualPatient));
     this.stop.disabled = model.state?.runState !== RunState.Rendering;

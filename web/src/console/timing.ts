@@ -68,7 +68,7 @@ export class TimingPanel implements Panel {
       svg('path', { d: `M${x(deadline_us)} 0V${floor}`, class: 'deadline' }),
       svg('text', { x: x(deadline_us) - 6, y: 12, 'text-anchor': 'end', class: 'deadline' }, fill(this.t.timing.deadline, { t: deadline_us >= 1000 ? `${deadline_us / 1000} ms` : `${deadline_us} µs` })),
       svg('text', { x: x(deadline_us) - 6, y: 30, 'text-anchor': 'end' }, this.t.timing.slower),
-      ...ticksIn(0, 0.97 * end_us, niceStep(end_us, 5)).map((us) => svg('text', { x: x(us), y: height - 3, 'text-anchor': us === 0 ? 'start' : 'middle' }, String(us))));
+      ...ticksIn(0, 0.97 * end_us, niceStep(end_us, 6)).map((us) => svg('text', { x: x(us), y: height - 3, 'text-anchor': us === 0 ? 'start' : 'middle' }, String(us))));
     setAttribute(picture, 'viewBox', `0 0 ${width} ${height}`);
     return picture;
   }

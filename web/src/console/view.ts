@@ -1,23 +1,9 @@
-import type { Picture } from '../game/picture';
 import { fill, nameOf } from '../shared/i18n';
+import type { HandLook, SmallBar } from './bar_view';
 import { choice, h, say } from './dom';
 import { fixed } from './format';
 import { texts } from './i18n';
 import type { ConsoleModel, Panel } from './model';
-
-/** Pictures a second at most: the plots come first. */
-const RATE_HZ = 30;
-const RATE_LOW_HZ = 12;
-
-export type HandLook = 'skin' | 'colliders';
-
-/** What draws the bar; made by the page once, since building it takes long. */
-export interface BarView {
-  readonly canvas: HTMLCanvasElement;
-  readonly picture: Picture;
-  readonly low: boolean;
-  showHand(look: HandLook): void;
-}
 
 /** The scene as it is now, small, with the hand as skin or as the capsules that collide. */
 export class ViewPanel implements Panel {
@@ -26,9 +12,8 @@ export class ViewPanel implements Panel {
   private readonly caption = h('p', { class: 'cap' });
   private readonly words = h('p', { class: 'none', role: 'status' }, this.t.view.loading);
   private readonly look: ReturnType<typeof choice>;
-  private view: BarView | undefined;
-  private drawn_ms = 0;
-  private readonly resized = new ResizeObserver(() => this.view?.picture.resize());
+  private view: SmallBar | undefined;
+  private readonly resized = new ResizeObserver(() => this.view?.resize());
 
   constructor(private readonly model: ConsoleModel, private shown: HandLook, private readonly onLook: (look: HandLook) => void) {
     const { t } = this;
@@ -39,7 +24,7 @@ export class ViewPanel implements Panel {
   }
 
   /** The picture is ready; undefined: it cannot be here. */
-  setView(view: BarView | undefined): void {
+  setView(view: SmallBar | undefined): void {
     this.view = view;
     say(this.words, view ? '' : this.t.view.none);
     this.words.hidden = view !== undefined;
@@ -47,18 +32,13 @@ export class ViewPanel implements Panel {
     if (!view) return;
     this.element.prepend(view.canvas);
     this.resized.observe(this.element);
-    view.showHand(this.shown);
-    view.picture.resize();
+    view.show(this.shown);
+    view.resize();
   }
 
   draw(): void {
-    const now_ms = performance.now();
-    const { view } = this;
     const { state } = this.model;
-    if (!view || !state || now_ms - this.drawn_ms < 1000 / (view.low ? RATE_LOW_HZ : RATE_HZ)) return;
-    this.drawn_ms = now_ms;
-    view.picture.setState(state);
-    view.picture.render(now_ms);
+    if (state) this.view?.draw(state, performance.now());
   }
 
   refresh(): void {
@@ -80,7 +60,7 @@ export class ViewPanel implements Panel {
   private showHand(look: HandLook): void {
     this.shown = look;
     this.look.choose(look);
-    this.view?.showHand(look);
+    this.view?.show(look);
     this.onLook(look);
   }
 }

@@ -91,8 +91,8 @@ export const de: ConsoleTexts = {
   setup: {
     title: 'Sitzung', exercise: 'Übung', level: 'Stufe', hand: 'Hand', load: 'Laden', steering: 'Wer spielt',
     virtual: 'Virtuelle Person', person: 'Person', next: 'Weiter', restart: 'Von vorn',
-    yours: 'Sie steuern', free: 'Niemand steuert', others: 'Ein anderes Gerät steuert',
-    take: 'Steuerung übernehmen', giveBack: 'Abgeben',
+    yours: 'Steuerung: hier', free: 'Steuerung: frei', others: 'Steuerung: belegt',
+    take: 'Steuerung übernehmen', takeShort: 'Nehmen', giveBack: 'Abgeben',
   },
 
   parameters: {

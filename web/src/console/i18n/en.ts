@@ -90,8 +90,8 @@ export const en = {
   setup: {
     title: 'Session', exercise: 'Exercise', level: 'Level', hand: 'Hand', load: 'Load', steering: 'Who plays',
     virtual: 'Virtual patient', person: 'Person', next: 'Next', restart: 'Restart',
-    yours: 'You hold the controls', free: 'Nobody holds the controls', others: 'Another client holds the controls',
-    take: 'Take the controls', giveBack: 'Give back',
+    yours: 'Controls: yours', free: 'Controls: free', others: 'Controls: taken',
+    take: 'Take the controls', takeShort: 'Take', giveBack: 'Give back',
   },
 
   parameters: {

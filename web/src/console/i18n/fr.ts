@@ -91,8 +91,8 @@ export const fr: ConsoleTexts = {
   setup: {
     title: 'Séance', exercise: 'Exercice', level: 'Niveau', hand: 'Main', load: 'Charger', steering: 'Qui joue',
     virtual: 'Patient virtuel', person: 'Personne', next: 'Suite', restart: 'Recommencer',
-    yours: 'Vous avez les commandes', free: 'Personne n’a les commandes', others: 'Un autre client a les commandes',
-    take: 'Prendre les commandes', giveBack: 'Rendre',
+    yours: 'Commandes : ici', free: 'Commandes : libres', others: 'Commandes : prises',
+    take: 'Prendre les commandes', takeShort: 'Prendre', giveBack: 'Rendre',
   },
 
   parameters: {
