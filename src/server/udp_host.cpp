@@ -125,7 +125,7 @@ void Host::receiveHello(const UdpEndpoint& from, std::span<const std::uint8_t> p
   added.client = controls_.newClient();
   added.rate_hz = hello.rate_hz;
   added.decimator = Decimator(hello.rate_hz, tick_rate_hz_);
-  added.heard_ns = now_ns;
+  added.heard_ns = added.alive_ns = now_ns;
   counters_.peers = static_cast<std::uint32_t>(peers_.size());
   welcome(added, now_ns);
   tellControls(added, now_ns);
@@ -140,9 +140,10 @@ void Host::receiveFrom(Peer& peer, const Received& datagram, std::int64_t now_ns
   const Reassembler::Result result = peer.reassembler.add(header, datagram.payload);
   if (result == Reassembler::Result::kRefused) return counters_.ignore(UdpIgnored::kFragment);
   if (result == Reassembler::Result::kRepeated) return counters_.ignore(UdpIgnored::kReplayed);
-  hear(peer, now_ns);
+  peer.heard_ns = now_ns;
   if (result == Reassembler::Result::kIncomplete) return;
   peer.window.accept(header.sequence);
+  if (header.kind == Kind::kHeartbeat) return showsLife(peer, now_ns);
   if (header.kind == Kind::kMessage)
     return receiveMessage(peer, peer.reassembler.message(), now_ns);
   if (header.kind == Kind::kGoodbye) {
@@ -151,8 +152,8 @@ void Host::receiveFrom(Peer& peer, const Received& datagram, std::int64_t now_ns
   }
 }
 
-void Host::hear(Peer& peer, std::int64_t now_ns) {
-  peer.heard_ns = now_ns;
+void Host::showsLife(Peer& peer, std::int64_t now_ns) {
+  peer.alive_ns = now_ns;
   if (!peer.silent) return;
   peer.silent = false;
   if (controls_.heldBy(peer.client)) order(OrderType::kOwnerAlive, 1.0);
@@ -167,6 +168,7 @@ void Host::receiveMessage(Peer& peer, std::span<const std::uint8_t> message, std
   if (decoded->type == wire::ClientMessageType::kAcknowledge) {
     return peer.outbox.acknowledge(decoded->id);
   }
+  showsLife(peer, now_ns);
   receiveCommand(peer, *decoded, now_ns);
 }
 
@@ -250,12 +252,13 @@ void Host::leave(Peer& peer) {
   controls_.release(peer.client);
 }
 
-void Host::remove(const std::function<bool(const Peer&)>& which) {
+std::size_t Host::remove(const std::function<bool(const Peer&)>& which) {
   for (Peer& peer : peers_) {
     if (which(peer)) leave(peer);
   }
-  std::erase_if(peers_, which);
+  const std::size_t removed = std::erase_if(peers_, which);
   counters_.peers = static_cast<std::uint32_t>(peers_.size());
+  return removed;
 }
 
 }  // namespace wholehand::udp

@@ -73,7 +73,7 @@ class Host {
                    std::int64_t now_ns);
   void welcome(Peer& peer, std::int64_t now_ns);
   void receiveFrom(Peer& peer, const Received& datagram, std::int64_t now_ns);
-  void hear(Peer& peer, std::int64_t now_ns);
+  void showsLife(Peer& peer, std::int64_t now_ns);
   void receiveMessage(Peer& peer, std::span<const std::uint8_t> message, std::int64_t now_ns);
   void receiveCommand(Peer& peer, const wire::ClientMessage& message, std::int64_t now_ns);
   void receiveOrder(Peer& peer, const wire::ClientMessage& message, std::int64_t now_ns);
@@ -82,7 +82,8 @@ class Host {
   void reply(Peer& peer, std::uint32_t command, const OrderReply& reply, std::int64_t now_ns);
   void tellControls(Peer& peer, std::int64_t now_ns);
   void leave(Peer& peer);
-  void remove(const std::function<bool(const Peer&)>& which);
+  /// How many.
+  std::size_t remove(const std::function<bool(const Peer&)>& which);
   void order(OrderType type, double value);
 
   void sendReliable(Peer& peer, ReliableOutbox::Message message, std::int64_t now_ns);

@@ -49,7 +49,7 @@ void Host::publishIdle(const TickRecord& record, const LoopStatus& status, std::
 
 void Host::advance(std::int64_t now_ns) {
   for (Peer& peer : peers_) {
-    if (!peer.silent && controls_.heldBy(peer.client) && now_ns - peer.heard_ns > kSilence_ns) {
+    if (!peer.silent && controls_.heldBy(peer.client) && now_ns - peer.alive_ns > kSilence_ns) {
       peer.silent = true;
       ++counters_.silences;
       order(OrderType::kOwnerAlive, 0.0);
@@ -58,11 +58,8 @@ void Host::advance(std::int64_t now_ns) {
     sendDue(peer, now_ns);
     if (now_ns - peer.sent_ns >= kHeartbeat_ns) sendOnce(peer, Kind::kHeartbeat, {}, now_ns);
   }
-  remove([&](const Peer& peer) {
-    const bool gone =
-        now_ns - peer.heard_ns > kGone_ns || peer.outbox.size() >= ReliableOutbox::kMostWaiting;
-    if (gone) ++counters_.peers_lost;
-    return gone;
+  counters_.peers_lost += remove([&](const Peer& peer) {
+    return now_ns - peer.heard_ns > kGone_ns || peer.outbox.size() >= ReliableOutbox::kMostWaiting;
   });
 }
 
