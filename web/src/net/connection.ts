@@ -257,7 +257,7 @@ export class Connection {
     this.dispatch(message);
   }
 
-  // The messages have no verifier here: one that is cut short throws while it is unpacked.
+  // There is no verifier in this language: a WebSocket brings whole messages, and the program verifies its own.
   private dispatch(message: Message): void {
     const unpack = <Table extends { unpack(): unknown }>(table: Table): ReturnType<Table['unpack']> | null => {
       try {

@@ -1,0 +1,193 @@
+import * as flatbuffers from 'flatbuffers';
+import { afterEach, beforeEach, expect, test, vi } from 'vitest';
+import { Connection, type Line } from '../src/net/connection';
+import { socketUrl, tokenOf } from '../src/net/open_connection';
+import {
+  Command, ControlsT, EventsT, EventT, Message, MessageT, Order, Payload, ReplyT, SCHEMA_VERSION, SceneT, SetParameter, TakeControls,
+  WelcomeT, WorldStateT,
+} from '../src/protocol';
+
+/** A line whose other end is the test. */
+class TestLine implements Line {
+  binaryType = '';
+  onopen: Line['onopen'] = null;
+  onmessage: Line['onmessage'] = null;
+  onclose: Line['onclose'] = null;
+  closed = false;
+  readonly sent: { id: number; order: Order; table: Command }[] = [];
+
+  send(data: Uint8Array<ArrayBuffer>): void {
+    const message = Message.getRootAsMessage(new flatbuffers.ByteBuffer(data));
+    expect(message.schemaVersion()).toBe(SCHEMA_VERSION);
+    const table = message.payload(new Command()) as Command;
+    this.sent.push({ id: table.id(), order: table.orderType(), table });
+  }
+  close(): void { this.closed = true; }
+  say(kind: Payload, payload: MessageT['payload'], version = SCHEMA_VERSION): void {
+    const builder = new flatbuffers.Builder(256);
+    Message.finishMessageBuffer(builder, new MessageT(version, kind, payload).pack(builder));
+    this.deliver(builder.asUint8Array().slice().buffer);
+  }
+  deliver(data: unknown): void { this.onmessage?.({ data } as MessageEvent); }
+  welcome(): void { this.say(Payload.Welcome, new WelcomeT(SCHEMA_VERSION, 7, true, '0.3.0')); }
+  breaks(): void { this.onclose?.({} as CloseEvent); }
+}
+
+let lines: TestLine[] = [];
+const connections: Connection[] = [];
+const connect = (token = ''): Connection => {
+  const connection = new Connection({ url: 'ws://nowhere/ws', token, open: () => { const line = new TestLine(); lines.push(line); return line; } });
+  connections.push(connection);
+  return connection;
+};
+
+beforeEach(() => { vi.useFakeTimers(); lines = []; });
+afterEach(() => { connections.splice(0).forEach((c) => c.close()); vi.useRealTimers(); });
+
+test('Connection_AfterWelcome_IsOpenAndTellsOfMessages', () => {
+  const connection = connect();
+  const seen: string[] = [];
+  connection.on('status', (status) => seen.push(status));
+  connection.on('scene', (scene) => seen.push(`scene ${String(scene.sceneName)}`));
+  connection.on('state', (state) => seen.push(`state ${state.tick}`));
+  connection.on('events', (events) => seen.push(`event ${events[0].type}`));
+  const end = connection.on('controls', (controls) => seen.push(`held ${controls.held}`));
+  lines[0].welcome();
+  const scene = new SceneT();
+  scene.sceneName = 'cocktail-bar';
+  lines[0].say(Payload.Scene, scene);
+  const state = new WorldStateT();
+  state.tick = 42n;
+  lines[0].say(Payload.WorldState, state);
+  lines[0].say(Payload.Events, new EventsT([new EventT(42n, 6, -1, 0)]));
+  lines[0].say(Payload.Controls, new ControlsT(false, true));
+  end();
+  lines[0].say(Payload.Controls, new ControlsT(false, false));
+  expect(seen).toEqual(['open', 'scene cocktail-bar', 'state 42', 'event 6', 'held true']);
+  expect(connection.latestState?.tick).toBe(42n);
+  expect(connection.controls).toEqual({ heldByYou: false, held: false });
+});
+
+test('Connection_Orders_HaveStrictlyIncreasingIdsAndTheirOwnAnswers', async () => {
+  const connection = connect();
+  lines[0].welcome();
+  const first = connection.setParameter('lead_in_m', 0.005);
+  const second = connection.stop();
+  expect(lines[0].sent.map(({ id }) => id)).toEqual([1, 2]);
+  const parameter = lines[0].sent[0].table.order(new SetParameter()) as SetParameter;
+  expect([parameter.name(), parameter.value()]).toEqual(['lead_in_m', 0.005]);
+  lines[0].say(Payload.Reply, new ReplyT(2, true, ''));
+  lines[0].say(Payload.Reply, new ReplyT(1, false, 'lead_in_m: allowed is 0 to 0.02'));
+  expect(await first).toEqual({ accepted: false, reason: 'lead_in_m: allowed is 0 to 0.02' });
+  expect(await second).toEqual({ accepted: true, reason: '' });
+});
+
+test('Connection_Lost_TriesAgainWithGrowingWaitsAndKeepsIdsIncreasing', async () => {
+  const connection = connect();
+  lines[0].welcome();
+  void connection.arm();
+  lines[0].breaks();
+  expect(connection.status).toBe('lost');
+  // 0.25 s, then twice as long after each failure, 2 s at most.
+  for (const wait_ms of [250, 500, 1000, 2000, 2000]) {
+    const before = lines.length;
+    await vi.advanceTimersByTimeAsync(wait_ms - 1);
+    expect(lines).toHaveLength(before);
+    await vi.advanceTimersByTimeAsync(1);
+    expect(lines).toHaveLength(before + 1);
+    lines.at(-1)!.breaks();
+  }
+  expect(connection.attempts).toBe(6);
+  await vi.advanceTimersByTimeAsync(2000);
+  const line = lines.at(-1)!;
+  line.onopen?.({} as Event);
+  line.welcome();
+  expect([connection.status, connection.attempts]).toEqual(['open', 0]);
+  void connection.arm();
+  expect(line.sent[0].id).toBe(2);
+  // The wait is short again.
+  line.breaks();
+  await vi.advanceTimersByTimeAsync(250);
+  expect(lines.at(-1)).not.toBe(line);
+});
+
+test('Connection_LostBeforeAnAnswer_AnswersTheOrderItself', async () => {
+  const connection = connect();
+  expect(await connection.arm()).toEqual({ accepted: false, reason: 'not connected' });
+  lines[0].welcome();
+  const arm = connection.arm();
+  lines[0].breaks();
+  expect(await arm).toEqual({ accepted: false, reason: 'the connection was lost' });
+  expect(connection.controls.heldByYou).toBe(false);
+});
+
+test('Connection_OrderWithoutAnswer_IsGivenUp', async () => {
+  const connection = connect();
+  lines[0].welcome();
+  const arm = connection.arm();
+  await vi.advanceTimersByTimeAsync(2900);
+  lines[0].say(Payload.WorldState, new WorldStateT());
+  await vi.advanceTimersByTimeAsync(101);
+  expect(await arm).toEqual({ accepted: false, reason: 'no answer' });
+});
+
+test('Connection_OtherSchemaVersion_IsRefusedForGood', async () => {
+  const connection = connect();
+  lines[0].say(Payload.Welcome, new WelcomeT(9, 1, true, '9.0'), 9);
+  expect(connection.problem).toEqual({ theirs: 9, ours: SCHEMA_VERSION });
+  expect([connection.status, lines[0].closed]).toEqual(['lost', true]);
+  await vi.advanceTimersByTimeAsync(60_000);
+  expect(lines).toHaveLength(1);
+});
+
+test('Connection_HoldingTheControls_BeatsAtLeastEvery100Ms', async () => {
+  const connection = connect('secret');
+  lines[0].welcome();
+  await vi.advanceTimersByTimeAsync(500);
+  expect(lines[0].sent).toHaveLength(0);
+  const taken = connection.takeControls();
+  expect((lines[0].sent[0].table.order(new TakeControls()) as TakeControls).token()).toBe('secret');
+  lines[0].say(Payload.Reply, new ReplyT(lines[0].sent[0].id, true, ''));
+  await taken;
+  await vi.advanceTimersByTimeAsync(1000);
+  const beats = lines[0].sent.filter(({ order }) => order === Order.Heartbeat);
+  expect(beats.length).toBeGreaterThanOrEqual(10);
+  expect(beats.every((beat, i) => i === 0 || beat.id > beats[i - 1].id)).toBe(true);
+  lines[0].say(Payload.Controls, new ControlsT(false, true));
+  const before = lines[0].sent.length;
+  await vi.advanceTimersByTimeAsync(500);
+  expect(lines[0].sent).toHaveLength(before);
+});
+
+test('Connection_SilentLine_CountsAsLost', async () => {
+  const connection = connect();
+  lines[0].welcome();
+  await vi.advanceTimersByTimeAsync(3100);
+  expect(connection.attempts).toBeGreaterThanOrEqual(1);
+  expect(lines[0].closed).toBe(true);
+});
+
+test('Connection_DamagedMessages_AreCountedAndChangeNothing', () => {
+  const warn = vi.spyOn(console, 'warn').mockImplementation(() => {});
+  const connection = connect();
+  lines[0].welcome();
+  lines[0].deliver(new ArrayBuffer(0));
+  lines[0].deliver(new Uint8Array([1, 2, 3, 4, 88, 88, 88, 88, 0, 0, 0, 0]).buffer);
+  lines[0].deliver('text');
+  // A state whose payload is not there.
+  lines[0].say(Payload.NONE, null);
+  expect(connection.unreadable).toBe(4);
+  expect(connection.latestState).toBeNull();
+  expect([connection.status, warn.mock.calls.length]).toEqual(['open', 1]);
+  warn.mockRestore();
+});
+
+test('SocketUrl_TakesTheTokenAndNoForeignServer', () => {
+  const at = (search: string, hash = '') => ({ protocol: 'https:', host: 'bar.example:8080', search, hash });
+  expect(socketUrl(at(''), false)).toBe('wss://bar.example:8080/ws');
+  expect(socketUrl(at('?token=a%2Fb'), false)).toBe('wss://bar.example:8080/ws?token=a%2Fb');
+  expect(tokenOf(at('', '#token=xyz'))).toBe('xyz');
+  expect(socketUrl(at('?server=127.0.0.1:9000'), true)).toBe('wss://127.0.0.1:9000/ws');
+  expect(socketUrl(at('?server=127.0.0.1:9000'), false)).toBe('wss://bar.example:8080/ws');
+  expect(socketUrl(at('?server=evil.example'), true)).toBe('wss://bar.example:8080/ws');
+});
