@@ -75,6 +75,56 @@ Full log: $log"
   say "Installed in $(duration $((SECONDS - start)))."
 }
 
+# True where node and npm are there and young enough, wherever they come from.
+have_node() {
+  command -v npm >/dev/null &&
+    node -e 'process.exit(Number(process.versions.node.split(".")[0]) >= 18 ? 0 : 1)' 2>/dev/null
+}
+
+# Debian's npm conflicts with other sources' nodejs: it is only asked for where there is none.
+install_node() {
+  have_node && return
+  if command -v node >/dev/null; then
+    fail "Node $(node --version 2>/dev/null) is too old or has no npm: the pages need Node 18 or newer. Install it from where this one came."
+  fi
+  install_packages web
+}
+
+# npm_install: what web/package-lock.json names, when it is not there yet.
+npm_install() {
+  local stamp="$root/web/node_modules/.package-lock.json" log="$root/build/logs/npm.log"
+  [[ $stamp -nt $root/web/package-lock.json ]] && return
+  make_log "$log"
+  say "Fetching what the pages are made of (npm, log: $log) ..."
+  local start=$SECONDS
+  if ! (cd "$root/web" && npm ci) >"$log" 2>&1; then
+    tail -n 15 "$log" >&2
+    say "The npm packages could not be fetched; is there a network? Full log: $log" >&2
+    return 1
+  fi
+  touch "$stamp"
+  say "Fetched in $(duration $((SECONDS - start)))."
+}
+
+# build_web: the pages into web/dist, when a source is newer than they are.
+build_web() {
+  local page="$root/web/dist/index.html" log="$root/build/logs/web.log" start=$SECONDS
+  npm_install || return 1
+  if [[ -f $page ]] && [[ -z $(find "$root/web" "$root/protocol" -newer "$page" -type f \
+    -not -path '*/node_modules/*' -not -path '*/dist/*' -not -path '*/generated/*' \
+    -not -path '*/tests/*' -not -path '*/test-output/*' -print -quit) ]]; then
+    return 0
+  fi
+  make_log "$log"
+  say "Building the pages ..."
+  if ! (cd "$root/web" && npm run build) >"$log" 2>&1; then
+    tail -n 30 "$log" >&2
+    say "The pages could not be built. Full log: $log" >&2
+    return 1
+  fi
+  say "Built in $(duration $((SECONDS - start)))."
+}
+
 make_log() {
   { mkdir -p "$(dirname "$1")" && : >"$1"; } 2>/dev/null || fail \
     "Cannot write to $root/build. Clone as the user who builds, or: chown -R \"\$USER\" \"$root\""
