@@ -15,6 +15,11 @@
 namespace wholehand::bullet {
 namespace {
 
+// A body that is put farther off than this within one period has lost its contacts. Bullet lets go
+// of points that part, but one towards whose normal the body was put would stay, as an overlap.
+constexpr double kFarthestSlide_m = 2e-3;
+constexpr double kFarthestTurn_rad = 0.05;
+
 // Frame in which Bullet sees the body: centre of mass, principal axes. Where the inertia is
 // diagonal already the axes stay, so that a box is a box and not a box turned by 90 degrees.
 Pose principalFrame(const SceneBody& body, btVector3& moments) {
@@ -104,13 +109,30 @@ void BulletBody::placeColliders() noexcept {
   }
 }
 
-void BulletBody::place(const BodyPlacement& placement) noexcept {
-  const Eigen::Quaterniond body = placement.orientation_xyzw.eigen().normalized();
-  const Eigen::Quaterniond turned = body * Eigen::Quaterniond(from_body_.rotation);
-  put(btTransform(btQuaternion(turned.x(), turned.y(), turned.z(), turned.w()),
-                  toBt(placement.position_m.eigen())),
-      toBt(placement.velocity_m_s.eigen()));
+bool BulletBody::place(const BodyPlacement& placement) noexcept {
+  const Eigen::Vector3d position_m = placement.position_m.eigen();
+  const Eigen::Vector3d velocity_m_s = placement.velocity_m_s.eigen();
+  const Eigen::Quaterniond orientation = placement.orientation_xyzw.eigen();
+  const bool is_pose = position_m.allFinite() && velocity_m_s.allFinite() &&
+                       std::abs(orientation.squaredNorm() - 1.0) < 0.1;
+  if (!is_pose) return false;
+  const Eigen::Quaterniond turned =
+      orientation.normalized() * Eigen::Quaterniond(from_body_.rotation);
+  const btTransform at(btQuaternion(turned.x(), turned.y(), turned.z(), turned.w()),
+                       toBt(position_m));
+  const btTransform& before = rigid_->getWorldTransform();
+  const bool elsewhere =
+      (at.getOrigin() - before.getOrigin()).length() > kFarthestSlide_m ||
+      std::abs(at.getRotation().dot(before.getRotation())) < std::cos(kFarthestTurn_rad / 2.0);
+  put(at, toBt(velocity_m_s));
   rigid_->updateInertiaTensor();
+  placed_ = true;
+  return elsewhere;
+}
+
+void BulletBody::beginStep() noexcept {
+  if (rigid_->isStaticObject() && !placed_) rigid_->setLinearVelocity(btVector3(0, 0, 0));
+  placed_ = false;
 }
 
 void BulletBody::putAtStart() noexcept {

@@ -32,8 +32,12 @@ class BulletBody {
 
   /// Moves the colliders to the rigid body. Real-time safe.
   void placeColliders() noexcept;
-  /// Where an exercise wants it; nothing that turns goes on turning. Real-time safe.
-  void place(const BodyPlacement& placement) noexcept;
+  /// Puts it where an exercise wants it; it no longer turns. A fixed body has the velocity given
+  /// for the coming step only. Where the placement is no pose it stays. Gives whether it was put
+  /// elsewhere, farther than it could slide with its contacts. Real-time safe.
+  bool place(const BodyPlacement& placement) noexcept;
+  /// Before every step: a fixed body that was not placed since the last one stands. Real-time safe.
+  void beginStep() noexcept;
   /// Back to the starting pose, at rest.
   void putAtStart() noexcept;
   /// Centre of mass and the orientation of the scene's body frame. Real-time safe.
@@ -48,6 +52,7 @@ class BulletBody {
   std::unique_ptr<btCollisionShape> no_shape_;
   std::unique_ptr<btRigidBody> rigid_;
   int index_;
+  bool placed_ = false;
   std::vector<std::unique_ptr<Collider>> colliders_;  ///< tags are pointed to: addresses stay
 };
 

@@ -141,9 +141,12 @@ void BulletEngine::rehearseStep() {
   forgetContacts();
 }
 
-void BulletEngine::forgetContacts() {
+void BulletEngine::forgetContacts(int body) noexcept {
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
-    dispatcher.getManifoldByIndexInternal(m)->clearManifold();
+    btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
+    const bool its = body < 0 || tagOf(manifold.getBody0())->body == body ||
+                     tagOf(manifold.getBody1())->body == body;
+    if (its) manifold.clearManifold();
   }
 }
 

@@ -30,8 +30,9 @@ struct BulletEngine {
 
   /// Puts joints and capsules there. Real-time safe.
   void setHand(const JointPosition& theta, const double* theta_dot) noexcept;
-  /// Drops every contact point with the impulses it remembers.
-  void forgetContacts();
+  /// Drops every contact point with the impulses it remembers, of one body or of all (-1).
+  /// Real-time safe.
+  void forgetContacts(int body = -1) noexcept;
   /// The deepest overlap of each body with the hand, after collision detection.
   [[nodiscard]] Diagnostics overlaps();
 

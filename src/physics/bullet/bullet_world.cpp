@@ -74,7 +74,9 @@ void BulletWorld::placeBodies(const BodyPlacements& placements) noexcept {
   for (int i = 0; i < placements.count; ++i) {
     const BodyPlacement& placement = placements.items[i];
     if (placement.body < 0 || placement.body >= static_cast<int>(engine_->bodies.size())) continue;
-    engine_->bodies[placement.body].place(placement);
+    if (engine_->bodies[placement.body].place(placement)) {
+      engine_->forgetContacts(placement.body);
+    }
   }
 }
 
@@ -84,6 +86,7 @@ Fault BulletWorld::step(const HandDrive& drive, double period_s) noexcept {
   e.period_s = period_s;
   e.solver.setReducedInertiaInverse(drive.reduced_inertia_inverse);
   e.solver.beginStep();
+  for (bullet::BulletBody& body : e.bodies) body.beginStep();
   e.hand.addTorque(drive.torque);
   e.world.stepSimulation(period_s, 0);
 

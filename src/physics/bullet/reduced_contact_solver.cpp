@@ -108,14 +108,15 @@ void ReducedContactSolver::convertHandManifold(btPersistentManifold& manifold,
     contact.normal = hand_is_a ? point.m_normalWorldOnB : -point.m_normalWorldOnB;
     contact.on_hand = hand_is_a ? point.getPositionWorldOnA() : point.getPositionWorldOnB();
     contact.distance_m = point.getDistance();
-    setUpContact(contact, hand,
+    setUpContact(contact, hand, *body.rigid,
                  hand_is_a ? point.getPositionWorldOnB() : point.getPositionWorldOnA(), info);
     warmStart(contact);
   }
 }
 
 void ReducedContactSolver::setUpContact(HandContact& contact, const ColliderTag& tag,
-                                        const btVector3& on_body, const btContactSolverInfo& info) {
+                                        const btRigidBody& owner, const btVector3& on_body,
+                                        const btContactSolverInfo& info) {
   const btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
   const btRigidBody* rigid = body.m_originalBody;
   const btVector3 arm =
@@ -130,7 +131,9 @@ void ReducedContactSolver::setUpContact(HandContact& contact, const ColliderTag&
     kinematics_->reducedPointRow(tag.link, at, toEigen(direction), row.jacobian.data());
     row.linear = -direction;
     row.angular = arm.cross(-direction);
-    finishRow(row, body, false, goal, info);
+    // Bullet has one body for all that is fixed, and that one stands; this one may slide.
+    if (rigid == nullptr) goal -= row.linear.dot(owner.getLinearVelocity());
+    finishRow(row, body, false, goal);
   };
   // Apart: let them close the gap in this step and no further. Overlapping: push apart gently.
   const double gap = contact.distance_m + settings_.penetration_slop_m;
@@ -146,11 +149,11 @@ void ReducedContactSolver::setUpContact(HandContact& contact, const ColliderTag&
   kinematics_->reducedAngularRow(tag.link, toEigen(contact.normal), spin.jacobian.data());
   spin.linear.setZero();
   spin.angular = -contact.normal;
-  finishRow(spin, body, true, 0.0, info);
+  finishRow(spin, body, true, 0.0);
 }
 
 void ReducedContactSolver::finishRow(ReducedRow& row, const btSolverBody& body, bool angular,
-                                     double goal_velocity, const btContactSolverInfo&) const {
+                                     double goal_velocity) const {
   double inverse_mass = 0.0;
   double velocity = 0.0;
   for (int a = 0; a < axes_; ++a) {

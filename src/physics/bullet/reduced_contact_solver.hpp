@@ -86,10 +86,10 @@ class ReducedContactSolver final : public btMultiBodyConstraintSolver {
   void convertHandManifold(btPersistentManifold& manifold, const ColliderTag& hand,
                            const ColliderTag& body, bool hand_is_a,
                            const btContactSolverInfo& info);
-  void setUpContact(HandContact& contact, const ColliderTag& tag, const btVector3& on_body,
-                    const btContactSolverInfo& info);
-  void finishRow(ReducedRow& row, const btSolverBody& body, bool angular, double goal_velocity,
-                 const btContactSolverInfo& info) const;
+  void setUpContact(HandContact& contact, const ColliderTag& tag, const btRigidBody& owner,
+                    const btVector3& on_body, const btContactSolverInfo& info);
+  void finishRow(ReducedRow& row, const btSolverBody& body, bool angular,
+                 double goal_velocity) const;
   void warmStart(HandContact& contact);
   // The inner loop. Width is a compile-time multiple of the processor's vectors, no less than the
   // number of axes; what lies beyond the axes is zero.
