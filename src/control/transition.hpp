@@ -6,10 +6,10 @@ namespace wholehand {
 
 /// How an exercise's effort comes and goes with the palm's distance from its target.
 struct TransitionConfig {
-  double engage_s = 1.0;     ///< T_on, > 0
-  double release_s = 0.3;    ///< T_off, > 0
-  double engage_m = 0.02;    ///< nearer than this: on
-  double release_m = 0.03;   ///< farther than this: off; >= engage_m, the difference is hysteresis
+  double engage_s = 1.0;    ///< T_on, > 0
+  double release_s = 0.3;   ///< T_off, > 0
+  double engage_m = 0.02;   ///< nearer than this: on
+  double release_m = 0.03;  ///< farther than this: off; >= engage_m, the difference is hysteresis
 };
 
 struct TransitionState {

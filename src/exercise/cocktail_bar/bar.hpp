@@ -64,8 +64,12 @@ struct BarRow {
   double spacing_m = 0.0;
   double reach_lower_m = 0.0, reach_upper_m = 0.0;  ///< y of dispensers that can be reached
   double speed_m_s = 0.0;
-  double away_x_m = 0.0;     ///< drawn back: the hand's x is less ...
-  double away_palm_m = 0.0;  ///< ... and the palm at least this far from every dispenser
+};
+
+/// When the hand is drawn back: bodies may slide, and be stood up.
+struct BarDrawnBack {
+  double x_m = 0.0;     ///< the hand's x is less ...
+  double palm_m = 0.0;  ///< ... and the palm at least this far from every dispenser
 };
 
 /// Squeeze: summed normal contact force on a dispenser, low-passed.
@@ -105,6 +109,7 @@ struct Bar {
   BarFlow flow;
   BarGlass glass;
   BarRow row;
+  BarDrawnBack drawn_back;
   BarUpset upset;
   BarScoring scoring;
   double counter_z_m = 0.0, rail_z_m = 0.0;  ///< top of the counter, lower side of the rail

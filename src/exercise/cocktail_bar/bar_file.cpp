@@ -26,6 +26,8 @@ void readPlain(TomlTable& root, const DeviceModel& device, Bar& bar) {
   TomlTable glass = root.table("glass");
   readGlass(glass, bar.glass);
   if (std::optional<TomlTable> row = root.optionalTable("row")) readRow(*row, bar.row);
+  TomlTable drawn_back = root.table("drawn_back");
+  readDrawnBack(drawn_back, bar.drawn_back);
   if (std::optional<TomlTable> upset = root.optionalTable("upset")) readUpset(*upset, bar.upset);
   TomlTable score = root.table("score");
   readScoring(score, bar.scoring);

@@ -40,6 +40,8 @@ void readWallAxis(NamedAxis& named, const DeviceModel& device, FingerWallConfig&
   if (axis.group != AxisGroup::kHand) {
     named.table.fail("name", "carries the hand and closes on to nothing",
                      "write the name of an axis that moves the hand's joints");
+    named.table.skipRest();
+    return;
   }
   walls.stiffness[i] = readAxisQuantity(named.table, kStiffness, axis.kind, axis.lever_arm_m);
   walls.damping[i] = readAxisQuantity(named.table, kDamping, axis.kind, axis.lever_arm_m);
@@ -86,8 +88,11 @@ void readRow(TomlTable& table, BarRow& row) {
   row.reach_lower_m = reach[0];
   row.reach_upper_m = reach[1];
   row.speed_m_s = table.number("speed_m_s", between(0.01, 0.5, "m/s"));
-  row.away_x_m = table.number("away_x_m", between(-1.0, 1.0, "m"));
-  row.away_palm_m = table.number("away_palm_m", between(0.0, 1.0, "m"));
+}
+
+void readDrawnBack(TomlTable& table, BarDrawnBack& drawn_back) {
+  drawn_back.x_m = table.number("x_m", between(-1.0, 1.0, "m"));
+  drawn_back.palm_m = table.number("palm_m", between(0.0, 1.0, "m"));
 }
 
 void readUpset(TomlTable& table, BarUpset& upset) {

@@ -18,6 +18,7 @@ struct StepPart {
 struct DrinkPart {
   std::string name;
   std::vector<StepPart> steps;
+  bool sound = true;  ///< nothing was reported about its steps
 };
 struct LevelPart {
   std::string name;
@@ -37,6 +38,7 @@ struct BarParts {
 void readWall(TomlTable& wall, const DeviceModel& device, Bar& bar);
 void readGlass(TomlTable& table, BarGlass& glass);
 void readRow(TomlTable& table, BarRow& row);
+void readDrawnBack(TomlTable& table, BarDrawnBack& drawn_back);
 void readUpset(TomlTable& table, BarUpset& upset);
 void readScoring(TomlTable& table, BarScoring& scoring);
 [[nodiscard]] std::vector<BarLiquid> readLiquids(TomlTable& root);

@@ -76,6 +76,7 @@ std::vector<DrinkPart> readDrinks(TomlTable& root, const std::vector<BarLiquid>&
     names.push_back(drink.name);
     for (TomlTable& s : t.tables("steps", 1)) {
       drink.steps.push_back({liquidOf(s, liquids), s.number("amount_l", above(0.0, 10.0, "l"))});
+      drink.sound = drink.sound && drink.steps.back().liquid >= 0 && s.good("amount_l");
     }
     if (drink.steps.size() > std::size_t{kMaxSteps}) {
       t.fail("steps", fmt::format("there are {} steps", drink.steps.size()),
@@ -143,10 +144,10 @@ void checkDrinks(TomlTable& t, const LevelPart& level, const BarParts& parts, co
   std::map<int, double> asked_l;  // of each liquid, in the whole level
   for (const int index : level.drinks) {
     const DrinkPart& drink = parts.drinks[static_cast<std::size_t>(index)];
+    if (!drink.sound) continue;
     double full_l = 0.0;
     for (const StepPart& step : drink.steps) {
       full_l += step.amount_l + level.tolerance_l;
-      if (step.liquid < 0) continue;
       asked_l[step.liquid] += step.amount_l + level.tolerance_l;
       if (dispenserWith(step.liquid, level, parts) < 0) {
         const auto liquid = static_cast<std::size_t>(step.liquid);
@@ -182,7 +183,14 @@ void checkLevels(TomlTable& root, const BarParts& parts, const Bar& bar) {
   if (!root.good("levels")) return;
   std::vector<TomlTable> tables = root.tables("levels", 1);
   for (std::size_t i = 0; i < tables.size() && i < parts.levels.size(); ++i) {
-    if (!tables[i].good("dispensers") || !tables[i].good("drinks")) continue;
+    const auto unknown = [&parts](int d) {
+      return parts.dispensers[static_cast<std::size_t>(d)].liquid < 0;
+    };
+    const std::vector<int>& have = parts.levels[i].dispensers;
+    if (!tables[i].good("dispensers") || !tables[i].good("drinks") ||
+        !tables[i].good("tolerance_l") || std::any_of(have.begin(), have.end(), unknown)) {
+      continue;
+    }
     checkDispensers(tables[i], parts.levels[i], parts);
     checkDrinks(tables[i], parts.levels[i], parts, bar);
   }

@@ -66,7 +66,8 @@ void readBodies(TomlTable& root, const SceneModel& scene, BarParts& parts, Bar& 
     d.radius_m = body->shapes[0].radius_m;
     d.height_m = body->shapes[0].length_m;
     d.free = !body->fixed;
-    if (bar.row.slides && bar.row.spacing_m < 2.0 * d.radius_m) {
+    const bool narrow = bar.row.slides && bar.row.spacing_m < 2.0 * d.radius_m;
+    if (narrow && root.table("row").good("spacing_m")) {  // told once
       root.table("row").fail("spacing_m", "is less than " + d.body + " is wide", "must be more");
     }
     if (d.free && bar.row.slides) {

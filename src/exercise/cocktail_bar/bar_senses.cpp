@@ -44,8 +44,8 @@ BarSenses senseBar(const Bar& bar, const TickRecord& record, double period_s) no
   out.glass_m = record.bodies[static_cast<std::size_t>(bar.glass.body_index)].position_m.eigen();
   out.nearest = dispenserOf(bar, record.palm_body);
   out.palm_m = record.palm_target_distance_m;
-  const bool in_front = bar.x_axis < 0 || record.q_s[bar.x_axis] < bar.row.away_x_m;
-  out.drawn_back = in_front && out.palm_m >= bar.row.away_palm_m && !out.touches_any;
+  const bool in_front = bar.x_axis < 0 || record.q_s[bar.x_axis] < bar.drawn_back.x_m;
+  out.drawn_back = in_front && out.palm_m >= bar.drawn_back.palm_m && !out.touches_any;
   return out;
 }
 

@@ -94,7 +94,7 @@ std::string barJson(const Bar& bar) {
            {"rail_z_m", bar.rail_z_m},
            {"engage_m", bar.transition.engage_m},
            {"release_m", bar.transition.release_m},
-           {"draw_back", {{"x_m", bar.row.away_x_m}, {"palm_m", bar.row.away_palm_m}}},
+           {"draw_back", {{"x_m", bar.drawn_back.x_m}, {"palm_m", bar.drawn_back.palm_m}}},
            {"drinks", drinksJson(bar)}};
   return out.dump();
 }

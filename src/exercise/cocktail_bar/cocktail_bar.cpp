@@ -85,8 +85,8 @@ class CocktailBar final : public Exercise {
     push(senses, input, closed_on_to, out);
     serving_.tick(senses, recipe_.order().dispenser, !paused_, placements);
     tellUpsets(out);
-    pouring_.tick(senses, recipe_.order(), held(), lying(), input.parameters[kThreshold], !paused_,
-                  out);
+    pouring_.tick(senses, recipe_.order(), held(), leaking(senses), input.parameters[kThreshold],
+                  !paused_, out);
     if (!paused_) {
       recipe_.tick(senses.elapsed_s, held(), serving_.pending(), pouring_, out);
     }
@@ -101,10 +101,12 @@ class CocktailBar final : public Exercise {
   /// The dispenser that the palm holds, -1: none.
   [[nodiscard]] int held() const noexcept { return transition_.engaged ? at_ : -1; }
 
-  [[nodiscard]] unsigned lying() const noexcept {
+  /// Dispensers that lie on their side: bits.
+  [[nodiscard]] unsigned leaking(const BarSenses& senses) const noexcept {
     unsigned bits = 0;
     for (std::size_t i = 0; i < bar_.dispensers.size(); ++i) {
-      if (serving_.lies(static_cast<int>(i))) bits |= 1U << i;
+      const bool leans = senses.tilt_rad[i] > bar_.upset.tilt_rad;
+      if (leans && serving_.lies(static_cast<int>(i))) bits |= 1U << i;
     }
     return bits;
   }

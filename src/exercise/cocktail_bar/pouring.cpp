@@ -31,7 +31,7 @@ double Pouring::wanted_l_s(int dispenser, double threshold_ratio) const noexcept
   return thinnest_l_s / bar_.liquids[static_cast<std::size_t>(d.liquid)].viscosity;
 }
 
-void Pouring::tick(const BarSenses& senses, const PourOrder& order, int engaged, unsigned lying,
+void Pouring::tick(const BarSenses& senses, const PourOrder& order, int engaged, unsigned leaking,
                    double threshold_ratio, bool running, ExerciseRecord& out) noexcept {
   const double tau_s = 1.0 / (2.0 * std::numbers::pi * bar_.squeeze.filter_hz);
   for (std::size_t i = 0; i < bar_.dispensers.size(); ++i) {
@@ -57,7 +57,7 @@ void Pouring::tick(const BarSenses& senses, const PourOrder& order, int engaged,
   }
   for (std::size_t i = 0; running && i < bar_.dispensers.size(); ++i) {
     const BarLiquid& liquid = bar_.liquids[static_cast<std::size_t>(bar_.dispensers[i].liquid)];
-    if ((lying >> i & 1U) == 0U) continue;
+    if ((leaking >> i & 1U) == 0U) continue;
     (void)ledger_.spill(static_cast<int>(i),
                         bar_.upset.leak_l_s / liquid.viscosity * senses.elapsed_s);
   }

@@ -28,10 +28,11 @@ class Pouring {
   void reset() noexcept;
   void newGlass() noexcept { ledger_.newGlass(); }
 
-  /// @param engaged the dispenser that is held, -1: none @param lying those that leak: bits
+  /// @param engaged the dispenser that is held, -1: none @param leaking those that lie and leak:
+  /// bits
   /// @param threshold_ratio of the squeeze's thresholds @param running false: nothing flows
   WHOLEHAND_RT void tick(const BarSenses& senses, const PourOrder& order, int engaged,
-                         unsigned lying, double threshold_ratio, bool running,
+                         unsigned leaking, double threshold_ratio, bool running,
                          ExerciseRecord& out) noexcept;
 
   [[nodiscard]] const Ledger& ledger() const noexcept { return ledger_; }

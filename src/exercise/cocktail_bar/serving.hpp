@@ -28,7 +28,7 @@ class Serving {
   /// Dispensers that fell over since the last tick, and that were stood up: bits.
   [[nodiscard]] unsigned knockedOver() const noexcept { return knocked_over_; }
   [[nodiscard]] unsigned stoodUp() const noexcept { return stood_up_; }
-  /// Lies, and leaks.
+  /// Lies, or stands where nobody can reach it.
   [[nodiscard]] bool lies(int dispenser) const noexcept {
     return lying_[static_cast<std::size_t>(dispenser)];
   }

@@ -1,0 +1,237 @@
+#include "exercise/bar_table.hpp"
+#include "model/temp_folder.hpp"
+
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <sstream>
+
+namespace wholehand::test {
+namespace {
+
+std::string readAll(const std::string& path) {
+  std::ifstream in(path);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+/// A folder with the shipped exercise and its scene, either of them changed.
+class SpoiltBar {
+ public:
+  SpoiltBar() {
+    bar_ = readAll(config("exercises/cocktail-bar.toml"));
+    scene_ = readAll(config("scenes/cocktail-bar.toml"));
+  }
+  void bar(const std::string& text) { bar_ = text; }
+  [[nodiscard]] const std::string& bar() const { return bar_; }
+  static void replace(std::string& text, const std::string& find, const std::string& with) {
+    const std::size_t at = text.find(find);
+    ASSERT_NE(at, std::string::npos) << "the shipped file has no: " << find;
+    text.replace(at, find.size(), with);
+  }
+  void inBar(const std::string& find, const std::string& with) { replace(bar_, find, with); }
+  void inScene(const std::string& find, const std::string& with) { replace(scene_, find, with); }
+
+  [[nodiscard]] Diagnostics faults(int level = 1) const {
+    const TempFolder folder;
+    folder.write("scenes/cocktail-bar.toml", scene_);
+    const std::string path = folder.write("exercises/bar.toml", bar_);
+    const auto loaded = loadExercise(path, level, shippedDevice(), shippedHand());
+    return loaded.ok() ? Diagnostics{} : loaded.errors();
+  }
+
+ private:
+  std::string bar_, scene_;
+};
+
+struct Case {
+  std::string find, replace, key, says, remedy;
+};
+
+void expectOneFault(const SpoiltBar& spoilt, const Case& c) {
+  SCOPED_TRACE(c.find + " -> " + c.replace);
+  const Diagnostics faults = spoilt.faults();
+  ASSERT_EQ(faults.size(), 1U) << format(faults);
+  EXPECT_EQ(faults[0].key, c.key);
+  EXPECT_NE(format(faults[0]).find(c.says), std::string::npos) << format(faults[0]);
+  EXPECT_NE(faults[0].remedy.find(c.remedy), std::string::npos) << format(faults[0]);
+  EXPECT_GT(faults[0].line, 0);
+  EXPECT_TRUE(faults[0].file.ends_with("bar.toml"));
+}
+
+TEST(BarFile, AsShipped_HasNoFault) {
+  const SpoiltBar bar;
+  for (int level = 1; level <= 4; ++level) {
+    EXPECT_TRUE(bar.faults(level).empty()) << format(bar.faults(level));
+  }
+}
+
+/// Lines of the file that give a key, with their numbers.
+std::vector<std::pair<std::size_t, std::string>> keyLines(const std::vector<std::string>& lines) {
+  const std::regex key_line("^([a-z_]+) = .*");
+  std::vector<std::pair<std::size_t, std::string>> found;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    std::smatch match;
+    if (std::regex_match(lines[i], match, key_line)) found.emplace_back(i, match[1]);
+  }
+  return found;
+}
+
+std::vector<std::string> linesOf(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+std::string joined(const std::vector<std::string>& lines) {
+  std::string text;
+  for (const std::string& line : lines) text += line + "\n";
+  return text;
+}
+
+bool namesKey(const Diagnostics& faults, const std::string& key) {
+  return std::any_of(faults.begin(), faults.end(),
+                     [&](const Diagnostic& d) { return d.key.find(key) != std::string::npos; });
+}
+
+TEST(BarFile, AnyKeyTakenOut_IsMissed) {
+  SpoiltBar bar;
+  const std::vector<std::string> lines = linesOf(bar.bar());
+  const auto keys = keyLines(lines);
+  EXPECT_GT(keys.size(), 90U);
+  for (const auto& [line, key] : keys) {
+    // These have defaults: equations.md's transition times, and the walls' speed.
+    if (key == "engage_s" || key == "release_s" || key == "follow_m_s") continue;
+    std::vector<std::string> without = lines;
+    without.erase(without.begin() + static_cast<long>(line));
+    bar.bar(joined(without));
+    // Of a rotation with a fingertip the key without _tip_ is named.
+    const std::string named = std::regex_replace(key, std::regex("_tip_n.*"), "_nm");
+    EXPECT_TRUE(namesKey(bar.faults(), named)) << lines[line] << "\n" << format(bar.faults());
+  }
+}
+
+TEST(BarFile, AnyKeyOfAnotherTypeOrName_IsRefused) {
+  SpoiltBar bar;
+  const std::vector<std::string> lines = linesOf(bar.bar());
+  for (const auto& [line, key] : keyLines(lines)) {
+    for (const std::string& wrong : {key + " = { a = 1 }", key + " = nan", key + "_x = 1"}) {
+      std::vector<std::string> changed = lines;
+      changed[line] = wrong;
+      bar.bar(joined(changed));
+      const Diagnostics faults = bar.faults();
+      ASSERT_FALSE(faults.empty()) << wrong;
+      const bool unknown = wrong.starts_with(key + "_x");
+      EXPECT_TRUE(namesKey(faults, key) || (unknown && namesKey(faults, key + "_x")))
+          << lines[line] << " -> " << wrong << "\n"
+          << format(faults);
+    }
+  }
+}
+
+TEST(BarFile, WrongValues_AreToldWithTheirKeyAndRemedy) {
+  const std::vector<Case> cases = {
+      {"exercise = \"cocktail_bar\"", "exercise = \"coctail_bar\"", "exercise", "unknown",
+       "cocktail_bar"},
+      {"lead_in_m = 0.005", "lead_in_m = 0.05", "wall.lead_in_m", "out of range", "0.02"},
+      {"release_m = 0.03", "release_m = 0.01", "wall.release_m", "nearer than engage_m",
+       "at least engage_m"},
+      {"name = \"finger_flexion\"", "name = \"x\"", "wall.axes[x].name", "carries the hand",
+       "hand's joints"},
+      {"stiffness_tip_n_m = 80.0", "stiffness_tip_n_m = -1.0",
+       "wall.axes[finger_flexion].stiffness_tip_n_m", "out of range", "must be in"},
+      {"filter_hz = 5.0", "filter_hz = 0.0", "squeeze.filter_hz", "out of range", "Hz"},
+      {"l_per_s_n = 0.0016", "l_per_s_n = 0", "flow.l_per_s_n", "out of range", "must be in"},
+      {"body = \"glass\"", "body = \"glas\"", "glass.body", "no such body", "name of one"},
+      {"inner_radius_m = 0.03", "inner_radius_m = 0.3", "glass.inner_radius_m",
+       "more than the body's radius", "less"},
+      {"m_per_l = 0.74", "m_per_l = 7.4", "glass.capacity_l", "higher than the glass", "at most"},
+      {"spacing_m = 0.128", "spacing_m = 0.03", "row.spacing_m", "wide", "more"},
+      {"reach_y_m = [-0.023, 0.105]", "reach_y_m = [0.105, -0.023]", "row.reach_y_m", "", ""},
+      {"three_stars = 90.0", "three_stars = 60.0", "score.three_stars", "less than two_stars",
+       "at least"},
+      {"color = \"#A31D38\"", "color = \"red\"", "liquids[cherry].color", "not a colour",
+       "#RRGGBB"},
+      {"pattern = \"dots\"", "pattern = \"dotz\"", "liquids[cherry].pattern", "unknown", "dots"},
+      {"viscosity = 1.6", "viscosity = 0", "liquids[cherry].viscosity", "out of range", "must be"},
+      {"liquid = \"coconut\"\nstart_l", "liquid = \"coconat\"\nstart_l", "dispensers[3].liquid",
+       "no liquid", "coconut"},
+      {"amount_l = 0.04", "amount_l = -0.04", "drinks[lemonade].steps[0].amount_l", "out of range",
+       "must be"},
+      {"drinks = [\"sunset\", \"dawn\"]", "drinks = [\"sunsets\", \"dawn\"]",
+       "levels[Two liquids].drinks", "no drink", "sunset"},
+      {"drinks = [\"sunset\", \"dawn\"]", "drinks = []", "levels[Two liquids].drinks", "empty",
+       "one"},
+      {"drinks = [\"sunset\", \"dawn\"]", "drinks = [\"lagoon\"]", "levels[Two liquids].drinks",
+       "blueberry", "dispenser"},
+      {"tolerance_l = 0.006", "tolerance_l = 0.05",
+       "levels[One dispenser, wide tolerance].tolerance_l", "not less", "less"},
+      {"low_n = 4.0", "low_n = 2.0", "levels[One dispenser, wide tolerance].low_n",
+       "below threshold_n", "threshold_n"},
+      {"high_n = 9.0", "high_n = 4.0", "levels[One dispenser, wide tolerance].high_n",
+       "not above low_n", "low_n"},
+      {"capacity_l = 0.14", "capacity_l = 0.08", "levels[Four liquids, narrow tolerance].drinks",
+       "does not fit the glass", "0.08"},
+      {"liquid = \"coconut\"\nstart_l = 0.35", "liquid = \"coconut\"\nstart_l = 0.01",
+       "levels[Four liquids, narrow tolerance].drinks", "start_l", "0.018"},
+  };
+  for (const Case& c : cases) {
+    SpoiltBar spoilt;
+    spoilt.inBar(c.find, c.replace);
+    expectOneFault(spoilt, c);
+  }
+}
+
+TEST(BarFile, SceneThatDoesNotFit_IsToldOfTheBody) {
+  SpoiltBar turned;
+  turned.inScene("position_m = [0.119, -0.023, 0.004]",
+                 "position_m = [0.119, -0.023, 0.004]\norientation_rpy_rad = [0.5, 0.0, 0.0]");
+  expectOneFault(turned, {"", "", "dispensers[0].body", "upright cylinder", "cylinder"});
+
+  SpoiltBar free;
+  free.inScene("fixed = true\nposition_m = [0.119, -0.023",
+               "mass_kg = 0.2\nposition_m = [0.119, -0.023");
+  expectOneFault(free, {"", "", "dispensers[0].body", "cannot slide in a row", "fixed = true"});
+
+  SpoiltBar glass;
+  glass.inScene("fixed = true                       # the exercise slides it", "mass_kg = 0.2");
+  expectOneFault(glass, {"", "", "glass.body", "is not fixed", "fixed = true"});
+
+  SpoiltBar counter;
+  counter.inScene("name = \"counter\"", "name = \"table\"");
+  expectOneFault(counter, {"", "", "scene", "no box named counter", "add it"});
+}
+
+TEST(BarFile, FaultsInFileAndScene_AreAllTold) {
+  SpoiltBar bar;
+  bar.inBar("lead_in_m = 0.005", "lead_in_m = 0.5");
+  bar.inBar("high_n = 9.0", "hihg_n = 9.0");
+  bar.inScene("hand_friction = 0.8", "hand_friction = 8.0");
+  const Diagnostics faults = bar.faults();
+  ASSERT_EQ(faults.size(), 3U) << format(faults);
+  EXPECT_TRUE(namesKey(faults, "lead_in_m"));
+  EXPECT_TRUE(namesKey(faults, "hihg_n"));
+  EXPECT_TRUE(namesKey(faults, "hand_friction"));
+}
+
+TEST(BarFile, NoSuchLevelOrFile_IsTold) {
+  const SpoiltBar bar;
+  for (const int level : {0, 5, -1}) {
+    const Diagnostics faults = bar.faults(level);
+    ASSERT_EQ(faults.size(), 1U);
+    EXPECT_EQ(faults[0].remedy, "must be 1 .. 4");
+  }
+  const auto none = loadExercise("/no/such.toml", 1, shippedDevice(), shippedHand());
+  ASSERT_FALSE(none.ok());
+  EXPECT_NE(format(none.errors()).find("/no/such.toml"), std::string::npos);
+  const auto scene =
+      loadExercise(config("scenes/cocktail-bar.toml"), 1, shippedDevice(), shippedHand());
+  ASSERT_FALSE(scene.ok());
+  EXPECT_NE(format(scene.errors()).find("another kind of file"), std::string::npos);
+  const auto free =
+      loadExercise(config("exercises/free-grasping.toml"), 2, shippedDevice(), shippedHand());
+  ASSERT_FALSE(free.ok());
+}
+
+}  // namespace
+}  // namespace wholehand::test

@@ -1,0 +1,181 @@
+#pragma once
+
+#include "core/tick_record.hpp"
+#include "exercise/load_exercise.hpp"
+#include "model/hand_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace wholehand::test {
+
+inline std::string config(const std::string& name) {
+  return std::string(WHOLEHAND_SOURCE_DIR) + "/config/" + name;
+}
+
+inline const DeviceModel& shippedDevice() {
+  static const DeviceModel device = loadDeviceFile(config("devices/lambda-pride.toml")).value();
+  return device;
+}
+
+inline const HandModel& shippedHand() {
+  static const HandModel hand =
+      assembleHand(loadHandFile(config("hands/adult-median-right.toml")).value(), shippedDevice())
+          .value();
+  return hand;
+}
+
+/// A bar without physics: bodies stand where the exercise puts them, the hand is what a test says.
+class BarTable {
+ public:
+  struct Told {
+    std::uint64_t tick;
+    std::string event;
+    int index;
+    double value;
+  };
+
+  explicit BarTable(int level, const std::string& file = config("exercises/cocktail-bar.toml")) {
+    Expected<LoadedExercise> loaded = loadExercise(file, level, shippedDevice(), shippedHand());
+    if (!loaded) {
+      ADD_FAILURE() << format(loaded.errors());
+      std::abort();
+    }
+    exercise = std::move(loaded->exercise);
+    scene = std::move(loaded->scene);
+    for (const LiveParameter& p : exercise->description().parameters) {
+      parameters.push_back(p.value);
+    }
+    const int n = shippedDevice().axisCount();
+    record.q_m = record.q_s = record.closure = AxisPosition(n);
+    record.qd_mf = AxisVelocity(n);
+    for (int i = 0; i < n; ++i) record.closure[i] = std::numeric_limits<double>::quiet_NaN();
+    record.body_count = static_cast<int>(scene.bodies.size());
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+      record.bodies[i].position_m = Vec3::from(scene.bodies[i].pose.translation_m);
+    }
+    exercise->reset();
+    drawBack();
+  }
+
+  /// The hand far in front of everything, touching nothing.
+  void drawBack() {
+    record.q_s[0] = record.q_m[0] = -0.08;
+    palm(0, 0.15);
+    squeeze(-1, 0.0);
+  }
+  /// The palm at a dispenser, by its index in the level.
+  void palm(int dispenser, double distance_m) {
+    record.palm_body = bodyOf(dispenser);
+    record.palm_target_distance_m = distance_m;
+  }
+  /// The palm holds a dispenser and squeezes it with four contacts.
+  void hold(int dispenser, double force_n) {
+    record.q_s[0] = record.q_m[0] = 0.07;
+    palm(dispenser, 0.002);
+    squeeze(dispenser, force_n);
+  }
+  void squeeze(int dispenser, double force_n) {
+    record.contact_count = force_n > 0.0 ? 4 : 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      Contact& c = record.contacts[i];
+      c.body = dispenser >= 0 ? bodyOf(dispenser) : -1;
+      c.normal = {0.0, i < 2 ? 1.0 : -1.0, 0.0};
+      c.force_n = {0.3, i < 2 ? 0.25 * force_n : -0.25 * force_n, 0.1};  // friction, too
+    }
+  }
+  [[nodiscard]] int bodyOf(int dispenser) const {
+    static const char* const kBodies[] = {"dispenser_lemon", "dispenser_cherry",
+                                          "dispenser_blueberry", "dispenser_coconut"};
+    return scene.bodyIndex(kBodies[dispenser]);
+  }
+
+  void tick() {
+    const WorldQuery query = exercise->query();
+    asked_closure = query.closure_body;
+    ExerciseInput input;
+    input.observed = &record;
+    input.parameters = parameters.data();
+    input.may_push = may_push;
+    exercise->tick(input, out, placements);
+    record.command_count = 0;
+    for (int i = 0; i < placements.count; ++i) {
+      const BodyPlacement& p = placements.items[static_cast<std::size_t>(i)];
+      BodyState& body = record.bodies[static_cast<std::size_t>(p.body)];
+      body.position_m = p.position_m;
+      body.orientation_xyzw = p.orientation_xyzw;
+      body.velocity_m_s = p.velocity_m_s;
+    }
+    for (int i = 0; i < out.event_count; ++i) {
+      const ExerciseEvent& e = out.events[static_cast<std::size_t>(i)];
+      told.push_back({record.tick,
+                      exercise->description().event_names[static_cast<std::size_t>(e.type)],
+                      e.index, e.value});
+    }
+    ++record.tick;
+  }
+  void run(double time_s) {
+    for (int i = 0; i < static_cast<int>(std::lround(time_s * 1e3)); ++i) tick();
+  }
+  /// Ticks until a value is what is wanted; fails after a minute of play.
+  void runUntil(const std::string& name, double wanted) {
+    for (int i = 0; i < 60'000; ++i) {
+      tick();
+      if (value(name) == wanted) return;
+    }
+    ADD_FAILURE() << name << " never became " << wanted << ", it is " << value(name);
+  }
+  void act(ExerciseAction action) {
+    Command& c = record.commands[static_cast<std::size_t>(record.command_count++)];
+    c = Command{};
+    c.type = CommandType::kAction;
+    c.index = static_cast<std::int32_t>(action);
+  }
+
+  [[nodiscard]] double value(const std::string& name) const {
+    const auto& names = exercise->description().value_names;
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end()) ADD_FAILURE() << "no value " << name;
+    return out.values[static_cast<std::size_t>(found - names.begin())];
+  }
+  [[nodiscard]] int count(const std::string& event) const {
+    return static_cast<int>(
+        std::count_if(told.begin(), told.end(), [&](const Told& t) { return t.event == event; }));
+  }
+  [[nodiscard]] Told last(const std::string& event) const {
+    const auto found =
+        std::find_if(told.rbegin(), told.rend(), [&](const Told& t) { return t.event == event; });
+    if (found == told.rend()) {
+      ADD_FAILURE() << "no event " << event;
+      return {};
+    }
+    return *found;
+  }
+  /// What is left in all dispensers.
+  [[nodiscard]] double left_l() const {
+    double sum_l = 0.0;
+    const auto& names = exercise->description().value_names;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if (names[i].starts_with("left_l/")) sum_l += out.values[i];
+    }
+    return sum_l;
+  }
+
+  std::unique_ptr<Exercise> exercise;
+  SceneModel scene;
+  TickRecord record;
+  ExerciseRecord out;
+  BodyPlacements placements;
+  std::vector<double> parameters;
+  std::vector<Told> told;
+  int asked_closure = -1;
+  bool may_push = true;
+};
+
+}  // namespace wholehand::test

@@ -1,0 +1,197 @@
+#include "dynamics/articulated_body.hpp"
+#include "exercise/bar_table.hpp"
+#include "exercise/wall_margin.hpp"
+#include "realtime/allocation_counter.hpp"
+#include "support/tolerance.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <set>
+
+namespace wholehand::test {
+namespace {
+
+std::vector<ExerciseFile> shipped() {
+  return listExercises(config("exercises"));
+}
+
+AxisMatrix inertiaAtReference(const HandModel& hand) {
+  ArticulatedBody body(hand);
+  JointPosition theta = hand.theta0;
+  theta.vec() += hand.synergy * hand.reference.vec();
+  EXPECT_TRUE(body.update(theta, JointVelocity(hand.joint_count), Eigen::Vector3d::Zero()));
+  return body.reducedInertia();
+}
+
+TEST(ShippedExercises, Listed_ByTheNamesOfTheirFiles) {
+  std::set<std::string> names;
+  for (const ExerciseFile& file : shipped()) names.insert(file.name);
+  EXPECT_TRUE(names.contains("cocktail-bar"));
+  EXPECT_TRUE(names.contains("cocktail-bar-free"));
+  EXPECT_TRUE(names.contains("free-grasping"));
+  EXPECT_TRUE(listExercises("/no/such/folder").empty());
+}
+
+TEST(ShippedExercises, EveryLevel_LoadsAndFitsTheRecord) {
+  for (const ExerciseFile& file : shipped()) {
+    int levels = 1;
+    for (int level = 1; level <= levels; ++level) {
+      SCOPED_TRACE(file.name + ", level " + std::to_string(level));
+      const auto loaded = loadExercise(file.path, level, shippedDevice(), shippedHand());
+      ASSERT_TRUE(loaded.ok()) << format(loaded.errors());
+      const ExerciseDescription& d = loaded->exercise->description();
+      levels = d.levels;
+      EXPECT_EQ(d.level, level);
+      EXPECT_EQ(d.name, file.name);
+      EXPECT_LE(d.value_names.size(), std::size_t{kMaxExerciseValues});
+      const std::set<std::string> unique(d.value_names.begin(), d.value_names.end());
+      EXPECT_EQ(unique.size(), d.value_names.size());
+      EXPECT_TRUE(nlohmann::json::accept(d.json));
+      EXPECT_LE(loaded->scene.bodies.size(), std::size_t{kMaxBodies});
+      for (const LiveParameter& p : d.parameters) {
+        EXPECT_LE(p.lower, p.value) << p.name;
+        EXPECT_LE(p.value, p.upper) << p.name;
+        EXPECT_GT(p.rate_per_s, 0.0) << p.name;
+      }
+    }
+  }
+}
+
+TEST(ShippedExercises, Liquids_AreToldApartByFeel) {
+  for (const char* name : {"cocktail-bar", "cocktail-bar-free"}) {
+    const auto loaded =
+        loadExercise(config("exercises/") + name + ".toml", 1, shippedDevice(), shippedHand());
+    ASSERT_TRUE(loaded.ok()) << format(loaded.errors());
+    const auto json = nlohmann::json::parse(loaded->exercise->description().json);
+    std::vector<double> stiffness, viscosity;
+    for (const auto& liquid : json["liquids"]) {
+      stiffness.push_back(liquid["stiffness"]);
+      viscosity.push_back(liquid["viscosity"]);
+    }
+    std::sort(stiffness.begin(), stiffness.end());
+    std::sort(viscosity.begin(), viscosity.end());
+    ASSERT_GE(stiffness.size(), 4U);
+    for (std::size_t i = 1; i < stiffness.size(); ++i) {
+      // Discrimination thresholds: 22 % of stiffness (Tan 1995), 34 % of viscosity (Jones 1997).
+      EXPECT_GE(stiffness[i] / stiffness[i - 1], 1.4 - 1e-9) << name;
+      EXPECT_GE(viscosity[i] / viscosity[i - 1], 1.6 - 1e-9) << name;
+    }
+  }
+}
+
+TEST(ShippedExercises, StiffestWalls_LeaveTheLoopStableWithAnyPersonAndObject) {
+  const auto rendering = loadRenderingFile(config("rendering/lambda-pride.toml"), shippedDevice());
+  ASSERT_TRUE(rendering.ok()) << format(rendering.errors());
+  for (const char* hand_name : {"adult-median-right.toml", "woman-p05-right.toml",
+                                "man-p95-right.toml", "adult-median-left.toml"}) {
+    const auto file = loadHandFile(config("hands/") + hand_name);
+    ASSERT_TRUE(file.ok()) << format(file.errors());
+    const HandModel hand = assembleHand(*file, shippedDevice()).value();
+    const auto gains = resolveGains(*rendering, inertiaAtReference(hand), 1e-3);
+    ASSERT_TRUE(gains.ok()) << format(gains.errors());
+    int walls = 0;
+    for (const ExerciseFile& exercise : shipped()) {
+      int levels = 1;
+      for (int level = 1; level <= levels; ++level) {
+        const auto loaded = loadExercise(exercise.path, level, shippedDevice(), hand);
+        ASSERT_TRUE(loaded.ok()) << format(loaded.errors());
+        levels = loaded->exercise->description().levels;
+        for (const ExerciseWall& wall : loaded->walls) {
+          const AxisLoop loop = axisLoop(shippedDevice(), *gains, wall.axis, 1e-3);
+          EXPECT_GE(wallMargin(loop, wall.stiffness, wall.damping), 1.0)
+              << exercise.name << " level " << level << ", " << hand_name << ", axis "
+              << shippedDevice().axes[static_cast<std::size_t>(wall.axis)].name;
+          ++walls;
+        }
+      }
+    }
+    EXPECT_GT(walls, 0);
+  }
+}
+
+TEST(ShippedExercises, WallsTooStiffOrTooThick_AreNotAdmissible) {
+  const auto rendering =
+      loadRenderingFile(config("rendering/lambda-pride.toml"), shippedDevice()).value();
+  const auto gains = resolveGains(rendering, inertiaAtReference(shippedHand()), 1e-3).value();
+  const AxisLoop loop = axisLoop(shippedDevice(), gains, 3, 1e-3);
+  EXPECT_GT(wallMargin(loop, 0.0, 0.0), 1.3);  // passivity_test's, without a wall
+  EXPECT_GE(wallMargin(loop, 2.9, 0.0), 1.0);
+  EXPECT_LT(wallMargin(loop, 3.0, 0.0), 1.0);
+  EXPECT_GE(wallMargin(loop, 0.0, 0.020), 1.0);
+  EXPECT_LT(wallMargin(loop, 0.0, 0.021), 1.0);
+  EXPECT_EQ(wallMargin(loop, 20.0, 0.0), 0.0);  // unstable by itself
+}
+
+/// 4 N of coupling at the tip and the stiffest liquid's wall, in N at the tip.
+TEST(ShippedExercises, FirmSqueezeOfTheThickest_StaysUnderTheTipLimit) {
+  BarTable bar(4);
+  bar.record.closure[3] = bar.record.closure[5] = 1.0;
+  const double k_pm = 4.0, lever_m = 0.08;
+  bar.hold(3, 8.0);
+  // The avatar's finger stays at the touch; the device's is past it by what 4 N stretch.
+  bar.record.q_m[3] = bar.record.q_m[5] = 1.0 + 4.0 * lever_m / k_pm;
+  bar.run(1.5);
+  for (const int axis : {3, 5}) {
+    const double wall_n = -bar.out.effort[axis] / lever_m;
+    EXPECT_GT(wall_n, 1.0);
+    EXPECT_LE(4.0 + wall_n, 10.0);
+  }
+}
+
+TEST(ShippedExercises, Ticking_AllocatesNothing) {
+  for (const ExerciseFile& file : shipped()) {
+    auto loaded = loadExercise(file.path, 1, shippedDevice(), shippedHand());
+    ASSERT_TRUE(loaded.ok()) << format(loaded.errors());
+    std::vector<double> parameters;
+    for (const LiveParameter& p : loaded->exercise->description().parameters) {
+      parameters.push_back(p.value);
+    }
+    TickRecord record;
+    record.q_m = record.q_s = record.closure = AxisPosition(6);
+    record.qd_mf = AxisVelocity(6);
+    ExerciseInput input;
+    input.observed = &record;
+    input.parameters = parameters.data();
+    ExerciseRecord out;
+    BodyPlacements placements;
+    const AllocationScope scope;
+    for (int i = 0; i < 3000; ++i) {
+      record.palm_target_distance_m = i % 900 < 500 ? 0.01 : 0.2;
+      record.palm_body = loaded->scene.bodyIndex("dispenser_lemon");
+      record.command_count = i % 700 == 0 ? 1 : 0;
+      record.commands[0].type = CommandType::kAction;
+      record.commands[0].index = i / 700 % 4;
+      const WorldQuery query = loaded->exercise->query();
+      EXPECT_LT(query.closure_body, kMaxBodies);
+      loaded->exercise->tick(input, out, placements);
+    }
+    EXPECT_EQ(scope.allocations(), 0U) << file.name;
+  }
+}
+
+TEST(FreeGrasping, AnyScene_PushesNobodyAndTargetsEveryBody) {
+  const auto scene = loadSceneFile(config("scenes/table.toml"));
+  ASSERT_TRUE(scene.ok()) << format(scene.errors());
+  LoadedExercise free = freeGraspingIn(*scene, shippedDevice());
+  EXPECT_EQ(free.exercise->query().targets, (1U << scene->bodies.size()) - 1U);
+  EXPECT_EQ(free.exercise->query().closure_body, -1);
+  TickRecord record;
+  record.palm_body = 2;
+  record.palm_target_distance_m = 0.0123;
+  ExerciseInput input;
+  input.observed = &record;
+  ExerciseRecord out;
+  out.effort = AxisEffort(6, 9.0);  // of a tick before
+  BodyPlacements placements;
+  placements.count = 3;
+  free.exercise->tick(input, out, placements);
+  for (const double f : out.effort) EXPECT_EQ(f, 0.0);
+  EXPECT_EQ(out.effort.size(), 6);
+  EXPECT_EQ(placements.count, 0);
+  EXPECT_EQ(out.values[0], 2.0);
+  EXPECT_EQ(out.values[1], 0.0123);
+  EXPECT_TRUE(free.walls.empty());
+}
+
+}  // namespace
+}  // namespace wholehand::test
