@@ -3,6 +3,7 @@
 // Options of the stand-in program (src/net/fake_program.ts) work too. window.scene is the scene,
 // window.ready counts frames.
 
+import type { PerspectiveCamera } from 'three';
 import '../src/shared/tokens.css';
 import { FakeProgram } from '../src/net/fake_program';
 import type { SceneT, WorldStateT } from '../src/protocol';
@@ -21,6 +22,17 @@ if (options.has('plain')) told.exerciseJson = '';
 scene.setScene(told);
 scene.setLook({ ghostHand: options.has('ghost'), grey: options.has('ghost'), showColliders: options.has('colliders'),
                 names: { lemon: 'Lemon', cherry: 'Cherry', blueberry: 'Blueberry', coconut: 'Coconut' } });
+
+if (options.has('zoom')) {   // x, y of the middle in px of 1280 × 800, and how much larger
+  const [x, y, more] = options.get('zoom')!.split(',').map(Number);
+  const place = scene.resize.bind(scene), { camera } = scene as unknown as { camera: PerspectiveCamera };
+  scene.resize = () => {
+    place();
+    const v = camera.view!;
+    camera.setViewOffset(v.fullWidth, v.fullHeight, v.offsetX + x - 640 / more, v.offsetY + y - 400 / more, v.width / more, v.height / more);
+  };
+  scene.resize();
+}
 
 const page = window as unknown as { scene: BarScene; ready: number };
 page.scene = scene;

@@ -35,6 +35,8 @@ function skinGeometry(mesh: SkinMesh): BufferGeometry {
     return new BufferAttribute(out, 4);
   };
   geometry.setAttribute('position', new BufferAttribute(mesh.positions, 3));
+  // three.js shades flat what has no normals; the shader puts its own in their place.
+  geometry.setAttribute('normal', new BufferAttribute(new Float32Array(n * 3), 3));
   geometry.setAttribute('skinShading', new BufferAttribute(mesh.shading, 4));
   geometry.setAttribute('skinLink', new BufferAttribute(Float32Array.from(mesh.links), 1));
   geometry.setAttribute('skinNear0', near(0));

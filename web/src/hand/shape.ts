@@ -8,8 +8,8 @@ export const SKIN_REACH_M = 0.42e-3;
 /** Fingertips narrow by this at their end [m]; less than SKIN_REACH_M. */
 const TIP_TAPER_M = 0.35e-3;
 /** Width of the shading's transition between capsules [m]: digits, and everything of the palm. */
-const SHADING_DIGIT_M = 2.5e-3;
-const SHADING_PALM_M = 4.7e-3;
+const SHADING_DIGIT_M = 4e-3;
+const SHADING_PALM_M = 9e-3;
 /** Ends of capsules closer than this are one joint [m]. */
 const SAME_POINT_M = 0.6e-3;
 

@@ -108,7 +108,7 @@ vec3 objectNormal = normalize(skinSum.xyz);
 
 // Warmer in the folds, where the capsules' directions disagree; lighter on the palm's side.
 const TINT = `
-float skinFold = clamp(2.4 * (1.0 - length(skinSum.xyz) / skinSum.w), 0.0, 1.0);
+float skinFold = smoothstep(0.12, 0.6, 1.0 - length(skinSum.xyz) / skinSum.w);
 vec3 skinColor = mix(toneBase, tonePalm, clamp(skinPalmar * 0.8 + 0.15, 0.0, 1.0) * 0.7);
 skinColor = mix(skinColor, toneFold, skinFold * 0.72);
 for (int i = 0; i < ${MAX_GLOWS}; i++) {

@@ -7,7 +7,7 @@ import { BufferAttribute, BufferGeometry } from 'three';
 const WRIST_M = -0.055;
 /** How far the forearm's direction leans to ulnar and to dorsal, far from the wrist, and how soon. */
 const LEAN_ULNAR = 0.52;
-const LEAN_DORSAL = 0.22;
+const LEAN_DORSAL = 0.32;
 const BEND_M = 0.05;
 const CENTRE_DORSAL_M = -0.003;
 /** Width in the palm's plane and across it, against the profile's radius. */
@@ -56,7 +56,7 @@ function closeSeam(geometry: BufferGeometry, rows: number): void {
 /** Dark quiet cloth, from the elbow to under the cuff. @param size breadth of the hand against the median */
 export function sleeveGeometry(size: number): BufferGeometry {
   const rows: [number, number][] = [];
-  for (let x = -0.64; x < -0.058; x += 0.007) rows.push([(0.0314 + Math.min(0.01, (-0.058 - x) * 0.045)) * size, x]);
+  for (let x = -0.64; x < -0.058; x += 0.007) rows.push([(0.0314 + Math.min(0.006, (-0.058 - x) * 0.04)) * size, x]);
   rows.push([0.0314 * size, -0.057], [0.03 * size, -0.055]);
   return sweep(rows, 0.001);
 }

@@ -1,7 +1,7 @@
 // What the person sees: the room, the exercise's things, the hand. Fed with scenes and states as they
 // come from the program, drawn when the page says so.
 
-import { Group, NeutralToneMapping, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from 'three';
+import { Group, NeutralToneMapping, NoToneMapping, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from 'three';
 import { handShape, linkPoses } from '../hand/shape';
 import { HandView } from '../hand/hand_view';
 import type { SceneT, WorldStateT } from '../protocol';
@@ -67,7 +67,6 @@ export class BarScene {
     this.quality = options.quality;
     this.look = { dimmed: false, grey: false, ghostHand: false, showColliders: false, tone: options.tone, names: {} };
     this.renderer = new WebGLRenderer({ canvas, antialias: options.quality === 'high', powerPreference: 'high-performance' });
-    this.renderer.toneMapping = NeutralToneMapping;
     this.plain.matrixAutoUpdate = false;
     this.plain.matrix.copy(programFrame());
     this.build();
@@ -164,6 +163,7 @@ export class BarScene {
   /** Everything but the hand, of what the program told and in the present quality. */
   private build(): void {
     this.clear();
+    this.renderer.toneMapping = this.quality === 'high' ? NeutralToneMapping : NoToneMapping;
     const bar = this.told ? barOf(this.told) : undefined;
     this.place = placeOf(bar, this.told, this.state);
     this.stage = makeStage(this.renderer, this.scene, this.quality, bar ? bar.rail_z_m - bar.counter_z_m : this.told ? undefined : 0.381);

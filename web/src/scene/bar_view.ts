@@ -2,7 +2,6 @@
 
 import { Group, Vector3, type PerspectiveCamera, type SpotLight } from 'three';
 import { RunState, type PoseT, type SceneT, type WorldStateT } from '../protocol';
-import { AZIMUTH_RAD } from './camera';
 import { Sign, makeDispenser } from './dispenser';
 import { ExerciseValues, STAGE, type Bar } from './exercise';
 import { quaternionToThree, toThree } from './frames';
@@ -12,8 +11,8 @@ import type { Quality } from './quality';
 import { StreamView } from './stream';
 
 /** Over the rail, and before it [m]. */
-const SIGN_OVER_M = 0.016;
-const SIGN_BEFORE_M = 0.038;
+const SIGN_OVER_M = 0.012;
+const SIGN_BEFORE_M = 0.014;
 
 interface Hung { readonly body: number; readonly root: Group; readonly sign: Sign; slot: Vector3 | undefined }
 
@@ -44,7 +43,7 @@ export class BarView {
     this.root.add(this.glass.root, this.stream.root);
     this.hung = bar.dispensers.map((d) => {
       const root = makeDispenser(d, quality, bar.rail_z_m - d.grip_m[2]);
-      const sign = new Sign(d.liquid, AZIMUTH_RAD);
+      const sign = new Sign(d.liquid);
       this.root.add(root, sign.root);
       return { body: bodyIndex(d.body), root, sign, slot: undefined };
     });

@@ -1,42 +1,49 @@
 // Where the picture is taken from: fixed, so that seen and felt directions agree.
+//
+// The camera stands to the left of the hand and somewhat above, where thumb, fingers, bottle and
+// glass are seen at once. It is level, and turned only part of the way back; the rest is a shift of
+// the picture in its plane, as architects photograph houses. So verticals stand upright, the row of
+// dispensers is nearly level and of one size, and the hand's left and right are the picture's.
 
 import { PerspectiveCamera, Vector3 } from 'three';
 
 export type View = 'game' | 'console';
 
-/** Of the designed picture: 1280 × 800, with the recipe card on the left. */
-const ASPECT = 1.6;
+/** Of the designed picture, with the recipe card on its left and the strip at its bottom. */
+const WIDTH_PX = 1280;
 const HEIGHT_PX = 800;
-const FIELD_DEG = 26.5;
-/** Picture moved to the right by this, so that the card hides nothing [units of height / 800]. */
-const CARD_SHIFT = 122;
+const FIELD_RAD = 24.5 * Math.PI / 180;
+/** Middle of the picture moved to the right, so that the card hides nothing [px of the designed picture]. */
+const CARD_SHIFT_PX = 122;
 
-/** From the palm's side, so that thumb, fingers, bottle and glass are seen at once; left of the hand. */
-export const AZIMUTH_RAD = -25 * Math.PI / 180;
-const DISTANCE_M = 1.06;
-const RISE_M = 0.33;
-/** Looked at: over the counter, under the row of dispensers, towards the guest from it [m]. */
-const LOOK_HEIGHT_M = 0.185;
-const LOOK_NEARER_M = 0.03;
-/** Middle of what the hand reaches with its grasp [m], to the left. */
+/** Of the camera, left of the straight line through what it looks at, and above it. */
+const AZIMUTH_RAD = -26 * Math.PI / 180;
+const ELEVATION_RAD = 14 * Math.PI / 180;
+/** How far it turns back. All of it would make the row slope, nothing of it would tilt the glass. */
+const YAW_RAD = -17 * Math.PI / 180;
+/** Away from the row of dispensers [m]. */
+const DEPTH_M = 1.12;
+/** What is in the middle: over the counter, and left of the device's middle, as grasps are [m]. */
+const LOOK_HEIGHT_M = 0.177;
 const LOOK_LEFT_M = 0.03;
 
-/** Where the row of dispensers stands in three.js's frame: over the counter's top. */
+/** Where the row of dispensers stands over the counter's top, three.js's frame [m]. */
 export interface CameraPlace { readonly counter_y: number; readonly row_z: number }
 
 export function placeCamera(camera: PerspectiveCamera, view: View, at: CameraPlace, width_px: number, height_px: number): void {
-  const aspect = width_px / Math.max(1, height_px);
-  const look = new Vector3(-LOOK_LEFT_M, at.counter_y + LOOK_HEIGHT_M, at.row_z + LOOK_NEARER_M);
-  camera.position.set(look.x + Math.sin(AZIMUTH_RAD) * DISTANCE_M, look.y + RISE_M, look.z + Math.cos(AZIMUTH_RAD) * DISTANCE_M);
-  camera.lookAt(look);
-  camera.aspect = aspect;
-  // A narrower picture than the designed one keeps the width, and with it the whole row.
-  const half = Math.tan(FIELD_DEG / 2 * Math.PI / 180) * Math.max(1, ASPECT / aspect);
+  const look = new Vector3(-LOOK_LEFT_M, at.counter_y + LOOK_HEIGHT_M, at.row_z);
+  camera.position.set(look.x + DEPTH_M * Math.tan(AZIMUTH_RAD), look.y + DEPTH_M * Math.tan(ELEVATION_RAD), look.z + DEPTH_M);
+  camera.rotation.set(0, YAW_RAD, 0);
+  camera.aspect = width_px / Math.max(1, height_px);
+  // A narrower picture than the designed one keeps the width, and with it the row.
+  const half = Math.tan(FIELD_RAD / 2) * Math.max(1, WIDTH_PX / HEIGHT_PX / camera.aspect);
   camera.fov = 2 * Math.atan(half) * 180 / Math.PI;
   camera.near = 0.1;
   camera.far = 8;
-  if (view === 'game') camera.setViewOffset(width_px, height_px, -CARD_SHIFT * Math.min(height_px / HEIGHT_PX, width_px / 1280), 0, width_px, height_px);
-  else camera.clearViewOffset();
-  camera.updateProjectionMatrix();
+  const card_px = view === 'game' ? CARD_SHIFT_PX * Math.min(width_px / WIDTH_PX, height_px / HEIGHT_PX) : 0;
+  // Where it would see what it looks at, without the shift.
   camera.updateMatrixWorld(true);
+  const seen = look.applyMatrix4(camera.matrixWorldInverse), focal_px = height_px / 2 / half;
+  camera.setViewOffset(width_px, height_px, focal_px * seen.x / -seen.z - card_px, focal_px * -seen.y / -seen.z, width_px, height_px);
+  camera.updateProjectionMatrix();
 }

@@ -35,9 +35,9 @@ function bottle(d: BarDispenser, quality: Quality): Mesh {
   const geometry = new LatheGeometry(profile, quality === 'high' ? 96 : 32, Math.PI);
   // The pattern by height, not by point of the profile, so that it is not stretched.
   const uv = geometry.attributes.uv as BufferAttribute, at = geometry.attributes.position as BufferAttribute;
-  for (let i = 0; i < uv.count; i++) uv.setY(i, at.getY(i) / 0.15 + 0.5);
-  const texture = patternTexture(d.liquid, 1024, 1024, 1.3333 * 1024 / 768 * 0.75);
-  texture.wrapT = texture.wrapS;
+  for (let i = 0; i < uv.count; i++) uv.setY(i, at.getY(i) / d.height_m + 0.5);
+  const around_m = 2 * Math.PI * d.radius_m;
+  const texture = patternTexture(d.liquid, 1024, Math.round(1024 * d.height_m / around_m), 1.3333);
   const mesh = new Mesh(geometry, surface(quality, { map: texture, roughness: 0.36, clearcoat: 0.55, clearcoatRoughness: 0.22 }));
   mesh.castShadow = mesh.receiveShadow = true;
   return mesh;
@@ -105,9 +105,8 @@ export class Sign {
   readonly root: Mesh;
   private shown = '';
 
-  constructor(private readonly liquid: string, facing_rad: number) {
+  constructor(private readonly liquid: string) {
     this.root = new Mesh(new PlaneGeometry(SIGN_WIDTH_M, SIGN_HEIGHT_M), flat('#ffffff', { transparent: true }));
-    this.root.rotation.y = facing_rad;
   }
 
   /** Draws again only when something changed. @param name empty: no sign */

@@ -15,8 +15,9 @@ import type { Quality } from './quality';
 export const FLOOR_M = 0.012;
 const WALL_M = 0.0022;
 const COASTER_M = 0.0015;
-/** Height of one repeat of the pattern; the circumference takes four of them [m]. */
-const PATTERN_M = 0.0455;
+/** Height of the pattern's picture, of the whole glass; its width goes round once [m]. */
+const PATTERN_M = 0.114;
+const PATTERN_PX = [1024, 640] as const;
 const SEGMENTS = 56;
 
 /** Inner radius at a height over the glass's underside [m]. */
@@ -38,7 +39,7 @@ class LayerView {
   constructor(readonly liquid: string, private readonly glass: BarGlass, quality: Quality) {
     const look = liquidLook(liquid), geometry = new CylinderGeometry(1, 1, 1, SEGMENTS, 1, true);
     this.side = new Mesh(geometry, surface(quality, {
-      map: patternTexture(liquid, 1024, 256, 0.9), roughness: 0.5, emissive: new Color(look.color), emissiveIntensity: 0.1 }));
+      map: patternTexture(liquid, ...PATTERN_PX, 0.9), roughness: 0.5, emissive: new Color(look.color), emissiveIntensity: 0.1 }));
     this.lid = new Mesh(new CircleGeometry(1, SEGMENTS), surface(quality, {
       color: new Color(look.color).lerp(new Color('#ffffff'), 0.22), roughness: 0.2 }));
     this.lid.rotation.x = -Math.PI / 2;

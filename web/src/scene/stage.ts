@@ -69,9 +69,9 @@ function highLights(root: Group): SpotLight {
 }
 
 function lowLights(root: Group): void {
-  const key = new DirectionalLight('#fff0dc', 2.1);
+  const key = new DirectionalLight('#fff0dc', 2.4);
   key.position.set(-0.42, 1.26, 1.0);
-  root.add(key, new HemisphereLight('#fff3e2', '#6a5344', 1.5));
+  root.add(key, new HemisphereLight('#fff3e2', '#7a6354', 1.7));
 }
 
 function flutedWall(): Mesh {
@@ -89,7 +89,7 @@ function paintedWall(): Mesh {
     const flute = 2048 / (WIDTH / FLUTE);
     for (let x = 0; x < 2048; x += flute) {
       const g = pen.createLinearGradient(x, 0, x + flute, 0);
-      g.addColorStop(0, '#132f38'); g.addColorStop(0.3, '#2c5059'); g.addColorStop(0.7, '#27484f'); g.addColorStop(1, '#132f38');
+      g.addColorStop(0, '#1d3638'); g.addColorStop(0.3, '#345154'); g.addColorStop(0.7, '#2f4a4d'); g.addColorStop(1, '#1d3638');
       pen.fillStyle = g;
       pen.fillRect(x, 0, flute + 1, 512);
     }
@@ -110,7 +110,7 @@ function counter(quality: Quality): Group {
   wood.repeat.set(1.6, 0.9);
   const low = quality === 'low';
   const top = new Mesh(new BoxGeometry(WIDTH, 0.045, 0.86), low
-    ? new MeshBasicMaterial({ map: wood, color: '#d9b496' })
+    ? new MeshBasicMaterial({ map: wood, color: new Color(1.9, 1.45, 1.05) })
     : surface('high', { map: wood, roughness: 0.48, clearcoat: 0.35, clearcoatRoughness: 0.35 }));
   top.position.set(0, -0.0225, -0.2);
   const edge = new Mesh(new CylinderGeometry(0.0225, 0.0225, WIDTH, 24), surface(quality, { map: wood, roughness: 0.42, clearcoat: 0.4, clearcoatRoughness: 0.3 }));
