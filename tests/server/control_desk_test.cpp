@@ -1,0 +1,123 @@
+#include "server/control_desk.hpp"
+
+#include <gtest/gtest.h>
+
+namespace wholehand {
+namespace {
+
+constexpr std::int64_t kMs = 1'000'000;
+
+// The table in control_desk.hpp, line by line, in time that the test makes.
+struct ControlDeskTest : ::testing::Test {
+  ControlsArbiter arbiter;
+  ControlDesk desk{arbiter};
+  ControlDesk::Client anna = arbiter.newClient(), ben = arbiter.newClient();
+  std::int64_t now = 1000 * kMs;
+
+  ControlDesk::Advice after(std::int64_t ms) { return desk.advance(now += ms * kMs); }
+  void annaTakes() {
+    ASSERT_EQ(desk.take(anna, now), "");
+    ASSERT_TRUE(desk.advance(now).holder_changed);
+  }
+};
+
+TEST_F(ControlDeskTest, Nobody_NothingIsSaid) {
+  const auto advice = after(60'000);
+  EXPECT_FALSE(advice.owner_alive);
+  EXPECT_FALSE(advice.give_back);
+  EXPECT_FALSE(advice.holder_changed);
+}
+
+TEST_F(ControlDeskTest, SecondClient_IsRefusedUntilTheFirstGivesBack) {
+  annaTakes();
+  EXPECT_EQ(desk.take(ben, now), "another client holds the controls");
+  EXPECT_EQ(desk.take(anna, now), "");  // twice does no harm
+  EXPECT_NE(desk.release(ben), "");
+  EXPECT_EQ(desk.release(anna), "");
+  const auto advice = after(0);
+  EXPECT_TRUE(advice.give_back);
+  EXPECT_TRUE(advice.holder_changed);
+  EXPECT_FALSE(advice.owner_alive);  // given back, not lost: the effort stays
+  EXPECT_EQ(desk.take(ben, now), "");
+}
+
+TEST_F(ControlDeskTest, SilentHolder_FadesAfter200msAndComesBack) {
+  annaTakes();
+  EXPECT_FALSE(after(200).owner_alive);
+  const auto silent = after(1);
+  ASSERT_TRUE(silent.owner_alive);
+  EXPECT_FALSE(*silent.owner_alive);
+  EXPECT_FALSE(after(100).owner_alive);  // said once
+  desk.heard(ben, now);
+  EXPECT_FALSE(after(0).owner_alive);  // another's word does not count
+  desk.heard(anna, now);
+  const auto back = after(0);
+  ASSERT_TRUE(back.owner_alive);
+  EXPECT_TRUE(*back.owner_alive);
+}
+
+TEST_F(ControlDeskTest, SilentFor5s_LosesTheControlsToTheVirtualPatient) {
+  annaTakes();
+  (void)after(300);
+  EXPECT_FALSE(after(4700).give_back);
+  const auto lost = after(1);
+  EXPECT_TRUE(lost.give_back);
+  EXPECT_TRUE(lost.holder_changed);
+  EXPECT_EQ(lost.silent_client, anna);
+  ASSERT_TRUE(lost.owner_alive);
+  EXPECT_TRUE(*lost.owner_alive);
+  EXPECT_FALSE(desk.held());
+}
+
+TEST_F(ControlDeskTest, LineLost_FadesAtOnceAndIsGivenBackAfter5s) {
+  annaTakes();
+  desk.left(anna, now);
+  const auto lost = after(0);
+  ASSERT_TRUE(lost.owner_alive);
+  EXPECT_FALSE(*lost.owner_alive);
+  EXPECT_FALSE(lost.give_back);
+  EXPECT_TRUE(lost.holder_changed);
+  EXPECT_FALSE(after(5000).give_back);
+  const auto given = after(1);
+  EXPECT_TRUE(given.give_back);
+  ASSERT_TRUE(given.owner_alive);
+  EXPECT_TRUE(*given.owner_alive);
+}
+
+TEST_F(ControlDeskTest, LineLost_TheNextHolderBeginsWithTheVirtualPatient) {
+  annaTakes();
+  desk.left(anna, now);
+  (void)after(0);
+  EXPECT_EQ(desk.take(ben, now), "");
+  const auto advice = after(0);
+  EXPECT_TRUE(advice.give_back);  // not Anna's last aim
+  ASSERT_TRUE(advice.owner_alive);
+  EXPECT_TRUE(*advice.owner_alive);
+}
+
+TEST_F(ControlDeskTest, WatcherLeaves_NothingHappens) {
+  annaTakes();
+  desk.left(ben, now);
+  EXPECT_FALSE(after(0).owner_alive);
+  EXPECT_TRUE(desk.holds(anna));
+}
+
+// A game over UDP shares the arbiter, not the desk.
+TEST_F(ControlDeskTest, GameElsewhere_HoldsAndLosesThem) {
+  const auto game = arbiter.newClient();
+  ASSERT_TRUE(arbiter.take(game));
+  auto advice = after(0);
+  EXPECT_TRUE(advice.holder_changed);
+  EXPECT_NE(desk.take(anna, now), "");
+  EXPECT_FALSE(after(60'000).owner_alive);  // its silence is its own server's matter
+  ASSERT_TRUE(arbiter.release(game));
+  EXPECT_TRUE(after(0).holder_changed);
+  EXPECT_FALSE(after(5000).give_back);
+  advice = after(1);
+  EXPECT_TRUE(advice.give_back);
+  ASSERT_TRUE(advice.owner_alive);
+  EXPECT_TRUE(*advice.owner_alive);
+}
+
+}  // namespace
+}  // namespace wholehand

@@ -1,0 +1,88 @@
+#include "server/server_test.hpp"
+
+// Several clients at once, and one that does not follow.
+namespace wholehand::test {
+namespace {
+
+namespace fb = wholehand::protocol;
+using replies::message;
+using replies::next;
+
+using LoadTest = ServerTest;
+
+TEST_F(LoadTest, ClientThatDoesNotRead_IsCutOffWhileOthersGoOn) {
+  open();
+  FakeLoop loop(program, *server);
+  WebSocket slow(port(), "", "/ws", 4096);
+  WebSocket quick(port());
+  const auto begin = std::chrono::steady_clock::now();
+  double longest_gap_ms = 0.0;
+  auto last = begin;
+  bool cut = false;
+  while (!cut && std::chrono::steady_clock::now() - begin < 15s) {
+    for (int i = 0; i < 15; ++i) {
+      ASSERT_TRUE(next(quick, fb::Payload::WorldState));
+      const auto now = std::chrono::steady_clock::now();
+      longest_gap_ms =
+          std::max(longest_gap_ms, std::chrono::duration<double, std::milli>(now - last).count());
+      last = now;
+    }
+    cut = metric("dropped_clients_total{reason=\"slow\"}") == 1.0;
+    last = std::chrono::steady_clock::now();
+  }
+  EXPECT_TRUE(cut);
+  figure("slow client cut off after",
+         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(), "s");
+  figure("longest gap of the other client", longest_gap_ms, "ms");
+  EXPECT_LT(longest_gap_ms, 500.0);
+  EXPECT_GT(metric("skipped_states_total"), 10.0);
+  EXPECT_EQ(metric("clients"), 1.0);
+  EXPECT_TRUE(logged("does not follow"));
+}
+
+/// p99 of the age [ms] of the states that four clients get in `seconds`: from publish() to the
+/// message in the client's hands.
+double agesWithFourClients(std::uint16_t port, double seconds) {
+  std::mutex mutex;
+  std::vector<double> ages_ms;
+  std::vector<std::thread> clients;
+  const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+  for (int i = 0; i < 4; ++i) {
+    clients.emplace_back([&] {
+      WebSocket socket(port);
+      std::vector<double> mine_ms;
+      (void)next(socket, fb::Payload::WorldState);
+      while (std::chrono::steady_clock::now() < until) {
+        const auto frame = next(socket, fb::Payload::WorldState);
+        if (!frame) break;
+        const std::int64_t sent_ns = message(*frame).payload_as_WorldState()->sent_monotonic_ns();
+        mine_ms.push_back(1e-6 * static_cast<double>(monotonicNow_ns() - sent_ns));
+      }
+      const std::lock_guard lock(mutex);
+      ages_ms.insert(ages_ms.end(), mine_ms.begin(), mine_ms.end());
+    });
+  }
+  for (std::thread& client : clients) client.join();
+  if (ages_ms.size() < 100) return 1e9;
+  std::sort(ages_ms.begin(), ages_ms.end());
+  return ages_ms[ages_ms.size() * 99 / 100];
+}
+
+// The median of five runs: a virtual machine stalls now and then, the server must not.
+TEST_F(LoadTest, RecordToBrowser_P99WithFourClientsWithin15ms) {
+  open();
+  FakeLoop loop(program, *server);
+  std::vector<double> p99_ms;
+  for (int run = 0; run < 5; ++run) p99_ms.push_back(agesWithFourClients(port(), 1.5));
+  std::sort(p99_ms.begin(), p99_ms.end());
+  figure("record to browser, p99, median of 5 runs", p99_ms[2], "ms");
+  figure("record to browser, p99, worst of 5 runs", p99_ms[4], "ms");
+  EXPECT_LE(p99_ms[2], 15.0);
+  const double sent_s = metric("record_to_send_seconds{quantile=\"0.99\"}");
+  figure("record to written, p99, by /metrics", 1e3 * sent_s, "ms");
+  EXPECT_GT(sent_s, 0.0);
+  EXPECT_LE(1e3 * sent_s, p99_ms[4] + 5.0);
+}
+
+}  // namespace
+}  // namespace wholehand::test

@@ -1,0 +1,367 @@
+#include "server/server_test.hpp"
+
+// Clients over real WebSockets: what they are told, who may command, what is refused.
+namespace wholehand::test {
+namespace {
+
+namespace fb = wholehand::protocol;
+using replies::answer;
+using replies::message;
+using replies::next;
+using namespace words;  // NOLINT(google-build-using-namespace): the client's vocabulary
+
+struct WebSocketTest : ServerTest {
+  WebSocketTest() {
+    SceneFacts facts;
+    facts.program_version = "0.1";
+    facts.exercise_name = "cocktail-bar";
+    program.setScene(facts);
+  }
+  /// A client that has the controls, ids from 2 on.
+  std::unique_ptr<WebSocket> holder() {
+    auto socket = std::make_unique<WebSocket>(port());
+    socket->say(takeControls(1));
+    EXPECT_EQ(answer(*socket).reason, "");
+    return socket;
+  }
+};
+
+TEST_F(WebSocketTest, NewClient_IsGreetedThenShownTheWorld) {
+  program.setRecord(busyRecord());
+  open();
+  WebSocket socket(port());
+  ASSERT_EQ(socket.status(), 101);
+  // RFC 6455, section 1.3: the answer to that key.
+  EXPECT_EQ(socket.reply().headers.at("sec-websocket-accept"), "s3pPLMBiTxaQ9kYGzzhZRbK+xOo=");
+  const auto welcome = socket.hear();
+  ASSERT_TRUE(welcome);
+  EXPECT_EQ(message(*welcome).payload_as_Welcome()->schema_version(), wire::kSchemaVersion);
+  EXPECT_GT(message(*welcome).payload_as_Welcome()->client(), 0U);
+  EXPECT_EQ(message(*welcome).payload_as_Welcome()->program_version()->str(), "0.1");
+  const auto scene = socket.hear();
+  ASSERT_TRUE(scene);
+  EXPECT_EQ(message(*scene).payload_as_Scene()->exercise_name()->str(), "cocktail-bar");
+  const auto controls_message = socket.hear();
+  ASSERT_TRUE(controls_message);
+  EXPECT_FALSE(message(*controls_message).payload_as_Controls()->held());
+  const auto state = socket.hear();
+  ASSERT_TRUE(state);
+  EXPECT_EQ(message(*state).payload_as_WorldState()->contacts()->size(), 64U);
+}
+
+TEST_F(WebSocketTest, RunningLoop_ShowsSixtyRisingStatesASecond) {
+  open();
+  FakeLoop loop(program, *server);
+  WebSocket socket(port());
+  ASSERT_TRUE(next(socket, fb::Payload::WorldState));
+  const auto until = std::chrono::steady_clock::now() + 1s;
+  int states = 0;
+  std::uint64_t tick = 0;
+  while (std::chrono::steady_clock::now() < until) {
+    const auto frame = next(socket, fb::Payload::WorldState);
+    ASSERT_TRUE(frame);
+    const std::uint64_t now = message(*frame).payload_as_WorldState()->tick();
+    EXPECT_GT(now, tick);
+    tick = now;
+    ++states;
+  }
+  figure("states in a second", states, "1");
+  EXPECT_LE(states, 61);
+  EXPECT_GE(states, 40);  // of 60, on a machine that does other things besides
+}
+
+TEST_F(WebSocketTest, StandingLoop_ShowsChangesAndSignsOfLife) {
+  program.setRecord(busyRecord());
+  open();
+  WebSocket socket(port());
+  ASSERT_TRUE(next(socket, fb::Payload::WorldState));
+  LoopStatus stopped;
+  stopped.run_state = RunState::kStopped;
+  program.setStatus(stopped);
+  auto frame = next(socket, fb::Payload::WorldState, 300ms);
+  ASSERT_TRUE(frame);  // the tick is the same, the run state is not
+  EXPECT_EQ(message(*frame).payload_as_WorldState()->run_state(), fb::RunState::Stopped);
+  EXPECT_TRUE(next(socket, fb::Payload::WorldState, 1s));  // and again, that the line lives
+}
+
+TEST_F(WebSocketTest, ChangedScene_IsSentAgain) {
+  open();
+  WebSocket socket(port());
+  ASSERT_TRUE(next(socket, fb::Payload::Scene));
+  SceneFacts other;
+  other.exercise_name = "free-grasping";
+  program.setScene(other);
+  const auto frame = next(socket, fb::Payload::Scene);
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(message(*frame).payload_as_Scene()->exercise_name()->str(), "free-grasping");
+}
+
+TEST_F(WebSocketTest, EveryEvent_ArrivesInOrder) {
+  open();
+  WebSocket socket(port());
+  ASSERT_TRUE(next(socket, fb::Payload::Controls));
+  constexpr int kEvents = 2000;
+  std::thread telemetry([&] {  // 4 in each of 500 records, one a millisecond
+    TickRecord r;
+    for (int i = 0; i < kEvents; ++i) {
+      ExerciseEvent& e = r.exercise.events[r.exercise.event_count++];
+      e.type = i % 16;
+      e.value = i;
+      if (r.exercise.event_count < 4) continue;
+      ++r.tick;
+      server->publish(r);
+      r.exercise.event_count = 0;
+      std::this_thread::sleep_for(1ms);
+    }
+  });
+  int expected = 0;
+  while (expected < kEvents) {
+    const auto frame = next(socket, fb::Payload::Events);
+    if (!frame) break;
+    const auto* events = message(*frame).payload_as_Events()->events();
+    for (const fb::Event* e : *events) {
+      ASSERT_EQ(e->value(), static_cast<float>(expected));
+      ASSERT_EQ(e->tick(), static_cast<std::uint64_t>(expected / 4 + 1));
+      ++expected;
+    }
+  }
+  telemetry.join();
+  EXPECT_EQ(expected, kEvents);
+}
+
+TEST_F(WebSocketTest, SecondController_WatchesAndMayOnlyStop) {
+  open();
+  const auto first = holder();
+  WebSocket second(port());
+  second.say(takeControls(1));
+  EXPECT_EQ(answer(second).reason, "another client holds the controls");
+  second.say(steer(2, fb::Steering::Person));
+  EXPECT_EQ(answer(second).reason, "this client does not hold the controls");
+  EXPECT_TRUE(program.askedFor(OrderType::kSteer, 1, 50ms).empty());
+  second.say(emergencyStop(3));
+  const auto stopped = answer(second);
+  EXPECT_TRUE(stopped.accepted);
+  EXPECT_EQ(stopped.command, 3U);
+  EXPECT_EQ(program.askedFor(OrderType::kEmergencyStop, 1).size(), 1U);
+  EXPECT_TRUE(logged("emergency stop"));
+  EXPECT_EQ(refused("controls_held"), 1.0);
+  EXPECT_EQ(refused("not_holder"), 1.0);
+  EXPECT_TRUE(logged("another client holds the controls"));
+}
+
+TEST_F(WebSocketTest, Holder_IsToldToAllAndCommands) {
+  open();
+  WebSocket watcher(port());
+  ASSERT_TRUE(next(watcher, fb::Payload::Controls));
+  const auto first = holder();
+  const auto told = next(watcher, fb::Payload::Controls);
+  ASSERT_TRUE(told);
+  EXPECT_TRUE(message(*told).payload_as_Controls()->held());
+  EXPECT_FALSE(message(*told).payload_as_Controls()->held_by_you());
+  first->say(setParameter(2, "lead_in_m", 0.25));
+  EXPECT_TRUE(answer(*first).accepted);
+  const auto set = program.askedFor(OrderType::kSetParameter, 1);
+  ASSERT_EQ(set.size(), 1U);
+  EXPECT_EQ(set[0].order.name, "lead_in_m");
+  EXPECT_EQ(set[0].order.value, 0.25);
+  first->say(setParameter(3, "lead_in_m", 2.0));  // the program refuses it
+  EXPECT_EQ(answer(*first).reason, "lead_in_m = 2: must be in [0, 1]");
+  EXPECT_EQ(refused("order"), 1.0);
+  first->say(load(4, "cocktail-bar", 2, ""));  // answered later, from another thread
+  const auto loaded = answer(*first);
+  EXPECT_EQ(loaded.command, 4U);
+  EXPECT_TRUE(loaded.accepted);
+  first->say(releaseControls(5));
+  EXPECT_TRUE(answer(*first).accepted);
+  const auto steered = program.askedFor(OrderType::kSteer, 1);
+  ASSERT_EQ(steered.size(), 1U);
+  EXPECT_EQ(steered[0].order.steering, Steering::kVirtualPatient);
+  EXPECT_EQ(controls.holder(), 0U);
+}
+
+TEST_F(WebSocketTest, BadMessages_AreRefusedAndChangeNothing) {
+  open();
+  const auto client = holder();
+  const auto nan = std::numeric_limits<float>::quiet_NaN();
+  client->say({1, 2, 3});
+  EXPECT_NE(answer(*client).reason.find("not one of Wholehand's"), std::string::npos);
+  client->say(wire::Bytes(300, 0xFF));
+  EXPECT_FALSE(answer(*client).accepted);
+  wire::Bytes cut = steer(2, fb::Steering::Person);
+  cut.resize(cut.size() - 6);
+  client->say(cut);
+  EXPECT_FALSE(answer(*client).accepted);
+  client->say(aim(3, {0.0F, nan}));
+  EXPECT_NE(answer(*client).reason.find("not a finite number"), std::string::npos);
+  client->say(arm(4, wire::kSchemaVersion + 1));
+  EXPECT_NE(answer(*client).reason.find("schema_version"), std::string::npos);
+  client->sayText("{\"order\":\"arm\"}");
+  EXPECT_EQ(answer(*client).reason, "this is text; messages are binary");
+  client->say(arm(5));
+  EXPECT_TRUE(answer(*client).accepted);
+  client->say(arm(5));  // replayed
+  EXPECT_EQ(answer(*client).reason, "command 5 came after command 5: their numbers must rise");
+  client->say(arm(3));
+  EXPECT_NE(answer(*client).reason.find("must rise"), std::string::npos);
+  EXPECT_EQ(program.askedFor(OrderType::kArm, 2, 50ms).size(), 1U);
+  EXPECT_TRUE(program.askedFor(OrderType::kSteer, 1, 0ms).empty());
+  EXPECT_TRUE(program.askedFor(OrderType::kAim, 1, 0ms).empty());
+  EXPECT_EQ(refused("malformed"), 4.0);
+  EXPECT_EQ(refused("schema_version"), 1.0);
+  EXPECT_EQ(refused("text"), 1.0);
+  EXPECT_EQ(refused("replayed"), 2.0);
+  EXPECT_TRUE(logged("schema_version = 2"));
+}
+
+TEST_F(WebSocketTest, ReplayedEmergencyStop_IsObeyed) {  // better twice than not at all
+  open();
+  WebSocket client(port());
+  client.say(emergencyStop(1));
+  EXPECT_TRUE(answer(client).accepted);
+  client.say(emergencyStop(1));
+  EXPECT_TRUE(answer(client).accepted);
+  EXPECT_EQ(program.askedFor(OrderType::kEmergencyStop, 2).size(), 2U);
+}
+
+TEST_F(WebSocketTest, OversizedMessage_ClosesWith1009AndFreesTheControls) {
+  open();
+  const auto client = holder();
+  client->say(wire::Bytes(wire::kLargestClientMessage + 1));
+  std::optional<WebSocket::Frame> frame;
+  do frame = client->hear();
+  while (frame && frame->opcode != 8);
+  ASSERT_TRUE(frame);
+  ASSERT_GE(frame->payload.size(), 2U);
+  const int code = static_cast<unsigned char>(frame->payload[0]) * 256 +
+                   static_cast<unsigned char>(frame->payload[1]);
+  EXPECT_EQ(code, 1009);
+  client->sendFrame(8, frame->payload);
+  const auto alive = program.askedFor(OrderType::kOwnerAlive, 1);
+  ASSERT_FALSE(alive.empty());
+  EXPECT_EQ(alive[0].order.value, 0.0);
+  EXPECT_EQ(refused("oversized"), 1.0);
+  EXPECT_EQ(metric("dropped_clients_total{reason=\"oversized\"}"), 1.0);
+  EXPECT_EQ(controls.holder(), 0U);
+}
+
+TEST_F(WebSocketTest, FloodOfMessages_IsDroppedBut_AnEmergencyStopIsNot) {
+  open();
+  WebSocket client(port());
+  for (std::uint32_t id = 1; id <= 600; ++id) client.say(heartbeat(id));
+  client.say(emergencyStop(601));
+  EXPECT_EQ(answer(client).reason, "more than 400 messages in a second: those beyond are dropped");
+  EXPECT_TRUE(answer(client).accepted);
+  // 400 at once, and as many more as the seconds of sending allowed.
+  EXPECT_GT(refused("rate"), 100.0);
+  EXPECT_LE(refused("rate"), 200.0);
+}
+
+TEST_F(WebSocketTest, ForeignOrigin_GetsNoConnection) {
+  options.allowed_origins = {"https://clinic.example"};
+  open();
+  const std::string own = std::to_string(port());
+  for (const std::string& origin :
+       {std::string("http://evil.example"), "http://localhost.evil.example:" + own,
+        "http://localhost:1" + own, std::string("null"), "file://localhost:" + own}) {
+    EXPECT_EQ(WebSocket(port(), "Origin: " + origin + "\r\n").status(), 403) << origin;
+  }
+  for (const std::string& origin : {"http://localhost:" + own, "http://127.0.0.1:" + own,
+                                    "http://[::1]:" + own, std::string("https://clinic.example")}) {
+    EXPECT_EQ(WebSocket(port(), "Origin: " + origin + "\r\n").status(), 101) << origin;
+  }
+  EXPECT_EQ(WebSocket(port(), "Host: evil.example\r\nOrigin: http://evil.example\r\n").status(),
+            421);
+  // Through a forwarded port the browser's own idea of the address counts.
+  EXPECT_EQ(WebSocket(port(), "Host: localhost:9\r\nOrigin: http://localhost:9\r\n").status(), 101);
+  EXPECT_EQ(refused("origin"), 5.0);
+  EXPECT_TRUE(logged("refused (origin)"));
+}
+
+TEST_F(WebSocketTest, Token_IsAskedForAtTheDoorAndWithTheControls) {
+  options.token = "a-token-of-twenty-ch";
+  open();
+  EXPECT_EQ(WebSocket(port()).status(), 401);
+  EXPECT_EQ(WebSocket(port(), "", "/ws?token=wrong").status(), 401);
+  WebSocket client(port(), "", "/ws?token=a-token-of-twenty-ch");
+  ASSERT_EQ(client.status(), 101);
+  EXPECT_NE(client.reply().headers.at("set-cookie").find("wholehand_token="), std::string::npos);
+  client.say(takeControls(1, "a-token-of-twenty-cx"));
+  EXPECT_EQ(answer(client).reason, "this is not the token");
+  client.say(takeControls(2, "a-token-of-twenty-ch"));
+  EXPECT_TRUE(answer(client).accepted);
+  EXPECT_EQ(refused("token"), -1.0);  // /metrics itself asks for it
+  EXPECT_TRUE(logged("refused (token)"));
+}
+
+TEST_F(WebSocketTest, TooManyClients_AreTurnedAway) {
+  options.max_clients = 2;
+  open();
+  auto a = std::make_unique<WebSocket>(port());
+  WebSocket b(port());
+  ASSERT_TRUE(a->hear());
+  ASSERT_TRUE(b.hear());
+  EXPECT_EQ(WebSocket(port()).status(), 503);
+  a.reset();
+  int status = 0;
+  for (int i = 0; i < 200 && status != 101; ++i) {
+    std::this_thread::sleep_for(5ms);
+    status = WebSocket(port()).status();
+  }
+  EXPECT_EQ(status, 101);
+}
+
+TEST_F(WebSocketTest, SilentHolder_FadesWithin260msAndReturnsWhenHeard) {
+  open();
+  const auto client = holder();
+  client->say(heartbeat(2));
+  const std::int64_t heard_ns = monotonicNow_ns();
+  auto alive = program.askedFor(OrderType::kOwnerAlive, 1);
+  ASSERT_EQ(alive.size(), 1U);
+  EXPECT_EQ(alive[0].order.value, 0.0);
+  const double after_ms = 1e-6 * static_cast<double>(alive[0].at_ns - heard_ns);
+  figure("silence to owner lost", after_ms, "ms");
+  EXPECT_GE(after_ms, 199.0);
+  EXPECT_LE(after_ms, 260.0);
+  client->say(heartbeat(3));
+  alive = program.askedFor(OrderType::kOwnerAlive, 2);
+  ASSERT_EQ(alive.size(), 2U);
+  EXPECT_EQ(alive[1].order.value, 1.0);
+}
+
+TEST_F(WebSocketTest, HolderThatVanishes_FadesAtOnce) {
+  open();
+  auto client = holder();
+  const std::int64_t gone_ns = monotonicNow_ns();
+  client.reset();
+  const auto alive = program.askedFor(OrderType::kOwnerAlive, 1);
+  ASSERT_EQ(alive.size(), 1U);
+  EXPECT_EQ(alive[0].order.value, 0.0);
+  EXPECT_LE(alive[0].at_ns - gone_ns, 100'000'000);
+  EXPECT_EQ(controls.holder(), 0U);  // free for the next one, its own reconnection say
+  EXPECT_TRUE(logged("left while it held the controls"));
+}
+
+TEST_F(WebSocketTest, ProgramThatThrows_LosesNobody) {
+  open();
+  const auto client = holder();
+  client->say(setParameter(2, "throw", 0.5));
+  WebSocket other(port());
+  EXPECT_TRUE(next(other, fb::Payload::WorldState));
+  EXPECT_EQ(get(port(), "/healthz").status, 200);
+  EXPECT_TRUE(logged("the server went on after: asked for"));
+}
+
+TEST_F(WebSocketTest, AnswerThatComesAfterTheServer_IsLostInPeace) {
+  open();
+  {
+    const auto client = holder();
+    for (std::uint32_t id = 2; id < 30; ++id) client->say(load(id, "cocktail-bar", 1, ""));
+    (void)program.askedFor(OrderType::kLoadExercise, 20);
+    server.reset();
+  }
+  EXPECT_GE(program.askedFor(OrderType::kLoadExercise, 1).size(), 1U);
+  std::this_thread::sleep_for(20ms);  // its threads end
+}
+
+}  // namespace
+}  // namespace wholehand::test
