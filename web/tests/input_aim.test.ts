@@ -1,5 +1,6 @@
 import { describe, expect, it } from 'vitest';
 import { AimModel, placeOnAxis, type Perception } from '../src/input/aim_model';
+import { nearestGrip } from '../src/input/guide';
 import { postureOf, squeezeOfFingers } from '../src/input/posture';
 import { restingWish, type Wish } from '../src/input/wish';
 
@@ -16,7 +17,7 @@ const AXES = [
 const START = [0, 0, 0, 65 * DEGREE, 5 * DEGREE, 0];
 
 function seen(device: readonly number[] = START, more: Partial<Perception> = {}): Perception {
-  return { device, squeeze_n: 0, squeezeLow_n: 4, squeezeHigh_n: 8, ...more };
+  return { device, grips: [], beside: 1, squeeze_n: 0, squeezeLow_n: 4, squeezeHigh_n: 8, ...more };
 }
 
 function ask(more: Partial<Wish>): Wish {
@@ -80,33 +81,76 @@ describe('the aim on the arm axes', () => {
 });
 
 describe('help near a dispenser', () => {
-  const grip = { x: 0.02, y: -0.01, z: 0.05 };
+  // A right hand's grip at x = 70 mm; it goes in 24 mm to the right of where the palm touches.
+  const grip = { x: 0.07, y: -0.01, z: 0.004 };
+  const back = [-0.077, -0.03, 0, 65 * DEGREE, 5 * DEGREE, 0];
+  const forward = ask({ velocity: { x: 0.12, y: 0, z: 0 } });
 
-  it('eases x and y to the grip with the time constant of its config, and leaves z', () => {
-    const model = begun({ ease_s: 0.25, speed_m_s: 10 });
-    play(model, restingWish(), 0.25, { grip });
-    // 15 steps of exp(-1/15) are one time constant: 1 - 1/e of the way.
-    expect(model.aim[0]).toBeCloseTo(0.02 * (1 - Math.exp(-1)), 9);
-    expect(model.aim[1]).toBeCloseTo(-0.01 * (1 - Math.exp(-1)), 9);
-    expect(model.aim[2]).toBe(0);
+  it('goes in beside the dispenser with stretched fingers, and comes up to it there', () => {
+    const model = begun();
+    model.begin(back);
+    for (let k = 0; k < 300 && model.aim[0] < 0.04; k += 1) model.step(forward, seen([...model.aim], { grips: [grip] }), 1 / 60);
+    expect(model.aim[1]).toBeCloseTo(-0.034, 3);
+    expect(model.aim[3] / DEGREE).toBeCloseTo(8, 1);
+    play(model, forward, 3, { grips: [grip] });
+    expect(model.aim[0]).toBeCloseTo(0.07, 3);
+    expect(model.aim[1]).toBeCloseTo(-0.01, 3);
   });
 
-  it('does not hold a person who draws back', () => {
+  it('waits in front of the row until the hand is in its lane', () => {
     const model = begun();
-    play(model, ask({ velocity: { x: -0.1, y: 0, z: 0 } }), 0.5, { grip });
-    expect(model.aim[0]).toBeCloseTo(-0.05, 9);
+    model.begin([-0.077, 0.03, 0, 65 * DEGREE, 0, 0]);
+    play(model, forward, 0.3, { grips: [grip] });
+    // 54 mm of x at 0.12 m/s would be gone by then; the hand first goes sideways.
+    expect(model.aim[0]).toBeLessThan(-0.07);
+    play(model, forward, 3, { grips: [grip] });
+    expect(model.aim[0]).toBeCloseTo(0.07, 3);
   });
 
-  it('does not hold a cursor that is far from the grip', () => {
+  it('leaves by the same way: first aside, then back', () => {
     const model = begun();
-    play(model, ask({ place: { y: 0.5 } }), 3, { grip });
-    expect(model.aim[1]).toBeCloseTo(0.06, 9);
+    model.begin([0.07, -0.01, 0, 8 * DEGREE, 5 * DEGREE, 0]);
+    const near = ask({ velocity: { x: -0.12, y: 0, z: 0 } });
+    play(model, near, 0.1, { grips: [grip] });
+    expect(model.aim[0]).toBeGreaterThan(0.068);  // 58 mm if it went at once
+    play(model, near, 4, { grips: [grip] });
+    expect(model.aim[0]).toBeCloseTo(-0.085, 3);
+    expect(model.aim[1]).toBeCloseTo(-0.034, 3);
+    expect(model.aim[3] / DEGREE).toBeCloseTo(65, 1);
+  });
+
+  it('mirrors for a left hand', () => {
+    const model = begun();
+    model.begin(back);
+    for (let k = 0; k < 300 && model.aim[0] < 0.04; k += 1) model.step(forward, seen([...model.aim], { grips: [grip], beside: -1 }), 1 / 60);
+    expect(model.aim[1]).toBeCloseTo(0.014, 3);
+  });
+
+  it('closing waits until the palm is at the dispenser', () => {
+    const model = begun();
+    model.begin([0, -0.034, 0.004, 8 * DEGREE, 5 * DEGREE, 0]);
+    play(model, ask({ squeeze: true }), 1, { grips: [grip] });
+    expect(model.squeeze).toBe(0);
+  });
+
+  it('a person who asks to go sideways goes sideways', () => {
+    const model = begun();
+    model.begin([0, -0.034, 0.004, 8 * DEGREE, 5 * DEGREE, 0]);
+    play(model, ask({ velocity: { x: 0, y: 0.1, z: 0 } }), 0.2, { grips: [grip] });
+    expect(model.aim[1]).toBeCloseTo(-0.014, 9);
+  });
+
+  it('no dispenser of another place pulls: 64 mm is half of the pitch', () => {
+    expect(nearestGrip([{ x: 0, y: 0.1, z: 0 }, { x: 0, y: -0.028, z: 0 }], 0.03)).toEqual({ x: 0, y: -0.028, z: 0 });
+    expect(nearestGrip([{ x: 0, y: 0.1, z: 0 }], 0.03)).toBeUndefined();
   });
 
   it('can be switched off', () => {
     const model = begun({ assist: false });
-    play(model, restingWish(), 1, { grip });
-    expect(model.aim[0]).toBe(0);
+    model.begin(back);
+    play(model, forward, 1, { grips: [grip] });
+    expect(model.aim[0]).toBeCloseTo(0.043, 9);
+    expect(model.aim[1]).toBe(-0.03);
   });
 });
 
@@ -120,14 +164,16 @@ describe('the squeeze', () => {
     expect(model.aim.slice(3)).toEqual([65 * DEGREE, 5 * DEGREE, 0]);
   });
 
-  it('brings the thumb round before it bends it', () => {
-    expect(postureOf('thumb_circumduction', 0.3) / DEGREE).toBeCloseTo(20, 9);
-    expect(postureOf('thumb_flexion', 0.25)).toBe(0);
-    expect(postureOf('thumb_flexion', 1) / DEGREE).toBeCloseTo(62, 9);
+  it('brings thumb and stretched fingers round before it closes them', () => {
+    expect(postureOf('thumb_circumduction', 0.15) / DEGREE).toBeCloseTo(20, 9);
+    expect(postureOf('finger_flexion', 0, 1) / DEGREE).toBeCloseTo(8, 9);
+    expect(postureOf('finger_flexion', 0.15, 1) / DEGREE).toBeCloseTo(65, 9);
+    expect(postureOf('thumb_flexion', 0.15)).toBe(0);
+    expect(postureOf('thumb_flexion', 1) / DEGREE).toBeCloseTo(61, 9);
   });
 
-  it('is found back from the fingers: half way between open and closed is one half', () => {
-    expect(squeezeOfFingers(115 * DEGREE)).toBeCloseTo(0.5, 9);
+  it('is found back from the fingers: 65 to 165 degrees are 0.15 to 1', () => {
+    expect(squeezeOfFingers(115 * DEGREE)).toBeCloseTo(0.575, 9);
     expect(squeezeOfFingers(0)).toBe(0);
   });
 
@@ -136,7 +182,7 @@ describe('the squeeze', () => {
     const touching = begun();
     play(free, ask({ squeeze: true }), 0.5);
     play(touching, ask({ squeeze: true }), 0.5, { squeeze_n: 1 });
-    expect(free.squeeze).toBeCloseTo(0.375, 9);      // 0.75 1/s for 0.5 s
+    expect(free.squeeze).toBeCloseTo(0.4, 9);        // 0.8 1/s for 0.5 s
     expect(touching.squeeze).toBeCloseTo(0.06, 9);   // 0.12 1/s for 0.5 s
   });
 

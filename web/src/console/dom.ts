@@ -28,7 +28,7 @@ export function choice(
 ): { element: HTMLElement; choose: (key: string) => void } {
   const buttons = options.map(({ key, name, title }) => {
     const button = h('button', { type: 'button', 'aria-pressed': String(key === chosen), title, 'data-key': key }, name);
-    if (title !== undefined && title !== name) button.setAttribute('aria-label', title);
+    if (title !== undefined && title !== name) button.setAttribute('aria-label', `${name}: ${title}`);
     button.addEventListener('click', () => onChoice(key));
     return button;
   });

@@ -1,3 +1,4 @@
+import { depthOf, guide, nearestGrip, type Guide } from './guide';
 import { approach, clamp, isHandAxis, postureOf, squeezeOfFingers } from './posture';
 import type { Triple, Wish } from './wish';
 
@@ -12,8 +13,10 @@ export interface AimAxis {
 export interface Perception {
   /** Device coordinates, in the order of the axes. */
   device: ArrayLike<number>;
-  /** Grip pose of the dispenser beside the palm [m, device coordinates]; undefined: none near. */
-  grip?: Triple;
+  /** Grip pose of every dispenser [m, device coordinates]. */
+  grips: readonly Triple[];
+  /** Which side of the hand a dispenser is gripped on: +1 left (a right hand), -1 right. */
+  beside: number;
   /** Summed normal force on the grasped dispenser and the zone in which it pours well [N]. */
   squeeze_n: number;
   squeezeLow_n: number;
@@ -38,13 +41,17 @@ export interface AimConfig {
 export const DEFAULT_AIM: Readonly<AimConfig> = {
   speed_m_s: 0.18,
   leash_m: 0.05,
-  close_per_s: 0.75,
+  close_per_s: 0.8,
   press_per_s: 0.12,
   open_per_s: 2,
   ease_s: 0.25,
   assist: true,
 };
 
+/** Hand axes are never asked to move faster [rad/s]. */
+const FASTEST_RAD_S = 4;
+/** A hand drawn back is this far from the end of x's range [m]. */
+const BACK_M = 0.008;
 /** Above this a dispenser is felt: closing turns into pressing [N]. */
 const TOUCH_N = 0.3;
 
@@ -84,50 +91,67 @@ export class AimModel {
 
   /** The aim `dt_s` later. */
   step(wish: Wish, seen: Perception, dt_s: number): readonly number[] {
-    this.squeezePart = this.nextSqueeze(wish.squeeze, seen, dt_s);
+    const help = this.guideFor(wish, seen);
+    const wanted = typeof wish.squeeze === 'number' ? wish.squeeze > 0.05 : wish.squeeze;
+    const squeeze = wanted && this.config.assist && !help.mayClose && this.squeezePart === 0 ? false : wish.squeeze;
+    this.squeezePart = this.nextSqueeze(squeeze, seen, dt_s);
     this.axes.forEach((axis, i) => {
-      const wanted = isHandAxis(axis.name)
-        ? this.handAxis(axis.name, wish, this.q[i] ?? 0, dt_s)
-        : this.armAxis(axis, wish, seen, i, dt_s);
-      this.q[i] = clamp(wanted, axis.lower, axis.upper);
+      const next = isHandAxis(axis.name)
+        ? this.handAxis(axis.name, wish, help.stretch, this.q[i] ?? 0, dt_s)
+        : this.armAxis(axis, wish, help, seen, i, dt_s);
+      this.q[i] = clamp(next, axis.lower, axis.upper);
     });
     return this.q;
   }
 
-  private handAxis(name: string, wish: Wish, now: number, dt_s: number): number {
-    const part =
-      name === 'thumb_flexion' && wish.thumb !== undefined ? wish.thumb : this.squeezePart;
-    // A hand that was half closed elsewhere opens at the same pace as everything else.
-    const fastest_rad_s = 4;
-    return approach(now, postureOf(name, part), fastest_rad_s * dt_s);
+  private handAxis(name: string, wish: Wish, stretch: number, now: number, dt_s: number): number {
+    const part = name === 'thumb_flexion' && wish.thumb !== undefined ? wish.thumb : this.squeezePart;
+    return approach(now, postureOf(name, part, stretch), FASTEST_RAD_S * dt_s);
   }
 
-  private armAxis(axis: AimAxis, wish: Wish, seen: Perception, i: number, dt_s: number): number {
+  private armAxis(axis: AimAxis, wish: Wish, help: Guide, seen: Perception, i: number, dt_s: number): number {
     const now = this.q[i] ?? 0;
     const key = axis.name as keyof Triple;
     if (key !== 'x' && key !== 'y' && key !== 'z') return now;
     const step = this.config.speed_m_s * dt_s;
     const velocity = clamp(wish.velocity[key], -this.config.speed_m_s, this.config.speed_m_s);
-    let wanted = now + velocity * dt_s;
     const place = wish.place[key];
-    const asked = place === undefined ? undefined : placeOnAxis(axis, place);
-    if (asked !== undefined) wanted = approach(now, asked, step);
-    wanted = this.eased(key, wanted, velocity, asked, seen, dt_s);
+    const eased = help[key];
+    const pace = key === 'x' ? help.pace : 1;
+    let next = now + velocity * pace * dt_s;
+    if (place !== undefined) next = approach(now, placeOnAxis(axis, place), pace * step);
+    if (eased !== undefined && velocity * (eased - now) >= 0) {
+      const part = 1 - Math.exp(-dt_s / this.config.ease_s);
+      next = now + clamp((eased - now) * part, -step, step);
+    }
     const device = seen.device[i] ?? now;
-    return clamp(wanted, device - this.config.leash_m, device + this.config.leash_m);
+    return clamp(next, device - this.config.leash_m, device + this.config.leash_m);
   }
 
-  /** Eases x and y to the grip pose, unless the person asks to go elsewhere. */
-  private eased(
-    key: keyof Triple, wanted: number, velocity: number, asked: number | undefined,
-    seen: Perception, dt_s: number,
-  ): number {
-    if (!this.config.assist || !seen.grip || key === 'z') return wanted;
-    const gap = seen.grip[key] - wanted;
-    if (velocity * gap < 0) return wanted;
-    if (asked !== undefined && Math.abs(asked - seen.grip[key]) > LETS_GO_M) return wanted;
-    const part = 1 - Math.exp(-dt_s / this.config.ease_s);
-    return wanted + clamp(gap * part, -this.config.speed_m_s * dt_s, this.config.speed_m_s * dt_s);
+  /** What the help near the row says; nothing of it but the fingers' stretch when it is off. */
+  private guideFor(wish: Wish, seen: Perception): Guide {
+    const at = { x: this.value('x'), y: this.value('y'), z: this.value('z') };
+    const grip = nearestGrip(seen.grips, at.y);
+    if (!grip) return { pace: 1, stretch: 0, mayClose: true };
+    const back_m = (this.axes.find((axis) => axis.name === 'x')?.lower ?? 0) + BACK_M;
+    if (!this.config.assist) return { pace: 1, stretch: clamp(4 * depthOf(at.x, back_m, grip), 0, 1), mayClose: true };
+    const asked = { x: this.asked('x', wish, at.x), y: this.asked('y', wish, at.y) };
+    // A cursor that stays near the dispenser does not ask for another one.
+    if (wish.place.y !== undefined && wish.velocity.y === 0 && (depthOf(at.x, back_m, grip) > 0.2 || asked.x > 0)) asked.y = 0;
+    return guide(at, back_m, grip, seen.beside, asked, this.squeezePart > 0.02);
+  }
+
+  private asked(key: 'x' | 'y', wish: Wish, now: number): number {
+    if (wish.velocity[key] !== 0) return wish.velocity[key];
+    const place = wish.place[key];
+    const axis = this.axes.find((candidate) => candidate.name === key);
+    if (place === undefined || !axis) return 0;
+    const gap = placeOnAxis(axis, place) - now;
+    return Math.abs(gap) < 0.003 ? 0 : gap;
+  }
+
+  private value(name: keyof Triple): number {
+    return this.q[this.axes.findIndex((axis) => axis.name === name)] ?? 0;
   }
 
   private nextSqueeze(asked: boolean | number, seen: Perception, dt_s: number): number {
@@ -143,9 +167,6 @@ export class AimModel {
     return approach(now, 1, press_per_s * dt_s);
   }
 }
-
-/** A cursor farther than this from the grip is not held by it [m]. */
-const LETS_GO_M = 0.045;
 
 /** Position at a part -1 .. 1 of an axis's range. */
 export function placeOnAxis(axis: AimAxis, part: number): number {

@@ -2,9 +2,6 @@ import type { SceneT, WorldStateT } from '../protocol';
 import type { Perception } from './aim_model';
 import type { Triple } from './wish';
 
-/** Palm nearer than this to a dispenser: the aim eases to its grip [m]. */
-export const NEAR_M = 0.03;
-
 /**
  * Axis of a grasped upright bottle from the base of a right palm in a handshake [m]; the grasp the
  * physics holds. A left hand takes the mirror image in y.
@@ -48,28 +45,28 @@ export class Perceiver {
     const value = (index: number): number => (index < 0 ? 0 : (state.values[index] ?? 0));
     return {
       device: state.qM,
-      grip: this.gripNear(state),
+      grips: this.gripsNow(state),
+      beside: this.side,
       squeeze_n: value(this.values.now),
       squeezeLow_n: value(this.values.low),
       squeezeHigh_n: value(this.values.high),
     };
   }
 
-  /** Device coordinates at which the palm grips the dispenser beside it. */
-  private gripNear(state: WorldStateT): Triple | undefined {
-    if (!(state.palmDistanceM < NEAR_M)) return undefined;
-    const grip = this.grips.find((candidate) => candidate.body === state.palmBody);
-    const body = grip && state.bodies[grip.body]?.positionM;
+  /** Device coordinates at which the palm grips each dispenser. */
+  private gripsNow(state: WorldStateT): Triple[] {
     const palm = state.links[0]?.positionM;
-    if (!grip || !body || !palm) return undefined;
-    // The palm's place in the world against the avatar's coordinates: wherever the device stands.
-    const device = (key: keyof Triple, fromPalm: number): number =>
-      body[key] + grip.at[key] - fromPalm - (palm[key] - (state.qS[this.axes[key]] ?? 0));
-    return {
-      x: device('x', GRIP_FROM_PALM.x),
-      y: device('y', this.side * GRIP_FROM_PALM.y),
-      z: device('z', GRIP_FROM_PALM.z),
-    };
+    if (!palm) return [];
+    return this.grips.flatMap(({ body, at }) => {
+      const position = state.bodies[body]?.positionM;
+      if (!position) return [];
+      // The palm's place in the world against the avatar's coordinates: wherever the device stands.
+      const device = (key: keyof Triple, fromPalm: number): number =>
+        position[key] + at[key] - fromPalm - (palm[key] - (state.qS[this.axes[key]] ?? 0));
+      return [{
+        x: device('x', GRIP_FROM_PALM.x), y: device('y', this.side * GRIP_FROM_PALM.y), z: device('z', GRIP_FROM_PALM.z),
+      }];
+    });
   }
 }
 

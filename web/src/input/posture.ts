@@ -7,36 +7,44 @@ const DEGREE = Math.PI / 180;
 
 /** Where a hand axis goes while a squeeze grows from 0 to 1. */
 interface HandAxisPosture {
+  /** In front of the row, beside a dispenser, and as closed as can be asked. */
   open_rad: number;
+  stretched_rad: number;
   closed_rad: number;
-  /** Part of the squeeze in which this axis moves: the thumb comes round before it bends. */
-  from: number;
-  to: number;
 }
 
 const POSTURES: Readonly<Record<string, HandAxisPosture>> = {
-  finger_flexion: { open_rad: 65 * DEGREE, closed_rad: 165 * DEGREE, from: 0, to: 1 },
-  thumb_circumduction: { open_rad: 5 * DEGREE, closed_rad: 20 * DEGREE, from: 0, to: 0.3 },
-  thumb_flexion: { open_rad: 0, closed_rad: 62 * DEGREE, from: 0.25, to: 1 },
+  finger_flexion: { open_rad: 65 * DEGREE, stretched_rad: 8 * DEGREE, closed_rad: 165 * DEGREE },
+  thumb_circumduction: { open_rad: 20 * DEGREE, stretched_rad: 5 * DEGREE, closed_rad: 20 * DEGREE },
+  thumb_flexion: { open_rad: 0, stretched_rad: 0, closed_rad: 61 * DEGREE },
 };
+/** The first part of a squeeze brings the hand round the dispenser, the rest closes it. */
+export const ROUND = 0.15;
 
 /** True for axes that a squeeze moves. */
 export function isHandAxis(name: string): boolean {
   return name in POSTURES;
 }
 
-/** Position of a hand axis [rad] at a squeeze of 0 (open) to 1 (as closed as can be asked). */
-export function postureOf(name: string, squeeze: number): number {
+/**
+ * Position of a hand axis [rad] at a squeeze of 0 (open) to 1 (as closed as can be asked).
+ * @param stretch of an open hand: 1 stretched, to go in beside a dispenser, 0 half bent
+ */
+export function postureOf(name: string, squeeze: number, stretch = 0): number {
   const posture = POSTURES[name];
   if (!posture) return 0;
-  const part = clamp((squeeze - posture.from) / (posture.to - posture.from), 0, 1);
-  return posture.open_rad + part * (posture.closed_rad - posture.open_rad);
+  const { open_rad, stretched_rad, closed_rad } = posture;
+  const turns = name === 'thumb_circumduction';
+  const open = turns ? stretched_rad : open_rad + clamp(stretch, 0, 1) * (stretched_rad - open_rad);
+  if (squeeze <= ROUND) return open + (clamp(squeeze, 0, ROUND) / ROUND) * (open_rad - open);
+  return open_rad + ((clamp(squeeze, ROUND, 1) - ROUND) / (1 - ROUND)) * (closed_rad - open_rad);
 }
 
 /** The squeeze at which the fingers stand at `rad`; beyond the ends it is held. */
 export function squeezeOfFingers(rad: number): number {
-  const { open_rad, closed_rad } = POSTURES.finger_flexion!;
-  return clamp((rad - open_rad) / (closed_rad - open_rad), 0, 1);
+  const { open_rad, closed_rad } = POSTURES.finger_flexion;
+  if (rad <= open_rad) return 0;
+  return clamp(ROUND + ((1 - ROUND) * (rad - open_rad)) / (closed_rad - open_rad), 0, 1);
 }
 
 export function clamp(value: number, lower: number, upper: number): number {

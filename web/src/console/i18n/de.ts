@@ -2,7 +2,7 @@ import type { ConsoleTexts } from './en';
 
 export const de: ConsoleTexts = {
   title: 'Wholehand: Konsole',
-  hand: { right: 'rechte Hand', left: 'linke Hand' },
+  hand: { right: 'rechts', left: 'links' },
   session: 'Sitzung {n}',
   level: 'Stufe {n}',
   levelOf: 'Stufe {n} von {m}',
@@ -11,7 +11,7 @@ export const de: ConsoleTexts = {
   noExercise: 'Keine Übung',
 
   states: {
-    connecting: 'Verbindet', lost: 'Verbindung weg', disarmed: 'Nicht scharf', rendering: 'Läuft',
+    connecting: 'Verbindet', lost: 'Verbindung weg', disarmed: 'Gesperrt', rendering: 'Läuft',
     paused: 'Pause', stopping: 'Hält an', stopped: 'Angehalten', faulted: 'Störung',
   },
   pill: {
@@ -113,7 +113,7 @@ export const de: ConsoleTexts = {
 
   recordings: {
     title: 'Aufzeichnungen', none: 'Noch keine Aufzeichnungen.', failed: 'Die Liste liess sich nicht lesen. Neuer Versuch folgt.',
-    report: 'Bericht', download: 'Laden', reportOf: 'Bericht von {name}', downloadOf: '{name} herunterladen', now: 'Zeichnet auf',
+    report: 'Bericht', download: 'Laden', reportOf: 'Bericht von {name}', downloadOf: 'Laden: {name}', now: 'Aufnahme',
   },
 
   notices: {

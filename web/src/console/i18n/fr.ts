@@ -2,7 +2,7 @@ import type { ConsoleTexts } from './en';
 
 export const fr: ConsoleTexts = {
   title: 'Wholehand : console',
-  hand: { right: 'main droite', left: 'main gauche' },
+  hand: { right: 'à droite', left: 'à gauche' },
   session: 'Séance {n}',
   level: 'Niveau {n}',
   levelOf: 'Niveau {n} sur {m}',
