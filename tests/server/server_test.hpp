@@ -3,7 +3,7 @@
 #include "server/client_words.hpp"
 #include "server/fake_program.hpp"
 #include "server/raw_client.hpp"
-#include "support/rig_tools.hpp"
+#include "support/figure.hpp"
 
 #include <gtest/gtest.h>
 

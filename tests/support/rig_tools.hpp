@@ -5,6 +5,7 @@
 #include "dynamics/articulated_body.hpp"
 #include "dynamics/synergy.hpp"
 #include "model/hand_file.hpp"
+#include "support/figure.hpp"
 
 #include <gtest/gtest.h>
 
@@ -21,21 +22,6 @@
 
 /// Whole rigs for tests: shipped files, scenes made in place, scripted devices, figures to cite.
 namespace wholehand::test {
-
-/// Prints "figure: <name> = <value> <unit>" and keeps it in the test's report.
-inline void figure(const std::string& name, double value, const char* unit) {
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), "%.4g %s", value, unit);
-  std::printf("figure: %s = %s\n", name.c_str(), text.data());
-  ::testing::Test::RecordProperty(name, text.data());
-}
-
-/// The value, or an exception that says every reason why there is none.
-template <class T>
-T orThrow(Expected<T> expected) {
-  if (!expected) throw std::runtime_error(format(expected.errors()));
-  return std::move(expected).value();
-}
 
 inline ModelFiles shippedFiles(const std::string& device = "lambda-pride",
                                const std::string& scene = "empty",
