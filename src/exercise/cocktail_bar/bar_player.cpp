@@ -15,6 +15,8 @@ constexpr double kStretched = 8.0 * kDeg, kHalfBent = 65.0 * kDeg, kClosed = 155
 constexpr double kTurnedAside = 5.0 * kDeg, kOpposed = 20.0 * kDeg;
 constexpr double kThumbClosed = 55.0 * kDeg;
 constexpr double kThumbAlong = kThumbClosed / (kClosed - kHalfBent);  // with the fingers
+constexpr double kBack_m = 0.006;                                     // before the end of x
+constexpr double kDrawnBack_m = 0.001;                                // as good as there
 constexpr double kBeside_m = 0.024;  // sideways from where the palm touches
 
 // Peak speeds of a person at pace 1.
@@ -57,6 +59,7 @@ void BarPlayer::reset() {
   character_.pace = draw(0.8, 1.2);
   character_.share = draw(0.3, 0.7);
   character_.aim_m = draw(0.001, 0.004);
+  character_.judgement = draw(0.4, 1.6);
   character_.tremor_m = draw(0.0, 0.0003);
   character_.tremor_rad_s = 2.0 * std::numbers::pi * draw(7.0, 11.0);
   character_.tremor_phase = draw(0.0, 2.0 * std::numbers::pi);
@@ -91,6 +94,15 @@ double BarPlayer::durationTo(const AxisPosition& goal) const noexcept {
   return longest_s / character_.pace;
 }
 
+/// x of the hand that is drawn back.
+double BarPlayer::back_m() const noexcept {
+  return view_.x >= 0 ? view_.lower[view_.x] + kBack_m : 0.0;
+}
+
+bool BarPlayer::drawnBack() const noexcept {
+  return view_.x < 0 || q_[view_.x] < back_m() + kDrawnBack_m;
+}
+
 AxisPosition BarPlayer::goalOf(Doing doing) const noexcept {
   AxisPosition goal = q_;
   const auto put = [&](int axis, double value) {
@@ -106,15 +118,14 @@ AxisPosition BarPlayer::goalOf(Doing doing) const noexcept {
     put(view_.y, at.y());
     put(view_.z, at.z());
   };
-  const double back = view_.x >= 0 ? view_.lower[view_.x] + 0.008 : 0.0;
   const Eigen::Vector3d beside = grip_ - Eigen::Vector3d(0.0, view_.beside * kBeside_m, 0.0);
   switch (doing) {
     case Doing::kDrawBack:
-      put(view_.x, back);
+      put(view_.x, back_m());
       hand(kHalfBent, kTurnedAside, 0.0);
       break;
     case Doing::kAlign:
-      base({back, beside.y(), beside.z()});
+      base({back_m(), beside.y(), beside.z()});
       hand(kHalfBent, kTurnedAside, 0.0);
       break;
     case Doing::kEnter:
@@ -296,7 +307,9 @@ void BarPlayer::decide(const BarGlance& seen, const TickRecord& record) noexcept
   const bool same = wants && seen.target == dispenser_;
   switch (doing_) {
     case Doing::kWait:
-      if (!wants || since_s_ < character_.reaction_s) return;
+      if (since_s_ < character_.reaction_s) return;
+      if (seen.stage == BarStage::kDrawBack && !drawnBack()) go(Doing::kDrawBack);
+      if (!wants) return;
       aimAt(record, seen.target);
       drink_ = seen.drink;
       step_ = seen.step;
@@ -376,7 +389,8 @@ void BarPlayer::pressBy(const BarGlance& seen) noexcept {
   const bool pouring = wantsToGrasp(seen) || seen.stage == BarStage::kLetGo;  // not yet the line
   const bool other =
       !pouring || seen.target != dispenser_ || seen.step != step_ || seen.drink != drink_;
-  const double coming_l = seen.flow_l_s * (character_.reaction_s + kReleaseLag_s);
+  const double coming_l =
+      character_.judgement * seen.flow_l_s * (character_.reaction_s + kReleaseLag_s);
   const bool enough = seen.asked_l > 0.0 && seen.poured_l + coming_l >= seen.asked_l;
   const bool wrong = seen.engaged >= 0 && seen.engaged != dispenser_;
   if (since_s_ > kGivesUp_s && seen.flow_l_s == 0.0) tries_ = kMostTries;

@@ -47,10 +47,11 @@ class BarPlayer final : public Player {
   /// How this person is; drawn from the seed.
   struct Character {
     double reaction_s = 0.2;
-    double pace = 1.0;      ///< of every movement
-    double share = 0.5;     ///< of the zone "just right" that is aimed for
-    double aim_m = 0.002;   ///< how far an aim may be off
-    double tremor_m = 0.0;  ///< amplitude of the arm; the fingers' is its tenfold in rad
+    double pace = 1.0;       ///< of every movement
+    double share = 0.5;      ///< of the zone "just right" that is aimed for
+    double aim_m = 0.002;    ///< how far an aim may be off
+    double judgement = 1.0;  ///< of what will still flow when the hand lets go: 1 is right
+    double tremor_m = 0.0;   ///< amplitude of the arm; the fingers' is its tenfold in rad
     double tremor_rad_s = 50.0;
     double tremor_phase = 0.0;
   };
@@ -67,6 +68,8 @@ class BarPlayer final : public Player {
   void pressBy(const BarGlance& seen) noexcept;
   void press(double period_s) noexcept;
   void go(Doing doing) noexcept;
+  [[nodiscard]] double back_m() const noexcept;
+  [[nodiscard]] bool drawnBack() const noexcept;
   [[nodiscard]] AxisPosition goalOf(Doing doing) const noexcept;
   void shape(Doing doing) noexcept;
   [[nodiscard]] double durationTo(const AxisPosition& goal) const noexcept;
