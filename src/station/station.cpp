@@ -27,6 +27,9 @@ using Clock = std::chrono::steady_clock;
 constexpr auto kFadeOut = std::chrono::milliseconds(350);
 constexpr auto kPoll = std::chrono::milliseconds(20);
 constexpr auto kStatusEvery = std::chrono::milliseconds(200);
+/// How long a level that the virtual patient has finished is shown before it begins again.
+constexpr auto kEncoreAfter = std::chrono::seconds(8);
+constexpr const char* kLevelDone = "level_done";  // the event that ends a level, docs/exercises.md
 constexpr auto kArmTimeout = std::chrono::seconds(5);
 
 std::vector<std::string> stemsIn(const std::string& folder) {
@@ -89,6 +92,7 @@ class Station::Core {
   void beginStop(bool at_once);
 
   void keepLatest(const TickRecord& record);
+  void playAgain();
   void say(const std::string& line) const {
     if (config_.log) config_.log(line);
   }
@@ -110,6 +114,8 @@ class Station::Core {
 
   mutable std::mutex latest_mutex_;
   TickRecord latest_;
+  int level_done_ = -1;  ///< index of that event in the loaded exercise; -1: none
+  std::optional<Clock::time_point> level_done_at_;
   bool has_latest_ = false;  ///< of this session
 };
 
@@ -168,6 +174,12 @@ OrderReply Station::Core::arm(const std::string& record, std::uint64_t duration_
   {
     const std::lock_guard lock(latest_mutex_);
     has_latest_ = false;
+    level_done_at_.reset();
+    level_done_ = -1;
+    const auto names =
+        models_.exercise ? models_.exercise->description().event_names : std::vector<std::string>{};
+    const auto found = std::find(names.begin(), names.end(), kLevelDone);
+    if (found != names.end()) level_done_ = static_cast<int>(found - names.begin());
   }
   publishScene(record);
   auto live = LiveSession::start(models_, makePlayer(), config_.rig, plan);
@@ -301,6 +313,21 @@ void Station::Core::runTasks() {
   for (const auto& task : tasks) task();
 }
 
+// Where nobody steers, the virtual patient plays a finished level once more.
+void Station::Core::playAgain() {
+  {
+    const std::lock_guard lock(latest_mutex_);
+    if (!level_done_at_ || Clock::now() - *level_done_at_ < kEncoreAfter) return;
+    level_done_at_.reset();
+  }
+  const std::lock_guard lock(mutex_);
+  if (status_.steering != Steering::kVirtualPatient) return;
+  Command again;
+  again.type = CommandType::kAction;
+  again.index = static_cast<std::int32_t>(ExerciseAction::kRestart);
+  (void)push(again);
+}
+
 Expected<StationOutcome> Station::Core::run(bool arm_at_once, double duration_s) {
   const InterruptScope interrupts;
   const auto duration_ticks =
@@ -325,6 +352,7 @@ Expected<StationOutcome> Station::Core::run(bool arm_at_once, double duration_s)
       finishSession();
       if (duration_ticks > 0) break;
     }
+    if (live_) playAgain();
     if (live_ && Clock::now() >= status_at) {
       refreshStatus();
       status_at = Clock::now() + kStatusEvery;
@@ -455,6 +483,10 @@ void Station::Core::keepLatest(const TickRecord& record) {
   const std::lock_guard lock(latest_mutex_);
   latest_ = record;
   has_latest_ = true;
+  for (int i = 0; i < record.exercise.event_count; ++i) {
+    const ExerciseEvent& event = record.exercise.events[static_cast<std::size_t>(i)];
+    if (event.type == level_done_) level_done_at_ = Clock::now();
+  }
 }
 
 bool Station::Core::latest(TickRecord& record) const {
