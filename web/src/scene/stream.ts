@@ -36,7 +36,7 @@ export class StreamView {
     }
     this.puddle = new Mesh(new CircleGeometry(1, 48), surface(quality, { roughness: 0.15, clearcoat: 0.8, transparent: true, opacity: 0.85 }));
     this.puddle.rotation.x = -Math.PI / 2;
-    this.puddle.visible = false;
+    this.jet.visible = this.rings.visible = this.puddle.visible = false;
     this.root.add(this.jet, this.rings, this.puddle);
   }
 
