@@ -130,7 +130,7 @@ test('FilledPercent_IsOneMinusTheMissedPart', () => {
 });
 
 test('Praise_CountsOnlyWhatWasSpiltInThisDrink', () => {
-  const praise = praiseOf(script, moment({ stage: Stage.DrinkDone, 'layer_l/1': 0.02, spilt_l: 0.0071, stars: 3, drink_time_s: 71.6 }), 0.005)!;
+  const praise = praiseOf(script, moment({ stage: Stage.DrinkDone, drinks: 3, 'layer_l/1': 0.02, spilt_l: 0.0071, stars: 3, drink_time_s: 71.6 }), 0.005)!;
   expect(praise).toMatchObject({ drink: 'sunset', stars: 3, spilt_ml: 2, levelDone: false, filled_percent: 99 });
   expect(clock(praise.time_s)).toBe('1:12');
 });
@@ -139,4 +139,9 @@ test('Cause_OfAFault_IsTheFaultAndNotTheStop', () => {
   expect(faultsOf(script.faultNames, 0b110)).toEqual(['device write failed', 'stop requested']);
   expect(causeOf(script, moment({}, { runState: RunState.Faulted, latchedFaults: 0b101 }))).toBe('device read failed');
   expect(causeOf(script, moment({}, { runState: RunState.Stopped, latchedFaults: 0b100 }))).toBe('');
+});
+
+test('Praise_OfTheLastDrink_IsThatOfTheLevel', () => {
+  expect(praiseOf(script, moment({ stage: Stage.DrinkDone, drink: 1, drinks: 2 }), 0)!.levelDone).toBe(true);
+  expect(praiseOf(script, moment({ stage: Stage.DrinkDone, drink: 0, drinks: 2 }), 0)!.levelDone).toBe(false);
 });

@@ -16,7 +16,7 @@ for (const entry of pages) {
   for (const step of steps) {
     if (step.startsWith('wait:')) await page.waitForTimeout(Number(step.slice(5)));
     else if (step.startsWith('key:')) await page.keyboard.press(step.slice(4));
-    else await page.click(step, { timeout: 4000 });
+    else await page.dispatchEvent(step, 'click', {}, { timeout: 20000 });
   }
   await page.screenshot({ path: `${folder}/${name}.png`, timeout: 60000 });
   const stats = await page.evaluate(() => ({ ...window.wholehandStats, state: document.body.dataset.state }));

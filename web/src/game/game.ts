@@ -31,6 +31,7 @@ export class Game {
   private palmLink = 0;
   private resting = false;
   private helpOpen = false;
+  private drinkFollows = false;
   private everOpen = false;
   private hardware = false;
   private level = 1;
@@ -135,7 +136,7 @@ export class Game {
     this.state = now;
     document.body.dataset.state = now;
     this.hud.words(this.sound.on);
-    this.hud.play.hidden = now !== 'watching';
+    this.hud.play.hidden = now !== 'watching' || this.helpOpen;
     this.picture?.setLook({ names: this.liquidNames(), dimmed: now === 'welcome', grey: now === 'lost' || now === 'stopped' || now === 'absent', ghostHand: now === 'lost' });
     if (now === 'lost' || now === 'stopped') this.leavePlay();
     if (playing && !this.helpOpen) this.controls.enable(); else this.controls.disable();
@@ -192,8 +193,11 @@ export class Game {
   private openPraise(state: WorldStateT): void {
     const praise = this.script ? praiseOf(this.script, state, this.spiltBefore_l) : null;
     if (!praise) return;
+    this.drinkFollows = !praise.levelDone;
+    // Praise stays as long as the person likes: the bar would go on to the next drink by itself.
+    if (this.drinkFollows) void this.connection.act(Act.Pause);
     const { card, first } = praiseCard(praise, this.level < this.levels, {
-      next: () => { void this.connection.act(Act.Next); },
+      next: () => { void this.goOn(); },
       nextLevel: () => { void this.load(this.level + 1); },
       again: () => { void this.connection.act(Act.Restart); },
       rest: () => { void this.rest(); },
@@ -281,8 +285,17 @@ export class Game {
     }
     const steered = this.hardware ? { accepted: true, reason: '' } : await connection.steer(Steering.Person);
     if (!steered.accepted) { this.refuse(steered.reason); return; }
+    await this.beginAgain();
     this.notice = '';
     this.wish = 'play';
+  }
+
+  /** A person who comes new begins a new glass; one who comes back goes on where it was left. */
+  private async beginAgain(): Promise<void> {
+    const state = this.connection.latestState;
+    const stage = this.script && state ? figure(this.script, state, 'stage') : Stage.Reach;
+    const over = stage === Stage.DrinkDone || stage === Stage.LevelDone;
+    await this.connection.act(this.wish === 'undecided' || over ? Act.Restart : Act.Resume);
   }
 
   private async matchLevel(): Promise<boolean> {
@@ -323,6 +336,7 @@ export class Game {
   private async goOn(): Promise<void> {
     this.resting = false;
     await this.connection.act(Act.Resume);
+    if (this.drinkFollows) await this.connection.act(Act.Next);
   }
 
   private stop(): void {

@@ -160,7 +160,7 @@ export interface Praise {
   readonly filled_percent: number;
   readonly spilt_ml: number;
   readonly time_s: number;
-  readonly levelDone: boolean;
+  readonly levelDone: boolean;   // or this was its last drink: the level ends by itself
 }
 
 /** How near the layers are to what was asked, over the drink; 100 is exact, 0 nothing or twice as much. */
@@ -180,7 +180,7 @@ export function praiseOf(script: Script, state: WorldStateT, spiltBefore_l: numb
     filled_percent: filledPercent(drink, drink.steps.map((_, i) => figure(script, state, `layer_l/${i}`))),
     spilt_ml: Math.max(0, millilitres(figure(script, state, 'spilt_l') - spiltBefore_l)),
     time_s: figure(script, state, 'drink_time_s'),
-    levelDone: figure(script, state, 'stage') === Stage.LevelDone,
+    levelDone: figure(script, state, 'stage') === Stage.LevelDone || figure(script, state, 'drink') + 1 >= figure(script, state, 'drinks', 1),
   };
 }
 

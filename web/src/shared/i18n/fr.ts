@@ -58,7 +58,7 @@ export const fr: Texts = {
   'welcome.step1': 'Atteindre',
   'welcome.step1More': 'Allez au panneau clair.',
   'welcome.step2': 'Presser',
-  'welcome.step2More': 'Fermez doucement la main.',
+  'welcome.step2More': 'Fermez la main.',
   'welcome.step3': 'Remplir',
   'welcome.step3More': 'Lâchez au trait blanc.',
   'welcome.how': 'Avec quoi jouez-vous ?',
