@@ -1,6 +1,7 @@
 // Plays the program to a game: a UdpBridge whose records come at 1 kHz from a fake backend, as
-// telemetry hands them over. Prints its port, then runs until its standard input ends, and prints
-// how late it was itself: a client on a busy machine is judged by that.
+// telemetry hands them over. udp_stand_in [port] [token] prints its port, then runs until its
+// standard input ends, and prints how late it was itself: a client on a busy machine is judged by
+// that.
 
 #include "realtime/monotonic_clock.hpp"
 #include "server/udp_bridge.hpp"
@@ -52,8 +53,8 @@ std::vector<std::int64_t> publish(wholehand::UdpBridge& bridge,
 
 int main(int argc, char** argv) {
   wholehand::UdpOptions options;
-  options.local.port = 0;
-  if (argc > 1) options.token = argv[1];
+  options.local.port = static_cast<std::uint16_t>(argc > 1 ? std::atoi(argv[1]) : 0);
+  if (argc > 2) options.token = argv[2];
   wholehand::test::FakeBackend backend;
   wholehand::ControlsArbiter controls;
   wholehand::UdpBridge bridge(backend, controls);

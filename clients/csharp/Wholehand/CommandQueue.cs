@@ -94,6 +94,25 @@ namespace Wholehand
             return Finish(b, Payload.Command, wholehand.protocol.Command.CreateCommand(b, id, type, order).Value);
         }
 
+        /// <summary>The state in a message that has one. As Message.PayloadAsWorldState, which boxes a state
+        /// on every call.</summary>
+        public static WorldState StateOf(ByteBuffer message)
+        {
+            var table = new Table(message.GetInt(0), message);
+            return new WorldState().__assign(table.__indirect(PayloadAt(table) + table.bb_pos), message);
+        }
+
+        public static bool HasPayload(ByteBuffer message)
+        {
+            return PayloadAt(new Table(message.GetInt(0), message)) != 0;
+        }
+
+        private static int PayloadAt(Table message)
+        {
+            const int PayloadField = 8; // the third slot of its table: 4 + 2 * 2
+            return message.__offset(PayloadField);
+        }
+
         private static byte[] Finish(FlatBufferBuilder b, Payload type, int payload)
         {
             Message.FinishMessageBuffer(b, Message.CreateMessage(b, SchemaVersion, type, payload));

@@ -4,8 +4,9 @@ using wholehand.protocol;
 namespace Wholehand
 {
     /// <summary>A copy of a WorldState that the game owns. Taking the next state into it allocates
-    /// nothing unless a number of axes changes. SI, radians, the program's axes; arrays per axis are in the order of
-    /// Scene.Axes, joints in that of Scene.JointNames, values in that of Scene.ValueNames.</summary>
+    /// nothing unless a number of axes changes. SI, radians, the program's frame (UnityAxes converts);
+    /// arrays per axis are in the order of Scene.Axes, joints in that of Scene.JointNames, values in that
+    /// of Scene.ValueNames.</summary>
     public sealed class HandState
     {
         public uint Session;           // counts from 1 with every arming
@@ -30,6 +31,8 @@ namespace Wholehand
         public float[] Sent = new float[0];
         public float[] Phi = new float[0];
         public double[] Values = new double[0];        // of the exercise
+
+        private const int MostNumbers = 1024;
 
         // Without captured variables: the compiler makes each of these once.
         internal void CopyFrom(WorldState s)
@@ -60,6 +63,7 @@ namespace Wholehand
 
         private static void Copy<T>(ref T[] target, WorldState from, int length, Func<WorldState, int, T> at)
         {
+            if (length < 0 || length > MostNumbers) throw new InvalidOperationException("an array that no state has");
             if (target.Length != length) target = new T[length];
             for (int i = 0; i < length; ++i) target[i] = at(from, i);
         }

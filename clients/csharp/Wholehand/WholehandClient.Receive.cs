@@ -39,7 +39,8 @@ namespace Wholehand
             }
         }
 
-        private void Receive(byte[] bytes, int size, long nowNs)
+        // Any bytes of the connected address. Tests call it, too.
+        internal void Receive(byte[] bytes, int size, long nowNs)
         {
             DatagramHeader header;
             if (Datagram.Read(bytes, size, out header) != DatagramFlaw.None)
@@ -54,12 +55,17 @@ namespace Wholehand
                 else if (header.Session == 0 || header.Session != CurrentSession()) Statistics.CountIgnored();
                 else ReceiveInConversation(header, bytes, nowNs);
             }
-            catch (Exception e) when (e is ArgumentException || e is IndexOutOfRangeException
-                || e is InvalidOperationException)
+            catch (Exception e) when (IsOfRubbish(e))
             {
                 // FlatBuffers looked where nothing is: a message that another program made.
                 Statistics.CountIgnored();
             }
+        }
+
+        private static bool IsOfRubbish(Exception e)
+        {
+            return e is ArgumentException || e is IndexOutOfRangeException || e is InvalidOperationException
+                || e is OverflowException;
         }
 
         private uint CurrentSession()
@@ -94,7 +100,8 @@ namespace Wholehand
         {
             if (message.Length < 8 || !Message.MessageBufferHasIdentifier(message.Bytes)) return false;
             Message m = Message.GetRootAsMessage(message.Bytes);
-            return m.SchemaVersion == Words.SchemaVersion && (type == Payload.NONE || m.PayloadType == type);
+            return m.SchemaVersion == Words.SchemaVersion && (type == Payload.NONE || m.PayloadType == type)
+                && Words.HasPayload(message.Bytes);
         }
 
         private void ReceiveWelcome(DatagramHeader header, byte[] bytes, long nowNs)
@@ -155,7 +162,7 @@ namespace Wholehand
             try
             {
                 // Nobody but this thread writes to it, and not before the next state but one.
-                received(Message.GetRootAsMessage(newest.Bytes).PayloadAsWorldState());
+                received(Words.StateOf(newest.Bytes));
             }
             catch (Exception e)
             {

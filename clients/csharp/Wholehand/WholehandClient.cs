@@ -115,14 +115,24 @@ namespace Wholehand
             lock (gate)
             {
                 if (!haveState) return false;
-                WorldState state = Message.GetRootAsMessage(newest.Bytes).PayloadAsWorldState();
-                if (state.Tick == into.Tick && state.Session == into.Session
-                    && state.SentMonotonicNs == into.SentMonotonicNs)
+                try
                 {
+                    WorldState state = Words.StateOf(newest.Bytes);
+                    if (state.Tick == into.Tick && state.Session == into.Session
+                        && state.SentMonotonicNs == into.SentMonotonicNs)
+                    {
+                        return false;
+                    }
+                    into.CopyFrom(state);
+                    return true;
+                }
+                catch (Exception e) when (IsOfRubbish(e))
+                {
+                    // Made by something else than Wholehand: its offsets lead nowhere.
+                    haveState = false;
+                    Statistics.CountIgnored();
                     return false;
                 }
-                into.CopyFrom(state);
-                return true;
             }
         }
 

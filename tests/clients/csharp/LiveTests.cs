@@ -1,0 +1,306 @@
+using System;
+using System.Collections.Generic;
+using System.Diagnostics;
+using System.Globalization;
+using System.Threading;
+using System.Threading.Tasks;
+using Wholehand;
+using wholehand.protocol;
+
+/// <summary>The client against a running process: udp_stand_in, which is the program's own UDP bridge
+/// with records at 1 kHz. What its values mean: tests/server/udp_fake_backend.hpp.</summary>
+[Tests]
+public static class LiveTests
+{
+    private const int LeadIn = 0, OwnerAlive = 1, Aims = 2, Aimed = 3;
+
+    private sealed class Program : IDisposable
+    {
+        private readonly Process process;
+
+        public Program(int port = 0, string token = "")
+        {
+            process = Process.Start(new ProcessStartInfo(Runner.StandIn, port + " " + token)
+            {
+                UseShellExecute = false, RedirectStandardInput = true, RedirectStandardOutput = true
+            });
+            string line = process.StandardOutput.ReadLine();
+            Check.True(line != null && line.StartsWith("port "), "the process says its port: " + line);
+            Port = int.Parse(line.Substring(5), CultureInfo.InvariantCulture);
+        }
+
+        public int Port { get; private set; }
+
+        /// <summary>Ends it; the lateness of its own ticks, p99 in ms.</summary>
+        public double End()
+        {
+            process.StandardInput.Close();
+            string line = process.StandardOutput.ReadLine();
+            Check.True(process.WaitForExit(10000) && process.ExitCode == 0, "ends by itself");
+            Console.WriteLine("       program: {0}", line);
+            return double.Parse(line.Split(' ')[2], CultureInfo.InvariantCulture);
+        }
+
+        public void Kill()
+        {
+            process.Kill();
+            process.WaitForExit();
+        }
+
+        public void Dispose()
+        {
+            if (!process.HasExited) Kill();
+        }
+    }
+
+    private static WholehandClient Connect(Program program, bool polled = false, string token = "", int rate = 1000)
+    {
+        var client = new WholehandClient(new ClientOptions
+        {
+            Port = program.Port, Polled = polled, Token = token, RateHz = rate
+        });
+        client.Connect();
+        return client;
+    }
+
+    private static CommandReply Ended(Task<CommandReply> command)
+    {
+        Check.True(command.Wait(20000), "the command is answered");
+        return command.Result;
+    }
+
+    private static void Accepted(Task<CommandReply> command)
+    {
+        CommandReply reply = Ended(command);
+        Check.True(reply.Accepted, "refused: " + reply.Reason);
+    }
+
+    private static string Refused(Task<CommandReply> command)
+    {
+        CommandReply reply = Ended(command);
+        Check.True(!reply.Accepted && reply.Reason != "", "accepted, or refused without a reason");
+        return reply.Reason;
+    }
+
+    // Polls, so that polled clients live, until the state says so.
+    private static void Shows(WholehandClient client, Func<HandState, bool> condition, string what)
+    {
+        var state = new HandState();
+        Check.Until(() =>
+        {
+            client.Poll();
+            return client.TryGetState(state) && condition(state);
+        }, what);
+    }
+
+    public static void AtOneKilohertz_StatesComeCompleteAndInOrder()
+    {
+        int seconds = Runner.Full ? 60 : 5;
+        using (var program = new Program())
+        using (WholehandClient client = Connect(program))
+        {
+            ulong last = 0;
+            long backwards = 0;
+            var events = new List<float>();
+            client.StateReceived += s =>
+            {
+                if (s.Tick <= last) ++backwards;
+                last = s.Tick;
+            };
+            client.EventsReceived += e =>
+            {
+                lock (events)
+                {
+                    for (int i = 0; i < e.Events_Length; ++i) events.Add(e.Events_(i).Value.Value);
+                }
+            };
+            Check.Until(() => client.Statistics.Received > 500, "mono has compiled what is needed");
+            client.Statistics.Reset();
+            Thread.Sleep(1000 * seconds);
+            ClientStatistics s1 = client.Statistics;
+            long received = s1.Received, lost = s1.Lost, disorder = s1.OutOfOrder;
+            double p50 = s1.LatencyMs(50), p99 = s1.LatencyMs(99), max = s1.MaxLatencyMs, share = s1.Share;
+            Console.WriteLine("figure: UDP at 1 kHz to mono, {0} s: {1} received, {2} lost ({3:0.00000} %), "
+                + "{4} out of order; latency p50 {5:0.00} ms, p99 {6:0.00} ms, max {7:0.00} ms",
+                seconds, received, lost, 100.0 * share, disorder, p50, p99, max);
+            Check.True(share >= 0.999, "less than 99.9 % received");
+            Check.Equal(0L, disorder, "out of order");
+            Check.Equal(0L, backwards, "ticks that go back");
+            // A second of 1 kHz is a thousand states, whatever the machine does: late ones come in a batch.
+            Check.True(received > 0.9 * 1000 * seconds, "less than 900 Hz arrived: " + received);
+            double late = program.End();
+            if (late <= 2.0) Check.True(p99 <= 5.0, "latency p99 is " + p99 + " ms");
+            else Console.WriteLine("       latency is not judged: this machine was {0} ms late itself", late);
+            lock (events)
+            {
+                for (int i = 1; i < events.Count; ++i) Check.Equal(events[i - 1] + 1, events[i], "events in order");
+                Check.True(events.Count >= 4 * seconds, "an event every 250 ms");
+            }
+        }
+    }
+
+    public static void LowRate_IsWhatWasAskedFor()
+    {
+        using (var program = new Program())
+        using (WholehandClient fast = Connect(program))
+        using (WholehandClient slow = Connect(program, rate: 60))
+        {
+            Check.Until(() => slow.Statistics.Received > 20, "states");
+            ulong first = 0, last = 0;
+            long count = 0;
+            slow.StateReceived += s =>
+            {
+                if (count++ == 0) first = s.Tick;
+                last = s.Tick;
+            };
+            Check.Until(() => Interlocked.Read(ref count) >= 120, "two seconds of states");
+            double rate = (count - 1 + slow.Statistics.Lost) * 1000.0 / (last - first);
+            Check.Near(60.0, rate, 1.0, "rate by the program's own ticks");
+        }
+    }
+
+    public static void Commands_ChangeTheProgram()
+    {
+        using (var program = new Program())
+        using (WholehandClient client = Connect(program))
+        {
+            Shows(client, s => s.RunState == RunState.Disarmed, "a state");
+            Check.Until(() => client.LatestScene.HasValue, "the scene");
+            Check.Equal(40, client.LatestScene.Value.CapsulesLength, "capsules");
+            Check.Equal("lead_in_m", client.LatestScene.Value.Parameters(0).Value.Name, "parameter");
+            Refused(client.Arm()); // without the controls
+            Accepted(client.TakeControls());
+            Check.Until(() => client.HoldsControls, "holds the controls");
+            Accepted(client.Arm());
+            Shows(client, s => s.RunState == RunState.Rendering, "rendering");
+            Accepted(client.SetParameter("lead_in_m", 0.0125));
+            Shows(client, s => s.Values[LeadIn] == 0.0125, "the parameter");
+            Accepted(client.Steer(Steering.Person));
+            client.Aim(new[] { 0.03f, 0, 0, 0, 0, 0, 0, 0, 0 });
+            Shows(client, s => s.Values[Aims] == 1 && Math.Abs(s.Values[Aimed] - 0.03) < 1e-6
+                && s.Steering == Steering.Person, "the aim");
+            Accepted(client.Action(Act.Pause));
+            Accepted(client.LoadExercise("stand-in", 2));
+            Check.Until(() => client.LatestScene.Value.Session == 2, "the new scene");
+            Accepted(client.Stop());
+            Shows(client, s => s.RunState == RunState.Stopped, "stopped");
+            Accepted(client.ReleaseControls());
+            Check.Until(() => !client.HoldsControls, "released");
+        }
+    }
+
+    public static void BadCommands_AreRefusedWithTheReasonAndChangeNothing()
+    {
+        using (var program = new Program())
+        using (WholehandClient client = Connect(program))
+        {
+            Check.Until(() => client.Connected, "connected");
+            Accepted(client.TakeControls());
+            string why = Refused(client.SetParameter("lead_in_m", 0.5));
+            Check.True(why.Contains("[0, 0.02]"), why);
+            Check.True(Refused(client.SetParameter("no_such", 0.5)).Contains("no_such"), "names the parameter");
+            Check.True(Refused(client.SetParameter("lead_in_m", double.NaN)).Contains("finite"), "not finite");
+            Check.True(Refused(client.LoadExercise("no-such")).Contains("no-such"), "names the exercise");
+            string aim = "";
+            client.ReplyReceived += r => { if (!r.Accepted) aim = r.Reason; };
+            client.Aim(new float[3]);
+            Check.Until(() => aim != "", "an aim of too few axes is refused");
+            Shows(client, s => s.Values[LeadIn] == 0.005 && s.Values[Aims] == 0, "nothing changed");
+            Accepted(client.SetParameter("lead_in_m", 0.01)); // and the next is heard
+        }
+    }
+
+    public static void SecondGame_WatchesAndMayStop()
+    {
+        using (var program = new Program())
+        using (WholehandClient first = Connect(program))
+        using (WholehandClient second = Connect(program))
+        {
+            Check.Until(() => first.Connected && second.Connected, "connected");
+            Accepted(first.TakeControls());
+            Refused(second.TakeControls());
+            Refused(second.Arm());
+            Accepted(first.Arm());
+            Shows(second, s => s.RunState == RunState.Rendering, "both see it");
+            Accepted(second.EmergencyStop());
+            Shows(first, s => s.RunState == RunState.Stopped, "stopped");
+            first.Dispose();
+            Check.Until(() => Ended(second.TakeControls()).Accepted, "free again");
+        }
+    }
+
+    public static void GameThatHangs_FadesTheExerciseOutAndBack()
+    {
+        using (var program = new Program())
+        using (WholehandClient watcher = Connect(program))
+        using (WholehandClient game = Connect(program, polled: true))
+        {
+            var taken = Task.FromResult(new CommandReply(false, ""));
+            Check.Until(() => game.Connected, "connected");
+            taken = game.TakeControls();
+            Check.Until(() => { game.Poll(); return taken.IsCompleted; }, "answered");
+            Accepted(taken);
+            for (int i = 0; i < 30; ++i)
+            {
+                game.Poll();
+                Thread.Sleep(10);
+            }
+            Shows(watcher, s => s.Values[OwnerAlive] == 1.0, "alive");
+            // Its main thread hangs; its network thread goes on acknowledging events.
+            Shows(watcher, s => s.Values[OwnerAlive] == 0.0, "silent");
+            Check.True(game.Connected, "it is connected all the same");
+            Check.Until(() =>
+            {
+                game.Poll();
+                var state = new HandState();
+                return watcher.TryGetState(state) && state.Values[OwnerAlive] == 1.0;
+            }, "alive again");
+        }
+    }
+
+    public static void GameThatDies_FadesTheExerciseOutAndFreesTheControls()
+    {
+        using (var program = new Program())
+        using (WholehandClient watcher = Connect(program))
+        {
+            using (WholehandClient game = Connect(program))
+            {
+                Check.Until(() => game.Connected && watcher.Connected, "connected");
+                Accepted(game.TakeControls());
+                Shows(watcher, s => s.Values[OwnerAlive] == 1.0, "alive");
+            }
+            Shows(watcher, s => s.Values[OwnerAlive] == 0.0, "gone");
+            Accepted(watcher.TakeControls());
+            Shows(watcher, s => s.Values[OwnerAlive] == 1.0, "the next one");
+        }
+    }
+
+    public static void ProgramThatIsRestarted_IsFoundAgain()
+    {
+        using (var program = new Program())
+        using (WholehandClient client = Connect(program))
+        {
+            Shows(client, s => true, "states");
+            program.Kill(); // without a goodbye
+            Check.Until(() => !client.Connected, "lost");
+            using (var second = new Program(program.Port))
+            {
+                Check.Until(() => client.Connected, "found again");
+                Shows(client, s => true, "states again");
+                Accepted(client.TakeControls());
+            }
+        }
+    }
+
+    public static void WrongToken_IsRefusedInWordsAndTheRightOneIsNot()
+    {
+        using (var program = new Program(0, "a-long-secret"))
+        using (WholehandClient wrong = Connect(program, token: "a-wrong-one"))
+        using (WholehandClient right = Connect(program, token: "a-long-secret"))
+        {
+            Check.Until(() => wrong.Refusal.Contains("token"), "refused in words");
+            Check.Until(() => right.Connected, "connected");
+            Check.True(!wrong.Connected, "not connected");
+        }
+    }
+}

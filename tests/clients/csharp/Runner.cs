@@ -1,0 +1,108 @@
+using System;
+using System.Collections.Generic;
+using System.Globalization;
+using System.Reflection;
+
+/// <summary>Classes of tests: every public static method without parameters is one.</summary>
+[AttributeUsage(AttributeTargets.Class)]
+public sealed class TestsAttribute : Attribute
+{
+}
+
+public sealed class Failure : Exception
+{
+    public Failure(string what) : base(what)
+    {
+    }
+}
+
+public static class Check
+{
+    public static void True(bool condition, string what)
+    {
+        if (!condition) throw new Failure(what);
+    }
+
+    public static void Equal<T>(T expected, T actual, string what)
+    {
+        if (!EqualityComparer<T>.Default.Equals(expected, actual))
+        {
+            throw new Failure(what + ": expected " + expected + ", is " + actual);
+        }
+    }
+
+    public static void Near(double expected, double actual, double tolerance, string what)
+    {
+        if (!(Math.Abs(expected - actual) <= tolerance))
+        {
+            throw new Failure(what + ": expected " + expected + " ± " + tolerance + ", is " + actual);
+        }
+    }
+
+    /// <summary>Waits for what must come true, up to 20 s: no test depends on how fast the machine is.</summary>
+    public static void Until(Func<bool> condition, string what)
+    {
+        DateTime end = DateTime.UtcNow.AddSeconds(20);
+        while (!condition())
+        {
+            if (DateTime.UtcNow > end) throw new Failure("not within 20 s: " + what);
+            System.Threading.Thread.Sleep(2);
+        }
+    }
+}
+
+/// <summary>WholehandTests.exe [udp_stand_in]: runs all tests, those against the running process only
+/// where it is named. The exit code is the number of failures.</summary>
+public static class Runner
+{
+    public static string StandIn;
+    public static bool Full = Environment.GetEnvironmentVariable("WHOLEHAND_FULL") == "1";
+
+    public static int Seed
+    {
+        get
+        {
+            long seed;
+            return long.TryParse(Environment.GetEnvironmentVariable("WHOLEHAND_SEED"), out seed) ? (int)(seed % 1000000) : 1;
+        }
+    }
+
+    public static int Main(string[] arguments)
+    {
+        CultureInfo.CurrentCulture = CultureInfo.InvariantCulture;
+        if (arguments.Length > 0) StandIn = arguments[0];
+        int failed = 0, passed = 0;
+        foreach (Type type in Assembly.GetExecutingAssembly().GetTypes())
+        {
+            if (type.GetCustomAttributes(typeof(TestsAttribute), false).Length == 0) continue;
+            if (type == typeof(LiveTests) && StandIn == null) continue;
+            foreach (MethodInfo method in type.GetMethods(
+                BindingFlags.Public | BindingFlags.Static | BindingFlags.DeclaredOnly))
+            {
+                if (method.GetParameters().Length != 0) continue;
+                if (Run(type, method)) ++passed;
+                else ++failed;
+            }
+        }
+        Console.WriteLine("{0} passed, {1} failed", passed, failed);
+        // A run without tests proves nothing.
+        return passed == 0 ? 1 : failed;
+    }
+
+    private static bool Run(Type type, MethodInfo method)
+    {
+        string name = type.Name + "." + method.Name;
+        try
+        {
+            method.Invoke(null, null);
+            Console.WriteLine("ok     {0}", name);
+            return true;
+        }
+        catch (TargetInvocationException e)
+        {
+            var failure = e.InnerException as Failure;
+            Console.WriteLine("FAILED {0}: {1}", name, failure != null ? failure.Message : e.InnerException.ToString());
+            return false;
+        }
+    }
+}
