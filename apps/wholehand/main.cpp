@@ -219,12 +219,12 @@ int main(int argc, char** argv) {
   app.option_defaults()->always_capture_default(false);
   int code = kExitDone;
   RunOptions run;
-  run.files = {shippedFile("config/scenes/four-shapes.toml"),
-               shippedFile("config/hands/adult-median-right.toml"),
-               shippedFile("config/devices/lambda-pride.toml"),
-               "",
-               shippedFile("config/patients/relaxed-adult.toml"),
-               shippedFile("data/human-motion/reach-grasp-00.csv")};
+  run.files.scene = shippedFile("config/scenes/four-shapes.toml");
+  run.files.hand = shippedFile("config/hands/adult-median-right.toml");
+  run.files.device = shippedFile("config/devices/lambda-pride.toml");
+  run.files.rendering.clear();
+  run.files.patient = shippedFile("config/patients/relaxed-adult.toml");
+  run.files.motion = shippedFile("data/human-motion/reach-grasp-00.csv");
   ReplayOptions replay;
   ReportOptions report;
   ExperimentOptions experiment;

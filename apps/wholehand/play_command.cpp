@@ -78,7 +78,8 @@ StationConfig stationConfig(const RunOptions& options, StatusLine*& line) {
   };
   config.status = [&line](RunState state, const TickSummary& now) {
     const bool runs = state == RunState::kRendering || state == RunState::kRampingDown;
-    if (line != nullptr && runs && now.time_s > 0.0) line->update(now, now.records / now.time_s);
+    if (line != nullptr && runs && now.time_s > 0.0)
+      line->update(now, static_cast<double>(now.records) / now.time_s);
   };
   return config;
 }

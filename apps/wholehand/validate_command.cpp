@@ -42,6 +42,7 @@ class Validation {
       if (kind == "rendering") remark = checkRendering(file);
       if (kind == "patient") checkWithDevice(file, loadPatientFile);
       if (kind == "scene") add(loadSceneFile(file));
+      if (kind == "exercise") remark = checkExercise(file);
       if (kind == "motion") add(loadMotionFile(file));
       if (kind != "motion" && !kind.empty()) checkKind(file, kind);
       if (!faulty_device_.empty()) {
@@ -114,7 +115,7 @@ class Validation {
   void checkKind(const std::string& file, const std::string& kind) {
     TomlFile toml(file, kind);
     if (!toml.readable()) return;
-    toml.root().choice("kind", {"hand", "device", "rendering", "patient", "scene"});
+    toml.root().choice("kind", {"hand", "device", "rendering", "patient", "scene", "exercise"});
     if (toml.root().good("kind")) return;
     toml.root().skipRest();
     add(toml.finish());
@@ -168,6 +169,31 @@ class Validation {
     if (!add(checked)) return {};
     add(checked->refused);
     return gainTable(models, checked->gains);
+  }
+
+  // Every level, with the device among the arguments (else the shipped one) and its gains.
+  std::string checkExercise(const std::string& file) {
+    const std::string device_file = deviceFor(file);
+    auto rendering = renderingFor(device_file);
+    if (!add(rendering)) return {};
+    int levels = 1;
+    for (int level = 1; level <= levels; ++level) {
+      ModelFiles files;
+      files.hand = handFor();
+      files.device = device_file;
+      files.rendering = *rendering;
+      files.patient = shippedFile("config/patients/relaxed-adult.toml");
+      files.exercise = file;
+      files.level = level;
+      auto models = loadModels(files);
+      if (!add(models)) return {};
+      auto checked = checkGains(*models, 1e-3);
+      if (!add(checked)) return {};
+      add(checked->refused);
+      levels = models->exercise->description().levels;
+    }
+    return fmt::format("    {} level{}, with the device {}\n", levels, levels == 1 ? "" : "s",
+                       device_file);
   }
 
   static std::string gainTable(const Models& models, const CouplingGains& gains) {
