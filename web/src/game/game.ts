@@ -29,6 +29,8 @@ export class Game {
   private script: Script | null = null;
   private wish: Situation['wish'] = 'undecided';
   private palmLink = 0;
+  private unit = 0;
+  private blind = false;
   private resting = false;
   private helpOpen = false;
   private drinkFollows = false;
@@ -57,13 +59,16 @@ export class Game {
     connection.on('events', (events) => this.onEvents(events));
     controls.onRefused = (reason) => { this.notice = reason; };
     controls.onMode((way) => { if (way) this.way = way; });
+    controls.onWebcam = (view) => this.hud.camera(view?.video ?? null, view && !view.seen ? controls.noHandText() : '');
+    addEventListener('resize', () => { this.unit = 0; });
     this.hud.words(this.sound.on);
     this.overlayFor('welcome');
   }
 
-  /** The picture came, or was found to be impossible (null). */
+  /** The picture came, or was found to be impossible (null): then the amount stands by itself. */
   setPicture(picture: Picture | null): void {
     this.picture = picture;
+    this.blind = picture === null;
     picture?.setLook({ tone: this.tone, names: this.liquidNames() });
     if (picture && this.connection.scene) picture.setScene(this.connection.scene);
     this.shown = '';
@@ -218,6 +223,7 @@ export class Game {
     const visible = script !== null && now !== 'welcome';
     this.hud.show(visible ? recipeOf(script, state) : null, visible && now !== 'success' && now !== 'rest' ? meterOf(script, state) : null, visible ? callOutOf(script, state) : null);
     if (script && this.picture) this.placeWords(script, state, now);
+    else if (this.blind) this.hud.place({ x_px: 0, y_px: 0 }, null);
   }
 
   private words(now: PageState, state: WorldStateT): [string, string] {
@@ -261,7 +267,11 @@ export class Game {
     return Object.fromEntries((this.script?.dispensers ?? []).map(({ liquid }) => [liquid, nameOf('liquid', liquid)]));
   }
 
-  private unit_px(): number { return this.hud.strip.getBoundingClientRect().height / 104; }
+  /** 1u of game.css; measured anew when the screen changes, as asking for it costs a layout. */
+  private unit_px(): number {
+    this.unit ||= this.hud.stop.getBoundingClientRect().height / 68;
+    return this.unit;
+  }
 
   // ---- what the person presses
 
@@ -277,7 +287,11 @@ export class Game {
       if (!camera.ok) { this.refuse(camera.reason); return; }
     }
     const taken = await connection.takeControls();
-    if (!taken.accepted) { this.refuse(taken.reason); return; }
+    if (!taken.accepted) {
+      // Somebody else plays: there is nothing to do about it here but to watch, and that is said.
+      if (connection.controls.held) this.wish = 'watch'; else this.refuse(taken.reason);
+      return;
+    }
     if (!await this.matchLevel()) return;
     if (connection.latestState?.runState === RunState.Disarmed) {
       const armed = await connection.arm();
@@ -286,8 +300,14 @@ export class Game {
     const steered = this.hardware ? { accepted: true, reason: '' } : await connection.steer(Steering.Person);
     if (!steered.accepted) { this.refuse(steered.reason); return; }
     await this.beginAgain();
+    await this.until(() => this.hardware || connection.latestState?.steering === Steering.Person);
     this.notice = '';
     this.wish = 'play';
+  }
+
+  /** Until the program's state says so too: the page would show "watching" for a moment. */
+  private async until(so: () => boolean): Promise<void> {
+    for (let tries = 0; tries < 40 && !so(); tries++) await new Promise((go) => setTimeout(go, 25));
   }
 
   /** A person who comes new begins a new glass; one who comes back goes on where it was left. */

@@ -110,6 +110,8 @@ export class Hud {
   private readonly amount = h('b', { class: 't-m' });
   private readonly amountMore = h('span', { class: 't-s' });
   private readonly callOut = h('div', { class: 'callout', hidden: true }, h('div', {}, this.amount, this.amountMore));
+  private readonly viewProblem = h('p', { class: 't-s', role: 'status' });
+  private readonly view = h('div', { class: 'camera card', hidden: true, 'data-testid': 'camera' }, this.viewProblem);
   private readonly chevrons = h('div', { class: 'chevrons', hidden: true, 'aria-hidden': 'true' });
 
   constructor(root: HTMLElement, actions: HudActions) {
@@ -121,7 +123,7 @@ export class Hud {
       h('div', { class: 'say', role: 'status', 'aria-live': 'polite' }, this.title, this.more),
       this.meter.element, this.play, this.help, this.sound, this.stop);
     this.chevrons.append(...[0, 1, 2].map(() => h('i')));
-    root.append(this.recipe.element, this.chevrons, this.callOut, this.strip);
+    root.append(this.recipe.element, this.view, this.chevrons, this.callOut, this.strip);
   }
 
   words(soundOn: boolean): void {
@@ -130,6 +132,13 @@ export class Hud {
     setAttribute(this.sound, 'aria-pressed', String(soundOn));
     setText(this.stopWord, text('game.stop'));
     setText(this.play, text('watch.play'));
+  }
+
+  /** What the camera sees, for the person to find the middle; null: it is off. */
+  camera(video: HTMLVideoElement | null, problem: string): void {
+    this.view.hidden = video === null;
+    if (video && video.parentElement !== this.view) this.view.prepend(video);
+    setText(this.viewProblem, problem);
   }
 
   say(title: string, more: string): void {

@@ -62,6 +62,7 @@ try {
   console.warn('The bar cannot be drawn here:', problem);
   document.body.classList.add('blind');
   canvas.hidden = true;
+  game.setPicture(null);
   page.append(noPictureCard());
 }
 stats.reset();
