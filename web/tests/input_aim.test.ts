@@ -140,9 +140,9 @@ describe('help near a dispenser', () => {
     expect(model.aim[1]).toBeCloseTo(-0.014, 9);
   });
 
-  it('no dispenser of another place pulls: 64 mm is half of the pitch', () => {
+  it('the nearest dispenser sideways is the one', () => {
     expect(nearestGrip([{ x: 0, y: 0.1, z: 0 }, { x: 0, y: -0.028, z: 0 }], 0.03)).toEqual({ x: 0, y: -0.028, z: 0 });
-    expect(nearestGrip([{ x: 0, y: 0.1, z: 0 }], 0.03)).toBeUndefined();
+    expect(nearestGrip([{ x: 0, y: 0.3, z: 0 }], 0.03)).toBeUndefined();
   });
 
   it('can be switched off', () => {

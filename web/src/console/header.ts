@@ -23,6 +23,7 @@ export class Header implements Panel {
   private readonly pillIcon = h('span', { class: 'pill-icon' });
   private readonly pill: HTMLElement;
   private readonly main: HTMLButtonElement;
+  private readonly stop: HTMLButtonElement;
   private mainShows = '';
 
   constructor(private readonly model: ConsoleModel, private readonly rebuild: () => void) {
@@ -31,12 +32,12 @@ export class Header implements Panel {
       this.pillIcon, h('span', {}, this.pillName, this.pillCause));
     this.main = h('button', { type: 'button', class: 'b', 'data-testid': 'pause' });
     this.main.addEventListener('click', () => this.pauseOrStart());
-    const stop = h('button', { type: 'button', class: 'b stop', 'data-testid': 'emergency-stop' },
+    this.stop = h('button', { type: 'button', class: 'b stop', 'data-testid': 'emergency-stop' },
       icon('stop'), t.emergency, h('kbd', {}, t.esc));
-    stop.addEventListener('click', () => void model.emergencyStop());
+    this.stop.addEventListener('click', () => void model.emergencyStop());
     this.element = h('header', { class: 'top' },
       h('h1', { class: 'brand' }, icon('logo'), 'Wholehand'), this.who.element, this.what.element, this.pill,
-      h('span', { class: 'sp' }), this.languageChoice(), this.tablesButton(), this.themeButton(), this.main, stop);
+      h('span', { class: 'sp' }), this.languageChoice(), this.tablesButton(), this.themeButton(), this.main, this.stop);
     this.refresh();
   }
 
@@ -62,8 +63,8 @@ export class Header implements Panel {
     const { scene } = model;
     if (!scene) return;
     const side = scene.rightHand ? t.hand.right : t.hand.left;
-    say(this.who.first, `${asWords(String(scene.patientName ?? ''))}, ${side}`);
-    say(this.who.second, fill(t.session, { n: model.state?.session ?? scene.session }));
+    say(this.who.first, asWords(String(scene.patientName ?? '')));
+    say(this.who.second, `${fill(t.session, { n: model.state?.session ?? scene.session })}, ${side}`);
     setAttribute(this.who.element, 'title', `${String(scene.deviceName ?? '')}, ${String(scene.handName ?? '')}`);
     const exercise = String(scene.exerciseName ?? '');
     say(this.what.first, t.exercises[exercise] ?? (exercise === '' ? t.noExercise : asWords(exercise)));
@@ -93,6 +94,8 @@ export class Header implements Panel {
     const shows = name === 'rendering' ? 'pause' : name === 'paused' ? 'resume' : name === 'disarmed' ? 'arm' : 'armAgain';
     const usable = ['rendering', 'paused', 'disarmed', 'stopped', 'faulted'].includes(name);
     this.main.disabled = !usable;
+    // Without a connection the browser cannot reach the robot: nothing is promised.
+    this.stop.disabled = name === 'lost';
     if (this.mainShows === shows) return;
     this.mainShows = shows;
     setClass(this.main, 'go', shows === 'arm' || shows === 'armAgain');

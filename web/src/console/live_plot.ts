@@ -108,8 +108,13 @@ export class LivePlot {
       const [lower, upper] = this.valueRange();
       return ticksIn(lower, upper, niceStep(upper - lower, 4));
     };
+    // The lowest one would stand in the way of the times below it.
+    const named = (value: number): boolean => {
+      const [lower, upper] = this.valueRange();
+      return this.spec.range !== undefined || value - lower > 0.05 * (upper - lower);
+    };
     const names = (_plot: uPlot, values: number[]): string[] =>
-      values.map((value) => String(Number(value.toPrecision(6))).replace('-', '−'));
+      values.map((value) => (named(value) ? String(Number(value.toPrecision(6))).replace('-', '−') : ''));
     return [splits, names];
   }
 
@@ -152,6 +157,8 @@ export class LivePlot {
     context.moveTo(x, bbox.top);
     context.lineTo(x, bbox.top + bbox.height);
     context.stroke();
+    // A stop is named once, at the top; its line goes through all plots.
+    if (mark.bad && this.spec.id !== 'hand') return;
     context.font = scaled(mark.bad ? FONT_BAD : FONT_SIGN, ratio);
     context.fillText(mark.label, x + 5 * ratio, bbox.top + 13 * ratio);
   }

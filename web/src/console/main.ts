@@ -3,12 +3,17 @@ import '../shared/tokens.css';
 import './console.css';
 import { openConnection } from '../net/open_connection';
 import { ClockOffset, FrameStats, type WholehandStats } from '../game/frame_stats';
+import type { SceneT, WorldStateT } from '../protocol';
 import { onLanguage, startLanguage } from '../shared/i18n';
 import { ConsolePage } from './page';
 import { startTheme } from './theme';
 
 declare global {
-  interface Window { wholehandStats: WholehandStats }
+  interface Window {
+    wholehandStats: WholehandStats;
+    /** What the page knows of the program, for tests and for curious people. */
+    wholehandNow: { state: WorldStateT | null; scene: SceneT | null };
+  }
 }
 
 startTheme();
@@ -22,6 +27,7 @@ const stats = new FrameStats();
 const clock = new ClockOffset();
 connection.on('state', (state) => clock.heard(Number(state.sentMonotonicNs) / 1e6, connection.latestStateAt_ms));
 Object.defineProperty(window, 'wholehandStats', { get: () => stats.report(page.quality) });
+Object.defineProperty(window, 'wholehandNow', { get: () => ({ state: connection.latestState, scene: connection.scene }) });
 
 function frame(now_ms: number): void {
   requestAnimationFrame(frame);

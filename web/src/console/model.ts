@@ -89,6 +89,7 @@ export class ConsoleModel {
 
   private takeState(state: WorldStateT): void {
     this.state = state;
+    this.paused = (this.value('paused') ?? Number(this.paused)) > 0.5;
     if (!this.history.add(state)) return;
     this.fresh = true;
     this.marks.addRunState(state.runState, this.history.now_s, texts());

@@ -53,7 +53,7 @@ export class ConsolePage {
 
   /** Builds every panel; what the therapist chose stays chosen. */
   build(): void {
-    const axis = this.plots?.axisName || 'finger_flexion';
+    const axis = this.plots?.axisName ?? 'finger_flexion';
     const group = this.parameters?.openGroup ?? 0;
     const focused = document.activeElement?.getAttribute('data-testid');
     for (const panel of this.panels) panel.close?.();

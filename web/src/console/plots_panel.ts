@@ -67,9 +67,9 @@ class PlotPanel {
 }
 
 function swatch(series: SeriesSpec): SVGElement {
-  const path = svg('path', { d: 'M0 3h24', 'stroke-width': 3, 'stroke-dasharray': series.dash.map((v) => Math.min(v, 9)).join(' ') || undefined });
+  const path = svg('path', { d: 'M0 3h20', 'stroke-width': 3, 'stroke-dasharray': series.dash.map((v) => Math.min(v, 9)).join(' ') || undefined });
   path.style.stroke = `var(${series.color})`;
-  return svg('svg', { width: 24, height: 6, 'aria-hidden': 'true' }, path);
+  return svg('svg', { width: 20, height: 6, 'aria-hidden': 'true' }, path);
 }
 
 /** The column of live plots. */
@@ -78,15 +78,15 @@ export class PlotsPanel implements Panel {
   private plots: PlotPanel[] = [];
   private axis: number;
 
-  constructor(private readonly model: ConsoleModel, axisName: string) {
+  constructor(private readonly model: ConsoleModel, private wanted: string) {
     const axes = model.scene?.axes ?? [];
-    this.axis = Math.max(0, axes.findIndex((axis) => axis.name === axisName));
+    this.axis = Math.max(0, axes.findIndex((axis) => axis.name === wanted));
     this.build();
   }
 
   /** The axis whose coordinate is shown. */
   get axisName(): string {
-    return String(this.model.scene?.axes[this.axis]?.name ?? '');
+    return this.wanted;
   }
 
   draw(): void {
@@ -126,6 +126,7 @@ export class PlotsPanel implements Panel {
     const at = this.plots.findIndex((plot) => plot.element.dataset.plot === 'axis');
     if (!scene || at < 0) return;
     this.axis = axis;
+    this.wanted = String(scene.axes[axis].name);
     const old = this.plots[at];
     this.plots[at] = new PlotPanel(this.model, coordinateSpec(scene, this.model.history, axis, t), readTheme(), t, this.axisChoice(t));
     old.element.replaceWith(this.plots[at].element);

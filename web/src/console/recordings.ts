@@ -32,7 +32,7 @@ export function whenMade(created_utc: string | undefined, now: Date, locale: str
   if (Number.isNaN(made.getTime())) return '';
   const today = made.toDateString() === now.toDateString();
   return today
-    ? made.toLocaleTimeString(locale, { hour: '2-digit', minute: '2-digit' })
+    ? made.toLocaleTimeString(locale, { hour: '2-digit', minute: '2-digit', hour12: false })
     : made.toLocaleDateString(locale, { day: 'numeric', month: 'short' });
 }
 

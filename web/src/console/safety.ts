@@ -91,7 +91,7 @@ export class SafetyPanel implements Panel {
   private lastNotice(): string {
     const { notice } = this.model;
     if (!notice) return this.t.safety.nothingYet;
-    return fill(this.t.safety.lastNotice, { time: notice.at.toLocaleTimeString(language()), what: notice.what });
+    return fill(this.t.safety.lastNotice, { time: notice.at.toLocaleTimeString(language(), { hour12: false }), what: notice.what });
   }
 
   private refreshPeaks(): void {

@@ -30,8 +30,7 @@ export class SetupPanel implements Panel {
       h('div', { class: 'hd' }, h('h2', {}, t.setup.title), this.holder, this.take),
       h('div', { class: 'fields' },
         field(t.setup.exercise, this.exercise), field(t.setup.level, this.level), field(t.setup.hand, this.hand), load),
-      h('div', { class: 'row' }, this.who.element, h('span', { class: 'sp' }), this.stop),
-      h('div', { class: 'row' }, restart, next, h('span', { class: 'sp' })));
+      h('div', { class: 'row who-plays' }, this.who.element), h('div', { class: 'row' }, restart, next, this.stop));
     this.fillChoices();
     this.refresh();
   }

@@ -29,8 +29,8 @@ export interface Asked {
 export const BESIDE_M = 0.024;
 /** Reaching this far of the way in counts as being inside the row. */
 const INSIDE = 0.2;
-/** A dispenser farther sideways than half of the row's pitch is another one's [m]. */
-const REACH_M = 0.064;
+/** A dispenser farther sideways than this is none of the hand's business [m]. */
+const REACH_M = 0.2;
 /** The palm is at the dispenser [m]. */
 const AT_X_M = 0.01;
 const AT_Y_M = 0.006;

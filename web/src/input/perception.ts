@@ -1,4 +1,4 @@
-import type { SceneT, WorldStateT } from '../protocol';
+import { HandPart, type SceneT, type WorldStateT } from '../protocol';
 import type { Perception } from './aim_model';
 import type { Triple } from './wish';
 
@@ -25,6 +25,7 @@ export class Perceiver {
   private readonly axes: Record<keyof Triple, number>;
   private readonly values: { now: number; low: number; high: number };
   private readonly side: number;
+  private readonly palmLink: number;
 
   constructor(scene: SceneT) {
     const bodies = scene.bodies.map((body) => String(body.name));
@@ -39,6 +40,8 @@ export class Perceiver {
     const value = (name: string): number => scene.valueNames.indexOf(name);
     this.values = { now: value('squeeze_n'), low: value('squeeze_low_n'), high: value('squeeze_high_n') };
     this.side = scene.rightHand ? 1 : -1;
+    // The link that carries the palm: every axis of the base moves it.
+    this.palmLink = scene.capsules.find((capsule) => capsule.part === HandPart.Palm)?.link ?? 0;
   }
 
   see(state: WorldStateT): Perception {
@@ -55,7 +58,7 @@ export class Perceiver {
 
   /** Device coordinates at which the palm grips each dispenser. */
   private gripsNow(state: WorldStateT): Triple[] {
-    const palm = state.links[0]?.positionM;
+    const palm = state.links[this.palmLink]?.positionM;
     if (!palm) return [];
     return this.grips.flatMap(({ body, at }) => {
       const position = state.bodies[body]?.positionM;

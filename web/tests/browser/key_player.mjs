@@ -1,0 +1,53 @@
+// A person who plays with keys alone: looks ten times a second, and presses what the help says.
+
+const STAGE = { reach: 0, squeeze: 1, pouring: 2, letGo: 3, drinkDone: 4, levelDone: 5, drawBack: 6 };
+/** In front of the row, and at a dispenser, along x [m]. */
+const IN_FRONT_M = -0.055;
+const AT_M = 0.058;
+/** Palm of a right hand to the axis of what it grips, sideways [m]. */
+const GRIP_SIDE_M = 0.041;
+
+/** Which keys a person would hold now. */
+export function keysFor(now) {
+  const [x, y] = [now.q[now.axes.indexOf('x')], now.q[now.axes.indexOf('y')]];
+  const { stage, target_dispenser: target, squeeze_n: squeeze } = now.values;
+  const body = now.bodies[now.dispensers[target]];
+  if (!body || stage === STAGE.drinkDone || stage === STAGE.levelDone) return [];
+  if (stage === STAGE.letGo || stage === STAGE.drawBack) return squeeze > 0.2 || x < -0.07 ? [] : ['ArrowDown'];
+  const aside = body[1] - GRIP_SIDE_M - y;
+  if (x > IN_FRONT_M && Math.abs(aside) > 0.05) return ['ArrowDown'];
+  if (x < IN_FRONT_M) {
+    if (Math.abs(aside) > 0.04) return [aside > 0 ? 'ArrowLeft' : 'ArrowRight'];
+    return ['ArrowUp'];
+  }
+  return x < AT_M || Math.abs(aside) > 0.012 ? ['ArrowUp'] : ['Space'];
+}
+
+/** Plays until a drink is done; returns the last state and how long it took. */
+export async function playOneDrink(page, watcher, { within_s = 120, onLook = () => {} } = {}) {
+  const began_ms = Date.now();
+  const held = new Set();
+  const hold = async (wanted) => {
+    for (const key of [...held].filter((k) => !wanted.includes(k))) {
+      await page.keyboard.up(key);
+      held.delete(key);
+    }
+    for (const key of wanted.filter((k) => !held.has(k))) {
+      await page.keyboard.down(key);
+      held.add(key);
+    }
+  };
+  try {
+    for (;;) {
+      const now = await watcher.now();
+      const taken_s = (Date.now() - began_ms) / 1000;
+      onLook(now, taken_s);
+      if (now.values.stage === STAGE.drinkDone || now.values.stage === STAGE.levelDone) return { now, taken_s };
+      if (taken_s > within_s) throw new Error(`no drink within ${within_s} s: ${JSON.stringify({ ...now.values, q: now.q.map((v) => +v.toFixed(3)) })}`);
+      await hold(keysFor(now));
+      await new Promise((resolve) => setTimeout(resolve, 100));
+    }
+  } finally {
+    await hold([]);
+  }
+}

@@ -1,0 +1,37 @@
+// What the program says, read through the console's page: the same messages that a therapist sees.
+import { openPage, pageUrl, until } from './browser.mjs';
+
+/** A console without 3D, which only watches. */
+export async function openWatcher(browser, programUrl) {
+  const page = await openPage(browser, pageUrl(programUrl, '/console', { lang: 'en', theme: 'light' }));
+  const watcher = {
+    page,
+    /** The latest state in plain numbers; figures of the exercise by their names. */
+    async now() {
+      return page.evaluate(() => {
+        const { state, scene } = window.wholehandNow;
+        if (!state || !scene) return null;
+        const values = Object.fromEntries(scene.valueNames.map((name, i) => [name, state.values[i]]));
+        const bar = scene.exerciseJson ? JSON.parse(scene.exerciseJson) : {};
+        const bodies = Object.fromEntries(scene.bodies.map((body, i) => {
+          const p = state.bodies[i]?.positionM;
+          return [body.name, p ? [p.x, p.y, p.z] : null];
+        }));
+        return {
+          values, bodies, dispensers: (bar.dispensers ?? []).map((d) => d.body),
+          axes: scene.axes.map((axis) => axis.name),
+          q: state.qM, sent: state.sent, runState: state.runState, steering: state.steering, session: state.session,
+          tick: Number(state.tick), shown: document.body.dataset.state,
+        };
+      });
+    },
+    until(what, look, options) {
+      return until(what, async () => {
+        const now = await watcher.now();
+        return now && look(now) ? now : null;
+      }, options);
+    },
+  };
+  await watcher.until('the first state', () => true);
+  return watcher;
+}
