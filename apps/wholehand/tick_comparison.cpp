@@ -75,6 +75,8 @@ TickDifference firstDifference(const TickRecord& first, const TickRecord& again)
   c.checkArray("wall", first.exercise.wall, again.exercise.wall);
   c.check("palm_body", first.palm_body, again.palm_body);
   c.check("palm_target_distance_m", first.palm_target_distance_m, again.palm_target_distance_m);
+  c.checkArray("tank", first.tank, again.tank);
+  c.checkArray("tank_effort", first.tank_effort, again.tank_effort);
   c.checkArray("closure", first.closure, again.closure);
   c.checkArray("effort_limit", first.effort_limit, again.effort_limit);
   c.check("parameter_count", first.parameter_count, again.parameter_count);

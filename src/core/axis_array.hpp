@@ -59,6 +59,7 @@ using AxisPosition = TaggedArray<struct PositionTag, kMaxAxes>;  ///< [m or rad]
 using AxisVelocity = TaggedArray<struct VelocityTag, kMaxAxes>;  ///< [m/s or rad/s]
 using AxisEffort = TaggedArray<struct EffortTag, kMaxAxes>;      ///< [N or N·m]
 using AxisRatio = TaggedArray<struct RatioTag, kMaxAxes>;        ///< [1]
+using AxisEnergy = TaggedArray<struct EnergyTag, kMaxAxes>;      ///< [J]
 
 // Per driven joint of the simulated hand.
 using JointPosition = TaggedArray<struct PositionTag, kMaxJoints>;  ///< [m or rad]

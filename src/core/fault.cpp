@@ -9,7 +9,11 @@ const char* faultName(int bit) noexcept {
       "device read failed",       "device write failed", "non-finite device position",
       "non-finite effort",        "non-finite state",    "physics step failed",
       "effort limited",           "late tick",           "contacts dropped",
-      "singular reduced inertia", "stop requested"};
+      "singular reduced inertia", "stop requested",      "emergency stop",
+      "speed limit exceeded",     "workspace left",      "power limited",
+      "effort slew limited",      "encoder jumped",      "encoder stuck",
+      "late ticks in a row",      "gap too long",        "owner silent",
+      "bodies exploded",          "tank damped"};
   return bit >= 0 && bit < kFaultBits ? kNames[static_cast<std::size_t>(bit)] : "unknown";
 }
 

@@ -19,6 +19,18 @@ enum class Fault : std::uint32_t {
   kContactsDropped = 1U << 8,    ///< information: more contacts than the record can hold
   kSingularInertia = 1U << 9,    ///< the reduced inertia could not be inverted
   kStopRequested = 1U << 10,     ///< information: a person or the end of the run asked to stop
+  kEmergencyStop = 1U << 11,     ///< information: a person pressed the emergency stop
+  kSpeedLimit = 1U << 12,        ///< an axis moves faster than its limit
+  kWorkspace = 1U << 13,         ///< an axis is beyond its range by more than its margin
+  kPowerLimit = 1U << 14,        ///< information: efforts were scaled down to the device's power
+  kEffortSlew = 1U << 15,        ///< information: an effort was held back to its slew limit
+  kEncoderJump = 1U << 16,       ///< a position changed by more than any motion could
+  kEncoderStuck = 1U << 17,      ///< a position stands still that the effort should move
+  kLateInARow = 1U << 18,        ///< more late ticks in a row than the device allows
+  kLongGap = 1U << 19,           ///< a gap between ticks longer than the device allows
+  kOwnerSilent = 1U << 20,       ///< information: who shows the exercise is silent; it fades out
+  kBodiesExploded = 1U << 21,    ///< a body of the world is faster or farther than any could be
+  kTankEmpty = 1U << 22,         ///< information: the energy tank damped
 };
 
 [[nodiscard]] constexpr Fault operator|(Fault a, Fault b) noexcept {
@@ -37,10 +49,12 @@ constexpr Fault& operator|=(Fault& a, Fault b) noexcept {
 /// The faults that stop rendering; the others are counted and shown.
 inline constexpr Fault kStopping =
     Fault::kDeviceRead | Fault::kDeviceWrite | Fault::kNonFinitePosition | Fault::kNonFiniteEffort |
-    Fault::kNonFiniteState | Fault::kPhysicsStep | Fault::kSingularInertia;
+    Fault::kNonFiniteState | Fault::kPhysicsStep | Fault::kSingularInertia | Fault::kSpeedLimit |
+    Fault::kWorkspace | Fault::kEncoderJump | Fault::kEncoderStuck | Fault::kLateInARow |
+    Fault::kLongGap | Fault::kBodiesExploded;
 
 /// The number of distinct bits above, for counters.
-inline constexpr int kFaultBits = 11;
+inline constexpr int kFaultBits = 23;
 
 /// A person's name for one bit (0 .. kFaultBits - 1), e.g. "device read failed".
 [[nodiscard]] const char* faultName(int bit) noexcept;

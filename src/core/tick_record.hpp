@@ -115,8 +115,12 @@ struct TickRecord {
   AxisRatio phi;       ///< Φ, Eq. (5)
   AxisEffort damping;  ///< -Φ K_dm q̇_mf
 
+  // written by: energy tank
+  AxisEnergy tank;         ///< what each axis may still give [J]
+  AxisEffort tank_effort;  ///< damping of an empty tank, part of rendered
+
   // written by: safety
-  AxisEffort rendered;      ///< f_m before limits: coupling + exercise + damping
+  AxisEffort rendered;      ///< f_m before limits: coupling + exercise + damping + tank
   double authority = 1.0;   ///< 1 while rendering, falls to 0 while ramping to neutral
   AxisEffort sent;          ///< what the device received
   AxisEffort effort_limit;  ///< in force: the device's, or less where a therapist set less

@@ -166,6 +166,10 @@ void addExerciseColumns(std::vector<Column<TickRecord>>& out, const RecordingMet
   add(perAxis<R>(
       "effort_limit", [](R & r) -> auto& { return r.effort_limit; }, effort, names));
   add(perAxis<R>(
+      "tank", [](R & r) -> auto& { return r.tank; }, {"J"}, names));
+  add(perAxis<R>(
+      "tank_effort", [](R & r) -> auto& { return r.tank_effort; }, effort, names));
+  add(perAxis<R>(
       "closure", [](R & r) -> auto& { return r.closure; }, position, names));
   add(perAxis<R>(
       "exercise_effort", [](R & r) -> auto& { return r.exercise.effort; }, effort, names));

@@ -119,6 +119,8 @@ inline TickRecord noisy(std::uint64_t tick, std::mt19937_64& random) {
     k.distance_m = n(random);
   }
   r.effort_limit = randomArray<AxisEffort>(6, random);
+  r.tank = randomArray<AxisEnergy>(6, random);
+  r.tank_effort = randomArray<AxisEffort>(6, random);
   r.closure = randomArray<AxisPosition>(tick % 4 == 0 ? 0 : 6, random);
   if (tick % 4 != 0) r.closure[0] = std::numeric_limits<double>::quiet_NaN();
   r.palm_body = whole(5) - 1;
