@@ -39,7 +39,11 @@ void ControlDesk::followOthers(std::int64_t now_ns) {
     lost_ns_.reset();
     told_alive_ = true;
   } else if (other_holds_ && holder == 0) {
-    lost_ns_ = now_ns;
+    if (arbiter_.handedBack()) {
+      give_back_ = true;
+    } else {
+      lost_ns_ = now_ns;
+    }
   }
   other_holds_ = other_holds;
 }

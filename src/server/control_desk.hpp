@@ -19,7 +19,7 @@ namespace wholehand {
 ///   holder gives them back   the virtual patient plays again at once
 ///
 /// A game over UDP that holds the controls is heard by its own server; here it counts when it loses
-/// them: after 5 s without a new holder the virtual patient plays again.
+/// them: as one that gave them back, or whose line was lost, as the arbiter says.
 class ControlDesk {
  public:
   static constexpr std::int64_t kSilent_ns = 200'000'000;

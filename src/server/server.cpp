@@ -51,13 +51,16 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
                                            if (const auto self = weak.lock())
                                              net::post(self->io_, std::move(task));
                                          });
-    site_ =
-        std::make_unique<Site>(backend_, options_.web_folder, access,
-                               Site::Figures{[this] {
-                                               const Pulse p = pulse();
-                                               return std::make_pair(healthy(p), healthJson(p));
-                                             },
-                                             [this] { return metricsText(pulse(), traffic_); }});
+    Site::Figures figures;
+    figures.health = [this] {
+      const Pulse p = pulse();
+      return std::make_pair(healthy(p), healthJson(p));
+    };
+    figures.metrics = [this] {
+      const auto& more = options_.more_metrics;
+      return metricsText(pulse(), traffic_) + (more ? more() : std::string());
+    };
+    site_ = std::make_unique<Site>(backend_, options_.web_folder, access, std::move(figures));
     premises_.emplace(Premises{*site_, *clients_, traffic_, log_, workers_,
                                static_cast<std::size_t>(options_.max_clients)});
     acceptNext();
@@ -156,6 +159,7 @@ Server::Server(std::shared_ptr<Machinery> machinery) : machinery_(std::move(mach
 
 Expected<std::unique_ptr<Server>> Server::open(ServerBackend& backend, ServerOptions options,
                                                ControlsArbiter& controls) {
+  if (options.address == "localhost") options.address = "127.0.0.1";
   if (Diagnostics faults = validate(options); !faults.empty()) return faults;
   const std::string address = options.address;
   const std::uint16_t port = options.port;

@@ -15,7 +15,7 @@ namespace wholehand {
 
 /// How the program shows itself. Safe as it stands: this machine only.
 struct ServerOptions {
-  std::string address = "127.0.0.1";  ///< IP address to listen at
+  std::string address = "127.0.0.1";  ///< IP address to listen at, or "localhost"
   std::uint16_t port = 8080;          ///< 0: any that is free
   std::string web_folder;             ///< with index.html; where it is missing a page says so
   /// Whoever wants more than the bare pages shows it. Empty: none is asked for; not allowed
@@ -23,6 +23,8 @@ struct ServerOptions {
   std::string token;
   std::vector<std::string> allowed_origins;  ///< besides our own, e.g. "https://clinic.example"
   int max_clients = 16;                      ///< WebSocket connections at a time, 1 .. 1000
+  /// Prometheus text that follows our own at /metrics: what else the program counts. Any thread.
+  std::function<std::string()> more_metrics;
   /// One line for a person, from the server's thread; rate-limited.
   std::function<void(const std::string&)> log;
 };

@@ -1,6 +1,7 @@
 #include "server/udp_bridge.hpp"
 
 #include "realtime/monotonic_clock.hpp"
+#include "server/server.hpp"
 #include "server/udp_host.hpp"
 
 #include <algorithm>
@@ -20,7 +21,6 @@ constexpr int kPace_ms = 10;
 constexpr std::int64_t kStatusAge_ns = 20'000'000;
 /// Without records for so long, the newest one is sent again.
 constexpr std::int64_t kIdle_ns = 100'000'000;
-constexpr std::size_t kShortestToken = 8;
 
 Diagnostic refusal(const char* key, std::string value, std::string problem, std::string remedy) {
   return {"", 0, key, std::move(value), std::move(problem), std::move(remedy)};
@@ -29,7 +29,8 @@ Diagnostic refusal(const char* key, std::string value, std::string problem, std:
 Diagnostics faultsOf(const UdpOptions& options) {
   Diagnostics faults;
   if (!options.local.isLoopback() && options.token.size() < kShortestToken) {
-    faults.push_back(refusal("UDP token", "", "is shorter than 8 characters",
+    faults.push_back(refusal("UDP token", "",
+                             "is shorter than " + std::to_string(kShortestToken) + " characters",
                              "games on other machines need one; or bind to 127.0.0.1"));
   }
   if (options.token.size() > udp::kLongestToken) {

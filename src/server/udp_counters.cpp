@@ -1,14 +1,48 @@
 #include "server/udp_counters.hpp"
 
+#include <fmt/format.h>
+
 namespace wholehand {
 
 const char* udpIgnoredName(UdpIgnored reason) noexcept {
   static constexpr std::array<const char*, static_cast<std::size_t>(UdpIgnored::kCount)> kNames = {
       "too_short", "too_long",     "magic",   "version", "length", "checksum",
       "header",    "unknown_peer", "token",   "schema",  "hello",  "session",
-      "replayed",  "fragment",     "message", "command"};
+      "replayed",  "fragment",     "message", "command", "rate"};
   const auto i = static_cast<std::size_t>(reason);
   return i < kNames.size() ? kNames[i] : "";
+}
+
+std::string udpMetricsText(const UdpCounters& c) {
+  std::string out;
+  const auto add = [&](const char* name, const char* type, const char* help, std::uint64_t value) {
+    out += fmt::format(
+        "# HELP wholehand_udp_{0} {1}\n# TYPE wholehand_udp_{0} {2}\nwholehand_udp_{0} {3}\n", name,
+        help, type, value);
+  };
+  add("games", "gauge", "Games connected over UDP.", c.peers);
+  add("received_total", "counter", "Datagrams received.", c.received);
+  add("states_total", "counter", "States sent.", c.states_sent);
+  add("reliable_total", "counter", "Scenes, events and replies sent, each counted once.",
+      c.reliable_sent);
+  add("repeated_total", "counter", "Of these, sent again for want of an acknowledgement.",
+      c.repeated);
+  add("dropped_total", "counter", "Datagrams dropped since the socket was full.", c.dropped_full);
+  add("send_errors_total", "counter", "Datagrams that the system refused to send.", c.send_errors);
+  add("commands_accepted_total", "counter", "Commands carried out.", c.commands_accepted);
+  add("commands_refused_total", "counter", "Commands refused.", c.commands_refused);
+  add("silences_total", "counter", "Games with the controls that were silent for 200 ms.",
+      c.silences);
+  add("games_lost_total", "counter", "Games removed for silence.", c.peers_lost);
+  out +=
+      "# HELP wholehand_udp_ignored_total Datagrams and commands ignored, by reason.\n"
+      "# TYPE wholehand_udp_ignored_total counter\n";
+  for (int i = 0; i < static_cast<int>(UdpIgnored::kCount); ++i) {
+    const auto reason = static_cast<UdpIgnored>(i);
+    out += fmt::format("wholehand_udp_ignored_total{{reason=\"{}\"}} {}\n", udpIgnoredName(reason),
+                       c.ignoredFor(reason));
+  }
+  return out;
 }
 
 }  // namespace wholehand

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 
 namespace wholehand {
 
@@ -25,6 +26,7 @@ enum class UdpIgnored {
   kFragment,  ///< contradicts its message, or the message is too large
   kMessage,   ///< no Message that a client may say
   kCommand,   ///< a command that came already, or that a later one has overtaken
+  kRate,      ///< more commands than any game needs
   kCount
 };
 
@@ -53,5 +55,8 @@ struct UdpCounters {
 
 /// snake_case name of a reason, the label of its metric.
 [[nodiscard]] const char* udpIgnoredName(UdpIgnored reason) noexcept;
+
+/// All of them as Prometheus text, to follow the server's own.
+[[nodiscard]] std::string udpMetricsText(const UdpCounters& counters);
 
 }  // namespace wholehand

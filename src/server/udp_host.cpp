@@ -111,7 +111,7 @@ void Host::receiveHello(const UdpEndpoint& from, std::span<const std::uint8_t> p
   if (std::find(old_nonces_.begin(), old_nonces_.end(), hello.nonce) != old_nonces_.end()) {
     return counters_.ignore(UdpIgnored::kReplayed);
   }
-  if (peer != nullptr) remove([&](const Peer& p) { return p.endpoint == from; });
+  if (peer != nullptr) remove([&](const Peer& p) { return p.endpoint == from; }, now_ns);
   if (peers_.size() >= admission_.most_peers) {
     return refuseHello(from, UdpIgnored::kHello,
                        std::to_string(peers_.size()) + " games are connected already", now_ns);
@@ -148,7 +148,7 @@ void Host::receiveFrom(Peer& peer, const Received& datagram, std::int64_t now_ns
     return receiveMessage(peer, peer.reassembler.message(), now_ns);
   if (header.kind == Kind::kGoodbye) {
     const std::uint32_t session = peer.session;
-    remove([&](const Peer& p) { return p.session == session; });
+    remove([&](const Peer& p) { return p.session == session; }, now_ns);
   }
 }
 
@@ -173,12 +173,15 @@ void Host::receiveMessage(Peer& peer, std::span<const std::uint8_t> message, std
 }
 
 void Host::receiveCommand(Peer& peer, const wire::ClientMessage& message, std::int64_t now_ns) {
-  const bool aim =
-      message.type == wire::ClientMessageType::kOrder && message.order.type == OrderType::kAim;
-  std::uint32_t& last = aim ? peer.last_aim : peer.last_order;
-  // A late Arm must not undo the stop that overtook it.
+  const bool order = message.type == wire::ClientMessageType::kOrder;
+  const bool aim = order && message.order.type == OrderType::kAim;
+  const bool emergency = order && message.order.type == OrderType::kEmergencyStop;
+  std::uint32_t& last = aim ? peer.last_aim : emergency ? peer.last_emergency : peer.last_order;
+  // A late Arm must not undo the stop that overtook it; the stop itself never comes too late.
   if (message.id <= last) return counters_.ignore(UdpIgnored::kCommand);
+  if (!emergency && tooMany(peer, now_ns)) return counters_.ignore(UdpIgnored::kRate);
   last = message.id;
+  if (emergency) peer.last_order = std::max(peer.last_order, message.id);
   switch (message.type) {
     case wire::ClientMessageType::kOrder:
       return receiveOrder(peer, message, now_ns);
@@ -190,6 +193,15 @@ void Host::receiveCommand(Peer& peer, const wire::ClientMessage& message, std::i
     case wire::ClientMessageType::kAcknowledge:
       return;  // to have been heard is all
   }
+}
+
+bool Host::tooMany(Peer& peer, std::int64_t now_ns) {
+  constexpr std::int64_t kSecond_ns = 1'000'000'000;
+  if (now_ns - peer.second_ns >= kSecond_ns) {
+    peer.second_ns = now_ns;
+    peer.commands = 0;
+  }
+  return ++peer.commands > kMostCommands;
 }
 
 void Host::receiveOrder(Peer& peer, const wire::ClientMessage& message, std::int64_t now_ns) {
@@ -208,6 +220,8 @@ void Host::takeControls(Peer& peer, std::uint32_t command, std::int64_t now_ns) 
   if (!controls_.take(peer.client)) {
     return reply(peer, command, {false, "another client holds the controls"}, now_ns);
   }
+  // Whoever takes over says anew who steers: the aim of the one who is gone must not go on.
+  if (std::exchange(lost_ns_, std::nullopt)) giveBack();
   peer.silent = false;
   peer.aim_refused = false;
   order(OrderType::kOwnerAlive, 1.0);
@@ -216,9 +230,10 @@ void Host::takeControls(Peer& peer, std::uint32_t command, std::int64_t now_ns) 
 }
 
 void Host::releaseControls(Peer& peer, std::uint32_t command, std::int64_t now_ns) {
-  if (!controls_.release(peer.client)) {
+  if (!controls_.release(peer.client, true)) {
     return reply(peer, command, {false, "the game does not hold the controls"}, now_ns);
   }
+  giveBack();
   reply(peer, command, {true, ""}, now_ns);
   tellControls(peer, now_ns);
 }
@@ -246,15 +261,22 @@ void Host::order(OrderType type, double value) {
   orders_.push_back(std::move(pending));
 }
 
-void Host::leave(Peer& peer) {
-  // Nobody shows the exercise any more: its effort fades out until somebody takes the controls.
-  if (controls_.heldBy(peer.client) && !peer.silent) order(OrderType::kOwnerAlive, 0.0);
-  controls_.release(peer.client);
+void Host::giveBack() {
+  order(OrderType::kSteer, 0.0);  // to the virtual patient
+  order(OrderType::kOwnerAlive, 1.0);
 }
 
-std::size_t Host::remove(const std::function<bool(const Peer&)>& which) {
+void Host::leave(Peer& peer, std::int64_t now_ns) {
+  if (!controls_.release(peer.client)) return;
+  // Nobody shows the exercise any more: its effort fades out until somebody takes the controls, or
+  // the virtual patient plays again.
+  if (!peer.silent) order(OrderType::kOwnerAlive, 0.0);
+  lost_ns_ = now_ns;
+}
+
+std::size_t Host::remove(const std::function<bool(const Peer&)>& which, std::int64_t now_ns) {
   for (Peer& peer : peers_) {
-    if (which(peer)) leave(peer);
+    if (which(peer)) leave(peer, now_ns);
   }
   const std::size_t removed = std::erase_if(peers_, which);
   counters_.peers = static_cast<std::uint32_t>(peers_.size());

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -36,9 +37,13 @@ class Host {
  public:
   using Send = std::function<UdpSent(const UdpEndpoint&, std::span<const std::uint8_t>)>;
 
-  /// Of which a holder of the controls that is not heard counts as silent, and a game as gone.
+  /// After which a holder of the controls that is not heard counts as silent, ...
   static constexpr std::int64_t kSilence_ns = 200'000'000;
-  static constexpr std::int64_t kGone_ns = 3'000'000'000;
+  /// ... loses them, a game counts as gone, and the hand of one that vanished falls to the virtual
+  /// patient.
+  static constexpr std::int64_t kGone_ns = 5'000'000'000;
+  /// Commands of one game in a second: an aim at every tick, and some. An emergency stop passes.
+  static constexpr int kMostCommands = 1200;
   /// The program says so often at least that it is there.
   static constexpr std::int64_t kHeartbeat_ns = 100'000'000;
 
@@ -81,9 +86,12 @@ class Host {
   void releaseControls(Peer& peer, std::uint32_t command, std::int64_t now_ns);
   void reply(Peer& peer, std::uint32_t command, const OrderReply& reply, std::int64_t now_ns);
   void tellControls(Peer& peer, std::int64_t now_ns);
-  void leave(Peer& peer);
+  [[nodiscard]] bool tooMany(Peer& peer, std::int64_t now_ns);
+  void watchHolder(Peer& peer, std::int64_t now_ns);
+  void giveBack();
+  void leave(Peer& peer, std::int64_t now_ns);
   /// How many.
-  std::size_t remove(const std::function<bool(const Peer&)>& which);
+  std::size_t remove(const std::function<bool(const Peer&)>& which, std::int64_t now_ns);
   void order(OrderType type, double value);
 
   void sendReliable(Peer& peer, ReliableOutbox::Message message, std::int64_t now_ns);
@@ -100,6 +108,7 @@ class Host {
   std::vector<std::uint64_t> old_nonces_;  ///< of Hellos: a replayed one must not begin anew
   std::vector<Peer> peers_;
   std::vector<PendingOrder> orders_;
+  std::optional<std::int64_t> lost_ns_;  ///< when a holder vanished; nobody took over
   std::shared_ptr<const SceneFacts> scene_;
   ReliableOutbox::Message scene_message_;
   std::unique_ptr<wire::StateEncoder> encoder_;

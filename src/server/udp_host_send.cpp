@@ -49,23 +49,39 @@ void Host::publishIdle(const TickRecord& record, const LoopStatus& status, std::
 
 void Host::advance(std::int64_t now_ns) {
   for (Peer& peer : peers_) {
-    if (!peer.silent && controls_.heldBy(peer.client) && now_ns - peer.alive_ns > kSilence_ns) {
-      peer.silent = true;
-      ++counters_.silences;
-      order(OrderType::kOwnerAlive, 0.0);
-    }
+    if (controls_.heldBy(peer.client)) watchHolder(peer, now_ns);
     tellControls(peer, now_ns);
     sendDue(peer, now_ns);
     if (now_ns - peer.sent_ns >= kHeartbeat_ns) sendOnce(peer, Kind::kHeartbeat, {}, now_ns);
   }
-  counters_.peers_lost += remove([&](const Peer& peer) {
-    return now_ns - peer.heard_ns > kGone_ns || peer.outbox.size() >= ReliableOutbox::kMostWaiting;
-  });
+  counters_.peers_lost += remove(
+      [&](const Peer& peer) {
+        return now_ns - peer.heard_ns > kGone_ns ||
+               peer.outbox.size() >= ReliableOutbox::kMostWaiting;
+      },
+      now_ns);
+  if (lost_ns_ && controls_.holder() != 0) lost_ns_.reset();
+  if (lost_ns_ && now_ns - *lost_ns_ > kGone_ns) {
+    lost_ns_.reset();
+    giveBack();
+  }
+}
+
+void Host::watchHolder(Peer& peer, std::int64_t now_ns) {
+  if (now_ns - peer.alive_ns > kGone_ns) {
+    peer.silent = false;
+    controls_.release(peer.client, true);
+    return giveBack();
+  }
+  if (peer.silent || now_ns - peer.alive_ns <= kSilence_ns) return;
+  peer.silent = true;
+  ++counters_.silences;
+  order(OrderType::kOwnerAlive, 0.0);
 }
 
 void Host::sayGoodbye(std::int64_t now_ns) {
   for (Peer& peer : peers_) sendOnce(peer, Kind::kGoodbye, {}, now_ns);
-  remove([](const Peer&) { return true; });
+  remove([](const Peer&) { return true; }, now_ns);
 }
 
 void Host::refuseHello(const UdpEndpoint& to, UdpIgnored reason, const std::string& why,

@@ -76,9 +76,12 @@ struct Peer {
   std::int64_t alive_ns = 0;  ///< a heartbeat or a command: the game itself, not its network code
   bool silent = false;        ///< it holds the controls, and its silence has been told
 
-  std::uint32_t last_order = 0;  ///< ids below are carried out or overtaken
-  std::uint32_t last_aim = 0;    ///< aims are not repeated, hence counted by themselves
-  bool aim_refused = false;      ///< told once, until one is accepted or the controls change
+  std::uint32_t last_order = 0;      ///< ids below are carried out or overtaken
+  std::uint32_t last_aim = 0;        ///< aims are not repeated, hence counted by themselves
+  std::uint32_t last_emergency = 0;  ///< a late emergency stop is obeyed all the same
+  std::int64_t second_ns = 0;        ///< when commands were last counted from 0
+  int commands = 0;                  ///< since then
+  bool aim_refused = false;          ///< told once, until one is accepted or the controls change
 
   std::uint32_t state_sequence = 0;
   std::uint32_t other_sequence = 0;

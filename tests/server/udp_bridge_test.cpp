@@ -215,6 +215,22 @@ TEST(UdpBridgeOptions, ThatCannotBe_AreRefusedInWords) {
   EXPECT_NE(format(third.start(options).errors()).find("10.0.0.5:9000"), std::string::npos);
 }
 
+TEST(UdpMetrics, Text_NamesEveryReasonOnce) {
+  UdpCounters counters;
+  for (int i = 0; i < static_cast<int>(UdpIgnored::kCount); ++i) {
+    for (int n = 0; n <= i; ++n) counters.ignore(static_cast<UdpIgnored>(i));
+  }
+  const std::string text = udpMetricsText(counters);
+  for (int i = 0; i < static_cast<int>(UdpIgnored::kCount); ++i) {
+    const std::string line = std::string("wholehand_udp_ignored_total{reason=\"") +
+                             udpIgnoredName(static_cast<UdpIgnored>(i)) + "\"} " +
+                             std::to_string(i + 1) + "\n";
+    const auto at = text.find(line);
+    EXPECT_NE(at, std::string::npos) << line;
+    EXPECT_EQ(text.find(line, at + 1), std::string::npos) << line;
+  }
+}
+
 TEST(UdpEndpointText, GoodAndBad) {
   const auto good = parseUdpEndpoint("127.0.0.1:8091");
   ASSERT_TRUE(good.ok());

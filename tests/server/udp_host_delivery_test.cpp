@@ -114,19 +114,43 @@ TEST_F(UdpHost, GameWithoutControls_MayBeSilent) {
   EXPECT_EQ(counters.silences, 0U);
 }
 
-TEST_F(UdpHost, GameGoneForThreeSeconds_LosesTheControls) {
+TEST_F(UdpHost, GameGoneForFiveSeconds_LosesTheControlsToTheVirtualPatient) {
   connect(game);
   takeControls(game, 1);
-  pass(2999);
+  game.command(words::steer(2, test::fb::Steering::Person));
+  settle();
+  ASSERT_EQ(backend.status().steering, Steering::kPerson);
+  pass(5000);
   EXPECT_EQ(counters.peers, 1U);
+  EXPECT_EQ(backend.ownerAlive(), 0.0);
   pass(2);
   EXPECT_EQ(counters.peers, 0U);
   EXPECT_EQ(counters.peers_lost, 1U);
   EXPECT_EQ(controls.holder(), 0U);
-  EXPECT_EQ(backend.ownerAlive(), 0.0);
+  EXPECT_EQ(backend.ownerAlive(), 1.0);
+  EXPECT_EQ(backend.status().steering, Steering::kVirtualPatient);
+  const auto before = ignored(UdpIgnored::kUnknownPeer);
   game.say(Kind::kHeartbeat);
   settle();
-  EXPECT_EQ(ignored(UdpIgnored::kUnknownPeer), 1U);
+  EXPECT_EQ(ignored(UdpIgnored::kUnknownPeer), before + 1);
+}
+
+TEST_F(UdpHost, GameThatHangsForFiveSeconds_LosesTheControlsAndIsTold) {
+  connect(game);
+  takeControls(game, 1);
+  for (std::uint64_t i = 0; i < 51; ++i) {
+    TickRecord record = backend.record(i);
+    record.exercise.event_count = 1;
+    host.publish(record, backend.status(), now_ns);  // it acknowledges, and no more
+    pass(100);
+  }
+  EXPECT_EQ(counters.peers, 1U);
+  EXPECT_EQ(controls.holder(), 0U);
+  EXPECT_TRUE(controls.handedBack());
+  EXPECT_EQ(backend.status().steering, Steering::kVirtualPatient);
+  const auto* told = game.messages().back()->payload_as_Controls();
+  ASSERT_NE(told, nullptr);
+  EXPECT_FALSE(told->held_by_you());
 }
 
 TEST_F(UdpHost, Goodbye_ReleasesTheControlsAndFadesTheExerciseOut) {
@@ -140,6 +164,54 @@ TEST_F(UdpHost, Goodbye_ReleasesTheControlsAndFadesTheExerciseOut) {
   connect(other, 1000, 2);
   takeControls(other, 1);
   EXPECT_EQ(backend.ownerAlive(), 1.0);
+}
+
+TEST_F(UdpHost, GameThatVanished_IsFollowedByTheVirtualPatient) {
+  connect(game);
+  takeControls(game, 1);
+  game.command(words::steer(2, test::fb::Steering::Person));
+  game.say(Kind::kGoodbye);
+  settle();
+  pass(5000);
+  EXPECT_EQ(backend.ownerAlive(), 0.0);
+  EXPECT_EQ(backend.status().steering, Steering::kPerson);
+  pass(2);
+  EXPECT_EQ(backend.ownerAlive(), 1.0);
+  EXPECT_EQ(backend.status().steering, Steering::kVirtualPatient);
+  const auto orders = backend.orders().size();
+  pass(6000);
+  EXPECT_EQ(backend.orders().size(), orders) << "once";
+}
+
+TEST_F(UdpHost, ReleasedControls_LetTheVirtualPatientPlayAtOnce) {
+  connect(game);
+  takeControls(game, 1);
+  game.command(words::steer(2, test::fb::Steering::Person));
+  game.command(words::releaseControls(3));
+  settle();
+  EXPECT_EQ(backend.status().steering, Steering::kVirtualPatient);
+  EXPECT_EQ(backend.ownerAlive(), 1.0);
+  EXPECT_TRUE(controls.handedBack());
+  pass(300);
+  EXPECT_EQ(backend.ownerAlive(), 1.0) << "who does not hold them may be silent";
+}
+
+TEST_F(UdpHost, MoreCommandsThanTicks_AreIgnoredButTheEmergencyStop) {
+  connect(game);
+  takeControls(game, 1);
+  for (std::uint32_t id = 2; id <= 3000; ++id) {
+    game.command(words::aim(id, std::vector<float>(9)));
+    settle();
+  }
+  EXPECT_EQ(backend.aims(), 1199);  // 1200 a second, TakeControls among them
+  EXPECT_EQ(ignored(UdpIgnored::kRate), 1800U);
+  game.command(words::emergencyStop(3001));
+  settle();
+  EXPECT_EQ(backend.orders().back().type, OrderType::kEmergencyStop);
+  pass(1000);
+  game.command(words::aim(3002, std::vector<float>(9)));
+  settle();
+  EXPECT_EQ(backend.aims(), 1200);
 }
 
 TEST_F(UdpHost, GameStartedAnew_BeginsAConversationAndLosesTheOldOne) {

@@ -214,5 +214,22 @@ TEST_F(UdpHost, LateArm_DoesNotUndoTheStopThatOvertookIt) {
   EXPECT_EQ(backend.status().run_state, RunState::kStopped);
 }
 
+TEST_F(UdpHost, LateEmergencyStop_IsObeyedAllTheSameAndOnce) {
+  connect(game);
+  takeControls(game, 1);
+  game.command(words::emergencyStop(2));
+  const auto late = std::exchange(arriving, {});
+  game.command(words::arm(3));
+  settle();
+  ASSERT_EQ(backend.status().run_state, RunState::kRendering);
+  arriving = late;
+  settle();
+  EXPECT_EQ(backend.status().run_state, RunState::kStopped);
+  const auto orders = backend.orders().size();
+  game.command(words::emergencyStop(2));  // repeated: its answer may have been lost
+  settle();
+  EXPECT_EQ(backend.orders().size(), orders);
+}
+
 }  // namespace
 }  // namespace wholehand::udp
