@@ -120,14 +120,16 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     }
     ++premises_.jobs;
     stream_.expires_never();
-    net::post(premises_.workers, [self = shared_from_this()] {
+    net::post(premises_.workers, [self = shared_from_this()]() mutable {
       HttpAnswer made;
       try {
         made = self->premises_.site.answer(self->request_);
       } catch (const std::exception& e) {
         made = plain(500, "exception", "This could not be made.");
       }
-      net::post(self->stream_.get_executor(), [self, made = std::move(made)]() mutable {
+      // Not copied: the worker must not be the last to know the connection, and so end it.
+      const auto executor = self->stream_.get_executor();
+      net::post(executor, [self = std::move(self), made = std::move(made)]() mutable {
         --self->premises_.jobs;
         self->answer(std::move(made));
       });

@@ -137,8 +137,12 @@ TEST_F(HttpTest, Metrics_ArePrometheusText) {
   status.missed_deadlines = 3;
   status.cpu_p99_us = 125.0;
   program.setStatus(status);
+  options.address = "localhost";
+  options.more_metrics = [] { return std::string("wholehand_udp_peers 2\n"); };
   open();
+  EXPECT_EQ(server->url(), "http://127.0.0.1:" + std::to_string(port()) + "/");
   HttpReply r = get(port(), "/metrics");
+  EXPECT_EQ(metric("udp_peers"), 2.0);
   EXPECT_EQ(r.headers["content-type"], "text/plain; version=0.0.4");
   EXPECT_EQ(metric("ticks_total"), 60000.0);
   EXPECT_EQ(metric("missed_deadlines_total"), 3.0);
