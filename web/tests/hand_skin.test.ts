@@ -15,6 +15,9 @@ const built = (hand: (typeof HANDS)[number], step: number) => {
   return { shape, mesh: skinMesh(shape, rest, step) };
 };
 
+/** Lets vitest hear from its worker between long computations. */
+const breath = () => new Promise((done) => setTimeout(done));
+
 /** Volume inside a closed mesh, from its signed tetrahedra. */
 function volume(mesh: SkinMesh, slot: number): number {
   let v = 0;
@@ -59,7 +62,7 @@ describe('field', () => {
     const palm = shape.capsules.filter((c) => c.link === shape.palmLink);
     let seed = 1;
     const random = () => (seed = (seed * 16807) % 2147483647) / 2147483647;
-    for (let n = 0; n < 20000; n++) {
+    for (let n = 0; n < 5000; n++) {
       const p = [0.08 * random() - 0.01, 0.08 * random() - 0.04, 0.05 * random() - 0.025] as const;
       const skin = skinField(palm, ...p), hard = colliderField(palm, ...p);
       expect(skin).toBeGreaterThanOrEqual(hard - 0.42 * MM - 1e-12);
@@ -70,9 +73,10 @@ describe('field', () => {
 
 describe('skin', () => {
   it.each(HANDS.flatMap((hand) => STEPS_M.map((step) => ({ hand, step, name: hand.name }))))(
-    'of $name at $step m follows the colliders in every posture', ({ hand, step }) => {
+    'of $name at $step m follows the colliders in every posture', async ({ hand, step }) => {
+      await breath();
       const { shape, mesh } = built(hand, step);
-      const all = allPostures().filter((_, i) => i % (hand === HANDS[0] && step === STEPS_M[0] ? 6 : 20) === 0);
+      const all = allPostures().filter((_, i) => i % (hand === HANDS[0] && step === STEPS_M[0] ? 7 : 28) === 0);
       const figures = measureSkin(shape, mesh, all.map((q) => forwardKinematics(hand, q)));
       const mm = (d: { outside: number; inside: number; p995: number }) =>
         `${(d.outside / MM).toFixed(3)} out, ${(d.inside / MM).toFixed(3)} in, p99.5 ${(d.p995 / MM).toFixed(3)} mm`;

@@ -10,14 +10,16 @@ import { disposeTree, surface } from '../scene/materials';
 import type { Quality } from '../scene/quality';
 import { fingertips, nailGeometry } from './nails';
 import type { HandShape } from './shape';
-import { MAX_GLOWS, makeSkin, poseSkin, setTone, skinUniforms, type SkinUniforms } from './skin_shader';
+import { MAX_GLOWS, makeSkin, poseSkin, setTone, skinUniforms, type SkinDetail, type SkinUniforms } from './skin_shader';
 import { skinMesh, type SkinMesh } from './skin_mesh';
-import { cuffGeometry, sleeveGeometry } from './sleeve';
+import { cuffGeometry, sleeveGeometry, type Weave } from './sleeve';
 import { toneOf } from './tones';
 import { POSE_STRIDE } from './vector';
 
 /** Grid spacing of the skin [m]. */
 export const SKIN_STEP_M: Readonly<Record<Quality, number>> = { high: 1.5e-3, low: 2.0e-3 };
+const DETAIL: Readonly<Record<Quality, SkinDetail>> = { high: 'fine', low: 'plain' };
+const WEAVE: Readonly<Record<Quality, Weave>> = { high: { around: 64, row_m: 0.007 }, low: { around: 24, row_m: 0.03 } };
 /** Radius of the wrist's middle capsule in the median hand [m]: the cuff fits it. */
 const MEDIAN_WRIST_M = 0.014;
 const PART_COLOR: Readonly<Record<HandPart, string>> = {
@@ -60,14 +62,14 @@ export class HandView {
 
   constructor(private readonly shape: HandShape, poses: ArrayLike<number>, private readonly quality: Quality) {
     this.uniforms = skinUniforms(shape);
-    this.solid = makeSkin(surface(quality, { roughness: 0.62, sheen: 0.35, sheenRoughness: 0.5, sheenColor: new Color('#ffb59a'), specularIntensity: 0.42 }), shape, this.uniforms, true);
-    this.ghost = makeSkin(surface(quality, { color: new Color('#f2ffff'), roughness: 0.9, transparent: true, opacity: 0.34 }), shape, this.uniforms, true);
+    this.solid = makeSkin(surface(quality, { roughness: 0.62, sheen: 0.35, sheenRoughness: 0.5, sheenColor: new Color('#ffb59a'), specularIntensity: 0.42 }), shape, this.uniforms, DETAIL[quality]);
+    this.ghost = makeSkin(surface(quality, { color: new Color('#f2ffff'), roughness: 0.9, transparent: true, opacity: 0.34 }), shape, this.uniforms, DETAIL[quality]);
     this.nail = surface(quality, { roughness: 0.3, clearcoat: 0.5, clearcoatRoughness: 0.3 }) as Material & { color: Color };
     const geometry = skinGeometry(skinMesh(shape, poses, SKIN_STEP_M[quality]));
     this.skin = new Mesh(geometry, this.solid);
-    this.skin.customDepthMaterial = makeSkin(new MeshDepthMaterial({ depthPacking: RGBADepthPacking }), shape, this.uniforms, false);
+    this.skin.customDepthMaterial = makeSkin(new MeshDepthMaterial({ depthPacking: RGBADepthPacking }), shape, this.uniforms, 'place');
     this.skin.castShadow = this.skin.receiveShadow = true;
-    this.veil = new Mesh(geometry, makeSkin(new MeshBasicMaterial({ colorWrite: false }), shape, this.uniforms, false));
+    this.veil = new Mesh(geometry, makeSkin(new MeshBasicMaterial({ colorWrite: false }), shape, this.uniforms, 'place'));
     this.veil.renderOrder = -1;
     // Vertices are in the frames of their links: three.js cannot know where the whole is.
     this.skin.frustumCulled = this.veil.frustumCulled = false;
@@ -150,8 +152,8 @@ export class HandView {
       this.link(this.shape.palmLink).add(mesh);
       this.cloth.push({ mesh, color });
     };
-    sew(sleeveGeometry(size), '#3A4A57');
-    sew(cuffGeometry(size), '#EFE7D8');
+    sew(sleeveGeometry(size, WEAVE[this.quality]), '#3A4A57');
+    sew(cuffGeometry(size, WEAVE[this.quality]), '#EFE7D8');
   }
 
   private addColliders(): void {

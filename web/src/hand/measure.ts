@@ -3,7 +3,7 @@
 import { capsuleDistance, colliderField } from './field';
 import { SKIN_REACH_M, type HandCapsule, type HandShape } from './shape';
 import type { SkinMesh } from './skin_mesh';
-import { toWorld, type Vec } from './vector';
+import { length, mix, sub, toWorld, type Vec } from './vector';
 
 export interface Distances {
   readonly outside: number;   // largest distance outside the colliders [m]
@@ -53,6 +53,13 @@ function posedColliders(shape: HandShape, poses: ArrayLike<number>): HandCapsule
   return shape.capsules.map((c) => ({ ...c, a: toWorld(poses, c.link, c.a), b: toWorld(poses, c.link, c.b) }));
 }
 
+/** Those that a point of the link's skin may be nearest to, or hidden in: its own and what overlaps them. */
+function collidersNear(colliders: readonly HandCapsule[], link: number): HandCapsule[] {
+  const reach_m = 2e-3, middle = (c: HandCapsule) => mix(c.a, c.b, 0.5), size = (c: HandCapsule) => length(sub(c.b, c.a)) / 2 + c.radius;
+  const own = colliders.filter((c) => c.link === link);
+  return colliders.filter((c) => own.some((o) => length(sub(middle(o), middle(c))) <= size(o) + size(c) + reach_m));
+}
+
 /**
  * Distance of a point of the world to the union of all colliders. Undefined where another link's
  * skin hides the point: that skin is nowhere more than SKIN_REACH_M inside its own colliders.
@@ -78,9 +85,9 @@ export function measureSkin(shape: HandShape, mesh: SkinMesh, postures: readonly
   const posed = (list: typeof vertices) => {
     const tally = new Tally();
     for (const poses of postures) {
-      const colliders = posedColliders(shape, poses);
+      const colliders = posedColliders(shape, poses), near = shape.links.map((link) => collidersNear(colliders, link));
       for (const { p, slot } of list) {
-        const d = posedDistance(colliders, shape.links[slot], toWorld(poses, shape.links[slot], p));
+        const d = posedDistance(near[slot], shape.links[slot], toWorld(poses, shape.links[slot], p));
         if (d !== undefined) tally.add(d);
       }
     }

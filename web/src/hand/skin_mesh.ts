@@ -6,6 +6,7 @@ import { HandPart } from '../protocol';
 import { addShading, skinCapsuleDistance } from './field';
 import { meshLink } from './mesher';
 import type { HandCapsule, HandShape } from './shape';
+import { inSpatialOrder } from './vertex_order';
 import { toLink, toWorld, type Vec } from './vector';
 
 /** Capsules of other links that a vertex's shading looks at. */
@@ -62,7 +63,8 @@ function nearest(shape: HandShape, poses: ArrayLike<number>, from: readonly numb
  * @param step grid spacing [m]: 1.5e-3 looks smooth, 2.0e-3 is quick to draw
  */
 export function skinMesh(shape: HandShape, poses: ArrayLike<number>, step: number): SkinMesh {
-  const meshes = shape.links.map((link) => meshLink(shape.capsules.filter((c) => c.link === link), step));
+  const meshes = shape.links.map((link) =>
+    inSpatialOrder(meshLink(shape.capsules.filter((c) => c.link === link), step), step));
   const count = meshes.reduce((n, m) => n + m.positions.length / 3, 0);
   const out: SkinMesh = {
     positions: new Float32Array(count * 3), shading: new Float32Array(count * 4),

@@ -72,7 +72,9 @@ vec3 turnBy(vec4 q, vec3 v) { return v + 2.0 * cross(q.xyz, cross(q.xyz, v) + q.
 #ifdef SKIN_SHADED
 attribute vec4 skinShading;
 attribute vec4 skinNear0;
+#ifdef SKIN_FINE
 attribute vec4 skinNear1;
+#endif
 attribute float skinPalmar;
 uniform vec4 capsuleA[${shape.capsules.length}];
 uniform vec4 capsuleB[${shape.capsules.length}];
@@ -102,7 +104,10 @@ vec3 skinPoint = turnBy(linkTurn[skinSlot], position) + linkAt[skinSlot];
 
 const NORMAL = `
 vec4 skinSum = vec4(turnBy(linkTurn[skinSlot], skinShading.xyz), skinShading.w);
-for (int i = 0; i < 4; i++) { addShading(skinSum, skinNear0[i], skinPoint); addShading(skinSum, skinNear1[i], skinPoint); }
+for (int i = 0; i < 4; i++) addShading(skinSum, skinNear0[i], skinPoint);
+#ifdef SKIN_FINE
+for (int i = 0; i < 4; i++) addShading(skinSum, skinNear1[i], skinPoint);
+#endif
 vec3 objectNormal = normalize(skinSum.xyz);
 `;
 
@@ -118,21 +123,25 @@ for (int i = 0; i < ${MAX_GLOWS}; i++) {
 skinTint = skinColor;
 `;
 
-/** Makes any of three.js's materials draw the skin. @param shaded false: position alone, for shadows */
-export function makeSkin<M extends Material>(material: M, shape: HandShape, uniforms: SkinUniforms, shaded: boolean): M {
+/** What of the skin a material draws: its place alone (shadows), or shading by four or all neighbours. */
+export type SkinDetail = 'place' | 'plain' | 'fine';
+
+/** Makes any of three.js's materials draw the skin. */
+export function makeSkin<M extends Material>(material: M, shape: HandShape, uniforms: SkinUniforms, detail: SkinDetail): M {
   if (NEIGHBOURS !== 8) throw new Error('the shader reads eight neighbours');
   material.onBeforeCompile = (shader) => {
     Object.assign(shader.uniforms, uniforms);
-    shader.vertexShader = (shaded ? '#define SKIN_SHADED\n' : '') + shader.vertexShader
+    const defines = { place: '', plain: '#define SKIN_SHADED\n', fine: '#define SKIN_SHADED\n#define SKIN_FINE\n' };
+    shader.vertexShader = defines[detail] + shader.vertexShader
       .replace('#include <common>', `#include <common>\n${declarations(shape)}`)
       .replace('void main() {', `void main() {\n${POINT}`)
       .replace('#include <begin_vertex>', 'vec3 transformed = skinPoint;');
-    if (!shaded) return;
+    if (detail === 'place') return;
     shader.vertexShader = shader.vertexShader.replace('#include <beginnormal_vertex>', NORMAL + TINT);
     shader.fragmentShader = shader.fragmentShader
       .replace('#include <common>', '#include <common>\nvarying vec3 skinTint;')
       .replace('#include <color_fragment>', 'diffuseColor.rgb *= skinTint;');
   };
-  material.customProgramCacheKey = () => `skin ${shaded} ${shape.links.length} ${shape.capsules.length}`;
+  material.customProgramCacheKey = () => `skin ${detail} ${shape.links.length} ${shape.capsules.length}`;
   return material;
 }

@@ -5,6 +5,7 @@ import { Group, NeutralToneMapping, NoToneMapping, PerspectiveCamera, Scene, Vec
 import { handShape, linkPoses } from '../hand/shape';
 import { HandView } from '../hand/hand_view';
 import type { SceneT, WorldStateT } from '../protocol';
+import { Backdrop } from './backdrop';
 import { BarView } from './bar_view';
 import { placeCamera, type CameraPlace, type View } from './camera';
 import { ContactGlow } from './contacts';
@@ -37,7 +38,7 @@ export interface Labels {
 }
 
 /** Against a device's own pixels; low quality draws this share of them in either direction. */
-const LOW_PIXELS = 0.75;
+const LOW_PIXELS = 0.66;
 const MOST_PIXELS = 2;
 /** Where the row stands when no exercise says so [m]. */
 const DEFAULT_PLACE: CameraPlace = { counter_y: -0.253, row_z: -0.119 };
@@ -55,6 +56,7 @@ export class BarScene {
   private bar: BarView | undefined;
   private place = DEFAULT_PLACE;
   private stage: Stage | undefined;
+  private backdrop: Backdrop | undefined;
   private hand: HandView | undefined;
   private bodies: (Group | undefined)[] = [];
   private readonly plain = new Group();
@@ -66,7 +68,10 @@ export class BarScene {
   constructor(private readonly canvas: HTMLCanvasElement, private readonly options: BarSceneOptions) {
     this.quality = options.quality;
     this.look = { dimmed: false, grey: false, ghostHand: false, showColliders: false, tone: options.tone, names: {} };
-    this.renderer = new WebGLRenderer({ canvas, antialias: options.quality === 'high', powerPreference: 'high-performance' });
+    // Nothing shines through: the browser need not blend the picture with the page.
+    const context = canvas.getContext('webgl2', { alpha: false, antialias: options.quality === 'high', powerPreference: 'high-performance' });
+    if (!context) throw new Error('WebGL 2 is not there');
+    this.renderer = new WebGLRenderer({ canvas, context });
     this.plain.matrixAutoUpdate = false;
     this.plain.matrix.copy(programFrame());
     this.build();
@@ -121,6 +126,7 @@ export class BarScene {
     this.renderer.setPixelRatio(this.quality === 'high' ? device : LOW_PIXELS);
     this.renderer.setSize(width, height, false);
     placeCamera(this.camera, this.options.view, this.place, width, height);
+    if (this.stage) this.backdrop?.take(this.renderer, this.scene, this.camera, this.stage.room, this.stage.light);
   }
 
   /** Where a point of the program's world is in the canvas. */
@@ -153,10 +159,11 @@ export class BarScene {
   private clear(): void {
     this.hand?.dispose();
     this.stage?.dispose();
+    this.backdrop?.dispose();
     disposeTree(this.scene);
     this.scene.clear();
     this.plain.clear();
-    this.hand = this.bar = this.stage = undefined;
+    this.hand = this.bar = this.stage = this.backdrop = undefined;
     this.bodies = [];
   }
 
@@ -167,7 +174,8 @@ export class BarScene {
     const bar = this.told ? barOf(this.told) : undefined;
     this.place = placeOf(bar, this.told, this.state);
     this.stage = makeStage(this.renderer, this.scene, this.quality, bar ? bar.rail_z_m - bar.counter_z_m : this.told ? undefined : 0.381);
-    this.stage.root.position.set(0, this.place.counter_y, this.place.row_z);
+    this.stage.place(this.place.counter_y, this.place.row_z);
+    if (this.quality === 'low') this.scene.add((this.backdrop = new Backdrop()).mesh);
     if (bar && this.told) {
       this.bar = new BarView(bar, this.told, this.quality);
       this.scene.add(this.bar.root);

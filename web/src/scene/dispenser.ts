@@ -49,7 +49,7 @@ function nozzle(d: BarDispenser, quality: Quality): Mesh {
     [1e-4, tip], [0.0042, tip], [0.0046, tip + 0.002], [0.0085, tip + 0.024], [0.0145, tip + 0.0255],
     [0.015, tip + 0.027], [0.015, tip + CAP_M], [1e-4, tip + CAP_M],
   ]);
-  const mesh = new Mesh(new LatheGeometry(profile, 40), surface(quality, { color: new Color('#2a2320'), roughness: 0.45, clearcoat: 0.3 }));
+  const mesh = new Mesh(new LatheGeometry(profile, quality === 'high' ? 40 : 16), surface(quality, { color: new Color('#2a2320'), roughness: 0.45, clearcoat: 0.3 }));
   mesh.castShadow = true;
   return mesh;
 }
@@ -57,7 +57,7 @@ function nozzle(d: BarDispenser, quality: Quality): Mesh {
 /** The ring round the bottle's upper end, and the stem to the rail. */
 function holder(d: BarDispenser, quality: Quality, rail_m: number): Mesh[] {
   const top = d.height_m / 2, metal = brass(quality);
-  const ring = new Mesh(new CylinderGeometry(0.82 * d.radius_m, 0.82 * d.radius_m, RING_M, 40), metal);
+  const ring = new Mesh(new CylinderGeometry(0.82 * d.radius_m, 0.82 * d.radius_m, RING_M, quality === 'high' ? 40 : 20), metal);
   ring.position.y = top - RING_M / 2;
   ring.castShadow = true;
   const reach = rail_m - top;

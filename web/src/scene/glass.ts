@@ -101,12 +101,12 @@ export class GlassView {
   }
 
   private makeGlass(): void {
-    const r = this.glass.radius_m, h = this.glass.height_m, q = this.quality;
+    const r = this.glass.radius_m, h = this.glass.height_m, q = this.quality, fine = q === 'high';
     const clear = surface(q, { color: new Color('#eaf6f5'), transparent: true, opacity: 0.17, roughness: 0.05, metalness: 0,
       side: DoubleSide, depthWrite: false, envMapIntensity: 2.2, specularIntensity: 1 });
     const profile = [[1e-4, 0], [r * 0.84, 0], [r * 0.88, 0.002], [r * 0.9, FLOOR_M], [r, h]].map(([x, y]) => new Vector2(x, y));
-    const wall = new Mesh(new LatheGeometry(profile, 64), clear);
-    const rim = new Mesh(new TorusGeometry(r - 6e-4, 0.0013, 10, 72), surface(q, { color: new Color('#ffffff'), roughness: 0.08, transparent: true, opacity: 0.75 }));
+    const wall = new Mesh(new LatheGeometry(profile, fine ? 64 : 32), clear);
+    const rim = new Mesh(new TorusGeometry(r - 6e-4, 0.0013, fine ? 10 : 5, fine ? 72 : 40), surface(q, { color: new Color('#ffffff'), roughness: 0.08, transparent: true, opacity: 0.75 }));
     rim.rotation.x = Math.PI / 2;
     rim.position.y = h;
     const floor = new Mesh(new CylinderGeometry(r * 0.885, r * 0.85, 0.01, 48), surface(q, { color: new Color('#dff0ee'), transparent: true, opacity: 0.42, roughness: 0.1 }));
@@ -124,7 +124,7 @@ export class GlassView {
   }
 
   private makeLine(): void {
-    const ring = (radius: number, height: number, material: Material) => new Mesh(new CylinderGeometry(radius, radius, height, 64, 1, true), material);
+    const ring = (radius: number, height: number, material: Material) => new Mesh(new CylinderGeometry(radius, radius, height, 48, 1, true), material);
     this.line.add(ring(1.0, 0.0066, flat('#1c1410', { side: DoubleSide })), ring(1.007, 0.0036, flat('#ffffff', { side: DoubleSide })));
   }
 

@@ -1,7 +1,7 @@
 // One way to ask for a surface: physically based in high quality, plain in low.
 
 import {
-  Color, MeshBasicMaterial, MeshLambertMaterial, MeshPhysicalMaterial, type Material,
+  Color, LinearMipmapNearestFilter, MeshBasicMaterial, MeshLambertMaterial, MeshPhysicalMaterial, type Material,
   type MeshPhysicalMaterialParameters,
 } from 'three';
 import type { Quality } from './quality';
@@ -12,7 +12,11 @@ export type Finish = Pick<MeshPhysicalMaterialParameters,
   | 'emissive' | 'emissiveIntensity'>;
 
 export function surface(quality: Quality, finish: Finish): Material {
-  if (quality === 'high') return new MeshPhysicalMaterial(finish);
+  if (quality === 'high') {
+    if (finish.map) finish.map.anisotropy = 8;
+    return new MeshPhysicalMaterial(finish);
+  }
+  if (finish.map) finish.map.minFilter = LinearMipmapNearestFilter;
   const { color, map, side, transparent, opacity, depthWrite, emissive, emissiveIntensity } = finish;
   const plain = { color, map, side, transparent, opacity, depthWrite, emissive, emissiveIntensity };
   return new MeshLambertMaterial(Object.fromEntries(Object.entries(plain).filter(([, value]) => value !== undefined)));

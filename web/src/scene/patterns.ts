@@ -13,7 +13,6 @@ export function picture(width: number, height: number, draw: (pen: Pen) => void)
   if (pen) draw(pen);
   const texture = new CanvasTexture(canvas);
   texture.colorSpace = SRGBColorSpace;
-  texture.anisotropy = 8;
   return texture;
 }
 

@@ -15,7 +15,14 @@ const FLUTE = 0.05;
 const WIDTH = 4.2;
 const RAIL_M = 0.01;
 
-export interface Stage { readonly root: Group; readonly target: SpotLight | undefined; dispose(): void }
+export interface Stage {
+  readonly room: Group;                       // wall and counter
+  readonly rail: Group;
+  readonly light: Group;
+  readonly target: SpotLight | undefined;     // the soft spot on what is wanted
+  place(counter_y: number, row_z: number): void;
+  dispose(): void;
+}
 
 export function brass(quality: Quality) {
   return surface(quality, { color: new Color('#D0A869'), metalness: 1, roughness: 0.32, envMapIntensity: 1.5 });
@@ -133,7 +140,7 @@ function rail(quality: Quality, height: number): Mesh {
 
 /** @param railHeight of its underside over the counter [m]; undefined: no bar, a calm table alone */
 export function makeStage(renderer: WebGLRenderer, scene: Scene, quality: Quality, railHeight: number | undefined): Stage {
-  const root = new Group();
+  const room = new Group(), railing = new Group(), light = new Group(), all = [room, railing, light];
   scene.background = new Color('#142726');
   renderer.shadowMap.enabled = quality === 'high';
   renderer.shadowMap.type = PCFShadowMap;
@@ -141,18 +148,18 @@ export function makeStage(renderer: WebGLRenderer, scene: Scene, quality: Qualit
   if (quality === 'high') {
     scene.environment = softbox(renderer);
     scene.environmentIntensity = 0.62;
-    target = highLights(root);
-  } else lowLights(root);
-  root.add(quality === 'high' ? flutedWall() : paintedWall());
-  root.add(counter(quality));
-  if (railHeight !== undefined) root.add(rail(quality, railHeight));
-  scene.add(root);
+    target = highLights(light);
+  } else lowLights(light);
+  room.add(quality === 'high' ? flutedWall() : paintedWall(), counter(quality));
+  if (railHeight !== undefined) railing.add(rail(quality, railHeight));
+  scene.add(...all);
   return {
-    root, target,
+    room, rail: railing, light, target,
+    place(counter_y, row_z) { for (const group of all) group.position.set(0, counter_y, row_z); },
     dispose() {
       scene.environment?.dispose();
       scene.environment = null;
-      scene.remove(root);
+      scene.remove(...all);
     },
   };
 }

@@ -7,8 +7,8 @@ import { flat, surface } from './materials';
 import type { Quality } from './quality';
 
 /** Flow at which the stream is as wide as it is modelled [l/s], and the narrowest share of that. */
-const FULL_L_S = 0.012;
-const NARROWEST = 0.35;
+const FULL_L_S = 0.008;
+const NARROWEST = 0.5;
 /** Of the width, so that it neither jumps nor trembles [Hz]. */
 const FOLLOW_HZ = 5;
 const PUDDLE_DEPTH_M = 2e-3;
@@ -27,10 +27,10 @@ export class StreamView {
       const t = i / 24;   // 0 at the nozzle: a falling stream narrows, and widens where it lands
       profile.push(new Vector2(0.0034 - 0.0012 * Math.sqrt(t) + (t > 0.94 ? (t - 0.94) * 0.02 : 0), -t));
     }
-    this.jet = new Mesh(new LatheGeometry(profile, 20), surface(quality, { roughness: 0.18, clearcoat: 0.6 }));
+    this.jet = new Mesh(new LatheGeometry(profile, quality === 'high' ? 20 : 8), surface(quality, { roughness: 0.18, clearcoat: 0.6 }));
     this.jet.castShadow = true;
     for (const [radius, opacity] of [[0.0085, 0.5], [0.015, 0.28]]) {
-      const ring = new Mesh(new TorusGeometry(radius, 0.0007, 8, 48), flat('#ffffff', { transparent: true, opacity }));
+      const ring = new Mesh(new TorusGeometry(radius, 0.0007, 4, 40), flat('#ffffff', { transparent: true, opacity }));
       ring.rotation.x = Math.PI / 2;
       this.rings.add(ring);
     }

@@ -1,0 +1,125 @@
+import { Matrix3, Matrix4, Quaternion, Vector3 } from 'three';
+import { describe, expect, it } from 'vitest';
+import type { ContactPointT } from '../src/protocol';
+import { ContactFilter } from '../src/scene/contacts';
+import { ExerciseValues, barOf } from '../src/scene/exercise';
+import { FrameClock } from '../src/scene/frame_clock';
+import { programFrame, quaternionToThree, toThree } from '../src/scene/frames';
+import { layersOf, lineHeight, surfaceHeight } from '../src/scene/layers';
+import { QualityChooser } from '../src/scene/quality';
+
+describe('frames', () => {
+  it('map away, left and up to −z, −x and y', () => {
+    // By hand: three.js looks along −z, its x is right, its y is up.
+    expect(toThree({ x: 1, y: 0, z: 0 }).toArray()).toEqual([-0, 0, -1]);
+    expect(toThree({ x: 0, y: 1, z: 0 }).toArray()).toEqual([-1, 0, -0]);
+    expect(toThree({ x: 0, y: 0, z: 1 }).toArray()).toEqual([-0, 1, -0]);
+  });
+
+  it('turn a quarter about up the same way: away becomes left', () => {
+    const half = Math.SQRT1_2;   // of a quarter turn about z
+    const turned = toThree({ x: 1, y: 0, z: 0 }).applyQuaternion(quaternionToThree({ x: 0, y: 0, z: half, w: half }));
+    expect(turned.distanceTo(toThree({ x: 0, y: 1, z: 0 }))).toBeLessThan(1e-12);
+  });
+
+  it('agree with the matrix, which is a rotation', () => {
+    const frame = programFrame(), p = { x: 0.3, y: -0.2, z: 0.7 };
+    expect(new Vector3(p.x, p.y, p.z).applyMatrix4(frame).distanceTo(toThree(p))).toBeLessThan(1e-12);
+    expect(new Matrix3().setFromMatrix4(frame).determinant()).toBeCloseTo(1, 12);
+    const q = { x: 0.1, y: -0.5, z: 0.3, w: Math.sqrt(1 - 0.35) };
+    const inside = new Matrix4().makeRotationFromQuaternion(new Quaternion(q.x, q.y, q.z, q.w));
+    const outside = new Matrix4().makeRotationFromQuaternion(quaternionToThree(q));
+    const conjugated = frame.clone().multiply(inside).multiply(frame.clone().invert());
+    conjugated.elements.forEach((value, i) => expect(value).toBeCloseTo(outside.elements[i], 12));
+  });
+});
+
+describe('layers', () => {
+  const M_PER_L = 0.74, RIM = 0.1;
+
+  it('stand on one another, 0.74 mm a millilitre', () => {
+    const layers = layersOf([0.04, 0.03, 0], ['blueberry', 'lemon', 'cherry'], M_PER_L, RIM);
+    expect(layers.map((l) => l.liquid)).toEqual(['blueberry', 'lemon']);
+    expect(layers[0].top_m).toBeCloseTo(0.0296, 12);   // 40 ml
+    expect(layers[1].bottom_m).toBeCloseTo(0.0296, 12);
+    expect(layers[1].top_m).toBeCloseTo(0.0518, 12);   // 70 ml
+  });
+
+  it('of the same liquid one after the other are one', () => {
+    expect(layersOf([0.02, 0.02], ['lemon', 'lemon'], M_PER_L, RIM)).toHaveLength(1);
+  });
+
+  it('never rise over the rim', () => {
+    expect(surfaceHeight([0.1, 0.1], M_PER_L, RIM)).toBe(RIM);
+    expect(layersOf([0.1, 0.1], ['lemon', 'cherry'], M_PER_L, RIM)[1].top_m).toBe(RIM);
+  });
+
+  it('have the line where the step asks for it, whatever it has got already', () => {
+    expect(lineHeight([0.04, 0.012, 0], 1, 0.03, M_PER_L, RIM)).toBeCloseTo(0.07 * M_PER_L, 12);
+  });
+});
+
+describe('exercise', () => {
+  it('of another kind, or none, or broken, is no bar', () => {
+    for (const exerciseJson of [null, '', '{', '{"kind":"free_grasping"}', '{"kind":"cocktail_bar"}'])
+      expect(barOf({ exerciseJson })).toBeUndefined();
+  });
+
+  it('finds its values by name, in any order', () => {
+    const values = new ExerciseValues(['layer_l/1', 'stage', 'layer_l/0']);
+    const state = { values: [0.02, 3, 0.01] };
+    expect(values.get(state, 'stage')).toBe(3);
+    expect(values.get(state, 'unheard_of')).toBe(0);
+    expect(values.poured(state).slice(0, 3)).toEqual([0.01, 0.02, 0]);
+  });
+});
+
+describe('contacts', () => {
+  const contact = (capsule: number, force: number) =>
+    ({ capsule, body: 1, pointM: { x: 0, y: 0, z: 0 }, forceN: { x: force, y: 0, z: 0 } }) as unknown as ContactPointT;
+
+  it('of one capsule add up and follow with 5 Hz', () => {
+    const filter = new ContactFilter();
+    filter.take([contact(3, 2), contact(3, 4)]);
+    filter.advance(1 / (2 * Math.PI * 5));   // one time constant
+    expect(filter.strongest()).toHaveLength(1);
+    expect(filter.strongest()[0].force_n).toBeCloseTo(6 * (1 - Math.exp(-1)), 12);
+  });
+
+  it('that end fade out and are forgotten', () => {
+    const filter = new ContactFilter();
+    filter.take([contact(3, 5)]);
+    filter.advance(1);
+    filter.take([]);
+    filter.advance(1 / (2 * Math.PI * 5));
+    expect(filter.strongest()[0].force_n).toBeCloseTo(5 * Math.exp(-1), 6);
+    filter.advance(1);
+    expect(filter.strongest()).toHaveLength(0);
+  });
+});
+
+describe('quality', () => {
+  it('falls when frames are slow for a second and a half, and stays', () => {
+    const chooser = new QualityChooser('high');
+    expect(chooser.choose({ frame_ms: 80 }, 0)).toBe('high');
+    expect(chooser.choose({ frame_ms: 80 }, 1400)).toBe('high');
+    expect(chooser.choose({ frame_ms: 80 }, 1600)).toBe('low');
+    expect(chooser.choose({ frame_ms: 5 }, 9000)).toBe('low');
+  });
+
+  it('survives a short stutter', () => {
+    const chooser = new QualityChooser('high');
+    chooser.choose({ frame_ms: 80 }, 0);
+    chooser.choose({ frame_ms: 16 }, 1000);
+    expect(chooser.choose({ frame_ms: 80 }, 2000)).toBe('high');
+  });
+
+  it('measures by the median between frames and the 95th percentile of the script', () => {
+    const clock = new FrameClock();
+    for (let i = 0; i < 60; i++) clock.add(i * 20, i % 10 === 0 ? 9 : 2);
+    expect(clock.frame_ms).toBe(20);
+    expect(clock.script_ms).toBe(9);
+    clock.add(60 * 20 + 5000, 2);   // the page was hidden: no frame of five seconds
+    expect(clock.frame_ms).toBe(20);
+  });
+});
