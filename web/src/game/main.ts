@@ -46,7 +46,7 @@ function frame(now_ms: number): void {
   picture?.render(now_ms);
   drawn = state;
   const ended_ms = performance.now();
-  stats.add(now_ms, ended_ms - began_ms + connection.takeReading_ms(), state ? clock.age_ms(Number(state.sentMonotonicNs) / 1e6, ended_ms) : NaN);
+  stats.add(now_ms, ended_ms - began_ms + connection.takeReading_ms(), state && connection.status === 'open' ? clock.age_ms(Number(state.sentMonotonicNs) / 1e6, ended_ms) : NaN);
   if (picture) quality?.look(picture, ended_ms);
 }
 requestAnimationFrame(frame);
