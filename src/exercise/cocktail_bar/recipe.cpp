@@ -15,8 +15,9 @@ double pourAccuracy(double poured_l, double asked_l, double tolerance_l) noexcep
 double drinkScore(const BarScoring& scoring, double accuracy, double spilt_l, double time_s,
                   int steps) noexcept {
   const double pars = time_s / (scoring.par_s * steps);
-  const double points = 100.0 * accuracy - scoring.spill_points_per_l * spilt_l +
-                        scoring.time_points * std::clamp(2.0 - pars, 0.0, 1.0);
+  const double points = (100.0 - scoring.time_points) * accuracy +
+                        scoring.time_points * std::clamp(2.0 - pars, 0.0, 1.0) -
+                        scoring.spill_points_per_l * spilt_l;
   return std::clamp(points, 0.0, 100.0);
 }
 

@@ -15,8 +15,8 @@ namespace wholehand {
 [[nodiscard]] WHOLEHAND_RT double pourAccuracy(double poured_l, double asked_l,
                                                double tolerance_l) noexcept;
 
-/// Score of a drink, 0 .. 100: 100 · accuracy − points for spills + points for time, these in full
-/// up to par and none from twice par on.
+/// Score of a drink, 0 .. 100: (100 − time_points) · accuracy + time_points, these in full up to
+/// par and none from twice par on, less what spills cost.
 [[nodiscard]] WHOLEHAND_RT double drinkScore(const BarScoring& scoring, double accuracy,
                                              double spilt_l, double time_s, int steps) noexcept;
 
