@@ -35,6 +35,7 @@ export class Mouse implements InputWay {
   private place: Partial<Triple> = {};
   private squeeze = false;
   private stillToGo_px = FIRST_TRAVEL_PX;
+  private last: { x_px: number; y_px: number } | undefined;
 
   /** `depthNow` says where the hand is along x, -1 .. 1, when the wheel is first turned. */
   constructor(
@@ -73,7 +74,9 @@ export class Mouse implements InputWay {
 
   private readonly move = (event: PointerEvent): void => {
     if (event.pointerType !== 'mouse') return;
-    this.stillToGo_px -= Math.hypot(event.movementX, event.movementY);
+    const { last } = this;
+    this.last = { x_px: event.clientX, y_px: event.clientY };
+    if (last) this.stillToGo_px -= Math.hypot(event.clientX - last.x_px, event.clientY - last.y_px);
     if (this.stillToGo_px <= 0) this.point(event);
   };
 

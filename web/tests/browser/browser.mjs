@@ -31,8 +31,8 @@ export async function openPage(browser, url, { width = 1280, height = 800, local
   page.faults = [];
   page.on('pageerror', (error) => page.faults.push(error.message));
   page.on('console', (message) => {
-    // A connection that is refused while the program is down is expected, and said by the browser itself.
-    if (message.type() === 'error' && !/WebSocket|ERR_CONNECTION|Failed to load resource/.test(message.text())) page.faults.push(message.text());
+    // Expected, and said by the browser itself: a program that is down, a browser opened without 3D.
+    if (message.type() === 'error' && !/WebSocket|ERR_CONNECTION|Failed to load resource|WebGL/.test(message.text())) page.faults.push(message.text());
   });
   await page.goto(url);
   return page;

@@ -13,7 +13,7 @@ export function keysFor(now) {
   const { stage, target_dispenser: target, squeeze_n: squeeze } = now.values;
   const body = now.bodies[now.dispensers[target]];
   if (!body || stage === STAGE.drinkDone || stage === STAGE.levelDone) return [];
-  if (stage === STAGE.letGo || stage === STAGE.drawBack) return squeeze > 0.2 || x < -0.07 ? [] : ['ArrowDown'];
+  if (stage === STAGE.letGo || stage === STAGE.drawBack) return squeeze > 1 || x < -0.074 ? [] : ['ArrowDown'];
   const aside = body[1] - GRIP_SIDE_M - y;
   if (x > IN_FRONT_M && Math.abs(aside) > 0.05) return ['ArrowDown'];
   if (x < IN_FRONT_M) {

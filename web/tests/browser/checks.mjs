@@ -1,0 +1,149 @@
+// What a person could do at the pages, one function each. All run against one program.
+import { accessibilityFaults, openPage, pageUrl, until } from './browser.mjs';
+import { playOneDrink } from './key_player.mjs';
+
+const RENDERING = 1;
+const STOPPED = 3;
+
+/** Fails with words. */
+export function expect(condition, words) {
+  if (!condition) throw new Error(words);
+}
+
+const axis = (now, name) => now.q[now.axes.indexOf(name)];
+
+/** The game, past its first card, with a person about to play. */
+export async function openGame(browser, programUrl, query = {}) {
+  const page = await openPage(browser, pageUrl(programUrl, '/', { lang: 'en', quality: 'low', ...query }));
+  await page.waitForSelector('[data-testid=start]', { timeout: 30_000 });
+  await page.click('[data-testid=start]');
+  return page;
+}
+
+export async function mouseMovesTheHand(game, watcher) {
+  await watcher.until('rendering', (now) => now.runState === RENDERING);
+  const { width, height } = game.viewportSize();
+  const box = await game.locator('#play').boundingBox();
+  const to = async (part) => {
+    await game.mouse.move(box.x + box.width * part, box.y + box.height / 2, { steps: 12 });
+    await new Promise((resolve) => setTimeout(resolve, 100));
+  };
+  expect(box && box.width > width / 2 && box.height > height / 2, 'the picture does not fill the page');
+  // Left in the picture is left of the person, y positive; 0.7 of the picture is the whole 240 mm.
+  for (const [part, y_m] of [[0.36, 0.048], [0.6, -0.034]]) {
+    await to(part);
+    await watcher.until(`the device at y = ${y_m} m, where the cursor is`, (now) => Math.abs(axis(now, 'y') - y_m) < 0.012, { within_ms: 15_000 });
+  }
+  const before = await watcher.now();
+  await game.mouse.wheel(0, 100);
+  await game.mouse.wheel(0, 100);
+  await watcher.until('the device nearer to the person after the wheel', (now) => axis(now, 'x') < axis(before, 'x') - 0.01 || axis(now, 'x') < -0.076);
+  return `device y followed the cursor within 12 mm, steered by ${before.steering === 1 ? 'the person' : 'nobody'}`;
+}
+
+export async function keysFillAGlass(game, watcher) {
+  const { now, taken_s } = await playOneDrink(game, watcher, { within_s: 150 });
+  const { glass_l: glass, asked_l: asked, tolerance_l: tolerance, score } = now.values;
+  const drink = glass > 0 ? glass : now.values['layer_l/0'];
+  expect(drink > 0.02, `the glass holds ${1000 * drink} ml`);
+  await game.waitForSelector('[data-testid=success]', { timeout: 15_000 });
+  return `a glass of ${(1000 * drink).toFixed(1)} ml (asked ${(1000 * asked).toFixed(0)} ± ${(1000 * tolerance).toFixed(0)}) in ${taken_s.toFixed(1)} s, score ${score.toFixed(0)}`;
+}
+
+/** From the console, which does not hold the controls: any client may stop. */
+export async function emergencyStopEndsAllEffort(watcher, game) {
+  const { page } = watcher;
+  await page.bringToFront();
+  const asked_ms = Date.now();
+  await page.keyboard.press('Escape');
+  const now = await watcher.until('stopped, with every effort at neutral', (n) => n.runState === STOPPED && n.sent.every((effort) => Math.abs(effort) < 1e-6), { within_ms: 5000, every_ms: 20 });
+  const took_ms = Date.now() - asked_ms;
+  await until('the console says so', async () => (await page.getAttribute('body', 'data-state')) === 'stopped');
+  expect(now.shown === 'stopped' || now.shown === 'stopping' || now.shown === 'rendering', `the console shows ${now.shown}`);
+  await game.waitForSelector('text=/Stopped/', { timeout: 10_000 });
+  return `neutral ${took_ms} ms after the key (the page looked every 20 ms)`;
+}
+
+/** While the game holds the controls the console's orders are refused with a reason, and put back. */
+export async function secondControllerIsRefused(watcher) {
+  const { page } = watcher;
+  await page.waitForSelector('[data-testid=held]:not([hidden])', { timeout: 5000 });
+  const input = page.locator('#parameter-effort_limit_hand_tip_n');
+  const before = await input.inputValue();
+  await input.fill('5');
+  await input.press('Enter');
+  const refusal = page.locator('#parameter-effort_limit_hand_tip_n-refusal');
+  await refusal.waitFor({ state: 'visible', timeout: 5000 });
+  const words = await refusal.textContent();
+  expect(words.length > 15, `the refusal says "${words}"`);
+  expect((await input.inputValue()) === before, 'the refused value was not put back');
+  return `"${words}"`;
+}
+
+/** A number outside its range never leaves the page. */
+export async function outOfRangeIsSaid(watcher) {
+  const { page } = watcher;
+  const input = page.locator('#parameter-damping_decay_s');
+  const before = await input.inputValue();
+  await input.fill('99');
+  await input.press('Enter');
+  const refusal = page.locator('#parameter-damping_decay_s-refusal');
+  await refusal.waitFor({ state: 'visible', timeout: 5000 });
+  expect((await input.inputValue()) === before, 'the value was not put back');
+  return `"${await refusal.textContent()}"`;
+}
+
+export async function reconnects(game, watcher, program, restart) {
+  const before = await watcher.now();
+  await program.stop('SIGKILL');
+  for (const page of [game, watcher.page]) {
+    await page.waitForSelector('text=/Connection lost/', { timeout: 15_000 });
+  }
+  const stopButton = watcher.page.locator('[data-testid=emergency-stop]');
+  expect(await stopButton.isDisabled(), 'the console promises a stop that cannot act');
+  const next = await restart();
+  const back_ms = Date.now();
+  await watcher.until('states of the new program', (now) => now.shown !== 'lost' && now.tick !== before.tick, { within_ms: 20_000 });
+  await until('the game without the lost card', async () => !(await game.isVisible('text=/Connection lost/')), { within_ms: 20_000 });
+  return { next, words: `both pages live ${Date.now() - back_ms} ms after the program was back` };
+}
+
+/** Four views of the pages, none with a serious or critical fault. */
+export async function pagesAreAccessible(browser, programUrl) {
+  const views = [
+    ['game, welcome', '/', {}, null],
+    ['game, watching', '/', {}, '[data-testid=watch]'],
+    ['console, light', '/console', { theme: 'light' }, null],
+    ['console, dark, German, tables', '/console', { theme: 'dark', lang: 'de' }, '[data-testid=tables]'],
+  ];
+  const found = [];
+  for (const [name, path, query, click] of views) {
+    const page = await openPage(browser, pageUrl(programUrl, path, { lang: 'en', quality: 'low', ...query }));
+    await page.waitForSelector(path === '/' ? '[data-testid=start]' : '.plot', { timeout: 30_000 });
+    if (click) await page.click(click);
+    await new Promise((resolve) => setTimeout(resolve, 1500));
+    found.push(...(await accessibilityFaults(page)).map((fault) => `${name}: ${fault}`));
+    await page.context().close();
+  }
+  expect(found.length === 0, found.join('\n'));
+  return `${views.length} views, no serious or critical fault`;
+}
+
+/** Frames a second in low quality and what a frame's script costs. */
+export async function cost(browser, programUrl, path, { seconds = 12 } = {}) {
+  const page = await openPage(browser, pageUrl(programUrl, path, { lang: 'en', quality: 'low', theme: 'light' }));
+  const watch = page.locator('[data-testid=watch]');
+  if (path === '/') {
+    await watch.waitFor({ timeout: 30_000 });
+    await watch.click();
+  }
+  await page.waitForFunction(() => window.wholehandStats?.quality === 'low', null, { timeout: 60_000 });
+  // The hand is made with its first states.
+  await new Promise((resolve) => setTimeout(resolve, 5000));
+  const frames = await page.evaluate(() => window.wholehandStats.frames);
+  await new Promise((resolve) => setTimeout(resolve, 1000 * seconds));
+  const stats = await page.evaluate(() => ({ ...window.wholehandStats, ...window.wholehandStats }));
+  const faults = page.faults;
+  await page.context().close();
+  return { fps: (stats.frames - frames) / seconds, script_ms_p95: stats.script_ms_p95, state_age_ms_p99: stats.state_age_ms_p99, faults };
+}

@@ -1,0 +1,94 @@
+// Tests in a real browser against the real program: node web/tests/browser/run.mjs [name ...]
+//   WHOLEHAND_PROGRAM  the program (build/release/wholehand)   CHROMIUM  the browser (/usr/bin/chromium)
+//   WHOLEHAND_OUTPUT   where pictures go (web/test-output/browser)
+import { mkdirSync, mkdtempSync, rmSync, symlinkSync, writeFileSync } from 'node:fs';
+import { availableParallelism, cpus, loadavg, tmpdir } from 'node:os';
+import { dirname, join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { openBrowser } from './browser.mjs';
+import * as checks from './checks.mjs';
+import { takePictures } from './pictures.mjs';
+import { startProgram } from './program.mjs';
+import { openWatcher } from './watcher.mjs';
+
+const WEB = join(dirname(fileURLToPath(import.meta.url)), '..', '..');
+const OUTPUT = process.env.WHOLEHAND_OUTPUT ?? join(WEB, 'test-output', 'browser');
+const SCRIPT_MS = 8;
+const FRAMES_HZ = 15;
+const CORES = typeof availableParallelism === 'function' ? availableParallelism() : cpus().length;
+
+const wanted = process.argv.slice(2);
+const results = [];
+
+async function test(name, run) {
+  if (wanted.length > 0 && !wanted.some((part) => name.includes(part))) return undefined;
+  const began_ms = Date.now();
+  try {
+    const value = await run();
+    const words = typeof value === 'string' ? value : (value?.words ?? '');
+    results.push({ name, ok: true, words });
+    console.log(`ok    ${name} (${((Date.now() - began_ms) / 1000).toFixed(1)} s) ${words}`);
+    return value;
+  } catch (error) {
+    results.push({ name, ok: false, words: error.message });
+    console.log(`FAIL  ${name}: ${error.message}`);
+    return undefined;
+  }
+}
+
+/** Figures of a page; gates that need an idle machine hold only on one. */
+async function costOf(browser, programUrl, name, path) {
+  const load = loadavg()[0] / CORES;
+  const figures = await checks.cost(browser, programUrl, path);
+  const words = `${figures.fps.toFixed(1)} frames/s in low quality, script p95 ${figures.script_ms_p95.toFixed(2)} ms, state age p99 ${figures.state_age_ms_p99?.toFixed?.(0) ?? '-'} ms; load ${load.toFixed(2)} a core`;
+  writeFileSync(join(OUTPUT, `cost-${name}.json`), `${JSON.stringify({ ...figures, load_per_core: load }, null, 2)}\n`);
+  checks.expect(figures.faults.length === 0, figures.faults.join('\n'));
+  if (load > 0.6) return `${words} (others use this machine: printed, not gated)`;
+  checks.expect(figures.script_ms_p95 <= SCRIPT_MS, `script p95 above ${SCRIPT_MS} ms: ${words}`);
+  if (name === 'game') checks.expect(figures.fps >= FRAMES_HZ, `fewer than ${FRAMES_HZ} frames/s: ${words}`);
+  return words;
+}
+
+mkdirSync(OUTPUT, { recursive: true });
+// The program keeps recordings in its folder: a fresh one leaves nothing behind.
+const folder = mkdtempSync(join(tmpdir(), 'wholehand-browser-'));
+if (process.env.WHOLEHAND_DIST) {
+  mkdirSync(join(folder, 'web'));
+  symlinkSync(process.env.WHOLEHAND_DIST, join(folder, 'web', 'dist'));
+}
+let program = await startProgram({ folder, args: ['--wait'] });
+const { port } = program;
+const plain = await openBrowser({ with3d: false });
+const drawing = await openBrowser();
+try {
+  const watcher = await openWatcher(plain, program.url);
+  const game = await checks.openGame(drawing, program.url);
+  await test('mouse moves the hand', () => checks.mouseMovesTheHand(game, watcher));
+  await test('keys fill a glass', () => checks.keysFillAGlass(game, watcher));
+  await test('a second controller is refused', () => checks.secondControllerIsRefused(watcher));
+  await test('a value out of range is said', () => checks.outOfRangeIsSaid(watcher));
+  await test('emergency stop ends all effort', () => checks.emergencyStopEndsAllEffort(watcher, game));
+  await test('reconnects after a restart', async () => {
+    const { next, words } = await checks.reconnects(game, watcher, program, () => startProgram({ folder, port }));
+    program = next;
+    return words;
+  });
+  await test('no fault was logged by the pages', async () => {
+    const faults = [...game.faults, ...watcher.page.faults];
+    checks.expect(faults.length === 0, faults.join('\n'));
+    return '';
+  });
+  await game.context().close();
+  await test('pages are accessible', () => checks.pagesAreAccessible(plain, program.url));
+  await test('cost of the game', () => costOf(drawing, program.url, 'game', '/'));
+  await test('cost of the console', () => costOf(drawing, program.url, 'console', '/console'));
+  await test('pictures in full quality', async () => `${(await takePictures(drawing, program.url, OUTPUT, watcher)).join(', ')} in ${OUTPUT}`);
+} finally {
+  await drawing.close();
+  await plain.close();
+  await program.stop();
+  rmSync(folder, { recursive: true, force: true });
+}
+const failed = results.filter(({ ok }) => !ok);
+console.log(`${results.length - failed.length} of ${results.length} browser tests passed`);
+process.exitCode = failed.length === 0 && results.length > 0 ? 0 : 1;
