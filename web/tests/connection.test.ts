@@ -167,6 +167,18 @@ test('Connection_SilentLine_CountsAsLost', async () => {
   expect(lines[0].closed).toBe(true);
 });
 
+test('Connection_PageThatWasBusy_DoesNotBlameTheLine', () => {
+  const connection = connect();
+  lines[0].welcome();
+  // Eight seconds without a turn of the event loop; the first turn is a beat.
+  vi.setSystemTime(Date.now() + 8000);
+  const now = performance.now() + 8000;
+  const spy = vi.spyOn(performance, 'now').mockReturnValue(now);
+  vi.advanceTimersByTime(50);
+  expect([connection.status, lines[0].closed]).toEqual(['open', false]);
+  spy.mockRestore();
+});
+
 test('Connection_DamagedMessages_AreCountedAndChangeNothing', () => {
   const warn = vi.spyOn(console, 'warn').mockImplementation(() => {});
   const connection = connect();

@@ -100,6 +100,7 @@ export class Connection {
   private retryTimer: ReturnType<typeof setTimeout> | undefined;
   private readonly beatTimer: ReturnType<typeof setInterval>;
   private heard_ms = 0;
+  private beat_ms = 0;
   private closed = false;
 
   constructor(private readonly options: ConnectionOptions) {
@@ -224,8 +225,12 @@ export class Connection {
   }
 
   private beat(): void {
+    // A page that was busy or asleep has not read what came meanwhile: that is no silence of the program.
+    const now_ms = performance.now();
+    if (now_ms - this.beat_ms > 10 * HEARTBEAT_MS) this.heard_ms = now_ms;
+    this.beat_ms = now_ms;
     if (!this.line) return;
-    if (performance.now() - this.heard_ms > SILENCE_MS) {
+    if (now_ms - this.heard_ms > SILENCE_MS) {
       this.lost();
       return;
     }

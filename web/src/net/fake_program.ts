@@ -252,7 +252,7 @@ export class FakeProgram {
     s.qM = bar.qM;
     s.qS = bar.qS;
     s.theta = bar.theta;
-    s.intention = bar.intention;
+    s.intention = this.options.has('hardware') ? [] : bar.intention;  // a real device has no virtual patient
     const wobble = (i: number) => 0.05 * Math.sin(bar.time_s * (5 + i)) * AXES[i].limit / 20;
     s.coupling = AXES.map((a, i) => Math.max(-a.limit, Math.min(a.limit, a.spring * (bar.qS[i] - bar.qM[i]) + wobble(i))));
     s.exerciseEffort = AXES.map((_, i) => (i === 3 || i === 5 ? -bar.alpha * 0.02 * bar.squeeze_n : 0));
