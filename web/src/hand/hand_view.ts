@@ -11,7 +11,7 @@ import type { Quality } from '../scene/quality';
 import { fingertips, nailGeometry } from './nails';
 import type { HandShape } from './shape';
 import { MAX_GLOWS, makeSkin, poseSkin, setTone, skinUniforms, type SkinDetail, type SkinUniforms } from './skin_shader';
-import { skinMesh, type SkinMesh } from './skin_mesh';
+import { keptSkinMesh, type SkinMesh } from './skin_mesh';
 import { cuffGeometry, sleeveGeometry, type Weave } from './sleeve';
 import { toneOf } from './tones';
 import { POSE_STRIDE } from './vector';
@@ -65,7 +65,7 @@ export class HandView {
     this.solid = makeSkin(surface(quality, { roughness: 0.62, sheen: 0.35, sheenRoughness: 0.5, sheenColor: new Color('#ffb59a'), specularIntensity: 0.42 }), shape, this.uniforms, DETAIL[quality]);
     this.ghost = makeSkin(surface(quality, { color: new Color('#f2ffff'), roughness: 0.9, transparent: true, opacity: 0.34 }), shape, this.uniforms, DETAIL[quality]);
     this.nail = surface(quality, { roughness: 0.3, clearcoat: 0.5, clearcoatRoughness: 0.3 }) as Material & { color: Color };
-    const geometry = skinGeometry(skinMesh(shape, poses, SKIN_STEP_M[quality]));
+    const geometry = skinGeometry(keptSkinMesh(shape, poses, SKIN_STEP_M[quality]));
     this.skin = new Mesh(geometry, this.solid);
     this.skin.customDepthMaterial = makeSkin(new MeshDepthMaterial({ depthPacking: RGBADepthPacking }), shape, this.uniforms, 'place');
     this.skin.castShadow = this.skin.receiveShadow = true;

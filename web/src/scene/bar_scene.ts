@@ -37,8 +37,8 @@ export interface Labels {
   target: Pixel | null;                         // grip of the dispenser that is wanted
 }
 
-/** Against a device's own pixels; low quality draws this share of them in either direction. */
-const LOW_PIXELS = 0.66;
+/** Pixels that low quality draws at most, and high quality for each of the page's. */
+const LOW_PIXELS = 450_000;
 const MOST_PIXELS = 2;
 /** Where the row stands when no exercise says so [m]. */
 const DEFAULT_PLACE: CameraPlace = { counter_y: -0.253, row_z: -0.119 };
@@ -80,7 +80,9 @@ export class BarScene {
 
   /** A new scene: another hand, exercise, level. The hand is made when its first state comes. */
   setScene(scene: SceneT): void {
+    const same = this.told !== undefined && drawn(scene) === drawn(this.told);
     this.told = scene;
+    if (same) return;
     this.state = undefined;
     this.build();
     this.resize();
@@ -123,7 +125,7 @@ export class BarScene {
   resize(): void {
     const width = Math.max(1, this.canvas.clientWidth), height = Math.max(1, this.canvas.clientHeight);
     const device = Math.min(MOST_PIXELS, window.devicePixelRatio || 1);
-    this.renderer.setPixelRatio(this.quality === 'high' ? device : LOW_PIXELS);
+    this.renderer.setPixelRatio(this.quality === 'high' ? device : Math.min(1, Math.sqrt(LOW_PIXELS / (width * height))));
     this.renderer.setSize(width, height, false);
     placeCamera(this.camera, this.options.view, this.place, width, height);
     if (this.stage) this.backdrop?.take(this.renderer, this.scene, this.camera, this.stage.room, this.stage.light);
@@ -201,7 +203,7 @@ export class BarScene {
   private applyLook(): void {
     const { dimmed, grey, ghostHand, showColliders, tone } = this.look;
     this.hand?.look({ ghost: ghostHand, colliders: showColliders, tone });
-    const filters = [grey ? 'saturate(.22) brightness(.82)' : '', dimmed ? 'brightness(.62)' : ''].filter(Boolean);
+    const filters = [grey ? 'saturate(.22) brightness(.82)' : '', dimmed ? 'brightness(.85)' : ''].filter(Boolean);
     this.canvas.style.filter = filters.join(' ');
   }
 
@@ -220,6 +222,11 @@ export class BarScene {
     this.contacts.root.visible = !this.look.ghostHand;
     this.hand?.tint(this.look.ghostHand ? [] : spots);
   }
+}
+
+/** What of a scene is seen: a new session or a recording that begins changes none of it. */
+function drawn({ exerciseJson, valueNames, capsules, bodies, rightHand, linkNames }: SceneT): string {
+  return JSON.stringify([exerciseJson, valueNames, capsules, bodies, rightHand, linkNames]);
 }
 
 /** The bar's own place; another scene's table top, or the usual one. */
