@@ -1,12 +1,13 @@
 // A page with nothing but the scene, for pictures and measurements: "npm run dev", then
-//   /tests/scene_page.html?at=pour&level=3&quality=high&tone=honey&ghost&colliders&plain&card
+//   /tests/scene_page.html?at=pour&level=3&quality=high&tone=honey&ghost&colliders&plain&check
 // Options of the stand-in program (src/net/fake_program.ts) work too. window.scene is the scene,
-// window.ready counts frames.
+// window.ready counts frames, window.check says where the graphics card puts the skin.
 
 import type { PerspectiveCamera } from 'three';
 import '../src/shared/tokens.css';
 import { FakeProgram } from '../src/net/fake_program';
 import type { SceneT, WorldStateT } from '../src/protocol';
+import { checkOnCard } from './scene_gpu_check';
 import { BarScene } from '../src/scene/bar_scene';
 import type { Quality } from '../src/scene/quality';
 
@@ -34,7 +35,8 @@ if (options.has('zoom')) {   // x, y of the middle in px of 1280 × 800, and how
   scene.resize();
 }
 
-const page = window as unknown as { scene: BarScene; ready: number };
+const page = window as unknown as { scene: BarScene; ready: number; check?: ReturnType<typeof checkOnCard> };
+if (options.has('check')) page.check = checkOnCard(told, program.state(), 2e-3);
 page.scene = scene;
 page.ready = 0;
 const still = options.has('still');

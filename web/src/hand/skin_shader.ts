@@ -123,6 +123,11 @@ for (int i = 0; i < ${MAX_GLOWS}; i++) {
 skinTint = skinColor;
 `;
 
+/** The shader's own words for the skin's place, for a test that asks the graphics card where it draws. */
+export function placeSource(shape: HandShape): { declarations: string; point: string } {
+  return { declarations: declarations(shape), point: POINT };
+}
+
 /** What of the skin a material draws: its place alone (shadows), or shading by four or all neighbours. */
 export type SkinDetail = 'place' | 'plain' | 'fine';
 
