@@ -210,7 +210,8 @@ export class BarScene {
   private update(state: WorldStateT, dt_s: number): void {
     if (this.fresh) this.hand?.pose(this.poses);
     this.fresh = false;
-    this.bar?.update(state, this.look.names, dt_s);
+    this.bar?.update(state, this.look.names, this.camera.position, dt_s);
+    if (this.stage) this.stage.rail.position.z = this.bar?.railZ(state) ?? this.place.row_z;
     if (this.stage?.target) this.bar?.lightTarget(this.stage.target, dt_s);
     state.bodies.forEach((pose, i) => {
       const p = pose.positionM, q = pose.orientationXyzw;

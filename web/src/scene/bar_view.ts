@@ -30,6 +30,7 @@ export class BarView {
   private readonly glass: GlassView;
   private readonly stream: StreamView;
   private readonly glassBody: number;
+  private readonly railBody: number;
   private row_y0: number | undefined;
   private line_m: number | undefined;
   private target = -1;
@@ -38,6 +39,7 @@ export class BarView {
     const bodyIndex = (name: string) => scene.bodies.findIndex((b) => String(b.name) === name);
     this.values = new ExerciseValues(scene.valueNames);
     this.glassBody = bodyIndex(bar.glass.body);
+    this.railBody = bodyIndex('rail');
     this.glass = new GlassView(bar.glass, quality);
     this.stream = new StreamView(quality);
     this.root.add(this.glass.root, this.stream.root);
@@ -54,10 +56,11 @@ export class BarView {
     return ['counter', 'rail', this.bar.glass.body].includes(name) || this.bar.dispensers.some((d) => d.body === name);
   }
 
-  update(state: WorldStateT, names: Readonly<Record<string, string>>, dt_s: number): void {
+  /** @param eye where the picture is taken from */
+  update(state: WorldStateT, names: Readonly<Record<string, string>>, eye: Vector3, dt_s: number): void {
     this.target = this.values.get(state, 'target_dispenser');
     const stage = this.values.get(state, 'stage'), done = stage === STAGE.drinkDone || stage === STAGE.levelDone;
-    this.placeDispensers(state, names, done);
+    this.placeDispensers(state, names, eye, done);
     const poured = this.values.poured(state), drink = this.bar.drinks[this.values.get(state, 'drink')];
     const rim = rimHeight(this.bar.glass), rise = this.bar.glass.m_per_l, step = this.values.get(state, 'step');
     const liquids = drink?.steps.map((s) => s.liquid) ?? [];
@@ -89,7 +92,7 @@ export class BarView {
     light.target.position.x = light.position.x = x;
   }
 
-  private placeDispensers(state: WorldStateT, names: Readonly<Record<string, string>>, done: boolean): void {
+  private placeDispensers(state: WorldStateT, names: Readonly<Record<string, string>>, eye: Vector3, done: boolean): void {
     const row_y = this.values.get(state, 'row_y_m');
     this.row_y0 ??= row_y;
     this.hung.forEach((h, i) => {
@@ -99,10 +102,18 @@ export class BarView {
       h.slot ??= h.root.position.clone();
       // A free dispenser leaves; its sign stays on the rail, and slides with the row.
       const x = d.free ? h.slot.x - (row_y - (this.row_y0 ?? 0)) : h.root.position.x;
-      h.sign.root.position.set(x, this.bar.rail_z_m + SIGN_OVER_M, h.slot.z + SIGN_BEFORE_M);
+      // On the rail, wherever that is, and over the dispenser as the eye sees it.
+      const z = (this.railZ(state) ?? h.slot.z) + SIGN_BEFORE_M, further = (eye.z - z) / (eye.z - h.slot.z);
+      h.sign.root.position.set(eye.x + (x - eye.x) * further, this.bar.rail_z_m + SIGN_OVER_M, z);
       const running = state.runState === RunState.Rendering || state.runState === RunState.Disarmed;
       h.sign.show(names[d.liquid] ?? '', i === this.target && !done && running);
     });
+  }
+
+  /** Of the rail, three.js's frame; undefined where the program has none. */
+  railZ(state: WorldStateT): number | undefined {
+    const at = state.bodies[this.railBody]?.positionM;
+    return at ? toThree(at).z : undefined;
   }
 
   private updateStream(state: WorldStateT, surface_m: number, dt_s: number): void {
