@@ -124,11 +124,11 @@ test('Connection_LostBeforeAnAnswer_AnswersTheOrderItself', async () => {
 test('Connection_OrderWithoutAnswer_IsGivenUp', async () => {
   const connection = connect();
   lines[0].welcome();
-  const arm = connection.arm();
+  const stop = connection.stop();
   await vi.advanceTimersByTimeAsync(2900);
   lines[0].say(Payload.WorldState, new WorldStateT());
   await vi.advanceTimersByTimeAsync(101);
-  expect(await arm).toEqual({ accepted: false, reason: 'no answer' });
+  expect(await stop).toEqual({ accepted: false, reason: 'no answer' });
 });
 
 test('Connection_OtherSchemaVersion_IsRefusedForGood', async () => {

@@ -1,5 +1,6 @@
 import { expect, test } from 'vitest';
 import { RunState, SceneT, Steering, WorldStateT } from '../src/protocol';
+import { cueTowards } from '../src/game/cues';
 import { faultsOf, figure, readScript, type Script } from '../src/game/script';
 import {
   callOutOf, causeOf, clock, filledPercent, instructionOf, meterOf, pageState, praiseOf, recipeOf, Stage, type Situation,
@@ -31,7 +32,7 @@ function moment(values: Record<string, number>, more: Partial<WorldStateT> = {})
 }
 
 const script = scriptOfSunset();
-const playing: Situation = { status: 'open', problem: null, everOpen: true, attempts: 0, wish: 'play', resting: false, held: { heldByYou: true, held: true } };
+const playing: Situation = { status: 'open', problem: null, everOpen: true, attempts: 0, wish: 'play', loading: false, resting: false, held: { heldByYou: true, held: true } };
 
 test('Script_OfAnotherExerciseOrBrokenText_IsNone', () => {
   const scene = new SceneT();
@@ -61,6 +62,8 @@ test('PageState_TheMostSeriousComesFirst', () => {
   expect(pageState({ ...playing, status: 'lost' }, script, moment({}, { runState: RunState.Stopped }))).toBe('lost');
   for (const runState of [RunState.Stopping, RunState.Stopped, RunState.Faulted])
     expect(pageState({ ...playing, wish: 'undecided' }, script, moment({}, { runState }))).toBe('stopped');
+  // A level that we load stops the run for a moment: that is no stop to speak of.
+  expect(pageState({ ...playing, loading: true }, script, moment({}, { runState: RunState.Stopping }))).toBe('loading');
   expect(pageState({ ...playing, wish: 'undecided' }, script, state)).toBe('welcome');
   expect(pageState({ ...playing, resting: true }, script, state)).toBe('rest');
   expect(pageState(playing, null, state)).toBe('free');
@@ -144,4 +147,12 @@ test('Cause_OfAFault_IsTheFaultAndNotTheStop', () => {
 test('Praise_OfTheLastDrink_IsThatOfTheLevel', () => {
   expect(praiseOf(script, moment({ stage: Stage.DrinkDone, drink: 1, drinks: 2 }), 0)!.levelDone).toBe(true);
   expect(praiseOf(script, moment({ stage: Stage.DrinkDone, drink: 0, drinks: 2 }), 0)!.levelDone).toBe(false);
+});
+
+test('Cue_PointsFromTheHandToTheBottle_AndNotWhenTheHandIsThere', () => {
+  const target = { x_px: 600, y_px: 300 };
+  // The hand is to the right of the bottle (y points left): the chevrons stand right of it and point left.
+  expect(cueTowards(-0.1, 0.064, target, 1)).toEqual({ at: { x_px: 666, y_px: 300 }, left: true });
+  expect(cueTowards(0.1, -0.064, target, 2)).toEqual({ at: { x_px: 468, y_px: 300 }, left: false });
+  expect(cueTowards(0.023, 0.064, target, 1)).toBeNull();
 });

@@ -4,7 +4,7 @@ import { quantile, Ring } from '../shared/ring';
 export interface WholehandStats {
   readonly script_ms_p95: number;      // our code on the main thread, a frame
   readonly fps: number;                // of the last second
-  readonly state_age_ms_p99: number;   // of the drawn state, beyond the fastest message's way
+  readonly state_age_ms_p99: number;   // of a state when it is first drawn, beyond the fastest message's way
   readonly quality: string;
   readonly frames: number;
 }

@@ -1,25 +1,21 @@
 // The game: what the program says becomes what the page shows; what the person presses becomes orders.
 import type { Controls } from '../input/controls';
 import type { Connection } from '../net/connection';
-import { Act, HandPart, RunState, Steering, type EventT, type SceneT, type WorldStateT } from '../protocol';
+import { Act, HandPart, RunState, type EventT, type SceneT, type WorldStateT } from '../protocol';
 import { h } from '../shared/dom';
 import { language, nameOf, setLanguage, store, stored, text } from '../shared/i18n';
+import { cueTowards, type Cue } from './cues';
 import { absentCard, helpCard, lostCard, Overlay, praiseCard, restCard, stoppedCard, TONES, versionCard, welcomeCard, type HelpSection, type Tone } from './dialogs';
 import { Hud, type Point } from './hud';
 import type { Picture } from './picture';
 import { figure, readScript, type Script } from './script';
 import { Sound } from './sound';
+import { changeLevel, letProgramPlay, openCamera, takeOver, type Known } from './takeover';
 import {
   callOutOf, causeOf, hasHardware, instructionOf, isPlaying, meterOf, pageState, praiseOf, recipeOf, Stage, type PageState, type Situation,
 } from './view';
 
 const STORED = { tone: 'wholehand.tone', level: 'wholehand.level', way: 'wholehand.way' } as const;
-// Chevrons are shown while the hand is this far beside its target [m], and this far beside the bottle [u].
-const CHEVRONS_FROM_M = 0.05;
-const CHEVRONS_BESIDE_U = 66;
-// A held bottle is this far beside the palm's link, towards +y [m].
-const GRIP_ASIDE_M = 0.041;
-
 export class Game {
   readonly hud: Hud;
   tone: Tone;
@@ -31,6 +27,8 @@ export class Game {
   private palmLink = 0;
   private unit = 0;
   private blind = false;
+  private loading = false;
+  private followed: WorldStateT | null = null;
   private resting = false;
   private helpOpen = false;
   private drinkFollows = false;
@@ -74,11 +72,12 @@ export class Game {
     this.shown = '';
   }
 
-  /** Once a frame; `fresh`: there is a new state since the last one. */
-  frame(fresh: boolean): void {
+  /** Once a frame, and now and then where frames are slow. */
+  frame(): void {
     const { latestState: state, status } = this.connection;
     this.everOpen ||= status === 'open';
-    if (state && fresh) {
+    if (state && state !== this.followed) {
+      this.followed = state;
       this.hardware = hasHardware(state);
       this.follow(state);
     }
@@ -89,7 +88,7 @@ export class Game {
 
   private situation(): Situation {
     const { status, problem, attempts, controls } = this.connection;
-    return { status, problem, everOpen: this.everOpen, attempts, wish: this.wish, resting: this.resting, held: controls };
+    return { status, problem, everOpen: this.everOpen, attempts, wish: this.wish, loading: this.loading, resting: this.resting, held: controls };
   }
 
   // ---- what the program says
@@ -134,7 +133,7 @@ export class Game {
 
   private enter(now: PageState): void {
     const { attempts, problem } = this.connection;
-    const playing = now !== 'watching' && now !== 'welcome' && isPlaying(this.situation(), this.connection.latestState);
+    const playing = now !== 'watching' && now !== 'welcome' && now !== 'loading' && isPlaying(this.situation(), this.connection.latestState);
     const key = [now, language(), attempts, problem?.theirs, this.hardware, this.notice, this.helpOpen].join();
     if (key === this.shown) return;
     this.shown = key;
@@ -236,6 +235,7 @@ export class Game {
       const recipe = script ? recipeOf(script, state) : null;
       return ['', now === 'success' && recipe ? text('game.drinkOf', { n: recipe.drink, m: recipe.drinks }) : ''];
     }
+    if (now === 'loading') return [text('game.moment'), ''];
     if (now === 'free') return [text('game.free'), text('game.freeMore')];
     if (!script || now === 'welcome') return ['', ''];
     const { title, more, liquid } = instructionOf(script, state);
@@ -246,21 +246,15 @@ export class Game {
   private placeWords(script: Script, state: WorldStateT, now: PageState): void {
     const { fillLine, target } = this.picture!.labels();
     const reaching = now === 'reach' || (now === 'watching' && figure(script, state, 'stage') === Stage.Reach);
-    this.hud.place(fillLine, reaching && target ? this.chevrons(script, state, target) : null);
+    this.hud.place(fillLine, reaching && target ? this.cue(script, state, target) : null);
   }
 
-  /** Beside the target, on the side of the hand, pointing to it; none when the hand is before it. */
-  private chevrons(script: Script, state: WorldStateT, target: Point): { at: Point; left: boolean } | null {
+  private cue(script: Script, state: WorldStateT, target: Point): Cue | null {
     const wanted = script.dispensers[figure(script, state, 'target_dispenser', -1)]?.body;
     const body = this.connection.scene?.bodies.findIndex((b) => String(b.name) === wanted) ?? -1;
     const bottle = state.bodies[body]?.positionM;
     const palm = state.links[this.palmLink]?.positionM;
-    if (!bottle || !palm) return null;
-    const aside_m = palm.y + GRIP_ASIDE_M - bottle.y;
-    if (Math.abs(aside_m) < CHEVRONS_FROM_M) return null;
-    const handIsRight = aside_m < 0;
-    const beside_px = CHEVRONS_BESIDE_U * this.unit_px();
-    return { at: { x_px: target.x_px + (handIsRight ? beside_px : -beside_px), y_px: target.y_px }, left: handIsRight };
+    return bottle && palm ? cueTowards(palm.y, bottle.y, target, this.unit_px()) : null;
   }
 
   private liquidNames(): Record<string, string> {
@@ -281,61 +275,32 @@ export class Game {
   }
 
   private async begin(): Promise<void> {
-    const { connection } = this;
-    if (this.way === 'webcam') {
-      const camera = await this.controls.startWebcam();
-      if (!camera.ok) { this.refuse(camera.reason); return; }
-    }
-    const taken = await connection.takeControls();
-    if (!taken.accepted) {
-      // Somebody else plays: there is nothing to do about it here but to watch, and that is said.
-      if (connection.controls.held) this.wish = 'watch'; else this.refuse(taken.reason);
-      return;
-    }
-    if (!await this.matchLevel()) return;
-    if (connection.latestState?.runState === RunState.Disarmed) {
-      const armed = await connection.arm();
-      if (!armed.accepted) { this.refuse(armed.reason); return; }
-    }
-    const steered = this.hardware ? { accepted: true, reason: '' } : await connection.steer(Steering.Person);
-    if (!steered.accepted) { this.refuse(steered.reason); return; }
-    await this.beginAgain();
-    await this.until(() => this.hardware || connection.latestState?.steering === Steering.Person);
-    this.notice = '';
-    this.wish = 'play';
+    if (this.connection.status !== 'open') { this.notice = text('welcome.connecting'); return; }
+    const camera = await openCamera(this.controls, this.way);
+    if (!camera.accepted) { this.notice = camera.reason; return; }
+    const outcome = await this.busy(takeOver(this.connection, this.known, { way: this.way, level: this.level, fresh: this.wish === 'undecided' }));
+    this.notice = outcome.is === 'refused' ? outcome.reason : '';
+    if (outcome.is === 'playing') this.wish = 'play';
+    // Somebody else plays: there is nothing to do about it here but to watch, and that is said.
+    if (outcome.is === 'another plays') this.wish = 'watch';
   }
 
-  /** Until the program's state says so too: the page would show "watching" for a moment. */
-  private async until(so: () => boolean): Promise<void> {
-    for (let tries = 0; tries < 40 && !so(); tries++) await new Promise((go) => setTimeout(go, 25));
-  }
+  private readonly known = (): Known => ({ script: this.script, hardware: this.hardware });
 
-  /** A person who comes new begins a new glass; one who comes back goes on where it was left. */
-  private async beginAgain(): Promise<void> {
-    const state = this.connection.latestState;
-    const stage = this.script && state ? figure(this.script, state, 'stage') : Stage.Reach;
-    const over = stage === Stage.DrinkDone || stage === Stage.LevelDone;
-    await this.connection.act(this.wish === 'undecided' || over ? Act.Restart : Act.Resume);
-  }
-
-  private async matchLevel(): Promise<boolean> {
-    const { scene } = this.connection;
-    if (!scene || (this.script && scene.level === this.level)) return true;
-    const answer = await this.connection.loadExercise(this.script ? '' : 'cocktail-bar', this.level, '');
-    if (!answer.accepted) this.refuse(answer.reason);
-    return answer.accepted;
+  /** While orders are on their way: a run that is stopped to load a level is no stop to speak of. */
+  private async busy<Result>(orders: Promise<Result>): Promise<Result> {
+    this.loading = true;
+    try {
+      return await orders;
+    } finally {
+      this.loading = false;
+    }
   }
 
   private async watch(): Promise<void> {
-    const { connection } = this;
-    // Nothing runs and nobody commands: the person's wish to see it is enough to let the program play.
-    if (connection.latestState?.runState === RunState.Disarmed && !connection.controls.held) {
-      if ((await connection.takeControls()).accepted && (await connection.steer(Steering.VirtualPatient)).accepted) await connection.arm();
-    }
+    await letProgramPlay(this.connection);
     this.wish = 'watch';
   }
-
-  private refuse(reason: string): void { this.notice = reason; }
 
   private chooseWay(way: string): void {
     this.way = way;
@@ -345,7 +310,8 @@ export class Game {
   private async load(level: number): Promise<void> {
     this.level = level;
     store(STORED.level, String(level));
-    await this.matchLevel();
+    const answer = await this.busy(changeLevel(this.connection, this.known, level));
+    this.notice = answer.reason;
   }
 
   private async rest(): Promise<void> {
@@ -362,6 +328,7 @@ export class Game {
   private stop(): void {
     this.hud.stop.classList.add('pressed');
     setTimeout(() => this.hud.stop.classList.remove('pressed'), 400);
+    this.loading = false;
     void this.connection.emergencyStop();
   }
 

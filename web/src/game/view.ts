@@ -8,7 +8,7 @@ import { faultsOf, figure, type Recipe, type Script } from './script';
 export const Stage = { Reach: 0, Squeeze: 1, Pour: 2, LetGo: 3, DrinkDone: 4, LevelDone: 5, DrawBack: 6 } as const;
 
 export type PageState =
-  | 'version' | 'absent' | 'lost' | 'stopped' | 'welcome' | 'watching' | 'free' | 'rest' | 'success'
+  | 'version' | 'absent' | 'lost' | 'loading' | 'stopped' | 'welcome' | 'watching' | 'free' | 'rest' | 'success'
   | 'reach' | 'squeeze' | 'pour' | 'letgo' | 'drawback';
 
 export interface Situation {
@@ -17,6 +17,7 @@ export interface Situation {
   readonly everOpen: boolean;      // the program has answered since the page was opened
   readonly attempts: number;       // failed ones since it was last there
   readonly wish: 'undecided' | 'play' | 'watch';
+  readonly loading: boolean;       // orders of ours are on their way that stop the run for a moment
   readonly resting: boolean;
   readonly held: { readonly heldByYou: boolean; readonly held: boolean };
 }
@@ -42,6 +43,7 @@ export function pageState(s: Situation, script: Script | null, state: WorldState
   if (s.problem) return 'version';
   if (!s.everOpen && s.attempts > 0) return 'absent';
   if (s.everOpen && s.status !== 'open') return 'lost';
+  if (s.loading && state) return 'loading';
   const run = state?.runState;
   if (run === RunState.Stopping || run === RunState.Stopped || run === RunState.Faulted) return 'stopped';
   if (s.wish === 'undecided' || !state) return 'welcome';

@@ -51,6 +51,8 @@ const FIRST_WAIT_MS = 250;
 const LONGEST_WAIT_MS = 2000;
 const HEARTBEAT_MS = 50;
 const ANSWER_WITHIN_MS = 3000;
+// Loading and arming stop a run gently, read files and build a world first.
+const SLOW_ANSWER_WITHIN_MS = 20_000;
 // Of an open line that says nothing at all: the program sends 60 states a second.
 const SILENCE_MS = 3000;
 
@@ -120,8 +122,9 @@ export class Connection {
     const line = this.line;
     if (this.status !== 'open' || !line) return Promise.resolve({ accepted: false, reason: 'not connected' });
     const id = ++this.lastId;
+    const within_ms = order instanceof LoadExerciseT || order instanceof ArmT ? SLOW_ANSWER_WITHIN_MS : ANSWER_WITHIN_MS;
     return new Promise((settle) => {
-      const timer = setTimeout(() => this.settle(id, { accepted: false, reason: 'no answer' }), ANSWER_WITHIN_MS);
+      const timer = setTimeout(() => this.settle(id, { accepted: false, reason: 'no answer' }), within_ms);
       this.waiting.set(id, { settle, timer });
       line.send(encodeCommand(id, order));
     });

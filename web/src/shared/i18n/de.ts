@@ -38,6 +38,7 @@ export const de: Texts = {
   'game.wrongMore': 'Loslassen, dann zum hellen Schild',
   'game.offGlass': 'Nicht über dem Glas',
   'game.offGlassMore': 'Loslassen, dann noch einmal',
+  'game.moment': 'Einen Moment …',
   'game.free': 'Bewegen Sie die Hand',
   'game.freeMore': 'Diese Übung hat kein Rezept',
   'game.yourSqueeze': 'Ihr Druck',

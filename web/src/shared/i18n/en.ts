@@ -38,6 +38,7 @@ export const en = {
   'game.wrongMore': 'Let go and move to the bright sign',
   'game.offGlass': 'Not over the glass',
   'game.offGlassMore': 'Let go, then try again',
+  'game.moment': 'One moment …',
   'game.free': 'Move your hand',
   'game.freeMore': 'There is no recipe in this exercise',
   'game.yourSqueeze': 'Your squeeze',

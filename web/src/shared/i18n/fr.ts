@@ -38,6 +38,7 @@ export const fr: Texts = {
   'game.wrongMore': 'Lâchez, puis allez au panneau clair',
   'game.offGlass': 'Pas au-dessus du verre',
   'game.offGlassMore': 'Lâchez, puis recommencez',
+  'game.moment': 'Un instant …',
   'game.free': 'Bougez la main',
   'game.freeMore': 'Cet exercice n’a pas de recette',
   'game.yourSqueeze': 'Votre pression',

@@ -1,0 +1,85 @@
+// From watching to playing: every order that it takes, in turn, and why it did not work where it did not.
+import type { Controls } from '../input/controls';
+import type { Answer, Connection } from '../net/connection';
+import { Act, RunState, Steering } from '../protocol';
+import { figure, type Script } from './script';
+import { Stage } from './view';
+
+export interface Wishes {
+  readonly way: string;      // of playing
+  readonly level: number;
+  readonly fresh: boolean;   // a person who comes new begins a new glass
+}
+
+/** What the page knows; asked again after every order, as orders change it. */
+export interface Known { readonly script: Script | null; readonly hardware: boolean }
+
+export type Outcome = { readonly is: 'playing' | 'another plays' } | { readonly is: 'refused'; readonly reason: string };
+
+const EVERY_MS = 25;
+const TRIES = 80;
+
+const wait = (): Promise<void> => new Promise((go) => { setTimeout(go, EVERY_MS); });
+
+/** Until the program's states say so too, or for two seconds. */
+async function until(so: () => boolean): Promise<void> {
+  for (let tries = 0; tries < TRIES && !so(); tries++) await wait();
+}
+
+/** Loads that level, or the bar where another exercise is on; nothing when it is there already. */
+export async function matchLevel(connection: Connection, known: () => Known, level: number): Promise<Answer> {
+  const { scene } = connection;
+  const { script } = known();
+  if (!scene || (script && scene.level === level)) return { accepted: true, reason: '' };
+  const answer = await connection.loadExercise(script ? '' : 'cocktail-bar', level, '');
+  if (answer.accepted) await until(() => known().script !== null && connection.scene?.level === level);
+  return answer;
+}
+
+/** The person at this screen moves the hand. On a real device that is the person's own hand. */
+async function steer(connection: Connection, known: () => Known): Promise<Answer> {
+  if (known().hardware) return { accepted: true, reason: '' };
+  const answer = await connection.steer(Steering.Person);
+  if (answer.accepted) await until(() => connection.latestState?.steering === Steering.Person);
+  return answer;
+}
+
+/** Another level for a person who plays: loading gives the hand back to the virtual patient. */
+export async function changeLevel(connection: Connection, known: () => Known, level: number): Promise<Answer> {
+  const loaded = await matchLevel(connection, known, level);
+  return loaded.accepted ? steer(connection, known) : loaded;
+}
+
+export async function openCamera(controls: Controls, way: string): Promise<Answer> {
+  if (way !== 'webcam') return { accepted: true, reason: '' };
+  const { ok, reason } = await controls.startWebcam();
+  return { accepted: ok, reason };
+}
+
+export async function takeOver(connection: Connection, known: () => Known, wishes: Wishes): Promise<Outcome> {
+  const taken = await connection.takeControls();
+  if (!taken.accepted) return connection.controls.held ? { is: 'another plays' } : { is: 'refused', reason: taken.reason };
+  const loaded = await matchLevel(connection, known, wishes.level);
+  if (!loaded.accepted) return { is: 'refused', reason: loaded.reason };
+  if (connection.latestState?.runState === RunState.Disarmed) {
+    const armed = await connection.arm();
+    if (!armed.accepted) return { is: 'refused', reason: armed.reason };
+    await until(() => connection.latestState?.runState === RunState.Rendering);
+  }
+  const steered = await steer(connection, known);
+  if (!steered.accepted) return { is: 'refused', reason: steered.reason };
+  const { script } = known();
+  const stage = script && connection.latestState ? figure(script, connection.latestState, 'stage') : Stage.Reach;
+  const over = stage === Stage.DrinkDone || stage === Stage.LevelDone;
+  await connection.act(wishes.fresh || over ? Act.Restart : Act.Resume);
+  if (over) await until(() => connection.latestState !== null && script !== null && figure(script, connection.latestState, 'stage') < Stage.DrinkDone);
+  return { is: 'playing' };
+}
+
+/** Where nothing runs and nobody commands, the wish to see it is enough to let the program play. */
+export async function letProgramPlay(connection: Connection): Promise<void> {
+  if (connection.latestState?.runState !== RunState.Disarmed || connection.controls.held) return;
+  if (!(await connection.takeControls()).accepted) return;
+  await connection.arm();
+  await connection.releaseControls();
+}
