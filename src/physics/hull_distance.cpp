@@ -97,7 +97,7 @@ SegmentDistance hullDistance(const std::vector<Vector3d>& points_m, const Vector
                              const Vector3d& b_m, double radius_m) noexcept {
   // The corner that lies farthest towards the origin, seen from `from`.
   const auto support = [&](const Vector3d& from) -> Corner {
-    const Vector3d* farthest = nullptr;
+    const Vector3d* farthest = &points_m.front();  // stays where all is NaN
     double most = -std::numeric_limits<double>::infinity();
     for (const Vector3d& p : points_m) {
       const double along = p.dot(from);

@@ -1,7 +1,5 @@
 // Laws of physics that the Bullet world must keep, whatever its solver does inside.
-#include "physics/bullet/bullet_world.hpp"
-
-#include "support/rig_tools.hpp"
+#include "physics/bullet_bench.hpp"
 #include "support/tolerance.hpp"
 
 #include <cmath>
@@ -9,14 +7,6 @@
 
 namespace wholehand::test {
 namespace {
-
-constexpr double kPeriod_s = 1e-3;
-
-WorldState look(PhysicsWorld& world) {
-  WorldState state;
-  EXPECT_EQ(world.observe({}, state), Fault::kNone);
-  return state;
-}
 
 TEST(FreeHand, UnderRandomEffort_FollowsItsReducedInertia) {
   const Models m = load(shippedFiles());
@@ -45,44 +35,6 @@ TEST(FreeHand, UnderRandomEffort_FollowsItsReducedInertia) {
   }
   figure("free hand against M_r^-1 f_s, worst change of velocity", worst, "m/s or rad/s");
   EXPECT_LE(worst, tolerance(1e-9));
-}
-
-/// A hand, driven by Eq. (2) towards a moving target, in a scene made in place.
-struct Bench {
-  explicit Bench(SceneModel scene_in, const std::string& hand = "adult-median-right")
-      : models(load(shippedFiles("lambda-pride", "empty", hand))), scene(std::move(scene_in)) {
-    world = std::make_unique<BulletWorld>(models.hand, scene);
-  }
-  /// One step towards q_m with the velocity qd_m.
-  void step(const AxisPosition& q_m, const AxisVelocity& qd_m) {
-    state = look(*world);
-    ASSERT_TRUE(body.update(state.theta, state.theta_dot, scene.gravity_m_s2));
-    AxisEffort f_s(q_m.size());
-    for (int a = 0; a < f_s.size(); ++a) {
-      f_s[a] = body.reducedInertia()(a, a) *
-               (4e3 * (q_m[a] - state.q_s[a]) + 120.0 * (qd_m[a] - state.qd_s[a]));
-    }
-    HandDrive drive;
-    body.distribute(f_s, drive.torque);
-    drive.reduced_inertia_inverse = &body.reducedInertiaInverse();
-    ASSERT_EQ(world->step(drive, kPeriod_s), Fault::kNone);
-    world->contacts(touching);
-    after = look(*world);
-  }
-
-  Models models;
-  SceneModel scene;
-  std::unique_ptr<BulletWorld> world;
-  ArticulatedBody body{models.hand};
-  WorldState state, after;
-  ContactList touching;
-};
-
-SceneModel weightless(std::vector<SceneBody> bodies) {
-  SceneModel scene;
-  scene.gravity_m_s2.setZero();
-  scene.bodies = std::move(bodies);
-  return scene;
 }
 
 /// The world's mirror image in y, in the device's coordinates.

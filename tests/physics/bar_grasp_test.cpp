@@ -1,0 +1,141 @@
+// An upright bottle that stands fixed, taken in the power grasp as at the bar, through the whole
+// renderer: what the squeeze, the thumb, the fingers' backs and the first touch are like.
+#include "physics/bullet_bench.hpp"
+#include "support/tolerance.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace wholehand::test {
+namespace {
+
+constexpr double kDeg = std::numbers::pi / 180.0;
+constexpr double kLever_m = 0.08;
+constexpr int kFingers = 3, kCircumduction = 4, kThumb = 5;
+
+SceneBody bottle(const Eigen::Vector3d& at_m) {
+  SceneBody body = ball(at_m, 0.025, 0.0);
+  body.name = "bottle";
+  body.shapes[0].type = ShapeType::kCylinder;
+  body.shapes[0].length_m = 0.2;
+  return body;
+}
+
+/// A person who moves the hand to the bottle, closes it, and then holds fingers and thumb at an
+/// effort at the tips.
+struct Grasp {
+  double tip_n;
+  AxisPosition q_m{6};
+  AxisEffort coupling{6};  ///< of the last tick
+  std::unique_ptr<Rig> rig;
+
+  Grasp(double effort_tip_n, double aside_m) : tip_n(effort_tip_n) {
+    Models m = load(shippedFiles());
+    // Where the power grasp wants it, seen from the hand's base.
+    m.scene.bodies = {bottle({0.049, 0.041 + aside_m, 0.004})};
+    q_m[1] = -0.1;
+    q_m[kFingers] = 65.0 * kDeg, q_m[kCircumduction] = 5.0 * kDeg;
+    rig = buildScripted(std::move(m), [this](int read) { return script(read); });
+  }
+  AxisPosition script(int read) {
+    if (read < 1000) {
+      q_m[1] = -0.1 * (1.0 - 1e-3 * read);
+    } else if (read < 1500) {
+      q_m[kCircumduction] += 0.03 * kDeg;
+    } else {
+      for (const int axis : {kFingers, kThumb}) {
+        const double missing_n = tip_n + coupling[axis] / kLever_m;
+        q_m[axis] += std::clamp(2e-4 * missing_n, -1e-3, 1e-3);
+      }
+    }
+    return q_m;
+  }
+};
+
+class Squeeze : public testing::TestWithParam<double> {};
+
+TEST_P(Squeeze, OfTheBottle_IsSteadyShallowAndByThumbAndFingers) {
+  Grasp grasp(GetParam(), 0.0);
+  ASSERT_TRUE(grasp.rig->renderer->arm());
+  double sum_n = 0.0, squares_n2 = 0.0, thumb_n = 0.0, fingers_n = 0.0, deepest_m = 0.0;
+  int counted = 0;
+  const auto last = runTicks(*grasp.rig->renderer, 6000, [&](const TickRecord& r) {
+    grasp.coupling = r.coupling;
+    ASSERT_EQ(r.faults & kStopping, Fault::kNone);
+    double now_n = 0.0;
+    for (int i = 0; i < r.contact_count; ++i) {
+      const Contact& c = r.contacts[i];
+      deepest_m = std::max(deepest_m, -c.distance_m);
+      const double normal_n = c.force_n.eigen().dot(c.normal.eigen());
+      now_n += normal_n;
+      if (r.tick < 5000) continue;
+      const HandPart part = grasp.rig->models.hand.capsules[c.capsule].part;
+      (part == HandPart::kThumb ? thumb_n : fingers_n) += 1e-3 * normal_n;
+    }
+    if (r.tick < 5000) return;
+    ++counted;
+    sum_n += now_n;
+    squares_n2 += now_n * now_n;
+  });
+  const double mean_n = sum_n / counted;
+  const double noise_n = std::sqrt(std::max(0.0, squares_n2 / counted - mean_n * mean_n));
+  const std::string name = "squeeze at " + std::to_string(static_cast<int>(GetParam())) + " N, ";
+  figure(name + "sum of normal forces", mean_n, "N");
+  figure(name + "of it the thumb", thumb_n, "N");
+  figure(name + "noise", noise_n, "N");
+  figure(name + "deepest overlap", deepest_m * 1e3, "mm");
+  EXPECT_NEAR(-last->coupling[kFingers] / kLever_m, GetParam(), 0.05 * GetParam());
+  EXPECT_LE(noise_n, tolerance(0.02) * mean_n);
+  EXPECT_LE(deepest_m, 1.5e-3);
+  EXPECT_GT(thumb_n, 0.2 * GetParam());
+  EXPECT_GT(fingers_n, GetParam());
+  // All that a tip force can do with the bones' levers: it meets them no farther out than the tip
+  // and no nearer than a third of the way.
+  EXPECT_GT(mean_n, 1.5 * GetParam());
+  EXPECT_LT(mean_n, 6.0 * GetParam() + 3.0);
+}
+INSTANTIATE_TEST_SUITE_P(Efforts, Squeeze, testing::Values(1.0, 4.0, 10.0));
+
+TEST(FirstTouchInAGrasp, IsWhereTheFingersAre) {
+  Grasp grasp(2.0, 0.0);
+  ASSERT_TRUE(grasp.rig->renderer->arm());
+  const auto last = runTicks(*grasp.rig->renderer, 5000,
+                             [&](const TickRecord& r) { grasp.coupling = r.coupling; });
+  ASSERT_GT(last->contact_count, 1);
+  WorldState state;
+  for (int k = 0; k < 50; ++k) {
+    ASSERT_EQ(grasp.rig->world->observe({1, 0}, state), Fault::kNone);
+  }
+  // Contacts give by micrometres: what rests on the bottle touches where it is.
+  EXPECT_NEAR(state.closure[kFingers], state.q_s[kFingers], tolerance(1e-3));
+  EXPECT_LE(state.closure[kThumb], state.q_s[kThumb] + 1e-3);
+  EXPECT_EQ(state.palm_body, 0);
+}
+
+TEST(BackOfTheFingers, BumpingTheBottle_IsFelt) {
+  Models m = load(shippedFiles());
+  m.scene.bodies = {bottle({0.119, -0.06, 0.004})};  // beside the fingers, behind their backs
+  const auto rig = buildScripted(std::move(m), [](int read) {
+    AxisPosition q(6);
+    q[1] = -1e-4 * std::min(read, 500);  // 0.1 m/s to the right, 5 cm
+    return q;
+  });
+  ASSERT_TRUE(rig->renderer->arm());
+  double felt_n = 0.0, deepest_m = 0.0;
+  bool by_fingers = false;
+  runTicks(*rig->renderer, 700, [&](const TickRecord& r) {
+    felt_n = std::max(felt_n, r.coupling[1]);
+    for (int i = 0; i < r.contact_count; ++i) {
+      const HandPart part = rig->models.hand.capsules[r.contacts[i].capsule].part;
+      by_fingers = by_fingers || (part != HandPart::kPalm && part != HandPart::kThumb);
+      deepest_m = std::max(deepest_m, -r.contacts[i].distance_m);
+    }
+  });
+  figure("bump with the back of the fingers, felt", felt_n, "N");
+  EXPECT_TRUE(by_fingers);
+  EXPECT_GT(felt_n, 2.0);  // 1 N per mm that the hand is held back, and it is by centimetres
+  EXPECT_LE(deepest_m, 1.5e-3);
+}
+
+}  // namespace
+}  // namespace wholehand::test
