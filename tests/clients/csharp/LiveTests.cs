@@ -128,9 +128,7 @@ public static class LiveTests
             Check.Equal(0L, backwards, "ticks that go back");
             // A second of 1 kHz is a thousand states, whatever the machine does: late ones come in a batch.
             Check.True(received > 0.9 * 1000 * seconds, "less than 900 Hz arrived: " + received);
-            double late = program.End();
-            if (late <= 2.0) Check.True(p99 <= 5.0, "latency p99 is " + p99 + " ms");
-            else Console.WriteLine("       latency is not judged: this machine was {0} ms late itself", late);
+            Latency.Judge(p99, program.End());
             lock (events)
             {
                 for (int i = 1; i < events.Count; ++i) Check.Equal(events[i - 1] + 1, events[i], "events in order");

@@ -1,0 +1,173 @@
+using System;
+using System.Collections.Generic;
+using System.Diagnostics;
+using System.Globalization;
+using System.Text.RegularExpressions;
+using System.Threading;
+using System.Threading.Tasks;
+using Wholehand;
+using wholehand.protocol;
+
+/// <summary>The client against the program itself: `wholehand run --udp`, the cocktail bar, played by its
+/// virtual patient.</summary>
+[Tests]
+public static class RealTests
+{
+    private sealed class RealProgram : IDisposable
+    {
+        private readonly Process process;
+
+        public RealProgram()
+        {
+            // setpriv: it ends with this process, whatever becomes of the test.
+            process = Process.Start(new ProcessStartInfo("setpriv",
+                "--pdeathsig KILL \"" + Runner.Program + "\" run --udp 0 --port 0")
+            {
+                UseShellExecute = false, RedirectStandardOutput = true, RedirectStandardInput = true
+            });
+            new Thread(ReadAll) { IsBackground = true }.Start();
+            try
+            {
+                Check.Until(() => Port != 0, "the program opens its port");
+            }
+            catch (Failure)
+            {
+                Dispose();
+                throw;
+            }
+        }
+
+        // To the end: what it prints must not fill the pipe.
+        private void ReadAll()
+        {
+            string line;
+            while ((line = process.StandardOutput.ReadLine()) != null)
+            {
+                Match port = Regex.Match(line, @"^\s*udp\s.*:(\d+)\s*$");
+                if (port.Success) Port = int.Parse(port.Groups[1].Value, CultureInfo.InvariantCulture);
+            }
+        }
+
+        public int Port { get; private set; }
+
+        public void Dispose()
+        {
+            if (!process.HasExited) process.Kill();
+            process.WaitForExit();
+        }
+    }
+
+    /// <summary>How late this machine wakes a thread that does nothing, p99 in ms: what a busy machine
+    /// adds to every latency.</summary>
+    private sealed class Jitter
+    {
+        private readonly List<double> late = new List<double>();
+        private readonly Thread thread;
+        private volatile bool stop;
+
+        public Jitter()
+        {
+            thread = new Thread(() =>
+            {
+                while (!stop)
+                {
+                    long before = MonotonicClock.NowNs();
+                    Thread.Sleep(1);
+                    late.Add((MonotonicClock.NowNs() - before) * 1e-6 - 1.0);
+                }
+            });
+            thread.Start();
+        }
+
+        public double P99()
+        {
+            stop = true;
+            thread.Join();
+            late.Sort();
+            return late[late.Count * 99 / 100];
+        }
+    }
+
+    private static CommandReply Ended(Task<CommandReply> command)
+    {
+        Check.True(command.Wait(20000), "the command is answered");
+        return command.Result;
+    }
+
+    public static void CocktailBar_ReachesTheGameCompleteAndInOrder()
+    {
+        int seconds = Runner.Full ? 60 : 5;
+        using (var program = new RealProgram())
+        using (var client = new WholehandClient(new ClientOptions { Port = program.Port }))
+        {
+            ulong last = 0;
+            long backwards = 0, skipped = 0;
+            client.StateReceived += s =>
+            {
+                if (last != 0 && s.Tick <= last) ++backwards;
+                if (last != 0 && s.Tick > last + 1) skipped += (long)(s.Tick - last - 1);
+                last = s.Tick;
+            };
+            client.Connect();
+            Check.Until(() => client.LatestScene.HasValue && client.Statistics.Received > 500, "states");
+            Scene scene = client.LatestScene.Value;
+            Check.Equal("cocktail-bar", scene.ExerciseName, "exercise");
+            var state = new HandState();
+            Check.True(client.TryGetState(state), "a state");
+            Check.Equal(scene.AxesLength, state.HandPosition.Length, "axes");
+            Check.Equal(scene.JointNamesLength, state.JointAngles.Length, "joints");
+            Check.Equal(scene.ValueNamesLength, state.Values.Length, "values");
+            Check.Equal(RunState.Rendering, state.RunState, "it renders");
+
+            client.Statistics.Reset();
+            skipped = 0;
+            var jitter = new Jitter();
+            Thread.Sleep(1000 * seconds);
+            ClientStatistics s1 = client.Statistics;
+            long received = s1.Received, lost = s1.Lost, disorder = s1.OutOfOrder;
+            double p50 = s1.LatencyMs(50), p99 = s1.LatencyMs(99), share = s1.Share, late = jitter.P99();
+            Console.WriteLine("figure: wholehand run at 1 kHz to mono, {0} s: {1} received, {2} lost ({3:0.00000} %), "
+                + "{4} out of order; {5} ticks skipped by the program; latency p50 {6:0.00} ms, p99 {7:0.00} ms; "
+                + "an idle thread is {8:0.00} ms late, p99",
+                seconds, received, lost, 100.0 * share, disorder, skipped, p50, p99, late);
+            Check.True(share >= 0.999, "less than 99.9 % received");
+            Check.Equal(0L, disorder + backwards, "out of order");
+            Check.True(received + skipped > 0.9 * 1000 * seconds, "less than 900 ticks a second");
+            Latency.Judge(p99, late);
+        }
+    }
+
+    public static void Commands_AreObeyedAndBadOnesRefusedWithTheReason()
+    {
+        using (var program = new RealProgram())
+        using (var client = new WholehandClient(new ClientOptions { Port = program.Port }))
+        {
+            client.Connect();
+            var state = new HandState();
+            Check.Until(() => client.LatestScene.HasValue && client.TryGetState(state)
+                && state.RunState == RunState.Rendering, "it renders");
+            Parameter parameter = client.LatestScene.Value.Parameters(0).Value;
+            Check.True(!Ended(client.SetParameter(parameter.Name, parameter.Lower)).Accepted, "needs the controls");
+            CommandReply taken = Ended(client.TakeControls());
+            Check.True(taken.Accepted, taken.Reason);
+            CommandReply inside = Ended(client.SetParameter(parameter.Name, (parameter.Lower + parameter.Upper) / 2));
+            Check.True(inside.Accepted, inside.Reason);
+            CommandReply outside = Ended(client.SetParameter(parameter.Name, parameter.Upper + 1e6));
+            Check.True(!outside.Accepted && outside.Reason.Contains(parameter.Name), outside.Reason);
+            CommandReply unknown = Ended(client.LoadExercise("no-such-exercise"));
+            Check.True(!unknown.Accepted && unknown.Reason != "", "an unknown exercise");
+            CommandReply steer = Ended(client.Steer(Steering.Person));
+            Check.True(steer.Accepted, steer.Reason);
+            Check.Until(() => client.TryGetState(state) && state.Steering == Steering.Person, "steers");
+            CommandReply stop = Ended(client.EmergencyStop());
+            Check.True(stop.Accepted, stop.Reason);
+            Check.Until(() => client.TryGetState(state) && state.RunState == RunState.Stopped && state.Authority == 0,
+                "neutral");
+            CommandReply arm = Ended(client.Arm());
+            Check.True(arm.Accepted, arm.Reason);
+            Check.Until(() => client.TryGetState(state) && state.RunState == RunState.Rendering
+                && state.Session == 2, "a second session");
+            Check.Until(() => client.LatestScene.Value.Session == 2, "its scene");
+        }
+    }
+}
