@@ -79,34 +79,67 @@ TEST(ShippedExercises, Liquids_AreToldApartByFeel) {
   }
 }
 
-TEST(ShippedExercises, StiffestWalls_LeaveTheLoopStableWithAnyPersonAndObject) {
-  const auto rendering = loadRenderingFile(config("rendering/lambda-pride.toml"), shippedDevice());
-  ASSERT_TRUE(rendering.ok()) << format(rendering.errors());
-  for (const char* hand_name : {"adult-median-right.toml", "woman-p05-right.toml",
-                                "man-p95-right.toml", "adult-median-left.toml"}) {
-    const auto file = loadHandFile(config("hands/") + hand_name);
-    ASSERT_TRUE(file.ok()) << format(file.errors());
-    const HandModel hand = assembleHand(*file, shippedDevice()).value();
-    const auto gains = resolveGains(*rendering, inertiaAtReference(hand), 1e-3);
-    ASSERT_TRUE(gains.ok()) << format(gains.errors());
-    int walls = 0;
-    for (const ExerciseFile& exercise : shipped()) {
-      int levels = 1;
-      for (int level = 1; level <= levels; ++level) {
-        const auto loaded = loadExercise(exercise.path, level, shippedDevice(), hand);
-        ASSERT_TRUE(loaded.ok()) << format(loaded.errors());
-        levels = loaded->exercise->description().levels;
-        for (const ExerciseWall& wall : loaded->walls) {
-          const AxisLoop loop = axisLoop(shippedDevice(), *gains, wall.axis, 1e-3);
-          EXPECT_GE(wallMargin(loop, wall.stiffness, wall.damping), 1.0)
-              << exercise.name << " level " << level << ", " << hand_name << ", axis "
-              << shippedDevice().axes[static_cast<std::size_t>(wall.axis)].name;
-          ++walls;
-        }
+/// Of every shipped exercise and level, on a device with the gains that go with it.
+void expectAdmissibleWalls(const std::string& device_name, const std::string& hand_name) {
+  const DeviceModel device = loadDeviceFile(config("devices/" + device_name + ".toml")).value();
+  const auto rendering =
+      loadRenderingFile(config("rendering/" + device_name + ".toml"), device).value();
+  const HandModel hand =
+      assembleHand(loadHandFile(config("hands/" + hand_name + ".toml")).value(), device).value();
+  const auto gains = resolveGains(rendering, inertiaAtReference(hand), 1e-3).value();
+  int walls = 0;
+  for (const ExerciseFile& exercise : shipped()) {
+    int levels = 1;
+    for (int level = 1; level <= levels; ++level) {
+      const auto loaded = loadExercise(exercise.path, level, device, hand);
+      ASSERT_TRUE(loaded.ok()) << format(loaded.errors());
+      levels = loaded->exercise->description().levels;
+      for (const ExerciseWall& wall : loaded->walls) {
+        const AxisLoop loop = axisLoop(device, gains, wall.axis, 1e-3);
+        EXPECT_GE(wallMargin(loop, wall.stiffness, wall.damping), 1.0)
+            << exercise.name << " level " << level << ", " << hand_name << " on " << device_name
+            << ", axis " << device.axes[static_cast<std::size_t>(wall.axis)].name;
+        ++walls;
       }
     }
-    EXPECT_GT(walls, 0);
   }
+  EXPECT_GT(walls, 0);
+}
+
+TEST(ShippedExercises, StiffestWalls_LeaveTheLoopStableWithAnyPersonAndObject) {
+  for (const char* hand :
+       {"adult-median-right", "woman-p05-right", "man-p95-right", "adult-median-left"}) {
+    expectAdmissibleWalls("lambda-pride", hand);
+  }
+  expectAdmissibleWalls("wrist-9axis", "adult-median-right");
+}
+
+TEST(ShippedExercises, DeviceWithoutFingers_HasNoWalls) {
+  const DeviceModel device = loadDeviceFile(config("devices/desktop-3axis.toml")).value();
+  const HandModel hand =
+      assembleHand(loadHandFile(config("hands/adult-median-right.toml")).value(), device).value();
+  const auto loaded = loadExercise(config("exercises/cocktail-bar.toml"), 4, device, hand);
+  ASSERT_TRUE(loaded.ok()) << format(loaded.errors());
+  EXPECT_TRUE(loaded->walls.empty());
+}
+
+TEST(ShippedExercises, LeftHand_HasTheMirrorImageOfTheReach) {
+  const HandModel left =
+      assembleHand(loadHandFile(config("hands/adult-median-left.toml")).value(), shippedDevice())
+          .value();
+  const auto y_m = [&](const char* file, const HandModel& hand, const char* body) {
+    const auto loaded = loadExercise(config("exercises/") + file, 2, shippedDevice(), hand);
+    EXPECT_TRUE(loaded.ok()) << format(loaded.errors());
+    const SceneModel& scene = loaded->scene;
+    return scene.bodies[static_cast<std::size_t>(scene.bodyIndex(body))].pose.translation_m.y();
+  };
+  // reach_y_m = [-0.023, 0.105] for a right hand.
+  EXPECT_NEAR(y_m("cocktail-bar.toml", shippedHand(), "dispenser_lemon"), -0.023, 1e-12);
+  EXPECT_NEAR(y_m("cocktail-bar.toml", shippedHand(), "dispenser_cherry"), 0.105, 1e-12);
+  EXPECT_NEAR(y_m("cocktail-bar.toml", left, "dispenser_lemon"), -0.105, 1e-12);
+  EXPECT_NEAR(y_m("cocktail-bar.toml", left, "dispenser_cherry"), 0.023, 1e-12);
+  EXPECT_NEAR(y_m("cocktail-bar-free.toml", left, "dispenser_cherry"), -0.105, 1e-12);
+  EXPECT_NEAR(y_m("cocktail-bar-free.toml", left, "glass"), -0.041, 1e-12);
 }
 
 TEST(ShippedExercises, WallsTooStiffOrTooThick_AreNotAdmissible) {

@@ -70,7 +70,7 @@ Expected<LoadedBar> loadBar(TomlFile& file, const ExerciseSource& source) {
   }
   if (!faults.empty()) return faults;
   takeLevel(parts, bar);
-  keepBodies(parts, bar, out.scene);
+  keepBodies(parts, source.hand->side, bar, out.scene);
   return out;
 }
 

@@ -1,6 +1,7 @@
 #include "exercise/cocktail_bar/bar_scene.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace wholehand {
 namespace {
@@ -77,7 +78,11 @@ void readBodies(TomlTable& root, const SceneModel& scene, BarParts& parts, Bar& 
   }
 }
 
-void keepBodies(const BarParts& parts, Bar& bar, SceneModel& scene) {
+void keepBodies(const BarParts& parts, Side side, Bar& bar, SceneModel& scene) {
+  const double mirror = side == Side::kLeft ? -1.0 : 1.0;
+  if (side == Side::kLeft) {
+    bar.row.reach_lower_m = -std::exchange(bar.row.reach_upper_m, -bar.row.reach_lower_m);
+  }
   std::vector<SceneBody> kept;
   for (SceneBody& body : scene.bodies) {
     const auto is = [&body](const BarDispenser& d) { return d.body == body.name; };
@@ -95,18 +100,17 @@ void keepBodies(const BarParts& parts, Bar& bar, SceneModel& scene) {
     BarDispenser& d = bar.dispensers[i];
     d.body_index = scene.bodyIndex(d.body);
     SceneBody& body = scene.bodies[static_cast<std::size_t>(d.body_index)];
-    if (row.slides) {
-      body.pose.translation_m.y() = first_y_m + static_cast<double>(i) * row.spacing_m;
-    }
+    double& y_m = body.pose.translation_m.y();
+    y_m = row.slides ? first_y_m + static_cast<double>(i) * row.spacing_m : mirror * y_m;
     d.home_m = body.pose.translation_m;
   }
   bar.glass.body_index = scene.bodyIndex(bar.glass.body);
   const BarDispenser& first =
       bar.dispensers[static_cast<std::size_t>(bar.drinks[0].steps[0].dispenser)];
-  if (first.free) return;
   Eigen::Vector3d& glass_m =
       scene.bodies[static_cast<std::size_t>(bar.glass.body_index)].pose.translation_m;
-  glass_m.head<2>() = (first.home_m + first.nozzle_m).head<2>();
+  glass_m.y() *= mirror;
+  if (!first.free) glass_m.head<2>() = (first.home_m + first.nozzle_m).head<2>();
 }
 
 }  // namespace wholehand
