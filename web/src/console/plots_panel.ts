@@ -60,7 +60,7 @@ class PlotPanel {
   private table(t: ConsoleTexts): HTMLElement {
     const heads = [t.plots.series, t.plots.latest, t.plots.least, t.plots.most].map((name) => h('th', { scope: 'col' }, name));
     const body = this.rows.map(({ series, cells }) => h('tr', {}, h('th', { scope: 'row' }, series.name), ...cells));
-    return h('div', { class: 'numbers' }, h('table', {},
+    return h('div', { class: 'numbers', tabindex: 0, role: 'group', 'aria-label': this.spec.title }, h('table', {},
       h('caption', {}, fill(t.plots.tableCaption, { name: `${this.spec.title} ${this.spec.unit}`.trim() })),
       h('thead', {}, h('tr', {}, ...heads)), h('tbody', {}, ...body)));
   }

@@ -137,16 +137,18 @@ export class Webcam implements InputWay {
     this.onView({ video: this.video, seen: false });
   }
 
-  // One picture after another, as fast as the tracker can; each waits for the one before.
+  // One picture after another. The tracker works on the page's own thread: it gets half of it at most.
   private async run(): Promise<void> {
     while (this.running && this.video && this.hands) {
+      const began_ms = performance.now();
       try {
         await this.hands.send({ image: this.video });
       } catch {
         this.stop();
         return;
       }
-      await new Promise((resume) => requestAnimationFrame(resume));
+      const took_ms = performance.now() - began_ms;
+      await new Promise((resume) => setTimeout(resume, Math.max(16, took_ms)));
     }
   }
 

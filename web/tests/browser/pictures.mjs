@@ -15,12 +15,12 @@ export async function takePictures(browser, programUrl, folder, watcher) {
   for (const { file, path, query, click, stage } of VIEWS) {
     const page = await openPage(browser, pageUrl(programUrl, path, { lang: 'en', quality: 'high', ...query }));
     if (click) {
-      await page.waitForSelector(click, { timeout: 90_000 });
+      await page.waitForSelector(click, { timeout: 240_000 });
       await page.click(click);
     }
-    await page.waitForFunction(() => window.wholehandStats?.quality === 'high', null, { timeout: 150_000 });
+    await page.waitForFunction(() => window.wholehandStats?.quality === 'high', null, { timeout: 300_000 });
     const frames = await page.evaluate(() => window.wholehandStats.frames);
-    await page.waitForFunction((n) => window.wholehandStats.frames >= n + 4, frames, { timeout: 150_000 });
+    await page.waitForFunction((n) => window.wholehandStats.frames >= n + 4, frames, { timeout: 300_000 });
     if (stage !== undefined) await watcher.until('pouring', (now) => now.values.stage === stage, { within_ms: 60_000 }).catch(() => null);
     // Nothing more is drawn: taking the picture does not wait for the next one.
     await page.evaluate(() => { window.requestAnimationFrame = () => 0; });

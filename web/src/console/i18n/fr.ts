@@ -2,7 +2,7 @@ import type { ConsoleTexts } from './en';
 
 export const fr: ConsoleTexts = {
   title: 'Wholehand : console',
-  hand: { right: 'à droite', left: 'à gauche' },
+  hand: { right: 'droite', left: 'gauche' },
   session: 'Séance {n}',
   level: 'Niveau {n}',
   levelOf: 'Niveau {n} sur {m}',
@@ -16,7 +16,7 @@ export const fr: ConsoleTexts = {
   },
   pill: {
     connecting: 'Attend le programme', lost: 'Rien ici n’est actuel', disarmed: 'Rien ne pousse',
-    rendering: 'Toutes les limites tenues', limited: 'Force à sa limite', paused: 'L’exercice attend',
+    rendering: 'Limites tenues', limited: 'Force à sa limite', paused: 'L’exercice attend',
     stopping: 'Retour au neutre', stopped: 'Au neutre', faulted: 'Au neutre',
   },
 
@@ -113,7 +113,7 @@ export const fr: ConsoleTexts = {
 
   recordings: {
     title: 'Enregistrements', none: 'Pas encore d’enregistrement.', failed: 'La liste n’a pas pu être lue. Nouvel essai en cours.',
-    report: 'Rapport', download: 'Télécharger', reportOf: 'Rapport de {name}', downloadOf: 'Télécharger {name}', now: 'Enregistre',
+    report: 'Rapport', download: 'Télécharger', reportOf: 'Rapport de {name}', downloadOf: 'Télécharger {name}', now: 'En cours',
   },
 
   notices: {
