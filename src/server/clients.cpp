@@ -182,7 +182,7 @@ void Clients::answer(std::uint32_t client, std::uint32_t command, const OrderRep
 }
 
 void Clients::orderQuietly(const Order& order) {
-  backend_.order(order, [](OrderReply) {});
+  backend_.order(order, [](const OrderReply&) {});
 }
 
 void Clients::followControls(std::int64_t now_ns) {
@@ -212,7 +212,7 @@ void Clients::tellControls() {
   }
 }
 
-void Clients::deliverToAll(SharedBytes message) {
+void Clients::deliverToAll(const SharedBytes& message) {
   for (auto& [number, client] : clients_) client.line->deliver(message);
 }
 

@@ -78,14 +78,14 @@ class Clients : public std::enable_shared_from_this<Clients> {
 
   void refuse(Entry client, std::uint32_t command, const char* reason, const std::string& why,
               std::int64_t now_ns, bool reply = true);
-  [[nodiscard]] bool withinRate(Entry client, std::int64_t now_ns);
-  void obey(Entry client, const wire::ClientMessage& message, std::int64_t now_ns);
+  [[nodiscard]] bool withinRate(Entry entry, std::int64_t now_ns);
+  void obey(Entry entry, const wire::ClientMessage& message, std::int64_t now_ns);
   void forward(std::uint32_t client, std::uint32_t command, const Order& order);
   void answer(std::uint32_t client, std::uint32_t command, const OrderReply& reply);
   void orderQuietly(const Order& order);
   void followControls(std::int64_t now_ns);
   void tellControls();
-  void deliverToAll(SharedBytes message);
+  void deliverToAll(const SharedBytes& message);
   void followScene();
   void sendEvents();
   void sendState(std::int64_t now_ns);
