@@ -7,11 +7,11 @@ const require = createRequire(import.meta.url);
 const AXE = readFileSync(require.resolve('axe-core/axe.min.js'), 'utf8');
 const SOFTWARE_3D = ['--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'];
 
-export function openBrowser({ with3d = true } = {}) {
+export function openBrowser({ with3d = true, args = [] } = {}) {
   return chromium.launch({
     executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
     headless: true,
-    args: ['--no-sandbox', ...(with3d ? SOFTWARE_3D : ['--disable-3d-apis'])],
+    args: ['--no-sandbox', ...(with3d ? SOFTWARE_3D : ['--disable-3d-apis']), ...args],
   });
 }
 
@@ -25,8 +25,8 @@ export function pageUrl(programUrl, path, query = {}) {
 }
 
 /** A page that remembers its own errors. */
-export async function openPage(browser, url, { width = 1280, height = 800, locale = 'en-GB' } = {}) {
-  const context = await browser.newContext({ viewport: { width, height }, locale });
+export async function openPage(browser, url, { width = 1280, height = 800, locale = 'en-GB', ...more } = {}) {
+  const context = await browser.newContext({ viewport: { width, height }, locale, ...more });
   const page = await context.newPage();
   page.faults = [];
   page.on('pageerror', (error) => page.faults.push(error.message));

@@ -17,6 +17,7 @@ export async function openGame(browser, programUrl, query = {}) {
   const page = await openPage(browser, pageUrl(programUrl, '/', { lang: 'en', quality: 'low', ...query }));
   await page.waitForSelector('[data-testid=start]', { timeout: 30_000 });
   await page.click('[data-testid=start]');
+  await page.waitForSelector('[data-testid=welcome]', { state: 'hidden', timeout: 30_000 });
   return page;
 }
 
@@ -157,4 +158,60 @@ export async function cost(browser, programUrl, path, { seconds = 12 } = {}) {
   const faults = page.faults;
   await page.context().close();
   return { fps: drawn / seconds, script_cpu_ms_mean: cpu_ms, script_ms_p95: stats.script_ms_p95, state_age_ms_p99: stats.state_age_ms_p99, faults };
+}
+
+/** A camera that is refused, or not there, is said in words, and the game can still be begun. */
+export async function missingCameraIsSaid(openBrowserWith, programUrl) {
+  const said = [];
+  const cases = [
+    ['refused', ['--use-fake-device-for-media-stream'], [], /refused/],
+    ['absent', [], ['camera'], /No camera/],
+  ];
+  for (const [name, args, permissions, words] of cases) {
+    const browser = await openBrowserWith(args);
+    try {
+      const page = await openPage(browser, pageUrl(programUrl, '/', { lang: 'en' }), { permissions });
+      await page.click('[data-way=webcam]', { timeout: 30_000 });
+      await page.click('[data-testid=start]');
+      const text = page.getByText(words).first();
+      await text.waitFor({ state: 'visible', timeout: 20_000 });
+      said.push(`${name}: "${await text.textContent()}"`);
+    } finally {
+      await browser.close();
+    }
+  }
+  return said.join(' ');
+}
+
+/** One finger drags the hand, the large button squeezes. */
+export async function touchMovesAndSqueezes(browser, programUrl, watcher) {
+  const page = await openPage(browser, pageUrl(programUrl, '/', { lang: 'en', quality: 'low' }), { hasTouch: true });
+  try {
+    await page.waitForSelector('[data-testid=start]', { timeout: 30_000 });
+    await page.tap('[data-testid=start]');
+    await page.waitForSelector('[data-testid=welcome]', { state: 'hidden', timeout: 15_000 });
+    await watcher.until('rendering', (now) => now.runState === RENDERING, { within_ms: 15_000 });
+    const touch = await page.context().newCDPSession(page);
+    const send = (type, points) => touch.send('Input.dispatchTouchEvent', { type, touchPoints: points });
+    const wait = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+    await send('touchStart', [{ x: 640, y: 360 }]);
+    await watcher.until('the person steering', (now) => now.steering === 1, { within_ms: 15_000 });
+    const before = axis(await watcher.now(), 'y');
+    const goal_px = before > 0 ? 1 : -1;
+    for (let k = 1; k <= 10; k += 1) {
+      await send('touchMove', [{ x: 640 + 12 * k * goal_px, y: 360 }]);
+      await wait(60);
+    }
+    // 120 px of a 700 px side are more than half of the half range: at least 30 mm the other way.
+    await watcher.until('the device following the finger', (now) => (before - axis(now, 'y')) * goal_px > 0.03, { within_ms: 15_000 });
+    await send('touchEnd', []);
+    const fingers = axis(await watcher.now(), 'finger_flexion');
+    const button = await page.locator('[data-testid=touch-squeeze]').boundingBox();
+    await send('touchStart', [{ x: button.x + button.width / 2, y: button.y + button.height / 2 }]);
+    await watcher.until('the hand closing', (now) => axis(now, 'finger_flexion') > fingers + 0.3, { within_ms: 15_000 });
+    await send('touchEnd', []);
+    return 'one finger moved the hand, the button closed it';
+  } finally {
+    await page.context().close();
+  }
 }

@@ -2,23 +2,14 @@
 import { spawn } from 'node:child_process';
 import { createInterface } from 'node:readline';
 import { existsSync } from 'node:fs';
-import { dirname, join } from 'node:path';
-import { fileURLToPath } from 'node:url';
 
-const ROOT = join(dirname(fileURLToPath(import.meta.url)), '..', '..', '..');
 const START_MS = 20_000;
 
-/** WHOLEHAND_PROGRAM, else the release build. */
-export function programFile() {
-  const file = process.env.WHOLEHAND_PROGRAM ?? join(ROOT, 'build', 'release', 'wholehand');
-  if (!existsSync(file)) throw new Error(`${file} is not there: build the program first, or name it in WHOLEHAND_PROGRAM`);
-  return file;
-}
-
 /** Starts it and waits for its address. */
-export async function startProgram({ port = 0, args = [], folder }) {
+export async function startProgram({ file, port = 0, args = [], folder }) {
+  if (!existsSync(file)) throw new Error(`${file} is not there: build the program first`);
   const origin = process.env.WHOLEHAND_PAGES ? ['--origin', process.env.WHOLEHAND_PAGES] : [];
-  const child = spawn(programFile(), ['run', '--port', String(port), ...origin, ...args], { cwd: folder, stdio: ['ignore', 'pipe', 'pipe'] });
+  const child = spawn(file, ['run', '--port', String(port), ...origin, ...args], { cwd: folder, stdio: ['ignore', 'pipe', 'pipe'] });
   const said = [];
   const ended = new Promise((resolve) => child.once('exit', (code, signal) => resolve({ code, signal })));
   const lines = createInterface({ input: child.stdout });
