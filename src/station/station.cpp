@@ -106,7 +106,8 @@ class Station::Core {
   std::condition_variable wake_;
   std::deque<std::function<void()>> tasks_;
   bool quit_ = false;
-  bool emergency_ = false;  ///< since the last order to arm
+  bool emergency_ = false;   ///< since the last order to arm
+  bool owner_alive_ = true;  ///< as last heard; a session that begins is told
   std::shared_ptr<const SceneFacts> scene_;
   LoopStatus status_;
   std::optional<Clock::time_point> stop_at_;  ///< when the exercise has faded out
@@ -197,6 +198,11 @@ OrderReply Station::Core::arm(const std::string& record, std::uint64_t duration_
   status_.steering = Steering::kVirtualPatient;
   stop_at_.reset();
   if (emergency_) live_->requestStop();  // it came while this was being built
+  if (!owner_alive_) {
+    Command silent;
+    silent.type = CommandType::kOwner;
+    (void)live_->tryCommand(silent);
+  }
   return {true, ""};
 }
 
@@ -456,6 +462,7 @@ void Station::Core::order(const Order& order, std::function<void(OrderReply)> do
       case OrderType::kOwnerAlive:
         command.type = CommandType::kOwner;
         command.value = order.value;
+        owner_alive_ = order.value != 0.0;
         if (!stop_at_) reply = push(command);  // a stop under way fades, whoever is alive
         break;
     }
