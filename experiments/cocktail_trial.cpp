@@ -1,6 +1,7 @@
 #include "experiments/cocktail_trial.hpp"
 
 #include "assembly/recorded_run.hpp"
+#include "experiments/bar_figures.hpp"
 #include "experiments/listening_player.hpp"
 #include "realtime/monotonic_clock.hpp"
 #include "runtime/session.hpp"
@@ -12,46 +13,7 @@
 namespace wholehand {
 namespace {
 
-constexpr int kLevelDone = 5;  // value "stage"
 constexpr double kAfterwards_s = 0.5;
-
-/// Reads figures of the exercise by their names.
-class BarFigures {
- public:
-  explicit BarFigures(const ExerciseDescription& description) : description_(description) {
-    for (const char* name : {"stage", "score", "spilt_l", "poured_l", "asked_l", "tolerance_l",
-                             "poured_total_l", "start_total_l"}) {
-      indices_.push_back(indexOf(description.value_names, name));
-    }
-    for (std::size_t i = 0; i < description.value_names.size(); ++i) {
-      if (description.value_names[i].starts_with("left_l/")) left_.push_back(i);
-    }
-  }
-  [[nodiscard]] bool known() const {
-    return std::all_of(indices_.begin(), indices_.end(), [](int i) { return i >= 0; });
-  }
-  enum Figure { kStage, kScore, kSpilt, kPoured, kAsked, kTolerance, kPouredTotal, kStartTotal };
-  [[nodiscard]] double operator()(Figure figure, const ExerciseRecord& record) const {
-    return record.values[static_cast<std::size_t>(indices_[figure])];
-  }
-  [[nodiscard]] double left_l(const ExerciseRecord& record) const {
-    double sum = 0.0;
-    for (const std::size_t i : left_) sum += record.values[i];
-    return sum;
-  }
-  [[nodiscard]] int event(const char* name) const {
-    return indexOf(description_.event_names, name);
-  }
-
- private:
-  static int indexOf(const std::vector<std::string>& names, const std::string& name) {
-    const auto found = std::find(names.begin(), names.end(), name);
-    return found == names.end() ? -1 : static_cast<int>(found - names.begin());
-  }
-  const ExerciseDescription& description_;
-  std::vector<int> indices_;
-  std::vector<std::size_t> left_;
-};
 
 class Observer {
  public:
@@ -69,11 +31,9 @@ class Observer {
     tolerance_l_ = figures_(BarFigures::kTolerance, e);
     result_.score = figures_(BarFigures::kScore, e);
     result_.spilt_l = figures_(BarFigures::kSpilt, e);
-    const double sum_l = figures_(BarFigures::kPouredTotal, e) + result_.spilt_l +
-                         figures_.left_l(e) - figures_(BarFigures::kStartTotal, e);
-    result_.volume_error_l = std::max(result_.volume_error_l, std::abs(sum_l));
+    result_.volume_error_l = std::max(result_.volume_error_l, figures_.volumeError_l(e));
     result_.time_s = r.time_s;
-    done_ = figures_(BarFigures::kStage, e) == kLevelDone;
+    done_ = figures_(BarFigures::kStage, e) == BarFigures::kLevelDone;
   }
   [[nodiscard]] bool done() const { return done_; }
 

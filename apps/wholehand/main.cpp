@@ -1,3 +1,4 @@
+#include "bar_experiments.hpp"
 #include "certify_command.hpp"
 #include "doctor.hpp"
 #include "exit_code.hpp"
@@ -154,7 +155,8 @@ void addCertify(CLI::App& app, CertifyOptions& o, int& code) {
 }
 
 void addOthers(CLI::App& app, ReplayOptions& replay, ReportOptions& report,
-               ExperimentOptions& experiment, std::vector<std::string>& files, int& code) {
+               ExperimentOptions& experiment, BarExperimentOptions& bar,
+               std::vector<std::string>& files, int& code) {
   CLI::App* r = app.add_subcommand("replay", "Play a recording back, or run it again and compare");
   r->add_option("recording", replay.recording, "HDF5 file")->required();
   r->add_flag("--resimulate", replay.resimulate,
@@ -189,6 +191,7 @@ void addOthers(CLI::App& app, ReplayOptions& replay, ReportOptions& report,
   timing->add_flag("--simulated-clock", experiment.simulated_clock, "As fast as it goes");
   grasping->callback([&] { code = graspingCommand(experiment); });
   timing->callback([&] { code = timingCommand(experiment); });
+  addBarExperiments(*e, bar, code);
 
   CLI::App* v =
       app.add_subcommand("validate", "Every fault of every file, with its place and remedy");
@@ -228,6 +231,7 @@ int main(int argc, char** argv) {
   ReplayOptions replay;
   ReportOptions report;
   ExperimentOptions experiment;
+  BarExperimentOptions bar;
   std::vector<std::string> files;
   PictureOptions picture;
   addRun(app, run, code);
@@ -235,7 +239,7 @@ int main(int argc, char** argv) {
                          shippedFile("config/hands/adult-median-right.toml")};
   addPicture(app, picture, code);
   addCertify(app, certify, code);
-  addOthers(app, replay, report, experiment, files, code);
+  addOthers(app, replay, report, experiment, bar, files, code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,0 +1,147 @@
+#include "assembly/text_file.hpp"
+#include "bar_experiments.hpp"
+#include "exercise_figure.hpp"
+#include "exit_code.hpp"
+#include "experiments/exercise_script.hpp"
+#include "experiments/exercise_trial.hpp"
+#include "picture/picture.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <cstdio>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace wholehand {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// What is drawn: a moment of each phase, by the script.
+constexpr std::array<double, 4> kMoments_s = {
+    exercise_times::kHardBump - 0.03, exercise_times::kCloses - 0.4,
+    exercise_times::kSqueezes + 1.2, exercise_times::kOff + 0.45};
+
+Json resultJson(const ExerciseResult& r, std::uint64_t seed) {
+  Json json;
+  json["completed"] = r.completed;
+  json["phases"] = Json::array();
+  for (const ExercisePhase& p : r.phases) {
+    json["phases"].push_back({{"name", p.name}, {"start_s", p.start_s}, {"end_s", p.end_s}});
+  }
+  for (std::size_t a = 0; a < r.axis_names.size(); ++a) {
+    json["phi_peak"][r.axis_names[a]] = r.phi_peak[static_cast<int>(a)];
+    if (r.fading_s[a] > 0.0) json["phi_fading_s"][r.axis_names[a]] = r.fading_s[a];
+  }
+  json["alpha_max"] = r.alpha_max;
+  json["wall_pull_max_n"] = r.wall_pull_max_n;
+  json["wall_push_max_n"] = r.wall_push_max_n;
+  json["volume_error_l"] = r.volume_error_l;
+  json["asked_l"] = r.asked_l;
+  json["tolerance_l"] = r.tolerance_l;
+  json["poured_l"] = r.poured_l;
+  json["spilt_l"] = r.spilt_l;
+  json["squeeze_max_n"] = r.squeeze_max_n;
+  json["bumps"] = Json::array();
+  for (const ExerciseBump& b : r.bumps) {
+    json["bumps"].push_back(
+        {{"start_s", b.start_s}, {"end_s", b.end_s}, {"contact_max_n", b.contact_n}});
+  }
+  json["seed"] = seed;
+  return json;
+}
+
+void print(const ExerciseResult& r) {
+  for (std::size_t i = 0; i < r.phases.size(); ++i) {
+    const ExercisePhase& p = r.phases[i];
+    std::printf("%zu %-9s %6.2f to %5.2f s\n", i + 1, p.name.c_str(), p.start_s, p.end_s);
+  }
+  if (r.phases.empty()) std::printf("the four phases are not in the data\n");
+  for (std::size_t a = 0; a < r.axis_names.size(); ++a) {
+    std::printf("phi of %-20s peak %.2f", r.axis_names[a].c_str(), r.phi_peak[static_cast<int>(a)]);
+    if (r.fading_s[a] > 0.0) std::printf(", fades with %.3f s after the bump", r.fading_s[a]);
+    std::printf("\n");
+  }
+  std::printf("wall: pulls with %.3g N at most, pushes with %.2f N\n", r.wall_pull_max_n,
+              r.wall_push_max_n);
+  std::printf("%.1f ml of %.1f ml, %.1f ml spilt, volumes add up to %.1g l: %s\n", 1e3 * r.poured_l,
+              1e3 * r.asked_l, 1e3 * r.spilt_l, r.volume_error_l,
+              r.completed ? "completed" : "not completed");
+}
+
+/// Draws a moment as it goes by; the figure collects the files.
+class Photographer {
+ public:
+  Photographer(std::string folder) : folder_(std::move(folder)) {}
+
+  void operator()(const Rig& rig, const TickRecord& r) {
+    if (moments_.size() == kMoments_s.size() || r.time_s < kMoments_s[moments_.size()]) return;
+    FigureMoment moment{r.time_s,
+                        folder_ + "/exercise-" + std::to_string(moments_.size() + 1) + ".png"};
+    PictureRequest request;
+    request.width_px = 376;
+    request.height_px = 300;
+    request.target_m = {0.08, 0.03, -0.03};
+    request.distance_m = 0.85;
+    request.azimuth_rad = 0.95;
+    request.elevation_rad = 0.32;
+    request.field_of_view_rad = 0.45;
+    const std::vector<BodyState> bodies(r.bodies.begin(), r.bodies.begin() + r.body_count);
+    const std::vector<Contact> contacts(r.contacts.begin(), r.contacts.begin() + r.contact_count);
+    if (auto drawn = drawPicture(rig.models.hand, rig.models.scene, r.theta, bodies, contacts,
+                                 request, moment.png_path);
+        !drawn) {
+      refuse(drawn.errors());
+    }
+    moments_.push_back(std::move(moment));
+  }
+  [[nodiscard]] const std::vector<FigureMoment>& moments() const { return moments_; }
+
+ private:
+  std::string folder_;
+  std::vector<FigureMoment> moments_;
+};
+
+}  // namespace
+
+int exerciseCommand(const ExerciseOptions& options) {
+  auto files = barModelFiles(options.files);
+  if (!files) return refuse(files.errors());
+  const auto named = [&](const std::string& path, const char* name) {
+    return path.empty() ? options.folder + "/" + name : path;
+  };
+  const std::string json_path = named(options.json, "exercise.json");
+  const std::string svg_path = named(options.svg, "exercise.svg");
+  const std::string record_path = named(options.record, "exercise.h5");
+  if (auto ready =
+          prepareFiles({options.folder + "/exercise-1.png", json_path, svg_path, record_path});
+      !ready) {
+    return refuse(ready.errors());
+  }
+  Photographer photographer(options.folder);
+  ExercisePlan plan;
+  plan.files = *files;
+  plan.seed = options.seed;
+  plan.record = record_path;
+  plan.each_tick = [&](const Rig& rig, const TickRecord& record) { photographer(rig, record); };
+  auto result = runExercise(plan);
+  if (!result) return refuse(result.errors());
+  if (result->interrupted) {
+    std::printf("\nInterrupted: no results were written\n");
+    return kExitInterrupted;
+  }
+  if (auto done = writeText(json_path, resultJson(*result, options.seed).dump(2) + "\n"); !done) {
+    return refuse(done.errors());
+  }
+  if (auto done = writeText(svg_path, exerciseFigure(*result, photographer.moments())); !done) {
+    return refuse(done.errors());
+  }
+  print(*result);
+  std::printf("%s\n%s\n%s\n", json_path.c_str(), svg_path.c_str(), record_path.c_str());
+  return endOf(result->faulted, false);
+}
+
+}  // namespace wholehand

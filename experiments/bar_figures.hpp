@@ -1,0 +1,51 @@
+#pragma once
+
+#include "core/exercise_record.hpp"
+#include "exercise/exercise.hpp"
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace wholehand {
+
+/// Reads figures of the cocktail bar from records, by the names of the exercise's description.
+class BarFigures {
+ public:
+  enum Figure {
+    kStage,
+    kScore,
+    kSqueeze,
+    kFlow,
+    kPoured,
+    kAsked,
+    kTolerance,
+    kGlass,
+    kSpilt,
+    kPouredTotal,
+    kStartTotal,
+    kCount
+  };
+  /// What "stage" is when the level is done.
+  static constexpr double kLevelDone = 5.0;
+
+  explicit BarFigures(const ExerciseDescription& description);
+
+  /// False where the exercise is none that has these figures: nothing else may be asked then.
+  [[nodiscard]] bool known() const;
+  [[nodiscard]] double operator()(Figure figure, const ExerciseRecord& record) const {
+    return record.values[static_cast<std::size_t>(indices_[figure])];
+  }
+  /// |poured into glasses + spilt + left - at the start| [l]
+  [[nodiscard]] double volumeError_l(const ExerciseRecord& record) const;
+  /// Type of the event of that name; -1: there is none.
+  [[nodiscard]] int event(const std::string& name) const;
+
+ private:
+  std::array<int, kCount> indices_{};
+  std::vector<std::size_t> left_;
+  std::vector<std::string> event_names_;
+};
+
+}  // namespace wholehand

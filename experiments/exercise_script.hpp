@@ -1,0 +1,41 @@
+#pragma once
+
+#include "assembly/models.hpp"
+#include "core/expected.hpp"
+#include "patient/motion.hpp"
+
+#include <cstdint>
+#include <string>
+
+namespace wholehand {
+
+/// When the parts of the paper's Fig. 7 are meant to happen [s].
+namespace exercise_times {
+inline constexpr double kServed = 1.0;     ///< until then the hand rests: the glass slides in place
+inline constexpr double kBeside = 1.8;     ///< left of the dispenser, fingers stretched
+inline constexpr double kHardBump = 2.15;  ///< furthest into it, with the back of the fingers
+inline constexpr double kOffAgain = 2.5;
+inline constexpr double kSoftBump = 3.6;
+inline constexpr double kBumped = 4.1;  ///< off again
+inline constexpr double kDrawnBack = 4.9;
+inline constexpr double kAligned = 5.7;  ///< right of the dispenser, drawn back
+inline constexpr double kEntered = 6.6;
+inline constexpr double kPositioned = 7.3;  ///< the palm against it
+inline constexpr double kCloses = 8.8;      ///< the exercise's haptics are faded in
+inline constexpr double kSqueezes = 10.3;
+inline constexpr double kLetsGo = 14.0;
+inline constexpr double kOpened = 14.7;
+inline constexpr double kRetrieves = 15.0;
+inline constexpr double kOff = 15.7;
+inline constexpr double kAway = 16.6;
+inline constexpr double kEnd = 17.5;
+}  // namespace exercise_times
+
+/// The person's aim over time: bumps into the dispenser twice with the back of the fingers, draws
+/// back, comes from the other side, lays the palm on, squeezes, lets go and retrieves the hand, the
+/// fingers grazing the dispenser. The seed moves start and aim by millimetres.
+/// @param home_m where the dispenser is gripped (world)
+[[nodiscard]] Intention exerciseIntention(const DeviceModel& device, const Eigen::Vector3d& home_m,
+                                          std::uint64_t seed);
+
+}  // namespace wholehand
