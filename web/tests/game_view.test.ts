@@ -1,6 +1,7 @@
 import { expect, test } from 'vitest';
 import { RunState, SceneT, Steering, WorldStateT } from '../src/protocol';
 import { cueTowards } from '../src/game/cues';
+import { openedHand } from '../src/game/takeover';
 import { faultsOf, figure, readScript, type Script } from '../src/game/script';
 import {
   callOutOf, causeOf, clock, filledPercent, instructionOf, meterOf, pageState, praiseOf, recipeOf, Stage, type Situation,
@@ -155,4 +156,13 @@ test('Cue_PointsFromTheHandToTheBottle_AndNotWhenTheHandIsThere', () => {
   expect(cueTowards(-0.1, 0.064, target, 1)).toEqual({ at: { x_px: 666, y_px: 300 }, left: true });
   expect(cueTowards(0.1, -0.064, target, 2)).toEqual({ at: { x_px: 468, y_px: 300 }, left: false });
   expect(cueTowards(0.023, 0.064, target, 1)).toBeNull();
+});
+
+test('TakeOver_OfAClosedHand_OpensItWhereItIs', () => {
+  const axes = ['x', 'y', 'z', 'finger_flexion', 'thumb_circumduction', 'thumb_flexion'].map((name) => ({ name }));
+  const [x, y, z, fingers, , thumb] = openedHand(axes, [0.07, -0.04, 0.01, 2.2, 0.36, 0.3]);
+  expect([x, y, z]).toEqual([0.07, -0.04, 0.01]);
+  // Open is 65 degrees of the fingers and none of the thumb: in front of a bottle without touching it.
+  expect(fingers).toBeCloseTo(65 * Math.PI / 180, 12);
+  expect(thumb).toBe(0);
 });

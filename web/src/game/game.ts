@@ -32,6 +32,7 @@ export class Game {
   private resting = false;
   private helpOpen = false;
   private drinkFollows = false;
+  private praised = false;     // for the drink that is done now
   private everOpen = false;
   private hardware = false;
   private level = 1;
@@ -138,6 +139,7 @@ export class Game {
     if (key === this.shown) return;
     this.shown = key;
     this.state = now;
+    if (now !== 'success' && now !== 'rest') this.praised = false;
     document.body.dataset.state = now;
     this.hud.words(this.sound.on);
     this.hud.play.hidden = now !== 'watching' || this.helpOpen;
@@ -199,7 +201,8 @@ export class Game {
     if (!praise) return;
     this.drinkFollows = !praise.levelDone;
     // Praise stays as long as the person likes: the bar would go on to the next drink by itself.
-    if (this.drinkFollows) void this.connection.act(Act.Pause);
+    if (this.drinkFollows && !this.praised) void this.connection.act(Act.Pause);
+    this.praised = true;
     const { card, first } = praiseCard(praise, this.level < this.levels, {
       next: () => { void this.goOn(); },
       nextLevel: () => { void this.load(this.level + 1); },
@@ -320,9 +323,9 @@ export class Game {
   }
 
   private async goOn(): Promise<void> {
-    this.resting = false;
     await this.connection.act(Act.Resume);
     if (this.drinkFollows) await this.connection.act(Act.Next);
+    this.resting = false;
   }
 
   private stop(): void {

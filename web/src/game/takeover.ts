@@ -1,5 +1,6 @@
 // From watching to playing: every order that it takes, in turn, and why it did not work where it did not.
 import type { Controls } from '../input/controls';
+import { isHandAxis, postureOf } from '../input/posture';
 import type { Answer, Connection } from '../net/connection';
 import { Act, RunState, Steering } from '../protocol';
 import { figure, type Script } from './script';
@@ -40,7 +41,10 @@ export async function matchLevel(connection: Connection, known: () => Known, lev
 async function steer(connection: Connection, known: () => Known): Promise<Answer> {
   if (known().hardware) return { accepted: true, reason: '' };
   const answer = await connection.steer(Steering.Person);
-  if (answer.accepted) await until(() => connection.latestState?.steering === Steering.Person);
+  if (answer.accepted) await until(() => {
+    const state = connection.latestState;
+    return state?.runState === RunState.Rendering && state.steering === Steering.Person;
+  });
   return answer;
 }
 
@@ -48,6 +52,11 @@ async function steer(connection: Connection, known: () => Known): Promise<Answer
 export async function changeLevel(connection: Connection, known: () => Known, level: number): Promise<Answer> {
   const loaded = await matchLevel(connection, known, level);
   return loaded.accepted ? steer(connection, known) : loaded;
+}
+
+/** Where the hand is, but open: what the virtual patient held is let go of. The program makes it a gentle move. */
+export function openedHand(axes: readonly { readonly name: string }[], q: readonly number[]): number[] {
+  return axes.map(({ name }, i) => (isHandAxis(name) ? postureOf(name, 0) : q[i] ?? 0));
 }
 
 export async function openCamera(controls: Controls, way: string): Promise<Answer> {
@@ -68,6 +77,8 @@ export async function takeOver(connection: Connection, known: () => Known, wishe
   }
   const steered = await steer(connection, known);
   if (!steered.accepted) return { is: 'refused', reason: steered.reason };
+  const { scene, latestState } = connection;
+  if (scene && latestState && !known().hardware) await connection.aim(openedHand(scene.axes.map(({ name }) => ({ name: String(name) })), latestState.qM));
   const { script } = known();
   const stage = script && connection.latestState ? figure(script, connection.latestState, 'stage') : Stage.Reach;
   const over = stage === Stage.DrinkDone || stage === Stage.LevelDone;
