@@ -97,7 +97,8 @@ void UdpBridge::stop() {
     core_->open = false;
     last = core_->host.takeOrders();
   }
-  for (const udp::PendingOrder& pending : last) backend_.order(pending.order, [](OrderReply) {});
+  for (const udp::PendingOrder& pending : last)
+    backend_.order(pending.order, [](const OrderReply&) {});
 }
 
 UdpEndpoint UdpBridge::local() const noexcept {

@@ -61,7 +61,7 @@ class Host {
   /// What is due: repetitions, heartbeats, silence, who holds the controls. Every ≤ 10 ms.
   void advance(std::int64_t now_ns);
   /// The answer to an order; nobody gets it where the conversation is over.
-  void answer(const PendingOrder& order, const OrderReply& reply, std::int64_t now_ns);
+  void answer(const PendingOrder& pending, const OrderReply& given, std::int64_t now_ns);
   /// Orders since the last call, in order.
   [[nodiscard]] std::vector<PendingOrder> takeOrders();
   /// Tells all games that the program ends.
@@ -84,7 +84,7 @@ class Host {
   void receiveOrder(Peer& peer, const wire::ClientMessage& message, std::int64_t now_ns);
   void takeControls(Peer& peer, std::uint32_t command, std::int64_t now_ns);
   void releaseControls(Peer& peer, std::uint32_t command, std::int64_t now_ns);
-  void reply(Peer& peer, std::uint32_t command, const OrderReply& reply, std::int64_t now_ns);
+  void reply(Peer& peer, std::uint32_t command, const OrderReply& given, std::int64_t now_ns);
   void tellControls(Peer& peer, std::int64_t now_ns);
   [[nodiscard]] bool tooMany(Peer& peer, std::int64_t now_ns);
   void watchHolder(Peer& peer, std::int64_t now_ns);
