@@ -185,6 +185,8 @@ export async function missingCameraIsSaid(openBrowserWith, programUrl) {
 
 /** One finger drags the hand, the large button squeezes. */
 export async function touchMovesAndSqueezes(browser, programUrl, watcher) {
+  // The page before has just closed: its controls come free when the program notices.
+  await watcher.page.waitForSelector('[data-testid=holder]:has-text("free")', { timeout: 15_000 });
   const page = await openPage(browser, pageUrl(programUrl, '/', { lang: 'en', quality: 'low' }), { hasTouch: true });
   try {
     await page.waitForSelector('[data-testid=start]', { timeout: 30_000 });
@@ -194,15 +196,21 @@ export async function touchMovesAndSqueezes(browser, programUrl, watcher) {
     const touch = await page.context().newCDPSession(page);
     const send = (type, points) => touch.send('Input.dispatchTouchEvent', { type, touchPoints: points });
     const wait = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
-    await send('touchStart', [{ x: 640, y: 360 }]);
+    await send('touchStart', [{ x: 640, y: 340 }]);
     await watcher.until('the person steering', (now) => now.steering === 1, { within_ms: 15_000 });
+    // The virtual patient may have been at a dispenser: draw back first, as a person has to.
+    for (let k = 1; k <= 20; k += 1) {
+      await send('touchMove', [{ x: 640, y: 340 + 22 * k }]);
+      await wait(60);
+    }
+    await watcher.until('the hand drawn back', (now) => axis(now, 'x') < -0.06, { within_ms: 15_000 });
     const before = axis(await watcher.now(), 'y');
     const goal_px = before > 0 ? 1 : -1;
     for (let k = 1; k <= 10; k += 1) {
-      await send('touchMove', [{ x: 640 + 12 * k * goal_px, y: 360 }]);
+      await send('touchMove', [{ x: 640 + 12 * k * goal_px, y: 780 }]);
       await wait(60);
     }
-    // 120 px of a 700 px side are more than half of the half range: at least 30 mm the other way.
+    // 120 px are more than half of the half range, which is 30 % of the picture's height.
     await watcher.until('the device following the finger', (now) => (before - axis(now, 'y')) * goal_px > 0.03, { within_ms: 15_000 });
     await send('touchEnd', []);
     const fingers = axis(await watcher.now(), 'finger_flexion');
@@ -211,6 +219,10 @@ export async function touchMovesAndSqueezes(browser, programUrl, watcher) {
     await watcher.until('the hand closing', (now) => axis(now, 'finger_flexion') > fingers + 0.3, { within_ms: 15_000 });
     await send('touchEnd', []);
     return 'one finger moved the hand, the button closed it';
+  } catch (error) {
+    const { q, steering, runState, values } = await watcher.now();
+    const said = (await page.locator('body').innerText()).replace(/\s+/g, ' ').slice(0, 200);
+    throw new Error(`${error.message}; q ${q.map((v) => v.toFixed(3)).join(' ')}, steering ${steering}, state ${runState}, stage ${values.stage}; the page says: ${said}`);
   } finally {
     await page.context().close();
   }
