@@ -146,7 +146,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (a.file.empty()) {
       sendText(std::move(a));
     } else {
-      sendFile(std::move(a));
+      sendFile(a);
     }
   }
 
@@ -174,7 +174,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     send(std::move(response));
   }
 
-  void sendFile(HttpAnswer a) {
+  void sendFile(const HttpAnswer& a) {
     FileResponse response;
     dress(response, a);
     ErrorCode error;

@@ -10,6 +10,50 @@ using replies::next;
 
 using LoadTest = ServerTest;
 
+TEST_F(LoadTest, RunningLoop_ShowsSixtyRisingStatesASecond) {
+  open();
+  FakeLoop loop(program, *server);
+  WebSocket socket(port());
+  ASSERT_TRUE(next(socket, fb::Payload::WorldState));
+  std::uint64_t tick = 0;
+  std::vector<int> states(3, 0);
+  for (int& count : states) {
+    const auto until = std::chrono::steady_clock::now() + 1s;
+    while (std::chrono::steady_clock::now() < until) {
+      const auto frame = next(socket, fb::Payload::WorldState);
+      ASSERT_TRUE(frame);
+      const std::uint64_t now = message(*frame).payload_as_WorldState()->tick();
+      ASSERT_GT(now, tick);
+      tick = now;
+      ++count;
+    }
+  }
+  std::sort(states.begin(), states.end());
+  figure("states in a second, median of 3", states[1], "1");
+  EXPECT_LE(states[2], 61);
+  EXPECT_GE(states[1], 45);  // of 60, on a machine that stalls now and then
+}
+
+TEST_F(LoadTest, SilentHolder_FadesAfter200To260ms) {
+  open();
+  WebSocket client(port());
+  client.say(words::takeControls(1));
+  ASSERT_TRUE(replies::answer(client).accepted);
+  std::vector<double> after_ms;
+  for (std::uint32_t i = 0; i < 5; ++i) {
+    client.say(words::heartbeat(2 + i));
+    const std::int64_t heard_ns = monotonicNow_ns();
+    const auto alive = program.askedFor(OrderType::kOwnerAlive, 2 * i + 1);
+    ASSERT_EQ(alive.size(), 2 * i + 1);  // lost and back, in turns
+    EXPECT_EQ(alive.back().order.value, 0.0);
+    after_ms.push_back(1e-6 * static_cast<double>(alive.back().at_ns - heard_ns));
+  }
+  std::sort(after_ms.begin(), after_ms.end());
+  figure("silence to owner lost, median of 5", after_ms[2], "ms");
+  EXPECT_GE(after_ms[0], 199.0);
+  EXPECT_LE(after_ms[2], 260.0);
+}
+
 TEST_F(LoadTest, ClientThatDoesNotRead_IsCutOffWhileOthersGoOn) {
   open();
   FakeLoop loop(program, *server);
