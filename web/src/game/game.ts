@@ -221,10 +221,12 @@ export class Game {
   /** Instruction, recipe, meter, amount, signs. */
   private tell(now: PageState, state: WorldStateT): void {
     const { script } = this;
+    // Asked before anything is written: afterwards it would cost a layout.
+    const labels = script ? this.picture?.labels() : undefined;
     this.hud.say(...this.words(now, state));
     const visible = script !== null && now !== 'welcome';
     this.hud.show(visible ? recipeOf(script, state) : null, visible && now !== 'success' && now !== 'rest' ? meterOf(script, state) : null, visible ? callOutOf(script, state) : null);
-    if (script && this.picture) this.placeWords(script, state, now);
+    if (script && labels) this.placeWords(script, state, now, labels);
     else if (this.blind) this.hud.place({ x_px: 0, y_px: 0 }, null);
   }
 
@@ -246,8 +248,7 @@ export class Game {
     return [text(title, { x }), text(more, { x })];
   }
 
-  private placeWords(script: Script, state: WorldStateT, now: PageState): void {
-    const { fillLine, target } = this.picture!.labels();
+  private placeWords(script: Script, state: WorldStateT, now: PageState, { fillLine, target }: ReturnType<Picture['labels']>): void {
     const reaching = now === 'reach' || (now === 'watching' && figure(script, state, 'stage') === Stage.Reach);
     this.hud.place(fillLine, reaching && target ? this.cue(script, state, target) : null);
   }
