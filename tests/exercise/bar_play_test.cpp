@@ -329,7 +329,7 @@ TEST(CocktailBar, FreeDispenserOverTheGlass_PoursAndOffItSpills) {
   bar.run(0.5);
   EXPECT_EQ(bar.value("poured_l"), 0.0);
   EXPECT_GT(bar.value("spilt_l"), 0.0);
-  bar.squeeze(0, 4.0);  // held, but not squeezed: threshold 10 N
+  bar.squeeze(0, 4.0);  // held, but not squeezed: threshold 12 N
   bar.run(1.0);
   const double spilt_l = bar.value("spilt_l");
   BodyState& body = bar.record.bodies[static_cast<std::size_t>(bar.bodyOf(0))];
