@@ -1,7 +1,8 @@
-import { Matrix3, Matrix4, Quaternion, Vector3 } from 'three';
+import { CylinderGeometry, Matrix3, Matrix4, Quaternion, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
 import type { ContactPointT } from '../src/protocol';
 import { ContactFilter } from '../src/scene/contacts';
+import { Dent, depthIn } from '../src/scene/dent';
 import { ExerciseValues, barOf } from '../src/scene/exercise';
 import { FrameClock } from '../src/scene/frame_clock';
 import { programFrame, quaternionToThree, toThree } from '../src/scene/frames';
@@ -95,6 +96,22 @@ describe('contacts', () => {
     expect(filter.strongest()[0].force_n).toBeCloseTo(5 * Math.exp(-1), 6);
     filter.advance(1);
     expect(filter.strongest()).toHaveLength(0);
+  });
+});
+
+describe('dents', () => {
+  // A finger of 8 mm across a bottle of 25 mm, 1 mm deep in it: its axis is 32 mm from the bottle's.
+  const finger = { a: new Vector3(0.032, 0, -0.02), b: new Vector3(0.032, 0, 0.02), radiusA: 0.008, radiusB: 0.008 };
+
+  it('go as deep as the finger, and back when it leaves', () => {
+    const bottle = new CylinderGeometry(0.025, 0.025, 0.1, 96, 20, true), at = bottle.attributes.position, dent = new Dent(bottle, 0.025);
+    const nearest = () => Math.min(...Array.from({ length: at.count }, (_, i) => (at.getX(i) > 0 && Math.abs(at.getY(i)) < 1e-6 && Math.abs(at.getZ(i)) < 1e-6 ? at.getX(i) : 1)));
+    expect(nearest()).toBeCloseTo(0.025, 6);
+    dent.update([finger]);
+    expect(nearest()).toBeCloseTo(0.024, 5);
+    for (let i = 0; i < at.count; i++) expect(depthIn([finger], at.getX(i), at.getY(i), at.getZ(i))).toBeLessThan(5e-5);
+    dent.update([]);
+    expect(nearest()).toBeCloseTo(0.025, 6);
   });
 });
 

@@ -50,7 +50,8 @@ function skinGeometry(mesh: SkinMesh): BufferGeometry {
 
 export class HandView {
   readonly root = new Group();
-  private readonly uniforms: SkinUniforms;
+  /** Where the hand is, for other shaders too. */
+  readonly uniforms: SkinUniforms;
   private readonly skin: Mesh;
   private readonly veil: Mesh;          // of a ghost: what is behind its own surface is not drawn
   private readonly links = new Map<number, Group>();

@@ -74,6 +74,7 @@ export class BarScene {
     this.renderer = new WebGLRenderer({ canvas, context });
     this.plain.matrixAutoUpdate = false;
     this.plain.matrix.copy(programFrame());
+    canvas.addEventListener('webglcontextrestored', () => this.resize());
     this.build();
     this.resize();
   }
@@ -135,6 +136,7 @@ export class BarScene {
   project(world_m: Triple): Pixel { return this.pixel(toThree(world_m)); }
 
   labels(): Labels {
+    if (this.fresh && this.state) this.update(this.state, 0);   // where things are, not where they were drawn last
     const anchors = this.bar?.anchors(this.camera);
     const maybe = (p: Vector3 | undefined) => p ? this.pixel(p) : null;
     return {
@@ -211,6 +213,7 @@ export class BarScene {
     if (this.fresh) this.hand?.pose(this.poses);
     this.fresh = false;
     this.bar?.update(state, this.look.names, this.camera.position, dt_s);
+    if (this.hand) this.bar?.yieldTo(this.hand.uniforms);
     if (this.stage) this.stage.rail.position.z = this.bar?.railZ(state) ?? this.place.row_z;
     if (this.stage?.target) this.bar?.lightTarget(this.stage.target, dt_s);
     state.bodies.forEach((pose, i) => {

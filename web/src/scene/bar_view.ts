@@ -2,6 +2,8 @@
 
 import { Group, Vector3, type PerspectiveCamera, type SpotLight } from 'three';
 import { RunState, type PoseT, type SceneT, type WorldStateT } from '../protocol';
+import type { SkinUniforms } from '../hand/skin_shader';
+import { Dent, pressingOn } from './dent';
 import { Sign, makeDispenser } from './dispenser';
 import { ExerciseValues, STAGE, type Bar } from './exercise';
 import { quaternionToThree, toThree } from './frames';
@@ -14,7 +16,7 @@ import { StreamView } from './stream';
 const SIGN_OVER_M = 0.012;
 const SIGN_BEFORE_M = 0.014;
 
-interface Hung { readonly body: number; readonly root: Group; readonly sign: Sign; slot: Vector3 | undefined }
+interface Hung { readonly body: number; readonly root: Group; readonly dent: Dent | undefined; readonly sign: Sign; slot: Vector3 | undefined }
 
 export interface BarAnchors {
   readonly signs: readonly { liquid: string; at: Vector3 }[];
@@ -44,16 +46,23 @@ export class BarView {
     this.stream = new StreamView(quality);
     this.root.add(this.glass.root, this.stream.root);
     this.hung = bar.dispensers.map((d) => {
-      const root = makeDispenser(d, quality, bar.rail_z_m - d.grip_m[2]);
+      const { root, wall } = makeDispenser(d, quality, bar.rail_z_m - d.grip_m[2]);
       const sign = new Sign(d.liquid);
       this.root.add(root, sign.root);
-      return { body: bodyIndex(d.body), root, sign, slot: undefined };
+      // Plain materials do without: a finger is at most a millimetre or two inside.
+      const dent = quality === 'high' ? new Dent(wall, d.radius_m) : undefined;
+      return { body: bodyIndex(d.body), root, dent, sign, slot: undefined };
     });
   }
 
   /** Bodies that this view draws: nothing else should. */
   owns(name: string): boolean {
     return ['counter', 'rail', this.bar.glass.body].includes(name) || this.bar.dispensers.some((d) => d.body === name);
+  }
+
+  /** The bottles yield to the hand. */
+  yieldTo(skin: SkinUniforms): void {
+    this.hung.forEach((h, i) => h.dent?.update(pressingOn(h.root, skin, this.bar.dispensers[i].radius_m)));
   }
 
   /** @param eye where the picture is taken from */

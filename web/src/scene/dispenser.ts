@@ -1,7 +1,7 @@
 // A squeeze bottle that hangs from the rail, nozzle down, and the sign over it.
 
 import {
-  BufferAttribute, Color, CylinderGeometry, Group, LatheGeometry, Mesh, PlaneGeometry, Vector2, type Texture,
+  BufferAttribute, Color, CylinderGeometry, Group, LatheGeometry, Mesh, PlaneGeometry, Vector2, type BufferGeometry, type Texture,
 } from 'three';
 import { liquidLook } from '../shared/liquids';
 import type { BarDispenser } from './exercise';
@@ -69,10 +69,10 @@ function holder(d: BarDispenser, quality: Quality, rail_m: number): Mesh[] {
 }
 
 /** @param rail_m height of the rail over the body's origin */
-export function makeDispenser(d: BarDispenser, quality: Quality, rail_m: number): Group {
-  const root = new Group();
-  root.add(bottle(d, quality), nozzle(d, quality), ...holder(d, quality, rail_m));
-  return root;
+export function makeDispenser(d: BarDispenser, quality: Quality, rail_m: number): { root: Group; wall: BufferGeometry } {
+  const root = new Group(), body = bottle(d, quality);
+  root.add(body, nozzle(d, quality), ...holder(d, quality, rail_m));
+  return { root, wall: body.geometry };
 }
 
 function signTexture(liquid: string, name: string, lit: boolean): Texture {

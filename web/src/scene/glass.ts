@@ -7,7 +7,7 @@ import {
 import { liquidLook } from '../shared/liquids';
 import type { BarGlass } from './exercise';
 import type { Layer } from './layers';
-import { flat, surface } from './materials';
+import { disposeTree, flat, surface } from './materials';
 import { patternTexture, picture } from './patterns';
 import type { Quality } from './quality';
 
@@ -84,13 +84,13 @@ export class GlassView {
   update(layers: readonly Layer[], line_m: number | undefined, done: boolean): void {
     layers.forEach((layer, i) => {
       if (this.layers[i]?.liquid !== layer.liquid) {
-        for (const old of this.layers.splice(i)) this.contents.remove(old.root);
+        this.pourOut(i);
         this.layers[i] = new LayerView(layer.liquid, this.glass, this.quality);
         this.contents.add(this.layers[i].root);
       }
       this.layers[i].place(layer.bottom_m + FLOOR_M, layer.top_m + FLOOR_M, i === layers.length - 1);
     });
-    for (const old of this.layers.splice(layers.length)) this.contents.remove(old.root);
+    this.pourOut(layers.length);
     this.line.visible = line_m !== undefined;
     if (line_m !== undefined) {
       const r = innerRadius(this.glass, line_m + FLOOR_M) + 0.003;
@@ -98,6 +98,13 @@ export class GlassView {
       this.line.scale.set(r, 1, r);
     }
     this.garnish.visible = done;
+  }
+
+  private pourOut(from: number): void {
+    for (const old of this.layers.splice(from)) {
+      this.contents.remove(old.root);
+      disposeTree(old.root);
+    }
   }
 
   private makeGlass(): void {
