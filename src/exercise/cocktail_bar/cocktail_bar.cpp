@@ -85,7 +85,7 @@ class CocktailBar final : public Exercise {
     push(senses, input, closed_on_to, out);
     serving_.tick(senses, recipe_.order().dispenser, !paused_, placements);
     tellUpsets(out);
-    pouring_.tick(senses, recipe_.order(), held(), leaking(senses), input.parameters[kThreshold],
+    pouring_.tick(senses, recipe_.order(), held(), serving_.leaking(), input.parameters[kThreshold],
                   !paused_, out);
     if (!paused_) {
       recipe_.tick(senses.elapsed_s, held(), serving_.pending(), pouring_, out);
@@ -100,16 +100,6 @@ class CocktailBar final : public Exercise {
  private:
   /// The dispenser that the palm holds, -1: none.
   [[nodiscard]] int held() const noexcept { return transition_.engaged ? at_ : -1; }
-
-  /// Dispensers that lie on their side: bits.
-  [[nodiscard]] unsigned leaking(const BarSenses& senses) const noexcept {
-    unsigned bits = 0;
-    for (std::size_t i = 0; i < bar_.dispensers.size(); ++i) {
-      const bool leans = senses.tilt_rad[i] > bar_.upset.tilt_rad;
-      if (leans && serving_.lies(static_cast<int>(i))) bits |= 1U << i;
-    }
-    return bits;
-  }
 
   void takeActions(const TickRecord& seen, ExerciseRecord& out) noexcept {
     for (int i = 0; i < seen.command_count; ++i) {

@@ -24,7 +24,7 @@ void Serving::reset() noexcept {
   row_ = glass_ = Slide{};
   lying_ = {};
   away_s_ = {};
-  knocked_over_ = stood_up_ = 0;
+  leaking_ = knocked_over_ = stood_up_ = 0;
 }
 
 void Serving::tick(const BarSenses& senses, int target, bool running,
@@ -116,20 +116,25 @@ void Serving::standUp(const BarSenses& senses, bool may_move, BodyPlacements& pl
     const BarDispenser& d = bar_.dispensers[i];
     if (!d.free) continue;
     const bool dropped = senses.at_m[i].z() < d.home_m.z() - bar_.upset.dropped_m;
-    const bool upset = senses.tilt_rad[i] > bar_.upset.tilt_rad || dropped;
+    const bool leans = senses.tilt_rad[i] > bar_.upset.tilt_rad;
+    const bool upset = leans || dropped;
+    const unsigned bit = 1U << i;
     if (senses.touched[i]) {
       lying_[i] = lying_[i] && upset;  // picked up
     } else if (!lying_[i] && upset) {
       lying_[i] = true;
       away_s_[i] = 0.0;
-      knocked_over_ |= 1U << i;
+      knocked_over_ |= bit;
     }
+    if (!lying_[i]) leaking_ &= ~bit;
     if (!lying_[i]) continue;
+    if (leans) leaking_ |= bit;  // and goes on, however it tumbles
     away_s_[i] = may_move ? away_s_[i] + senses.elapsed_s : 0.0;
     if (away_s_[i] < bar_.upset.stand_up_s || !homeIsFree(senses, i)) continue;
     place(placements, d.body_index, d.home_m, Eigen::Vector3d::Zero());
     lying_[i] = false;
-    stood_up_ |= 1U << i;
+    leaking_ &= ~bit;
+    stood_up_ |= bit;
   }
 }
 

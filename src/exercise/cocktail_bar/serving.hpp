@@ -28,10 +28,8 @@ class Serving {
   /// Dispensers that fell over since the last tick, and that were stood up: bits.
   [[nodiscard]] unsigned knockedOver() const noexcept { return knocked_over_; }
   [[nodiscard]] unsigned stoodUp() const noexcept { return stood_up_; }
-  /// Lies, or stands where nobody can reach it.
-  [[nodiscard]] bool lies(int dispenser) const noexcept {
-    return lying_[static_cast<std::size_t>(dispenser)];
-  }
+  /// Dispensers that fell on their side, until they are picked up or stood up: bits.
+  [[nodiscard]] unsigned leaking() const noexcept { return leaking_; }
 
  private:
   void slideRow(const BarSenses& senses, int target, bool may_move,
@@ -49,8 +47,9 @@ class Serving {
   Slide row_;
   Eigen::Vector3d glass_m_, glass_from_m_, glass_to_m_;
   Slide glass_;
-  std::array<bool, kMaxDispensers> lying_{};
+  std::array<bool, kMaxDispensers> lying_{};     ///< or standing where nobody can reach them
   std::array<double, kMaxDispensers> away_s_{};  ///< how long it lies with the hand away
+  unsigned leaking_ = 0;
   unsigned knocked_over_ = 0, stood_up_ = 0;
 };
 
