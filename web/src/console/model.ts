@@ -31,6 +31,9 @@ export class ConsoleModel {
   /** Called when an order was refused, with what it was. */
   onRefused: (what: string, reason: string) => void = () => {};
   private limited_s = -Infinity;
+  /** Orders without an answer, and whether the controls were taken for them only. */
+  private underWay = 0;
+  private borrowed = false;
 
   constructor(readonly connection: Connection) {
     connection.on('scene', (scene) => this.takeScene(scene));
@@ -61,14 +64,25 @@ export class ConsoleModel {
   }
 
   /**
-   * Sends an order, with the controls taken first when nobody holds them. A refusal is said to the
-   * therapist and returned.
+   * Sends an order. Where nobody holds the controls they are taken for it and given back, so that a
+   * patient's game is never kept out; `keep` holds them on. A refusal is said to the therapist,
+   * unless `quietly`, and returned.
    */
-  async command(what: string, send: () => Promise<Answer>, quietly = false): Promise<Answer> {
+  async command(what: string, send: () => Promise<Answer>, { quietly = false, keep = false } = {}): Promise<Answer> {
     let answer: Answer = { accepted: true, reason: '' };
-    const { heldByYou, held } = this.connection.controls;
-    if (!heldByYou && !held) answer = await this.connection.takeControls();
+    const { controls } = this.connection;
+    this.underWay += 1;
+    if (!controls.heldByYou && !controls.held) {
+      answer = await this.connection.takeControls();
+      this.borrowed = answer.accepted;
+    }
     if (answer.accepted) answer = await send();
+    if (answer.accepted && keep) this.borrowed = false;
+    this.underWay -= 1;
+    if (this.borrowed && this.underWay === 0) {
+      this.borrowed = false;
+      await this.connection.releaseControls();
+    }
     if (!answer.accepted && !quietly) this.onRefused(what, answer.reason);
     return answer;
   }

@@ -74,7 +74,7 @@ class ParameterRow {
     this.clearRefusal();
     this.target.ask(value);
     const { view, model } = this;
-    const answer = await model.command(view.label, () => model.connection.setParameter(view.name, value), true);
+    const answer = await model.command(view.label, () => model.connection.setParameter(view.name, value), { quietly: true });
     if (answer.accepted) this.refresh();
     else this.refuse(fill(this.t.refused, { reason: answer.reason }));
   }

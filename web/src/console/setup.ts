@@ -25,7 +25,7 @@ export class SetupPanel implements Panel {
     const next = button(t.setup.next, 'next', () => void model.command(t.setup.next, () => model.connection.act(Act.Next)));
     this.who = choice(t.setup.steering, [
       { key: String(Steering.VirtualPatient), name: t.setup.virtual }, { key: String(Steering.Person), name: t.setup.person },
-    ], String(Steering.VirtualPatient), (key) => void model.command(t.setup.steering, () => model.connection.steer(Number(key))));
+    ], String(Steering.VirtualPatient), (key) => void model.command(t.setup.steering, () => model.connection.steer(Number(key)), { keep: true }));
     this.element = h('section', { class: 'panel setup', 'aria-label': t.setup.title },
       h('div', { class: 'hd' }, h('h2', {}, t.setup.title), this.holder, this.take),
       h('div', { class: 'fields' },
