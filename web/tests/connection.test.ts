@@ -121,6 +121,21 @@ test('Connection_LostBeforeAnAnswer_AnswersTheOrderItself', async () => {
   expect(connection.controls.heldByYou).toBe(false);
 });
 
+test.each([[401, 401], [403, 403], [426, 0], [0, 0]])('Connection_RefusedWith%i_Knows%i', async (status, known) => {
+  const connection = new Connection({
+    url: 'ws://nowhere/ws', open: () => { const line = new TestLine(); lines.push(line); return line; },
+    why: () => (status > 0 ? Promise.resolve(status) : Promise.reject(new Error('nobody there'))),
+  });
+  connections.push(connection);
+  lines[0].breaks();
+  await vi.advanceTimersByTimeAsync(300);
+  expect(connection.refusedWith).toBe(known);
+  // It goes on trying: the next program may let it in.
+  expect(lines).toHaveLength(2);
+  lines[1].welcome();
+  expect(connection.refusedWith).toBe(0);
+});
+
 test('Connection_OrderWithoutAnswer_IsGivenUp', async () => {
   const connection = connect();
   lines[0].welcome();

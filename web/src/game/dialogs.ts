@@ -130,7 +130,9 @@ export function lostCard(attempts: number, hardware: boolean): HTMLElement {
     hardware ? h('p', { class: 'hardware t-s', 'data-testid': 'hardware' }, buttonPicture(), text('lost.button')) : null);
 }
 
-export function absentCard(attempts: number): HTMLElement {
+/** `refusedWith`: 401 or 403 where the program is there but does not let this page in. */
+export function absentCard(attempts: number, refusedWith: number): HTMLElement {
+  if (refusedWith > 0) return messageCard(plugPicture(), text('refused.title'), text(refusedWith === 401 ? 'refused.token' : 'refused.origin'), text('refused.soft'));
   return messageCard(plugPicture(), text('absent.title'), text('absent.what'), text('absent.soft'), dots(attempts));
 }
 

@@ -135,7 +135,7 @@ export class Game {
   private enter(now: PageState): void {
     const { attempts, problem } = this.connection;
     const playing = now !== 'watching' && now !== 'welcome' && now !== 'loading' && isPlaying(this.situation(), this.connection.latestState);
-    const key = [now, language(), attempts, problem?.theirs, this.hardware, this.notice, this.helpOpen].join();
+    const key = [now, language(), attempts, problem?.theirs, this.connection.refusedWith, this.hardware, this.notice, this.helpOpen].join();
     if (key === this.shown) return;
     this.shown = key;
     this.state = now;
@@ -160,7 +160,7 @@ export class Game {
     const { attempts, latestState, problem } = this.connection;
     if (now === 'version') this.overlay.open('low', versionCard(problem?.ours ?? 0, problem?.theirs ?? 0), { alone: true });
     else if (now === 'lost') this.overlay.open('low', lostCard(attempts, this.hardware), { alone: true });
-    else if (now === 'absent') this.overlay.open('low', absentCard(attempts), { alone: true });
+    else if (now === 'absent') this.overlay.open('low', absentCard(attempts, this.connection.refusedWith), { alone: true });
     else if (now === 'stopped') this.overlay.open('stop', stoppedCard(latestState ? causeOf(this.script, latestState) : ''), { alone: true });
     else if (this.helpOpen) {
       const { card, first } = helpCard(this.ways(), () => this.toggleHelp());

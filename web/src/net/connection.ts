@@ -42,6 +42,8 @@ export interface ConnectionOptions {
   readonly url: string;
   /** Shown to the program by TakeControls; empty on this machine. */
   readonly token?: string;
+  /** Asks the program by HTTP why it takes no line: a browser tells a page nothing but that it failed. */
+  readonly why?: () => Promise<number>;
   /** Makes the line; a WebSocket unless told otherwise. */
   readonly open?: (url: string) => Line;
 }
@@ -79,6 +81,8 @@ export class Connection {
   status: ConnectionStatus = 'connecting';
   /** Set when the program speaks another version; then the page does not try again. */
   problem: VersionProblem | null = null;
+  /** 401: the token is missing or wrong, 403: not from this page's origin; 0: not known to be refused. */
+  refusedWith = 0;
   latestState: WorldStateT | null = null;
   scene: SceneT | null = null;
   welcome: WelcomeT | null = null;
@@ -200,10 +204,19 @@ export class Connection {
     for (const id of [...this.waiting.keys()]) this.settle(id, { accepted: false, reason: 'the connection was lost' });
     this.attempts += 1;
     this.setStatus('lost');
+    void this.askWhy();
     if (this.closed || this.problem) return;
     clearTimeout(this.retryTimer);
     this.retryTimer = setTimeout(() => this.connect(), this.wait_ms);
     this.wait_ms = Math.min(2 * this.wait_ms, LONGEST_WAIT_MS);
+  }
+
+  private async askWhy(): Promise<void> {
+    const status = await this.options.why?.().catch(() => 0) ?? 0;
+    const refused = status === 401 || status === 403 ? status : 0;
+    if (this.status === 'open' || refused === this.refusedWith) return;
+    this.refusedWith = refused;
+    this.tell('status', this.status);
   }
 
   private dropLine(): void {
@@ -300,7 +313,7 @@ export class Connection {
         const welcome = unpack(new Welcome());
         if (!welcome) return;
         this.welcome = welcome;
-        this.attempts = 0;
+        this.attempts = this.refusedWith = 0;
         this.setStatus('open');
         this.tell('welcome', welcome);
         return;

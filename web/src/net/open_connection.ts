@@ -24,5 +24,6 @@ export async function openConnection(): Promise<Connection> {
     const program = new FakeProgram(new URLSearchParams(location.search));
     return new Connection({ url, token, open: () => program.line() });
   }
-  return new Connection({ url, token });
+  const why = async () => (await fetch(url.replace(/^ws/, 'http'), { cache: 'no-store' })).status;
+  return new Connection({ url, token, why });
 }
