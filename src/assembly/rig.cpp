@@ -26,6 +26,7 @@ RendererConfig rendererConfig(const Models& models, const CouplingGains& gains, 
     config.effort_limit[a] = models.device.axes[a].effort_limit;
   }
   config.gravity_m_s2 = models.scene.gravity_m_s2;
+  config.tank = makeEnergyTank(models.device, period_s);
   config.live = LiveSettings(models.device, config.damping);
   return config;
 }

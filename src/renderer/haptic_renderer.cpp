@@ -4,6 +4,7 @@
 #include "safety/force_limiter.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace wholehand {
@@ -12,6 +13,24 @@ namespace {
 AxisEffort sum(const AxisEffort& a, const AxisEffort& b) noexcept {
   AxisEffort out(a.size());
   for (int i = 0; i < a.size(); ++i) out[i] = a[i] + b[i];
+  return out;
+}
+
+AxisEffort difference(const AxisEffort& a, const AxisEffort& b) noexcept {
+  AxisEffort out(a.size());
+  for (int i = 0; i < a.size(); ++i) out[i] = a[i] - b[i];
+  return out;
+}
+
+// What the walls of an exercise hold: half their effort times the depth in them, with a bounded
+// part of the damping's that comes and goes with the motion.
+AxisEnergy wallStored(const TickRecord& record) noexcept {
+  const ExerciseRecord& exercise = record.exercise;
+  AxisEnergy out(exercise.wall_active.size());
+  for (int i = 0; i < out.size(); ++i) {
+    if (exercise.wall_active[i] == 0.0) continue;
+    out[i] = 0.5 * std::abs(exercise.effort[i] * (record.q_m[i] - exercise.wall[i]));
+  }
   return out;
 }
 
@@ -64,6 +83,7 @@ Expected<Done> HapticRenderer::arm() {
   const int axes = config_.gains.axes;
   velocity_ = VelocityState{};
   damping_ = AdaptiveDampingState{AxisRatio(axes), AxisRatio(axes)};
+  tank_ = fullTank(config_.tank);
   ramp_ = engageFrom(config_.neutral);
   parameters_.reset();
   contacts_ = ContactList{};
@@ -200,8 +220,27 @@ void HapticRenderer::exercise(std::uint32_t elapsed_periods, TickRecord& record)
   record.damping = dampingEffort(record.phi, record.qd_mf, gains);
 }
 
+void HapticRenderer::watchEnergy(std::uint32_t elapsed_periods, TickRecord& record) noexcept {
+  record.tank_effort = AxisEffort(config_.gains.axes);
+  record.tank = tank_.energy;
+  if (config_.tank.axes == 0 || any(record.faults & kStopping)) return;
+  const EnergyTankStep step =
+      advanceTank(tank_, record.q_m, record.q_s, wallStored(record), config_.gains, config_.tank,
+                  static_cast<int>(elapsed_periods), config_.period_s);
+  tank_ = step.state;
+  record.tank = tank_.energy;
+  // While an effort is blended in, the springs hold what nobody was given yet: nothing to judge.
+  if (ramp_.authority < 1.0) return;
+  record.tank_effort = step.effort;
+  for (double effort : step.effort) {
+    if (effort != 0.0) record.faults |= Fault::kTankEmpty;
+  }
+}
+
 void HapticRenderer::makeSafe(std::uint32_t elapsed_periods, TickRecord& record) noexcept {
-  record.rendered = sum(sum(record.coupling, record.exercise.effort), record.damping);
+  watchEnergy(elapsed_periods, record);
+  record.rendered =
+      sum(sum(sum(record.coupling, record.exercise.effort), record.damping), record.tank_effort);
   const LimitedEffort limited = limitEffort(sum(record.rendered, config_.neutral), effort_limit_);
   record.faults |= limited.faults;
   latched_ |= record.faults & kStopping;
@@ -212,6 +251,10 @@ void HapticRenderer::makeSafe(std::uint32_t elapsed_periods, TickRecord& record)
                       static_cast<int>(elapsed_periods), config_.period_s, config_.ramp);
   record.authority = ramp_.authority;
   record.sent = ramp_.sent;
+  if (config_.tank.axes == 0) return;
+  tank_ = noteSent(tank_, difference(record.sent, config_.neutral), record.qd_mf, record.qd_s,
+                   config_.gains);
+  if (ramp_.authority < 1.0) tank_.energy = config_.tank.capacity;
 }
 
 void HapticRenderer::writeDevice(TickRecord& record) noexcept {

@@ -2,6 +2,7 @@
 
 #include "control/adaptive_damping.hpp"
 #include "control/coupling_gains.hpp"
+#include "control/energy_tank.hpp"
 #include "control/velocity_estimator.hpp"
 #include "core/expected.hpp"
 #include "core/real_time.hpp"
@@ -31,7 +32,8 @@ struct RendererConfig {
   AxisEffort neutral;       ///< carries the device's own weight [N or N·m]
   NeutralRampConfig ramp;
   Eigen::Vector3d gravity_m_s2{0.0, 0.0, -9.81};
-  LiveSettings live;  ///< what may be changed while it runs; nothing unless given
+  EnergyTankConfig tank;  ///< none unless given
+  LiveSettings live;      ///< what may be changed while it runs; nothing unless given
 };
 
 /// Whole-hand haptic rendering: one tick reads the device, lets the simulated hand follow it in the
@@ -78,6 +80,7 @@ class HapticRenderer {
   void updateDynamics(TickRecord& record) noexcept;
   void control(std::uint32_t elapsed_periods, TickRecord& record) noexcept;
   void exercise(std::uint32_t elapsed_periods, TickRecord& record) noexcept;
+  void watchEnergy(std::uint32_t elapsed_periods, TickRecord& record) noexcept;
   void makeSafe(std::uint32_t elapsed_periods, TickRecord& record) noexcept;
   void writeDevice(TickRecord& record) noexcept;
   void stepWorld(TickRecord& record) noexcept;
@@ -100,6 +103,7 @@ class HapticRenderer {
   ContactList contacts_;
   VelocityState velocity_;
   AdaptiveDampingState damping_;
+  EnergyTankState tank_;
   NeutralRampState ramp_;
   Fault latched_ = Fault::kNone;  ///< a stopping fault stays until armed again
   std::atomic<bool> stop_requested_{false};
