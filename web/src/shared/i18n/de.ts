@@ -16,7 +16,6 @@ export const de: Texts = {
   'level.2': 'zwei Säfte',
   'level.3': 'drei Säfte',
   'level.4': 'für Profis',
-  'language': 'Sprache',
 
   'game.title': 'Wholehand: die Bar',
   'game.recipe': 'Rezept',
@@ -50,7 +49,6 @@ export const de: Texts = {
   'game.soundOn': 'Ton ist an',
   'game.soundOff': 'Ton ist aus',
   'game.stop': 'Stopp',
-  'game.close': 'Schliessen',
   'game.back': 'Weiter',
   'game.picture': 'Die Bar, Ihre Hand und das Glas',
 
@@ -64,11 +62,6 @@ export const de: Texts = {
   'welcome.step3More': 'Am Strich loslassen.',
   'welcome.how': 'Womit spielen Sie?',
   'welcome.robot': 'Roboterhand',
-  'welcome.mouse': 'Maus',
-  'welcome.keys': 'Tasten',
-  'welcome.touch': 'Finger',
-  'welcome.gamepad': 'Gamepad',
-  'welcome.webcam': 'Kamera',
   'welcome.robotHint': 'Ihre Hand steuert. Der Roboter geht mit.',
   'welcome.level': 'Stufe',
   'welcome.tone': 'Ihre Hand',

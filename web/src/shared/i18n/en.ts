@@ -15,7 +15,6 @@ export const en = {
   'level.2': 'two juices',
   'level.3': 'three juices',
   'level.4': 'expert',
-  'language': 'Language',
 
   // ---- game: recipe, instruction, meter
   'game.title': 'Wholehand: the bar',
@@ -50,7 +49,6 @@ export const en = {
   'game.soundOn': 'Sound is on',
   'game.soundOff': 'Sound is off',
   'game.stop': 'Stop',
-  'game.close': 'Close',
   'game.back': 'Go on',
   'game.picture': 'The bar, your hand and the glass',
 
@@ -65,11 +63,6 @@ export const en = {
   'welcome.step3More': 'Let go at the white line.',
   'welcome.how': 'How will you play?',
   'welcome.robot': 'Robot hand',
-  'welcome.mouse': 'Mouse',
-  'welcome.keys': 'Keys',
-  'welcome.touch': 'Touch',
-  'welcome.gamepad': 'Gamepad',
-  'welcome.webcam': 'Camera',
   'welcome.robotHint': 'Your hand is the control. The robot moves with you.',
   'welcome.level': 'Level',
   'welcome.tone': 'Your hand',

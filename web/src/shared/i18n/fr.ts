@@ -16,7 +16,6 @@ export const fr: Texts = {
   'level.2': 'deux jus',
   'level.3': 'trois jus',
   'level.4': 'expert',
-  'language': 'Langue',
 
   'game.title': 'Wholehand : le bar',
   'game.recipe': 'Recette',
@@ -50,7 +49,6 @@ export const fr: Texts = {
   'game.soundOn': 'Le son est activé',
   'game.soundOff': 'Le son est coupé',
   'game.stop': 'Stop',
-  'game.close': 'Fermer',
   'game.back': 'Continuer',
   'game.picture': 'Le bar, votre main et le verre',
 
@@ -64,11 +62,6 @@ export const fr: Texts = {
   'welcome.step3More': 'Lâchez au trait blanc.',
   'welcome.how': 'Avec quoi jouez-vous ?',
   'welcome.robot': 'Main robot',
-  'welcome.mouse': 'Souris',
-  'welcome.keys': 'Touches',
-  'welcome.touch': 'Doigts',
-  'welcome.gamepad': 'Manette',
-  'welcome.webcam': 'Caméra',
   'welcome.robotHint': 'Votre main commande. Le robot vous suit.',
   'welcome.level': 'Niveau',
   'welcome.tone': 'Votre main',
