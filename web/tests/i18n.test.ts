@@ -1,3 +1,4 @@
+import { readdirSync, readFileSync } from 'node:fs';
 import { expect, test } from 'vitest';
 import { chooseLanguage, fill } from '../src/shared/i18n';
 import { de } from '../src/shared/i18n/de';
@@ -27,4 +28,12 @@ test('Language_FromWishes_IsTheFirstThatWeHave', () => {
 
 test('Fill_APlaceWithoutValue_StaysVisible', () => {
   expect(fill('{a} of {b} ml', { a: 12 })).toBe('12 of {b} ml');
+});
+
+test('Texts_NameEveryLiquidAndDrinkOfTheShippedExercises', () => {
+  const folder = new URL('../../config/exercises/', import.meta.url);
+  const names = readdirSync(folder).flatMap((file) => [...readFileSync(new URL(file, folder), 'utf8')
+    .matchAll(/\[\[(liquid|drink)s\]\]\s+name = "([^"]+)"/g)].map(([, kind, name]) => `${kind}.${name}`));
+  expect(names.length).toBeGreaterThanOrEqual(9);   // four liquids, five drinks
+  expect(names.filter((name) => !(name in en))).toEqual([]);
 });
