@@ -14,6 +14,7 @@ namespace wholehand {
 struct ExerciseSample {
   double time_s = 0.0;
   AxisEffort sent;
+  AxisEffort wall;  ///< f_e, the exercise's share of it
   AxisRatio phi;
   double alpha = 0.0;
   double dorsal_n = 0.0;   ///< on the back of the fingers

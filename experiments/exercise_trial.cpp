@@ -54,6 +54,7 @@ class Observer {
     ExerciseSample s;
     s.time_s = r.time_s;
     s.sent = r.sent;
+    s.wall = r.exercise.effort;
     s.phi = r.phi;
     s.alpha = r.exercise.alpha;
     s.palm_m = r.palm_target_distance_m;

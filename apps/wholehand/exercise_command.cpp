@@ -82,11 +82,11 @@ class Photographer {
     FigureMoment moment{r.time_s,
                         folder_ + "/exercise-" + std::to_string(moments_.size() + 1) + ".png"};
     PictureRequest request;
-    request.width_px = 376;
-    request.height_px = 300;
-    request.target_m = {0.08, 0.03, -0.03};
-    request.distance_m = 0.85;
-    request.azimuth_rad = 0.95;
+    request.width_px = 340;
+    request.height_px = 272;
+    request.target_m = {0.08, 0.03, -0.04};
+    request.distance_m = 0.72;
+    request.azimuth_rad = -0.75;
     request.elevation_rad = 0.32;
     request.field_of_view_rad = 0.45;
     const std::vector<BodyState> bodies(r.bodies.begin(), r.bodies.begin() + r.body_count);

@@ -16,11 +16,12 @@
 namespace wholehand {
 namespace {
 
-constexpr int kWidth_px = 900, kLeft_px = 52, kRight_px = 78;
+constexpr int kWidth_px = 900, kLeft_px = 52, kRight_px = 84;
 constexpr int kHeads_px = 34, kTitle_px = 16, kNumbers_px = 20;
 constexpr int kGap_px = 6;
-constexpr double kStep_s = 0.01;  // of the lines; in between, the largest and the smallest
-constexpr std::array<const char*, 4> kHeadings = {"bumps into it", "lays the hand on", "squeezes",
+constexpr double kTipScale_n = 7.5;  // fingers and thumb can be compared
+constexpr double kStep_s = 0.02;     // of the lines; in between, the largest and the smallest
+constexpr std::array<const char*, 4> kHeadings = {"bumps into it", "approaches", "squeezes",
                                                   "lets go, retrieves"};
 
 using Value = std::function<double(const ExerciseSample&)>;
@@ -122,12 +123,30 @@ LinePlot onePanel(const ExerciseResult& result, const char* title, int height_px
   return plot;
 }
 
+/// What of an axis's effort is the exercise's, thin beside the whole.
+void addWall(LinePlot& plot, const ExerciseResult& result, const char* name) {
+  const int a = axisOf(result, name);
+  const double arm_m = a < 0 ? 0.0 : result.lever_arms_m[static_cast<std::size_t>(a)];
+  if (!(arm_m > 0.0)) return;
+  PlotLine line =
+      lineOf(result, a, [a, arm_m](const ExerciseSample& s) { return s.wall[a] / arm_m; });
+  line.name = "wall";
+  line.color = kPlotInk2;
+  line.dash = "2 2";
+  line.width_px = 1.2;
+  plot.lines.push_back(std::move(line));
+  plot.y_min = -kTipScale_n;
+  plot.y_max = 0.75 * kTipScale_n;
+}
+
 std::vector<LinePlot> panels(const ExerciseResult& result) {
   std::vector<LinePlot> out;
   out.push_back(panel(result, "Fingers, N at the tips", 96));
   addEfforts(out.back(), result, {"finger_flexion"});
+  addWall(out.back(), result, "finger_flexion");
   out.push_back(panel(result, "Thumb, N at the tip (turn in 0.1 N·m)", 96));
   addEfforts(out.back(), result, {"thumb_flexion", "thumb_circumduction"});
+  addWall(out.back(), result, "thumb_flexion");
   out.push_back(panel(result, "Arm, N", 96));
   addEfforts(out.back(), result, {"x", "y", "z"});
   out.push_back(phiPanel(result));
@@ -186,7 +205,7 @@ std::string pictures(const std::vector<FigureMoment>& moments, int height_px) {
         fmt::format("<circle cx=\"{:.1f}\" cy=\"16\" r=\"10\" fill=\"{}\"/>", x + 16.0, kPlotInk);
     out += svg::words(x + 16.0, 20.5, std::to_string(i + 1), "middle", "#FFFFFF", 700, 13.0);
     out += svg::words(x + each_px - 8.0, height_px - 8.0,
-                      fmt::format("{:.1f} s", moments[i].time_s), "end", kPlotInk, 650);
+                      fmt::format("{:.1f} s", moments[i].time_s), "end", "#FFFFFF", 650);
   }
   return out;
 }

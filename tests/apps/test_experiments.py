@@ -1,8 +1,10 @@
-"""`wholehand experiment grasping|timing`: what they write and how they are stopped."""
+"""`wholehand experiment grasping|timing|exercise|cocktail-bar`: what they write, how they are stopped."""
 import json
+import os
 import signal
 import time
 import unittest
+import xml.etree.ElementTree
 
 from app import DONE, INTERRUPTED, AppTest
 
@@ -74,6 +76,69 @@ class Timing(AppTest):
         run.send_signal(signal.SIGINT)
         said, complained = run.communicate(timeout=20)
         self.assertEqual(run.returncode, INTERRUPTED, said + complained)
+
+
+class Exercise(AppTest):
+    def test_keys_of_the_results(self):
+        self.expect(self.run_app("experiment", "exercise", "--json", "e.json", "--svg", "e.svg",
+                                 "--record", "e.h5", "--out", "out"), DONE, "completed")
+        results = json.loads((self.folder / "e.json").read_text())
+        self.assertIs(results["completed"], True)
+        self.assertEqual([p["name"] for p in results["phases"]],
+                         ["bump", "approach", "squeeze", "release"])
+        times = [t for p in results["phases"] for t in (p["start_s"], p["end_s"])]
+        self.assertEqual(times, sorted(times))
+        self.assertEqual(results["phi_peak"]["finger_flexion"], 1.0)
+        self.assertEqual(results["alpha_max"], 1.0)
+        self.assertEqual(results["wall_pull_max_n"], 0.0)  # the wall never pulls
+        self.assertLessEqual(results["volume_error_l"], 1e-9)  # asked of the pouring
+        figure = (self.folder / "e.svg").read_text()
+        self.assertEqual(figure.count("<image "), 4)
+        for word in ("squeezes", "Adaptive damping", "Flow, ml/s", "In the glass"):
+            self.assertIn(word, figure)
+        xml.etree.ElementTree.fromstring(figure)  # well formed
+        self.expect_same_when_run_again(self.folder / "e.h5")
+
+    def test_bad_input_is_refused(self):
+        self.expect_refused(self.run_app("experiment", "exercise", "--exercise", "no-such-bar"),
+                            "no-such-bar")
+        self.expect_refused(self.run_app("experiment", "exercise", "--exercise", "free-grasping"),
+                            "no dispenser")
+        self.expect_refused(self.run_app("experiment", "exercise", "--seed", "many"), "--seed")
+        self.expect_refused(self.run_app("experiment", "exercise", "--json", "/proc/e.json"), "/proc")
+
+
+class CocktailBar(AppTest):
+    def test_keys_of_the_results(self):
+        seed = self.random.randrange(1, 1000)
+        self.expect(self.run_app("experiment", "cocktail-bar", "--seeds", "2", "--level", "1",
+                                 "--first-seed", seed, "--json", "c.json"), DONE)
+        results = json.loads((self.folder / "c.json").read_text())
+        self.assertEqual(len(results["levels"]), 1)
+        level = results["levels"][0]
+        self.assertEqual((level["level"], level["seeds"], level["completed"]), (1, 2, 2), level)
+        self.assertGreater(level["score_median"], 70.0)
+        self.assertEqual(level["spilt_l_median"], 0.0)
+        self.assertLessEqual(level["volume_error_l_max"], 1e-9)
+        self.assertEqual(self.names_in(self.folder), ["c.json"])
+
+    def test_bad_input_is_refused(self):
+        for arguments, text in ((("--seeds", "0"), "--seeds"), (("--level", "9"), "level"),
+                                (("--seeds", "nan"), "--seeds"), (("--hand", "none.toml"), "none.toml"),
+                                (("--exercise", "free-grasping"), "virtual patient")):
+            self.expect_refused(self.run_app("experiment", "cocktail-bar", "--json", "c.json", *arguments),
+                                text)
+        self.assertEqual(self.names_in(self.folder), [])
+
+    def test_ctrl_c_ends_all_players(self):
+        run = self.start_app("experiment", "cocktail-bar", "--level", "4", "--seeds", "50",
+                             "--json", "c.json", start_new_session=True)
+        time.sleep(2.0)
+        os.killpg(run.pid, signal.SIGINT)  # as a terminal does
+        said, complained = run.communicate(timeout=20)
+        self.assertEqual(run.returncode, INTERRUPTED, said + complained)
+        self.assertIn("Interrupted", said)
+        self.assertFalse((self.folder / "c.json").exists())
 
 
 if __name__ == "__main__":

@@ -1,0 +1,112 @@
+// Virtual patients play the cocktail bar: what README.md promises of all seeds, some drawn here.
+#include "experiments/cocktail_trial.hpp"
+
+#include "experiments/worker_pool.hpp"
+#include "realtime/allocation_counter.hpp"
+#include "support/rig_tools.hpp"
+#include "support/seed.hpp"
+#include "support/tolerance.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <vector>
+
+namespace wholehand::test {
+namespace {
+
+ModelFiles barFiles(int level = 1) {
+  ModelFiles files = shippedFiles();
+  files.scene.clear();
+  files.exercise = std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/cocktail-bar.toml";
+  files.level = level;
+  return files;
+}
+
+CocktailResult play(int level, std::uint64_t seed) {
+  CocktailPlan plan;
+  plan.files = barFiles(level);
+  plan.seed = seed;
+  return orThrow(runCocktail(plan));
+}
+
+TEST(CocktailBar, EveryLevelBySeedsDrawn_IsCompletedWithinToleranceAndNothingIsLost) {
+  auto random = seededRandom(72);
+  for (int level = 1; level <= 4; ++level) {
+    for (int i = 0; i < cases(1); ++i) {
+      const std::uint64_t seed = 1 + random() % 1'000'000;
+      const CocktailResult r = play(level, seed);
+      const std::string of = "level " + std::to_string(level) + ", seed " + std::to_string(seed);
+      EXPECT_TRUE(r.completed) << of;
+      EXPECT_EQ(r.steps_in_tolerance, r.steps) << of;
+      EXPECT_LE(r.volume_error_l, tolerance(1e-9)) << of;
+      EXPECT_EQ(r.wrong_dispenser, 0) << of;
+      EXPECT_GT(r.score, 70.0) << of;
+      figure("score of " + of, r.score, "");
+    }
+  }
+}
+
+TEST(CocktailBar, SameSeed_IsTheSameBitForBitAnotherIsNot) {
+  const CocktailResult a = play(1, 5), b = play(1, 5), c = play(1, 6);
+  EXPECT_EQ(a.score, b.score);
+  EXPECT_EQ(a.amount_error_max_l, b.amount_error_max_l);
+  EXPECT_EQ(a.time_s, b.time_s);
+  EXPECT_NE(a.amount_error_max_l, c.amount_error_max_l);
+}
+
+TEST(CocktailBar, PlayerBesideTheTick_AllocatesNothing) {
+  if (!allocationCountingAvailable()) GTEST_SKIP() << "a sanitizer owns malloc here";
+  Models models = load(barFiles());
+  std::unique_ptr<Player> made = models.exercise->makePlayer(3);
+  Player& player = *made;
+  const auto rig = orThrow(buildRig(std::move(models), std::move(made), {}));
+  ASSERT_TRUE(rig->renderer->arm().ok());
+  TickRecord record;
+  std::uint64_t allocations = 0;
+  bool poured = false;
+  for (int k = 0; k < 9000; ++k) {
+    const AllocationScope scope;
+    rig->renderer->tick(1, record);  // advances the player, too
+    player.see(record);
+    allocations += scope.allocations();
+    poured = poured || record.exercise.values[0] == 2.0;  // stage: pouring
+  }
+  EXPECT_TRUE(poured);
+  EXPECT_EQ(allocations, 0U);
+}
+
+TEST(CocktailBar, WithoutAnExerciseToWin_IsRefused) {
+  CocktailPlan plan;
+  plan.files = barFiles();
+  plan.files.exercise = std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/free-grasping.toml";
+  EXPECT_FALSE(runCocktail(plan).ok());
+}
+
+TEST(WorkerPool, EveryJob_IsDoneOnceWhateverTheNumberOfProcesses) {
+  for (const int workers : {1, 3, 20}) {
+    std::vector<int> told(10, 0);
+    const bool complete = workInProcesses(
+        10, workers, [](int job) { return std::to_string(job * job); },
+        [&](int job, const std::string& line) {
+          ++told.at(static_cast<std::size_t>(job));
+          EXPECT_EQ(line, std::to_string(job * job));
+        });
+    EXPECT_TRUE(complete);
+    EXPECT_EQ(std::count(told.begin(), told.end(), 1), 10) << workers;
+  }
+}
+
+TEST(WorkerPool, WorkerThatDies_IsTold) {
+  EXPECT_FALSE(workInProcesses(
+      4, 2,
+      [](int job) -> std::string {
+        if (job == 1) std::_Exit(1);
+        return "done";
+      },
+      [](int, const std::string&) {}));
+}
+
+}  // namespace
+}  // namespace wholehand::test
