@@ -12,14 +12,15 @@ const LIQUIDS = ['lemon', 'cherry', 'blueberry', 'coconut'];
 /** The small picture of the bar: drawn less often than the plots, and in the quality the machine can. */
 export class SmallBar {
   readonly canvas: HTMLCanvasElement;
-  private readonly chooser: QualityChooser;
+  /** Of none where the address says which quality. */
+  private readonly chooser: QualityChooser | undefined;
   private quality: Quality;
   private drawn_ms = -Infinity;
 
-  private constructor(private readonly scene: BarScene, canvas: HTMLCanvasElement, quality: Quality) {
+  private constructor(private readonly scene: BarScene, canvas: HTMLCanvasElement, quality: Quality, asked: boolean) {
     this.canvas = canvas;
     this.quality = quality;
-    this.chooser = new QualityChooser(quality);
+    this.chooser = asked ? undefined : new QualityChooser(quality);
   }
 
   /** Builds it. Fails where there is no WebGL. */
@@ -30,7 +31,7 @@ export class SmallBar {
     const { BarScene } = await import('../scene/bar_scene');
     const canvas = document.createElement('canvas');
     canvas.setAttribute('aria-hidden', 'true');
-    return new SmallBar(new BarScene(canvas, { quality, tone: 'honey', view: 'console' }), canvas, quality);
+    return new SmallBar(new BarScene(canvas, { quality, tone: 'honey', view: 'console' }), canvas, quality, asked === quality);
   }
 
   get drawnIn(): Quality {
@@ -58,7 +59,7 @@ export class SmallBar {
     this.scene.render(now_ms);
     // Its own pace is no sign of a slow machine: only pictures slower than that are.
     const late_ms = this.scene.stats().frame_ms - 1000 / RATE_HZ[this.quality];
-    const quality = this.chooser.choose({ frame_ms: late_ms }, now_ms);
+    const quality = this.chooser?.choose({ frame_ms: late_ms }, now_ms) ?? this.quality;
     if (quality === this.quality) return;
     this.quality = quality;
     this.scene.setQuality(quality);

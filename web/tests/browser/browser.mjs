@@ -34,7 +34,8 @@ export async function openPage(browser, url, { width = 1280, height = 800, local
     // Expected, and said by the browser itself: a program that is down, a browser opened without 3D.
     if (message.type() === 'error' && !/WebSocket|ERR_CONNECTION|Failed to load resource|WebGL/.test(message.text())) page.faults.push(message.text());
   });
-  await page.goto(url);
+  // Not until everything is loaded: a page that draws in software keeps its own machine busy.
+  await page.goto(url, { waitUntil: 'commit', timeout: 120_000 });
   return page;
 }
 

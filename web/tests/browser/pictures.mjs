@@ -16,7 +16,8 @@ export async function takePictures(browser, programUrl, folder, watcher) {
     const page = await openPage(browser, pageUrl(programUrl, path, { lang: 'en', quality: 'high', ...query }));
     if (click) {
       await page.waitForSelector(click, { timeout: 240_000 });
-      await page.click(click);
+      // Not page.click: it waits for several pictures of a button that does not move.
+      await page.evaluate((selector) => document.querySelector(selector).click(), click);
     }
     await page.waitForFunction(() => window.wholehandStats?.quality === 'high', null, { timeout: 300_000 });
     const frames = await page.evaluate(() => window.wholehandStats.frames);
