@@ -78,7 +78,7 @@ export const de: Texts = {
   'watch.program': 'Sie sehen zu',
   'watch.programMore': 'Der Computer spielt',
   'watch.other': 'Sie sehen zu',
-  'watch.otherMore': 'Ein anderer Bildschirm spielt',
+  'watch.otherMore': 'Ein anderer Bildschirm steuert',
   'watch.idle': 'Bereit',
   'watch.idleMore': 'Drücken Sie «Selber spielen»',
   'watch.play': 'Selber spielen',

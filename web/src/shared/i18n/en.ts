@@ -80,7 +80,7 @@ export const en = {
   'watch.program': 'You are watching',
   'watch.programMore': 'The computer is playing',
   'watch.other': 'You are watching',
-  'watch.otherMore': 'Another screen is playing',
+  'watch.otherMore': 'Another screen has the controls',
   'watch.idle': 'Ready',
   'watch.idleMore': 'Press “Play yourself” to begin',
   'watch.play': 'Play yourself',

@@ -78,7 +78,7 @@ export const fr: Texts = {
   'watch.program': 'Vous regardez',
   'watch.programMore': 'L’ordinateur joue',
   'watch.other': 'Vous regardez',
-  'watch.otherMore': 'Un autre écran joue',
+  'watch.otherMore': 'Un autre écran a les commandes',
   'watch.idle': 'Prêt',
   'watch.idleMore': 'Appuyez sur « Jouer vous-même »',
   'watch.play': 'Jouer vous-même',
