@@ -8,7 +8,7 @@ namespace wholehand {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr int kDistancesPerTick = 6;  ///< of the search; three more follow what was found
+constexpr int kDistancesPerTick = 5;  ///< of the search; three more follow what was found
 
 // Nearer than this a capsule is looked at by Newton's method.
 constexpr double kNear_m = 5e-5;
@@ -89,30 +89,49 @@ bool AxisClosure::jumped(const Scene& scene) noexcept {
   return far;
 }
 
-AxisClosure::Gap AxisClosure::gap(const Scene& scene, const Axis& axis, Pair pair, double q,
-                                  double share) noexcept {
+void AxisClosure::measure(const Scene& scene, const Axis& axis, Pair pair, double q, double share,
+                          Gap& gap) noexcept {
   const ClosingChain& chain = axis.chains[static_cast<std::size_t>(pair.chain)];
   const Pose root =
       chain.rootLink() < 0 ? scene.from_world : scene.from_world * scene.links[chain.rootLink()];
-  ClosingChain::Placed at;
-  chain.place(root, *scene.theta, (*scene.q_s)[axis.index], q, at);
-  const SegmentDistance d =
-      segmentDistance(scene.body->shapes[static_cast<std::size_t>(pair.shape)], at.a_m, at.b_m,
-                      chain.radius_m(), share);
-  const Eigen::Vector3d nearest_m = at.a_m + d.along * (at.b_m - at.a_m);
-  return {d.distance_m, d.least_m, d.normal.dot(at.rate(chain, nearest_m))};
+  chain.place(root, *scene.theta, (*scene.q_s)[axis.index], q, gap.at);
+  gap.is = segmentDistance(scene.body->shapes[static_cast<std::size_t>(pair.shape)], gap.at.a_m,
+                           gap.at.b_m, chain.radius_m(), share);
+  const Eigen::Vector3d nearest_m = gap.at.a_m + gap.is.along * (gap.at.b_m - gap.at.a_m);
+  gap.slope = gap.is.normal.dot(gap.at.rate(chain, nearest_m));
+}
+
+/// For how much of the axis the pair stays apart. The distance from a convex shape is never less
+/// than from its plane at the nearest point, d(x) ≥ d + n·(x − x*), and each end of the capsule
+/// goes n·p(q + δ) ≥ n·p + δ n·p' − δ²/2 |p''|: clear up to where that is zero.
+double AxisClosure::clearFor(const ClosingChain& chain, const Gap& gap) noexcept {
+  const double slow = gap.is.least_m / chain.fastest();
+  const Eigen::Vector3d way_m = gap.at.b_m - gap.at.a_m;
+  const double rise_m = gap.is.normal.dot(way_m);
+  const double bend = chain.sharpest();
+  double least = std::numeric_limits<double>::infinity();
+  for (const double end : {0.0, 1.0}) {
+    const double d = gap.is.distance_m + (end - gap.is.along) * rise_m;
+    const double slope = gap.is.normal.dot(gap.at.rate(chain, end > 0.0 ? gap.at.b_m : gap.at.a_m));
+    const double root = std::sqrt(slope * slope + 2.0 * bend * std::max(d, 0.0));
+    // The same root twice, each where it does not cancel; infinite where nothing bends or nears.
+    const double clear = slope > 0.0 ? (slope + root) / bend : 2.0 * d / (root - slope);
+    least = std::min(least, d > 0.0 ? clear : 0.0);
+  }
+  return std::max({slow, least, kLeastStep_m / chain.fastest()});
 }
 
 void AxisClosure::follow(const Scene& scene, Axis& axis) noexcept {
   if (!axis.follows) return;
   const double fastest = axis.chains[static_cast<std::size_t>(axis.pair.chain)].fastest();
-  const Gap now = gap(scene, axis, axis.pair, axis.touch, 0.0);
+  Gap now;
+  measure(scene, axis, axis.pair, axis.touch, 0.0, now);
+  const double gap_m = now.is.distance_m;
   const bool closes = now.slope < -kLeastShare * fastest;
-  double step = now.distance_m / fastest;  // as much of an overlap is left at least
-  if (closes)
-    step = std::clamp(-now.distance_m / now.slope, -kStride_m / fastest, kStride_m / fastest);
+  double step = gap_m / fastest;  // as much of an overlap is left at least
+  if (closes) step = std::clamp(-gap_m / now.slope, -kStride_m / fastest, kStride_m / fastest);
   const double touch = axis.touch + step;
-  if (now.distance_m > kStride_m || (now.distance_m > 0.0 && !closes) || !(touch <= axis.upper)) {
+  if (gap_m > kStride_m || (gap_m > 0.0 && !closes) || !(touch <= axis.upper)) {
     axis.follows = false;  // it passes by, or is out of reach: the search finds what touches now
     return;
   }
@@ -148,14 +167,16 @@ void AxisClosure::search(const Scene& scene) noexcept {
 
 /// Takes a pair further, from where it is known to be clear. Gives how many distances it took.
 int AxisClosure::look(const Scene& scene, Axis& axis, Pair pair, double& clear) noexcept {
-  const double fastest = axis.chains[static_cast<std::size_t>(pair.chain)].fastest();
-  const Gap here = gap(scene, axis, pair, clear, kShare);
-  if (here.distance_m <= 0.0 && clear == axis.lower) {
+  const ClosingChain& chain = axis.chains[static_cast<std::size_t>(pair.chain)];
+  Gap here;
+  measure(scene, axis, pair, clear, kShare, here);
+  const double gap_m = here.is.distance_m;
+  if (gap_m <= 0.0 && clear == axis.lower) {
     meet(axis, pair, axis.lower);
     return 1;
   }
   int used = 1;
-  if (here.distance_m < kNear_m && here.slope < -kLeastShare * fastest) {
+  if (gap_m < kNear_m && here.slope < -kLeastShare * chain.fastest()) {
     double touch = clear;
     used += refine(scene, axis, pair, touch);
     if (touch != clear) {
@@ -164,10 +185,10 @@ int AxisClosure::look(const Scene& scene, Axis& axis, Pair pair, double& clear) 
       return used;
     }
   }
-  if (here.distance_m < -kNear_m) {
+  if (gap_m < -kNear_m) {
     beginSearch();  // the hand has moved, and what was clear no longer is
   } else {
-    clear += std::max(here.least_m, kLeastStep_m) / fastest;
+    clear += clearFor(chain, here);
   }
   return used;
 }
@@ -184,11 +205,12 @@ int AxisClosure::refine(const Scene& scene, const Axis& axis, Pair pair, double&
   const double fastest = axis.chains[static_cast<std::size_t>(pair.chain)].fastest();
   double touch = q;
   for (int i = 1; i <= kNewtonSteps; ++i) {
-    const Gap now = gap(scene, axis, pair, touch, 0.0);
+    Gap now;
+    measure(scene, axis, pair, touch, 0.0, now);
     if (!(now.slope < -kLeastShare * fastest)) return i;
-    touch -= now.distance_m / now.slope;
+    touch -= now.is.distance_m / now.slope;
     if (!(std::abs(touch - q) < kBasin_m / fastest)) return i;
-    if (std::abs(now.distance_m) > kTouching_m) continue;
+    if (std::abs(now.is.distance_m) > kTouching_m) continue;
     if (touch <= axis.upper) q = std::max(touch, axis.lower);
     return i;
   }

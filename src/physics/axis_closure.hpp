@@ -18,8 +18,9 @@ namespace wholehand {
 /// that carry the palm, and until it is found.
 ///
 /// A touch once found is followed with one Newton step a tick. Beside that the whole travel is
-/// searched again and again, a few distances a tick, by conservative advancement: a capsule whose
-/// gap is d cannot touch before its fastest point has gone d. So an earlier touch is seen and a
+/// searched again and again, a few distances a tick, by conservative advancement: a convex body
+/// lies behind the plane through its nearest point, and a capsule whose gap to that is d cannot
+/// touch before it has gone d towards it. So an earlier touch is seen and a
 /// lost one replaced within one search, and as long keeps its last value; capsules that pass by
 /// are no touch however near. For a hand that stays, all axes are right to 0.1 mm of path within
 /// 50 ms. What it gives is a function of the calls since reset() and what they were told, nothing
@@ -58,8 +59,10 @@ class AxisClosure {
     const SceneBody* body;
     Pose from_world;  ///< into the body's frame
   };
+  /// Where a pair is, with the axis somewhere.
   struct Gap {
-    double distance_m, least_m;
+    ClosingChain::Placed at;
+    SegmentDistance is;
     double slope;  ///< change of the distance per unit of the axis
   };
 
@@ -71,8 +74,9 @@ class AxisClosure {
   static void meet(Axis& axis, Pair pair, double touch) noexcept;
   [[nodiscard]] static int refine(const Scene& scene, const Axis& axis, Pair pair,
                                   double& q) noexcept;
-  [[nodiscard]] static Gap gap(const Scene& scene, const Axis& axis, Pair pair, double q,
-                               double share) noexcept;
+  [[nodiscard]] static double clearFor(const ClosingChain& chain, const Gap& gap) noexcept;
+  static void measure(const Scene& scene, const Axis& axis, Pair pair, double q, double share,
+                      Gap& gap) noexcept;
 
   std::vector<SceneBody> bodies_;
   std::vector<Axis> axes_;  ///< of the hand, those that move capsules

@@ -42,17 +42,27 @@ ClosingChain::ClosingChain(const HandModel& hand, int axis, int capsule) : capsu
   }
   a_m_ = since * c.a_m;
   b_m_ = since * c.b_m;
-  // Stretched out, a point is as far from a joint as it can ever be. A joint that slides lets the
-  // ones before it see it farther off, by no more than its travel.
+  boundMotion(std::max(std::abs(hand.axis_lower[axis]), std::abs(hand.axis_upper[axis])));
+}
+
+/// Stretched out, a point is as far from a joint as it can ever be; a joint that slides lets those
+/// before it see it farther off by its travel. With r_k the ratio, R_k the farthest distance and
+/// w_k = r_k R_k (r_k where it slides) of joint k, and Ω_k the turn of all before it: p' = Σ r_k
+/// ω_k × (p − o_k), so that |p'| ≤ Σ w_k and, by one more derivative, |p''| ≤ Σ r_k (2 Ω_k R_k +
+/// Σ_{j≥k} w_j).
+void ClosingChain::boundMotion(double travel) noexcept {
   double reach_m = std::max(a_m_.norm(), b_m_.norm());
   for (std::size_t k = joints_.size(); k-- > 0;) {
     const Joint& joint = joints_[k];
-    const double lever_m = joint.revolute ? reach_m : 1.0;
-    fastest_ += std::abs(joint.ratio) * lever_m;
-    if (!joint.revolute) {
-      reach_m += std::abs(joint.ratio) *
-                 std::max(std::abs(hand.axis_lower[axis]), std::abs(hand.axis_upper[axis]));
+    const double ratio = std::abs(joint.ratio);
+    double turn_before = 0.0;
+    for (std::size_t j = 0; j < k; ++j) {
+      if (joints_[j].revolute) turn_before += std::abs(joints_[j].ratio);
     }
+    fastest_ += ratio * (joint.revolute ? reach_m : 1.0);
+    sharpest_ += joint.revolute ? ratio * (2.0 * turn_before * reach_m + fastest_)
+                                : 2.0 * ratio * turn_before;
+    if (!joint.revolute) reach_m += ratio * travel;
     reach_m += joint.from_previous.translation_m.norm();
   }
 }

@@ -37,6 +37,8 @@ class ClosingChain {
   [[nodiscard]] double radius_m() const noexcept { return radius_m_; }
   /// No point of the capsule's segment moves faster than this [m per unit of the axis].
   [[nodiscard]] double fastest() const noexcept { return fastest_; }
+  /// No such point's velocity changes faster than this [m per unit of the axis squared].
+  [[nodiscard]] double sharpest() const noexcept { return sharpest_; }
 
   /// The capsules that each axis moves; none for an axis that carries the palm.
   [[nodiscard]] static std::vector<std::vector<ClosingChain>> ofAxes(const HandModel& hand);
@@ -50,10 +52,12 @@ class ClosingChain {
     double ratio = 0.0;  ///< of the joint to the axis
   };
 
+  void boundMotion(double travel) noexcept;
+
   std::vector<Joint> joints_;
   Eigen::Vector3d a_m_, b_m_;  ///< in the last joint's frame
   double radius_m_;
-  double fastest_ = 0.0;
+  double fastest_ = 0.0, sharpest_ = 0.0;
   int root_link_ = -1;
   int capsule_;
 };
