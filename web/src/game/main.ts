@@ -51,7 +51,7 @@ function frame(now_ms: number): void {
   stats.add(now_ms, ended_ms - began_ms + connection.takeReading_ms(), state && state !== drawn ? clock.age_ms(Number(state.sentMonotonicNs) / 1e6, ended_ms) : NaN);
   drawn = state;
   if (picture) quality?.look(picture, ended_ms);
-  if (quality) document.body.dataset.quality = quality.now;
+  if (quality && document.body.dataset.quality !== quality.now) document.body.dataset.quality = quality.now;
 }
 requestAnimationFrame(frame);
 // Where pictures are slow, or the page is hidden, what the program says is still heeded.
