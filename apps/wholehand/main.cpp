@@ -51,8 +51,9 @@ void addPages(CLI::App& run, RunOptions& o) {
       ->capture_default_str();
   run.add_option("--token", o.token, "What clients must show, at least 16 characters");
   run.add_option("--origin", o.origins, "Pages of other origins that may connect");
-  run.add_option("--udp", o.udp_port, "Port for game engines, 0: any (default: closed)")
-      ->check(CLI::Range(0, 65535));
+  run.add_option("--udp", o.udp,
+                 "Port for game engines, or address:port; 0: any port (default: closed)");
+  run.add_option("--udp-peer", o.udp_peers, "Game on another machine: host or host:port");
   run.add_flag("--no-web{false}", o.web, "Open no port");
   run.add_flag("--wait", o.wait, "Arm only when a client asks for it");
 }

@@ -96,6 +96,22 @@ ServerOptions serverOptions(const RunOptions& options,
   return server;
 }
 
+// "8091" is a port of this machine, "10.0.0.2:8091" one that others reach.
+Expected<UdpOptions> udpOptions(const RunOptions& options) {
+  UdpOptions udp;
+  udp.token = options.token;
+  const bool bare = options.udp.find_first_not_of("0123456789") == std::string::npos;
+  auto local = parseUdpEndpoint(bare ? "127.0.0.1:" + options.udp : options.udp);
+  if (!local) return local.errors();
+  udp.local = *local;
+  for (const std::string& text : options.udp_peers) {
+    auto peer = parseUdpEndpoint(text);
+    if (!peer) return peer.errors();
+    udp.peers.push_back(*peer);
+  }
+  return udp;
+}
+
 void printOpening(const Models& models, const std::string& url) {
   std::printf("%s\n", url.c_str());  // the first line: programs read it
   std::printf("  game     %s\n  console  %sconsole\n", url.c_str(), url.c_str());
@@ -128,21 +144,20 @@ int playCommand(RunOptions options) {
     std::printf("  %s\n", text.c_str());
   };
   ControlsArbiter controls;
-  auto server = Server::open(station, serverOptions(options, log), controls);
-  if (!server) return refuse(server.errors());
   UdpBridge udp(station, controls);
-  if (options.udp_port >= 0) {
-    UdpOptions udp_options;
-    udp_options.local.port = static_cast<std::uint16_t>(options.udp_port);
-    udp_options.token = options.token;
-    if (auto started = udp.start(udp_options); !started) return refuse(started.errors());
+  ServerOptions server_options = serverOptions(options, log);
+  server_options.more_metrics = [&udp] { return udpMetricsText(udp.counters()); };
+  auto server = Server::open(station, server_options, controls);
+  if (!server) return refuse(server.errors());
+  if (!options.udp.empty()) {
+    auto udp_options = udpOptions(options);
+    if (!udp_options) return refuse(udp_options.errors());
+    if (auto started = udp.start(*udp_options); !started) return refuse(started.errors());
     station.addSink([&udp](const TickRecord& record) { udp.publish(record); });
   }
   station.addSink([&server](const TickRecord& record) { (*server)->publish(record); });
   printOpening(station.models(), (*server)->url());
-  if (options.udp_port >= 0) {
-    std::printf("  udp      127.0.0.1:%u\n", static_cast<unsigned>(udp.local().port));
-  }
+  if (!options.udp.empty()) std::printf("  udp      %s\n", format(udp.local()).c_str());
   StatusLine status(station.models().device);
   line = &status;
   Expected<StationOutcome> outcome = station.run(!options.wait, options.duration_s);

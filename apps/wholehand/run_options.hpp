@@ -24,7 +24,8 @@ struct RunOptions {
   int port = 8080;                     ///< 0: any that is free
   std::string token;                   ///< what clients on other machines must show
   std::vector<std::string> origins;    ///< allowed besides our own pages
-  int udp_port = -1;                   ///< for game engines; -1: closed, 0: any that is free
+  std::string udp;                     ///< "port" or "address:port" for game engines; empty: closed
+  std::vector<std::string> udp_peers;  ///< games on other machines, "host" or "host:port"
   bool wait = false;                   ///< arm only when a client asks for it
 };
 

@@ -12,7 +12,7 @@ namespace wholehand {
 using Clock = std::chrono::steady_clock;
 
 namespace {
-constexpr auto kIdle = std::chrono::milliseconds(2);
+constexpr auto kIdle = std::chrono::milliseconds(1);
 /// Without ticks (paused, late) the recorder cannot see time pass; the hub flushes it instead.
 constexpr auto kFlushAfter = std::chrono::milliseconds(400);
 }  // namespace
