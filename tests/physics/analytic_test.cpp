@@ -62,6 +62,23 @@ TEST(AnalyticWorld, CriticallyDampedFreeMotion_FollowsTheDoublePole) {
   }
 }
 
+TEST(AnalyticWorld, AskedForTargetsAndFirstTouch_KnowsNone) {
+  const HandModel hand = slider(0.25);
+  AnalyticWorld world(hand, {});
+  BodyPlacements placements;
+  placements.count = 1;
+  placements.items[0].body = 0;
+  world.placeBodies(placements);
+  WorldState s;
+  s.palm_body = 3;  // of a world before
+  ASSERT_EQ(world.observe({1, 0}, s), Fault::kNone);
+  EXPECT_EQ(s.palm_body, -1);
+  EXPECT_EQ(s.palm_target_distance_m, std::numeric_limits<double>::infinity());
+  ASSERT_EQ(s.closure.size(), 1);
+  EXPECT_TRUE(std::isnan(s.closure[0]));
+  EXPECT_EQ(s.body_count, 0);
+}
+
 TEST(AnalyticWorld, RigidStop_IsReachedExactlyAndHoldsWithTheDrivingEffort) {
   const HandModel hand = slider(0.25);
   AnalyticAxis wall;

@@ -1,0 +1,116 @@
+// First touch of a hand axis, against the exact separation of shapes all along its travel.
+#include "physics/still_hand.hpp"
+#include "support/seed.hpp"
+#include "support/tolerance.hpp"
+
+#include <cmath>
+#include <cstdio>
+
+namespace wholehand::test {
+namespace {
+
+Shape box(const Eigen::Vector3d& half_m) {
+  Shape s;
+  s.half_extents_m = half_m;
+  return s;
+}
+Shape mesh(const Eigen::Vector3d& half_m) {
+  Shape s;
+  s.type = ShapeType::kConvexMesh;
+  for (int i = 0; i < 8; ++i) {
+    s.points_m.emplace_back((i & 1 ? 1 : -1) * half_m.x(), (i & 2 ? 1 : -1) * half_m.y(),
+                            (i & 4 ? 0.7 : -1) * half_m.z());
+  }
+  s.points_m.emplace_back(0.0, 0.0, 1.3 * half_m.z());
+  return s;
+}
+
+struct Named {
+  const char* name;
+  Shape shape;
+};
+void PrintTo(const Named& n, std::ostream* out) {
+  *out << n.name;
+}
+
+class FirstTouch : public testing::TestWithParam<Named> {};
+
+TEST_P(FirstTouch, OfAHandThatStays_IsFoundWithin50TicksAndIsTheFirst) {
+  Still still(sceneOf(GetParam().shape));
+  still.scene.bodies[0].shapes[0].in_body.translation_m = {0.01, 0.0, 0.0};
+  still.closure = AxisClosure(still.model, still.scene);
+  still.findMoved();
+  std::mt19937_64 random = seededRandom(31);
+  const auto draw = [&](double from, double to) {
+    return from + (to - from) * static_cast<double>(random() >> 11U) * 0x1.0p-53;
+  };
+  int touches = 0, misses = 0, open_ends = 0, slowest = 0;
+  double worst_gap_m = 0.0;
+  for (int n = 0; n < 50; ++n) {
+    // The body anywhere about the palm's hollow, upright or not; the hand anywhere, half closed.
+    still.q[0] = draw(-0.08, 0.08), still.q[1] = draw(-0.1, 0.1), still.q[2] = draw(-0.1, 0.1);
+    still.q[kFingers] = draw(0.0, 2.5), still.q[kCircumduction] = draw(0.0, 1.5);
+    still.q[kThumb] = draw(0.0, 1.3);
+    still.body_pose.rotation =
+        Eigen::Quaterniond(draw(-1, 1), draw(-1, 1), draw(-1, 1), draw(-1, 1))
+            .normalized()
+            .toRotationMatrix();
+    if (n % 2 == 0) still.body_pose.rotation.setIdentity();
+    still.body_pose.translation_m =
+        Eigen::Vector3d(still.q[0] + draw(0.02, 0.16), still.q[1] + draw(-0.02, 0.1),
+                        still.q[2] + draw(-0.06, 0.08));
+    still.closure.reset();
+    AxisPosition at50 = still.tick();
+    for (int k = 1; k < 50; ++k) at50 = still.tick();
+    AxisPosition last = at50;
+    for (int k = 0; k < 100; ++k) last = still.tick();
+    still.closure.reset();
+    for (int k = 1; k <= 50; ++k) {
+      const AxisPosition now = still.tick();
+      for (int a = kFingers; a <= kThumb; ++a) {
+        if (!(std::abs(now[a] - last[a]) < 1e-4 || (std::isnan(now[a]) && std::isnan(last[a]))))
+          slowest = std::max(slowest, k);
+      }
+    }
+    for (int a = kFingers; a <= kThumb; ++a) {
+      SCOPED_TRACE(still.model.axis_names[a] + ", case " + std::to_string(n));
+      const double touch = at50[a];
+      EXPECT_EQ(std::isnan(touch), std::isnan(last[a]));
+      // 0.1 mm of path, at the lever arm of 8 cm.
+      EXPECT_TRUE(std::isnan(touch) || std::abs(touch - last[a]) < 1.25e-3) << touch - last[a];
+      const double lower = still.model.axis_lower[a], upper = still.model.axis_upper[a];
+      // Nothing overlaps before ...
+      const double end = std::isnan(touch) ? upper : touch;
+      for (double v = lower; v < end - 1e-5; v += 0.01) {
+        ASSERT_GT(still.separationAt(a, v), 0.0) << "at " << v << ", said " << touch;
+      }
+      // ... and there they meet.
+      if (std::isnan(touch)) {
+        ++misses;
+      } else if (touch == lower) {
+        ++open_ends;
+        EXPECT_LE(still.separationAt(a, lower), 1e-6);
+      } else {
+        ++touches;
+        const double gap_m = std::abs(still.separationAt(a, touch));
+        worst_gap_m = std::max(worst_gap_m, gap_m);
+        EXPECT_LE(gap_m, tolerance(2e-6));
+      }
+    }
+  }
+  std::printf(
+      "figure: %s: %d touches, %d never, %d open ends; slowest %d ticks, worst gap %.2g um\n",
+      GetParam().name, touches, misses, open_ends, slowest, worst_gap_m * 1e6);
+  EXPECT_GT(touches, 15);
+  EXPECT_GT(misses, 5);
+  EXPECT_GT(open_ends, 0);
+}
+INSTANTIATE_TEST_SUITE_P(Shapes, FirstTouch,
+                         testing::Values(Named{"bottle", cylinder(0.025, 0.2)},
+                                         Named{"disk", cylinder(0.04, 0.02)},
+                                         Named{"box", box({0.02, 0.03, 0.04})},
+                                         Named{"sphere", sphere(0.03)},
+                                         Named{"mesh", mesh({0.03, 0.025, 0.035})}));
+
+}  // namespace
+}  // namespace wholehand::test
