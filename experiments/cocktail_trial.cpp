@@ -105,7 +105,7 @@ Expected<CocktailResult> runCocktail(const CocktailPlan& plan) {
   if (writer) writer->close();
   result.faulted = any(session.counters().latched);
   result.interrupted = InterruptScope::interrupted();
-  result.completed = observe.done() && !result.faulted;
+  result.completed = observe.done() && result.steps_in_tolerance == result.steps && !result.faulted;
   return result;
 }
 

@@ -22,7 +22,7 @@ struct CocktailPlan {
 struct CocktailResult {
   int level = 1;
   std::uint64_t seed = 1;
-  bool completed = false;  ///< every drink of the level served, no fault
+  bool completed = false;  ///< every drink of the level served within tolerance, no fault
   double score = 0.0;      ///< 0 .. 100
   double spilt_l = 0.0;
   double amount_error_max_l = 0.0;  ///< of all steps: |poured - asked|
