@@ -54,7 +54,7 @@ class PhysicsWorld {
   [[nodiscard]] WHOLEHAND_RT virtual Fault observe(const WorldQuery& query,
                                                    WorldState& state) noexcept = 0;
 
-  /// Puts bodies, fixed or free, where an exercise wants them in the coming step.
+  /// Puts bodies where an exercise wants them; a fixed one has its velocity for one step only.
   WHOLEHAND_RT virtual void placeBodies(const BodyPlacements& placements) noexcept = 0;
 
   /// Advances by exactly one step of period_s.

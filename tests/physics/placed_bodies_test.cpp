@@ -57,7 +57,7 @@ TEST(PlacedBody, FixedOrFree_IsWhereItWasPut) {
 }
 
 TEST(PlacedBody, ThatTurned_StopsTurning) {
-  // It is spun by being placed on a slope's edge no one needs: here by the hand that hits it.
+  // The hand hits it and sets it spinning.
   Bench bench(weightless({ball({0.09, 0.075, 0.0}, 0.03, 0.1)}));
   AxisPosition q(6);
   ASSERT_TRUE(bench.world->placeHand(q));
