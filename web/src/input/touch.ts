@@ -95,6 +95,9 @@ export class Touch implements InputWay {
   };
 
   private readonly move = (event: PointerEvent): void => {
+    if (event.pointerType === 'mouse') return;
+    // A finger that was down before playing began drags from where it is now.
+    if (!this.drag && !this.others.has(event.pointerId)) this.down(event);
     if (!this.drag || event.pointerId !== this.drag.id) return;
     this.claimed_s = now_s();
     const side_px = Math.min(this.element.clientWidth, this.element.clientHeight);

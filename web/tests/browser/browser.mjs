@@ -5,7 +5,8 @@ import { chromium } from 'playwright-core';
 
 const require = createRequire(import.meta.url);
 const AXE = readFileSync(require.resolve('axe-core/axe.min.js'), 'utf8');
-const SOFTWARE_3D = ['--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist'];
+// Only 3D goes to the software renderer: pages and plots are drawn by the processor directly.
+const SOFTWARE_3D = ['--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist', '--disable-gpu-rasterization', '--disable-accelerated-2d-canvas'];
 
 export function openBrowser({ with3d = true, args = [] } = {}) {
   return chromium.launch({

@@ -81,6 +81,18 @@ export async function secondControllerIsRefused(watcher) {
   return `"${words}"`;
 }
 
+/** From the console, with nobody at the controls: another level, and the virtual patient plays it. */
+export async function anotherLevelIsLoaded(watcher) {
+  const { page } = watcher;
+  await page.waitForSelector('[data-testid=holder]:has-text("free")', { timeout: 15_000 });
+  await page.selectOption('[data-testid=level]', '3');
+  await page.click('[data-testid=load]');
+  await watcher.until('level 3', (now) => now.level === 3, { within_ms: 20_000 });
+  await page.waitForSelector('[data-testid=holder]:has-text("free")', { timeout: 10_000 });
+  const now = await watcher.until('the virtual patient playing it', (n) => n.runState === RENDERING && n.values.steps > 1, { within_ms: 15_000 });
+  return `level 3, ${now.dispensers.length} dispensers; the controls are free again`;
+}
+
 /** A number outside its range never leaves the page. */
 export async function outOfRangeIsSaid(watcher) {
   const { page } = watcher;

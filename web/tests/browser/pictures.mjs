@@ -22,7 +22,7 @@ export async function takePictures(browser, programUrl, folder, watcher) {
     await page.waitForFunction(() => window.wholehandStats?.quality === 'high', null, { timeout: 300_000 });
     const frames = await page.evaluate(() => window.wholehandStats.frames);
     await page.waitForFunction((n) => window.wholehandStats.frames >= n + 4, frames, { timeout: 300_000 });
-    if (stage !== undefined) await watcher.until('pouring', (now) => now.values.stage === stage, { within_ms: 60_000 }).catch(() => null);
+    if (stage !== undefined) await watcher.until('pouring', (now) => now.values.stage === stage && now.values.poured_l > 0.2 * now.values.asked_l, { within_ms: 60_000 }).catch(() => null);
     // Nothing more is drawn: taking the picture does not wait for the next one.
     await page.evaluate(() => { window.requestAnimationFrame = () => 0; });
     await page.screenshot({ path: join(folder, file), timeout: 180_000 });

@@ -86,12 +86,14 @@ try {
     return '';
   });
   await game.context().close();
+  await test('another level is loaded', () => checks.anotherLevelIsLoaded(watcher));
   await test('pages are accessible', () => checks.pagesAreAccessible(plain, program.url));
-  await test('touch moves and squeezes', () => checks.touchMovesAndSqueezes(plain, program.url, watcher));
   await test('a missing camera is said', () => checks.missingCameraIsSaid((args) => openBrowser({ with3d: false, args }), program.url));
   await test('cost of the game', () => costOf(drawing, program.url, 'game', '/'));
   await test('cost of the console', () => costOf(drawing, program.url, 'console', '/console'));
+  // Before the touch: who takes over there plays level 1.
   await test('pictures in full quality', async () => `${(await takePictures(drawing, program.url, OUTPUT, watcher)).join(', ')} in ${OUTPUT}`);
+  await test('touch moves and squeezes', () => checks.touchMovesAndSqueezes(plain, program.url, watcher));
 } finally {
   await drawing.close();
   await plain.close();

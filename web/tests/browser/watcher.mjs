@@ -9,7 +9,7 @@ export async function openWatcher(browser, programUrl) {
     /** The latest state in plain numbers; figures of the exercise by their names. */
     async now() {
       return page.evaluate(() => {
-        const { state, scene } = window.wholehandNow;
+        const { state, scene } = window.wholehandNow ?? {};
         if (!state || !scene) return null;
         const values = Object.fromEntries(scene.valueNames.map((name, i) => [name, state.values[i]]));
         const bar = scene.exerciseJson ? JSON.parse(scene.exerciseJson) : {};
@@ -20,7 +20,7 @@ export async function openWatcher(browser, programUrl) {
         return {
           values, bodies, dispensers: (bar.dispensers ?? []).map((d) => d.body),
           axes: scene.axes.map((axis) => axis.name),
-          q: state.qM, sent: state.sent, runState: state.runState, steering: state.steering, session: state.session,
+          q: state.qM, sent: state.sent, runState: state.runState, steering: state.steering, session: state.session, level: scene.level,
           tick: Number(state.tick), shown: document.body.dataset.state,
         };
       });
