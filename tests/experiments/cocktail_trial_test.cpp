@@ -2,6 +2,7 @@
 #include "experiments/cocktail_trial.hpp"
 
 #include "experiments/worker_pool.hpp"
+#include "patient/steered_player.hpp"
 #include "realtime/allocation_counter.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
@@ -10,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <vector>
 
@@ -75,6 +77,62 @@ TEST(CocktailBar, PlayerBesideTheTick_AllocatesNothing) {
   }
   EXPECT_TRUE(poured);
   EXPECT_EQ(allocations, 0U);
+}
+
+TEST(CocktailBar, FreeDispenser_IsCarriedOverTheGlassAndPutBack) {
+  auto random = seededRandom(73);
+  CocktailPlan plan;
+  plan.files = barFiles();
+  plan.files.exercise =
+      std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/cocktail-bar-free.toml";
+  int completed = 0;
+  for (int i = 0; i < cases(3); ++i) {
+    plan.seed = 1 + random() % 1'000'000;
+    const CocktailResult r = orThrow(runCocktail(plan));
+    completed += r.completed ? 1 : 0;
+    EXPECT_LE(r.volume_error_l, tolerance(1e-9)) << "seed " << plan.seed;
+  }
+  EXPECT_GE(completed, cases(3) - cases(1));  // one may slip out of the hand
+}
+
+Command command(CommandType type, Steering steering, const AxisPosition& aim = {}) {
+  Command out;
+  out.type = type;
+  out.index = static_cast<std::int32_t>(steering);
+  out.aim = aim;
+  return out;
+}
+
+/// A person takes the hand away in the middle of it, leads it among the dispensers, and gives it
+/// back: the virtual patient goes on from there and finishes the level.
+TEST(CocktailBar, PersonWhoTakesOverAndGivesBack_DisturbsNothing) {
+  Models models = load(barFiles());
+  const int done = 5;  // stage
+  auto steered = std::make_unique<SteeredPlayer>(models.exercise->makePlayer(4), models.device);
+  SteeredPlayer& player = *steered;
+  const auto rig = orThrow(buildRig(std::move(models), std::move(steered), {}));
+  ASSERT_TRUE(rig->renderer->arm().ok());
+  AxisPosition aim(6);
+  aim[0] = 0.03;
+  aim[1] = 0.02;
+  aim[3] = 1.2;
+  TickRecord record;
+  AxisPosition before;
+  int tick = 0;
+  for (; tick < 60000 && record.exercise.values[0] != done; ++tick) {
+    if (tick == 4500) player.command(command(CommandType::kSteer, Steering::kPerson));
+    if (tick == 4501) player.command(command(CommandType::kAim, Steering::kPerson, aim));
+    if (tick == 6500) player.command(command(CommandType::kSteer, Steering::kVirtualPatient));
+    rig->renderer->tick(1, record);
+    player.see(record);
+    for (int a = 0; a < 6 && tick > 0; ++a) {
+      // No faster than the device's limits allow: 1.5 m/s and 10 rad/s (lambda-pride.toml).
+      const double limit = a < 3 ? 1.5e-3 : 10e-3;
+      ASSERT_LE(std::abs(record.intention[a] - before[a]), limit) << "tick " << tick;
+    }
+    before = record.intention;
+  }
+  EXPECT_EQ(record.exercise.values[0], done) << "after " << tick << " ticks";
 }
 
 TEST(CocktailBar, WithoutAnExerciseToWin_IsRefused) {
