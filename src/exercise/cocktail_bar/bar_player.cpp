@@ -249,9 +249,4 @@ std::unique_ptr<Player> makeBarPlayer(const Bar& bar, const DeviceModel& device,
   return std::make_unique<BarPlayer>(makeBarView(bar, device, hand), seed);
 }
 
-std::unique_ptr<Player> makeBarPlayer(const Bar& bar, const ExerciseDescription&,
-                                      const DeviceModel& device, std::uint64_t seed) {
-  return makeBarPlayer(bar, device, nullptr, seed);
-}
-
 }  // namespace wholehand

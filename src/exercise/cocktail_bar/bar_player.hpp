@@ -1,7 +1,6 @@
 #pragma once
 
 #include "exercise/cocktail_bar/bar_view.hpp"
-#include "exercise/exercise.hpp"
 #include "patient/player.hpp"
 #include "patient/reach.hpp"
 
@@ -115,7 +114,5 @@ class BarPlayer final : public Player {
 /// A virtual patient for a bar. @param hand null: the adult median right one
 [[nodiscard]] std::unique_ptr<Player> makeBarPlayer(const Bar& bar, const DeviceModel& device,
                                                     const HandModel* hand, std::uint64_t seed);
-[[nodiscard]] std::unique_ptr<Player> makeBarPlayer(const Bar& bar, const ExerciseDescription&,
-                                                    const DeviceModel& device, std::uint64_t seed);
 
 }  // namespace wholehand
