@@ -1,0 +1,175 @@
+// What clients ask and are told: from any thread.
+#include "station/station_core.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+namespace wholehand {
+namespace fs = std::filesystem;
+namespace {
+
+/// Longer than the exercise's transition takes to fade out.
+constexpr auto kFadeOut = std::chrono::milliseconds(350);
+
+using Clock = StationClock;
+
+OrderReply refused(std::string reason) {
+  return {false, std::move(reason)};
+}
+
+}  // namespace
+
+void Station::Core::quit() {
+  const std::lock_guard lock(mutex_);
+  quit_ = true;
+  wake_.notify_all();
+}
+
+void Station::Core::beginStop(bool at_once) {
+  if (!live_) return;
+  status_.run_state = RunState::kRampingDown;
+  if (at_once) {
+    live_->requestStop();
+    return;
+  }
+  Command silent;
+  silent.type = CommandType::kOwner;
+  silent.value = 0.0;
+  const bool fades = live_->tryCommand(silent);
+  if (!stop_at_) stop_at_ = Clock::now() + (fades ? Clock::duration(kFadeOut) : Clock::duration(0));
+}
+
+OrderReply Station::Core::push(const Command& command) {
+  if (!live_) return refused("nothing is armed");
+  if (!live_->tryCommand(command)) return refused("too many commands at once; try again");
+  return {true, ""};
+}
+
+OrderReply Station::Core::setParameter(const Order& order) {
+  const auto& parameters = scene_->parameters;
+  const auto found = std::find_if(parameters.begin(), parameters.end(),
+                                  [&](const auto& p) { return p.name == order.name; });
+  if (found == parameters.end()) return refused("there is no parameter \"" + order.name + "\"");
+  if (!(order.value >= found->lower && order.value <= found->upper)) {
+    return refused(fmt::format("{} = {:.6g} is out of range: {:.6g} to {:.6g} {}", order.name,
+                               order.value, found->lower, found->upper, found->unit));
+  }
+  Command command;
+  command.type = CommandType::kParameter;
+  command.index = static_cast<std::int32_t>(found - parameters.begin());
+  command.value = order.value;
+  return push(command);
+}
+
+void Station::Core::order(const Order& order, std::function<void(OrderReply)> done) {
+  OrderReply reply{true, ""};
+  {
+    const std::lock_guard lock(mutex_);
+    Command command;
+    switch (order.type) {
+      case OrderType::kArm:
+        emergency_ = false;
+        tasks_.push_back([this, done] {
+          done(arm(files_.kept() ? files_.nameNew(scene()->exercise_name, models_.files.level) : "",
+                   0));
+        });
+        wake_.notify_all();
+        return;
+      case OrderType::kLoadExercise:
+        tasks_.push_back([this, order, done] { done(loadExercise(order)); });
+        wake_.notify_all();
+        return;
+      case OrderType::kStop:
+        beginStop(false);
+        break;
+      case OrderType::kEmergencyStop:
+        emergency_ = true;
+        beginStop(true);
+        break;
+      case OrderType::kSetParameter:
+        reply = setParameter(order);
+        break;
+      case OrderType::kAim:
+        command.type = CommandType::kAim;
+        command.aim = order.aim;
+        reply = order.aim.size() == static_cast<int>(scene_->device.axes.size())
+                    ? push(command)
+                    : refused(fmt::format("an aim has {} values, one an axis",
+                                          scene_->device.axes.size()));
+        break;
+      case OrderType::kSteer:
+        command.type = CommandType::kSteer;
+        command.index = static_cast<std::int32_t>(order.steering);
+        reply = push(command);
+        if (reply.accepted) status_.steering = order.steering;
+        break;
+      case OrderType::kAction:
+        command.type = CommandType::kAction;
+        command.index = static_cast<std::int32_t>(order.action);
+        reply = push(command);
+        break;
+      case OrderType::kOwnerAlive:
+        command.type = CommandType::kOwner;
+        command.value = order.value;
+        owner_alive_ = order.value != 0.0;
+        if (!stop_at_) reply = push(command);  // a stop under way fades, whoever is alive
+        break;
+    }
+  }
+  done(std::move(reply));
+}
+
+LoopStatus Station::Core::status() const {
+  LoopStatus status;
+  {
+    const std::lock_guard lock(mutex_);
+    status = status_;
+    for (const auto& parameter : scene_->parameters) status.parameters.push_back(parameter.initial);
+  }
+  const std::lock_guard lock(latest_mutex_);
+  if (has_latest_) {
+    const auto count =
+        std::min(static_cast<std::size_t>(latest_.parameter_count), status.parameters.size());
+    std::copy_n(latest_.parameters.begin(), count, status.parameters.begin());
+  }
+  return status;
+}
+
+void Station::Core::keepLatest(const TickRecord& record) {
+  const std::lock_guard lock(latest_mutex_);
+  latest_ = record;
+  has_latest_ = true;
+  for (int i = 0; i < record.exercise.event_count; ++i) {
+    const ExerciseEvent& event = record.exercise.events[static_cast<std::size_t>(i)];
+    if (event.type == level_done_) level_done_at_ = Clock::now();
+  }
+}
+
+bool Station::Core::latest(TickRecord& record) const {
+  const std::lock_guard lock(latest_mutex_);
+  if (has_latest_) record = latest_;
+  return has_latest_;
+}
+
+std::string Station::Core::reportFolder(const std::string& name, std::string& why) {
+  const std::string recording = recordingPath(name);
+  if (recording.empty()) {
+    why = "there is no recording of that name";
+    return {};
+  }
+  const std::string folder = recording.substr(0, recording.size() - 3) + "-report";
+  if (fs::exists(folder + "/index.html")) return folder;
+  if (!config_.make_report) {
+    why = "this program makes no reports";
+    return {};
+  }
+  if (auto made = config_.make_report(recording, folder); !made) {
+    why = format(made.errors());
+    return {};
+  }
+  return folder;
+}
+
+}  // namespace wholehand

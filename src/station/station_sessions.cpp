@@ -1,0 +1,288 @@
+// The life of sessions: all on the thread that runs the station.
+#include "exercise/load_exercise.hpp"
+#include "station/scene_facts.hpp"
+#include "station/station_core.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <thread>
+
+namespace wholehand {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr auto kPoll = std::chrono::milliseconds(20);
+constexpr auto kStatusEvery = std::chrono::milliseconds(200);
+/// How long a level that the virtual patient has finished is shown before it begins again.
+constexpr auto kEncoreAfter = std::chrono::seconds(8);
+constexpr const char* kLevelDone = "level_done";  // the event that ends a level, docs/exercises.md
+constexpr auto kArmTimeout = std::chrono::seconds(5);
+
+using Clock = StationClock;
+
+OrderReply refused(std::string reason) {
+  return {false, std::move(reason)};
+}
+
+std::vector<std::string> stemsIn(const std::string& folder) {
+  std::vector<std::string> stems;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    if (it->path().extension() == ".toml") stems.push_back(it->path().stem().string());
+  }
+  std::sort(stems.begin(), stems.end());
+  return stems;
+}
+
+}  // namespace
+
+Expected<Done> Station::Core::load() {
+  Expected<Models> models = loadModels(config_.files);
+  if (!models) return models.errors();
+  if (auto gains = checkGains(*models, config_.rig.period_s); !gains) {
+    return gains.errors();
+  } else if (!gains->refused.empty() && !config_.rig.uncertified) {
+    return gains->refused;
+  }
+  models_ = std::move(*models);
+  publishScene("");
+  return Done{};
+}
+
+void Station::Core::publishScene(const std::string& recording) {
+  auto facts = std::make_shared<SceneFacts>(sceneFacts(models_, config_.rig.period_s));
+  facts->program_version = config_.program_version;
+  facts->exercises = {};
+  for (const ExerciseFile& file : listExercises(config_.config_folder + "/exercises")) {
+    facts->exercises.push_back(file.name);
+  }
+  facts->hands = stemsIn(config_.config_folder + "/hands");
+  facts->recording = fs::path(recording).filename().string();
+  const std::lock_guard lock(mutex_);
+  facts->session = status_.session;
+  scene_ = std::move(facts);
+}
+
+std::unique_ptr<Player> Station::Core::makePlayer() {
+  std::unique_ptr<Player> player;
+  if (models_.exercise) player = models_.exercise->makePlayer(config_.seed + arming_);
+  if (!player) player = config_.make_player(models_);
+  return player;
+}
+
+OrderReply Station::Core::arm(const std::string& record, std::uint64_t duration_ticks) {
+  if (live_) return refused("it is armed already");
+  LiveSessionPlan plan;
+  const std::string exercise =
+      models_.exercise ? models_.exercise->description().name : std::string();
+  plan.title = exercise.empty() ? models_.scene.name
+                                : fmt::format("{}, level {}", exercise, models_.files.level);
+  plan.seed = config_.seed + arming_;
+  plan.record = record;
+  plan.duration_ticks = duration_ticks;
+  plan.sinks.push_back([this](const TickRecord& r) { keepLatest(r); });
+  plan.sinks.insert(plan.sinks.end(), sinks_.begin(), sinks_.end());
+  {
+    const std::lock_guard lock(mutex_);
+    ++status_.session;
+  }
+  {
+    const std::lock_guard lock(latest_mutex_);
+    has_latest_ = false;
+    level_done_at_.reset();
+    level_done_ = -1;
+    const auto names =
+        models_.exercise ? models_.exercise->description().event_names : std::vector<std::string>{};
+    const auto found = std::find(names.begin(), names.end(), kLevelDone);
+    if (found != names.end()) level_done_ = static_cast<int>(found - names.begin());
+  }
+  publishScene(record);
+  auto live = LiveSession::start(models_, makePlayer(), config_.rig, plan);
+  ++arming_;
+  if (!live) return refused(format(live.errors()));
+  for (const SetupLine& line : (*live)->setup()) {
+    if (!line.granted && arming_ == 1) say(line.what + ": " + line.sentence);
+  }
+  record_path_ = record;
+  ++outcome_.sessions;
+  const std::lock_guard lock(mutex_);
+  live_ = std::move(*live);
+  status_.run_state = RunState::kRendering;
+  status_.latched = Fault::kNone;
+  status_.steering = Steering::kVirtualPatient;
+  stop_at_.reset();
+  if (emergency_) live_->requestStop();  // it came while this was being built
+  if (!owner_alive_) {
+    Command silent;
+    silent.type = CommandType::kOwner;
+    (void)live_->tryCommand(silent);
+  }
+  return {true, ""};
+}
+
+void Station::Core::finishSession() {
+  live_->finish();
+  const SessionCounters counters = live_->counters();
+  for (const std::string& failure : live_->failures()) {
+    say(failure + "; it was switched off, the loop ran on");
+  }
+  refreshStatus();
+  if (!record_path_.empty() && files_.kept()) {
+    const double duration_s =
+        static_cast<double>(counters.ticks_run + counters.skipped_periods) * config_.rig.period_s;
+    files_.note(record_path_,
+                models_.exercise ? fmt::format("{}, level {}", models_.exercise->description().name,
+                                               models_.files.level)
+                                 : models_.scene.name,
+                duration_s);
+  }
+  outcome_.faulted = any(counters.latched);
+  {
+    const std::lock_guard lock(mutex_);
+    status_.run_state = any(counters.latched) ? RunState::kFaulted : RunState::kStopped;
+    status_.latched = counters.latched;
+    stop_at_.reset();
+    live_.reset();
+  }
+  if (!record_path_.empty()) publishScene("");
+  record_path_.clear();
+}
+
+void Station::Core::stopGently() {
+  if (!live_) return;
+  {
+    const std::lock_guard lock(mutex_);
+    beginStop(false);
+  }
+  const auto until = Clock::now() + kArmTimeout;
+  while (live_->running() && Clock::now() < until) {
+    {
+      const std::lock_guard lock(mutex_);
+      if (stop_at_ && Clock::now() >= *stop_at_) live_->requestStop();
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  finishSession();
+}
+
+OrderReply Station::Core::loadExercise(const Order& order) {
+  ModelFiles files = models_.files;
+  if (!order.name.empty()) {
+    const auto known = listExercises(config_.config_folder + "/exercises");
+    const auto found = std::find_if(known.begin(), known.end(),
+                                    [&](const ExerciseFile& f) { return f.name == order.name; });
+    if (found == known.end()) return refused("there is no exercise \"" + order.name + "\"");
+    files.exercise = found->path;
+    files.level = 1;
+  }
+  if (!order.hand.empty()) {
+    const auto known = stemsIn(config_.config_folder + "/hands");
+    if (std::find(known.begin(), known.end(), order.hand) == known.end()) {
+      return refused("there is no hand \"" + order.hand + "\"");
+    }
+    files.hand = config_.config_folder + "/hands/" + order.hand + ".toml";
+  }
+  if (order.level > 0) files.level = order.level;
+  Expected<Models> models = loadModels(files);
+  if (!models) return refused(format(models.errors()));
+  auto gains = checkGains(*models, config_.rig.period_s);
+  if (!gains) return refused(format(gains.errors()));
+  if (!gains->refused.empty() && !config_.rig.uncertified) return refused(format(gains->refused));
+  const bool again = live_ != nullptr;
+  stopGently();
+  models_ = std::move(*models);
+  publishScene("");
+  bool emergency = false;
+  {
+    const std::lock_guard lock(mutex_);
+    emergency = emergency_;
+    if (!again) status_.run_state = RunState::kDisarmed;
+  }
+  if (!again || emergency) return {true, ""};
+  return arm(files_.kept() ? files_.nameNew(scene()->exercise_name, models_.files.level) : "", 0);
+}
+
+void Station::Core::refreshStatus() {
+  const TickSummary summary = live_->summary();
+  const std::uint64_t dropped = live_->droppedRecords();
+  std::error_code unknown;
+  const std::uintmax_t bytes = record_path_.empty() ? 0 : fs::file_size(record_path_, unknown);
+  RunState state;
+  {
+    const std::lock_guard lock(mutex_);
+    status_.ticks = summary.ticks;
+    status_.missed_deadlines = summary.missed_deadlines;
+    status_.dropped_records = dropped;
+    status_.cpu_p50_us = summary.cpu.p50_ns * 1e-3;
+    status_.cpu_p99_us = summary.cpu.p99_ns * 1e-3;
+    status_.cpu_p999_us = summary.cpu.p999_ns * 1e-3;
+    status_.cpu_max_us = summary.cpu.max_ns * 1e-3;
+    status_.recording_bytes = unknown ? 0 : bytes;
+    state = status_.run_state;
+  }
+  if (config_.status) config_.status(state, summary);
+}
+
+void Station::Core::runTasks() {
+  std::deque<std::function<void()>> tasks;
+  {
+    std::unique_lock lock(mutex_);
+    wake_.wait_for(lock, kPoll, [this] { return quit_ || !tasks_.empty(); });
+    tasks.swap(tasks_);
+  }
+  for (const auto& task : tasks) task();
+}
+
+// Where nobody steers, the virtual patient plays a finished level once more.
+void Station::Core::playAgain() {
+  {
+    const std::lock_guard lock(latest_mutex_);
+    if (!level_done_at_ || Clock::now() - *level_done_at_ < kEncoreAfter) return;
+    level_done_at_.reset();
+  }
+  const std::lock_guard lock(mutex_);
+  if (status_.steering != Steering::kVirtualPatient) return;
+  Command again;
+  again.type = CommandType::kAction;
+  again.index = static_cast<std::int32_t>(ExerciseAction::kRestart);
+  (void)push(again);
+}
+
+Expected<StationOutcome> Station::Core::run(bool arm_at_once, double duration_s) {
+  const InterruptScope interrupts;
+  const auto duration_ticks =
+      static_cast<std::uint64_t>(std::llround(std::max(duration_s, 0.0) / config_.rig.period_s));
+  if (arm_at_once) {
+    if (const OrderReply reply = arm(config_.record, duration_ticks); !reply.accepted) {
+      return Diagnostic{"", 0, "", "", reply.reason, "see above"};
+    }
+  }
+  auto status_at = Clock::now();
+  while (true) {
+    runTasks();
+    bool quit = InterruptScope::interrupted();
+    outcome_.interrupted = quit;
+    {
+      const std::lock_guard lock(mutex_);
+      quit = quit || quit_;
+      if (live_ && stop_at_ && Clock::now() >= *stop_at_) live_->requestStop();
+    }
+    if (quit) break;
+    if (live_ && !live_->running()) {
+      finishSession();
+      if (duration_ticks > 0) break;
+    }
+    if (live_) playAgain();
+    if (live_ && Clock::now() >= status_at) {
+      refreshStatus();
+      status_at = Clock::now() + kStatusEvery;
+    }
+  }
+  stopGently();
+  return outcome_;
+}
+
+}  // namespace wholehand
