@@ -93,7 +93,15 @@ describe('the history', () => {
     history.add(state(5100));
     const before_s = history.now_s;
     history.add(state(3, { session: 2 }));
-    expect(history.now_s).toBeCloseTo(before_s + 1 / 60, 9);
+    expect(history.now_s).toBeCloseTo(before_s + 0.6, 9);
+  });
+
+  it('neither missed messages nor a new session look like speed', () => {
+    const history = new History(AXES);
+    for (let k = 0; k < 10; k += 1) history.add(state(1000 + 17 * k));
+    for (let k = 0; k < 10; k += 1) history.add(state(4000 + 17 * k, { qM: [0.08, 0] }));
+    for (let k = 0; k < 10; k += 1) history.add(state(17 * k, { session: 2, qM: [-0.08, 0] }));
+    expect(history.peakSpeed([0])).toBe(0);
   });
 
   it('peaks are those of the last ten seconds only', () => {

@@ -5,8 +5,8 @@ import { SampleWindow } from './sample_window';
 export const WINDOW_S = 10;
 // Twice 60 messages a second, so that a hasty program still fills the window.
 const CAPACITY = 2 * 60 * WINDOW_S;
-/** A jump of the program's clock larger than this is a gap or a new session [s]. */
-const LARGEST_STEP_S = 1;
+/** Between two sessions on the plots' clock [s]: long enough that no speed is made of the jump. */
+const BETWEEN_SESSIONS_S = 0.6;
 
 /** What is kept of every axis, one column each. */
 export const KEPT = ['effort', 'device', 'avatar', 'phi'] as const;
@@ -70,8 +70,9 @@ export class History {
   add(state: WorldStateT): boolean {
     if (this.tick === state.tick && this.session === state.session) return false;
     const step_s = state.timeS - this.program_s;
-    const follows = this.tick !== undefined && step_s > 0 && step_s < LARGEST_STEP_S;
-    this.own_s += follows ? step_s : 1 / 60;
+    // Messages that a busy page missed leave a gap as long as it was.
+    const follows = this.session === state.session && step_s > 0;
+    this.own_s += follows ? step_s : BETWEEN_SESSIONS_S;
     this.tick = state.tick;
     this.session = state.session;
     this.program_s = state.timeS;

@@ -58,6 +58,8 @@ export class TimingPanel implements Panel {
     const last = points.at(-1);
     const area = last ? `${line}V${floor}H${LEFT_PX}Z` : '';
     const [p50, p99, p999, max] = values;
+    // On the side of the deadline where there is room.
+    const side = x(deadline_us) > width / 2 ? { x: x(deadline_us) - 6, 'text-anchor': 'end' } : { x: x(deadline_us) + 6, 'text-anchor': 'start' };
     const picture = svg('svg', { width, height, role: 'img', 'aria-label': fill(this.t.timing.image, { p50, p99, p999, max }) },
       ...logTicks(times.ticks).flatMap(({ count, name }) => [
         svg('path', { d: `M${LEFT_PX} ${y(count)}H${width - 4}`, class: 'line' }),
@@ -66,8 +68,8 @@ export class TimingPanel implements Panel {
       svg('path', { d: area, class: 'area' }), svg('path', { d: line, class: 'tail' }),
       ...points.slice(1).map((point) => svg('circle', { cx: x(point.time_us).toFixed(1), cy: y(point.count).toFixed(1), r: 3.5, class: point.time_us > deadline_us ? 'late' : 'dot' })),
       svg('path', { d: `M${x(deadline_us)} 0V${floor}`, class: 'deadline' }),
-      svg('text', { x: x(deadline_us) - 6, y: 12, 'text-anchor': 'end', class: 'deadline' }, fill(this.t.timing.deadline, { t: deadline_us >= 1000 ? `${deadline_us / 1000} ms` : `${deadline_us} µs` })),
-      svg('text', { x: x(deadline_us) - 6, y: 30, 'text-anchor': 'end' }, this.t.timing.slower),
+      svg('text', { ...side, y: 12, class: 'deadline' }, fill(this.t.timing.deadline, { t: deadline_us >= 1000 ? `${deadline_us / 1000} ms` : `${deadline_us} µs` })),
+      svg('text', { ...side, y: 30 }, this.t.timing.slower),
       ...ticksIn(0, 0.97 * end_us, niceStep(end_us, 6)).map((us) => svg('text', { x: x(us), y: height - 3, 'text-anchor': us === 0 ? 'start' : 'middle' }, String(us))));
     setAttribute(picture, 'viewBox', `0 0 ${width} ${height}`);
     return picture;
