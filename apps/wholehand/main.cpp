@@ -43,6 +43,33 @@ void chooseExercise(RunOptions& o) {
   if (!is_path) exercise = shippedFile("config/exercises/" + exercise + ".toml");
 }
 
+// Options that would be passed over in silence.
+Diagnostics mismatched(const CLI::App& run, const RunOptions& o, bool scene, bool pages) {
+  Diagnostics faults;
+  if (scene && run.count("--exercise") > 0) {
+    faults.push_back({"", 0, "--exercise", o.files.exercise,
+                      "cannot go with --scene or --motion: it names its own scene",
+                      "leave one of them out"});
+  }
+  if (scene && run.count("--level") > 0) {
+    faults.push_back({"", 0, "--level", std::to_string(o.files.level),
+                      "belongs to an exercise, not to a scene", "leave one of them out"});
+  }
+  for (const char* door :
+       {"--port", "--address", "--token", "--origin", "--udp", "--udp-peer", "--wait"}) {
+    if (pages || run.count(door) == 0) continue;
+    faults.push_back({"", 0, door, "", "is about pages and games, and this run opens no port",
+                      scene && !o.no_web && !o.simulated_clock
+                          ? "give --port, too, or leave it out"
+                          : "leave out --no-web and --simulated-clock"});
+  }
+  if (run.count("--udp-peer") > 0 && run.count("--udp") == 0) {
+    faults.push_back(
+        {"", 0, "--udp-peer", "", "needs the port that it is served from", "give --udp, too"});
+  }
+  return faults;
+}
+
 void addPages(CLI::App& run, RunOptions& o) {
   run.add_option("--port", o.port, "Of the pages; 0: any that is free")
       ->check(CLI::Range(0, 65535))
@@ -54,7 +81,7 @@ void addPages(CLI::App& run, RunOptions& o) {
   run.add_option("--udp", o.udp,
                  "Port for game engines, or address:port; 0: any port (default: closed)");
   run.add_option("--udp-peer", o.udp_peers, "Game on another machine: host or host:port");
-  run.add_flag("--no-web{false}", o.web, "Open no port");
+  run.add_flag("--no-web", o.no_web, "Open no port");
   run.add_flag("--wait", o.wait, "Arm only when a client asks for it");
 }
 
@@ -66,7 +93,9 @@ void addRun(CLI::App& app, RunOptions& o, int& code) {
   run->add_option("--level", o.files.level, "Level of the exercise")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  run->add_option("--seed", o.seed, "Of the virtual patient who plays")->capture_default_str();
+  run->add_option("--seed", o.seed, "Of the virtual patient who plays")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   run->add_option("--scene", o.files.scene, "Scene file, without exercise: free grasping")
       ->capture_default_str();
   run->add_option("--hand", o.files.hand, "Hand file")->capture_default_str();
@@ -93,22 +122,20 @@ void addRun(CLI::App& app, RunOptions& o, int& code) {
                 "Allow gains whose loop is unstable (simulated device only; recorded)");
   addPages(*run, o);
   run->footer(
-      "An exercise opens the pages and prints their address first; a scene with a motion,\n"
-      "--simulated-clock and --no-web open no port, and write what --record, --report and --json\n"
-      "name, or all three into out/run-<time>/.");
+      "An exercise opens the pages and prints their address first. A scene with a motion,\n"
+      "--simulated-clock and --no-web open no port (--port opens it for a scene) and write what\n"
+      "--record, --report and --json name, or all three into out/run-<time>/.");
   run->callback([&o, run, &code] {
     const bool scene = run->count("--scene") + run->count("--motion") > 0;
-    if (scene && !o.files.exercise.empty()) {
-      code = refuse({Diagnostic{"", 0, "--exercise", o.files.exercise,
-                                "cannot go with --scene or --motion: it names its own scene",
-                                "leave one of them out"}});
+    const bool pages = !o.no_web && !o.simulated_clock && (!scene || run->count("--port") > 0);
+    if (const Diagnostics faults = mismatched(*run, o, scene, pages); !faults.empty()) {
+      code = refuse(faults);
       return;
     }
     if (!scene) chooseExercise(o);
     if (run->count("--rendering") == 0 && !findGains(o.files.device, o.files.rendering, code)) {
       return;
     }
-    const bool pages = o.web && !o.simulated_clock && (!scene || run->count("--port") > 0);
     code = pages ? playCommand(o) : runCommand(o);
   });
 }

@@ -5,25 +5,29 @@
 #include "git_version.hpp"
 #include "report_command.hpp"
 #include "resting_player.hpp"
+#include "run_text.hpp"
 #include "server/server.hpp"
 #include "server/udp_bridge.hpp"
 #include "shipped_files.hpp"
 #include "station/station.hpp"
 #include "status_line.hpp"
+#include "summary_json.hpp"
 
 #include <fmt/format.h>
 
+#include <arpa/inet.h>
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
+#include <memory>
+#include <mutex>
 #include <spawn.h>
 #include <sys/wait.h>
 
 extern char** environ;  // NOLINT(readability-identifier-naming): POSIX
 
 namespace wholehand {
-namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kRecordings = "out/recordings";
@@ -41,9 +45,13 @@ Expected<Done> makeReportAside(const std::string& recording, const std::string& 
   std::string program = "/proc/self/exe", verb = "report", in = recording, flag = "--out",
               out = folder;
   char* arguments[] = {program.data(), verb.data(), in.data(), flag.data(), out.data(), nullptr};
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addclosefrom_np(&actions, 3);  // neither sockets nor the recording
   pid_t child = 0;
-  if (const int error = posix_spawn(&child, program.c_str(), nullptr, nullptr, arguments, environ);
-      error != 0) {
+  const int error = posix_spawn(&child, program.c_str(), &actions, nullptr, arguments, environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (error != 0) {
     return refusal(std::string("no report could be made: ") + std::strerror(error));
   }
   int status = 0;
@@ -53,13 +61,37 @@ Expected<Done> makeReportAside(const std::string& recording, const std::string& 
   return Done{};
 }
 
-std::string titleOf(const Models& models) {
-  if (!models.exercise) return models.scene.name;
-  const ExerciseDescription& exercise = models.exercise->description();
-  return fmt::format("{}, level {} of {}", exercise.name, exercise.level, exercise.levels);
-}
+// The one line on the terminal is written by the thread of the loop's keeper and broken by those of
+// server and clients.
+class Terminal {
+ public:
+  void begin(const DeviceModel& device) {
+    const std::lock_guard lock(mutex_);
+    line_ = std::make_unique<StatusLine>(device);
+  }
+  void end() {
+    const std::lock_guard lock(mutex_);
+    if (line_) line_->finish();
+    line_.reset();
+  }
+  void say(const std::string& text) {
+    const std::lock_guard lock(mutex_);
+    if (line_) line_->finish();
+    std::printf("  %s\n", text.c_str());
+  }
+  void update(const TickSummary& now) {
+    const std::lock_guard lock(mutex_);
+    if (line_ && now.time_s > 0.0) {
+      line_->update(now, static_cast<double>(now.records) / now.time_s);
+    }
+  }
 
-StationConfig stationConfig(const RunOptions& options, StatusLine*& line) {
+ private:
+  std::mutex mutex_;
+  std::unique_ptr<StatusLine> line_;
+};
+
+StationConfig stationConfig(const RunOptions& options, Terminal& terminal) {
   StationConfig config;
   config.files = options.files;
   config.rig.period_s = 1.0 / options.rate_hz;
@@ -72,14 +104,9 @@ StationConfig stationConfig(const RunOptions& options, StatusLine*& line) {
   config.program_version = WHOLEHAND_VERSION;
   config.make_player = restingOrPlaying;
   config.make_report = makeReportAside;
-  config.log = [&line](const std::string& text) {
-    if (line != nullptr) line->finish();
-    std::printf("  %s\n", text.c_str());
-  };
-  config.status = [&line](RunState state, const TickSummary& now) {
-    const bool runs = state == RunState::kRendering || state == RunState::kRampingDown;
-    if (line != nullptr && runs && now.time_s > 0.0)
-      line->update(now, static_cast<double>(now.records) / now.time_s);
+  config.log = [&terminal](const std::string& text) { terminal.say(text); };
+  config.status = [&terminal](RunState state, const TickSummary& now) {
+    if (state == RunState::kRendering || state == RunState::kRampingDown) terminal.update(now);
   };
   return config;
 }
@@ -96,37 +123,92 @@ ServerOptions serverOptions(const RunOptions& options,
   return server;
 }
 
+// Names the option that a fault of the bridge came from.
+Diagnostics ofOption(Diagnostics errors, const char* option, const std::string& value) {
+  for (Diagnostic& error : errors) {
+    const bool token = error.key.find("token") != std::string::npos;
+    error.key = token ? "--token" : option;
+    error.value = token ? "" : value;
+  }
+  return errors;
+}
+
 // "8091" is a port of this machine, "10.0.0.2:8091" one that others reach.
 Expected<UdpOptions> udpOptions(const RunOptions& options) {
   UdpOptions udp;
   udp.token = options.token;
   const bool bare = options.udp.find_first_not_of("0123456789") == std::string::npos;
   auto local = parseUdpEndpoint(bare ? "127.0.0.1:" + options.udp : options.udp);
-  if (!local) return local.errors();
+  if (!local) return ofOption(local.errors(), "--udp", options.udp);
   udp.local = *local;
   for (const std::string& text : options.udp_peers) {
     auto peer = parseUdpEndpoint(text);
-    if (!peer) return peer.errors();
+    if (!peer) return ofOption(peer.errors(), "--udp-peer", text);
     udp.peers.push_back(*peer);
   }
   return udp;
 }
 
-void printOpening(const Models& models, const std::string& url) {
-  std::printf("%s\n", url.c_str());  // the first line: programs read it
-  std::printf("  game     %s\n  console  %sconsole\n", url.c_str(), url.c_str());
-  std::printf("Wholehand: %s\n", titleOf(models).c_str());
-  std::printf("  device   %s, %d axes, simulated; patient %s\n", models.device.name.c_str(),
-              models.device.axisCount(), models.patient.name.c_str());
-  std::printf("  hand     %s, %d joints, %zu capsules\n", models.hand.name.c_str(),
-              models.hand.joint_count, models.hand.capsules.size());
-  std::printf("  A virtual patient plays until somebody takes over in the browser. Ctrl-C ends.\n");
+bool isAddress(const std::string& text) {
+  std::array<unsigned char, 16> bytes{};
+  return inet_pton(AF_INET, text.c_str(), bytes.data()) == 1 ||
+         inet_pton(AF_INET6, text.c_str(), bytes.data()) == 1;
 }
 
-// What --report and --json ask for, of the first session.
-Expected<Done> makeReportOf(const RunOptions& options) {
-  if (options.report.empty() || options.record.empty()) return Done{};
-  return makeReport(options.record, options.report);
+// Before anything is opened or made.
+Diagnostics faultsOf(const RunOptions& options) {
+  Diagnostics faults;
+  if (!isAddress(options.address)) {
+    faults.push_back({"", 0, "--address", options.address, "is no IP address",
+                      "127.0.0.1 for this machine alone, 0.0.0.0 for all"});
+  }
+  for (const std::string& origin : options.origins) {
+    if (origin.starts_with("http://") || origin.starts_with("https://")) continue;
+    faults.push_back({"", 0, "--origin", origin, "is no origin", "write https://host[:port]"});
+  }
+  const std::string page = options.report.empty() ? "" : options.report + "/index.html";
+  if (auto ready = checkFiles({options.record, options.json, page}); !ready) {
+    faults.insert(faults.end(), ready.errors().begin(), ready.errors().end());
+  }
+  return faults;
+}
+
+void printDoors(const RunOptions& options, const Server& server, const UdpBridge& udp) {
+  const std::string url = server.url();
+  std::printf("%s\n", url.c_str());  // the first line: programs read it
+  std::printf("  game     %s\n  console  %sconsole\n", url.c_str(), url.c_str());
+  if (!options.token.empty()) {
+    std::printf("  others   http://<this machine>:%u/?token=<token>\n",
+                static_cast<unsigned>(server.port()));
+  }
+  if (!options.udp.empty()) std::printf("  udp      %s\n", format(udp.local()).c_str());
+}
+
+void printInvitation(const RunOptions& options, const Models& models) {
+  printOpening(models);
+  if (options.wait) {
+    std::printf("  Nothing moves until a page or a game arms. Ctrl-C ends.\n");
+  } else if (models.exercise) {
+    std::printf(
+        "  A virtual patient plays until somebody takes over in the browser. Ctrl-C ends.\n");
+  }
+}
+
+// The end of a run: what came of the last session, and the files that were asked for.
+int conclude(const RunOptions& options, const Models& models, const StationOutcome& outcome) {
+  if (!outcome.last) return endOf(false, outcome.interrupted);
+  RunOutcome last = *outcome.last;
+  last.interrupted = outcome.interrupted;
+  if (!options.json.empty()) {
+    const auto json = summaryJson(models.device, last);
+    if (auto done = writeText(options.json, json.dump(2) + "\n"); !done)
+      return refuse(done.errors());
+  }
+  if (!options.report.empty()) {
+    if (auto done = makeReport(options.record, options.report); !done) return refuse(done.errors());
+  }
+  printSummary(options, models, last);
+  return endOf(last.faulted, last.interrupted);
 }
 
 }  // namespace
@@ -135,39 +217,39 @@ int playCommand(RunOptions options) {
   if (!options.report.empty() && options.record.empty()) {
     options.record = options.report + "/recording.h5";
   }
-  StatusLine* line = nullptr;
-  Station station(stationConfig(options, line));
+  if (Diagnostics faults = faultsOf(options); !faults.empty()) return refuse(faults);
+  Terminal terminal;
+  Station station(stationConfig(options, terminal));
   if (auto loaded = station.load(); !loaded) return refuse(loaded.errors());
-  if (auto ready = prepareFiles({options.record}); !ready) return refuse(ready.errors());
-  const auto log = [&line](const std::string& text) {
-    if (line != nullptr) line->finish();
-    std::printf("  %s\n", text.c_str());
-  };
+
   ControlsArbiter controls;
   UdpBridge udp(station, controls);
-  ServerOptions server_options = serverOptions(options, log);
+  ServerOptions server_options =
+      serverOptions(options, [&terminal](const std::string& text) { terminal.say(text); });
   server_options.more_metrics = [&udp] { return udpMetricsText(udp.counters()); };
   auto server = Server::open(station, server_options, controls);
   if (!server) return refuse(server.errors());
   if (!options.udp.empty()) {
     auto udp_options = udpOptions(options);
     if (!udp_options) return refuse(udp_options.errors());
-    if (auto started = udp.start(*udp_options); !started) return refuse(started.errors());
+    if (auto started = udp.start(*udp_options); !started) {
+      return refuse(ofOption(started.errors(), "--udp", options.udp));
+    }
     station.addSink([&udp](const TickRecord& record) { udp.publish(record); });
   }
+  if (auto ready = prepareFiles({options.record, options.json}); !ready) {
+    return refuse(ready.errors());
+  }
   station.addSink([&server](const TickRecord& record) { (*server)->publish(record); });
-  printOpening(station.models(), (*server)->url());
-  if (!options.udp.empty()) std::printf("  udp      %s\n", format(udp.local()).c_str());
-  StatusLine status(station.models().device);
-  line = &status;
+  printDoors(options, **server, udp);
+  printInvitation(options, station.models());
+  terminal.begin(station.models().device);
   Expected<StationOutcome> outcome = station.run(!options.wait, options.duration_s);
-  status.finish();
-  line = nullptr;
+  terminal.end();
   udp.stop();
   server->reset();
   if (!outcome) return refuse(outcome.errors());
-  if (auto made = makeReportOf(options); !made) return refuse(made.errors());
-  return endOf(outcome->faulted, outcome->interrupted && options.duration_s > 0.0);
+  return conclude(options, station.models(), *outcome);
 }
 
 }  // namespace wholehand

@@ -38,6 +38,7 @@ Expected<Resimulation> resimulate(RecordingReader& recording, const std::string&
   auto rig = buildRigThatMovesNobody(
       std::move(*models), std::make_unique<ReplayDevice>(readInputs(recording)), options);
   if (!rig) return rig.errors();
+  (*rig)->renderer->startParametersAt(recording.meta().parameter_values);
   flushDenormals();  // as the recorded thread did
   if (auto armed = (*rig)->renderer->arm(); !armed) return armed.errors();
 

@@ -3,10 +3,10 @@
 #include "assembly/text_file.hpp"
 #include "exit_code.hpp"
 #include "patient/scripted_player.hpp"
-#include "plural.hpp"
 #include "report_command.hpp"
 #include "resting_player.hpp"
 #include "run_options.hpp"
+#include "run_text.hpp"
 #include "shipped_files.hpp"
 #include "status_line.hpp"
 #include "summary_json.hpp"
@@ -87,14 +87,6 @@ class Outputs {
   std::string folder_;
 };
 
-std::string titleOf(const Models& models) {
-  if (models.exercise) {
-    return fmt::format("{}, level {}", models.exercise->description().name, models.files.level);
-  }
-  if (models.files.motion.empty()) return models.scene.name;
-  return models.scene.name + ", " + fs::path(models.files.motion).stem().string();
-}
-
 // Who moves the hand: the exercise's virtual patient, or the motion, told of in sentences.
 struct Mover {
   std::unique_ptr<Player> player;
@@ -126,51 +118,10 @@ class Watcher final : public TickListener {
   Player& player_;
 };
 
-void printOpening(const Models& models) {
-  std::printf("Wholehand: %s\n", titleOf(models).c_str());
-  std::printf("  device   %s, %d %s, simulated; patient %s\n", models.device.name.c_str(),
-              models.device.axisCount(), models.device.axisCount() == 1 ? "axis" : "axes",
-              models.patient.name.c_str());
-  std::printf("  hand     %s, %d joints, %zu capsules; scene %s, %zu %s\n",
-              models.hand.name.c_str(), models.hand.joint_count, models.hand.capsules.size(),
-              models.scene.name.c_str(), models.scene.bodies.size(),
-              models.scene.bodies.size() == 1 ? "body" : "bodies");
-}
-
 void printSetup(const SetupReport& setup) {
   for (const SetupLine& line : setup) {
     if (!line.granted) std::printf("  machine  %s: %s\n", line.what.c_str(), line.sentence.c_str());
   }
-}
-
-void printSummary(const RunOptions& options, const Models& models, const RunOutcome& outcome) {
-  const TickSummary& s = outcome.summary;
-  std::printf("\n%s after %.2f s: %llu ticks, %llu deadline%s missed\n",
-              outcome.faulted       ? "Stopped by a fault"
-              : outcome.interrupted ? "Interrupted"
-                                    : "Done",
-              s.time_s, static_cast<unsigned long long>(s.ticks),
-              static_cast<unsigned long long>(s.missed_deadlines), plural(s.missed_deadlines));
-  std::printf("  tick     %.0f µs CPU at the median, %.0f p99, %.0f p99.9, %.0f at most\n",
-              s.cpu.p50_ns / 1e3, s.cpu.p99_ns / 1e3, s.cpu.p999_ns / 1e3, s.cpu.max_ns / 1e3);
-  std::printf("  force    largest %s; at most %d contact%s at once\n",
-              largestEffort(models.device, s.max_effort).c_str(), s.contacts_max,
-              plural(s.contacts_max));
-  std::printf("  faults   %s\n", faultText(s).c_str());
-  if (noticeText(s) != "none") std::printf("  noticed  %s\n", noticeText(s).c_str());
-  if (outcome.dropped_records + outcome.dropped_writes > 0) {
-    std::printf("  dropped  %llu record%s: %s\n",
-                static_cast<unsigned long long>(outcome.dropped_records + outcome.dropped_writes),
-                plural(outcome.dropped_records + outcome.dropped_writes),
-                !outcome.failures.empty()    ? "see what failed"
-                : outcome.dropped_writes > 0 ? "the disk was full"
-                                             : "the queue was full");
-  }
-  for (const std::string& failure : outcome.failures) {
-    std::printf("  FAILED   %s; it was switched off, the loop ran on\n", failure.c_str());
-  }
-  if (!options.record.empty()) std::printf("  recorded %s\n", options.record.c_str());
-  if (!options.report.empty()) std::printf("  report   %s/index.html\n", options.report.c_str());
 }
 
 }  // namespace

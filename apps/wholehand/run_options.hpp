@@ -19,7 +19,7 @@ struct RunOptions {
   bool uncertified = false;
   std::uint64_t seed = 1;  ///< of the virtual patient who plays an exercise
 
-  bool web = true;                     ///< serve the pages
+  bool no_web = false;                 ///< open no port
   std::string address = "127.0.0.1";   ///< of the server
   int port = 8080;                     ///< 0: any that is free
   std::string token;                   ///< what clients on other machines must show

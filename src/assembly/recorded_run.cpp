@@ -54,15 +54,6 @@ class DeviceGuard {
   HapticDevice& device_;
 };
 
-// A full queue drops records, never a count: what the real-time side has counted overrules.
-void correct(TickSummary& summary, const SessionCounters& counted, double period_s) {
-  summary.ticks = counted.ticks_run + counted.skipped_periods;
-  summary.missed_deadlines = counted.skipped_periods;
-  summary.faults = counted.faults;
-  summary.stopping_faults = counted.stopping_faults;
-  if (summary.ticks > 0) summary.time_s = static_cast<double>(summary.ticks - 1) * period_s;
-}
-
 double rateOf(const TickSummary& summary, std::int64_t began_ns) {
   const double elapsed_s = static_cast<double>(monotonicNow_ns() - began_ns) * 1e-9;
   return elapsed_s > 0.0 ? static_cast<double>(summary.records) / elapsed_s : 0.0;
@@ -110,6 +101,15 @@ std::string countText(const TickSummary& summary, Fault bits) {
 
 }  // namespace
 
+TickSummary corrected(TickSummary summary, const SessionCounters& counted, double period_s) {
+  summary.ticks = counted.ticks_run + counted.skipped_periods;
+  summary.missed_deadlines = counted.skipped_periods;
+  summary.faults = counted.faults;
+  summary.stopping_faults = counted.stopping_faults;
+  if (summary.ticks > 0) summary.time_s = static_cast<double>(summary.ticks - 1) * period_s;
+  return summary;
+}
+
 Expected<RecordingMeta> describeRecording(const Rig& rig, const std::string& title,
                                           std::uint64_t seed, bool simulated_clock) {
   auto files = readFileTexts(rig.models);
@@ -139,6 +139,7 @@ Expected<RecordingMeta> describeRecording(const Rig& rig, const std::string& tit
   for (const LiveParameter& parameter : rig.renderer->liveParameters()) {
     meta.parameter_names.push_back(parameter.name);
   }
+  meta.parameter_values = rig.renderer->parametersAtStart();
   if (const Exercise* exercise = rig.models.exercise.get()) {
     meta.exercise = exercise->description().name;
     meta.level = exercise->description().level;
@@ -234,7 +235,7 @@ Expected<RunOutcome> runAndRecord(Rig& rig, const RunPlan& plan) {
   }
   outcome.summary = statistics.snapshot();
   outcome.counters = session.counters();
-  correct(outcome.summary, outcome.counters, rig.options.period_s);
+  outcome.summary = corrected(outcome.summary, outcome.counters, rig.options.period_s);
   outcome.dropped_records = session.droppedRecords();
   outcome.interrupted = InterruptScope::interrupted();
   outcome.faulted = any(outcome.counters.latched);

@@ -42,6 +42,11 @@ struct RunOutcome {
   bool faulted = false;
 };
 
+/// A summary of records with what the real-time side has counted itself: a full queue drops
+/// records, never a count.
+[[nodiscard]] TickSummary corrected(TickSummary summary, const SessionCounters& counted,
+                                    double period_s);
+
 /// What a recording of this rig says of itself.
 [[nodiscard]] Expected<RecordingMeta> describeRecording(const Rig& rig, const std::string& title,
                                                         std::uint64_t seed, bool simulated_clock);

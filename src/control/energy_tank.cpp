@@ -26,7 +26,6 @@ EnergyTankConfig makeEnergyTank(const DeviceModel& device, double period_s) {
   config.delay_ticks = std::clamp(device.output_delay_ticks, 0, kMostDelayTicks);
   config.capacity = AxisEnergy(config.axes);
   config.device_damping = config.most_damping = AxisRatio(config.axes);
-  config.effort_limit = AxisEffort(config.axes);
   config.encoder_step = AxisPosition(config.axes);
   for (int i = 0; i < config.axes; ++i) {
     const DeviceAxis& axis = device.axes[static_cast<std::size_t>(i)];
@@ -34,7 +33,6 @@ EnergyTankConfig makeEnergyTank(const DeviceModel& device, double period_s) {
     config.device_damping[i] = axis.damping;
     config.most_damping[i] =
         kMostDamping * axis.mass / ((1.0 + device.output_delay_ticks) * period_s);
-    config.effort_limit[i] = axis.effort_limit;
     config.encoder_step[i] = axis.encoder_step;
   }
   return config;
@@ -53,7 +51,8 @@ EnergyTankState fullTank(const EnergyTankConfig& config) noexcept {
 EnergyTankStep advanceTank(const EnergyTankState& state, const AxisPosition& q_m,
                            const AxisPosition& q_s, const AxisEnergy& wall_stored,
                            const CouplingGains& gains, const EnergyTankConfig& config,
-                           int elapsed_periods, double period_s) noexcept {
+                           const AxisEffort& effort_limit, int elapsed_periods,
+                           double period_s) noexcept {
   EnergyTankStep out{state, AxisEffort(config.axes)};
   const double elapsed_s = elapsed_periods * period_s;
   const auto sent = [&state](int ticks_ago) -> const AxisEffort& {
@@ -63,7 +62,7 @@ EnergyTankStep advanceTank(const EnergyTankState& state, const AxisPosition& q_m
   const AxisEffort& before = sent(config.delay_ticks + 1);
   for (int i = 0; i < config.axes; ++i) {
     const double wall = i < wall_stored.size() ? wall_stored[i] : 0.0;
-    const double stored = storedIn(gains.k_pm[i], q_m[i] - q_s[i], config.effort_limit[i]) + wall;
+    const double stored = storedIn(gains.k_pm[i], q_m[i] - q_s[i], effort_limit[i]) + wall;
     if (!state.fresh) {
       const double dx = q_m[i] - state.q_m[i];
       const double ds = q_s[i] - state.q_s[i];
@@ -71,7 +70,8 @@ EnergyTankStep advanceTank(const EnergyTankState& state, const AxisPosition& q_m
       const double given =
           acted[i] * dx + state.avatar[i] * ds + (stored - state.stored[i]) + hidden;
       const double taken = 0.5 * config.device_damping[i] * dx * dx / elapsed_s;
-      const double energy = std::min(config.capacity[i], state.energy[i] - given + taken);
+      const double energy =
+          std::clamp(state.energy[i] - given + taken, -config.capacity[i], config.capacity[i]);
       out.state.energy[i] = energy;
       if (energy < 0.0 && dx != 0.0) {
         const double damping = std::min(-energy * elapsed_s / (dx * dx), config.most_damping[i]);

@@ -15,6 +15,7 @@ namespace wholehand {
 ///
 ///   S = K_pm e²/2, beyond the effort limit f̂ only f̂|e| − f̂²/(2 K_pm); and what the wall stores
 ///   E ← min(Ê, E − f Δq_m − σ′ a Δq_s − (S − S⁻) − ½ δ |f − f⁻| + ½ b Δq_m²/(kT))
+///   E ≥ −Ê: a debt is not remembered for ever
 ///   E < 0:  f_t = −min(−E kT/Δq_m², α̂) Δq_m/(kT)
 ///
 /// e = q_m − q_s, f the effort that acted on the device since the last tick (its output delay
@@ -35,7 +36,6 @@ struct EnergyTankConfig {
   AxisRatio device_damping;   ///< b [N·s/m or N·m·s/rad]
   AxisPosition encoder_step;  ///< δ
   AxisRatio most_damping;     ///< α̂: more would ring; 0.4 m/((1 + n) T)
-  AxisEffort effort_limit;    ///< f̂
 };
 
 /// Ê = 50 mJ on translations, 5 mJ on rotations: what a push of 10 N over 5 mm puts into a spring.
@@ -60,11 +60,12 @@ struct EnergyTankStep {
 };
 
 /// One tick, before the effort is limited. Pure, real-time safe.
+/// @param effort_limit f̂, in force now
 /// @param wall_stored what the walls of an exercise hold, α k p²/2 per axis [J]; size 0: none
-[[nodiscard]] WHOLEHAND_RT EnergyTankStep
-advanceTank(const EnergyTankState& state, const AxisPosition& q_m, const AxisPosition& q_s,
-            const AxisEnergy& wall_stored, const CouplingGains& gains,
-            const EnergyTankConfig& config, int elapsed_periods, double period_s) noexcept;
+[[nodiscard]] WHOLEHAND_RT EnergyTankStep advanceTank(
+    const EnergyTankState& state, const AxisPosition& q_m, const AxisPosition& q_s,
+    const AxisEnergy& wall_stored, const CouplingGains& gains, const EnergyTankConfig& config,
+    const AxisEffort& effort_limit, int elapsed_periods, double period_s) noexcept;
 
 /// Tells the tank what was sent and what drives the avatar. Once a tick, after advanceTank().
 /// @param sent without the device's own weight @param qd_mf, qd_s as in Eq. (2)

@@ -18,6 +18,7 @@ struct ExerciseDescription {
   std::string name;  ///< "cocktail-bar"
   int level = 1;
   int levels = 1;
+  double fade_out_s = 0.3;  ///< how long its effort takes to fade out
   std::vector<LiveParameter> parameters;
   std::vector<std::string> value_names;  ///< of ExerciseRecord::values, at most kMaxExerciseValues
   std::vector<std::string> event_names;  ///< of ExerciseEvent::type

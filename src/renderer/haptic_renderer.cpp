@@ -22,6 +22,18 @@ AxisEffort difference(const AxisEffort& a, const AxisEffort& b) noexcept {
   return out;
 }
 
+// What is rendered, within the limits that are tighter than the device's.
+AxisEffort heldTo(const AxisEffort& limit, const AxisEffort& device_limit,
+                  TickRecord& record) noexcept {
+  AxisEffort out = record.rendered;
+  for (int i = 0; i < out.size(); ++i) {
+    if (!(limit[i] < device_limit[i]) || !(std::abs(out[i]) > limit[i])) continue;
+    out[i] = std::clamp(out[i], -limit[i], limit[i]);
+    record.faults |= Fault::kEffortLimit;
+  }
+  return out;
+}
+
 // What the walls of an exercise hold: half their effort times the depth in them, with a bounded
 // part of the damping's that comes and goes with the motion.
 AxisEnergy wallStored(const TickRecord& record) noexcept {
@@ -66,6 +78,16 @@ HapticRenderer::HapticRenderer(HapticDevice& device, PhysicsWorld& world, const 
 
 std::vector<LiveParameter> HapticRenderer::liveParameters() const {
   return together(config_, exercise_);
+}
+
+void HapticRenderer::startParametersAt(const std::vector<double>& values) noexcept {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    parameters_.startAt(static_cast<int>(i), values[i]);
+  }
+}
+
+std::vector<double> HapticRenderer::parametersAtStart() const {
+  return {parameters_.atStart(), parameters_.atStart() + parameters_.count()};
 }
 
 Expected<Done> HapticRenderer::arm() {
@@ -203,7 +225,11 @@ void HapticRenderer::exercise(std::uint32_t elapsed_periods, TickRecord& record)
   record.placements.count = 0;
   record.damping = AxisEffort(gains.axes);
   record.phi = damping_.phi;
-  if (any(record.faults & kStopping)) return;
+  if (any(record.faults & kStopping)) {  // no effort: then no transition and no wall either
+    record.exercise.alpha = 0.0;
+    record.exercise.wall_active = AxisRatio(gains.axes);
+    return;
+  }
   if (exercise_ != nullptr) {
     showContacts(record);  // of the last step
     ExerciseInput input;
@@ -226,7 +252,7 @@ void HapticRenderer::watchEnergy(std::uint32_t elapsed_periods, TickRecord& reco
   if (config_.tank.axes == 0 || any(record.faults & kStopping)) return;
   const EnergyTankStep step =
       advanceTank(tank_, record.q_m, record.q_s, wallStored(record), config_.gains, config_.tank,
-                  static_cast<int>(elapsed_periods), config_.period_s);
+                  effort_limit_, static_cast<int>(elapsed_periods), config_.period_s);
   tank_ = step.state;
   record.tank = tank_.energy;
   // While an effort is blended in, the springs hold what nobody was given yet: nothing to judge.
@@ -241,7 +267,10 @@ void HapticRenderer::makeSafe(std::uint32_t elapsed_periods, TickRecord& record)
   watchEnergy(elapsed_periods, record);
   record.rendered =
       sum(sum(sum(record.coupling, record.exercise.effort), record.damping), record.tank_effort);
-  const LimitedEffort limited = limitEffort(sum(record.rendered, config_.neutral), effort_limit_);
+  // A therapist's limit is on what is rendered; the device's own on all that is sent, the effort
+  // that carries its weight with it.
+  const AxisEffort held = heldTo(effort_limit_, config_.effort_limit, record);
+  const LimitedEffort limited = limitEffort(sum(held, config_.neutral), config_.effort_limit);
   record.faults |= limited.faults;
   latched_ |= record.faults & kStopping;
   const bool asked = stop_requested_.load(std::memory_order_relaxed);

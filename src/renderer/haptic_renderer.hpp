@@ -70,6 +70,11 @@ class HapticRenderer {
   /// The live parameters, in the order of TickRecord::parameters: the renderer's, then the
   /// exercise's.
   [[nodiscard]] std::vector<LiveParameter> liveParameters() const;
+  /// Where the live parameters are when the loop is armed, in the same order, instead of their own
+  /// values: what a therapist has set stays. Before arm(); values out of range change nothing.
+  void startParametersAt(const std::vector<double>& values) noexcept;
+  /// Where they are at the next arming.
+  [[nodiscard]] std::vector<double> parametersAtStart() const;
   /// The device's position at which arm() put the hand.
   [[nodiscard]] const AxisPosition& armedPosition() const noexcept { return armed_position_; }
 

@@ -15,6 +15,12 @@ ParameterRamps::ParameterRamps(const std::vector<LiveParameter>& parameters)
   reset();
 }
 
+void ParameterRamps::startAt(int index, double value) noexcept {
+  if (index < 0 || index >= count_) return;
+  const auto i = static_cast<std::size_t>(index);
+  if (value >= lower_[i] && value <= upper_[i]) initial_[i] = value;  // false for NaN
+}
+
 void ParameterRamps::reset() noexcept {
   value_ = wanted_ = initial_;
 }

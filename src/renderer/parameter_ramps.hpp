@@ -14,6 +14,9 @@ class ParameterRamps {
   /// @pre at most kMaxLiveParameters; rates > 0
   explicit ParameterRamps(const std::vector<LiveParameter>& parameters);
 
+  /// Where a parameter is after reset(), instead of its own value. Unknown indices, values out of
+  /// range and values that are no numbers change nothing.
+  void startAt(int index, double value) noexcept;
   /// Back to the values at the start.
   void reset() noexcept;
   /// Lets a parameter go towards a value. Unknown indices, values out of range and values that are
@@ -24,6 +27,7 @@ class ParameterRamps {
 
   [[nodiscard]] int count() const noexcept { return count_; }
   [[nodiscard]] const double* values() const noexcept { return value_.data(); }
+  [[nodiscard]] const double* atStart() const noexcept { return initial_.data(); }
 
  private:
   using Values = std::array<double, kMaxLiveParameters>;

@@ -107,7 +107,9 @@ Site::Site(ServerBackend& backend, std::string web_folder, Access access, Figure
       figures_(std::move(figures)) {}
 
 bool Site::mayTakeSeconds(const HttpRequest& request) {
-  return request.path().starts_with(kRecordings);
+  // As answer() reads it: an odd spelling of the same path takes as long.
+  const std::optional<std::string> path = decodedPath(request.path());
+  return path && path->starts_with(kRecordings);
 }
 
 std::string Site::cookieFor(const HttpRequest& request) const {

@@ -24,6 +24,7 @@ Expected<std::unique_ptr<LiveSession>> LiveSession::start(const Models& models,
   auto rig = buildRig(models, std::move(steered), options);
   if (!rig) return rig.errors();
   live->rig_ = std::move(*rig);
+  live->rig_->renderer->startParametersAt(plan.parameters);
   if (auto armed = live->rig_->renderer->arm(); !armed) return armed.errors();
   if (!plan.record.empty()) {
     auto meta = describeRecording(*live->rig_, plan.title, plan.seed, false);
@@ -59,12 +60,22 @@ void LiveSession::finish() {
   if (finished_) return;
   finished_ = true;
   if (session_) session_->join();
-  if (hub_) {
-    hub_->stop();
-    failures_ = hub_->failures();
-  }
+  if (hub_) hub_->stop();
   if (writer_) writer_->close();
   if (rig_) rig_->device->close();
+}
+
+RunOutcome LiveSession::outcome() const {
+  RunOutcome outcome;
+  outcome.counters = session_->counters();
+  outcome.summary = corrected(statistics_.snapshot(), outcome.counters, rig_->options.period_s);
+  outcome.dropped_records = session_->droppedRecords();
+  outcome.dropped_writes = hub_->unrecorded() + (writer_ ? writer_->dropped() : 0);
+  outcome.written = writer_ ? writer_->written() : 0;
+  outcome.failures = hub_->failures();
+  outcome.setup = setup_;
+  outcome.faulted = any(outcome.counters.latched);
+  return outcome;
 }
 
 }  // namespace wholehand

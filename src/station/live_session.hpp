@@ -19,8 +19,9 @@ namespace wholehand {
 struct LiveSessionPlan {
   std::string title;
   std::uint64_t seed = 0;
-  std::string record;                                         ///< HDF5 file; empty: none
-  std::uint64_t duration_ticks = 0;                           ///< 0: until stopped
+  std::string record;                ///< HDF5 file; empty: none
+  std::uint64_t duration_ticks = 0;  ///< 0: until stopped
+  std::vector<double> parameters;    ///< live parameters at the start; empty: their own values
   std::vector<std::function<void(const TickRecord&)>> sinks;  ///< on the telemetry thread
 };
 
@@ -49,10 +50,8 @@ class LiveSession {
 
   /// Waits for the end, closes recording and device. Idempotent.
   void finish();
-  /// Valid after finish().
-  [[nodiscard]] SessionCounters counters() const { return session_->counters(); }
-  [[nodiscard]] std::vector<std::string> failures() const { return failures_; }
-  [[nodiscard]] std::uint64_t written() const { return writer_ ? writer_->written() : 0; }
+  /// What came of it. Valid after finish().
+  [[nodiscard]] RunOutcome outcome() const;
   [[nodiscard]] const SetupReport& setup() const { return setup_; }
   [[nodiscard]] const Rig& rig() const { return *rig_; }
 
@@ -77,7 +76,6 @@ class LiveSession {
   std::unique_ptr<Session> session_;
   std::unique_ptr<TelemetryHub> hub_;
   SetupReport setup_;
-  std::vector<std::string> failures_;
   bool finished_ = false;
 };
 

@@ -57,6 +57,7 @@ std::string SessionFiles::nameNew(const std::string& exercise, int level) const 
 
 void SessionFiles::note(const std::string& path, const std::string& title,
                         double duration_s) const {
+  if (!kept() || path.empty() || fs::path(path).parent_path() != fs::path(folder_)) return;
   const nlohmann::json note = {
       {"title", title}, {"created_utc", utcNow()}, {"duration_s", duration_s}};
   (void)writeText(notePath(path), note.dump(2) + "\n");  // the list then shows the file alone

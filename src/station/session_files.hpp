@@ -18,7 +18,7 @@ class SessionFiles {
   /// A path for a new recording: "<folder>/20261120-093812-cocktail-bar-level-1.h5". Makes the
   /// folder; empty where it cannot.
   [[nodiscard]] std::string nameNew(const std::string& exercise, int level) const;
-  /// Notes what a finished recording holds.
+  /// Notes what a finished recording holds; nothing of one that lies elsewhere.
   void note(const std::string& path, const std::string& title, double duration_s) const;
   /// The finished ones, newest first; those that nobody noted with what their file tells.
   [[nodiscard]] std::vector<RecordingEntry> list(const std::string& being_written) const;

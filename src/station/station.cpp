@@ -11,10 +11,10 @@ Expected<Done> Station::load() {
   return core_->load();
 }
 const Models& Station::models() const {
-  return core_->models_;
+  return core_->models();
 }
 void Station::addSink(std::function<void(const TickRecord&)> sink) {
-  core_->sinks_.push_back(std::move(sink));
+  core_->addSink(std::move(sink));
 }
 Expected<StationOutcome> Station::run(bool arm_at_once, double duration_s) {
   return core_->run(arm_at_once, duration_s);
@@ -23,7 +23,7 @@ void Station::quit() {
   core_->quit();
 }
 void Station::order(const Order& order, std::function<void(OrderReply)> done) {
-  core_->order(order, std::move(done));
+  core_->order(order, done);
 }
 std::shared_ptr<const SceneFacts> Station::scene() const {
   return core_->scene();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "assembly/models.hpp"
+#include "assembly/recorded_run.hpp"
 #include "assembly/rig.hpp"
 #include "server/backend.hpp"
 #include "telemetry/statistics.hpp"
@@ -8,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,8 +36,9 @@ struct StationConfig {
 /// What came of a station's run.
 struct StationOutcome {
   std::uint64_t sessions = 0;
-  bool faulted = false;      ///< the last session ended by a fault
-  bool interrupted = false;  ///< by Ctrl-C
+  bool faulted = false;            ///< the last session ended by a fault
+  bool interrupted = false;        ///< by Ctrl-C
+  std::optional<RunOutcome> last;  ///< what came of the last session
 };
 
 /// Loads, arms, stops and records the loop on behalf of people: the program's main thread runs it,

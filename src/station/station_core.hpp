@@ -8,6 +8,7 @@
 #include <condition_variable>
 #include <deque>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -27,7 +28,7 @@ class Station::Core {
   Expected<Done> load();
   Expected<StationOutcome> run(bool arm_at_once, double duration_s);
   void quit();
-  void order(const Order& order, std::function<void(OrderReply)> done);
+  void order(const Order& order, const std::function<void(OrderReply)>& done);
   [[nodiscard]] LoopStatus status() const;
   [[nodiscard]] bool latest(TickRecord& record) const;
   [[nodiscard]] std::string reportFolder(const std::string& name, std::string& why);
@@ -43,20 +44,32 @@ class Station::Core {
     return name == scene()->recording ? std::string() : files_.path(name);
   }
 
-  StationConfig config_;
-  Models models_;  // main thread
-  std::vector<std::function<void(const TickRecord&)>> sinks_;
+  [[nodiscard]] const Models& models() const { return models_; }  // main thread
+  void addSink(std::function<void(const TickRecord&)> sink) { sinks_.push_back(std::move(sink)); }
 
  private:
+  /// Something for the main thread, and whom to tell.
+  struct Task {
+    std::function<OrderReply()> work;
+    std::function<void(OrderReply)> done;
+  };
+
   // Main thread.
-  OrderReply arm(const std::string& record, std::uint64_t duration_ticks);
+  OrderReply arm(std::uint64_t asked, const std::string& record, std::uint64_t duration_ticks);
+  OrderReply armForClient(std::uint64_t asked);
+  OrderReply armedNow(std::unique_ptr<LiveSession> live, std::uint64_t asked);
   OrderReply loadExercise(const Order& order);
   void stopGently();
   void finishSession();
   void refreshStatus();
   void publishScene(const std::string& recording);
   void runTasks();
+  void watchSession();
+  void endTasks();
+  [[nodiscard]] std::vector<double> parametersAtStart();
   std::unique_ptr<Player> makePlayer();
+  [[nodiscard]] std::string title() const;
+  void forgetLatest();
   // Any thread, mutex_ held.
   OrderReply setParameter(const Order& order);
   OrderReply push(const Command& command);
@@ -68,27 +81,38 @@ class Station::Core {
     if (config_.log) config_.log(line);
   }
 
+  StationConfig config_;
+  Models models_;
+  std::vector<std::function<void(const TickRecord&)>> sinks_;
   SessionFiles files_;
   std::uint64_t arming_ = 0;
   std::string record_path_;
+  StationClock::time_point status_at_;
   StationOutcome outcome_;
 
   mutable std::mutex mutex_;
   std::condition_variable wake_;
-  std::deque<std::function<void()>> tasks_;
+  std::deque<Task> tasks_;
   bool quit_ = false;
-  bool emergency_ = false;   ///< since the last order to arm
+  // Orders are counted as they come: a stop that came after an order to arm undoes it, wherever the
+  // arming has got to, and a session that was armed before a stop is never armed again by a load.
+  std::uint64_t orders_ = 0;
+  std::uint64_t stop_asked_ = 0;
+  std::uint64_t armed_by_ = 0;
   bool owner_alive_ = true;  ///< as last heard; a session that begins is told
   std::shared_ptr<const SceneFacts> scene_;
   LoopStatus status_;
   std::optional<StationClock::time_point> stop_at_;  ///< when the exercise has faded out
-  std::unique_ptr<LiveSession> live_;
+  std::map<std::string, double> asked_parameters_;   ///< what a therapist has set stays set
 
+  std::mutex report_mutex_;
   mutable std::mutex latest_mutex_;
   TickRecord latest_;
   int level_done_ = -1;  ///< index of that event in the loaded exercise; -1: none
   std::optional<StationClock::time_point> level_done_at_;
   bool has_latest_ = false;  ///< of this session
+
+  std::unique_ptr<LiveSession> live_;  ///< last: its threads use the members above
 };
 
 }  // namespace wholehand

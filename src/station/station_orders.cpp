@@ -4,14 +4,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 namespace wholehand {
 namespace fs = std::filesystem;
 namespace {
 
-/// Longer than the exercise's transition takes to fade out.
-constexpr auto kFadeOut = std::chrono::milliseconds(350);
+/// Beside the time that the exercise's effort takes to fade out.
+constexpr auto kMargin = std::chrono::milliseconds(50);
 
 using Clock = StationClock;
 
@@ -38,7 +39,10 @@ void Station::Core::beginStop(bool at_once) {
   silent.type = CommandType::kOwner;
   silent.value = 0.0;
   const bool fades = live_->tryCommand(silent);
-  if (!stop_at_) stop_at_ = Clock::now() + (fades ? Clock::duration(kFadeOut) : Clock::duration(0));
+  if (stop_at_) return;
+  const Exercise* exercise = live_->rig().models.exercise.get();
+  const double fade_s = fades && exercise != nullptr ? exercise->description().fade_out_s : 0.0;
+  stop_at_ = Clock::now() + std::chrono::milliseconds(std::lround(1e3 * fade_s)) + kMargin;
 }
 
 OrderReply Station::Core::push(const Command& command) {
@@ -56,6 +60,8 @@ OrderReply Station::Core::setParameter(const Order& order) {
     return refused(fmt::format("{} = {:.6g} is out of range: {:.6g} to {:.6g} {}", order.name,
                                order.value, found->lower, found->upper, found->unit));
   }
+  asked_parameters_[order.name] = order.value;
+  if (!live_) return {true, ""};  // the next session begins with it
   Command command;
   command.type = CommandType::kParameter;
   command.index = static_cast<std::int32_t>(found - parameters.begin());
@@ -63,29 +69,27 @@ OrderReply Station::Core::setParameter(const Order& order) {
   return push(command);
 }
 
-void Station::Core::order(const Order& order, std::function<void(OrderReply)> done) {
+void Station::Core::order(const Order& order, const std::function<void(OrderReply)>& done) {
   OrderReply reply{true, ""};
   {
     const std::lock_guard lock(mutex_);
+    const std::uint64_t asked = ++orders_;
     Command command;
     switch (order.type) {
       case OrderType::kArm:
-        emergency_ = false;
-        tasks_.push_back([this, done] {
-          done(arm(files_.kept() ? files_.nameNew(scene()->exercise_name, models_.files.level) : "",
-                   0));
-        });
+        tasks_.push_back({[this, asked] { return armForClient(asked); }, done});
         wake_.notify_all();
         return;
       case OrderType::kLoadExercise:
-        tasks_.push_back([this, order, done] { done(loadExercise(order)); });
+        tasks_.push_back({[this, order] { return loadExercise(order); }, done});
         wake_.notify_all();
         return;
       case OrderType::kStop:
+        stop_asked_ = asked;
         beginStop(false);
         break;
       case OrderType::kEmergencyStop:
-        emergency_ = true;
+        stop_asked_ = asked;
         beginStop(true);
         break;
       case OrderType::kSetParameter:
@@ -118,7 +122,7 @@ void Station::Core::order(const Order& order, std::function<void(OrderReply)> do
         break;
     }
   }
-  done(std::move(reply));
+  done(reply);
 }
 
 LoopStatus Station::Core::status() const {
@@ -126,7 +130,11 @@ LoopStatus Station::Core::status() const {
   {
     const std::lock_guard lock(mutex_);
     status = status_;
-    for (const auto& parameter : scene_->parameters) status.parameters.push_back(parameter.initial);
+    for (const auto& parameter : scene_->parameters) {
+      const auto asked = asked_parameters_.find(parameter.name);
+      const bool set = asked != asked_parameters_.end();
+      status.parameters.push_back(set ? asked->second : parameter.initial);
+    }
   }
   const std::lock_guard lock(latest_mutex_);
   if (has_latest_) {
@@ -154,12 +162,13 @@ bool Station::Core::latest(TickRecord& record) const {
 }
 
 std::string Station::Core::reportFolder(const std::string& name, std::string& why) {
+  const std::lock_guard lock(report_mutex_);  // two who ask at once get the same one
   const std::string recording = recordingPath(name);
   if (recording.empty()) {
     why = "there is no recording of that name";
     return {};
   }
-  const std::string folder = recording.substr(0, recording.size() - 3) + "-report";
+  std::string folder = recording.substr(0, recording.size() - 3) + "-report";
   if (fs::exists(folder + "/index.html")) return folder;
   if (!config_.make_report) {
     why = "this program makes no reports";

@@ -19,7 +19,8 @@ constexpr auto kStatusEvery = std::chrono::milliseconds(200);
 /// How long a level that the virtual patient has finished is shown before it begins again.
 constexpr auto kEncoreAfter = std::chrono::seconds(8);
 constexpr const char* kLevelDone = "level_done";  // the event that ends a level, docs/exercises.md
-constexpr auto kArmTimeout = std::chrono::seconds(5);
+constexpr auto kStopWithin = std::chrono::seconds(10);
+constexpr const char* kStopCame = "a stop came meanwhile: nothing pushes";
 
 using Clock = StationClock;
 
@@ -73,48 +74,78 @@ std::unique_ptr<Player> Station::Core::makePlayer() {
   return player;
 }
 
-OrderReply Station::Core::arm(const std::string& record, std::uint64_t duration_ticks) {
+std::string Station::Core::title() const {
+  if (!models_.exercise) return models_.scene.name;
+  return fmt::format("{}, level {}", models_.exercise->description().name, models_.files.level);
+}
+
+// What was shown belongs to another session.
+void Station::Core::forgetLatest() {
+  const auto names =
+      models_.exercise ? models_.exercise->description().event_names : std::vector<std::string>{};
+  const auto found = std::find(names.begin(), names.end(), kLevelDone);
+  const std::lock_guard lock(latest_mutex_);
+  has_latest_ = false;
+  level_done_at_.reset();
+  level_done_ = found == names.end() ? -1 : static_cast<int>(found - names.begin());
+}
+
+// What a therapist has set, where it is still in range; their own values otherwise.
+std::vector<double> Station::Core::parametersAtStart() {
+  const std::lock_guard lock(mutex_);
+  std::vector<double> values;
+  for (const PublishedParameter& parameter : scene_->parameters) {
+    const auto asked = asked_parameters_.find(parameter.name);
+    values.push_back(asked == asked_parameters_.end() ? parameter.initial : asked->second);
+  }
+  return values;
+}
+
+OrderReply Station::Core::arm(std::uint64_t asked, const std::string& record,
+                              std::uint64_t duration_ticks) {
   if (live_) return refused("it is armed already");
+  {
+    const std::lock_guard lock(mutex_);
+    if (stop_asked_ > asked) return refused(kStopCame);
+    ++status_.session;
+  }
+  forgetLatest();
+  publishScene(record);
   LiveSessionPlan plan;
-  const std::string exercise =
-      models_.exercise ? models_.exercise->description().name : std::string();
-  plan.title = exercise.empty() ? models_.scene.name
-                                : fmt::format("{}, level {}", exercise, models_.files.level);
+  plan.title = title();
   plan.seed = config_.seed + arming_;
   plan.record = record;
   plan.duration_ticks = duration_ticks;
+  plan.parameters = parametersAtStart();
   plan.sinks.push_back([this](const TickRecord& r) { keepLatest(r); });
   plan.sinks.insert(plan.sinks.end(), sinks_.begin(), sinks_.end());
-  {
-    const std::lock_guard lock(mutex_);
-    ++status_.session;
-  }
-  {
-    const std::lock_guard lock(latest_mutex_);
-    has_latest_ = false;
-    level_done_at_.reset();
-    level_done_ = -1;
-    const auto names =
-        models_.exercise ? models_.exercise->description().event_names : std::vector<std::string>{};
-    const auto found = std::find(names.begin(), names.end(), kLevelDone);
-    if (found != names.end()) level_done_ = static_cast<int>(found - names.begin());
-  }
-  publishScene(record);
   auto live = LiveSession::start(models_, makePlayer(), config_.rig, plan);
   ++arming_;
-  if (!live) return refused(format(live.errors()));
+  if (!live) {
+    if (!record.empty()) publishScene("");
+    return refused(format(live.errors()));
+  }
   for (const SetupLine& line : (*live)->setup()) {
     if (!line.granted && arming_ == 1) say(line.what + ": " + line.sentence);
   }
   record_path_ = record;
   ++outcome_.sessions;
+  return armedNow(std::move(*live), asked);
+}
+
+OrderReply Station::Core::armedNow(std::unique_ptr<LiveSession> live, std::uint64_t asked) {
   const std::lock_guard lock(mutex_);
-  live_ = std::move(*live);
-  status_.run_state = RunState::kRendering;
+  live_ = std::move(live);
+  armed_by_ = asked;
   status_.latched = Fault::kNone;
   status_.steering = Steering::kVirtualPatient;
   stop_at_.reset();
-  if (emergency_) live_->requestStop();  // it came while this was being built
+  if (stop_asked_ > asked) {  // it came while this was being built
+    live_->requestStop();
+    status_.run_state = RunState::kRampingDown;
+    return refused(kStopCame);
+  }
+  status_.run_state = RunState::kRendering;
   if (!owner_alive_) {
     Command silent;
     silent.type = CommandType::kOwner;
@@ -123,30 +154,29 @@ OrderReply Station::Core::arm(const std::string& record, std::uint64_t duration_
   return {true, ""};
 }
 
+OrderReply Station::Core::armForClient(std::uint64_t asked) {
+  const std::string exercise = scene()->exercise_name;
+  return arm(asked, files_.kept() ? files_.nameNew(exercise, models_.files.level) : "", 0);
+}
+
 void Station::Core::finishSession() {
   live_->finish();
-  const SessionCounters counters = live_->counters();
-  for (const std::string& failure : live_->failures()) {
+  RunOutcome ended = live_->outcome();
+  for (const std::string& failure : ended.failures) {
     say(failure + "; it was switched off, the loop ran on");
   }
   refreshStatus();
-  if (!record_path_.empty() && files_.kept()) {
-    const double duration_s =
-        static_cast<double>(counters.ticks_run + counters.skipped_periods) * config_.rig.period_s;
-    files_.note(record_path_,
-                models_.exercise ? fmt::format("{}, level {}", models_.exercise->description().name,
-                                               models_.files.level)
-                                 : models_.scene.name,
-                duration_s);
-  }
-  outcome_.faulted = any(counters.latched);
+  files_.note(record_path_, title(),
+              static_cast<double>(ended.summary.ticks) * config_.rig.period_s);
+  outcome_.faulted = ended.faulted;
   {
     const std::lock_guard lock(mutex_);
-    status_.run_state = any(counters.latched) ? RunState::kFaulted : RunState::kStopped;
-    status_.latched = counters.latched;
+    status_.run_state = ended.faulted ? RunState::kFaulted : RunState::kStopped;
+    status_.latched = ended.counters.latched;
     stop_at_.reset();
     live_.reset();
   }
+  outcome_.last = std::move(ended);
   if (!record_path_.empty()) publishScene("");
   record_path_.clear();
 }
@@ -157,7 +187,7 @@ void Station::Core::stopGently() {
     const std::lock_guard lock(mutex_);
     beginStop(false);
   }
-  const auto until = Clock::now() + kArmTimeout;
+  const auto until = Clock::now() + kStopWithin;
   while (live_->running() && Clock::now() < until) {
     {
       const std::lock_guard lock(mutex_);
@@ -191,18 +221,21 @@ OrderReply Station::Core::loadExercise(const Order& order) {
   auto gains = checkGains(*models, config_.rig.period_s);
   if (!gains) return refused(format(gains.errors()));
   if (!gains->refused.empty() && !config_.rig.uncertified) return refused(format(gains->refused));
-  const bool again = live_ != nullptr;
+  const bool rendered = live_ && live_->running();
   stopGently();
   models_ = std::move(*models);
+  forgetLatest();
   publishScene("");
-  bool emergency = false;
+  bool again = false;
+  std::uint64_t armed_by = 0;
   {
+    // Only what rendered until now and nobody stopped goes on; a stop or a fault stays one.
     const std::lock_guard lock(mutex_);
-    emergency = emergency_;
-    if (!again) status_.run_state = RunState::kDisarmed;
+    armed_by = armed_by_;
+    again = rendered && stop_asked_ <= armed_by_ && !any(status_.latched);
   }
-  if (!again || emergency) return {true, ""};
-  return arm(files_.kept() ? files_.nameNew(scene()->exercise_name, models_.files.level) : "", 0);
+  if (!again) return {true, ""};
+  return armForClient(armed_by);
 }
 
 void Station::Core::refreshStatus() {
@@ -227,13 +260,32 @@ void Station::Core::refreshStatus() {
 }
 
 void Station::Core::runTasks() {
-  std::deque<std::function<void()>> tasks;
+  std::deque<Task> tasks;
   {
     std::unique_lock lock(mutex_);
     wake_.wait_for(lock, kPoll, [this] { return quit_ || !tasks_.empty(); });
     tasks.swap(tasks_);
   }
-  for (const auto& task : tasks) task();
+  for (const Task& task : tasks) {
+    OrderReply reply;
+    try {
+      reply = task.work();
+    } catch (const std::exception& error) {  // the loop, if it runs, runs on
+      reply = refused(std::string("failed: ") + error.what());
+      say("an order " + reply.reason);
+    }
+    task.done(reply);
+  }
+}
+
+// Nobody waits for an answer that never comes.
+void Station::Core::endTasks() {
+  std::deque<Task> tasks;
+  {
+    const std::lock_guard lock(mutex_);
+    tasks.swap(tasks_);
+  }
+  for (const Task& task : tasks) task.done(refused("the program is ending"));
 }
 
 // Where nobody steers, the virtual patient plays a finished level once more.
@@ -251,37 +303,47 @@ void Station::Core::playAgain() {
   (void)push(again);
 }
 
+void Station::Core::watchSession() {
+  if (!live_) return;
+  {
+    const std::lock_guard lock(mutex_);
+    if (stop_at_ && Clock::now() >= *stop_at_) live_->requestStop();
+  }
+  if (!live_->running()) {
+    finishSession();
+    return;
+  }
+  playAgain();
+  if (Clock::now() < status_at_) return;
+  refreshStatus();
+  status_at_ = Clock::now() + kStatusEvery;
+}
+
 Expected<StationOutcome> Station::Core::run(bool arm_at_once, double duration_s) {
   const InterruptScope interrupts;
   const auto duration_ticks =
       static_cast<std::uint64_t>(std::llround(std::max(duration_s, 0.0) / config_.rig.period_s));
   if (arm_at_once) {
-    if (const OrderReply reply = arm(config_.record, duration_ticks); !reply.accepted) {
-      return Diagnostic{"", 0, "", "", reply.reason, "see above"};
+    const std::uint64_t asked = [this] {
+      const std::lock_guard lock(mutex_);
+      return ++orders_;
+    }();
+    if (const OrderReply reply = arm(asked, config_.record, duration_ticks); !reply.accepted) {
+      return Diagnostic{"", 0, "", "", "the loop could not be armed: " + reply.reason, ""};
     }
   }
-  auto status_at = Clock::now();
-  while (true) {
+  const auto until = Clock::now() + std::chrono::duration<double>(duration_s);
+  bool ending = false;
+  while (!ending) {
     runTasks();
-    bool quit = InterruptScope::interrupted();
-    outcome_.interrupted = quit;
-    {
-      const std::lock_guard lock(mutex_);
-      quit = quit || quit_;
-      if (live_ && stop_at_ && Clock::now() >= *stop_at_) live_->requestStop();
-    }
-    if (quit) break;
-    if (live_ && !live_->running()) {
-      finishSession();
-      if (duration_ticks > 0) break;
-    }
-    if (live_) playAgain();
-    if (live_ && Clock::now() >= status_at) {
-      refreshStatus();
-      status_at = Clock::now() + kStatusEvery;
-    }
+    watchSession();
+    const std::lock_guard lock(mutex_);
+    outcome_.interrupted = InterruptScope::interrupted();
+    const bool over = duration_ticks > 0 && (arm_at_once ? !live_ : Clock::now() >= until);
+    ending = outcome_.interrupted || quit_ || over;
   }
   stopGently();
+  endTasks();
   return outcome_;
 }
 

@@ -28,7 +28,8 @@ struct RecordingMeta {
   std::vector<std::string> joint_names, body_names, capsule_names;
   std::string exercise;  ///< name of the exercise; empty: none
   int level = 0;
-  std::vector<std::string> parameter_names, value_names, event_names;  ///< of the exercise
+  std::vector<std::string> parameter_names, value_names, event_names;
+  std::vector<double> parameter_values;  ///< live parameters when rendering was armed, one a name
   /// name -> full text of each configuration file used (device, hand, rendering, patient, scene,
   /// motion, and every mesh or URDF by its path), so that the recording stands alone.
   std::vector<std::pair<std::string, std::string>> files;

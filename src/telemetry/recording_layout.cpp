@@ -296,6 +296,9 @@ std::string unusable(const RecordingMeta& meta) {
   if (!within(meta.joint_names.size(), kMaxJoints)) return "names too many joints";
   if (!within(meta.body_names.size(), kMaxBodies)) return "names too many bodies";
   if (!within(meta.parameter_names.size(), kMaxLiveParameters)) return "names too many parameters";
+  if (meta.parameter_values.size() != meta.parameter_names.size()) {
+    return "has not one value for each parameter";
+  }
   if (!within(meta.value_names.size(), kMaxExerciseValues)) return "names too many values";
   if (!std::isfinite(meta.period_s) || meta.period_s <= 0.0) return "has no positive period";
   return {};

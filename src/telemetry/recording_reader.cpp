@@ -88,6 +88,7 @@ bool readMeta(hid_t file, hid_t id, RecordingMeta& meta) {
   const bool exercise = readAttribute(id, "exercise", meta.exercise) &&
                         readAttribute(id, "level", level) &&
                         readAttribute(id, "parameter_names", meta.parameter_names) &&
+                        readAttribute(id, "parameter_values", meta.parameter_values) &&
                         readAttribute(id, "value_names", meta.value_names) &&
                         readAttribute(id, "event_names", meta.event_names);
   meta.level = static_cast<int>(std::min<std::uint64_t>(level, 1000));

@@ -51,6 +51,7 @@ bool writeMeta(hid_t file, const RecordingMeta& meta) {
             writeAttribute(id, "exercise", meta.exercise) &&
             writeAttribute(id, "level", static_cast<std::uint64_t>(std::max(meta.level, 0))) &&
             writeAttribute(id, "parameter_names", meta.parameter_names) &&
+            writeAttribute(id, "parameter_values", meta.parameter_values) &&
             writeAttribute(id, "value_names", meta.value_names) &&
             writeAttribute(id, "event_names", meta.event_names);
   const Handle files(H5Gcreate2(file, "meta/files", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),

@@ -72,8 +72,8 @@ Outcome simulate(const Loop& loop, bool with_tank, double wall_m, double start_m
     const AxisVelocity qd_s(1, v_s);
     velocity = estimateVelocity(velocity, reading.q_m, gains, 1, kPeriod_s);
     const double coupling = couplingEffort(reading.q_m, velocity.filtered, q_s, qd_s, gains)[0];
-    EnergyTankStep step =
-        advanceTank(tank, reading.q_m, q_s, AxisEnergy(), gains, config, 1, kPeriod_s);
+    EnergyTankStep step = advanceTank(tank, reading.q_m, q_s, AxisEnergy(), gains, config,
+                                      AxisEffort(1, kLimit), 1, kPeriod_s);
     const double added = with_tank ? step.effort[0] : 0.0;
     const double f = std::clamp(coupling + added, -kLimit, kLimit);
     const double without = std::clamp(coupling, -kLimit, kLimit);
@@ -141,6 +141,34 @@ TEST(EnergyTank, CertifiedGainsOfTheSixAxisDevice_AreHardlyTouched) {
   EXPECT_LT(out.effort_change_rms, 0.02);
 }
 
+TEST(EnergyTank, LowerLimitInForce_DoesNotEmptyIt) {
+  // A rigid wall pressed 25 mm deep and left again, 1500 N/m, the effort held to 8 of 20 N: what
+  // the saturated spring holds is counted with the 8 N, so that nothing seems made of nothing.
+  DeviceModel device = testing::oneAxisDevice(0.8);
+  device.axes[0].damping = 6.0;
+  device.axes[0].effort_limit = 20.0;
+  const EnergyTankConfig config = makeEnergyTank(device, kPeriod_s);
+  Loop loop;
+  loop.k_pm = 1500.0;
+  loop.gamma = 1.0;
+  CouplingGains gains = gainsOf(loop);
+  gains.relative_damping[0] = 0.0;
+  EnergyTankState tank = fullTank(config);
+  double before = 0.0;
+  for (int k = 0; k <= 1000; ++k) {
+    const double x = 0.0125 * (1.0 - std::cos(2.0 * std::numbers::pi * k / 1000.0));
+    // The work of the held spring along the step, exactly: the mean effort.
+    const auto held = [&](double e) { return -std::min(1500.0 * e, 8.0); };
+    tank = noteSent(tank, AxisEffort(1, 0.5 * (held(before) + held(x))), AxisVelocity(1),
+                    AxisVelocity(1), gains);
+    const EnergyTankStep step = advanceTank(tank, AxisPosition(1, x), AxisPosition(1, 0.0), {},
+                                            gains, config, AxisEffort(1, 8.0), 1, kPeriod_s);
+    EXPECT_EQ(step.effort[0], 0.0) << k;
+    tank = step.state;
+    before = x;
+  }
+}
+
 TEST(EnergyTank, SpringAlone_KeepsItsEnergy) {
   // An ideal spring, stretched and released along any path, gives back what it took: E = Ê again.
   EnergyTankConfig config;
@@ -148,7 +176,6 @@ TEST(EnergyTank, SpringAlone_KeepsItsEnergy) {
   config.capacity = AxisEnergy(1, 10.0);
   config.device_damping = AxisRatio(1, 0.0);
   config.most_damping = AxisRatio(1, 100.0);
-  config.effort_limit = AxisEffort(1, 1e9);
   config.encoder_step = AxisPosition(1, 0.0);
   Loop loop;
   loop.delay = 0;
@@ -157,15 +184,15 @@ TEST(EnergyTank, SpringAlone_KeepsItsEnergy) {
   EnergyTankState tank = fullTank(config);
   // Midpoint forces integrate the spring's work exactly.
   double x = 0.0;
-  tank =
-      advanceTank(tank, AxisPosition(1, x), AxisPosition(1, 0.0), {}, gains, config, 1, kPeriod_s)
-          .state;
+  tank = advanceTank(tank, AxisPosition(1, x), AxisPosition(1, 0.0), {}, gains, config,
+                     AxisEffort(1, 1e9), 1, kPeriod_s)
+             .state;
   for (int k = 1; k <= 4000; ++k) {
     const double next = 0.01 * std::sin(2.0 * std::numbers::pi * k / 1000.0);
     tank = noteSent(tank, AxisEffort(1, -loop.k_pm * 0.5 * (x + next)), AxisVelocity(1),
                     AxisVelocity(1), gains);
-    tank = advanceTank(tank, AxisPosition(1, next), AxisPosition(1, 0.0), {}, gains, config, 1,
-                       kPeriod_s)
+    tank = advanceTank(tank, AxisPosition(1, next), AxisPosition(1, 0.0), {}, gains, config,
+                       AxisEffort(1, 1e9), 1, kPeriod_s)
                .state;
     x = next;
   }
@@ -183,7 +210,8 @@ TEST(EnergyTank, EffortThatDrivesTheHand_IsPaidThenTakenBack) {
   double empty_s = 0.0, effort = 0.0;
   for (int k = 0; k < 1000; ++k) {
     const AxisPosition q(1, 1e-4 * k);
-    const EnergyTankStep step = advanceTank(tank, q, q, {}, gains, config, 1, kPeriod_s);
+    const EnergyTankStep step =
+        advanceTank(tank, q, q, {}, gains, config, AxisEffort(1, 20.0), 1, kPeriod_s);
     effort = step.effort[0];
     if (effort != 0.0 && empty_s == 0.0) empty_s = k * kPeriod_s;
     tank = noteSent(step.state, AxisEffort(1, 2.0 + effort), AxisVelocity(1, 0.1),
@@ -201,7 +229,9 @@ TEST(EnergyTank, WallThatFadesInUnderTheFinger_IsPaidFor) {
   EnergyTankState tank = fullTank(config);
   const AxisPosition q(1, 0.0);
   for (double wall_j : {0.0, 0.002, 0.004}) {
-    tank = advanceTank(tank, q, q, AxisEnergy(1, wall_j), gains, config, 1, kPeriod_s).state;
+    tank = advanceTank(tank, q, q, AxisEnergy(1, wall_j), gains, config, AxisEffort(1, 20.0), 1,
+                       kPeriod_s)
+               .state;
   }
   EXPECT_NEAR(tank.energy[0], config.capacity[0] - 0.004, 1e-15);
 }

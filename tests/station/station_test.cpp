@@ -97,6 +97,36 @@ class Bar : public testing::Test {
     return becomes([&] { return records_ > before + 100; });
   }
 
+  /// The virtual patient holds a dispenser: the exercise pushes, and there is an effort to take
+  /// away.
+  bool squeezes() {
+    TickRecord record;
+    return becomes([&] {
+      return station_->latest(record) && record.exercise.alpha == 1.0 &&
+             largest(record.exercise.effort) > 0.01 && largest(record.sent) > 0.1;
+    });
+  }
+  static double largest(const AxisEffort& effort) {
+    double most = 0.0;
+    for (double e : effort) most = std::max(most, std::abs(e));
+    return most;
+  }
+  /// Long enough for an arming that must not happen: it takes a quarter of a second.
+  void staysAt(RunState state) {
+    std::this_thread::sleep_for(1500ms);
+    EXPECT_EQ(station_->status().run_state, state);
+    TickRecord record;
+    if (station_->latest(record)) {
+      EXPECT_EQ(largest(record.sent), 0.0);
+    }
+  }
+  void later(OrderType type) {
+    Order order;
+    order.type = type;
+    if (type == OrderType::kLoadExercise) order.level = 2;
+    station_->order(order, [](const OrderReply&) {});
+  }
+
   std::string folder_;
   std::unique_ptr<Station> station_;
   std::atomic<std::uint64_t> records_{0}, last_{0};
@@ -110,7 +140,7 @@ TEST_F(Bar, ArmStopArm_NothingPushesInBetween) {
   EXPECT_EQ(records_, 0U);
 
   ASSERT_TRUE(ask(OrderType::kArm).accepted);
-  ASSERT_TRUE(rendersOn());
+  ASSERT_TRUE(squeezes());
   EXPECT_EQ(station_->status().run_state, RunState::kRendering);
   const OrderReply twice = ask(OrderType::kArm);
   EXPECT_FALSE(twice.accepted);
@@ -134,12 +164,7 @@ TEST_F(Bar, ArmStopArm_NothingPushesInBetween) {
 
 TEST_F(Bar, EmergencyStop_IsAtNeutralWithinItsRamp) {
   run(true);
-  ASSERT_TRUE(rendersOn());
-  // An aim beside the dispenser, so that there is an effort to take away.
-  Order steer;
-  steer.type = OrderType::kSteer;
-  steer.steering = Steering::kPerson;
-  ASSERT_TRUE(ask(steer).accepted);
+  ASSERT_TRUE(squeezes());
   ASSERT_TRUE(ask(OrderType::kEmergencyStop).accepted);
   const std::uint64_t asked_at = last_;
   ASSERT_TRUE(becomes(RunState::kStopped));
@@ -262,15 +287,89 @@ TEST_F(Bar, SessionsThatClientsArm_AreRecordedAndListed) {
 
 TEST_F(Bar, OwnerSilent_FadesTheExerciseAndNothingElse) {
   run(true);
-  ASSERT_TRUE(rendersOn());
+  ASSERT_TRUE(squeezes());
   Order order;
   order.type = OrderType::kOwnerAlive;
   order.value = 0.0;
-  ASSERT_TRUE(ask(order).accepted);
   TickRecord record;
-  EXPECT_TRUE(becomes([&] { return station_->latest(record) && record.exercise.alpha == 0.0; }));
+  ASSERT_TRUE(station_->latest(record));
+  const std::uint64_t asked_at = record.tick;
+  ASSERT_TRUE(ask(order).accepted);
+  ASSERT_TRUE(becomes([&] { return station_->latest(record) && record.exercise.alpha == 0.0; }));
+  EXPECT_LE(record.tick - asked_at, 300U + 60U);  // T_off, and what the order waited
+  EXPECT_EQ(largest(record.exercise.effort), 0.0);
   EXPECT_EQ(station_->status().run_state, RunState::kRendering);
   EXPECT_TRUE(rendersOn());
+}
+
+TEST_F(Bar, StopWhileArming_NothingPushes) {
+  for (const OrderType stop : {OrderType::kStop, OrderType::kEmergencyStop}) {
+    if (!thread_.joinable()) run(false);
+    Order arm;
+    arm.type = OrderType::kArm;
+    auto answered = std::make_shared<std::promise<OrderReply>>();
+    auto answer = answered->get_future();
+    station_->order(arm, [answered](const OrderReply& reply) { answered->set_value(reply); });
+    std::this_thread::sleep_for(30ms);
+    ASSERT_TRUE(ask(stop).accepted);
+    EXPECT_FALSE(answer.get().accepted) << "the person must hear that nothing was armed";
+    std::this_thread::sleep_for(1500ms);
+    EXPECT_NE(station_->status().run_state, RunState::kRendering);
+    TickRecord record;
+    if (station_->latest(record)) {
+      EXPECT_EQ(largest(record.sent), 0.0);
+    }
+  }
+  ASSERT_TRUE(ask(OrderType::kArm).accepted);  // somebody arms again
+  EXPECT_TRUE(rendersOn());
+}
+
+TEST_F(Bar, StopThenLoad_StaysStopped) {
+  run(true);
+  ASSERT_TRUE(rendersOn());
+  ASSERT_TRUE(ask(OrderType::kStop).accepted);
+  later(OrderType::kLoadExercise);  // within the fade
+  staysAt(RunState::kStopped);
+  EXPECT_EQ(station_->scene()->level, 2);
+}
+
+TEST_F(Bar, EmergencyStopWhileLoading_StaysStopped) {
+  run(true);
+  ASSERT_TRUE(rendersOn());
+  later(OrderType::kLoadExercise);
+  ASSERT_TRUE(ask(OrderType::kEmergencyStop).accepted);
+  staysAt(RunState::kStopped);
+  later(OrderType::kLoadExercise);  // a page that picks a level arms nobody
+  staysAt(RunState::kStopped);
+}
+
+TEST_F(Bar, EmergencyStopThenRefusedArm_IsNotForgotten) {
+  run(true);
+  ASSERT_TRUE(rendersOn());
+  later(OrderType::kEmergencyStop);
+  later(OrderType::kArm);  // still on its way down: refused, or armed by somebody's own wish
+  ASSERT_TRUE(becomes([&] { return station_->status().run_state != RunState::kRampingDown; }));
+  if (station_->status().run_state != RunState::kStopped) return;
+  later(OrderType::kLoadExercise);
+  staysAt(RunState::kStopped);
+}
+
+TEST_F(Bar, LimitThatWasSet_HoldsFromTheFirstTickOfTheNextSession) {
+  run(false);
+  Order order;
+  order.type = OrderType::kSetParameter;
+  order.name = "effort_limit_arm_n";
+  order.value = 4.0;
+  ASSERT_TRUE(ask(order).accepted) << "also before anything is armed";
+  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  TickRecord record;
+  ASSERT_TRUE(becomes([&] { return station_->latest(record); }));
+  EXPECT_EQ(record.effort_limit[0], 4.0);
+  later(OrderType::kLoadExercise);
+  ASSERT_TRUE(becomes([&] { return station_->status().session == 2U; }));
+  ASSERT_TRUE(becomes([&] { return station_->latest(record); }));
+  EXPECT_EQ(record.effort_limit[0], 4.0);
+  EXPECT_EQ(station_->status().parameters.size(), station_->scene()->parameters.size());
 }
 
 }  // namespace

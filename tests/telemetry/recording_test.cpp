@@ -88,6 +88,7 @@ TEST(Recording, Meta_ComesBackWithFilesByteForByte) {
   EXPECT_EQ(got.exercise, want.exercise);
   EXPECT_EQ(got.level, want.level);
   EXPECT_EQ(got.parameter_names, want.parameter_names);
+  EXPECT_EQ(got.parameter_values, want.parameter_values);
   EXPECT_EQ(got.value_names, want.value_names);
   EXPECT_EQ(got.event_names, want.event_names);
   EXPECT_EQ(got.period_s, want.period_s);
@@ -118,6 +119,7 @@ TEST(Recording, SceneWithoutBodiesOrJoints_RoundTrips) {
   meta.effort_limits = {20};
   meta.lever_arms_m = {0};
   meta.parameter_names.clear();
+  meta.parameter_values.clear();
   meta.value_names.clear();
   TickRecord want;
   want.q_m = AxisPosition(1, 0.25);

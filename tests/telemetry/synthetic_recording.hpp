@@ -50,6 +50,7 @@ inline RecordingMeta meta() {
   m.exercise = "cocktail-bar";
   m.level = 3;
   m.parameter_names = {"effort_limit_arm_n", "wall_stiffness_ratio"};
+  m.parameter_values = {20.0, 1.0};
   m.value_names = {"stage", "flow_l_s", "spilt_l"};
   m.event_names = {"touched", "spilt"};
   m.files = {{"config/devices/lambda-pride.toml", "kind = \"device\"\nname = \"lambda-pride\"\n"},

@@ -26,7 +26,9 @@ void readWallAxis(NamedAxis& named, const DeviceModel& device, FingerWallConfig&
   const int i = device.axisIndex(named.name);
   if (i < 0) {
     const std::optional<AxisKind> kind = knownAxisKind(named.name);
-    if (kind) {  // another device's axis: its keys are checked all the same
+    if (kind) {  // what it takes to feel a liquid is not there; its keys are checked all the same
+      named.table.fail("name", "the device " + device.path + " has no such axis",
+                       "take a device that has it; --scene F --motion F plays a motion on any");
       (void)readAxisQuantity(named.table, kStiffness, *kind, 1.0);
       (void)readAxisQuantity(named.table, kDamping, *kind, 1.0);
     } else {
@@ -57,8 +59,9 @@ void readWall(TomlTable& wall, const DeviceModel& device, Bar& bar) {
   if (wall.good("engage_m") && wall.good("release_m") && t.release_m < t.engage_m) {
     wall.fail("release_m", "is nearer than engage_m", "must be at least engage_m");
   }
-  t.engage_s = wall.number("engage_s", between(0.05, 10.0, "s"), t.engage_s);
-  t.release_s = wall.number("release_s", between(0.05, 10.0, "s"), t.release_s);
+  // In 0.3 s the largest effort of a wall, 10 N at the tip, comes and goes by 0.05 N a tick.
+  t.engage_s = wall.number("engage_s", between(0.3, 10.0, "s"), t.engage_s);
+  t.release_s = wall.number("release_s", between(0.3, 5.0, "s"), t.release_s);
   const int n = device.axisCount();
   bar.walls.axes = n;
   bar.walls.lever_arm_m = AxisRatio(n, 1.0);

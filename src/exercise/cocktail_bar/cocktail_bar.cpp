@@ -42,6 +42,7 @@ class CocktailBar final : public Exercise {
     description_.name = bar_.name;
     description_.level = bar_.level;
     description_.levels = static_cast<int>(bar_.level_names.size());
+    description_.fade_out_s = bar_.transition.release_s;
     description_.parameters = liveParameters(bar_);
     description_.value_names = barValueNames(bar_);
     description_.event_names.assign(kBarEventNames.begin(), kBarEventNames.end());

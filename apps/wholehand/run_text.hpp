@@ -1,0 +1,20 @@
+#pragma once
+
+#include "assembly/models.hpp"
+#include "assembly/recorded_run.hpp"
+#include "run_options.hpp"
+
+#include <string>
+
+namespace wholehand {
+
+/// "cocktail-bar, level 1 of 4"; "Four shapes, reach-grasp-00"
+[[nodiscard]] std::string titleOf(const Models& models);
+
+/// What is going to run: device, patient, hand, scene.
+void printOpening(const Models& models);
+
+/// What came of it, and where it was written.
+void printSummary(const RunOptions& options, const Models& models, const RunOutcome& outcome);
+
+}  // namespace wholehand
