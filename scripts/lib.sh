@@ -75,19 +75,36 @@ Full log: $log"
   say "Installed in $(duration $((SECONDS - start)))."
 }
 
-# True where node and npm are there and young enough, wherever they come from.
-have_node() {
-  command -v npm >/dev/null &&
-    node -e 'process.exit(Number(process.versions.node.split(".")[0]) >= 18 ? 0 : 1)' 2>/dev/null
+# What vite 6 runs on; the same line stands in web/package.json, and a house test compares them.
+# shellcheck disable=SC2034
+node_engines='^18.19.0 || ^20.0.0 || >=22.0.0'
+node_engines_in_words='Node 18.19 or a later 18, any 20, or 22 and newer'
+node_fits() { # <version as node prints it>
+  [[ $1 =~ ^v?([0-9]+)\.([0-9]+) ]] || return 1
+  local major=${BASH_REMATCH[1]} minor=${BASH_REMATCH[2]}
+  ((major == 18 && minor >= 19 || major == 20 || major >= 22))
 }
 
-# Debian's npm conflicts with other sources' nodejs: it is only asked for where there is none.
+# True where node and npm are there and fit, wherever they come from.
+have_node() {
+  hash -r # they may just have been installed
+  command -v npm >/dev/null && node_fits "$(node --version 2>/dev/null)"
+}
+
+# Debian's npm conflicts with other sources' nodejs: it is only asked for where node is Debian's, or
+# where there is none.
 install_node() {
   have_node && return
-  if command -v node >/dev/null; then
-    fail "Node $(node --version 2>/dev/null) is too old or has no npm: the pages need Node 18 or newer. Install it from where this one came."
+  local node version
+  if node=$(command -v node); then
+    version=$(node --version 2>/dev/null) || version="that does not start"
+    node_fits "$version" ||
+      fail "Node $version ($node) cannot build the pages: they need $node_engines_in_words. Install one of these from where this one came, or remove it and Debian's is installed."
+    dpkg -S "$(readlink -f "$node")" >/dev/null 2>&1 ||
+      fail "Node $version ($node) is there but its npm is not, and it is not Debian's. Install npm from where this node came."
   fi
   install_packages web
+  have_node || fail "What Debian installed cannot build the pages: they need $node_engines_in_words, and npm."
 }
 
 # npm_install: what web/package-lock.json names, when it is not there yet.
@@ -106,15 +123,20 @@ npm_install() {
   say "Fetched in $(duration $((SECONDS - start)))."
 }
 
+# True where the built pages are newer than everything that they are made of.
+pages_are_current() {
+  [[ -f $root/web/dist/index.html ]] || return 1
+  local newer
+  newer=$(cd "$root" && find web protocol \( -path web/node_modules -o -path web/dist -o -path web/tests \
+    -o -path web/test-output -o -path web/src/protocol/generated \) -prune \
+    -o -type f -newer web/dist/index.html -print -quit) && [[ -z $newer ]]
+}
+
 # build_web: the pages into web/dist, when a source is newer than they are.
 build_web() {
-  local page="$root/web/dist/index.html" log="$root/build/logs/web.log" start=$SECONDS
+  local log="$root/build/logs/web.log" start=$SECONDS
   npm_install || return 1
-  if [[ -f $page ]] && [[ -z $(find "$root/web" "$root/protocol" -newer "$page" -type f \
-    -not -path '*/node_modules/*' -not -path '*/dist/*' -not -path '*/generated/*' \
-    -not -path '*/tests/*' -not -path '*/test-output/*' -print -quit) ]]; then
-    return 0
-  fi
+  if pages_are_current; then return; fi
   make_log "$log"
   say "Building the pages ..."
   if ! (cd "$root/web" && npm run build) >"$log" 2>&1; then
@@ -123,6 +145,30 @@ build_web() {
     return 1
   fi
   say "Built in $(duration $((SECONDS - start)))."
+}
+
+# make_pages: for ./start, which goes on with what there is. Pages that are current need no node.
+make_pages() {
+  pages_are_current && return
+  if (install_node && build_web); then return; fi
+  if [[ -f $root/web/dist/index.html ]]; then
+    say "Going on with the pages built before."
+  else
+    say "Going on without pages: the address below says how to build them."
+  fi
+}
+
+# needs_pages <arguments of wholehand run>: false where no port is opened.
+needs_pages() {
+  local argument scene=0 port=0
+  for argument in "$@"; do
+    case $argument in
+      -h | --help | --no-web | --simulated-clock) return 1 ;;
+      --scene | --scene=* | --motion | --motion=*) scene=1 ;;
+      --port | --port=*) port=1 ;;
+    esac
+  done
+  ((!scene || port))
 }
 
 make_log() {

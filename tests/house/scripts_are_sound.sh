@@ -1,7 +1,17 @@
 #!/usr/bin/env bash
 # Shell that parses, runs from anywhere and lists packages that the scripts can read.
 set -euo pipefail
-for script in start check .ci/run scripts/*.sh tests/house/*.sh; do
+if [[ -e .git ]]; then
+  mapfile -t scripts < <(git -c safe.directory="$PWD" ls-files '*.sh')
+else # unpacked from an archive
+  mapfile -t scripts < <(find scripts tests clients web/tests -name '*.sh')
+fi
+((${#scripts[@]} > 5)) || {
+  echo "only ${#scripts[@]} scripts were found"
+  exit 1
+}
+scripts+=(start check .ci/run)
+for script in "${scripts[@]}"; do
   bash -n "$script"
 done
 for script in start check .ci/run scripts/check_includes.py; do
@@ -11,16 +21,17 @@ for script in start check .ci/run scripts/check_includes.py; do
   }
 done
 if command -v shellcheck >/dev/null; then
-  shellcheck -x start check .ci/run scripts/*.sh tests/house/*.sh
+  shellcheck -x "${scripts[@]}"
 fi
 root=$PWD
 # shellcheck source=scripts/lib.sh
 source scripts/lib.sh
 [[ $(packages_of run) == g++* && $(packages_of run) != *clang* ]]
 [[ $(packages_of check) == *libgtest-dev* ]]
+[[ $(packages_of web) == $'nodejs\nnpm' ]]
 # A misspelt name of a package would be found missing on every machine.
 if command -v apt-cache >/dev/null && apt-cache show g++ >/dev/null 2>&1; then
-  for package in $(packages_of run check develop); do
+  for package in $(packages_of run web check develop); do
     apt-cache show "$package" >/dev/null 2>&1 || {
       echo "scripts/packages.txt: Debian knows no package $package"
       exit 1

@@ -1,50 +1,170 @@
 #!/usr/bin/env bash
-# ./start on machines that cannot install: played by stand-ins for apt-get, sudo and dpkg-query.
+# ./start on machines that lack something: played by stand-ins for apt-get, dpkg, node, npm and ninja
+# on a PATH of its own.
 set -euo pipefail
 tree=$(mktemp -d)
 trap 'rm -rf "$tree"' EXIT
-mkdir -p "$tree/repo/scripts" "$tree/bin"
-cp start "$tree/repo/"
-cp scripts/lib.sh scripts/packages.txt "$tree/repo/scripts/"
+repo=$tree/repo bin=$tree/bin
+mkdir -p "$repo/scripts" "$repo/protocol" "$repo/web/src" "$repo/build/release" "$bin"
+cp start "$repo/"
+cp scripts/lib.sh scripts/packages.txt "$repo/scripts/"
 
 stand_in() { # <program>, its script on standard input
-  { echo '#!/bin/bash' && cat; } >"$tree/bin/$1"
-  chmod +x "$tree/bin/$1"
+  { echo '#!/bin/bash' && cat; } >"$bin/$1"
+  chmod +x "$bin/$1"
 }
-# Everything of [run] is installed but two packages; one of them was removed once.
-stand_in dpkg-query <<'EOF'
-for p in g++ cmake ninja-build pkg-config git libeigen3-dev libbullet-dev libassimp-dev \
-  libtinyxml2-dev libtomlplusplus-dev libcli11-dev nlohmann-json3-dev libhdf5-dev; do
-  echo "installed $p"
+for tool in bash env sed tr grep dirname readlink mkdir chmod cat tail tee touch nproc awk find; do
+  ln -s "$(command -v "$tool")" "$bin/$tool" 2>/dev/null || true
 done
+# Knows as installed what the file says; one package was removed once.
+stand_in dpkg-query <<EOF
+while read -r p; do echo "installed \$p"; done <"$tree/installed"
 echo "config-files libpng-dev"
 EOF
-stand_in apt-get <<'EOF'
+stand_in dpkg <<EOF
+[[ -f $tree/node-is-debians ]] && echo "nodejs: \$2"
+EOF
+stand_in apt-get <<EOF
+echo "\$*" >>"$tree/apt-was-asked"
+if [[ \$* == *install* && -x $tree/apt-installs ]]; then exec "$tree/apt-installs"; fi
 echo "E: Failed to fetch: Temporary failure resolving" >&2
 exit 100
 EOF
-# A PATH of the system without its sudo.
-for tool in bash env sed tr grep dirname readlink mkdir cat tail nproc awk find; do
-  ln -s "$(command -v "$tool")" "$tree/bin/$tool" 2>/dev/null || true
+
+start() { # [argument ...]: what ./start says, in $said, and its status
+  cd /
+  said=$(PATH=$bin "$bin/bash" "$repo/start" "$@" </dev/null 2>&1)
+}
+wrong() {
+  echo "$1; it said:"
+  echo "$said"
+  exit 1
+}
+expect() { grep -qF -- "$1" <<<"$said" || wrong "expected '$1'"; }
+expect_line() { grep -qxF -- "$1" <<<"$said" || wrong "expected the line '$1'"; }
+refuse() { ! grep -qF -- "$1" <<<"$said" || wrong "did not expect '$1'"; }
+went_on() { start "$@" || wrong "./start $* ended with $?"; }
+
+# Everything of [run] is installed but two packages: just these are asked for, and nothing goes on.
+root=$PWD
+# shellcheck source=scripts/lib.sh
+source scripts/lib.sh
+packages_of run | grep -vxF -e libfmt-dev -e libpng-dev >"$tree/installed"
+if start; then wrong "./start went on without packages"; fi
+expect_line 'Missing packages: libfmt-dev libpng-dev'
+if ((EUID == 0)); then
+  expect 'is there a network?'
+  expect 'Temporary failure resolving'
+  expect_line 'Still missing: libfmt-dev libpng-dev'
+  expect_line 'Once there is one: apt-get update && apt-get install --no-install-recommends libfmt-dev libpng-dev'
+else
+  expect_line 'They need root and there is no sudo here. As root: apt-get install --no-install-recommends libfmt-dev libpng-dev'
+fi
+
+# From here on all of [run] is there and the program is built: it says with what it was started.
+packages_of run >"$tree/installed"
+echo "CMAKE_HOME_DIRECTORY:INTERNAL=$repo" >"$repo/build/release/CMakeCache.txt"
+touch "$repo/build/release/build.ninja"
+printf '#!/bin/bash\necho "wholehand $*"\n' >"$repo/build/release/wholehand"
+chmod +x "$repo/build/release/wholehand"
+stand_in ninja <<<'echo "ninja: no work to do."'
+stand_in sudo <<'EOF'
+[[ $1 == -n ]] && shift
+case $1 in true) ;; *) exec "$@" ;; esac
+EOF
+touch -d 2020-01-01 "$repo/web/package.json" "$repo/web/package-lock.json" "$repo/web/src/main.ts" \
+  "$repo/protocol/messages.fbs"
+dist=$repo/web/dist/index.html
+node() { stand_in node <<<"echo $1"; }
+npm_works() {
+  cat <<EOF
+#!/bin/bash
+case \$1 in
+  ci) mkdir -p node_modules && touch node_modules/.package-lock.json ;;
+  run) mkdir -p dist && echo built >dist/index.html ;;
+esac
+EOF
+}
+afresh() { # no node, no npm, no pages, no network
+  rm -rf "$bin/node" "$bin/npm" "$repo/web/dist" "$repo/web/node_modules" "$tree/apt-was-asked" \
+    "$tree/apt-installs" "$tree/node-is-debians"
+}
+without_pages='Going on without pages: the address below says how to build them.'
+
+afresh # no node, and none to be had
+went_on --level 2
+expect_line 'Missing packages: nodejs npm'
+expect 'is there a network?'
+expect_line "$without_pages"
+expect_line 'wholehand run --level 2'
+
+for version in v16.20.2 v18.18.2 v19.9.0 v21.7.3; do # nothing that vite runs on
+  afresh
+  node "$version"
+  npm_works | stand_in npm
+  went_on
+  expect "Node $version ($bin/node) cannot build the pages: they need Node 18.19 or a later 18, any 20, or 22 and newer."
+  expect_line "$without_pages"
+  [[ ! -e $tree/apt-was-asked ]] || wrong "apt-get was asked"
 done
 
-expect() { # <text> <what was said>
-  grep -qF -- "$1" <<<"$2" || {
-    echo "expected '$1', got:"
-    echo "$2"
-    exit 1
-  }
-}
-cd /
-if said=$(PATH="$tree/bin" "$tree/bin/bash" "$tree/repo/start" </dev/null 2>&1); then
-  echo "./start went on without packages"
+afresh # node of another source, without npm: Debian's npm would remove it
+node v20.11.1
+went_on
+expect "Node v20.11.1 ($bin/node) is there but its npm is not, and it is not Debian's. Install npm from where this node came."
+expect_line "$without_pages"
+[[ ! -e $tree/apt-was-asked ]] || wrong "apt-get was asked"
+
+afresh # Debian's node without npm: Debian's npm is installed
+node v18.19.0
+touch "$tree/node-is-debians"
+echo nodejs >>"$tree/installed"
+{
+  echo '#!/bin/bash' && echo "cat >$bin/npm <<'END'" && npm_works && echo END && echo "chmod +x $bin/npm"
+} >"$tree/apt-installs"
+chmod +x "$tree/apt-installs"
+went_on
+expect_line 'Missing packages: npm'
+expect 'Building the pages ...'
+expect_line 'wholehand run'
+refuse 'Going on'
+[[ $(cat "$dist") == built ]] || wrong "the pages are not built"
+
+rm -r "$bin/node" "$bin/npm" "$tree/apt-was-asked" "$repo/web/node_modules" # the pages are current
+went_on
+[[ $said == 'wholehand run' ]] || wrong "pages that are current need neither node nor npm"
+[[ ! -e $tree/apt-was-asked ]] || wrong "apt-get was asked"
+
+touch -d 2020-01-02 "$dist" # older than a source, and npm cannot fetch
+touch -d 2020-01-03 "$repo/web/src/main.ts"
+node v22.1.0
+stand_in npm <<<'echo "npm error network" >&2; exit 1'
+went_on
+expect 'npm error network'
+expect_line 'Going on with the pages built before.'
+expect_line 'wholehand run'
+refuse 'Going on without pages'
+[[ $(cat "$dist") == built ]] || wrong "the old pages are gone"
+
+afresh # what opens no port needs no pages; --port opens one even with a scene
+for arguments in --simulated-clock '--scene a.toml' --scene=a.toml '--motion a.csv' --no-web --help -h; do
+  read -ra words <<<"$arguments"
+  went_on "${words[@]}"
+  [[ $said == "wholehand run $arguments" ]] || wrong "./start $arguments needs no pages"
+done
+went_on --scene a.toml --port 0
+expect_line "$without_pages"
+
+# One range, in words for npm as well.
+cd "$root"
+# shellcheck disable=SC2154
+grep -qF "\"node\": \"$node_engines\"" web/package.json || {
+  echo "engines of web/package.json is not '$node_engines' as in scripts/lib.sh"
   exit 1
-fi
-expect 'Missing packages: libfmt-dev libpng-dev' "$said"
-expect 'apt-get install --no-install-recommends libfmt-dev libpng-dev' "$said"
-if ((EUID == 0)); then
-  expect 'is there a network?' "$said"
-  expect 'Temporary failure resolving' "$said"
-else
-  expect 'there is no sudo here' "$said"
-fi
+}
+for version in v18.19.0 v18.20.4 v20.0.0 v22.0.0 v23.1.0 v24.1.0; do
+  node_fits "$version" || { echo "$version is refused" && exit 1; }
+done
+for version in v8.17.0 v17.9.1 v18.18.9 v19.0.0 v21.0.0 ''; do
+  if node_fits "$version"; then echo "$version is accepted" && exit 1; fi
+done
