@@ -93,16 +93,20 @@ class Validation {
     return device;
   }
 
-  // The hand a device is meant for: the only one among the arguments, else the median one.
-  [[nodiscard]] std::string handFor() const {
+  // The only file of a kind among the arguments, else a shipped one.
+  [[nodiscard]] std::string onlyOr(const std::string& wanted, const std::string& shipped) const {
     std::string only;
-    int hands = 0;
+    int count = 0;
     for (const auto& [other, kind] : kinds_) {
-      if (kind != "hand") continue;
+      if (kind != wanted) continue;
       only = other;
-      ++hands;
+      ++count;
     }
-    return hands == 1 ? only : shippedFile("config/hands/adult-median-right.toml");
+    return count == 1 ? only : shippedFile(shipped);
+  }
+  // The hand a device is meant for.
+  [[nodiscard]] std::string handFor() const {
+    return onlyOr("hand", "config/hands/adult-median-right.toml");
   }
 
   // An axis of a name that no hand knows drives nothing.
@@ -173,7 +177,8 @@ class Validation {
 
   // Every level, with the device among the arguments (else the shipped one) and its gains.
   std::string checkExercise(const std::string& file) {
-    const std::string device_file = deviceFor(file);
+    // Of several devices not each needs to have the axes that an exercise is felt on.
+    const std::string device_file = onlyOr("device", "config/devices/lambda-pride.toml");
     auto rendering = renderingFor(device_file);
     if (!add(rendering)) return {};
     int levels = 1;

@@ -29,7 +29,7 @@ struct ExerciseSource {
   int level = 1;     ///< asked for; the kind checks it against the file
   const DeviceModel* device = nullptr;
   const HandModel* hand = nullptr;
-  std::string scene_path;  ///< as the file names it, relative to the working folder
+  std::string scene_path;  ///< from the working folder; empty where a fault of it is told
 };
 
 /// One kind of exercise: a folder of src/exercise, whose header declares `load`.

@@ -10,11 +10,40 @@
 namespace wholehand {
 
 namespace fs = std::filesystem;
+namespace {
+
+/// Where the scene is that the file names; empty, and told, where it is not.
+std::string readScene(TomlTable& root, const std::string& exercise_path) {
+  const std::string named = root.text("scene");
+  if (!root.good("scene")) return {};
+  const fs::path path = (fs::path(exercise_path).parent_path() / named).lexically_normal();
+  std::error_code error;
+  if (fs::exists(path, error) && !fs::is_directory(path, error)) return path.string();
+  root.fail("scene", "there is no file " + path.string(),
+            "write the path of a scene file, relative to the folder of this file");
+  return {};
+}
+
+/// Where there is no such file: which exercises its folder has.
+Diagnostics namingOthers(Diagnostics faults, const std::string& path) {
+  std::error_code error;
+  if (fs::exists(path, error)) return faults;
+  std::string others;
+  const std::string folder = fs::path(path).parent_path().string();
+  for (const ExerciseFile& other : listExercises(folder.empty() ? "." : folder)) {
+    others += (others.empty() ? "" : ", ") + other.name;
+  }
+  if (others.empty()) return faults;
+  for (Diagnostic& fault : faults) fault.remedy = "exercises there: " + others;
+  return faults;
+}
+
+}  // namespace
 
 Expected<LoadedExercise> loadExercise(const std::string& path, int level, const DeviceModel& device,
                                       const HandModel& hand) {
   TomlFile file(path, "exercise");
-  if (!file.readable()) return file.finish();
+  if (!file.readable()) return namingOthers(file.finish(), path);
   TomlTable& root = file.root();
   std::vector<std::string> names;
   for (const ExerciseKind& kind : kExerciseKinds) names.emplace_back(kind.name);
@@ -25,8 +54,7 @@ Expected<LoadedExercise> loadExercise(const std::string& path, int level, const 
   source.level = level;
   source.device = &device;
   source.hand = &hand;
-  const std::string scene = root.text("scene");
-  source.scene_path = root.good("scene") ? (fs::path(path).parent_path() / scene).string() : "";
+  source.scene_path = readScene(root, path);
   if (!root.good("exercise")) {
     root.skipRest();  // which keys belong here is not known
     return file.finish();

@@ -104,7 +104,7 @@ std::vector<NamedAxis> readAxisNames(TomlTable& root) {
 bool checkNewName(TomlTable& table, const std::string& name,
                   const std::vector<std::string>& earlier) {
   if (std::find(earlier.begin(), earlier.end(), name) == earlier.end()) return true;
-  table.fail("name", "stands twice", "name every axis once");
+  table.fail("name", "stands twice", "name every entry once");
   return false;
 }
 

@@ -177,7 +177,8 @@ TomlFile::TomlFile(const std::string& path, std::string_view kind)
     state->missing.push_back({"kind", "write kind = \"" + std::string(kind) + "\""});
   } else if (root_->good("kind") && found != kind) {
     root_->fail("kind", "is another kind of file",
-                "a " + std::string(kind) + " file is wanted here");
+                std::string(kind == "exercise" ? "an " : "a ") + std::string(kind) +
+                    " file is wanted here");
     readable_ = false;
   }
   const std::int64_t version = root_->integer("version", std::numeric_limits<std::int64_t>::min(),

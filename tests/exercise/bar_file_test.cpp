@@ -136,6 +136,17 @@ TEST(BarFile, WrongValues_AreToldWithTheirKeyAndRemedy) {
       {"lead_in_m = 0.005", "lead_in_m = 0.05", "wall.lead_in_m", "out of range", "0.02"},
       {"release_m = 0.03", "release_m = 0.01", "wall.release_m", "nearer than engage_m",
        "at least engage_m"},
+      // The device's 10 N at the tip, eased by a smoothstep (steepest slope 1.5 / T) of 0.3 s:
+      // 10 N 1.5 / 0.3 s 1 ms = 0.05 N a tick at most.
+      {"engage_s = 1.0", "engage_s = 0.29", "wall.engage_s", "out of range", "0.3"},
+      {"release_s = 0.3", "release_s = 0.29", "wall.release_s", "out of range", "0.3"},
+      {"release_s = 0.3", "release_s = 5.1", "wall.release_s", "out of range", "5"},
+      {"name = \"finger_flexion\"", "name = \"finger_flexoin\"", "wall.axes[finger_flexoin].name",
+       "is no axis of the device", "hand axis"},
+      {"[[dispensers]]",
+       "[[liquids]]\nname = \"lemon\"\ncolor = \"#F6C636\"\npattern = \"stripes\"\n"
+       "symbol = \"triangle\"\nviscosity = 1.0\nstiffness = 1.0\n[[dispensers]]",
+       "liquids[lemon].name", "stands twice", "every entry once"},
       {"name = \"finger_flexion\"", "name = \"x\"", "wall.axes[x].name", "carries the hand",
        "hand's joints"},
       {"stiffness_tip_n_m = 80.0", "stiffness_tip_n_m = -1.0",
@@ -202,6 +213,28 @@ TEST(BarFile, SceneThatDoesNotFit_IsToldOfTheBody) {
   expectOneFault(counter, {"", "", "scene", "no box named counter", "add it"});
 }
 
+TEST(BarFile, SceneThatIsNotThere_IsToldByTheKeyOfTheExercise) {
+  SpoiltBar bar;
+  bar.inBar("scene = \"../scenes/cocktail-bar.toml\"", "scene = \"../scenes/none.toml\"");
+  const Diagnostics faults = bar.faults();
+  ASSERT_EQ(faults.size(), 1U) << format(faults);
+  EXPECT_TRUE(faults[0].file.ends_with("exercises/bar.toml"));
+  EXPECT_EQ(faults[0].key, "scene");
+  EXPECT_NE(faults[0].value.find("../scenes/none.toml"), std::string::npos) << faults[0].value;
+  EXPECT_EQ(faults[0].problem.find(".."), std::string::npos) << faults[0].problem;
+  EXPECT_NE(faults[0].problem.find("/scenes/none.toml"), std::string::npos) << faults[0].problem;
+  EXPECT_NE(faults[0].remedy.find("relative to the folder"), std::string::npos);
+}
+
+TEST(BarFile, FaultInTheScene_NamesItsPathWithoutDetours) {
+  SpoiltBar bar;
+  bar.inScene("hand_friction = 0.8", "hand_friction = 8.0");
+  const Diagnostics faults = bar.faults();
+  ASSERT_EQ(faults.size(), 1U) << format(faults);
+  EXPECT_TRUE(faults[0].file.ends_with("/scenes/cocktail-bar.toml")) << faults[0].file;
+  EXPECT_EQ(faults[0].file.find(".."), std::string::npos) << faults[0].file;
+}
+
 TEST(BarFile, FaultsInFileAndScene_AreAllTold) {
   SpoiltBar bar;
   bar.inBar("lead_in_m = 0.005", "lead_in_m = 0.5");
@@ -224,10 +257,17 @@ TEST(BarFile, NoSuchLevelOrFile_IsTold) {
   const auto none = loadExercise("/no/such.toml", 1, shippedDevice(), shippedHand());
   ASSERT_FALSE(none.ok());
   EXPECT_NE(format(none.errors()).find("/no/such.toml"), std::string::npos);
+  const auto misspelt =
+      loadExercise(config("exercises/coctail-bar.toml"), 1, shippedDevice(), shippedHand());
+  ASSERT_FALSE(misspelt.ok());
+  EXPECT_NE(misspelt.errors()[0].file.find("coctail-bar.toml"), std::string::npos);
+  EXPECT_TRUE(misspelt.errors()[0].remedy.starts_with("exercises there: cocktail-bar, "))
+      << misspelt.errors()[0].remedy;
   const auto scene =
       loadExercise(config("scenes/cocktail-bar.toml"), 1, shippedDevice(), shippedHand());
   ASSERT_FALSE(scene.ok());
   EXPECT_NE(format(scene.errors()).find("another kind of file"), std::string::npos);
+  EXPECT_EQ(scene.errors()[0].remedy, "an exercise file is wanted here");
   const auto free =
       loadExercise(config("exercises/free-grasping.toml"), 2, shippedDevice(), shippedHand());
   ASSERT_FALSE(free.ok());

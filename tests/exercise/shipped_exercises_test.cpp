@@ -114,13 +114,27 @@ TEST(ShippedExercises, StiffestWalls_LeaveTheLoopStableWithAnyPersonAndObject) {
   expectAdmissibleWalls("wrist-9axis", "adult-median-right");
 }
 
-TEST(ShippedExercises, DeviceWithoutFingers_HasNoWalls) {
+TEST(ShippedExercises, BarOnADeviceWithoutFingers_IsRefusedSayingWhatWouldDo) {
   const DeviceModel device = loadDeviceFile(config("devices/desktop-3axis.toml")).value();
   const HandModel hand =
       assembleHand(loadHandFile(config("hands/adult-median-right.toml")).value(), device).value();
-  const auto loaded = loadExercise(config("exercises/cocktail-bar.toml"), 4, device, hand);
-  ASSERT_TRUE(loaded.ok()) << format(loaded.errors());
-  EXPECT_TRUE(loaded->walls.empty());
+  for (const char* name : {"cocktail-bar.toml", "cocktail-bar-free.toml"}) {
+    const std::string path = config("exercises/") + name;
+    const auto loaded = loadExercise(path, 1, device, hand);
+    ASSERT_FALSE(loaded.ok()) << "nobody could squeeze";
+    ASSERT_EQ(loaded.errors().size(), 2U) << format(loaded.errors());  // one an axis
+    const char* const axes[] = {"finger_flexion", "thumb_flexion"};
+    for (std::size_t i = 0; i < 2; ++i) {
+      const Diagnostic& fault = loaded.errors()[i];
+      EXPECT_EQ(fault.file, path);
+      EXPECT_GT(fault.line, 0);
+      EXPECT_EQ(fault.key, std::string("wall.axes[") + axes[i] + "].name");
+      EXPECT_NE(format(fault).find(device.path), std::string::npos) << format(fault);
+      EXPECT_NE(fault.remedy.find("--scene F --motion F"), std::string::npos) << fault.remedy;
+    }
+  }
+  const auto free = loadExercise(config("exercises/free-grasping.toml"), 1, device, hand);
+  EXPECT_TRUE(free.ok()) << format(free.errors());
 }
 
 TEST(ShippedExercises, LeftHand_HasTheMirrorImageOfTheReach) {

@@ -28,7 +28,8 @@ void readWallAxis(NamedAxis& named, const DeviceModel& device, FingerWallConfig&
     const std::optional<AxisKind> kind = knownAxisKind(named.name);
     if (kind) {  // what it takes to feel a liquid is not there; its keys are checked all the same
       named.table.fail("name", "the device " + device.path + " has no such axis",
-                       "take a device that has it; --scene F --motion F plays a motion on any");
+                       "take a device that has it; without the bar any plays a motion: "
+                       "--scene F --motion F");
       (void)readAxisQuantity(named.table, kStiffness, *kind, 1.0);
       (void)readAxisQuantity(named.table, kDamping, *kind, 1.0);
     } else {
