@@ -1,0 +1,10 @@
+#pragma once
+
+#include "exercise/exercise_kind.hpp"
+
+/// Holding the hand still for a while: as little of an exercise as tells that it runs.
+namespace wholehand::hold_still {
+
+[[nodiscard]] Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source);
+
+}  // namespace wholehand::hold_still
