@@ -8,12 +8,21 @@ const AXE = readFileSync(require.resolve('axe-core/axe.min.js'), 'utf8');
 // Only 3D goes to the software renderer: pages and plots are drawn by the processor directly.
 const SOFTWARE_3D = ['--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist', '--disable-gpu-rasterization', '--disable-accelerated-2d-canvas'];
 
-export function openBrowser({ with3d = true, args = [] } = {}) {
-  return chromium.launch({
+// What the restart test cuts off; only while it does may these fail.
+const CUT_OFF = ['/ws', '/api/recordings'];
+// Notices about drawing in software, no faults. Chromium tells WebGL's errors as warnings too.
+const SOFTWARE_NOTICES = [/GPU stall due to ReadPixels/, /Automatic fallback to software WebGL/];
+// Our own words, in a browser that was opened without 3D.
+const WITHOUT_3D = /cannot be drawn here: Error: WebGL 2 is not there/;
+
+export async function openBrowser({ with3d = true, args = [] } = {}) {
+  const browser = await chromium.launch({
     executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
     headless: true,
     args: ['--no-sandbox', ...(with3d ? SOFTWARE_3D : ['--disable-3d-apis']), ...args],
   });
+  browser.with3d = with3d;
+  return browser;
 }
 
 /** Address of a page of the program; WHOLEHAND_PAGES takes the pages from a development server instead. */
@@ -25,15 +34,37 @@ export function pageUrl(programUrl, path, query = {}) {
   return url.href;
 }
 
-/** A page that remembers its own errors. */
+const pathOf = (url) => (/^\w+:\/\//.test(url) ? new URL(url).pathname : url);
+
+/** What a message of a page's console says went wrong, or null. `cutOff`: the restart test has ended the program. */
+function faultOf(message, { with3d, cutOff }) {
+  const text = message.text();
+  if (/WebGL|\bGL_/.test(text) && ['warning', 'error'].includes(message.type())) {
+    const known = SOFTWARE_NOTICES.some((notice) => notice.test(text)) || (!with3d && WITHOUT_3D.test(text));
+    return known ? null : text;
+  }
+  if (message.type() !== 'error') return null;
+  // Answers that refuse are counted as answers, with their address.
+  if (text.startsWith('Failed to load resource: the server responded')) return null;
+  const address = text.startsWith('Failed to load resource') ? message.location().url : text.match(/^WebSocket connection to '([^']+)'/)?.[1];
+  if (address === undefined) return text;
+  return cutOff && CUT_OFF.includes(pathOf(address)) ? null : `${text} (${address})`;
+}
+
+/** A page that remembers its own errors, and what it was refused. */
 export async function openPage(browser, url, { width = 1280, height = 800, locale = 'en-GB', ...more } = {}) {
   const context = await browser.newContext({ viewport: { width, height }, locale, ...more });
   const page = await context.newPage();
   page.faults = [];
+  page.cutOff = false;
   page.on('pageerror', (error) => page.faults.push(error.message));
+  page.on('response', (answer) => {
+    const excused = page.cutOff && CUT_OFF.includes(pathOf(answer.url()));
+    if (answer.status() >= 400 && !excused) page.faults.push(`${answer.status()} ${answer.url()}`);
+  });
   page.on('console', (message) => {
-    // Expected, and said by the browser itself: a program that is down, a browser opened without 3D.
-    if (message.type() === 'error' && !/WebSocket|ERR_CONNECTION|Failed to load resource|WebGL/.test(message.text())) page.faults.push(message.text());
+    const fault = faultOf(message, { with3d: browser.with3d, cutOff: page.cutOff });
+    if (fault !== null) page.faults.push(fault);
   });
   // Not until everything is loaded: a page that draws in software keeps its own machine busy.
   await page.goto(url, { waitUntil: 'commit', timeout: 120_000 });

@@ -9,9 +9,13 @@ const VIEWS = [
   { file: 'console-dark.png', path: '/console', query: { theme: 'dark' } },
 ];
 
-/** Software rendering takes a second or more a frame in full quality. */
+// The virtual patient pours into every drink, over and over.
+const POURING_WITHIN_MS = 120_000;
+
+/** Software rendering takes a second or more a frame in full quality. A picture whose moment never came is kept, and is a fault. */
 export async function takePictures(browser, programUrl, folder, watcher) {
   const taken = [];
+  const faults = [];
   for (const { file, path, query, click, stage } of VIEWS) {
     const page = await openPage(browser, pageUrl(programUrl, path, { lang: 'en', quality: 'high', ...query }));
     if (click) {
@@ -22,12 +26,16 @@ export async function takePictures(browser, programUrl, folder, watcher) {
     await page.waitForFunction(() => window.wholehandStats?.quality === 'high', null, { timeout: 300_000 });
     const frames = await page.evaluate(() => window.wholehandStats.frames);
     await page.waitForFunction((n) => window.wholehandStats.frames >= n + 4, frames, { timeout: 300_000 });
-    if (stage !== undefined) await watcher.until('pouring', (now) => now.values.stage === stage && now.values.poured_l > 0.2 * now.values.asked_l, { within_ms: 60_000 }).catch(() => null);
+    if (stage !== undefined) {
+      const pouring = (now) => now.values.stage === stage && now.values.poured_l > 0.2 * now.values.asked_l;
+      await watcher.until('pouring', pouring, { within_ms: POURING_WITHIN_MS }).catch((error) => faults.push(`${file} does not show what it should: ${error.message}`));
+    }
     // Nothing more is drawn: taking the picture does not wait for the next one.
     await page.evaluate(() => { window.requestAnimationFrame = () => 0; });
     await page.screenshot({ path: join(folder, file), timeout: 180_000 });
     taken.push(file);
+    faults.push(...page.faults.map((fault) => `${file}: ${fault}`));
     await page.context().close();
   }
-  return taken;
+  return { taken, faults };
 }

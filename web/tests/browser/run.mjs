@@ -21,6 +21,9 @@ const OUTPUT = resolve(options.out ?? join(WEB, 'test-output', 'browser'));
 const FILE = resolve(options.program ?? join(WEB, '..', 'build', 'release', 'wholehand'));
 const SCRIPT_MS = 8;
 const FRAMES_HZ = 15;
+// Load of a core above which others use this machine too.
+const BUSY = 0.6;
+const IDLE_WITHIN_S = 60;
 const CORES = typeof availableParallelism === 'function' ? availableParallelism() : cpus().length;
 
 const results = [];
@@ -41,16 +44,25 @@ async function test(name, run) {
   }
 }
 
+/** Waits for an idle machine, at most a minute: what ran before is still in the mean of its load. */
+async function idleMachine() {
+  const began_ms = Date.now();
+  const load = () => loadavg()[0] / CORES;
+  const waited_s = () => (Date.now() - began_ms) / 1000;
+  while (load() >= BUSY && waited_s() < IDLE_WITHIN_S) await new Promise((resolve) => setTimeout(resolve, 1000));
+  return { load: load(), waited_s: waited_s() };
+}
+
 /** Figures of a page; gates that need an idle machine hold only on one. */
 async function costOf(browser, programUrl, name, path) {
-  const load = loadavg()[0] / CORES;
+  const { load, waited_s } = await idleMachine();
   const figures = await checks.cost(browser, programUrl, path);
-  const words = `${figures.fps.toFixed(1)} frames/s in low quality, script ${figures.script_cpu_ms_mean.toFixed(2)} ms of processor a frame, p95 ${figures.script_ms_p95.toFixed(2)} ms by the clock, state age p99 ${figures.state_age_ms_p99?.toFixed?.(0) ?? '-'} ms; load ${load.toFixed(2)} a core`;
-  writeFileSync(join(OUTPUT, `cost-${name}.json`), `${JSON.stringify({ ...figures, load_per_core: load }, null, 2)}\n`);
+  const words = `${figures.fps.toFixed(1)} frames/s in low quality, script ${figures.script_cpu_ms_mean.toFixed(2)} ms of processor a frame, p95 ${figures.script_ms_p95.toFixed(2)} ms by the clock, state age p99 ${figures.state_age_ms_p99?.toFixed?.(0) ?? '-'} ms; load ${load.toFixed(2)} a core after waiting ${waited_s.toFixed(0)} s`;
+  writeFileSync(join(OUTPUT, `cost-${name}.json`), `${JSON.stringify({ ...figures, load_per_core: load, waited_s }, null, 2)}\n`);
   console.log(`figure ${name}: ${words}`);
   checks.expect(figures.faults.length === 0, figures.faults.join('\n'));
   checks.expect(figures.script_cpu_ms_mean <= SCRIPT_MS, `script above ${SCRIPT_MS} ms of processor a frame: ${words}`);
-  if (load > 0.6) return 'others use this machine: frames and clock printed, not gated';
+  if (load >= BUSY) return 'others use this machine: frames and clock printed, not gated';
   checks.expect(figures.script_ms_p95 <= SCRIPT_MS, `script p95 above ${SCRIPT_MS} ms: ${words}`);
   if (name === 'game') checks.expect(figures.fps >= FRAMES_HZ, `fewer than ${FRAMES_HZ} frames/s: ${words}`);
   return '';
@@ -80,11 +92,6 @@ try {
     program = next;
     return words;
   });
-  await test('no fault was logged by the pages', async () => {
-    const faults = [...game.faults, ...watcher.page.faults];
-    checks.expect(faults.length === 0, faults.join('\n'));
-    return '';
-  });
   await game.context().close();
   await test('another level is loaded', () => checks.anotherLevelIsLoaded(watcher));
   await test('pages are accessible', () => checks.pagesAreAccessible(plain, program.url));
@@ -92,8 +99,18 @@ try {
   await test('cost of the game', () => costOf(drawing, program.url, 'game', '/'));
   await test('cost of the console', () => costOf(drawing, program.url, 'console', '/console'));
   // Before the touch: who takes over there plays level 1.
-  await test('pictures in full quality', async () => `${(await takePictures(drawing, program.url, OUTPUT, watcher)).join(', ')} in ${OUTPUT}`);
+  await test('pictures in full quality', async () => {
+    const { taken, faults } = await takePictures(drawing, program.url, OUTPUT, watcher);
+    const words = `${taken.join(', ')} in ${OUTPUT}`;
+    checks.expect(faults.length === 0, `${faults.join('\n')}\n${words}`);
+    return words;
+  });
   await test('touch moves and squeezes', () => checks.touchMovesAndSqueezes(plain, program.url, watcher));
+  await test('no fault was logged by the pages', async () => {
+    const faults = [...game.faults, ...watcher.page.faults];
+    checks.expect(faults.length === 0, faults.join('\n'));
+    return '';
+  });
 } finally {
   await drawing.close();
   await plain.close();
