@@ -96,6 +96,20 @@ TEST(ParameterRamps, Reset_IsAtTheStartAtOnceAndWantsNothingElse) {
   EXPECT_EQ(ramps.values()[0], 2.0);
 }
 
+TEST(ParameterRamps, StartElsewhere_IsWhereItIsAfterReset) {
+  ParameterRamps ramps = twoRamps();
+  ramps.startAt(0, 5.0);
+  for (const double value : {0.999, 8.001, kNaN, kInfinity}) ramps.startAt(0, value);
+  for (const int index : {-1, 2, kMaxLiveParameters}) ramps.startAt(index, 0.5);
+  EXPECT_EQ(ramps.values()[0], 2.0);  // no jump before the reset
+  ramps.reset();
+  EXPECT_EQ(ramps.values()[0], 5.0);
+  EXPECT_EQ(ramps.values()[1], 0.0);
+  EXPECT_EQ(ramps.atStart()[0], 5.0);
+  ramps.advance(100, kPeriod_s);
+  EXPECT_EQ(ramps.values()[0], 5.0);  // and it wants nothing else
+}
+
 TEST(ParameterRamps, MoreThanThereIsRoomFor_TheFirstOnesWork) {
   std::vector<LiveParameter> many;
   for (int i = 0; i < kMaxLiveParameters + 6; ++i) {

@@ -1,0 +1,198 @@
+"""`wholehand run` with pages: the port it opens or does not open, Ctrl-C, and what is refused."""
+import json
+import os
+import pathlib
+import signal
+import socket
+import time
+import unittest
+import urllib.request
+
+from app import CONFIG, DONE, INTERRUPTED, AppTest, read_recording
+
+
+def inet_sockets(pid):
+    """What a process has open towards the network: (protocol, local address, port, state), hexadecimal."""
+    inodes = set()
+    for descriptor in pathlib.Path(f"/proc/{pid}/fd").iterdir():
+        try:
+            target = os.readlink(descriptor)
+        except FileNotFoundError:  # closed meanwhile
+            continue
+        if target.startswith("socket:["):
+            inodes.add(target[len("socket:["):-1])
+    found = []
+    for protocol in ("tcp", "tcp6", "udp", "udp6", "raw", "raw6"):
+        table = pathlib.Path(f"/proc/{pid}/net/{protocol}")
+        if not table.exists():
+            continue
+        for line in table.read_text().splitlines()[1:]:
+            fields = line.split()
+            if fields[9] in inodes:
+                address, port = fields[1].split(":")
+                found.append((protocol, address, int(port, 16), fields[3]))
+    return found
+
+
+def catches(pid, number):
+    """Has this process a handler for the signal?"""
+    status = pathlib.Path(f"/proc/{pid}/status").read_text()
+    return int(status.split("SigCgt:")[1].split()[0], 16) >> (number - 1) & 1 == 1
+
+
+LISTENS = "0A"
+THIS_MACHINE = "0100007F"  # 127.0.0.1 as /proc/net writes it on a little-endian machine
+
+
+class Pages(AppTest):
+    def start_waiting(self, *arguments):
+        """The program with its pages, rendering nothing; and the address it prints first."""
+        run = self.start_app("run", "--wait", "--port", 0, *arguments)
+        url = run.stdout.readline().strip()
+        self.assertRegex(url, r"^http://127\.0\.0\.1:\d+/$")
+        return run, url
+
+    def health(self, url):
+        with urllib.request.urlopen(url + "healthz", timeout=5) as answer:
+            self.assertEqual(answer.status, 200)
+            return json.load(answer)
+
+    def end(self, run, code):
+        # Until it catches Ctrl-C nothing is rendered, and the signal's own end is as good.
+        until = time.monotonic() + 20.0
+        while not catches(run.pid, signal.SIGINT) and time.monotonic() < until:
+            time.sleep(0.01)
+        run.send_signal(signal.SIGINT)
+        said, complained = run.communicate(timeout=20)
+        self.assertEqual(run.returncode, code, said + complained)
+        self.assertEqual(complained, "")
+
+    def test_address_comes_first_and_answers_for_this_machine_only(self):
+        run, url = self.start_waiting("--duration", 600)
+        health = self.health(url)
+        self.assertIs(health["healthy"], True)
+        self.assertEqual(health["run_state"], "disarmed")  # --wait: nobody asked for it yet
+        self.assertEqual(health["ticks"], 0)
+        port = int(url.split(":")[2].rstrip("/"))
+        self.assertIn(("tcp", THIS_MACHINE, port, LISTENS), inet_sockets(run.pid))
+        listening = [s for s in inet_sockets(run.pid) if s[3] == LISTENS or not s[0].startswith("tcp")]
+        self.assertEqual(len(listening), 1, listening)  # and no UDP
+        self.end(run, INTERRUPTED)  # before its 600 s were over
+
+    def test_ctrl_c_ends_an_endless_run(self):
+        run, _ = self.start_waiting()
+        self.end(run, INTERRUPTED)
+        self.assertEqual(self.names_in(self.folder), [])  # nothing was armed, nothing was written
+
+    def test_waiting_ends_by_itself(self):
+        began = time.monotonic()
+        run, _ = self.start_waiting("--duration", 1)
+        said, complained = run.communicate(timeout=20)
+        self.assertEqual(run.returncode, DONE, said + complained)
+        self.assertGreater(time.monotonic() - began, 1.0)
+
+    def test_ctrl_c_while_it_renders_ramps_and_closes_the_recording(self):
+        run = self.start_app("run", "--port", 0, "--duration", 600, "--record", "run.h5")
+        url = run.stdout.readline().strip()
+        until = time.monotonic() + 20.0
+        while self.health(url)["ticks"] < 1000 and time.monotonic() < until:
+            time.sleep(0.1)
+        self.assertEqual(self.health(url)["run_state"], "rendering")
+        self.end(run, INTERRUPTED)
+        with read_recording(self.folder / "run.h5") as recording:
+            self.assertGreater(len(recording["ticks/tick"]), 500)
+            self.assertEqual(recording["ticks/authority"][-1], 0.0)
+            self.assertFalse(recording["ticks/sent"][-1].any())
+        self.expect_same_when_run_again("run.h5")
+
+    def test_busy_port_is_said(self):
+        with socket.create_server(("127.0.0.1", 0)) as taken:
+            port = taken.getsockname()[1]
+            result = self.run_app("run", "--port", port, "--duration", 3, "--record", "kept/run.h5",
+                                  "--json", "kept/run.json", timeout=20)
+            self.expect_refused(result, "port", f"127.0.0.1:{port}", "in use", lines=1)
+            self.assertEqual(result.out, "")
+        self.assertEqual(self.names_in(self.folder), [])  # no folder for what was not made
+
+    def test_run_with_pages_sums_up_as_one_without(self):
+        result = self.run_app("run", "--port", 0, "--duration", 1, "--record", "run.h5", "--json", "run.json")
+        self.expect(result, DONE, "cocktail-bar, level 1 of 4", "Done after 1", "run.h5")
+        summary = json.loads((self.folder / "run.json").read_text())
+        self.assertEqual((summary["faults"], summary["interrupted"]), (0, False))
+        with read_recording(self.folder / "run.h5") as recording:
+            self.assertEqual(len(recording["ticks/tick"]), summary["ticks"])
+        self.expect_same_when_run_again("run.h5")
+
+    def expect_no_socket(self, *arguments):
+        run = self.start_app("run", *arguments, "--json", "run.json")
+        looked = 0
+        until = time.monotonic() + 20.0
+        while run.poll() is None and time.monotonic() < until:
+            try:
+                found = inet_sockets(run.pid)
+            except (FileNotFoundError, ProcessLookupError):  # it ended
+                break
+            self.assertEqual(found, [])
+            looked += 1
+            time.sleep(0.01)
+        said, complained = run.communicate(timeout=20)
+        self.assertEqual(run.returncode, DONE, said + complained)
+        self.assertGreater(json.loads((self.folder / "run.json").read_text())["ticks"], 900)
+        self.assertGreater(looked, 5)
+        self.assertNotIn("http", said)
+
+    def test_no_web_opens_no_port(self):
+        self.expect_no_socket("--no-web", "--duration", 1)
+
+    def test_simulated_clock_opens_no_port(self):
+        self.expect_no_socket("--simulated-clock", "--duration", 10)
+
+
+class Refused(AppTest):
+    def test_what_is_refused_is_named(self):
+        scene = CONFIG / "scenes/table.toml"
+        for arguments, texts in (
+                (["--level", 99], ["level", "99", "1 .. 4"]),
+                (["--level", 0], ["--level", "0"]),
+                (["--level", "two"], ["--level", "two"]),
+                (["--exercise", "nosuch"], ["nosuch"]),
+                (["--exercise", "none/nosuch.toml"], ["none/nosuch.toml"]),
+                (["--exercise", scene], ["table.toml", "kind"]),  # a file of another kind
+                (["--exercise", "cocktail-bar", "--scene", scene], ["--exercise", "--scene"]),
+                (["--exercise", "cocktail-bar", "--motion", "m.csv"], ["--exercise", "--motion"]),
+                (["--level", 2, "--scene", scene], ["--level"]),
+        ):
+            for how in (["--simulated-clock"], ["--port", 0, "--wait"], ["--no-web"]):
+                with self.subTest(arguments=arguments, how=how):
+                    result = self.run_app("run", *arguments, *how, "--duration", 1, timeout=20)
+                    self.expect_refused(result, *texts)
+                    self.assertLessEqual(len(result.err.splitlines()), 2, result)
+        self.assertEqual(self.names_in(self.folder), [])
+
+    def test_doors_of_a_run_that_opens_none_are_refused(self):
+        for door in (["--port", 0], ["--wait"], ["--udp", 0], ["--address", "127.0.0.1"],
+                     ["--token", "0123456789abcdef"]):
+            for how in ("--simulated-clock", "--no-web"):
+                with self.subTest(door=door, how=how):
+                    self.expect_refused(self.run_app("run", *door, how, "--duration", 1, timeout=20),
+                                        door[0], how, lines=1)
+        self.assertEqual(self.names_in(self.folder), [])
+
+    def test_open_to_others_only_with_a_token(self):
+        for address in ("0.0.0.0", "::", "192.0.2.1"):
+            for token in ([], ["--token", ""], ["--token", "short"]):
+                with self.subTest(address=address, token=token):
+                    result = self.run_app("run", "--wait", "--port", 0, "--address", address, *token,
+                                          "--duration", 3, timeout=20)
+                    self.expect_refused(result, address, "token", "16 characters", lines=1)
+                    self.assertEqual(result.out, "")  # no address was printed: nothing listened
+
+    def test_port_that_is_none(self):
+        for port in ("65536", "-1", "http"):
+            with self.subTest(port):
+                self.expect_refused(self.run_app("run", "--port", port, "--duration", 1, timeout=20), "--port",
+                                    port)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
