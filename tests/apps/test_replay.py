@@ -29,7 +29,8 @@ def flip_last_bit(path, dataset, row, column=None):
 class Same(AppTest):
     CASES = {
         "six axes": [],
-        "three axes": ["--device", CONFIG / "devices/desktop-3axis.toml"],
+        "three axes": ["--scene", CONFIG / "scenes/four-shapes.toml", "--device",
+                       CONFIG / "devices/desktop-3axis.toml"],
         "nine axes": ["--device", CONFIG / "devices/wrist-9axis.toml"],
         "left hand": ["--hand", CONFIG / "hands/adult-median-left.toml"],
         "at 2 kHz": ["--rate-hz", "2000"],
