@@ -141,10 +141,6 @@ TEST(LiveSettings, AxisWithoutLeverArmBesideOneWithIt_GoesByRatio) {
   EXPECT_NEAR(now.limit[1], 0.15, tolerance(1e-15));
 }
 
-TEST(LiveSettings, NoAxes_NoParameters) {
-  EXPECT_TRUE(LiveSettings().parameters().empty());
-}
-
 TEST(LiveSettings, UpperEnd_IsTheDevicesLimitBitByBit) {
   for (const char* device : {"lambda-pride", "desktop-3axis", "wrist-9axis"}) {
     const Therapy t = shipped(device);
@@ -157,6 +153,21 @@ TEST(LiveSettings, UpperEnd_IsTheDevicesLimitBitByBit) {
         EXPECT_EQ(now.limit[i], t.device_limit[i]) << device << ", axis " << i;
       }
     }
+  }
+}
+
+TEST(LiveSettings, UpperEndWhereQuotientsAreRounded_IsTheDevicesLimitBitByBit) {
+  // (limit / lever arm) · lever arm is often a bit less than the limit.
+  std::mt19937_64 random = seededRandom(33);
+  std::uniform_real_distribution limit(0.1, 20.0), lever_m(0.01, 0.2);
+  for (int k = 0; k < cases(100); ++k) {
+    const Therapy t =
+        madeOf({axisOf("x", AxisKind::kTranslation, AxisGroup::kBase, limit(random), 0.0),
+                axisOf("roll", AxisKind::kRotation, AxisGroup::kBase, limit(random), 0.0),
+                axisOf("f", AxisKind::kRotation, AxisGroup::kHand, limit(random), lever_m(random)),
+                axisOf("g", AxisKind::kRotation, AxisGroup::kHand, limit(random), 0.0)});
+    const auto now = t.at({});
+    for (int i = 0; i < 4; ++i) ASSERT_EQ(now.limit[i], t.device_limit[i]) << "axis " << i;
   }
 }
 
