@@ -8,7 +8,7 @@ const AXE = readFileSync(require.resolve('axe-core/axe.min.js'), 'utf8');
 // Only 3D goes to the software renderer: pages and plots are drawn by the processor directly.
 const SOFTWARE_3D = ['--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist', '--disable-gpu-rasterization', '--disable-accelerated-2d-canvas'];
 
-// What the restart test cuts off; only while it does may these fail.
+// What is asked of the program by a page that has lost it: only where `cutOff` says so may these fail.
 const CUT_OFF = ['/ws', '/api/recordings'];
 // Notices about drawing in software, no faults. Chromium tells WebGL's errors as warnings too.
 const SOFTWARE_NOTICES = [/GPU stall due to ReadPixels/, /Automatic fallback to software WebGL/];
@@ -36,7 +36,7 @@ export function pageUrl(programUrl, path, query = {}) {
 
 const pathOf = (url) => (/^\w+:\/\//.test(url) ? new URL(url).pathname : url);
 
-/** What a message of a page's console says went wrong, or null. `cutOff`: the restart test has ended the program. */
+/** What a message of a page's console says went wrong, or null. `cutOff`: the page may have lost the program. */
 function faultOf(message, { with3d, cutOff }) {
   const text = message.text();
   if (/WebGL|\bGL_/.test(text) && ['warning', 'error'].includes(message.type())) {
@@ -52,11 +52,11 @@ function faultOf(message, { with3d, cutOff }) {
 }
 
 /** A page that remembers its own errors, and what it was refused. */
-export async function openPage(browser, url, { width = 1280, height = 800, locale = 'en-GB', ...more } = {}) {
+export async function openPage(browser, url, { width = 1280, height = 800, locale = 'en-GB', cutOff = false, ...more } = {}) {
   const context = await browser.newContext({ viewport: { width, height }, locale, ...more });
   const page = await context.newPage();
   page.faults = [];
-  page.cutOff = false;
+  page.cutOff = cutOff;
   page.on('pageerror', (error) => page.faults.push(error.message));
   page.on('response', (answer) => {
     const excused = page.cutOff && CUT_OFF.includes(pathOf(answer.url()));

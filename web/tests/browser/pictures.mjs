@@ -17,7 +17,8 @@ export async function takePictures(browser, programUrl, folder, watcher) {
   const taken = [];
   const faults = [];
   for (const { file, path, query, click, stage } of VIEWS) {
-    const page = await openPage(browser, pageUrl(programUrl, path, { lang: 'en', quality: 'high', ...query }));
+    // On a busy machine a page that draws this slowly loses its line for a moment, and asks why.
+    const page = await openPage(browser, pageUrl(programUrl, path, { lang: 'en', quality: 'high', ...query }), { cutOff: true });
     if (click) {
       await page.waitForSelector(click, { timeout: 240_000 });
       // Not page.click: it waits for several pictures of a button that does not move.
