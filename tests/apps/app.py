@@ -17,6 +17,9 @@ SEED = int(os.environ.get("WHOLEHAND_SEED", "1"))
 CONFIG = SOURCE / "config"
 MOTION = SOURCE / "data/human-motion/reach-grasp-00.csv"
 
+# `run` alone opens the bar; with a motion it grasps freely and ends by itself.
+FREE_RUN = ("run", "--motion", MOTION)
+
 DONE, DIFFERENT, BAD_INPUT, FAULT, INTERRUPTED = 0, 1, 2, 3, 130
 STOP_REQUESTED = 1 << 10  # docs/recording.md, bits of `faults`
 
@@ -80,7 +83,8 @@ class AppTest(unittest.TestCase):
 
     def record(self, name="run.h5", *arguments, duration=1.5, code=DONE, simulated=True):
         clock = ["--simulated-clock"] if simulated else []
-        self.expect(self.run_app("run", *clock, "--duration", duration, "--record", name, *arguments),
+        run = ("run",) if {"--motion", "--exercise", "--level"} & set(arguments) else FREE_RUN
+        self.expect(self.run_app(*run, *clock, "--duration", duration, "--record", name, *arguments),
                     code)
         return self.folder / name
 

@@ -120,7 +120,7 @@ class Pages(AppTest):
         summary = json.loads((self.folder / "run.json").read_text())
         self.assertEqual((summary["faults"], summary["interrupted"]), (0, False))
         with read_recording(self.folder / "run.h5") as recording:
-            self.assertEqual(len(recording["ticks/tick"]), summary["ticks"])
+            self.assertEqual(recording["ticks/tick"][-1] + 1, summary["ticks"])  # skipped ones counted
         self.expect_same_when_run_again("run.h5")
 
     def expect_no_socket(self, *arguments):

@@ -10,7 +10,7 @@ import unittest
 import h5py
 import numpy
 
-from app import BAD_INPUT, CONFIG, DIFFERENT, DONE, FULL, AppTest, read_recording
+from app import BAD_INPUT, CONFIG, DIFFERENT, DONE, FREE_RUN, FULL, AppTest, read_recording
 
 
 def flip_last_bit(path, dataset, row, column=None):
@@ -52,7 +52,7 @@ class Same(AppTest):
                 self.assertEqual(a["ticks/" + name][:].tobytes(), b["ticks/" + name][:].tobytes(), name)
 
     def test_real_time_with_skipped_ticks(self):
-        run = self.start_app("run", "--duration", "3", "--record", "run.h5", "--json", "run.json")
+        run = self.start_app(*FREE_RUN, "--duration", "3", "--record", "run.h5", "--json", "run.json")
         time.sleep(1.5)
         for _ in range(3):  # the machine stalls
             run.send_signal(signal.SIGSTOP)

@@ -8,7 +8,7 @@ import subprocess
 import time
 import unittest
 
-from app import (BINARY, CONFIG, DONE, FAULT, FULL, INTERRUPTED, STOP_REQUESTED, AppTest, limit_file_size,
+from app import (BINARY, CONFIG, DONE, FAULT, FREE_RUN, FULL, INTERRUPTED, STOP_REQUESTED, AppTest, limit_file_size,
                  read_recording)
 
 AXES = ["x", "y", "z", "finger_flexion", "thumb_circumduction", "thumb_flexion"]
@@ -17,7 +17,7 @@ AXES = ["x", "y", "z", "finger_flexion", "thumb_circumduction", "thumb_flexion"]
 class WhatItWrites(AppTest):
     def test_all_three_and_nothing_else(self):
         result = self.expect(
-            self.run_app("run", "--simulated-clock", "--record", "a/run.h5", "--json", "b/run.json",
+            self.run_app(*FREE_RUN, "--simulated-clock", "--record", "a/run.h5", "--json", "b/run.json",
                          "--report", "c"), DONE, "Done after", "a/run.h5", "c/index.html")
         self.assertEqual(result.err, "")
         self.assertEqual(self.names_in(self.folder),
@@ -70,7 +70,7 @@ class WhatItWrites(AppTest):
         self.assertNotIn("<script src", page)
 
     def test_without_arguments_for_output_a_folder_of_its_own_holds_all_three(self):
-        self.expect(self.run_app("run", "--simulated-clock", "--duration", "0.3"), DONE)
+        self.expect(self.run_app(*FREE_RUN, "--simulated-clock", "--duration", "0.3"), DONE)
         (run,) = (self.folder / "out").iterdir()
         self.assertRegex(run.name, r"^run-\d{8}-\d{6}")
         self.assertEqual(self.names_in(run),
@@ -78,14 +78,14 @@ class WhatItWrites(AppTest):
         self.assertEqual(os.listdir(self.folder), ["out"])
 
     def test_two_runs_at_once_keep_their_outputs_apart(self):
-        runs = [self.start_app("run", "--simulated-clock", "--duration", "0.3") for _ in range(2)]
+        runs = [self.start_app(*FREE_RUN, "--simulated-clock", "--duration", "0.3") for _ in range(2)]
         for run in runs:
             said, complained = run.communicate(timeout=60)
             self.assertEqual(run.returncode, DONE, said + complained)
         self.assertEqual(len(os.listdir(self.folder / "out")), 2)
 
     def test_only_what_was_asked_for(self):
-        self.expect(self.run_app("run", "--simulated-clock", "--duration", "0.3", "--json", "run.json"),
+        self.expect(self.run_app(*FREE_RUN, "--simulated-clock", "--duration", "0.3", "--json", "run.json"),
                     DONE)
         self.assertEqual(self.names_in(self.folder), ["run.json"])
 
@@ -93,14 +93,14 @@ class WhatItWrites(AppTest):
         slow = self.write("slow.toml", (CONFIG / "rendering/lambda-pride.toml").read_text().replace(
             "k_pm_nm_rad = 4.0", "k_pm_nm_rad = 4.0\nk_ps_per_s2 = 5000.0").replace(
             "k_pm_nm_rad = 1.5", "k_pm_nm_rad = 1.5\nk_ps_per_s2 = 5000.0"))
-        result = self.run_app("run", "--simulated-clock", "--duration", "0.001", "--rate-hz", "100",
+        result = self.run_app(*FREE_RUN, "--simulated-clock", "--duration", "0.001", "--rate-hz", "100",
                               "--rendering", slow, "--uncertified", "--json", "run.json", timeout=20)
         self.expect(result, DONE, "Done after")
 
 
 class HowItEnds(AppTest):
     def interrupted(self, how):
-        run = self.start_app("run", "--duration", "600", "--record", "run.h5", "--json", "run.json",
+        run = self.start_app(*FREE_RUN, "--duration", "600", "--record", "run.h5", "--json", "run.json",
                              "--report", "report")
         time.sleep(3.0)
         asked = time.monotonic()
@@ -134,7 +134,7 @@ class HowItEnds(AppTest):
         self.interrupted(signal.SIGHUP)
 
     def test_hang_up_under_nohup_is_ignored(self):
-        run = self.start_app("run", "--duration", "2.5", "--json", "run.json",
+        run = self.start_app(*FREE_RUN, "--duration", "2.5", "--json", "run.json",
                              preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
         time.sleep(1.5)
         run.send_signal(signal.SIGHUP)
@@ -143,14 +143,14 @@ class HowItEnds(AppTest):
         self.assertFalse(json.loads((self.folder / "run.json").read_text())["interrupted"])
 
     def test_ctrl_z_stops_instead_of_freezing_the_loop(self):
-        run = self.start_app("run", "--duration", "600", "--json", "run.json")
+        run = self.start_app(*FREE_RUN, "--duration", "600", "--json", "run.json")
         time.sleep(1.5)
         run.send_signal(signal.SIGTSTP)
         said, complained = run.communicate(timeout=20)
         self.assertEqual(run.returncode, INTERRUPTED, said + complained)
 
     def test_ctrl_c_during_a_simulated_clock(self):
-        run = self.start_app("run", "--duration", "3600", "--simulated-clock", "--json", "run.json")
+        run = self.start_app(*FREE_RUN, "--duration", "3600", "--simulated-clock", "--json", "run.json")
         time.sleep(1.5)
         run.send_signal(signal.SIGINT)
         said, complained = run.communicate(timeout=20)
@@ -179,9 +179,9 @@ class HowItEnds(AppTest):
             "[synergy.twin]\nthumb_circumduction = 1.0\n\n[synergy.thumb_flexion]").replace(
             "thumb_circumduction_rad", "twin_rad = 0.0\nthumb_circumduction_rad"))
         files = ["--device", device, "--rendering", gains, "--hand", hand]
-        self.expect_refused(self.run_app("run", "--simulated-clock", *files), "singular")
+        self.expect_refused(self.run_app(*FREE_RUN, "--simulated-clock", *files), "singular")
         result = self.expect(
-            self.run_app("run", "--simulated-clock", "--duration", "5", *files, "--uncertified",
+            self.run_app(*FREE_RUN, "--simulated-clock", "--duration", "5", *files, "--uncertified",
                          "--record", "run.h5", "--json", "run.json", "--report", "report"),
             FAULT, "Stopped by a fault", "singular reduced inertia", "UNCERTIFIED")
         self.assertNotIn("Done", result.out)
@@ -196,7 +196,7 @@ class HowItEnds(AppTest):
 
     def test_status_line_of_a_terminal(self):
         ours, theirs = pty.openpty()
-        run = subprocess.Popen([BINARY, "run", "--duration", "1.5", "--json", "run.json"],
+        run = subprocess.Popen([BINARY, *FREE_RUN, "--duration", "1.5", "--json", "run.json"],
                                cwd=self.folder, stdin=subprocess.DEVNULL, stdout=theirs,
                                stderr=theirs)
         self.addCleanup(run.kill)
@@ -219,7 +219,7 @@ class HowItEnds(AppTest):
 
     def test_status_goes_on_where_nobody_reads_it(self):
         # `wholehand run | head -1`: the reader is gone, the run and its recording go on or end cleanly.
-        run = self.start_app("run", "--simulated-clock", "--record", "run.h5")
+        run = self.start_app(*FREE_RUN, "--simulated-clock", "--record", "run.h5")
         run.stdout.readline()
         run.stdout.close()
         run.wait(timeout=60)
@@ -234,7 +234,7 @@ class WhatSurvives(AppTest):
             after_s = self.random.uniform(1.5, 4.0)
             with self.subTest(trial=trial, after_s=after_s):
                 path = self.folder / f"killed-{trial}.h5"
-                run = self.start_app("run", "--duration", "60", "--record", path)
+                run = self.start_app(*FREE_RUN, "--duration", "60", "--record", path)
                 while not path.exists():
                     time.sleep(0.01)
                     self.assertIsNone(run.poll())
@@ -250,7 +250,7 @@ class WhatSurvives(AppTest):
                 self.expect(self.run_app("report", path, "--out", "report"), DONE)
 
     def check_run_over_a_full_disk(self, path, **how):
-        result = self.expect(self.run_app("run", "--simulated-clock", "--duration", "20", "--record",
+        result = self.expect(self.run_app(*FREE_RUN, "--simulated-clock", "--duration", "20", "--record",
                                           path, "--json", self.folder / "run.json", **how),
                              DONE, "Done after 20")
         self.assertRegex(result.out, r"dropped +\d+ records: the disk was full")
@@ -280,7 +280,7 @@ class WhatSurvives(AppTest):
         self.check_run_over_a_full_disk(disk / "run.h5")
 
     def test_no_room_even_for_the_description_is_refused(self):
-        result = self.run_app("run", "--simulated-clock", "--record", "run.h5",
+        result = self.run_app(*FREE_RUN, "--simulated-clock", "--record", "run.h5",
                               preexec_fn=limit_file_size(2_000))
         self.expect_refused(result, "run.h5", lines=1)
         self.assertEqual(self.names_in(self.folder), [])

@@ -3,7 +3,7 @@ import os
 import shutil
 import unittest
 
-from app import BINARY, CONFIG, DONE, SOURCE, AppTest, ordinary_user
+from app import BINARY, CONFIG, DONE, FREE_RUN, SOURCE, AppTest, ordinary_user
 
 # Of every subcommand, what its --help must mention: the contract of the command line.
 OPTIONS = {
@@ -84,7 +84,7 @@ class BadUsage(AppTest):
                           "", "1000x", "1,5", "0x"):
                 with self.subTest(option=option, value=value):
                     result = self.expect_refused(
-                        self.run_app("run", "--simulated-clock", option, value), option, "number")
+                        self.run_app(*FREE_RUN, "--simulated-clock", option, value), option, "number")
                     self.assertLessEqual(len(result.err.splitlines()), 2, result)
         self.assertEqual(self.names_in(self.folder), [])
 
@@ -105,10 +105,10 @@ class PlacesThatCannotBeWritten(AppTest):
         for option in ("--record", "--json", "--report"):
             for place in ("a-file/below", "/proc/none/below"):
                 with self.subTest(option=option, place=place):
-                    self.expect_nothing_ran("run", option, place, place=place)
+                    self.expect_nothing_ran(*FREE_RUN, option, place, place=place)
         for option, place in (("--record", "a-folder"), ("--json", "a-folder"), ("--report", "a-file")):
             with self.subTest(option=option, place=place):
-                self.expect_nothing_ran("run", option, place, place=place)
+                self.expect_nothing_ran(*FREE_RUN, option, place, place=place)
 
     def test_what_is_no_ordinary_file_is_left_alone(self):
         # As root, a new file would take the place of /dev/null for the whole machine.
@@ -117,12 +117,12 @@ class PlacesThatCannotBeWritten(AppTest):
         for option in ("--record", "--json"):
             for place in ("pipe", "link"):
                 with self.subTest(option=option, place=place):
-                    self.expect_nothing_ran("run", "--simulated-clock", option, place, place=place)
+                    self.expect_nothing_ran(*FREE_RUN, "--simulated-clock", option, place, place=place)
         self.assertTrue((self.folder / "pipe").is_fifo())
         self.assertTrue((self.folder / "link").is_symlink())
 
     def test_one_bad_place_leaves_no_folder_for_the_others(self):
-        self.expect_nothing_ran("run", "--record", "new/run.h5", "--report", "new/report", "--json",
+        self.expect_nothing_ran(*FREE_RUN, "--record", "new/run.h5", "--report", "new/report", "--json",
                                 "a-file/x.json", place="a-file/x.json")
         self.expect_nothing_ran("experiment", "timing", "--out", "new", "--json", "a-file/x.json",
                                 place="a-file/x.json")
@@ -148,7 +148,7 @@ class PlacesThatCannotBeWritten(AppTest):
                               ("--report", "a-folder/report")):
             with self.subTest(option):
                 tree = deployed_tree(self)
-                result = self.run_app("run", "--simulated-clock", option, self.folder / place,
+                result = self.run_app(*FREE_RUN, "--simulated-clock", option, self.folder / place,
                                       binary=tree / "build/release/wholehand", **ordinary_user())
                 self.expect_refused(result, place, "denied")
                 self.assertNotIn("ticks", result.out, "it ran first")
@@ -174,7 +174,7 @@ class UsersAndFolders(AppTest):
         home.mkdir()
         if os.geteuid() == 0:
             os.chown(home, 65534, 65534)
-        self.expect(self.run_app("run", "--duration", "0.5", binary=binary, cwd=home,
+        self.expect(self.run_app(*FREE_RUN, "--duration", "0.5", binary=binary, cwd=home,
                                  **ordinary_user()), DONE, "Done after")
         (run,) = (home / "out").iterdir()
         self.assertEqual(self.names_in(run),
