@@ -19,7 +19,7 @@ Expected<RunOutcome> recordHalfASecond(const std::string& path) {
   auto models =
       loadModels({config + "scenes/empty.toml", config + "hands/adult-median-right.toml",
                   config + "devices/lambda-pride.toml", config + "rendering/lambda-pride.toml",
-                  config + "patients/relaxed-adult.toml", ""});
+                  config + "patients/relaxed-adult.toml", "", "", 1});
   if (!models) return models.errors();
   AxisPosition begin(models->device.axisCount()), end = begin;
   end[models->device.axisIndex("x")] = 0.05;

@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
   auto models =
       loadModels({config + "scenes/empty.toml", config + "hands/adult-median-right.toml",
                   config + "devices/lambda-pride.toml", config + "rendering/lambda-pride.toml",
-                  config + "patients/relaxed-adult.toml", ""});
+                  config + "patients/relaxed-adult.toml", "", "", 1});
   if (!models) return std::fprintf(stderr, "%s\n", format(models.errors()).c_str()), 2;
   const int x = models->device.axisIndex("x");
 

@@ -40,7 +40,7 @@ void chooseExercise(RunOptions& o) {
   std::string& exercise = o.files.exercise;
   if (exercise.empty()) exercise = "cocktail-bar";
   const bool is_path = exercise.find('/') != std::string::npos || exercise.ends_with(".toml");
-  if (!is_path) exercise = shippedFile("config/exercises/" + exercise + ".toml");
+  if (!is_path) exercise = shippedFile("config/exercises") + "/" + exercise + ".toml";
 }
 
 // Options that would be passed over in silence.

@@ -10,7 +10,6 @@ def tracked(*patterns):
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout.split("\0")[:-1]
 
 files = set(tracked())
-files |= {"docs/images/game.png", "docs/images/console.png"}  # being taken: remove this line with them
 folders = {""}
 for name in files:
     while name := os.path.dirname(name):
