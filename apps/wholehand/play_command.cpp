@@ -1,5 +1,6 @@
 #include "play_command.hpp"
 
+#include "assembly/recorded_run.hpp"
 #include "assembly/text_file.hpp"
 #include "exit_code.hpp"
 #include "git_version.hpp"
@@ -218,6 +219,7 @@ int playCommand(RunOptions options) {
     options.record = options.report + "/recording.h5";
   }
   if (Diagnostics faults = faultsOf(options); !faults.empty()) return refuse(faults);
+  const InterruptScope interrupts;  // from the address on, Ctrl-C ends gently
   Terminal terminal;
   Station station(stationConfig(options, terminal));
   if (auto loaded = station.load(); !loaded) return refuse(loaded.errors());

@@ -323,7 +323,7 @@ Expected<StationOutcome> Station::Core::run(bool arm_at_once, double duration_s)
   const InterruptScope interrupts;
   const auto duration_ticks =
       static_cast<std::uint64_t>(std::llround(std::max(duration_s, 0.0) / config_.rig.period_s));
-  if (arm_at_once) {
+  if (arm_at_once && !InterruptScope::interrupted()) {
     const std::uint64_t asked = [this] {
       const std::lock_guard lock(mutex_);
       return ++orders_;
