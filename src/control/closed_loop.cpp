@@ -64,9 +64,8 @@ Eigen::VectorXd stepLoop(const AxisLoop& loop, ContactCase contact, const HeldDe
       (loop.filter_tau_s * s[kVf] + (s[kXm] - s[kXmPrevious])) / (loop.filter_tau_s + t);
   const double b = loop.k_ps_per_s2 > 0.0 ? loop.k_pm * loop.k_ds_per_s / loop.k_ps_per_s2 : 0.0;
   // The pairing of the tick: the avatar's state before its step.
-  const double effort =
-      loop.k_pm * (s[kXs] - s[kXm]) + loop.gamma * b * (s[kVs] - vf) - loop.phi_k_dm * vf -
-      loop.wall_stiffness * s[kXm] - loop.wall_damping * vf;
+  const double effort = loop.k_pm * (s[kXs] - s[kXm]) + loop.gamma * b * (s[kVs] - vf) -
+                        loop.phi_k_dm * vf - loop.wall_stiffness * s[kXm] - loop.wall_damping * vf;
   Eigen::VectorXd next = s;
   double felt = effort;
   if (loop.delay_ticks > 0) {

@@ -30,8 +30,8 @@ double requiredAt(const AxisLoop& l, double angle_rad) {
   const Complex hold = t / (z - 1.0) * std::polar(1.0, -l.delay_ticks * angle_rad);
   const Complex derivative = (z - 1.0) / ((l.filter_tau_s + t) * z - l.filter_tau_s);
   const double reciprocal = l.gamma * l.k_pm * l.k_ds_per_s / l.k_ps_per_s2;
-  const Complex felt = hold * (l.k_pm + l.wall_stiffness +
-                               (reciprocal + l.phi_k_dm + l.wall_damping) * derivative);
+  const Complex felt =
+      hold * (l.k_pm + l.wall_stiffness + (reciprocal + l.phi_k_dm + l.wall_damping) * derivative);
   const Complex round_trip = hold * (l.k_pm * t / (z - 1.0) + reciprocal / z) *
                              (l.k_ps_per_s2 + l.k_ds_per_s * derivative);
   return -felt.real() + realPlusModulus(round_trip) / (2.0 * avatar);

@@ -179,12 +179,13 @@ HttpAnswer Site::page(const HttpRequest& request, const std::string& path) const
   }
   const bool built = fileWithin(web_folder_, "/index.html").has_value();
   if (built || (path != "/" && path != "/console")) return notFound(path);
-  return html(503, "The pages are not built",
-              "<p>The loop runs; what shows it does not exist yet. With Node 18.19, 20, or 22 and newer "
-              "(packages <code>nodejs</code> and <code>npm</code>):</p>"
-              "<pre>cd web &amp;&amp; npm ci &amp;&amp; npm run build</pre>"
-              "<p>or <code>./start</code>, which does it. Until then: "
-              "<a href=\"/healthz\">health</a>, <a href=\"/metrics\">figures</a>.</p>");
+  return html(
+      503, "The pages are not built",
+      "<p>The loop runs; what shows it does not exist yet. With Node 18.19, 20, or 22 and newer "
+      "(packages <code>nodejs</code> and <code>npm</code>):</p>"
+      "<pre>cd web &amp;&amp; npm ci &amp;&amp; npm run build</pre>"
+      "<p>or <code>./start</code>, which does it. Until then: "
+      "<a href=\"/healthz\">health</a>, <a href=\"/metrics\">figures</a>.</p>");
 }
 
 HttpAnswer Site::recordingList() const {
