@@ -118,13 +118,13 @@ std::string Hdf5Writer::create(const std::string& path, const RecordingMeta& met
   // After H5Fcreate: it empties the file, which would give the claimed space back.
   if (!reserve_.claim(metaBytes(meta))) return "cannot be created: the disk is full";
   if (!file_.ok() || !writeMeta(file_.get(), meta)) return "cannot be written by HDF5";
-  const auto makeTable = [this](const char* name, auto& table) {
+  const auto make_table = [this](const char* name, auto& table) {
     const Handle group(H5Gcreate2(file_.get(), name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
                        H5Gclose);
     return group.ok() && table.create(group.get());
   };
-  if (!makeTable("ticks", ticks_) || !makeTable("contacts", contacts_) ||
-      !makeTable("events", events_) || !makeTable("commands", commands_)) {
+  if (!make_table("ticks", ticks_) || !make_table("contacts", contacts_) ||
+      !make_table("events", events_) || !make_table("commands", commands_)) {
     return "cannot be written by HDF5";
   }
   // From here on a reader may follow along, and a kill leaves a readable file.

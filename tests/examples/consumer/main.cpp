@@ -14,10 +14,14 @@ int fail(const std::string& why) {
 
 int main() {
   const std::string config = SHARE "/config/";
-  auto models = loadModels(
-      {config + "scenes/four-shapes.toml", config + "hands/adult-median-right.toml",
-       config + "devices/lambda-pride.toml", config + "rendering/lambda-pride.toml",
-       config + "patients/relaxed-adult.toml", SHARE "/data/human-motion/reach-grasp-00.csv"});
+  ModelFiles files;
+  files.scene = config + "scenes/four-shapes.toml";
+  files.hand = config + "hands/adult-median-right.toml";
+  files.device = config + "devices/lambda-pride.toml";
+  files.rendering = config + "rendering/lambda-pride.toml";
+  files.patient = config + "patients/relaxed-adult.toml";
+  files.motion = SHARE "/data/human-motion/reach-grasp-00.csv";
+  auto models = loadModels(files);
   if (!models) return fail(format(models.errors()));
   AxisPosition rest(models->device.axisCount());
   Intention intention =
