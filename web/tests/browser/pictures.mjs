@@ -20,9 +20,13 @@ export async function takePictures(browser, programUrl, folder, watcher) {
     // On a busy machine a page that draws this slowly loses its line for a moment, and asks why.
     const page = await openPage(browser, pageUrl(programUrl, path, { lang: 'en', quality: 'high', ...query }), { cutOff: true });
     if (click) {
-      await page.waitForSelector(click, { timeout: 240_000 });
-      // Not page.click: it waits for several pictures of a button that does not move.
-      await page.evaluate((selector) => document.querySelector(selector).click(), click);
+      // Not page.click: it waits for several pictures of a button that does not move. Looked for and pressed at
+      // once: a page that loses its line for a moment takes the button away, and brings it back.
+      await page.waitForFunction((selector) => {
+        const button = document.querySelector(selector);
+        button?.click();
+        return button !== null;
+      }, click, { timeout: 240_000 });
     }
     await page.waitForFunction(() => window.wholehandStats?.quality === 'high', null, { timeout: 300_000 });
     const frames = await page.evaluate(() => window.wholehandStats.frames);
