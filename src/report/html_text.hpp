@@ -6,10 +6,6 @@
 
 namespace wholehand {
 
-/// Makes any text safe inside HTML and SVG, in content and in quoted attributes; control
-/// characters, which no page may hold, become spaces.
-[[nodiscard]] std::string escapeHtml(std::string_view text);
-
 /// "−3.25": fixed decimals, a true minus sign, never "−0"; "–" when not finite.
 [[nodiscard]] std::string formatNumber(double value, int decimals);
 /// "2.5 s", "20 ms", "3.1 µrad": two or three digits with the prefix that suits the size.

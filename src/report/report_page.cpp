@@ -1,5 +1,6 @@
 #include "report/report_page.hpp"
 
+#include "core/escape_html.hpp"
 #include "report/html_text.hpp"
 #include "report/report_plots.hpp"
 #include "report/report_style.hpp"

@@ -1,5 +1,6 @@
 #include "report/svg_text.hpp"
 
+#include "core/escape_html.hpp"
 #include "report/html_text.hpp"
 #include "report/svg_plot.hpp"
 

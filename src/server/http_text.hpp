@@ -14,9 +14,6 @@ namespace wholehand {
 /// does: control characters, a backslash, an empty, "." or ".." segment, a slash that was encoded.
 [[nodiscard]] std::optional<std::string> decodedPath(std::string_view path);
 
-/// For HTML text and attributes.
-[[nodiscard]] std::string htmlEscaped(std::string_view text);
-
 /// A path segment, with all but the plainest characters as %XX.
 [[nodiscard]] std::string percentEncoded(std::string_view text);
 

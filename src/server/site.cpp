@@ -1,5 +1,6 @@
 #include "server/site.hpp"
 
+#include "core/escape_html.hpp"
 #include "server/http_text.hpp"
 #include "server/static_files.hpp"
 
@@ -40,7 +41,7 @@ HttpAnswer html(int status, std::string_view title, std::string_view body_html) 
 }
 
 HttpAnswer refusal(int status, const char* reason, std::string_view title, std::string_view why) {
-  HttpAnswer a = html(status, title, fmt::format("<p>{}</p>", htmlEscaped(why)));
+  HttpAnswer a = html(status, title, fmt::format("<p>{}</p>", escapeHtml(why)));
   a.refused = reason;
   return a;
 }
@@ -49,7 +50,7 @@ HttpAnswer notFound(std::string_view what) {
   return html(404, "Not here",
               fmt::format("<p>There is no <code>{}</code>.</p><p><a href=\"/\">To the bar</a> · "
                           "<a href=\"/console\">To the console</a></p>",
-                          htmlEscaped(printable(what))));
+                          escapeHtml(printable(what))));
 }
 
 HttpAnswer file(const std::string& path, const HttpRequest& request, const char* cache) {
@@ -231,7 +232,7 @@ HttpAnswer Site::report(const std::string& name, const std::string& rest) const 
   if (folder.empty()) {
     HttpAnswer a = html(500, "No report",
                         fmt::format("<p>The report of <code>{}</code> could not be made: {}</p>",
-                                    htmlEscaped(name), htmlEscaped(printable(why, 1000))));
+                                    escapeHtml(name), escapeHtml(printable(why, 1000))));
     a.refused = "report";
     return a;
   }

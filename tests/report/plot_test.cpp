@@ -1,3 +1,4 @@
+#include "core/escape_html.hpp"
 #include "report/decimation.hpp"
 #include "report/html_text.hpp"
 #include "report/plot_scale.hpp"

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace wholehand {
+
+/// Makes any text safe inside HTML and SVG, in content and in quoted attributes; control
+/// characters, which no page may hold, become spaces.
+[[nodiscard]] std::string escapeHtml(std::string_view text);
+
+}  // namespace wholehand
