@@ -15,7 +15,8 @@
 namespace wholehand {
 namespace {
 
-RendererConfig rendererConfig(const Models& models, const CouplingGains& gains, double period_s) {
+RendererConfig rendererConfig(const Models& models, const CouplingGains& gains, double period_s,
+                              bool simulated) {
   RendererConfig config;
   config.period_s = period_s;
   config.gains = gains;
@@ -27,6 +28,7 @@ RendererConfig rendererConfig(const Models& models, const CouplingGains& gains, 
   }
   config.gravity_m_s2 = models.scene.gravity_m_s2;
   config.tank = makeEnergyTank(models.device, period_s);
+  config.supervisor = makeSupervisor(models.device, period_s, simulated);
   config.live = LiveSettings(models.device, config.damping);
   return config;
 }
@@ -135,7 +137,8 @@ Expected<std::unique_ptr<Rig>> buildRigThatMovesNobody(Models models,
   }
   rig->renderer = std::make_unique<HapticRenderer>(
       *rig->device, *rig->world, rig->models.hand,
-      rendererConfig(rig->models, rig->gains, options.period_s), rig->models.exercise.get());
+      rendererConfig(rig->models, rig->gains, options.period_s, rig->device->simulated()),
+      rig->models.exercise.get());
   return rig;
 }
 

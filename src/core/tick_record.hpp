@@ -6,6 +6,7 @@
 #include "core/fault.hpp"
 #include "core/geometry.hpp"
 #include "core/live_parameter.hpp"
+#include "core/safety_state.hpp"
 #include "core/world_query.hpp"
 
 #include <array>
@@ -72,8 +73,9 @@ struct TickRecord {
   std::array<std::int32_t, kStages> stage_cpu_ns{};  ///< CPU time per stage; not re-simulated
 
   std::int32_t command_count = 0;
-  std::int32_t parameter_count = 0;  ///< of the live settings
-  std::int32_t reserved = 0;
+  std::int32_t parameter_count = 0;                   ///< of the live settings
+  SafetyState safety_state = SafetyState::kDisarmed;  ///< at the end of the tick
+  std::int32_t fault_axis = -1;  ///< the first axis that a limit was exceeded on; -1: none
   std::array<Command, kMaxCommands> commands{};  ///< taken before this tick
 
   // written by: live settings

@@ -23,6 +23,14 @@ class HapticDevice {
   /// Prepares the device; it holds its neutral effort. Not real-time safe.
   [[nodiscard]] virtual Expected<Done> open() = 0;
 
+  /// Whether it may be armed now, after open(): it is calibrated and at rest; the reason otherwise.
+  /// Not real-time safe.
+  [[nodiscard]] virtual Expected<Done> ready() { return Done{}; }
+
+  /// True where no person is moved and no wall clock matters: lateness and encoders that stand
+  /// still are then counted only.
+  [[nodiscard]] virtual bool simulated() const noexcept { return false; }
+
   /// Reads the position. elapsed_periods is 1 plus the periods skipped since the last read; a real
   /// device ignores it, a simulated one lets that much time pass under the last effort.
   [[nodiscard]] WHOLEHAND_RT virtual Fault read(DeviceReading& reading,

@@ -14,6 +14,10 @@ namespace {
 // Bounds are far outside what a device for a hand can be: they catch slipped units, not taste.
 constexpr AxisQuantity kEffortLimit{
     "effort_limit_n", "effort_limit_nm", "effort_limit_tip_n", 1, 0.0, 1000.0, true};
+constexpr AxisQuantity kEffortSlew{
+    "effort_slew_n_s", "effort_slew_nm_s", "effort_slew_tip_n_s", 1, 0.0, 1e6, true};
+constexpr AxisQuantity kWorkspaceMargin{
+    "workspace_margin_m", "workspace_margin_rad", {}, 1, 0.0, 1.0, true};
 constexpr AxisQuantity kSpeedLimit{"speed_limit_m_s", "speed_limit_rad_s", {}, 1, 0.0, 100.0, true};
 constexpr AxisQuantity kMass{"mass_kg", "inertia_kg_m2", {}, 1, 0.0, 100.0, true};
 constexpr AxisQuantity kDamping{"damping_n_s_m", "damping_nm_s_rad", {}, 1, 0.0, 1000.0};
@@ -21,6 +25,14 @@ constexpr AxisQuantity kCoulomb{"coulomb_n", "coulomb_nm", "coulomb_tip_n", 1, 0
 constexpr AxisQuantity kEncoderStep{"encoder_step_m", "encoder_step_rad", {}, 1, 0.0, 0.1};
 constexpr AxisQuantity kNeutral{
     "neutral_effort_n", "neutral_effort_nm", "neutral_effort_tip_n", 1, -1000.0, 1000.0};
+
+// What a file may leave out.
+constexpr double kSlewOfLimit_per_s = 250.0;  // zero to the effort limit in 4 ms
+constexpr double kMarginOfRange = 0.02;
+constexpr WatchLimits kWatch{5, 0.02, 1.0};
+// Smoothstep over 80 ms from +limit to -limit, its steepest slope with some slack: a slower device
+// could not follow the ramp to neutral.
+constexpr double kLeastSlewOfLimit_per_s = 40.0;
 
 bool isAxisName(const std::string& name) {
   return !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
@@ -81,6 +93,15 @@ DeviceAxis readAxis(TomlTable& table, const std::vector<std::string>& earlier) {
   if (turns) axis.lever_arm_m = table.number("lever_arm_m", between(0.0, 1.0, "m"), 0.0);
   const double lever = axis.lever_arm_m;
   axis.effort_limit = readAxisQuantity(table, kEffortLimit, axis.kind, lever);
+  axis.effort_slew_limit = readAxisQuantity(table, kEffortSlew, axis.kind, lever,
+                                            kSlewOfLimit_per_s * axis.effort_limit);
+  if (axis.effort_slew_limit < kLeastSlewOfLimit_per_s * axis.effort_limit) {
+    table.fail("", "the effort slew limit is too low to reach neutral within 100 ms",
+               "at least " + formatNumber(kLeastSlewOfLimit_per_s) +
+                   " times the effort limit, per second");
+  }
+  axis.workspace_margin = readAxisQuantity(table, kWorkspaceMargin, axis.kind, lever,
+                                           kMarginOfRange * (axis.upper - axis.lower));
   axis.speed_limit = readAxisQuantity(table, kSpeedLimit, axis.kind, lever);
   axis.mass = readAxisQuantity(table, kMass, axis.kind, lever);
   axis.damping = readAxisQuantity(table, kDamping, axis.kind, lever);
@@ -92,6 +113,17 @@ DeviceAxis readAxis(TomlTable& table, const std::vector<std::string>& earlier) {
                "the device could not carry its own weight: raise the limit or lower the neutral");
   }
   return axis;
+}
+
+WatchLimits readWatch(TomlTable table) {
+  WatchLimits watch;
+  watch.late_in_a_row =
+      static_cast<int>(table.integer("late_in_a_row", 0, 1000000, kWatch.late_in_a_row));
+  watch.longest_gap_s =
+      table.number("longest_gap_s", between(0.0, 10.0, "s"), kWatch.longest_gap_s);
+  watch.stuck_encoder_s =
+      table.number("stuck_encoder_s", between(0.0, 60.0, "s"), kWatch.stuck_encoder_s);
+  return watch;
 }
 
 }  // namespace
@@ -119,6 +151,9 @@ Expected<DeviceModel> loadDeviceFile(const std::string& path) {
   device.path = path;
   device.name = root.text("name");
   device.output_delay_ticks = static_cast<int>(root.integer("output_delay_ticks", 0, 8));
+  device.power_limit_w = root.number("power_limit_w", above(0.0, 1e5, "W"), device.power_limit_w);
+  const std::optional<TomlTable> watch = root.optionalTable("watch");
+  device.watch = watch ? readWatch(*watch) : kWatch;
   TomlTable mount = root.table("mount");
   const NumberRule turn = between(-std::numbers::pi, std::numbers::pi, "rad");
   device.mount_roll_rad = mount.number("roll_rad", turn);

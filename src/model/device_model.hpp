@@ -3,6 +3,7 @@
 #include "core/axis_array.hpp"
 #include "core/expected.hpp"
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -18,7 +19,9 @@ struct DeviceAxis {
   AxisGroup group = AxisGroup::kBase;
   double lower = 0.0, upper = 0.0;  ///< range [m or rad]
   double effort_limit = 0.0;        ///< [N or N·m], > 0
-  double speed_limit = 0.0;         ///< [m/s or rad/s], > 0; motions are slowed down to it
+  double effort_slew_limit = 0.0;   ///< fastest change of effort [N/s or N·m/s], > 0
+  double speed_limit = 0.0;         ///< [m/s or rad/s], > 0; beyond it rendering stops
+  double workspace_margin = 0.0;    ///< beyond the range by more, rendering stops [m or rad], > 0
   double mass = 0.0;                ///< moving mass [kg or kg·m²], > 0
   double damping = 0.0;             ///< viscous friction [N·s/m or N·m·s/rad], >= 0
   double coulomb = 0.0;             ///< dry friction [N or N·m], >= 0
@@ -36,12 +39,22 @@ struct DeviceAxis {
   }
 };
 
+/// When the loop is too late, and when an encoder must have moved. 0: counted only.
+struct WatchLimits {
+  int late_in_a_row = 0;         ///< more late ticks one after another stop rendering
+  double longest_gap_s = 0.0;    ///< a longer time between two ticks stops rendering
+  double stuck_encoder_s = 0.0;  ///< an axis that stands still for so long while the hand moves
+};
+
 /// A device: N named axes and how the hand is strapped to it. Nothing knows the number six.
 struct DeviceModel {
   std::string path;
   std::string name;              ///< "lambda-pride"
   std::vector<DeviceAxis> axes;  ///< 1 .. kMaxAxes
   int output_delay_ticks = 0;    ///< whole samples between write and effect, 0 .. 8
+  /// Most that all axes together may give [W], > 0; +inf where the file states none.
+  double power_limit_w = std::numeric_limits<double>::infinity();
+  WatchLimits watch;
   /// Orientation of a right hand's palm frame in the world when all base rotations are zero
   /// (roll, pitch, yaw about x, y, z; R = Rz Ry Rx). A left hand takes the mirror image in y.
   double mount_roll_rad = 0.0, mount_pitch_rad = 0.0, mount_yaw_rad = 0.0;

@@ -2,6 +2,8 @@
 
 #include "control/bilateral_coupling.hpp"
 #include "safety/force_limiter.hpp"
+#include "safety/power_limiter.hpp"
+#include "safety/slew_limiter.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -90,16 +92,38 @@ std::vector<double> HapticRenderer::parametersAtStart() const {
   return {parameters_.atStart(), parameters_.atStart() + parameters_.count()};
 }
 
+// What was read lies within the workspace.
+Expected<Done> HapticRenderer::mayArm() const {
+  const SupervisorConfig& limits = config_.supervisor;
+  DeviceWatchState nothing_known;
+  const Finding finding = watchDevice(nothing_known, reading_.q_m, config_.neutral, 1, limits);
+  if (!any(finding.faults)) return Done{};
+  return Diagnostic{
+      "",
+      0,
+      "",
+      std::to_string(reading_.q_m[finding.axis]),
+      "axis " + std::to_string(finding.axis) + " of the device is outside its workspace",
+      "move it back by hand, or calibrate the device"};
+}
+
 Expected<Done> HapticRenderer::arm() {
+  if (ramp_.phase == RampPhase::kRamping) {
+    return Diagnostic{"", 0, "", "", "the device is still on its way to neutral", "arm again then"};
+  }
   if (Expected<Done> opened = device_.open(); !opened) return opened;
+  const auto refused = [this](Diagnostics why) {
+    device_.close();  // nobody will tick it
+    return Expected<Done>(std::move(why));
+  };
+  if (Expected<Done> ready = device_.ready(); !ready) return refused(ready.errors());
   if (any(device_.read(reading_, 1)) || !allFinite(reading_.q_m) ||
       reading_.q_m.size() != config_.gains.axes) {
-    device_.close();  // nobody will tick it
-    return Diagnostic{"", 0, "", "", "the device gives no position", "check that it is connected"};
+    return refused({{"", 0, "", "", "the device gives no position", "check that it is connected"}});
   }
+  if (Expected<Done> within = mayArm(); !within) return refused(within.errors());
   if (Expected<Done> placed = world_.placeHand(reading_.q_m); !placed) {
-    device_.close();
-    return placed;
+    return refused(placed.errors());
   }
   armed_position_ = reading_.q_m;
   const int axes = config_.gains.axes;
@@ -115,13 +139,21 @@ Expected<Done> HapticRenderer::arm() {
     exercise_->reset();
     query_ = exercise_->query();
   }
+  device_watch_ = DeviceWatchState{};
+  world_watch_ = WorldWatchState{};
+  safety_state_ = SafetyState::kArmed;
   latched_ = Fault::kNone;
+  emergency_.store(false, std::memory_order_relaxed);
   stop_requested_.store(false, std::memory_order_relaxed);
   return Done{};
 }
 
 bool HapticRenderer::atNeutral() const noexcept {
-  return ramp_.phase == RampPhase::kNeutral;
+  if (ramp_.phase != RampPhase::kNeutral) return false;
+  for (int i = 0; i < config_.gains.axes; ++i) {
+    if (ramp_.sent[i] != config_.neutral[i]) return false;  // held back by the slew limit
+  }
+  return true;
 }
 
 void HapticRenderer::tick(std::uint32_t elapsed_periods, TickRecord& record,
@@ -131,6 +163,7 @@ void HapticRenderer::tick(std::uint32_t elapsed_periods, TickRecord& record,
   };
   record.elapsed_periods = elapsed_periods;
   record.faults = elapsed_periods > 1 ? Fault::kLateTick : Fault::kNone;
+  record.fault_axis = -1;
 
   takeCommands(elapsed_periods, record);
   readDevice(elapsed_periods, record);
@@ -150,6 +183,7 @@ void HapticRenderer::tick(std::uint32_t elapsed_periods, TickRecord& record,
   stepWorld(record);
   lap(Stage::kPhysicsStep);
   readContacts(record);
+  concludeSafety(record);
   lap(Stage::kContacts);
 }
 
@@ -176,6 +210,12 @@ void HapticRenderer::readDevice(std::uint32_t elapsed_periods, TickRecord& recor
   } else if (!any(fault) && !allFinite(reading_.q_m)) {
     record.faults |= Fault::kNonFinitePosition;
   }
+  if (!any(record.faults & kStopping)) {
+    const Finding finding = watchDevice(device_watch_, reading_.q_m, ramp_.sent,
+                                        static_cast<int>(elapsed_periods), config_.supervisor);
+    record.faults |= finding.faults;
+    record.fault_axis = finding.axis;
+  }
   record.q_m = reading_.q_m;
   record.intention = reading_.intention;
   record.patient_effort = reading_.patient_effort;
@@ -193,6 +233,7 @@ void HapticRenderer::observeWorld(TickRecord& record) noexcept {
   record.closure = state_.closure;
   record.body_count = state_.body_count;
   std::copy_n(state_.bodies.begin(), state_.body_count, record.bodies.begin());
+  if (!any(latched_)) record.faults |= watchWorld(world_watch_, record, config_.supervisor);
 }
 
 void HapticRenderer::updateDynamics(TickRecord& record) noexcept {
@@ -267,23 +308,44 @@ void HapticRenderer::makeSafe(std::uint32_t elapsed_periods, TickRecord& record)
   watchEnergy(elapsed_periods, record);
   record.rendered =
       sum(sum(sum(record.coupling, record.exercise.effort), record.damping), record.tank_effort);
-  // A therapist's limit is on what is rendered; the device's own on all that is sent, the effort
-  // that carries its weight with it.
-  const AxisEffort held = heldTo(effort_limit_, config_.effort_limit, record);
-  const LimitedEffort limited = limitEffort(sum(held, config_.neutral), config_.effort_limit);
-  record.faults |= limited.faults;
+  const AxisEffort wanted = limited(record);
   latched_ |= record.faults & kStopping;
   const bool asked = stop_requested_.load(std::memory_order_relaxed);
   if (asked) record.faults |= Fault::kStopRequested;
-  const bool stop = any(latched_) || asked;
-  ramp_ = advanceRamp(ramp_, limited.effort, config_.neutral, stop,
+  if (emergency_.load(std::memory_order_relaxed)) record.faults |= Fault::kEmergencyStop;
+  if (!owner_alive_) record.faults |= Fault::kOwnerSilent;
+  const AxisEffort last = ramp_.sent;
+  ramp_ = advanceRamp(ramp_, wanted, config_.neutral, any(latched_) || asked,
                       static_cast<int>(elapsed_periods), config_.period_s, config_.ramp);
+  if (config_.supervisor.axes > 0) {
+    const LimitedEffort slow = limitSlew(ramp_.sent, last, config_.supervisor.most_change);
+    record.faults |= slow.faults;
+    ramp_.sent = slow.effort;
+  }
   record.authority = ramp_.authority;
   record.sent = ramp_.sent;
   if (config_.tank.axes == 0) return;
   tank_ = noteSent(tank_, difference(record.sent, config_.neutral), record.qd_mf, record.qd_s,
                    config_.gains);
   if (ramp_.authority < 1.0) tank_.energy = config_.tank.capacity;
+}
+
+// What may be sent of what is rendered. A therapist's limit is on what is rendered; the device's
+// own on all that is sent, the effort that carries its weight with it.
+AxisEffort HapticRenderer::limited(TickRecord& record) const noexcept {
+  const AxisEffort held = heldTo(effort_limit_, config_.effort_limit, record);
+  const LimitedEffort within = limitEffort(sum(held, config_.neutral), config_.effort_limit);
+  record.faults |= within.faults;
+  const LimitedEffort out =
+      limitPower(within.effort, config_.neutral, record.qd_mf, config_.supervisor.power_limit_w);
+  record.faults |= out.faults;
+  return out.effort;
+}
+
+// Last in the tick: a device that refused the effort or a world that could not step has faulted it.
+void HapticRenderer::concludeSafety(TickRecord& record) noexcept {
+  safety_state_ = nextSafetyState(safety_state_, latched_, atNeutral(), ramp_.authority);
+  record.safety_state = safety_state_;
 }
 
 void HapticRenderer::writeDevice(TickRecord& record) noexcept {

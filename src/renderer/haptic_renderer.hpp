@@ -16,6 +16,7 @@
 #include "renderer/parameter_ramps.hpp"
 #include "renderer/stage_listener.hpp"
 #include "safety/neutral_ramp.hpp"
+#include "safety/supervisor.hpp"
 
 #include <Eigen/Core>
 
@@ -32,8 +33,9 @@ struct RendererConfig {
   AxisEffort neutral;       ///< carries the device's own weight [N or N·m]
   NeutralRampConfig ramp;
   Eigen::Vector3d gravity_m_s2{0.0, 0.0, -9.81};
-  EnergyTankConfig tank;  ///< none unless given
-  LiveSettings live;      ///< what may be changed while it runs; nothing unless given
+  EnergyTankConfig tank;        ///< none unless given
+  SupervisorConfig supervisor;  ///< none unless given
+  LiveSettings live;            ///< what may be changed while it runs; nothing unless given
 };
 
 /// Whole-hand haptic rendering: one tick reads the device, lets the simulated hand follow it in the
@@ -45,8 +47,10 @@ class HapticRenderer {
   HapticRenderer(HapticDevice& device, PhysicsWorld& world, const HandModel& hand,
                  const RendererConfig& config, Exercise* exercise = nullptr);
 
-  /// Opens the device, reads it and puts the simulated hand there. Where that fails the device is
-  /// closed again. Not real-time safe.
+  /// Opens the device, reads it and puts the simulated hand there. Refused where the device is not
+  /// ready (not calibrated, or moving), outside its workspace, still on its way to neutral, or the
+  /// hand would be inside a body; the device is closed again then. Clears what was latched: a
+  /// person must have asked for it. Not real-time safe.
   [[nodiscard]] Expected<Done> arm();
 
   /// One tick; fills the record but for what the session writes, and takes the record's commands.
@@ -58,6 +62,11 @@ class HapticRenderer {
 
   /// Lets the next tick begin the ramp to neutral. Any thread; real-time safe.
   void requestStop() noexcept { stop_requested_.store(true, std::memory_order_relaxed); }
+  /// The same, and the records say that it was an emergency stop. Any thread; real-time safe.
+  void requestEmergencyStop() noexcept {
+    emergency_.store(true, std::memory_order_relaxed);
+    requestStop();
+  }
 
   /// True once the device is at its neutral effort after a stop or a fault.
   [[nodiscard]] bool atNeutral() const noexcept;
@@ -65,6 +74,8 @@ class HapticRenderer {
   /// The stopping faults of this run so far; kNone again once armed. For the thread that ticks, or
   /// after its end. Real-time safe.
   [[nodiscard]] Fault latched() const noexcept { return latched_; }
+  /// For the thread that ticks, or after its end. Real-time safe.
+  [[nodiscard]] SafetyState safetyState() const noexcept { return safety_state_; }
 
   [[nodiscard]] const RendererConfig& config() const noexcept { return config_; }
   /// The live parameters, in the order of TickRecord::parameters: the renderer's, then the
@@ -87,6 +98,9 @@ class HapticRenderer {
   void exercise(std::uint32_t elapsed_periods, TickRecord& record) noexcept;
   void watchEnergy(std::uint32_t elapsed_periods, TickRecord& record) noexcept;
   void makeSafe(std::uint32_t elapsed_periods, TickRecord& record) noexcept;
+  [[nodiscard]] AxisEffort limited(TickRecord& record) const noexcept;
+  void concludeSafety(TickRecord& record) noexcept;
+  [[nodiscard]] Expected<Done> mayArm() const;
   void writeDevice(TickRecord& record) noexcept;
   void stepWorld(TickRecord& record) noexcept;
   void readContacts(TickRecord& record) noexcept;
@@ -110,7 +124,11 @@ class HapticRenderer {
   AdaptiveDampingState damping_;
   EnergyTankState tank_;
   NeutralRampState ramp_;
+  DeviceWatchState device_watch_;
+  WorldWatchState world_watch_;
+  SafetyState safety_state_ = SafetyState::kDisarmed;
   Fault latched_ = Fault::kNone;  ///< a stopping fault stays until armed again
+  std::atomic<bool> emergency_{false};
   std::atomic<bool> stop_requested_{false};
 };
 

@@ -71,6 +71,7 @@ bool Session::tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) 
     ++record_.command_count;
   }
   if (config_.listener != nullptr) config_.listener->beforeTick(record_);
+  if (config_.black_box != nullptr) config_.black_box->beforeTick(record_);
   renderer_.tick(counters_.ticks_run == 0 ? 1 : elapsed_periods, record_, &stages);
   next_tick_ = record_.tick + 1;
   if (next_tick_ >= config_.duration_ticks) renderer_.requestStop();
@@ -79,6 +80,7 @@ bool Session::tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) 
   record_.cpu_ns = times.cpu_ns;
   record_.stage_cpu_ns = times.stage_cpu_ns;
   if (config_.listener != nullptr) config_.listener->afterTick(record_);
+  if (config_.black_box != nullptr) config_.black_box->afterTick(record_);
   count(allocationsSoFar() - allocated);
   return !renderer_.atNeutral();
 }

@@ -30,9 +30,10 @@ class TickListener {
 
 struct SessionConfig {
   std::uint64_t duration_ticks = std::numeric_limits<std::uint64_t>::max();  ///< then ramp down
-  std::size_t queue_ticks = 4096;    ///< records the queue holds, four seconds at 1 kHz
-  std::size_t queue_commands = 256;  ///< commands that wait; more are refused
-  TickListener* listener = nullptr;  ///< outlives the session; may be null
+  std::size_t queue_ticks = 4096;     ///< records the queue holds, four seconds at 1 kHz
+  std::size_t queue_commands = 256;   ///< commands that wait; more are refused
+  TickListener* listener = nullptr;   ///< outlives the session; may be null
+  TickListener* black_box = nullptr;  ///< told last of every tick, its times included; may be null
   /// Allocations of the calling thread so far (realtime/allocation_counter.hpp); null: not counted.
   std::uint64_t (*count_allocations)() noexcept = nullptr;
 };
@@ -79,6 +80,8 @@ class Session {
   /// Begins the ramp to neutral; the session ends when it is done. Any thread, also from a signal
   /// handler.
   void requestStop() noexcept { renderer_.requestStop(); }
+  /// The same, and the records say that it was an emergency stop. Any thread, signal handlers too.
+  void requestEmergencyStop() noexcept { renderer_.requestEmergencyStop(); }
 
   [[nodiscard]] std::uint64_t droppedRecords() const { return queue_.dropped(); }
   /// Valid once the session has ended.

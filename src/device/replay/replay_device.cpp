@@ -4,7 +4,8 @@
 
 namespace wholehand {
 
-ReplayDevice::ReplayDevice(std::vector<RecordedReading> ticks) : ticks_(std::move(ticks)) {}
+ReplayDevice::ReplayDevice(std::vector<RecordedReading> ticks, bool simulated)
+    : ticks_(std::move(ticks)), simulated_(simulated) {}
 
 Expected<Done> ReplayDevice::open() {
   open_ = true;

@@ -18,10 +18,12 @@ struct RecordedReading {
 /// write fault is returned again in its tick; past the end every read fails (kDeviceRead).
 class ReplayDevice final : public HapticDevice {
  public:
-  explicit ReplayDevice(std::vector<RecordedReading> ticks);
+  /// @param simulated whether the recorded device was: a re-simulation watches what it watched
+  explicit ReplayDevice(std::vector<RecordedReading> ticks, bool simulated = true);
 
   /// Starts again at the first tick. Never fails.
   [[nodiscard]] Expected<Done> open() override;
+  [[nodiscard]] bool simulated() const noexcept override { return simulated_; }
   /// The next recorded reading; elapsed_periods is ignored, as by a real device.
   [[nodiscard]] Fault read(DeviceReading& reading, int elapsed_periods) noexcept override;
   [[nodiscard]] Fault write(const AxisEffort& effort) noexcept override;
@@ -36,6 +38,7 @@ class ReplayDevice final : public HapticDevice {
  private:
   std::vector<RecordedReading> ticks_;
   std::size_t next_ = 0;
+  bool simulated_;
   bool open_ = false;
 };
 

@@ -34,6 +34,7 @@ class SimulatedDevice final : public HapticDevice {
 
   /// Puts the device at its start, time at 0. Never fails.
   [[nodiscard]] Expected<Done> open() override;
+  [[nodiscard]] bool simulated() const noexcept override { return true; }
   /// The first read after open() says the start and lets no time pass. kDeviceRead unless open.
   [[nodiscard]] Fault read(DeviceReading& reading, int elapsed_periods) noexcept override;
   /// Clamps to the effort limit; kDeviceWrite, and the last effort stays, unless open and the

@@ -1,0 +1,165 @@
+#include "safety/supervisor.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace wholehand {
+namespace {
+
+constexpr double kJump = 3.0;           // times the speed limit
+constexpr double kCounts = 2.0;         // of the encoder, between two readings of one motion
+constexpr double kTravel = 0.5;         // ranges that the others travel while an encoder is stuck
+constexpr double kEffortOfLimit = 0.2;  // that its own effort changes meanwhile
+constexpr double kBodySpeedChange_m_s = 10.0;
+constexpr double kBodySpinChange_rad_s = 500.0;
+constexpr double kAvatarSpeed = 10.0;  // times the device's speed limit
+
+void add(Finding& finding, Fault fault, int axis) noexcept {
+  if (finding.axis < 0) finding.axis = axis;
+  finding.faults |= fault;
+}
+
+bool farther(const Vec3& a, const Vec3& b, double distance) noexcept {
+  const double x = a.x - b.x, y = a.y - b.y, z = a.z - b.z;
+  return !(x * x + y * y + z * z <= distance * distance);
+}
+
+void watchTiming(DeviceWatchState& state, int elapsed_periods, const SupervisorConfig& config,
+                 Finding& finding) noexcept {
+  state.late_in_a_row = elapsed_periods > 1 ? state.late_in_a_row + 1 : 0;
+  const WatchLimits& watch = config.watch;
+  if (watch.late_in_a_row > 0 && state.late_in_a_row > watch.late_in_a_row) {
+    finding.faults |= Fault::kLateInARow;
+  }
+  if (watch.longest_gap_s > 0.0 && elapsed_periods * config.period_s > watch.longest_gap_s) {
+    finding.faults |= Fault::kLongGap;
+  }
+}
+
+void watchMotion(const DeviceWatchState& state, const AxisPosition& q_m, double elapsed_s,
+                 const SupervisorConfig& config, Finding& finding) noexcept {
+  for (int i = 0; i < config.axes; ++i) {
+    const double moved = std::abs(q_m[i] - state.q[i]) - kCounts * config.encoder_step[i];
+    const double allowed = config.speed_limit[i] * elapsed_s;
+    if (moved > kJump * allowed) {
+      add(finding, Fault::kEncoderJump, i);
+    } else if (moved > allowed) {
+      add(finding, Fault::kSpeedLimit, i);
+    }
+  }
+}
+
+bool atStop(double q, int axis, const SupervisorConfig& config) noexcept {
+  return q <= config.lower[axis] + config.margin[axis] ||
+         q >= config.upper[axis] - config.margin[axis];
+}
+
+void watchStuck(DeviceWatchState& state, const AxisPosition& q_m, const AxisEffort& sent,
+                double elapsed_s, const SupervisorConfig& config, Finding& finding) noexcept {
+  for (int i = 0; i < config.axes; ++i) {
+    state.travelled += std::abs(q_m[i] - state.q[i]) / (config.upper[i] - config.lower[i]);
+  }
+  for (int i = 0; i < config.axes; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    if (q_m[i] != state.q[i] || atStop(q_m[i], i, config)) {
+      state.still_s[at] = 0.0;
+      state.travelled_before[at] = state.travelled;
+      state.least[i] = state.most[i] = sent[i];
+      continue;
+    }
+    state.still_s[at] += elapsed_s;
+    state.least[i] = std::min(state.least[i], sent[i]);
+    state.most[i] = std::max(state.most[i], sent[i]);
+    const bool should_move =
+        state.travelled - state.travelled_before[at] > kTravel ||
+        state.most[i] - state.least[i] > kEffortOfLimit * config.effort_limit[i];
+    if (state.still_s[at] >= config.watch.stuck_encoder_s && should_move) {
+      add(finding, Fault::kEncoderStuck, i);
+    }
+  }
+}
+
+}  // namespace
+
+SupervisorConfig makeSupervisor(const DeviceModel& device, double period_s, bool simulated) {
+  SupervisorConfig config;
+  config.axes = device.axisCount();
+  config.period_s = period_s;
+  config.power_limit_w = device.power_limit_w;
+  if (!simulated) config.watch = device.watch;
+  config.lower = config.upper = config.margin = config.encoder_step = AxisPosition(config.axes);
+  config.speed_limit = AxisVelocity(config.axes);
+  config.effort_limit = config.most_change = AxisEffort(config.axes);
+  for (int i = 0; i < config.axes; ++i) {
+    const DeviceAxis& axis = device.axes[static_cast<std::size_t>(i)];
+    config.lower[i] = axis.lower;
+    config.upper[i] = axis.upper;
+    config.margin[i] = axis.workspace_margin;
+    config.encoder_step[i] = axis.encoder_step;
+    config.speed_limit[i] = axis.speed_limit;
+    config.effort_limit[i] = axis.effort_limit;
+    config.most_change[i] = axis.effort_slew_limit * period_s;
+  }
+  return config;
+}
+
+Finding watchDevice(DeviceWatchState& state, const AxisPosition& q_m, const AxisEffort& sent,
+                    int elapsed_periods, const SupervisorConfig& config) noexcept {
+  Finding finding;
+  if (config.axes == 0) return finding;
+  for (int i = 0; i < config.axes; ++i) {
+    if (q_m[i] < config.lower[i] - config.margin[i] ||
+        q_m[i] > config.upper[i] + config.margin[i]) {
+      add(finding, Fault::kWorkspace, i);
+    }
+  }
+  if (state.fresh) {
+    state = DeviceWatchState{};
+    state.fresh = false;
+    state.least = state.most = sent;
+  } else {
+    const double elapsed_s = elapsed_periods * config.period_s;
+    watchTiming(state, elapsed_periods, config, finding);
+    watchMotion(state, q_m, elapsed_s, config, finding);
+    if (config.watch.stuck_encoder_s > 0.0) {
+      watchStuck(state, q_m, sent, elapsed_s, config, finding);
+    }
+  }
+  state.q = q_m;
+  return finding;
+}
+
+Fault watchWorld(WorldWatchState& state, const TickRecord& observed,
+                 const SupervisorConfig& config) noexcept {
+  if (config.axes == 0) return Fault::kNone;
+  Fault fault = Fault::kNone;
+  for (int i = 0; i < config.axes; ++i) {
+    if (!(std::abs(observed.qd_s[i]) <= kAvatarSpeed * config.speed_limit[i])) {
+      fault = Fault::kBodiesExploded;
+    }
+  }
+  const bool known = state.body_count == observed.body_count;
+  state.body_count = observed.body_count;
+  for (int i = 0; i < observed.body_count; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    const BodyState& body = observed.bodies[at];
+    if (known && (farther(body.velocity_m_s, state.velocity_m_s[at], kBodySpeedChange_m_s) ||
+                  farther(body.angular_velocity_rad_s, state.angular_velocity_rad_s[at],
+                          kBodySpinChange_rad_s))) {
+      fault = Fault::kBodiesExploded;
+    }
+    state.velocity_m_s[at] = body.velocity_m_s;
+    state.angular_velocity_rad_s[at] = body.angular_velocity_rad_s;
+  }
+  return fault;
+}
+
+SafetyState nextSafetyState(SafetyState state, Fault latched, bool at_neutral,
+                            double authority) noexcept {
+  if (any(latched)) return SafetyState::kFaulted;
+  if (at_neutral) return SafetyState::kDisarmed;
+  if (state == SafetyState::kArmed && authority >= 1.0) return SafetyState::kRendering;
+  return state;
+}
+
+}  // namespace wholehand

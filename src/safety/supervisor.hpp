@@ -1,0 +1,80 @@
+#pragma once
+
+#include "core/axis_array.hpp"
+#include "core/fault.hpp"
+#include "core/real_time.hpp"
+#include "core/safety_state.hpp"
+#include "core/tick_record.hpp"
+#include "model/device_model.hpp"
+
+#include <array>
+#include <limits>
+
+namespace wholehand {
+
+/// What the supervisor holds a device to, from its file (docs/safety.md).
+struct SupervisorConfig {
+  int axes = 0;  ///< 0: nothing is watched
+  double period_s = 1e-3;
+  AxisPosition lower, upper;  ///< end of travel
+  AxisPosition margin;        ///< beyond it by more: kWorkspace
+  AxisPosition encoder_step;
+  AxisVelocity speed_limit;
+  AxisEffort effort_limit;
+  AxisEffort most_change;  ///< of an effort in one period: the slew limit
+  double power_limit_w = std::numeric_limits<double>::infinity();
+  WatchLimits watch;  ///< 0: not watched
+};
+
+/// @param simulated lateness and encoders that stand still are not watched
+[[nodiscard]] SupervisorConfig makeSupervisor(const DeviceModel& device, double period_s,
+                                              bool simulated);
+
+/// What was wrong, and on which axis (-1: none in particular).
+struct Finding {
+  Fault faults = Fault::kNone;
+  int axis = -1;
+};
+
+/// What the watch of the device remembers from tick to tick.
+struct DeviceWatchState {
+  bool fresh = true;  ///< nothing is known of the tick before
+  int late_in_a_row = 0;
+  AxisPosition q;
+  std::array<double, kMaxAxes> still_s{};           ///< since the position last changed
+  std::array<double, kMaxAxes> travelled_before{};  ///< `travelled` at that moment
+  AxisEffort least, most;                           ///< effort sent since then
+  double travelled = 0.0;  ///< way of all axes together, in shares of their ranges
+};
+
+/// Judges what was read, before anything is computed from it:
+///   kSpeedLimit    |Δq| > q̇_max kT + 2δ
+///   kEncoderJump   |Δq| > 3 q̇_max kT + 2δ: no hand moves so
+///   kWorkspace     beyond the range by more than the margin
+///   kEncoderStuck  not one count in stuck_encoder_s while the other axes travelled half a range or
+///                  the axis's own effort changed by a fifth of its limit; not at a stop
+///   kLateInARow, kLongGap
+/// A fault that is not of timing names the first axis. Real-time safe.
+/// @param sent the last effort sent
+[[nodiscard]] WHOLEHAND_RT Finding watchDevice(DeviceWatchState& state, const AxisPosition& q_m,
+                                               const AxisEffort& sent, int elapsed_periods,
+                                               const SupervisorConfig& config) noexcept;
+
+/// Velocities of the bodies at the last tick.
+struct WorldWatchState {
+  int body_count = -1;  ///< -1: nothing is known of the tick before
+  std::array<Vec3, kMaxBodies> velocity_m_s{}, angular_velocity_rad_s{};
+};
+
+/// kBodiesExploded where a body's velocity changed by more than 10 m/s or 500 rad/s within one
+/// step, or the simulated hand is ten times as fast as the device may be: ten times what the touch
+/// of a hand within its limits gives. A body that falls for long is no explosion. Real-time safe.
+[[nodiscard]] WHOLEHAND_RT Fault watchWorld(WorldWatchState& state, const TickRecord& observed,
+                                            const SupervisorConfig& config) noexcept;
+
+/// The state after a tick. Real-time safe.
+/// @param latched stopping faults of this run so far @param at_neutral after a stop or a fault
+[[nodiscard]] WHOLEHAND_RT SafetyState nextSafetyState(SafetyState state, Fault latched,
+                                                       bool at_neutral, double authority) noexcept;
+
+}  // namespace wholehand
