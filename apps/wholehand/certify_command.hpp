@@ -6,9 +6,12 @@ namespace wholehand {
 
 struct CertifyOptions {
   std::string device, rendering, hand;
+  std::string exercise = {};  ///< whose walls are borne, too; empty: none
+  int level = 1;              ///< of the exercise
   double rate_hz = 1000.0;
-  std::string json = {};  ///< empty: none
-  std::string svg = {};   ///< empty: none
+  std::string json = {};   ///< empty: none
+  std::string svg = {};    ///< empty: none
+  bool impedance = false;  ///< what the person feels, predicted and measured, in place of stability
 };
 
 /// Judges whether device, gains and hand make a stable loop with any passive person and object, and
