@@ -2,23 +2,15 @@
 // C library's own. For programs that measure and for tests; the library itself does not link it.
 #include "realtime/allocation_counter.hpp"
 
+#include "realtime/sanitized.hpp"
+
 #include <cerrno>
 #include <cstddef>
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define WHOLEHAND_COUNTS_ALLOCATIONS 0
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer) || \
-    __has_feature(memory_sanitizer)
-#define WHOLEHAND_COUNTS_ALLOCATIONS 0
-#endif
-#endif
-#if !defined(WHOLEHAND_COUNTS_ALLOCATIONS)
-#if defined(__GLIBC__)
+#if defined(__GLIBC__) && !WHOLEHAND_SANITIZED
 #define WHOLEHAND_COUNTS_ALLOCATIONS 1
 #else
 #define WHOLEHAND_COUNTS_ALLOCATIONS 0
-#endif
 #endif
 
 namespace wholehand {

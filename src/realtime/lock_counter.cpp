@@ -1,0 +1,184 @@
+// Linking this file puts functions that count before the C library's locks, and hands on to those.
+// For programs that measure and for tests; the library itself does not link it.
+#include "realtime/lock_counter.hpp"
+
+#include "realtime/sanitized.hpp"
+
+#include <atomic>
+#include <cstdlib>
+#include <dlfcn.h>
+#include <pthread.h>
+#include <semaphore.h>
+
+#if defined(__GLIBC__) && !WHOLEHAND_SANITIZED
+#define WHOLEHAND_COUNTS_LOCKS 1
+#else
+#define WHOLEHAND_COUNTS_LOCKS 0
+#endif
+
+namespace wholehand {
+namespace {
+
+// constinit: locks are taken before any initialiser could run.
+constinit thread_local LockCalls calls;
+
+#if WHOLEHAND_COUNTS_LOCKS
+
+/// The C library's own function, looked up where it is called first: two threads that meet there
+/// find the same.
+template <class... Arguments>
+class Original {
+ public:
+  constexpr explicit Original(const char* name) : name_(name) {}
+  int operator()(Arguments... arguments) {
+    void* found = found_.load(std::memory_order_relaxed);
+    if (found == nullptr) {
+      // Before this version condition variables had another layout, and the functions for it still
+      // go by the same names.
+      found = dlvsym(RTLD_NEXT, name_, "GLIBC_2.3.2");
+      if (found == nullptr) found = dlsym(RTLD_NEXT, name_);
+      if (found == nullptr) std::abort();
+      found_.store(found, std::memory_order_relaxed);
+    }
+    return reinterpret_cast<int (*)(Arguments...)>(found)(arguments...);
+  }
+
+ private:
+  const char* name_;
+  std::atomic<void*> found_{nullptr};
+};
+
+#endif
+
+}  // namespace
+
+bool lockCountingAvailable() noexcept {
+  return WHOLEHAND_COUNTS_LOCKS != 0;
+}
+LockCalls threadLockCalls() noexcept {
+  return calls;
+}
+
+#if WHOLEHAND_COUNTS_LOCKS
+
+// The names are the C library's.
+// NOLINTBEGIN(readability-identifier-naming)
+extern "C" {
+int pthread_mutex_lock(pthread_mutex_t* mutex) {
+  static constinit Original<pthread_mutex_t*> original{"pthread_mutex_lock"};
+  ++calls.locks;
+  return original(mutex);
+}
+int pthread_mutex_trylock(pthread_mutex_t* mutex) {
+  static constinit Original<pthread_mutex_t*> original{"pthread_mutex_trylock"};
+  ++calls.locks;
+  return original(mutex);
+}
+int pthread_mutex_timedlock(pthread_mutex_t* mutex, const timespec* until) {
+  static constinit Original<pthread_mutex_t*, const timespec*> original{"pthread_mutex_timedlock"};
+  ++calls.locks;
+  return original(mutex, until);
+}
+int pthread_mutex_clocklock(pthread_mutex_t* mutex, clockid_t clock, const timespec* until) {
+  static constinit Original<pthread_mutex_t*, clockid_t, const timespec*> original{
+      "pthread_mutex_clocklock"};
+  ++calls.locks;
+  return original(mutex, clock, until);
+}
+int pthread_spin_lock(pthread_spinlock_t* lock) {
+  static constinit Original<pthread_spinlock_t*> original{"pthread_spin_lock"};
+  ++calls.locks;
+  return original(lock);
+}
+int pthread_spin_trylock(pthread_spinlock_t* lock) {
+  static constinit Original<pthread_spinlock_t*> original{"pthread_spin_trylock"};
+  ++calls.locks;
+  return original(lock);
+}
+int pthread_rwlock_rdlock(pthread_rwlock_t* lock) {
+  static constinit Original<pthread_rwlock_t*> original{"pthread_rwlock_rdlock"};
+  ++calls.locks;
+  return original(lock);
+}
+int pthread_rwlock_wrlock(pthread_rwlock_t* lock) {
+  static constinit Original<pthread_rwlock_t*> original{"pthread_rwlock_wrlock"};
+  ++calls.locks;
+  return original(lock);
+}
+int pthread_rwlock_tryrdlock(pthread_rwlock_t* lock) {
+  static constinit Original<pthread_rwlock_t*> original{"pthread_rwlock_tryrdlock"};
+  ++calls.locks;
+  return original(lock);
+}
+int pthread_rwlock_trywrlock(pthread_rwlock_t* lock) {
+  static constinit Original<pthread_rwlock_t*> original{"pthread_rwlock_trywrlock"};
+  ++calls.locks;
+  return original(lock);
+}
+int pthread_rwlock_timedrdlock(pthread_rwlock_t* lock, const timespec* until) {
+  static constinit Original<pthread_rwlock_t*, const timespec*> original{
+      "pthread_rwlock_timedrdlock"};
+  ++calls.locks;
+  return original(lock, until);
+}
+int pthread_rwlock_timedwrlock(pthread_rwlock_t* lock, const timespec* until) {
+  static constinit Original<pthread_rwlock_t*, const timespec*> original{
+      "pthread_rwlock_timedwrlock"};
+  ++calls.locks;
+  return original(lock, until);
+}
+int pthread_cond_wait(pthread_cond_t* condition, pthread_mutex_t* mutex) {
+  static constinit Original<pthread_cond_t*, pthread_mutex_t*> original{"pthread_cond_wait"};
+  ++calls.waits;
+  return original(condition, mutex);
+}
+int pthread_cond_timedwait(pthread_cond_t* condition, pthread_mutex_t* mutex,
+                           const timespec* until) {
+  static constinit Original<pthread_cond_t*, pthread_mutex_t*, const timespec*> original{
+      "pthread_cond_timedwait"};
+  ++calls.waits;
+  return original(condition, mutex, until);
+}
+int pthread_cond_clockwait(pthread_cond_t* condition, pthread_mutex_t* mutex, clockid_t clock,
+                           const timespec* until) {
+  static constinit Original<pthread_cond_t*, pthread_mutex_t*, clockid_t, const timespec*> original{
+      "pthread_cond_clockwait"};
+  ++calls.waits;
+  return original(condition, mutex, clock, until);
+}
+int sem_wait(sem_t* semaphore) {
+  static constinit Original<sem_t*> original{"sem_wait"};
+  ++calls.waits;
+  return original(semaphore);
+}
+int sem_trywait(sem_t* semaphore) {
+  static constinit Original<sem_t*> original{"sem_trywait"};
+  ++calls.waits;
+  return original(semaphore);
+}
+int sem_timedwait(sem_t* semaphore, const timespec* until) {
+  static constinit Original<sem_t*, const timespec*> original{"sem_timedwait"};
+  ++calls.waits;
+  return original(semaphore, until);
+}
+int pthread_cond_signal(pthread_cond_t* condition) {
+  static constinit Original<pthread_cond_t*> original{"pthread_cond_signal"};
+  ++calls.wakes;
+  return original(condition);
+}
+int pthread_cond_broadcast(pthread_cond_t* condition) {
+  static constinit Original<pthread_cond_t*> original{"pthread_cond_broadcast"};
+  ++calls.wakes;
+  return original(condition);
+}
+int sem_post(sem_t* semaphore) {
+  static constinit Original<sem_t*> original{"sem_post"};
+  ++calls.wakes;
+  return original(semaphore);
+}
+}
+// NOLINTEND(readability-identifier-naming)
+
+#endif
+
+}  // namespace wholehand
