@@ -3,6 +3,8 @@
 #include "model/axis_keys.hpp"
 #include "model/toml_file.hpp"
 
+#include <algorithm>
+
 namespace wholehand {
 namespace {
 
@@ -13,6 +15,9 @@ constexpr AxisQuantity kDamping{
     "damping_n_s_m", "damping_nm_s_rad", "damping_tip_n_s_m", 2, 0.0, 1e4};
 constexpr AxisQuantity kStiffness{
     "stiffness_n_m", "stiffness_nm_rad", "stiffness_tip_n_m", 2, 0.0, 1e6};
+// Stronger than any tremor or finger, weaker than a slipped unit.
+constexpr AxisQuantity kTremor{"tremor_n", "tremor_nm", "tremor_tip_n", 1, 0.0, 10.0};
+constexpr AxisQuantity kFight{"fight_n", "fight_nm", "fight_tip_n", 1, 0.0, 100.0};
 
 MotionMapping readMotion(TomlTable& root) {
   MotionMapping motion;
@@ -39,13 +44,97 @@ void refuseAxis(NamedAxis& axis, const std::vector<NamedAxis>& all, const Device
   axis.table.skipRest();
 }
 
+StretchReflex readReflex(TomlTable& table, AxisKind kind) {
+  StretchReflex reflex;
+  constexpr const char* kGain = "reflex_gain_nm_s_rad2";
+  if (!table.has(kGain)) return reflex;
+  reflex.gain_nm_s_rad2 = table.number(kGain, between(0.0, 100.0, "N·m·s/rad²"));
+  if (kind == AxisKind::kTranslation) {
+    table.fail(kGain, "is for rotations: a translation has no muscle to stretch", "remove it");
+    table.skipRest();
+    return reflex;
+  }
+  reflex.from_speed_rad_s = table.number("reflex_from_rad_s", between(0.0, 20.0, "rad/s"));
+  reflex.below_rad = table.number("reflex_below_rad", between(-10.0, 10.0, "rad"));
+  return reflex;
+}
+
 PatientAxis readAxis(TomlTable& table, const std::string& name, AxisKind kind, double lever_m) {
   PatientAxis axis;
   axis.name = name;
   axis.mass = readAxisQuantity(table, kMass, kind, lever_m);
   axis.damping = readAxisQuantity(table, kDamping, kind, lever_m);
   axis.stiffness = readAxisQuantity(table, kStiffness, kind, lever_m);
+  axis.tremor = readAxisQuantity(table, kTremor, kind, lever_m, 0.0);
+  axis.fight = readAxisQuantity(table, kFight, kind, lever_m, 0.0);
+  axis.reflex = readReflex(table, kind);
   return axis;
+}
+
+/// The table of a habit that axes take part in: there if and only if one of them does.
+std::optional<TomlTable> habitTable(TomlTable& root, const std::string& name, bool any_axis,
+                                    const std::string& axis_key) {
+  std::optional<TomlTable> table = root.optionalTable(name);
+  if (any_axis && !table) {
+    root.fail(name, "is missing, and an axis has " + axis_key, "add a table [" + name + "]");
+  } else if (table && !any_axis) {
+    table->fail("", "moves nothing: no axis has " + axis_key,
+                "give " + axis_key + " to an axis, or remove the table");
+    table->skipRest();
+    return std::nullopt;
+  }
+  return table;
+}
+
+/// What the axes take part in; `all` are those of the file, other devices' among them.
+void readHabits(TomlTable& root, const std::vector<PatientAxis>& all, PatientConfig& config) {
+  const auto any = [&all](auto has) { return std::any_of(all.begin(), all.end(), has); };
+  if (auto t = habitTable(root, "tremor", any([](const auto& a) { return a.tremor > 0.0; }),
+                          "tremor_n, tremor_nm or tremor_tip_n")) {
+    config.tremor.frequency_hz = t->number("frequency_hz", between(3.0, 12.0, "Hz"));
+    config.tremor.phase_seed = static_cast<std::uint64_t>(
+        t->integer("phase_seed", 0, std::numeric_limits<std::int32_t>::max(), 1));
+  }
+  if (auto t = habitTable(root, "reflex",
+                          any([](const auto& a) { return a.reflex.gain_nm_s_rad2 > 0.0; }),
+                          "reflex_gain_nm_s_rad2")) {
+    config.reflex.delay_s = t->number("delay_s", between(0.0, 0.2, "s"), config.reflex.delay_s);
+    config.reflex.muscle_lag_s =
+        t->number("muscle_lag_s", above(0.0, 0.5, "s"), config.reflex.muscle_lag_s);
+  }
+  if (auto t = habitTable(root, "fight", any([](const auto& a) { return a.fight > 0.0; }),
+                          "fight_n, fight_nm or fight_tip_n")) {
+    config.fight_reaction_s =
+        t->number("reaction_s", between(0.0, 1.0, "s"), config.fight_reaction_s);
+  }
+}
+
+LettingGo readLettingGo(TomlTable& root) {
+  LettingGo go;
+  std::optional<TomlTable> table = root.optionalTable("letting_go");
+  if (!table) return go;
+  if (!table->has("after_s") && !table->has("effort_share")) {
+    table->fail("", "says neither when nor at which effort", "give after_s, effort_share or both");
+  }
+  go.after_s = table->number("after_s", between(0.0, 3600.0, "s"), go.after_s);
+  go.effort_share = table->number("effort_share", above(0.0, 10.0), go.effort_share);
+  return go;
+}
+
+Slam readSlam(TomlTable& root, const DeviceModel& device) {
+  Slam slam;
+  std::optional<TomlTable> table = root.optionalTable("slam");
+  if (!table) return slam;
+  slam.axis = table->text("axis");
+  if (table->good("axis") && device.axisIndex(slam.axis) < 0 && !knownAxisKind(slam.axis)) {
+    table->fail("axis", "is no axis of the device " + device.path + " nor any known one",
+                "name an axis, for instance x");
+  }
+  slam.towards_upper = table->choice("towards", {"upper", "lower"}) == "upper";
+  slam.after_s = table->number("after_s", between(0.0, 3600.0, "s"), slam.after_s);
+  slam.speed_share = table->number("speed_share", above(0.0, 2.0), slam.speed_share);
+  slam.effort_share = table->number("effort_share", above(0.0, 1.0), slam.effort_share);
+  return slam;
 }
 
 }  // namespace
@@ -57,23 +146,27 @@ Expected<PatientConfig> loadPatientFile(const std::string& path, const DeviceMod
   PatientConfig config;
   config.path = path;
   config.name = root.text("name");
-  for (const DeviceAxis& axis : device.axes) config.axes.push_back({axis.name, 0.0, 0.0, 0.0});
+  for (const DeviceAxis& axis : device.axes) config.axes.push_back({.name = axis.name});
   std::vector<NamedAxis> named = readAxisNames(root);
+  std::vector<PatientAxis> all;
   for (NamedAxis& axis : named) {
     const int i = device.axisIndex(axis.name);
     if (i >= 0) {
       const DeviceAxis& own = device.axes[static_cast<std::size_t>(i)];
-      config.axes[static_cast<std::size_t>(i)] =
-          readAxis(axis.table, axis.name, own.kind, own.lever_arm_m);
+      all.push_back(readAxis(axis.table, axis.name, own.kind, own.lever_arm_m));
+      config.axes[static_cast<std::size_t>(i)] = all.back();
     } else if (const std::optional<AxisKind> kind = knownAxisKind(axis.name)) {
       constexpr double kAnyLever_m =
           1.0;  // another device's axis: its keys are checked all the same
-      (void)readAxis(axis.table, axis.name, *kind, kAnyLever_m);
+      all.push_back(readAxis(axis.table, axis.name, *kind, kAnyLever_m));
     } else {
       refuseAxis(axis, named, device);
     }
   }
   config.motion = readMotion(root);
+  readHabits(root, all, config);
+  config.letting_go = readLettingGo(root);
+  config.slam = readSlam(root, device);
   if (Diagnostics faults = file.finish(); !faults.empty()) return faults;
   return config;
 }

@@ -20,6 +20,7 @@ SimulatedDevice::SimulatedDevice(const DeviceModel& device, const PatientConfig&
       patient_(patient),
       player_(std::move(player)),
       period_s_(period_s),
+      person_(patient, device, period_s),
       neutral_(device.axisCount()) {
   device_.output_delay_ticks = std::clamp(device_.output_delay_ticks, 0, kMostDelay);
   for (int i = 0; i < device_.axisCount(); ++i) {
@@ -29,6 +30,9 @@ SimulatedDevice::SimulatedDevice(const DeviceModel& device, const PatientConfig&
     axes_.emplace_back(AxisPlant{axis.mass + person.mass, axis.damping + person.damping,
                                  person.stiffness, axis.coulomb, axis.lower, axis.upper},
                        period_s_);
+    if (!person_.mayLetGo()) continue;
+    bare_.emplace_back(
+        AxisPlant{axis.mass, axis.damping, 0.0, axis.coulomb, axis.lower, axis.upper}, period_s_);
   }
 }
 
@@ -39,6 +43,8 @@ Expected<Done> SimulatedDevice::open() {
   commanded_ = acting_ = neutral_;
   delayed_.fill(neutral_);
   player_->reset();
+  person_.reset();
+  held_.fill(true);
   q_intended_ = player_->start();
   qd_intended_ = AxisVelocity(device_.axisCount());
   q_ = AxisPosition(device_.axisCount());
@@ -60,7 +66,26 @@ void SimulatedDevice::shiftDelayLine() noexcept {
   oldest_ = (oldest_ + 1) % device_.output_delay_ticks;
 }
 
+AxisEffort SimulatedDevice::impedance() const noexcept {
+  AxisEffort effort = patientEffort(patient_, q_, qd_, q_intended_, qd_intended_);
+  for (int i = 0; i < effort.size(); ++i) {
+    if (!person_.holds(i)) effort[i] = 0.0;
+  }
+  return effort;
+}
+
+void SimulatedDevice::letPersonAct() noexcept {
+  AxisEffort rendered = acting_;
+  for (int i = 0; i < rendered.size(); ++i) rendered[i] -= neutral_[i];
+  person_.advance({q_, qd_, rendered, impedance()});
+  for (int i = 0; i < q_.size(); ++i) {
+    // What moved with the person moves on without: the person's mass takes its momentum along.
+    if (std::exchange(held_[i], person_.holds(i)) && !held_[i]) bare_[i].place(q_[i], qd_[i]);
+  }
+}
+
 void SimulatedDevice::letPeriodPass() noexcept {
+  letPersonAct();
   shiftDelayLine();
   AxisPosition aim;
   AxisVelocity aim_speed;
@@ -68,11 +93,17 @@ void SimulatedDevice::letPeriodPass() noexcept {
   for (int i = 0; i < q_.size(); ++i) {
     const PatientAxis& person = patient_.axes[i];
     // The plant holds the person's K and B towards zero; what remains is the pull of the aim.
-    const double held = acting_[i] - neutral_[i];
-    axes_[i].advance({held + impedanceEffort(person, 0.0, 0.0, q_intended_[i], qd_intended_[i]),
-                      held + impedanceEffort(person, 0.0, 0.0, aim[i], aim_speed[i])});
-    q_[i] = axes_[i].position();
-    qd_[i] = axes_[i].velocity();
+    EffortRamp effort;
+    if (held_[i]) {
+      effort.begin = impedanceEffort(person, 0.0, 0.0, q_intended_[i], qd_intended_[i]);
+      effort.end = impedanceEffort(person, 0.0, 0.0, aim[i], aim_speed[i]);
+    }
+    effort.begin += acting_[i] - neutral_[i] + person_.begin()[i];
+    effort.end += acting_[i] - neutral_[i] + person_.end()[i];
+    AxisDynamics& axis = held_[i] ? axes_[i] : bare_[i];
+    axis.advance(effort);
+    q_[i] = axis.position();
+    qd_[i] = axis.velocity();
   }
   q_intended_ = aim;
   qd_intended_ = aim_speed;
@@ -89,7 +120,8 @@ Fault SimulatedDevice::read(DeviceReading& reading, int elapsed_periods) noexcep
     if (step > 0.0) reading.q_m[i] = step * std::round(q_[i] / step);
   }
   reading.intention = q_intended_;
-  reading.patient_effort = patientEffort(patient_, q_, qd_, q_intended_, qd_intended_);
+  reading.patient_effort = impedance();
+  for (int i = 0; i < q_.size(); ++i) reading.patient_effort[i] += person_.end()[i];
   return Fault::kNone;
 }
 

@@ -4,6 +4,7 @@
 #include "device/simulated/axis_dynamics.hpp"
 #include "model/device_model.hpp"
 #include "model/patient_config.hpp"
+#include "patient/active_patient.hpp"
 #include "patient/motion.hpp"
 #include "patient/player.hpp"
 
@@ -16,8 +17,8 @@ namespace wholehand {
 /// A device that exists only as its file: per axis mass, viscous and Coulomb friction, encoder
 /// step, output delay in samples, saturation at the effort limit, stops at the ends of the range;
 /// with a virtual patient strapped to it. Right at any rate: the linear part is advanced by its
-/// exact solution for a held effort and an impedance effort that is linear over the period, Coulomb
-/// friction with true sticking.
+/// exact solution for a held effort and efforts of the person that are linear over the period,
+/// Coulomb friction with true sticking. A person who lets go leaves the bare mechanism behind.
 ///
 /// The axis's own weight pulls with minus its neutral effort, so that sending neutral balances it.
 /// Deterministic: the same calls give the same bits.
@@ -47,8 +48,12 @@ class SimulatedDevice final : public HapticDevice {
   [[nodiscard]] const AxisVelocity& velocity() const noexcept { return qd_; }
   /// What acts on the mechanism now: the last effort that came through the output delay.
   [[nodiscard]] const AxisEffort& acting() const noexcept { return acting_; }
+  /// Who holds it.
+  [[nodiscard]] const ActivePatient& person() const noexcept { return person_; }
 
  private:
+  void letPersonAct() noexcept;
+  [[nodiscard]] AxisEffort impedance() const noexcept;
   void letPeriodPass() noexcept;
   void shiftDelayLine() noexcept;
 
@@ -58,12 +63,15 @@ class SimulatedDevice final : public HapticDevice {
   PatientConfig patient_;
   std::unique_ptr<Player> player_;
   double period_s_;
+  ActivePatient person_;
   AxisEffort neutral_;
-  std::vector<AxisDynamics> axes_;
+  std::vector<AxisDynamics> axes_;  ///< with the person's mass and impedance
+  std::vector<AxisDynamics> bare_;  ///< without; empty where the person never lets go
 
   bool open_ = false;
-  bool fresh_ = false;    // opened, not yet read
-  AxisEffort commanded_;  // the last write, repeated every period until the next
+  bool fresh_ = false;                 // opened, not yet read
+  std::array<bool, kMaxAxes> held_{};  // by the person; else the bare mechanism moves
+  AxisEffort commanded_;               // the last write, repeated every period until the next
   AxisEffort acting_;
   std::array<AxisEffort, kMostDelay> delayed_{};  // a ring: sent, not yet acting
   int oldest_ = 0;

@@ -1,0 +1,93 @@
+#include "patient/active_patient.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+namespace wholehand {
+
+ActivePatient::ActivePatient(const PatientConfig& patient, const DeviceModel& device,
+                             double period_s)
+    : patient_(patient),
+      period_s_(period_s),
+      limit_(device.axisCount()),
+      phase_rad_(device.axisCount()),
+      slam_axis_(device.axisIndex(patient.slam.axis)),
+      nerve_(patient.reflex.delay_s, period_s),
+      reaction_(patient.fight_reaction_s, period_s) {
+  std::mt19937_64 random(patient.tremor.phase_seed);
+  for (int i = 0; i < limit_.size(); ++i) {
+    limit_[i] = device.axes[static_cast<std::size_t>(i)].effort_limit;
+    phase_rad_[i] =
+        2.0 * std::numbers::pi * static_cast<double>(random() >> 11U) * 0x1.0p-53;  // any library
+  }
+  if (slam_axis_ >= 0) {
+    plan_ = planSlam(patient.slam, device.axes[static_cast<std::size_t>(slam_axis_)]);
+  }
+  reset();
+}
+
+bool ActivePatient::mayLetGo() const noexcept {
+  return slam_axis_ >= 0 || std::isfinite(patient_.letting_go.after_s) ||
+         std::isfinite(patient_.letting_go.effort_share);
+}
+
+double ActivePatient::atTime(int axis, double time_s) const noexcept {
+  const double amplitude = patient_.axes[static_cast<std::size_t>(axis)].tremor;
+  if (amplitude == 0.0) return 0.0;
+  return tremorEffort(amplitude, patient_.tremor.frequency_hz, phase_rad_[axis], time_s);
+}
+
+void ActivePatient::reset() noexcept {
+  const int axes = limit_.size();
+  periods_ = 0;
+  let_go_ = false;
+  slam_ = SlamState{};
+  muscle_ = AxisEffort(axes);
+  nerve_.fill(AxisVelocity(axes));
+  reaction_.fill({AxisEffort(axes), AxisVelocity(axes)});
+  begin_ = end_ = AxisEffort(axes);
+  for (int i = 0; i < axes; ++i)
+    begin_[i] = end_[i] = std::clamp(atTime(i, 0.0), -limit_[i], limit_[i]);
+}
+
+bool ActivePatient::letsGo(const FeltByPatient& felt) const noexcept {
+  const LettingGo& go = patient_.letting_go;
+  const double time_s = static_cast<double>(periods_) * period_s_;
+  if (slam_.phase == SlamPhase::kLetGo || time_s >= go.after_s - 0.5 * period_s_) return true;
+  for (int i = 0; i < limit_.size(); ++i) {
+    if (std::abs(felt.impedance[i] + end_[i]) >= go.effort_share * limit_[i]) return true;
+  }
+  return false;
+}
+
+void ActivePatient::advance(const FeltByPatient& felt) noexcept {
+  if (slam_axis_ >= 0) {
+    slam_ = advanceSlam(slam_, plan_, felt.q[slam_axis_], felt.qd[slam_axis_], period_s_);
+  }
+  const AxisVelocity& qd_delayed = nerve_.shift(felt.qd);
+  const Sensed& sensed = reaction_.shift({felt.rendered, felt.qd});
+  let_go_ = let_go_ || letsGo(felt);
+  const double time_s = static_cast<double>(periods_++) * period_s_;
+  if (let_go_) {
+    begin_ = end_ = AxisEffort(limit_.size());
+    return;
+  }
+  for (int i = 0; i < limit_.size(); ++i) {
+    const PatientAxis& axis = patient_.axes[static_cast<std::size_t>(i)];
+    const double pulled = muscle_[i];
+    if (axis.reflex.gain_nm_s_rad2 > 0.0) {
+      const double drive = std::min(reflexDrive(axis.reflex, felt.q[i], qd_delayed[i]), limit_[i]);
+      muscle_[i] = muscleEffort(pulled, drive, patient_.reflex.muscle_lag_s, period_s_);
+    }
+    double held = i == slam_axis_ ? slam_.effort : 0.0;
+    if (axis.fight > 0.0) held += fightEffort(axis.fight, sensed.rendered[i], sensed.qd[i]);
+    const double begin = atTime(i, time_s) + pulled + held;
+    const double end = atTime(i, time_s + period_s_) + muscle_[i] + held;
+    begin_[i] = std::clamp(begin, -limit_[i], limit_[i]);
+    end_[i] = std::clamp(end, -limit_[i], limit_[i]);
+  }
+}
+
+}  // namespace wholehand
