@@ -76,7 +76,18 @@ Frame frameOf(const LinePlot& plot) {
   return f;
 }
 
+std::string drawDots(const PlotLine& line, const PlotScale& x, const PlotScale& y) {
+  std::string out = "<g" + attribute("fill", line.color) + ">";
+  for (const PlotPoint& p : line.points) {
+    if (!std::isfinite(p.y) || !std::isfinite(p.x)) continue;
+    out += "<circle cx=\"" + px(x.px(p.x)) + "\" cy=\"" + px(y.px(p.y)) + "\" r=\"" +
+           px(line.dot_px) + "\"/>";
+  }
+  return out + "</g>";
+}
+
 std::string drawLine(const PlotLine& line, const PlotScale& x, const PlotScale& y) {
+  if (line.dot_px > 0.0) return drawDots(line, x, y);
   std::string path;
   bool pen_down = false;
   for (const PlotPoint& p : line.points) {
@@ -142,8 +153,9 @@ std::string drawHeads(const LinePlot& plot, const Frame& f, const PlotScale& x) 
 std::string drawGrid(const LinePlot& plot, const Frame& f, const PlotScale& x, const PlotScale& y) {
   std::string out;
   const int rows = std::max(3, static_cast<int>((f.bottom - f.top) / 28.0));
-  const auto ticks =
-      plot.log_y ? decadeTicks(f.y.low, f.y.high, rows) : niceTicks(f.y.low, f.y.high, rows);
+  const auto ticks = !plot.y_ticks.empty() ? plot.y_ticks
+                     : plot.log_y          ? decadeTicks(f.y.low, f.y.high, rows)
+                                           : niceTicks(f.y.low, f.y.high, rows);
   for (const double v : ticks) {
     const bool zero = v == 0.0 && !plot.log_y;
     out +=

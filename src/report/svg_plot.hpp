@@ -19,6 +19,7 @@ struct PlotLine {
   double width_px = 1.5;
   double opacity = 1.0;
   std::vector<PlotPoint> points;  ///< in the order of drawing; NaN breaks the line
+  double dot_px = 0.0;            ///< > 0: a disc of this radius at every point, and no line
 };
 
 /// A vertical line with a word above the plot.
@@ -40,8 +41,9 @@ struct LinePlot {
   int left_px = 40, right_px = 76;      ///< room for the numbers, room for the names
   double x_min = kFromData, x_max = kFromData;
   double y_min = kFromData, y_max = kFromData;
-  bool with_zero = true;      ///< the y range holds 0 (linear only)
-  double least_y_span = 0.0;  ///< a still signal is not blown up beyond this
+  bool with_zero = true;             ///< the y range holds 0 (linear only)
+  double least_y_span = 0.0;         ///< a still signal is not blown up beyond this
+  std::vector<double> y_ticks = {};  ///< where the numbers stand; empty: at round ones
   bool log_x = false, log_y = false;
   bool x_numbers = true;  ///< numbers below the plot
   std::string x_unit;     ///< after the last number

@@ -1,0 +1,48 @@
+#include "impedance_command.hpp"
+
+#include "assembly/text_file.hpp"
+#include "exit_code.hpp"
+#include "impedance_chart.hpp"
+#include "impedance_text.hpp"
+
+#include <cstdio>
+#include <unistd.h>
+
+namespace wholehand {
+namespace {
+
+/// Rewritten in place on a terminal; elsewhere nothing.
+void showProgress(const std::string& what, int done, int all) {
+  if (isatty(STDERR_FILENO) == 0) return;
+  std::fprintf(stderr, "\r\033[Kmeasuring %s (%d of %d)", what.c_str(), done + 1, all);
+}
+
+void endProgress() {
+  if (isatty(STDERR_FILENO) != 0) std::fputs("\r\033[K", stderr);
+}
+
+}  // namespace
+
+int impedanceCommand(const Models& models, const ImpedanceOptions& options, const std::string& json,
+                     const std::string& svg) {
+  if (auto ready = prepareFiles({json, svg}); !ready) return refuse(ready.errors());
+  const auto report = measureImpedance(models, options, showProgress);
+  endProgress();
+  if (!report) return refuse(report.errors());
+  std::fputs(impedanceText(*report).c_str(), stdout);
+  if (!json.empty()) {
+    nlohmann::ordered_json all;
+    all["rate_hz"] = 1.0 / report->period_s;
+    all["device"] = report->device;
+    all["rendering"] = report->rendering;
+    all["hand"] = report->hand;
+    all["impedance"] = impedanceJson(*report);
+    if (auto done = writeText(json, all.dump(1) + "\n"); !done) return refuse(done.errors());
+  }
+  if (!svg.empty()) {
+    if (auto done = writeText(svg, impedanceChart(*report)); !done) return refuse(done.errors());
+  }
+  return report->asPredicted() ? kExitDone : kExitNotCertified;
+}
+
+}  // namespace wholehand
