@@ -29,13 +29,14 @@ constinit thread_local LockCalls calls;
 template <class... Arguments>
 class Original {
  public:
-  constexpr explicit Original(const char* name) : name_(name) {}
+  /// @param version of the symbol, where more than one goes by the name; a machine that never had
+  ///   the old one has no such version
+  constexpr explicit Original(const char* name, const char* version = nullptr)
+      : name_(name), version_(version) {}
   int operator()(Arguments... arguments) {
     void* found = found_.load(std::memory_order_relaxed);
     if (found == nullptr) {
-      // Before this version condition variables had another layout, and the functions for it still
-      // go by the same names.
-      found = dlvsym(RTLD_NEXT, name_, "GLIBC_2.3.2");
+      if (version_ != nullptr) found = dlvsym(RTLD_NEXT, name_, version_);
       if (found == nullptr) found = dlsym(RTLD_NEXT, name_);
       if (found == nullptr) std::abort();
       found_.store(found, std::memory_order_relaxed);
@@ -45,8 +46,12 @@ class Original {
 
  private:
   const char* name_;
+  const char* version_;
   std::atomic<void*> found_{nullptr};
 };
+
+// Since then condition variables have the layout of today.
+constexpr const char* kNewConditions = "GLIBC_2.3.2";
 
 #endif
 
@@ -128,14 +133,15 @@ int pthread_rwlock_timedwrlock(pthread_rwlock_t* lock, const timespec* until) {
   return original(lock, until);
 }
 int pthread_cond_wait(pthread_cond_t* condition, pthread_mutex_t* mutex) {
-  static constinit Original<pthread_cond_t*, pthread_mutex_t*> original{"pthread_cond_wait"};
+  static constinit Original<pthread_cond_t*, pthread_mutex_t*> original{"pthread_cond_wait",
+                                                                        kNewConditions};
   ++calls.waits;
   return original(condition, mutex);
 }
 int pthread_cond_timedwait(pthread_cond_t* condition, pthread_mutex_t* mutex,
                            const timespec* until) {
   static constinit Original<pthread_cond_t*, pthread_mutex_t*, const timespec*> original{
-      "pthread_cond_timedwait"};
+      "pthread_cond_timedwait", kNewConditions};
   ++calls.waits;
   return original(condition, mutex, until);
 }
@@ -162,12 +168,12 @@ int sem_timedwait(sem_t* semaphore, const timespec* until) {
   return original(semaphore, until);
 }
 int pthread_cond_signal(pthread_cond_t* condition) {
-  static constinit Original<pthread_cond_t*> original{"pthread_cond_signal"};
+  static constinit Original<pthread_cond_t*> original{"pthread_cond_signal", kNewConditions};
   ++calls.wakes;
   return original(condition);
 }
 int pthread_cond_broadcast(pthread_cond_t* condition) {
-  static constinit Original<pthread_cond_t*> original{"pthread_cond_broadcast"};
+  static constinit Original<pthread_cond_t*> original{"pthread_cond_broadcast", kNewConditions};
   ++calls.wakes;
   return original(condition);
 }

@@ -29,7 +29,6 @@ constexpr std::size_t kNumbers = 512;
 
 constinit thread_local std::array<std::uint64_t, kNumbers> counts{};
 constinit thread_local std::uint64_t total = 0;
-constinit thread_local int last = -1;
 
 #if WHOLEHAND_COUNTS_SYSTEM_CALLS
 
@@ -42,7 +41,6 @@ void onSystemCall(int /*signal*/, siginfo_t* info, void* context) noexcept {
   const int number = info->si_syscall;
   ++total;
   ++counts[static_cast<std::size_t>(number) % kNumbers];
-  last = number;
   const int errno_before = errno;
   auto& registers = static_cast<ucontext_t*>(context)->uc_mcontext.gregs;
   const long result = syscall(number, registers[REG_RDI], registers[REG_RSI], registers[REG_RDX],
@@ -104,9 +102,6 @@ std::uint64_t threadSystemCalls() noexcept {
 }
 std::uint64_t threadSystemCalls(int number) noexcept {
   return number < 0 ? 0 : counts[static_cast<std::size_t>(number) % kNumbers];
-}
-int lastSystemCall() noexcept {
-  return last;
 }
 
 }  // namespace wholehand

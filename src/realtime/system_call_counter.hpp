@@ -17,10 +17,8 @@ namespace wholehand {
 /// are. Real-time safe.
 void countSystemCalls(bool on) noexcept;
 
-/// What was counted in this thread: all, those of one number of <sys/syscall.h>, and the number of
-/// the last one. Real-time safe.
+/// What was counted in this thread: all, or those of one number of <sys/syscall.h>. Real-time safe.
 [[nodiscard]] std::uint64_t threadSystemCalls() noexcept;
 [[nodiscard]] std::uint64_t threadSystemCalls(int number) noexcept;
-[[nodiscard]] int lastSystemCall() noexcept;
 
 }  // namespace wholehand
