@@ -5,6 +5,7 @@
 #include "certificate_chart.hpp"
 #include "certificate_text.hpp"
 #include "exit_code.hpp"
+#include "impedance_command.hpp"
 #include "model/hand_file.hpp"
 
 #include <cstdio>
@@ -60,6 +61,10 @@ AdvisedCertificate judge(const Models& models, double period_s) {
 int certifyCommand(const CertifyOptions& options) {
   const auto models = loadFiles(options);
   if (!models) return refuse(models.errors());
+  if (options.impedance) {
+    return impedanceCommand(*models, {1.0 / options.rate_hz, options.contact_stiffness_n_m},
+                            options.json, options.svg);
+  }
   if (auto ready = prepareFiles({options.json, options.svg}); !ready) return refuse(ready.errors());
   const AdvisedCertificate judged = judge(*models, 1.0 / options.rate_hz);
   std::fputs(certificateText(judged).c_str(), stdout);

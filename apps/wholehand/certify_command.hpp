@@ -12,6 +12,7 @@ struct CertifyOptions {
   std::string json = {};   ///< empty: none
   std::string svg = {};    ///< empty: none
   bool impedance = false;  ///< what the person feels, predicted and measured, in place of stability
+  double contact_stiffness_n_m = 1000.0;  ///< of the spring in which it is felt, too
 };
 
 /// Judges whether device, gains and hand make a stable loop with any passive person and object, and

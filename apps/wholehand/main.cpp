@@ -174,6 +174,12 @@ void addCertify(CLI::App& app, CertifyOptions& o, int& code) {
       ->capture_default_str();
   certify->add_option("--json", o.json, "Write the certificate to this file");
   certify->add_option("--svg", o.svg, "Draw each axis's Z-width into this file");
+  certify->add_flag("--impedance", o.impedance,
+                    "Predict and measure what the person feels on every axis, instead");
+  certify->add_option("--contact-stiffness", o.contact_stiffness_n_m,
+                      "With --impedance: the spring that the simulated hand meets [N/m]")
+      ->check(finiteBetween(1.0, 1e6, "N/m"))
+      ->capture_default_str();
   certify->footer("Exit code 0: certified; 1: not; 2: a file is not well formed.");
   certify->callback([&o, certify, &code] {
     if (certify->count("--rendering") > 0 || findGains(o.device, o.rendering, code)) {
