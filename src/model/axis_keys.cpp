@@ -8,10 +8,13 @@
 namespace wholehand {
 std::string unitOfKey(std::string_view key) {
   // Longer endings first: "_tip_n" before "_n".
-  static constexpr std::array<std::pair<std::string_view, std::string_view>, 17> kUnits = {{
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 20> kUnits = {{
       {"_tip_n_s_m", "N·s/m at the tip"},
       {"_tip_n_m", "N/m at the tip"},
       {"_tip_kg", "kg at the tip"},
+      {"_tip_n_s", "N/s at the tip"},
+      {"_nm_s", "N·m/s"},
+      {"_n_s", "N/s"},
       {"_tip_n", "N at the tip"},
       {"_nm_s_rad", "N·m·s/rad"},
       {"_n_s_m", "N·s/m"},

@@ -70,6 +70,21 @@ void readName(TomlTable& table, DeviceAxis& axis, const std::vector<std::string>
   }
 }
 
+void checkSlew(TomlTable& table, const DeviceAxis& axis) {
+  const auto good = [&](const AxisQuantity& quantity) {
+    return table.good(quantity.translation_key) || table.good(quantity.rotation_key) ||
+           table.good(quantity.tip_key);
+  };
+  if (!good(kEffortLimit) || !good(kEffortSlew)) return;  // said already, or left out
+  if (axis.effort_slew_limit >= kLeastSlewOfLimit_per_s * axis.effort_limit) return;
+  const std::string_view key = table.has(kEffortSlew.translation_key) ? kEffortSlew.translation_key
+                               : table.has(kEffortSlew.rotation_key)  ? kEffortSlew.rotation_key
+                                                                      : kEffortSlew.tip_key;
+  table.fail(key, "is too low to reach neutral within 100 ms",
+             "write at least " + formatNumber(kLeastSlewOfLimit_per_s) +
+                 " times the effort limit, per second");
+}
+
 DeviceAxis readAxis(TomlTable& table, const std::vector<std::string>& earlier) {
   DeviceAxis axis;
   axis.kind = table.choice("type", {"translation", "rotation"}) == "rotation"
@@ -95,11 +110,7 @@ DeviceAxis readAxis(TomlTable& table, const std::vector<std::string>& earlier) {
   axis.effort_limit = readAxisQuantity(table, kEffortLimit, axis.kind, lever);
   axis.effort_slew_limit = readAxisQuantity(table, kEffortSlew, axis.kind, lever,
                                             kSlewOfLimit_per_s * axis.effort_limit);
-  if (axis.effort_slew_limit < kLeastSlewOfLimit_per_s * axis.effort_limit) {
-    table.fail("", "the effort slew limit is too low to reach neutral within 100 ms",
-               "at least " + formatNumber(kLeastSlewOfLimit_per_s) +
-                   " times the effort limit, per second");
-  }
+  checkSlew(table, axis);
   axis.workspace_margin = readAxisQuantity(table, kWorkspaceMargin, axis.kind, lever,
                                            kMarginOfRange * (axis.upper - axis.lower));
   axis.speed_limit = readAxisQuantity(table, kSpeedLimit, axis.kind, lever);

@@ -133,7 +133,7 @@ Slam readSlam(TomlTable& root, const DeviceModel& device) {
   slam.towards_upper = table->choice("towards", {"upper", "lower"}) == "upper";
   slam.after_s = table->number("after_s", between(0.0, 3600.0, "s"), slam.after_s);
   slam.speed_share = table->number("speed_share", above(0.0, 2.0), slam.speed_share);
-  slam.effort_share = table->number("effort_share", above(0.0, 1.0), slam.effort_share);
+  slam.effort_share = table->number("effort_share", above(0.0, 5.0), slam.effort_share);
   return slam;
 }
 

@@ -11,7 +11,8 @@
 namespace wholehand {
 
 /// A spastic catch of a flexor: the reflex against being opened too fast. It asks the muscle for
-/// g (v(t - delay) - v_th)₊ (s - s_th)₊, v and s the speed and amount of opening (docs/patients.md).
+/// g (v(t - delay) - v_th)₊ (s - s_th)₊, v and s the speed and amount of opening
+/// (docs/patients.md).
 struct StretchReflex {
   double gain_nm_s_rad2 = 0.0;    ///< g; 0: none
   double from_speed_rad_s = 1.0;  ///< v_th: an axis opened faster than this is caught
@@ -55,7 +56,7 @@ struct Slam {
   bool towards_upper = true;  ///< end of its range
   double after_s = 1.0;       ///< when drawing back begins
   double speed_share = 0.98;  ///< of the device's speed limit
-  double effort_share = 1.0;  ///< the most pushed, of the device's effort limit
+  double effort_share = 2.0;  ///< the most pushed, of the device's effort limit: arms are strong
 };
 
 /// How a recorded motion becomes an intention inside the device's workspace.

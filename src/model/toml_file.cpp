@@ -20,11 +20,12 @@ namespace {
 constexpr std::uintmax_t kLargestFile_bytes = 4U << 20U;
 
 /// Unit endings of keys, longest first, so that range_m and range_rad are seen to be one quantity.
-constexpr std::array<std::string_view, 34> kUnitEndings = {
-    "_nm_s_rad", "_n_s_m",   "_rad_s2", "_kg_m2",  "_deg_s", "_rad_s", "_mm_s", "_nm_rad", "_n_rad",
-    "_kg_m3",    "_tip_n",   "_n_deg",  "_per_s2", "_per_s", "_m_s2",  "_n_mm", "_m_s",    "_n_m",
-    "_ticks",    "_samples", "_rad",    "_deg",    "_nm",    "_mm",    "_cm",   "_um",     "_khz",
-    "_hz",       "_ms",      "_kg",     "_g",      "_n",     "_m",     "_s"};
+constexpr std::array<std::string_view, 37> kUnitEndings = {
+    "_nm_s_rad", "_n_s_m", "_rad_s2",  "_kg_m2", "_deg_s",  "_rad_s", "_mm_s",    "_nm_rad",
+    "_n_rad",    "_kg_m3", "_tip_n",   "_n_deg", "_per_s2", "_per_s", "_m_s2",    "_n_mm",
+    "_m_s",      "_n_m",   "_tip_n_s", "_nm_s",  "_n_s",    "_ticks", "_samples", "_rad",
+    "_deg",      "_nm",    "_mm",      "_cm",    "_um",     "_khz",   "_hz",      "_ms",
+    "_kg",       "_g",     "_n",       "_m",     "_s"};
 
 std::string_view stem(std::string_view key) {
   for (std::string_view ending : kUnitEndings) {

@@ -106,12 +106,25 @@ TEST(BadInput, Device_OneMistakeOneMessageWithPlaceAndRemedy) {
       {"device", "inertia_kg_m2 = 5.0e-4", "mass_kg = 0.1", "mass_kg = 0.1",
        "axes[finger_flexion].mass_kg", "rotation", "inertia_kg_m2"},
       {"device",
-       "lever_arm_m = 0.08\neffort_limit_tip_n = 10.0\nspeed_limit_rad_s = 10.0\ninertia_"
-       "kg_m2 = 5.0e-4\ndamping_nm_s_rad = 0.015\ncoulomb_tip_n = 0.05",
+       "lever_arm_m = 0.08\neffort_limit_tip_n = 10.0\neffort_slew_tip_n_s = 2500.0\n"
+       "speed_limit_rad_s = 10.0\nworkspace_margin_rad = 0.03\ninertia_kg_m2 = 5.0e-4\n"
+       "damping_nm_s_rad = 0.015\ncoulomb_tip_n = 0.05",
        "effort_limit_tip_n = 10.0\nspeed_limit_rad_s = 10.0\ninertia_kg_m2 = "
        "5.0e-4\ndamping_nm_s_rad = 0.015",
        "effort_limit_tip_n", "axes[finger_flexion].effort_limit_tip_n", "needs a lever arm",
        "effort_limit_nm"},
+      {"device", "effort_slew_n_s = 5000.0", "effort_slew_n_s = 799.0", "effort_slew_n_s = 799.0",
+       "axes[x].effort_slew_n_s", "too low to reach neutral", "40"},
+      {"device", "effort_slew_n_s = 5000.0", "effort_slew_n_s = 0.0", "effort_slew_n_s = 0.0",
+       "axes[x].effort_slew_n_s", "out of range", "N/s"},
+      {"device", "workspace_margin_m = 0.005", "workspace_margin_m = -0.005", "= -0.005",
+       "axes[x].workspace_margin_m", "out of range", "m"},
+      {"device", "power_limit_w = 30.0", "power_limit_w = 0.0", "power_limit_w = 0.0",
+       "power_limit_w", "out of range", "W"},
+      {"device", "effort_limit_n = 20.0", "effort_limit_n = 0.0", "effort_limit_n = 0.0",
+       "axes[x].effort_limit_n", "out of range", "N"},
+      {"device", "longest_gap_s = 0.02", "longest_gap_s = -1.0", "longest_gap_s = -1.0",
+       "watch.longest_gap_s", "out of range", "s"},
       {"device", "effort_limit_nm = 0.6", "effort_limit_nm = 0.6\neffort_limit_tip_n = 7.0",
        "effort_limit_tip_n = 7.0", "axes[thumb_circumduction].effort_limit_tip_n", "twice", ""},
       {"device", "mass_kg = 0.8", "mass_kg = nan", "mass_kg = nan", "axes[x].mass_kg",
