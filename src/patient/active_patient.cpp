@@ -81,12 +81,13 @@ void ActivePatient::advance(const FeltByPatient& felt) noexcept {
       const double drive = std::min(reflexDrive(axis.reflex, felt.q[i], qd_delayed[i]), limit_[i]);
       muscle_[i] = muscleEffort(pulled, drive, patient_.reflex.muscle_lag_s, period_s_);
     }
-    double held = i == slam_axis_ ? slam_.effort : 0.0;
-    if (axis.fight > 0.0) held += fightEffort(axis.fight, sensed.rendered[i], sensed.qd[i]);
-    const double begin = atTime(i, time_s) + pulled + held;
-    const double end = atTime(i, time_s + period_s_) + muscle_[i] + held;
-    begin_[i] = std::clamp(begin, -limit_[i], limit_[i]);
-    end_[i] = std::clamp(end, -limit_[i], limit_[i]);
+    const double fight =
+        axis.fight > 0.0 ? fightEffort(axis.fight, sensed.rendered[i], sensed.qd[i]) : 0.0;
+    const double begin = atTime(i, time_s) + pulled + fight;
+    const double end = atTime(i, time_s + period_s_) + muscle_[i] + fight;
+    const double slam = i == slam_axis_ ? slam_.effort : 0.0;
+    begin_[i] = std::clamp(begin, -limit_[i], limit_[i]) + slam;
+    end_[i] = std::clamp(end, -limit_[i], limit_[i]) + slam;
   }
 }
 

@@ -21,9 +21,9 @@ struct FeltByPatient {
 };
 
 /// What a person does of their own accord, period by period: tremor, spastic catch, fight, slam,
-/// and letting go. All of it together is held to the device's effort limit on each axis; the
-/// impedance is the device's business, and no more where holds() says so. Deterministic by the
-/// seed.
+/// and letting go. All of it together is held to the device's effort limit on each axis, but for a
+/// slam: an arm is stronger than a device. The impedance is the device's business, and no more
+/// where holds() says so. Deterministic by the seed.
 class ActivePatient {
  public:
   /// @pre the patient has the device's axes. Not real-time safe.
