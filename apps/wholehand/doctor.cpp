@@ -1,6 +1,7 @@
 #include "doctor.hpp"
 
 #include "doctor_findings.hpp"
+#include "exit_code.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -38,6 +39,23 @@ class Printer {
       std::printf("%s%s", std::string(kIndent, ' ').c_str(), code("\033[2m"));
       wrapped(f.remedy, "→ ");
       std::printf("%s", code("\033[0m"));
+    }
+  }
+
+  /// Lateness: one line a class, as far as there are any.
+  void histogram(const WakeUpStatistics& s) const {
+    const std::uint64_t most = *std::max_element(s.classes.begin(), s.classes.end());
+    constexpr double kBar = 50.0;
+    for (std::size_t i = 0; i < s.classes.size(); ++i) {
+      if (s.classes[i] == 0) continue;
+      const bool last = i == kLatenessClass_ns.size();
+      const auto edge_us = static_cast<long long>(kLatenessClass_ns[last ? i - 1 : i] / 1000);
+      const auto length =
+          static_cast<int>(kBar * static_cast<double>(s.classes[i]) / static_cast<double>(most));
+      std::printf("  %s %5lld µs late %7llu %s%s%s\n", last ? "from " : "below", edge_us,
+                  static_cast<unsigned long long>(s.classes[i]), code("\033[2m"),
+                  std::string(static_cast<std::size_t>(std::max(length, 1)), '#').c_str(),
+                  code("\033[0m"));
     }
   }
 
@@ -81,22 +99,22 @@ class Printer {
   std::size_t width_ = kWidest;
 };
 
-void printVerdict(const Printer& printer, const Findings& findings) {
-  const auto blocked = [&](Blocks what) {
-    return std::any_of(findings.begin(), findings.end(),
-                       [&](const Finding& f) { return !f.good && f.blocks == what; });
-  };
-  if (blocked(Blocks::kEverything)) {
-    printer.verdict(false, "This machine cannot run the loop at all: see the lines marked !.");
-  } else if (blocked(Blocks::kDevice)) {
-    printer.verdict(false,
-                    "This machine is fine for simulation. It must not drive a device yet: mend the "
-                    "lines marked ! first.");
-  } else {
-    printer.verdict(true,
-                    "This machine may drive a device. Before a person holds it, measure wake-ups "
-                    "for an hour under load.");
-  }
+/// Counts the seconds on a terminal, where somebody waits; elsewhere it says nothing.
+void showProgress(std::size_t done) {
+  if (isatty(STDOUT_FILENO) != 1) return;
+  std::printf("\r  %.1f of %.0f s", static_cast<double>(done) * 1e-9 * kDoctorPeriod_ns,
+              kDoctorWakeUps * 1e-9 * kDoctorPeriod_ns);
+  std::fflush(stdout);
+}
+
+Findings tryLoop(const Printer& printer) {
+  PeriodicThreadConfig config;
+  config.period_ns = kDoctorPeriod_ns;
+  const auto probe = probeWakeUps(config, kDoctorWakeUps, showProgress);
+  if (isatty(STDOUT_FILENO) == 1) std::printf("\r\033[K");
+  if (!probe) return findingsAboutNoLoop(probe.errors());
+  printer.histogram(probe->statistics);
+  return findingsAboutLoop(*probe, kDoctorPeriod_ns);
 }
 
 }  // namespace
@@ -104,20 +122,24 @@ void printVerdict(const Printer& printer, const Findings& findings) {
 int runDoctor(const std::filesystem::path& packages_file) {
   const Printer printer;
   Findings all;
-  const auto show = [&](const char* heading, const Findings& findings) {
-    printer.heading(heading);
+  const auto show = [&](const Findings& findings) {
     for (const Finding& f : findings) {
       printer.finding(f);
     }
     std::fflush(stdout);
     all.insert(all.end(), findings.begin(), findings.end());
   };
-  show("Machine", findingsAboutMachine());
-  show("Software", findingsAboutSoftware(packages_file));
-  // Last: it takes two seconds, and what stands above can be read meanwhile.
-  show("Loop, tried for two seconds", findingsAboutLoop());
-  printVerdict(printer, all);
-  return 0;
+  printer.heading("Machine");
+  show(findingsAboutMachine(machineFacts(), geteuid() == 0));
+  printer.heading("Software");
+  show(findingsAboutSoftware(packages_file));
+  // Last: it takes its time, and what stands above can be read meanwhile.
+  printer.heading("Loop, woken 1000 times a second for 3 seconds");
+  std::fflush(stdout);
+  show(tryLoop(printer));
+  const Verdict verdict = verdictOf(all);
+  printer.verdict(verdict.fit, verdict.sentence);
+  return verdict.fit ? kExitDone : kExitNotFit;
 }
 
 }  // namespace wholehand

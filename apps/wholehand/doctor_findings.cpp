@@ -1,8 +1,5 @@
 #include "doctor_findings.hpp"
 
-#include "realtime/machine_facts.hpp"
-#include "realtime/wakeup_probe.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -10,21 +7,24 @@
 #include <sstream>
 #include <string_view>
 #include <system_error>
-#include <unistd.h>
 
 namespace wholehand {
 namespace {
 
-// Half a period of the 1 kHz loop: later than that, and a tick that takes its usual time may miss
-// its deadline. Two idle seconds find only gross delays; docs say how to measure for an hour.
-constexpr double kWorstWakeUp_us = 500.0;
-constexpr std::size_t kProbeWakeUps = 2000;
 // Room for recordings. A full disk ends the recording, not the run.
 constexpr double kDiskWanted_gb = 2.0;
 
 const char* const kLimitsRemedy =
     "Put the line '@realtime - %s' into /etc/security/limits.d/realtime.conf, add yourself to the "
     "group realtime (groupadd -f realtime; usermod -aG realtime <you>) and log in again.";
+
+// What a limit says and what becomes of it are one reason in the sentence.
+const char* const kNoPriority = "real-time priority is not granted";
+const char* const kGrantPriority = "grant rtprio 99";
+const char* const kNoCore = "the loop has no core of its own";
+const char* const kGrantCore = "give it a second core";
+const char* const kNoMemory = "its memory cannot be locked";
+const char* const kGrantMemory = "grant memlock unlimited";
 
 std::string limitsRemedy(const char* item) {
   std::array<char, 400> text{};
@@ -50,11 +50,14 @@ void lookAtKernelAndCores(const MachineFacts& m, Findings& findings) {
   findings.push_back(
       {"kernel", m.real_time_kernel, Blocks::kDevice,
        m.kernel + (m.real_time_kernel ? ", real time (PREEMPT_RT)" : ", not a real-time kernel"),
-       "apt-get install linux-image-rt-amd64, then start that kernel."});
+       "apt-get install linux-image-rt-amd64, then start that kernel.",
+       m.real_time_kernel ? "its kernel is PREEMPT_RT" : "its kernel is not PREEMPT_RT",
+       "start a kernel with PREEMPT_RT (package linux-image-rt-amd64)"});
   findings.push_back(
       {"cores", m.cpus_allowed > 1, Blocks::kDevice,
        std::to_string(m.cpus_allowed) + " of " + std::to_string(m.cpus_online) + " usable",
-       "Give the program a second core: the loop wants one of its own."});
+       "Give the program a second core: the loop wants one of its own.",
+       m.cpus_allowed > 1 ? "" : kNoCore, kGrantCore});
   findings.push_back({"isolated cores", !m.isolated.empty(), Blocks::kNothing,
                       m.isolated.empty() ? "none" : listOf(m.isolated),
                       "Boot with isolcpus=" + std::to_string(m.cpus_online - 1) + " nohz_full=" +
@@ -64,24 +67,24 @@ void lookAtKernelAndCores(const MachineFacts& m, Findings& findings) {
         {"governor", true, Blocks::kNothing, "none: the kernel shows no cpufreq", ""});
   } else {
     findings.push_back({"governor", m.governor == "performance", Blocks::kDevice, m.governor,
-                        "cpupower frequency-set -g performance (package linux-cpupower)."});
+                        "cpupower frequency-set -g performance (package linux-cpupower).",
+                        "its governor is " + m.governor, "set the governor performance"});
   }
 }
 
-void lookAtLimits(const MachineFacts& m, Findings& findings) {
-  const bool root = geteuid() == 0;
+void lookAtLimits(const MachineFacts& m, bool root, Findings& findings) {
   const bool priority = root || m.rtprio_limit < 0 || m.rtprio_limit >= 80;
   findings.push_back({"rtprio limit", priority, Blocks::kDevice,
                       (m.rtprio_limit < 0 ? "unlimited" : std::to_string(m.rtprio_limit)) +
                           std::string(root ? ", but root may anyway" : ", 80 wanted"),
-                      limitsRemedy("rtprio 99")});
+                      limitsRemedy("rtprio 99"), priority ? "" : kNoPriority, kGrantPriority});
   const bool memory = root || m.memlock_limit_bytes < 0;
   findings.push_back(
       {"memlock limit", memory, Blocks::kDevice,
        (m.memlock_limit_bytes < 0 ? "unlimited"
                                   : std::to_string(m.memlock_limit_bytes / 1024) + " KiB") +
            std::string(root && m.memlock_limit_bytes >= 0 ? ", but root may anyway" : ""),
-       limitsRemedy("memlock unlimited")});
+       limitsRemedy("memlock unlimited"), memory ? "" : kNoMemory, kGrantMemory});
 }
 
 /// The names under [run] in the list; one a line, the rest of a line after # is a comment.
@@ -171,18 +174,68 @@ void lookAtBuild(Findings& findings) {
 #endif
   findings.push_back({"build", optimised, Blocks::kDevice,
                       compiler + (optimised ? ", optimised" : ", not optimised or with assertions"),
-                      "Use build/release/wholehand, which ./start builds."});
+                      "Use build/release/wholehand, which ./start builds.",
+                      optimised ? "" : "this program is not an optimised build",
+                      "use build/release/wholehand"});
   findings.push_back({"engine", true, Blocks::kNothing,
                       "Bullet in double precision (the build accepts no other)", ""});
 }
 
+Finding grantedOrNot(const SetupLine& line) {
+  const std::string mark = " Remedy: ";
+  const std::size_t remedy = std::min(line.sentence.find(mark), line.sentence.size());
+  Finding finding{line.what, line.granted, Blocks::kDevice, line.sentence.substr(0, remedy), ""};
+  if (remedy < line.sentence.size()) finding.remedy = line.sentence.substr(remedy + mark.size());
+  if (line.what == "real-time priority") {
+    finding.because = line.granted ? "real-time priority is granted" : kNoPriority;
+    finding.cure = kGrantPriority;
+  } else if (line.what == "locked memory") {
+    finding.because = line.granted ? "its memory is locked" : kNoMemory;
+    finding.cure = kGrantMemory;
+  } else if (line.what == "own core") {
+    finding.because = line.granted ? "" : kNoCore;
+    finding.cure = kGrantCore;
+  } else if (!line.granted) {
+    finding.because = "it refuses the loop: " + line.what;
+    finding.cure = "see the line '" + line.what + "'";
+  }
+  return finding;
+}
+
+// Half a period: later than that, and a tick that takes its usual time may miss its deadline.
+Finding wakeUpFinding(const WakeUpStatistics& s, std::int64_t period_ns) {
+  const auto us = [](std::int64_t ns) { return decimal(static_cast<double>(ns) * 1e-3, 0); };
+  const bool good = s.max_ns < period_ns / 2 && s.skipped_periods == 0;
+  return {"wake-ups",
+          good,
+          Blocks::kDevice,
+          "late by p50 " + us(s.p50_ns) + ", p99 " + us(s.p99_ns) + ", p99.9 " + us(s.p999_ns) +
+              ", max " + us(s.max_ns) + " µs; " + std::to_string(s.skipped_periods) + " of " +
+              std::to_string(s.wake_ups + s.skipped_periods) + " periods skipped",
+          "Mend the lines above, close other programs; a virtual machine stalls when its host is "
+          "busy.",
+          std::string(good ? "it woke the loop" : "it woke the loop too late,") + " at most " +
+              us(s.max_ns) + " µs late (p99.9 " + us(s.p999_ns) +
+              " µs; allowed is half a period, " + us(period_ns / 2) + " µs)",
+          "close other programs and leave the virtual machine, if this is one"};
+}
+
+/// "a, b and c".
+std::string joined(const std::vector<std::string>& parts, const char* between, const char* last) {
+  std::string text;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (i > 0) text += i + 1 < parts.size() ? between : last;
+    text += parts[i];
+  }
+  return text;
+}
+
 }  // namespace
 
-Findings findingsAboutMachine() {
+Findings findingsAboutMachine(const MachineFacts& machine, bool root) {
   Findings findings;
-  const MachineFacts machine = machineFacts();
   lookAtKernelAndCores(machine, findings);
-  lookAtLimits(machine, findings);
+  lookAtLimits(machine, root, findings);
   return findings;
 }
 
@@ -194,30 +247,40 @@ Findings findingsAboutSoftware(const std::filesystem::path& packages_file) {
   return findings;
 }
 
-Findings findingsAboutLoop() {
+Findings findingsAboutLoop(const WakeUpProbe& probe, std::int64_t period_ns) {
   Findings findings;
-  auto probe = probeWakeUps({}, kProbeWakeUps);
-  if (!probe) {
-    findings.push_back({"loop", false, Blocks::kEverything, format(probe.errors()), ""});
-    return findings;
+  for (const SetupLine& line : probe.setup) {
+    findings.push_back(grantedOrNot(line));
   }
-  for (const SetupLine& line : probe->setup) {
-    const std::size_t remedy = std::min(line.sentence.find(" Remedy: "), line.sentence.size());
-    findings.push_back({line.what, line.granted, Blocks::kDevice, line.sentence.substr(0, remedy),
-                        remedy < line.sentence.size()
-                            ? line.sentence.substr(remedy + std::string(" Remedy: ").size())
-                            : ""});
-  }
-  const WakeUpStatistics& s = probe->statistics;
-  const auto us = [](std::int64_t ns) { return decimal(static_cast<double>(ns) * 1e-3, 0); };
-  findings.push_back(
-      {"wake-ups, 1 kHz", static_cast<double>(s.max_ns) * 1e-3 < kWorstWakeUp_us, Blocks::kDevice,
-       "late by p50 " + us(s.p50_ns) + ", p99 " + us(s.p99_ns) + ", p99.9 " + us(s.p999_ns) +
-           ", max " + us(s.max_ns) + " µs; " + std::to_string(s.skipped_periods) + " of " +
-           std::to_string(s.wake_ups + s.skipped_periods) + " periods skipped",
-       "Mend the lines above, close other programs; a virtual machine stalls when "
-       "its host is busy."});
+  findings.push_back(wakeUpFinding(probe.statistics, period_ns));
   return findings;
+}
+
+Findings findingsAboutNoLoop(const Diagnostics& why) {
+  return {{"loop", false, Blocks::kEverything, format(why), "",
+           "no loop can run here: " + format(why), "mend that"}};
+}
+
+Verdict verdictOf(const Findings& findings) {
+  const bool fit = std::none_of(findings.begin(), findings.end(), [](const Finding& f) {
+    return !f.good && f.blocks != Blocks::kNothing;
+  });
+  std::vector<std::string> reasons, cures;
+  const auto add = [](std::vector<std::string>& to, const std::string& text) {
+    if (!text.empty() && std::find(to.begin(), to.end(), text) == to.end()) to.push_back(text);
+  };
+  for (const Finding& f : findings) {
+    if (f.blocks == Blocks::kNothing || f.good != fit || f.because.empty()) continue;
+    add(reasons, f.because);
+    if (!fit) add(cures, f.cure);
+  }
+  if (fit) {
+    return {true, "This machine may drive a device: " + joined(reasons, ", ", " and ") +
+                      "; before a person holds it, measure for an hour under load."};
+  }
+  return {false,
+          "This machine must not drive a device, only simulate: " + joined(reasons, ", ", " and ") +
+              "; remedy: " + joined(cures, ", then ", ", then ") + "."};
 }
 
 }  // namespace wholehand

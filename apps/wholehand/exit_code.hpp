@@ -9,6 +9,7 @@ enum ExitCode : int {
   kExitDone = 0,
   kExitDifferent = 1,     ///< replay --resimulate found a difference
   kExitNotCertified = 1,  ///< certify says no
+  kExitNotFit = 1,        ///< doctor: this machine may not drive a device
   kExitBadInput = 2,      ///< bad usage or a bad file
   kExitFault = 3,         ///< a fault stopped the run
   kExitInterrupted = 130

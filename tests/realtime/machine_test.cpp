@@ -36,6 +36,14 @@ TEST(WakeUpStatistics, OneToAThousand_GivesTheNearestRanks) {
   EXPECT_EQ(s.max_ns, 1000);
 }
 
+TEST(WakeUpStatistics, Classes_HoldEverySampleOnce) {
+  // One on each upper end, which belongs to the next class, and one below all.
+  std::vector<std::int64_t> samples(kLatenessClass_ns.begin(), kLatenessClass_ns.end());
+  samples.push_back(0);
+  const WakeUpStatistics s = wakeUpStatistics(samples);
+  for (const std::uint64_t count : s.classes) EXPECT_EQ(count, 1U);
+}
+
 TEST(WakeUpStatistics, OneSample_IsEveryPercentile) {
   std::vector<std::int64_t> samples{7};
   const WakeUpStatistics s = wakeUpStatistics(samples);
@@ -45,12 +53,19 @@ TEST(WakeUpStatistics, OneSample_IsEveryPercentile) {
 }
 
 TEST(WakeUpProbe, HundredPeriods_GiveHundredWakeUpsAndTheSetup) {
-  const auto probe = probeWakeUps({}, 100);
+  std::size_t told = 0, last = 0;
+  const auto probe = probeWakeUps({}, 100, [&](std::size_t done) {
+    ++told;
+    EXPECT_GE(done, last);
+    last = done;
+  });
   ASSERT_TRUE(probe.ok());
   EXPECT_EQ(probe.value().statistics.wake_ups, 100U);
   EXPECT_GT(probe.value().statistics.max_ns, 0);
   EXPECT_GE(probe.value().statistics.max_ns, probe.value().statistics.p50_ns);
   EXPECT_FALSE(probe.value().setup.empty());
+  EXPECT_GE(told, 1U);
+  EXPECT_LE(last, 100U);
 }
 
 }  // namespace
