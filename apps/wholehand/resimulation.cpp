@@ -36,7 +36,9 @@ Expected<Resimulation> resimulate(RecordingReader& recording, const std::string&
   options.engine = recording.meta().engine;
   options.uncertified = recording.meta().uncertified;
   auto rig = buildRigThatMovesNobody(
-      std::move(*models), std::make_unique<ReplayDevice>(readInputs(recording)), options);
+      std::move(*models),
+      std::make_unique<ReplayDevice>(readInputs(recording), recording.meta().simulated_device),
+      options);
   if (!rig) return rig.errors();
   (*rig)->renderer->startParametersAt(recording.meta().parameter_values);
   flushDenormals();  // as the recorded thread did
@@ -46,10 +48,15 @@ Expected<Resimulation> resimulate(RecordingReader& recording, const std::string&
   TickRecord recorded, again;
   for (std::uint64_t i = 0; recording.read(i, recorded); ++i) {
     if (any(recorded.faults & Fault::kStopRequested)) (*rig)->renderer->requestStop();
+    if (any(recorded.faults & Fault::kEmergencyStop)) (*rig)->renderer->requestEmergencyStop();
     again.command_count = recorded.command_count;
     again.commands = recorded.commands;
     (*rig)->renderer->tick(recorded.elapsed_periods, again);
     ++result.ticks;
+    if (recording.meta().schema < 3) {  // it does not say
+      recorded.safety_state = again.safety_state;
+      recorded.fault_axis = again.fault_axis;
+    }
     result.difference = firstDifference(recorded, again);
     if (!result.difference.field.empty()) {
       result.different_tick = recorded.tick;

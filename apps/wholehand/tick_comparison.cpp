@@ -61,6 +61,9 @@ class Comparison {
 TickDifference firstDifference(const TickRecord& first, const TickRecord& again) {
   Comparison c;
   c.check("faults", static_cast<double>(first.faults), static_cast<double>(again.faults));
+  c.check("safety_state", static_cast<double>(first.safety_state),
+          static_cast<double>(again.safety_state));
+  c.check("fault_axis", first.fault_axis, again.fault_axis);
   c.checkArray("q_m", first.q_m, again.q_m);
   c.checkArray("qd_mf", first.qd_mf, again.qd_mf);
   c.checkArray("q_s", first.q_s, again.q_s);

@@ -124,6 +124,7 @@ Expected<RecordingMeta> describeRecording(const Rig& rig, const std::string& tit
   meta.simulated_clock = simulated_clock;
   meta.uncertified = !rig.refused.empty();
   meta.paper = rig.models.rendering.paper;
+  meta.simulated_device = rig.device->simulated();
   meta.title = title;
   for (const DeviceAxis& axis : rig.models.device.axes) {
     meta.axis_names.push_back(axis.name);

@@ -10,6 +10,10 @@
 
 namespace wholehand {
 
+/// Of the recordings that are written; those of kOldestRecordingSchema on are read. Below 3 a tick
+/// has no safety_state (disarmed) and no fault_axis (-1).
+inline constexpr std::uint64_t kRecordingSchema = 3, kOldestRecordingSchema = 2;
+
 /// All that is needed to understand a recording and to run it again: written once into its /meta.
 struct RecordingMeta {
   std::string created_utc;  ///< ISO 8601
@@ -20,7 +24,9 @@ struct RecordingMeta {
   bool simulated_clock = false;
   bool uncertified = false;  ///< gains that the stability check refused were allowed
   bool paper = false;
-  std::string title;                                ///< "Reach and grasp", shown by the report
+  bool simulated_device = true;             ///< lateness and stuck encoders were counted only
+  std::uint64_t schema = kRecordingSchema;  ///< of the file it was read from
+  std::string title;                        ///< "Reach and grasp", shown by the report
   std::vector<std::string> axis_names, axis_units;  ///< "m" or "rad"
   std::vector<double> effort_limits;                ///< per axis [N or N·m]
   std::vector<double> lever_arms_m;                 ///< per axis, 0 where there is no tip

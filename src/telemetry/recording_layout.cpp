@@ -223,6 +223,12 @@ std::vector<Column<TickRecord>> tickColumns(const RecordingMeta& meta) {
   add(number<R>(
       "contacts_dropped", "1", [](R & r) -> auto& { return r.contacts_dropped; }));
   addExerciseColumns(out, meta);
+  if (meta.schema >= 3) {
+    add(number<R>(
+        "safety_state", "1", [](R & r) -> auto& { return r.safety_state; }));
+    add(number<R>(
+        "fault_axis", "1", [](R & r) -> auto& { return r.fault_axis; }));
+  }
   return out;
 }
 

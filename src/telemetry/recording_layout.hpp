@@ -15,7 +15,6 @@
 namespace wholehand::recording {
 
 inline constexpr const char* kFormat = "wholehand-recording";
-inline constexpr std::uint64_t kSchemaVersion = 2;
 
 /// One dataset: a row per tick (or per contact).
 struct ColumnShape {
@@ -58,7 +57,8 @@ struct CommandRow {
   Command command;
 };
 
-/// The datasets of /ticks. Datasets that would have no columns (no bodies, no joints) are left out.
+/// The datasets of /ticks in a file of meta.schema. Datasets that would have no columns (no bodies,
+/// no joints) are left out.
 [[nodiscard]] std::vector<Column<TickRecord>> tickColumns(const RecordingMeta& meta);
 /// The datasets of /contacts.
 [[nodiscard]] std::vector<Column<ContactRow>> contactColumns();

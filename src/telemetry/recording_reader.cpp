@@ -68,7 +68,7 @@ bool readFiles(hid_t file, RecordingMeta& meta) {
 }
 
 bool readMeta(hid_t file, hid_t id, RecordingMeta& meta) {
-  std::uint64_t clock = 0, uncertified = 0, paper = 0;
+  std::uint64_t clock = 0, uncertified = 0, paper = 0, simulated = 1;
   const bool ok =
       readAttribute(id, "created_utc", meta.created_utc) &&
       readAttribute(id, "git_version", meta.git_version) &&
@@ -91,11 +91,14 @@ bool readMeta(hid_t file, hid_t id, RecordingMeta& meta) {
                         readAttribute(id, "parameter_values", meta.parameter_values) &&
                         readAttribute(id, "value_names", meta.value_names) &&
                         readAttribute(id, "event_names", meta.event_names);
+  // Before schema 3 no device was watched for lateness: to a re-simulation all were simulated.
+  const bool watched = meta.schema < 3 || readAttribute(id, "simulated_device", simulated);
+  meta.simulated_device = simulated != 0;
   meta.level = static_cast<int>(std::min<std::uint64_t>(level, 1000));
   meta.simulated_clock = clock != 0;
   meta.uncertified = uncertified != 0;
   meta.paper = paper != 0;
-  return ok && exercise && readFiles(file, meta);
+  return ok && exercise && watched && readFiles(file, meta);
 }
 
 /// A table with any number of rows for a tick: its reader, and which rows belong to which tick.
@@ -185,16 +188,17 @@ Expected<Done> Hdf5Reader::readDescription(const std::string& path) {
       !readAttribute(group.get(), "schema_version", version)) {
     return refusal(path, "is an HDF5 file, but no Wholehand recording", kGiveRecording);
   }
-  if (version != recording::kSchemaVersion) {
-    const bool newer = version > recording::kSchemaVersion;
-    auto d =
-        refusal(path, newer ? "was written by a newer Wholehand" : "is of an unknown version",
-                "this program reads schema version " + std::to_string(recording::kSchemaVersion) +
-                    (newer ? "; update it" : "; record anew"));
+  if (version < kOldestRecordingSchema || version > kRecordingSchema) {
+    const bool newer = version > kRecordingSchema;
+    auto d = refusal(
+        path, newer ? "was written by a newer Wholehand" : "is of an unknown version",
+        "this program reads schema versions " + std::to_string(kOldestRecordingSchema) + " to " +
+            std::to_string(kRecordingSchema) + (newer ? "; update it" : "; record anew"));
     d.key = "schema_version";
     d.value = std::to_string(version);
     return d;
   }
+  meta_.schema = version;
   if (!readMeta(file_.get(), group.get(), meta_)) {
     return refusal(path, "is truncated or damaged: its description cannot be read", kBrokenCopy);
   }

@@ -31,7 +31,7 @@ bool writeMeta(hid_t file, const RecordingMeta& meta) {
   const hid_t id = group.get();
   const auto flag = [](bool b) { return std::uint64_t{b ? 1U : 0U}; };
   bool ok = group.ok() && writeAttribute(id, "format", std::string(recording::kFormat)) &&
-            writeAttribute(id, "schema_version", recording::kSchemaVersion) &&
+            writeAttribute(id, "schema_version", kRecordingSchema) &&
             writeAttribute(id, "created_utc", meta.created_utc) &&
             writeAttribute(id, "git_version", meta.git_version) &&
             writeAttribute(id, "title", meta.title) && writeAttribute(id, "seed", meta.seed) &&
@@ -40,6 +40,7 @@ bool writeMeta(hid_t file, const RecordingMeta& meta) {
             writeAttribute(id, "simulated_clock", flag(meta.simulated_clock)) &&
             writeAttribute(id, "uncertified", flag(meta.uncertified)) &&
             writeAttribute(id, "paper", flag(meta.paper)) &&
+            writeAttribute(id, "simulated_device", flag(meta.simulated_device)) &&
             writeAttribute(id, "axis_names", meta.axis_names) &&
             writeAttribute(id, "axis_units", meta.axis_units) &&
             writeAttribute(id, "effort_limits", meta.effort_limits) &&

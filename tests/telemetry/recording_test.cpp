@@ -19,11 +19,16 @@ namespace {
 
 using synthetic::Folder;
 
-/// Byte for byte, so that NaN equals itself; a record has no padding.
+/// Byte for byte, so that NaN equals itself; but for the four bytes before the commands, which are
+/// padding.
 bool identical(const TickRecord& a, const TickRecord& b) {
+  constexpr std::size_t kPadding = offsetof(TickRecord, fault_axis) + sizeof(std::int32_t);
+  constexpr std::size_t kBehind = offsetof(TickRecord, commands);
   static_assert(offsetof(TickRecord, bodies) == offsetof(TickRecord, body_count) + 8);
-  static_assert(offsetof(TickRecord, commands) == offsetof(TickRecord, command_count) + 12);
-  return std::memcmp(&a, &b, sizeof a) == 0;
+  static_assert(kBehind == kPadding + 4);
+  const auto bytes = [](const TickRecord& r) { return reinterpret_cast<const char*>(&r); };
+  return std::memcmp(bytes(a), bytes(b), kPadding) == 0 &&
+         std::memcmp(bytes(a) + kBehind, bytes(b) + kBehind, sizeof a - kBehind) == 0;
 }
 
 std::unique_ptr<RecordingWriter> writer(const std::string& path,
@@ -78,6 +83,7 @@ TEST(Recording, Meta_ComesBackWithFilesByteForByte) {
   const std::string path = folder.file("a.h5");
   RecordingMeta want = synthetic::meta();
   want.paper = true;
+  want.simulated_device = false;
   want.capsule_names.clear();
   writer(path, want)->close();
   const auto r = reader(path);
@@ -95,6 +101,7 @@ TEST(Recording, Meta_ComesBackWithFilesByteForByte) {
   EXPECT_EQ(got.engine, want.engine);
   EXPECT_EQ(got.title, want.title);
   EXPECT_TRUE(got.paper);
+  EXPECT_FALSE(got.simulated_device);
   EXPECT_FALSE(got.uncertified);
   EXPECT_FALSE(got.simulated_clock);
   EXPECT_EQ(got.axis_names, want.axis_names);
@@ -384,6 +391,50 @@ TEST(RecordingReader, OtherHdf5AndNewerSchema_AreRefused) {
   EXPECT_NE(refusal(newer).find("schema_version = 7: was written by a newer Wholehand"),
             std::string::npos)
       << refusal(newer);
+}
+
+// What a program of before schema 3 wrote: the same file without what schema 3 brought.
+TEST(RecordingReader, Schema2_IsReadWithoutSafetyStateAndFaultAxis) {
+  const Folder folder;
+  const std::string path = folder.file("old.h5");
+  auto w = writer(path);
+  writeTicks(*w, 300);
+  w->close();
+  ASSERT_EQ(python("import h5py\n"
+                   "f = h5py.File('" +
+                   path +
+                   "', 'r+')\n"
+                   "f['meta'].attrs['schema_version'] = 2\n"
+                   "del f['meta'].attrs['simulated_device']\n"
+                   "del f['ticks/safety_state'], f['ticks/fault_axis']"),
+            "");
+  auto r = reader(path);
+  ASSERT_NE(r, nullptr);
+  EXPECT_EQ(r->meta().schema, 2U);
+  EXPECT_TRUE(r->meta().simulated_device);
+  ASSERT_EQ(r->size(), 300U);
+  std::mt19937_64 random(1);
+  TickRecord got;
+  for (std::uint64_t i = 0; i < 300; ++i) {
+    TickRecord want = synthetic::noisy(i, random);
+    want.safety_state = SafetyState::kDisarmed;
+    want.fault_axis = -1;
+    ASSERT_TRUE(r->read(i, got));
+    ASSERT_TRUE(identical(want, got)) << "tick " << i;
+  }
+}
+
+TEST(RecordingReader, Schema1_IsRefusedWithWhatIsRead) {
+  const Folder folder;
+  const std::string path = folder.file("old.h5");
+  writer(path)->close();
+  ASSERT_EQ(python("import h5py\n"
+                   "h5py.File('" +
+                   path + "', 'r+')['meta'].attrs['schema_version'] = 1"),
+            "");
+  EXPECT_NE(refusal(path).find("this program reads schema versions 2 to 3; record anew"),
+            std::string::npos)
+      << refusal(path);
 }
 
 TEST(RecordingReader, TextsOfVariableLengthAndEndlessTicks_AreRefused) {

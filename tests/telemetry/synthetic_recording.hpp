@@ -126,6 +126,8 @@ inline TickRecord noisy(std::uint64_t tick, std::mt19937_64& random) {
   if (tick % 4 != 0) r.closure[0] = std::numeric_limits<double>::quiet_NaN();
   r.palm_body = whole(5) - 1;
   r.palm_target_distance_m = n(random);
+  r.safety_state = static_cast<SafetyState>(whole(4));
+  r.fault_axis = whole(7) - 1;
   r.parameter_count = 2;
   for (std::size_t i = 0; i < 2; ++i) r.parameters[i] = n(random);
   r.command_count = tick % 20 == 0 ? whole(kMaxCommands + 1) : 0;
