@@ -47,9 +47,11 @@ std::string axisPlot(const AxisCertificate& a, const std::string& names) {
   plot.x_unit = fmt::format("{}·s/{}", axis.effortUnit(), axis.positionUnit());
   PlotLine rigid{"rigid stop", kPlotInk2, "6 2.5", 1.5, 1.0, {}};
   PlotLine passive{"any person", "#00725C", "", 1.8, 1.0, {}};
+  PlotLine walled{"in the wall", "#7A3E9D", "4 2", 1.8, 1.0, {}};
   for (const ZWidthPoint& point : zWidth(a.of, kPoints)) {
     rigid.points.push_back({point.damping, point.rigid});
     passive.points.push_back({point.damping, point.passive});
+    if (!a.of.walls.empty()) walled.points.push_back({point.damping, point.walled});
   }
   const double end = rigid.points.back().x;
   const PlotLine quantisation{"quantisation",
@@ -66,6 +68,7 @@ std::string axisPlot(const AxisCertificate& a, const std::string& names) {
                          1.0,
                          {{0.0, a.of.gains.k_pm}, {work, a.of.gains.k_pm}}};
   plot.lines = {rigid, passive, quantisation, working};
+  if (!walled.points.empty()) plot.lines.push_back(walled);
   plot.log_y = true;
   double lowest = a.of.gains.k_pm, highest = lowest;
   for (PlotLine& line : plot.lines) {
@@ -88,9 +91,11 @@ std::string certificateChart(const AdvisedCertificate& judged) {
   const int rows = (static_cast<int>(groups.size()) + columns - 1) / columns;
   const int width = std::max(2, columns) * (kWidth_px + kGap_px) + kGap_px;
   const int height = kHeader_px + rows * (kHeight_px + kGap_px);
-  const std::string title = fmt::format(
-      "Z-width of {} with {} and {}: {}", judged.input.device.name, judged.input.rendering.name,
-      judged.hand, judged.certificate.certified ? "certified" : "NOT certified");
+  const std::string title =
+      fmt::format("Z-width of {} with {}, {}{}: {}", judged.input.device.name,
+                  judged.input.rendering.name, judged.input.hand,
+                  judged.input.exercise.empty() ? "" : " and the walls of " + judged.input.exercise,
+                  judged.certificate.certified ? "certified" : "NOT certified");
   std::string out = svg::opening(width, height, title) +
                     "<rect width=\"100%\" height=\"100%\" fill=\"#FFFFFF\"/>";
   out += svg::words(kGap_px, 24, title, "start", kPlotInk, 700, 16.0);

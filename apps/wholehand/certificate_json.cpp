@@ -1,3 +1,4 @@
+#include "certificate_file.hpp"
 #include "certificate_text.hpp"
 
 #include <fmt/format.h>
@@ -9,6 +10,19 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::array<const char*, kContactCriteria> kContactKeys = {"free", "rigid", "mass",
                                                                     "spring"};
+
+Json wallJson(const AxisCertificate& a) {
+  if (a.of.walls.empty()) return nullptr;
+  const WallCertificate& w = a.wall;
+  return {
+      {"stiffness", w.wall.stiffness},
+      {"damping", w.wall.damping},
+      {"damping_required", w.damping_required},
+      {"damping_required_phi", w.damping_required_phi},
+      {"spectral_radius", w.worst.radius},
+      {"worst_case", {{"alpha", w.worst.alpha}, {"phi", w.worst.phi}, {"person", w.worst.person}}},
+      {"margin", w.margin}};
+}
 
 Json axisJson(const AxisCertificate& a, const AxisAdvice& advice) {
   Json json;
@@ -32,6 +46,9 @@ Json axisJson(const AxisCertificate& a, const AxisAdvice& advice) {
   json["quantisation_limit"] = a.quantisationLimit();
   json["viscous_limit"] = a.viscous_limit;
   json["coulomb_limit"] = a.coulomb_limit;
+  json["wall"] = wallJson(a);
+  json["slew_required"] = a.slew_required;
+  json["slew_available"] = a.of.axis.effort_slew_limit;
   json["passes"] = a.passes;
   json["binding"] = criterionKey(a.binding);
   json["margin"] = a.margin;
@@ -53,7 +70,8 @@ Json certificateJson(const AdvisedCertificate& judged) {
   json["rate_hz"] = 1.0 / c.period_s;
   json["device"] = judged.input.device.name;
   json["rendering"] = judged.input.rendering.name;
-  json["hand"] = judged.hand;
+  json["hand"] = judged.input.hand;
+  json["exercise"] = judged.input.exercise.empty() ? Json() : Json(judged.input.exercise);
   json["axes"] = Json::array();
   for (std::size_t i = 0; i < c.axes.size(); ++i) {
     json["axes"].push_back(axisJson(c.axes[i], judged.advice[i]));
@@ -69,6 +87,7 @@ Json certificateJson(const AdvisedCertificate& judged) {
                     {"postures", c.avatar.postures},
                     {"margin", c.avatar.margin},
                     {"passes", c.avatar.radius < 1.0}};
+  seal(json, fingerprintOf(judged.input));
   return json;
 }
 

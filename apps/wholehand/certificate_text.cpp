@@ -1,35 +1,35 @@
 #include "certificate_text.hpp"
 
+#include "control/certificate_refusal.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace wholehand {
 namespace {
 
-std::string unit(const DeviceAxis& axis, const char* time) {
-  return fmt::format("{}{}/{}", axis.effortUnit(), time, axis.positionUnit());
-}
-std::string stiffnessKey(const DeviceAxis& axis) {
-  return axis.kind == AxisKind::kTranslation ? "k_pm_n_m" : "k_pm_nm_rad";
-}
-std::string dampingKey(const DeviceAxis& axis) {
-  return axis.kind == AxisKind::kTranslation ? "k_dm_n_s_m" : "k_dm_nm_s_rad";
+/// "1.27"; "-" where there is nothing to bear or no limit is stated.
+std::string marginWord(double margin) {
+  return margin > 0.0 && std::isfinite(margin) ? fmt::format("{:.3g}", margin) : "-";
 }
 
 std::string criteriaTable(const Certificate& c) {
-  std::string out = fmt::format("{:<20}{:>8}  {:<8}{:>9}{:>34}{:>18}{:>9}{:>9}\n", "", "", "",
-                                "rigid", "worst spectral radius   ", "damping   ", "quanti-", "");
-  out += fmt::format("{:<20}{:>8}  {:<8}{:>9}{:>10}{:>9}{:>9}{:>9}{:>9}{:>8}{:>9}{:>8}\n", "axis",
-                     "K_pm", "", "limit", "free", "rigid", "mass", "spring", "needs", "has",
-                     "sation", "margin");
+  std::string out =
+      fmt::format("{:<20}{:>8}  {:<8}{:>9}{:>34}{:>18}{:>9}{:>13}{:>8}\n", "", "", "", "rigid",
+                  "worst spectral radius   ", "damping   ", "quanti-", "margin of", "");
+  out += fmt::format("{:<20}{:>8}  {:<8}{:>9}{:>10}{:>9}{:>9}{:>9}{:>9}{:>8}{:>9}{:>7}{:>6}{:>8}\n",
+                     "axis", "K_pm", "", "limit", "free", "rigid", "mass", "spring", "needs", "has",
+                     "sation", "wall", "slew", "all");
   for (const AxisCertificate& a : c.axes) {
     out += fmt::format("{:<20}{:>8.4g}  {:<8}{:>9.4g} ", a.of.axis.name, a.of.gains.k_pm,
-                       unit(a.of.axis, ""), a.rigid_limit);
+                       perUnit(a.of.axis), a.rigid_limit);
     for (const WorstRadius& w : a.contacts) out += fmt::format("{:>9.5f}", w.radius);
-    out += fmt::format("{:>9.3g}{:>8.3g}{:>9.4g}{:>8.3g}  {}\n", a.damping_required,
-                       a.of.axis.damping, a.quantisationLimit(), a.margin,
+    out += fmt::format("{:>9.3g}{:>8.3g}{:>9.4g}{:>7}{:>6}{:>8.3g}  {}\n", a.damping_required,
+                       a.of.axis.damping, a.quantisationLimit(), marginWord(a.wall.margin),
+                       marginWord(a.of.axis.effort_slew_limit / a.slew_required), a.margin,
                        a.passes ? "passes" : fmt::format("FAILS: {}", criterionKey(a.binding)));
   }
   return out + fmt::format(
@@ -51,34 +51,10 @@ std::string admittedTable(const AdvisedCertificate& judged) {
     const AxisAdvice& advice = judged.advice[i];
     out += fmt::format("{:<20}", a.of.axis.name);
     for (const double k_pm : advice.admitted_k_pm) out += fmt::format("{:>9.4g}", k_pm);
-    out += fmt::format("  {:<10}{:.2f} ({:.4g}; the file has {:.2g})\n", unit(a.of.axis, ""),
+    out += fmt::format("  {:<10}{:.2f} ({:.4g}; the file has {:.2g})\n", perUnit(a.of.axis),
                        advice.best_gamma, advice.best_gamma_k_pm, a.of.gains.gamma);
   }
   return out;
-}
-
-/// "needs 7.1 N·s/m of device damping ..., has 6"
-std::string finding(const AxisCertificate& a) {
-  const DeviceAxis& axis = a.of.axis;
-  const std::string damping = unit(axis, "·s");
-  switch (a.binding) {
-    case Criterion::kDamping:
-      return fmt::format(
-          "any passive person and object need {:.3g} {} of device damping (at Φ = {:g}), it has "
-          "{:.3g}",
-          a.damping_required, damping, a.damping_required_phi, axis.damping);
-    case Criterion::kQuantisation:
-      return fmt::format("quantisation allows K_pm up to {:.4g} {}, it is {:.4g}",
-                         a.quantisationLimit(), unit(axis, ""), a.of.gains.k_pm);
-    case Criterion::kRigid:
-      return fmt::format("a rigid stop allows K_pm up to {:.4g} {}, it is {:.4g}", a.rigid_limit,
-                         unit(axis, ""), a.of.gains.k_pm);
-    case Criterion::kAvatar:
-      return fmt::format("the avatar rings: K_ps is {:.4g} 1/s², above 1/T²",
-                         a.of.avatarStiffness());
-    default:
-      return fmt::format("the loop is unstable ({})", criterionKey(a.binding));
-  }
 }
 
 /// What must change on one axis: "k_pm_n_m = 478, k_ps_per_s2 = 2910"; empty where nothing.
@@ -96,7 +72,14 @@ std::string change(const AxisCertificate& a, const NearestGains& to) {
 /// What to type into the rendering file; axes of one change together.
 std::string remedy(const AdvisedCertificate& judged) {
   if (!judged.nearest) {
-    return "no smaller gains pass: the device needs more damping, less delay or a faster loop";
+    std::string out =
+        "no smaller gains pass: the device needs more damping, less delay or a faster loop";
+    for (const AxisCertificate& a : judged.certificate.axes) {
+      if (a.wall.margin >= 1.0) continue;
+      out += fmt::format(", or the wall on {} softened to {:.2g} of itself", a.of.axis.name,
+                         bearableWallShare(a.of));
+    }
+    return out;
   }
   std::vector<std::pair<std::string, std::string>> changes;  // what, on which axes
   for (std::size_t i = 0; i < judged.nearest->size(); ++i) {
@@ -145,8 +128,10 @@ std::string verdict(const AdvisedCertificate& judged) {
 }  // namespace
 
 std::string certificateText(const AdvisedCertificate& judged) {
-  return fmt::format("{} with the gains {} and the hand {}\n\n", judged.input.device.name,
-                     judged.input.rendering.name, judged.hand) +
+  const std::string walls =
+      judged.input.exercise.empty() ? std::string{} : " and the walls of " + judged.input.exercise;
+  return fmt::format("{} with the gains {}, the hand {}{}\n\n", judged.input.device.name,
+                     judged.input.rendering.name, judged.input.hand, walls) +
          criteriaTable(judged.certificate) + admittedTable(judged) + "\n" + verdict(judged);
 }
 

@@ -13,7 +13,6 @@ namespace wholehand {
 /// A certificate with what follows from it.
 struct AdvisedCertificate {
   CertificateInput input;
-  std::string hand;  ///< its name
   Certificate certificate;
   std::vector<AxisAdvice> advice;                    ///< one for each axis
   std::optional<std::vector<NearestGains>> nearest;  ///< only where not certified

@@ -4,11 +4,13 @@
 #include "assembly/text_file.hpp"
 #include "certificate_chart.hpp"
 #include "certificate_text.hpp"
+#include "exercise/load_exercise.hpp"
 #include "exit_code.hpp"
 #include "impedance_command.hpp"
 #include "model/hand_file.hpp"
 
 #include <cstdio>
+#include <utility>
 
 namespace wholehand {
 namespace {
@@ -18,7 +20,13 @@ void collect(const Expected<T>& loaded, Diagnostics& errors) {
   if (!loaded) errors.insert(errors.end(), loaded.errors().begin(), loaded.errors().end());
 }
 
-/// Device, gains and hand; every fault of every file. Unstable gains are no fault of the file.
+void takeWalls(LoadedExercise loaded, Models& models) {
+  models.exercise = std::move(loaded.exercise);
+  models.exercise_walls = std::move(loaded.walls);
+}
+
+/// Device, gains, hand and exercise; every fault of every file. Unstable gains are no fault of the
+/// file.
 Expected<Models> loadFiles(const CertifyOptions& o) {
   Diagnostics errors;
   Models models;
@@ -36,6 +44,11 @@ Expected<Models> loadFiles(const CertifyOptions& o) {
     const auto hand = assembleHand(*hand_file, *device);
     collect(hand, errors);
     if (hand) models.hand = *hand;
+    if (hand && !o.exercise.empty()) {
+      auto exercise = loadExercise(o.exercise, o.level, *device, *hand);
+      collect(exercise, errors);
+      if (exercise) takeWalls(std::move(*exercise), models);
+    }
   }
   if (!errors.empty()) return errors;
   return models;
@@ -44,7 +57,6 @@ Expected<Models> loadFiles(const CertifyOptions& o) {
 AdvisedCertificate judge(const Models& models, double period_s) {
   AdvisedCertificate out;
   out.input = certificateInput(models, period_s);
-  out.hand = models.hand.name;
   out.certificate = certify(out.input);
   for (std::size_t i = 0; i < out.certificate.axes.size(); ++i) {
     const AxisCase& c = out.certificate.axes[i].of;

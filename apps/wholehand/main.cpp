@@ -34,13 +34,16 @@ bool findGains(const std::string& device, std::string& rendering, int& code) {
   return found.ok();
 }
 
-// The exercise by name or path; the bar where none is named.
+// The exercise by name or path.
+std::string exerciseFile(const std::string& exercise) {
+  const bool is_path = exercise.find('/') != std::string::npos || exercise.ends_with(".toml");
+  return is_path ? exercise : shippedFile("config/exercises") + "/" + exercise + ".toml";
+}
+
+// The bar where none is named.
 void chooseExercise(RunOptions& o) {
   o.files.motion.clear();
-  std::string& exercise = o.files.exercise;
-  if (exercise.empty()) exercise = "cocktail-bar";
-  const bool is_path = exercise.find('/') != std::string::npos || exercise.ends_with(".toml");
-  if (!is_path) exercise = shippedFile("config/exercises") + "/" + exercise + ".toml";
+  o.files.exercise = exerciseFile(o.files.exercise.empty() ? "cocktail-bar" : o.files.exercise);
 }
 
 // Options that would be passed over in silence.
@@ -119,7 +122,9 @@ void addRun(CLI::App& app, RunOptions& o, int& code) {
   run->add_option("--json", o.json, "Write the summary to this file");
   run->add_flag("--simulated-clock", o.simulated_clock, "As fast as it goes, no real time");
   run->add_flag("--uncertified", o.uncertified,
-                "Allow gains whose loop is unstable (simulated device only; recorded)");
+                "Allow gains that are not certified (simulated device only; recorded)")
+      ->excludes(run->add_option("--certificate", o.certificate,
+                                 "Run only what this file of `certify --json` says is certified"));
   addPages(*run, o);
   run->footer(
       "An exercise opens the pages and prints their address first. A scene with a motion,\n"
@@ -169,6 +174,13 @@ void addCertify(CLI::App& app, CertifyOptions& o, int& code) {
   certify->add_option("--rendering", o.rendering,
                       "Gains that go with the device (default: the file of the device's name)");
   certify->add_option("--hand", o.hand, "Hand file")->capture_default_str();
+  CLI::Option* exercise = certify->add_option(
+      "--exercise", o.exercise,
+      "Exercise, a name or a file: its walls are borne, too (default: no walls)");
+  certify->add_option("--level", o.level, "Level of the exercise")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str()
+      ->needs(exercise);
   certify->add_option("--rate-hz", o.rate_hz, "Ticks a second")
       ->check(finiteBetween(100.0, 16000.0, "Hz"))
       ->capture_default_str();
@@ -176,12 +188,14 @@ void addCertify(CLI::App& app, CertifyOptions& o, int& code) {
   certify->add_option("--svg", o.svg, "Draw each axis's Z-width into this file");
   certify->add_flag("--impedance", o.impedance,
                     "Predict and measure what the person feels on every axis, instead");
-  certify->add_option("--contact-stiffness", o.contact_stiffness_n_m,
-                      "With --impedance: the spring that the simulated hand meets [N/m]")
+  certify
+      ->add_option("--contact-stiffness", o.contact_stiffness_n_m,
+                   "With --impedance: the spring that the simulated hand meets [N/m]")
       ->check(finiteBetween(1.0, 1e6, "N/m"))
       ->capture_default_str();
   certify->footer("Exit code 0: certified; 1: not; 2: a file is not well formed.");
   certify->callback([&o, certify, &code] {
+    if (!o.exercise.empty()) o.exercise = exerciseFile(o.exercise);
     if (certify->count("--rendering") > 0 || findGains(o.device, o.rendering, code)) {
       code = certifyCommand(o);
     }

@@ -219,9 +219,13 @@ int playCommand(RunOptions options) {
     options.record = options.report + "/recording.h5";
   }
   if (Diagnostics faults = faultsOf(options); !faults.empty()) return refuse(faults);
+  auto certificate = certificateOf(options);
+  if (!certificate) return refuse(certificate.errors());
   const InterruptScope interrupts;  // from the address on, Ctrl-C ends gently
   Terminal terminal;
-  Station station(stationConfig(options, terminal));
+  StationConfig config = stationConfig(options, terminal);
+  config.rig.certificate = *certificate;
+  Station station(std::move(config));
   if (auto loaded = station.load(); !loaded) return refuse(loaded.errors());
 
   ControlsArbiter controls;

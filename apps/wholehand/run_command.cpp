@@ -1,6 +1,7 @@
 #include "assembly/recorded_run.hpp"
 #include "assembly/rig.hpp"
 #include "assembly/text_file.hpp"
+#include "certificate_file.hpp"
 #include "exit_code.hpp"
 #include "patient/scripted_player.hpp"
 #include "report_command.hpp"
@@ -126,7 +127,16 @@ void printSetup(const SetupReport& setup) {
 
 }  // namespace
 
+Expected<std::optional<RigOptions::NamedCertificate>> certificateOf(const RunOptions& options) {
+  if (options.certificate.empty()) return std::optional<RigOptions::NamedCertificate>{};
+  auto about = readCertificate(options.certificate);
+  if (!about) return about.errors();
+  return std::optional(RigOptions::NamedCertificate{options.certificate, *about});
+}
+
 int runCommand(RunOptions options) {
+  auto certificate = certificateOf(options);
+  if (!certificate) return refuse(certificate.errors());
   Expected<Models> models = loadModels(options.files);
   if (!models) return refuse(models.errors());
 
@@ -139,6 +149,7 @@ int runCommand(RunOptions options) {
   rig_options.period_s = 1.0 / options.rate_hz;
   rig_options.engine = options.engine;
   rig_options.uncertified = options.uncertified;
+  rig_options.certificate = *certificate;
   auto rig = buildRig(*models, std::move(mover.player), rig_options);
   if (!rig) return refuse(rig.errors());
   Outputs outputs(options);

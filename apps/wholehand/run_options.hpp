@@ -1,7 +1,9 @@
 #pragma once
 
 #include "assembly/models.hpp"
+#include "assembly/rig.hpp"
 
+#include <optional>
 #include <string>
 
 namespace wholehand {
@@ -17,7 +19,8 @@ struct RunOptions {
   std::string json;         ///< file; empty: none
   bool simulated_clock = false;
   bool uncertified = false;
-  std::uint64_t seed = 1;  ///< of the virtual patient who plays an exercise
+  std::string certificate;  ///< file that the run is to fit; empty: it certifies itself
+  std::uint64_t seed = 1;   ///< of the virtual patient who plays an exercise
 
   bool no_web = false;                 ///< open no port
   std::string address = "127.0.0.1";   ///< of the server
@@ -28,6 +31,10 @@ struct RunOptions {
   std::vector<std::string> udp_peers;  ///< games on other machines, "host" or "host:port"
   bool wait = false;                   ///< arm only when a client asks for it
 };
+
+/// The certificate that the options name, read; none where they name none.
+[[nodiscard]] Expected<std::optional<RigOptions::NamedCertificate>> certificateOf(
+    const RunOptions& options);
 
 /// Plays a motion or an exercise without pages. Returns the program's exit code.
 int runCommand(RunOptions options);

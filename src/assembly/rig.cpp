@@ -1,9 +1,8 @@
 #include "assembly/rig.hpp"
 
 #include "assembly/sampled_inertia.hpp"
-#include "control/stability.hpp"
+#include "control/certificate_refusal.hpp"
 #include "device/simulated/simulated_device.hpp"
-#include "exercise/wall_margin.hpp"
 #include "patient/scripted_player.hpp"
 #include "physics/bullet/bullet_world.hpp"
 
@@ -45,22 +44,6 @@ void refuseAbove(int most, std::size_t count, const char* key, const char* what,
                      std::string("at most ") + std::to_string(most) + " " + what});
 }
 
-// Walls of the exercise that would leave a finger's loop unstable with somebody or something.
-void refuseWalls(const Models& models, const CouplingGains& gains, double period_s,
-                 Diagnostics& refused) {
-  for (const ExerciseWall& wall : models.exercise_walls) {
-    const double margin = wallMargin(axisLoop(models.device, gains, wall.axis, period_s),
-                                     wall.stiffness, wall.damping);
-    if (margin >= 1.0) continue;
-    const DeviceAxis& axis = models.device.axes[static_cast<std::size_t>(wall.axis)];
-    refused.push_back(
-        {models.files.exercise, 0, "wall." + axis.name,
-         fmt::format("{:.4g} N·m/rad", wall.stiffness),
-         fmt::format("leaves the loop unstable: {:.2f} of the damping it needs", margin),
-         "soften the wall, or give the device gains with more margin"});
-  }
-}
-
 // Here, not in the loaders alone: a program may change its models after they were loaded.
 Diagnostics refuseTooLarge(const Models& m) {
   Diagnostics refused;
@@ -80,14 +63,25 @@ Rig::~Rig() {
 }
 
 Expected<CheckedGains> checkGains(const Models& models, double period_s) {
-  const SampledInertia inertia = sampleInertia(models.hand, models.device);
-  Expected<CouplingGains> gains = resolveGains(models.rendering, inertia.at_reference, period_s);
+  const CertificateInput input = certificateInput(models, period_s);
+  Expected<CouplingGains> gains =
+      resolveGains(models.rendering, input.inertia_at_reference, period_s);
   if (!gains) return gains.errors();
   CheckedGains out;
   out.gains = *gains;
-  out.refused = checkStability(models.device, models.rendering, *gains, inertia.samples, period_s);
-  refuseWalls(models, *gains, period_s, out.refused);
+  out.refused = refuseUncertified(input);
+  out.fingerprint = fingerprintOf(input);
   return out;
+}
+
+Diagnostics refuseToRender(const CheckedGains& checked, const RigOptions& options) {
+  if (!options.uncertified && !checked.refused.empty()) return checked.refused;
+  if (!options.certificate) return {};
+  const std::string difference =
+      differenceOf(options.certificate->fingerprint, checked.fingerprint);
+  if (difference.empty()) return {};
+  return {{options.certificate->path, 0, "", "", difference,
+           "certify these files, or leave out --certificate"}};
 }
 
 Expected<std::unique_ptr<Rig>> buildRig(Models models, Intention intention,
@@ -123,7 +117,7 @@ Expected<std::unique_ptr<Rig>> buildRigThatMovesNobody(Models models,
   if (Diagnostics large = refuseTooLarge(models); !large.empty()) return large;
   Expected<CheckedGains> checked = checkGains(models, options.period_s);
   if (!checked) return checked.errors();
-  if (!checked->refused.empty() && !options.uncertified) return checked->refused;
+  if (Diagnostics refused = refuseToRender(*checked, options); !refused.empty()) return refused;
 
   auto rig = std::make_unique<Rig>();
   rig->models = std::move(models);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "assembly/models.hpp"
+#include "control/certificate_fingerprint.hpp"
 #include "control/coupling_gains.hpp"
 #include "device/haptic_device.hpp"
 #include "patient/motion.hpp"
@@ -9,14 +10,21 @@
 #include "renderer/haptic_renderer.hpp"
 
 #include <memory>
+#include <optional>
+#include <string>
 
 namespace wholehand {
 
 struct RigOptions {
   double period_s = 1e-3;
   std::string engine = "bullet";
-  bool uncertified =
-      false;  ///< allow gains that the stability check refuses; where nobody is moved
+  bool uncertified = false;  ///< allow gains that are not certified; where nobody is moved
+  /// What the run was certified as: it then renders nothing else. Without one it certifies itself.
+  struct NamedCertificate {
+    std::string path;
+    CertificateFingerprint fingerprint;
+  };
+  std::optional<NamedCertificate> certificate = std::nullopt;
 };
 
 /// A renderer with everything it needs, built from models: the device (simulated unless one is
@@ -31,7 +39,7 @@ struct Rig {
   Models models;
   RigOptions options;
   CouplingGains gains;
-  Diagnostics refused;  ///< what the stability check said; not empty only with `uncertified`
+  Diagnostics refused;  ///< why they are not certified; not empty only with `uncertified`
   std::unique_ptr<HapticDevice> device;
   std::unique_ptr<PhysicsWorld> world;
   std::unique_ptr<HapticRenderer> renderer;
@@ -57,11 +65,17 @@ struct Rig {
 [[nodiscard]] Expected<std::unique_ptr<Rig>> buildRigThatMovesNobody(
     Models models, std::unique_ptr<HapticDevice> device, const RigOptions& options);
 
-/// The coupling gains and what the stability check thinks of them, over sampled postures.
+/// The coupling gains and why they are not certified (docs/certificate.md), with this hand and the
+/// walls of this exercise.
 struct CheckedGains {
   CouplingGains gains;
-  Diagnostics refused;  ///< empty: stable by themselves
+  Diagnostics refused;  ///< empty: certified
+  CertificateFingerprint fingerprint;
 };
 [[nodiscard]] Expected<CheckedGains> checkGains(const Models& models, double period_s);
+
+/// Why gains may not be rendered under these options: they are not certified, or the options name a
+/// certificate of others. Empty: they may.
+[[nodiscard]] Diagnostics refuseToRender(const CheckedGains& checked, const RigOptions& options);
 
 }  // namespace wholehand

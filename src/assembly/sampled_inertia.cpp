@@ -69,8 +69,18 @@ SampledInertia sampleInertia(const HandModel& hand, const DeviceModel& device) {
 
 CertificateInput certificateInput(const Models& models, double period_s) {
   SampledInertia inertia = sampleInertia(models.hand, models.device);
-  return {models.device, models.rendering, inertia.at_reference, std::move(inertia.samples),
-          period_s};
+  CertificateInput input;
+  input.device = models.device;
+  input.rendering = models.rendering;
+  input.inertia_at_reference = inertia.at_reference;
+  input.inertias = std::move(inertia.samples);
+  input.period_s = period_s;
+  for (const ExerciseWall& wall : models.exercise_walls) {
+    input.walls.push_back({wall.axis, {wall.stiffness, wall.damping}});
+  }
+  input.hand = models.hand.name;
+  if (models.exercise) input.exercise = models.exercise->description().name;
+  return input;
 }
 
 }  // namespace wholehand

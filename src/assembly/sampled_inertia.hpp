@@ -14,7 +14,7 @@ struct SampledInertia {
 };
 [[nodiscard]] SampledInertia sampleInertia(const HandModel& hand, const DeviceModel& device);
 
-/// What `certify` judges: only device, hand and rendering of the models count.
+/// What `certify` judges: device, hand, rendering and the walls of the exercise.
 [[nodiscard]] CertificateInput certificateInput(const Models& models, double period_s);
 
 }  // namespace wholehand

@@ -1,7 +1,6 @@
 #include "control/certificate.hpp"
 
 #include "control/critical_damping.hpp"
-#include "control/passivity.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +12,6 @@ namespace wholehand {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr int kPhiSteps = 8;
 constexpr double kLargestFactor = 100.0;
 /// Where an axis names no lever arm: from a wrist to the middle of the palm.
 constexpr double kPalmLever_m = 0.08;
@@ -45,9 +43,9 @@ double stiffnessLimit(const AxisCase& c, Criterion contact) {
   const auto stable = [&](double k_pm) {
     AxisCase tried = c;
     tried.gains.k_pm = k_pm;
-    for (int i = 0; i <= kPhiSteps; ++i) {
+    for (int i = 0; i <= kCertificatePhiSteps; ++i) {
       for (const double object : objectsOf(contact)) {
-        const double phi = static_cast<double>(i) / kPhiSteps;
+        const double phi = static_cast<double>(i) / kCertificatePhiSteps;
         if (!(radiusWith(tried.loop(phi), contact, object) <= 1.0 + 1e-7)) return false;
       }
     }
@@ -76,6 +74,12 @@ double marginOf(const AxisCertificate& a, Criterion criterion) {
       return a.damping_required > 0.0 ? a.of.axis.damping / a.damping_required : kInfinite;
     case Criterion::kQuantisation:
       return a.quantisationLimit() / k_pm;
+    case Criterion::kWall:
+      return a.wall.margin;
+    case Criterion::kSlew: {
+      const double limit = a.of.axis.effort_slew_limit;
+      return limit > 0.0 ? limit / a.slew_required : kInfinite;
+    }
     case Criterion::kAvatar: {  // 1/T²: above it the avatar rings
       const double wt = a.of.avatarStiffness() * a.of.period_s * a.of.period_s;
       return wt <= 1.0 ? kInfinite : 1.0 / wt;
@@ -88,8 +92,9 @@ double marginOf(const AxisCertificate& a, Criterion criterion) {
 }  // namespace
 
 const char* criterionKey(Criterion criterion) {
-  static constexpr std::array<const char*, 7> kKeys = {
-      "free", "rigid_contact", "mass", "spring", "damping", "quantisation", "avatar"};
+  static constexpr std::array<const char*, 9> kKeys = {"free",   "rigid_contact", "mass",
+                                                       "spring", "damping",       "quantisation",
+                                                       "wall",   "slew",          "avatar"};
   return kKeys[static_cast<std::size_t>(criterion)];
 }
 
@@ -122,6 +127,19 @@ AxisLoop AxisCase::loop(double phi) const {
   return l;
 }
 
+AxisLoop AxisCase::loopIn(const WallCase& wall, double alpha, double phi) const {
+  AxisLoop l = loop(phi);
+  l.wall_stiffness = alpha * wall.stiffness;
+  l.wall_damping = alpha * wall.damping;
+  return l;
+}
+
+double quantisationLimit(const AxisCase& c) {
+  const double viscous = 2.0 * c.axis.damping / c.period_s;
+  const bool stated = c.axis.encoder_step > 0.0 && c.axis.coulomb > 0.0;
+  return stated ? std::min(viscous, 2.0 * c.axis.coulomb / c.axis.encoder_step) : viscous;
+}
+
 double AxisCertificate::quantisationLimit() const {
   return std::min(viscous_limit, coulomb_limit);
 }
@@ -134,22 +152,26 @@ bool AxisCertificate::meets(Criterion criterion) const {
 }
 
 AxisCase axisCase(const CertificateInput& input, int axis) {
-  return {input.device.axes[static_cast<std::size_t>(axis)], input.device.output_delay_ticks,
-          input.period_s, input.rendering.axes[static_cast<std::size_t>(axis)],
-          input.inertia_at_reference(axis, axis)};
+  AxisCase c{input.device.axes[static_cast<std::size_t>(axis)], input.device.output_delay_ticks,
+             input.period_s, input.rendering.axes[static_cast<std::size_t>(axis)],
+             input.inertia_at_reference(axis, axis)};
+  for (const CertificateInput::Wall& wall : input.walls) {
+    if (wall.axis == axis) c.walls.push_back(wall.wall);
+  }
+  return c;
 }
 
-WorstRadius worstContact(const AxisCase& c, Criterion contact) {
+WorstRadius worstContact(const AxisCase& c, Criterion contact, const WallCase& wall, double alpha) {
   WorstRadius worst;
   for (const char* person : kPersons) {
-    for (int i = 0; i <= kPhiSteps; ++i) {
-      const double phi = static_cast<double>(i) / kPhiSteps;
-      AxisLoop loop = c.loop(phi);
+    for (int i = 0; i <= kCertificatePhiSteps; ++i) {
+      const double phi = static_cast<double>(i) / kCertificatePhiSteps;
+      AxisLoop loop = c.loopIn(wall, alpha, phi);
       loop.person = armAt(c.axis, person);
       for (const double object : objectsOf(contact)) {
         const double radius = radiusWith(loop, contact, object);
         // A rigid drift is 1 in every case: by rounding none of them is worse.
-        if (!(radius <= worst.radius + 1e-10)) worst = {radius, phi, person, object};
+        if (!(radius <= worst.radius + 1e-10)) worst = {radius, phi, person, alpha, object};
       }
     }
   }
@@ -164,18 +186,17 @@ AxisCertificate certifyAxis(const AxisCase& c) {
   for (int i = 0; i < kContactCriteria; ++i) {
     a.contacts[static_cast<std::size_t>(i)] = worstContact(c, static_cast<Criterion>(i));
   }
-  a.damping_required = -kInfinite;
-  for (int i = 0; i <= kPhiSteps; ++i) {
-    const double phi = static_cast<double>(i) / kPhiSteps;
-    const double required = requiredDamping(c.loop(phi));
-    if (required > a.damping_required) {
-      a.damping_required = required;
-      a.damping_required_phi = phi;
-    }
-  }
+  const LargestDamping needed = largestRequiredDamping(c, {}, 0.0);
+  a.damping_required = needed.damping;
+  a.damping_required_phi = needed.phi;
   a.viscous_limit = 2.0 * c.axis.damping / c.period_s;
   const bool stated = c.axis.encoder_step > 0.0 && c.axis.coulomb > 0.0;
   a.coulomb_limit = stated ? 2.0 * c.axis.coulomb / c.axis.encoder_step : kInfinite;
+  for (const WallCase& wall : c.walls) {
+    const WallCertificate judged = certifyWall(c, wall);
+    if (judged.margin < a.wall.margin) a.wall = judged;
+  }
+  a.slew_required = requiredSlew(c);
   a.passes = true;
   a.margin = kInfinite;
   for (int i = 0; i <= static_cast<int>(Criterion::kAvatar); ++i) {

@@ -5,6 +5,7 @@
 #include "model/rendering_config.hpp"
 
 #include <array>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -13,10 +14,27 @@
 namespace wholehand {
 
 /// What a certificate asks of one axis, and (the last) of all axes together.
-enum class Criterion { kFree, kRigid, kMass, kSpring, kDamping, kQuantisation, kAvatar };
-inline constexpr int kContactCriteria = 4;  ///< kFree .. kSpring, judged by eigenvalues
-/// "free", "rigid_contact", "mass", "spring", "damping", "quantisation", "avatar"
+enum class Criterion {
+  kFree,
+  kRigid,
+  kMass,
+  kSpring,
+  kDamping,
+  kQuantisation,
+  kWall,
+  kSlew,
+  kAvatar
+};
+inline constexpr int kCertificatePhiSteps = 8;  ///< Φ = 0, ⅛ .. 1
+inline constexpr int kContactCriteria = 4;      ///< kFree .. kSpring, judged by eigenvalues
+/// "free", "rigid_contact", "mass", "spring", "damping", "quantisation", "wall", "slew", "avatar"
 [[nodiscard]] const char* criterionKey(Criterion criterion);
+
+/// A wall that an exercise may put on an axis, Eq. (15), at α = 1.
+struct WallCase {
+  double stiffness = 0.0;  ///< [N/m or N·m/rad]
+  double damping = 0.0;    ///< [N·s/m or N·m·s/rad]
+};
 
 /// One axis with all that its certificate depends on.
 struct AxisCase {
@@ -25,11 +43,14 @@ struct AxisCase {
   double period_s = 1e-3;
   AxisRendering gains;   ///< k_ps_per_s2 as in the file: 0 lets it follow K_pm by the rule
   double inertia = 0.0;  ///< of the avatar along the axis at its reference [kg or kg·m²]
+  std::vector<WallCase> walls = {};  ///< of the exercise; none without one
 
   /// K_ps as it is, or by the rule [1/s²].
   [[nodiscard]] double avatarStiffness() const;
   /// The loop at a share Φ of the adaptive damping, nobody attached.
   [[nodiscard]] AxisLoop loop(double phi) const;
+  /// The same while the finger is in a wall at a share α of it.
+  [[nodiscard]] AxisLoop loopIn(const WallCase& wall, double alpha, double phi) const;
 };
 
 /// The worst spectral radius of a kind of contact, and where it was found.
@@ -37,9 +58,20 @@ struct WorstRadius {
   double radius = 0.0;
   double phi = 0.0;               ///< Φ
   const char* person = "no arm";  ///< "no arm", "relaxed arm" or "stiff arm"
+  double alpha = 0.0;             ///< α of the wall, 0 outside
   double object = 0.0;  ///< kMass: μ, times the avatar; kSpring: times the avatar's own stiffness
   /// Rounding of the eigenvalue 1 of a rigid drift stays well below 1e-7.
   [[nodiscard]] bool stable() const { return radius <= 1.0 + 1e-7; }
+};
+
+/// The wall that leaves an axis the least margin.
+struct WallCertificate {
+  WallCase wall;
+  double damping_required = 0.0;      ///< b_min at α = 1, the largest over Φ; it is less below
+  double damping_required_phi = 0.0;  ///< where it is the largest
+  WorstRadius worst;                  ///< of every contact and person, α = ¼ .. 1
+  /// Allowed over present; +inf where the exercise has no wall on the axis.
+  double margin = std::numeric_limits<double>::infinity();
 };
 
 /// One axis, judged. Stiffness in [N/m or N·m/rad], damping in [N·s/m or N·m·s/rad].
@@ -52,6 +84,8 @@ struct AxisCertificate {
   double damping_required_phi = 0.0;                   ///< where it is the largest
   double viscous_limit = 0.0;                          ///< 2 b / T
   double coulomb_limit = 0.0;  ///< 2 f_c / Δ; +inf where the encoder is ideal or f_c not stated
+  WallCertificate wall;
+  double slew_required = 0.0;               ///< of the fastest spring [N/s or N·m/s]
   Criterion binding = Criterion::kDamping;  ///< of the smallest margin
   double margin = 0.0;  ///< of the binding criterion: allowed over present; >= 1 passes
   bool passes = false;
@@ -83,11 +117,20 @@ struct Certificate {
 /// What is judged. Inertias of the avatar: the reduced inertia at the hand's reference and in
 /// sampled postures.
 struct CertificateInput {
+  /// A wall of the exercise and the axis it is on.
+  struct Wall {
+    int axis = 0;
+    WallCase wall;
+  };
+
   DeviceModel device;
   RenderingConfig rendering;
   AxisMatrix inertia_at_reference;
   std::vector<AxisMatrix> inertias;
   double period_s = 1e-3;
+  std::vector<Wall> walls = {};  ///< the stiffest ones of the exercise, if there is one
+  std::string hand = {};         ///< its name
+  std::string exercise = {};     ///< its name; empty without one
 };
 
 /// @pre device and rendering have the same axes, the inertias as many rows; period_s > 0
@@ -96,8 +139,23 @@ struct CertificateInput {
 /// The parts of it, for searches.
 [[nodiscard]] AxisCase axisCase(const CertificateInput& input, int axis);
 [[nodiscard]] AxisCertificate certifyAxis(const AxisCase& c);
-/// The worst over Φ = 0, ⅛ .. 1, no, a relaxed and a stiff arm, and the objects of the criterion.
-[[nodiscard]] WorstRadius worstContact(const AxisCase& c, Criterion contact);
+/// The worst over Φ = 0, ⅛ .. 1, no, a relaxed and a stiff arm, and the objects of the criterion;
+/// in a share α of a wall, if one is given.
+[[nodiscard]] WorstRadius worstContact(const AxisCase& c, Criterion contact,
+                                       const WallCase& wall = {}, double alpha = 0.0);
+/// b_min, the largest over the same Φ, and where that is.
+struct LargestDamping {
+  double damping = 0.0, phi = 0.0;
+};
+[[nodiscard]] LargestDamping largestRequiredDamping(const AxisCase& c, const WallCase& wall,
+                                                    double alpha);
+/// 2 b / T, or 2 f_c / Δ where that is less and known.
+[[nodiscard]] double quantisationLimit(const AxisCase& c);
+[[nodiscard]] WallCertificate certifyWall(const AxisCase& c, const WallCase& wall);
+/// The slew that the effort needs where the device, nobody attached, flies at its speed limit
+/// against an avatar that cannot move: it swings at ω = √((K_pm + k)/m), and
+/// v √((K_pm + k)² + (D ω)²), D = γB + K_dm + d, is the fastest change of K x + D ẋ.
+[[nodiscard]] double requiredSlew(const AxisCase& c);
 /// The arm of that name at the axis: on a rotation times the square of its lever arm.
 [[nodiscard]] Impedance armAt(const DeviceAxis& axis, const std::string& person);
 

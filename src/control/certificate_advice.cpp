@@ -25,32 +25,43 @@ bool rings(const AxisCase& c) {
   return c.avatarStiffness() * c.period_s * c.period_s > 1.0;
 }
 
-/// b_min is convex in Φ (a maximum over frequencies of functions that are affine in Φ), so its
-/// largest value lies at one end.
+/// b_min is convex in Φ and in a wall's α (a maximum over frequencies of functions that are affine
+/// in both), so its largest value lies at a corner.
 bool dampedEnough(const AxisCase& c, int frequencies) {
-  return !rings(c) && requiredDamping(c.loop(0.0), frequencies) <= c.axis.damping &&
-         requiredDamping(c.loop(1.0), frequencies) <= c.axis.damping;
+  if (rings(c)) return false;
+  std::vector<WallCase> walls = c.walls;
+  walls.push_back({});
+  return std::all_of(walls.begin(), walls.end(), [&](const WallCase& wall) {
+    return requiredDamping(c.loopIn(wall, 1.0, 0.0), frequencies) <= c.axis.damping &&
+           requiredDamping(c.loopIn(wall, 1.0, 1.0), frequencies) <= c.axis.damping;
+  });
 }
 
 bool stableInEveryContact(const AxisCase& c) {
   for (int i = 0; i < kContactCriteria; ++i) {
     if (!worstContact(c, static_cast<Criterion>(i)).stable()) return false;
   }
-  return true;
+  return std::all_of(c.walls.begin(), c.walls.end(),
+                     [&](const WallCase& wall) { return certifyWall(c, wall).worst.stable(); });
 }
 
-/// The quantisation limit, where the search begins.
-double quantisationLimit(const AxisCase& c) {
-  const double viscous = 2.0 * c.axis.damping / c.period_s;
-  if (!(c.axis.encoder_step > 0.0 && c.axis.coulomb > 0.0)) return viscous;
-  return std::min(viscous, 2.0 * c.axis.coulomb / c.axis.encoder_step);
+/// What quantisation leaves of K_pm beside the stiffest wall; the search begins there.
+double quantisationLeaves(const AxisCase& c) {
+  double stiffest = 0.0;
+  for (const WallCase& wall : c.walls) stiffest = std::max(stiffest, wall.stiffness);
+  return quantisationLimit(c) - stiffest;
+}
+
+bool followed(const AxisCase& c) {
+  return !(c.axis.effort_slew_limit > 0.0) || requiredSlew(c) <= c.axis.effort_slew_limit;
 }
 
 /// By absolute stability alone; not rounded.
 double searched(const AxisCase& c, double most) {
-  const double start = std::min(most, quantisationLimit(c));
+  const double start = std::min(most, quantisationLeaves(c));
   const auto passes = [&](double k_pm) {
-    return dampedEnough(withStiffness(c, k_pm), kSearchFrequencies);
+    const AxisCase tried = withStiffness(c, k_pm);
+    return followed(tried) && dampedEnough(tried, kSearchFrequencies);
   };
   if (start > 0.0 && passes(start)) return start;
   return largestAllowed(start, passes);
@@ -60,10 +71,17 @@ double verified(const AxisCase& c, double k_pm) {
   for (int attempt = 0; attempt < 100 && k_pm > 0.0; ++attempt) {
     k_pm = roundedDown(k_pm);
     const AxisCase tried = withStiffness(c, k_pm);
-    if (dampedEnough(tried, kAllFrequencies) && stableInEveryContact(tried)) return k_pm;
+    if (holds(tried)) return k_pm;
     k_pm *= 0.999;
   }
   return 0.0;
+}
+
+}  // namespace
+
+bool holds(const AxisCase& c) {
+  return c.gains.k_pm <= quantisationLeaves(c) && followed(c) && dampedEnough(c, kAllFrequencies) &&
+         stableInEveryContact(c);
 }
 
 /// K_pm lowered, and K_dm only as far as at least doubles the stiffness that is left.
@@ -80,6 +98,8 @@ NearestGains nearestOfAxis(AxisCase c) {
   return *std::find_if(found.begin(), found.end(),
                        [&](const NearestGains& g) { return g.k_pm >= 0.5 * most; });
 }
+
+namespace {
 
 CertificateInput withGains(CertificateInput input, const std::vector<NearestGains>& nearest) {
   for (std::size_t i = 0; i < nearest.size(); ++i) {
@@ -114,6 +134,7 @@ AxisAdvice advise(const AxisCase& c) {
   for (std::size_t i = 0; i < kAdmittedRatesHz.size(); ++i) {
     AxisCase faster = c;
     faster.period_s = 1.0 / kAdmittedRatesHz[i];
+    faster.axis.effort_slew_limit = 0.0;  // a setting of the device file, no bound of the loop
     out.admitted_k_pm[i] = largestStiffness(faster, kAny);
   }
   AxisCase best = c;
@@ -121,6 +142,7 @@ AxisAdvice advise(const AxisCase& c) {
   for (int step = 0; step <= 20; ++step) {
     AxisCase tried = c;
     tried.gains.gamma = 0.05 * step;
+    tried.axis.effort_slew_limit = 0.0;
     const double k_pm = searched(tried, kAny);
     if (k_pm > most) {
       most = k_pm;
@@ -156,9 +178,16 @@ bool sameCase(const AxisCase& a, const AxisCase& b) {
   const auto key = [](const AxisCase& c) {
     return std::tuple(c.axis.kind, c.axis.mass, c.axis.damping, c.axis.coulomb, c.axis.encoder_step,
                       c.axis.lever_arm_m, c.delay_ticks, c.period_s, c.gains.k_pm, c.gains.k_dm,
-                      c.gains.gamma, c.gains.velocity_filter_hz, c.gains.k_ps_per_s2);
+                      c.gains.gamma, c.gains.velocity_filter_hz, c.gains.k_ps_per_s2,
+                      c.axis.speed_limit, c.axis.effort_slew_limit);
   };
   // What carries the hand along x, y and z differs by millionths of its mass.
+  const auto same_wall = [](const WallCase& one, const WallCase& other) {
+    return one.stiffness == other.stiffness && one.damping == other.damping;
+  };
+  if (!std::equal(a.walls.begin(), a.walls.end(), b.walls.begin(), b.walls.end(), same_wall)) {
+    return false;
+  }
   return key(a) == key(b) && std::abs(a.inertia - b.inertia) <= 1e-4 * a.inertia;
 }
 

@@ -19,12 +19,20 @@ std::vector<ZWidthPoint> zWidth(const AxisCase& c, int points) {
     };
     // Far above every curve: the search walks down to it.
     const double most = 20.0 * std::max(2.0 * c.axis.damping / c.period_s, c.gains.k_pm);
-    ZWidthPoint point{at.gains.k_dm, 0.0, 0.0};
+    ZWidthPoint point{at.gains.k_dm, 0.0, 0.0, 0.0};
     point.rigid = largestAllowed(most, [&](double k_pm) {
       return spectralRadius(closedLoopMatrix(loop(k_pm), ContactCase::kRigid)) <= 1.0 + 1e-7;
     });
     point.passive = largestAllowed(
         most, [&](double k_pm) { return requiredDamping(loop(k_pm), 300) <= c.axis.damping; });
+    point.walled = point.passive;
+    for (const WallCase& wall : c.walls) {
+      point.walled =
+          std::min(point.walled, largestAllowed(most, [&](double k_pm) {
+                     at.gains.k_pm = k_pm;
+                     return requiredDamping(at.loopIn(wall, 1.0, 1.0), 300) <= c.axis.damping;
+                   }));
+    }
     out.push_back(point);
   }
   return out;

@@ -43,11 +43,9 @@ std::vector<std::string> stemsIn(const std::string& folder) {
 Expected<Done> Station::Core::load() {
   Expected<Models> models = loadModels(config_.files);
   if (!models) return models.errors();
-  if (auto gains = checkGains(*models, config_.rig.period_s); !gains) {
-    return gains.errors();
-  } else if (!gains->refused.empty() && !config_.rig.uncertified) {
-    return gains->refused;
-  }
+  const auto gains = checkGains(*models, config_.rig.period_s);
+  if (!gains) return gains.errors();
+  if (Diagnostics no = refuseToRender(*gains, config_.rig); !no.empty()) return no;
   models_ = std::move(*models);
   publishScene("");
   return Done{};
@@ -218,9 +216,9 @@ OrderReply Station::Core::loadExercise(const Order& order) {
   if (order.level > 0) files.level = order.level;
   Expected<Models> models = loadModels(files);
   if (!models) return refused(format(models.errors()));
-  auto gains = checkGains(*models, config_.rig.period_s);
+  const auto gains = checkGains(*models, config_.rig.period_s);
   if (!gains) return refused(format(gains.errors()));
-  if (!gains->refused.empty() && !config_.rig.uncertified) return refused(format(gains->refused));
+  if (Diagnostics no = refuseToRender(*gains, config_.rig); !no.empty()) return refused(format(no));
   const bool rendered = live_ && live_->running();
   stopGently();
   models_ = std::move(*models);

@@ -1,0 +1,190 @@
+#include "control/certificate_refusal.hpp"
+
+#include "control/gain_search.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace wholehand {
+namespace {
+
+const char* contactWords(Criterion criterion) {
+  switch (criterion) {
+    case Criterion::kFree:
+      return "in free motion";
+    case Criterion::kRigid:
+      return "against a rigid stop";
+    case Criterion::kMass:
+      return "with an object in hand";
+    default:
+      return "against a spring";
+  }
+}
+
+std::string findingInWall(const AxisCertificate& a) {
+  const DeviceAxis& axis = a.of.axis;
+  const WallCertificate& w = a.wall;
+  const std::string where =
+      fmt::format("in the exercise's wall of {:.4g} {} and {:.3g} {} ", w.wall.stiffness,
+                  perUnit(axis), w.wall.damping, perUnit(axis, "·s"));
+  if (!w.worst.stable()) {
+    return where + fmt::format("it is unstable at α = {:g}, Φ = {:g}: spectral radius {:.6g} > 1",
+                               w.worst.alpha, w.worst.phi, w.worst.radius);
+  }
+  if (quantisationLimit(a.of) <= w.margin * (a.of.gains.k_pm + w.wall.stiffness)) {
+    return where + fmt::format("quantisation allows {:.4g} {} in all, it is {:.4g}",
+                               quantisationLimit(a.of), perUnit(axis),
+                               a.of.gains.k_pm + w.wall.stiffness);
+  }
+  return where + fmt::format(
+                     "any passive person and object need {:.3g} {} of device damping (at Φ = "
+                     "{:g}), it has {:.3g}",
+                     w.damping_required, perUnit(axis, "·s"), w.damping_required_phi, axis.damping);
+}
+
+/// "largest allowed k_pm_n_m: 1650 N/m (device damping 6 N·s/m, 1 tick of delay, 1000 Hz)"
+std::string remedy(const AxisCertificate& a) {
+  const AxisCase& c = a.of;
+  const NearestGains nearest = nearestOfAxis(c);
+  const double share = a.binding == Criterion::kWall ? bearableWallShare(c) : 0.0;
+  const std::string softer =
+      share > 0.0 ? fmt::format(", or at most {:.2g} of the wall's stiffness and damping", share)
+                  : std::string{};
+  if (!(nearest.k_pm > 0.0)) {
+    return "no smaller gains pass: the device needs more damping, less delay or a faster loop" +
+           softer;
+  }
+  std::string out = fmt::format("largest allowed {}: {:.6g} {}", stiffnessKey(c.axis), nearest.k_pm,
+                                perUnit(c.axis));
+  if (nearest.k_dm != c.gains.k_dm) {
+    out += fmt::format(" with {} = {:.6g}", dampingKey(c.axis), nearest.k_dm);
+  }
+  return out + softer +
+         fmt::format(" (device damping {:.4g} {}, {} tick{} of delay, {:.4g} Hz)", c.axis.damping,
+                     perUnit(c.axis, "·s"), c.delay_ticks, c.delay_ticks == 1 ? "" : "s",
+                     1.0 / c.period_s);
+}
+
+Diagnostic refusal(const AxisCertificate& a, const std::string& path) {
+  Diagnostic d;
+  d.file = path;
+  d.key = a.of.axis.name + "." + stiffnessKey(a.of.axis);
+  d.value = fmt::format("{:.6g} {}", a.of.gains.k_pm, perUnit(a.of.axis));
+  d.problem = fmt::format("not certified ({}): {}", criterionKey(a.binding), finding(a));
+  d.remedy = remedy(a);
+  return d;
+}
+
+Diagnostic avatarRefusal(const Certificate& c, const std::string& path) {
+  Diagnostic d;
+  d.file = path;
+  d.key = "k_ps_per_s2";
+  d.problem = fmt::format(
+      "not certified (avatar): the simulated hand's axes shake each other in posture {} of {}: "
+      "spectral radius {:.6g} >= 1",
+      c.avatar.posture + 1, c.avatar.postures, c.avatar.radius);
+  d.remedy =
+      c.avatar.margin > 0.0
+          ? fmt::format("multiply every axis's avatar stiffness by at most {:.3g}", c.avatar.margin)
+          : "the hand's reduced inertia is singular: check its masses and synergies";
+  return d;
+}
+
+bool axesHold(const CertificateInput& input) {
+  std::vector<AxisCase> held;  // x, y and z are often alike
+  for (int i = 0; i < input.device.axisCount(); ++i) {
+    const AxisCase c = axisCase(input, i);
+    if (std::any_of(held.begin(), held.end(), [&](const AxisCase& h) { return sameCase(h, c); })) {
+      continue;
+    }
+    if (!holds(c)) return false;
+    held.push_back(c);
+  }
+  return true;
+}
+
+bool avatarHolds(const CertificateInput& input) {
+  Eigen::VectorXd k_ps(input.device.axisCount());
+  for (int i = 0; i < input.device.axisCount(); ++i) {
+    k_ps[i] = axisCase(input, i).avatarStiffness();
+  }
+  return worstPosture(input.inertias, k_ps, input.period_s).radius < 1.0;
+}
+
+}  // namespace
+
+std::string perUnit(const DeviceAxis& axis, const char* time) {
+  return fmt::format("{}{}/{}", axis.effortUnit(), time, axis.positionUnit());
+}
+
+std::string stiffnessKey(const DeviceAxis& axis) {
+  return axis.kind == AxisKind::kTranslation ? "k_pm_n_m" : "k_pm_nm_rad";
+}
+
+std::string dampingKey(const DeviceAxis& axis) {
+  return axis.kind == AxisKind::kTranslation ? "k_dm_n_s_m" : "k_dm_nm_s_rad";
+}
+
+std::string finding(const AxisCertificate& a) {
+  const DeviceAxis& axis = a.of.axis;
+  switch (a.binding) {
+    case Criterion::kDamping:
+      return fmt::format(
+          "any passive person and object need {:.3g} {} of device damping (at Φ = {:g}), it has "
+          "{:.3g}",
+          a.damping_required, perUnit(axis, "·s"), a.damping_required_phi, axis.damping);
+    case Criterion::kQuantisation:
+      return fmt::format("quantisation allows K_pm up to {:.4g} {}, it is {:.4g}",
+                         a.quantisationLimit(), perUnit(axis), a.of.gains.k_pm);
+    case Criterion::kWall:
+      return findingInWall(a);
+    case Criterion::kSlew:
+      return fmt::format(
+          "at the speed limit its spring needs an effort slew of {:.4g} {}/s, the device follows "
+          "{:.4g}",
+          a.slew_required, axis.effortUnit(), axis.effort_slew_limit);
+    case Criterion::kAvatar:
+      return fmt::format("the avatar rings: K_ps is {:.4g} 1/s², above 1/T²",
+                         a.of.avatarStiffness());
+    default:
+      break;
+  }
+  const WorstRadius& worst = a.contacts[static_cast<std::size_t>(a.binding)];
+  if (a.binding == Criterion::kRigid && worst.stable()) {
+    return fmt::format("a rigid stop allows K_pm up to {:.4g} {}, it is {:.4g}", a.rigid_limit,
+                       perUnit(axis), a.of.gains.k_pm);
+  }
+  return fmt::format("unstable {} at Φ = {:g}: spectral radius {:.6g} > 1", contactWords(a.binding),
+                     worst.phi, worst.radius);
+}
+
+double bearableWallShare(const AxisCase& c) {
+  if (c.walls.empty()) return 1.0;
+  const auto bears = [&c](double share) {
+    AxisCase softer = c;
+    for (WallCase& wall : softer.walls) {
+      wall = {share * wall.stiffness, share * wall.damping};
+    }
+    return holds(softer);
+  };
+  for (double share = 1.0; share > 0.005; share = std::min(share - 0.01, 0.96 * share)) {
+    const double rounded = std::floor(100.0 * share + 1e-9) / 100.0;
+    if (bears(rounded)) return rounded;
+  }
+  return 0.0;
+}
+
+Diagnostics refuseUncertified(const CertificateInput& input) {
+  if (axesHold(input) && avatarHolds(input)) return {};
+  const Certificate judged = certify(input);
+  Diagnostics out;
+  for (const AxisCertificate& a : judged.axes) {
+    if (!a.passes) out.push_back(refusal(a, input.rendering.path));
+  }
+  if (!(judged.avatar.radius < 1.0)) out.push_back(avatarRefusal(judged, input.rendering.path));
+  return out;
+}
+
+}  // namespace wholehand
