@@ -42,10 +42,11 @@ void addCurve(const ImpedanceCurve& curve, double (*value)(const Complex&), Line
   line.width_px = 1.4;
   PlotLine dots = line;
   dots.dot_px = curve.phi > 0.0 ? 0.7 * kDot_px : kDot_px;
-  for (std::size_t i = 0; i < curve.points.size(); ++i) {
+  for (const auto& [frequency_hz, z] : curve.line) {
+    line.points.push_back({frequency_hz, value(z)});
+  }
+  for (std::size_t i = 0; i < curve.points.size() && curve.not_measured.empty(); i += kDotEvery) {
     const ImpedancePoint& point = curve.points[i];
-    line.points.push_back({point.frequency_hz, value(point.predicted.felt)});
-    if (!curve.not_measured.empty() || i % kDotEvery != 0) continue;
     dots.points.push_back({point.frequency_hz, value(point.measured.felt)});
   }
   plot.lines.push_back(std::move(line));
@@ -102,8 +103,8 @@ std::string legend(const ImpedanceReport& report) {
   entry(line(colorOf(ContactCase::kObject), ""),
         fmt::format("spring of {:.4g} N/m at the hand", report.contact_stiffness_n_m));
   entry(line(colorOf(ContactCase::kRigid), ""), "rigid stop");
-  entry(line(kPlotInk2, ""), "no adaptive damping");
-  entry(line(kPlotInk2, kDashed), "full");
+  entry(line(kPlotInk2, ""), "Φ = 0: no adaptive damping");
+  entry(line(kPlotInk2, kDashed), "Φ = 1: all of it");
   const auto dot = [&](double radius, double share) {
     return "<circle cx=\"" + svg::px(x + share * kSample_px) + "\" cy=\"" + svg::px(kY_px) +
            "\" r=\"" + svg::px(radius) + "\"" + svg::attribute("fill", kPlotInk2) + "/>";

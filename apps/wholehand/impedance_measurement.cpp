@@ -1,13 +1,8 @@
 #include "impedance_measurement.hpp"
 
-#include "assembly/rig.hpp"
 #include "device/simulated/simulated_device.hpp"
-#include "dynamics/articulated_body.hpp"
-#include "dynamics/synergy.hpp"
-#include "impedance_multisine.hpp"
-#include "physics/analytic/analytic_world.hpp"
+#include "impedance_bench.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,124 +18,7 @@ using Complex = std::complex<double>;
 // hand's posture does not change, large against rounding.
 constexpr double kLineSpeed_m_s = 1e-4, kLineSpeed_rad_s = 1e-3;
 constexpr double kUsualLeverArm_m = 0.08;  // as in the certificate, where a rotation has no tip
-constexpr double kLeastSettle_s = 1.5, kMostSettle_s = 60.0;
-constexpr double kLeftOfTransient = 1e-7;
-
-/// What stays the same for all curves of an axis at one Φ.
-struct Bench {
-  Models models;  ///< linear: no dry friction, no encoder steps, Φ held
-  std::unique_ptr<Rig> rig;
-  AxisPosition rest;
-  AxisMatrix inertia;
-  LineGrid grid;
-};
-
-AxisPosition middleOf(const DeviceModel& device) {
-  AxisPosition q(device.axisCount());
-  for (int a = 0; a < q.size(); ++a) {
-    const DeviceAxis& axis = device.axes[static_cast<std::size_t>(a)];
-    q[a] = 0.5 * (axis.lower + axis.upper);
-  }
-  return q;
-}
-
-/// Φ held at 0 or 1 by thresholds that no effort, or every effort, passes.
-void holdDamping(RenderingConfig& rendering, double phi) {
-  for (AxisRendering& axis : rendering.axes) {
-    axis.effort_dead = phi > 0.0 ? 0.0 : 1e9;
-    axis.effort_full = phi > 0.0 ? 1e-12 : 2e9;
-    axis.decay_s = phi > 0.0 ? 1e12 : 0.1;
-    axis.palm_contact = true;
-  }
-}
-
-Models linearModels(const Models& from, double phi) {
-  Models models;
-  models.files = from.files;
-  models.device = from.device;
-  models.rendering = from.rendering;
-  models.hand = from.hand;
-  for (DeviceAxis& axis : models.device.axes) axis.coulomb = axis.encoder_step = 0.0;
-  holdDamping(models.rendering, phi);
-  return models;
-}
-
-/// One axis that feels nothing but the push, the others in a vice.
-PatientConfig armFor(const DeviceModel& device, int axis, double lowest_hz) {
-  PatientConfig arm;
-  for (const DeviceAxis& d : device.axes) {
-    constexpr double kVice_rad_s = 1e4;
-    arm.axes.push_back(
-        {d.name, 0.0, 2.0 * d.mass * kVice_rad_s, d.mass * kVice_rad_s * kVice_rad_s});
-  }
-  // A millionth of what the device's mass does at the lowest line.
-  const double lowest_rad_s = 2.0 * std::numbers::pi * lowest_hz;
-  PatientAxis& pushed = arm.axes[static_cast<std::size_t>(axis)];
-  pushed.damping = 0.0;
-  pushed.stiffness =
-      1e-6 * device.axes[static_cast<std::size_t>(axis)].mass * lowest_rad_s * lowest_rad_s;
-  return arm;
-}
-
-AxisMatrix inertiaAt(const HandModel& hand, const AxisPosition& q) {
-  ArticulatedBody body(hand);
-  JointPosition theta;
-  Synergy(hand).expand(q, theta);
-  [[maybe_unused]] const bool definite =
-      body.update(theta, JointVelocity(hand.joint_count), Eigen::Vector3d::Zero());
-  return body.reducedInertia();
-}
-
-FeltLoop feltLoop(const Bench& bench, int axis, double phi, double stiffness) {
-  const CouplingGains& gains = bench.rig->gains;
-  FeltLoop felt;
-  felt.loop = axisLoop(bench.models.device, gains, axis, bench.grid.period_s);
-  felt.loop.phi_k_dm *= phi;
-  felt.loop.spring_per_s2 = stiffness / bench.inertia(axis, axis);
-  felt.axis = axis;
-  felt.inertia = bench.inertia;
-  felt.k_ps_per_s2 = gains.k_ps_per_s2;
-  felt.k_ds_per_s = gains.k_ds_per_s;
-  return felt;
-}
-
-/// How long until a transient has died away; negative: never. A drift of device and hand together
-/// (eigenvalue 1) is a constant, which no line sees.
-double settleTime(const AxisLoop& loop, ContactCase contact) {
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(closedLoopMatrix(loop, contact), false);
-  double slowest = 0.0;
-  bool drift = contact != ContactCase::kFree;
-  for (const Complex& pole : solver.eigenvalues()) {
-    if (!drift && std::abs(pole - 1.0) < 1e-9) {
-      drift = true;
-    } else {
-      slowest = std::max(slowest, std::abs(pole));
-    }
-  }
-  if (!(slowest < 1.0)) return -1.0;
-  const double settle_s = loop.period_s * std::log(kLeftOfTransient) / std::log(slowest);
-  return settle_s <= kMostSettle_s ? std::max(settle_s, kLeastSettle_s) : -1.0;
-}
-
-/// A spring solved after the step, as an engine solves contacts, is in a world that solves it
-/// before the step: M (v⁺ − v) = T (f − k (q + T v⁺)) with the mass T²k and the damping T k more.
-std::unique_ptr<PhysicsWorld> contactWorld(const Bench& bench, int axis, ContactCase contact,
-                                           double stiffness) {
-  AnalyticScene scene;
-  scene.gravity_m_s2 = bench.rig->renderer->config().gravity_m_s2;
-  scene.axes.resize(static_cast<std::size_t>(bench.rest.size()));
-  AnalyticAxis& met = scene.axes[static_cast<std::size_t>(axis)];
-  const double period_s = bench.grid.period_s;
-  if (contact == ContactCase::kRigid) {
-    met.lower_stop = met.upper_stop = bench.rest[axis];
-  } else {
-    met.stiffness = stiffness;
-    met.damping = period_s * stiffness;
-    met.added_mass = period_s * period_s * stiffness;
-    met.spring_rest = bench.rest[axis];
-  }
-  return std::make_unique<AnalyticWorld>(bench.rig->models.hand, scene);
-}
+constexpr int kFinePoints = 300;           // of a predicted line, which has sharp bends
 
 /// What kept the tick from being linear on the axis; empty: nothing.
 std::string interference(const TickRecord& record, const AxisEffort& neutral, int axis,
@@ -163,8 +41,7 @@ struct Phasors {
 };
 
 /// Lets the renderer run: first until it has settled, then for one window.
-Phasors listen(HapticRenderer& renderer, const Bench& bench, int axis, double phi,
-               double settle_s) {
+Phasors listen(HapticRenderer& renderer, const ImpedanceBench& bench, int axis, double settle_s) {
   Phasors out;
   LineTransform effort(bench.grid), position(bench.grid);
   const int settle = static_cast<int>(std::ceil(settle_s / bench.grid.period_s));
@@ -175,7 +52,7 @@ Phasors listen(HapticRenderer& renderer, const Bench& bench, int axis, double ph
     record->time_s = k * bench.grid.period_s;
     renderer.tick(1, *record);
     if (k < settle) continue;
-    out.interference = interference(*record, neutral, axis, phi);
+    out.interference = interference(*record, neutral, axis, bench.phi);
     if (!out.interference.empty()) return out;
     effort.add(record->patient_effort[axis]);
     position.add(record->q_m[axis] - bench.rest[axis]);
@@ -187,7 +64,7 @@ Phasors listen(HapticRenderer& renderer, const Bench& bench, int axis, double ph
   return out;
 }
 
-std::unique_ptr<Player> pushOf(const Bench& bench, int axis, const PatientConfig& arm,
+std::unique_ptr<Player> pushOf(const ImpedanceBench& bench, int axis, const PatientConfig& arm,
                                const ImpedanceCurve& curve) {
   const bool along =
       bench.models.device.axes[static_cast<std::size_t>(axis)].kind == AxisKind::kTranslation;
@@ -215,6 +92,12 @@ void fill(const Phasors& heard, const AxisLoop& loop, ImpedanceCurve& curve) {
 
 void predict(const FeltLoop& felt, const LineGrid& grid, ImpedanceCurve& curve) {
   const FeltLoop alone = feltAlone(felt.loop);
+  const double lowest_hz = grid.frequency_hz(0);
+  const double span = grid.frequency_hz(grid.lines.size() - 1) / lowest_hz;
+  for (int i = 0; i < kFinePoints; ++i) {
+    const double frequency_hz = lowest_hz * std::pow(span, i / (kFinePoints - 1.0));
+    curve.line.push_back({frequency_hz, feltImpedance(felt, curve.contact, frequency_hz).felt});
+  }
   for (std::size_t i = 0; i < grid.lines.size(); ++i) {
     ImpedancePoint point;
     point.frequency_hz = grid.frequency_hz(i);
@@ -226,8 +109,8 @@ void predict(const FeltLoop& felt, const LineGrid& grid, ImpedanceCurve& curve) 
   }
 }
 
-Expected<Done> measure(Bench& bench, int axis, ImpedanceCurve& curve) {
-  const FeltLoop felt = feltLoop(bench, axis, curve.phi, curve.stiffness);
+Expected<Done> measure(ImpedanceBench& bench, int axis, ImpedanceCurve& curve) {
+  const FeltLoop felt = feltLoop(bench, axis, curve.stiffness);
   predict(felt, bench.grid, curve);
   const double settle_s = settleTime(felt.loop, curve.contact);
   if (settle_s < 0.0) {
@@ -244,30 +127,11 @@ Expected<Done> measure(Bench& bench, int axis, ImpedanceCurve& curve) {
   HapticRenderer renderer(device, free ? *bench.rig->world : *met, bench.rig->models.hand,
                           bench.rig->renderer->config());
   if (auto armed = renderer.arm(); !armed) return armed.errors();
-  const Phasors heard = listen(renderer, bench, axis, curve.phi, settle_s);
+  const Phasors heard = listen(renderer, bench, axis, settle_s);
   device.close();
   curve.not_measured = heard.interference;
   if (heard.interference.empty()) fill(heard, felt.loop, curve);
   return Done{};
-}
-
-Expected<Bench> makeBench(const Models& models, double phi, double period_s) {
-  Bench bench;
-  bench.models = linearModels(models, phi);
-  bench.grid = lineGrid(period_s);
-  bench.rest = middleOf(bench.models.device);
-  bench.inertia = inertiaAt(bench.models.hand, bench.rest);
-  Models own = bench.models;
-  own.patient = armFor(own.device, 0, bench.grid.frequency_hz(0));
-  RigOptions options;
-  options.period_s = period_s;
-  options.uncertified = true;  // nobody is moved
-  auto player = std::make_unique<MultisinePlayer>(
-      bench.rest, 0, bench.grid, std::vector<double>(bench.grid.lines.size(), 0.0), 1.0);
-  auto rig = buildRig(std::move(own), std::move(player), options);
-  if (!rig) return rig.errors();
-  bench.rig = std::move(*rig);
-  return bench;
 }
 
 std::string caseName(const ImpedanceCurve& curve) {
@@ -277,6 +141,7 @@ std::string caseName(const ImpedanceCurve& curve) {
   return fmt::format("{}, Φ = {:g}", where, curve.phi);
 }
 
+/// Of the contact, in the axis's own units.
 double springOf(const DeviceAxis& axis, double contact_stiffness_n_m) {
   if (axis.kind == AxisKind::kTranslation) return contact_stiffness_n_m;
   const double arm_m = axis.lever_arm_m > 0.0 ? axis.lever_arm_m : kUsualLeverArm_m;
@@ -316,7 +181,7 @@ Expected<ImpedanceReport> measureImpedance(const Models& models, const Impedance
   const int all = 6 * models.device.axisCount();
   int done = 0;
   for (const double phi : {0.0, 1.0}) {
-    auto bench = makeBench(models, phi, options.period_s);
+    auto bench = makeImpedanceBench(models, phi, options.period_s);
     if (!bench) return bench.errors();
     for (int a = 0; a < models.device.axisCount(); ++a) {
       AxisImpedance& axis = report.axes[static_cast<std::size_t>(a)];

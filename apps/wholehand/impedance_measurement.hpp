@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace wholehand {
@@ -36,6 +37,8 @@ struct ImpedanceCurve {
   const char* engine = "";   ///< of the world in which it was measured
   std::string not_measured;  ///< why there are no measurements; empty: there are
   std::vector<ImpedancePoint> points;
+  /// The prediction between the points, too: frequency [Hz] and Z.
+  std::vector<std::pair<double, std::complex<double>>> line;
   ImpedanceDeviation felt;   ///< from kComparedFrom_hz to kComparedTo_hz
   ImpedanceDeviation alone;  ///< of the model in which inertia couples no axes, from the prediction
 };
