@@ -1,0 +1,339 @@
+#include "assembly/rehearsal.hpp"
+
+#include "assembly/rehearsal_moves.hpp"
+#include "device/simulated/simulated_device.hpp"
+#include "realtime/stage_clock.hpp"
+#include "realtime/thread_setup.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cfenv>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+namespace wholehand {
+namespace {
+
+constexpr int kHold_ticks = 100;      // pressed on after the last movement
+constexpr int kBlocked_ticks = 60;    // the fingers stand still so long: they close no further
+constexpr int kFirst_ticks = 20;      // of an attempt: caches are cold, which is what it is for
+constexpr int kNeutral_ticks = 1000;  // more than any ramp to neutral
+constexpr int kHopeless_ticks = 100;  // too slow by far: no noise explains so many
+constexpr double kStill_rad_s = 0.2;
+
+/// The world may break under a scene; what the device does is the rehearsal's own doing.
+constexpr Fault kOfTheScene = Fault::kNonFiniteEffort | Fault::kNonFiniteState |
+                              Fault::kPhysicsStep | Fault::kSingularInertia |
+                              Fault::kBodiesExploded;
+
+// The thread's rounding and denormals as they were.
+class FloatingPointGuard {
+ public:
+  FloatingPointGuard() { std::fegetenv(&before_); }
+  ~FloatingPointGuard() { std::fesetenv(&before_); }
+  FloatingPointGuard(const FloatingPointGuard&) = delete;
+  FloatingPointGuard& operator=(const FloatingPointGuard&) = delete;
+
+ private:
+  std::fenv_t before_{};
+};
+
+class TimedStages final : public StageListener {
+ public:
+  explicit TimedStages(StageClock& clock) : clock_(clock) {}
+  void lap(Stage stage) noexcept override { clock_.lap(stage); }
+
+ private:
+  StageClock& clock_;
+};
+
+/// A tick, for finding out what the slow ones have in common.
+struct TickCost {
+  std::int64_t cpu_ns = 0;
+  std::array<std::int32_t, kStages> stage_ns{};
+  int body = -1;  // most touched, else the one that the hand goes to
+  int contacts = 0;
+};
+
+// Somebody strong who does as told, whoever the patient is: nobody else makes the worst contacts.
+PatientConfig strongPerson(const DeviceModel& device) {
+  PatientConfig person;
+  person.name = "rehearsal";
+  for (const DeviceAxis& axis : device.axes) {
+    PatientAxis out;
+    out.name = axis.name;
+    out.mass = axis.mass;
+    out.stiffness = axis.effort_limit / (0.1 * (axis.upper - axis.lower));
+    out.damping = 2.0 * std::sqrt(out.stiffness * (axis.mass + out.mass));
+    person.axes.push_back(out);
+  }
+  return person;
+}
+
+/// One attempt: all moves, once.
+class Attempt {
+ public:
+  Attempt(Rig& rig, Rehearser& player, const RehearsalPlan& plan, const RehearsalOptions& options)
+      : rig_(rig),
+        player_(player),
+        plan_(plan),
+        options_(options),
+        limit_ns_(options.most_of_period * rig.options.period_s * 1e9) {}
+
+  [[nodiscard]] Expected<Done> run() {
+    const auto bodies = static_cast<int>(rig_.models.scene.bodies.size());
+    touched_.assign(static_cast<std::size_t>(bodies), false);
+    for (int body = 0; body < bodies && !hopeless(); ++body) {
+      for (const RehearsalMove& move : plan_.movesFor(body, ticks_ > 0 ? &record_ : nullptr)) {
+        if (!armAtStartOf(move)) continue;
+        if (Expected<Done> done = perform(move); !done) return done;
+      }
+    }
+    if (costs_.empty()) return stayAtHome();
+    return Done{};
+  }
+
+  [[nodiscard]] bool hopeless() const {
+    return too_slow_ >= kHopeless_ticks && 10 * too_slow_ > costs_.size();
+  }
+
+  [[nodiscard]] Rehearsal result() const {
+    Rehearsal out;
+    out.summary = statistics_.snapshot();
+    out.limit_us = 1e-3 * limit_ns_;
+    out.bodies = static_cast<int>(touched_.size());
+    out.bodies_touched = static_cast<int>(std::count(touched_.begin(), touched_.end(), true));
+    explainSlowTicks(out);
+    return out;
+  }
+
+  /// Where the session itself would begin: a scene without anything to touch has ticks, too.
+  void setHome(const AxisPosition& home) { home_ = home; }
+
+ private:
+  [[nodiscard]] bool armAtStartOf(const RehearsalMove& move) {
+    for (const AxisPosition& start : move.starts) {
+      player_.begin(start, move.goal);
+      if (rig_.renderer->arm()) return true;
+    }
+    player_.begin(home_, move.goal);  // from afar, then
+    return rig_.renderer->arm().ok();
+  }
+
+  [[nodiscard]] Expected<Done> stayAtHome() {
+    RehearsalMove rest;
+    rest.goal = home_;
+    player_.begin(home_, home_);
+    if (Expected<Done> armed = rig_.renderer->arm(); !armed) return armed;
+    return perform(rest);
+  }
+
+  // The fingers close until they cannot further, then the arm presses as far as it can.
+  [[nodiscard]] Expected<Done> perform(const RehearsalMove& move) {
+    int held = 0, blocked = 0;
+    while (held < kHold_ticks && !hopeless()) {
+      if (options_.cancelled && options_.cancelled()) {
+        return Diagnostic{"", 0, "", "", "the rehearsal was stopped", ""};
+      }
+      tick(move);
+      if (any(record_.faults & kStopping)) return recover(move);
+      blocked = record_.contact_count > 0 && still() ? blocked + 1 : 0;
+      if (!player_.pressing() && (player_.arrived() || blocked > kBlocked_ticks)) player_.press();
+      if (player_.pressing() && player_.arrived()) ++held;
+    }
+    return Done{};
+  }
+
+  void tick(const RehearsalMove& move) {
+    TimedStages stages(clock_);
+    record_.tick = ticks_;
+    record_.time_s = static_cast<double>(ticks_) * rig_.options.period_s;
+    record_.command_count = 0;
+    clock_.start();
+    rig_.renderer->tick(1, record_, &stages);
+    const StageTimes times = clock_.finish();
+    record_.wall_ns = times.wall_ns;
+    record_.cpu_ns = times.cpu_ns;
+    record_.stage_cpu_ns = times.stage_cpu_ns;
+    if (ticks_++ >= kFirst_ticks) count(move);
+  }
+
+  void count(const RehearsalMove& move) {
+    statistics_.add(record_);
+    TickCost cost;
+    cost.cpu_ns = record_.cpu_ns;
+    cost.stage_ns = record_.stage_cpu_ns;
+    cost.body = move.body;
+    std::array<int, kMaxBodies> contacts{};
+    for (int i = 0; i < record_.contact_count; ++i) {
+      const int body = record_.contacts[static_cast<std::size_t>(i)].body;
+      if (body < 0 || body >= kMaxBodies) continue;
+      const int of_it = ++contacts[static_cast<std::size_t>(body)];
+      if (static_cast<std::size_t>(body) < touched_.size()) {
+        touched_[static_cast<std::size_t>(body)] = true;
+      }
+      if (of_it <= cost.contacts) continue;
+      cost.contacts = of_it;
+      cost.body = body;
+    }
+    costs_.push_back(cost);
+    if (static_cast<double>(cost.cpu_ns) > limit_ns_) ++too_slow_;
+  }
+
+  [[nodiscard]] bool still() const {
+    for (int i = 0; i < record_.qd_mf.size(); ++i) {
+      if (std::abs(record_.qd_mf[i]) > kStill_rad_s) return false;
+    }
+    return true;
+  }
+
+  // A fault of the device's motion ends the move; one of the world is the scene's.
+  [[nodiscard]] Expected<Done> recover(const RehearsalMove& move) {
+    const Fault fault = record_.faults & kOfTheScene;
+    if (any(fault)) return broken(fault, move);
+    for (int i = 0; i < kNeutral_ticks && !rig_.renderer->atNeutral(); ++i) tick(move);
+    return Done{};
+  }
+
+  [[nodiscard]] Diagnostic broken(Fault fault, const RehearsalMove& move) const {
+    int bit = 0;
+    while (!any(fault & static_cast<Fault>(1U << static_cast<unsigned>(bit)))) ++bit;
+    const SceneModel& scene = rig_.models.scene;
+    const auto body = static_cast<std::size_t>(move.body);
+    const std::string name = body < scene.bodies.size() ? scene.bodies[body].name : "nothing";
+    return {scene.path,
+            0,
+            "bodies",
+            name,
+            fmt::format("the rehearsal broke the simulated world here: {}", faultName(bit)),
+            "mend or remove what lies there: its mass, or what it overlaps"};
+  }
+
+  // What takes the time of the slowest hundredth, and which body.
+  void explainSlowTicks(Rehearsal& out) const {
+    std::vector<TickCost> slow = costs_;
+    const std::size_t count =
+        std::max<std::size_t>(slow.size() / 100, std::min<std::size_t>(slow.size(), 10));
+    std::partial_sort(slow.begin(), slow.begin() + static_cast<std::ptrdiff_t>(count), slow.end(),
+                      [](const TickCost& a, const TickCost& b) { return a.cpu_ns > b.cpu_ns; });
+    slow.resize(count);
+    std::array<std::int64_t, kStages> stages{};
+    std::array<int, kMaxBodies> most{};
+    std::array<std::int64_t, kMaxBodies> contacts{};
+    for (const TickCost& tick : slow) {
+      for (std::size_t s = 0; s < stages.size(); ++s) stages[s] += tick.stage_ns[s];
+      if (tick.body < 0) continue;
+      const auto body = static_cast<std::size_t>(tick.body);
+      most[body] = std::max(most[body], tick.contacts);
+      contacts[body] += 1 + tick.contacts;
+    }
+    out.slowest =
+        static_cast<Stage>(std::max_element(stages.begin(), stages.end()) - stages.begin());
+    const auto heaviest = std::max_element(contacts.begin(), contacts.end()) - contacts.begin();
+    const auto index = static_cast<std::size_t>(heaviest);
+    if (contacts[index] == 0 || index >= rig_.models.scene.bodies.size()) return;
+    out.heaviest = rig_.models.scene.bodies[index].name;
+    out.heaviest_contacts = most[index];
+  }
+
+  Rig& rig_;
+  Rehearser& player_;
+  const RehearsalPlan& plan_;
+  const RehearsalOptions& options_;
+  const double limit_ns_;
+  AxisPosition home_;
+  StageClock clock_;
+  TickRecord record_;
+  TickStatistics statistics_;
+  std::vector<TickCost> costs_;
+  std::vector<bool> touched_;
+  std::uint64_t ticks_ = 0;
+  std::size_t too_slow_ = 0;
+};
+
+std::size_t faces(const SceneBody& body) {
+  std::size_t count = 0;
+  for (const Shape& shape : body.shapes) count += shape.triangles.size();
+  return count;
+}
+
+std::string remedyFor(const Rehearsal& r, const Models& models) {
+  if (r.slowest == Stage::kExercise)
+    return "a simpler exercise, a slower rate, or a faster machine";
+  const int index = models.scene.bodyIndex(r.heaviest);
+  if (index >= 0) {
+    const SceneBody& body = models.scene.bodies[static_cast<std::size_t>(index)];
+    if (body.shapes.size() > 1) {
+      return fmt::format("make \"{}\" of fewer than {} shapes, or remove it", body.name,
+                         body.shapes.size());
+    }
+    if (faces(body) > 50) {
+      return fmt::format("give \"{}\" a coarser mesh than {} faces, or remove it", body.name,
+                         faces(body));
+    }
+    return fmt::format("remove \"{}\" or others of the {} bodies, or run at a slower rate",
+                       body.name, models.scene.bodies.size());
+  }
+  return "a slower rate, a faster machine, or one with less else to do";
+}
+
+Diagnostic tooSlow(const Rehearsal& r, const Models& models) {
+  std::string where;
+  if (r.heaviest_contacts > 0) {
+    where = fmt::format(", with {} contacts on \"{}\"", r.heaviest_contacts, r.heaviest);
+  } else if (!r.heaviest.empty()) {
+    where = fmt::format(", with the hand at \"{}\"", r.heaviest);
+  }
+  return {
+      models.files.exercise.empty() ? models.scene.path : models.files.exercise,
+      0,
+      "rehearsal",
+      fmt::format("{:.0f} µs", 1e-3 * r.summary.cpu.p999_ns),
+      fmt::format("a tick with the worst contacts takes so much CPU time (p99.9) where {:.0f} µs "
+                  "leave room, most of it {}{}",
+                  r.limit_us, stageName(r.slowest), where),
+      remedyFor(r, models)};
+}
+
+}  // namespace
+
+Expected<Rehearsal> rehearse(const Models& models, const AxisPosition& start,
+                             const RigOptions& rig_options, const RehearsalOptions& options) {
+  const FloatingPointGuard guard;
+  flushDenormals();  // as in the loop
+  const RehearsalPlan plan(models.hand, models.device, models.scene, start);
+  std::optional<Rehearsal> best;
+  for (int attempt = 1; attempt <= std::max(1, options.attempts); ++attempt) {
+    auto player = std::make_unique<Rehearser>(models.device);
+    Rehearser& moves = *player;
+    moves.begin(start, start);
+    Models of_its_own = models;
+    of_its_own.patient = strongPerson(models.device);
+    auto rig = buildRig(std::move(of_its_own), std::move(player), rig_options);
+    if (!rig) return rig.errors();
+    auto run = std::make_unique<Attempt>(**rig, moves, plan, options);
+    run->setHome(start);
+    if (Expected<Done> done = run->run(); !done) return done.errors();
+    Rehearsal now = run->result();
+    now.attempts = attempt;
+    if (!best || now.summary.cpu.p999_ns < best->summary.cpu.p999_ns) best = std::move(now);
+    best->attempts = attempt;
+    if (1e-3 * best->summary.cpu.p999_ns <= best->limit_us) return *best;
+    if (run->hopeless()) break;
+  }
+  return tooSlow(*best, models);
+}
+
+std::string describe(const Rehearsal& r) {
+  return fmt::format(
+      "{:.0f} µs CPU at the median, {:.0f} p99.9, {:.0f} at most ({:.0f} allowed), mostly {}; up "
+      "to "
+      "{} contacts, {} of {} bodies touched",
+      1e-3 * r.summary.cpu.p50_ns, 1e-3 * r.summary.cpu.p999_ns, 1e-3 * r.summary.cpu.max_ns,
+      r.limit_us, stageName(r.slowest), r.summary.contacts_max, r.bodies_touched, r.bodies);
+}
+
+}  // namespace wholehand
