@@ -1,0 +1,265 @@
+// The whole program at once, as `wholehand run` puts it together: loop, telemetry, recording,
+// server and UDP bridge, with people on all of its doors. ./check runs it under ThreadSanitizer.
+#include "patient/scripted_player.hpp"
+#include "server/client_words.hpp"
+#include "server/fake_program.hpp"
+#include "server/raw_client.hpp"
+#include "server/udp_bridge.hpp"
+#include "server/udp_test_game.hpp"
+#include "station/station.hpp"
+#include "support/figure.hpp"
+#include "telemetry/recording.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <thread>
+
+namespace wholehand::test {
+namespace {
+
+namespace fs = std::filesystem;
+namespace fb = wholehand::protocol;
+using Clock = std::chrono::steady_clock;
+
+/// Ten times what a person would wait: a sanitizer is slow.
+constexpr std::chrono::seconds kPatience{60};
+
+template <class Condition>
+bool becomes(Condition&& condition) {
+  for (const auto until = Clock::now() + kPatience; Clock::now() < until;) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(2ms);
+  }
+  return condition();
+}
+
+/// A folder that vanishes.
+struct Folder {
+  Folder() {
+    std::string pattern = (fs::temp_directory_path() / "wholehand-whole-XXXXXX").string();
+    path = ::mkdtemp(pattern.data());
+  }
+  ~Folder() {
+    std::error_code ignored;
+    fs::remove_all(path, ignored);
+  }
+  std::string path;
+};
+
+StationConfig barConfig(const std::string& folder) {
+  const std::string config = std::string(WHOLEHAND_SOURCE_DIR) + "/config/";
+  StationConfig c;
+  c.files = {"",
+             config + "hands/adult-median-right.toml",
+             config + "devices/lambda-pride.toml",
+             config + "rendering/lambda-pride.toml",
+             config + "patients/relaxed-adult.toml",
+             "",
+             config + "exercises/cocktail-bar.toml",
+             1};
+  c.config_folder = config;
+  c.recordings_folder = folder + "/recordings";
+  c.make_player = [](const Models& models) {
+    return std::make_unique<ScriptedPlayer>(
+        Intention::throughWaypoints({{0.0, AxisPosition(models.device.axisCount())}}));
+  };
+  return c;
+}
+
+/// The console of a therapist, who holds the controls.
+class Console {
+ public:
+  explicit Console(std::uint16_t port) : socket_(port) {}
+
+  /// Says one thing and hears the answer; shows that it is alive meanwhile.
+  template <class Word, class... Arguments>
+  bool says(Word word, Arguments... arguments) {
+    const std::uint32_t id = ++id_;
+    socket_.say(word(id, arguments...));
+    for (const auto until = Clock::now() + kPatience; Clock::now() < until;) {
+      const auto frame = socket_.hear(1s);
+      if (frame && frame->opcode == 2) {
+        const auto* reply = replies::message(*frame).payload_as_Reply();
+        if (reply != nullptr && reply->command() == id) {
+          if (!reply->accepted()) std::printf("refused: %s\n", reply->reason()->c_str());
+          return reply->accepted();
+        }
+      }
+      if (socket_.closed()) return false;
+      socket_.say(words::heartbeat(++id_));
+    }
+    return false;
+  }
+
+ private:
+  WebSocket socket_;
+  std::uint32_t id_ = 0;
+};
+
+/// Threads of people who watch, until it goes out of scope.
+class Watchers {
+ public:
+  Watchers(std::uint16_t http, const UdpEndpoint& udp) {
+    for (int i = 0; i < 2; ++i) {
+      threads_.emplace_back([this, http] {
+        WebSocket socket(http);
+        while (!leaving_) {
+          if (socket.hear(100ms)) ++frames;
+          if (socket.closed()) break;
+        }
+      });
+    }
+    threads_.emplace_back([this, http] { browse(http); });
+    threads_.emplace_back([this, udp] { play(udp); });
+  }
+  ~Watchers() {
+    leaving_ = true;
+    for (std::thread& thread : threads_) thread.join();
+  }
+  Watchers(const Watchers&) = delete;
+  Watchers& operator=(const Watchers&) = delete;
+
+  std::atomic<int> frames{0}, pages{0}, states{0};
+
+ private:
+  void browse(std::uint16_t http) {
+    try {
+      while (!leaving_) {
+        if (get(http, "/metrics").status == 200) ++pages;
+        (void)get(http, "/api/recordings");
+        std::this_thread::sleep_for(20ms);
+      }
+    } catch (const std::runtime_error&) {  // the program has ended
+    }
+  }
+  void play(const UdpEndpoint& udp) {
+    UdpSocket socket;
+    if (!socket.open({0x7F000001, 0})) return;
+    TestGame game([&](const TestGame::Bytes& d) { (void)socket.send(udp, d); });
+    game.hello(100);
+    std::array<std::uint8_t, 2000> buffer{};
+    UdpEndpoint from;
+    while (!leaving_) {
+      for (long n; (n = socket.receive(from, buffer)) >= 0;) {
+        game.hear({buffer.data(), static_cast<std::size_t>(n)});
+      }
+      states = static_cast<int>(game.state_ticks.size());
+      if (game.session != 0) game.say(udp::Kind::kHeartbeat);
+      socket.wait(20);
+    }
+  }
+
+  std::atomic<bool> leaving_{false};
+  std::vector<std::thread> threads_;
+};
+
+/// The program, put together as `wholehand run` does it.
+struct Program {
+  explicit Program(const std::string& folder)
+      : station(barConfig(folder)), bridge(station, controls) {
+    (void)orThrow(station.load());
+    ServerOptions options;
+    options.port = 0;
+    options.more_metrics = [this] { return udpMetricsText(bridge.counters()); };
+    server = orThrow(Server::open(station, options, controls));
+    UdpOptions udp;
+    udp.local = {0x7F000001, 0};
+    (void)orThrow(bridge.start(udp));
+    station.addSink([this](const TickRecord& record) { bridge.publish(record); });
+    station.addSink([this](const TickRecord& record) { server->publish(record); });
+    keeper = std::thread([this] { ended_well = station.run(false, 0.0).ok(); });
+  }
+  ~Program() { quit(); }
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+  void quit() {
+    if (!keeper.joinable()) return;
+    station.quit();
+    keeper.join();
+    bridge.stop();
+    server.reset();
+  }
+  bool becomes(RunState state) {
+    return test::becomes([&] { return station.status().run_state == state; });
+  }
+  bool rendersOn() {
+    const std::uint64_t before = station.status().ticks;
+    return becomes(RunState::kRendering) &&
+           test::becomes([&] { return station.status().ticks > before + 200; });
+  }
+
+  Station station;
+  ControlsArbiter controls;
+  UdpBridge bridge;
+  std::unique_ptr<Server> server;
+  std::atomic<bool> ended_well{false};
+  std::thread keeper;
+};
+
+void expectNeutral(const Station& station) {
+  TickRecord record;
+  ASSERT_TRUE(station.latest(record));
+  EXPECT_EQ(record.authority, 0.0);
+  for (double effort : record.sent) EXPECT_EQ(effort, 0.0);  // neutral of this device
+}
+
+void expectSoundRecordings(const Station& station, std::size_t count) {
+  const std::vector<RecordingEntry> recordings = station.recordings();
+  EXPECT_EQ(recordings.size(), count);
+  for (const RecordingEntry& entry : recordings) {
+    const auto recording = RecordingReader::open(station.recordingPath(entry.name));
+    ASSERT_TRUE(recording) << format(recording.errors());
+    EXPECT_GT((*recording)->size(), 200U) << entry.name;
+  }
+}
+
+TEST(WholeSession, EverythingAtOnce_ObeysStopsAndRecords) {
+  const Folder folder;
+  Program program(folder.path);
+  Station& station = program.station;
+  const Watchers watchers(program.server->port(), program.bridge.local());
+  Console console(program.server->port());
+  ASSERT_TRUE(console.says(words::takeControls, ""));
+
+  ASSERT_TRUE(console.says(words::arm, wire::kSchemaVersion));
+  ASSERT_TRUE(program.rendersOn());
+  EXPECT_TRUE(console.says(words::setParameter, "effort_limit_arm_n", 8.0));
+  EXPECT_FALSE(console.says(words::setParameter, "effort_limit_arm_n", 1e6));
+  EXPECT_TRUE(console.says(words::steer, fb::Steering::Person));
+  for (int i = 0; i < 20; ++i) {
+    const std::vector<float> aim{-0.06F, 0.0F, 0.001F * static_cast<float>(i), 0.2F, 0.2F, 0.2F};
+    EXPECT_TRUE(console.says(words::aim, aim));
+  }
+  EXPECT_TRUE(console.says(words::steer, fb::Steering::VirtualPatient));
+  EXPECT_TRUE(console.says(words::action, fb::Act::Restart));
+  ASSERT_TRUE(program.rendersOn());
+
+  ASSERT_TRUE(console.says(words::load, "cocktail-bar", std::uint16_t{2}, "woman-p05-right"));
+  ASSERT_TRUE(program.rendersOn());
+  ASSERT_TRUE(console.says(words::stop));
+  ASSERT_TRUE(program.becomes(RunState::kStopped));
+  expectNeutral(station);
+
+  ASSERT_TRUE(console.says(words::arm, wire::kSchemaVersion));
+  ASSERT_TRUE(program.rendersOn());
+  ASSERT_TRUE(console.says(words::emergencyStop));
+  ASSERT_TRUE(program.becomes(RunState::kStopped));
+  expectNeutral(station);
+
+  ASSERT_TRUE(console.says(words::arm, wire::kSchemaVersion));
+  ASSERT_TRUE(program.rendersOn());
+  program.quit();  // in the middle of it all
+  EXPECT_TRUE(program.ended_well);
+  expectSoundRecordings(station, 4);  // armed three times, loaded once
+  EXPECT_GT(watchers.frames, 10);
+  EXPECT_GT(watchers.pages, 5);
+  EXPECT_GT(watchers.states, 10);
+}
+
+}  // namespace
+}  // namespace wholehand::test
