@@ -185,14 +185,18 @@ void addCertify(CLI::App& app, CertifyOptions& o, int& code) {
       ->check(finiteBetween(100.0, 16000.0, "Hz"))
       ->capture_default_str();
   certify->add_option("--json", o.json, "Write the certificate to this file");
-  certify->add_option("--svg", o.svg, "Draw each axis's Z-width into this file");
-  certify->add_flag("--impedance", o.impedance,
-                    "Predict and measure what the person feels on every axis, instead");
+  certify->add_option("--svg", o.svg,
+                      "Draw each axis's Z-width (or felt impedance) into this file");
+  CLI::Option* impedance =
+      certify->add_flag("--impedance", o.impedance,
+                        "Predict and measure what the person feels on every axis, instead");
+  impedance->excludes(exercise);
   certify
       ->add_option("--contact-stiffness", o.contact_stiffness_n_m,
                    "With --impedance: the spring that the simulated hand meets [N/m]")
       ->check(finiteBetween(1.0, 1e6, "N/m"))
-      ->capture_default_str();
+      ->capture_default_str()
+      ->needs(impedance);
   certify->footer("Exit code 0: certified; 1: not; 2: a file is not well formed.");
   certify->callback([&o, certify, &code] {
     if (!o.exercise.empty()) o.exercise = exerciseFile(o.exercise);

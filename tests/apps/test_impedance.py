@@ -1,0 +1,175 @@
+"""`wholehand certify --impedance`: what the person feels, predicted and measured on the running
+renderer, against each other and against closed forms."""
+import cmath
+import json
+import math
+import pathlib
+import shutil
+import subprocess
+import tempfile
+import unittest
+import xml.etree.ElementTree as ElementTree
+
+from app import BINARY, CONFIG, DONE, AppTest
+
+NOT_AS_PREDICTED = 1
+MOST_DB, MOST_DEG = 1.0, 5.0  # issue 4: predicted against measured, 1 to 100 Hz
+
+
+def phasors(curve, which):
+    return [cmath.rect(m, math.radians(p)) for m, p in zip(curve[which]["magnitude"], curve[which]["phase_deg"])]
+
+
+def deviation(curve):
+    """Largest |dB| and |degrees| between measured and predicted from 1 to 100 Hz."""
+    ratios = [m / p for f, m, p in zip(curve["frequency_hz"], phasors(curve, "measured"), phasors(curve, "predicted"))
+              if 1 <= f <= 100]
+    assert len(ratios) > 20
+    return (max(abs(20 * math.log10(abs(r))) for r in ratios),
+            max(abs(math.degrees(cmath.phase(r))) for r in ratios))
+
+
+class ShippedRobot(AppTest):
+    """The six axes of lambda-pride; one run for all tests."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        where = pathlib.Path(tempfile.mkdtemp(prefix="wholehand-test-"))
+        cls.addClassCleanup(shutil.rmtree, where, ignore_errors=True)
+        cls.done = subprocess.run([BINARY, "certify", "--impedance", "--json", "z.json", "--svg", "z.svg"], cwd=where,
+                                  stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=200)
+        cls.all = json.loads((where / "z.json").read_text())
+        cls.impedance = cls.all["impedance"]
+        cls.svg = (where / "z.svg").read_text()
+        certificate = subprocess.run([BINARY, "certify", "--json", "c.json"], cwd=where, capture_output=True, timeout=100)
+        assert certificate.returncode == DONE
+        cls.gains = {a["name"]: a for a in json.loads((where / "c.json").read_text())["axes"]}
+
+    def curve(self, axis, contact, phi):
+        return next(c for a in self.impedance["axes"] if a["name"] == axis
+                    for c in a["curves"] if c["contact"] == contact and c["phi"] == phi)
+
+    def test_measured_is_as_predicted_on_every_axis_free_and_in_contact(self):
+        self.assertEqual(self.done.returncode, DONE, self.done.stdout + self.done.stderr)
+        self.assertIs(self.impedance["as_predicted"], True)
+        self.assertEqual(len(self.impedance["axes"]), 6)
+        worst = (0.0, 0.0)
+        for axis in self.impedance["axes"]:
+            self.assertEqual({(c["contact"], c["phi"]) for c in axis["curves"]},
+                             {(c, phi) for c in ("free", "spring", "rigid") for phi in (0, 1)})
+            for curve in axis["curves"]:
+                with self.subTest(axis=axis["name"], contact=curve["contact"], phi=curve["phi"]):
+                    self.assertEqual(curve["world"], "bullet" if curve["contact"] == "free" else "analytic")
+                    db, deg = deviation(curve)
+                    self.assertLessEqual(db, MOST_DB)
+                    self.assertLessEqual(deg, MOST_DEG)
+                    self.assertAlmostEqual(curve["deviation"]["db"], db, places=6)
+                    self.assertAlmostEqual(curve["deviation"]["deg"], deg, places=6)
+                    worst = (max(worst[0], db), max(worst[1], deg))
+        # Both are exact but for what rounding and the hand's own motion do: a tick of delay forgotten would show.
+        self.assertLess(worst[0], 0.02)
+        self.assertLess(worst[1], 0.1)
+        print(f"figure: predicted against measured impedance, worst = {worst[0]:.2g} dB, {worst[1]:.2g} degrees")
+
+    def test_band_is_a_tenth_of_a_hertz_to_half_the_rate(self):
+        frequencies = self.curve("x", "free", 0)["frequency_hz"]
+        self.assertAlmostEqual(frequencies[0], 0.1)
+        self.assertGreater(frequencies[-1], 499)
+        self.assertLess(frequencies[-1], 500)
+
+    def test_slow_free_motion_feels_the_devices_mass_and_the_couplings(self):
+        # m + K_pm (1 + (1 − γ) k_d τ_f) / k_p with k_d = 2 √k_p − k_p T (Eq. 14), T 1 ms, 30 Hz.
+        for name, mass in (("x", 0.8), ("finger_flexion", 5e-4), ("thumb_circumduction", 3e-4)):
+            g = self.gains[name]
+            k_p = g["k_ps_per_s2"]
+            lag = (1 - g["gamma"]) * (2 * math.sqrt(k_p) - k_p * 1e-3) / (2 * math.pi * 30)
+            expected = mass + g["k_pm"] * (1 + lag) / k_p
+            self.assertAlmostEqual(self.curve(name, "free", 0)["felt_mass"] / expected, 1, delta=0.005, msg=name)
+
+    def test_slow_rigid_contact_feels_the_couplings_stiffness(self):
+        for name, g in self.gains.items():
+            for phi in (0, 1):
+                felt = self.curve(name, "rigid", phi)["felt_stiffness"]
+                self.assertAlmostEqual(felt / g["k_pm"], 1, delta=0.002, msg=name)
+
+    def test_slow_contact_with_a_spring_feels_both_springs_in_series(self):
+        # σ = 1 on the translations: 1 / (1/1000 + 1/1000) N/m.
+        self.assertAlmostEqual(self.curve("x", "spring", 0)["felt_stiffness"], 500, delta=2)
+        self.assertEqual(self.curve("x", "spring", 0)["contact_stiffness"], 1000)
+        # On the finger the spring is 1000 N/m at 0.08 m.
+        self.assertAlmostEqual(self.curve("finger_flexion", "spring", 0)["contact_stiffness"], 6.4)
+
+    def test_rendering_alone_lacks_the_devices_mass_and_damping(self):
+        curve = self.curve("y", "free", 1)
+        for which in ("measured", "predicted"):
+            alone = {"z": curve[which]["rendering_alone"]}
+            for f, felt, rendered in zip(curve["frequency_hz"], phasors(curve, which), phasors(alone, "z")):
+                self.assertLess(abs(felt - rendered - (6 + 2j * math.pi * f * 0.8)), 1e-6 * abs(felt))
+        # At 0.1 Hz what is left at Φ = 1 is K_dm.
+        self.assertAlmostEqual(curve["measured"]["rendering_alone"]["magnitude"][0], 10, delta=0.1)
+
+    def test_measurement_tells_models_apart(self):
+        # A model without the inertia that couples the hand's axes is off by more than the measurement is.
+        curve = self.curve("finger_flexion", "free", 0)
+        self.assertGreater(curve["axis_alone_deviation"]["db"], 0.05)
+        self.assertLess(curve["deviation"]["db"], 0.1 * curve["axis_alone_deviation"]["db"])
+
+    def test_table_says_every_axis_the_worst_deviation_and_what_was_left_out(self):
+        for word in ("x ", "thumb_circumduction", "spring", "rigid", "within 1 dB and 5°", "Bullet", "analytic",
+                     "dry friction", "encoder"):
+            self.assertIn(word, self.done.stdout)
+        self.assertEqual(self.done.stderr, "")  # progress is for terminals
+
+    def test_bode_plot_has_every_axis_lines_and_dots(self):
+        root = ElementTree.fromstring(self.svg)
+        words = " ".join(root.itertext())
+        for word in ("x: |Z|", "thumb_flexion: |Z|", "N·m·s/rad", "phase in degrees", "Hz", "rigid stop", "measured",
+                     "spring of 1000 N/m"):
+            self.assertIn(word, words)
+        self.assertGreater(self.svg.count("<circle"), 6 * 6 * 2 * 10)
+
+
+class OtherCases(AppTest):
+    DESKTOP = ("--impedance", "--device", CONFIG / "devices/desktop-3axis.toml", "--json", "z.json")
+
+    def curves(self):
+        axes = json.loads((self.folder / "z.json").read_text())["impedance"]["axes"]
+        return [(a["name"], c) for a in axes for c in a["curves"]]
+
+    def test_contact_stiffness_is_what_is_met(self):
+        self.expect(self.run_app("certify", *self.DESKTOP, "--contact-stiffness", 300, "--rate-hz", 500), DONE)
+        springs = [c for _, c in self.curves() if c["contact"] == "spring"]
+        self.assertEqual(len(springs), 6)
+        for curve in springs:
+            k_pm = next(c["felt_stiffness"] for _, c in self.curves() if c["contact"] == "rigid")
+            self.assertAlmostEqual(curve["felt_stiffness"], 1 / (1 / k_pm + 1 / 300), delta=1.5)
+
+    def test_loop_that_is_unstable_is_predicted_only(self):
+        text = (CONFIG / "rendering/desktop-3axis.toml").read_text()
+        self.assertIn("k_pm_n_m = ", text)
+        hot = self.write("hot.toml", "\n".join(
+            "k_pm_n_m = 90000.0" if line.startswith("k_pm_n_m") else line for line in text.splitlines()))
+        result = self.expect(self.run_app("certify", *self.DESKTOP, "--rendering", hot), NOT_AS_PREDICTED)
+        self.assertIn("does not settle", result.out)
+        for _, curve in self.curves():
+            if curve["contact"] == "rigid" and curve["phi"] == 0:
+                self.assertIsNone(curve["measured"])
+                self.assertIn("does not settle", curve["not_measured"])
+
+    def test_bad_input(self):
+        self.write("file", "not a folder")
+        for arguments, texts in (
+                (["--impedance", "--contact-stiffness", "nan"], ["--contact-stiffness"]),
+                (["--impedance", "--contact-stiffness", "0"], ["--contact-stiffness"]),
+                (["--contact-stiffness", "100"], ["--impedance"]),
+                (["--impedance", "--exercise", "cocktail-bar"], ["--exercise"]),
+                (["--impedance", "--device", "none.toml"], ["none.toml"]),
+                (["--impedance", "--json", "file/z.json"], ["file"]),
+        ):
+            with self.subTest(arguments):
+                self.expect_refused(self.run_app("certify", *arguments, timeout=10), *texts)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)
