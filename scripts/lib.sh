@@ -75,6 +75,20 @@ Full log: $log"
   say "Installed in $(duration $((SECONDS - start)))."
 }
 
+# Prints a clang that has RealtimeSanitizer (20 and newer, with its runtime), whatever its name.
+realtime_clang() {
+  local clang version
+  for clang in clang++ clang++-{20..40}; do
+    version=$("$clang" -dumpversion 2>/dev/null) || continue
+    if ((${version%%.*} >= 20)) &&
+      "$clang" -fsanitize=realtime -x c++ -o /dev/null - <<<'int main() {}' 2>/dev/null; then
+      printf '%s\n' "$clang"
+      return
+    fi
+  done
+  return 1
+}
+
 # What vite 6 runs on; the same line stands in web/package.json, and a house test compares them.
 # shellcheck disable=SC2034
 node_engines='^18.19.0 || ^20.0.0 || >=22.0.0'
