@@ -13,7 +13,7 @@ import xml.etree.ElementTree as ElementTree
 from app import BINARY, CONFIG, DONE, AppTest
 
 NOT_AS_PREDICTED = 1
-MOST_DB, MOST_DEG = 1.0, 5.0  # issue 4: predicted against measured, 1 to 100 Hz
+MOST_DB, MOST_DEG = 1.0, 5.0  # what is promised, from 1 to 100 Hz
 
 
 def phasors(curve, which):
