@@ -67,20 +67,21 @@ class AxisSimulation {
     filtered_ = 0.0;
   }
 
-  void tick(double tank_effort = 0.0) noexcept {
+  /// @param tank_effort sent with the rest @param push of a person, acts at once
+  void tick(double tank_effort = 0.0, double push = 0.0) noexcept {
     const double t = l.period_s;
     filtered_ = (l.filter_tau_s * filtered_ + (x - before_)) / (l.filter_tau_s + t);
     before_ = x;
     const double sent = l.k_pm * (xs - x) + relative_damping_ * (vs - filtered_) -
                         l.phi_k_dm * filtered_ + wallEffort() + tank_effort;
     acceleration_ = l.k_ps_per_s2 * (x - xs) + l.k_ds_per_s * (filtered_ - vs);
-    felt_ = sent;
+    sent_ = felt_ = sent;
     if (l.delay_ticks > 0) {
       felt_ = queue_[at_];
       queue_[at_] = sent;
       at_ = (at_ + 1) % static_cast<std::size_t>(l.delay_ticks);
     }
-    held_.advance(x, v, felt_);
+    held_.advance(x, v, felt_ + push);
     if (contact_ == ContactCase::kRigid) return;
     if (contact_ == ContactCase::kObject) {
       const double mass = 1.0 + l.held_mass;
@@ -93,6 +94,7 @@ class AxisSimulation {
   }
 
   [[nodiscard]] double filtered() const noexcept { return filtered_; }
+  [[nodiscard]] double sent() const noexcept { return sent_; }
   [[nodiscard]] double felt() const noexcept { return felt_; }  ///< acted during the last period
   /// K_pm e + B ė: what drove the avatar during the last period, as it is felt.
   [[nodiscard]] double avatarDrive() const noexcept {
@@ -114,15 +116,15 @@ class AxisSimulation {
  private:
   [[nodiscard]] double wallEffort() const noexcept {
     const double depth = x - wall_at;
-    const double push = l.wall_stiffness * depth + l.wall_damping * filtered_;
-    if (wall_linear) return -push;
-    return depth > 0.0 ? -std::max(0.0, push) : 0.0;
+    const double held = l.wall_stiffness * depth + l.wall_damping * filtered_;
+    if (wall_linear) return -held;
+    return depth > 0.0 ? -std::max(0.0, held) : 0.0;
   }
 
   ContactCase contact_;
   HeldMotion held_;
   double relative_damping_;
-  double before_ = 0.0, filtered_ = 0.0, felt_ = 0.0, acceleration_ = 0.0;
+  double before_ = 0.0, filtered_ = 0.0, sent_ = 0.0, felt_ = 0.0, acceleration_ = 0.0;
   std::array<double, 8> queue_{};
   std::size_t at_ = 0;
 };
