@@ -5,6 +5,7 @@
 #include "realtime/system_call_counter.hpp"
 #include "realtime/thread_usage.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <sys/syscall.h>
 
@@ -24,6 +25,15 @@ const char* kindName(Kind kind) {
                                                    "context switches, voluntary",
                                                    "context switches, involuntary"};
   return kNames.at(static_cast<std::size_t>(kind));
+}
+
+bool counting() {
+  return allocationCountingAvailable() && lockCountingAvailable();
+}
+
+bool granted(const SetupReport& setup, const std::string& what) {
+  return std::any_of(setup.begin(), setup.end(),
+                     [&](const SetupLine& l) { return l.what == what && l.granted; });
 }
 
 Counts countsOfThisThread() noexcept {

@@ -74,6 +74,14 @@ class TickWatch final : public TickListener {
   std::string no_system_calls_;
 };
 
+/// Caches and functions that are bound late; what is counted in them is printed beside the rest.
+inline constexpr std::uint64_t kWarmTicks = 100;
+
+/// False under a sanitizer: the sessions then run for its sake, and nothing is counted.
+[[nodiscard]] bool counting();
+/// Whether the loop's thread was given what it asked for ("locked memory").
+[[nodiscard]] bool granted(const SetupReport& setup, const std::string& what);
+
 /// Everything that this thread has done so far.
 [[nodiscard]] Counts countsOfThisThread() noexcept;
 
