@@ -77,7 +77,7 @@ struct PatientConfig {
   MotionMapping motion;
   TremorRhythm tremor;
   ReflexTiming reflex;
-  double fight_reaction_s = 0.1;  ///< what is fought is what was felt that long ago, 0 .. 1
+  double fight_reaction_s = 0.0;  ///< what is fought is what was felt that long ago, 0 .. 1
   LettingGo letting_go;
   Slam slam;
 };

@@ -6,12 +6,18 @@
 #include <random>
 
 namespace wholehand {
+namespace {
+
+constexpr double kStillShare = 0.01;  // of the device's speed limit: slower feels like rest
+
+}  // namespace
 
 ActivePatient::ActivePatient(const PatientConfig& patient, const DeviceModel& device,
                              double period_s)
     : patient_(patient),
       period_s_(period_s),
       limit_(device.axisCount()),
+      still_(device.axisCount()),
       phase_rad_(device.axisCount()),
       slam_axis_(device.axisIndex(patient.slam.axis)),
       nerve_(patient.reflex.delay_s, period_s),
@@ -19,6 +25,7 @@ ActivePatient::ActivePatient(const PatientConfig& patient, const DeviceModel& de
   std::mt19937_64 random(patient.tremor.phase_seed);
   for (int i = 0; i < limit_.size(); ++i) {
     limit_[i] = device.axes[static_cast<std::size_t>(i)].effort_limit;
+    still_[i] = kStillShare * device.axes[static_cast<std::size_t>(i)].speed_limit;
     phase_rad_[i] =
         2.0 * std::numbers::pi * static_cast<double>(random() >> 11U) * 0x1.0p-53;  // any library
   }
@@ -69,7 +76,8 @@ void ActivePatient::advance(const FeltByPatient& felt) noexcept {
   const AxisVelocity& qd_delayed = nerve_.shift(felt.qd);
   const Sensed& sensed = reaction_.shift({felt.rendered, felt.qd});
   let_go_ = let_go_ || letsGo(felt);
-  const double time_s = static_cast<double>(periods_++) * period_s_;
+  const double begin_s = static_cast<double>(periods_++) * period_s_;
+  const double end_s = static_cast<double>(periods_) * period_s_;
   if (let_go_) {
     begin_ = end_ = AxisEffort(limit_.size());
     return;
@@ -81,10 +89,11 @@ void ActivePatient::advance(const FeltByPatient& felt) noexcept {
       const double drive = std::min(reflexDrive(axis.reflex, felt.q[i], qd_delayed[i]), limit_[i]);
       muscle_[i] = muscleEffort(pulled, drive, patient_.reflex.muscle_lag_s, period_s_);
     }
-    const double fight =
-        axis.fight > 0.0 ? fightEffort(axis.fight, sensed.rendered[i], sensed.qd[i]) : 0.0;
-    const double begin = atTime(i, time_s) + pulled + fight;
-    const double end = atTime(i, time_s + period_s_) + muscle_[i] + fight;
+    const double fight = axis.fight > 0.0
+                             ? fightEffort(axis.fight, sensed.rendered[i], sensed.qd[i], still_[i])
+                             : 0.0;
+    const double begin = atTime(i, begin_s) + pulled + fight;
+    const double end = atTime(i, end_s) + muscle_[i] + fight;
     const double slam = i == slam_axis_ ? slam_.effort : 0.0;
     begin_[i] = std::clamp(begin, -limit_[i], limit_[i]) + slam;
     end_[i] = std::clamp(end, -limit_[i], limit_[i]) + slam;

@@ -54,6 +54,7 @@ class ActivePatient {
   PatientConfig patient_;
   double period_s_;
   AxisEffort limit_;
+  AxisVelocity still_;  ///< slower feels like rest
   AxisPosition phase_rad_;
   int slam_axis_ = -1;
   SlamPlan plan_;

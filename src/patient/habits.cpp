@@ -7,7 +7,6 @@
 namespace wholehand {
 namespace {
 
-constexpr double kFeltShare = 0.02;      // of what one fights with: less is not felt
 constexpr double kDrawBackShare = 0.2;   // of the slam's speed
 constexpr double kNearEnd = 0.05;        // of the range
 constexpr double kReachedShare = 0.998;  // of the slam's speed
@@ -43,9 +42,9 @@ double muscleEffort(double effort, double drive, double lag_s, double period_s) 
   return drive + (effort - drive) * std::exp(-period_s / lag_s);
 }
 
-double fightEffort(double most, double rendered, double qd) noexcept {
-  if (std::abs(rendered) > kFeltShare * most) return std::copysign(most, -rendered);
-  return qd < 0.0 ? -most : most;
+double fightEffort(double most, double rendered, double qd, double still) noexcept {
+  if (std::abs(qd) > still) return std::copysign(most, qd);
+  return rendered > 0.0 ? -most : most;
 }
 
 SlamPlan planSlam(const Slam& slam, const DeviceAxis& axis) noexcept {

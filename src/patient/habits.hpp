@@ -20,9 +20,10 @@ namespace wholehand {
 [[nodiscard]] WHOLEHAND_RT double muscleEffort(double effort, double drive, double lag_s,
                                                double period_s) noexcept;
 
-/// All of `most` against what is rendered; where nothing is to be felt (below a fiftieth of it),
-/// with the motion, and out of rest upwards. Never gives way: it puts in energy. [N or N·m]
-[[nodiscard]] WHOLEHAND_RT double fightEffort(double most, double rendered, double qd) noexcept;
+/// All of `most` with the motion, so that it always puts in energy; where it is slower than
+/// `still`, against what is rendered, and where nothing is, upwards. [N or N·m]
+[[nodiscard]] WHOLEHAND_RT double fightEffort(double most, double rendered, double qd,
+                                              double still) noexcept;
 
 /// A slam as this device can do it.
 struct SlamPlan {

@@ -1,5 +1,6 @@
 #include "device/one_axis.hpp"
 #include "device/simulated/simulated_device.hpp"
+#include "realtime/allocation_counter.hpp"
 
 #include <gtest/gtest.h>
 
@@ -208,6 +209,169 @@ TEST(SimulatedDevice, SameCallsTwice_GiveTheSameBits) {
     device.close();
   }
   EXPECT_EQ(first, second);
+}
+
+// ---- persons who act
+
+TEST(SimulatedDevice, Tremor_MovesAFreeMassAsItsIntegralSays) {
+  constexpr double kAmplitude = 2.0, kHz = 5.0, kMass = 0.8;
+  constexpr double kOmega = 2.0 * std::numbers::pi * kHz;
+  PatientConfig patient = nobody();
+  patient.axes[0].tremor = kAmplitude;
+  patient.tremor.frequency_hz = kHz;
+  SimulatedDevice device(oneAxisDevice(kMass), patient, stayAt(0.0), kPeriod_s);
+  ASSERT_TRUE(device.open().ok());
+  DeviceReading reading;
+  ASSERT_EQ(device.read(reading, 1), Fault::kNone);
+  const double first = reading.patient_effort[0];
+  double lowest = 0.0, highest = 0.0, before = first;
+  for (int k = 1; k <= 1000; ++k) {
+    ASSERT_EQ(device.read(reading, 1), Fault::kNone);
+    // The trapezoid of the effort, which is linear over a period, is all there is.
+    const double v = device.velocity()[0];
+    lowest = std::min(lowest, v);
+    highest = std::max(highest, v);
+    ASSERT_LE(std::abs(reading.patient_effort[0] - before), kAmplitude * kOmega * kPeriod_s);
+    before = reading.patient_effort[0];
+  }
+  EXPECT_NEAR(before, first, 1e-9);  // five whole cycles later
+  EXPECT_NEAR(device.velocity()[0], 0.0, 1e-9);
+  EXPECT_NEAR(highest - lowest, 2.0 * kAmplitude / (kMass * kOmega), 1e-4);  // of 0.159 m/s
+}
+
+TEST(SimulatedDevice, PersonWhoLetsGo_LeavesTheBareMechanismToTheDevice) {
+  PatientConfig patient = nobody();
+  patient.axes[0] = {"x", 1.5, 20.0, 600.0};
+  patient.letting_go.after_s = 3.0;
+  DeviceModel model = oneAxisDevice(0.5);
+  SimulatedDevice device(model, patient, stayAt(0.02), kPeriod_s);
+  ASSERT_TRUE(device.open().ok());
+  DeviceReading reading = hold(device, 2.0, 1 + 3000);
+  const double rest = 0.02 + 2.0 / 600.0;  // spring against effort
+  EXPECT_NEAR(device.position()[0], rest, 1e-9);
+  EXPECT_NEAR(reading.patient_effort[0], -2.0, 1e-6);
+  EXPECT_FALSE(device.person().hasLetGo());
+  reading = hold(device, 2.0, 100);
+  EXPECT_TRUE(device.person().hasLetGo());
+  EXPECT_EQ(reading.patient_effort[0], 0.0);
+  // 0.5 kg, nothing else: neither the person's mass nor damper nor spring.
+  EXPECT_NEAR(device.position()[0] - rest, 0.5 * (2.0 / 0.5) * 0.1 * 0.1, 1e-7);
+  EXPECT_NEAR(device.velocity()[0], (2.0 / 0.5) * 0.1, 1e-6);
+  ASSERT_TRUE(device.open().ok());  // and is held again from the start
+  EXPECT_EQ(hold(device, 0.0, 1).q_m[0], 0.02);
+  EXPECT_FALSE(device.person().hasLetGo());
+}
+
+TEST(SimulatedDevice, LetGoOnTheMove_GoesOnAtItsSpeed) {
+  PatientConfig patient = nobody();
+  patient.axes[0] = {"x", 1.0, 60.0, 900.0};
+  patient.letting_go.after_s = 0.2;
+  const Intention way =
+      Intention::throughWaypoints({{0.0, AxisPosition(1, 0.0)}, {0.4, AxisPosition(1, 0.2)}});
+  SimulatedDevice device(oneAxisDevice(0.5), patient, way, kPeriod_s);
+  ASSERT_TRUE(device.open().ok());
+  hold(device, 0.0, 1 + 200);
+  const double speed = device.velocity()[0], at = device.position()[0];
+  EXPECT_GT(speed, 0.5);
+  hold(device, 0.0, 100);
+  EXPECT_NEAR(device.velocity()[0], speed, 1e-12);
+  EXPECT_NEAR(device.position()[0], at + 0.1 * speed, 1e-12);
+}
+
+TEST(SimulatedDevice, Slam_DrawsBackReachesItsSpeedLetsGoAndCoasts) {
+  for (const bool upper : {true, false}) {
+    DeviceModel model = oneAxisDevice(0.8);
+    model.axes[0].lower = -0.085;
+    model.axes[0].upper = 0.085;
+    model.axes[0].damping = 6.0;
+    model.axes[0].coulomb = 0.2;
+    model.axes[0].effort_limit = 20.0;
+    model.axes[0].speed_limit = 1.5;
+    PatientConfig patient = nobody();
+    patient.slam = {"x", upper, 0.1, 0.98, 2.0};
+    SimulatedDevice device(model, patient, stayAt(0.0), kPeriod_s);
+    ASSERT_TRUE(device.open().ok());
+    const double sign = upper ? 1.0 : -1.0;
+    double fastest = 0.0, furthest_back = 0.0, hardest = 0.0, let_go_at = 0.0;
+    int ticks = 0;
+    while (!device.person().hasLetGo() && ticks++ < 3000) {
+      const DeviceReading reading = hold(device, 0.0, 1);
+      fastest = std::max(fastest, sign * device.velocity()[0]);
+      furthest_back = std::min(furthest_back, sign * device.position()[0]);
+      hardest = std::max(hardest, std::abs(reading.patient_effort[0]));
+      let_go_at = sign * device.position()[0];
+    }
+    ASSERT_LT(ticks, 3000);
+    EXPECT_NEAR(fastest, 0.98 * 1.5, 0.003 * 1.5);  // reached, and never the limit itself
+    EXPECT_LT(fastest, 1.5);
+    EXPECT_NEAR(furthest_back, -0.085 + 0.05 * 0.17, 2e-3);
+    EXPECT_LT(let_go_at, 0.05);  // room is left to fly
+    EXPECT_LE(hardest, 2.0 * 20.0);
+    // v' = -(b v + f_c)/m from there.
+    const double v = sign * device.velocity()[0], decay = std::exp(-6.0 / 0.8 * 0.02);
+    hold(device, 0.0, 20);
+    EXPECT_NEAR(sign * device.velocity()[0], (v + 0.2 / 6.0) * decay - 0.2 / 6.0, 1e-9);
+  }
+}
+
+/// On a rendered spring of 1000 N/m: the work the person does in the last second [J], and the
+/// fastest then.
+struct Swing {
+  double work = 0.0, fastest = 0.0;
+};
+Swing swingOf(double fight) {
+  DeviceModel model = oneAxisDevice(0.8);
+  model.axes[0].damping = 6.0;
+  model.axes[0].speed_limit = 1.5;
+  PatientConfig patient = nobody();
+  patient.axes[0].fight = fight;
+  SimulatedDevice device(model, patient, stayAt(0.01), kPeriod_s);
+  EXPECT_TRUE(device.open().ok());
+  DeviceReading reading;
+  Swing swing;
+  double before = 0.01;
+  for (int k = 0; k < 6000; ++k) {
+    EXPECT_EQ(device.read(reading, 1), Fault::kNone);
+    if (k >= 5000) {
+      swing.work += reading.patient_effort[0] * (reading.q_m[0] - before);
+      swing.fastest = std::max(swing.fastest, std::abs(device.velocity()[0]));
+    }
+    before = reading.q_m[0];
+    EXPECT_EQ(device.write(AxisEffort(1, -1000.0 * reading.q_m[0])), Fault::kNone);
+  }
+  return swing;
+}
+
+TEST(SimulatedDevice, Fighter_KeepsASpringSwingingThatAloneWouldComeToRest) {
+  EXPECT_LT(swingOf(0.0).fastest, 1e-6);
+  const Swing fought = swingOf(12.0);
+  // First harmonic of a square wave in phase with the speed against the damper, less what the
+  // sampled spring (K T/2) and the sampled sign put in: v = 4 A / (π b).
+  EXPECT_NEAR(fought.fastest, 4.0 * 12.0 / (std::numbers::pi * 5.5), 0.3);
+  EXPECT_NEAR(fought.work, 0.5 * 5.5 * fought.fastest * fought.fastest, 2.0);
+}
+
+TEST(SimulatedDevice, HabitsTwice_GiveTheSameBits) {
+  PatientConfig patient = nobody();
+  patient.axes[0] = {"x", 0.5, 8.0, 135.0, 1.5, 4.0};
+  patient.fight_reaction_s = 0.05;
+  patient.letting_go.after_s = 0.7;
+  DeviceModel model = oneAxisDevice(0.8);
+  model.axes[0].coulomb = 0.2;
+  SimulatedDevice device(model, patient, stayAt(0.02), kPeriod_s);
+  std::vector<double> first, second;
+  for (std::vector<double>* seen : {&first, &second}) {
+    ASSERT_TRUE(device.open().ok());
+    for (int i = 0; i < 1000; ++i) {
+      const DeviceReading reading = hold(device, 3.0 * std::sin(0.02 * i), 1);
+      seen->push_back(reading.q_m[0]);
+      seen->push_back(reading.patient_effort[0]);
+    }
+  }
+  EXPECT_EQ(first, second);
+  const AllocationScope count;
+  hold(device, 1.0, 1000);
+  EXPECT_EQ(count.allocations(), 0U);  // all room was taken before
 }
 
 TEST(SimulatedDevice, ClosedOrUnfitCalls_AreFaultsAndKeepTheLastEffort) {
