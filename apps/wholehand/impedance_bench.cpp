@@ -26,13 +26,15 @@ void holdDamping(RenderingConfig& rendering, double phi) {
   }
 }
 
-Models linearModels(const Models& from, double phi) {
+Models modelsFor(const Models& from, double phi, BenchDevice device) {
   Models models;
   models.files = from.files;
   models.device = from.device;
   models.rendering = from.rendering;
   models.hand = from.hand;
-  for (DeviceAxis& axis : models.device.axes) axis.coulomb = axis.encoder_step = 0.0;
+  if (device == BenchDevice::kLinear) {
+    for (DeviceAxis& axis : models.device.axes) axis.coulomb = axis.encoder_step = 0.0;
+  }
   holdDamping(models.rendering, phi);
   return models;
 }
@@ -123,10 +125,11 @@ std::unique_ptr<PhysicsWorld> contactWorld(const ImpedanceBench& bench, int axis
   return std::make_unique<AnalyticWorld>(bench.rig->models.hand, scene);
 }
 
-Expected<ImpedanceBench> makeImpedanceBench(const Models& models, double phi, double period_s) {
+Expected<ImpedanceBench> makeImpedanceBench(const Models& models, double phi, double period_s,
+                                            BenchDevice device) {
   ImpedanceBench bench;
   bench.phi = phi;
-  bench.models = linearModels(models, phi);
+  bench.models = modelsFor(models, phi, device);
   bench.grid = lineGrid(period_s);
   bench.rest = middleOf(bench.models.device);
   bench.inertia = inertiaAt(bench.models.hand, bench.rest);

@@ -8,10 +8,10 @@
 
 namespace wholehand {
 
-/// What the impedances of a device are measured on at one share Φ of the adaptive damping: all of
-/// the renderer, made linear. Dry friction and encoder steps are 0, and Φ is held.
+/// What the impedances of a device are measured on at one share Φ of the adaptive damping, which is
+/// held: all of the renderer.
 struct ImpedanceBench {
-  Models models;             ///< linear
+  Models models;
   std::unique_ptr<Rig> rig;  ///< with the Bullet world and nothing in it
   AxisPosition rest;         ///< the middle of every axis
   AxisMatrix inertia;        ///< of the avatar there
@@ -19,9 +19,12 @@ struct ImpedanceBench {
   double phi = 0.0;
 };
 
+/// A device as in its file, or a linear one: without dry friction and encoder steps.
+enum class BenchDevice { kLinear, kAsBuilt };
+
 /// @param phi 0 or 1  @pre device, rendering and hand of the models are loaded
 [[nodiscard]] Expected<ImpedanceBench> makeImpedanceBench(const Models& models, double phi,
-                                                          double period_s);
+                                                          double period_s, BenchDevice device);
 
 /// The middle of every axis's range.
 [[nodiscard]] AxisPosition middleOf(const DeviceModel& device);

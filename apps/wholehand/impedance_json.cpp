@@ -63,6 +63,18 @@ Json curveJson(const ImpedanceCurve& curve) {
   return json;
 }
 
+Json asBuiltJson(const ImpedanceAsBuilt& built) {
+  Json json{{"frequency_hz", built.frequency_hz}, {"speed", built.speed}};
+  json["linear"] = polarJson({built.linear});
+  if (built.not_measured.empty()) {
+    json["measured"] = polarJson({built.measured});
+  } else {
+    json["measured"] = nullptr;
+    json["not_measured"] = built.not_measured;
+  }
+  return json;
+}
+
 }  // namespace
 
 Json impedanceJson(const ImpedanceReport& report) {
@@ -77,6 +89,7 @@ Json impedanceJson(const ImpedanceReport& report) {
       json["curves"].push_back(curveJson(curve));
       if (curve.not_measured.empty()) worst.include(curve.felt);
     }
+    json["as_built"] = asBuiltJson(axis.as_built);
     axes.push_back(std::move(json));
   }
   Json json;

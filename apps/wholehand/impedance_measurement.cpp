@@ -19,6 +19,10 @@ using Complex = std::complex<double>;
 constexpr double kLineSpeed_m_s = 1e-4, kLineSpeed_rad_s = 1e-3;
 constexpr double kUsualLeverArm_m = 0.08;  // as in the certificate, where a rotation has no tip
 constexpr int kFinePoints = 300;           // of a predicted line, which has sharp bends
+// With dry friction: a speed of everyday, once a second.
+constexpr double kUsualSpeed_m_s = 0.1, kUsualSpeed_rad_s = 1.0, kUsual_hz = 1.0;
+
+constexpr const char* kNeverSettles = "the loop does not settle by itself";
 
 /// What kept the tick from being linear on the axis; empty: nothing.
 std::string interference(const TickRecord& record, const AxisEffort& neutral, int axis,
@@ -109,28 +113,61 @@ void predict(const FeltLoop& felt, const LineGrid& grid, ImpedanceCurve& curve) 
   }
 }
 
-Expected<Done> measure(ImpedanceBench& bench, int axis, ImpedanceCurve& curve) {
+/// A renderer of its own for one push in one world.
+Expected<Phasors> run(const ImpedanceBench& bench, int axis, const PatientConfig& arm,
+                      std::unique_ptr<Player> push, PhysicsWorld& world, double settle_s) {
+  SimulatedDevice device(bench.models.device, arm, std::move(push), bench.grid.period_s);
+  HapticRenderer renderer(device, world, bench.rig->models.hand, bench.rig->renderer->config());
+  if (auto armed = renderer.arm(); !armed) return armed.errors();
+  Phasors heard = listen(renderer, bench, axis, settle_s);
+  device.close();
+  return heard;
+}
+
+Expected<Done> measure(const ImpedanceBench& bench, int axis, ImpedanceCurve& curve) {
   const FeltLoop felt = feltLoop(bench, axis, curve.stiffness);
   predict(felt, bench.grid, curve);
   const double settle_s = settleTime(felt.loop, curve.contact);
   if (settle_s < 0.0) {
-    curve.not_measured = "the loop does not settle by itself";
+    curve.not_measured = kNeverSettles;
     return Done{};
   }
   const PatientConfig arm = armFor(bench.models.device, axis, bench.grid.frequency_hz(0));
-  const double period_s = bench.grid.period_s;
-  SimulatedDevice device(bench.models.device, arm, pushOf(bench, axis, arm, curve), period_s);
   const bool free = curve.contact == ContactCase::kFree;
   const std::unique_ptr<PhysicsWorld> met =
       free ? nullptr : contactWorld(bench, axis, curve.contact, curve.stiffness);
   curve.engine = free ? "bullet" : "analytic";
-  HapticRenderer renderer(device, free ? *bench.rig->world : *met, bench.rig->models.hand,
-                          bench.rig->renderer->config());
-  if (auto armed = renderer.arm(); !armed) return armed.errors();
-  const Phasors heard = listen(renderer, bench, axis, settle_s);
-  device.close();
-  curve.not_measured = heard.interference;
-  if (heard.interference.empty()) fill(heard, felt.loop, curve);
+  const auto heard = run(bench, axis, arm, pushOf(bench, axis, arm, curve),
+                         free ? *bench.rig->world : *met, settle_s);
+  if (!heard) return heard.errors();
+  curve.not_measured = heard->interference;
+  if (heard->interference.empty()) fill(*heard, felt.loop, curve);
+  return Done{};
+}
+
+/// Dry friction takes 4 f_c / π more of the effort's amplitude.
+Expected<Done> measureAsBuilt(const ImpedanceBench& bench, int axis, ImpedanceAsBuilt& out) {
+  const DeviceAxis& built = bench.models.device.axes[static_cast<std::size_t>(axis)];
+  const FeltLoop felt = feltLoop(bench, axis, 0.0);
+  out.frequency_hz = bench.grid.frequency_hz(0);
+  out.speed = built.kind == AxisKind::kTranslation ? kUsualSpeed_m_s : kUsualSpeed_rad_s;
+  out.linear = feltImpedance(felt, ContactCase::kFree, out.frequency_hz).felt;
+  const double settle_s = settleTime(felt.loop, ContactCase::kFree);
+  if (settle_s < 0.0) {
+    out.not_measured = kNeverSettles;
+    return Done{};
+  }
+  const double friction = 4.0 * built.coulomb / (std::numbers::pi * out.speed);
+  const PatientConfig arm = armFor(bench.models.device, axis, out.frequency_hz);
+  auto push = std::make_unique<MultisinePlayer>(
+      bench.rest, axis, bench.grid, std::vector{out.speed * std::abs(out.linear + friction)},
+      arm.axes[static_cast<std::size_t>(axis)].stiffness);
+  const auto heard = run(bench, axis, arm, std::move(push), *bench.rig->world, settle_s);
+  if (!heard) return heard.errors();
+  out.not_measured = heard->interference;
+  if (!heard->interference.empty()) return Done{};
+  out.measured = heard->effort[0] * linearHoldGain(felt.loop, out.frequency_hz) /
+                 (Complex(0.0, 2.0 * std::numbers::pi * out.frequency_hz) * heard->position[0]);
   return Done{};
 }
 
@@ -176,12 +213,12 @@ Expected<ImpedanceReport> measureImpedance(const Models& models, const Impedance
                          options.period_s,   options.contact_stiffness_n_m, {}};
   const AxisPosition rest = middleOf(models.device);
   for (int a = 0; a < models.device.axisCount(); ++a) {
-    report.axes.push_back({models.device.axes[static_cast<std::size_t>(a)], rest[a], {}});
+    report.axes.push_back({models.device.axes[static_cast<std::size_t>(a)], rest[a], {}, {}});
   }
-  const int all = 6 * models.device.axisCount();
+  const int all = 7 * models.device.axisCount();
   int done = 0;
   for (const double phi : {0.0, 1.0}) {
-    auto bench = makeImpedanceBench(models, phi, options.period_s);
+    auto bench = makeImpedanceBench(models, phi, options.period_s, BenchDevice::kLinear);
     if (!bench) return bench.errors();
     for (int a = 0; a < models.device.axisCount(); ++a) {
       AxisImpedance& axis = report.axes[static_cast<std::size_t>(a)];
@@ -197,6 +234,14 @@ Expected<ImpedanceReport> measureImpedance(const Models& models, const Impedance
         axis.curves.push_back(std::move(curve));
       }
     }
+  }
+  auto bench = makeImpedanceBench(models, 0.0, options.period_s, BenchDevice::kAsBuilt);
+  if (!bench) return bench.errors();
+  bench->grid = oneLine(kUsual_hz, options.period_s);
+  for (int a = 0; a < models.device.axisCount(); ++a) {
+    AxisImpedance& axis = report.axes[static_cast<std::size_t>(a)];
+    progress(axis.axis.name + " with its dry friction", done++, all);
+    if (auto ok = measureAsBuilt(*bench, a, axis.as_built); !ok) return ok.errors();
   }
   return report;
 }

@@ -43,10 +43,19 @@ struct ImpedanceCurve {
   ImpedanceDeviation alone;  ///< of the model in which inertia couples no axes, from the prediction
 };
 
+/// What dry friction and encoder steps, which are not linear, make of it: free, Φ = 0, one sine.
+struct ImpedanceAsBuilt {
+  double frequency_hz = 1.0;
+  double speed = 0.0;  ///< amplitude that was aimed at [m/s or rad/s]
+  std::complex<double> linear, measured;
+  std::string not_measured;  ///< why not; empty: it was
+};
+
 struct AxisImpedance {
   DeviceAxis axis;
   double position = 0.0;  ///< around which it was moved [m or rad]
   std::vector<ImpedanceCurve> curves;
+  ImpedanceAsBuilt as_built;
 };
 
 struct ImpedanceReport {
@@ -71,7 +80,7 @@ using ImpedanceProgress = std::function<void(const std::string& what, int done, 
 /// Predicts and measures what the person feels on every axis: free, on a spring, against a rigid
 /// stop, at Φ = 0 and 1. Measured is the running renderer on the simulated clock with the simulated
 /// device, under an effort of many sines at once; free motion in Bullet, contact in the analytic
-/// world. Dry friction and encoder steps are left out: they are not linear.
+/// world. Dry friction and encoder steps are left out but in `as_built`: they are not linear.
 /// @pre device, rendering and hand of the models are loaded; the rest is not looked at
 [[nodiscard]] Expected<ImpedanceReport> measureImpedance(const Models& models,
                                                          const ImpedanceOptions& options,

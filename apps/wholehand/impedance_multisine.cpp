@@ -27,6 +27,11 @@ LineGrid lineGrid(double period_s) {
   return grid;
 }
 
+LineGrid oneLine(double frequency_hz, double period_s) {
+  constexpr int kTurns = 4;
+  return {static_cast<int>(std::lround(kTurns / (frequency_hz * period_s))), period_s, {kTurns}};
+}
+
 LineTransform::LineTransform(const LineGrid& grid) : grid_(&grid), sum_(grid.lines.size()) {
   for (int k = 0; k < grid.window; ++k) {
     turn_.push_back(std::polar(1.0, -2.0 * std::numbers::pi * k / grid.window));

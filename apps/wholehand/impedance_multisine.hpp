@@ -20,6 +20,8 @@ struct LineGrid {
 
 /// Evenly on a logarithmic scale from 0.1 Hz to just below half the rate.
 [[nodiscard]] LineGrid lineGrid(double period_s);
+/// One line alone, four turns of it. @param frequency_hz about that
+[[nodiscard]] LineGrid oneLine(double frequency_hz, double period_s);
 
 /// Phasors of the lines from samples that come one by one, over the windows since the start.
 class LineTransform {

@@ -54,6 +54,21 @@ std::string row(const AxisImpedance& axis, const ImpedanceCurve& curve) {
                            curve.felt.within() ? "" : "  DIFFERS");
 }
 
+/// With all that the linear model leaves out.
+std::string asBuiltTable(const ImpedanceReport& report) {
+  std::string out =
+      "\nWith the device's dry friction and encoder steps, free, Φ = 0, one sine of 1 Hz:\n";
+  for (const AxisImpedance& axis : report.axes) {
+    const ImpedanceAsBuilt& built = axis.as_built;
+    out += padded(axis.axis.name, 20) +
+           padded(fmt::format("{:g} {}/s", built.speed, axis.axis.positionUnit()), 11);
+    out += built.not_measured.empty()
+               ? padded(polar(built.measured), 18) + "without " + polar(built.linear) + "\n"
+               : "not measured: " + built.not_measured + "\n";
+  }
+  return out;
+}
+
 struct Worst {
   ImpedanceDeviation deviation, alone;
   std::string where;
@@ -142,8 +157,8 @@ std::string impedanceText(const ImpedanceReport& report) {
   return out +
          "\nMeasured on the running renderer with a push of many sines, one axis at a time, the "
          "others held;\nfree motion in Bullet, contact in the analytic world; the device's dry "
-         "friction and encoder steps,\nwhich are not linear, left out.\n\n" +
-         verdict(report);
+         "friction and encoder steps,\nwhich are not linear, left out.\n" +
+         asBuiltTable(report) + "\n" + verdict(report);
 }
 
 }  // namespace wholehand

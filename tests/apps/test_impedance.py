@@ -115,6 +115,16 @@ class ShippedRobot(AppTest):
         self.assertGreater(curve["axis_alone_deviation"]["db"], 0.05)
         self.assertLess(curve["deviation"]["db"], 0.1 * curve["axis_alone_deviation"]["db"])
 
+    def test_dry_friction_adds_its_describing_function(self):
+        # A sine of speed V meets 4 f_c / (π V) more damping: 0.2 N; 0.05 N at 0.08 m.
+        for name, friction, speed in (("x", 0.2, 0.1), ("finger_flexion", 0.05 * 0.08, 1.0)):
+            built = next(a["as_built"] for a in self.impedance["axes"] if a["name"] == name)
+            self.assertEqual(built["speed"], speed)
+            without, = phasors(built, "linear")
+            measured, = phasors(built, "measured")
+            more = measured - without
+            self.assertAlmostEqual(more.real / (4 * friction / (math.pi * speed)), 1, delta=0.1, msg=name)
+
     def test_table_says_every_axis_the_worst_deviation_and_what_was_left_out(self):
         for word in ("x ", "thumb_circumduction", "spring", "rigid", "within 1 dB and 5°", "Bullet", "analytic",
                      "dry friction", "encoder"):
