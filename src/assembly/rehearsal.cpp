@@ -21,7 +21,8 @@ constexpr int kHold_ticks = 100;      // pressed on after the last movement
 constexpr int kBlocked_ticks = 60;    // the fingers stand still so long: they close no further
 constexpr int kFirst_ticks = 20;      // of an attempt: caches are cold, which is what it is for
 constexpr int kNeutral_ticks = 1000;  // more than any ramp to neutral
-constexpr int kHopeless_ticks = 100;  // too slow by far: no noise explains so many
+constexpr int kHopeless_ticks = 100;  // so many too slow ones, and no noise explains it ...
+constexpr double kHopeless_ns = 1e9;  // ... nor all this time in them
 constexpr double kStill_rad_s = 0.2;
 
 /// The world may break under a scene; what the device does is the rehearsal's own doing.
@@ -97,7 +98,8 @@ class Attempt {
   }
 
   [[nodiscard]] bool hopeless() const {
-    return too_slow_ >= kHopeless_ticks && 10 * too_slow_ > costs_.size();
+    const bool many = 10 * too_slow_ > costs_.size();
+    return many && (too_slow_ >= kHopeless_ticks || slow_ns_ >= kHopeless_ns);
   }
 
   [[nodiscard]] Rehearsal result() const {
@@ -180,7 +182,9 @@ class Attempt {
       cost.body = body;
     }
     costs_.push_back(cost);
-    if (static_cast<double>(cost.cpu_ns) > limit_ns_) ++too_slow_;
+    if (static_cast<double>(cost.cpu_ns) <= limit_ns_) return;
+    ++too_slow_;
+    slow_ns_ += static_cast<double>(cost.cpu_ns);
   }
 
   [[nodiscard]] bool still() const {
@@ -252,6 +256,7 @@ class Attempt {
   std::vector<bool> touched_;
   std::uint64_t ticks_ = 0;
   std::size_t too_slow_ = 0;
+  double slow_ns_ = 0.0;
 };
 
 std::size_t faces(const SceneBody& body) {

@@ -54,6 +54,12 @@ struct LoopStatus {
   RunState run_state = RunState::kDisarmed;
   Steering steering = Steering::kVirtualPatient;
   Fault latched = Fault::kNone;
+  SafetyState safety_state = SafetyState::kDisarmed;  ///< of the supervisor
+  int fault_axis = -1;       ///< that a limit was exceeded on, of what stopped the run; -1: none
+  double fault_value = 0.0;  ///< what exceeded it, in the axis's unit (of speed, where that was it)
+  double fault_limit = 0.0;  ///< 0: none is known
+  std::array<std::uint64_t, kFaultBits> fault_ticks{};  ///< of the session, by reason
+  double rehearsal_p50_us = 0.0, rehearsal_p999_us = 0.0, rehearsal_max_us = 0.0;  ///< 0: none
   std::uint64_t ticks = 0, missed_deadlines = 0, dropped_records = 0;
   double cpu_p50_us = 0.0, cpu_p99_us = 0.0, cpu_p999_us = 0.0, cpu_max_us = 0.0;
   std::uint64_t recording_bytes = 0;

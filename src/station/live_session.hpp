@@ -44,6 +44,7 @@ class LiveSession {
   [[nodiscard]] bool tryCommand(const Command& command) { return session_->tryCommand(command); }
   // Any thread.
   void requestStop() noexcept { session_->requestStop(); }
+  void requestEmergencyStop() noexcept { session_->requestEmergencyStop(); }
   [[nodiscard]] bool running() const { return session_->running(); }
   [[nodiscard]] TickSummary summary() const { return statistics_.snapshot(); }
   [[nodiscard]] std::uint64_t droppedRecords() const { return session_->droppedRecords(); }

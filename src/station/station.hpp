@@ -2,7 +2,9 @@
 
 #include "assembly/models.hpp"
 #include "assembly/recorded_run.hpp"
+#include "assembly/rehearsal.hpp"
 #include "assembly/rig.hpp"
+#include "assembly/safety_log.hpp"
 #include "server/backend.hpp"
 #include "telemetry/statistics.hpp"
 
@@ -19,6 +21,8 @@ namespace wholehand {
 struct StationConfig {
   ModelFiles files;  ///< what is loaded first
   RigOptions rig;
+  bool rehearse = true;           ///< what is loaded, before its first force
+  RehearsalOptions rehearsal;     ///< the station cancels it itself
   std::uint64_t seed = 1;         ///< of the virtual patient; counts up with every arming
   std::string config_folder;      ///< holds exercises/ and hands/, what clients may load
   std::string recordings_folder;  ///< sessions that a client arms are recorded here; empty: not
@@ -29,23 +33,27 @@ struct StationConfig {
   /// Makes a report page of a recording, in a process of its own: HDF5 may be writing in this one.
   std::function<Expected<Done>(const std::string& recording, const std::string& folder)>
       make_report;
-  std::function<void(const std::string&)> log;  ///< a line for the person who runs the program
+  /// A line for the person who runs the program. From any thread; may be null.
+  std::function<void(const std::string&)> log;
   std::function<void(RunState, const TickSummary&)> status;  ///< told how it goes; may be null
 };
 
 /// What came of a station's run.
 struct StationOutcome {
   std::uint64_t sessions = 0;
-  bool faulted = false;            ///< the last session ended by a fault
-  bool interrupted = false;        ///< by Ctrl-C
-  std::optional<RunOutcome> last;  ///< what came of the last session
+  bool faulted = false;                       ///< the last session ended by a fault
+  bool interrupted = false;                   ///< by Ctrl-C
+  std::optional<RunOutcome> last;             ///< what came of the last session
+  std::vector<SafetyTransition> transitions;  ///< of the last session
+  std::optional<Rehearsal> rehearsal;         ///< of what was armed last
 };
 
 /// Loads, arms, stops and records the loop on behalf of people: the program's main thread runs it,
 /// clients ask it for things. Each arming is one session, with a world, an exercise and, where
-/// asked for, a recording of its own. A stop fades the exercise's effort out before the ramp to
-/// neutral; an emergency stop ramps at once. After either, and after a fault, nothing pushes until
-/// somebody arms.
+/// asked for, a recording of its own; what was loaded is rehearsed before it is armed first. A stop
+/// fades the exercise's effort out before the ramp to neutral; an emergency stop ramps at once.
+/// After either, and after a fault, nothing pushes until somebody arms. An order to arm that is
+/// refused leaves everything as it was.
 class Station final : public ServerBackend {
  public:
   explicit Station(StationConfig config);

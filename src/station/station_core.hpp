@@ -57,7 +57,13 @@ class Station::Core {
   // Main thread.
   OrderReply arm(std::uint64_t asked, const std::string& record, std::uint64_t duration_ticks);
   OrderReply armForClient(std::uint64_t asked);
+  Expected<std::unique_ptr<LiveSession>> startSession(std::unique_ptr<Player> player,
+                                                      const std::string& record,
+                                                      std::uint64_t duration_ticks);
   OrderReply armedNow(std::unique_ptr<LiveSession> live, std::uint64_t asked);
+  [[nodiscard]] Expected<Rehearsal> rehearsalOf(const Models& models, const AxisPosition& start,
+                                                std::uint64_t asked) const;
+  OrderReply rehearseNext(const Models& models, std::optional<Rehearsal>& passed);
   OrderReply loadExercise(const Order& order);
   void stopGently();
   void finishSession();
@@ -67,15 +73,19 @@ class Station::Core {
   void watchSession();
   void endTasks();
   [[nodiscard]] std::vector<double> parametersAtStart();
-  std::unique_ptr<Player> makePlayer();
+  [[nodiscard]] std::unique_ptr<Player> makePlayer(const Models& models) const;
   [[nodiscard]] std::string title() const;
-  void forgetLatest();
+  bool forgetLatest();
+  // Any thread.
+  [[nodiscard]] bool stoppedSince(std::uint64_t asked) const;  ///< or the station ends
   // Any thread, mutex_ held.
   OrderReply setParameter(const Order& order);
   OrderReply push(const Command& command);
   void beginStop(bool at_once);
+  void showRehearsal();
 
   void keepLatest(const TickRecord& record);
+  void nameSafety(LoopStatus& status) const;
   void playAgain();
   void say(const std::string& line) const {
     if (config_.log) config_.log(line);
@@ -85,6 +95,8 @@ class Station::Core {
   Models models_;
   std::vector<std::function<void(const TickRecord&)>> sinks_;
   SessionFiles files_;
+  std::unique_ptr<SafetyLog> safety_;   ///< once loaded
+  std::optional<Rehearsal> rehearsed_;  ///< of what is loaded
   std::uint64_t arming_ = 0;
   std::string record_path_;
   StationClock::time_point status_at_;
@@ -98,6 +110,7 @@ class Station::Core {
   // arming has got to, and a session that was armed before a stop is never armed again by a load.
   std::uint64_t orders_ = 0;
   std::uint64_t stop_asked_ = 0;
+  bool emergency_ = false;  ///< that stop was one
   std::uint64_t armed_by_ = 0;
   bool owner_alive_ = true;  ///< as last heard; a session that begins is told
   std::shared_ptr<const SceneFacts> scene_;

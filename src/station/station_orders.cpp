@@ -32,7 +32,7 @@ void Station::Core::beginStop(bool at_once) {
   if (!live_) return;
   status_.run_state = RunState::kRampingDown;
   if (at_once) {
-    live_->requestStop();
+    live_->requestEmergencyStop();
     return;
   }
   Command silent;
@@ -86,10 +86,12 @@ void Station::Core::order(const Order& order, const std::function<void(OrderRepl
         return;
       case OrderType::kStop:
         stop_asked_ = asked;
+        emergency_ = false;
         beginStop(false);
         break;
       case OrderType::kEmergencyStop:
         stop_asked_ = asked;
+        emergency_ = true;
         beginStop(true);
         break;
       case OrderType::kSetParameter:
@@ -98,10 +100,11 @@ void Station::Core::order(const Order& order, const std::function<void(OrderRepl
       case OrderType::kAim:
         command.type = CommandType::kAim;
         command.aim = order.aim;
-        reply = order.aim.size() == static_cast<int>(scene_->device.axes.size())
-                    ? push(command)
-                    : refused(fmt::format("an aim has {} values, one an axis",
-                                          scene_->device.axes.size()));
+        reply =
+            order.aim.size() == static_cast<int>(scene_->device.axes.size()) && allFinite(order.aim)
+                ? push(command)
+                : refused(fmt::format("an aim has {} finite values, one an axis",
+                                      scene_->device.axes.size()));
         break;
       case OrderType::kSteer:
         command.type = CommandType::kSteer;
@@ -136,6 +139,7 @@ LoopStatus Station::Core::status() const {
       status.parameters.push_back(set ? asked->second : parameter.initial);
     }
   }
+  nameSafety(status);
   const std::lock_guard lock(latest_mutex_);
   if (has_latest_) {
     const auto count =
@@ -145,7 +149,21 @@ LoopStatus Station::Core::status() const {
   return status;
 }
 
+// The supervisor is ahead of the thread that waits for a session's end.
+void Station::Core::nameSafety(LoopStatus& status) const {
+  if (!safety_) return;
+  status.safety_state = safety_->state();
+  const SafetyTransition fault = safety_->fault();
+  if (fault.to != SafetyState::kFaulted) return;
+  status.latched = status.latched | fault.faults;
+  status.fault_axis = fault.axis;
+  status.fault_value = fault.value;
+  status.fault_limit = fault.limit;
+  if (status.run_state == RunState::kRendering) status.run_state = RunState::kRampingDown;
+}
+
 void Station::Core::keepLatest(const TickRecord& record) {
+  safety_->add(record);
   const std::lock_guard lock(latest_mutex_);
   latest_ = record;
   has_latest_ = true;

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <filesystem>
 #include <thread>
+#include <utility>
 
 namespace wholehand {
 namespace fs = std::filesystem;
@@ -20,7 +21,6 @@ constexpr auto kStatusEvery = std::chrono::milliseconds(200);
 constexpr auto kEncoreAfter = std::chrono::seconds(8);
 constexpr const char* kLevelDone = "level_done";  // the event that ends a level, docs/exercises.md
 constexpr auto kStopWithin = std::chrono::seconds(10);
-constexpr const char* kStopCame = "a stop came meanwhile: nothing pushes";
 
 using Clock = StationClock;
 
@@ -47,6 +47,9 @@ Expected<Done> Station::Core::load() {
   if (!gains) return gains.errors();
   if (Diagnostics no = refuseToRender(*gains, config_.rig); !no.empty()) return no;
   models_ = std::move(*models);
+  safety_ = std::make_unique<SafetyLog>(
+      models_.device, config_.rig.period_s,
+      [this](const SafetyTransition& transition) { say(describe(transition)); });
   publishScene("");
   return Done{};
 }
@@ -65,10 +68,10 @@ void Station::Core::publishScene(const std::string& recording) {
   scene_ = std::move(facts);
 }
 
-std::unique_ptr<Player> Station::Core::makePlayer() {
+std::unique_ptr<Player> Station::Core::makePlayer(const Models& models) const {
   std::unique_ptr<Player> player;
-  if (models_.exercise) player = models_.exercise->makePlayer(config_.seed + arming_);
-  if (!player) player = config_.make_player(models_);
+  if (models.exercise) player = models.exercise->makePlayer(config_.seed + arming_);
+  if (!player) player = config_.make_player(models);
   return player;
 }
 
@@ -77,84 +80,15 @@ std::string Station::Core::title() const {
   return fmt::format("{}, level {}", models_.exercise->description().name, models_.files.level);
 }
 
-// What was shown belongs to another session.
-void Station::Core::forgetLatest() {
+// What was shown belongs to another session; true where something was.
+bool Station::Core::forgetLatest() {
   const auto names =
       models_.exercise ? models_.exercise->description().event_names : std::vector<std::string>{};
   const auto found = std::find(names.begin(), names.end(), kLevelDone);
   const std::lock_guard lock(latest_mutex_);
-  has_latest_ = false;
   level_done_at_.reset();
   level_done_ = found == names.end() ? -1 : static_cast<int>(found - names.begin());
-}
-
-// What a therapist has set, where it is still in range; their own values otherwise.
-std::vector<double> Station::Core::parametersAtStart() {
-  const std::lock_guard lock(mutex_);
-  std::vector<double> values;
-  for (const PublishedParameter& parameter : scene_->parameters) {
-    const auto asked = asked_parameters_.find(parameter.name);
-    values.push_back(asked == asked_parameters_.end() ? parameter.initial : asked->second);
-  }
-  return values;
-}
-
-OrderReply Station::Core::arm(std::uint64_t asked, const std::string& record,
-                              std::uint64_t duration_ticks) {
-  if (live_) return refused("it is armed already");
-  {
-    const std::lock_guard lock(mutex_);
-    if (stop_asked_ > asked) return refused(kStopCame);
-    ++status_.session;
-  }
-  forgetLatest();
-  publishScene(record);
-  LiveSessionPlan plan;
-  plan.title = title();
-  plan.seed = config_.seed + arming_;
-  plan.record = record;
-  plan.duration_ticks = duration_ticks;
-  plan.parameters = parametersAtStart();
-  plan.sinks.push_back([this](const TickRecord& r) { keepLatest(r); });
-  plan.sinks.insert(plan.sinks.end(), sinks_.begin(), sinks_.end());
-  auto live = LiveSession::start(models_, makePlayer(), config_.rig, plan);
-  ++arming_;
-  if (!live) {
-    if (!record.empty()) publishScene("");
-    return refused(format(live.errors()));
-  }
-  for (const SetupLine& line : (*live)->setup()) {
-    if (!line.granted && arming_ == 1) say(line.what + ": " + line.sentence);
-  }
-  record_path_ = record;
-  ++outcome_.sessions;
-  return armedNow(std::move(*live), asked);
-}
-
-OrderReply Station::Core::armedNow(std::unique_ptr<LiveSession> live, std::uint64_t asked) {
-  const std::lock_guard lock(mutex_);
-  live_ = std::move(live);
-  armed_by_ = asked;
-  status_.latched = Fault::kNone;
-  status_.steering = Steering::kVirtualPatient;
-  stop_at_.reset();
-  if (stop_asked_ > asked) {  // it came while this was being built
-    live_->requestStop();
-    status_.run_state = RunState::kRampingDown;
-    return refused(kStopCame);
-  }
-  status_.run_state = RunState::kRendering;
-  if (!owner_alive_) {
-    Command silent;
-    silent.type = CommandType::kOwner;
-    (void)live_->tryCommand(silent);
-  }
-  return {true, ""};
-}
-
-OrderReply Station::Core::armForClient(std::uint64_t asked) {
-  const std::string exercise = scene()->exercise_name;
-  return arm(asked, files_.kept() ? files_.nameNew(exercise, models_.files.level) : "", 0);
+  return std::exchange(has_latest_, false);
 }
 
 void Station::Core::finishSession() {
@@ -175,6 +109,8 @@ void Station::Core::finishSession() {
     live_.reset();
   }
   outcome_.last = std::move(ended);
+  outcome_.transitions = safety_->transitions();
+  outcome_.rehearsal = rehearsed_;
   if (!record_path_.empty()) publishScene("");
   record_path_.clear();
 }
@@ -220,8 +156,14 @@ OrderReply Station::Core::loadExercise(const Order& order) {
   if (!gains) return refused(format(gains.errors()));
   if (Diagnostics no = refuseToRender(*gains, config_.rig); !no.empty()) return refused(format(no));
   const bool rendered = live_ && live_->running();
+  std::optional<Rehearsal> rehearsal;
+  if (config_.rehearse && rendered) {  // what cannot be rendered stops nothing
+    const OrderReply passed = rehearseNext(*models, rehearsal);
+    if (!passed.accepted) return passed;
+  }
   stopGently();
   models_ = std::move(*models);
+  rehearsed_ = std::move(rehearsal);
   forgetLatest();
   publishScene("");
   bool again = false;
@@ -234,6 +176,14 @@ OrderReply Station::Core::loadExercise(const Order& order) {
   }
   if (!again) return {true, ""};
   return armForClient(armed_by);
+}
+
+void Station::Core::showRehearsal() {
+  if (!rehearsed_) return;
+  const Percentiles& cpu = rehearsed_->summary.cpu;
+  status_.rehearsal_p50_us = cpu.p50_ns * 1e-3;
+  status_.rehearsal_p999_us = cpu.p999_ns * 1e-3;
+  status_.rehearsal_max_us = cpu.max_ns * 1e-3;
 }
 
 void Station::Core::refreshStatus() {
@@ -251,6 +201,8 @@ void Station::Core::refreshStatus() {
     status_.cpu_p99_us = summary.cpu.p99_ns * 1e-3;
     status_.cpu_p999_us = summary.cpu.p999_ns * 1e-3;
     status_.cpu_max_us = summary.cpu.max_ns * 1e-3;
+    status_.fault_ticks = summary.faults;
+    showRehearsal();
     status_.recording_bytes = unknown ? 0 : bytes;
     state = status_.run_state;
   }
@@ -326,7 +278,8 @@ Expected<StationOutcome> Station::Core::run(bool arm_at_once, double duration_s)
       const std::lock_guard lock(mutex_);
       return ++orders_;
     }();
-    if (const OrderReply reply = arm(asked, config_.record, duration_ticks); !reply.accepted) {
+    const OrderReply reply = arm(asked, config_.record, duration_ticks);
+    if (!reply.accepted && !InterruptScope::interrupted()) {
       return Diagnostic{"", 0, "", "", "the loop could not be armed: " + reply.reason, ""};
     }
   }

@@ -1,137 +1,9 @@
 // The loop as clients see it: armed, commanded, stopped, loaded anew, recorded. In real time.
-#include "station/station.hpp"
-
-#include "patient/scripted_player.hpp"
+#include "station/station_bench.hpp"
 #include "telemetry/recording.hpp"
 
-#include <gtest/gtest.h>
-
-#include <chrono>
-#include <cmath>
-#include <cstdlib>
-#include <filesystem>
-#include <future>
-#include <thread>
-
-namespace wholehand {
+namespace wholehand::test {
 namespace {
-
-namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
-using namespace std::chrono_literals;
-
-const std::string kRoot = WHOLEHAND_SOURCE_DIR;
-
-std::unique_ptr<Player> atRest(const Models& models) {
-  AxisPosition rest(models.device.axisCount());
-  return std::make_unique<ScriptedPlayer>(Intention::throughWaypoints({{0.0, rest}}));
-}
-
-/// A station on a thread of its own, with the bar and a folder that vanishes.
-class Bar : public testing::Test {
- protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "wholehand-XXXXXX").string();
-    folder_ = ::mkdtemp(pattern.data());
-    StationConfig config;
-    config.files = {"",
-                    kRoot + "/config/hands/adult-median-right.toml",
-                    kRoot + "/config/devices/lambda-pride.toml",
-                    kRoot + "/config/rendering/lambda-pride.toml",
-                    kRoot + "/config/patients/relaxed-adult.toml",
-                    "",
-                    kRoot + "/config/exercises/cocktail-bar.toml",
-                    1};
-    config.config_folder = kRoot + "/config";
-    config.recordings_folder = folder_ + "/recordings";
-    config.make_player = atRest;
-    station_ = std::make_unique<Station>(config);
-    const auto loaded = station_->load();
-    ASSERT_TRUE(loaded) << format(loaded.errors());
-    station_->addSink([this](const TickRecord& record) {
-      ++records_;
-      last_ = record.tick;
-    });
-  }
-  void TearDown() override {
-    if (thread_.joinable()) {
-      station_->quit();
-      thread_.join();
-    }
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
-
-  void run(bool arm_at_once) {
-    thread_ = std::thread([this, arm_at_once] {
-      const auto outcome = station_->run(arm_at_once, 0.0);
-      ASSERT_TRUE(outcome) << format(outcome.errors());
-    });
-  }
-  OrderReply ask(const Order& order) {
-    auto answered = std::make_shared<std::promise<OrderReply>>();
-    auto answer = answered->get_future();
-    station_->order(order, [answered](const OrderReply& reply) { answered->set_value(reply); });
-    if (answer.wait_for(60s) != std::future_status::ready) return {false, "no answer"};
-    return answer.get();
-  }
-  OrderReply ask(OrderType type) {
-    Order order;
-    order.type = type;
-    return ask(order);
-  }
-  template <class Condition>
-  static bool becomes(Condition&& condition, std::chrono::seconds within = 30s) {
-    const auto until = Clock::now() + within;
-    while (Clock::now() < until) {
-      if (condition()) return true;
-      std::this_thread::sleep_for(2ms);
-    }
-    return condition();
-  }
-  bool becomes(RunState state) {
-    return becomes([&] { return station_->status().run_state == state; });
-  }
-  bool rendersOn() {
-    const std::uint64_t before = records_;
-    return becomes([&] { return records_ > before + 100; });
-  }
-
-  /// The virtual patient holds a dispenser: the exercise pushes, and there is an effort to take
-  /// away.
-  bool squeezes() {
-    TickRecord record;
-    return becomes([&] {
-      return station_->latest(record) && record.exercise.alpha == 1.0 &&
-             largest(record.exercise.effort) > 0.01 && largest(record.sent) > 0.1;
-    });
-  }
-  static double largest(const AxisEffort& effort) {
-    double most = 0.0;
-    for (double e : effort) most = std::max(most, std::abs(e));
-    return most;
-  }
-  /// Long enough for an arming that must not happen: it takes a quarter of a second.
-  void staysAt(RunState state) {
-    std::this_thread::sleep_for(1500ms);
-    EXPECT_EQ(station_->status().run_state, state);
-    TickRecord record;
-    if (station_->latest(record)) {
-      EXPECT_EQ(largest(record.sent), 0.0);
-    }
-  }
-  void later(OrderType type) {
-    Order order;
-    order.type = type;
-    if (type == OrderType::kLoadExercise) order.level = 2;
-    station_->order(order, [](const OrderReply&) {});
-  }
-
-  std::string folder_;
-  std::unique_ptr<Station> station_;
-  std::atomic<std::uint64_t> records_{0}, last_{0};
-  std::thread thread_;
-};
 
 TEST_F(Bar, ArmStopArm_NothingPushesInBetween) {
   run(false);
@@ -373,4 +245,4 @@ TEST_F(Bar, LimitThatWasSet_HoldsFromTheFirstTickOfTheNextSession) {
 }
 
 }  // namespace
-}  // namespace wholehand
+}  // namespace wholehand::test

@@ -1,0 +1,219 @@
+// What people see of the safety states: arming that is refused, stops, faults, and what is told.
+#include "station/station_bench.hpp"
+
+#include <fstream>
+
+namespace wholehand::test {
+namespace {
+
+/// Wants the hand elsewhere at once, faster than the device allows.
+class Startled final : public Player {
+ public:
+  explicit Startled(int axes) : rest_(axes) {}
+  [[nodiscard]] AxisPosition start() const override { return rest_; }
+  void reset() override { periods_ = 0; }
+  void advance(double, AxisPosition& q, AxisVelocity& qd) noexcept override {
+    q = rest_;
+    qd = AxisVelocity(rest_.size());
+    q[0] = ++periods_ < 700 ? -0.08 : 0.3;  // 300 N/m on 1.8 kg: 1.5 m/s is passed on the way
+  }
+  void see(const TickRecord&) noexcept override {}
+
+ private:
+  AxisPosition rest_;
+  int periods_ = 0;
+};
+
+/// The same station without an exercise that plays.
+class SafetyStates : public Bar {
+ protected:
+  StationConfig grasping() {
+    StationConfig config = barConfig();
+    config.files.exercise = kRoot + "/config/exercises/free-grasping.toml";
+    return config;
+  }
+  void expectUntouched() {
+    EXPECT_EQ(station_->status().run_state, RunState::kDisarmed);
+    EXPECT_EQ(station_->status().safety_state, SafetyState::kDisarmed);
+    EXPECT_EQ(station_->status().session, 0U);
+    EXPECT_EQ(station_->scene()->session, 0U);
+    EXPECT_EQ(station_->scene()->recording, "");
+    EXPECT_EQ(records_, 0U);
+  }
+};
+
+TEST_F(SafetyStates, RehearsalThatFails_RefusesToArmAndChangesNothing) {
+  StationConfig config = grasping();
+  config.rehearsal.most_of_period = 1e-6;  // 1 ns
+  load(config);
+  run(false);
+  const OrderReply reply = ask(OrderType::kArm);
+  ASSERT_FALSE(reply.accepted);
+  EXPECT_NE(reply.reason.find("rehearsal"), std::string::npos) << reply.reason;
+  EXPECT_NE(reply.reason.find("most of it"), std::string::npos) << reply.reason;
+  expectUntouched();
+}
+
+TEST_F(SafetyStates, HandInsideABody_RefusesToArmAndChangesNothing) {
+  StationConfig config = grasping();
+  config.rehearse = false;
+  config.make_player = [](const Models& models) {
+    const SceneBody& body = models.scene.bodies.front();
+    AxisPosition inside(models.device.axisCount());
+    for (int i = 0; i < 3; ++i) inside[i] = body.pose.translation_m[i];
+    inside[0] -= 0.05;  // the palm's middle is ahead of its base
+    return std::make_unique<ScriptedPlayer>(Intention::throughWaypoints({{0.0, inside}}));
+  };
+  load(config);
+  run(false);
+  const OrderReply reply = ask(OrderType::kArm);
+  ASSERT_FALSE(reply.accepted);
+  EXPECT_NE(reply.reason.find("inside the hand"), std::string::npos) << reply.reason;
+  expectUntouched();
+}
+
+// Whenever the stop comes, and the first moments are the rehearsal's: nothing moves.
+TEST_F(SafetyStates, EmergencyStopWhileRehearsing_RefusesPromptly) {
+  load(barConfig());
+  run(false);
+  for (const auto after : {0ms, 5ms, 20ms, 60ms, 120ms}) {
+    Order arm;
+    arm.type = OrderType::kArm;
+    auto answered = std::make_shared<std::promise<OrderReply>>();
+    auto answer = answered->get_future();
+    station_->order(arm, [answered](const OrderReply& reply) { answered->set_value(reply); });
+    std::this_thread::sleep_for(after);
+    ASSERT_TRUE(ask(OrderType::kEmergencyStop).accepted);
+    ASSERT_EQ(answer.wait_for(30s), std::future_status::ready);
+    const OrderReply reply = answer.get();
+    EXPECT_FALSE(reply.accepted);
+    EXPECT_NE(reply.reason.find("a stop came"), std::string::npos) << reply.reason;
+    ASSERT_TRUE(becomes([&] { return station_->status().run_state != RunState::kRampingDown; }));
+    EXPECT_NE(station_->status().run_state, RunState::kRendering);
+    TickRecord record;
+    if (station_->latest(record)) {
+      EXPECT_EQ(largest(record.sent), 0.0);
+    }
+  }
+  ASSERT_TRUE(ask(OrderType::kArm).accepted) << "when somebody wants it anew";
+  EXPECT_TRUE(rendersOn());
+}
+
+TEST_F(SafetyStates, RearmingOnTheWayToNeutral_IsRefusedAndChangesNothing) {
+  run(true);
+  ASSERT_TRUE(rendersOn());
+  ASSERT_TRUE(ask(OrderType::kStop).accepted);  // the exercise fades out first: 0.35 s
+  const OrderReply reply = ask(OrderType::kArm);
+  ASSERT_FALSE(reply.accepted);
+  EXPECT_NE(reply.reason.find("on its way to neutral"), std::string::npos) << reply.reason;
+  ASSERT_TRUE(becomes(RunState::kStopped));
+  EXPECT_EQ(station_->status().session, 1U);
+}
+
+// From the record stream: disarmed, armed, rendering, disarmed, and who asked for it.
+TEST_F(SafetyStates, EmergencyStop_IsToldAsOne) {
+  run(true);
+  ASSERT_TRUE(becomes([&] { return station_->status().safety_state == SafetyState::kRendering; }));
+  ASSERT_TRUE(ask(OrderType::kEmergencyStop).accepted);
+  ASSERT_TRUE(becomes(RunState::kStopped));
+  EXPECT_EQ(station_->status().safety_state, SafetyState::kDisarmed);
+  EXPECT_GT(station_->status().fault_ticks[11], 0U) << "Fault::kEmergencyStop";
+  const std::string told = log();
+  EXPECT_NE(told.find("disarmed -> armed"), std::string::npos) << told;
+  EXPECT_NE(told.find("armed -> rendering"), std::string::npos) << told;
+  EXPECT_NE(told.find("rendering -> disarmed: emergency stop at"), std::string::npos) << told;
+  const StationOutcome& outcome = quit();
+  ASSERT_EQ(outcome.transitions.size(), 3U);
+  EXPECT_EQ(outcome.transitions[0].tick, 0U);
+  EXPECT_EQ(outcome.transitions[2].to, SafetyState::kDisarmed);
+  EXPECT_TRUE(any(outcome.transitions[2].faults & Fault::kEmergencyStop));
+  ASSERT_TRUE(outcome.rehearsal.has_value());
+  EXPECT_NE(told.find("rehearsal"), std::string::npos);
+}
+
+TEST_F(SafetyStates, Fault_IsToldWithItsAxisAndHowMuchAndNothingPushesUntilArmed) {
+  StationConfig config = grasping();
+  config.make_player = [](const Models& models) {
+    return std::make_unique<Startled>(models.device.axisCount());
+  };
+  load(config);
+  run(true);
+  ASSERT_TRUE(becomes(RunState::kFaulted));
+  const LoopStatus status = station_->status();
+  EXPECT_EQ(status.safety_state, SafetyState::kFaulted);
+  EXPECT_TRUE(any(status.latched & Fault::kSpeedLimit));
+  EXPECT_EQ(status.fault_axis, 0);
+  EXPECT_EQ(status.fault_limit, 1.5);  // of the device file
+  EXPECT_GT(status.fault_value, 1.5);
+  EXPECT_LT(status.fault_value, 3.0);
+  const std::string told = log();
+  EXPECT_NE(told.find("rendering -> faulted: speed limit exceeded on x, 1.5"), std::string::npos)
+      << told;
+  const std::uint64_t at_rest = records_;
+  std::this_thread::sleep_for(200ms);
+  EXPECT_EQ(records_, at_rest) << "nothing ticks, nothing pushes";
+  TickRecord record;
+  ASSERT_TRUE(station_->latest(record));
+  EXPECT_EQ(largest(record.sent), 0.0);
+
+  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(becomes([&] { return station_->status().safety_state != SafetyState::kFaulted; }));
+  EXPECT_EQ(station_->status().session, 2U);
+  EXPECT_NE(log().find("faulted -> armed"), std::string::npos) << log();
+}
+
+// 400 boxes in one body: what is loaded is refused, what renders goes on.
+TEST_F(SafetyStates, LoadingWhatIsTooHeavy_IsRefusedAndTheOldOneGoesOn) {
+  StationConfig config = grasping();
+  config.config_folder = folder_ + "/config";
+  fs::create_directories(config.config_folder + "/exercises");
+  fs::create_directories(config.config_folder + "/hands");
+  std::ofstream urdf(folder_ + "/pile.urdf");
+  urdf << "<robot name=\"pile\"><link name=\"body\"><inertial><mass value=\"1\"/><inertia "
+          "ixx=\"1e-2\" iyy=\"1e-2\" izz=\"1e-2\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial>";
+  for (int i = 0; i < 400; ++i) {
+    urdf << "<collision><origin xyz=\"0 0 " << 1e-4 * i
+         << "\"/><geometry><box size=\"0.05 0.05 0.05\"/></geometry></collision>";
+  }
+  urdf << "</link></robot>";
+  urdf.close();
+  std::ofstream(folder_ + "/pile.toml")
+      << "kind = \"scene\"\nversion = 1\nname = \"Pile\"\ngravity_m_s2 = [0.0, 0.0, 0.0]\n"
+         "[[bodies]]\nname = \"pile\"\nshape = \"urdf\"\nfile = \"pile.urdf\"\n"
+         "position_m = [0.05, 0.1, 0.0]\n";
+  std::ofstream(config.config_folder + "/exercises/pile.toml")
+      << "kind = \"exercise\"\nversion = 1\nexercise = \"free_grasping\"\nname = \"pile\"\n"
+         "scene = \"../../pile.toml\"\n";
+  config.rehearsal.most_of_period = 2.0;  // the bodies of free-grasping need a tenth of it
+  load(config);
+  run(true);
+  ASSERT_TRUE(rendersOn());
+  Order order;
+  order.type = OrderType::kLoadExercise;
+  order.name = "pile";
+  const OrderReply reply = ask(order);
+  ASSERT_FALSE(reply.accepted);
+  EXPECT_NE(reply.reason.find("\"pile\""), std::string::npos) << reply.reason;
+  EXPECT_NE(reply.reason.find("fewer than 400 shapes"), std::string::npos) << reply.reason;
+  EXPECT_EQ(station_->scene()->exercise_name, "free-grasping");
+  EXPECT_EQ(station_->status().session, 1U);
+  EXPECT_TRUE(rendersOn());
+}
+
+TEST_F(SafetyStates, OrdersThatCannotBe_AreRefused) {
+  run(true);
+  ASSERT_TRUE(rendersOn());
+  Order order;
+  order.type = OrderType::kAim;
+  order.aim = AxisPosition(6);
+  order.aim[2] = std::nan("");
+  EXPECT_FALSE(ask(order).accepted);
+  order.type = OrderType::kSetParameter;
+  order.name = "effort_limit_arm_n";
+  order.value = -1.0;
+  EXPECT_FALSE(ask(order).accepted);
+  EXPECT_EQ(station_->status().run_state, RunState::kRendering);
+}
+
+}  // namespace
+}  // namespace wholehand::test
