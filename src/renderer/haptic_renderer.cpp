@@ -24,6 +24,12 @@ AxisEffort difference(const AxisEffort& a, const AxisEffort& b) noexcept {
   return out;
 }
 
+AxisEffort noted(const LimitedEffort& limited, TickRecord& record) noexcept {
+  record.faults |= limited.faults;
+  if (record.fault_axis < 0) record.fault_axis = limited.axis;
+  return limited.effort;
+}
+
 // What is rendered, within the limits that are tighter than the device's.
 AxisEffort heldTo(const AxisEffort& limit, const AxisEffort& device_limit,
                   TickRecord& record) noexcept {
@@ -32,6 +38,7 @@ AxisEffort heldTo(const AxisEffort& limit, const AxisEffort& device_limit,
     if (!(limit[i] < device_limit[i]) || !(std::abs(out[i]) > limit[i])) continue;
     out[i] = std::clamp(out[i], -limit[i], limit[i]);
     record.faults |= Fault::kEffortLimit;
+    if (record.fault_axis < 0) record.fault_axis = i;
   }
   return out;
 }
@@ -76,7 +83,9 @@ HapticRenderer::HapticRenderer(HapticDevice& device, PhysicsWorld& world, const 
       parameters_(together(config, exercise)),
       effort_limit_(config.effort_limit),
       damping_config_(config.damping),
-      dynamics_(hand) {}
+      dynamics_(hand) {
+  ramp_.sent = config_.neutral;  // what a device holds that nobody has armed
+}
 
 std::vector<LiveParameter> HapticRenderer::liveParameters() const {
   return together(config_, exercise_);
@@ -108,9 +117,14 @@ Expected<Done> HapticRenderer::mayArm() const {
 }
 
 Expected<Done> HapticRenderer::arm() {
-  if (ramp_.phase == RampPhase::kRamping) {
+  if (ramp_.phase != RampPhase::kRendering && !atNeutral()) {
     return Diagnostic{"", 0, "", "", "the device is still on its way to neutral", "arm again then"};
   }
+  if (ramp_.phase == RampPhase::kRendering && !device_.simulated()) {
+    return Diagnostic{"", 0, "", "", "the device is armed already", "stop it first"};
+  }
+  emergency_.store(false, std::memory_order_relaxed);
+  stop_requested_.store(false, std::memory_order_relaxed);
   if (Expected<Done> opened = device_.open(); !opened) return opened;
   const auto refused = [this](Diagnostics why) {
     device_.close();  // nobody will tick it
@@ -124,6 +138,9 @@ Expected<Done> HapticRenderer::arm() {
   if (Expected<Done> within = mayArm(); !within) return refused(within.errors());
   if (Expected<Done> placed = world_.placeHand(reading_.q_m); !placed) {
     return refused(placed.errors());
+  }
+  if (stop_requested_.load(std::memory_order_relaxed)) {
+    return refused({{"", 0, "", "", "a stop was asked for while the device was being armed", ""}});
   }
   armed_position_ = reading_.q_m;
   const int axes = config_.gains.axes;
@@ -143,8 +160,6 @@ Expected<Done> HapticRenderer::arm() {
   world_watch_ = WorldWatchState{};
   safety_state_ = SafetyState::kArmed;
   latched_ = Fault::kNone;
-  emergency_.store(false, std::memory_order_relaxed);
-  stop_requested_.store(false, std::memory_order_relaxed);
   return Done{};
 }
 
@@ -209,6 +224,9 @@ void HapticRenderer::readDevice(std::uint32_t elapsed_periods, TickRecord& recor
     reading_.q_m = AxisPosition(config_.gains.axes, std::numeric_limits<double>::quiet_NaN());
   } else if (!any(fault) && !allFinite(reading_.q_m)) {
     record.faults |= Fault::kNonFinitePosition;
+    for (int i = config_.gains.axes; i-- > 0;) {
+      if (!std::isfinite(reading_.q_m[i])) record.fault_axis = i;
+    }
   }
   if (!any(record.faults & kStopping)) {
     const Finding finding = watchDevice(device_watch_, reading_.q_m, ramp_.sent,
@@ -308,7 +326,7 @@ void HapticRenderer::makeSafe(std::uint32_t elapsed_periods, TickRecord& record)
   watchEnergy(elapsed_periods, record);
   record.rendered =
       sum(sum(sum(record.coupling, record.exercise.effort), record.damping), record.tank_effort);
-  const AxisEffort wanted = limited(record);
+  const AxisEffort wanted = withinEffort(record);
   latched_ |= record.faults & kStopping;
   const bool asked = stop_requested_.load(std::memory_order_relaxed);
   if (asked) record.faults |= Fault::kStopRequested;
@@ -317,10 +335,13 @@ void HapticRenderer::makeSafe(std::uint32_t elapsed_periods, TickRecord& record)
   const AxisEffort last = ramp_.sent;
   ramp_ = advanceRamp(ramp_, wanted, config_.neutral, any(latched_) || asked,
                       static_cast<int>(elapsed_periods), config_.period_s, config_.ramp);
+  if (ramp_.phase == RampPhase::kRendering) {  // a ramp only ever falls, and knows no good velocity
+    ramp_.sent = noted(
+        limitPower(ramp_.sent, config_.neutral, record.qd_mf, config_.supervisor.power_limit_w),
+        record);
+  }
   if (config_.supervisor.axes > 0) {
-    const LimitedEffort slow = limitSlew(ramp_.sent, last, config_.supervisor.most_change);
-    record.faults |= slow.faults;
-    ramp_.sent = slow.effort;
+    ramp_.sent = noted(limitSlew(ramp_.sent, last, config_.supervisor.most_change), record);
   }
   record.authority = ramp_.authority;
   record.sent = ramp_.sent;
@@ -332,14 +353,9 @@ void HapticRenderer::makeSafe(std::uint32_t elapsed_periods, TickRecord& record)
 
 // What may be sent of what is rendered. A therapist's limit is on what is rendered; the device's
 // own on all that is sent, the effort that carries its weight with it.
-AxisEffort HapticRenderer::limited(TickRecord& record) const noexcept {
+AxisEffort HapticRenderer::withinEffort(TickRecord& record) const noexcept {
   const AxisEffort held = heldTo(effort_limit_, config_.effort_limit, record);
-  const LimitedEffort within = limitEffort(sum(held, config_.neutral), config_.effort_limit);
-  record.faults |= within.faults;
-  const LimitedEffort out =
-      limitPower(within.effort, config_.neutral, record.qd_mf, config_.supervisor.power_limit_w);
-  record.faults |= out.faults;
-  return out.effort;
+  return noted(limitEffort(sum(held, config_.neutral), config_.effort_limit), record);
 }
 
 // Last in the tick: a device that refused the effort or a world that could not step has faulted it.
@@ -356,7 +372,10 @@ void HapticRenderer::writeDevice(TickRecord& record) noexcept {
 
 void HapticRenderer::stepWorld(TickRecord& record) noexcept {
   if (any(latched_)) return;  // after a fault the world stands still
-  if (record.placements.count > 0) world_.placeBodies(record.placements);
+  if (record.placements.count > 0) {
+    world_.placeBodies(record.placements);
+    notePlaced(world_watch_, record.placements);
+  }
   HandDrive drive;
   dynamics_.distribute(record.f_s, drive.torque);
   drive.reduced_inertia_inverse = &dynamics_.reducedInertiaInverse();

@@ -48,9 +48,10 @@ class HapticRenderer {
                  const RendererConfig& config, Exercise* exercise = nullptr);
 
   /// Opens the device, reads it and puts the simulated hand there. Refused where the device is not
-  /// ready (not calibrated, or moving), outside its workspace, still on its way to neutral, or the
-  /// hand would be inside a body; the device is closed again then. Clears what was latched: a
-  /// person must have asked for it. Not real-time safe.
+  /// ready (not calibrated, or moving), outside its workspace, still on its way to neutral, armed
+  /// already (unless simulated), or the hand would be inside a body; and where a stop is asked for
+  /// meanwhile. The device is closed again then and nothing else has changed. Clears what was
+  /// latched: a person must have asked for it. Not real-time safe.
   [[nodiscard]] Expected<Done> arm();
 
   /// One tick; fills the record but for what the session writes, and takes the record's commands.
@@ -98,7 +99,7 @@ class HapticRenderer {
   void exercise(std::uint32_t elapsed_periods, TickRecord& record) noexcept;
   void watchEnergy(std::uint32_t elapsed_periods, TickRecord& record) noexcept;
   void makeSafe(std::uint32_t elapsed_periods, TickRecord& record) noexcept;
-  [[nodiscard]] AxisEffort limited(TickRecord& record) const noexcept;
+  [[nodiscard]] AxisEffort withinEffort(TickRecord& record) const noexcept;
   void concludeSafety(TickRecord& record) noexcept;
   [[nodiscard]] Expected<Done> mayArm() const;
   void writeDevice(TickRecord& record) noexcept;

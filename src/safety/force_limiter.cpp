@@ -10,12 +10,15 @@ LimitedEffort limitEffort(const AxisEffort& effort, const AxisEffort& limit) noe
   const int n = std::min(effort.size(), limit.size());
   for (int i = 0; i < n; ++i) {
     if (!std::isfinite(effort[i])) {
+      if (!any(out.faults & Fault::kNonFiniteEffort)) out.axis = i;  // worse than a limit
       out.faults |= Fault::kNonFiniteEffort;
       continue;
     }
     const double bound = limit[i] > 0.0 ? limit[i] : 0.0;  // NaN: nothing passes
     out.effort[i] = std::clamp(effort[i], -bound, bound);
-    if (out.effort[i] != effort[i]) out.faults |= Fault::kEffortLimit;
+    if (out.effort[i] == effort[i]) continue;
+    out.faults |= Fault::kEffortLimit;
+    if (out.axis < 0) out.axis = i;
   }
   return out;
 }

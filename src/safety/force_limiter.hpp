@@ -10,6 +10,7 @@ namespace wholehand {
 struct LimitedEffort {
   AxisEffort effort;  ///< every element finite and within ± limit
   Fault faults = Fault::kNone;
+  int axis = -1;  ///< the first one that was limited; -1: none in particular
 };
 
 /// Clamps every effort to ± limit (Fault::kEffortLimit, information). NaN and infinity become 0 and

@@ -4,7 +4,7 @@ namespace wholehand {
 
 LimitedEffort limitPower(const AxisEffort& effort, const AxisEffort& neutral,
                          const AxisVelocity& qd, double limit_w) noexcept {
-  LimitedEffort out{effort, Fault::kNone};
+  LimitedEffort out{effort};
   double given_w = 0.0;
   for (int i = 0; i < effort.size(); ++i) {
     const double power_w = (effort[i] - neutral[i]) * qd[i];

@@ -8,11 +8,14 @@ namespace {
 
 constexpr double kJump = 3.0;           // times the speed limit
 constexpr double kCounts = 2.0;         // of the encoder, between two readings of one motion
+constexpr double kStillCounts = 1.5;    // a broken encoder may flicker between two
 constexpr double kTravel = 0.5;         // ranges that the others travel while an encoder is stuck
 constexpr double kEffortOfLimit = 0.2;  // that its own effort changes meanwhile
 constexpr double kBodySpeedChange_m_s = 10.0;
 constexpr double kBodySpinChange_rad_s = 500.0;
 constexpr double kAvatarSpeed = 10.0;  // times the device's speed limit
+constexpr std::uint32_t kStall_periods = 5;
+constexpr double kCatchUp_s = 0.2;
 
 void add(Finding& finding, Fault fault, int axis) noexcept {
   if (finding.axis < 0) finding.axis = axis;
@@ -57,11 +60,14 @@ bool atStop(double q, int axis, const SupervisorConfig& config) noexcept {
 void watchStuck(DeviceWatchState& state, const AxisPosition& q_m, const AxisEffort& sent,
                 double elapsed_s, const SupervisorConfig& config, Finding& finding) noexcept {
   for (int i = 0; i < config.axes; ++i) {
+    if (config.carries[i] == 0.0) continue;
     state.travelled += std::abs(q_m[i] - state.q[i]) / (config.upper[i] - config.lower[i]);
   }
   for (int i = 0; i < config.axes; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    if (q_m[i] != state.q[i] || atStop(q_m[i], i, config)) {
+    const double moved = std::abs(q_m[i] - state.still_at[i]);
+    if (moved > kStillCounts * config.encoder_step[i] || atStop(q_m[i], i, config)) {
+      state.still_at[i] = q_m[i];
       state.still_s[at] = 0.0;
       state.travelled_before[at] = state.travelled;
       state.least[i] = state.most[i] = sent[i];
@@ -70,9 +76,10 @@ void watchStuck(DeviceWatchState& state, const AxisPosition& q_m, const AxisEffo
     state.still_s[at] += elapsed_s;
     state.least[i] = std::min(state.least[i], sent[i]);
     state.most[i] = std::max(state.most[i], sent[i]);
+    const bool arm_moved =
+        config.carries[i] != 0.0 && state.travelled - state.travelled_before[at] > kTravel;
     const bool should_move =
-        state.travelled - state.travelled_before[at] > kTravel ||
-        state.most[i] - state.least[i] > kEffortOfLimit * config.effort_limit[i];
+        arm_moved || state.most[i] - state.least[i] > kEffortOfLimit * config.effort_limit[i];
     if (state.still_s[at] >= config.watch.stuck_encoder_s && should_move) {
       add(finding, Fault::kEncoderStuck, i);
     }
@@ -88,6 +95,7 @@ SupervisorConfig makeSupervisor(const DeviceModel& device, double period_s, bool
   config.power_limit_w = device.power_limit_w;
   if (!simulated) config.watch = device.watch;
   config.lower = config.upper = config.margin = config.encoder_step = AxisPosition(config.axes);
+  config.carries = AxisRatio(config.axes);
   config.speed_limit = AxisVelocity(config.axes);
   config.effort_limit = config.most_change = AxisEffort(config.axes);
   for (int i = 0; i < config.axes; ++i) {
@@ -96,6 +104,7 @@ SupervisorConfig makeSupervisor(const DeviceModel& device, double period_s, bool
     config.upper[i] = axis.upper;
     config.margin[i] = axis.workspace_margin;
     config.encoder_step[i] = axis.encoder_step;
+    config.carries[i] = axis.group == AxisGroup::kBase ? 1.0 : 0.0;
     config.speed_limit[i] = axis.speed_limit;
     config.effort_limit[i] = axis.effort_limit;
     config.most_change[i] = axis.effort_slew_limit * period_s;
@@ -116,6 +125,7 @@ Finding watchDevice(DeviceWatchState& state, const AxisPosition& q_m, const Axis
   if (state.fresh) {
     state = DeviceWatchState{};
     state.fresh = false;
+    state.still_at = q_m;
     state.least = state.most = sent;
   } else {
     const double elapsed_s = elapsed_periods * config.period_s;
@@ -132,6 +142,9 @@ Finding watchDevice(DeviceWatchState& state, const AxisPosition& q_m, const Axis
 Fault watchWorld(WorldWatchState& state, const TickRecord& observed,
                  const SupervisorConfig& config) noexcept {
   if (config.axes == 0) return Fault::kNone;
+  const bool stalled =
+      config.watch.longest_gap_s <= 0.0 && observed.elapsed_periods > kStall_periods;
+  state.catches_up_s = stalled ? kCatchUp_s : state.catches_up_s - config.period_s;
   Fault fault = Fault::kNone;
   for (int i = 0; i < config.axes; ++i) {
     if (!(std::abs(observed.qd_s[i]) <= kAvatarSpeed * config.speed_limit[i])) {
@@ -151,7 +164,17 @@ Fault watchWorld(WorldWatchState& state, const TickRecord& observed,
     state.velocity_m_s[at] = body.velocity_m_s;
     state.angular_velocity_rad_s[at] = body.angular_velocity_rad_s;
   }
-  return fault;
+  return state.catches_up_s > 0.0 ? Fault::kNone : fault;
+}
+
+void notePlaced(WorldWatchState& state, const BodyPlacements& placements) noexcept {
+  for (int i = 0; i < placements.count; ++i) {
+    const BodyPlacement& placed = placements.items[static_cast<std::size_t>(i)];
+    if (placed.body < 0 || placed.body >= kMaxBodies) continue;
+    const auto body = static_cast<std::size_t>(placed.body);
+    state.velocity_m_s[body] = placed.velocity_m_s;
+    state.angular_velocity_rad_s[body] = Vec3{};
+  }
 }
 
 SafetyState nextSafetyState(SafetyState state, Fault latched, bool at_neutral,

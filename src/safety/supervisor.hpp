@@ -19,6 +19,7 @@ struct SupervisorConfig {
   AxisPosition lower, upper;  ///< end of travel
   AxisPosition margin;        ///< beyond it by more: kWorkspace
   AxisPosition encoder_step;
+  AxisRatio carries;  ///< 1: a base axis, which moves with the arm
   AxisVelocity speed_limit;
   AxisEffort effort_limit;
   AxisEffort most_change;  ///< of an effort in one period: the slew limit
@@ -41,18 +42,21 @@ struct DeviceWatchState {
   bool fresh = true;  ///< nothing is known of the tick before
   int late_in_a_row = 0;
   AxisPosition q;
-  std::array<double, kMaxAxes> still_s{};           ///< since the position last changed
-  std::array<double, kMaxAxes> travelled_before{};  ///< `travelled` at that moment
+  AxisPosition still_at;                            ///< where an axis stands still, if it does
+  std::array<double, kMaxAxes> still_s{};           ///< for so long
+  std::array<double, kMaxAxes> travelled_before{};  ///< `travelled` when that began
   AxisEffort least, most;                           ///< effort sent since then
-  double travelled = 0.0;  ///< way of all axes together, in shares of their ranges
+  double travelled = 0.0;  ///< way of all base axes together, in shares of their ranges
 };
 
 /// Judges what was read, before anything is computed from it:
 ///   kSpeedLimit    |Δq| > q̇_max kT + 2δ
 ///   kEncoderJump   |Δq| > 3 q̇_max kT + 2δ: no hand moves so
 ///   kWorkspace     beyond the range by more than the margin
-///   kEncoderStuck  not one count in stuck_encoder_s while the other axes travelled half a range or
-///                  the axis's own effort changed by a fifth of its limit; not at a stop
+///   kEncoderStuck  within a count and a half for stuck_encoder_s, not at a stop, while the axis's
+///                  own effort changed by a fifth of its limit or, on a base axis, the others
+///                  travelled half a range. Fingers may rest while the arm moves, and an arm while
+///                  the fingers do: neither is evidence
 ///   kLateInARow, kLongGap
 /// A fault that is not of timing names the first axis. Real-time safe.
 /// @param sent the last effort sent
@@ -64,13 +68,20 @@ struct DeviceWatchState {
 struct WorldWatchState {
   int body_count = -1;  ///< -1: nothing is known of the tick before
   std::array<Vec3, kMaxBodies> velocity_m_s{}, angular_velocity_rad_s{};
+  double catches_up_s = 0.0;  ///< the hand still does, after a stall
 };
 
 /// kBodiesExploded where a body's velocity changed by more than 10 m/s or 500 rad/s within one
 /// step, or the simulated hand is ten times as fast as the device may be: ten times what the touch
-/// of a hand within its limits gives. A body that falls for long is no explosion. Real-time safe.
+/// of a hand within its limits gives. A body that falls for long is no explosion. Where gaps are
+/// only counted, nothing is said for 0.2 s after one of more than 5 periods: the simulated hand
+/// flies after the device then. Real-time safe.
 [[nodiscard]] WHOLEHAND_RT Fault watchWorld(WorldWatchState& state, const TickRecord& observed,
                                             const SupervisorConfig& config) noexcept;
+
+/// Bodies that are put somewhere before the step: their new velocity is no explosion. Real-time
+/// safe.
+WHOLEHAND_RT void notePlaced(WorldWatchState& state, const BodyPlacements& placements) noexcept;
 
 /// The state after a tick. Real-time safe.
 /// @param latched stopping faults of this run so far @param at_neutral after a stop or a fault

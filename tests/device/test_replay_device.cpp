@@ -1,4 +1,4 @@
-#include "device/faulty_device.hpp"
+#include "device/faulty/fault_injector.hpp"
 #include "device/one_axis.hpp"
 #include "device/replay/replay_device.hpp"
 
@@ -59,10 +59,10 @@ TEST(ReplayDevice, OpenedAgain_StartsAgain) {
   }
 }
 
-TEST(FaultyDevice, InjectedFaults_AppearInTheirTicksOnly) {
-  using Kind = testing::InjectedFault::Kind;
+TEST(FaultInjector, InjectedFaults_AppearInTheirTicksOnly) {
+  using Kind = InjectedKind;
   SimulatedDevice inner(testing::oneAxisDevice(1.0), testing::nobody(), testing::stayAt(0.0), 1e-3);
-  testing::FaultyDevice device(
+  FaultInjector device(
       inner, {{Kind::kNanPosition, 1, 1}, {Kind::kReadFails, 2, 3}, {Kind::kWriteFails, 4, 4}});
   ASSERT_TRUE(device.open().ok());
   DeviceReading reading;

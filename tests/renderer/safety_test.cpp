@@ -1,5 +1,5 @@
 // What reaches a person's hand when something fails, through the whole tick.
-#include "device/faulty_device.hpp"
+#include "device/faulty/fault_injector.hpp"
 #include "device/simulated/simulated_device.hpp"
 #include "renderer/safety_tools.hpp"
 #include "support/seed.hpp"
@@ -11,22 +11,23 @@
 namespace wholehand::test {
 namespace {
 
-using testing::FaultyDevice;
-using testing::InjectedFault;
-
 struct FaultyRig {
   std::unique_ptr<SimulatedDevice> inner;
   std::unique_ptr<Rig> rig;
-  FaultyDevice* device = nullptr;
+  FaultInjector* device = nullptr;
 };
 
-FaultyRig faultyRig(std::vector<InjectedFault> faults, std::mt19937_64& random) {
+enum class Watched { kEverything, kNoLateness };
+
+FaultyRig faultyRig(std::vector<InjectedFault> faults, std::mt19937_64& random,
+                    Watched watched = Watched::kEverything, double speed_share = 0.6) {
   FaultyRig out;
   Models m = withWeight(
       load(shippedFiles("lambda-pride", "four-shapes", "adult-median-right", "stiff-adult")));
   out.inner = std::make_unique<SimulatedDevice>(
-      m.device, m.patient, slamming(m.device, random, clear(m.device)), kPeriod_s);
-  auto device = std::make_unique<FaultyDevice>(*out.inner, std::move(faults));
+      m.device, m.patient, slamming(m.device, random, clear(m.device), speed_share), kPeriod_s);
+  auto device = std::make_unique<FaultInjector>(*out.inner, std::move(faults),
+                                                watched == Watched::kNoLateness);
   out.device = device.get();
   out.rig = build(std::move(m), std::move(device));
   return out;
@@ -60,7 +61,7 @@ void expectWorldStands(const std::vector<TickRecord>& records, int from) {
 
 struct Failure {
   const char* name;
-  InjectedFault::Kind kind;
+  InjectedKind kind;
   Fault told;
   int delay;  ///< ticks until the ramp begins: a failed write is known only after it
 };
@@ -99,12 +100,11 @@ TEST_P(InjectedFailure, AtARandomTick_RampsToNeutralAndStaysThereUntilArmed) {
 INSTANTIATE_TEST_SUITE_P(
     Kinds, InjectedFailure,
     ::testing::Values(
-        Failure{"NanPosition", InjectedFault::Kind::kNanPosition, Fault::kNonFinitePosition, 0},
-        Failure{"InfinitePosition", InjectedFault::Kind::kInfinitePosition,
-                Fault::kNonFinitePosition, 0},
-        Failure{"ReadFails", InjectedFault::Kind::kReadFails, Fault::kDeviceRead, 0},
-        Failure{"ShortReading", InjectedFault::Kind::kShortReading, Fault::kDeviceRead, 0},
-        Failure{"WriteFails", InjectedFault::Kind::kWriteFails, Fault::kDeviceWrite, 1}),
+        Failure{"NanPosition", InjectedKind::kNanPosition, Fault::kNonFinitePosition, 0},
+        Failure{"InfinitePosition", InjectedKind::kInfinitePosition, Fault::kNonFinitePosition, 0},
+        Failure{"ReadFails", InjectedKind::kReadFails, Fault::kDeviceRead, 0},
+        Failure{"ShortReading", InjectedKind::kShortReading, Fault::kDeviceRead, 0},
+        Failure{"WriteFails", InjectedKind::kWriteFails, Fault::kDeviceWrite, 1}),
     [](const auto& tested) { return std::string(tested.param.name); });
 
 TEST(StopRequest, WhileRendering_RampsToNeutralAndStays) {
@@ -121,9 +121,9 @@ TEST(StopRequest, WhileRendering_RampsToNeutralAndStays) {
   expectRamp(*f.rig->renderer, records, 700);
 }
 
-TEST(LateTicks, AtRandom_AreToldAndStayWithinTheLimits) {
+TEST(LateTicks, AtRandomOnASimulatedDevice_AreToldAndStayWithinTheLimits) {
   std::mt19937_64 random = seededRandom(3);
-  FaultyRig f = faultyRig({}, random);
+  FaultyRig f = faultyRig({}, random, Watched::kNoLateness);
   ASSERT_TRUE(f.rig->renderer->arm());
   TickRecord r;
   for (int k = 0; k < 1500; ++k) {
@@ -135,6 +135,24 @@ TEST(LateTicks, AtRandom_AreToldAndStayWithinTheLimits) {
     expectWithinLimits(*f.rig->renderer, r);
     ASSERT_TRUE(allFinite(r.sent));
   }
+}
+
+TEST(ThrownDevice, FasterThanItsSpeedLimit_StopsWithinTheLimits) {
+  std::mt19937_64 random = seededRandom(6);
+  FaultyRig f = faultyRig({}, random, Watched::kEverything, kTooFast);
+  ASSERT_TRUE(f.rig->renderer->arm());
+  std::vector<TickRecord> records = run(f, 1500);
+  const auto stopped = std::find_if(records.begin(), records.end(),
+                                    [](const TickRecord& r) { return any(r.faults & kStopping); });
+  ASSERT_NE(stopped, records.end());
+  EXPECT_EQ(stopped->faults & kStopping, Fault::kSpeedLimit);
+  ASSERT_GE(stopped->fault_axis, 0);
+  const DeviceAxis& axis = f.rig->models.device.axes[stopped->fault_axis];
+  EXPECT_GT(std::abs(stopped->q_m[stopped->fault_axis] - (stopped - 1)->q_m[stopped->fault_axis]),
+            axis.speed_limit * kPeriod_s);
+  EXPECT_EQ(records.back().safety_state, SafetyState::kFaulted);
+  for (const TickRecord& r : records) expectWithinLimits(*f.rig->renderer, r);
+  expectRamp(*f.rig->renderer, records, static_cast<int>(stopped - records.begin()));
 }
 
 class SlammingPatient : public ::testing::TestWithParam<std::pair<std::string, std::string>> {};

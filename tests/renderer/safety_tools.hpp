@@ -15,21 +15,27 @@ inline double uniform(std::mt19937_64& random, double low, double high) {
   return low + (high - low) * static_cast<double>(random() >> 11U) * 0x1.0p-53;
 }
 
-/// A person who throws the device about: every 150 ms another random place, extremes included.
+/// A person who slams the device about: every 150 ms another random place, extremes included, as
+/// far as `speed_share` of every axis's speed limit reaches. Minimum jerk is 1.875 times as fast
+/// midway as on the mean.
 inline Intention slamming(const DeviceModel& device, std::mt19937_64& random,
-                          const AxisPosition& start) {
+                          const AxisPosition& start, double speed_share = 0.6) {
+  constexpr double kEvery_s = 0.15;
   std::vector<Waypoint> waypoints{{0.0, start}};
   for (int i = 1; i <= 15; ++i) {
     AxisPosition q(device.axisCount());
     for (int a = 0; a < q.size(); ++a) {
       const DeviceAxis& axis = device.axes[a];
-      q[a] =
-          std::clamp(uniform(random, -0.2, 1.2), 0.0, 1.0) * (axis.upper - axis.lower) + axis.lower;
+      const double farthest = speed_share * axis.speed_limit * kEvery_s / 1.875;
+      const double step = farthest * std::clamp(uniform(random, -1.5, 1.5), -1.0, 1.0);
+      q[a] = std::clamp(waypoints.back().q[a] + step, axis.lower, axis.upper);
     }
-    waypoints.push_back({0.15 * i, q});
+    waypoints.push_back({kEvery_s * i, q});
   }
   return Intention::throughWaypoints(std::move(waypoints));
 }
+/// One who throws it farther than its speed limit allows.
+inline constexpr double kTooFast = 4.0;
 
 /// A hand that stands clear of the shipped scenes' bodies: high, open, fingers away.
 inline AxisPosition clear(const DeviceModel& device) {

@@ -3,7 +3,7 @@
 
 #include "control/adaptive_damping.hpp"
 #include "control/coupling_gains.hpp"
-#include "device/faulty_device.hpp"
+#include "device/faulty/fault_injector.hpp"
 #include "device/one_axis.hpp"
 #include "physics/analytic/analytic_world.hpp"
 
@@ -48,7 +48,7 @@ AnalyticScene stopAt(double x_m) {
 /// A person who pushes 4 cm beyond a stop at 1 cm, with 200 N/m.
 struct Rail {
   explicit Rail(const SessionConfig& session_config,
-                std::vector<testing::InjectedFault> faults = {}) {
+                std::vector<InjectedFault> faults = {}) {
     device_model.axes[0].damping = 6.0;
     device_model.axes[0].neutral_effort = 1.5;
     person.axes[0] = {"x", 0.5, 15.0, 200.0};
@@ -56,7 +56,7 @@ struct Rail {
         device_model, person,
         Intention::throughWaypoints({{0.0, AxisPosition(1, 0.0)}, {0.1, AxisPosition(1, 0.05)}}),
         kPeriod_s);
-    faulty = std::make_unique<testing::FaultyDevice>(*device, std::move(faults));
+    faulty = std::make_unique<FaultInjector>(*device, std::move(faults));
     RenderingConfig rendering;
     rendering.axes.resize(1);
     rendering.axes[0].k_pm = 1000.0;
@@ -78,7 +78,7 @@ struct Rail {
   PatientConfig person = testing::nobody();
   AnalyticWorld world{hand, stopAt(0.01)};
   std::unique_ptr<SimulatedDevice> device;
-  std::unique_ptr<testing::FaultyDevice> faulty;  ///< before it; keeps the last effort written
+  std::unique_ptr<FaultInjector> faulty;  ///< before it; keeps the last effort written
   std::unique_ptr<HapticRenderer> renderer;
   std::unique_ptr<Session> session;
 };
@@ -222,7 +222,7 @@ TEST(RealTimeSession, FaultWhoseRecordsWereDropped_IsCountedWithEveryPeriod) {
   SessionConfig config;
   config.queue_ticks = 4;
   // arm() is the first read; the fault is in tick 40.
-  Rail rail(config, {{testing::InjectedFault::Kind::kReadFails, 41, 41, 0}});
+  Rail rail(config, {{InjectedKind::kReadFails, 41, 41, 0}});
   startThread(*rail.session);
   rail.session->join();
   std::uint64_t told = 0;
