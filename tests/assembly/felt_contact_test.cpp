@@ -55,7 +55,7 @@ Models linearDesktop() {
 class FeltWall : public testing::TestWithParam<std::pair<int, int>> {};
 
 TEST_P(FeltWall, OfTheRealEngine_FeelsAsPredictedForARigidStop) {
-  const auto [axis, sign] = GetParam();
+  const int axis = GetParam().first, sign = GetParam().second;
   Models m = linearDesktop();
   const int axes = m.device.axisCount();
   const Eigen::Vector3d along = sign * Eigen::Vector3d::Unit(axis);
