@@ -5,11 +5,15 @@
 #include "resimulation.hpp"
 #include "telemetry/recording.hpp"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
+#include <ctime>
+#include <filesystem>
 #include <thread>
 
 namespace wholehand {
@@ -21,19 +25,26 @@ std::string versions(const RecordingMeta& meta) {
   return " (recorded by " + meta.git_version + ", this is " + WHOLEHAND_VERSION + ")";
 }
 
-int compare(RecordingReader& recording, const std::string& path) {
-  Expected<Resimulation> result = resimulate(recording, path);
+int tell(const Expected<Resimulation>& result, const RecordingMeta& meta, const std::string& path) {
   if (!result) return refuse(result.errors());
-  if (result->difference.field.empty()) {
-    std::printf("%s: %llu ticks run again, every bit the same\n", path.c_str(),
-                static_cast<unsigned long long>(result->ticks));
-    return kExitDone;
+  const Resimulation& r = result.value();
+  if (!r.difference.field.empty()) {
+    std::printf("%s: tick %llu differs in %s: recorded %s, now %s%s\n", path.c_str(),
+                static_cast<unsigned long long>(r.different_tick), r.difference.field.c_str(),
+                r.difference.first.c_str(), r.difference.again.c_str(), versions(meta).c_str());
+    return kExitDifferent;
   }
-  std::printf("%s: tick %llu differs in %s: recorded %s, now %s%s\n", path.c_str(),
-              static_cast<unsigned long long>(result->different_tick),
-              result->difference.field.c_str(), result->difference.first.c_str(),
-              result->difference.again.c_str(), versions(recording.meta()).c_str());
-  return kExitDifferent;
+  if (r.compared == r.ticks) {
+    std::printf("%s: %llu ticks run again, every bit the same\n", path.c_str(),
+                static_cast<unsigned long long>(r.ticks));
+  } else {
+    std::printf("%s: %llu ticks of the last %.1f s run again after %llu others, %s\n", path.c_str(),
+                static_cast<unsigned long long>(r.compared),
+                static_cast<double>(r.compared) * meta.period_s,
+                static_cast<unsigned long long>(r.ticks - r.compared),
+                r.compared > 0 ? "every bit the same" : "nothing to compare them with");
+  }
+  return kExitDone;
 }
 
 std::string lineOf(const TickRecord& r, const RecordingMeta& meta) {
@@ -62,12 +73,76 @@ int play(RecordingReader& recording, double speed) {
   return kExitDone;
 }
 
+// "SIGSEGV within a tick", "speed limit exceeded on axis x in tick 1234".
+std::string causeOf(const BlackBoxCause& cause, const RecordingMeta& meta) {
+  std::string text;
+  if (cause.signal != 0) {
+    const char* name = sigabbrev_np(cause.signal);
+    text = fmt::format("SIG{}{}", name != nullptr ? name : "?",
+                       cause.within_tick ? " within a tick" : "");
+  }
+  for (int bit = 0; bit < kFaultBits; ++bit) {
+    if (!any(cause.faults & static_cast<Fault>(1U << static_cast<unsigned>(bit)))) continue;
+    text += fmt::format("{}{}", text.empty() ? "" : ", ", faultName(bit));
+  }
+  if (!any(cause.faults)) return text;
+  const auto axis = static_cast<std::size_t>(cause.fault_axis);
+  if (axis < meta.axis_names.size()) text += " on " + meta.axis_names[axis];
+  return text + fmt::format(", first in tick {}", cause.fault_tick);
+}
+
+void introduce(const BlackBoxReader& box) {
+  const std::time_t written = box.cause().unix_ns / 1'000'000'000;
+  std::printf("black box, written %s: %s\n",
+              fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(written)).c_str(),
+              causeOf(box.cause(), box.meta()).c_str());
+  std::printf("the inputs of %llu ticks since arming, %s\n",
+              static_cast<unsigned long long>(box.inputTicks()),
+              box.inputsWhole() ? "all of them" : "and none after: it cannot be run again");
+}
+
+int extract(RecordingReader& box, const ReplayOptions& options) {
+  auto writer = RecordingWriter::create(options.extract, box.meta());
+  if (!writer) return refuse(writer.errors());
+  TickRecord record;
+  for (std::uint64_t i = 0; box.read(i, record); ++i) (*writer)->append(record);
+  (*writer)->close();
+  if ((*writer)->dropped() > 0 || (*writer)->written() != box.size()) {
+    std::error_code ignored;
+    std::filesystem::remove(options.extract, ignored);
+    return refuse({{options.extract, 0, "", "", "could not be written", "make room on the disk"}});
+  }
+  std::printf("%s: %llu ticks\n", options.extract.c_str(),
+              static_cast<unsigned long long>(box.size()));
+  return kExitDone;
+}
+
+int replayBox(const ReplayOptions& options) {
+  auto box = BlackBoxReader::openBox(options.recording);
+  if (!box) return refuse(box.errors());
+  if (!options.extract.empty()) return extract(**box, options);
+  if (options.resimulate) {
+    return tell(resimulate(**box, options.recording), (*box)->meta(), options.recording);
+  }
+  introduce(**box);
+  return play(**box, options.speed);
+}
+
 }  // namespace
 
 int replayCommand(const ReplayOptions& options) {
+  if (BlackBoxReader::isBox(options.recording)) return replayBox(options);
+  if (!options.extract.empty()) {
+    return refuse({{options.recording, 0, "--extract", options.extract,
+                    "takes the ticks out of a black box, and this is none",
+                    "give a .wbb file, or leave it out"}});
+  }
   auto recording = RecordingReader::open(options.recording);
   if (!recording) return refuse(recording.errors());
-  if (options.resimulate) return compare(**recording, options.recording);
+  if (options.resimulate) {
+    return tell(resimulate(**recording, options.recording), (*recording)->meta(),
+                options.recording);
+  }
   return play(**recording, options.speed);
 }
 

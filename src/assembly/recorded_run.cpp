@@ -1,5 +1,6 @@
 #include "assembly/recorded_run.hpp"
 
+#include "assembly/kept_black_box.hpp"
 #include "git_version.hpp"
 #include "realtime/monotonic_clock.hpp"
 #include "telemetry/hub.hpp"
@@ -57,6 +58,22 @@ class DeviceGuard {
 double rateOf(const TickSummary& summary, std::int64_t began_ns) {
   const double elapsed_s = static_cast<double>(monotonicNow_ns() - began_ns) * 1e-9;
   return elapsed_s > 0.0 ? static_cast<double>(summary.records) / elapsed_s : 0.0;
+}
+
+// What is to be kept of a run: in a recording, and in the black box.
+Expected<Done> keepTrack(const Rig& rig, const RunPlan& plan, const RecordingMeta& meta,
+                         std::unique_ptr<RecordingWriter>& writer,
+                         std::unique_ptr<BlackBox>& black_box) {
+  if (!plan.black_box.empty()) {
+    auto armed = armBlackBox(rig, meta, plan.black_box, plan.duration_ticks);
+    if (!armed) return armed.errors();
+    black_box = std::move(*armed);
+  }
+  if (plan.record.empty()) return Done{};
+  auto created = RecordingWriter::create(plan.record, meta);
+  if (!created) return created.errors();
+  writer = std::move(*created);
+  return Done{};
 }
 
 // A recording of no tick, of a run that never was.
@@ -185,14 +202,14 @@ bool InterruptScope::interrupted() noexcept {
 Expected<RunOutcome> runAndRecord(Rig& rig, const RunPlan& plan) {
   const DeviceGuard device(*rig.device);  // first: closed after the session has ramped
   std::unique_ptr<RecordingWriter> writer;
-  if (!plan.record.empty()) {
+  std::unique_ptr<BlackBox> black_box;
+  if (!plan.record.empty() || !plan.black_box.empty()) {
     auto meta = describeRecording(rig, plan.title, plan.seed, plan.simulated_clock);
     if (!meta) return meta.errors();
-    auto created = RecordingWriter::create(plan.record, *meta);
-    if (!created) return created.errors();
-    writer = std::move(*created);
+    if (auto begun = keepTrack(rig, plan, *meta, writer, black_box); !begun) return begun.errors();
   }
   SessionConfig config;
+  config.black_box = black_box.get();
   config.duration_ticks = plan.duration_ticks;
   config.count_allocations = plan.count_allocations;
   config.queue_ticks = plan.queue_ticks;
@@ -229,6 +246,7 @@ Expected<RunOutcome> runAndRecord(Rig& rig, const RunPlan& plan) {
     outcome.dropped_writes = hub.unrecorded();
   }
   rig.device->close();  // before the disk takes its time
+  if (black_box) outcome.black_box = keepBlackBox(*black_box);
   if (writer) {
     writer->close();
     outcome.written = writer->written();

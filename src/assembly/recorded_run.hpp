@@ -19,7 +19,8 @@ struct RunPlan {
   std::string title;
   std::uint64_t duration_ticks = 0;
   std::uint64_t seed = 0;
-  std::string record;  ///< HDF5 file; empty: none
+  std::string record;     ///< HDF5 file; empty: none
+  std::string black_box;  ///< file that a fault makes (blackBoxPath()); empty: none is armed
   bool simulated_clock = false;
   std::size_t queue_ticks = SessionConfig{}.queue_ticks;  ///< records that wait; more are dropped
   std::function<void(const TickSummary&, double rate_hz)> status;  ///< told how it goes, often
@@ -38,6 +39,7 @@ struct RunOutcome {
   std::uint64_t written = 0;          ///< ticks in the recording
   SetupReport setup;                  ///< what the machine granted the real-time thread
   std::vector<std::string> failures;  ///< consumers that threw and were switched off, in words
+  std::string black_box;              ///< what to do with it, in one line; empty: none was needed
   bool interrupted = false;           ///< by Ctrl-C
   bool faulted = false;
 };

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/command.hpp"
-#include "core/real_time.hpp"
+#include "core/tick_listener.hpp"
 #include "core/tick_record.hpp"
 #include "realtime/periodic_thread.hpp"
 #include "realtime/spsc_queue.hpp"
@@ -16,17 +16,6 @@
 #include <memory>
 
 namespace wholehand {
-
-/// Told of every tick, in the thread that ticks: the virtual patient who plays an exercise.
-/// Real-time safe.
-class TickListener {
- public:
-  virtual ~TickListener() = default;
-  /// Before the tick, with the commands it takes.
-  WHOLEHAND_RT virtual void beforeTick(const TickRecord& record) noexcept = 0;
-  /// After it, with all that came of it.
-  WHOLEHAND_RT virtual void afterTick(const TickRecord& record) noexcept = 0;
-};
 
 struct SessionConfig {
   std::uint64_t duration_ticks = std::numeric_limits<std::uint64_t>::max();  ///< then ramp down

@@ -1,5 +1,7 @@
 #include "station/live_session.hpp"
 
+#include "assembly/kept_black_box.hpp"
+
 #include <cmath>
 
 namespace wholehand {
@@ -26,15 +28,20 @@ Expected<std::unique_ptr<LiveSession>> LiveSession::start(const Models& models,
   live->rig_ = std::move(*rig);
   live->rig_->renderer->startParametersAt(plan.parameters);
   if (auto armed = live->rig_->renderer->arm(); !armed) return armed.errors();
+  auto meta = describeRecording(*live->rig_, plan.title, plan.seed, false);
+  if (!meta) return meta.errors();
+  auto box = armBlackBox(*live->rig_, *meta, blackBoxPath(plan.record),
+                         plan.duration_ticks > 0 ? plan.duration_ticks : UINT64_MAX);
+  if (!box) return box.errors();
+  live->black_box_ = std::move(*box);
   if (!plan.record.empty()) {
-    auto meta = describeRecording(*live->rig_, plan.title, plan.seed, false);
-    if (!meta) return meta.errors();
     auto created = RecordingWriter::create(plan.record, *meta);
     if (!created) return created.errors();
     live->writer_ = std::move(*created);
   }
   SessionConfig config;
   config.listener = live->watcher_.get();
+  config.black_box = live->black_box_.get();
   if (plan.duration_ticks > 0) config.duration_ticks = plan.duration_ticks;
   live->session_ = std::make_unique<Session>(*live->rig_->renderer, config);
   live->hub_ = std::make_unique<TelemetryHub>(
@@ -63,6 +70,8 @@ void LiveSession::finish() {
   if (hub_) hub_->stop();
   if (writer_) writer_->close();
   if (rig_) rig_->device->close();
+  if (black_box_) black_box_said_ = keepBlackBox(*black_box_);
+  black_box_.reset();  // its memory, and its watch for crashes
 }
 
 RunOutcome LiveSession::outcome() const {
@@ -74,6 +83,7 @@ RunOutcome LiveSession::outcome() const {
   outcome.written = writer_ ? writer_->written() : 0;
   outcome.failures = hub_->failures();
   outcome.setup = setup_;
+  outcome.black_box = black_box_said_;
   outcome.faulted = any(outcome.counters.latched);
   return outcome;
 }

@@ -4,6 +4,7 @@
 #include "assembly/rig.hpp"
 #include "patient/steered_player.hpp"
 #include "runtime/session.hpp"
+#include "telemetry/black_box.hpp"
 #include "telemetry/hub.hpp"
 #include "telemetry/recording.hpp"
 #include "telemetry/statistics.hpp"
@@ -73,10 +74,12 @@ class LiveSession {
   std::unique_ptr<Rig> rig_;
   std::unique_ptr<Watcher> watcher_;
   std::unique_ptr<RecordingWriter> writer_;
+  std::unique_ptr<BlackBox> black_box_;  ///< outlives the session
   TickStatistics statistics_;
   std::unique_ptr<Session> session_;
   std::unique_ptr<TelemetryHub> hub_;
   SetupReport setup_;
+  std::string black_box_said_;
   bool finished_ = false;
 };
 

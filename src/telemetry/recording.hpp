@@ -62,7 +62,8 @@ class RecordingWriter {
   [[nodiscard]] virtual std::uint64_t dropped() const = 0;
 };
 
-/// Reads a recording, also one that was cut off by kill -9 or is still being written.
+/// Reads a recording, also one that was cut off by kill -9 or is still being written; or the last
+/// seconds in a black box.
 class RecordingReader {
  public:
   /// Refuses a foreign, truncated or newer-version file with the reason.

@@ -1,3 +1,4 @@
+#include "telemetry/black_box_reader.hpp"
 #include "telemetry/recording.hpp"
 #include "telemetry/recording_layout.hpp"
 #include "telemetry/table_reader.hpp"
@@ -297,6 +298,11 @@ bool Hdf5Reader::read(std::uint64_t i, TickRecord& record) {
 }  // namespace
 
 Expected<std::unique_ptr<RecordingReader>> RecordingReader::open(const std::string& path) {
+  if (BlackBoxReader::isBox(path)) {
+    auto box = BlackBoxReader::openBox(path);
+    if (!box) return box.errors();
+    return Expected<std::unique_ptr<RecordingReader>>(std::move(*box));
+  }
   hdf5::silenceErrors();
   const auto left_open = leftOpen(path);
   if (!left_open) return left_open.errors();

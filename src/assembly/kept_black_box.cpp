@@ -1,0 +1,40 @@
+#include "assembly/kept_black_box.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+
+namespace wholehand {
+namespace fs = std::filesystem;
+
+std::string blackBoxPath(const std::string& recording) {
+  if (!recording.empty()) return fs::path(recording).replace_extension(".wbb").string();
+  const std::string stem = fmt::format("out/blackbox/{:%Y%m%d-%H%M%S}",
+                                       fmt::localtime(std::chrono::system_clock::now()));
+  std::string path = stem + ".wbb";
+  std::error_code error;
+  for (int i = 2; fs::exists(path, error); ++i) path = fmt::format("{}-{}.wbb", stem, i);
+  return path;
+}
+
+Expected<std::unique_ptr<BlackBox>> armBlackBox(const Rig& rig, const RecordingMeta& meta,
+                                                const std::string& path, std::uint64_t most_ticks) {
+  BlackBoxPlan plan;
+  plan.path = path;
+  plan.most_ticks = most_ticks;
+  for (const DeviceAxis& axis : rig.models.device.axes) {
+    plan.encoder_step.push_back(axis.encoder_step);
+  }
+  return BlackBox::arm(meta, plan);
+}
+
+std::string keepBlackBox(BlackBox& box) {
+  if (!box.wanted()) return {};
+  if (auto written = box.write(); !written) return format(written.errors());
+  return fmt::format("the last seconds and what led to them: wholehand replay {} --resimulate",
+                     box.path());
+}
+
+}  // namespace wholehand

@@ -1,0 +1,310 @@
+#include "telemetry/black_box.hpp"
+
+#include "telemetry/black_box_layout.hpp"
+#include "telemetry/crash_guard.hpp"
+#include "telemetry/input_log.hpp"
+#include "telemetry/prefaulted_memory.hpp"
+#include "telemetry/record_packing.hpp"
+#include "telemetry/signal_safe_file.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <ctime>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace wholehand {
+namespace {
+
+using black_box::Entry;
+using black_box::Header;
+using black_box::Part;
+
+constexpr Fault kWanting = kStopping | Fault::kEmergencyStop;
+/// What a run goes on for after its time: the ramp to neutral, with room to spare.
+constexpr double kRamp_s = 1.0;
+/// Kept beyond what is asked for: so much may be overwritten while a crash is written down.
+constexpr double kMargin = 1.1;
+
+/// How much memory a box takes.
+struct Sizes {
+  std::size_t entries = 0, data = 0, inputs = 0;
+};
+
+Sizes sizesOf(const RecordingMeta& meta, const BlackBoxPlan& plan) {
+  const auto count = [](const auto& list) { return static_cast<int>(list.size()); };
+  const double run = static_cast<double>(plan.most_ticks) + kRamp_s / meta.period_s;
+  const double kept = std::clamp(std::ceil(kMargin * plan.keep_s / meta.period_s), 1.0, run);
+  const int values = count(meta.value_names) + count(meta.parameter_names);
+  const auto tick_bytes =
+      static_cast<double>(packedBytes(count(meta.axis_names), count(meta.joint_names),
+                                      count(meta.body_names), values, kMaxContacts));
+  Sizes sizes;
+  sizes.entries = static_cast<std::size_t>(kept);
+  // One more, since the last of a lap may not fit; and commands.
+  sizes.data = std::min(static_cast<std::size_t>(kept * tick_bytes), plan.most_tick_bytes) +
+               2 * kMostPackedBytes;
+  const double axes_bytes = 10.0 + static_cast<double>(sizeof(double)) * count(meta.axis_names);
+  sizes.inputs = static_cast<std::size_t>(
+      std::min(run * axes_bytes + 64.0 * kMostInputBytes, static_cast<double>(plan.input_bytes)));
+  return sizes;
+}
+
+/// Every folder on the way to a file, the outermost first.
+std::vector<std::string> foldersOf(const std::string& path) {
+  std::vector<std::string> folders;
+  for (std::size_t at = path.find('/', 1); at != std::string::npos; at = path.find('/', at + 1)) {
+    folders.push_back(path.substr(0, at));
+  }
+  return folders;
+}
+
+class MappedBox final : public BlackBox, public CrashWitness {
+ public:
+  MappedBox(const RecordingMeta& meta, const BlackBoxPlan& plan);
+  ~MappedBox() override { leaveSignalStack(arming_stack_.data()); }
+  /// What went wrong, or nothing.
+  std::string takeMemory();
+
+  void beforeTick(const TickRecord& record) noexcept override;
+  void afterTick(const TickRecord& record) noexcept override;
+  void crashed(int signal) noexcept override;
+
+  [[nodiscard]] bool wanted() const noexcept override { return header_.faults != 0; }
+  [[nodiscard]] Expected<Done> write() override;
+  [[nodiscard]] const std::string& path() const noexcept override { return path_; }
+  [[nodiscard]] std::uint64_t inputBytes() const noexcept override { return input_bytes_.load(); }
+  [[nodiscard]] bool inputsWhole() const noexcept override { return inputs_whole_.load(); }
+  [[nodiscard]] std::uint64_t ticksKept() const noexcept override {
+    return std::min<std::uint64_t>(entries_done_.load(), sizes_.entries);
+  }
+
+ private:
+  void keepInputs(const TickRecord& record) noexcept;
+  void keepWhole(const TickRecord& record) noexcept;
+  void noteFaults(const TickRecord& record) noexcept;
+  [[nodiscard]] Entry* entryAt(std::uint64_t n) const noexcept {
+    return entries_.as<Entry>() + n % sizes_.entries;
+  }
+  // Async-signal-safe.
+  [[nodiscard]] int writeFile(int signal) noexcept;
+  void describe(int signal) noexcept;
+  void putPart(Part part, std::uint64_t bytes) noexcept;
+  void endPart() noexcept;
+  void putEntries() noexcept;
+  void putData() noexcept;
+
+  const std::string path_, temporary_, crash_text_;
+  const std::vector<std::string> folders_;
+  const std::vector<std::byte> meta_;
+  const Sizes sizes_;
+  InputLogState log_;
+  PrefaultedMemory entries_, data_, inputs_, arming_stack_, ticking_stack_;
+  bool first_tick_ = true;
+
+  // Written by the thread that ticks, read by a handler in any: what lies before a number is whole.
+  std::atomic<std::uint64_t> ticks_begun_{0}, ticks_done_{0};
+  std::atomic<std::uint64_t> input_bytes_{0};
+  std::atomic<bool> inputs_whole_{true};
+  std::atomic<std::uint64_t> entries_begun_{0}, entries_done_{0};
+  std::atomic<std::uint64_t> data_begun_{0}, data_done_{0};
+  Header header_;  ///< its faults are noted in the tick, the rest when it is written
+  SignalSafeFile file_;
+  std::unique_ptr<CrashGuard> guard_;  ///< last: gone before what a handler would read
+};
+
+MappedBox::MappedBox(const RecordingMeta& meta, const BlackBoxPlan& plan)
+    : path_(plan.path),
+      temporary_(plan.path + ".part"),
+      crash_text_("\nwholehand: crashed; the last seconds are in " + plan.path +
+                  ": wholehand replay " + plan.path + " --resimulate\n"),
+      folders_(foldersOf(plan.path)),
+      meta_(black_box::packMeta(meta, plan.encoder_step)),
+      sizes_(sizesOf(meta, plan)) {
+  log_.encoder_step = AxisPosition(static_cast<int>(plan.encoder_step.size()));
+  std::copy(plan.encoder_step.begin(), plan.encoder_step.end(), log_.encoder_step.data());
+  header_.header_bytes = sizeof(Header);
+  const std::size_t length = std::min(meta.git_version.size(), header_.program.size() - 1);
+  std::copy_n(meta.git_version.begin(), length, header_.program.begin());
+  header_.record_bytes = sizeof(TickRecord);
+  header_.record_layout = recordLayout();
+  header_.entry_slots = sizes_.entries;
+  header_.data_capacity = sizes_.data;
+}
+
+std::string MappedBox::takeMemory() {
+  const bool taken = entries_.take(sizes_.entries * sizeof(Entry)) && data_.take(sizes_.data) &&
+                     inputs_.take(sizes_.inputs) && arming_stack_.take(kSignalStackBytes) &&
+                     ticking_stack_.take(kSignalStackBytes);
+  if (!taken) return std::string("has no memory: ") + std::strerror(errno);
+  useSignalStack(arming_stack_.data());
+  guard_ = std::make_unique<CrashGuard>(*this);
+  if (!guard_->stands()) {
+    return "cannot be armed: " + std::to_string(kMostWitnesses) + " of them are";
+  }
+  return {};
+}
+
+void MappedBox::beforeTick(const TickRecord&) noexcept {
+  if (first_tick_) {
+    useSignalStack(ticking_stack_.data());
+    first_tick_ = false;
+  }
+  ticks_begun_.store(ticks_begun_.load(std::memory_order_relaxed) + 1, std::memory_order_release);
+}
+
+void MappedBox::afterTick(const TickRecord& record) noexcept {
+  keepInputs(record);
+  keepWhole(record);
+  noteFaults(record);
+  ticks_done_.store(ticks_begun_.load(std::memory_order_relaxed), std::memory_order_release);
+}
+
+void MappedBox::keepInputs(const TickRecord& record) noexcept {
+  const std::uint64_t used = input_bytes_.load(std::memory_order_relaxed);
+  if (!inputs_whole_.load(std::memory_order_relaxed)) return;
+  if (used + kMostInputBytes > sizes_.inputs) {
+    inputs_whole_.store(false, std::memory_order_release);
+    return;
+  }
+  const std::size_t bytes = logInput(log_, record, inputs_.data() + used);
+  input_bytes_.store(used + bytes, std::memory_order_release);
+}
+
+void MappedBox::keepWhole(const TickRecord& record) noexcept {
+  std::uint64_t begin = data_done_.load(std::memory_order_relaxed);
+  const std::uint64_t n = entries_done_.load(std::memory_order_relaxed);
+  const std::uint64_t at = begin % sizes_.data;
+  if (at + kMostPackedBytes > sizes_.data) begin += sizes_.data - at;  // it lies in one piece
+  // Said before it is overwritten: who reads meanwhile sees afterwards what he cannot trust.
+  entries_begun_.store(n + 1, std::memory_order_relaxed);
+  data_begun_.store(begin + kMostPackedBytes, std::memory_order_relaxed);
+  std::atomic_thread_fence(std::memory_order_release);
+  const std::size_t bytes = packRecord(record, data_.data() + begin % sizes_.data);
+  *entryAt(n) = {begin, record.tick, bytes};
+  data_done_.store(begin + bytes, std::memory_order_release);
+  entries_done_.store(n + 1, std::memory_order_release);
+}
+
+void MappedBox::noteFaults(const TickRecord& record) noexcept {
+  const Fault wanting = record.faults & kWanting;
+  if (!any(wanting)) return;
+  if (header_.faults == 0) {
+    header_.fault_axis = record.fault_axis;
+    header_.fault_tick = record.tick;
+  }
+  header_.faults |= static_cast<std::uint32_t>(wanting);
+}
+
+void MappedBox::describe(int signal) noexcept {
+  header_.signal = signal;
+  timespec now{};
+  ::clock_gettime(CLOCK_REALTIME, &now);
+  header_.unix_ns = std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+  header_.ticks_done = ticks_done_.load(std::memory_order_acquire);
+  header_.ticks_begun = ticks_begun_.load(std::memory_order_acquire);
+  header_.end_entry = entries_done_.load(std::memory_order_acquire);
+  header_.first_entry =
+      header_.end_entry - std::min<std::uint64_t>(header_.end_entry, sizes_.entries);
+  header_.data_end = data_done_.load(std::memory_order_acquire);
+  header_.data_begin = header_.end_entry > 0 ? entryAt(header_.first_entry)->begin : 0;
+  // Of a ring that is too small for its entries the oldest are gone.
+  if (header_.data_end - header_.data_begin > sizes_.data) {
+    header_.data_begin = header_.data_end - sizes_.data;
+  }
+  header_.inputs_whole = inputs_whole_.load(std::memory_order_acquire) ? 1 : 0;
+  header_.crc = 0;
+}
+
+void MappedBox::putPart(Part part, std::uint64_t bytes) noexcept {
+  const black_box::PartHeader head{static_cast<std::uint32_t>(part), 0, bytes};
+  file_.put(&head, sizeof head);
+  (void)file_.takeCrc();
+}
+
+void MappedBox::endPart() noexcept {
+  const std::uint32_t crc = file_.takeCrc();
+  file_.put(&crc, sizeof crc);
+}
+
+void MappedBox::putEntries() noexcept {
+  for (std::uint64_t n = header_.first_entry; n < header_.end_entry; ++n) {
+    file_.put(entryAt(n), sizeof(Entry));
+  }
+}
+
+void MappedBox::putData() noexcept {
+  for (std::uint64_t at = header_.data_begin; at < header_.data_end;) {
+    const std::uint64_t in_ring = at % sizes_.data;
+    const std::uint64_t piece = std::min(header_.data_end - at, sizes_.data - in_ring);
+    file_.put(data_.data() + in_ring, piece);
+    at += piece;
+  }
+}
+
+int MappedBox::writeFile(int signal) noexcept {
+  for (const std::string& folder : folders_) ::mkdir(folder.c_str(), 0777);
+  if (const int error = file_.create(temporary_.c_str(), path_.c_str()); error != 0) return error;
+  describe(signal);
+  // After the whole ticks were counted: each of them then has its inputs, though the loop runs on.
+  const std::uint64_t input_bytes = input_bytes_.load(std::memory_order_acquire);
+  file_.put(&header_, offsetof(Header, crc));
+  endPart();
+  putPart(Part::kMeta, meta_.size());
+  file_.put(meta_.data(), meta_.size());
+  endPart();
+  putPart(Part::kInputs, input_bytes);
+  file_.put(inputs_.data(), input_bytes);
+  endPart();
+  putPart(Part::kEntries, (header_.end_entry - header_.first_entry) * sizeof(Entry));
+  putEntries();
+  endPart();
+  putPart(Part::kData, header_.data_end - header_.data_begin);
+  putData();
+  endPart();
+  std::atomic_thread_fence(std::memory_order_acquire);
+  const black_box::End end{entries_begun_.load(std::memory_order_relaxed),
+                           data_begun_.load(std::memory_order_relaxed)};
+  putPart(Part::kEnd, sizeof end);
+  file_.put(&end, sizeof end);
+  endPart();
+  return file_.close();
+}
+
+void MappedBox::crashed(int signal) noexcept {
+  if (ticks_done_.load(std::memory_order_acquire) == 0 || writeFile(signal) != 0) return;
+  const ssize_t ignored = ::write(STDERR_FILENO, crash_text_.data(), crash_text_.size());
+  (void)ignored;
+}
+
+Expected<Done> MappedBox::write() {
+  const int error = writeFile(0);
+  if (error == 0) return Done{};
+  return Diagnostic{path_,
+                    0,
+                    "",
+                    "",
+                    std::string("cannot be written: ") + std::strerror(error),
+                    "make room, or record into another folder"};
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<BlackBox>> BlackBox::arm(const RecordingMeta& meta,
+                                                  const BlackBoxPlan& plan) {
+  auto box = std::make_unique<MappedBox>(meta, plan);
+  if (const std::string problem = box->takeMemory(); !problem.empty()) {
+    return Diagnostic{plan.path,
+                      0,
+                      "",
+                      "",
+                      "the black box " + problem,
+                      "close other programs, raise `ulimit -l`, or end another session"};
+  }
+  return Expected<std::unique_ptr<BlackBox>>(std::unique_ptr<BlackBox>(std::move(box)));
+}
+
+}  // namespace wholehand
