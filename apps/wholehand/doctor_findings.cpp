@@ -214,9 +214,9 @@ Finding wakeUpFinding(const WakeUpStatistics& s, std::int64_t period_ns) {
               std::to_string(s.wake_ups + s.skipped_periods) + " periods skipped",
           "Mend the lines above, close other programs; a virtual machine stalls when its host is "
           "busy.",
-          std::string(good ? "it woke the loop" : "it woke the loop too late,") + " at most " +
-              us(s.max_ns) + " µs late (p99.9 " + us(s.p999_ns) +
-              " µs; allowed is half a period, " + us(period_ns / 2) + " µs)",
+          std::string("it woke the loop ") + (good ? "at most " : "up to ") + us(s.max_ns) +
+              " µs late (p99.9 " + us(s.p999_ns) + " µs; allowed is half a period, " +
+              us(period_ns / 2) + " µs)",
           "close other programs and leave the virtual machine, if this is one"};
 }
 
