@@ -11,10 +11,13 @@ struct InjectedWorldFault {
   enum class Kind {
     kNonFiniteState,  ///< a joint is NaN, and the engine says so
     kSilentNan,       ///< a coordinate of the hand is NaN, and the engine does not notice
-    kStepFails        ///< the engine cannot step, and does not
+    kStepFails,       ///< the engine cannot step, and does not
+    kBodyExplodes,    ///< a body flies off; a world without any is shown one
+    kHandFliesOff     ///< one coordinate of the hand is a hundred times too fast
   };
   Kind kind = Kind::kStepFails;
   int tick = 0;
+  int axis = 0;  ///< of the hand that flies off
 };
 
 /// Passes everything on to another world, but for the fault it injects.
@@ -39,6 +42,15 @@ class FaultyWorld final : public PhysicsWorld {
     if (now(InjectedWorldFault::Kind::kSilentNan)) {
       state.q_s[0] = std::numeric_limits<double>::quiet_NaN();
     }
+    if (now(InjectedWorldFault::Kind::kHandFliesOff)) state.qd_s[fault_.axis] = 1e3;
+    if (fault_.kind == InjectedWorldFault::Kind::kBodyExplodes) {
+      if (state.body_count == 0 || lent_body_) {
+        lent_body_ = true;
+        state.body_count = 1;
+        state.bodies[0] = BodyState{};
+      }
+      if (tick_ >= fault_.tick) state.bodies[0].velocity_m_s.z += 50.0;
+    }
     return fault;
   }
 
@@ -54,6 +66,8 @@ class FaultyWorld final : public PhysicsWorld {
 
   void contacts(ContactList& contacts) const noexcept override { world_.contacts(contacts); }
 
+  /// Nothing goes wrong from now on.
+  void clear() noexcept { fault_.tick = std::numeric_limits<int>::max(); }
   /// How often the world behind was stepped since the hand was placed.
   [[nodiscard]] int steps() const noexcept { return steps_; }
 
@@ -66,6 +80,7 @@ class FaultyWorld final : public PhysicsWorld {
   InjectedWorldFault fault_;
   int tick_ = -1;
   int steps_ = 0;
+  bool lent_body_ = false;
 };
 
 }  // namespace wholehand::test

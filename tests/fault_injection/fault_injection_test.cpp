@@ -1,0 +1,270 @@
+// Every fault that stops, on every axis, at random ticks: WHOLEHAND_FULL tries 1,000 of each.
+#include "fault_injection/fault_bench.hpp"
+#include "support/figure.hpp"
+#include "support/seed.hpp"
+
+#include <cstdlib>
+
+namespace wholehand::test {
+namespace {
+
+using WorldKind = InjectedWorldFault::Kind;
+
+constexpr int kLatestTick = 400;
+constexpr int kReportedWithin = 2600;  // ticks; a stuck encoder needs a second and evidence
+
+struct Kind {
+  const char* name;
+  Fault told;
+  std::optional<InjectedKind> device;
+  std::optional<WorldKind> world;
+  Push push = Push::kWell;
+  bool of_axis = false;
+  int ramp_delay = 0;  ///< what is known only after the write starts the ramp in the next tick
+};
+
+Kind device(const char* name, Fault told, InjectedKind kind, int delay = 0) {
+  return {name, told, kind, std::nullopt, Push::kWell, hasAxis(kind), delay};
+}
+Kind world(const char* name, Fault told, WorldKind kind, bool of_axis = false, int delay = 0) {
+  return {name, told, std::nullopt, kind, Push::kWell, of_axis, delay};
+}
+Kind effort(const char* name, Push push) {
+  return {name, Fault::kNonFiniteEffort, std::nullopt, std::nullopt, push, true, 0};
+}
+
+std::vector<Kind> kinds() {
+  return {
+      device("ReadFails", Fault::kDeviceRead, InjectedKind::kReadFails),
+      device("WriteFails", Fault::kDeviceWrite, InjectedKind::kWriteFails, 1),
+      device("ShortReading", Fault::kDeviceRead, InjectedKind::kShortReading),
+      device("NanPosition", Fault::kNonFinitePosition, InjectedKind::kNanPosition),
+      device("InfinitePosition", Fault::kNonFinitePosition, InjectedKind::kInfinitePosition),
+      device("NegativeInfinitePosition", Fault::kNonFinitePosition,
+             InjectedKind::kNegativeInfinitePosition),
+      device("EncoderJump", Fault::kEncoderJump, InjectedKind::kEncoderJump),
+      device("EncoderStuck", Fault::kEncoderStuck, InjectedKind::kEncoderStuck),
+      device("OverSpeed", Fault::kSpeedLimit, InjectedKind::kOverSpeed),
+      device("LeavesWorkspace", Fault::kWorkspace, InjectedKind::kLeavesWorkspace),
+      device("LateTicks", Fault::kLateInARow, InjectedKind::kLateTicks),
+      device("LongGap", Fault::kLongGap, InjectedKind::kLongGap),
+      world("StepFails", Fault::kPhysicsStep, WorldKind::kStepFails, false, 1),
+      world("NonFiniteState", Fault::kNonFiniteState, WorldKind::kNonFiniteState),
+      world("SilentNan", Fault::kNonFiniteEffort, WorldKind::kSilentNan),
+      world("BodyExplodes", Fault::kBodiesExploded, WorldKind::kBodyExplodes),
+      world("HandFliesOff", Fault::kBodiesExploded, WorldKind::kHandFliesOff, true),
+      effort("NanEffort", Push::kNan),
+      effort("InfiniteEffort", Push::kInfinite),
+  };
+}
+
+/// In which tick the supervisor must tell, from what was read alone: written anew, by the words of
+/// docs/safety.md.
+class Oracle {
+ public:
+  Oracle(const Kind& kind, const RendererConfig& config, int at, int axis)
+      : kind_(kind), s_(config.supervisor), at_(at), axis_(axis) {}
+
+  /// @param sent_before the effort that was in force when this was read
+  [[nodiscard]] bool met(const TickRecord& r, const AxisEffort& sent_before) {
+    const double q = r.q_m[axis_], moved = std::abs(q - q_) - 2.0 * s_.encoder_step[axis_];
+    const double fastest = s_.speed_limit[axis_] * s_.period_s;
+    const int tick = static_cast<int>(r.tick);
+    bool met = tick == at_;
+    if (kind_.told == Fault::kEncoderJump) met = tick > 0 && moved > 3.0 * fastest;
+    if (kind_.told == Fault::kSpeedLimit) met = tick > 0 && moved > fastest;
+    if (kind_.told == Fault::kWorkspace) {
+      met = q < s_.lower[axis_] - s_.margin[axis_] || q > s_.upper[axis_] + s_.margin[axis_];
+    }
+    if (kind_.told == Fault::kLateInARow) met = tick == at_ + s_.watch.late_in_a_row;
+    if (kind_.told == Fault::kEncoderStuck) met = stuck(tick, q, sent_before);
+    q_ = q;
+    return met;
+  }
+
+  [[nodiscard]] bool atStop(double q) const {
+    return q <= s_.lower[axis_] + s_.margin[axis_] || q >= s_.upper[axis_] - s_.margin[axis_];
+  }
+
+ private:
+  bool stuck(int tick, double q, const AxisEffort& sent) {
+    if (tick == 0 || atStop(q) || std::abs(q - still_at_) > 1.5 * s_.encoder_step[axis_]) {
+      still_at_ = q;
+      since_ = tick;
+      least_ = most_ = sent[axis_];
+    }
+    least_ = std::min(least_, sent[axis_]);
+    most_ = std::max(most_, sent[axis_]);
+    return (tick - since_) * s_.period_s >= s_.watch.stuck_encoder_s - 1e-9 &&
+           most_ - least_ > 0.2 * s_.effort_limit[axis_];
+  }
+
+  const Kind& kind_;
+  const SupervisorConfig& s_;
+  int at_, axis_;
+  double q_ = 0.0, still_at_ = 0.0, least_ = 0.0, most_ = 0.0;
+  int since_ = 0;
+};
+
+struct Totals {
+  int runs = 0, unseen = 0;
+  int latest_reaction = 0;  ///< ticks from the criterion to the first smaller effort
+  int latest_neutral = 0;   ///< ticks from there to exactly neutral
+  double steepest = 0.0;
+};
+
+Sabotage sabotage(const Workbench& bench, const Kind& kind, int at, int axis) {
+  Sabotage out;
+  if (kind.device) {
+    // As the device's reads are counted: arming makes the first.
+    out.device = {faultBeyond(bench.models().device, kPeriod_s, *kind.device, axis, at + 1,
+                              at + 1 + kReportedWithin)};
+  }
+  if (kind.world) out.world = {*kind.world, at, axis};
+  out.push = kind.push;
+  out.push_tick = at;
+  out.push_axis = axis;
+  return out;
+}
+
+/// From the tick that told: the ramp, exactly neutral within 100 ms, nothing after it.
+void expectFall(const Kind& kind, Bench& bench, Witness& witness, Totals& totals) {
+  const int steps = bench.world.steps();
+  const double authority = bench.record.authority;
+  int neutral_after = -1;
+  for (int k = 1; k <= kNeutralWithin + 20; ++k) {
+    const TickRecord& r = bench.tick();
+    witness.seeFall(r);
+    ASSERT_EQ(r.safety_state, SafetyState::kFaulted) << k;
+    if (k == 1 && kind.ramp_delay == 1) {
+      ASSERT_LT(r.authority, authority);
+    }
+    if (k == 10) {
+      ASSERT_FALSE(bench.renderer.arm());  // still on its way
+    }
+    if (neutral_after < 0 && witness.atNeutral()) neutral_after = k;
+    if (k == kNeutralWithin - 1) {
+      ASSERT_TRUE(witness.atNeutral());  // the tick that told is the first of the 100
+    }
+  }
+  ASSERT_TRUE(witness.atNeutral());
+  ASSERT_TRUE(bench.renderer.atNeutral());
+  ASSERT_EQ(bench.world.steps(), steps);
+  totals.latest_neutral = std::max(totals.latest_neutral, neutral_after + 1);
+}
+
+/// A person arms again: it renders again, from neutral.
+void expectRearming(Bench& bench, const RendererConfig& config, int ticks) {
+  bench.device.clear();
+  bench.world.clear();
+  bench.exercise.clear();
+  const Expected<Done> armed = bench.renderer.arm();
+  ASSERT_TRUE(armed) << format(armed.errors());
+  Witness witness(config);
+  bench.ticks = -1;
+  for (int k = 0; k < ticks; ++k) witness.see(bench.tick());
+  EXPECT_EQ(witness.problem(), "");
+  EXPECT_EQ(bench.record.faults & kStopping, Fault::kNone);
+  EXPECT_GT(bench.record.authority, 0.0);
+  EXPECT_EQ(bench.record.safety_state, ticks > 200 ? SafetyState::kRendering : SafetyState::kArmed);
+}
+
+void injectOne(const Workbench& workbench, const Kind& kind, int axis, std::mt19937_64& random,
+               Totals& totals) {
+  const int at = static_cast<int>(uniform(random, 2, kLatestTick));
+  SCOPED_TRACE("tick " + std::to_string(at) + ", axis " + std::to_string(axis));
+  const RendererConfig& config = workbench.config();
+  Bench bench(workbench, sabotage(workbench, kind, at, axis), random, config);
+  ASSERT_TRUE(bench.renderer.arm());
+  Witness witness(config);
+  Oracle oracle(kind, config, at, axis);
+  AxisEffort sent = config.neutral;
+  double authority = 0.0;
+  bool met = false;
+  for (int k = 0; k <= at + kReportedWithin && !met; ++k) {
+    const TickRecord& r = bench.tick();
+    met = oracle.met(r, sent);
+    const bool falls = met && kind.ramp_delay == 0;
+    falls ? witness.seeFall(r) : witness.see(r);
+    if (!met) {
+      ASSERT_EQ(r.faults & kStopping, Fault::kNone) << "in tick " << k << ", too early";
+      authority = r.authority;
+    }
+    sent = r.sent;
+  }
+  ++totals.runs;
+  if (!met) {  // an encoder that sticks at a stop says nothing wrong
+    ASSERT_EQ(kind.told, Fault::kEncoderStuck);
+    ASSERT_TRUE(oracle.atStop(bench.record.q_m[axis]));
+    ++totals.unseen;
+    return;
+  }
+  const TickRecord& told = bench.record;
+  ASSERT_EQ(told.faults & kind.told, kind.told);
+  ASSERT_EQ(told.safety_state, SafetyState::kFaulted);
+  if (kind.of_axis && !kind.world) {
+    ASSERT_EQ(told.fault_axis, axis);
+  }
+  if (kind.ramp_delay == 0) {
+    ASSERT_LT(told.authority, authority);
+  }
+  totals.latest_reaction = std::max(totals.latest_reaction, kind.ramp_delay);
+  expectFall(kind, bench, witness, totals);
+  ASSERT_EQ(witness.problem(), "");
+  totals.steepest = std::max(totals.steepest, witness.steepest);
+  expectRearming(bench, config, totals.runs % 10 == 0 ? 220 : 5);
+}
+
+int runsOfEach() {
+  return std::getenv("WHOLEHAND_FULL") != nullptr ? 1000 : 6;
+}
+
+class StoppingFault : public ::testing::TestWithParam<Kind> {};
+
+TEST_P(StoppingFault, OnEveryAxisAtRandomTicks_ReachesNeutralAndStaysUntilArmed) {
+  const Kind kind = GetParam();
+  static const Workbench workbench("lambda-pride");
+  std::mt19937_64 random = seededRandom(11);
+  Totals totals;
+  for (int axis = 0; axis < (kind.of_axis ? workbench.axes() : 1); ++axis) {
+    for (int i = 0; i < runsOfEach(); ++i) {
+      injectOne(workbench, kind, axis, random, totals);
+      if (HasFatalFailure()) return;
+    }
+  }
+  EXPECT_LT(totals.unseen, totals.runs / 2 + 1);
+  EXPECT_LE(totals.latest_reaction, 1);
+  EXPECT_LE(totals.latest_neutral, kNeutralWithin);
+  EXPECT_LE(totals.steepest, 1.0 + 1e-9);
+  std::printf(
+      "%s: %d runs, %d stuck at a stop; reaction after %d tick(s), neutral after %d ms, "
+      "steepest change %.3f of the slew limit\n",
+      kind.name, totals.runs, totals.unseen, totals.latest_reaction, totals.latest_neutral,
+      totals.steepest);
+}
+INSTANTIATE_TEST_SUITE_P(Kinds, StoppingFault, ::testing::ValuesIn(kinds()),
+                         [](const auto& tested) { return std::string(tested.param.name); });
+
+// Whatever the number of axes: a few of every kind on the other shipped devices.
+class OtherDevice : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(OtherDevice, EveryStoppingFaultOnARandomAxis_ReachesNeutral) {
+  const Workbench workbench(GetParam());
+  std::mt19937_64 random = seededRandom(12);
+  Totals totals;
+  for (const Kind& kind : kinds()) {
+    SCOPED_TRACE(kind.name);
+    const int axis = static_cast<int>(uniform(random, 0, workbench.axes()));
+    injectOne(workbench, kind, axis, random, totals);
+    if (HasFatalFailure()) return;
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Devices, OtherDevice, ::testing::Values("desktop-3axis", "wrist-9axis"),
+                         [](const auto& tested) {
+                           std::string name = tested.param;
+                           std::erase(name, '-');
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace wholehand::test
