@@ -222,12 +222,12 @@ void MappedBox::describe(int signal) noexcept {
 void MappedBox::putPart(Part part, std::uint64_t bytes) noexcept {
   const black_box::PartHeader head{static_cast<std::uint32_t>(part), 0, bytes};
   file_.put(&head, sizeof head);
-  (void)file_.takeCrc();
 }
 
 void MappedBox::endPart() noexcept {
   const std::uint32_t crc = file_.takeCrc();
   file_.put(&crc, sizeof crc);
+  (void)file_.takeCrc();  // the next part's begins with its head
 }
 
 void MappedBox::putEntries() noexcept {

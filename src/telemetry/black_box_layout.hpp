@@ -11,7 +11,7 @@
 
 /// How a black box lies in its file; docs/recording.md tells people. Private to telemetry.
 ///
-/// Header, then the parts of kTags in their order: tag, length, bytes, CRC-32 of the bytes. The
+/// Header, then each Part in its order: head, bytes, CRC-32 of both. The
 /// last one closes the file.
 namespace wholehand::black_box {
 

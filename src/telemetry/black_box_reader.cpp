@@ -117,7 +117,8 @@ std::string MemoryReader::findParts() {
     }
     parts_[i] = Bytes(file_).subspan(at, head.bytes);
     at += head.bytes;
-    if (crc32(0, parts_[i].data(), parts_[i].size()) != copyOf<std::uint32_t>(file_, at)) {
+    const std::size_t begin = at - head.bytes - sizeof head;
+    if (crc32(0, file_.data() + begin, at - begin) != copyOf<std::uint32_t>(file_, at)) {
       return "is damaged";
     }
     at += sizeof(std::uint32_t);

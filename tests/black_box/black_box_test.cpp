@@ -1,0 +1,313 @@
+#include "telemetry/black_box.hpp"
+
+#include "black_box/box_tools.hpp"
+#include "support/seed.hpp"
+
+#include <atomic>
+#include <cstdio>
+#include <ctime>
+#include <filesystem>
+#include <thread>
+
+namespace wholehand::test {
+namespace {
+
+using synthetic::Folder;
+
+std::mt19937_64 randomOf(std::uint64_t tick) {
+  return std::mt19937_64(tick * 7919 + 1);
+}
+TickRecord tickNumber(std::uint64_t tick) {
+  auto random = randomOf(tick);
+  return tickAt(tick, random);
+}
+
+TEST(BlackBox, LongRun_KeepsTheLastFiveSecondsAndAllInputs) {
+  const Folder folder;
+  const std::string path = folder.file("deep/down/a.wbb");
+  constexpr std::uint64_t kTicks = 13'000;  // of a millisecond: two laps of the memory and a half
+  auto box = armed(planFor(path));
+  for (std::uint64_t i = 0; i < kTicks; ++i) giveTick(*box, tickNumber(i));
+  ASSERT_TRUE(box->write().ok());
+  EXPECT_FALSE(std::filesystem::exists(path + ".part"));
+
+  const auto read = opened(path);
+  ASSERT_NE(read, nullptr);
+  EXPECT_GE(read->size(), 5000U);
+  TickRecord got;
+  for (std::uint64_t i = 0; i < read->size(); ++i) {
+    ASSERT_TRUE(read->read(i, got));
+    ASSERT_EQ(got.tick, kTicks - read->size() + i);
+    ASSERT_EQ(bytesOf(got), bytesOf(tickNumber(got.tick)));
+  }
+  EXPECT_FALSE(read->read(read->size(), got));
+  EXPECT_TRUE(read->inputsWhole());
+  ASSERT_EQ(read->inputTicks(), kTicks);
+  TickInput input;
+  for (std::uint64_t i = 0; i < kTicks; ++i) {
+    ASSERT_TRUE(read->nextInput(input));
+    const TickRecord want = tickNumber(i);
+    ASSERT_TRUE(std::equal(want.q_m.begin(), want.q_m.end(), input.q_m.begin())) << i;
+    ASSERT_EQ(input.command_count, want.command_count);
+  }
+  EXPECT_FALSE(read->nextInput(input));
+}
+
+TEST(BlackBox, Description_ComesBackWithFilesByteForByte) {
+  const Folder folder;
+  auto box = armed(planFor(folder.file("a.wbb")));
+  giveTick(*box, tickNumber(0));
+  ASSERT_TRUE(box->write().ok());
+  const RecordingMeta want = synthetic::meta();
+  const RecordingMeta got = opened(folder.file("a.wbb"))->meta();
+  EXPECT_EQ(got.files, want.files);  // one holds zeros and 0xFF, one is empty
+  EXPECT_EQ(got.armed_position, want.armed_position);
+  EXPECT_EQ(got.parameter_values, want.parameter_values);
+  EXPECT_EQ(got.seed, want.seed);
+  EXPECT_EQ(got.engine, want.engine);
+  EXPECT_EQ(got.level, want.level);
+  EXPECT_EQ(got.git_version, want.git_version);
+  EXPECT_EQ(got.body_names, want.body_names);
+}
+
+TEST(BlackBox, StoppingFault_IsTheCauseWithItsAxisAndTick) {
+  const Folder folder;
+  auto box = armed(planFor(folder.file("a.wbb")));
+  for (std::uint64_t i = 0; i < 30; ++i) {
+    TickRecord record = tickNumber(i);
+    record.faults = Fault::kLateTick;  // is no reason
+    if (i == 20) {
+      record.faults = Fault::kSpeedLimit;
+      record.fault_axis = 4;
+    }
+    if (i == 25) record.faults = Fault::kDeviceRead;
+    EXPECT_EQ(box->wanted(), i > 20);
+    giveTick(*box, record);
+  }
+  ASSERT_TRUE(box->write().ok());
+  const BlackBoxCause cause = opened(folder.file("a.wbb"))->cause();
+  EXPECT_EQ(cause.faults, Fault::kSpeedLimit | Fault::kDeviceRead);
+  EXPECT_EQ(cause.fault_tick, 20U);
+  EXPECT_EQ(cause.fault_axis, 4);
+  EXPECT_EQ(cause.signal, 0);
+  EXPECT_FALSE(cause.within_tick);
+  EXPECT_NEAR(static_cast<double>(cause.unix_ns) * 1e-9, static_cast<double>(std::time(nullptr)),
+              60.0);
+}
+
+TEST(BlackBox, MemoryForInputsFull_StillShowsButSaysSo) {
+  const Folder folder;
+  BlackBoxPlan plan = planFor(folder.file("a.wbb"));
+  plan.input_bytes = 20'000;
+  auto box = armed(plan);
+  for (std::uint64_t i = 0; i < 3000; ++i) giveTick(*box, tickNumber(i));
+  EXPECT_FALSE(box->inputsWhole());
+  ASSERT_TRUE(box->write().ok());
+  const auto read = opened(plan.path);
+  ASSERT_NE(read, nullptr);
+  EXPECT_FALSE(read->inputsWhole());
+  EXPECT_GT(read->inputTicks(), 100U);
+  EXPECT_LT(read->inputTicks(), 3000U);
+  EXPECT_EQ(read->size(), 3000U);
+}
+
+TEST(BlackBox, MemoryForTicksTooSmall_KeepsTheLastOnes) {
+  const Folder folder;
+  BlackBoxPlan plan = planFor(folder.file("a.wbb"));
+  plan.most_tick_bytes = 500'000;
+  auto box = armed(plan);
+  for (std::uint64_t i = 0; i < 4000; ++i) giveTick(*box, tickNumber(i));
+  ASSERT_TRUE(box->write().ok());
+  const auto read = opened(plan.path);
+  ASSERT_NE(read, nullptr);
+  ASSERT_GT(read->size(), 50U);
+  EXPECT_LT(read->size(), 1000U);
+  TickRecord got;
+  for (std::uint64_t i = 0; i < read->size(); ++i) {
+    ASSERT_TRUE(read->read(i, got));
+    ASSERT_EQ(got.tick, 4000 - read->size() + i);
+    ASSERT_EQ(bytesOf(got), bytesOf(tickNumber(got.tick)));
+  }
+}
+
+// As in a crash of another thread: the loop ticks on while the box is being written.
+TEST(BlackBox, TicksWhileItIsWritten_AreWholeOrLeftOut) {
+  const Folder folder;
+  BlackBoxPlan plan = planFor(folder.file("a.wbb"));
+  plan.keep_s = 0.05;  // the memory is overwritten many times a second
+  plan.most_ticks = 1'000'000;
+  std::vector<TickRecord> ticks;
+  for (std::uint64_t i = 0; i < 64; ++i) ticks.push_back(tickNumber(i));
+  std::vector<std::string> want;
+  for (const TickRecord& tick : ticks) want.push_back(bytesOf(tick));
+  auto box = armed(plan);
+  std::atomic<bool> done{false};
+  std::atomic<std::uint64_t> given{0};
+  std::thread loop([&] {
+    for (std::uint64_t i = 0; !done; ++i) {
+      giveTick(*box, ticks[i % ticks.size()]);
+      given = i + 1;
+      if (i % 16 == 0) std::this_thread::yield();
+    }
+  });
+  while (given < 200) std::this_thread::yield();
+  std::uint64_t whole = 0;
+  for (int round = 0; round < 40; ++round) {
+    ASSERT_TRUE(box->write().ok());
+    const auto read = opened(plan.path);
+    ASSERT_NE(read, nullptr);
+    TickRecord got;
+    for (std::uint64_t i = 0; i < read->size(); ++i, ++whole) {
+      ASSERT_TRUE(read->read(i, got));
+      ASSERT_EQ(bytesOf(got), want[got.tick]) << "tick " << got.tick;
+    }
+  }
+  done = true;
+  loop.join();
+  std::printf("40 boxes written beside %llu ticks: %llu whole ones in them\n",
+              static_cast<unsigned long long>(given.load()),
+              static_cast<unsigned long long>(whole));
+}
+
+TEST(BlackBox, FifthAtOnce_IsRefused) {
+  const Folder folder;
+  std::vector<std::unique_ptr<BlackBox>> boxes;
+  BlackBoxPlan plan = planFor(folder.file("a.wbb"));
+  plan.most_ticks = 100;
+  for (int i = 0; i < 4; ++i) boxes.push_back(armed(plan));
+  const auto fifth = BlackBox::arm(synthetic::meta(), plan);
+  ASSERT_FALSE(fifth.ok());
+  EXPECT_NE(format(fifth.errors()).find("4 of them are"), std::string::npos);
+  boxes.pop_back();
+  EXPECT_TRUE(BlackBox::arm(synthetic::meta(), plan).ok());
+}
+
+TEST(BlackBox, NoRoomOrNoFolder_SaysSoAndLeavesNothing) {
+  const Folder folder;
+  overwrite(folder.file("file"), "in the way");
+  auto box = armed(planFor(folder.file("file/a.wbb")));
+  giveTick(*box, tickNumber(0));
+  const auto written = box->write();
+  ASSERT_FALSE(written.ok());
+  EXPECT_NE(format(written.errors()).find("Not a directory"), std::string::npos)
+      << format(written.errors());
+  if (std::filesystem::exists("/dev/full")) {  // a full disk
+    std::filesystem::create_symlink("/dev/full", folder.file("b.wbb.part"));
+    auto full = armed(planFor(folder.file("b.wbb")));
+    for (std::uint64_t i = 0; i < 100; ++i) giveTick(*full, tickNumber(i));
+    const auto refused = full->write();
+    ASSERT_FALSE(refused.ok());
+    EXPECT_NE(format(refused.errors()).find("No space left"), std::string::npos)
+        << format(refused.errors());
+    EXPECT_FALSE(std::filesystem::exists(folder.file("b.wbb")));
+  }
+}
+
+/// A small box on the disk, as bytes.
+std::string smallBox(const Folder& folder) {
+  auto box = armed(planFor(folder.file("whole.wbb")));
+  for (std::uint64_t i = 0; i < 20; ++i) giveTick(*box, tickNumber(i));
+  EXPECT_TRUE(box->write().ok());
+  return contents(folder.file("whole.wbb"));
+}
+
+TEST(BlackBoxReader, CutOffAnywhere_IsRefused) {
+  const Folder folder;
+  const std::string whole = smallBox(folder), path = folder.file("cut.wbb");
+  ASSERT_EQ(refusalOf(folder.file("whole.wbb")), "opened");
+  auto random = seededRandom(4105);
+  std::vector<std::size_t> sizes = {8, 9, 100, whole.size() - 1, whole.size() - 5};
+  for (int i = 0; i < 200; ++i) sizes.push_back(8 + random() % (whole.size() - 8));
+  for (const std::size_t size : sizes) {
+    overwrite(path, whole.substr(0, size));
+    ASSERT_NE(refusalOf(path).find("cut off"), std::string::npos) << size << refusalOf(path);
+  }
+  overwrite(path, whole + "x");
+  EXPECT_NE(refusalOf(path).find("damaged"), std::string::npos);
+}
+
+// One changed byte, whichever: CRC-32 finds every burst of up to 32 bits.
+TEST(BlackBoxReader, OneSpoiledByte_IsAlwaysFound) {
+  const Folder folder;
+  const std::string whole = smallBox(folder), path = folder.file("spoiled.wbb");
+  auto random = seededRandom(4106);
+  for (int i = 0; i < 400; ++i) {
+    std::string spoiled = whole;
+    const std::size_t at = i < 200 ? static_cast<std::size_t>(i) : random() % whole.size();
+    spoiled[at] = static_cast<char>(spoiled[at] ^ static_cast<char>(1 + random() % 255));
+    overwrite(path, spoiled);
+    ASSERT_NE(refusalOf(path), "opened") << "byte " << at;
+  }
+}
+
+TEST(BlackBoxReader, BoxOfAnotherVersion_IsRefusedWithThatVersion) {
+  const Folder folder;
+  const std::string whole = smallBox(folder), path = folder.file("other.wbb");
+  for (const std::size_t at : {8UL, 12UL}) {  // its format, the size of its header
+    std::string other = whole;
+    other[at] = static_cast<char>(other[at] + 1);
+    overwrite(path, other);
+    EXPECT_NE(refusalOf(path).find("another version of Wholehand: 7c1e90a"), std::string::npos)
+        << refusalOf(path);
+    EXPECT_NE(refusalOf(path).find("with the program that wrote it"), std::string::npos);
+  }
+}
+
+TEST(BlackBoxReader, ForeignFiles_AreRefused) {
+  const Folder folder;
+  overwrite(folder.file("text.wbb"), "time,x\n0,1\n");
+  overwrite(folder.file("empty.wbb"), "");
+  for (const char* name : {"text.wbb", "empty.wbb", "missing.wbb"}) {
+    EXPECT_NE(refusalOf(folder.file(name)).find("is no black box"), std::string::npos);
+  }
+  EXPECT_NE(refusalOf(folder.path()).find("is no black box"), std::string::npos);
+}
+
+// A box reads like a recording: replay, report and picture take it as it is.
+TEST(RecordingReader, BlackBox_IsReadAsARecording) {
+  const Folder folder;
+  smallBox(folder);
+  const auto read = RecordingReader::open(folder.file("whole.wbb"));
+  ASSERT_TRUE(read.ok());
+  EXPECT_EQ(read.value()->size(), 20U);
+  EXPECT_EQ(read.value()->meta().title, synthetic::meta().title);
+}
+
+double threadCpu_ns() {
+  timespec t{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return 1e9 * static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec);
+}
+
+// 20 contacts, 10 bodies: a hand around a glass in the bar. A figure, and a gate far above it.
+TEST(BlackBox, TickInTheBar_CostsFarLessThanATick) {
+  const Folder folder;
+  RecordingMeta meta = synthetic::meta();
+  meta.body_names.assign(10, "body");
+  BlackBoxPlan plan = planFor(folder.file("a.wbb"));
+  plan.encoder_step[3] = 1e-4;  // as every axis of a robot has one
+  auto armed_box = BlackBox::arm(meta, plan);
+  ASSERT_TRUE(armed_box.ok());
+  BlackBox& box = **armed_box;
+  TickRecord record = tickNumber(1);
+  record.body_count = 10;
+  record.contact_count = 20;
+  record.command_count = 0;
+  giveTick(box, record);
+  constexpr int kTicks = 20'000;
+  const std::uint64_t bytes_before = box.inputBytes();
+  const double began_ns = threadCpu_ns();
+  for (int i = 0; i < kTicks; ++i) {
+    for (int a = 0; a < 6; ++a)
+      record.q_m[a] = plan.encoder_step[static_cast<std::size_t>(a)] * (i / 2);
+    giveTick(box, record);
+  }
+  const double per_tick_ns = (threadCpu_ns() - began_ns) / kTicks;
+  std::printf("black box: %.0f ns a tick, %zu bytes of it kept whole, %.1f bytes of inputs\n",
+              per_tick_ns, bytesOf(record).size(),
+              static_cast<double>(box.inputBytes() - bytes_before) / kTicks);
+  EXPECT_LT(per_tick_ns, 50'000.0);  // of CPU time, so that sanitizers pass, too
+}
+
+}  // namespace
+}  // namespace wholehand::test

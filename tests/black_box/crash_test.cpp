@@ -1,0 +1,200 @@
+#include "black_box/box_tools.hpp"
+#include "telemetry/crash_guard.hpp"
+
+#include <climits>
+
+#include <atomic>
+#include <csignal>
+#include <cstdlib>
+#include <exception>
+#include <functional>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <thread>
+#include <unistd.h>
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define WHOLEHAND_SANITIZED 1
+#endif
+
+namespace wholehand::test {
+namespace {
+
+using synthetic::Folder;
+
+/// Runs `body` in a child process, silently and without core dump; how it ended.
+int inChild(const std::function<void()>& body) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const rlimit none{0, 0};
+    ::setrlimit(RLIMIT_CORE, &none);
+    ::close(STDERR_FILENO);
+    ::alarm(60);
+    body();
+    ::_exit(99);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return status;
+}
+
+/// The process died of that signal, as it would have without us. A sanitizer's own handler, which
+/// was there before ours and so comes after it, exits instead.
+void expectDiedOf(int signal, int status) {
+#ifdef WHOLEHAND_SANITIZED
+  EXPECT_TRUE(WIFSIGNALED(status) || WEXITSTATUS(status) != 99) << status;
+#else
+  ASSERT_TRUE(WIFSIGNALED(status)) << "exit code " << WEXITSTATUS(status);
+  EXPECT_EQ(WTERMSIG(status), signal);
+#endif
+}
+
+void expectBox(const std::string& path, int signal, std::uint64_t ticks) {
+  const auto read = opened(path);
+  ASSERT_NE(read, nullptr);
+  EXPECT_EQ(read->cause().signal, signal);
+  EXPECT_EQ(read->size(), ticks);
+  EXPECT_EQ(read->inputTicks(), ticks);
+  std::mt19937_64 random(1);
+  TickRecord got;
+  for (std::uint64_t i = 0; i < ticks; ++i) {
+    ASSERT_TRUE(read->read(i, got));
+    ASSERT_EQ(bytesOf(got), bytesOf(tickAt(i, random))) << i;
+  }
+}
+
+void tickTimes(BlackBox& box, std::uint64_t count) {
+  std::mt19937_64 random(1);
+  for (std::uint64_t i = 0; i < count; ++i) giveTick(box, tickAt(i, random));
+}
+
+volatile int g_deepest = INT_MAX;
+volatile int g_sum = 0;
+
+[[gnu::noinline]] int dig(int depth) {
+  volatile char room[4096];
+  room[0] = static_cast<char>(depth);
+  return depth < g_deepest ? dig(depth + 1) + room[0] : 0;
+}
+
+void writeToNowhere() {
+  volatile int* volatile nowhere = nullptr;
+  *nowhere = 1;
+}
+
+struct Crash {
+  const char* name;
+  int signal;
+  std::function<void()> happen;
+};
+
+std::vector<Crash> crashes() {
+  return {
+      {"null pointer", SIGSEGV, writeToNowhere},
+      {"abort", SIGABRT, [] { std::abort(); }},
+      {"exception that nobody catches", SIGABRT, [] { std::terminate(); }},
+      {"sent SIGBUS", SIGBUS, [] { ::raise(SIGBUS); }},
+      {"sent SIGFPE", SIGFPE, [] { ::raise(SIGFPE); }},
+      {"no instruction", SIGILL, [] { __builtin_trap(); }},
+      {"sent SIGSEGV", SIGSEGV, [] { ::kill(::getpid(), SIGSEGV); }},
+      {"stack overflow", SIGSEGV, [] { g_sum = dig(0); }},
+  };
+}
+
+TEST(CrashedProcess, EverySignalInTheTickingThread_LeavesAReadableBoxAndTheSignal) {
+  for (const Crash& crash : crashes()) {
+    SCOPED_TRACE(crash.name);
+    const Folder folder;
+    const std::string path = folder.file("new/a.wbb");
+    const int status = inChild([&] {
+      auto box = armed(planFor(path));
+      std::thread loop([&] {
+        tickTimes(*box, 700);
+        crash.happen();
+      });
+      loop.join();
+    });
+    expectDiedOf(crash.signal, status);
+    expectBox(path, crash.signal, 700);
+    EXPECT_FALSE(opened(path)->cause().within_tick);
+  }
+}
+
+TEST(CrashedProcess, InTheMiddleOfATick_SaysSo) {
+  const Folder folder;
+  const int status = inChild([&] {
+    auto box = armed(planFor(folder.file("a.wbb")));
+    tickTimes(*box, 50);
+    box->beforeTick(TickRecord{});
+    std::abort();
+  });
+  expectDiedOf(SIGABRT, status);
+  expectBox(folder.file("a.wbb"), SIGABRT, 50);
+  EXPECT_TRUE(opened(folder.file("a.wbb"))->cause().within_tick);
+}
+
+TEST(CrashedProcess, BeforeTheFirstTickOrAfterTheEnd_LeavesNothing) {
+  const Folder folder;
+  expectDiedOf(SIGABRT, inChild([&] {
+                 auto box = armed(planFor(folder.file("a.wbb")));
+                 std::abort();
+               }));
+  expectDiedOf(SIGABRT, inChild([&] {
+                 auto box = armed(planFor(folder.file("a.wbb")));
+                 tickTimes(*box, 50);
+                 box.reset();
+                 std::abort();
+               }));
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(CrashedProcess, ManyThreadsAtOnce_LeaveOneWholeBox) {
+  const Folder folder;
+  const int status = inChild([&] {
+    auto box = armed(planFor(folder.file("a.wbb")));
+    tickTimes(*box, 300);
+    std::atomic<int> ready{0};
+    std::vector<std::thread> threads;
+    for (int i = 0; i < 6; ++i) {
+      threads.emplace_back([&ready] {
+        for (++ready; ready < 6;) std::this_thread::yield();
+        ::raise(SIGSEGV);
+      });
+    }
+    for (auto& t : threads) t.join();
+  });
+  expectDiedOf(SIGSEGV, status);
+  expectBox(folder.file("a.wbb"), SIGSEGV, 300);
+}
+
+/// Crashes once more while a crash is being dealt with.
+class CrashingWitness final : public CrashWitness {
+ public:
+  void crashed(int) noexcept override { writeToNowhere(); }
+};
+
+TEST(CrashGuard, WitnessThatCrashes_EndsTheProcessWithoutALoop) {
+  const int status = inChild([] {
+    CrashingWitness witness;
+    const CrashGuard guard(witness);
+    std::abort();
+  });
+  EXPECT_TRUE(!WIFSIGNALED(status) || WTERMSIG(status) != SIGALRM) << "it went on for a minute";
+  expectDiedOf(SIGSEGV, status);
+}
+
+TEST(CrashGuard, AfterTheLast_TheSignalsDoWhatTheyDidBefore) {
+  struct sigaction before {
+  }, after{};
+  ::sigaction(SIGSEGV, nullptr, &before);
+  {
+    CrashingWitness witness;
+    const CrashGuard first(witness), second(witness);
+    EXPECT_TRUE(first.stands() && second.stands());
+  }
+  ::sigaction(SIGSEGV, nullptr, &after);
+  EXPECT_EQ(before.sa_handler, after.sa_handler);
+}
+
+}  // namespace
+}  // namespace wholehand::test
