@@ -72,6 +72,7 @@ Json certificateJson(const AdvisedCertificate& judged) {
   json["rendering"] = judged.input.rendering.name;
   json["hand"] = judged.input.hand;
   json["exercise"] = judged.input.exercise.empty() ? Json() : Json(judged.input.exercise);
+  json["level"] = judged.input.level > 0 ? Json(judged.input.level) : Json();
   json["axes"] = Json::array();
   for (std::size_t i = 0; i < c.axes.size(); ++i) {
     json["axes"].push_back(axisJson(c.axes[i], judged.advice[i]));

@@ -128,8 +128,9 @@ std::string verdict(const AdvisedCertificate& judged) {
 }  // namespace
 
 std::string certificateText(const AdvisedCertificate& judged) {
-  const std::string walls =
+  std::string walls =
       judged.input.exercise.empty() ? std::string{} : " and the walls of " + judged.input.exercise;
+  if (judged.input.level > 0) walls += fmt::format(", level {}", judged.input.level);
   return fmt::format("{} with the gains {}, the hand {}{}\n\n", judged.input.device.name,
                      judged.input.rendering.name, judged.input.hand, walls) +
          criteriaTable(judged.certificate) + admittedTable(judged) + "\n" + verdict(judged);

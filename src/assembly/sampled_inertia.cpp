@@ -79,7 +79,11 @@ CertificateInput certificateInput(const Models& models, double period_s) {
     input.walls.push_back({wall.axis, {wall.stiffness, wall.damping}});
   }
   input.hand = models.hand.name;
-  if (models.exercise) input.exercise = models.exercise->description().name;
+  if (models.exercise) {
+    const ExerciseDescription& exercise = models.exercise->description();
+    input.exercise = exercise.name;
+    input.level = exercise.levels > 1 ? exercise.level : 0;
+  }
   return input;
 }
 

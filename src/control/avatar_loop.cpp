@@ -6,13 +6,19 @@
 
 #include <Eigen/Cholesky>
 
+#include <limits>
+
 namespace wholehand {
 
 Eigen::MatrixXd avatarLoopMatrix(const AxisMatrix& reduced_inertia,
                                  const Eigen::VectorXd& k_ps_per_s2, double period_s) {
   const Eigen::Index n = reduced_inertia.rows();
   const Eigen::MatrixXd m = reduced_inertia;
-  const Eigen::MatrixXd coupled = m.llt().solve(Eigen::MatrixXd(m.diagonal().asDiagonal()));
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(m);
+  if (cholesky.info() != Eigen::Success) {  // singular: nothing moves such a hand in order
+    return Eigen::MatrixXd::Constant(2 * n, 2 * n, std::numeric_limits<double>::infinity());
+  }
+  const Eigen::MatrixXd coupled = cholesky.solve(Eigen::MatrixXd(m.diagonal().asDiagonal()));
   Eigen::VectorXd k_ds_per_s(n);
   for (Eigen::Index i = 0; i < n; ++i) k_ds_per_s[i] = criticalDamping(k_ps_per_s2[i], period_s);
   Eigen::MatrixXd out = Eigen::MatrixXd::Identity(2 * n, 2 * n);

@@ -9,6 +9,7 @@ namespace wholehand {
 
 /// The avatar alone, all axes coupled by its inertia, target at rest: matrix over [q_s, q̇_s] of
 /// q̈_s = −M_r⁻¹ M̃_r (K_ps q_s + K_ds q̇_s) under symplectic Euler, K_ds by Eq. (14).
+/// Infinite where the inertia is not positive definite.
 [[nodiscard]] Eigen::MatrixXd avatarLoopMatrix(const AxisMatrix& reduced_inertia,
                                                const Eigen::VectorXd& k_ps_per_s2, double period_s);
 

@@ -131,6 +131,7 @@ struct CertificateInput {
   std::vector<Wall> walls = {};  ///< the stiffest ones of the exercise, if there is one
   std::string hand = {};         ///< its name
   std::string exercise = {};     ///< its name; empty without one
+  int level = 0;                 ///< of the exercise; 0 where it has only one
 };
 
 /// @pre device and rendering have the same axes, the inertias as many rows; period_s > 0
@@ -152,9 +153,10 @@ struct LargestDamping {
 /// 2 b / T, or 2 f_c / Δ where that is less and known.
 [[nodiscard]] double quantisationLimit(const AxisCase& c);
 [[nodiscard]] WallCertificate certifyWall(const AxisCase& c, const WallCase& wall);
-/// The slew that the effort needs where the device, nobody attached, flies at its speed limit
-/// against an avatar that cannot move: it swings at ω = √((K_pm + k)/m), and
-/// v √((K_pm + k)² + (D ω)²), D = γB + K_dm + d, is the fastest change of K x + D ẋ.
+/// The slew that the effort needs where the device, nobody attached, flies at its speed limit v
+/// against an avatar that a stop holds: the spring changes by (K_pm + k) v, and the damping
+/// D = γB + K_dm + d as fast as the device slows down, in v at most ω + (D + b)/m,
+/// ω = √((K_pm + k)/m). Together v (K_pm + k + D (ω + (D + b)/m)).
 [[nodiscard]] double requiredSlew(const AxisCase& c);
 /// The arm of that name at the axis: on a rotation times the square of its lever arm.
 [[nodiscard]] Impedance armAt(const DeviceAxis& axis, const std::string& person);

@@ -45,6 +45,10 @@ void addInertia(std::string& text, const AxisMatrix& m) {
   }
 }
 
+std::string exerciseName(const CertificateInput& input) {
+  return input.level > 0 ? fmt::format("{} level {}", input.exercise, input.level) : input.exercise;
+}
+
 }  // namespace
 
 std::string hashOf(const std::string& text) {
@@ -67,7 +71,7 @@ CertificateFingerprint fingerprintOf(const CertificateInput& input) {
   out.parts = {{{input.device.name, hashOf(deviceText(input.device))},
                 {input.rendering.name, hashOf(renderingText(input.rendering))},
                 {input.hand, hashOf(hand)},
-                {input.exercise, hashOf(walls)}}};
+                {exerciseName(input), hashOf(walls)}}};
   return out;
 }
 

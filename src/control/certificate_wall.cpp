@@ -62,8 +62,8 @@ double requiredSlew(const AxisCase& c) {
     const double stiffness = l.k_pm + l.wall_stiffness;
     const double reciprocal = l.gamma * l.k_pm * l.k_ds_per_s / l.k_ps_per_s2;
     const double damping = reciprocal + l.phi_k_dm + l.wall_damping;
-    const double rate_per_s = std::sqrt(stiffness / l.mass);
-    most = std::max(most, c.axis.speed_limit * std::hypot(stiffness, damping * rate_per_s));
+    const double rate_per_s = std::sqrt(stiffness / l.mass) + (damping + l.damping) / l.mass;
+    most = std::max(most, c.axis.speed_limit * (stiffness + damping * rate_per_s));
   }
   return most;
 }

@@ -58,7 +58,8 @@ class AxisSimulation {
 
   double x = 0.0, v = 0.0, xs = 0.0, vs = 0.0;  ///< device and avatar
   double wall_at = 0.0;
-  bool wall_linear = true;  ///< pulls, too: as the certificate's matrix has it
+  double most_change = HUGE_VAL;  ///< of the effort in a tick
+  bool wall_linear = true;        ///< pulls, too: as the certificate's matrix has it
 
   /// Before the first tick: the filter knows where the device is.
   void start(double position, double velocity) {
@@ -67,13 +68,22 @@ class AxisSimulation {
     filtered_ = 0.0;
   }
 
+  /// In flight for long: the filter knows the speed, too, and the damping is felt.
+  void fly(double velocity) {
+    start(0.0, velocity);
+    filtered_ = velocity;
+    sent_ = -l.phi_k_dm * velocity;
+    queue_.fill(sent_);
+  }
+
   /// @param tank_effort sent with the rest @param push of a person, acts at once
   void tick(double tank_effort = 0.0, double push = 0.0) noexcept {
     const double t = l.period_s;
     filtered_ = (l.filter_tau_s * filtered_ + (x - before_)) / (l.filter_tau_s + t);
     before_ = x;
-    const double sent = l.k_pm * (xs - x) + relative_damping_ * (vs - filtered_) -
-                        l.phi_k_dm * filtered_ + wallEffort() + tank_effort;
+    const double wanted = l.k_pm * (xs - x) + relative_damping_ * (vs - filtered_) -
+                          l.phi_k_dm * filtered_ + wallEffort() + tank_effort;
+    const double sent = std::clamp(wanted, sent_ - most_change, sent_ + most_change);
     acceleration_ = l.k_ps_per_s2 * (x - xs) + l.k_ds_per_s * (filtered_ - vs);
     sent_ = felt_ = sent;
     if (l.delay_ticks > 0) {
