@@ -1,0 +1,323 @@
+// What the supervisor takes for a fault, from both sides of every limit. Expected values are the
+// limits themselves: a motion a hair below passes, a hair above does not.
+#include "safety/supervisor.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace wholehand::test {
+namespace {
+
+constexpr double kT_s = 1e-3;
+constexpr double kCount = 1e-5;  // encoder step of the translations
+
+/// x, y and a finger: 1.5 m/s and 10 rad/s, ranges of 0.2 m and 3 rad, margins of 5 mm and 0.03
+/// rad.
+DeviceModel threeAxes() {
+  DeviceModel device;
+  for (int i = 0; i < 3; ++i) {
+    const bool hand = i == 2;
+    DeviceAxis axis;
+    axis.name = i == 0 ? "x" : i == 1 ? "y" : "finger_flexion";
+    axis.kind = hand ? AxisKind::kRotation : AxisKind::kTranslation;
+    axis.group = hand ? AxisGroup::kHand : AxisGroup::kBase;
+    axis.lower = hand ? 0.0 : -0.1;
+    axis.upper = hand ? 3.0 : 0.1;
+    axis.effort_limit = hand ? 0.8 : 20.0;
+    axis.effort_slew_limit = 250.0 * axis.effort_limit;
+    axis.speed_limit = hand ? 10.0 : 1.5;
+    axis.workspace_margin = hand ? 0.03 : 0.005;
+    axis.encoder_step = hand ? 1e-4 : kCount;
+    device.axes.push_back(axis);
+  }
+  device.watch = {5, 0.02, 1.0};
+  return device;
+}
+
+AxisPosition at(double x, double y = 0.0, double finger = 1.0) {
+  AxisPosition q(3);
+  q[0] = x;
+  q[1] = y;
+  q[2] = finger;
+  return q;
+}
+
+AxisEffort efforts(double x, double finger = 0.0) {
+  AxisEffort f(3);
+  f[0] = x;
+  f[2] = finger;
+  return f;
+}
+
+class DeviceWatch : public ::testing::Test {
+ protected:
+  Finding see(const AxisPosition& q, int elapsed = 1, const AxisEffort& sent = AxisEffort(3)) {
+    return watchDevice(state_, q, sent, elapsed, config_);
+  }
+  SupervisorConfig config_ = makeSupervisor(threeAxes(), kT_s, false);
+  DeviceWatchState state_;
+};
+
+TEST_F(DeviceWatch, AtRest_FindsNothingForEver) {
+  for (int k = 0; k < 5000; ++k) ASSERT_EQ(see(at(0.05)).faults, Fault::kNone) << k;
+}
+
+// |Δq| = v T + 2 δ is allowed: 1.5 mm and two counts.
+TEST_F(DeviceWatch, JustBelowTheSpeedLimit_FindsNothing) {
+  see(at(0.0));
+  EXPECT_EQ(see(at(1.5e-3 + 2.0 * kCount - 1e-9)).faults, Fault::kNone);
+  EXPECT_EQ(see(at(0.0)).faults, Fault::kNone);  // backwards too
+}
+
+TEST_F(DeviceWatch, JustAboveTheSpeedLimit_IsASpeedFaultOfThatAxis) {
+  for (const double sign : {1.0, -1.0}) {
+    state_ = DeviceWatchState{};
+    see(at(0.0));
+    const Finding finding = see(at(sign * (1.5e-3 + 2.0 * kCount + 1e-9)));
+    EXPECT_EQ(finding.faults, Fault::kSpeedLimit);
+    EXPECT_EQ(finding.axis, 0);
+  }
+}
+
+TEST_F(DeviceWatch, FingerTooFast_NamesTheFinger) {
+  see(at(0.0));
+  const Finding finding = see(at(0.0, 0.0, 1.0 + 1e-2 + 2e-4 + 1e-7));
+  EXPECT_EQ(finding.faults, Fault::kSpeedLimit);
+  EXPECT_EQ(finding.axis, 2);
+}
+
+// Three times that way is no motion any more: 3 v T + 2 δ.
+TEST_F(DeviceWatch, ThreeTimesTheSpeedLimit_IsAJumpJustAboveAndSpeedJustBelow) {
+  const double jump = 4.5e-3 + 2.0 * kCount;
+  see(at(0.0));
+  EXPECT_EQ(see(at(jump - 1e-9)).faults, Fault::kSpeedLimit);
+  state_ = DeviceWatchState{};
+  see(at(0.0));
+  const Finding finding = see(at(jump + 1e-9));
+  EXPECT_EQ(finding.faults, Fault::kEncoderJump);
+  EXPECT_EQ(finding.axis, 0);
+}
+
+TEST_F(DeviceWatch, AfterSkippedPeriods_AllowsTheirWayToo) {
+  see(at(0.0));
+  EXPECT_EQ(see(at(4.0 * 1.5e-3), 4).faults, Fault::kNone);
+  EXPECT_EQ(see(at(4.0 * 1.5e-3 + 4.0 * 1.5e-3 + 1e-4), 4).faults, Fault::kSpeedLimit);
+}
+
+TEST_F(DeviceWatch, FirstReading_KnowsNoSpeed) {
+  EXPECT_EQ(see(at(0.09)).faults, Fault::kNone);
+}
+
+TEST_F(DeviceWatch, Workspace_EndsAtTheMarginBeyondTheRange) {
+  EXPECT_EQ(see(at(0.105 - 1e-9)).faults, Fault::kNone);
+  state_ = DeviceWatchState{};
+  const Finding beyond = see(at(0.0, -0.105 - 1e-9));
+  EXPECT_EQ(beyond.faults, Fault::kWorkspace);  // at once: arm() asks so
+  EXPECT_EQ(beyond.axis, 1);
+}
+
+TEST_F(DeviceWatch, LateTicks_FiveInARowPassTheSixthStops) {
+  see(at(0.0));
+  for (int k = 0; k < 5; ++k) EXPECT_EQ(see(at(0.0), 2).faults, Fault::kNone) << k;
+  EXPECT_EQ(see(at(0.0), 2).faults, Fault::kLateInARow);
+}
+
+TEST_F(DeviceWatch, LateTicksWithOneOnTime_CountAnew) {
+  see(at(0.0));
+  for (int k = 0; k < 60; ++k) EXPECT_EQ(see(at(0.0), k % 6 == 5 ? 1 : 2).faults, Fault::kNone);
+}
+
+TEST_F(DeviceWatch, Gap_OfTwentyPeriodsPassesTwentyOneStop) {
+  see(at(0.0));
+  EXPECT_EQ(see(at(0.0), 20).faults, Fault::kNone);
+  EXPECT_EQ(see(at(0.0), 21).faults, Fault::kLongGap);
+}
+
+TEST_F(DeviceWatch, SimulatedDevice_IsAskedForNeitherTimeNorEncoders) {
+  config_ = makeSupervisor(threeAxes(), kT_s, true);
+  see(at(0.0));
+  for (int k = 0; k < 3000; ++k) {
+    ASSERT_EQ(see(at(0.0), 30, efforts(k % 2 == 0 ? 20.0 : -20.0)).faults, Fault::kNone);
+  }
+}
+
+/// Ticks until kEncoderStuck, at most `most`; `motion` gives reading and effort of tick k.
+template <class Motion>
+int stuckAfter(SupervisorConfig config, int most, Motion motion, int* axis = nullptr) {
+  DeviceWatchState state;
+  for (int k = 0; k < most; ++k) {
+    const auto [q, sent] = motion(k);
+    const Finding finding = watchDevice(state, q, sent, 1, config);
+    if (any(finding.faults & Fault::kEncoderStuck)) {
+      if (axis != nullptr) *axis = finding.axis;
+      return k;
+    }
+  }
+  return -1;
+}
+
+// A fifth of 20 N is 4 N.
+TEST_F(DeviceWatch, StandingStillWhileItsEffortChanges_IsStuckAfterASecond) {
+  int axis = -1;
+  const auto sways = [](double amplitude) {
+    return [amplitude](int k) {
+      return std::pair{at(0.02), efforts(amplitude * std::sin(0.02 * k))};
+    };
+  };
+  EXPECT_EQ(stuckAfter(config_, 5000, sways(2.01), &axis), 1000);
+  EXPECT_EQ(axis, 0);
+  EXPECT_EQ(stuckAfter(config_, 5000, sways(1.99)), -1);  // too little to tell
+}
+
+TEST_F(DeviceWatch, BrokenEncoderThatFlickersOneCount_IsStuckTwoCountsAreMotion) {
+  const auto flickers = [](double counts) {
+    return [counts](int k) {
+      return std::pair{at(0.02 + (k % 2) * counts * kCount), efforts(5.0 * std::sin(0.02 * k))};
+    };
+  };
+  EXPECT_EQ(stuckAfter(config_, 5000, flickers(1.0)), 1000);
+  EXPECT_EQ(stuckAfter(config_, 5000, flickers(2.0)), -1);
+}
+
+// Half of y's range is 0.1 m.
+TEST_F(DeviceWatch, BaseAxisThatStandsStillWhileTheArmTravels_IsStuck) {
+  int axis = -1;
+  const auto y_moves = [](int k) {
+    return std::pair{at(0.02, 0.05 * std::sin(0.01 * k)), AxisEffort(3)};
+  };
+  EXPECT_GE(stuckAfter(config_, 5000, y_moves, &axis), 1000);
+  EXPECT_EQ(axis, 0);
+}
+
+TEST_F(DeviceWatch, FingersThatRestWhileTheArmMoves_AreNotStuck) {
+  const auto arm_moves = [](int k) {
+    return std::pair{at(0.05 * std::cos(0.01 * k), 0.05 * std::sin(0.01 * k)), AxisEffort(3)};
+  };
+  EXPECT_EQ(stuckAfter(config_, 20000, arm_moves), -1);
+}
+
+TEST_F(DeviceWatch, ArmThatRestsWhileTheFingersMove_IsNotStuck) {
+  const auto fingers_move = [](int k) {
+    return std::pair{at(0.02, 0.03, 1.5 + std::sin(0.005 * k)), AxisEffort(3)};
+  };
+  EXPECT_EQ(stuckAfter(config_, 20000, fingers_move), -1);
+}
+
+TEST_F(DeviceWatch, AxisPressedAgainstItsStop_IsNotStuck) {
+  const auto pressed = [](int k) {
+    return std::pair{at(0.097), efforts(10.0 + 10.0 * std::sin(0.02 * k))};
+  };
+  EXPECT_EQ(stuckAfter(config_, 20000, pressed), -1);
+}
+
+// ---- the world
+
+TickRecord worldWith(int bodies) {
+  TickRecord r;
+  r.body_count = bodies;
+  r.qd_s = AxisVelocity(3);
+  return r;
+}
+
+class WorldWatch : public ::testing::Test {
+ protected:
+  Fault see(const TickRecord& r) { return watchWorld(state_, r, config_); }
+  SupervisorConfig config_ = makeSupervisor(threeAxes(), kT_s, false);
+  WorldWatchState state_;
+};
+
+TEST_F(WorldWatch, BodyThatFallsForAMinute_IsNoExplosion) {
+  TickRecord r = worldWith(1);
+  for (int k = 0; k < 60000; ++k) {
+    r.bodies[0].velocity_m_s.z = -9.81 * kT_s * k;
+    ASSERT_EQ(see(r), Fault::kNone) << k;
+  }
+}
+
+TEST_F(WorldWatch, ChangeOfVelocityInOneStep_IsAnExplosionAboveTenMetersPerSecond) {
+  for (const double change : {9.999, 10.001}) {
+    state_ = WorldWatchState{};
+    TickRecord r = worldWith(2);
+    EXPECT_EQ(see(r), Fault::kNone);
+    r.bodies[1].velocity_m_s = Vec3{0.0, change * 0.6, -change * 0.8};  // 3, 4, 5
+    EXPECT_EQ(see(r), change > 10.0 ? Fault::kBodiesExploded : Fault::kNone) << change;
+  }
+}
+
+TEST_F(WorldWatch, ChangeOfSpinInOneStep_IsAnExplosionAbove500) {
+  for (const double change : {499.9, 500.1}) {
+    state_ = WorldWatchState{};
+    TickRecord r = worldWith(1);
+    see(r);
+    r.bodies[0].angular_velocity_rad_s.x = change;
+    EXPECT_EQ(see(r), change > 500.0 ? Fault::kBodiesExploded : Fault::kNone) << change;
+  }
+}
+
+TEST_F(WorldWatch, NoNumber_IsAnExplosion) {
+  TickRecord r = worldWith(1);
+  see(r);
+  r.bodies[0].velocity_m_s.x = std::nan("");
+  EXPECT_EQ(see(r), Fault::kBodiesExploded);
+}
+
+TEST_F(WorldWatch, HandTenTimesTooFast_IsAnExplosion) {
+  TickRecord r = worldWith(0);
+  r.qd_s[0] = 14.99;
+  EXPECT_EQ(see(r), Fault::kNone);
+  r.qd_s[0] = -15.01;
+  EXPECT_EQ(see(r), Fault::kBodiesExploded);
+}
+
+TEST_F(WorldWatch, BodyThatAnExerciseStopsOrThrows_IsNoExplosion) {
+  TickRecord r = worldWith(1);
+  r.bodies[0].velocity_m_s.z = -20.0;  // fell off the table
+  see(r);
+  BodyPlacements placed;
+  placed.count = 1;
+  placed.items[0].body = 0;
+  notePlaced(state_, placed);
+  r.bodies[0].velocity_m_s = Vec3{};
+  EXPECT_EQ(see(r), Fault::kNone);
+}
+
+TEST_F(WorldWatch, HandThatCatchesUpAfterAStall_IsNoExplosionWhereGapsAreOnlyCounted) {
+  config_ = makeSupervisor(threeAxes(), kT_s, true);
+  TickRecord r = worldWith(0);
+  r.elapsed_periods = 6;
+  EXPECT_EQ(see(r), Fault::kNone);
+  r.elapsed_periods = 1;
+  r.qd_s[2] = 200.0;
+  for (int k = 1; k < 200; ++k) ASSERT_EQ(see(r), Fault::kNone) << k;
+  see(r);
+  EXPECT_EQ(see(r), Fault::kBodiesExploded);  // 0.2 s are over
+}
+
+TEST_F(WorldWatch, HandTooFastAfterAGapThatIsWatched_IsAnExplosion) {
+  TickRecord r = worldWith(0);
+  r.elapsed_periods = 6;
+  r.qd_s[2] = 200.0;
+  EXPECT_EQ(see(r), Fault::kBodiesExploded);
+}
+
+// ---- the state
+
+TEST(SafetyState, EveryTransition_IsTheOneOfTheTable) {
+  using S = SafetyState;
+  const Fault none = Fault::kNone, fault = Fault::kSpeedLimit;
+  EXPECT_EQ(nextSafetyState(S::kArmed, none, false, 0.5), S::kArmed);
+  EXPECT_EQ(nextSafetyState(S::kArmed, none, false, 1.0), S::kRendering);
+  EXPECT_EQ(nextSafetyState(S::kRendering, none, false, 1.0), S::kRendering);
+  EXPECT_EQ(nextSafetyState(S::kRendering, none, false, 0.3), S::kRendering);  // on its way
+  EXPECT_EQ(nextSafetyState(S::kRendering, none, true, 0.0), S::kDisarmed);
+  EXPECT_EQ(nextSafetyState(S::kArmed, none, true, 0.0), S::kDisarmed);
+  for (const S state : {S::kArmed, S::kRendering, S::kFaulted}) {
+    for (const bool at_neutral : {false, true}) {
+      EXPECT_EQ(nextSafetyState(state, fault, at_neutral, 0.0), S::kFaulted);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace wholehand::test
