@@ -17,8 +17,12 @@ namespace {
 /// device. All others are active.
 const std::set<std::string> kPassive = {"relaxed-adult", "stiff-adult", "no-arm", "tremor"};
 
-/// How an active patient may make a device stop: docs/patients.md.
-constexpr Fault kDocumentedStops = Fault::kSpeedLimit;
+/// How a patient may make a device stop: docs/patients.md.
+Fault documentedStops(const Case& c) {
+  if (kPassive.contains(c.patient)) return Fault::kNone;
+  const bool beyond_range = c.patient == "fights" && c.device == "wrist-9axis";
+  return beyond_range ? Fault::kSpeedLimit | Fault::kBodiesExploded : Fault::kSpeedLimit;
+}
 
 /// What an exercise needs of a device; without it, it is refused by this name.
 bool refused(const Case& c) {
@@ -83,7 +87,7 @@ std::string faultNames(Fault faults) {
 
 void judge(const Case& c, const Outcome& o, Tally& tally) {
   EXPECT_EQ(o.broken, "") << c.text();
-  const Fault allowed = kPassive.contains(c.patient) ? Fault::kNone : kDocumentedStops;
+  const Fault allowed = documentedStops(c);
   EXPECT_EQ(o.stopped_by | allowed, allowed)
       << c.text() << ": stopped by " << faultNames(o.stopped_by) << " in tick " << o.ticks;
   EXPECT_LE(o.neutral_after_ticks, 100) << c.text();
