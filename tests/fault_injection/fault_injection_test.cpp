@@ -77,7 +77,7 @@ class Oracle {
       met = q < s_.lower[axis_] - s_.margin[axis_] || q > s_.upper[axis_] + s_.margin[axis_];
     }
     if (kind_.told == Fault::kLateInARow) met = tick == at_ + s_.watch.late_in_a_row;
-    if (kind_.told == Fault::kEncoderStuck) met = stuck(tick, q, sent_before);
+    if (kind_.told == Fault::kEncoderStuck) met = stuck(r, sent_before);
     q_ = q;
     return met;
   }
@@ -87,22 +87,33 @@ class Oracle {
   }
 
  private:
-  bool stuck(int tick, double q, const AxisEffort& sent) {
-    if (tick == 0 || atStop(q) || std::abs(q - still_at_) > 1.5 * s_.encoder_step[axis_]) {
+  bool stuck(const TickRecord& r, const AxisEffort& sent) {
+    const double q = r.q_m[axis_];
+    for (int a = 0; a < s_.axes && r.tick > 0; ++a) {
+      if (s_.carries[a] > 0.0) {
+        travel_ += std::abs(r.q_m[a] - before_[a]) / (s_.upper[a] - s_.lower[a]);
+      }
+    }
+    before_ = r.q_m;
+    if (r.tick == 0 || atStop(q) || std::abs(q - still_at_) > 1.5 * s_.encoder_step[axis_]) {
       still_at_ = q;
-      since_ = tick;
+      since_ = static_cast<int>(r.tick);
       least_ = most_ = sent[axis_];
+      travel_ = 0.0;
     }
     least_ = std::min(least_, sent[axis_]);
     most_ = std::max(most_, sent[axis_]);
-    return (tick - since_) * s_.period_s >= s_.watch.stuck_encoder_s - 1e-9 &&
-           most_ - least_ > 0.2 * s_.effort_limit[axis_];
+    const bool arm_moved = s_.carries[axis_] > 0.0 && travel_ > 0.5;
+    return (static_cast<int>(r.tick) - since_) * s_.period_s >= s_.watch.stuck_encoder_s - 1e-9 &&
+           (arm_moved || most_ - least_ > 0.2 * s_.effort_limit[axis_]);
   }
 
   const Kind& kind_;
   const SupervisorConfig& s_;
   int at_, axis_;
   double q_ = 0.0, still_at_ = 0.0, least_ = 0.0, most_ = 0.0;
+  double travel_ = 0.0;  ///< of the base axes, in their ranges
+  AxisPosition before_;
   int since_ = 0;
 };
 
