@@ -66,6 +66,10 @@ Diagnostics mismatched(const CLI::App& run, const RunOptions& o, bool scene, boo
                           ? "give --port, too, or leave it out"
                           : "leave out --no-web and --simulated-clock"});
   }
+  if (o.no_rehearsal && o.simulated_clock) {
+    faults.push_back({"", 0, "--no-rehearsal", "", "is about real time: there is none",
+                      "leave out --no-rehearsal or --simulated-clock"});
+  }
   if (run.count("--udp-peer") > 0 && run.count("--udp") == 0) {
     faults.push_back(
         {"", 0, "--udp-peer", "", "needs the port that it is served from", "give --udp, too"});
@@ -121,6 +125,8 @@ void addRun(CLI::App& app, RunOptions& o, int& code) {
   run->add_option("--report", o.report, "Write a page with plots into this folder");
   run->add_option("--json", o.json, "Write the summary to this file");
   run->add_flag("--simulated-clock", o.simulated_clock, "As fast as it goes, no real time");
+  run->add_flag("--no-rehearsal", o.no_rehearsal,
+                "Arm without having run the worst contacts first (simulated device only)");
   run->add_flag("--uncertified", o.uncertified,
                 "Allow gains that are not certified (simulated device only; recorded)")
       ->excludes(run->add_option("--certificate", o.certificate,

@@ -22,7 +22,6 @@
 #include <cstdio>
 #include <cstring>
 #include <memory>
-#include <mutex>
 #include <spawn.h>
 #include <sys/wait.h>
 
@@ -62,42 +61,13 @@ Expected<Done> makeReportAside(const std::string& recording, const std::string& 
   return Done{};
 }
 
-// The one line on the terminal is written by the thread of the loop's keeper and broken by those of
-// server and clients.
-class Terminal {
- public:
-  void begin(const DeviceModel& device) {
-    const std::lock_guard lock(mutex_);
-    line_ = std::make_unique<StatusLine>(device);
-  }
-  void end() {
-    const std::lock_guard lock(mutex_);
-    if (line_) line_->finish();
-    line_.reset();
-  }
-  void say(const std::string& text) {
-    const std::lock_guard lock(mutex_);
-    if (line_) line_->finish();
-    std::printf("  %s\n", text.c_str());
-  }
-  void update(const TickSummary& now) {
-    const std::lock_guard lock(mutex_);
-    if (line_ && now.time_s > 0.0) {
-      line_->update(now, static_cast<double>(now.records) / now.time_s);
-    }
-  }
-
- private:
-  std::mutex mutex_;
-  std::unique_ptr<StatusLine> line_;
-};
-
 StationConfig stationConfig(const RunOptions& options, Terminal& terminal) {
   StationConfig config;
   config.files = options.files;
   config.rig.period_s = 1.0 / options.rate_hz;
   config.rig.engine = options.engine;
   config.rig.uncertified = options.uncertified;
+  config.rehearse = !options.no_rehearsal;
   config.seed = options.seed;
   config.config_folder = shippedFile("config");
   config.recordings_folder = kRecordings;
@@ -107,7 +77,9 @@ StationConfig stationConfig(const RunOptions& options, Terminal& terminal) {
   config.make_report = makeReportAside;
   config.log = [&terminal](const std::string& text) { terminal.say(text); };
   config.status = [&terminal](RunState state, const TickSummary& now) {
-    if (state == RunState::kRendering || state == RunState::kRampingDown) terminal.update(now);
+    const bool runs = state == RunState::kRendering || state == RunState::kRampingDown;
+    if (!runs || now.time_s <= 0.0) return;
+    terminal.update(now, static_cast<double>(now.records) / now.time_s);
   };
   return config;
 }
@@ -200,15 +172,16 @@ int conclude(const RunOptions& options, const Models& models, const StationOutco
   if (!outcome.last) return endOf(false, outcome.interrupted);
   RunOutcome last = *outcome.last;
   last.interrupted = outcome.interrupted;
+  const RunSafety safety{outcome.transitions, outcome.rehearsal};
   if (!options.json.empty()) {
-    const auto json = summaryJson(models.device, last);
+    const auto json = summaryJson(models.device, last, safety);
     if (auto done = writeText(options.json, json.dump(2) + "\n"); !done)
       return refuse(done.errors());
   }
   if (!options.report.empty()) {
     if (auto done = makeReport(options.record, options.report); !done) return refuse(done.errors());
   }
-  printSummary(options, models, last);
+  printSummary(options, models, last, safety);
   return endOf(last.faulted, last.interrupted);
 }
 

@@ -150,10 +150,17 @@ int runCommand(RunOptions options) {
   rig_options.engine = options.engine;
   rig_options.uncertified = options.uncertified;
   rig_options.certificate = *certificate;
-  auto rig = buildRig(*models, std::move(mover.player), rig_options);
-  if (!rig) return refuse(rig.errors());
   Outputs outputs(options);
   if (auto writable = outputs.check(); !writable) return refuse(writable.errors());
+  RunSafety safety;
+  if (!options.simulated_clock && !options.no_rehearsal) {
+    auto rehearsal = rehearse(*models, mover.player->start(), rig_options);
+    if (!rehearsal) return refuse(rehearsal.errors());
+    std::printf("  rehearsed %s\n", describe(*rehearsal).c_str());
+    safety.rehearsal = std::move(*rehearsal);
+  }
+  auto rig = buildRig(*models, std::move(mover.player), rig_options);
+  if (!rig) return refuse(rig.errors());
   if (auto armed = (*rig)->renderer->arm(); !armed) return refuse(armed.errors());
   if (auto made = outputs.make(); !made) return refuse(made.errors());
   for (const Diagnostic& d : (*rig)->refused) {
@@ -167,10 +174,15 @@ int runCommand(RunOptions options) {
   plan.simulated_clock = options.simulated_clock;
   plan.seed = options.seed;
   plan.listener = &watcher;
-  StatusLine status(models->device);
-  plan.status = [&](const TickSummary& now, double rate_hz) { status.update(now, rate_hz); };
+  Terminal terminal;
+  terminal.begin(models->device);
+  plan.status = [&](const TickSummary& now, double rate_hz) { terminal.update(now, rate_hz); };
+  SafetyLog log(models->device, rig_options.period_s,
+                [&](const SafetyTransition& t) { terminal.say(describe(t)); });
+  plan.sink = [&log](const TickRecord& record) { log.add(record); };
   Expected<RunOutcome> outcome = runAndRecord(**rig, plan);
-  status.finish();
+  terminal.end();
+  safety.transitions = log.transitions();
   if (!outcome) {
     outputs.unmake();
     return refuse(outcome.errors());
@@ -178,14 +190,14 @@ int runCommand(RunOptions options) {
   printSetup(outcome->setup);
 
   if (!options.json.empty()) {
-    const auto json = summaryJson(models->device, *outcome);
+    const auto json = summaryJson(models->device, *outcome, safety);
     if (auto done = writeText(options.json, json.dump(2) + "\n"); !done)
       return refuse(done.errors());
   }
   if (!options.report.empty()) {
     if (auto done = makeReport(options.record, options.report); !done) return refuse(done.errors());
   }
-  printSummary(options, *models, *outcome);
+  printSummary(options, *models, *outcome, safety);
   return endOf(outcome->faulted, outcome->interrupted);
 }
 

@@ -19,6 +19,7 @@ struct RunOptions {
   std::string json;         ///< file; empty: none
   bool simulated_clock = false;
   bool uncertified = false;
+  bool no_rehearsal = false;
   std::string certificate;  ///< file that the run is to fit; empty: it certifies itself
   std::uint64_t seed = 1;   ///< of the virtual patient who plays an exercise
 

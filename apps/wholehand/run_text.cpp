@@ -30,7 +30,24 @@ void printOpening(const Models& models) {
               models.scene.bodies.size() == 1 ? "body" : "bodies");
 }
 
-void printSummary(const RunOptions& options, const Models& models, const RunOutcome& outcome) {
+namespace {
+
+// "armed at 0.000 s, rendering at 0.500 s, disarmed at 9.780 s (stop requested)"
+std::string pathOf(const std::vector<SafetyTransition>& transitions) {
+  std::string text;
+  for (const SafetyTransition& t : transitions) {
+    if (!text.empty()) text += ", ";
+    text += fmt::format("{} at {:.3f} s", safetyStateName(t.to), t.time_s);
+    const bool ended = t.to == SafetyState::kDisarmed || t.to == SafetyState::kFaulted;
+    if (ended) text += " (" + t.cause + ")";
+  }
+  return text.empty() ? "nothing was armed" : text;
+}
+
+}  // namespace
+
+void printSummary(const RunOptions& options, const Models& models, const RunOutcome& outcome,
+                  const RunSafety& safety) {
   const TickSummary& s = outcome.summary;
   std::printf("\n%s after %.2f s: %llu ticks, %llu deadline%s missed\n",
               outcome.faulted       ? "Stopped by a fault"
@@ -44,6 +61,7 @@ void printSummary(const RunOptions& options, const Models& models, const RunOutc
               largestEffort(models.device, s.max_effort).c_str(), s.contacts_max,
               plural(s.contacts_max));
   std::printf("  faults   %s\n", faultText(s).c_str());
+  std::printf("  safety   %s\n", pathOf(safety.transitions).c_str());
   if (noticeText(s) != "none") std::printf("  noticed  %s\n", noticeText(s).c_str());
   if (outcome.dropped_records + outcome.dropped_writes > 0) {
     std::printf("  dropped  %llu record%s: %s\n",

@@ -3,6 +3,7 @@
 #include "assembly/models.hpp"
 #include "assembly/recorded_run.hpp"
 #include "run_options.hpp"
+#include "summary_json.hpp"
 
 #include <string>
 
@@ -15,6 +16,7 @@ namespace wholehand {
 void printOpening(const Models& models);
 
 /// What came of it, and where it was written.
-void printSummary(const RunOptions& options, const Models& models, const RunOutcome& outcome);
+void printSummary(const RunOptions& options, const Models& models, const RunOutcome& outcome,
+                  const RunSafety& safety);
 
 }  // namespace wholehand

@@ -69,4 +69,26 @@ void StatusLine::finish() {
   drawn_ = false;
 }
 
+void Terminal::begin(const DeviceModel& device) {
+  const std::lock_guard lock(mutex_);
+  line_ = std::make_unique<StatusLine>(device);
+}
+
+void Terminal::end() {
+  const std::lock_guard lock(mutex_);
+  if (line_) line_->finish();
+  line_.reset();
+}
+
+void Terminal::say(const std::string& text) {
+  const std::lock_guard lock(mutex_);
+  if (line_) line_->finish();
+  std::printf("  %s\n", text.c_str());
+}
+
+void Terminal::update(const TickSummary& now, double rate_hz) {
+  const std::lock_guard lock(mutex_);
+  if (line_) line_->update(now, rate_hz);
+}
+
 }  // namespace wholehand

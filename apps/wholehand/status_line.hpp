@@ -4,6 +4,8 @@
 #include "model/device_model.hpp"
 #include "telemetry/statistics.hpp"
 
+#include <memory>
+#include <mutex>
 #include <string>
 
 namespace wholehand {
@@ -27,6 +29,21 @@ class StatusLine {
   bool drawn_ = false;
   double next_wall_s_ = 0.0;
   double next_run_s_ = 0.0;
+};
+
+/// The one line on the terminal, written by whoever keeps the loop, and what others have to say
+/// while it stands there. Any thread.
+class Terminal {
+ public:
+  /// @pre device outlives end()
+  void begin(const DeviceModel& device);
+  void end();
+  void say(const std::string& text);
+  void update(const TickSummary& now, double rate_hz);
+
+ private:
+  std::mutex mutex_;
+  std::unique_ptr<StatusLine> line_;
 };
 
 /// The effort that uses the largest share of its limit, in words: "finger_flexion 7.31 N at the

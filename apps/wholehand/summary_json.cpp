@@ -1,6 +1,42 @@
 #include "summary_json.hpp"
 
 namespace wholehand {
+namespace {
+
+nlohmann::ordered_json transitionJson(const DeviceModel& device, const SafetyTransition& t) {
+  nlohmann::ordered_json json = {{"tick", t.tick},
+                                 {"time_s", t.time_s},
+                                 {"from", safetyStateName(t.from)},
+                                 {"to", safetyStateName(t.to)},
+                                 {"cause", t.cause}};
+  for (int bit = 0; bit < kFaultBits; ++bit) {
+    if (any(t.faults & static_cast<Fault>(1U << static_cast<unsigned>(bit)))) {
+      json["reasons"].push_back(faultName(bit));
+    }
+  }
+  if (t.axis >= 0) json["axis"] = device.axes[static_cast<std::size_t>(t.axis)].name;
+  if (t.limit != 0.0) {
+    json["value"] = t.value;
+    json["limit"] = t.limit;
+    json["unit"] = t.unit;
+  }
+  return json;
+}
+
+nlohmann::ordered_json rehearsalJson(const Rehearsal& r) {
+  return {{"cpu_us", microseconds(r.summary.cpu)},
+          {"limit_us", r.limit_us},
+          {"slowest_stage", stageName(r.slowest)},
+          {"heaviest_body", r.heaviest},
+          {"contacts_max", r.summary.contacts_max},
+          {"bodies", r.bodies},
+          {"bodies_touched", r.bodies_touched},
+          {"ticks", r.summary.records},
+          {"attempts", r.attempts}};
+}
+
+}  // namespace
+
 nlohmann::ordered_json microseconds(const Percentiles& p) {
   return {{"p50", p.p50_ns / 1e3},
           {"p99", p.p99_ns / 1e3},
@@ -8,7 +44,8 @@ nlohmann::ordered_json microseconds(const Percentiles& p) {
           {"max", p.max_ns / 1e3}};
 }
 
-nlohmann::ordered_json summaryJson(const DeviceModel& device, const RunOutcome& outcome) {
+nlohmann::ordered_json summaryJson(const DeviceModel& device, const RunOutcome& outcome,
+                                   const RunSafety& safety) {
   const TickSummary& s = outcome.summary;
   nlohmann::ordered_json json;
   json["ticks"] = s.ticks;
@@ -29,6 +66,11 @@ nlohmann::ordered_json summaryJson(const DeviceModel& device, const RunOutcome& 
   json["records_dropped"] = outcome.dropped_records + outcome.dropped_writes;
   if (!outcome.failures.empty()) json["telemetry_failures"] = outcome.failures;
   json["interrupted"] = outcome.interrupted;
+  json["safety"] = nlohmann::ordered_json::array();
+  for (const SafetyTransition& t : safety.transitions) {
+    json["safety"].push_back(transitionJson(device, t));
+  }
+  if (safety.rehearsal) json["rehearsal"] = rehearsalJson(*safety.rehearsal);
   return json;
 }
 

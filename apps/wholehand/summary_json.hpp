@@ -1,17 +1,29 @@
 #pragma once
 
 #include "assembly/recorded_run.hpp"
+#include "assembly/rehearsal.hpp"
+#include "assembly/safety_log.hpp"
 #include "model/device_model.hpp"
 
 #include <nlohmann/json.hpp>
+
+#include <optional>
+#include <vector>
 
 namespace wholehand {
 
 /// {"p50":..,"p99":..,"p999":..,"max":..} in microseconds.
 [[nodiscard]] nlohmann::ordered_json microseconds(const Percentiles& p);
 
+/// What a run went through beside its ticks.
+struct RunSafety {
+  std::vector<SafetyTransition> transitions;
+  std::optional<Rehearsal> rehearsal;  ///< none on the simulated clock
+};
+
 /// What `run --json` writes; efforts in the axis's unit.
 [[nodiscard]] nlohmann::ordered_json summaryJson(const DeviceModel& device,
-                                                 const RunOutcome& outcome);
+                                                 const RunOutcome& outcome,
+                                                 const RunSafety& safety);
 
 }  // namespace wholehand

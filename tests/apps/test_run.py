@@ -33,6 +33,9 @@ class WhatItWrites(AppTest):
         self.assertGreater(summary["ticks"], 1000)
         self.assertEqual(summary["missed_deadlines"], 0)  # no clock, no deadline
         self.assertEqual(summary["faults"], 0)
+        self.assertEqual([t["to"] for t in summary["safety"]], ["armed", "rendering", "disarmed"])
+        self.assertEqual(summary["safety"][2]["reasons"], ["stop requested"])  # the end of its time
+        self.assertNotIn("rehearsal", summary)  # there is no real time to keep
         self.assertGreater(summary["contacts_max"], 0)  # the motion leads to the shapes
         self.assertEqual(list(summary["max_effort"]), AXES)
         for effort in summary["max_effort"].values():
@@ -83,6 +86,26 @@ class WhatItWrites(AppTest):
             said, complained = run.communicate(timeout=60)
             self.assertEqual(run.returncode, DONE, said + complained)
         self.assertEqual(len(os.listdir(self.folder / "out")), 2)
+
+    def test_in_real_time_the_scene_is_rehearsed_first(self):
+        result = self.run_app(*FREE_RUN, "--duration", "0.3", "--json", "run.json")
+        self.expect(result, DONE, "rehearsed", "safety   armed at 0.000 s", "disarmed at 0.3")
+        rehearsal = json.loads((self.folder / "run.json").read_text())["rehearsal"]
+        self.assertGreater(rehearsal["ticks"], 1000)
+        self.assertGreater(rehearsal["bodies_touched"], 0)
+        self.assertEqual(rehearsal["limit_us"], 500.0)  # half of 1 ms
+        self.assertLessEqual(rehearsal["cpu_us"]["p999"], 500.0)
+        result = self.run_app(*FREE_RUN, "--duration", "0.1", "--no-rehearsal", "--json", "run.json")
+        self.expect(result, DONE)
+        self.assertNotIn("rehearsed", result.out)
+        self.assertNotIn("rehearsal", json.loads((self.folder / "run.json").read_text()))
+
+    def test_what_cannot_keep_the_rate_is_refused_before_any_force(self):
+        # The physics of 7 bodies needs more than half of 62.5 microseconds.
+        result = self.run_app("run", "--scene", CONFIG / "scenes/table.toml", "--duration", "0.3",
+                              "--rate-hz", "16000")
+        self.expect_refused(result, "rehearsal", "31 µs", "most of it physics_step")
+        self.assertEqual(os.listdir(self.folder), [])
 
     def test_only_what_was_asked_for(self):
         self.expect(self.run_app(*FREE_RUN, "--simulated-clock", "--duration", "0.3", "--json", "run.json"),
@@ -188,6 +211,9 @@ class HowItEnds(AppTest):
         summary = json.loads((self.folder / "run.json").read_text())
         self.assertGreater(summary["faults"], 0)
         self.assertIs(summary["faulted"], True)
+        self.assertEqual([t["to"] for t in summary["safety"]], ["faulted"])
+        self.assertEqual(summary["safety"][0]["reasons"], ["singular reduced inertia"])
+        self.assertEqual(summary["safety"][0]["tick"], 0)
         with read_recording(self.folder / "run.h5") as f:
             self.assertLessEqual(f["ticks/time_s"][-1], 0.1)  # stopped at once, within the ramp
             self.assertEqual(f["ticks/authority"][-1], 0.0)

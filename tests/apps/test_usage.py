@@ -9,7 +9,7 @@ from app import BINARY, CONFIG, DONE, FREE_RUN, SOURCE, AppTest, ordinary_user
 OPTIONS = {
     "run": ["--scene", "--hand", "--device", "--rendering", "--patient", "--motion", "--engine",
             "--rate-hz", "--duration", "--record", "--report", "--json", "--simulated-clock",
-            "--uncertified"],
+            "--uncertified", "--no-rehearsal"],
     "replay": ["--resimulate", "recording"],
     "report": ["--out", "recording"],
     "picture": ["--out", "--at", "recording"],
