@@ -51,6 +51,7 @@ std::vector<Kind> kinds() {
       world("StepFails", Fault::kPhysicsStep, WorldKind::kStepFails, false, 1),
       world("NonFiniteState", Fault::kNonFiniteState, WorldKind::kNonFiniteState),
       world("SilentNan", Fault::kNonFiniteEffort, WorldKind::kSilentNan),
+      world("SilentNanJoint", Fault::kSingularInertia, WorldKind::kSilentNanJoint),
       world("BodyExplodes", Fault::kBodiesExploded, WorldKind::kBodyExplodes),
       world("HandFliesOff", Fault::kBodiesExploded, WorldKind::kHandFliesOff, true),
       effort("NanEffort", Push::kNan),

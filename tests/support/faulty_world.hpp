@@ -11,6 +11,7 @@ struct InjectedWorldFault {
   enum class Kind {
     kNonFiniteState,  ///< a joint is NaN, and the engine says so
     kSilentNan,       ///< a coordinate of the hand is NaN, and the engine does not notice
+    kSilentNanJoint,  ///< a joint is NaN, and the engine does not notice
     kStepFails,       ///< the engine cannot step, and does not
     kBodyExplodes,    ///< a body flies off; a world without any is shown one
     kHandFliesOff     ///< one coordinate of the hand is a hundred times too fast
@@ -41,6 +42,9 @@ class FaultyWorld final : public PhysicsWorld {
     }
     if (now(InjectedWorldFault::Kind::kSilentNan)) {
       state.q_s[0] = std::numeric_limits<double>::quiet_NaN();
+    }
+    if (now(InjectedWorldFault::Kind::kSilentNanJoint)) {
+      state.theta[state.theta.size() - 1] = std::numeric_limits<double>::quiet_NaN();
     }
     if (now(InjectedWorldFault::Kind::kHandFliesOff)) state.qd_s[fault_.axis] = 1e3;
     if (fault_.kind == InjectedWorldFault::Kind::kBodyExplodes) {

@@ -62,7 +62,7 @@ InjectedFault faultBeyond(const DeviceModel& device, double period_s, InjectedKi
       fault.size = 2.0 * way;
       break;
     case InjectedKind::kLeavesWorkspace:
-      fault.size = 0.5 * way;
+      fault.size = 0.25 * way;  // on top of the person's own motion
       break;
     case InjectedKind::kLateTicks:
       fault.size = 1.0;

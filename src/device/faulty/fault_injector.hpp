@@ -40,7 +40,7 @@ struct InjectedFault {
 [[nodiscard]] bool hasAxis(InjectedKind kind) noexcept;
 
 /// A fault just large enough to be one by the limits of the device's file: a jump of four times
-/// what the fastest motion makes in a period, twice the speed limit, half of it out of the
+/// what the fastest motion makes in a period, twice the speed limit, a quarter of it out of the
 /// workspace, one period late, a gap half as long again as is allowed.
 [[nodiscard]] InjectedFault faultBeyond(const DeviceModel& device, double period_s,
                                         InjectedKind kind, int axis, int first_tick, int last_tick);

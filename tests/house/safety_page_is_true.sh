@@ -1,0 +1,56 @@
+#!/usr/bin/env bash
+# docs/safety.md has a row for every bit of Fault, every hazard names a test, and every test named
+# there exists in the file named before it. A page with one false name is noticed.
+set -euo pipefail
+judge() {
+  python3 - "$1" <<'EOF'
+import os, re, sys
+
+page = open(sys.argv[1], encoding="utf-8").read()
+wrong = []
+bits = re.findall(r"^\s+(k\w+) = 1U << \d+", open("src/core/fault.hpp", encoding="utf-8").read(), re.M)
+if len(bits) < 20:
+    sys.exit("the bits of Fault are not read any more")
+wrong += [f"{bit} has no row" for bit in bits if f"| `{bit}` |" not in page]
+
+def exists(path, name):
+    text = open(path, encoding="utf-8").read()
+    if path.endswith(".py"):
+        return f"def {name}(" in text
+    suite, _, test = name.partition(".")
+    return re.search(rf"\bTEST(_F|_P)?\(\s*{suite},\s*{test}\s*\)", text) is not None
+
+hazards = page.split("## Hazards", 1)[1]
+named = 0
+for row in re.findall(r"^\|(.*)\|$", hazards, re.M)[2:]:
+    hazard, _, proof = (cell.strip() for cell in row.rsplit("|", 2))
+    path, files = None, 0
+    for link, name in re.findall(r"\]\(\.\./(tests/[^)]+)\)|`(\w+\.\w+|test_\w+)`", proof):
+        if link:
+            path, files = link, files + 1
+            if not os.path.exists(path):
+                wrong.append(f"{hazard}: {path} is not there")
+                path = None
+        elif path and not exists(path, name):
+            wrong.append(f"{hazard}: {path} has no {name}")
+        named += not link
+    if files == 0:
+        wrong.append(f"{hazard}: no test proves it")
+if named < 30:
+    wrong.append(f"only {named} tests are named")
+print("\n".join(wrong) or f"{len(bits)} bits, {named} tests")
+sys.exit(1 if wrong else 0)
+EOF
+}
+judge docs/safety.md
+
+spoiled=$(mktemp)
+trap 'rm -f "$spoiled"' EXIT
+for change in 's/^| `kSpeedLimit` |.*//' 's/EmergencyStop\.AtRandomTicks/EmergencyStop.AtNoTick/' \
+              's/test_run_refuses_what/test_run_takes_what/' 's/crash_test\.cpp)/crashed_test.cpp)/'; do
+  sed "$change" docs/safety.md > "$spoiled"
+  if judge "$spoiled" > /dev/null; then
+    echo "does not notice: $change"
+    exit 1
+  fi
+done
