@@ -17,6 +17,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
+#include <optional>
 #include <thread>
 
 namespace wholehand::test {
@@ -28,15 +30,6 @@ using Clock = std::chrono::steady_clock;
 
 /// Ten times what a person would wait: a sanitizer is slow.
 constexpr std::chrono::seconds kPatience{60};
-
-template <class Condition>
-bool becomes(Condition&& condition) {
-  for (const auto until = Clock::now() + kPatience; Clock::now() < until;) {
-    if (condition()) return true;
-    std::this_thread::sleep_for(2ms);
-  }
-  return condition();
-}
 
 /// A folder that vanishes.
 struct Folder {
@@ -76,24 +69,37 @@ class Console {
  public:
   explicit Console(std::uint16_t port) : socket_(port) {}
 
-  /// Says one thing and hears the answer; shows that it is alive meanwhile.
+  /// Says one thing and hears the answer.
   template <class Word, class... Arguments>
   bool says(Word word, Arguments... arguments) {
     const std::uint32_t id = ++id_;
     socket_.say(word(id, arguments...));
-    for (const auto until = Clock::now() + kPatience; Clock::now() < until;) {
+    std::optional<bool> accepted;
+    (void)staysUntil([&] { return accepted.has_value(); },
+                     [&](const fb::Reply& reply) {
+                       if (reply.command() != id) return;
+                       if (!reply.accepted()) std::printf("refused: %s\n", reply.reason()->c_str());
+                       accepted = reply.accepted();
+                     });
+    return accepted.value_or(false);
+  }
+  /// Hears what the program says, and shows that it is alive, until something has happened.
+  template <class Condition>
+  bool staysUntil(
+      Condition&& condition,
+      const std::function<void(const fb::Reply&)>& hears = [](const fb::Reply&) {}) {
+    for (const auto until = Clock::now() + kPatience; Clock::now() < until && !condition();) {
       const auto frame = socket_.hear(1s);
       if (frame && frame->opcode == 2) {
-        const auto* reply = replies::message(*frame).payload_as_Reply();
-        if (reply != nullptr && reply->command() == id) {
-          if (!reply->accepted()) std::printf("refused: %s\n", reply->reason()->c_str());
-          return reply->accepted();
-        }
+        if (const auto* reply = replies::message(*frame).payload_as_Reply()) hears(*reply);
       }
-      if (socket_.closed()) return false;
+      if (socket_.closed()) {
+        std::printf("the program has closed the console's connection\n");
+        return false;
+      }
       socket_.say(words::heartbeat(++id_));
     }
-    return false;
+    return condition();
   }
 
  private:
@@ -165,6 +171,7 @@ struct Program {
     (void)orThrow(station.load());
     ServerOptions options;
     options.port = 0;
+    options.log = [](const std::string& line) { std::printf("server: %s\n", line.c_str()); };
     options.more_metrics = [this] { return udpMetricsText(bridge.counters()); };
     server = orThrow(Server::open(station, options, controls));
     UdpOptions udp;
@@ -172,6 +179,7 @@ struct Program {
     (void)orThrow(bridge.start(udp));
     station.addSink([this](const TickRecord& record) { bridge.publish(record); });
     station.addSink([this](const TickRecord& record) { server->publish(record); });
+    station.addSink([this](const TickRecord&) { ++records; });
     keeper = std::thread([this] { ended_well = station.run(false, 0.0).ok(); });
   }
   ~Program() { quit(); }
@@ -184,22 +192,24 @@ struct Program {
     bridge.stop();
     server.reset();
   }
-  bool becomes(RunState state) {
-    return test::becomes([&] { return station.status().run_state == state; });
-  }
-  bool rendersOn() {
-    const std::uint64_t before = station.status().ticks;
-    return becomes(RunState::kRendering) &&
-           test::becomes([&] { return station.status().ticks > before + 200; });
-  }
-
   Station station;
   ControlsArbiter controls;
   UdpBridge bridge;
   std::unique_ptr<Server> server;
+  std::atomic<std::uint64_t> records{0};
   std::atomic<bool> ended_well{false};
   std::thread keeper;
 };
+
+bool becomes(Program& program, Console& console, RunState state) {
+  return console.staysUntil([&] { return program.station.status().run_state == state; });
+}
+
+bool rendersOn(Program& program, Console& console) {
+  const std::uint64_t before = program.records;
+  return becomes(program, console, RunState::kRendering) &&
+         console.staysUntil([&] { return program.records > before + 200; });
+}
 
 void expectNeutral(const Station& station) {
   TickRecord record;
@@ -227,7 +237,7 @@ TEST(WholeSession, EverythingAtOnce_ObeysStopsAndRecords) {
   ASSERT_TRUE(console.says(words::takeControls, ""));
 
   ASSERT_TRUE(console.says(words::arm, wire::kSchemaVersion));
-  ASSERT_TRUE(program.rendersOn());
+  ASSERT_TRUE(rendersOn(program, console));
   EXPECT_TRUE(console.says(words::setParameter, "effort_limit_arm_n", 8.0));
   EXPECT_FALSE(console.says(words::setParameter, "effort_limit_arm_n", 1e6));
   EXPECT_TRUE(console.says(words::steer, fb::Steering::Person));
@@ -237,22 +247,22 @@ TEST(WholeSession, EverythingAtOnce_ObeysStopsAndRecords) {
   }
   EXPECT_TRUE(console.says(words::steer, fb::Steering::VirtualPatient));
   EXPECT_TRUE(console.says(words::action, fb::Act::Restart));
-  ASSERT_TRUE(program.rendersOn());
+  ASSERT_TRUE(rendersOn(program, console));
 
   ASSERT_TRUE(console.says(words::load, "cocktail-bar", std::uint16_t{2}, "woman-p05-right"));
-  ASSERT_TRUE(program.rendersOn());
+  ASSERT_TRUE(rendersOn(program, console));
   ASSERT_TRUE(console.says(words::stop));
-  ASSERT_TRUE(program.becomes(RunState::kStopped));
+  ASSERT_TRUE(becomes(program, console, RunState::kStopped));
   expectNeutral(station);
 
   ASSERT_TRUE(console.says(words::arm, wire::kSchemaVersion));
-  ASSERT_TRUE(program.rendersOn());
+  ASSERT_TRUE(rendersOn(program, console));
   ASSERT_TRUE(console.says(words::emergencyStop));
-  ASSERT_TRUE(program.becomes(RunState::kStopped));
+  ASSERT_TRUE(becomes(program, console, RunState::kStopped));
   expectNeutral(station);
 
   ASSERT_TRUE(console.says(words::arm, wire::kSchemaVersion));
-  ASSERT_TRUE(program.rendersOn());
+  ASSERT_TRUE(rendersOn(program, console));
   program.quit();  // in the middle of it all
   EXPECT_TRUE(program.ended_well);
   expectSoundRecordings(station, 4);  // armed three times, loaded once
