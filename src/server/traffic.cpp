@@ -26,6 +26,43 @@ void byReason(std::string& out, const char* name, const char* help,
   }
 }
 
+// "device read failed" -> "device_read_failed"
+std::string label(std::string name) {
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return c == ' ' || c == '-'; }, '_');
+  return name;
+}
+
+void safetyMetrics(std::string& out, const LoopStatus& s) {
+  out +=
+      "# HELP wholehand_safety_state 1 for the state that the safety supervisor is in.\n"
+      "# TYPE wholehand_safety_state gauge\n";
+  for (int i = 0; i <= static_cast<int>(SafetyState::kFaulted); ++i) {
+    const auto state = static_cast<SafetyState>(i);
+    out += fmt::format("wholehand_safety_state{{state=\"{}\"}} {}\n", safetyStateName(state),
+                       state == s.safety_state ? 1 : 0);
+  }
+  out +=
+      "# HELP wholehand_fault_ticks_total Ticks of the session in which a reason was given.\n"
+      "# TYPE wholehand_fault_ticks_total counter\n";
+  for (int bit = 0; bit < kFaultBits; ++bit) {
+    const Fault fault = static_cast<Fault>(1U << static_cast<unsigned>(bit));
+    out += fmt::format("wholehand_fault_ticks_total{{reason=\"{}\",stops=\"{}\"}} {}\n",
+                       label(faultName(bit)), any(fault & kStopping) ? "yes" : "no",
+                       s.fault_ticks[static_cast<std::size_t>(bit)]);
+  }
+  if (s.rehearsal_p999_us <= 0.0) return;
+  out +=
+      "# HELP wholehand_rehearsal_tick_cpu_seconds CPU time of a tick with the worst contacts.\n"
+      "# TYPE wholehand_rehearsal_tick_cpu_seconds gauge\n";
+  const std::array<std::pair<const char*, double>, 3> quantiles = {
+      {{"0.5", s.rehearsal_p50_us}, {"0.999", s.rehearsal_p999_us}, {"1", s.rehearsal_max_us}}};
+  for (const auto& [share, us] : quantiles) {
+    out += fmt::format("wholehand_rehearsal_tick_cpu_seconds{{quantile=\"{}\"}} {}\n", share,
+                       us * 1e-6);
+  }
+}
+
 void loopMetrics(std::string& out, const Pulse& p) {
   const LoopStatus& s = p.status;
   metric(out, "ticks_total", "counter", "Ticks since the session began.",
@@ -49,6 +86,7 @@ void loopMetrics(std::string& out, const Pulse& p) {
     out += fmt::format("wholehand_run_state{{state=\"{}\"}} {}\n", runStateName(state),
                        state == s.run_state ? 1 : 0);
   }
+  safetyMetrics(out, s);
   out +=
       "# HELP wholehand_tick_cpu_seconds CPU time of a tick.\n"
       "# TYPE wholehand_tick_cpu_seconds summary\n";
@@ -93,6 +131,7 @@ bool healthy(const Pulse& p) {
 std::string healthJson(const Pulse& p) {
   nlohmann::json json = {{"healthy", healthy(p)},
                          {"run_state", runStateName(p.status.run_state)},
+                         {"safety_state", safetyStateName(p.status.safety_state)},
                          {"session", p.status.session},
                          {"ticks", p.status.ticks},
                          {"record_age_s", nullptr}};

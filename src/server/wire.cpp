@@ -119,10 +119,14 @@ Offset<fb::WorldState> makeState(Builder& b, const TickRecord& r, const LoopStat
   out.add_authority(static_cast<float>(r.authority));
   out.add_alpha(static_cast<float>(r.exercise.alpha));
   out.add_palm_distance_m(static_cast<float>(r.palm_target_distance_m));
+  out.add_fault_value(static_cast<float>(status.fault_value));
+  out.add_fault_limit(static_cast<float>(status.fault_limit));
   addArrays(out, arrays);
+  out.add_fault_axis(static_cast<std::int16_t>(status.fault_axis));
   out.add_palm_body(static_cast<std::int16_t>(r.palm_body));
   out.add_run_state(static_cast<fb::RunState>(status.run_state));
   out.add_steering(static_cast<fb::Steering>(status.steering));
+  out.add_safety_state(static_cast<fb::SafetyState>(r.safety_state));
   return out.Finish();
 }
 

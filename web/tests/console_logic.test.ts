@@ -10,7 +10,7 @@ import { SampleWindow } from '../src/console/sample_window';
 import { faultWords, statusOf } from '../src/console/run_status';
 import { CalmRange, niceStep, ticksIn } from '../src/console/scale';
 import { logHeight, logTicks, tail, timeEnd } from '../src/console/timing_model';
-import { AxisT, EventT, ParameterGroup, ParameterT, RunState, WorldStateT } from '../src/protocol';
+import { AxisT, EventT, ParameterGroup, ParameterT, RunState, SafetyState, WorldStateT } from '../src/protocol';
 
 describe('numbers for people', () => {
   it('have a true minus and no minus zero', () => {
@@ -230,6 +230,43 @@ describe('what the state means', () => {
   it('a fault says its cause, without the stop that followed it', () => {
     const status = statusOf('open', { runState: RunState.Faulted, latchedFaults: 0b1001 }, false, names, en);
     expect(status).toMatchObject({ name: 'faulted', step: 3, bad: true, cause: 'Cause: the device gave no position' });
+  });
+
+  it('a limit that was exceeded is named with its axis, how much, and what to do', () => {
+    const names = ['speed limit exceeded', 'workspace left', 'encoder stuck', 'stop requested'];
+    const axes = [{ name: 'x', unit: 'm' }, { name: 'finger_flexion', unit: 'rad' }];
+    const faulted = { runState: RunState.Faulted, faults: 0, safetyState: SafetyState.Faulted };
+    const fast = { ...faulted, latchedFaults: 0b1001, faultAxis: 0, faultValue: 1.6234, faultLimit: 1.5 };
+    const status = statusOf('open', fast, false, names, en, axes);
+    expect(status.cause).toBe('Cause: the hand moved too fast');
+    expect(status.excess).toBe('x, away: 1.62 m/s, limit 1.5');
+    expect(status.did).toContain('within 0.1 s');
+    expect(status.todo).toBe(en.advice['speed limit exceeded']);
+    const left = { ...faulted, latchedFaults: 0b0010, faultAxis: 1, faultValue: Math.PI, faultLimit: Math.PI / 2 };
+    expect(statusOf('open', left, false, names, de, axes).excess).toBe('Finger: 180 °, Grenze 90');
+    const stuck = { ...faulted, latchedFaults: 0b0100, faultAxis: 1, faultValue: 0, faultLimit: 0 };
+    expect(statusOf('open', stuck, false, names, fr, axes)).toMatchObject({ cause: 'Cause : une position ne bouge plus', excess: 'Doigts' });
+  });
+
+  it('every fault that stops has words and advice in every language', () => {
+    const stopping = ['device read failed', 'device write failed', 'non-finite device position', 'non-finite effort', 'non-finite state',
+      'physics step failed', 'singular reduced inertia', 'speed limit exceeded', 'workspace left', 'encoder jumped', 'encoder stuck',
+      'late ticks in a row', 'gap too long', 'bodies exploded'];  // kStopping of src/core/fault.hpp
+    for (const texts of [en, de, fr]) {
+      for (const name of stopping) {
+        expect(texts.faults[name], name).toBeDefined();
+        expect(texts.advice[name], name).toBeDefined();
+      }
+    }
+  });
+
+  it('an emergency stop is called one, and the effort that is blended in is said', () => {
+    const names = ['stop requested', 'emergency stop'];
+    const stopped = { runState: RunState.Stopped, latchedFaults: 0, faults: 0b11 };
+    expect(statusOf('open', stopped, false, names, en).cause).toBe(en.safety.emergency);
+    expect(statusOf('open', { ...stopped, faults: 0b01 }, false, names, en).cause).toBe(en.safety.stopped);
+    const armed = { runState: RunState.Rendering, latchedFaults: 0, faults: 0, safetyState: SafetyState.Armed };
+    expect(statusOf('open', armed, false, names, en)).toMatchObject({ name: 'rendering', cause: en.safety.armed });
   });
 
   it('without a connection nothing of the state is believed', () => {

@@ -33,11 +33,11 @@ export class Marks {
   }
 
   /** Leaving Rendering is a moment too. */
-  addRunState(runState: RunState, time_s: number, texts: ConsoleTexts): void {
+  addRunState(runState: RunState, time_s: number, texts: ConsoleTexts, faulted = runState === RunState.Faulted): void {
     const left = this.runState === RunState.Rendering && runState !== RunState.Rendering;
     this.runState = runState;
     if (!left) return;
-    const label = runState === RunState.Faulted ? texts.plots.fault : texts.plots.stop;
+    const label = faulted ? texts.plots.fault : texts.plots.stop;
     this.add({ time_s, label, meaning: label, bad: true });
   }
 

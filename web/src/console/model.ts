@@ -1,5 +1,5 @@
 import type { Connection, Answer } from '../net/connection';
-import { RunState, type EventT, type SceneT, type WorldStateT } from '../protocol';
+import { RunState, SafetyState, type EventT, type SceneT, type WorldStateT } from '../protocol';
 import { History, WINDOW_S } from './history';
 import { texts } from './i18n';
 import { Marks } from './marks';
@@ -11,8 +11,11 @@ export interface Notice {
   what: string;
 }
 
-/** Faults that do not stop: worth a word. Bit 6: effort limited, 7: late tick, 8: contacts dropped. */
-const INFORMATION = (1 << 6) | (1 << 7) | (1 << 8);
+/**
+ * Faults that do not stop: worth a word. Bit 6: effort limited, 7: late tick, 8: contacts dropped, 14: power limited,
+ * 20: owner silent, 22: the energy tank damped.
+ */
+const INFORMATION = (1 << 6) | (1 << 7) | (1 << 8) | (1 << 14) | (1 << 20) | (1 << 22);
 /** A limit that held within this time is said in the header [s]. */
 const LIMITED_FOR_S = 1;
 
@@ -43,7 +46,7 @@ export class ConsoleModel {
   }
 
   get status(): Status {
-    return statusOf(this.connection.status, this.state, this.paused, this.scene?.faultNames ?? [], texts());
+    return statusOf(this.connection.status, this.state, this.paused, this.scene?.faultNames ?? [], texts(), this.scene?.axes ?? []);
   }
 
   /** Whether an effort was at its limit just now. */
@@ -106,7 +109,7 @@ export class ConsoleModel {
     this.paused = (this.value('paused') ?? Number(this.paused)) > 0.5;
     if (!this.history.add(state)) return;
     this.fresh = true;
-    this.marks.addRunState(state.runState, this.history.now_s, texts());
+    this.marks.addRunState(state.runState, this.history.now_s, texts(), state.safetyState === SafetyState.Faulted);
     this.marks.forgetBefore(this.history.now_s - WINDOW_S);
     if ((state.faults & INFORMATION) === 0) return;
     if ((state.faults & (1 << 6)) !== 0) this.limited_s = this.history.now_s;

@@ -1,9 +1,9 @@
 import type { ConnectionStatus } from '../net/connection';
-import { RunState, type WorldStateT } from '../protocol';
+import { RunState, SafetyState, type WorldStateT } from '../protocol';
 import { fill } from '../shared/i18n';
 import type { ConsoleTexts } from './i18n/en';
 
-export type StatusName = keyof ConsoleTexts['states'];
+export type StatusName = Exclude<keyof ConsoleTexts['states'], 'armed'>;
 
 export interface Status {
   name: StatusName;
@@ -12,8 +12,12 @@ export interface Status {
   bad: boolean;
   /** One line: the state's cause. */
   cause: string;
+  /** Which axis was beyond which limit, and by how much. */
+  excess?: string;
   /** What the system did or will do. */
   did: string;
+  /** What a person is to do. */
+  todo?: string;
 }
 
 const NAMES: Readonly<Record<RunState, StatusName>> = {
@@ -30,10 +34,53 @@ export function faultWords(bits: number, names: readonly string[], texts: Consol
   return names.filter((_, bit) => ((bits >>> bit) & 1) === 1).map((name) => texts.faults[name] ?? name);
 }
 
+/** Name of the bit of an emergency stop, Scene.fault_names. */
+const EMERGENCY_STOP = 'emergency stop';
+const OF_SPEED: readonly string[] = ['speed limit exceeded', 'encoder jumped'];
+const OF_TIME = 'gap too long';
+
+/** What of the state says why it stopped. */
+export type Told = Pick<WorldStateT, 'runState' | 'latchedFaults'>
+  & Partial<Pick<WorldStateT, 'faults' | 'safetyState' | 'faultAxis' | 'faultValue' | 'faultLimit'>>;
+
+/** A device's axis, as far as a limit of it is told. */
+export interface NamedAxis {
+  name: string | Uint8Array | null;
+  unit: string | Uint8Array | null;
+}
+
+/** Stopping faults by name; a stop that follows one is not its cause. */
+function stoppingNames(bits: number, names: readonly string[]): string[] {
+  return names.filter((name, bit) => ((bits >>> bit) & 1) === 1 && name !== 'stop requested' && name !== EMERGENCY_STOP);
+}
+
+/** Which axis, and how much of what is allowed: "x, away: 1.62 m/s, limit 1.5". Empty where nothing is known. */
+export function excessWords(state: Told, faults: readonly string[], axes: readonly NamedAxis[], texts: ConsoleTexts): string {
+  const axis = axes[state.faultAxis ?? -1];
+  const limit = state.faultLimit ?? 0;
+  const name = axis ? texts.axesLong[String(axis.name)] ?? String(axis.name) : '';
+  if (limit === 0 || (!axis && !faults.includes(OF_TIME))) return name;
+  const turns = axis && String(axis.unit) === 'rad';
+  const scale = turns ? 180 / Math.PI : 1;
+  const per = faults.some((fault) => OF_SPEED.includes(fault)) ? '/s' : '';
+  const unit = axis ? `${turns ? '°' : String(axis.unit)}${per}` : 's';
+  const shown = (value: number): string => String(Number((value * scale).toPrecision(3)));
+  const much = fill(texts.safety.beyond, { value: `${shown(state.faultValue ?? 0)} ${unit}`, limit: shown(limit) });
+  return name === '' ? much : `${name}: ${much}`;
+}
+
+function faultedStatus(state: Told, faultNames: readonly string[], axes: readonly NamedAxis[], texts: ConsoleTexts): Pick<Status, 'cause' | 'excess' | 'did' | 'todo'> {
+  const t = texts.safety;
+  const faults = stoppingNames(state.latchedFaults, faultNames);
+  const words = faults.map((name) => texts.faults[name] ?? name).join(', ') || '?';
+  const todo = faults.map((name) => texts.advice[name]).find((text) => text !== undefined) ?? texts.advice.other;
+  return { cause: fill(t.cause, { what: words }), excess: excessWords(state, faults, axes, texts), did: t.faultedWhat, todo };
+}
+
 /** What the state of the program means to a therapist. */
 export function statusOf(
-  connection: ConnectionStatus, state: Pick<WorldStateT, 'runState' | 'latchedFaults'> | null,
-  paused: boolean, faultNames: readonly string[], texts: ConsoleTexts,
+  connection: ConnectionStatus, state: Told | null,
+  paused: boolean, faultNames: readonly string[], texts: ConsoleTexts, axes: readonly NamedAxis[] = [],
 ): Status {
   const t = texts.safety;
   if (connection === 'lost') return { name: 'lost', step: undefined, bad: true, cause: t.lost, did: t.lostWhat };
@@ -46,13 +93,14 @@ export function statusOf(
   switch (name) {
     case 'disarmed': return { ...status, cause: t.disarmed, did: t.disarmedWhat };
     case 'stopping': return { ...status, cause: t.stopping, did: t.stoppingWhat };
-    case 'stopped': return { ...status, cause: t.stopped, did: t.stoppedWhat };
-    case 'faulted': {
-      // The stop that follows a fault is not its cause.
-      const cause = faultWords(state.latchedFaults, faultNames, texts)
-        .filter((word) => word !== texts.faults['stop requested']).join(', ');
-      return { ...status, cause: fill(t.cause, { what: cause || '?' }), did: t.faultedWhat };
+    case 'stopped': {
+      const emergency = ((state.faults ?? 0) >>> faultNames.indexOf(EMERGENCY_STOP)) & 1;
+      const known = faultNames.includes(EMERGENCY_STOP) && emergency === 1;
+      return { ...status, cause: known ? t.emergency : t.stopped, did: t.stoppedWhat };
     }
-    default: return { ...status, cause: t.noFault, did: '' };
+    case 'faulted': return { ...status, ...faultedStatus(state, faultNames, axes, texts) };
+    default:
+      if (state.safetyState === SafetyState.Armed) return { ...status, cause: t.armed, did: t.armedWhat };
+      return { ...status, cause: t.noFault, did: '' };
   }
 }

@@ -2,6 +2,7 @@ import { fill } from '../shared/i18n';
 import { h, say, setAttribute, setClass } from './dom';
 import { fixed } from './format';
 import { shownUnits } from './history';
+import { SafetyState } from '../protocol';
 import { language } from '../shared/i18n';
 import { texts } from './i18n';
 import { icon } from './icons';
@@ -38,7 +39,9 @@ export class SafetyPanel implements Panel {
   private readonly t = texts();
   private readonly steps: HTMLElement[];
   private readonly cause = h('b');
+  private readonly excess = h('span', { class: 'excess num' });
   private readonly did = h('small');
+  private readonly todo = h('strong', { class: 'todo' });
   private readonly causeIcon = h('span', { class: 'cause-icon' });
   private readonly box: HTMLElement;
   private readonly fingers = new PeakRow(this.t.safety.fingers, 'N', 1);
@@ -49,7 +52,7 @@ export class SafetyPanel implements Panel {
   constructor(private readonly model: ConsoleModel) {
     const { t } = this;
     this.steps = [t.states.disarmed, t.states.rendering, t.states.stopping, t.states.stopped].map((name) => h('li', {}, name));
-    this.box = h('div', { class: 'cause' }, this.causeIcon, h('div', {}, this.cause, this.did));
+    this.box = h('div', { class: 'cause' }, this.causeIcon, h('div', {}, this.cause, this.excess, this.did, this.todo));
     const rows = [...this.handRows(), ...(model.scene?.axes.some(isArm) ? [this.arm, this.speed] : [])];
     this.element = h('section', { class: 'panel safety', 'aria-label': t.safety.title },
       h('div', { class: 'hd' }, h('h2', {}, t.safety.title), h('span', { class: 'aside' }, t.safety.peaks)),
@@ -78,6 +81,7 @@ export class SafetyPanel implements Panel {
       if (i === status.step) setAttribute(step, 'aria-current', 'step');
       else step.removeAttribute('aria-current');
     });
+    say(this.steps[1], this.model.state?.safetyState === SafetyState.Armed ? t.states.armed : t.states.rendering);
     say(this.steps[3], status.name === 'faulted' ? t.states.faulted : t.states.stopped);
     if (this.box.dataset.bad !== String(status.bad)) {
       this.box.dataset.bad = String(status.bad);
@@ -85,7 +89,9 @@ export class SafetyPanel implements Panel {
     }
     setClass(this.box, 'bad', status.bad);
     say(this.cause, status.cause);
+    say(this.excess, status.excess ?? '');
     say(this.did, status.did || this.lastNotice());
+    say(this.todo, status.todo ?? '');
   }
 
   private lastNotice(): string {

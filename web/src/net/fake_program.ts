@@ -3,10 +3,11 @@
 //   level=2       which level            at=pour     plays on until that stage, at once
 //   held          another client commands          lost=8    the line breaks after 8 s, and comes back 5 s later
 //   version=9     speaks another schema version    hardware  a device that is not simulated
+//   fault=12      faults after a second with that bit of Scene.fault_names, on the first axis
 import * as flatbuffers from 'flatbuffers';
 import {
   Act, Action, Aim, AxisT, BodyT, CapsuleT, Command, ContactPointT, ControlsT, EventsT, EventT,
-  LoadExercise, Message, MessageT, Order, ParameterGroup, ParameterT, Payload, PoseT, QuatXyzwT, ReplyT, RunState, SceneT,
+  LoadExercise, Message, MessageT, Order, ParameterGroup, ParameterT, Payload, PoseT, QuatXyzwT, ReplyT, RunState, SafetyState, SceneT,
   SCHEMA_VERSION, SetParameter, ShapeT, ShapeType, StatisticsT, Steer, Steering, Vec3T, WelcomeT, WorldStateT,
 } from '../protocol';
 import type { Line } from './connection';
@@ -17,8 +18,12 @@ const PERIOD_MS = 1000 / 60;
 const EVENT_NAMES = ['approached', 'touched', 'engaged', 'disengaged', 'pour_began', 'pour_ended', 'line_reached', 'overfilled', 'spilt',
   'wrong_dispenser', 'knocked_over', 'stood_up', 'step_done', 'drink_done', 'level_done', 'paused', 'resumed', 'restarted'];
 const FAULT_NAMES = ['device read failed', 'device write failed', 'non-finite device position', 'non-finite effort', 'non-finite state',
-  'physics step failed', 'effort limited', 'late tick', 'contacts dropped', 'singular reduced inertia', 'stop requested'];
+  'physics step failed', 'effort limited', 'late tick', 'contacts dropped', 'singular reduced inertia', 'stop requested', 'emergency stop',
+  'speed limit exceeded', 'workspace left', 'power limited', 'effort slew limited', 'encoder jumped', 'encoder stuck', 'late ticks in a row',
+  'gap too long', 'owner silent', 'bodies exploded', 'tank damped'];
 const STOP_REQUESTED = 1 << 10;
+const EMERGENCY_STOP = 1 << 11;
+const FAULT_AFTER_S = 1;
 
 const PARAMETERS = [
   ['effort_limit_hand_tip_n', ParameterGroup.Patient, 'N', 2, 10, 10, 2],
@@ -45,6 +50,7 @@ export class FakeProgram {
   private tick = 0;
   private session = 1;
   private latched = 0;
+  private faulted = false;
   private heldByClient = false;
   private readonly parameters = PARAMETERS.map((p) => ({ now: p[5] as number, target: p[5] as number }));
   private readonly version: number;
@@ -96,12 +102,27 @@ export class FakeProgram {
     return line;
   }
 
+  /** The safety supervisor, as the loop's state has it. */
+  private safetyState(): SafetyState {
+    if (this.faulted) return SafetyState.Faulted;
+    if (this.runState !== RunState.Rendering && this.authority === 0) return SafetyState.Disarmed;
+    return this.authority < 1 && this.runState === RunState.Rendering ? SafetyState.Armed : SafetyState.Rendering;
+  }
+
+  private fail(bit: number): void {
+    this.faulted = true;
+    this.latched = 1 << bit;
+    this.runState = RunState.Stopping;
+  }
+
   /** What happens in that time. */
   advance(dt: number): void {
+    const bit = this.options.get('fault');
+    if (bit !== null && this.session === 1 && !this.faulted && performance.now() - this.started_ms > 1000 * FAULT_AFTER_S) this.fail(Number(bit));
     this.tick += Math.round(dt * 1000);
     const on = this.runState === RunState.Rendering;
     this.authority = Math.max(0, Math.min(1, this.authority + (on ? 4 : -4) * dt));
-    if (this.runState === RunState.Stopping && this.authority === 0) this.runState = RunState.Stopped;
+    if (this.runState === RunState.Stopping && this.authority === 0) this.runState = this.faulted ? RunState.Faulted : RunState.Stopped;
     this.bar.advance(dt, this.steering === Steering.VirtualPatient, on);
     this.parameters.forEach((p, i) => {
       const most = PARAMETERS[i][6] * dt;
@@ -128,7 +149,7 @@ export class FakeProgram {
   private obey(line: Line, command: Command): string {
     const kind = command.orderType();
     const held = this.options.has('held');
-    if (kind === Order.EmergencyStop) return this.halt();
+    if (kind === Order.EmergencyStop) return this.halt(EMERGENCY_STOP);
     if (kind === Order.TakeControls) {
       if (held) return 'another client holds the controls';
       this.heldByClient = true;
@@ -146,6 +167,7 @@ export class FakeProgram {
         if (this.runState === RunState.Rendering) return 'it is rendering already';
         this.runState = RunState.Rendering;
         this.latched = 0;
+        this.faulted = false;
         this.session += 1;
         this.bar.restart();
         this.say(line, Payload.Scene, this.scene());
@@ -179,9 +201,9 @@ export class FakeProgram {
     }
   }
 
-  private halt(): string {
+  private halt(why = 0): string {
     if (this.runState === RunState.Rendering) this.runState = RunState.Stopping;
-    this.latched |= STOP_REQUESTED;
+    this.latched |= STOP_REQUESTED | why;
     return '';
   }
 
@@ -248,6 +270,10 @@ export class FakeProgram {
     s.runState = this.runState;
     s.steering = this.steering;
     s.latchedFaults = s.faults = this.runState === RunState.Rendering ? 0 : this.latched;
+    s.safetyState = this.safetyState();
+    s.faultAxis = this.faulted ? 0 : -1;
+    s.faultValue = this.faulted ? 1.62 : 0;
+    s.faultLimit = this.faulted ? 1.5 : 0;
     s.authority = this.authority;
     s.qM = bar.qM;
     s.qS = bar.qS;
