@@ -79,16 +79,16 @@ int pthread_mutex_trylock(pthread_mutex_t* mutex) {
   ++calls.locks;
   return original(mutex);
 }
-int pthread_mutex_timedlock(pthread_mutex_t* mutex, const timespec* until) {
+int pthread_mutex_timedlock(pthread_mutex_t* mutex, const timespec* abstime) {
   static constinit Original<pthread_mutex_t*, const timespec*> original{"pthread_mutex_timedlock"};
   ++calls.locks;
-  return original(mutex, until);
+  return original(mutex, abstime);
 }
-int pthread_mutex_clocklock(pthread_mutex_t* mutex, clockid_t clock, const timespec* until) {
+int pthread_mutex_clocklock(pthread_mutex_t* mutex, clockid_t clockid, const timespec* abstime) {
   static constinit Original<pthread_mutex_t*, clockid_t, const timespec*> original{
       "pthread_mutex_clocklock"};
   ++calls.locks;
-  return original(mutex, clock, until);
+  return original(mutex, clockid, abstime);
 }
 int pthread_spin_lock(pthread_spinlock_t* lock) {
   static constinit Original<pthread_spinlock_t*> original{"pthread_spin_lock"};
@@ -100,87 +100,86 @@ int pthread_spin_trylock(pthread_spinlock_t* lock) {
   ++calls.locks;
   return original(lock);
 }
-int pthread_rwlock_rdlock(pthread_rwlock_t* lock) {
+int pthread_rwlock_rdlock(pthread_rwlock_t* rwlock) {
   static constinit Original<pthread_rwlock_t*> original{"pthread_rwlock_rdlock"};
   ++calls.locks;
-  return original(lock);
+  return original(rwlock);
 }
-int pthread_rwlock_wrlock(pthread_rwlock_t* lock) {
+int pthread_rwlock_wrlock(pthread_rwlock_t* rwlock) {
   static constinit Original<pthread_rwlock_t*> original{"pthread_rwlock_wrlock"};
   ++calls.locks;
-  return original(lock);
+  return original(rwlock);
 }
-int pthread_rwlock_tryrdlock(pthread_rwlock_t* lock) {
+int pthread_rwlock_tryrdlock(pthread_rwlock_t* rwlock) {
   static constinit Original<pthread_rwlock_t*> original{"pthread_rwlock_tryrdlock"};
   ++calls.locks;
-  return original(lock);
+  return original(rwlock);
 }
-int pthread_rwlock_trywrlock(pthread_rwlock_t* lock) {
+int pthread_rwlock_trywrlock(pthread_rwlock_t* rwlock) {
   static constinit Original<pthread_rwlock_t*> original{"pthread_rwlock_trywrlock"};
   ++calls.locks;
-  return original(lock);
+  return original(rwlock);
 }
-int pthread_rwlock_timedrdlock(pthread_rwlock_t* lock, const timespec* until) {
+int pthread_rwlock_timedrdlock(pthread_rwlock_t* rwlock, const timespec* abstime) {
   static constinit Original<pthread_rwlock_t*, const timespec*> original{
       "pthread_rwlock_timedrdlock"};
   ++calls.locks;
-  return original(lock, until);
+  return original(rwlock, abstime);
 }
-int pthread_rwlock_timedwrlock(pthread_rwlock_t* lock, const timespec* until) {
+int pthread_rwlock_timedwrlock(pthread_rwlock_t* rwlock, const timespec* abstime) {
   static constinit Original<pthread_rwlock_t*, const timespec*> original{
       "pthread_rwlock_timedwrlock"};
   ++calls.locks;
-  return original(lock, until);
+  return original(rwlock, abstime);
 }
-int pthread_cond_wait(pthread_cond_t* condition, pthread_mutex_t* mutex) {
+int pthread_cond_wait(pthread_cond_t* cond, pthread_mutex_t* mutex) {
   static constinit Original<pthread_cond_t*, pthread_mutex_t*> original{"pthread_cond_wait",
                                                                         kNewConditions};
   ++calls.waits;
-  return original(condition, mutex);
+  return original(cond, mutex);
 }
-int pthread_cond_timedwait(pthread_cond_t* condition, pthread_mutex_t* mutex,
-                           const timespec* until) {
+int pthread_cond_timedwait(pthread_cond_t* cond, pthread_mutex_t* mutex, const timespec* abstime) {
   static constinit Original<pthread_cond_t*, pthread_mutex_t*, const timespec*> original{
       "pthread_cond_timedwait", kNewConditions};
   ++calls.waits;
-  return original(condition, mutex, until);
+  return original(cond, mutex, abstime);
 }
-int pthread_cond_clockwait(pthread_cond_t* condition, pthread_mutex_t* mutex, clockid_t clock,
-                           const timespec* until) {
+int pthread_cond_clockwait(pthread_cond_t* cond, pthread_mutex_t* mutex, clockid_t clock_id,
+                           const timespec* abstime) {
   static constinit Original<pthread_cond_t*, pthread_mutex_t*, clockid_t, const timespec*> original{
       "pthread_cond_clockwait"};
   ++calls.waits;
-  return original(condition, mutex, clock, until);
+  return original(cond, mutex, clock_id, abstime);
 }
-int sem_wait(sem_t* semaphore) {
+int sem_wait(sem_t* sem) {
   static constinit Original<sem_t*> original{"sem_wait"};
   ++calls.waits;
-  return original(semaphore);
+  return original(sem);
 }
-int sem_trywait(sem_t* semaphore) {
+int sem_trywait(sem_t* sem) {
   static constinit Original<sem_t*> original{"sem_trywait"};
   ++calls.waits;
-  return original(semaphore);
+  return original(sem);
 }
-int sem_timedwait(sem_t* semaphore, const timespec* until) {
+int sem_timedwait(sem_t* sem, const timespec* abstime) {
   static constinit Original<sem_t*, const timespec*> original{"sem_timedwait"};
   ++calls.waits;
-  return original(semaphore, until);
+  return original(sem, abstime);
 }
-int pthread_cond_signal(pthread_cond_t* condition) {
+int pthread_cond_signal(pthread_cond_t* cond) {
   static constinit Original<pthread_cond_t*> original{"pthread_cond_signal", kNewConditions};
   ++calls.wakes;
-  return original(condition);
+  return original(cond);
 }
-int pthread_cond_broadcast(pthread_cond_t* condition) {
+int pthread_cond_broadcast(pthread_cond_t* cond) {
   static constinit Original<pthread_cond_t*> original{"pthread_cond_broadcast", kNewConditions};
   ++calls.wakes;
-  return original(condition);
+  return original(cond);
 }
-int sem_post(sem_t* semaphore) {
+int sem_post(sem_t* sem) {
   static constinit Original<sem_t*> original{"sem_post"};
   ++calls.wakes;
-  return original(semaphore);
+  return original(sem);
 }
 }
 // NOLINTEND(readability-identifier-naming)
