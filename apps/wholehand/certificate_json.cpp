@@ -1,5 +1,6 @@
 #include "certificate_file.hpp"
 #include "certificate_text.hpp"
+#include "control/certificate_refusal.hpp"
 
 #include <fmt/format.h>
 
@@ -50,6 +51,7 @@ Json axisJson(const AxisCertificate& a, const AxisAdvice& advice) {
   json["slew_required"] = a.slew_required;
   json["slew_available"] = a.of.axis.effort_slew_limit;
   json["passes"] = a.passes;
+  json["fails"] = failing(a);
   json["binding"] = criterionKey(a.binding);
   json["margin"] = a.margin;
   for (std::size_t i = 0; i < kAdmittedRatesHz.size(); ++i) {

@@ -30,7 +30,7 @@ std::string criteriaTable(const Certificate& c) {
     out += fmt::format("{:>9.3g}{:>8.3g}{:>9.4g}{:>7}{:>6}{:>8.3g}  {}\n", a.damping_required,
                        a.of.axis.damping, a.quantisationLimit(), marginWord(a.wall.margin),
                        marginWord(a.of.axis.effort_slew_limit / a.slew_required), a.margin,
-                       a.passes ? "passes" : fmt::format("FAILS: {}", criterionKey(a.binding)));
+                       a.passes ? "passes" : fmt::format("FAILS: {}", fmt::join(failing(a), ", ")));
   }
   return out + fmt::format(
                    "all axes together: spectral radius {:.5f} in the worst of {} postures, margin "

@@ -72,7 +72,7 @@ Diagnostic refusal(const AxisCertificate& a, const std::string& path) {
   d.file = path;
   d.key = a.of.axis.name + "." + stiffnessKey(a.of.axis);
   d.value = fmt::format("{:.6g} {}", a.of.gains.k_pm, perUnit(a.of.axis));
-  d.problem = fmt::format("not certified ({}): {}", criterionKey(a.binding), finding(a));
+  d.problem = fmt::format("not certified ({}): {}", fmt::join(failing(a), ", "), finding(a));
   d.remedy = remedy(a);
   return d;
 }
@@ -125,6 +125,16 @@ std::string stiffnessKey(const DeviceAxis& axis) {
 
 std::string dampingKey(const DeviceAxis& axis) {
   return axis.kind == AxisKind::kTranslation ? "k_dm_n_s_m" : "k_dm_nm_s_rad";
+}
+
+std::vector<std::string> failing(const AxisCertificate& a) {
+  std::vector<std::string> out;
+  if (!a.passes) out.emplace_back(criterionKey(a.binding));
+  for (int i = 0; i <= static_cast<int>(Criterion::kAvatar); ++i) {
+    const auto criterion = static_cast<Criterion>(i);
+    if (criterion != a.binding && !a.meets(criterion)) out.emplace_back(criterionKey(criterion));
+  }
+  return out;
 }
 
 std::string finding(const AxisCertificate& a) {

@@ -4,6 +4,7 @@
 #include "core/expected.hpp"
 
 #include <string>
+#include <vector>
 
 /// Why gains are not rendered, in words.
 namespace wholehand {
@@ -14,6 +15,9 @@ namespace wholehand {
 [[nodiscard]] std::string stiffnessKey(const DeviceAxis& axis);
 /// "k_dm_n_s_m" or "k_dm_nm_s_rad"
 [[nodiscard]] std::string dampingKey(const DeviceAxis& axis);
+
+/// Keys of the criteria that an axis does not meet, the binding one first.
+[[nodiscard]] std::vector<std::string> failing(const AxisCertificate& a);
 
 /// What the binding criterion of an axis found, with its numbers; no full stop.
 [[nodiscard]] std::string finding(const AxisCertificate& a);

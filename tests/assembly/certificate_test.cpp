@@ -1,6 +1,9 @@
-// Every shipped rendering on its device with every shipped hand, as shipped.
+// Every shipped rendering on its device with every shipped hand and exercise, as shipped.
 #include "assembly/sampled_inertia.hpp"
+#include "control/certificate_refusal.hpp"
 #include "support/rig_tools.hpp"
+#include "support/seed.hpp"
+#include "support/tolerance.hpp"
 
 #include <filesystem>
 
@@ -42,6 +45,53 @@ INSTANTIATE_TEST_SUITE_P(Devices, ShippedCertificate, testing::ValuesIn(shipped(
                            return name;
                          });
 
+/// The last level of each exercise that the device can play (its walls are the stiffest) with each
+/// hand, and every level with one of the hands, drawn; all of it where large counts are asked for.
+TEST_P(ShippedCertificate, WithEveryHandAndExercise_IsCertifiedAsShipped) {
+  double least = 100.0;
+  int judged = 0, walls = 0;
+  const std::vector<std::string> hands = shipped("hands");
+  const std::string drawn = hands[seed() % hands.size()];
+  std::string tightest;
+  for (const std::string& exercise : shipped("exercises")) {
+    for (const std::string& hand : hands) {
+      const bool thorough = hand == drawn || cases(1) > 1;
+      ModelFiles files = shippedFiles(GetParam(), "empty", hand);
+      files.exercise =
+          std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/" + exercise + ".toml";
+      int levels = 1;
+      for (files.level = 1; files.level <= levels; ++files.level) {
+        const Expected<Models> m = loadModels(files);
+        if (!m) {  // without fingers nobody squeezes: the exercise's own words, not ours
+          ASSERT_EQ(m.errors().front().file, files.exercise) << format(m.errors());
+          break;
+        }
+        levels = m->exercise->description().levels;
+        if (files.level < levels && !thorough) continue;
+        const CertificateInput input = certificateInput(*m, 1e-3);
+        EXPECT_EQ(input.exercise, m->exercise->description().name);
+        EXPECT_EQ(input.walls.size(), m->exercise_walls.size());
+        EXPECT_TRUE(refuseUncertified(input).empty()) << exercise << " " << hand;
+        ++judged;
+        if (files.level < levels || !thorough) continue;
+        const Certificate c = certify(input);
+        EXPECT_TRUE(c.certified) << exercise << " " << hand << ": " << c.binding();
+        for (const AxisCertificate& a : c.axes) walls += a.wall.wall.stiffness > 0.0 ? 1 : 0;
+        if (c.margin() < least) {
+          least = c.margin();
+          tightest = exercise + " with " + hand + ": " + c.binding();
+        }
+      }
+    }
+  }
+  EXPECT_GE(least, 1.0);
+  EXPECT_GE(judged, 8);
+  EXPECT_EQ(walls > 0, GetParam() != "desktop-3axis");
+  std::printf("tightest of %s: %s\n", GetParam().c_str(), tightest.c_str());
+  figure("least margin of " + GetParam() + " with every hand and exercise", least, "");
+  figure("hands, exercises and levels of " + GetParam(), judged, "");
+}
+
 /// The certificate and the check before a run must speak of the same gains.
 TEST(Certificate, Loops_AreThoseOfTheGainsThatRun) {
   for (const std::string& device : shipped("devices")) {
@@ -62,6 +112,30 @@ TEST(Certificate, Loops_AreThoseOfTheGainsThatRun) {
       EXPECT_EQ(judged.filter_tau_s, run.filter_tau_s);
     }
   }
+}
+
+/// A certificate for other numbers is refused, and for these accepted; so is a rig around it.
+TEST(Certificate, NamedInOptions_MustFitTheModels) {
+  const Models m = load(shippedFiles("lambda-pride"));
+  const CheckedGains checked = orThrow(checkGains(m, 1e-3));
+  RigOptions options;
+  options.certificate = {"c.json", checked.fingerprint};
+  EXPECT_TRUE(refuseToRender(checked, options).empty());
+  EXPECT_TRUE(buildRig(m, Intention{}, options).ok());
+
+  const Models other = load(shippedFiles("wrist-9axis"));
+  const auto refused = buildRig(other, Intention{}, options);
+  ASSERT_FALSE(refused.ok());
+  ASSERT_EQ(refused.errors().size(), 1U);
+  EXPECT_EQ(refused.errors()[0].file, "c.json");
+  EXPECT_EQ(refused.errors()[0].problem.rfind(
+                "is for the device lambda-pride, this run uses wrist-9axis", 0),
+            0U)
+      << refused.errors()[0].problem;
+
+  const Models hand = load(shippedFiles("lambda-pride", "empty", "woman-p05-right"));
+  EXPECT_EQ(refuseToRender(orThrow(checkGains(hand, 1e-3)), options)[0].problem,
+            "is for the hand adult-median-right, this run uses woman-p05-right");
 }
 
 }  // namespace
