@@ -216,9 +216,11 @@ void addOthers(CLI::App& app, ReplayOptions& replay, ReportOptions& report,
                ExperimentOptions& experiment, BarExperimentOptions& bar,
                std::vector<std::string>& files, int& code) {
   CLI::App* r = app.add_subcommand("replay", "Play a recording back, or run it again and compare");
-  r->add_option("recording", replay.recording, "HDF5 file")->required();
+  r->add_option("recording", replay.recording, "HDF5 file, or black box (.wbb)")->required();
   r->add_flag("--resimulate", replay.resimulate,
               "Run the recorded inputs again and compare bit by bit (exit code 1: they differ)");
+  r->add_option("--extract", replay.extract, "Write the ticks of a black box to this HDF5 file")
+      ->excludes("--resimulate");
   r->add_option("--speed", replay.speed, "How fast to play it back")
       ->check(finiteBetween(0.01, 1000.0, "times"))
       ->capture_default_str();

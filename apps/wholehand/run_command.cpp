@@ -1,3 +1,4 @@
+#include "assembly/kept_black_box.hpp"
 #include "assembly/recorded_run.hpp"
 #include "assembly/rig.hpp"
 #include "assembly/text_file.hpp"
@@ -171,6 +172,7 @@ int runCommand(RunOptions options) {
   plan.title = titleOf(*models);
   plan.duration_ticks = static_cast<std::uint64_t>(std::llround(duration_s * options.rate_hz));
   plan.record = options.record;
+  plan.black_box = blackBoxPath(options.record);
   plan.simulated_clock = options.simulated_clock;
   plan.seed = options.seed;
   plan.listener = &watcher;

@@ -74,6 +74,9 @@ void printSummary(const RunOptions& options, const Models& models, const RunOutc
   for (const std::string& failure : outcome.failures) {
     std::printf("  FAILED   %s; it was switched off, the loop ran on\n", failure.c_str());
   }
+  if (!outcome.black_box.empty()) {
+    std::printf("  black box  %s\n", outcome.black_box.c_str());
+  }
   if (!options.record.empty()) std::printf("  recorded %s\n", options.record.c_str());
   if (!options.report.empty()) std::printf("  report   %s/index.html\n", options.report.c_str());
 }

@@ -97,6 +97,8 @@ void Station::Core::finishSession() {
   for (const std::string& failure : ended.failures) {
     say(failure + "; it was switched off, the loop ran on");
   }
+  if (!ended.black_box.empty()) say("black box: " + ended.black_box);
+  ended.black_box.clear();  // it is said
   refreshStatus();
   files_.note(record_path_, title(),
               static_cast<double>(ended.summary.ticks) * config_.rig.period_s);
