@@ -1,7 +1,6 @@
 // How stiff may the coupling be? Tries stiffnesses on the axis x and asks checkGains() which of
-// them make a loop that is stable by itself, free and against a rigid stop, at every adaptive
-// damping.
-// (`wholehand certify` asks for more: stable with any passive person and object.)
+// them are certified: stable with any passive person and object, at every adaptive damping
+// (docs/certificate.md).
 //
 // The loop's period buys stiffness: the same device allows more of it at 2 kHz than at 1 kHz.
 //
@@ -21,10 +20,12 @@ int main(int argc, char** argv) {
                   config + "patients/relaxed-adult.toml", "", "", 1});
   if (!models) return std::fprintf(stderr, "%s\n", format(models.errors()).c_str()), 2;
   const int x = models->device.axisIndex("x");
+  // As of a device that may change its effort faster: its slew limit, too, bounds the stiffness.
+  models->device.axes[static_cast<std::size_t>(x)].effort_slew_limit = 20000.0;
 
   for (const double rate_hz : {1000.0, 2000.0}) {
     std::printf("\n%.0f Hz\n%12s %8s %8s   %s\n", rate_hz, "K_pm N/m", "K_ps", "sigma", "verdict");
-    for (const double k_pm : {1000.0, 4000.0, 12000.0, 16000.0, 48000.0}) {
+    for (const double k_pm : {1000.0, 1500.0, 2000.0, 4000.0, 16000.0}) {
       models->rendering.axes[static_cast<std::size_t>(x)].k_pm = k_pm;
       const Expected<CheckedGains> checked = checkGains(*models, 1.0 / rate_hz);
       if (!checked) {
@@ -34,7 +35,7 @@ int main(int argc, char** argv) {
       const CouplingGains& gains = checked->gains;
       std::printf("%12.0f %8.0f %8.3f   ", k_pm, gains.k_ps_per_s2[x], gains.contact_scale[x]);
       if (checked->refused.empty()) {
-        std::printf("stable by itself\n");
+        std::printf("certified\n");
       } else {
         const Diagnostic& why = checked->refused.front();
         std::printf("refused: %s; %s\n", why.problem.c_str(), why.remedy.c_str());
