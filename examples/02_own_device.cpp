@@ -23,6 +23,12 @@ class Handle final : public HapticDevice {
     effort_ = AxisEffort(3);
     return Done{};
   }
+  Expected<Done> ready() override {  // may it be armed: calibrated, and at rest?
+    for (const double speed : velocity_) {
+      if (speed != 0.0) return Diagnostic{"", 0, "handle", "", "moves", "hold it still"};
+    }
+    return Done{};
+  }
   Fault read(DeviceReading& reading, int elapsed_periods) noexcept override {
     for (int period = 0; period < elapsed_periods; ++period) {
       for (int a = 0; a < 3; ++a) {

@@ -24,6 +24,10 @@ Expected<std::unique_ptr<BlackBox>> armBlackBox(const Rig& rig, const RecordingM
   BlackBoxPlan plan;
   plan.path = path;
   plan.most_ticks = most_ticks;
+  plan.stop = [](void* renderer) noexcept {
+    static_cast<HapticRenderer*>(renderer)->requestEmergencyStop();
+  };
+  plan.stop_whom = rig.renderer.get();
   for (const DeviceAxis& axis : rig.models.device.axes) {
     plan.encoder_step.push_back(axis.encoder_step);
   }

@@ -27,7 +27,7 @@ void onInterrupt(int) {
   if (Session* session = g_session.load()) session->requestStop();
 }
 
-constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP, SIGTSTP};
+constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP, SIGTSTP, SIGQUIT};
 std::array<struct sigaction, kSignals.size()> g_before{};
 int g_scopes = 0;
 

@@ -69,8 +69,9 @@ class InterruptScope {
 
 /// Runs the rig to the end of its time, a fault or Ctrl-C, records it and counts. The device is
 /// closed afterwards, whatever happens; without a run there is no recording.
-/// While it runs, SIGINT, SIGTERM, SIGHUP and SIGTSTP (Ctrl-Z would freeze the loop with its last
-/// effort held) stop it gently, but for those that the program has inherited as ignored (nohup).
+/// While it runs, SIGINT, SIGQUIT, SIGTERM, SIGHUP and SIGTSTP (Ctrl-Z would freeze the loop with
+/// its last effort held) stop it gently, but for those that the program has inherited as ignored
+/// (nohup).
 /// @pre the rig's renderer is armed
 [[nodiscard]] Expected<RunOutcome> runAndRecord(Rig& rig, const RunPlan& plan);
 

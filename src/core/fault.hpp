@@ -29,8 +29,9 @@ enum class Fault : std::uint32_t {
   kLateInARow = 1U << 18,        ///< more late ticks in a row than the device allows
   kLongGap = 1U << 19,           ///< a gap between ticks longer than the device allows
   kOwnerSilent = 1U << 20,       ///< information: who shows the exercise is silent; it fades out
-  kBodiesExploded = 1U << 21,    ///< a body of the world is faster or farther than any could be
-  kTankEmpty = 1U << 22,         ///< information: the energy tank damped
+  kBodiesExploded =
+      1U << 21,           ///< a body of the world changed its speed as none could, or the hand did
+  kTankEmpty = 1U << 22,  ///< information: the energy tank damped
 };
 
 [[nodiscard]] constexpr Fault operator|(Fault a, Fault b) noexcept {

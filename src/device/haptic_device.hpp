@@ -25,7 +25,7 @@ class HapticDevice {
 
   /// Whether it may be armed now, after open(): it is calibrated and at rest; the reason otherwise.
   /// Not real-time safe.
-  [[nodiscard]] virtual Expected<Done> ready() { return Done{}; }
+  [[nodiscard]] virtual Expected<Done> ready() = 0;
 
   /// True where no person is moved and no wall clock matters: lateness and encoders that stand
   /// still are then counted only.
@@ -36,10 +36,11 @@ class HapticDevice {
   [[nodiscard]] WHOLEHAND_RT virtual Fault read(DeviceReading& reading,
                                                 int elapsed_periods) noexcept = 0;
 
-  /// Sends an effort; it holds until the next one.
+  /// Sends an effort; it holds until the next one. Software that has crashed, was killed or stands
+  /// still sends none: the drive needs a watchdog of its own (20 ms, say) that lets it down gently.
   [[nodiscard]] WHOLEHAND_RT virtual Fault write(const AxisEffort& effort) noexcept = 0;
 
-  /// Leaves the device at its neutral effort. Idempotent. Not real-time safe.
+  /// Leaves the device at its neutral effort, its weight carried. Idempotent. Not real-time safe.
   virtual void close() noexcept = 0;
 };
 

@@ -8,9 +8,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace wholehand {
 namespace {
+
+// For so long a device that takes no effort is asked to take its neutral one.
+constexpr double kNeutralWithin_s = 1.0;
 
 AxisEffort sum(const AxisEffort& a, const AxisEffort& b) noexcept {
   AxisEffort out(a.size());
@@ -83,6 +87,7 @@ HapticRenderer::HapticRenderer(HapticDevice& device, PhysicsWorld& world, const 
       parameters_(together(config, exercise)),
       effort_limit_(config.effort_limit),
       damping_config_(config.damping),
+      axis_names_(hand.axis_names),
       dynamics_(hand) {
   ramp_.sent = config_.neutral;  // what a device holds that nobody has armed
 }
@@ -107,27 +112,35 @@ Expected<Done> HapticRenderer::mayArm() const {
   DeviceWatchState nothing_known;
   const Finding finding = watchDevice(nothing_known, reading_.q_m, config_.neutral, 1, limits);
   if (!any(finding.faults)) return Done{};
-  return Diagnostic{
-      "",
-      0,
-      "",
-      std::to_string(reading_.q_m[finding.axis]),
-      "axis " + std::to_string(finding.axis) + " of the device is outside its workspace",
-      "move it back by hand, or calibrate the device"};
+  const int a = finding.axis;
+  const std::string range =
+      "[" + std::to_string(limits.lower[a]) + ", " + std::to_string(limits.upper[a]) + "]";
+  return Diagnostic{"",
+                    0,
+                    axis_names_[static_cast<std::size_t>(a)],
+                    std::to_string(reading_.q_m[a]),
+                    "is outside the device's workspace " + range,
+                    "move it back by hand, or calibrate the device"};
 }
 
 Expected<Done> HapticRenderer::arm() {
+  // A stop that no tick has seen is a person's: it is never forgotten in silence.
+  const std::uint32_t stops = stops_.load(std::memory_order_seq_cst);
+  if (std::exchange(stops_seen_, stops) != stops) {
+    return Diagnostic{"", 0, "", "", "a stop was asked for", "arm again if it is over"};
+  }
   if (ramp_.phase != RampPhase::kRendering && !atNeutral()) {
     return Diagnostic{"", 0, "", "", "the device is still on its way to neutral", "arm again then"};
   }
   if (ramp_.phase == RampPhase::kRendering && !device_.simulated()) {
     return Diagnostic{"", 0, "", "", "the device is armed already", "stop it first"};
   }
-  emergency_.store(false, std::memory_order_relaxed);
-  stop_requested_.store(false, std::memory_order_relaxed);
   if (Expected<Done> opened = device_.open(); !opened) return opened;
-  const auto refused = [this](Diagnostics why) {
-    device_.close();  // nobody will tick it
+  const bool was_open = std::exchange(device_open_, true);
+  const auto refused = [this, was_open](Diagnostics why) {
+    // Nobody will tick it; one that was open before carries its weight on.
+    if (!was_open) device_.close();
+    device_open_ = was_open;
     return Expected<Done>(std::move(why));
   };
   if (Expected<Done> ready = device_.ready(); !ready) return refused(ready.errors());
@@ -139,9 +152,12 @@ Expected<Done> HapticRenderer::arm() {
   if (Expected<Done> placed = world_.placeHand(reading_.q_m); !placed) {
     return refused(placed.errors());
   }
-  if (stop_requested_.load(std::memory_order_relaxed)) {
+  if (const std::uint32_t now = stops_.load(std::memory_order_seq_cst); now != stops) {
+    stops_seen_ = now;
     return refused({{"", 0, "", "", "a stop was asked for while the device was being armed", ""}});
   }
+  stops_armed_ = stops;
+  emergencies_armed_ = emergencies_.load(std::memory_order_seq_cst);
   armed_position_ = reading_.q_m;
   const int axes = config_.gains.axes;
   velocity_ = VelocityState{};
@@ -160,7 +176,19 @@ Expected<Done> HapticRenderer::arm() {
   world_watch_ = WorldWatchState{};
   safety_state_ = SafetyState::kArmed;
   latched_ = Fault::kNone;
+  acknowledged_ = config_.neutral;  // as open() leaves it
+  unconfirmed_s_ = 0.0;
   return Done{};
+}
+
+void HapticRenderer::disarm() noexcept {
+  ramp_.phase = RampPhase::kNeutral;
+  ramp_.sent = config_.neutral;
+  safety_state_ = any(latched_) ? SafetyState::kFaulted : SafetyState::kDisarmed;
+}
+
+bool HapticRenderer::finished() const noexcept {
+  return atNeutral() || unconfirmed_s_ > kNeutralWithin_s;
 }
 
 bool HapticRenderer::atNeutral() const noexcept {
@@ -222,13 +250,14 @@ void HapticRenderer::readDevice(std::uint32_t elapsed_periods, TickRecord& recor
   if (reading_.q_m.size() != config_.gains.axes) {  // a missing axis would read as 0 and be pulled
     record.faults |= Fault::kDeviceRead;
     reading_.q_m = AxisPosition(config_.gains.axes, std::numeric_limits<double>::quiet_NaN());
-  } else if (!any(fault) && !allFinite(reading_.q_m)) {
+  } else if (!any(fault & kStopping) && !allFinite(reading_.q_m)) {
     record.faults |= Fault::kNonFinitePosition;
     for (int i = config_.gains.axes; i-- > 0;) {
       if (!std::isfinite(reading_.q_m[i])) record.fault_axis = i;
     }
   }
-  if (!any(record.faults & kStopping)) {
+  // Once it falls to neutral, motion is not judged: who pressed springs forward when it lets go.
+  if (!any(record.faults & kStopping) && ramp_.phase == RampPhase::kRendering) {
     const Finding finding = watchDevice(device_watch_, reading_.q_m, ramp_.sent,
                                         static_cast<int>(elapsed_periods), config_.supervisor);
     record.faults |= finding.faults;
@@ -251,7 +280,8 @@ void HapticRenderer::observeWorld(TickRecord& record) noexcept {
   record.closure = state_.closure;
   record.body_count = state_.body_count;
   std::copy_n(state_.bodies.begin(), state_.body_count, record.bodies.begin());
-  if (!any(latched_)) record.faults |= watchWorld(world_watch_, record, config_.supervisor);
+  if (ramp_.phase == RampPhase::kRendering)
+    record.faults |= watchWorld(world_watch_, record, config_.supervisor);
 }
 
 void HapticRenderer::updateDynamics(TickRecord& record) noexcept {
@@ -328,9 +358,12 @@ void HapticRenderer::makeSafe(std::uint32_t elapsed_periods, TickRecord& record)
       sum(sum(sum(record.coupling, record.exercise.effort), record.damping), record.tank_effort);
   const AxisEffort wanted = withinEffort(record);
   latched_ |= record.faults & kStopping;
-  const bool asked = stop_requested_.load(std::memory_order_relaxed);
+  // The emergency first: who presses counts the stop first, so that none is seen without the other.
+  const bool emergency = emergencies_.load(std::memory_order_seq_cst) != emergencies_armed_;
+  stops_seen_ = stops_.load(std::memory_order_seq_cst);
+  const bool asked = emergency || stops_seen_ != stops_armed_;
   if (asked) record.faults |= Fault::kStopRequested;
-  if (emergency_.load(std::memory_order_relaxed)) record.faults |= Fault::kEmergencyStop;
+  if (emergency) record.faults |= Fault::kEmergencyStop;
   if (!owner_alive_) record.faults |= Fault::kOwnerSilent;
   const AxisEffort last = ramp_.sent;
   ramp_ = advanceRamp(ramp_, wanted, config_.neutral, any(latched_) || asked,
@@ -368,6 +401,13 @@ void HapticRenderer::writeDevice(TickRecord& record) noexcept {
   const Fault fault = device_.write(record.sent);
   record.faults |= fault;
   latched_ |= fault & kStopping;
+  if (!any(fault & Fault::kDeviceWrite)) {
+    acknowledged_ = record.sent;
+    return;
+  }
+  // It goes on with what it holds: the ramp, the slew limit and the record go by that.
+  ramp_.sent = record.sent = acknowledged_;
+  if (ramp_.phase == RampPhase::kNeutral) unconfirmed_s_ += config_.period_s;
 }
 
 void HapticRenderer::stepWorld(TickRecord& record) noexcept {

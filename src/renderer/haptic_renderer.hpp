@@ -21,6 +21,9 @@
 #include <Eigen/Core>
 
 #include <atomic>
+#include <cstdint>
+#include <string>
+#include <vector>
 
 namespace wholehand {
 
@@ -61,16 +64,23 @@ class HapticRenderer {
   WHOLEHAND_RT void tick(std::uint32_t elapsed_periods, TickRecord& record,
                          StageListener* stages = nullptr) noexcept;
 
-  /// Lets the next tick begin the ramp to neutral. Any thread; real-time safe.
-  void requestStop() noexcept { stop_requested_.store(true, std::memory_order_relaxed); }
-  /// The same, and the records say that it was an emergency stop. Any thread; real-time safe.
+  /// Takes an arming back that no tick has followed. The device stays open. Not real-time safe.
+  void disarm() noexcept;
+
+  /// Lets the next tick begin the ramp to neutral. Before that, an arm() is refused once. Any
+  /// thread, also a signal handler; real-time safe.
+  void requestStop() noexcept { stops_.fetch_add(1, std::memory_order_seq_cst); }
+  /// The same, and the records say that it was an emergency stop.
   void requestEmergencyStop() noexcept {
-    emergency_.store(true, std::memory_order_relaxed);
     requestStop();
+    emergencies_.fetch_add(1, std::memory_order_seq_cst);
   }
 
   /// True once the device is at its neutral effort after a stop or a fault.
   [[nodiscard]] bool atNeutral() const noexcept;
+  /// The same, or the device has taken no effort for a second after it should have been neutral:
+  /// nothing more can be done for it from here. Real-time safe.
+  [[nodiscard]] bool finished() const noexcept;
 
   /// The stopping faults of this run so far; kNone again once armed. For the thread that ticks, or
   /// after its end. Real-time safe.
@@ -116,6 +126,7 @@ class HapticRenderer {
   AdaptiveDampingConfig damping_config_;  ///< in force now
   WorldQuery query_;
   bool owner_alive_ = true;  ///< whoever shows the exercise is there
+  std::vector<std::string> axis_names_;
   ArticulatedBody dynamics_;
   AxisPosition armed_position_;
   DeviceReading reading_;
@@ -129,8 +140,12 @@ class HapticRenderer {
   WorldWatchState world_watch_;
   SafetyState safety_state_ = SafetyState::kDisarmed;
   Fault latched_ = Fault::kNone;  ///< a stopping fault stays until armed again
-  std::atomic<bool> emergency_{false};
-  std::atomic<bool> stop_requested_{false};
+  AxisEffort acknowledged_;       ///< the last effort that the device took
+  double unconfirmed_s_ = 0.0;    ///< since it should have been neutral and would not say so
+  bool device_open_ = false;
+  // Stops are counted: one that nobody has acted on yet is not lost, whatever comes in between.
+  std::atomic<std::uint32_t> stops_{0}, emergencies_{0};
+  std::uint32_t stops_seen_ = 0, stops_armed_ = 0, emergencies_armed_ = 0;
 };
 
 }  // namespace wholehand

@@ -2,6 +2,10 @@
 
 #include "realtime/thread_setup.hpp"
 
+#include <cmath>
+#include <string>
+#include <utility>
+
 namespace wholehand {
 
 // Hands the renderer's laps to the clock.
@@ -27,13 +31,24 @@ Session::~Session() {
 }
 
 Expected<SetupReport> Session::start(const PeriodicThreadConfig& thread) {
+  if (std::llround(renderer_.config().period_s * 1e9) != thread.period_ns) {
+    renderer_.disarm();
+    return Diagnostic{"",
+                      0,
+                      "period_ns",
+                      std::to_string(thread.period_ns),
+                      "is not the period that the gains were judged at",
+                      "use the period that the rig was built with"};
+  }
   thread_ = std::make_unique<PeriodicThread>(
       thread, [this](std::uint32_t elapsed_periods, std::int64_t lateness_ns) noexcept {
         const bool more = tickOnce(elapsed_periods, lateness_ns);
         (void)queue_.try_push(record_);  // full: dropped and counted
         return more;
       });
-  return thread_->start();
+  Expected<SetupReport> started = thread_->start();
+  if (!started) renderer_.disarm();
+  return started;
 }
 
 bool Session::running() const {
@@ -74,7 +89,9 @@ bool Session::tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) 
   if (config_.black_box != nullptr) config_.black_box->beforeTick(record_);
   renderer_.tick(counters_.ticks_run == 0 ? 1 : elapsed_periods, record_, &stages);
   next_tick_ = record_.tick + 1;
-  if (next_tick_ >= config_.duration_ticks) renderer_.requestStop();
+  if (next_tick_ >= config_.duration_ticks && !std::exchange(time_is_over_, true)) {
+    renderer_.requestStop();
+  }
   const StageTimes times = clock_.finish();
   record_.wall_ns = times.wall_ns;
   record_.cpu_ns = times.cpu_ns;
@@ -82,7 +99,7 @@ bool Session::tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) 
   if (config_.listener != nullptr) config_.listener->afterTick(record_);
   if (config_.black_box != nullptr) config_.black_box->afterTick(record_);
   count(allocationsSoFar() - allocated);
-  return !renderer_.atNeutral();
+  return !renderer_.finished();
 }
 
 void Session::count(std::uint64_t allocations) noexcept {

@@ -89,6 +89,7 @@ class Session {
   StageClock clock_;
   TickRecord record_;  ///< reused: the tick's own copy
   std::uint64_t next_tick_ = 0;
+  bool time_is_over_ = false;
   SessionCounters counters_;
   std::unique_ptr<PeriodicThread> thread_;  ///< last: joined before what it writes to goes
 };

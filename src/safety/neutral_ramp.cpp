@@ -24,6 +24,7 @@ AxisEffort blend(const AxisEffort& neutral, const AxisEffort& effort, double sha
 void engageAnew(NeutralRampState& s) noexcept {
   s.held = s.sent;
   s.elapsed_s = 0.0;
+  s.again = s.again || s.authority >= 1.0;
 }
 
 void render(NeutralRampState& s, const AxisEffort& wanted, double period_s,
@@ -69,7 +70,7 @@ NeutralRampState advanceRamp(const NeutralRampState& state, const AxisEffort& wa
   switch (next.phase) {
     case RampPhase::kRendering:
       if (elapsed_s > config.gap_s) engageAnew(next);
-      render(next, wanted, period_s, config.engage_s);
+      render(next, wanted, period_s, next.again ? config.reengage_s : config.engage_s);
       break;
     case RampPhase::kRamping:
       ramp(next, neutral, elapsed_s, config.ramp_s);

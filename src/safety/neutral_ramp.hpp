@@ -12,6 +12,10 @@ struct NeutralRampConfig {
   double engage_s = 0.2;  ///< authority rises from 0 to 1 at the start. Range [0.02, 5]. Ours.
   double ramp_s = 0.08;   ///< from a fault to neutral. Range (0, 0.1]. 100 ms, less slack.
   double gap_s = 0.005;   ///< a stall longer than this engages anew from the effort it held. Ours.
+  /// How long that takes. An old effort that is held for long takes no part in what the person
+  /// does: at 0.2 s a stall of 6 ms every 0.1 s kept a certified loop swinging, at 0.03 s none
+  /// does.
+  double reengage_s = 0.03;
 };
 
 enum class RampPhase {
@@ -27,8 +31,9 @@ struct NeutralRampState {
   double authority = 0.0;  ///< share of the rendered effort that is sent, 0 .. 1
   double elapsed_s = 0.0;  ///< in this phase; while rendering, since it was engaged
   double authority_at_stop = 0.0;
-  AxisEffort held;  ///< what engaging or ramping began from
-  AxisEffort sent;  ///< what the device is to receive
+  bool again = false;  ///< engaged anew after a stall, having been engaged wholly
+  AxisEffort held;     ///< what engaging or ramping began from
+  AxisEffort sent;     ///< what the device is to receive
 };
 
 /// Before the first tick: the device holds its neutral effort.

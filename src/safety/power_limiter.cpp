@@ -1,20 +1,54 @@
 #include "safety/power_limiter.hpp"
 
+#include <array>
+
 namespace wholehand {
+namespace {
+
+using Powers = std::array<double, kMaxAxes>;
+
+// The share p̂: what the axes below an equal part leave is the others', until nobody is below it.
+double shareOf(const Powers& power_w, int axes, double limit_w) noexcept {
+  double share_w = limit_w / axes;
+  for (int round = 0; round < axes; ++round) {
+    double small_w = 0.0;
+    int large = 0;
+    for (int i = 0; i < axes; ++i) {
+      const double p = power_w[static_cast<std::size_t>(i)];
+      if (p > share_w) {
+        ++large;
+      } else {
+        small_w += p;
+      }
+    }
+    if (large == 0) return share_w;
+    const double next_w = (limit_w - small_w) / large;
+    if (next_w <= share_w) return share_w;
+    share_w = next_w;
+  }
+  return share_w;
+}
+
+}  // namespace
 
 LimitedEffort limitPower(const AxisEffort& effort, const AxisEffort& neutral,
                          const AxisVelocity& qd, double limit_w) noexcept {
   LimitedEffort out{effort};
+  Powers power_w{};
   double given_w = 0.0;
   for (int i = 0; i < effort.size(); ++i) {
-    const double power_w = (effort[i] - neutral[i]) * qd[i];
-    if (power_w > 0.0) given_w += power_w;
+    const double p = (effort[i] - neutral[i]) * qd[i];
+    if (!(p > 0.0)) continue;
+    power_w[static_cast<std::size_t>(i)] = p;
+    given_w += p;
   }
   if (!(given_w > limit_w)) return out;
-  const double share = limit_w / given_w;
+  const double share_w = shareOf(power_w, effort.size(), limit_w);
   for (int i = 0; i < effort.size(); ++i) {
-    const double pushed = effort[i] - neutral[i];
-    if (pushed * qd[i] > 0.0) out.effort[i] = neutral[i] + share * pushed;
+    const double p = power_w[static_cast<std::size_t>(i)];
+    if (!(p > share_w)) continue;
+    out.effort[i] = neutral[i] + (effort[i] - neutral[i]) * (share_w / p);
+    if (out.axis < 0) out.axis = i;
   }
   out.faults = Fault::kPowerLimit;
   return out;

@@ -9,11 +9,14 @@ namespace {
 constexpr double kJump = 3.0;           // times the speed limit
 constexpr double kCounts = 2.0;         // of the encoder, between two readings of one motion
 constexpr double kStillCounts = 1.5;    // a broken encoder may flicker between two
-constexpr double kTravel = 0.5;         // ranges that the others travel while an encoder is stuck
+constexpr double kTravel = 5.0;         // ranges that the others travel while an encoder is stuck
 constexpr double kEffortOfLimit = 0.2;  // that its own effort changes meanwhile
 constexpr double kBodySpeedChange_m_s = 10.0;
 constexpr double kBodySpinChange_rad_s = 500.0;
 constexpr double kAvatarSpeed = 10.0;  // times the device's speed limit
+constexpr int kFastTicks = 2;          // beyond the speed limit, one after another
+constexpr double kGap_s = 0.005;       // after which the effort is blended anew
+constexpr double kMostGaps = 3.0;      // in a second
 constexpr std::uint32_t kStall_periods = 5;
 constexpr double kCatchUp_s = 0.2;
 
@@ -34,19 +37,24 @@ void watchTiming(DeviceWatchState& state, int elapsed_periods, const SupervisorC
   if (watch.late_in_a_row > 0 && state.late_in_a_row > watch.late_in_a_row) {
     finding.faults |= Fault::kLateInARow;
   }
-  if (watch.longest_gap_s > 0.0 && elapsed_periods * config.period_s > watch.longest_gap_s) {
+  const double elapsed_s = elapsed_periods * config.period_s;
+  state.gaps = std::max(0.0, state.gaps - kMostGaps * elapsed_s) + (elapsed_s > kGap_s ? 1.0 : 0.0);
+  if (watch.late_in_a_row > 0 && state.gaps > kMostGaps) finding.faults |= Fault::kLateInARow;
+  if (watch.longest_gap_s > 0.0 && elapsed_s > watch.longest_gap_s) {
     finding.faults |= Fault::kLongGap;
   }
 }
 
-void watchMotion(const DeviceWatchState& state, const AxisPosition& q_m, double elapsed_s,
+void watchMotion(DeviceWatchState& state, const AxisPosition& q_m, double elapsed_s,
                  const SupervisorConfig& config, Finding& finding) noexcept {
   for (int i = 0; i < config.axes; ++i) {
     const double moved = std::abs(q_m[i] - state.q[i]) - kCounts * config.encoder_step[i];
     const double allowed = config.speed_limit[i] * elapsed_s;
-    if (moved > kJump * allowed) {
+    int& fast = state.fast_ticks[static_cast<std::size_t>(i)];
+    fast = moved <= allowed ? 0 : fast + 1;
+    if (!(moved <= kJump * allowed)) {
       add(finding, Fault::kEncoderJump, i);
-    } else if (moved > allowed) {
+    } else if (fast >= kFastTicks) {
       add(finding, Fault::kSpeedLimit, i);
     }
   }
@@ -117,8 +125,8 @@ Finding watchDevice(DeviceWatchState& state, const AxisPosition& q_m, const Axis
   Finding finding;
   if (config.axes == 0) return finding;
   for (int i = 0; i < config.axes; ++i) {
-    if (q_m[i] < config.lower[i] - config.margin[i] ||
-        q_m[i] > config.upper[i] + config.margin[i]) {
+    if (!(q_m[i] >= config.lower[i] - config.margin[i] &&
+          q_m[i] <= config.upper[i] + config.margin[i])) {
       add(finding, Fault::kWorkspace, i);
     }
   }

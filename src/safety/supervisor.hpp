@@ -41,6 +41,8 @@ struct Finding {
 struct DeviceWatchState {
   bool fresh = true;  ///< nothing is known of the tick before
   int late_in_a_row = 0;
+  double gaps = 0.0;                       ///< of more than 5 ms; three a second are forgotten
+  std::array<int, kMaxAxes> fast_ticks{};  ///< beyond the speed limit, one after another
   AxisPosition q;
   AxisPosition still_at;                            ///< where an axis stands still, if it does
   std::array<double, kMaxAxes> still_s{};           ///< for so long
@@ -50,14 +52,15 @@ struct DeviceWatchState {
 };
 
 /// Judges what was read, before anything is computed from it:
-///   kSpeedLimit    |Δq| > q̇_max kT + 2δ
-///   kEncoderJump   |Δq| > 3 q̇_max kT + 2δ: no hand moves so
-///   kWorkspace     beyond the range by more than the margin
-///   kEncoderStuck  within a count and a half for stuck_encoder_s, not at a stop, while the axis's
+///   kSpeedLimit    |Δq| > q̇_max kT + 2δ, twice: one reading may be late, and the next is then
+///   early kEncoderJump   |Δq| > 3 q̇_max kT + 2δ: no hand moves so kWorkspace     beyond the range
+///   by more than the margin kEncoderStuck  within a count and a half for stuck_encoder_s, not at a
+///   stop, while the axis's
 ///                  own effort changed by a fifth of its limit or, on a base axis, the others
-///                  travelled half a range. Fingers may rest while the arm moves, and an arm while
+///                  travelled five ranges. Fingers may rest while the arm moves, and an arm while
 ///                  the fingers do: neither is evidence
-///   kLateInARow, kLongGap
+///   kLateInARow    late ticks in a row, or more than three gaps of over 5 ms in a second
+///   kLongGap
 /// A fault that is not of timing names the first axis. Real-time safe.
 /// @param sent the last effort sent
 [[nodiscard]] WHOLEHAND_RT Finding watchDevice(DeviceWatchState& state, const AxisPosition& q_m,

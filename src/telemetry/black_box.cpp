@@ -14,6 +14,7 @@
 #include <cstring>
 #include <ctime>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 namespace wholehand {
@@ -28,6 +29,12 @@ constexpr Fault kWanting = kStopping | Fault::kEmergencyStop;
 constexpr double kRamp_s = 1.0;
 /// Kept beyond what is asked for: so much may be overwritten while a crash is written down.
 constexpr double kMargin = 1.1;
+/// The longest ramp to neutral, with slack for a loop that is late.
+constexpr long kNeutralWithin_ns = 130'000'000;
+
+int thisThread() noexcept {
+  return static_cast<int>(::syscall(SYS_gettid));
+}
 
 /// How much memory a box takes.
 struct Sizes {
@@ -97,7 +104,11 @@ class MappedBox final : public BlackBox, public CrashWitness {
   void putEntries() noexcept;
   void putData() noexcept;
 
+  void waitForNeutral(const timespec& since) const noexcept;
+
   const std::string path_, temporary_, crash_text_;
+  void (*const stop_)(void*) noexcept;
+  void* const stop_whom_;
   const std::vector<std::string> folders_;
   const std::vector<std::byte> meta_;
   const Sizes sizes_;
@@ -107,6 +118,7 @@ class MappedBox final : public BlackBox, public CrashWitness {
 
   // Written by the thread that ticks, read by a handler in any: what lies before a number is whole.
   std::atomic<std::uint64_t> ticks_begun_{0}, ticks_done_{0};
+  std::atomic<int> ticking_thread_{0};
   std::atomic<std::uint64_t> input_bytes_{0};
   std::atomic<bool> inputs_whole_{true};
   std::atomic<std::uint64_t> entries_begun_{0}, entries_done_{0};
@@ -121,6 +133,8 @@ MappedBox::MappedBox(const RecordingMeta& meta, const BlackBoxPlan& plan)
       temporary_(plan.path + ".part"),
       crash_text_("\nwholehand: crashed; the last seconds are in " + plan.path +
                   ": wholehand replay " + plan.path + " --resimulate\n"),
+      stop_(plan.stop),
+      stop_whom_(plan.stop_whom),
       folders_(foldersOf(plan.path)),
       meta_(black_box::packMeta(meta, plan.encoder_step)),
       sizes_(sizesOf(meta, plan)) {
@@ -151,6 +165,7 @@ std::string MappedBox::takeMemory() {
 void MappedBox::beforeTick(const TickRecord&) noexcept {
   if (first_tick_) {
     useSignalStack(ticking_stack_.data());
+    ticking_thread_.store(thisThread(), std::memory_order_relaxed);
     first_tick_ = false;
   }
   ticks_begun_.store(ticks_begun_.load(std::memory_order_relaxed) + 1, std::memory_order_release);
@@ -274,10 +289,30 @@ int MappedBox::writeFile(int signal) noexcept {
   return file_.close();
 }
 
+// A loop in another thread than the one that crashed ramps down meanwhile. One that crashed itself
+// leaves the device to its own watchdog.
+void MappedBox::waitForNeutral(const timespec& since) const noexcept {
+  const int ticking = ticking_thread_.load(std::memory_order_relaxed);
+  if (stop_ == nullptr || ticking == 0 || ticking == thisThread()) return;
+  timespec until = since;
+  until.tv_nsec += kNeutralWithin_ns;
+  if (until.tv_nsec >= 1'000'000'000) {
+    until.tv_nsec -= 1'000'000'000;
+    ++until.tv_sec;
+  }
+  while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
+  }
+}
+
 void MappedBox::crashed(int signal) noexcept {
-  if (ticks_done_.load(std::memory_order_acquire) == 0 || writeFile(signal) != 0) return;
-  const ssize_t ignored = ::write(STDERR_FILENO, crash_text_.data(), crash_text_.size());
-  (void)ignored;
+  if (stop_ != nullptr) stop_(stop_whom_);
+  timespec began{};
+  ::clock_gettime(CLOCK_MONOTONIC, &began);
+  if (ticks_done_.load(std::memory_order_acquire) > 0 && writeFile(signal) == 0) {
+    const ssize_t ignored = ::write(STDERR_FILENO, crash_text_.data(), crash_text_.size());
+    (void)ignored;
+  }
+  waitForNeutral(began);
 }
 
 Expected<Done> MappedBox::write() {

@@ -17,7 +17,11 @@ struct BlackBoxPlan {
   std::string path;                  ///< of the file; its last folders are made when it is written
   std::vector<double> encoder_step;  ///< per axis [m or rad]; 0: it has none
   std::uint64_t most_ticks = std::numeric_limits<std::uint64_t>::max();  ///< a run has
-  double keep_s = 5.0;                                                   ///< of whole ticks
+  /// Called first of all when the process crashes: lets the loop, if it still runs, ramp the device
+  /// to neutral; the end of the process waits for that. Async-signal-safe; may be null.
+  void (*stop)(void*) noexcept = nullptr;
+  void* stop_whom = nullptr;
+  double keep_s = 5.0;                                    ///< of whole ticks
   std::size_t input_bytes = std::size_t{64} << 20U;       ///< for the inputs since arming
   std::size_t most_tick_bytes = std::size_t{256} << 20U;  ///< for the whole ticks
 };

@@ -33,6 +33,7 @@ class WatchedDevice final : public HapticDevice {
     story_.open = true;
     return Done{};
   }
+  [[nodiscard]] Expected<Done> ready() override { return Done{}; }
   [[nodiscard]] Fault read(DeviceReading& reading, int) noexcept override {
     reading.q_m = AxisPosition(3);
     return story_.reads++ >= fails_at_ ? Fault::kDeviceRead : Fault::kNone;

@@ -90,6 +90,7 @@ class StiffnessRig final : public HapticDevice {
   StiffnessRig(AxisPosition start, int axis, int sign, double period_s)
       : q_(start), axis_(axis), sign_(sign), period_s_(period_s) {}
   [[nodiscard]] Expected<Done> open() override { return Done{}; }
+  [[nodiscard]] Expected<Done> ready() override { return Done{}; }
   [[nodiscard]] Fault read(DeviceReading& reading, int) noexcept override {
     if (reads_++ > 0) advance();
     reading.q_m = q_;

@@ -139,8 +139,8 @@ TEST(StalledLoop, WhileThePatientMovesFast_EngagesAnewWithoutAStep) {
 
   // sent = held + s (wanted - held), both within the limit: |sent - held| <= 2 limit s. From a tick
   // to the next it changes by (s' - s) (wanted' - held) + s (wanted' - wanted), where s rises by at
-  // most the smoothstep's steepest slope, 1.5 T / engage_s: by at most 3 limit T / engage_s, 1.5 %
-  // of the limit here, and the share s of what the rendered force itself changes by.
+  // most the smoothstep's steepest slope, 1.5 T / reengage_s: by at most 3 limit T / reengage_s,
+  // 10 % of the limit here, and the share s of what the rendered force itself changes by.
   double largest = 0.0;
   double authority = 0.0;  // of the tick before: none yet, it was engaged anew
   for (int k = 1; k <= 250; ++k) {
@@ -148,10 +148,11 @@ TEST(StalledLoop, WhileThePatientMovesFast_EngagesAnewWithoutAStep) {
     for (int a = 0; a < held.size(); ++a) {
       const double change = std::abs(now.sent[a] - before.sent[a]);
       const double own = authority * std::abs(want[a] - wanted_before[a]);
-      ASSERT_LE(change, 3.0 * limit[a] * config.period_s / config.ramp.engage_s + own + 1e-12) << k;
+      ASSERT_LE(change, 3.0 * limit[a] * config.period_s / config.ramp.reengage_s + own + 1e-12)
+          << k;
       ASSERT_LE(std::abs(now.sent[a] - held[a]), 2.0 * limit[a] * now.authority + 1e-12) << k;
       if (k == 1) largest = std::max(largest, change / limit[a]);
-      if (k * config.period_s >= config.ramp.engage_s + config.period_s) {
+      if (k * config.period_s >= config.ramp.reengage_s + config.period_s) {
         ASSERT_EQ(now.sent[a], want[a]) << k;  // wholly engaged again
       }
     }
@@ -159,8 +160,8 @@ TEST(StalledLoop, WhileThePatientMovesFast_EngagesAnewWithoutAStep) {
     before = now;
     renderer.tick(1, now);
   }
-  // The smoothstep's first step, 3 (T / engage_s)², of a span of at most twice the limit.
-  const double u = config.period_s / config.ramp.engage_s;
+  // The smoothstep's first step, 3 (T / reengage_s)², of a span of at most twice the limit.
+  const double u = config.period_s / config.ramp.reengage_s;
   EXPECT_LE(largest, 6.0 * u * u + 1e-12);
   figure("step of the effort after a stall of 200 ms, worst axis, share of its limit", largest, "");
   figure("the same had it not engaged anew", jump, "");

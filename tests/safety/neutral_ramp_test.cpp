@@ -149,7 +149,7 @@ TEST(NeutralRamp, StallLongerThanTheGap_EngagesAnewFromTheEffortThatWasHeld) {
   NeutralRampState s = engaged();
   for (int k = 1; k <= 220; ++k) {
     s = tick(s, kWantedNow, false, k == 1 ? 200 : 1);
-    const double a = smooth(k * kPeriod_s / kConfig.engage_s);  // the first tick counts as one
+    const double a = smooth(k * kPeriod_s / kConfig.reengage_s);  // the first tick counts as one
     EXPECT_NEAR(s.authority, a, tolerance(1e-12)) << k;
     EXPECT_NEAR(s.sent[0], -12.0 + a * (9.0 + 12.0), tolerance(1e-11)) << k;
     EXPECT_NEAR(s.sent[1], 0.5 + a * (-0.5 - 0.5), tolerance(1e-12)) << k;
@@ -170,10 +170,10 @@ TEST(NeutralRamp, GapOfExactlyFiveMilliseconds_IsNoStallAndOnePeriodMoreIs) {
       EXPECT_EQ(after(periods).sent[0], 9.0);
     }
     const NeutralRampState stalled = after(5 * rate_khz + 1);
-    EXPECT_LT(stalled.authority, 1e-3);
+    EXPECT_LT(stalled.authority, 4e-3);
     // The first step of the smoothstep, of a span of 21 N.
     EXPECT_LE(std::abs(stalled.sent[0] + 12.0),
-              21.0 * smooth(1e-3 / rate_khz / kConfig.engage_s) + 1e-12);
+              21.0 * smooth(1e-3 / rate_khz / kConfig.reengage_s) + 1e-12);
   }
 }
 
@@ -182,7 +182,7 @@ TEST(NeutralRamp, StallAfterStall_EachBeginsFromWhatWasSentLast) {
   for (int k = 0; k < 400; ++k) {
     const AxisEffort& wanted = k % 2 == 0 ? kWantedNow : kWanted;
     const NeutralRampState next = tick(s, wanted, false, 50);
-    const double first = smooth(kPeriod_s / kConfig.engage_s);
+    const double first = smooth(kPeriod_s / kConfig.reengage_s);
     EXPECT_NEAR(next.sent[0], s.sent[0] + first * (wanted[0] - s.sent[0]), tolerance(1e-12)) << k;
     s = next;
   }
@@ -190,7 +190,7 @@ TEST(NeutralRamp, StallAfterStall_EachBeginsFromWhatWasSentLast) {
 
 TEST(NeutralRamp, StopWhileEngagingAnew_RampsFromWhatWasSentLast) {
   NeutralRampState s = engaged();
-  for (int k = 0; k < 100; ++k) s = tick(s, kWantedNow, false, k == 0 ? 200 : 1);
+  for (int k = 0; k < 15; ++k) s = tick(s, kWantedNow, false, k == 0 ? 200 : 1);
   const double held = s.sent[0];
   EXPECT_NEAR(held, -1.5, 1e-9);  // halfway from -12 to 9
   for (int k = 1; k <= 120; ++k) {
@@ -227,7 +227,7 @@ TEST(NeutralRamp, AnyRun_StaysWithinLimitsAndSlewAndIsNeutralIn100Milliseconds) 
       if (k < stop_at && elapsed * period_s > kConfig.gap_s) {
         // After a stall: no more than the smoothstep's first step of the way.
         RC_ASSERT(std::abs(next.sent[0] - s.sent[0]) <=
-                  smooth(period_s / kConfig.engage_s) * std::abs(wanted - s.sent[0]) + 1e-12);
+                  smooth(period_s / kConfig.reengage_s) * std::abs(wanted - s.sent[0]) + 1e-12);
       }
       if (k >= stop_at) {
         const double counted_s = (k == stop_at ? 1 : elapsed) * period_s;

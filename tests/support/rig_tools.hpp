@@ -114,6 +114,7 @@ class ScriptedDevice final : public HapticDevice {
     read_ = 0;
     return Done{};
   }
+  [[nodiscard]] Expected<Done> ready() override { return Done{}; }
   [[nodiscard]] Fault read(DeviceReading& reading, int elapsed_periods) noexcept override {
     reading.q_m = script_(read_);
     read_ += elapsed_periods;

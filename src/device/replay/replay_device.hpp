@@ -23,6 +23,7 @@ class ReplayDevice final : public HapticDevice {
 
   /// Starts again at the first tick. Never fails.
   [[nodiscard]] Expected<Done> open() override;
+  [[nodiscard]] Expected<Done> ready() override { return Done{}; }
   [[nodiscard]] bool simulated() const noexcept override { return simulated_; }
   /// The next recorded reading; elapsed_periods is ignored, as by a real device.
   [[nodiscard]] Fault read(DeviceReading& reading, int elapsed_periods) noexcept override;

@@ -35,6 +35,8 @@ class SimulatedDevice final : public HapticDevice {
 
   /// Puts the device at its start, time at 0. Never fails.
   [[nodiscard]] Expected<Done> open() override;
+  /// It is: open() puts it at rest.
+  [[nodiscard]] Expected<Done> ready() override { return Done{}; }
   [[nodiscard]] bool simulated() const noexcept override { return true; }
   /// The first read after open() says the start and lets no time pass. kDeviceRead unless open.
   [[nodiscard]] Fault read(DeviceReading& reading, int elapsed_periods) noexcept override;
