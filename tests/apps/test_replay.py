@@ -90,6 +90,76 @@ class Same(AppTest):
         self.assertFalse((self.folder / "q.png").exists())
 
 
+class BlackBox(AppTest):
+    """The box of a run that is crashed from outside; crashes and faults of all kinds: test_black_box*."""
+
+    def crash(self, *arguments, after=1.0):
+        run = self.start_app(*FREE_RUN, "--duration", "60", *arguments)
+        time.sleep(after)
+        while self.loop_cpu_s(run) < 0.06 and run.poll() is None:  # however slow the machine
+            time.sleep(0.1)
+        run.send_signal(signal.SIGSEGV)
+        said, complained = run.communicate(timeout=60)
+        self.assertEqual(run.returncode, -signal.SIGSEGV, said + complained)
+        return complained
+
+    def loop_cpu_s(self, run):
+        """Seconds of CPU that the loop's thread has had."""
+        for task in os.listdir(f"/proc/{run.pid}/task"):
+            with open(f"/proc/{run.pid}/task/{task}/stat") as f:
+                name, _, rest = f.read().rpartition(")")
+            if "wholehand-loop" in name:
+                return sum(int(n) for n in rest.split()[11:13]) / os.sysconf("SC_CLK_TCK")
+        return 0.0
+
+    def test_crashed_run_says_where_its_box_is_and_the_box_is_good(self):
+        said = self.crash("--record", "run.h5")
+        self.assertIn("wholehand: crashed; the last seconds are in run.wbb: "
+                      "wholehand replay run.wbb --resimulate", said)
+        self.expect_same_when_run_again("run.wbb")
+        shown = self.expect(self.run_app("replay", "--speed", "1000", "run.wbb"), DONE, "SIGSEGV")
+        self.assertRegex(shown.out, r"inputs of \d+ ticks since arming, all of them")
+        self.expect(self.run_app("replay", "run.wbb", "--extract", "last.h5"), DONE, "last.h5: ")
+        with read_recording(self.folder / "last.h5") as last, \
+                read_recording(self.folder / "run.h5") as run:
+            tick, recorded = last["ticks/tick"][:], run["ticks/tick"][:]
+            common = numpy.intersect1d(tick, recorded)
+            self.assertGreater(len(common), 0)
+            for name in ("q_m", "sent", "bodies", "theta", "safety_state"):
+                self.assertEqual(last["ticks/" + name][:][numpy.isin(tick, common)].tobytes(),
+                                 run["ticks/" + name][:][numpy.isin(recorded, common)].tobytes(), name)
+        self.expect(self.run_app("report", "run.wbb", "--out", "report"), DONE)
+        self.expect(self.run_app("picture", "run.wbb", "--out", "p.png"), DONE)
+
+    def test_run_without_recording_leaves_its_box_in_a_folder_of_its_own(self):
+        said = self.crash("--json", "run.json")
+        names = [n for n in self.names_in(self.folder) if n.endswith(".wbb")]
+        self.assertEqual(len(names), 1, names)
+        self.assertRegex(names[0], r"^out/blackbox/\d{8}-\d{6}\.wbb$")
+        self.assertIn(names[0], said)
+
+    def test_run_without_fault_leaves_none(self):
+        self.record(duration=0.3)
+        self.assertEqual(self.names_in(self.folder), ["run.h5"])
+
+    def test_extract_of_a_recording_and_of_a_spoiled_box_are_refused(self):
+        path = self.record(duration=0.3)
+        self.expect_refused(self.run_app("replay", path, "--extract", "x.h5"), "black box", lines=1)
+        self.crash("--record", "crashed.h5", after=0.0)
+        whole = (self.folder / "crashed.wbb").read_bytes()
+        self.write("cut.wbb", whole[: len(whole) // 2])
+        for arguments in (["replay"], ["replay", "--resimulate"], ["replay", "--extract", "x.h5"]):
+            self.expect_refused(self.run_app(*arguments, "cut.wbb"), "cut.wbb", "cut off", lines=1)
+        self.assertFalse((self.folder / "x.h5").exists())
+
+    def test_recording_that_misses_ticks_says_which(self):
+        path = self.record(duration=0.5)
+        with h5py.File(path, "r+", libver="latest") as f:
+            f["ticks/tick"][300:] += 7
+        self.expect_refused(self.run_app("replay", "--resimulate", path), "cannot be run again",
+                            "tick 300 is missing", lines=1)
+
+
 class Different(AppTest):
     def setUp(self):
         super().setUp()
