@@ -1,4 +1,5 @@
 #include "black_box/box_tools.hpp"
+#include "realtime/sanitized.hpp"
 #include "telemetry/crash_guard.hpp"
 
 #include <climits>
@@ -12,10 +13,6 @@
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
-
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define WHOLEHAND_SANITIZED 1
-#endif
 
 namespace wholehand::test {
 namespace {
@@ -40,8 +37,8 @@ int inChild(const std::function<void()>& body) {
 
 /// The process died of that signal, as it would have without us. A sanitizer's own handler, which
 /// was there before ours and so comes after it, exits instead.
-void expectDiedOf(int signal, int status) {
-#ifdef WHOLEHAND_SANITIZED
+void expectDiedOf([[maybe_unused]] int signal, int status) {
+#if WHOLEHAND_SANITIZED
   EXPECT_TRUE(WIFSIGNALED(status) || WEXITSTATUS(status) != 99) << status;
 #else
   ASSERT_TRUE(WIFSIGNALED(status)) << "exit code " << WEXITSTATUS(status);
