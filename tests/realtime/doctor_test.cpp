@@ -68,7 +68,8 @@ TEST(Doctor, WakeUpsLaterThanHalfAPeriod_MustNotDriveADevice) {
   EXPECT_FALSE(v.fit);
   expectOneSentence(v);
   EXPECT_TRUE(says(v, "must not drive a device")) << v.sentence;
-  EXPECT_TRUE(says(v, "up to 500 µs late (p99.9 18 µs; allowed is half a period, 500 µs)")) << v.sentence;
+  EXPECT_TRUE(says(v, "up to 500 µs late (p99.9 18 µs; allowed is half a period, 500 µs)"))
+      << v.sentence;
   EXPECT_TRUE(says(v, "remedy: close other programs")) << v.sentence;
   EXPECT_FALSE(says(v, "PREEMPT_RT")) << "what is well is no reason: " << v.sentence;
   probe.statistics.max_ns = 499'000;
