@@ -67,12 +67,29 @@ std::string remedy(const AxisCertificate& a) {
                      1.0 / c.period_s);
 }
 
+/// "unstable against a rigid stop at Φ = 0: spectral radius 1.01 > 1; ", said first: a loop that
+/// swings by itself is worse than whatever binds. Empty where none does, or where it binds itself.
+std::string instability(const AxisCertificate& a) {
+  const WorstRadius* worst = nullptr;
+  auto contact = Criterion::kFree;
+  for (int i = 0; i < kContactCriteria; ++i) {
+    const WorstRadius& found = a.contacts[static_cast<std::size_t>(i)];
+    if (found.stable() || (worst != nullptr && found.radius <= worst->radius)) continue;
+    worst = &found;
+    contact = static_cast<Criterion>(i);
+  }
+  if (worst == nullptr || static_cast<int>(a.binding) < kContactCriteria) return {};
+  return fmt::format("unstable {} at Φ = {:g}: spectral radius {:.6g} > 1; ", contactWords(contact),
+                     worst->phi, worst->radius);
+}
+
 Diagnostic refusal(const AxisCertificate& a, const std::string& path) {
   Diagnostic d;
   d.file = path;
   d.key = a.of.axis.name + "." + stiffnessKey(a.of.axis);
   d.value = fmt::format("{:.6g} {}", a.of.gains.k_pm, perUnit(a.of.axis));
-  d.problem = fmt::format("not certified ({}): {}", fmt::join(failing(a), ", "), finding(a));
+  d.problem = fmt::format("not certified ({}): {}", fmt::join(failing(a), ", "),
+                          instability(a) + finding(a));
   d.remedy = remedy(a);
   return d;
 }
@@ -162,7 +179,7 @@ std::string finding(const AxisCertificate& a) {
       break;
   }
   const WorstRadius& worst = a.contacts[static_cast<std::size_t>(a.binding)];
-  if (a.binding == Criterion::kRigid && worst.stable()) {
+  if (worst.stable()) {
     return fmt::format("a rigid stop allows K_pm up to {:.4g} {}, it is {:.4g}", a.rigid_limit,
                        perUnit(axis), a.of.gains.k_pm);
   }

@@ -177,7 +177,7 @@ std::string row(const std::string& name, const std::string& value) {
 std::string settingsTable(const ReportData& data) {
   const RecordingMeta& m = data.meta;
   std::string limits, gains = m.paper ? "the paper's own law, " : "";
-  gains += m.uncertified ? "UNSTABLE by themselves (--uncertified)" : "stable by themselves";
+  gains += m.uncertified ? "NOT certified (--uncertified)" : "accepted";
   for (std::size_t i = 0; i < data.axes.size(); ++i) {
     const ReportAxis& a = data.axes[i];
     const bool same_as_next = i + 1 < data.axes.size() &&

@@ -211,15 +211,16 @@ TEST(RefuseUncertified, AxisThatCertifyRefuses_NamesCriterionAndAStiffnessThatPa
 
 TEST(RefuseUncertified, AxesThatShakeEachOther_NameTheFactorThatHelps) {
   CertificateInput in = shippedLike();
+  for (AxisRendering& gains : in.rendering.axes) gains.k_ps_per_s2 = 4e4;
   AxisMatrix coupled = in.inertia_at_reference;
-  coupled(0, 1) = coupled(1, 0) = 0.95 * 0.25;
+  coupled(0, 1) = coupled(1, 0) = 0.85 * 0.25;
   in.inertias.push_back(coupled);
   const Diagnostics refused = refuseUncertified(in);
   ASSERT_EQ(refused.size(), 1U);
   EXPECT_EQ(refused[0].key, "k_ps_per_s2");
   EXPECT_NE(refused[0].problem.find("posture 2 of 2"), std::string::npos) << refused[0].problem;
-  // λmax = 1 / (1 − 0.95); 4w − w² = 4/λmax, w = T √k_p: k_p = 2564 1/s², of 4000.
-  EXPECT_NEAR(numberAfter(refused[0].remedy, "at most "), 2564.0 / 4000.0, 0.001);
+  // λmax = 1 / (1 − 0.85); 4w − w² = 4/λmax, w = T √k_p: k_p = 24369 1/s², of 40,000.
+  EXPECT_NEAR(numberAfter(refused[0].remedy, "at most "), 24369.0 / 4e4, 0.0015);
   in.inertias.back()(0, 1) = in.inertias.back()(1, 0) = 0.25;
   const Diagnostics singular = refuseUncertified(in);
   ASSERT_EQ(singular.size(), 1U);
