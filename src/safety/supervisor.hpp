@@ -52,15 +52,17 @@ struct DeviceWatchState {
 };
 
 /// Judges what was read, before anything is computed from it:
-///   kSpeedLimit    |Δq| > q̇_max kT + 2δ, twice: one reading may be late, and the next is then
-///   early kEncoderJump   |Δq| > 3 q̇_max kT + 2δ: no hand moves so kWorkspace     beyond the range
-///   by more than the margin kEncoderStuck  within a count and a half for stuck_encoder_s, not at a
-///   stop, while the axis's
+///   kSpeedLimit    |Δq| > q̇_max kT + 2δ, in two ticks one after another: a reading may be late,
+///                  and the next is early then
+///   kEncoderJump   |Δq| > 3 q̇_max kT + 2δ: no hand moves so
+///   kWorkspace     beyond the range by more than the margin
+///   kEncoderStuck  within a count and a half for stuck_encoder_s, not at a stop, while the axis's
 ///                  own effort changed by a fifth of its limit or, on a base axis, the others
 ///                  travelled five ranges. Fingers may rest while the arm moves, and an arm while
 ///                  the fingers do: neither is evidence
 ///   kLateInARow    late ticks in a row, or more than three gaps of over 5 ms in a second
-///   kLongGap
+///   kLongGap       a gap longer than is allowed
+///
 /// A fault that is not of timing names the first axis. Real-time safe.
 /// @param sent the last effort sent
 [[nodiscard]] WHOLEHAND_RT Finding watchDevice(DeviceWatchState& state, const AxisPosition& q_m,

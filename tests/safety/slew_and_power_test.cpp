@@ -56,11 +56,44 @@ TEST(PowerLimiter, BelowTheLimit_PassesBitByBit) {
 }
 
 // 10 N at 1 m/s and 2 N·m at 5 rad/s are 20 W; of 5 W a quarter is left of both.
-TEST(PowerLimiter, AboveTheLimit_ScalesWhatPushesByOneFactor) {
+TEST(PowerLimiter, AboveTheLimit_HoldsWhatPushesToEqualShares) {
   const LimitedEffort out = limitPower(effort(10.0, 2.0), effort(0.0, 0.0), speed(1.0, 5.0), 5.0);
   EXPECT_NEAR(out.effort[0], 2.5, tolerance(1e-12));
   EXPECT_NEAR(out.effort[1], 0.5, tolerance(1e-12));
   EXPECT_EQ(out.faults, Fault::kPowerLimit);
+}
+
+// 1 W and 20 W within 5 W: the small one keeps its effort, the other has the 4 W left.
+TEST(PowerLimiter, AxisThatGivesLittle_KeepsItsEffort) {
+  const LimitedEffort out = limitPower(effort(1.0, 20.0), effort(0.0, 0.0), speed(1.0, 1.0), 5.0);
+  EXPECT_EQ(out.effort[0], 1.0);
+  EXPECT_NEAR(out.effort[1], 4.0, tolerance(1e-12));
+  EXPECT_EQ(out.axis, 1);
+}
+
+// 1, 5 and 10 W of which 9 are allowed: an equal part is 3, the first leaves 2 of it to the others,
+// 4 each.
+TEST(PowerLimiter, WhatOneLeaves_IsTheOthers) {
+  AxisEffort wanted(3);
+  AxisVelocity qd(3);
+  wanted[0] = 1.0, wanted[1] = -2.5, wanted[2] = 5.0;
+  qd[0] = 1.0, qd[1] = -2.0, qd[2] = 2.0;
+  const LimitedEffort out = limitPower(wanted, AxisEffort(3), qd, 9.0);
+  EXPECT_EQ(out.effort[0], 1.0);
+  EXPECT_NEAR(out.effort[1], -2.0, tolerance(1e-12));
+  EXPECT_NEAR(out.effort[2], 2.0, tolerance(1e-12));
+  EXPECT_EQ(out.axis, 1);
+}
+
+// Noise of a velocity around 0: 10 N at a nanometer a second is no power worth taking away.
+TEST(PowerLimiter, AxisThatHardlyMoves_KeepsItsEffortWhateverTheOthersGive) {
+  for (const double noise : {1e-9, -1e-9}) {
+    const LimitedEffort out =
+        limitPower(effort(10.0, 2.0), effort(0.0, 0.0), speed(noise, 10.0), 5.0);
+    EXPECT_EQ(out.effort[0], 10.0);
+    EXPECT_NEAR(out.effort[1] * 10.0, 5.0 - std::max(10.0 * noise, 0.0), tolerance(1e-12));
+    EXPECT_EQ(out.axis, 1);
+  }
 }
 
 TEST(PowerLimiter, WhatBrakes_StaysAndIsNotCreditedToTheOthers) {
@@ -81,19 +114,39 @@ TEST(PowerLimiter, AtRestOrWithoutALimit_LetsEverythingPass) {
   EXPECT_EQ(limitPower(effort(20.0, 1.0), effort(0.0, 0.0), speed(9.0, 9.0), none).effort[0], 20.0);
 }
 
-TEST(PowerLimiter, WhateverComes_GivesAtMostTheLimitAndTurnsNothingRound) {
-  rc::check([](std::array<short, 4> raw, unsigned char watt) {
-    const AxisEffort wanted = effort(raw[0] * 1e-3, raw[1] * 1e-3);
-    const AxisVelocity qd = speed(raw[2] * 1e-3, raw[3] * 1e-3);
-    const double limit_w = 0.01 + 0.1 * watt;
-    const LimitedEffort out = limitPower(wanted, effort(0.0, 0.0), qd, limit_w);
-    double given_w = 0.0;
-    for (int a = 0; a < 2; ++a) {
-      given_w += std::max(out.effort[a] * qd[a], 0.0);
-      RC_ASSERT(std::abs(out.effort[a]) <= std::abs(wanted[a]));
-      RC_ASSERT(out.effort[a] * wanted[a] >= 0.0);
+/// Σ min(pᵢ, share).
+double givenWith(const AxisEffort& wanted, const AxisVelocity& qd, double share_w) {
+  double given_w = 0.0;
+  for (int a = 0; a < wanted.size(); ++a) {
+    given_w += std::clamp(wanted[a] * qd[a], 0.0, share_w);
+  }
+  return given_w;
+}
+
+TEST(PowerLimiter, WhateverComes_GivesTheLimitByOneCapAndTurnsNothingRound) {
+  rc::check([](const std::array<std::array<short, 2>, 6>& raw, unsigned char watt) {
+    AxisEffort wanted(6);
+    AxisVelocity qd(6);
+    for (int a = 0; a < 6; ++a) {
+      wanted[a] = raw[static_cast<std::size_t>(a)][0] * 1e-3;
+      qd[a] = raw[static_cast<std::size_t>(a)][1] * 1e-3;
     }
-    RC_ASSERT(given_w <= limit_w + 1e-9);
+    const double limit_w = 0.01 + 0.1 * watt;
+    const double wanted_w = givenWith(wanted, qd, 1e9);
+    const AxisEffort out = limitPower(wanted, AxisEffort(6), qd, limit_w).effort;
+    // The cap by bisection, to compare with.
+    double low_w = 0.0, high_w = wanted_w + 1.0;
+    for (int i = 0; i < 100; ++i) {
+      const double middle_w = 0.5 * (low_w + high_w);
+      (givenWith(wanted, qd, middle_w) < limit_w ? low_w : high_w) = middle_w;
+    }
+    for (int a = 0; a < 6; ++a) {
+      const double power_w = wanted[a] * qd[a];
+      RC_ASSERT(std::abs(out[a]) <= std::abs(wanted[a]));
+      RC_ASSERT(out[a] * wanted[a] >= 0.0);
+      RC_ASSERT(std::abs(out[a] * qd[a] - std::min(power_w, low_w)) <= 1e-9 * (1.0 + wanted_w));
+    }
+    RC_ASSERT(std::abs(givenWith(out, qd, 1e9) - std::min(wanted_w, limit_w)) <= 1e-9);
   });
 }
 
