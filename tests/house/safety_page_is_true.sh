@@ -8,7 +8,7 @@ import os, re, sys
 
 page = open(sys.argv[1], encoding="utf-8").read()
 wrong = []
-bits = re.findall(r"^\s+(k\w+) = 1U << \d+", open("src/core/fault.hpp", encoding="utf-8").read(), re.M)
+bits = re.findall(r"^\s+(k\w+) =\s+1U << \d+", open("src/core/fault.hpp", encoding="utf-8").read(), re.M)
 if len(bits) < 20:
     sys.exit("the bits of Fault are not read any more")
 wrong += [f"{bit} has no row" for bit in bits if f"| `{bit}` |" not in page]
