@@ -2,6 +2,7 @@
 
 #include "assembly/models.hpp"
 #include "assembly/rig.hpp"
+#include "realtime/sanitized.hpp"
 #include "telemetry/statistics.hpp"
 
 #include <functional>
@@ -9,9 +10,16 @@
 
 namespace wholehand {
 
+#if WHOLEHAND_SANITIZED || !defined(__OPTIMIZE__)
+inline constexpr double kMostOfPeriod = 100.0;  ///< such a program is for finding mistakes
+#else
+inline constexpr double kMostOfPeriod = 0.5;
+#endif
+
 /// How a scene is rehearsed.
 struct RehearsalOptions {
-  double most_of_period = 0.5;      ///< a larger 99.9th percentile of a tick's CPU time is refused
+  /// A larger 99.9th percentile of a tick's CPU time is refused.
+  double most_of_period = kMostOfPeriod;
   int attempts = 3;                 ///< CPU time is noisy: the best counts
   std::function<bool()> cancelled;  ///< asked before every tick; may be null
 };

@@ -136,6 +136,9 @@ TEST_F(HttpTest, Metrics_ArePrometheusText) {
   status.ticks = 60000;
   status.missed_deadlines = 3;
   status.cpu_p99_us = 125.0;
+  status.safety_state = SafetyState::kArmed;
+  status.fault_ticks[12] = 4;  // kSpeedLimit
+  status.rehearsal_p999_us = 250.0;
   program.setStatus(status);
   options.address = "localhost";
   options.more_metrics = [] { return std::string("wholehand_udp_peers 2\n"); };
@@ -150,6 +153,11 @@ TEST_F(HttpTest, Metrics_ArePrometheusText) {
   EXPECT_EQ(metric("run_state{state=\"faulted\"}"), 0.0);
   EXPECT_NEAR(metric("tick_cpu_seconds{quantile=\"0.99\"}"), 125e-6, 1e-12);
   EXPECT_EQ(metric("clients"), 0.0);
+  EXPECT_EQ(metric("safety_state{state=\"armed\"}"), 1.0);
+  EXPECT_EQ(metric("safety_state{state=\"rendering\"}"), 0.0);
+  EXPECT_EQ(metric("fault_ticks_total{reason=\"speed_limit_exceeded\",stops=\"yes\"}"), 4.0);
+  EXPECT_EQ(metric("fault_ticks_total{reason=\"tank_damped\",stops=\"no\"}"), 0.0);
+  EXPECT_NEAR(metric("rehearsal_tick_cpu_seconds{quantile=\"0.999\"}"), 250e-6, 1e-12);
   // Every line is a comment, or a name and a number.
   for (std::size_t begin = 0; begin < r.body.size();) {
     const std::size_t end = r.body.find('\n', begin);

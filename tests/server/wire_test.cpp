@@ -95,6 +95,9 @@ LoopStatus fullStatus() {
   s.run_state = RunState::kFaulted;
   s.steering = Steering::kPerson;
   s.latched = Fault::kDeviceRead;
+  s.fault_axis = 1;
+  s.fault_value = 1.625;
+  s.fault_limit = 1.5;
   s.ticks = 7;
   s.missed_deadlines = 8;
   s.dropped_records = 9;
@@ -108,6 +111,7 @@ TEST(WireState, FullRecord_ArrivesAsItWas) {
   auto facts = std::make_shared<SceneFacts>(smallFacts());
   wire::StateEncoder encoder(facts);
   TickRecord r = fullRecord(2, 2, 48);
+  r.safety_state = SafetyState::kFaulted;
   r.theta[0] = 0.3;
   r.theta[1] = std::acos(0.0);
   const auto* s =
@@ -121,6 +125,10 @@ TEST(WireState, FullRecord_ArrivesAsItWas) {
   EXPECT_EQ(s->steering(), fb::Steering::Person);
   EXPECT_EQ(s->faults(), 128U);        // bit 7
   EXPECT_EQ(s->latched_faults(), 1U);  // bit 0
+  EXPECT_EQ(s->safety_state(), fb::SafetyState::Faulted);
+  EXPECT_EQ(s->fault_axis(), 1);
+  EXPECT_EQ(s->fault_value(), 1.625F);
+  EXPECT_EQ(s->fault_limit(), 1.5F);
   EXPECT_EQ(s->q_m()->Get(1), 0.25F);
   EXPECT_EQ(s->sent()->Get(0), -1.5F);
   EXPECT_EQ(s->phi()->Get(0), 0.75F);
