@@ -1,5 +1,6 @@
 #include "control/avatar_loop.hpp"
 
+#include "control/bilateral_coupling.hpp"
 #include "control/critical_damping.hpp"
 #include "control/gain_search.hpp"
 #include "control/stability.hpp"
@@ -18,7 +19,8 @@ Eigen::MatrixXd avatarLoopMatrix(const AxisMatrix& reduced_inertia,
   if (cholesky.info() != Eigen::Success) {  // singular: nothing moves such a hand in order
     return Eigen::MatrixXd::Constant(2 * n, 2 * n, std::numeric_limits<double>::infinity());
   }
-  const Eigen::MatrixXd coupled = cholesky.solve(Eigen::MatrixXd(m.diagonal().asDiagonal()));
+  const AxisMatrix inverse = cholesky.solve(Eigen::MatrixXd::Identity(n, n));
+  const Eigen::MatrixXd coupled = inverse * driveInertia(reduced_inertia, inverse);
   Eigen::VectorXd k_ds_per_s(n);
   for (Eigen::Index i = 0; i < n; ++i) k_ds_per_s[i] = criticalDamping(k_ps_per_s2[i], period_s);
   Eigen::MatrixXd out = Eigen::MatrixXd::Identity(2 * n, 2 * n);

@@ -1,5 +1,7 @@
 #include "control/impedance.hpp"
 
+#include "control/bilateral_coupling.hpp"
+
 #include <Eigen/LU>
 
 #include <cmath>
@@ -62,10 +64,11 @@ Follower follow(const FeltLoop& felt, ContactCase contact, Complex z, Complex de
   const double t = felt.loop.period_s;
   const Eigen::Index n = felt.inertia.rows(), a = felt.axis;
   const Complex sum = t * z / (z - 1.0);  // position over velocity
+  const AxisMatrix driven = driveInertia(felt.inertia, felt.inertia.inverse());
   ComplexMatrix system = (z - 1.0) * felt.inertia.cast<Complex>();
   for (Eigen::Index i = 0; i < n; ++i) {
     const int axis = static_cast<int>(i);
-    system(i, i) += t * felt.inertia(i, i) * (felt.k_ps_per_s2[axis] * sum + felt.k_ds_per_s[axis]);
+    system(i, i) += t * driven(i, i) * (felt.k_ps_per_s2[axis] * sum + felt.k_ds_per_s[axis]);
   }
   const double own = felt.inertia(a, a);
   if (contact == ContactCase::kObject) {
@@ -74,7 +77,8 @@ Follower follow(const FeltLoop& felt, ContactCase contact, Complex z, Complex de
                     t * stiffness * (sum + t);  // the spring after the step, not before it
   }
   ComplexVector drive = ComplexVector::Zero(n);
-  drive[a] = t * own * (felt.k_ps_per_s2[felt.axis] + felt.k_ds_per_s[felt.axis] * derivative);
+  drive[a] =
+      t * driven(a, a) * (felt.k_ps_per_s2[felt.axis] + felt.k_ds_per_s[felt.axis] * derivative);
   const ComplexVector velocity = system.partialPivLu().solve(drive);
   return {sum * velocity[a], velocity[a]};
 }

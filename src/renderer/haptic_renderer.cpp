@@ -302,8 +302,9 @@ void HapticRenderer::control(std::uint32_t elapsed_periods, TickRecord& record) 
   }
   velocity_ = estimateVelocity(velocity_, record.q_m, gains, elapsed, period_s);
   record.qd_mf = velocity_.filtered;
-  record.f_s = avatarEffort(record.q_m, record.qd_mf, record.q_s, record.qd_s,
-                            dynamics_.reducedInertia(), gains);
+  record.f_s = avatarEffort(
+      record.q_m, record.qd_mf, record.q_s, record.qd_s,
+      driveInertia(dynamics_.reducedInertia(), dynamics_.reducedInertiaInverse()), gains);
   record.coupling = couplingEffort(record.q_m, record.qd_mf, record.q_s, record.qd_s, gains);
 }
 

@@ -20,8 +20,7 @@ const std::set<std::string> kPassive = {"relaxed-adult", "stiff-adult", "no-arm"
 /// How a patient may make a device stop: docs/patients.md.
 Fault documentedStops(const Case& c) {
   if (kPassive.contains(c.patient)) return Fault::kNone;
-  const bool beyond_range = c.patient == "fights" && c.device == "wrist-9axis";
-  return beyond_range ? Fault::kSpeedLimit | Fault::kBodiesExploded : Fault::kSpeedLimit;
+  return Fault::kSpeedLimit;
 }
 
 /// What an exercise needs of a device; without it, it is refused by this name.

@@ -82,17 +82,17 @@ TEST(NearestGains, ReportedNearest_PassesForManyFailures) {
 TEST(NearestGains, AxesThatShakeEachOther_AreCalmedTogether) {
   CertificateInput in = inputOf(2, 12.0, 500.0, 5.0, 0.3, 4e4);
   AxisMatrix coupled = in.inertia_at_reference;
-  coupled(0, 1) = coupled(1, 0) = 0.95 * 0.25;  // λmax = 1 / (1 − 0.95) = 20
+  coupled(0, 1) = coupled(1, 0) = 0.95 * 0.25;  // λmax = 4 (1 + 0.95) = 7.8: M̃ = 4 / (M⁻¹)ᵢᵢ
   in.inertias.push_back(coupled);
   const Certificate judged = certify(in);
   EXPECT_FALSE(judged.certified);
   EXPECT_EQ(judged.binding(), "avatar");
   EXPECT_EQ(judged.avatar.posture, 1U);
-  // w (4 − w) = 4/20 gives w = 0.05064, k_p = 2564: a factor of 0.0641 of 4e4.
-  EXPECT_NEAR(judged.avatar.margin, 0.0641, 0.0002);
+  // w (4 − w) = 4/7.8 gives w = 0.13260, k_p = 17583: a factor of 0.4396 of 4e4.
+  EXPECT_NEAR(judged.avatar.margin, 0.4396, 0.001);
   const auto nearest = nearestGains(in, judged);
   ASSERT_TRUE(nearest.has_value());
-  EXPECT_NEAR((*nearest)[0].k_ps_per_s2, 2564.0, 10.0);
+  EXPECT_NEAR((*nearest)[0].k_ps_per_s2, 17583.0, 100.0);
   EXPECT_TRUE(certify(typedIn(in, *nearest)).certified);
 }
 

@@ -181,6 +181,30 @@ TEST(AvatarLoop, OneAxis_IsStableUpToTwiceTheFrequencyOfThePeriod) {
   }
 }
 
+// An axis accelerates under an effort on it alone by (M⁻¹)ᵢᵢ: driven by M̃ᵢᵢ, at most four times as
+// fast as asked for, whatever the other axes do; and the paper's diag(M) where that is so anyway.
+TEST(AvatarLoop, DriveInertia_IsTheDiagonalButNeverFourTimesWhatIsFree) {
+  auto rng = seededRandom(12);
+  std::normal_distribution<double> normal;
+  for (int trial = 0; trial < cases(50); ++trial) {
+    const int n = 1 + trial % 9;
+    Eigen::MatrixXd a = Eigen::MatrixXd::NullaryExpr(n, n, [&] { return normal(rng); });
+    const AxisMatrix inertia = a * a.transpose() + 0.05 * Eigen::MatrixXd::Identity(n, n);
+    const AxisMatrix inverse = inertia.inverse();
+    const AxisMatrix drive = driveInertia(inertia, inverse);
+    for (int i = 0; i < n; ++i) {
+      const double held_over_free = inertia(i, i) * inverse(i, i);
+      const double expected = held_over_free <= 4.0 ? inertia(i, i) : 4.0 / inverse(i, i);
+      EXPECT_NEAR(drive(i, i), expected, 1e-12 * expected);
+      for (int j = 0; j < n; ++j) {
+        if (i != j) {
+          EXPECT_EQ(drive(i, j), 0.0);
+        }
+      }
+    }
+  }
+}
+
 TEST(AvatarLoop, CommonStiffness_IsStableUpToTheClosedForm) {
   auto rng = seededRandom(11);
   std::normal_distribution<double> normal;
@@ -188,11 +212,10 @@ TEST(AvatarLoop, CommonStiffness_IsStableUpToTheClosedForm) {
     const int n = 2 + trial % 6;
     Eigen::MatrixXd a = Eigen::MatrixXd::NullaryExpr(n, n, [&] { return normal(rng); });
     const AxisMatrix inertia = a * a.transpose() + 0.05 * Eigen::MatrixXd::Identity(n, n);
-    const Eigen::MatrixXd diagonal = inertia.diagonal().asDiagonal();
-    const double largest =
-        Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(diagonal, inertia)
-            .eigenvalues()
-            .maxCoeff();
+    const Eigen::MatrixXd drive = driveInertia(inertia, inertia.inverse());
+    const double largest = Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(drive, inertia)
+                               .eigenvalues()
+                               .maxCoeff();
     // 4w − w² < 4/λmax at its smaller root.
     const double w = 2.0 - std::sqrt(4.0 - 4.0 / largest);
     for (const double side : {0.99, 1.01}) {
@@ -326,15 +349,15 @@ TEST(CheckStability, AxesThatShakeEachOther_AreRefusedWithTheFactorThatHelps) {
   s.rendering.axes.push_back(s.rendering.axes[0]);
   AxisMatrix calm = 0.025 * AxisMatrix::Identity(2, 2);
   AxisMatrix coupled = calm;
-  coupled(0, 1) = coupled(1, 0) = 0.95 * 0.025;  // λmax = 1 / (1 − 0.95) = 20
+  coupled(0, 1) = coupled(1, 0) = 0.95 * 0.025;  // λmax = 4 (1 + 0.95) = 7.8: M̃ = 4 / (M⁻¹)ᵢᵢ
   const auto gains = resolveGains(s.rendering, calm, 1e-3);
   ASSERT_TRUE(gains.ok());
   EXPECT_TRUE(checkStability(s.device, s.rendering, *gains, {calm}, 1e-3).empty());
   const Diagnostics refused = checkStability(s.device, s.rendering, *gains, {calm, coupled}, 1e-3);
   ASSERT_EQ(refused.size(), 1U);
   EXPECT_NE(refused[0].problem.find("posture 2 of 2"), std::string::npos) << refused[0].problem;
-  // w (4 − w) = 4/20 gives w = 0.05064, k_p = 2564: a factor of 0.0641 of 4e4.
-  EXPECT_NEAR(numberAfter(refused[0].remedy, "at most "), 0.0641, 0.0002) << refused[0].remedy;
+  // w (4 − w) = 4/7.8 gives w = 0.13260, k_p = 17583: a factor of 0.4396 of 4e4.
+  EXPECT_NEAR(numberAfter(refused[0].remedy, "at most "), 0.4396, 0.001) << refused[0].remedy;
 }
 
 }  // namespace
