@@ -5,6 +5,7 @@
 #include "fault_injection/pushing_exercise.hpp"
 #include "physics/analytic/analytic_world.hpp"
 #include "renderer/safety_tools.hpp"
+#include "support/accepting_device.hpp"
 #include "support/faulty_world.hpp"
 
 #include <algorithm>
@@ -61,7 +62,8 @@ struct Bench {
             workbench.models().device, workbench.models().patient,
             slamming(workbench.models().device, random, inside(workbench.models().device), 0.4),
             kPeriod_s),
-        device(simulated, sabotage.device),
+        accepting(simulated, config.neutral),
+        device(accepting, sabotage.device),
         analytic(workbench.models().hand, stopOnFirst(workbench.models().hand.axis_count)),
         world(analytic, sabotage.world),
         exercise(config.effort_limit, sabotage.push, sabotage.push_tick, sabotage.push_axis),
@@ -78,10 +80,13 @@ struct Bench {
     record.tick = static_cast<std::uint64_t>(++ticks);
     renderer.tick(device.nextElapsedPeriods(), record);
     record.command_count = 0;
+    // What is judged is what the device holds, not what the loop would like it to.
+    EXPECT_TRUE(same(record.sent, accepting.held())) << "tick " << ticks;
     return record;
   }
 
   SimulatedDevice simulated;
+  AcceptingDevice accepting;
   FaultInjector device;
   AnalyticWorld analytic;
   FaultyWorld world;

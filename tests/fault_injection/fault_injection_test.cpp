@@ -12,6 +12,7 @@ using WorldKind = InjectedWorldFault::Kind;
 
 constexpr int kLatestTick = 400;
 constexpr int kReportedWithin = 2600;  // ticks; a stuck encoder needs a second and evidence
+constexpr int kGapEvery = 100;         // ticks, where gaps are repeated
 
 struct Kind {
   const char* name;
@@ -20,7 +21,8 @@ struct Kind {
   std::optional<WorldKind> world;
   Push push = Push::kWell;
   bool of_axis = false;
-  int ramp_delay = 0;  ///< what is known only after the write starts the ramp in the next tick
+  int ramp_delay = 0;    ///< what is known only after the write starts the ramp in the next tick
+  bool repeats = false;  ///< short gaps, one after another
 };
 
 Kind device(const char* name, Fault told, InjectedKind kind, int delay = 0) {
@@ -31,6 +33,11 @@ Kind world(const char* name, Fault told, WorldKind kind, bool of_axis = false, i
 }
 Kind effort(const char* name, Push push) {
   return {name, Fault::kNonFiniteEffort, std::nullopt, std::nullopt, push, true, 0};
+}
+Kind repeated(const char* name, Fault told, InjectedKind kind) {
+  Kind out = device(name, told, kind);
+  out.repeats = true;
+  return out;
 }
 
 std::vector<Kind> kinds() {
@@ -48,6 +55,7 @@ std::vector<Kind> kinds() {
       device("LeavesWorkspace", Fault::kWorkspace, InjectedKind::kLeavesWorkspace),
       device("LateTicks", Fault::kLateInARow, InjectedKind::kLateTicks),
       device("LongGap", Fault::kLongGap, InjectedKind::kLongGap),
+      repeated("RepeatedGaps", Fault::kLateInARow, InjectedKind::kLongGap),
       world("StepFails", Fault::kPhysicsStep, WorldKind::kStepFails, false, 1),
       world("NonFiniteState", Fault::kNonFiniteState, WorldKind::kNonFiniteState),
       world("SilentNan", Fault::kNonFiniteEffort, WorldKind::kSilentNan),
@@ -73,11 +81,14 @@ class Oracle {
     const int tick = static_cast<int>(r.tick);
     bool met = tick == at_;
     if (kind_.told == Fault::kEncoderJump) met = tick > 0 && moved > 3.0 * fastest;
-    if (kind_.told == Fault::kSpeedLimit) met = tick > 0 && moved > fastest;
+    fast_ticks_ = tick > 0 && moved > fastest ? fast_ticks_ + 1 : 0;
+    if (kind_.told == Fault::kSpeedLimit) met = fast_ticks_ == 2;
     if (kind_.told == Fault::kWorkspace) {
       met = q < s_.lower[axis_] - s_.margin[axis_] || q > s_.upper[axis_] + s_.margin[axis_];
     }
-    if (kind_.told == Fault::kLateInARow) met = tick == at_ + s_.watch.late_in_a_row;
+    if (kind_.told == Fault::kLateInARow) {  // the fourth gap within a second, or late in a row
+      met = tick == at_ + (kind_.repeats ? 3 * kGapEvery : s_.watch.late_in_a_row);
+    }
     if (kind_.told == Fault::kEncoderStuck) met = stuck(r, sent_before);
     q_ = q;
     return met;
@@ -104,7 +115,7 @@ class Oracle {
     }
     least_ = std::min(least_, sent[axis_]);
     most_ = std::max(most_, sent[axis_]);
-    const bool arm_moved = s_.carries[axis_] > 0.0 && travel_ > 0.5;
+    const bool arm_moved = s_.carries[axis_] > 0.0 && travel_ > 5.0;
     return (static_cast<int>(r.tick) - since_) * s_.period_s >= s_.watch.stuck_encoder_s - 1e-9 &&
            (arm_moved || most_ - least_ > 0.2 * s_.effort_limit[axis_]);
   }
@@ -115,7 +126,7 @@ class Oracle {
   double q_ = 0.0, still_at_ = 0.0, least_ = 0.0, most_ = 0.0;
   double travel_ = 0.0;  ///< of the base axes, in their ranges
   AxisPosition before_;
-  int since_ = 0;
+  int since_ = 0, fast_ticks_ = 0;
 };
 
 struct Totals {
@@ -125,12 +136,21 @@ struct Totals {
   double steepest = 0.0;
 };
 
-Sabotage sabotage(const Workbench& bench, const Kind& kind, int at, int axis) {
+Sabotage sabotage(const Workbench& bench, const Kind& kind, int at, int axis, int refused_ticks) {
   Sabotage out;
   if (kind.device) {
     // As the device's reads are counted: arming makes the first.
-    out.device = {faultBeyond(bench.models().device, kPeriod_s, *kind.device, axis, at + 1,
-                              at + 1 + kReportedWithin)};
+    // A write that is refused for ever leaves the device where it is: see WriteRefusedForEver.
+    const int more =
+        *kind.device == InjectedKind::kWriteFails ? refused_ticks - 1 : kReportedWithin;
+    out.device = {
+        faultBeyond(bench.models().device, kPeriod_s, *kind.device, axis, at + 1, at + 1 + more)};
+  }
+  if (kind.repeats) {  // of six milliseconds each
+    out.device.clear();
+    for (int tick = at + 1; tick <= at + 1 + 9 * kGapEvery; tick += kGapEvery) {
+      out.device.push_back({InjectedKind::kLongGap, tick, tick, 0, 5.0});
+    }
   }
   if (kind.world) out.world = {*kind.world, at, axis};
   out.push = kind.push;
@@ -186,7 +206,8 @@ void injectOne(const Workbench& workbench, const Kind& kind, int axis, std::mt19
   const int at = static_cast<int>(uniform(random, 2, kLatestTick));
   SCOPED_TRACE("tick " + std::to_string(at) + ", axis " + std::to_string(axis));
   const RendererConfig& config = workbench.config();
-  Bench bench(workbench, sabotage(workbench, kind, at, axis), random, config);
+  const int refused_ticks = static_cast<int>(uniform(random, 1, 60));
+  Bench bench(workbench, sabotage(workbench, kind, at, axis, refused_ticks), random, config);
   ASSERT_TRUE(bench.renderer.arm());
   Witness witness(config);
   Oracle oracle(kind, config, at, axis);
@@ -199,7 +220,8 @@ void injectOne(const Workbench& workbench, const Kind& kind, int axis, std::mt19
     const bool falls = met && kind.ramp_delay == 0;
     falls ? witness.seeFall(r) : witness.see(r);
     if (!met) {
-      ASSERT_EQ(r.faults & kStopping, Fault::kNone) << "in tick " << k << ", too early";
+      ASSERT_EQ(r.faults & kStopping, Fault::kNone)
+          << "in tick " << k << ", too early: axis " << r.fault_axis;
       authority = r.authority;
     }
     sent = r.sent;

@@ -183,5 +183,64 @@ TEST(StalledLoop, ForFivePeriods_StaysEngaged) {
   }
 }
 
+struct Stalls {
+  std::uint32_t periods;  ///< that are skipped
+  int every;              ///< ticks
+};
+
+/// A relaxed person leans on a wall at 0 with 100 N/m from 2 cm behind it, along x, while the loop
+/// stalls again and again. How far the device still swings in the last four of 14 s [m].
+double swingAgainstAWall(Stalls stalls, double reengage_s) {
+  Models m = load(shippedFiles());
+  const int x = m.device.axisIndex("x");
+  for (PatientAxis& axis : m.patient.axes) {
+    if (axis.name == "x") axis.mass = 1.0, axis.damping = 5.0, axis.stiffness = 100.0;
+  }
+  AxisPosition away(m.device.axisCount());
+  for (int a = 0; a < away.size(); ++a) {
+    away[a] = std::lerp(m.device.axes[a].lower, m.device.axes[a].upper, 0.4);
+  }
+  AxisPosition beyond = away;
+  away[x] = -0.03;
+  beyond[x] = 0.02;
+  Intention intention = Intention::throughWaypoints({{0.0, away}, {0.5, away}, {0.75, beyond}});
+  const auto rig = orThrow(buildRig(std::move(m), std::move(intention), {}));
+  const Models& models = rig->models;
+  AnalyticScene scene;
+  scene.axes.resize(static_cast<std::size_t>(models.hand.axis_count));
+  scene.axes[static_cast<std::size_t>(x)].upper_stop = 0.0;
+  AnalyticWorld world(models.hand, std::move(scene));
+  RendererConfig config = rig->renderer->config();
+  config.ramp.reengage_s = reengage_s;
+  HapticRenderer renderer(*rig->device, world, models.hand, config);
+  EXPECT_TRUE(renderer.arm());
+  const auto& device = dynamic_cast<const SimulatedDevice&>(*rig->device);
+  TickRecord r;
+  double time_s = 0.0, least_m = 1.0, most_m = -1.0;
+  for (int k = 0; time_s < 14.0; ++k) {
+    const std::uint32_t elapsed = k > 450 && k % stalls.every == 0 ? 1 + stalls.periods : 1;
+    renderer.tick(elapsed, r);
+    time_s += elapsed * config.period_s;
+    if (time_s < 10.0) continue;
+    least_m = std::min(least_m, device.position()[x]);
+    most_m = std::max(most_m, device.position()[x]);
+  }
+  return most_m - least_m;
+}
+
+// Held for long, an old effort takes no part in what the person does, and every stall pushes anew.
+TEST(StalledLoop, AgainAndAgainAtAWall_SettlesAsItWouldNotWithALongBlend) {
+  EXPECT_LT(swingAgainstAWall({6, 100}, NeutralRampConfig{}.reengage_s), 1e-4);
+  for (const Stalls stalls : {Stalls{6, 60}, Stalls{15, 150}}) {
+    SCOPED_TRACE(std::to_string(stalls.periods) + " every " + std::to_string(stalls.every));
+    const double swing_m = swingAgainstAWall(stalls, NeutralRampConfig{}.reengage_s);
+    const double long_blend_m = swingAgainstAWall(stalls, 0.2);
+    EXPECT_LT(swing_m, 1e-4);
+    EXPECT_GT(long_blend_m, 5e-3);  // the test can tell
+    figure("swing at a wall in a loop that stalls again and again", 1e3 * swing_m, "mm");
+    figure("the same, blended over 0.2 s", 1e3 * long_blend_m, "mm");
+  }
+}
+
 }  // namespace
 }  // namespace wholehand::test

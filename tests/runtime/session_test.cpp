@@ -47,8 +47,7 @@ AnalyticScene stopAt(double x_m) {
 
 /// A person who pushes 4 cm beyond a stop at 1 cm, with 200 N/m.
 struct Rail {
-  explicit Rail(const SessionConfig& session_config,
-                std::vector<InjectedFault> faults = {}) {
+  explicit Rail(const SessionConfig& session_config, std::vector<InjectedFault> faults = {}) {
     device_model.axes[0].damping = 6.0;
     device_model.axes[0].neutral_effort = 1.5;
     person.axes[0] = {"x", 0.5, 15.0, 200.0};
@@ -236,6 +235,43 @@ TEST(RealTimeSession, FaultWhoseRecordsWereDropped_IsCountedWithEveryPeriod) {
   // 40 ticks, then the ramp of 80 periods; a skipped period replaces a tick of the ramp.
   EXPECT_GE(c.ticks_run + c.skipped_periods, 40U + kRampTicks);
   EXPECT_LE(c.ticks_run, 40U + kRampTicks);
+}
+
+// The device takes no effort any more: the loop asks for a second beyond the ramp, then ends and
+// does not say that the device is at neutral.
+TEST(SimulatedSession, WhoseWritesAreRefusedForEver_EndsWithin1200msAndNotAtNeutral) {
+  constexpr std::size_t kRefused = 600;  // pressed against the stop; arm() is the first read
+  Rail rail({}, {{InjectedKind::kWriteFails, kRefused + 1, 1'000'000, 0}});
+  std::vector<TickRecord> records;
+  rail.session->runSimulated([&](const TickRecord& r) { records.push_back(r); });
+  EXPECT_GT(records.size(), kRefused + 1000U);
+  EXPECT_LE(records.size(), kRefused + 1200U);
+  EXPECT_FALSE(rail.renderer->atNeutral());
+  EXPECT_EQ(rail.session->counters().latched, Fault::kDeviceWrite);
+  // The records say what the device holds, and that is what acts on it.
+  const double held = records[kRefused - 1].sent[0];
+  EXPECT_GT(std::abs(held - 1.5), 1.0);
+  for (std::size_t k = kRefused; k < records.size(); ++k) {
+    ASSERT_EQ(records[k].sent[0], held) << k;
+    ASSERT_TRUE(any(records[k].faults & Fault::kDeviceWrite)) << k;
+    ASSERT_EQ(records[k].safety_state, SafetyState::kFaulted) << k;
+  }
+  EXPECT_EQ(rail.device->acting()[0], held);
+}
+
+// What was judged at 1 kHz must not be rendered at 2: refused, and no longer armed.
+TEST(RealTimeSession, WithAnotherPeriodThanTheRenderers_IsRefusedAndDisarmed) {
+  Rail rail({});
+  PeriodicThreadConfig thread;
+  thread.period_ns = 500'000;
+  const Expected<SetupReport> started = rail.session->start(thread);
+  ASSERT_FALSE(started);
+  EXPECT_EQ(started.errors().front().key, "period_ns");
+  EXPECT_FALSE(started.errors().front().remedy.empty());
+  EXPECT_FALSE(rail.session->running());
+  EXPECT_EQ(rail.session->counters().ticks_run, 0U);
+  EXPECT_EQ(rail.renderer->safetyState(), SafetyState::kDisarmed);
+  EXPECT_TRUE(rail.renderer->atNeutral());
 }
 
 TEST(RealTimeSession, OnTime_GivesTheBitsOfTheSimulatedClock) {
