@@ -22,10 +22,12 @@ struct FaultyRig {
 enum class Watched { kEverything, kNoLateness };
 
 FaultyRig faultyRig(std::vector<InjectedFault> faults, std::mt19937_64& random,
-                    Watched watched = Watched::kEverything, double speed_share = 0.6) {
+                    Watched watched = Watched::kEverything, double speed_share = 0.6,
+                    double slew_per_s = 250.0) {
   FaultyRig out;
   Models m = withWeight(
       load(shippedFiles("lambda-pride", "four-shapes", "adult-median-right", "stiff-adult")));
+  for (DeviceAxis& axis : m.device.axes) axis.effort_slew_limit = slew_per_s * axis.effort_limit;
   out.inner = std::make_unique<SimulatedDevice>(
       m.device, m.patient, slamming(m.device, random, clear(m.device), speed_share), kPeriod_s);
   out.accepting = std::make_unique<AcceptingDevice>(*out.inner, m.device.neutral());
@@ -120,6 +122,24 @@ int ticksToNeutral(const RendererConfig& config, const AxisEffort& held) {
   return static_cast<int>(ticks);
 }
 
+// The lowest that these gains are certified with.
+constexpr double kLowSlew_per_s = 175.0;
+
+/// Where a refused write would matter most: the tick after which neutral is farthest.
+int tickOfTheLargestEffort(std::mt19937_64& random, int first, int last) {
+  FaultyRig f = faultyRig({}, random, Watched::kEverything, 0.6, kLowSlew_per_s);
+  EXPECT_TRUE(f.rig->renderer->arm());
+  const std::vector<TickRecord> records = run(f, last);
+  int at = first;
+  for (int k = first; k < last; ++k) {
+    const RendererConfig& config = f.rig->renderer->config();
+    if (ticksToNeutral(config, records[k].sent) > ticksToNeutral(config, records[at - 1].sent)) {
+      at = k + 1;
+    }
+  }
+  return at;
+}
+
 // For 40 ticks the device refuses: in the midst of the ramp; for 150: till long after its end. It
 // holds what it took last, goes on from there within the slew limit, and is said to be at neutral
 // only when it is.
@@ -127,10 +147,13 @@ TEST(RefusedWrites, ForAWhile_AreFollowedByNoStepAndNeutralIsNotClaimedBeforeItI
   std::mt19937_64 random = seededRandom(7);
   int most_ticks = 0;
   for (int i = 0; i < cases(6); ++i) {
-    const int at = static_cast<int>(uniform(random, 250, 1000));
+    const std::mt19937_64 same_person = random;
+    const int at = tickOfTheLargestEffort(random, 250, 1000);
     const int refused = i % 2 == 0 ? 40 : 150;
     SCOPED_TRACE("tick " + std::to_string(at) + ", refused " + std::to_string(refused));
-    FaultyRig f = faultyRig({{InjectedKind::kWriteFails, at + 1, at + refused}}, random);
+    std::mt19937_64 again = same_person;
+    FaultyRig f = faultyRig({{InjectedKind::kWriteFails, at + 1, at + refused}}, again,
+                            Watched::kEverything, 0.6, kLowSlew_per_s);
     HapticRenderer& renderer = *f.rig->renderer;
     const RendererConfig& config = renderer.config();
     ASSERT_TRUE(renderer.arm());
