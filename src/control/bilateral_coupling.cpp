@@ -5,7 +5,7 @@
 namespace wholehand {
 
 AxisMatrix driveInertia(const AxisMatrix& reduced_inertia, const AxisMatrix& inverse) noexcept {
-  constexpr double kMostOfFree = 4.0;
+  constexpr double kMostOfFree = 6.5;
   AxisMatrix drive = AxisMatrix::Zero(reduced_inertia.rows(), reduced_inertia.cols());
   for (Eigen::Index i = 0; i < drive.rows(); ++i) {
     drive(i, i) = std::min(reduced_inertia(i, i), kMostOfFree / inverse(i, i));

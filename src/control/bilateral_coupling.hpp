@@ -6,10 +6,10 @@
 
 namespace wholehand {
 
-/// M̃_r of Eq. (2): diagonal, of min((M_r)ᵢᵢ, 4 / (M_r⁻¹)ᵢᵢ). The paper's diag(M_r) drives an axis
+/// M̃_r of Eq. (2): diagonal, of min((M_r)ᵢᵢ, 6.5 / (M_r⁻¹)ᵢᵢ). The paper's diag(M_r) drives an axis
 /// by the mass that it has while the others are held; where axes are strongly coupled (a wrist bent
 /// far) what moves is 1 / (M_r⁻¹)ᵢᵢ, up to ten times less, and the loop would ring. Where no axis
-/// is four times as heavy held as free, it is the paper's. Pure, real-time safe.
+/// is six and a half times as heavy held as free, it is the paper's. Pure, real-time safe.
 /// @param inverse M_r⁻¹
 [[nodiscard]] WHOLEHAND_RT AxisMatrix driveInertia(const AxisMatrix& reduced_inertia,
                                                    const AxisMatrix& inverse) noexcept;

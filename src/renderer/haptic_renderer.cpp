@@ -89,7 +89,7 @@ HapticRenderer::HapticRenderer(HapticDevice& device, PhysicsWorld& world, const 
       damping_config_(config.damping),
       axis_names_(hand.axis_names),
       dynamics_(hand) {
-  ramp_.sent = config_.neutral;  // what a device holds that nobody has armed
+  ramp_.sent = acknowledged_ = config_.neutral;  // what a device holds that nobody has armed
 }
 
 std::vector<LiveParameter> HapticRenderer::liveParameters() const {
@@ -129,7 +129,7 @@ Expected<Done> HapticRenderer::arm() {
   if (std::exchange(stops_seen_, stops) != stops) {
     return Diagnostic{"", 0, "", "", "a stop was asked for", "arm again if it is over"};
   }
-  if (ramp_.phase != RampPhase::kRendering && !atNeutral()) {
+  if (ramp_.phase != RampPhase::kRendering && !finished()) {
     return Diagnostic{"", 0, "", "", "the device is still on its way to neutral", "arm again then"};
   }
   if (ramp_.phase == RampPhase::kRendering && !device_.simulated()) {

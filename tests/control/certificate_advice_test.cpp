@@ -82,17 +82,17 @@ TEST(NearestGains, ReportedNearest_PassesForManyFailures) {
 TEST(NearestGains, AxesThatShakeEachOther_AreCalmedTogether) {
   CertificateInput in = inputOf(2, 12.0, 500.0, 5.0, 0.3, 4e4);
   AxisMatrix coupled = in.inertia_at_reference;
-  coupled(0, 1) = coupled(1, 0) = 0.95 * 0.25;  // λmax = 4 (1 + 0.95) = 7.8: M̃ = 4 / (M⁻¹)ᵢᵢ
+  coupled(0, 1) = coupled(1, 0) = 0.95 * 0.25;  // λmax = 6.5 (1 + 0.95) = 12.675: M̃ = 6.5 / (M⁻¹)ᵢᵢ
   in.inertias.push_back(coupled);
   const Certificate judged = certify(in);
   EXPECT_FALSE(judged.certified);
   EXPECT_EQ(judged.binding(), "avatar");
   EXPECT_EQ(judged.avatar.posture, 1U);
-  // w (4 − w) = 4/7.8 gives w = 0.13260, k_p = 17583: a factor of 0.4396 of 4e4.
-  EXPECT_NEAR(judged.avatar.margin, 0.4396, 0.001);
+  // w (4 − w) = 4/12.675 gives w = 0.08052, k_p = 6483: a factor of 0.1621 of 4e4.
+  EXPECT_NEAR(judged.avatar.margin, 0.1621, 0.0005);
   const auto nearest = nearestGains(in, judged);
   ASSERT_TRUE(nearest.has_value());
-  EXPECT_NEAR((*nearest)[0].k_ps_per_s2, 17583.0, 100.0);
+  EXPECT_NEAR((*nearest)[0].k_ps_per_s2, 6483.0, 40.0);
   EXPECT_TRUE(certify(typedIn(in, *nearest)).certified);
 }
 

@@ -46,6 +46,8 @@ struct Grasp {
       for (const int axis : {kFingers, kThumb}) {
         const double missing_n = tip_n + coupling[axis] / kLever_m;
         q_m[axis] += std::clamp(1e-3 * missing_n, -2e-3, 2e-3);
+        const DeviceAxis& range = rig->models.device.axes[axis];
+        q_m[axis] = std::clamp(q_m[axis], range.lower, range.upper);
       }
     }
     return q_m;
@@ -61,7 +63,9 @@ TEST_P(Squeeze, OfTheBottle_IsSteadyShallowAndByThumbAndFingers) {
   int counted = 0;
   const auto last = runTicks(*grasp.rig->renderer, 6000, [&](const TickRecord& r) {
     grasp.coupling = r.coupling;
-    ASSERT_EQ(r.faults & kStopping, Fault::kNone);
+    ASSERT_EQ(r.faults & kStopping, Fault::kNone)
+        << "axis " << r.fault_axis << " at " << r.q_m[std::max(r.fault_axis, 0)] << " tick "
+        << r.tick;
     double now_n = 0.0;
     for (int i = 0; i < r.contact_count; ++i) {
       const Contact& c = r.contacts[i];

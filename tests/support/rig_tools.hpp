@@ -115,6 +115,8 @@ class ScriptedDevice final : public HapticDevice {
     return Done{};
   }
   [[nodiscard]] Expected<Done> ready() override { return Done{}; }
+  /// Nobody's hand stands as still as a script.
+  [[nodiscard]] bool simulated() const noexcept override { return true; }
   [[nodiscard]] Fault read(DeviceReading& reading, int elapsed_periods) noexcept override {
     reading.q_m = script_(read_);
     read_ += elapsed_periods;
