@@ -89,7 +89,10 @@ Expected<std::unique_ptr<LiveSession>> Station::Core::startSession(std::unique_p
   plan.record = record;
   plan.duration_ticks = duration_ticks;
   plan.parameters = parametersAtStart();
-  plan.sinks.push_back([this](const TickRecord& r) { keepLatest(r); });
+  plan.sinks.push_back([this](const TickRecord& r) {
+    keepLatest(r);
+    serveStop();
+  });
   plan.sinks.insert(plan.sinks.end(), sinks_.begin(), sinks_.end());
   const auto count = [this](std::uint32_t by) {
     const std::lock_guard lock(mutex_);

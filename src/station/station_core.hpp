@@ -85,6 +85,7 @@ class Station::Core {
   void showRehearsal();
 
   void keepLatest(const TickRecord& record);
+  void serveStop();
   void nameSafety(LoopStatus& status) const;
   void playAgain();
   void say(const std::string& line) const {

@@ -162,6 +162,14 @@ void Station::Core::nameSafety(LoopStatus& status) const {
   if (status.run_state == RunState::kRendering) status.run_state = RunState::kRampingDown;
 }
 
+// On the telemetry thread: the main thread may be loading something when the time to stop has come.
+void Station::Core::serveStop() {
+  const std::lock_guard lock(mutex_);
+  if (!live_) return;
+  if (InterruptScope::interrupted() && !stop_at_) beginStop(false);
+  if (stop_at_ && Clock::now() >= *stop_at_) live_->requestStop();
+}
+
 void Station::Core::keepLatest(const TickRecord& record) {
   safety_->add(record);
   const std::lock_guard lock(latest_mutex_);
