@@ -100,7 +100,7 @@ RehearsalPlan::RehearsalPlan(const HandModel& hand, const DeviceModel& device,
     synergy.expand(q, theta);
     body.updateKinematics(theta);
   };
-  const auto meanOf = [&](auto&& belongs) {
+  const auto mean_of = [&](auto&& belongs) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     int count = 0;
     for (const Capsule& c : hand.capsules) {
@@ -112,15 +112,15 @@ RehearsalPlan::RehearsalPlan(const HandModel& hand, const DeviceModel& device,
   };
   at(0.5);
   // Palm, fingers and thumb lie around it.
-  pocket_m_ = (meanOf([](const Capsule& c) { return c.part == HandPart::kPalm; }) +
-               meanOf([](const Capsule& c) { return c.part == HandPart::kThumb; }) +
-               2.0 * meanOf([](const Capsule& c) {
+  pocket_m_ = (mean_of([](const Capsule& c) { return c.part == HandPart::kPalm; }) +
+               mean_of([](const Capsule& c) { return c.part == HandPart::kThumb; }) +
+               2.0 * mean_of([](const Capsule& c) {
                  return c.part != HandPart::kPalm && c.part != HandPart::kThumb;
                })) /
               4.0;
   at(0.0);
   palmar_ = -body.linkPose(hand.palm_link).rotation.col(2);
-  back_m_ = meanOf(
+  back_m_ = mean_of(
       [](const Capsule& c) { return c.part != HandPart::kPalm && c.part != HandPart::kThumb; });
 }
 

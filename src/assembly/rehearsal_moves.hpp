@@ -28,9 +28,10 @@ class RehearsalPlan {
   RehearsalPlan(const HandModel& hand, const DeviceModel& device, const SceneModel& scene,
                 const AxisPosition& start);
 
-  /// The moves that reach a body where it is now; none where the device cannot bring the hand to
-  /// it. @param observed the newest record; null: bodies are where the scene has them
-  [[nodiscard]] std::vector<RehearsalMove> movesFor(int body, const TickRecord* observed) const;
+  /// The moves that reach the body of that index where it is now; none where the device cannot
+  /// bring the hand to it. @param observed the newest record; null: bodies are where the scene has
+  /// them
+  [[nodiscard]] std::vector<RehearsalMove> movesFor(int index, const TickRecord* observed) const;
 
  private:
   [[nodiscard]] AxisPosition posture(double closed) const;

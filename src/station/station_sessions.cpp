@@ -160,7 +160,7 @@ OrderReply Station::Core::loadExercise(const Order& order) {
   const bool rendered = live_ && live_->running();
   std::optional<Rehearsal> rehearsal;
   if (config_.rehearse && rendered) {  // what cannot be rendered stops nothing
-    const OrderReply passed = rehearseNext(*models, rehearsal);
+    OrderReply passed = rehearseNext(*models, rehearsal);
     if (!passed.accepted) return passed;
   }
   stopGently();
