@@ -8,13 +8,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 namespace wholehand {
 namespace {
-
-// For so long a device that takes no effort is asked to take its neutral one.
-constexpr double kNeutralWithin_s = 1.0;
 
 AxisEffort sum(const AxisEffort& a, const AxisEffort& b) noexcept {
   AxisEffort out(a.size());
@@ -104,99 +100,6 @@ void HapticRenderer::startParametersAt(const std::vector<double>& values) noexce
 
 std::vector<double> HapticRenderer::parametersAtStart() const {
   return {parameters_.atStart(), parameters_.atStart() + parameters_.count()};
-}
-
-// What was read lies within the workspace.
-Expected<Done> HapticRenderer::mayArm() const {
-  const SupervisorConfig& limits = config_.supervisor;
-  DeviceWatchState nothing_known;
-  const Finding finding = watchDevice(nothing_known, reading_.q_m, config_.neutral, 1, limits);
-  if (!any(finding.faults)) return Done{};
-  const int a = finding.axis;
-  const std::string range =
-      "[" + std::to_string(limits.lower[a]) + ", " + std::to_string(limits.upper[a]) + "]";
-  return Diagnostic{"",
-                    0,
-                    axis_names_[static_cast<std::size_t>(a)],
-                    std::to_string(reading_.q_m[a]),
-                    "is outside the device's workspace " + range,
-                    "move it back by hand, or calibrate the device"};
-}
-
-Expected<Done> HapticRenderer::arm() {
-  // A stop that no tick has seen is a person's: it is never forgotten in silence.
-  const std::uint32_t stops = stops_.load(std::memory_order_seq_cst);
-  if (std::exchange(stops_seen_, stops) != stops) {
-    return Diagnostic{"", 0, "", "", "a stop was asked for", "arm again if it is over"};
-  }
-  if (ramp_.phase != RampPhase::kRendering && !finished()) {
-    return Diagnostic{"", 0, "", "", "the device is still on its way to neutral", "arm again then"};
-  }
-  if (ramp_.phase == RampPhase::kRendering && !device_.simulated()) {
-    return Diagnostic{"", 0, "", "", "the device is armed already", "stop it first"};
-  }
-  if (Expected<Done> opened = device_.open(); !opened) return opened;
-  const bool was_open = std::exchange(device_open_, true);
-  const auto refused = [this, was_open](Diagnostics why) {
-    // Nobody will tick it; one that was open before carries its weight on.
-    if (!was_open) device_.close();
-    device_open_ = was_open;
-    return Expected<Done>(std::move(why));
-  };
-  if (Expected<Done> ready = device_.ready(); !ready) return refused(ready.errors());
-  if (any(device_.read(reading_, 1)) || !allFinite(reading_.q_m) ||
-      reading_.q_m.size() != config_.gains.axes) {
-    return refused({{"", 0, "", "", "the device gives no position", "check that it is connected"}});
-  }
-  if (Expected<Done> within = mayArm(); !within) return refused(within.errors());
-  if (Expected<Done> placed = world_.placeHand(reading_.q_m); !placed) {
-    return refused(placed.errors());
-  }
-  if (const std::uint32_t now = stops_.load(std::memory_order_seq_cst); now != stops) {
-    stops_seen_ = now;
-    return refused({{"", 0, "", "", "a stop was asked for while the device was being armed", ""}});
-  }
-  stops_armed_ = stops;
-  emergencies_armed_ = emergencies_.load(std::memory_order_seq_cst);
-  armed_position_ = reading_.q_m;
-  const int axes = config_.gains.axes;
-  velocity_ = VelocityState{};
-  damping_ = AdaptiveDampingState{AxisRatio(axes), AxisRatio(axes)};
-  tank_ = fullTank(config_.tank);
-  ramp_ = engageFrom(config_.neutral);
-  parameters_.reset();
-  contacts_ = ContactList{};
-  query_ = WorldQuery{};
-  owner_alive_ = true;
-  if (exercise_ != nullptr) {
-    exercise_->reset();
-    query_ = exercise_->query();
-  }
-  device_watch_ = DeviceWatchState{};
-  world_watch_ = WorldWatchState{};
-  safety_state_ = SafetyState::kArmed;
-  latched_ = Fault::kNone;
-  acknowledged_ = config_.neutral;  // as open() leaves it
-  unconfirmed_s_ = 0.0;
-  return Done{};
-}
-
-void HapticRenderer::disarm() noexcept {
-  ramp_.phase = RampPhase::kNeutral;
-  ramp_.sent = config_.neutral;
-  safety_state_ = any(latched_) ? SafetyState::kFaulted : SafetyState::kDisarmed;
-}
-
-bool HapticRenderer::finished() const noexcept {
-  return atNeutral() || unconfirmed_s_ > kNeutralWithin_s;
-}
-
-bool HapticRenderer::atNeutral() const noexcept {
-  if (ramp_.phase != RampPhase::kNeutral) return false;
-  for (int i = 0; i < config_.gains.axes; ++i) {
-    if (ramp_.sent[i] != config_.neutral[i]) return false;  // held back by the slew limit
-  }
-  return true;
 }
 
 void HapticRenderer::tick(std::uint32_t elapsed_periods, TickRecord& record,
