@@ -1,4 +1,4 @@
-// How a renderer is armed, and when it has come to rest: not the tick.
+// How a renderer is armed, and when it has come to rest.
 #include "renderer/haptic_renderer.hpp"
 
 #include <string>
