@@ -2,6 +2,7 @@ import { describe, expect, it } from 'vitest';
 import { AimModel, placeOnAxis, type Perception } from '../src/input/aim_model';
 import { nearestGrip } from '../src/input/guide';
 import { postureOf, squeezeOfFingers } from '../src/input/posture';
+import { Drag } from '../src/input/touch';
 import { restingWish, type Wish } from '../src/input/wish';
 
 const DEGREE = Math.PI / 180;
@@ -124,6 +125,27 @@ describe('help near a dispenser', () => {
     model.begin(back);
     for (let k = 0; k < 300 && model.aim[0] < 0.04; k += 1) model.step(forward, seen([...model.aim], { grips: [grip], beside: -1 }), 1 / 60);
     expect(model.aim[1]).toBeCloseTo(0.014, 3);
+  });
+
+  it('a finger draws the hand back beside the dispenser, and then drags it on from there', () => {
+    const model = begun();
+    model.begin([0.06, -0.01, 0.004, ...START.slice(3)]);
+    // The finger came down when the hand was elsewhere, at the right end of the range.
+    const drag = new Drag(1, 300, 300, { x: 0.7, y: -1 });
+    const drawn = (time_s: number): void => {
+      for (let k = 0; k < 60 * time_s; k += 1) {
+        model.step(ask({ place: drag.place }), seen([...model.aim], { grips: [grip] }), 1 / 60);
+        drag.overruled(model.overruled);
+      }
+    };
+    drag.moveTo(300, 900, 600);
+    drawn(3);
+    expect(model.aim[0]).toBeCloseTo(-0.085, 3);
+    expect(Math.abs(model.aim[1] + 0.034)).toBeLessThan(0.003);  // in its lane, not off to where the finger once came down
+    const before = model.aim[1];
+    drag.moveTo(210, 900, 600);  // 90 of 180 px: half of the half range of 120 mm, to the left
+    drawn(2);
+    expect(model.aim[1] - before).toBeCloseTo(0.06, 3);
   });
 
   it('closing waits until the palm is at the dispenser', () => {

@@ -5,7 +5,7 @@ import { wishOfMoves } from '../src/input/keys';
 import { bend, curl, place, readHand, type Landmark } from '../src/input/landmarks';
 import { depthAfterWheel, placeOfPointer } from '../src/input/mouse';
 import { lowPassWeight, OneEuroFilter } from '../src/input/one_euro';
-import { placeOfDrag } from '../src/input/touch';
+import { Drag } from '../src/input/touch';
 import { HandFollower, problemOf } from '../src/input/webcam';
 import { en } from '../src/input/i18n/en';
 import { de } from '../src/input/i18n/de';
@@ -48,11 +48,29 @@ describe('mouse', () => {
   });
 });
 
-it('touch: dragging up goes away, dragging left goes left', () => {
-  // 180 px of a 600 px side with 60 % of it in play: the whole half range.
-  const at = placeOfDrag({ x: 0, y: 0 }, -90, -45, 600);
-  expect(at.x).toBeCloseTo(0.25, 12);
-  expect(at.y).toBeCloseTo(0.5, 12);
+describe('touch', () => {
+  it('dragging up goes away, dragging left goes left', () => {
+    // 180 px of a 600 px side with 60 % of it in play: the whole half range.
+    const drag = new Drag(1, 300, 300, { x: 0, y: 0 });
+    drag.moveTo(210, 255, 600);
+    expect(drag.place.x).toBeCloseTo(0.25, 12);
+    expect(drag.place.y).toBeCloseTo(0.5, 12);
+  });
+
+  it('beyond the end of the range nothing is owed: coming back moves at once', () => {
+    const drag = new Drag(1, 300, 300, { x: 0, y: 0 });
+    drag.moveTo(300, 900, 600);
+    expect(drag.place.x).toBe(-1);
+    drag.moveTo(300, 882, 600);  // 18 of 180 px
+    expect(drag.place.x).toBeCloseTo(-0.9, 12);
+  });
+
+  it('goes on from where the help took the hand', () => {
+    const drag = new Drag(1, 300, 300, { x: 0, y: -1 });
+    drag.overruled({ y: 0.2 });
+    drag.moveTo(255, 300, 600);  // 45 of 180 px to the left
+    expect(drag.place).toEqual({ x: 0, y: expect.closeTo(0.45, 12) as number });
+  });
 });
 
 describe('game pad', () => {

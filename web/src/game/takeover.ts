@@ -19,12 +19,13 @@ export type Outcome = { readonly is: 'playing' | 'another plays' } | { readonly 
 
 const EVERY_MS = 25;
 const TRIES = 80;
+const TRIES_AFTER_REFUSAL = 20;
 
 const wait = (): Promise<void> => new Promise((go) => { setTimeout(go, EVERY_MS); });
 
 /** Until the program's states say so too, or for two seconds. */
-async function until(so: () => boolean): Promise<void> {
-  for (let tries = 0; tries < TRIES && !so(); tries++) await wait();
+async function until(so: () => boolean, most = TRIES): Promise<void> {
+  for (let tries = 0; tries < most && !so(); tries++) await wait();
 }
 
 /** Loads that level, or the bar where another exercise is on; nothing when it is there already. */
@@ -72,8 +73,10 @@ export async function takeOver(connection: Connection, known: () => Known, wishe
   if (!loaded.accepted) return { is: 'refused', reason: loaded.reason };
   if (connection.latestState?.runState === RunState.Disarmed) {
     const armed = await connection.arm();
-    if (!armed.accepted) return { is: 'refused', reason: armed.reason };
-    await until(() => connection.latestState?.runState === RunState.Rendering);
+    // Somebody who has just left may have armed it: the next states say so, and that is as good.
+    const rendering = (): boolean => connection.latestState?.runState === RunState.Rendering;
+    await until(rendering, armed.accepted ? TRIES : TRIES_AFTER_REFUSAL);
+    if (!armed.accepted && !rendering()) return { is: 'refused', reason: armed.reason };
   }
   const steered = await steer(connection, known);
   if (!steered.accepted) return { is: 'refused', reason: steered.reason };

@@ -63,6 +63,7 @@ export class AimModel {
   readonly config: AimConfig;
   private q: number[] = [];
   private squeezePart = 0;
+  private overruledParts: Partial<Triple> = {};
 
   constructor(
     private readonly axes: readonly AimAxis[],
@@ -80,6 +81,14 @@ export class AimModel {
   /** How far the hand is asked to close, 0 .. 1. */
   get squeeze(): number {
     return this.squeezePart;
+  }
+
+  /**
+   * Where the help took the hand in the last step instead of to the place that was asked for, as parts
+   * of the ranges: whoever steers by differences goes on from there.
+   */
+  get overruled(): Readonly<Partial<Triple>> {
+    return this.overruledParts;
   }
 
   /** Takes over where the hand is, so that nothing jumps when a person begins to steer. */
@@ -101,6 +110,7 @@ export class AimModel {
         : this.armAxis(axis, wish, help, seen, i, dt_s);
       this.q[i] = clamp(next, axis.lower, axis.upper);
     });
+    this.overruledParts = this.overruledBy(help, wish);
     return this.q;
   }
 
@@ -126,6 +136,20 @@ export class AimModel {
     }
     const device = seen.device[i] ?? now;
     return clamp(next, device - this.config.leash_m, device + this.config.leash_m);
+  }
+
+  private overruledBy(help: Guide, wish: Wish): Partial<Triple> {
+    const parts: Partial<Triple> = {};
+    for (const key of ['x', 'y', 'z'] as const) {
+      const i = this.axes.findIndex((axis) => axis.name === key);
+      const axis = this.axes[i];
+      const place = wish.place[key];
+      if (!axis || place === undefined || help[key] === undefined) continue;
+      const part = partOfAxis(axis, this.q[i] ?? 0);
+      // Drawing back from the dispenser is what the person decides, however slowly.
+      if (key !== 'x' || place > part) parts[key] = part;
+    }
+    return parts;
   }
 
   /** What the help near the row says; nothing of it but the fingers' stretch when it is off. */
@@ -166,6 +190,11 @@ export class AimModel {
     if (assist && middle_n > 0 && seen.squeeze_n >= middle_n) return now;
     return approach(now, 1, press_per_s * dt_s);
   }
+}
+
+/** How far along an axis's range a position is, -1 .. 1. */
+export function partOfAxis(axis: Pick<AimAxis, 'lower' | 'upper'>, q: number): number {
+  return (2 * q - axis.lower - axis.upper) / (axis.upper - axis.lower);
 }
 
 /** Position at a part -1 .. 1 of an axis's range. */

@@ -2,7 +2,7 @@ import './input.css';
 import type { Connection } from '../net/connection';
 import { RunState, Steering, type SceneT } from '../protocol';
 import { language, type Language } from '../shared/i18n';
-import { AimModel, type AimConfig } from './aim_model';
+import { AimModel, partOfAxis, type AimConfig } from './aim_model';
 import { GamepadWay } from './gamepad';
 import { de } from './i18n/de';
 import { en, type HelpLine, type InputTexts } from './i18n/en';
@@ -162,7 +162,7 @@ export class Controls {
     const axis = this.connection.scene?.axes[i];
     if (!axis) return 0;
     const q = this.aim?.[i] ?? this.connection.latestState?.qM[i] ?? 0;
-    return (2 * q - axis.lower - axis.upper) / (axis.upper - axis.lower);
+    return partOfAxis(axis, q);
   }
 
   private use(way: InputWay | undefined): void {
@@ -191,6 +191,7 @@ export class Controls {
       this.began = true;
     }
     model.step(current.wish(now), perceiver.see(state), dt_s);
+    current.overruled?.(model.overruled);
     void connection.aim([...model.aim]);
   }
 

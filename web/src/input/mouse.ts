@@ -72,6 +72,11 @@ export class Mouse implements InputWay {
     return { ...restingWish(), place: this.place, squeeze: this.squeeze };
   }
 
+  /** The cursor is a place; only the wheel adds up. */
+  overruled({ x }: Readonly<Partial<Triple>>): void {
+    if (x !== undefined && this.place.x !== undefined) this.place = { ...this.place, x };
+  }
+
   private readonly move = (event: PointerEvent): void => {
     if (event.pointerType !== 'mouse') return;
     const { last } = this;

@@ -1,5 +1,5 @@
 import { clamp } from './posture';
-import type { InputWay, Wish } from './wish';
+import type { InputWay, Triple, Wish } from './wish';
 import { now_s, restingWish } from './wish';
 
 /** A finger that crosses this part of the picture's smaller side moves the hand through its range. */
@@ -13,15 +13,40 @@ export interface TouchWords {
   lower: string;
 }
 
-/** x and y, -1 .. 1, after a finger went (dx, dy) px from where the hand was (x, y). */
-export function placeOfDrag(
-  from: { x: number; y: number }, dx_px: number, dy_px: number, side_px: number,
-): { x: number; y: number } {
-  const whole_px = (side_px * PLAY_PART) / 2;
-  return {
-    x: clamp(from.x - dy_px / whole_px, -1, 1),
-    y: clamp(from.y - dx_px / whole_px, -1, 1),
-  };
+/** Where the hand is asked to go, in parts of the ranges along x and y, -1 .. 1. */
+export interface DraggedPlace {
+  x: number;
+  y: number;
+}
+
+/**
+ * A finger that drags the hand: what counts is how far it goes, not where it is. Where the help takes
+ * the hand elsewhere meanwhile, the finger drags it on from there, and is never led back by its own past.
+ */
+export class Drag {
+  private at_px: { x: number; y: number };
+
+  constructor(readonly pointerId: number, x_px: number, y_px: number, private asked: DraggedPlace) {
+    this.at_px = { x: x_px, y: y_px };
+  }
+
+  get place(): DraggedPlace {
+    return this.asked;
+  }
+
+  /** The finger went to (x, y) [px] on a picture whose smaller side is `side_px`. */
+  moveTo(x_px: number, y_px: number, side_px: number): void {
+    const whole_px = (side_px * PLAY_PART) / 2;
+    this.asked = {
+      x: clamp(this.asked.x - (y_px - this.at_px.y) / whole_px, -1, 1),
+      y: clamp(this.asked.y - (x_px - this.at_px.x) / whole_px, -1, 1),
+    };
+    this.at_px = { x: x_px, y: y_px };
+  }
+
+  overruled(places: Readonly<Partial<DraggedPlace>>): void {
+    this.asked = { x: places.x ?? this.asked.x, y: places.y ?? this.asked.y };
+  }
 }
 
 /**
@@ -31,8 +56,9 @@ export function placeOfDrag(
 export class Touch implements InputWay {
   readonly way = 'touch';
   claimed_s = -Infinity;
-  private place: { x: number; y: number } | undefined;
-  private drag: { id: number; x_px: number; y_px: number; from: { x: number; y: number } } | undefined;
+  /** Stays when the finger is lifted: the hand waits where it was asked to go. */
+  private drag: Drag | undefined;
+  private dragging = false;
   private readonly others = new Set<number>();
   private held = new Set<string>();
   private buttons: HTMLElement | undefined;
@@ -40,7 +66,7 @@ export class Touch implements InputWay {
   /** `placeNow` says where the hand is, -1 .. 1 along x and y, when a finger comes down. */
   constructor(
     private readonly element: HTMLElement,
-    private readonly placeNow: () => { x: number; y: number },
+    private readonly placeNow: () => DraggedPlace,
     private readonly words: () => TouchWords,
   ) {}
 
@@ -67,7 +93,7 @@ export class Touch implements InputWay {
 
   yield(): void {
     this.drag = undefined;
-    this.place = undefined;
+    this.dragging = false;
     this.others.clear();
     this.held.clear();
   }
@@ -77,37 +103,39 @@ export class Touch implements InputWay {
     return {
       ...restingWish(),
       velocity: { x: 0, y: 0, z: LIFT_M_S * lift },
-      place: this.place ?? {},
+      place: this.drag?.place ?? {},
       squeeze: this.others.size > 0 || this.held.has('squeeze'),
     };
+  }
+
+  overruled(places: Readonly<Partial<Triple>>): void {
+    this.drag?.overruled(places);
   }
 
   private readonly down = (event: PointerEvent): void => {
     if (event.pointerType === 'mouse') return;
     this.claimed_s = now_s();
     this.showButtons();
-    if (this.drag) {
+    if (this.dragging) {
       this.others.add(event.pointerId);
       return;
     }
-    const from = this.place ?? this.placeNow();
-    this.drag = { id: event.pointerId, x_px: event.clientX, y_px: event.clientY, from };
+    this.drag = new Drag(event.pointerId, event.clientX, event.clientY, this.drag?.place ?? this.placeNow());
+    this.dragging = true;
   };
 
   private readonly move = (event: PointerEvent): void => {
     if (event.pointerType === 'mouse') return;
     // A finger that was down before playing began drags from where it is now.
-    if (!this.drag && !this.others.has(event.pointerId)) this.down(event);
-    if (!this.drag || event.pointerId !== this.drag.id) return;
+    if (!this.dragging && !this.others.has(event.pointerId)) this.down(event);
+    if (!this.dragging || event.pointerId !== this.drag?.pointerId) return;
     this.claimed_s = now_s();
-    const side_px = Math.min(this.element.clientWidth, this.element.clientHeight);
-    const { x_px, y_px, from } = this.drag;
-    this.place = placeOfDrag(from, event.clientX - x_px, event.clientY - y_px, side_px);
+    this.drag.moveTo(event.clientX, event.clientY, Math.min(this.element.clientWidth, this.element.clientHeight));
   };
 
   private readonly up = (event: PointerEvent): void => {
     this.others.delete(event.pointerId);
-    if (event.pointerId === this.drag?.id) this.drag = undefined;
+    if (event.pointerId === this.drag?.pointerId) this.dragging = false;
   };
 
   private showButtons(): void {

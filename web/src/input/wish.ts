@@ -36,6 +36,11 @@ export interface InputWay {
   /** Another way is used now: what was asked here is no longer meant. */
   yield(): void;
   wish(now_s: number): Wish;
+  /**
+   * The help took the hand elsewhere, to these parts of the ranges. Ways that add up differences go on
+   * from there; a cursor, which is a place, does not care.
+   */
+  overruled?(places: Readonly<Partial<Triple>>): void;
 }
 
 export function now_s(): number {

@@ -205,6 +205,7 @@ export async function touchMovesAndSqueezes(browser, programUrl, watcher) {
   // The page before has just closed: its controls come free when the program notices.
   await watcher.page.waitForSelector('[data-testid=holder]:has-text("free")', { timeout: 15_000 });
   const page = await openPage(browser, pageUrl(programUrl, '/', { lang: 'en', quality: 'low' }), { hasTouch: true });
+  let at = {};
   try {
     await page.waitForSelector('[data-testid=start]', { timeout: 30_000 });
     await page.tap('[data-testid=start]');
@@ -223,6 +224,7 @@ export async function touchMovesAndSqueezes(browser, programUrl, watcher) {
     await watcher.until('the hand drawn back', (now) => axis(now, 'x') < -0.06, { within_ms: 15_000 });
     const before = axis(await watcher.now(), 'y');
     const goal_px = before > 0 ? 1 : -1;
+    at = { before, goal_px };
     for (let k = 1; k <= 10; k += 1) {
       await send('touchMove', [{ x: 640 + 12 * k * goal_px, y: 780 }]);
       await wait(60);
@@ -238,8 +240,8 @@ export async function touchMovesAndSqueezes(browser, programUrl, watcher) {
     return 'one finger moved the hand, the button closed it';
   } catch (error) {
     const { q, steering, runState, values } = await watcher.now();
-    const said = (await page.locator('body').innerText()).replace(/\s+/g, ' ').slice(0, 200);
-    throw new Error(`${error.message}; q ${q.map((v) => v.toFixed(3)).join(' ')}, steering ${steering}, state ${runState}, stage ${values.stage}; the page says: ${said}`);
+    const said = (await page.locator('body').innerText()).replace(/\s+/g, ' ').slice(0, 1500);
+    throw new Error(`${error.message}; ${JSON.stringify(at)} q ${q.map((v) => v.toFixed(3)).join(' ')}, steering ${steering}, state ${runState}, stage ${values.stage}; the page says: ${said}`);
   } finally {
     await page.context().close();
   }
