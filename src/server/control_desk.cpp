@@ -3,18 +3,22 @@
 namespace wholehand {
 
 std::string ControlDesk::take(Client client, std::int64_t now_ns) {
-  if (!arbiter_.take(client)) return "another client holds the controls";
+  const ControlsArbiter::Taken taken = arbiter_.take(client);
+  if (!taken) return "another client holds the controls";
   // Whoever takes over says anew who steers: the aim of the one who is gone must not go on.
-  if (lost_ns_) give_back_ = true;
+  if (taken.orphaned) give_back_ = true;
+  // Somebody held them whom this desk has not seen, however briefly.
+  if (taken.claim > claim_ + 1) told_alive_.reset();
   lost_ns_.reset();
   mine_ = client;
+  claim_ = taken.claim;
   heard_ns_ = now_ns;
   return {};
 }
 
 std::string ControlDesk::release(Client client) {
   if (!holds(client)) return "this client does not hold the controls";
-  arbiter_.release(client);
+  arbiter_.release(client, true);
   mine_ = 0;
   give_back_ = true;
   return {};
@@ -32,6 +36,7 @@ void ControlDesk::left(Client client, std::int64_t now_ns) {
 }
 
 void ControlDesk::followOthers(std::int64_t now_ns) {
+  const std::uint32_t claim = arbiter_.claim();  // before the holder
   const Client holder = arbiter_.holder();
   const bool other_holds = holder != 0 && holder != mine_;
   if (other_holds) {
@@ -39,6 +44,7 @@ void ControlDesk::followOthers(std::int64_t now_ns) {
     lost_ns_.reset();
     told_alive_ = true;
   } else if (other_holds_ && holder == 0) {
+    claim_ = claim;
     if (arbiter_.handedBack()) {
       give_back_ = true;
     } else {
@@ -53,7 +59,7 @@ ControlDesk::Advice ControlDesk::advance(std::int64_t now_ns) {
   followOthers(now_ns);
   if (mine_ != 0 && now_ns - heard_ns_ > kLost_ns) {
     advice.silent_client = mine_;
-    arbiter_.release(mine_);
+    arbiter_.release(mine_, true);
     mine_ = 0;
     give_back_ = true;
   }
@@ -63,6 +69,7 @@ ControlDesk::Advice ControlDesk::advance(std::int64_t now_ns) {
   }
   const bool alive = mine_ != 0 ? now_ns - heard_ns_ <= kSilent_ns : !lost_ns_.has_value();
   if (alive != told_alive_) advice.owner_alive = told_alive_ = alive;
+  advice.claim = claim_;
   advice.give_back = give_back_;
   give_back_ = false;
   const Client holder = arbiter_.holder();

@@ -33,6 +33,7 @@ class ControlDesk {
     bool give_back = false;           ///< steering returns to the virtual patient
     bool holder_changed = false;      ///< all clients are told
     Client silent_client = 0;         ///< who lost the controls by silence; 0: nobody
+    std::uint32_t claim = 0;          ///< whose holding of the controls all this is about
   };
 
   /// @pre the arbiter outlives the desk
@@ -52,18 +53,21 @@ class ControlDesk {
 
   [[nodiscard]] bool holds(Client client) const { return client != 0 && mine_ == client; }
   [[nodiscard]] bool held() const { return arbiter_.holder() != 0; }
+  /// Of the holder, where it is a client of ours.
+  [[nodiscard]] std::uint32_t claim() const { return claim_; }
 
  private:
   void followOthers(std::int64_t now_ns);
 
   ControlsArbiter& arbiter_;
   Client mine_ = 0;            ///< the holder, where it is a client of ours
+  std::uint32_t claim_ = 0;    ///< of the newest holder that this desk knows
   Client told_ = 0;            ///< the holder of the last advice
   bool other_holds_ = false;   ///< a client of another server held them at the last advice
   std::int64_t heard_ns_ = 0;  ///< the last message of mine_
   std::optional<std::int64_t> lost_ns_;  ///< when the holder was lost; nobody took over
   bool give_back_ = false;
-  bool told_alive_ = true;
+  std::optional<bool> told_alive_ = true;  ///< nothing: another server has told it since
 };
 
 }  // namespace wholehand

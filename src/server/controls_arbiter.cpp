@@ -2,10 +2,14 @@
 
 namespace wholehand {
 
-bool ControlsArbiter::take(Client client) noexcept {
-  if (client == 0) return false;
+ControlsArbiter::Taken ControlsArbiter::take(Client client) noexcept {
+  if (client == 0) return {};
   Client before = 0;
-  return holder_.compare_exchange_strong(before, client) || before == client;
+  if (!holder_.compare_exchange_strong(before, client)) {
+    return before == client ? Taken{claims_.load(), false} : Taken{};
+  }
+  const bool orphaned = !handed_back_.exchange(true);
+  return {claims_.fetch_add(1) + 1, orphaned};
 }
 
 bool ControlsArbiter::release(Client client, bool handed_back) noexcept {

@@ -119,5 +119,22 @@ TEST_F(ControlDeskTest, GameElsewhere_HoldsAndLosesThem) {
   EXPECT_TRUE(*advice.owner_alive);
 }
 
+// The game's own server has told the program that nobody is alive; this desk has told it nothing.
+TEST_F(ControlDeskTest, GameVanishesBetweenTwoFrames_TheNextHolderIsAliveAndStartsAnew) {
+  for (const bool seen : {true, false}) {
+    const auto game = arbiter.newClient();
+    ASSERT_TRUE(arbiter.take(game));
+    if (seen) (void)after(16);
+    ASSERT_TRUE(arbiter.release(game));
+    ASSERT_EQ(desk.take(anna, now), "");
+    const auto advice = after(0);
+    ASSERT_TRUE(advice.owner_alive) << seen;
+    EXPECT_TRUE(*advice.owner_alive);
+    EXPECT_TRUE(advice.give_back) << "not the game's last aim";
+    ASSERT_EQ(desk.release(anna), "");
+    (void)after(16);
+  }
+}
+
 }  // namespace
 }  // namespace wholehand
