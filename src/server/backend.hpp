@@ -6,6 +6,7 @@
 #include "model/device_model.hpp"
 #include "model/hand_model.hpp"
 #include "model/scene_model.hpp"
+#include "server/refusal.hpp"
 
 #include <array>
 #include <cstdint>
@@ -89,11 +90,6 @@ struct Order {
   AxisPosition aim;    ///< kAim
   Steering steering = Steering::kVirtualPatient;
   ExerciseAction action = ExerciseAction::kNext;
-};
-
-struct OrderReply {
-  bool accepted = false;
-  std::string reason;  ///< for a person; empty when accepted
 };
 
 /// One finished recording.

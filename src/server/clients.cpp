@@ -21,7 +21,7 @@ SharedBytes share(wire::Bytes bytes) {
 }
 
 /// Which counter a message that cannot be read belongs to.
-const char* reasonOf(const Diagnostics& errors) {
+const char* counterOf(const Diagnostics& errors) {
   const std::string& key = errors.front().key;
   if (key == "size") return "oversized";
   if (key == "schema_version") return "schema_version";
@@ -73,11 +73,12 @@ void Clients::leave(std::uint32_t client, std::int64_t now_ns) {
   followControls(now_ns);
 }
 
-void Clients::refuse(Entry client, std::uint32_t command, const char* reason,
-                     const std::string& why, std::int64_t now_ns, bool reply) {
-  ++traffic_.refused[reason];
-  log_.write(fmt::format("client {}: refused ({}): {}", client->first, reason, why), now_ns);
-  if (reply) client->second.line->deliver(share(wire::replyMessage(command, {false, why})));
+void Clients::refuse(Entry client, std::uint32_t command, const char* counter,
+                     const OrderReply& refusal, std::int64_t now_ns, bool reply) {
+  ++traffic_.refused[counter];
+  log_.write(fmt::format("client {}: refused ({}): {}", client->first, counter, refusal.reason),
+             now_ns);
+  if (reply) client->second.line->deliver(share(wire::replyMessage(command, refusal)));
 }
 
 bool Clients::withinRate(Entry entry, std::int64_t now_ns) {
@@ -102,18 +103,24 @@ void Clients::heard(std::uint32_t client, std::span<const std::uint8_t> message,
   if (!within_rate && !emergency) {
     const bool reply = now_ns - entry->second.last_rate_reply_ns > kRateReply_ns;
     if (reply) entry->second.last_rate_reply_ns = now_ns;
-    refuse(entry, 0, "rate", "more than 400 messages in a second: those beyond are dropped", now_ns,
-           reply);
+    refuse(
+        entry, 0, "rate",
+        refused(Refusal::kTooMany, "more than 400 messages in a second: those beyond are dropped"),
+        now_ns, reply);
   } else if (text) {
-    refuse(entry, 0, "text", "this is text; messages are binary", now_ns);
+    refuse(entry, 0, "text", refused(Refusal::kUnreadable, "this is text; messages are binary"),
+           now_ns);
   } else if (!decoded) {
-    refuse(entry, 0, reasonOf(decoded.errors()), format(decoded.errors()), now_ns);
+    refuse(entry, 0, counterOf(decoded.errors()),
+           refused(wire::refusalOf(decoded.errors()), format(decoded.errors())), now_ns);
   } else if (decoded->type == wire::ClientMessageType::kAcknowledge) {
-    refuse(entry, 0, "malformed", "nothing is acknowledged over WebSocket", now_ns);
+    refuse(entry, 0, "malformed",
+           refused(Refusal::kUnreadable, "nothing is acknowledged over WebSocket"), now_ns);
   } else if (decoded->id <= entry->second.last_command && !emergency) {
     refuse(entry, decoded->id, "replayed",
-           fmt::format("command {} came after command {}: their numbers must rise", decoded->id,
-                       entry->second.last_command),
+           refused(Refusal::kReplayed,
+                   fmt::format("command {} came after command {}: their numbers must rise",
+                               decoded->id, entry->second.last_command)),
            now_ns);
   } else {
     entry->second.last_command = std::max(entry->second.last_command, decoded->id);
@@ -127,8 +134,9 @@ void Clients::saidTooMuch(std::uint32_t client, std::int64_t now_ns) {
   if (entry == clients_.end()) return;
   ++traffic_.dropped["oversized"];
   refuse(entry, 0, "oversized",
-         fmt::format("a message of more than {} bytes; the connection is closed",
-                     wire::kLargestClientMessage),
+         refused(Refusal::kUnreadable,
+                 fmt::format("a message of more than {} bytes; the connection is closed",
+                             wire::kLargestClientMessage)),
          now_ns, false);
 }
 
@@ -142,19 +150,21 @@ void Clients::obey(Entry entry, const wire::ClientMessage& m, std::int64_t now_n
     if (desk_.holds(client) || emergency) {
       forward(client, m.id, m.order);
     } else {
-      refuse(entry, m.id, "not_holder", "this client does not hold the controls", now_ns);
+      refuse(entry, m.id, "not_holder",
+             refused(Refusal::kNotHolder, "this client does not hold the controls"), now_ns);
     }
     return;
   }
   const bool take = m.type == wire::ClientMessageType::kTakeControls;
   // Who connects has shown the token already; a wrong one beside it is a mistake to be told.
   if (take && !m.token.empty() && !access_.tokenMatches(m.token)) {
-    refuse(entry, m.id, "token", "this is not the token", now_ns);
+    refuse(entry, m.id, "token", refused(Refusal::kWrongToken, "this is not the token"), now_ns);
     return;
   }
   const std::string why = take ? desk_.take(client, now_ns) : desk_.release(client);
   if (!why.empty()) {
-    refuse(entry, m.id, take ? "controls_held" : "not_holder", why, now_ns);
+    refuse(entry, m.id, take ? "controls_held" : "not_holder",
+           refused(take ? Refusal::kControlsHeld : Refusal::kNotHolder, why), now_ns);
     return;
   }
   log_.write(fmt::format("client {} {} the controls", client, take ? "takes" : "gives back"),
@@ -175,7 +185,7 @@ void Clients::answer(std::uint32_t client, std::uint32_t command, const OrderRep
   const Entry entry = clients_.find(client);
   if (entry == clients_.end()) return;
   if (!reply.accepted) {
-    refuse(entry, command, "order", reply.reason, monotonicNow_ns());
+    refuse(entry, command, "order", reply, monotonicNow_ns());
   } else {
     entry->second.line->deliver(share(wire::replyMessage(command, reply)));
   }

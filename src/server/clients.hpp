@@ -76,7 +76,8 @@ class Clients : public std::enable_shared_from_this<Clients> {
   };
   using Entry = std::map<std::uint32_t, Client>::iterator;
 
-  void refuse(Entry client, std::uint32_t command, const char* reason, const std::string& why,
+  /// @param counter of wholehand_refused_total
+  void refuse(Entry client, std::uint32_t command, const char* counter, const OrderReply& refusal,
               std::int64_t now_ns, bool reply = true);
   [[nodiscard]] bool withinRate(Entry entry, std::int64_t now_ns);
   void obey(Entry entry, const wire::ClientMessage& message, std::int64_t now_ns);

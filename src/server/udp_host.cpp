@@ -163,7 +163,8 @@ void Host::receiveMessage(Peer& peer, std::span<const std::uint8_t> message, std
   const Expected<wire::ClientMessage> decoded = wire::decode(message);
   if (!decoded) {
     counters_.ignore(UdpIgnored::kMessage);
-    return reply(peer, 0, {false, format(decoded.errors())}, now_ns);
+    return reply(peer, 0, refused(wire::refusalOf(decoded.errors()), format(decoded.errors())),
+                 now_ns);
   }
   if (decoded->type == wire::ClientMessageType::kAcknowledge) {
     return peer.outbox.acknowledge(decoded->id);
@@ -208,17 +209,19 @@ void Host::receiveOrder(Peer& peer, const wire::ClientMessage& message, std::int
   const bool aim = message.order.type == OrderType::kAim;
   if (message.order.type != OrderType::kEmergencyStop && !controls_.heldBy(peer.client)) {
     if (aim && std::exchange(peer.aim_refused, true)) return void(++counters_.commands_refused);
-    return reply(peer, message.id,
-                 {false, controls_.holder() == 0 ? "take the controls first"
-                                                 : "another client holds the controls"},
-                 now_ns);
+    return reply(
+        peer, message.id,
+        refused(Refusal::kNotHolder, controls_.holder() == 0 ? "take the controls first"
+                                                             : "another client holds the controls"),
+        now_ns);
   }
   orders_.push_back({peer.session, message.id, message.order});
 }
 
 void Host::takeControls(Peer& peer, std::uint32_t command, std::int64_t now_ns) {
   if (!controls_.take(peer.client)) {
-    return reply(peer, command, {false, "another client holds the controls"}, now_ns);
+    return reply(peer, command,
+                 refused(Refusal::kControlsHeld, "another client holds the controls"), now_ns);
   }
   // Whoever takes over says anew who steers: the aim of the one who is gone must not go on.
   if (std::exchange(lost_ns_, std::nullopt)) giveBack();
@@ -231,7 +234,8 @@ void Host::takeControls(Peer& peer, std::uint32_t command, std::int64_t now_ns) 
 
 void Host::releaseControls(Peer& peer, std::uint32_t command, std::int64_t now_ns) {
   if (!controls_.release(peer.client, true)) {
-    return reply(peer, command, {false, "the game does not hold the controls"}, now_ns);
+    return reply(peer, command, refused(Refusal::kNotHolder, "the game does not hold the controls"),
+                 now_ns);
   }
   giveBack();
   reply(peer, command, {true, ""}, now_ns);

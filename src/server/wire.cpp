@@ -186,10 +186,13 @@ Bytes controlsMessage(bool held_by_you, bool held) {
   return take(b);
 }
 
+static_assert(static_cast<int>(Refusal::kEnding) == static_cast<int>(fb::Refusal::MAX));
+
 Bytes replyMessage(std::uint32_t command, const OrderReply& reply) {
   Builder b;
   const auto reason = b.CreateString(reply.reason);
-  finish(b, fb::CreateReply(b, command, reply.accepted, reason), kSchemaVersion);
+  const auto refusal = static_cast<fb::Refusal>(reply.refusal);
+  finish(b, fb::CreateReply(b, command, reply.accepted, reason, refusal), kSchemaVersion);
   return take(b);
 }
 

@@ -76,4 +76,7 @@ inline constexpr std::size_t kLargestClientMessage = 4096;
 /// can be.
 [[nodiscard]] Expected<ClientMessage> decode(std::span<const std::uint8_t> message);
 
+/// What decode() refused, as clients are told.
+[[nodiscard]] Refusal refusalOf(const Diagnostics& errors);
+
 }  // namespace wholehand::wire

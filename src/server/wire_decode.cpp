@@ -13,6 +13,7 @@ namespace {
 constexpr flatbuffers::uoffset_t kDepth = 8, kTables = 8;
 /// The smallest thing that can be looked at: root offset and identifier.
 constexpr std::size_t kSmallestMessage = 8;
+constexpr const char* kVersionKey = "schema_version";
 
 Diagnostic refusal(const char* key, std::string value, std::string problem, std::string remedy) {
   return {"", 0, key, std::move(value), std::move(problem), std::move(remedy)};
@@ -119,7 +120,7 @@ Expected<ClientMessage> decodeCommand(const fb::Command& c) {
 
 Expected<ClientMessage> decodePayload(const fb::Message& message) {
   if (message.schema_version() != kSchemaVersion) {
-    return refusal("schema_version", std::to_string(message.schema_version()), "is not spoken here",
+    return refusal(kVersionKey, std::to_string(message.schema_version()), "is not spoken here",
                    "must be " + std::to_string(kSchemaVersion) +
                        ": reload the page, or bring "
                        "client and program to the same version");
@@ -159,6 +160,10 @@ Expected<ClientMessage> decode(std::span<const std::uint8_t> message) {
     return refusal("message", "", "is damaged or cut short", "");
   }
   return decodePayload(*fb::GetMessage(bytes.data()));
+}
+
+Refusal refusalOf(const Diagnostics& errors) {
+  return errors.front().key == kVersionKey ? Refusal::kOtherVersion : Refusal::kUnreadable;
 }
 
 }  // namespace wholehand::wire

@@ -8,10 +8,8 @@
 namespace wholehand {
 namespace {
 
-constexpr const char* kStopCame = "a stop came meanwhile: nothing pushes";
-
-OrderReply refused(std::string reason) {
-  return {false, std::move(reason)};
+OrderReply stopCame() {
+  return refused(Refusal::kStopCame, "a stop came meanwhile: nothing pushes");
 }
 
 }  // namespace
@@ -49,7 +47,9 @@ OrderReply Station::Core::rehearseNext(const Models& models, std::optional<Rehea
     return armed_by_;
   }();
   auto rehearsal = rehearsalOf(models, makePlayer(models)->start(), asked);
-  if (!rehearsal && !stoppedSince(asked)) return refused(format(rehearsal.errors()));
+  if (!rehearsal && !stoppedSince(asked)) {
+    return refused(Refusal::kRehearsalFailed, format(rehearsal.errors()));
+  }
   if (rehearsal) passed = std::move(*rehearsal);
   return {true, ""};
 }
@@ -58,19 +58,20 @@ OrderReply Station::Core::arm(std::uint64_t asked, const std::string& record,
                               std::uint64_t duration_ticks) {
   if (live_) {
     const bool ends = status().run_state != RunState::kRendering;
-    return refused(ends ? "it is still on its way to neutral: arm again then"
-                        : "it is armed already");
+    return ends ? refused(Refusal::kStillStopping,
+                          "it is still on its way to neutral: arm again then")
+                : refused(Refusal::kArmedAlready, "it is armed already");
   }
-  if (stoppedSince(asked)) return refused(kStopCame);
+  if (stoppedSince(asked)) return stopCame();
   std::unique_ptr<Player> player = makePlayer(models_);
   if (config_.rehearse && !rehearsed_) {
     auto rehearsal = rehearsalOf(models_, player->start(), asked);
-    if (stoppedSince(asked)) return refused(kStopCame);
-    if (!rehearsal) return refused(format(rehearsal.errors()));
+    if (stoppedSince(asked)) return stopCame();
+    if (!rehearsal) return refused(Refusal::kRehearsalFailed, format(rehearsal.errors()));
     rehearsed_ = std::move(*rehearsal);  // until something else is loaded
   }
   auto live = startSession(std::move(player), record, duration_ticks);
-  if (!live) return refused(format(live.errors()));
+  if (!live) return refused(Refusal::kCannotStart, format(live.errors()));
   for (const SetupLine& line : (*live)->setup()) {
     if (!line.granted && arming_ == 1) say(line.what + ": " + line.sentence);
   }
@@ -122,7 +123,7 @@ OrderReply Station::Core::armedNow(std::unique_ptr<LiveSession> live, std::uint6
     if (emergency_) live_->requestEmergencyStop();
     live_->requestStop();
     status_.run_state = RunState::kRampingDown;
-    return refused(kStopCame);
+    return stopCame();
   }
   status_.run_state = RunState::kRendering;
   if (!owner_alive_) {

@@ -16,10 +16,6 @@ constexpr auto kMargin = std::chrono::milliseconds(50);
 
 using Clock = StationClock;
 
-OrderReply refused(std::string reason) {
-  return {false, std::move(reason)};
-}
-
 }  // namespace
 
 void Station::Core::quit() {
@@ -46,8 +42,10 @@ void Station::Core::beginStop(bool at_once) {
 }
 
 OrderReply Station::Core::push(const Command& command) {
-  if (!live_) return refused("nothing is armed");
-  if (!live_->tryCommand(command)) return refused("too many commands at once; try again");
+  if (!live_) return refused(Refusal::kNothingArmed, "nothing is armed");
+  if (!live_->tryCommand(command)) {
+    return refused(Refusal::kTooMany, "too many commands at once; try again");
+  }
   return {true, ""};
 }
 
@@ -55,9 +53,12 @@ OrderReply Station::Core::setParameter(const Order& order) {
   const auto& parameters = scene_->parameters;
   const auto found = std::find_if(parameters.begin(), parameters.end(),
                                   [&](const auto& p) { return p.name == order.name; });
-  if (found == parameters.end()) return refused("there is no parameter \"" + order.name + "\"");
+  if (found == parameters.end()) {
+    return refused(Refusal::kUnknownParameter, "there is no parameter \"" + order.name + "\"");
+  }
   if (!(order.value >= found->lower && order.value <= found->upper)) {
-    return refused(fmt::format("{} = {:.6g} is out of range: {:.6g} to {:.6g} {}", order.name,
+    return refused(Refusal::kOutOfRange,
+                   fmt::format("{} = {:.6g} is out of range: {:.6g} to {:.6g} {}", order.name,
                                order.value, found->lower, found->upper, found->unit));
   }
   asked_parameters_[order.name] = order.value;
@@ -103,7 +104,8 @@ void Station::Core::order(const Order& order, const std::function<void(OrderRepl
         reply =
             order.aim.size() == static_cast<int>(scene_->device.axes.size()) && allFinite(order.aim)
                 ? push(command)
-                : refused(fmt::format("an aim has {} finite values, one an axis",
+                : refused(Refusal::kNotAPosture,
+                          fmt::format("an aim has {} finite values, one an axis",
                                       scene_->device.axes.size()));
         break;
       case OrderType::kSteer:

@@ -24,10 +24,6 @@ constexpr auto kStopWithin = std::chrono::seconds(10);
 
 using Clock = StationClock;
 
-OrderReply refused(std::string reason) {
-  return {false, std::move(reason)};
-}
-
 std::vector<std::string> stemsIn(const std::string& folder) {
   std::vector<std::string> stems;
   std::error_code error;
@@ -140,23 +136,27 @@ OrderReply Station::Core::loadExercise(const Order& order) {
     const auto known = listExercises(config_.config_folder + "/exercises");
     const auto found = std::find_if(known.begin(), known.end(),
                                     [&](const ExerciseFile& f) { return f.name == order.name; });
-    if (found == known.end()) return refused("there is no exercise \"" + order.name + "\"");
+    if (found == known.end()) {
+      return refused(Refusal::kUnknownExercise, "there is no exercise \"" + order.name + "\"");
+    }
     files.exercise = found->path;
     files.level = 1;
   }
   if (!order.hand.empty()) {
     const auto known = stemsIn(config_.config_folder + "/hands");
     if (std::find(known.begin(), known.end(), order.hand) == known.end()) {
-      return refused("there is no hand \"" + order.hand + "\"");
+      return refused(Refusal::kUnknownHand, "there is no hand \"" + order.hand + "\"");
     }
     files.hand = config_.config_folder + "/hands/" + order.hand + ".toml";
   }
   if (order.level > 0) files.level = order.level;
   Expected<Models> models = loadModels(files);
-  if (!models) return refused(format(models.errors()));
+  if (!models) return refused(Refusal::kCannotLoad, format(models.errors()));
   const auto gains = checkGains(*models, config_.rig.period_s);
-  if (!gains) return refused(format(gains.errors()));
-  if (Diagnostics no = refuseToRender(*gains, config_.rig); !no.empty()) return refused(format(no));
+  if (!gains) return refused(Refusal::kCannotLoad, format(gains.errors()));
+  if (Diagnostics no = refuseToRender(*gains, config_.rig); !no.empty()) {
+    return refused(Refusal::kNotStable, format(no));
+  }
   const bool rendered = live_ && live_->running();
   std::optional<Rehearsal> rehearsal;
   if (config_.rehearse && rendered) {  // what cannot be rendered stops nothing
@@ -223,7 +223,7 @@ void Station::Core::runTasks() {
     try {
       reply = task.work();
     } catch (const std::exception& error) {  // the loop, if it runs, runs on
-      reply = refused(std::string("failed: ") + error.what());
+      reply = refused(Refusal::kFailed, std::string("failed: ") + error.what());
       say("an order " + reply.reason);
     }
     task.done(reply);
@@ -237,7 +237,7 @@ void Station::Core::endTasks() {
     const std::lock_guard lock(mutex_);
     tasks.swap(tasks_);
   }
-  for (const Task& task : tasks) task.done(refused("the program is ending"));
+  for (const Task& task : tasks) task.done(refused(Refusal::kEnding, "the program is ending"));
 }
 
 // Where nobody steers, the virtual patient plays a finished level once more.

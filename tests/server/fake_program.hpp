@@ -31,7 +31,7 @@ class FakeProgram final : public ServerBackend {
     }
     if (order.name == "throw") throw std::runtime_error("asked for");
     if (order.type == OrderType::kSetParameter && order.value > 1.0) {
-      done({false, "lead_in_m = 2: must be in [0, 1]"});
+      done(refused(Refusal::kOutOfRange, "lead_in_m = 2: must be in [0, 1]"));
     } else if (order.type == OrderType::kLoadExercise) {
       std::thread([done = std::move(done)] { done({true, ""}); }).detach();  // as a real one does
     } else {
@@ -176,13 +176,14 @@ struct Answer {
   std::uint32_t command = 0;
   bool accepted = false;
   std::string reason = "no reply came";
+  fb::Refusal refusal = fb::Refusal::None;
 };
 
 inline Answer answer(WebSocket& socket) {
   const auto frame = next(socket, fb::Payload::Reply);
   if (!frame) return {};
   const auto* r = message(*frame).payload_as_Reply();
-  return {r->command(), r->accepted(), r->reason()->str()};
+  return {r->command(), r->accepted(), r->reason()->str(), r->refusal()};
 }
 
 }  // namespace replies

@@ -113,9 +113,13 @@ TEST_F(WebSocketTest, SecondController_WatchesAndMayOnlyStop) {
   const auto first = holder();
   WebSocket second(port());
   second.say(takeControls(1));
-  EXPECT_EQ(answer(second).reason, "another client holds the controls");
+  const auto taken = answer(second);
+  EXPECT_EQ(taken.reason, "another client holds the controls");
+  EXPECT_EQ(taken.refusal, fb::Refusal::ControlsHeld);
   second.say(steer(2, fb::Steering::Person));
-  EXPECT_EQ(answer(second).reason, "this client does not hold the controls");
+  const auto watching = answer(second);
+  EXPECT_EQ(watching.reason, "this client does not hold the controls");
+  EXPECT_EQ(watching.refusal, fb::Refusal::NotHolder);
   EXPECT_TRUE(program.askedFor(OrderType::kSteer, 1, 50ms).empty());
   second.say(emergencyStop(3));
   const auto stopped = answer(second);
@@ -144,12 +148,15 @@ TEST_F(WebSocketTest, Holder_IsToldToAllAndCommands) {
   EXPECT_EQ(set[0].order.name, "lead_in_m");
   EXPECT_EQ(set[0].order.value, 0.25);
   first->say(setParameter(3, "lead_in_m", 2.0));  // the program refuses it
-  EXPECT_EQ(answer(*first).reason, "lead_in_m = 2: must be in [0, 1]");
+  const auto above = answer(*first);
+  EXPECT_EQ(above.reason, "lead_in_m = 2: must be in [0, 1]");
+  EXPECT_EQ(above.refusal, fb::Refusal::OutOfRange);
   EXPECT_EQ(refused("order"), 1.0);
   first->say(load(4, "cocktail-bar", 2, ""));  // answered later, from another thread
   const auto loaded = answer(*first);
   EXPECT_EQ(loaded.command, 4U);
   EXPECT_TRUE(loaded.accepted);
+  EXPECT_EQ(loaded.refusal, fb::Refusal::None);
   first->say(releaseControls(5));
   EXPECT_TRUE(answer(*first).accepted);
   const auto steered = program.askedFor(OrderType::kSteer, 1);
@@ -173,13 +180,19 @@ TEST_F(WebSocketTest, BadMessages_AreRefusedAndChangeNothing) {
   client->say(aim(3, {0.0F, nan}));
   EXPECT_NE(answer(*client).reason.find("not a finite number"), std::string::npos);
   client->say(arm(4, wire::kSchemaVersion + 1));
-  EXPECT_NE(answer(*client).reason.find("schema_version"), std::string::npos);
+  const auto version = answer(*client);
+  EXPECT_NE(version.reason.find("schema_version"), std::string::npos);
+  EXPECT_EQ(version.refusal, fb::Refusal::OtherVersion);
   client->sayText("{\"order\":\"arm\"}");
-  EXPECT_EQ(answer(*client).reason, "this is text; messages are binary");
+  const auto text = answer(*client);
+  EXPECT_EQ(text.reason, "this is text; messages are binary");
+  EXPECT_EQ(text.refusal, fb::Refusal::Unreadable);
   client->say(arm(5));
   EXPECT_TRUE(answer(*client).accepted);
   client->say(arm(5));  // replayed
-  EXPECT_EQ(answer(*client).reason, "command 5 came after command 5: their numbers must rise");
+  const auto again = answer(*client);
+  EXPECT_EQ(again.reason, "command 5 came after command 5: their numbers must rise");
+  EXPECT_EQ(again.refusal, fb::Refusal::Replayed);
   client->say(arm(3));
   EXPECT_NE(answer(*client).reason.find("must rise"), std::string::npos);
   EXPECT_EQ(program.askedFor(OrderType::kArm, 2, 50ms).size(), 1U);
@@ -265,7 +278,9 @@ TEST_F(WebSocketTest, Token_IsAskedForAtTheDoorAndWithTheControls) {
   ASSERT_EQ(client.status(), 101);
   EXPECT_NE(client.reply().headers.at("set-cookie").find("wholehand_token="), std::string::npos);
   client.say(takeControls(1, "a-token-of-twenty-cx"));
-  EXPECT_EQ(answer(client).reason, "this is not the token");
+  const auto wrong = answer(client);
+  EXPECT_EQ(wrong.reason, "this is not the token");
+  EXPECT_EQ(wrong.refusal, fb::Refusal::WrongToken);
   client.say(takeControls(2, "a-token-of-twenty-ch"));
   EXPECT_TRUE(answer(client).accepted);
   EXPECT_EQ(refused("token"), -1.0);  // /metrics itself asks for it

@@ -51,6 +51,7 @@ TEST_F(SafetyStates, RehearsalThatFails_RefusesToArmAndChangesNothing) {
   ASSERT_FALSE(reply.accepted);
   EXPECT_NE(reply.reason.find("rehearsal"), std::string::npos) << reply.reason;
   EXPECT_NE(reply.reason.find("most of it"), std::string::npos) << reply.reason;
+  EXPECT_EQ(reply.refusal, Refusal::kRehearsalFailed);
   expectUntouched();
 }
 
@@ -69,6 +70,7 @@ TEST_F(SafetyStates, HandInsideABody_RefusesToArmAndChangesNothing) {
   const OrderReply reply = ask(OrderType::kArm);
   ASSERT_FALSE(reply.accepted);
   EXPECT_NE(reply.reason.find("inside the hand"), std::string::npos) << reply.reason;
+  EXPECT_EQ(reply.refusal, Refusal::kCannotStart);
   expectUntouched();
 }
 
@@ -87,7 +89,7 @@ TEST_F(SafetyStates, EmergencyStopWhileRehearsing_RefusesPromptly) {
     ASSERT_EQ(answer.wait_for(30s), std::future_status::ready);
     const OrderReply reply = answer.get();
     EXPECT_FALSE(reply.accepted);
-    EXPECT_NE(reply.reason.find("a stop came"), std::string::npos) << reply.reason;
+    EXPECT_EQ(reply.refusal, Refusal::kStopCame) << reply.reason;
     ASSERT_TRUE(becomes([&] { return station_->status().run_state != RunState::kRampingDown; }));
     EXPECT_NE(station_->status().run_state, RunState::kRendering);
     TickRecord record;
@@ -105,7 +107,7 @@ TEST_F(SafetyStates, RearmingOnTheWayToNeutral_IsRefusedAndChangesNothing) {
   ASSERT_TRUE(ask(OrderType::kStop).accepted);  // the exercise fades out first: 0.35 s
   const OrderReply reply = ask(OrderType::kArm);
   ASSERT_FALSE(reply.accepted);
-  EXPECT_NE(reply.reason.find("on its way to neutral"), std::string::npos) << reply.reason;
+  EXPECT_EQ(reply.refusal, Refusal::kStillStopping) << reply.reason;
   ASSERT_TRUE(becomes(RunState::kStopped));
   EXPECT_EQ(station_->status().session, 1U);
 }
@@ -195,6 +197,7 @@ TEST_F(SafetyStates, LoadingWhatIsTooHeavy_IsRefusedAndTheOldOneGoesOn) {
   ASSERT_FALSE(reply.accepted);
   EXPECT_NE(reply.reason.find("\"pile\""), std::string::npos) << reply.reason;
   EXPECT_NE(reply.reason.find("fewer than 400 shapes"), std::string::npos) << reply.reason;
+  EXPECT_EQ(reply.refusal, Refusal::kRehearsalFailed);
   EXPECT_EQ(station_->scene()->exercise_name, "free-grasping");
   EXPECT_EQ(station_->status().session, 1U);
   EXPECT_TRUE(rendersOn());

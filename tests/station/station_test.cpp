@@ -17,6 +17,7 @@ TEST_F(Bar, ArmStopArm_NothingPushesInBetween) {
   const OrderReply twice = ask(OrderType::kArm);
   EXPECT_FALSE(twice.accepted);
   EXPECT_NE(twice.reason, "");
+  EXPECT_EQ(twice.refusal, Refusal::kArmedAlready);
 
   ASSERT_TRUE(ask(OrderType::kStop).accepted);
   ASSERT_TRUE(becomes(RunState::kStopped));
@@ -73,10 +74,11 @@ TEST_F(Bar, Parameters_RampOrAreRefusedWithTheirRange) {
   const OrderReply above = ask(order);
   EXPECT_FALSE(above.accepted);
   EXPECT_NE(above.reason.find("2 to 20 N"), std::string::npos) << above.reason;
+  EXPECT_EQ(above.refusal, Refusal::kOutOfRange);
   order.value = std::nan("");
   EXPECT_FALSE(ask(order).accepted);
   order.name = "effort_limit";
-  EXPECT_FALSE(ask(order).accepted);
+  EXPECT_EQ(ask(order).refusal, Refusal::kUnknownParameter);
   std::this_thread::sleep_for(50ms);
   EXPECT_EQ(station_->status().parameters[index], 8.0);
 }
@@ -118,7 +120,7 @@ TEST_F(Bar, LoadWhileRendering_GoesOnWithTheNewLevelAndOnlyThen) {
   EXPECT_FALSE(ask(order).accepted);
   order.level = 1;
   order.hand = "no-such-hand";
-  EXPECT_FALSE(ask(order).accepted);
+  EXPECT_EQ(ask(order).refusal, Refusal::kUnknownHand);
   EXPECT_EQ(station_->status().run_state, RunState::kRendering);
   EXPECT_EQ(station_->status().session, 1U);
   EXPECT_TRUE(rendersOn());
