@@ -191,7 +191,7 @@ static_assert(static_cast<int>(Refusal::kEnding) == static_cast<int>(fb::Refusal
 Bytes replyMessage(std::uint32_t command, const OrderReply& reply) {
   Builder b;
   const auto reason = b.CreateString(reply.reason);
-  const auto refusal = static_cast<fb::Refusal>(reply.refusal);
+  const auto refusal = reply.accepted ? fb::Refusal::None : static_cast<fb::Refusal>(reply.refusal);
   finish(b, fb::CreateReply(b, command, reply.accepted, reason, refusal), kSchemaVersion);
   return take(b);
 }

@@ -3,9 +3,10 @@ import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import { Connection, type Line } from '../src/net/connection';
 import { socketUrl, tokenOf } from '../src/net/open_connection';
 import {
-  Command, ControlsT, EventsT, EventT, Message, MessageT, Order, Payload, ReplyT, SCHEMA_VERSION, SceneT, SetParameter, TakeControls,
+  Command, ControlsT, EventsT, EventT, Message, MessageT, Order, Payload, Refusal, ReplyT, SCHEMA_VERSION, SceneT, SetParameter, TakeControls,
   WelcomeT, WorldStateT,
 } from '../src/protocol';
+import { setLanguage } from '../src/shared/i18n';
 
 /** A line whose other end is the test. */
 class TestLine implements Line {
@@ -82,6 +83,31 @@ test('Connection_Orders_HaveStrictlyIncreasingIdsAndTheirOwnAnswers', async () =
   expect(await second).toEqual({ accepted: true, reason: '' });
 });
 
+test('Connection_ARefusal_IsSaidInThePersonsLanguage', async () => {
+  vi.stubGlobal('document', { documentElement: {} });
+  const connection = connect();
+  lines[0].welcome();
+  const answerTo = (refusal: Refusal, reason: string): Promise<unknown> => {
+    const answer = connection.arm();
+    lines[0].say(Payload.Reply, new ReplyT(lines[0].sent.at(-1)!.id, false, reason, refusal));
+    return answer.then((given) => given.reason);
+  };
+  try {
+    setLanguage('de');
+    expect(await answerTo(Refusal.ArmedAlready, 'it is armed already')).toBe('Es ist schon gestartet.');
+    // What only the program can know follows in its own words.
+    expect(await answerTo(Refusal.CannotStart, 'the device is not calibrated')).toBe('Es lässt sich nicht starten. the device is not calibrated');
+    // A newer program's refusal, and one that has no sentence.
+    expect(await answerTo(200 as Refusal, 'the moon is full')).toBe('the moon is full');
+    expect(await answerTo(Refusal.Other, 'for a reason')).toBe('for a reason');
+    setLanguage('fr');
+    expect(await answerTo(Refusal.NotHolder, 'this client does not hold the controls')).toBe('Cet écran n’a pas les commandes.');
+  } finally {
+    setLanguage('en');
+    vi.unstubAllGlobals();
+  }
+});
+
 test('Connection_Lost_TriesAgainWithGrowingWaitsAndKeepsIdsIncreasing', async () => {
   const connection = connect();
   lines[0].welcome();
@@ -113,11 +139,11 @@ test('Connection_Lost_TriesAgainWithGrowingWaitsAndKeepsIdsIncreasing', async ()
 
 test('Connection_LostBeforeAnAnswer_AnswersTheOrderItself', async () => {
   const connection = connect();
-  expect(await connection.arm()).toEqual({ accepted: false, reason: 'not connected' });
+  expect(await connection.arm()).toEqual({ accepted: false, reason: 'There is no connection.' });
   lines[0].welcome();
   const arm = connection.arm();
   lines[0].breaks();
-  expect(await arm).toEqual({ accepted: false, reason: 'the connection was lost' });
+  expect(await arm).toEqual({ accepted: false, reason: 'The connection was lost.' });
   expect(connection.controls.heldByYou).toBe(false);
 });
 
@@ -143,7 +169,7 @@ test('Connection_OrderWithoutAnswer_IsGivenUp', async () => {
   await vi.advanceTimersByTimeAsync(2900);
   lines[0].say(Payload.WorldState, new WorldStateT());
   await vi.advanceTimersByTimeAsync(101);
-  expect(await stop).toEqual({ accepted: false, reason: 'no answer' });
+  expect(await stop).toEqual({ accepted: false, reason: 'The program does not answer.' });
 });
 
 test('Connection_OtherSchemaVersion_IsRefusedForGood', async () => {

@@ -141,7 +141,7 @@ test('Praise_CountsOnlyWhatWasSpiltInThisDrink', () => {
 
 test('Cause_OfAFault_IsTheFaultAndNotTheStop', () => {
   expect(faultsOf(script.faultNames, 0b110)).toEqual(['device write failed', 'stop requested']);
-  expect(causeOf(script, moment({}, { runState: RunState.Faulted, latchedFaults: 0b101 }))).toBe('device read failed');
+  expect(causeOf(script, moment({}, { runState: RunState.Faulted, latchedFaults: 0b101 }))).toBe('the device gave no position');
   expect(causeOf(script, moment({}, { runState: RunState.Stopped, latchedFaults: 0b100 }))).toBe('');
 });
 

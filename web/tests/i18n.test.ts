@@ -20,6 +20,27 @@ test('Texts_InGerman_AreSpeltTheSwissWay', () => {
   for (const [key, value] of Object.entries(de)) expect(value, key).not.toContain('ß');
 });
 
+/** The names of an enum of the schema, in its order. */
+function enumNames(name: string): string[] {
+  const schema = readFileSync(new URL('../../protocol/wholehand.fbs', import.meta.url), 'utf8').replace(/\/\/.*/g, '');
+  const body = schema.match(new RegExp(`enum ${name} : \\w+ \\{([^}]*)\\}`))?.[1] ?? '';
+  return body.split(',').map((value) => value.trim());
+}
+
+test('Texts_HaveASentenceForEveryRefusalOfTheSchemaAndNoOther', () => {
+  const refusals = enumNames('Refusal').filter((value) => value !== 'None' && value !== 'Other');
+  expect(refusals).toContain('NotHolder');
+  expect(Object.keys(en).filter((key) => key.startsWith('refusal.')).sort()).toEqual(refusals.map((value) => `refusal.${value}`).sort());
+});
+
+test('Texts_HaveAWordForEveryFaultOfTheProgram', () => {
+  const source = readFileSync(new URL('../../src/core/fault.cpp', import.meta.url), 'utf8');
+  const table = source.match(/kNames = \{([^}]*)\}/)?.[1] ?? '';
+  const names = [...table.matchAll(/"([^"]+)"/g)].map(([, name]) => `fault.${name}`);
+  expect(names).toContain('fault.late tick');
+  expect(names.filter((name) => !(name in en))).toEqual([]);
+});
+
 test('Language_FromWishes_IsTheFirstThatWeHave', () => {
   expect(chooseLanguage([null, 'it-CH', 'fr-CH', 'de'])).toBe('fr');
   expect(chooseLanguage(['DE-ch'])).toBe('de');

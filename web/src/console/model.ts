@@ -113,7 +113,7 @@ export class ConsoleModel {
     this.marks.forgetBefore(this.history.now_s - WINDOW_S);
     if ((state.faults & INFORMATION) === 0) return;
     if ((state.faults & (1 << 6)) !== 0) this.limited_s = this.history.now_s;
-    const what = faultWords(state.faults & INFORMATION, this.scene?.faultNames ?? [], texts()).join(', ');
+    const what = faultWords(state.faults & INFORMATION, this.scene?.faultNames ?? []).join(', ');
     this.notice = { at: new Date(), what };
   }
 

@@ -1,6 +1,6 @@
 import type { ConnectionStatus } from '../net/connection';
 import { RunState, SafetyState, type WorldStateT } from '../protocol';
-import { fill } from '../shared/i18n';
+import { faultWord, fill } from '../shared/i18n';
 import type { ConsoleTexts } from './i18n/en';
 
 export type StatusName = Exclude<keyof ConsoleTexts['states'], 'armed'>;
@@ -30,8 +30,8 @@ const NAMES: Readonly<Record<RunState, StatusName>> = {
 const STEPS: Readonly<Record<string, number>> = { disarmed: 0, rendering: 1, paused: 1, stopping: 2, stopped: 3, faulted: 3 };
 
 /** Names of the bits that are set, in the page's language where it knows them. */
-export function faultWords(bits: number, names: readonly string[], texts: ConsoleTexts): string[] {
-  return names.filter((_, bit) => ((bits >>> bit) & 1) === 1).map((name) => texts.faults[name] ?? name);
+export function faultWords(bits: number, names: readonly string[]): string[] {
+  return names.filter((_, bit) => ((bits >>> bit) & 1) === 1).map(faultWord);
 }
 
 /** Name of the bit of an emergency stop, Scene.fault_names. */
@@ -72,7 +72,7 @@ export function excessWords(state: Told, faults: readonly string[], axes: readon
 function faultedStatus(state: Told, faultNames: readonly string[], axes: readonly NamedAxis[], texts: ConsoleTexts): Pick<Status, 'cause' | 'excess' | 'did' | 'todo'> {
   const t = texts.safety;
   const faults = stoppingNames(state.latchedFaults, faultNames);
-  const words = faults.map((name) => texts.faults[name] ?? name).join(', ') || '?';
+  const words = faults.map(faultWord).join(', ') || '?';
   const todo = faults.map((name) => texts.advice[name]).find((text) => text !== undefined) ?? texts.advice.other;
   return { cause: fill(t.cause, { what: words }), excess: excessWords(state, faults, axes, texts), did: t.faultedWhat, todo };
 }

@@ -1,7 +1,7 @@
 // What the page says at one moment, as a pure function of what it knows. No words of a language, no elements.
 import type { ConnectionStatus, VersionProblem } from '../net/connection';
 import { RunState, Steering, type WorldStateT } from '../protocol';
-import type { TextKey } from '../shared/i18n';
+import { faultWord, type TextKey } from '../shared/i18n';
 import { faultsOf, figure, type Recipe, type Script } from './script';
 
 /** Of values.stage; docs/exercises.md. */
@@ -192,8 +192,8 @@ export function clock(time_s: number): string {
   return `${Math.floor(whole / 60)}:${String(whole % 60).padStart(2, '0')}`;
 }
 
-/** Why the run stopped by itself, in the program's words; empty after a stop that somebody asked for. */
+/** Why the run stopped by itself; empty after a stop that somebody asked for. */
 export function causeOf(script: Script | null, state: WorldStateT): string {
   if (state.runState !== RunState.Faulted || !script) return '';
-  return faultsOf(script.faultNames, state.latchedFaults).filter((name) => name !== 'stop requested').join(', ');
+  return faultsOf(script.faultNames, state.latchedFaults).filter((name) => name !== 'stop requested').map(faultWord).join(', ');
 }

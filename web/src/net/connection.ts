@@ -6,12 +6,15 @@ import {
   Steering, SteerT, StopT, TakeControlsT, Welcome, WorldState,
   type ControlsT, type EventT, type SceneT, type WelcomeT, type WorldStateT,
 } from '../protocol';
+import { text } from '../shared/i18n';
+import { refusalText } from './refusals';
 
 export type ConnectionStatus = 'connecting' | 'open' | 'lost';
 
 /** Why no connection can be: it is not tried again by itself. */
 export interface VersionProblem { readonly theirs: number; readonly ours: number }
 
+/** `reason`: for the person, in the page's language; empty when accepted. */
 export interface Answer { readonly accepted: boolean; readonly reason: string }
 
 export type AnyOrder =
@@ -124,11 +127,11 @@ export class Connection {
   /** Sends an order. The answer comes from the program, or from here when it cannot be sent. Never rejects. */
   order(order: AnyOrder): Promise<Answer> {
     const line = this.line;
-    if (this.status !== 'open' || !line) return Promise.resolve({ accepted: false, reason: 'not connected' });
+    if (this.status !== 'open' || !line) return Promise.resolve({ accepted: false, reason: text('line.none') });
     const id = ++this.lastId;
     const within_ms = order instanceof LoadExerciseT || order instanceof ArmT ? SLOW_ANSWER_WITHIN_MS : ANSWER_WITHIN_MS;
     return new Promise((settle) => {
-      const timer = setTimeout(() => this.settle(id, { accepted: false, reason: 'no answer' }), within_ms);
+      const timer = setTimeout(() => this.settle(id, { accepted: false, reason: text('line.silent') }), within_ms);
       this.waiting.set(id, { settle, timer });
       line.send(encodeCommand(id, order));
     });
@@ -201,7 +204,7 @@ export class Connection {
   private lost(): void {
     this.dropLine();
     this.controls = { heldByYou: false, held: false };
-    for (const id of [...this.waiting.keys()]) this.settle(id, { accepted: false, reason: 'the connection was lost' });
+    for (const id of [...this.waiting.keys()]) this.settle(id, { accepted: false, reason: text('line.lost') });
     this.attempts += 1;
     this.setStatus('lost');
     void this.askWhy();
@@ -327,7 +330,7 @@ export class Connection {
       }
       case Payload.Reply: {
         const reply = unpack(new Reply());
-        if (reply) this.settle(reply.command, { accepted: reply.accepted, reason: String(reply.reason ?? '') });
+        if (reply) this.settle(reply.command, { accepted: reply.accepted, reason: reply.accepted ? '' : refusalText(reply.refusal, String(reply.reason ?? '')) });
         return;
       }
       default:

@@ -7,7 +7,7 @@
 import * as flatbuffers from 'flatbuffers';
 import {
   Act, Action, Aim, AxisT, BodyT, CapsuleT, Command, ContactPointT, ControlsT, EventsT, EventT,
-  LoadExercise, Message, MessageT, Order, ParameterGroup, ParameterT, Payload, PoseT, QuatXyzwT, ReplyT, RunState, SafetyState, SceneT,
+  LoadExercise, Message, MessageT, Order, ParameterGroup, ParameterT, Payload, PoseT, QuatXyzwT, Refusal, ReplyT, RunState, SafetyState, SceneT,
   SCHEMA_VERSION, SetParameter, ShapeT, ShapeType, StatisticsT, Steer, Steering, Vec3T, WelcomeT, WorldStateT,
 } from '../protocol';
 import type { Line } from './connection';
@@ -143,77 +143,77 @@ export class FakeProgram {
     if (message.payloadType() !== Payload.Command) return;
     const command = message.payload(new Command()) as Command;
     const refusal = this.obey(line, command);
-    this.say(line, Payload.Reply, new ReplyT(command.id(), refusal === '', refusal));
+    this.say(line, Payload.Reply, new ReplyT(command.id(), refusal === Refusal.None, Refusal[refusal], refusal));
   }
 
-  private obey(line: Line, command: Command): string {
+  private obey(line: Line, command: Command): Refusal {
     const kind = command.orderType();
     const held = this.options.has('held');
     if (kind === Order.EmergencyStop) return this.halt(EMERGENCY_STOP);
     if (kind === Order.TakeControls) {
-      if (held) return 'another client holds the controls';
+      if (held) return Refusal.ControlsHeld;
       this.heldByClient = true;
       this.say(line, Payload.Controls, new ControlsT(true, true));
-      return '';
+      return Refusal.None;
     }
-    if (!this.heldByClient) return 'this client does not hold the controls';
+    if (!this.heldByClient) return Refusal.NotHolder;
     switch (kind) {
       case Order.ReleaseControls:
         this.heldByClient = false;
         this.steering = Steering.VirtualPatient;
         this.say(line, Payload.Controls, new ControlsT(false, false));
-        return '';
+        return Refusal.None;
       case Order.Arm:
-        if (this.runState === RunState.Rendering) return 'it is rendering already';
+        if (this.runState === RunState.Rendering) return Refusal.ArmedAlready;
         this.runState = RunState.Rendering;
         this.latched = 0;
         this.faulted = false;
         this.session += 1;
         this.bar.restart();
         this.say(line, Payload.Scene, this.scene());
-        return '';
+        return Refusal.None;
       case Order.Stop: return this.halt();
-      case Order.Steer: this.steering = (command.order(new Steer()) as Steer).by(); return '';
+      case Order.Steer: this.steering = (command.order(new Steer()) as Steer).by(); return Refusal.None;
       case Order.Aim: {
         const aim = command.order(new Aim()) as Aim;
-        if (aim.qLength() !== AXES.length) return `an aim has ${AXES.length} values`;
+        if (aim.qLength() !== AXES.length) return Refusal.NotAPosture;
         if (this.steering === Steering.Person) AXES.forEach((_, i) => { this.bar.intention[i] = aim.q(i) ?? 0; });
-        return '';
+        return Refusal.None;
       }
       case Order.SetParameter: return this.setParameter(command.order(new SetParameter()) as SetParameter);
       case Order.LoadExercise: {
         const order = command.order(new LoadExercise()) as LoadExercise;
         const level = order.level() || this.bar.level;
-        if (level > LEVEL_NAMES.length) return `level ${level} does not exist: 1 to ${LEVEL_NAMES.length}`;
-        if (order.exercise() && order.exercise() !== 'cocktail-bar') return `exercise "${order.exercise()}" is unknown`;
+        if (level > LEVEL_NAMES.length) return Refusal.CannotLoad;
+        if (order.exercise() && order.exercise() !== 'cocktail-bar') return Refusal.UnknownExercise;
         this.bar = new FakeBar(level);
         this.say(line, Payload.Scene, this.scene());
-        return '';
+        return Refusal.None;
       }
       case Order.Action: {
         const act = (command.order(new Action()) as Action).act();
         if (act === Act.Next) this.bar.next();
         if (act === Act.Restart) this.bar.restart();
         if (act === Act.Pause || act === Act.Resume) this.bar.paused = act === Act.Pause;
-        return '';
+        return Refusal.None;
       }
-      default: return '';
+      default: return Refusal.None;
     }
   }
 
-  private halt(why = 0): string {
+  private halt(why = 0): Refusal {
     if (this.runState === RunState.Rendering) this.runState = RunState.Stopping;
     this.latched |= STOP_REQUESTED | why;
-    return '';
+    return Refusal.None;
   }
 
-  private setParameter(order: SetParameter): string {
+  private setParameter(order: SetParameter): Refusal {
     const index = PARAMETERS.findIndex((p) => p[0] === order.name());
-    if (index < 0) return `parameter "${order.name()}" is unknown`;
-    const [name, , unit, lower, upper] = PARAMETERS[index];
-    if (!(order.value() >= lower && order.value() <= upper)) return `${name} = ${order.value()} ${unit}: allowed is ${lower} to ${upper}`;
+    if (index < 0) return Refusal.UnknownParameter;
+    const [, , , lower, upper] = PARAMETERS[index];
+    if (!(order.value() >= lower && order.value() <= upper)) return Refusal.OutOfRange;
     this.parameters[index].target = order.value();
-    return '';
+    return Refusal.None;
   }
 
   private scene(): SceneT {

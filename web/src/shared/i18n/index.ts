@@ -65,6 +65,12 @@ export function text(key: TextKey, values?: Readonly<Record<string, string | num
   return fill(ALL[current][key], values);
 }
 
+/** A bit of Scene.fault_names; one that this page does not know in the program's words. */
+export function faultWord(name: string): string {
+  const key = `fault.${name}`;
+  return hasText(key) ? text(key) : name;
+}
+
 /** The name of a liquid or drink that a file gave; an unknown one as it stands, with a capital. */
 export function nameOf(kind: 'liquid' | 'drink', name: string): string {
   const key = `${kind}.${name}`;
