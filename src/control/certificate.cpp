@@ -1,5 +1,6 @@
 #include "control/certificate.hpp"
 
+#include "control/avatar_loop.hpp"
 #include "control/critical_damping.hpp"
 
 #include <algorithm>

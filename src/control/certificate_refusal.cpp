@@ -1,5 +1,6 @@
 #include "control/certificate_refusal.hpp"
 
+#include "control/avatar_loop.hpp"
 #include "control/gain_search.hpp"
 
 #include <fmt/format.h>

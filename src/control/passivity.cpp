@@ -49,15 +49,4 @@ double requiredDamping(const AxisLoop& loop, int frequencies) {
   return worst;
 }
 
-double passivityMargin(const AxisLoop& loop) {
-  double worst = std::numeric_limits<double>::infinity();
-  for (const double phi : {0.0, 0.25, 0.5, 0.75, 1.0}) {
-    AxisLoop damped = loop;
-    damped.phi_k_dm = phi * loop.phi_k_dm;
-    const double required = requiredDamping(damped);
-    if (required > 0.0) worst = std::min(worst, loop.damping / required);
-  }
-  return worst;
-}
-
 }  // namespace wholehand

@@ -17,9 +17,4 @@ namespace wholehand {
 /// @return [N·s/m or N·m·s/rad]
 [[nodiscard]] double requiredDamping(const AxisLoop& loop, int frequencies = 4000);
 
-/// The device's damping over requiredDamping(), the worst over Φ = 0, ¼ .. 1; below 1 some person
-/// and some object could make the axis unstable. +inf where no damping is required.
-/// @param loop its phi_k_dm is the damping at Φ = 1
-[[nodiscard]] double passivityMargin(const AxisLoop& loop);
-
 }  // namespace wholehand

@@ -1,152 +1,153 @@
 #include "control/stability.hpp"
 
-#include "control/critical_damping.hpp"
-#include "control/gain_search.hpp"
+#include <Eigen/Eigenvalues>
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <array>
 #include <cmath>
+#include <limits>
 
 namespace wholehand {
 
 namespace {
 
-/// Rounding of an eigenvalue that is structurally 1 (rigid drift) stays well below it.
-constexpr double kTolerance = 1e-7;
-/// Φ moves between 0 and 1, so every value must hold; more damping is not always more margin.
-constexpr std::array<double, 5> kSampledPhi = {0.0, 0.25, 0.5, 0.75, 1.0};
+/// State of the sampled loop; f holds the efforts on their way to the device, oldest first.
+enum Index : int { kXm, kVm, kXmPrevious, kVf, kXs, kVs, kFirstEffort };
 
-/// One axis with all that the search for an allowed value needs.
-struct Candidate {
-  const DeviceModel& device;
-  const DeviceAxis& axis;
-  const AxisRendering& rendering;
-  const CouplingGains& gains;
-  int index;
-  double period_s;
-
-  /// The loop with another stiffness and damping; K_ps follows K_pm where the rule sets it.
-  [[nodiscard]] AxisLoop loop(double k_pm, double k_dm, double phi) const {
-    AxisLoop l = axisLoop(device, gains, index, period_s);
-    l.k_pm = k_pm;
-    l.phi_k_dm = phi * k_dm;
-    if (rendering.k_ps_per_s2 <= 0.0) {
-      const double inertia =
-          gains.k_pm[index] / (gains.k_ps_per_s2[index] * gains.contact_scale[index]);
-      l.k_ps_per_s2 = ruleStiffness(k_pm, inertia);
-      l.k_ds_per_s = criticalDamping(l.k_ps_per_s2, period_s);
-    }
-    return l;
-  }
+/// Exact zero-order-hold solution of m ẍ = f − b ẋ − k x over one period:
+/// x += travel v + push_x f − fall_x x, v = keep v + push_v f − fall_v x.
+struct HeldDevice {
+  double travel_s, keep, push_x, push_v;
+  double fall_x = 0.0, fall_v = 0.0;
 };
 
-struct Verdict {
-  double radius = 0.0;
-  double phi = 0.0;
-  ContactCase contact = ContactCase::kFree;
-  [[nodiscard]] bool stable() const { return radius <= 1.0 + kTolerance; }
-};
+HeldDevice holdWithoutSpring(double mass, double damping, double period_s) {
+  const double rate_per_s = damping / mass;
+  const double decay = rate_per_s * period_s;
+  if (decay < 1e-5) {  // series: the closed form loses digits by cancellation
+    const double travel_s = period_s * (1.0 - decay / 2.0 + decay * decay / 6.0);
+    return {travel_s, std::exp(-decay), period_s * period_s / mass * (0.5 - decay / 6.0),
+            travel_s / mass};
+  }
+  const double travel_s = -std::expm1(-decay) / rate_per_s;
+  return {travel_s, std::exp(-decay), (period_s - travel_s) / damping, travel_s / mass};
+}
 
-/// The worst case over Φ, free and against a rigid stop.
-Verdict judge(const Candidate& c, double k_pm, double k_dm) {
-  Verdict worst;
-  for (const double phi : kSampledPhi) {
-    for (const ContactCase contact : {ContactCase::kFree, ContactCase::kRigid}) {
-      const double radius = spectralRadius(closedLoopMatrix(c.loop(k_pm, k_dm, phi), contact));
-      if (!(radius <= worst.radius)) worst = {radius, phi, contact};
+/// The matrix exponential by its series, on a share of the period that is small against every time
+/// constant, then squared back.
+HeldDevice holdWithSpring(double mass, double damping, double stiffness, double period_s) {
+  const double fastest = period_s * (damping / mass + std::sqrt(stiffness / mass));
+  int halvings = 0;
+  while (std::ldexp(fastest, -halvings) > 0.5 && halvings < 60) ++halvings;
+  const double part_s = std::ldexp(period_s, -halvings);
+  Eigen::Matrix3d rate = Eigen::Matrix3d::Zero();
+  rate.topRows<2>() << 0.0, part_s, 0.0,  //
+      -stiffness / mass * part_s, -damping / mass * part_s, part_s / mass;
+  Eigen::Matrix3d term = Eigen::Matrix3d::Identity(), sum = term;
+  for (int i = 1; i < 24; ++i) {
+    term = (term * rate / i).eval();
+    sum += term;
+  }
+  for (int i = 0; i < halvings; ++i) sum = (sum * sum).eval();
+  return {sum(0, 1), sum(1, 1), sum(0, 2), sum(1, 2), 1.0 - sum(0, 0), -sum(1, 0)};
+}
+
+HeldDevice holdDevice(const AxisLoop& l) {
+  const double mass = l.mass + l.person.mass;
+  const double damping = l.damping + l.person.damping;
+  if (l.person.stiffness == 0.0) return holdWithoutSpring(mass, damping, l.period_s);
+  return holdWithSpring(mass, damping, l.person.stiffness, l.period_s);
+}
+
+Eigen::VectorXd stepLoop(const AxisLoop& loop, ContactCase contact, const HeldDevice& device,
+                         const Eigen::VectorXd& s) {
+  const double t = loop.period_s;
+  const double vf =
+      (loop.filter_tau_s * s[kVf] + (s[kXm] - s[kXmPrevious])) / (loop.filter_tau_s + t);
+  const double b = loop.k_ps_per_s2 > 0.0 ? loop.k_pm * loop.k_ds_per_s / loop.k_ps_per_s2 : 0.0;
+  // The pairing of the tick: the avatar's state before its step.
+  const double effort = loop.k_pm * (s[kXs] - s[kXm]) + loop.gamma * b * (s[kVs] - vf) -
+                        loop.phi_k_dm * vf - loop.wall_stiffness * s[kXm] - loop.wall_damping * vf;
+  Eigen::VectorXd next = s;
+  double felt = effort;
+  if (loop.delay_ticks > 0) {
+    felt = s[kFirstEffort];
+    for (int i = 1; i < loop.delay_ticks; ++i) next[kFirstEffort + i - 1] = s[kFirstEffort + i];
+    next[kFirstEffort + loop.delay_ticks - 1] = effort;
+  }
+  next[kXm] = s[kXm] + device.travel_s * s[kVm] + device.push_x * felt - device.fall_x * s[kXm];
+  next[kVm] = device.keep * s[kVm] + device.push_v * felt - device.fall_v * s[kXm];
+  next[kXmPrevious] = s[kXm];
+  next[kVf] = vf;
+  if (contact == ContactCase::kRigid) {
+    next[kXs] = next[kVs] = 0.0;
+  } else {
+    const double acceleration =
+        loop.k_ps_per_s2 * (s[kXm] - s[kXs]) + loop.k_ds_per_s * (vf - s[kVs]);
+    if (contact == ContactCase::kObject) {  // implicit, as an engine solves contacts: passive
+      const double mass = 1.0 + loop.held_mass;
+      next[kVs] = (mass * s[kVs] + t * (acceleration - loop.spring_per_s2 * s[kXs])) /
+                  (mass + t * t * loop.spring_per_s2);
+    } else {
+      next[kVs] = s[kVs] + t * acceleration;
     }
+    next[kXs] = s[kXs] + t * next[kVs];
   }
-  return worst;
+  return next;
 }
 
-std::string perUnit(const DeviceAxis& axis, const char* time) {
-  return axis.kind == AxisKind::kTranslation ? fmt::format("N{}/m", time)
-                                             : fmt::format("N·m{}/rad", time);
-}
-
-/// The key of the rendering file.
-std::string stiffnessKey(const DeviceAxis& axis) {
-  return axis.kind == AxisKind::kTranslation ? "k_pm_n_m" : "k_pm_nm_rad";
-}
-std::string dampingKey(const DeviceAxis& axis) {
-  return axis.kind == AxisKind::kTranslation ? "k_dm_n_s_m" : "k_dm_nm_s_rad";
-}
-
-std::string remedy(const Candidate& c, double k_pm, double k_dm) {
-  const std::string at =
-      fmt::format(" (device damping {:.4g} {}, {} tick{} of delay, {:.4g} Hz)", c.axis.damping,
-                  perUnit(c.axis, "·s"), c.device.output_delay_ticks,
-                  c.device.output_delay_ticks == 1 ? "" : "s", 1.0 / c.period_s);
-  const double stiffness =
-      roundedDown(largestAllowed(k_pm, [&](double k) { return judge(c, k, k_dm).stable(); }));
-  std::string out;
-  if (stiffness > 0.0) {
-    out = fmt::format("largest allowed {}: {:.6g} {}", stiffnessKey(c.axis), stiffness,
-                      perUnit(c.axis, ""));
+/// Scales states (by powers of two, exactly) until rows and columns weigh alike: a stiffness of 1e3
+/// beside a period of 1e-3 would cost the eigenvalues their last digits.
+Eigen::MatrixXd balanced(Eigen::MatrixXd m) {
+  const Eigen::Index n = m.rows();
+  for (int sweep = 0; sweep < 30; ++sweep) {
+    bool changed = false;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const double column = m.col(i).lpNorm<1>() - std::abs(m(i, i));
+      const double row = m.row(i).lpNorm<1>() - std::abs(m(i, i));
+      if (column == 0.0 || row == 0.0) continue;
+      const double scale = std::exp2(std::round(0.5 * std::log2(row / column)));
+      if (scale == 1.0) continue;
+      m.col(i) *= scale;
+      m.row(i) /= scale;
+      changed = true;
+    }
+    if (!changed) break;
   }
-  const double damping =
-      roundedDown(largestAllowed(k_dm, [&](double d) { return judge(c, k_pm, d).stable(); }));
-  if (damping > 0.0) {
-    out += fmt::format("{} {}: {:.6g} {}", out.empty() ? "largest allowed" : ", or",
-                       dampingKey(c.axis), damping, perUnit(c.axis, "·s"));
-  }
-  if (out.empty()) {
-    out =
-        "no smaller stiffness is stable with this damping: lower the damping gain, or raise the "
-        "device's";
-  }
-  return out + at;
-}
-
-Diagnostic refuse(const Candidate& c, const std::string& path, const Verdict& verdict) {
-  const double k_pm = c.gains.k_pm[c.index];
-  Diagnostic d;
-  d.file = path;
-  d.key = c.axis.name + "." + stiffnessKey(c.axis);
-  d.value = fmt::format("{:.6g} {}", k_pm, perUnit(c.axis, ""));
-  d.problem =
-      fmt::format("unstable {} at Φ = {:g}: spectral radius {:.6g} > 1",
-                  verdict.contact == ContactCase::kFree ? "in free motion" : "against a rigid stop",
-                  verdict.phi, verdict.radius);
-  d.remedy = remedy(c, k_pm, c.gains.k_dm[c.index]);
-  return d;
-}
-
-/// Eq. (4) with M_r⁻¹ M̃_r instead of 1: inertia couples the axes of the avatar.
-Diagnostics checkAvatar(const std::string& path, const CouplingGains& gains,
-                        const std::vector<AxisMatrix>& inertias, double period_s) {
-  const Eigen::VectorXd k_ps = gains.k_ps_per_s2.vec();
-  const ShakingPosture worst = worstPosture(inertias, k_ps, period_s);
-  if (worst.radius < 1.0) return {};
-  const double factor = allowedFactor(inertias, k_ps, period_s);
-  Diagnostic d;
-  d.file = path;
-  d.key = "k_ps_per_s2";
-  d.problem = fmt::format(
-      "the simulated hand's axes shake each other in posture {} of {}: spectral radius {:.6g} >= 1",
-      worst.posture + 1, inertias.size(), worst.radius);
-  d.remedy = factor > 0.0
-                 ? fmt::format("multiply every axis's avatar stiffness by at most {:.3g}", factor)
-                 : "the hand's reduced inertia is singular: check its masses and synergies";
-  return {d};
+  return m;
 }
 
 }  // namespace
 
-Diagnostics checkStability(const DeviceModel& device, const RenderingConfig& rendering,
-                           const CouplingGains& gains,
-                           const std::vector<AxisMatrix>& reduced_inertias, double period_s) {
-  Diagnostics out;
-  for (int i = 0; i < gains.axes; ++i) {
-    const Candidate c{device, device.axes[i], rendering.axes[i], gains, i, period_s};
-    const Verdict verdict = judge(c, gains.k_pm[i], gains.k_dm[i]);
-    if (!verdict.stable()) out.push_back(refuse(c, rendering.path, verdict));
+AxisLoop axisLoop(const DeviceModel& device, const CouplingGains& gains, int axis,
+                  double period_s) {
+  AxisLoop l;
+  l.mass = device.axes[axis].mass;
+  l.damping = device.axes[axis].damping;
+  l.delay_ticks = device.output_delay_ticks;
+  l.k_pm = gains.k_pm[axis];
+  l.phi_k_dm = gains.k_dm[axis];
+  l.gamma = gains.gamma[axis];
+  l.k_ps_per_s2 = gains.k_ps_per_s2[axis];
+  l.k_ds_per_s = gains.k_ds_per_s[axis];
+  l.filter_tau_s = gains.filter_tau_s[axis];
+  l.period_s = period_s;
+  return l;
+}
+
+Eigen::MatrixXd closedLoopMatrix(const AxisLoop& loop, ContactCase contact) {
+  const int n = kFirstEffort + loop.delay_ticks;
+  const HeldDevice device = holdDevice(loop);
+  Eigen::MatrixXd matrix(n, n);
+  for (int j = 0; j < n; ++j) {
+    matrix.col(j) = stepLoop(loop, contact, device, Eigen::VectorXd::Unit(n, j));
   }
-  const Diagnostics avatar = checkAvatar(rendering.path, gains, reduced_inertias, period_s);
-  out.insert(out.end(), avatar.begin(), avatar.end());
-  return out;
+  return matrix;
+}
+
+double spectralRadius(const Eigen::MatrixXd& matrix) {
+  if (!matrix.allFinite()) return std::numeric_limits<double>::infinity();
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(balanced(matrix), false);
+  if (solver.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
+  return solver.eigenvalues().cwiseAbs().maxCoeff();
 }
 
 }  // namespace wholehand

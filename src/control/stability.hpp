@@ -1,13 +1,7 @@
 #pragma once
 
-#include "control/avatar_loop.hpp"
 #include "control/coupling_gains.hpp"
-#include "core/expected.hpp"
 #include "model/device_model.hpp"
-#include "model/rendering_config.hpp"
-
-#include <string>
-#include <vector>
 
 namespace wholehand {
 
@@ -47,15 +41,5 @@ struct AxisLoop {
 /// Largest modulus of its eigenvalues. In free motion an eigenvalue of exactly 1 (rigid drift) is
 /// structural.
 [[nodiscard]] double spectralRadius(const Eigen::MatrixXd& matrix);
-
-/// Checks every axis free and against a rigid stop at Φ = 0, ¼ .. 1: spectral radius > 1 (+1e-7) is
-/// refused with the reason and the nearest allowed stiffness (and damping, where less of it would
-/// do), found by bisection; and the avatar's multi-axis loop over the given reduced inertias
-/// (several postures), which must be < 1.
-[[nodiscard]] Diagnostics checkStability(const DeviceModel& device,
-                                         const RenderingConfig& rendering,
-                                         const CouplingGains& gains,
-                                         const std::vector<AxisMatrix>& reduced_inertias,
-                                         double period_s);
 
 }  // namespace wholehand

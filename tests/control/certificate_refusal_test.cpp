@@ -209,6 +209,49 @@ TEST(RefuseUncertified, AxisThatCertifyRefuses_NamesCriterionAndAStiffnessThatPa
   EXPECT_TRUE(certify(in).certified) << refused[0].remedy;
 }
 
+TEST(RefuseUncertified, EveryAxisThatFails_IsReportedInItsOwnUnits) {
+  CertificateInput in = shippedLike();
+  in.device.axes[0].damping = 0.1;
+  in.device.axes[1].kind = AxisKind::kRotation;  // a finger's numbers
+  in.device.axes[1].name = "finger_flexion";
+  in.device.axes[1].mass = 5e-4;
+  in.device.axes[1].damping = 1e-4;
+  in.rendering.axes[1].k_pm = 4.0;
+  in.rendering.axes[1].k_dm = 0.024;
+  in.inertia_at_reference(1, 1) = 1e-4;
+  in.inertias = {in.inertia_at_reference};
+  const Diagnostics refused = refuseUncertified(in);
+  ASSERT_EQ(refused.size(), 2U);
+  EXPECT_EQ(refused[0].key, "x.k_pm_n_m");
+  EXPECT_EQ(refused[1].key, "finger_flexion.k_pm_nm_rad");
+  EXPECT_EQ(refused[1].value, "4 N·m/rad");
+  EXPECT_NE(refused[1].remedy.find("(device damping 0.0001 N·m·s/rad, 1 tick of delay, 1000 Hz)"),
+            std::string::npos)
+      << refused[1].remedy;
+}
+
+TEST(RefuseUncertified, TooMuchDamping_NamesTheDampingThatPassesToo) {
+  CertificateInput in = shippedLike();
+  in.rendering.axes[0].k_dm = 1000.0;  // a pure damper with a tick of delay bears less
+  const Diagnostics refused = refuseUncertified(in);
+  ASSERT_EQ(refused.size(), 1U);
+  EXPECT_NE(refused[0].problem.find("at Φ = 1: spectral radius"), std::string::npos)
+      << refused[0].problem;
+  in.rendering.axes[0].k_pm = numberAfter(refused[0].remedy, "largest allowed k_pm_n_m: ");
+  in.rendering.axes[0].k_dm = numberAfter(refused[0].remedy, "with k_dm_n_s_m = ");
+  EXPECT_LT(in.rendering.axes[0].k_dm, 1000.0);
+  EXPECT_TRUE(certify(in).certified) << refused[0].remedy;
+}
+
+TEST(RefuseUncertified, DeviceThatPushesItself_SaysThatNoGainsHelp) {
+  CertificateInput in = shippedLike();
+  in.device.axes[0].damping = -1.0;
+  const Diagnostics refused = refuseUncertified(in);
+  ASSERT_EQ(refused.size(), 1U);
+  EXPECT_EQ(refused[0].remedy.rfind("no smaller gains pass: the device needs more damping", 0), 0U)
+      << refused[0].remedy;
+}
+
 TEST(RefuseUncertified, AxesThatShakeEachOther_NameTheFactorThatHelps) {
   CertificateInput in = shippedLike();
   for (AxisRendering& gains : in.rendering.axes) gains.k_ps_per_s2 = 4e4;

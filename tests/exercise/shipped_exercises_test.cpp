@@ -1,6 +1,4 @@
-#include "dynamics/articulated_body.hpp"
 #include "exercise/bar_table.hpp"
-#include "exercise/wall_margin.hpp"
 #include "realtime/allocation_counter.hpp"
 #include "support/tolerance.hpp"
 
@@ -13,14 +11,6 @@ namespace {
 
 std::vector<ExerciseFile> shipped() {
   return listExercises(config("exercises"));
-}
-
-AxisMatrix inertiaAtReference(const HandModel& hand) {
-  ArticulatedBody body(hand);
-  JointPosition theta = hand.theta0;
-  theta.vec() += hand.synergy * hand.reference.vec();
-  EXPECT_TRUE(body.update(theta, JointVelocity(hand.joint_count), Eigen::Vector3d::Zero()));
-  return body.reducedInertia();
 }
 
 TEST(ShippedExercises, Listed_ByTheNamesOfTheirFiles) {
@@ -79,41 +69,6 @@ TEST(ShippedExercises, Liquids_AreToldApartByFeel) {
   }
 }
 
-/// Of every shipped exercise and level, on a device with the gains that go with it.
-void expectAdmissibleWalls(const std::string& device_name, const std::string& hand_name) {
-  const DeviceModel device = loadDeviceFile(config("devices/" + device_name + ".toml")).value();
-  const auto rendering =
-      loadRenderingFile(config("rendering/" + device_name + ".toml"), device).value();
-  const HandModel hand =
-      assembleHand(loadHandFile(config("hands/" + hand_name + ".toml")).value(), device).value();
-  const auto gains = resolveGains(rendering, inertiaAtReference(hand), 1e-3).value();
-  int walls = 0;
-  for (const ExerciseFile& exercise : shipped()) {
-    int levels = 1;
-    for (int level = 1; level <= levels; ++level) {
-      const auto loaded = loadExercise(exercise.path, level, device, hand);
-      ASSERT_TRUE(loaded.ok()) << format(loaded.errors());
-      levels = loaded->exercise->description().levels;
-      for (const ExerciseWall& wall : loaded->walls) {
-        const AxisLoop loop = axisLoop(device, gains, wall.axis, 1e-3);
-        EXPECT_GE(wallMargin(loop, wall.stiffness, wall.damping), 1.0)
-            << exercise.name << " level " << level << ", " << hand_name << " on " << device_name
-            << ", axis " << device.axes[static_cast<std::size_t>(wall.axis)].name;
-        ++walls;
-      }
-    }
-  }
-  EXPECT_GT(walls, 0);
-}
-
-TEST(ShippedExercises, StiffestWalls_LeaveTheLoopStableWithAnyPersonAndObject) {
-  for (const char* hand :
-       {"adult-median-right", "woman-p05-right", "man-p95-right", "adult-median-left"}) {
-    expectAdmissibleWalls("lambda-pride", hand);
-  }
-  expectAdmissibleWalls("wrist-9axis", "adult-median-right");
-}
-
 TEST(ShippedExercises, BarOnADeviceWithoutFingers_IsRefusedSayingWhatWouldDo) {
   const DeviceModel device = loadDeviceFile(config("devices/desktop-3axis.toml")).value();
   const HandModel hand =
@@ -154,19 +109,6 @@ TEST(ShippedExercises, LeftHand_HasTheMirrorImageOfTheReach) {
   EXPECT_NEAR(y_m("cocktail-bar.toml", left, "dispenser_cherry"), 0.023, 1e-12);
   EXPECT_NEAR(y_m("cocktail-bar-free.toml", left, "dispenser_cherry"), -0.105, 1e-12);
   EXPECT_NEAR(y_m("cocktail-bar-free.toml", left, "glass"), -0.041, 1e-12);
-}
-
-TEST(ShippedExercises, WallsTooStiffOrTooThick_AreNotAdmissible) {
-  const auto rendering =
-      loadRenderingFile(config("rendering/lambda-pride.toml"), shippedDevice()).value();
-  const auto gains = resolveGains(rendering, inertiaAtReference(shippedHand()), 1e-3).value();
-  const AxisLoop loop = axisLoop(shippedDevice(), gains, 3, 1e-3);
-  EXPECT_GT(wallMargin(loop, 0.0, 0.0), 1.3);  // passivity_test's, without a wall
-  EXPECT_GE(wallMargin(loop, 2.9, 0.0), 1.0);
-  EXPECT_LT(wallMargin(loop, 3.0, 0.0), 1.0);
-  EXPECT_GE(wallMargin(loop, 0.0, 0.020), 1.0);
-  EXPECT_LT(wallMargin(loop, 0.0, 0.021), 1.0);
-  EXPECT_EQ(wallMargin(loop, 20.0, 0.0), 0.0);  // unstable by itself
 }
 
 /// 4 N of coupling at the tip and the stiffest liquid's wall, in N at the tip.
