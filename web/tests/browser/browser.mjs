@@ -81,7 +81,7 @@ export async function accessibilityFaults(page) {
 }
 
 /** Calls `look` until it gives something true, and gives that. */
-export async function until(what, look, { within_ms = 10_000, every_ms = 100 } = {}) {
+export async function until(what, look, { within_ms = 60_000, every_ms = 100 } = {}) {
   const end_ms = Date.now() + within_ms;
   for (;;) {
     const found = await look();

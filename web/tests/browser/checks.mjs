@@ -4,6 +4,8 @@ import { playOneDrink } from './key_player.mjs';
 
 const RENDERING = 1;
 const STOPPED = 3;
+// What a page and a hand need on a machine that others use too: no figure, only an end of waiting.
+const PATIENT_MS = 60_000;
 
 /** Fails with words. */
 export function expect(condition, words) {
@@ -15,10 +17,15 @@ const axis = (now, name) => now.q[now.axes.indexOf(name)];
 /** The game, past its first card, with a person about to play. */
 export async function openGame(browser, programUrl, query = {}) {
   const page = await openPage(browser, pageUrl(programUrl, '/', { lang: 'en', quality: 'low', ...query }));
-  await page.waitForSelector('[data-testid=start]', { timeout: 30_000 });
+  await page.waitForSelector('[data-testid=start]', { timeout: PATIENT_MS });
   await page.click('[data-testid=start]');
-  await page.waitForSelector('[data-testid=welcome]', { state: 'hidden', timeout: 30_000 });
+  await playing(page);
   return page;
+}
+
+/** Arming rehearses: until it is done, nothing that the person does moves anything. */
+async function playing(page) {
+  await page.waitForSelector('body:not([data-state=welcome]):not([data-state=loading])', { timeout: PATIENT_MS });
 }
 
 export async function mouseMovesTheHand(game, watcher) {
@@ -33,7 +40,7 @@ export async function mouseMovesTheHand(game, watcher) {
   // Left in the picture is left of the person, y positive; 0.7 of the picture is the whole 240 mm.
   for (const [part, y_m] of [[0.36, 0.048], [0.6, -0.034]]) {
     await to(part);
-    await watcher.until(`the device at y = ${y_m} m, where the cursor is`, (now) => Math.abs(axis(now, 'y') - y_m) < 0.012, { within_ms: 15_000 });
+    await watcher.until(`the device at y = ${y_m} m, where the cursor is`, (now) => Math.abs(axis(now, 'y') - y_m) < 0.012, { within_ms: PATIENT_MS });
   }
   const before = await watcher.now();
   await game.mouse.wheel(0, 100);
@@ -47,7 +54,7 @@ export async function keysFillAGlass(game, watcher) {
   const { glass_l: glass, asked_l: asked, tolerance_l: tolerance, score } = now.values;
   const drink = glass > 0 ? glass : now.values['layer_l/0'];
   expect(drink > 0.02, `the glass holds ${1000 * drink} ml`);
-  await game.waitForSelector('[data-testid=success]', { timeout: 15_000 });
+  await game.waitForSelector('[data-testid=success]', { timeout: PATIENT_MS });
   return `a glass of ${(1000 * drink).toFixed(1)} ml (asked ${(1000 * asked).toFixed(0)} ± ${(1000 * tolerance).toFixed(0)}) in ${taken_s.toFixed(1)} s, score ${score.toFixed(0)}`;
 }
 
@@ -60,20 +67,20 @@ export async function emergencyStopEndsAllEffort(watcher, game) {
   await watcher.until('stopped, with every effort at neutral', (n) => n.runState === STOPPED && n.sent.every((effort) => Math.abs(effort) < 1e-6), { within_ms: 5000, every_ms: 20 });
   const took_ms = Date.now() - asked_ms;
   await until('the console says so', async () => (await page.getAttribute('body', 'data-state')) === 'stopped');
-  await game.waitForSelector('text=/Stopped/', { timeout: 10_000 });
+  await game.waitForSelector('text=/Stopped/', { timeout: PATIENT_MS });
   return `neutral ${took_ms} ms after the key (the page looked every 20 ms)`;
 }
 
 /** While the game holds the controls the console's orders are refused with a reason, and put back. */
 export async function secondControllerIsRefused(watcher) {
   const { page } = watcher;
-  await page.waitForSelector('[data-testid=held]:not([hidden])', { timeout: 5000 });
+  await page.waitForSelector('[data-testid=held]:not([hidden])', { timeout: PATIENT_MS });
   const input = page.locator('#parameter-effort_limit_hand_tip_n');
   const before = await input.inputValue();
   await input.fill('5');
   await input.press('Enter');
   const refusal = page.locator('#parameter-effort_limit_hand_tip_n-refusal');
-  await refusal.waitFor({ state: 'visible', timeout: 5000 });
+  await refusal.waitFor({ state: 'visible', timeout: PATIENT_MS });
   const words = await refusal.textContent();
   expect(words.length > 15, `the refusal says "${words}"`);
   expect((await input.inputValue()) === before, 'the refused value was not put back');
@@ -83,12 +90,12 @@ export async function secondControllerIsRefused(watcher) {
 /** From the console, with nobody at the controls: another level, and the virtual patient plays it. */
 export async function anotherLevelIsLoaded(watcher) {
   const { page } = watcher;
-  await page.waitForSelector('[data-testid=holder]:has-text("free")', { timeout: 15_000 });
+  await page.waitForSelector('[data-testid=holder]:has-text("free")', { timeout: PATIENT_MS });
   await page.selectOption('[data-testid=level]', '3');
   await page.click('[data-testid=load]');
-  await watcher.until('level 3', (now) => now.level === 3, { within_ms: 20_000 });
-  await page.waitForSelector('[data-testid=holder]:has-text("free")', { timeout: 10_000 });
-  const now = await watcher.until('the virtual patient playing it', (n) => n.runState === RENDERING && n.values.steps > 1, { within_ms: 15_000 });
+  await watcher.until('level 3', (now) => now.level === 3, { within_ms: PATIENT_MS });
+  await page.waitForSelector('[data-testid=holder]:has-text("free")', { timeout: PATIENT_MS });
+  const now = await watcher.until('the virtual patient playing it', (n) => n.runState === RENDERING && n.values.steps > 1, { within_ms: PATIENT_MS });
   return `level 3, ${now.dispensers.length} dispensers; the controls are free again`;
 }
 
@@ -100,7 +107,7 @@ export async function outOfRangeIsSaid(watcher) {
   await input.fill('99');
   await input.press('Enter');
   const refusal = page.locator('#parameter-damping_decay_s-refusal');
-  await refusal.waitFor({ state: 'visible', timeout: 5000 });
+  await refusal.waitFor({ state: 'visible', timeout: PATIENT_MS });
   expect((await input.inputValue()) === before, 'the value was not put back');
   return `"${await refusal.textContent()}"`;
 }
@@ -111,14 +118,14 @@ export async function reconnects(game, watcher, program, restart) {
   for (const page of pages) page.cutOff = true;
   await program.stop('SIGKILL');
   for (const page of pages) {
-    await page.waitForSelector('text=/Connection lost/', { timeout: 15_000 });
+    await page.waitForSelector('text=/Connection lost/', { timeout: PATIENT_MS });
   }
   const stopButton = watcher.page.locator('[data-testid=emergency-stop]');
   expect(await stopButton.isDisabled(), 'the console promises a stop that cannot act');
   const next = await restart();
   const back_ms = Date.now();
-  await watcher.until('states of the new program', (now) => now.shown !== 'lost' && now.tick !== before.tick, { within_ms: 20_000 });
-  await until('the game without the lost card', async () => !(await game.isVisible('text=/Connection lost/')), { within_ms: 20_000 });
+  await watcher.until('states of the new program', (now) => now.shown !== 'lost' && now.tick !== before.tick, { within_ms: PATIENT_MS });
+  await until('the game without the lost card', async () => !(await game.isVisible('text=/Connection lost/')), { within_ms: PATIENT_MS });
   const took_ms = Date.now() - back_ms;
   // What was asked for while the program was away has failed by now.
   await new Promise((resolve) => setTimeout(resolve, 1000));
@@ -137,7 +144,7 @@ export async function pagesAreAccessible(browser, programUrl) {
   const found = [];
   for (const [name, path, query, click] of views) {
     const page = await openPage(browser, pageUrl(programUrl, path, { lang: 'en', quality: 'low', ...query }));
-    await page.waitForSelector(path === '/' ? '[data-testid=start]' : '.plot', { timeout: 30_000 });
+    await page.waitForSelector(path === '/' ? '[data-testid=start]' : '.plot', { timeout: PATIENT_MS });
     if (click) await page.click(click);
     await new Promise((resolve) => setTimeout(resolve, 1500));
     found.push(...(await accessibilityFaults(page)).map((fault) => `${name}: ${fault}`));
@@ -156,14 +163,14 @@ async function scriptCpu_s(page) {
 }
 
 /** Frames a second in low quality and what a frame's script costs. */
-export async function cost(browser, programUrl, path, { seconds = 12 } = {}) {
-  const page = await openPage(browser, pageUrl(programUrl, path, { lang: 'en', quality: 'low', theme: 'light' }));
+export async function cost(browser, programUrl, path, { seconds = 12, cutOff = false } = {}) {
+  const page = await openPage(browser, pageUrl(programUrl, path, { lang: 'en', quality: 'low', theme: 'light' }), { cutOff });
   const watch = page.locator('[data-testid=watch]');
   if (path === '/') {
-    await watch.waitFor({ timeout: 30_000 });
+    await watch.waitFor({ timeout: PATIENT_MS });
     await watch.click();
   }
-  await page.waitForFunction(() => window.wholehandStats?.quality === 'low', null, { timeout: 60_000 });
+  await page.waitForFunction(() => window.wholehandStats?.quality === 'low', null, { timeout: PATIENT_MS });
   // The hand is made with its first states.
   await new Promise((resolve) => setTimeout(resolve, 5000));
   const scriptBefore_s = await scriptCpu_s(page);
@@ -188,10 +195,10 @@ export async function missingCameraIsSaid(openBrowserWith, programUrl) {
     const browser = await openBrowserWith(args);
     try {
       const page = await openPage(browser, pageUrl(programUrl, '/', { lang: 'en' }), { permissions });
-      await page.click('[data-way=webcam]', { timeout: 30_000 });
+      await page.click('[data-way=webcam]', { timeout: PATIENT_MS });
       await page.click('[data-testid=start]');
       const text = page.getByText(words).first();
-      await text.waitFor({ state: 'visible', timeout: 20_000 });
+      await text.waitFor({ state: 'visible', timeout: PATIENT_MS });
       said.push(`${name}: "${await text.textContent()}"`);
     } finally {
       await browser.close();
@@ -203,25 +210,25 @@ export async function missingCameraIsSaid(openBrowserWith, programUrl) {
 /** One finger drags the hand, the large button squeezes. */
 export async function touchMovesAndSqueezes(browser, programUrl, watcher) {
   // The page before has just closed: its controls come free when the program notices.
-  await watcher.page.waitForSelector('[data-testid=holder]:has-text("free")', { timeout: 15_000 });
+  await watcher.page.waitForSelector('[data-testid=holder]:has-text("free")', { timeout: PATIENT_MS });
   const page = await openPage(browser, pageUrl(programUrl, '/', { lang: 'en', quality: 'low' }), { hasTouch: true });
   let at = {};
   try {
-    await page.waitForSelector('[data-testid=start]', { timeout: 30_000 });
+    await page.waitForSelector('[data-testid=start]', { timeout: PATIENT_MS });
     await page.tap('[data-testid=start]');
-    await page.waitForSelector('[data-testid=welcome]', { state: 'hidden', timeout: 15_000 });
-    await watcher.until('rendering', (now) => now.runState === RENDERING, { within_ms: 15_000 });
+    await playing(page);
+    await watcher.until('rendering', (now) => now.runState === RENDERING, { within_ms: PATIENT_MS });
     const touch = await page.context().newCDPSession(page);
     const send = (type, points) => touch.send('Input.dispatchTouchEvent', { type, touchPoints: points });
     const wait = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
     await send('touchStart', [{ x: 640, y: 340 }]);
-    await watcher.until('the person steering', (now) => now.steering === 1, { within_ms: 15_000 });
+    await watcher.until('the person steering', (now) => now.steering === 1, { within_ms: PATIENT_MS });
     // The virtual patient may have been at a dispenser: draw back first, as a person has to.
     for (let k = 1; k <= 20; k += 1) {
       await send('touchMove', [{ x: 640, y: 340 + 22 * k }]);
       await wait(60);
     }
-    await watcher.until('the hand drawn back', (now) => axis(now, 'x') < -0.06, { within_ms: 15_000 });
+    await watcher.until('the hand drawn back', (now) => axis(now, 'x') < -0.06, { within_ms: PATIENT_MS });
     const before = axis(await watcher.now(), 'y');
     const goal_px = before > 0 ? 1 : -1;
     at = { before, goal_px };
@@ -230,12 +237,12 @@ export async function touchMovesAndSqueezes(browser, programUrl, watcher) {
       await wait(60);
     }
     // 120 px are more than half of the half range, which is 30 % of the picture's height.
-    await watcher.until('the device following the finger', (now) => (before - axis(now, 'y')) * goal_px > 0.03, { within_ms: 15_000 });
+    await watcher.until('the device following the finger', (now) => (before - axis(now, 'y')) * goal_px > 0.03, { within_ms: PATIENT_MS });
     await send('touchEnd', []);
     const fingers = axis(await watcher.now(), 'finger_flexion');
     const button = await page.locator('[data-testid=touch-squeeze]').boundingBox();
     await send('touchStart', [{ x: button.x + button.width / 2, y: button.y + button.height / 2 }]);
-    await watcher.until('the hand closing', (now) => axis(now, 'finger_flexion') > fingers + 0.3, { within_ms: 15_000 });
+    await watcher.until('the hand closing', (now) => axis(now, 'finger_flexion') > fingers + 0.3, { within_ms: PATIENT_MS });
     await send('touchEnd', []);
     return 'one finger moved the hand, the button closed it';
   } catch (error) {

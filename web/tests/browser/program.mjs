@@ -3,7 +3,7 @@ import { spawn } from 'node:child_process';
 import { createInterface } from 'node:readline';
 import { existsSync } from 'node:fs';
 
-const START_MS = 20_000;
+const START_MS = 60_000;
 
 /** Starts it and waits for its address. */
 export async function startProgram({ file, port = 0, args = [], folder }) {

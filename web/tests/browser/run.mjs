@@ -3,7 +3,7 @@
 // FILE: build/release/wholehand. FOLDER: where pictures and figures go, web/test-output/browser; with
 // --dist, other built pages than the program's own. CHROMIUM names another browser than /usr/bin/chromium.
 import { mkdirSync, mkdtempSync, rmSync, symlinkSync, writeFileSync } from 'node:fs';
-import { availableParallelism, cpus, loadavg, tmpdir } from 'node:os';
+import { cpus, tmpdir } from 'node:os';
 import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
@@ -24,10 +24,10 @@ const FRAMES_HZ = 15;
 // By the clock a shared machine is now and then half as fast, and nothing tells: what is gated is the
 // processor's time, which others do not change, and a frame rate that only a fault of the page explains.
 const SLOWEST_SHARE = 0.5;
-// Load of a core above which others use this machine too.
-const BUSY = 0.6;
-const IDLE_WITHIN_S = 60;
-const CORES = typeof availableParallelism === 'function' ? availableParallelism() : cpus().length;
+// Share of the processor that is in use before a page opens, above which others use this machine too.
+const BUSY = 0.5;
+const LOOK_MS = 3000;
+const IDLE_WITHIN_S = 15;
 
 const results = [];
 
@@ -47,27 +47,46 @@ async function test(name, run) {
   }
 }
 
-/** Waits for an idle machine, at most a minute: what ran before is still in the mean of its load. */
-async function idleMachine() {
-  const began_ms = Date.now();
-  const load = () => loadavg()[0] / CORES;
-  const waited_s = () => (Date.now() - began_ms) / 1000;
-  while (load() >= BUSY && waited_s() < IDLE_WITHIN_S) await new Promise((resolve) => setTimeout(resolve, 1000));
-  return { load: load(), waited_s: waited_s() };
+/** Share of all processors' time that is in use, over a few seconds. */
+async function busyShare() {
+  const spent = () => cpus().map(({ times }) => times).reduce(
+    ({ idle, all }, t) => ({ idle: idle + t.idle, all: all + t.user + t.nice + t.sys + t.irq + t.idle }), { idle: 0, all: 0 });
+  const before = spent();
+  await new Promise((resolve) => setTimeout(resolve, LOOK_MS));
+  const after = spent();
+  return 1 - (after.idle - before.idle) / Math.max(after.all - before.all, 1);
 }
 
-/** Figures of a page; gates that need an idle machine hold only on one. */
-async function costOf(browser, programUrl, name, path) {
-  const { load, waited_s } = await idleMachine();
-  const figures = await checks.cost(browser, programUrl, path);
-  const words = `${figures.fps.toFixed(1)} frames/s in low quality, script ${figures.script_cpu_ms_mean.toFixed(2)} ms of processor a frame, p95 ${figures.script_ms_p95.toFixed(2)} ms by the clock, state age p99 ${figures.state_age_ms_p99?.toFixed?.(0) ?? '-'} ms; load ${load.toFixed(2)} a core after waiting ${waited_s.toFixed(0)} s`;
-  writeFileSync(join(OUTPUT, `cost-${name}.json`), `${JSON.stringify({ ...figures, load_per_core: load, waited_s }, null, 2)}\n`);
+/** Waits for an idle machine, but not for long. */
+async function idleMachine() {
+  const began_ms = Date.now();
+  const waited_s = () => (Date.now() - began_ms) / 1000;
+  let busy = await busyShare();
+  while (busy >= BUSY && waited_s() < IDLE_WITHIN_S) busy = await busyShare();
+  return { busy, waited_s: waited_s() };
+}
+
+/** Figures of a page, printed and kept. */
+async function measured(browser, programUrl, name, path) {
+  const { busy, waited_s } = await idleMachine();
+  // A page whose machine is taken away for seconds loses its line, and is right to.
+  const figures = await checks.cost(browser, programUrl, path, { cutOff: busy >= BUSY });
+  const words = `${figures.fps.toFixed(1)} frames/s in low quality, script ${figures.script_cpu_ms_mean.toFixed(2)} ms of processor a frame, p95 ${figures.script_ms_p95.toFixed(2)} ms by the clock, state age p99 ${figures.state_age_ms_p99?.toFixed?.(0) ?? '-'} ms; ${(100 * busy).toFixed(0)} % of the processor in use before, after waiting ${waited_s.toFixed(0)} s`;
+  writeFileSync(join(OUTPUT, `cost-${name}.json`), `${JSON.stringify({ ...figures, busy_share: busy, waited_s }, null, 2)}\n`);
   console.log(`figure ${name}: ${words}`);
+  return { figures, words, busy };
+}
+
+/** Gates that need an idle machine hold only on one, and a slow moment is no slow page: once more then. */
+async function costOf(browser, programUrl, name, path) {
+  const slowest_hz = name === 'game' ? SLOWEST_SHARE * FRAMES_HZ : 0;
+  let last = await measured(browser, programUrl, name, path);
+  if (last.busy < BUSY && last.figures.fps < slowest_hz) last = await measured(browser, programUrl, name, path);
+  const { figures, words, busy } = last;
   checks.expect(figures.faults.length === 0, figures.faults.join('\n'));
   checks.expect(figures.script_cpu_ms_mean <= SCRIPT_MS, `script above ${SCRIPT_MS} ms of processor a frame: ${words}`);
-  if (load >= BUSY) return 'others use this machine: frames and clock printed, not gated';
-  const slowest_hz = SLOWEST_SHARE * FRAMES_HZ;
-  if (name === 'game') checks.expect(figures.fps >= slowest_hz, `fewer than ${slowest_hz} frames/s: ${words}`);
+  if (busy >= BUSY) return 'others use this machine: frames and clock printed, not gated';
+  checks.expect(figures.fps >= slowest_hz, `fewer than ${slowest_hz} frames/s: ${words}`);
   return `aims: p95 ${SCRIPT_MS} ms, ${FRAMES_HZ} frames/s on an idle machine`;
 }
 
