@@ -16,7 +16,7 @@ constexpr double kBodySpinChange_rad_s = 500.0;
 constexpr double kAvatarSpeed = 10.0;  // times the device's speed limit
 constexpr int kFastTicks = 2;          // beyond the speed limit, one after another
 constexpr double kGap_s = 0.005;       // after which the effort is blended anew
-constexpr double kMostGaps = 3.0;      // in a second
+constexpr double kGapsWithin_s = 1.0;  // are counted together
 constexpr std::uint32_t kStall_periods = 5;
 constexpr double kCatchUp_s = 0.2;
 
@@ -38,8 +38,13 @@ void watchTiming(DeviceWatchState& state, int elapsed_periods, const SupervisorC
     finding.faults |= Fault::kLateInARow;
   }
   const double elapsed_s = elapsed_periods * config.period_s;
-  state.gaps = std::max(0.0, state.gaps - kMostGaps * elapsed_s) + (elapsed_s > kGap_s ? 1.0 : 0.0);
-  if (watch.late_in_a_row > 0 && state.gaps > kMostGaps) finding.faults |= Fault::kLateInARow;
+  for (double& since_s : state.since_gap_s) since_s += elapsed_s;
+  if (elapsed_s > kGap_s) {
+    const bool one_more = state.since_gap_s.back() < kGapsWithin_s;
+    if (watch.late_in_a_row > 0 && one_more) finding.faults |= Fault::kLateInARow;
+    std::shift_right(state.since_gap_s.begin(), state.since_gap_s.end(), 1);
+    state.since_gap_s.front() = 0.0;
+  }
   if (watch.longest_gap_s > 0.0 && elapsed_s > watch.longest_gap_s) {
     finding.faults |= Fault::kLongGap;
   }

@@ -37,11 +37,14 @@ struct Finding {
   int axis = -1;
 };
 
+/// Of more than 5 ms in any second; one more stops.
+inline constexpr int kMostGaps = 3;
+
 /// What the watch of the device remembers from tick to tick.
 struct DeviceWatchState {
   bool fresh = true;  ///< nothing is known of the tick before
   int late_in_a_row = 0;
-  double gaps = 0.0;                       ///< of more than 5 ms; three a second are forgotten
+  std::array<double, kMostGaps> since_gap_s{9.0, 9.0, 9.0};  ///< the latest first; 9 s: none yet
   std::array<int, kMaxAxes> fast_ticks{};  ///< beyond the speed limit, one after another
   AxisPosition q;
   AxisPosition still_at;                            ///< where an axis stands still, if it does
@@ -60,7 +63,7 @@ struct DeviceWatchState {
 ///                  own effort changed by a fifth of its limit or, on a base axis, the others
 ///                  travelled five ranges. Fingers may rest while the arm moves, and an arm while
 ///                  the fingers do: neither is evidence
-///   kLateInARow    late ticks in a row, or more than three gaps of over 5 ms in a second
+///   kLateInARow    late ticks in a row, or more than three gaps of over 5 ms in any second
 ///   kLongGap       a gap longer than is allowed
 ///
 /// A fault that is not of timing names the first axis. Real-time safe.

@@ -155,7 +155,8 @@ int toldGap(const SupervisorConfig& config, int periods, int every, int gaps) {
 TEST_F(DeviceWatch, GapsOfMoreThanFiveMilliseconds_FourWithinASecondStop) {
   EXPECT_EQ(toldGap(config_, 6, 50, 100), 4);
   EXPECT_EQ(toldGap(config_, 6, 100, 100), 4);
-  EXPECT_EQ(toldGap(config_, 6, 340, 100), 0);  // fewer than three a second, for ever
+  EXPECT_EQ(toldGap(config_, 6, 328, 100), 4);  // 333 ms apart: the fourth 999 ms after the first
+  EXPECT_EQ(toldGap(config_, 6, 329, 100), 0);  // 334 ms apart, for ever
   EXPECT_EQ(toldGap(config_, 5, 50, 100), 0);   // five milliseconds are none
   EXPECT_EQ(toldGap(makeSupervisor(threeAxes(), kT_s, true), 6, 50, 100), 0);
 }
@@ -214,19 +215,26 @@ TEST_F(DeviceWatch, EverySecondReadingLate_IsNoSpeedFault) {
   }
 }
 
-// Three gaps of more than 5 ms are forgotten a second; a loop that goes on so is late in a row.
-TEST_F(DeviceWatch, GapAfterGap_StopsWhereSingleOnesDoNot) {
-  see(at(0.0));
-  for (int k = 0; k < 20; ++k) {  // one in half a second
-    ASSERT_EQ(see(at(0.0), 6).faults, Fault::kNone) << k;
-    for (int i = 0; i < 494; ++i) ASSERT_EQ(see(at(0.0)).faults, Fault::kNone);
-  }
-  int gaps = 0;
-  for (; gaps < 20 && !any(see(at(0.0), 6).faults & Fault::kLateInARow); ++gaps) {
-    for (int i = 0; i < 94; ++i) see(at(0.0));  // one in a tenth of a second
-  }
-  EXPECT_GT(gaps, 2);
-  EXPECT_LT(gaps, 10);
+// A second is any second: two gaps close together are no worse than two at its ends.
+TEST_F(DeviceWatch, GapsSpreadUnevenly_FourWithinAnySecondStop) {
+  const auto told = [this](std::initializer_list<int> on_time_before) {
+    state_ = DeviceWatchState{};
+    see(at(0.0));
+    int gap = 0;
+    for (const int ticks : on_time_before) {
+      for (int k = 0; k < ticks; ++k) EXPECT_EQ(see(at(0.0)).faults, Fault::kNone);
+      ++gap;
+      if (see(at(0.0), 6).faults == Fault::kLateInARow) return gap;
+    }
+    return 0;
+  };
+  // From the first to the fourth 999 and 1,001 periods.
+  EXPECT_EQ(told({100, 0, 0, 981}), 4);
+  EXPECT_EQ(told({100, 0, 0, 983}), 0);
+  EXPECT_EQ(told({100, 981, 0, 0}), 4);
+  EXPECT_EQ(told({100, 983, 0, 0}), 0);
+  EXPECT_EQ(told({100, 0, 981, 0}), 4);
+  EXPECT_EQ(told({100, 0, 983, 0}), 0);
 }
 
 // y's range is 0.2 m: five of them.
