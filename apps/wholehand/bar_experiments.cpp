@@ -47,7 +47,9 @@ void addBarExperiments(CLI::App& experiment, BarExperimentOptions& options, int&
   bar->add_option("--seeds", c.seeds, "Patients a level: start, aim and strength differ")
       ->check(finiteBetween(1, 100000, ""))
       ->capture_default_str();
-  bar->add_option("--first-seed", c.first_seed, "Seed of the first one")->capture_default_str();
+  bar->add_option("--first-seed", c.first_seed, "Seed of the first one")
+      ->check(wholeNumber())
+      ->capture_default_str();
   bar->add_option("--level", c.level, "Only this level (default: all)")
       ->check(finiteBetween(1, 1000, ""));
   bar->add_option("--processes", c.processes, "That play at a time (default: one a core)")
@@ -60,7 +62,9 @@ void addBarExperiments(CLI::App& experiment, BarExperimentOptions& options, int&
   CLI::App* exercise = experiment.add_subcommand(
       "exercise", "Fig. 7: bump into the dispenser, approach, squeeze, let go");
   ExerciseOptions& e = options.exercise;
-  exercise->add_option("--seed", e.seed, "Of the patient's start and aim")->capture_default_str();
+  exercise->add_option("--seed", e.seed, "Of the patient's start and aim")
+      ->check(wholeNumber())
+      ->capture_default_str();
   exercise->add_option("--json", e.json, "Write the results to this file");
   exercise->add_option("--record", e.record, "Write every tick to this HDF5 file");
   exercise->add_option("--svg", e.svg, "Draw the figure into this file");

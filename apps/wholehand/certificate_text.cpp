@@ -1,6 +1,7 @@
 #include "certificate_text.hpp"
 
 #include "control/certificate_refusal.hpp"
+#include "plural.hpp"
 
 #include <fmt/format.h>
 
@@ -33,9 +34,9 @@ std::string criteriaTable(const Certificate& c) {
                        a.passes ? "passes" : fmt::format("FAILS: {}", fmt::join(failing(a), ", ")));
   }
   return out + fmt::format(
-                   "all axes together: spectral radius {:.5f} in the worst of {} postures, margin "
+                   "all axes together: spectral radius {:.5f} in the worst of {} posture{}, margin "
                    "{:.3g}  {}\n",
-                   c.avatar.radius, c.avatar.postures, c.avatar.margin,
+                   c.avatar.radius, c.avatar.postures, plural(c.avatar.postures), c.avatar.margin,
                    c.avatar.radius < 1.0 ? "passes" : "FAILS: avatar");
 }
 

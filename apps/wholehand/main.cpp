@@ -101,7 +101,7 @@ void addRun(CLI::App& app, RunOptions& o, int& code) {
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   run->add_option("--seed", o.seed, "Of the virtual patient who plays")
-      ->check(CLI::NonNegativeNumber)
+      ->check(wholeNumber())
       ->capture_default_str();
   run->add_option("--scene", o.files.scene, "Scene file, without exercise: free grasping")
       ->capture_default_str();
@@ -154,7 +154,7 @@ void addRun(CLI::App& app, RunOptions& o, int& code) {
 void addPicture(CLI::App& app, PictureOptions& o, int& code) {
   CLI::App* picture =
       app.add_subcommand("picture", "Draw the hand and what it holds at a moment of a recording");
-  picture->add_option("recording", o.recording, "HDF5 file")->required();
+  picture->add_option("recording", o.recording, "HDF5 file, or black box (.wbb)")->required();
   picture->add_option("--out", o.png, "PNG file to write")->required();
   picture
       ->add_option("--at", o.moment.time_s, "Moment (default: that of the largest contact force)")
@@ -227,7 +227,7 @@ void addOthers(CLI::App& app, ReplayOptions& replay, ReportOptions& report,
   r->callback([&] { code = replayCommand(replay); });
 
   CLI::App* p = app.add_subcommand("report", "Make a self-contained HTML page of a recording");
-  p->add_option("recording", report.recording, "HDF5 file")->required();
+  p->add_option("recording", report.recording, "HDF5 file, or black box (.wbb)")->required();
   p->add_option("--out", report.folder, "Folder to write into")->required();
   p->callback([&] { code = reportCommand(report); });
 
@@ -243,7 +243,9 @@ void addOthers(CLI::App& app, ReplayOptions& replay, ReportOptions& report,
   grasping->add_option("--jittered", experiment.jittered, "Number of jittered trials")
       ->check(finiteBetween(0, 10000, ""))
       ->capture_default_str();
-  grasping->add_option("--seed", experiment.seed, "Seed of the jitter")->capture_default_str();
+  grasping->add_option("--seed", experiment.seed, "Seed of the jitter")
+      ->check(wholeNumber())
+      ->capture_default_str();
   grasping->add_option("--only", experiment.only, "Only trials whose name contains this");
   timing->add_option("--ticks", experiment.ticks, "Number of ticks")
       ->check(finiteBetween(1000, 1e8, "ticks"))

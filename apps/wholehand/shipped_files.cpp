@@ -1,5 +1,7 @@
 #include "shipped_files.hpp"
 
+#include "model/device_model.hpp"
+
 #include <filesystem>
 
 namespace wholehand {
@@ -25,6 +27,8 @@ Expected<std::string> renderingFor(const std::string& device_file) {
       shippedFile((fs::path("config/rendering") / device.filename()).string());
   // Where the device is not there either, that is what the person must hear.
   if (fs::exists(shipped, error) || !fs::exists(device, error)) return shipped;
+  // Nor can gains be found for a file that describes no device.
+  if (auto described = loadDeviceFile(device_file); !described) return described.errors();
   return Diagnostic{device_file,
                     0,
                     "",

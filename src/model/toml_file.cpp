@@ -234,7 +234,8 @@ Expected<std::string> fileKind(const std::string& path) {
   fault.line = node == nullptr ? 1 : static_cast<int>(node->source().begin.line);
   fault.value = node == nullptr ? "" : nodeText(*node);
   fault.problem = node == nullptr ? "is missing" : typeProblem(*node);
-  fault.remedy = "write kind = \"hand\", \"device\", \"rendering\", \"patient\" or \"scene\"";
+  fault.remedy =
+      "write kind = \"hand\", \"device\", \"rendering\", \"patient\", \"scene\" or \"exercise\"";
   return fault;
 }
 

@@ -65,6 +65,12 @@ class BadUsage(AppTest):
         ("experiment grasping --jittered many", "--jittered"),
         ("experiment timing --ticks 10", "--ticks"),
         ("experiment timing --ticks nan", "--ticks"),
+        ("run --seed -1", "--seed"),
+        ("run --seed 18446744073709551616", "--seed"),
+        ("run --seed 1e3", "--seed"),
+        ("experiment exercise --seed -1", "--seed"),
+        ("experiment cocktail-bar --first-seed -1", "--first-seed"),
+        ("experiment grasping --seed -1", "--seed"),
         ("validate", "files"),
         ("validate --bogus", "--bogus"),
         ("doctor now", "now"),
@@ -75,6 +81,7 @@ class BadUsage(AppTest):
             with self.subTest(arguments):
                 result = self.expect_refused(self.run_app(*arguments.split()), word)
                 self.assertLessEqual(len(result.err.splitlines()), 2, result)
+                self.assertLess(len(result.err), 200, result)  # nobody reads 300 digits
                 self.assertEqual(result.out, "")
         self.assertEqual(self.names_in(self.folder), [])
 

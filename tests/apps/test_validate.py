@@ -251,6 +251,7 @@ class RunRefuses(AppTest):
         self.expect_run_refused("--scene", HAND, texts=["adult-median-right.toml", "scene"], lines=1)
         self.expect_run_refused("--hand", SCENE, texts=["four-shapes.toml", "hand"], lines=1)
         self.expect_run_refused("--motion", SCENE, texts=["four-shapes.toml"], lines=1)
+        self.expect_run_refused("--device", HAND, texts=["adult-median-right.toml", "device"], lines=1)
 
     def test_device_without_gains_asks_for_them(self):
         (self.folder / "elsewhere").mkdir()
@@ -259,6 +260,11 @@ class RunRefuses(AppTest):
                                 lines=1)
         self.expect_refused(self.run_app("certify", "--device", device), "give --rendering", lines=1)
         self.expect_run_refused("--device", "nowhere.toml", texts=["nowhere.toml"], lines=1)
+        # What is wrong with the device itself comes first, all of it.
+        text = DEVICE.read_text().replace("mass_kg", "mas_kg")
+        faulty = self.write("elsewhere/faulty.toml", text)
+        self.expect_run_refused("--device", faulty, texts=["did you mean mass_kg"],
+                                lines=text.count("\nmas_kg"))
 
     def test_gains_of_another_device(self):
         self.expect_run_refused("--rendering", CONFIG / "rendering/wrist-9axis.toml", texts=["roll"])
