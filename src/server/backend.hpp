@@ -76,7 +76,8 @@ enum class OrderType {
   kAim,
   kSteer,
   kAction,
-  kOwnerAlive  ///< value 1 or 0: the game that holds the controls is alive, or went silent
+  kOwnerAlive,  ///< value 1 or 0: the game that holds the controls is alive, or went silent
+  kLeftAlone    ///< nobody has held the controls for long: what a client armed is to stop
 };
 
 /// What a client that may command asks for, already verified in form (finite, known enums); the
@@ -90,6 +91,10 @@ struct Order {
   AxisPosition aim;    ///< kAim
   Steering steering = Steering::kVirtualPatient;
   ExerciseAction action = ExerciseAction::kNext;
+  /// Whose holding of the controls it belongs to (ControlsArbiter::claim): two servers ask side by
+  /// side, and what an earlier holder asked for, or its vanishing, may come after what a later one
+  /// did. 0: nobody's.
+  std::uint32_t claim = 0;
 };
 
 /// One finished recording.

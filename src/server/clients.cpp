@@ -146,13 +146,13 @@ void Clients::obey(Entry entry, const wire::ClientMessage& m, std::int64_t now_n
   if (m.type == wire::ClientMessageType::kHeartbeat) return;
   if (m.type == wire::ClientMessageType::kOrder) {
     const bool emergency = m.order.type == OrderType::kEmergencyStop;
-    if (emergency) log_.write(fmt::format("client {}: emergency stop", client), now_ns);
     if (desk_.holds(client) || emergency) {
       forward(client, m.id, m.order);
     } else {
       refuse(entry, m.id, "not_holder",
              refused(Refusal::kNotHolder, "this client does not hold the controls"), now_ns);
     }
+    if (emergency) log_.write(fmt::format("client {}: emergency stop", client), now_ns);
     return;
   }
   const bool take = m.type == wire::ClientMessageType::kTakeControls;
@@ -172,7 +172,8 @@ void Clients::obey(Entry entry, const wire::ClientMessage& m, std::int64_t now_n
   entry->second.line->deliver(share(wire::replyMessage(m.id, {true, ""})));
 }
 
-void Clients::forward(std::uint32_t client, std::uint32_t command, const Order& order) {
+void Clients::forward(std::uint32_t client, std::uint32_t command, Order order) {
+  order.claim = desk_.holds(client) ? desk_.claim() : 0;
   std::weak_ptr<Clients> self = weak_from_this();
   backend_.order(order, [self, post = post_, client, command](OrderReply reply) {
     post([self, client, command, reply = std::move(reply)] {
@@ -201,13 +202,20 @@ void Clients::followControls(std::int64_t now_ns) {
     Order steer;
     steer.type = OrderType::kSteer;
     steer.steering = Steering::kVirtualPatient;
+    steer.claim = advice.claim;
     orderQuietly(steer);
   }
   if (advice.owner_alive) {
     Order alive;
     alive.type = OrderType::kOwnerAlive;
     alive.value = *advice.owner_alive ? 1.0 : 0.0;
+    alive.claim = advice.claim;
     orderQuietly(alive);
+  }
+  if (advice.left_alone) {
+    Order alone;
+    alone.type = OrderType::kLeftAlone;
+    orderQuietly(alone);
   }
   if (advice.silent_client != 0) {
     log_.write(fmt::format("client {} was silent and lost the controls", advice.silent_client),

@@ -7,11 +7,12 @@ std::string ControlDesk::take(Client client, std::int64_t now_ns) {
   if (!taken) return "another client holds the controls";
   // Whoever takes over says anew who steers: the aim of the one who is gone must not go on.
   if (taken.orphaned) give_back_ = true;
-  // Somebody held them whom this desk has not seen, however briefly.
-  if (taken.claim > claim_ + 1) told_alive_.reset();
+  // Another server's clients held them in between. What that server has told the program since may
+  // come too late to count.
+  if (taken.claim > own_claim_ + 1) told_alive_.reset();
   lost_ns_.reset();
   mine_ = client;
-  claim_ = taken.claim;
+  claim_ = own_claim_ = taken.claim;
   heard_ns_ = now_ns;
   return {};
 }
@@ -73,6 +74,9 @@ ControlDesk::Advice ControlDesk::advance(std::int64_t now_ns) {
   advice.give_back = give_back_;
   give_back_ = false;
   const Client holder = arbiter_.holder();
+  if (holder != 0 || !free_ns_) free_ns_ = now_ns;
+  advice.left_alone = now_ns - *free_ns_ > kLeftAlone_ns;
+  if (advice.left_alone) free_ns_ = now_ns;
   advice.holder_changed = holder != told_;
   told_ = holder;
   return advice;

@@ -17,6 +17,7 @@ namespace wholehand {
 ///   holder's line is lost    the effort fades out at once; after 5 s without a new holder the
 ///                            virtual patient plays again
 ///   holder gives them back   the virtual patient plays again at once
+///   nobody for 15 min        what a client armed is to be let down: it would be recorded for ever
 ///
 /// A game over UDP that holds the controls is heard by its own server; here it counts when it loses
 /// them: as one that gave them back, or whose line was lost, as the arbiter says.
@@ -24,6 +25,7 @@ class ControlDesk {
  public:
   static constexpr std::int64_t kSilent_ns = 200'000'000;
   static constexpr std::int64_t kLost_ns = 5'000'000'000;
+  static constexpr std::int64_t kLeftAlone_ns = 900'000'000'000;
 
   using Client = ControlsArbiter::Client;
 
@@ -31,6 +33,7 @@ class ControlDesk {
   struct Advice {
     std::optional<bool> owner_alive;  ///< when it changed
     bool give_back = false;           ///< steering returns to the virtual patient
+    bool left_alone = false;          ///< nobody has held the controls for so long
     bool holder_changed = false;      ///< all clients are told
     Client silent_client = 0;         ///< who lost the controls by silence; 0: nobody
     std::uint32_t claim = 0;          ///< whose holding of the controls all this is about
@@ -60,12 +63,14 @@ class ControlDesk {
   void followOthers(std::int64_t now_ns);
 
   ControlsArbiter& arbiter_;
-  Client mine_ = 0;            ///< the holder, where it is a client of ours
-  std::uint32_t claim_ = 0;    ///< of the newest holder that this desk knows
-  Client told_ = 0;            ///< the holder of the last advice
-  bool other_holds_ = false;   ///< a client of another server held them at the last advice
-  std::int64_t heard_ns_ = 0;  ///< the last message of mine_
+  Client mine_ = 0;              ///< the holder, where it is a client of ours
+  std::uint32_t claim_ = 0;      ///< of the newest holder that this desk knows
+  std::uint32_t own_claim_ = 0;  ///< of the newest holder that was a client of ours
+  Client told_ = 0;              ///< the holder of the last advice
+  bool other_holds_ = false;     ///< a client of another server held them at the last advice
+  std::int64_t heard_ns_ = 0;    ///< the last message of mine_
   std::optional<std::int64_t> lost_ns_;  ///< when the holder was lost; nobody took over
+  std::optional<std::int64_t> free_ns_;  ///< since when nobody has held them, or it was said
   bool give_back_ = false;
   std::optional<bool> told_alive_ = true;  ///< nothing: another server has told it since
 };

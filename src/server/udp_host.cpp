@@ -156,7 +156,7 @@ void Host::showsLife(Peer& peer, std::int64_t now_ns) {
   peer.alive_ns = now_ns;
   if (!peer.silent) return;
   peer.silent = false;
-  if (controls_.heldBy(peer.client)) order(OrderType::kOwnerAlive, 1.0);
+  if (controls_.heldBy(peer.client)) order(OrderType::kOwnerAlive, 1.0, peer.claim);
 }
 
 void Host::receiveMessage(Peer& peer, std::span<const std::uint8_t> message, std::int64_t now_ns) {
@@ -178,8 +178,10 @@ void Host::receiveCommand(Peer& peer, const wire::ClientMessage& message, std::i
   const bool aim = order && message.order.type == OrderType::kAim;
   const bool emergency = order && message.order.type == OrderType::kEmergencyStop;
   std::uint32_t& last = aim ? peer.last_aim : emergency ? peer.last_emergency : peer.last_order;
-  // A late Arm must not undo the stop that overtook it; the stop itself never comes too late.
-  if (message.id <= last) return counters_.ignore(UdpIgnored::kCommand);
+  // A late Arm must not undo the stop that overtook it; the stop itself never comes too late, under
+  // whatever number: it is passed over only where it is the very one that was carried out.
+  const bool over = emergency ? message.id == last && last != 0 : message.id <= last;
+  if (over) return counters_.ignore(UdpIgnored::kCommand);
   if (!emergency && tooMany(peer, now_ns)) return counters_.ignore(UdpIgnored::kRate);
   last = message.id;
   if (emergency) peer.last_order = std::max(peer.last_order, message.id);
@@ -215,19 +217,24 @@ void Host::receiveOrder(Peer& peer, const wire::ClientMessage& message, std::int
                                                              : "another client holds the controls"),
         now_ns);
   }
-  orders_.push_back({peer.session, message.id, message.order});
+  PendingOrder& pending =
+      orders_.emplace_back(PendingOrder{peer.session, message.id, message.order});
+  if (controls_.heldBy(peer.client)) pending.order.claim = peer.claim;
 }
 
 void Host::takeControls(Peer& peer, std::uint32_t command, std::int64_t now_ns) {
-  if (!controls_.take(peer.client)) {
+  const ControlsArbiter::Taken taken = controls_.take(peer.client);
+  if (!taken) {
     return reply(peer, command,
                  refused(Refusal::kControlsHeld, "another client holds the controls"), now_ns);
   }
   // Whoever takes over says anew who steers: the aim of the one who is gone must not go on.
-  if (std::exchange(lost_ns_, std::nullopt)) giveBack();
+  lost_ns_.reset();
+  peer.claim = taken.claim;
+  if (taken.orphaned) giveBack(peer.claim);
   peer.silent = false;
   peer.aim_refused = false;
-  order(OrderType::kOwnerAlive, 1.0);
+  order(OrderType::kOwnerAlive, 1.0, peer.claim);
   reply(peer, command, {true, ""}, now_ns);
   tellControls(peer, now_ns);
 }
@@ -237,7 +244,7 @@ void Host::releaseControls(Peer& peer, std::uint32_t command, std::int64_t now_n
     return reply(peer, command, refused(Refusal::kNotHolder, "the game does not hold the controls"),
                  now_ns);
   }
-  giveBack();
+  giveBack(peer.claim);
   reply(peer, command, {true, ""}, now_ns);
   tellControls(peer, now_ns);
 }
@@ -258,24 +265,26 @@ void Host::answer(const PendingOrder& pending, const OrderReply& given, std::int
   reply(*it, pending.command, given, now_ns);
 }
 
-void Host::order(OrderType type, double value) {
+void Host::order(OrderType type, double value, std::uint32_t claim) {
   PendingOrder pending;
   pending.order.type = type;
   pending.order.value = value;
+  pending.order.claim = claim;
   orders_.push_back(std::move(pending));
 }
 
-void Host::giveBack() {
-  order(OrderType::kSteer, 0.0);  // to the virtual patient
-  order(OrderType::kOwnerAlive, 1.0);
+void Host::giveBack(std::uint32_t claim) {
+  order(OrderType::kSteer, 0.0, claim);  // to the virtual patient
+  order(OrderType::kOwnerAlive, 1.0, claim);
 }
 
 void Host::leave(Peer& peer, std::int64_t now_ns) {
   if (!controls_.release(peer.client)) return;
   // Nobody shows the exercise any more: its effort fades out until somebody takes the controls, or
   // the virtual patient plays again.
-  if (!peer.silent) order(OrderType::kOwnerAlive, 0.0);
+  if (!peer.silent) order(OrderType::kOwnerAlive, 0.0, peer.claim);
   lost_ns_ = now_ns;
+  lost_claim_ = peer.claim;
 }
 
 std::size_t Host::remove(const std::function<bool(const Peer&)>& which, std::int64_t now_ns) {

@@ -88,11 +88,11 @@ class Host {
   void tellControls(Peer& peer, std::int64_t now_ns);
   [[nodiscard]] bool tooMany(Peer& peer, std::int64_t now_ns);
   void watchHolder(Peer& peer, std::int64_t now_ns);
-  void giveBack();
+  void giveBack(std::uint32_t claim);
   void leave(Peer& peer, std::int64_t now_ns);
   /// How many.
   std::size_t remove(const std::function<bool(const Peer&)>& which, std::int64_t now_ns);
-  void order(OrderType type, double value);
+  void order(OrderType type, double value, std::uint32_t claim);
 
   void sendReliable(Peer& peer, ReliableOutbox::Message message, std::int64_t now_ns);
   void sendDue(Peer& peer, std::int64_t now_ns);
@@ -109,6 +109,7 @@ class Host {
   std::vector<Peer> peers_;
   std::vector<PendingOrder> orders_;
   std::optional<std::int64_t> lost_ns_;  ///< when a holder vanished; nobody took over
+  std::uint32_t lost_claim_ = 0;         ///< of that holder
   std::shared_ptr<const SceneFacts> scene_;
   ReliableOutbox::Message scene_message_;
   std::unique_ptr<wire::StateEncoder> encoder_;

@@ -63,7 +63,7 @@ void Host::advance(std::int64_t now_ns) {
   if (lost_ns_ && controls_.holder() != 0) lost_ns_.reset();
   if (lost_ns_ && now_ns - *lost_ns_ > kGone_ns) {
     lost_ns_.reset();
-    giveBack();
+    giveBack(lost_claim_);
   }
 }
 
@@ -71,12 +71,12 @@ void Host::watchHolder(Peer& peer, std::int64_t now_ns) {
   if (now_ns - peer.alive_ns > kGone_ns) {
     peer.silent = false;
     controls_.release(peer.client, true);
-    return giveBack();
+    return giveBack(peer.claim);
   }
   if (peer.silent || now_ns - peer.alive_ns <= kSilence_ns) return;
   peer.silent = true;
   ++counters_.silences;
-  order(OrderType::kOwnerAlive, 0.0);
+  order(OrderType::kOwnerAlive, 0.0, peer.claim);
 }
 
 void Host::sayGoodbye(std::int64_t now_ns) {

@@ -67,6 +67,7 @@ struct Peer {
   std::uint32_t session = 0;
   std::uint64_t nonce = 0;  ///< of its Hello
   ControlsArbiter::Client client = 0;
+  std::uint32_t claim = 0;  ///< of its last holding of the controls
   std::uint16_t rate_hz = 0;
   Decimator decimator;
 

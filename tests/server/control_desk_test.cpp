@@ -119,6 +119,22 @@ TEST_F(ControlDeskTest, GameElsewhere_HoldsAndLosesThem) {
   EXPECT_TRUE(*advice.owner_alive);
 }
 
+TEST_F(ControlDeskTest, LeftAloneFor15Minutes_IsSaidOnceInAsLong) {
+  constexpr std::int64_t kQuarter = 15 * 60 * 1000;
+  EXPECT_FALSE(after(0).left_alone);
+  annaTakes();
+  for (int i = 0; i < 600; ++i) {  // she watches, for 20 minutes
+    desk.heard(anna, now);
+    ASSERT_FALSE(after(2000).left_alone) << i;
+  }
+  EXPECT_EQ(desk.release(anna), "");
+  EXPECT_FALSE(after(0).left_alone);
+  EXPECT_FALSE(after(kQuarter).left_alone);
+  EXPECT_TRUE(after(1).left_alone);
+  EXPECT_FALSE(after(kQuarter).left_alone);
+  EXPECT_TRUE(after(1).left_alone);
+}
+
 // The game's own server has told the program that nobody is alive; this desk has told it nothing.
 TEST_F(ControlDeskTest, GameVanishesBetweenTwoFrames_TheNextHolderIsAliveAndStartsAnew) {
   for (const bool seen : {true, false}) {

@@ -2,6 +2,7 @@
 
 #include "server/backend.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <mutex>
 #include <string>
@@ -22,7 +23,11 @@ class FakeBackend : public ServerBackend {
     OrderReply reply;
     {
       const std::lock_guard lock(mutex_);
-      reply = carryOut(order);
+      const bool stops = order.type == OrderType::kStop || order.type == OrderType::kEmergencyStop;
+      const bool overtaken = !stops && order.claim != 0 && order.claim < claim_;
+      claim_ = std::max(claim_, order.claim);
+      reply = overtaken ? OrderReply{false, "another client holds the controls by now"}
+                        : carryOut(order);
       if (order.type != OrderType::kAim) orders_.push_back(order);
     }
     done(reply);
@@ -144,6 +149,7 @@ class FakeBackend : public ServerBackend {
         scene_ = makeScene(scene_->session + 1);
         return {true, ""};
       case OrderType::kAction:
+      case OrderType::kLeftAlone:
         return {true, ""};
     }
     return {false, "is not known"};
@@ -155,6 +161,7 @@ class FakeBackend : public ServerBackend {
   Steering steering_ = Steering::kVirtualPatient;
   double lead_in_m_ = 0.005, owner_alive_ = 1.0, aims_ = 0.0, aimed_ = 0.0;
   std::vector<Order> orders_;
+  std::uint32_t claim_ = 0;  ///< as a station: what a former holder asked for comes too late
 };
 
 }  // namespace wholehand::test

@@ -42,6 +42,20 @@ TEST_F(UdpHost, BrowserThatHoldsTheControls_KeepsThem) {
   takeControls(game, 2);
 }
 
+TEST_F(UdpHost, BrowserVanishesJustBeforeATakeover_ItsAimDoesNotGoOn) {
+  connect(game);
+  const auto browser = controls.newClient();
+  ASSERT_TRUE(controls.take(browser));
+  Order steer;
+  steer.type = OrderType::kSteer;
+  steer.steering = Steering::kPerson;
+  backend.order(steer, [](const OrderReply&) {});
+  ASSERT_TRUE(controls.release(browser));
+  takeControls(game, 1);
+  EXPECT_EQ(backend.status().steering, Steering::kVirtualPatient);
+  EXPECT_EQ(backend.ownerAlive(), 1.0);
+}
+
 TEST_F(UdpHost, CommandOutOfRange_IsRefusedWithTheReasonAndChangesNothing) {
   connect(game);
   takeControls(game, 1);

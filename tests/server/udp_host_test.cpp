@@ -231,5 +231,20 @@ TEST_F(UdpHost, LateEmergencyStop_IsObeyedAllTheSameAndOnce) {
   EXPECT_EQ(backend.orders().size(), orders);
 }
 
+// A game that began to count anew, or never counted: better twice than not at all.
+TEST_F(UdpHost, EmergencyStopUnderAnyNumber_IsObeyed) {
+  connect(game);
+  takeControls(game, 1);
+  std::uint32_t armed = 100;
+  for (const std::uint32_t id : {0U, 90U, 50U, 0U}) {
+    game.command(words::arm(++armed));
+    settle();
+    ASSERT_EQ(backend.status().run_state, RunState::kRendering);
+    game.command(words::emergencyStop(id));
+    settle();
+    EXPECT_EQ(backend.status().run_state, RunState::kStopped) << id;
+  }
+}
+
 }  // namespace
 }  // namespace wholehand::udp
