@@ -10,12 +10,15 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <list>
 #include <memory>
 #include <optional>
 #include <string>
 #include <variant>
 
 namespace wholehand {
+
+class HttpConnection;
 
 /// What every connection shares; outlives all their operations.
 struct Premises {
@@ -25,8 +28,10 @@ struct Premises {
   PoliteLog& log;
   net::thread_pool& workers;
   std::size_t max_clients = 16;
-  std::size_t connections = 0;  ///< over plain HTTP, now
-  std::size_t jobs = 0;         ///< given to the workers and not done
+  std::size_t connections = 0;      ///< over plain HTTP, now
+  std::size_t jobs = 0;             ///< given to the workers and not done
+  std::size_t upgrading = 0;        ///< on the way to a WebSocket
+  std::list<HttpConnection*> idle = {};  ///< that wait for a request, the longest first
 };
 
 /// One browser's connection over HTTP, request after request, until it becomes a WebSocket or ends.
@@ -37,7 +42,10 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
       : stream_(std::move(socket)), premises_(premises) {
     ++premises_.connections;
   }
-  ~HttpConnection() { --premises_.connections; }
+  ~HttpConnection() {
+    stopWaiting();
+    --premises_.connections;
+  }
   HttpConnection(const HttpConnection&) = delete;
   HttpConnection& operator=(const HttpConnection&) = delete;
 
@@ -46,9 +54,16 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     parser_->header_limit(16 * 1024);
     parser_->body_limit(std::uint64_t{0});  // nobody has anything to upload
     stream_.expires_after(kPatience);
+    place_ = premises_.idle.insert(premises_.idle.end(), this);
     http::async_read(
         stream_, buffer_, *parser_,
         [self = shared_from_this()](ErrorCode error, std::size_t) { self->haveRead(error); });
+  }
+
+  /// Ends it while it waits for a request.
+  void hangUpIdle() {
+    stopWaiting();
+    stream_.close();
   }
 
  private:
@@ -60,7 +75,13 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   static constexpr std::chrono::seconds kPatience{30};
   static constexpr std::size_t kMostJobs = 16;
 
+  void stopWaiting() {
+    if (place_) premises_.idle.erase(*place_);
+    place_.reset();
+  }
+
   void haveRead(ErrorCode error) {
+    stopWaiting();
     const bool nonsense = error.category() == http::make_error_code(http::error{}).category() &&
                           error != http::error::end_of_stream;
     if (error && !nonsense) return;
@@ -103,13 +124,13 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     HttpAnswer verdict = premises_.site.mayConnect(request_);
     if (verdict.status != 200) {
       answer(std::move(verdict));
-    } else if (premises_.clients.count() >= premises_.max_clients) {
+    } else if (premises_.clients.count() + premises_.upgrading >= premises_.max_clients) {
       answer(plain(503, "too_many_clients", "As many clients as may be are connected."));
     } else {
       stream_.expires_never();
       auto line = std::make_shared<WebSocketLine>(stream_.release_socket(), premises_.clients,
                                                   premises_.traffic);
-      line->accept(parser_->get(), premises_.site.cookieFor(request_));
+      line->accept(parser_->get(), premises_.site.cookieFor(request_), premises_.upgrading);
     }
   }
 
@@ -237,6 +258,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   beast::flat_buffer buffer_;
   std::optional<Parser> parser_;
   HttpRequest request_;
+  std::optional<std::list<HttpConnection*>::iterator> place_;  ///< while it waits
   bool keep_alive_ = false, head_ = false;
   unsigned version_ = 11;
 };

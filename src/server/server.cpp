@@ -1,6 +1,7 @@
 #include "server/server.hpp"
 
 #include "realtime/monotonic_clock.hpp"
+#include "server/aside_log.hpp"
 #include "server/http_connection.hpp"
 
 #include <fmt/format.h>
@@ -28,7 +29,8 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
         acceptor_(io_),
         retry_(io_),
         frames_(io_),
-        log_(options_.log) {}
+        aside_(options_.log),
+        log_([this](const std::string& line) { aside_.write(line); }) {}
 
   /// Why the port cannot be had; empty: it listens.
   std::string listen() {
@@ -109,7 +111,9 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
       acceptNext();
       if (premises_->connections >= kMostConnections) {
         ++traffic_.refused["connections"];
-        return;
+        if (premises_->idle.empty()) return;
+        // Whoever holds connections open and asks for nothing keeps nobody out.
+        premises_->idle.front()->hangUpIdle();
       }
       std::make_shared<HttpConnection>(std::move(socket), *premises_)->read();
     });
@@ -149,6 +153,7 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
   net::thread_pool workers_{kWorkers};
   Tcp::acceptor acceptor_;
   net::steady_timer retry_, frames_;
+  AsideLog aside_;
   PoliteLog log_;
   std::shared_ptr<Clients> clients_;
   std::unique_ptr<Site> site_;

@@ -21,8 +21,9 @@ class WebSocketLine final : public ClientLine, public std::enable_shared_from_th
       : socket_(std::move(socket)), clients_(clients), traffic_(traffic) {}
 
   /// Answers the request and goes on from there.
+  /// @param upgrading counts those that are not clients yet
   template <class Request>
-  void accept(const Request& request, std::string cookie) {
+  void accept(const Request& request, std::string cookie, std::size_t& upgrading) {
     // A small buffer of the kernel: a client that does not read is noticed within seconds.
     constexpr int kSendBuffer = 64 * 1024;
     ErrorCode ignored;
@@ -41,7 +42,9 @@ class WebSocketLine final : public ClientLine, public std::enable_shared_from_th
     socket_.read_message_max(wire::kLargestClientMessage);
     socket_.binary(true);
     socket_.auto_fragment(false);
-    socket_.async_accept(request, [self = shared_from_this()](ErrorCode error) {
+    ++upgrading;
+    socket_.async_accept(request, [self = shared_from_this(), &upgrading](ErrorCode error) {
+      --upgrading;
       if (error) return;
       self->number_ = self->clients_.join(self, monotonicNow_ns());
       self->read();

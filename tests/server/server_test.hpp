@@ -47,11 +47,20 @@ struct ServerTest : ::testing::Test {
   void open() { server = orThrow(Server::open(program, options, controls)); }
   std::uint16_t port() const { return server->port(); }
 
+  /// Within a moment: the log has a thread of its own.
   bool logged(const std::string& part) const {
-    const std::lock_guard lock(mutex_);
-    return std::any_of(lines_.begin(), lines_.end(), [&](const std::string& line) {
-      return line.find(part) != std::string::npos;
-    });
+    const auto until = std::chrono::steady_clock::now() + 5s;
+    while (true) {
+      {
+        const std::lock_guard lock(mutex_);
+        const auto found = std::find_if(lines_.begin(), lines_.end(), [&](const auto& line) {
+          return line.find(part) != std::string::npos;
+        });
+        if (found != lines_.end()) return true;
+      }
+      if (std::chrono::steady_clock::now() > until) return false;
+      std::this_thread::sleep_for(1ms);
+    }
   }
   /// A line of /metrics: its value, -1 where it is missing.
   double metric(const std::string& name) const {

@@ -1,5 +1,7 @@
 #include "server/server_test.hpp"
 
+#include <future>
+
 // Clients over real WebSockets: what they are told, who may command, what is refused.
 namespace wholehand::test {
 namespace {
@@ -302,6 +304,45 @@ TEST_F(WebSocketTest, TooManyClients_AreTurnedAway) {
     status = WebSocket(port()).status();
   }
   EXPECT_EQ(status, 101);
+}
+
+// All of them ask before the first one is a client.
+TEST_F(WebSocketTest, TooManyClientsAtOnce_AreTurnedAway) {
+  options.max_clients = 2;
+  options.more_metrics = [] {  // on the server's thread: the requests come in meanwhile
+    std::this_thread::sleep_for(300ms);
+    return std::string();
+  };
+  open();
+  std::vector<std::unique_ptr<RawSocket>> many;
+  for (int i = 0; i < 20; ++i) many.push_back(std::make_unique<RawSocket>(port()));
+  ASSERT_EQ(get(port(), "/healthz").status, 200);  // they are accepted
+  RawSocket metrics(port());
+  metrics.send("GET /metrics HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  std::this_thread::sleep_for(50ms);
+  for (const auto& socket : many) {
+    socket->send(
+        "GET /ws HTTP/1.1\r\nHost: localhost\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+        "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n");
+  }
+  int connected = 0;
+  for (const auto& socket : many) {
+    const auto reply = socket->receiveUntil("\r\n", 5s);
+    ASSERT_TRUE(reply);
+    if (reply->find(" 101 ") != std::string::npos) ++connected;
+  }
+  EXPECT_EQ(connected, 2);
+}
+
+TEST_F(WebSocketTest, LogThatStandsStill_HoldsUpNoEmergencyStop) {
+  std::promise<void> released;
+  auto moves_on = released.get_future().share();
+  options.log = [moves_on](const std::string&) { moves_on.wait(); };  // as a stopped terminal does
+  open();
+  const auto client = holder();  // which is logged
+  client->say(emergencyStop(2));
+  EXPECT_EQ(program.askedFor(OrderType::kEmergencyStop, 1).size(), 1U);
+  released.set_value();
 }
 
 // How soon: load_test.cpp.

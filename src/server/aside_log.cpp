@@ -1,0 +1,66 @@
+#include "server/aside_log.hpp"
+
+#include <utility>
+
+namespace wholehand {
+
+AsideLog::AsideLog(Sink sink) : sink_(std::move(sink)) {
+  if (sink_) thread_ = std::thread([this] { run(); });
+}
+
+AsideLog::~AsideLog() {
+  {
+    const std::lock_guard lock(mutex_);
+    closing_ = true;
+  }
+  changed_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+void AsideLog::write(std::string line) {
+  if (!sink_) return;
+  {
+    const std::lock_guard lock(mutex_);
+    if (waiting_.size() >= kMostWaiting) {
+      ++left_out_;
+      return;
+    }
+    if (left_out_ > 0) {
+      line += " (" + std::to_string(left_out_) + " lines before were left out)";
+      left_out_ = 0;
+    }
+    waiting_.push_back(std::move(line));
+  }
+  changed_.notify_all();
+}
+
+void AsideLog::flush(std::chrono::milliseconds within) {
+  std::unique_lock lock(mutex_);
+  changed_.wait_for(lock, within, [this] { return waiting_.empty() && !writing_; });
+}
+
+void AsideLog::run() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    changed_.wait(lock, [this] { return closing_ || !waiting_.empty(); });
+    if (waiting_.empty()) return;
+    const std::string line = std::move(waiting_.front());
+    waiting_.pop_front();
+    writing_ = true;
+    lock.unlock();
+    deliver(line);
+    lock.lock();
+    writing_ = false;
+    changed_.notify_all();
+  }
+}
+
+// A log that fails must not end the process, and with it the loop.
+void AsideLog::deliver(const std::string& line) noexcept {
+  try {
+    sink_(line);
+  } catch (...) {  // NOLINT(bugprone-empty-catch): there is nobody left to tell
+  }
+}
+
+}  // namespace wholehand
