@@ -28,9 +28,9 @@ struct Premises {
   PoliteLog& log;
   net::thread_pool& workers;
   std::size_t max_clients = 16;
-  std::size_t connections = 0;      ///< over plain HTTP, now
-  std::size_t jobs = 0;             ///< given to the workers and not done
-  std::size_t upgrading = 0;        ///< on the way to a WebSocket
+  std::size_t connections = 0;           ///< over plain HTTP, now
+  std::size_t jobs = 0;                  ///< given to the workers and not done
+  std::size_t upgrading = 0;             ///< on the way to a WebSocket
   std::list<HttpConnection*> idle = {};  ///< that wait for a request, the longest first
 };
 

@@ -16,10 +16,10 @@ void LiveSession::Watcher::afterTick(const TickRecord& record) noexcept {
   player_.see(record);
 }
 
-Expected<std::unique_ptr<LiveSession>> LiveSession::start(const Models& models,
-                                                          std::unique_ptr<Player> player,
-                                                          const RigOptions& options,
-                                                          const LiveSessionPlan& plan) {
+Expected<std::unique_ptr<LiveSession>> LiveSession::arm(const Models& models,
+                                                        std::unique_ptr<Player> player,
+                                                        const RigOptions& options,
+                                                        const LiveSessionPlan& plan) {
   std::unique_ptr<LiveSession> live(new LiveSession);
   auto steered = std::make_unique<SteeredPlayer>(std::move(player), models.device);
   live->watcher_ = std::make_unique<Watcher>(*steered);
@@ -49,13 +49,27 @@ Expected<std::unique_ptr<LiveSession>> LiveSession::start(const Models& models,
   if (live->writer_) live->hub_->record(*live->writer_);
   live->hub_->count(live->statistics_);
   for (const auto& sink : plan.sinks) live->hub_->add(sink);
-  live->hub_->start();
-  PeriodicThreadConfig thread;
-  thread.period_ns = std::llround(options.period_s * 1e9);
-  Expected<SetupReport> setup = live->session_->start(thread);
-  if (!setup) return setup.errors();
-  live->setup_ = *setup;
   return Expected<std::unique_ptr<LiveSession>>(std::move(live));
+}
+
+Expected<Done> LiveSession::begin() {
+  hub_->start();
+  PeriodicThreadConfig thread;
+  thread.period_ns = std::llround(rig_->options.period_s * 1e9);
+  Expected<SetupReport> setup = session_->start(thread);
+  if (!setup) return setup.errors();
+  setup_ = *setup;
+  return Done{};
+}
+
+Expected<std::unique_ptr<LiveSession>> LiveSession::start(const Models& models,
+                                                          std::unique_ptr<Player> player,
+                                                          const RigOptions& options,
+                                                          const LiveSessionPlan& plan) {
+  auto live = arm(models, std::move(player), options, plan);
+  if (!live) return live;
+  if (auto begun = (*live)->begin(); !begun) return begun.errors();
+  return live;
 }
 
 LiveSession::~LiveSession() {

@@ -30,8 +30,15 @@ struct LiveSessionPlan {
 /// telemetry and recording, from arming to neutral. Made and ended by one thread.
 class LiveSession {
  public:
-  /// Builds the rig, arms it and starts the loop.
+  /// Builds the rig and arms it. Nothing ticks yet; a stop that is asked for from here on holds.
   /// @pre player has the device's axes
+  [[nodiscard]] static Expected<std::unique_ptr<LiveSession>> arm(const Models& models,
+                                                                  std::unique_ptr<Player> player,
+                                                                  const RigOptions& options,
+                                                                  const LiveSessionPlan& plan);
+  /// Starts the loop. Once.
+  [[nodiscard]] Expected<Done> begin();
+  /// Both at once.
   [[nodiscard]] static Expected<std::unique_ptr<LiveSession>> start(const Models& models,
                                                                     std::unique_ptr<Player> player,
                                                                     const RigOptions& options,

@@ -69,6 +69,8 @@ std::vector<RecordingEntry> SessionFiles::list(const std::string& being_written)
   for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
     const fs::path& path = it->path();
     if (path.extension() != kExtension || path.filename() == being_written) continue;
+    std::error_code gone;  // and links, which path() gives nobody
+    if (!fs::is_regular_file(it->symlink_status(gone))) continue;
     RecordingEntry entry;
     entry.name = path.filename().string();
     entry.title = path.stem().string();

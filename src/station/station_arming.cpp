@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace wholehand {
@@ -55,7 +57,7 @@ OrderReply Station::Core::rehearseNext(const Models& models, std::optional<Rehea
 }
 
 OrderReply Station::Core::arm(std::uint64_t asked, const std::string& record,
-                              std::uint64_t duration_ticks) {
+                              std::uint64_t duration_ticks, bool for_client) {
   if (live_) {
     const bool ends = status().run_state != RunState::kRendering;
     return ends ? refused(Refusal::kStillStopping,
@@ -70,20 +72,13 @@ OrderReply Station::Core::arm(std::uint64_t asked, const std::string& record,
     if (!rehearsal) return refused(Refusal::kRehearsalFailed, format(rehearsal.errors()));
     rehearsed_ = std::move(*rehearsal);  // until something else is loaded
   }
-  auto live = startSession(std::move(player), record, duration_ticks);
-  if (!live) return refused(Refusal::kCannotStart, format(live.errors()));
-  for (const SetupLine& line : (*live)->setup()) {
-    if (!line.granted && arming_ == 1) say(line.what + ": " + line.sentence);
-  }
-  record_path_ = record;
-  ++outcome_.sessions;
-  return armedNow(std::move(*live), asked);
+  return startSession(std::move(player), asked, record, duration_ticks, for_client);
 }
 
 // Shows the new session before its first record comes; where there is none, the last one again.
-Expected<std::unique_ptr<LiveSession>> Station::Core::startSession(std::unique_ptr<Player> player,
-                                                                   const std::string& record,
-                                                                   std::uint64_t duration_ticks) {
+OrderReply Station::Core::startSession(std::unique_ptr<Player> player, std::uint64_t asked,
+                                       const std::string& record, std::uint64_t duration_ticks,
+                                       bool for_client) {
   LiveSessionPlan plan;
   plan.title = title();
   plan.seed = config_.seed + arming_;
@@ -95,30 +90,57 @@ Expected<std::unique_ptr<LiveSession>> Station::Core::startSession(std::unique_p
     serveStop();
   });
   plan.sinks.insert(plan.sinks.end(), sinks_.begin(), sinks_.end());
-  const auto count = [this](std::uint32_t by) {
-    const std::lock_guard lock(mutex_);
-    status_.session += by;
-  };
   const bool had_latest = forgetLatest();
-  count(1);
+  LoopStatus before;
+  {
+    const std::lock_guard lock(mutex_);
+    before = status_;
+    ++status_.session;
+    armed_for_client_ = for_client;
+  }
   publishScene(record);
-  auto live = LiveSession::start(models_, std::move(player), config_.rig, plan);
+  auto live = LiveSession::arm(models_, std::move(player), config_.rig, plan);
   ++arming_;
-  if (live) return live;
-  count(static_cast<std::uint32_t>(-1));
+  Diagnostics errors;
+  if (live) {
+    // A stop reaches it from here on, before its first tick.
+    OrderReply reply = armedNow(std::move(*live), asked, plan.parameters);
+    auto begun = live_->begin();
+    if (begun) return sessionRuns(std::move(reply), record);
+    errors = begun.errors();
+  } else {
+    errors = live.errors();
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    live_.reset();
+    status_ = before;
+  }
   publishScene("");
   const std::lock_guard lock(latest_mutex_);
   has_latest_ = had_latest;
-  return live;
+  return refused(Refusal::kCannotStart, format(errors));
 }
 
-OrderReply Station::Core::armedNow(std::unique_ptr<LiveSession> live, std::uint64_t asked) {
+OrderReply Station::Core::sessionRuns(OrderReply reply, const std::string& record) {
+  for (const SetupLine& line : live_->setup()) {
+    if (!line.granted && arming_ == 1) say(line.what + ": " + line.sentence);
+  }
+  record_path_ = record;
+  ++outcome_.sessions;
+  return reply;
+}
+
+OrderReply Station::Core::armedNow(std::unique_ptr<LiveSession> live, std::uint64_t asked,
+                                   const std::vector<double>& parameters) {
   const std::lock_guard lock(mutex_);
   live_ = std::move(live);
   armed_by_ = asked;
   status_.latched = Fault::kNone;
   status_.steering = Steering::kVirtualPatient;
   stop_at_.reset();
+  unsent_owner_.reset();
+  unsent_steer_.reset();
   if (stop_asked_ > asked) {  // it came while this was being built
     if (emergency_) live_->requestEmergencyStop();
     live_->requestStop();
@@ -126,17 +148,43 @@ OrderReply Station::Core::armedNow(std::unique_ptr<LiveSession> live, std::uint6
     return stopCame();
   }
   status_.run_state = RunState::kRendering;
+  catchUp(parameters);
+  return {true, ""};
+}
+
+// What a session has to be told that was being built while it was said.
+void Station::Core::catchUp(const std::vector<double>& parameters) {
   if (!owner_alive_) {
     Command silent;
     silent.type = CommandType::kOwner;
-    (void)live_->tryCommand(silent);
+    (void)pushSurely(silent);
   }
-  return {true, ""};
+  for (std::size_t i = 0; i < std::min(parameters.size(), scene_->parameters.size()); ++i) {
+    const auto asked = asked_parameters_.find(scene_->parameters[i].name);
+    if (asked == asked_parameters_.end() || asked->second == parameters[i]) continue;
+    Command command;
+    command.type = CommandType::kParameter;
+    command.index = static_cast<std::int32_t>(i);
+    command.value = asked->second;
+    (void)push(command);  // its queue is empty yet
+  }
+}
+
+// Of a run that has an end; 0: there is none.
+std::uint64_t Station::Core::ticksLeft() const {
+  if (!ends_at_) return 0;
+  const double left_s = std::chrono::duration<double>(*ends_at_ - StationClock::now()).count();
+  return static_cast<std::uint64_t>(std::max(1.0, std::round(left_s / config_.rig.period_s)));
 }
 
 OrderReply Station::Core::armForClient(std::uint64_t asked) {
   const std::string exercise = scene()->exercise_name;
-  return arm(asked, files_.kept() ? files_.nameNew(exercise, models_.files.level) : "", 0);
+  const std::string record = files_.kept() ? files_.nameNew(exercise, models_.files.level) : "";
+  if (files_.kept() && record.empty()) {
+    say("what follows is not recorded: there is no folder " + config_.recordings_folder +
+        ", and none can be made");
+  }
+  return arm(asked, record, ticksLeft(), true);
 }
 
 }  // namespace wholehand

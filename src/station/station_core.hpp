@@ -1,5 +1,6 @@
 #pragma once
 
+#include "server/aside_log.hpp"
 #include "station/live_session.hpp"
 #include "station/session_files.hpp"
 #include "station/station.hpp"
@@ -23,7 +24,7 @@ using StationClock = std::chrono::steady_clock;
 class Station::Core {
  public:
   explicit Core(StationConfig config)
-      : config_(std::move(config)), files_(config_.recordings_folder) {}
+      : config_(std::move(config)), files_(config_.recordings_folder), log_(config_.log) {}
 
   Expected<Done> load();
   Expected<StationOutcome> run(bool arm_at_once, double duration_s);
@@ -48,6 +49,12 @@ class Station::Core {
   void addSink(std::function<void(const TickRecord&)> sink) { sinks_.push_back(std::move(sink)); }
 
  private:
+  /// Number of the order by which run() arms at once: a stop that came before run() undoes it.
+  static constexpr std::uint64_t kFirstArming = 1;
+  /// Orders that take time and wait. Whoever floods the station with them keeps others from arming
+  /// no longer than these take.
+  static constexpr std::size_t kMostTasks = 8;
+
   /// Something for the main thread, and whom to tell.
   struct Task {
     std::function<OrderReply()> work;
@@ -55,12 +62,15 @@ class Station::Core {
   };
 
   // Main thread.
-  OrderReply arm(std::uint64_t asked, const std::string& record, std::uint64_t duration_ticks);
+  OrderReply arm(std::uint64_t asked, const std::string& record, std::uint64_t duration_ticks,
+                 bool for_client);
   OrderReply armForClient(std::uint64_t asked);
-  Expected<std::unique_ptr<LiveSession>> startSession(std::unique_ptr<Player> player,
-                                                      const std::string& record,
-                                                      std::uint64_t duration_ticks);
-  OrderReply armedNow(std::unique_ptr<LiveSession> live, std::uint64_t asked);
+  OrderReply startSession(std::unique_ptr<Player> player, std::uint64_t asked,
+                          const std::string& record, std::uint64_t duration_ticks, bool for_client);
+  OrderReply armedNow(std::unique_ptr<LiveSession> live, std::uint64_t asked,
+                      const std::vector<double>& parameters);
+  OrderReply sessionRuns(OrderReply reply, const std::string& record);
+  [[nodiscard]] std::uint64_t ticksLeft() const;
   [[nodiscard]] Expected<Rehearsal> rehearsalOf(const Models& models, const AxisPosition& start,
                                                 std::uint64_t asked) const;
   OrderReply rehearseNext(const Models& models, std::optional<Rehearsal>& passed);
@@ -79,6 +89,12 @@ class Station::Core {
   // Any thread.
   [[nodiscard]] bool stoppedSince(std::uint64_t asked) const;  ///< or the station ends
   // Any thread, mutex_ held.
+  [[nodiscard]] bool overtaken(const Order& order);
+  void enqueue(std::function<OrderReply()> work, const std::function<void(OrderReply)>& done);
+  OrderReply carryOut(const Order& order, std::uint64_t asked);
+  void catchUp(const std::vector<double>& parameters);
+  OrderReply pushSurely(const Command& command);
+  void sendUnsent();
   OrderReply setParameter(const Order& order);
   OrderReply push(const Command& command);
   void beginStop(bool at_once);
@@ -88,19 +104,19 @@ class Station::Core {
   void serveStop();
   void nameSafety(LoopStatus& status) const;
   void playAgain();
-  void say(const std::string& line) const {
-    if (config_.log) config_.log(line);
-  }
+  void say(const std::string& line) const { log_.write(line); }
 
   StationConfig config_;
   Models models_;
   std::vector<std::function<void(const TickRecord&)>> sinks_;
   SessionFiles files_;
+  mutable AsideLog log_;
   std::unique_ptr<SafetyLog> safety_;   ///< once loaded
   std::optional<Rehearsal> rehearsed_;  ///< of what is loaded
   std::uint64_t arming_ = 0;
   std::string record_path_;
   StationClock::time_point status_at_;
+  std::optional<StationClock::time_point> ends_at_;  ///< of a run that has an end
   StationOutcome outcome_;
 
   mutable std::mutex mutex_;
@@ -109,11 +125,15 @@ class Station::Core {
   bool quit_ = false;
   // Orders are counted as they come: a stop that came after an order to arm undoes it, wherever the
   // arming has got to, and a session that was armed before a stop is never armed again by a load.
-  std::uint64_t orders_ = 0;
+  std::uint64_t orders_ = kFirstArming;
   std::uint64_t stop_asked_ = 0;
   bool emergency_ = false;  ///< that stop was one
   std::uint64_t armed_by_ = 0;
-  bool owner_alive_ = true;  ///< as last heard; a session that begins is told
+  bool armed_for_client_ = false;  ///< else by run(): it goes on for as long as that was asked to
+  std::uint32_t claim_ = 0;        ///< newest holder of the controls that was heard of
+  bool over_ = false;              ///< nothing is carried out any more
+  bool owner_alive_ = true;        ///< as last heard; a session that begins is told
+  std::optional<Command> unsent_owner_, unsent_steer_;  ///< for which there was no room
   std::shared_ptr<const SceneFacts> scene_;
   LoopStatus status_;
   std::optional<StationClock::time_point> stop_at_;  ///< when the exercise has faded out

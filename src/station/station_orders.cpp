@@ -34,10 +34,10 @@ void Station::Core::beginStop(bool at_once) {
   Command silent;
   silent.type = CommandType::kOwner;
   silent.value = 0.0;
-  const bool fades = live_->tryCommand(silent);
+  (void)pushSurely(silent);
   if (stop_at_) return;
   const Exercise* exercise = live_->rig().models.exercise.get();
-  const double fade_s = fades && exercise != nullptr ? exercise->description().fade_out_s : 0.0;
+  const double fade_s = exercise != nullptr ? exercise->description().fade_out_s : 0.0;
   stop_at_ = Clock::now() + std::chrono::milliseconds(std::lround(1e3 * fade_s)) + kMargin;
 }
 
@@ -47,6 +47,21 @@ OrderReply Station::Core::push(const Command& command) {
     return refused(Refusal::kTooMany, "too many commands at once; try again");
   }
   return {true, ""};
+}
+
+// Who is alive and who steers must reach the loop, whoever fills its queue with aims: the newest of
+// each is tried again with every record.
+OrderReply Station::Core::pushSurely(const Command& command) {
+  if (!live_) return refused(Refusal::kNothingArmed, "nothing is armed");
+  (command.type == CommandType::kOwner ? unsent_owner_ : unsent_steer_) = command;
+  sendUnsent();
+  return {true, ""};
+}
+
+void Station::Core::sendUnsent() {
+  for (std::optional<Command>* unsent : {&unsent_owner_, &unsent_steer_}) {
+    if (*unsent && live_->tryCommand(**unsent)) unsent->reset();
+  }
 }
 
 OrderReply Station::Core::setParameter(const Order& order) {
@@ -61,13 +76,29 @@ OrderReply Station::Core::setParameter(const Order& order) {
                    fmt::format("{} = {:.6g} is out of range: {:.6g} to {:.6g} {}", order.name,
                                order.value, found->lower, found->upper, found->unit));
   }
-  asked_parameters_[order.name] = order.value;
-  if (!live_) return {true, ""};  // the next session begins with it
-  Command command;
-  command.type = CommandType::kParameter;
-  command.index = static_cast<std::int32_t>(found - parameters.begin());
-  command.value = order.value;
-  return push(command);
+  if (live_) {
+    Command command;
+    command.type = CommandType::kParameter;
+    command.index = static_cast<std::int32_t>(found - parameters.begin());
+    command.value = order.value;
+    if (OrderReply pushed = push(command); !pushed.accepted) return pushed;
+  }
+  asked_parameters_[order.name] = order.value;  // the next session begins with it
+  return {true, ""};
+}
+
+// What a former holder of the controls asked for must not come after what the present one did.
+bool Station::Core::overtaken(const Order& order) {
+  const bool stops = order.type == OrderType::kStop || order.type == OrderType::kEmergencyStop;
+  if (!stops && order.claim != 0 && order.claim < claim_) return true;
+  claim_ = std::max(claim_, order.claim);
+  return false;
+}
+
+void Station::Core::enqueue(std::function<OrderReply()> work,
+                            const std::function<void(OrderReply)>& done) {
+  tasks_.push_back({std::move(work), done});
+  wake_.notify_all();
 }
 
 void Station::Core::order(const Order& order, const std::function<void(OrderReply)>& done) {
@@ -75,59 +106,74 @@ void Station::Core::order(const Order& order, const std::function<void(OrderRepl
   {
     const std::lock_guard lock(mutex_);
     const std::uint64_t asked = ++orders_;
-    Command command;
-    switch (order.type) {
-      case OrderType::kArm:
-        tasks_.push_back({[this, asked] { return armForClient(asked); }, done});
-        wake_.notify_all();
-        return;
-      case OrderType::kLoadExercise:
-        tasks_.push_back({[this, order] { return loadExercise(order); }, done});
-        wake_.notify_all();
-        return;
-      case OrderType::kStop:
-        stop_asked_ = asked;
-        emergency_ = false;
-        beginStop(false);
-        break;
-      case OrderType::kEmergencyStop:
-        stop_asked_ = asked;
-        emergency_ = true;
-        beginStop(true);
-        break;
-      case OrderType::kSetParameter:
-        reply = setParameter(order);
-        break;
-      case OrderType::kAim:
-        command.type = CommandType::kAim;
-        command.aim = order.aim;
-        reply =
-            order.aim.size() == static_cast<int>(scene_->device.axes.size()) && allFinite(order.aim)
-                ? push(command)
-                : refused(Refusal::kNotAPosture,
-                          fmt::format("an aim has {} finite values, one an axis",
-                                      scene_->device.axes.size()));
-        break;
-      case OrderType::kSteer:
-        command.type = CommandType::kSteer;
-        command.index = static_cast<std::int32_t>(order.steering);
-        reply = push(command);
-        if (reply.accepted) status_.steering = order.steering;
-        break;
-      case OrderType::kAction:
-        command.type = CommandType::kAction;
-        command.index = static_cast<std::int32_t>(order.action);
-        reply = push(command);
-        break;
-      case OrderType::kOwnerAlive:
-        command.type = CommandType::kOwner;
-        command.value = order.value;
-        owner_alive_ = order.value != 0.0;
-        if (!stop_at_) reply = push(command);  // a stop under way fades, whoever is alive
-        break;
+    const bool takes_time = order.type == OrderType::kArm || order.type == OrderType::kLoadExercise;
+    if (overtaken(order)) {
+      reply = refused(Refusal::kNotHolder, "another client holds the controls by now");
+    } else if (!takes_time) {
+      reply = carryOut(order, asked);
+    } else if (over_) {
+      reply = refused(Refusal::kEnding, "the program is ending");
+    } else if (tasks_.size() >= kMostTasks) {
+      reply = refused(Refusal::kTooMany, "too many orders wait already; try again");
+    } else if (order.type == OrderType::kArm) {
+      return enqueue([this, asked] { return armForClient(asked); }, done);
+    } else {
+      return enqueue([this, order] { return loadExercise(order); }, done);
     }
   }
   done(reply);
+}
+
+OrderReply Station::Core::carryOut(const Order& order, std::uint64_t asked) {
+  OrderReply reply{true, ""};
+  Command command;
+  switch (order.type) {
+    case OrderType::kStop:
+    case OrderType::kEmergencyStop:
+      stop_asked_ = asked;
+      emergency_ = order.type == OrderType::kEmergencyStop;
+      beginStop(emergency_);
+      break;
+    case OrderType::kSetParameter:
+      return setParameter(order);
+    case OrderType::kAim:
+      if (order.aim.size() != static_cast<int>(scene_->device.axes.size()) ||
+          !allFinite(order.aim)) {
+        return refused(
+            Refusal::kNotAPosture,
+            fmt::format("an aim has {} finite values, one an axis", scene_->device.axes.size()));
+      }
+      command.type = CommandType::kAim;
+      command.aim = order.aim;
+      return push(command);
+    case OrderType::kSteer:
+      command.type = CommandType::kSteer;
+      command.index = static_cast<std::int32_t>(order.steering);
+      reply = pushSurely(command);
+      if (reply.accepted) status_.steering = order.steering;
+      break;
+    case OrderType::kAction:
+      command.type = CommandType::kAction;
+      command.index = static_cast<std::int32_t>(order.action);
+      return push(command);
+    case OrderType::kOwnerAlive:
+      command.type = CommandType::kOwner;
+      command.value = order.value;
+      owner_alive_ = order.value != 0.0;
+      if (!stop_at_) reply = pushSurely(command);  // a stop under way fades, whoever is alive
+      break;
+    case OrderType::kLeftAlone:
+      if (!live_ || !armed_for_client_ || stop_at_) break;
+      say("nobody has held the controls for long: the session ends");
+      stop_asked_ = asked;
+      emergency_ = false;
+      beginStop(false);
+      break;
+    case OrderType::kArm:
+    case OrderType::kLoadExercise:
+      break;  // tasks
+  }
+  return reply;
 }
 
 LoopStatus Station::Core::status() const {
@@ -155,6 +201,11 @@ LoopStatus Station::Core::status() const {
 void Station::Core::nameSafety(LoopStatus& status) const {
   if (!safety_) return;
   status.safety_state = safety_->state();
+  {
+    // Until its first record comes, what is known is of the session before.
+    const std::lock_guard lock(latest_mutex_);
+    if (!has_latest_ && status.run_state == RunState::kRendering) return;
+  }
   const SafetyTransition fault = safety_->fault();
   if (fault.to != SafetyState::kFaulted) return;
   status.latched = status.latched | fault.faults;
@@ -168,6 +219,7 @@ void Station::Core::nameSafety(LoopStatus& status) const {
 void Station::Core::serveStop() {
   const std::lock_guard lock(mutex_);
   if (!live_) return;
+  sendUnsent();
   if (InterruptScope::interrupted() && !stop_at_) beginStop(false);
   if (stop_at_ && Clock::now() >= *stop_at_) live_->requestStop();
 }

@@ -21,6 +21,8 @@ constexpr auto kStatusEvery = std::chrono::milliseconds(200);
 constexpr auto kEncoreAfter = std::chrono::seconds(8);
 constexpr const char* kLevelDone = "level_done";  // the event that ends a level, docs/exercises.md
 constexpr auto kStopWithin = std::chrono::seconds(10);
+constexpr double kLongestRun_s = 1e9;  // what a clock can count
+constexpr auto kLogWithin = std::chrono::seconds(1);
 
 using Clock = StationClock;
 
@@ -88,6 +90,7 @@ bool Station::Core::forgetLatest() {
 }
 
 void Station::Core::finishSession() {
+  std::unique_ptr<LiveSession> over;
   live_->finish();
   RunOutcome ended = live_->outcome();
   for (const std::string& failure : ended.failures) {
@@ -100,12 +103,14 @@ void Station::Core::finishSession() {
               static_cast<double>(ended.summary.ticks) * config_.rig.period_s);
   outcome_.faulted = ended.faulted;
   {
+    // Its world is taken down outside: an order waits for nobody.
     const std::lock_guard lock(mutex_);
     status_.run_state = ended.faulted ? RunState::kFaulted : RunState::kStopped;
     status_.latched = ended.counters.latched;
     stop_at_.reset();
-    live_.reset();
+    over = std::move(live_);
   }
+  over.reset();
   outcome_.last = std::move(ended);
   outcome_.transitions = safety_->transitions();
   outcome_.rehearsal = rehearsed_;
@@ -235,6 +240,7 @@ void Station::Core::endTasks() {
   std::deque<Task> tasks;
   {
     const std::lock_guard lock(mutex_);
+    over_ = true;
     tasks.swap(tasks_);
   }
   for (const Task& task : tasks) task.done(refused(Refusal::kEnding, "the program is ending"));
@@ -273,19 +279,18 @@ void Station::Core::watchSession() {
 
 Expected<StationOutcome> Station::Core::run(bool arm_at_once, double duration_s) {
   const InterruptScope interrupts;
-  const auto duration_ticks =
-      static_cast<std::uint64_t>(std::llround(std::max(duration_s, 0.0) / config_.rig.period_s));
+  const auto duration_ticks = static_cast<std::uint64_t>(
+      std::llround(std::clamp(duration_s, 0.0, kLongestRun_s) / config_.rig.period_s));
   if (arm_at_once && !InterruptScope::interrupted()) {
-    const std::uint64_t asked = [this] {
-      const std::lock_guard lock(mutex_);
-      return ++orders_;
-    }();
-    const OrderReply reply = arm(asked, config_.record, duration_ticks);
-    if (!reply.accepted && !InterruptScope::interrupted()) {
+    const OrderReply reply = arm(kFirstArming, config_.record, duration_ticks, false);
+    const bool stopped = reply.refusal == Refusal::kStopCame;  // whoever did may arm
+    if (!reply.accepted && !stopped && !InterruptScope::interrupted()) {
       return Diagnostic{"", 0, "", "", "the loop could not be armed: " + reply.reason, ""};
     }
   }
-  const auto until = Clock::now() + std::chrono::duration<double>(duration_s);
+  const std::chrono::duration<double> within(std::clamp(duration_s, 0.0, kLongestRun_s));
+  const auto until = Clock::now() + std::chrono::duration_cast<Clock::duration>(within);
+  if (duration_ticks > 0 && arm_at_once) ends_at_ = until;
   bool ending = false;
   while (!ending) {
     runTasks();
@@ -297,6 +302,7 @@ Expected<StationOutcome> Station::Core::run(bool arm_at_once, double duration_s)
   }
   stopGently();
   endTasks();
+  log_.flush(kLogWithin);
   return outcome_;
 }
 

@@ -88,6 +88,10 @@ class Bar : public testing::Test {
     thread_.join();
     return outcome_;
   }
+  /// Within a moment: the log has a thread of its own.
+  [[nodiscard]] bool says(const std::string& part) {
+    return becomes([&] { return log().find(part) != std::string::npos; }, 5s);
+  }
   [[nodiscard]] std::string log() {
     const std::lock_guard lock(log_mutex_);
     return log_;

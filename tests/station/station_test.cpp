@@ -154,6 +154,9 @@ TEST_F(Bar, SessionsThatClientsArm_AreRecordedAndListed) {
   ASSERT_TRUE(recording) << format(recording.errors());
   EXPECT_EQ((*recording)->meta().exercise, "cocktail-bar");
   EXPECT_NEAR(static_cast<double>((*recording)->size()) * 1e-3, entry.duration_s, 0.3);
+  fs::create_symlink("/etc/passwd", folder_ + "/recordings/link.h5");
+  EXPECT_EQ(station_->recordings().size(), 1U) << "what cannot be had is not shown";
+  EXPECT_EQ(station_->recordingPath("link.h5"), "");
   for (const char* bad : {"", ".", "..", "../x.h5", "/etc/passwd", "a/b.h5", "note.json"}) {
     EXPECT_EQ(station_->recordingPath(bad), "") << bad;
   }

@@ -1,0 +1,229 @@
+// Orders in a state that does not expect them, in numbers that nobody can carry out, from clients
+// that are gone: what is safe stays safe, and whoever comes next is served. In real time.
+#include "server/client_words.hpp"
+#include "station/station_bench.hpp"
+#include "support/seed.hpp"
+
+#include <condition_variable>
+
+namespace wholehand::test {
+namespace {
+
+class HostileOrders : public Bar {
+ protected:
+  static Order of(OrderType type, std::uint32_t claim = 0) {
+    Order order;
+    order.type = type;
+    order.claim = claim;
+    return order;
+  }
+  std::atomic<int> refused_count_{0}, answered_{0};
+  double alpha() {
+    TickRecord record;
+    return station_->latest(record) ? record.exercise.alpha : 0.0;
+  }
+};
+
+// A terminal that was stopped (Ctrl-S), or a pipe that nobody reads.
+TEST_F(HostileOrders, LogThatStandsStill_HoldsUpNoStop) {
+  std::mutex mutex;
+  std::condition_variable released;
+  bool stands_still = true;
+  StationConfig config = barConfig();
+  config.log = [&](const std::string&) {
+    std::unique_lock lock(mutex);
+    released.wait(lock, [&] { return !stands_still; });
+  };
+  load(config);
+  run(false);
+  for (const OrderType stop : {OrderType::kEmergencyStop, OrderType::kStop}) {
+    later(OrderType::kArm);
+    ASSERT_TRUE(squeezes());
+    ASSERT_TRUE(ask(stop).accepted);
+    ASSERT_TRUE(becomes(RunState::kStopped));
+    TickRecord record;
+    ASSERT_TRUE(station_->latest(record));
+    EXPECT_EQ(largest(record.sent), 0.0);
+  }
+  {
+    const std::lock_guard lock(mutex);
+    stands_still = false;
+  }
+  released.notify_all();
+  (void)quit();
+  station_.reset();  // its log uses what is of this test
+}
+
+TEST_F(HostileOrders, FloodOfLoads_IsRefusedAndTheNextPersonArms) {
+  run(false);
+  Order load = of(OrderType::kLoadExercise);
+  load.level = 2;
+  for (int i = 0; i < 1000; ++i) {
+    station_->order(load, [this](const OrderReply& reply) {
+      ++answered_;
+      if (reply.refusal == Refusal::kTooMany) ++refused_count_;
+    });
+  }
+  EXPECT_GE(refused_count_, 980) << "each takes a second: a thousand would keep everybody waiting";
+  ASSERT_TRUE(ask(OrderType::kEmergencyStop).accepted);
+  ASSERT_TRUE(becomes([&] { return answered_ == 1000; }, 60s));
+  EXPECT_TRUE(ask(OrderType::kArm).accepted);
+  EXPECT_TRUE(rendersOn());
+}
+
+// Two servers speak for two holders: the first one's vanishing is carried out after the second
+// one's taking over.
+TEST_F(HostileOrders, WordOfAFormerHolder_ChangesNothingAnyMore) {
+  run(true);
+  ASSERT_TRUE(squeezes());
+  Order alive = of(OrderType::kOwnerAlive, 2);
+  alive.value = 1.0;
+  ASSERT_TRUE(ask(alive).accepted);
+  alive.claim = 1;
+  alive.value = 0.0;
+  EXPECT_EQ(ask(alive).refusal, Refusal::kNotHolder);
+  Order steer = of(OrderType::kSteer, 1);
+  steer.steering = Steering::kPerson;
+  EXPECT_EQ(ask(steer).refusal, Refusal::kNotHolder);
+  EXPECT_EQ(ask(of(OrderType::kLoadExercise, 1)).refusal, Refusal::kNotHolder);
+  const std::uint64_t before = records_;
+  ASSERT_TRUE(becomes([&] { return records_ > before + 400; }));  // longer than its fade, 300 ms
+  EXPECT_EQ(alpha(), 1.0) << "the exercise of the present holder still pushes";
+  EXPECT_EQ(station_->status().steering, Steering::kVirtualPatient);
+  EXPECT_TRUE(ask(of(OrderType::kStop, 1)).accepted) << "a stop never comes too late";
+  EXPECT_TRUE(becomes(RunState::kStopped));
+}
+
+TEST_F(HostileOrders, QueueFullOfAims_SilenceIsHeardAllTheSame) {
+  run(true);
+  ASSERT_TRUE(squeezes());
+  TickRecord record;
+  ASSERT_TRUE(station_->latest(record));
+  Order aim = of(OrderType::kAim);
+  aim.aim = record.q_m;
+  Order silent = of(OrderType::kOwnerAlive);
+  silent.value = 0.0;
+  int dropped = 0;
+  for (int i = 0; i < 20'000 || dropped == 0; ++i) {
+    station_->order(aim, [&](const OrderReply& reply) { dropped += reply.accepted ? 0 : 1; });
+  }
+  OrderReply reply;
+  station_->order(silent, [&](const OrderReply& r) { reply = r; });
+  EXPECT_TRUE(reply.accepted) << reply.reason;
+  EXPECT_TRUE(becomes([&] { return alpha() == 0.0; }));
+}
+
+TEST_F(HostileOrders, EmergencyStopBeforeTheRun_IsNotForgotten) {
+  load(barConfig());
+  ASSERT_TRUE(ask(OrderType::kEmergencyStop).accepted);
+  run(true);
+  staysAt(RunState::kDisarmed);
+  EXPECT_EQ(records_, 0U);
+  EXPECT_TRUE(ask(OrderType::kArm).accepted) << "somebody wants it now";
+  EXPECT_TRUE(rendersOn());
+}
+
+TEST_F(HostileOrders, LimitLoweredWhileArming_HoldsInThatSession) {
+  run(false);
+  auto armed = std::make_shared<std::promise<OrderReply>>();
+  auto answer = armed->get_future();
+  station_->order(of(OrderType::kArm),
+                  [armed](const OrderReply& reply) { armed->set_value(reply); });
+  Order limit = of(OrderType::kSetParameter);
+  limit.name = "effort_limit_arm_n";
+  double accepted = 20.0;
+  while (answer.wait_for(100us) != std::future_status::ready) {
+    limit.value = limit.value > 3.0 ? limit.value - 0.01 : 19.0;
+    if (ask(limit).accepted) accepted = limit.value;
+  }
+  ASSERT_TRUE(answer.get().accepted);
+  TickRecord record;
+  EXPECT_TRUE(becomes([&] {
+    return station_->latest(record) && record.effort_limit[0] == accepted;
+  })) << record.effort_limit[0]
+      << " N, asked for " << accepted << " N";
+}
+
+TEST_F(HostileOrders, SessionLeftAlone_EndsWhereAClientArmedIt) {
+  run(true);
+  ASSERT_TRUE(rendersOn());
+  ASSERT_TRUE(ask(OrderType::kLeftAlone).accepted);
+  EXPECT_TRUE(rendersOn()) << "the demo goes on";
+  EXPECT_EQ(station_->status().run_state, RunState::kRendering);
+  ASSERT_TRUE(ask(OrderType::kStop).accepted);
+  ASSERT_TRUE(becomes(RunState::kStopped));
+  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(rendersOn());
+  ASSERT_TRUE(ask(OrderType::kLeftAlone).accepted);
+  EXPECT_TRUE(becomes(RunState::kStopped)) << "it would be recorded for ever";
+}
+
+TEST_F(HostileOrders, LoadDuringARunWithAnEnd_EndsWithIt) {
+  load(barConfig());
+  std::atomic<bool> ended{false};
+  thread_ = std::thread([&] {
+    (void)station_->run(true, 4.0);
+    ended = true;
+  });
+  ASSERT_TRUE(rendersOn());
+  Order load = of(OrderType::kLoadExercise);
+  load.level = 2;
+  ASSERT_TRUE(ask(load).accepted);
+  EXPECT_TRUE(becomes([&] { return ended.load(); }, 20s));
+}
+
+// Two seconds of mutated messages, as the servers hand them on. Every record is looked at.
+TEST_F(HostileOrders, MutatedMessages_NeverPushBeyondTheLimitsNorPastAnEmergencyStop) {
+  load(barConfig());
+  std::atomic<int> beyond{0};
+  const DeviceModel device = station_->models().device;
+  station_->addSink([&beyond, device](const TickRecord& record) {
+    bool sound = allFinite(record.sent) && allFinite(record.q_m) && record.authority <= 1.0;
+    for (int i = 0; sound && i < record.sent.size(); ++i) {
+      const double limit = device.axes[static_cast<std::size_t>(i)].effort_limit;
+      sound = std::abs(record.sent[i]) <= limit + 1e-9;
+    }
+    if (!sound) ++beyond;
+  });
+  run(true);
+  ASSERT_TRUE(rendersOn());
+  auto random = seededRandom(4170);
+  const std::vector<wire::Bytes> valid = words::oneOfEach();
+  int understood = 0;
+  for (const auto until = Clock::now() + 2s; Clock::now() < until;) {
+    wire::Bytes bytes = valid[random() % valid.size()];
+    for (auto changes = random() % 4; changes > 0; --changes) {
+      bytes[random() % bytes.size()] = static_cast<std::uint8_t>(random());
+    }
+    const auto message = wire::decode(bytes);
+    if (!message || message->type != wire::ClientMessageType::kOrder) continue;
+    Order order = message->order;
+    if (order.type == OrderType::kAim) order.aim = AxisPosition(6, order.aim[0]);
+    if (order.type == OrderType::kSetParameter) order.name = "effort_limit_arm_n";
+    order.claim = static_cast<std::uint32_t>(random() % 4);
+    station_->order(order, [](const OrderReply&) {});
+    ++understood;
+    if (understood % 16 == 0) std::this_thread::sleep_for(1ms);
+  }
+  EXPECT_GT(understood, 100);
+  ASSERT_TRUE(ask(OrderType::kEmergencyStop).accepted);
+  ASSERT_TRUE(becomes([&] {
+    const RunState state = station_->status().run_state;
+    return state != RunState::kRendering && state != RunState::kRampingDown;
+  })) << "whatever waits to be loaded or armed was asked for before the stop";
+  staysAt(station_->status().run_state);
+  EXPECT_EQ(beyond, 0);
+  Order arm = of(OrderType::kArm);
+  EXPECT_TRUE(becomes([&] { return ask(arm).refusal != Refusal::kTooMany; }, 60s));
+  EXPECT_TRUE(becomes(RunState::kRendering)) << "the next person is served";
+}
+
+TEST_F(HostileOrders, AfterTheEnd_NobodyWaitsForAnAnswer) {
+  run(false);
+  (void)quit();
+  EXPECT_EQ(ask(OrderType::kArm).refusal, Refusal::kEnding);
+  EXPECT_FALSE(ask(OrderType::kAction).accepted);
+}
+
+}  // namespace
+}  // namespace wholehand::test
