@@ -1,7 +1,8 @@
-import { describe, expect, it } from 'vitest';
+import { afterEach, describe, expect, it, vi } from 'vitest';
 import { colliderField, skinField, smoothMin } from '../src/hand/field';
 import { measureSkin } from '../src/hand/measure';
 import { handShape } from '../src/hand/shape';
+import { madeSkin, type SkinOrder } from '../src/hand/skin_maker';
 import { skinMesh, type SkinMesh } from '../src/hand/skin_mesh';
 import { HANDS, allPostures, fixtureScene, forwardKinematics, posture } from './hand_fixture';
 
@@ -117,5 +118,36 @@ describe('skin', () => {
     const took = performance.now() - start;
     console.log(`meshing: ${took.toFixed(0)} ms`);
     expect(took).toBeLessThan(3000);   // printed; a busy machine is slow
+  });
+});
+
+describe('skin made beside the page', () => {
+  afterEach(() => { vi.unstubAllGlobals(); });
+  const order = (hand: (typeof HANDS)[number]) => {
+    const rest = forwardKinematics(hand, REST);
+    return [handShape(fixtureScene(hand), rest), rest, 4 * MM] as const;
+  };
+
+  it('is what skinMesh makes, of a worker that is asked once for a hand', async () => {
+    const asked: SkinOrder[] = [];
+    let ended = 0;
+    vi.stubGlobal('Worker', class {
+      onmessage: (message: { data: SkinMesh }) => void = () => {};
+      postMessage(wanted: SkinOrder): void {
+        const copy = structuredClone(wanted);   // as a message is
+        asked.push(copy);
+        setTimeout(() => this.onmessage({ data: skinMesh(copy.shape, copy.poses, copy.step) }));
+      }
+      terminate(): void { ended += 1; }
+    });
+    const [first, again] = await Promise.all([madeSkin(...order(HANDS[0])), madeSkin(...order(HANDS[0]))]);
+    expect(first).toEqual(skinMesh(...order(HANDS[0])));
+    expect(again).toBe(first);
+    expect([asked.length, ended]).toEqual([1, 1]);
+  });
+
+  it('is made by the page itself where no worker can be had', async () => {
+    vi.stubGlobal('Worker', undefined);
+    expect(await madeSkin(...order(HANDS[1]))).toEqual(skinMesh(...order(HANDS[1])));
   });
 });

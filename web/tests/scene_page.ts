@@ -51,7 +51,7 @@ const frame = (now_ms: number) => {
   // A still picture needs time too: what is low-passed comes to rest.
   clock_ms = still ? clock_ms + 200 : now_ms;
   scene.render(clock_ms);
-  page.ready += 1;
+  if (scene.whole) page.ready += 1;
   if (!still || page.ready < 6) requestAnimationFrame(frame);
 };
 requestAnimationFrame(frame);

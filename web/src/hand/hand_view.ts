@@ -11,7 +11,7 @@ import type { Quality } from '../scene/quality';
 import { fingertips, nailGeometry } from './nails';
 import type { HandShape } from './shape';
 import { MAX_GLOWS, makeSkin, poseSkin, setTone, skinUniforms, type SkinDetail, type SkinUniforms } from './skin_shader';
-import { keptSkinMesh, type SkinMesh } from './skin_mesh';
+import type { SkinMesh } from './skin_mesh';
 import { cuffGeometry, sleeveGeometry, type Weave } from './sleeve';
 import { toneOf } from './tones';
 import { POSE_STRIDE } from './vector';
@@ -61,12 +61,13 @@ export class HandView {
   private readonly ghost: Material;
   private readonly nail: Material & { color: Color };
 
-  constructor(private readonly shape: HandShape, poses: ArrayLike<number>, private readonly quality: Quality) {
+  /** @param mesh of that shape, at SKIN_STEP_M */
+  constructor(private readonly shape: HandShape, mesh: SkinMesh, private readonly quality: Quality) {
     this.uniforms = skinUniforms(shape);
     this.solid = makeSkin(surface(quality, { roughness: 0.62, sheen: 0.35, sheenRoughness: 0.5, sheenColor: new Color('#ffb59a'), specularIntensity: 0.42 }), shape, this.uniforms, DETAIL[quality]);
     this.ghost = makeSkin(surface(quality, { color: new Color('#f2ffff'), roughness: 0.9, transparent: true, opacity: 0.34 }), shape, this.uniforms, DETAIL[quality]);
     this.nail = surface(quality, { roughness: 0.3, clearcoat: 0.5, clearcoatRoughness: 0.3 }) as Material & { color: Color };
-    const geometry = skinGeometry(keptSkinMesh(shape, poses, SKIN_STEP_M[quality]));
+    const geometry = skinGeometry(mesh);
     this.skin = new Mesh(geometry, this.solid);
     this.skin.customDepthMaterial = makeSkin(new MeshDepthMaterial({ depthPacking: RGBADepthPacking }), shape, this.uniforms, 'place');
     this.skin.castShadow = this.skin.receiveShadow = true;
@@ -79,7 +80,6 @@ export class HandView {
     this.root.add(this.skin, this.veil);
     this.addNails();
     this.addSleeve();
-    this.pose(poses);
   }
 
   get triangles(): number { return (this.skin.geometry.index?.count ?? 0) / 3; }

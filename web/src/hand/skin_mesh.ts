@@ -58,20 +58,6 @@ function nearest(shape: HandShape, poses: ArrayLike<number>, from: readonly numb
     .map((n) => n.i);
 }
 
-/** Skins made already, by hand and spacing: a new level or session brings the same hand again. */
-const made = new Map<string, SkinMesh>();
-const MOST_KEPT = 4;
-
-/** As skinMesh; the same again for the same hand. */
-export function keptSkinMesh(shape: HandShape, poses: ArrayLike<number>, step: number): SkinMesh {
-  const key = JSON.stringify([shape.right, step, shape.capsules]);
-  const mesh = made.get(key) ?? skinMesh(shape, poses, step);
-  made.delete(key);
-  made.set(key, mesh);
-  if (made.size > MOST_KEPT) made.delete(made.keys().next().value ?? '');
-  return mesh;
-}
-
 /**
  * @param poses any posture of the hand, preferably half closed: tells who is whose neighbour
  * @param step grid spacing [m]: 1.5e-3 looks smooth, 2.0e-3 is quick to draw

@@ -3,12 +3,14 @@
 
 import { Group, NeutralToneMapping, NoToneMapping, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from 'three';
 import { handShape, linkPoses } from '../hand/shape';
-import { HandView } from '../hand/hand_view';
+import { HandView, SKIN_STEP_M } from '../hand/hand_view';
+import { madeSkin } from '../hand/skin_maker';
 import type { SceneT, WorldStateT } from '../protocol';
 import { Backdrop } from './backdrop';
 import { BarView } from './bar_view';
 import { placeCamera, type CameraPlace, type View } from './camera';
 import { ContactGlow } from './contacts';
+import { compiled } from './compile';
 import { barOf, type Bar } from './exercise';
 import { FrameClock } from './frame_clock';
 import { programFrame, toThree, type Triple } from './frames';
@@ -58,6 +60,9 @@ export class BarScene {
   private stage: Stage | undefined;
   private backdrop: Backdrop | undefined;
   private hand: HandView | undefined;
+  private handBegun = false;
+  private builds = 0;           // what was begun for an earlier one is dropped
+  private compiled = false;     // until then nothing is drawn: the page would wait for the graphics card's programs
   private bodies: (Group | undefined)[] = [];
   private readonly plain = new Group();
   private poses = new Float64Array(0);
@@ -75,8 +80,6 @@ export class BarScene {
     this.plain.matrixAutoUpdate = false;
     this.plain.matrix.copy(programFrame());
     canvas.addEventListener('webglcontextrestored', () => this.resize());
-    this.build();
-    this.resize();
   }
 
   /** A new scene: another hand, exercise, level. The hand is made when its first state comes. */
@@ -86,7 +89,6 @@ export class BarScene {
     if (same) return;
     this.state = undefined;
     this.build();
-    this.resize();
   }
 
   setState(state: WorldStateT): void {
@@ -94,7 +96,7 @@ export class BarScene {
     this.state = state;
     this.fresh = true;
     this.poses = linkPoses(state.links, this.poses) as Float64Array<ArrayBuffer>;
-    if (!this.hand && this.told && state.links.length > 0 && this.told.capsules.length > 0) this.makeHand();
+    if (state.links.length > 0) void this.makeHand();
     this.contacts.take(state.contacts);
     this.stateScript_ms += performance.now() - start;
   }
@@ -109,11 +111,15 @@ export class BarScene {
     if (quality === this.quality) return;
     this.quality = quality;
     this.build();
-    this.resize();
   }
+
+  /** Whether all of it is drawn: room, things and hand are made beside the page's own work. */
+  get whole(): boolean { return this.compiled && this.hand !== undefined; }
 
   /** @param now_ms of requestAnimationFrame */
   render(now_ms: number): void {
+    if (!this.stage) this.build();   // no scene has come: the room alone
+    if (!this.compiled) return;
     const start = performance.now();
     const dt_s = this.last_ms === undefined ? 0 : Math.min(0.25, Math.max(0, (now_ms - this.last_ms) / 1000));
     this.last_ms = now_ms;
@@ -129,7 +135,7 @@ export class BarScene {
     this.renderer.setPixelRatio(this.quality === 'high' ? device : Math.min(1, Math.sqrt(LOW_PIXELS / (width * height))));
     this.renderer.setSize(width, height, false);
     placeCamera(this.camera, this.options.view, this.place, width, height);
-    if (this.stage) this.backdrop?.take(this.renderer, this.scene, this.camera, this.stage.room, this.stage.light);
+    this.takeBackdrop();
   }
 
   /** Where a point of the program's world is in the canvas. */
@@ -169,6 +175,8 @@ export class BarScene {
     this.plain.clear();
     this.hand = this.bar = this.stage = this.backdrop = undefined;
     this.bodies = [];
+    this.builds += 1;
+    this.compiled = this.handBegun = false;
   }
 
   /** Everything but the hand, of what the program told and in the present quality. */
@@ -191,20 +199,47 @@ export class BarScene {
       return group;
     }) ?? [];
     this.scene.add(this.plain, this.contacts.root);
-    if (this.state && this.told) this.makeHand();
+    this.resize();
+    void this.compile();
+    if (this.state) void this.makeHand();
     this.fresh = true;
   }
 
-  private makeHand(): void {
-    if (!this.told) return;
-    this.hand = new HandView(handShape(this.told, this.poses), this.poses, this.quality);
-    this.scene.add(this.hand.root);
-    this.applyLook();
+  private async compile(): Promise<void> {
+    const { builds } = this;
+    await compiled(this.renderer, this.scene, this.camera, this.scene);
+    if (builds !== this.builds) return;
+    this.compiled = true;
+    this.takeBackdrop();
   }
 
-  private applyLook(): void {
+  private takeBackdrop(): void {
+    if (this.compiled && this.stage) this.backdrop?.take(this.renderer, this.scene, this.camera, this.stage.room, this.stage.light);
+  }
+
+  private async makeHand(): Promise<void> {
+    const { told, poses, quality, builds } = this;
+    if (this.handBegun || !told || told.capsules.length === 0) return;
+    this.handBegun = true;
+    const shape = handShape(told, poses);
+    const mesh = await madeSkin(shape, poses, SKIN_STEP_M[quality]);
+    if (builds !== this.builds) return;
+    const hand = new HandView(shape, mesh, quality);
+    this.applyLook(hand);
+    await compiled(this.renderer, hand.root, this.camera, this.scene);
+    if (builds !== this.builds) {
+      hand.dispose();
+      return;
+    }
+    this.hand = hand;
+    this.scene.add(hand.root);
+    this.applyLook();
+    this.fresh = true;
+  }
+
+  private applyLook(hand = this.hand): void {
     const { dimmed, grey, ghostHand, showColliders, tone } = this.look;
-    this.hand?.look({ ghost: ghostHand, colliders: showColliders, tone });
+    hand?.look({ ghost: ghostHand, colliders: showColliders, tone });
     const filters = [grey ? 'saturate(.22) brightness(.82)' : '', dimmed ? 'brightness(.85)' : ''].filter(Boolean);
     this.canvas.style.filter = filters.join(' ');
   }

@@ -1,0 +1,34 @@
+// The graphics card's programs, without waiting for them: their making may take seconds, and whoever
+// draws with one that is not there yet stands still until it is.
+
+import type { Camera, Object3D, Scene, WebGLRenderer } from 'three';
+
+const EVERY_MS = 10;
+
+const later = (wait_ms: number): Promise<void> => new Promise((go) => { setTimeout(go, wait_ms); });
+
+/** Resolves when all that the card was told so far is done. */
+async function cardIsDone(gl: WebGL2RenderingContext): Promise<void> {
+  const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+  if (!fence) return;
+  gl.flush();
+  do await later(EVERY_MS);
+  while (!gl.isContextLost() && gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED);
+  gl.deleteSync(fence);
+}
+
+/** Makes what `object` needs in the light of `scene`; resolves when it can be drawn at once. */
+export async function compiled(renderer: WebGLRenderer, object: Object3D, camera: Camera, scene: Scene): Promise<void> {
+  if (renderer.extensions.has('KHR_parallel_shader_compile')) await renderer.compileAsync(object, camera, scene);
+  else {
+    renderer.compile(object, camera, scene);
+    await cardIsDone(renderer.getContext() as WebGL2RenderingContext);
+  }
+  // What a program asks for is read back from the card: one program at a time.
+  for (const program of [...renderer.info.programs ?? []]) {
+    if (program.program === undefined) continue;   // freed meanwhile
+    program.getUniforms();
+    program.getAttributes();
+    await later(0);
+  }
+}
