@@ -33,3 +33,24 @@ target_compile_options(wholehand_options INTERFACE
   # No fused multiply-add: the same inputs give the same bits whatever the compiler chooses to fuse.
   -ffp-contract=off)
 target_link_libraries(wholehand_options INTERFACE Threads::Threads)
+
+# Headers that nearly every source file reads, read once: a clean build is a quarter shorter. For
+# ./check alone, where there is no ccache (which keeps no object that such headers went into). The
+# release build takes `tests`: so a source of ours that forgets an #include is still found.
+set(WHOLEHAND_PRECOMPILED "" CACHE STRING "Precompiled vendor headers: empty, `tests` or `all`")
+set(often_read <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <atomic> <chrono> <cmath>
+    <filesystem> <fstream> <functional> <map> <memory> <optional> <random> <sstream> <string>
+    <thread> <variant> <vector>)
+function(wholehand_precompiled_headers target)
+  file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/${target}.cpp CONTENT "// Precompiled headers.\n")
+  add_library(${target} OBJECT EXCLUDE_FROM_ALL ${PROJECT_BINARY_DIR}/${target}.cpp)
+  target_link_libraries(${target} PRIVATE wholehand_options Eigen3::Eigen ${ARGN})
+  target_precompile_headers(${target} PRIVATE ${often_read})
+endfunction()
+if(WHOLEHAND_PRECOMPILED)
+  wholehand_precompiled_headers(wholehand_precompiled)
+endif()
+if(WHOLEHAND_PRECOMPILED AND WHOLEHAND_BUILD_TESTS)
+  wholehand_precompiled_headers(wholehand_precompiled_tests GTest::gtest)
+  target_precompile_headers(wholehand_precompiled_tests PRIVATE <gtest/gtest.h>)
+endif()

@@ -209,8 +209,9 @@ configure() {
     ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$folder/CMakeCache.txt"; then
     fresh=(--fresh)
   fi
+  # Objects from precompiled headers are nothing that ccache could keep: the one or the other.
   if command -v ccache >/dev/null; then
-    set -- -DCMAKE_CXX_COMPILER_LAUNCHER=ccache "$@"
+    set -- "$@" -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DWHOLEHAND_PRECOMPILED=
   fi
   if ! (cd "$root" && cmake "${fresh[@]}" --preset "$preset" "$@") >"$log" 2>&1; then
     tail -n 30 "$log" >&2

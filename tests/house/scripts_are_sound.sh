@@ -14,7 +14,7 @@ scripts+=(start check .ci/run)
 for script in "${scripts[@]}"; do
   bash -n "$script"
 done
-for script in start check .ci/run scripts/check_includes.py; do
+for script in start check .ci/run scripts/check_includes.py scripts/tidy.py; do
   [[ -x $script ]] || {
     echo "$script is not executable"
     exit 1
@@ -31,8 +31,11 @@ source scripts/lib.sh
 [[ $(packages_of web) == $'nodejs\nnpm' ]]
 # A misspelt name of a package would be found missing on every machine.
 if command -v apt-cache >/dev/null && apt-cache show g++ >/dev/null 2>&1; then
-  for package in $(packages_of run web check develop); do
-    apt-cache show "$package" >/dev/null 2>&1 || {
+  mapfile -t packages < <(packages_of run web check develop)
+  known=" $(apt-cache show --no-all-versions "${packages[@]}" 2>/dev/null |
+    sed -n 's/^Package: //p' | tr '\n' ' ') "
+  for package in "${packages[@]}"; do
+    [[ $known == *" $package "* ]] || {
       echo "scripts/packages.txt: Debian knows no package $package"
       exit 1
     }
