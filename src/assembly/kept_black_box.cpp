@@ -1,5 +1,7 @@
 #include "assembly/kept_black_box.hpp"
 
+#include "assembly/text_file.hpp"
+
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
@@ -10,9 +12,12 @@ namespace wholehand {
 namespace fs = std::filesystem;
 
 std::string blackBoxPath(const std::string& recording) {
+  if (fs::path(recording).extension() == ".wbb") return recording + ".wbb";
   if (!recording.empty()) return fs::path(recording).replace_extension(".wbb").string();
-  const std::string stem = fmt::format("out/blackbox/{:%Y%m%d-%H%M%S}",
-                                       fmt::localtime(std::chrono::system_clock::now()));
+  std::string stem = fmt::format("out/blackbox/{:%Y%m%d-%H%M%S}",
+                                 fmt::localtime(std::chrono::system_clock::now()));
+  std::error_code nowhere;
+  if (!checkFiles({stem + ".wbb"})) stem = fs::temp_directory_path(nowhere) / stem;
   std::string path = stem + ".wbb";
   std::error_code error;
   for (int i = 2; fs::exists(path, error); ++i) path = fmt::format("{}-{}.wbb", stem, i);

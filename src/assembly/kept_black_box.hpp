@@ -11,7 +11,7 @@
 namespace wholehand {
 
 /// Where the black box of a run goes: beside its recording ("run.h5" → "run.wbb"), or, without one,
-/// out/blackbox/<time>.wbb.
+/// out/blackbox/<time>.wbb, in the folder for temporary files where nothing can be written here.
 [[nodiscard]] std::string blackBoxPath(const std::string& recording);
 
 /// Arms the black box of a rig that is armed itself.

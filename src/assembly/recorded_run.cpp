@@ -27,9 +27,41 @@ void onInterrupt(int) {
   if (Session* session = g_session.load()) session->requestStop();
 }
 
-constexpr std::array kSignals{SIGINT, SIGTERM, SIGHUP, SIGTSTP, SIGQUIT};
+// What ends or freezes a process that does nothing about it, while the device holds its last
+// effort.
+struct Signal {
+  enum class Then { kStop, kStopUnlessHandled, kIgnoreUnlessHandled };
+  int number;
+  Then then;
+};
+using Then = Signal::Then;
+constexpr std::array kSignals{
+    Signal{SIGINT, Then::kStop},
+    Signal{SIGTERM, Then::kStop},
+    Signal{SIGHUP, Then::kStop},
+    Signal{SIGTSTP, Then::kStop},
+    Signal{SIGQUIT, Then::kStop},
+    Signal{SIGXCPU, Then::kStopUnlessHandled},
+    Signal{SIGUSR1, Then::kStopUnlessHandled},
+    Signal{SIGUSR2, Then::kStopUnlessHandled},
+    Signal{SIGALRM, Then::kStopUnlessHandled},
+    Signal{SIGVTALRM, Then::kStopUnlessHandled},
+    Signal{SIGPROF, Then::kStopUnlessHandled},
+    Signal{SIGPWR, Then::kStopUnlessHandled},
+    Signal{SIGPIPE, Then::kIgnoreUnlessHandled},  // nobody reads what is said
+    Signal{SIGXFSZ,
+           Then::kIgnoreUnlessHandled},  // a file as large as it may be: a write that fails
+    Signal{SIGTTOU, Then::kIgnoreUnlessHandled},  // said in the background
+    Signal{SIGTTIN, Then::kIgnoreUnlessHandled}};
 std::array<struct sigaction, kSignals.size()> g_before{};
+std::array<bool, kSignals.size()> g_taken{};
 int g_scopes = 0;
+
+bool isToBeTaken(const Signal& signal, const struct sigaction& before) {
+  if ((before.sa_flags & SA_SIGINFO) != 0) return signal.then == Then::kStop;
+  if (before.sa_handler == SIG_IGN) return false;
+  return signal.then == Then::kStop || before.sa_handler == SIG_DFL;
+}
 
 // What Ctrl-C stops while this lives.
 class StoppedByInterrupt {
@@ -74,6 +106,12 @@ Expected<Done> keepTrack(const Rig& rig, const RunPlan& plan, const RecordingMet
   if (!created) return created.errors();
   writer = std::move(*created);
   return Done{};
+}
+
+// What was armed for a run that never was: the next arming finds nothing of it.
+Diagnostics notRun(Rig& rig, const Diagnostics& why) {
+  rig.renderer->disarm();
+  return why;
 }
 
 // A recording of no tick, of a run that never was.
@@ -179,19 +217,21 @@ std::string noticeText(const TickSummary& summary) {
 InterruptScope::InterruptScope() {
   if (g_scopes++ > 0) return;
   g_interrupted.store(false);
-  struct sigaction action {};
-  action.sa_handler = onInterrupt;
-  action.sa_flags = SA_RESTART;
   for (std::size_t i = 0; i < kSignals.size(); ++i) {
-    sigaction(kSignals[i], nullptr, &g_before[i]);
-    if (g_before[i].sa_handler != SIG_IGN) sigaction(kSignals[i], &action, nullptr);
+    const Signal& signal = kSignals[i];
+    struct sigaction action {};
+    action.sa_handler = signal.then == Then::kIgnoreUnlessHandled ? SIG_IGN : onInterrupt;
+    action.sa_flags = SA_RESTART;
+    sigaction(signal.number, nullptr, &g_before[i]);
+    g_taken[i] = isToBeTaken(signal, g_before[i]);
+    if (g_taken[i]) sigaction(signal.number, &action, nullptr);
   }
 }
 
 InterruptScope::~InterruptScope() {
   if (--g_scopes > 0) return;
   for (std::size_t i = 0; i < kSignals.size(); ++i) {
-    if (g_before[i].sa_handler != SIG_IGN) sigaction(kSignals[i], &g_before[i], nullptr);
+    if (g_taken[i]) sigaction(kSignals[i].number, &g_before[i], nullptr);
   }
 }
 
@@ -205,8 +245,10 @@ Expected<RunOutcome> runAndRecord(Rig& rig, const RunPlan& plan) {
   std::unique_ptr<BlackBox> black_box;
   if (!plan.record.empty() || !plan.black_box.empty()) {
     auto meta = describeRecording(rig, plan.title, plan.seed, plan.simulated_clock);
-    if (!meta) return meta.errors();
-    if (auto begun = keepTrack(rig, plan, *meta, writer, black_box); !begun) return begun.errors();
+    if (!meta) return notRun(rig, meta.errors());
+    if (auto begun = keepTrack(rig, plan, *meta, writer, black_box); !begun) {
+      return notRun(rig, begun.errors());
+    }
   }
   SessionConfig config;
   config.black_box = black_box.get();
@@ -251,6 +293,9 @@ Expected<RunOutcome> runAndRecord(Rig& rig, const RunPlan& plan) {
     writer->close();
     outcome.written = writer->written();
     outcome.dropped_writes += writer->dropped();
+    if (std::error_code unknown; !std::filesystem::exists(plan.record, unknown)) {
+      outcome.failures.push_back("the recording was removed while it was written: " + plan.record);
+    }
   }
   outcome.summary = statistics.snapshot();
   outcome.counters = session.counters();

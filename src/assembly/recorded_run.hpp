@@ -38,9 +38,10 @@ struct RunOutcome {
   std::uint64_t dropped_writes = 0;   ///< the disk was full, or the recorder failed
   std::uint64_t written = 0;          ///< ticks in the recording
   SetupReport setup;                  ///< what the machine granted the real-time thread
-  std::vector<std::string> failures;  ///< consumers that threw and were switched off, in words
-  std::string black_box;              ///< what to do with it, in one line; empty: none was needed
-  bool interrupted = false;           ///< by Ctrl-C
+  /// Consumers that threw and were switched off, and a recording that was removed, in words.
+  std::vector<std::string> failures;
+  std::string black_box;     ///< what to do with it, in one line; empty: none was needed
+  bool interrupted = false;  ///< by Ctrl-C
   bool faulted = false;
 };
 
@@ -55,8 +56,11 @@ struct RunOutcome {
 
 /// While one lives, Ctrl-C, a polite kill, a terminal that is closed and Ctrl-Z (which would freeze
 /// the loop while the device holds its last effort) are remembered, and end the run that is going
-/// on gently. What was ignored already (nohup) stays ignored. runAndRecord() has its own; a program
-/// of several runs puts one around them all. Scopes may nest, in one thread.
+/// on gently; so do, where the program does not handle them itself, SIGUSR1, SIGUSR2, SIGXCPU,
+/// SIGPWR and the timers' signals. SIGPIPE, SIGXFSZ, SIGTTOU and SIGTTIN are ignored then, for they
+/// would end or freeze it just as well. What was ignored already (nohup) stays ignored.
+/// runAndRecord() has its own; a program of several runs puts one around them all. Scopes may nest,
+/// in one thread.
 class InterruptScope {
  public:
   InterruptScope();
@@ -69,8 +73,8 @@ class InterruptScope {
 
 /// Runs the rig to the end of its time, a fault or Ctrl-C, records it and counts. The device is
 /// closed afterwards, whatever happens; without a run there is no recording.
-/// While it runs, SIGINT, SIGQUIT, SIGTERM, SIGHUP and SIGTSTP (Ctrl-Z would freeze the loop with
-/// its last effort held) stop it gently, but for those that the program has inherited as ignored
+/// While it runs, signals that would end the process or freeze it with the last effort held stop it
+/// gently or are ignored (InterruptScope), but for those that the program has inherited as ignored
 /// (nohup).
 /// @pre the rig's renderer is armed
 [[nodiscard]] Expected<RunOutcome> runAndRecord(Rig& rig, const RunPlan& plan);

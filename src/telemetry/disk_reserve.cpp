@@ -49,6 +49,11 @@ bool DiskReserve::allocate(std::uint64_t end) {
   return result == 0;
 }
 
+bool DiskReserve::hasName() const {
+  struct stat status {};
+  return fd_ >= 0 && ::fstat(fd_, &status) == 0 && status.st_nlink > 0;
+}
+
 void DiskReserve::release() {
   struct stat status {};
   if (fd_ < 0 || ::fstat(fd_, &status) != 0) return;

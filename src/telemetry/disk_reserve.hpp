@@ -20,6 +20,8 @@ class DiskReserve {
   /// True when the bytes 0 .. end-1 of the file are sure to find room, by disk, quota and
   /// RLIMIT_FSIZE.
   [[nodiscard]] bool claim(std::uint64_t end);
+  /// False once the file was removed: what is written to it then is lost when it is closed.
+  [[nodiscard]] bool hasName() const;
   /// Gives back what was claimed behind the file's end.
   void release();
 

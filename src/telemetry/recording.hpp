@@ -56,7 +56,8 @@ class RecordingWriter {
   virtual bool append(const TickRecord& record) = 0;
   /// Brings everything to the disk; called at least once a second by the recorder.
   virtual void flush() = 0;
-  /// Ends the recording properly. Idempotent.
+  /// Ends the recording properly. Where its file was removed meanwhile, every tick counts as
+  /// dropped. Idempotent.
   virtual void close() = 0;
   [[nodiscard]] virtual std::uint64_t written() const = 0;
   [[nodiscard]] virtual std::uint64_t dropped() const = 0;

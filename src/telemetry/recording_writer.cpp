@@ -195,6 +195,7 @@ void Hdf5Writer::close() {
   commands_.close();
   file_.reset();
   reserve_.release();
+  if (!reserve_.hasName()) dropped_ += written_.exchange(0);
 }
 
 }  // namespace

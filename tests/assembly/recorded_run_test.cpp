@@ -1,0 +1,209 @@
+// A run when something fails: what is left open, what is told, which signals end it gently.
+#include "assembly/recorded_run.hpp"
+
+#include "assembly/kept_black_box.hpp"
+#include "assembly/watched_device.hpp"
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <thread>
+#include <unistd.h>
+
+namespace wholehand::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A file name that nobody uses; what was written there vanishes with it.
+class TemporaryFile {
+ public:
+  TemporaryFile()
+      : path_(fs::temp_directory_path() / ("wholehand-rig-" + std::to_string(::getpid()) + ".h5")) {
+  }
+  ~TemporaryFile() {
+    std::error_code ignored;
+    fs::remove(path_, ignored);
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  [[nodiscard]] std::string path() const { return path_.string(); }
+
+ private:
+  fs::path path_;
+};
+
+TEST(RunAndRecord, WithoutAThreadOrAFile_ClosesTheDeviceAndLeavesNoRecording) {
+  const TemporaryFile file;
+  RunPlan plan;
+  plan.duration_ticks = 10;
+  plan.record = file.path();
+  RigOptions too_fast;
+  too_fast.period_s = 5e-6;  // below the thread's 10 µs
+  Story story;
+  const auto rig = watched(story, std::numeric_limits<int>::max(), too_fast);
+  ASSERT_TRUE(rig->renderer->arm());
+  const auto outcome = runAndRecord(*rig, plan);
+  ASSERT_FALSE(outcome);
+  EXPECT_EQ(outcome.errors().front().key, "period_ns");
+  EXPECT_FALSE(story.open);
+  EXPECT_FALSE(fs::exists(file.path()));
+
+  Story other;
+  const auto second = watched(other);
+  ASSERT_TRUE(second->renderer->arm());
+  plan.record = file.path() + "/no/such/folder.h5";
+  EXPECT_FALSE(runAndRecord(*second, plan));
+  EXPECT_FALSE(other.open);
+  EXPECT_EQ(second->renderer->safetyState(), SafetyState::kDisarmed);
+  EXPECT_TRUE(second->renderer->arm());  // nothing is left of an arming without a run
+}
+
+// What is written to a file that nobody can find any more is lost, and is said to be.
+TEST(RunAndRecord, RecordingThatIsRemovedMeanwhile_IsToldAndCountsAsDropped) {
+  const TemporaryFile file;
+  Story story;
+  const auto rig = watched(story);
+  ASSERT_TRUE(rig->renderer->arm());
+  RunPlan plan;
+  plan.duration_ticks = 200;
+  plan.simulated_clock = true;
+  plan.record = file.path();
+  plan.sink = [&](const TickRecord& r) {
+    if (r.tick == 50) fs::remove(file.path());
+  };
+  const RunOutcome outcome = orThrow(runAndRecord(*rig, plan));
+  EXPECT_EQ(outcome.written, 0U);
+  EXPECT_EQ(outcome.dropped_writes, outcome.summary.records);
+  ASSERT_EQ(outcome.failures.size(), 1U);
+  EXPECT_NE(outcome.failures.front().find("removed"), std::string::npos);
+}
+
+TEST(BlackBoxPath, IsNeverTheRecordingItself) {
+  EXPECT_EQ(blackBoxPath("a/run.h5"), "a/run.wbb");
+  EXPECT_EQ(blackBoxPath("a/run"), "a/run.wbb");
+  EXPECT_EQ(blackBoxPath("a/run.wbb"), "a/run.wbb.wbb");
+}
+
+// Where nothing can be written the last seconds are kept all the same.
+TEST(BlackBoxPath, WithoutAWritableFolder_IsInTheTemporaryOne) {
+  const fs::path here = fs::current_path();
+  const fs::path folder =
+      fs::temp_directory_path() / ("wholehand-box-" + std::to_string(::getpid()));
+  fs::create_directory(folder);
+  fs::current_path(folder);
+  EXPECT_EQ(fs::path(blackBoxPath("")).parent_path(), "out/blackbox");
+  std::ofstream("out") << "a file where a folder should be";
+  const std::string path = blackBoxPath("");
+  fs::current_path(here);
+  fs::remove_all(folder);
+  EXPECT_EQ(fs::path(path).parent_path(), fs::temp_directory_path() / "out/blackbox");
+}
+
+TEST(RunAndRecord, FaultWhoseRecordsWereDropped_IsNoSuccess) {
+  Story story;
+  const auto rig = watched(story, 41);  // arm() is the first read: tick 40
+  ASSERT_TRUE(rig->renderer->arm());
+  RunPlan plan;
+  plan.duration_ticks = 5000;
+  plan.queue_ticks = 4;
+  bool first = true;
+  std::uint64_t told = 0;
+  plan.sink = [&](const TickRecord& r) {
+    // As long as the run: all but the first five records are dropped.
+    if (std::exchange(first, false)) std::this_thread::sleep_for(std::chrono::milliseconds(400));
+    told += any(r.faults & kStopping) ? 1 : 0;
+  };
+  const RunOutcome outcome = orThrow(runAndRecord(*rig, plan));
+  ASSERT_EQ(told, 0U);
+  EXPECT_TRUE(outcome.faulted);
+  EXPECT_GT(outcome.dropped_records, 0U);
+  EXPECT_GT(outcome.summary.stopping_faults, 0U);
+  EXPECT_NE(faultText(outcome.summary).find(faultName(0)), std::string::npos);
+  // No tick went uncounted, whatever was dropped.
+  EXPECT_EQ(outcome.summary.ticks, outcome.counters.ticks_run + outcome.summary.missed_deadlines);
+  EXPECT_EQ(outcome.counters.ticks_run, outcome.summary.records + outcome.dropped_records);
+  EXPECT_FALSE(story.open);
+}
+
+TEST(RunAndRecord, SinkThatThrows_IsToldAndTheLoopRunsOn) {
+  Story story;
+  const auto rig = watched(story);
+  ASSERT_TRUE(rig->renderer->arm());
+  RunPlan plan;
+  plan.duration_ticks = 100;
+  plan.sink = [](const TickRecord&) { throw std::runtime_error("no more paper"); };
+  const RunOutcome outcome = orThrow(runAndRecord(*rig, plan));
+  EXPECT_FALSE(outcome.faulted);
+  EXPECT_GE(outcome.summary.ticks, 100U);
+  ASSERT_EQ(outcome.failures.size(), 1U);
+  EXPECT_EQ(outcome.failures.front(), "sink 1 threw: no more paper");
+}
+
+/// Runs 200 ticks on the simulated clock, is sent a signal in the 50th, and says whether it ended.
+bool isStoppedBy(int signal) {
+  Story story;
+  const auto rig = watched(story);
+  EXPECT_TRUE(rig->renderer->arm());
+  RunPlan plan;
+  plan.duration_ticks = 200;
+  plan.simulated_clock = true;
+  plan.sink = [&](const TickRecord& r) {
+    if (r.tick == 50) {
+      EXPECT_EQ(::raise(signal), 0);
+    }
+  };
+  const RunOutcome outcome = orThrow(runAndRecord(*rig, plan));
+  EXPECT_EQ(outcome.interrupted, outcome.summary.ticks < 200);
+  return outcome.interrupted;
+}
+
+class Signals : public testing::TestWithParam<int> {};
+
+TEST_P(Signals, WhileItRuns_StopItUnlessInheritedAsIgnored) {
+  const auto before = std::signal(GetParam(), SIG_IGN);  // nohup and its like
+  EXPECT_FALSE(isStoppedBy(GetParam()));
+  std::signal(GetParam(), SIG_DFL);
+  EXPECT_TRUE(isStoppedBy(GetParam()));
+  EXPECT_EQ(std::signal(GetParam(), before), SIG_DFL);  // given back
+}
+INSTANTIATE_TEST_SUITE_P(All, Signals,
+                         testing::Values(SIGINT, SIGTERM, SIGHUP, SIGTSTP, SIGQUIT, SIGXCPU,
+                                         SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGPWR),
+                         [](const auto& tested) {
+                           return std::string("SIG") + ::sigabbrev_np(tested.param);
+                         });
+
+// By themselves these would end the process, or freeze it with the last effort held, for no reason
+// that concerns the run: nobody reads what it says, or it said it in the background.
+TEST(HarmlessSignals, WhileItRuns_NeitherEndNorFreezeIt) {
+  for (const int signal : {SIGPIPE, SIGXFSZ, SIGTTOU, SIGTTIN}) {
+    const auto before = std::signal(signal, SIG_DFL);
+    EXPECT_FALSE(isStoppedBy(signal));
+    EXPECT_EQ(std::signal(signal, before), SIG_DFL);  // given back
+  }
+}
+
+TEST(SignalsOfTheProgram, ThatItHandlesItself_StayItsOwn) {
+  static volatile std::sig_atomic_t heard = 0;
+  const auto before = std::signal(SIGUSR1, [](int) { heard = 1; });
+  EXPECT_FALSE(isStoppedBy(SIGUSR1));
+  EXPECT_EQ(heard, 1);
+  std::signal(SIGUSR1, before);
+}
+
+TEST(FaultText, WhatStopsNothing_IsToldApartFromFaults) {
+  TickSummary summary;
+  summary.faults[6] = 1;  // the bits of core/fault.hpp
+  summary.faults[7] = 2;
+  summary.faults[10] = 1;  // a request to stop is neither
+  EXPECT_EQ(faultText(summary), "none");
+  EXPECT_EQ(noticeText(summary), "effort limited in 1 tick, late tick in 2 ticks");
+  summary.faults[0] = 3;
+  EXPECT_EQ(faultText(summary), "device read failed in 3 ticks");
+}
+
+}  // namespace
+}  // namespace wholehand::test
