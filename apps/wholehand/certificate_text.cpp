@@ -17,45 +17,62 @@ std::string marginWord(double margin) {
   return margin > 0.0 && std::isfinite(margin) ? fmt::format("{:.3g}", margin) : "-";
 }
 
-std::string criteriaTable(const Certificate& c) {
-  std::string out =
-      fmt::format("{:<20}{:>8}  {:<8}{:>9}{:>34}{:>18}{:>9}{:>13}{:>8}\n", "", "", "", "rigid",
-                  "worst spectral radius   ", "damping   ", "quanti-", "margin of", "");
-  out += fmt::format("{:<20}{:>8}  {:<8}{:>9}{:>10}{:>9}{:>9}{:>9}{:>9}{:>8}{:>9}{:>7}{:>6}{:>8}\n",
-                     "axis", "K_pm", "", "limit", "free", "rigid", "mass", "spring", "needs", "has",
-                     "sation", "wall", "slew", "all");
+/// Four digits, never "1.2e+04"; "-" where there is no limit.
+std::string limitWord(double limit) {
+  if (!std::isfinite(limit)) return "-";
+  return limit < 1e4 ? fmt::format("{:.4g}", limit) : fmt::format("{:.0f}", limit);
+}
+
+// No table is wider than 80 letters: a terminal would break its lines.
+
+std::string contactTable(const Certificate& c) {
+  std::string out = fmt::format("{:>47}  worst spectral radius\n", "rigid");
+  out += fmt::format("{:<20}{:>8} {:<9}{:>9}{:>8}{:>8}{:>8}{:>8}\n", "axis", "K_pm", "", "limit",
+                     "free", "rigid", "mass", "spring");
   for (const AxisCertificate& a : c.axes) {
-    out += fmt::format("{:<20}{:>8.4g}  {:<8}{:>9.4g} ", a.of.axis.name, a.of.gains.k_pm,
-                       perUnit(a.of.axis), a.rigid_limit);
-    for (const WorstRadius& w : a.contacts) out += fmt::format("{:>9.5f}", w.radius);
-    out += fmt::format("{:>9.3g}{:>8.3g}{:>9.4g}{:>7}{:>6}{:>8.3g}  {}\n", a.damping_required,
-                       a.of.axis.damping, a.quantisationLimit(), marginWord(a.wall.margin),
-                       marginWord(a.of.axis.effort_slew_limit / a.slew_required), a.margin,
-                       a.passes ? "passes" : fmt::format("FAILS: {}", fmt::join(failing(a), ", ")));
+    out += fmt::format("{:<20}{:>8.4g} {:<9}{:>9}", a.of.axis.name, a.of.gains.k_pm,
+                       perUnit(a.of.axis), limitWord(a.rigid_limit));
+    for (const WorstRadius& w : a.contacts) out += fmt::format("{:>8.5f}", w.radius);
+    out += "\n";
   }
   return out + fmt::format(
-                   "all axes together: spectral radius {:.5f} in the worst of {} posture{}, margin "
-                   "{:.3g}  {}\n",
+                   "all axes: spectral radius {:.5f} (worst of {} posture{}), margin {:.3g}"
+                   "  {}\n",
                    c.avatar.radius, c.avatar.postures, plural(c.avatar.postures), c.avatar.margin,
                    c.avatar.radius < 1.0 ? "passes" : "FAILS: avatar");
+}
+
+std::string marginTable(const Certificate& c) {
+  std::string out = fmt::format("\n{:>33}{:>16}{:>18}\n", "damping", "quantisation", "margin of");
+  out += fmt::format("{:<20}{:>8}{:>8}{:>13}{:>7}{:>7}{:>7}\n", "axis", "needs", "has", "limit",
+                     "wall", "slew", "all");
+  for (const AxisCertificate& a : c.axes) {
+    out += fmt::format("{:<20}{:>8.3g}{:>8.3g}{:>13}{:>7}{:>7}{:>7.3g}  {}\n", a.of.axis.name,
+                       a.damping_required, a.of.axis.damping, limitWord(a.quantisationLimit()),
+                       marginWord(a.wall.margin),
+                       marginWord(a.of.axis.effort_slew_limit / a.slew_required), a.margin,
+                       a.passes ? "passes" : "FAILS");
+    if (!a.passes) out += fmt::format("  fails: {}\n", fmt::join(failing(a), ", "));
+  }
+  return out;
 }
 
 std::string admittedTable(const AdvisedCertificate& judged) {
   std::string out = fmt::format("\n{:<20}", "largest K_pm at");
   for (const double rate_hz : kAdmittedRatesHz) {
-    out += fmt::format("{:>9}", fmt::format("{:.0f} kHz", rate_hz / 1e3));
+    out += fmt::format("{:>8}", fmt::format("{:.0f} kHz", rate_hz / 1e3));
   }
-  out += fmt::format("  {:<10}the γ that admits most at {:.4g} Hz\n", "",
-                     1.0 / judged.certificate.period_s);
+  out += fmt::format(" {:<7}{:>6}{:>7}{:>7}\n", "", "γ", "best γ", "admits");
   for (std::size_t i = 0; i < judged.advice.size(); ++i) {
     const AxisCertificate& a = judged.certificate.axes[i];
     const AxisAdvice& advice = judged.advice[i];
     out += fmt::format("{:<20}", a.of.axis.name);
-    for (const double k_pm : advice.admitted_k_pm) out += fmt::format("{:>9.4g}", k_pm);
-    out += fmt::format("  {:<10}{:.2f} ({:.4g}; the file has {:.2g})\n", perUnit(a.of.axis),
-                       advice.best_gamma, advice.best_gamma_k_pm, a.of.gains.gamma);
+    for (const double k_pm : advice.admitted_k_pm) out += fmt::format("{:>8.4g}", k_pm);
+    out += fmt::format(" {:<7}{:>6.2f}{:>7.2f}{:>7.4g}\n", perUnit(a.of.axis), a.of.gains.gamma,
+                       advice.best_gamma, advice.best_gamma_k_pm);
   }
-  return out;
+  return out + fmt::format("(best γ: the one that admits the largest K_pm at {:.4g} Hz)\n",
+                           1.0 / judged.certificate.period_s);
 }
 
 /// What must change on one axis: "k_pm_n_m = 478, k_ps_per_s2 = 2910"; empty where nothing.
@@ -134,7 +151,8 @@ std::string certificateText(const AdvisedCertificate& judged) {
   if (judged.input.level > 0) walls += fmt::format(", level {}", judged.input.level);
   return fmt::format("{} with the gains {}, the hand {}{}\n\n", judged.input.device.name,
                      judged.input.rendering.name, judged.input.hand, walls) +
-         criteriaTable(judged.certificate) + admittedTable(judged) + "\n" + verdict(judged);
+         contactTable(judged.certificate) + marginTable(judged.certificate) +
+         admittedTable(judged) + "\n" + verdict(judged);
 }
 
 }  // namespace wholehand

@@ -229,8 +229,11 @@ int graspingCommand(const ExperimentOptions& options) {
   if (auto done = writeText(plot, slipPlot(tuned.results, jittered.results)); !done) {
     return refuse(done.errors());
   }
-  std::printf("\njittered: %zu trial%s, %d dropped, %d slipped over 0.5 mm, noise at most %.4f N\n",
-              jittered.results.size(), plural(jittered.results.size()), dropped, slipped, noise);
+  std::printf("\n");
+  if (!jittered.results.empty()) {
+    std::printf("jittered: %zu trial%s, %d dropped, %d slipped over 0.5 mm, noise at most %.4f N\n",
+                jittered.results.size(), plural(jittered.results.size()), dropped, slipped, noise);
+  }
   std::printf("%s\n%s\npictures, recordings and scenes in %s\n", json_path.c_str(), plot.c_str(),
               options.folder.c_str());
   const auto faulted = tuned.faulted() + jittered.faulted();

@@ -43,21 +43,23 @@ std::string padded(const std::string& text, std::size_t width) {
   return text + std::string(width > letters ? width - letters : 0, ' ');
 }
 
+// Of one axis; no line is wider than 80 letters, which a terminal would break.
 std::string row(const AxisImpedance& axis, const ImpedanceCurve& curve) {
-  std::string out = padded(axis.axis.name, 20) + padded(contactKey(curve.contact), 8) +
-                    padded(fmt::format("{:g}", curve.phi), 3) + padded(feltSlowly(axis, curve), 18);
+  std::string out = "  " + padded(contactKey(curve.contact), 7) +
+                    padded(fmt::format("{:g}", curve.phi), 3) + padded(feltSlowly(axis, curve), 15);
   for (const double frequency_hz : kTold_hz) {
-    out += padded(polar(best(curve, nearest(curve, frequency_hz))), 16);
+    out += padded(polar(best(curve, nearest(curve, frequency_hz))), 14);
   }
-  if (!curve.not_measured.empty()) return out + "predicted only: " + curve.not_measured + "\n";
-  return out + fmt::format("{:.4f} dB  {:.3f}°{}\n", curve.felt.decibel, curve.felt.degrees,
-                           curve.felt.within() ? "" : "  DIFFERS");
+  if (!curve.not_measured.empty())
+    return out + "\n    predicted only: " + curve.not_measured + "\n";
+  return out + fmt::format("{:.3f} {:.2f}{}\n", curve.felt.decibel, curve.felt.degrees,
+                           curve.felt.within() ? "" : "\n    DIFFERS");
 }
 
 /// With all that the linear model leaves out.
 std::string asBuiltTable(const ImpedanceReport& report) {
   std::string out =
-      "\nWith the device's dry friction and encoder steps, free, Φ = 0, one sine of 1 Hz:\n";
+      "\nWith the device's dry friction and encoder steps, free, Φ = 0, a sine of 1 Hz:\n";
   for (const AxisImpedance& axis : report.axes) {
     const ImpedanceAsBuilt& built = axis.as_built;
     out += padded(axis.axis.name, 20) +
@@ -141,23 +143,24 @@ const std::complex<double>& best(const ImpedanceCurve& curve, const ImpedancePoi
 std::string impedanceText(const ImpedanceReport& report) {
   std::string out = fmt::format(
       "What the person feels: {} with the gains {} and the hand {} at {:.4g} Hz\n"
-      "spring: {:.4g} N/m at the simulated hand, on rotations times the square of the lever "
-      "arm\n\n",
+      "spring: {:.4g} N/m at the simulated hand, on rotations times the lever arm squared\n\n",
       report.device, report.rendering, report.hand, 1.0 / report.period_s,
       report.contact_stiffness_n_m);
-  out += padded("", 31) + padded("felt slowly", 18) + "impedance in N·s/m or N·m·s/rad at\n";
-  out += padded("axis", 20) + padded("contact", 8) + padded("Φ", 3) + padded("(0.1 Hz)", 18);
+  out += padded("", 12) + padded("felt slowly", 15) + padded("effort over velocity at", 42) +
+         "prediction\n";
+  out += "  " + padded("contact", 7) + padded(" Φ", 3) + padded("(0.1 Hz)", 15);
   for (const double frequency_hz : kTold_hz) {
-    out += padded(fmt::format("{:g} Hz", frequency_hz), 16);
+    out += padded(fmt::format("{:g} Hz", frequency_hz), 14);
   }
-  out += "from the prediction\n";
+  out += "off dB  °\n";
   for (const AxisImpedance& axis : report.axes) {
+    out += fmt::format("{} in {}\n", axis.axis.name, impedanceUnit(axis.axis));
     for (const ImpedanceCurve& curve : axis.curves) out += row(axis, curve);
   }
   return out +
-         "\nMeasured on the running renderer with a push of many sines, one axis at a time, the "
-         "others held;\nfree motion in Bullet, contact in the analytic world; the device's dry "
-         "friction and encoder steps,\nwhich are not linear, left out.\n" +
+         "\nMeasured on the running renderer with a push of many sines, one axis at a time,\n"
+         "the others held; free motion in Bullet, contact in the analytic world; the\n"
+         "device's dry friction and encoder steps, which are not linear, left out.\n" +
          asBuiltTable(report) + "\n" + verdict(report);
 }
 
