@@ -17,12 +17,7 @@ constexpr double kPull_n = 3.0, kMass_kg = 0.5, kFriction_n_s_m = 20.0, kPeriod_
 
 class Handle final : public HapticDevice {
  public:
-  Expected<Done> open() override {  // a driver would find, calibrate and power the device here
-    position_ = AxisPosition(3);
-    velocity_ = AxisVelocity(3);
-    effort_ = AxisEffort(3);
-    return Done{};
-  }
+  Expected<Done> open() override { return Done{}; }   // a driver: find, calibrate and power it
   Expected<Done> ready() override { return Done{}; }  // a driver: is it calibrated, and at rest?
   Fault read(DeviceReading& reading, int elapsed_periods) noexcept override {
     for (int period = 0; period < elapsed_periods; ++period) {
@@ -43,9 +38,9 @@ class Handle final : public HapticDevice {
   void close() noexcept override {}
 
  private:
-  AxisPosition position_;
-  AxisVelocity velocity_;
-  AxisEffort effort_;
+  AxisPosition position_{3};
+  AxisVelocity velocity_{3};
+  AxisEffort effort_{3};
 };
 
 int main(int argc, char** argv) {
@@ -64,8 +59,11 @@ int main(int argc, char** argv) {
 
   auto rig = buildRig(*models, std::make_unique<Handle>(), RigOptions{});
   if (!rig) return std::fprintf(stderr, "%s\n", format(rig.errors()).c_str()), 2;
+  // What may move a person is armed by a rehearsal: its worst contacts, simulated, on this machine.
+  auto rehearsal = rehearse(*models, AxisPosition(3), RigOptions{});
+  if (!rehearsal) return std::fprintf(stderr, "%s\n", format(rehearsal.errors()).c_str()), 2;
   HapticRenderer& renderer = *(*rig)->renderer;
-  auto armed = renderer.arm();
+  auto armed = renderer.arm(rehearsal->passed);
   if (!armed) return std::fprintf(stderr, "%s\n", format(armed.errors()).c_str()), 2;
   TickRecord record;
   for (int tick = 0; tick < 2000; ++tick) {

@@ -5,14 +5,17 @@
 ///
 ///   auto models = wholehand::loadModels(files);                 // TOML, every fault at once
 ///   auto rig = wholehand::buildRig(*models, device, options);   // gains checked, world built
-///   (*rig)->renderer->arm();                                    // the hand stands at the device
+///   auto rehearsal = wholehand::rehearse(*models, at, options); // its worst contacts, simulated
+///   (*rig)->renderer->arm(rehearsal->passed);                   // the hand stands at the device
 ///   (*rig)->renderer->tick(1, record);                          // your loop, or
 ///   wholehand::Session session(*(*rig)->renderer, config);      // a real-time thread of its own
 ///
-/// loadModels(), buildRig() and arm() allocate and read files; tick() is real-time safe.
+/// loadModels(), buildRig(), rehearse() and arm() allocate and read files; tick() is real-time
+/// safe.
 
 // IWYU pragma: begin_exports
 #include "assembly/models.hpp"           // loadModels(): device, hand, scene, gains, patient
+#include "assembly/rehearsal.hpp"        // rehearse(): by it what moves a person is armed
 #include "assembly/rig.hpp"              // buildRig(), checkGains()
 #include "core/expected.hpp"             // Expected, Diagnostic
 #include "core/tick_record.hpp"          // TickRecord: all that one tick read, computed and sent

@@ -3,6 +3,7 @@
 #include "assembly/rehearsal_moves.hpp"
 #include "assembly/rehearsal_text.hpp"
 #include "device/simulated/simulated_device.hpp"
+#include "realtime/sanitized.hpp"
 #include "realtime/stage_clock.hpp"
 #include "realtime/thread_setup.hpp"
 
@@ -262,6 +263,14 @@ class Attempt {
 
 }  // namespace
 
+double mostOfPeriod() noexcept {
+#if WHOLEHAND_SANITIZED || !defined(__OPTIMIZE__)
+  return 100.0;
+#else
+  return 0.5;
+#endif
+}
+
 Expected<Rehearsal> rehearse(const Models& models, const AxisPosition& start,
                              const RigOptions& rig_options, const RehearsalOptions& options) {
   const FloatingPointGuard guard;
@@ -283,7 +292,12 @@ Expected<Rehearsal> rehearse(const Models& models, const AxisPosition& start,
     now.attempts = attempt;
     if (!best || now.summary.cpu.p999_ns < best->summary.cpu.p999_ns) best = std::move(now);
     best->attempts = attempt;
-    if (1e-3 * best->summary.cpu.p999_ns <= best->limit_us) return *best;
+    if (1e-3 * best->summary.cpu.p999_ns <= best->limit_us) {
+      if (options.most_of_period <= mostOfPeriod()) {
+        best->passed = RehearsalPassed((*rig)->renderer->config().rehearsal);
+      }
+      return *best;
+    }
     if (run->hopeless()) break;
   }
   return tooSlow(*best, models);

@@ -2,24 +2,24 @@
 
 #include "assembly/models.hpp"
 #include "assembly/rig.hpp"
-#include "realtime/sanitized.hpp"
+#include "renderer/rehearsal_passed.hpp"
 #include "telemetry/statistics.hpp"
 
 #include <functional>
+#include <optional>
 #include <string>
 
 namespace wholehand {
 
-#if WHOLEHAND_SANITIZED || !defined(__OPTIMIZE__)
-inline constexpr double kMostOfPeriod = 100.0;  ///< such a program is for finding mistakes
-#else
-inline constexpr double kMostOfPeriod = 0.5;
-#endif
+/// The share of a period that the 99.9th percentile of a tick's CPU time may take: half. A library
+/// that was built unoptimised or with a sanitizer is for finding mistakes, and takes what it takes.
+[[nodiscard]] double mostOfPeriod() noexcept;
 
 /// How a scene is rehearsed.
 struct RehearsalOptions {
-  /// A larger 99.9th percentile of a tick's CPU time is refused.
-  double most_of_period = kMostOfPeriod;
+  /// A larger 99.9th percentile of a tick's CPU time is refused. More than mostOfPeriod() is for
+  /// finding out: nothing is armed with such a rehearsal.
+  double most_of_period = mostOfPeriod();
   int attempts = 3;                 ///< CPU time is noisy: the best counts
   std::function<bool()> cancelled;  ///< asked before every tick; may be null
 };
@@ -33,6 +33,7 @@ struct Rehearsal {
   int heaviest_contacts = 0;            ///< at most at once, of that body
   int bodies = 0, bodies_touched = 0;
   int attempts = 0;
+  std::optional<RehearsalPassed> passed;  ///< what arm() asks for
 };
 
 /// Runs the worst contacts of a scene against a simulated device on this machine, as fast as it

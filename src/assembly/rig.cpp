@@ -1,14 +1,13 @@
 #include "assembly/rig.hpp"
 
+#include "assembly/rehearsal_fingerprint.hpp"
+#include "assembly/rig_checks.hpp"
 #include "assembly/sampled_inertia.hpp"
 #include "control/certificate_refusal.hpp"
 #include "device/simulated/simulated_device.hpp"
 #include "patient/scripted_player.hpp"
 #include "physics/bullet/bullet_world.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <string>
 
 namespace wholehand {
@@ -37,23 +36,34 @@ std::unique_ptr<PhysicsWorld> makeWorld(const Models& models, const std::string&
   return nullptr;
 }
 
-void refuseAbove(int most, std::size_t count, const char* key, const char* what,
-                 Diagnostics& refused) {
-  if (count <= static_cast<std::size_t>(most)) return;
-  refused.push_back({"", 0, key, std::to_string(count), "are more than a tick has room for",
-                     std::string("at most ") + std::to_string(most) + " " + what});
-}
+// Whom it moves decides what arm() asks for.
+enum class Moves { kMaybeAPerson, kNobody };
 
-// Here, not in the loaders alone: a program may change its models after they were loaded.
-Diagnostics refuseTooLarge(const Models& m) {
-  Diagnostics refused;
-  refuseAbove(kMaxBodies, m.scene.bodies.size(), "bodies", "bodies in a scene", refused);
-  refuseAbove(kMaxLinks, m.hand.links.size(), "links", "links in a hand", refused);
-  refuseAbove(kMaxJoints, static_cast<std::size_t>(std::max(m.hand.joint_count, 0)), "joints",
-              "joints in a hand", refused);
-  const auto axes = static_cast<std::size_t>(std::max(m.hand.axis_count, 0));
-  refuseAbove(kMaxAxes, std::max(axes, m.device.axes.size()), "axes", "axes of a device", refused);
-  return refused;
+Expected<std::unique_ptr<Rig>> buildAround(Models models, std::unique_ptr<HapticDevice> device,
+                                           const RigOptions& options, Moves moves) {
+  if (Diagnostics large = refuseTooLarge(models); !large.empty()) return large;
+  if (Diagnostics limits = refuseImpossibleLimits(models.device); !limits.empty()) return limits;
+  Expected<CheckedGains> checked = checkGains(models, options.period_s);
+  if (!checked) return checked.errors();
+  if (Diagnostics refused = refuseToRender(*checked, options); !refused.empty()) return refused;
+
+  auto rig = std::make_unique<Rig>();
+  rig->models = std::move(models);
+  rig->options = options;
+  rig->gains = checked->gains;
+  rig->refused = checked->refused;
+  rig->device = std::move(device);
+  rig->world = makeWorld(rig->models, options.engine);
+  if (!rig->world) {
+    return Diagnostic{"", 0, "--engine", options.engine, "is not a known engine", "use bullet"};
+  }
+  RendererConfig config =
+      rendererConfig(rig->models, rig->gains, options.period_s, rig->device->simulated());
+  config.rehearsal = rehearsalFingerprint(rig->models, options, checked->fingerprint);
+  config.moves_nobody = moves == Moves::kNobody;
+  rig->renderer = std::make_unique<HapticRenderer>(*rig->device, *rig->world, rig->models.hand,
+                                                   config, rig->models.exercise.get());
+  return rig;
 }
 
 }  // namespace
@@ -108,32 +118,13 @@ Expected<std::unique_ptr<Rig>> buildRig(Models models, std::unique_ptr<HapticDev
                       "is for simulated and replayed devices only",
                       "use gains that `wholehand certify` accepts"};
   }
-  return buildRigThatMovesNobody(std::move(models), std::move(device), options);
+  return buildAround(std::move(models), std::move(device), options, Moves::kMaybeAPerson);
 }
 
 Expected<std::unique_ptr<Rig>> buildRigThatMovesNobody(Models models,
                                                        std::unique_ptr<HapticDevice> device,
                                                        const RigOptions& options) {
-  if (Diagnostics large = refuseTooLarge(models); !large.empty()) return large;
-  Expected<CheckedGains> checked = checkGains(models, options.period_s);
-  if (!checked) return checked.errors();
-  if (Diagnostics refused = refuseToRender(*checked, options); !refused.empty()) return refused;
-
-  auto rig = std::make_unique<Rig>();
-  rig->models = std::move(models);
-  rig->options = options;
-  rig->gains = checked->gains;
-  rig->refused = checked->refused;
-  rig->device = std::move(device);
-  rig->world = makeWorld(rig->models, options.engine);
-  if (!rig->world) {
-    return Diagnostic{"", 0, "--engine", options.engine, "is not a known engine", "use bullet"};
-  }
-  rig->renderer = std::make_unique<HapticRenderer>(
-      *rig->device, *rig->world, rig->models.hand,
-      rendererConfig(rig->models, rig->gains, options.period_s, rig->device->simulated()),
-      rig->models.exercise.get());
-  return rig;
+  return buildAround(std::move(models), std::move(device), options, Moves::kNobody);
 }
 
 }  // namespace wholehand

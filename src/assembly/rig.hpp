@@ -55,12 +55,14 @@ struct Rig {
 [[nodiscard]] Expected<std::unique_ptr<Rig>> buildRig(Models models, std::unique_ptr<Player> player,
                                                       const RigOptions& options);
 
-/// The same around any device. It may hold a person: `uncertified` is refused.
+/// The same around any device. It may hold a person: `uncertified` is refused, and where it is not
+/// simulated() arm() asks for a passed rehearsal (assembly/rehearsal.hpp).
 [[nodiscard]] Expected<std::unique_ptr<Rig>> buildRig(Models models,
                                                       std::unique_ptr<HapticDevice> device,
                                                       const RigOptions& options);
 
 /// The same around a device that moves nobody, `uncertified` or not: a replayed or scripted one.
+/// arm() asks for no rehearsal.
 /// @pre whatever is written to the device, no person feels it
 [[nodiscard]] Expected<std::unique_ptr<Rig>> buildRigThatMovesNobody(
     Models models, std::unique_ptr<HapticDevice> device, const RigOptions& options);

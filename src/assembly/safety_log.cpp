@@ -91,6 +91,7 @@ void SafetyLog::nameFault(const TickRecord& record, SafetyTransition& out) const
     out.axis = record.fault_axis;
     out.cause += " on " + device_.axes[static_cast<std::size_t>(out.axis)].name;
   }
+  if (!known_ && any(out.faults & Fault::kSpeedLimit)) out.cause += " since it was armed";
   measure(record, out);
   if (out.limit != 0.0) {
     out.cause += fmt::format(", {:.3g} {} of {:.3g}", out.value, out.unit, out.limit);

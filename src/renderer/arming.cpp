@@ -12,8 +12,37 @@ constexpr double kNeutralWithin_s = 1.0;
 
 }  // namespace
 
+// Before the device is touched.
+Expected<Done> HapticRenderer::mayArm(const std::optional<RehearsalPassed>& rehearsed) const {
+  if (ramp_.phase != RampPhase::kRendering && !finished()) {
+    return Diagnostic{"", 0, "", "", "the device is still on its way to neutral", "arm again then"};
+  }
+  if (device_.simulated()) return Done{};
+  if (ramp_.phase == RampPhase::kRendering) {
+    return Diagnostic{"", 0, "", "", "the device is armed already", "stop it first"};
+  }
+  if (config_.moves_nobody) return Done{};
+  if (!rehearsed) {
+    return Diagnostic{"",
+                      0,
+                      "",
+                      "",
+                      "the device may move a person, and nothing was rehearsed",
+                      "call rehearse() and arm with what it says has passed"};
+  }
+  if (rehearsed->of() != config_.rehearsal) {
+    return Diagnostic{"",
+                      0,
+                      "",
+                      "",
+                      "what was rehearsed is not what is to be rendered",
+                      "rehearse these models, with these options"};
+  }
+  return Done{};
+}
+
 // What was read lies within the workspace.
-Expected<Done> HapticRenderer::mayArm() const {
+Expected<Done> HapticRenderer::withinWorkspace() const {
   const SupervisorConfig& limits = config_.supervisor;
   DeviceWatchState nothing_known;
   const Finding finding = watchDevice(nothing_known, reading_.q_m, config_.neutral, 1, limits);
@@ -29,18 +58,13 @@ Expected<Done> HapticRenderer::mayArm() const {
                     "move it back by hand, or calibrate the device"};
 }
 
-Expected<Done> HapticRenderer::arm() {
+Expected<Done> HapticRenderer::arm(const std::optional<RehearsalPassed>& rehearsed) {
   // A stop that no tick has seen is a person's: it is never forgotten in silence.
   const std::uint32_t stops = stops_.load(std::memory_order_seq_cst);
   if (std::exchange(stops_seen_, stops) != stops) {
     return Diagnostic{"", 0, "", "", "a stop was asked for", "arm again if it is over"};
   }
-  if (ramp_.phase != RampPhase::kRendering && !finished()) {
-    return Diagnostic{"", 0, "", "", "the device is still on its way to neutral", "arm again then"};
-  }
-  if (ramp_.phase == RampPhase::kRendering && !device_.simulated()) {
-    return Diagnostic{"", 0, "", "", "the device is armed already", "stop it first"};
-  }
+  if (Expected<Done> may = mayArm(rehearsed); !may) return may;
   if (Expected<Done> opened = device_.open(); !opened) return opened;
   const bool was_open = std::exchange(device_open_, true);
   const auto refused = [this, was_open](Diagnostics why) {
@@ -54,16 +78,18 @@ Expected<Done> HapticRenderer::arm() {
       reading_.q_m.size() != config_.gains.axes) {
     return refused({{"", 0, "", "", "the device gives no position", "check that it is connected"}});
   }
-  if (Expected<Done> within = mayArm(); !within) return refused(within.errors());
+  if (Expected<Done> within = withinWorkspace(); !within) return refused(within.errors());
   if (Expected<Done> placed = world_.placeHand(reading_.q_m); !placed) {
     return refused(placed.errors());
   }
+  // The emergencies first: who presses counts the stop first, so that none is taken for an old one.
+  const std::uint32_t emergencies = emergencies_.load(std::memory_order_seq_cst);
   if (const std::uint32_t now = stops_.load(std::memory_order_seq_cst); now != stops) {
     stops_seen_ = now;
     return refused({{"", 0, "", "", "a stop was asked for while the device was being armed", ""}});
   }
   stops_armed_ = stops;
-  emergencies_armed_ = emergencies_.load(std::memory_order_seq_cst);
+  emergencies_armed_ = emergencies;
   armed_position_ = reading_.q_m;
   const int axes = config_.gains.axes;
   velocity_ = VelocityState{};
@@ -79,6 +105,7 @@ Expected<Done> HapticRenderer::arm() {
     query_ = exercise_->query();
   }
   device_watch_ = DeviceWatchState{};
+  device_watch_.q = armed_position_;
   world_watch_ = WorldWatchState{};
   safety_state_ = SafetyState::kArmed;
   latched_ = Fault::kNone;
@@ -89,7 +116,7 @@ Expected<Done> HapticRenderer::arm() {
 
 void HapticRenderer::disarm() noexcept {
   ramp_.phase = RampPhase::kNeutral;
-  ramp_.sent = config_.neutral;
+  ramp_.sent = acknowledged_;  // neutral, unless ticks have followed: then they let it down
   safety_state_ = any(latched_) ? SafetyState::kFaulted : SafetyState::kDisarmed;
 }
 

@@ -14,6 +14,7 @@
 #include "physics/physics_world.hpp"
 #include "renderer/live_settings.hpp"
 #include "renderer/parameter_ramps.hpp"
+#include "renderer/rehearsal_passed.hpp"
 #include "renderer/stage_listener.hpp"
 #include "safety/neutral_ramp.hpp"
 #include "safety/supervisor.hpp"
@@ -22,6 +23,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,6 +41,8 @@ struct RendererConfig {
   EnergyTankConfig tank;        ///< none unless given
   SupervisorConfig supervisor;  ///< none unless given
   LiveSettings live;            ///< what may be changed while it runs; nothing unless given
+  std::string rehearsal;        ///< what a rehearsal of this is of (RehearsalPassed::of())
+  bool moves_nobody = false;    ///< whatever is sent, no person feels it: needs no rehearsal
 };
 
 /// Whole-hand haptic rendering: one tick reads the device, lets the simulated hand follow it in the
@@ -55,13 +59,15 @@ class HapticRenderer {
   /// already (unless simulated), or the hand would be inside a body; and where a stop is asked for
   /// meanwhile. The device is closed again then and nothing else has changed. Clears what was
   /// latched: a person must have asked for it. Not real-time safe.
-  [[nodiscard]] Expected<Done> arm();
+  /// @param rehearsed Rehearsal::passed, of this very rig: without it a device that moves a person
+  /// (neither simulated() nor moves_nobody) is refused
+  [[nodiscard]] Expected<Done> arm(const std::optional<RehearsalPassed>& rehearsed = std::nullopt);
 
   /// One tick; fills the record but for what the session writes, and takes the record's commands.
   /// Real-time safe.
-  /// @param elapsed_periods 1 + periods skipped since the last tick
+  /// @param periods 1 + those skipped since the last tick; 0 counts as 1
   /// @param stages told when each stage ends; may be null
-  WHOLEHAND_RT void tick(std::uint32_t elapsed_periods, TickRecord& record,
+  WHOLEHAND_RT void tick(std::uint32_t periods, TickRecord& record,
                          StageListener* stages = nullptr) noexcept;
 
   /// Takes an arming back that no tick has followed. The device stays open. Not real-time safe.
@@ -111,7 +117,8 @@ class HapticRenderer {
   void makeSafe(std::uint32_t elapsed_periods, TickRecord& record) noexcept;
   [[nodiscard]] AxisEffort withinEffort(TickRecord& record) const noexcept;
   void concludeSafety(TickRecord& record) noexcept;
-  [[nodiscard]] Expected<Done> mayArm() const;
+  [[nodiscard]] Expected<Done> mayArm(const std::optional<RehearsalPassed>& rehearsed) const;
+  [[nodiscard]] Expected<Done> withinWorkspace() const;
   void writeDevice(TickRecord& record) noexcept;
   void stepWorld(TickRecord& record) noexcept;
   void readContacts(TickRecord& record) noexcept;

@@ -9,6 +9,9 @@
 
 namespace wholehand {
 
+/// The most parameters of LiveSettings.
+inline constexpr int kMostLiveSettings = 4;
+
 /// What a therapist may change of the rendering while it runs: less effort than the device's limit,
 /// never more; when the adaptive damping sets in and how fast it fades. Gains stay as certified.
 ///

@@ -13,10 +13,11 @@ constexpr double kTravel = 5.0;         // ranges that the others travel while a
 constexpr double kEffortOfLimit = 0.2;  // that its own effort changes meanwhile
 constexpr double kBodySpeedChange_m_s = 10.0;
 constexpr double kBodySpinChange_rad_s = 500.0;
-constexpr double kAvatarSpeed = 10.0;  // times the device's speed limit
-constexpr int kFastTicks = 2;          // beyond the speed limit, one after another
-constexpr double kGap_s = 0.005;       // after which the effort is blended anew
-constexpr double kGapsWithin_s = 1.0;  // are counted together
+constexpr double kAvatarSpeed = 10.0;   // times the device's speed limit
+constexpr int kFastTicks = 2;           // beyond the speed limit, one after another
+constexpr double kMovedOfRange = 0.05;  // between arming and the first tick
+constexpr double kGap_s = 0.005;        // after which the effort is blended anew
+constexpr double kGapsWithin_s = 1.0;   // are counted together
 constexpr std::uint32_t kStall_periods = 5;
 constexpr double kCatchUp_s = 0.2;
 
@@ -60,6 +61,17 @@ void watchMotion(DeviceWatchState& state, const AxisPosition& q_m, double elapse
     if (!(moved <= kJump * allowed)) {
       add(finding, Fault::kEncoderJump, i);
     } else if (fast >= kFastTicks) {
+      add(finding, Fault::kSpeedLimit, i);
+    }
+  }
+}
+
+// The simulated hand stands where the device was armed, and only there nothing was in its way.
+void watchArmed(const AxisPosition& armed, const AxisPosition& q_m, const SupervisorConfig& config,
+                Finding& finding) noexcept {
+  for (int i = 0; i < armed.size(); ++i) {
+    const double allowed = kMovedOfRange * (config.upper[i] - config.lower[i]);
+    if (!(std::abs(q_m[i] - armed[i]) <= allowed + kCounts * config.encoder_step[i])) {
       add(finding, Fault::kSpeedLimit, i);
     }
   }
@@ -136,6 +148,7 @@ Finding watchDevice(DeviceWatchState& state, const AxisPosition& q_m, const Axis
     }
   }
   if (state.fresh) {
+    watchArmed(state.q, q_m, config, finding);
     state = DeviceWatchState{};
     state.fresh = false;
     state.still_at = q_m;

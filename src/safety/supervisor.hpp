@@ -46,8 +46,8 @@ struct DeviceWatchState {
   int late_in_a_row = 0;
   std::array<double, kMostGaps> since_gap_s{9.0, 9.0, 9.0};  ///< the latest first; 9 s: none yet
   std::array<int, kMaxAxes> fast_ticks{};  ///< beyond the speed limit, one after another
-  AxisPosition q;
-  AxisPosition still_at;                            ///< where an axis stands still, if it does
+  AxisPosition q;         ///< at the last tick; before the first, when it was armed
+  AxisPosition still_at;  ///< where an axis stands still, if it does
   std::array<double, kMaxAxes> still_s{};           ///< for so long
   std::array<double, kMaxAxes> travelled_before{};  ///< `travelled` when that began
   AxisEffort least, most;                           ///< effort sent since then
@@ -56,7 +56,8 @@ struct DeviceWatchState {
 
 /// Judges what was read, before anything is computed from it:
 ///   kSpeedLimit    |Δq| > q̇_max kT + 2δ, in two ticks one after another: a reading may be late,
-///                  and the next is early then
+///                  and the next is early then. In the first tick: more than a twentieth of the
+///                  range from where it was armed, at rest
 ///   kEncoderJump   |Δq| > 3 q̇_max kT + 2δ: no hand moves so
 ///   kWorkspace     beyond the range by more than the margin
 ///   kEncoderStuck  within a count and a half for stuck_encoder_s, not at a stop, while the axis's

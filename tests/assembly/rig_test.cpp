@@ -61,6 +61,64 @@ TEST(BuildRig, ModelsPushedBeyondTheTicksRoom_AreRefused) {
   expectTooLarge(axes, "axes", "17");
 }
 
+/// An exercise that only describes itself.
+class Described final : public Exercise {
+ public:
+  Described(std::size_t parameters, std::size_t values) {
+    text_.parameters.resize(parameters);
+    text_.value_names.resize(values);
+  }
+  [[nodiscard]] const ExerciseDescription& description() const noexcept override { return text_; }
+  void reset() override {}
+  [[nodiscard]] WorldQuery query() const noexcept override { return {}; }
+  void tick(const ExerciseInput&, ExerciseRecord&, BodyPlacements&) noexcept override {}
+  [[nodiscard]] std::unique_ptr<Player> makePlayer(std::uint64_t) const override { return nullptr; }
+
+ private:
+  ExerciseDescription text_;
+};
+
+// An exercise reads its parameters from a row of 24, of which the rendering has four.
+TEST(BuildRig, ExerciseWithMoreParametersOrValuesThanATickHolds_IsRefused) {
+  Models models = load(shippedFiles(kDevice));
+  Story story;
+  models.exercise = std::make_shared<Described>(20, 48);
+  EXPECT_TRUE(buildRig(models, std::make_unique<WatchedDevice>(story), {}));  // just fits
+  models.exercise = std::make_shared<Described>(21, 0);
+  expectTooLarge(models, "parameters", "21");
+  models.exercise = std::make_shared<Described>(0, 49);
+  expectTooLarge(models, "values", "49");
+}
+
+// The loader refuses such a file; a program may make such a model.
+TEST(BuildRig, LimitsThatHoldNothing_AreRefusedByName) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto refusedFor = [](auto change) {
+    Models models = load(shippedFiles(kDevice));
+    change(models.device, models.device.axes[1]);
+    Story story;
+    const auto rig = buildRig(models, std::make_unique<WatchedDevice>(story), {});
+    return rig ? std::string("built") : rig.errors().front().key;
+  };
+  using Device = DeviceModel&;
+  using Axis = DeviceAxis&;
+  EXPECT_EQ(refusedFor([](Device, Axis) {}), "built");
+  EXPECT_EQ(refusedFor([&](Device, Axis a) { a.effort_limit = nan; }), "y.effort_limit");
+  EXPECT_EQ(refusedFor([&](Device, Axis a) { a.effort_limit = 0.0; }), "y.effort_limit");
+  EXPECT_EQ(refusedFor([&](Device, Axis a) { a.speed_limit = nan; }), "y.speed_limit");
+  EXPECT_EQ(refusedFor([&](Device, Axis a) { a.effort_slew_limit = nan; }), "y.effort_slew_limit");
+  // 1.5 / 80 ms is the ramp's steepest, from one limit to the other: 37.5 limits a second.
+  EXPECT_EQ(refusedFor([&](Device, Axis a) { a.effort_slew_limit = 37.0 * a.effort_limit; }),
+            "y.effort_slew_limit");
+  EXPECT_EQ(refusedFor([&](Device, Axis a) { a.neutral_effort = nan; }), "y.neutral_effort");
+  EXPECT_EQ(refusedFor([&](Device, Axis a) { a.neutral_effort = -1.1 * a.effort_limit; }),
+            "y.neutral_effort");
+  EXPECT_EQ(refusedFor([&](Device, Axis a) { std::swap(a.lower, a.upper); }), "y.range");
+  EXPECT_EQ(refusedFor([&](Device, Axis a) { a.workspace_margin = nan; }), "y.workspace_margin");
+  EXPECT_EQ(refusedFor([&](Device d, Axis) { d.power_limit_w = nan; }), "power_limit_w");
+  EXPECT_EQ(refusedFor([&](Device d, Axis) { d.power_limit_w = 0.0; }), "power_limit_w");
+}
+
 TEST(Rig, AtItsEnd_ClosesTheDevice) {
   Story story;
   auto rig = watched(story);

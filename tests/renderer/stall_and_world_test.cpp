@@ -196,6 +196,8 @@ double swingAgainstAWall(Stalls stalls, double reengage_s) {
   for (PatientAxis& axis : m.patient.axes) {
     if (axis.name == "x") axis.mass = 1.0, axis.damping = 5.0, axis.stiffness = 100.0;
   }
+  // Without the damping that a palm's contact brings, which would hide the swing.
+  for (AxisRendering& axis : m.rendering.axes) axis.palm_contact = false;
   AxisPosition away(m.device.axisCount());
   for (int a = 0; a < away.size(); ++a) {
     away[a] = std::lerp(m.device.axes[a].lower, m.device.axes[a].upper, 0.4);

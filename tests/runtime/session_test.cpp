@@ -67,6 +67,7 @@ struct Rail {
     config.damping = makeAdaptiveDamping(device_model, rendering);
     config.effort_limit = AxisEffort(1, 20.0);
     config.neutral = device_model.neutral();
+    config.moves_nobody = true;  // though everything is watched
     renderer = std::make_unique<HapticRenderer>(*faulty, world, hand, config);
     EXPECT_TRUE(renderer->arm());
     session = std::make_unique<Session>(*renderer, session_config);

@@ -115,6 +115,22 @@ TEST_F(DeviceWatch, FirstReading_KnowsNoSpeed) {
   EXPECT_EQ(see(at(0.09)).faults, Fault::kNone);
 }
 
+// A twentieth of the range, 0.2 m, and two counts.
+TEST_F(DeviceWatch, FirstReadingSinceArming_MayBeATwentiethOfTheRangeAway) {
+  const double way = 0.01 + 2.0 * kCount;
+  for (const double sign : {1.0, -1.0}) {
+    state_ = DeviceWatchState{};
+    state_.q = at(0.02);
+    EXPECT_EQ(see(at(0.02 + sign * (way - 1e-9))).faults, Fault::kNone);
+    state_ = DeviceWatchState{};
+    state_.q = at(0.02);
+    const Finding moved = see(at(0.02 + sign * (way + 1e-9)));
+    EXPECT_EQ(moved.faults, Fault::kSpeedLimit);
+    EXPECT_EQ(moved.axis, 0);
+    EXPECT_EQ(see(at(0.02 + sign * (way + 1e-9))).faults, Fault::kNone);  // said once
+  }
+}
+
 TEST_F(DeviceWatch, Workspace_EndsAtTheMarginBeyondTheRange) {
   EXPECT_EQ(see(at(0.105 - 1e-9)).faults, Fault::kNone);
   state_ = DeviceWatchState{};

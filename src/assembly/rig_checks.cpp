@@ -1,0 +1,89 @@
+#include "assembly/rig_checks.hpp"
+
+#include "dynamics/articulated_body.hpp"
+#include "renderer/live_settings.hpp"
+#include "safety/neutral_ramp.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace wholehand {
+namespace {
+
+void refuseAbove(int most, std::size_t count, const char* key, const char* what,
+                 Diagnostics& refused) {
+  if (count <= static_cast<std::size_t>(most)) return;
+  refused.push_back({"", 0, key, std::to_string(count), "are more than a tick has room for",
+                     std::string("at most ") + std::to_string(most) + " " + what});
+}
+
+// From one limit to the other at the ramp's steepest: slower, neutral would come too late.
+double leastSlew(const DeviceAxis& axis) {
+  return 2.0 * axis.effort_limit * 1.5 / NeutralRampConfig{}.ramp_s;
+}
+
+// A limit of 0 renders nothing, one that is no number holds nothing.
+bool isLimit(double value) {
+  return std::isfinite(value) && value > 0.0;
+}
+
+}  // namespace
+
+Diagnostics refuseTooLarge(const Models& m) {
+  Diagnostics refused;
+  refuseAbove(kMaxBodies, m.scene.bodies.size(), "bodies", "bodies in a scene", refused);
+  refuseAbove(kMaxLinks, m.hand.links.size(), "links", "links in a hand", refused);
+  refuseAbove(kMaxJoints, static_cast<std::size_t>(std::max(m.hand.joint_count, 0)), "joints",
+              "joints in a hand", refused);
+  const auto axes = static_cast<std::size_t>(std::max(m.hand.axis_count, 0));
+  refuseAbove(kMaxAxes, std::max(axes, m.device.axes.size()), "axes", "axes of a device", refused);
+  if (m.exercise == nullptr) return refused;
+  const ExerciseDescription& exercise = m.exercise->description();
+  refuseAbove(kMaxLiveParameters - kMostLiveSettings, exercise.parameters.size(), "parameters",
+              "live parameters of an exercise", refused);
+  refuseAbove(kMaxExerciseValues, exercise.value_names.size(), "values", "values of an exercise",
+              refused);
+  return refused;
+}
+
+Diagnostics refuseImpossibleLimits(const DeviceModel& device) {
+  Diagnostics refused;
+  const auto refuse = [&](const std::string& axis, const char* key, double value, const char* why,
+                          const std::string& remedy) {
+    refused.push_back({device.path, 0, axis + key, fmt::format("{:.6g}", value), why, remedy});
+  };
+  for (const DeviceAxis& axis : device.axes) {
+    const std::string of = axis.name + ".";
+    if (!isLimit(axis.effort_limit)) {
+      refuse(of, "effort_limit", axis.effort_limit, "limits nothing", "must be a number > 0");
+    }
+    if (!isLimit(axis.speed_limit)) {
+      refuse(of, "speed_limit", axis.speed_limit, "limits nothing", "must be a number > 0");
+    }
+    const double least_slew = leastSlew(axis);
+    if (!isLimit(axis.effort_slew_limit) || axis.effort_slew_limit < least_slew) {
+      refuse(of, "effort_slew_limit", axis.effort_slew_limit,
+             "is too low to reach neutral within 100 ms, or no number",
+             fmt::format("must be at least {:.6g}", least_slew));
+    }
+    if (!(std::isfinite(axis.lower) && std::isfinite(axis.upper) && axis.lower < axis.upper)) {
+      refuse(of, "range", axis.lower, "is no range", "the lower end must be below the upper one");
+    }
+    if (!(std::isfinite(axis.workspace_margin) && axis.workspace_margin >= 0.0)) {
+      refuse(of, "workspace_margin", axis.workspace_margin, "is no margin", "must be >= 0");
+    }
+    if (!(std::abs(axis.neutral_effort) <= axis.effort_limit)) {
+      refuse(of, "neutral_effort", axis.neutral_effort, "exceeds the effort limit",
+             "the device could not carry its own weight");
+    }
+  }
+  if (!(device.power_limit_w > 0.0)) {  // infinity: none is held
+    refuse("", "power_limit_w", device.power_limit_w, "limits nothing", "must be > 0");
+  }
+  return refused;
+}
+
+}  // namespace wholehand

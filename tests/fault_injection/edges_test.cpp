@@ -1,0 +1,163 @@
+// The edges of a run: between arming and the first tick, a machine that slept, an arming that is
+// taken back, two faults in one tick.
+#include "fault_injection/fault_bench.hpp"
+#include "support/seed.hpp"
+
+#include <climits>
+
+namespace wholehand::test {
+namespace {
+
+const Workbench& workbench() {
+  static const Workbench bench("lambda-pride");
+  return bench;
+}
+
+/// The reading is off from the first tick on, not yet when it is armed.
+Sabotage movedBy(int axis, double way) {
+  Sabotage out;
+  out.device = {{InjectedKind::kEncoderJump, 1, INT_MAX - 1, axis, way}};
+  return out;
+}
+
+// The simulated hand stands where the device was armed. A device elsewhere would be pulled back
+// there as soon as the effort is blended in, through whatever is in between.
+TEST(MovedSinceArming, BeyondATwentiethOfTheRange_IsFaultedAndNothingEverPushes) {
+  const RendererConfig& config = workbench().config();
+  std::mt19937_64 random = seededRandom(31);
+  for (int axis = 0; axis < workbench().axes(); ++axis) {
+    const DeviceAxis& of = workbench().models().device.axes[static_cast<std::size_t>(axis)];
+    for (const double sign : {1.0, -1.0}) {
+      Bench bench(workbench(), movedBy(axis, sign * 0.06 * (of.upper - of.lower)), random, config);
+      ASSERT_TRUE(bench.renderer.arm());
+      for (int k = 0; k < 300; ++k) {
+        const TickRecord& r = bench.tick();
+        ASSERT_TRUE(same(r.sent, config.neutral)) << of.name << ", tick " << k;
+        ASSERT_EQ(r.safety_state, SafetyState::kFaulted);
+        if (k > 0) continue;
+        EXPECT_EQ(r.faults & kStopping, Fault::kSpeedLimit);
+        EXPECT_EQ(r.fault_axis, axis);
+      }
+      bench.device.clear();
+      EXPECT_TRUE(bench.renderer.arm());  // a person who holds still may try again
+      EXPECT_EQ(bench.tick().safety_state, SafetyState::kArmed);
+    }
+  }
+}
+
+TEST(MovedSinceArming, ByLess_IsBlendedIn) {
+  const RendererConfig& config = workbench().config();
+  std::mt19937_64 random = seededRandom(32);
+  for (int axis = 0; axis < workbench().axes(); ++axis) {
+    const DeviceAxis& of = workbench().models().device.axes[static_cast<std::size_t>(axis)];
+    Bench bench(workbench(), movedBy(axis, 0.04 * (of.upper - of.lower)), random, config);
+    ASSERT_TRUE(bench.renderer.arm());
+    Witness witness(config);
+    for (int k = 0; k < 250; ++k) {
+      witness.see(bench.tick());
+      ASSERT_EQ(bench.record.faults & kStopping, Fault::kNone) << of.name << ", tick " << k;
+    }
+    EXPECT_EQ(witness.problem(), "");
+    EXPECT_EQ(bench.record.safety_state, SafetyState::kRendering);
+  }
+}
+
+/// Stands still, however much time is said to pass.
+class StillDevice final : public HapticDevice {
+ public:
+  explicit StillDevice(const AxisPosition& at) : at_(at) {}
+  [[nodiscard]] Expected<Done> open() override { return Done{}; }
+  [[nodiscard]] Expected<Done> ready() override { return Done{}; }
+  [[nodiscard]] Fault read(DeviceReading& reading, int elapsed_periods) noexcept override {
+    reading.q_m = at_;
+    least_periods = std::min(least_periods, elapsed_periods);
+    return Fault::kNone;
+  }
+  [[nodiscard]] Fault write(const AxisEffort&) noexcept override { return Fault::kNone; }
+  void close() noexcept override {}
+  int least_periods = INT_MAX;
+
+ private:
+  AxisPosition at_;
+};
+
+// At 8 kHz 2^31 periods are three days: a process that was stopped, a machine that was paused.
+TEST(LongSleep, OfMorePeriodsThanAnIntHolds_IsALongGapAndNoTimeTravel) {
+  for (const std::uint32_t periods : {3'000'000'000U, UINT32_MAX}) {
+    StillDevice device(inside(workbench().models().device));
+    AnalyticWorld world(workbench().models().hand,
+                        Bench::stopOnFirst(workbench().models().hand.axis_count));
+    HapticRenderer renderer(device, world, workbench().models().hand, workbench().config());
+    ASSERT_TRUE(renderer.arm());
+    TickRecord r;
+    for (int k = 0; k < 300; ++k) renderer.tick(1, r);
+    ASSERT_EQ(r.safety_state, SafetyState::kRendering);
+    renderer.tick(periods, r);
+    EXPECT_EQ(r.faults & Fault::kLongGap, Fault::kLongGap);
+    EXPECT_EQ(r.safety_state, SafetyState::kFaulted);
+    EXPECT_GE(device.least_periods, 1);
+  }
+}
+
+TEST(NoPeriod, OfALoopThatSaysZero_CountsAsOne) {
+  std::mt19937_64 random = seededRandom(33);
+  Bench bench(workbench(), {}, random, workbench().config());
+  ASSERT_TRUE(bench.renderer.arm());
+  for (int k = 0; k < 300; ++k) {
+    bench.renderer.tick(0, bench.record);
+    ASSERT_EQ(bench.record.faults & kStopping, Fault::kNone) << k;
+    ASSERT_EQ(bench.record.elapsed_periods, 1U);
+  }
+}
+
+// Whoever takes an arming back when ticks have followed gets a device that is let down, not
+// dropped.
+TEST(Disarm, WhileItPushes_IsFollowedByNoStep) {
+  const RendererConfig& config = workbench().config();
+  std::mt19937_64 random = seededRandom(34);
+  double largest = 0.0;
+  for (int i = 0; i < 6; ++i) {
+    Bench bench(workbench(), {}, random, config);
+    ASSERT_TRUE(bench.renderer.arm());
+    Witness witness(config);
+    for (int k = 0; k < 300 + 20 * i; ++k) witness.see(bench.tick());
+    for (int a = 0; a < workbench().axes(); ++a) {
+      largest = std::max(largest, std::abs(bench.record.sent[a] - config.neutral[a]) /
+                                      config.supervisor.most_change[a]);
+    }
+    bench.renderer.disarm();
+    for (int k = 0; k < kNeutralWithin; ++k) witness.see(bench.tick());
+    EXPECT_EQ(witness.problem(), "");
+    EXPECT_TRUE(witness.atNeutral());
+    EXPECT_TRUE(bench.renderer.atNeutral());
+  }
+  EXPECT_GT(largest, 1.0);  // a step would have shown
+}
+
+// What stops the run is what somebody will look for, not an effort that was clamped beside it.
+TEST(TwoFaults, ClampedOnOneAxisAndNoNumberOnAnother_NameTheOneThatStops) {
+  std::mt19937_64 random = seededRandom(35);
+  const RendererConfig& config = workbench().config();
+  int clamped = 0;
+  for (int i = 0; i < 10; ++i) {
+    Sabotage sabotage;
+    sabotage.push = Push::kNan;
+    sabotage.push_tick = 300 + 10 * i;
+    sabotage.push_axis = 2;
+    Bench bench(workbench(), sabotage, random, config);
+    // As a therapist who allows the least: what is clamped then is known before the device's limit.
+    std::vector<double> least;
+    for (const LiveParameter& p : bench.renderer.liveParameters()) least.push_back(p.lower);
+    bench.renderer.startParametersAt(least);
+    ASSERT_TRUE(bench.renderer.arm());
+    while (!any(bench.tick().faults & kStopping)) {
+    }
+    EXPECT_EQ(bench.record.faults & kStopping, Fault::kNonFiniteEffort);
+    EXPECT_EQ(bench.record.fault_axis, 2);
+    clamped += any(bench.record.faults & Fault::kEffortLimit) ? 1 : 0;
+  }
+  EXPECT_GT(clamped, 0);
+}
+
+}  // namespace
+}  // namespace wholehand::test
