@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <exception>
 #include <mutex>
 #include <random>
 #include <thread>
@@ -54,9 +55,11 @@ struct UdpBridge::Core {
             [this](const UdpEndpoint& to, std::span<const std::uint8_t> bytes) {
               return socket.send(to, bytes);
             },
-            (std::uint64_t{std::random_device{}()} << 32U) ^ std::random_device{}()) {}
+            (std::uint64_t{std::random_device{}()} << 32U) ^ std::random_device{}()),
+        counters(counters) {}
 
   void run(ServerBackend& backend, const std::shared_ptr<Core>& self);
+  void goRound(ServerBackend& backend, const std::shared_ptr<Core>& self);
   void receiveAll();
   void sendIdle(ServerBackend& backend);
   void carryOut(ServerBackend& backend, const std::shared_ptr<Core>& self);
@@ -64,7 +67,8 @@ struct UdpBridge::Core {
   UdpSocket socket;
   std::mutex mutex;  ///< guards host and open; nothing of the backend is called while it is held
   udp::Host host;
-  bool open = true;  ///< false: the bridge is gone, and with it the counters
+  UdpCounters& counters;  ///< while the thread runs
+  bool open = true;       ///< false: the bridge is gone, and with it the counters
   std::atomic<bool> stopping{false};
   std::atomic<std::int64_t> published_ns{0};
   std::thread thread;
@@ -121,19 +125,28 @@ void UdpBridge::publish(const TickRecord& record) {
   if (core.open) core.host.publish(record, core.status, now_ns);
 }
 
+// An exception here must end neither the process nor the loop in it: all else goes on.
 void UdpBridge::Core::run(ServerBackend& backend, const std::shared_ptr<Core>& self) {
   while (!stopping) {
     socket.wait(kPace_ms);
-    auto scene = backend.scene();
-    {
-      const std::lock_guard lock(mutex);
-      host.setScene(std::move(scene), monotonicNow_ns());
-      receiveAll();
-      host.advance(monotonicNow_ns());
+    try {
+      goRound(backend, self);
+    } catch (const std::exception&) {
+      ++counters.exceptions;
     }
-    carryOut(backend, self);
-    sendIdle(backend);
   }
+}
+
+void UdpBridge::Core::goRound(ServerBackend& backend, const std::shared_ptr<Core>& self) {
+  auto scene = backend.scene();
+  {
+    const std::lock_guard lock(mutex);
+    host.setScene(std::move(scene), monotonicNow_ns());
+    receiveAll();
+    host.advance(monotonicNow_ns());
+  }
+  carryOut(backend, self);
+  sendIdle(backend);
 }
 
 void UdpBridge::Core::receiveAll() {
@@ -156,13 +169,18 @@ void UdpBridge::Core::carryOut(ServerBackend& backend, const std::shared_ptr<Cor
     orders = host.takeOrders();
   }
   for (const udp::PendingOrder& pending : orders) {
-    backend.order(pending.order,
-                  [weak = std::weak_ptr<Core>(self), pending](const OrderReply& reply) {
-                    const auto core = weak.lock();
-                    if (core == nullptr) return;
-                    const std::lock_guard lock(core->mutex);
-                    if (core->open) core->host.answer(pending, reply, monotonicNow_ns());
-                  });
+    const auto answer = [weak = std::weak_ptr<Core>(self), pending](const OrderReply& reply) {
+      const auto core = weak.lock();
+      if (core == nullptr) return;
+      const std::lock_guard lock(core->mutex);
+      if (core->open) core->host.answer(pending, reply, monotonicNow_ns());
+    };
+    try {
+      backend.order(pending.order, answer);
+    } catch (const std::exception& error) {  // the next one may be an emergency stop
+      ++counters.exceptions;
+      answer(refused(Refusal::kFailed, std::string("failed: ") + error.what()));
+    }
   }
 }
 

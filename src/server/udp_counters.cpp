@@ -33,6 +33,7 @@ std::string udpMetricsText(const UdpCounters& c) {
   add("commands_refused_total", "counter", "Commands refused.", c.commands_refused);
   add("silences_total", "counter", "Games with the controls that were silent for 200 ms.",
       c.silences);
+  add("exceptions_total", "counter", "Orders and rounds that the program gave up.", c.exceptions);
   add("games_lost_total", "counter", "Games removed for silence.", c.peers_lost);
   out +=
       "# HELP wholehand_udp_ignored_total Datagrams and commands ignored, by reason.\n"

@@ -116,6 +116,20 @@ TEST_F(UdpBridgeOnLoopback, SilentGame_FadesTheExerciseOutAndBack) {
   ASSERT_TRUE(g.until([&] { return backend.ownerAlive() == 1.0; }));
 }
 
+TEST_F(UdpBridgeOnLoopback, ProgramThatThrows_LosesNobodyAndNoEmergencyStop) {
+  SocketGame g(bridge.local());
+  ASSERT_TRUE(g.connect(0));
+  g.game.command(words::takeControls(1));
+  ASSERT_TRUE(g.until([&] { return g.game.replies().count(1) != 0; }));
+  g.game.command(words::setParameter(2, "throw", 0.5));
+  g.game.command(words::emergencyStop(3));
+  ASSERT_TRUE(g.until([&] { return g.game.replies().count(2) + g.game.replies().count(3) == 2; }));
+  EXPECT_FALSE(g.game.replies().at(2).first);
+  EXPECT_TRUE(g.game.replies().at(3).first);
+  EXPECT_EQ(backend.status().run_state, RunState::kStopped);
+  EXPECT_EQ(bridge.counters().exceptions, 1U);
+}
+
 TEST_F(UdpBridgeOnLoopback, OversizedDatagram_IsCounted) {
   SocketGame g(bridge.local());
   const TestGame::Bytes large(3000, 1);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@ class FakeBackend : public ServerBackend {
 
   void order(const Order& order, std::function<void(OrderReply)> done) override {
     OrderReply reply;
+    if (order.name == "throw") throw std::runtime_error("asked for");
     {
       const std::lock_guard lock(mutex_);
       const bool stops = order.type == OrderType::kStop || order.type == OrderType::kEmergencyStop;
