@@ -34,8 +34,9 @@ export class SmallBar {
     return new SmallBar(new BarScene(canvas, { quality, tone: 'honey', view: 'console' }), canvas, quality, asked === quality);
   }
 
-  get drawnIn(): Quality {
-    return this.quality;
+  /** None until all of it can be drawn. */
+  get drawnIn(): Quality | 'none' {
+    return this.scene.whole ? this.quality : 'none';
   }
 
   setScene(scene: SceneT): void {

@@ -183,3 +183,8 @@ export function helpCard(ways: readonly HelpSection[], close: () => void): { car
     h('div', { class: 'sections', tabindex: 0, role: 'group', 'aria-labelledby': 'help-title' }, ...ways.map((section) => h('section', {}, h('h2', { class: 't-m' }, section.name), helpList(section)))));
   return { card, first };
 }
+
+/** Said where the bar cannot be drawn; the words go on. */
+export function noPictureCard(): HTMLElement {
+  return h('section', { class: 'card nopicture', role: 'note', 'data-testid': 'nopicture' }, h('h2', { class: 't-l' }, text('webgl.title')), h('p', { class: 't-s' }, text('webgl.what')));
+}

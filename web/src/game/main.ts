@@ -5,8 +5,9 @@ import { openConnection } from '../net/open_connection';
 import type { WorldStateT } from '../protocol';
 import { h } from '../shared/dom';
 import { onLanguage, startLanguage, text } from '../shared/i18n';
+import { noPictureCard } from './dialogs';
 import { ClockOffset, FrameStats, type WholehandStats } from './frame_stats';
-import { Game, noPictureCard } from './game';
+import { Game } from './game';
 import { loadPicture, type Picture, type QualityWatch } from './picture';
 
 declare global {
@@ -26,7 +27,7 @@ page.append(play);
 
 const connection = await openConnection();
 const controls = new Controls(connection, play);
-const game = new Game(page, connection, controls, null, play);
+const game = new Game(page, play, connection, controls);
 onLanguage(() => {
   document.title = text('game.title');
   play.setAttribute('aria-label', text('game.picture'));
@@ -38,7 +39,7 @@ let quality: QualityWatch | null = null;
 let framed_ms = 0;
 let drawn: WorldStateT | null = null;
 
-Object.defineProperty(window, 'wholehandStats', { get: () => stats.report(quality?.now ?? 'none') });
+Object.defineProperty(window, 'wholehandStats', { get: () => stats.report(picture?.whole && quality ? quality.now : 'none') });
 
 function frame(now_ms: number): void {
   requestAnimationFrame(frame);

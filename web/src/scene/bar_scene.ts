@@ -114,7 +114,7 @@ export class BarScene {
   }
 
   /** Whether all of it is drawn: room, things and hand are made beside the page's own work. */
-  get whole(): boolean { return this.compiled && this.hand !== undefined; }
+  get whole(): boolean { return this.compiled && (this.hand !== undefined || !this.handBegun); }
 
   /** @param now_ms of requestAnimationFrame */
   render(now_ms: number): void {
