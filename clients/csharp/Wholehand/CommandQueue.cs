@@ -19,6 +19,7 @@ namespace Wholehand
             public byte[] Message;
             public TaskCompletionSource<CommandReply> Done;
             public long BegunNs = -1, SentNs;
+            public bool Emergency;
         }
 
         private readonly LinkedList<Waiting> waiting = new LinkedList<Waiting>();
@@ -30,6 +31,7 @@ namespace Wholehand
             {
                 Id = id,
                 Message = message,
+                Emergency = dropOthers,
                 Done = new TaskCompletionSource<CommandReply>(TaskCreationOptions.RunContinuationsAsynchronously)
             };
             waiting.AddLast(command);
@@ -60,12 +62,13 @@ namespace Wholehand
             return null;
         }
 
-        /// <summary>An answer; 0 answers a message that the program could not read.</summary>
+        /// <summary>An answer; 0 answers a message that the program could not read: which one, it does not
+        /// say. An emergency stop is none, and goes on being sent.</summary>
         public void Answer(uint id, CommandReply reply)
         {
             if (waiting.Count == 0) return;
             Waiting first = waiting.First.Value;
-            if (first.BegunNs < 0 || (id != first.Id && id != 0)) return;
+            if (first.BegunNs < 0 || (id != first.Id && (id != 0 || first.Emergency))) return;
             waiting.RemoveFirst();
             first.Done.TrySetResult(reply);
         }

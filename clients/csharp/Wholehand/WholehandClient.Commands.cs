@@ -58,6 +58,10 @@ namespace Wholehand
         /// <summary>Empty texts and level 0: as it is.</summary>
         public Task<CommandReply> LoadExercise(string exercise, int level = 0, string hand = "")
         {
+            if (level < 0 || level > ushort.MaxValue)
+            {
+                return Task.FromResult(new CommandReply(false, "there is no level " + level));
+            }
             return Ask(Order.LoadExercise, b =>
             {
                 StringOffset name = b.CreateString(exercise ?? "");
@@ -86,10 +90,15 @@ namespace Wholehand
         }
 
         /// <summary>Where the person wants the hand to be, per axis; sent once and at once, since the next
-        /// one corrects it. Only the first that is refused is answered, through ReplyReceived.</summary>
+        /// one corrects it. Only the first that is refused is answered, through ReplyReceived. Throws
+        /// ArgumentException for a posture without axes or with a number that is not finite.</summary>
         public void Aim(float[] position)
         {
             if (position == null || position.Length < 1) throw new ArgumentException("no axes", "position");
+            foreach (float p in position)
+            {
+                if (float.IsNaN(p) || float.IsInfinity(p)) throw new ArgumentException("not finite", "position");
+            }
             lock (gate)
             {
                 if (session == 0) return;

@@ -163,8 +163,13 @@ public static class ClientTests
             Check.Until(() => arm.IsCompleted && steer.IsCompleted, "dropped by the emergency stop");
             Check.True(!arm.Result.Accepted && arm.Result.Reason != "", "in words");
             var b = new FlatBufferBuilder(64);
+            int unreadable = Reply.CreateReply(b, 0, false, b.CreateString("is not finite")).Value;
+            program.Say(DatagramKind.Reliable, 1, MadeUpProgram.Finished(b, Payload.Reply, unreadable));
+            for (int i = 0; i < 5; ++i) program.HearA(DatagramKind.Message);
+            Check.True(!stop.IsCompleted, "the emergency stop goes on, whatever else was unreadable");
+            b = new FlatBufferBuilder(64);
             int reply = Reply.CreateReply(b, 3, true, b.CreateString("")).Value;
-            program.Say(DatagramKind.Reliable, 1, MadeUpProgram.Finished(b, Payload.Reply, reply));
+            program.Say(DatagramKind.Reliable, 2, MadeUpProgram.Finished(b, Payload.Reply, reply));
             Check.Until(() => stop.IsCompleted, "answered");
             Check.True(stop.Result.Accepted, "accepted");
             program.HearA(DatagramKind.Message); // the acknowledgement, or a repetition before it

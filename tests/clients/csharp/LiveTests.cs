@@ -201,6 +201,11 @@ public static class LiveTests
             Check.True(Refused(client.LoadExercise("no-such")).Contains("no-such"), "names the exercise");
             string aim = "";
             client.ReplyReceived += r => { if (!r.Accepted) aim = r.Reason; };
+            bool threw = false;
+            try { client.Aim(new[] { 0f, float.NaN, 0, 0, 0, 0, 0, 0, 0 }); }
+            catch (ArgumentException) { threw = true; }
+            Check.True(threw, "an aim that is no number is not sent");
+            Check.True(Refused(client.LoadExercise("", 65537)).Contains("65537"), "no other level instead");
             client.Aim(new float[3]);
             Check.Until(() => aim != "", "an aim of too few axes is refused");
             Shows(client, s => s.Values[LeadIn] == 0.005 && s.Values[Aims] == 0, "nothing changed");
