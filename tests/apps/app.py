@@ -6,6 +6,7 @@ import resource
 import shutil
 import subprocess
 import tempfile
+import time
 import unittest
 
 import h5py
@@ -58,6 +59,22 @@ class AppTest(unittest.TestCase):
         self.addCleanup(process.kill)
         return process
 
+    def wait_until(self, run, what):
+        """Until it is true of a program in the background, however slow the machine."""
+        until = time.monotonic() + 100.0
+        while run.poll() is None and not what() and time.monotonic() < until:
+            time.sleep(0.01)
+
+    def wait_until_it_catches(self, run, number):
+        """Until the program has a handler for the signal."""
+        status = pathlib.Path(f"/proc/{run.pid}/status")
+        self.wait_until(run, lambda: int(status.read_text().split("SigCgt:")[1].split()[0], 16)
+                        >> (number - 1) & 1 == 1)
+
+    def wait_until_it_renders(self, run):
+        """Until the loop's thread has had CPU for some hundred ticks."""
+        self.wait_until(run, lambda: loop_cpu_s(run.pid) >= 0.06)
+
     def expect(self, result, code, *texts):
         self.assertEqual(result.code, code, result)
         for text in texts:
@@ -94,6 +111,15 @@ class AppTest(unittest.TestCase):
 
     def names_in(self, folder):
         return sorted(str(p.relative_to(folder)) for p in pathlib.Path(folder).rglob("*"))
+
+
+def loop_cpu_s(pid):
+    """Seconds of CPU that the loop's thread of a program has had."""
+    for stat in pathlib.Path(f"/proc/{pid}/task").glob("*/stat"):
+        name, _, rest = stat.read_text().rpartition(")")
+        if "wholehand-loop" in name:
+            return sum(int(n) for n in rest.split()[11:13]) / os.sysconf("SC_CLK_TCK")
+    return 0.0
 
 
 def read_recording(path):

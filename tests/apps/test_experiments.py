@@ -41,9 +41,10 @@ class Grasping(AppTest):
 
     def test_ctrl_c_ends_all_trials(self):
         run = self.start_app("experiment", "grasping", "--out", "out")
+        self.wait_until_it_catches(run, signal.SIGINT)
         time.sleep(1.0)
         run.send_signal(signal.SIGINT)
-        said, complained = run.communicate(timeout=20)
+        said, complained = run.communicate(timeout=100)
         self.assertEqual(run.returncode, INTERRUPTED, said + complained)
         self.assertIn("Interrupted", said)
         self.assertFalse((self.folder / "out/grasping.json").exists())
@@ -72,9 +73,10 @@ class Timing(AppTest):
 
     def test_ctrl_c_in_real_time(self):
         run = self.start_app("experiment", "timing", "--out", "out")
-        time.sleep(2.0)
+        self.wait_until_it_catches(run, signal.SIGINT)
+        time.sleep(1.0)
         run.send_signal(signal.SIGINT)
-        said, complained = run.communicate(timeout=20)
+        said, complained = run.communicate(timeout=100)
         self.assertEqual(run.returncode, INTERRUPTED, said + complained)
 
 
@@ -133,9 +135,10 @@ class CocktailBar(AppTest):
     def test_ctrl_c_ends_all_players(self):
         run = self.start_app("experiment", "cocktail-bar", "--level", "4", "--seeds", "50",
                              "--json", "c.json", start_new_session=True)
-        time.sleep(2.0)
+        self.wait_until_it_catches(run, signal.SIGINT)
+        time.sleep(1.0)
         os.killpg(run.pid, signal.SIGINT)  # as a terminal does
-        said, complained = run.communicate(timeout=20)
+        said, complained = run.communicate(timeout=100)
         self.assertEqual(run.returncode, INTERRUPTED, said + complained)
         self.assertIn("Interrupted", said)
         self.assertFalse((self.folder / "c.json").exists())

@@ -178,7 +178,7 @@ class OtherCases(AppTest):
                 (["--impedance", "--json", "file/z.json"], ["file"]),
         ):
             with self.subTest(arguments):
-                self.expect_refused(self.run_app("certify", *arguments, timeout=10), *texts)
+                self.expect_refused(self.run_app("certify", *arguments, timeout=100), *texts)
 
 
 if __name__ == "__main__":

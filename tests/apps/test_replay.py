@@ -52,14 +52,14 @@ class Same(AppTest):
                 self.assertEqual(a["ticks/" + name][:].tobytes(), b["ticks/" + name][:].tobytes(), name)
 
     def test_real_time_with_skipped_ticks(self):
-        run = self.start_app(*FREE_RUN, "--duration", "3", "--record", "run.h5", "--json", "run.json")
-        time.sleep(1.5)
+        run = self.start_app(*FREE_RUN, "--duration", "5", "--record", "run.h5", "--json", "run.json")
+        self.wait_until_it_renders(run)
         for _ in range(3):  # the machine stalls
             run.send_signal(signal.SIGSTOP)
             time.sleep(0.05)
             run.send_signal(signal.SIGCONT)
             time.sleep(0.2)
-        said, complained = run.communicate(timeout=30)
+        said, complained = run.communicate(timeout=100)
         self.assertEqual(run.returncode, DONE, said + complained)
         summary = json.loads((self.folder / "run.json").read_text())
         with read_recording(self.folder / "run.h5") as f:
@@ -96,21 +96,11 @@ class BlackBox(AppTest):
     def crash(self, *arguments, after=1.0):
         run = self.start_app(*FREE_RUN, "--duration", "60", *arguments)
         time.sleep(after)
-        while self.loop_cpu_s(run) < 0.06 and run.poll() is None:  # however slow the machine
-            time.sleep(0.1)
+        self.wait_until_it_renders(run)
         run.send_signal(signal.SIGSEGV)
         said, complained = run.communicate(timeout=60)
         self.assertEqual(run.returncode, -signal.SIGSEGV, said + complained)
         return complained
-
-    def loop_cpu_s(self, run):
-        """Seconds of CPU that the loop's thread has had."""
-        for task in os.listdir(f"/proc/{run.pid}/task"):
-            with open(f"/proc/{run.pid}/task/{task}/stat") as f:
-                name, _, rest = f.read().rpartition(")")
-            if "wholehand-loop" in name:
-                return sum(int(n) for n in rest.split()[11:13]) / os.sysconf("SC_CLK_TCK")
-        return 0.0
 
     def test_crashed_run_says_where_its_box_is_and_the_box_is_good(self):
         said = self.crash("--record", "run.h5")

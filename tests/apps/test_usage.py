@@ -104,7 +104,7 @@ class PlacesThatCannotBeWritten(AppTest):
 
     def expect_nothing_ran(self, *arguments, place):
         before = self.names_in(self.folder)
-        result = self.expect_refused(self.run_app(*arguments, timeout=20), place)
+        result = self.expect_refused(self.run_app(*arguments, timeout=100), place)
         self.assertNotIn("ticks", result.out, "it ran first")
         self.assertEqual(self.names_in(self.folder), before)
 

@@ -155,7 +155,7 @@ class Mistakes(AppTest):
         for name in ("missing.toml", "missing.csv", "folder.toml", "folder.csv", "empty.toml",
                      "garbage.toml", "big.toml", "other.toml"):
             with self.subTest(name):
-                result = self.expect_refused(self.run_app("validate", name, timeout=20), name)
+                result = self.expect_refused(self.run_app("validate", name, timeout=100), name)
                 self.assertLessEqual(len(result.err.splitlines()), 2, result)
                 self.assertRegex(result.err, r"; \S+", "no remedy")
 

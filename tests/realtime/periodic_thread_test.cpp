@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <limits>
 #include <thread>
 #include <time.h>
 #include <vector>
@@ -76,6 +78,7 @@ TEST(PeriodicThread, Periods_FollowTheClockWithoutDrift) {
   std::int64_t first_ns = 0;
   std::int64_t last_ns = 0;
   std::int64_t last_due_ns = 0;
+  std::int64_t least_behind_ns = std::numeric_limits<std::int64_t>::max();
   bool negative_lateness = false;
   PeriodicThread thread({}, [&](std::uint32_t elapsed, std::int64_t lateness_ns) {
     const std::int64_t now_ns = monotonicNow_ns();
@@ -87,15 +90,16 @@ TEST(PeriodicThread, Periods_FollowTheClockWithoutDrift) {
     }
     last_ns = now_ns;
     last_due_ns = first_ns + static_cast<std::int64_t>(periods) * kMs_ns;
+    if (periods > 200) least_behind_ns = std::min(least_behind_ns, last_ns - last_due_ns);
     return periods < 300;
   });
   ASSERT_TRUE(thread.start().ok());
   thread.join();
   EXPECT_FALSE(negative_lateness);
   // A relative sleep would drift by the wake-up latency of every period. Counted periods and the
-  // clock agree to less than one period, except that a tick itself may be preempted.
+  // clock agree to less than one period, except in a preempted tick: the best one counts.
   EXPECT_GE(last_ns, last_due_ns - 100'000);
-  EXPECT_LT(last_ns - last_due_ns, 20 * kMs_ns);
+  EXPECT_LT(least_behind_ns, kMs_ns);
 }
 
 TEST(PeriodicThread, TickLongerThanPeriods_SkipsAndCountsThem) {
