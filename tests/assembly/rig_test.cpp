@@ -93,7 +93,7 @@ TEST(BuildRig, ExerciseWithMoreParametersOrValuesThanATickHolds_IsRefused) {
 // The loader refuses such a file; a program may make such a model.
 TEST(BuildRig, LimitsThatHoldNothing_AreRefusedByName) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const auto refusedFor = [](auto change) {
+  const auto refused_for = [](auto change) {
     Models models = load(shippedFiles(kDevice));
     change(models.device, models.device.axes[1]);
     Story story;
@@ -102,21 +102,21 @@ TEST(BuildRig, LimitsThatHoldNothing_AreRefusedByName) {
   };
   using Device = DeviceModel&;
   using Axis = DeviceAxis&;
-  EXPECT_EQ(refusedFor([](Device, Axis) {}), "built");
-  EXPECT_EQ(refusedFor([&](Device, Axis a) { a.effort_limit = nan; }), "y.effort_limit");
-  EXPECT_EQ(refusedFor([&](Device, Axis a) { a.effort_limit = 0.0; }), "y.effort_limit");
-  EXPECT_EQ(refusedFor([&](Device, Axis a) { a.speed_limit = nan; }), "y.speed_limit");
-  EXPECT_EQ(refusedFor([&](Device, Axis a) { a.effort_slew_limit = nan; }), "y.effort_slew_limit");
+  EXPECT_EQ(refused_for([](Device, Axis) {}), "built");
+  EXPECT_EQ(refused_for([&](Device, Axis a) { a.effort_limit = nan; }), "y.effort_limit");
+  EXPECT_EQ(refused_for([&](Device, Axis a) { a.effort_limit = 0.0; }), "y.effort_limit");
+  EXPECT_EQ(refused_for([&](Device, Axis a) { a.speed_limit = nan; }), "y.speed_limit");
+  EXPECT_EQ(refused_for([&](Device, Axis a) { a.effort_slew_limit = nan; }), "y.effort_slew_limit");
   // 1.5 / 80 ms is the ramp's steepest, from one limit to the other: 37.5 limits a second.
-  EXPECT_EQ(refusedFor([&](Device, Axis a) { a.effort_slew_limit = 37.0 * a.effort_limit; }),
+  EXPECT_EQ(refused_for([&](Device, Axis a) { a.effort_slew_limit = 37.0 * a.effort_limit; }),
             "y.effort_slew_limit");
-  EXPECT_EQ(refusedFor([&](Device, Axis a) { a.neutral_effort = nan; }), "y.neutral_effort");
-  EXPECT_EQ(refusedFor([&](Device, Axis a) { a.neutral_effort = -1.1 * a.effort_limit; }),
+  EXPECT_EQ(refused_for([&](Device, Axis a) { a.neutral_effort = nan; }), "y.neutral_effort");
+  EXPECT_EQ(refused_for([&](Device, Axis a) { a.neutral_effort = -1.1 * a.effort_limit; }),
             "y.neutral_effort");
-  EXPECT_EQ(refusedFor([&](Device, Axis a) { std::swap(a.lower, a.upper); }), "y.range");
-  EXPECT_EQ(refusedFor([&](Device, Axis a) { a.workspace_margin = nan; }), "y.workspace_margin");
-  EXPECT_EQ(refusedFor([&](Device d, Axis) { d.power_limit_w = nan; }), "power_limit_w");
-  EXPECT_EQ(refusedFor([&](Device d, Axis) { d.power_limit_w = 0.0; }), "power_limit_w");
+  EXPECT_EQ(refused_for([&](Device, Axis a) { std::swap(a.lower, a.upper); }), "y.range");
+  EXPECT_EQ(refused_for([&](Device, Axis a) { a.workspace_margin = nan; }), "y.workspace_margin");
+  EXPECT_EQ(refused_for([&](Device d, Axis) { d.power_limit_w = nan; }), "power_limit_w");
+  EXPECT_EQ(refused_for([&](Device d, Axis) { d.power_limit_w = 0.0; }), "power_limit_w");
 }
 
 TEST(Rig, AtItsEnd_ClosesTheDevice) {
