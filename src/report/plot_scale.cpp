@@ -36,6 +36,27 @@ std::vector<double> decadeTicks(double low, double high, int most) {
   return ticks;
 }
 
+std::vector<double> logTicks(double low, double high, int most) {
+  const std::vector<double> decades = decadeTicks(low, high, most);
+  if (decades.size() > 1 || !(low > 0.0) || !(low < high) || !std::isfinite(high)) return decades;
+  std::vector<double> ticks;
+  for (double exponent = std::floor(std::log10(low)); std::pow(10.0, exponent) < high; ++exponent) {
+    for (const double factor : {1.0, 2.0, 5.0}) {
+      const double tick = factor * std::pow(10.0, exponent);
+      if (tick >= low && tick <= high) ticks.push_back(tick);
+    }
+  }
+  return ticks.size() > static_cast<std::size_t>(std::max(most, 0)) ? decades : ticks;
+}
+
+std::string logTickText(double value, const std::vector<double>& ticks) {
+  const bool decades = std::all_of(ticks.begin(), ticks.end(), [](double tick) {
+    return std::abs(tick / std::pow(10.0, std::round(std::log10(tick))) - 1.0) < 1e-9;
+  });
+  if (decades) return decadeText(value);
+  return formatNumber(value, std::max(0, -static_cast<int>(std::floor(std::log10(value) + 1e-9))));
+}
+
 std::string tickText(double value, const std::vector<double>& ticks) {
   double spacing = ticks.size() > 1 ? ticks[1] - ticks[0] : std::abs(value);
   int decimals = 0;

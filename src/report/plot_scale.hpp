@@ -10,10 +10,16 @@ namespace wholehand {
 [[nodiscard]] std::vector<double> niceTicks(double low, double high, int most);
 /// The powers of ten within [low, high], thinned to at most `most`.
 [[nodiscard]] std::vector<double> decadeTicks(double low, double high, int most);
+/// The same; where only one of them would be seen, 1, 2 and 5 times powers of ten, if they fit.
+[[nodiscard]] std::vector<double> logTicks(double low, double high, int most);
 /// The text of a tick among its fellows: as many decimals as their spacing needs.
 [[nodiscard]] std::string tickText(double value, const std::vector<double>& ticks);
 /// "1", "10", "10²", "10⁻³" for powers of ten.
 [[nodiscard]] std::string decadeText(double value);
+
+/// The text of one of logTicks() among its fellows: "10²", or "200" between others than powers of
+/// ten.
+[[nodiscard]] std::string logTickText(double value, const std::vector<double>& ticks);
 
 /// Maps values to pixels, evenly or by their logarithm (values are then clamped to > 0).
 class PlotScale {

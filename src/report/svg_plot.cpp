@@ -154,22 +154,22 @@ std::string drawGrid(const LinePlot& plot, const Frame& f, const PlotScale& x, c
   std::string out;
   const int rows = std::max(3, static_cast<int>((f.bottom - f.top) / 28.0));
   const auto ticks = !plot.y_ticks.empty() ? plot.y_ticks
-                     : plot.log_y          ? decadeTicks(f.y.low, f.y.high, rows)
+                     : plot.log_y          ? logTicks(f.y.low, f.y.high, rows)
                                            : niceTicks(f.y.low, f.y.high, rows);
   for (const double v : ticks) {
     const bool zero = v == 0.0 && !plot.log_y;
     out +=
         segment(f.left, y.px(v), f.right, y.px(v), zero ? kPlotRule2 : kPlotRule, zero ? 1.0 : 0.7);
-    out += words(f.left - 6.0, y.px(v) + 4.0, plot.log_y ? decadeText(v) : tickText(v, ticks),
-                 "end", kPlotInk2);
+    out += words(f.left - 6.0, y.px(v) + 4.0,
+                 plot.log_y ? logTickText(v, ticks) : tickText(v, ticks), "end", kPlotInk2);
   }
   if (!plot.x_numbers) return out;
   const int columns = std::max(2, static_cast<int>((f.right - f.left) / 70.0));
   const auto numbers =
-      plot.log_x ? decadeTicks(f.x.low, f.x.high, columns) : niceTicks(f.x.low, f.x.high, columns);
+      plot.log_x ? logTicks(f.x.low, f.x.high, columns) : niceTicks(f.x.low, f.x.high, columns);
   for (const double v : numbers) {
     const bool last = v == numbers.back();
-    const std::string number = plot.log_x ? decadeText(v) : tickText(v, numbers);
+    const std::string number = plot.log_x ? logTickText(v, numbers) : tickText(v, numbers);
     out += words(x.px(v), f.bottom + 16.0,
                  number + (last && !plot.x_unit.empty() ? " " + plot.x_unit : ""), "middle",
                  kPlotInk2);

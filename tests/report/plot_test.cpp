@@ -57,6 +57,19 @@ TEST(PlotScale, LogarithmicAxis_EqualRatiosAreEqualLengths) {
   EXPECT_EQ(decadeText(1e-12), "10⁻¹²");
 }
 
+TEST(PlotScale, LogarithmicAxisOfOneDecade_IsReadableBetween) {
+  // A single labelled line says nothing about the scale.
+  const std::vector<double> narrow = logTicks(1.3, 60.0, 7);
+  EXPECT_EQ(narrow, (std::vector<double>{2, 5, 10, 20, 50}));
+  EXPECT_EQ(logTickText(5.0, narrow), "5");
+  EXPECT_EQ(logTickText(10.0, narrow), "10");
+  EXPECT_EQ(logTickText(0.05, logTicks(0.03, 0.3, 7)), "0.05");
+  EXPECT_EQ(logTicks(370.0, 37000.0, 7), (std::vector<double>{1e3, 1e4}));
+  EXPECT_EQ(logTickText(1e3, {1e3, 1e4}), "10³");
+  EXPECT_EQ(logTickText(2.0, logTicks(2.0, 4.5, 7)), "2");
+  EXPECT_EQ(logTicks(1.3, 60.0, 3), (std::vector<double>{10}));  // no room for more
+}
+
 TEST(Declutter, RandomLabels_NeitherOverlapNorLeaveNorSwap) {
   std::mt19937_64 random(9);
   std::uniform_real_distribution<double> place(0.0, 200.0);
