@@ -65,6 +65,7 @@ nlohmann::ordered_json summaryJson(const DeviceModel& device, const RunOutcome& 
   json["wall_us"] = microseconds(s.wall);
   json["records_dropped"] = outcome.dropped_records + outcome.dropped_writes;
   if (!outcome.failures.empty()) json["telemetry_failures"] = outcome.failures;
+  json["uncertified"] = outcome.uncertified;
   json["interrupted"] = outcome.interrupted;
   json["safety"] = nlohmann::ordered_json::array();
   for (const SafetyTransition& t : safety.transitions) {

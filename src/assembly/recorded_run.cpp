@@ -301,6 +301,7 @@ Expected<RunOutcome> runAndRecord(Rig& rig, const RunPlan& plan) {
   outcome.counters = session.counters();
   outcome.summary = corrected(outcome.summary, outcome.counters, rig.options.period_s);
   outcome.dropped_records = session.droppedRecords();
+  outcome.uncertified = !rig.refused.empty();
   outcome.interrupted = InterruptScope::interrupted();
   outcome.faulted = any(outcome.counters.latched);
   return outcome;

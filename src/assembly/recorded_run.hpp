@@ -41,6 +41,7 @@ struct RunOutcome {
   /// Consumers that threw and were switched off, and a recording that was removed, in words.
   std::vector<std::string> failures;
   std::string black_box;     ///< what to do with it, in one line; empty: none was needed
+  bool uncertified = false;  ///< gains that the stability check refused were allowed
   bool interrupted = false;  ///< by Ctrl-C
   bool faulted = false;
 };

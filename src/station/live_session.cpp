@@ -98,6 +98,7 @@ RunOutcome LiveSession::outcome() const {
   outcome.failures = hub_->failures();
   outcome.setup = setup_;
   outcome.black_box = black_box_said_;
+  outcome.uncertified = !rig_->refused.empty();
   outcome.faulted = any(outcome.counters.latched);
   return outcome;
 }

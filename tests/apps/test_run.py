@@ -33,6 +33,7 @@ class WhatItWrites(AppTest):
         self.assertGreater(summary["ticks"], 1000)
         self.assertEqual(summary["missed_deadlines"], 0)  # no clock, no deadline
         self.assertEqual(summary["faults"], 0)
+        self.assertIs(summary["uncertified"], False)
         self.assertEqual([t["to"] for t in summary["safety"]], ["armed", "rendering", "disarmed"])
         self.assertEqual(summary["safety"][2]["reasons"], ["stop requested"])  # the end of its time
         self.assertNotIn("rehearsal", summary)  # there is no real time to keep

@@ -1,4 +1,5 @@
 """`wholehand validate`, and that `run` refuses what it refuses: one message says file, place and remedy."""
+import json
 import re
 import shutil
 import unittest
@@ -294,9 +295,11 @@ class RunRefuses(AppTest):
     def test_uncertified_says_so_and_runs(self):
         text = GAINS.read_text().replace("k_pm_n_m = 1000.0", "k_pm_n_m = 50000.0")
         self.write("hot.toml", text)
-        path = self.record("run.h5", "--rendering", "hot.toml", "--uncertified", duration=0.5)
+        path = self.record("run.h5", "--rendering", "hot.toml", "--uncertified", "--json", "run.json",
+                           duration=0.5)
         with read_recording(path) as f:
             self.assertEqual(f["meta"].attrs["uncertified"], 1)
+        self.assertIs(json.loads((self.folder / "run.json").read_text())["uncertified"], True)
         self.expect_same_when_run_again(path)
 
 
