@@ -60,9 +60,10 @@ void printSummary(const RunOptions& options, const Models& models, const RunOutc
   std::printf("  force    largest %s; at most %d contact%s at once\n",
               largestEffort(models.device, s.max_effort).c_str(), s.contacts_max,
               plural(s.contacts_max));
-  std::printf("  faults   %s\n", faultText(s).c_str());
+  const std::vector<DeviceAxis>& axes = models.device.axes;
+  std::printf("  faults   %s\n", faultText(s, axes).c_str());
   std::printf("  safety   %s\n", pathOf(safety.transitions).c_str());
-  if (noticeText(s) != "none") std::printf("  noticed  %s\n", noticeText(s).c_str());
+  if (noticeText(s) != "none") std::printf("  noticed  %s\n", noticeText(s, axes).c_str());
   if (outcome.dropped_records + outcome.dropped_writes > 0) {
     std::printf("  dropped  %llu record%s: %s\n",
                 static_cast<unsigned long long>(outcome.dropped_records + outcome.dropped_writes),

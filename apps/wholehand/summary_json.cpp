@@ -53,8 +53,12 @@ nlohmann::ordered_json summaryJson(const DeviceModel& device, const RunOutcome& 
   json["faults"] = s.stopping_faults;
   json["faulted"] = outcome.faulted;
   for (int bit = 0; bit < kFaultBits; ++bit) {
-    const auto count = s.faults[static_cast<std::size_t>(bit)];
-    if (count > 0) json["fault_ticks"][faultName(bit)] = count;
+    const auto at = static_cast<std::size_t>(bit);
+    if (s.faults[at] > 0) json["fault_ticks"][faultName(bit)] = s.faults[at];
+    for (std::size_t a = 0; a < device.axes.size(); ++a) {
+      const std::uint64_t count = s.fault_axes[at][a];
+      if (count > 0) json["fault_axes"][faultName(bit)][device.axes[a].name] = count;
+    }
   }
   for (int a = 0; a < s.max_effort.size(); ++a) {
     json["max_effort"][device.axes[a].name] = s.max_effort[a];

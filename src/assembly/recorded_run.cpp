@@ -142,14 +142,29 @@ Expected<SetupReport> runInRealTime(Session& session, TelemetryHub& hub,
   return setup;
 }
 
-// "late tick in 2 ticks, effort limited in 1 tick", of these bits; "none".
-std::string countText(const TickSummary& summary, Fault bits) {
+// " (x 10, finger_flexion 2)": on which axes, where that is known.
+std::string axesText(const TickSummary& summary, std::size_t bit,
+                     const std::vector<DeviceAxis>& axes) {
+  std::string text;
+  for (std::size_t a = 0; a < axes.size(); ++a) {
+    const std::uint64_t count = summary.fault_axes[bit][a];
+    if (count == 0) continue;
+    text += fmt::format("{}{}", text.empty() ? " (" : ", ", axes[a].name);
+    if (count != summary.faults[bit]) text += fmt::format(" {}", count);
+  }
+  return text.empty() ? text : text + ")";
+}
+
+// "late tick in 2 ticks, effort limited in 1 tick (x)", of these bits; "none".
+std::string countText(const TickSummary& summary, Fault bits, const std::vector<DeviceAxis>& axes) {
   std::string text;
   for (int bit = 0; bit < kFaultBits; ++bit) {
-    const auto count = summary.faults[static_cast<std::size_t>(bit)];
+    const auto at = static_cast<std::size_t>(bit);
+    const auto count = summary.faults[at];
     if (count == 0 || !any(bits & static_cast<Fault>(1U << static_cast<unsigned>(bit)))) continue;
     if (!text.empty()) text += ", ";
-    text += fmt::format("{} in {} tick{}", faultName(bit), count, count == 1 ? "" : "s");
+    text += fmt::format("{} in {} tick{}{}", faultName(bit), count, count == 1 ? "" : "s",
+                        axesText(summary, at, axes));
   }
   return text.empty() ? "none" : text;
 }
@@ -206,12 +221,12 @@ Expected<RecordingMeta> describeRecording(const Rig& rig, const std::string& tit
   return meta;
 }
 
-std::string faultText(const TickSummary& summary) {
-  return countText(summary, kStopping);
+std::string faultText(const TickSummary& summary, const std::vector<DeviceAxis>& axes) {
+  return countText(summary, kStopping, axes);
 }
 
-std::string noticeText(const TickSummary& summary) {
-  return countText(summary, Fault::kEffortLimit | Fault::kLateTick | Fault::kContactsDropped);
+std::string noticeText(const TickSummary& summary, const std::vector<DeviceAxis>& axes) {
+  return countText(summary, Fault::kEffortLimit | Fault::kLateTick | Fault::kContactsDropped, axes);
 }
 
 InterruptScope::InterruptScope() {

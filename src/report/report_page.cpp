@@ -7,6 +7,7 @@
 #include "report/svg_plot.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <filesystem>
 
@@ -54,16 +55,30 @@ std::string effortFigure(const ReportData& data, AxisRole role) {
                 "largest effort, " + roleWord(*most, index));
 }
 
+/// ", thumb_flexion", or ", most on thumb_flexion" where others had the fault, too; empty where it
+/// has no axis.
+std::string axisOf(const ReportData& data, std::size_t bit) {
+  const auto& counts = data.summary.fault_axes[bit];
+  const auto most = std::max_element(counts.begin(), counts.end());
+  const auto axis = static_cast<std::size_t>(most - counts.begin());
+  if (*most == 0 || axis >= data.axes.size()) return {};
+  return (*most == data.summary.faults[bit] ? ", " : ", most on ") + data.axes[axis].name;
+}
+
 std::string faultFigure(const ReportData& data) {
+  constexpr auto kLimitBit =
+      static_cast<std::size_t>(std::countr_zero(static_cast<std::uint32_t>(Fault::kEffortLimit)));
   const TickSummary& s = data.summary;
   std::string label = "no limit reached";
-  const std::uint64_t limited = s.faults[6];
+  const std::uint64_t limited = s.faults[kLimitBit];
   if (limited > 0) {
-    label = "limit reached in " + formatCount(limited) + (limited == 1 ? " tick" : " ticks");
+    label = "limit reached in " + formatCount(limited) + (limited == 1 ? " tick" : " ticks") +
+            axisOf(data, kLimitBit);
   }
   for (int bit = kFaultBits - 1; bit >= 0; --bit) {
+    const auto at = static_cast<std::size_t>(bit);
     const bool stops = any(kStopping & static_cast<Fault>(1U << static_cast<unsigned>(bit)));
-    if (stops && s.faults[static_cast<std::size_t>(bit)] > 0) label = faultName(bit);
+    if (stops && s.faults[at] > 0) label = faultName(bit) + axisOf(data, at);
   }
   return figure(formatCount(s.stopping_faults), s.stopping_faults == 1 ? "fault tick" : "faults",
                 label);

@@ -1,6 +1,7 @@
 #include "telemetry/statistics.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace wholehand {
@@ -19,6 +20,22 @@ void keepLargest(AxisEffort& largest, const AxisEffort& effort) {
     largest = grown;
   }
   for (int i = 0; i < effort.size(); ++i) largest[i] = std::max(largest[i], std::abs(effort[i]));
+}
+
+// The faults that have an axis, as a tick finds them: of several, the first is fault_axis's. An
+// effort that is not finite comes late, but is to be looked at before all others.
+constexpr std::array kOfAnAxis{
+    Fault::kNonFiniteEffort, Fault::kNonFinitePosition, Fault::kWorkspace,
+    Fault::kEncoderJump,     Fault::kSpeedLimit,        Fault::kEncoderStuck,
+    Fault::kEffortLimit,     Fault::kPowerLimit,        Fault::kEffortSlew};
+
+void countAxis(TickSummary& totals, const TickRecord& r) {
+  if (r.fault_axis < 0 || r.fault_axis >= kMaxAxes) return;
+  const auto* const first = std::find_if(kOfAnAxis.begin(), kOfAnAxis.end(),
+                                         [&r](Fault fault) { return any(r.faults & fault); });
+  if (first == kOfAnAxis.end()) return;
+  const int bit = std::countr_zero(static_cast<std::uint32_t>(*first));
+  ++totals.fault_axes[static_cast<std::size_t>(bit)][static_cast<std::size_t>(r.fault_axis)];
 }
 
 }  // namespace
@@ -63,6 +80,7 @@ void TickStatistics::add(const TickRecord& r) {
     const bool set = (static_cast<std::uint32_t>(r.faults) >> static_cast<unsigned>(bit) & 1U) != 0;
     t.faults[static_cast<std::size_t>(bit)] += set ? 1 : 0;
   }
+  countAxis(t, r);
   if (any(r.faults & kStopping)) ++t.stopping_faults;
   keepLargest(t.max_effort, r.sent);
   t.contacts_max = std::max(t.contacts_max, r.contact_count + r.contacts_dropped);

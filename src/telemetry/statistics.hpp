@@ -41,9 +41,12 @@ struct TickSummary {
   std::uint64_t records = 0;  ///< ticks that ran
   std::uint64_t missed_deadlines = 0;              ///< periods skipped
   std::array<std::uint64_t, kFaultBits> faults{};  ///< ticks in which each bit was set
-  std::uint64_t stopping_faults = 0;               ///< ticks with a fault that stops rendering
-  AxisEffort max_effort;                           ///< largest |sent| per axis [N or N·m]
-  std::int32_t contacts_max = 0;                   ///< in one tick
+  /// Of the records that were seen: ticks in which it was this axis, by their fault_axis. A record
+  /// names one, the first axis of the first of its faults; the others of that tick count nowhere.
+  std::array<std::array<std::uint64_t, kMaxAxes>, kFaultBits> fault_axes{};
+  std::uint64_t stopping_faults = 0;  ///< ticks with a fault that stops rendering
+  AxisEffort max_effort;              ///< largest |sent| per axis [N or N·m]
+  std::int32_t contacts_max = 0;      ///< in one tick
   double max_coupling_error_rad = 0.0;
   Percentiles cpu, wall, lateness;
   std::array<Percentiles, kStages> stage_cpu{};

@@ -221,6 +221,21 @@ class HowItEnds(AppTest):
             self.assertTrue((abs(f["ticks/sent"][-1]) == 0.0).all())
         self.expect_same_when_run_again("run.h5")
 
+    def test_limited_effort_names_its_axis(self):
+        # 0.2 N are less than the inertia of the device asks for when a hand reaches: only x is held.
+        text = (CONFIG / "devices/lambda-pride.toml").read_text()
+        weak = text.replace("effort_limit_n = 20.0", "effort_limit_n = 0.2", 1)
+        self.assertNotEqual(weak, text)
+        result = self.expect(self.run_app(*FREE_RUN, "--simulated-clock", "--duration", "3", "--uncertified",
+                                          "--device", self.write("weak.toml", weak),
+                                          "--rendering", CONFIG / "rendering/lambda-pride.toml",
+                                          "--json", "run.json"), DONE, "effort limited in ", " (x)")
+        summary = json.loads((self.folder / "run.json").read_text())
+        limited = summary["fault_ticks"]["effort limited"]
+        self.assertGreater(limited, 0)
+        self.assertEqual(summary["fault_axes"]["effort limited"], {"x": limited})
+        self.assertIn(f"effort limited in {limited} ticks (x)", result.out)
+
     def test_status_line_of_a_terminal(self):
         ours, theirs = pty.openpty()
         run = subprocess.Popen([BINARY, *FREE_RUN, "--duration", "1.5", "--json", "run.json"],

@@ -31,6 +31,8 @@ std::string printed(const char* form, double value) {
 struct Story {
   RecordingMeta meta = synthetic::meta();
   std::uint64_t skipped = 0;
+  Fault faults = Fault::kNone;  ///< of every hundredth tick
+  int fault_axis = -1;          ///< and of the first of them another axis
   double largest_tip_n = 0.0, largest_z_n = 0.0;
 
   Story() {
@@ -53,6 +55,10 @@ struct Story {
     r.sent[2] = 3.0 * std::cos(r.time_s);
     largest_tip_n = std::max(largest_tip_n, std::abs(r.sent[3]) / 0.08);
     largest_z_n = std::max(largest_z_n, std::abs(r.sent[2]));
+    if (number % 100 == 0) {
+      r.faults = faults;
+      r.fault_axis = number == 0 ? 1 : fault_axis;
+    }
     r.palm_distance_m = 0.05;
     r.body_count = 4;
     const double share = std::clamp((r.time_s - 2.0) / 1.5, 0.0, 1.0);
@@ -117,6 +123,28 @@ TEST(Report, SyntheticRecording_ShowsTheFiguresComputedIndependently) {
   EXPECT_NEAR(std::stod(found[1]), 109.0, 1.6);
   ASSERT_TRUE(std::regex_search(page, found, std::regex("p99 (\\d+) µs")));
   EXPECT_NEAR(std::stod(found[1]), 158.0, 2.1);
+}
+
+TEST(Report, FaultsOfAnAxis_NameTheOneThatHadMost) {
+  const Folder folder;
+  const auto page = [&folder](Fault faults, int axis) {
+    Story story;
+    story.faults = faults;
+    story.fault_axis = axis;
+    story.write(folder.file("run.h5"));
+    EXPECT_TRUE(writeReport(folder.file("run.h5"), folder.file("out")).ok());
+    return readFile(folder.file("out/index.html"));
+  };
+  const std::string axis = synthetic::meta().axis_names[4],
+                    second = synthetic::meta().axis_names[1];
+  // 4,000 ticks; the hundredth ones are all recorded.
+  EXPECT_NE(page(Fault::kEffortLimit, 4).find("limit reached in 40 ticks, most on " + axis + "<"),
+            std::string::npos);
+  EXPECT_NE(page(Fault::kEffortLimit, 1).find("limit reached in 40 ticks, " + second + "<"),
+            std::string::npos);
+  EXPECT_NE(page(Fault::kWorkspace, 4).find("workspace left, most on " + axis + "<"),
+            std::string::npos);
+  EXPECT_NE(page(Fault::kPhysicsStep, -1).find("physics step failed<"), std::string::npos);
 }
 
 TEST(Report, Page_NeedsNothingFromOutside) {

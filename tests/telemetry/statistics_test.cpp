@@ -81,6 +81,34 @@ TEST(TickStatistics, NoisyRecords_AgreeWithDirectCounts) {
   EXPECT_NEAR(s.stage_cpu[2].p50_ns, nearestRank(stage, 0.5), 0.01 * nearestRank(stage, 0.5));
 }
 
+TEST(TickStatistics, FaultsOfAnAxis_AreCountedByIt) {
+  TickStatistics statistics;
+  const auto tick = [&statistics](Fault faults, int axis) {
+    TickRecord r;
+    r.faults = faults;
+    r.fault_axis = axis;
+    statistics.add(r);
+  };
+  for (int i = 0; i < 3; ++i) tick(Fault::kEffortLimit, 4);
+  tick(Fault::kEffortLimit | Fault::kLateTick, 5);
+  tick(Fault::kEffortLimit | Fault::kEffortSlew, 2);  // the limit comes first in the tick
+  tick(Fault::kEffortLimit | Fault::kSpeedLimit, 1);  // the device is read before either
+  tick(Fault::kWorkspace | Fault::kNonFiniteEffort, 0);
+  tick(Fault::kLateTick | Fault::kDeviceRead, -1);
+  const TickSummary s = statistics.snapshot();
+  EXPECT_EQ(s.faults[6], 6U);  // the bits of core/fault.hpp
+  std::array<std::uint64_t, kMaxAxes> limited{}, none{}, slow{}, broken{};
+  limited[4] = 3;
+  limited[5] = limited[2] = slow[1] = broken[0] = 1;
+  EXPECT_EQ(s.fault_axes[6], limited);
+  EXPECT_EQ(s.fault_axes[15], none);  // slew
+  EXPECT_EQ(s.fault_axes[12], slow);
+  EXPECT_EQ(s.fault_axes[3], broken);
+  EXPECT_EQ(s.fault_axes[13], none);  // workspace
+  EXPECT_EQ(s.fault_axes[7], none);   // lateness has no axis
+  EXPECT_EQ(s.fault_axes[0], none);
+}
+
 TEST(TelemetryHub, StopAfterBurst_EverySinkHasEveryRecord) {
   const synthetic::Folder folder;
   auto writer = RecordingWriter::create(folder.file("a.h5"), synthetic::meta()).value();
