@@ -43,7 +43,7 @@ TEST_F(HostileOrders, LogThatStandsStill_HoldsUpNoStop) {
     ASSERT_TRUE(becomes(RunState::kStopped));
     TickRecord record;
     ASSERT_TRUE(station_->latest(record));
-    EXPECT_EQ(largest(record.sent), 0.0);
+    EXPECT_LT(largest(record.sent), 1e-3);  // where the last record was dropped, the one before
   }
   {
     const std::lock_guard lock(mutex);
