@@ -1,3 +1,4 @@
+import { readdirSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
 import { asWords, bytes, duration, fixed, grouped } from '../src/console/format';
 import { History, shownUnits, WINDOW_S } from '../src/console/history';
@@ -246,6 +247,14 @@ describe('what the state means', () => {
     expect(statusOf('open', left, false, names, de, axes).excess).toBe('Finger: 180 °, Grenze 90');
     const stuck = { ...faulted, latchedFaults: 0b0100, faultAxis: 1, faultValue: 0, faultLimit: 0 };
     expect(statusOf('open', stuck, false, names, fr, axes)).toMatchObject({ excess: 'Doigts' });
+  });
+
+  it('every shipped hand and patient has a name in every language', () => {
+    const shipped = (folder: string): string[] => readdirSync(new URL(`../../config/${folder}/`, import.meta.url)).map((file) => file.replace('.toml', '')).sort();
+    for (const texts of [en, de, fr]) {
+      expect(Object.keys(texts.hands).sort()).toEqual(shipped('hands'));
+      expect(Object.keys(texts.patients).sort()).toEqual(shipped('patients'));
+    }
   });
 
   it('every fault that stops has advice in every language', () => {

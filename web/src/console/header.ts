@@ -63,7 +63,7 @@ export class Header implements Panel {
     const { scene } = model;
     if (!scene) return;
     const side = scene.rightHand ? t.hand.right : t.hand.left;
-    say(this.who.first, asWords(String(scene.patientName ?? '')));
+    say(this.who.first, t.patients[String(scene.patientName)] ?? asWords(String(scene.patientName ?? '')));
     say(this.who.second, `${fill(t.session, { n: model.state?.session ?? scene.session })}, ${side}`);
     setAttribute(this.who.element, 'title', `${String(scene.deviceName ?? '')}, ${String(scene.handName ?? '')}`);
     const exercise = String(scene.exerciseName ?? '');

@@ -1,4 +1,5 @@
 import { Act, RunState, Steering } from '../protocol';
+import { hasText, text } from '../shared/i18n';
 import { choice, h, say, setAttribute, setClass } from './dom';
 import { asWords } from './format';
 import { texts } from './i18n';
@@ -54,8 +55,8 @@ export class SetupPanel implements Panel {
     const exercises = scene.exercises.length > 0 ? scene.exercises : [now];
     this.exercise.append(...exercises.map((name) => h('option', { value: name, selected: name === now }, t.exercises[name] ?? asWords(name))));
     const hands = scene.hands.length > 0 ? scene.hands : [String(scene.handName)];
-    this.hand.append(...hands.map((name) => h('option', { value: name, selected: name === scene.handName }, asWords(name))));
-    const names = levelNames(scene.exerciseJson);
+    this.hand.append(...hands.map((name) => h('option', { value: name, selected: name === scene.handName }, t.hands[name] ?? asWords(name))));
+    const names = levelNames(now, scene.exerciseJson);
     const levels = Array.from({ length: Math.max(1, scene.levels) }, (_, i) => i + 1);
     this.level.append(...levels.map((n) => h('option', { value: n, selected: n === scene.level }, names[n] ? `${n} ${names[n]}` : String(n))));
     this.level.disabled = scene.levels < 2;
@@ -88,12 +89,17 @@ function field(name: string, select: HTMLSelectElement): HTMLElement {
   return h('label', {}, h('span', {}, name), select);
 }
 
-/** Names of the levels, by number, as the exercise tells them. */
-function levelNames(json: unknown): Record<number, string> {
+/** Names of the levels, by number: the bar's in the page's language, else as the exercise tells them. */
+function levelNames(exercise: string, json: unknown): Record<number, string> {
   try {
     const { levels } = JSON.parse(String(json ?? '')) as { levels?: { level: number; name: string }[] };
-    return Object.fromEntries((levels ?? []).map(({ level, name }) => [level, name]));
+    return Object.fromEntries((levels ?? []).map(({ level, name }) => [level, levelName(exercise, level) ?? name]));
   } catch {
     return {};
   }
+}
+
+function levelName(exercise: string, level: number): string | undefined {
+  const key = `level.${level}`;
+  return exercise === 'cocktail-bar' && hasText(key) ? text(key) : undefined;
 }

@@ -99,7 +99,7 @@ export function welcomeCard(content: WelcomeContent, actions: WelcomeActions): {
       h('div', { class: 'languages t-s', role: 'group', 'aria-label': 'Sprache · Langue · Language' },
         ...LANGUAGES.map((l) => h('button', { type: 'button', lang: l, 'aria-pressed': String(l === language()), 'data-lang': l, onclick: () => actions.language(l) }, l.toUpperCase())))),
     h('ol', { class: 'steps' }, ...steps),
-    h('div', { class: 'line t-s', role: 'group', 'aria-labelledby': 'welcome-how' }, h('h2', { id: 'welcome-how', class: 't-m' }, text('welcome.how')), ...ways),
+    h('div', { class: 'line how t-s', role: 'group', 'aria-labelledby': 'welcome-how' }, h('h2', { id: 'welcome-how', class: 't-m' }, text('welcome.how')), ...ways),
     chosen ? helpList(chosen) : h('p', { class: 'help-list t-s' }, text('welcome.robotHint')),
     h('div', { class: 'line t-s apart' },
       h('div', { class: 'line', role: 'group', 'aria-labelledby': 'welcome-level' }, h('h2', { id: 'welcome-level', class: 't-m' }, text('welcome.level')), ...levels, h('span', { class: 'soft' }, levelName(content.level))),

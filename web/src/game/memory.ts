@@ -17,7 +17,7 @@ function storedTone(): Tone {
 export class Memory {
   // Chosen, here or at an earlier visit.
   tone: Tone = storedTone();
-  way = stored(STORED.way) ?? 'mouse';
+  way = stored(STORED.way) ?? (matchMedia('(pointer: coarse)').matches ? 'touch' : 'mouse');
   level = 1;
 
   // What the person is about.

@@ -17,7 +17,7 @@ import { programFrame, toThree, type Triple } from './frames';
 import { disposeTree } from './materials';
 import { makeBody } from './plain_bodies';
 import type { FrameStats, Quality } from './quality';
-import { makeStage, type Stage } from './stage';
+import { makeStage, ROOM, type Stage } from './stage';
 
 export interface BarSceneOptions { quality: Quality; tone: string; view: View }
 
@@ -77,6 +77,7 @@ export class BarScene {
     const context = canvas.getContext('webgl2', { alpha: false, antialias: options.quality === 'high', powerPreference: 'high-performance' });
     if (!context) throw new Error('WebGL 2 is not there');
     this.renderer = new WebGLRenderer({ canvas, context });
+    this.renderer.setClearColor(ROOM);
     this.plain.matrixAutoUpdate = false;
     this.plain.matrix.copy(programFrame());
     canvas.addEventListener('webglcontextrestored', () => this.resize());
@@ -135,7 +136,8 @@ export class BarScene {
     this.renderer.setPixelRatio(this.quality === 'high' ? device : Math.min(1, Math.sqrt(LOW_PIXELS / (width * height))));
     this.renderer.setSize(width, height, false);
     placeCamera(this.camera, this.options.view, this.place, width, height);
-    this.takeBackdrop();
+    if (this.compiled) this.takeBackdrop();
+    else this.renderer.clear();
   }
 
   /** Where a point of the program's world is in the canvas. */
@@ -214,7 +216,7 @@ export class BarScene {
   }
 
   private takeBackdrop(): void {
-    if (this.compiled && this.stage) this.backdrop?.take(this.renderer, this.scene, this.camera, this.stage.room, this.stage.light);
+    if (this.stage) this.backdrop?.take(this.renderer, this.scene, this.camera, this.stage.room, this.stage.light);
   }
 
   private async makeHand(): Promise<void> {

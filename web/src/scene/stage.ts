@@ -10,6 +10,8 @@ import { surface } from './materials';
 import { picture, woodTexture } from './patterns';
 import type { Quality } from './quality';
 
+/** What is seen where nothing is drawn. */
+export const ROOM = '#142726';
 const WALL_Z = -0.62;
 const FLUTE = 0.05;
 const WIDTH = 4.2;
@@ -141,7 +143,7 @@ function rail(quality: Quality, height: number): Mesh {
 /** @param railHeight of its underside over the counter [m]; undefined: no bar, a calm table alone */
 export function makeStage(renderer: WebGLRenderer, scene: Scene, quality: Quality, railHeight: number | undefined): Stage {
   const room = new Group(), railing = new Group(), light = new Group(), all = [room, railing, light];
-  scene.background = new Color('#142726');
+  scene.background = new Color(ROOM);
   renderer.shadowMap.enabled = quality === 'high';
   renderer.shadowMap.type = PCFShadowMap;
   let target: SpotLight | undefined;

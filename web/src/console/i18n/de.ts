@@ -8,6 +8,15 @@ export const de: ConsoleTexts = {
   levelOf: 'Stufe {n} von {m}',
   drinkOf: 'Getränk {n} von {m}',
   exercises: { 'cocktail-bar': 'Cocktailbar', 'free-grasping': 'Freies Greifen' },
+  hands: {
+    'adult-median-right': 'Median, rechts', 'adult-median-left': 'Median, links',
+    'woman-p05-right': 'Frau P5, rechts', 'woman-p50-right': 'Frau P50, rechts', 'woman-p95-right': 'Frau P95, rechts',
+    'man-p05-right': 'Mann P5, rechts', 'man-p50-right': 'Mann P50, rechts', 'man-p95-right': 'Mann P95, rechts',
+  },
+  patients: {
+    'relaxed-adult': 'Entspannte Person', 'stiff-adult': 'Steife Person', 'no-arm': 'Ohne Arm', tremor: 'Zittern', spastic: 'Spastik',
+    releases: 'Lässt los', slams: 'Schlägt', fights: 'Wehrt sich',
+  },
   noExercise: 'Keine Übung',
 
   states: {

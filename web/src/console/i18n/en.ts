@@ -7,6 +7,15 @@ export const en = {
   levelOf: 'Level {n} of {m}',
   drinkOf: 'drink {n} of {m}',
   exercises: { 'cocktail-bar': 'Cocktail bar', 'free-grasping': 'Free grasping' } as Record<string, string>,
+  hands: {
+    'adult-median-right': 'Median, right', 'adult-median-left': 'Median, left',
+    'woman-p05-right': 'Woman P5, right', 'woman-p50-right': 'Woman P50, right', 'woman-p95-right': 'Woman P95, right',
+    'man-p05-right': 'Man P5, right', 'man-p50-right': 'Man P50, right', 'man-p95-right': 'Man P95, right',
+  } as Record<string, string>,
+  patients: {
+    'relaxed-adult': 'Relaxed adult', 'stiff-adult': 'Stiff adult', 'no-arm': 'No arm', tremor: 'Tremor', spastic: 'Spasticity',
+    releases: 'Lets go', slams: 'Slams', fights: 'Fights back',
+  } as Record<string, string>,
   noExercise: 'No exercise',
 
   states: {

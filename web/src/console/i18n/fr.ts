@@ -8,6 +8,15 @@ export const fr: ConsoleTexts = {
   levelOf: 'Niveau {n} sur {m}',
   drinkOf: 'boisson {n} sur {m}',
   exercises: { 'cocktail-bar': 'Bar à cocktails', 'free-grasping': 'Saisie libre' },
+  hands: {
+    'adult-median-right': 'Médiane, droite', 'adult-median-left': 'Médiane, gauche',
+    'woman-p05-right': 'Femme P5, droite', 'woman-p50-right': 'Femme P50, droite', 'woman-p95-right': 'Femme P95, droite',
+    'man-p05-right': 'Homme P5, droite', 'man-p50-right': 'Homme P50, droite', 'man-p95-right': 'Homme P95, droite',
+  },
+  patients: {
+    'relaxed-adult': 'Adulte détendu', 'stiff-adult': 'Adulte raide', 'no-arm': 'Sans bras', tremor: 'Tremblement', spastic: 'Spasticité',
+    releases: 'Lâche', slams: 'Frappe', fights: 'Résiste',
+  },
   noExercise: 'Aucun exercice',
 
   states: {
