@@ -56,7 +56,7 @@ struct UdpBridge::Core {
               return socket.send(to, bytes);
             },
             (std::uint64_t{std::random_device{}()} << 32U) ^ std::random_device{}()),
-        counters(counters) {}
+        tally(counters) {}
 
   void run(ServerBackend& backend, const std::shared_ptr<Core>& self);
   void goRound(ServerBackend& backend, const std::shared_ptr<Core>& self);
@@ -67,7 +67,7 @@ struct UdpBridge::Core {
   UdpSocket socket;
   std::mutex mutex;  ///< guards host and open; nothing of the backend is called while it is held
   udp::Host host;
-  UdpCounters& counters;  ///< while the thread runs
+  UdpCounters& tally;  ///< while the thread runs
   bool open = true;       ///< false: the bridge is gone, and with it the counters
   std::atomic<bool> stopping{false};
   std::atomic<std::int64_t> published_ns{0};
@@ -132,7 +132,7 @@ void UdpBridge::Core::run(ServerBackend& backend, const std::shared_ptr<Core>& s
     try {
       goRound(backend, self);
     } catch (const std::exception&) {
-      ++counters.exceptions;
+      ++tally.exceptions;
     }
   }
 }
@@ -178,7 +178,7 @@ void UdpBridge::Core::carryOut(ServerBackend& backend, const std::shared_ptr<Cor
     try {
       backend.order(pending.order, answer);
     } catch (const std::exception& error) {  // the next one may be an emergency stop
-      ++counters.exceptions;
+      ++tally.exceptions;
       answer(refused(Refusal::kFailed, std::string("failed: ") + error.what()));
     }
   }
