@@ -68,7 +68,7 @@ struct UdpBridge::Core {
   std::mutex mutex;  ///< guards host and open; nothing of the backend is called while it is held
   udp::Host host;
   UdpCounters& tally;  ///< while the thread runs
-  bool open = true;       ///< false: the bridge is gone, and with it the counters
+  bool open = true;    ///< false: the bridge is gone, and with it the counters
   std::atomic<bool> stopping{false};
   std::atomic<std::int64_t> published_ns{0};
   std::thread thread;
