@@ -2,7 +2,7 @@
 
 #include "assembly/recorded_run.hpp"
 #include "experiments/bar_figures.hpp"
-#include "experiments/listening_player.hpp"
+#include "patient/listening_player.hpp"
 #include "realtime/monotonic_clock.hpp"
 #include "runtime/session.hpp"
 #include "telemetry/recording.hpp"

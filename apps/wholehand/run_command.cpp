@@ -4,6 +4,7 @@
 #include "assembly/text_file.hpp"
 #include "certificate_file.hpp"
 #include "exit_code.hpp"
+#include "patient/listening_player.hpp"
 #include "patient/scripted_player.hpp"
 #include "report_command.hpp"
 #include "resting_player.hpp"
@@ -109,17 +110,6 @@ Mover moverOf(const Models& models, std::uint64_t seed) {
   return mover;
 }
 
-// Shows the virtual patient what happens, in the thread that ticks.
-class Watcher final : public TickListener {
- public:
-  explicit Watcher(Player& player) : player_(player) {}
-  void beforeTick(const TickRecord&) noexcept override {}
-  void afterTick(const TickRecord& record) noexcept override { player_.see(record); }
-
- private:
-  Player& player_;
-};
-
 void printSetup(const SetupReport& setup) {
   for (const SetupLine& line : setup) {
     if (!line.granted) std::printf("  machine  %s: %s\n", line.what.c_str(), line.sentence.c_str());
@@ -144,7 +134,7 @@ int runCommand(RunOptions options) {
   printOpening(*models);
   Mover mover = moverOf(*models, options.seed);
   const double duration_s = options.duration_s > 0.0 ? options.duration_s : mover.length_s;
-  Watcher watcher(*mover.player);
+  ListeningPlayer listening(*mover.player);
 
   RigOptions rig_options;
   rig_options.period_s = 1.0 / options.rate_hz;
@@ -175,7 +165,7 @@ int runCommand(RunOptions options) {
   plan.black_box = blackBoxPath(options.record);
   plan.simulated_clock = options.simulated_clock;
   plan.seed = options.seed;
-  plan.listener = &watcher;
+  plan.listener = &listening;
   Terminal terminal;
   terminal.begin(models->device);
   plan.status = [&](const TickSummary& now, double rate_hz) { terminal.update(now, rate_hz); };

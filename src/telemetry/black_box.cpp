@@ -1,47 +1,36 @@
-#include "telemetry/black_box.hpp"
-
-#include "telemetry/black_box_layout.hpp"
-#include "telemetry/crash_guard.hpp"
-#include "telemetry/input_log.hpp"
-#include "telemetry/prefaulted_memory.hpp"
+#include "telemetry/mapped_box.hpp"
 #include "telemetry/record_packing.hpp"
-#include "telemetry/signal_safe_file.hpp"
 
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
-#include <ctime>
-#include <sys/stat.h>
-#include <sys/syscall.h>
-#include <unistd.h>
 
 namespace wholehand {
 namespace {
 
 using black_box::Entry;
 using black_box::Header;
-using black_box::Part;
 
 constexpr Fault kWanting = kStopping | Fault::kEmergencyStop;
 /// What a run goes on for after its time: the ramp to neutral, with room to spare.
 constexpr double kRamp_s = 1.0;
 /// Kept beyond what is asked for: so much may be overwritten while a crash is written down.
 constexpr double kMargin = 1.1;
-/// The longest ramp to neutral, with slack for a loop that is late.
-constexpr long kNeutralWithin_ns = 130'000'000;
 
-int thisThread() noexcept {
-  return static_cast<int>(::syscall(SYS_gettid));
+/// Every folder on the way to a file, the outermost first.
+std::vector<std::string> foldersOf(const std::string& path) {
+  std::vector<std::string> folders;
+  for (std::size_t at = path.find('/', 1); at != std::string::npos; at = path.find('/', at + 1)) {
+    folders.push_back(path.substr(0, at));
+  }
+  return folders;
 }
 
-/// How much memory a box takes.
-struct Sizes {
-  std::size_t entries = 0, data = 0, inputs = 0;
-};
+}  // namespace
 
-Sizes sizesOf(const RecordingMeta& meta, const BlackBoxPlan& plan) {
+MappedBox::Sizes MappedBox::sizesOf(const RecordingMeta& meta, const BlackBoxPlan& plan) {
   const auto count = [](const auto& list) { return static_cast<int>(list.size()); };
   const double run = static_cast<double>(plan.most_ticks) + kRamp_s / meta.period_s;
   const double kept = std::clamp(std::ceil(kMargin * plan.keep_s / meta.period_s), 1.0, run);
@@ -59,74 +48,6 @@ Sizes sizesOf(const RecordingMeta& meta, const BlackBoxPlan& plan) {
       std::min(run * axes_bytes + 64.0 * kMostInputBytes, static_cast<double>(plan.input_bytes)));
   return sizes;
 }
-
-/// Every folder on the way to a file, the outermost first.
-std::vector<std::string> foldersOf(const std::string& path) {
-  std::vector<std::string> folders;
-  for (std::size_t at = path.find('/', 1); at != std::string::npos; at = path.find('/', at + 1)) {
-    folders.push_back(path.substr(0, at));
-  }
-  return folders;
-}
-
-class MappedBox final : public BlackBox, public CrashWitness {
- public:
-  MappedBox(const RecordingMeta& meta, const BlackBoxPlan& plan);
-  ~MappedBox() override { leaveSignalStack(arming_stack_.data()); }
-  /// What went wrong, or nothing.
-  std::string takeMemory();
-
-  void beforeTick(const TickRecord& record) noexcept override;
-  void afterTick(const TickRecord& record) noexcept override;
-  void crashed(int signal) noexcept override;
-
-  [[nodiscard]] bool wanted() const noexcept override { return header_.faults != 0; }
-  [[nodiscard]] Expected<Done> write() override;
-  [[nodiscard]] const std::string& path() const noexcept override { return path_; }
-  [[nodiscard]] std::uint64_t inputBytes() const noexcept override { return input_bytes_.load(); }
-  [[nodiscard]] bool inputsWhole() const noexcept override { return inputs_whole_.load(); }
-  [[nodiscard]] std::uint64_t ticksKept() const noexcept override {
-    return std::min<std::uint64_t>(entries_done_.load(), sizes_.entries);
-  }
-
- private:
-  void keepInputs(const TickRecord& record) noexcept;
-  void keepWhole(const TickRecord& record) noexcept;
-  void noteFaults(const TickRecord& record) noexcept;
-  [[nodiscard]] Entry* entryAt(std::uint64_t n) const noexcept {
-    return entries_.as<Entry>() + n % sizes_.entries;
-  }
-  // Async-signal-safe.
-  [[nodiscard]] int writeFile(int signal) noexcept;
-  void describe(int signal) noexcept;
-  void putPart(Part part, std::uint64_t bytes) noexcept;
-  void endPart() noexcept;
-  void putEntries() noexcept;
-  void putData() noexcept;
-
-  void waitForNeutral(const timespec& since) const noexcept;
-
-  const std::string path_, temporary_, crash_text_;
-  void (*const stop_)(void*) noexcept;
-  void* const stop_whom_;
-  const std::vector<std::string> folders_;
-  const std::vector<std::byte> meta_;
-  const Sizes sizes_;
-  InputLogState log_;
-  PrefaultedMemory entries_, data_, inputs_, arming_stack_, ticking_stack_;
-  bool first_tick_ = true;
-
-  // Written by the thread that ticks, read by a handler in any: what lies before a number is whole.
-  std::atomic<std::uint64_t> ticks_begun_{0}, ticks_done_{0};
-  std::atomic<int> ticking_thread_{0};
-  std::atomic<std::uint64_t> input_bytes_{0};
-  std::atomic<bool> inputs_whole_{true};
-  std::atomic<std::uint64_t> entries_begun_{0}, entries_done_{0};
-  std::atomic<std::uint64_t> data_begun_{0}, data_done_{0};
-  Header header_;  ///< its faults are noted in the tick, the rest when it is written
-  SignalSafeFile file_;
-  std::unique_ptr<CrashGuard> guard_;  ///< last: gone before what a handler would read
-};
 
 MappedBox::MappedBox(const RecordingMeta& meta, const BlackBoxPlan& plan)
     : path_(plan.path),
@@ -165,7 +86,7 @@ std::string MappedBox::takeMemory() {
 void MappedBox::beforeTick(const TickRecord&) noexcept {
   if (first_tick_) {
     useSignalStack(ticking_stack_.data());
-    ticking_thread_.store(thisThread(), std::memory_order_relaxed);
+    ticking_thread_.store(callingThread(), std::memory_order_relaxed);
     first_tick_ = false;
   }
   ticks_begun_.store(ticks_begun_.load(std::memory_order_relaxed) + 1, std::memory_order_release);
@@ -213,120 +134,6 @@ void MappedBox::noteFaults(const TickRecord& record) noexcept {
   }
   header_.faults |= static_cast<std::uint32_t>(wanting);
 }
-
-void MappedBox::describe(int signal) noexcept {
-  header_.signal = signal;
-  timespec now{};
-  ::clock_gettime(CLOCK_REALTIME, &now);
-  header_.unix_ns = std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
-  header_.ticks_done = ticks_done_.load(std::memory_order_acquire);
-  header_.ticks_begun = ticks_begun_.load(std::memory_order_acquire);
-  header_.end_entry = entries_done_.load(std::memory_order_acquire);
-  header_.first_entry =
-      header_.end_entry - std::min<std::uint64_t>(header_.end_entry, sizes_.entries);
-  header_.data_end = data_done_.load(std::memory_order_acquire);
-  header_.data_begin = header_.end_entry > 0 ? entryAt(header_.first_entry)->begin : 0;
-  // Of a ring that is too small for its entries the oldest are gone.
-  if (header_.data_end - header_.data_begin > sizes_.data) {
-    header_.data_begin = header_.data_end - sizes_.data;
-  }
-  header_.inputs_whole = inputs_whole_.load(std::memory_order_acquire) ? 1 : 0;
-  header_.crc = 0;
-}
-
-void MappedBox::putPart(Part part, std::uint64_t bytes) noexcept {
-  const black_box::PartHeader head{static_cast<std::uint32_t>(part), 0, bytes};
-  file_.put(&head, sizeof head);
-}
-
-void MappedBox::endPart() noexcept {
-  const std::uint32_t crc = file_.takeCrc();
-  file_.put(&crc, sizeof crc);
-  (void)file_.takeCrc();  // the next part's begins with its head
-}
-
-void MappedBox::putEntries() noexcept {
-  for (std::uint64_t n = header_.first_entry; n < header_.end_entry; ++n) {
-    file_.put(entryAt(n), sizeof(Entry));
-  }
-}
-
-void MappedBox::putData() noexcept {
-  for (std::uint64_t at = header_.data_begin; at < header_.data_end;) {
-    const std::uint64_t in_ring = at % sizes_.data;
-    const std::uint64_t piece = std::min(header_.data_end - at, sizes_.data - in_ring);
-    file_.put(data_.data() + in_ring, piece);
-    at += piece;
-  }
-}
-
-int MappedBox::writeFile(int signal) noexcept {
-  for (const std::string& folder : folders_) ::mkdir(folder.c_str(), 0777);
-  if (const int error = file_.create(temporary_.c_str(), path_.c_str()); error != 0) return error;
-  describe(signal);
-  // After the whole ticks were counted: each of them then has its inputs, though the loop runs on.
-  const std::uint64_t input_bytes = input_bytes_.load(std::memory_order_acquire);
-  file_.put(&header_, offsetof(Header, crc));
-  endPart();
-  putPart(Part::kMeta, meta_.size());
-  file_.put(meta_.data(), meta_.size());
-  endPart();
-  putPart(Part::kInputs, input_bytes);
-  file_.put(inputs_.data(), input_bytes);
-  endPart();
-  putPart(Part::kEntries, (header_.end_entry - header_.first_entry) * sizeof(Entry));
-  putEntries();
-  endPart();
-  putPart(Part::kData, header_.data_end - header_.data_begin);
-  putData();
-  endPart();
-  std::atomic_thread_fence(std::memory_order_acquire);
-  const black_box::End end{entries_begun_.load(std::memory_order_relaxed),
-                           data_begun_.load(std::memory_order_relaxed)};
-  putPart(Part::kEnd, sizeof end);
-  file_.put(&end, sizeof end);
-  endPart();
-  return file_.close();
-}
-
-// A loop in another thread than the one that crashed ramps down meanwhile. One that crashed itself
-// leaves the device to its own watchdog.
-void MappedBox::waitForNeutral(const timespec& since) const noexcept {
-  const int ticking = ticking_thread_.load(std::memory_order_relaxed);
-  if (stop_ == nullptr || ticking == 0 || ticking == thisThread()) return;
-  timespec until = since;
-  until.tv_nsec += kNeutralWithin_ns;
-  if (until.tv_nsec >= 1'000'000'000) {
-    until.tv_nsec -= 1'000'000'000;
-    ++until.tv_sec;
-  }
-  while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
-  }
-}
-
-void MappedBox::crashed(int signal) noexcept {
-  if (stop_ != nullptr) stop_(stop_whom_);
-  timespec began{};
-  ::clock_gettime(CLOCK_MONOTONIC, &began);
-  if (ticks_done_.load(std::memory_order_acquire) > 0 && writeFile(signal) == 0) {
-    const ssize_t ignored = ::write(STDERR_FILENO, crash_text_.data(), crash_text_.size());
-    (void)ignored;
-  }
-  waitForNeutral(began);
-}
-
-Expected<Done> MappedBox::write() {
-  const int error = writeFile(0);
-  if (error == 0) return Done{};
-  return Diagnostic{path_,
-                    0,
-                    "",
-                    "",
-                    std::string("cannot be written: ") + std::strerror(error),
-                    "make room, or record into another folder"};
-}
-
-}  // namespace
 
 Expected<std::unique_ptr<BlackBox>> BlackBox::arm(const RecordingMeta& meta,
                                                   const BlackBoxPlan& plan) {

@@ -42,14 +42,13 @@ class BlackBox : public TickListener {
 
   /// A stopping fault or an emergency stop came. After the run.
   [[nodiscard]] virtual bool wanted() const noexcept = 0;
-  /// Writes the file, whole or not at all. Not real-time safe.
+  /// Writes the file, whole or not at all; nothing to do where a crash's handler does. Not
+  /// real-time safe.
   [[nodiscard]] virtual Expected<Done> write() = 0;
   [[nodiscard]] virtual const std::string& path() const noexcept = 0;
   /// What the inputs take so far, and whether none is missing. After the run.
   [[nodiscard]] virtual std::uint64_t inputBytes() const noexcept = 0;
   [[nodiscard]] virtual bool inputsWhole() const noexcept = 0;
-  /// The whole ticks that are kept now. After the run.
-  [[nodiscard]] virtual std::uint64_t ticksKept() const noexcept = 0;
 };
 
 }  // namespace wholehand

@@ -22,10 +22,6 @@ std::mutex g_mutex;  // of the two below, outside handlers
 int g_guards = 0;
 std::array<struct sigaction, kSignals.size()> g_before{};
 
-int thisThread() noexcept {
-  return static_cast<int>(::syscall(SYS_gettid));
-}
-
 void restore() noexcept {
   for (std::size_t i = 0; i < kSignals.size(); ++i) ::sigaction(kSignals[i], &g_before[i], nullptr);
 }
@@ -39,11 +35,11 @@ void waitForTheEnd() noexcept {
 void onCrash(int signal, siginfo_t* info, void* /*context*/) {
   const int saved = errno;
   int nobody = 0;
-  if (g_crashed_thread.compare_exchange_strong(nobody, thisThread())) {
+  if (g_crashed_thread.compare_exchange_strong(nobody, callingThread())) {
     for (auto& witness : g_witnesses) {
       if (CrashWitness* w = witness.load()) w->crashed(signal);
     }
-  } else if (nobody != thisThread()) {
+  } else if (nobody != callingThread()) {
     waitForTheEnd();
   }
   restore();
@@ -65,6 +61,10 @@ void install() {
 
 }  // namespace
 
+int callingThread() noexcept {
+  return static_cast<int>(::syscall(SYS_gettid));
+}
+
 CrashGuard::CrashGuard(CrashWitness& witness) {
   const std::lock_guard lock(g_mutex);
   for (int i = 0; i < kMostWitnesses; ++i) {
@@ -78,8 +78,10 @@ CrashGuard::CrashGuard(CrashWitness& witness) {
 
 CrashGuard::~CrashGuard() {
   if (slot_ < 0) return;
-  const std::lock_guard lock(g_mutex);
   g_witnesses[static_cast<std::size_t>(slot_)].store(nullptr);
+  const int crashed = g_crashed_thread.load();
+  if (crashed != 0 && crashed != callingThread()) waitForTheEnd();  // it may still be told
+  const std::lock_guard lock(g_mutex);
   if (--g_guards == 0) restore();
 }
 

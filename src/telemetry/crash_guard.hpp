@@ -11,12 +11,16 @@ class CrashWitness {
   virtual void crashed(int signal) noexcept = 0;
 };
 
+/// The system's number of the thread that asks; never 0. Async-signal-safe.
+[[nodiscard]] int callingThread() noexcept;
+
 /// How many witnesses there may be at once.
 inline constexpr int kMostWitnesses = 4;
 
 /// Stands by for SIGSEGV, SIGABRT, SIGBUS, SIGFPE and SIGILL until it is destroyed: tells the
 /// witness, then lets the signal do what it did before (end the process and dump its core). A crash
-/// in another thread meanwhile waits for that; one in the witness ends the process.
+/// in another thread meanwhile waits for that, and so does the end of a guard, so that neither the
+/// witness nor the process is gone before; a crash in the witness ends the process.
 class CrashGuard {
  public:
   explicit CrashGuard(CrashWitness& witness);

@@ -1,6 +1,7 @@
 // What the record stream tells of the safety supervisor, on the simulated clock.
 #include "assembly/safety_log.hpp"
 
+#include "patient/listening_player.hpp"
 #include "runtime/session.hpp"
 #include "support/rig_tools.hpp"
 
@@ -120,17 +121,9 @@ TEST(SafetyLog, OwnerSilent_IsRecordedAndTheExerciseFadesInItsTime) {
   Player& hand = *player;
   const auto rig = orThrow(buildRig(models, std::move(player), {}));
   orThrow(rig->renderer->arm());
-  class Watcher final : public TickListener {
-   public:
-    explicit Watcher(Player& player) : player_(player) {}
-    void beforeTick(const TickRecord&) noexcept override {}
-    void afterTick(const TickRecord& record) noexcept override { player_.see(record); }
-
-   private:
-    Player& player_;
-  } watcher(hand);
+  ListeningPlayer listening(hand);
   SessionConfig config;
-  config.listener = &watcher;
+  config.listener = &listening;
   config.queue_ticks = 2;
   config.duration_ticks = 10'000;
   Session session(*rig->renderer, config);

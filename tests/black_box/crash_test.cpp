@@ -1,5 +1,5 @@
 #include "black_box/box_tools.hpp"
-#include "realtime/sanitized.hpp"
+#include "black_box/child_tools.hpp"
 #include "telemetry/crash_guard.hpp"
 
 #include <climits>
@@ -9,8 +9,6 @@
 #include <cstdlib>
 #include <exception>
 #include <functional>
-#include <sys/resource.h>
-#include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
 
@@ -18,33 +16,6 @@ namespace wholehand::test {
 namespace {
 
 using synthetic::Folder;
-
-/// Runs `body` in a child process, silently and without core dump; how it ended.
-int inChild(const std::function<void()>& body) {
-  const pid_t child = ::fork();
-  if (child == 0) {
-    const rlimit none{0, 0};
-    ::setrlimit(RLIMIT_CORE, &none);
-    ::close(STDERR_FILENO);
-    ::alarm(60);
-    body();
-    ::_exit(99);
-  }
-  int status = 0;
-  ::waitpid(child, &status, 0);
-  return status;
-}
-
-/// The process died of that signal, as it would have without us. A sanitizer's own handler, which
-/// was there before ours and so comes after it, exits instead.
-void expectDiedOf([[maybe_unused]] int signal, int status) {
-#if WHOLEHAND_SANITIZED
-  EXPECT_TRUE(WIFSIGNALED(status) || WEXITSTATUS(status) != 99) << status;
-#else
-  ASSERT_TRUE(WIFSIGNALED(status)) << "exit code " << WEXITSTATUS(status);
-  EXPECT_EQ(WTERMSIG(status), signal);
-#endif
-}
 
 void expectBox(const std::string& path, int signal, std::uint64_t ticks) {
   const auto read = opened(path);
@@ -72,11 +43,6 @@ volatile int g_sum = 0;
   volatile char room[4096];
   room[0] = static_cast<char>(depth);
   return depth < g_deepest ? dig(depth + 1) + room[0] : 0;
-}
-
-void writeToNowhere() {
-  volatile int* volatile nowhere = nullptr;
-  *nowhere = 1;
 }
 
 struct Crash {

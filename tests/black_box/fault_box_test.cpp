@@ -11,20 +11,6 @@ namespace {
 
 using synthetic::Folder;
 
-/// A patient who sweeps every axis to and fro within its range, among four shapes.
-Intention sweeping(const DeviceModel& device) {
-  std::vector<Waypoint> points;
-  for (int k = 0; k < 9; ++k) {
-    AxisPosition q(device.axisCount());
-    for (int a = 0; a < q.size(); ++a) {
-      const DeviceAxis& axis = device.axes[static_cast<std::size_t>(a)];
-      q[a] = std::lerp(axis.lower, axis.upper, k % 2 == 0 ? 0.45 : 0.55);
-    }
-    points.push_back({1.0 * k, q});
-  }
-  return Intention::throughWaypoints(points);
-}
-
 /// A run on the simulated clock through a device with these faults; whose own device is `inner`.
 struct FaultyRun {
   std::unique_ptr<HapticDevice> inner;

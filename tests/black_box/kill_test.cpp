@@ -1,5 +1,7 @@
 #include "black_box/box_tools.hpp"
+#include "black_box/child_tools.hpp"
 #include "black_box/run_tools.hpp"
+#include "patient/listening_player.hpp"
 #include "support/seed.hpp"
 
 #include <algorithm>
@@ -31,20 +33,17 @@ static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
 
 class Telling final : public TickListener {
  public:
-  Telling(Player& player, Progress& progress) : watching_(player), progress_(progress) {}
+  Telling(Player& player, Progress& progress) : listening_(player), progress_(progress) {}
   void beforeTick(const TickRecord& record) noexcept override {
-    if (record.tick >= progress_.crash_at) {
-      volatile int* volatile nowhere = nullptr;
-      *nowhere = 1;
-    }
+    if (record.tick >= progress_.crash_at) writeToNowhere();
   }
   void afterTick(const TickRecord& record) noexcept override {
-    watching_.afterTick(record);
+    listening_.afterTick(record);
     progress_.ticks.store(record.tick + 1, std::memory_order_release);
   }
 
  private:
-  Watching watching_;
+  ListeningPlayer listening_;
   Progress& progress_;
 };
 

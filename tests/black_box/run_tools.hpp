@@ -7,10 +7,12 @@
 #include "support/rig_tools.hpp"
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <string>
 #include <sys/wait.h>
+#include <vector>
 
 namespace wholehand::test {
 
@@ -21,16 +23,19 @@ inline Models bar() {
   return load(files);
 }
 
-/// Shows the virtual patient what happens.
-class Watching final : public TickListener {
- public:
-  explicit Watching(Player& player) : player_(player) {}
-  void beforeTick(const TickRecord&) noexcept override {}
-  void afterTick(const TickRecord& record) noexcept override { player_.see(record); }
-
- private:
-  Player& player_;
-};
+/// A patient who sweeps every axis to and fro over that share of its range.
+inline Intention sweeping(const DeviceModel& device, double share = 0.1) {
+  std::vector<Waypoint> points;
+  for (int k = 0; k < 9; ++k) {
+    AxisPosition q(device.axisCount());
+    for (int a = 0; a < q.size(); ++a) {
+      const DeviceAxis& axis = device.axes[static_cast<std::size_t>(a)];
+      q[a] = std::lerp(axis.lower, axis.upper, 0.5 + (k % 2 == 0 ? -0.5 : 0.5) * share);
+    }
+    points.push_back({1.0 * k, q});
+  }
+  return Intention::throughWaypoints(points);
+}
 
 struct Said {
   int code = -1;

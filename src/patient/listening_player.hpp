@@ -1,11 +1,12 @@
 #pragma once
 
+#include "core/real_time.hpp"
+#include "core/tick_listener.hpp"
 #include "patient/player.hpp"
-#include "runtime/session.hpp"
 
 namespace wholehand {
 
-/// Shows a player what every tick came to.
+/// Shows a player what every tick came to, in the thread that ticks.
 class ListeningPlayer final : public TickListener {
  public:
   /// @pre player outlives this

@@ -1,0 +1,85 @@
+#pragma once
+
+#include "telemetry/black_box.hpp"
+#include "telemetry/black_box_layout.hpp"
+#include "telemetry/crash_guard.hpp"
+#include "telemetry/input_log.hpp"
+#include "telemetry/prefaulted_memory.hpp"
+#include "telemetry/signal_safe_file.hpp"
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <ctime>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace wholehand {
+
+/// The black box in memory that is there from the start: black_box.cpp keeps the ticks in it,
+/// black_box_crash.cpp writes it down, in a signal's handler if need be.
+class MappedBox final : public BlackBox, public CrashWitness {
+ public:
+  MappedBox(const RecordingMeta& meta, const BlackBoxPlan& plan);
+  ~MappedBox() override { leaveSignalStack(arming_stack_.data()); }
+  /// What went wrong, or nothing.
+  std::string takeMemory();
+
+  void beforeTick(const TickRecord& record) noexcept override;
+  void afterTick(const TickRecord& record) noexcept override;
+  void crashed(int signal) noexcept override;
+
+  [[nodiscard]] bool wanted() const noexcept override { return header_.faults != 0; }
+  [[nodiscard]] Expected<Done> write() override;
+  [[nodiscard]] const std::string& path() const noexcept override { return path_; }
+  [[nodiscard]] std::uint64_t inputBytes() const noexcept override { return input_bytes_.load(); }
+  [[nodiscard]] bool inputsWhole() const noexcept override { return inputs_whole_.load(); }
+
+ private:
+  struct Sizes {
+    std::size_t entries = 0, data = 0, inputs = 0;
+  };
+  [[nodiscard]] static Sizes sizesOf(const RecordingMeta& meta, const BlackBoxPlan& plan);
+
+  void keepInputs(const TickRecord& record) noexcept;
+  void keepWhole(const TickRecord& record) noexcept;
+  void noteFaults(const TickRecord& record) noexcept;
+  [[nodiscard]] black_box::Entry* entryAt(std::uint64_t n) const noexcept {
+    return entries_.as<black_box::Entry>() + n % sizes_.entries;
+  }
+  // What follows is async-signal-safe.
+  [[nodiscard]] bool mayWrite() noexcept;
+  [[nodiscard]] int writeFile(int signal) noexcept;
+  void describe(int signal) noexcept;
+  void putPart(black_box::Part part, std::uint64_t bytes) noexcept;
+  void endPart() noexcept;
+  void putEntries() noexcept;
+  void putData() noexcept;
+
+  void waitForNeutral(const timespec& since) const noexcept;
+
+  const std::string path_, temporary_, crash_text_;
+  void (*const stop_)(void*) noexcept;
+  void* const stop_whom_;
+  const std::vector<std::string> folders_;
+  const std::vector<std::byte> meta_;
+  const Sizes sizes_;
+  InputLogState log_;
+  PrefaultedMemory entries_, data_, inputs_, arming_stack_, ticking_stack_;
+  bool first_tick_ = true;
+
+  // Written by the thread that ticks, read by a handler in any: what lies before a number is whole.
+  std::atomic<std::uint64_t> ticks_begun_{0}, ticks_done_{0};
+  std::atomic<int> ticking_thread_{0};
+  std::atomic<int> writing_thread_{0};
+  std::atomic<std::uint64_t> input_bytes_{0};
+  std::atomic<bool> inputs_whole_{true};
+  std::atomic<std::uint64_t> entries_begun_{0}, entries_done_{0};
+  std::atomic<std::uint64_t> data_begun_{0}, data_done_{0};
+  black_box::Header header_;  ///< its faults are noted in the tick, the rest when it is written
+  SignalSafeFile file_;
+  std::unique_ptr<CrashGuard> guard_;  ///< last: gone before what a handler would read
+};
+
+}  // namespace wholehand

@@ -1,0 +1,176 @@
+// A crash in another thread than the loop's: the loop goes on to neutral before the process ends.
+#include "black_box/box_tools.hpp"
+#include "black_box/child_tools.hpp"
+#include "black_box/run_tools.hpp"
+#include "realtime/monotonic_clock.hpp"
+#include "telemetry/crash_guard.hpp"
+
+#include <array>
+#include <atomic>
+#include <csignal>
+#include <ctime>
+#include <sched.h>
+#include <sys/mman.h>
+#include <thread>
+
+namespace wholehand::test {
+namespace {
+
+using synthetic::Folder;
+
+constexpr std::uint64_t kCrashAt = 1400;  // ticks: the hand is swept to and fro
+constexpr std::uint64_t kMostTicks = 60'000;
+constexpr std::uint64_t kNeutralWithin = 100;      // ticks of a millisecond (docs/safety.md)
+constexpr std::int64_t kHeldFor_ns = 130'000'000;  // the same page: what the loop is given
+
+/// What the child tells: in memory that outlives it.
+struct Told {
+  struct Tick {
+    AxisEffort sent;
+    Fault faults = Fault::kNone;
+    SafetyState state = SafetyState::kDisarmed;
+  };
+  std::atomic<std::uint64_t> ticks{0};
+  std::atomic<std::int64_t> crashed_ns{0}, dealt_with_ns{0};
+  std::atomic<bool> neutral{false}, returned{false};
+  std::array<Tick, kMostTicks> log;
+};
+
+/// Keeps every tick, and holds the one at which the other thread crashes until it does.
+class Logging final : public TickListener {
+ public:
+  explicit Logging(Told& told) : told_(told) {}
+  void beforeTick(const TickRecord& record) noexcept override {
+    while (record.tick == kCrashAt && told_.crashed_ns == 0) ::sched_yield();
+  }
+  void afterTick(const TickRecord& record) noexcept override {
+    const std::uint64_t n = told_.ticks;
+    if (n >= kMostTicks) return;
+    told_.log[n] = {record.sent, record.faults, record.safety_state};
+    told_.ticks = n + 1;
+    if (record.safety_state == SafetyState::kDisarmed) told_.neutral = true;
+  }
+
+ private:
+  Told& told_;
+};
+
+/// Told of the crash after the black box: what that waits for the loop is over. However little of
+/// the machine the loop gets, it comes to neutral before the process ends, and its run would return
+/// in the half second after that.
+class HoldingTheEnd final : public CrashWitness {
+ public:
+  explicit HoldingTheEnd(Told& told) : told_(told) {}
+  void crashed(int) noexcept override {
+    told_.dealt_with_ns = monotonicNow_ns();
+    const timespec a_moment{0, 1'000'000};
+    for (int i = 0; i < 30'000 && !told_.neutral; ++i) ::nanosleep(&a_moment, nullptr);
+    for (int i = 0; i < 500 && !told_.returned; ++i) ::nanosleep(&a_moment, nullptr);
+  }
+
+ private:
+  Told& told_;
+};
+
+class CrashBesideTheLoop : public testing::Test {
+ protected:
+  void SetUp() override {
+    void* const shared = ::mmap(nullptr, sizeof(Told), PROT_READ | PROT_WRITE,
+                                MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    ASSERT_NE(shared, MAP_FAILED);
+    told_ = new (shared) Told;
+    Models models = load(shippedFiles());
+    Intention intention = sweeping(models.device, 0.7);
+    rig_ = orThrow(buildRig(std::move(models), std::move(intention), RigOptions{}));
+  }
+  void TearDown() override { ::munmap(told_, sizeof(Told)); }
+
+  /// In the child: the loop, as fast as it can, in a thread beside the one that crashes.
+  void runAndCrash() {
+    if (!rig_->renderer->arm().ok()) ::_exit(98);
+    Logging logging(*told_);
+    RunPlan plan;
+    plan.title = "crashed beside it";
+    plan.duration_ticks = kMostTicks;
+    plan.black_box = path();
+    plan.simulated_clock = true;
+    plan.listener = &logging;
+    std::thread loop([&] {
+      (void)runAndRecord(*rig_, plan);
+      told_->returned = true;
+    });
+    std::thread other([this] {
+      while (told_->ticks < kCrashAt) ::sched_yield();
+      HoldingTheEnd witness(*told_);
+      const CrashGuard guard(witness);
+      told_->crashed_ns = monotonicNow_ns();
+      writeToNowhere();
+    });
+    loop.join();
+    other.join();
+  }
+
+  [[nodiscard]] std::string path() const { return folder_.file("run.wbb"); }
+  /// Largest share of its limit that an axis's effort in this tick is away from neutral.
+  [[nodiscard]] double share(std::uint64_t tick) const {
+    double most = 0.0;
+    for (int a = 0; a < axes(); ++a) {
+      most = std::max(most, away(tick, a) / axis(a).effort_limit);
+    }
+    return most;
+  }
+  [[nodiscard]] double away(std::uint64_t tick, int a) const {
+    return std::abs(told_->log[tick].sent[a] - rig_->renderer->config().neutral[a]);
+  }
+  [[nodiscard]] double change(std::uint64_t tick, int a) const {
+    return std::abs(told_->log[tick].sent[a] - told_->log[tick - 1].sent[a]);
+  }
+  [[nodiscard]] int axes() const { return rig_->models.device.axisCount(); }
+  [[nodiscard]] const DeviceAxis& axis(int a) const {
+    return rig_->models.device.axes[static_cast<std::size_t>(a)];
+  }
+
+  Told* told_ = nullptr;
+
+ private:
+  Folder folder_;
+  std::unique_ptr<Rig> rig_;
+};
+
+TEST_F(CrashBesideTheLoop, SegmentationFault_RampsToNeutralAndOnlyThenEndsTheProcess) {
+  const int status = inChild([this] { runAndCrash(); });
+  expectDiedOf(SIGSEGV, status);
+  EXPECT_FALSE(told_->returned) << "the run ended as if nothing had happened";
+  EXPECT_GE(told_->dealt_with_ns - told_->crashed_ns, kHeldFor_ns);
+  ASSERT_TRUE(told_->neutral);
+
+  const std::uint64_t ticks = told_->ticks;
+  ASSERT_LT(ticks, kMostTicks);
+  std::uint64_t stop = kCrashAt;  // the first tick that knows
+  while (stop < ticks && !any(told_->log[stop].faults & Fault::kEmergencyStop)) ++stop;
+  ASSERT_LT(stop, ticks);
+  EXPECT_EQ(told_->log[stop - 1].state, SafetyState::kRendering);
+  EXPECT_GT(share(stop - 1), 0.01) << "there was nothing to ramp down";
+
+  for (std::uint64_t k = 1; k < ticks; ++k) {
+    for (int a = 0; a < axes(); ++a) {
+      ASSERT_LE(change(k, a), axis(a).effort_slew_limit * 1e-3 * (1.0 + 1e-12))
+          << "tick " << k << ", " << axis(a).name;
+      if (k < stop) continue;
+      ASSERT_LE(away(k, a), away(k - 1, a) + 1e-12) << "tick " << k << ", " << axis(a).name;
+    }
+  }
+  ASSERT_LE(ticks - stop, kNeutralWithin);
+  EXPECT_EQ(share(ticks - 1), 0.0);
+  EXPECT_EQ(told_->log[ticks - 1].state, SafetyState::kDisarmed);
+  figure("ticks from a crash beside the loop to neutral", static_cast<double>(ticks - stop), "");
+  figure("effort then, of its limit", share(stop - 1), "");
+
+  const auto box = opened(path());
+  ASSERT_NE(box, nullptr);
+  EXPECT_EQ(box->cause().signal, SIGSEGV);
+  EXPECT_GE(box->inputTicks(), kCrashAt);
+}
+
+}  // namespace
+}  // namespace wholehand::test
