@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <mutex>
 #include <stdexcept>
 #include <thread>
@@ -58,7 +59,8 @@ class FakeProgram final : public ServerBackend {
     return name == "night shift.h5" ? (folder / "night shift.h5").string() : "";
   }
   std::string reportFolder(const std::string& name, std::string& why) override {
-    if (report_takes.count() > 0) std::this_thread::sleep_for(report_takes);
+    report_begun = true;
+    if (report_waits_for.valid()) report_waits_for.wait();
     if (report_fails) why = "the recording is <damaged>";
     return report_fails || name != "night shift.h5" ? "" : (folder / "report").string();
   }
@@ -84,7 +86,7 @@ class FakeProgram final : public ServerBackend {
   }
   /// The orders of one type, once `count` of them came or the time is over.
   std::vector<Asked> askedFor(OrderType type, std::size_t count,
-                              std::chrono::milliseconds within = 2s) const {
+                              std::chrono::milliseconds within = 10s) const {
     const auto until = std::chrono::steady_clock::now() + within;
     while (true) {
       std::vector<Asked> found;
@@ -97,7 +99,8 @@ class FakeProgram final : public ServerBackend {
   }
 
   std::filesystem::path folder;
-  std::chrono::milliseconds report_takes{0};
+  std::shared_future<void> report_waits_for;  ///< where set, a report takes until then
+  std::atomic<bool> report_begun{false};
   bool report_fails = false;
 
  private:
@@ -162,7 +165,7 @@ inline const fb::Message& message(const WebSocket::Frame& frame) {
 
 /// The next message of one kind; others are passed over. Nothing when the time is over.
 inline std::optional<WebSocket::Frame> next(WebSocket& socket, fb::Payload kind,
-                                            std::chrono::milliseconds within = 3s) {
+                                            std::chrono::milliseconds within = 10s) {
   const auto until = std::chrono::steady_clock::now() + within;
   while (std::chrono::steady_clock::now() < until) {
     auto frame = socket.hear(within);

@@ -48,7 +48,8 @@ struct HttpReply {
 };
 
 /// Sends a request line and headers ("GET / HTTP/1.1\r\nHost: ...\r\n\r\n"), reads the answer.
-HttpReply ask(RawSocket& socket, const std::string& request, std::chrono::milliseconds within = 5s);
+HttpReply ask(RawSocket& socket, const std::string& request,
+              std::chrono::milliseconds within = 10s);
 /// One GET on a connection of its own, as a browser of this machine asks.
 HttpReply get(std::uint16_t port, const std::string& target, const std::string& more_headers = "",
               const std::string& method = "GET");
@@ -73,7 +74,7 @@ class WebSocket {
   void sayText(const std::string& text) { sendFrame(1, text); }
   void sendFrame(int opcode, const std::string& payload);
   /// The next frame; pings are answered on the way.
-  [[nodiscard]] std::optional<Frame> hear(std::chrono::milliseconds within = 2s);
+  [[nodiscard]] std::optional<Frame> hear(std::chrono::milliseconds within = 10s);
   [[nodiscard]] bool closed() const { return socket_.closed(); }
 
  private:
