@@ -6,10 +6,9 @@
 #include "git_version.hpp"
 #include "number_option.hpp"
 #include "picture_command.hpp"
-#include "play_command.hpp"
 #include "replay_command.hpp"
 #include "report_command.hpp"
-#include "run_options.hpp"
+#include "run_line.hpp"
 #include "shipped_files.hpp"
 #include "validate_command.hpp"
 
@@ -21,135 +20,6 @@
 namespace {
 
 using namespace wholehand;  // NOLINT(google-build-using-namespace): the program's own main
-
-// The gains that go with a device where none are named; false and the exit code where there are
-// none.
-bool findGains(const std::string& device, std::string& rendering, int& code) {
-  auto found = renderingFor(device);
-  if (found) {
-    rendering = *found;
-  } else {
-    code = refuse(found.errors());
-  }
-  return found.ok();
-}
-
-// The exercise by name or path.
-std::string exerciseFile(const std::string& exercise) {
-  const bool is_path = exercise.find('/') != std::string::npos || exercise.ends_with(".toml");
-  return is_path ? exercise : shippedFile("config/exercises") + "/" + exercise + ".toml";
-}
-
-// The bar where none is named.
-void chooseExercise(RunOptions& o) {
-  o.files.motion.clear();
-  o.files.exercise = exerciseFile(o.files.exercise.empty() ? "cocktail-bar" : o.files.exercise);
-}
-
-// Options that would be passed over in silence.
-Diagnostics mismatched(const CLI::App& run, const RunOptions& o, bool scene, bool pages) {
-  Diagnostics faults;
-  if (scene && run.count("--exercise") > 0) {
-    faults.push_back({"", 0, "--exercise", o.files.exercise,
-                      "cannot go with --scene or --motion: it names its own scene",
-                      "leave one of them out"});
-  }
-  if (scene && run.count("--level") > 0) {
-    faults.push_back({"", 0, "--level", std::to_string(o.files.level),
-                      "belongs to an exercise, not to a scene", "leave one of them out"});
-  }
-  for (const char* door :
-       {"--port", "--address", "--token", "--origin", "--udp", "--udp-peer", "--wait"}) {
-    if (pages || run.count(door) == 0) continue;
-    faults.push_back({"", 0, door, "", "is about pages and games, and this run opens no port",
-                      scene && !o.no_web && !o.simulated_clock
-                          ? "give --port, too, or leave it out"
-                          : "leave out --no-web and --simulated-clock"});
-  }
-  if (o.no_rehearsal && o.simulated_clock) {
-    faults.push_back({"", 0, "--no-rehearsal", "", "is about real time: there is none",
-                      "leave out --no-rehearsal or --simulated-clock"});
-  }
-  if (run.count("--udp-peer") > 0 && run.count("--udp") == 0) {
-    faults.push_back(
-        {"", 0, "--udp-peer", "", "needs the port that it is served from", "give --udp, too"});
-  }
-  return faults;
-}
-
-void addPages(CLI::App& run, RunOptions& o) {
-  run.add_option("--port", o.port, "Of the pages; 0: any that is free")
-      ->check(CLI::Range(0, 65535))
-      ->capture_default_str();
-  run.add_option("--address", o.address, "To listen at; another than this machine needs --token")
-      ->capture_default_str();
-  run.add_option("--token", o.token, "What clients must show, at least 16 characters");
-  run.add_option("--origin", o.origins, "Pages of other origins that may connect");
-  run.add_option("--udp", o.udp,
-                 "Port for game engines, or address:port; 0: any port (default: closed)");
-  run.add_option("--udp-peer", o.udp_peers, "Game on another machine: host or host:port");
-  run.add_flag("--no-web", o.no_web, "Open no port");
-  run.add_flag("--wait", o.wait, "Arm only when a client asks for it");
-}
-
-void addRun(CLI::App& app, RunOptions& o, int& code) {
-  CLI::App* run =
-      app.add_subcommand("run", "Open the cocktail bar, or play a motion: a hand that feels");
-  run->add_option("--exercise", o.files.exercise,
-                  "Exercise: a name (cocktail-bar, the default; free-grasping ...) or a file");
-  run->add_option("--level", o.files.level, "Level of the exercise")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  run->add_option("--seed", o.seed, "Of the virtual patient who plays")
-      ->check(wholeNumber())
-      ->capture_default_str();
-  run->add_option("--scene", o.files.scene, "Scene file, without exercise: free grasping")
-      ->capture_default_str();
-  run->add_option("--hand", o.files.hand, "Hand file")->capture_default_str();
-  run->add_option("--device", o.files.device, "Device file")->capture_default_str();
-  run->add_option("--rendering", o.files.rendering,
-                  "Gains that go with the device (default: the file of the device's name)");
-  run->add_option("--patient", o.files.patient, "Virtual patient")->capture_default_str();
-  run->add_option("--motion", o.files.motion, "Recorded motion to play in the scene, CSV")
-      ->capture_default_str();
-  run->add_option("--engine", o.engine, "Physics engine")
-      ->check(CLI::IsMember({"bullet"}))
-      ->capture_default_str();
-  run->add_option("--rate-hz", o.rate_hz, "Ticks a second")
-      ->check(finiteBetween(100.0, 16000.0, "Hz"))
-      ->capture_default_str();
-  run->add_option("--duration", o.duration_s,
-                  "Length of the run (default: the motion's and 1 s of rest; with pages endless)")
-      ->check(finiteBetween(0.001, 86400.0, "s"));
-  run->add_option("--record", o.record, "Write every tick to this HDF5 file");
-  run->add_option("--report", o.report, "Write a page with plots into this folder");
-  run->add_option("--json", o.json, "Write the summary to this file");
-  run->add_flag("--simulated-clock", o.simulated_clock, "As fast as it goes, no real time");
-  run->add_flag("--no-rehearsal", o.no_rehearsal,
-                "Arm without having run the worst contacts first (simulated device only)");
-  run->add_flag("--uncertified", o.uncertified,
-                "Allow gains that are not certified (simulated device only; recorded)")
-      ->excludes(run->add_option("--certificate", o.certificate,
-                                 "Run only what this file of `certify --json` says is certified"));
-  addPages(*run, o);
-  run->footer(
-      "An exercise opens the pages and prints their address first. A scene with a motion,\n"
-      "--simulated-clock and --no-web open no port (--port opens it for a scene) and write what\n"
-      "--record, --report and --json name, or all three into out/run-<time>/.");
-  run->callback([&o, run, &code] {
-    const bool scene = run->count("--scene") + run->count("--motion") > 0;
-    const bool pages = !o.no_web && !o.simulated_clock && (!scene || run->count("--port") > 0);
-    if (const Diagnostics faults = mismatched(*run, o, scene, pages); !faults.empty()) {
-      code = refuse(faults);
-      return;
-    }
-    if (!scene) chooseExercise(o);
-    if (run->count("--rendering") == 0 && !findGains(o.files.device, o.files.rendering, code)) {
-      return;
-    }
-    code = pages ? playCommand(o) : runCommand(o);
-  });
-}
 
 void addPicture(CLI::App& app, PictureOptions& o, int& code) {
   CLI::App* picture =
@@ -283,13 +153,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.option_defaults()->always_capture_default(false);
   int code = kExitDone;
-  RunOptions run;
-  run.files.scene = shippedFile("config/scenes/four-shapes.toml");
-  run.files.hand = shippedFile("config/hands/adult-median-right.toml");
-  run.files.device = shippedFile("config/devices/lambda-pride.toml");
-  run.files.rendering.clear();
-  run.files.patient = shippedFile("config/patients/relaxed-adult.toml");
-  run.files.motion = shippedFile("data/human-motion/reach-grasp-00.csv");
+  RunOptions run = shippedRun();
   ReplayOptions replay;
   ReportOptions report;
   ExperimentOptions experiment;

@@ -1,5 +1,6 @@
 #include "shipped_files.hpp"
 
+#include "exit_code.hpp"
 #include "model/device_model.hpp"
 
 #include <filesystem>
@@ -35,6 +36,21 @@ Expected<std::string> renderingFor(const std::string& device_file) {
                     "",
                     "no gains are known for this device",
                     "give --rendering FILE, or put them at " + beside.lexically_normal().string()};
+}
+
+bool findGains(const std::string& device, std::string& rendering, int& code) {
+  auto found = renderingFor(device);
+  if (found) {
+    rendering = *found;
+  } else {
+    code = refuse(found.errors());
+  }
+  return found.ok();
+}
+
+std::string exerciseFile(const std::string& exercise) {
+  const bool is_path = exercise.find('/') != std::string::npos || exercise.ends_with(".toml");
+  return is_path ? exercise : shippedFile("config/exercises") + "/" + exercise + ".toml";
 }
 
 }  // namespace wholehand

@@ -16,4 +16,11 @@ namespace wholehand {
 /// where there is neither.
 [[nodiscard]] Expected<std::string> renderingFor(const std::string& device_file);
 
+/// The same into `rendering`; false, the reason on standard error and its exit code, where there is
+/// none.
+[[nodiscard]] bool findGains(const std::string& device, std::string& rendering, int& code);
+
+/// The file of an exercise by its name or path.
+[[nodiscard]] std::string exerciseFile(const std::string& exercise);
+
 }  // namespace wholehand
