@@ -37,16 +37,48 @@ double requiredAt(const AxisLoop& l, double angle_rad) {
   return -felt.real() + realPlusModulus(round_trip) / (2.0 * avatar);
 }
 
+/// The limit for φ → 0, where the sweep would lose its digits.
+double requiredAtRest(const AxisLoop& l) {
+  const double t = l.period_s, drive = l.k_ds_per_s - 0.5 * l.k_ps_per_s2 * t;
+  if (!(drive > 0.0)) return std::numeric_limits<double>::infinity();
+  const double reciprocal = l.gamma * l.k_pm * l.k_ds_per_s / l.k_ps_per_s2;
+  const double lag = (1.0 + l.gamma) * l.k_ds_per_s - (1.0 + l.delay_ticks) * l.k_ps_per_s2 * t;
+  return (l.k_pm + l.wall_stiffness) * t * (0.5 + l.delay_ticks) - reciprocal - l.phi_k_dm -
+         l.wall_damping + l.k_pm * lag * lag / (4.0 * l.k_ps_per_s2 * drive);
+}
+
+/// The largest between two angles that have one peak between them, by thirds.
+double largestBetween(const AxisLoop& l, double low_rad, double high_rad) {
+  for (int i = 0; i < 40; ++i) {
+    const double third = (high_rad - low_rad) / 3.0;
+    if (requiredAt(l, low_rad + third) < requiredAt(l, high_rad - third)) {
+      low_rad += third;
+    } else {
+      high_rad -= third;
+    }
+  }
+  return requiredAt(l, 0.5 * (low_rad + high_rad));
+}
+
 }  // namespace
 
 double requiredDamping(const AxisLoop& loop, int frequencies) {
+  const auto angle = [frequencies](int i) {
+    const double share = static_cast<double>(std::clamp(i, 0, frequencies)) / frequencies;
+    return kLowest_rad * std::pow(std::numbers::pi / kLowest_rad, share);
+  };
   double worst = -std::numeric_limits<double>::infinity();
+  int at = 0;
   for (int i = 0; i <= frequencies; ++i) {
-    const double share = static_cast<double>(i) / frequencies;
-    worst = std::max(
-        worst, requiredAt(loop, kLowest_rad * std::pow(std::numbers::pi / kLowest_rad, share)));
+    const double required = requiredAt(loop, angle(i));
+    if (required > worst) {
+      worst = required;
+      at = i;
+    }
   }
-  return worst;
+  // Between the frequencies of the sweep it may be a little more.
+  return std::max(
+      {worst, largestBetween(loop, angle(at - 1), angle(at + 1)), requiredAtRest(loop)});
 }
 
 }  // namespace wholehand

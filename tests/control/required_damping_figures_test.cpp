@@ -102,7 +102,6 @@ TEST(RequiredDampingFigures, EveryRowOfTheTable_SwingsTwoPercentBelowAndNotAbove
 AxisLoop randomLoop(Draw& draw) {
   AxisLoop l =
       loopOf(400.0, draw.upTo(3), draw.between(15.0, 100.0), draw.chance(0.15) ? 0.0 : draw.unit());
-  l.mass = draw.between(0.05, 3.0);
   l.k_pm = draw.between(100.0, 3000.0);
   l.phi_k_dm = draw.chance(0.2) ? 0.0 : draw.between(0.5, 20.0);
   l.period_s = 1e-3 / (1 << draw.upTo(3));
@@ -118,21 +117,28 @@ AxisLoop randomLoop(Draw& draw) {
 TEST(RequiredDampingFigures, RandomLoops_SwingTwoPercentBelowAndNotAbove) {
   Draw draw(74);
   Range at;
-  int number = 0;
+  double short_of = 0.0;
+  int number = 0, judged = 0;
   const int wanted = cases(60);
   for (; number < wanted; ++number) {
-    const AxisLoop l = randomLoop(draw);
+    AxisLoop l = randomLoop(draw);
     const double required = requiredDamping(l);
     if (!(required > 0.01)) continue;  // its own damping does
+    // The mass plays no part in b_min: a light one, with which 2 % shows well above rounding.
+    l.mass = draw.between(10.0, 100.0) * required * l.period_s;
     const Termination t = worstTermination(l, World::kLossless);
     ASSERT_TRUE(isPassive(t)) << "loop " << number;
+    ++judged;
     at.take(boundary(l, t) / required);
     EXPECT_GE(at.least, 1.0 - kSide) << "loop " << number;
-    EXPECT_LE(at.most, 1.0 + 1e-4) << "loop " << number;
+    EXPECT_LE(at.most, 1.0 + 1e-5) << "loop " << number;
+    short_of = std::max(short_of, t.most / required - 1.0);
   }
-  figure("random loops with their worst person and object", number, "loops");
+  figure("random loops with their worst person and object", judged, "loops");
   figure("damping at which these begin to swing, of b_min, least", at.least, "");
   figure("the same, most", at.most, "");
+  figure("b_min short of what one of the swept frequencies needs, most", short_of, "");
+  EXPECT_LE(short_of, 1e-9) << "a guarantee is never less than the truth";
 }
 
 /// A swing that the tick cannot tell from its images: a person with one resonance answers only one
@@ -213,6 +219,7 @@ TEST(RequiredDampingFigures, TerminatedAxis_IsTheLibrarysLoop) {
   Draw draw(75);
   for (int i = 0; i < 50; ++i) {
     AxisLoop l = randomLoop(draw);
+    l.mass = draw.between(0.05, 3.0);
     l.damping = draw.between(0.1, 20.0);
     l.person = {draw.between(0.1, 10.0), 0.0, draw.between(10.0, 5000.0)};
     Termination t;

@@ -135,7 +135,7 @@ inline bool isPassive(const Termination& t) {
 }
 
 inline Termination worstTermination(const AxisLoop& l, World world, int images = kImages) {
-  constexpr int kAngles = 4000;
+  constexpr int kAngles = 3001;  // not those of requiredDamping()
   constexpr double kSlowest_rad = 2e-5, kSlow_rad = 0.05;
   const auto angle = [](int i) {
     return kSlowest_rad *
