@@ -130,6 +130,7 @@ double growth(double stiffness_n_m, double rate_hz) {
   Models m = load(shippedFiles());
   const int y = m.device.axisIndex("y");
   m.device.axes[y].effort_limit = 1e6;  // limits off
+  m.device.axes[y].effort_slew_limit = 1e9;
   AxisRendering& gains = m.rendering.axes[y];
   gains.k_pm = stiffness_n_m;
   gains.k_ps_per_s2 = 1e4;
