@@ -41,20 +41,26 @@ TEST(StageClock, NoExcess_ChangesNothing) {
   EXPECT_EQ(laps_ns, before);
 }
 
+// What others took of the processor is taken off the longest lap, and that may be the one at
+// work: the stages are told apart in a try that was left in peace.
 TEST(StageClock, SleepIsNoCpuTime_WorkIsWhereItWasDone) {
-  StageClock clock;
-  clock.start();
-  burn(2'000'000);
-  clock.lap(Stage::kObserve);
-  std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  clock.lap(Stage::kPhysicsStep);
-  const StageTimes times = clock.finish();
-  EXPECT_GE(times.wall_ns, 22'000'000);
-  EXPECT_GE(times.cpu_ns, 2'000'000);
-  EXPECT_LT(times.cpu_ns, 12'000'000);
-  EXPECT_GE(times.stage_cpu_ns[static_cast<int>(Stage::kObserve)], 1'000'000);
-  EXPECT_LT(times.stage_cpu_ns[static_cast<int>(Stage::kPhysicsStep)], 10'000'000);
-  EXPECT_LE(sum(times), times.cpu_ns);
+  bool told_apart = false;
+  for (int attempt = 0; attempt < 50 && !told_apart; ++attempt) {
+    StageClock clock;
+    clock.start();
+    burn(2'000'000);
+    clock.lap(Stage::kObserve);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    clock.lap(Stage::kPhysicsStep);
+    const StageTimes times = clock.finish();
+    EXPECT_GE(times.wall_ns, 22'000'000);
+    EXPECT_GE(times.cpu_ns, 2'000'000);
+    EXPECT_LT(times.cpu_ns, 12'000'000);
+    EXPECT_LE(sum(times), times.cpu_ns);
+    told_apart = times.stage_cpu_ns[static_cast<int>(Stage::kObserve)] >= 1'000'000 &&
+                 times.stage_cpu_ns[static_cast<int>(Stage::kPhysicsStep)] < 10'000'000;
+  }
+  EXPECT_TRUE(told_apart);
 }
 
 TEST(StageClock, OneStageTwice_AddsUp) {
