@@ -2,6 +2,7 @@
 // and the simulated device.
 #include "control/impedance.hpp"
 
+#include "axis_loop.hpp"
 #include "control/critical_damping.hpp"
 #include "device/simulated/axis_dynamics.hpp"
 #include "support/figure.hpp"
@@ -27,16 +28,7 @@ double omega(double frequency_hz) {
 
 /// The x axis of the shipped robot, to three digits.
 AxisLoop robot() {
-  AxisLoop l;
-  l.mass = 0.8;
-  l.damping = 6.0;
-  l.delay_ticks = 1;
-  l.k_pm = 1000.0;
-  l.gamma = 0.3;
-  l.k_ps_per_s2 = 4000.0;
-  l.k_ds_per_s = criticalDamping(4000.0, l.period_s);
-  l.filter_tau_s = 1.0 / omega(30.0);
-  return l;
+  return test::loopOf(0.8, 6.0, 1, 1000.0, 0.0, 30.0, 4000.0, 0.3);
 }
 
 Complex felt(const AxisLoop& loop, ContactCase contact, double frequency_hz) {

@@ -1,9 +1,9 @@
 // Where the certificate says that a loop becomes unstable, it does: every axis is stepped through
 // time on both sides of every boundary of the reference's tables. The tables come from an
 // independent program (series for the matrix exponential, repeated squaring for the radius).
+#include "axis_loop.hpp"
 #include "axis_simulation.hpp"
 #include "control/certificate.hpp"
-#include "control/critical_damping.hpp"
 #include "control/passivity.hpp"
 #include "support/figure.hpp"
 #include "support/seed.hpp"
@@ -11,28 +11,12 @@
 
 #include <gtest/gtest.h>
 
-#include <numbers>
 #include <tuple>
 
 namespace wholehand::test {
 namespace {
 
 constexpr double kSide = 0.02;  // of the boundary, from both sides
-
-AxisLoop loopOf(double mass, double damping, int delay, double k_pm, double phi_k_dm,
-                double filter_hz, double k_ps = 2500.0, double gamma = 0.0) {
-  AxisLoop l;
-  l.mass = mass;
-  l.damping = damping;
-  l.delay_ticks = delay;
-  l.k_pm = k_pm;
-  l.phi_k_dm = phi_k_dm;
-  l.gamma = gamma;
-  l.k_ps_per_s2 = k_ps;
-  l.k_ds_per_s = criticalDamping(k_ps, l.period_s);
-  l.filter_tau_s = 1.0 / (2.0 * std::numbers::pi * filter_hz);
-  return l;
-}
 
 /// Stiffness at which the simulation begins to swing wider, by bisection within ± 5 % of a guess.
 double simulatedStiffness(AxisLoop l, ContactCase contact, double guess, long ticks) {

@@ -1,8 +1,8 @@
 #include "control/stability.hpp"
 
+#include "axis_loop.hpp"
 #include "control/avatar_loop.hpp"
 #include "control/bilateral_coupling.hpp"
-#include "control/critical_damping.hpp"
 #include "control/velocity_estimator.hpp"
 #include "one_axis_gains.hpp"
 #include "support/seed.hpp"
@@ -12,26 +12,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <random>
 
 namespace wholehand::test {
 namespace {
-
-AxisLoop loop(double mass, double damping, int delay, double k_pm, double phi_k_dm,
-              double filter_hz, double k_ps = 2500.0, double gamma = 0.0) {
-  AxisLoop l;
-  l.mass = mass;
-  l.damping = damping;
-  l.delay_ticks = delay;
-  l.k_pm = k_pm;
-  l.phi_k_dm = phi_k_dm;
-  l.gamma = gamma;
-  l.k_ps_per_s2 = k_ps;
-  l.k_ds_per_s = criticalDamping(k_ps, l.period_s);
-  l.filter_tau_s = filter_hz > 0.0 ? 1.0 / (2.0 * std::numbers::pi * filter_hz) : 0.0;
-  return l;
-}
 
 double radius(const AxisLoop& l, ContactCase contact) {
   return spectralRadius(closedLoopMatrix(l, contact));
@@ -60,7 +44,7 @@ class RigidContact : public testing::TestWithParam<TableA> {};
 
 TEST_P(RigidContact, LargestStiffness_EqualsReferenceTable) {
   const TableA& row = GetParam();
-  const double k = largestStiffness(loop(row.mass, row.damping, row.delay, 1.0, 0.0, 30.0));
+  const double k = largestStiffness(loopOf(row.mass, row.damping, row.delay, 1.0, 0.0, 30.0));
   EXPECT_NEAR(k, row.stiffness, 0.001 * row.stiffness + 0.5);
   EXPECT_NEAR(k, row.damping / (1e-3 * (0.5 + row.delay)), 0.025 * k);
 }
@@ -95,7 +79,8 @@ TEST(ClosedLoop, DampedRigidContact_EqualsReferenceTable) {
                       {1, 10, {667, 1368, 2025, 2748, 3644, 4587}}};
   for (const Row& row : rows) {
     for (int i = 0; i < 6; ++i) {
-      const double k = largestStiffness(loop(0.5, 1.0, row.delay, 1.0, dampings[i], row.filter_hz));
+      const double k =
+          largestStiffness(loopOf(0.5, 1.0, row.delay, 1.0, dampings[i], row.filter_hz));
       EXPECT_NEAR(k, row.stiffness[i], 0.001 * row.stiffness[i] + 0.5)
           << "n " << row.delay << " filter " << row.filter_hz << " ΦK_dm " << dampings[i];
     }
@@ -104,29 +89,29 @@ TEST(ClosedLoop, DampedRigidContact_EqualsReferenceTable) {
 
 TEST(ClosedLoop, SpectralRadii_EqualReference) {
   // The same reference: m 0.8, b 1, K 1000, k_p 2500, 30 Hz, n 1.
-  EXPECT_NEAR(radius(loop(0.8, 1.0, 1, 1000.0, 0.0, 30.0), ContactCase::kRigid), 1.000312, 1e-6);
-  EXPECT_NEAR(radius(loop(0.8, 1.0, 1, 1000.0, 10.0, 30.0), ContactCase::kRigid), 0.993900, 1e-6);
+  EXPECT_NEAR(radius(loopOf(0.8, 1.0, 1, 1000.0, 0.0, 30.0), ContactCase::kRigid), 1.000312, 1e-6);
+  EXPECT_NEAR(radius(loopOf(0.8, 1.0, 1, 1000.0, 10.0, 30.0), ContactCase::kRigid), 0.993900, 1e-6);
   // Free: nothing holds device and hand, so an eigenvalue is exactly 1; rounding stays far below
   // the 1e-7 of the check.
-  EXPECT_NEAR(radius(loop(0.8, 1.0, 1, 1000.0, 0.0, 30.0), ContactCase::kFree), 1.0, 1e-10);
-  EXPECT_NEAR(radius(loop(0.8, 1.0, 1, 1000.0, 10.0, 30.0), ContactCase::kFree), 1.0, 1e-10);
+  EXPECT_NEAR(radius(loopOf(0.8, 1.0, 1, 1000.0, 0.0, 30.0), ContactCase::kFree), 1.0, 1e-10);
+  EXPECT_NEAR(radius(loopOf(0.8, 1.0, 1, 1000.0, 10.0, 30.0), ContactCase::kFree), 1.0, 1e-10);
 }
 
 TEST(ClosedLoop, NonFiniteGain_IsInfinitelyUnstable) {
-  EXPECT_EQ(radius(loop(0.8, 1.0, 1, std::nan(""), 0.0, 30.0), ContactCase::kFree), HUGE_VAL);
+  EXPECT_EQ(radius(loopOf(0.8, 1.0, 1, std::nan(""), 0.0, 30.0), ContactCase::kFree), HUGE_VAL);
 }
 
 TEST(ClosedLoop, VanishingDeviceDamping_HasTheLimitOfTheExactHold) {
   const Eigen::MatrixXd none =
-      closedLoopMatrix(loop(0.5, 0.0, 1, 1e3, 1.0, 30.0), ContactCase::kFree);
+      closedLoopMatrix(loopOf(0.5, 0.0, 1, 1e3, 1.0, 30.0), ContactCase::kFree);
   for (const double b : {1e-12, 1e-3, 0.00499, 0.00501}) {  // both sides of the series' end
     const Eigen::MatrixXd some =
-        closedLoopMatrix(loop(0.5, b, 1, 1e3, 1.0, 30.0), ContactCase::kFree);
+        closedLoopMatrix(loopOf(0.5, b, 1, 1e3, 1.0, 30.0), ContactCase::kFree);
     // x += T²/2m (1 − bT/3m ..) f: first order in bT/m.
     EXPECT_LE((some - none).cwiseAbs().maxCoeff(), b * 1e-3 / 0.5 * 1.01);
   }
   const auto push = [](double b) {
-    return closedLoopMatrix(loop(0.5, b, 1, 1e3, 1.0, 30.0), ContactCase::kFree)(0, 6);
+    return closedLoopMatrix(loopOf(0.5, b, 1, 1e3, 1.0, 30.0), ContactCase::kFree)(0, 6);
   };
   EXPECT_NEAR(push(0.00499), 1e-6 * (0.5 - 0.00499e-3 / 0.5 / 6.0) / 0.5, 1e-15);
   EXPECT_NEAR(push(0.00501), 1e-6 * (0.5 - 0.00501e-3 / 0.5 / 6.0) / 0.5, 1e-15);
@@ -137,7 +122,7 @@ TEST(ClosedLoop, VanishingDeviceDamping_HasTheLimitOfTheExactHold) {
 TEST(ClosedLoop, PowersOfTheMatrix_EqualTheTicksOwnFunctions) {
   const double mass = 0.8, damping = 6.0, k_dm = 10.0, phi = 0.6;
   const CouplingGains gains = oneAxisGains(1000.0, 3900.0, 0.3);
-  const AxisLoop l = loop(mass, damping, 2, 1000.0, phi * k_dm, 30.0, 3900.0, 0.3);
+  const AxisLoop l = loopOf(mass, damping, 2, 1000.0, phi * k_dm, 30.0, 3900.0, 0.3);
   const Eigen::MatrixXd matrix = closedLoopMatrix(l, ContactCase::kFree);
 
   double x = 0.01, v = -0.2, q_s = 0.004, qd_s = 0.1;
