@@ -1,6 +1,5 @@
 #include "exercise/load_exercise.hpp"
 
-#include "exercise/free_grasping/free_grasping.hpp"
 #include "exercise_kinds.hpp"
 
 #include <algorithm>
@@ -61,10 +60,6 @@ Expected<LoadedExercise> loadExercise(const std::string& path, int level, const 
   }
   const auto at = std::find(names.begin(), names.end(), wanted) - names.begin();
   return kExerciseKinds[at].load(file, source);
-}
-
-LoadedExercise freeGraspingIn(SceneModel scene, const DeviceModel& device) {
-  return free_grasping::inScene(std::move(scene), "free-grasping", device);
 }
 
 std::vector<ExerciseFile> listExercises(const std::string& folder) {

@@ -14,9 +14,6 @@ namespace wholehand {
                                                     const DeviceModel& device,
                                                     const HandModel& hand);
 
-/// Grasping whatever a scene holds, without tasks or walls: what runs when only a scene is named.
-[[nodiscard]] LoadedExercise freeGraspingIn(SceneModel scene, const DeviceModel& device);
-
 /// An exercise file of a folder.
 struct ExerciseFile {
   std::string name;  ///< of the file, without .toml: what LoadExercise and --exercise accept

@@ -259,18 +259,4 @@ double separation(const SceneBody& a, const SceneBody& b) {
   return smallest_m;
 }
 
-Shape capsuleShape(const Vector3d& a_m, const Vector3d& b_m, double radius_m) {
-  Shape s;
-  s.type = ShapeType::kCapsule;
-  s.radius_m = radius_m;
-  s.length_m = (b_m - a_m).norm();
-  s.in_body.translation_m = (a_m + b_m) / 2.0;
-  // Eigen's rotation also serves where the segment has no length or points down.
-  s.in_body.rotation =
-      Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(),
-                                         s.length_m > 0.0 ? Vector3d(b_m - a_m) : Vector3d::UnitZ())
-          .toRotationMatrix();
-  return s;
-}
-
 }  // namespace wholehand

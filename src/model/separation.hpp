@@ -19,9 +19,4 @@ namespace wholehand {
 /// The smallest separation between any shape of `a` and any shape of `b`, at their start poses [m].
 [[nodiscard]] double separation(const SceneBody& a, const SceneBody& b);
 
-/// A capsule between two points as a shape, e.g. one of the hand's: ends and radius [m], in the
-/// frame that the pose given beside it to separation() places.
-[[nodiscard]] Shape capsuleShape(const Eigen::Vector3d& a_m, const Eigen::Vector3d& b_m,
-                                 double radius_m);
-
 }  // namespace wholehand

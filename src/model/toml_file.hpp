@@ -25,8 +25,6 @@ struct NumberRule {
   /// "must be in (0, 1000] N"
   [[nodiscard]] std::string remedy() const;
 };
-/// Any finite number.
-[[nodiscard]] NumberRule anyNumber(std::string unit = {});
 /// lower <= number <= upper
 [[nodiscard]] NumberRule between(double lower, double upper, std::string unit = {});
 /// lower < number <= upper

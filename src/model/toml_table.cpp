@@ -28,11 +28,6 @@ std::string NumberRule::remedy() const {
          formatNumber(upper) + "]" + suffix;
 }
 
-NumberRule anyNumber(std::string unit) {
-  NumberRule rule;
-  rule.unit = std::move(unit);
-  return rule;
-}
 NumberRule between(double lower, double upper, std::string unit) {
   return {lower, upper, false, std::move(unit)};
 }

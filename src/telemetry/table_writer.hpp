@@ -35,7 +35,6 @@ class TableWriter {
     return pending_ > 0 && (written_ + pending_) % chunk_rows_ == 0;
   }
   [[nodiscard]] std::uint64_t pendingBytes() const noexcept;
-  [[nodiscard]] std::size_t columnCount() const noexcept { return columns_.size(); }
 
  private:
   std::vector<Column<Row>> columns_;

@@ -158,11 +158,13 @@ TEST(ShippedExercises, Ticking_AllocatesNothing) {
   }
 }
 
-TEST(FreeGrasping, AnyScene_PushesNobodyAndTargetsEveryBody) {
-  const auto scene = loadSceneFile(config("scenes/table.toml"));
-  ASSERT_TRUE(scene.ok()) << format(scene.errors());
-  LoadedExercise free = freeGraspingIn(*scene, shippedDevice());
-  EXPECT_EQ(free.exercise->query().targets, (1U << scene->bodies.size()) - 1U);
+TEST(FreeGrasping, ItsScene_PushesNobodyAndTargetsEveryBody) {
+  auto loaded =
+      loadExercise(config("exercises/free-grasping.toml"), 1, shippedDevice(), shippedHand());
+  ASSERT_TRUE(loaded.ok()) << format(loaded.errors());
+  LoadedExercise& free = *loaded;
+  ASSERT_GT(free.scene.bodies.size(), 2U);
+  EXPECT_EQ(free.exercise->query().targets, (1U << free.scene.bodies.size()) - 1U);
   EXPECT_EQ(free.exercise->query().closure_body, -1);
   TickRecord record;
   record.palm_body = 2;

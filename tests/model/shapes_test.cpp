@@ -2,6 +2,7 @@
 #include "model/rotation.hpp"
 #include "model/scene_model.hpp"
 #include "model/separation.hpp"
+#include "support/capsule_shape.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
 
@@ -21,6 +22,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using std::numbers::pi;
+using test::capsuleShape;
 
 Shape box(const Vector3d& size_m) {
   Shape s;

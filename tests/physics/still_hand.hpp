@@ -6,6 +6,7 @@
 #include "model/hand_file.hpp"
 #include "model/separation.hpp"
 #include "physics/axis_closure.hpp"
+#include "support/capsule_shape.hpp"
 
 #include <gtest/gtest.h>
 

@@ -60,14 +60,6 @@ class FreeGrasping final : public Exercise {
 
 }  // namespace
 
-LoadedExercise inScene(SceneModel scene, const std::string& name, const DeviceModel& device) {
-  LoadedExercise out;
-  out.exercise = std::make_unique<FreeGrasping>(scene, name, device);
-  out.files = {scene.path};
-  out.scene = std::move(scene);
-  return out;
-}
-
 Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
   Diagnostics faults = file.finish();
   if (source.level != 1) {
@@ -77,8 +69,10 @@ Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
   Expected<SceneModel> scene = loadSceneFile(source.scene_path);
   if (!scene) faults.insert(faults.end(), scene.errors().begin(), scene.errors().end());
   if (!faults.empty()) return faults;
-  LoadedExercise out = inScene(std::move(*scene), source.name, *source.device);
-  out.files.insert(out.files.begin(), source.path);
+  LoadedExercise out;
+  out.exercise = std::make_unique<FreeGrasping>(*scene, source.name, *source.device);
+  out.files = {source.path, scene->path};
+  out.scene = std::move(*scene);
   return out;
 }
 
