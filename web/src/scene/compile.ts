@@ -19,6 +19,7 @@ async function cardIsDone(gl: WebGL2RenderingContext): Promise<void> {
 
 /** Makes what `object` needs in the light of `scene`; resolves when it can be drawn at once. */
 export async function compiled(renderer: WebGLRenderer, object: Object3D, camera: Camera, scene: Scene): Promise<void> {
+  await later(0);   // what was built until now was work enough at once
   if (renderer.extensions.has('KHR_parallel_shader_compile')) await renderer.compileAsync(object, camera, scene);
   else {
     renderer.compile(object, camera, scene);
