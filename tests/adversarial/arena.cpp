@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 namespace wholehand::test {
 namespace {
@@ -83,15 +82,6 @@ Intention graspAndFight(const Models& m, double aside, Random& random) {
 }
 
 }  // namespace
-
-std::vector<std::string> shipped(const std::string& kind) {
-  std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(kConfig + kind)) {
-    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
-}
 
 /// Draws by the seed and the case alone: a case does the same among all and among few.
 Random randomOf(const Case& c) {

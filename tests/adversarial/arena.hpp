@@ -2,6 +2,7 @@
 
 #include "adversarial/attack.hpp"
 #include "support/seed.hpp"
+#include "support/shipped.hpp"
 
 #include <functional>
 #include <optional>
@@ -20,9 +21,6 @@ struct Case {
     return patient + " in " + exercise + " with " + hand + " on " + device;
   }
 };
-
-/// Names of the shipped files of a kind ("patients"), sorted.
-std::vector<std::string> shipped(const std::string& kind);
 
 /// Draws by the seed and the case alone: a case does the same among all and among few.
 Random randomOf(const Case& c);

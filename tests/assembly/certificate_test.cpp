@@ -3,22 +3,11 @@
 #include "control/certificate_refusal.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
+#include "support/shipped.hpp"
 #include "support/tolerance.hpp"
-
-#include <filesystem>
 
 namespace wholehand::test {
 namespace {
-
-std::vector<std::string> shipped(const std::string& kind) {
-  std::vector<std::string> names;
-  for (const auto& entry :
-       std::filesystem::directory_iterator(std::string(WHOLEHAND_SOURCE_DIR) + "/config/" + kind)) {
-    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
-}
 
 class ShippedCertificate : public testing::TestWithParam<std::string> {};
 

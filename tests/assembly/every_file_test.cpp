@@ -1,23 +1,13 @@
 // Every shipped hand on every shipped device in every shipped scene.
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
+#include "support/shipped.hpp"
 #include "support/tolerance.hpp"
 
 #include <cmath>
-#include <filesystem>
 
 namespace wholehand::test {
 namespace {
-
-std::vector<std::string> shipped(const std::string& kind) {
-  std::vector<std::string> names;
-  for (const auto& entry :
-       std::filesystem::directory_iterator(std::string(WHOLEHAND_SOURCE_DIR) + "/config/" + kind)) {
-    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
-}
 
 /// From back and above, `aside` of the way to the left, into the middle, closing.
 Intention reachIn(const DeviceModel& device, double aside) {

@@ -2,22 +2,13 @@
 #include "exercise/load_exercise.hpp"
 #include "resting_player.hpp"
 #include "support/rig_tools.hpp"
-
-#include <filesystem>
+#include "support/shipped.hpp"
 
 namespace wholehand::test {
 namespace {
 
 std::string config(const std::string& name) {
   return std::string(WHOLEHAND_SOURCE_DIR) + "/config/" + name;
-}
-
-std::vector<std::string> namesIn(const std::string& folder) {
-  std::vector<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(config(folder))) {
-    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem());
-  }
-  return names;
 }
 
 /// As `run` and the station begin: its virtual patient, or a hand at rest where it has none.
@@ -55,8 +46,8 @@ TEST(ShippedExercises, EveryLevel_ArmsAtItsStartTouchingNothing) {
 
 // It names no device and no hand: with whichever a person has, it begins.
 TEST(ShippedExercises, FreeGrasping_ArmsWithEveryDeviceAndHand) {
-  for (const std::string& device : namesIn("devices")) {
-    for (const std::string& hand : namesIn("hands")) {
+  for (const std::string& device : shipped("devices")) {
+    for (const std::string& hand : shipped("hands")) {
       SCOPED_TRACE(hand + " on " + device);
       ModelFiles files = shippedFiles(device, "empty", hand);
       files.exercise = config("exercises/free-grasping.toml");

@@ -2,6 +2,7 @@
 
 #include "model/device_model.hpp"
 #include "model/hand_file.hpp"
+#include "support/folder.hpp"
 
 #include <gtest/gtest.h>
 #include <png.h>
@@ -9,7 +10,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -52,17 +52,13 @@ Decoded decode(const std::string& path) {
 class Picture : public testing::Test {
  protected:
   void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "wholehand-picture-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    folder_ = name;
     request_.width_px = 120;
     request_.height_px = 80;
     request_.samples = 2;
     request_.elevation_rad = 0.2;
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
-  [[nodiscard]] std::string path(const std::string& name) const { return folder_ + "/" + name; }
+  [[nodiscard]] std::string path(const std::string& name) const { return folder_.file(name); }
 
   /// No hand: an empty model is a picture of the scene alone.
   Expected<Done> draw(const std::string& file) {
@@ -92,7 +88,7 @@ class Picture : public testing::Test {
     contacts_.push_back(contact);
   }
 
-  std::string folder_;
+  const test::Folder folder_;
   SceneModel scene_;
   std::vector<BodyState> bodies_;
   std::vector<Contact> contacts_;
@@ -206,13 +202,13 @@ TEST_F(Picture, ToAMissingFolder_SaysSoAndLeavesNothing) {
   ASSERT_FALSE(result.ok());
   EXPECT_EQ(result.errors().front().file, target);
   EXPECT_NE(result.errors().front().problem.find("cannot be written"), std::string::npos);
-  EXPECT_TRUE(fs::is_empty(folder_));
+  EXPECT_TRUE(fs::is_empty(folder_.path()));
 }
 
 TEST_F(Picture, OverAFolder_SaysSoAndLeavesNoPartialFile) {
   fs::create_directories(path("hand.png/inside"));
   ASSERT_FALSE(draw(path("hand.png")).ok());
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 1);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), {}), 1);
 }
 
 TEST_F(Picture, OfAnImpossibleRequest_NamesEveryFault) {

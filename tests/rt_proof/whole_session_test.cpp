@@ -1,13 +1,13 @@
 // The whole program at once, as `wholehand run` puts it together: loop, telemetry, recording,
 // server and UDP bridge, with people on all of its doors. ./check runs it under ThreadSanitizer.
-#include "patient/scripted_player.hpp"
 #include "server/client_words.hpp"
 #include "server/fake_program.hpp"
 #include "server/raw_client.hpp"
 #include "server/udp_bridge.hpp"
 #include "server/udp_test_game.hpp"
-#include "station/station.hpp"
+#include "support/bar_station.hpp"
 #include "support/figure.hpp"
+#include "support/folder.hpp"
 #include "telemetry/recording.hpp"
 
 #include <gtest/gtest.h>
@@ -15,8 +15,6 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 #include <functional>
 #include <optional>
 #include <thread>
@@ -24,43 +22,15 @@
 namespace wholehand::test {
 namespace {
 
-namespace fs = std::filesystem;
 namespace fb = wholehand::protocol;
 using Clock = std::chrono::steady_clock;
 
 /// Ten times what a person would wait: a sanitizer is slow.
 constexpr std::chrono::seconds kPatience{60};
 
-/// A folder that vanishes.
-struct Folder {
-  Folder() {
-    std::string pattern = (fs::temp_directory_path() / "wholehand-whole-XXXXXX").string();
-    path = ::mkdtemp(pattern.data());
-  }
-  ~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-  std::string path;
-};
-
 StationConfig barConfig(const std::string& folder) {
-  const std::string config = std::string(WHOLEHAND_SOURCE_DIR) + "/config/";
-  StationConfig c;
-  c.files = {"",
-             config + "hands/adult-median-right.toml",
-             config + "devices/lambda-pride.toml",
-             config + "rendering/lambda-pride.toml",
-             config + "patients/relaxed-adult.toml",
-             "",
-             config + "exercises/cocktail-bar.toml",
-             1};
-  c.config_folder = config;
+  StationConfig c = barStation();
   c.recordings_folder = folder + "/recordings";
-  c.make_player = [](const Models& models) {
-    return std::make_unique<ScriptedPlayer>(
-        Intention::throughWaypoints({{0.0, AxisPosition(models.device.axisCount())}}));
-  };
   return c;
 }
 
@@ -230,7 +200,7 @@ void expectSoundRecordings(const Station& station, std::size_t count) {
 
 TEST(WholeSession, EverythingAtOnce_ObeysStopsAndRecords) {
   const Folder folder;
-  Program program(folder.path);
+  Program program(folder.path());
   Station& station = program.station;
   const Watchers watchers(program.server->port(), program.bridge.local());
   Console console(program.server->port());

@@ -1,7 +1,6 @@
-#include "patient/scripted_player.hpp"
 #include "server/fake_program.hpp"
 #include "server/raw_client.hpp"
-#include "station/station.hpp"
+#include "support/bar_station.hpp"
 #include "support/figure.hpp"
 
 #include <gtest/gtest.h>
@@ -23,22 +22,8 @@ using replies::next;
 constexpr int kClients = 4;
 
 StationConfig barConfig() {
-  const std::string config = std::string(WHOLEHAND_SOURCE_DIR) + "/config/";
-  StationConfig c;
-  c.files = {"",
-             config + "hands/adult-median-right.toml",
-             config + "devices/lambda-pride.toml",
-             config + "rendering/lambda-pride.toml",
-             config + "patients/relaxed-adult.toml",
-             "",
-             config + "exercises/cocktail-bar.toml",
-             1};
-  c.config_folder = config;
+  StationConfig c = barStation();
   c.rehearsal.most_of_period = 100.0;  // whatever else this machine does
-  c.make_player = [](const Models& models) {
-    return std::make_unique<ScriptedPlayer>(
-        Intention::throughWaypoints({{0.0, AxisPosition(models.device.axisCount())}}));
-  };
   return c;
 }
 

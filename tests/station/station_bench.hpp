@@ -1,15 +1,14 @@
 #pragma once
 
 // A station on a thread of its own, asked as clients ask it. In real time.
-#include "patient/scripted_player.hpp"
-#include "station/station.hpp"
+#include "support/bar_station.hpp"
+#include "support/folder.hpp"
 
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <future>
 #include <mutex>
@@ -23,32 +22,13 @@ using namespace std::chrono_literals;
 
 inline const std::string kRoot = WHOLEHAND_SOURCE_DIR;
 
-inline std::unique_ptr<Player> atRest(const Models& models) {
-  AxisPosition rest(models.device.axisCount());
-  return std::make_unique<ScriptedPlayer>(Intention::throughWaypoints({{0.0, rest}}));
-}
-
 /// With the bar and a folder that vanishes.
 class Bar : public testing::Test {
  protected:
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "wholehand-XXXXXX").string();
-    folder_ = ::mkdtemp(pattern.data());
-  }
   /// The bar's station; a test may change it before it is loaded.
   StationConfig barConfig() {
-    StationConfig config;
-    config.files = {"",
-                    kRoot + "/config/hands/adult-median-right.toml",
-                    kRoot + "/config/devices/lambda-pride.toml",
-                    kRoot + "/config/rendering/lambda-pride.toml",
-                    kRoot + "/config/patients/relaxed-adult.toml",
-                    "",
-                    kRoot + "/config/exercises/cocktail-bar.toml",
-                    1};
-    config.config_folder = kRoot + "/config";
+    StationConfig config = barStation();
     config.recordings_folder = folder_ + "/recordings";
-    config.make_player = atRest;
     config.rehearsal.most_of_period = 100.0;  // whatever else this machine does
     config.log = [this](const std::string& line) {
       const std::lock_guard lock(log_mutex_);
@@ -70,8 +50,6 @@ class Bar : public testing::Test {
       station_->quit();
       thread_.join();
     }
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
   }
 
   void run(bool arm_at_once) {
@@ -155,7 +133,8 @@ class Bar : public testing::Test {
     station_->order(order, [](const OrderReply&) {});
   }
 
-  std::string folder_;
+  const Folder temporary_;
+  const std::string folder_ = temporary_.path();
   StationOutcome outcome_;
   std::mutex log_mutex_;
   std::string log_;
