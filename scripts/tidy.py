@@ -5,9 +5,9 @@ usage: tidy.py BUILD_FOLDER JOBS FOLDER ...      exit code 0: clean, 1: faults, 
 
 Nearly all of clang-tidy's time goes into the headers of the language and of Eigen, which nearly
 every file includes. Hence one run looks at a batch: a file that includes up to a dozen sources. Two
-sources with the same name in their anonymous namespaces never share a batch. Of a batch that is
-not clean every source is looked at alone, and only that counts: what is said here is
-what clang-tidy says of each file by itself.
+sources of which one uses a name of the other's anonymous namespace never share a batch. Of a batch
+that is not clean every source is looked at alone, and only that counts: what is said here is what
+clang-tidy says of each file by itself.
 """
 import json
 import re
@@ -22,6 +22,7 @@ BATCH = 12
 FILTER = r"/(src|apps|include|experiments)/.*\.[ch]pp$"
 ANONYMOUS = re.compile(r"^namespace \{$(.*?)^\}  // namespace$", re.MULTILINE | re.DOTALL)
 STATIC = re.compile(r"^(?:static|using) .*", re.MULTILINE)
+WORD = re.compile(r"\w+")
 MACRO = re.compile(r"^\s*#\s*define (\w+)", re.MULTILINE)
 # clang-format puts what a namespace declares at the start of a line.
 DECLARED = re.compile(r"^[A-Za-z][^\n({=;]*?\b([A-Za-z_]\w*)(?:\[\w*\])*\s*[({=;:]", re.MULTILINE)
@@ -70,15 +71,19 @@ def make_batches(sources):
     """Lists of sources that can stand in one file: their private names do not collide."""
     batches = []
     for source in sorted(sources):
-        names = private_names(source.read_text())
+        text = source.read_text()
+        names, words = private_names(text), set(WORD.findall(text))
+        alone = 'extern "C"' in text  # what takes the place of malloc, say
         for batch in batches:
-            if len(batch["sources"]) < BATCH and not batch["names"] & names:
+            if (not alone and len(batch["sources"]) < batch["room"]
+                    and not batch["names"] & words and not batch["words"] & names):
                 break
         else:
-            batch = {"sources": [], "names": set()}
+            batch = {"sources": [], "names": set(), "words": set(), "room": 1 if alone else BATCH}
             batches.append(batch)
         batch["sources"].append(source)
         batch["names"] |= names
+        batch["words"] |= words
     return [batch["sources"] for batch in batches]
 
 
