@@ -222,9 +222,9 @@ class HowItEnds(AppTest):
         self.expect_same_when_run_again("run.h5")
 
     def test_limited_effort_names_its_axis(self):
-        # 0.2 N are less than the inertia of the device asks for when a hand reaches: only x is held.
+        # 0.05 N are less than a hand that reaches feels of the simulated one: only x is held.
         text = (CONFIG / "devices/lambda-pride.toml").read_text()
-        weak = text.replace("effort_limit_n = 20.0", "effort_limit_n = 0.2", 1)
+        weak = text.replace("effort_limit_n = 20.0", "effort_limit_n = 0.05", 1)
         self.assertNotEqual(weak, text)
         result = self.expect(self.run_app(*FREE_RUN, "--simulated-clock", "--duration", "3", "--uncertified",
                                           "--device", self.write("weak.toml", weak),
