@@ -72,7 +72,9 @@ def make_batches(sources):
     batches = []
     for source in sorted(sources):
         text = source.read_text()
-        names, words = private_names(text), set(WORD.findall(text))
+        header = source.with_suffix(".hpp")
+        seen = text + (header.read_text() if header.exists() else "")
+        names, words = private_names(text), set(WORD.findall(seen))
         alone = 'extern "C"' in text  # what takes the place of malloc, say
         for batch in batches:
             if (not alone and len(batch["sources"]) < batch["room"]
