@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cfenv>
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -31,18 +30,6 @@ constexpr double kStill_rad_s = 0.2;
 constexpr Fault kOfTheScene = Fault::kNonFiniteEffort | Fault::kNonFiniteState |
                               Fault::kPhysicsStep | Fault::kSingularInertia |
                               Fault::kBodiesExploded;
-
-// The thread's rounding and denormals as they were.
-class FloatingPointGuard {
- public:
-  FloatingPointGuard() { std::fegetenv(&before_); }
-  ~FloatingPointGuard() { std::fesetenv(&before_); }
-  FloatingPointGuard(const FloatingPointGuard&) = delete;
-  FloatingPointGuard& operator=(const FloatingPointGuard&) = delete;
-
- private:
-  std::fenv_t before_{};
-};
 
 class TimedStages final : public StageListener {
  public:
@@ -273,8 +260,7 @@ double mostOfPeriod() noexcept {
 
 Expected<Rehearsal> rehearse(const Models& models, const AxisPosition& start,
                              const RigOptions& rig_options, const RehearsalOptions& options) {
-  const FloatingPointGuard guard;
-  flushDenormals();  // as in the loop
+  const DenormalsFlushed scope;  // as in the loop
   const RehearsalPlan plan(models.hand, models.device, models.scene, start);
   std::optional<Rehearsal> best;
   for (int attempt = 1; attempt <= std::max(1, options.attempts); ++attempt) {

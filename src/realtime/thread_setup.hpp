@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cfenv>
 #include <cstddef>
 #include <string>
 #include <string_view>
@@ -31,6 +32,22 @@ using SetupReport = std::vector<SetupLine>;
 /// hundred cycles each and are far below anything felt. A replay that must match bit by bit needs
 /// it in its thread as well. False where the processor is not known. Real-time safe.
 bool flushDenormals() noexcept;
+
+/// flushDenormals() while it lives, then this thread's rounding and denormals as they were: for
+/// ticks on a thread that belongs to somebody else. Not for the tick.
+class DenormalsFlushed {
+ public:
+  DenormalsFlushed() noexcept {
+    std::fegetenv(&before_);
+    flushDenormals();
+  }
+  ~DenormalsFlushed() { std::fesetenv(&before_); }
+  DenormalsFlushed(const DenormalsFlushed&) = delete;
+  DenormalsFlushed& operator=(const DenormalsFlushed&) = delete;
+
+ private:
+  std::fenv_t before_{};
+};
 
 /// SCHED_FIFO for the calling thread. @pre 1 <= priority <= 99
 [[nodiscard]] SetupLine requestFifoPriority(int priority);

@@ -60,7 +60,7 @@ void Session::join() {
 }
 
 void Session::runSimulated(const std::function<void(const TickRecord&)>& sink) {
-  flushDenormals();  // as the real-time thread does: the same bits on both clocks
+  const DenormalsFlushed scope;  // as the real-time thread does: the same bits on both clocks
   bool more = true;
   while (more) {
     more = tickOnce(1, 0);

@@ -16,7 +16,7 @@ MUG, PRISM = CONFIG / "scenes/assets/mug.urdf", CONFIG / "scenes/assets/octagona
 #   (what is wrong, file, old text, new text, texts of the message)
 MISTAKES = [
     ("missing key", DEVICE, "effort_limit_n = 20.0\n", "", ["effort_limit_n", "missing"]),
-    ("missing key", GAINS, "k_dm_n_s_m = 10.0\n", "", ["k_dm_n_s_m", "missing"]),
+    ("missing key", GAINS, "k_dm_n_s_m = 10.5\n", "", ["k_dm_n_s_m", "missing"]),
     ("missing key", SCENE, "mass_kg = 0.1 ", "# ", ["mass_kg", "missing"]),
     ("missing key", HAND, "length_m = 0.1880", "", ["length_m", "missing"]),
     ("missing key", PATIENT, "stiffness_n_m = 300.0\n", "", ["stiffness_n_m", "missing"]),
