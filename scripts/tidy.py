@@ -51,8 +51,28 @@ def read_commands(build, folders):
             if Path(arguments[0]).name == "ccache":
                 del arguments[0]
             # The first: tests compile some of these once more.
-            commands.setdefault(source, arguments[:arguments.index("-o")])
+            commands.setdefault(source, without_precompiled(arguments[:arguments.index("-o")]))
     return commands
+
+
+def without_precompiled(arguments):
+    """Headers that the build's own compiler has precompiled are none that another one can read."""
+    rest, kept = iter(arguments), []
+    for argument in rest:
+        if argument == "-include":
+            header = next(rest)
+            kept += [] if "cmake_pch" in header else [argument, header]
+        elif argument != "-Winvalid-pch":
+            kept.append(argument)
+    return kept
+
+
+def write_database(folder, build, commands):
+    """A compile database of these files alone, {file: arguments}."""
+    folder.mkdir(exist_ok=True)
+    entries = [{"directory": str(build), "file": str(file), "arguments": [*arguments, "-c", str(file)]}
+               for file, arguments in commands.items()]
+    (folder / "compile_commands.json").write_text(json.dumps(entries, indent=1))
 
 
 def together(commands):
@@ -110,22 +130,20 @@ def main():
         sys.exit(f"{build / 'compile_commands.json'} knows nothing of: {names}")
     batches = make_batches(commands)
 
-    place = build / "tidy"
+    place, single = build / "tidy", build / "tidy" / "alone"
     place.mkdir(exist_ok=True)
     arguments = together(commands.values())
-    database = []
-    for number, sources in enumerate(batches):
-        file = place / f"batch_{number}.cpp"
+    files = [place / f"batch_{number}.cpp" for number in range(len(batches))]
+    for file, sources in zip(files, batches):
         file.write_text("".join(f'#include "{source}"  // NOLINT\n' for source in sources))
-        database.append({"directory": str(build), "file": str(file),
-                         "arguments": [*arguments, "-c", str(file)]})
-    (place / "compile_commands.json").write_text(json.dumps(database, indent=1))
+    write_database(place, build, dict.fromkeys(files, arguments))
+    write_database(single, build, commands)
 
     with ThreadPoolExecutor(jobs) as pool:
-        said = pool.map(lambda entry: tidy(place, entry["file"]), database)
+        said = pool.map(lambda file: tidy(place, file), files)
         alone = [source for words, sources in zip(said, batches) for source in sources
                  if words or has_idle_alias(source.read_text())]
-        faults = [words for words in pool.map(lambda source: tidy(build, source), alone) if words]
+        faults = [words for words in pool.map(lambda source: tidy(single, source), alone) if words]
     for words in faults:
         print(words)
     print(f"{len(commands)} files in {len(batches)} batches, {len(alone)} looked at alone, "

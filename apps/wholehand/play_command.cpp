@@ -149,7 +149,8 @@ Diagnostics faultsOf(const RunOptions& options) {
 void printDoors(const RunOptions& options, const Server& server, const UdpBridge& udp) {
   const std::string url = server.url();
   std::printf("%s\n", url.c_str());  // the first line: programs read it
-  std::printf("  game     %s\n  console  %sconsole\n", url.c_str(), url.c_str());
+  const char* shown = options.token.empty() ? "" : "?token=<token>";
+  std::printf("  game     %s%s\n  console  %sconsole%s\n", url.c_str(), shown, url.c_str(), shown);
   if (!options.token.empty()) {
     std::printf("  others   http://<this machine>:%u/?token=<token>\n",
                 static_cast<unsigned>(server.port()));

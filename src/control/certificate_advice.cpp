@@ -141,7 +141,7 @@ AxisAdvice advise(const AxisCase& c) {
   double most = 0.0;
   for (int step = 0; step <= 20; ++step) {
     AxisCase tried = c;
-    tried.gains.gamma = 0.05 * step;
+    tried.gains.gamma = step / 20.0;
     tried.axis.effort_slew_limit = 0.0;
     const double k_pm = searched(tried, kAny);
     if (k_pm > most) {

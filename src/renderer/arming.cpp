@@ -10,33 +10,30 @@ namespace {
 // For so long a device that takes no effort is asked to take its neutral one.
 constexpr double kNeutralWithin_s = 1.0;
 
+// Why not, where no file and no value is to blame.
+Diagnostic because(const char* problem, const char* remedy) {
+  return {"", 0, "", "", problem, remedy};
+}
+
 }  // namespace
 
 // Before the device is touched.
 Expected<Done> HapticRenderer::mayArm(const std::optional<RehearsalPassed>& rehearsed) const {
   if (ramp_.phase != RampPhase::kRendering && !finished()) {
-    return Diagnostic{"", 0, "", "", "the device is still on its way to neutral", "arm again then"};
+    return because("the device is still on its way to neutral", "arm again then");
   }
   if (device_.simulated()) return Done{};
   if (ramp_.phase == RampPhase::kRendering) {
-    return Diagnostic{"", 0, "", "", "the device is armed already", "stop it first"};
+    return because("the device is armed already", "stop it first");
   }
   if (config_.moves_nobody) return Done{};
   if (!rehearsed) {
-    return Diagnostic{"",
-                      0,
-                      "",
-                      "",
-                      "the device may move a person, and nothing was rehearsed",
-                      "call rehearse() and arm with what it says has passed"};
+    return because("the device may move a person, and nothing was rehearsed",
+                   "call rehearse() and arm with what it says has passed");
   }
   if (rehearsed->of() != config_.rehearsal) {
-    return Diagnostic{"",
-                      0,
-                      "",
-                      "",
-                      "what was rehearsed is not what is to be rendered",
-                      "rehearse these models, with these options"};
+    return because("what was rehearsed is not what is to be rendered",
+                   "rehearse these models, with these options");
   }
   return Done{};
 }
@@ -62,7 +59,7 @@ Expected<Done> HapticRenderer::arm(const std::optional<RehearsalPassed>& rehears
   // A stop that no tick has seen is a person's: it is never forgotten in silence.
   const std::uint32_t stops = stops_.load(std::memory_order_seq_cst);
   if (std::exchange(stops_seen_, stops) != stops) {
-    return Diagnostic{"", 0, "", "", "a stop was asked for", "arm again if it is over"};
+    return because("a stop was asked for", "arm again if it is over");
   }
   if (Expected<Done> may = mayArm(rehearsed); !may) return may;
   if (Expected<Done> opened = device_.open(); !opened) return opened;
@@ -76,7 +73,7 @@ Expected<Done> HapticRenderer::arm(const std::optional<RehearsalPassed>& rehears
   if (Expected<Done> ready = device_.ready(); !ready) return refused(ready.errors());
   if (any(device_.read(reading_, 1)) || !allFinite(reading_.q_m) ||
       reading_.q_m.size() != config_.gains.axes) {
-    return refused({{"", 0, "", "", "the device gives no position", "check that it is connected"}});
+    return refused({because("the device gives no position", "check that it is connected")});
   }
   if (Expected<Done> within = withinWorkspace(); !within) return refused(within.errors());
   if (Expected<Done> placed = world_.placeHand(reading_.q_m); !placed) {
@@ -86,7 +83,7 @@ Expected<Done> HapticRenderer::arm(const std::optional<RehearsalPassed>& rehears
   const std::uint32_t emergencies = emergencies_.load(std::memory_order_seq_cst);
   if (const std::uint32_t now = stops_.load(std::memory_order_seq_cst); now != stops) {
     stops_seen_ = now;
-    return refused({{"", 0, "", "", "a stop was asked for while the device was being armed", ""}});
+    return refused({because("a stop was asked for while the device was being armed", "")});
   }
   stops_armed_ = stops;
   emergencies_armed_ = emergencies;

@@ -37,7 +37,7 @@ std::vector<double> decadeTicks(double low, double high, int most) {
 }
 
 std::vector<double> logTicks(double low, double high, int most) {
-  const std::vector<double> decades = decadeTicks(low, high, most);
+  std::vector<double> decades = decadeTicks(low, high, most);
   if (decades.size() > 1 || !(low > 0.0) || !(low < high) || !std::isfinite(high)) return decades;
   std::vector<double> ticks;
   for (double exponent = std::floor(std::log10(low)); std::pow(10.0, exponent) < high; ++exponent) {

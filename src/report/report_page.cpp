@@ -28,6 +28,16 @@ std::string roleWord(const ReportAxis& axis, int index) {
   return axis.role == AxisRole::kWrist ? "wrist " + word : word;
 }
 
+// A limit as its file states it: 20, 7.5, 0.85.
+std::string asStated(double value) {
+  int decimals = 0;
+  for (double scaled = value; decimals < 3 && std::abs(scaled - std::round(scaled)) > 1e-9;
+       scaled = value * std::pow(10.0, decimals)) {
+    ++decimals;
+  }
+  return formatNumber(value, decimals);
+}
+
 std::string figure(const std::string& number, const std::string& unit, const std::string& label) {
   return "<div><b>" + e(number) + (unit.empty() ? "" : " <small>" + e(unit) + "</small>") +
          "</b><span>" + e(label) + "</span></div>";
@@ -50,8 +60,7 @@ std::string effortFigure(const ReportData& data, AxisRole role) {
   if (most == nullptr) return {};
   const int decimals = most->effort_unit == "N" ? 1 : 2;
   return figure(formatNumber(most->largest_effort, decimals),
-                most->effort_unit + ", limit " +
-                    formatNumber(most->effort_limit, most->effort_limit < 3.0 ? decimals : 0),
+                most->effort_unit + ", limit " + asStated(most->effort_limit),
                 "largest effort, " + roleWord(*most, index));
 }
 
@@ -200,8 +209,8 @@ std::string settingsTable(const ReportData& data) {
                               data.axes[i + 1].effort_unit == a.effort_unit;
     limits += axisPen(a.name, static_cast<int>(i)).word;
     limits += same_as_next ? ", "
-                           : " " + formatNumber(a.effort_limit, a.effort_limit < 3.0 ? 1 : 0) +
-                                 " " + a.effort_unit + (i + 1 < data.axes.size() ? "; " : "");
+                           : " " + asStated(a.effort_limit) + " " + a.effort_unit +
+                                 (i + 1 < data.axes.size() ? "; " : "");
   }
   std::string out = "<h2>Settings</h2><table class=\"plain tight\"><tbody>";
   for (const char* kind : {"scene", "hand", "device", "rendering", "patient"}) {

@@ -26,7 +26,7 @@ void AsideLog::write(std::string line) {
       return;
     }
     if (left_out_ > 0) {
-      line += " (" + std::to_string(left_out_) + " lines before were left out)";
+      line += " (lines left out before: " + std::to_string(left_out_) + ")";
       left_out_ = 0;
     }
     waiting_.push_back(std::move(line));

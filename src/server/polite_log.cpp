@@ -19,7 +19,7 @@ void PoliteLog::write(const std::string& line, std::int64_t now_ns) {
   }
   allowance_ -= 1.0;
   std::string text = printable(line, 400);
-  if (left_out_ > 0) text += " (" + std::to_string(left_out_) + " lines before were left out)";
+  if (left_out_ > 0) text += " (lines left out before: " + std::to_string(left_out_) + ")";
   left_out_ = 0;
   sink_(text);
 }

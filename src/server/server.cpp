@@ -82,7 +82,12 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
   void publish(const TickRecord& record) { mailbox_.put(record, monotonicNow_ns()); }
   std::uint16_t port() const noexcept { return port_; }
   std::string url() const {
-    return fmt::format("http://{}:{}/", bracketed(options_.address), port_);
+    // "Every address" is none that a browser can go to.
+    const bool every = options_.address == "0.0.0.0" || options_.address == "::";
+    const std::string address = !every                     ? options_.address
+                                : options_.address == "::" ? "::1"
+                                                           : "127.0.0.1";
+    return fmt::format("http://{}:{}/", bracketed(address), port_);
   }
 
  private:

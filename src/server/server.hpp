@@ -53,7 +53,8 @@ class Server {
   Server& operator=(const Server&) = delete;
 
   [[nodiscard]] std::uint16_t port() const noexcept;
-  /// Of the game, for a person to open: "http://127.0.0.1:8080/".
+  /// Of the game, for a person at this machine to open: "http://127.0.0.1:8080/", where the server
+  /// listens to every address, too.
   [[nodiscard]] std::string url() const;
   /// Takes a record's events and notes when it came. From the telemetry thread, with every record:
   /// bounded, never waits for a client.

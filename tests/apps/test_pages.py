@@ -179,6 +179,16 @@ class Refused(AppTest):
                     self.expect_refused(result, address, "token", "16 characters", lines=1)
                     self.assertEqual(result.out, "")  # no address was printed: nothing listened
 
+    def test_open_to_others_prints_addresses_of_this_machine(self):
+        run = self.start_app("run", "--wait", "--port", 0, "--address", "0.0.0.0", "--token", "0123456789abcdef")
+        said = "".join(run.stdout.readline() for _ in range(4))
+        run.send_signal(signal.SIGINT)
+        run.communicate(timeout=100)
+        self.assertRegex(said, r"^http://127\.0\.0\.1:(\d+)/\n"
+                               r"  game     http://127\.0\.0\.1:\1/\?token=<token>\n"
+                               r"  console  http://127\.0\.0\.1:\1/console\?token=<token>\n"
+                               r"  others   http://<this machine>:\1/\?token=<token>\n$")
+
     def test_port_that_is_none(self):
         for port in ("65536", "-1", "http"):
             with self.subTest(port):

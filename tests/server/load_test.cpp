@@ -60,15 +60,14 @@ TEST_F(LoadTest, ClientThatDoesNotRead_IsCutOffWhileOthersGoOn) {
   WebSocket slow(port(), "", "/ws", 4096);
   WebSocket quick(port());
   const auto begin = std::chrono::steady_clock::now();
-  double longest_gap_ms = 0.0;
+  std::vector<double> gaps_ms;
   auto last = begin;
   bool cut = false;
   while (!cut && std::chrono::steady_clock::now() - begin < 15s) {
     for (int i = 0; i < 15; ++i) {
       ASSERT_TRUE(next(quick, fb::Payload::WorldState));
       const auto now = std::chrono::steady_clock::now();
-      longest_gap_ms =
-          std::max(longest_gap_ms, std::chrono::duration<double, std::milli>(now - last).count());
+      gaps_ms.push_back(std::chrono::duration<double, std::milli>(now - last).count());
       last = now;
     }
     cut = metric("dropped_clients_total{reason=\"slow\"}") == 1.0;
@@ -77,8 +76,13 @@ TEST_F(LoadTest, ClientThatDoesNotRead_IsCutOffWhileOthersGoOn) {
   EXPECT_TRUE(cut);
   figure("slow client cut off after",
          std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(), "s");
-  figure("longest gap of the other client", longest_gap_ms, "ms");
-  EXPECT_LT(longest_gap_ms, 500.0);
+  // Sixty a second: a server that waited for the slow one would leave most of them out. The longest
+  // may be the machine's.
+  std::sort(gaps_ms.begin(), gaps_ms.end());
+  const double p95_ms = gaps_ms[gaps_ms.size() * 95 / 100];
+  figure("gap of the other client, p95", p95_ms, "ms");
+  figure("its longest gap", gaps_ms.back(), "ms");
+  EXPECT_LT(p95_ms, 100.0);
   EXPECT_GT(metric("skipped_states_total"), 10.0);
   EXPECT_EQ(metric("clients"), 1.0);
   EXPECT_TRUE(logged("does not follow"));
