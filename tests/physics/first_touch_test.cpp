@@ -33,6 +33,18 @@ void PrintTo(const Named& n, std::ostream* out) {
   *out << n.name;
 }
 
+// The search itself takes a micrometre as touching.
+constexpr double kGraze_m = 1e-6;
+
+/// Least separation over the whole path of an axis.
+double deepest(Still& still, int axis) {
+  double least = HUGE_VAL;
+  for (double v = still.model.axis_lower[axis]; v < still.model.axis_upper[axis]; v += 0.01) {
+    least = std::min(least, still.separationAt(axis, v));
+  }
+  return least;
+}
+
 class FirstTouch : public testing::TestWithParam<Named> {};
 
 TEST_P(FirstTouch, OfAHandThatStays_IsFoundWithin50TicksAndIsTheFirst) {
@@ -75,14 +87,18 @@ TEST_P(FirstTouch, OfAHandThatStays_IsFoundWithin50TicksAndIsTheFirst) {
     for (int a = kFingers; a <= kThumb; ++a) {
       SCOPED_TRACE(still.model.axis_names[a] + ", case " + std::to_string(n));
       const double touch = at50[a];
-      EXPECT_EQ(std::isnan(touch), std::isnan(last[a]));
+      // A graze that is no deeper than what counts as touching may be found, late, or not at all.
+      if (std::isnan(touch) != std::isnan(last[a])) {
+        EXPECT_GT(deepest(still, a), -kGraze_m) << "said " << touch << ", later " << last[a];
+        continue;
+      }
       // 0.1 mm of path, at the lever arm of 8 cm.
       EXPECT_TRUE(std::isnan(touch) || std::abs(touch - last[a]) < 1.25e-3) << touch - last[a];
       const double lower = still.model.axis_lower[a], upper = still.model.axis_upper[a];
       // Nothing overlaps before ...
       const double end = std::isnan(touch) ? upper : touch;
       for (double v = lower; v < end - 1e-5; v += 0.01) {
-        ASSERT_GT(still.separationAt(a, v), 0.0) << "at " << v << ", said " << touch;
+        ASSERT_GT(still.separationAt(a, v), -kGraze_m) << "at " << v << ", said " << touch;
       }
       // ... and there they meet.
       if (std::isnan(touch)) {
