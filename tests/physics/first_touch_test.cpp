@@ -36,7 +36,7 @@ void PrintTo(const Named& n, std::ostream* out) {
 // The search itself takes a micrometre as touching.
 constexpr double kGraze_m = 1e-6;
 
-bool sameTouch(double a, double b) {
+bool agreeOnTouch(double a, double b) {
   return std::isnan(a) == std::isnan(b);
 }
 
@@ -72,7 +72,7 @@ TEST_P(FirstTouch, OfAHandThatStays_IsFoundWithin50TicksAndIsTheFirst) {
     AxisPosition last = at50;
     for (int k = 0; k < 100; ++k) last = still.tick();
     for (int a = kFingers; a <= kThumb; ++a) {
-      for (int k = 0; !sameTouch(at50[a], last[a]) && k < 200; ++k) last = still.tick();
+      for (int k = 0; !agreeOnTouch(at50[a], last[a]) && k < 200; ++k) last = still.tick();
     }
     still.closure.reset();
     for (int k = 1; k <= 50; ++k) {
@@ -86,7 +86,7 @@ TEST_P(FirstTouch, OfAHandThatStays_IsFoundWithin50TicksAndIsTheFirst) {
       SCOPED_TRACE(still.model.axis_names[a] + ", case " + std::to_string(n));
       // A face that is grazed along holds the search up: what it says then is judged when it is
       // through.
-      const bool held_up = !sameTouch(at50[a], last[a]);
+      const bool held_up = !agreeOnTouch(at50[a], last[a]);
       held_up_axes += held_up ? 1 : 0;
       const double touch = held_up ? last[a] : at50[a];
       // 0.1 mm of path, at the lever arm of 8 cm.
