@@ -34,23 +34,24 @@ target_compile_options(wholehand_options INTERFACE
   -ffp-contract=off)
 target_link_libraries(wholehand_options INTERFACE Threads::Threads)
 
-# Headers that nearly every source file reads, read once: a clean build is a quarter shorter. For
-# ./check alone, where there is no ccache (which keeps no object that such headers went into). The
-# release build takes `tests`: so a source of ours that forgets an #include is still found.
-set(WHOLEHAND_PRECOMPILED "" CACHE STRING "Precompiled vendor headers: empty, `tests` or `all`")
+# Headers that most sources read (WHOLEHAND_PRECOMPILED).
 set(often_read <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <atomic> <chrono> <cmath>
-    <filesystem> <fstream> <functional> <map> <memory> <optional> <random> <sstream> <string>
-    <thread> <variant> <vector>)
+    <condition_variable> <cstdint> <deque> <filesystem> <fstream> <functional> <limits> <map> <memory>
+    <mutex> <numeric> <optional> <random> <set> <sstream> <string> <string_view> <thread>
+    <unordered_map> <utility> <variant> <vector>)
+set(often_read_own core/axis_array.hpp core/expected.hpp core/geometry.hpp core/tick_record.hpp)
 function(wholehand_precompiled_headers target)
   file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/${target}.cpp CONTENT "// Precompiled headers.\n")
   add_library(${target} OBJECT EXCLUDE_FROM_ALL ${PROJECT_BINARY_DIR}/${target}.cpp)
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/src)
   target_link_libraries(${target} PRIVATE wholehand_options Eigen3::Eigen ${ARGN})
-  target_precompile_headers(${target} PRIVATE ${often_read})
+  list(TRANSFORM often_read_own PREPEND ${PROJECT_SOURCE_DIR}/src/ OUTPUT_VARIABLE own)
+  target_precompile_headers(${target} PRIVATE ${often_read} ${own})
 endfunction()
 if(WHOLEHAND_PRECOMPILED)
   wholehand_precompiled_headers(wholehand_precompiled)
-endif()
-if(WHOLEHAND_PRECOMPILED AND WHOLEHAND_BUILD_TESTS)
-  wholehand_precompiled_headers(wholehand_precompiled_tests GTest::gtest)
-  target_precompile_headers(wholehand_precompiled_tests PRIVATE <gtest/gtest.h>)
+  if(WHOLEHAND_BUILD_TESTS)
+    wholehand_precompiled_headers(wholehand_precompiled_tests GTest::gtest)
+    target_precompile_headers(wholehand_precompiled_tests PRIVATE <gtest/gtest.h>)
+  endif()
 endif()

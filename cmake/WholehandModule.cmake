@@ -18,14 +18,26 @@ function(wholehand_module name)
     target_link_libraries(wholehand_${target} PUBLIC wholehand::${used})
   endforeach()
   target_link_libraries(wholehand_${target} PRIVATE ${arg_VENDOR})
-  if(WHOLEHAND_PRECOMPILED STREQUAL all)
-    target_precompile_headers(wholehand_${target} REUSE_FROM wholehand_precompiled)
+  wholehand_precompile(wholehand_${target})
+endfunction()
+
+# wholehand_precompile(<target>): it reads the headers that most sources need precompiled.
+function(wholehand_precompile target)
+  if(WHOLEHAND_PRECOMPILED)
+    target_precompile_headers(${target} REUSE_FROM wholehand_precompiled)
   endif()
+endfunction()
+
+# wholehand_compile_alone(<source ...>): sources that take long to compile, or that share a private
+# name with a neighbour, are never compiled together with others (WHOLEHAND_UNITY).
+function(wholehand_compile_alone)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 
 # wholehand_test(<name> SOURCES a.cpp ... USES core ... [LABEL unit] [TIMEOUT seconds] [THREADED])
 #
-# THREADED: ./check runs it under ThreadSanitizer too. LABEL realtime: nothing runs beside it.
+# THREADED: ./check runs it under ThreadSanitizer too. LABEL realtime: nothing runs beside it. LABEL
+# figure: it measures at length what other tests drive through the same code; no sanitizer sees it.
 function(wholehand_test name)
   cmake_parse_arguments(arg "THREADED" "LABEL;TIMEOUT" "SOURCES;USES;VENDOR" ${ARGN})
   add_executable(test_${name} ${arg_SOURCES})

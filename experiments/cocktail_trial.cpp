@@ -15,9 +15,9 @@ namespace {
 
 constexpr double kAfterwards_s = 0.5;
 
-class Observer {
+class BarObserver {
  public:
-  Observer(const BarFigures& figures, CocktailResult& result)
+  BarObserver(const BarFigures& figures, CocktailResult& result)
       : figures_(figures),
         result_(result),
         step_done_(figures.event("step_done")),
@@ -92,7 +92,7 @@ Expected<CocktailResult> runCocktail(const CocktailPlan& plan) {
   config.duration_ticks = static_cast<std::uint64_t>(plan.most_s / plan.rig.period_s);
   config.listener = &listener;
   Session session(*(*rig)->renderer, config);
-  Observer observe(figures, result);
+  BarObserver observe(figures, result);
   double done_s = 0.0;
   const std::int64_t began_ns = monotonicNow_ns();
   session.runSimulated([&](const TickRecord& record) {
@@ -105,7 +105,8 @@ Expected<CocktailResult> runCocktail(const CocktailPlan& plan) {
   if (writer) writer->close();
   result.faulted = any(session.counters().latched);
   result.interrupted = InterruptScope::interrupted();
-  result.completed = observe.done() && result.steps_in_tolerance == result.steps && !result.faulted;
+  result.ended = observe.done();
+  result.completed = result.ended && result.steps_in_tolerance == result.steps && !result.faulted;
   return result;
 }
 

@@ -22,6 +22,7 @@ struct CocktailPlan {
 struct CocktailResult {
   int level = 1;
   std::uint64_t seed = 1;
+  bool ended = false;      ///< the level was played to its end, however well
   bool completed = false;  ///< every drink of the level served within tolerance, no fault
   double score = 0.0;      ///< 0 .. 100
   double spilt_l = 0.0;

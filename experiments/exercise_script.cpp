@@ -1,16 +1,15 @@
 #include "experiments/exercise_script.hpp"
 
+#include "core/units.hpp"
+
 #include <Eigen/Core>
 
 #include <algorithm>
-#include <numbers>
 #include <random>
 #include <vector>
 
 namespace wholehand {
 namespace {
-
-constexpr double kDeg = std::numbers::pi / 180.0;
 
 // From the hand's base to the axis of a dispenser that it holds (power grasp, adult median hand).
 const Eigen::Vector3d kGrip(0.049, 0.041, 0.004);

@@ -33,9 +33,9 @@ Dispenser firstDispenser(const Models& models) {
 }
 
 /// Sorts contacts by the part of the hand that bears them, and keeps what the figure shows.
-class Observer {
+class ExerciseObserver {
  public:
-  Observer(const Rig& rig, const BarFigures& figures, int dispenser, ExerciseResult& result)
+  ExerciseObserver(const Rig& rig, const BarFigures& figures, int dispenser, ExerciseResult& result)
       : rig_(rig),
         figures_(figures),
         dispenser_(dispenser),
@@ -57,7 +57,7 @@ class Observer {
     s.wall = r.exercise.effort;
     s.phi = r.phi;
     s.alpha = r.exercise.alpha;
-    s.palm_m = r.palm_target_distance_m;
+    s.palm_m = std::abs(r.palm_target_distance_m);
     s.squeeze_n = figures_(BarFigures::kSqueeze, r.exercise);
     s.flow_l_s = figures_(BarFigures::kFlow, r.exercise);
     s.glass_l = figures_(BarFigures::kGlass, r.exercise);
@@ -161,7 +161,7 @@ Expected<ExerciseResult> runExercise(const ExercisePlan& plan) {
   if (auto armed = (*rig)->renderer->arm(); !armed) return armed.errors();
 
   ExerciseResult result;
-  Observer observe(**rig, figures, dispenser.body, result);
+  ExerciseObserver observe(**rig, figures, dispenser.body, result);
   RunPlan run;
   run.title = "Exercise: bump, approach, squeeze, release";
   run.seed = plan.seed;

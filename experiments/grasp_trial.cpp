@@ -2,19 +2,18 @@
 
 #include "assembly/recorded_run.hpp"
 #include "assembly/text_file.hpp"
+#include "core/units.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "experiments/grasp_script.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <random>
 
 namespace wholehand {
 namespace {
 
-constexpr double kDeg = std::numbers::pi / 180.0;
 constexpr double kDropped_m = 0.02;  // further off than this in the palm's frame: dropped
 constexpr double kNoiseWindow_s = 2.0;
 
@@ -34,9 +33,9 @@ class Spread {
 };
 
 // Watches the records of a trial and keeps what its result needs.
-class Observer {
+class GraspObserver {
  public:
-  Observer(const GraspTrial& trial, const Rig& rig, double hold_s)
+  GraspObserver(const GraspTrial& trial, const Rig& rig, double hold_s)
       : rig_(rig),
         body_(rig.models.hand),
         end_s_(grasp_times::kHoldBegins + hold_s),
@@ -233,7 +232,7 @@ Expected<GraspResult> runGrasp(const GraspTrial& trial, const ModelFiles& files,
   if (!rig) return rig.errors();
   if (auto armed = (*rig)->renderer->arm(); !armed) return armed.errors();
 
-  Observer observer(trial, **rig, plan.hold_s);
+  GraspObserver observer(trial, **rig, plan.hold_s);
   TickRecord last;
   const double end_s = grasp_times::kHoldBegins + plan.hold_s;
   RunPlan run;

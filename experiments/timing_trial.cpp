@@ -1,17 +1,16 @@
 #include "experiments/timing_trial.hpp"
 
 #include "assembly/text_file.hpp"
+#include "core/units.hpp"
 #include "experiments/grasp_script.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 namespace wholehand {
 namespace {
 
-constexpr double kDeg = std::numbers::pi / 180.0;
 constexpr double kSway_m = 0.03;
 constexpr double kTable_m = 0.12;   // wide enough for a cylinder that is put down a little askew
 constexpr double kHolding_n = 5.0;  // a grasp; the swinging thumb brushes with less than 1 N
@@ -69,9 +68,9 @@ Intention timingIntention(const GraspTrial& trial, const Models& models, double 
 }
 
 // Counts what the records say, off the real-time thread.
-class Observer {
+class TimingObserver {
  public:
-  explicit Observer(TimingResult& result, int joints) : result_(result) {
+  explicit TimingObserver(TimingResult& result, int joints) : result_(result) {
     result_.wall_counts.assign(kTimingBins, 0);
     result_.cpu_counts.assign(kTimingBins, 0);
     lowest_.assign(static_cast<std::size_t>(joints), std::numeric_limits<double>::infinity());
@@ -137,7 +136,7 @@ Expected<TimingResult> runTiming(const ModelFiles& files, const TimingPlan& plan
   if (auto armed = (*rig)->renderer->arm(); !armed) return armed.errors();
 
   TimingResult result;
-  Observer observer(result, (*rig)->models.hand.joint_count);
+  TimingObserver observer(result, (*rig)->models.hand.joint_count);
   RunPlan run;
   run.title = "Timing: a cylinder grasped, released and grasped again";
   run.duration_ticks = plan.ticks;

@@ -161,10 +161,26 @@ build_web() {
   say "Built in $(duration $((SECONDS - start)))."
 }
 
-# make_pages: for ./start, which goes on with what there is. Pages that are current need no node.
-make_pages() {
+# begin_pages: for ./start, which goes on with what there is. Pages that are current need no node.
+# What may ask for a password is done first; the rest runs aside, as the process $pages.
+begin_pages() {
   pages_are_current && return
-  if (install_node && build_web); then return; fi
+  make_log "$root/build/logs/pages.log"
+  if (install_node); then
+    build_web >"$root/build/logs/pages.log" 2>&1 &
+    pages=$!
+  else
+    pages=none
+  fi
+}
+
+# finish_pages: waits for what begin_pages began, and says what came of it.
+finish_pages() {
+  if [[ -z $pages ]]; then return; fi
+  local built=0
+  if [[ $pages != none ]] && wait "$pages"; then built=1; fi
+  cat "$root/build/logs/pages.log"
+  if ((built)); then return; fi
   if [[ -f $root/web/dist/index.html ]]; then
     say "Going on with the pages built before."
   else
@@ -190,6 +206,17 @@ make_log() {
     "Cannot write to $root/build. Clone as the user who builds, or: chown -R \"\$USER\" \"$root\""
 }
 
+# one_at_a_time: two that build into the same folder would disturb each other.
+one_at_a_time() {
+  local lock="$root/build/check.lock"
+  mkdir -p "$root/build" 2>/dev/null || true
+  { exec 9>>"$lock"; } 2>/dev/null || fail \
+    "Cannot write to $root/build. Clone as the user who builds, or: chown -R \"\$USER\" \"$root\""
+  flock -n 9 || fail \
+    "Another ./check or ./start builds in $root (process $(cat "$lock")). Wait for it, or end it: kill $(cat "$lock")"
+  echo $$ >"$lock"
+}
+
 # Compilers at once: one a core, but at most one per 1.5 GB of free memory.
 build_jobs() {
   local cores free_kb jobs
@@ -210,8 +237,8 @@ configure() {
     fresh=(--fresh)
   fi
   # Objects from precompiled headers are nothing that ccache could keep: the one or the other.
-  if command -v ccache >/dev/null; then
-    set -- "$@" -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DWHOLEHAND_PRECOMPILED=
+  if [[ $preset != analysis ]] && command -v ccache >/dev/null; then
+    set -- "$@" -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DWHOLEHAND_PRECOMPILED=OFF
   fi
   if ! (cd "$root" && cmake "${fresh[@]}" --preset "$preset" "$@") >"$log" 2>&1; then
     tail -n 30 "$log" >&2
@@ -219,23 +246,31 @@ configure() {
   fi
 }
 
-# One line that counts up on a terminal; elsewhere a line every tenth of the way.
+# show_progress <what> <jobs>: one line that counts up on a terminal; elsewhere a line every tenth of
+# the way.
 show_progress() {
-  local line done_ of name tenth last=-1 terminal=0 compiling=0
+  local line done_ of name tenth last=-1 terminal=0 compiling=0 left=""
+  local start=$SECONDS
   [[ -t 1 ]] && terminal=1
   while IFS= read -r line; do
     [[ $line =~ ^\[([0-9]+)/([0-9]+)\] ]] || continue
     # Looking up the version of the sources, as every build does, is nothing to speak of.
     if ((!compiling)) && [[ $line == *'] Building '* ]]; then
       compiling=1
-      say "$1, ${BASH_REMATCH[2]} steps; the first time this takes some minutes ..."
+      # A step takes a core about two seconds.
+      left=$((2 * (BASH_REMATCH[2] - BASH_REMATCH[1] + 1) / $2 + 1))
+      say "$1: ${BASH_REMATCH[2]} steps, about $(duration "$left") ..."
     fi
     done_=${BASH_REMATCH[1]} of=${BASH_REMATCH[2]} tenth=$((10 * BASH_REMATCH[1] / BASH_REMATCH[2]))
     if ((!compiling)); then
       continue
     elif ((terminal)); then
       name=${line##*/}
-      printf '\r%s: %d of %d, %.40s\033[K' "$1" "$done_" "$of" "${name%.o}"
+      left=""
+      if ((10 * done_ > of)); then
+        left=", $(duration $(((SECONDS - start) * (of - done_) / done_))) left"
+      fi
+      printf '\r%s: %d of %d%s, %.40s\033[K' "$1" "$done_" "$of" "$left" "${name%.o}"
     elif ((tenth != last && of > 10)); then
       printf '%s: %d of %d\n' "$1" "$done_" "$of"
     fi
@@ -246,11 +281,15 @@ show_progress() {
 
 # build <preset> <target ...>
 build() {
-  local preset=$1 log="$root/build/logs/build-$1.log" start=$SECONDS
+  local preset=$1 log="$root/build/logs/build-$1.log" start=$SECONDS jobs
   shift
   make_log "$log"
-  if ! ninja -C "$root/build/$preset" -j "$(build_jobs)" "$@" 2>&1 | tee "$log" |
-    show_progress "Building $preset"; then
+  jobs=$(build_jobs)
+  if ! ninja -C "$root/build/$preset" -j "$jobs" "$@" 2>&1 | tee "$log" |
+    show_progress "Building $preset" "$jobs"; then
+    if grep -qi 'no space left on device' "$log"; then
+      fail "Building $preset failed: the disk of $root/build is full. Make room and start again: what is done is kept. Full log: $log"
+    fi
     grep -vE '^(\[|ninja: )' "$log" | grep -E -A12 -m3 '^FAILED|error|Error' >&2 ||
       tail -n 30 "$log" >&2
     fail "Building $preset failed. Full log: $log"

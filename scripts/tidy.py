@@ -1,7 +1,11 @@
 #!/usr/bin/env python3
-"""Runs clang-tidy over every .cpp file of some folders, many files at a time.
+"""Compiles every .cpp file of some folders by itself and runs clang-tidy over them.
 
 usage: tidy.py BUILD_FOLDER JOBS FOLDER ...      exit code 0: clean, 1: faults, on stdout
+
+The build joins sources and precompiles headers: a source that forgets an #include is found here. A
+file that was clean is looked at again when it, a header of the repository that it reads, its
+arguments or the rules have changed (BUILD_FOLDER/clean.json).
 
 Nearly all of clang-tidy's time goes into the headers of the language and of Eigen, which nearly
 every file includes. Hence one run looks at a batch: a file that includes up to a dozen sources. Two
@@ -9,9 +13,11 @@ sources of which one uses a name of the other's anonymous namespace never share 
 that is not clean every source is looked at alone, and only that counts: what is said here is what
 clang-tidy says of each file by itself.
 """
+import hashlib
 import json
 import re
 import shlex
+import signal
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -51,20 +57,8 @@ def read_commands(build, folders):
             if Path(arguments[0]).name == "ccache":
                 del arguments[0]
             # The first: tests compile some of these once more.
-            commands.setdefault(source, without_precompiled(arguments[:arguments.index("-o")]))
+            commands.setdefault(source, arguments[:arguments.index("-o")])
     return commands
-
-
-def without_precompiled(arguments):
-    """Headers that the build's own compiler has precompiled are none that another one can read."""
-    rest, kept = iter(arguments), []
-    for argument in rest:
-        if argument == "-include":
-            header = next(rest)
-            kept += [] if "cmake_pch" in header else [argument, header]
-        elif argument != "-Winvalid-pch":
-            kept.append(argument)
-    return kept
 
 
 def write_database(folder, build, commands):
@@ -109,13 +103,94 @@ def make_batches(sources):
     return [batch["sources"] for batch in batches]
 
 
+def words_of(done):
+    """What a program says that did not end well; never empty. None where it ended well."""
+    if done.returncode == 0:
+        return None
+    said = (done.stdout or "") + (done.stderr or "")
+    if done.returncode < 0:
+        name = signal.Signals(-done.returncode).name
+        said += f"error: {done.args[0]} was ended by {name} (out of memory?): {done.args[-1]}\n"
+    return said or f"error: {done.args[0]} ended with {done.returncode}: {done.args[-1]}\n"
+
+
+def run(arguments, folder=None):
+    return subprocess.run(arguments, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                          text=True, check=False)
+
+
 def tidy(database, source):
-    """What clang-tidy says of one file of a compile database; empty where it is clean."""
-    done = subprocess.run(
-        ["clang-tidy", "-p", str(database), "--quiet", f"--config-file={RULES}",
-         f"--header-filter={FILTER}", str(source)],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
-    return "" if done.returncode == 0 else done.stdout or done.stderr
+    """What clang-tidy says of one file of a compile database; None where it is clean."""
+    return words_of(run(["clang-tidy", "-p", str(database), "--quiet", f"--config-file={RULES}",
+                         f"--header-filter={FILTER}", str(source)]))
+
+
+class CleanFiles:
+    """Which sources were clean, and what they read then."""
+
+    def __init__(self, build, commands):
+        self.file, self.dependencies = build / "clean.json", build / "dependencies"
+        self.dependencies.mkdir(exist_ok=True)
+        self.commands, self.texts = commands, {}
+        try:
+            self.known = json.loads(self.file.read_text())
+        except (OSError, ValueError):
+            self.known = {}
+
+    def depfile(self, source):
+        name = hashlib.sha256(str(source).encode()).hexdigest()[:16]
+        return self.dependencies / f"{name}.d"
+
+    def digest(self, path):
+        if path not in self.texts:
+            try:
+                self.texts[path] = hashlib.sha256(path.read_bytes()).hexdigest()
+            except OSError:
+                self.texts[path] = "gone"
+        return self.texts[path]
+
+    def key(self, source):
+        """None where it was never compiled."""
+        try:
+            words = self.depfile(source).read_text().replace("\\\n", " ").split()[1:]
+        except OSError:
+            return None
+        read = sorted({Path(w) for w in words if not w.startswith("/usr/")} | {source, RULES})
+        parts = [*self.commands[source], *(f"{path}={self.digest(path)}" for path in read)]
+        return hashlib.sha256("\n".join(parts).encode()).hexdigest()
+
+    def has(self, source):
+        return self.known.get(str(source)) == self.key(source) is not None
+
+    def keep(self, sources):
+        self.known = {str(s): self.known[str(s)] for s in self.commands if str(s) in self.known}
+        self.known.update({str(s): self.key(s) for s in sources})
+        self.file.write_text(json.dumps(self.known, indent=1))
+
+
+def compile_alone(build, clean, source):
+    """What the compiler says of a source that nothing else stands beside; None where it is well."""
+    return words_of(run([*clean.commands[source], "-w", "-fsyntax-only", "-MD", "-MT", "x", "-MF",
+                         str(clean.depfile(source)), str(source)], build))
+
+
+def look_at(build, jobs, commands, every):
+    """{source: faults} of these commands; `every` holds all, whose arguments a batch takes."""
+    place, single = build / "tidy", build / "tidy" / "alone"
+    place.mkdir(exist_ok=True)
+    batches = make_batches(commands)
+    files = [place / f"batch_{number}.cpp" for number in range(len(batches))]
+    for file, sources in zip(files, batches):
+        file.write_text("".join(f'#include "{source}"  // NOLINT\n' for source in sources))
+    write_database(place, build, dict.fromkeys(files, together(every.values())))
+    write_database(single, build, commands)
+    with ThreadPoolExecutor(jobs) as pool:
+        said = list(pool.map(lambda file: tidy(place, file), files))
+        alone = [source for words, sources in zip(said, batches) for source in sources
+                 if words or has_idle_alias(source.read_text())]
+        told = pool.map(lambda source: tidy(single, source), alone)
+        faults = {source: words for source, words in zip(alone, told) if words}
+    return faults, f"in {len(batches)} batches, {len(alone)} looked at alone"
 
 
 def main():
@@ -123,30 +198,23 @@ def main():
         sys.exit(__doc__)
     build, jobs = Path(sys.argv[1]).resolve(), int(sys.argv[2])
     folders = [Path(folder).resolve() for folder in sys.argv[3:]]
-    commands = read_commands(build, folders)
-    unknown = {file for folder in folders for file in folder.rglob("*.cpp")} - commands.keys()
-    if unknown or not commands:
+    every = read_commands(build, folders)
+    unknown = {file for folder in folders for file in folder.rglob("*.cpp")} - every.keys()
+    if unknown or not every:
         names = " ".join(str(file) for file in sorted(unknown)) or " ".join(sys.argv[3:])
         sys.exit(f"{build / 'compile_commands.json'} knows nothing of: {names}")
-    batches = make_batches(commands)
-
-    place, single = build / "tidy", build / "tidy" / "alone"
-    place.mkdir(exist_ok=True)
-    arguments = together(commands.values())
-    files = [place / f"batch_{number}.cpp" for number in range(len(batches))]
-    for file, sources in zip(files, batches):
-        file.write_text("".join(f'#include "{source}"  // NOLINT\n' for source in sources))
-    write_database(place, build, dict.fromkeys(files, arguments))
-    write_database(single, build, commands)
-
+    clean = CleanFiles(build, every)
+    commands = {source: every[source] for source in every if not clean.has(source)}
     with ThreadPoolExecutor(jobs) as pool:
-        said = pool.map(lambda file: tidy(place, file), files)
-        alone = [source for words, sources in zip(said, batches) for source in sources
-                 if words or has_idle_alias(source.read_text())]
-        faults = [words for words in pool.map(lambda source: tidy(single, source), alone) if words]
-    for words in faults:
+        said = pool.map(lambda source: compile_alone(build, clean, source), commands)
+        faults = {source: words for source, words in zip(commands, said) if words}
+    how = "not looked at by clang-tidy"
+    if not faults:  # what does not compile cannot be read
+        faults, how = look_at(build, jobs, commands, every)
+    clean.keep(commands.keys() - faults.keys() if "batches" in how else [])
+    for words in faults.values():
         print(words)
-    print(f"{len(commands)} files in {len(batches)} batches, {len(alone)} looked at alone, "
+    print(f"{len(commands)} files {how}, {len(every) - len(commands)} clean before, "
           f"{len(faults)} with faults")
     sys.exit(1 if faults else 0)
 

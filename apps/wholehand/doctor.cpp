@@ -31,7 +31,7 @@ class Printer {
     std::printf("\n%s%s%s\n", code("\033[1m"), text, code("\033[0m"));
   }
 
-  void finding(const Finding& f) const {
+  void finding(const DoctorFinding& f) const {
     std::printf("  %s%s%s %s%s", code(f.good ? "\033[32m" : "\033[33m"), f.good ? "✓" : "!",
                 code("\033[0m"), f.what.c_str(), padding(f.what).c_str());
     wrapped(f.fact, "");
@@ -123,7 +123,7 @@ int runDoctor(const std::filesystem::path& packages_file) {
   const Printer printer;
   Findings all;
   const auto show = [&](const Findings& findings) {
-    for (const Finding& f : findings) {
+    for (const DoctorFinding& f : findings) {
       printer.finding(f);
     }
     std::fflush(stdout);

@@ -181,10 +181,11 @@ void lookAtBuild(Findings& findings) {
                       "Bullet in double precision (the build accepts no other)", ""});
 }
 
-Finding grantedOrNot(const SetupLine& line) {
+DoctorFinding grantedOrNot(const SetupLine& line) {
   const std::string mark = " Remedy: ";
   const std::size_t remedy = std::min(line.sentence.find(mark), line.sentence.size());
-  Finding finding{line.what, line.granted, Blocks::kDevice, line.sentence.substr(0, remedy), ""};
+  DoctorFinding finding{line.what, line.granted, Blocks::kDevice, line.sentence.substr(0, remedy),
+                        ""};
   if (remedy < line.sentence.size()) finding.remedy = line.sentence.substr(remedy + mark.size());
   if (line.what == "real-time priority") {
     finding.because = line.granted ? "real-time priority is granted" : kNoPriority;
@@ -203,7 +204,7 @@ Finding grantedOrNot(const SetupLine& line) {
 }
 
 // Half a period: later than that, and a tick that takes its usual time may miss its deadline.
-Finding wakeUpFinding(const WakeUpStatistics& s, std::int64_t period_ns) {
+DoctorFinding wakeUpFinding(const WakeUpStatistics& s, std::int64_t period_ns) {
   const auto us = [](std::int64_t ns) { return decimal(static_cast<double>(ns) * 1e-3, 0); };
   const bool good = s.max_ns < period_ns / 2 && s.skipped_periods == 0;
   return {"wake-ups",
@@ -262,14 +263,14 @@ Findings findingsAboutNoLoop(const Diagnostics& why) {
 }
 
 Verdict verdictOf(const Findings& findings) {
-  const bool fit = std::none_of(findings.begin(), findings.end(), [](const Finding& f) {
+  const bool fit = std::none_of(findings.begin(), findings.end(), [](const DoctorFinding& f) {
     return !f.good && f.blocks != Blocks::kNothing;
   });
   std::vector<std::string> reasons, cures;
   const auto add = [](std::vector<std::string>& to, const std::string& text) {
     if (!text.empty() && std::find(to.begin(), to.end(), text) == to.end()) to.push_back(text);
   };
-  for (const Finding& f : findings) {
+  for (const DoctorFinding& f : findings) {
     if (f.blocks == Blocks::kNothing || f.good != fit || f.because.empty()) continue;
     add(reasons, f.because);
     if (!fit) add(cures, f.cure);

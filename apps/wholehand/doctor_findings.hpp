@@ -12,7 +12,7 @@ namespace wholehand {
 /// What a finding stands in the way of.
 enum class Blocks { kNothing, kDevice, kEverything };
 
-struct Finding {
+struct DoctorFinding {
   std::string what;
   bool good = false;
   Blocks blocks = Blocks::kNothing;  ///< while it is not good
@@ -22,7 +22,7 @@ struct Finding {
   std::string because{};  ///< "the kernel is not PREEMPT_RT"
   std::string cure{};     ///< "start a kernel with PREEMPT_RT"
 };
-using Findings = std::vector<Finding>;
+using Findings = std::vector<DoctorFinding>;
 
 /// How often the loop is woken, and how long that is tried.
 inline constexpr std::int64_t kDoctorPeriod_ns = 1'000'000;

@@ -4,8 +4,6 @@
 #include "dynamics/synergy.hpp"
 #include "physics/analytic/analytic_world.hpp"
 
-#include <Eigen/Eigenvalues>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -89,11 +87,12 @@ FeltLoop feltLoop(const ImpedanceBench& bench, int axis, double stiffness) {
 }
 
 double settleTime(const AxisLoop& loop, ContactCase contact) {
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(closedLoopMatrix(loop, contact), false);
+  const Eigen::VectorXcd found = poles(closedLoopMatrix(loop, contact));
+  if (found.size() == 0) return -1.0;
   double slowest = 0.0;
   // A drift of device and hand together (eigenvalue 1) is a constant, which no line sees.
   bool drift = contact != ContactCase::kFree;
-  for (const std::complex<double>& pole : solver.eigenvalues()) {
+  for (const std::complex<double>& pole : found) {
     if (!drift && std::abs(pole - 1.0) < 1e-9) {
       drift = true;
     } else {

@@ -1,5 +1,6 @@
 #include "moment_picture.hpp"
 
+#include "core/units.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "picture/picture.hpp"
 #include "plural.hpp"
@@ -10,12 +11,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace wholehand {
 namespace {
 
-constexpr double kDeg = std::numbers::pi / 180.0;
 constexpr double kPalmForward_m =
     0.08;  // the palm frame is at the wrist; the picture is of the hand
 

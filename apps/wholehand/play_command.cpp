@@ -10,6 +10,7 @@
 #include "server/server.hpp"
 #include "server/udp_bridge.hpp"
 #include "shipped_files.hpp"
+#include "station/report_child.hpp"
 #include "station/station.hpp"
 #include "status_line.hpp"
 #include "summary_json.hpp"
@@ -18,50 +19,15 @@
 
 #include <arpa/inet.h>
 #include <array>
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <memory>
-#include <spawn.h>
-#include <sys/wait.h>
-
-extern char** environ;  // NOLINT(readability-identifier-naming): POSIX
 
 namespace wholehand {
 namespace {
 
 constexpr const char* kRecordings = "out/recordings";
 
-// In a process of its own: HDF5 may be writing in this one, and a page takes seconds of both cores.
-Expected<Done> makeReportAside(const std::string& recording, const std::string& folder) {
-  const auto refusal = [&](std::string problem) {
-    return Diagnostic{recording,
-                      0,
-                      "",
-                      "",
-                      std::move(problem),
-                      "try: wholehand report " + recording + " --out " + folder};
-  };
-  std::string program = "/proc/self/exe", verb = "report", in = recording, flag = "--out",
-              out = folder;
-  char* arguments[] = {program.data(), verb.data(), in.data(), flag.data(), out.data(), nullptr};
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addclosefrom_np(&actions, 3);  // neither sockets nor the recording
-  pid_t child = 0;
-  const int error = posix_spawn(&child, program.c_str(), &actions, nullptr, arguments, environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) {
-    return refusal(std::string("no report could be made: ") + std::strerror(error));
-  }
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) return refusal("no report could be made");
-  return Done{};
-}
-
-StationConfig stationConfig(const RunOptions& options, Terminal& terminal) {
+StationConfig stationConfig(const RunOptions& options, Terminal& terminal, ReportChild& reports) {
   StationConfig config;
   config.files = options.files;
   config.rig.period_s = 1.0 / options.rate_hz;
@@ -74,7 +40,9 @@ StationConfig stationConfig(const RunOptions& options, Terminal& terminal) {
   config.record = options.record;
   config.program_version = WHOLEHAND_VERSION;
   config.make_player = restingOrPlaying;
-  config.make_report = makeReportAside;
+  config.make_report = [&reports](const std::string& recording, const std::string& folder) {
+    return reports.make(recording, folder);
+  };
   config.log = [&terminal](const std::string& text) { terminal.say(text); };
   config.status = [&terminal](RunState state, const TickSummary& now) {
     const bool runs = state == RunState::kRendering || state == RunState::kRampingDown;
@@ -180,6 +148,7 @@ int conclude(const RunOptions& options, const Models& models, const StationOutco
       return refuse(done.errors());
   }
   if (!options.report.empty()) {
+    const WaitingFor report("the report");
     if (auto done = makeReport(options.record, options.report); !done) return refuse(done.errors());
   }
   printSummary(options, models, last, safety);
@@ -197,7 +166,8 @@ int playCommand(RunOptions options) {
   if (!certificate) return refuse(certificate.errors());
   const InterruptScope interrupts;  // from the address on, Ctrl-C ends gently
   Terminal terminal;
-  StationConfig config = stationConfig(options, terminal);
+  ReportChild reports;
+  StationConfig config = stationConfig(options, terminal, reports);
   config.rig.certificate = *certificate;
   Station station(std::move(config));
   if (auto loaded = station.load(); !loaded) return refuse(loaded.errors());
@@ -226,8 +196,12 @@ int playCommand(RunOptions options) {
   terminal.begin(station.models().device);
   Expected<StationOutcome> outcome = station.run(!options.wait, options.duration_s);
   terminal.end();
-  udp.stop();
-  server->reset();
+  {
+    const WaitingFor disk("the disk: files that pages have asked for");
+    reports.end();
+    udp.stop();
+    server->reset();
+  }
   if (!outcome) return refuse(outcome.errors());
   return conclude(options, station.models(), *outcome);
 }

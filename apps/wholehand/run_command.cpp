@@ -10,6 +10,7 @@
 #include "resting_player.hpp"
 #include "run_options.hpp"
 #include "run_text.hpp"
+#include "server/aside_log.hpp"
 #include "shipped_files.hpp"
 #include "status_line.hpp"
 #include "summary_json.hpp"
@@ -31,6 +32,7 @@ namespace {
 constexpr double kRestAfterMotion_s = 1.0;
 constexpr double kRestWithoutMotion_s = 10.0;
 constexpr double kExercise_s = 60.0;
+constexpr std::chrono::seconds kLogWithin{1};
 
 // Made at once, so that of two runs in one second each has its own.
 std::string folderOfItsOwn() {
@@ -169,10 +171,12 @@ int runCommand(RunOptions options) {
   Terminal terminal;
   terminal.begin(models->device);
   plan.status = [&](const TickSummary& now, double rate_hz) { terminal.update(now, rate_hz); };
+  AsideLog aside([&terminal](const std::string& line) { terminal.say(line); });
   SafetyLog log(models->device, rig_options.period_s,
-                [&](const SafetyTransition& t) { terminal.say(describe(t)); });
+                [&aside](const SafetyTransition& t) { aside.write(describe(t)); });
   plan.sink = [&log](const TickRecord& record) { log.add(record); };
   Expected<RunOutcome> outcome = runAndRecord(**rig, plan);
+  aside.flush(kLogWithin);
   terminal.end();
   safety.transitions = log.transitions();
   if (!outcome) {

@@ -69,7 +69,7 @@ void printSummary(const RunOptions& options, const Models& models, const RunOutc
                 static_cast<unsigned long long>(outcome.dropped_records + outcome.dropped_writes),
                 plural(outcome.dropped_records + outcome.dropped_writes),
                 !outcome.failures.empty()    ? "see what failed"
-                : outcome.dropped_writes > 0 ? "the disk was full"
+                : outcome.dropped_writes > 0 ? "the disk was full or too slow"
                                              : "the queue was full");
   }
   for (const std::string& failure : outcome.failures) {

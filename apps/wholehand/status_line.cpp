@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <poll.h>
 #include <unistd.h>
 
 namespace wholehand {
@@ -15,6 +16,12 @@ namespace {
 constexpr double kTerminalPeriod_s = 0.2;
 constexpr double kLogPeriod_s = 5.0;
 constexpr double kFirst_s = 0.5;  // of the run; before it the rate and the percentiles mean nothing
+
+// False while a terminal stands still (Ctrl-S) or a pipe is full: who writes then waits.
+bool takesOutput() {
+  pollfd out{STDOUT_FILENO, POLLOUT, 0};
+  return ::poll(&out, 1, 0) == 1 && (out.revents & POLLOUT) != 0;
+}
 
 }  // namespace
 
@@ -87,8 +94,8 @@ void Terminal::say(const std::string& text) {
 }
 
 void Terminal::update(const TickSummary& now, double rate_hz) {
-  const std::lock_guard lock(mutex_);
-  if (line_) line_->update(now, rate_hz);
+  const std::unique_lock lock(mutex_, std::try_to_lock);
+  if (lock && line_ && takesOutput()) line_->update(now, rate_hz);
 }
 
 }  // namespace wholehand

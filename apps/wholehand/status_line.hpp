@@ -39,6 +39,8 @@ class Terminal {
   void begin(const DeviceModel& device);
   void end();
   void say(const std::string& text);
+  /// Left out where the terminal does not take it at once: who keeps the loop waits for no
+  /// terminal.
   void update(const TickSummary& now, double rate_hz);
 
  private:

@@ -8,72 +8,13 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include <array>
-#include <atomic>
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <filesystem>
 #include <thread>
 
 namespace wholehand {
 namespace {
-
-std::atomic<Session*> g_session{nullptr};  // what Ctrl-C stops
-std::atomic<bool> g_interrupted{false};
-
-void onInterrupt(int) {
-  g_interrupted.store(true);
-  if (Session* session = g_session.load()) session->requestStop();
-}
-
-// What ends or freezes a process that does nothing about it, while the device holds its last
-// effort.
-struct Signal {
-  enum class Then { kStop, kStopUnlessHandled, kIgnoreUnlessHandled };
-  int number;
-  Then then;
-};
-using Then = Signal::Then;
-constexpr std::array kSignals{
-    Signal{SIGINT, Then::kStop},
-    Signal{SIGTERM, Then::kStop},
-    Signal{SIGHUP, Then::kStop},
-    Signal{SIGTSTP, Then::kStop},
-    Signal{SIGQUIT, Then::kStop},
-    Signal{SIGXCPU, Then::kStopUnlessHandled},
-    Signal{SIGUSR1, Then::kStopUnlessHandled},
-    Signal{SIGUSR2, Then::kStopUnlessHandled},
-    Signal{SIGALRM, Then::kStopUnlessHandled},
-    Signal{SIGVTALRM, Then::kStopUnlessHandled},
-    Signal{SIGPROF, Then::kStopUnlessHandled},
-    Signal{SIGPWR, Then::kStopUnlessHandled},
-    Signal{SIGPIPE, Then::kIgnoreUnlessHandled},  // nobody reads what is said
-    Signal{SIGXFSZ,
-           Then::kIgnoreUnlessHandled},  // a file as large as it may be: a write that fails
-    Signal{SIGTTOU, Then::kIgnoreUnlessHandled},  // said in the background
-    Signal{SIGTTIN, Then::kIgnoreUnlessHandled}};
-std::array<struct sigaction, kSignals.size()> g_before{};
-std::array<bool, kSignals.size()> g_taken{};
-int g_scopes = 0;
-
-bool isToBeTaken(const Signal& signal, const struct sigaction& before) {
-  if ((before.sa_flags & SA_SIGINFO) != 0) return signal.then == Then::kStop;
-  if (before.sa_handler == SIG_IGN) return false;
-  return signal.then == Then::kStop || before.sa_handler == SIG_DFL;
-}
-
-// What Ctrl-C stops while this lives.
-class StoppedByInterrupt {
- public:
-  explicit StoppedByInterrupt(Session& session) {
-    g_session.store(&session);
-    if (InterruptScope::interrupted()) session.requestStop();
-  }
-  ~StoppedByInterrupt() { g_session.store(nullptr); }
-  StoppedByInterrupt(const StoppedByInterrupt&) = delete;
-  StoppedByInterrupt& operator=(const StoppedByInterrupt&) = delete;
-};
 
 // However the run ends, the device does not stay open.
 class DeviceGuard {
@@ -138,7 +79,6 @@ Expected<SetupReport> runInRealTime(Session& session, TelemetryHub& hub,
     }
   }
   session.join();
-  hub.stop();
   return setup;
 }
 
@@ -226,32 +166,9 @@ std::string faultText(const TickSummary& summary, const std::vector<DeviceAxis>&
 }
 
 std::string noticeText(const TickSummary& summary, const std::vector<DeviceAxis>& axes) {
-  return countText(summary, Fault::kEffortLimit | Fault::kLateTick | Fault::kContactsDropped, axes);
-}
-
-InterruptScope::InterruptScope() {
-  if (g_scopes++ > 0) return;
-  g_interrupted.store(false);
-  for (std::size_t i = 0; i < kSignals.size(); ++i) {
-    const Signal& signal = kSignals[i];
-    struct sigaction action {};
-    action.sa_handler = signal.then == Then::kIgnoreUnlessHandled ? SIG_IGN : onInterrupt;
-    action.sa_flags = SA_RESTART;
-    sigaction(signal.number, nullptr, &g_before[i]);
-    g_taken[i] = isToBeTaken(signal, g_before[i]);
-    if (g_taken[i]) sigaction(signal.number, &action, nullptr);
-  }
-}
-
-InterruptScope::~InterruptScope() {
-  if (--g_scopes > 0) return;
-  for (std::size_t i = 0; i < kSignals.size(); ++i) {
-    if (g_taken[i]) sigaction(kSignals[i].number, &g_before[i], nullptr);
-  }
-}
-
-bool InterruptScope::interrupted() noexcept {
-  return g_interrupted.load();
+  constexpr Fault kNoticed = Fault::kEffortLimit | Fault::kPowerLimit | Fault::kEffortSlew |
+                             Fault::kTankEmpty | Fault::kLateTick | Fault::kContactsDropped;
+  return countText(summary, kNoticed, axes);
 }
 
 Expected<RunOutcome> runAndRecord(Rig& rig, const RunPlan& plan) {
@@ -271,9 +188,13 @@ Expected<RunOutcome> runAndRecord(Rig& rig, const RunPlan& plan) {
   config.count_allocations = plan.count_allocations;
   config.queue_ticks = plan.queue_ticks;
   config.listener = plan.listener;
-  Session session(*rig.renderer, config);
+  config.interrupts = &InterruptScope::shared();
+  const Exercise* exercise = rig.models.exercise.get();
+  if (exercise != nullptr) config.fade_out_s = exercise->description().fade_out_s;
   const InterruptScope interrupts;
-  const StoppedByInterrupt stopped(session);
+  Session session(*rig.renderer, config);
+  const WaitingFor disk(plan.record.empty() ? "the run to end"
+                                            : "the disk: recording " + plan.record);
   TickStatistics statistics;
   RunOutcome outcome;
   if (plan.simulated_clock) {
@@ -298,6 +219,8 @@ Expected<RunOutcome> runAndRecord(Rig& rig, const RunPlan& plan) {
       if (writer) discard(*writer, plan.record);
       return setup.errors();
     }
+    rig.device->close();
+    hub.stop();
     outcome.setup = *setup;
     outcome.failures = hub.failures();
     outcome.dropped_writes = hub.unrecorded();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "assembly/interrupt_scope.hpp"
 #include "assembly/rig.hpp"
 #include "runtime/session.hpp"
 #include "telemetry/recording.hpp"
@@ -54,23 +55,6 @@ struct RunOutcome {
 /// What a recording of this rig says of itself.
 [[nodiscard]] Expected<RecordingMeta> describeRecording(const Rig& rig, const std::string& title,
                                                         std::uint64_t seed, bool simulated_clock);
-
-/// While one lives, Ctrl-C, a polite kill, a terminal that is closed and Ctrl-Z (which would freeze
-/// the loop while the device holds its last effort) are remembered, and end the run that is going
-/// on gently; so do, where the program does not handle them itself, SIGUSR1, SIGUSR2, SIGXCPU,
-/// SIGPWR and the timers' signals. SIGPIPE, SIGXFSZ, SIGTTOU and SIGTTIN are ignored then, for they
-/// would end or freeze it just as well. What was ignored already (nohup) stays ignored.
-/// runAndRecord() has its own; a program of several runs puts one around them all. Scopes may nest,
-/// in one thread.
-class InterruptScope {
- public:
-  InterruptScope();
-  ~InterruptScope();
-  InterruptScope(const InterruptScope&) = delete;
-  InterruptScope& operator=(const InterruptScope&) = delete;
-  /// True once it happened, since the outermost scope began. Any thread.
-  [[nodiscard]] static bool interrupted() noexcept;
-};
 
 /// Runs the rig to the end of its time, a fault or Ctrl-C, records it and counts. The device is
 /// closed afterwards, whatever happens; without a run there is no recording.

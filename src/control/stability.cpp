@@ -143,11 +143,17 @@ Eigen::MatrixXd closedLoopMatrix(const AxisLoop& loop, ContactCase contact) {
   return matrix;
 }
 
-double spectralRadius(const Eigen::MatrixXd& matrix) {
-  if (!matrix.allFinite()) return std::numeric_limits<double>::infinity();
+Eigen::VectorXcd poles(const Eigen::MatrixXd& matrix) {
+  if (!matrix.allFinite()) return {};
   const Eigen::EigenSolver<Eigen::MatrixXd> solver(balanced(matrix), false);
-  if (solver.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
-  return solver.eigenvalues().cwiseAbs().maxCoeff();
+  if (solver.info() != Eigen::Success) return {};
+  return solver.eigenvalues();
+}
+
+double spectralRadius(const Eigen::MatrixXd& matrix) {
+  const Eigen::VectorXcd found = poles(matrix);
+  if (found.size() == 0) return std::numeric_limits<double>::infinity();
+  return found.cwiseAbs().maxCoeff();
 }
 
 }  // namespace wholehand

@@ -38,6 +38,9 @@ struct AxisLoop {
 /// states.
 [[nodiscard]] Eigen::MatrixXd closedLoopMatrix(const AxisLoop& loop, ContactCase contact);
 
+/// Eigenvalues of the matrix of one period; none where it is not finite or they do not converge.
+[[nodiscard]] Eigen::VectorXcd poles(const Eigen::MatrixXd& matrix);
+
 /// Largest modulus of its eigenvalues. In free motion an eigenvalue of exactly 1 (rigid drift) is
 /// structural.
 [[nodiscard]] double spectralRadius(const Eigen::MatrixXd& matrix);

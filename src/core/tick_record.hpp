@@ -97,9 +97,10 @@ struct TickRecord {
   double coupling_error_rad =
       0.0;  ///< largest |θ - (θ₀ + G q_s)| the last step left, before correction
   double palm_distance_m = 0.0;         ///< palm surface to the nearest body; +inf without bodies
-  double palm_target_distance_m = 0.0;  ///< to that body; +inf without targets
+  double palm_target_distance_m = 0.0;  ///< to palm_body, < 0 unless before the palm; +inf without
   /// Where each hand axis, closed kinematically from where it is open, first touches the exercise's
-  /// closure body; NaN where it never does, on base axes, and where nothing was asked.
+  /// closure body; NaN where it never does, on base axes, and where nothing was asked; −inf where
+  /// they overlap when it is open.
   AxisPosition closure;
   std::int32_t body_count = 0;
   std::int32_t palm_body = -1;  ///< nearest of the exercise's targets; -1: none

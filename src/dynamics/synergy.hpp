@@ -4,8 +4,6 @@
 #include "core/real_time.hpp"
 #include "model/hand_model.hpp"
 
-#include <Eigen/Cholesky>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,17 +16,7 @@ namespace wholehand {
 class Synergy {
  public:
   /// @pre every axis drives a joint (assembleHand() sees to it)
-  explicit Synergy(const HandModel& hand)
-      : theta0_(hand.theta0), joints_(hand.joint_count), axes_(hand.axis_count) {
-    const Eigen::MatrixXd g = hand.synergy;
-    const Eigen::MatrixXd inverse = (g.transpose() * g).ldlt().solve(g.transpose());
-    for (int j = 0; j < joints_; ++j) {
-      for (int a = 0; a < axes_; ++a) {
-        if (g(j, a) != 0.0) forward_[forward_count_++] = {j, a, g(j, a)};
-        if (inverse(a, j) != 0.0) back_[back_count_++] = {j, a, inverse(a, j)};
-      }
-    }
-  }
+  explicit Synergy(const HandModel& hand);
 
   /// θ = θ₀ + G q_s
   WHOLEHAND_RT void expand(const AxisPosition& q_s, JointPosition& theta) const noexcept {

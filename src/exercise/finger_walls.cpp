@@ -8,32 +8,112 @@
 namespace wholehand {
 namespace {
 
-/// Where the wall is next; only called where the closure is finite.
-double follow(double wall, bool known, double target, double finger, double alpha,
-              double reach) noexcept {
-  if (!(alpha > 0.0)) return target;
-  if (!known) return std::max(target, finger);  // nobody is to find himself inside a wall
-  return wall + std::clamp(target - wall, -reach, reach);
+/// A finger farther past its first touch than this has come there on another way [m of path].
+constexpr double kPast_m = 1e-3;
+/// How a wall lets go: at least so fast [m/s at the tip], the stiffest of the shipped ones by 0.04
+/// N a tick, and a deep one by this share of its depth a second: by less than 0.05 N from 9 N on.
+constexpr double kLetGo_m_s = 0.15;
+constexpr double kLetGo_per_s = 5.0;
+
+/// One wall, lengths in units of its axis.
+struct Wall {
+  bool known;
+  double position;
+};
+struct Finger {
+  double now, before;  ///< device position
+  bool touches;
+};
+
+/// How much shallower a wall gets in a tick that lets go.
+struct Step {
+  double least;  ///< by this at least ...
+  double share;  ///< ... and by this share of its depth
+};
+
+/// The wall where the finger is no deeper in it than it was, less the step.
+double givenWay(double wall, const Finger& finger, const Step& step) noexcept {
+  const double depth = finger.before - wall;
+  return std::max(wall,
+                  finger.now - std::max(0.0, depth - std::max(step.least, step.share * depth)));
+}
+
+/// Where the finger has no touch before it: the wall is there only as long as it is felt.
+Wall letGo(const Wall& wall, const Finger& finger, const Step& step) noexcept {
+  const double position = givenWay(wall.position, finger, step);
+  return {finger.now > position, position};
+}
+
+double follow(double wall, double target, const Finger& finger, double reach,
+              const Step& step) noexcept {
+  if (target > wall) {
+    const double further = wall + reach;
+    return std::min(target,
+                    finger.touches ? further : std::max(further, givenWay(wall, finger, step)));
+  }
+  return std::max({target, wall - reach, finger.touches ? target : std::min(wall, finger.now)});
+}
+
+/// Whether an axis moves the link against the palm.
+bool moves(const HandModel& hand, int link, int axis) {
+  for (int i = link; i >= 0 && i != hand.palm_link; i = hand.links[i].parent) {
+    const int joint = hand.links[i].joint;
+    if (joint >= 0 && hand.synergy(joint, axis) != 0.0) return true;
+  }
+  return false;
 }
 
 }  // namespace
 
-FingerWallState followClosure(const FingerWallState& state, const AxisPosition& closure,
-                              const AxisPosition& q_m, double lead_in_m, double alpha,
-                              const FingerWallConfig& config, double elapsed_s) noexcept {
-  FingerWallState next{AxisPosition(config.axes), AxisRatio(config.axes)};
+std::vector<std::uint32_t> axesOfCapsules(const HandModel& hand) {
+  std::vector<std::uint32_t> out;
+  for (const Capsule& capsule : hand.capsules) {
+    std::uint32_t& axes = out.emplace_back(0U);
+    for (int a = 0; a < hand.axis_count; ++a) {
+      if (moves(hand, capsule.link, a)) axes |= 1U << a;
+    }
+  }
+  return out;
+}
+
+std::uint32_t touchingAxes(const TickRecord& record, int body,
+                           const std::vector<std::uint32_t>& axes_of_capsule) noexcept {
+  std::uint32_t axes = 0;
+  for (int i = 0; i < record.contact_count; ++i) {
+    const Contact& c = record.contacts[static_cast<std::size_t>(i)];
+    const bool bears = c.force_n.eigen().dot(c.normal.eigen()) > 0.0;
+    const auto capsule = static_cast<std::size_t>(c.capsule);  // -1 is beyond the end
+    if (bears && c.body == body && capsule < axes_of_capsule.size()) {
+      axes |= axes_of_capsule[capsule];
+    }
+  }
+  return axes;
+}
+
+FingerWallState followClosure(const FingerWallState& state, const FingerSight& seen,
+                              double lead_in_m, double alpha, const FingerWallConfig& config,
+                              double elapsed_s) noexcept {
+  FingerWallState next{AxisPosition(config.axes), AxisRatio(config.axes), seen.q_m};
   for (int i = 0; i < config.axes; ++i) {
     if (!(config.stiffness[i] > 0.0) && !(config.damping[i] > 0.0)) continue;
-    const bool known = i < state.known.size() && state.known[i] > 0.0;
-    if (i < closure.size() && std::isfinite(closure[i])) {
-      const double target = closure[i] - lead_in_m / config.lever_arm_m[i];
-      next.known[i] = 1.0;
-      next.position[i] = follow(known ? state.position[i] : 0.0, known, target, q_m[i], alpha,
-                                config.follow_m_s / config.lever_arm_m[i] * elapsed_s);
-    } else if (known && alpha > 0.0) {
-      next.known[i] = 1.0;
-      next.position[i] = state.position[i];
+    const double per_m = 1.0 / config.lever_arm_m[i];
+    const bool felt = i < state.known.size() && state.known[i] > 0.0 && alpha > 0.0;
+    const bool ahead = i < seen.closure.size() && std::isfinite(seen.closure[i]) &&
+                       seen.q_s[i] <= seen.closure[i] + kPast_m * per_m;
+    const Finger finger{seen.q_m[i], felt ? state.finger[i] : seen.q_m[i],
+                        (seen.touching >> i & 1U) != 0U};
+    const Step step{kLetGo_m_s * per_m * elapsed_s, std::min(1.0, kLetGo_per_s * elapsed_s)};
+    Wall wall{felt, felt ? state.position[i] : 0.0};
+    if (ahead) {
+      const double target = seen.closure[i] - lead_in_m * per_m;
+      const double reach = config.follow_m_s * per_m * elapsed_s;
+      wall = {true, felt ? follow(wall.position, target, finger, reach, step)
+                         : std::max(target, finger.now)};
+    } else if (felt) {
+      wall = letGo(wall, finger, step);
     }
+    next.known[i] = wall.known ? 1.0 : 0.0;
+    next.position[i] = wall.known ? wall.position : 0.0;
   }
   return next;
 }

@@ -2,6 +2,11 @@
 
 #include "core/axis_array.hpp"
 #include "core/real_time.hpp"
+#include "core/tick_record.hpp"
+#include "model/hand_model.hpp"
+
+#include <cstdint>
+#include <vector>
 
 namespace wholehand {
 
@@ -25,15 +30,40 @@ struct WallRatios {
 struct FingerWallState {
   AxisPosition position;  ///< θ_wall
   AxisRatio known;        ///< 1: there is a wall
+  AxisPosition finger;    ///< q_m of that tick
 };
 
-/// Keeps each wall lead_in_m of fingertip path before the first touch that the world found.
-/// θ_wall is continuous while it may be felt (α > 0): it follows at follow_m_s, a NaN closure
-/// leaves it where it is, and one that appears late begins at the finger. At α = 0 it is where it
-/// belongs at once, and gone when the closure is. Pure, real-time safe.
-[[nodiscard]] WHOLEHAND_RT FingerWallState followClosure(
-    const FingerWallState& state, const AxisPosition& closure, const AxisPosition& q_m,
-    double lead_in_m, double alpha, const FingerWallConfig& config, double elapsed_s) noexcept;
+/// What the walls look at in a tick.
+struct FingerSight {
+  AxisPosition closure;        ///< first touch per axis; not finite where there is none
+  AxisPosition q_m;            ///< device
+  AxisPosition q_s;            ///< avatar
+  std::uint32_t touching = 0;  ///< bit a: what axis a moves touches the target
+};
+
+/// Per capsule of the hand: bit a where axis a moves it against the palm.
+[[nodiscard]] std::vector<std::uint32_t> axesOfCapsules(const HandModel& hand);
+
+/// Which axes move something that touches the body, as FingerSight::touching. Real-time safe.
+/// @param axes_of_capsule as axesOfCapsules() gives it
+[[nodiscard]] WHOLEHAND_RT std::uint32_t touchingAxes(
+    const TickRecord& record, int body, const std::vector<std::uint32_t>& axes_of_capsule) noexcept;
+
+/// Keeps each wall lead_in_m of fingertip path before the first touch that the world found, for
+/// fingers that have this touch before them. A wall begins at the target or, where the finger is
+/// past that, at the finger. From then on (α > 0) θ_wall is continuous:
+/// - towards the closed hand it follows at follow_m_s, but gives way at once to a digit that
+///   touches nothing: that digit's effort only falls;
+/// - towards the open hand it follows at follow_m_s, but into the finger only while the digit
+///   touches the target.
+/// So a digit that touches nothing gets no effort but by its own closing on the lead-in. Where the
+/// finger is past the touch or there is none, no wall begins, and one that is felt lets go.
+/// Pure, real-time safe.
+[[nodiscard]] WHOLEHAND_RT FingerWallState followClosure(const FingerWallState& state,
+                                                         const FingerSight& seen, double lead_in_m,
+                                                         double alpha,
+                                                         const FingerWallConfig& config,
+                                                         double elapsed_s) noexcept;
 
 /// Eq. (15) and (17): f_e on every axis. Pure, real-time safe.
 [[nodiscard]] WHOLEHAND_RT AxisEffort fingerWallEffort(const FingerWallState& state,

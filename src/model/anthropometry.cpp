@@ -1,9 +1,10 @@
 #include "model/anthropometry.hpp"
 
+#include "core/units.hpp"
+
 #include <Eigen/Geometry>
 
 #include <cmath>
-#include <numbers>
 
 namespace wholehand {
 namespace {
@@ -11,7 +12,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kMm = 1e-3;
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 /// Size of the hand the tables describe.
 constexpr double kTableLength_m = 0.188;
@@ -63,8 +63,8 @@ Digit makeDigit(const DigitRow& row, const Proportions& size, double spread) {
     digit.segment_m[k] = digit.joint_to_joint_m[k] - (k == 2 ? digit.radius_m[k] : 0.0);
   }
   digit.base_m = place(size, row.base_mm[0], row.base_mm[1] * spread, row.base_mm[2]);
-  digit.abduction_rad = row.abduction_deg * kDegree;
-  digit.tilt_rad = row.tilt_deg * kDegree;
+  digit.abduction_rad = row.abduction_deg * kDeg;
+  digit.tilt_rad = row.tilt_deg * kDeg;
   return digit;
 }
 
@@ -137,10 +137,10 @@ Digit thumb(const Proportions& size) {
 }
 
 double thumbRestCircumduction() noexcept {
-  return kThumbRest_deg * kDegree;
+  return kThumbRest_deg * kDeg;
 }
 double thumbPointing() noexcept {
-  return kThumbPointing_deg * kDegree;
+  return kThumbPointing_deg * kDeg;
 }
 
 std::vector<PlacedCapsule> palmCapsules(const Proportions& size) {

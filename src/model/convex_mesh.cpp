@@ -28,7 +28,7 @@ struct Mesh {
   double size_m = 0.0;  ///< diagonal of the bounding box
 };
 
-Diagnostic fault(std::string problem, std::string remedy) {
+Diagnostic meshFault(std::string problem, std::string remedy) {
   Diagnostic d;
   d.problem = std::move(problem);
   d.remedy = std::move(remedy);
@@ -121,8 +121,8 @@ void windOutward(Mesh& mesh, const Vector3d& inside) {
 
 std::optional<Diagnostic> sizeFault(const Mesh& mesh) {
   if (mesh.size_m >= kMinSize_m && mesh.size_m <= kMaxSize_m) return std::nullopt;
-  return fault(fmt::format("is {:.4g} m across", mesh.size_m),
-               "must be 0.001 to 10 m across; a mesh in millimetres needs scale = 0.001");
+  return meshFault(fmt::format("is {:.4g} m across", mesh.size_m),
+                   "must be 0.001 to 10 m across; a mesh in millimetres needs scale = 0.001");
 }
 
 std::optional<Diagnostic> dentFault(const Mesh& mesh) {
@@ -135,11 +135,11 @@ std::optional<Diagnostic> dentFault(const Mesh& mesh) {
       const double outside_m = normal.dot(p - mesh.points_m[t[0]]);
       if (outside_m <= worst_m) continue;
       worst_m = outside_m;
-      found =
-          fault(fmt::format("is not convex: its corner {} stands {:.3g} mm outside the plane of "
-                            "the face at {}",
-                            place(p), 1e3 * outside_m, place(mesh.points_m[t[0]])),
-                "give its convex hull, or split it into convex parts (a URDF may hold several)");
+      found = meshFault(
+          fmt::format("is not convex: its corner {} stands {:.3g} mm outside the plane of "
+                      "the face at {}",
+                      place(p), 1e3 * outside_m, place(mesh.points_m[t[0]])),
+          "give its convex hull, or split it into convex parts (a URDF may hold several)");
     }
   }
   return found;
@@ -155,7 +155,7 @@ std::optional<Diagnostic> holeFault(const Mesh& mesh) {
   }
   for (const auto& [edge, count] : faces_at_edge) {
     if (count == 2) continue;
-    return fault(
+    return meshFault(
         fmt::format("is not watertight: the edge from {} to {} belongs to {} face{}, not 2",
                     place(mesh.points_m[edge.first]), place(mesh.points_m[edge.second]), count,
                     count == 1 ? "" : "s"),
@@ -167,21 +167,21 @@ std::optional<Diagnostic> holeFault(const Mesh& mesh) {
 std::optional<Diagnostic> inputFault(const std::vector<Vector3d>& points,
                                      const std::vector<Vector3i>& triangles) {
   if (points.empty() || triangles.empty()) {
-    return fault("is empty: it has no faces", "give a closed convex surface");
+    return meshFault("is empty: it has no faces", "give a closed convex surface");
   }
   if (triangles.size() > std::size_t{2 * kMaxMeshPoints}) {
-    return fault(fmt::format("has {} triangles", triangles.size()),
-                 fmt::format("a convex collider may have {} at most: give its convex hull, "
-                             "simplified",
-                             2 * kMaxMeshPoints));
+    return meshFault(fmt::format("has {} triangles", triangles.size()),
+                     fmt::format("a convex collider may have {} at most: give its convex hull, "
+                                 "simplified",
+                                 2 * kMaxMeshPoints));
   }
   if (!std::all_of(points.begin(), points.end(), [](const Vector3d& p) { return p.allFinite(); })) {
-    return fault("has a corner that is not finite", "give finite coordinates");
+    return meshFault("has a corner that is not finite", "give finite coordinates");
   }
   const int count = static_cast<int>(points.size());
   for (const Vector3i& t : triangles) {
     if (t.minCoeff() < 0 || t.maxCoeff() >= count) {
-      return fault("has a face with a corner that does not exist", "export it again");
+      return meshFault("has a face with a corner that does not exist", "export it again");
     }
   }
   return std::nullopt;
@@ -194,8 +194,8 @@ Expected<Shape> convexMesh(const std::vector<Vector3d>& points_m,
   if (auto d = inputFault(points_m, triangles)) return *d;
   Mesh mesh = cleaned(points_m, triangles);
   if (auto d = sizeFault(mesh)) return *d;
-  const Diagnostic flat = fault("is flat or degenerate: it encloses no volume",
-                                "give a closed convex surface with a thickness");
+  const Diagnostic flat = meshFault("is flat or degenerate: it encloses no volume",
+                                    "give a closed convex surface with a thickness");
   if (mesh.triangles.empty()) return flat;
   windOutward(mesh, mean(mesh.points_m));
   if (auto d = dentFault(mesh)) return *d;

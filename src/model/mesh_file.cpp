@@ -12,7 +12,7 @@
 namespace wholehand {
 namespace {
 
-Diagnostic fault(std::string problem, std::string remedy) {
+Diagnostic fileFault(std::string problem, std::string remedy) {
   Diagnostic d;
   d.problem = std::move(problem);
   d.remedy = std::move(remedy);
@@ -55,11 +55,11 @@ std::string unreadable(const Assimp::Importer& importer, const std::string& path
 Expected<Shape> loadConvexMesh(const std::string& path, const Eigen::Vector3d& scale) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
-    return fault("there is no such mesh file: " + path,
-                 "check the name; it is relative to the file that names it");
+    return fileFault("there is no such mesh file: " + path,
+                     "check the name; it is relative to the file that names it");
   }
   if (std::filesystem::file_size(path, error) == 0) {
-    return fault("the mesh file " + path + " is empty", "give a closed convex surface");
+    return fileFault("the mesh file " + path + " is empty", "give a closed convex surface");
   }
   Assimp::Importer importer;
   // Robotics exporters write z-up parts whatever the tag says, and a tag must not turn a collider.
@@ -67,9 +67,10 @@ Expected<Shape> loadConvexMesh(const std::string& path, const Eigen::Vector3d& s
   const aiScene* scene =
       importer.ReadFile(path, aiProcess_Triangulate | aiProcess_PreTransformVertices);
   if (scene == nullptr) {
-    return fault(unreadable(importer, path),
-                 // The reader of OBJ skips corners written as ".5".
-                 "export it again as STL, OBJ (a digit before every decimal point), DAE or GLB");
+    return fileFault(
+        unreadable(importer, path),
+        // The reader of OBJ skips corners written as ".5".
+        "export it again as STL, OBJ (a digit before every decimal point), DAE or GLB");
   }
   std::vector<Eigen::Vector3d> points_m;
   std::vector<Eigen::Vector3i> triangles;

@@ -8,6 +8,7 @@ namespace wholehand {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kDistancesPerTick = 5;  ///< of the search; three more follow what was found
 
 // Nearer than this a capsule is looked at by Newton's method.
@@ -73,7 +74,9 @@ void AxisClosure::update(const Pose* links, const JointPosition& theta, const Ax
   }
   for (Axis& axis : axes_) follow(scene, axis);
   search(scene);
-  for (const Axis& axis : axes_) closure[axis.index] = axis.touch;
+  for (const Axis& axis : axes_) {
+    closure[axis.index] = axis.touch <= axis.lower ? -kInfinity : axis.touch;
+  }
 }
 
 /// Whether what was found one tick ago says nothing of now.

@@ -14,8 +14,9 @@ namespace wholehand {
 /// First touch of each hand axis with a body: with the base and the other axes where the avatar has
 /// them, the axis is moved alone from its lower end, where the hand is open, to its upper one;
 /// first touch is the least position at which the surface of a capsule that the axis moves meets
-/// the body's. The lower end where they overlap there already. NaN where they never meet, on axes
-/// that carry the palm, and until it is found.
+/// the body's. Minus infinity where they overlap at the lower end already: a hand that is more
+/// closed did not come there by closing on to the body. NaN where they never meet, on axes that
+/// carry the palm, and until it is found.
 ///
 /// A touch once found is followed with one Newton step a tick. Beside that the whole travel is
 /// searched again and again, a few distances a tick, by conservative advancement: a convex body

@@ -1,5 +1,7 @@
 #include "physics/palm_distance.hpp"
 
+#include "physics/segment_distance.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,7 +10,7 @@ namespace wholehand {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kSearchSteps = 18;  // 0.618^18: a 40 mm capsule to 7 micrometres
+constexpr double kBefore = 0.26;  ///< least cosine to the palm's normal: 75 degrees
 
 double boundingRadius(const SceneBody& body) {
   double radius = 0.0;
@@ -22,6 +24,24 @@ double boundingRadius(const SceneBody& body) {
     radius = std::max(radius, (s.in_body.translation_m - body.com_m).norm() + extent);
   }
   return radius;
+}
+
+/// The nearest of a body's shapes. Ends of the capsule in the body's frame.
+SegmentDistance nearestShape(const SceneBody& body, const Eigen::Vector3d& a_m,
+                             const Eigen::Vector3d& b_m, double radius_m) noexcept {
+  SegmentDistance best;
+  best.distance_m = kInfinity;
+  for (const Shape& shape : body.shapes) {
+    const SegmentDistance one = segmentDistance(shape, a_m, b_m, radius_m, 0.0);
+    if (one.distance_m < best.distance_m) best = one;
+  }
+  return best;
+}
+
+/// Of a target: behind or beside the palm it is negative, and nothing of the palm's overlaps it.
+double signedBySide(double distance_m, bool before_palm) noexcept {
+  constexpr double kLeast_m = 1e-6;
+  return before_palm ? std::max(distance_m, 0.0) : -std::max(distance_m, kLeast_m);
 }
 
 }  // namespace
@@ -44,47 +64,29 @@ PalmDistance::Result PalmDistance::operator()(const Pose& palm, const BodyState*
   const Eigen::Vector3d a = palm * palm_.a_m;
   const Eigen::Vector3d b = palm * palm_.b_m;
   Result nearest{kInfinity, -1, kInfinity};
+  double target_m = kInfinity;  // on whichever side
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const Eigen::Vector3d com = bodies[i].position_m.eigen();
     const bool target = ((targets >> i) & 1U) != 0;
-    const double best = target ? std::max(nearest.any_m, nearest.target_m) : nearest.any_m;
+    const double best = target ? std::max(nearest.any_m, target_m) : nearest.any_m;
     const double reach = (b - a).norm() / 2.0 + bounding_radius_m_[i] + palm_.radius_m;
     if ((com - 0.5 * (a + b)).norm() - reach > best) continue;
     const Eigen::Matrix3d turn = bodies[i].orientation_xyzw.eigen().toRotationMatrix().transpose();
     const auto to_body_frame = [&](const Eigen::Vector3d& p) -> Eigen::Vector3d {
       return turn * (p - com) + bodies_[i].com_m;
     };
-    const double distance_m = toBody(bodies_[i], to_body_frame(a), to_body_frame(b));
-    nearest.any_m = std::min(nearest.any_m, distance_m);
-    if (target && distance_m < nearest.target_m) {
-      nearest.target = static_cast<int>(i);
-      nearest.target_m = distance_m;
-    }
+    const SegmentDistance is =
+        nearestShape(bodies_[i], to_body_frame(a), to_body_frame(b), palm_.radius_m);
+    nearest.any_m = std::min(nearest.any_m, is.distance_m);
+    if (!target || !(is.distance_m < target_m)) continue;
+    target_m = is.distance_m;
+    // The normal points from the body to the palm, whose frame has z dorsal: what is before the
+    // palm has it to the back.
+    const bool before_palm = is.normal.dot(turn * palm.rotation.col(2)) > kBefore;
+    nearest.target = static_cast<int>(i);
+    nearest.target_m = signedBySide(target_m, before_palm);
   }
   return nearest;
-}
-
-double PalmDistance::toBody(const SceneBody& body, const Eigen::Vector3d& a_m,
-                            const Eigen::Vector3d& b_m) const noexcept {
-  constexpr double kGolden = 0.6180339887498949;
-  double best_m = kInfinity;
-  for (const Shape& shape : body.shapes) {
-    const auto at = [&](double u) {
-      return signedDistance(shape, a_m + u * (b_m - a_m)) - palm_.radius_m;
-    };
-    double low = 0.0, high = 1.0;
-    double u1 = 1.0 - kGolden, u2 = kGolden;
-    double d1 = at(u1), d2 = at(u2);
-    for (int i = 0; i < kSearchSteps; ++i) {
-      if (d1 < d2) {
-        high = u2, u2 = u1, d2 = d1, u1 = high - kGolden * (high - low), d1 = at(u1);
-      } else {
-        low = u1, u1 = u2, d1 = d2, u2 = low + kGolden * (high - low), d2 = at(u2);
-      }
-    }
-    best_m = std::min({best_m, d1, d2, at(0.0), at(1.0)});
-  }
-  return best_m;
 }
 
 }  // namespace wholehand

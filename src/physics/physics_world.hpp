@@ -19,7 +19,7 @@ struct WorldState {
   double coupling_error_rad = 0.0;  ///< what the last step left of |θ - (θ₀ + G q_s)|, uncorrected
   double palm_distance_m = 0.0;     ///< palm surface to the nearest body; +inf without bodies
   int palm_body = -1;               ///< nearest of the query's targets; -1: none
-  double palm_target_distance_m = 0.0;  ///< palm surface to that body; +inf without targets
+  double palm_target_distance_m = 0.0;  ///< to that body; < 0 unless before the palm; +inf without
   /// First touch of each hand axis with the query's closure body (physics/axis_closure.hpp).
   AxisPosition closure;
   int body_count = 0;

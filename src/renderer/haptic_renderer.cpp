@@ -2,6 +2,7 @@
 
 #include "control/bilateral_coupling.hpp"
 #include "renderer/effort_sum.hpp"
+#include "renderer/note_fault.hpp"
 
 #include <climits>
 
@@ -208,7 +209,7 @@ void HapticRenderer::stepWorld(TickRecord& record) noexcept {
   dynamics_.distribute(record.f_s, drive.torque);
   drive.reduced_inertia_inverse = &dynamics_.reducedInertiaInverse();
   const Fault fault = world_.step(drive, config_.period_s);
-  record.faults |= fault;
+  noteFault(fault, -1, record);
   latched_ |= fault & kStopping;
 }
 

@@ -1,6 +1,7 @@
 // From what is to be felt to what the device holds, and what the supervisor makes of the tick.
 #include "renderer/effort_sum.hpp"
 #include "renderer/haptic_renderer.hpp"
+#include "renderer/note_fault.hpp"
 #include "safety/force_limiter.hpp"
 #include "safety/power_limiter.hpp"
 #include "safety/slew_limiter.hpp"
@@ -11,11 +12,8 @@
 namespace wholehand {
 namespace {
 
-// The first axis that was limited, but for one that stops the run: that one is to be looked at.
 AxisEffort noted(const LimitedEffort& limited, TickRecord& record) noexcept {
-  record.faults |= limited.faults;
-  const bool stops = any(limited.faults & kStopping);
-  if (record.fault_axis < 0 || stops) record.fault_axis = limited.axis;
+  noteFault(limited.faults, limited.axis, record);
   return limited.effort;
 }
 
@@ -26,8 +24,7 @@ AxisEffort heldTo(const AxisEffort& limit, const AxisEffort& device_limit,
   for (int i = 0; i < out.size(); ++i) {
     if (!(limit[i] < device_limit[i]) || !(std::abs(out[i]) > limit[i])) continue;
     out[i] = std::clamp(out[i], -limit[i], limit[i]);
-    record.faults |= Fault::kEffortLimit;
-    if (record.fault_axis < 0) record.fault_axis = i;
+    noteFault(Fault::kEffortLimit, i, record);
   }
   return out;
 }
@@ -104,7 +101,7 @@ AxisEffort HapticRenderer::withinEffort(TickRecord& record) const noexcept {
 
 void HapticRenderer::writeDevice(TickRecord& record) noexcept {
   const Fault fault = device_.write(record.sent);
-  record.faults |= fault;
+  noteFault(fault, -1, record);
   latched_ |= fault & kStopping;
   if (!any(fault & Fault::kDeviceWrite)) {
     acknowledged_ = record.sent;

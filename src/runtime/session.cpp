@@ -21,6 +21,8 @@ class Session::TimedStages final : public StageListener {
 Session::Session(HapticRenderer& renderer, const SessionConfig& config)
     : renderer_(renderer),
       config_(config),
+      fade_ticks_(static_cast<std::uint64_t>(
+          std::ceil(config.fade_out_s / renderer.config().period_s - 1e-9))),
       queue_(config.queue_ticks),
       commands_(config.queue_commands) {}
 
@@ -44,10 +46,15 @@ Expected<SetupReport> Session::start(const PeriodicThreadConfig& thread) {
       thread, [this](std::uint32_t elapsed_periods, std::int64_t lateness_ns) noexcept {
         const bool more = tickOnce(elapsed_periods, lateness_ns);
         (void)queue_.try_push(record_);  // full: dropped and counted
+        if (!more && config_.interrupts != nullptr) --config_.interrupts->loops;
         return more;
       });
+  if (config_.interrupts != nullptr) ++config_.interrupts->loops;
   Expected<SetupReport> started = thread_->start();
-  if (!started) renderer_.disarm();
+  if (!started) {
+    if (config_.interrupts != nullptr) --config_.interrupts->loops;
+    renderer_.disarm();
+  }
   return started;
 }
 
@@ -80,11 +87,8 @@ bool Session::tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) 
   record_.tick = counters_.ticks_run == 0 ? 0 : next_tick_ + elapsed_periods - 1;
   record_.time_s = static_cast<double>(record_.tick) * renderer_.config().period_s;
   record_.lateness_ns = lateness_ns;
-  record_.command_count = 0;
-  while (record_.command_count < kMaxCommands &&
-         commands_.try_pop(record_.commands[static_cast<std::size_t>(record_.command_count)])) {
-    ++record_.command_count;
-  }
+  followStops();
+  takeCommands();
   if (config_.listener != nullptr) config_.listener->beforeTick(record_);
   if (config_.black_box != nullptr) config_.black_box->beforeTick(record_);
   renderer_.tick(counters_.ticks_run == 0 ? 1 : elapsed_periods, record_, &stages);
@@ -100,6 +104,39 @@ bool Session::tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) 
   if (config_.black_box != nullptr) config_.black_box->afterTick(record_);
   count(allocationsSoFar() - allocated);
   return !renderer_.finished();
+}
+
+// Nothing outside the loop is needed from the moment that a stop was asked for.
+void Session::followStops() noexcept {
+  const bool asked = gentle_stop_.load() ||
+                     (config_.interrupts != nullptr && config_.interrupts->asked.load() > 0);
+  if (asked && !fading_) {
+    fading_ = true;
+    ramp_at_tick_ = record_.tick + fade_ticks_;
+  }
+  if (fading_ && record_.tick >= ramp_at_tick_ && !std::exchange(ramp_asked_, true)) {
+    renderer_.requestStop();
+  }
+}
+
+void Session::takeCommands() noexcept {
+  record_.command_count = 0;
+  const bool alive = owner_alive_.load() && !fading_;
+  if (alive != owner_told_alive_) {
+    Command& owner = record_.commands[0];
+    owner = Command{};
+    owner.type = CommandType::kOwner;
+    owner.value = alive ? 1.0 : 0.0;
+    record_.command_count = 1;
+    owner_told_alive_ = alive;
+  }
+  while (record_.command_count < kMaxCommands) {
+    Command& command = record_.commands[static_cast<std::size_t>(record_.command_count)];
+    if (!commands_.try_pop(command)) break;
+    // Once a stop has begun to fade the exercise out, nothing brings it back.
+    if (fading_ && command.type == CommandType::kOwner) command.value = 0.0;
+    ++record_.command_count;
+  }
 }
 
 void Session::count(std::uint64_t allocations) noexcept {

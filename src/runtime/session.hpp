@@ -7,6 +7,7 @@
 #include "realtime/spsc_queue.hpp"
 #include "realtime/stage_clock.hpp"
 #include "renderer/haptic_renderer.hpp"
+#include "runtime/interrupts.hpp"
 
 #include <array>
 #include <atomic>
@@ -23,6 +24,10 @@ struct SessionConfig {
   std::size_t queue_commands = 256;   ///< commands that wait; more are refused
   TickListener* listener = nullptr;   ///< outlives the session; may be null
   TickListener* black_box = nullptr;  ///< told last of every tick, its times included; may be null
+  double fade_out_s = 0.0;  ///< that the exercise's effort takes, before a gentle stop ramps
+  /// The loop looks at it in every tick and stops gently once a signal came; outlives the session;
+  /// may be null.
+  Interrupts* interrupts = nullptr;
   /// Allocations of the calling thread so far (realtime/allocation_counter.hpp); null: not counted.
   std::uint64_t (*count_allocations)() noexcept = nullptr;
 };
@@ -69,7 +74,14 @@ class Session {
   /// Begins the ramp to neutral; the session ends when it is done. Any thread, also from a signal
   /// handler.
   void requestStop() noexcept { renderer_.requestStop(); }
-  /// The same, and the records say that it was an emergency stop. Any thread, signal handlers too.
+  /// Lets the exercise's effort fade out first; the loop itself begins the ramp when fade_out_s are
+  /// over. Any thread, also a signal handler.
+  void requestGentleStop() noexcept { gentle_stop_.store(true); }
+  /// Whether whoever shows the exercise is there: while not, its effort fades out. The newest word
+  /// counts, and none is lost however full the queue of commands is. Any thread.
+  void setOwnerAlive(bool alive) noexcept { owner_alive_.store(alive); }
+  /// The same as requestStop(), and the records say that it was an emergency stop. Any thread,
+  /// signal handlers too.
   void requestEmergencyStop() noexcept { renderer_.requestEmergencyStop(); }
 
   [[nodiscard]] std::uint64_t droppedRecords() const { return queue_.dropped(); }
@@ -80,16 +92,22 @@ class Session {
   class TimedStages;
   [[nodiscard]] std::uint64_t allocationsSoFar() const noexcept;
   [[nodiscard]] bool tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) noexcept;
+  void followStops() noexcept;
+  void takeCommands() noexcept;
   void count(std::uint64_t allocations) noexcept;
 
   HapticRenderer& renderer_;
   const SessionConfig config_;
+  const std::uint64_t fade_ticks_;
   SpscQueue<TickRecord> queue_;
   SpscQueue<Command> commands_;
   StageClock clock_;
   TickRecord record_;  ///< reused: the tick's own copy
   std::uint64_t next_tick_ = 0;
   bool time_is_over_ = false;
+  std::atomic<bool> gentle_stop_{false}, owner_alive_{true};
+  bool fading_ = false, ramp_asked_ = false, owner_told_alive_ = true;  ///< of the ticking thread
+  std::uint64_t ramp_at_tick_ = 0;                                      ///< while fading_
   SessionCounters counters_;
   std::unique_ptr<PeriodicThread> thread_;  ///< last: joined before what it writes to goes
 };

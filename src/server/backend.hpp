@@ -52,6 +52,9 @@ struct SceneFacts {
 /// What is true of the loop beside its newest record.
 struct LoopStatus {
   std::uint32_t session = 0;
+  /// Counts stops, emergency stops, faults and ends of sessions, from 1. A load that goes on with
+  /// what rendered is none.
+  std::uint32_t endings = 1;
   RunState run_state = RunState::kDisarmed;
   Steering steering = Steering::kVirtualPatient;
   Fault latched = Fault::kNone;
@@ -91,6 +94,7 @@ struct Order {
   AxisPosition aim;    ///< kAim
   Steering steering = Steering::kVirtualPatient;
   ExerciseAction action = ExerciseAction::kNext;
+  std::uint32_t endings_seen = 0;  ///< kArm: LoopStatus::endings as shown; 0: not said
   /// Whose holding of the controls it belongs to (ControlsArbiter::claim): two servers ask side by
   /// side, and what an earlier holder asked for, or its vanishing, may come after what a later one
   /// did. 0: nobody's.

@@ -29,8 +29,8 @@ const char* counterOf(const Diagnostics& errors) {
 }
 
 bool sameState(const LoopStatus& a, const LoopStatus& b) {
-  return a.session == b.session && a.run_state == b.run_state && a.steering == b.steering &&
-         a.latched == b.latched && a.parameters == b.parameters;
+  return a.session == b.session && a.endings == b.endings && a.run_state == b.run_state &&
+         a.steering == b.steering && a.latched == b.latched && a.parameters == b.parameters;
 }
 
 }  // namespace
@@ -76,7 +76,8 @@ void Clients::leave(std::uint32_t client, std::int64_t now_ns) {
 void Clients::refuse(Entry client, std::uint32_t command, const char* counter,
                      const OrderReply& refusal, std::int64_t now_ns, bool reply) {
   ++traffic_.refused[counter];
-  log_.write(fmt::format("client {}: refused ({}): {}", client->first, counter, refusal.reason),
+  log_.write(fmt::format("client {}: command {} refused ({}): {}", client->first, command, counter,
+                         refusal.reason),
              now_ns);
   if (reply) client->second.line->deliver(share(wire::replyMessage(command, refusal)));
 }
@@ -97,16 +98,14 @@ void Clients::heard(std::uint32_t client, std::span<const std::uint8_t> message,
   if (entry == clients_.end()) return;
   const bool within_rate = withinRate(entry, now_ns);
   const auto decoded = text ? Expected<wire::ClientMessage>(Diagnostic{}) : wire::decode(message);
-  // Whoever asks for an emergency stop gets it, however often and under whatever number.
-  const bool emergency = decoded && decoded->type == wire::ClientMessageType::kOrder &&
-                         decoded->order.type == OrderType::kEmergencyStop;
-  if (!within_rate && !emergency) {
-    const bool reply = now_ns - entry->second.last_rate_reply_ns > kRateReply_ns;
-    if (reply) entry->second.last_rate_reply_ns = now_ns;
-    refuse(
-        entry, 0, "rate",
-        refused(Refusal::kTooMany, "more than 400 messages in a second: those beyond are dropped"),
-        now_ns, reply);
+  // Whoever asks for a stop gets it, however much else came; for an emergency stop, under whatever
+  // number.
+  const bool stops = decoded && decoded->stops();
+  const bool emergency = stops && decoded->order.type == OrderType::kEmergencyStop;
+  // A page beats beside its orders, from another thread: the number of a beat says nothing.
+  const bool beat = decoded && decoded->type == wire::ClientMessageType::kHeartbeat;
+  if (!within_rate && !stops) {
+    refuseForRate(entry, decoded ? &*decoded : nullptr, now_ns);
   } else if (text) {
     refuse(entry, 0, "text", refused(Refusal::kUnreadable, "this is text; messages are binary"),
            now_ns);
@@ -116,7 +115,7 @@ void Clients::heard(std::uint32_t client, std::span<const std::uint8_t> message,
   } else if (decoded->type == wire::ClientMessageType::kAcknowledge) {
     refuse(entry, 0, "malformed",
            refused(Refusal::kUnreadable, "nothing is acknowledged over WebSocket"), now_ns);
-  } else if (decoded->id <= entry->second.last_command && !emergency) {
+  } else if (decoded->id <= entry->second.last_command && !emergency && !beat) {
     refuse(entry, decoded->id, "replayed",
            refused(Refusal::kReplayed,
                    fmt::format("command {} came after command {}: their numbers must rise",
@@ -127,6 +126,21 @@ void Clients::heard(std::uint32_t client, std::span<const std::uint8_t> message,
     obey(entry, *decoded, now_ns);
   }
   followControls(now_ns);
+}
+
+// Whoever waits for an answer gets one, and reads which command it is about; a flood of what nobody
+// waits for, and one whose answers nobody reads, is told once a second.
+void Clients::refuseForRate(Entry entry, const wire::ClientMessage* message, std::int64_t now_ns) {
+  Client& client = entry->second;
+  const bool waits =
+      message != nullptr && !message->streams() && client.line->waiting() < kMostWaiting / 4;
+  const bool reply = waits || now_ns - client.last_rate_reply_ns > kRateReply_ns;
+  if (reply) client.last_rate_reply_ns = now_ns;
+  refuse(entry, message != nullptr ? message->id : 0, "rate",
+         refused(Refusal::kTooMany,
+                 fmt::format("{}: more than 400 messages in a second, those beyond are dropped",
+                             message != nullptr ? wire::nameOf(*message) : "unreadable")),
+         now_ns, reply);
 }
 
 void Clients::saidTooMuch(std::uint32_t client, std::int64_t now_ns) {

@@ -80,6 +80,7 @@ class Clients : public std::enable_shared_from_this<Clients> {
   void refuse(Entry client, std::uint32_t command, const char* counter, const OrderReply& refusal,
               std::int64_t now_ns, bool reply = true);
   [[nodiscard]] bool withinRate(Entry entry, std::int64_t now_ns);
+  void refuseForRate(Entry entry, const wire::ClientMessage* message, std::int64_t now_ns);
   void obey(Entry entry, const wire::ClientMessage& message, std::int64_t now_ns);
   void forward(std::uint32_t client, std::uint32_t command, Order order);
   void answer(std::uint32_t client, std::uint32_t command, const OrderReply& reply);

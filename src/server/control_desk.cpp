@@ -11,6 +11,7 @@ std::string ControlDesk::take(Client client, std::int64_t now_ns) {
   // come too late to count.
   if (taken.claim > own_claim_ + 1) told_alive_.reset();
   lost_ns_.reset();
+  abandoned_ = false;
   mine_ = client;
   claim_ = own_claim_ = taken.claim;
   heard_ns_ = now_ns;
@@ -34,6 +35,7 @@ void ControlDesk::left(Client client, std::int64_t now_ns) {
   arbiter_.release(client);
   mine_ = 0;
   lost_ns_ = now_ns;
+  abandoned_ = true;
 }
 
 void ControlDesk::followOthers(std::int64_t now_ns) {
@@ -43,6 +45,7 @@ void ControlDesk::followOthers(std::int64_t now_ns) {
   if (other_holds) {
     // Its own server says whether it is alive, and it says who steers.
     lost_ns_.reset();
+    abandoned_ = false;
     told_alive_ = true;
   } else if (other_holds_ && holder == 0) {
     claim_ = claim;
@@ -50,6 +53,7 @@ void ControlDesk::followOthers(std::int64_t now_ns) {
       give_back_ = true;
     } else {
       lost_ns_ = now_ns;
+      abandoned_ = true;
     }
   }
   other_holds_ = other_holds;
@@ -58,17 +62,15 @@ void ControlDesk::followOthers(std::int64_t now_ns) {
 ControlDesk::Advice ControlDesk::advance(std::int64_t now_ns) {
   Advice advice;
   followOthers(now_ns);
-  if (mine_ != 0 && now_ns - heard_ns_ > kLost_ns) {
+  if (mine_ != 0 && now_ns - heard_ns_ > kSilent_ns) {
     advice.silent_client = mine_;
-    arbiter_.release(mine_, true);
-    mine_ = 0;
-    give_back_ = true;
+    left(mine_, now_ns);
   }
   if (lost_ns_ && now_ns - *lost_ns_ > kLost_ns) {
     lost_ns_.reset();
     give_back_ = true;
   }
-  const bool alive = mine_ != 0 ? now_ns - heard_ns_ <= kSilent_ns : !lost_ns_.has_value();
+  const bool alive = !abandoned_;
   if (alive != told_alive_) advice.owner_alive = told_alive_ = alive;
   advice.claim = claim_;
   advice.give_back = give_back_;

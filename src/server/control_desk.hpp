@@ -12,12 +12,15 @@ namespace wholehand {
 /// falls when nobody holds them. Time is an argument [ns, monotonic]; one thread.
 ///
 ///   nobody has held them     the virtual patient plays, the exercise pushes (the demo)
-///   holder silent 200 ms     the exercise's effort fades out; back when it is heard again
-///   holder silent 5 s        it loses the controls, the virtual patient plays again
-///   holder's line is lost    the effort fades out at once; after 5 s without a new holder the
-///                            virtual patient plays again
+///   holder silent 200 ms     it loses the controls, as one whose line is lost
+///   holder's line is lost    the exercise's effort fades out and stays out until somebody takes
+///                            the controls; after 5 s without a new holder the virtual patient
+///                            steers
 ///   holder gives them back   the virtual patient plays again at once
 ///   nobody for 15 min        what a client armed is to be let down: it would be recorded for ever
+///
+/// A holder that was silent and is heard again must take the controls anew. Its effort therefore
+/// changes once, however its messages come.
 ///
 /// A game over UDP that holds the controls is heard by its own server; here it counts when it loses
 /// them: as one that gave them back, or whose line was lost, as the arbiter says.
@@ -69,7 +72,8 @@ class ControlDesk {
   Client told_ = 0;              ///< the holder of the last advice
   bool other_holds_ = false;     ///< a client of another server held them at the last advice
   std::int64_t heard_ns_ = 0;    ///< the last message of mine_
-  std::optional<std::int64_t> lost_ns_;  ///< when the holder was lost; nobody took over
+  bool abandoned_ = false;       ///< the last holder was lost, and nobody has taken over
+  std::optional<std::int64_t> lost_ns_;  ///< when that was, until the virtual patient steers
   std::optional<std::int64_t> free_ns_;  ///< since when nobody has held them, or it was said
   bool give_back_ = false;
   std::optional<bool> told_alive_ = true;  ///< nothing: another server has told it since

@@ -23,7 +23,7 @@ class ControlsArbiter {
   };
   [[nodiscard]] Taken take(Client client) noexcept;
   /// True when the client held them; nobody does now.
-  /// @param handed_back it gave them back, or lost them long ago: nothing of it is to go on
+  /// @param handed_back it gave them back; else it was lost, and the next one begins anew
   bool release(Client client, bool handed_back = false) noexcept;
   /// 0: nobody.
   [[nodiscard]] Client holder() const noexcept { return holder_.load(); }

@@ -1,49 +1,33 @@
 #pragma once
 
 #include "server/beast.hpp"
-#include "server/clients.hpp"
 #include "server/http_text.hpp"
-#include "server/polite_log.hpp"
-#include "server/site.hpp"
+#include "server/premises.hpp"
 #include "server/websocket_line.hpp"
 
 #include <fmt/format.h>
 
+#include <atomic>
 #include <chrono>
 #include <list>
 #include <memory>
 #include <optional>
 #include <string>
-#include <variant>
 
 namespace wholehand {
 
-class HttpConnection;
-
-/// What every connection shares; outlives all their operations.
-struct Premises {
-  Site& site;
-  Clients& clients;
-  Traffic& traffic;
-  PoliteLog& log;
-  net::thread_pool& workers;
-  std::size_t max_clients = 16;
-  std::size_t connections = 0;           ///< over plain HTTP, now
-  std::size_t jobs = 0;                  ///< given to the workers and not done
-  std::size_t upgrading = 0;             ///< on the way to a WebSocket
-  std::list<HttpConnection*> idle = {};  ///< that wait for a request, the longest first
-};
-
 /// One browser's connection over HTTP, request after request, until it becomes a WebSocket or ends.
-/// Part of server.cpp; lives while one of its operations does.
+/// Part of server.cpp; lives while one of its operations does. Its thread touches no file: workers
+/// do, and hand over what they have read. A worker that a disk holds up is waited for so long.
 class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
  public:
   HttpConnection(Tcp::socket socket, Premises& premises)
-      : stream_(std::move(socket)), premises_(premises) {
+      : stream_(std::move(socket)), patience_(stream_.get_executor()), premises_(premises) {
     ++premises_.connections;
   }
   ~HttpConnection() {
     stopWaiting();
+    closeFile();
     --premises_.connections;
   }
   HttpConnection(const HttpConnection&) = delete;
@@ -69,15 +53,28 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
  private:
   using Parser = http::request_parser<http::empty_body>;
   using TextResponse = http::response<http::string_body>;
-  using FileResponse = http::response<http::file_body>;
+  using FileHeader = http::response<http::empty_body>;
 
   /// For the next request, or for a piece of an answer to be taken.
   static constexpr std::chrono::seconds kPatience{30};
-  static constexpr std::size_t kMostJobs = 16;
+
+  /// What a worker does for it. Both threads have it in turns.
+  struct Work {
+    HttpRequest request;
+    bool head = false;
+    HttpAnswer answer;
+    std::unique_ptr<FileReader> file;  ///< being sent
+    std::string piece;                 ///< of it
+    std::atomic<bool> given_up{false};
+  };
 
   void stopWaiting() {
     if (place_) premises_.idle.erase(*place_);
     place_.reset();
+  }
+
+  void closeFile() {
+    if (file_) workers().close(std::move(file_));
   }
 
   void haveRead(ErrorCode error) {
@@ -98,26 +95,18 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     request_.cookie = header[http::field::cookie];
     request_.if_none_match = header[http::field::if_none_match];
     ++premises_.traffic.http_requests;
+    needs_ = Site::needsOf(request_);
     if (nonsense) {
       version_ = 11;
-      answer(plain(error == http::error::body_limit ? 413 : 400, "malformed_http",
-                   "This is not a request that can be answered."));
+      answer(plainRefusal(error == http::error::body_limit ? 413 : 400, "malformed_http",
+                          "This is not a request that can be answered."));
     } else if (websocket::is_upgrade(header) && request_.path() == "/ws") {
       upgrade();
-    } else if (Site::mayTakeSeconds(request_)) {
+    } else if (needs_ != Site::Needs::kNoFile) {
       answerByWorker();
     } else {
       answer(premises_.site.answer(request_));
     }
-  }
-
-  static HttpAnswer plain(int status, const char* reason, const char* why) {
-    HttpAnswer a;
-    a.status = status;
-    a.content_type = "text/html; charset=utf-8";
-    a.body = plainPage(reason, std::string("<p>") + why + "</p>");
-    a.refused = reason;
-    return a;
   }
 
   void upgrade() {
@@ -125,7 +114,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     if (verdict.status != 200) {
       answer(std::move(verdict));
     } else if (premises_.clients.count() + premises_.upgrading >= premises_.max_clients) {
-      answer(plain(503, "too_many_clients", "As many clients as may be are connected."));
+      answer(plainRefusal(503, "too_many_clients", "As many clients as may be are connected."));
     } else {
       stream_.expires_never();
       auto line = std::make_shared<WebSocketLine>(stream_.release_socket(), premises_.clients,
@@ -134,27 +123,81 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
     }
   }
 
-  void answerByWorker() {
-    if (premises_.jobs >= kMostJobs) {
-      answer(plain(503, "busy", "Too much is being read or drawn at present. Try again soon."));
-      return;
-    }
-    ++premises_.jobs;
+  [[nodiscard]] FileWorkers& workers() {
+    return needs_ == Site::Needs::kPage ? premises_.pages : premises_.recordings;
+  }
+
+  // What a worker does touches this connection only through its thread: it may be gone by then, and
+  // the worker must not be the last to know it.
+  template <class Job, class Then>
+  [[nodiscard]] bool letWork(const std::shared_ptr<Work>& work, Job job, Then then) {
     stream_.expires_never();
-    net::post(premises_.workers, [self = shared_from_this()]() mutable {
-      HttpAnswer made;
-      try {
-        made = self->premises_.site.answer(self->request_);
-      } catch (const std::exception& e) {
-        made = plain(500, "exception", "This could not be made.");
+    work_ = work;
+    auto done = [weak = weak_from_this(), work, then, &desk = workers()] {
+      const auto self = weak.lock();
+      if (self && self->work_ == work) {
+        self->patience_.cancel();
+        self->work_.reset();
+        ((*self).*then)(*work);
       }
-      // Not copied: the worker must not be the last to know the connection, and so end it.
-      const auto executor = self->stream_.get_executor();
-      net::post(executor, [self = std::move(self), made = std::move(made)]() mutable {
-        --self->premises_.jobs;
-        self->answer(std::move(made));
-      });
+      desk.close(std::move(work->file));
+    };
+    if (!workers().post([work, job, done, executor = stream_.get_executor()] {
+          if (!work->given_up) job(*work);
+          net::post(executor, done);
+        })) {
+      work_.reset();
+      return false;
+    }
+    const bool draws = needs_ == Site::Needs::kReport;
+    patience_.expires_after(draws ? premises_.report_patience : premises_.disk_patience);
+    patience_.async_wait([self = shared_from_this(), work](ErrorCode error) {
+      if (!error) self->giveUp(work);
     });
+    return true;
+  }
+
+  void answerByWorker() {
+    auto work = std::make_shared<Work>();
+    work->request = request_;
+    work->head = head_;
+    const auto job = [&site = premises_.site](Work& w) {
+      try {
+        w.answer = site.answer(w.request);
+      } catch (const std::exception&) {
+        w.answer = plainRefusal(500, "exception", "This could not be made.");
+      }
+      if (w.answer.file.empty()) return;
+      w.file = FileReader::open(w.answer.file);
+      if (w.file && !w.head) w.piece = w.file->next();
+    };
+    if (!letWork(work, job, &HttpConnection::haveMade)) {
+      answer(
+          plainRefusal(503, "busy", "Too much is being read or drawn at present. Try again soon."));
+    }
+  }
+
+  void haveMade(Work& work) {
+    if (work.answer.file.empty()) {
+      answer(std::move(work.answer));
+    } else if (!work.file) {  // deleted since it was found
+      answer(plainRefusal(404, "vanished", "This file is not there any more."));
+    } else {
+      sendHeader(work);
+    }
+  }
+
+  // The disk does not answer. The worker goes on waiting for it; its work is thrown away.
+  void giveUp(const std::shared_ptr<Work>& work) {
+    if (work_ != work) return;
+    work_->given_up = true;
+    work_.reset();
+    keep_alive_ = false;
+    if (sending_) {
+      stream_.close();
+    } else {
+      answer(plainRefusal(503, "disk", "The disk does not answer, or the report is too large."));
+    }
   }
 
   void answer(HttpAnswer a) {
@@ -164,11 +207,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
           fmt::format("{} refused ({}): {}", peer(), a.refused, printable(request_.path())),
           monotonicNow_ns());
     }
-    if (a.file.empty()) {
-      sendText(std::move(a));
-    } else {
-      sendFile(a);
-    }
+    sendText(std::move(a));
   }
 
   std::string peer() const {
@@ -188,77 +227,88 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   }
 
   void sendText(HttpAnswer a) {
-    TextResponse response;
-    dress(response, a);
-    if (a.status != 304) response.content_length(a.body.size());
-    if (!head_) response.body() = std::move(a.body);
-    send(std::move(response));
-  }
-
-  void sendFile(const HttpAnswer& a) {
-    FileResponse response;
-    dress(response, a);
-    ErrorCode error;
-    response.body().open(a.file.c_str(), beast::file_mode::scan, error);
-    if (error) {  // deleted since it was found
-      answer(plain(404, "vanished", "This file is not there any more."));
-      return;
-    }
-    response.content_length(response.body().size());
-    if (head_) {
-      TextResponse bare;
-      bare.base() = response.base();
-      send(std::move(bare));
-    } else {
-      send(std::move(response));
-    }
-  }
-
-  template <class Body>
-  void send(http::response<Body> response) {
-    auto outgoing = std::make_shared<Outgoing<Body>>(std::move(response));
-    sendSome(std::move(outgoing));
-  }
-
-  /// A response and how far it has gone.
-  template <class Body>
-  struct Outgoing {
-    explicit Outgoing(http::response<Body> r) : response(std::move(r)), serializer(response) {}
-    http::response<Body> response;
-    http::response_serializer<Body> serializer;
-  };
-
-  // In pieces, so that patience is counted anew with each that was taken.
-  template <class Body>
-  void sendSome(std::shared_ptr<Outgoing<Body>> outgoing) {
+    auto response = std::make_shared<TextResponse>();
+    dress(*response, a);
+    if (a.status != 304) response->content_length(a.body.size());
+    if (!head_) response->body() = std::move(a.body);
     stream_.expires_after(kPatience);
-    auto& serializer = outgoing->serializer;
-    http::async_write_some(stream_, serializer,
-                           [self = shared_from_this(), outgoing = std::move(outgoing)](
-                               ErrorCode error, std::size_t) mutable {
-                             const bool closes = error == http::error::end_of_stream;
-                             if (error && !closes) return;
-                             if (!closes && !outgoing->serializer.is_done()) {
-                               self->sendSome(std::move(outgoing));
-                             } else if (closes || !self->keep_alive_) {
-                               self->hangUp();
-                             } else {
-                               self->read();
-                             }
-                           });
+    http::async_write(stream_, *response,
+                      [self = shared_from_this(), response](ErrorCode error, std::size_t) {
+                        const bool closes = error == http::error::end_of_stream;
+                        if (closes) self->keep_alive_ = false;
+                        if (!error || closes) self->haveAnswered();
+                      });
   }
 
-  void hangUp() {
+  // The header, then the file in pieces, so that patience is counted anew with each that was taken.
+  void sendHeader(Work& work) {
+    auto header = std::make_shared<FileHeader>();
+    dress(*header, work.answer);
+    header->content_length(work.file->size());
+    file_ = std::move(work.file);
+    piece_ = std::move(work.piece);
+    sending_ = true;
+    auto serializer = std::make_shared<http::response_serializer<http::empty_body>>(*header);
+    stream_.expires_after(kPatience);
+    http::async_write_header(
+        stream_, *serializer,
+        [self = shared_from_this(), header, serializer](ErrorCode error, std::size_t) {
+          if (error) return;
+          if (self->head_) return self->haveSentFile();
+          self->sendPiece();
+        });
+  }
+
+  void sendPiece() {
+    stream_.expires_after(kPatience);
+    net::async_write(stream_, net::buffer(piece_),
+                     [self = shared_from_this()](ErrorCode error, std::size_t) {
+                       if (!error) self->readPiece();
+                     });
+  }
+
+  void readPiece() {
+    if (file_->left() == 0) return haveSentFile();
+    auto work = std::make_shared<Work>();
+    work->file = std::move(file_);
+    const auto job = [](Work& w) { w.piece = w.file->next(); };
+    if (!letWork(work, job, &HttpConnection::havePiece)) {
+      file_ = std::move(work->file);
+      stream_.close();  // what was promised cannot be sent
+    }
+  }
+
+  void havePiece(Work& work) {
+    if (work.piece.empty()) return stream_.close();  // the file has become shorter
+    file_ = std::move(work.file);
+    piece_ = std::move(work.piece);
+    sendPiece();
+  }
+
+  void haveSentFile() {
+    closeFile();
+    sending_ = false;
+    haveAnswered();
+  }
+
+  void haveAnswered() {
+    if (keep_alive_) return read();
     ErrorCode ignored;
     stream_.socket().shutdown(Tcp::socket::shutdown_send, ignored);
   }
 
   beast::tcp_stream stream_;
+  net::steady_timer patience_;  ///< with the disk
   Premises& premises_;
   beast::flat_buffer buffer_;
   std::optional<Parser> parser_;
   HttpRequest request_;
+  Site::Needs needs_ = Site::Needs::kNoFile;
   std::optional<std::list<HttpConnection*>::iterator> place_;  ///< while it waits
+  std::shared_ptr<Work> work_;                                 ///< while a worker has it
+  std::unique_ptr<FileReader> file_;                           ///< being sent
+  std::string piece_;                                          ///< of it
+  bool sending_ = false;                                       ///< the header of a file has gone
   bool keep_alive_ = false, head_ = false;
   unsigned version_ = 11;
 };

@@ -32,7 +32,8 @@ enum class Refusal : std::uint8_t {
   kRehearsalFailed,
   kCannotStart,  ///< the device is not ready, or a recording cannot be written
   kFailed,       ///< nobody foresaw it
-  kEnding        ///< the program ends
+  kEnding,       ///< the program ends
+  kStopNotSeen   ///< something ended since what an order to arm has seen
 };
 
 struct OrderReply {

@@ -16,7 +16,9 @@ namespace {
 
 constexpr std::chrono::nanoseconds kFrame{16'666'667};  ///< 60 states a second
 constexpr std::size_t kMostConnections = 128;           ///< over plain HTTP
-constexpr unsigned kWorkers = 2;
+constexpr unsigned kPageWorkers = 1, kRecordingWorkers = 2;
+/// That wait for a worker, or for a disk that hangs. Of pages: those of every connection.
+constexpr std::size_t kMostPages = kMostConnections, kMostRecordings = 16;
 
 }  // namespace
 
@@ -63,8 +65,9 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
       return metricsText(pulse(), traffic_) + (more ? more() : std::string());
     };
     site_ = std::make_unique<Site>(backend_, options_.web_folder, access, std::move(figures));
-    premises_.emplace(Premises{*site_, *clients_, traffic_, log_, workers_,
-                               static_cast<std::size_t>(options_.max_clients)});
+    premises_.emplace(Premises{*site_, *clients_, traffic_, log_, pages_, recordings_,
+                               static_cast<std::size_t>(options_.max_clients),
+                               options_.disk_patience, options_.report_patience});
     acceptNext();
     frames_.expires_after(kFrame);
     frameNext();
@@ -75,8 +78,8 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
   void stop() {
     io_.stop();
     if (thread_.joinable()) thread_.join();
-    workers_.stop();
-    workers_.join();
+    pages_.stop();
+    recordings_.stop();
   }
 
   void publish(const TickRecord& record) { mailbox_.put(record, monotonicNow_ns()); }
@@ -154,8 +157,9 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
   Traffic traffic_;
   EventMailbox mailbox_;
   std::optional<Premises> premises_;  ///< connections count themselves out there at their end
+  FileWorkers pages_{kPageWorkers, kMostPages};
+  FileWorkers recordings_{kRecordingWorkers, kMostRecordings};
   net::io_context io_{1};
-  net::thread_pool workers_{kWorkers};
   Tcp::acceptor acceptor_;
   net::steady_timer retry_, frames_;
   AsideLog aside_;

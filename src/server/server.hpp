@@ -5,6 +5,7 @@
 #include "server/backend.hpp"
 #include "server/controls_arbiter.hpp"
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -23,6 +24,8 @@ struct ServerOptions {
   std::string token;
   std::vector<std::string> allowed_origins;  ///< besides our own, e.g. "https://clinic.example"
   int max_clients = 16;                      ///< WebSocket connections at a time, 1 .. 1000
+  /// For so long a request waits for a disk, or for a report to be made; then it is refused (503).
+  std::chrono::milliseconds disk_patience{10'000}, report_patience{150'000};
   /// Prometheus text that follows our own at /metrics: what else the program counts. Any thread.
   std::function<std::string()> more_metrics;
   /// One line for a person, from the server's thread; rate-limited.
@@ -37,9 +40,10 @@ inline constexpr std::size_t kShortestToken = 16;
 
 /// Pages, state and orders over one port: HTTP, and WebSocket at /ws. docs/protocol.md.
 ///
-/// One thread does all input and output, two more what may take seconds (recordings, reports). The
-/// loop is read through the backend and through publish(); nothing here ever makes it wait, and
-/// nothing that happens here ends the process.
+/// One thread does all input and output with clients and touches no file, so that a stop never
+/// waits for a disk; others read pages, recordings and reports. The loop is read through the
+/// backend and through publish(); nothing here ever makes it wait, and nothing that happens here
+/// ends the process.
 class Server {
  public:
   /// Listens and starts the threads; the faults of the options, or why the port cannot be had.
@@ -47,7 +51,8 @@ class Server {
   [[nodiscard]] static Expected<std::unique_ptr<Server>> open(ServerBackend& backend,
                                                               ServerOptions options,
                                                               ControlsArbiter& controls);
-  /// Closes every connection, ends the threads; waits for a report under way.
+  /// Closes every connection, ends the threads; waits for a file that is being read, and for a
+  /// report under way.
   ~Server();
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;

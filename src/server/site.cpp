@@ -107,10 +107,12 @@ Site::Site(ServerBackend& backend, std::string web_folder, Access access, Figure
       access_(std::move(access)),
       figures_(std::move(figures)) {}
 
-bool Site::mayTakeSeconds(const HttpRequest& request) {
-  // As answer() reads it: an odd spelling of the same path takes as long.
+Site::Needs Site::needsOf(const HttpRequest& request) {
+  // As answer() reads it: an odd spelling of the same path needs the same.
   const std::optional<std::string> path = decodedPath(request.path());
-  return path && path->starts_with(kRecordings);
+  if (!path || *path == "/healthz" || *path == "/metrics" || *path == "/ws") return Needs::kNoFile;
+  if (!path->starts_with(kRecordings)) return Needs::kPage;
+  return path->find("/report") == std::string::npos ? Needs::kRecording : Needs::kReport;
 }
 
 std::string Site::cookieFor(const HttpRequest& request) const {

@@ -43,10 +43,11 @@ class Site {
 
   Site(ServerBackend& backend, std::string web_folder, Access access, Figures figures);
 
-  /// Whether the answer may take seconds: then answer() belongs on a worker.
-  [[nodiscard]] static bool mayTakeSeconds(const HttpRequest& request);
-  /// The answer with all its headers. Requests that mayTakeSeconds(): from any thread, else from
-  /// the server's.
+  /// What the answer is made of, and so who may make it: the server's thread touches no file.
+  enum class Needs { kNoFile, kPage, kRecording, kReport };
+  [[nodiscard]] static Needs needsOf(const HttpRequest& request);
+  /// The answer with all its headers: from the server's thread where it needs no file, else from
+  /// any other, for it waits for the disk.
   [[nodiscard]] HttpAnswer answer(const HttpRequest& request) const;
   /// Refusal of a request for a WebSocket; status 200 where it may have one.
   [[nodiscard]] HttpAnswer mayConnect(const HttpRequest& request) const;
@@ -66,6 +67,8 @@ class Site {
   Figures figures_;
 };
 
+/// Says why not, on a small page; counted as `reason`.
+[[nodiscard]] HttpAnswer plainRefusal(int status, const char* reason, const char* why);
 /// A small page of ours that needs no other file.
 [[nodiscard]] std::string plainPage(std::string_view title, std::string_view body_html);
 

@@ -4,6 +4,15 @@
 
 namespace wholehand {
 
+HttpAnswer plainRefusal(int status, const char* reason, const char* why) {
+  HttpAnswer a;
+  a.status = status;
+  a.content_type = "text/html; charset=utf-8";
+  a.body = plainPage(reason, std::string("<p>") + why + "</p>");
+  a.refused = reason;
+  return a;
+}
+
 // The colours and type of the game's own pages, so that an error looks like a part of the house.
 std::string plainPage(std::string_view title, std::string_view body_html) {
   return fmt::format(R"(<!doctype html>

@@ -31,7 +31,7 @@ std::string udpMetricsText(const UdpCounters& c) {
   add("send_errors_total", "counter", "Datagrams that the system refused to send.", c.send_errors);
   add("commands_accepted_total", "counter", "Commands carried out.", c.commands_accepted);
   add("commands_refused_total", "counter", "Commands refused.", c.commands_refused);
-  add("silences_total", "counter", "Games with the controls that were silent for 200 ms.",
+  add("silences_total", "counter", "Games that lost the controls as they were silent for 200 ms.",
       c.silences);
   add("exceptions_total", "counter", "Orders and rounds that the program gave up.", c.exceptions);
   add("games_lost_total", "counter", "Games removed for silence.", c.peers_lost);

@@ -42,7 +42,7 @@ struct UdpCounters {
   Counter send_errors{0};    ///< datagrams not sent: anything else
   Counter commands_accepted{0};
   Counter commands_refused{0};
-  Counter silences{0};    ///< games that held the controls and were not heard for 200 ms
+  Counter silences{0};    ///< games that lost the controls: not heard for 200 ms
   Counter exceptions{0};  ///< orders and rounds that the program gave up; the bridge went on
   Counter peers_lost{0};  ///< games removed for silence, or since they acknowledged nothing
   std::atomic<std::uint32_t> peers{0};  ///< now

@@ -143,20 +143,13 @@ void Host::receiveFrom(Peer& peer, const Received& datagram, std::int64_t now_ns
   peer.heard_ns = now_ns;
   if (result == Reassembler::Result::kIncomplete) return;
   peer.window.accept(header.sequence);
-  if (header.kind == Kind::kHeartbeat) return showsLife(peer, now_ns);
+  if (header.kind == Kind::kHeartbeat) return void(peer.alive_ns = now_ns);
   if (header.kind == Kind::kMessage)
     return receiveMessage(peer, peer.reassembler.message(), now_ns);
   if (header.kind == Kind::kGoodbye) {
     const std::uint32_t session = peer.session;
     remove([&](const Peer& p) { return p.session == session; }, now_ns);
   }
-}
-
-void Host::showsLife(Peer& peer, std::int64_t now_ns) {
-  peer.alive_ns = now_ns;
-  if (!peer.silent) return;
-  peer.silent = false;
-  if (controls_.heldBy(peer.client)) order(OrderType::kOwnerAlive, 1.0, peer.claim);
 }
 
 void Host::receiveMessage(Peer& peer, std::span<const std::uint8_t> message, std::int64_t now_ns) {
@@ -169,7 +162,7 @@ void Host::receiveMessage(Peer& peer, std::span<const std::uint8_t> message, std
   if (decoded->type == wire::ClientMessageType::kAcknowledge) {
     return peer.outbox.acknowledge(decoded->id);
   }
-  showsLife(peer, now_ns);
+  peer.alive_ns = now_ns;
   receiveCommand(peer, *decoded, now_ns);
 }
 
@@ -182,7 +175,7 @@ void Host::receiveCommand(Peer& peer, const wire::ClientMessage& message, std::i
   // whatever number: it is passed over only where it is the very one that was carried out.
   const bool over = emergency ? message.id == last && last != 0 : message.id <= last;
   if (over) return counters_.ignore(UdpIgnored::kCommand);
-  if (!emergency && tooMany(peer, now_ns)) return counters_.ignore(UdpIgnored::kRate);
+  if (!message.stops() && tooMany(peer, now_ns)) return refuseForRate(peer, message, now_ns);
   last = message.id;
   if (emergency) peer.last_order = std::max(peer.last_order, message.id);
   switch (message.type) {
@@ -232,7 +225,6 @@ void Host::takeControls(Peer& peer, std::uint32_t command, std::int64_t now_ns) 
   lost_ns_.reset();
   peer.claim = taken.claim;
   if (taken.orphaned) giveBack(peer.claim);
-  peer.silent = false;
   peer.aim_refused = false;
   order(OrderType::kOwnerAlive, 1.0, peer.claim);
   reply(peer, command, {true, ""}, now_ns);
@@ -275,14 +267,12 @@ void Host::order(OrderType type, double value, std::uint32_t claim) {
 
 void Host::giveBack(std::uint32_t claim) {
   order(OrderType::kSteer, 0.0, claim);  // to the virtual patient
-  order(OrderType::kOwnerAlive, 1.0, claim);
 }
 
 void Host::leave(Peer& peer, std::int64_t now_ns) {
   if (!controls_.release(peer.client)) return;
-  // Nobody shows the exercise any more: its effort fades out until somebody takes the controls, or
-  // the virtual patient plays again.
-  if (!peer.silent) order(OrderType::kOwnerAlive, 0.0, peer.claim);
+  // Nobody shows the exercise any more: its effort fades out until somebody takes the controls.
+  order(OrderType::kOwnerAlive, 0.0, peer.claim);
   lost_ns_ = now_ns;
   lost_claim_ = peer.claim;
 }

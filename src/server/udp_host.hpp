@@ -37,12 +37,11 @@ class Host {
  public:
   using Send = std::function<UdpSent(const UdpEndpoint&, std::span<const std::uint8_t>)>;
 
-  /// After which a holder of the controls that is not heard counts as silent, ...
+  /// After which a holder of the controls that is not heard loses them.
   static constexpr std::int64_t kSilence_ns = 200'000'000;
-  /// ... loses them, a game counts as gone, and the hand of one that vanished falls to the virtual
-  /// patient.
+  /// After which a game counts as gone, and the hand of a lost holder falls to the virtual patient.
   static constexpr std::int64_t kGone_ns = 5'000'000'000;
-  /// Commands of one game in a second: an aim at every tick, and some. An emergency stop passes.
+  /// Commands of one game in a second: an aim at every tick, and some. Stops pass.
   static constexpr int kMostCommands = 1200;
   /// The program says so often at least that it is there.
   static constexpr std::int64_t kHeartbeat_ns = 100'000'000;
@@ -78,7 +77,6 @@ class Host {
                    std::int64_t now_ns);
   void welcome(Peer& peer, std::int64_t now_ns);
   void receiveFrom(Peer& peer, const Received& datagram, std::int64_t now_ns);
-  void showsLife(Peer& peer, std::int64_t now_ns);
   void receiveMessage(Peer& peer, std::span<const std::uint8_t> message, std::int64_t now_ns);
   void receiveCommand(Peer& peer, const wire::ClientMessage& message, std::int64_t now_ns);
   void receiveOrder(Peer& peer, const wire::ClientMessage& message, std::int64_t now_ns);
@@ -87,6 +85,7 @@ class Host {
   void reply(Peer& peer, std::uint32_t command, const OrderReply& given, std::int64_t now_ns);
   void tellControls(Peer& peer, std::int64_t now_ns);
   [[nodiscard]] bool tooMany(Peer& peer, std::int64_t now_ns);
+  void refuseForRate(Peer& peer, const wire::ClientMessage& message, std::int64_t now_ns);
   void watchHolder(Peer& peer, std::int64_t now_ns);
   void giveBack(std::uint32_t claim);
   void leave(Peer& peer, std::int64_t now_ns);

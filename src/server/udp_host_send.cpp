@@ -67,16 +67,12 @@ void Host::advance(std::int64_t now_ns) {
   }
 }
 
+// A game that was silent and is heard again must take the controls anew: an effort that came back
+// by itself would pulse with a game whose messages come too seldom.
 void Host::watchHolder(Peer& peer, std::int64_t now_ns) {
-  if (now_ns - peer.alive_ns > kGone_ns) {
-    peer.silent = false;
-    controls_.release(peer.client, true);
-    return giveBack(peer.claim);
-  }
-  if (peer.silent || now_ns - peer.alive_ns <= kSilence_ns) return;
-  peer.silent = true;
+  if (now_ns - peer.alive_ns <= kSilence_ns) return;
   ++counters_.silences;
-  order(OrderType::kOwnerAlive, 0.0, peer.claim);
+  leave(peer, now_ns);
 }
 
 void Host::sayGoodbye(std::int64_t now_ns) {
@@ -104,6 +100,17 @@ void Host::reply(Peer& peer, std::uint32_t command, const OrderReply& given, std
   ++(given.accepted ? counters_.commands_accepted : counters_.commands_refused);
   sendReliable(peer, std::make_shared<const wire::Bytes>(wire::replyMessage(command, given)),
                now_ns);
+}
+
+// Whoever waits for an answer gets one, as long as the last ones are acknowledged.
+void Host::refuseForRate(Peer& peer, const wire::ClientMessage& message, std::int64_t now_ns) {
+  counters_.ignore(UdpIgnored::kRate);
+  if (message.streams() || peer.outbox.size() >= ReliableOutbox::kMostUnderway) return;
+  reply(peer, message.id,
+        refused(Refusal::kTooMany, std::string(wire::nameOf(message)) +
+                                       ": more than 1200 commands in a second, those beyond are "
+                                       "dropped"),
+        now_ns);
 }
 
 void Host::tellControls(Peer& peer, std::int64_t now_ns) {

@@ -75,7 +75,6 @@ struct Peer {
   Reassembler reassembler{wire::kLargestClientMessage};
   std::int64_t heard_ns = 0;  ///< anything
   std::int64_t alive_ns = 0;  ///< a heartbeat or a command: the game itself, not its network code
-  bool silent = false;        ///< it holds the controls, and its silence has been told
 
   std::uint32_t last_order = 0;      ///< ids below are carried out or overtaken
   std::uint32_t last_aim = 0;        ///< aims are not repeated, hence counted by themselves

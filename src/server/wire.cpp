@@ -93,7 +93,7 @@ void addArrays(fb::WorldStateBuilder& out, const Arrays& a) {
   out.add_parameters(a.parameters);
 }
 
-fb::Statistics toWire(const LoopStatus& s) {
+fb::Statistics statisticsToWire(const LoopStatus& s) {
   return {s.ticks,
           s.missed_deadlines,
           s.dropped_records,
@@ -105,7 +105,7 @@ fb::Statistics toWire(const LoopStatus& s) {
 
 Offset<fb::WorldState> makeState(Builder& b, const TickRecord& r, const LoopStatus& status,
                                  const Arrays& arrays, std::int64_t sent_monotonic_ns) {
-  const fb::Statistics statistics = toWire(status);
+  const fb::Statistics statistics = statisticsToWire(status);
   fb::WorldStateBuilder out(b);
   // The large ones first: no bytes are lost to alignment between them.
   out.add_tick(r.tick);
@@ -121,6 +121,7 @@ Offset<fb::WorldState> makeState(Builder& b, const TickRecord& r, const LoopStat
   out.add_palm_distance_m(static_cast<float>(r.palm_target_distance_m));
   out.add_fault_value(static_cast<float>(status.fault_value));
   out.add_fault_limit(static_cast<float>(status.fault_limit));
+  out.add_endings(status.endings);
   addArrays(out, arrays);
   out.add_fault_axis(static_cast<std::int16_t>(status.fault_axis));
   out.add_palm_body(static_cast<std::int16_t>(r.palm_body));
@@ -186,7 +187,7 @@ Bytes controlsMessage(bool held_by_you, bool held) {
   return take(b);
 }
 
-static_assert(static_cast<int>(Refusal::kEnding) == static_cast<int>(fb::Refusal::MAX));
+static_assert(static_cast<int>(Refusal::kStopNotSeen) == static_cast<int>(fb::Refusal::MAX));
 
 Bytes replyMessage(std::uint32_t command, const OrderReply& reply) {
   Builder b;
@@ -194,6 +195,25 @@ Bytes replyMessage(std::uint32_t command, const OrderReply& reply) {
   const auto refusal = reply.accepted ? fb::Refusal::None : static_cast<fb::Refusal>(reply.refusal);
   finish(b, fb::CreateReply(b, command, reply.accepted, reason, refusal), kSchemaVersion);
   return take(b);
+}
+
+const char* nameOf(const ClientMessage& message) noexcept {
+  switch (message.type) {
+    case ClientMessageType::kTakeControls:
+      return "TakeControls";
+    case ClientMessageType::kReleaseControls:
+      return "ReleaseControls";
+    case ClientMessageType::kHeartbeat:
+      return "Heartbeat";
+    case ClientMessageType::kAcknowledge:
+      return "Acknowledge";
+    case ClientMessageType::kOrder:
+      break;
+  }
+  constexpr std::array<const char*, 8> kNames = {
+      "Arm", "Stop", "EmergencyStop", "LoadExercise", "SetParameter", "Aim", "Steer", "Action"};
+  const auto i = static_cast<std::size_t>(message.order.type);
+  return i < kNames.size() ? kNames[i] : "command";
 }
 
 }  // namespace wholehand::wire

@@ -66,7 +66,21 @@ struct ClientMessage {
   std::uint32_t id = 0;  ///< Command.id, or the sequence acknowledged
   Order order;
   std::string token;  ///< kTakeControls
+
+  /// A stop of either kind: whatever else a client sends, it is heard.
+  [[nodiscard]] bool stops() const noexcept {
+    return type == ClientMessageType::kOrder &&
+           (order.type == OrderType::kStop || order.type == OrderType::kEmergencyStop);
+  }
+  /// Comes by the hundred, and the next one corrects it: nobody waits for its answer.
+  [[nodiscard]] bool streams() const noexcept {
+    return type == ClientMessageType::kHeartbeat ||
+           (type == ClientMessageType::kOrder && order.type == OrderType::kAim);
+  }
 };
+
+/// By the schema's name: "EmergencyStop".
+[[nodiscard]] const char* nameOf(const ClientMessage& message) noexcept;
 
 /// The largest message a client may send [bytes].
 inline constexpr std::size_t kLargestClientMessage = 4096;

@@ -85,6 +85,7 @@ Expected<ClientMessage> decodeCommand(const fb::Command& c) {
   switch (c.order_type()) {
     case fb::Order::Arm:
       m.order.type = OrderType::kArm;
+      m.order.endings_seen = c.order_as_Arm()->endings_seen();
       return m;
     case fb::Order::Stop:
       m.order.type = OrderType::kStop;

@@ -35,13 +35,18 @@ Expected<std::unique_ptr<LiveSession>> LiveSession::arm(const Models& models,
   if (!box) return box.errors();
   live->black_box_ = std::move(*box);
   if (!plan.record.empty()) {
+    const WaitingFor disk("the disk: recording " + plan.record);
     auto created = RecordingWriter::create(plan.record, *meta);
     if (!created) return created.errors();
     live->writer_ = std::move(*created);
+    live->record_ = plan.record;
   }
   SessionConfig config;
   config.listener = live->watcher_.get();
   config.black_box = live->black_box_.get();
+  config.interrupts = &InterruptScope::shared();
+  const Exercise* exercise = models.exercise.get();
+  if (exercise != nullptr) config.fade_out_s = exercise->description().fade_out_s;
   if (plan.duration_ticks > 0) config.duration_ticks = plan.duration_ticks;
   live->session_ = std::make_unique<Session>(*live->rig_->renderer, config);
   live->hub_ = std::make_unique<TelemetryHub>(
@@ -81,9 +86,10 @@ void LiveSession::finish() {
   if (finished_) return;
   finished_ = true;
   if (session_) session_->join();
+  if (rig_) rig_->device->close();  // before the disk takes its time
+  const WaitingFor disk("the disk: " + (record_.empty() ? "black box" : "recording " + record_));
   if (hub_) hub_->stop();
   if (writer_) writer_->close();
-  if (rig_) rig_->device->close();
   if (black_box_) black_box_said_ = keepBlackBox(*black_box_);
   black_box_.reset();  // its memory, and its watch for crashes
 }

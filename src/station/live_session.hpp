@@ -52,10 +52,17 @@ class LiveSession {
   [[nodiscard]] bool tryCommand(const Command& command) { return session_->tryCommand(command); }
   // Any thread.
   void requestStop() noexcept { session_->requestStop(); }
+  void requestGentleStop() noexcept { session_->requestGentleStop(); }
+  void setOwnerAlive(bool alive) noexcept { session_->setOwnerAlive(alive); }
   void requestEmergencyStop() noexcept { session_->requestEmergencyStop(); }
   [[nodiscard]] bool running() const { return session_->running(); }
   [[nodiscard]] TickSummary summary() const { return statistics_.snapshot(); }
-  [[nodiscard]] std::uint64_t droppedRecords() const { return session_->droppedRecords(); }
+  /// What the loop or the recorder's thread had no room for.
+  [[nodiscard]] std::uint64_t droppedRecords() const {
+    return session_->droppedRecords() + hub_->unrecorded();
+  }
+  /// Of the recording's file, as far as it is written; asks no disk.
+  [[nodiscard]] std::uint64_t recordedBytes() const { return writer_ ? writer_->bytes() : 0; }
 
   /// Waits for the end, closes recording and device. Idempotent.
   void finish();
@@ -81,6 +88,7 @@ class LiveSession {
   std::unique_ptr<Rig> rig_;
   std::unique_ptr<Watcher> watcher_;
   std::unique_ptr<RecordingWriter> writer_;
+  std::string record_;                   ///< its file
   std::unique_ptr<BlackBox> black_box_;  ///< outlives the session
   TickStatistics statistics_;
   std::unique_ptr<Session> session_;

@@ -85,10 +85,7 @@ OrderReply Station::Core::startSession(std::unique_ptr<Player> player, std::uint
   plan.record = record;
   plan.duration_ticks = duration_ticks;
   plan.parameters = parametersAtStart();
-  plan.sinks.push_back([this](const TickRecord& r) {
-    keepLatest(r);
-    serveStop();
-  });
+  plan.sinks.push_back([this](const TickRecord& r) { keepLatest(r); });
   plan.sinks.insert(plan.sinks.end(), sinks_.begin(), sinks_.end());
   const bool had_latest = forgetLatest();
   LoopStatus before;
@@ -111,11 +108,17 @@ OrderReply Station::Core::startSession(std::unique_ptr<Player> player, std::uint
   } else {
     errors = live.errors();
   }
+  std::unique_ptr<LiveSession> none;
   {
     const std::lock_guard lock(mutex_);
-    live_.reset();
+    none = std::move(live_);
+    before.endings = status_.endings;
+    if (stop_asked_ > asked && before.run_state == RunState::kDisarmed) {
+      before.run_state = RunState::kStopped;
+    }
     status_ = before;
   }
+  none.reset();  // closes its recording: who asks for something meanwhile does not wait for that
   publishScene("");
   const std::lock_guard lock(latest_mutex_);
   has_latest_ = had_latest;
@@ -138,8 +141,6 @@ OrderReply Station::Core::armedNow(std::unique_ptr<LiveSession> live, std::uint6
   armed_by_ = asked;
   status_.latched = Fault::kNone;
   status_.steering = Steering::kVirtualPatient;
-  stop_at_.reset();
-  unsent_owner_.reset();
   unsent_steer_.reset();
   if (stop_asked_ > asked) {  // it came while this was being built
     if (emergency_) live_->requestEmergencyStop();
@@ -154,11 +155,7 @@ OrderReply Station::Core::armedNow(std::unique_ptr<LiveSession> live, std::uint6
 
 // What a session has to be told that was being built while it was said.
 void Station::Core::catchUp(const std::vector<double>& parameters) {
-  if (!owner_alive_) {
-    Command silent;
-    silent.type = CommandType::kOwner;
-    (void)pushSurely(silent);
-  }
+  live_->setOwnerAlive(owner_alive_);
   for (std::size_t i = 0; i < std::min(parameters.size(), scene_->parameters.size()); ++i) {
     const auto asked = asked_parameters_.find(scene_->parameters[i].name);
     if (asked == asked_parameters_.end() || asked->second == parameters[i]) continue;
@@ -175,6 +172,16 @@ std::uint64_t Station::Core::ticksLeft() const {
   if (!ends_at_) return 0;
   const double left_s = std::chrono::duration<double>(*ends_at_ - StationClock::now()).count();
   return static_cast<std::uint64_t>(std::max(1.0, std::round(left_s / config_.rig.period_s)));
+}
+
+// What ended while the order waited undoes it, too.
+OrderReply Station::Core::armForPerson(std::uint64_t asked, std::uint32_t seen) {
+  {
+    const std::lock_guard lock(mutex_);
+    OrderReply unseen = refuseUnseen(seen);
+    if (!unseen.accepted) return stop_asked_ > asked ? stopCame() : unseen;
+  }
+  return armForClient(asked);
 }
 
 OrderReply Station::Core::armForClient(std::uint64_t asked) {

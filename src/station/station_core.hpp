@@ -64,6 +64,7 @@ class Station::Core {
   // Main thread.
   OrderReply arm(std::uint64_t asked, const std::string& record, std::uint64_t duration_ticks,
                  bool for_client);
+  OrderReply armForPerson(std::uint64_t asked, std::uint32_t seen);
   OrderReply armForClient(std::uint64_t asked);
   OrderReply startSession(std::unique_ptr<Player> player, std::uint64_t asked,
                           const std::string& record, std::uint64_t duration_ticks, bool for_client);
@@ -75,8 +76,9 @@ class Station::Core {
                                                 std::uint64_t asked) const;
   OrderReply rehearseNext(const Models& models, std::optional<Rehearsal>& passed);
   OrderReply loadExercise(const Order& order);
-  void stopGently();
-  void finishSession();
+  void stopGently(bool goes_on = false);
+  /// @param goes_on a load goes on with what rendered: nothing ended that a person must have seen
+  void finishSession(bool goes_on = false);
   void refreshStatus();
   void publishScene(const std::string& recording);
   void runTasks();
@@ -90,10 +92,12 @@ class Station::Core {
   [[nodiscard]] bool stoppedSince(std::uint64_t asked) const;  ///< or the station ends
   // Any thread, mutex_ held.
   [[nodiscard]] bool overtaken(const Order& order);
+  [[nodiscard]] OrderReply refuseUnseen(std::uint32_t seen) const;
+  void takeStop(std::uint64_t asked, bool emergency);
   void enqueue(std::function<OrderReply()> work, const std::function<void(OrderReply)>& done);
   OrderReply carryOut(const Order& order, std::uint64_t asked);
   void catchUp(const std::vector<double>& parameters);
-  OrderReply pushSurely(const Command& command);
+  OrderReply steer(Steering by);
   void sendUnsent();
   OrderReply setParameter(const Order& order);
   OrderReply push(const Command& command);
@@ -101,7 +105,6 @@ class Station::Core {
   void showRehearsal();
 
   void keepLatest(const TickRecord& record);
-  void serveStop();
   void nameSafety(LoopStatus& status) const;
   void playAgain();
   void say(const std::string& line) const { log_.write(line); }
@@ -133,11 +136,10 @@ class Station::Core {
   std::uint32_t claim_ = 0;        ///< newest holder of the controls that was heard of
   bool over_ = false;              ///< nothing is carried out any more
   bool owner_alive_ = true;        ///< as last heard; a session that begins is told
-  std::optional<Command> unsent_owner_, unsent_steer_;  ///< for which there was no room
+  std::optional<Command> unsent_steer_;  ///< for which there was no room
   std::shared_ptr<const SceneFacts> scene_;
   LoopStatus status_;
-  std::optional<StationClock::time_point> stop_at_;  ///< when the exercise has faded out
-  std::map<std::string, double> asked_parameters_;   ///< what a therapist has set stays set
+  std::map<std::string, double> asked_parameters_;  ///< what a therapist has set stays set
 
   std::mutex report_mutex_;
   mutable std::mutex latest_mutex_;

@@ -11,9 +11,6 @@ namespace wholehand {
 namespace fs = std::filesystem;
 namespace {
 
-/// Beside the time that the exercise's effort takes to fade out.
-constexpr auto kMargin = std::chrono::milliseconds(50);
-
 using Clock = StationClock;
 
 }  // namespace
@@ -29,16 +26,9 @@ void Station::Core::beginStop(bool at_once) {
   status_.run_state = RunState::kRampingDown;
   if (at_once) {
     live_->requestEmergencyStop();
-    return;
+  } else {
+    live_->requestGentleStop();
   }
-  Command silent;
-  silent.type = CommandType::kOwner;
-  silent.value = 0.0;
-  (void)pushSurely(silent);
-  if (stop_at_) return;
-  const Exercise* exercise = live_->rig().models.exercise.get();
-  const double fade_s = exercise != nullptr ? exercise->description().fade_out_s : 0.0;
-  stop_at_ = Clock::now() + std::chrono::milliseconds(std::lround(1e3 * fade_s)) + kMargin;
 }
 
 OrderReply Station::Core::push(const Command& command) {
@@ -49,19 +39,21 @@ OrderReply Station::Core::push(const Command& command) {
   return {true, ""};
 }
 
-// Who is alive and who steers must reach the loop, whoever fills its queue with aims: the newest of
-// each is tried again with every record.
-OrderReply Station::Core::pushSurely(const Command& command) {
+// Who steers must reach the loop, whoever fills its queue with aims: the newest word is tried again
+// with every record.
+OrderReply Station::Core::steer(Steering by) {
   if (!live_) return refused(Refusal::kNothingArmed, "nothing is armed");
-  (command.type == CommandType::kOwner ? unsent_owner_ : unsent_steer_) = command;
+  Command command;
+  command.type = CommandType::kSteer;
+  command.index = static_cast<std::int32_t>(by);
+  unsent_steer_ = command;
   sendUnsent();
+  status_.steering = by;
   return {true, ""};
 }
 
 void Station::Core::sendUnsent() {
-  for (std::optional<Command>* unsent : {&unsent_owner_, &unsent_steer_}) {
-    if (*unsent && live_->tryCommand(**unsent)) unsent->reset();
-  }
+  if (live_ && unsent_steer_ && live_->tryCommand(*unsent_steer_)) unsent_steer_.reset();
 }
 
 OrderReply Station::Core::setParameter(const Order& order) {
@@ -95,6 +87,29 @@ bool Station::Core::overtaken(const Order& order) {
   return false;
 }
 
+// An order to arm holds for what its person was shown: whatever has ended since undoes it.
+OrderReply Station::Core::refuseUnseen(std::uint32_t seen) const {
+  if (seen == status_.endings) return {true, ""};
+  if (seen == 0) {
+    return refused(Refusal::kOtherVersion,
+                   "the order does not say which stop it has seen (Arm.endings_seen, "
+                   "docs/protocol.md): bring client and program to the same version");
+  }
+  return refused(Refusal::kStopNotSeen,
+                 fmt::format("it was stopped after this was asked (ending {}, the order has seen "
+                             "{}): look why, then arm again",
+                             status_.endings, seen));
+}
+
+// Holds and is shown whether or not something renders: an order to arm may be on its way.
+void Station::Core::takeStop(std::uint64_t asked, bool emergency) {
+  stop_asked_ = asked;
+  emergency_ = emergency;
+  ++status_.endings;
+  if (!live_ && status_.run_state == RunState::kDisarmed) status_.run_state = RunState::kStopped;
+  beginStop(emergency);
+}
+
 void Station::Core::enqueue(std::function<OrderReply()> work,
                             const std::function<void(OrderReply)>& done) {
   tasks_.push_back({std::move(work), done});
@@ -116,7 +131,11 @@ void Station::Core::order(const Order& order, const std::function<void(OrderRepl
     } else if (tasks_.size() >= kMostTasks) {
       reply = refused(Refusal::kTooMany, "too many orders wait already; try again");
     } else if (order.type == OrderType::kArm) {
-      return enqueue([this, asked] { return armForClient(asked); }, done);
+      reply = refuseUnseen(order.endings_seen);
+      if (reply.accepted) {
+        const std::uint32_t seen = order.endings_seen;
+        return enqueue([this, asked, seen] { return armForPerson(asked, seen); }, done);
+      }
     } else {
       return enqueue([this, order] { return loadExercise(order); }, done);
     }
@@ -125,14 +144,11 @@ void Station::Core::order(const Order& order, const std::function<void(OrderRepl
 }
 
 OrderReply Station::Core::carryOut(const Order& order, std::uint64_t asked) {
-  OrderReply reply{true, ""};
   Command command;
   switch (order.type) {
     case OrderType::kStop:
     case OrderType::kEmergencyStop:
-      stop_asked_ = asked;
-      emergency_ = order.type == OrderType::kEmergencyStop;
-      beginStop(emergency_);
+      takeStop(asked, order.type == OrderType::kEmergencyStop);
       break;
     case OrderType::kSetParameter:
       return setParameter(order);
@@ -147,33 +163,26 @@ OrderReply Station::Core::carryOut(const Order& order, std::uint64_t asked) {
       command.aim = order.aim;
       return push(command);
     case OrderType::kSteer:
-      command.type = CommandType::kSteer;
-      command.index = static_cast<std::int32_t>(order.steering);
-      reply = pushSurely(command);
-      if (reply.accepted) status_.steering = order.steering;
-      break;
+      return steer(order.steering);
     case OrderType::kAction:
       command.type = CommandType::kAction;
       command.index = static_cast<std::int32_t>(order.action);
       return push(command);
     case OrderType::kOwnerAlive:
-      command.type = CommandType::kOwner;
-      command.value = order.value;
       owner_alive_ = order.value != 0.0;
-      if (!stop_at_) reply = pushSurely(command);  // a stop under way fades, whoever is alive
+      if (!live_) return refused(Refusal::kNothingArmed, "nothing is armed");
+      live_->setOwnerAlive(owner_alive_);
       break;
     case OrderType::kLeftAlone:
-      if (!live_ || !armed_for_client_ || stop_at_) break;
+      if (!live_ || !armed_for_client_ || status_.run_state != RunState::kRendering) break;
       say("nobody has held the controls for long: the session ends");
-      stop_asked_ = asked;
-      emergency_ = false;
-      beginStop(false);
+      takeStop(asked, false);
       break;
     case OrderType::kArm:
     case OrderType::kLoadExercise:
       break;  // tasks
   }
-  return reply;
+  return {true, ""};
 }
 
 LoopStatus Station::Core::status() const {
@@ -201,6 +210,10 @@ LoopStatus Station::Core::status() const {
 void Station::Core::nameSafety(LoopStatus& status) const {
   if (!safety_) return;
   status.safety_state = safety_->state();
+  // So is the loop, which stops by itself when a signal came.
+  if (InterruptScope::interrupted() && status.run_state == RunState::kRendering) {
+    status.run_state = RunState::kRampingDown;
+  }
   {
     // Until its first record comes, what is known is of the session before.
     const std::lock_guard lock(latest_mutex_);
@@ -215,17 +228,13 @@ void Station::Core::nameSafety(LoopStatus& status) const {
   if (status.run_state == RunState::kRendering) status.run_state = RunState::kRampingDown;
 }
 
-// On the telemetry thread: the main thread may be loading something when the time to stop has come.
-void Station::Core::serveStop() {
-  const std::lock_guard lock(mutex_);
-  if (!live_) return;
-  sendUnsent();
-  if (InterruptScope::interrupted() && !stop_at_) beginStop(false);
-  if (stop_at_ && Clock::now() >= *stop_at_) live_->requestStop();
-}
-
+// On the telemetry thread.
 void Station::Core::keepLatest(const TickRecord& record) {
   safety_->add(record);
+  {
+    const std::lock_guard lock(mutex_);
+    sendUnsent();
+  }
   const std::lock_guard lock(latest_mutex_);
   latest_ = record;
   has_latest_ = true;

@@ -89,7 +89,7 @@ bool Station::Core::forgetLatest() {
   return std::exchange(has_latest_, false);
 }
 
-void Station::Core::finishSession() {
+void Station::Core::finishSession(bool goes_on) {
   std::unique_ptr<LiveSession> over;
   live_->finish();
   RunOutcome ended = live_->outcome();
@@ -107,7 +107,7 @@ void Station::Core::finishSession() {
     const std::lock_guard lock(mutex_);
     status_.run_state = ended.faulted ? RunState::kFaulted : RunState::kStopped;
     status_.latched = ended.counters.latched;
-    stop_at_.reset();
+    if (!goes_on) ++status_.endings;
     over = std::move(live_);
   }
   over.reset();
@@ -118,7 +118,7 @@ void Station::Core::finishSession() {
   record_path_.clear();
 }
 
-void Station::Core::stopGently() {
+void Station::Core::stopGently(bool goes_on) {
   if (!live_) return;
   {
     const std::lock_guard lock(mutex_);
@@ -126,13 +126,9 @@ void Station::Core::stopGently() {
   }
   const auto until = Clock::now() + kStopWithin;
   while (live_->running() && Clock::now() < until) {
-    {
-      const std::lock_guard lock(mutex_);
-      if (stop_at_ && Clock::now() >= *stop_at_) live_->requestStop();
-    }
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
-  finishSession();
+  finishSession(goes_on);
 }
 
 OrderReply Station::Core::loadExercise(const Order& order) {
@@ -155,6 +151,7 @@ OrderReply Station::Core::loadExercise(const Order& order) {
     files.hand = config_.config_folder + "/hands/" + order.hand + ".toml";
   }
   if (order.level > 0) files.level = order.level;
+  const WaitingFor disk("the disk: what is to be loaded");
   Expected<Models> models = loadModels(files);
   if (!models) return refused(Refusal::kCannotLoad, format(models.errors()));
   const auto gains = checkGains(*models, config_.rig.period_s);
@@ -162,13 +159,14 @@ OrderReply Station::Core::loadExercise(const Order& order) {
   if (Diagnostics no = refuseToRender(*gains, config_.rig); !no.empty()) {
     return refused(Refusal::kNotStable, format(no));
   }
-  const bool rendered = live_ && live_->running();
+  const bool had_session = live_ != nullptr;
+  const bool rendered = had_session && live_->running();
   std::optional<Rehearsal> rehearsal;
   if (config_.rehearse && rendered) {  // what cannot be rendered stops nothing
     OrderReply passed = rehearseNext(*models, rehearsal);
     if (!passed.accepted) return passed;
   }
-  stopGently();
+  stopGently(true);
   models_ = std::move(*models);
   rehearsed_ = std::move(rehearsal);
   forgetLatest();
@@ -180,9 +178,15 @@ OrderReply Station::Core::loadExercise(const Order& order) {
     const std::lock_guard lock(mutex_);
     armed_by = armed_by_;
     again = rendered && stop_asked_ <= armed_by_ && !any(status_.latched);
+    if (had_session && !again) ++status_.endings;
   }
   if (!again) return {true, ""};
-  return armForClient(armed_by);
+  OrderReply reply = armForClient(armed_by);
+  if (!reply.accepted) {
+    const std::lock_guard lock(mutex_);
+    ++status_.endings;
+  }
+  return reply;
 }
 
 void Station::Core::showRehearsal() {
@@ -196,8 +200,7 @@ void Station::Core::showRehearsal() {
 void Station::Core::refreshStatus() {
   const TickSummary summary = live_->summary();
   const std::uint64_t dropped = live_->droppedRecords();
-  std::error_code unknown;
-  const std::uintmax_t bytes = record_path_.empty() ? 0 : fs::file_size(record_path_, unknown);
+  const std::uint64_t bytes = live_->recordedBytes();
   RunState state;
   {
     const std::lock_guard lock(mutex_);
@@ -210,7 +213,7 @@ void Station::Core::refreshStatus() {
     status_.cpu_max_us = summary.cpu.max_ns * 1e-3;
     status_.fault_ticks = summary.faults;
     showRehearsal();
-    status_.recording_bytes = unknown ? 0 : bytes;
+    status_.recording_bytes = bytes;
     state = status_.run_state;
   }
   if (config_.status) config_.status(state, summary);
@@ -263,10 +266,6 @@ void Station::Core::playAgain() {
 
 void Station::Core::watchSession() {
   if (!live_) return;
-  {
-    const std::lock_guard lock(mutex_);
-    if (stop_at_ && Clock::now() >= *stop_at_) live_->requestStop();
-  }
   if (!live_->running()) {
     finishSession();
     return;

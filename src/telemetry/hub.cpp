@@ -12,15 +12,20 @@ namespace wholehand {
 using Clock = std::chrono::steady_clock;
 
 namespace {
-constexpr auto kIdle = std::chrono::milliseconds(1);
+constexpr auto kPause = std::chrono::milliseconds(1);
+constexpr auto kRecorderPause = std::chrono::milliseconds(5);  // nobody watches the file so closely
 /// Without ticks (paused, late) the recorder cannot see time pass; the hub flushes it instead.
 constexpr auto kFlushAfter = std::chrono::milliseconds(400);
 }  // namespace
 
 void TelemetryHub::start() {
   if (thread_.joinable()) return;
-  stopping_ = false;
+  stopping_ = recorder_stopping_ = false;
   failures_.reserve(failures_.size() + sinks_.size() + 3);  // recorder, statistics, source
+  if (writer_ != nullptr) {
+    to_recorder_ = std::make_unique<SpscQueue<TickRecord>>(kWaitingTicks);
+    recorder_ = std::thread([this] { runRecorder(); });
+  }
   thread_ = std::thread([this] { run(); });
 }
 
@@ -28,6 +33,8 @@ void TelemetryHub::stop() {
   if (!thread_.joinable()) return;
   stopping_ = true;
   thread_.join();
+  recorder_stopping_ = true;
+  if (recorder_.joinable()) recorder_.join();
 }
 
 std::vector<std::string> TelemetryHub::failures() const {
@@ -54,6 +61,7 @@ bool TelemetryHub::holds(const char* consumer, std::size_t number, Call&& call) 
 }
 
 void TelemetryHub::noteFailure(const char* consumer, std::size_t number, const char* why) noexcept {
+  const std::lock_guard lock(failures_mutex_);
   if (failures_.size() == failures_.capacity()) return;  // cannot be: each fails once
   Failure& failure = failures_.emplace_back();
   failure.consumer = consumer;
@@ -62,15 +70,7 @@ void TelemetryHub::noteFailure(const char* consumer, std::size_t number, const c
 }
 
 void TelemetryHub::hand(const TickRecord& record) noexcept {
-  if (recording_failed_) ++unrecorded_;
-  if (writer_ != nullptr) {
-    // The writer counts its own drops; the record at which it throws is lost.
-    if (!holds("the recorder", 0, [&] { writer_->append(record); })) {
-      writer_ = nullptr;
-      recording_failed_ = true;
-      ++unrecorded_;
-    }
-  }
+  if (to_recorder_ && !to_recorder_->try_push(record)) ++unrecorded_;
   if (statistics_ != nullptr && !holds("the statistics", 0, [&] { statistics_->add(record); })) {
     statistics_ = nullptr;
   }
@@ -79,10 +79,16 @@ void TelemetryHub::hand(const TickRecord& record) noexcept {
   }
 }
 
+void TelemetryHub::write(const TickRecord& record) noexcept {
+  // The writer counts its own drops; the record at which it throws is lost.
+  if (writer_ != nullptr && holds("the recorder", 0, [&] { writer_->append(record); })) return;
+  writer_ = nullptr;
+  ++unrecorded_;
+}
+
 void TelemetryHub::flush() noexcept {
   if (writer_ == nullptr || holds("the recorder", 0, [&] { writer_->flush(); })) return;
   writer_ = nullptr;
-  recording_failed_ = true;
 }
 
 bool TelemetryHub::drain() noexcept {
@@ -101,23 +107,46 @@ bool TelemetryHub::drain() noexcept {
   return any_record;
 }
 
-void TelemetryHub::run() noexcept {
+bool TelemetryHub::drainToRecorder() noexcept {
+  TickRecord record;
+  bool any_record = false;
+  while (to_recorder_->try_pop(record)) {
+    any_record = true;
+    write(record);
+  }
+  return any_record;
+}
+
+template <class Drain, class Idle>
+void TelemetryHub::follow(const std::atomic<bool>& stopping, std::chrono::milliseconds pause,
+                          Drain&& drain, Idle&& idle) noexcept {
   Clock::time_point last_record = Clock::now();
-  bool flushed = true;
+  bool paused = true;
   while (true) {
     // Read before draining: what was pushed before stop() is then taken for sure.
-    const bool last_round = stopping_;
+    const bool last_round = stopping;
     if (drain()) {
       last_record = Clock::now();
-      flushed = false;
+      paused = false;
     }
-    if (last_round) break;
-    if (!flushed && Clock::now() - last_record > kFlushAfter) {
-      flush();
-      flushed = true;
+    if (last_round) return;
+    if (!paused && Clock::now() - last_record > kFlushAfter) {
+      idle();
+      paused = true;
     }
-    std::this_thread::sleep_for(kIdle);
+    std::this_thread::sleep_for(pause);
   }
+}
+
+void TelemetryHub::run() noexcept {
+  follow(
+      stopping_, kPause, [this] { return drain(); }, [] {});
+}
+
+void TelemetryHub::runRecorder() noexcept {
+  follow(
+      recorder_stopping_, kRecorderPause, [this] { return drainToRecorder(); },
+      [this] { flush(); });
   flush();
 }
 

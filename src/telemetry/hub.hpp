@@ -1,11 +1,15 @@
 #pragma once
 
 #include "core/tick_record.hpp"
+#include "realtime/spsc_queue.hpp"
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
@@ -16,9 +20,10 @@ class RecordingWriter;
 class TickStatistics;
 
 /// The only consumer of the real-time side's records: takes them from their queue on a thread of
-/// its own, and hands each to the recorder, the statistics and any other sink. A slow disk slows
-/// this thread alone; the queue then fills, drops and counts. A consumer that throws is asked no
-/// more, the others go on: what happens here never ends the process, and with it the loop.
+/// its own, and hands each to the statistics and any other sink. The recorder has a thread and a
+/// queue of its own: a slow disk slows that thread alone, its queue then fills, drops and counts,
+/// and everybody else is told of every tick. A consumer that throws is asked no more, the others go
+/// on: what happens here never ends the process, and with it the loop.
 ///
 /// The recorder, the statistics and the sinks must outlive the hub.
 class TelemetryHub {
@@ -39,11 +44,12 @@ class TelemetryHub {
 
   /// Starts the thread. Idempotent.
   void start();
-  /// Takes what the source still holds, flushes the recorder, ends the thread. Idempotent.
+  /// Takes what the source still holds, flushes the recorder, ends the threads: waits for the disk.
+  /// Idempotent.
   /// @pre the source's producer has ended (else the drain follows it until it pauses).
   void stop();
   [[nodiscard]] std::uint64_t consumed() const noexcept { return consumed_; }
-  /// Records that the recorder did not get since it threw. Valid after stop().
+  /// Records that the recorder did not get: since it threw, and while its disk stood still.
   [[nodiscard]] std::uint64_t unrecorded() const noexcept { return unrecorded_; }
   /// What threw, in words: "sink 2 threw: bad file". Valid after stop().
   [[nodiscard]] std::vector<std::string> failures() const;
@@ -60,21 +66,32 @@ class TelemetryHub {
   template <class Call>
   bool holds(const char* consumer, std::size_t number, Call&& call) noexcept;
   void noteFailure(const char* consumer, std::size_t number, const char* why) noexcept;
+  /// Calls `drain` until it was told to stop before the last call, and `idle` once after every
+  /// pause.
+  template <class Drain, class Idle>
+  static void follow(const std::atomic<bool>& stopping, std::chrono::milliseconds pause,
+                     Drain&& drain, Idle&& idle) noexcept;
   void hand(const TickRecord& record) noexcept;
+  void write(const TickRecord& record) noexcept;
   void flush() noexcept;
   void run() noexcept;
+  void runRecorder() noexcept;
   /// Takes all records that wait; true when there was one.
   bool drain() noexcept;
+  bool drainToRecorder() noexcept;
+
+  /// Ticks that wait for the disk; four seconds at 1 kHz.
+  static constexpr std::size_t kWaitingTicks = 4096;
 
   Source source_;
   RecordingWriter* writer_ = nullptr;
+  std::unique_ptr<SpscQueue<TickRecord>> to_recorder_;  ///< where there is one
   TickStatistics* statistics_ = nullptr;
   std::vector<Sink> sinks_;
-  std::thread thread_;
-  std::atomic<bool> stopping_{false};
-  std::atomic<std::uint64_t> consumed_{0};
-  bool recording_failed_ = false;
-  std::uint64_t unrecorded_ = 0;
+  std::thread thread_, recorder_;
+  std::atomic<bool> stopping_{false}, recorder_stopping_{false};
+  std::atomic<std::uint64_t> consumed_{0}, unrecorded_{0};
+  std::mutex failures_mutex_;
   std::vector<Failure> failures_;  ///< room for one of each is reserved by start()
 };
 

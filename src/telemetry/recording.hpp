@@ -61,6 +61,8 @@ class RecordingWriter {
   virtual void close() = 0;
   [[nodiscard]] virtual std::uint64_t written() const = 0;
   [[nodiscard]] virtual std::uint64_t dropped() const = 0;
+  /// Of the file, as of the last rows that were written. Any thread; asks no disk.
+  [[nodiscard]] virtual std::uint64_t bytes() const = 0;
 };
 
 /// Reads a recording, also one that was cut off by kill -9 or is still being written; or the last

@@ -91,10 +91,14 @@ class Hdf5Writer final : public RecordingWriter {
   void close() override;
   [[nodiscard]] std::uint64_t written() const override { return written_; }
   [[nodiscard]] std::uint64_t dropped() const override { return dropped_; }
+  [[nodiscard]] std::uint64_t bytes() const override { return bytes_; }
 
  private:
   bool writeOut();
   [[nodiscard]] bool claimRoom();
+  void noteBytes() {
+    if (hsize_t end = 0; H5Fget_filesize(file_.get(), &end) >= 0) bytes_ = end;
+  }
 
   DiskReserve reserve_;
   Handle file_;
@@ -106,7 +110,7 @@ class Hdf5Writer final : public RecordingWriter {
   Clock::time_point oldest_pending_{};
   Clock::time_point failed_at_ = Clock::time_point::min();
   bool failing_ = false;
-  std::atomic<std::uint64_t> written_{0}, dropped_{0};
+  std::atomic<std::uint64_t> written_{0}, dropped_{0}, bytes_{0};
 };
 
 std::string Hdf5Writer::create(const std::string& path, const RecordingMeta& meta) {
@@ -130,6 +134,7 @@ std::string Hdf5Writer::create(const std::string& path, const RecordingMeta& met
   }
   // From here on a reader may follow along, and a kill leaves a readable file.
   if (H5Fstart_swmr_write(file_.get()) < 0) return "cannot be opened to readers (SWMR)";
+  noteBytes();
   return {};
 }
 
@@ -180,6 +185,7 @@ bool Hdf5Writer::writeOut() {
   commands_.commit();
   ticks_.commit();
   written_ = ticks_.written();
+  noteBytes();
   return true;
 }
 

@@ -29,5 +29,17 @@ TEST(FaultText, FaultOfAnAxis_NamesIt) {
   EXPECT_EQ(faultText(summary), "speed limit exceeded in 1 tick") << "the axes have no names";
 }
 
+TEST(FaultText, EveryLimitThatHeldAnEffort_IsToldAsNoticed) {
+  TickSummary summary;
+  summary.faults[14] = 1;  // the bits of core/fault.hpp
+  summary.faults[15] = 2;
+  summary.fault_axes[15][0] = 2;
+  summary.faults[22] = 3;
+  EXPECT_EQ(noticeText(summary, axesNamed({"x"})), std::string(faultName(14)) + " in 1 tick, " +
+                                                       faultName(15) + " in 2 ticks (x), " +
+                                                       faultName(22) + " in 3 ticks");
+  EXPECT_EQ(faultText(summary), "none");
+}
+
 }  // namespace
 }  // namespace wholehand::test

@@ -152,7 +152,11 @@ bool isStoppedBy(int signal) {
   plan.simulated_clock = true;
   plan.sink = [&](const TickRecord& r) {
     if (r.tick == 50) {
-      EXPECT_EQ(::raise(signal), 0);
+      // To the process, as a person and the system send it; another thread than this takes it.
+      EXPECT_EQ(::kill(::getpid(), signal), 0);
+      for (int i = 0; i < 200 && !InterruptScope::interrupted(); ++i) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      }
     }
   };
   const RunOutcome outcome = orThrow(runAndRecord(*rig, plan));

@@ -295,6 +295,7 @@ TEST(CocktailBar, FromOneDispenserToAnother_GainsChangeOnlyAtAlphaZero) {
   // Lemon: 80 N/m · (0.08 m)² · (1.05 − 1 + 0.005/0.08) rad.
   EXPECT_NEAR(bar.out.effort[3], -80.0 * 0.0064 * (0.05 + 0.005 / 0.08), tolerance(1e-9));
   bar.palm(3, 0.001);  // the palm is at coconut now
+  bar.squeeze(3, 1.0);
   double largest_n = 0.0, before = bar.out.effort[3];
   for (int i = 0; i < 2000; ++i) {
     bar.tick();

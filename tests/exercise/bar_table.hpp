@@ -31,6 +31,15 @@ inline const HandModel& shippedHand() {
   return hand;
 }
 
+/// θ = θ₀ + G q_s.
+inline JointPosition postureOf(const HandModel& hand, const AxisPosition& q_s) {
+  JointPosition theta = hand.theta0;
+  for (int j = 0; j < hand.joint_count; ++j) {
+    for (int a = 0; a < hand.axis_count; ++a) theta[j] += hand.synergy(j, a) * q_s[a];
+  }
+  return theta;
+}
+
 /// A bar without physics: bodies stand where the exercise puts them, the hand is what a test says.
 class BarTable {
  public:
@@ -64,9 +73,11 @@ class BarTable {
     drawBack();
   }
 
-  /// The hand far in front of everything, touching nothing.
+  /// The hand far in front of everything, its fingers half bent, touching nothing.
   void drawBack() {
     record.q_s[0] = record.q_m[0] = -0.08;
+    record.q_s[3] = 1.1;
+    fingers_face_palm = false;
     palm(0, 0.15);
     squeeze(-1, 0.0);
   }
@@ -78,17 +89,27 @@ class BarTable {
   /// The palm holds a dispenser and squeezes it with four contacts.
   void hold(int dispenser, double force_n) {
     record.q_s[0] = record.q_m[0] = 0.07;
+    record.q_s[3] = 0.0;
+    fingers_face_palm = true;
     palm(dispenser, 0.002);
     squeeze(dispenser, force_n);
   }
+  /// Presses a dispenser between the middle finger's end and the palm, which faces +y.
   void squeeze(int dispenser, double force_n) {
     record.contact_count = force_n > 0.0 ? 4 : 0;
     for (std::size_t i = 0; i < 4; ++i) {
       Contact& c = record.contacts[i];
       c.body = dispenser >= 0 ? bodyOf(dispenser) : -1;
+      c.capsule = capsuleOf(i < 2 ? "middle_distal" : "hollow");
       c.normal = {0.0, i < 2 ? 1.0 : -1.0, 0.0};
       c.force_n = {0.3, i < 2 ? 0.25 * force_n : -0.25 * force_n, 0.1};  // friction, too
     }
+  }
+  [[nodiscard]] static int capsuleOf(const std::string& name) {
+    const std::vector<Capsule>& capsules = shippedHand().capsules;
+    const auto found = std::find_if(capsules.begin(), capsules.end(),
+                                    [&](const Capsule& c) { return c.name == name; });
+    return static_cast<int>(found - capsules.begin());
   }
   [[nodiscard]] int bodyOf(int dispenser) const {
     static const char* const kBodies[] = {"dispenser_lemon", "dispenser_cherry",
@@ -97,6 +118,9 @@ class BarTable {
   }
 
   void tick() {
+    AxisPosition posture = record.q_s;
+    if (fingers_face_palm) posture[3] = 3.14;
+    record.theta = postureOf(shippedHand(), posture);
     const WorldQuery query = exercise->query();
     asked_closure = query.closure_body;
     ExerciseInput input;
@@ -174,6 +198,7 @@ class BarTable {
   BodyPlacements placements;
   std::vector<double> parameters;
   std::vector<Told> told;
+  bool fingers_face_palm = false;  ///< in the posture: their ends press what the palm holds
   int asked_closure = -1;
   bool may_push = true;
 };

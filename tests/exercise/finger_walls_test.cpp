@@ -14,6 +14,7 @@ namespace wholehand::test {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kPeriod_s = 1e-3;
 
 /// One finger axis with a lever arm of 8 cm.
@@ -28,9 +29,20 @@ FingerWallConfig oneFinger() {
   return config;
 }
 
-FingerWallState follow(const FingerWallState& state, double closure, double finger, double alpha) {
-  return followClosure(state, AxisPosition(1, closure), AxisPosition(1, finger), 0.004, alpha,
-                       oneFinger(), kPeriod_s);
+constexpr double kLeadIn_m = 0.004;  // 0.05 rad of this axis
+
+/// One tick. What touches nothing has its avatar where the device is.
+FingerWallState follow(const FingerWallState& state, double closure, double finger, double alpha,
+                       bool touches = false) {
+  const FingerSight seen{AxisPosition(1, closure), AxisPosition(1, finger),
+                         AxisPosition(1, touches ? std::min(finger, closure) : finger),
+                         touches ? 1U : 0U};
+  return followClosure(state, seen, kLeadIn_m, alpha, oneFinger(), kPeriod_s);
+}
+
+double effortAt(const FingerWallState& state, double finger, double speed = 0.0) {
+  return fingerWallEffort(state, AxisPosition(1, finger), AxisVelocity(1, speed), 1.0, {},
+                          oneFinger())[0];
 }
 
 TEST(FingerWalls, TargetFound_StandTheLeadInBeforeTheTouch) {
@@ -40,56 +52,143 @@ TEST(FingerWalls, TargetFound_StandTheLeadInBeforeTheTouch) {
   EXPECT_NEAR(state.position[0], 1.95, tolerance(1e-12));
 }
 
-TEST(FingerWalls, NeverATouch_NoWall) {
-  const FingerWallState state = follow({}, kNan, 3.0, 1.0);
-  EXPECT_EQ(state.known[0], 0.0);
-  EXPECT_EQ(fingerWallEffort(state, AxisPosition(1, 3.0), AxisVelocity(1), 1.0, {}, oneFinger())[0],
-            0.0);
+TEST(FingerWalls, NeverATouchOrOneAtTheOpenEnd_NoWall) {
+  for (const double closure : {kNan, -kInfinity, kInfinity}) {
+    for (const double alpha : {0.0, 1.0}) {
+      const FingerWallState state = follow({}, closure, 3.0, alpha);
+      EXPECT_EQ(state.known[0], 0.0);
+      EXPECT_EQ(effortAt(state, 3.0), 0.0);
+    }
+  }
 }
 
-TEST(FingerWalls, TouchLostForSomeTicks_StayWhereTheyWere) {
-  FingerWallState state = follow({}, 2.0, 0.0, 0.0);
-  for (int i = 0; i < 50; ++i) state = follow(state, kNan, 1.0, 0.7);
-  EXPECT_EQ(state.known[0], 1.0);
+TEST(FingerWalls, FingerPastTheTouch_NoWallHoweverItMoves) {
+  FingerWallState state;
+  for (int i = 0; i < 2000; ++i) {
+    const double finger = 1.8 + 0.7 * std::sin(0.01 * i);
+    state = follow(state, 1.0, finger, std::min(1.0, 1e-3 * i));
+    ASSERT_EQ(effortAt(state, finger, 5.0), 0.0) << i;
+  }
+}
+
+TEST(FingerWalls, FingerInTheLeadInAsATransitionBegins_BeginAtTheFinger) {
+  FingerWallState state = follow({}, 2.0, 1.98, 0.0);
+  EXPECT_EQ(state.position[0], 1.98);
+  for (int i = 0; i < 1000; ++i) state = follow(state, 2.0, 1.98, 1e-3 * i);
+  EXPECT_EQ(state.position[0], 1.98) << "it came to a finger that touches nothing";
+  // From where it touches on, as ever: 0.04 m/s over 0.08 m, to the target at 1.95.
+  for (int i = 0; i < 20; ++i) state = follow(state, 2.0, 2.01, 1.0, true);
+  EXPECT_NEAR(state.position[0], 1.97, tolerance(1e-12));
+  for (int i = 0; i < 100; ++i) state = follow(state, 2.0, 2.01, 1.0, true);
   EXPECT_NEAR(state.position[0], 1.95, tolerance(1e-12));
-  EXPECT_EQ(follow(state, kNan, 1.0, 0.0).known[0], 0.0);  // faded out: gone
+}
+
+TEST(FingerWalls, TouchFoundLateWithTheFingerInTheLeadIn_BeginAtTheFinger) {
+  const FingerWallState state = follow({}, 2.0, 1.98, 1.0);
+  EXPECT_EQ(state.known[0], 1.0);
+  EXPECT_EQ(state.position[0], 1.98);
+  EXPECT_EQ(effortAt(state, 1.98), 0.0);
+}
+
+TEST(FingerWalls, ClosingFinger_FeelsTheLeadInBeforeTheTouch) {
+  FingerWallState state = follow({}, 2.0, 1.0, 0.0);
+  for (int i = 1; i <= 1000; ++i) state = follow(state, 2.0, 1.0 + 1e-3 * i, 1.0);
+  // Eq. (15): k (θ − θ_wall), and d θ̇.
+  EXPECT_NEAR(effortAt(state, 2.0, 1.0), -(1.5 * 0.05 + 0.006), tolerance(1e-12));
 }
 
 TEST(FingerWalls, TouchMovesWhileFelt_FollowAtTheirSpeed) {
   FingerWallState state = follow({}, 2.0, 0.0, 0.0);
-  for (int i = 0; i < 100; ++i) state = follow(state, 1.0, 1.2, 0.5);
+  for (int i = 0; i < 100; ++i) state = follow(state, 1.5, 1.2, 0.5);
   // 0.1 s at 0.04 m/s over 0.08 m: 0.05 rad.
   EXPECT_NEAR(state.position[0], 1.90, tolerance(1e-12));
-  EXPECT_NEAR(follow(state, 1.0, 1.2, 0.0).position[0], 0.95, tolerance(1e-12));
+  EXPECT_NEAR(follow(state, 1.5, 1.2, 0.0).position[0], 1.45, tolerance(1e-12));
 }
 
-TEST(FingerWalls, TouchFoundLateWithTheFingerPastIt_BeginAtTheFinger) {
-  const FingerWallState state = follow({}, 2.0, 2.4, 1.0);
-  EXPECT_EQ(state.known[0], 1.0);
-  EXPECT_EQ(state.position[0], 2.4);
-  EXPECT_EQ(fingerWallEffort(state, AxisPosition(1, 2.4), AxisVelocity(1), 1.0, {}, oneFinger())[0],
-            0.0);
+TEST(FingerWalls, TouchComesToAFingerThatTouchesNothing_StopAtTheFinger) {
+  FingerWallState state = follow({}, 2.0, 1.2, 0.0);
+  for (int i = 0; i < 3000; ++i) state = follow(state, 1.21, 1.2, 1.0);
+  EXPECT_EQ(state.position[0], 1.2);
+}
+
+/// The effort of a grasp whose touch is gone, tick by tick, while the finger goes on closing.
+TEST(FingerWalls, TouchGone_LetGoWhateverTheFingerDoes) {
+  for (const double gone : {kNan, -kInfinity, 0.5}) {
+    for (const double speed : {0.0, 10.0, -2.0}) {
+      FingerWallState state = follow({}, 2.0, 1.0, 0.0);
+      double finger = 2.15;  // 16 mm of path in the wall
+      for (int i = 0; i < 100; ++i) state = follow(state, 2.0, finger, 1.0, true);
+      double before = effortAt(state, finger);
+      ASSERT_NEAR(before, -1.5 * 0.2, tolerance(1e-12));
+      // 0.15 m/s: 16 mm are gone after 107 ms.
+      for (int i = 0; i < 108; ++i) {
+        finger += speed * kPeriod_s;
+        state = follow(state, gone, finger, 1.0);
+        const double effort = effortAt(state, finger);
+        ASSERT_GE(effort, before) << "it grew";
+        ASSERT_LE(effort - before, 1.5 * (0.15 / 0.08 + std::abs(speed)) * kPeriod_s + 1e-12);
+        before = effort;
+      }
+      EXPECT_EQ(before, 0.0);
+      EXPECT_EQ(state.known[0], 0.0);
+    }
+  }
+}
+
+TEST(FingerWalls, TouchRecedesFromAFingerThatTouchesNothing_GiveWayFasterThanItCloses) {
+  FingerWallState state = follow({}, 2.0, 1.0, 0.0);
+  double finger = 1.99;
+  state = follow(state, 2.0, finger, 1.0);
+  for (int i = 0; i < 300; ++i) {
+    const double before = effortAt(state, finger);
+    finger += 3.0 * kPeriod_s;  // six times as fast as the wall follows
+    state = follow(state, 4.0, finger, 1.0);
+    ASSERT_GE(effortAt(state, finger), before);
+  }
+  EXPECT_EQ(effortAt(state, finger), 0.0);
 }
 
 TEST(FingerWalls, RandomClosures_EffortOfAStillFingerNeverJumps) {
-  const FingerWallConfig config = oneFinger();
   auto random = seededRandom(33);
   std::uniform_real_distribution<double> unit(0.0, 1.0);
   FingerWallState state;
   double before_n = 0.0, largest_n = 0.0;
-  bool any = false;
+  int pushed = 0;
   for (int tick = 0; tick < 100'000; ++tick) {
-    const double closure = unit(random) < 0.3 ? kNan : 1.0 + unit(random);
-    state = follow(state, closure, 1.8, 1.0);
-    const double effort =
-        fingerWallEffort(state, AxisPosition(1, 1.8), AxisVelocity(1), 1.0, {}, config)[0];
-    largest_n = std::max(largest_n, std::abs(effort / 0.08 - before_n));
-    before_n = effort / 0.08;
-    any = any || effort < 0.0;
+    const double closure = unit(random) < 0.01 ? kNan : 1.6 + 0.4 * unit(random);
+    state = follow(state, closure, 1.8, 1.0, unit(random) < 0.9);
+    const double effort_n = effortAt(state, 1.8) / 0.08;
+    largest_n = std::max(largest_n, std::abs(effort_n - before_n));
+    before_n = effort_n;
+    pushed += effort_n < 0.0 ? 1 : 0;
   }
-  EXPECT_TRUE(any);
-  // The wall's slope: k · follow / lever · T = 1.5 · 0.5 · 1e-3 N·m, over 0.08 m: 0.0094 N.
-  EXPECT_LE(largest_n, 1.5 * 0.5 * 1e-3 / 0.08 + 1e-12);
+  EXPECT_GT(pushed, 1000);
+  // The wall's slope: k · 0.15 m/s over the lever arm twice · T.
+  EXPECT_LE(largest_n, 1.5 * 0.15 / (0.08 * 0.08) * 1e-3 + 1e-12);
+}
+
+TEST(FingerWalls, RandomUntouchedFingers_GetNoMoreThanTheirOwnClosingAsksFor) {
+  auto random = seededRandom(34);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  FingerWallState state;
+  double finger = 0.0, speed = 0.0, closure = 1.0, lowest = 0.0, alpha = 0.0;
+  int pushed = 0;
+  for (int tick = 0; tick < 1'000'000; ++tick) {
+    if (tick % 3000 == 0) alpha = 0.0;
+    if (tick % 50 == 0) speed = 10.0 * (2.0 * unit(random) - 1.0);
+    if (unit(random) < 0.003) closure = unit(random) < 0.2 ? kNan : 3.0 * unit(random);
+    closure += 0.002 * (2.0 * unit(random) - 1.0);
+    finger = std::clamp(finger + speed * kPeriod_s, 0.0, 3.0);
+    lowest = alpha > 0.0 ? std::min(lowest, finger) : finger;
+    state = follow(state, closure, finger, alpha);
+    alpha = std::min(1.0, alpha + 1e-3);
+    const double effort = effortAt(state, finger);
+    pushed += effort < 0.0 ? 1 : 0;
+    ASSERT_GE(effort, -1.5 * (finger - lowest) - 1e-12) << tick;
+    // The lead-in, and the 1 mm of path by which a touch may be missed.
+    ASSERT_GE(effort, -1.5 * (0.05 + 1e-3 / 0.08) - 1e-12) << tick;
+  }
+  EXPECT_GT(pushed, 10'000);
 }
 
 }  // namespace

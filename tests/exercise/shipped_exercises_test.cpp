@@ -117,6 +117,7 @@ TEST(ShippedExercises, FirmSqueezeOfTheThickest_StaysUnderTheTipLimit) {
   bar.record.closure[3] = bar.record.closure[5] = 1.0;
   const double k_pm = 4.0, lever_m = 0.08;
   bar.hold(3, 8.0);
+  bar.record.contacts[3].capsule = BarTable::capsuleOf("thumb_distal");  // both axes touch
   // The avatar's finger stays at the touch; the device's is past it by what 4 N stretch.
   bar.record.q_m[3] = bar.record.q_m[5] = 1.0 + 4.0 * lever_m / k_pm;
   bar.run(1.5);

@@ -159,5 +159,36 @@ TEST(TwoFaults, ClampedOnOneAxisAndNoNumberOnAnother_NameTheOneThatStops) {
   EXPECT_GT(clamped, 0);
 }
 
+// A fault of the world or of writing is of no axis: whoever looks at the axis that was merely
+// clamped in the same tick repairs the wrong thing.
+TEST(TwoFaults, ClampedBesideAFaultOfNoAxis_NameNone) {
+  std::mt19937_64 random = seededRandom(36);
+  const RendererConfig& config = workbench().config();
+  using World = InjectedWorldFault::Kind;
+  int clamped = 0;
+  for (const bool writing : {true, false}) {
+    for (int i = 0; i < 10; ++i) {
+      Sabotage sabotage;
+      const int tick = 300 + 10 * i;
+      if (writing) {
+        sabotage.device = {{InjectedKind::kWriteFails, tick, tick, 0, 0.0}};
+      } else {
+        sabotage.world = {i < 8 ? World::kStepFails : World::kNonFiniteState, tick, 0};
+      }
+      Bench bench(workbench(), sabotage, random, config);
+      // As a therapist who allows the least: nearly every effort is clamped.
+      std::vector<double> least;
+      for (const LiveParameter& p : bench.renderer.liveParameters()) least.push_back(p.lower);
+      bench.renderer.startParametersAt(least);
+      ASSERT_TRUE(bench.renderer.arm());
+      while (!any(bench.tick().faults & kStopping)) {
+      }
+      EXPECT_EQ(bench.record.fault_axis, -1) << "run " << i << (writing ? ", writing" : ", world");
+      clamped += any(bench.record.faults & (Fault::kEffortLimit | Fault::kEffortSlew)) ? 1 : 0;
+    }
+  }
+  EXPECT_GT(clamped, 0);
+}
+
 }  // namespace
 }  // namespace wholehand::test

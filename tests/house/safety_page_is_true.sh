@@ -25,7 +25,7 @@ named = 0
 for row in re.findall(r"^\|(.*)\|$", hazards, re.M)[2:]:
     hazard, _, proof = (cell.strip() for cell in row.rsplit("|", 2))
     path, files = None, 0
-    for link, name in re.findall(r"\]\(\.\./(tests/[^)]+)\)|`(\w+\.\w+|test_\w+)`", proof):
+    for link, name in re.findall(r"\]\(\.\./((?:web/)?tests/[^)]+)\)|`(\w+\.\w+|test_\w+)`", proof):
         if link:
             path, files = link, files + 1
             if not os.path.exists(path):

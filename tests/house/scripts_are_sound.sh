@@ -14,7 +14,7 @@ scripts+=(start check .ci/run)
 for script in "${scripts[@]}"; do
   bash -n "$script"
 done
-for script in start check .ci/run scripts/check_includes.py scripts/tidy.py; do
+for script in start check .ci/run scripts/build_times.py scripts/check_includes.py scripts/tidy.py; do
   [[ -x $script ]] || {
     echo "$script is not executable"
     exit 1

@@ -13,7 +13,7 @@ stand_in() { # <program>, its script on standard input
   { echo '#!/bin/bash' && cat; } >"$bin/$1"
   chmod +x "$bin/$1"
 }
-for tool in bash env sed tr grep dirname readlink mkdir chmod cat tail tee touch nproc awk find; do
+for tool in bash env sed tr grep dirname readlink mkdir chmod cat tail tee touch nproc awk find flock; do
   ln -s "$(command -v "$tool")" "$bin/$tool" 2>/dev/null || true
 done
 # Knows as installed what the file says; one package was removed once.
@@ -154,6 +154,40 @@ for arguments in --simulated-clock '--scene a.toml' --scene=a.toml '--motion a.c
 done
 went_on --scene a.toml --port 0
 expect_line "$without_pages"
+
+# Building: a full disk, a tree that was moved, another that builds here, a compiler that is missing.
+stand_in ninja <<'EOF'
+echo "[1/2] Building CXX object a.o"
+echo "FAILED: a.o"
+echo "fatal error: error writing to /tmp/a.s: No space left on device"
+exit 1
+EOF
+if start --no-web; then wrong "./start went on after a failed build"; fi
+expect "Building release failed: the disk of $repo/build is full. Make room and start again"
+stand_in ninja <<<'echo "ninja: no work to do."'
+
+stand_in cmake <<EOF
+echo "\$*" >>"$tree/cmake-was-asked"
+EOF
+echo "CMAKE_HOME_DIRECTORY:INTERNAL=/somewhere/else" >"$repo/build/release/CMakeCache.txt"
+went_on --no-web
+grep -q -- '--fresh --preset release' "$tree/cmake-was-asked" || wrong "a moved tree is not configured afresh"
+
+stand_in cmake <<'EOF'
+echo "CMake Error: No CMAKE_CXX_COMPILER could be found."
+exit 1
+EOF
+if start --no-web; then wrong "./start went on without a compiler"; fi
+expect 'No CMAKE_CXX_COMPILER could be found.'
+expect 'Configuring release failed. Full log:'
+echo "CMAKE_HOME_DIRECTORY:INTERNAL=$repo" >"$repo/build/release/CMakeCache.txt"
+
+(
+  exec 9>>"$repo/build/check.lock" && flock 9 && echo 4321 >"$repo/build/check.lock"
+  if start --no-web; then wrong "two build into one folder"; fi
+  expect "Another ./check or ./start builds in $repo (process 4321). Wait for it, or end it: kill 4321"
+)
+went_on --no-web
 
 # One range, in words for npm as well.
 cd "$root"

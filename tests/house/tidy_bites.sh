@@ -35,7 +35,7 @@ for name in one two; do
     >"$folder/src/$name.cpp"
 done
 for name in bad one two; do
-  printf '{"directory": "%s", "file": "%s", "command": "c++ -std=c++20 -o x.o -c %s"}\n' \
+  printf '{"directory": "%s", "file": "%s", "command": "clang++ -std=c++20 -o x.o -c %s"}\n' \
     "$folder" "$folder/src/$name.cpp" "$folder/src/$name.cpp"
 done | sed -e '1s/^/[/' -e '$!s/$/,/' -e '$s/$/]/' >"$folder/compile_commands.json"
 batched=$(python3 -B scripts/tidy.py "$folder" 2 "$folder/src") && {
@@ -47,7 +47,7 @@ batched=$(python3 -B scripts/tidy.py "$folder" 2 "$folder/src") && {
   echo "$batched"
   exit 1
 }
-grep -qx '3 files in 2 batches, 2 looked at alone, 1 with faults' <<<"$batched" || {
+grep -qx '3 files in 2 batches, 2 looked at alone, 0 clean before, 1 with faults' <<<"$batched" || {
   echo "batches: $batched"
   exit 1
 }
@@ -66,4 +66,34 @@ if python3 -B scripts/tidy.py "$folder" 2 "$folder/src" 2>/dev/null; then
   echo "batches: a source that the build does not know was passed over"
   exit 1
 fi
+rm "$folder/src/unknown.cpp"
+# A clang-tidy that is killed, for memory say, has found nothing and passed nothing.
+mkdir "$folder/bin"
+printf '#!/bin/bash\nkill -KILL $$\n' >"$folder/bin/clang-tidy"
+chmod +x "$folder/bin/clang-tidy"
+printf 'int changed();\n' >"$folder/src/one.cpp"
+if said=$(PATH=$folder/bin:$PATH python3 -B scripts/tidy.py "$folder" 2 "$folder/src"); then
+  echo "a clang-tidy that was killed passed as clean: $said"
+  exit 1
+fi
+grep -q 'clang-tidy was ended by SIGKILL' <<<"$said" || {
+  echo "it is not said that clang-tidy was killed: $said"
+  exit 1
+}
+# What was killed is looked at again, what was clean is not.
+said=$(python3 -B scripts/tidy.py "$folder" 2 "$folder/src")
+grep -q '^1 files .* 2 clean before, 0 with faults$' <<<"$said" || {
+  echo "after a change of one file of three: $said"
+  exit 1
+}
+# The build precompiles and joins: a source that forgets an #include is found here.
+printf '#include <cstddef>\nstd::vector<int> forgot();\n' >"$folder/src/two.cpp"
+if said=$(python3 -B scripts/tidy.py "$folder" 2 "$folder/src"); then
+  echo "a source without the #include that it needs was passed over: $said"
+  exit 1
+fi
+grep -q "no template named 'vector'" <<<"$said" || {
+  echo "the missing #include is not named: $said"
+  exit 1
+}
 echo "$checks checks"

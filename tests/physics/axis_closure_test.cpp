@@ -60,7 +60,7 @@ TEST(FirstTouchOfOneFinger, WithABall_IsTheClosedForm) {
   EXPECT_NEAR(touchOfOneFinger(at(0.08 + 0.025 - 1e-6, 1.5), 0.02), 3.0, tolerance(0.05));
   // Beyond the end of travel, and where the open end overlaps.
   EXPECT_TRUE(std::isnan(touchOfOneFinger(at(0.06, 3.0 + 0.43), 0.02)));
-  EXPECT_EQ(touchOfOneFinger(at(0.06, 0.2), 0.02), -0.2);
+  EXPECT_EQ(touchOfOneFinger(at(0.06, 0.2), 0.02), -kInfinity);
 }
 
 /// The hand glides past a bottle at 0.15 m/s; `look` hears of every tick.
@@ -88,8 +88,9 @@ TEST(FirstTouchOfAMovingHand, IsFollowedToAFractionOfAMillimetre) {
     for (int k = 0; k < 50; ++k) truth = here.tick();  // shown to be exact above
     for (int a = kFingers; a <= kThumb; ++a) {
       ++known;
-      if (std::isnan(truth[a]) && std::isnan(touch[a])) ++right;
-      if (std::isnan(truth[a]) || std::isnan(touch[a])) continue;
+      const bool none = std::isnan(truth[a]) && std::isnan(touch[a]);
+      if (none || truth[a] == touch[a]) ++right;
+      if (!std::isfinite(truth[a]) || !std::isfinite(touch[a]) || truth[a] == touch[a]) continue;
       const double off_m = std::abs(touch[a] - truth[a]) * 0.08;  // of path, at the lever arm
       right += off_m < 3e-4 ? 1 : 0;
       worst_m = std::max(worst_m, off_m);
@@ -143,7 +144,7 @@ TEST(FirstTouch, AfterTheBodyWasPutElsewhere_IsFoundAnew) {
     for (int k = 0; k < 50; ++k) expected = anew.tick();
     EXPECT_EQ(std::isnan(touch[kFingers]), y == 0.4);
     for (int a = kFingers; a <= kThumb; ++a) {
-      EXPECT_TRUE(std::abs(touch[a] - expected[a]) < 1e-5 ||
+      EXPECT_TRUE(touch[a] == expected[a] || std::abs(touch[a] - expected[a]) < 1e-5 ||
                   (std::isnan(touch[a]) && std::isnan(expected[a])))
           << y << ": " << touch[a] << " and not " << expected[a];
     }

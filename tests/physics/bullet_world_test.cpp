@@ -1,7 +1,9 @@
 // Laws of physics that the Bullet world must keep, whatever its solver does inside.
 #include "physics/bullet_bench.hpp"
+#include "physics/palm_distance.hpp"
 #include "support/tolerance.hpp"
 
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -269,6 +271,58 @@ TEST(PalmDistance, OfBallsAndBoxes_IsTheClosedForm) {
   BulletWorld empty(m.hand, weightless({}));
   ASSERT_TRUE(empty.placeHand(q));
   EXPECT_EQ(look(empty).palm_distance_m, std::numeric_limits<double>::infinity());
+}
+
+/// A ball somewhere about the middle of the palm's hollow, which looks along -z of the palm's
+/// frame. Its distance is that of the segment between the hollow's ends, less both radii.
+TEST(PalmDistance, OfATarget_IsNegativeUnlessItIsBeforeThePalm) {
+  struct Place {
+    Eigen::Vector3d way;  // in the palm's frame: distal, radial, dorsal
+    bool before;
+  };
+  const std::array<Place, 9> places{{{{0, 0, -1}, true},
+                                     {{0, 1, -1}, true},
+                                     {{0, -1, -1}, true},
+                                     {{0, 0, 1}, false},
+                                     {{0, 1, 1}, false},
+                                     {{0, -1, 1}, false},
+                                     {{0, 1, -0.1}, false},
+                                     {{0, -1, -0.1}, false},
+                                     {{0, -1, 0.1}, false}}};
+  for (const char* name : {"adult-median-right", "adult-median-left"}) {
+    const Models m = load(shippedFiles("lambda-pride", "empty", name));
+    const Pose palm = handAt(m.hand, AxisPosition(6)).linkPose(m.hand.palm_link);
+    const Capsule& hollow = *std::find_if(m.hand.capsules.begin(), m.hand.capsules.end(),
+                                          [](const Capsule& c) { return c.name == "hollow"; });
+    const Eigen::Vector3d along = (hollow.b_m - hollow.a_m).normalized();
+    for (const Place& place : places) {
+      SCOPED_TRACE(std::string(name) + testing::PrintToString(place.way.transpose()));
+      const Eigen::Vector3d way = (place.way - place.way.dot(along) * along).normalized();
+      const Eigen::Vector3d middle = 0.5 * (hollow.a_m + hollow.b_m);
+      const SceneModel scene = weightless({ball(palm * (middle + 0.06 * way), 0.03, 0.1)});
+      BodyState state;
+      state.position_m = Vec3::from(scene.bodies[0].pose.translation_m);
+      const auto found = PalmDistance(m.hand, scene)(palm, &state, 1U);
+      const double gap_m = 0.06 - 0.03 - hollow.radius_m;
+      EXPECT_EQ(found.target, 0);
+      EXPECT_NEAR(found.any_m, gap_m, tolerance(1e-6));
+      EXPECT_NEAR(found.target_m, place.before ? gap_m : -gap_m, tolerance(1e-6));
+    }
+  }
+}
+
+TEST(PalmDistance, OfATargetThatTouchesThePalm_IsNeverNegative) {
+  const Models m = load(shippedFiles());
+  const Pose palm = handAt(m.hand, AxisPosition(6)).linkPose(m.hand.palm_link);
+  const Capsule& hollow = *std::find_if(m.hand.capsules.begin(), m.hand.capsules.end(),
+                                        [](const Capsule& c) { return c.name == "hollow"; });
+  const Eigen::Vector3d at = hollow.a_m - Eigen::Vector3d(0, 0, 0.03 + hollow.radius_m - 0.002);
+  const SceneModel scene = weightless({ball(palm * at, 0.03, 0.1)});
+  BodyState state;
+  state.position_m = Vec3::from(scene.bodies[0].pose.translation_m);
+  const auto found = PalmDistance(m.hand, scene)(palm, &state, 1U);
+  EXPECT_LT(found.any_m, -1e-3);
+  EXPECT_EQ(found.target_m, 0.0);
 }
 
 }  // namespace

@@ -128,6 +128,89 @@ TEST(SimulatedSession, ForItsTime_TicksEveryPeriodAndEndsAtNeutral) {
   EXPECT_EQ(rail.session->counters().ticks_run, records.size());
 }
 
+/// The first record with that bit; -1: none.
+int firstWith(const std::vector<TickRecord>& records, Fault bit) {
+  for (std::size_t k = 0; k < records.size(); ++k) {
+    if (any(records[k].faults & bit)) return static_cast<int>(k);
+  }
+  return -1;
+}
+
+// From the tick after it was asked for, by the loop alone: the sink stands for every other thread,
+// and does nothing any more. Fade, then ramp: docs/safety.md.
+TEST(SimulatedSession, AskedToStopGently_FadesThenRampsByItself) {
+  SessionConfig config;
+  config.fade_out_s = 0.35;
+  Rail rail(config);
+  std::vector<TickRecord> records;
+  rail.session->runSimulated([&](const TickRecord& r) {
+    records.push_back(r);
+    if (r.tick == 99) rail.session->requestGentleStop();
+    // Whoever shows the exercise comes back: too late.
+    Command owner;
+    owner.type = CommandType::kOwner;
+    owner.value = 1.0;
+    if (r.tick == 150) EXPECT_TRUE(rail.session->tryCommand(owner));
+    if (r.tick == 160) rail.session->setOwnerAlive(true);
+  });
+  EXPECT_EQ(firstWith(records, Fault::kOwnerSilent), 100);
+  EXPECT_EQ(firstWith(records, Fault::kStopRequested), 100 + 350);
+  ASSERT_EQ(records.size(), 100U + 350U + kRampTicks);
+  for (std::size_t k = 100; k < records.size(); ++k) {
+    ASSERT_TRUE(any(records[k].faults & Fault::kOwnerSilent)) << k;
+  }
+  EXPECT_EQ(records.back().authority, 0.0);
+}
+
+TEST(SimulatedSession, SignalBeforeAndWhileItRuns_StopsItGently) {
+  for (const std::uint64_t at : {0U, 40U}) {
+    Interrupts interrupts;
+    SessionConfig config;
+    config.interrupts = &interrupts;
+    Rail rail(config);
+    if (at == 0) interrupts.asked = 1;
+    std::vector<TickRecord> records;
+    rail.session->runSimulated([&](const TickRecord& r) {
+      records.push_back(r);
+      if (r.tick + 1 == at) interrupts.asked = 1;
+    });
+    EXPECT_EQ(firstWith(records, Fault::kStopRequested), static_cast<int>(at));
+    EXPECT_EQ(records.size(), at + kRampTicks);
+  }
+}
+
+TEST(RealTimeSession, WhileItTicks_IsCountedAmongTheLoops) {
+  Interrupts interrupts;
+  SessionConfig config;
+  config.interrupts = &interrupts;
+  Rail rail(config);
+  EXPECT_EQ(interrupts.loops, 0);
+  startThread(*rail.session);
+  EXPECT_EQ(interrupts.loops, 1);
+  interrupts.asked = 1;
+  rail.session->join();
+  EXPECT_EQ(interrupts.loops, 0) << "the loop says so itself: nobody else may be there";
+}
+
+TEST(SimulatedSession, OwnerWhoIsLost_IsToldHoweverFullTheQueueIs) {
+  SessionConfig config;
+  config.duration_ticks = 60;
+  Rail rail(config);
+  std::vector<TickRecord> records;
+  rail.session->runSimulated([&](const TickRecord& r) {
+    records.push_back(r);
+    Command aim;
+    aim.type = CommandType::kAction;
+    while (rail.session->tryCommand(aim)) {
+    }
+    if (r.tick == 19) rail.session->setOwnerAlive(false);
+    if (r.tick == 39) rail.session->setOwnerAlive(true);
+  });
+  for (std::size_t k = 0; k < records.size(); ++k) {
+    ASSERT_EQ(any(records[k].faults & Fault::kOwnerSilent), k >= 20 && k < 40) << k;
+  }
+}
+
 TEST(RealTimeSession, ForItsTime_GivesEveryRecordInOrder) {
   SessionConfig config;
   config.duration_ticks = 300;

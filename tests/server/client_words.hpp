@@ -29,9 +29,13 @@ wire::Bytes command(std::uint32_t id, Make make, std::uint16_t version = wire::k
   return command(id, order, b, version);
 }
 
-inline wire::Bytes arm(std::uint32_t id, std::uint16_t version = wire::kSchemaVersion) {
+inline wire::Bytes arm(std::uint32_t id, std::uint16_t version = wire::kSchemaVersion,
+                       std::uint32_t endings_seen = 1) {
   return command(
-      id, [](Builder& b) { return fb::CreateArm(b); }, version);
+      id, [&](Builder& b) { return fb::CreateArm(b, endings_seen); }, version);
+}
+inline wire::Bytes armHavingSeen(std::uint32_t endings, std::uint32_t id) {
+  return arm(id, wire::kSchemaVersion, endings);
 }
 inline wire::Bytes stop(std::uint32_t id) {
   return command(id, [](Builder& b) { return fb::CreateStop(b); });

@@ -41,35 +41,63 @@ TEST_F(ControlDeskTest, SecondClient_IsRefusedUntilTheFirstGivesBack) {
   EXPECT_EQ(desk.take(ben, now), "");
 }
 
-TEST_F(ControlDeskTest, SilentHolder_FadesAfter200msAndComesBack) {
+TEST_F(ControlDeskTest, SilentHolder_LosesTheControlsAfter200msAndMustTakeThemAnew) {
   annaTakes();
   EXPECT_FALSE(after(200).owner_alive);
   const auto silent = after(1);
   ASSERT_TRUE(silent.owner_alive);
   EXPECT_FALSE(*silent.owner_alive);
-  EXPECT_FALSE(after(100).owner_alive);  // said once
-  desk.heard(ben, now);
-  EXPECT_FALSE(after(0).owner_alive);  // another's word does not count
+  EXPECT_TRUE(silent.holder_changed);  // all are told, Anna too
+  EXPECT_EQ(silent.silent_client, anna);
+  EXPECT_FALSE(desk.held());
   desk.heard(anna, now);
+  EXPECT_FALSE(after(100).owner_alive);  // to be heard again is not enough
+  EXPECT_EQ(desk.take(anna, now), "");
   const auto back = after(0);
   ASSERT_TRUE(back.owner_alive);
   EXPECT_TRUE(*back.owner_alive);
+  EXPECT_TRUE(back.give_back);  // where the hand was asked to be before is not meant any more
 }
 
-TEST_F(ControlDeskTest, SilentFor5s_LosesTheControlsToTheVirtualPatient) {
+// Browsers let a hidden page beat once a second, and once a minute after some time.
+TEST_F(ControlDeskTest, BeatsTooSeldom_TheEffortChangesOnce) {
+  struct Case {
+    std::int64_t every_ms, for_ms;
+  };
+  for (const auto& [every_ms, for_ms] :
+       {Case{1000, 24'000}, {210, 24'000}, {1000, 600'000}, {60'000, 3'600'000}}) {
+    annaTakes();
+    int changes = 0;
+    for (std::int64_t t = 0; t < for_ms; t += 10) {
+      if (t % every_ms == 0) desk.heard(anna, now);
+      const auto advice = after(10);
+      if (!advice.owner_alive) continue;
+      ++changes;
+      EXPECT_FALSE(*advice.owner_alive);
+      EXPECT_LE(t, 210);  // controls given back within 1 s
+    }
+    EXPECT_EQ(changes, 1) << "a beat every " << every_ms << " ms";
+    ASSERT_EQ(desk.take(anna, now), "");
+    ASSERT_EQ(desk.release(anna), "");
+    (void)after(0);
+  }
+}
+
+TEST_F(ControlDeskTest, SilentFor5s_TheVirtualPatientSteersAndNothingPushes) {
   annaTakes();
-  (void)after(300);
-  EXPECT_FALSE(after(4700).give_back);
+  (void)after(201);
+  EXPECT_FALSE(after(5000).give_back);
   const auto lost = after(1);
   EXPECT_TRUE(lost.give_back);
-  EXPECT_TRUE(lost.holder_changed);
-  EXPECT_EQ(lost.silent_client, anna);
-  ASSERT_TRUE(lost.owner_alive);
-  EXPECT_TRUE(*lost.owner_alive);
-  EXPECT_FALSE(desk.held());
+  EXPECT_FALSE(lost.owner_alive);
+  for (int i = 0; i < 100; ++i) {
+    const auto advice = after(60'000);
+    EXPECT_FALSE(advice.give_back);
+    EXPECT_FALSE(advice.owner_alive);
+  }
 }
 
-TEST_F(ControlDeskTest, LineLost_FadesAtOnceAndIsGivenBackAfter5s) {
+TEST_F(ControlDeskTest, LineLost_FadesAtOnceAndTheVirtualPatientSteersAfter5s) {
   annaTakes();
   desk.left(anna, now);
   const auto lost = after(0);
@@ -80,8 +108,7 @@ TEST_F(ControlDeskTest, LineLost_FadesAtOnceAndIsGivenBackAfter5s) {
   EXPECT_FALSE(after(5000).give_back);
   const auto given = after(1);
   EXPECT_TRUE(given.give_back);
-  ASSERT_TRUE(given.owner_alive);
-  EXPECT_TRUE(*given.owner_alive);
+  EXPECT_FALSE(given.owner_alive);  // it pushes again when somebody takes the controls
 }
 
 TEST_F(ControlDeskTest, LineLost_TheNextHolderBeginsWithTheVirtualPatient) {
@@ -111,21 +138,23 @@ TEST_F(ControlDeskTest, GameElsewhere_HoldsAndLosesThem) {
   EXPECT_NE(desk.take(anna, now), "");
   EXPECT_FALSE(after(60'000).owner_alive);  // its silence is its own server's matter
   ASSERT_TRUE(arbiter.release(game));
-  EXPECT_TRUE(after(0).holder_changed);
+  advice = after(0);
+  EXPECT_TRUE(advice.holder_changed);
+  ASSERT_TRUE(advice.owner_alive);
+  EXPECT_FALSE(*advice.owner_alive);
   EXPECT_FALSE(after(5000).give_back);
   advice = after(1);
   EXPECT_TRUE(advice.give_back);
-  ASSERT_TRUE(advice.owner_alive);
-  EXPECT_TRUE(*advice.owner_alive);
+  EXPECT_FALSE(advice.owner_alive);
 }
 
 TEST_F(ControlDeskTest, LeftAloneFor15Minutes_IsSaidOnceInAsLong) {
   constexpr std::int64_t kQuarter = 15 * 60 * 1000;
   EXPECT_FALSE(after(0).left_alone);
   annaTakes();
-  for (int i = 0; i < 600; ++i) {  // she watches, for 20 minutes
+  for (int i = 0; i < 12'000; ++i) {  // she watches, for 20 minutes
     desk.heard(anna, now);
-    ASSERT_FALSE(after(2000).left_alone) << i;
+    ASSERT_FALSE(after(100).left_alone) << i;
   }
   EXPECT_EQ(desk.release(anna), "");
   EXPECT_FALSE(after(0).left_alone);

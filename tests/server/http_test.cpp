@@ -227,6 +227,23 @@ TEST_F(HttpTest, ReportUnderWay_KeepsNobodyWaiting) {
   patient.join();
 }
 
+// Whoever waits for a disk that hangs is told, and keeps nobody else from anything.
+TEST_F(HttpTest, WorkThatTakesTooLong_IsRefusedAndItsWorkerGivenUp) {
+  std::promise<void> answers;
+  program.report_waits_for = answers.get_future().share();
+  options.report_patience = 1s;
+  open();
+  const char* report = "/api/recordings/night%20shift.h5/report/";
+  HttpReply r = get(port(), report);
+  EXPECT_EQ(r.status, 503);
+  EXPECT_TRUE(contains(r.body, "does not answer")) << r.body;
+  EXPECT_EQ(get(port(), report).status, 503) << "the second worker";
+  EXPECT_EQ(get(port(), "/").status, 200) << "pages have a worker of their own";
+  EXPECT_EQ(refused("disk"), 2.0);
+  answers.set_value();  // the workers go on, and what they bring comes too late
+  EXPECT_EQ(get(port(), report).status, 200);
+}
+
 TEST_F(HttpTest, LargeRecording_ArrivesWhole) {
   const std::string bytes(20'000'000, 'r');
   write("recordings/night shift.h5", bytes);

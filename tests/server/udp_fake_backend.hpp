@@ -44,6 +44,7 @@ class FakeBackend : public ServerBackend {
     status.session = scene_->session;
     status.run_state = run_state_;
     status.steering = steering_;
+    status.endings = endings_;
     return status;
   }
   [[nodiscard]] bool latest(TickRecord&) const override { return false; }
@@ -122,10 +123,12 @@ class FakeBackend : public ServerBackend {
   OrderReply carryOut(const Order& order) {
     switch (order.type) {
       case OrderType::kArm:
+        if (order.endings_seen != endings_) return {false, "it was stopped after this was asked"};
         run_state_ = RunState::kRendering;
         return {true, ""};
       case OrderType::kStop:
       case OrderType::kEmergencyStop:
+        ++endings_;
         run_state_ = RunState::kStopped;
         return {true, ""};
       case OrderType::kSetParameter:
@@ -163,7 +166,8 @@ class FakeBackend : public ServerBackend {
   Steering steering_ = Steering::kVirtualPatient;
   double lead_in_m_ = 0.005, owner_alive_ = 1.0, aims_ = 0.0, aimed_ = 0.0;
   std::vector<Order> orders_;
-  std::uint32_t claim_ = 0;  ///< as a station: what a former holder asked for comes too late
+  std::uint32_t endings_ = 1;  ///< as a station: an order to arm has seen the last one
+  std::uint32_t claim_ = 0;    ///< as a station: what a former holder asked for comes too late
 };
 
 }  // namespace wholehand::test

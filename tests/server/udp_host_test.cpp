@@ -237,7 +237,7 @@ TEST_F(UdpHost, EmergencyStopUnderAnyNumber_IsObeyed) {
   takeControls(game, 1);
   std::uint32_t armed = 100;
   for (const std::uint32_t id : {0U, 90U, 50U, 0U}) {
-    game.command(words::arm(++armed));
+    game.command(words::armHavingSeen(backend.status().endings, ++armed));
     settle();
     ASSERT_EQ(backend.status().run_state, RunState::kRendering);
     game.command(words::emergencyStop(id));

@@ -239,16 +239,41 @@ TEST_F(WebSocketTest, OversizedMessage_ClosesWith1009AndFreesTheControls) {
   EXPECT_EQ(controls.holder(), 0U);
 }
 
-TEST_F(WebSocketTest, FloodOfMessages_IsDroppedBut_AnEmergencyStopIsNot) {
+TEST_F(WebSocketTest, FloodOfMessages_IsDroppedBut_StopsAreNot) {
   open();
   WebSocket client(port());
-  for (std::uint32_t id = 1; id <= 600; ++id) client.say(heartbeat(id));
-  client.say(emergencyStop(601));
-  EXPECT_EQ(answer(client).reason, "more than 400 messages in a second: those beyond are dropped");
+  client.say(takeControls(1));
   EXPECT_TRUE(answer(client).accepted);
+  for (std::uint32_t id = 2; id <= 600; ++id) client.say(heartbeat(id));
+  client.say(stop(601));
+  client.say(emergencyStop(602));
+  EXPECT_EQ(answer(client).reason,
+            "Heartbeat: more than 400 messages in a second, those beyond are dropped");
+  for (const std::uint32_t id : {601U, 602U}) {
+    const auto reply = answer(client);
+    EXPECT_EQ(reply.command, id);
+    EXPECT_TRUE(reply.accepted);
+  }
+  EXPECT_EQ(program.askedFor(OrderType::kStop, 1).size(), 1U);
   // 400 at once, and as many more as the seconds of sending allowed.
   EXPECT_GT(refused("rate"), 100.0);
   EXPECT_LE(refused("rate"), 200.0);
+}
+
+// Whoever waits for an answer must not wait for ever: each refused command is named.
+TEST_F(WebSocketTest, CommandsBeyondTheRate_AreEachToldWhichTheyAre) {
+  open();
+  WebSocket client(port());
+  for (std::uint32_t id = 1; id <= 600; ++id) client.say(heartbeat(id));
+  (void)answer(client);  // of the heartbeats, once
+  for (const std::uint32_t id : {601U, 602U, 603U}) client.say(arm(id));
+  for (const std::uint32_t id : {601U, 602U, 603U}) {
+    const auto reply = answer(client);
+    EXPECT_EQ(reply.command, id);
+    EXPECT_FALSE(reply.accepted);
+    if (reply.reason == "this client does not hold the controls") continue;  // a slow machine
+    EXPECT_EQ(reply.reason, "Arm: more than 400 messages in a second, those beyond are dropped");
+  }
 }
 
 TEST_F(WebSocketTest, ForeignOrigin_GetsNoConnection) {
@@ -347,13 +372,21 @@ TEST_F(WebSocketTest, LogThatStandsStill_HoldsUpNoEmergencyStop) {
 }
 
 // How soon: load_test.cpp.
-TEST_F(WebSocketTest, SilentHolder_FadesAndReturnsWhenHeard) {
+TEST_F(WebSocketTest, SilentHolder_LosesTheControlsUntilItTakesThemAnew) {
   open();
   const auto client = holder();
   auto alive = program.askedFor(OrderType::kOwnerAlive, 1);
   ASSERT_GE(alive.size(), 1U);
   EXPECT_EQ(alive[0].order.value, 0.0);
-  client->say(heartbeat(2));
+  EXPECT_EQ(controls.holder(), 0U);
+  EXPECT_TRUE(logged("was silent and lost the controls"));
+  client->say(
+      heartbeat(0));  // a page's beats have no number of their own: not refused, and of no use
+  client->say(aim(3, {0.0F}));
+  EXPECT_EQ(answer(*client).refusal, fb::Refusal::NotHolder);
+  EXPECT_EQ(program.askedFor(OrderType::kOwnerAlive, 1).size(), 1U);
+  client->say(takeControls(4));
+  EXPECT_TRUE(answer(*client).accepted);
   alive = program.askedFor(OrderType::kOwnerAlive, 2);
   ASSERT_GE(alive.size(), 2U);
   EXPECT_EQ(alive[1].order.value, 1.0);

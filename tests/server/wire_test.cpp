@@ -92,6 +92,7 @@ TickRecord fullRecord(int axes, int joints, int values) {
 LoopStatus fullStatus() {
   LoopStatus s;
   s.session = 3;
+  s.endings = 5;
   s.run_state = RunState::kFaulted;
   s.steering = Steering::kPerson;
   s.latched = Fault::kDeviceRead;
@@ -118,6 +119,7 @@ TEST(WireState, FullRecord_ArrivesAsItWas) {
       verified(encoder.encode(r, fullStatus(), wire::Detail::kFull, 555)).payload_as_WorldState();
   ASSERT_NE(s, nullptr);
   EXPECT_EQ(s->session(), 3U);
+  EXPECT_EQ(s->endings(), 5U);
   EXPECT_EQ(s->tick(), 123456789012U);
   EXPECT_EQ(s->time_s(), 123456.789);
   EXPECT_EQ(s->sent_monotonic_ns(), 555);
@@ -234,6 +236,7 @@ TEST(WireDecode, EveryOrder_IsUnderstood) {
   for (const wire::Bytes& bytes : oneOfEach()) m.push_back(test::orThrow(wire::decode(bytes)));
   for (std::size_t i = 0; i < m.size(); ++i) EXPECT_EQ(m[i].id, i + 1);
   EXPECT_EQ(m[0].order.type, OrderType::kArm);
+  EXPECT_EQ(m[0].order.endings_seen, 1U);
   EXPECT_EQ(m[1].order.type, OrderType::kStop);
   EXPECT_EQ(m[2].order.type, OrderType::kEmergencyStop);
   EXPECT_EQ(m[3].order.type, OrderType::kLoadExercise);

@@ -6,24 +6,6 @@
 namespace wholehand::test {
 namespace {
 
-/// Wants the hand elsewhere at once, faster than the device allows.
-class Startled final : public Player {
- public:
-  explicit Startled(int axes) : rest_(axes) {}
-  [[nodiscard]] AxisPosition start() const override { return rest_; }
-  void reset() override { periods_ = 0; }
-  void advance(double, AxisPosition& q, AxisVelocity& qd) noexcept override {
-    q = rest_;
-    qd = AxisVelocity(rest_.size());
-    q[0] = ++periods_ < 700 ? -0.08 : 0.3;  // 300 N/m on 1.8 kg: 1.5 m/s is passed on the way
-  }
-  void see(const TickRecord&) noexcept override {}
-
- private:
-  AxisPosition rest_;
-  int periods_ = 0;
-};
-
 /// The same station without an exercise that plays.
 class SafetyStates : public Bar {
  protected:
@@ -79,8 +61,7 @@ TEST_F(SafetyStates, EmergencyStopWhileRehearsing_RefusesPromptly) {
   load(barConfig());
   run(false);
   for (const auto after : {0ms, 5ms, 20ms, 60ms, 120ms}) {
-    Order arm;
-    arm.type = OrderType::kArm;
+    const Order arm = of(OrderType::kArm);
     auto answered = std::make_shared<std::promise<OrderReply>>();
     auto answer = answered->get_future();
     station_->order(arm, [answered](const OrderReply& reply) { answered->set_value(reply); });

@@ -22,6 +22,27 @@ using namespace std::chrono_literals;
 
 inline const std::string kRoot = WHOLEHAND_SOURCE_DIR;
 
+/// Wants the hand elsewhere at once, faster than the device allows: 0.7 s after it may.
+class Startled final : public Player {
+ public:
+  explicit Startled(int axes, std::shared_ptr<const std::atomic<bool>> may = nullptr)
+      : rest_(axes), may_(std::move(may)) {}
+  [[nodiscard]] AxisPosition start() const override { return rest_; }
+  void reset() override { periods_ = 0; }
+  void advance(double, AxisPosition& q, AxisVelocity& qd) noexcept override {
+    q = rest_;
+    qd = AxisVelocity(rest_.size());
+    if (!may_ || *may_) ++periods_;
+    q[0] = periods_ < 700 ? -0.08 : 0.3;  // 300 N/m on 1.8 kg: 1.5 m/s is passed on the way
+  }
+  void see(const TickRecord&) noexcept override {}
+
+ private:
+  AxisPosition rest_;
+  std::shared_ptr<const std::atomic<bool>> may_;  ///< none: it may from the start
+  int periods_ = 0;
+};
+
 /// With the bar and a folder that vanishes.
 class Bar : public testing::Test {
  protected:
@@ -81,10 +102,14 @@ class Bar : public testing::Test {
     if (answer.wait_for(60s) != std::future_status::ready) return {false, "no answer"};
     return answer.get();
   }
-  OrderReply ask(OrderType type) {
+  OrderReply ask(OrderType type) { return ask(of(type)); }
+  /// As of somebody who has just looked: an order to arm has seen all that has ended.
+  [[nodiscard]] Order of(OrderType type, std::uint32_t claim = 0) const {
     Order order;
     order.type = type;
-    return ask(order);
+    order.claim = claim;
+    if (station_) order.endings_seen = station_->status().endings;
+    return order;
   }
   template <class Condition>
   static bool becomes(Condition&& condition, std::chrono::seconds within = 30s) {
@@ -127,8 +152,7 @@ class Bar : public testing::Test {
     }
   }
   void later(OrderType type) {
-    Order order;
-    order.type = type;
+    Order order = of(type);
     if (type == OrderType::kLoadExercise) order.level = 2;
     station_->order(order, [](const OrderReply&) {});
   }

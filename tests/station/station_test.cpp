@@ -182,8 +182,7 @@ TEST_F(Bar, OwnerSilent_FadesTheExerciseAndNothingElse) {
 TEST_F(Bar, StopWhileArming_NothingPushes) {
   for (const OrderType stop : {OrderType::kStop, OrderType::kEmergencyStop}) {
     if (!thread_.joinable()) run(false);
-    Order arm;
-    arm.type = OrderType::kArm;
+    const Order arm = of(OrderType::kArm);
     auto answered = std::make_shared<std::promise<OrderReply>>();
     auto answer = answered->get_future();
     station_->order(arm, [answered](const OrderReply& reply) { answered->set_value(reply); });

@@ -1,38 +1,11 @@
-import * as flatbuffers from 'flatbuffers';
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
-import { Connection, type Line } from '../src/net/connection';
+import { Connection } from '../src/net/connection';
 import { socketUrl, tokenOf } from '../src/net/open_connection';
 import {
-  Command, ControlsT, EventsT, EventT, Message, MessageT, Order, Payload, Refusal, ReplyT, SCHEMA_VERSION, SceneT, SetParameter, TakeControls,
-  WelcomeT, WorldStateT,
+  Arm, ControlsT, EventsT, EventT, Order, Payload, Refusal, ReplyT, SCHEMA_VERSION, SceneT, SetParameter, TakeControls, WelcomeT, WorldStateT,
 } from '../src/protocol';
 import { setLanguage } from '../src/shared/i18n';
-
-/** A line whose other end is the test. */
-class TestLine implements Line {
-  binaryType = '';
-  onopen: Line['onopen'] = null;
-  onmessage: Line['onmessage'] = null;
-  onclose: Line['onclose'] = null;
-  closed = false;
-  readonly sent: { id: number; order: Order; table: Command }[] = [];
-
-  send(data: Uint8Array<ArrayBuffer>): void {
-    const message = Message.getRootAsMessage(new flatbuffers.ByteBuffer(data));
-    expect(message.schemaVersion()).toBe(SCHEMA_VERSION);
-    const table = message.payload(new Command()) as Command;
-    this.sent.push({ id: table.id(), order: table.orderType(), table });
-  }
-  close(): void { this.closed = true; }
-  say(kind: Payload, payload: MessageT['payload'], version = SCHEMA_VERSION): void {
-    const builder = new flatbuffers.Builder(256);
-    Message.finishMessageBuffer(builder, new MessageT(version, kind, payload).pack(builder));
-    this.deliver(builder.asUint8Array().slice().buffer);
-  }
-  deliver(data: unknown): void { this.onmessage?.({ data } as MessageEvent); }
-  welcome(): void { this.say(Payload.Welcome, new WelcomeT(SCHEMA_VERSION, 7, true, '0.3.0')); }
-  breaks(): void { this.onclose?.({} as CloseEvent); }
-}
+import { TestLine } from './test_line';
 
 let lines: TestLine[] = [];
 const connections: Connection[] = [];
@@ -83,12 +56,27 @@ test('Connection_Orders_HaveStrictlyIncreasingIdsAndTheirOwnAnswers', async () =
   expect(await second).toEqual({ accepted: true, reason: '' });
 });
 
+test('Connection_Arm_NamesTheEndingThatItsPersonWasShown', () => {
+  const connection = connect();
+  lines[0].welcome();
+  expect(connection.endings).toBe(0);
+  const state = new WorldStateT();
+  state.endings = 3;
+  lines[0].say(Payload.WorldState, state);
+  expect(connection.endings).toBe(3);
+  void connection.arm(2);  // pressed before the third one was shown
+  expect((lines[0].sent[0].table.order(new Arm()) as Arm).endingsSeen()).toBe(2);
+  // Another run of the program counts anew.
+  lines[0].welcome();
+  expect(connection.endings).toBe(0);
+});
+
 test('Connection_ARefusal_IsSaidInThePersonsLanguage', async () => {
   vi.stubGlobal('document', { documentElement: {} });
   const connection = connect();
   lines[0].welcome();
   const answerTo = (refusal: Refusal, reason: string): Promise<unknown> => {
-    const answer = connection.arm();
+    const answer = connection.arm(1);
     lines[0].say(Payload.Reply, new ReplyT(lines[0].sent.at(-1)!.id, false, reason, refusal));
     return answer.then((given) => given.reason);
   };
@@ -111,7 +99,7 @@ test('Connection_ARefusal_IsSaidInThePersonsLanguage', async () => {
 test('Connection_Lost_TriesAgainWithGrowingWaitsAndKeepsIdsIncreasing', async () => {
   const connection = connect();
   lines[0].welcome();
-  void connection.arm();
+  void connection.arm(1);
   lines[0].breaks();
   expect(connection.status).toBe('lost');
   // 0.25 s, then twice as long after each failure, 2 s at most.
@@ -129,7 +117,7 @@ test('Connection_Lost_TriesAgainWithGrowingWaitsAndKeepsIdsIncreasing', async ()
   line.onopen?.({} as Event);
   line.welcome();
   expect([connection.status, connection.attempts]).toEqual(['open', 0]);
-  void connection.arm();
+  void connection.arm(1);
   expect(line.sent[0].id).toBe(2);
   // The wait is short again.
   line.breaks();
@@ -139,9 +127,9 @@ test('Connection_Lost_TriesAgainWithGrowingWaitsAndKeepsIdsIncreasing', async ()
 
 test('Connection_LostBeforeAnAnswer_AnswersTheOrderItself', async () => {
   const connection = connect();
-  expect(await connection.arm()).toEqual({ accepted: false, reason: 'There is no connection.' });
+  expect(await connection.arm(1)).toEqual({ accepted: false, reason: 'There is no connection.' });
   lines[0].welcome();
-  const arm = connection.arm();
+  const arm = connection.arm(1);
   lines[0].breaks();
   expect(await arm).toEqual({ accepted: false, reason: 'The connection was lost.' });
   expect(connection.controls.heldByYou).toBe(false);

@@ -33,7 +33,7 @@ function moment(values: Record<string, number>, more: Partial<WorldStateT> = {})
 }
 
 const script = scriptOfSunset();
-const playing: Situation = { status: 'open', problem: null, everOpen: true, attempts: 0, wish: 'play', loading: false, resting: false, held: { heldByYou: true, held: true } };
+const playing: Situation = { status: 'open', problem: null, everOpen: true, attempts: 0, wish: 'play', loading: false, resting: false, loss: '', held: { heldByYou: true, held: true } };
 
 test('Script_OfAnotherExerciseOrBrokenText_IsNone', () => {
   const scene = new SceneT();
@@ -68,6 +68,16 @@ test('PageState_TheMostSeriousComesFirst', () => {
   expect(pageState({ ...playing, wish: 'undecided' }, script, state)).toBe('welcome');
   expect(pageState({ ...playing, resting: true }, script, state)).toBe('rest');
   expect(pageState(playing, null, state)).toBe('free');
+});
+
+test('PageState_WhenThePageLostTheControls_SaysSoUntilTheyAreTakenAnew', () => {
+  const lost: Situation = { ...playing, loss: 'left', held: { heldByYou: false, held: false } };
+  const state = moment({ stage: Stage.Pour });
+  expect(pageState(lost, script, state)).toBe('left');
+  expect(pageState({ ...lost, resting: true }, script, state)).toBe('left');
+  expect(pageState({ ...lost, loading: true }, script, state)).toBe('loading');
+  expect(pageState({ ...lost, wish: 'watch' }, script, state)).toBe('watching');
+  expect(pageState(lost, script, moment({}, { runState: RunState.Stopped }))).toBe('stopped');
 });
 
 test('PageState_WithoutTheControlsOrWhileTheProgramSteers_IsWatching', () => {

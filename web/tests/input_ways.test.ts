@@ -83,17 +83,17 @@ describe('game pad', () => {
   });
 
   it('nothing moved is no wish', () => {
-    expect(wishOfPad({ axes: [0, 0, 0, 0], buttons: rest })).toBeUndefined();
+    expect(wishOfPad({ mapping: 'standard', axes: [0, 0, 0, 0], buttons: rest })).toBeUndefined();
   });
 
   it('left stick up goes away, to the left goes left, right stick up lifts', () => {
-    const wish = wishOfPad({ axes: [-1, -1, 0, -1], buttons: rest });
+    const wish = wishOfPad({ mapping: 'standard', axes: [-1, -1, 0, -1], buttons: rest });
     expect(wish?.velocity).toEqual({ x: 0.15, y: 0.15, z: 0.15 });
   });
 
   it('a trigger squeezes as far as it is pulled', () => {
     const buttons = rest.map((button, i) => (i === 7 ? { value: 0.6, pressed: true } : button));
-    expect(wishOfPad({ axes: [0, 0, 0, 0], buttons })?.squeeze).toBe(0.6);
+    expect(wishOfPad({ mapping: 'standard', axes: [0, 0, 0, 0], buttons })?.squeeze).toBe(0.6);
   });
 });
 

@@ -10,6 +10,7 @@ namespace Wholehand
     public sealed class HandState
     {
         public uint Session;           // counts from 1 with every arming
+        public uint Endings;           // counts stops, faults and ends of sessions; Arm names the last one shown
         public ulong Tick;
         public double TimeS;
         public long SentMonotonicNs;
@@ -38,6 +39,7 @@ namespace Wholehand
         internal void CopyFrom(WorldState s)
         {
             Session = s.Session;
+            Endings = s.Endings;
             Tick = s.Tick;
             TimeS = s.TimeS;
             SentMonotonicNs = s.SentMonotonicNs;

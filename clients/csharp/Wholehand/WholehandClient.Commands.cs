@@ -24,14 +24,11 @@ namespace Wholehand
             });
         }
 
-        /// <summary>Starts rendering (again).</summary>
-        public Task<CommandReply> Arm()
+        /// <summary>Starts rendering (again). <paramref name="endingsSeen"/> is HandState.Endings as the person was
+        /// shown it when pressing; refused where anything has been stopped since.</summary>
+        public Task<CommandReply> Arm(uint endingsSeen)
         {
-            return Ask(Order.Arm, b =>
-            {
-                wholehand.protocol.Arm.StartArm(b);
-                return wholehand.protocol.Arm.EndArm(b).Value;
-            });
+            return Ask(Order.Arm, b => wholehand.protocol.Arm.CreateArm(b, endingsSeen).Value);
         }
 
         /// <summary>Fades the exercise out and ramps to neutral.</summary>

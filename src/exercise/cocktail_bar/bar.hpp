@@ -66,13 +66,23 @@ struct BarRow {
   double speed_m_s = 0.0;
 };
 
+/// Where a dispenser's centre of mass must be for the palm to come to it.
+struct BarReach {
+  Eigen::Vector3d lower_m = Eigen::Vector3d::Constant(-1e3);
+  Eigen::Vector3d upper_m = Eigen::Vector3d::Constant(1e3);
+
+  [[nodiscard]] bool contains(const Eigen::Vector3d& at_m) const noexcept {
+    return (at_m.array() >= lower_m.array() && at_m.array() <= upper_m.array()).all();
+  }
+};
+
 /// When the hand is drawn back: bodies may slide, and be stood up.
 struct BarDrawnBack {
   double x_m = 0.0;     ///< the hand's x is less ...
   double palm_m = 0.0;  ///< ... and the palm at least this far from every dispenser
 };
 
-/// Squeeze: summed normal contact force on a dispenser, low-passed.
+/// Squeeze: the normal contact forces that grip a dispenser, low-passed.
 struct BarSqueeze {
   double filter_hz = 5.0;
   double threshold_n = 0.0, low_n = 0.0, high_n = 0.0, full_n = 0.0;
@@ -84,7 +94,7 @@ struct BarFlow {
   double max_l_s = 0.0;    ///< of the thinnest
 };
 
-/// A free dispenser that was knocked over.
+/// A free dispenser that was knocked over, or pushed out of reach.
 struct BarUpset {
   double tilt_rad = 0.9;    ///< leaning more than this, held by nobody
   double leak_l_s = 0.0;    ///< what then runs out, of the thinnest
@@ -111,6 +121,7 @@ struct Bar {
   BarRow row;
   BarDrawnBack drawn_back;
   BarUpset upset;
+  BarReach reach;
   BarScoring scoring;
   double counter_z_m = 0.0, rail_z_m = 0.0;  ///< top of the counter, lower side of the rail
   int x_axis = -1;                           ///< of the device; -1: it has none

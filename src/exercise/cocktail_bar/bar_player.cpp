@@ -1,5 +1,7 @@
 #include "exercise/cocktail_bar/bar_player.hpp"
 
+#include "core/units.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -7,18 +9,19 @@
 namespace wholehand {
 namespace {
 
-constexpr double kDeg = std::numbers::pi / 180.0;
-
 // Of the fingers' aim while they press.
 constexpr double kClosing_rad_s = 1.5, kPressing_rad_s = 0.6;
-constexpr int kMostTries = 4;          // squeezes of one grasp
-constexpr double kGivesUp_s = 8.0;     // of a squeeze that comes to nothing
-constexpr double kHoldShare = 0.82;    // of the zone's lower end: holds and does not pour
-constexpr double kHeld = 0.08;         // as a share: as it should be
-constexpr double kReleaseLag_s = 0.1;  // that a flow lasts on when the hand lets go
-constexpr double kEaseLag_s = 0.5;     // and when it only eases its grip
-constexpr double kSettled_s = 0.3;     // a hold is trusted after this
-constexpr double kNear_m = 0.06;       // to a dispenser: the hand is at it
+constexpr int kMostTries = 4;             // squeezes of one grasp
+constexpr double kGivesUp_s = 8.0;        // of a squeeze that in this time does not bring ...
+constexpr double kWorthwhile_l = 2e-3;    // ... so much into the glass
+constexpr double kFartherOff_m = 2e-3;    // an aim, with every grasp that failed ...
+constexpr double kFarthestOff_m = 0.012;  // ... at most
+constexpr double kHoldShare = 0.82;       // of the zone's lower end: holds and does not pour
+constexpr double kHeld = 0.08;            // as a share: as it should be
+constexpr double kReleaseLag_s = 0.1;     // that a flow lasts on when the hand lets go
+constexpr double kEaseLag_s = 0.5;        // and when it only eases its grip
+constexpr double kSettled_s = 0.3;        // a hold is trusted after this
+constexpr double kNear_m = 0.06;          // to a dispenser: the hand is at it
 
 }  // namespace
 
@@ -62,7 +65,8 @@ void BarPlayer::reset() {
   qd_ = AxisVelocity(view_.axes);
   lost_ = advanced_ = false;
   dispenser_ = drink_ = step_ = -1;
-  tries_ = 0;
+  tries_ = failures_ = 0;
+  poured_before_l_ = poured_l_ = vain_s_ = 0.0;
   lifted_ = false;
   rate_ = wanted_rate_ = trembling_s_ = glance_due_s_ = 0.0;
   remembered_ = newest_ = 0;
@@ -119,7 +123,7 @@ void BarPlayer::aimAt(const TickRecord& record, int dispenser) noexcept {
   dispenser_ = dispenser;
   const BarView::Dispenser& d = view_.dispensers[static_cast<std::size_t>(dispenser)];
   const BodyState& body = record.bodies[static_cast<std::size_t>(std::max(d.body, 0))];
-  const double off = character_.aim_m;
+  const double off = std::min(character_.aim_m + kFartherOff_m * failures_, kFarthestOff_m);
   grip_ = worldPoint(body, d.grip_m) - view_.grip_m +
           Eigen::Vector3d(draw(-off, off), draw(-off, off), draw(-off, off));
   over_ = grip_;
@@ -129,6 +133,19 @@ void BarPlayer::aimAt(const TickRecord& record, int dispenser) noexcept {
   const Eigen::Vector3d nozzle = worldPoint(body, d.nozzle_m);
   over_ += Eigen::Vector3d(glass.x() - nozzle.x(), glass.y() - nozzle.y(),
                            std::max(0.02, glass.z() + view_.glass_top_m + 0.02 - nozzle.z()));
+}
+
+/// A dispenser that is lifted may lean in the hand: where its nozzle is now, is to be over the
+/// glass.
+void BarPlayer::aimOverGlass(const TickRecord& record) noexcept {
+  const BarView::Dispenser& d = view_.dispensers[static_cast<std::size_t>(dispenser_)];
+  const auto state_of = [&record](int body) -> const BodyState& {
+    return record.bodies[static_cast<std::size_t>(std::max(body, 0))];
+  };
+  const Eigen::Vector3d off =
+      state_of(view_.glass_body).position_m.eigen() - worldPoint(state_of(d.body), d.nozzle_m);
+  if (view_.x >= 0) over_.x() = q_[view_.x] + off.x();
+  if (view_.y >= 0) over_.y() = q_[view_.y] + off.y();
 }
 
 /// Takes up with the dispenser that the hand is at; false where it is at none.
@@ -145,6 +162,14 @@ bool BarPlayer::comeNear(const TickRecord& record) noexcept {
   return false;
 }
 
+/// Another grasp begins: did the one before bring anything?
+void BarPlayer::noteGrasp(const BarGlance& seen) noexcept {
+  const bool again = seen.drink == drink_ && seen.step == step_;
+  const bool failed = again && seen.poured_l - poured_before_l_ < kWorthwhile_l;
+  failures_ = failed ? failures_ + 1 : 0;
+  poured_before_l_ = seen.poured_l;
+}
+
 void BarPlayer::decide(const BarGlance& seen, const TickRecord& record) noexcept {
   const bool wants = wantsToGrasp(seen);
   const bool same = wants && seen.target == dispenser_;
@@ -153,6 +178,7 @@ void BarPlayer::decide(const BarGlance& seen, const TickRecord& record) noexcept
       if (since_s_ < character_.reaction_s) return;
       if (seen.stage == BarStage::kDrawBack && !drawnBack()) go(Doing::kDrawBack);
       if (!wants) return;
+      noteGrasp(seen);
       aimAt(record, seen.target);
       drink_ = seen.drink;
       step_ = seen.step;
@@ -173,10 +199,10 @@ void BarPlayer::decide(const BarGlance& seen, const TickRecord& record) noexcept
     default:
       break;
   }
-  if (reach_.done()) next(seen);
+  if (reach_.done()) next(seen, record);
 }
 
-void BarPlayer::next(const BarGlance& seen) noexcept {
+void BarPlayer::next(const BarGlance& seen, const TickRecord& record) noexcept {
   const bool free = dispenser_ >= 0 && view_.dispensers[static_cast<std::size_t>(dispenser_)].free;
   const bool more =
       wantsToGrasp(seen) && seen.target == dispenser_ && seen.step == step_ && seen.drink == drink_;
@@ -189,6 +215,7 @@ void BarPlayer::next(const BarGlance& seen) noexcept {
       lifted_ = false;
       return go(Doing::kSqueeze);
     case Doing::kLift:
+      aimOverGlass(record);
       return go(Doing::kCarry);
     case Doing::kCarry:
       lifted_ = true;
@@ -236,7 +263,10 @@ void BarPlayer::pressBy(const BarGlance& seen) noexcept {
   const double coming_l = character_.judgement * seen.flow_l_s * lag_s;
   const bool enough = seen.asked_l > 0.0 && seen.poured_l + coming_l >= seen.asked_l;
   const bool wrong = seen.engaged >= 0 && seen.engaged != dispenser_;
-  if (since_s_ > kGivesUp_s && seen.flow_l_s == 0.0) tries_ = kMostTries;
+  const bool worthwhile = std::abs(seen.poured_l - poured_l_) > kWorthwhile_l;
+  vain_s_ = worthwhile ? 0.0 : vain_s_ + period_s_;
+  if (worthwhile) poured_l_ = seen.poured_l;
+  if (vain_s_ > kGivesUp_s) tries_ = kMostTries;
   if ((other && since_s_ > character_.reaction_s) || enough || wrong || tries_ == kMostTries) {
     share_ *= 0.5;  // what is missing afterwards is poured with less
     ++tries_;

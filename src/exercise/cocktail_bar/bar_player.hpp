@@ -13,9 +13,10 @@ namespace wholehand {
 /// A virtual patient who plays the cocktail bar by what is seen in the records, a reaction time
 /// late: draws back while row or glass slide, comes to the dispenser from behind and beside it,
 /// closes the hand, squeezes as the meter asks, anticipates the line and lets go, draws back. A
-/// free dispenser is lifted over the glass and put back. A grasp that fails is tried again with
-/// another aim. The seed says where the hand starts, how well it aims, how strongly and how fast
-/// this person acts, and how the hand trembles. Deterministic.
+/// free dispenser is lifted until its nozzle is over the glass and put back. A squeeze that
+/// brings nothing into the glass is given up; a grasp that fails is tried again with another aim,
+/// which may be farther off every time. The seed says where the hand starts, how well it aims, how
+/// strongly and how fast this person acts, and how the hand trembles. Deterministic.
 class BarPlayer final : public Player {
  public:
   BarPlayer(const BarView& view, std::uint64_t seed);
@@ -63,7 +64,7 @@ class BarPlayer final : public Player {
   double draw(double low, double high) noexcept;
   [[nodiscard]] const BarGlance& remember() const noexcept;
   void decide(const BarGlance& seen, const TickRecord& record) noexcept;
-  void next(const BarGlance& seen) noexcept;
+  void next(const BarGlance& seen, const TickRecord& record) noexcept;
   void pressBy(const BarGlance& seen) noexcept;
   void press(double period_s) noexcept;
   void go(Doing doing) noexcept;
@@ -73,6 +74,8 @@ class BarPlayer final : public Player {
   void shape(Doing doing) noexcept;
   [[nodiscard]] double durationTo(const AxisPosition& goal) const noexcept;
   void aimAt(const TickRecord& record, int dispenser) noexcept;
+  void noteGrasp(const BarGlance& seen) noexcept;
+  void aimOverGlass(const TickRecord& record) noexcept;
   [[nodiscard]] bool comeNear(const TickRecord& record) noexcept;
   void tremble(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept;
   [[nodiscard]] bool wantsToGrasp(const BarGlance& seen) const noexcept;
@@ -96,6 +99,10 @@ class BarPlayer final : public Player {
   int dispenser_ = -1;  // the one that is grasped for, -1: none yet
   int drink_ = -1, step_ = -1;
   int tries_ = 0;                                   // squeezes of this grasp
+  int failures_ = 0;                                // grasps in a row that brought nothing
+  double poured_before_l_ = 0.0;                    // this grasp
+  double poured_l_ = 0.0;                           // when it last was worth the while ...
+  double vain_s_ = 0.0;                             // ... so long ago
   bool lifted_ = false;                             // a free dispenser is over the glass
   Eigen::Vector3d grip_ = Eigen::Vector3d::Zero();  // where the base is to be
   Eigen::Vector3d over_ = Eigen::Vector3d::Zero();  // a free one: where it pours

@@ -1,14 +1,12 @@
+#include "core/units.hpp"
 #include "exercise/cocktail_bar/bar_player.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 // How the hand goes where the player wants it.
 namespace wholehand {
 namespace {
-
-constexpr double kDeg = std::numbers::pi / 180.0;
 
 // Postures [rad]. Stretched, the fingers pass beside a dispenser; half bent, they pass in front of
 // the row.
@@ -134,7 +132,7 @@ void BarPlayer::go(Doing doing) noexcept {
   doing_ = doing;
   since_s_ = 0.0;
   rate_ = wanted_rate_ = 0.0;
-  settled_s_ = 0.0;
+  settled_s_ = vain_s_ = 0.0;
   if (doing == Doing::kTouch) share_ = character_.share;
   const AxisPosition goal = goalOf(doing);
   reach_.begin(q_, qd_, goal, durationTo(goal));

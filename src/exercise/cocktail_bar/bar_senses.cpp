@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace wholehand {
 namespace {
@@ -29,12 +30,15 @@ void senseContacts(const Bar& bar, const TickRecord& record, BarSenses& out) noe
 
 }  // namespace
 
-BarSenses senseBar(const Bar& bar, const TickRecord& record, double period_s) noexcept {
+BarSenses senseBar(const Bar& bar, const TickRecord& record, const HandPosture& hand,
+                   double period_s) noexcept {
   BarSenses out;
   out.elapsed_s = std::max(record.elapsed_periods, 1U) * period_s;
   senseContacts(bar, record, out);
   for (std::size_t i = 0; i < bar.dispensers.size(); ++i) {
     const BarDispenser& d = bar.dispensers[i];
+    if (out.touched[i]) out.grip_n[i] = gripForce_n(record, d.body_index, hand);
+    out.grips_any = out.grips_any || out.grip_n[i] > 0.0;
     const BodyState& body = record.bodies[static_cast<std::size_t>(d.body_index)];
     const Eigen::Matrix3d turn = body.orientation_xyzw.eigen().toRotationMatrix();
     out.at_m[i] = body.position_m.eigen();
@@ -43,9 +47,11 @@ BarSenses senseBar(const Bar& bar, const TickRecord& record, double period_s) no
   }
   out.glass_m = record.bodies[static_cast<std::size_t>(bar.glass.body_index)].position_m.eigen();
   out.nearest = dispenserOf(bar, record.palm_body);
-  out.palm_m = record.palm_target_distance_m;
-  const bool in_front = bar.x_axis < 0 || record.q_s[bar.x_axis] < bar.drawn_back.x_m;
-  out.drawn_back = in_front && out.palm_m >= bar.drawn_back.palm_m && !out.touches_any;
+  const double to_nearest_m = record.palm_target_distance_m;
+  out.palm_m = to_nearest_m < 0.0 ? std::numeric_limits<double>::infinity() : to_nearest_m;
+  out.behind = bar.x_axis < 0 || record.q_s[bar.x_axis] < bar.drawn_back.x_m;
+  out.drawn_back =
+      out.behind && std::abs(to_nearest_m) >= bar.drawn_back.palm_m && !out.touches_any;
   return out;
 }
 

@@ -53,6 +53,18 @@ BarView makeBarView(const Bar& bar, const DeviceModel& device, const HandModel* 
   return view;
 }
 
+BarReach reachOf(const BarView& view, double slack_m) noexcept {
+  BarReach reach;
+  const std::array<int, 3> axes = {view.x, view.y, view.z};
+  for (int k = 0; k < 3; ++k) {
+    const int axis = axes[static_cast<std::size_t>(k)];
+    if (axis < 0) continue;
+    reach.lower_m[k] = view.lower[axis] + view.grip_m[k] - slack_m;
+    reach.upper_m[k] = view.upper[axis] + view.grip_m[k] + slack_m;
+  }
+  return reach;
+}
+
 BarGlance glance(const ExerciseRecord& record) noexcept {
   const auto number = [&record](BarValue value) noexcept {
     const auto i = static_cast<std::int32_t>(value);

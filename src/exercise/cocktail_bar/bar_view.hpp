@@ -35,6 +35,9 @@ struct BarView {
 /// @param hand null: the adult median right one. Not real-time safe.
 [[nodiscard]] BarView makeBarView(const Bar& bar, const DeviceModel& device, const HandModel* hand);
 
+/// Where the device can bring the palm to a dispenser, within `slack_m` of it.
+[[nodiscard]] BarReach reachOf(const BarView& view, double slack_m) noexcept;
+
 /// What can be seen at a glance.
 struct BarGlance {
   BarStage stage = BarStage::kReach;

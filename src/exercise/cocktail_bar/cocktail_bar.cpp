@@ -36,6 +36,8 @@ class CocktailBar final : public Exercise {
       : bar_(std::move(bar)),
         device_(device),
         hand_(hand),
+        axes_of_capsule_(axesOfCapsules(hand)),
+        posture_(hand_),
         serving_(bar_),
         pouring_(bar_),
         recipe_(bar_) {
@@ -62,7 +64,7 @@ class CocktailBar final : public Exercise {
     pouring_.reset();
     recipe_.reset();
     transition_ = TransitionState{};
-    walls_ = FingerWallState{AxisPosition(bar_.walls.axes), AxisRatio(bar_.walls.axes)};
+    walls_ = FingerWallState{};
     at_ = near_ = -1;
     approached_ = -1;
     untouched_s_ = {};
@@ -79,12 +81,13 @@ class CocktailBar final : public Exercise {
     const TickRecord& seen = *input.observed;
     const int closed_on_to = near_;
     out = ExerciseRecord{};
-    const BarSenses senses = senseBar(bar_, seen, input.period_s);
+    posture_.update(seen.theta);
+    const BarSenses senses = senseBar(bar_, seen, posture_, input.period_s);
     takeActions(seen, out);
     tellTouches(senses, out);
     engage(senses, input, out);
     push(senses, input, closed_on_to, out);
-    serving_.tick(senses, recipe_.order().dispenser, !paused_, placements);
+    serving_.tick(senses, posture_, recipe_.order().dispenser, !paused_, placements);
     tellUpsets(out);
     pouring_.tick(senses, recipe_.order(), held(), serving_.leaking(), input.parameters[kThreshold],
                   !paused_, out);
@@ -115,6 +118,7 @@ class CocktailBar final : public Exercise {
     } else if (action == ExerciseAction::kRestart || action == ExerciseAction::kNext) {
       pouring_.reset();
       recipe_.reset();
+      serving_.bringHome();
       paused_ = false;
       addEvent(out, BarEvent::kRestarted);
     } else if (action == ExerciseAction::kPause && !paused_) {
@@ -169,9 +173,14 @@ class CocktailBar final : public Exercise {
             ExerciseRecord& out) noexcept {
     const TickRecord& seen = *input.observed;
     const double alpha = transitionAlpha(transition_);
-    const bool answered = at_ >= 0 && closed_on_to == at_;
-    walls_ = followClosure(walls_, answered ? seen.closure : AxisPosition{}, seen.q_m,
-                           input.parameters[kLeadIn], alpha, bar_.walls, senses.elapsed_s);
+    FingerSight sight{{}, seen.q_m, seen.q_s, 0};
+    if (at_ >= 0 && closed_on_to == at_) {
+      sight.closure = seen.closure;
+      sight.touching = touchingAxes(seen, bar_.dispensers[static_cast<std::size_t>(at_)].body_index,
+                                    axes_of_capsule_);
+    }
+    walls_ = followClosure(walls_, sight, input.parameters[kLeadIn], alpha, bar_.walls,
+                           senses.elapsed_s);
     WallRatios ratios{input.parameters[kWallStiffness], input.parameters[kWallDamping]};
     if (at_ >= 0) {
       const BarLiquid& liquid = bar_.liquids[static_cast<std::size_t>(
@@ -199,6 +208,8 @@ class CocktailBar final : public Exercise {
   const Bar bar_;
   const DeviceModel device_;  ///< these two for the player
   const HandModel hand_;
+  const std::vector<std::uint32_t> axes_of_capsule_;
+  HandPosture posture_;
   ExerciseDescription description_;
   std::uint32_t targets_ = 0;
   Serving serving_;
@@ -281,6 +292,8 @@ Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
   LoadedExercise out;
   out.files = {source.path, loaded->scene.path};
   out.walls = stiffestWalls(loaded->bar);
+  loaded->bar.reach = reachOf(makeBarView(loaded->bar, *source.device, source.hand),
+                              loaded->bar.transition.engage_m);
   out.exercise =
       std::make_unique<CocktailBar>(std::move(loaded->bar), *source.device, *source.hand);
   out.scene = std::move(loaded->scene);

@@ -8,6 +8,10 @@ namespace {
 
 /// Nearer than this to where it belongs, a body is there.
 constexpr double kThere_m = 1e-6;
+/// A free dispenser that stands this near to its home is there; one that leans less stands.
+constexpr double kHome_m = 2e-3, kUpright_rad = 0.02;
+/// What is placed keeps this far from the hand.
+constexpr double kClear_m = 0.02;
 
 void place(BodyPlacements& placements, int body, const Eigen::Vector3d& at_m,
            const Eigen::Vector3d& velocity_m_s) noexcept {
@@ -22,12 +26,18 @@ void Serving::reset() noexcept {
   placed_ = false;
   pending_ = false;
   row_ = glass_ = Slide{};
-  lying_ = {};
+  row_home_ = false;
+  lying_ = called_ = {};
   away_s_ = {};
   leaking_ = knocked_over_ = stood_up_ = 0;
 }
 
-void Serving::tick(const BarSenses& senses, int target, bool running,
+void Serving::bringHome() noexcept {
+  row_home_ = bar_.row.slides;
+  for (std::size_t i = 0; i < bar_.dispensers.size(); ++i) called_[i] = bar_.dispensers[i].free;
+}
+
+void Serving::tick(const BarSenses& senses, const HandPosture& hand, int target, bool running,
                    BodyPlacements& placements) noexcept {
   placements.count = 0;
   knocked_over_ = stood_up_ = 0;
@@ -36,22 +46,26 @@ void Serving::tick(const BarSenses& senses, int target, bool running,
     glass_m_ = glass_to_m_ = senses.glass_m;
     placed_ = true;
   }
-  const bool may_move = running && senses.drawn_back;
-  standUp(senses, may_move, placements);
-  pending_ = target >= 0 && lying_[static_cast<std::size_t>(target)];
+  const bool sliding = row_.active() || glass_.active();
+  const bool may_move = running && senses.drawn_back && !(sliding && isNear(hand, senses));
+  standUp(senses, hand, running && senses.behind && !senses.grips_any, placements);
+  const auto at = static_cast<std::size_t>(std::max(target, 0));
+  pending_ = target >= 0 && (lying_[at] || called_[at]);
   slideRow(senses, target, may_move, placements);
   slideGlass(senses, target, may_move, placements);
 }
 
 double Serving::wantedRowY_m(int target) const noexcept {
   const double offset_m = target * bar_.row.spacing_m;
-  return std::clamp(row_y_m_ + offset_m, bar_.row.reach_lower_m, bar_.row.reach_upper_m) - offset_m;
+  const double from_m = row_home_ ? bar_.dispensers[0].home_m.y() : row_y_m_;
+  return std::clamp(from_m + offset_m, bar_.row.reach_lower_m, bar_.row.reach_upper_m) - offset_m;
 }
 
 void Serving::slideRow(const BarSenses& senses, int target, bool may_move,
                        BodyPlacements& placements) noexcept {
   if (!bar_.row.slides) return;
   if (!row_.active()) {
+    if (target >= 0 && std::abs(wantedRowY_m(target) - row_y_m_) <= kThere_m) row_home_ = false;
     if (target >= 0 && std::abs(wantedRowY_m(target) - row_y_m_) > kThere_m) {
       row_from_m_ = row_y_m_;
       row_to_m_ = wantedRowY_m(target);
@@ -96,45 +110,80 @@ void Serving::slideGlass(const BarSenses& senses, int target, bool may_move,
   place(placements, bar_.glass.body_index, glass_m_, glass_.rate_per_s() * way_m);
 }
 
-bool Serving::homeIsFree(const BarSenses& senses, std::size_t dispenser) const noexcept {
-  const BarDispenser& own = bar_.dispensers[dispenser];
-  for (std::size_t i = 0; i < bar_.dispensers.size(); ++i) {
-    const BarDispenser& other = bar_.dispensers[i];
-    const Eigen::Vector3d apart_m = senses.at_m[i] - own.home_m;
-    // A body that lies needs its length in every direction.
-    const double needs_m = own.radius_m + (lying_[i] ? 0.5 * other.height_m : 0.0) + other.radius_m;
-    if (i != dispenser && apart_m.head<2>().norm() < needs_m &&
-        std::abs(apart_m.z()) < 0.5 * (own.height_m + other.height_m)) {
-      return false;
-    }
-  }
-  return true;
+bool Serving::atHome(const BarSenses& senses, std::size_t dispenser) const noexcept {
+  return (senses.at_m[dispenser] - bar_.dispensers[dispenser].home_m).norm() < kHome_m &&
+         senses.tilt_rad[dispenser] < kUpright_rad;
 }
 
-void Serving::standUp(const BarSenses& senses, bool may_move, BodyPlacements& placements) noexcept {
+bool Serving::isNear(const HandPosture& hand, const BarSenses& senses) const noexcept {
+  const BarGlass& glass = bar_.glass;
+  bool near = hand.clearance_m(senses.glass_m, glass.radius_m, glass.height_m) < kClear_m;
   for (std::size_t i = 0; i < bar_.dispensers.size(); ++i) {
     const BarDispenser& d = bar_.dispensers[i];
+    near = near || hand.clearance_m(senses.at_m[i], d.radius_m, d.height_m) < kClear_m;
+  }
+  return near;
+}
+
+/// Whether a dispenser stands or lies where another one belongs.
+bool Serving::blocksHome(const BarSenses& senses, std::size_t other,
+                         std::size_t dispenser) const noexcept {
+  const BarDispenser& own = bar_.dispensers[dispenser];
+  const BarDispenser& d = bar_.dispensers[other];
+  const Eigen::Vector3d apart_m = senses.at_m[other] - own.home_m;
+  // A body that lies needs its length in every direction.
+  const double needs_m = own.radius_m + (lying_[other] ? 0.5 * d.height_m : 0.0) + d.radius_m;
+  return other != dispenser && apart_m.head<2>().norm() < needs_m &&
+         std::abs(apart_m.z()) < 0.5 * (own.height_m + d.height_m);
+}
+
+/// Whether a free dispenser is to be brought home, and whether it leaks.
+void Serving::noteLying(const BarSenses& senses, std::size_t i, bool may_move) noexcept {
+  const BarDispenser& d = bar_.dispensers[i];
+  const bool dropped = senses.at_m[i].z() < d.home_m.z() - bar_.upset.dropped_m;
+  const bool leans = senses.tilt_rad[i] > bar_.upset.tilt_rad;
+  const bool upset = leans || dropped || !bar_.reach.contains(senses.at_m[i]);
+  const unsigned bit = 1U << i;
+  // What lies against a hand that is drawn back and grips nothing is not held.
+  if (senses.touched[i] && !may_move) {
+    lying_[i] = lying_[i] && upset;  // picked up
+  } else if (!lying_[i] && upset) {
+    lying_[i] = true;
+    away_s_[i] = 0.0;
+    knocked_over_ |= bit;
+  }
+  if (!lying_[i]) leaking_ &= ~bit;
+  if (lying_[i] && leans) leaking_ |= bit;  // and goes on, however it tumbles
+  called_[i] = called_[i] && !atHome(senses, i);
+}
+
+void Serving::standUp(const BarSenses& senses, const HandPosture& hand, bool may_move,
+                      BodyPlacements& placements) noexcept {
+  std::array<bool, kMaxDispensers> goes{};
+  const std::size_t count = bar_.dispensers.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const BarDispenser& d = bar_.dispensers[i];
     if (!d.free) continue;
-    const bool dropped = senses.at_m[i].z() < d.home_m.z() - bar_.upset.dropped_m;
-    const bool leans = senses.tilt_rad[i] > bar_.upset.tilt_rad;
-    const bool upset = leans || dropped;
-    const unsigned bit = 1U << i;
-    if (senses.touched[i]) {
-      lying_[i] = lying_[i] && upset;  // picked up
-    } else if (!lying_[i] && upset) {
-      lying_[i] = true;
-      away_s_[i] = 0.0;
-      knocked_over_ |= bit;
+    noteLying(senses, i, may_move);
+    away_s_[i] = may_move && lying_[i] ? away_s_[i] + senses.elapsed_s : 0.0;
+    goes[i] = may_move && (called_[i] || (lying_[i] && away_s_[i] >= bar_.upset.stand_up_s)) &&
+              hand.clearance_m(d.home_m, d.radius_m, d.height_m) >= kClear_m;
+  }
+  // One goes home where whatever stands in its place goes, too: drops who is in somebody's way.
+  for (std::size_t round = 0; round < count; ++round) {
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t k = 0; k < count; ++k) {
+        goes[i] = goes[i] && (goes[k] || !blocksHome(senses, k, i));
+      }
     }
-    if (!lying_[i]) leaking_ &= ~bit;
-    if (!lying_[i]) continue;
-    if (leans) leaking_ |= bit;  // and goes on, however it tumbles
-    away_s_[i] = may_move ? away_s_[i] + senses.elapsed_s : 0.0;
-    if (away_s_[i] < bar_.upset.stand_up_s || !homeIsFree(senses, i)) continue;
-    place(placements, d.body_index, d.home_m, Eigen::Vector3d::Zero());
-    lying_[i] = false;
-    leaking_ &= ~bit;
-    stood_up_ |= bit;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!goes[i]) continue;
+    place(placements, bar_.dispensers[i].body_index, bar_.dispensers[i].home_m,
+          Eigen::Vector3d::Zero());
+    lying_[i] = called_[i] = false;
+    leaking_ &= ~(1U << i);
+    stood_up_ |= 1U << i;
   }
 }
 

@@ -155,7 +155,7 @@ public static class ClientTests
         using (var program = new MadeUpProgram())
         using (WholehandClient client = Connected(program))
         {
-            var arm = client.Arm();
+            var arm = client.Arm(1);
             var steer = client.Steer(Steering.Person);
             for (int i = 0; i < 5; ++i) program.HearA(DatagramKind.Message);
             Check.True(!arm.IsCompleted, "it waits");
@@ -173,7 +173,7 @@ public static class ClientTests
             Check.Until(() => stop.IsCompleted, "answered");
             Check.True(stop.Result.Accepted, "accepted");
             program.HearA(DatagramKind.Message); // the acknowledgement, or a repetition before it
-            var again = client.Arm();
+            var again = client.Arm(1);
             Check.Until(() => again.IsCompleted, "given up: the program is there, but never answers");
             Check.True(!again.Result.Accepted && again.Result.Reason.Contains("answer"), again.Result.Reason);
         }
@@ -186,7 +186,7 @@ public static class ClientTests
         {
             program.Alive = false;
             Check.Until(() => !client.Connected, "lost after a second");
-            Check.True(!client.Arm().Result.Accepted, "commands are refused meanwhile");
+            Check.True(!client.Arm(1).Result.Accepted, "commands are refused meanwhile");
             program.Session = 78;
             program.Welcome();
             Check.Until(() => client.Connected, "found again");

@@ -166,10 +166,10 @@ public static class LiveTests
             Check.Until(() => client.LatestScene.HasValue, "the scene");
             Check.Equal(40, client.LatestScene.Value.CapsulesLength, "capsules");
             Check.Equal("lead_in_m", client.LatestScene.Value.Parameters(0).Value.Name, "parameter");
-            Refused(client.Arm()); // without the controls
+            Refused(client.Arm(1)); // without the controls
             Accepted(client.TakeControls());
             Check.Until(() => client.HoldsControls, "holds the controls");
-            Accepted(client.Arm());
+            Accepted(client.Arm(1));
             Shows(client, s => s.RunState == RunState.Rendering, "rendering");
             Accepted(client.SetParameter("lead_in_m", 0.0125));
             Shows(client, s => s.Values[LeadIn] == 0.0125, "the parameter");
@@ -181,7 +181,9 @@ public static class LiveTests
             Accepted(client.LoadExercise("stand-in", 2));
             Check.Until(() => client.LatestScene.Value.Session == 2, "the new scene");
             Accepted(client.Stop());
-            Shows(client, s => s.RunState == RunState.Stopped, "stopped");
+            Shows(client, s => s.RunState == RunState.Stopped && s.Endings == 2, "stopped");
+            Refused(client.Arm(1)); // pressed before the stop was shown
+            Accepted(client.Arm(2));
             Accepted(client.ReleaseControls());
             Check.Until(() => !client.HoldsControls, "released");
         }
@@ -222,8 +224,8 @@ public static class LiveTests
             Check.Until(() => first.Connected && second.Connected, "connected");
             Accepted(first.TakeControls());
             Refused(second.TakeControls());
-            Refused(second.Arm());
-            Accepted(first.Arm());
+            Refused(second.Arm(1));
+            Accepted(first.Arm(1));
             Shows(second, s => s.RunState == RunState.Rendering, "both see it");
             Accepted(second.EmergencyStop());
             Shows(first, s => s.RunState == RunState.Stopped, "stopped");
@@ -232,7 +234,7 @@ public static class LiveTests
         }
     }
 
-    public static void GameThatHangs_FadesTheExerciseOutAndBack()
+    public static void GameThatHangs_LosesTheControlsUntilItTakesThemAnew()
     {
         using (var program = new Program())
         using (WholehandClient watcher = Connect(program))
@@ -252,12 +254,16 @@ public static class LiveTests
             // Its main thread hangs; its network thread goes on acknowledging events.
             Shows(watcher, s => s.Values[OwnerAlive] == 0.0, "silent");
             Check.True(game.Connected, "it is connected all the same");
-            Check.Until(() =>
+            for (int i = 0; i < 30; ++i)
             {
                 game.Poll();
-                var state = new HandState();
-                return watcher.TryGetState(state) && state.Values[OwnerAlive] == 1.0;
-            }, "alive again");
+                Thread.Sleep(10);
+            }
+            Shows(watcher, s => s.Values[OwnerAlive] == 0.0, "to be alive again is not enough");
+            taken = game.TakeControls();
+            Check.Until(() => { game.Poll(); return taken.IsCompleted; }, "answered");
+            Accepted(taken);
+            Shows(watcher, s => s.Values[OwnerAlive] == 1.0, "alive again");
         }
     }
 

@@ -163,7 +163,8 @@ public static class RealTests
             Check.True(stop.Accepted, stop.Reason);
             Check.Until(() => client.TryGetState(state) && state.RunState == RunState.Stopped && state.Authority == 0,
                 "neutral");
-            CommandReply arm = Ended(client.Arm());
+            Check.True(!Ended(client.Arm(1)).Accepted, "pressed before the stop was shown");
+            CommandReply arm = Ended(client.Arm(state.Endings));
             Check.True(arm.Accepted, arm.Reason);
             Check.Until(() => client.TryGetState(state) && state.RunState == RunState.Rendering
                 && state.Session == 2, "a second session");

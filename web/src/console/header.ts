@@ -1,4 +1,4 @@
-import { Act, RunState } from '../protocol';
+import { Act } from '../protocol';
 import { fill, language, LANGUAGES, setLanguage, type Language } from '../shared/i18n';
 import { h, say, setAttribute, setClass } from './dom';
 import { asWords } from './format';
@@ -12,7 +12,7 @@ const PILL_ICON: Readonly<Record<string, IconName>> = {
   rendering: 'ok', disarmed: 'wait', connecting: 'wait', paused: 'wait', stopping: 'wait', stopped: 'wait', faulted: 'bad', lost: 'bad',
 };
 
-/** Who, what, which state; pause or start, and the emergency stop, always in the same place. */
+/** Who, what, which state; start, pause, and the emergency stop, each a button of its own and always in the same place. */
 export class Header implements Panel {
   readonly element: HTMLElement;
   private readonly t = texts();
@@ -22,40 +22,53 @@ export class Header implements Panel {
   private readonly pillCause = h('small');
   private readonly pillIcon = h('span', { class: 'pill-icon' });
   private readonly pill: HTMLElement;
-  private readonly main: HTMLButtonElement;
+  private readonly arm: HTMLButtonElement;
+  private readonly pause: HTMLButtonElement;
+  private readonly resume: HTMLButtonElement;
   private readonly stop: HTMLButtonElement;
-  private mainShows = '';
+  /** Ending that the page showed, with "Start" beside it; and when that was pressed. */
+  private endingsShown = 0;
+  private endingsPressed: number | undefined;
 
   constructor(private readonly model: ConsoleModel, private readonly rebuild: () => void) {
     const { t } = this;
     this.pill = h('div', { class: 'pill', role: 'status', 'data-testid': 'state' },
       this.pillIcon, h('span', {}, this.pillName, this.pillCause));
-    this.main = h('button', { type: 'button', class: 'b', 'data-testid': 'pause' });
-    this.main.addEventListener('click', () => this.pauseOrStart());
+    this.arm = h('button', { type: 'button', class: 'b go', 'data-testid': 'arm' }, icon('play'), t.arm);
+    for (const press of ['pointerdown', 'keydown']) this.arm.addEventListener(press, () => { this.endingsPressed = this.endingsShown; });
+    this.arm.addEventListener('click', () => this.start());
+    // Space pauses, wherever the focus is, and starts nothing.
+    this.arm.addEventListener('keyup', (event) => { if (event.code === 'Space') event.preventDefault(); });
+    this.pause = h('button', { type: 'button', class: 'b', 'data-testid': 'pause' }, icon('pause'), t.pause, h('kbd', {}, t.space));
+    this.pause.addEventListener('click', () => this.pauseNow());
+    this.resume = h('button', { type: 'button', class: 'b', 'data-testid': 'resume', hidden: true }, icon('play'), t.resume);
+    this.resume.addEventListener('click', () => void model.command(t.resume, () => model.connection.act(Act.Resume)));
     this.stop = h('button', { type: 'button', class: 'b stop', 'data-testid': 'emergency-stop' },
       icon('stop'), t.emergency, h('kbd', {}, t.esc));
     this.stop.addEventListener('click', () => void model.emergencyStop());
     this.element = h('header', { class: 'top' },
       h('h1', { class: 'brand' }, icon('logo'), 'Wholehand'), this.who.element, this.what.element, this.pill,
-      h('span', { class: 'sp' }), this.languageChoice(), this.tablesButton(), this.themeButton(), this.main, this.stop);
+      h('span', { class: 'sp' }), this.languageChoice(), this.tablesButton(), this.themeButton(), this.arm, this.pause, this.resume, this.stop);
     this.refresh();
   }
 
-  /** Space: pauses, goes on, or starts. */
-  pauseOrStart(): void {
+  /** Space, too: it never starts anything. */
+  pauseNow(): void {
     const { model, t } = this;
-    if (model.state?.runState !== RunState.Rendering) {
-      void model.command(t.arm, () => model.connection.arm());
-      return;
-    }
-    const act = model.paused ? Act.Resume : Act.Pause;
-    void model.command(model.paused ? t.resume : t.pause, () => model.connection.act(act));
+    if (!this.pause.hidden && !this.pause.disabled) void model.command(t.pause, () => model.connection.act(Act.Pause));
+  }
+
+  private start(): void {
+    const { model, t } = this;
+    const seen = this.endingsPressed ?? this.endingsShown;
+    this.endingsPressed = undefined;
+    void model.command(t.arm, () => model.connection.arm(seen));
   }
 
   refresh(): void {
     this.refreshWho();
     this.refreshPill();
-    this.refreshMain();
+    this.refreshButtons();
   }
 
   private refreshWho(): void {
@@ -88,19 +101,23 @@ export class Header implements Panel {
     say(this.pillCause, limited ? t.pill.limited : t.pill[name]);
   }
 
-  private refreshMain(): void {
+  private refreshButtons(): void {
     const { model, t } = this;
     const { name } = model.status;
-    const shows = name === 'rendering' ? 'pause' : name === 'paused' ? 'resume' : name === 'disarmed' ? 'arm' : 'armAgain';
-    const usable = ['rendering', 'paused', 'disarmed', 'stopped', 'faulted'].includes(name);
-    this.main.disabled = !usable;
+    this.endingsShown = model.connection.endings;
+    this.arm.disabled = !model.startable;
+    if (this.arm.disabled && document.activeElement === this.arm) this.arm.blur();
+    const word = name === 'stopped' || name === 'faulted' ? t.armAgain : t.arm;
+    if (this.arm.lastChild?.textContent !== word) this.arm.replaceChildren(icon('play'), word);
+    this.pause.disabled = name !== 'rendering';
     // Without a connection the browser cannot reach the robot: nothing is promised.
     this.stop.disabled = name === 'lost';
-    if (this.mainShows === shows) return;
-    this.mainShows = shows;
-    setClass(this.main, 'go', shows === 'arm' || shows === 'armAgain');
-    this.main.replaceChildren(icon(shows === 'pause' ? 'pause' : 'play'), t[shows], h('kbd', {}, t.space));
-    setAttribute(this.main, 'data-testid', shows === 'pause' || shows === 'resume' ? 'pause' : 'arm');
+    const paused = name === 'paused';
+    if (this.pause.hidden === paused) return;
+    const focused = document.activeElement === (paused ? this.pause : this.resume);
+    this.pause.hidden = paused;
+    this.resume.hidden = !paused;
+    if (focused) (paused ? this.resume : this.pause).focus();
   }
 
   private languageChoice(): HTMLElement {

@@ -16,6 +16,8 @@ export interface Notice {
  * 20: owner silent, 22: the energy tank damped.
  */
 const INFORMATION = (1 << 6) | (1 << 7) | (1 << 8) | (1 << 14) | (1 << 20) | (1 << 22);
+/** For so long after rendering has ended nothing is started: who reaches for Pause must not find Start [ms]. */
+const DEAD_MS = 1000;
 /** A limit that held within this time is said in the header [s]. */
 const LIMITED_FOR_S = 1;
 
@@ -34,6 +36,7 @@ export class ConsoleModel {
   /** Called when an order was refused, with what it was. */
   onRefused: (what: string, reason: string) => void = () => {};
   private limited_s = -Infinity;
+  private ended_ms = -Infinity;
   /** Orders without an answer, and whether the controls were taken for them only. */
   private underWay = 0;
   private borrowed = false;
@@ -47,6 +50,12 @@ export class ConsoleModel {
 
   get status(): Status {
     return statusOf(this.connection.status, this.state, this.paused, this.scene?.faultNames ?? [], texts(), this.scene?.axes ?? []);
+  }
+
+  /** Whether it may be started from here: nothing renders, and has not for a moment. */
+  get startable(): boolean {
+    const startable = ['disarmed', 'stopped', 'faulted'].includes(this.status.name);
+    return startable && performance.now() - this.ended_ms > DEAD_MS;
   }
 
   /** Whether an effort was at its limit just now. */
@@ -92,8 +101,7 @@ export class ConsoleModel {
 
   /** Asked of any client, at any time, without the controls. */
   async emergencyStop(): Promise<void> {
-    const answer = await this.connection.emergencyStop();
-    if (!answer.accepted) this.onRefused(texts().emergency, answer.reason);
+    await this.connection.emergencyStop();
   }
 
   private takeScene(scene: SceneT): void {
@@ -105,6 +113,9 @@ export class ConsoleModel {
   }
 
   private takeState(state: WorldStateT): void {
+    const before = this.state;
+    const ended = before?.runState === RunState.Rendering && state.runState !== RunState.Rendering;
+    if (before && (ended || before.endings !== state.endings)) this.ended_ms = performance.now();
     this.state = state;
     this.paused = (this.value('paused') ?? Number(this.paused)) > 0.5;
     if (!this.history.add(state)) return;

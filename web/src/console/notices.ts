@@ -12,7 +12,7 @@ function hasHardware(deviceName: unknown): boolean {
   return name !== '' && !name.includes('simulated') && !name.includes('virtual');
 }
 
-/** Lines below the header: connection lost, somebody else commands, an order was refused. */
+/** Lines below the header: stop not confirmed, connection lost, the controls lost, somebody else commands, an order was refused. */
 export class NoticesPanel implements Panel {
   readonly element: HTMLElement;
   private readonly t = texts();
@@ -20,6 +20,9 @@ export class NoticesPanel implements Panel {
   private readonly lostText = h('span');
   private readonly attempts = h('span', { class: 'num' });
   private readonly held: HTMLElement;
+  private readonly left: HTMLElement;
+  private readonly leftText = h('span');
+  private readonly unconfirmed: HTMLElement;
   private readonly refused: HTMLElement;
   private readonly refusedText = h('span');
   private timer: ReturnType<typeof setTimeout> | undefined;
@@ -29,13 +32,14 @@ export class NoticesPanel implements Panel {
     const retry = h('button', { type: 'button', class: 'b small', 'data-testid': 'retry' }, t.retry);
     retry.addEventListener('click', () => model.connection.retryNow());
     this.lost = h('div', { class: 'notice bad', role: 'alert', hidden: true, 'data-testid': 'lost' }, this.lostText, this.attempts, retry);
-    const take = h('button', { type: 'button', class: 'b small', 'data-testid': 'take-controls-banner' }, this.t.setup.take);
-    take.addEventListener('click', () => void this.take());
+    this.unconfirmed = h('div', { class: 'notice alarm', role: 'alert', hidden: true, 'data-testid': 'stop-unconfirmed' }, h('strong', {}, t.unconfirmed), h('span', {}, t.unconfirmedMore));
+    this.left = h('div', { class: 'notice warn', role: 'alert', hidden: true, 'data-testid': 'left' }, this.leftText, this.takeButton('take-again'));
+    const take = this.takeButton('take-controls-banner');
     this.held = h('div', { class: 'notice', role: 'status', hidden: true, 'data-testid': 'held' }, h('span', {}, t.held), take);
     const close = h('button', { type: 'button', class: 'b small' }, t.close);
     close.addEventListener('click', () => { this.refused.hidden = true; });
     this.refused = h('div', { class: 'notice warn', role: 'alert', hidden: true, 'data-testid': 'refused' }, this.refusedText, close);
-    this.element = h('div', { class: 'notices' }, this.lost, this.held, this.refused);
+    this.element = h('div', { class: 'notices' }, this.unconfirmed, this.lost, this.left, this.held, this.refused);
     this.refresh();
   }
 
@@ -60,10 +64,21 @@ export class NoticesPanel implements Panel {
     }
     const held = connection.status === 'open' && connection.controls.held && !connection.controls.heldByYou;
     if (this.held.hidden === held) this.held.hidden = !held;
+    const { loss } = connection;
+    const left = connection.status === 'open' && loss !== '' && !connection.controls.held;
+    if (this.left.hidden === left) this.left.hidden = !left;
+    if (loss !== '') say(this.leftText, t[loss]);
+    if (this.unconfirmed.hidden === connection.stopUnconfirmed) this.unconfirmed.hidden = !connection.stopUnconfirmed;
   }
 
   close(): void {
     clearTimeout(this.timer);
+  }
+
+  private takeButton(testid: string): HTMLElement {
+    const take = h('button', { type: 'button', class: 'b small', 'data-testid': testid }, this.t.setup.take);
+    take.addEventListener('click', () => void this.take());
+    return take;
   }
 
   private async take(): Promise<void> {

@@ -109,7 +109,7 @@ export class ConsolePage {
     }
     if (event.code === 'Space' && !event.repeat && !event.ctrlKey && !event.altKey && !event.metaKey && !spaceIsTaken(event.target)) {
       event.preventDefault();
-      this.header?.pauseOrStart();
+      this.header?.pauseNow();
     }
   }
 }

@@ -154,6 +154,15 @@ export function restCard(goOn: () => void): { card: HTMLElement; first: HTMLElem
   return { card: messageCard(cupPicture(), text('rest.title'), text('rest.more'), '', h('p', { class: 'links' }, first)), first };
 }
 
+/** The controls are gone, and only a press takes them again. `notice`: why that did not work. */
+export function leftCard(loss: 'left' | 'unheard', notice: string, goOn: () => void): { card: HTMLElement; first: HTMLElement } {
+  const first = h('button', { type: 'button', class: 'button go t-m', 'data-testid': 'take-again', onclick: goOn }, text('game.back'));
+  const card = messageCard(cupPicture(), text(`${loss}.title`), text(`${loss}.what`), text('rest.more'), h('p', { class: 'links' }, first),
+    notice ? h('p', { class: 'notice t-s', role: 'alert' }, notice) : null);
+  card.dataset.testid = 'left';
+  return { card, first };
+}
+
 export interface PraiseActions { next(): void; nextLevel(): void; again(): void; rest(): void }
 
 /** `more`: there is a level after this one. */

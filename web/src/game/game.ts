@@ -43,6 +43,7 @@ export class Game {
     memory.everOpen ||= status === 'open';
     if (state && state !== this.followed) this.takeState(state);
     this.screen.show(pageState(memory.situation(connection), memory.script, state), state);
+    memory.endingsShown = connection.endings;
   }
 
   private takeScene(scene: SceneT): void {

@@ -104,6 +104,7 @@ export class Hud {
   private readonly meter = new SqueezeMeter();
   private readonly title = h('b', { class: 't-l', 'data-testid': 'instruction' });
   private readonly more = h('span', { class: 't-s' });
+  private readonly unconfirmed = h('div', { class: 'say alarm', role: 'alert', 'data-testid': 'stop-unconfirmed' });
   private readonly stopWord = h('span');
   private readonly help: HTMLButtonElement;
   private readonly sound: HTMLButtonElement;
@@ -121,7 +122,7 @@ export class Hud {
     this.play = h('button', { class: 'button go playself t-m', type: 'button', 'data-testid': 'play', hidden: true, onclick: () => actions.play() });
     this.strip = h('footer', { class: 'strip' },
       h('div', { class: 'say', role: 'status', 'aria-live': 'polite' }, this.title, this.more),
-      this.meter.element, this.play, this.help, this.sound, this.stop);
+      this.unconfirmed, this.meter.element, this.play, this.help, this.sound, this.stop);
     this.chevrons.append(...[0, 1, 2].map(() => h('i')));
     root.append(this.recipe.element, this.view, this.chevrons, this.callOut, this.strip);
   }
@@ -139,6 +140,13 @@ export class Hud {
     this.view.hidden = video === null;
     if (video && video.parentElement !== this.view) this.view.prepend(video);
     setText(this.viewProblem, problem);
+  }
+
+  /** A stop was pressed, and the program has not said that it has it. */
+  alarm(on: boolean): void {
+    if (this.unconfirmed.hasChildNodes() === on) return;
+    this.strip.classList.toggle('alarmed', on);
+    this.unconfirmed.replaceChildren(...(on ? [h('b', { class: 't-m' }, text('stop.unconfirmed')), h('span', { class: 't-s' }, text('stop.unconfirmedMore'))] : []));
   }
 
   say(title: string, more: string): void {

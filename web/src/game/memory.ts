@@ -4,7 +4,7 @@ import { HandPart, type SceneT, type WorldStateT } from '../protocol';
 import { store, stored } from '../shared/i18n';
 import { TONES, type Tone } from './dialogs';
 import { figure, readScript, type Script } from './script';
-import type { Known } from './takeover';
+import type { Known, Press } from './takeover';
 import { hasHardware, Stage, type Situation } from './view';
 
 const STORED = { tone: 'wholehand.tone', level: 'wholehand.level', way: 'wholehand.way' } as const;
@@ -22,7 +22,8 @@ export class Memory {
 
   // What the person is about.
   wish: Situation['wish'] = new URLSearchParams(location.search).has('watch') ? 'watch' : 'undecided';
-  loading = false;             // orders of theirs are on their way
+  press: Press | null = null;  // whose orders are on their way
+  endingsShown = 0;            // of the program's endings, the last one that is on the screen
   resting = false;
   helpOpen = false;
   notice = '';                 // why something was refused
@@ -43,9 +44,10 @@ export class Memory {
   /** For orders, which change it while they are on their way. */
   readonly known = (): Known => ({ script: this.script, hardware: this.hardware });
 
-  situation({ status, problem, attempts, controls }: Connection): Situation {
-    const { everOpen, wish, loading, resting } = this;
-    return { status, problem, everOpen, attempts, wish, loading, resting, held: controls };
+  situation({ status, problem, attempts, controls, loss }: Connection): Situation {
+    const { everOpen, wish, resting } = this;
+    const loading = this.press?.holds ?? false;
+    return { status, problem, everOpen, attempts, wish, loading, resting, loss, held: controls };
   }
 
   chooseTone(wanted: Tone): void { this.tone = wanted; store(STORED.tone, wanted); }

@@ -5,7 +5,7 @@ import { Act } from '../protocol';
 import { text } from '../shared/i18n';
 import type { Memory } from './memory';
 import type { Sound } from './sound';
-import { changeLevel, letProgramPlay, openCamera, takeOver } from './takeover';
+import { changeLevel, letProgramPlay, openCamera, Press, takeOver } from './takeover';
 
 export class Presses {
   constructor(
@@ -19,13 +19,13 @@ export class Presses {
   }
 
   async watch(): Promise<void> {
-    await letProgramPlay(this.connection);
+    await this.busy(this.press(), (press) => letProgramPlay(this.connection, press));
     this.memory.wish = 'watch';
   }
 
   async load(level: number): Promise<void> {
     this.memory.chooseLevel(level);
-    const answer = await this.busy(changeLevel(this.connection, this.memory.known, level));
+    const answer = await this.busy(this.press(), (press) => changeLevel(this.connection, this.memory.known, press, level));
     this.memory.notice = answer.reason;
   }
 
@@ -45,7 +45,7 @@ export class Presses {
   }
 
   stop(): void {
-    this.memory.loading = false;
+    this.memory.press?.cancel();
     void this.connection.emergencyStop();
   }
 
@@ -56,23 +56,28 @@ export class Presses {
 
   private async begin(): Promise<void> {
     const { connection, memory } = this;
-    if (connection.status !== 'open') { memory.notice = text('welcome.connecting'); return; }
+    const press = this.press();
+    if (connection.status !== 'open' || !connection.latestState) { memory.notice = text('welcome.connecting'); return; }
     const camera = await openCamera(this.controls, memory.way);
     if (!camera.accepted) { memory.notice = camera.reason; return; }
-    const outcome = await this.busy(takeOver(connection, memory.known, { way: memory.way, level: memory.level, fresh: memory.wish === 'undecided' }));
+    const wishes = { way: memory.way, level: memory.level, fresh: memory.wish === 'undecided' };
+    const outcome = await this.busy(press, () => takeOver(connection, memory.known, press, wishes));
     memory.notice = outcome.is === 'refused' ? outcome.reason : '';
     if (outcome.is === 'playing') memory.wish = 'play';
     // Somebody else plays: there is nothing to do about it here but to watch, and that is said.
     if (outcome.is === 'another plays') memory.wish = 'watch';
   }
 
+  /** Of this moment, with what is on the screen. */
+  private press(): Press { return new Press(this.connection, this.memory.endingsShown); }
+
   /** While orders are on their way: a run that is stopped to load a level is no stop to speak of. */
-  private async busy<Result>(orders: Promise<Result>): Promise<Result> {
-    this.memory.loading = true;
+  private async busy<Result>(press: Press, orders: (press: Press) => Promise<Result>): Promise<Result> {
+    this.memory.press = press;
     try {
-      return await orders;
+      return await orders(press);
     } finally {
-      this.memory.loading = false;
+      if (this.memory.press === press) this.memory.press = null;
     }
   }
 }

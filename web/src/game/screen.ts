@@ -4,14 +4,17 @@ import type { Connection } from '../net/connection';
 import { RunState, type SceneT, type WorldStateT } from '../protocol';
 import { language, nameOf, setLanguage, text } from '../shared/i18n';
 import { cueTowards, type Cue } from './cues';
-import { absentCard, helpCard, lostCard, Overlay, praiseCard, restCard, stoppedCard, versionCard, welcomeCard, type HelpSection } from './dialogs';
+import { absentCard, helpCard, leftCard, lostCard, Overlay, praiseCard, restCard, stoppedCard, versionCard, welcomeCard, type HelpSection } from './dialogs';
 import { Hud, type Point } from './hud';
 import type { Memory } from './memory';
 import type { Picture } from './picture';
 import type { Presses } from './presses';
 import { figure, type Script } from './script';
 import type { Sound } from './sound';
-import { callOutOf, causeOf, instructionOf, isPlaying, meterOf, praiseOf, recipeOf, Stage, type PageState } from './view';
+import { callOutOf, causeOf, instructionOf, isFaded, isPlaying, meterOf, praiseOf, recipeOf, Stage, type PageState } from './view';
+
+/** While one of these is shown the person does not move the hand. */
+const CARDS: ReadonlySet<PageState> = new Set<PageState>(['watching', 'welcome', 'loading', 'left', 'rest', 'success']);
 
 /** What the screen shows, and what its buttons do. */
 export interface Behind {
@@ -59,14 +62,15 @@ export class Screen {
 
   show(now: PageState, state: WorldStateT | null): void {
     this.enter(now);
+    this.hud.alarm(this.behind.connection.stopUnconfirmed);
     if (state) this.tell(now, state);
   }
 
   private enter(now: PageState): void {
     const { connection, controls, memory, sound } = this.behind;
     const { attempts, problem } = connection;
-    const playing = now !== 'watching' && now !== 'welcome' && now !== 'loading' && isPlaying(memory.situation(connection), connection.latestState);
-    const key = [now, language(), attempts, problem?.theirs, connection.refusedWith, memory.hardware, memory.notice, memory.helpOpen].join();
+    const playing = !CARDS.has(now) && isPlaying(memory.situation(connection), connection.latestState);
+    const key = [now, language(), attempts, problem?.theirs, connection.refusedWith, connection.loss, memory.hardware, memory.notice, memory.helpOpen].join();
     if (key === this.shown) return;
     this.shown = key;
     this.state = now;
@@ -74,8 +78,10 @@ export class Screen {
     document.body.dataset.state = now;
     this.hud.words(sound.on);
     this.hud.play.hidden = now !== 'watching' || memory.helpOpen;
-    this.picture?.setLook({ names: this.liquidNames(), dimmed: now === 'welcome', grey: now === 'lost' || now === 'stopped' || now === 'absent', ghostHand: now === 'lost' });
+    this.picture?.setLook({ names: this.liquidNames(), dimmed: now === 'welcome', grey: now === 'lost' || now === 'stopped' || now === 'absent' || now === 'left', ghostHand: now === 'lost' });
     if (now === 'lost' || now === 'stopped') memory.leavePlay();
+    // Whoever starts it again, at the console perhaps, may command.
+    if (now === 'stopped' && connection.controls.heldByYou) void connection.releaseControls();
     if (playing && !memory.helpOpen) controls.enable(); else controls.disable();
     this.overlayFor(now);
   }
@@ -85,14 +91,18 @@ export class Screen {
   private overlayFor(now: PageState): void {
     const { connection, memory, presses } = this.behind;
     const { attempts, latestState, problem } = connection;
-    if (now === 'version') this.overlay.open('low', versionCard(problem?.ours ?? 0, problem?.theirs ?? 0), { alone: true });
-    else if (now === 'lost') this.overlay.open('low', lostCard(attempts, memory.hardware), { alone: true });
-    else if (now === 'absent') this.overlay.open('low', absentCard(attempts, connection.refusedWith), { alone: true });
+    if (now === 'version') this.overlay.open('low', versionCard(problem?.ours ?? 0, problem?.theirs ?? 0));
+    else if (now === 'lost') this.overlay.open('low', lostCard(attempts, memory.hardware));
+    else if (now === 'absent') this.overlay.open('low', absentCard(attempts, connection.refusedWith));
     else if (now === 'stopped') this.overlay.open('stop', stoppedCard(latestState ? causeOf(memory.script, latestState) : ''), { alone: true });
     else if (memory.helpOpen) {
       const { card, first } = helpCard(this.ways(), () => presses.help());
       this.overlay.open('help-veil', card, { first, onEscape: () => presses.help() });
     } else if (now === 'welcome') this.openWelcome();
+    else if (now === 'left' && connection.loss !== '') {
+      const { card, first } = leftCard(connection.loss, memory.notice, () => presses.start());
+      this.overlay.open('pause', card, { first });
+    }
     else if (now === 'rest') {
       const { card, first } = restCard(() => { void presses.goOn(); });
       this.overlay.open('pause', card, { first });
@@ -143,7 +153,7 @@ export class Screen {
   private ways(): HelpSection[] {
     const { controls, memory } = this.behind;
     const touch = matchMedia('(pointer: coarse)').matches;
-    const pads = navigator.getGamepads?.().some((pad) => pad !== null) ?? false;
+    const pads = navigator.getGamepads?.().some((pad) => pad?.mapping === 'standard') ?? false;
     return controls.helpEntries().filter(({ way }) => (way !== 'touch' || touch) && (way !== 'gamepad' || pads || memory.helpOpen));
   }
 
@@ -176,6 +186,7 @@ export class Screen {
     const { connection: { controls }, memory: { script, notice } } = this.behind;
     if (now === 'watching') {
       const kind = controls.held && !controls.heldByYou ? 'other' : state.runState === RunState.Rendering ? 'program' : 'idle';
+      if (kind === 'program' && isFaded(state)) return [text('watch.program'), text('watch.fadedMore')];
       return [text(`watch.${kind}`), notice ? text('welcome.refused', { x: notice }) : text(`watch.${kind}More`)];
     }
     if (now === 'success' || now === 'rest') {
@@ -184,7 +195,7 @@ export class Screen {
     }
     if (now === 'loading') return [text('game.moment'), ''];
     if (now === 'free') return [text('game.free'), text('game.freeMore')];
-    if (!script || now === 'welcome') return ['', ''];
+    if (!script || now === 'welcome' || now === 'left' || now === 'lost') return ['', ''];
     const { title, more, liquid } = instructionOf(script, state);
     const x = nameOf('liquid', liquid);
     return [text(title, { x }), text(more, { x })];

@@ -4,7 +4,7 @@ import { isHandAxis, postureOf } from '../input/posture';
 import type { Answer, Connection } from '../net/connection';
 import { Act, RunState, Steering } from '../protocol';
 import { figure, type Script } from './script';
-import { Stage } from './view';
+import { hasHardware, isFaded, Stage } from './view';
 
 export interface Wishes {
   readonly way: string;      // of playing
@@ -15,7 +15,7 @@ export interface Wishes {
 /** What the page knows; asked again after every order, as orders change it. */
 export interface Known { readonly script: Script | null; readonly hardware: boolean }
 
-export type Outcome = { readonly is: 'playing' | 'another plays' } | { readonly is: 'refused'; readonly reason: string };
+export type Outcome = { readonly is: 'playing' | 'another plays' | 'stopped' } | { readonly is: 'refused'; readonly reason: string };
 
 const EVERY_MS = 25;
 const TRIES = 80;
@@ -26,6 +26,20 @@ const wait = (): Promise<void> => new Promise((go) => { setTimeout(go, EVERY_MS)
 /** Until the program's states say so too, or for two seconds. */
 async function until(so: () => boolean, most = TRIES): Promise<void> {
   for (let tries = 0; tries < most && !so(); tries++) await wait();
+}
+
+/**
+ * What a person has pressed. It holds for what they were shown: until they press Stop, or anything stops. What
+ * is left of it then is not sent, and where it is on its way already the program refuses it.
+ */
+export class Press {
+  private cancelled = false;
+
+  /** `seen`: of the endings that the program counts, the last one that they were shown. */
+  constructor(private readonly connection: Connection, readonly seen: number) {}
+
+  cancel(): void { this.cancelled = true; }
+  get holds(): boolean { return !this.cancelled && this.connection.endings === this.seen; }
 }
 
 /** Loads that level, or the bar where another exercise is on; nothing when it is there already. */
@@ -50,9 +64,9 @@ async function steer(connection: Connection, known: () => Known): Promise<Answer
 }
 
 /** Another level for a person who plays: loading gives the hand back to the virtual patient. */
-export async function changeLevel(connection: Connection, known: () => Known, level: number): Promise<Answer> {
+export async function changeLevel(connection: Connection, known: () => Known, press: Press, level: number): Promise<Answer> {
   const loaded = await matchLevel(connection, known, level);
-  return loaded.accepted ? steer(connection, known) : loaded;
+  return loaded.accepted && press.holds ? steer(connection, known) : loaded;
 }
 
 /** Where the hand is, but open: what the virtual patient held is let go of. The program makes it a gentle move. */
@@ -66,20 +80,37 @@ export async function openCamera(controls: Controls, way: string): Promise<Answe
   return { accepted: ok, reason };
 }
 
-export async function takeOver(connection: Connection, known: () => Known, wishes: Wishes): Promise<Outcome> {
+/** From watching to playing. After a stop the controls are given back: whoever starts it again may command. */
+export async function takeOver(connection: Connection, known: () => Known, press: Press, wishes: Wishes): Promise<Outcome> {
   const taken = await connection.takeControls();
   if (!taken.accepted) return connection.controls.held ? { is: 'another plays' } : { is: 'refused', reason: taken.reason };
+  const outcome = await takeHand(connection, known, press, wishes);
+  if (press.holds) return outcome;
+  await connection.releaseControls();
+  return { is: 'stopped' };
+}
+
+/** With the controls: loads, starts and steers, each only while the press holds. */
+async function takeHand(connection: Connection, known: () => Known, press: Press, wishes: Wishes): Promise<Outcome> {
   const loaded = await matchLevel(connection, known, wishes.level);
   if (!loaded.accepted) return { is: 'refused', reason: loaded.reason };
+  if (!press.holds) return { is: 'stopped' };
   if (connection.latestState?.runState === RunState.Disarmed) {
-    const armed = await connection.arm();
+    const armed = await connection.arm(press.seen);
     // Somebody who has just left may have armed it: the next states say so, and that is as good.
     const rendering = (): boolean => connection.latestState?.runState === RunState.Rendering;
-    await until(rendering, armed.accepted ? TRIES : TRIES_AFTER_REFUSAL);
+    await until(() => rendering() || !press.holds, armed.accepted ? TRIES : TRIES_AFTER_REFUSAL);
+    if (!press.holds) return { is: 'stopped' };
     if (!armed.accepted && !rendering()) return { is: 'refused', reason: armed.reason };
   }
   const steered = await steer(connection, known);
   if (!steered.accepted) return { is: 'refused', reason: steered.reason };
+  if (!press.holds) return { is: 'stopped' };
+  await beginDrink(connection, known, wishes);
+  return { is: 'playing' };
+}
+
+async function beginDrink(connection: Connection, known: () => Known, wishes: Wishes): Promise<void> {
   const { scene, latestState } = connection;
   if (scene && latestState && !known().hardware) await connection.aim(openedHand(scene.axes.map(({ name }) => ({ name: String(name) })), latestState.qM));
   const { script } = known();
@@ -87,13 +118,15 @@ export async function takeOver(connection: Connection, known: () => Known, wishe
   const over = stage === Stage.DrinkDone || stage === Stage.LevelDone;
   await connection.act(wishes.fresh || over ? Act.Restart : Act.Resume);
   if (over) await until(() => connection.latestState !== null && script !== null && figure(script, connection.latestState, 'stage') < Stage.DrinkDone);
-  return { is: 'playing' };
 }
 
-/** Where nothing runs and nobody commands, the wish to see it is enough to let the program play. */
-export async function letProgramPlay(connection: Connection): Promise<void> {
-  if (connection.latestState?.runState !== RunState.Disarmed || connection.controls.held) return;
+/** Where nothing runs or pushes and nobody commands, the wish to see it is enough to let the program play. */
+export async function letProgramPlay(connection: Connection, press: Press): Promise<void> {
+  const { latestState: state, controls } = connection;
+  const disarmed = state?.runState === RunState.Disarmed;
+  const faded = state?.runState === RunState.Rendering && isFaded(state) && !hasHardware(state);
+  if ((!disarmed && !faded) || controls.held) return;
   if (!(await connection.takeControls()).accepted) return;
-  await connection.arm();
+  if (disarmed && press.holds) await connection.arm(press.seen);
   await connection.releaseControls();
 }

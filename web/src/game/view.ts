@@ -1,5 +1,5 @@
 // What the page says at one moment, as a pure function of what it knows. No words of a language, no elements.
-import type { ConnectionStatus, VersionProblem } from '../net/connection';
+import type { ConnectionStatus, Loss, VersionProblem } from '../net/connection';
 import { RunState, Steering, type WorldStateT } from '../protocol';
 import { faultWord, type TextKey } from '../shared/i18n';
 import { faultsOf, figure, type Recipe, type Script } from './script';
@@ -7,8 +7,11 @@ import { faultsOf, figure, type Recipe, type Script } from './script';
 /** Of values.stage; docs/exercises.md. */
 export const Stage = { Reach: 0, Squeeze: 1, Pour: 2, LetGo: 3, DrinkDone: 4, LevelDone: 5, DrawBack: 6 } as const;
 
+/** Bit of WorldState.faults; docs/safety.md. */
+const OWNER_SILENT = 1 << 20;
+
 export type PageState =
-  | 'version' | 'absent' | 'lost' | 'loading' | 'stopped' | 'welcome' | 'watching' | 'free' | 'rest' | 'success'
+  | 'version' | 'absent' | 'lost' | 'loading' | 'stopped' | 'welcome' | 'left' | 'watching' | 'free' | 'rest' | 'success'
   | 'reach' | 'squeeze' | 'pour' | 'letgo' | 'drawback';
 
 export interface Situation {
@@ -19,6 +22,7 @@ export interface Situation {
   readonly wish: 'undecided' | 'play' | 'watch';
   readonly loading: boolean;       // orders of ours are on their way that stop the run for a moment
   readonly resting: boolean;
+  readonly loss: Loss;             // of the controls that this page had
   readonly held: { readonly heldByYou: boolean; readonly held: boolean };
 }
 
@@ -30,6 +34,11 @@ const STAGES: Readonly<Record<number, PageState>> = {
 /** Whether the device is a real one: only a simulated one tells what its virtual patient intends. */
 export function hasHardware(state: WorldStateT | null): boolean {
   return state !== null && state.qM.length > 0 && !state.intention.some(Number.isFinite);
+}
+
+/** Whether the exercise's effort is out: who showed it was lost, and nobody has taken the controls since. */
+export function isFaded(state: WorldStateT): boolean {
+  return (state.faults & OWNER_SILENT) !== 0;
 }
 
 /** Whether this page's person is who moves the hand. */
@@ -47,6 +56,7 @@ export function pageState(s: Situation, script: Script | null, state: WorldState
   const run = state?.runState;
   if (run === RunState.Stopping || run === RunState.Stopped || run === RunState.Faulted) return 'stopped';
   if (s.wish === 'undecided' || !state) return 'welcome';
+  if (s.loss !== '' && s.wish === 'play') return 'left';
   if (s.resting) return 'rest';
   if (!isPlaying(s, state)) return 'watching';
   if (!script) return 'free';

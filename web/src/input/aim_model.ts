@@ -63,6 +63,7 @@ export class AimModel {
   readonly config: AimConfig;
   private q: number[] = [];
   private squeezePart = 0;
+  private stretch = 0;
   private overruledParts: Partial<Triple> = {};
 
   constructor(
@@ -98,12 +99,21 @@ export class AimModel {
     this.squeezePart = fingers < 0 ? 0 : squeezeOfFingers(this.q[fingers] ?? 0);
   }
 
+  /** Nobody closes the hand any more: it is open at once, where it is. The program makes it a gentle move. */
+  open(): void {
+    this.squeezePart = 0;
+    this.axes.forEach((axis, i) => {
+      if (isHandAxis(axis.name)) this.q[i] = clamp(postureOf(axis.name, 0, this.stretch), axis.lower, axis.upper);
+    });
+  }
+
   /** The aim `dt_s` later. */
   step(wish: Wish, seen: Perception, dt_s: number): readonly number[] {
     const help = this.guideFor(wish, seen);
     const wanted = typeof wish.squeeze === 'number' ? wish.squeeze > 0.05 : wish.squeeze;
     const squeeze = wanted && this.config.assist && !help.mayClose && this.squeezePart === 0 ? false : wish.squeeze;
     this.squeezePart = this.nextSqueeze(squeeze, seen, dt_s);
+    this.stretch = help.stretch;
     this.axes.forEach((axis, i) => {
       const next = isHandAxis(axis.name)
         ? this.handAxis(axis.name, wish, help.stretch, this.q[i] ?? 0, dt_s)

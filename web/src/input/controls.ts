@@ -40,8 +40,9 @@ export function latestOf<W extends Pick<InputWay, 'claimed_s'>>(ways: readonly W
 }
 
 /**
- * Everything by which a person at the screen steers the virtual patient. The first touch of any of
- * them asks the program to let the person steer; from then on the aim goes out while rendering.
+ * Everything by which a person at the screen steers the virtual patient, while this page has the
+ * controls. The first touch of any of them asks the program to let the person steer; from then on the
+ * aim goes out while rendering. Whatever takes the input away opens the hand.
  */
 export class Controls {
   /** Called with why a person may not steer, in the program's words; empty: it was granted. */
@@ -76,7 +77,8 @@ export class Controls {
       this.webcam,
     ];
     connection.on('scene', (scene) => this.onScene(scene));
-    connection.on('status', () => { this.began = false; });
+    connection.on('status', (status) => { if (status !== 'open') this.began = false; });
+    connection.on('leaving', () => this.letGo());
     if (connection.scene) this.onScene(connection.scene);
   }
 
@@ -120,14 +122,14 @@ export class Controls {
     this.timer = setInterval(() => this.step(), 1000 / RATE_HZ);
   }
 
-  /** Stops listening; the hand stays where it was last aimed, and an open camera stays open. */
+  /** Stops listening; the hand opens where it was last aimed, and an open camera stays open. */
   disable(): void {
     if (this.timer === undefined) return;
     clearInterval(this.timer);
     this.timer = undefined;
+    this.letGo();
     for (const way of this.ways) way.disable();
     this.use(undefined);
-    this.began = false;
   }
 
   /** Opens the camera; the reason why not is for the person. */
@@ -165,6 +167,17 @@ export class Controls {
     return partOfAxis(axis, q);
   }
 
+  /** What was held is not held any more, and a hand that this page closed opens: nobody is there to let go of it. */
+  private letGo(): void {
+    for (const way of this.ways) way.yield();
+    const { connection, model } = this;
+    if (this.began && model && connection.latestState?.runState === RunState.Rendering) {
+      model.open();
+      void connection.aim([...model.aim]);
+    }
+    this.began = false;
+  }
+
   private use(way: InputWay | undefined): void {
     if (way === this.current) return;
     this.current?.yield();
@@ -195,19 +208,19 @@ export class Controls {
     void connection.aim([...model.aim]);
   }
 
-  /** Asks for the controls and for steering where they are missing, now and then. */
+  /** Asks for steering where it is missing, now and then. The controls are taken by a press only. */
   private maySteer(now: number, steering: Steering): boolean {
     const mine = this.connection.controls.heldByYou;
-    if (mine && steering === Steering.Person) return true;
+    if (!mine) return false;
+    if (steering === Steering.Person) return true;
     if (now - this.asked_s < ASK_AGAIN_S || (this.current?.claimed_s ?? 0) <= this.revoked_s) return false;
     this.asked_s = now;
-    void this.ask(mine);
+    void this.ask();
     return false;
   }
 
-  private async ask(mine: boolean): Promise<void> {
-    const controls = mine ? { accepted: true, reason: '' } : await this.connection.takeControls();
-    const answer = controls.accepted ? await this.connection.steer(Steering.Person) : controls;
+  private async ask(): Promise<void> {
+    const answer = await this.connection.steer(Steering.Person);
     this.onRefused(answer.accepted ? '' : answer.reason);
   }
 }

@@ -8,6 +8,8 @@ const SPEED_M_S = 0.15;
 
 /** Standard mapping: sticks left x, left y, right x, right y (down positive); 6, 7: triggers. */
 export interface PadReading {
+  /** "standard", or the axes and buttons mean anything. */
+  readonly mapping: string;
   axes: readonly number[];
   buttons: readonly { readonly value: number; readonly pressed: boolean }[];
 }
@@ -20,8 +22,9 @@ export function stick(value: number | undefined): number {
   return Math.sign(value ?? 0) * part * part;
 }
 
-/** What a game pad asks for; undefined while nothing on it is moved. */
+/** What a game pad asks for; undefined while nothing on it is moved, or nobody knows what its axes are. */
 export function wishOfPad(pad: PadReading): Wish | undefined {
+  if (pad.mapping !== 'standard') return undefined;
   const trigger = Math.max(pad.buttons[6]?.value ?? 0, pad.buttons[7]?.value ?? 0);
   const held = pad.buttons[0]?.pressed ?? false;
   const velocity = {
@@ -34,38 +37,84 @@ export function wishOfPad(pad: PadReading): Wish | undefined {
   return { ...restingWish(), velocity, squeeze: held ? true : trigger };
 }
 
+/** Noise, in parts of what is possible: a change by less is none. */
+const CHANGE = 0.05;
+
+/** Speeds and squeeze of a wish, each in parts of what is possible. */
+function partsOf(wish: Wish | undefined): readonly number[] {
+  if (!wish) return [0, 0, 0, 0];
+  const { velocity: { x, y, z }, squeeze } = wish;
+  return [x / SPEED_M_S, y / SPEED_M_S, z / SPEED_M_S, Number(squeeze)];
+}
+
+/**
+ * Which pads a person plays with. A pad counts once it was seen at rest: a worn stick that never is
+ * steers nothing. It claims the steering when it changes: one that is stuck keeps nobody out.
+ */
+export class PadWatch {
+  private readonly rested = new Set<number>();
+  private claimed = partsOf(undefined);
+
+  /** What pads ask for now, and whether a person has just moved one. */
+  look(pads: readonly (PadReading & { readonly index: number } | null)[]): { wish: Wish | undefined; claims: boolean } {
+    let wish: Wish | undefined;
+    for (const pad of pads) {
+      if (pad?.mapping !== 'standard') continue;
+      const asked = wishOfPad(pad);
+      if (!asked) this.rested.add(pad.index);
+      else if (this.rested.has(pad.index)) wish ??= asked;
+    }
+    const parts = partsOf(wish);
+    const changed = parts.some((part, i) => Math.abs(part - this.claimed[i]) > CHANGE);
+    if (changed) this.claimed = parts;
+    return { wish, claims: changed && wish !== undefined };
+  }
+
+  /** Every pad has to be seen at rest again. */
+  forget(): void {
+    this.rested.clear();
+    this.claimed = partsOf(undefined);
+  }
+}
+
 /** Left stick moves, right stick lifts and lowers, a trigger squeezes as far as it is pulled. */
 export class GamepadWay implements InputWay {
   readonly way = 'gamepad';
   private enabled = false;
+  private readonly watch = new PadWatch();
+  private asked: Wish | undefined;
   claimed_s = -Infinity;
 
   enable(): void {
     this.enabled = true;
+    // Browsers go on telling the last reading of a pad to a page that is not in front.
+    addEventListener('blur', this.letGo);
   }
 
   disable(): void {
+    removeEventListener('blur', this.letGo);
+    this.letGo();
     this.enabled = false;
     this.claimed_s = -Infinity;
   }
 
-  // A pad holds nothing: what it asks for is read anew each time.
-  yield(): void {}
+  // What is held on a pad goes on being held: to be used again it is let go of first.
+  yield(): void { this.letGo(); }
 
   /** Pads are looked at here: browsers do not tell when a stick moves. */
   poll(): void {
-    if (this.enabled && this.read()) this.claimed_s = now_s();
+    if (!this.enabled) return;
+    const { wish, claims } = this.watch.look((navigator.getGamepads?.() ?? []).map((pad) => (pad?.connected ? pad : null)));
+    this.asked = wish;
+    if (claims) this.claimed_s = now_s();
   }
 
   wish(): Wish {
-    return this.read() ?? restingWish();
+    return this.asked ?? restingWish();
   }
 
-  private read(): Wish | undefined {
-    for (const pad of navigator.getGamepads?.() ?? []) {
-      const wish = pad?.connected ? wishOfPad(pad) : undefined;
-      if (wish) return wish;
-    }
-    return undefined;
-  }
+  private readonly letGo = (): void => {
+    this.watch.forget();
+    this.asked = undefined;
+  };
 }

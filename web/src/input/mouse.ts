@@ -10,6 +10,9 @@ const TRAVEL_FROM_ANOTHER_WAY_PX = 240;
 /** How far one notch of a wheel (100 px of scrolling) goes, in parts of half the depth. */
 const DEPTH_PER_NOTCH = 0.12;
 
+/** After any of these nobody holds the button for sure. */
+const ENDS = ['pointerup', 'pointercancel', 'lostpointercapture', 'contextmenu', 'blur'] as const;
+
 /** y (left) and z (up), each -1 .. 1, of a point in the picture. */
 export function placeOfPointer(
   x_px: number, y_px: number, box: { left: number; top: number; width: number; height: number },
@@ -47,16 +50,14 @@ export class Mouse implements InputWay {
     this.element.addEventListener('pointermove', this.move);
     this.element.addEventListener('pointerdown', this.press);
     this.element.addEventListener('wheel', this.wheel, { passive: false });
-    addEventListener('pointerup', this.release);
-    addEventListener('blur', this.release);
+    for (const type of ENDS) addEventListener(type, this.release);
   }
 
   disable(): void {
     this.element.removeEventListener('pointermove', this.move);
     this.element.removeEventListener('pointerdown', this.press);
     this.element.removeEventListener('wheel', this.wheel);
-    removeEventListener('pointerup', this.release);
-    removeEventListener('blur', this.release);
+    for (const type of ENDS) removeEventListener(type, this.release);
     this.yield();
     this.stillToGo_px = FIRST_TRAVEL_PX;
     this.claimed_s = -Infinity;
@@ -79,6 +80,8 @@ export class Mouse implements InputWay {
 
   private readonly move = (event: PointerEvent): void => {
     if (event.pointerType !== 'mouse') return;
+    // A button that came up where nobody told: over a menu, in another window.
+    if ((event.buttons & 1) === 0) this.squeeze = false;
     const { last } = this;
     this.last = { x_px: event.clientX, y_px: event.clientY };
     if (last) this.stillToGo_px -= Math.hypot(event.clientX - last.x_px, event.clientY - last.y_px);
@@ -95,6 +98,7 @@ export class Mouse implements InputWay {
   private readonly press = (event: PointerEvent): void => {
     if (event.pointerType !== 'mouse' || event.button !== 0) return;
     this.point(event);
+    this.element.setPointerCapture(event.pointerId);
     this.squeeze = true;
   };
 

@@ -59,6 +59,8 @@ export class Touch implements InputWay {
   /** Stays when the finger is lifted: the hand waits where it was asked to go. */
   private drag: Drag | undefined;
   private dragging = false;
+  /** Pen or touch: of the pointer that drags. */
+  private kind = '';
   private readonly others = new Set<number>();
   private held = new Set<string>();
   private buttons: HTMLElement | undefined;
@@ -75,6 +77,7 @@ export class Touch implements InputWay {
     this.element.addEventListener('pointermove', this.move);
     addEventListener('pointerup', this.up);
     addEventListener('pointercancel', this.up);
+    addEventListener('blur', this.letGo);
     // Without this the browser scrolls and zooms instead.
     this.element.style.touchAction = 'none';
   }
@@ -84,6 +87,7 @@ export class Touch implements InputWay {
     this.element.removeEventListener('pointermove', this.move);
     removeEventListener('pointerup', this.up);
     removeEventListener('pointercancel', this.up);
+    removeEventListener('blur', this.letGo);
     this.element.style.touchAction = '';
     this.yield();
     this.buttons?.remove();
@@ -93,9 +97,7 @@ export class Touch implements InputWay {
 
   yield(): void {
     this.drag = undefined;
-    this.dragging = false;
-    this.others.clear();
-    this.held.clear();
+    this.letGo();
   }
 
   wish(): Wish {
@@ -116,16 +118,21 @@ export class Touch implements InputWay {
     if (event.pointerType === 'mouse') return;
     this.claimed_s = now_s();
     this.showButtons();
+    // The first of its kind: what was not told to have ended before it has.
+    if (event.isPrimary && event.pointerType === this.kind) this.letGo();
     if (this.dragging) {
-      this.others.add(event.pointerId);
+      // A hand that rests beside a pen does not squeeze, nor does a pen beside a finger.
+      if (event.pointerType === this.kind) this.others.add(event.pointerId);
       return;
     }
+    this.kind = event.pointerType;
     this.drag = new Drag(event.pointerId, event.clientX, event.clientY, this.drag?.place ?? this.placeNow());
     this.dragging = true;
   };
 
   private readonly move = (event: PointerEvent): void => {
-    if (event.pointerType === 'mouse') return;
+    // A pen that hovers touches nothing.
+    if (event.pointerType === 'mouse' || event.buttons === 0) return;
     // A finger that was down before playing began drags from where it is now.
     if (!this.dragging && !this.others.has(event.pointerId)) this.down(event);
     if (!this.dragging || event.pointerId !== this.drag?.pointerId) return;
@@ -136,6 +143,12 @@ export class Touch implements InputWay {
   private readonly up = (event: PointerEvent): void => {
     this.others.delete(event.pointerId);
     if (event.pointerId === this.drag?.pointerId) this.dragging = false;
+  };
+
+  private readonly letGo = (): void => {
+    this.dragging = false;
+    this.others.clear();
+    this.held.clear();
   };
 
   private showButtons(): void {
@@ -165,7 +178,7 @@ export class Touch implements InputWay {
       this.claimed_s = now_s();
       this.held.add(name);
     });
-    for (const type of ['pointerup', 'pointercancel', 'blur'] as const) {
+    for (const type of ['pointerup', 'pointercancel', 'lostpointercapture', 'blur'] as const) {
       button.addEventListener(type, end);
     }
   }

@@ -30,6 +30,18 @@ export function problemOf(error: unknown): WebcamProblem {
   return 'busy';
 }
 
+/** Whether a camera goes on giving pictures. */
+export class PictureWatch {
+  private shown_s = -1;
+
+  isNew({ currentTime, srcObject }: Pick<HTMLVideoElement, 'currentTime' | 'srcObject'>): boolean {
+    const live = srcObject instanceof MediaStream && srcObject.getVideoTracks().some((track) => track.readyState === 'live' && !track.muted);
+    if (!live || currentTime === this.shown_s) return false;
+    this.shown_s = currentTime;
+    return true;
+  }
+}
+
 /** Places and curls of a tracked hand, smoothed. Knows neither camera nor tracker. */
 export class HandFollower {
   private restSize = 0;
@@ -63,6 +75,7 @@ export class Webcam implements InputWay {
   readonly way = 'webcam';
   claimed_s = -Infinity;
   private readonly follower = new HandFollower();
+  private readonly pictures = new PictureWatch();
   private latest: Wish | undefined;
   private lastSeen_s = -Infinity;
   private hands: Hands | undefined;
@@ -110,6 +123,8 @@ export class Webcam implements InputWay {
       return 'model';
     }
     await this.show();
+    // Unplugged, or taken away: nobody is seen any more.
+    for (const track of this.stream.getTracks()) track.addEventListener('ended', () => this.stop());
     this.running = true;
     void this.run();
     return '';
@@ -118,6 +133,7 @@ export class Webcam implements InputWay {
   stop(): void {
     this.running = false;
     this.claimed_s = -Infinity;
+    this.latest = undefined;
     this.stream?.getTracks().forEach((track) => track.stop());
     this.stream = undefined;
     void this.hands?.close();
@@ -142,7 +158,8 @@ export class Webcam implements InputWay {
     while (this.running && this.video && this.hands) {
       const began_ms = performance.now();
       try {
-        await this.hands.send({ image: this.video });
+        // The last picture of a camera that stands still says nothing of the hand now.
+        if (this.pictures.isNew(this.video)) await this.hands.send({ image: this.video });
       } catch {
         this.stop();
         return;

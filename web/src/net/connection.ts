@@ -1,12 +1,13 @@
 // The page's only way to the program: messages in, orders out, by itself back after a loss.
 import * as flatbuffers from 'flatbuffers';
 import {
-  Act, ActionT, AimT, ArmT, CommandT, Controls, EmergencyStopT, Events, HeartbeatT, LoadExerciseT,
-  Message, MessageT, Order, Payload, ReleaseControlsT, Reply, Scene, SCHEMA_VERSION, SetParameterT,
-  Steering, SteerT, StopT, TakeControlsT, Welcome, WorldState,
+  Act, ActionT, AimT, ArmT, Controls, EmergencyStopT, Events, HeartbeatT, LoadExerciseT, Message, Payload, ReleaseControlsT, Reply, Scene,
+  SCHEMA_VERSION, SetParameterT, Steering, SteerT, StopT, TakeControlsT, Welcome, WorldState,
   type ControlsT, type EventT, type SceneT, type WelcomeT, type WorldStateT,
 } from '../protocol';
 import { text } from '../shared/i18n';
+import { encodeCommand, type AnyOrder } from './orders';
+import { PendingStop } from './pending_stop';
 import { refusalText } from './refusals';
 
 export type ConnectionStatus = 'connecting' | 'open' | 'lost';
@@ -17,10 +18,6 @@ export interface VersionProblem { readonly theirs: number; readonly ours: number
 /** `reason`: for the person, in the page's language; empty when accepted. */
 export interface Answer { readonly accepted: boolean; readonly reason: string }
 
-export type AnyOrder =
-  | ArmT | StopT | EmergencyStopT | LoadExerciseT | SetParameterT | AimT | SteerT | ActionT
-  | TakeControlsT | ReleaseControlsT | HeartbeatT;
-
 export interface ConnectionEvents {
   state: WorldStateT;
   scene: SceneT;
@@ -28,7 +25,12 @@ export interface ConnectionEvents {
   controls: ControlsT;
   status: ConnectionStatus;
   welcome: WelcomeT;
+  /** The person leaves this page: the last moment to order something. */
+  leaving: void;
 }
+
+/** Why this page lost the controls, which it did not give back: the person left it, or the program did not hear it. */
+export type Loss = '' | 'left' | 'unheard';
 
 /** The part of a WebSocket that is used; net/fake_program.ts is another one. */
 export interface Line {
@@ -37,6 +39,8 @@ export interface Line {
   onmessage: ((event: MessageEvent) => void) | null;
   onclose: ((event: CloseEvent) => void) | null;
   send(data: Uint8Array<ArrayBuffer>): void;
+  /** Sends this by itself, often, for as long as the page answers; null: no more. Without it the page does so. */
+  hold?(beat: Uint8Array<ArrayBuffer> | null): void;
   close(): void;
 }
 
@@ -61,21 +65,8 @@ const SLOW_ANSWER_WITHIN_MS = 20_000;
 // Of an open line that says nothing at all: the program sends 60 states a second.
 const SILENCE_MS = 3000;
 
-const ORDER_OF = new Map<unknown, Order>([
-  [ArmT, Order.Arm], [StopT, Order.Stop], [EmergencyStopT, Order.EmergencyStop],
-  [LoadExerciseT, Order.LoadExercise], [SetParameterT, Order.SetParameter], [AimT, Order.Aim],
-  [SteerT, Order.Steer], [ActionT, Order.Action], [TakeControlsT, Order.TakeControls],
-  [ReleaseControlsT, Order.ReleaseControls], [HeartbeatT, Order.Heartbeat],
-]);
-
-/** Bytes of a command, as the program reads them. */
-export function encodeCommand(id: number, order: AnyOrder): Uint8Array<ArrayBuffer> {
-  const kind = ORDER_OF.get(order.constructor) ?? Order.NONE;
-  const builder = new flatbuffers.Builder(256);
-  const message = new MessageT(SCHEMA_VERSION, Payload.Command, new CommandT(id, kind, order));
-  Message.finishMessageBuffer(builder, message.pack(builder));
-  return builder.asUint8Array().slice();
-}
+/** Sent by the line's own thread, between the page's orders: the number of a beat does not count. */
+const BEAT = encodeCommand(0, new HeartbeatT());
 
 interface Waiting { readonly settle: (answer: Answer) => void; readonly timer: ReturnType<typeof setTimeout> }
 type Listeners = { [Name in keyof ConnectionEvents]: Set<(value: ConnectionEvents[Name]) => void> };
@@ -91,16 +82,20 @@ export class Connection {
   welcome: WelcomeT | null = null;
   /** Whether this client commands, and whether any client does. */
   controls = { heldByYou: false, held: false };
+  /** Until they are taken anew. */
+  loss: Loss = '';
   /** Failed attempts since the line was last open, for the person to see that something happens. */
   attempts = 0;
   /** Messages that could not be read. */
   unreadable = 0;
+  /** The newest ending that the program has told of (WorldState.endings); 0 before its first state. */
+  endings = 0;
   /** performance.now() when latestState came [ms]. */
   latestStateAt_ms = 0;
 
   private reading_ms = 0;
   private readonly listeners: Listeners = {
-    state: new Set(), scene: new Set(), events: new Set(), controls: new Set(), status: new Set(), welcome: new Set(),
+    state: new Set(), scene: new Set(), events: new Set(), controls: new Set(), status: new Set(), welcome: new Set(), leaving: new Set(),
   };
   private readonly waiting = new Map<number, Waiting>();
   private line: Line | null = null;
@@ -111,6 +106,11 @@ export class Connection {
   private heard_ms = 0;
   private beat_ms = 0;
   private closed = false;
+  private away = false;
+  private taking = 0;          // the controls: orders without an answer yet
+  private beating = false;     // so the line was told
+  private giving = false;      // the controls back, at the person's wish
+  private readonly stopAsked = new PendingStop(() => this.order(new EmergencyStopT()), () => this.tell('status', this.status));
 
   constructor(private readonly options: ConnectionOptions) {
     this.beatTimer = setInterval(() => this.beat(), HEARTBEAT_MS);
@@ -128,6 +128,8 @@ export class Connection {
   order(order: AnyOrder): Promise<Answer> {
     const line = this.line;
     if (this.status !== 'open' || !line) return Promise.resolve({ accepted: false, reason: text('line.none') });
+    // Nothing begins or goes on by an order of a page that nobody sees; a stop always may.
+    if (this.away && !(order instanceof EmergencyStopT || order instanceof StopT)) return Promise.resolve({ accepted: false, reason: text('line.away') });
     const id = ++this.lastId;
     const within_ms = order instanceof LoadExerciseT || order instanceof ArmT ? SLOW_ANSWER_WITHIN_MS : ANSWER_WITHIN_MS;
     return new Promise((settle) => {
@@ -137,9 +139,13 @@ export class Connection {
     });
   }
 
-  arm(): Promise<Answer> { return this.order(new ArmT()); }
+  /** `endingsSeen`: what `endings` was when the person was shown what they pressed on. */
+  arm(endingsSeen: number): Promise<Answer> { return this.order(new ArmT(endingsSeen)); }
   stop(): Promise<Answer> { return this.order(new StopT()); }
-  emergencyStop(): Promise<Answer> { return this.order(new EmergencyStopT()); }
+  /** Sent until the program has confirmed it; answered then. */
+  emergencyStop(): Promise<Answer> { return this.stopAsked.ask(); }
+  /** An emergency stop was asked for, and the program has not said within 300 ms that it has it. */
+  get stopUnconfirmed(): boolean { return this.stopAsked.unconfirmed; }
   /** Empty names and level 0 leave that part as it is. */
   loadExercise(exercise: string, level: number, hand: string): Promise<Answer> {
     return this.order(new LoadExerciseT(exercise, level, hand));
@@ -150,11 +156,34 @@ export class Connection {
   steer(by: Steering): Promise<Answer> { return this.order(new SteerT(by)); }
   act(act: Act): Promise<Answer> { return this.order(new ActionT(act)); }
   async takeControls(): Promise<Answer> {
+    // The beat begins before the answer can be read: a page that is busy meanwhile would lose them at once.
+    this.taking += 1;
+    this.keepBeating();
     const answer = await this.order(new TakeControlsT(this.options.token ?? ''));
-    if (answer.accepted) this.controls = { heldByYou: true, held: true };  // the beat begins at once
+    this.taking -= 1;
+    if (answer.accepted) {
+      this.loss = '';
+      this.giving = false;
+      this.setControls({ heldByYou: true, held: true });
+    }
+    this.keepBeating();
     return answer;
   }
-  releaseControls(): Promise<Answer> { return this.order(new ReleaseControlsT()); }
+  releaseControls(): Promise<Answer> {
+    this.giving = true;
+    return this.order(new ReleaseControlsT());
+  }
+
+  /** The person leaves the page: it is silent from now on, and the program takes the controls back by itself. */
+  leave(): void {
+    if (this.away) return;
+    this.tell('leaving', undefined);
+    this.away = true;
+    this.setControls({ ...this.controls, heldByYou: false });
+  }
+
+  /** The person is here again. What was lost must be taken anew, by a press. */
+  comeBack(): void { this.away = false; }
 
   /** Tries at once instead of after the wait. */
   retryNow(): void {
@@ -168,6 +197,7 @@ export class Connection {
     this.closed = true;
     clearInterval(this.beatTimer);
     clearTimeout(this.retryTimer);
+    this.stopAsked.close();
     this.dropLine();
   }
 
@@ -204,6 +234,7 @@ export class Connection {
   private lost(): void {
     this.dropLine();
     this.controls = { heldByYou: false, held: false };
+    this.giving = false;
     for (const id of [...this.waiting.keys()]) this.settle(id, { accepted: false, reason: text('line.lost') });
     this.attempts += 1;
     this.setStatus('lost');
@@ -225,6 +256,7 @@ export class Connection {
   private dropLine(): void {
     const line = this.line;
     this.line = null;
+    this.beating = false;
     if (!line) return;
     line.onopen = line.onmessage = line.onclose = null;
     line.close();
@@ -254,7 +286,23 @@ export class Connection {
       return;
     }
     // Not answered for: a beat whose answer is lost is followed by the next one.
-    if (this.status === 'open' && this.controls.heldByYou) this.line.send(encodeCommand(++this.lastId, new HeartbeatT()));
+    if (!this.line.hold && this.status === 'open' && this.beats) this.line.send(encodeCommand(++this.lastId, new HeartbeatT()));
+  }
+
+  private setControls(controls: { heldByYou: boolean; held: boolean }): void {
+    const lost = this.controls.heldByYou && !controls.heldByYou && !this.giving;
+    if (lost) this.loss = this.away ? 'left' : 'unheard';
+    this.controls = this.away ? { ...controls, heldByYou: false } : controls;
+    this.giving &&= controls.heldByYou;
+    this.keepBeating();
+  }
+
+  private get beats(): boolean { return !this.away && (this.controls.heldByYou || this.taking > 0); }
+
+  private keepBeating(): void {
+    if (this.beats === this.beating) return;
+    this.beating = this.beats;
+    this.line?.hold?.(this.beating ? BEAT : null);
   }
 
   private tell<Name extends keyof ConnectionEvents>(name: Name, value: ConnectionEvents[Name]): void {
@@ -296,6 +344,7 @@ export class Connection {
         const state = unpack(new WorldState());
         if (!state) return;
         this.latestState = state;
+        this.endings = state.endings;
         this.latestStateAt_ms = this.heard_ms;
         this.tell('state', state);
         return;
@@ -316,6 +365,7 @@ export class Connection {
         const welcome = unpack(new Welcome());
         if (!welcome) return;
         this.welcome = welcome;
+        this.endings = 0;  // another run of the program counts anew
         this.attempts = this.refusedWith = 0;
         this.setStatus('open');
         this.tell('welcome', welcome);
@@ -324,7 +374,7 @@ export class Connection {
       case Payload.Controls: {
         const controls = unpack(new Controls());
         if (!controls) return;
-        this.controls = { heldByYou: controls.heldByYou, held: controls.held };
+        this.setControls({ heldByYou: controls.heldByYou, held: controls.held });
         this.tell('controls', controls);
         return;
       }

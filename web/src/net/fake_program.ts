@@ -6,7 +6,7 @@
 //   fault=12      faults after a second with that bit of Scene.fault_names, on the first axis
 import * as flatbuffers from 'flatbuffers';
 import {
-  Act, Action, Aim, AxisT, BodyT, CapsuleT, Command, ContactPointT, ControlsT, EventsT, EventT,
+  Act, Action, Aim, Arm, AxisT, BodyT, CapsuleT, Command, ContactPointT, ControlsT, EventsT, EventT,
   LoadExercise, Message, MessageT, Order, ParameterGroup, ParameterT, Payload, PoseT, QuatXyzwT, Refusal, ReplyT, RunState, SafetyState, SceneT,
   SCHEMA_VERSION, SetParameter, ShapeT, ShapeType, StatisticsT, Steer, Steering, Vec3T, WelcomeT, WorldStateT,
 } from '../protocol';
@@ -51,6 +51,7 @@ export class FakeProgram {
   private session = 1;
   private latched = 0;
   private faulted = false;
+  private endings = 1;
   private heldByClient = false;
   private readonly parameters = PARAMETERS.map((p) => ({ now: p[5] as number, target: p[5] as number }));
   private readonly version: number;
@@ -111,6 +112,7 @@ export class FakeProgram {
 
   private fail(bit: number): void {
     this.faulted = true;
+    this.endings += 1;
     this.latched = 1 << bit;
     this.runState = RunState.Stopping;
   }
@@ -164,6 +166,7 @@ export class FakeProgram {
         this.say(line, Payload.Controls, new ControlsT(false, false));
         return Refusal.None;
       case Order.Arm:
+        if ((command.order(new Arm()) as Arm).endingsSeen() !== this.endings) return Refusal.StopNotSeen;
         if (this.runState === RunState.Rendering) return Refusal.ArmedAlready;
         this.runState = RunState.Rendering;
         this.latched = 0;
@@ -204,6 +207,7 @@ export class FakeProgram {
   private halt(why = 0): Refusal {
     if (this.runState === RunState.Rendering) this.runState = RunState.Stopping;
     this.latched |= STOP_REQUESTED | why;
+    this.endings += 1;
     return Refusal.None;
   }
 
@@ -264,6 +268,7 @@ export class FakeProgram {
   private state(): WorldStateT {
     const g = GEOMETRY, bar = this.bar, s = new WorldStateT();
     s.session = this.session;
+    s.endings = this.endings;
     s.tick = BigInt(this.tick);
     s.timeS = bar.time_s;
     s.sentMonotonicNs = BigInt(Math.round(performance.now() * 1e6));

@@ -1,4 +1,6 @@
 import { Connection } from './connection';
+import { followPresence } from './presence';
+import { WorkerLine } from './worker_line';
 
 /** Token of the address, "?token=…" or "#token=…"; the second one is in no server's log. */
 export function tokenOf(address: Pick<Location, 'search' | 'hash'>): string {
@@ -17,6 +19,12 @@ export function socketUrl(address: Pick<Location, 'protocol' | 'host' | 'search'
 
 /** The connection of this page; with ?fake, in development builds, to a stand-in inside the page. */
 export async function openConnection(): Promise<Connection> {
+  const connection = await connect();
+  followPresence(connection);
+  return connection;
+}
+
+async function connect(): Promise<Connection> {
   const token = tokenOf(location);
   const url = socketUrl(location, import.meta.env.DEV);
   if (import.meta.env.DEV && new URLSearchParams(location.search).has('fake')) {
@@ -25,5 +33,5 @@ export async function openConnection(): Promise<Connection> {
     return new Connection({ url, token, open: () => program.line() });
   }
   const why = async () => (await fetch(url.replace(/^ws/, 'http'), { cache: 'no-store' })).status;
-  return new Connection({ url, token, why });
+  return new Connection({ url, token, why, open: (address) => new WorkerLine(address) });
 }

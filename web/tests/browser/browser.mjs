@@ -51,9 +51,10 @@ function faultOf(message, { with3d, cutOff }) {
   return cutOff && CUT_OFF.includes(pathOf(address)) ? null : `${text} (${address})`;
 }
 
-/** A page that remembers its own errors, and what it was refused. */
-export async function openPage(browser, url, { width = 1280, height = 800, locale = 'en-GB', cutOff = false, ...more } = {}) {
+/** A page that remembers its own errors, and what it was refused. `init`: runs in it before everything else. */
+export async function openPage(browser, url, { width = 1280, height = 800, locale = 'en-GB', cutOff = false, init = null, ...more } = {}) {
   const context = await browser.newContext({ viewport: { width, height }, locale, ...more });
+  if (init) await context.addInitScript(init);
   const page = await context.newPage();
   page.faults = [];
   page.cutOff = cutOff;

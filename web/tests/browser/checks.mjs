@@ -15,17 +15,24 @@ export function expect(condition, words) {
 const axis = (now, name) => now.q[now.axes.indexOf(name)];
 
 /** The game, past its first card, with a person about to play. */
-export async function openGame(browser, programUrl, query = {}) {
-  const page = await openPage(browser, pageUrl(programUrl, '/', { lang: 'en', quality: 'low', ...query }));
+export async function openGame(browser, programUrl, query = {}, options = {}) {
+  const page = await openPage(browser, pageUrl(programUrl, '/', { lang: 'en', quality: 'low', ...query }), options);
   await page.waitForSelector('[data-testid=start]', { timeout: PATIENT_MS });
   await page.click('[data-testid=start]');
   await playing(page);
   return page;
 }
 
+/** A browser that gets no processor for 200 ms has lost the controls: on a machine that others use, a person presses "Go on". */
+export const GOES_ON = () => { setInterval(() => document.querySelector('[data-testid=take-again]')?.click(), 500); };
+
 /** Arming rehearses: until it is done, nothing that the person does moves anything. */
 async function playing(page) {
-  await page.waitForSelector('body:not([data-state=welcome]):not([data-state=loading])', { timeout: PATIENT_MS });
+  try {
+    await page.waitForSelector('body:not([data-state=welcome]):not([data-state=loading])', { timeout: PATIENT_MS });
+  } catch {
+    throw new Error(`no play within ${PATIENT_MS / 1000} s; the page says: ${(await page.locator('body').innerText()).replace(/\s+/g, ' ')}`);
+  }
 }
 
 export async function mouseMovesTheHand(game, watcher) {

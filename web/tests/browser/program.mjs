@@ -29,6 +29,8 @@ export async function startProgram({ file, port = 0, args = [], folder }) {
     port: Number(new URL(url).port),
     said,
     ended,
+    /** Freezes it, or lets it go on. */
+    signal(name) { child.kill(name); },
     /** Asks it to end, or ends it without asking. */
     async stop(signal = 'SIGINT') {
       child.kill(signal);

@@ -9,8 +9,11 @@ import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
 import { openBrowser } from './browser.mjs';
 import * as checks from './checks.mjs';
+import * as presence from './presence_checks.mjs';
 import { takePictures } from './pictures.mjs';
 import { startProgram } from './program.mjs';
+import { stopsAtRandomMoments } from './random_stops.mjs';
+import * as stops from './stop_checks.mjs';
 import { openWatcher } from './watcher.mjs';
 
 const WEB = join(dirname(fileURLToPath(import.meta.url)), '..', '..');
@@ -66,6 +69,18 @@ async function idleMachine() {
   return { busy, waited_s: waited_s() };
 }
 
+const startWaiting = () => startProgram({ file: FILE, folder, args: ['--wait'] });
+
+/** Runs a check against a program of its own that waits to be started. */
+async function waiting(check) {
+  const fresh = await startWaiting();
+  try {
+    return await check(fresh.url);
+  } finally {
+    await fresh.stop();
+  }
+}
+
 /** Figures of a page, printed and kept. */
 async function measured(browser, programUrl, name, path) {
   const { busy, waited_s } = await idleMachine();
@@ -103,7 +118,7 @@ const plain = await openBrowser({ with3d: false });
 const drawing = await openBrowser();
 try {
   const watcher = await openWatcher(plain, program.url);
-  const game = await checks.openGame(drawing, program.url);
+  const game = await checks.openGame(drawing, program.url, {}, { init: checks.GOES_ON });
   await test('mouse moves the hand', () => checks.mouseMovesTheHand(game, watcher));
   await test('keys fill a glass', () => checks.keysFillAGlass(game, watcher));
   await test('a second controller is refused', () => checks.secondControllerIsRefused(watcher));
@@ -116,6 +131,14 @@ try {
   });
   await game.context().close();
   await test('another level is loaded', () => checks.anotherLevelIsLoaded(watcher));
+  // An hour is passed by the server's own tests, in time that they make; here in the browser's.
+  const hidden_s = process.env.WHOLEHAND_FULL === '1' ? 600 : 10;
+  await test('a hidden page lets go once', () => presence.hiddenPageLetsGoOnce(plain, program.url, watcher, hidden_s));
+  await test('slow timers are no silence', () => presence.slowTimersAreNoSilence(plain, program.url, watcher));
+  await test('a page that hangs loses the controls once', () => presence.hungPageLosesTheControlsOnce(plain, program.url, watcher));
+  await test('help opens the hand', () => presence.helpOpensTheHand(plain, program.url, watcher));
+  await test('watching brings the play back', () => presence.watchingBringsThePlayBack(plain, program.url, watcher));
+  await test('a stop that is not confirmed is said', () => presence.unconfirmedStopIsSaid(plain, program.url, watcher, program, OUTPUT));
   await test('pages are accessible', () => checks.pagesAreAccessible(plain, program.url));
   await test('a missing camera is said', () => checks.missingCameraIsSaid((args) => openBrowser({ with3d: false, args }), program.url));
   await test('cost of the game', () => costOf(drawing, program.url, 'game', '/'));
@@ -128,6 +151,9 @@ try {
     return words;
   });
   await test('touch moves and squeezes', () => checks.touchMovesAndSqueezes(plain, program.url, watcher));
+  await test('stop while a level is loaded starts nothing', () => waiting((url) => stops.stopWhileLoadingStartsNothing(plain, url)));
+  await test('pause after a stop starts nothing', () => waiting((url) => stops.pauseAfterAStopStartsNothing(plain, url)));
+  await test('stops at random moments are followed by nothing', () => stopsAtRandomMoments(plain, startWaiting));
   await test('no fault was logged by the pages', async () => {
     const faults = [...game.faults, ...watcher.page.faults];
     checks.expect(faults.length === 0, faults.join('\n'));

@@ -76,7 +76,7 @@ export const de: ConsoleTexts = {
     faultedWhat: 'Die Kraft ging innert 0,1 s zu neutral. Der Arm wird getragen.',
     armed: 'Scharf gestellt', armedWhat: 'Die Kraft wird eingeblendet.', emergency: 'Not-Halt wurde gedrückt', beyond: '{value}, Grenze {limit}',
     lost: 'Keine Verbindung zum Programm',
-    lostWhat: 'Die Kraft der Übung klingt von selbst ab. Die Zahlen hier sind von vorher.',
+    lostWhat: 'Wenn das Programm läuft, klingt die Kraft der Übung von selbst ab. Die Zahlen hier sind von vorher.',
     fingers: 'Finger', thumb: 'Daumen', arm: 'Arm x y z', speed: 'Tempo Arm', of: '{a} von {b}',
   },
   advice: {
@@ -132,7 +132,10 @@ export const de: ConsoleTexts = {
   },
 
   notices: {
-    lost: 'Verbindung unterbrochen. Die Zahlen sind von vorher.', lostMore: 'Die Kraft der Übung klingt von selbst ab.',
+    lost: 'Verbindung unterbrochen. Die Zahlen sind von vorher.', lostMore: 'Wenn das Programm läuft, klingt die Kraft der Übung von selbst ab.',
+    unconfirmed: 'Stopp nicht bestätigt: roten Knopf drücken.', unconfirmedMore: 'Diese Seite sendet den Stopp weiter.',
+    left: 'Sie haben diese Seite verlassen: Die Steuerung wurde zurückgegeben, und die Kraft der Übung bleibt weg, bis jemand sie übernimmt.',
+    unheard: 'Das Programm hat diese Seite nicht gehört: Die Steuerung wurde zurückgegeben, und die Kraft der Übung bleibt weg, bis jemand sie übernimmt.',
     hardware: 'Der rote Knopf am Roboter wirkt immer.', retry: 'Jetzt versuchen', attempts: 'Versuch {n} …',
     held: 'Ein anderes Gerät steuert: Sie sehen zu. Der Not-Halt wirkt immer.',
     version: 'Das Programm spricht Version {theirs} der Meldungen, diese Seite Version {ours}. Laden Sie die Seite neu.',

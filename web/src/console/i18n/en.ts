@@ -75,7 +75,7 @@ export const en = {
     faultedWhat: 'Effort ramped to neutral within 0.1 s. The arm is carried.',
     armed: 'Armed', armedWhat: 'The effort is being blended in.', emergency: 'Emergency stop was pressed', beyond: '{value}, limit {limit}',
     lost: 'No connection to the program',
-    lostWhat: 'The exercise effort fades out by itself. The figures here are from before.',
+    lostWhat: 'If the program runs, the exercise effort fades out by itself. The figures here are from before.',
     fingers: 'Fingers', thumb: 'Thumb', arm: 'Arm x y z', speed: 'Arm speed', of: '{a} of {b}',
   },
   /** What to do, after a fault of that name. */
@@ -132,7 +132,10 @@ export const en = {
   },
 
   notices: {
-    lost: 'Connection lost. The figures are from before.', lostMore: 'The exercise effort fades out by itself.',
+    lost: 'Connection lost. The figures are from before.', lostMore: 'If the program runs, the exercise effort fades out by itself.',
+    unconfirmed: 'Stop not confirmed: use the red button.', unconfirmedMore: 'This page goes on sending the stop.',
+    left: 'You left this page: the controls were given back, and the exercise effort is out until somebody takes them.',
+    unheard: 'The program did not hear this page: the controls were given back, and the exercise effort is out until somebody takes them.',
     hardware: 'The red button on the robot always works.', retry: 'Try now', attempts: 'Attempt {n} …',
     held: 'Another client holds the controls: you are watching. Emergency stop always works.',
     version: 'The program speaks version {theirs} of the messages, this page version {ours}. Load the page again.',

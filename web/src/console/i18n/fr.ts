@@ -76,7 +76,7 @@ export const fr: ConsoleTexts = {
     faultedWhat: 'La force est revenue au neutre en 0,1 s. Le bras est porté.',
     armed: 'Armé', armedWhat: 'La force s’installe progressivement.', emergency: 'Arrêt d’urgence demandé', beyond: '{value}, limite {limit}',
     lost: 'Pas de connexion au programme',
-    lostWhat: 'La force de l’exercice s’éteint d’elle-même. Les chiffres ici datent d’avant.',
+    lostWhat: 'Si le programme tourne, la force de l’exercice s’éteint d’elle-même. Les chiffres ici datent d’avant.',
     fingers: 'Doigts', thumb: 'Pouce', arm: 'Bras x y z', speed: 'Vitesse bras', of: '{a} sur {b}',
   },
   advice: {
@@ -132,7 +132,10 @@ export const fr: ConsoleTexts = {
   },
 
   notices: {
-    lost: 'Connexion perdue. Les chiffres datent d’avant.', lostMore: 'La force de l’exercice s’éteint d’elle-même.',
+    lost: 'Connexion perdue. Les chiffres datent d’avant.', lostMore: 'Si le programme tourne, la force de l’exercice s’éteint d’elle-même.',
+    unconfirmed: 'Arrêt non confirmé : bouton rouge.', unconfirmedMore: 'Cette page continue d’envoyer l’arrêt.',
+    left: 'Vous avez quitté cette page : les commandes ont été rendues, et la force de l’exercice reste éteinte jusqu’à ce que quelqu’un les prenne.',
+    unheard: 'Le programme n’a pas entendu cette page : les commandes ont été rendues, et la force de l’exercice reste éteinte jusqu’à ce que quelqu’un les prenne.',
     hardware: 'Le bouton rouge du robot agit toujours.', retry: 'Réessayer', attempts: 'Essai {n} …',
     held: 'Un autre client a les commandes : vous regardez. L’arrêt d’urgence agit toujours.',
     version: 'Le programme parle la version {theirs} des messages, cette page la version {ours}. Rechargez la page.',

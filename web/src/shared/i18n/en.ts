@@ -83,6 +83,7 @@ export const en = {
   'watch.otherMore': 'Another screen has the controls',
   'watch.idle': 'Ready',
   'watch.idleMore': 'Press “Play yourself” to begin',
+  'watch.fadedMore': 'The exercise pushes again when somebody plays',
   'watch.play': 'Play yourself',
 
   // ---- game: success
@@ -102,10 +103,16 @@ export const en = {
 
   // ---- game: trouble
   'lost.title': 'Connection lost',
-  'lost.what': 'The robot is letting go gently.',
-  'lost.soft': 'You do not have to do anything.',
+  'lost.what': 'This page no longer hears the robot.',
+  'lost.soft': 'If its program runs, it lets go gently by itself.',
   'lost.retry': 'Trying again …',
   'lost.button': 'The red button on the robot always works.',
+  'stop.unconfirmed': 'Stop not confirmed: use the red button',
+  'stop.unconfirmedMore': 'This page goes on sending the stop.',
+  'left.title': 'You left this page',
+  'left.what': 'So the controls were given back, and the robot let go.',
+  'unheard.title': 'This page was not heard',
+  'unheard.what': 'So the robot let go, and the controls were given back.',
   'absent.title': 'Waiting for the robot',
   'absent.what': 'The program does not answer yet.',
   'absent.soft': 'This page goes on by itself when it does.',
@@ -148,9 +155,11 @@ export const en = {
   'refusal.CannotStart': 'It cannot be started. {reason}',
   'refusal.Failed': 'The program made a mistake. {reason}',
   'refusal.Ending': 'The program is ending.',
+  'refusal.StopNotSeen': 'It was stopped after you pressed. See why, then start it again.',
   'line.none': 'There is no connection.',
   'line.silent': 'The program does not answer.',
   'line.lost': 'The connection was lost.',
+  'line.away': 'You left the page meanwhile. Press again.',
 
   // ---- what stops or limits: Scene.fault_names
   'fault.device read failed': 'the device gave no position',

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "server/clients.hpp"
+#include "server/file_workers.hpp"
+#include "server/polite_log.hpp"
+#include "server/site.hpp"
+#include "server/traffic.hpp"
+
+#include <chrono>
+#include <cstddef>
+#include <list>
+
+namespace wholehand {
+
+class HttpConnection;
+
+/// What every connection shares; outlives all their operations.
+struct Premises {
+  Site& site;
+  Clients& clients;
+  Traffic& traffic;
+  PoliteLog& log;
+  FileWorkers& pages;       ///< the pages' disk is another than the recordings', and must not wait
+  FileWorkers& recordings;  ///< for it: a page has the button that stops
+  std::size_t max_clients = 16;
+  std::chrono::milliseconds disk_patience{};
+  std::chrono::milliseconds report_patience{};
+  std::size_t connections = 0;           ///< over plain HTTP, now
+  std::size_t upgrading = 0;             ///< on the way to a WebSocket
+  std::list<HttpConnection*> idle = {};  ///< that wait for a request, the longest first
+};
+
+}  // namespace wholehand

@@ -1,0 +1,218 @@
+"""A client of the program, in as few words as the end-to-end tests need: docs/protocol.md, docs/udp.md."""
+import base64
+import os
+import socket
+import struct
+import threading
+import time
+import zlib
+
+# protocol/wholehand.fbs: members of the unions Order and Payload, from 1.
+STOP, EMERGENCY_STOP, STEER, ACTION, TAKE_CONTROLS, HEARTBEAT = 2, 3, 7, 8, 9, 11
+WORLD_STATE, WELCOME, REPLY, COMMAND = 1, 4, 6, 7
+PERSON = 1
+
+
+def encode(table):
+    """A finished buffer. A table is a list of its fields: (struct format, number) or a table; every field is given."""
+    buffer = bytearray(struct.pack("<I4s", 0, b"WHND"))
+    struct.pack_into("<I", buffer, 0, _put(buffer, table))
+    return bytes(buffer)
+
+
+def _put(buffer, fields):
+    vtable = len(buffer)
+    buffer += struct.pack("<HH", 4 + 2 * len(fields), 4 + 4 * len(fields))
+    buffer += b"".join(struct.pack("<H", 4 + 4 * i) for i in range(len(fields)))
+    buffer += bytes(-len(buffer) % 4)
+    at = len(buffer)
+    buffer += struct.pack("<i", at - vtable) + bytes(4 * len(fields))
+    for i, field in enumerate(fields):
+        place = at + 4 + 4 * i
+        if isinstance(field, list):
+            struct.pack_into("<I", buffer, place, _put(buffer, field) - place)
+        else:
+            struct.pack_into("<" + field[0], buffer, place, field[1])
+    return at
+
+
+def command(version, number, order, fields=()):
+    return encode([("H", version), ("B", COMMAND), [("I", number), ("B", order), list(fields)]])
+
+
+class Table:
+    """Reads fields of a table that a buffer holds."""
+
+    def __init__(self, buffer, at):
+        self.buffer, self.at = buffer, at
+
+    def number(self, index, form, otherwise=0):
+        vtable = self.at - struct.unpack_from("<i", self.buffer, self.at)[0]
+        if 4 + 2 * index >= struct.unpack_from("<H", self.buffer, vtable)[0]:
+            return otherwise
+        offset = struct.unpack_from("<H", self.buffer, vtable + 4 + 2 * index)[0]
+        return struct.unpack_from("<" + form, self.buffer, self.at + offset)[0] if offset else otherwise
+
+    def inner(self, index):
+        vtable = self.at - struct.unpack_from("<i", self.buffer, self.at)[0]
+        place = self.at + struct.unpack_from("<H", self.buffer, vtable + 4 + 2 * index)[0]
+        return Table(self.buffer, place + struct.unpack_from("<I", self.buffer, place)[0])
+
+    def text(self, index):
+        at = self.inner(index).at
+        return self.buffer[at + 4:at + 4 + struct.unpack_from("<I", self.buffer, at)[0]].decode()
+
+
+def decode(buffer):
+    """(kind, table) of a message."""
+    message = Table(buffer, struct.unpack_from("<I", buffer, 0)[0])
+    return message.number(1, "B"), message.inner(2)
+
+
+class Page:
+    """A WebSocket. Whoever holds the controls shows every 50 ms that it is alive, until it falls silent."""
+
+    def __init__(self, port):
+        self.socket = socket.create_connection(("127.0.0.1", port), timeout=30)
+        self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        key = base64.b64encode(os.urandom(16)).decode()
+        self.socket.sendall(f"GET /ws HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nUpgrade: websocket\r\n"
+                            f"Connection: Upgrade\r\nSec-WebSocket-Key: {key}\r\n"
+                            "Sec-WebSocket-Version: 13\r\n\r\n".encode())
+        self.bytes = b""
+        while b"\r\n\r\n" not in self.bytes:
+            self.bytes += self.socket.recv(65536)
+        head, _, self.bytes = self.bytes.partition(b"\r\n\r\n")
+        assert head.startswith(b"HTTP/1.1 101"), head
+        self.replies = {}  # by command: accepted, reason
+        self.answered = threading.Condition()
+        self.version, self.last, self.lock = 1, 0, threading.Lock()
+        self.alive = threading.Event()
+        self.open = True
+        threading.Thread(target=self._listen, daemon=True).start()
+
+    def _listen(self):
+        try:
+            while self.open:
+                self._hear()
+        except OSError:
+            self.open = False
+
+    def _take(self, count):
+        while len(self.bytes) < count:
+            more = self.socket.recv(1 << 20)
+            if not more:
+                raise OSError("closed")
+            self.bytes += more
+        taken, self.bytes = self.bytes[:count], self.bytes[count:]
+        return taken
+
+    def _hear(self):
+        kind, length = self._take(2)
+        if length == 126:
+            length = struct.unpack(">H", self._take(2))[0]
+        elif length == 127:
+            length = struct.unpack(">Q", self._take(8))[0]
+        payload = self._take(length)
+        if kind & 15 != 2:
+            return
+        what, table = decode(payload)
+        if what == REPLY:
+            with self.answered:
+                self.replies[table.number(0, "I")] = (bool(table.number(1, "B")), table.text(2))
+                self.answered.notify_all()
+
+    def say(self, order, *fields):
+        """Its number."""
+        with self.lock:
+            self.last += 1
+            payload = command(self.version, self.last, order, fields)
+            head = struct.pack(">BB", 0x82, 0x80 | len(payload)) if len(payload) < 126 else struct.pack(
+                ">BBH", 0x82, 0xFE, len(payload))
+            self.socket.sendall(head + bytes(4) + payload)  # a mask of zeros
+            return self.last
+
+    def answer(self, number, within_s=30.0):
+        with self.answered:
+            self.answered.wait_for(lambda: number in self.replies, within_s)
+            return self.replies.get(number)
+
+    def hold_controls(self):
+        assert self.answer(self.say(TAKE_CONTROLS))[0]
+        self.alive.set()
+        threading.Thread(target=self._beat, daemon=True).start()
+
+    def _beat(self):
+        while self.alive.is_set() and self.open:
+            try:
+                self.say(HEARTBEAT)
+            except OSError:
+                return
+            time.sleep(0.05)
+
+    def fall_silent(self):
+        with self.lock:
+            self.alive.clear()
+            return time.monotonic()
+
+    def close(self):
+        self.open = False
+        self.alive.clear()
+        # Ends the connection at once, as a browser does that is killed.
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        self.socket.shutdown(socket.SHUT_RDWR)
+
+
+class Game:
+    """A game over UDP, which sees the states of the loop as they come: (when, tick, faults, authority)."""
+
+    def __init__(self, port, rate_hz):
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.connect(("127.0.0.1", port))
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
+        self.socket.settimeout(0.05)
+        self.session, self.sequence, self.last, self.version = 0, 0, 0, 1
+        self.lock = threading.Lock()
+        self.states = []
+        self.open = True
+        self._send(1, struct.pack("<HHQ", rate_hz, self.version, int.from_bytes(os.urandom(8), "little")))
+        self.thread = threading.Thread(target=self._listen, daemon=True)
+        self.thread.start()
+
+    def _send(self, kind, payload=b""):
+        with self.lock:
+            self.sequence += 1
+            head = struct.pack("<4sHBBIIqHHHH", b"WHUD", 1, kind, 0, self.session, self.sequence,
+                               time.monotonic_ns(), 0, 1, len(payload), 0)
+            self.socket.send(head + struct.pack("<I", zlib.crc32(head + payload)) + payload)
+
+    def _listen(self):
+        beat = 0.0
+        while self.open:
+            if self.session and time.monotonic() > beat:
+                self._send(3)
+                beat = time.monotonic() + 0.05
+            try:
+                datagram = self.socket.recv(2048)
+            except TimeoutError:
+                continue
+            except OSError:
+                return
+            kind, session, sequence = datagram[6], *struct.unpack_from("<II", datagram, 8)
+            if kind == 16 and not self.session:
+                self.session = session
+            elif kind == 17:
+                _, state = decode(datagram[36:])
+                self.states.append((time.monotonic(), state.number(1, "Q"), state.number(6, "I"),
+                                    state.number(8, "f")))
+            elif kind == 18:
+                self._send(2, encode([("H", self.version), ("B", 8), [("I", sequence)]]))  # Acknowledge
+
+    def say(self, order, *fields):
+        self.last += 1
+        self._send(2, command(self.version, self.last, order, fields))
+
+    def close(self):
+        self.open = False
+        self.thread.join()
+        self.socket.close()

@@ -1,0 +1,141 @@
+// Which contacts on a dispenser are a grip. Postures and normals of the grasps are those of virtual
+// patients at the bar; of a left hand the mirror image in y.
+#include "exercise/bar_table.hpp"
+#include "exercise/cocktail_bar/hand_posture.hpp"
+#include "support/tolerance.hpp"
+
+#include <numbers>
+
+namespace wholehand::test {
+namespace {
+
+constexpr double kDeg = std::numbers::pi / 180.0;
+
+const HandModel& hand(Side side) {
+  static const HandModel left =
+      assembleHand(loadHandFile(config("hands/adult-median-left.toml")).value(), shippedDevice())
+          .value();
+  return side == Side::kLeft ? left : shippedHand();
+}
+
+struct Touch {
+  std::string capsule;
+  Vec3 normal;  ///< from the dispenser to the hand
+  double force_n = 0.0;
+};
+
+double grip_n(Side side, double fingers_rad, double turn_rad, double thumb_rad,
+              const std::vector<Touch>& touches) {
+  HandPosture posture(hand(side));
+  AxisPosition q_s(6);
+  q_s[3] = fingers_rad, q_s[4] = turn_rad, q_s[5] = thumb_rad;
+  posture.update(postureOf(hand(side), q_s));
+  TickRecord record;
+  for (const Touch& t : touches) {
+    Contact& c = record.contacts[static_cast<std::size_t>(record.contact_count++)];
+    c.body = 3;
+    c.capsule = BarTable::capsuleOf(t.capsule);
+    const double flip = side == Side::kLeft ? -1.0 : 1.0;
+    const Eigen::Vector3d n =
+        Eigen::Vector3d(t.normal.x, flip * t.normal.y, t.normal.z).normalized();
+    c.normal = Vec3::from(n);
+    c.force_n =
+        Vec3::from(t.force_n * n + 0.3 * Eigen::Vector3d::UnitZ().cross(n));  // friction, too
+  }
+  EXPECT_EQ(gripForce_n(record, 2, posture), 0.0);  // another body
+  return gripForce_n(record, 3, posture);
+}
+
+class Grip : public testing::TestWithParam<Side> {};
+
+TEST_P(Grip, OfFingersThumbAndPalm_IsTheSumOfNormalForces) {
+  const std::vector<Touch> touches = {{"thumb_proximal", {-0.92, 0.10, 0.37}, 1.7},
+                                      {"hypothenar_edge", {-0.11, -0.99, 0.01}, 3.0},
+                                      {"little_distal", {0.75, 0.65, -0.11}, 3.2},
+                                      {"index_distal", {0.81, 0.57, -0.12}, 1.9}};
+  EXPECT_NEAR(grip_n(GetParam(), 2.28, 20.0 * kDeg, 0.44, touches), 9.8, tolerance(1e-12));
+}
+
+TEST_P(Grip, OfFingersAgainstThePalmAlone_IsTheSumOfNormalForces) {
+  const std::vector<Touch> touches = {{"hypothenar_edge", {-0.11, -0.99, 0.01}, 5.0},
+                                      {"little_distal", {0.75, 0.65, -0.11}, 3.2},
+                                      {"index_distal", {0.81, 0.57, -0.12}, 1.9}};
+  EXPECT_NEAR(grip_n(GetParam(), 2.28, 0.0, 0.0, touches), 10.1, tolerance(1e-12));
+}
+
+TEST_P(Grip, PinchOfThumbAndOneFinger_IsTheSumOfNormalForces) {
+  const std::vector<Touch> pinch = {{"thumb_proximal", {-0.92, -0.28, 0.28}, 3.5},
+                                    {"index_distal", {0.94, 0.18, -0.28}, 3.9}};
+  EXPECT_NEAR(grip_n(GetParam(), 2.28, 20.0 * kDeg, 0.0, pinch), 7.4, tolerance(1e-12));
+}
+
+TEST_P(Grip, FlatHandThatLeans_IsNone) {
+  const std::vector<Touch> touches = {{"hollow", {0.0, -1.0, 0.0}, 8.0},
+                                      {"pad_ulnar", {0.5, -0.87, 0.0}, 4.0},
+                                      {"middle_proximal", {-0.5, -0.87, 0.0}, 4.0}};
+  EXPECT_EQ(grip_n(GetParam(), 0.0, 0.0, 0.0, touches), 0.0);
+}
+
+TEST_P(Grip, BackOfTheHandAgainstBackOfTheFingers_IsNone) {
+  // Opposite to each other, but neither faces the palm.
+  const std::vector<Touch> touches = {{"metacarpal_3", {0.0, 1.0, 0.0}, 8.0},
+                                      {"middle_distal", {0.0, -1.0, 0.0}, 8.0}};
+  EXPECT_EQ(grip_n(GetParam(), 3.14, 0.0, 0.0, touches), 0.0);
+}
+
+TEST_P(Grip, SidesOfAFinger_AreNone) {
+  const std::vector<Touch> touches = {{"index_middle", {0.0, 0.0, 1.0}, 8.0},
+                                      {"index_middle", {0.0, 0.0, -1.0}, 8.0}};
+  for (const double fingers_rad : {0.0, 1.0, 2.0, 3.0}) {
+    EXPECT_EQ(grip_n(GetParam(), fingers_rad, 0.0, 0.0, touches), 0.0);
+  }
+}
+
+TEST_P(Grip, ArmThatPushesPastALightFinger_CountsFiveTimesTheFinger) {
+  const std::vector<Touch> touches = {{"hollow", {0.0, -1.0, 0.0}, 30.0},
+                                      {"middle_distal", {0.0, 1.0, 0.0}, 0.4}};
+  EXPECT_NEAR(grip_n(GetParam(), 3.14, 0.0, 0.0, touches), 5 * 0.4, tolerance(1e-12));
+}
+
+TEST_P(Grip, UnknownPosture_IsNone) {
+  HandPosture posture(hand(GetParam()));
+  TickRecord record;
+  record.contact_count = 2;
+  for (std::size_t i = 0; i < 2; ++i) {
+    record.contacts[i].body = 3;
+    record.contacts[i].capsule = static_cast<std::int32_t>(i);
+    record.contacts[i].normal = {0.0, i == 0 ? 1.0 : -1.0, 0.0};
+    record.contacts[i].force_n = record.contacts[i].normal;
+  }
+  EXPECT_EQ(gripForce_n(record, 3, posture), 0.0);
+  EXPECT_EQ(posture.clearance_m({1.0, 1.0, 1.0}, 0.02, 0.1), 0.0);
+}
+INSTANTIATE_TEST_SUITE_P(Hands, Grip, testing::Values(Side::kRight, Side::kLeft));
+
+/// Against points of the capsules' and the cylinder's surfaces, drawn at random.
+TEST(Clearance, OfADispenser_IsNeverMoreThanTheDistanceOfAnyTwoPoints) {
+  const HandModel& model = hand(Side::kRight);
+  HandPosture posture(model);
+  posture.update(postureOf(model, AxisPosition(6)));
+  ArticulatedBody body(model);
+  body.updateKinematics(postureOf(model, AxisPosition(6)));
+  for (int i = 0; i < 200; ++i) {
+    const double angle = 0.7 * i;
+    const Eigen::Vector3d center(0.15 * std::cos(angle), 0.15 * std::sin(angle), 1e-3 * (i - 100));
+    double least_m = 1e3;
+    for (const Capsule& c : model.capsules) {
+      for (int u = 0; u <= 20; ++u) {
+        const Eigen::Vector3d at =
+            body.linkPose(c.link) * Eigen::Vector3d(c.a_m + 0.05 * u * (c.b_m - c.a_m)) - center;
+        const double z = std::clamp(at.z(), -0.06, 0.06);
+        least_m = std::min(least_m, (at - Eigen::Vector3d(0, 0, z)).norm() - c.radius_m - 0.025);
+      }
+    }
+    const double clear_m = posture.clearance_m(center, 0.025, 0.12);
+    EXPECT_LE(clear_m, least_m + 1e-12);
+    EXPECT_GE(clear_m, least_m - 1.5e-3);  // 20 steps along a capsule of 60 mm
+  }
+}
+
+}  // namespace
+}  // namespace wholehand::test

@@ -1,0 +1,167 @@
+// The bar, pushed about by hands that do not grip: with the back, flat, as a fist. Whole rigs.
+#include "experiments/bar_figures.hpp"
+#include "patient/scripted_player.hpp"
+#include "support/rig_tools.hpp"
+#include "support/seed.hpp"
+#include "support/shipped.hpp"
+#include "support/tolerance.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+#include <random>
+#include <string>
+
+namespace wholehand::test {
+namespace {
+
+constexpr double kDeg = std::numbers::pi / 180.0;
+constexpr int kFingers = 3, kTurn = 4, kThumb = 5;  // axes of lambda-pride, after x, y, z
+
+enum class How {
+  kBack,  ///< the back of the hand, fingers straight to closed
+  kFlat,  ///< the palm's side, fingers and thumb straight: all of it presses one way
+  kFist   ///< knuckles first, the dispenser in front of the closed hand
+};
+constexpr const char* kNames[] = {"back", "flat", "fist"};
+
+struct Push {
+  How how = How::kBack;
+  std::string exercise, hand;
+  int level = 1;
+  double flexion_rad = 0.0, turn_rad = 0.0, thumb_rad = 0.0;
+  double ahead_m = 0.0, up_m = 0.0;  ///< of the hand's base, from the dispenser
+  double depth_m = 0.0;              ///< how far it wants to get into the dispenser
+  double time_s = 0.5;               ///< of the approach
+};
+
+std::ostream& operator<<(std::ostream& out, const Push& p) {
+  return out << kNames[static_cast<int>(p.how)] << ", " << p.hand << ", " << p.exercise
+             << ", level " << p.level << ", fingers " << p.flexion_rad << ", turn " << p.turn_rad
+             << ", thumb " << p.thumb_rad << ", ahead " << p.ahead_m << ", up " << p.up_m
+             << ", depth " << p.depth_m << ", time " << p.time_s;
+}
+
+struct Felt {
+  double flow_l_s = 0.0;  ///< largest
+  double poured_l = 0.0;
+  double pressed_n = 0.0;  ///< largest sum of normal forces on a dispenser
+};
+
+/// From aside (or from in front) against the first dispenser, and on for a second.
+Intention motionOf(const Push& push, const Eigen::Vector3d& at_m, double side,
+                   const DeviceModel& device) {
+  const auto waypoint = [&](double time_s, double x, double y) {
+    AxisPosition q(device.axisCount());
+    const double wanted[] = {
+        x, y, at_m.z() + push.up_m, push.flexion_rad, push.turn_rad, push.thumb_rad};
+    for (int a = 0; a < q.size(); ++a) {
+      q[a] = std::clamp(wanted[a], device.axes[a].lower, device.axes[a].upper);
+    }
+    return Waypoint{time_s, q};
+  };
+  const double x = at_m.x() - push.ahead_m, back = -0.085;
+  // The hand's palm faces `side`; half a hand and the dispenser's radius are 0.041 m.
+  const double from = push.how == How::kBack ? side : -side;
+  const double aside_m = at_m.y() + from * 0.11, in_m = at_m.y() + from * (0.041 - push.depth_m);
+  if (push.how == How::kFist) {
+    return Intention::throughWaypoints({{waypoint(0.0, back, at_m.y())},
+                                        {waypoint(0.3, back, at_m.y())},
+                                        {waypoint(0.3 + push.time_s, 0.085, at_m.y())},
+                                        {waypoint(1.3 + push.time_s, 0.085, at_m.y())}});
+  }
+  return Intention::throughWaypoints({{waypoint(0.0, back, aside_m)},
+                                      {waypoint(0.8, x, aside_m)},
+                                      {waypoint(0.8 + push.time_s, x, in_m)},
+                                      {waypoint(2.0 + push.time_s, x, in_m)}});
+}
+
+Felt feel(const Push& push) {
+  ModelFiles files = shippedFiles("lambda-pride", "empty", push.hand);
+  files.scene.clear();
+  files.exercise =
+      std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/" + push.exercise + ".toml";
+  files.level = push.level;
+  Models models = load(files);
+  const int body = models.scene.bodyIndex("dispenser_lemon");
+  const Eigen::Vector3d at_m =
+      models.scene.bodies[static_cast<std::size_t>(body)].pose.translation_m;
+  const double side = models.hand.side == Side::kLeft ? -1.0 : 1.0;
+  const BarFigures figures(models.exercise->description());
+  auto player = std::make_unique<ScriptedPlayer>(motionOf(push, at_m, side, models.device));
+  const auto rig = orThrow(buildRig(std::move(models), std::move(player), {}));
+  if (auto armed = rig->renderer->arm(); !armed) {
+    ADD_FAILURE() << format(armed.errors()) << push;
+    return {};
+  }
+  Felt felt;
+  TickRecord record;
+  for (int k = 0; k < static_cast<int>(1e3 * (2.0 + push.time_s)); ++k) {
+    rig->renderer->tick(1, record);
+    double pressed_n = 0.0;
+    for (int i = 0; i < record.contact_count; ++i) {
+      const Contact& c = record.contacts[static_cast<std::size_t>(i)];
+      if (c.body == body) pressed_n += c.force_n.eigen().dot(c.normal.eigen());
+    }
+    felt.pressed_n = std::max(felt.pressed_n, pressed_n);
+    felt.flow_l_s = std::max(felt.flow_l_s, figures(BarFigures::kFlow, record.exercise));
+    felt.poured_l = figures(BarFigures::kPouredTotal, record.exercise);
+  }
+  return felt;
+}
+
+/// What the issue was opened for: straight fingers, the arm pushing sideways, 30.7 of 40 ml.
+TEST(BarPushed, WithTheBackOfTheHand_PoursNothing) {
+  for (const char* hand : {"adult-median-right", "adult-median-left"}) {
+    Push push;
+    push.exercise = "cocktail-bar";
+    push.hand = hand;
+    push.ahead_m = 0.034;
+    push.depth_m = 0.06;
+    const Felt felt = feel(push);
+    EXPECT_EQ(felt.flow_l_s, 0.0) << push;
+    EXPECT_EQ(felt.poured_l, 0.0) << push;
+    EXPECT_GT(felt.pressed_n, 5.0) << push;  // threshold of level 1: 3 N
+  }
+}
+
+TEST(BarPushed, WithoutAPalmarGrip_PoursNothing) {
+  std::mt19937_64 random = seededRandom(74);
+  const auto draw = [&random](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  const std::vector<std::string> hands = shipped("hands");
+  const int pushes = std::getenv("WHOLEHAND_FULL") != nullptr ? 1000 : 16;
+  int pressed = 0;
+  for (int i = 0; i < pushes; ++i) {
+    Push push;
+    push.how = static_cast<How>(random() % 3);
+    push.exercise = random() % 4 == 0 ? "cocktail-bar-free" : "cocktail-bar";
+    push.hand = hands[random() % hands.size()];
+    // With the back, one dispenser alone: its neighbour would stand between fingers and thumb.
+    const int levels = push.how == How::kBack ? 1 : push.exercise == "cocktail-bar" ? 4 : 2;
+    push.level = 1 + static_cast<int>(random() % static_cast<unsigned>(levels));
+    push.flexion_rad = push.how == How::kFlat   ? draw(0.0, 25.0 * kDeg)
+                       : push.how == How::kFist ? draw(150.0 * kDeg, 180.0 * kDeg)
+                                                : draw(0.0, 180.0 * kDeg);
+    push.turn_rad = push.how == How::kBack ? draw(0.0, 90.0 * kDeg) : draw(0.0, 10.0 * kDeg);
+    push.thumb_rad = push.how == How::kFlat ? 0.0 : draw(0.0, 60.0 * kDeg);
+    push.ahead_m = draw(-0.01, 0.08);
+    push.up_m = draw(-0.04, 0.04);
+    push.depth_m = draw(0.0, 0.08);
+    push.time_s = draw(0.15, 1.0);
+    const Felt felt = feel(push);
+    EXPECT_EQ(felt.flow_l_s, 0.0) << push;
+    EXPECT_EQ(felt.poured_l, 0.0) << push;
+    pressed += felt.pressed_n > 3.0 ? 1 : 0;
+  }
+  figure("pushes", pushes, "");
+  figure("pushes above the lowest threshold", pressed, "");
+  EXPECT_GT(pressed, pushes / 4);  // else nothing was tried
+}
+
+}  // namespace
+}  // namespace wholehand::test

@@ -1,0 +1,241 @@
+// Pages as scripts, over WebSocket to a station: what a person has pressed goes on to its last
+// order, as nobody cancels it here, and somewhere in between comes a stop. Nothing renders after it
+// until somebody presses who was shown the stop. WHOLEHAND_FULL tries 1,000 moments.
+#include "server/client_words.hpp"
+#include "server/fake_program.hpp"
+#include "station/station_bench.hpp"
+#include "support/figure.hpp"
+#include "support/seed.hpp"
+
+#include <cstdlib>
+#include <map>
+
+namespace wholehand::test {
+namespace {
+
+namespace fb = wholehand::protocol;
+using replies::Answer;
+using Random = std::mt19937_64;
+
+/// A page: hears and orders, one thing after the other.
+class Page {
+ public:
+  explicit Page(std::uint16_t port) : port_(port) { connect(); }
+
+  void connect() {
+    socket_ = std::make_unique<WebSocket>(port_);
+    id_ = 0;
+    (void)lookUntil([this] { return looked_; });
+  }
+  void leave() { socket_.reset(); }
+  /// The newest ending that its person is shown.
+  [[nodiscard]] std::uint32_t shown() const { return endings_; }
+  [[nodiscard]] fb::RunState runState() const { return run_state_; }
+
+  /// Says it, and hears until it is answered.
+  Answer say(const wire::Bytes& command) {
+    socket_->say(command);
+    Answer answer;
+    (void)lookUntil([&] { return answered(answer); });
+    return answer;
+  }
+  void sayOnly(const wire::Bytes& command) { socket_->say(command); }
+  /// Hears what is said until then; false after 60 s.
+  template <class Condition>
+  bool lookUntil(Condition&& condition) {
+    looked_ = false;
+    for (const auto until = Clock::now() + 60s; !condition();) {
+      const auto frame = socket_->hear(100ms);
+      if (frame && frame->opcode == 2) see(replies::message(*frame));
+      if (Clock::now() > until || (!frame && socket_->closed())) return false;
+    }
+    return true;
+  }
+  std::uint32_t nextId() { return ++id_; }
+
+ private:
+  void see(const fb::Message& message) {
+    if (const auto* state = message.payload_as_WorldState()) {
+      endings_ = state->endings();
+      run_state_ = state->run_state();
+      looked_ = true;
+    } else if (const auto* reply = message.payload_as_Reply()) {
+      answers_[reply->command()] = {reply->command(), reply->accepted(), reply->reason()->str(),
+                                    reply->refusal()};
+    }
+  }
+  bool answered(Answer& answer) {
+    const auto found = answers_.find(id_);
+    if (found == answers_.end()) return false;
+    answer = found->second;
+    answers_.clear();
+    return true;
+  }
+
+  std::uint16_t port_;
+  std::unique_ptr<WebSocket> socket_;
+  std::uint32_t id_ = 0, endings_ = 0;
+  fb::RunState run_state_ = fb::RunState::Disarmed;
+  bool looked_ = false;
+  std::map<std::uint32_t, Answer> answers_;
+};
+
+void wait(Random& random, int most_ms) {
+  std::this_thread::sleep_for(std::chrono::milliseconds(random() % (most_ms + 1)));
+}
+
+/// Another page may hold them for a moment.
+void take(Page& page) {
+  for (int tries = 0; tries < 40; ++tries) {
+    if (page.say(words::takeControls(page.nextId())).accepted) return;
+    std::this_thread::sleep_for(20ms);
+  }
+}
+
+// ---- what a person presses, and what the page makes of it: every script names what was shown then
+
+void pressStart(Page& page, Random& random) {
+  const std::uint32_t seen = page.shown();
+  take(page);
+  page.say(words::load(page.nextId(), "", static_cast<std::uint16_t>(1 + random() % 2), ""));
+  wait(random, 50);
+  page.say(words::armHavingSeen(seen, page.nextId()));
+  page.say(words::steer(page.nextId(), fb::Steering::Person));
+  page.say(words::action(page.nextId(), fb::Act::Restart));
+  page.say(words::releaseControls(page.nextId()));
+}
+
+void pressLoad(Page& page, Random& random) {
+  take(page);
+  page.say(words::load(page.nextId(), "", static_cast<std::uint16_t>(1 + random() % 2), ""));
+  page.say(words::releaseControls(page.nextId()));
+}
+
+void pressArm(Page& page, Random& random) {
+  const std::uint32_t seen = page.shown();
+  take(page);
+  wait(random, 100);
+  page.say(words::armHavingSeen(seen, page.nextId()));
+  page.say(words::releaseControls(page.nextId()));
+}
+
+void pressPauseAgainAndAgain(Page& page, Random& random) {
+  take(page);
+  for (int i = 0; i < 12; ++i) {
+    page.say(words::action(page.nextId(), i % 2 == 0 ? fb::Act::Pause : fb::Act::Resume));
+    wait(random, 80);
+  }
+  page.say(words::releaseControls(page.nextId()));
+}
+
+/// The line breaks while it loads; what was pressed before goes on over the next one.
+void pressStartAndReconnect(Page& page, Random& random) {
+  const std::uint32_t seen = page.shown();
+  take(page);
+  page.sayOnly(words::load(page.nextId(), "", 1, ""));
+  wait(random, 400);
+  page.leave();
+  wait(random, 100);
+  page.connect();
+  take(page);
+  page.say(words::armHavingSeen(seen, page.nextId()));
+  page.say(words::releaseControls(page.nextId()));
+}
+
+/// A hidden page stands still for a while, in the middle of it.
+void pressStartAndHide(Page& page, Random& random) {
+  const std::uint32_t seen = page.shown();
+  take(page);
+  page.say(words::load(page.nextId(), "", 1, ""));
+  wait(random, 1000);
+  page.say(words::armHavingSeen(seen, page.nextId()));
+  page.say(words::releaseControls(page.nextId()));
+}
+
+using Script = void (*)(Page&, Random&);
+constexpr std::array<Script, 6> kScripts = {
+    pressStart,       pressLoad, pressArm, pressPauseAgainAndAgain, pressStartAndReconnect,
+    pressStartAndHide};
+
+class RandomStops : public Bar {
+ protected:
+  void open() {
+    Bar::load(barConfig());
+    station_->addSink([this](const TickRecord& record) { keep(record); });
+    ServerOptions options;
+    options.port = 0;
+    server_ = orThrow(Server::open(*station_, options, controls_));
+    run(false);
+  }
+  void TearDown() override {
+    Bar::TearDown();
+    server_.reset();
+  }
+  /// The newest session that has pushed. All records of one come before the next one begins.
+  void keep(const TickRecord& record) {
+    if (record.authority > 0.0) pushed_ = station_->status().session;
+  }
+  /// A person at a page of their own looks, and presses Start.
+  void renders(Page& page) {
+    ASSERT_TRUE(page.lookUntil([&] {
+      if (page.runState() == fb::RunState::Rendering) return true;
+      page.say(words::takeControls(page.nextId()));
+      const Answer armed = page.say(words::armHavingSeen(page.shown(), page.nextId()));
+      page.say(words::releaseControls(page.nextId()));
+      return armed.accepted;
+    }));
+    ASSERT_TRUE(page.lookUntil([&] { return page.runState() == fb::RunState::Rendering; }));
+  }
+  /// The game's page or another console, or a game over UDP: what it says reaches the same station.
+  void stop(Page& page, Random& random) {
+    if (random() % 2 == 0) {
+      ASSERT_TRUE(page.say(words::emergencyStop(page.nextId())).accepted);
+    } else {
+      ASSERT_TRUE(ask(OrderType::kStop).accepted);
+    }
+  }
+
+  ControlsArbiter controls_;
+  std::unique_ptr<Server> server_;
+  std::atomic<std::uint32_t> pushed_{0};
+};
+
+TEST_F(RandomStops, OfWhatPeoplePress_AreFollowedByNothingUntilSomebodyPressesWhoSawIt) {
+  const int moments = std::getenv("WHOLEHAND_FULL") != nullptr ? 1000 : 8;
+  auto random = seededRandom(8801);
+  open();
+  int tried = 0, rendering = 0;
+  for (int moment = 0; moment < moments && !HasFailure(); ++moment) {
+    Page observer(server_->port());
+    if (random() % 2 == 0) renders(observer);
+    std::vector<std::unique_ptr<Page>> pages;
+    std::vector<std::thread> people;
+    const std::size_t first = random() % kScripts.size();
+    for (std::size_t who = 0; who < 1 + random() % 2; ++who) {  // one page, or two side by side
+      pages.push_back(std::make_unique<Page>(server_->port()));
+      const Script script = who == 0 ? kScripts[first] : kScripts[random() % kScripts.size()];
+      people.emplace_back([&page = *pages.back(), script, seed = random()] {
+        Random own(seed);
+        script(page, own);
+      });
+    }
+    wait(random, 1500);
+    if (station_->status().run_state == RunState::kRendering) ++rendering;
+    stop(observer, random);
+    // One that was begun before may push until it is at neutral; no other one ever does.
+    const std::uint32_t newest = station_->status().session;
+    for (std::thread& person : people) person.join();
+    EXPECT_TRUE(becomes(RunState::kStopped)) << "moment " << moment << ", script " << first;
+    std::this_thread::sleep_for(100ms);
+    EXPECT_EQ(station_->status().run_state, RunState::kStopped) << "moment " << moment;
+    EXPECT_LE(pushed_, newest) << "moment " << moment << ", script " << first;
+    if (++tried % 50 == 0) std::printf("%d moments\n", tried);
+  }
+  figure("stops at random moments", tried, "");
+  figure("of them while it rendered", rendering, "");
+  Page somebody(server_->port());
+  renders(somebody);  // who was shown the stop may
+}
+
+}  // namespace
+}  // namespace wholehand::test

@@ -1,0 +1,74 @@
+// The process that makes reports, played by small shell scripts: it is called as
+// `program report RECORDING --out FOLDER`.
+#include "station/report_child.hpp"
+
+#include "support/folder.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+namespace wholehand::test {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using Clock = std::chrono::steady_clock;
+
+struct ReportChildTest : testing::Test {
+  std::string script(const std::string& text) const {
+    std::string path = folder.path() + "/program";
+    std::ofstream(path) << "#!/bin/sh\n" << text << "\n";
+    fs::permissions(path, fs::perms::owner_all);
+    return path;
+  }
+  std::string read(const std::string& name) const {
+    std::stringstream text;
+    text << std::ifstream(folder.path() + "/" + name).rdbuf();
+    return text.str();
+  }
+  const Folder folder;
+};
+
+TEST_F(ReportChildTest, HasTheLowestPriorityAndSaysWhetherItWasMade) {
+  ReportChild reports(script("sleep 0.3; nice > \"$4/nice\"; echo $1 $2 > \"$4/words\""));
+  const auto made = reports.make("a.h5", folder.path());
+  ASSERT_TRUE(made) << format(made.errors());
+  EXPECT_EQ(read("nice"), "19\n");  // the highest that there is
+  EXPECT_EQ(read("words"), "report a.h5\n");
+  ReportChild fails(script("exit 1"));
+  EXPECT_FALSE(fails.make("a.h5", folder.path()));
+}
+
+TEST_F(ReportChildTest, ThatTakesTooLong_IsEnded) {
+  ReportChild reports(script("echo $$ > \"$4/id\"; exec sleep 60"), 700ms);
+  const auto began = Clock::now();
+  const auto made = reports.make("a.h5", folder.path());
+  EXPECT_LT(Clock::now() - began, 30s);
+  ASSERT_FALSE(made);
+  EXPECT_NE(format(made.errors()).find("in time"), std::string::npos);
+  std::string id = read("id");
+  ASSERT_FALSE(id.empty());
+  id.pop_back();
+  EXPECT_FALSE(fs::exists("/proc/" + id)) << "it is gone, and nobody has to wait for it";
+}
+
+TEST_F(ReportChildTest, UnderWayWhenTheProgramEnds_IsEndedAndNoneIsBegun) {
+  ReportChild reports(script("exec sleep 60"));
+  const auto began = Clock::now();
+  std::thread ending([&] {
+    std::this_thread::sleep_for(200ms);
+    reports.end();
+  });
+  EXPECT_FALSE(reports.make("a.h5", folder.path()));
+  ending.join();
+  EXPECT_FALSE(reports.make("a.h5", folder.path()));
+  EXPECT_LT(Clock::now() - began, 30s);
+}
+
+}  // namespace
+}  // namespace wholehand::test

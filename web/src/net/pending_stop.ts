@@ -1,0 +1,52 @@
+// An emergency stop until the program has answered it.
+import type { Answer } from './connection';
+
+/** Without an answer for so long it counts as not confirmed, and is sent again [ms]. */
+const CONFIRMED_WITHIN_MS = 300;
+
+/** Sends a stop again and again until the program says that it has it, over a new line, too. */
+export class PendingStop {
+  /** Whether a person has to be told that the program may not have heard. */
+  unconfirmed = false;
+  private sent_ms = 0;
+  private timer: ReturnType<typeof setInterval> | undefined;
+  private settle: ((answer: Answer) => void)[] = [];
+
+  /** @param changed called when `unconfirmed` changed */
+  constructor(private readonly send: () => Promise<Answer>, private readonly changed: () => void) {}
+
+  /** Answered when the program has confirmed it, however late. */
+  ask(): Promise<Answer> {
+    this.timer ??= setInterval(() => this.sendAgain(), CONFIRMED_WITHIN_MS);
+    this.sendOnce();
+    return new Promise((settle) => { this.settle.push(settle); });
+  }
+
+  close(): void {
+    clearInterval(this.timer);
+    this.timer = undefined;
+  }
+
+  private sendOnce(): void {
+    this.sent_ms = performance.now();
+    void this.send().then((answer) => { if (answer.accepted) this.confirm(answer); });
+  }
+
+  private sendAgain(): void {
+    // A page that was busy for long has not read yet what came meanwhile.
+    if (performance.now() - this.sent_ms < 2 * CONFIRMED_WITHIN_MS) this.say(true);
+    this.sendOnce();
+  }
+
+  private confirm(answer: Answer): void {
+    this.close();
+    this.say(false);
+    for (const settle of this.settle.splice(0)) settle(answer);
+  }
+
+  private say(unconfirmed: boolean): void {
+    if (unconfirmed === this.unconfirmed) return;
+    this.unconfirmed = unconfirmed;
+    this.changed();
+  }
+}

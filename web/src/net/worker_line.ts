@@ -1,0 +1,43 @@
+// The line to the program in a thread of its own: neither a hidden page's slow timers nor a long picture make it silent.
+import type { Line } from './connection';
+
+/** What the page tells line_worker.ts, and what it tells the page. */
+export type ToLine =
+  | { readonly is: 'open'; readonly url: string }
+  | { readonly is: 'send'; readonly bytes: Uint8Array<ArrayBuffer> }
+  | { readonly is: 'hold'; readonly beat: Uint8Array<ArrayBuffer> | null }
+  | { readonly is: 'answer' } | { readonly is: 'close' };
+export type FromLine =
+  | { readonly is: 'open' } | { readonly is: 'message'; readonly data: unknown }
+  /** Is the page alive? It answers from its message loop, which no browser slows down. */
+  | { readonly is: 'ask' } | { readonly is: 'closed' };
+
+export class WorkerLine implements Line {
+  binaryType = 'arraybuffer';
+  onopen: Line['onopen'] = null;
+  onmessage: Line['onmessage'] = null;
+  onclose: Line['onclose'] = null;
+  private readonly worker = new Worker(new URL('./line_worker.ts', import.meta.url), { type: 'module' });
+
+  constructor(url: string) {
+    this.worker.onmessage = ({ data }: MessageEvent<FromLine>) => this.heard(data);
+    this.worker.onerror = () => this.heard({ is: 'closed' });
+    this.tell({ is: 'open', url });
+  }
+
+  send(bytes: Uint8Array<ArrayBuffer>): void { this.tell({ is: 'send', bytes }); }
+  hold(beat: Uint8Array<ArrayBuffer> | null): void { this.tell({ is: 'hold', beat }); }
+  /** What was sent before still goes out. */
+  close(): void { this.tell({ is: 'close' }); }
+
+  private tell(order: ToLine): void { this.worker.postMessage(order); }
+
+  private heard(message: FromLine): void {
+    switch (message.is) {
+      case 'open': this.onopen?.(new Event('open')); return;
+      case 'message': this.onmessage?.(new MessageEvent('message', { data: message.data })); return;
+      case 'ask': this.tell({ is: 'answer' }); return;
+      case 'closed': this.onclose?.(new CloseEvent('close'));
+    }
+  }
+}

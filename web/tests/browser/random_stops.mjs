@@ -1,0 +1,186 @@
+// Stops at random moments of what people press at the pages. Nothing renders after one, until somebody presses
+// who was shown it. WHOLEHAND_FULL tries 1,000 moments, WHOLEHAND_SEED repeats them.
+import { openPage, pageUrl, until } from './browser.mjs';
+import { expect } from './checks.mjs';
+import { armFrom, keepRunStates, runStates, sleep } from './stop_checks.mjs';
+import { openWatcher } from './watcher.mjs';
+
+const RENDERING = 1;
+const STOPPED = 3;
+const PATIENT_MS = 60_000;
+// What was on its way when the stop came has been answered by then.
+const NOTHING_FOR_MS = 2000;
+const MOMENTS = process.env.WHOLEHAND_FULL ? 1000 : 6;
+
+/** Draws of 0 to 1, the same ones for the same seed (mulberry32). */
+function draws(seed) {
+  let a = seed >>> 0;
+  return () => {
+    a = (a + 0x6d2b79f5) >>> 0;
+    let t = Math.imul(a ^ (a >>> 15), a | 1);
+    t ^= t + Math.imul(t ^ (t >>> 7), t | 61);
+    return ((t ^ (t >>> 14)) >>> 0) / 2 ** 32;
+  };
+}
+
+const click = (page, testid) => page.evaluate((id) => document.querySelector(`[data-testid=${id}]:not(:disabled)`)?.click(), testid);
+
+async function openGame({ browser, url, opened }) {
+  const page = await openPage(browser, pageUrl(url, '/', { lang: 'en', quality: 'low' }), { cutOff: true });
+  opened.push(page);
+  await page.waitForSelector('[data-level="2"]', { timeout: PATIENT_MS });
+  return page;
+}
+
+/** Another level, and Start. */
+const pressStart = (page) => page.evaluate(() => {
+  [...document.querySelectorAll('[data-level]')].find((button) => button.getAttribute('aria-pressed') === 'false').click();
+  document.querySelector('[data-testid=start]').click();
+});
+
+async function openConsole({ browser, url, opened }) {
+  const page = await openPage(browser, pageUrl(url, '/console', { lang: 'en' }), { cutOff: true });
+  opened.push(page);
+  await page.waitForSelector('[data-testid=load]', { timeout: PATIENT_MS });
+  return page;
+}
+
+/**
+ * Each opens its pages and gives back what is pressed there until the stop; that gives back what happens after it
+ * was shown, which is no press to start.
+ */
+const SCRIPTS = {
+  async start(all) {
+    const page = await openGame(all);
+    all.game = page;
+    return () => pressStart(page);
+  },
+  async load(all) {
+    const page = await openConsole(all);
+    await page.selectOption('[data-testid=level]', String(1 + Math.floor(2 * all.random())));
+    return () => click(page, 'load');
+  },
+  async arm(all) {
+    const page = await openConsole(all);
+    return () => click(page, 'arm');
+  },
+  /** "Pause" by mouse where it stands, and by Space, over and over, also after the stop. */
+  async pause(all) {
+    const page = await openConsole(all);
+    const box = await page.locator('[data-testid=pause]').boundingBox();
+    const every_ms = 60 + 200 * all.random();
+    return () => {
+      let going = true;
+      const pressing = (async () => {
+        while (going) {
+          if (all.random() < 0.5) await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
+          else await page.keyboard.press('Space');
+          await sleep(every_ms);
+        }
+      })();
+      return async () => {
+        await sleep(1500);
+        going = false;
+        await pressing;
+      };
+    };
+  },
+  async reconnect(all) {
+    const page = await openGame(all);
+    const after_ms = 800 * all.random();
+    return async () => {
+      await pressStart(page);
+      await sleep(after_ms);
+      await page.reload({ waitUntil: 'commit' });
+    };
+  },
+  /** A page that stands still while it starts, and goes on where it was long after the stop. */
+  async hidden(all) {
+    const page = await openGame(all);
+    const cdp = await page.context().newCDPSession(page);
+    const after_ms = 600 * all.random();
+    return async () => {
+      await pressStart(page);
+      await sleep(after_ms);
+      await cdp.send('Page.setWebLifecycleState', { state: 'frozen' });
+      return async () => {
+        await sleep(500);
+        await cdp.send('Page.setWebLifecycleState', { state: 'active' });
+      };
+    };
+  },
+  async twoConsoles(all) {
+    const pages = [await openConsole(all), await openConsole(all)];
+    const what = pages.map(() => (all.random() < 0.5 ? 'arm' : 'load'));
+    const between_ms = 300 * all.random();
+    return async () => {
+      await click(pages[0], what[0]);
+      await sleep(between_ms);
+      if (!all.stopped) await click(pages[1], what[1]);
+    };
+  },
+};
+const AT_THE_GAME = ['start', 'reconnect', 'hidden'];
+
+async function oneMoment(all, watcher, name) {
+  const { runState } = await watcher.now();
+  const stopped = runState === STOPPED;  // the game has no Start then
+  if (name === 'pause' || (stopped && AT_THE_GAME.includes(name)) || all.random() < 0.3) {
+    await armFrom(watcher);
+    await watcher.until('rendering', (now) => now.runState === RENDERING, { within_ms: PATIENT_MS });
+  }
+  const press = await SCRIPTS[name](all);
+  const before = await watcher.page.evaluate(() => window.wholehandNow.state.endings);
+  await runStates(watcher);
+  const pressed = press();
+  await sleep(2500 * all.random());
+  all.stopped = true;
+  if (all.game && all.random() < 0.5) await click(all.game, 'stop');
+  else await watcher.page.keyboard.press('Escape');
+  const afterwards = await pressed;
+  await until('the stop is shown', () => watcher.page.evaluate((n) => window.wholehandNow.state.endings > n, before), { within_ms: PATIENT_MS, every_ms: 10 });
+  await afterwards?.();
+  await watcher.until('stopped', (now) => now.runState === STOPPED, { within_ms: PATIENT_MS });
+  await sleep(NOTHING_FOR_MS);
+  const states = await runStates(watcher);
+  const again = states.filter((state) => state.runState === RENDERING && state.endings > before);
+  expect(again.length === 0, `it renders again: ${JSON.stringify(states)}`);
+  const now = await watcher.now();
+  expect(now.runState === STOPPED && now.sent.every((effort) => Math.abs(effort) < 1e-6), `state ${now.runState}, efforts ${now.sent}`);
+  return states.some((state) => state.runState === RENDERING);
+}
+
+/** @param start makes a program that waits */
+export async function stopsAtRandomMoments(browser, start, moments = MOMENTS) {
+  const seed = Number(process.env.WHOLEHAND_SEED ?? 20251120);
+  const random = draws(seed);
+  const names = Object.keys(SCRIPTS);
+  let program = null;
+  let watcher = null;
+  let rendered = 0;
+  try {
+    for (let moment = 0; moment < moments; moment += 1) {
+      // One that has never rendered waits for the game's Start; one that was stopped, for a console.
+      if (program === null || random() < 0.4) {
+        await watcher?.page.context().close();
+        await program?.stop();
+        program = await start();
+        watcher = await openWatcher(browser, program.url);
+        await keepRunStates(watcher);
+      }
+      const name = names[(moment + Math.floor(seed % names.length)) % names.length];
+      const all = { browser, url: program.url, random, opened: [], game: null, stopped: false };
+      try {
+        rendered += await oneMoment(all, watcher, name);
+      } catch (error) {
+        throw new Error(`moment ${moment} (${name}, WHOLEHAND_SEED=${seed}): ${error.message}`);
+      } finally {
+        for (const page of all.opened) await page.context().close();
+      }
+    }
+  } finally {
+    await watcher?.page.context().close();
+    await program?.stop();
+  }
+  return `${moments} stops, ${rendered} of them of something that rendered: nothing started again`;
+}

@@ -1,0 +1,237 @@
+// Whatever takes the input away opens the hand, and what nobody holds asks for nothing.
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { AimModel } from '../src/input/aim_model';
+import { Controls } from '../src/input/controls';
+import { PadWatch, wishOfPad, type PadReading } from '../src/input/gamepad';
+import { Mouse } from '../src/input/mouse';
+import { postureOf } from '../src/input/posture';
+import { Touch } from '../src/input/touch';
+import { PictureWatch } from '../src/input/webcam';
+import { restingWish } from '../src/input/wish';
+import type { Connection } from '../src/net/connection';
+import { AxisT, RunState, SceneT, Steering, WorldStateT } from '../src/protocol';
+
+const WINDOW = new EventTarget();
+beforeEach(() => {
+  vi.stubGlobal('addEventListener', WINDOW.addEventListener.bind(WINDOW));
+  vi.stubGlobal('removeEventListener', WINDOW.removeEventListener.bind(WINDOW));
+});
+afterEach(() => { vi.unstubAllGlobals(); vi.useRealTimers(); });
+
+class Picture extends EventTarget {
+  readonly style: Record<string, string> = {};
+  clientWidth = 1000;
+  clientHeight = 600;
+  parentElement = null;
+  setPointerCapture(): void {}
+  getBoundingClientRect(): object { return { left: 0, top: 0, width: 1000, height: 600 }; }
+}
+const event = (type: string, more: object = {}): Event => Object.assign(new Event(type), { buttons: 1, button: 0, isPrimary: true, pointerId: 1, clientX: 500, clientY: 300, ...more });
+
+describe('controls that are taken away', () => {
+  /** A person who has closed the hand with Space; the axes of the robot. */
+  function closing(): { controls: Controls; aims: number[][]; tell: (name: string) => void; state: WorldStateT; connection: { controls: { heldByYou: boolean } } } {
+    vi.useFakeTimers();
+    vi.stubGlobal('Element', class {});
+    vi.stubGlobal('navigator', {});
+    const scene = new SceneT();
+    for (const [name, upper] of [['x', 0.085], ['finger_flexion', Math.PI], ['thumb_flexion', 1.4]] as const) {
+      const axis = new AxisT();
+      Object.assign(axis, { name, lower: name === 'x' ? -0.085 : 0, upper });
+      scene.axes.push(axis);
+    }
+    const state = new WorldStateT();
+    Object.assign(state, { runState: RunState.Rendering, steering: Steering.Person, qM: [0, 1.2, 0], intention: [0, 1.2, 0] });
+    const aims: number[][] = [];
+    const listeners = new Map<string, (value: unknown) => void>();
+    const connection = {
+      scene, latestState: state, status: 'open', controls: { heldByYou: true, held: true }, taken: 0,
+      on: (name: string, callback: (value: unknown) => void) => { listeners.set(name, callback); return () => {}; },
+      aim: (q: number[]) => { aims.push(q); return Promise.resolve({ accepted: true, reason: '' }); },
+      takeControls() { this.taken += 1; return Promise.resolve({ accepted: true, reason: '' }); },
+      steer: () => Promise.resolve({ accepted: true, reason: '' }),
+    };
+    const controls = new Controls(connection as unknown as Connection, new Picture() as unknown as HTMLElement);
+    controls.enable();
+    WINDOW.dispatchEvent(Object.assign(event('keydown'), { code: 'Space' }));
+    vi.advanceTimersByTime(2500);
+    expect(aims.at(-1)![1]).toBeGreaterThan(2.5);
+    return { controls, aims, tell: (name) => listeners.get(name)?.(undefined), state, connection };
+  }
+  /** Half bent or less, and the thumb straight: nothing is squeezed. */
+  function expectOpen(aim: readonly number[]): void {
+    expect(aim[1]).toBeLessThanOrEqual(postureOf('finger_flexion', 0) + 1e-9);
+    expect(aim[2]).toBe(0);
+  }
+
+  it('by a card over the play: the hand opens at once', () => {
+    const { controls, aims } = closing();
+    controls.disable();
+    expectOpen(aims.at(-1)!);
+    const before = aims.length;
+    vi.advanceTimersByTime(1000);
+    expect(aims).toHaveLength(before);  // asked for once: the program keeps the last aim
+  });
+
+  it('by a page that is left: the hand opens before it is silent', () => {
+    const { controls, aims, tell } = closing();
+    tell('leaving');
+    expectOpen(aims.at(-1)!);
+    controls.disable();
+  });
+
+  it('by another window: the hand opens in its own time', () => {
+    const { controls, aims } = closing();
+    WINDOW.dispatchEvent(new Event('blur'));
+    vi.advanceTimersByTime(1000);
+    expectOpen(aims.at(-1)!);
+    controls.disable();
+  });
+
+  it('by the program: a key that is still held does not take them again', () => {
+    const { controls, aims, connection } = closing();
+    connection.controls = { heldByYou: false };
+    const before = aims.length;
+    WINDOW.dispatchEvent(Object.assign(event('keydown'), { code: 'Space' }));
+    vi.advanceTimersByTime(3000);
+    expect([aims.length, (connection as unknown as { taken: number }).taken]).toEqual([before, 0]);
+    controls.disable();
+  });
+
+  it('but open a hand that nobody closed to where it was', () => {
+    const model = new AimModel([{ name: 'finger_flexion', lower: 0, upper: Math.PI }]);
+    model.begin([postureOf('finger_flexion', 0)]);
+    model.step(restingWish(), { device: [1], grips: [], beside: 1, squeeze_n: 0, squeezeLow_n: 4, squeezeHigh_n: 8 }, 0.016);
+    const before = [...model.aim];
+    model.open();
+    expect(model.aim).toEqual(before);
+  });
+});
+
+describe('a game pad', () => {
+  const pad = (axes: number[], more: Partial<PadReading> = {}, trigger = 0): PadReading & { index: number } => ({
+    mapping: 'standard', index: 0, axes, buttons: Array.from({ length: 17 }, (_, i) => ({ value: i === 7 ? trigger : 0, pressed: false })), ...more,
+  });
+
+  it('without the standard mapping asks for nothing: its axes may be pedals that rest at -1', () => {
+    expect(wishOfPad(pad([-1, -1, -1, -1], { mapping: '' }))).toBeUndefined();
+    const watch = new PadWatch();
+    expect(watch.look([pad([0, 0, 0, 0], { mapping: '' })]).wish).toBeUndefined();
+    expect(watch.look([pad([-1, -1, -1, -1], { mapping: '' })])).toEqual({ wish: undefined, claims: false });
+  });
+
+  it('counts once it was seen at rest: a stick that never is steers nothing', () => {
+    const worn = new PadWatch();
+    for (let i = 0; i < 100; i += 1) expect(worn.look([pad([0.4, 0, 0, 0])])).toEqual({ wish: undefined, claims: false });
+    const good = new PadWatch();
+    good.look([null, pad([0.05, 0, 0, 0])]);
+    expect(good.look([null, pad([0, -1, 0, 0])]).wish?.velocity.x).toBe(0.15);
+  });
+
+  it('claims the steering when it changes, and not while it is stuck', () => {
+    const watch = new PadWatch();
+    watch.look([pad([0, 0, 0, 0])]);
+    expect(watch.look([pad([0, -1, 0, 0])]).claims).toBe(true);
+    for (let i = 0; i < 100; i += 1) expect(watch.look([pad([0, -1 + 0.001 * (i % 2), 0, 0])]).claims).toBe(false);
+    expect(watch.look([pad([0, 0, 0, 0])]).claims).toBe(false);
+    expect(watch.look([pad([0, 0, 0, 0], {}, 0.8)]).claims).toBe(true);
+  });
+
+  it('that is held when the input is taken away has to be let go of first', () => {
+    const watch = new PadWatch();
+    watch.look([pad([0, 0, 0, 0])]);
+    expect(watch.look([pad([0, 0, 0, 0], {}, 1)]).wish?.squeeze).toBe(1);
+    watch.forget();
+    expect(watch.look([pad([0, 0, 0, 0], {}, 1)]).wish).toBeUndefined();
+    watch.look([pad([0, 0, 0, 0])]);
+    expect(watch.look([pad([0, 0, 0, 0], {}, 1)]).wish?.squeeze).toBe(1);
+  });
+});
+
+describe('a mouse', () => {
+  it.each(['pointercancel', 'lostpointercapture', 'blur', 'contextmenu'])('that is taken away by %s does not squeeze on', (type) => {
+    const picture = new Picture();
+    const mouse = new Mouse(picture as unknown as HTMLElement, () => 0);
+    mouse.enable();
+    picture.dispatchEvent(event('pointerdown', { pointerType: 'mouse' }));
+    expect(mouse.wish().squeeze).toBe(true);
+    WINDOW.dispatchEvent(new Event(type));
+    expect(mouse.wish().squeeze).toBe(false);
+    mouse.disable();
+  });
+
+  it('whose button came up where nobody told does not squeeze on', () => {
+    const picture = new Picture();
+    const mouse = new Mouse(picture as unknown as HTMLElement, () => 0);
+    mouse.enable();
+    picture.dispatchEvent(event('pointerdown', { pointerType: 'mouse' }));
+    picture.dispatchEvent(event('pointermove', { pointerType: 'mouse' }));
+    expect(mouse.wish().squeeze).toBe(true);
+    picture.dispatchEvent(event('pointermove', { pointerType: 'mouse', buttons: 0 }));
+    expect(mouse.wish().squeeze).toBe(false);
+    mouse.disable();
+  });
+});
+
+describe('a finger', () => {
+  function touched(): { picture: Picture; touch: Touch } {
+    const picture = new Picture();
+    const touch = new Touch(picture as unknown as HTMLElement, () => ({ x: 0, y: 0 }), () => ({ squeeze: '', higher: '', lower: '' }));
+    Object.assign(touch, { buttons: { remove: () => {} } });  // they need a document
+    touch.enable();
+    return { picture, touch };
+  }
+  const pen = { pointerType: 'pen', pointerId: 9 };
+  const finger = (pointerId: number, isPrimary: boolean): object => ({ pointerType: 'touch', pointerId, isPrimary });
+
+  it('after a pen that hovered drags, and does not squeeze', () => {
+    const { picture, touch } = touched();
+    picture.dispatchEvent(event('pointermove', { ...pen, buttons: 0 }));
+    picture.dispatchEvent(event('pointerdown', finger(1, true)));
+    picture.dispatchEvent(event('pointermove', { ...finger(1, true), clientX: 464 }));
+    expect(touch.wish()).toMatchObject({ squeeze: false, place: { x: 0, y: 0.2 } });  // 36 of 180 px to the left
+    touch.disable();
+  });
+
+  it('or the side of a hand beside a pen that drags does not squeeze; a second finger does', () => {
+    const { picture, touch } = touched();
+    picture.dispatchEvent(event('pointerdown', pen));
+    picture.dispatchEvent(event('pointerdown', finger(1, true)));
+    expect(touch.wish().squeeze).toBe(false);
+    WINDOW.dispatchEvent(event('pointerup', pen));
+    WINDOW.dispatchEvent(event('pointerup', finger(1, true)));
+    picture.dispatchEvent(event('pointerdown', finger(2, true)));
+    picture.dispatchEvent(event('pointerdown', finger(3, false)));
+    expect(touch.wish().squeeze).toBe(true);
+    WINDOW.dispatchEvent(new Event('blur'));
+    expect(touch.wish().squeeze).toBe(false);
+    touch.disable();
+  });
+
+  it('whose end nobody told is forgotten with the next first finger', () => {
+    const { picture, touch } = touched();
+    picture.dispatchEvent(event('pointerdown', finger(1, true)));
+    picture.dispatchEvent(event('pointerdown', finger(2, true)));
+    expect(touch.wish().squeeze).toBe(false);
+    touch.disable();
+  });
+});
+
+describe('a camera', () => {
+  it('that is unplugged, muted or stands still gives no new pictures', () => {
+    class Stream { track = { readyState: 'live', muted: false }; getVideoTracks(): object[] { return [this.track]; } }
+    vi.stubGlobal('MediaStream', Stream);
+    const stream = new Stream();
+    const video = { currentTime: 1, srcObject: stream as unknown as MediaStream };
+    const watch = new PictureWatch();
+    expect([watch.isNew(video), watch.isNew(video)]).toEqual([true, false]);
+    video.currentTime = 2;
+    stream.track.muted = true;
+    expect(watch.isNew(video)).toBe(false);
+    stream.track.muted = false;
+    expect(watch.isNew(video)).toBe(true);
+    video.currentTime = 3;
+    stream.track.readyState = 'ended';
+    expect(watch.isNew(video)).toBe(false);
+  });
+});

@@ -1,0 +1,75 @@
+import { expect, test, vi } from 'vitest';
+import { changeLevel, letProgramPlay, Press, takeOver, type Known } from '../src/game/takeover';
+import type { Answer, Connection } from '../src/net/connection';
+import { RunState } from '../src/protocol';
+
+const YES: Answer = { accepted: true, reason: '' };
+const known = (): Known => ({ script: null, hardware: false });
+const wishes = { way: 'mouse', level: 2, fresh: true };
+
+/** A program that waits, with a load that takes until the test says so. */
+function waitingProgram() {
+  const asked: string[] = [];
+  let loaded: (answer: Answer) => void = () => {};
+  const ask = (what: string) => async () => { asked.push(what); return YES; };
+  const connection = {
+    endings: 4, controls: { heldByYou: false, held: false }, scene: { level: 1, axes: [] }, latestState: { runState: RunState.Disarmed },
+    takeControls: ask('take'), releaseControls: ask('release'), steer: ask('steer'), act: ask('act'), aim: ask('aim'),
+    arm: async (seen: number) => { asked.push(`arm ${seen}`); return YES; },
+    loadExercise: () => new Promise<Answer>((settle) => { asked.push('load'); loaded = settle; }),
+  };
+  return { asked, connection, asConnection: connection as unknown as Connection, finishLoading: () => loaded(YES) };
+}
+
+/** What the page does after the level was loaded, when `happens` came while it was. */
+async function startWhile(happens: (program: ReturnType<typeof waitingProgram>, press: Press) => void): Promise<{ asked: string[]; is: string }> {
+  vi.useFakeTimers();
+  try {
+    const program = waitingProgram();
+    const press = new Press(program.asConnection, program.connection.endings);
+    const outcome = takeOver(program.asConnection, known, press, wishes);
+    await vi.advanceTimersByTimeAsync(10);
+    happens(program, press);
+    program.finishLoading();
+    await vi.advanceTimersByTimeAsync(10_000);
+    return { asked: program.asked, is: (await outcome).is };
+  } finally {
+    vi.useRealTimers();
+  }
+}
+
+test('TakeOver_WhenNothingStops_ArmsWithWhatWasShownAtThePress', async () => {
+  const { asked } = await startWhile(() => {});
+  expect(asked).toEqual(['take', 'load', 'arm 4', 'steer', 'aim', 'act']);
+});
+
+test('TakeOver_WhenStopIsPressedWhileItLoads_SendsNothingMore', async () => {
+  const { asked, is } = await startWhile((_, press) => press.cancel());
+  expect(asked).toEqual(['take', 'load', 'release']);
+  expect(is).toBe('stopped');
+});
+
+test('TakeOver_WhenAStopOfSomebodyElseIsSeenWhileItLoads_SendsNothingMore', async () => {
+  const { asked, is } = await startWhile(({ connection }) => { connection.endings += 1; });
+  expect(asked).toEqual(['take', 'load', 'release']);
+  expect(is).toBe('stopped');
+});
+
+test('Press_OnAPictureFromBeforeAStop_HoldsNoMore', async () => {
+  const { asked, connection, asConnection } = waitingProgram();
+  const press = new Press(asConnection, connection.endings - 1);
+  expect(press.holds).toBe(false);
+  await letProgramPlay(asConnection, press);
+  expect(asked).toEqual(['take', 'release']);
+});
+
+test('ChangeLevel_WhenStopIsPressedWhileItLoads_DoesNotSteer', async () => {
+  const { asked, connection, asConnection, finishLoading } = waitingProgram();
+  const press = new Press(asConnection, connection.endings);
+  const changed = changeLevel(asConnection, () => ({ script: {} as Known['script'], hardware: false }), press, 2);
+  press.cancel();
+  connection.scene.level = 2;
+  finishLoading();
+  await changed;
+  expect(asked).toEqual(['load']);
+});
