@@ -3,9 +3,10 @@
 // that vfork made), so that no signal reaches it either.
 //
 //   STALL_FOLDERS   folders, separated by ':'
-//   STALL_CONTROL   a file of three 32-bit numbers that is shared with the test:
+//   STALL_CONTROL   a file of four 32-bit numbers that is shared with the test:
 //                   [0] which calls hang, a bit each, in the order of `Call`
 //                   [1] how many hang at present   [2] how many ever did
+//                   [3] how many processes have loaded this
 //   STALL_MS        for how long each hangs
 #include <climits>
 
@@ -45,7 +46,9 @@ __attribute__((constructor)) void begin() {
   if (fd < 0) return;
   void* at = ::mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
   ::close(fd);
-  if (at != MAP_FAILED) g_control = static_cast<std::atomic<unsigned>*>(at);
+  if (at == MAP_FAILED) return;
+  g_control = static_cast<std::atomic<unsigned>*>(at);
+  ++g_control[3];
 }
 
 bool isOn(Call call) {

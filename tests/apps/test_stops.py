@@ -10,6 +10,7 @@ import itertools
 import mmap
 import os
 import pathlib
+import shutil
 import signal
 import struct
 import subprocess
@@ -50,7 +51,8 @@ class Stall:
         self.path.write_bytes(bytes(4096))
         with open(self.path, "r+b") as file:
             self.memory = mmap.mmap(file.fileno(), 4096)
-        self.environment = {"LD_PRELOAD": STALL, "STALL_CONTROL": str(self.path), "STALL_MS": str(ms)}
+        library = shutil.copy(STALL, folder)  # LD_PRELOAD names no path with a space in it
+        self.environment = {"LD_PRELOAD": library, "STALL_CONTROL": str(self.path), "STALL_MS": str(ms)}
 
     def hang(self, *calls):
         struct.pack_into("<I", self.memory, 0, sum(1 << CALLS.index(c) for c in calls))
@@ -62,6 +64,11 @@ class Stall:
     @property
     def ever(self):
         return struct.unpack_from("<I", self.memory, 8)[0]
+
+    @property
+    def loaded(self):
+        """How many processes the library is in."""
+        return struct.unpack_from("<I", self.memory, 12)[0]
 
 
 @unittest.skipUnless(STALL, "without the library that makes a disk hang")
@@ -82,6 +89,7 @@ class Stops(AppTest):
         self.port = int(run.stdout.readline().split(":")[2].rstrip("/\n"))
         while "udp " not in (line := run.stdout.readline()):
             self.assertIsNone(run.poll(), line)
+        self.assertGreater(self.stall.loaded, 0, "the disk cannot hang: stall.cpp is not in the program")
         self.game = client.Game(int(line.split(":")[1]), RATE_HZ)
         self.addCleanup(self.game.close)
         # Rendering, blended in.

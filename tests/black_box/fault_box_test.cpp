@@ -104,7 +104,7 @@ TEST(FaultedRun, EmergencyStop_LeavesABoxThatSaysSoAndRunsAgain) {
   EXPECT_EQ(cause.faults, Fault::kEmergencyStop);
   EXPECT_EQ(cause.fault_tick, 1235U);
   expectSameAgain(plan.black_box);
-  const Said shown = program("replay --speed 1000 " + plan.black_box);
+  const Said shown = program("replay --speed 1000 '" + plan.black_box + "'");
   EXPECT_EQ(shown.code, 0);
   EXPECT_NE(shown.text.find("emergency stop, first in tick 1235"), std::string::npos) << shown.text;
 }

@@ -44,7 +44,8 @@ struct Said {
 
 /// Runs the program with these arguments; standard output and error together.
 inline Said program(const std::string& arguments) {
-  FILE* pipe = ::popen((std::string(WHOLEHAND_PROGRAM) + " " + arguments + " 2>&1").c_str(), "r");
+  const std::string command = "'" WHOLEHAND_PROGRAM "' " + arguments + " 2>&1";
+  FILE* pipe = ::popen(command.c_str(), "r");
   Said said;
   std::array<char, 4096> piece{};
   while (const std::size_t n = std::fread(piece.data(), 1, piece.size(), pipe)) {
@@ -57,7 +58,7 @@ inline Said program(const std::string& arguments) {
 
 /// `replay --resimulate` of this box finds every bit the same; what it said.
 inline std::string expectSameAgain(const std::string& box) {
-  const Said said = program("replay --resimulate " + box);
+  const Said said = program("replay --resimulate '" + box + "'");
   EXPECT_EQ(said.code, 0) << said.text;
   EXPECT_NE(said.text.find("every bit the same"), std::string::npos) << said.text;
   return said.text;
