@@ -47,7 +47,10 @@ class DigitWatch {
     }
   }
 
+  /// Until a stop: then the effort falls to neutral, whatever the exercise would give.
   void see(const TickRecord& r) {
+    stopped_ = stopped_ || any(r.faults & kStopping);
+    if (stopped_) return;
     for (Digit& digit : digits_) look(digit, r);
   }
   [[nodiscard]] const UntouchedEffort& found() const { return found_; }
@@ -102,6 +105,7 @@ class DigitWatch {
   const Rig& rig_;
   std::vector<Digit> digits_;
   double lead_in_m_ = 0.0;
+  bool stopped_ = false;
   UntouchedEffort found_;
 };
 
