@@ -24,7 +24,8 @@ int main(int argc, char** argv) {
   models->device.axes[static_cast<std::size_t>(x)].effort_slew_limit = 20000.0;
 
   for (const double rate_hz : {1000.0, 2000.0}) {
-    std::printf("\n%.0f Hz\n%12s %8s %8s   %s\n", rate_hz, "K_pm N/m", "K_ps", "sigma", "verdict");
+    std::printf("\n%.0f Hz\n%12s %8s %8s   %s\n", rate_hz, "K_pm N/m", "felt kg", "armature",
+                "verdict");
     for (const double k_pm : {1000.0, 1500.0, 2000.0, 4000.0, 16000.0}) {
       models->rendering.axes[static_cast<std::size_t>(x)].k_pm = k_pm;
       const Expected<CheckedGains> checked = checkGains(*models, 1.0 / rate_hz);
@@ -33,7 +34,8 @@ int main(int argc, char** argv) {
         continue;
       }
       const CouplingGains& gains = checked->gains;
-      std::printf("%12.0f %8.0f %8.3f   ", k_pm, gains.k_ps_per_s2[x], gains.contact_scale[x]);
+      std::printf("%12.0f %8.3f %8.3f   ", k_pm, feltInertia(gains, x, 1.0 / rate_hz),
+                  gains.armature[x]);
       if (checked->refused.empty()) {
         std::printf("certified\n");
       } else {

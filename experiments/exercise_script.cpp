@@ -21,9 +21,9 @@ constexpr Posture kStretched{10 * kDeg, 5 * kDeg, 0.0};
 constexpr Posture kOpen{65 * kDeg, 5 * kDeg, 0.0};
 constexpr Posture kOpposed{65 * kDeg, 20 * kDeg, 0.0};
 // The aim lies inside the dispenser: how far says how firmly.
-constexpr Posture kFirm{138 * kDeg, 20 * kDeg, 45 * kDeg};
-constexpr Posture kFirmer{146 * kDeg, 20 * kDeg, 48 * kDeg};
-constexpr Posture kGentle{132 * kDeg, 20 * kDeg, 42 * kDeg};
+constexpr Posture kFirm{122 * kDeg, 20 * kDeg, 34 * kDeg};
+constexpr Posture kFirmer{130 * kDeg, 20 * kDeg, 37 * kDeg};
+constexpr Posture kGentle{116 * kDeg, 20 * kDeg, 31 * kDeg};
 constexpr Posture kHalfOpen{80 * kDeg, 5 * kDeg, 0.0};
 // Not stretched enough to pass beside it.
 constexpr Posture kGrazing{48 * kDeg, 5 * kDeg, 0.0};
@@ -59,14 +59,14 @@ Intention exerciseIntention(const DeviceModel& device, const Eigen::Vector3d& ho
     way.push_back({time_s, q});
   };
   const auto put = [&](double x, double y) { return Eigen::Vector3d(x, home_m.y() + y, grip.z()); };
-  constexpr double kBack_m = -0.077, kReach_m = 0.0, kLeft_m = 0.078;
+  constexpr double kBack_m = -0.077, kReach_m = 0.0, kLeft_m = 0.078, kBump_m = -0.036;
   const Eigen::Vector3d beside = grip - Eigen::Vector3d(0.0, 0.024, 0.0);
   const Eigen::Vector3d touching = grip + Eigen::Vector3d(0.0, 0.004, 0.0);
   const Eigen::Vector3d start = put(kBack_m, kLeft_m) + start_off;
   go(0.0, start, kStretched);
   go(at::kServed, start, kStretched);
   go(at::kBeside, put(kReach_m, kLeft_m), kStretched);
-  go(at::kHardBump, put(kReach_m, 0.0), kStretched);
+  go(at::kHardBump, put(kReach_m, kBump_m), kStretched);
   go(at::kOffAgain, put(kReach_m, kLeft_m), kStretched);
   go(at::kSoftBump - 0.5, put(kReach_m, kLeft_m), kStretched);
   go(at::kSoftBump, put(kReach_m, 0.034), kStretched);

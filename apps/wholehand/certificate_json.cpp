@@ -32,6 +32,7 @@ Json axisJson(const AxisCertificate& a, const AxisAdvice& advice) {
   json["k_pm"] = a.of.gains.k_pm;
   json["k_dm"] = a.of.gains.k_dm;
   json["gamma"] = a.of.gains.gamma;
+  json["armature"] = a.of.armature();
   json["k_ps_per_s2"] = a.of.avatarStiffness();
   json["rigid_contact_limit"] = a.rigid_limit;
   json["rigid_contact_formula"] = a.rigid_formula;
@@ -81,15 +82,15 @@ Json certificateJson(const AdvisedCertificate& judged) {
     if (!judged.nearest) continue;
     const NearestGains& nearest = (*judged.nearest)[i];
     json["axes"].back()["nearest"] = {{"k_pm", nearest.k_pm}, {"k_dm", nearest.k_dm}};
-    if (nearest.k_ps_per_s2 > 0.0) {
-      json["axes"].back()["nearest"]["k_ps_per_s2"] = nearest.k_ps_per_s2;
-    }
+    if (nearest.armature) json["axes"].back()["nearest"]["armature"] = *nearest.armature;
   }
-  json["avatar"] = {{"spectral_radius", c.avatar.radius},
-                    {"worst_posture", c.avatar.posture + 1},
-                    {"postures", c.avatar.postures},
-                    {"margin", c.avatar.margin},
-                    {"passes", c.avatar.radius < 1.0}};
+  json["avatar"] = {{"spectral_radius", c.avatar.radius}, {"worst_posture", c.avatar.posture + 1},
+                    {"postures", c.avatar.postures},      {"slowest_s", c.avatar.slowest_s},
+                    {"margin", c.avatar.margin},          {"passes", c.avatar.passes()}};
+  json["coupled"] = {{"margin", c.coupled.margin},
+                     {"frequency_hz", c.coupled.frequency_hz},
+                     {"worst_posture", c.coupled.posture},
+                     {"passes", c.coupled.margin >= 1.0}};
   seal(json, fingerprintOf(judged.input));
   return json;
 }

@@ -23,6 +23,11 @@ std::string limitWord(double limit) {
   return limit < 1e4 ? fmt::format("{:.4g}", limit) : fmt::format("{:.0f}", limit);
 }
 
+/// "at 124 Hz"; what is slower than anybody moves is "at rest".
+std::string frequencyWord(double frequency_hz) {
+  return frequency_hz < 0.1 ? "at rest" : fmt::format("at {:.3g} Hz", frequency_hz);
+}
+
 // No table is wider than 80 letters: a terminal would break its lines.
 
 std::string contactTable(const Certificate& c) {
@@ -39,7 +44,7 @@ std::string contactTable(const Certificate& c) {
                    "all axes: spectral radius {:.5f} (worst of {} posture{}), margin {:.3g}"
                    "  {}\n",
                    c.avatar.radius, c.avatar.postures, plural(c.avatar.postures), c.avatar.margin,
-                   c.avatar.radius < 1.0 ? "passes" : "FAILS: avatar");
+                   c.avatar.passes() ? "passes" : "FAILS: avatar");
 }
 
 std::string marginTable(const Certificate& c) {
@@ -54,7 +59,9 @@ std::string marginTable(const Certificate& c) {
                        a.passes ? "passes" : "FAILS");
     if (!a.passes) out += fmt::format("  fails: {}\n", fmt::join(failing(a), ", "));
   }
-  return out;
+  return out + fmt::format("axes linked by person and object: damping margin {:.3g} ({})  {}\n",
+                           c.coupled.margin, frequencyWord(c.coupled.frequency_hz),
+                           c.coupled.margin >= 1.0 ? "passes" : "FAILS: coupled");
 }
 
 std::string admittedTable(const AdvisedCertificate& judged) {
@@ -83,7 +90,7 @@ std::string change(const AxisCertificate& a, const NearestGains& to) {
   };
   set(stiffnessKey(a.of.axis), a.of.gains.k_pm, to.k_pm);
   set(dampingKey(a.of.axis), a.of.gains.k_dm, to.k_dm);
-  set("k_ps_per_s2", a.of.gains.k_ps_per_s2, to.k_ps_per_s2);
+  if (to.armature) set(armatureKey(a.of.axis), a.of.gains.armature.value_or(-1.0), *to.armature);
   return out;
 }
 
@@ -127,10 +134,17 @@ std::string verdict(const AdvisedCertificate& judged) {
   if (c.binding_axis >= 0) {
     const AxisCertificate& a = c.axes[static_cast<std::size_t>(c.binding_axis)];
     what = a.of.axis.name + ": " + finding(a);
+  } else if (c.binding_criterion == Criterion::kCoupled) {
+    what = fmt::format(
+        "all axes together: a passive person and object that link them need {:.3g} of the device's "
+        "damping ({})",
+        1.0 / c.coupled.margin, frequencyWord(c.coupled.frequency_hz));
   } else if (c.certified) {
     what =
         fmt::format("the avatar: {:.3g} times its stiffness would let its axes shake each other {}",
                     c.avatar.margin, posture);
+  } else if (c.avatar.radius < 1.0) {
+    what = fmt::format("the avatar follows too slowly {} ({:.3g} s)", posture, c.avatar.slowest_s);
   } else {
     what = fmt::format("the avatar's axes shake each other {} (spectral radius {:.5g})", posture,
                        c.avatar.radius);

@@ -78,11 +78,11 @@ FeltLoop feltLoop(const ImpedanceBench& bench, int axis, double stiffness) {
   FeltLoop felt;
   felt.loop = axisLoop(bench.models.device, gains, axis, bench.grid.period_s);
   felt.loop.phi_k_dm *= bench.phi;
-  felt.loop.spring_per_s2 = stiffness / bench.inertia(axis, axis);
+  felt.inertia = withArmature(bench.inertia, gains.armature);
+  felt.loop.spring_per_s2 = stiffness / felt.inertia(axis, axis);
   felt.axis = axis;
-  felt.inertia = bench.inertia;
-  felt.k_ps_per_s2 = gains.k_ps_per_s2;
-  felt.k_ds_per_s = gains.k_ds_per_s;
+  felt.k_pm = gains.k_pm;
+  felt.avatar_damping = avatarDamping(felt.inertia, gains.k_pm, bench.grid.period_s);
   return felt;
 }
 

@@ -202,16 +202,21 @@ class Validation {
   }
 
   static std::string gainTable(const Models& models, const CouplingGains& gains) {
-    std::string table = fmt::format("    {:<20} {:>10} {:>12} {:>10} {:>8}\n", "axis", "K_pm",
-                                    "K_ps 1/s²", "K_ds 1/s", "σ");
+    std::string table = fmt::format("    {:<20} {:>8} {:>10} {:>10} {:>10} {:>9}\n", "axis", "K_pm",
+                                    "armature", "inertia", "felt", "at tip, g");
     for (int a = 0; a < gains.axes; ++a) {
-      table += fmt::format("    {:<20} {:>10.4g} {:>11.0f} {:>10.1f} {:>8.3f}\n",
-                           models.device.axes[a].name, gains.k_pm[a], gains.k_ps_per_s2[a],
-                           gains.k_ds_per_s[a], gains.contact_scale[a]);
+      const DeviceAxis& axis = models.device.axes[static_cast<std::size_t>(a)];
+      const double felt = feltInertia(gains, a, 1e-3);
+      const double lever_m = axis.lever_arm_m;
+      const std::string tip =
+          lever_m > 0.0 ? fmt::format("{:.1f}", 1e3 * felt / (lever_m * lever_m)) : "-";
+      table += fmt::format("    {:<20} {:>8.4g} {:>10.3g} {:>10.3g} {:>10.3g} {:>9}\n", axis.name,
+                           gains.k_pm[a], gains.armature[a], gains.inertia[a], felt, tip);
     }
     return table + fmt::format(
-                       "    (σ: felt over simulated force at 1 kHz on the device {} with the hand "
-                       "{}; 1 is the truth)\n",
+                       "    (kg or kg·m², of the simulated hand at 1 kHz\n    on the device {} "
+                       "with the hand {};\n"
+                       "    felt: in free motion. Forces are felt as they act: σ = 1)\n",
                        models.device.name, models.hand.name);
   }
 

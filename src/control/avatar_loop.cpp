@@ -1,7 +1,6 @@
 #include "control/avatar_loop.hpp"
 
-#include "control/bilateral_coupling.hpp"
-#include "control/critical_damping.hpp"
+#include "control/coupling_gains.hpp"
 #include "control/gain_search.hpp"
 #include "control/stability.hpp"
 
@@ -11,48 +10,50 @@
 
 namespace wholehand {
 
-Eigen::MatrixXd avatarLoopMatrix(const AxisMatrix& reduced_inertia,
-                                 const Eigen::VectorXd& k_ps_per_s2, double period_s) {
+Eigen::MatrixXd avatarLoopMatrix(const AxisMatrix& reduced_inertia, const AxisRatio& k_pm,
+                                 double period_s) {
   const Eigen::Index n = reduced_inertia.rows();
   const Eigen::MatrixXd m = reduced_inertia;
   const Eigen::LLT<Eigen::MatrixXd> cholesky(m);
   if (cholesky.info() != Eigen::Success) {  // singular: nothing moves such a hand in order
     return Eigen::MatrixXd::Constant(2 * n, 2 * n, std::numeric_limits<double>::infinity());
   }
-  const AxisMatrix inverse = cholesky.solve(Eigen::MatrixXd::Identity(n, n));
-  const Eigen::MatrixXd coupled = inverse * driveInertia(reduced_inertia, inverse);
-  Eigen::VectorXd k_ds_per_s(n);
-  for (Eigen::Index i = 0; i < n; ++i) k_ds_per_s[i] = criticalDamping(k_ps_per_s2[i], period_s);
+  const Eigen::MatrixXd inverse = cholesky.solve(Eigen::MatrixXd::Identity(n, n));
+  const AxisRatio damping = avatarDamping(reduced_inertia, k_pm, period_s);
   Eigen::MatrixXd out = Eigen::MatrixXd::Identity(2 * n, 2 * n);
   auto velocity = out.bottomRows(n);
-  velocity.leftCols(n) = -period_s * coupled * k_ps_per_s2.asDiagonal();
-  velocity.rightCols(n) -= period_s * coupled * k_ds_per_s.asDiagonal();
+  velocity.leftCols(n) = -period_s * inverse * k_pm.vec().asDiagonal();
+  velocity.rightCols(n) -= period_s * inverse * damping.vec().asDiagonal();
   out.topRows(n) += period_s * velocity;
   return out;
 }
 
-ShakingPosture worstPosture(const std::vector<AxisMatrix>& inertias,
-                            const Eigen::VectorXd& k_ps_per_s2, double period_s) {
+ShakingPosture worstPosture(const std::vector<AxisMatrix>& inertias, const AxisRatio& k_pm,
+                            double period_s) {
   ShakingPosture worst;
   for (std::size_t p = 0; p < inertias.size(); ++p) {
-    const double radius = spectralRadius(avatarLoopMatrix(inertias[p], k_ps_per_s2, period_s));
+    const double radius = spectralRadius(avatarLoopMatrix(inertias[p], k_pm, period_s));
     if (!(radius <= worst.radius)) worst = {radius, p};
   }
   return worst;
 }
 
-double allowedFactor(const std::vector<AxisMatrix>& inertias, const Eigen::VectorXd& k_ps_per_s2,
+double allowedFactor(const std::vector<AxisMatrix>& inertias, const AxisRatio& k_pm,
                      double period_s, double most) {
+  const auto times = [&k_pm](double factor) {
+    AxisRatio out = k_pm;
+    out.vec() *= factor;
+    return out;
+  };
   // Bisects in the worst posture alone, then looks at all again: a search over all at once would
   // take seconds.
   double factor = most;
-  ShakingPosture worst = worstPosture(inertias, factor * k_ps_per_s2, period_s);
+  ShakingPosture worst = worstPosture(inertias, times(factor), period_s);
   while (factor > 0.0 && worst.radius >= 1.0) {
     factor = roundedDown(largestAllowed(factor, [&](double f) {
-      return spectralRadius(avatarLoopMatrix(inertias[worst.posture], f * k_ps_per_s2, period_s)) <
-             1.0;
+      return spectralRadius(avatarLoopMatrix(inertias[worst.posture], times(f), period_s)) < 1.0;
     }));
-    worst = worstPosture(inertias, factor * k_ps_per_s2, period_s);
+    worst = worstPosture(inertias, times(factor), period_s);
   }
   return factor;
 }

@@ -1,6 +1,7 @@
 #include "control/certificate.hpp"
 
 #include "control/avatar_loop.hpp"
+#include "control/coupled_passivity.hpp"
 #include "control/critical_damping.hpp"
 
 #include <algorithm>
@@ -14,6 +15,8 @@ namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kLargestFactor = 100.0;
+/// The coupled criterion is never easier than an axis's own: it binds where it is harder by this.
+constexpr double kSaysMore = 0.995;
 /// Where an axis names no lever arm: from a wrist to the middle of the palm.
 constexpr double kPalmLever_m = 0.08;
 constexpr std::array<const char*, 3> kPersons = {"no arm", "relaxed arm", "stiff arm"};
@@ -81,6 +84,8 @@ double marginOf(const AxisCertificate& a, Criterion criterion) {
       const double limit = a.of.axis.effort_slew_limit;
       return limit > 0.0 ? limit / a.slew_required : kInfinite;
     }
+    case Criterion::kCoupled:
+      return kInfinite;
     case Criterion::kAvatar: {  // 1/T²: above it the avatar rings
       const double wt = a.of.avatarStiffness() * a.of.period_s * a.of.period_s;
       return wt <= 1.0 ? kInfinite : 1.0 / wt;
@@ -93,9 +98,9 @@ double marginOf(const AxisCertificate& a, Criterion criterion) {
 }  // namespace
 
 const char* criterionKey(Criterion criterion) {
-  static constexpr std::array<const char*, 9> kKeys = {"free",   "rigid_contact", "mass",
-                                                       "spring", "damping",       "quantisation",
-                                                       "wall",   "slew",          "avatar"};
+  static constexpr std::array<const char*, 10> kKeys = {
+      "free",         "rigid_contact", "mass", "spring", "damping",
+      "quantisation", "wall",          "slew", "avatar", "coupled"};
   return kKeys[static_cast<std::size_t>(criterion)];
 }
 
@@ -109,8 +114,12 @@ Impedance armAt(const DeviceAxis& axis, const std::string& person) {
   return {arm.mass * squared, arm.damping * squared, arm.stiffness * squared};
 }
 
+double AxisCase::armature() const {
+  return armatureOf(gains, inertia);
+}
+
 double AxisCase::avatarStiffness() const {
-  return gains.k_ps_per_s2 > 0.0 ? gains.k_ps_per_s2 : ruleStiffness(gains.k_pm, inertia);
+  return gains.k_pm / (inertia + armature());
 }
 
 AxisLoop AxisCase::loop(double phi) const {
@@ -213,11 +222,14 @@ AxisCertificate certifyAxis(const AxisCase& c) {
 }
 
 double Certificate::margin() const {
-  return binding_axis < 0 ? avatar.margin : axes[static_cast<std::size_t>(binding_axis)].margin;
+  if (binding_axis >= 0) {
+    return std::min(axes[static_cast<std::size_t>(binding_axis)].margin, coupled.margin);
+  }
+  return binding_criterion == Criterion::kAvatar ? avatar.margin : coupled.margin;
 }
 
 std::string Certificate::binding() const {
-  if (binding_axis < 0) return criterionKey(Criterion::kAvatar);
+  if (binding_axis < 0) return criterionKey(binding_criterion);
   const AxisCertificate& a = axes[static_cast<std::size_t>(binding_axis)];
   return a.of.axis.name + "." + criterionKey(a.binding);
 }
@@ -226,19 +238,32 @@ Certificate certify(const CertificateInput& input) {
   Certificate out;
   out.period_s = input.period_s;
   const int n = input.device.axisCount();
-  Eigen::VectorXd k_ps(n);
+  AxisRatio k_pm(n);
   for (int i = 0; i < n; ++i) {
     out.axes.push_back(certifyAxis(axisCase(input, i)));
-    k_ps[i] = out.axes.back().of.avatarStiffness();
+    k_pm[i] = out.axes.back().of.gains.k_pm;
   }
-  const ShakingPosture worst = worstPosture(input.inertias, k_ps, input.period_s);
-  out.avatar = {worst.radius, worst.posture, input.inertias.size(),
-                allowedFactor(input.inertias, k_ps, input.period_s, kLargestFactor)};
-  out.certified = worst.radius < 1.0;
+  const CoupledCase together = coupledCase(input);
+  const std::vector<AxisMatrix> sampled(together.inertias.begin() + 1, together.inertias.end());
+  const ShakingPosture worst = worstPosture(sampled, k_pm, input.period_s);
+  out.avatar = {worst.radius, -input.period_s / std::log(worst.radius), worst.posture,
+                sampled.size(), allowedFactor(sampled, k_pm, input.period_s, kLargestFactor)};
+  const CoupledNeed need = requiredShare(together);
+  out.coupled = {need.share > 0.0 ? 1.0 / need.share : kInfinite, need.frequency_hz, need.posture};
+  out.certified = out.avatar.passes() && out.coupled.margin >= 1.0;
+  double least = out.avatar.margin;
   for (int i = 0; i < n; ++i) {
     const AxisCertificate& a = out.axes[static_cast<std::size_t>(i)];
     out.certified = out.certified && a.passes;
-    if (a.margin < out.margin()) out.binding_axis = i;
+    if (a.margin < least) {
+      least = a.margin;
+      out.binding_axis = i;
+      out.binding_criterion = a.binding;
+    }
+  }
+  if (out.avatar.passes() && out.coupled.margin < kSaysMore * least) {
+    out.binding_axis = -1;
+    out.binding_criterion = Criterion::kCoupled;
   }
   return out;
 }

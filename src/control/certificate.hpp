@@ -13,7 +13,7 @@
 /// computation, not for the tick.
 namespace wholehand {
 
-/// What a certificate asks of one axis, and (the last) of all axes together.
+/// What a certificate asks of one axis, and (the last two) of all axes together.
 enum class Criterion {
   kFree,
   kRigid,
@@ -23,11 +23,13 @@ enum class Criterion {
   kQuantisation,
   kWall,
   kSlew,
-  kAvatar
+  kAvatar,
+  kCoupled
 };
 inline constexpr int kCertificatePhiSteps = 8;  ///< Φ = 0, ⅛ .. 1
 inline constexpr int kContactCriteria = 4;      ///< kFree .. kSpring, judged by eigenvalues
-/// "free", "rigid_contact", "mass", "spring", "damping", "quantisation", "wall", "slew", "avatar"
+/// "free", "rigid_contact", "mass", "spring", "damping", "quantisation", "wall", "slew", "avatar",
+/// "coupled"
 [[nodiscard]] const char* criterionKey(Criterion criterion);
 
 /// A wall that an exercise may put on an axis, Eq. (15), at α = 1.
@@ -41,11 +43,13 @@ struct AxisCase {
   DeviceAxis axis;
   int delay_ticks = 0;
   double period_s = 1e-3;
-  AxisRendering gains;   ///< k_ps_per_s2 as in the file: 0 lets it follow K_pm by the rule
-  double inertia = 0.0;  ///< of the avatar along the axis at its reference [kg or kg·m²]
+  AxisRendering gains;   ///< armature as in the file: not stated, it follows K_pm by the rule
+  double inertia = 0.0;  ///< of the avatar along the axis at its reference, without armature
   std::vector<WallCase> walls = {};  ///< of the exercise; none without one
 
-  /// K_ps as it is, or by the rule [1/s²].
+  /// As stated, or by the rule [kg or kg·m²].
+  [[nodiscard]] double armature() const;
+  /// k_p: K_pm over the avatar's inertia, armature included [1/s²].
   [[nodiscard]] double avatarStiffness() const;
   /// The loop at a share Φ of the adaptive damping, nobody attached.
   [[nodiscard]] AxisLoop loop(double phi) const;
@@ -96,21 +100,37 @@ struct AxisCertificate {
 
 /// The avatar's loop with all axes coupled, over the sampled postures.
 struct AvatarCertificate {
-  double radius = 0.0;       ///< < 1 passes
+  double radius = 0.0;       ///< < 1: stable
+  double slowest_s = 0.0;    ///< time constant of its slowest motion
   std::size_t posture = 0;   ///< the worst one, from 0
   std::size_t postures = 0;  ///< how many were looked at
-  double margin = 0.0;       ///< largest common factor on K_ps, at most 100
+  double margin = 0.0;       ///< largest common factor on K_pm, at most 100
+  /// The simulated hand must follow: what it lags behind is felt in free air.
+  static constexpr double kSlowest_s = 0.5;
+  [[nodiscard]] bool passes() const { return radius < 1.0 && slowest_s <= kSlowest_s; }
+};
+
+/// The device's damping with persons and objects that link the axes
+/// (control/coupled_passivity.hpp).
+struct CoupledCertificate {
+  double margin = 0.0;        ///< damping there is over what is needed, alike on all axes
+  double frequency_hz = 0.0;  ///< where that is the least
+  std::size_t posture = 0;    ///< 0: the reference; then the sampled ones, from 1
 };
 
 struct Certificate {
   double period_s = 1e-3;
   std::vector<AxisCertificate> axes;
   AvatarCertificate avatar;
-  int binding_axis = -1;  ///< of the smallest margin of all; -1: the avatar's axes together
+  CoupledCertificate coupled;
+  /// Whose margin is the smallest; kAvatar and kCoupled where it is all axes' together. The coupled
+  /// criterion holds the damping of every axis in itself: it is named where it says more.
+  Criterion binding_criterion = Criterion::kAvatar;
+  int binding_axis = -1;  ///< -1: all axes together
   bool certified = false;
 
   [[nodiscard]] double margin() const;
-  /// "finger_flexion.damping", or "avatar".
+  /// "finger_flexion.damping", "avatar" or "coupled".
   [[nodiscard]] std::string binding() const;
 };
 

@@ -1,5 +1,7 @@
 #include "control/certificate_advice.hpp"
 
+#include "control/avatar_loop.hpp"
+#include "control/coupled_passivity.hpp"
 #include "control/gain_search.hpp"
 #include "control/passivity.hpp"
 
@@ -91,7 +93,7 @@ NearestGains nearestOfAxis(AxisCase c) {
   double most = 0.0;
   for (const double share : kDampingShares) {
     c.gains.k_dm = share == 1.0 ? damping : roundedDown(share * damping);
-    found.push_back({largestStiffness(c, present), c.gains.k_dm, c.gains.k_ps_per_s2});
+    found.push_back({largestStiffness(c, present), c.gains.k_dm, c.gains.armature});
     most = std::max(most, found.back().k_pm);
     if (damping == 0.0 || found.back().k_pm >= 0.5 * present) break;
   }
@@ -105,21 +107,68 @@ CertificateInput withGains(CertificateInput input, const std::vector<NearestGain
   for (std::size_t i = 0; i < nearest.size(); ++i) {
     input.rendering.axes[i].k_pm = nearest[i].k_pm;
     input.rendering.axes[i].k_dm = nearest[i].k_dm;
-    input.rendering.axes[i].k_ps_per_s2 = nearest[i].k_ps_per_s2;
+    input.rendering.axes[i].armature = nearest[i].armature;
   }
   return input;
 }
 
-/// K_ps stated, and lowered, where it rings or where the axes shake each other.
+double roundedUp(double value) {
+  const double below = roundedDown(value);
+  return below < value ? roundedDown(1.0101 * value) : below;
+}
+
+AxisRatio stiffnessOf(const CertificateInput& input) {
+  AxisRatio k_pm(input.device.axisCount());
+  for (int i = 0; i < k_pm.size(); ++i) {
+    k_pm[i] = input.rendering.axes[static_cast<std::size_t>(i)].k_pm;
+  }
+  return k_pm;
+}
+
+/// Armature stated, and raised, where an axis rings; on all by the same share of their inertia
+/// where the axes shake each other, up to thrice as much where that lets linked persons and objects
+/// pass.
 void calmAvatar(CertificateInput& input, const Certificate& judged) {
   const double ringing = 1.0 / (input.period_s * input.period_s);
-  const double factor = judged.avatar.radius < 1.0 ? 1.0 : judged.avatar.margin;
-  for (std::size_t i = 0; i < judged.axes.size(); ++i) {
-    const double k_ps = judged.axes[i].of.avatarStiffness();
-    if (factor < 1.0 || k_ps > ringing) {
-      input.rendering.axes[i].k_ps_per_s2 = roundedDown(std::min(factor * k_ps, ringing));
+  const CertificateInput given = input;
+  std::optional<CertificateInput> calm;
+  double most = 100.0;
+  for (double more = judged.avatar.radius < 1.0 ? 0.0 : 0.01; more < most; more *= 1.2) {
+    for (std::size_t i = 0; i < judged.axes.size(); ++i) {
+      const AxisCase& c = judged.axes[i].of;
+      const double inertia = c.inertia + c.armature();
+      const double wanted = std::max((1.0 + more) * inertia, c.gains.k_pm / ringing);
+      if (wanted > inertia) input.rendering.axes[i].armature = roundedUp(wanted - c.inertia);
+    }
+    if (more == 0.0) return;
+    const CoupledCase together = coupledCase(input);
+    if (!(worstPosture(together.inertias, stiffnessOf(input), input.period_s).radius < 1.0)) {
+      continue;
+    }
+    if (requiredShare(together).share <= 1.0) return;
+    if (!calm) {
+      calm = input;
+      most = 3.0 * more;
     }
   }
+  input = calm.value_or(given);
+}
+
+/// Every K_pm by one factor, three digits, until persons and objects that link the axes may have
+/// it.
+bool softenForCoupled(CertificateInput& input) {
+  const CertificateInput given = input;
+  const auto soften = [&](double factor) {
+    input = given;
+    for (AxisRendering& axis : input.rendering.axes) axis.k_pm = roundedDown(factor * axis.k_pm);
+  };
+  if (requiredShare(coupledCase(input)).share <= 1.0) return true;
+  const double factor = largestAllowed(1.0, [&](double f) {
+    soften(f);
+    return requiredShare(coupledCase(input)).share <= 1.0;
+  });
+  soften(factor);
+  return factor > 0.0;
 }
 
 }  // namespace
@@ -162,15 +211,17 @@ std::optional<std::vector<NearestGains>> nearestGains(const CertificateInput& in
   for (int i = 0; i < tried.device.axisCount(); ++i) {
     const AxisCase c = axisCase(tried, i);
     const AxisCase& before = judged.axes[static_cast<std::size_t>(i)].of;
-    const bool untouched = c.gains.k_ps_per_s2 == before.gains.k_ps_per_s2;
+    const bool untouched = c.gains.armature == before.gains.armature;
     if (untouched && judged.axes[static_cast<std::size_t>(i)].passes) {
-      nearest.push_back({c.gains.k_pm, c.gains.k_dm, c.gains.k_ps_per_s2});
+      nearest.push_back({c.gains.k_pm, c.gains.k_dm, c.gains.armature});
       continue;
     }
     nearest.push_back(nearestOfAxis(c));
     if (!(nearest.back().k_pm > 0.0)) return std::nullopt;
   }
-  if (!certify(withGains(input, nearest)).certified) return std::nullopt;
+  tried = withGains(input, nearest);
+  if (!softenForCoupled(tried) || !certify(tried).certified) return std::nullopt;
+  for (std::size_t i = 0; i < nearest.size(); ++i) nearest[i].k_pm = tried.rendering.axes[i].k_pm;
   return nearest;
 }
 
@@ -178,7 +229,7 @@ bool sameCase(const AxisCase& a, const AxisCase& b) {
   const auto key = [](const AxisCase& c) {
     return std::tuple(c.axis.kind, c.axis.mass, c.axis.damping, c.axis.coulomb, c.axis.encoder_step,
                       c.axis.lever_arm_m, c.delay_ticks, c.period_s, c.gains.k_pm, c.gains.k_dm,
-                      c.gains.gamma, c.gains.velocity_filter_hz, c.gains.k_ps_per_s2,
+                      c.gains.gamma, c.gains.velocity_filter_hz, c.gains.armature,
                       c.axis.speed_limit, c.axis.effort_slew_limit);
   };
   // What carries the hand along x, y and z differs by millionths of its mass.

@@ -13,12 +13,12 @@ inline constexpr std::array<double, 4> kAdmittedRatesHz = {1000.0, 2000.0, 4000.
 /// Gains of one axis that pass; typed into the file they still do.
 struct NearestGains {
   double k_pm = 0.0, k_dm = 0.0;
-  double k_ps_per_s2 = 0.0;  ///< 0: by the rule, as in the file
+  std::optional<double> armature = {};  ///< as in AxisRendering
 };
 
 struct AxisAdvice {
-  /// Largest K_pm that passes at 1, 2, 4 and 8 kHz with the axis's own γ and K_dm, its own K_ps or
-  /// the rule, and the same delay in ticks; 0 where none does.
+  /// Largest K_pm that passes at 1, 2, 4 and 8 kHz with the axis's own γ and K_dm, its own armature
+  /// or the rule's, and the same delay in ticks; 0 where none does.
   std::array<double, kAdmittedRatesHz.size()> admitted_k_pm{};
   double best_gamma = 0.0;       ///< of 0, 0.05 .. 1, the one that admits the largest K_pm
   double best_gamma_k_pm = 0.0;  ///< and that K_pm, at the certificate's own rate
@@ -37,8 +37,9 @@ struct AxisAdvice {
 
 [[nodiscard]] AxisAdvice advise(const AxisCase& c);
 
-/// For every axis the nearest gains (K_pm lowered, K_dm too where that alone does not do, K_ps of
-/// all by a common factor where the avatar shakes) with which the whole passes. None where only
+/// For every axis the nearest gains (K_pm lowered, K_dm too where that alone does not do, armature
+/// added where the avatar shakes, every K_pm by a common factor where only coupled persons and
+/// objects ask for it) with which the whole passes. None where only
 /// another device would help.
 [[nodiscard]] std::optional<std::vector<NearestGains>> nearestGains(const CertificateInput& input,
                                                                     const Certificate& judged);

@@ -28,7 +28,8 @@ std::string deviceText(const DeviceModel& device) {
 std::string renderingText(const RenderingConfig& rendering) {
   std::string text;
   for (const AxisRendering& a : rendering.axes) {
-    for (const double value : {a.k_pm, a.k_dm, a.gamma, a.velocity_filter_hz, a.k_ps_per_s2}) {
+    for (const double value :
+         {a.k_pm, a.k_dm, a.gamma, a.velocity_filter_hz, a.armature.value_or(-1.0)}) {
       add(text, value);
     }
   }

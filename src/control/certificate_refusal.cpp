@@ -1,6 +1,7 @@
 #include "control/certificate_refusal.hpp"
 
 #include "control/avatar_loop.hpp"
+#include "control/coupled_passivity.hpp"
 #include "control/gain_search.hpp"
 
 #include <fmt/format.h>
@@ -98,15 +99,31 @@ Diagnostic refusal(const AxisCertificate& a, const std::string& path) {
 Diagnostic avatarRefusal(const Certificate& c, const std::string& path) {
   Diagnostic d;
   d.file = path;
-  d.key = "k_ps_per_s2";
+  d.key = "armature";
+  const bool shakes = !(c.avatar.radius < 1.0);
   d.problem = fmt::format(
-      "not certified (avatar): the simulated hand's axes shake each other in posture {} of {}: "
-      "spectral radius {:.6g} >= 1",
-      c.avatar.posture + 1, c.avatar.postures, c.avatar.radius);
-  d.remedy =
-      c.avatar.margin > 0.0
-          ? fmt::format("multiply every axis's avatar stiffness by at most {:.3g}", c.avatar.margin)
-          : "the hand's reduced inertia is singular: check its masses and synergies";
+      "not certified (avatar): the simulated hand's axes {} in posture {} of {}: {}",
+      shakes ? "shake each other" : "follow too slowly", c.avatar.posture + 1, c.avatar.postures,
+      shakes ? fmt::format("spectral radius {:.6g} >= 1", c.avatar.radius)
+             : fmt::format("a time constant of {:.3g} s, at most {:g} s", c.avatar.slowest_s,
+                           AvatarCertificate::kSlowest_s));
+  d.remedy = c.avatar.margin > 0.0
+                 ? "add armature to the axes that move one another (`wholehand certify` prints how "
+                   "much), or "
+                   "narrow their range"
+                 : "the hand's reduced inertia is singular: check its masses and synergies";
+  return d;
+}
+
+Diagnostic coupledRefusal(const Certificate& c, const std::string& path) {
+  Diagnostic d;
+  d.file = path;
+  d.key = "k_pm";
+  d.problem = fmt::format(
+      "not certified (coupled): a passive person and object that link the axes need {:.3g} times "
+      "the device's damping (at {:.3g} Hz, posture {} of {})",
+      1.0 / c.coupled.margin, c.coupled.frequency_hz, c.coupled.posture, c.avatar.postures);
+  d.remedy = "`wholehand certify` prints the nearest gains that pass";
   return d;
 }
 
@@ -123,12 +140,15 @@ bool axesHold(const CertificateInput& input) {
   return true;
 }
 
-bool avatarHolds(const CertificateInput& input) {
-  Eigen::VectorXd k_ps(input.device.axisCount());
-  for (int i = 0; i < input.device.axisCount(); ++i) {
-    k_ps[i] = axisCase(input, i).avatarStiffness();
+bool handHolds(const CertificateInput& input) {
+  const CoupledCase together = coupledCase(input);
+  AxisRatio k_pm(input.device.axisCount());
+  for (int i = 0; i < k_pm.size(); ++i) {
+    k_pm[i] = input.rendering.axes[static_cast<std::size_t>(i)].k_pm;
   }
-  return worstPosture(input.inertias, k_ps, input.period_s).radius < 1.0;
+  const double radius = worstPosture(together.inertias, k_pm, input.period_s).radius;
+  return radius <= std::exp(-input.period_s / AvatarCertificate::kSlowest_s) &&
+         requiredShare(together).share <= 1.0;
 }
 
 }  // namespace
@@ -139,6 +159,10 @@ std::string perUnit(const DeviceAxis& axis, const char* time) {
 
 std::string stiffnessKey(const DeviceAxis& axis) {
   return axis.kind == AxisKind::kTranslation ? "k_pm_n_m" : "k_pm_nm_rad";
+}
+
+std::string armatureKey(const DeviceAxis& axis) {
+  return axis.kind == AxisKind::kTranslation ? "armature_kg" : "armature_kg_m2";
 }
 
 std::string dampingKey(const DeviceAxis& axis) {
@@ -174,7 +198,7 @@ std::string finding(const AxisCertificate& a) {
           "{:.4g}",
           a.slew_required, axis.effortUnit(), axis.effort_slew_limit);
     case Criterion::kAvatar:
-      return fmt::format("the avatar rings: K_ps is {:.4g} 1/s², above 1/T²",
+      return fmt::format("the avatar rings: K_pm over its inertia is {:.4g} 1/s², above 1/T²",
                          a.of.avatarStiffness());
     default:
       break;
@@ -205,13 +229,16 @@ double bearableWallShare(const AxisCase& c) {
 }
 
 Diagnostics refuseUncertified(const CertificateInput& input) {
-  if (axesHold(input) && avatarHolds(input)) return {};
+  if (axesHold(input) && handHolds(input)) return {};
   const Certificate judged = certify(input);
   Diagnostics out;
   for (const AxisCertificate& a : judged.axes) {
     if (!a.passes) out.push_back(refusal(a, input.rendering.path));
   }
-  if (!(judged.avatar.radius < 1.0)) out.push_back(avatarRefusal(judged, input.rendering.path));
+  if (!judged.avatar.passes()) out.push_back(avatarRefusal(judged, input.rendering.path));
+  if (out.empty() && !(judged.coupled.margin >= 1.0)) {
+    out.push_back(coupledRefusal(judged, input.rendering.path));
+  }
   return out;
 }
 

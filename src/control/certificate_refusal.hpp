@@ -15,6 +15,7 @@ namespace wholehand {
 [[nodiscard]] std::string stiffnessKey(const DeviceAxis& axis);
 /// "k_dm_n_s_m" or "k_dm_nm_s_rad"
 [[nodiscard]] std::string dampingKey(const DeviceAxis& axis);
+[[nodiscard]] std::string armatureKey(const DeviceAxis& axis);
 
 /// Keys of the criteria that an axis does not meet, the binding one first.
 [[nodiscard]] std::vector<std::string> failing(const AxisCertificate& a);

@@ -12,8 +12,9 @@ namespace wholehand {
 
 namespace {
 
-/// Beyond it a lighter avatar gains nothing: the velocity filter's lag rules the felt mass.
-constexpr double kLargestRuleStiffnessPerS2 = 5e4;
+/// k_p up to which no armature is added: beyond it a lighter avatar gains little, since the
+/// velocity filter's lag rules the felt mass, and at 1 kHz the tick would resolve it less and less.
+constexpr double kLargestWithoutArmaturePerS2 = 5e4;
 
 Diagnostic fault(const RenderingConfig& rendering, std::string key, std::string value,
                  std::string problem, std::string remedy) {
@@ -47,8 +48,34 @@ Diagnostics checkShape(const RenderingConfig& rendering, const AxisMatrix& inert
 
 }  // namespace
 
-double ruleStiffness(double k_pm, double inertia) noexcept {
-  return std::min(k_pm / inertia, kLargestRuleStiffnessPerS2);
+double ruleArmature(double k_pm, double inertia) noexcept {
+  return std::max(0.0, k_pm / kLargestWithoutArmaturePerS2 - inertia);
+}
+
+double armatureOf(const AxisRendering& axis, double inertia) noexcept {
+  return axis.armature.value_or(ruleArmature(axis.k_pm, inertia));
+}
+
+AxisMatrix withArmature(const AxisMatrix& reduced_inertia, const AxisRatio& armature) {
+  AxisMatrix out = reduced_inertia;
+  for (int i = 0; i < armature.size(); ++i) out(i, i) += armature[i];
+  return out;
+}
+
+AxisRatio avatarDamping(const AxisMatrix& reduced_inertia, const AxisRatio& k_pm,
+                        double period_s) noexcept {
+  AxisRatio out(k_pm.size());
+  for (int i = 0; i < k_pm.size(); ++i) {
+    const double inertia = reduced_inertia(i, i);
+    out[i] = inertia * criticalDamping(k_pm[i] / inertia, period_s);
+  }
+  return out;
+}
+
+double feltInertia(const CouplingGains& gains, int axis, double period_s) {
+  const double inertia = gains.inertia[axis];
+  const double k_d = criticalDamping(gains.k_pm[axis] / inertia, period_s);
+  return inertia * (1.0 + (1.0 - gains.gamma[axis]) * k_d * gains.filter_tau_s[axis]);
 }
 
 Expected<CouplingGains> resolveGains(const RenderingConfig& rendering,
@@ -58,37 +85,27 @@ Expected<CouplingGains> resolveGains(const RenderingConfig& rendering,
   if (!errors.empty()) return errors;
 
   const int n = static_cast<int>(rendering.axes.size());
-  CouplingGains g{n,
-                  AxisRatio(n),
-                  AxisRatio(n),
-                  AxisRatio(n),
-                  AxisRatio(n),
-                  AxisRatio(n),
-                  AxisRatio(n),
-                  AxisRatio(n),
-                  AxisRatio(n)};
+  const AxisRatio none(n);
+  CouplingGains g{n, none, none, none, none, none, none};
   const double largest_per_s2 = 1.0 / (period_s * period_s);
   for (int i = 0; i < n; ++i) {
     const AxisRendering& axis = rendering.axes[i];
-    const double inertia = reduced_inertia_at_reference(i, i);
-    const double k_ps =
-        axis.k_ps_per_s2 > 0.0 ? axis.k_ps_per_s2 : ruleStiffness(axis.k_pm, inertia);
-    if (!(k_ps <= largest_per_s2)) {
+    const double own = reduced_inertia_at_reference(i, i);
+    g.armature[i] = armatureOf(axis, own);
+    g.inertia[i] = own + g.armature[i];
+    const double k_p = axis.k_pm / g.inertia[i];
+    if (!(k_p <= largest_per_s2)) {
       errors.push_back(fault(
-          rendering, axis.name + ".k_ps_per_s2", fmt::format("{:.6g}", k_ps),
-          "makes the simulated hand ring: above 1/T^2 a pole of its loop is negative",
-          fmt::format("must be at most {:.6g} 1/s^2 at {:.6g} Hz, or run at {:.0f} Hz or faster",
-                      largest_per_s2, 1.0 / period_s, std::ceil(std::sqrt(k_ps)))));
+          rendering, axis.name + ".armature", fmt::format("{:.6g}", g.armature[i]),
+          "lets the simulated hand ring: above K_pm / M = 1/T^2 a pole of its loop is negative",
+          fmt::format("must be at least {:.3g}, or run at {:.0f} Hz or faster",
+                      axis.k_pm / largest_per_s2 - own, std::ceil(std::sqrt(k_p)))));
       continue;
     }
     g.k_pm[i] = axis.k_pm;
     g.k_dm[i] = axis.k_dm;
     g.gamma[i] = axis.gamma;
-    g.k_ps_per_s2[i] = k_ps;
-    g.k_ds_per_s[i] = criticalDamping(k_ps, period_s);
-    g.relative_damping[i] = axis.k_pm * g.k_ds_per_s[i] / k_ps;
     g.filter_tau_s[i] = 1.0 / (2.0 * std::numbers::pi * axis.velocity_filter_hz);
-    g.contact_scale[i] = axis.k_pm / (k_ps * inertia);
   }
   if (!errors.empty()) return errors;
   return g;

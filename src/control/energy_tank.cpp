@@ -88,13 +88,13 @@ EnergyTankStep advanceTank(const EnergyTankState& state, const AxisPosition& q_m
 
 EnergyTankState noteSent(const EnergyTankState& state, const AxisEffort& sent,
                          const AxisVelocity& qd_mf, const AxisVelocity& qd_s,
-                         const CouplingGains& gains) noexcept {
+                         const AxisRatio& avatar_damping, const CouplingGains& gains) noexcept {
   EnergyTankState out = state;
   out.newest = (state.newest + 1) % kRing;
   out.sent[static_cast<std::size_t>(out.newest)] = sent;
   for (int i = 0; i < sent.size(); ++i) {
-    out.avatar[i] = gains.k_pm[i] * (state.q_m[i] - state.q_s[i]) +
-                    gains.relative_damping[i] * (qd_mf[i] - qd_s[i]);
+    out.avatar[i] =
+        gains.k_pm[i] * (state.q_m[i] - state.q_s[i]) + avatar_damping[i] * (qd_mf[i] - qd_s[i]);
   }
   return out;
 }

@@ -14,17 +14,16 @@ namespace wholehand {
 /// loop makes of nothing.
 ///
 ///   S = K_pm e²/2, beyond the effort limit f̂ only f̂|e| − f̂²/(2 K_pm); and what the wall stores
-///   E ← min(Ê, E − f Δq_m − σ′ a Δq_s − (S − S⁻) − ½ δ |f − f⁻| + ½ b Δq_m²/(kT))
+///   E ← min(Ê, E − f Δq_m − a Δq_s − (S − S⁻) − ½ δ |f − f⁻| + ½ b Δq_m²/(kT))
 ///   E ≥ −Ê: a debt is not remembered for ever
 ///   E < 0:  f_t = −min(−E kT/Δq_m², α̂) Δq_m/(kT)
 ///
 /// e = q_m − q_s, f the effort that acted on the device since the last tick (its output delay
-/// counted, its own weight not), σ′ a = K_pm e + B ė what drove the avatar, in units that are felt,
-/// b the device's damping, δ its encoder's step. What an encoder of steps hides is the fifth term:
-/// by partial summation f Δq_m differs from the work done by at most δ/2 for each unit that f
-/// changes, and a loop with a delayed effort finds a limit cycle of δ/(2T) that lives on it.
-/// Without the bound on S a saturated spring would count energy that nobody put in, and the tank
-/// would damp a stable loop.
+/// counted, its own weight not), a = K_pm e + D ė what drove the avatar, b the device's damping, δ
+/// its encoder's step. What an encoder of steps hides is the fifth term: by partial summation f
+/// Δq_m differs from the work done by at most δ/2 for each unit that f changes, and a loop with a
+/// delayed effort finds a limit cycle of δ/(2T) that lives on it. Without the bound on S a
+/// saturated spring would count energy that nobody put in, and the tank would damp a stable loop.
 
 /// The most whole samples between sending an effort and its effect.
 inline constexpr int kMostDelayTicks = 8;
@@ -45,7 +44,7 @@ struct EnergyTankState {
   AxisEnergy energy;  ///< E
   AxisEnergy stored;  ///< S
   AxisPosition q_m, q_s;
-  AxisEffort avatar;                                   ///< σ′ a, since the last tick
+  AxisEffort avatar;                                   ///< a, since the last tick
   std::array<AxisEffort, kMostDelayTicks + 2> sent{};  ///< without the device's weight; a ring
   int newest = 0;
   bool fresh = true;  ///< nothing is known of the tick before
@@ -68,11 +67,9 @@ struct EnergyTankStep {
     const AxisEffort& effort_limit, int elapsed_periods, double period_s) noexcept;
 
 /// Tells the tank what was sent and what drives the avatar. Once a tick, after advanceTank().
-/// @param sent without the device's own weight @param qd_mf, qd_s as in Eq. (2)
-[[nodiscard]] WHOLEHAND_RT EnergyTankState noteSent(const EnergyTankState& state,
-                                                    const AxisEffort& sent,
-                                                    const AxisVelocity& qd_mf,
-                                                    const AxisVelocity& qd_s,
-                                                    const CouplingGains& gains) noexcept;
+/// @param sent without the device's own weight @param qd_mf, qd_s, avatar_damping as in Eq. (2)
+[[nodiscard]] WHOLEHAND_RT EnergyTankState noteSent(
+    const EnergyTankState& state, const AxisEffort& sent, const AxisVelocity& qd_mf,
+    const AxisVelocity& qd_s, const AxisRatio& avatar_damping, const CouplingGains& gains) noexcept;
 
 }  // namespace wholehand

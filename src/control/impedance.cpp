@@ -1,7 +1,5 @@
 #include "control/impedance.hpp"
 
-#include "control/bilateral_coupling.hpp"
-
 #include <Eigen/LU>
 
 #include <cmath>
@@ -58,17 +56,17 @@ struct Follower {
   Complex position = 0.0, velocity = 0.0;
 };
 
-/// M (z − 1) v = T (M̃ (k_p (x − q) + k_d (D x − v)) − contact), q (z − 1) = T z v.
+/// M (z − 1) v = T (K (x − q) + D (d x − v) − contact), q (z − 1) = T z v, d the filtered
+/// derivative.
 Follower follow(const FeltLoop& felt, ContactCase contact, Complex z, Complex derivative) {
   if (contact == ContactCase::kRigid) return {};
   const double t = felt.loop.period_s;
   const Eigen::Index n = felt.inertia.rows(), a = felt.axis;
   const Complex sum = t * z / (z - 1.0);  // position over velocity
-  const AxisMatrix driven = driveInertia(felt.inertia, felt.inertia.inverse());
   ComplexMatrix system = (z - 1.0) * felt.inertia.cast<Complex>();
   for (Eigen::Index i = 0; i < n; ++i) {
     const int axis = static_cast<int>(i);
-    system(i, i) += t * driven(i, i) * (felt.k_ps_per_s2[axis] * sum + felt.k_ds_per_s[axis]);
+    system(i, i) += t * (felt.k_pm[axis] * sum + felt.avatar_damping[axis]);
   }
   const double own = felt.inertia(a, a);
   if (contact == ContactCase::kObject) {
@@ -77,8 +75,7 @@ Follower follow(const FeltLoop& felt, ContactCase contact, Complex z, Complex de
                     t * stiffness * (sum + t);  // the spring after the step, not before it
   }
   ComplexVector drive = ComplexVector::Zero(n);
-  drive[a] =
-      t * driven(a, a) * (felt.k_ps_per_s2[felt.axis] + felt.k_ds_per_s[felt.axis] * derivative);
+  drive[a] = t * (felt.k_pm[felt.axis] + felt.avatar_damping[felt.axis] * derivative);
   const ComplexVector velocity = system.partialPivLu().solve(drive);
   return {sum * velocity[a], velocity[a]};
 }
@@ -88,7 +85,8 @@ Complex effort(const FeltLoop& felt, ContactCase contact, Complex z) {
   const AxisLoop& l = felt.loop;
   const Complex derivative = (z - 1.0) / ((l.filter_tau_s + l.period_s) * z - l.filter_tau_s);
   const Follower avatar = follow(felt, contact, z, derivative);
-  const double b = l.k_ps_per_s2 > 0.0 ? l.k_pm * l.k_ds_per_s / l.k_ps_per_s2 : 0.0;
+  // D as the person would feel all of it: of an axis by itself, which weighs 1, in felt units.
+  const double b = l.k_pm * felt.avatar_damping[felt.axis] / felt.k_pm[felt.axis];
   return l.k_pm * (avatar.position - 1.0) + l.gamma * b * (avatar.velocity - derivative) -
          (l.phi_k_dm + l.wall_damping) * derivative - l.wall_stiffness;
 }
@@ -99,8 +97,8 @@ FeltLoop feltAlone(const AxisLoop& loop) {
   FeltLoop felt;
   felt.loop = loop;
   felt.inertia = AxisMatrix::Identity(1, 1);
-  felt.k_ps_per_s2 = AxisRatio(1, loop.k_ps_per_s2);
-  felt.k_ds_per_s = AxisRatio(1, loop.k_ds_per_s);
+  felt.k_pm = AxisRatio(1, loop.k_ps_per_s2);
+  felt.avatar_damping = AxisRatio(1, loop.k_ds_per_s);
   return felt;
 }
 

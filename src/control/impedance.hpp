@@ -10,14 +10,15 @@ namespace wholehand {
 /// it, whose inertia couples its axes. The device's other axes are held still; the avatar's are
 /// not.
 struct FeltLoop {
-  AxisLoop loop;          ///< of the axis; its person does not count: who feels is not felt
-  int axis = 0;           ///< row of it in what follows
-  AxisMatrix inertia;     ///< M_r of the avatar in the posture [kg or kg·m²]
-  AxisRatio k_ps_per_s2;  ///< of every axis
-  AxisRatio k_ds_per_s;
+  AxisLoop loop;       ///< of the axis; its person does not count: who feels is not felt
+  int axis = 0;        ///< row of it in what follows
+  AxisMatrix inertia;  ///< M_r of the avatar in the posture, armature included [kg or kg·m²]
+  AxisRatio k_pm;      ///< of every axis
+  AxisRatio avatar_damping;  ///< D of every axis in the posture
 };
 
-/// An axis by itself, as if the avatar's inertia coupled nothing: the certificate's view.
+/// An axis by itself, as if the avatar's inertia coupled nothing: the certificate's view. Of unit
+/// inertia.
 [[nodiscard]] FeltLoop feltAlone(const AxisLoop& loop);
 
 /// What the person feels at one frequency, effort over velocity [N·s/m or N·m·s/rad].

@@ -1,5 +1,7 @@
 #include "control/stability.hpp"
 
+#include "control/critical_damping.hpp"
+
 #include <Eigen/Eigenvalues>
 
 #include <cmath>
@@ -126,8 +128,8 @@ AxisLoop axisLoop(const DeviceModel& device, const CouplingGains& gains, int axi
   l.k_pm = gains.k_pm[axis];
   l.phi_k_dm = gains.k_dm[axis];
   l.gamma = gains.gamma[axis];
-  l.k_ps_per_s2 = gains.k_ps_per_s2[axis];
-  l.k_ds_per_s = gains.k_ds_per_s[axis];
+  l.k_ps_per_s2 = gains.k_pm[axis] / gains.inertia[axis];
+  l.k_ds_per_s = criticalDamping(l.k_ps_per_s2, period_s);
   l.filter_tau_s = gains.filter_tau_s[axis];
   l.period_s = period_s;
   return l;

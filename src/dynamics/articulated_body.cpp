@@ -29,7 +29,8 @@ Eigen::Matrix3d steiner(const Eigen::Vector3d& r_m) {
 
 }  // namespace
 
-ArticulatedBody::ArticulatedBody(const HandModel& hand) : hand_(&hand) {
+ArticulatedBody::ArticulatedBody(const HandModel& hand, const AxisRatio& armature)
+    : hand_(&hand), armature_(armature) {
   assert(hand.links.size() <= kMaxLinks && hand.joint_count <= kMaxJoints);
   std::array<Pose, kMaxLinks> in_body;  // every link in the frame of the body that carries it
   for (int i = 0; i < static_cast<int>(hand.links.size()); ++i) {
@@ -184,6 +185,7 @@ void ArticulatedBody::reduce() noexcept {
   for (int a = 0; a < hand_->axis_count; ++a) {
     for (int c = 0; c < a; ++c) reduced_inertia_(c, a) = reduced_inertia_(a, c);
   }
+  for (int a = 0; a < armature_.size(); ++a) reduced_inertia_(a, a) += armature_[a];
 }
 
 void ArticulatedBody::distribute(const AxisEffort& f_s, JointEffort& torque) const noexcept {
@@ -197,6 +199,16 @@ void ArticulatedBody::distribute(const AxisEffort& f_s, JointEffort& torque) con
       torque[j] += inertia_synergy_(j, a) * acceleration;
     }
   }
+}
+
+AxisEffort ArticulatedBody::armatureEffort(const AxisEffort& f_s) const noexcept {
+  AxisEffort out(hand_->axis_count);
+  for (int a = 0; a < armature_.size(); ++a) {
+    for (int c = 0; c < hand_->axis_count; ++c) {
+      out[a] += armature_[a] * reduced_inertia_inverse_(c, a) * f_s[c];
+    }
+  }
+  return out;
 }
 
 void ArticulatedBody::reducedPointRow(int link, const Eigen::Vector3d& point_m,

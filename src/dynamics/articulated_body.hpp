@@ -17,14 +17,18 @@ inline constexpr int kMaxLinks = 40;
 /// Joint-space dynamics of the hand, and the same reduced by the synergy map G.
 ///
 ///   M(θ) θ̈ + h(θ, θ̇) = τ          (paper Eq. 1)
-///   M_r = Gᵀ M G,  h_r = Gᵀ h       (G constant)
+///   M_r = Gᵀ M G + A,  h_r = Gᵀ h   (G constant)
+///
+/// A is armature: reflected inertia, diagonal, on the reduced coordinates. It takes part in every
+/// acceleration and in every contact, and has no weight.
 ///
 /// h by the recursive Newton-Euler algorithm, M by the composite-rigid-body algorithm, both in
 /// world axes about the world origin. Storage is fixed; nothing allocates after construction.
 class ArticulatedBody {
  public:
   /// @pre hand outlives this; links <= kMaxLinks
-  explicit ArticulatedBody(const HandModel& hand);
+  /// @param armature A [kg or kg·m²], of every axis; empty: none
+  explicit ArticulatedBody(const HandModel& hand, const AxisRatio& armature = {});
 
   /// Link frames only: pose of every link, joint axes and origins in the world. Real-time safe.
   WHOLEHAND_RT void updateKinematics(const JointPosition& theta) noexcept;
@@ -34,9 +38,12 @@ class ArticulatedBody {
   [[nodiscard]] WHOLEHAND_RT bool update(const JointPosition& theta, const JointVelocity& theta_dot,
                                          const Eigen::Vector3d& gravity_m_s2) noexcept;
 
-  /// τ = M G a + h with a = M_r⁻¹ f_s: the joint torques whose reduced force is exactly f_s + h_r
-  /// and under which the synergy θ = θ₀ + G q_s keeps itself. Real-time safe.
+  /// τ = M G a + h with a = M_r⁻¹ f_s: the joint torques whose reduced force is f_s + h_r less what
+  /// accelerates the armature (A a), and under which the synergy θ = θ₀ + G q_s keeps itself.
+  /// Real-time safe.
   WHOLEHAND_RT void distribute(const AxisEffort& f_s, JointEffort& torque) const noexcept;
+  /// A a: the part of f_s that accelerates the armature. Real-time safe.
+  [[nodiscard]] WHOLEHAND_RT AxisEffort armatureEffort(const AxisEffort& f_s) const noexcept;
 
   /// Row of the reduced Jacobian: velocity per axis of the link's material point at `point_m`
   /// (world) along `direction` (world), j = Gᵀ Jᵀ direction. Real-time safe.
@@ -90,6 +97,7 @@ class ArticulatedBody {
   void reduce() noexcept;
 
   const HandModel* hand_;
+  AxisRatio armature_;
   int body_count_ = 0, weld_count_ = 0, term_count_ = 0;
   std::array<Body, kMaxJoints> body_;
   std::array<Weld, kMaxLinks> weld_;

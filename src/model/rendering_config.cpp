@@ -11,6 +11,7 @@ namespace {
 
 constexpr AxisQuantity kStiffness{"k_pm_n_m", "k_pm_nm_rad", {}, 1, 0.0, 1e6, true};
 constexpr AxisQuantity kDamping{"k_dm_n_s_m", "k_dm_nm_s_rad", {}, 1, 0.0, 1e4};
+constexpr AxisQuantity kArmature{"armature_kg", "armature_kg_m2", {}, 1, 0.0, 10.0};
 constexpr AxisQuantity kEffortFull{
     "effort_full_n", "effort_full_nm", "effort_full_tip_n", 1, 0.0, 1000.0, true};
 constexpr AxisQuantity kEffortDead{"effort_dead_n", "effort_dead_nm", "effort_dead_tip_n", 1, 0.0,
@@ -21,7 +22,6 @@ constexpr double kDeadShare = 0.1;
 const NumberRule kGamma = between(0.0, 1.0);
 const NumberRule kFilter = above(0.0, 10000.0, "Hz");
 const NumberRule kDecay = between(0.01, 5.0, "s");
-const NumberRule kAvatarStiffness = above(0.0, 1e6, "1/s²");
 
 /// Values that axes share unless they state their own.
 struct Common {
@@ -38,7 +38,13 @@ AxisRendering readAxis(TomlTable& table, const DeviceAxis& axis, const Common& c
   out.k_dm = readAxisQuantity(table, kDamping, axis.kind, lever);
   out.gamma = table.number("gamma", kGamma, common.gamma);
   out.velocity_filter_hz = table.number("velocity_filter_hz", kFilter, common.velocity_filter_hz);
-  out.k_ps_per_s2 = table.number("k_ps_per_s2", kAvatarStiffness, 0.0);
+  const char* armature = axis.kind == AxisKind::kTranslation ? "armature_kg" : "armature_kg_m2";
+  const bool heavier = table.has(armature);
+  const double stated = readAxisQuantity(table, kArmature, axis.kind, lever, 0.0);
+  if (heavier) out.armature = stated;
+  table.refuse("k_ps_per_s2", armature,
+               "makes the person feel another force than acts on the object: the avatar's "
+               "stiffness is K_pm; an axis too light for it takes armature");
   out.effort_full = readAxisQuantity(table, kEffortFull, axis.kind, lever);
   out.effort_dead =
       readAxisQuantity(table, kEffortDead, axis.kind, lever, kDeadShare * out.effort_full);

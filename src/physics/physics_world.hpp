@@ -29,7 +29,10 @@ struct WorldState {
 /// What drives the hand through one step, computed at the state that observe() gave.
 struct HandDrive {
   JointEffort torque;                                   ///< τ = M G M_r⁻¹ f_s + h
-  const AxisMatrix* reduced_inertia_inverse = nullptr;  ///< M_r⁻¹; without it an engine may refuse
+  AxisRatio armature;                                   ///< A [kg or kg·m²]; size 0: none
+  AxisEffort armature_effort;                           ///< A M_r⁻¹ f_s, of the same size
+  const AxisMatrix* reduced_inertia_inverse = nullptr;  ///< M_r⁻¹, armature included; without it an
+                                                        ///< engine may refuse
 };
 
 /// The touching points of the last step.

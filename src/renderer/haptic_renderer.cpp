@@ -42,7 +42,8 @@ HapticRenderer::HapticRenderer(HapticDevice& device, PhysicsWorld& world, const 
       effort_limit_(config.effort_limit),
       damping_config_(config.damping),
       axis_names_(hand.axis_names),
-      dynamics_(hand) {
+      dynamics_(hand, config.gains.armature) {
+  avatar_damping_ = AxisRatio(config_.gains.axes);
   ramp_.sent = acknowledged_ = config_.neutral;  // what a device holds that nobody has armed
 }
 
@@ -165,10 +166,11 @@ void HapticRenderer::control(std::uint32_t elapsed_periods, TickRecord& record) 
   }
   velocity_ = estimateVelocity(velocity_, record.q_m, gains, elapsed, period_s);
   record.qd_mf = velocity_.filtered;
-  record.f_s = avatarEffort(
-      record.q_m, record.qd_mf, record.q_s, record.qd_s,
-      driveInertia(dynamics_.reducedInertia(), dynamics_.reducedInertiaInverse()), gains);
-  record.coupling = couplingEffort(record.q_m, record.qd_mf, record.q_s, record.qd_s, gains);
+  avatar_damping_ = avatarDamping(dynamics_.reducedInertia(), gains.k_pm, period_s);
+  record.f_s =
+      avatarEffort(record.q_m, record.qd_mf, record.q_s, record.qd_s, avatar_damping_, gains);
+  record.coupling =
+      couplingEffort(record.q_m, record.qd_mf, record.q_s, record.qd_s, avatar_damping_, gains);
 }
 
 void HapticRenderer::exercise(std::uint32_t elapsed_periods, TickRecord& record) noexcept {
@@ -207,6 +209,8 @@ void HapticRenderer::stepWorld(TickRecord& record) noexcept {
   }
   HandDrive drive;
   dynamics_.distribute(record.f_s, drive.torque);
+  drive.armature = config_.gains.armature;
+  drive.armature_effort = dynamics_.armatureEffort(record.f_s);
   drive.reduced_inertia_inverse = &dynamics_.reducedInertiaInverse();
   const Fault fault = world_.step(drive, config_.period_s);
   noteFault(fault, -1, record);

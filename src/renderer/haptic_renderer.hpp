@@ -140,6 +140,7 @@ class HapticRenderer {
   WorldState state_;
   ContactList contacts_;
   VelocityState velocity_;
+  AxisRatio avatar_damping_;  ///< D in the present posture
   AdaptiveDampingState damping_;
   EnergyTankState tank_;
   NeutralRampState ramp_;

@@ -88,7 +88,7 @@ void HapticRenderer::makeSafe(std::uint32_t elapsed_periods, TickRecord& record)
   record.sent = ramp_.sent;
   if (config_.tank.axes == 0) return;
   tank_ = noteSent(tank_, difference(record.sent, config_.neutral), record.qd_mf, record.qd_s,
-                   config_.gains);
+                   avatar_damping_, config_.gains);
   if (ramp_.authority < 1.0) tank_.energy = config_.tank.capacity;
 }
 

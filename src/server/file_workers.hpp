@@ -1,49 +1,56 @@
 #pragma once
 
-#include "server/beast.hpp"
 #include "server/file_reader.hpp"
 
-#include <atomic>
+#include <condition_variable>
 #include <cstddef>
+#include <deque>
+#include <functional>
 #include <memory>
-#include <utility>
+#include <mutex>
+#include <thread>
+#include <vector>
 
 namespace wholehand {
 
 /// Threads that own all work with files: while a disk hangs, they wait for it, and nobody else. So
-/// much may wait for them; what is beyond is refused. Part of server.cpp.
+/// much may wait for them; what is beyond is refused. post() and close() from any thread: neither
+/// waits for a job.
 class FileWorkers {
  public:
-  FileWorkers(unsigned threads, std::size_t most_jobs) : most_jobs_(most_jobs), pool_(threads) {}
+  /// A job must not throw.
+  using Job = std::function<void()>;
 
-  /// Runs a job on a worker; false where too many wait already. Any thread.
-  template <class Job>
-  [[nodiscard]] bool post(Job job) {
-    if (jobs_.fetch_add(1) >= most_jobs_) {
-      --jobs_;
-      return false;
-    }
-    net::post(pool_, [this, job = std::move(job)]() mutable {
-      job();
-      --jobs_;
-    });
-    return true;
-  }
+  /// @param most_jobs that wait or are under way
+  FileWorkers(unsigned threads, std::size_t most_jobs);
+  ~FileWorkers();
+  FileWorkers(const FileWorkers&) = delete;
+  FileWorkers& operator=(const FileWorkers&) = delete;
+
+  /// Runs a job on a worker; false where too many wait already.
+  [[nodiscard]] bool post(Job job);
   /// Closes a file that nobody reads on.
-  void close(std::unique_ptr<FileReader> file) {
-    if (file) net::post(pool_, [file = std::move(file)] {});
-  }
+  void close(std::unique_ptr<FileReader> file);
 
-  /// Ends the threads: waits for what is under way, drops what waits.
-  void stop() {
-    pool_.stop();
-    pool_.join();
-  }
+  /// Ends the threads: waits for what is under way, drops what waits. Not from a job.
+  void stop();
 
  private:
+  /// A job, or a file to close.
+  struct Task {
+    Job job;
+    std::unique_ptr<FileReader> file;
+  };
+
+  void work();
+
   const std::size_t most_jobs_;
-  std::atomic<std::size_t> jobs_{0};
-  net::thread_pool pool_;
+  std::mutex mutex_;  ///< of the next three
+  std::condition_variable more_;
+  std::deque<Task> tasks_;
+  std::size_t jobs_ = 0;  ///< that wait or are under way
+  bool stopped_ = false;
+  std::vector<std::thread> threads_;
 };
 
 }  // namespace wholehand

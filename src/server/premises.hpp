@@ -8,6 +8,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <functional>
 #include <list>
 
 namespace wholehand {
@@ -22,6 +23,8 @@ struct Premises {
   PoliteLog& log;
   FileWorkers& pages;       ///< the pages' disk is another than the recordings', and must not wait
   FileWorkers& recordings;  ///< for it: a page has the button that stops
+  /// Runs a task on the server's thread; called from any thread.
+  std::function<void(std::function<void()>)> post;
   std::size_t max_clients = 16;
   std::chrono::milliseconds disk_patience{};
   std::chrono::milliseconds report_patience{};

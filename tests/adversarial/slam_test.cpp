@@ -46,8 +46,9 @@ TEST(Slam, AtSixTenths_AdaptiveDampingLowersTheReboundByThirtyPercent) {
 double reboundOfAMass(const DeviceAxis& axis, const CouplingGains& gains, const Bounce& start) {
   constexpr int kSteps = 100;
   constexpr double kPeriod_s = 1e-3, kStep_s = kPeriod_s / kSteps;
-  const double b_gamma =
-      gains.gamma[0] * gains.k_pm[0] * gains.k_ds_per_s[0] / gains.k_ps_per_s2[0];
+  // γ D, D by Eq. (14)
+  const double b_gamma = gains.gamma[0] * (2.0 * std::sqrt(gains.k_pm[0] * gains.inertia[0]) -
+                                           kPeriod_s * gains.k_pm[0]);
   double q = start.stretch_m, v = start.impact_m_s, filtered = v, sent = 0.0, acting = 0.0,
          rebound = 0.0;
   for (int tick = 0; tick < 200; ++tick) {

@@ -72,7 +72,7 @@ class Level(AppTest):
         self.assertAlmostEqual(values["flow_l_s"].sum() * 1e-3, values["poured_total_l"][-1], delta=1e-7)
         # Flow = l_per_s_n (squeeze − threshold) / viscosity, at most max_l_s; the file's numbers.
         flow = values["flow_l_s"]
-        law = (0.0016 * (values["squeeze_n"] - 3.0)).clip(0.0, 0.02)
+        law = (0.0008 * (values["squeeze_n"] - 6.0)).clip(0.0, 0.02)
         self.assertGreater((flow > 0).sum(), 1000)
         self.assertLess(abs(flow - law)[flow > 0].max(), 1e-9)
 

@@ -115,8 +115,8 @@ class WhatItWrites(AppTest):
 
     def test_shortest_run_at_the_slowest_rate_ends(self):
         slow = self.write("slow.toml", (CONFIG / "rendering/lambda-pride.toml").read_text().replace(
-            "k_pm_nm_rad = 4.0", "k_pm_nm_rad = 4.0\nk_ps_per_s2 = 5000.0").replace(
-            "k_pm_nm_rad = 1.5", "k_pm_nm_rad = 1.5\nk_ps_per_s2 = 5000.0"))
+            "k_pm_nm_rad = 4.0", "k_pm_nm_rad = 4.0\narmature_kg_m2 = 0.0008").replace(
+            "k_pm_nm_rad = 1.5", "k_pm_nm_rad = 1.5\narmature_kg_m2 = 0.0003"))
         result = self.run_app(*FREE_RUN, "--simulated-clock", "--duration", "0.001", "--rate-hz", "100",
                               "--rendering", slow, "--uncertified", "--json", "run.json", timeout=100)
         self.expect(result, DONE, "Done after")

@@ -91,8 +91,9 @@ class OneAxisTick {
     velocity_ = estimateVelocity(velocity_, q_m, gains_, 1, kPeriod_s);
     const double vf = velocity_.filtered[0];
     const VirtualWall wall{0.005, 1.0, wall_.stiffness, wall_.damping, 0.7 * limit[0]};
-    const double felt = couplingEffort(q_m, velocity_.filtered, q_s, qd_s, gains_)[0] +
-                        wallEffort(wall, x, vf, 1.0);
+    const double felt =
+        couplingEffort(q_m, velocity_.filtered, q_s, qd_s, dampingOf(loop_), gains_)[0] +
+        wallEffort(wall, x, vf, 1.0);
     damping_ = adaptDamping(damping_, AxisEffort(1, felt), damping_config_, 1, kPeriod_s);
     const double depth = std::max(0.0, x - wall.position);
     const EnergyTankStep step =
@@ -105,7 +106,7 @@ class OneAxisTick {
     ramp_ = advanceRamp(ramp_, limited.effort, neutral, stop, 1, kPeriod_s, {});
     ramp_.sent = limitSlew(ramp_.sent, last, most_change).effort;
     tank_ = noteSent(step.state, AxisEffort(1, ramp_.sent[0] - neutral[0]), velocity_.filtered,
-                     qd_s, gains_);
+                     qd_s, dampingOf(loop_), gains_);
     drive_per_s2 = loop_.k_ps_per_s2 * (x - xs) + loop_.k_ds_per_s * (vf - vs);
     return ramp_.sent[0];
   }

@@ -23,10 +23,11 @@ CertificateInput inputOf(int axes, double damping, double k_pm, double k_dm, dou
     gains.k_pm = k_pm;
     gains.k_dm = k_dm;
     gains.gamma = gamma;
-    gains.k_ps_per_s2 = k_ps;
+    if (k_ps > 0.0) gains.armature = 0.0;
     in.rendering.axes.push_back(gains);
   }
-  in.inertia_at_reference = 0.25 * AxisMatrix::Identity(axes, axes);
+  const double inertia = k_ps > 0.0 ? k_pm / k_ps : 0.25;
+  in.inertia_at_reference = inertia * AxisMatrix::Identity(axes, axes);
   in.inertias = {in.inertia_at_reference};
   return in;
 }
@@ -35,7 +36,7 @@ CertificateInput typedIn(CertificateInput in, const std::vector<NearestGains>& n
   for (std::size_t i = 0; i < nearest.size(); ++i) {
     in.rendering.axes[i].k_pm = nearest[i].k_pm;
     in.rendering.axes[i].k_dm = nearest[i].k_dm;
-    in.rendering.axes[i].k_ps_per_s2 = nearest[i].k_ps_per_s2;
+    in.rendering.axes[i].armature = nearest[i].armature;
   }
   return in;
 }
@@ -48,7 +49,7 @@ TEST(NearestGains, TooStiff_LowersTheStiffnessToJustInside) {
   const auto nearest = nearestGains(in, judged);
   ASSERT_TRUE(nearest.has_value());
   EXPECT_EQ((*nearest)[0].k_dm, 10.0);
-  EXPECT_EQ((*nearest)[0].k_ps_per_s2, 0.0);
+  EXPECT_FALSE((*nearest)[0].armature.has_value());
   EXPECT_TRUE(certify(typedIn(in, *nearest)).certified);
   auto stiffer = *nearest;
   stiffer[0].k_pm *= 1.03;
@@ -82,17 +83,18 @@ TEST(NearestGains, ReportedNearest_PassesForManyFailures) {
 TEST(NearestGains, AxesThatShakeEachOther_AreCalmedTogether) {
   CertificateInput in = inputOf(2, 12.0, 500.0, 5.0, 0.3, 4e4);
   AxisMatrix coupled = in.inertia_at_reference;
-  coupled(0, 1) = coupled(1, 0) = 0.95 * 0.25;  // λmax = 6.5 (1 + 0.95) = 12.675: M̃ = 6.5 / (M⁻¹)ᵢᵢ
+  coupled(0, 1) = coupled(1, 0) =
+      0.95 * coupled(0, 0);  // λmax of M⁻¹ diag(M) = 1 / (1 − 0.95) = 20
   in.inertias.push_back(coupled);
   const Certificate judged = certify(in);
   EXPECT_FALSE(judged.certified);
   EXPECT_EQ(judged.binding(), "avatar");
   EXPECT_EQ(judged.avatar.posture, 1U);
-  // w (4 − w) = 4/12.675 gives w = 0.08052, k_p = 6483: a factor of 0.1621 of 4e4.
-  EXPECT_NEAR(judged.avatar.margin, 0.1621, 0.0005);
+  // w (4 − w) = 4/20 gives w = 0.05064, k_p = 2565: a factor of 0.0641 of 4e4.
+  EXPECT_NEAR(judged.avatar.margin, 0.0641, 0.0003);
   const auto nearest = nearestGains(in, judged);
   ASSERT_TRUE(nearest.has_value());
-  EXPECT_NEAR((*nearest)[0].k_ps_per_s2, 6483.0, 40.0);
+  EXPECT_GT((*nearest)[0].armature.value_or(0.0), 0.0);
   EXPECT_TRUE(certify(typedIn(in, *nearest)).certified);
 }
 
@@ -103,7 +105,8 @@ TEST(NearestGains, AvatarThatRingsAtASlowLoop_IsSlowedDown) {
   EXPECT_FALSE(judged.certified);
   const auto nearest = nearestGains(in, judged);
   ASSERT_TRUE(nearest.has_value());
-  EXPECT_LE((*nearest)[0].k_ps_per_s2, 4e4);
+  // K_pm / (M + A) at most 1/T²: M = 100 / 4.5e4.
+  EXPECT_GE((*nearest)[0].armature.value_or(0.0), (*nearest)[0].k_pm / 4e4 - 100.0 / 4.5e4);
   EXPECT_TRUE(certify(typedIn(in, *nearest)).certified);
 }
 
@@ -136,9 +139,9 @@ TEST(Advice, AdmittedStiffness_PassesAtItsRateAndATouchMoreDoesNot) {
 }
 
 TEST(Advice, BestGamma_EqualsThatOfTheReferenceTable) {
-  // K_pm 1000, k_p 2500, n 1, 30 Hz: the least damping, 4.07 N·s/m, at γ = 0.40. With K_ps fixed
-  // b_min is proportional to K_pm, so a device of 4.07 N·s/m admits 1000 N/m at best.
-  const AxisAdvice advice = advise(axisCase(inputOf(1, 4.07, 900.0, 0.0, 0.0, 2500.0), 0));
+  // K_pm 1000, k_p 2500, n 1, 30 Hz: the least damping, 4.07 N·s/m, at γ = 0.40. A device of 4.07
+  // N·s/m with an avatar of 1000/2500 kg admits 1000 N/m at best.
+  const AxisAdvice advice = advise(axisCase(inputOf(1, 4.07, 1000.0, 0.0, 0.0, 2500.0), 0));
   EXPECT_NEAR(advice.best_gamma, 0.40, 0.051);
   EXPECT_NEAR(advice.best_gamma_k_pm, 1000.0, 15.0);
 }

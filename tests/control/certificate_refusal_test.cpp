@@ -252,19 +252,21 @@ TEST(RefuseUncertified, DeviceThatPushesItself_SaysThatNoGainsHelp) {
       << refused[0].remedy;
 }
 
-TEST(RefuseUncertified, AxesThatShakeEachOther_NameTheFactorThatHelps) {
+TEST(RefuseUncertified, AxesThatShakeEachOther_NameThePostureAndWhatHelps) {
   CertificateInput in = shippedLike();
-  for (AxisRendering& gains : in.rendering.axes) gains.k_ps_per_s2 = 4e4;
+  // k_p = 4e4 1/s² with λmax = 1 / (1 − 0.85): 4w − w² = 4/λmax bears 24,369.
+  for (AxisRendering& gains : in.rendering.axes) gains.armature = 0.0;
+  in.inertia_at_reference *= in.rendering.axes[0].k_pm / 4e4 / in.inertia_at_reference(0, 0);
+  in.inertias = {in.inertia_at_reference};
   AxisMatrix coupled = in.inertia_at_reference;
-  coupled(0, 1) = coupled(1, 0) = 0.85 * 0.25;
+  coupled(0, 1) = coupled(1, 0) = 0.85 * coupled(0, 0);
   in.inertias.push_back(coupled);
   const Diagnostics refused = refuseUncertified(in);
   ASSERT_EQ(refused.size(), 1U);
-  EXPECT_EQ(refused[0].key, "k_ps_per_s2");
+  EXPECT_EQ(refused[0].key, "armature");
   EXPECT_NE(refused[0].problem.find("posture 2 of 2"), std::string::npos) << refused[0].problem;
-  // λmax = 1 / (1 − 0.85); 4w − w² = 4/λmax, w = T √k_p: k_p = 24369 1/s², of 40,000.
-  EXPECT_NEAR(numberAfter(refused[0].remedy, "at most "), 24369.0 / 4e4, 0.0015);
-  in.inertias.back()(0, 1) = in.inertias.back()(1, 0) = 0.25;
+  EXPECT_NE(refused[0].remedy.find("add armature"), std::string::npos) << refused[0].remedy;
+  in.inertias.back()(0, 1) = in.inertias.back()(1, 0) = in.inertias.back()(0, 0);
   const Diagnostics singular = refuseUncertified(in);
   ASSERT_EQ(singular.size(), 1U);
   EXPECT_NE(singular[0].remedy.find("singular"), std::string::npos);
@@ -310,7 +312,7 @@ TEST(Fingerprint, EveryNumberItDependsOn_IsMissed) {
   expect([](In& b) { b.rendering.axes[0].k_dm = 9.0; }, gains);
   expect([](In& b) { b.rendering.axes[0].gamma = 0.31; }, gains);
   expect([](In& b) { b.rendering.axes[0].velocity_filter_hz = 31.0; }, gains);
-  expect([](In& b) { b.rendering.axes[0].k_ps_per_s2 = 4000.0; }, gains);
+  expect([](In& b) { b.rendering.axes[0].armature = 0.01; }, gains);
   expect([](In& b) { b.inertia_at_reference(0, 0) *= 1.0 + 1e-6; }, "numbers of the hand hand");
   expect([](In& b) { b.inertias[0](0, 1) = b.inertias[0](1, 0) = 1e-6; }, "numbers of the hand");
   expect(

@@ -32,8 +32,8 @@ AxisCase axisOf(double mass, double damping, int delay, double k_pm, double k_dm
   c.gains.k_dm = k_dm;
   c.gains.gamma = gamma;
   c.gains.velocity_filter_hz = filter_hz;
-  c.gains.k_ps_per_s2 = k_ps;
-  c.inertia = 0.25;
+  c.gains.armature = 0.0;
+  c.inertia = k_ps > 0.0 ? k_pm / k_ps : 0.25;
   return c;
 }
 

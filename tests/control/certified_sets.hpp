@@ -50,8 +50,12 @@ inline CertifiedSet certifiedSet(Draw& draw) {
     c.gains.k_dm = draw.chance(0.2) ? 0.0 : draw.between(0.5, 20.0);
     c.gains.gamma = draw.chance(0.15) ? 0.0 : draw.unit();
     c.gains.velocity_filter_hz = draw.between(15.0, 100.0);
-    c.gains.k_ps_per_s2 = draw.chance(0.5) ? 0.0 : draw.between(400.0, 4e4);
-    c.inertia = draw.between(0.1, 1.0);
+    if (draw.chance(0.5)) {
+      c.inertia = draw.between(0.1, 1.0);
+    } else {
+      c.inertia = c.gains.k_pm / draw.between(400.0, 4e4);  // k_p over the whole range
+      c.gains.armature = 0.0;
+    }
     if (draw.chance(0.3)) {
       c.walls = {{draw.between(0.05, 0.5) * c.gains.k_pm, draw.chance(0.3) ? 0.0 : draw.unit()}};
     }
@@ -83,12 +87,15 @@ inline CouplingGains gainsOf(const AxisLoop& l) {
   g.k_pm = AxisRatio(1, l.k_pm);
   g.k_dm = AxisRatio(1, l.phi_k_dm);
   g.gamma = AxisRatio(1, l.gamma);
-  g.k_ps_per_s2 = AxisRatio(1, l.k_ps_per_s2);
-  g.k_ds_per_s = AxisRatio(1, l.k_ds_per_s);
-  g.relative_damping = AxisRatio(1, l.k_pm * l.k_ds_per_s / l.k_ps_per_s2);
+  g.armature = AxisRatio(1, 0.0);
+  g.inertia = AxisRatio(1, l.k_pm / l.k_ps_per_s2);
   g.filter_tau_s = AxisRatio(1, l.filter_tau_s);
-  g.contact_scale = AxisRatio(1, 1.0);
   return g;
+}
+
+/// D of the loop.
+inline AxisRatio dampingOf(const AxisLoop& l) {
+  return AxisRatio(1, l.k_pm * l.k_ds_per_s / l.k_ps_per_s2);
 }
 
 /// The shipped tank of a translation.

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <optional>
 #include <random>
 
 namespace wholehand::test {
@@ -40,53 +41,71 @@ TEST(CriticalDamping, AnyStiffnessBelowRinging_MakesADoublePoleAtOneMinusTRootKp
 
 // ---- gains
 
-RenderingConfig oneAxisFile(double k_pm, double k_ps_per_s2) {
+RenderingConfig oneAxisFile(double k_pm, std::optional<double> armature = {}) {
   RenderingConfig file;
   file.path = "r.toml";
   AxisRendering axis;
   axis.name = "x";
   axis.k_pm = k_pm;
-  axis.k_ps_per_s2 = k_ps_per_s2;
+  axis.armature = armature;
   file.axes.push_back(axis);
   return file;
 }
 
-TEST(ResolveGains, NoStiffnessInFile_MakesFeltForceEqualSimulatedForce) {
-  const auto gains = resolveGains(oneAxisFile(1000.0, 0.0), AxisMatrix::Constant(1, 1, 0.25), 1e-3);
+TEST(ResolveGains, AxisThatIsHeavyEnough_TakesNoArmature) {
+  const auto gains = resolveGains(oneAxisFile(1000.0), AxisMatrix::Constant(1, 1, 0.25), 1e-3);
   ASSERT_TRUE(gains.ok());
-  EXPECT_DOUBLE_EQ(gains->k_ps_per_s2[0], 4000.0);  // K_pm / M̃
-  EXPECT_DOUBLE_EQ(gains->contact_scale[0], 1.0);   // σ
-  EXPECT_DOUBLE_EQ(gains->k_ds_per_s[0], 2.0 * std::sqrt(4000.0) - 4.0);
-  EXPECT_DOUBLE_EQ(gains->relative_damping[0], 1000.0 * gains->k_ds_per_s[0] / 4000.0);
+  EXPECT_EQ(gains->armature[0], 0.0);
+  EXPECT_DOUBLE_EQ(gains->inertia[0], 0.25);
   EXPECT_DOUBLE_EQ(gains->filter_tau_s[0], 1.0 / (2.0 * std::numbers::pi * 30.0));
+  // M k_d of Eq. (14) at k_p = K_pm / M = 4000 1/s²
+  const AxisRatio damping = avatarDamping(AxisMatrix::Constant(1, 1, 0.25), gains->k_pm, 1e-3);
+  EXPECT_NEAR(damping[0], 0.25 * (2.0 * std::sqrt(4000.0) - 4.0), tolerance(1e-12));
 }
 
-TEST(ResolveGains, VeryLightAxis_IsHeldAtFiftyThousand) {
-  const auto gains = resolveGains(oneAxisFile(4.0, 0.0), AxisMatrix::Constant(1, 1, 4e-5), 1e-3);
+TEST(ResolveGains, VeryLightAxis_TakesTheArmatureThatItLacksToFiftyThousand) {
+  const auto gains = resolveGains(oneAxisFile(4.0), AxisMatrix::Constant(1, 1, 4e-5), 1e-3);
   ASSERT_TRUE(gains.ok());
-  EXPECT_DOUBLE_EQ(gains->k_ps_per_s2[0], 5e4);
-  EXPECT_DOUBLE_EQ(gains->contact_scale[0], 4.0 / (5e4 * 4e-5));  // σ = 2: twice the truth
+  EXPECT_NEAR(gains->armature[0], 4.0 / 5e4 - 4e-5, 1e-18);
+  EXPECT_NEAR(gains->inertia[0], 8e-5, 1e-18);
+  // K_pm (1 + (1 − γ) k_d τ_f) / k_p with k_p = 5e4 and γ = 0.3, the model's default.
+  const double k_d = 2.0 * std::sqrt(5e4) - 50.0;
+  const double felt = 4.0 * (1.0 + 0.7 * k_d / (2.0 * std::numbers::pi * 30.0)) / 5e4;
+  EXPECT_NEAR(feltInertia(*gains, 0, 1e-3), felt, 1e-12 * felt);
+}
+
+TEST(ResolveGains, StatedArmature_IsTaken) {
+  const auto gains = resolveGains(oneAxisFile(4.0, 1e-4), AxisMatrix::Constant(1, 1, 4e-5), 1e-3);
+  ASSERT_TRUE(gains.ok());
+  EXPECT_EQ(gains->armature[0], 1e-4);
+  AxisMatrix two = AxisMatrix::Constant(2, 2, 1.0);
+  AxisRatio armature(2);
+  armature[1] = 0.5;
+  const AxisMatrix heavier = withArmature(two, armature);
+  EXPECT_EQ(heavier(0, 0), 1.0);
+  EXPECT_EQ(heavier(1, 1), 1.5);
+  EXPECT_EQ(heavier(0, 1), 1.0);
 }
 
 TEST(ResolveGains, StiffnessThatRings_IsRefusedWithTheBoundAndTheRate) {
-  const AxisMatrix inertia = AxisMatrix::Constant(1, 1, 0.25);
-  EXPECT_TRUE(resolveGains(oneAxisFile(1000.0, 1e6), inertia, 1e-3).ok());  // exactly 1/T²
-  const auto refused = resolveGains(oneAxisFile(1000.0, 1.01e6), inertia, 1e-3);
+  const auto of = [](double inertia) { return AxisMatrix::Constant(1, 1, inertia); };
+  EXPECT_TRUE(resolveGains(oneAxisFile(1000.0, 0.0), of(1e-3), 1e-3).ok());  // exactly 1/T²
+  const auto refused = resolveGains(oneAxisFile(1000.0, 0.0), of(1e-3 / 1.01), 1e-3);
   ASSERT_FALSE(refused.ok());
   const std::string text = format(refused.errors());
-  EXPECT_NE(text.find("r.toml: x.k_ps_per_s2 = 1.01e+06"), std::string::npos) << text;
-  EXPECT_NE(text.find("at most 1e+06 1/s^2"), std::string::npos) << text;
-  EXPECT_NE(text.find("1005 Hz"), std::string::npos) << text;  // sqrt(1.01e6), rounded up
-  EXPECT_TRUE(resolveGains(oneAxisFile(1000.0, 1.01e6), inertia, 1.0 / 1005.0).ok());
+  EXPECT_NE(text.find("r.toml: x.armature = 0"), std::string::npos) << text;
+  EXPECT_NE(text.find("at least 9.9e-06"), std::string::npos) << text;  // 1e-3 (1 − 1/1.01)
+  EXPECT_NE(text.find("1005 Hz"), std::string::npos) << text;           // sqrt(1.01e6), rounded up
+  EXPECT_TRUE(resolveGains(oneAxisFile(1000.0, 0.0), of(1e-3 / 1.01), 1.0 / 1005.0).ok());
 }
 
 TEST(ResolveGains, ImpossibleInput_IsRefused) {
-  const RenderingConfig file = oneAxisFile(1000.0, 0.0);
+  const RenderingConfig file = oneAxisFile(1000.0);
   EXPECT_FALSE(resolveGains(file, AxisMatrix::Constant(1, 1, 0.0), 1e-3).ok());
   EXPECT_FALSE(resolveGains(file, AxisMatrix::Constant(1, 1, std::nan("")), 1e-3).ok());
   EXPECT_FALSE(resolveGains(file, AxisMatrix::Identity(2, 2), 1e-3).ok());
   EXPECT_FALSE(resolveGains(file, AxisMatrix::Constant(1, 1, 0.25), 0.0).ok());
-  EXPECT_FALSE(resolveGains(oneAxisFile(std::nan(""), 0.0), AxisMatrix::Identity(1, 1), 1e-3).ok());
+  EXPECT_FALSE(resolveGains(oneAxisFile(std::nan("")), AxisMatrix::Identity(1, 1), 1e-3).ok());
 }
 
 // ---- velocity
@@ -125,7 +144,7 @@ TEST(VelocityEstimator, SkippedPeriods_DoNotChangeASteadyVelocity) {
 
 // ---- Eq. (2), (3) closed round a simulated avatar of one axis
 
-/// Device on a given path, avatar of unit inertia under Eq. (2) and symplectic Euler, as in a tick.
+/// Device on a given path, avatar under Eq. (2) and symplectic Euler, as in a tick.
 struct Rig {
   CouplingGains gains;
   double period_s = 1e-3;
@@ -138,12 +157,12 @@ struct Rig {
     velocity = estimateVelocity(velocity, q_m, gains, 1, period_s);
     const auto felt = [&] {
       return couplingEffort(q_m, velocity.filtered, AxisPosition(1, q_s), AxisVelocity(1, qd_s),
-                            gains)[0];
+                            dampingOf(gains), gains)[0];
     };
     const double before = felt();
-    const double a = avatarEffort(q_m, velocity.filtered, AxisPosition(1, q_s),
-                                  AxisVelocity(1, qd_s), AxisMatrix::Identity(1, 1), gains)[0];
-    qd_s += period_s * a;
+    const double f = avatarEffort(q_m, velocity.filtered, AxisPosition(1, q_s),
+                                  AxisVelocity(1, qd_s), dampingOf(gains), gains)[0];
+    qd_s += period_s * f / gains.inertia[0];
     q_s += period_s * qd_s;
     return after_step ? felt() : before;
   }
@@ -181,24 +200,25 @@ TEST(BilateralCoupling, SteadyFreeMotion_HasNoDragWithThePairingOfTheTick) {
 
 TEST(BilateralCoupling, HeldAvatar_IsFeltAsTheSpring) {
   const CouplingGains gains = oneAxisGains(1000.0, 2500.0, 0.3);
-  const AxisEffort f = couplingEffort(AxisPosition(1, 0.012), AxisVelocity(1),
-                                      AxisPosition(1, 0.002), AxisVelocity(1), gains);
+  const AxisEffort f =
+      couplingEffort(AxisPosition(1, 0.012), AxisVelocity(1), AxisPosition(1, 0.002),
+                     AxisVelocity(1), dampingOf(gains), gains);
   EXPECT_DOUBLE_EQ(f[0], -10.0);  // 1000 N/m · 10 mm, against the person
 }
 
 TEST(BilateralCoupling, PowerOfTheCoupling_HasTheSignGammaGivesIt) {
-  // The dissipated power of both sides' dampers, σ = 1: B (v_f − v_s)² at γ = 1, and
-  // B v_s (v_s − v_f), which can be negative, in the paper's law γ = 0.
+  // The dissipated power of both sides' dampers: D (v_f − v_s)² at γ = 1, and
+  // D v_s (v_s − v_f), which can be negative, in the paper's law γ = 0.
   EXPECT_TRUE(rc::check("dampers", [](double raw_f, double raw_s) {
     const double vf = std::remainder(raw_f, 1.0), vs = std::remainder(raw_s, 1.0);
     RC_PRE(std::isfinite(vf) && std::isfinite(vs));
     const auto dissipated = [&](double gamma) {
       CouplingGains g = oneAxisGains(1000.0, 2500.0, gamma);
-      const AxisMatrix mass = AxisMatrix::Constant(1, 1, 1000.0 / 2500.0);  // σ = 1
+      const AxisRatio damping = dampingOf(g);
       const AxisPosition q(1, 0.0);
-      const double on_person = couplingEffort(q, AxisVelocity(1, vf), q, AxisVelocity(1, vs), g)[0];
-      const double on_avatar =
-          avatarEffort(q, AxisVelocity(1, vf), q, AxisVelocity(1, vs), mass, g)[0];
+      const AxisVelocity rate_f(1, vf), rate_s(1, vs);
+      const double on_person = couplingEffort(q, rate_f, q, rate_s, damping, g)[0];
+      const double on_avatar = avatarEffort(q, rate_f, q, rate_s, damping, g)[0];
       return -(on_person * vf + on_avatar * vs);
     };
     const double b = 1000.0 * 97.5 / 2500.0;
@@ -208,8 +228,8 @@ TEST(BilateralCoupling, PowerOfTheCoupling_HasTheSignGammaGivesIt) {
   }));
   const CouplingGains paper = oneAxisGains(1000.0, 2500.0, 0.0);
   const AxisPosition q(1, 0.0);
-  const double drive = avatarEffort(q, AxisVelocity(1, 0.2), q, AxisVelocity(1, 0.1),
-                                    AxisMatrix::Constant(1, 1, 0.4), paper)[0];
+  const double drive =
+      avatarEffort(q, AxisVelocity(1, 0.2), q, AxisVelocity(1, 0.1), dampingOf(paper), paper)[0];
   EXPECT_GT(drive * 0.1, 0.0);  // γ = 0: power for the avatar that nobody pays
 }
 
@@ -223,54 +243,56 @@ TEST(BilateralCoupling, UnitOfLength_DoesNotChangeThePhysics) {
     CouplingGains a = oneAxisGains(1000.0, 2500.0, 0.3);
     CouplingGains b = a;
     b.k_pm[0] /= lambda * lambda;
-    b.relative_damping[0] /= lambda * lambda;
+    b.inertia[0] /= lambda * lambda;
     const auto felt = [&](const CouplingGains& g, double s) {
       return couplingEffort(AxisPosition(1, s * qm), AxisVelocity(1, s * vm),
-                            AxisPosition(1, s * qs), AxisVelocity(1, s * vs), g)[0];
+                            AxisPosition(1, s * qs), AxisVelocity(1, s * vs), dampingOf(g), g)[0];
     };
-    const auto driven = [&](double m, double s) {
+    const auto driven = [&](const CouplingGains& g, double s) {
       return avatarEffort(AxisPosition(1, s * qm), AxisVelocity(1, s * vm), AxisPosition(1, s * qs),
-                          AxisVelocity(1, s * vs), AxisMatrix::Constant(1, 1, m), a)[0];
+                          AxisVelocity(1, s * vs), dampingOf(g), g)[0];
     };
     // Powers of two: equal to the last bit.
     RC_ASSERT(felt(b, lambda) * lambda == felt(a, 1.0));
-    RC_ASSERT(driven(0.4 / (lambda * lambda), lambda) * lambda == driven(0.4, 1.0));
+    RC_ASSERT(driven(b, lambda) * lambda == driven(a, 1.0));
   }));
 }
 
-TEST(BilateralCoupling, Axes_DoNotMix) {
+TEST(BilateralCoupling, SpringOfThePerson_IsTheSpringOfTheAvatar) {
+  // At rest what is felt is what acts, on every axis and in every posture: σ = 1.
   CouplingGains g{2,
                   AxisRatio(2, 10.0),
                   AxisRatio(2),
                   AxisRatio(2, 0.5),
-                  AxisRatio(2, 4.0),
-                  AxisRatio(2, 2.0),
+                  AxisRatio(2),
                   AxisRatio(2, 1.0),
-                  AxisRatio(2, 0.005),
-                  AxisRatio(2, 1.0)};
-  AxisPosition q_m(2);
-  q_m[1] = 1.0;
+                  AxisRatio(2, 0.005)};
+  g.k_pm[1] = 3.0;
+  AxisPosition q_m(2), q_s(2);
+  q_m[0] = 0.7, q_m[1] = 1.0, q_s[1] = 0.25;
+  const AxisVelocity still(2);
   AxisMatrix inertia(2, 2);
   inertia << 1.0, 0.5, 0.5, 2.0;
-  const AxisEffort f_s =
-      avatarEffort(q_m, AxisVelocity(2), AxisPosition(2), AxisVelocity(2), inertia, g);
-  EXPECT_EQ(f_s[0], 0.0);  // only the diagonal of M_r enters Eq. (2)
-  EXPECT_EQ(f_s[1], 8.0);  // 2 · 4 · 1
-  const AxisEffort f = couplingEffort(q_m, AxisVelocity(2), AxisPosition(2), AxisVelocity(2), g);
-  EXPECT_EQ(f[0], 0.0);
-  EXPECT_EQ(f[1], -10.0);
+  const AxisRatio damping = avatarDamping(inertia, g.k_pm, 1e-3);
+  const AxisEffort f_s = avatarEffort(q_m, still, q_s, still, damping, g);
+  const AxisEffort f = couplingEffort(q_m, still, q_s, still, damping, g);
+  EXPECT_EQ(f_s[0], 7.0);
+  EXPECT_EQ(f_s[1], 2.25);  // and axes do not mix
+  EXPECT_EQ(f[0], -f_s[0]);
+  EXPECT_EQ(f[1], -f_s[1]);
 }
 
 TEST(ControlLaws, InTheTick_DoNotAllocate) {
   const CouplingGains gains = oneAxisGains(1000.0, 2500.0, 0.3);
   const AxisMatrix inertia = AxisMatrix::Identity(1, 1);
   const AllocationScope scope;
+  const AxisRatio damping = avatarDamping(inertia, gains.k_pm, 1e-3);
   VelocityState v = estimateVelocity({}, AxisPosition(1, 0.1), gains, 1, 1e-3);
   v = estimateVelocity(v, AxisPosition(1, 0.2), gains, 1, 1e-3);
   const AxisPosition q(1, 0.2);
   const AxisVelocity qd(1, 0.1);
-  const double sum = avatarEffort(q, v.filtered, q, qd, inertia, gains)[0] +
-                     couplingEffort(q, v.filtered, q, qd, gains)[0];
+  const double sum = avatarEffort(q, v.filtered, q, qd, damping, gains)[0] +
+                     couplingEffort(q, v.filtered, q, qd, damping, gains)[0];
   EXPECT_EQ(scope.allocations(), 0U);
   EXPECT_TRUE(std::isfinite(sum));
 }

@@ -26,7 +26,7 @@ struct Loop {
 };
 
 CouplingGains gainsOf(const Loop& loop) {
-  return test::oneAxisGains(loop.k_pm, loop.k_ps, loop.gamma, kPeriod_s);
+  return test::oneAxisGains(loop.k_pm, loop.k_ps, loop.gamma);
 }
 
 struct Outcome {
@@ -71,18 +71,21 @@ Outcome simulate(const Loop& loop, bool with_tank, double wall_m, double start_m
     const AxisPosition q_s(1, x_s);
     const AxisVelocity qd_s(1, v_s);
     velocity = estimateVelocity(velocity, reading.q_m, gains, 1, kPeriod_s);
-    const double coupling = couplingEffort(reading.q_m, velocity.filtered, q_s, qd_s, gains)[0];
+    const double coupling =
+        couplingEffort(reading.q_m, velocity.filtered, q_s, qd_s, test::dampingOf(gains), gains)[0];
     EnergyTankStep step = advanceTank(tank, reading.q_m, q_s, AxisEnergy(), gains, config,
                                       AxisEffort(1, kLimit), 1, kPeriod_s);
     const double added = with_tank ? step.effort[0] : 0.0;
     const double f = std::clamp(coupling + added, -kLimit, kLimit);
     const double without = std::clamp(coupling, -kLimit, kLimit);
-    tank = noteSent(step.state, AxisEffort(1, f), velocity.filtered, qd_s, gains);
+    tank = noteSent(step.state, AxisEffort(1, f), velocity.filtered, qd_s, test::dampingOf(gains),
+                    gains);
     out.effort_change_rms += (f - without) * (f - without);
     out.largest_effort = std::max(out.largest_effort, std::abs(f));
     // Avatar, symplectic Euler, against the rigid wall.
-    const double a = gains.k_ps_per_s2[0] * (reading.q_m[0] - x_s) +
-                     gains.k_ds_per_s[0] * (velocity.filtered[0] - v_s);
+    const double a =
+        avatarEffort(reading.q_m, velocity.filtered, q_s, qd_s, test::dampingOf(gains), gains)[0] /
+        gains.inertia[0];
     v_s += kPeriod_s * a;
     if (x_s + kPeriod_s * v_s > wall_m) v_s = x_s >= wall_m ? 0.0 : (wall_m - x_s) / kPeriod_s;
     x_s += kPeriod_s * v_s;
@@ -151,8 +154,7 @@ TEST(EnergyTank, LowerLimitInForce_DoesNotEmptyIt) {
   Loop loop;
   loop.k_pm = 1500.0;
   loop.gamma = 1.0;
-  CouplingGains gains = gainsOf(loop);
-  gains.relative_damping[0] = 0.0;
+  const CouplingGains gains = gainsOf(loop);
   EnergyTankState tank = fullTank(config);
   double before = 0.0;
   for (int k = 0; k <= 1000; ++k) {
@@ -160,7 +162,7 @@ TEST(EnergyTank, LowerLimitInForce_DoesNotEmptyIt) {
     // The work of the held spring along the step, exactly: the mean effort.
     const auto held = [&](double e) { return -std::min(1500.0 * e, 8.0); };
     tank = noteSent(tank, AxisEffort(1, 0.5 * (held(before) + held(x))), AxisVelocity(1),
-                    AxisVelocity(1), gains);
+                    AxisVelocity(1), AxisRatio(1), gains);
     const EnergyTankStep step = advanceTank(tank, AxisPosition(1, x), AxisPosition(1, 0.0), {},
                                             gains, config, AxisEffort(1, 8.0), 1, kPeriod_s);
     EXPECT_EQ(step.effort[0], 0.0) << k;
@@ -179,8 +181,7 @@ TEST(EnergyTank, SpringAlone_KeepsItsEnergy) {
   config.encoder_step = AxisPosition(1, 0.0);
   Loop loop;
   loop.delay = 0;
-  CouplingGains gains = gainsOf(loop);
-  gains.relative_damping[0] = 0.0;
+  const CouplingGains gains = gainsOf(loop);
   EnergyTankState tank = fullTank(config);
   // Midpoint forces integrate the spring's work exactly.
   double x = 0.0;
@@ -190,7 +191,7 @@ TEST(EnergyTank, SpringAlone_KeepsItsEnergy) {
   for (int k = 1; k <= 4000; ++k) {
     const double next = 0.01 * std::sin(2.0 * std::numbers::pi * k / 1000.0);
     tank = noteSent(tank, AxisEffort(1, -loop.k_pm * 0.5 * (x + next)), AxisVelocity(1),
-                    AxisVelocity(1), gains);
+                    AxisVelocity(1), AxisRatio(1), gains);
     tank = advanceTank(tank, AxisPosition(1, next), AxisPosition(1, 0.0), {}, gains, config,
                        AxisEffort(1, 1e9), 1, kPeriod_s)
                .state;
@@ -215,7 +216,7 @@ TEST(EnergyTank, EffortThatDrivesTheHand_IsPaidThenTakenBack) {
     effort = step.effort[0];
     if (effort != 0.0 && empty_s == 0.0) empty_s = k * kPeriod_s;
     tank = noteSent(step.state, AxisEffort(1, 2.0 + effort), AxisVelocity(1, 0.1),
-                    AxisVelocity(1, 0.1), gains);
+                    AxisVelocity(1, 0.1), test::dampingOf(gains), gains);
   }
   EXPECT_NEAR(empty_s, 0.25, 0.002);
   EXPECT_NEAR(effort, -2.0, 0.01);

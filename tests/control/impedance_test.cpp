@@ -149,8 +149,11 @@ TEST(FeltImpedance, AxesThatInertiaDoesNotCouple_AreFeltAlone) {
   three.inertia = AxisMatrix::Zero(3, 3);
   three.inertia.diagonal() << 0.1, 0.25, 0.3;
   three.axis = 1;
-  three.k_ps_per_s2 = AxisRatio(3, robot().k_ps_per_s2);
-  three.k_ds_per_s = AxisRatio(3, robot().k_ds_per_s);
+  for (int a = 0; a < 3; ++a) {
+    if (a == 0) three.k_pm = three.avatar_damping = AxisRatio(3);
+    three.k_pm[a] = three.inertia(a, a) * robot().k_ps_per_s2;
+    three.avatar_damping[a] = three.inertia(a, a) * robot().k_ds_per_s;
+  }
   const Complex alone = felt(robot(), ContactCase::kFree, 20.0);
   const Complex coupled = feltImpedance(three, ContactCase::kFree, 20.0).felt;
   EXPECT_NEAR(std::abs(coupled / alone - 1.0), 0.0, tolerance(1e-12));

@@ -152,7 +152,7 @@ TEST(BarFile, WrongValues_AreToldWithTheirKeyAndRemedy) {
       {"stiffness_tip_n_m = 80.0", "stiffness_tip_n_m = -1.0",
        "wall.axes[finger_flexion].stiffness_tip_n_m", "out of range", "must be in"},
       {"filter_hz = 5.0", "filter_hz = 0.0", "squeeze.filter_hz", "out of range", "Hz"},
-      {"l_per_s_n = 0.0016", "l_per_s_n = 0", "flow.l_per_s_n", "out of range", "must be in"},
+      {"l_per_s_n = 0.0008", "l_per_s_n = 0", "flow.l_per_s_n", "out of range", "must be in"},
       {"body = \"glass\"", "body = \"glas\"", "glass.body", "no such body", "name of one"},
       {"inner_radius_m = 0.03", "inner_radius_m = 0.3", "glass.inner_radius_m",
        "more than the body's radius", "less"},
@@ -177,9 +177,9 @@ TEST(BarFile, WrongValues_AreToldWithTheirKeyAndRemedy) {
        "blueberry", "dispenser"},
       {"tolerance_l = 0.006", "tolerance_l = 0.05",
        "levels[One dispenser, wide tolerance].tolerance_l", "not less", "less"},
-      {"low_n = 4.0", "low_n = 2.0", "levels[One dispenser, wide tolerance].low_n",
+      {"low_n = 8", "low_n = 2.0", "levels[One dispenser, wide tolerance].low_n",
        "below threshold_n", "threshold_n"},
-      {"high_n = 9.0", "high_n = 4.0", "levels[One dispenser, wide tolerance].high_n",
+      {"high_n = 18", "high_n = 4.0", "levels[One dispenser, wide tolerance].high_n",
        "not above low_n", "low_n"},
       {"capacity_l = 0.14", "capacity_l = 0.08", "levels[Four liquids, narrow tolerance].drinks",
        "does not fit the glass", "0.08"},
@@ -238,7 +238,7 @@ TEST(BarFile, FaultInTheScene_NamesItsPathWithoutDetours) {
 TEST(BarFile, FaultsInFileAndScene_AreAllTold) {
   SpoiltBar bar;
   bar.inBar("lead_in_m = 0.005", "lead_in_m = 0.5");
-  bar.inBar("high_n = 9.0", "hihg_n = 9.0");
+  bar.inBar("high_n = 18", "hihg_n = 18");
   bar.inScene("hand_friction = 0.8", "hand_friction = 8.0");
   const Diagnostics faults = bar.faults();
   ASSERT_EQ(faults.size(), 3U) << format(faults);

@@ -30,6 +30,17 @@ std::string singularHand(const std::string& folder) {
   return path;
 }
 
+/// The shipped gains without the armature that would keep it regular.
+std::string gainsWithoutArmature(const std::string& folder) {
+  std::ifstream in(shippedFiles().rendering);
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  const std::string name = "name = \"thumb_flexion\"\n";
+  text.insert(text.find(name) + name.size(), "armature_kg_m2 = 0.0\n");
+  std::string path = folder + "/light.toml";
+  std::ofstream(path) << text;
+  return path;
+}
+
 TEST(Grasping, FaultThatStopsATrial_IsTold) {
   const fs::path folder =
       fs::temp_directory_path() / ("wholehand-grasp-fault-" + std::to_string(::getpid()));
@@ -37,6 +48,7 @@ TEST(Grasping, FaultThatStopsATrial_IsTold) {
   // The certificate refuses such a hand; past it, the tick's fault must stop the trial.
   ModelFiles files = shippedFiles();
   files.hand = singularHand(folder.string());
+  files.rendering = gainsWithoutArmature(folder.string());
   GraspPlan plan;
   plan.folder = folder.string();
   plan.rig.uncertified = true;

@@ -95,7 +95,7 @@ TEST(ShippedFiles, LambdaPride_HasTheDocumentedDefaults) {
   const auto gains = orFail(loadRenderingFile(kConfig + "rendering/lambda-pride.toml", device));
   EXPECT_EQ(gains.axes[0].k_pm, 1000.0);
   EXPECT_EQ(gains.axes[0].effort_dead, 0.5);
-  EXPECT_EQ(gains.axes[0].k_ps_per_s2, 0.0);  // by the rule
+  EXPECT_FALSE(gains.axes[0].armature.has_value());  // by the rule
   EXPECT_EQ(gains.axes[3].k_pm, 4.0);
   EXPECT_NEAR(gains.axes[3].effort_full, 5.0 * 0.08, 1e-15);
   EXPECT_EQ(gains.axes[4].effort_full, 0.3);

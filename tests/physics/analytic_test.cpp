@@ -39,7 +39,7 @@ AnalyticScene along(const AnalyticAxis& axis) {
 }
 
 HandDrive push(double effort) {
-  return {JointEffort(1, effort), nullptr};
+  return {JointEffort(1, effort), {}, {}, nullptr};
 }
 
 WorldState look(AnalyticWorld& world) {
@@ -188,13 +188,15 @@ class AnalyticHand : public testing::Test {
   void drive(AnalyticWorld& world, const AxisPosition& target, int ticks) {
     ArticulatedBody body(*hand_);
     gains_.axes = hand_->axis_count;
-    gains_.k_ps_per_s2 = AxisRatio(gains_.axes, 3900.0);
-    gains_.k_ds_per_s = AxisRatio(gains_.axes, criticalDamping(3900.0, kPeriod_s));
+    gains_.k_pm = AxisRatio(gains_.axes);
     for (int k = 0; k < ticks; ++k) {
       ASSERT_EQ(world.observe({}, state_), Fault::kNone);
       ASSERT_TRUE(body.update(state_.theta, state_.theta_dot, {0.0, 0.0, -9.81}));
+      for (int a = 0; k == 0 && a < gains_.axes; ++a) {
+        gains_.k_pm[a] = 3900.0 * body.reducedInertia()(a, a);
+      }
       f_s_ = avatarEffort(target, AxisVelocity(gains_.axes), state_.q_s, state_.qd_s,
-                          body.reducedInertia(), gains_);
+                          avatarDamping(body.reducedInertia(), gains_.k_pm, kPeriod_s), gains_);
       HandDrive out;
       body.distribute(f_s_, out.torque);
       ASSERT_EQ(world.step(out, kPeriod_s), Fault::kNone);
@@ -245,7 +247,7 @@ TEST_F(AnalyticHand, StopsOnEveryAxis_AreNotPassedInOneStepAlthoughInertiaCouple
   for (int a = 0; a < hand_->axis_count; ++a) scene.axes[a].upper_stop = hand_->reference[a];
   AnalyticWorld world(*hand_, scene);
   ASSERT_TRUE(world.placeHand(hand_->reference).ok());
-  HandDrive push{JointEffort(hand_->joint_count, 0.2), nullptr};
+  HandDrive push{JointEffort(hand_->joint_count, 0.2), {}, {}, nullptr};
   for (int j = 0; j < 3; ++j) push.torque[j] = 20.0;
   ASSERT_EQ(world.step(push, kPeriod_s), Fault::kNone);
   ASSERT_EQ(world.observe({}, state_), Fault::kNone);
@@ -256,7 +258,7 @@ TEST_F(AnalyticHand, StopsOnEveryAxis_AreNotPassedInOneStepAlthoughInertiaCouple
 
 TEST_F(AnalyticHand, Tick_DoesNotAllocate) {
   AnalyticWorld world(*hand_, {});
-  const HandDrive none{JointEffort(hand_->joint_count), nullptr};
+  const HandDrive none{JointEffort(hand_->joint_count), {}, {}, nullptr};
   ContactList contacts;
   const AllocationScope scope;
   Fault fault = world.observe({}, state_);

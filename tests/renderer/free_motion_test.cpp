@@ -40,9 +40,13 @@ FeltMass feltMass(const std::string& device, int axis, double gamma) {
   // Felt mass of the coupling, K_pm (1 + (1−γ) k_d τ_f) / k_p: the avatar trails the device by
   // a (1 + k_d τ_f) / k_p because the filtered velocity lags by τ_f, and the γ term gives back
   // γ K_pm (k_d / k_p) a τ_f.
+  ArticulatedBody body(rig->models.hand, g.armature);
+  EXPECT_TRUE(body.update(last->theta, JointVelocity(rig->models.hand.joint_count),
+                          Eigen::Vector3d::Zero()));
+  const double k_p = g.k_pm[axis] / body.reducedInertia()(axis, axis);  // in this posture
+  const double k_d = 2.0 * std::sqrt(k_p) - 1e-3 * k_p;                 // Eq. (14)
   return {-last->sent[axis] / acceleration,
-          g.k_pm[axis] * (1.0 + (1.0 - gamma) * g.k_ds_per_s[axis] * g.filter_tau_s[axis]) /
-              g.k_ps_per_s2[axis]};
+          g.k_pm[axis] * (1.0 + (1.0 - gamma) * k_d * g.filter_tau_s[axis]) / k_p};
 }
 
 class FreeMotion : public testing::TestWithParam<std::string> {};

@@ -12,7 +12,8 @@ namespace {
 // the row.
 constexpr double kStretched = 8.0 * kDeg, kHalfBent = 65.0 * kDeg, kClosed = 155.0 * kDeg;
 constexpr double kTurnedAside = 5.0 * kDeg, kOpposed = 20.0 * kDeg;
-constexpr double kThumbClosed = 55.0 * kDeg;
+// The thumb presses less than four fingers do: more would turn a bottle that stands free over.
+constexpr double kThumbClosed = 27.0 * kDeg;
 constexpr double kThumbAlong = kThumbClosed / (kClosed - kHalfBent);  // with the fingers
 constexpr double kBack_m = 0.006;                                     // before the end of x
 constexpr double kDrawnBack_m = 0.001;                                // as good as there

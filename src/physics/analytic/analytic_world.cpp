@@ -93,9 +93,11 @@ Fault AnalyticWorld::step(const HandDrive& drive, double period_s) noexcept {
   if (!body_.update(theta_, theta_dot_, scene_.gravity_m_s2)) return Fault::kPhysicsStep;
   AxisMatrix inertia = body_.reducedInertia();
   for (int a = 0; a < hand_->axis_count; ++a) inertia(a, a) += scene_.axes[a].added_mass;
+  for (int a = 0; a < drive.armature.size(); ++a) inertia(a, a) += drive.armature[a];
   if (!invertPositiveDefinite(inertia, mobility_)) return Fault::kPhysicsStep;
 
-  const AxisEffort effort = reducedEffort(drive.torque);
+  AxisEffort effort = reducedEffort(drive.torque);
+  for (int a = 0; a < drive.armature.size(); ++a) effort[a] += drive.armature_effort[a];
   for (int a = 0; a < hand_->axis_count; ++a) {
     for (int b = 0; b < hand_->axis_count; ++b) {
       qd_s_[a] += period_s * mobility_(a, b) * (effort[b] - body_.reducedBias()[b]);

@@ -1,0 +1,209 @@
+#include "control/coupled_passivity.hpp"
+
+#include "control/coupling_gains.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+
+namespace wholehand {
+namespace {
+
+using Complex = std::complex<double>;
+using ComplexMatrix = Eigen::MatrixXcd;
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr double kLowest_rad = 2e-5;
+/// Frequencies of a sweep in every posture, and of one in the posture that needs most.
+constexpr double kEven_rad = 0.06;
+constexpr int kCoarse = 32, kFine = 400;
+constexpr double kGolden = 0.6180339887498949;
+
+/// One axis at one frequency.
+struct Port {
+  Complex felt;       ///< Q_m
+  Complex driven;     ///< Q_s
+  double free = 0.0;  ///< least Re A₀ over every Φ and α
+  double b = 0.0;     ///< device damping
+};
+
+/// One posture at one frequency.
+struct Point {
+  std::vector<Port> ports;
+  Eigen::MatrixXd inverse;  ///< (Re R)⁻¹
+  bool drives = false;      ///< Re R is positive definite
+};
+
+/// Re A₀ is affine in Φ and α: a corner is the least. Stiffness and damping of several walls are
+/// taken at their largest, each in turn.
+double leastFree(const AxisCase& c, Complex hold, Complex derivative, double felt_damping) {
+  const double spring = hold.real(), damper = (hold * derivative).real();
+  double least =
+      c.gains.k_pm * spring + felt_damping * damper + std::min(0.0, c.gains.k_dm * damper);
+  double wall = 0.0;
+  for (const WallCase& w : c.walls) {
+    wall = std::min(wall, w.stiffness * spring + w.damping * damper);
+  }
+  return least + wall;
+}
+
+Point look(const CoupledCase& c, const AxisMatrix& inertia, double angle_rad) {
+  const double t = c.period_s;
+  const auto n = static_cast<Eigen::Index>(c.axes.size());
+  const Complex z = std::polar(1.0, angle_rad), late = std::polar(1.0, -c.delay_ticks * angle_rad);
+  const Complex held = t / (z - 1.0);
+  AxisRatio k_pm(static_cast<int>(n));
+  for (int i = 0; i < k_pm.size(); ++i) k_pm[i] = c.axes[static_cast<std::size_t>(i)].gains.k_pm;
+  const AxisRatio damping = avatarDamping(inertia, k_pm, t);
+  Point out;
+  Eigen::MatrixXd real = inertia * ((1.0 - std::cos(angle_rad)) / t);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const AxisCase& axis = c.axes[static_cast<std::size_t>(i)];
+    const int a = static_cast<int>(i);
+    const double tau_s = 1.0 / (2.0 * std::numbers::pi * axis.gains.velocity_filter_hz);
+    const Complex derivative = (z - 1.0) / ((tau_s + t) * z - tau_s);
+    const double felt_damping = axis.gains.gamma * damping[a];
+    Port port;
+    port.felt = late * (k_pm[a] * held + felt_damping / z);
+    port.driven = held * (k_pm[a] + damping[a] * derivative);
+    port.free = leastFree(axis, held * late, derivative, felt_damping);
+    port.b = axis.axis.damping;
+    out.ports.push_back(port);
+    real(i, i) += damping[a] * std::cos(angle_rad) - 0.5 * t * k_pm[a];
+  }
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(real);
+  out.drives = cholesky.info() == Eigen::Success;
+  if (out.drives) out.inverse = cholesky.solve(Eigen::MatrixXd::Identity(n, n));
+  return out;
+}
+
+/// b^-½ (E (4 λ Re R)⁻¹ Eᴴ − Re A₀) b^-½: its largest eigenvalue is the share of b that is needed.
+ComplexMatrix needed(const Point& at, double lambda) {
+  const auto n = static_cast<Eigen::Index>(at.ports.size());
+  ComplexMatrix out(n, n);
+  std::vector<Complex> e;
+  for (const Port& p : at.ports) {
+    e.push_back((p.felt + lambda * std::conj(p.driven)) / std::sqrt(p.b));
+  }
+  for (Eigen::Index i = 0; i < n; ++i) {
+    for (Eigen::Index k = 0; k < n; ++k) {
+      out(i, k) = e[static_cast<std::size_t>(i)] * at.inverse(i, k) *
+                  std::conj(e[static_cast<std::size_t>(k)]) / (4.0 * lambda);
+    }
+    const Port& p = at.ports[static_cast<std::size_t>(i)];
+    out(i, i) -= p.free / p.b;
+  }
+  return out;
+}
+
+double shareAt(const Point& at, double lambda) {
+  const Eigen::SelfAdjointEigenSolver<ComplexMatrix> solver(needed(at, lambda),
+                                                            Eigen::EigenvaluesOnly);
+  return solver.info() == Eigen::Success ? solver.eigenvalues().maxCoeff() : kInfinite;
+}
+
+/// The same as if the avatar's inertia coupled nothing.
+double shareOfAxes(const Point& at, double lambda) {
+  double most = -kInfinite;
+  for (std::size_t i = 0; i < at.ports.size(); ++i) {
+    const Port& p = at.ports[i];
+    const auto k = static_cast<Eigen::Index>(i);
+    const double need =
+        std::norm(p.felt + lambda * std::conj(p.driven)) * at.inverse(k, k) / (4.0 * lambda);
+    most = std::max(most, (need - p.free) / p.b);
+  }
+  return most;
+}
+
+/// The best λ, by golden section on its logarithm: what passes is an interval (the condition is
+/// affine in λ and a matrix), so there is one valley. It lies among the axes' own best,
+/// |Q_m|/|Q_s|.
+template <class Share>
+double bestLambda(const Point& at, Share share, int steps) {
+  double low = kInfinite, high = -kInfinite;
+  for (const Port& p : at.ports) {
+    const double own = std::log(std::abs(p.felt) / std::abs(p.driven));
+    low = std::min(low, own);
+    high = std::max(high, own);
+  }
+  const double spread = high - low;
+  low -= 0.5 * spread;
+  high += 0.5 * spread;
+  double left = high - kGolden * (high - low), right = low + kGolden * (high - low);
+  double at_left = share(at, std::exp(left)), at_right = share(at, std::exp(right));
+  for (int i = 0; i < steps; ++i) {
+    if (at_left < at_right) {
+      high = right;
+      right = left;
+      at_right = at_left;
+      left = high - kGolden * (high - low);
+      at_left = share(at, std::exp(left));
+    } else {
+      low = left;
+      left = right;
+      at_left = at_right;
+      right = low + kGolden * (high - low);
+      at_right = share(at, std::exp(right));
+    }
+  }
+  return std::exp(0.5 * (low + high));
+}
+
+/// A quarter of them on the logarithm towards rest, the others evenly to Nyquist.
+double angleAt(int i, int count) {
+  const int slow = count / 4;
+  if (i <= slow) {
+    return kLowest_rad * std::pow(kEven_rad / kLowest_rad, static_cast<double>(i) / slow);
+  }
+  return kEven_rad + (std::numbers::pi - kEven_rad) * (i - slow) / (count - slow);
+}
+
+/// @param worst so far: what needs less is not looked at closely
+CoupledNeed needAt(const CoupledCase& c, std::size_t posture, double angle_rad, double worst) {
+  const double frequency_hz = angle_rad / (2.0 * std::numbers::pi * c.period_s);
+  const Point at = look(c, c.inertias[posture], angle_rad);
+  if (!at.drives) return {kInfinite, frequency_hz, 1.0, posture};
+  double lambda = bestLambda(at, shareOfAxes, 20);
+  double share = shareAt(at, lambda);
+  if (share > worst) {
+    lambda = bestLambda(at, shareAt, 24);
+    share = shareAt(at, lambda);
+  }
+  return {share, frequency_hz, lambda, posture};
+}
+
+}  // namespace
+
+CoupledCase coupledCase(const CertificateInput& input) {
+  CoupledCase c;
+  c.delay_ticks = input.device.output_delay_ticks;
+  c.period_s = input.period_s;
+  AxisRatio armature(input.device.axisCount());
+  for (int i = 0; i < input.device.axisCount(); ++i) {
+    c.axes.push_back(axisCase(input, i));
+    armature[i] = c.axes.back().armature();
+  }
+  c.inertias.push_back(withArmature(input.inertia_at_reference, armature));
+  for (const AxisMatrix& m : input.inertias) c.inertias.push_back(withArmature(m, armature));
+  return c;
+}
+
+CoupledNeed requiredShare(const CoupledCase& c) {
+  CoupledNeed worst{-kInfinite, 0.0, 1.0, 0};
+  const auto sweep = [&](std::size_t posture, int count) {
+    for (int i = 0; i <= count && worst.share < kInfinite; ++i) {
+      const CoupledNeed found = needAt(c, posture, angleAt(i, count), worst.share);
+      if (found.share > worst.share) worst = found;
+    }
+  };
+  for (std::size_t p = 0; p < c.inertias.size(); ++p) sweep(p, kCoarse);
+  sweep(worst.posture, kFine);
+  return worst;
+}
+
+}  // namespace wholehand

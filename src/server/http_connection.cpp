@@ -1,0 +1,213 @@
+#include "server/http_connection.hpp"
+
+#include "realtime/monotonic_clock.hpp"
+#include "server/http_text.hpp"
+#include "server/websocket_line.hpp"
+#include "server/wire.hpp"
+
+#include <fmt/format.h>
+
+#include <exception>
+#include <utility>
+
+namespace wholehand {
+
+HttpConnection::HttpConnection(std::unique_ptr<HttpLine> line, Premises& premises)
+    : line_(std::move(line)), premises_(premises) {
+  ++premises_.connections;
+}
+
+HttpConnection::~HttpConnection() {
+  stopWaiting();
+  closeFile();
+  --premises_.connections;
+}
+
+void HttpConnection::read() {
+  place_ = premises_.idle.insert(premises_.idle.end(), this);
+  line_->read([self = shared_from_this()](HttpHeard heard) { self->haveRead(std::move(heard)); });
+}
+
+void HttpConnection::hangUpIdle() {
+  stopWaiting();
+  line_->close();
+}
+
+void HttpConnection::stopWaiting() {
+  if (place_) premises_.idle.erase(*place_);
+  place_.reset();
+}
+
+void HttpConnection::closeFile() {
+  if (file_) workers().close(std::move(file_));
+}
+
+HttpLine::Then HttpConnection::next(Then then) {
+  return [self = shared_from_this(), then] { ((*self).*then)(); };
+}
+
+FileWorkers& HttpConnection::workers() {
+  return needs_ == Site::Needs::kPage ? premises_.pages : premises_.recordings;
+}
+
+void HttpConnection::haveRead(HttpHeard heard) {
+  stopWaiting();
+  request_ = std::move(heard.request);
+  ++premises_.traffic.http_requests;
+  needs_ = Site::needsOf(request_);
+  if (heard.what != HttpHeard::What::kRequest) {
+    const int status = heard.what == HttpHeard::What::kHasBody ? 413 : 400;
+    answer(plainRefusal(status, "malformed_http", "This is not a request that can be answered."));
+  } else if (heard.upgrade && request_.path() == "/ws") {
+    upgrade();
+  } else if (needs_ != Site::Needs::kNoFile) {
+    answerByWorker();
+  } else {
+    answer(premises_.site.answer(request_));
+  }
+}
+
+void HttpConnection::upgrade() {
+  HttpAnswer verdict = premises_.site.mayConnect(request_);
+  if (verdict.status != 200) {
+    answer(std::move(verdict));
+  } else if (premises_.clients.count() + premises_.upgrading >= premises_.max_clients) {
+    answer(plainRefusal(503, "too_many_clients", "As many clients as may be are connected."));
+  } else {
+    std::string cookie = premises_.site.cookieFor(request_);
+    ++premises_.upgrading;
+    line_->upgrade(std::move(cookie), wire::kLargestClientMessage,
+                   [&premises = premises_](std::unique_ptr<WebSocketStream> stream) {
+                     --premises.upgrading;
+                     if (!stream) return;
+                     std::make_shared<WebSocketLine>(std::move(stream), premises.clients,
+                                                     premises.traffic)
+                         ->join();
+                   });
+  }
+}
+
+// What a worker does touches this connection only through its thread: it may be gone by then, and
+// the worker must not be the last to know it.
+bool HttpConnection::letWork(const std::shared_ptr<Work>& work, std::function<void(Work&)> job,
+                             void (HttpConnection::*then)(Work&)) {
+  work_ = work;
+  auto done = [weak = weak_from_this(), work, then, &desk = workers()] {
+    const auto self = weak.lock();
+    if (self && self->work_ == work) {
+      self->line_->callOffAlarm();
+      self->work_.reset();
+      ((*self).*then)(*work);
+    }
+    desk.close(std::move(work->file));
+  };
+  if (!workers().post([work, job = std::move(job), done, &premises = premises_] {
+        if (!work->given_up) job(*work);
+        premises.post(done);
+      })) {
+    work_.reset();
+    return false;
+  }
+  const bool draws = needs_ == Site::Needs::kReport;
+  line_->setAlarm(draws ? premises_.report_patience : premises_.disk_patience,
+                  [self = shared_from_this(), work] { self->giveUp(work); });
+  return true;
+}
+
+void HttpConnection::answerByWorker() {
+  auto work = std::make_shared<Work>();
+  work->request = request_;
+  work->head = line_->headOnly();
+  const auto job = [&site = premises_.site](Work& w) {
+    try {
+      w.answer = site.answer(w.request);
+    } catch (const std::exception&) {
+      w.answer = plainRefusal(500, "exception", "This could not be made.");
+    }
+    if (w.answer.file.empty()) return;
+    w.file = FileReader::open(w.answer.file);
+    if (w.file && !w.head) w.piece = w.file->next();
+  };
+  if (!letWork(work, job, &HttpConnection::haveMade)) {
+    answer(
+        plainRefusal(503, "busy", "Too much is being read or drawn at present. Try again soon."));
+  }
+}
+
+void HttpConnection::haveMade(Work& work) {
+  if (work.answer.file.empty()) {
+    answer(std::move(work.answer));
+  } else if (!work.file) {  // deleted since it was found
+    answer(plainRefusal(404, "vanished", "This file is not there any more."));
+  } else {
+    sendHeader(work);
+  }
+}
+
+// The disk does not answer. The worker goes on waiting for it; its work is thrown away.
+void HttpConnection::giveUp(const std::shared_ptr<Work>& work) {
+  if (work_ != work) return;
+  work_->given_up = true;
+  work_.reset();
+  line_->keepNoLonger();
+  if (sending_) {
+    line_->close();
+  } else {
+    answer(plainRefusal(503, "disk", "The disk does not answer, or the report is too large."));
+  }
+}
+
+void HttpConnection::answer(HttpAnswer a) {
+  if (!a.refused.empty()) {
+    ++premises_.traffic.refused[a.refused];
+    premises_.log.write(
+        fmt::format("{} refused ({}): {}", line_->peer(), a.refused, printable(request_.path())),
+        monotonicNow_ns());
+  }
+  line_->send(std::move(a), next(&HttpConnection::haveAnswered));
+}
+
+// The header, then the file in pieces, so that patience is counted anew with each that was taken.
+void HttpConnection::sendHeader(Work& work) {
+  file_ = std::move(work.file);
+  sending_ = true;
+  line_->sendHeader(work.answer, file_->size(),
+                    [self = shared_from_this(), piece = std::move(work.piece)]() mutable {
+                      if (self->line_->headOnly()) return self->haveSentFile();
+                      self->sendPiece(std::move(piece));
+                    });
+}
+
+void HttpConnection::sendPiece(std::string piece) {
+  line_->sendPiece(std::move(piece), next(&HttpConnection::readPiece));
+}
+
+void HttpConnection::readPiece() {
+  if (file_->left() == 0) return haveSentFile();
+  auto work = std::make_shared<Work>();
+  work->file = std::move(file_);
+  const auto job = [](Work& w) { w.piece = w.file->next(); };
+  if (!letWork(work, job, &HttpConnection::havePiece)) {
+    file_ = std::move(work->file);
+    line_->close();  // what was promised cannot be sent
+  }
+}
+
+void HttpConnection::havePiece(Work& work) {
+  if (work.piece.empty()) return line_->close();  // the file has become shorter
+  file_ = std::move(work.file);
+  sendPiece(std::move(work.piece));
+}
+
+void HttpConnection::haveSentFile() {
+  closeFile();
+  sending_ = false;
+  haveAnswered();
+}
+
+void HttpConnection::haveAnswered() {
+  if (line_->keepsAlive()) return read();
+  line_->finish();
+}
+
+}  // namespace wholehand

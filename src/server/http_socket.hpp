@@ -1,0 +1,13 @@
+#pragma once
+
+#include "server/asio.hpp"
+#include "server/http_line.hpp"
+
+#include <memory>
+
+namespace wholehand {
+
+/// The line over a connected socket, on the socket's thread.
+[[nodiscard]] std::unique_ptr<HttpLine> openHttpLine(Tcp::socket socket);
+
+}  // namespace wholehand

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "server/asio.hpp"
+#include "server/websocket_stream.hpp"
+
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/fields.hpp>
+#include <boost/beast/http/message.hpp>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace wholehand {
+
+using UpgradeRequest = boost::beast::http::request<boost::beast::http::empty_body>;
+
+/// Answers a request for a WebSocket over its socket, on the socket's thread; does not block.
+/// @param request may go when this returns
+/// @param cookie to set; empty: none
+/// @param largest_bytes of a message of the client; the connection ends where it sends more
+/// @param then called later, once; with null where it failed
+void acceptWebSocket(Tcp::socket socket, const UpgradeRequest& request, std::string cookie,
+                     std::size_t largest_bytes,
+                     std::function<void(std::unique_ptr<WebSocketStream>)> then);
+
+}  // namespace wholehand

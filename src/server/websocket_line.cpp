@@ -1,0 +1,71 @@
+#include "server/websocket_line.hpp"
+
+#include "realtime/monotonic_clock.hpp"
+
+#include <utility>
+
+namespace wholehand {
+
+WebSocketLine::WebSocketLine(std::unique_ptr<WebSocketStream> stream, Clients& clients,
+                             Traffic& traffic)
+    : stream_(std::move(stream)), clients_(clients), traffic_(traffic) {}
+
+void WebSocketLine::join() {
+  number_ = clients_.join(shared_from_this(), monotonicNow_ns());
+  read();
+}
+
+void WebSocketLine::deliver(SharedBytes message) {
+  queue_.push_back(std::move(message));
+  if (!writing_) writeNext();
+}
+
+bool WebSocketLine::offer(SharedBytes state, std::int64_t arrived_ns) {
+  if (writing_) return false;
+  arrived_ns_ = arrived_ns;
+  write(std::move(state));
+  return true;
+}
+
+void WebSocketLine::read() {
+  stream_->read(
+      [self = shared_from_this()](const WebSocketHeard& heard) { self->haveRead(heard); });
+}
+
+void WebSocketLine::haveRead(const WebSocketHeard& heard) {
+  const std::int64_t now_ns = monotonicNow_ns();
+  if (heard.what == WebSocketHeard::What::kTooLarge) clients_.saidTooMuch(number_, now_ns);
+  if (heard.what != WebSocketHeard::What::kMessage) {
+    clients_.leave(number_, now_ns);
+    return;
+  }
+  clients_.heard(number_, heard.bytes, heard.text, now_ns);
+  read();
+}
+
+void WebSocketLine::writeNext() {
+  SharedBytes next = std::move(queue_.front());
+  queue_.pop_front();
+  arrived_ns_ = 0;
+  write(std::move(next));
+}
+
+void WebSocketLine::write(SharedBytes message) {
+  writing_ = std::move(message);
+  since_ns_ = monotonicNow_ns();
+  stream_->write(*writing_, [self = shared_from_this()](bool sent) { self->haveWritten(sent); });
+}
+
+void WebSocketLine::haveWritten(bool sent) {
+  const std::int64_t now_ns = monotonicNow_ns();
+  if (!sent) {
+    clients_.leave(number_, now_ns);
+    return;
+  }
+  traffic_.bytes_sent += writing_->size();
+  if (arrived_ns_ != 0) traffic_.addAge(now_ns - arrived_ns_);
+  writing_.reset();
+  if (!queue_.empty()) writeNext();
+}
+
+}  // namespace wholehand
