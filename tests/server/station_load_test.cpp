@@ -99,7 +99,8 @@ struct LoadedStation {
 };
 
 // Taken in turns, since a machine is not the same from one minute to the next; the rarest ticks of
-// few seconds say little, so that more rounds are played until the figure is reached, or twenty are.
+// few seconds say little, so that more rounds are played until the figure is reached, or twenty
+// are.
 TEST(StationLoad, FourClients_CostTheTickNothing) {
   const bool full = std::getenv("WHOLEHAND_FULL") != nullptr;
   const std::chrono::milliseconds turn = full ? 30s : 3s;
