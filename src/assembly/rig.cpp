@@ -8,10 +8,30 @@
 #include "patient/scripted_player.hpp"
 #include "physics/bullet/bullet_world.hpp"
 
+#include <cmath>
 #include <string>
 
 namespace wholehand {
 namespace {
+
+// What avatar and bodies can hold: their motion at the device's speed limits, and the weight of the
+// bodies over the way of the arm [J].
+double heldByWorld(const Models& models, const CouplingGains& gains) {
+  double held_j = 0.0, speed_sq = 0.0, way_sq = 0.0;
+  for (int a = 0; a < models.device.axisCount(); ++a) {
+    const DeviceAxis& axis = models.device.axes[static_cast<std::size_t>(a)];
+    held_j += 0.5 * gains.inertia[a] * axis.speed_limit * axis.speed_limit;
+    if (axis.kind != AxisKind::kTranslation) continue;
+    speed_sq += axis.speed_limit * axis.speed_limit;
+    way_sq += (axis.upper - axis.lower) * (axis.upper - axis.lower);
+  }
+  for (const SceneBody& body : models.scene.bodies) {
+    if (body.fixed) continue;
+    held_j +=
+        body.mass_kg * (0.5 * speed_sq + models.scene.gravity_m_s2.norm() * std::sqrt(way_sq));
+  }
+  return held_j;
+}
 
 RendererConfig rendererConfig(const Models& models, const CouplingGains& gains, double period_s,
                               bool simulated) {
@@ -25,7 +45,7 @@ RendererConfig rendererConfig(const Models& models, const CouplingGains& gains, 
     config.effort_limit[a] = models.device.axes[a].effort_limit;
   }
   config.gravity_m_s2 = models.scene.gravity_m_s2;
-  config.tank = makeEnergyTank(models.device, period_s);
+  config.tank = makeEnergyTank(models.device, period_s, heldByWorld(models, gains));
   config.supervisor = makeSupervisor(models.device, period_s, simulated);
   config.live = LiveSettings(models.device, config.damping);
   return config;

@@ -6,10 +6,11 @@
 namespace wholehand {
 namespace {
 
-constexpr double kTranslation_j = 0.05;
-constexpr double kRotation_j = 0.005;
+constexpr double kPush_m = 5e-3, kPush_rad = 0.05;
 constexpr int kRing = kMostDelayTicks + 2;
-constexpr double kMostDamping = 0.4;  // of m / ((1 + n) T)
+constexpr double kFilter_s = 2e-3;
+constexpr double kMostDamping = 0.4;  // of m / ((1 + n) T + kFilter_s)
+constexpr double kCountShare = 0.02;  // of f̂, for one count of the encoder
 
 // What the coupling's spring holds when its effort is held to the limit.
 double storedIn(double stiffness, double stretch, double limit) noexcept {
@@ -18,10 +19,43 @@ double storedIn(double stiffness, double stretch, double limit) noexcept {
   return limit * e - 0.5 * limit * limit / stiffness;
 }
 
+double pushOf(const DeviceAxis& axis) noexcept {
+  if (axis.kind == AxisKind::kTranslation) return kPush_m;
+  return axis.lever_arm_m > 0.0 ? kPush_m / axis.lever_arm_m : kPush_rad;
+}
+
+double mostDamping(const DeviceAxis& axis, int delay_ticks, double period_s) noexcept {
+  const double rings = kMostDamping * axis.mass / ((1.0 + delay_ticks) * period_s + kFilter_s);
+  if (!(axis.encoder_step > 0.0)) return rings;
+  return std::min(rings,
+                  kCountShare * axis.effort_limit * (kFilter_s + period_s) / axis.encoder_step);
+}
+
+// α of a debt: what takes it back within this tick, up to what an axis bears.
+double dampingFor(double debt_j, double speed_sq, double elapsed_s, double most) noexcept {
+  return std::min(debt_j / (speed_sq * elapsed_s), most);
+}
+
+// The hand's debt is taken back by all axes, each to the same share of what it bears.
+void dampHand(const EnergyTankState& state, const EnergyTankConfig& config, double elapsed_s,
+              AxisEffort& effort) noexcept {
+  double power_w = 0.0;
+  for (int i = 0; i < config.axes; ++i) {
+    power_w += config.most_damping[i] * state.velocity[i] * state.velocity[i];
+  }
+  if (!(state.hand < 0.0) || power_w == 0.0) return;
+  const double share = std::min(-state.hand / (power_w * elapsed_s), 1.0);
+  for (int i = 0; i < config.axes; ++i) {
+    const double damping = -share * config.most_damping[i] * state.velocity[i];
+    if (std::abs(damping) > std::abs(effort[i])) effort[i] = damping;
+  }
+}
+
 }  // namespace
 
-EnergyTankConfig makeEnergyTank(const DeviceModel& device, double period_s) {
+EnergyTankConfig makeEnergyTank(const DeviceModel& device, double period_s, double held_j) {
   EnergyTankConfig config;
+  config.hand_capacity = held_j;
   config.axes = device.axisCount();
   config.delay_ticks = std::clamp(device.output_delay_ticks, 0, kMostDelayTicks);
   config.capacity = AxisEnergy(config.axes);
@@ -29,11 +63,11 @@ EnergyTankConfig makeEnergyTank(const DeviceModel& device, double period_s) {
   config.encoder_step = AxisPosition(config.axes);
   for (int i = 0; i < config.axes; ++i) {
     const DeviceAxis& axis = device.axes[static_cast<std::size_t>(i)];
-    config.capacity[i] = axis.kind == AxisKind::kTranslation ? kTranslation_j : kRotation_j;
+    config.capacity[i] = 0.5 * axis.effort_limit * pushOf(axis);
     config.device_damping[i] = axis.damping;
-    config.most_damping[i] =
-        kMostDamping * axis.mass / ((1.0 + device.output_delay_ticks) * period_s);
+    config.most_damping[i] = mostDamping(axis, device.output_delay_ticks, period_s);
     config.encoder_step[i] = axis.encoder_step;
+    config.hand_capacity += config.capacity[i];
   }
   return config;
 }
@@ -41,8 +75,10 @@ EnergyTankConfig makeEnergyTank(const DeviceModel& device, double period_s) {
 EnergyTankState fullTank(const EnergyTankConfig& config) noexcept {
   EnergyTankState state;
   state.energy = config.capacity;
+  state.hand = config.hand_capacity;
   state.stored = AxisEnergy(config.axes);
   state.q_m = state.q_s = AxisPosition(config.axes);
+  state.velocity = AxisVelocity(config.axes);
   state.avatar = AxisEffort(config.axes);
   state.sent.fill(AxisEffort(config.axes));
   return state;
@@ -60,26 +96,31 @@ EnergyTankStep advanceTank(const EnergyTankState& state, const AxisPosition& q_m
   };
   const AxisEffort& acted = sent(config.delay_ticks);
   const AxisEffort& before = sent(config.delay_ticks + 1);
+  double given_by_hand = 0.0;
   for (int i = 0; i < config.axes; ++i) {
     const double wall = i < wall_stored.size() ? wall_stored[i] : 0.0;
     const double stored = storedIn(gains.k_pm[i], q_m[i] - q_s[i], effort_limit[i]) + wall;
     if (!state.fresh) {
       const double dx = q_m[i] - state.q_m[i];
-      const double ds = q_s[i] - state.q_s[i];
+      const double v = (kFilter_s * state.velocity[i] + dx) / (kFilter_s + elapsed_s);
       const double hidden = 0.5 * config.encoder_step[i] * std::abs(acted[i] - before[i]);
-      const double given =
-          acted[i] * dx + state.avatar[i] * ds + (stored - state.stored[i]) + hidden;
-      const double taken = 0.5 * config.device_damping[i] * dx * dx / elapsed_s;
+      const double taken = config.device_damping[i] * v * v * elapsed_s;
+      const double to_person = acted[i] * dx + (stored - state.stored[i]) + hidden - taken;
+      const double given = to_person + state.avatar[i] * (q_s[i] - state.q_s[i]);
       const double energy =
-          std::clamp(state.energy[i] - given + taken, -config.capacity[i], config.capacity[i]);
+          std::clamp(state.energy[i] - given, -config.capacity[i], config.capacity[i]);
+      given_by_hand += to_person;
+      out.state.velocity[i] = v;
       out.state.energy[i] = energy;
-      if (energy < 0.0 && dx != 0.0) {
-        const double damping = std::min(-energy * elapsed_s / (dx * dx), config.most_damping[i]);
-        out.effort[i] = -damping * dx / elapsed_s;
+      if (energy < 0.0 && v != 0.0) {
+        out.effort[i] = -dampingFor(-energy, v * v, elapsed_s, config.most_damping[i]) * v;
       }
     }
     out.state.stored[i] = stored;
   }
+  out.state.hand =
+      std::clamp(state.hand - given_by_hand, -config.hand_capacity, config.hand_capacity);
+  dampHand(out.state, config, elapsed_s, out.effort);
   out.state.q_m = q_m;
   out.state.q_s = q_s;
   out.state.fresh = false;
@@ -87,14 +128,12 @@ EnergyTankStep advanceTank(const EnergyTankState& state, const AxisPosition& q_m
 }
 
 EnergyTankState noteSent(const EnergyTankState& state, const AxisEffort& sent,
-                         const AxisVelocity& qd_mf, const AxisVelocity& qd_s,
-                         const AxisRatio& avatar_damping, const CouplingGains& gains) noexcept {
+                         const AxisEffort& avatar_effort, const AxisEffort& effort_limit) noexcept {
   EnergyTankState out = state;
   out.newest = (state.newest + 1) % kRing;
   out.sent[static_cast<std::size_t>(out.newest)] = sent;
   for (int i = 0; i < sent.size(); ++i) {
-    out.avatar[i] =
-        gains.k_pm[i] * (state.q_m[i] - state.q_s[i]) + avatar_damping[i] * (qd_mf[i] - qd_s[i]);
+    out.avatar[i] = std::clamp(avatar_effort[i], -effort_limit[i], effort_limit[i]);
   }
   return out;
 }

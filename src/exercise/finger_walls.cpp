@@ -104,7 +104,12 @@ FingerWallState followClosure(const FingerWallState& state, const FingerSight& s
                         (seen.touching >> i & 1U) != 0U};
     const Step step{kLetGo_m_s * per_m * elapsed_s, std::min(1.0, kLetGo_per_s * elapsed_s)};
     Wall wall{felt, felt ? state.position[i] : 0.0};
-    if (ahead) {
+    // Touched near the open end, the first touch wavers between there and nowhere.
+    const bool holds = finger.touches && seen.q_m[i] > seen.q_s[i] && i < seen.closure.size() &&
+                       seen.closure[i] == -HUGE_VAL;
+    if (felt && holds) {
+      // The wall stays: what closes on the target is held back by it.
+    } else if (ahead) {
       const double target = seen.closure[i] - lead_in_m * per_m;
       const double reach = config.follow_m_s * per_m * elapsed_s;
       wall = {true, felt ? follow(wall.position, target, finger, reach, step)

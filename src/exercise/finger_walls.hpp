@@ -57,7 +57,9 @@ struct FingerSight {
 /// - towards the open hand it follows at follow_m_s, but into the finger only while the digit
 ///   touches the target.
 /// So a digit that touches nothing gets no effort but by its own closing on the lead-in. Where the
-/// finger is past the touch or there is none, no wall begins, and one that is felt lets go.
+/// finger is past the touch or there is none, no wall begins, and one that is felt lets go; but it
+/// stays where it is while the digit is pressed against the target that meets it at the open end
+/// already (closure −∞): the first touch wavers there, and the effort would come and go.
 /// Pure, real-time safe.
 [[nodiscard]] WHOLEHAND_RT FingerWallState followClosure(const FingerWallState& state,
                                                          const FingerSight& seen, double lead_in_m,

@@ -55,8 +55,8 @@ void HapticRenderer::watchEnergy(std::uint32_t elapsed_periods, TickRecord& reco
   // While an effort is blended in, the springs hold what nobody was given yet: nothing to judge.
   if (ramp_.authority < 1.0) return;
   record.tank_effort = step.effort;
-  for (double effort : step.effort) {
-    if (effort != 0.0) record.faults |= Fault::kTankEmpty;
+  for (int i = 0; i < step.effort.size(); ++i) {
+    if (step.effort[i] != 0.0) noteFault(Fault::kTankEmpty, i, record);
   }
 }
 
@@ -87,9 +87,11 @@ void HapticRenderer::makeSafe(std::uint32_t elapsed_periods, TickRecord& record)
   record.authority = ramp_.authority;
   record.sent = ramp_.sent;
   if (config_.tank.axes == 0) return;
-  tank_ = noteSent(tank_, difference(record.sent, config_.neutral), record.qd_mf, record.qd_s,
-                   avatar_damping_, config_.gains);
-  if (ramp_.authority < 1.0) tank_.energy = config_.tank.capacity;
+  tank_ = noteSent(tank_, difference(record.sent, config_.neutral), record.f_s, effort_limit_);
+  if (ramp_.authority < 1.0) {
+    tank_.energy = config_.tank.capacity;
+    tank_.hand = config_.tank.hand_capacity;
+  }
 }
 
 // What may be sent of what is rendered. A therapist's limit is on what is rendered; the device's

@@ -105,8 +105,9 @@ class OneAxisTick {
     const AxisEffort last = ramp_.sent;
     ramp_ = advanceRamp(ramp_, limited.effort, neutral, stop, 1, kPeriod_s, {});
     ramp_.sent = limitSlew(ramp_.sent, last, most_change).effort;
-    tank_ = noteSent(step.state, AxisEffort(1, ramp_.sent[0] - neutral[0]), velocity_.filtered,
-                     qd_s, dampingOf(loop_), gains_);
+    tank_ =
+        noteSent(step.state, AxisEffort(1, ramp_.sent[0] - neutral[0]),
+                 avatarEffort(q_m, velocity_.filtered, q_s, qd_s, dampingOf(loop_), gains_), limit);
     drive_per_s2 = loop_.k_ps_per_s2 * (x - xs) + loop_.k_ds_per_s * (vf - vs);
     return ramp_.sent[0];
   }

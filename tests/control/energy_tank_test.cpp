@@ -18,6 +18,8 @@ namespace wholehand {
 namespace {
 
 constexpr double kPeriod_s = 1e-3;
+// An avatar of 0.4 kg at 3 m/s.
+constexpr double kHeld_j = 1.8;
 
 struct Loop {
   double mass = 0.5, damping = 0.2, person_mass = 0.3, person_damping = 1.0, person_stiffness = 0.0;
@@ -57,7 +59,7 @@ Outcome simulate(const Loop& loop, bool with_tank, double wall_m, double start_m
   SimulatedDevice simulated(plant, person, testing::stayAt(start_m), kPeriod_s);
   EXPECT_TRUE(simulated.open());
   const CouplingGains gains = gainsOf(loop);
-  const EnergyTankConfig config = makeEnergyTank(device, kPeriod_s);
+  const EnergyTankConfig config = makeEnergyTank(device, kPeriod_s, kHeld_j);
   EnergyTankState tank = fullTank(config);
   VelocityState velocity;
   std::array<double, 9> sent{};
@@ -78,15 +80,13 @@ Outcome simulate(const Loop& loop, bool with_tank, double wall_m, double start_m
     const double added = with_tank ? step.effort[0] : 0.0;
     const double f = std::clamp(coupling + added, -kLimit, kLimit);
     const double without = std::clamp(coupling, -kLimit, kLimit);
-    tank = noteSent(step.state, AxisEffort(1, f), velocity.filtered, qd_s, test::dampingOf(gains),
-                    gains);
+    const AxisEffort f_s =
+        avatarEffort(reading.q_m, velocity.filtered, q_s, qd_s, test::dampingOf(gains), gains);
+    tank = noteSent(step.state, AxisEffort(1, f), f_s, AxisEffort(1, kLimit));
     out.effort_change_rms += (f - without) * (f - without);
     out.largest_effort = std::max(out.largest_effort, std::abs(f));
     // Avatar, symplectic Euler, against the rigid wall.
-    const double a =
-        avatarEffort(reading.q_m, velocity.filtered, q_s, qd_s, test::dampingOf(gains), gains)[0] /
-        gains.inertia[0];
-    v_s += kPeriod_s * a;
+    v_s += kPeriod_s * f_s[0] / gains.inertia[0];
     if (x_s + kPeriod_s * v_s > wall_m) v_s = x_s >= wall_m ? 0.0 : (wall_m - x_s) / kPeriod_s;
     x_s += kPeriod_s * v_s;
     for (int i = 8; i > 0; --i)
@@ -150,7 +150,7 @@ TEST(EnergyTank, LowerLimitInForce_DoesNotEmptyIt) {
   DeviceModel device = testing::oneAxisDevice(0.8);
   device.axes[0].damping = 6.0;
   device.axes[0].effort_limit = 20.0;
-  const EnergyTankConfig config = makeEnergyTank(device, kPeriod_s);
+  const EnergyTankConfig config = makeEnergyTank(device, kPeriod_s, kHeld_j);
   Loop loop;
   loop.k_pm = 1500.0;
   loop.gamma = 1.0;
@@ -161,8 +161,8 @@ TEST(EnergyTank, LowerLimitInForce_DoesNotEmptyIt) {
     const double x = 0.0125 * (1.0 - std::cos(2.0 * std::numbers::pi * k / 1000.0));
     // The work of the held spring along the step, exactly: the mean effort.
     const auto held = [&](double e) { return -std::min(1500.0 * e, 8.0); };
-    tank = noteSent(tank, AxisEffort(1, 0.5 * (held(before) + held(x))), AxisVelocity(1),
-                    AxisVelocity(1), AxisRatio(1), gains);
+    tank = noteSent(tank, AxisEffort(1, 0.5 * (held(before) + held(x))), AxisEffort(1),
+                    AxisEffort(1, 8.0));
     const EnergyTankStep step = advanceTank(tank, AxisPosition(1, x), AxisPosition(1, 0.0), {},
                                             gains, config, AxisEffort(1, 8.0), 1, kPeriod_s);
     EXPECT_EQ(step.effort[0], 0.0) << k;
@@ -190,8 +190,8 @@ TEST(EnergyTank, SpringAlone_KeepsItsEnergy) {
              .state;
   for (int k = 1; k <= 4000; ++k) {
     const double next = 0.01 * std::sin(2.0 * std::numbers::pi * k / 1000.0);
-    tank = noteSent(tank, AxisEffort(1, -loop.k_pm * 0.5 * (x + next)), AxisVelocity(1),
-                    AxisVelocity(1), AxisRatio(1), gains);
+    tank = noteSent(tank, AxisEffort(1, -loop.k_pm * 0.5 * (x + next)), AxisEffort(1),
+                    AxisEffort(1, 1e9));
     tank = advanceTank(tank, AxisPosition(1, next), AxisPosition(1, 0.0), {}, gains, config,
                        AxisEffort(1, 1e9), 1, kPeriod_s)
                .state;
@@ -203,7 +203,8 @@ TEST(EnergyTank, SpringAlone_KeepsItsEnergy) {
 TEST(EnergyTank, EffortThatDrivesTheHand_IsPaidThenTakenBack) {
   // 2 N along a motion of 0.1 m/s give 0.2 W; 50 mJ last 0.25 s, then damping takes 2 N back.
   DeviceModel device = testing::oneAxisDevice(0.8);
-  EnergyTankConfig config = makeEnergyTank(device, kPeriod_s);
+  device.axes[0].effort_limit = 20.0;  // Ê = 20 N · 5 mm / 2
+  EnergyTankConfig config = makeEnergyTank(device, kPeriod_s, kHeld_j);
   Loop loop;
   loop.k_pm = 1e-9;
   const CouplingGains gains = gainsOf(loop);
@@ -215,17 +216,125 @@ TEST(EnergyTank, EffortThatDrivesTheHand_IsPaidThenTakenBack) {
         advanceTank(tank, q, q, {}, gains, config, AxisEffort(1, 20.0), 1, kPeriod_s);
     effort = step.effort[0];
     if (effort != 0.0 && empty_s == 0.0) empty_s = k * kPeriod_s;
-    tank = noteSent(step.state, AxisEffort(1, 2.0 + effort), AxisVelocity(1, 0.1),
-                    AxisVelocity(1, 0.1), test::dampingOf(gains), gains);
+    tank = noteSent(step.state, AxisEffort(1, 2.0 + effort), AxisEffort(1), AxisEffort(1, 20.0));
   }
   EXPECT_NEAR(empty_s, 0.25, 0.002);
   EXPECT_NEAR(effort, -2.0, 0.01);
 }
 
+TEST(EnergyTank, OneCountOfTheEncoder_MakesATwentiethOfTheLimitAtMost) {
+  // Empty, at the worst debt: a count δ within a tick, at every rate.
+  DeviceModel device = testing::oneAxisDevice(0.8);
+  device.axes[0].effort_limit = 20.0;
+  device.axes[0].encoder_step = 1e-5;
+  for (const double rate_hz : {1000.0, 2000.0, 4000.0, 8000.0}) {
+    const EnergyTankConfig config = makeEnergyTank(device, 1.0 / rate_hz, 0.0);
+    EnergyTankState tank = fullTank(config);
+    tank.energy[0] = -config.capacity[0];
+    tank.hand = -config.hand_capacity;
+    tank.fresh = false;
+    const EnergyTankStep step =
+        advanceTank(tank, AxisPosition(1, 1e-5), AxisPosition(1, 1e-5), {}, gainsOf(Loop{}), config,
+                    AxisEffort(1, 20.0), 1, 1.0 / rate_hz);
+    EXPECT_LT(step.effort[0], 0.0);
+    EXPECT_GE(step.effort[0], -1.0) << rate_hz;
+  }
+}
+
+/// Two axes of 1000 N/m whose avatar is held by a rigid object: J q̇_s = 0 along n = (0.6, 0.8),
+/// free along m = (−0.8, 0.6) and at rest there. The person takes both axes around a circle.
+struct HeldPair {
+  double sigma = 1.0;  ///< of the second axis: it acts on the object with K_pm / σ
+
+  /// Around n · q_s = 0 with a force balance along m: mᵀ K_s (q_m − q_s) = 0.
+  [[nodiscard]] AxisPosition avatar(const AxisPosition& q) const {
+    const double k_1 = 1000.0, k_2 = 1000.0 / sigma;
+    const double along = (-0.8 * k_1 * q[0] + 0.6 * k_2 * q[1]) / (0.64 * k_1 + 0.36 * k_2);
+    AxisPosition q_s(2);
+    q_s[0] = -0.8 * along;
+    q_s[1] = 0.6 * along;
+    return q_s;
+  }
+};
+
+struct Circled {
+  double hand_j, least_axis_j, damped_n;
+};
+
+/// H after whole turns of radius 5 mm, one a second.
+Circled circle(const HeldPair& pair, int turns) {
+  EnergyTankConfig config;
+  config.axes = 2;
+  config.capacity = AxisEnergy(2, 0.05);
+  config.hand_capacity = 0.1;
+  config.device_damping = AxisRatio(2);
+  config.most_damping = AxisRatio(2, 100.0);
+  config.encoder_step = AxisPosition(2);
+  CouplingGains gains;
+  gains.axes = 2;
+  gains.k_pm = AxisRatio(2, 1000.0);
+  EnergyTankState tank = fullTank(config);
+  const AxisEffort no_limit(2, 1e9);
+  const auto at = [](double turn) {
+    AxisPosition q(2);
+    q[0] = 5e-3 * std::cos(2.0 * std::numbers::pi * turn);
+    q[1] = -5e-3 * std::sin(2.0 * std::numbers::pi * turn);
+    return q;
+  };
+  tank = advanceTank(tank, at(0.0), pair.avatar(at(0.0)), {}, gains, config, no_limit, 1, kPeriod_s)
+             .state;
+  Circled out{0.0, 1.0, 0.0};
+  for (int k = 1; k <= 1000 * turns; ++k) {
+    // The mean of a step's two efforts integrates a linear spring's work exactly.
+    const AxisPosition a = at((k - 1) / 1000.0), b = at(k / 1000.0);
+    const AxisPosition a_s = pair.avatar(a), b_s = pair.avatar(b);
+    AxisEffort f(2), drive(2);
+    for (int i = 0; i < 2; ++i) {
+      const double e = 0.5 * (a[i] - a_s[i] + b[i] - b_s[i]);
+      f[i] = -1000.0 * e;
+      drive[i] = 1000.0 * e;  // as felt: what the account of an axis goes by
+    }
+    tank = noteSent(tank, f, drive, no_limit);
+    const EnergyTankStep step =
+        advanceTank(tank, b, b_s, {}, gains, config, no_limit, 1, kPeriod_s);
+    tank = step.state;
+    for (int i = 0; i < 2; ++i) {
+      out.least_axis_j = std::min(out.least_axis_j, tank.energy[i]);
+      out.damped_n = std::max(out.damped_n, std::abs(step.effort[i]));
+    }
+  }
+  out.hand_j = tank.hand;
+  return out;
+}
+
+TEST(EnergyTank, ClosedCycleAcrossTwoAxes_IsOneAccount) {
+  // What goes in through the one axis comes out through the other: nothing is made, nothing damped.
+  const Circled held = circle({}, 100);
+  EXPECT_NEAR(held.hand_j, 0.1, 1e-9);
+  EXPECT_EQ(held.damped_n, 0.0);
+}
+
+TEST(EnergyTank, CouplingThatMakesEnergyAcrossTwoAxes_IsSeenByTheHandAlone) {
+  // σ = 3 on the second axis. K = K_pm (I − m mᵀ K_s / (mᵀ K_s m)) is felt; by Green's theorem a
+  // turn this way round makes π r² (K_21 − K_12).
+  HeldPair pair;
+  pair.sigma = 3.0;
+  const double k_1 = 1000.0, k_2 = 1000.0 / 3.0, mkm = 0.64 * k_1 + 0.36 * k_2;
+  const double k_12 = 1000.0 * 0.8 * 0.6 * k_2 / mkm, k_21 = 1000.0 * 0.6 * 0.8 * k_1 / mkm;
+  const double turn_j = std::numbers::pi * 25e-6 * (k_21 - k_12);
+  const Circled one = circle(pair, 1);
+  EXPECT_NEAR(0.1 - one.hand_j, turn_j, 1e-3 * turn_j);
+  EXPECT_EQ(one.damped_n, 0.0);
+  EXPECT_GT(one.least_axis_j, 0.0);
+  // It goes on: the account is empty after so many turns, and what is made is taken back.
+  const int turns = static_cast<int>(std::ceil(0.1 / turn_j)) + 1;
+  EXPECT_GT(circle(pair, turns).damped_n, 0.1);
+}
+
 TEST(EnergyTank, WallThatFadesInUnderTheFinger_IsPaidFor) {
   // α k p²/2 from 0 to 4 mJ with the finger held still: E falls by as much.
   DeviceModel device = testing::oneAxisDevice(0.8);
-  const EnergyTankConfig config = makeEnergyTank(device, kPeriod_s);
+  const EnergyTankConfig config = makeEnergyTank(device, kPeriod_s, kHeld_j);
   const CouplingGains gains = gainsOf(Loop{});
   EnergyTankState tank = fullTank(config);
   const AxisPosition q(1, 0.0);

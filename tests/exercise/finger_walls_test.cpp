@@ -62,6 +62,28 @@ TEST(FingerWalls, NeverATouchOrOneAtTheOpenEnd_NoWall) {
   }
 }
 
+TEST(FingerWalls, TouchWaversAtTheOpenEnd_EffortOfAPressedFingerDoesNot) {
+  // A thumb that grips with its axis nearly at the open end: first touch 0.0002 rad, or before it.
+  FingerWallState state = follow({}, 0.0002, 0.05, 1.0, true);
+  double before = 0.0;
+  for (int i = 0; i < 400; ++i) {
+    const bool overlaps = i % 60 > 30;
+    const FingerSight seen{AxisPosition(1, overlaps ? -kInfinity : 0.0002), AxisPosition(1, 0.05),
+                           AxisPosition(1, 0.0004), 1U};
+    state = followClosure(state, seen, kLeadIn_m, 1.0, oneFinger(), kPeriod_s);
+    const double effort = effortAt(state, 0.05);
+    EXPECT_LE(effort, before + 1e-12) << i;  // it grows to what the target gives, and stays
+    before = effort;
+  }
+  // Eq. (15): the lead-in of 0.05 rad and 0.0498 rad past the touch, 1.5 N·m/rad.
+  EXPECT_NEAR(before, -1.5 * (0.05 + 0.0498), tolerance(1e-12));
+  // A back that is pushed by the target opens: nothing holds it.
+  const FingerSight pushed{AxisPosition(1, -kInfinity), AxisPosition(1, 0.05),
+                           AxisPosition(1, 0.06), 1U};
+  EXPECT_GT(followClosure(state, pushed, kLeadIn_m, 1.0, oneFinger(), kPeriod_s).position[0],
+            state.position[0]);
+}
+
 TEST(FingerWalls, FingerPastTheTouch_NoWallHoweverItMoves) {
   FingerWallState state;
   for (int i = 0; i < 2000; ++i) {

@@ -40,7 +40,7 @@ struct Chain {
     const LimitedEffort slow = limitSlew(out.effort, last, config.supervisor.most_change);
     ramp.sent = slow.effort;
     faults |= held.faults | out.faults | slow.faults;
-    tank = noteSent(tank, ramp.sent, r.qd_mf, r.qd_s, config.gains.k_pm, config.gains);
+    tank = noteSent(tank, ramp.sent, r.f_s, config.effort_limit);
     state = nextSafetyState(state, faults & kStopping, false, ramp.authority);
   }
 
