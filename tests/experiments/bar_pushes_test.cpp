@@ -1,6 +1,7 @@
 // The bar, pushed about by hands that do not grip: with the back, flat, as a fist. Whole rigs.
 #include "experiments/bar_figures.hpp"
 #include "patient/scripted_player.hpp"
+#include "realtime/sanitized.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
 #include "support/shipped.hpp"
@@ -134,7 +135,7 @@ TEST(BarPushed, WithoutAPalmarGrip_PoursNothing) {
     return std::uniform_real_distribution<double>(low, high)(random);
   };
   const std::vector<std::string> hands = shipped("hands");
-  const int pushes = std::getenv("WHOLEHAND_FULL") != nullptr ? 1000 : 16;
+  const int pushes = std::getenv("WHOLEHAND_FULL") != nullptr ? 1000 : WHOLEHAND_SANITIZED ? 4 : 16;
   int pressed = 0;
   for (int i = 0; i < pushes; ++i) {
     Push push;

@@ -1,5 +1,6 @@
 // Every fault that stops, on every axis, at random ticks: WHOLEHAND_FULL tries 1,000 of each.
 #include "fault_injection/fault_bench.hpp"
+#include "realtime/sanitized.hpp"
 #include "support/figure.hpp"
 #include "support/seed.hpp"
 
@@ -252,7 +253,8 @@ void injectOne(const Workbench& workbench, const Kind& kind, int axis, std::mt19
 }
 
 int runsOfEach() {
-  return std::getenv("WHOLEHAND_FULL") != nullptr ? 1000 : 6;
+  if (std::getenv("WHOLEHAND_FULL") != nullptr) return 1000;
+  return WHOLEHAND_SANITIZED ? 2 : 6;
 }
 
 class StoppingFault : public ::testing::TestWithParam<Kind> {};

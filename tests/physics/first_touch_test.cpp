@@ -1,5 +1,6 @@
 // First touch of a hand axis, against the exact separation of shapes all along its travel.
 #include "physics/still_hand.hpp"
+#include "realtime/sanitized.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
 
@@ -58,7 +59,8 @@ TEST_P(FirstTouch, OfAHandThatStays_IsFoundWithin50TicksAndIsTheFirst) {
   };
   int touches = 0, misses = 0, open_ends = 0, slowest = 0, held_up_axes = 0;
   double worst_gap_m = 0.0;
-  for (int n = 0; n < 50; ++n) {
+  const int hands = WHOLEHAND_SANITIZED ? 12 : 50;
+  for (int n = 0; n < hands; ++n) {
     // The body anywhere about the palm's hollow, upright or not; the hand anywhere, half closed.
     still.q[0] = draw(-0.08, 0.08), still.q[1] = draw(-0.1, 0.1), still.q[2] = draw(-0.1, 0.1);
     still.q[kFingers] = draw(0.0, 2.5), still.q[kCircumduction] = draw(0.0, 1.5);
@@ -119,9 +121,9 @@ TEST_P(FirstTouch, OfAHandThatStays_IsFoundWithin50TicksAndIsTheFirst) {
       "figure: %s: %d touches, %d never, %d open ends; slowest %d ticks, worst gap %.2g um\n",
       GetParam().name, touches, misses, open_ends, slowest, worst_gap_m * 1e6);
   EXPECT_LE(held_up_axes, 3) << "one hand of fifty may graze a face along";
-  EXPECT_GT(touches, 15);
-  EXPECT_GT(misses, 5);
-  EXPECT_GT(open_ends, 0);
+  EXPECT_GT(touches, hands * 3 / 10);
+  EXPECT_GT(misses, hands / 10);
+  if (!WHOLEHAND_SANITIZED) EXPECT_GT(open_ends, 0);
 }
 INSTANTIATE_TEST_SUITE_P(Shapes, FirstTouch,
                          testing::Values(Named{"bottle", cylinder(0.025, 0.2)},

@@ -1,5 +1,8 @@
 #pragma once
 
+#include "realtime/sanitized.hpp"
+
+#include <algorithm>
 #include <cstdlib>
 
 namespace wholehand::test {
@@ -10,8 +13,17 @@ inline double tolerance(double value) {
   return scale != nullptr ? value * std::atof(scale) : value;
 }
 
-/// How many random cases to try: thirty times as many where every large count is asked for.
+/// How many random cases to try: thirty times as many where every large count is asked for, a fifth
+/// under a sanitizer. What a case computes is judged by the release build; a sanitizer looks at the
+/// memory of the same code.
 inline int cases(int sampled) {
+  if (std::getenv("WHOLEHAND_FULL") != nullptr) return 30 * sampled;
+  return WHOLEHAND_SANITIZED ? std::max(1, sampled / 5) : sampled;
+}
+
+/// The same where a case is there for the memory: damaged files and messages. As many under a
+/// sanitizer.
+inline int damagedCases(int sampled) {
   return std::getenv("WHOLEHAND_FULL") != nullptr ? 30 * sampled : sampled;
 }
 

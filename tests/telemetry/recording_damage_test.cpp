@@ -103,8 +103,10 @@ std::string wholeRecording(const std::string& path, std::uint64_t ticks) {
 TEST(RecordingReader, RandomDamageAnywhere_IsReadOrRefusedNeverACrash) {
   const Folder folder;
   const std::string path = folder.file("a.h5"), spoiled = folder.file("spoiled.h5");
-  expectReadsOrRefuses(wholeRecording(path, 60), spoiled, test::cases(300));  // most of it meta
-  expectReadsOrRefuses(wholeRecording(path, 600), spoiled, test::cases(60));  // most of it ticks
+  expectReadsOrRefuses(wholeRecording(path, 60), spoiled,
+                       test::damagedCases(300));  // most of it meta
+  expectReadsOrRefuses(wholeRecording(path, 600), spoiled,
+                       test::damagedCases(60));  // most of it ticks
 }
 
 TEST(RecordingReader, RandomDamageAfterAKill_IsReadOrRefusedNeverACrash) {
@@ -120,7 +122,7 @@ TEST(RecordingReader, RandomDamageAfterAKill_IsReadOrRefusedNeverACrash) {
   }
   ::waitpid(child, nullptr, 0);
   ASSERT_EQ(RecordingReader::open(path).value()->size(), 60U);
-  expectReadsOrRefuses(bytesOf(path), folder.file("spoiled.h5"), test::cases(60));
+  expectReadsOrRefuses(bytesOf(path), folder.file("spoiled.h5"), test::damagedCases(60));
 }
 
 // Every byte of a text that the file holds once: where HDF5 would keep texts of variable length,
