@@ -4,6 +4,8 @@
 #include "realtime/thread_setup.hpp"
 #include "recorded_files.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace wholehand {
@@ -134,6 +136,16 @@ void runTick(Rig& rig, const TickInput& input, TickRecord& record) {
 
 Expected<Resimulation> resimulate(RecordedTicks& ticks, const RecordingMeta& meta,
                                   const std::string& path) {
+  if (meta.schema < kSchemaOfLaw) {
+    return cannotRun(
+        path,
+        fmt::format("it was recorded under an earlier law of rendering (schema version "
+                    "{}; today's since {})",
+                    meta.schema, kSchemaOfLaw),
+        "replay it without --resimulate or make a report; to run it again, use a "
+        "program of its time: " +
+            meta.git_version);
+  }
   auto rig = armedRig(meta, path);
   if (!rig) return rig.errors();
   Resimulation result;
@@ -148,10 +160,6 @@ Expected<Resimulation> resimulate(RecordedTicks& ticks, const RecordingMeta& met
     runTick(**rig, input, again);
     ++result.ticks;
     if (!ticks.recorded(again.tick, recorded)) continue;
-    if (meta.schema < 3) {  // it does not say
-      recorded.safety_state = again.safety_state;
-      recorded.fault_axis = again.fault_axis;
-    }
     ++result.compared;
     result.difference = firstDifference(recorded, again);
     if (!result.difference.field.empty()) {

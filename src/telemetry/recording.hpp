@@ -11,8 +11,10 @@
 namespace wholehand {
 
 /// Of the recordings that are written; those of kOldestRecordingSchema on are read. Below 3 a tick
-/// has no safety_state (disarmed) and no fault_axis (-1).
-inline constexpr std::uint64_t kRecordingSchema = 3, kOldestRecordingSchema = 2;
+/// has no safety_state (disarmed) and no fault_axis (-1). Below kSchemaOfLaw it was rendered under
+/// another law (docs/adr/0018-one-spring.md): it reads and replays, but does not run again to the
+/// bit.
+inline constexpr std::uint64_t kRecordingSchema = 4, kOldestRecordingSchema = 2, kSchemaOfLaw = 4;
 
 /// All that is needed to understand a recording and to run it again: written once into its /meta.
 struct RecordingMeta {

@@ -270,6 +270,18 @@ class Foreign(AppTest):
             f["meta"].attrs.modify("schema_version", type(version)(99))
         self.expect_all_refuse(path, "99")
 
+    def test_recording_of_the_former_law_replays_and_is_not_run_again(self):
+        path = self.record(duration=0.2)
+        with h5py.File(path, "r+", libver="latest") as f:
+            version = f["meta"].attrs["schema_version"]
+            f["meta"].attrs.modify("schema_version", type(version)(3))
+            written_by = f["meta"].attrs["git_version"].decode()
+        self.expect_refused(self.run_app("replay", "--resimulate", path), "run.h5", "cannot be run again",
+                            "an earlier law of rendering (schema version 3", "a program of its time: " + written_by,
+                            lines=1)
+        self.expect(self.run_app("replay", "--speed", "1000", path), DONE)
+        self.expect(self.run_app("report", path, "--out", "report"), DONE)
+
     def test_file_names_that_escape_are_refused(self):
         path = self.record(duration=0.2)
         victim = self.folder / "victim.toml"
