@@ -97,6 +97,8 @@ Expected<CheckedGains> checkGains(const Models& models, double period_s) {
   Expected<CouplingGains> gains =
       resolveGains(models.rendering, input.inertia_at_reference, period_s);
   if (!gains) return gains.errors();
+  if (Diagnostics heavy = refuseHeavyArmature(models, *gains, period_s); !heavy.empty())
+    return heavy;
   CheckedGains out;
   out.gains = *gains;
   out.refused = refuseUncertified(input);

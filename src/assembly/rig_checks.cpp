@@ -86,4 +86,29 @@ Diagnostics refuseImpossibleLimits(const DeviceModel& device) {
   return refused;
 }
 
+Diagnostics refuseHeavyArmature(const Models& models, const CouplingGains& gains, double period_s) {
+  Diagnostics refused;
+  for (int a = 0; a < gains.axes; ++a) {
+    const DeviceAxis& axis = models.device.axes[static_cast<std::size_t>(a)];
+    const AxisRendering& rendering = models.rendering.axes[static_cast<std::size_t>(a)];
+    const double felt = feltInertia(gains, a, period_s);
+    if (!rendering.armature || felt <= axis.mass) continue;
+    const bool translation = axis.kind == AxisKind::kTranslation;
+    const char* unit = translation ? "kg" : "kg·m²";
+    const double lever_sq = axis.lever_arm_m * axis.lever_arm_m;
+    const std::string at_tip =
+        lever_sq > 0.0 ? fmt::format(", {:.3g} g at the tip", 1e3 * felt / lever_sq) : "";
+    refused.push_back(
+        {models.rendering.path, 0,
+         fmt::format("axes[{}].armature_{}", axis.name, translation ? "kg" : "kg_m2"),
+         fmt::format("{:.6g}", *rendering.armature),
+         fmt::format(
+             "makes the hand a weight: the avatar is felt as {:.3g} {}{}, the device itself "
+             "as {:.3g}",
+             felt, unit, at_tip, axis.mass),
+         "state less, or leave it out: the rule then adds what the rate needs"});
+  }
+  return refused;
+}
+
 }  // namespace wholehand

@@ -3,6 +3,9 @@
 
 #include "assembly/watched_device.hpp"
 
+#include <fmt/format.h>
+
+#include <cmath>
 #include <limits>
 
 namespace wholehand::test {
@@ -22,6 +25,31 @@ TEST(BuildRig, UncertifiedAroundADeviceThatMayHoldAPerson_IsRefused) {
                                       std::make_unique<WatchedDevice>(story), options));
   Models models = load(shippedFiles(kDevice));
   EXPECT_TRUE(buildRig(models, Intention::throughWaypoints({{0.0, AxisPosition(3)}}), options));
+}
+
+TEST(CheckGains, ArmatureThatIsFeltAsAWeight_IsRefusedWithTheWeight) {
+  Models models = load(shippedFiles("lambda-pride"));
+  const int finger = models.device.axisIndex("finger_flexion");
+  AxisRendering& rendering = models.rendering.axes[static_cast<std::size_t>(finger)];
+  const DeviceAxis& axis = models.device.axes[static_cast<std::size_t>(finger)];
+  rendering.armature = 0.05;
+  const auto refused = checkGains(models, 1e-3);
+  ASSERT_FALSE(refused);
+  const Diagnostic& said = refused.errors().front();
+  EXPECT_EQ(said.key, "axes[finger_flexion].armature_kg_m2");
+  EXPECT_EQ(said.value, "0.05");
+  // Felt in free motion: M (1 + (1 - γ) k_d τ) with k_d = 2 √(K/M) - T K/M, M = 4.96e-5 + 0.05.
+  const double M = 0.05 + 4.96e-5, k_p = rendering.k_pm / M;
+  const double tau_s = 1.0 / (2.0 * 3.14159265358979 * rendering.velocity_filter_hz);
+  const double felt =
+      M * (1.0 + (1.0 - rendering.gamma) * (2.0 * std::sqrt(k_p) - 1e-3 * k_p) * tau_s);
+  EXPECT_NE(said.problem.find(fmt::format("felt as {:.2g}", felt)), std::string::npos)
+      << said.problem;
+  EXPECT_GT(felt, axis.mass);
+  EXPECT_NE(said.remedy.find("leave it out"), std::string::npos);
+  // What is felt as less than the device itself is borne.
+  rendering.armature = 0.3 * axis.mass;
+  EXPECT_TRUE(checkGains(models, 1e-3));
 }
 
 void expectTooLarge(const Models& models, const std::string& key, const std::string& count) {
