@@ -201,4 +201,20 @@ const std::vector<std::string>& handJointNames() {
   return kNames;
 }
 
+const std::vector<std::string>& handCapsuleNames() {
+  static const std::vector<std::string> kNames = [] {
+    std::vector<std::string> out;
+    const auto add_digit = [&](const Digit& digit) {
+      for (const std::string& segment : digit.segments) out.push_back(digit.name + "_" + segment);
+    };
+    for (const PlacedCapsule& placed : palmCapsules({})) out.push_back(placed.name);
+    for (const Digit& finger : fingers({})) add_digit(finger);
+    for (const PlacedCapsule& web : fingerWebs({})) out.push_back(web.name);
+    out.push_back(thenarCapsule({}).name);
+    add_digit(thumb({}));
+    return out;
+  }();
+  return kNames;
+}
+
 }  // namespace wholehand

@@ -61,5 +61,7 @@ struct PlacedCapsule {
 
 /// The hinge joints a hand has, in the order of the links.
 [[nodiscard]] const std::vector<std::string>& handJointNames();
+/// The capsules a hand has.
+[[nodiscard]] const std::vector<std::string>& handCapsuleNames();
 
 }  // namespace wholehand

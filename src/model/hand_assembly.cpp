@@ -1,6 +1,7 @@
 #include "model/anthropometry.hpp"
 #include "model/hand_file.hpp"
 #include "model/hand_links.hpp"
+#include "model/self_contacts.hpp"
 
 #include <fmt/format.h>
 
@@ -30,6 +31,7 @@ class Assembly {
     setTravel();
     setReference();
     checkRanges();
+    addSelfContacts(hand_, model_, faults_);
     if (!faults_.empty()) return faults_;
     return std::move(model_);
   }

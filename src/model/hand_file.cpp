@@ -1,6 +1,7 @@
 #include "model/hand_file.hpp"
 
 #include "model/anthropometry.hpp"
+#include "model/self_contacts.hpp"
 #include "model/toml_file.hpp"
 
 #include <algorithm>
@@ -103,7 +104,9 @@ Expected<HandFile> loadHandFile(const std::string& path) {
   readJoints(root, hand);
   readSynergy(root, hand);
   readReference(root, hand);
+  readSelfContacts(root, hand);
   if (Diagnostics faults = file.finish(); !faults.empty()) return faults;
+  if (Diagnostics faults = checkSelfContacts(hand); !faults.empty()) return faults;
   return hand;
 }
 

@@ -24,6 +24,12 @@ struct JointRange {
   double offset_rad = 0.0;  ///< its share of θ₀ when one does: where it is at zero of the device
 };
 
+/// A pair of capsules that stop each other.
+struct SelfContactEntry {
+  std::string capsule, other;
+  int line = 0;  ///< of the file; 0 when unknown
+};
+
 /// A hand file: anthropometry and synergy, before it meets a device.
 struct HandFile {
   std::string path;
@@ -35,6 +41,7 @@ struct HandFile {
   std::vector<JointRange> joints;
   std::vector<SynergyTerm> synergy;
   std::vector<std::pair<std::string, double>> reference;  ///< coordinate -> position, q_ref
+  std::vector<SelfContactEntry> self_contacts;
 };
 
 /// Reads and checks a hand file; every fault of the file is reported at once.

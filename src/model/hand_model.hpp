@@ -26,6 +26,12 @@ struct Capsule {
   double radius_m = 0.0;
 };
 
+/// Two capsules of a hand that stop each other.
+struct SelfPair {
+  int capsule_a = -1;  ///< index into HandModel::capsules
+  int capsule_b = -1;
+};
+
 enum class JointType { kPrismatic, kRevolute, kFixed };
 
 /// A rigid link and the joint that carries it. The link frame coincides with the joint frame at
@@ -55,6 +61,7 @@ struct HandModel {
   Side side = Side::kRight;
   std::vector<HandLink> links;  ///< parents first
   std::vector<Capsule> capsules;
+  std::vector<SelfPair> self_contacts;   ///< pairs that move against each other, in file order
   int palm_link = 0;                     ///< the link that carries the palm
   int joint_count = 0;                   ///< driven joints, N_j
   int axis_count = 0;                    ///< device axes, N

@@ -89,6 +89,8 @@ class TomlTable {
   [[nodiscard]] std::string path() const;
   /// 1-based line where the table starts; 0 when unknown.
   [[nodiscard]] int line() const;
+  /// 1-based line of a key; that of the table where it has none.
+  [[nodiscard]] int lineOf(std::string_view key) const;
 
  private:
   friend class TomlFile;

@@ -129,6 +129,9 @@ std::string TomlTable::path() const {
 int TomlTable::line() const {
   return state_->line;
 }
+int TomlTable::lineOf(std::string_view key) const {
+  return state_->lineOf(key);
+}
 
 std::vector<std::string> TomlTable::keys() const {
   std::vector<std::pair<toml::source_position, std::string>> found;

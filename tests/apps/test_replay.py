@@ -45,6 +45,21 @@ class Same(AppTest):
                 path = self.record("run.h5", *arguments, duration=9.0 if FULL or not arguments else 4.0)
                 self.expect_same_when_run_again(path)
 
+    def test_a_hand_that_meets_itself(self):
+        # A fist on nothing, made within a second and opened again: thumb and fingers stop each other.
+        lines = ["time_s,x_m,y_m,z_m,finger_flexion_rad,thumb_circumduction_rad,thumb_flexion_rad"]
+        for k in range(451):
+            closed = min(1.0, k / 100, (450 - k) / 100)
+            lines.append(f"{k / 100},0,0,0,{3.1 * closed},1.5,{1.35 * closed}")
+        motion = self.folder / "fist.csv"
+        motion.write_text("\n".join(lines) + "\n")
+        path = self.record("fist.h5", "--motion", motion, "--scene", CONFIG / "scenes/empty.toml", duration=5.0)
+        with read_recording(path) as f:
+            apart = numpy.abs(f["ticks/q_s"][:] - f["ticks/q_m"][:]).max(axis=0)
+            self.assertEqual(f["ticks/contact_count"][:].max(), 0)
+        self.assertGreater(apart[5], 0.01)  # the thumb was stopped, by no body [rad]
+        self.expect_same_when_run_again(path)
+
     def test_the_same_files_twice_give_the_same_ticks(self):
         first, second = self.record("a.h5"), self.record("b.h5")
         with read_recording(first) as a, read_recording(second) as b:

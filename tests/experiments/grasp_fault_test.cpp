@@ -13,7 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// The shipped hand, but thumb flexion moves the joint that circumduction moves: its reduced
-/// inertia is singular.
+/// inertia is singular. The joint has no end in reach: it would hold what the tick throws about.
 std::string singularHand(const std::string& folder) {
   std::ifstream in(shippedFiles().hand);
   std::string text{std::istreambuf_iterator<char>(in), {}};
@@ -25,6 +25,8 @@ std::string singularHand(const std::string& folder) {
   replace("thumb_circumduction = 1.0", "thumb_circumduction = 0.5");
   replace("thumb_cmc_flexion = 0.30\nthumb_mcp_flexion = 0.35\nthumb_ip_flexion = 0.35",
           "thumb_circumduction = 0.4");
+  replace("thumb_circumduction = { range_rad = [0.0, 1.5708]",
+          "thumb_circumduction = { range_rad = [-3.0, 3.1]");
   std::string path = folder + "/singular.toml";
   std::ofstream(path) << text;
   return path;

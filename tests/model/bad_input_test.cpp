@@ -355,6 +355,48 @@ TEST(BadInput, FileWithoutKindOrVersion_NamesBothAndGoesOn) {
   }
 }
 
+TEST(BadInput, SelfContacts_OneMistakeOneMessageWithPlaceAndRemedy) {
+  const std::string at = "index_distal = [";
+  const std::vector<Case> cases = {
+      {"hand", at, "index_distl = [", "index_distl = [", "self_contacts.index_distl",
+       "not a capsule of a hand", "did you mean index_distal?"},
+      {"hand", "\"pad_radial\"", "\"pad_radical\"", at, "self_contacts.index_distal",
+       "names pad_radical, which is not a capsule", "did you mean pad_radial?"},
+      {"hand", at, at + "\"index_distal\", ", at, "self_contacts.index_distal", "stop itself",
+       "remove index_distal"},
+      {"hand", at, at + "\"hollow\", ", at, "self_contacts.index_distal",
+       "the pair with hollow a second time", "remove hollow"},
+      // The pair is in thumb_distal's list already.
+      {"hand", at, at + "\"thumb_distal\", ", at, "self_contacts.index_distal",
+       "the pair with thumb_distal a second time", "a pair counts for both"},
+      {"hand", at, at + "3, ", at, "self_contacts.index_distal", "not a text", "texts in quotes"},
+      {"hand", at, "web_23 = [\"index_proximal\"]\n" + at, "web_23 = [", "self_contacts.web_23",
+       "index_proximal: is of the same rigid link as web_23", "never move against each other"},
+      // Neighbouring segments of a finger share a joint, about which their round ends meet.
+      {"hand", at, "index_middle = [\"index_proximal\"]\n" + at, "index_middle = [",
+       "self_contacts.index_middle", "index_proximal: overlaps index_middle by",
+       "remove index_proximal from index_middle"},
+  };
+  for (const Case& c : cases) expectFault(c);
+}
+
+TEST(BadInput, SelfContactsThatOverlapWithADevice_AreNamed) {
+  // A device that keeps the hand shut at its reference: there the thumb lies within the fingers.
+  const HandFile hand = loadHandFile(shipped("hand")).value();
+  DeviceModel device = loadDeviceFile(shipped("device")).value();
+  device.axes[3].lower = 2.9;
+  device.axes[4].lower = 1.5;
+  device.axes[5].lower = 1.3;
+  const auto assembled = assembleHand(hand, device);
+  ASSERT_FALSE(assembled.ok());
+  const Diagnostic& fault = assembled.errors().front();
+  EXPECT_EQ(fault.file, hand.path);
+  EXPECT_EQ(fault.line, lineOf(readAll(hand.path), "thumb_distal = ["));
+  EXPECT_EQ(fault.key, "self_contacts.thumb_distal");
+  EXPECT_NE(fault.problem.find("mm in the reference posture"), std::string::npos);
+  EXPECT_NE(fault.remedy.find("open the hand in [reference]"), std::string::npos);
+}
+
 TEST(BadInput, HandAndDeviceThatDoNotGoTogether_SayWhy) {
   const HandFile hand = loadHandFile(shipped("hand")).value();
   DeviceModel device = loadDeviceFile(shipped("device")).value();

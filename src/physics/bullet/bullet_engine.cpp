@@ -42,11 +42,13 @@ BulletEngine::BulletEngine(const HandModel& hand_in, const SceneModel& scene,
       axis_closure(hand_in, scene),
       scene_path(scene.path),
       dispatcher(&configuration, contactThreshold()),
+      rows(hand_in, scene.hand_friction, settings),
       solver(hand_in, synergy, settings),
       world(&dispatcher, &broadphase, &solver, &configuration),
-      hand(hand_in, scene.hand_friction) {
+      hand(hand_in, scene.hand_friction),
+      q_s(hand_in.axis_count) {
   configure(scene, settings);
-  solver.attach(&hand.body(), &kinematics);
+  solver.attach(&hand.body(), &kinematics, &rows);
   world.addMultiBody(&hand.body());
   for (const auto& capsule : hand.capsules()) {
     world.addCollisionObject(capsule.get(), kHandGroup, kBodyGroup);

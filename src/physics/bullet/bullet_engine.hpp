@@ -46,10 +46,12 @@ struct BulletEngine {
   btDefaultCollisionConfiguration configuration;
   NearFilter dispatcher;
   btDbvtBroadphase broadphase;
+  HandRows rows;
   ReducedContactSolver solver;
   btMultiBodyDynamicsWorld world;
   BulletHand hand;
   std::vector<BulletBody> bodies;
+  AxisPosition q_s;  ///< where setHand() last put the hand
   double coupling_error_rad = 0.0;
   double period_s = 1e-3;
 

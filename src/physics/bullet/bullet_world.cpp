@@ -40,6 +40,8 @@ Expected<Done> BulletWorld::placeHand(const AxisPosition& q_s) {
   e.setHand(theta, at_rest.data());
   e.coupling_error_rad = 0.0;
   e.axis_closure.reset();
+  e.q_s = q_s;
+  e.rows.reset(e.kinematics, q_s);
   e.solver.beginStep();
   e.world.performDiscreteCollisionDetection();
   Diagnostics found = e.overlaps();
@@ -86,6 +88,7 @@ Fault BulletWorld::step(const HandDrive& drive, double period_s) noexcept {
   e.period_s = period_s;
   e.solver.setReducedInertiaInverse(drive.reduced_inertia_inverse);
   e.solver.beginStep();
+  e.rows.beginStep(e.kinematics, e.q_s);
   for (bullet::BulletBody& body : e.bodies) body.beginStep();
   e.hand.addTorque(drive.torque);
   e.world.stepSimulation(period_s, 0);
@@ -106,6 +109,7 @@ Fault BulletWorld::step(const HandDrive& drive, double period_s) noexcept {
   e.synergy.expand(q_s, on_synergy);
   e.coupling_error_rad = (theta.vec() - on_synergy.vec()).cwiseAbs().maxCoeff();
   e.synergy.expandRate(qd_s.data(), theta_dot.data());
+  e.q_s = q_s;
   e.setHand(on_synergy, theta_dot.data());
   for (bullet::BulletBody& body : e.bodies) body.placeColliders();
   return Fault::kNone;
@@ -135,6 +139,28 @@ void BulletWorld::contacts(ContactList& contacts) const noexcept {
     out.torque_nm = toVec3(c.normal * (c.spin_row.impulse * per_s));
     out.distance_m = c.distance_m;
   }
+}
+
+void BulletWorld::selfForces(SelfForces& forces) const noexcept {
+  const bullet::BulletEngine& e = *engine_;
+  const double per_s = 1.0 / e.period_s;
+  forces.count = 0;
+  for (int i = 0; i < e.rows.touchCount() && forces.count < kMaxSelfForces; ++i) {
+    const bullet::SelfTouch& touch = e.rows.touch(i);
+    if (touch.normal_row.impulse <= 0.0) continue;
+    const SelfPair& pair = e.hand_model.self_contacts[static_cast<std::size_t>(touch.pair)];
+    const Eigen::Vector3d impulse = touch.gap.normal * touch.normal_row.impulse +
+                                    touch.tangent1 * touch.tangent1_row.impulse +
+                                    touch.tangent2 * touch.tangent2_row.impulse;
+    forces.touches[forces.count++] = {pair.capsule_a,
+                                      pair.capsule_b,
+                                      Vec3::from(touch.gap.point_m),
+                                      Vec3::from(touch.gap.normal),
+                                      Vec3::from(impulse * per_s),
+                                      touch.gap.distance_m};
+  }
+  forces.joint_ends = e.rows.endImpulse();
+  for (int a = 0; a < forces.joint_ends.size(); ++a) forces.joint_ends[a] *= per_s;
 }
 
 }  // namespace wholehand

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace wholehand::bullet {
 namespace {
@@ -64,6 +65,8 @@ void ReducedContactSolver::convertContacts(btPersistentManifold** manifolds, int
   first_contact_ = contact_count_;
   change_.fill(0.0);
   synergy_.reduceRate(multi_body_->getVelocityVector() + 6, velocity_.data());
+  rows_solved_ = std::exchange(rows_wait_, false);
+  if (rows_solved_) rows_->setUp(*kinematics_, *inverse_, velocity_.data(), info.m_timeStep);
   for (int i = 0; i < count; ++i) {
     const ColliderTag& a = *tagOf(manifolds[i]->getBody0());
     const ColliderTag& b = *tagOf(manifolds[i]->getBody1());
@@ -75,6 +78,7 @@ void ReducedContactSolver::convertContacts(btPersistentManifold** manifolds, int
       convertHandManifold(*manifolds[i], b, a, false, info);
     }
   }
+  if (rows_solved_) rows_->start(change_.data());
 }
 
 // The base class moves what a manifold names: for this call that is the bodies, not their
@@ -133,7 +137,7 @@ void ReducedContactSolver::setUpContact(HandContact& contact, const ColliderTag&
     row.angular = arm.cross(-direction);
     // Bullet has one body for all that is fixed, and that one stands; this one may slide.
     if (rigid == nullptr) goal -= row.linear.dot(owner.getLinearVelocity());
-    finishRow(row, body, false, goal);
+    finishRow(row, body, false, goal, &row == &contact.normal_row);
   };
   // Apart: let them close the gap in this step and no further. Overlapping: push apart gently.
   const double gap = contact.distance_m + settings_.penetration_slop_m;
@@ -153,16 +157,17 @@ void ReducedContactSolver::setUpContact(HandContact& contact, const ColliderTag&
 }
 
 void ReducedContactSolver::finishRow(ReducedRow& row, const btSolverBody& body, bool angular,
-                                     double goal_velocity) const {
+                                     double goal_velocity, bool one_sided) const {
   double inverse_mass = 0.0;
   double velocity = 0.0;
   for (int a = 0; a < axes_; ++a) {
     double y = 0.0;
     for (int b = 0; b < axes_; ++b) y += (*inverse_)(a, b) * row.jacobian[b];
     row.response[a] = y;
-    inverse_mass += y * row.jacobian[a];
     velocity += row.jacobian[a] * velocity_[a];
   }
+  rows_->lean(row.jacobian, row.response, row.lean, one_sided);
+  for (int a = 0; a < axes_; ++a) inverse_mass += row.response[a] * row.jacobian[a];
   const btRigidBody* rigid = body.m_originalBody;
   row.inverse_mass = 0.0;
   row.angular_response.setZero();
@@ -212,6 +217,9 @@ void ReducedContactSolver::apply(ReducedRow& row, btSolverBody& body, double imp
   }
   using Axes = Eigen::Matrix<double, Width, 1>;
   Eigen::Map<Axes>(change_.data()) += change * Eigen::Map<const Axes>(row.response.data());
+  using Ends = Eigen::Matrix<double, kMaxLeaning, 1>;
+  Eigen::Map<Ends>(rows_->leaningImpulse().data()) +=
+      change * Eigen::Map<const Ends>(row.lean.data());
 }
 
 template <int Width>
@@ -249,6 +257,7 @@ void ReducedContactSolver::iterate() {
                  std::clamp(wanted<Width>(contact.normal_row, body), 0.0, kNoLimit));
   }
   for (int i = first_contact_; i < contact_count_; ++i) solveFriction<Width>(contacts_[i]);
+  if (rows_solved_) residual_ = std::max(residual_, rows_->iterate<Width>(change_.data()));
 }
 
 btScalar ReducedContactSolver::solveSingleIteration(
@@ -274,6 +283,7 @@ btScalar ReducedContactSolver::solveGroupCacheFriendlyFinish(btCollisionObject**
   std::array<btScalar, 6 + kMaxJoints> joint_change{};
   synergy_.expandRate(change_.data(), joint_change.data() + 6);
   multi_body_->applyDeltaVeeMultiDof(joint_change.data(), 1.0);
+  if (rows_solved_) rows_->finish();
   for (int i = first_contact_; i < contact_count_; ++i) {
     const HandContact& contact = contacts_[i];
     btManifoldPoint& point = *contact.point;

@@ -4,6 +4,7 @@
 #include "dynamics/articulated_body.hpp"
 #include "dynamics/synergy.hpp"
 #include "physics/bullet/collider_tag.hpp"
+#include "physics/bullet/hand_rows.hpp"
 #include "physics/bullet/solver_settings.hpp"
 
 #include <BulletDynamics/Featherstone/btMultiBody.h>
@@ -21,6 +22,7 @@ struct ReducedRow {
   std::array<double, kMaxAxes> response{};  ///< M_r⁻¹ j
   btVector3 linear, angular;                ///< on the body
   btVector3 angular_response;               ///< I⁻¹ angular
+  Lean lean{};                              ///< on joint ends
   double inverse_mass = 0.0;                ///< of the body along `linear`
   double effective_mass = 0.0;              ///< 1 / (j·M_r⁻¹ j + body); 0 switches the row off
   double target = 0.0;                      ///< impulse that alone would reach the goal velocity
@@ -44,7 +46,8 @@ struct HandContact {
 /// reduced velocities q̇_s, so that every impulse keeps θ = θ₀ + G q_s exactly: no gear rows that
 /// fight the contact rows, and six unknowns instead of nineteen joints.
 ///
-/// Everything between other bodies is left to the base class.
+/// What the hand does with itself (HandRows) is solved along. Everything between other bodies is
+/// left to the base class.
 class ReducedContactSolver final : public btMultiBodyConstraintSolver {
  public:
   /// @pre hand and synergy outlive this
@@ -52,9 +55,10 @@ class ReducedContactSolver final : public btMultiBodyConstraintSolver {
                        const SolverSettings& settings);
 
   /// The articulated body of Bullet that receives the velocity change.
-  void attach(btMultiBody* body, const ArticulatedBody* kinematics) {
+  void attach(btMultiBody* body, const ArticulatedBody* kinematics, HandRows* rows) {
     multi_body_ = body;
     kinematics_ = kinematics;
+    rows_ = rows;
   }
   /// M_r⁻¹ of the coming step. @pre outlives the step
   void setReducedInertiaInverse(const AxisMatrix* inverse) { inverse_ = inverse; }
@@ -68,6 +72,7 @@ class ReducedContactSolver final : public btMultiBodyConstraintSolver {
   void beginStep() {
     contact_count_ = 0;
     dropped_ = 0;
+    rows_wait_ = true;
   }
 
  protected:
@@ -88,8 +93,8 @@ class ReducedContactSolver final : public btMultiBodyConstraintSolver {
                            const btContactSolverInfo& info);
   void setUpContact(HandContact& contact, const ColliderTag& tag, const btRigidBody& owner,
                     const btVector3& on_body, const btContactSolverInfo& info);
-  void finishRow(ReducedRow& row, const btSolverBody& body, bool angular,
-                 double goal_velocity) const;
+  void finishRow(ReducedRow& row, const btSolverBody& body, bool angular, double goal_velocity,
+                 bool one_sided = false) const;
   void warmStart(HandContact& contact);
   // The inner loop. Width is a compile-time multiple of the processor's vectors, no less than the
   // number of axes; what lies beyond the axes is zero.
@@ -108,6 +113,9 @@ class ReducedContactSolver final : public btMultiBodyConstraintSolver {
   btMultiBody* multi_body_ = nullptr;
   const ArticulatedBody* kinematics_ = nullptr;
   const AxisMatrix* inverse_ = nullptr;
+  HandRows* rows_ = nullptr;  ///< of the hand with itself; solved in the first call of a step
+  bool rows_wait_ = false;    ///< for that call
+  bool rows_solved_ = false;  ///< in the present call
   std::vector<HandContact> contacts_;  ///< fixed size; the first contact_count_ are in use
   int first_contact_ = 0;              ///< of the present call
   int contact_count_ = 0;
