@@ -1,6 +1,7 @@
 #include "model/patient_config.hpp"
 
 #include "model/axis_keys.hpp"
+#include "model/patient_keys.hpp"
 #include "model/toml_file.hpp"
 
 #include <algorithm>
@@ -8,15 +9,9 @@
 namespace wholehand {
 namespace {
 
-// Values at the tip become values of the joint by the lever arm squared: one factor for the force,
-// one for the path.
-constexpr AxisQuantity kMass{"mass_kg", "inertia_kg_m2", "mass_tip_kg", 2, 0.0, 100.0};
-constexpr AxisQuantity kDamping{
-    "damping_n_s_m", "damping_nm_s_rad", "damping_tip_n_s_m", 2, 0.0, 1e4};
-constexpr AxisQuantity kStiffness{
-    "stiffness_n_m", "stiffness_nm_rad", "stiffness_tip_n_m", 2, 0.0, 1e6};
 // Stronger than any tremor or finger, weaker than a slipped unit.
 constexpr AxisQuantity kTremor{"tremor_n", "tremor_nm", "tremor_tip_n", 1, 0.0, 10.0};
+constexpr AxisQuantity kTremorAlong{"along_n", "along_nm", "along_tip_n", 1, -10.0, 10.0};
 constexpr AxisQuantity kFight{"fight_n", "fight_nm", "fight_tip_n", 1, 0.0, 100.0};
 
 MotionMapping readMotion(TomlTable& root) {
@@ -62,9 +57,9 @@ StretchReflex readReflex(TomlTable& table, AxisKind kind) {
 PatientAxis readAxis(TomlTable& table, const std::string& name, AxisKind kind, double lever_m) {
   PatientAxis axis;
   axis.name = name;
-  axis.mass = readAxisQuantity(table, kMass, kind, lever_m);
-  axis.damping = readAxisQuantity(table, kDamping, kind, lever_m);
-  axis.stiffness = readAxisQuantity(table, kStiffness, kind, lever_m);
+  axis.mass = readAxisQuantity(table, kPersonMass, kind, lever_m);
+  axis.damping = readAxisQuantity(table, kPersonDamping, kind, lever_m);
+  axis.stiffness = readAxisQuantity(table, kPersonStiffness, kind, lever_m);
   axis.tremor = readAxisQuantity(table, kTremor, kind, lever_m, 0.0);
   axis.fight = readAxisQuantity(table, kFight, kind, lever_m, 0.0);
   axis.reflex = readReflex(table, kind);
@@ -86,11 +81,37 @@ std::optional<TomlTable> habitTable(TomlTable& root, const std::string& name, bo
   return table;
 }
 
+/// Efforts of a tremor that moves several axes together.
+AxisEffort readTremorAlong(TomlTable& table, const DeviceModel& device) {
+  AxisEffort along(device.axisCount());
+  const std::optional<LinkedAxes> axes = readLinkedAxes(table, device);
+  if (!axes) return along;
+  const std::string_view key = linkedKey(table, *axes, kTremorAlong);
+  if (key.empty()) {
+    if (table.good("axes")) {
+      table.fail("axes", "tremble by nothing", "add along_n, along_nm or along_tip_n");
+    }
+    return along;
+  }
+  const NumberRule rule = between(kTremorAlong.lower, kTremorAlong.upper, unitOfKey(key));
+  const std::vector<double> values = table.numbers(key, axes->names.size(), rule);
+  const std::vector<double> factors = linkedFactors(*axes, kTremorAlong, key);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (axes->on_device[i] >= 0) along[axes->on_device[i]] = values[i] * factors[i];
+  }
+  return along;
+}
+
 /// What the axes take part in; `all` are those of the file, other devices' among them.
-void readHabits(TomlTable& root, const std::vector<PatientAxis>& all, PatientConfig& config) {
+void readHabits(TomlTable& root, const std::vector<PatientAxis>& all, const DeviceModel& device,
+                PatientConfig& config) {
   const auto any = [&all](auto has) { return std::any_of(all.begin(), all.end(), has); };
-  if (auto t = habitTable(root, "tremor", any([](const auto& a) { return a.tremor > 0.0; }),
-                          "tremor_n, tremor_nm or tremor_tip_n")) {
+  std::optional<TomlTable> tremor = root.optionalTable("tremor");
+  const bool along = tremor && tremor->has("axes");
+  if (auto t =
+          habitTable(root, "tremor", along || any([](const auto& a) { return a.tremor > 0.0; }),
+                     "tremor_n, tremor_nm or tremor_tip_n")) {
+    if (along) config.tremor.along = readTremorAlong(*t, device);
     config.tremor.frequency_hz = t->number("frequency_hz", between(3.0, 12.0, "Hz"));
     config.tremor.phase_seed = static_cast<std::uint64_t>(
         t->integer("phase_seed", 0, std::numeric_limits<std::int32_t>::max(), 1));
@@ -101,6 +122,7 @@ void readHabits(TomlTable& root, const std::vector<PatientAxis>& all, PatientCon
     config.reflex.delay_s = t->number("delay_s", between(0.0, 0.2, "s"), config.reflex.delay_s);
     config.reflex.muscle_lag_s =
         t->number("muscle_lag_s", above(0.0, 0.5, "s"), config.reflex.muscle_lag_s);
+    config.reflex.together = t->flag("together", config.reflex.together);
   }
   if (auto t = habitTable(root, "fight", any([](const auto& a) { return a.fight > 0.0; }),
                           "fight_n, fight_nm or fight_tip_n")) {
@@ -163,8 +185,9 @@ Expected<PatientConfig> loadPatientFile(const std::string& path, const DeviceMod
       refuseAxis(axis, named, device);
     }
   }
+  readLinks(root, device, config);
   config.motion = readMotion(root);
-  readHabits(root, all, config);
+  readHabits(root, all, device, config);
   config.letting_go = readLettingGo(root);
   config.slam = readSlam(root, device);
   if (Diagnostics faults = file.finish(); !faults.empty()) return faults;

@@ -2,6 +2,7 @@
 
 #include "core/expected.hpp"
 #include "model/device_model.hpp"
+#include "model/patient_links.hpp"
 
 #include <cstdint>
 #include <limits>
@@ -31,16 +32,19 @@ struct PatientAxis {
   StretchReflex reflex{};  ///< rotations only
 };
 
-/// An involuntary rhythm, one for all axes; each has its own phase.
+/// An involuntary rhythm, one for all axes. What an axis has of its own has its own phase; what
+/// goes along a direction has one phase.
 struct TremorRhythm {
   double frequency_hz = 5.0;     ///< 3 .. 12
   std::uint64_t phase_seed = 1;  ///< the phases are drawn by it
+  AxisEffort along;  ///< amplitudes along one direction, signed [N or N·m]; no axes: none
 };
 
-/// How late a stretch reflex comes.
+/// How late a stretch reflex comes, and whose speed triggers it.
 struct ReflexTiming {
   double delay_s = 0.04;       ///< of the nerves, 0 .. 0.2
   double muscle_lag_s = 0.03;  ///< first order, (0, 0.5]
+  bool together = false;       ///< the axis that is too fast by most triggers every reflex
 };
 
 /// The person lets go of the device and takes hold of it no more: whichever comes first.
@@ -74,6 +78,7 @@ struct PatientConfig {
   std::string path;
   std::string name;
   std::vector<PatientAxis> axes;  ///< in the device's order, one for each of its axes
+  PatientLinks links;             ///< what of their impedance one axis gives another
   MotionMapping motion;
   TremorRhythm tremor;
   ReflexTiming reflex;

@@ -43,6 +43,45 @@ std::vector<double> TomlTable::numbers(std::string_view key, std::size_t count,
   return has(key) ? numbers(key, count, rule) : fallback;
 }
 
+std::vector<double> TomlTable::matrix(std::string_view key, std::size_t size,
+                                      const NumberRule& rule) {
+  std::vector<double> out(size * size, harmless(rule));
+  const std::string count = std::to_string(size);
+  const std::string shape = "must be " + count + " rows of " + count + " numbers";
+  const toml::node* node = state_->require(key, shape + "; each " + rule.remedy());
+  if (node == nullptr) return out;
+  const auto refuse = [&](const std::string& problem, const std::string& remedy) {
+    state_->report(key, nodeText(*node), problem, remedy);
+    return out;
+  };
+  const toml::array* rows = node->as_array();
+  if (rows == nullptr) return refuse(typeProblem(*node), shape);
+  if (rows->size() != size) {
+    return refuse("has " + std::to_string(rows->size()) + (rows->size() == 1 ? " row" : " rows"),
+                  shape);
+  }
+  for (std::size_t i = 0; i < size; ++i) {
+    const std::string in_row = "row " + std::to_string(i) + " ";
+    const toml::array* row = (*rows)[i].as_array();
+    if (row == nullptr) return refuse(in_row + typeProblem((*rows)[i]), shape);
+    if (row->size() != size) {
+      return refuse(in_row + "has " + std::to_string(row->size()) +
+                        (row->size() == 1 ? " element" : " elements"),
+                    shape);
+    }
+    for (std::size_t k = 0; k < size; ++k) {
+      const std::optional<double> value = asNumber((*row)[k]);
+      if (!value || !rule.allows(*value)) {
+        return refuse(in_row + "element " + std::to_string(k) + " " +
+                          (value ? numberProblem(*value) : typeProblem((*row)[k])),
+                      "each " + rule.remedy());
+      }
+      out[i * size + k] = *value;
+    }
+  }
+  return out;
+}
+
 std::array<double, 2> TomlTable::interval(std::string_view key, const NumberRule& rule) {
   const std::vector<double> ends = numbers(key, 2, rule);
   if (good(key) && !(ends[0] < ends[1])) {

@@ -41,6 +41,8 @@ class TomlTable {
   [[nodiscard]] bool has(std::string_view key) const;
   /// True when the key is there and nothing was reported about it: guards checks across keys.
   [[nodiscard]] bool good(std::string_view key) const;
+  /// Says that the key may stand here. @return whether it does
+  bool mayHave(std::string_view key);
   /// The keys of a table in the order of the file, for tables whose keys are names (`[reference]`).
   [[nodiscard]] std::vector<std::string> keys() const;
 
@@ -62,6 +64,9 @@ class TomlTable {
   std::vector<double> numbers(std::string_view key, std::size_t count, const NumberRule& rule);
   std::vector<double> numbers(std::string_view key, std::size_t count, const NumberRule& rule,
                               const std::vector<double>& fallback);
+  /// A square matrix as an array of `size` rows of `size` numbers, each within the rule; row by
+  /// row.
+  std::vector<double> matrix(std::string_view key, std::size_t size, const NumberRule& rule);
   /// [lower, upper] with lower < upper, both within the rule.
   std::array<double, 2> interval(std::string_view key, const NumberRule& rule);
   /// An array of texts that are not empty.

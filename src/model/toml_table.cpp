@@ -123,6 +123,10 @@ bool TomlTable::has(std::string_view key) const {
 bool TomlTable::good(std::string_view key) const {
   return has(key) && !state_->faulty.contains(key);
 }
+bool TomlTable::mayHave(std::string_view key) {
+  state_->known.emplace(key);
+  return has(key);
+}
 std::string TomlTable::path() const {
   return state_->path;
 }

@@ -29,6 +29,7 @@ ActivePatient::ActivePatient(const PatientConfig& patient, const DeviceModel& de
     phase_rad_[i] =
         2.0 * std::numbers::pi * static_cast<double>(random() >> 11U) * 0x1.0p-53;  // any library
   }
+  along_phase_rad_ = 2.0 * std::numbers::pi * static_cast<double>(random() >> 11U) * 0x1.0p-53;
   if (slam_axis_ >= 0) {
     plan_ = planSlam(patient.slam, device.axes[static_cast<std::size_t>(slam_axis_)]);
   }
@@ -42,8 +43,27 @@ bool ActivePatient::mayLetGo() const noexcept {
 
 double ActivePatient::atTime(int axis, double time_s) const noexcept {
   const double amplitude = patient_.axes[static_cast<std::size_t>(axis)].tremor;
-  if (amplitude == 0.0) return 0.0;
-  return tremorEffort(amplitude, patient_.tremor.frequency_hz, phase_rad_[axis], time_s);
+  const TremorRhythm& tremor = patient_.tremor;
+  double effort = 0.0;
+  if (amplitude != 0.0) {
+    effort = tremorEffort(amplitude, tremor.frequency_hz, phase_rad_[axis], time_s);
+  }
+  if (axis < tremor.along.size() && tremor.along[axis] != 0.0) {
+    effort += tremorEffort(tremor.along[axis], tremor.frequency_hz, along_phase_rad_, time_s);
+  }
+  return effort;
+}
+
+/// How far the fastest axis is beyond its threshold, where all catch together [rad/s].
+double ActivePatient::fastestOpening(const AxisVelocity& qd_delayed) const noexcept {
+  double most = 0.0;
+  for (int i = 0; i < limit_.size(); ++i) {
+    const StretchReflex& reflex = patient_.axes[static_cast<std::size_t>(i)].reflex;
+    if (reflex.gain_nm_s_rad2 > 0.0) {
+      most = std::max(most, openedTooFast(reflex, qd_delayed[i]));
+    }
+  }
+  return most;
 }
 
 void ActivePatient::reset() noexcept {
@@ -82,11 +102,14 @@ void ActivePatient::advance(const FeltByPatient& felt) noexcept {
     begin_ = end_ = AxisEffort(limit_.size());
     return;
   }
+  const double fastest = patient_.reflex.together ? fastestOpening(qd_delayed) : 0.0;
   for (int i = 0; i < limit_.size(); ++i) {
     const PatientAxis& axis = patient_.axes[static_cast<std::size_t>(i)];
     const double pulled = muscle_[i];
     if (axis.reflex.gain_nm_s_rad2 > 0.0) {
-      const double drive = std::min(reflexDrive(axis.reflex, felt.q[i], qd_delayed[i]), limit_[i]);
+      const double too_fast =
+          patient_.reflex.together ? fastest : openedTooFast(axis.reflex, qd_delayed[i]);
+      const double drive = std::min(drivenBy(axis.reflex, felt.q[i], too_fast), limit_[i]);
       muscle_[i] = muscleEffort(pulled, drive, patient_.reflex.muscle_lag_s, period_s_);
     }
     const double fight = axis.fight > 0.0

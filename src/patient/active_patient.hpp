@@ -44,18 +44,22 @@ class ActivePatient {
     return !let_go_ && (axis != slam_axis_ || slam_.phase == SlamPhase::kWaits);
   }
   [[nodiscard]] bool hasLetGo() const noexcept { return let_go_; }
+  /// The axis that is slammed; -1: none.
+  [[nodiscard]] int slamAxis() const noexcept { return slam_axis_; }
   /// False where holds() is true whatever happens.
   [[nodiscard]] bool mayLetGo() const noexcept;
 
  private:
   [[nodiscard]] bool letsGo(const FeltByPatient& felt) const noexcept;
   [[nodiscard]] double atTime(int axis, double time_s) const noexcept;
+  [[nodiscard]] double fastestOpening(const AxisVelocity& qd_delayed) const noexcept;
 
   PatientConfig patient_;
   double period_s_;
   AxisEffort limit_;
   AxisVelocity still_;  ///< slower feels like rest
   AxisPosition phase_rad_;
+  double along_phase_rad_ = 0.0;  ///< of the tremor along a direction
   int slam_axis_ = -1;
   SlamPlan plan_;
   DelayLine<AxisVelocity> nerve_;

@@ -33,9 +33,16 @@ double tremorEffort(double amplitude, double frequency_hz, double phase_rad,
   return amplitude * std::sin(2.0 * std::numbers::pi * frequency_hz * time_s + phase_rad);
 }
 
+double openedTooFast(const StretchReflex& reflex, double qd_delayed) noexcept {
+  return std::max(-qd_delayed - reflex.from_speed_rad_s, 0.0);
+}
+
+double drivenBy(const StretchReflex& reflex, double q, double too_fast) noexcept {
+  return reflex.gain_nm_s_rad2 * too_fast * std::max(reflex.below_rad - q, 0.0);
+}
+
 double reflexDrive(const StretchReflex& reflex, double q, double qd_delayed) noexcept {
-  return reflex.gain_nm_s_rad2 * std::max(-qd_delayed - reflex.from_speed_rad_s, 0.0) *
-         std::max(reflex.below_rad - q, 0.0);
+  return drivenBy(reflex, q, openedTooFast(reflex, qd_delayed));
 }
 
 double muscleEffort(double effort, double drive, double lag_s, double period_s) noexcept {

@@ -11,6 +11,14 @@ namespace wholehand {
 [[nodiscard]] WHOLEHAND_RT double tremorEffort(double amplitude, double frequency_hz,
                                                double phase_rad, double time_s) noexcept;
 
+/// (v - v_th)₊, v = -q̇ of a delay ago [rad/s].
+[[nodiscard]] WHOLEHAND_RT double openedTooFast(const StretchReflex& reflex,
+                                                double qd_delayed) noexcept;
+
+/// g (v - v_th)₊ (s - s_th)₊, where v - v_th may be another axis's. [N·m]
+[[nodiscard]] WHOLEHAND_RT double drivenBy(const StretchReflex& reflex, double q,
+                                           double too_fast) noexcept;
+
 /// What the reflex asks of the muscle: g (v - v_th)₊ (s - s_th)₊ >= 0, in the direction of flexion;
 /// stretch is opening, v = -q̇ of a delay ago and s - s_th = below - q. [N·m]
 [[nodiscard]] WHOLEHAND_RT double reflexDrive(const StretchReflex& reflex, double q,

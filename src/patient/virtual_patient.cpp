@@ -7,13 +7,29 @@ double impedanceEffort(const PatientAxis& person, double q, double qd, double q_
   return person.stiffness * (q_intended - q) + person.damping * (qd_intended - qd);
 }
 
+double linkedEffort(const PatientLinks& links, int axis, const AxisPosition& e,
+                    const AxisVelocity& ed) noexcept {
+  if (links.stiffness.size() == 0) return 0.0;
+  double effort = 0.0;
+  for (int k = 0; k < e.size(); ++k) {
+    effort += links.stiffness(axis, k) * e[k] + links.damping(axis, k) * ed[k];
+  }
+  return effort;
+}
+
 AxisEffort patientEffort(const PatientConfig& patient, const AxisPosition& q,
                          const AxisVelocity& qd, const AxisPosition& q_intended,
                          const AxisVelocity& qd_intended) noexcept {
   AxisEffort effort(q.size());
+  AxisPosition e(q.size());
+  AxisVelocity ed(q.size());
   for (int i = 0; i < q.size(); ++i) {
     effort[i] = impedanceEffort(patient.axes[i], q[i], qd[i], q_intended[i], qd_intended[i]);
+    e[i] = q_intended[i] - q[i];
+    ed[i] = qd_intended[i] - qd[i];
   }
+  if (patient.links.stiffness.size() == 0) return effort;
+  for (int i = 0; i < q.size(); ++i) effort[i] += linkedEffort(patient.links, i, e, ed);
   return effort;
 }
 

@@ -11,7 +11,14 @@ namespace wholehand {
 [[nodiscard]] WHOLEHAND_RT double impedanceEffort(const PatientAxis& person, double q, double qd,
                                                   double q_intended, double qd_intended) noexcept;
 
-/// The same for every axis. @pre all arrays have the patient's number of axes. Real-time safe.
+/// What links add on one axis: the others' K e + B ė, e and ė how far the intention is ahead
+/// [N or N·m]. 0 where nothing is linked. Real-time safe.
+[[nodiscard]] WHOLEHAND_RT double linkedEffort(const PatientLinks& links, int axis,
+                                               const AxisPosition& e,
+                                               const AxisVelocity& ed) noexcept;
+
+/// Impedance of every axis, with what links them: f = K (q_i - q) + B (q̇_i - q̇), K and B symmetric.
+/// @pre all arrays have the patient's number of axes. Real-time safe.
 [[nodiscard]] WHOLEHAND_RT AxisEffort patientEffort(const PatientConfig& patient,
                                                     const AxisPosition& q, const AxisVelocity& qd,
                                                     const AxisPosition& q_intended,

@@ -15,8 +15,10 @@ namespace {
 
 const std::string kConfig = std::string(WHOLEHAND_SOURCE_DIR) + "/config/";
 const std::set<std::string> kDevices = {"lambda-pride", "desktop-3axis", "wrist-9axis"};
-const std::set<std::string> kPatients = {"relaxed-adult", "stiff-adult", "no-arm", "tremor",
-                                         "spastic",       "releases",    "slams",  "fights"};
+const std::set<std::string> kPatients = {"relaxed-adult", "stiff-adult",  "no-arm",
+                                         "tremor",        "spastic",      "releases",
+                                         "slams",         "fights",       "enslaved-fingers",
+                                         "spastic-fist",  "pill-rolling", "holds-a-ball"};
 const std::set<std::string> kHands = {"adult-median-right", "adult-median-left", "woman-p05-right",
                                       "woman-p50-right",    "woman-p95-right",   "man-p05-right",
                                       "man-p50-right",      "man-p95-right"};

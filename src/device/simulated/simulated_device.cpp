@@ -21,7 +21,8 @@ SimulatedDevice::SimulatedDevice(const DeviceModel& device, const PatientConfig&
       player_(std::move(player)),
       period_s_(period_s),
       person_(patient, device, period_s),
-      neutral_(device.axisCount()) {
+      neutral_(device.axisCount()),
+      linked_(device, patient, period_s, person_.slamAxis()) {
   device_.output_delay_ticks = std::clamp(device_.output_delay_ticks, 0, kMostDelay);
   for (int i = 0; i < device_.axisCount(); ++i) {
     const DeviceAxis& axis = device_.axes[i];
@@ -53,6 +54,7 @@ Expected<Done> SimulatedDevice::open() {
     axes_[i].place(q_intended_[i], 0.0);
     q_[i] = axes_[i].position();
   }
+  linked_.place(q_, qd_);
   return Done{};
 }
 
@@ -67,8 +69,16 @@ void SimulatedDevice::shiftDelayLine() noexcept {
 }
 
 AxisEffort SimulatedDevice::impedance() const noexcept {
-  AxisEffort effort = patientEffort(patient_, q_, qd_, q_intended_, qd_intended_);
-  for (int i = 0; i < effort.size(); ++i) {
+  // An axis that is let go is where it is meant to be, whatever pulls the others.
+  AxisPosition q_meant = q_intended_;
+  AxisVelocity qd_meant = qd_intended_;
+  for (int i = 0; i < q_.size(); ++i) {
+    if (person_.holds(i)) continue;
+    q_meant[i] = q_[i];
+    qd_meant[i] = qd_[i];
+  }
+  AxisEffort effort = patientEffort(patient_, q_, qd_, q_meant, qd_meant);
+  for (int i = 0; i < q_.size(); ++i) {
     if (!person_.holds(i)) effort[i] = 0.0;
   }
   return effort;
@@ -82,6 +92,37 @@ void SimulatedDevice::letPersonAct() noexcept {
     // What moved with the person moves on without: the person's mass takes its momentum along.
     if (std::exchange(held_[i], person_.holds(i)) && !held_[i]) bare_[i].place(q_[i], qd_[i]);
   }
+  linked_.hold(held_, q_, qd_);
+}
+
+void SimulatedDevice::moveAxes(const AxisPosition& aim, const AxisVelocity& aim_speed) noexcept {
+  AxisPosition from = q_intended_, to = aim;
+  AxisVelocity from_speed = qd_intended_, to_speed = aim_speed;
+  for (int i = 0; i < q_.size(); ++i) {
+    if (!held_[i]) from[i] = to[i] = from_speed[i] = to_speed[i] = 0.0;
+  }
+  AxisEffort begin(q_.size()), end(q_.size());
+  for (int i = 0; i < q_.size(); ++i) {
+    const PatientAxis& person = patient_.axes[i];
+    // The plant holds the person's K and B towards zero; what remains is the pull of the aim.
+    EffortRamp effort;
+    if (held_[i]) {
+      effort.begin = impedanceEffort(person, 0.0, 0.0, from[i], from_speed[i]);
+      effort.end = impedanceEffort(person, 0.0, 0.0, to[i], to_speed[i]);
+    }
+    effort.begin += acting_[i] - neutral_[i] + person_.begin()[i];
+    effort.end += acting_[i] - neutral_[i] + person_.end()[i];
+    if (linked_.moves(i)) {
+      begin[i] = effort.begin + linkedEffort(patient_.links, i, from, from_speed);
+      end[i] = effort.end + linkedEffort(patient_.links, i, to, to_speed);
+      continue;
+    }
+    AxisDynamics& axis = held_[i] ? axes_[i] : bare_[i];
+    axis.advance(effort);
+    q_[i] = axis.position();
+    qd_[i] = axis.velocity();
+  }
+  linked_.advance(begin, end, q_, qd_);
 }
 
 void SimulatedDevice::letPeriodPass() noexcept {
@@ -90,21 +131,7 @@ void SimulatedDevice::letPeriodPass() noexcept {
   AxisPosition aim;
   AxisVelocity aim_speed;
   player_->advance(period_s_, aim, aim_speed);
-  for (int i = 0; i < q_.size(); ++i) {
-    const PatientAxis& person = patient_.axes[i];
-    // The plant holds the person's K and B towards zero; what remains is the pull of the aim.
-    EffortRamp effort;
-    if (held_[i]) {
-      effort.begin = impedanceEffort(person, 0.0, 0.0, q_intended_[i], qd_intended_[i]);
-      effort.end = impedanceEffort(person, 0.0, 0.0, aim[i], aim_speed[i]);
-    }
-    effort.begin += acting_[i] - neutral_[i] + person_.begin()[i];
-    effort.end += acting_[i] - neutral_[i] + person_.end()[i];
-    AxisDynamics& axis = held_[i] ? axes_[i] : bare_[i];
-    axis.advance(effort);
-    q_[i] = axis.position();
-    qd_[i] = axis.velocity();
-  }
+  moveAxes(aim, aim_speed);
   q_intended_ = aim;
   qd_intended_ = aim_speed;
 }

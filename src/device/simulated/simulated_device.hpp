@@ -2,6 +2,7 @@
 
 #include "device/haptic_device.hpp"
 #include "device/simulated/axis_dynamics.hpp"
+#include "device/simulated/linked_person.hpp"
 #include "model/device_model.hpp"
 #include "model/patient_config.hpp"
 #include "patient/active_patient.hpp"
@@ -16,9 +17,10 @@ namespace wholehand {
 
 /// A device that exists only as its file: per axis mass, viscous and Coulomb friction, encoder
 /// step, output delay in samples, saturation at the effort limit, stops at the ends of the range;
-/// with a virtual patient strapped to it. Right at any rate: the linear part is advanced by its
-/// exact solution for a held effort and efforts of the person that are linear over the period,
-/// Coulomb friction with true sticking. A person who lets go leaves the bare mechanism behind.
+/// with a virtual patient strapped to it, who may link its axes. Right at any rate: the linear part
+/// is advanced by its exact solution for a held effort and efforts of the person that are linear
+/// over the period, Coulomb friction with true sticking. A person who lets go leaves the bare
+/// mechanism behind.
 ///
 /// The axis's own weight pulls with minus its neutral effort, so that sending neutral balances it.
 /// Deterministic: the same calls give the same bits.
@@ -26,7 +28,8 @@ class SimulatedDevice final : public HapticDevice {
  public:
   /// The device starts at rest at the player's start, held inside its range, and is pulled to where
   /// the player wants to be.
-  /// @pre the patient and the player have the device's axes  @param period_s the loop's period
+  /// @pre the patient and the player have the device's axes; the person's mass, damping and
+  /// stiffness, links included, are positive semidefinite  @param period_s the loop's period
   SimulatedDevice(const DeviceModel& device, const PatientConfig& patient,
                   std::unique_ptr<Player> player, double period_s);
   /// The same with a ScriptedPlayer.
@@ -55,6 +58,7 @@ class SimulatedDevice final : public HapticDevice {
 
  private:
   void letPersonAct() noexcept;
+  void moveAxes(const AxisPosition& aim, const AxisVelocity& aim_speed) noexcept;
   [[nodiscard]] AxisEffort impedance() const noexcept;
   void letPeriodPass() noexcept;
   void shiftDelayLine() noexcept;
@@ -69,6 +73,7 @@ class SimulatedDevice final : public HapticDevice {
   AxisEffort neutral_;
   std::vector<AxisDynamics> axes_;  ///< with the person's mass and impedance
   std::vector<AxisDynamics> bare_;  ///< without; empty where the person never lets go
+  LinkedPerson linked_;             ///< the axes that the person links: these move here instead
 
   bool open_ = false;
   bool fresh_ = false;                 // opened, not yet read

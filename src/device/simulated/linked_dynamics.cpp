@@ -1,0 +1,171 @@
+#include "device/simulated/linked_dynamics.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <unsupported/Eigen/MatrixFunctions>
+
+namespace wholehand {
+namespace {
+
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr double kLongestStep_s = 1.0 / 16e3;
+constexpr double kStepsPerRadian = 16.0;  // of the fastest swing
+constexpr int kFewestSteps = 4, kMostSteps = 4096;
+
+AxisMatrix symmetric(const AxisMatrix& m) {
+  return 0.5 * (m + m.transpose());
+}
+
+/// So many that no step is too long, nor a large part of the fastest swing.
+int stepsOf(const LinkedPlant& plant, double period_s) {
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+      plant.stiffness, plant.mass, Eigen::EigenvaluesOnly);
+  const double fastest_rad_s = std::sqrt(std::max(0.0, solver.eigenvalues().maxCoeff()));
+  const double wanted = std::max(period_s / kLongestStep_s - 1e-9,
+                                 kStepsPerRadian * fastest_rad_s * period_s);  // 16.0 is 16
+  return std::clamp(static_cast<int>(std::ceil(std::min(wanted, 1e6))), kFewestSteps, kMostSteps);
+}
+
+}  // namespace
+
+LinkedDynamics::LinkedDynamics(const LinkedPlant& plant, double period_s)
+    : plant_(plant), period_s_(period_s), steps_(stepsOf(plant, period_s)) {
+  const Eigen::Index n = plant.mass.rows();
+  const Eigen::MatrixXd mass = plant.mass;
+  const Eigen::MatrixXd inverse = mass.llt().solve(Eigen::MatrixXd::Identity(n, n));
+  // In units of the step h the state (q, h q̇) and the input (h² f/m, h³ ḟ/m) are of like size.
+  const double h = period_s / steps_;
+  Eigen::MatrixXd generator = Eigen::MatrixXd::Zero(4 * n, 4 * n);
+  generator.block(0, n, n, n).setIdentity();
+  generator.block(n, 0, n, n) = -h * h * inverse * plant.stiffness;
+  generator.block(n, n, n, n) = -h * inverse * plant.damping;
+  generator.block(n, 2 * n, n, n).setIdentity();
+  generator.block(2 * n, 3 * n, n, n).setIdentity();
+  const Eigen::MatrixXd e = generator.exp();
+  const auto part = [&](int row, int column) {
+    return Eigen::MatrixXd(e.block(row * n, column * n, n, n));
+  };
+  to_position_ = {part(0, 0), part(0, 1) * h, symmetric(part(0, 2) * inverse * (h * h)),
+                  part(0, 3) * inverse * (h * h * h)};
+  to_velocity_ = {part(1, 0) / h, part(1, 1), symmetric(part(1, 2) * inverse * h),
+                  part(1, 3) * inverse * (h * h)};
+  inverse_mass_ = symmetric(inverse);
+  q_ = AxisColumn::Zero(n);
+  qd_ = AxisColumn::Zero(n);
+}
+
+void LinkedDynamics::place(const AxisPosition& position, const AxisVelocity& velocity) noexcept {
+  for (int i = 0; i < position.size(); ++i) {
+    q_[i] = std::clamp(position[i], plant_.lower[i], plant_.upper[i]);
+    qd_[i] = velocity[i];
+  }
+}
+
+/// Friction of an axis that turns round within a step, which no friction can hold: against the way
+/// that it came until it rests, against the other from then on, by a speed that changes evenly; on
+/// average still against the way. @param before, after speeds, of unlike sign
+double turning(double before, double after, double friction) noexcept {
+  const double rests_at = before / (before - after);  // of the step
+  return (before > 0.0 ? friction : -friction) * (1.0 - 2.0 * rests_at);
+}
+
+/// Adds what dry friction and stops do over a step to where it would lead without them.
+void LinkedDynamics::hold(AxisColumn& position, AxisColumn& velocity) noexcept {
+  const Eigen::Index n = q_.size();
+  AxisColumn lower(n), upper(n), lambda(n);
+  RangeParts parts{};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const int a = static_cast<int>(i);
+    const double friction = plant_.coulomb[a];
+    // Against the way: an axis that turns round within the step is let off until it has.
+    lower[i] = qd_[i] < 0.0 ? 0.0 : -friction;
+    upper[i] = qd_[i] > 0.0 ? 0.0 : friction;
+    if (q_[i] >= plant_.upper[a]) lower[i] = -kInfinite;
+    if (q_[i] <= plant_.lower[a]) upper[i] = kInfinite;
+    parts[static_cast<std::size_t>(i)] = qd_[i] > 0.0   ? RangePart::kLow
+                                         : qd_[i] < 0.0 ? RangePart::kHigh
+                                                        : RangePart::kBetween;
+  }
+  if ((lower.array() == upper.array()).all()) return;
+  const AxisColumn free = velocity;
+  (void)solveBox(to_velocity_.effort, free, lower, upper, parts, lambda);
+  const AxisColumn ends = free + to_velocity_.effort * lambda;
+  bool turns = false;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double friction = plant_.coulomb[static_cast<int>(i)];
+    const double held = to_velocity_.effort(i, i) * friction;
+    const bool let_off = lambda[i] == 0.0 && friction > 0.0;
+    if (!let_off || qd_[i] * ends[i] >= 0.0 || std::abs(ends[i]) <= held) continue;
+    lower[i] = upper[i] = turning(qd_[i], ends[i], friction);
+    turns = true;
+  }
+  if (turns) (void)solveBox(to_velocity_.effort, free, lower, upper, parts, lambda);
+  position.noalias() += to_position_.effort * lambda;
+  velocity.noalias() += to_velocity_.effort * lambda;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (parts[static_cast<std::size_t>(i)] != RangePart::kBetween) continue;
+    velocity[i] = 0.0;
+    // What is held does not move. The effort that is held over the step would let it go to and fro
+    // by f_c h² / 12 m and do work on the way.
+    if (qd_[i] == 0.0) position[i] = q_[i];
+  }
+}
+
+/// Axes beyond a stop are put back to it; their speed towards it is taken by impulses.
+void LinkedDynamics::meetStops() noexcept {
+  const Eigen::Index n = q_.size();
+  AxisColumn lower = AxisColumn::Zero(n), upper = AxisColumn::Zero(n), impulse(n);
+  RangeParts parts{};
+  bool met = false;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const int a = static_cast<int>(i);
+    if (q_[i] >= plant_.upper[a]) {
+      met = met || q_[i] > plant_.upper[a] || qd_[i] > 0.0;
+      q_[i] = plant_.upper[a];
+      lower[i] = -kInfinite;
+    } else if (q_[i] <= plant_.lower[a]) {
+      met = met || q_[i] < plant_.lower[a] || qd_[i] < 0.0;
+      q_[i] = plant_.lower[a];
+      upper[i] = kInfinite;
+    } else {
+      continue;
+    }
+    parts[static_cast<std::size_t>(i)] = RangePart::kBetween;
+  }
+  if (!met) return;
+  (void)solveBox(inverse_mass_, qd_, lower, upper, parts, impulse);
+  qd_ += inverse_mass_ * impulse;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (parts[static_cast<std::size_t>(i)] == RangePart::kBetween) qd_[i] = 0.0;
+  }
+}
+
+void LinkedDynamics::step(const AxisColumn& effort, const AxisColumn& slope) noexcept {
+  const auto after = [&](const Transition& t) {
+    AxisColumn out = t.position * q_;
+    out.noalias() += t.velocity * qd_;
+    out.noalias() += t.effort * effort;
+    out.noalias() += t.slope * slope;
+    return out;
+  };
+  AxisColumn position = after(to_position_), velocity = after(to_velocity_);
+  hold(position, velocity);
+  q_ = position;
+  qd_ = velocity;
+  meetStops();
+}
+
+void LinkedDynamics::advance(const AxisEffort& begin, const AxisEffort& end) noexcept {
+  const AxisColumn change = end.vec() - begin.vec();
+  const AxisColumn slope = change / period_s_;
+  for (int k = 0; k < steps_; ++k) {
+    const AxisColumn effort = begin.vec() + change * (static_cast<double>(k) / steps_);
+    step(effort, slope);
+  }
+}
+
+}  // namespace wholehand
