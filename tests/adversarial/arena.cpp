@@ -116,7 +116,7 @@ std::optional<Outcome> Arena::run(const Case& c, int ticks, Random& random,
   const auto rig = build(models_, std::move(changing));
   if (change) change(*rig);
   Bones bones(*rig);
-  for (const double aside : {0.0, 0.95}) {
+  for (const double aside : {0.0, 0.95, 0.0, 0.95}) {  // who plays begins elsewhere each time
     std::unique_ptr<Player> player = models_.exercise->makePlayer(random());
     if (!player) {
       player = std::make_unique<ScriptedPlayer>(graspAndFight(models_, aside, random));

@@ -109,5 +109,41 @@ TEST(JointEnd, NearestOfSeveralJoints_StopsTheirAxis) {
   EXPECT_NEAR(runTicks(*rig->renderer, 2000)->q_s[3], 0.3 / 0.375, tolerance(1e-4));
 }
 
+TEST(BaseEnd, ThatABarTurnsTheHandAgainst_KeepsItWhereItIsCertified) {
+  // A fixed bar under the stretched little finger's tip, 0.15 m before the wrist; the arm comes
+  // down by 0.16 m. Against 0.8 N·m/rad the hand turns much further than its range.
+  Models m = load(shippedFiles("wrist-9axis"));
+  m.scene.gravity_m_s2.setZero();
+  const int pitch = m.device.axisIndex("pitch"), z = m.device.axisIndex("z");
+  AxisPosition open(m.device.axisCount());
+  open[m.device.axisIndex("thumb_circumduction")] = 0.5;
+  open[z] = 0.08;
+  const Capsule& tip = *std::find_if(m.hand.capsules.begin(), m.hand.capsules.end(),
+                                     [](const Capsule& c) { return c.name == "little_distal"; });
+  const Eigen::Vector3d at_m = handAt(m.hand, open).linkPose(tip.link) * tip.b_m;
+  m.scene.bodies = {
+      fixedBox(at_m - Eigen::Vector3d(0.0, 0.0, tip.radius_m + 0.022), {0.04, 1.0, 0.04})};
+  const double lower = m.device.axes[static_cast<std::size_t>(pitch)].lower;
+  const double upper = m.device.axes[static_cast<std::size_t>(pitch)].upper;
+  const auto rig = buildScripted(std::move(m), [&](int read) {
+    AxisPosition q = open;
+    q[z] = 0.08 - 0.16 * std::min(1.0, read / 800.0);
+    return q;
+  });
+  const auto armed = rig->renderer->arm();
+  ASSERT_TRUE(armed) << format(armed.errors());
+  double furthest = 0.0, fastest_late = 0.0;
+  runTicks(*rig->renderer, 3000, [&](const TickRecord& r) {
+    ASSERT_EQ(r.faults & kStopping, Fault::kNone) << r.tick;
+    furthest = std::max({furthest, r.q_s[pitch] - upper, lower - r.q_s[pitch]});
+    if (r.tick > 2500) fastest_late = std::max(fastest_late, std::abs(r.qd_s[pitch]));
+  });
+  figure("wrist turned by a bar: beyond the device's range", furthest, "rad");
+  // kBeyondRange_rad of hand_rows.cpp.
+  EXPECT_LE(furthest, 0.1 + tolerance(1e-3));
+  EXPECT_GT(furthest, 0.05) << "it was not turned that far";
+  EXPECT_LT(fastest_late, 0.01) << "it does not come to rest";
+}
+
 }  // namespace
 }  // namespace wholehand::test

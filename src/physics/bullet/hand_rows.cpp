@@ -14,6 +14,9 @@ using Eigen::Vector3d;
 constexpr double kLeastInverseMass = 1e-12;
 /// Nearer to its end than this a joint gets a row: 50 rad/s at 1 kHz.
 constexpr double kNearEnd_rad = 0.05;
+/// A rotation of the base stops so far beyond the device's range: free motion never meets it, and
+/// an object cannot turn the avatar into a posture that nothing was certified for.
+constexpr double kBeyondRange_rad = 0.1;
 
 template <int Width>
 double wanted(const AxisRow& row, const double* change) {
@@ -47,6 +50,7 @@ HandRows::HandRows(const HandModel& hand, double friction, const SolverSettings&
       touches_(hand.self_contacts.size()),
       kept_(hand.self_contacts.size()) {
   addEnds(hand);
+  addBaseEnds(hand);
 }
 
 void HandRows::addEnds(const HandModel& hand) {
@@ -66,6 +70,23 @@ void HandRows::addEnds(const HandModel& hand) {
       // Per unit of the axis that moves it most, so that joints of one axis are alike.
       for (double& way : end.way) way /= scale;
       end.room /= scale;
+      addEnd(end);
+    }
+  }
+}
+
+void HandRows::addBaseEnds(const HandModel& hand) {
+  for (int i = 0; i <= hand.palm_link; ++i) {
+    const HandLink& link = hand.links[static_cast<std::size_t>(i)];
+    if (link.joint < 0 || link.type != JointType::kRevolute) continue;
+    for (int a = 0; a < axes_; ++a) {
+      if (hand.synergy(link.joint, a) == 0.0) continue;
+      JointEnd end;
+      end.way[a] = 1.0;
+      end.room = kBeyondRange_rad - hand.axis_lower[a];
+      addEnd(end);
+      end.way[a] = -1.0;
+      end.room = kBeyondRange_rad + hand.axis_upper[a];
       addEnd(end);
     }
   }

@@ -89,6 +89,7 @@ class HandRows {
   };
 
   void addEnds(const HandModel& hand);
+  void addBaseEnds(const HandModel& hand);
   void addEnd(const JointEnd& end);
   void setUpTouch(const ArticulatedBody& at, SelfTouch& touch) const noexcept;
   void finishRow(AxisRow& row, const AxisMatrix& inverse, const double* velocity,
