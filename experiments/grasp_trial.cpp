@@ -5,11 +5,13 @@
 #include "core/units.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "experiments/grasp_script.hpp"
+#include "physics/bullet/bullet_world.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>
+#include <utility>
 
 namespace wholehand {
 namespace {
@@ -122,12 +124,34 @@ class GraspObserver {
       for (int a = 0; a < axes; ++a)
         felt[static_cast<std::size_t>(a)] += row[static_cast<std::size_t>(a)];
     }
+    addSelfForces(felt);
     if (unbalanced_.size() != axes) unbalanced_ = driving_ = AxisEffort(axes);
     for (int a = 0; a < axes; ++a) {
       unbalanced_[a] += felt[static_cast<std::size_t>(a)] + r.f_s[a];
       driving_[a] += r.f_s[a];
     }
     count_ += 1.0;
+  }
+
+  // Fingers that meet and joints at their ends bear their share.
+  void addSelfForces(std::array<double, kMaxAxes>& felt) {
+    const auto* world = dynamic_cast<const BulletWorld*>(rig_.world.get());
+    if (world == nullptr) return;
+    SelfForces own;
+    world->selfForces(own);
+    std::array<double, kMaxAxes> row{};
+    for (int i = 0; i < own.count; ++i) {
+      const SelfForce& touch = own.touches[static_cast<std::size_t>(i)];
+      for (const auto& [capsule, sign] :
+           {std::pair{touch.capsule_a, 1.0}, {touch.capsule_b, -1.0}}) {
+        const int link = rig_.models.hand.capsules[static_cast<std::size_t>(capsule)].link;
+        body_.reducedPointRow(link, touch.point_m.eigen(), touch.force_n.eigen(), row.data());
+        for (std::size_t a = 0; a < felt.size(); ++a) felt[a] += sign * row[a];
+      }
+    }
+    for (int a = 0; a < own.joint_ends.size(); ++a) {
+      felt[static_cast<std::size_t>(a)] += own.joint_ends[a];
+    }
   }
 
   [[nodiscard]] double residual() const {

@@ -10,6 +10,7 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 
 namespace wholehand {
 namespace {
@@ -97,11 +98,10 @@ Expected<CheckedGains> checkGains(const Models& models, double period_s) {
   Expected<CouplingGains> gains =
       resolveGains(models.rendering, input.inertia_at_reference, period_s);
   if (!gains) return gains.errors();
-  if (Diagnostics heavy = refuseHeavyArmature(models, *gains, period_s); !heavy.empty())
-    return heavy;
   CheckedGains out;
   out.gains = *gains;
-  out.refused = refuseUncertified(input);
+  out.refused = refuseHeavyArmature(models, *gains, period_s);
+  for (Diagnostic& refused : refuseUncertified(input)) out.refused.push_back(std::move(refused));
   out.fingerprint = fingerprintOf(input);
   return out;
 }

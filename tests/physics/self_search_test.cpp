@@ -83,6 +83,10 @@ TEST(SelfContactSearch, AlongAnyMotion_TellsEveryPairThatIsNear) {
     search.reset(&handAt(hand, from).linkPose(0), from);
     for (int leg = 0; leg < 5; ++leg) {
       for (int a = 0; a < 6; ++a) to[a] = uniform(random, hand.axis_lower[a], hand.axis_upper[a]);
+      if (leg % 2 == 0) {  // to a fist: there is something to tell
+        to[3] = hand.axis_upper[3];
+        to[5] = hand.axis_upper[5];
+      }
       for (int k = 1; k <= 100; ++k) {
         AxisPosition q(6);
         for (int a = 0; a < 6; ++a) q[a] = from[a] + (to[a] - from[a]) * (k / 100.0);

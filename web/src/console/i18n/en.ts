@@ -14,7 +14,8 @@ export const en = {
   } as Record<string, string>,
   patients: {
     'relaxed-adult': 'Relaxed adult', 'stiff-adult': 'Stiff adult', 'no-arm': 'No arm', tremor: 'Tremor', spastic: 'Spasticity',
-    releases: 'Lets go', slams: 'Slams', fights: 'Fights back',
+    releases: 'Lets go', slams: 'Slams', fights: 'Fights back', 'enslaved-fingers': 'Linked fingers', 'spastic-fist': 'Spastic fist',
+    'pill-rolling': 'Pill-rolling tremor', 'holds-a-ball': 'Holds a ball',
   } as Record<string, string>,
   noExercise: 'No exercise',
 
