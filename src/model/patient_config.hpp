@@ -1,8 +1,8 @@
 #pragma once
 
+#include "core/axis_array.hpp"
 #include "core/expected.hpp"
 #include "model/device_model.hpp"
-#include "model/patient_links.hpp"
 
 #include <cstdint>
 #include <limits>
@@ -69,6 +69,14 @@ struct MotionMapping {
   double speed_share = 0.8;  ///< share of each axis's speed limit that may be used, (0, 1]
   double base_scale = 0.0;   ///< translations are multiplied by it; 0: as large as fits, <= 1
   bool center = true;        ///< translations are shifted to the middle of the workspace
+};
+
+/// What links a person's axes: the elements off the diagonal of their mass, damping and stiffness,
+/// in the axes' own units (kg, kg·m or kg·m², and so on). Symmetric, zero on the diagonal; together
+/// with PatientAxis, which holds the diagonal, positive semidefinite. In the device's order; 0 x 0
+/// where nothing is linked.
+struct PatientLinks {
+  AxisMatrix mass, damping, stiffness;
 };
 
 /// A patient file: arm and finger impedance, what the person does of their own accord, and how

@@ -1,6 +1,5 @@
 #include "model/patient_links.hpp"
 
-#include "model/patient_config.hpp"
 #include "model/patient_keys.hpp"
 
 #include <Eigen/Eigenvalues>

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "core/axis_array.hpp"
 #include "model/axis_keys.hpp"
 #include "model/device_model.hpp"
+#include "model/patient_config.hpp"
 #include "model/toml_file.hpp"
 
 #include <optional>
@@ -10,16 +10,6 @@
 #include <vector>
 
 namespace wholehand {
-
-struct PatientConfig;
-
-/// What links a person's axes: the elements off the diagonal of their mass, damping and stiffness,
-/// in the axes' own units (kg, kg·m or kg·m², and so on). Symmetric, zero on the diagonal; together
-/// with PatientAxis, which holds the diagonal, positive semidefinite. In the device's order; 0 x 0
-/// where nothing is linked.
-struct PatientLinks {
-  AxisMatrix mass, damping, stiffness;
-};
 
 /// Axes that one table of a patient file names together.
 struct LinkedAxes {
