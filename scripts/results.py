@@ -74,7 +74,6 @@ def measure(entry):
 
 def measure_all(names):
     listed = tomllib.loads(LIST.read_text(encoding="utf-8"))
-    data = json.loads(DATA.read_text(encoding="utf-8")) if DATA.exists() else {"measured": {}}
     unknown = set(names) - set(listed["measure"])
     if unknown:
         sys.exit(f"{LIST.name} lists no {', '.join(sorted(unknown))}; it lists {', '.join(listed['measure'])}")
@@ -82,7 +81,10 @@ def measure_all(names):
         if names and name not in names:
             continue
         print(f"{name}: {entry['run']} ...", flush=True)
-        data["measured"][name] = measure(entry)
+        measured = measure(entry)
+        # Read anew: another may have measured meanwhile.
+        data = json.loads(DATA.read_text(encoding="utf-8")) if DATA.exists() else {"measured": {}}
+        data["measured"][name] = measured
         data["machine"] = describe_machine()
         data["version"] = subprocess.run(["git", "describe", "--always", "--dirty"], cwd=ROOT, text=True,
                                          capture_output=True, check=False).stdout.strip()
@@ -118,7 +120,9 @@ def headline(listed, data):
     """README's table: what a reader asks first, taken from the same figures."""
     lines = ["| what | asked | measured | printed by |", "|---|---|---|---|"]
     for row in listed["headline"]:
-        measured = data["measured"][row["of"]]
+        measured = data["measured"].get(row["of"])
+        if measured is None:
+            sys.exit(f"results.json has no {row['of']} yet; run: scripts/results.py measure {row['of']}")
         figures = dict(measured["figures"])
         missing = [name for name in row["figures"] if name not in figures]
         if missing:
