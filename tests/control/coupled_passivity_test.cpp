@@ -283,7 +283,8 @@ TEST(CoupledPassivity, RandomPersonsObjectsAndGrasps_NoneIsUnstable) {
   Draw draw{seededRandom(304)};
   int tried = 0, unstable = 0;
   double largest = 0.0;
-  for (int trial = 0; trial < cases(330); ++trial) {  // 10,000 in full
+  for (int trial = 0; tried < cases(330); ++trial) {  // 10,000 in full
+    ASSERT_LT(trial, 3 * cases(330)) << "hardly a case that damping can make passive";
     CoupledCase c = drawCase(draw, 2 + trial % 3);
     const double share = requiredShare(c).share;
     if (!(share < 1e3)) continue;
@@ -298,7 +299,6 @@ TEST(CoupledPassivity, RandomPersonsObjectsAndGrasps_NoneIsUnstable) {
   figure("coupled persons, objects and grasps tried", tried, "");
   figure("of them unstable", unstable, "");
   figure("largest spectral radius less one", largest - 1.0, "");
-  EXPECT_GT(tried, cases(330) / 2);
   EXPECT_EQ(unstable, 0);
 }
 

@@ -186,7 +186,8 @@ TEST(LinkedGains, PersonsAndObjectsThatLinkTheAxes_NoneIsUnstable) {
   Draw draw(74);
   int tried = 0, unstable = 0;
   double most = 0.0;
-  for (int trial = 0; trial < cases(40); ++trial) {
+  for (int trial = 0; tried < cases(40); ++trial) {
+    ASSERT_LT(trial, 3 * cases(40) + 30) << "hardly a set that can be certified";
     const double more = 1.002 + 0.5 * draw.unit() * draw.unit();
     const std::optional<CoupledCase> set = linkedSet(draw, more);
     if (!set) continue;
@@ -199,7 +200,6 @@ TEST(LinkedGains, PersonsAndObjectsThatLinkTheAxes_NoneIsUnstable) {
   }
   figure("certified sets with linked persons and objects", tried, "sets");
   figure("largest energy of their second two seconds over the first", most, "");
-  EXPECT_GT(tried, cases(40) / 2);
   EXPECT_EQ(unstable, 0);
 }
 
