@@ -161,7 +161,7 @@ TEST(BarPushed, WithoutAPalmarGrip_PoursNothing) {
   }
   figure("pushes", pushes, "");
   figure("pushes above the lowest threshold", pressed, "");
-  EXPECT_GT(pressed, pushes / 4);  // else nothing was tried
+  if (kCountsTell) EXPECT_GT(pressed, pushes / 4);  // else nothing was tried
 }
 
 }  // namespace

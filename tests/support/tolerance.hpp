@@ -27,4 +27,7 @@ inline int damagedCases(int sampled) {
   return std::getenv("WHOLEHAND_FULL") != nullptr ? 30 * sampled : sampled;
 }
 
+/// Whether enough cases run that how often something was seen says anything: a sanitizer sees few.
+inline constexpr bool kCountsTell = WHOLEHAND_SANITIZED == 0;
+
 }  // namespace wholehand::test
