@@ -26,7 +26,9 @@ Expected<RunOutcome> recordHalfASecond(const std::string& path) {
   auto rig = buildRig(*models, Intention::throughWaypoints({{0.0, begin}, {0.4, end}}), {});
   if (!rig) return rig.errors();
   if (auto armed = (*rig)->renderer->arm(); !armed) return armed.errors();
+  const InterruptScope signals;  // Ctrl-C ends the run gently
   RunPlan plan;
+  plan.interrupts = &InterruptScope::shared();
   plan.title = "Half a second, 50 mm forward";
   plan.duration_ticks = 500;
   plan.record = path;

@@ -1,11 +1,9 @@
 #include "experiments/cocktail_trial.hpp"
 
-#include "assembly/recorded_run.hpp"
+#include "assembly/run.hpp"
 #include "experiments/bar_figures.hpp"
-#include "patient/listening_player.hpp"
 #include "realtime/monotonic_clock.hpp"
-#include "runtime/session.hpp"
-#include "telemetry/recording.hpp"
+#include "runtime/interrupt_scope.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -71,7 +69,6 @@ Expected<CocktailResult> runCocktail(const CocktailPlan& plan) {
   if (!figures.known() || !player) {
     return notPlayable(plan.files.exercise, "is not an exercise that a virtual patient can win");
   }
-  ListeningPlayer listener(*player);
   auto rig = buildRig(std::move(*models), std::move(player), plan.rig);
   if (!rig) return rig.errors();
   if (auto armed = (*rig)->renderer->arm(); !armed) return armed.errors();
@@ -79,32 +76,30 @@ Expected<CocktailResult> runCocktail(const CocktailPlan& plan) {
   CocktailResult result;
   result.level = plan.files.level;
   result.seed = plan.seed;
-  std::unique_ptr<RecordingWriter> writer;
-  if (!plan.record.empty()) {
-    auto meta = describeRecording(**rig, "Cocktail bar, level " + std::to_string(result.level),
-                                  plan.seed, true);
-    if (!meta) return meta.errors();
-    auto created = RecordingWriter::create(plan.record, *meta);
-    if (!created) return created.errors();
-    writer = std::move(*created);
-  }
-  SessionConfig config;
-  config.duration_ticks = static_cast<std::uint64_t>(plan.most_s / plan.rig.period_s);
-  config.listener = &listener;
-  Session session(*(*rig)->renderer, config);
   BarObserver observe(figures, result);
   double done_s = 0.0;
-  const std::int64_t began_ns = monotonicNow_ns();
-  session.runSimulated([&](const TickRecord& record) {
+  Run* running = nullptr;
+  RunPlan run;
+  run.title = "Cocktail bar, level " + std::to_string(result.level);
+  run.seed = plan.seed;
+  run.record = plan.record;
+  run.duration_ticks = static_cast<std::uint64_t>(plan.most_s / plan.rig.period_s);
+  run.simulated_clock = true;
+  run.interrupts = &InterruptScope::shared();
+  run.sinks.emplace_back([&](const TickRecord& record) {
     observe(record);
-    if (writer) writer->append(record);
     done_s = observe.done() ? done_s + plan.rig.period_s : 0.0;
-    if (done_s > kAfterwards_s || InterruptScope::interrupted()) session.requestStop();
+    if (done_s > kAfterwards_s) running->requestStop();
   });
+  auto prepared = Run::prepare(std::move(*rig), std::move(run));
+  if (!prepared) return prepared.errors();
+  running = prepared->get();
+  const std::int64_t began_ns = monotonicNow_ns();
+  running->simulate();
   result.wall_s = static_cast<double>(monotonicNow_ns() - began_ns) * 1e-9;
-  if (writer) writer->close();
-  result.faulted = any(session.counters().latched);
-  result.interrupted = InterruptScope::interrupted();
+  running->finish();
+  result.faulted = running->outcome().faulted;
+  result.interrupted = running->outcome().interrupted;
   result.ended = observe.done();
   result.completed = result.ended && result.steps_in_tolerance == result.steps && !result.faulted;
   return result;

@@ -1,9 +1,10 @@
 #include "experiments/exercise_trial.hpp"
 
-#include "assembly/recorded_run.hpp"
+#include "assembly/run.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "experiments/bar_figures.hpp"
 #include "experiments/exercise_script.hpp"
+#include "runtime/interrupt_scope.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -168,12 +169,13 @@ Expected<ExerciseResult> runExercise(const ExercisePlan& plan) {
   run.duration_ticks =
       static_cast<std::uint64_t>(std::llround(exercise_times::kEnd / plan.rig.period_s));
   run.simulated_clock = true;
+  run.interrupts = &InterruptScope::shared();
   run.record = plan.record;
-  run.sink = [&](const TickRecord& record) {
+  run.sinks.emplace_back([&](const TickRecord& record) {
     if (record.time_s >= exercise_times::kEnd) return;  // only the ramp to neutral is left
     observe(record);
     if (plan.each_tick) plan.each_tick(**rig, record);
-  };
+  });
   auto outcome = runAndRecord(**rig, run);
   if (!outcome) return outcome.errors();
   result.faulted = outcome->faulted;

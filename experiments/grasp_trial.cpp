@@ -1,11 +1,12 @@
 #include "experiments/grasp_trial.hpp"
 
-#include "assembly/recorded_run.hpp"
+#include "assembly/run.hpp"
 #include "assembly/text_file.hpp"
 #include "core/units.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "experiments/grasp_script.hpp"
 #include "physics/bullet/bullet_world.hpp"
+#include "runtime/interrupt_scope.hpp"
 
 #include <algorithm>
 #include <array>
@@ -263,11 +264,12 @@ Expected<GraspResult> runGrasp(const GraspTrial& trial, const ModelFiles& files,
   run.title = "Grasping: " + trial.name();
   run.duration_ticks = static_cast<std::uint64_t>(std::llround(end_s / plan.rig.period_s));
   run.simulated_clock = true;
+  run.interrupts = &InterruptScope::shared();
   if (plan.record) run.record = plan.folder + "/" + stem + ".h5";
-  run.sink = [&](const TickRecord& record) {
+  run.sinks.emplace_back([&](const TickRecord& record) {
     observer(record);
     if (record.time_s < end_s) last = record;
-  };
+  });
   auto outcome = runAndRecord(**rig, run);
   if (!outcome) return outcome.errors();
   GraspResult result = observer.finish(last);

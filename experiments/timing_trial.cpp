@@ -3,6 +3,7 @@
 #include "assembly/text_file.hpp"
 #include "core/units.hpp"
 #include "experiments/grasp_script.hpp"
+#include "runtime/interrupt_scope.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -141,10 +142,11 @@ Expected<TimingResult> runTiming(const ModelFiles& files, const TimingPlan& plan
   run.title = "Timing: a cylinder grasped, released and grasped again";
   run.duration_ticks = plan.ticks;
   run.simulated_clock = plan.simulated_clock;
+  run.interrupts = &InterruptScope::shared();
   run.count_allocations = plan.count_allocations;
   run.record = plan.folder + "/timing.h5";
   run.status = plan.status;
-  run.sink = [&](const TickRecord& record) { observer(record); };
+  run.sinks.emplace_back([&](const TickRecord& record) { observer(record); });
   auto outcome = runAndRecord(**rig, run);
   if (!outcome) return outcome.errors();
   result.outcome = std::move(*outcome);

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "assembly/recorded_run.hpp"
 #include "assembly/rig.hpp"
+#include "assembly/run.hpp"
 
 #include <cstdint>
 #include <functional>

@@ -5,6 +5,7 @@
 #include "experiments/exercise_script.hpp"
 #include "experiments/exercise_trial.hpp"
 #include "picture/picture.hpp"
+#include "runtime/interrupt_scope.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -127,6 +128,7 @@ int exerciseCommand(const ExerciseOptions& options) {
   plan.seed = options.seed;
   plan.record = record_path;
   plan.each_tick = [&](const Rig& rig, const TickRecord& record) { photographer(rig, record); };
+  const InterruptScope interrupts;
   auto result = runExercise(plan);
   if (!result) return refuse(result.errors());
   if (result->interrupted) {

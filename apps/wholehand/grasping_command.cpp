@@ -1,4 +1,4 @@
-#include "assembly/recorded_run.hpp"
+#include "assembly/run.hpp"
 #include "assembly/text_file.hpp"
 #include "exit_code.hpp"
 #include "experiment_command.hpp"
@@ -6,6 +6,7 @@
 #include "picture/picture.hpp"
 #include "plural.hpp"
 #include "report/svg_plot.hpp"
+#include "runtime/interrupt_scope.hpp"
 #include "shipped_files.hpp"
 
 #include <fmt/format.h>

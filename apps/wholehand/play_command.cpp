@@ -1,12 +1,14 @@
 #include "play_command.hpp"
 
-#include "assembly/recorded_run.hpp"
+#include "assembly/run.hpp"
 #include "assembly/text_file.hpp"
+#include "device/plugin/plugin_device.hpp"
 #include "exit_code.hpp"
 #include "git_version.hpp"
 #include "report_command.hpp"
 #include "resting_player.hpp"
 #include "run_text.hpp"
+#include "runtime/interrupt_scope.hpp"
 #include "server/server.hpp"
 #include "server/udp_bridge.hpp"
 #include "shipped_files.hpp"
@@ -50,6 +52,30 @@ StationConfig stationConfig(const RunOptions& options, Terminal& terminal, Repor
     terminal.update(now, static_cast<double>(now.records) / now.time_s);
   };
   return config;
+}
+
+// A real device: a person holds it, so a person asks for the first force. None: null.
+Expected<std::shared_ptr<PluginDriver>> useDriver(RunOptions& options, StationConfig& config,
+                                                  Terminal& terminal) {
+  if (options.driver.path.empty()) return std::shared_ptr<PluginDriver>();
+  auto driver = PluginDriver::load(options.driver,
+                                   [&terminal](const std::string& line) { terminal.say(line); });
+  if (!driver) return driver;
+  options.wait = true;
+  config.make_device = [driver = *driver,
+                        period_s = config.rig.period_s](const DeviceModel& model) {
+    return PluginDevice::make(driver, model, period_s);
+  };
+  return driver;
+}
+
+// What does not fit is said before any page opens.
+Expected<Done> checkDriver(const std::shared_ptr<PluginDriver>& driver, const DeviceModel& model,
+                           double period_s) {
+  if (!driver) return Done{};
+  auto fits = PluginDevice::make(driver, model, period_s);
+  if (!fits) return fits.errors();
+  return Done{};
 }
 
 ServerOptions serverOptions(const RunOptions& options,
@@ -169,8 +195,13 @@ int playCommand(RunOptions options) {
   ReportChild reports;
   StationConfig config = stationConfig(options, terminal, reports);
   config.rig.certificate = *certificate;
+  auto driver = useDriver(options, config, terminal);
+  if (!driver) return refuse(driver.errors());
   Station station(std::move(config));
   if (auto loaded = station.load(); !loaded) return refuse(loaded.errors());
+  if (auto fits = checkDriver(*driver, station.models().device, 1.0 / options.rate_hz); !fits) {
+    return refuse(fits.errors());
+  }
 
   ControlsArbiter controls;
   UdpBridge udp(station, controls);
@@ -192,6 +223,8 @@ int playCommand(RunOptions options) {
   }
   station.addSink([&server](const TickRecord& record) { (*server)->publish(record); });
   printDoors(options, **server, udp);
+  if (*driver)
+    std::printf("  driver   %s, %zu axes\n", (*driver)->name(), (*driver)->axes().size());
   printInvitation(options, station.models());
   terminal.begin(station.models().device);
   Expected<StationOutcome> outcome = station.run(!options.wait, options.duration_s);

@@ -81,10 +81,8 @@ std::string causeOf(const BlackBoxCause& cause, const RecordingMeta& meta) {
     text = fmt::format("SIG{}{}", name != nullptr ? name : "?",
                        cause.within_tick ? " within a tick" : "");
   }
-  for (int bit = 0; bit < kFaultBits; ++bit) {
-    if (!any(cause.faults & static_cast<Fault>(1U << static_cast<unsigned>(bit)))) continue;
-    text += fmt::format("{}{}", text.empty() ? "" : ", ", faultName(bit));
-  }
+  const std::string names = faultNames(cause.faults);
+  text += text.empty() || names.empty() ? names : ", " + names;
   if (!any(cause.faults)) return text;
   const auto axis = static_cast<std::size_t>(cause.fault_axis);
   if (axis < meta.axis_names.size()) text += " on " + meta.axis_names[axis];

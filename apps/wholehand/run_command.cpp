@@ -1,15 +1,15 @@
 #include "assembly/kept_black_box.hpp"
-#include "assembly/recorded_run.hpp"
 #include "assembly/rig.hpp"
+#include "assembly/run.hpp"
 #include "assembly/text_file.hpp"
 #include "certificate_file.hpp"
 #include "exit_code.hpp"
-#include "patient/listening_player.hpp"
 #include "patient/scripted_player.hpp"
 #include "report_command.hpp"
 #include "resting_player.hpp"
 #include "run_options.hpp"
 #include "run_text.hpp"
+#include "runtime/interrupt_scope.hpp"
 #include "server/aside_log.hpp"
 #include "shipped_files.hpp"
 #include "status_line.hpp"
@@ -136,7 +136,6 @@ int runCommand(RunOptions options) {
   printOpening(*models);
   Mover mover = moverOf(*models, options.seed);
   const double duration_s = options.duration_s > 0.0 ? options.duration_s : mover.length_s;
-  ListeningPlayer listening(*mover.player);
 
   RigOptions rig_options;
   rig_options.period_s = 1.0 / options.rate_hz;
@@ -167,14 +166,15 @@ int runCommand(RunOptions options) {
   plan.black_box = blackBoxPath(options.record);
   plan.simulated_clock = options.simulated_clock;
   plan.seed = options.seed;
-  plan.listener = &listening;
+  plan.interrupts = &InterruptScope::shared();
+  const InterruptScope interrupts;
   Terminal terminal;
   terminal.begin(models->device);
   plan.status = [&](const TickSummary& now, double rate_hz) { terminal.update(now, rate_hz); };
   AsideLog aside([&terminal](const std::string& line) { terminal.say(line); });
   SafetyLog log(models->device, rig_options.period_s,
                 [&aside](const SafetyTransition& t) { aside.write(describe(t)); });
-  plan.sink = [&log](const TickRecord& record) { log.add(record); };
+  plan.sinks.emplace_back([&log](const TickRecord& record) { log.add(record); });
   Expected<RunOutcome> outcome = runAndRecord(**rig, plan);
   aside.flush(kLogWithin);
   terminal.end();

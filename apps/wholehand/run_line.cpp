@@ -38,6 +38,17 @@ Diagnostics mismatched(const CLI::App& run, const RunOptions& o, bool scene, boo
     faults.push_back({"", 0, "--no-rehearsal", "", "is about real time: there is none",
                       "leave out --no-rehearsal or --simulated-clock"});
   }
+  for (const char* simulated : {"--no-rehearsal", "--uncertified", "--simulated-clock"}) {
+    if (o.driver.path.empty() || run.count(simulated) == 0) continue;
+    faults.push_back({"", 0, simulated, "",
+                      "is for simulated devices, and --driver names a real one",
+                      "leave one of them out"});
+  }
+  if (!o.driver.path.empty() && !pages) {
+    faults.push_back({"", 0, "--driver", o.driver.path,
+                      "needs the console: a person arms and stops",
+                      "leave out --no-web, --scene and --motion"});
+  }
   if (run.count("--udp-peer") > 0 && run.count("--udp") == 0) {
     faults.push_back(
         {"", 0, "--udp-peer", "", "needs the port that it is served from", "give --udp, too"});
@@ -89,6 +100,12 @@ void addRun(CLI::App& app, RunOptions& options, int& code) {
       ->capture_default_str();
   run->add_option("--hand", o.files.hand, "Hand file")->capture_default_str();
   run->add_option("--device", o.files.device, "Device file")->capture_default_str();
+  CLI::Option* driver =
+      run->add_option("--driver", o.driver.path, "Driver of a real device (docs/drivers.md), .so");
+  run->add_option("--device-at", o.driver.locator, "Which device: what the driver wants to know")
+      ->needs(driver);
+  run->add_option("--driver-settings", o.driver.settings, "The driver's own settings")
+      ->needs(driver);
   run->add_option("--rendering", o.files.rendering,
                   "Gains that go with the device (default: the file of the device's name)");
   run->add_option("--patient", o.files.patient, "Virtual patient")->capture_default_str();

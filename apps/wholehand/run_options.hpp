@@ -2,6 +2,7 @@
 
 #include "assembly/models.hpp"
 #include "assembly/rig.hpp"
+#include "device/plugin/plugin_driver.hpp"
 
 #include <optional>
 #include <string>
@@ -17,6 +18,7 @@ struct RunOptions {
   std::string record;       ///< HDF5 file; empty: none
   std::string report;       ///< folder; empty: none
   std::string json;         ///< file; empty: none
+  DriverLocation driver;    ///< of a real device; no path: a simulated one
   bool simulated_clock = false;
   bool uncertified = false;
   bool no_rehearsal = false;

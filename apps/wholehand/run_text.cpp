@@ -2,6 +2,7 @@
 
 #include "plural.hpp"
 #include "status_line.hpp"
+#include "telemetry/fault_text.hpp"
 
 #include <fmt/format.h>
 

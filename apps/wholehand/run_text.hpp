@@ -1,7 +1,7 @@
 #pragma once
 
 #include "assembly/models.hpp"
-#include "assembly/recorded_run.hpp"
+#include "assembly/run.hpp"
 #include "run_options.hpp"
 #include "summary_json.hpp"
 

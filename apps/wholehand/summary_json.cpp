@@ -9,10 +9,8 @@ nlohmann::ordered_json transitionJson(const DeviceModel& device, const SafetyTra
                                  {"from", safetyStateName(t.from)},
                                  {"to", safetyStateName(t.to)},
                                  {"cause", t.cause}};
-  for (int bit = 0; bit < kFaultBits; ++bit) {
-    if (any(t.faults & static_cast<Fault>(1U << static_cast<unsigned>(bit)))) {
-      json["reasons"].push_back(faultName(bit));
-    }
+  for (const FaultFacts& fault : kFaultTable) {
+    if (any(t.faults & fault.bit)) json["reasons"].push_back(fault.name);
   }
   if (t.axis >= 0) json["axis"] = device.axes[static_cast<std::size_t>(t.axis)].name;
   if (t.limit != 0.0) {

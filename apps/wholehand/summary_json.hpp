@@ -1,7 +1,7 @@
 #pragma once
 
-#include "assembly/recorded_run.hpp"
 #include "assembly/rehearsal.hpp"
+#include "assembly/run.hpp"
 #include "assembly/safety_log.hpp"
 #include "model/device_model.hpp"
 

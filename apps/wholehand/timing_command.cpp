@@ -5,6 +5,7 @@
 #include "plural.hpp"
 #include "realtime/allocation_counter.hpp"
 #include "report/svg_plot.hpp"
+#include "runtime/interrupt_scope.hpp"
 #include "shipped_files.hpp"
 #include "status_line.hpp"
 #include "summary_json.hpp"
@@ -102,6 +103,7 @@ int timingCommand(const ExperimentOptions& options) {
   plan.folder = options.folder;
   plan.count_allocations = &threadAllocations;
   plan.status = [&](const TickSummary& now, double rate_hz) { status.update(now, rate_hz); };
+  const InterruptScope interrupts;
   auto result = runTiming(files, plan);
   status.finish();
   if (!result) return refuse(result.errors());

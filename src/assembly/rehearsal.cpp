@@ -4,8 +4,8 @@
 #include "assembly/rehearsal_text.hpp"
 #include "device/simulated/simulated_device.hpp"
 #include "realtime/sanitized.hpp"
-#include "realtime/stage_clock.hpp"
 #include "realtime/thread_setup.hpp"
+#include "runtime/tick_timer.hpp"
 
 #include <fmt/format.h>
 
@@ -30,15 +30,6 @@ constexpr double kStill_rad_s = 0.2;
 constexpr Fault kOfTheScene = Fault::kNonFiniteEffort | Fault::kNonFiniteState |
                               Fault::kPhysicsStep | Fault::kSingularInertia |
                               Fault::kBodiesExploded;
-
-class TimedStages final : public StageListener {
- public:
-  explicit TimedStages(StageClock& clock) : clock_(clock) {}
-  void lap(Stage stage) noexcept override { clock_.lap(stage); }
-
- private:
-  StageClock& clock_;
-};
 
 /// A tick, for finding out what the slow ones have in common.
 struct TickCost {
@@ -139,16 +130,12 @@ class Attempt {
   }
 
   void tick(const RehearsalMove& move) {
-    TimedStages stages(clock_);
     record_.tick = ticks_;
     record_.time_s = static_cast<double>(ticks_) * rig_.options.period_s;
     record_.command_count = 0;
-    clock_.start();
-    rig_.renderer->tick(1, record_, &stages);
-    const StageTimes times = clock_.finish();
-    record_.wall_ns = times.wall_ns;
-    record_.cpu_ns = times.cpu_ns;
-    record_.stage_cpu_ns = times.stage_cpu_ns;
+    timer_.start();
+    rig_.renderer->tick(1, record_, &timer_);
+    timer_.finish(record_);
     if (ticks_++ >= kFirst_ticks) count(move);
   }
 
@@ -192,8 +179,6 @@ class Attempt {
   }
 
   [[nodiscard]] Diagnostic broken(Fault fault, const RehearsalMove& move) const {
-    int bit = 0;
-    while (!any(fault & static_cast<Fault>(1U << static_cast<unsigned>(bit)))) ++bit;
     const SceneModel& scene = rig_.models.scene;
     const auto body = static_cast<std::size_t>(move.body);
     const std::string name = body < scene.bodies.size() ? scene.bodies[body].name : "nothing";
@@ -201,7 +186,7 @@ class Attempt {
             0,
             "bodies",
             name,
-            fmt::format("the rehearsal broke the simulated world here: {}", faultName(bit)),
+            "the rehearsal broke the simulated world here: " + faultNames(fault),
             "mend or remove what lies there: its mass, or what it overlaps"};
   }
 
@@ -238,7 +223,7 @@ class Attempt {
   const RehearsalOptions& options_;
   const double limit_ns_;
   AxisPosition home_;
-  StageClock clock_;
+  TickTimer timer_;
   TickRecord record_;
   TickStatistics statistics_;
   std::vector<TickCost> costs_;

@@ -5,6 +5,7 @@
 #include "assembly/sampled_inertia.hpp"
 #include "control/certificate_refusal.hpp"
 #include "device/simulated/simulated_device.hpp"
+#include "patient/listening_player.hpp"
 #include "patient/scripted_player.hpp"
 #include "physics/bullet/bullet_world.hpp"
 
@@ -125,9 +126,12 @@ Expected<std::unique_ptr<Rig>> buildRig(Models models, Intention intention,
 Expected<std::unique_ptr<Rig>> buildRig(Models models, std::unique_ptr<Player> player,
                                         const RigOptions& options) {
   if (Diagnostics large = refuseTooLarge(models); !large.empty()) return large;
+  auto listener = std::make_unique<ListeningPlayer>(*player);
   auto device = std::make_unique<SimulatedDevice>(models.device, models.patient, std::move(player),
                                                   options.period_s);
-  return buildRigThatMovesNobody(std::move(models), std::move(device), options);
+  auto rig = buildRigThatMovesNobody(std::move(models), std::move(device), options);
+  if (rig) (*rig)->listener = std::move(listener);
+  return rig;
 }
 
 Expected<std::unique_ptr<Rig>> buildRig(Models models, std::unique_ptr<HapticDevice> device,

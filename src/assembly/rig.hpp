@@ -3,6 +3,7 @@
 #include "assembly/models.hpp"
 #include "control/certificate_fingerprint.hpp"
 #include "control/coupling_gains.hpp"
+#include "core/tick_listener.hpp"
 #include "device/haptic_device.hpp"
 #include "patient/motion.hpp"
 #include "patient/player.hpp"
@@ -41,6 +42,7 @@ struct Rig {
   CouplingGains gains;
   Diagnostics refused;  ///< why they are not certified; not empty only with `uncertified`
   std::unique_ptr<HapticDevice> device;
+  std::unique_ptr<TickListener> listener;  ///< tells a simulated device's player; null on others
   std::unique_ptr<PhysicsWorld> world;
   std::unique_ptr<HapticRenderer> renderer;
 };

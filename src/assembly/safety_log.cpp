@@ -6,19 +6,6 @@
 #include <cmath>
 
 namespace wholehand {
-namespace {
-
-std::string namesOf(Fault faults) {
-  std::string names;
-  for (int bit = 0; bit < kFaultBits; ++bit) {
-    if (!any(faults & static_cast<Fault>(1U << static_cast<unsigned>(bit)))) continue;
-    if (!names.empty()) names += ", ";
-    names += faultName(bit);
-  }
-  return names;
-}
-
-}  // namespace
 
 std::string describe(const SafetyTransition& t) {
   return fmt::format("{:8.3f} s  {} -> {}: {}", t.time_s, safetyStateName(t.from),
@@ -85,7 +72,7 @@ SafetyTransition SafetyLog::transitionAt(const TickRecord& record) const {
 
 void SafetyLog::nameFault(const TickRecord& record, SafetyTransition& out) const {
   out.faults = record.faults & kStopping;
-  out.cause = any(out.faults) ? namesOf(out.faults) : "a fault whose record was dropped";
+  out.cause = any(out.faults) ? faultNames(out.faults) : "a fault whose record was dropped";
   const bool of_axis = record.fault_axis >= 0 && record.fault_axis < device_.axisCount();
   if (of_axis) {
     out.axis = record.fault_axis;

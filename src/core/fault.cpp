@@ -1,20 +1,33 @@
 #include "core/fault.hpp"
 
-#include <array>
+#include <cstddef>
 
 namespace wholehand {
+namespace {
+
+// Counters are indexed by the bit's number.
+constexpr bool areInOrder() {
+  for (unsigned bit = 0; bit < kFaultBits; ++bit) {
+    if (kFaultTable[bit].bit != static_cast<Fault>(1U << bit)) return false;
+  }
+  return true;
+}
+static_assert(areInOrder());
+
+}  // namespace
 
 const char* faultName(int bit) noexcept {
-  static constexpr std::array<const char*, kFaultBits> kNames = {
-      "device read failed",       "device write failed", "non-finite device position",
-      "non-finite effort",        "non-finite state",    "physics step failed",
-      "effort limited",           "late tick",           "contacts dropped",
-      "singular reduced inertia", "stop requested",      "emergency stop",
-      "speed limit exceeded",     "workspace left",      "power limited",
-      "effort slew limited",      "encoder jumped",      "encoder stuck",
-      "late ticks in a row",      "gap too long",        "owner silent",
-      "bodies exploded",          "tank damped"};
-  return bit >= 0 && bit < kFaultBits ? kNames[static_cast<std::size_t>(bit)] : "unknown";
+  return bit >= 0 && bit < kFaultBits ? kFaultTable[static_cast<std::size_t>(bit)].name : "unknown";
+}
+
+std::string faultNames(Fault faults) {
+  std::string names;
+  for (const FaultFacts& fault : kFaultTable) {
+    if (!any(faults & fault.bit)) continue;
+    if (!names.empty()) names += ", ";
+    names += fault.name;
+  }
+  return names;
 }
 
 }  // namespace wholehand

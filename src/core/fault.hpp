@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <string>
 
 namespace wholehand {
 
@@ -30,8 +32,12 @@ enum class Fault : std::uint32_t {
   kLongGap = 1U << 19,           ///< a gap between ticks longer than the device allows
   kOwnerSilent = 1U << 20,       ///< information: who shows the exercise is silent; it fades out
   kBodiesExploded =
-      1U << 21,           ///< a body of the world changed its speed as none could, or the hand did
-  kTankEmpty = 1U << 22,  ///< information: the energy tank damped
+      1U << 21,            ///< a body of the world changed its speed as none could, or the hand did
+  kTankEmpty = 1U << 22,   ///< information: the energy tank damped
+  kDriveFault = 1U << 23,  ///< a drive of the device has stopped itself
+  kEnableLost = 1U << 24,  ///< efforts no longer reach the motors: a stop button, a watchdog
+  kStaleSample = 1U << 25,  ///< the device's samples stand still or run backwards
+  kDriveHot = 1U << 26,     ///< information: a drive is near its temperature limit
 };
 
 [[nodiscard]] constexpr Fault operator|(Fault a, Fault b) noexcept {
@@ -47,17 +53,71 @@ constexpr Fault& operator|=(Fault& a, Fault b) noexcept {
   return f != Fault::kNone;
 }
 
-/// The faults that stop rendering; the others are counted and shown.
-inline constexpr Fault kStopping =
-    Fault::kDeviceRead | Fault::kDeviceWrite | Fault::kNonFinitePosition | Fault::kNonFiniteEffort |
-    Fault::kNonFiniteState | Fault::kPhysicsStep | Fault::kSingularInertia | Fault::kSpeedLimit |
-    Fault::kWorkspace | Fault::kEncoderJump | Fault::kEncoderStuck | Fault::kLateInARow |
-    Fault::kLongGap | Fault::kBodiesExploded;
-
 /// The number of distinct bits above, for counters.
-inline constexpr int kFaultBits = 23;
+inline constexpr int kFaultBits = 27;
+
+/// What a fault does to the run.
+enum class FaultReaction {
+  kStops,   ///< the ramp to neutral begins
+  kGoesOn,  ///< something was held back or went wrong: counted and told in the summary
+  kIsSaid,  ///< somebody asked, or has left: in the record
+};
+
+/// What is to be known of one bit. Records, summaries, metrics and the safety page take it from
+/// here.
+struct FaultFacts {
+  Fault bit;
+  const char* name;  ///< for a person, e.g. "device read failed"
+  FaultReaction reaction;
+};
+
+/// In the order of the bits.
+inline constexpr std::array<FaultFacts, kFaultBits> kFaultTable{{
+    {Fault::kDeviceRead, "device read failed", FaultReaction::kStops},
+    {Fault::kDeviceWrite, "device write failed", FaultReaction::kStops},
+    {Fault::kNonFinitePosition, "non-finite device position", FaultReaction::kStops},
+    {Fault::kNonFiniteEffort, "non-finite effort", FaultReaction::kStops},
+    {Fault::kNonFiniteState, "non-finite state", FaultReaction::kStops},
+    {Fault::kPhysicsStep, "physics step failed", FaultReaction::kStops},
+    {Fault::kEffortLimit, "effort limited", FaultReaction::kGoesOn},
+    {Fault::kLateTick, "late tick", FaultReaction::kGoesOn},
+    {Fault::kContactsDropped, "contacts dropped", FaultReaction::kGoesOn},
+    {Fault::kSingularInertia, "singular reduced inertia", FaultReaction::kStops},
+    {Fault::kStopRequested, "stop requested", FaultReaction::kIsSaid},
+    {Fault::kEmergencyStop, "emergency stop", FaultReaction::kIsSaid},
+    {Fault::kSpeedLimit, "speed limit exceeded", FaultReaction::kStops},
+    {Fault::kWorkspace, "workspace left", FaultReaction::kStops},
+    {Fault::kPowerLimit, "power limited", FaultReaction::kGoesOn},
+    {Fault::kEffortSlew, "effort slew limited", FaultReaction::kGoesOn},
+    {Fault::kEncoderJump, "encoder jumped", FaultReaction::kStops},
+    {Fault::kEncoderStuck, "encoder stuck", FaultReaction::kStops},
+    {Fault::kLateInARow, "late ticks in a row", FaultReaction::kStops},
+    {Fault::kLongGap, "gap too long", FaultReaction::kStops},
+    {Fault::kOwnerSilent, "owner silent", FaultReaction::kIsSaid},
+    {Fault::kBodiesExploded, "bodies exploded", FaultReaction::kStops},
+    {Fault::kTankEmpty, "tank damped", FaultReaction::kGoesOn},
+    {Fault::kDriveFault, "drive fault", FaultReaction::kStops},
+    {Fault::kEnableLost, "enable lost", FaultReaction::kStops},
+    {Fault::kStaleSample, "stale sample", FaultReaction::kStops},
+    {Fault::kDriveHot, "drive hot", FaultReaction::kGoesOn},
+}};
+
+/// All bits of one reaction.
+[[nodiscard]] constexpr Fault faultsThat(FaultReaction reaction) noexcept {
+  Fault bits = Fault::kNone;
+  for (const FaultFacts& fault : kFaultTable) {
+    if (fault.reaction == reaction) bits |= fault.bit;
+  }
+  return bits;
+}
+
+/// The faults that stop rendering; the others are counted and shown.
+inline constexpr Fault kStopping = faultsThat(FaultReaction::kStops);
 
 /// A person's name for one bit (0 .. kFaultBits - 1), e.g. "device read failed".
 [[nodiscard]] const char* faultName(int bit) noexcept;
+
+/// The names of all bits that are set: "late tick, effort limited"; empty: none.
+[[nodiscard]] std::string faultNames(Fault faults);
 
 }  // namespace wholehand

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/command.hpp"
 #include "core/real_time.hpp"
 #include "core/tick_record.hpp"
 
@@ -20,6 +21,9 @@ class Player {
   /// The aim one period later: position and velocity, continuous.
   WHOLEHAND_RT virtual void advance(double period_s, AxisPosition& q,
                                     AxisVelocity& qd) noexcept = 0;
+
+  /// What somebody asks of the loop, before the tick that takes it. In the thread that ticks.
+  WHOLEHAND_RT virtual void command(const Command&) noexcept {}
 
   /// What a tick came to; called after each. A player that was not asked to advance() since the
   /// last one does not steer: somebody else has the hand where `record.intention` says, and a

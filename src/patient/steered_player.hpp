@@ -38,7 +38,7 @@ class SteeredPlayer final : public Player {
 
   /// Takes kSteer and kAim, nothing else. An aim counts while a person steers; one that has not the
   /// device's axes or is not finite is ignored. In the thread that ticks, before the tick.
-  WHOLEHAND_RT void command(const Command& command) noexcept;
+  WHOLEHAND_RT void command(const Command& command) noexcept override;
 
   [[nodiscard]] Steering steering() const noexcept { return steering_; }
 

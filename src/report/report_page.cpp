@@ -86,8 +86,8 @@ std::string faultFigure(const ReportData& data) {
   }
   for (int bit = kFaultBits - 1; bit >= 0; --bit) {
     const auto at = static_cast<std::size_t>(bit);
-    const bool stops = any(kStopping & static_cast<Fault>(1U << static_cast<unsigned>(bit)));
-    if (stops && s.faults[at] > 0) label = faultName(bit) + axisOf(data, at);
+    const bool stops = kFaultTable[at].reaction == FaultReaction::kStops;
+    if (stops && s.faults[at] > 0) label = kFaultTable[at].name + axisOf(data, at);
   }
   return figure(formatCount(s.stopping_faults), s.stopping_faults == 1 ? "fault tick" : "faults",
                 label);

@@ -8,16 +8,6 @@
 
 namespace wholehand {
 
-// Hands the renderer's laps to the clock.
-class Session::TimedStages final : public StageListener {
- public:
-  explicit TimedStages(StageClock& clock) : clock_(clock) {}
-  void lap(Stage stage) noexcept override { clock_.lap(stage); }
-
- private:
-  StageClock& clock_;
-};
-
 Session::Session(HapticRenderer& renderer, const SessionConfig& config)
     : renderer_(renderer),
       config_(config),
@@ -80,9 +70,8 @@ std::uint64_t Session::allocationsSoFar() const noexcept {
 }
 
 bool Session::tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) noexcept {
-  TimedStages stages(clock_);
   const std::uint64_t allocated = allocationsSoFar();
-  clock_.start();
+  timer_.start();
   // The first period starts rendering; what was skipped before it never counted.
   record_.tick = counters_.ticks_run == 0 ? 0 : next_tick_ + elapsed_periods - 1;
   record_.time_s = static_cast<double>(record_.tick) * renderer_.config().period_s;
@@ -91,15 +80,12 @@ bool Session::tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) 
   takeCommands();
   if (config_.listener != nullptr) config_.listener->beforeTick(record_);
   if (config_.black_box != nullptr) config_.black_box->beforeTick(record_);
-  renderer_.tick(counters_.ticks_run == 0 ? 1 : elapsed_periods, record_, &stages);
+  renderer_.tick(counters_.ticks_run == 0 ? 1 : elapsed_periods, record_, &timer_);
   next_tick_ = record_.tick + 1;
   if (next_tick_ >= config_.duration_ticks && !std::exchange(time_is_over_, true)) {
     renderer_.requestStop();
   }
-  const StageTimes times = clock_.finish();
-  record_.wall_ns = times.wall_ns;
-  record_.cpu_ns = times.cpu_ns;
-  record_.stage_cpu_ns = times.stage_cpu_ns;
+  timer_.finish(record_);
   if (config_.listener != nullptr) config_.listener->afterTick(record_);
   if (config_.black_box != nullptr) config_.black_box->afterTick(record_);
   count(allocationsSoFar() - allocated);

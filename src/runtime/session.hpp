@@ -5,9 +5,9 @@
 #include "core/tick_record.hpp"
 #include "realtime/periodic_thread.hpp"
 #include "realtime/spsc_queue.hpp"
-#include "realtime/stage_clock.hpp"
 #include "renderer/haptic_renderer.hpp"
 #include "runtime/interrupts.hpp"
+#include "runtime/tick_timer.hpp"
 
 #include <array>
 #include <atomic>
@@ -89,7 +89,6 @@ class Session {
   [[nodiscard]] SessionCounters counters() const { return counters_; }
 
  private:
-  class TimedStages;
   [[nodiscard]] std::uint64_t allocationsSoFar() const noexcept;
   [[nodiscard]] bool tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) noexcept;
   void followStops() noexcept;
@@ -101,7 +100,7 @@ class Session {
   const std::uint64_t fade_ticks_;
   SpscQueue<TickRecord> queue_;
   SpscQueue<Command> commands_;
-  StageClock clock_;
+  TickTimer timer_;
   TickRecord record_;  ///< reused: the tick's own copy
   std::uint64_t next_tick_ = 0;
   bool time_is_over_ = false;

@@ -45,11 +45,11 @@ void safetyMetrics(std::string& out, const LoopStatus& s) {
   out +=
       "# HELP wholehand_fault_ticks_total Ticks of the session in which a reason was given.\n"
       "# TYPE wholehand_fault_ticks_total counter\n";
-  for (int bit = 0; bit < kFaultBits; ++bit) {
-    const Fault fault = static_cast<Fault>(1U << static_cast<unsigned>(bit));
+  for (std::size_t i = 0; i < kFaultTable.size(); ++i) {
     out += fmt::format("wholehand_fault_ticks_total{{reason=\"{}\",stops=\"{}\"}} {}\n",
-                       label(faultName(bit)), any(fault & kStopping) ? "yes" : "no",
-                       s.fault_ticks[static_cast<std::size_t>(bit)]);
+                       label(kFaultTable[i].name),
+                       kFaultTable[i].reaction == FaultReaction::kStops ? "yes" : "no",
+                       s.fault_ticks[i]);
   }
   if (s.rehearsal_p999_us <= 0.0) return;
   out +=

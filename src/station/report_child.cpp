@@ -1,6 +1,6 @@
 #include "station/report_child.hpp"
 
-#include "assembly/interrupt_scope.hpp"
+#include "runtime/interrupt_scope.hpp"
 
 #include <cerrno>
 #include <csignal>

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "assembly/models.hpp"
-#include "assembly/recorded_run.hpp"
 #include "assembly/rehearsal.hpp"
 #include "assembly/rig.hpp"
+#include "assembly/run.hpp"
 #include "assembly/safety_log.hpp"
 #include "server/backend.hpp"
 #include "telemetry/statistics.hpp"
@@ -28,6 +28,9 @@ struct StationConfig {
   std::string recordings_folder;  ///< sessions that a client arms are recorded here; empty: not
   std::string record;             ///< file of the first session; empty: none
   std::string program_version;
+  /// Makes the device of each session, which a person holds: nothing plays, nobody at a screen
+  /// steers, and nothing is armed at once. Null: a simulated one, whom a virtual patient moves.
+  std::function<Expected<std::unique_ptr<HapticDevice>>(const DeviceModel&)> make_device;
   /// Who plays where the exercise brings nobody. Needed.
   std::function<std::unique_ptr<Player>(const Models&)> make_player;
   /// Makes a report page of a recording, in a process of its own: HDF5 may be writing in this one.

@@ -1,4 +1,7 @@
 // From an order to arm to a loop that runs: all on the thread that runs the station.
+#include "assembly/kept_black_box.hpp"
+#include "patient/steered_player.hpp"
+#include "runtime/interrupt_scope.hpp"
 #include "station/station_core.hpp"
 
 #include <fmt/format.h>
@@ -75,16 +78,40 @@ OrderReply Station::Core::arm(std::uint64_t asked, const std::string& record,
   return startSession(std::move(player), asked, record, duration_ticks, for_client);
 }
 
+// A person holds the device, or a virtual patient moves a simulated one whom a person may steer.
+Expected<std::unique_ptr<Rig>> Station::Core::makeRig(std::unique_ptr<Player> player) const {
+  if (!config_.make_device) {
+    auto steered = std::make_unique<SteeredPlayer>(std::move(player), models_.device);
+    return buildRig(models_, std::move(steered), config_.rig);
+  }
+  auto device = config_.make_device(models_.device);
+  if (!device) return device.errors();
+  return buildRig(models_, std::move(*device), config_.rig);
+}
+
+// Armed; nothing ticks yet.
+Expected<std::unique_ptr<Run>> Station::Core::prepareRun(std::unique_ptr<Player> player,
+                                                         const std::vector<double>& parameters,
+                                                         RunPlan plan) const {
+  auto rig = makeRig(std::move(player));
+  if (!rig) return rig.errors();
+  (*rig)->renderer->startParametersAt(parameters);
+  const auto passed = rehearsed_ ? rehearsed_->passed : std::nullopt;
+  if (auto armed = (*rig)->renderer->arm(passed); !armed) return armed.errors();
+  return Run::prepare(std::move(*rig), std::move(plan));
+}
+
 // Shows the new session before its first record comes; where there is none, the last one again.
 OrderReply Station::Core::startSession(std::unique_ptr<Player> player, std::uint64_t asked,
                                        const std::string& record, std::uint64_t duration_ticks,
                                        bool for_client) {
-  LiveSessionPlan plan;
+  RunPlan plan;
   plan.title = title();
   plan.seed = config_.seed + arming_;
   plan.record = record;
   plan.duration_ticks = duration_ticks;
-  plan.parameters = parametersAtStart();
+  plan.black_box = blackBoxPath(record);
+  plan.interrupts = &InterruptScope::shared();
   plan.sinks.push_back([this](const TickRecord& r) { keepLatest(r); });
   plan.sinks.insert(plan.sinks.end(), sinks_.begin(), sinks_.end());
   const bool had_latest = forgetLatest();
@@ -96,19 +123,20 @@ OrderReply Station::Core::startSession(std::unique_ptr<Player> player, std::uint
     armed_for_client_ = for_client;
   }
   publishScene(record);
-  auto live = LiveSession::arm(models_, std::move(player), config_.rig, plan);
+  const std::vector<double> parameters = parametersAtStart();
+  auto live = prepareRun(std::move(player), parameters, std::move(plan));
   ++arming_;
   Diagnostics errors;
   if (live) {
     // A stop reaches it from here on, before its first tick.
-    OrderReply reply = armedNow(std::move(*live), asked, plan.parameters);
+    OrderReply reply = armedNow(std::move(*live), asked, parameters);
     auto begun = live_->begin();
     if (begun) return sessionRuns(std::move(reply), record);
     errors = begun.errors();
   } else {
     errors = live.errors();
   }
-  std::unique_ptr<LiveSession> none;
+  std::unique_ptr<Run> none;
   {
     const std::lock_guard lock(mutex_);
     none = std::move(live_);
@@ -134,7 +162,7 @@ OrderReply Station::Core::sessionRuns(OrderReply reply, const std::string& recor
   return reply;
 }
 
-OrderReply Station::Core::armedNow(std::unique_ptr<LiveSession> live, std::uint64_t asked,
+OrderReply Station::Core::armedNow(std::unique_ptr<Run> live, std::uint64_t asked,
                                    const std::vector<double>& parameters) {
   const std::lock_guard lock(mutex_);
   live_ = std::move(live);

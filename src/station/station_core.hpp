@@ -1,7 +1,7 @@
 #pragma once
 
+#include "assembly/run.hpp"
 #include "server/aside_log.hpp"
-#include "station/live_session.hpp"
 #include "station/session_files.hpp"
 #include "station/station.hpp"
 
@@ -68,7 +68,11 @@ class Station::Core {
   OrderReply armForClient(std::uint64_t asked);
   OrderReply startSession(std::unique_ptr<Player> player, std::uint64_t asked,
                           const std::string& record, std::uint64_t duration_ticks, bool for_client);
-  OrderReply armedNow(std::unique_ptr<LiveSession> live, std::uint64_t asked,
+  [[nodiscard]] Expected<std::unique_ptr<Rig>> makeRig(std::unique_ptr<Player> player) const;
+  [[nodiscard]] Expected<std::unique_ptr<Run>> prepareRun(std::unique_ptr<Player> player,
+                                                          const std::vector<double>& parameters,
+                                                          RunPlan plan) const;
+  OrderReply armedNow(std::unique_ptr<Run> live, std::uint64_t asked,
                       const std::vector<double>& parameters);
   OrderReply sessionRuns(OrderReply reply, const std::string& record);
   [[nodiscard]] std::uint64_t ticksLeft() const;
@@ -148,7 +152,7 @@ class Station::Core {
   std::optional<StationClock::time_point> level_done_at_;
   bool has_latest_ = false;  ///< of this session
 
-  std::unique_ptr<LiveSession> live_;  ///< last: its threads use the members above
+  std::unique_ptr<Run> live_;  ///< last: its threads use the members above
 };
 
 }  // namespace wholehand

@@ -1,4 +1,5 @@
 // What clients ask and are told: from any thread.
+#include "runtime/interrupt_scope.hpp"
 #include "station/station_core.hpp"
 
 #include <fmt/format.h>
@@ -43,6 +44,7 @@ OrderReply Station::Core::push(const Command& command) {
 // with every record.
 OrderReply Station::Core::steer(Steering by) {
   if (!live_) return refused(Refusal::kNothingArmed, "nothing is armed");
+  if (config_.make_device) return refused(Refusal::kOther, "who holds the device moves the hand");
   Command command;
   command.type = CommandType::kSteer;
   command.index = static_cast<std::int32_t>(by);

@@ -1,5 +1,6 @@
 // The life of sessions: all on the thread that runs the station.
 #include "exercise/load_exercise.hpp"
+#include "runtime/interrupt_scope.hpp"
 #include "station/scene_facts.hpp"
 #include "station/station_core.hpp"
 
@@ -90,7 +91,7 @@ bool Station::Core::forgetLatest() {
 }
 
 void Station::Core::finishSession(bool goes_on) {
-  std::unique_ptr<LiveSession> over;
+  std::unique_ptr<Run> over;
   live_->finish();
   RunOutcome ended = live_->outcome();
   for (const std::string& failure : ended.failures) {
@@ -251,6 +252,7 @@ void Station::Core::endTasks() {
 
 // Where nobody steers, the virtual patient plays a finished level once more.
 void Station::Core::playAgain() {
+  if (config_.make_device) return;
   {
     const std::lock_guard lock(latest_mutex_);
     if (!level_done_at_ || Clock::now() - *level_done_at_ < kEncoreAfter) return;

@@ -1,4 +1,4 @@
-#include "assembly/recorded_run.hpp"
+#include "telemetry/fault_text.hpp"
 
 #include <gtest/gtest.h>
 

@@ -88,13 +88,12 @@ class CrashBesideTheLoop : public testing::Test {
   /// In the child: the loop, as fast as it can, in a thread beside the one that crashes.
   void runAndCrash() {
     if (!rig_->renderer->arm().ok()) ::_exit(98);
-    Logging logging(*told_);
+    rig_->listener = std::make_unique<Logging>(*told_);
     RunPlan plan;
     plan.title = "crashed beside it";
     plan.duration_ticks = kMostTicks;
     plan.black_box = path();
     plan.simulated_clock = true;
-    plan.listener = &logging;
     std::thread loop([&] {
       (void)runAndRecord(*rig_, plan);
       told_->returned = true;

@@ -94,9 +94,9 @@ TEST(FaultedRun, EmergencyStop_LeavesABoxThatSaysSoAndRunsAgain) {
   plan.duration_ticks = 3000;
   plan.black_box = folder.file("deep/stop.wbb");
   plan.simulated_clock = true;
-  plan.sink = [&rig](const TickRecord& r) {
+  plan.sinks.emplace_back([&rig](const TickRecord& r) {
     if (r.tick == 1234) rig->renderer->requestEmergencyStop();
-  };
+  });
   const RunOutcome outcome = orThrow(runAndRecord(*rig, plan));
   EXPECT_FALSE(outcome.faulted);
   EXPECT_NE(outcome.black_box, "");

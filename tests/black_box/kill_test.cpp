@@ -55,8 +55,9 @@ class KilledRun : public testing::Test {
     Models models = bar();
     auto player = models.exercise->makePlayer(1);
     ASSERT_NE(player, nullptr);
-    telling_ = std::make_unique<Telling>(*player, *progress_);
+    auto telling = std::make_unique<Telling>(*player, *progress_);
     rig_ = orThrow(buildRig(std::move(models), std::move(player), RigOptions{}));
+    rig_->listener = std::move(telling);
   }
   void TearDown() override { ::munmap(progress_, sizeof(Progress)); }
 
@@ -99,11 +100,9 @@ class KilledRun : public testing::Test {
     plan.duration_ticks = 60'000;
     plan.record = recording;
     plan.black_box = blackBoxPath(recording);
-    plan.listener = telling_.get();
     (void)runAndRecord(*rig_, plan);
   }
 
-  std::unique_ptr<Telling> telling_;
   std::unique_ptr<Rig> rig_;
 };
 

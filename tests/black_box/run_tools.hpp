@@ -2,8 +2,8 @@
 
 #include "assembly/kept_black_box.hpp"
 #include "assembly/models.hpp"
-#include "assembly/recorded_run.hpp"
 #include "assembly/rig.hpp"
+#include "assembly/run.hpp"
 #include "support/rig_tools.hpp"
 
 #include <array>

@@ -1,7 +1,7 @@
 // The paper's Fig. 5 through device, patient and renderer: the figures that README.md promises.
 #include "experiments/grasp_trial.hpp"
 
-#include "assembly/recorded_run.hpp"
+#include "assembly/run.hpp"
 #include "experiments/grasp_script.hpp"
 #include "realtime/allocation_counter.hpp"
 #include "realtime/monotonic_clock.hpp"

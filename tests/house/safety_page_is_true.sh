@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# docs/safety.md has a row for every bit of Fault, every hazard names a test, and every test named
+# docs/safety.md has a row for every bit of Fault, with the reaction that the table in code has; every hazard names a test, and every test named
 # there exists in the file named before it. A page with one false name is noticed.
 set -euo pipefail
 judge() {
@@ -12,6 +12,14 @@ bits = re.findall(r"^\s+(k\w+) =\s+1U << \d+", open("src/core/fault.hpp", encodi
 if len(bits) < 20:
     sys.exit("the bits of Fault are not read any more")
 wrong += [f"{bit} has no row" for bit in bits if f"| `{bit}` |" not in page]
+stops = dict(re.findall(r"\{Fault::(k\w+), .*FaultReaction::(k\w+)\}", open("src/core/fault.hpp", encoding="utf-8").read()))
+for bit, reaction in stops.items():
+    row = re.search(rf"^\| `{bit}` \|.*\| ([^|]*) \|$", page, re.M)
+    says = row is not None and re.search(r"\bstops\b", row[1]) is not None
+    if says != (reaction == "kStops"):
+        wrong.append(f"{bit}: the page says {'stops' if says else 'goes on'}, the table {reaction}")
+if len(stops) != len(bits):
+    wrong.append(f"{len(stops)} reactions of {len(bits)} bits are read")
 
 def exists(path, name):
     text = open(path, encoding="utf-8").read()
@@ -47,7 +55,7 @@ judge docs/safety.md
 spoiled=$(mktemp)
 trap 'rm -f "$spoiled"' EXIT
 # shellcheck disable=SC2016  # backquotes of Markdown
-for change in 's/^| `kSpeedLimit` |.*//' 's/EmergencyStop\.AtRandomTicks/EmergencyStop.AtNoTick/' \
+for change in 's/^| `kSpeedLimit` |.*//' '/^| `kWorkspace`/s/| stops |/| goes on |/' 's/EmergencyStop\.AtRandomTicks/EmergencyStop.AtNoTick/' \
               's/test_run_refuses_what/test_run_takes_what/' 's/crash_test\.cpp)/crashed_test.cpp)/'; do
   sed "$change" docs/safety.md > "$spoiled"
   if judge "$spoiled" > /dev/null; then

@@ -1,6 +1,8 @@
 // A live session as a station runs it, recorded and commanded: all that its loop's thread does.
+#include "assembly/kept_black_box.hpp"
+#include "assembly/run.hpp"
+#include "patient/steered_player.hpp"
 #include "rt_proof/tick_watch.hpp"
-#include "station/live_session.hpp"
 #include "support/rig_tools.hpp"
 
 #include <chrono>
@@ -53,13 +55,18 @@ TEST(LiveLoop, WithRecordingAndCommands_OnlyTicksAndSleeps) {
   Models models = load(files);
   Counts counted;
   counted.fill(-1);
-  LiveSessionPlan plan;
+  RunPlan plan;
   const fs::path recording =
       fs::temp_directory_path() / ("wholehand-proof-" + std::to_string(::getpid()) + ".h5");
   plan.record = recording.string();
   plan.duration_ticks = CountingPlayer::kTo + 100;
   auto player = std::make_unique<CountingPlayer>(models.exercise->makePlayer(1), counted);
-  const auto live = orThrow(LiveSession::start(models, std::move(player), {}, plan));
+  auto steered = std::make_unique<SteeredPlayer>(std::move(player), models.device);
+  std::shared_ptr<Rig> rig = orThrow(buildRig(models, std::move(steered), {}));
+  ASSERT_TRUE(rig->renderer->arm());
+  plan.black_box = blackBoxPath(plan.record);
+  const auto live = orThrow(Run::prepare(std::move(rig), plan));
+  ASSERT_TRUE(live->begin());
   Command command;
   command.type = CommandType::kParameter;
   for (int i = 0; live->running(); ++i) {

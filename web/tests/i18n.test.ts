@@ -34,9 +34,8 @@ test('Texts_HaveASentenceForEveryRefusalOfTheSchemaAndNoOther', () => {
 });
 
 test('Texts_HaveAWordForEveryFaultOfTheProgram', () => {
-  const source = readFileSync(new URL('../../src/core/fault.cpp', import.meta.url), 'utf8');
-  const table = source.match(/kNames = \{([^}]*)\}/)?.[1] ?? '';
-  const names = [...table.matchAll(/"([^"]+)"/g)].map(([, name]) => `fault.${name}`);
+  const source = readFileSync(new URL('../../src/core/fault.hpp', import.meta.url), 'utf8');
+  const names = [...source.matchAll(/\{Fault::k\w+, "([^"]+)",/g)].map(([, name]) => `fault.${name}`);
   expect(names).toContain('fault.late tick');
   expect(names.filter((name) => !(name in en))).toEqual([]);
 });

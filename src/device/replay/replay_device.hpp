@@ -11,7 +11,7 @@ namespace wholehand {
 struct RecordedReading {
   DeviceReading reading;
   std::uint32_t elapsed_periods = 1;
-  Fault faults = Fault::kNone;  ///< of the tick; the device's own two bits are given again
+  Fault faults = Fault::kNone;  ///< of the tick; the device's own bits are given again
 };
 
 /// A device that repeats a recording, tick by tick, whatever is written to it. A recorded read or

@@ -13,9 +13,9 @@ export interface Notice {
 
 /**
  * Faults that do not stop: worth a word. Bit 6: effort limited, 7: late tick, 8: contacts dropped, 14: power limited,
- * 20: owner silent, 22: the energy tank damped.
+ * 20: owner silent, 22: the energy tank damped, 26: drive hot.
  */
-const INFORMATION = (1 << 6) | (1 << 7) | (1 << 8) | (1 << 14) | (1 << 20) | (1 << 22);
+const INFORMATION = (1 << 6) | (1 << 7) | (1 << 8) | (1 << 14) | (1 << 20) | (1 << 22) | (1 << 26);
 /** For so long after rendering has ended nothing is started: who reaches for Pause must not find Start [ms]. */
 const DEAD_MS = 1000;
 /** A limit that held within this time is said in the header [s]. */

@@ -20,7 +20,8 @@ const EVENT_NAMES = ['approached', 'touched', 'engaged', 'disengaged', 'pour_beg
 const FAULT_NAMES = ['device read failed', 'device write failed', 'non-finite device position', 'non-finite effort', 'non-finite state',
   'physics step failed', 'effort limited', 'late tick', 'contacts dropped', 'singular reduced inertia', 'stop requested', 'emergency stop',
   'speed limit exceeded', 'workspace left', 'power limited', 'effort slew limited', 'encoder jumped', 'encoder stuck', 'late ticks in a row',
-  'gap too long', 'owner silent', 'bodies exploded', 'tank damped'];
+  'gap too long', 'owner silent', 'bodies exploded', 'tank damped', 'drive fault', 'enable lost',
+  'stale sample', 'drive hot'];
 const STOP_REQUESTED = 1 << 10;
 const EMERGENCY_STOP = 1 << 11;
 const FAULT_AFTER_S = 1;

@@ -179,4 +179,8 @@ export const de: Texts = {
   'fault.owner silent': 'das Spiel schweigt, seine Kraft klingt ab',
   'fault.bodies exploded': 'die simulierten Dinge flogen auseinander',
   'fault.tank damped': 'der Energiewächter dämpfte',
+  'fault.drive fault': 'ein Antrieb des Geräts hat sich abgeschaltet',
+  'fault.enable lost': 'Kräfte erreichen die Motoren nicht mehr',
+  'fault.stale sample': 'die Positionen des Geräts bleiben stehen',
+  'fault.drive hot': 'ein Antrieb ist heiss',
 };

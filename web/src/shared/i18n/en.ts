@@ -185,4 +185,8 @@ export const en = {
   'fault.owner silent': 'the game went silent, its effort fades',
   'fault.bodies exploded': 'the simulated objects flew apart',
   'fault.tank damped': 'the energy guard damped',
+  'fault.drive fault': 'a drive of the device has stopped itself',
+  'fault.enable lost': 'efforts no longer reach the motors',
+  'fault.stale sample': 'the device’s positions stand still',
+  'fault.drive hot': 'a drive is hot',
 } as const;

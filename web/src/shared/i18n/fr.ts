@@ -179,4 +179,8 @@ export const fr: Texts = {
   'fault.owner silent': 'le jeu se tait, sa force s’éteint',
   'fault.bodies exploded': 'les objets simulés se sont dispersés',
   'fault.tank damped': 'le gardien d’énergie a amorti',
+  'fault.drive fault': 'un moteur de l’appareil s’est arrêté',
+  'fault.enable lost': 'les efforts n’atteignent plus les moteurs',
+  'fault.stale sample': 'les positions de l’appareil restent figées',
+  'fault.drive hot': 'un moteur est chaud',
 };

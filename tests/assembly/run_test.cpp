@@ -1,8 +1,10 @@
 // A run when something fails: what is left open, what is told, which signals end it gently.
-#include "assembly/recorded_run.hpp"
+#include "assembly/run.hpp"
 
 #include "assembly/kept_black_box.hpp"
 #include "assembly/watched_device.hpp"
+#include "runtime/interrupt_scope.hpp"
+#include "telemetry/fault_text.hpp"
 
 #include <chrono>
 #include <csignal>
@@ -71,9 +73,9 @@ TEST(RunAndRecord, RecordingThatIsRemovedMeanwhile_IsToldAndCountsAsDropped) {
   plan.duration_ticks = 200;
   plan.simulated_clock = true;
   plan.record = file.path();
-  plan.sink = [&](const TickRecord& r) {
+  plan.sinks.emplace_back([&](const TickRecord& r) {
     if (r.tick == 50) fs::remove(file.path());
-  };
+  });
   const RunOutcome outcome = orThrow(runAndRecord(*rig, plan));
   EXPECT_EQ(outcome.written, 0U);
   EXPECT_EQ(outcome.dropped_writes, outcome.summary.records);
@@ -111,11 +113,11 @@ TEST(RunAndRecord, FaultWhoseRecordsWereDropped_IsNoSuccess) {
   plan.queue_ticks = 4;
   bool first = true;
   std::uint64_t told = 0;
-  plan.sink = [&](const TickRecord& r) {
+  plan.sinks.emplace_back([&](const TickRecord& r) {
     // As long as the run: all but the first five records are dropped.
     if (std::exchange(first, false)) std::this_thread::sleep_for(std::chrono::milliseconds(400));
     told += any(r.faults & kStopping) ? 1 : 0;
-  };
+  });
   const RunOutcome outcome = orThrow(runAndRecord(*rig, plan));
   ASSERT_EQ(told, 0U);
   EXPECT_TRUE(outcome.faulted);
@@ -134,7 +136,7 @@ TEST(RunAndRecord, SinkThatThrows_IsToldAndTheLoopRunsOn) {
   ASSERT_TRUE(rig->renderer->arm());
   RunPlan plan;
   plan.duration_ticks = 100;
-  plan.sink = [](const TickRecord&) { throw std::runtime_error("no more paper"); };
+  plan.sinks.emplace_back([](const TickRecord&) { throw std::runtime_error("no more paper"); });
   const RunOutcome outcome = orThrow(runAndRecord(*rig, plan));
   EXPECT_FALSE(outcome.faulted);
   EXPECT_GE(outcome.summary.ticks, 100U);
@@ -147,10 +149,12 @@ bool isStoppedBy(int signal) {
   Story story;
   const auto rig = watched(story);
   EXPECT_TRUE(rig->renderer->arm());
+  const InterruptScope signals;
   RunPlan plan;
+  plan.interrupts = &InterruptScope::shared();
   plan.duration_ticks = 200;
   plan.simulated_clock = true;
-  plan.sink = [&](const TickRecord& r) {
+  plan.sinks.emplace_back([&](const TickRecord& r) {
     if (r.tick == 50) {
       // To the process, as a person and the system send it; another thread than this takes it.
       EXPECT_EQ(::kill(::getpid(), signal), 0);
@@ -158,7 +162,7 @@ bool isStoppedBy(int signal) {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
       }
     }
-  };
+  });
   const RunOutcome outcome = orThrow(runAndRecord(*rig, plan));
   EXPECT_EQ(outcome.interrupted, outcome.summary.ticks < 200);
   return outcome.interrupted;

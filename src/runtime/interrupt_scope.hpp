@@ -19,8 +19,7 @@ namespace wholehand {
 /// process at once, where no loop ticks any more: the device is at neutral, what was not written
 /// is lost.
 ///
-/// runAndRecord() has its own; a program of several runs puts one around them all. Scopes may nest,
-/// in one thread.
+/// A program that runs a loop has one, around all that it runs. Scopes may nest, in one thread.
 class InterruptScope {
  public:
   InterruptScope();
@@ -29,7 +28,7 @@ class InterruptScope {
   InterruptScope& operator=(const InterruptScope&) = delete;
   /// True once it happened, since the outermost scope began. Any thread.
   [[nodiscard]] static bool interrupted() noexcept { return shared().asked.load() > 0; }
-  /// For SessionConfig::interrupts.
+  /// For RunPlan::interrupts and SessionConfig::interrupts.
   [[nodiscard]] static Interrupts& shared() noexcept;
 };
 

@@ -1,4 +1,4 @@
-#include "assembly/interrupt_scope.hpp"
+#include "runtime/interrupt_scope.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,0 +1,138 @@
+/* A driver to begin with: three rails that are not there. Build it with nothing but the header,
+ *
+ *   cc -std=c99 -O2 -shared -fPIC -I <prefix>/include rails.c -o rails.so
+ *   wholehand run --driver ./rails.so --device config/devices/desktop-3axis.toml
+ *
+ * and replace what stands under "your device". docs/drivers.md goes through it line by line. */
+#define _POSIX_C_SOURCE 199309L
+#include <wholehand/device.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum { AXES = 3 };
+static const char* const names[AXES] = {"x", "y", "z"};
+static const double travel_m[AXES] = {0.06, 0.09, 0.07};
+
+struct wh_device {
+  wh_host host;
+  int enabled;
+  uint64_t sequence;
+  int64_t taken_ns, written_ns;
+  int watchdog_ms; /* --driver-settings watchdog_ms=20 */
+  /* Your device: these stand for it. A person lets go of a handle of 0.25 kg. */
+  double position[AXES], velocity[AXES], effort[AXES];
+};
+
+static int64_t now_ns(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
+}
+
+/* Finds the device; `locator` is what the user wrote after --device-at. */
+static int open_device(const wh_host* host, const char* locator, const char* settings,
+                       wh_device** out) {
+  wh_device* device;
+  if (*locator != 0 && strcmp(locator, "here") != 0) {
+    host->say(host->context, "the rails are only to be found \"here\"");
+    return WH_FAILED;
+  }
+  device = calloc(1, sizeof *device);
+  if (device == NULL) return WH_FAILED;
+  device->host = *host;
+  device->watchdog_ms = 20;
+  if (*settings != 0 && sscanf(settings, "watchdog_ms=%d", &device->watchdog_ms) != 1) {
+    host->say(host->context, "the only setting is watchdog_ms=N");
+    free(device);
+    return WH_FAILED;
+  }
+  device->taken_ns = now_ns();
+  *out = device;
+  return WH_OK;
+}
+
+/* What the device has. The device file may state less than this, never more. */
+static int describe(wh_device* device, wh_axis* axes, uint32_t capacity, uint32_t* count) {
+  uint32_t i;
+  *count = AXES;
+  for (i = 0; i < AXES && i < capacity; ++i) {
+    strcpy(axes[i].name, names[i]);
+    axes[i].kind = WH_TRANSLATION;
+    axes[i].effort_meaning = WH_EFFORT;
+    axes[i].lower = -travel_m[i];
+    axes[i].upper = travel_m[i];
+    axes[i].effort_limit = 8.0;
+    axes[i].resolution = 2e-5;
+    axes[i].delay_s = 0.001;
+    axes[i].silence_s = device->watchdog_ms * 1e-3;
+  }
+  return WH_OK;
+}
+
+/* May take its time; returns when it is done. */
+static int control(wh_device* device, uint32_t verb, double argument) {
+  (void)argument;
+  switch (verb) {
+    case WH_ENABLE:
+    case WH_DISABLE:
+      memset(device->effort, 0, sizeof device->effort);
+      device->enabled = verb == WH_ENABLE;
+      device->taken_ns = now_ns();
+      device->written_ns = 0; /* the watchdog begins with the first command */
+      return WH_OK;
+    default: return WH_UNSUPPORTED;
+  }
+}
+
+/* Your device: here it moves by itself since the last sample. */
+static void move(wh_device* device, double dt) {
+  int i;
+  for (i = 0; i < AXES; ++i) {
+    device->velocity[i] += dt * (device->effort[i] - 3.0 * device->velocity[i]) / 0.25;
+    device->position[i] += dt * device->velocity[i];
+    if (device->position[i] > travel_m[i] || device->position[i] < -travel_m[i]) {
+      device->position[i] = device->position[i] > 0 ? travel_m[i] : -travel_m[i];
+      device->velocity[i] = 0.0;
+    }
+  }
+}
+
+/* In the tick: the newest sample, without waiting for one. */
+static int read_sample(wh_device* device, wh_sample* sample) {
+  const int64_t now = now_ns();
+  double left = (double)(now - device->taken_ns) * 1e-9;
+  int i;
+  for (; left > 0.0; left -= 1e-3) move(device, left < 1e-3 ? left : 1e-3);
+  device->taken_ns = now;
+  sample->status = WH_HOMED;
+  if (device->enabled) sample->status |= WH_ENABLED;
+  if (device->written_ns != 0 && now - device->written_ns > device->watchdog_ms * INT64_C(1000000)) {
+    memset(device->effort, 0, sizeof device->effort);
+    sample->status |= WH_SILENCED;
+  }
+  sample->sequence = ++device->sequence;
+  sample->monotonic_ns = now;
+  sample->valid = (1u << AXES) - 1;
+  sample->vendor_code = 0;
+  for (i = 0; i < AXES; ++i) sample->position[i] = device->position[i];
+  return WH_OK;
+}
+
+static int write_command(wh_device* device, const wh_command* command) {
+  if (!device->enabled) return WH_FAILED;
+  memcpy(device->effort, command->effort, sizeof device->effort);
+  device->written_ns = now_ns();
+  return WH_OK;
+}
+
+static void close_device(wh_device* device) { free(device); }
+
+const wh_plugin* wh_plugin_v1(void) {
+  static const wh_plugin plugin = {sizeof(wh_plugin), WH_MAJOR, WH_MINOR, WH_NEVER_WAITS,
+                                   "rails (an example)", open_device, describe, control,
+                                   read_sample, write_command, close_device};
+  return &plugin;
+}

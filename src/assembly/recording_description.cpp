@@ -1,0 +1,55 @@
+#include "assembly/recording_description.hpp"
+
+#include "assembly/text_file.hpp"
+#include "git_version.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <chrono>
+#include <utility>
+
+namespace wholehand {
+
+Expected<RecordingMeta> describeRecording(const Rig& rig, const std::string& title,
+                                          std::uint64_t seed, bool simulated_clock) {
+  auto files = readFileTexts(rig.models);
+  if (!files) return files.errors();
+  RecordingMeta meta;
+  meta.created_utc =
+      fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));
+  meta.git_version = WHOLEHAND_VERSION;
+  meta.seed = seed;
+  meta.period_s = rig.options.period_s;
+  meta.engine = rig.options.engine;
+  meta.simulated_clock = simulated_clock;
+  meta.uncertified = !rig.refused.empty();
+  meta.paper = rig.models.rendering.paper;
+  meta.simulated_device = rig.device->simulated();
+  meta.title = title;
+  for (const DeviceAxis& axis : rig.models.device.axes) {
+    meta.axis_names.push_back(axis.name);
+    meta.axis_units.push_back(axis.positionUnit());
+    meta.effort_limits.push_back(axis.effort_limit);
+    meta.lever_arms_m.push_back(axis.lever_arm_m);
+  }
+  for (double q : rig.renderer->armedPosition()) meta.armed_position.push_back(q);
+  meta.joint_names = rig.models.hand.joint_names;
+  for (const SceneBody& body : rig.models.scene.bodies) meta.body_names.push_back(body.name);
+  for (const Capsule& capsule : rig.models.hand.capsules)
+    meta.capsule_names.push_back(capsule.name);
+  for (const LiveParameter& parameter : rig.renderer->liveParameters()) {
+    meta.parameter_names.push_back(parameter.name);
+  }
+  meta.parameter_values = rig.renderer->parametersAtStart();
+  if (const Exercise* exercise = rig.models.exercise.get()) {
+    meta.exercise = exercise->description().name;
+    meta.level = exercise->description().level;
+    meta.value_names = exercise->description().value_names;
+    meta.event_names = exercise->description().event_names;
+  }
+  meta.files = std::move(*files);
+  return meta;
+}
+
+}  // namespace wholehand

@@ -1,0 +1,180 @@
+#include "assembly/run.hpp"
+
+#include "assembly/kept_black_box.hpp"
+#include "assembly/recording_description.hpp"
+#include "realtime/monotonic_clock.hpp"
+#include "runtime/interrupt_scope.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <thread>
+#include <utility>
+
+namespace wholehand {
+namespace {
+
+constexpr std::chrono::milliseconds kStatusEvery{20};
+constexpr std::uint64_t kStatusTicks = 256;  // on the simulated clock
+
+double rateOf(const TickSummary& summary, std::int64_t began_ns) {
+  const double elapsed_s = static_cast<double>(monotonicNow_ns() - began_ns) * 1e-9;
+  return elapsed_s > 0.0 ? static_cast<double>(summary.records) / elapsed_s : 0.0;
+}
+
+}  // namespace
+
+TickSummary corrected(TickSummary summary, const SessionCounters& counted, double period_s) {
+  summary.ticks = counted.ticks_run + counted.skipped_periods;
+  summary.missed_deadlines = counted.skipped_periods;
+  summary.faults = counted.faults;
+  summary.stopping_faults = counted.stopping_faults;
+  if (summary.ticks > 0) summary.time_s = static_cast<double>(summary.ticks - 1) * period_s;
+  return summary;
+}
+
+Expected<std::unique_ptr<Run>> Run::prepare(std::shared_ptr<Rig> rig, RunPlan plan) {
+  std::unique_ptr<Run> run(new Run(std::move(rig), std::move(plan)));
+  if (Expected<Done> kept = run->keepTrack(); !kept) {
+    run->rig_->renderer->disarm();  // the next arming finds nothing of this one
+    run->finish();
+    return kept.errors();
+  }
+  run->startSession();
+  return Expected<std::unique_ptr<Run>>(std::move(run));
+}
+
+Expected<Done> Run::keepTrack() {
+  if (plan_.record.empty() && plan_.black_box.empty()) return Done{};
+  auto meta = describeRecording(*rig_, plan_.title, plan_.seed, plan_.simulated_clock);
+  if (!meta) return meta.errors();
+  if (!plan_.black_box.empty()) {
+    const std::uint64_t most_ticks =
+        plan_.duration_ticks > 0 ? plan_.duration_ticks : std::numeric_limits<std::uint64_t>::max();
+    auto armed = armBlackBox(*rig_, *meta, plan_.black_box, most_ticks);
+    if (!armed) return armed.errors();
+    black_box_ = std::move(*armed);
+  }
+  if (plan_.record.empty()) return Done{};
+  const WaitingFor disk("the disk: recording " + plan_.record);
+  auto created = RecordingWriter::create(plan_.record, *meta);
+  if (!created) return created.errors();
+  writer_ = std::move(*created);
+  return Done{};
+}
+
+void Run::startSession() {
+  SessionConfig config;
+  config.listener = rig_->listener.get();
+  config.black_box = black_box_.get();
+  config.interrupts = plan_.interrupts;
+  config.queue_ticks = plan_.queue_ticks;
+  config.count_allocations = plan_.count_allocations;
+  if (plan_.duration_ticks > 0) config.duration_ticks = plan_.duration_ticks;
+  const Exercise* exercise = rig_->models.exercise.get();
+  if (exercise != nullptr) config.fade_out_s = exercise->description().fade_out_s;
+  session_ = std::make_unique<Session>(*rig_->renderer, config);
+  hub_ = std::make_unique<TelemetryHub>(
+      [this](TickRecord& record) { return session_->tryPop(record); });
+  if (writer_) hub_->record(*writer_);
+  hub_->count(statistics_);
+  for (const auto& sink : plan_.sinks) hub_->add(sink);
+}
+
+Expected<Done> Run::begin() {
+  hub_->start();
+  PeriodicThreadConfig thread;
+  thread.period_ns = std::llround(rig_->options.period_s * 1e9);
+  Expected<SetupReport> setup = session_->start(thread);
+  if (!setup) return setup.errors();
+  setup_ = std::move(*setup);
+  return Done{};
+}
+
+void Run::simulate() {
+  session_->runSimulated([this](const TickRecord& record) {
+    statistics_.add(record);
+    if (writer_) writer_->append(record);
+    for (const auto& sink : plan_.sinks) sink(record);
+  });
+}
+
+Run::~Run() {
+  if (session_ && session_->running()) session_->requestStop();
+  finish();
+}
+
+void Run::finish() {
+  if (std::exchange(finished_, true)) return;
+  if (session_) session_->join();
+  rig_->device->close();
+  const WaitingFor disk("the disk: " +
+                        (plan_.record.empty() ? "black box" : "recording " + plan_.record));
+  if (black_box_) black_box_said_ = keepBlackBox(*black_box_);
+  black_box_.reset();  // its memory, and its watch for crashes
+  if (hub_) {
+    hub_->stop();
+    failures_ = hub_->failures();
+  }
+  if (writer_) closeRecording();
+}
+
+void Run::closeRecording() {
+  writer_->close();
+  std::error_code unknown;
+  if (!session_ || session_->counters().ticks_run == 0) {
+    std::filesystem::remove(plan_.record, unknown);
+  } else if (!std::filesystem::exists(plan_.record, unknown)) {
+    failures_.push_back("the recording was removed while it was written: " + plan_.record);
+  }
+}
+
+RunOutcome Run::outcome() const {
+  RunOutcome outcome;
+  outcome.counters = session_->counters();
+  outcome.summary = corrected(statistics_.snapshot(), outcome.counters, rig_->options.period_s);
+  outcome.dropped_records = session_->droppedRecords();
+  outcome.dropped_writes = hub_->unrecorded() + (writer_ ? writer_->dropped() : 0);
+  outcome.written = writer_ ? writer_->written() : 0;
+  outcome.failures = failures_;
+  outcome.setup = setup_;
+  outcome.black_box = black_box_said_;
+  outcome.uncertified = !rig_->refused.empty();
+  outcome.interrupted = plan_.interrupts != nullptr && plan_.interrupts->asked.load() > 0;
+  outcome.faulted = any(outcome.counters.latched);
+  return outcome;
+}
+
+Expected<RunOutcome> runAndRecord(Rig& rig, RunPlan plan) {
+  const WaitingFor end("the run to end");
+  const bool simulated_clock = plan.simulated_clock;
+  const auto status = plan.status;
+  const std::int64_t began_ns = monotonicNow_ns();
+  Run* running = nullptr;
+  const auto tell = [&] {
+    const TickSummary now = running->summary();
+    status(now, rateOf(now, began_ns));
+  };
+  if (status && simulated_clock) {
+    plan.sinks.emplace_back([&](const TickRecord& record) {
+      if (record.tick % kStatusTicks == 0) tell();
+    });
+  }
+  auto run = Run::prepare({std::shared_ptr<Rig>(), &rig}, std::move(plan));
+  if (!run) return run.errors();
+  running = run->get();
+  if (simulated_clock) {
+    running->simulate();
+  } else {
+    if (auto begun = running->begin(); !begun) return begun.errors();
+    while (running->running()) {
+      std::this_thread::sleep_for(kStatusEvery);
+      if (status) tell();
+    }
+  }
+  running->finish();
+  return running->outcome();
+}
+
+}  // namespace wholehand

@@ -1,0 +1,51 @@
+#pragma once
+
+#include "device/haptic_device.hpp"
+#include "device/plugin/plugin_driver.hpp"
+#include "model/device_model.hpp"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+
+namespace wholehand {
+
+/// A real device behind a loaded driver. Axes are matched by their names; the driver may have more
+/// than the device file, and in any order: the others get no effort.
+class PluginDevice final : public HapticDevice {
+ public:
+  /// Holds the device file against what the driver says of each axis. Refused, all at once: an axis
+  /// that the driver has not, of another kind, with less travel or a smaller effort than the file
+  /// states, with a coarser encoder or a longer delay than the certificate assumes, to which an
+  /// effort is something else, and a drive that never goes to neutral by itself.
+  /// @param period_s T, for the delay
+  [[nodiscard]] static Expected<std::unique_ptr<HapticDevice>> make(
+      std::shared_ptr<PluginDriver> driver, const DeviceModel& model, double period_s);
+
+  /// Enables the device.
+  [[nodiscard]] Expected<Done> open() override;
+  /// Enabled, homed, and no drive in fault.
+  [[nodiscard]] Expected<Done> ready() override;
+  /// kDeviceRead where the driver fails or an axis is missing; kDriveFault, kEnableLost, kDriveHot
+  /// as the device says; kStaleSample where samples stand still or run backwards.
+  [[nodiscard]] Fault read(DeviceReading& reading, int elapsed_periods) noexcept override;
+  [[nodiscard]] Fault write(const AxisEffort& effort) noexcept override;
+  /// Disables it; the driver stays open.
+  void close() noexcept override;
+
+ private:
+  PluginDevice(std::shared_ptr<PluginDriver> driver, int axes, int most_still_periods)
+      : driver_(std::move(driver)), axes_(axes), most_still_periods_(most_still_periods) {}
+  [[nodiscard]] Fault judge(const wh_sample& sample, int elapsed_periods) noexcept;
+
+  std::shared_ptr<PluginDriver> driver_;
+  int axes_;
+  int most_still_periods_;
+  std::array<int, WH_MAX_AXES> place_{};  ///< axis of the file → axis of the driver
+  bool enabled_ = false, begun_ = false;
+  int still_periods_ = 0;
+  wh_sample last_{};
+  wh_command command_{};
+};
+
+}  // namespace wholehand

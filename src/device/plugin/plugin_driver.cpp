@@ -1,0 +1,138 @@
+#include "device/plugin/plugin_driver.hpp"
+
+#include <array>
+#include <cstddef>
+#include <dlfcn.h>
+#include <utility>
+
+namespace wholehand {
+namespace {
+
+constexpr const char* kSymbol = "wh_plugin_v1";
+constexpr const char* kRemedy = "build it with this version's wholehand/device.h";
+
+// Empty: it may be used.
+std::string whyNot(const wh_plugin* plugin) {
+  if (plugin == nullptr) return "gives no driver";
+  if (plugin->size < offsetof(wh_plugin, open)) return "gives a structure that is too short";
+  if (plugin->major != WH_MAJOR) {
+    return "is built for version " + std::to_string(plugin->major) + " of the boundary, this is " +
+           std::to_string(WH_MAJOR);
+  }
+  if (plugin->size < sizeof(wh_plugin)) return "gives a structure that is too short";
+  if (plugin->open == nullptr || plugin->describe == nullptr || plugin->control == nullptr ||
+      plugin->read == nullptr || plugin->write == nullptr || plugin->close == nullptr) {
+    return "leaves out one of its six functions";
+  }
+  if ((plugin->flags & WH_NEVER_WAITS) == 0) {
+    return "does not say that it never waits (WH_NEVER_WAITS): the loop cannot call it";
+  }
+  return {};
+}
+
+}  // namespace
+
+PluginDriver::PluginDriver(DriverLocation location, std::function<void(const std::string&)> say)
+    : location_(std::move(location)), say_(std::move(say)) {
+  host_.size = sizeof(host_);
+  host_.context = this;
+  host_.say = &PluginDriver::take;
+}
+
+void PluginDriver::take(void* self, const char* line) {
+  auto& driver = *static_cast<PluginDriver*>(self);
+  driver.last_line_ = line != nullptr ? line : "";
+  if (driver.say_) driver.say_("driver: " + driver.last_line_);
+}
+
+Diagnostic PluginDriver::failed(const std::string& what, const std::string& remedy) const {
+  return {location_.path, 0, "", "", last_line_.empty() ? what : what + ": " + last_line_, remedy};
+}
+
+Expected<std::shared_ptr<PluginDriver>> PluginDriver::load(
+    const DriverLocation& location, std::function<void(const std::string&)> say) {
+  std::shared_ptr<PluginDriver> driver(new PluginDriver(location, std::move(say)));
+  // A name without a slash would be looked for where libraries of the system are.
+  const bool bare = location.path.find('/') == std::string::npos;
+  const std::string path = bare ? "./" + location.path : location.path;
+  void* const library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+  if (library == nullptr) {
+    const char* const why = ::dlerror();
+    return Diagnostic{location.path,
+                      0,
+                      "",
+                      "",
+                      why != nullptr ? why : "cannot be loaded",
+                      "give the path of a driver's shared object"};
+  }
+  void* const symbol = ::dlsym(library, kSymbol);
+  if (symbol == nullptr) {
+    return Diagnostic{location.path, 0, "", "", std::string("has no ") + kSymbol + "()", kRemedy};
+  }
+  driver->plugin_ = reinterpret_cast<decltype(&wh_plugin_v1)>(symbol)();
+  if (const std::string why = whyNot(driver->plugin_); !why.empty()) {
+    driver->plugin_ = nullptr;
+    return Diagnostic{location.path, 0, "", "", why, kRemedy};
+  }
+  if (Expected<Done> opened = driver->open(); !opened) return opened.errors();
+  if (Expected<Done> described = driver->describe(); !described) return described.errors();
+  return driver;
+}
+
+Expected<Done> PluginDriver::open() {
+  const int result =
+      plugin_->open(&host_, location_.locator.c_str(), location_.settings.c_str(), &device_);
+  if (result >= 0 && device_ != nullptr) return Done{};
+  device_ = nullptr;
+  return failed("no device was found" +
+                    (location_.locator.empty() ? std::string() : " at " + location_.locator),
+                "is it connected and switched on, and is --device-at right?");
+}
+
+Expected<Done> PluginDriver::describe() {
+  std::array<wh_axis, WH_MAX_AXES> axes{};
+  for (wh_axis& axis : axes) axis.size = sizeof(wh_axis);
+  std::uint32_t count = 0;
+  if (plugin_->describe(device_, axes.data(), WH_MAX_AXES, &count) < 0) {
+    return failed("the device does not say which axes it has", kRemedy);
+  }
+  if (count < 1 || count > WH_MAX_AXES) {
+    return failed("has " + std::to_string(count) + " axes; 1 to " + std::to_string(WH_MAX_AXES) +
+                      " can be rendered to",
+                  "let the driver offer fewer");
+  }
+  axes_.assign(axes.begin(), axes.begin() + count);
+  for (wh_axis& axis : axes_) axis.name[sizeof(axis.name) - 1] = 0;
+  return Done{};
+}
+
+PluginDriver::~PluginDriver() {
+  if (device_ != nullptr) plugin_->close(device_);
+}
+
+const char* PluginDriver::name() const noexcept {
+  return plugin_->name != nullptr ? plugin_->name : "";
+}
+
+Expected<Done> PluginDriver::control(std::uint32_t verb, double argument) {
+  static constexpr std::array<const char*, 7> kVerbs = {
+      "be identified", "be homed",           "be tared",         "be enabled",
+      "be disabled",   "pass its self-test", "drop its watchdog"};
+  const int result = plugin_->control(device_, verb, argument);
+  if (result >= 0) return Done{};
+  const std::string what = verb < kVerbs.size() ? kVerbs.at(verb) : "do that";
+  return failed(
+      "the device " + std::string(result == WH_UNSUPPORTED ? "has no way to " : "did not ") + what,
+      "look at the device");
+}
+
+int PluginDriver::read(wh_sample& sample) noexcept {
+  sample.size = sizeof(sample);
+  return plugin_->read(device_, &sample);
+}
+
+int PluginDriver::write(const wh_command& command) noexcept {
+  return plugin_->write(device_, &command);
+}
+
+}  // namespace wholehand
