@@ -69,7 +69,8 @@ def faults_of_file(rules, root, file, module):
             fault = None if "*" in rules.modules[module] else f"{module} must not include {header}"
         elif (file.parent / header).exists() and "/" not in header and module in rules.folders:
             fault = None  # apps and include: a neighbour in the same folder
-        elif (root / "include" / header).exists() and module in rules.folders:
+        elif (root / "include" / header).exists() and (
+                module in rules.folders or "include" in rules.modules[module]):
             fault = None
         else:
             fault = f'"{header}" is no file of ours; write "module/file.hpp", vendors in <>'
