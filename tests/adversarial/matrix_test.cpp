@@ -77,15 +77,6 @@ struct Tally {
   std::map<std::string, int> outcomes;
 };
 
-std::string faultNames(Fault faults) {
-  std::string out;
-  for (int bit = 0; bit < 32; ++bit) {
-    if (!any(faults & static_cast<Fault>(1U << bit))) continue;
-    out += (out.empty() ? "" : ", ") + std::string(faultName(bit));
-  }
-  return out;
-}
-
 void judge(const Case& c, const Outcome& o, Tally& tally) {
   EXPECT_EQ(o.broken, "") << c.text();
   const Fault allowed = documentedStops(c);
