@@ -18,6 +18,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -161,7 +162,8 @@ int runCommand(RunOptions options) {
 
   RunPlan plan;
   plan.title = titleOf(*models);
-  plan.duration_ticks = static_cast<std::uint64_t>(std::llround(duration_s * options.rate_hz));
+  const long long ticks = std::llround(duration_s * options.rate_hz);
+  plan.duration_ticks = static_cast<std::uint64_t>(std::max(1LL, ticks));  // 0 would be endless
   plan.record = options.record;
   plan.black_box = blackBoxPath(options.record);
   plan.simulated_clock = options.simulated_clock;

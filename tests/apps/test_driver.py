@@ -33,6 +33,9 @@ class Driver(AppTest):
         first = run.stdout.readline()
         if ":" not in first:
             self.fail(first + run.communicate()[1])
+        self.driver_line = ""
+        while "driver" not in self.driver_line and run.poll() is None:
+            self.driver_line = run.stdout.readline()
         self.page = client.Page(int(first.split(":")[2].rstrip("/\n")))
         self.page.hold_controls()
         return run
@@ -71,7 +74,7 @@ class Driver(AppTest):
         self.assertEqual(run.poll(), None)
         said = self.stop(run)
         self.assertEqual(run.returncode, INTERRUPTED, said)
-        self.assertIn("rails (an example), 3 axes", said)
+        self.assertIn("rails (an example), 3 axes", self.driver_line)
         with read_recording(self.recordings()[0]) as first:
             self.assertEqual(first["meta"].attrs["simulated_device"], 0)
             self.assertGreater(len(first["ticks/sent"]), 500)
