@@ -28,6 +28,45 @@ constexpr Posture kHalfOpen{80 * kDeg, 5 * kDeg, 0.0};
 // Not stretched enough to pass beside it.
 constexpr Posture kGrazing{48 * kDeg, 5 * kDeg, 0.0};
 
+constexpr double kBack_m = -0.077;
+
+/// Waypoints of a device: axes that it does not have are left out, the others held in their range.
+class Way {
+ public:
+  explicit Way(const DeviceModel& device) : device_(device) {}
+
+  void go(double time_s, const Eigen::Vector3d& base, const Posture& hand) {
+    AxisPosition q(device_.axisCount());
+    set(q, "x", base.x());
+    set(q, "y", base.y());
+    set(q, "z", base.z());
+    set(q, "finger_flexion", hand.fingers);
+    set(q, "thumb_circumduction", hand.circumduction);
+    set(q, "thumb_flexion", hand.thumb);
+    waypoints_.push_back({time_s, q});
+  }
+  [[nodiscard]] Intention intention() { return Intention::throughWaypoints(std::move(waypoints_)); }
+
+ private:
+  void set(AxisPosition& q, const char* name, double value) const {
+    const int a = device_.axisIndex(name);
+    if (a < 0) return;
+    const DeviceAxis& axis = device_.axes[static_cast<std::size_t>(a)];
+    q[a] = std::clamp(value, axis.lower, axis.upper);
+  }
+
+  const DeviceModel& device_;
+  std::vector<Waypoint> waypoints_;
+};
+
+/// Beside the dispenser, and with the palm pressed on to it, for a hand that grips it at `grip`.
+Eigen::Vector3d besideOf(const Eigen::Vector3d& grip) {
+  return grip - Eigen::Vector3d(0.0, 0.024, 0.0);
+}
+Eigen::Vector3d touchingOf(const Eigen::Vector3d& grip) {
+  return grip + Eigen::Vector3d(0.0, 0.004, 0.0);
+}
+
 }  // namespace
 
 Intention exerciseIntention(const DeviceModel& device, const Eigen::Vector3d& home_m,
@@ -41,27 +80,14 @@ Intention exerciseIntention(const DeviceModel& device, const Eigen::Vector3d& ho
   const Eigen::Vector3d off(jitter(0.002), jitter(0.002), jitter(0.003));
   const Eigen::Vector3d start_off(jitter(0.002), jitter(0.01), jitter(0.01));
   const Eigen::Vector3d grip = home_m - kGrip + off;
-  const auto set = [&](AxisPosition& q, const char* name, double value) {
-    const int a = device.axisIndex(name);
-    if (a < 0) return;
-    const DeviceAxis& axis = device.axes[static_cast<std::size_t>(a)];
-    q[a] = std::clamp(value, axis.lower, axis.upper);
-  };
-  std::vector<Waypoint> way;
-  const auto go = [&](double time_s, const Eigen::Vector3d& base, const Posture& hand) {
-    AxisPosition q(device.axisCount());
-    set(q, "x", base.x());
-    set(q, "y", base.y());
-    set(q, "z", base.z());
-    set(q, "finger_flexion", hand.fingers);
-    set(q, "thumb_circumduction", hand.circumduction);
-    set(q, "thumb_flexion", hand.thumb);
-    way.push_back({time_s, q});
+  Way way(device);
+  const auto go = [&way](double time_s, const Eigen::Vector3d& base, const Posture& hand) {
+    way.go(time_s, base, hand);
   };
   const auto put = [&](double x, double y) { return Eigen::Vector3d(x, home_m.y() + y, grip.z()); };
-  constexpr double kBack_m = -0.077, kReach_m = 0.0, kLeft_m = 0.078, kBump_m = -0.036;
-  const Eigen::Vector3d beside = grip - Eigen::Vector3d(0.0, 0.024, 0.0);
-  const Eigen::Vector3d touching = grip + Eigen::Vector3d(0.0, 0.004, 0.0);
+  constexpr double kReach_m = 0.0, kLeft_m = 0.078, kBump_m = -0.036;
+  const Eigen::Vector3d beside = besideOf(grip);
+  const Eigen::Vector3d touching = touchingOf(grip);
   const Eigen::Vector3d start = put(kBack_m, kLeft_m) + start_off;
   go(0.0, start, kStretched);
   go(at::kServed, start, kStretched);
@@ -84,7 +110,30 @@ Intention exerciseIntention(const DeviceModel& device, const Eigen::Vector3d& ho
   go(at::kRetrieves, grip, kHalfOpen);
   go(at::kOff, beside, kGrazing);
   go(at::kAway, {kBack_m, beside.y(), beside.z()}, kOpen);
-  return Intention::throughWaypoints(std::move(way));
+  return way.intention();
+}
+
+Intention squeezeAgainAndAgain(const DeviceModel& device, const Eigen::Vector3d& home_m,
+                               double duration_s) {
+  constexpr double kCycle_s = 9.0;
+  const Eigen::Vector3d grip = home_m - kGrip, beside = besideOf(grip), touching = touchingOf(grip);
+  const Eigen::Vector3d away(kBack_m, beside.y(), beside.z());
+  Way way(device);
+  way.go(0.0, away, kStretched);
+  for (double from_s = 0.0; from_s < duration_s; from_s += kCycle_s) {
+    way.go(from_s + 0.8, beside, kStretched);
+    way.go(from_s + 1.4, touching, kOpposed);
+    way.go(from_s + 2.4, touching, kOpposed);  // the exercise's haptics fade in
+    way.go(from_s + 3.4, touching, kFirm);
+    way.go(from_s + 4.4, touching, kFirmer);
+    way.go(from_s + 5.4, touching, kGentle);
+    way.go(from_s + 6.2, touching, kFirm);
+    way.go(from_s + 7.0, grip, kHalfOpen);
+    way.go(from_s + 7.6, beside, kGrazing);
+    way.go(from_s + 8.4, away, kOpen);
+    way.go(from_s + kCycle_s, away, kStretched);
+  }
+  return way.intention();
 }
 
 }  // namespace wholehand

@@ -38,4 +38,9 @@ inline constexpr double kEnd = 17.5;
 [[nodiscard]] Intention exerciseIntention(const DeviceModel& device, const Eigen::Vector3d& home_m,
                                           std::uint64_t seed);
 
+/// The same approach from the side, grip, squeeze and retreat, again and again: the aim of the
+/// paper's Fig. 6.
+[[nodiscard]] Intention squeezeAgainAndAgain(const DeviceModel& device,
+                                             const Eigen::Vector3d& home_m, double duration_s);
+
 }  // namespace wholehand

@@ -4,34 +4,14 @@
 #include "dynamics/articulated_body.hpp"
 #include "experiments/bar_figures.hpp"
 #include "experiments/exercise_script.hpp"
+#include "experiments/grip_target.hpp"
 #include "runtime/interrupt_scope.hpp"
-
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
 
 namespace wholehand {
 namespace {
-
-struct Dispenser {
-  int body = -1;
-  Eigen::Vector3d grip_m = Eigen::Vector3d::Zero();  // world
-};
-
-// The first one that the exercise tells of.
-Dispenser firstDispenser(const Models& models) {
-  const auto json = nlohmann::json::parse(models.exercise->description().json, nullptr, false);
-  if (json.is_discarded() || !json.contains("dispensers") || json["dispensers"].empty()) return {};
-  const auto& item = json["dispensers"][0];
-  Dispenser out;
-  out.body = models.scene.bodyIndex(item.value("body", ""));
-  if (out.body < 0) return {};
-  const SceneBody& body = models.scene.bodies[static_cast<std::size_t>(out.body)];
-  const auto grip = item.value("grip_m", std::vector<double>{0.0, 0.0, 0.0});
-  out.grip_m = body.pose * (body.com_m + Eigen::Vector3d(grip.at(0), grip.at(1), grip.at(2)));
-  return out;
-}
 
 /// Sorts contacts by the part of the hand that bears them, and keeps what the figure shows.
 class ExerciseObserver {
@@ -147,7 +127,7 @@ Expected<ExerciseResult> runExercise(const ExercisePlan& plan) {
   if (!models) return models.errors();
   if (!models->exercise) return notPlayable(files.exercise, "no exercise was named", "name one");
   const BarFigures figures(models->exercise->description());
-  const Dispenser dispenser = firstDispenser(*models);
+  const GripTarget dispenser = firstDispenser(*models);
   if (!figures.known() || dispenser.body < 0) {
     return notPlayable(files.exercise, "has no dispenser to squeeze",
                        "give the file of a cocktail bar");

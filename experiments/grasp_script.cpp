@@ -10,6 +10,9 @@ namespace {
 
 constexpr double kApproach_m = 0.08;  // along the palm's normal
 constexpr double kPedestal_m = 0.02;  // half of its height
+// Edge of the pedestal's top. Wider, and the little finger lands on it when it pinches.
+constexpr double kPedestalWidth_m = 0.02;
+constexpr double kApproachCircumduction_rad = 0.09;
 
 struct ShapeText {
   std::string keys;
@@ -34,20 +37,22 @@ Eigen::Matrix3d palmRotation(const Models& models) {
   return body.linkPose(models.hand.palm_link).rotation;
 }
 
-}  // namespace
-
-Eigen::Vector3d graspBase(const DeviceModel&) {
+/// Where the hand's base is when it closes: low and forward, so that the lift fits the workspace.
+Eigen::Vector3d graspBase() {
   return {0.0, kApproach_m / 2.0, -kLift_m / 2.0};
 }
 
+/// From where the hand comes, relative to that: along the palm's normal, thumb out of the way.
 Eigen::Vector3d graspApproach(const Models& models) {
   return kApproach_m * (palmRotation(models) * Eigen::Vector3d::UnitZ());
 }
 
+}  // namespace
+
 Intention graspIntention(const GraspTrial& trial, const Models& models) {
   namespace at = grasp_times;
   const DeviceModel& device = models.device;
-  const Eigen::Vector3d base = graspBase(device);
+  const Eigen::Vector3d base = graspBase();
   const auto pose = [&](const Eigen::Vector3d& p, double fingers, double circumduction,
                         double thumb) {
     AxisPosition q(device.axisCount());
@@ -75,8 +80,8 @@ Intention graspIntention(const GraspTrial& trial, const Models& models) {
        {at::kLifted, pose(lifted, closed, opposed, trial.thumb_closed_rad)}});
 }
 
-std::string graspScene(const GraspTrial& trial, const Models& models, double pedestal_width_m) {
-  const Eigen::Vector3d center = graspBase(models.device) + palmRotation(models) * trial.center_m;
+std::string graspScene(const GraspTrial& trial, const Models& models) {
+  const Eigen::Vector3d center = graspBase() + palmRotation(models) * trial.center_m;
   const ShapeText shape = shapeText(trial.shape);
   std::string text = fmt::format(
       "# Written by `wholehand experiment grasping`: {}.\n"
@@ -91,7 +96,7 @@ std::string graspScene(const GraspTrial& trial, const Models& models, double ped
         "\n[[bodies]]\nname = \"pedestal\"\nshape = \"box\"\nsize_m = [{0}, {0}, {1}]\nfixed = "
         "true\n"
         "position_m = [{2:.17g}, {3:.17g}, {4:.17g}]\nfriction = 0.8\ncolor = \"#765443\"\n",
-        pedestal_width_m, 2.0 * kPedestal_m, center.x(), center.y(),
+        kPedestalWidth_m, 2.0 * kPedestal_m, center.x(), center.y(),
         center.z() - shape.half_height_m - kPedestal_m);
   }
   return text;

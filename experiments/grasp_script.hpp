@@ -20,21 +20,10 @@ inline constexpr double kHoldBegins = 5.3;
 
 inline constexpr double kLift_m = 0.2;
 
-/// Where the hand's base is when it closes: low and forward, so that the lift fits the workspace.
-[[nodiscard]] Eigen::Vector3d graspBase(const DeviceModel& device);
-
-/// From where the hand comes, relative to that: along the palm's normal, thumb out of the way.
-[[nodiscard]] Eigen::Vector3d graspApproach(const Models& models);
-inline constexpr double kApproachCircumduction_rad = 0.09;
-
 /// The person's aim over time for this trial.
 [[nodiscard]] Intention graspIntention(const GraspTrial& trial, const Models& models);
 
-/// Edge of the pedestal's top. Wider, and the little finger lands on it when it pinches.
-inline constexpr double kPedestalWidth_m = 0.02;
-
 /// A scene file with the trial's object where the hand will close, on a pedestal under gravity.
-[[nodiscard]] std::string graspScene(const GraspTrial& trial, const Models& models,
-                                     double pedestal_width_m = kPedestalWidth_m);
+[[nodiscard]] std::string graspScene(const GraspTrial& trial, const Models& models);
 
 }  // namespace wholehand

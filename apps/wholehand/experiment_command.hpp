@@ -12,6 +12,7 @@ struct ExperimentOptions {
   std::uint64_t seed = 1;                 ///< grasping: of the jitter
   std::string only;                       ///< grasping: part of a trial's name
   std::uint64_t ticks = 100000;           ///< timing
+  std::string scene;                      ///< timing: instead of the bar; its first body is gripped
   bool simulated_clock = false;           ///< timing: as fast as it goes
 };
 

@@ -36,9 +36,14 @@ std::string timePlot(const std::vector<std::uint64_t>& counts, const Percentiles
   return histogramPlot(plot);
 }
 
+double share(std::uint64_t part, std::uint64_t whole) {
+  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
+}
+
 nlohmann::ordered_json timingJson(const TimingResult& r) {
   const TickSummary& s = r.outcome.summary;
   nlohmann::ordered_json json;
+  json["gripped"] = r.gripped;
   json["ticks"] = s.ticks;
   json["missed_deadlines"] = s.missed_deadlines;
   json["allocations"] = r.outcome.counters.allocations;
@@ -52,6 +57,8 @@ nlohmann::ordered_json timingJson(const TimingResult& r) {
   json["lateness_us"] = microseconds(s.lateness);
   json["grasps"] = r.grasps;
   json["releases"] = r.releases;
+  json["held_share"] = share(r.held_ticks, s.records);
+  json["walls_share"] = share(r.wall_ticks, s.records);
   json["joint_travel"] = r.joint_travel;
   json["max_coupling_error_rad"] = s.max_coupling_error_rad;
   return json;
@@ -66,6 +73,9 @@ void print(const TimingResult& r) {
       plural(s.missed_deadlines), static_cast<unsigned long long>(r.outcome.counters.allocations),
       plural(r.outcome.counters.allocations), r.grasps, plural(r.grasps), r.releases,
       plural(r.releases));
+  std::printf("%s gripped in %.0f %% of the ticks, the exercise's walls felt in %.0f %%\n",
+              r.gripped.c_str(), 100.0 * share(r.held_ticks, s.records),
+              100.0 * share(r.wall_ticks, s.records));
   std::printf("%-16s %9s %9s %9s %9s\n", "µs", "p50", "p99", "p99.9", "max");
   const auto row = [](const char* name, const Percentiles& p) {
     std::printf("%-16s %9.1f %9.1f %9.1f %9.1f\n", name, p.p50_ns / 1e3, p.p99_ns / 1e3,
@@ -81,6 +91,16 @@ void print(const TimingResult& r) {
   }
 }
 
+ModelFiles filesFor(const ExperimentOptions& options) {
+  ModelFiles files;
+  for (std::string* file : {&files.hand, &files.device, &files.rendering, &files.patient}) {
+    *file = shippedFile(*file);
+  }
+  files.scene = options.scene;  // an exercise names it
+  if (options.scene.empty()) files.exercise = exerciseFile("cocktail-bar");
+  return files;
+}
+
 }  // namespace
 
 int timingCommand(const ExperimentOptions& options) {
@@ -89,22 +109,18 @@ int timingCommand(const ExperimentOptions& options) {
   if (auto ready = prepareFiles({options.folder + "/timing.svg", json_path}); !ready) {
     return refuse(ready.errors());
   }
-  ModelFiles files;
-  for (std::string* file :
-       {&files.scene, &files.hand, &files.device, &files.rendering, &files.patient}) {
-    *file = shippedFile(*file);
-  }
-  auto device = loadDeviceFile(files.device);
+  TimingPlan plan;
+  plan.files = filesFor(options);
+  auto device = loadDeviceFile(plan.files.device);
   if (!device) return refuse(device.errors());
   StatusLine status(*device);
-  TimingPlan plan;
   plan.ticks = options.ticks;
   plan.simulated_clock = options.simulated_clock;
   plan.folder = options.folder;
   plan.count_allocations = &threadAllocations;
   plan.status = [&](const TickSummary& now, double rate_hz) { status.update(now, rate_hz); };
   const InterruptScope interrupts;
-  auto result = runTiming(files, plan);
+  auto result = runTiming(plan);
   status.finish();
   if (!result) return refuse(result.errors());
   if (auto done = writeText(json_path, timingJson(*result).dump(2) + "\n"); !done) {

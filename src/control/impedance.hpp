@@ -36,7 +36,7 @@ struct FeltImpedance {
 /// With Z_d = jωm + b, R(z) the effort over the position, G(z) the device under a held effort:
 ///   Z = Z_d (1 − G(z) z⁻ⁿ R(z)),  z = e^{jωT}.
 /// At low frequency: felt mass m + K_pm (1 + (1 − γ) k_d τ_f) / k_p in free motion; felt stiffness
-/// K_pm against a rigid stop, and 1 / (1/K_pm + 1/(σ k_o)) against a spring k_o.
+/// K_pm against a rigid stop, and 1 / (1/K_pm + 1/k_o) against a spring k_o.
 /// @pre 0 < frequency_hz < 1 / (2 T), mass > 0
 [[nodiscard]] FeltImpedance feltImpedance(const FeltLoop& felt, ContactCase contact,
                                           double frequency_hz);

@@ -93,6 +93,7 @@ Expected<Done> HapticRenderer::arm(const std::optional<RehearsalPassed>& rehears
   damping_ = AdaptiveDampingState{AxisRatio(axes), AxisRatio(axes)};
   tank_ = fullTank(config_.tank);
   ramp_ = engageFrom(config_.neutral);
+  slew_.clear();
   parameters_.reset();
   contacts_ = ContactList{};
   query_ = WorldQuery{};

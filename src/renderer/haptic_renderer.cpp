@@ -42,7 +42,8 @@ HapticRenderer::HapticRenderer(HapticDevice& device, PhysicsWorld& world, const 
       effort_limit_(config.effort_limit),
       damping_config_(config.damping),
       axis_names_(hand.axis_names),
-      dynamics_(hand, config.gains.armature) {
+      dynamics_(hand, config.gains.armature),
+      slew_(config.supervisor.slew_ticks) {
   avatar_damping_ = AxisRatio(config_.gains.axes);
   ramp_.sent = acknowledged_ = config_.neutral;  // what a device holds that nobody has armed
 }

@@ -17,6 +17,7 @@
 #include "renderer/rehearsal_passed.hpp"
 #include "renderer/stage_listener.hpp"
 #include "safety/neutral_ramp.hpp"
+#include "safety/slew_limiter.hpp"
 #include "safety/supervisor.hpp"
 
 #include <Eigen/Core>
@@ -144,6 +145,7 @@ class HapticRenderer {
   AdaptiveDampingState damping_;
   EnergyTankState tank_;
   NeutralRampState ramp_;
+  SlewWindow slew_;  ///< what was sent in the last millisecond
   DeviceWatchState device_watch_;
   WorldWatchState world_watch_;
   SafetyState safety_state_ = SafetyState::kDisarmed;

@@ -73,7 +73,7 @@ void HapticRenderer::makeSafe(std::uint32_t elapsed_periods, TickRecord& record)
   if (asked) record.faults |= Fault::kStopRequested;
   if (emergency) record.faults |= Fault::kEmergencyStop;
   if (!owner_alive_) record.faults |= Fault::kOwnerSilent;
-  const AxisEffort last = ramp_.sent;
+  slew_.note(ramp_.sent);
   ramp_ = advanceRamp(ramp_, wanted, config_.neutral, any(latched_) || asked,
                       static_cast<int>(elapsed_periods), config_.period_s, config_.ramp);
   if (ramp_.phase == RampPhase::kRendering) {  // a ramp only ever falls, and knows no good velocity
@@ -82,7 +82,7 @@ void HapticRenderer::makeSafe(std::uint32_t elapsed_periods, TickRecord& record)
         record);
   }
   if (config_.supervisor.axes > 0) {
-    ramp_.sent = noted(limitSlew(ramp_.sent, last, config_.supervisor.most_change), record);
+    ramp_.sent = noted(limitSlew(ramp_.sent, slew_, config_.supervisor.most_change), record);
   }
   record.authority = ramp_.authority;
   record.sent = ramp_.sent;

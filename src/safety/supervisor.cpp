@@ -1,5 +1,7 @@
 #include "safety/supervisor.hpp"
 
+#include "safety/slew_limiter.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -122,6 +124,7 @@ SupervisorConfig makeSupervisor(const DeviceModel& device, double period_s, bool
   config.lower = config.upper = config.margin = config.encoder_step = AxisPosition(config.axes);
   config.carries = AxisRatio(config.axes);
   config.speed_limit = AxisVelocity(config.axes);
+  config.slew_ticks = slewTicks(period_s);
   config.effort_limit = config.most_change = AxisEffort(config.axes);
   for (int i = 0; i < config.axes; ++i) {
     const DeviceAxis& axis = device.axes[static_cast<std::size_t>(i)];
@@ -132,7 +135,7 @@ SupervisorConfig makeSupervisor(const DeviceModel& device, double period_s, bool
     config.carries[i] = axis.group == AxisGroup::kBase ? 1.0 : 0.0;
     config.speed_limit[i] = axis.speed_limit;
     config.effort_limit[i] = axis.effort_limit;
-    config.most_change[i] = axis.effort_slew_limit * period_s;
+    config.most_change[i] = axis.effort_slew_limit * config.slew_ticks * period_s;
   }
   return config;
 }

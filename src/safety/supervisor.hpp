@@ -22,7 +22,8 @@ struct SupervisorConfig {
   AxisRatio carries;  ///< 1: a base axis, which moves with the arm
   AxisVelocity speed_limit;
   AxisEffort effort_limit;
-  AxisEffort most_change;  ///< of an effort in one period: the slew limit
+  AxisEffort most_change;  ///< of an effort within slew_ticks: the slew limit
+  int slew_ticks = 1;      ///< periods in a millisecond, one at least (safety/slew_limiter.hpp)
   double power_limit_w = std::numeric_limits<double>::infinity();
   WatchLimits watch;  ///< 0: not watched
 };

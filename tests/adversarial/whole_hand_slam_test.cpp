@@ -35,21 +35,18 @@ Throw throwOf(const std::string& device, const std::string& hand, const Posture&
   return how;
 }
 
-void printHead() {
-  std::printf(
-      "device        hand               way posture   impact        rebound m/s  lowered  phi"
-      "       effort N\n");
-}
 void print(const Throw& how, const Posture& posture, const Pair& pair) {
   const bool rebounds = pair.without.rebound_m_s > 1e-3;  // else there is nothing to lower
   const std::string lowered =
       rebounds ? std::to_string(static_cast<int>(std::lround(100.0 * pair.loweredBy()))) : "-";
-  std::printf("%-13s %-18s %s%s %-8s   %5.3f  %5.3f -> %5.3f  %5s %%  %4.2f  %4.1f -> %4.1f%s%s\n",
-              how.device.c_str(), how.hand.c_str(), how.axis.c_str(), how.towards_upper ? "+" : "-",
-              posture.name, pair.with.impact_m_s, pair.without.rebound_m_s, pair.with.rebound_m_s,
-              lowered.c_str(), pair.with.phi, pair.without.peak_n, pair.with.peak_n,
-              pair.without.share() < kFolds ? "  folds" : "",
-              any(pair.without.faults) ? ", undamped stopped by the speed limit" : "");
+  std::printf(
+      "figure: slam, %s, %s, %s%s %s: rebound undamped -> damped = %.3f -> %.3f m/s (lowered %s "
+      "%%), "
+      "effort %.1f -> %.1f N%s%s\n",
+      how.device.c_str(), how.hand.c_str(), how.axis.c_str(), how.towards_upper ? "+" : "-",
+      posture.name, pair.without.rebound_m_s, pair.with.rebound_m_s, lowered.c_str(),
+      pair.without.peak_n, pair.with.peak_n, pair.without.share() < kFolds ? ", folds" : "",
+      any(pair.without.faults) ? ", undamped stopped by the speed limit" : "");
 }
 
 /// The same throw twice, not limited by the device, nothing but the damping different.
@@ -69,7 +66,6 @@ void expectAFairComparison(const Throw& how, const Pair& pair) {
 class WholeHandSlam : public testing::TestWithParam<const char*> {};
 
 TEST_P(WholeHandSlam, EveryWayAtSixTenths_TheReboundIsLoweredByThirtyPercentOrTheHandFolds) {
-  printHead();
   const std::vector<Posture> postures =
       thrown(throwOf(GetParam(), "adult-median-right", kStraight, "x", true)).device.axisCount() > 3
           ? std::vector<Posture>{kStraight, kReaching}
@@ -122,7 +118,6 @@ TEST(WholeHandSlam, DampedByTheFingersEffortsAlone_PhiIsNotFilledAndTheReboundHa
   Throw how = throwOf("lambda-pride", "adult-median-right", kStraight, "x", true);
   how.palm_contact = false;
   const Pair pair = withAndWithout(how);
-  print(how, kStraight, pair);
   expectAFairComparison(how, pair);
   figure("the same by the fingers' efforts alone, largest phi", pair.with.phi, "");
   figure("the same by the fingers' efforts alone, rebound lowered by", 100.0 * pair.loweredBy(),

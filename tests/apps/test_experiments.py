@@ -6,7 +6,7 @@ import time
 import unittest
 import xml.etree.ElementTree
 
-from app import DONE, INTERRUPTED, AppTest
+from app import CONFIG, DONE, INTERRUPTED, AppTest
 
 
 class Grasping(AppTest):
@@ -52,12 +52,18 @@ class Grasping(AppTest):
 
 class Timing(AppTest):
     def test_keys_of_the_results(self):
-        result = self.expect(self.run_app("experiment", "timing", "--ticks", "3000",
+        result = self.expect(self.run_app("experiment", "timing", "--ticks", "9000",
                                           "--simulated-clock", "--json", "t.json", "--out", "out"), DONE)
         results = json.loads((self.folder / "t.json").read_text())
         for key in ("ticks", "missed_deadlines", "allocations"):
             self.assertIs(type(results[key]), int, key)
-        self.assertGreaterEqual(results["ticks"], 3000)
+        self.assertGreaterEqual(results["ticks"], 9000)
+        # One round: the palm bumps into the bar's own cylinder, grips it through its walls, lets go.
+        self.assertEqual(results["gripped"], "dispenser_lemon")
+        self.assertGreaterEqual(results["grasps"], 1)
+        self.assertEqual(results["releases"], results["grasps"])
+        self.assertGreater(results["held_share"], 0.4)
+        self.assertGreater(results["walls_share"], results["held_share"])
         self.assertEqual(results["missed_deadlines"], 0)
         self.assertEqual(results["allocations"], 0)  # none after arming: asked of the tick
         self.assertIs(results["allocations_counted"], True)  # else the 0 says nothing
@@ -65,11 +71,21 @@ class Timing(AppTest):
             self.assertLessEqual(times["p50"], times["p99"])
             self.assertLessEqual(times["p99"], times["p999"])
             self.assertLessEqual(times["p999"], times["max"])
-        self.assertGreaterEqual(len(results["stages_cpu_us"]), 6)
+        self.assertGreater(results["stages_cpu_us"]["exercise"]["p50"], 0.0)
         self.assertIn("<svg", (self.folder / "out/timing.svg").read_text())
         for row in ("tick, CPU", "physics_step"):
             self.assertIn(row, result.out)
         self.expect_same_when_run_again(self.folder / "out/timing.h5")
+
+    def test_other_scene(self):
+        self.expect(self.run_app("experiment", "timing", "--ticks", "6000", "--simulated-clock", "--out", "out",
+                                 "--scene", CONFIG / "scenes/four-shapes.toml"), DONE)
+        results = json.loads((self.folder / "out/timing.json").read_text())
+        self.assertEqual(results["walls_share"], 0.0)  # no exercise there
+        self.assertGreater(results["held_share"], 0.0)
+        self.expect_refused(self.run_app("experiment", "timing", "--scene", CONFIG / "scenes/empty.toml"),
+                            "nothing to grip")
+        self.expect_refused(self.run_app("experiment", "timing", "--scene", "no-such.toml"), "no-such.toml")
 
     def test_ctrl_c_in_real_time(self):
         run = self.start_app("experiment", "timing", "--out", "out")

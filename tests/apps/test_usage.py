@@ -15,7 +15,7 @@ OPTIONS = {
     "picture": ["--out", "--at", "recording"],
     "experiment": ["grasping", "timing"],
     "experiment grasping": ["--json", "--out", "--jittered", "--only", "--seed"],
-    "experiment timing": ["--json", "--out", "--ticks", "--simulated-clock"],
+    "experiment timing": ["--json", "--out", "--ticks", "--scene", "--simulated-clock"],
     "validate": ["files"],
     "certify": ["--device", "--rendering", "--hand", "--rate-hz", "--json", "--svg"],
     "doctor": ["--help"],

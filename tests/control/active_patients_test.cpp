@@ -102,9 +102,9 @@ class OneAxisTick {
     const double wanted = felt - damping_.phi[0] * gains_.k_dm[0] * vf + step.effort[0];
     const LimitedEffort limited = limitEffort(AxisEffort(1, wanted), limit);
     faults |= limited.faults;
-    const AxisEffort last = ramp_.sent;
+    slew_.note(ramp_.sent);
     ramp_ = advanceRamp(ramp_, limited.effort, neutral, stop, 1, kPeriod_s, {});
-    ramp_.sent = limitSlew(ramp_.sent, last, most_change).effort;
+    ramp_.sent = limitSlew(ramp_.sent, slew_, most_change).effort;
     tank_ =
         noteSent(step.state, AxisEffort(1, ramp_.sent[0] - neutral[0]),
                  avatarEffort(q_m, velocity_.filtered, q_s, qd_s, dampingOf(loop_), gains_), limit);
@@ -123,6 +123,7 @@ class OneAxisTick {
   EnergyTankConfig tank_config_;
   EnergyTankState tank_;
   NeutralRampState ramp_;
+  SlewWindow slew_;
   AdaptiveDampingConfig damping_config_;
   AdaptiveDampingState damping_;
   VelocityState velocity_;

@@ -33,11 +33,11 @@ struct Chain {
     AxisEffort wanted(r.q_m.size());
     for (int a = 0; a < wanted.size(); ++a) wanted[a] = r.rendered[a] + config.neutral[a];
     const LimitedEffort held = limitEffort(wanted, config.effort_limit);
-    const AxisEffort last = ramp.sent;
+    slew.note(ramp.sent);
     ramp = advanceRamp(ramp, held.effort, config.neutral, false, 1, config.period_s, config.ramp);
     const LimitedEffort out =
         limitPower(ramp.sent, config.neutral, r.qd_mf, config.supervisor.power_limit_w);
-    const LimitedEffort slow = limitSlew(out.effort, last, config.supervisor.most_change);
+    const LimitedEffort slow = limitSlew(out.effort, slew, config.supervisor.most_change);
     ramp.sent = slow.effort;
     faults |= held.faults | out.faults | slow.faults;
     tank = noteSent(tank, ramp.sent, r.f_s, config.effort_limit);
@@ -49,6 +49,7 @@ struct Chain {
   WorldWatchState world;
   EnergyTankState tank;
   NeutralRampState ramp;
+  SlewWindow slew;
   SafetyState state = SafetyState::kArmed;
   Fault faults = Fault::kNone;
 };

@@ -37,10 +37,6 @@ void PrintTo(const Named& n, std::ostream* out) {
 // The search itself takes a micrometre as touching.
 constexpr double kGraze_m = 1e-6;
 
-bool agreeOnTouch(double a, double b) {
-  return std::isnan(a) == std::isnan(b);
-}
-
 /// Both none, both at the open end, or near each other.
 bool sameTouch(double a, double b, double within) {
   return (std::isnan(a) && std::isnan(b)) || a == b || std::abs(a - b) < within;
@@ -57,7 +53,7 @@ TEST_P(FirstTouch, OfAHandThatStays_IsFoundWithin50TicksAndIsTheFirst) {
   const auto draw = [&](double from, double to) {
     return from + (to - from) * static_cast<double>(random() >> 11U) * 0x1.0p-53;
   };
-  int touches = 0, misses = 0, open_ends = 0, slowest = 0, held_up_axes = 0;
+  int touches = 0, misses = 0, open_ends = 0, slowest = 0;
   double worst_gap_m = 0.0;
   const int hands = WHOLEHAND_SANITIZED ? 12 : 50;
   for (int n = 0; n < hands; ++n) {
@@ -77,10 +73,7 @@ TEST_P(FirstTouch, OfAHandThatStays_IsFoundWithin50TicksAndIsTheFirst) {
     AxisPosition at50 = still.tick();
     for (int k = 1; k < 50; ++k) at50 = still.tick();
     AxisPosition last = at50;
-    for (int k = 0; k < 100; ++k) last = still.tick();
-    for (int a = kFingers; a <= kThumb; ++a) {
-      for (int k = 0; !agreeOnTouch(at50[a], last[a]) && k < 200; ++k) last = still.tick();
-    }
+    for (int k = 0; k < 300; ++k) last = still.tick();
     still.closure.reset();
     for (int k = 1; k <= 50; ++k) {
       const AxisPosition now = still.tick();
@@ -90,11 +83,7 @@ TEST_P(FirstTouch, OfAHandThatStays_IsFoundWithin50TicksAndIsTheFirst) {
     }
     for (int a = kFingers; a <= kThumb; ++a) {
       SCOPED_TRACE(still.model.axis_names[a] + ", case " + std::to_string(n));
-      // A face that is grazed along holds the search up: what it says then is judged when it is
-      // through.
-      const bool held_up = !agreeOnTouch(at50[a], last[a]);
-      held_up_axes += held_up ? 1 : 0;
-      const double touch = held_up ? last[a] : at50[a];
+      const double touch = at50[a];
       // 0.1 mm of path, at the lever arm of 8 cm.
       EXPECT_TRUE(sameTouch(touch, last[a], 1.25e-3)) << touch << " and " << last[a];
       const double lower = still.model.axis_lower[a], upper = still.model.axis_upper[a];
@@ -120,7 +109,7 @@ TEST_P(FirstTouch, OfAHandThatStays_IsFoundWithin50TicksAndIsTheFirst) {
   std::printf(
       "figure: %s: %d touches, %d never, %d open ends; slowest %d ticks, worst gap %.2g um\n",
       GetParam().name, touches, misses, open_ends, slowest, worst_gap_m * 1e6);
-  EXPECT_LE(held_up_axes, 3) << "one hand of fifty may graze a face along";
+  EXPECT_LT(slowest, 50);
   if (kCountsTell) EXPECT_GT(touches, hands * 3 / 10);
   if (kCountsTell) EXPECT_GT(misses, hands / 10);
   if (kCountsTell) EXPECT_GT(open_ends, 0);

@@ -62,7 +62,7 @@ TEST_P(AtEveryRate, PressedToSaturationAndDrawnBack_RippleIsAsWithoutTheTank) {
   EXPECT_EQ(with.damped_ticks, 0);
 }
 
-TEST_P(AtEveryRate, ShippedBar_TankDampsNothing) {
+TEST_P(AtEveryRate, ShippedBar_NeitherTankNorSlewLimitActs) {
   // One level by the seed; all four where every large count is asked for.
   auto random = seededRandom(static_cast<unsigned>(GetParam()));
   const bool full = std::getenv("WHOLEHAND_FULL") != nullptr;
@@ -80,13 +80,21 @@ TEST_P(AtEveryRate, ShippedBar_TankDampsNothing) {
         std::make_unique<SimulatedDevice>(m.device, m.patient, std::move(player), options.period_s);
     const auto rig = build(std::move(m), std::move(device), options);
     ASSERT_TRUE(rig->renderer->arm());
-    int damped = 0, poured = 0;
+    int damped = 0, slewed = 0, ticks = 0, poured = 0;
     runTicks(*rig->renderer, (full ? 40 : 8) * GetParam(), [&](const TickRecord& r) {
       seeing.see(r);
       damped += any(r.faults & Fault::kTankEmpty) ? 1 : 0;
+      slewed += any(r.faults & Fault::kEffortSlew) ? 1 : 0;
+      ++ticks;
       poured += r.contact_count > 0 ? 1 : 0;
     });
-    EXPECT_EQ(damped, 0) << "level " << level << " at " << GetParam() << " Hz";
+    const std::string at =
+        ", level " + std::to_string(level) + " at " + std::to_string(GetParam()) + " Hz";
+    figure("ticks of the bar in which the tank damps" + at, damped, "");
+    figure("ticks in which the slew limit holds back" + at, slewed,
+           ("of " + std::to_string(ticks)).c_str());
+    EXPECT_EQ(damped, 0) << at;
+    EXPECT_EQ(slewed, 0) << at;
     EXPECT_GT(poured, 0) << "nothing was touched";
   }
 }

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace wholehand::test {
 namespace {
@@ -21,8 +22,16 @@ Array two(double a, double b) {
 const auto effort = two<AxisEffort>;
 const auto speed = two<AxisVelocity>;
 
+/// What was sent, the oldest first.
+SlewWindow sentBefore(const std::vector<AxisEffort>& efforts) {
+  SlewWindow window(4);
+  for (const AxisEffort& e : efforts) window.note(e);
+  return window;
+}
+
 TEST(SlewLimiter, ChangeWithinTheLimit_PassesBitByBit) {
-  const LimitedEffort out = limitSlew(effort(5.0, -1.0), effort(0.0, 0.0), effort(5.0, 1.0));
+  const LimitedEffort out =
+      limitSlew(effort(5.0, -1.0), sentBefore({effort(0.0, 0.0)}), effort(5.0, 1.0));
   EXPECT_EQ(out.effort[0], 5.0);
   EXPECT_EQ(out.effort[1], -1.0);
   EXPECT_EQ(out.faults, Fault::kNone);
@@ -30,7 +39,8 @@ TEST(SlewLimiter, ChangeWithinTheLimit_PassesBitByBit) {
 }
 
 TEST(SlewLimiter, ChangeBeyondTheLimit_IsHeldAndNamesTheAxis) {
-  const LimitedEffort out = limitSlew(effort(1.0, -7.0), effort(0.5, -1.0), effort(5.0, 2.0));
+  const LimitedEffort out =
+      limitSlew(effort(1.0, -7.0), sentBefore({effort(0.5, -1.0)}), effort(5.0, 2.0));
   EXPECT_EQ(out.effort[0], 1.0);
   EXPECT_EQ(out.effort[1], -3.0);  // -1 - 2
   EXPECT_EQ(out.faults, Fault::kEffortSlew);
@@ -41,10 +51,57 @@ TEST(SlewLimiter, ChangeBeyondTheLimit_IsHeldAndNamesTheAxis) {
 TEST(SlewLimiter, Step_ArrivesAfterItsHeightOverTheLimit) {
   AxisEffort sent = effort(-10.0, 0.0);
   for (int k = 1; k <= 4; ++k) {
-    sent = limitSlew(effort(10.0, 0.0), sent, effort(5.0, 5.0)).effort;
+    sent = limitSlew(effort(10.0, 0.0), sentBefore({sent}), effort(5.0, 5.0)).effort;
     EXPECT_EQ(sent[0], -10.0 + 5.0 * k);
   }
-  EXPECT_EQ(limitSlew(effort(10.0, 0.0), sent, effort(5.0, 5.0)).faults, Fault::kNone);
+  EXPECT_EQ(limitSlew(effort(10.0, 0.0), sentBefore({sent}), effort(5.0, 5.0)).faults,
+            Fault::kNone);
+}
+
+// Four ticks in the window: a step of the whole limit in one of them, and nothing more until the
+// effort before it has left the window.
+TEST(SlewLimiter, StepAtAHighRate_IsAsHighAsInAMillisecondAndNoHigher) {
+  SlewWindow window(4);
+  AxisEffort sent = effort(0.0, 0.0);
+  for (int k = 0; k < 12; ++k) {
+    window.note(sent);
+    sent = limitSlew(effort(100.0, -1.0), window, effort(5.0, 1.0)).effort;
+    EXPECT_EQ(sent[0], 5.0 * (1 + k / 4)) << k;
+    EXPECT_EQ(sent[1], -1.0) << k;
+  }
+}
+
+TEST(SlewLimiter, Window_IsAMillisecondOrOneTick) {
+  EXPECT_EQ(slewTicks(1e-2), 1);
+  EXPECT_EQ(slewTicks(1.0 / 1500.0), 1);
+  EXPECT_EQ(slewTicks(1e-3), 1);
+  EXPECT_EQ(slewTicks(1.0 / 2000.0), 2);
+  EXPECT_EQ(slewTicks(1.0 / 8000.0), 8);
+  EXPECT_EQ(slewTicks(1.0 / 16000.0), kMostSlewTicks);
+}
+
+// A device that refused efforts holds another than was sent: it is gone on from there.
+TEST(SlewLimiter, EffortsFurtherApartThanTheLimit_AreGoneOnFromTheLast) {
+  const SlewWindow window = sentBefore({effort(0.0, 0.0), effort(20.0, 0.0)});
+  EXPECT_EQ(limitSlew(effort(30.0, 0.0), window, effort(5.0, 5.0)).effort[0], 20.0);
+  EXPECT_EQ(limitSlew(effort(0.0, 0.0), window, effort(5.0, 5.0)).effort[0], 15.0);
+}
+
+// In any window of a millisecond efforts differ by no more than the limit, whatever is wanted.
+TEST(SlewLimiter, WhateverIsWanted_DiffersByTheLimitAtMostWithinTheWindow) {
+  EXPECT_TRUE(rc::check([](const std::vector<int>& wanted) {
+    const auto ticks = *rc::gen::inRange(1, kMostSlewTicks + 1);
+    SlewWindow window(ticks);
+    std::vector<double> sent = {0.0};
+    for (const int effort_n : wanted) {
+      window.note(AxisEffort(1, sent.back()));
+      const AxisEffort next(1, static_cast<double>(effort_n));
+      sent.push_back(limitSlew(next, window, AxisEffort(1, 5.0)).effort[0]);
+      const auto from = sent.end() - std::min<std::ptrdiff_t>(ticks + 1, std::ssize(sent));
+      const auto [least, most] = std::minmax_element(from, sent.end());
+      RC_ASSERT(*most - *least <= 5.0 + 1e-9);
+    }
+  }));
 }
 
 TEST(PowerLimiter, BelowTheLimit_PassesBitByBit) {
