@@ -1,6 +1,7 @@
 // What a stop of the real engine feels like over frequency, at every axis of every shipped device
 // by itself, against the prediction for a rigid one: `certify --impedance` measures contact in the
 // analytic world, which has no shapes.
+#include "assembly/ball_clearance.hpp"
 #include "control/impedance.hpp"
 #include "support/rig_tools.hpp"
 #include "support/shipped.hpp"
@@ -74,7 +75,7 @@ Models linearAxis(const Side& side) {
 }
 
 /// Fixed, in the way of the hand 2 mm on: a wall before a translation, before a rotation a small
-/// ball at the point of the hand that it moves furthest.
+/// ball at the bare point of the hand that it moves furthest.
 SceneBody stopOf(const Models& m, int sign) {
   constexpr double kGap_m = 0.002, kBall_m = 0.004, kStep_rad = 1e-5;
   const AxisPosition at(1);
@@ -91,9 +92,10 @@ SceneBody stopOf(const Models& m, int sign) {
     for (const Eigen::Vector3d& end : {c.a_m, c.b_m}) {
       const Eigen::Vector3d p = here.linkPose(c.link) * end;
       const Eigen::Vector3d way = there.linkPose(c.link) * end - p;
-      if (way.norm() <= furthest_m) continue;
+      const Eigen::Vector3d at = p + (c.radius_m + kBall_m + kGap_m) * way.normalized();
+      if (way.norm() <= furthest_m || clearance_m(here, at, kBall_m) < 0.9 * kGap_m) continue;
       furthest_m = way.norm();
-      center = p + (c.radius_m + kBall_m + kGap_m) * way.normalized();
+      center = at;
     }
   }
   return ball(center, kBall_m, 0.0);

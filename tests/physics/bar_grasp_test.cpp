@@ -90,7 +90,7 @@ TEST_P(Squeeze, OfTheBottle_IsSteadyShallowAndByThumbAndFingers) {
   figure(name + "noise", noise_n, "N");
   figure(name + "deepest overlap", deepest_m * 1e3, "mm");
   EXPECT_NEAR(-last->coupling[kFingers] / kLever_m, GetParam(), 0.05 * GetParam());
-  EXPECT_LE(noise_n, tolerance(0.02) * mean_n);
+  EXPECT_LE(noise_n, tolerance(0.005));
   EXPECT_LE(deepest_m, 1.5e-3);
   EXPECT_GT(thumb_n, 0.2 * GetParam());
   EXPECT_GT(fingers_n, GetParam());
