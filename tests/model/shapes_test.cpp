@@ -295,8 +295,8 @@ TEST(Separation, RandomPairs_IsLargestGapOverDirections) {
         for (int start = 0; start < 20; ++start) {  // a deep overlap has several local maxima
           Vector3d best = Vector3d::UnitX();
           double climbed = -1.0;
-          for (int k = 0; k < 1200; ++k) {
-            const double step = 0.5 * std::pow(0.99, k - 200);
+          for (int k = 0; k < 1800; ++k) {
+            const double step = 0.5 * std::pow(0.993, k - 200);
             const Vector3d n =
                 k < 200 ? direction().normalized() : (best + step * direction()).normalized();
             const double gap = gapAlong(s, a, t, b, n);
