@@ -116,8 +116,9 @@ class Squeezing {
   int touching_ = 0;
 };
 
-/// What the first test measures, with other programs beside it or without.
-constexpr double kUsual = 0.41;
+/// What the first test measures on a machine that does nothing else. With other programs beside it
+/// the reads of the calibration lose their caches, and the share falls to 0.41.
+constexpr double kUsual = 0.61;
 constexpr int kTicks = 9000;  // one grip, squeeze and release
 constexpr int kBlock = 50;    // ticks before the next one's turn
 
