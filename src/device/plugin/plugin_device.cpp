@@ -51,9 +51,8 @@ class Comparison {
 
 }  // namespace
 
-Expected<std::unique_ptr<HapticDevice>> PluginDevice::make(std::shared_ptr<PluginDriver> driver,
-                                                           const DeviceModel& model,
-                                                           double period_s) {
+Expected<std::unique_ptr<HapticDevice>> PluginDevice::make(
+    const std::shared_ptr<PluginDriver>& driver, const DeviceModel& model, double period_s) {
   Comparison compare(model, *driver);
   const double longest_still_s =
       model.watch.longest_gap_s > 0.0 ? model.watch.longest_gap_s : kLongestStill_s;

@@ -20,7 +20,7 @@ class PluginDevice final : public HapticDevice {
   /// effort is something else, and a drive that never goes to neutral by itself.
   /// @param period_s T, for the delay
   [[nodiscard]] static Expected<std::unique_ptr<HapticDevice>> make(
-      std::shared_ptr<PluginDriver> driver, const DeviceModel& model, double period_s);
+      const std::shared_ptr<PluginDriver>& driver, const DeviceModel& model, double period_s);
 
   /// Enables the device.
   [[nodiscard]] Expected<Done> open() override;
