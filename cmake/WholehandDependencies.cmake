@@ -11,6 +11,7 @@ pkg_check_modules(assimp REQUIRED IMPORTED_TARGET assimp)
 pkg_check_modules(tinyxml2 REQUIRED IMPORTED_TARGET tinyxml2)
 pkg_check_modules(tomlplusplus REQUIRED IMPORTED_TARGET tomlplusplus)
 pkg_check_modules(png REQUIRED IMPORTED_TARGET libpng)
+find_package(OpenSSL REQUIRED COMPONENTS Crypto)  # SHA-256 of passports
 find_package(fmt REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)
@@ -34,6 +35,23 @@ target_compile_options(wholehand_options INTERFACE
   -ffp-contract=off)
 target_link_libraries(wholehand_options INTERFACE Threads::Threads)
 
+# Release builds: a write past a buffer ends the program (and is in its black box) before it is used,
+# tables of the linker are read-only. Addresses are random by Debian's own default (PIE). The test
+# `hardening` reads it from the program.
+target_compile_options(wholehand_options INTERFACE
+  $<$<CONFIG:Release>:-U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2 -fstack-protector-strong>)
+target_link_options(wholehand_options INTERFACE
+  $<$<CONFIG:Release>:-Wl,-z,relro,-z,now>)
+
+# The standard library checks indices and iterators, but in what the tick runs: there a slip must not
+# end the program while a device holds its last effort.
+set(tick_modules core dynamics control safety patient exercise physics physics/bullet physics/analytic
+    device device/plugin device/host device/simulated device/replay device/faulty renderer realtime
+    realtime/allocation_counter realtime/lock_counter realtime/system_call_counter runtime)
+function(wholehand_checked target)
+  target_compile_definitions(${target} PRIVATE $<$<CONFIG:Release>:_GLIBCXX_ASSERTIONS>)
+endfunction()
+
 # Headers that most sources read (WHOLEHAND_PRECOMPILED).
 set(often_read <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <atomic> <chrono> <cmath>
     <condition_variable> <cstdint> <deque> <filesystem> <fstream> <functional> <limits> <map> <memory>
@@ -50,6 +68,8 @@ function(wholehand_precompiled_headers target)
 endfunction()
 if(WHOLEHAND_PRECOMPILED)
   wholehand_precompiled_headers(wholehand_precompiled)
+  wholehand_precompiled_headers(wholehand_precompiled_checked)
+  wholehand_checked(wholehand_precompiled_checked)
   if(WHOLEHAND_BUILD_TESTS)
     wholehand_precompiled_headers(wholehand_precompiled_tests GTest::gtest)
     target_precompile_headers(wholehand_precompiled_tests PRIVATE <gtest/gtest.h>)

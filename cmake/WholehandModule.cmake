@@ -18,13 +18,21 @@ function(wholehand_module name)
     target_link_libraries(wholehand_${target} PUBLIC wholehand::${used})
   endforeach()
   target_link_libraries(wholehand_${target} PRIVATE ${arg_VENDOR})
-  wholehand_precompile(wholehand_${target})
+  if(name IN_LIST tick_modules)
+    if(WHOLEHAND_PRECOMPILED)
+      target_precompile_headers(wholehand_${target} REUSE_FROM wholehand_precompiled)
+    endif()
+  else()
+    wholehand_precompile(wholehand_${target})
+  endif()
 endfunction()
 
-# wholehand_precompile(<target>): it reads the headers that most sources need precompiled.
+# wholehand_precompile(<target>): it reads the headers that most sources need precompiled, and the
+# standard library checks what it does (not for what the tick runs).
 function(wholehand_precompile target)
+  wholehand_checked(${target})
   if(WHOLEHAND_PRECOMPILED)
-    target_precompile_headers(${target} REUSE_FROM wholehand_precompiled)
+    target_precompile_headers(${target} REUSE_FROM wholehand_precompiled_checked)
   endif()
 endfunction()
 
@@ -34,12 +42,14 @@ function(wholehand_compile_alone)
   set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 
-# wholehand_test(<name> SOURCES a.cpp ... USES core ... [LABEL unit] [TIMEOUT seconds] [THREADED])
+# wholehand_test(<name> SOURCES a.cpp ... USES core ... [LABEL unit] [TIMEOUT seconds] [SHARDS count]
+#                [THREADED])
 #
+# SHARDS: its tests wait more than they compute; so many of them run at once.
 # THREADED: ./check runs it under ThreadSanitizer too. LABEL realtime: nothing runs beside it. LABEL
 # figure: it measures at length what other tests drive through the same code; no sanitizer sees it.
 function(wholehand_test name)
-  cmake_parse_arguments(arg "THREADED" "LABEL;TIMEOUT" "SOURCES;USES;VENDOR" ${ARGN})
+  cmake_parse_arguments(arg "THREADED" "LABEL;TIMEOUT;SHARDS" "SOURCES;USES;VENDOR" ${ARGN})
   add_executable(test_${name} ${arg_SOURCES})
   target_link_libraries(test_${name} PRIVATE wholehand_options GTest::gtest GTest::gtest_main
                                              ${arg_VENDOR})
@@ -65,7 +75,12 @@ function(wholehand_test name)
   if(CMAKE_BUILD_TYPE STREQUAL Debug AND CMAKE_CXX_FLAGS_DEBUG MATCHES "-fsanitize|--coverage")
     math(EXPR arg_TIMEOUT "${arg_TIMEOUT} * 5")
   endif()
-  add_test(NAME ${name} COMMAND test_${name})
+  if(arg_SHARDS)
+    add_test(NAME ${name} COMMAND ${PROJECT_SOURCE_DIR}/cmake/run_shards.sh ${arg_SHARDS}
+                                  $<TARGET_FILE:test_${name}>)
+  else()
+    add_test(NAME ${name} COMMAND test_${name})
+  endif()
   set_tests_properties(${name} PROPERTIES LABELS ${arg_LABEL} TIMEOUT ${arg_TIMEOUT})
   if(arg_LABEL STREQUAL realtime)
     set_tests_properties(${name} PROPERTIES RUN_SERIAL ON)

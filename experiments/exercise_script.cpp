@@ -21,9 +21,9 @@ constexpr Posture kStretched{10 * kDeg, 5 * kDeg, 0.0};
 constexpr Posture kOpen{65 * kDeg, 5 * kDeg, 0.0};
 constexpr Posture kOpposed{65 * kDeg, 20 * kDeg, 0.0};
 // The aim lies inside the dispenser: how far says how firmly.
-constexpr Posture kFirm{122 * kDeg, 20 * kDeg, 34 * kDeg};
-constexpr Posture kFirmer{130 * kDeg, 20 * kDeg, 37 * kDeg};
-constexpr Posture kGentle{116 * kDeg, 20 * kDeg, 31 * kDeg};
+constexpr Posture kFirm{150 * kDeg, 20 * kDeg, 44 * kDeg};
+constexpr Posture kFirmer{152 * kDeg, 20 * kDeg, 46 * kDeg};
+constexpr Posture kGentle{112 * kDeg, 20 * kDeg, 22 * kDeg};
 constexpr Posture kHalfOpen{80 * kDeg, 5 * kDeg, 0.0};
 // Not stretched enough to pass beside it.
 constexpr Posture kGrazing{48 * kDeg, 5 * kDeg, 0.0};
@@ -103,9 +103,9 @@ Intention exerciseIntention(const DeviceModel& device, const Eigen::Vector3d& ho
   go(at::kPositioned, touching, kOpposed);
   go(at::kCloses, touching, kOpposed);
   go(at::kSqueezes, touching, kFirm);
-  go(at::kSqueezes + 1.2, touching, kFirmer);
-  go(at::kSqueezes + 2.4, touching, kGentle);
-  go(at::kLetsGo, touching, kFirm);
+  go(at::kSqueezes + 0.7, touching, kFirmer);
+  go(at::kSqueezes + 1.6, touching, kGentle);
+  go(at::kLetsGo, touching, kGentle);
   go(at::kOpened, grip, kHalfOpen);
   go(at::kRetrieves, grip, kHalfOpen);
   go(at::kOff, beside, kGrazing);

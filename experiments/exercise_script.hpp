@@ -23,12 +23,12 @@ inline constexpr double kEntered = 6.6;
 inline constexpr double kPositioned = 7.3;  ///< the palm against it
 inline constexpr double kCloses = 8.8;      ///< the exercise's haptics are faded in
 inline constexpr double kSqueezes = 10.3;
-inline constexpr double kLetsGo = 13.35;
-inline constexpr double kOpened = 14.05;
-inline constexpr double kRetrieves = 15.0;
-inline constexpr double kOff = 15.7;
-inline constexpr double kAway = 16.6;
-inline constexpr double kEnd = 17.5;
+inline constexpr double kLetsGo = 12.2;
+inline constexpr double kOpened = 12.9;
+inline constexpr double kRetrieves = 13.85;
+inline constexpr double kOff = 14.55;
+inline constexpr double kAway = 15.45;
+inline constexpr double kEnd = 16.35;
 }  // namespace exercise_times
 
 /// The person's aim over time: bumps into the dispenser twice with the back of the fingers, draws

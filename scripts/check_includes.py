@@ -66,7 +66,8 @@ def faults_of_file(rules, root, file, module):
             elif not rules.allows(module, header):
                 fault = f"{module} must not include {header}"
         elif header.split("/")[0] in rules.folders and (root / header).exists():
-            fault = None if "*" in rules.modules[module] else f"{module} must not include {header}"
+            own = header.split("/")[0] == module
+            fault = None if own or "*" in rules.modules[module] else f"{module} must not include {header}"
         elif (file.parent / header).exists() and "/" not in header and module in rules.folders:
             fault = None  # apps and include: a neighbour in the same folder
         elif (root / "include" / header).exists() and (
@@ -81,6 +82,20 @@ def faults_of_file(rules, root, file, module):
         if match:
             line = code.count("\n", 0, match.start()) + 1
             yield f"{file.relative_to(root)}:{line}: {module} has no '{word}'"
+
+
+def faults_of_installation(root):
+    """What an installed header includes must be installed, too: include/CMakeLists.txt."""
+    listing = root / "include" / "CMakeLists.txt"
+    if not listing.exists():
+        return
+    installed = set(re.findall(r"[\w/]+\.hpp", listing.read_text()))
+    headers = [f for name in sorted(installed) if (f := root / "src" / name).exists()]
+    for file in headers + sources(root / "include"):
+        for match in INCLUDE.finditer(COMMENT.sub("", file.read_text())):
+            if match[1] == '"' and (root / "src" / match[2]).exists() and match[2] not in installed:
+                yield (f"{file.relative_to(root)}: includes {match[2]}, which is not installed; "
+                       "name it in include/CMakeLists.txt")
 
 
 def sources(folder):
@@ -99,6 +114,7 @@ def check(root, rules):
             faults.append(f"{file.relative_to(root)}: its folder is not in scripts/include_rules.toml")
         else:
             faults += faults_of_file(rules, root, file, module)
+    faults += faults_of_installation(root)
     return count, faults
 
 

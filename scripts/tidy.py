@@ -25,7 +25,7 @@ from pathlib import Path
 
 RULES = Path(__file__).resolve().parents[1] / ".clang-tidy"
 BATCH = 12
-FILTER = r"/(src|apps|include|experiments)/.*\.[ch]pp$"
+FILTER = r"/(src|apps|drivers|include|experiments)/.*\.[ch]pp$"
 ANONYMOUS = re.compile(r"^namespace \{$(.*?)^\}  // namespace$", re.MULTILINE | re.DOTALL)
 STATIC = re.compile(r"^(?:static|using) .*", re.MULTILINE)
 WORD = re.compile(r"\w+")
@@ -52,7 +52,7 @@ def read_commands(build, folders):
     commands = {}
     for entry in json.loads((build / "compile_commands.json").read_text()):
         source = Path(entry["file"])
-        if any(source.is_relative_to(folder) for folder in folders):
+        if source.suffix == ".cpp" and any(source.is_relative_to(folder) for folder in folders):
             arguments = shlex.split(entry["command"])
             if Path(arguments[0]).name == "ccache":
                 del arguments[0]

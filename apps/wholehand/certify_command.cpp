@@ -2,15 +2,20 @@
 
 #include "assembly/sampled_inertia.hpp"
 #include "assembly/text_file.hpp"
-#include "certificate_chart.hpp"
-#include "certificate_text.hpp"
+#include "certification/certificate_chart.hpp"
+#include "certification/certificate_text.hpp"
+#include "commissioning/passport.hpp"
+#include "core/printable.hpp"
 #include "exercise/load_exercise.hpp"
 #include "exit_code.hpp"
 #include "impedance_command.hpp"
 #include "model/hand_file.hpp"
 
+#include <fmt/format.h>
+
 #include <cstdio>
 #include <utility>
+#include <vector>
 
 namespace wholehand {
 namespace {
@@ -54,9 +59,9 @@ Expected<Models> loadFiles(const CertifyOptions& o) {
   return models;
 }
 
-AdvisedCertificate judge(const Models& models, double period_s) {
+AdvisedCertificate judge(CertificateInput input) {
   AdvisedCertificate out;
-  out.input = certificateInput(models, period_s);
+  out.input = std::move(input);
   out.certificate = certify(out.input);
   for (std::size_t i = 0; i < out.certificate.axes.size(); ++i) {
     const AxisCase& c = out.certificate.axes[i].of;
@@ -66,6 +71,39 @@ AdvisedCertificate judge(const Models& models, double period_s) {
   }
   if (!out.certificate.certified) out.nearest = nearestGains(out.input, out.certificate);
   return out;
+}
+
+// What is judged: the device of the file, or that of its passport at both ends of its masses.
+Expected<std::vector<DeviceModel>> judgedDevices(const CertifyOptions& o,
+                                                 const DeviceModel& device) {
+  if (o.passport.empty()) return std::vector<DeviceModel>{device};
+  const auto passport = readPassport(o.passport);
+  if (!passport) return passport.errors();
+  // Which device is plugged in is not known here: `run` asks it.
+  if (auto fits = checkPassport(*passport, passport->identity, device, today()); !fits) {
+    return fits.errors();
+  }
+  return worstCorners(device, *passport, 1.0 / o.rate_hz);
+}
+
+// The corner with the least margin.
+AdvisedCertificate judgeWorst(const Models& models, const std::vector<DeviceModel>& devices,
+                              const CertifyOptions& o) {
+  AdvisedCertificate worst;
+  for (std::size_t i = 0; i < devices.size(); ++i) {
+    CertificateInput input = certificateInput(models, 1.0 / o.rate_hz);
+    input.device = devices[i];
+    AdvisedCertificate judged = judge(std::move(input));
+    if (!o.passport.empty()) {
+      judged.corner = fmt::format("the worst corner of the passport {}: masses at their {} ends",
+                                  printable(o.passport), i == 0 ? "lower" : "upper");
+    }
+    const bool worse = judged.certificate.certified == worst.certificate.certified
+                           ? judged.certificate.margin() < worst.certificate.margin()
+                           : !judged.certificate.certified;
+    if (i == 0 || worse) worst = std::move(judged);
+  }
+  return worst;
 }
 
 }  // namespace
@@ -78,7 +116,9 @@ int certifyCommand(const CertifyOptions& options) {
                             options.json, options.svg);
   }
   if (auto ready = prepareFiles({options.json, options.svg}); !ready) return refuse(ready.errors());
-  const AdvisedCertificate judged = judge(*models, 1.0 / options.rate_hz);
+  const auto devices = judgedDevices(options, models->device);
+  if (!devices) return refuse(devices.errors());
+  const AdvisedCertificate judged = judgeWorst(*models, *devices, options);
   std::fputs(certificateText(judged).c_str(), stdout);
   if (!options.json.empty()) {
     const auto done = writeText(options.json, certificateJson(judged).dump(2) + "\n");

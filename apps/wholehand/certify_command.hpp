@@ -9,8 +9,9 @@ struct CertifyOptions {
   std::string exercise = {};  ///< whose walls are borne, too; empty: none
   int level = 1;              ///< of the exercise
   double rate_hz = 1000.0;
-  std::string json = {};   ///< empty: none
-  std::string svg = {};    ///< empty: none
+  std::string passport = {};  ///< of the device: its worst corner is judged; empty: none
+  std::string json = {};      ///< empty: none
+  std::string svg = {};       ///< empty: none
   bool impedance = false;  ///< what the person feels, predicted and measured, in place of stability
   double contact_stiffness_n_m = 1000.0;  ///< of the spring in which it is felt, too
 };

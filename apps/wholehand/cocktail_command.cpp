@@ -1,10 +1,10 @@
 #include "assembly/run.hpp"
 #include "assembly/text_file.hpp"
 #include "bar_experiments.hpp"
+#include "core/plural.hpp"
 #include "exit_code.hpp"
 #include "experiments/cocktail_trial.hpp"
 #include "experiments/worker_pool.hpp"
-#include "plural.hpp"
 #include "runtime/interrupt_scope.hpp"
 
 #include <nlohmann/json.hpp>

@@ -133,6 +133,11 @@ int runDoctor(const std::filesystem::path& packages_file) {
   show(findingsAboutMachine(machineFacts(), geteuid() == 0));
   printer.heading("Software");
   show(findingsAboutSoftware(packages_file));
+  const Findings adapters = findingsAboutAdapters("/sys/bus/usb-serial/devices");
+  if (!adapters.empty()) {
+    printer.heading("Serial adapters");
+    show(adapters);
+  }
   // Last: it takes its time, and what stands above can be read meanwhile.
   printer.heading("Loop, woken 1000 times a second for 3 seconds");
   std::fflush(stdout);

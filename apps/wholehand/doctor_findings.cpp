@@ -248,6 +248,24 @@ Findings findingsAboutSoftware(const std::filesystem::path& packages_file) {
   return findings;
 }
 
+Findings findingsAboutAdapters(const std::filesystem::path& folder) {
+  Findings findings;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    const std::filesystem::path timer = entry.path() / "latency_timer";
+    std::ifstream file(timer);
+    int latency_ms = 0;
+    if (!(file >> latency_ms)) continue;  // no adapter that has one
+    findings.push_back({entry.path().filename().string(), latency_ms == 1, Blocks::kNothing,
+                        "waits up to " + std::to_string(latency_ms) +
+                            " ms for more bytes (latency_timer; 1 wanted)",
+                        latency_ms == 1 ? "" : "echo 1 > " + timer.string() + " as root."});
+  }
+  std::sort(findings.begin(), findings.end(),
+            [](const DoctorFinding& a, const DoctorFinding& b) { return a.what < b.what; });
+  return findings;
+}
+
 Findings findingsAboutLoop(const WakeUpProbe& probe, std::int64_t period_ns) {
   Findings findings;
   for (const SetupLine& line : probe.setup) {

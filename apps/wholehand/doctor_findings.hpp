@@ -32,6 +32,9 @@ inline constexpr std::size_t kDoctorWakeUps = 3000;
 [[nodiscard]] Findings findingsAboutMachine(const MachineFacts& machine, bool root);
 /// How this program was built, the packages of the list, the free disk.
 [[nodiscard]] Findings findingsAboutSoftware(const std::filesystem::path& packages_file);
+/// Serial adapters that keep what a device says for longer than they must. FTDI's wait for more
+/// bytes, 16 ms where nobody has changed it. @param folder /sys/bus/usb-serial/devices
+[[nodiscard]] Findings findingsAboutAdapters(const std::filesystem::path& folder);
 /// What a loop's thread is granted and how late it woke up.
 [[nodiscard]] Findings findingsAboutLoop(const WakeUpProbe& probe, std::int64_t period_ns);
 /// That there is no loop at all.

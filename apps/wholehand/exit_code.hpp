@@ -9,9 +9,10 @@ enum ExitCode : int {
   kExitDone = 0,
   kExitDifferent = 1,     ///< replay --resimulate found a difference
   kExitNotCertified = 1,  ///< certify says no
-  kExitNotFit = 1,        ///< doctor: this machine may not drive a device
+  kExitNotFit = 1,        ///< doctor: this machine may not drive a device; device conform
   kExitBadInput = 2,      ///< bad usage or a bad file
   kExitFault = 3,         ///< a fault stopped the run
+  kExitFailed = 4,        ///< the program itself: no memory, a folder that was taken away
   kExitInterrupted = 130
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "impedance_measurement.hpp"
+#include "impedance/impedance_measurement.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -1,5 +1,7 @@
 #include "bar_experiments.hpp"
 #include "certify_command.hpp"
+#include "device_command.hpp"
+#include "device_host_command.hpp"
 #include "doctor.hpp"
 #include "exit_code.hpp"
 #include "experiment_command.hpp"
@@ -14,8 +16,12 @@
 
 #include <CLI/CLI.hpp>
 
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
+#include <exception>
+#include <new>
 
 namespace {
 
@@ -60,13 +66,16 @@ void addCertify(CLI::App& app, CertifyOptions& o, int& code) {
   certify->add_option("--rate-hz", o.rate_hz, "Ticks a second")
       ->check(finiteBetween(100.0, 16000.0, "Hz"))
       ->capture_default_str();
+  CLI::Option* passport = certify->add_option(
+      "--passport", o.passport,
+      "Passport of the device: judge the worst corner of what was measured of it");
   certify->add_option("--json", o.json, "Write the certificate to this file");
   certify->add_option("--svg", o.svg,
                       "Draw each axis's Z-width (or felt impedance) into this file");
   CLI::Option* impedance =
       certify->add_flag("--impedance", o.impedance,
                         "Predict and measure what the person feels on every axis, instead");
-  impedance->excludes(exercise);
+  impedance->excludes(exercise)->excludes(passport);
   certify
       ->add_option("--contact-stiffness", o.contact_stiffness_n_m,
                    "With --impedance: the spring that the simulated hand meets [N/m]")
@@ -144,11 +153,7 @@ std::string unknownWord(const CLI::App& app, const CLI::ParseError& error) {
   return rest.empty() ? std::string{} : rest.front();
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  std::signal(SIGPIPE, SIG_IGN);  // where nobody reads on, a run still ends with its ramp
-  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // in order with standard error, also into a file
+int runProgram(int argc, char** argv) {
   CLI::App app{
       "Whole-hand haptic rendering on an off-the-shelf physics engine.\n"
       "Research software, not a certified medical device."};
@@ -163,7 +168,11 @@ int main(int argc, char** argv) {
   BarExperimentOptions bar;
   std::vector<std::string> files;
   PictureOptions picture;
+  DeviceHostOptions host;
+  DeviceOptions device;
   addRun(app, run, code);
+  addDeviceHost(app, host, code);
+  addDevice(app, device, code);
   CertifyOptions certify{shippedFile("config/devices/lambda-pride.toml"), "",
                          shippedFile("config/hands/adult-median-right.toml")};
   addPicture(app, picture, code);
@@ -183,4 +192,28 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? kExitDone : kExitBadInput;
   }
   return code;
+}
+
+// What was printed is on its way, or it is said that it is not.
+int flushOutput(int code) {
+  const bool lost = std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
+  if (!lost || code != kExitDone || errno == EPIPE) return code;
+  return refuse(
+      {{"standard output", 0, "", "", std::string("cannot be written: ") + std::strerror(errno),
+        "make room, or print elsewhere"}});
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::signal(SIGPIPE, SIG_IGN);  // where nobody reads on, a run still ends with its ramp
+  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // in order with standard error, also into a file
+  try {
+    return flushOutput(runProgram(argc, argv));
+  } catch (const std::bad_alloc&) {
+    std::fputs("wholehand: there is not enough memory\n", stderr);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "wholehand: failed: %s\n", error.what());
+  }
+  return kExitFailed;
 }

@@ -1,10 +1,10 @@
 #include "moment_picture.hpp"
 
+#include "core/plural.hpp"
 #include "core/units.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "picture/picture.hpp"
-#include "plural.hpp"
-#include "recorded_files.hpp"
+#include "resimulation/recorded_files.hpp"
 #include "telemetry/recording.hpp"
 
 #include <fmt/format.h>
@@ -45,7 +45,8 @@ bool findTime(RecordingReader& recording, double time_s, TickRecord& found) {
 bool findForce(RecordingReader& recording, TickRecord& found) {
   TickRecord record;
   double largest_n = -1.0;
-  for (std::uint64_t i = 0; recording.read(i, record); ++i) {
+  for (std::uint64_t i = 0; i < recording.size(); ++i) {
+    if (!recording.read(i, record)) return false;
     if (const double n = contactForce(record); n > largest_n) {
       largest_n = n;
       found = record;
@@ -71,7 +72,7 @@ Expected<TickRecord> findMoment(RecordingReader& recording, const std::string& p
                       "is beyond the end",
                       fmt::format("the recording ends at {:.2f} s", found.time_s)};
   }
-  return Diagnostic{path, 0, "", "", "cannot be read to the end", "record it anew"};
+  return Diagnostic{path, 0, "", "", "cannot be read to the end", "wholehand replay says where"};
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "picture_command.hpp"
 
+#include "core/printable.hpp"
 #include "exit_code.hpp"
 
 #include <cstdio>
@@ -9,7 +10,7 @@ namespace wholehand {
 int pictureCommand(const PictureOptions& options) {
   auto drawn = drawMoment(options.recording, options.moment, options.png);
   if (!drawn) return refuse(drawn.errors());
-  std::printf("%s: %s\n", options.png.c_str(), drawn->c_str());
+  std::printf("%s: %s\n", printable(options.png).c_str(), printable(*drawn).c_str());
   return kExitDone;
 }
 

@@ -1,12 +1,13 @@
 #include "play_command.hpp"
 
+#include "assembly/resting_player.hpp"
 #include "assembly/run.hpp"
 #include "assembly/text_file.hpp"
-#include "device/plugin/plugin_device.hpp"
 #include "exit_code.hpp"
 #include "git_version.hpp"
+#include "pages.hpp"
+#include "real_device.hpp"
 #include "report_command.hpp"
-#include "resting_player.hpp"
 #include "run_text.hpp"
 #include "runtime/interrupt_scope.hpp"
 #include "server/server.hpp"
@@ -19,15 +20,18 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <arpa/inet.h>
 #include <array>
 #include <cstdio>
 #include <memory>
+#include <vector>
 
 namespace wholehand {
 namespace {
 
 constexpr const char* kRecordings = "out/recordings";
+constexpr const char* kProfiles = "out/profiles";
 
 StationConfig stationConfig(const RunOptions& options, Terminal& terminal, ReportChild& reports) {
   StationConfig config;
@@ -39,6 +43,7 @@ StationConfig stationConfig(const RunOptions& options, Terminal& terminal, Repor
   config.seed = options.seed;
   config.config_folder = shippedFile("config");
   config.recordings_folder = kRecordings;
+  config.profiles_folder = kProfiles;
   config.record = options.record;
   config.program_version = WHOLEHAND_VERSION;
   config.make_player = restingOrPlaying;
@@ -54,39 +59,21 @@ StationConfig stationConfig(const RunOptions& options, Terminal& terminal, Repor
   return config;
 }
 
-// A real device: a person holds it, so a person asks for the first force. None: null.
-Expected<std::shared_ptr<PluginDriver>> useDriver(RunOptions& options, StationConfig& config,
-                                                  Terminal& terminal) {
-  if (options.driver.path.empty()) return std::shared_ptr<PluginDriver>();
-  auto driver = PluginDriver::load(options.driver,
-                                   [&terminal](const std::string& line) { terminal.say(line); });
-  if (!driver) return driver;
-  options.wait = true;
-  config.make_device = [driver = *driver,
-                        period_s = config.rig.period_s](const DeviceModel& model) {
-    return PluginDevice::make(driver, model, period_s);
-  };
-  return driver;
-}
+using MakeDevice = decltype(StationConfig::make_device);
 
 // What does not fit is said before any page opens.
-Expected<Done> checkDriver(const std::shared_ptr<PluginDriver>& driver, const DeviceModel& model,
-                           double period_s) {
-  if (!driver) return Done{};
-  auto fits = PluginDevice::make(driver, model, period_s);
+Expected<Done> checkDevice(const MakeDevice& make_device, const DeviceModel& model) {
+  if (!make_device) return Done{};
+  auto fits = make_device(model);
   if (!fits) return fits.errors();
   return Done{};
 }
 
 ServerOptions serverOptions(const RunOptions& options,
                             const std::function<void(const std::string&)>& log) {
-  ServerOptions server;
-  server.address = options.address;
-  server.port = static_cast<std::uint16_t>(options.port);
-  server.web_folder = shippedFile("web/dist");
-  server.token = options.token;
+  ServerOptions server =
+      serverOptions(PageOptions{options.address, options.port, options.tokens}, log);
   server.allowed_origins = options.origins;
-  server.log = log;
   return server;
 }
 
@@ -103,7 +90,7 @@ Diagnostics ofOption(Diagnostics errors, const char* option, const std::string& 
 // "8091" is a port of this machine, "10.0.0.2:8091" one that others reach.
 Expected<UdpOptions> udpOptions(const RunOptions& options) {
   UdpOptions udp;
-  udp.token = options.token;
+  udp.token = roleTokens(options.tokens).therapist;
   const bool bare = options.udp.find_first_not_of("0123456789") == std::string::npos;
   auto local = parseUdpEndpoint(bare ? "127.0.0.1:" + options.udp : options.udp);
   if (!local) return ofOption(local.errors(), "--udp", options.udp);
@@ -122,6 +109,14 @@ bool isAddress(const std::string& text) {
          inet_pton(AF_INET6, text.c_str(), bytes.data()) == 1;
 }
 
+// Of "http://localhost:5173": pages that this machine serves itself, as while they are written.
+bool isOfThisMachine(const std::string& origin) {
+  std::string host = origin.substr(std::min(origin.size(), origin.find("://") + 3));
+  host =
+      host.starts_with('[') ? host.substr(0, host.find(']') + 1) : host.substr(0, host.find(':'));
+  return host == "localhost" || host == "[::1]" || (host.starts_with("127.") && isAddress(host));
+}
+
 // Before anything is opened or made.
 Diagnostics faultsOf(const RunOptions& options) {
   Diagnostics faults;
@@ -133,8 +128,19 @@ Diagnostics faultsOf(const RunOptions& options) {
     if (origin.starts_with("http://") || origin.starts_with("https://")) continue;
     faults.push_back({"", 0, "--origin", origin, "is no origin", "write https://host[:port]"});
   }
+  const RoleTokens tokens = roleTokens(options.tokens);
+  faults.insert(faults.end(), tokens.faults.begin(), tokens.faults.end());
+  if (tokens.therapist.empty()) {
+    for (const std::string& origin : options.origins) {
+      if (isOfThisMachine(origin)) continue;
+      faults.push_back({"", 0, "--origin", origin,
+                        "would let everybody in who reaches that address: a proxy's visitors all "
+                        "come from this machine",
+                        "give --token, too"});
+    }
+  }
   const std::string page = options.report.empty() ? "" : options.report + "/index.html";
-  if (auto ready = checkFiles({options.record, options.json, page}); !ready) {
+  if (auto ready = checkFiles({options.record, options.json, page}, inputsOf(options)); !ready) {
     faults.insert(faults.end(), ready.errors().begin(), ready.errors().end());
   }
   return faults;
@@ -143,9 +149,13 @@ Diagnostics faultsOf(const RunOptions& options) {
 void printDoors(const RunOptions& options, const Server& server, const UdpBridge& udp) {
   const std::string url = server.url();
   std::printf("%s\n", url.c_str());  // the first line: programs read it
-  const char* shown = options.token.empty() ? "" : "?token=<token>";
-  std::printf("  game     %s%s\n  console  %sconsole%s\n", url.c_str(), shown, url.c_str(), shown);
-  if (!options.token.empty()) {
+  const RoleTokens tokens = roleTokens(options.tokens);
+  const bool guarded = !tokens.therapist.empty();
+  const char* therapist = guarded ? "?token=<token>" : "";
+  const char* player = tokens.player.empty() ? therapist : "?token=<the player's token>";
+  std::printf("  game     %s%s\n  console  %sconsole%s\n", url.c_str(), player, url.c_str(),
+              therapist);
+  if (guarded) {
     std::printf("  others   http://<this machine>:%u/?token=<token>\n",
                 static_cast<unsigned>(server.port()));
   }
@@ -153,7 +163,7 @@ void printDoors(const RunOptions& options, const Server& server, const UdpBridge
 }
 
 void printInvitation(const RunOptions& options, const Models& models) {
-  printOpening(models);
+  printOpening(models, isRealDevice(options));
   if (options.wait) {
     std::printf("  Nothing moves until a page or a game arms. Ctrl-C ends.\n");
   } else if (models.exercise) {
@@ -162,24 +172,61 @@ void printInvitation(const RunOptions& options, const Models& models) {
   }
 }
 
-// The end of a run: what came of the last session, and the files that were asked for.
-int conclude(const RunOptions& options, const Models& models, const StationOutcome& outcome) {
-  if (!outcome.last) return endOf(false, outcome.interrupted);
-  RunOutcome last = *outcome.last;
-  last.interrupted = outcome.interrupted;
-  const RunSafety safety{outcome.transitions, outcome.rehearsal};
-  if (!options.json.empty()) {
-    const auto json = summaryJson(models.device, last, safety);
-    if (auto done = writeText(options.json, json.dump(2) + "\n"); !done)
-      return refuse(done.errors());
+// What is kept of each session, under one number: recording, summary and report.
+class SessionResults {
+ public:
+  SessionResults(const RunOptions& options, Terminal& terminal)
+      : options_(options), terminal_(terminal) {}
+
+  // While the next session may begin.
+  void add(const EndedSession& session, const DeviceModel& device) {
+    const std::string json = pathOfSession(options_.json, session.number);
+    if (!json.empty()) {
+      const RunSafety safety{session.transitions, session.rehearsal};
+      const auto summary = summaryJson(device, session.outcome, safety);
+      if (auto done = writeText(json, summary.dump(2) + "\n"); !done) {
+        terminal_.say(format(done.errors()));
+        failed_ = true;
+      }
+    }
+    if (!options_.report.empty() && session.outcome.written > 0) {
+      reports_.push_back({session.record, pathOfSession(options_.report, session.number)});
+    }
+    terminal_.say(fmt::format("session {}: {:.2f} s{}{}", session.number,
+                              session.outcome.summary.time_s,
+                              session.outcome.faulted ? ", stopped by a fault" : "",
+                              session.outcome.written > 0 ? ", recorded " + session.record : ""));
   }
-  if (!options.report.empty()) {
+
+  // The summary of the last one, and the reports of all. @return the program's exit code
+  int conclude(const Models& models, const StationOutcome& outcome) {
+    if (!outcome.last) return endOf(false, outcome.interrupted);
     const WaitingFor report("the report");
-    if (auto done = makeReport(options.record, options.report); !done) return refuse(done.errors());
+    for (const auto& [recording, folder] : reports_) {
+      if (auto done = makeReport(recording, folder); !done) {
+        refuse(done.errors());
+        failed_ = true;
+      }
+    }
+    RunOptions last = options_;
+    last.record = outcome.last->outcome.written > 0 ? outcome.last->record : "";
+    last.report = pathOfSession(options_.report, outcome.last->number);
+    RunOutcome ended = outcome.last->outcome;
+    ended.interrupted = outcome.interrupted;
+    printSummary(last, models, ended, {outcome.last->transitions, outcome.last->rehearsal});
+    if (failed_ && !outcome.faulted) return kExitBadInput;
+    return endOf(outcome.faulted, outcome.interrupted);
   }
-  printSummary(options, models, last, safety);
-  return endOf(last.faulted, last.interrupted);
-}
+
+ private:
+  struct Report {
+    std::string recording, folder;
+  };
+  const RunOptions& options_;
+  Terminal& terminal_;
+  std::vector<Report> reports_;
+  bool failed_ = false;
+};
 
 }  // namespace
 
@@ -197,9 +244,14 @@ int playCommand(RunOptions options) {
   config.rig.certificate = *certificate;
   auto driver = useDriver(options, config, terminal);
   if (!driver) return refuse(driver.errors());
+  const MakeDevice make_device = config.make_device;
+  SessionResults results(options, terminal);
+  const Station* of = nullptr;
+  config.ended = [&](const EndedSession& session) { results.add(session, of->models().device); };
   Station station(std::move(config));
+  of = &station;
   if (auto loaded = station.load(); !loaded) return refuse(loaded.errors());
-  if (auto fits = checkDriver(*driver, station.models().device, 1.0 / options.rate_hz); !fits) {
+  if (auto fits = checkDevice(make_device, station.models().device); !fits) {
     return refuse(fits.errors());
   }
 
@@ -223,9 +275,12 @@ int playCommand(RunOptions options) {
   }
   station.addSink([&server](const TickRecord& record) { (*server)->publish(record); });
   printDoors(options, **server, udp);
-  if (*driver)
-    std::printf("  driver   %s, %zu axes\n", (*driver)->name(), (*driver)->axes().size());
+  if (*driver) {
+    std::printf("  driver   %s, %zu axes%s\n", (*driver)->name().c_str(), (*driver)->axes().size(),
+                options.host.empty() ? "" : (", in " + (*driver)->where()).c_str());
+  }
   printInvitation(options, station.models());
+  if (options.without_passport) warnOfNoPassport(terminal);
   terminal.begin(station.models().device);
   Expected<StationOutcome> outcome = station.run(!options.wait, options.duration_s);
   terminal.end();
@@ -236,7 +291,7 @@ int playCommand(RunOptions options) {
     server->reset();
   }
   if (!outcome) return refuse(outcome.errors());
-  return conclude(options, station.models(), *outcome);
+  return results.conclude(station.models(), *outcome);
 }
 
 }  // namespace wholehand

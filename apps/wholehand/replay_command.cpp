@@ -1,8 +1,9 @@
 #include "replay_command.hpp"
 
+#include "core/printable.hpp"
 #include "exit_code.hpp"
 #include "git_version.hpp"
-#include "resimulation.hpp"
+#include "resimulation/resimulation.hpp"
 #include "telemetry/recording.hpp"
 
 #include <fmt/chrono.h>
@@ -29,17 +30,17 @@ int tell(const Expected<Resimulation>& result, const RecordingMeta& meta, const 
   if (!result) return refuse(result.errors());
   const Resimulation& r = result.value();
   if (!r.difference.field.empty()) {
-    std::printf("%s: tick %llu differs in %s: recorded %s, now %s%s\n", path.c_str(),
+    std::printf("%s: tick %llu differs in %s: recorded %s, now %s%s\n", printable(path).c_str(),
                 static_cast<unsigned long long>(r.different_tick), r.difference.field.c_str(),
                 r.difference.first.c_str(), r.difference.again.c_str(), versions(meta).c_str());
     return kExitDifferent;
   }
   if (r.compared == r.ticks) {
-    std::printf("%s: %llu ticks run again, every bit the same\n", path.c_str(),
+    std::printf("%s: %llu ticks run again, every bit the same\n", printable(path).c_str(),
                 static_cast<unsigned long long>(r.ticks));
   } else {
-    std::printf("%s: %llu ticks of the last %.1f s run again after %llu others, %s\n", path.c_str(),
-                static_cast<unsigned long long>(r.compared),
+    std::printf("%s: %llu ticks of the last %.1f s run again after %llu others, %s\n",
+                printable(path).c_str(), static_cast<unsigned long long>(r.compared),
                 static_cast<double>(r.compared) * meta.period_s,
                 static_cast<unsigned long long>(r.ticks - r.compared),
                 r.compared > 0 ? "every bit the same" : "nothing to compare them with");
@@ -57,15 +58,30 @@ std::string lineOf(const TickRecord& r, const RecordingMeta& meta) {
   return line + fmt::format("  contacts {}", r.contact_count);
 }
 
-int play(RecordingReader& recording, double speed) {
+// Ticks between two records that neither holds: those that the loop skipped are none of them.
+std::uint64_t missingBefore(const TickRecord& record, const TickRecord& before) {
+  const std::uint64_t next = before.tick + record.elapsed_periods;
+  return record.tick > next ? record.tick - next : 0;
+}
+
+int play(RecordingReader& recording, const std::string& path, double speed) {
   constexpr double kFrame_s = 0.1;
   const RecordingMeta& meta = recording.meta();
   std::printf("%s, %s, %llu ticks (efforts in N, at the tip where there is one)\n",
               meta.title.c_str(), meta.created_utc.c_str(),
               static_cast<unsigned long long>(recording.size()));
   const auto step = static_cast<std::uint64_t>(std::ceil(kFrame_s / meta.period_s));
-  TickRecord record;
-  for (std::uint64_t i = 0; recording.read(i, record); i += step) {
+  TickRecord record, before;
+  for (std::uint64_t i = 0; i < recording.size(); ++i) {
+    if (!recording.read(i, record)) return refuse({unreadable(path, i, recording.size())});
+    const std::uint64_t missing = i > 0 ? missingBefore(record, before) : 0;
+    if (missing > 0) {
+      std::printf("          -- %llu ticks, %.3f s, are missing --\n",
+                  static_cast<unsigned long long>(missing),
+                  static_cast<double>(missing) * meta.period_s);
+    }
+    before = record;
+    if (i % step != 0) continue;
     std::printf("%s\n", lineOf(record, meta).c_str());
     if (std::fflush(stdout) != 0) break;  // nobody reads on
     std::this_thread::sleep_for(std::chrono::duration<double>(kFrame_s / speed));
@@ -103,14 +119,17 @@ int extract(RecordingReader& box, const ReplayOptions& options) {
   auto writer = RecordingWriter::create(options.extract, box.meta());
   if (!writer) return refuse(writer.errors());
   TickRecord record;
-  for (std::uint64_t i = 0; box.read(i, record); ++i) (*writer)->append(record);
+  for (std::uint64_t i = 0; i < box.size(); ++i) {
+    if (!box.read(i, record)) return refuse({unreadable(options.recording, i, box.size())});
+    (*writer)->append(record);
+  }
   (*writer)->close();
   if ((*writer)->dropped() > 0 || (*writer)->written() != box.size()) {
     std::error_code ignored;
     std::filesystem::remove(options.extract, ignored);
     return refuse({{options.extract, 0, "", "", "could not be written", "make room on the disk"}});
   }
-  std::printf("%s: %llu ticks\n", options.extract.c_str(),
+  std::printf("%s: %llu ticks\n", printable(options.extract).c_str(),
               static_cast<unsigned long long>(box.size()));
   return kExitDone;
 }
@@ -123,7 +142,7 @@ int replayBox(const ReplayOptions& options) {
     return tell(resimulate(**box, options.recording), (*box)->meta(), options.recording);
   }
   introduce(**box);
-  return play(**box, options.speed);
+  return play(**box, options.recording, options.speed);
 }
 
 }  // namespace
@@ -141,7 +160,7 @@ int replayCommand(const ReplayOptions& options) {
     return tell(resimulate(**recording, options.recording), (*recording)->meta(),
                 options.recording);
   }
-  return play(**recording, options.speed);
+  return play(**recording, options.recording, options.speed);
 }
 
 }  // namespace wholehand

@@ -1,5 +1,6 @@
 #include "report_command.hpp"
 
+#include "core/printable.hpp"
 #include "exit_code.hpp"
 #include "moment_picture.hpp"
 #include "report/report.hpp"
@@ -21,7 +22,7 @@ int reportCommand(const ReportOptions& options) {
   if (auto done = makeReport(options.recording, options.folder); !done) {
     return refuse(done.errors());
   }
-  std::printf("%s/index.html\n", options.folder.c_str());
+  std::printf("%s/index.html\n", printable(options.folder).c_str());
   return kExitDone;
 }
 

@@ -1,12 +1,13 @@
 #include "assembly/kept_black_box.hpp"
+#include "assembly/resting_player.hpp"
 #include "assembly/rig.hpp"
 #include "assembly/run.hpp"
 #include "assembly/text_file.hpp"
-#include "certificate_file.hpp"
+#include "certification/certificate_file.hpp"
+#include "core/printable.hpp"
 #include "exit_code.hpp"
 #include "patient/scripted_player.hpp"
 #include "report_command.hpp"
-#include "resting_player.hpp"
 #include "run_options.hpp"
 #include "run_text.hpp"
 #include "runtime/interrupt_scope.hpp"
@@ -14,6 +15,7 @@
 #include "shipped_files.hpp"
 #include "status_line.hpp"
 #include "summary_json.hpp"
+#include "telemetry/disk_room.hpp"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -61,7 +63,7 @@ class Outputs {
     }
   }
 
-  [[nodiscard]] Expected<Done> check() const { return checkFiles(files()); }
+  [[nodiscard]] Expected<Done> check() const { return checkFiles(files(), inputsOf(options_)); }
 
   [[nodiscard]] Expected<Done> make() {
     if (own_folder_) {
@@ -106,7 +108,9 @@ Mover moverOf(const Models& models, std::uint64_t seed) {
   if (mover.player) return mover;
   std::vector<std::string> sentences;
   Intention intention = intentionOf(models, &sentences);
-  for (const std::string& sentence : sentences) std::printf("  motion   %s\n", sentence.c_str());
+  for (const std::string& sentence : sentences) {
+    std::printf("  motion   %s\n", printable(sentence, 1000).c_str());
+  }
   mover.length_s = intention.duration_s() > 0.0 ? intention.duration_s() + kRestAfterMotion_s
                                                 : kRestWithoutMotion_s;
   mover.player = std::make_unique<ScriptedPlayer>(std::move(intention));
@@ -119,7 +123,20 @@ void printSetup(const SetupReport& setup) {
   }
 }
 
+void sayRoom(const std::string& recording, double period_s, double length_s) {
+  if (recording.empty()) return;
+  const std::string room = roomNotice(recording, period_s, length_s);
+  if (!room.empty()) std::printf("  disk     %s\n", printable(room, 1000).c_str());
+}
+
 }  // namespace
+
+std::vector<std::string> inputsOf(const RunOptions& options) {
+  std::vector<std::string> inputs = options.files.all();
+  inputs.push_back(options.certificate);
+  inputs.push_back(options.driver.path);
+  return inputs;
+}
 
 Expected<std::optional<RigOptions::NamedCertificate>> certificateOf(const RunOptions& options) {
   if (options.certificate.empty()) return std::optional<RigOptions::NamedCertificate>{};
@@ -145,6 +162,7 @@ int runCommand(RunOptions options) {
   rig_options.certificate = *certificate;
   Outputs outputs(options);
   if (auto writable = outputs.check(); !writable) return refuse(writable.errors());
+  sayRoom(options.record, rig_options.period_s, duration_s);
   RunSafety safety;
   if (!options.simulated_clock && !options.no_rehearsal) {
     auto rehearsal = rehearse(*models, mover.player->start(), rig_options);

@@ -14,6 +14,10 @@ void chooseExercise(RunOptions& o) {
   o.files.exercise = exerciseFile(o.files.exercise.empty() ? "cocktail-bar" : o.files.exercise);
 }
 
+const char* deviceOption(const RunOptions& o) {
+  return o.host.empty() ? "--driver" : "--host";
+}
+
 // Options that would be passed over in silence.
 Diagnostics mismatched(const CLI::App& run, const RunOptions& o, bool scene, bool pages) {
   Diagnostics faults;
@@ -39,13 +43,18 @@ Diagnostics mismatched(const CLI::App& run, const RunOptions& o, bool scene, boo
                       "leave out --no-rehearsal or --simulated-clock"});
   }
   for (const char* simulated : {"--no-rehearsal", "--uncertified", "--simulated-clock"}) {
-    if (o.driver.path.empty() || run.count(simulated) == 0) continue;
-    faults.push_back({"", 0, simulated, "",
-                      "is for simulated devices, and --driver names a real one",
-                      "leave one of them out"});
+    if (!isRealDevice(o) || run.count(simulated) == 0) continue;
+    faults.push_back(
+        {"", 0, simulated, "",
+         std::string("is for simulated devices, and ") + deviceOption(o) + " names a real one",
+         "leave one of them out"});
   }
-  if (!o.driver.path.empty() && !pages) {
-    faults.push_back({"", 0, "--driver", o.driver.path,
+  if (o.without_passport && !isRealDevice(o)) {
+    faults.push_back({"", 0, "--without-passport", "", "is about a real device, and none is named",
+                      "leave it out, or give --driver or --host"});
+  }
+  if (isRealDevice(o) && !pages) {
+    faults.push_back({"", 0, deviceOption(o), o.host.empty() ? o.driver.path : o.host,
                       "needs the console: a person arms and stops",
                       "leave out --no-web, --scene and --motion"});
   }
@@ -62,7 +71,9 @@ void addPages(CLI::App& run, RunOptions& o) {
       ->capture_default_str();
   run.add_option("--address", o.address, "To listen at; another than this machine needs --token")
       ->capture_default_str();
-  run.add_option("--token", o.token, "What clients must show, at least 16 characters");
+  run.add_option("--token", o.tokens,
+                 "What clients must show, at least 16 characters; of a role: therapist=..., "
+                 "player=..., watcher=...");
   run.add_option("--origin", o.origins, "Pages of other origins that may connect");
   run.add_option("--udp", o.udp,
                  "Port for game engines, or address:port; 0: any port (default: closed)");
@@ -100,12 +111,16 @@ void addRun(CLI::App& app, RunOptions& options, int& code) {
       ->capture_default_str();
   run->add_option("--hand", o.files.hand, "Hand file")->capture_default_str();
   run->add_option("--device", o.files.device, "Device file")->capture_default_str();
-  CLI::Option* driver =
-      run->add_option("--driver", o.driver.path, "Driver of a real device (docs/drivers.md), .so");
+  CLI::Option* driver = run->add_option(
+      "--driver", o.driver.path, "Driver of a real device (docs/drivers.md): a name or a path");
   run->add_option("--device-at", o.driver.locator, "Which device: what the driver wants to know")
       ->needs(driver);
   run->add_option("--driver-settings", o.driver.settings, "The driver's own settings")
       ->needs(driver);
+  run->add_option("--host", o.host, "Name of the `wholehand device-host` that holds a real device")
+      ->excludes(driver);
+  run->add_flag("--without-passport", o.without_passport,
+                "Take a real device that was not commissioned; NOBODY MAY BE ATTACHED (recorded)");
   run->add_option("--rendering", o.files.rendering,
                   "Gains that go with the device (default: the file of the device's name)");
   run->add_option("--patient", o.files.patient, "Virtual patient")->capture_default_str();

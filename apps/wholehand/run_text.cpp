@@ -1,8 +1,10 @@
 #include "run_text.hpp"
 
-#include "plural.hpp"
+#include "core/plural.hpp"
+#include "core/printable.hpp"
 #include "status_line.hpp"
 #include "telemetry/fault_text.hpp"
+#include "telemetry/recording.hpp"
 
 #include <fmt/format.h>
 
@@ -20,11 +22,12 @@ std::string titleOf(const Models& models) {
   return models.scene.name + ", " + std::filesystem::path(models.files.motion).stem().string();
 }
 
-void printOpening(const Models& models) {
-  std::printf("Wholehand: %s\n", titleOf(models).c_str());
-  std::printf("  device   %s, %d %s, simulated; patient %s\n", models.device.name.c_str(),
-              models.device.axisCount(), models.device.axisCount() == 1 ? "axis" : "axes",
-              models.patient.name.c_str());
+void printOpening(const Models& models, bool real_device) {
+  std::printf("Wholehand: %s\n", printable(titleOf(models)).c_str());
+  const std::string mover =
+      real_device ? std::string("a person moves it") : "simulated; patient " + models.patient.name;
+  std::printf("  device   %s, %d %s, %s\n", models.device.name.c_str(), models.device.axisCount(),
+              models.device.axisCount() == 1 ? "axis" : "axes", mover.c_str());
   std::printf("  hand     %s, %d joints, %zu capsules; scene %s, %zu %s\n",
               models.hand.name.c_str(), models.hand.joint_count, models.hand.capsules.size(),
               models.scene.name.c_str(), models.scene.bodies.size(),
@@ -61,6 +64,9 @@ void printSummary(const RunOptions& options, const Models& models, const RunOutc
   std::printf("  force    largest %s; at most %d contact%s at once\n",
               largestEffort(models.device, s.max_effort).c_str(), s.contacts_max,
               plural(s.contacts_max));
+  std::string results;
+  for (const ResultValue& r : outcome.results) results += (results.empty() ? "" : "; ") + r.shown;
+  if (!results.empty()) std::printf("  result   %s\n", printable(results, 1000).c_str());
   const std::vector<DeviceAxis>& axes = models.device.axes;
   std::printf("  faults   %s\n", faultText(s, axes).c_str());
   std::printf("  safety   %s\n", pathOf(safety.transitions).c_str());
@@ -70,17 +76,24 @@ void printSummary(const RunOptions& options, const Models& models, const RunOutc
                 static_cast<unsigned long long>(outcome.dropped_records + outcome.dropped_writes),
                 plural(outcome.dropped_records + outcome.dropped_writes),
                 !outcome.failures.empty()    ? "see what failed"
-                : outcome.dropped_writes > 0 ? "the disk was full or too slow"
+                : outcome.dropped_writes > 0 ? "the disk was full, refused them or was too slow"
                                              : "the queue was full");
   }
   for (const std::string& failure : outcome.failures) {
-    std::printf("  FAILED   %s; it was switched off, the loop ran on\n", failure.c_str());
+    std::printf("  FAILED   %s; it was switched off, the loop ran on\n",
+                printable(failure, 1000).c_str());
   }
   if (!outcome.black_box.empty()) {
-    std::printf("  black box  %s\n", outcome.black_box.c_str());
+    std::printf("  black box  %s\n", printable(outcome.black_box, 1000).c_str());
   }
-  if (!options.record.empty()) std::printf("  recorded %s\n", options.record.c_str());
-  if (!options.report.empty()) std::printf("  report   %s/index.html\n", options.report.c_str());
+  if (!options.record.empty()) {
+    std::printf("  recorded %s\n", printable(options.record).c_str());
+    for (const std::string& part : recordingParts(options.record)) {
+      std::printf("           %s, after an error of the disk\n", printable(part).c_str());
+    }
+  }
+  if (!options.report.empty())
+    std::printf("  report   %s/index.html\n", printable(options.report).c_str());
 }
 
 }  // namespace wholehand

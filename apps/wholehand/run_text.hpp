@@ -13,7 +13,7 @@ namespace wholehand {
 [[nodiscard]] std::string titleOf(const Models& models);
 
 /// What is going to run: device, patient, hand, scene.
-void printOpening(const Models& models);
+void printOpening(const Models& models, bool real_device = false);
 
 /// What came of it, and where it was written.
 void printSummary(const RunOptions& options, const Models& models, const RunOutcome& outcome,

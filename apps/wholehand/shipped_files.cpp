@@ -10,10 +10,12 @@ namespace fs = std::filesystem;
 
 std::string shippedFile(const std::string& relative) {
   std::error_code error;
-  if (fs::exists(relative, error)) return relative;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   for (fs::path folder = program.parent_path(); !folder.empty(); folder = folder.parent_path()) {
-    if (fs::exists(folder / relative, error)) return (folder / relative).string();
+    if (const fs::path file = folder / relative; fs::exists(file, error)) {
+      // Where it is the same, what people read is short.
+      return fs::equivalent(relative, file, error) ? relative : file.string();
+    }
     if (folder == folder.root_path()) break;
   }
   return relative;

@@ -1,6 +1,7 @@
 #include "status_line.hpp"
 
-#include "plural.hpp"
+#include "core/plural.hpp"
+#include "core/printable.hpp"
 #include "realtime/monotonic_clock.hpp"
 
 #include <fmt/format.h>
@@ -15,6 +16,7 @@ namespace {
 
 constexpr double kTerminalPeriod_s = 0.2;
 constexpr double kLogPeriod_s = 5.0;
+constexpr std::size_t kLongestLine = 1000;
 constexpr double kFirst_s = 0.5;  // of the run; before it the rate and the percentiles mean nothing
 
 // False while a terminal stands still (Ctrl-S) or a pipe is full: who writes then waits.
@@ -90,7 +92,7 @@ void Terminal::end() {
 void Terminal::say(const std::string& text) {
   const std::lock_guard lock(mutex_);
   if (line_) line_->finish();
-  std::printf("  %s\n", text.c_str());
+  std::printf("  %s\n", printable(text, kLongestLine).c_str());
 }
 
 void Terminal::update(const TickSummary& now, double rate_hz) {

@@ -50,6 +50,11 @@ nlohmann::ordered_json summaryJson(const DeviceModel& device, const RunOutcome& 
   json["missed_deadlines"] = s.missed_deadlines;
   json["faults"] = s.stopping_faults;
   json["faulted"] = outcome.faulted;
+  if (!outcome.exercise.empty()) {
+    json["exercise"] = {{"name", outcome.exercise}, {"level", outcome.level}};
+    auto& results = json["exercise"]["results"] = nlohmann::ordered_json::object();
+    for (const ResultValue& result : outcome.results) results[result.name] = result.value;
+  }
   for (int bit = 0; bit < kFaultBits; ++bit) {
     const auto at = static_cast<std::size_t>(bit);
     if (s.faults[at] > 0) json["fault_ticks"][faultName(bit)] = s.faults[at];

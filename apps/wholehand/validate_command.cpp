@@ -1,6 +1,8 @@
 #include "validate_command.hpp"
 
 #include "assembly/rig.hpp"
+#include "commissioning/daily_check.hpp"
+#include "core/printable.hpp"
 #include "exit_code.hpp"
 #include "model/hand_file.hpp"
 #include "model/toml_file.hpp"
@@ -43,13 +45,15 @@ class Validation {
       if (kind == "patient") checkWithDevice(file, loadPatientFile);
       if (kind == "scene") add(loadSceneFile(file));
       if (kind == "exercise") remark = checkExercise(file);
+      if (kind == "passport") remark = checkPassportFile(file);
+      if (kind == "device-check") add(readDailyCheck(file));
       if (kind == "motion") add(loadMotionFile(file));
       if (kind != "motion" && !kind.empty()) checkKind(file, kind);
       if (!faulty_device_.empty()) {
-        std::printf("-   %-9s %s (not checked: mend %s first)\n", kind.c_str(), file.c_str(),
-                    faulty_device_.c_str());
+        std::printf("-   %-9s %s (not checked: mend %s first)\n", kind.c_str(),
+                    printable(file).c_str(), faulty_device_.c_str());
       } else if (!faulty_) {
-        std::printf("ok  %-9s %s\n%s", kind.c_str(), file.c_str(), remark.c_str());
+        std::printf("ok  %-9s %s\n%s", kind.c_str(), printable(file).c_str(), remark.c_str());
       }
     }
   }
@@ -119,7 +123,8 @@ class Validation {
   void checkKind(const std::string& file, const std::string& kind) {
     TomlFile toml(file, kind);
     if (!toml.readable()) return;
-    toml.root().choice("kind", {"hand", "device", "rendering", "patient", "scene", "exercise"});
+    toml.root().choice("kind", {"hand", "device", "rendering", "patient", "scene", "exercise",
+                                "passport", "device-check"});
     if (toml.root().good("kind")) return;
     toml.root().skipRest();
     add(toml.finish());
@@ -199,6 +204,28 @@ class Validation {
     }
     return fmt::format("    {} level{}, with the device {}\n", levels, levels == 1 ? "" : "s",
                        device_file);
+  }
+
+  // By itself, and against the only device file among the arguments. Which device is plugged in is
+  // not known here.
+  std::string checkPassportFile(const std::string& file) {
+    const auto passport = readPassport(file);
+    if (!add(passport)) return {};
+    std::string remark =
+        fmt::format("    {}, serial number {}, measured {}\n", printable(passport->device),
+                    printable(passport->identity.serial), format(passport->measured_on));
+    const std::string device_file = onlyOr("device", "");
+    if (!named(device_file))
+      return remark + "    (name its device file beside it to hold it against that)\n";
+    const auto device = loadDeviceFile(device_file);
+    if (!add(device)) {
+      faulty_device_ = device_file;
+      return {};
+    }
+    if (auto fits = checkPassport(*passport, passport->identity, *device, today()); !fits) {
+      add(fits.errors());
+    }
+    return remark;
   }
 
   static std::string gainTable(const Models& models, const CouplingGains& gains) {

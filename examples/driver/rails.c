@@ -7,6 +7,7 @@
 #define _POSIX_C_SOURCE 199309L
 #include <wholehand/device.h>
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,10 +16,11 @@
 enum { AXES = 3 };
 static const char* const names[AXES] = {"x", "y", "z"};
 static const double travel_m[AXES] = {0.06, 0.09, 0.07};
+static const double limit_n = 8.0;
 
 struct wh_device {
   wh_host host;
-  int enabled;
+  int enabled, silenced, saturated;
   uint64_t sequence;
   int64_t taken_ns, written_ns;
   int watchdog_ms; /* --driver-settings watchdog_ms=20 */
@@ -64,7 +66,7 @@ static int describe(wh_device* device, wh_axis* axes, uint32_t capacity, uint32_
     axes[i].effort_meaning = WH_EFFORT;
     axes[i].lower = -travel_m[i];
     axes[i].upper = travel_m[i];
-    axes[i].effort_limit = 8.0;
+    axes[i].effort_limit = limit_n;
     axes[i].resolution = 2e-5;
     axes[i].delay_s = 0.001;
     axes[i].silence_s = device->watchdog_ms * 1e-3;
@@ -80,6 +82,7 @@ static int control(wh_device* device, uint32_t verb, double argument) {
     case WH_DISABLE:
       memset(device->effort, 0, sizeof device->effort);
       device->enabled = verb == WH_ENABLE;
+      device->silenced = device->saturated = 0;
       device->taken_ns = now_ns();
       device->written_ns = 0; /* the watchdog begins with the first command */
       return WH_OK;
@@ -110,9 +113,13 @@ static int read_sample(wh_device* device, wh_sample* sample) {
   sample->status = WH_HOMED;
   if (device->enabled) sample->status |= WH_ENABLED;
   if (device->written_ns != 0 && now - device->written_ns > device->watchdog_ms * INT64_C(1000000)) {
+    device->silenced = 1; /* until it is enabled anew */
+  }
+  if (device->silenced) {
     memset(device->effort, 0, sizeof device->effort);
     sample->status |= WH_SILENCED;
   }
+  if (device->saturated) sample->status |= WH_SATURATED;
   sample->sequence = ++device->sequence;
   sample->monotonic_ns = now;
   sample->valid = (1u << AXES) - 1;
@@ -122,17 +129,35 @@ static int read_sample(wh_device* device, wh_sample* sample) {
 }
 
 static int write_command(wh_device* device, const wh_command* command) {
-  if (!device->enabled) return WH_FAILED;
-  memcpy(device->effort, command->effort, sizeof device->effort);
+  int i;
+  if (!device->enabled || command->axes != AXES) return WH_FAILED;
+  for (i = 0; i < AXES; ++i) {
+    if (!isfinite(command->effort[i])) return WH_FAILED;
+  }
+  device->saturated = 0;
+  for (i = 0; i < AXES; ++i) {
+    const double asked = command->effort[i];
+    device->effort[i] = asked > limit_n ? limit_n : asked < -limit_n ? -limit_n : asked;
+    if (device->effort[i] != asked) device->saturated = 1;
+  }
   device->written_ns = now_ns();
   return WH_OK;
 }
 
 static void close_device(wh_device* device) { free(device); }
 
+/* Which device it is: its passport goes by these. */
+static int identify(wh_device* device, wh_identity* identity) {
+  (void)device;
+  strcpy(identity->serial, "rails-0001");
+  strcpy(identity->firmware, "1.0");
+  strcpy(identity->sdk, "none");
+  return WH_OK;
+}
+
 const wh_plugin* wh_plugin_v1(void) {
   static const wh_plugin plugin = {sizeof(wh_plugin), WH_MAJOR, WH_MINOR, WH_NEVER_WAITS,
                                    "rails (an example)", open_device, describe, control,
-                                   read_sample, write_command, close_device};
+                                   read_sample, write_command, close_device, identify};
   return &plugin;
 }

@@ -1,4 +1,4 @@
-/* The boundary between Wholehand and the driver of a device: C99, one symbol, six functions.
+/* The boundary between Wholehand and the driver of a device: C99, one symbol, six functions and one that may be left out.
  *
  * A driver is a shared object that exports `wh_plugin_v1`. Wholehand loads it, asks which axes the
  * device has, holds them against the device file, and then reads a sample and writes a command in
@@ -19,7 +19,7 @@ extern "C" {
 #endif
 
 #define WH_MAJOR 1
-#define WH_MINOR 0
+#define WH_MINOR 1
 #define WH_MAX_AXES 16
 
 /* What a function returns: 0 and more is success. A driver says why it fails by wh_host.say. */
@@ -45,7 +45,8 @@ enum {
   WH_SILENCED = 1 << 6       /* its watchdog let go: no command came in time */
 };
 
-/* Flags of wh_plugin: read and write never wait, so that the loop itself may call them. */
+/* Flags of wh_plugin: read and write never wait, so that the loop itself may call them. Read when
+ * the driver is loaded and again right after open: a driver that opens others clears it then. */
 enum { WH_NEVER_WAITS = 1 << 0 };
 
 /* Verbs of wh_plugin.control. Each returns when it is done. From WH_ENABLE to the first command may
@@ -99,6 +100,14 @@ typedef struct {
   void (*say)(void* context, const char* line);
 } wh_host;
 
+/* Since 1.1. Which device it is, for its passport: "" where it is not known. */
+typedef struct {
+  uint32_t size;
+  char serial[64];   /* of the device */
+  char firmware[64]; /* its version */
+  char sdk[64];      /* version of what the driver talks to it with */
+} wh_identity;
+
 typedef struct wh_device wh_device; /* the driver's own */
 
 typedef struct {
@@ -119,6 +128,8 @@ typedef struct {
   int (*write)(wh_device* device, const wh_command* command);
   /* Neutral, disabled, gone. */
   void (*close)(wh_device* device);
+  /* Since 1.1; NULL: not known. Of an open device; identity->size is set. */
+  int (*identify)(wh_device* device, wh_identity* identity);
 } wh_plugin;
 
 /* What a driver exports. */

@@ -14,10 +14,11 @@
 /// safe.
 
 // IWYU pragma: begin_exports
-#include "assembly/models.hpp"           // loadModels(): device, hand, scene, gains, patient
-#include "assembly/rehearsal.hpp"        // rehearse(): by it what moves a person is armed
-#include "assembly/rig.hpp"              // buildRig(), checkGains()
-#include "core/expected.hpp"             // Expected, Diagnostic
+#include "assembly/models.hpp"                 // loadModels(): device, hand, scene, gains, patient
+#include "assembly/rehearsal.hpp"              // rehearse(): by it what moves a person is armed
+#include "assembly/rig.hpp"                    // buildRig(), checkGains()
+#include "certification/certificate_file.hpp"  // readCertificate(), for RigOptions::certificate
+#include "core/expected.hpp"                   // Expected, Diagnostic
 #include "core/tick_record.hpp"          // TickRecord: all that one tick read, computed and sent
 #include "device/haptic_device.hpp"      // HapticDevice: implement it for a device of your own
 #include "patient/motion.hpp"            // Intention: what the virtual patient wants

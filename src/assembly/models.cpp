@@ -30,11 +30,13 @@ void takeExercise(Expected<LoadedExercise> from, Models& models, Diagnostics& er
   models.scene = std::move(loaded.scene);
   models.exercise_files = std::move(loaded.files);
   models.exercise_walls = std::move(loaded.walls);
+  models.exercise_panel = std::move(loaded.panel);
 }
 
 std::vector<std::string> pathsOf(const Models& models) {
   std::vector<std::string> paths{models.files.hand, models.files.device, models.files.rendering,
                                  models.files.patient};
+  if (!models.mirrored_hand.empty()) paths.push_back(models.mirrored_hand);
   if (models.files.exercise.empty()) paths.push_back(models.files.scene);
   paths.insert(paths.end(), models.exercise_files.begin(), models.exercise_files.end());
   if (!models.files.motion.empty()) paths.push_back(models.files.motion);
@@ -63,6 +65,7 @@ Expected<Models> loadModels(const ModelFiles& files) {
   const bool have_device = take(loadDeviceFile(files.device), models.device, errors);
   HandFile hand_file;
   const bool have_hand = take(loadHandFile(files.hand), hand_file, errors);
+  models.mirrored_hand = hand_file.mirrored_path;
   if (files.exercise.empty()) take(loadSceneFile(files.scene), models.scene, errors);
   if (!files.motion.empty()) {
     MotionFile motion;

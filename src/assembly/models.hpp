@@ -4,6 +4,7 @@
 #include "exercise/exercise.hpp"
 #include "exercise/exercise_wall.hpp"
 #include "model/device_model.hpp"
+#include "model/exercise_panel.hpp"
 #include "model/hand_model.hpp"
 #include "model/patient_config.hpp"
 #include "model/rendering_config.hpp"
@@ -29,6 +30,11 @@ struct ModelFiles {
   std::string motion;
   std::string exercise;  ///< names its scene itself; empty: just the scene
   int level = 1;         ///< of the exercise
+
+  /// All paths; those that name nothing are empty.
+  [[nodiscard]] std::vector<std::string> all() const {
+    return {scene, hand, device, rendering, patient, motion, exercise};
+  }
 };
 
 /// Everything the files say, checked against each other.
@@ -36,6 +42,7 @@ struct Models {
   ModelFiles files;
   DeviceModel device;
   HandModel hand;
+  std::string mirrored_hand;  ///< file of which the hand's is the mirror image; empty: of none
   RenderingConfig rendering;
   PatientConfig patient;
   SceneModel scene;
@@ -45,6 +52,7 @@ struct Models {
   std::shared_ptr<Exercise> exercise;
   std::vector<std::string> exercise_files;   ///< exercise and scene
   std::vector<ExerciseWall> exercise_walls;  ///< what the certificate has to bear
+  ExercisePanel exercise_panel;              ///< what is shown of it
 };
 
 /// Loads all files; every fault of every file is reported at once.

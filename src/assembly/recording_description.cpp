@@ -1,6 +1,9 @@
 #include "assembly/recording_description.hpp"
 
+#include "assembly/rehearsal_fingerprint.hpp"
+#include "assembly/sampled_inertia.hpp"
 #include "assembly/text_file.hpp"
+#include "core/printable.hpp"
 #include "git_version.hpp"
 
 #include <fmt/chrono.h>
@@ -10,6 +13,17 @@
 #include <utility>
 
 namespace wholehand {
+namespace {
+
+/// Whether the files, as they are now, say what the rig renders.
+bool sayWhatIsRendered(const ModelFiles& files, const Rig& rig) {
+  const auto again = loadModels(files);
+  if (!again) return false;
+  const auto certified = fingerprintOf(certificateInput(*again, rig.options.period_s));
+  return rehearsalFingerprint(*again, rig.options, certified) == rig.renderer->config().rehearsal;
+}
+
+}  // namespace
 
 Expected<RecordingMeta> describeRecording(const Rig& rig, const std::string& title,
                                           std::uint64_t seed, bool simulated_clock) {
@@ -25,8 +39,10 @@ Expected<RecordingMeta> describeRecording(const Rig& rig, const std::string& tit
   meta.simulated_clock = simulated_clock;
   meta.uncertified = !rig.refused.empty();
   meta.paper = rig.models.rendering.paper;
+  meta.models_changed = !sayWhatIsRendered(rig.models.files, rig);
   meta.simulated_device = rig.device->simulated();
-  meta.title = title;
+  meta.passport = rig.options.passport;
+  meta.title = printable(title);
   for (const DeviceAxis& axis : rig.models.device.axes) {
     meta.axis_names.push_back(axis.name);
     meta.axis_units.push_back(axis.positionUnit());
@@ -47,8 +63,19 @@ Expected<RecordingMeta> describeRecording(const Rig& rig, const std::string& tit
     meta.level = exercise->description().level;
     meta.value_names = exercise->description().value_names;
     meta.event_names = exercise->description().event_names;
+    for (const PanelValue& value : rig.models.exercise_panel.values) {
+      if (!value.result) continue;
+      meta.result_names.push_back(value.name);
+      meta.result_labels.push_back(value.label.en);
+      meta.result_units.push_back(value.unit);
+      meta.result_factors.push_back(value.factor);
+      meta.result_decimals.push_back(value.decimals);
+    }
   }
   meta.files = std::move(*files);
+  if (!rig.options.passport_text.empty()) {
+    meta.files.emplace_back(kRecordedPassport, rig.options.passport_text);
+  }
   return meta;
 }
 

@@ -56,7 +56,8 @@ void addScene(std::string& text, const SceneModel& scene) {
   add(text, scene.gravity_m_s2);
   add(text, {scene.hand_friction});
   for (const SceneBody& body : scene.bodies) {
-    add(text, {body.fixed ? 1.0 : 0.0, body.mass_kg, body.friction, body.linear_damping_per_s});
+    add(text, {body.fixed ? 1.0 : 0.0, body.mass_kg, body.friction, body.linear_damping_per_s,
+               body.soft_m});
     add(text, body.com_m);
     add(text, body.inertia_kg_m2);
     add(text, body.pose);

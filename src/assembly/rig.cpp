@@ -9,6 +9,7 @@
 #include "patient/scripted_player.hpp"
 #include "physics/bullet/bullet_world.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -35,20 +36,32 @@ double heldByWorld(const Models& models, const CouplingGains& gains) {
   return held_j;
 }
 
-RendererConfig rendererConfig(const Models& models, const CouplingGains& gains, double period_s,
-                              bool simulated) {
+// With the damping that is proven: the least that the file and every measured corner state.
+DeviceModel provenDevice(DeviceModel device, const std::vector<DeviceModel>& measured) {
+  for (const DeviceModel& corner : measured) {
+    for (std::size_t i = 0; i < device.axes.size(); ++i) {
+      device.axes[i].damping = std::min(device.axes[i].damping, corner.axes[i].damping);
+    }
+  }
+  return device;
+}
+
+RendererConfig rendererConfig(const Models& models, const CouplingGains& gains,
+                              const RigOptions& options, bool simulated) {
+  const double period_s = options.period_s;
   RendererConfig config;
   config.period_s = period_s;
   config.gains = gains;
   config.damping = makeAdaptiveDamping(models.device, models.rendering);
-  config.neutral = models.device.neutral();
-  config.effort_limit = AxisEffort(models.device.axisCount());
+  config.safety.neutral = models.device.neutral();
+  config.safety.effort_limit = AxisEffort(models.device.axisCount());
   for (int a = 0; a < models.device.axisCount(); ++a) {
-    config.effort_limit[a] = models.device.axes[a].effort_limit;
+    config.safety.effort_limit[a] = models.device.axes[a].effort_limit;
   }
   config.gravity_m_s2 = models.scene.gravity_m_s2;
-  config.tank = makeEnergyTank(models.device, period_s, heldByWorld(models, gains));
-  config.supervisor = makeSupervisor(models.device, period_s, simulated);
+  config.safety.tank = makeEnergyTank(provenDevice(models.device, options.measured), period_s,
+                                      heldByWorld(models, gains));
+  config.safety.supervisor = makeSupervisor(models.device, period_s, simulated);
   config.live = LiveSettings(models.device, config.damping);
   return config;
 }
@@ -65,7 +78,7 @@ Expected<std::unique_ptr<Rig>> buildAround(Models models, std::unique_ptr<Haptic
                                            const RigOptions& options, Moves moves) {
   if (Diagnostics large = refuseTooLarge(models); !large.empty()) return large;
   if (Diagnostics limits = refuseImpossibleLimits(models.device); !limits.empty()) return limits;
-  Expected<CheckedGains> checked = checkGains(models, options.period_s);
+  Expected<CheckedGains> checked = checkGains(models, options.period_s, options.measured);
   if (!checked) return checked.errors();
   if (Diagnostics refused = refuseToRender(*checked, options); !refused.empty()) return refused;
 
@@ -80,11 +93,12 @@ Expected<std::unique_ptr<Rig>> buildAround(Models models, std::unique_ptr<Haptic
     return Diagnostic{"", 0, "--engine", options.engine, "is not a known engine", "use bullet"};
   }
   RendererConfig config =
-      rendererConfig(rig->models, rig->gains, options.period_s, rig->device->simulated());
+      rendererConfig(rig->models, rig->gains, options, rig->device->simulated());
   config.rehearsal = rehearsalFingerprint(rig->models, options, checked->fingerprint);
   config.moves_nobody = moves == Moves::kNobody;
-  rig->renderer = std::make_unique<HapticRenderer>(*rig->device, *rig->world, rig->models.hand,
-                                                   config, rig->models.exercise.get());
+  rig->renderer =
+      std::make_unique<HapticRenderer>(*rig->device, *rig->world, rig->models.hand,
+                                       rig->models.scene, config, rig->models.exercise.get());
   return rig;
 }
 
@@ -94,7 +108,8 @@ Rig::~Rig() {
   if (device) device->close();
 }
 
-Expected<CheckedGains> checkGains(const Models& models, double period_s) {
+Expected<CheckedGains> checkGains(const Models& models, double period_s,
+                                  const std::vector<DeviceModel>& measured) {
   const CertificateInput input = certificateInput(models, period_s);
   Expected<CouplingGains> gains =
       resolveGains(models.rendering, input.inertia_at_reference, period_s);
@@ -104,6 +119,14 @@ Expected<CheckedGains> checkGains(const Models& models, double period_s) {
   out.refused = refuseHeavyArmature(models, *gains, period_s);
   for (Diagnostic& refused : refuseUncertified(input)) out.refused.push_back(std::move(refused));
   out.fingerprint = fingerprintOf(input);
+  for (const DeviceModel& corner : measured) {
+    CertificateInput at_corner = input;
+    at_corner.device = corner;
+    for (Diagnostic& refused : refuseUncertified(at_corner)) {
+      refused.problem = "at the worst corner of the passport: " + refused.problem;
+      out.refused.push_back(std::move(refused));
+    }
+  }
   return out;
 }
 

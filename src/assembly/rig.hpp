@@ -13,6 +13,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace wholehand {
 
@@ -26,6 +27,15 @@ struct RigOptions {
     CertificateFingerprint fingerprint;
   };
   std::optional<NamedCertificate> certificate = std::nullopt;
+  /// The device at the worst corners of what was measured of it (commissioning/passport.hpp): the
+  /// gains must be certified with each of them, too, and the energy tank counts on the least
+  /// damping of all. Empty: nothing was measured.
+  std::vector<DeviceModel> measured = {};
+  /// Digest of the passport that a real device was armed with, or why it had none; empty on a
+  /// simulated or replayed device. Kept in recordings.
+  std::string passport = {};
+  /// What that passport says, so that a recording can carry it; empty where there is none.
+  std::string passport_text = {};
 };
 
 /// A renderer with everything it needs, built from models: the device (simulated unless one is
@@ -76,7 +86,9 @@ struct CheckedGains {
   Diagnostics refused;  ///< empty: certified
   CertificateFingerprint fingerprint;
 };
-[[nodiscard]] Expected<CheckedGains> checkGains(const Models& models, double period_s);
+/// @param measured the device at the corners of its passport; why one is refused says so
+[[nodiscard]] Expected<CheckedGains> checkGains(const Models& models, double period_s,
+                                                const std::vector<DeviceModel>& measured = {});
 
 /// Why gains may not be rendered under these options: they are not certified, or the options name a
 /// certificate of others. Empty: they may.

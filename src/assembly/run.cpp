@@ -134,6 +134,11 @@ RunOutcome Run::outcome() const {
   RunOutcome outcome;
   outcome.counters = session_->counters();
   outcome.summary = corrected(statistics_.snapshot(), outcome.counters, rig_->options.period_s);
+  if (const Exercise* exercise = rig_->models.exercise.get()) {
+    outcome.exercise = exercise->description().name;
+    outcome.level = exercise->description().level;
+    outcome.results = exerciseResults(rig_->models, outcome.summary);
+  }
   outcome.dropped_records = session_->droppedRecords();
   outcome.dropped_writes = hub_->unrecorded() + (writer_ ? writer_->dropped() : 0);
   outcome.written = writer_ ? writer_->written() : 0;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "assembly/exercise_results.hpp"
 #include "assembly/rig.hpp"
 #include "runtime/session.hpp"
 #include "telemetry/black_box.hpp"
@@ -37,7 +38,10 @@ struct RunPlan {
 
 /// What came of it.
 struct RunOutcome {
-  TickSummary summary;  ///< its ticks, missed deadlines and faults are the real-time side's
+  TickSummary summary;   ///< its ticks, missed deadlines and faults are the real-time side's
+  std::string exercise;  ///< empty: none
+  int level = 0;
+  std::vector<ResultValue> results;
   SessionCounters counters;
   std::uint64_t dropped_records = 0;  ///< the queue was full
   std::uint64_t dropped_writes = 0;   ///< the disk was full, or the recorder failed
@@ -82,9 +86,9 @@ class Run {
   void setOwnerAlive(bool alive) noexcept { session_->setOwnerAlive(alive); }
   [[nodiscard]] bool running() const { return session_->running(); }
   [[nodiscard]] TickSummary summary() const { return statistics_.snapshot(); }
-  /// What the loop or the recorder's thread had no room for.
+  /// Ticks that no recording holds: the loop, the recorder's thread or the disk had no room.
   [[nodiscard]] std::uint64_t droppedRecords() const {
-    return session_->droppedRecords() + hub_->unrecorded();
+    return session_->droppedRecords() + hub_->unrecorded() + (writer_ ? writer_->dropped() : 0);
   }
   /// Of the recording's file, as far as it is written; asks no disk.
   [[nodiscard]] std::uint64_t recordedBytes() const { return writer_ ? writer_->bytes() : 0; }

@@ -1,5 +1,6 @@
 #include "assembly/text_file.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -56,10 +57,32 @@ Expected<Done> writeText(const std::string& path, const std::string& text) {
   return Done{};
 }
 
-Expected<Done> checkFiles(const std::vector<std::string>& paths) {
-  for (const std::string& path : paths) {
+// One file by whatever names, also where it is not there yet.
+bool isSameFile(const std::string& a, const std::string& b) {
+  std::error_code error;
+  if (fs::equivalent(a, b, error)) return true;
+  const fs::path first = fs::weakly_canonical(fs::absolute(a, error), error),
+                 second = fs::weakly_canonical(fs::absolute(b, error), error);
+  return !first.empty() && first == second;
+}
+
+Expected<Done> checkFiles(const std::vector<std::string>& paths,
+                          const std::vector<std::string>& inputs) {
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    const std::string& path = paths[i];
     if (path.empty()) continue;
     if (auto writable = checkWritable(path); !writable) return writable;
+    const auto is_this = [&](const std::string& other) {
+      return !other.empty() && isSameFile(path, other);
+    };
+    const auto begin = paths.begin(), own = begin + static_cast<std::ptrdiff_t>(i);
+    if (std::any_of(begin, own, is_this)) {
+      return Diagnostic{path, 0, "", "", "is to hold two things", "give each a file of its own"};
+    }
+    if (std::any_of(inputs.begin(), inputs.end(), is_this)) {
+      return Diagnostic{
+          path, 0, "", "", "is read by this run and would be replaced", "write into another file"};
+    }
   }
   return Done{};
 }

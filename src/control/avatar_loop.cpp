@@ -49,13 +49,14 @@ double allowedFactor(const std::vector<AxisMatrix>& inertias, const AxisRatio& k
   // take seconds.
   double factor = most;
   ShakingPosture worst = worstPosture(inertias, times(factor), period_s);
-  while (factor > 0.0 && worst.radius >= 1.0) {
+  // Each round takes another posture for the worst one.
+  for (std::size_t i = 0; i < inertias.size() && factor > 0.0 && worst.radius >= 1.0; ++i) {
     factor = roundedDown(largestAllowed(factor, [&](double f) {
       return spectralRadius(avatarLoopMatrix(inertias[worst.posture], times(f), period_s)) < 1.0;
     }));
     worst = worstPosture(inertias, times(factor), period_s);
   }
-  return factor;
+  return worst.radius < 1.0 ? factor : 0.0;
 }
 
 }  // namespace wholehand

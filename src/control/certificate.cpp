@@ -57,7 +57,8 @@ double stiffnessLimit(const AxisCase& c, Criterion contact) {
   };
   double low = 1e-3 * c.gains.k_pm, high = low;
   if (!stable(low)) return 0.0;
-  while (high < 1e3 * c.gains.k_pm && stable(high)) {
+  constexpr int kSteps = 76;  // 1.2^76 > 1e6; counted, since the smallest numbers do not grow
+  for (int i = 0; i < kSteps && stable(high); ++i) {
     low = high;
     high *= 1.2;
   }

@@ -6,13 +6,15 @@ namespace wholehand {
 
 double largestAllowed(double start, const std::function<bool(double)>& passes) {
   if (!(start > 0.0) || !std::isfinite(start)) return 0.0;
+  // 0.9^110 is below 1e-5; counted, since the smallest numbers do not shrink by a tenth.
+  constexpr int kSteps = 110;
   double high = start;
-  double low = start;
-  do {
+  double low = 0.9 * start;
+  for (int i = 0; !passes(low); ++i) {
+    if (i == kSteps) return 0.0;
     high = low;
     low *= 0.9;
-    if (low < 1e-5 * start) return 0.0;
-  } while (!passes(low));
+  }
   for (int i = 0; i < 40; ++i) {
     const double middle = 0.5 * (low + high);
     (passes(middle) ? low : high) = middle;
@@ -21,7 +23,7 @@ double largestAllowed(double start, const std::function<bool(double)>& passes) {
 }
 
 double roundedDown(double value) {
-  if (!(value > 0.0)) return 0.0;
+  if (!(value >= 1e-300)) return 0.0;  // of less there are no three digits
   const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2.0);
   return std::floor(value / unit) * unit;
 }

@@ -1,18 +1,40 @@
 #include "core/expected.hpp"
 
+#include "core/printable.hpp"
+
+#include <algorithm>
+#include <string_view>
+
 namespace wholehand {
 
+namespace {
+
+// Sentences of ours may hold several lines; what they quote of a stranger may not.
+std::string lines(const std::string& text) {
+  constexpr std::size_t kLongest = 4000;
+  std::string out;
+  for (std::size_t from = 0; from <= text.size();) {
+    const std::size_t end = std::min(text.find('\n', from), text.size());
+    if (from > 0) out += '\n';
+    out += printable(std::string_view(text).substr(from, end - from), kLongest);
+    from = end + 1;
+  }
+  return out;
+}
+
+}  // namespace
+
 std::string format(const Diagnostic& d) {
-  std::string out = d.file;
+  std::string out = printable(d.file);
   if (d.line > 0) out += ":" + std::to_string(d.line);
   if (!d.key.empty()) {
     if (!out.empty()) out += ": ";
-    out += d.key;
-    if (!d.value.empty()) out += " = " + d.value;
+    out += printable(d.key);
+    if (!d.value.empty()) out += " = " + printable(d.value);
   }
   if (!out.empty()) out += ": ";
-  out += d.problem;
-  if (!d.remedy.empty()) out += "; " + d.remedy;
+  out += lines(d.problem);
+  if (!d.remedy.empty()) out += "; " + lines(d.remedy);
   return out;
 }
 

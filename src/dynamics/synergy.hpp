@@ -11,8 +11,7 @@
 namespace wholehand {
 
 /// The synergy map between the few coordinates a person drives and the many joints of the hand,
-/// θ = θ₀ + G q_s, and back by least squares, q_s = (GᵀG)⁻¹ Gᵀ (θ − θ₀). Real-time safe but for
-/// construction.
+/// θ = θ₀ + G q_s. Real-time safe but for construction.
 class Synergy {
  public:
   /// @pre every axis drives a joint (assembleHand() sees to it)
@@ -32,21 +31,6 @@ class Synergy {
       joints[forward_[i].joint] += forward_[i].value * axes[forward_[i].axis];
     }
   }
-  /// q_s of the nearest joint position on the synergy.
-  WHOLEHAND_RT void reduce(const JointPosition& theta, AxisPosition& q_s) const noexcept {
-    q_s = AxisPosition(axes_);
-    for (int i = 0; i < back_count_; ++i) {
-      const Entry& e = back_[i];
-      q_s[e.axis] += e.value * (theta[e.joint] - theta0_[e.joint]);
-    }
-  }
-  /// q̇_s of the nearest joint velocity on the synergy.
-  WHOLEHAND_RT void reduceRate(const double* joints, double* axes) const noexcept {
-    std::fill_n(axes, axes_, 0.0);
-    for (int i = 0; i < back_count_; ++i) {
-      axes[back_[i].axis] += back_[i].value * joints[back_[i].joint];
-    }
-  }
 
  private:
   struct Entry {
@@ -56,11 +40,8 @@ class Synergy {
   };
   JointPosition theta0_;
   int joints_;
-  int axes_;
   std::array<Entry, kMaxJoints * kMaxAxes> forward_;
-  std::array<Entry, kMaxJoints * kMaxAxes> back_;
   int forward_count_ = 0;
-  int back_count_ = 0;
 };
 
 }  // namespace wholehand

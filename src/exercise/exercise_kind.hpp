@@ -4,6 +4,7 @@
 #include "exercise/exercise.hpp"
 #include "exercise/exercise_wall.hpp"
 #include "model/device_model.hpp"
+#include "model/exercise_panel.hpp"
 #include "model/hand_model.hpp"
 #include "model/scene_model.hpp"
 #include "model/toml_file.hpp"
@@ -20,6 +21,7 @@ struct LoadedExercise {
   SceneModel scene;                 ///< of the level; body indices of the exercise are its
   std::vector<std::string> files;   ///< paths of exercise and scene file
   std::vector<ExerciseWall> walls;  ///< empty where it never pushes
+  ExercisePanel panel;              ///< loadExercise() reads it, whatever the kind
 };
 
 /// What a kind of exercise is loaded from.

@@ -44,8 +44,12 @@ Wall letGo(const Wall& wall, const Finger& finger, const Step& step) noexcept {
   return {finger.now > position, position};
 }
 
-double follow(double wall, double target, const Finger& finger, double reach,
-              const Step& step) noexcept {
+/// The wall on its way to the target. @param soft one that nothing is in goes there at once: a
+/// finger closes on a soft side to 40 mm of path, and a wall that comes while it does would push
+/// it.
+double follow(double wall, double target, const Finger& finger, double reach, const Step& step,
+              bool soft) noexcept {
+  if (soft && finger.now <= wall) return std::max(target, finger.now);
   if (target > wall) {
     const double further = wall + reach;
     return std::min(target,
@@ -98,21 +102,27 @@ FingerWallState followClosure(const FingerWallState& state, const FingerSight& s
     if (!(config.stiffness[i] > 0.0) && !(config.damping[i] > 0.0)) continue;
     const double per_m = 1.0 / config.lever_arm_m[i];
     const bool felt = i < state.known.size() && state.known[i] > 0.0 && alpha > 0.0;
+    // What has the touch before it is not behind the surface, whatever a model of the hand says.
+    const bool inside =
+        (seen.inside >> i & 1U) != 0U && i < seen.closure.size() && seen.q_s[i] >= seen.closure[i];
     const bool ahead = i < seen.closure.size() && std::isfinite(seen.closure[i]) &&
-                       seen.q_s[i] <= seen.closure[i] + kPast_m * per_m;
+                       (inside || seen.q_s[i] <= seen.closure[i] + kPast_m * per_m);
     const Finger finger{seen.q_m[i], felt ? state.finger[i] : seen.q_m[i],
-                        (seen.touching >> i & 1U) != 0U};
+                        inside || (seen.touching >> i & 1U) != 0U};
     const Step step{kLetGo_m_s * per_m * elapsed_s, std::min(1.0, kLetGo_per_s * elapsed_s)};
     Wall wall{felt, felt ? state.position[i] : 0.0};
     // Touched near the open end, the first touch wavers between there and nowhere.
-    const bool holds = finger.touches && seen.q_m[i] > seen.q_s[i] && i < seen.closure.size() &&
-                       seen.closure[i] == -HUGE_VAL;
+    const bool holds = finger.touches && (inside || seen.q_m[i] > seen.q_s[i]) &&
+                       i < seen.closure.size() && seen.closure[i] == -HUGE_VAL;
     if (felt && holds) {
       // The wall stays: what closes on the target is held back by it.
     } else if (ahead) {
-      const double target = seen.closure[i] - lead_in_m * per_m;
+      double target = seen.closure[i] - lead_in_m * per_m;
+      // A wall that came under a digit would lift it. One that stays is a spring: it gives back
+      // what it took.
+      if (inside && felt) target = std::max(target, wall.position);
       const double reach = config.follow_m_s * per_m * elapsed_s;
-      wall = {true, felt ? follow(wall.position, target, finger, reach, step)
+      wall = {true, felt ? follow(wall.position, target, finger, reach, step, config.soft_m > 0.0)
                          : std::max(target, finger.now)};
     } else if (felt) {
       wall = letGo(wall, finger, step);

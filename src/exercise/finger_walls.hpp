@@ -18,6 +18,7 @@ struct FingerWallConfig {
   AxisRatio stiffness;       ///< k of the softest target [N/m or N·m/rad]; 0: no wall on the axis
   AxisRatio damping;         ///< d of the thinnest target [N·s/m or N·m·s/rad]
   AxisEffort effort_cap;     ///< below the device's limit [N or N·m]
+  double soft_m = 0.0;       ///< depth of the targets' soft sides
   double follow_m_s = 0.04;  ///< fastest that a wall moves while α > 0, at the tip
 };
 
@@ -39,6 +40,7 @@ struct FingerSight {
   AxisPosition q_m;            ///< device
   AxisPosition q_s;            ///< avatar
   std::uint32_t touching = 0;  ///< bit a: what axis a moves touches the target
+  std::uint32_t inside = 0;    ///< bit a: it is in the target's soft side, and closing presses on
 };
 
 /// Per capsule of the hand: bit a where axis a moves it against the palm.
@@ -50,12 +52,14 @@ struct FingerSight {
     const TickRecord& record, int body, const std::vector<std::uint32_t>& axes_of_capsule) noexcept;
 
 /// Keeps each wall lead_in_m of fingertip path before the first touch that the world found, for
-/// fingers that have this touch before them. A wall begins at the target or, where the finger is
-/// past that, at the finger. From then on (α > 0) θ_wall is continuous:
+/// fingers that have this touch before them or press into the soft side behind it. A wall begins at
+/// the target or, where the finger is past that, at the finger. From then on (α > 0) θ_wall is
+/// continuous, but for a soft side's that nothing is in, which goes to the target at once:
 /// - towards the closed hand it follows at follow_m_s, but gives way at once to a digit that
 ///   touches nothing: that digit's effort only falls;
 /// - towards the open hand it follows at follow_m_s, but into the finger only while the digit
-///   touches the target.
+///   touches the target, and never while it is in a soft side: there the wall is a spring that
+///   gives back what it took.
 /// So a digit that touches nothing gets no effort but by its own closing on the lead-in. Where the
 /// finger is past the touch or there is none, no wall begins, and one that is felt lets go; but it
 /// stays where it is while the digit is pressed against the target that meets it at the open end

@@ -4,12 +4,15 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 #include <utility>
 
 namespace wholehand {
 
 namespace fs = std::filesystem;
 namespace {
+
+constexpr std::size_t kLongestName = 100;
 
 /// Where the scene is that the file names; empty, and told, where it is not.
 std::string readScene(TomlTable& root, const std::string& exercise_path) {
@@ -21,6 +24,21 @@ std::string readScene(TomlTable& root, const std::string& exercise_path) {
   root.fail("scene", "there is no file " + path.string(),
             "write the path of a scene file, relative to the folder of this file");
   return {};
+}
+
+/// The table [panel] of any kind of exercise, and afterwards its names against those that the
+/// exercise has.
+Expected<LoadedExercise> loadWithPanel(TomlFile& file, const ExerciseKind& kind,
+                                       const ExerciseSource& source) {
+  std::optional<TomlTable> table = file.root().optionalTable("panel");
+  ExercisePanel panel = table ? readExercisePanel(*table) : ExercisePanel{};
+  Expected<LoadedExercise> loaded = kind.load(file, source);
+  if (!loaded || !table) return loaded;
+  const ExerciseDescription& description = loaded->exercise->description();
+  checkExercisePanel(*table, panel, description.value_names, description.event_names);
+  if (Diagnostics faults = file.finish(); !faults.empty()) return faults;
+  loaded->panel = std::move(panel);
+  return loaded;
 }
 
 /// Where there is no such file: which exercises its folder has.
@@ -50,6 +68,10 @@ Expected<LoadedExercise> loadExercise(const std::string& path, int level, const 
   ExerciseSource source;
   source.path = path;
   source.name = root.text("name");
+  if (source.name.find('/') != std::string::npos || source.name.size() > kLongestName) {
+    root.fail("name", "cannot be part of a file's name, as that of a recording",
+              "at most 100 bytes, without a slash");
+  }
   source.level = level;
   source.device = &device;
   source.hand = &hand;
@@ -59,7 +81,7 @@ Expected<LoadedExercise> loadExercise(const std::string& path, int level, const 
     return file.finish();
   }
   const auto at = std::find(names.begin(), names.end(), wanted) - names.begin();
-  return kExerciseKinds[at].load(file, source);
+  return loadWithPanel(file, kExerciseKinds[at], source);
 }
 
 std::vector<ExerciseFile> listExercises(const std::string& folder) {

@@ -175,6 +175,10 @@ std::optional<Diagnostic> inputFault(const std::vector<Vector3d>& points,
                                  "simplified",
                                  2 * kMaxMeshPoints));
   }
+  if (points.size() > std::size_t{3 * 2 * kMaxMeshPoints}) {  // more than its triangles have
+    return meshFault(fmt::format("has {} corners", points.size()),
+                     "remove those that belong to no face");
+  }
   if (!std::all_of(points.begin(), points.end(), [](const Vector3d& p) { return p.allFinite(); })) {
     return meshFault("has a corner that is not finite", "give finite coordinates");
   }

@@ -22,8 +22,10 @@ inline constexpr int kMaxMeshPoints = 1024;
 [[nodiscard]] Expected<Shape> convexMesh(const std::vector<Eigen::Vector3d>& points_m,
                                          const std::vector<Eigen::Vector3i>& triangles);
 
-/// Reads a mesh file (STL, OBJ, DAE, GLB, ...) whose coordinates times `scale` are metres, with the
+/// Reads a mesh file (STL, OBJ, DAE, GLB) whose coordinates times `scale` are metres, with the
 /// axes as they stand in the file (a DAE's up-axis tag is not applied), and makes a collider of it.
+/// The file is read in a process of its own (meshReaderProgram()); in this one where there is none
+/// (docs/adr/0027-children-read-strangers-files.md).
 ///
 /// @return as convexMesh(); also where the file is missing, unreadable or has no faces.
 [[nodiscard]] Expected<Shape> loadConvexMesh(const std::string& path, const Eigen::Vector3d& scale);

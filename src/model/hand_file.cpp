@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <numbers>
 #include <utility>
 
@@ -87,12 +88,43 @@ void readReference(TomlTable& root, HandFile& hand) {
   }
 }
 
+/// `mirror_of`: all of it but the name is that of another file of the folder, on the other side.
+Expected<HandFile> loadMirrored(TomlFile& file, const std::string& path) {
+  TomlTable& root = file.root();
+  const std::string name = root.text("name");
+  const std::string other = root.text("mirror_of");
+  if (root.good("mirror_of") && other.find_first_of("/\\") != std::string::npos) {
+    root.fail("mirror_of", "is no file of this folder", "write its name without folder and .toml");
+  }
+  if (Diagnostics faults = file.finish(); !faults.empty()) return faults;
+  const std::string other_path =
+      (std::filesystem::path(path).parent_path() / (other + ".toml")).string();
+  TomlFile chain(other_path, "hand");
+  if (chain.readable() && chain.root().has("mirror_of")) {
+    return Diagnostic{path,  root.lineOf("mirror_of"),       "mirror_of",
+                      other, "is a mirror image of another", "name the file that has the sizes"};
+  }
+  Expected<HandFile> hand = loadHandFile(other_path);
+  if (!hand) {
+    Diagnostics faults = hand.errors();
+    faults.push_back({path, root.lineOf("mirror_of"), "mirror_of", other, "cannot be read",
+                      "mend that file, or name another of the folder"});
+    return faults;
+  }
+  hand->path = path;
+  hand->mirrored_path = other_path;
+  hand->name = name;
+  hand->side = hand->side == Side::kRight ? Side::kLeft : Side::kRight;
+  return hand;
+}
+
 }  // namespace
 
 Expected<HandFile> loadHandFile(const std::string& path) {
   TomlFile file(path, "hand");
   if (!file.readable()) return file.finish();
   TomlTable& root = file.root();
+  if (root.has("mirror_of")) return loadMirrored(file, path);
   HandFile hand;
   hand.path = path;
   hand.name = root.text("name");

@@ -33,6 +33,7 @@ struct SelfContactEntry {
 /// A hand file: anthropometry and synergy, before it meets a device.
 struct HandFile {
   std::string path;
+  std::string mirrored_path;  ///< of the file that this one mirrors; empty: it has its own sizes
   std::string name;
   Side side = Side::kRight;
   double length_m = 0.188;   ///< wrist crease to middle fingertip
@@ -44,7 +45,8 @@ struct HandFile {
   std::vector<SelfContactEntry> self_contacts;
 };
 
-/// Reads and checks a hand file; every fault of the file is reported at once.
+/// Reads and checks a hand file; a file with `mirror_of` is another one's mirror image. Every fault
+/// of the file is reported at once.
 [[nodiscard]] Expected<HandFile> loadHandFile(const std::string& path);
 
 /// Builds the hand that a device drives: capsules and inertias from the anthropometry, base joints

@@ -28,6 +28,8 @@ using std::numbers::pi;
 
 constexpr double kTouch_m = 1e-4;  ///< bodies may start this deep in each other: rounding of files
 
+constexpr double kThinnestCore_m = 1e-3;  ///< radius that a soft cylinder keeps
+
 NumberRule dimension() {
   return between(0.001, 10.0, "m");
 }
@@ -61,6 +63,7 @@ class BodyReader {
     }
     readPose(body);
     readShapes(body);
+    readSoft(body);
     readMass(body);
     return body;
   }
@@ -164,6 +167,16 @@ class BodyReader {
     assets_.insert(assets_.end(), urdf->mesh_files.begin(), urdf->mesh_files.end());
     body.shapes = std::move(urdf->shapes);
     inertial_ = urdf->inertial;
+  }
+
+  void readSoft(SceneBody& body) {
+    if (!t_.has("soft_m")) return;
+    const bool cylinder = body.shapes.size() == 1 && body.shapes[0].type == ShapeType::kCylinder;
+    const double most_m = cylinder ? body.shapes[0].radius_m - kThinnestCore_m : 10.0;
+    body.soft_m = t_.number("soft_m", between(0.0, std::max(most_m, 0.0), "m"));
+    if (!cylinder && t_.good("shape") && !shape_wrong_) {
+      t_.fail("soft_m", "only a cylinder or a disk is soft", "take it out");
+    }
   }
 
   /// Mass and inertia: of the URDF's inertials, scaled to `mass_kg` where that is given, or of the

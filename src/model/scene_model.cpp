@@ -11,4 +11,10 @@ int SceneModel::bodyIndex(const std::string& body_name) const {
   return -1;
 }
 
+Shape coreOf(const SceneBody& body, const Shape& shape) {
+  Shape core = shape;
+  if (shape.type == ShapeType::kCylinder) core.radius_m -= body.soft_m;
+  return core;
+}
+
 }  // namespace wholehand

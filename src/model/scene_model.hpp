@@ -35,7 +35,11 @@ struct SceneBody {
   std::vector<Shape> shapes;          ///< at least one
   double friction = 0.8;              ///< Coulomb coefficient against the hand
   double linear_damping_per_s = 0.0;  ///< share of velocity lost per second, 0 .. 1 (Bullet's)
-  std::string color = "#3B6FD1";      ///< for pictures and pages, #RRGGBB
+  /// Fingers and thumb sink in so far from the side before they meet a firm core, without a force
+  /// of the engine; the palm and other bodies meet the shape itself. An upright cylinder's only
+  /// [m].
+  double soft_m = 0.0;
+  std::string color = "#3B6FD1";  ///< for pictures and pages, #RRGGBB
 };
 
 /// A scene: bodies, gravity, and where the hand starts.
@@ -49,6 +53,9 @@ struct SceneModel {
 
   [[nodiscard]] int bodyIndex(const std::string& body_name) const;
 };
+
+/// What fingers and thumb collide with: the shape, a cylinder with its radius less the soft depth.
+[[nodiscard]] Shape coreOf(const SceneBody& body, const Shape& shape);
 
 /// Reads a scene file, its meshes (through assimp) and URDFs, beside it on disk; every fault is
 /// reported at once: unknown shapes, missing, empty or non-convex meshes, links without collider,

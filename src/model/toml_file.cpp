@@ -1,5 +1,6 @@
 #include "model/toml_file.hpp"
 
+#include "model/toml_bounds.hpp"
 #include "model/toml_state.hpp"
 
 #include <algorithm>
@@ -18,6 +19,8 @@ namespace {
 
 /// A configuration is text that a person writes; anything larger was given by mistake.
 constexpr std::uintmax_t kLargestFile_bytes = 4U << 20U;
+/// That are listed of one file.
+constexpr std::size_t kMostFaults = 20;
 
 /// Unit endings of keys, longest first, so that range_m and range_rad are seen to be one quantity.
 constexpr std::array<std::string_view, 37> kUnitEndings = {
@@ -75,15 +78,16 @@ std::optional<std::string> readText(const std::string& path, Diagnostic& fault) 
     fault.remedy = "check the path and that the file may be read";
     return std::nullopt;
   }
-  if (std::filesystem::is_regular_file(status)) {
-    const std::uintmax_t size = std::filesystem::file_size(path, error);
-    if (!error && size > kLargestFile_bytes) {
-      fault.problem = "is larger than 4 MB";
-      fault.remedy = "name a configuration file";
-      return std::nullopt;
-    }
+  std::string text;
+  for (std::istreambuf_iterator<char> c(stream), end; c != end && text.size() <= kLargestFile_bytes;
+       ++c) {
+    text += *c;  // of a pipe nobody knows the size
   }
-  std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  if (text.size() > kLargestFile_bytes) {
+    fault.problem = "is larger than 4 MB";
+    fault.remedy = "name a configuration file";
+    return std::nullopt;
+  }
   if (text.find_first_not_of(" \t\r\n") == std::string::npos) {
     fault.problem = "is empty";
     fault.remedy = "copy a file of the same kind from config/ and change it";
@@ -97,6 +101,10 @@ std::optional<toml::table> parseFile(const std::string& path, Diagnostics& fault
   const std::optional<std::string> text = readText(path, fault);
   if (!text) {
     faults.push_back(std::move(fault));
+    return std::nullopt;
+  }
+  if (std::optional<Diagnostic> beyond = beyondBounds(*text, path)) {
+    faults.push_back(std::move(*beyond));
     return std::nullopt;
   }
   try {
@@ -219,6 +227,13 @@ Diagnostics TomlFile::finish() {
   shared_->faults.clear();
   std::stable_sort(faults.begin(), faults.end(),
                    [](const Diagnostic& a, const Diagnostic& b) { return a.line < b.line; });
+  if (faults.size() > kMostFaults) {
+    const std::size_t more = faults.size() - kMostFaults;
+    faults.resize(kMostFaults);
+    faults.push_back({shared_->path, 0, "", "",
+                      "has " + std::to_string(more) + (more == 1 ? " more fault" : " more faults"),
+                      "mend these first"});
+  }
   return faults;
 }
 

@@ -51,6 +51,9 @@ struct TomlTable::State {
   std::shared_ptr<State> child(const toml::table* node, std::string child_path, int child_line);
 };
 
+/// Of a text that names something, in characters.
+inline constexpr std::size_t kLongestText = 200;
+
 /// What stands in a file, for a message: one line, not too long.
 [[nodiscard]] std::string nodeText(const toml::node& node);
 /// "is a text", "is a table", ... for a message about a wrong type.

@@ -1,3 +1,4 @@
+#include "core/printable.hpp"
 #include "model/toml_state.hpp"
 
 #include <algorithm>
@@ -221,6 +222,12 @@ std::string TomlTable::text(std::string_view key) {
     return {};
   }
   if (value->get().empty()) state_->report(key, "\"\"", "is empty", "write a text in quotes");
+  if (!isPrintable(value->get(), kLongestText)) {
+    state_->report(key, nodeText(*node),
+                   "is longer than 200 characters or holds control characters",
+                   "write a text that can be shown in a list");
+    return {};
+  }
   return value->get();
 }
 

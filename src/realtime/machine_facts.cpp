@@ -2,8 +2,10 @@
 
 #include "realtime/thread_setup.hpp"
 
+#include <algorithm>
 #include <fstream>
 #include <sched.h>
+#include <string>
 #include <sys/resource.h>
 #include <sys/utsname.h>
 #include <unistd.h>
@@ -11,7 +13,7 @@
 namespace wholehand {
 namespace {
 
-std::string firstLine(const char* path) {
+std::string firstLine(const std::string& path) {
   std::ifstream file(path);
   std::string line;
   std::getline(file, line);
@@ -40,16 +42,18 @@ bool isRealTimeKernel(std::string_view sys_kernel_realtime, std::string_view una
          uname_version.find("PREEMPT RT") != std::string_view::npos;
 }
 
-MachineFacts machineFacts() {
+MachineFacts machineFacts(const std::string& sys) {
   MachineFacts facts;
   utsname name{};
   uname(&name);
   facts.kernel = name.release;
-  facts.real_time_kernel = isRealTimeKernel(firstLine("/sys/kernel/realtime"), name.version);
+  facts.real_time_kernel = isRealTimeKernel(firstLine(sys + "/kernel/realtime"), name.version);
   facts.cpus_allowed = allowedCpus();
   facts.cpus_online = static_cast<int>(sysconf(_SC_NPROCESSORS_ONLN));
   facts.isolated = isolatedCpus();
-  facts.governor = firstLine("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor");
+  // Cores may differ: that of the loop counts.
+  facts.governor = firstLine(sys + "/devices/system/cpu/cpu" +
+                             std::to_string(std::max(0, lastCore())) + "/cpufreq/scaling_governor");
   facts.rtprio_limit = limitOf(RLIMIT_RTPRIO);
   facts.memlock_limit_bytes = limitOf(RLIMIT_MEMLOCK);
   return facts;

@@ -19,7 +19,8 @@ struct MachineFacts {
   std::int64_t memlock_limit_bytes = 0;  ///< memory that may be locked; -1 is unlimited
 };
 
-[[nodiscard]] MachineFacts machineFacts();
+/// @param sys where the kernel shows cores and governors; another folder for tests
+[[nodiscard]] MachineFacts machineFacts(const std::string& sys = "/sys");
 
 /// True where /sys/kernel/realtime says 1 (its content; empty without the file) or, since some
 /// real-time kernels lack that file, the kernel's version string names PREEMPT_RT.

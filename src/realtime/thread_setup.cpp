@@ -88,21 +88,25 @@ SetupLine requestLockedMemory() {
               "the group realtime and log in again, or run as root."};
 }
 
-SetupLine requestLastCore() {
+int lastCore(int cores_before_last) {
   cpu_set_t allowed;
   CPU_ZERO(&allowed);
-  int core = -1;
-  int count = 0;
-  if (sched_getaffinity(0, sizeof allowed, &allowed) == 0) {
-    count = CPU_COUNT(&allowed);
+  std::vector<int> cores = isolatedCpus();
+  if (cores.empty() && sched_getaffinity(0, sizeof allowed, &allowed) == 0) {
     for (int i = 0; i < CPU_SETSIZE; ++i) {
-      core = CPU_ISSET(i, &allowed) ? i : core;
+      if (CPU_ISSET(i, &allowed)) cores.push_back(i);
     }
+    if (cores.size() < 2) return -1;
   }
-  const std::vector<int> isolated = isolatedCpus();
-  if (!isolated.empty()) {
-    core = *std::max_element(isolated.begin(), isolated.end());
-  } else if (count < 2) {
+  if (cores.empty()) return -1;
+  std::sort(cores.begin(), cores.end());
+  const auto before = static_cast<std::size_t>(std::max(cores_before_last, 0));
+  return before < cores.size() ? cores[cores.size() - 1 - before] : cores.front();
+}
+
+SetupLine requestLastCore(int cores_before_last) {
+  const int core = lastCore(cores_before_last);
+  if (core < 0) {
     return {"own core", false,
             "The loop shares the only core it may use. Remedy: Allow it a second one."};
   }
@@ -117,7 +121,7 @@ SetupLine requestLastCore() {
   }
   return {"own core", true,
           "The loop stays on core " + std::to_string(core) +
-              (isolated.empty() ? "." : ", which the kernel keeps free of other work.")};
+              (isolatedCpus().empty() ? "." : ", which the kernel keeps free of other work.")};
 }
 
 SetupReport setUpThread(const ThreadSetupConfig& config) {
@@ -128,7 +132,7 @@ SetupReport setUpThread(const ThreadSetupConfig& config) {
     report.push_back(requestLockedMemory());
   }
   if (config.pin_to_last_core) {
-    report.push_back(requestLastCore());
+    report.push_back(requestLastCore(config.cores_before_last));
   }
   report.push_back(denormals());
   // Last: from here on nothing of normal priority gets in between.

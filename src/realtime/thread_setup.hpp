@@ -13,6 +13,7 @@ struct ThreadSetupConfig {
   int fifo_priority = 80;   ///< SCHED_FIFO priority, range [1, 99]; 0 leaves the scheduling alone.
   bool lock_memory = true;  ///< Lock the process's pages and keep the heap from shrinking.
   bool pin_to_last_core = true;  ///< The last isolated core, else the last one allowed.
+  int cores_before_last = 0;     ///< For a thread beside such a one: so many cores before that.
   std::size_t stack_bytes = std::size_t{512} << 10U;  ///< Stack to touch beforehand.
 };
 
@@ -54,8 +55,12 @@ class DenormalsFlushed {
 /// MCL_CURRENT always; MCL_FUTURE only where RLIMIT_MEMLOCK is unlimited, since below a limit it
 /// is granted and then the next large allocation fails.
 [[nodiscard]] SetupLine requestLockedMemory();
-/// Pins the calling thread to the last isolated core, else to the last core it may use.
-[[nodiscard]] SetupLine requestLastCore();
+/// The last isolated core, else the last one that this process may use, or one so many before it.
+/// -1 where there is but one.
+[[nodiscard]] int lastCore(int cores_before_last = 0);
+/// Pins the calling thread to the last isolated core, else to the last core it may use; or to one
+/// of those before it, where there are as many.
+[[nodiscard]] SetupLine requestLastCore(int cores_before_last = 0);
 
 /// "0-2,5" as the kernel writes it → {0, 1, 2, 5}; parts that are no numbers are left out.
 [[nodiscard]] std::vector<int> parseCpuList(std::string_view list);

@@ -2,7 +2,6 @@
 
 #include "control/adaptive_damping.hpp"
 #include "control/coupling_gains.hpp"
-#include "control/energy_tank.hpp"
 #include "control/velocity_estimator.hpp"
 #include "core/expected.hpp"
 #include "core/real_time.hpp"
@@ -11,49 +10,51 @@
 #include "dynamics/articulated_body.hpp"
 #include "exercise/exercise.hpp"
 #include "model/hand_model.hpp"
+#include "model/scene_model.hpp"
 #include "physics/physics_world.hpp"
 #include "renderer/live_settings.hpp"
 #include "renderer/parameter_ramps.hpp"
 #include "renderer/rehearsal_passed.hpp"
 #include "renderer/stage_listener.hpp"
-#include "safety/neutral_ramp.hpp"
-#include "safety/slew_limiter.hpp"
-#include "safety/supervisor.hpp"
+#include "safety/safety_chain.hpp"
 
 #include <Eigen/Core>
 
-#include <atomic>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace wholehand {
 
+class HandProbe;
+
 /// What the tick needs to know, resolved before arming and immutable from then on.
 struct RendererConfig {
   double period_s = 1e-3;  ///< T
   CouplingGains gains;
   AdaptiveDampingConfig damping;
-  AxisEffort effort_limit;  ///< of the device file [N or N·m]
-  AxisEffort neutral;       ///< carries the device's own weight [N or N·m]
-  NeutralRampConfig ramp;
+  SafetyConfig safety;
   Eigen::Vector3d gravity_m_s2{0.0, 0.0, -9.81};
-  EnergyTankConfig tank;        ///< none unless given
-  SupervisorConfig supervisor;  ///< none unless given
-  LiveSettings live;            ///< what may be changed while it runs; nothing unless given
-  std::string rehearsal;        ///< what a rehearsal of this is of (RehearsalPassed::of())
-  bool moves_nobody = false;    ///< whatever is sent, no person feels it: needs no rehearsal
+  LiveSettings live;          ///< what may be changed while it runs; nothing unless given
+  std::string rehearsal;      ///< what a rehearsal of this is of (RehearsalPassed::of())
+  bool moves_nobody = false;  ///< whatever is sent, no person feels it: needs no rehearsal
 };
 
 /// Whole-hand haptic rendering: one tick reads the device, lets the simulated hand follow it in the
 /// physics world, and sends back what holds it. Knows neither threads nor sockets nor clocks.
 class HapticRenderer {
  public:
-  /// @param exercise adds its effort to the coupling's; may be null
+  /// @param scene the bodies of the world, in its order @param exercise adds its effort to the
+  /// coupling's; may be null
   /// @pre device, world, hand and exercise outlive this
   HapticRenderer(HapticDevice& device, PhysicsWorld& world, const HandModel& hand,
-                 const RendererConfig& config, Exercise* exercise = nullptr);
+                 const SceneModel& scene, const RendererConfig& config,
+                 Exercise* exercise = nullptr);
+  ~HapticRenderer();
+  HapticRenderer(const HapticRenderer&) = delete;
+  HapticRenderer& operator=(const HapticRenderer&) = delete;
 
   /// Opens the device, reads it and puts the simulated hand there. Refused where the device is not
   /// ready (not calibrated, or moving), outside its workspace, still on its way to neutral, armed
@@ -72,28 +73,25 @@ class HapticRenderer {
                          StageListener* stages = nullptr) noexcept;
 
   /// Takes an arming back that no tick has followed. The device stays open. Not real-time safe.
-  void disarm() noexcept;
+  void disarm() noexcept { safety_.disarm(); }
 
   /// Lets the next tick begin the ramp to neutral. Before that, an arm() is refused once. Any
   /// thread, also a signal handler; real-time safe.
-  void requestStop() noexcept { stops_.fetch_add(1, std::memory_order_seq_cst); }
+  void requestStop() noexcept { safety_.stops().ask(); }
   /// The same, and the records say that it was an emergency stop.
-  void requestEmergencyStop() noexcept {
-    requestStop();
-    emergencies_.fetch_add(1, std::memory_order_seq_cst);
-  }
+  void requestEmergencyStop() noexcept { safety_.stops().askInEmergency(); }
 
   /// True once the device is at its neutral effort after a stop or a fault.
-  [[nodiscard]] bool atNeutral() const noexcept;
+  [[nodiscard]] bool atNeutral() const noexcept { return safety_.atNeutral(); }
   /// The same, or the device has taken no effort for a second after it should have been neutral:
   /// nothing more can be done for it from here. Real-time safe.
-  [[nodiscard]] bool finished() const noexcept;
+  [[nodiscard]] bool finished() const noexcept { return safety_.finished(); }
 
   /// The stopping faults of this run so far; kNone again once armed. For the thread that ticks, or
   /// after its end. Real-time safe.
-  [[nodiscard]] Fault latched() const noexcept { return latched_; }
+  [[nodiscard]] Fault latched() const noexcept { return safety_.latched(); }
   /// For the thread that ticks, or after its end. Real-time safe.
-  [[nodiscard]] SafetyState safetyState() const noexcept { return safety_state_; }
+  [[nodiscard]] SafetyState safetyState() const noexcept { return safety_.state(); }
 
   [[nodiscard]] const RendererConfig& config() const noexcept { return config_; }
   /// The live parameters, in the order of TickRecord::parameters: the renderer's, then the
@@ -108,27 +106,26 @@ class HapticRenderer {
   [[nodiscard]] const AxisPosition& armedPosition() const noexcept { return armed_position_; }
 
  private:
-  void takeCommands(std::uint32_t elapsed_periods, TickRecord& record) noexcept;
-  void readDevice(std::uint32_t elapsed_periods, TickRecord& record) noexcept;
+  void takeCommands(TickRecord& record) noexcept;
+  void readDevice(TickRecord& record) noexcept;
   void observeWorld(TickRecord& record) noexcept;
   void updateDynamics(TickRecord& record) noexcept;
-  void control(std::uint32_t elapsed_periods, TickRecord& record) noexcept;
-  void exercise(std::uint32_t elapsed_periods, TickRecord& record) noexcept;
-  void watchEnergy(std::uint32_t elapsed_periods, TickRecord& record) noexcept;
-  void makeSafe(std::uint32_t elapsed_periods, TickRecord& record) noexcept;
-  [[nodiscard]] AxisEffort withinEffort(TickRecord& record) const noexcept;
-  void concludeSafety(TickRecord& record) noexcept;
-  [[nodiscard]] Expected<Done> mayArm(const std::optional<RehearsalPassed>& rehearsed) const;
-  [[nodiscard]] Expected<Done> withinWorkspace() const;
+  void probeHand(TickRecord& record) noexcept;
+  void couple(TickRecord& record) noexcept;
+  void exercise(TickRecord& record) noexcept;
+  void damp(TickRecord& record) noexcept;
   void writeDevice(TickRecord& record) noexcept;
   void stepWorld(TickRecord& record) noexcept;
   void readContacts(TickRecord& record) noexcept;
   void showContacts(TickRecord& record) const noexcept;
+  [[nodiscard]] Expected<Done> mayArm(const std::optional<RehearsalPassed>& rehearsed) const;
+  [[nodiscard]] Expected<Done> withinWorkspace() const;
 
   HapticDevice& device_;
   PhysicsWorld& world_;
   Exercise* exercise_;
   const RendererConfig config_;
+  SafetyChain safety_;
   ParameterRamps parameters_;
   AxisEffort effort_limit_;               ///< in force now
   AdaptiveDampingConfig damping_config_;  ///< in force now
@@ -136,6 +133,7 @@ class HapticRenderer {
   bool owner_alive_ = true;  ///< whoever shows the exercise is there
   std::vector<std::string> axis_names_;
   ArticulatedBody dynamics_;
+  std::unique_ptr<HandProbe> probe_;
   AxisPosition armed_position_;
   DeviceReading reading_;
   WorldState state_;
@@ -143,19 +141,7 @@ class HapticRenderer {
   VelocityState velocity_;
   AxisRatio avatar_damping_;  ///< D in the present posture
   AdaptiveDampingState damping_;
-  EnergyTankState tank_;
-  NeutralRampState ramp_;
-  SlewWindow slew_;  ///< what was sent in the last millisecond
-  DeviceWatchState device_watch_;
-  WorldWatchState world_watch_;
-  SafetyState safety_state_ = SafetyState::kDisarmed;
-  Fault latched_ = Fault::kNone;  ///< a stopping fault stays until armed again
-  AxisEffort acknowledged_;       ///< the last effort that the device took
-  double unconfirmed_s_ = 0.0;    ///< since it should have been neutral and would not say so
   bool device_open_ = false;
-  // Stops are counted: one that nobody has acted on yet is not lost, whatever comes in between.
-  std::atomic<std::uint32_t> stops_{0}, emergencies_{0};
-  std::uint32_t stops_seen_ = 0, stops_armed_ = 0, emergencies_armed_ = 0;
 };
 
 }  // namespace wholehand

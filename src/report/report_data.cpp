@@ -65,6 +65,7 @@ class Collector {
   struct AxisSeries {
     Decimator effort, device, avatar, phi;
   };
+  void breakLines(const TickRecord& r);
   void addAxes(const TickRecord& r);
   void addContacts(const TickRecord& r);
   void addDuration(const TickRecord& r);
@@ -78,7 +79,8 @@ class Collector {
   TickStatistics statistics_;
   std::vector<std::uint64_t> wall_, cpu_;
   double largest_force_n_ = 0.0;
-  std::uint64_t damped_ = 0, records_ = 0;
+  std::uint64_t damped_ = 0, records_ = 0, missing_ticks_ = 0, last_tick_ = 0;
+  double emergency_stop_s_ = -1.0;
 };
 
 Collector::Collector(const RecordingMeta& meta, double from_s, double to_s, int columns)
@@ -99,7 +101,24 @@ Collector::Collector(const RecordingMeta& meta, double from_s, double to_s, int 
   for (const std::string& name : meta.capsule_names) grips_.push_back(gripOf(name));
 }
 
+// Where ticks are missing nothing is known: no line leads across.
+void Collector::breakLines(const TickRecord& r) {
+  const std::uint64_t next = last_tick_ + r.elapsed_periods;
+  if (records_ == 0 || r.tick <= next) return;
+  missing_ticks_ += r.tick - next;
+  const double at_s = static_cast<double>(next) * meta_.period_s, nothing = std::nan("");
+  for (AxisSeries& s : series_) {
+    for (Decimator* line : {&s.effort, &s.device, &s.avatar, &s.phi}) line->add(at_s, nothing);
+  }
+  for (Decimator* line : {&force_, &count_, &palm_}) line->add(at_s, nothing);
+}
+
 void Collector::add(const TickRecord& r) {
+  breakLines(r);
+  last_tick_ = r.tick;
+  if (emergency_stop_s_ < 0.0 && any(r.faults & Fault::kEmergencyStop)) {
+    emergency_stop_s_ = r.time_s;
+  }
   statistics_.add(r);
   addAxes(r);
   addContacts(r);
@@ -185,6 +204,8 @@ void Collector::finish(ReportData& data) const {
   data.summary = statistics_.snapshot();
   data.cpu_time = data.meta.simulated_clock || data.summary.wall.max_ns <= 0.0;
   data.durations = data.cpu_time ? cpu_ : wall_;
+  data.missing_ticks = missing_ticks_;
+  data.emergency_stop_s = emergency_stop_s_;
   data.largest_contact_force_n = largest_force_n_;
   data.damped_share =
       records_ > 0 ? static_cast<double>(damped_) / static_cast<double>(records_) : 0.0;
@@ -218,27 +239,21 @@ Expected<ReportData> collectReport(const std::string& recording_path, int column
   if (!opened) return opened.errors();
   RecordingReader& reader = **opened;
   TickRecord record;
-  const auto damaged = [&recording_path](std::string problem, std::string remedy) {
-    Diagnostic d;
-    d.file = recording_path;
-    d.problem = std::move(problem);
-    d.remedy = std::move(remedy);
-    return d;
-  };
-  if (reader.size() == 0) return damaged("holds no ticks", "record a run that lasts a while");
+  if (reader.size() == 0) {
+    return Diagnostic{
+        recording_path, 0, "", "", "holds no ticks", "record a run that lasts a while"};
+  }
   ReportData data;
   data.meta = reader.meta();
   data.path = recording_path;
   for (const std::uint64_t i : {std::uint64_t{0}, reader.size() - 1}) {
-    if (!reader.read(i, record)) return damaged("cannot be read", "copy it again");
+    if (!reader.read(i, record)) return unreadable(recording_path, i, reader.size());
     (i == 0 ? data.from_s : data.to_s) = record.time_s;
   }
   data.to_s = std::max(data.to_s, record.time_s) + data.meta.period_s;
   Collector collector(data.meta, data.from_s, data.to_s, columns);
   for (std::uint64_t i = 0; i < reader.size(); ++i) {
-    if (!reader.read(i, record)) {
-      return damaged("cannot be read at tick " + std::to_string(i), "copy it again");
-    }
+    if (!reader.read(i, record)) return unreadable(recording_path, i, reader.size());
     collector.add(record);
   }
   collector.finish(data);

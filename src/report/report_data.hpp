@@ -40,7 +40,9 @@ struct ReportData {
   double largest_contact_force_n = 0.0;
   bool cpu_time = false;  ///< simulated clock or no wall time: durations are CPU time
   std::vector<std::uint64_t> durations;  ///< ticks in steps of 1 % of the period; the last: beyond
-  double damped_share = 0.0;             ///< of the time with some Φ above 0.5
+  std::uint64_t missing_ticks = 0;  ///< between those that the file holds; lines are broken there
+  double emergency_stop_s = -1.0;   ///< when the first was heard; -1: none was
+  double damped_share = 0.0;        ///< of the time with some Φ above 0.5
 };
 
 /// Reads a recording once. `columns`: pixels across a plot.

@@ -122,14 +122,11 @@ std::string keyFigures(const ReportData& data) {
 
 std::string header(const ReportData& data) {
   const RecordingMeta& m = data.meta;
-  const bool simulated = std::any_of(m.files.begin(), m.files.end(), [](const auto& f) {
-    return f.second.find("kind = \"patient\"") != std::string::npos;
-  });
   std::string device =
       std::to_string(m.axis_names.size()) + (m.axis_names.size() == 1 ? " axis" : " axes");
   if (const std::string name = embeddedName(m, "device"); !name.empty())
     device = name + ", " + device;
-  if (simulated) device += ", simulated";
+  device += m.simulated_device ? ", simulated" : ", held by a person";
   const auto item = [](const char* term, const std::string& value) {
     return std::string("<div><dt>") + term + "</dt><dd>" + e(value) + "</dd></div>";
   };
@@ -137,6 +134,14 @@ std::string header(const ReportData& data) {
          e(m.title.empty() ? fileName(data.path) : m.title) + "</h1></div><dl>" +
          item("Recorded", formatDate(m.created_utc)) +
          item("Length", formatDuration(data.to_s - data.from_s)) + item("Device", device) +
+         (data.emergency_stop_s < 0.0
+              ? ""
+              : item("Emergency stop", "at " + formatNumber(data.emergency_stop_s, 2) + " s")) +
+         (data.missing_ticks == 0
+              ? ""
+              : item("Missing",
+                     formatCount(data.missing_ticks) + " ticks, " +
+                         formatDuration(static_cast<double>(data.missing_ticks) * m.period_s))) +
          item("File", fileName(data.path)) + "</dl></header>";
 }
 
@@ -229,6 +234,24 @@ std::string settingsTable(const ReportData& data) {
   return out + "</tbody></table>";
 }
 
+/// What the exercise counts at the end; empty where it counts nothing.
+std::string resultTable(const ReportData& data) {
+  const RecordingMeta& m = data.meta;
+  std::string rows;
+  for (std::size_t i = 0; i < m.result_names.size(); ++i) {
+    const auto at = std::find(m.value_names.begin(), m.value_names.end(), m.result_names[i]) -
+                    m.value_names.begin();
+    if (at >= data.summary.value_count) continue;
+    const double shown = data.summary.values[static_cast<std::size_t>(at)] * m.result_factors[i];
+    const double decimals = std::clamp(m.result_decimals[i], 0.0, 6.0);
+    rows += row(m.result_labels[i], formatNumber(shown, static_cast<int>(decimals)) +
+                                        (m.result_units[i].empty() ? "" : " " + m.result_units[i]));
+  }
+  if (rows.empty()) return {};
+  return "<div><h2>Result <small>" + e(m.exercise) + ", level " + std::to_string(m.level) +
+         "</small></h2><table class=\"plain tight\"><tbody>" + rows + "</tbody></table></div>";
+}
+
 std::string stageTable(const ReportData& data) {
   std::string out =
       "<h2>CPU time of a tick <small>µs</small></h2><table "
@@ -287,8 +310,8 @@ std::string reportPage(const ReportData& data, const std::vector<EmbeddedPicture
          effortPlots(data, 498) + caption(data) +
          "</div><div class=\"right\"><div>"
          "<h2>Time per tick <small>" +
-         ticks + "</small></h2>" + timingPlot(data) + "</div><div>" + bodyTable(data) +
-         "</div></div></section>" + footer(data, 1, pages) + "</article>\n";
+         ticks + "</small></h2>" + timingPlot(data) + "</div><div>" + bodyTable(data) + "</div>" +
+         resultTable(data) + "</div></section>" + footer(data, 1, pages) + "</article>\n";
   out += "<article class=\"sheet\">" + header(data) +
          "<section class=\"body\"><div><h2>How the hand moved <small>thin line: device; wide, pale "
          "line: simulated hand</small></h2>" +

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace wholehand {
 
@@ -36,6 +37,46 @@ std::string_view cookieToken(std::string_view cookies) {
   return {};
 }
 
+Diagnostics faultsOfToken(const char* key, const std::string& token) {
+  Diagnostics faults;
+  if (!token.empty() && token.size() < kShortestToken) {
+    faults.push_back({"", 0, key, "", "is too short",
+                      "must have at least " + std::to_string(kShortestToken) + " characters"});
+  }
+  const bool plain = std::all_of(token.begin(), token.end(), [](char c) {
+    return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '-' ||
+           c == '_' || c == '.' || c == '~';
+  });
+  if (!plain) {
+    faults.push_back({"", 0, key, "", "cannot stand in an address",
+                      "may have letters, digits and - _ . ~ only"});
+  }
+  return faults;
+}
+
+// One token opens one role.
+Diagnostics faultsOfTokens(const ServerOptions& o) {
+  Diagnostics faults = faultsOfToken("token", o.token);
+  const std::array<std::pair<const char*, const std::string*>, 2> more = {
+      {{"player token", &o.player_token}, {"watcher token", &o.watcher_token}}};
+  for (const auto& [key, token] : more) {
+    for (Diagnostic& fault : faultsOfToken(key, *token)) faults.push_back(std::move(fault));
+    if (token->empty()) continue;
+    if (o.token.empty()) {
+      faults.push_back({"", 0, key, "", "leaves nobody who may lead",
+                        "give the therapist a token, too: therapist=..."});
+    }
+    if (*token == o.token) {
+      faults.push_back({"", 0, key, "", "is the therapist's, too", "give each role its own"});
+    }
+  }
+  if (!o.player_token.empty() && o.player_token == o.watcher_token) {
+    faults.push_back(
+        {"", 0, "watcher token", "", "is the player's, too", "give each role its own"});
+  }
+  return faults;
+}
+
 }  // namespace
 
 bool isLoopback(std::string_view address) {
@@ -48,22 +89,16 @@ std::string bracketed(const std::string& address) {
 
 Diagnostics validate(const ServerOptions& o) {
   Diagnostics faults;
-  const bool short_token = o.token.size() < kShortestToken;
-  if (!isLoopback(o.address) && short_token) {
+  if (!isLoopback(o.address) && o.token.size() < kShortestToken) {
     faults.push_back(
         {"", 0, "address", o.address, "can be reached by other machines",
          "needs a token of at least " + std::to_string(kShortestToken) + " characters"});
-  } else if (!o.token.empty() && short_token) {
-    faults.push_back({"", 0, "token", "", "is too short",
-                      "must have at least " + std::to_string(kShortestToken) + " characters"});
   }
-  const bool plain = std::all_of(o.token.begin(), o.token.end(), [](char c) {
-    return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '-' ||
-           c == '_' || c == '.' || c == '~';
-  });
-  if (!plain) {
-    faults.push_back({"", 0, "token", "", "cannot stand in an address",
-                      "may have letters, digits and - _ . ~ only"});
+  // A token that is too short is said once.
+  const bool said = !faults.empty();
+  for (Diagnostic& fault : faultsOfTokens(o)) {
+    const bool again = said && fault.key == "token" && fault.problem == "is too short";
+    if (!again) faults.push_back(std::move(fault));
   }
   if (o.max_clients < 1 || o.max_clients > 1000) {
     faults.push_back({"", 0, "max_clients", std::to_string(o.max_clients), "is out of range",
@@ -74,10 +109,16 @@ Diagnostics validate(const ServerOptions& o) {
 
 Access::Access(const ServerOptions& options, std::uint16_t port)
     : address_(bracketed(options.address)),
-      token_(options.token),
       allowed_origins_(options.allowed_origins),
       port_(port),
-      this_machine_only_(isLoopback(options.address)) {}
+      this_machine_only_(isLoopback(options.address)) {
+  const std::array<Key, 3> keys = {{{options.token, Role::kTherapist},
+                                    {options.player_token, Role::kPlayer},
+                                    {options.watcher_token, Role::kWatcher}}};
+  for (const Key& key : keys) {
+    if (!key.token.empty()) keys_.push_back(key);
+  }
+}
 
 bool Access::hostAllowed(std::string_view host) const {
   if (!this_machine_only_) return true;
@@ -100,29 +141,51 @@ bool Access::originAllowed(std::string_view origin, std::string_view host) const
          authority == std::string(name) + ":" + std::to_string(port_);
 }
 
-bool Access::tokenMatches(std::string_view token) const {
-  if (token_.empty()) return true;
-  // Every character is looked at, whether an earlier one differs or not.
-  unsigned differences = token.size() == token_.size() ? 0U : 1U;
-  for (std::size_t i = 0; i < token_.size(); ++i) {
-    const char theirs = token.empty() ? '\0' : token[i % token.size()];
-    differences |= static_cast<unsigned char>(theirs) ^ static_cast<unsigned char>(token_[i]);
+std::optional<Role> Access::roleOf(std::string_view token) const {
+  std::optional<Role> role;
+  for (const Key& key : keys_) {
+    // Every character is looked at, whether an earlier one differs or not.
+    unsigned differences = token.size() == key.token.size() ? 0U : 1U;
+    for (std::size_t i = 0; i < key.token.size(); ++i) {
+      const char theirs = token.empty() ? '\0' : token[i % token.size()];
+      differences |= static_cast<unsigned char>(theirs) ^ static_cast<unsigned char>(key.token[i]);
+    }
+    if (differences == 0U) role = key.role;
   }
-  return differences == 0U;
+  return role;
+}
+
+std::string_view Access::shownToken(const Credentials& c) const {
+  constexpr std::string_view kBearer = "Bearer ";
+  const std::string_view bearer = c.authorization.starts_with(kBearer)
+                                      ? c.authorization.substr(kBearer.size())
+                                      : std::string_view();
+  for (const std::string_view token :
+       {queryValue(c.query, "token"), bearer, cookieToken(c.cookie)}) {
+    if (roleOf(token)) return token;
+  }
+  return {};
 }
 
 bool Access::authorized(const Credentials& c) const {
-  if (token_.empty()) return true;
-  constexpr std::string_view kBearer = "Bearer ";
-  if (tokenMatches(queryValue(c.query, "token"))) return true;
-  if (c.authorization.starts_with(kBearer) && tokenMatches(c.authorization.substr(kBearer.size())))
-    return true;
-  return tokenMatches(cookieToken(c.cookie));
+  return !guarded() || !shownToken(c).empty();
+}
+
+std::optional<Role> Access::roleOf(const Credentials& c) const {
+  const std::string_view name = queryValue(c.query, "role");
+  const std::optional<Role> claimed = name.empty() ? std::optional(Role::kUnsaid) : roleNamed(name);
+  if (!claimed) return std::nullopt;
+  if (!guarded()) return *claimed;
+  const Role by_token = roleOf(shownToken(c)).value_or(Role::kWatcher);
+  // The one token of a program without roles: whoever has it may all, as before there were any.
+  if (*claimed == Role::kUnsaid && by_token == Role::kTherapist) return Role::kUnsaid;
+  return grantedRole(*claimed, by_token);
 }
 
 std::string Access::cookieFor(const Credentials& c) const {
-  if (token_.empty() || !tokenMatches(queryValue(c.query, "token"))) return {};
-  return std::string(kCookie) + token_ + "; HttpOnly; SameSite=Strict; Path=/";
+  const std::string_view token = queryValue(c.query, "token");
+  if (!guarded() || !roleOf(token)) return {};
+  return std::string(kCookie) + std::string(token) + "; HttpOnly; SameSite=Strict; Path=/";
 }
 
 }  // namespace wholehand

@@ -1,10 +1,13 @@
 #pragma once
 
+#include "server/roles.hpp"
 #include "server/server.hpp"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace wholehand {
 
@@ -32,12 +35,29 @@ class Access {
   /// Whether the token was shown, in the query, as a bearer or in the cookie; true without a token.
   [[nodiscard]] bool authorized(const Credentials& c) const;
   /// Compared in a time that says nothing of it; true where none is asked for.
-  [[nodiscard]] bool tokenMatches(std::string_view token) const;
+  [[nodiscard]] bool tokenMatches(std::string_view token) const {
+    return !guarded() || roleOf(token).has_value();
+  }
+  /// Role that is granted for what is shown: the query's `role`, and what the token allows. Nothing
+  /// where the query names none that there is.
+  /// @pre authorized(c)
+  [[nodiscard]] std::optional<Role> roleOf(const Credentials& c) const;
   /// Set-Cookie for a request that showed the token in its query; empty for others.
   [[nodiscard]] std::string cookieFor(const Credentials& c) const;
 
  private:
-  std::string address_, token_;
+  struct Key {
+    std::string token;
+    Role role = Role::kTherapist;
+  };
+  [[nodiscard]] bool guarded() const { return !keys_.empty(); }
+  /// Of a token; nothing where it is none. The same time for every token.
+  [[nodiscard]] std::optional<Role> roleOf(std::string_view token) const;
+  /// The first token of those shown that is one; empty: none.
+  [[nodiscard]] std::string_view shownToken(const Credentials& c) const;
+
+  std::string address_;
+  std::vector<Key> keys_;  ///< empty: no token is asked for
   std::vector<std::string> allowed_origins_;
   std::uint16_t port_ = 0;
   bool this_machine_only_ = true;

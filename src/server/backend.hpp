@@ -4,6 +4,7 @@
 #include "core/command.hpp"
 #include "core/tick_record.hpp"
 #include "model/device_model.hpp"
+#include "model/exercise_panel.hpp"
 #include "model/hand_model.hpp"
 #include "model/scene_model.hpp"
 #include "server/refusal.hpp"
@@ -11,7 +12,9 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +23,9 @@ namespace wholehand {
 /// Where the loop is in its life, as clients see it (protocol RunState, in its order:
 /// kRampingDown is its Stopping).
 enum class RunState : std::int8_t { kDisarmed, kRendering, kRampingDown, kStopped, kFaulted };
+
+/// How much a page does for the player, in the order of the schema. kUnsaid: the player chooses.
+enum class Help : std::uint8_t { kUnsaid, kFull, kSome, kNone };
 
 enum class LiveParameterGroup : std::int8_t { kPatient, kHand, kExercise };
 
@@ -44,9 +50,34 @@ struct SceneFacts {
   int level = 1, levels = 1;
   double period_s = 1e-3;
   std::vector<std::string> value_names, event_names;
+  ExercisePanel panel;
   std::vector<PublishedParameter> parameters;
   std::vector<std::string> exercises, hands;  ///< what LoadExercise accepts
+  std::vector<std::string> profiles;          ///< what LoadProfile accepts
+  std::string profile;                        ///< whose values hold; empty: nobody's
   std::string recording;                      ///< name of the file being written; empty: none
+};
+
+/// Why a host let go of its device, in the order of the schema and of device/host.
+enum class LetGo : std::uint8_t {
+  kNot,
+  kLoopSilent,
+  kSilentAtNeutral,
+  kBadCommand,
+  kLoopEnded,
+  kHostEnds,
+  kNeverCommanded
+};
+
+/// What a real device says of itself.
+struct DeviceStatus {
+  bool enabled = false, homed = false, silenced = false;
+  /// Highest of all axes; NaN: not known.
+  double temperature_c = std::numeric_limits<double>::quiet_NaN();
+  double sample_age_s = -1.0;  ///< below 0: no sample yet
+  bool hosted = false;         ///< in a process of its own
+  double host_age_s = -1.0;    ///< since its last cycle; below 0: none yet
+  LetGo let_go = LetGo::kNot;
 };
 
 /// What is true of the loop beside its newest record.
@@ -67,7 +98,10 @@ struct LoopStatus {
   std::uint64_t ticks = 0, missed_deadlines = 0, dropped_records = 0;
   double cpu_p50_us = 0.0, cpu_p99_us = 0.0, cpu_p999_us = 0.0, cpu_max_us = 0.0;
   std::uint64_t recording_bytes = 0;
-  std::vector<double> parameters;  ///< present values, in the order of SceneFacts::parameters
+  std::optional<DeviceStatus> device;  ///< none: simulated
+  bool rested = false;                 ///< what ended last is a rest that a player asked for
+  Help help = Help::kUnsaid;           ///< as the therapist has set it
+  std::vector<double> parameters;      ///< present values, in the order of SceneFacts::parameters
 };
 
 enum class OrderType {
@@ -80,20 +114,29 @@ enum class OrderType {
   kSteer,
   kAction,
   kOwnerAlive,  ///< value 1 or 0: the game that holds the controls is alive, or went silent
-  kLeftAlone    ///< nobody has held the controls for long: what a client armed is to stop
+  kLeftAlone,   ///< nobody has held the controls for long: what a client armed is to stop
+  kSaveProfile,
+  kLoadProfile,
+  kSetHelp,
+  kAnswer,     ///< to a question of a commissioning
+  kHoldToMove  ///< the key of a commissioning is held, or let go
 };
 
 /// What a client that may command asks for, already verified in form (finite, known enums); the
 /// backend checks ranges and names.
 struct Order {
   OrderType type = OrderType::kStop;
-  std::string name;    ///< parameter, exercise
+  std::string name;    ///< parameter, exercise, profile; kAnswer: the answer
   std::string hand;    ///< kLoadExercise; empty: as it is
   int level = 0;       ///< kLoadExercise; 0: as it is
   double value = 0.0;  ///< kSetParameter, kOwnerAlive
   AxisPosition aim;    ///< kAim
   Steering steering = Steering::kVirtualPatient;
   ExerciseAction action = ExerciseAction::kNext;
+  Help help = Help::kUnsaid;       ///< kSetHelp
+  std::uint32_t number = 0;        ///< kAnswer: of the question; kHoldToMove: of the press
+  bool held = false;               ///< kHoldToMove
+  bool rest = false;               ///< kStop: a player rests, and may end that again
   std::uint32_t endings_seen = 0;  ///< kArm: LoopStatus::endings as shown; 0: not said
   /// Whose holding of the controls it belongs to (ControlsArbiter::claim): two servers ask side by
   /// side, and what an earlier holder asked for, or its vanishing, may come after what a later one
@@ -108,6 +151,7 @@ struct RecordingEntry {
   std::string created_utc;
   double duration_s = 0.0;
   std::uint64_t bytes = 0;
+  std::uint64_t ticks_missing = 0;  ///< for which the disk had no room
 };
 
 /// What the server asks of the program. All of it may be called from the server's thread, and none

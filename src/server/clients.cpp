@@ -30,13 +30,14 @@ const char* counterOf(const Diagnostics& errors) {
 
 bool sameState(const LoopStatus& a, const LoopStatus& b) {
   return a.session == b.session && a.endings == b.endings && a.run_state == b.run_state &&
-         a.steering == b.steering && a.latched == b.latched && a.parameters == b.parameters;
+         a.steering == b.steering && a.latched == b.latched && a.rested == b.rested &&
+         a.parameters == b.parameters;
 }
 
 }  // namespace
 
 Clients::Clients(ServerBackend& backend, EventMailbox& mailbox, Traffic& traffic, PoliteLog& log,
-                 ControlsArbiter& controls, Access access, Post post)
+                 ControlsArbiter& controls, Access access, Post post, Commissioning commissioning)
     : backend_(backend),
       mailbox_(mailbox),
       traffic_(traffic),
@@ -45,25 +46,33 @@ Clients::Clients(ServerBackend& backend, EventMailbox& mailbox, Traffic& traffic
       post_(std::move(post)),
       controls_(controls),
       desk_(controls),
+      commissioning_(std::move(commissioning)),
       record_(std::make_unique<TickRecord>()) {}
 
-std::uint32_t Clients::join(std::shared_ptr<ClientLine> line, std::int64_t now_ns) {
+std::uint32_t Clients::join(std::shared_ptr<ClientLine> line, Role role, std::int64_t now_ns) {
   followScene();
   const std::uint32_t number = controls_.newClient();
   Client client;
   client.line = std::move(line);
+  client.role = role;
   client.allowance_ns = now_ns;
   const std::string version = scene_ ? scene_->program_version : std::string();
   client.line->deliver(share(wire::welcomeMessage(number, false, version)));
   if (scene_message_) client.line->deliver(scene_message_);
-  client.line->deliver(share(wire::controlsMessage(false, desk_.held())));
-  clients_.emplace(number, std::move(client));
+  if (commissioning_message_) client.line->deliver(commissioning_message_);
+  const auto entry = clients_.emplace(number, std::move(client)).first;
+  if (role == Role::kTherapist) {
+    tellControls();  // that one leads now
+  } else {
+    entry->second.line->deliver(controlsFor(number, role));
+  }
   traffic_.clients = clients_.size();
   ++traffic_.clients_seen;
   return number;
 }
 
 void Clients::leave(std::uint32_t client, std::int64_t now_ns) {
+  const bool led_before = led();
   if (clients_.erase(client) == 0) return;
   traffic_.clients = clients_.size();
   if (desk_.holds(client)) {
@@ -71,6 +80,26 @@ void Clients::leave(std::uint32_t client, std::int64_t now_ns) {
   }
   desk_.left(client, now_ns);
   followControls(now_ns);
+  if (led() != led_before) tellControls();
+}
+
+bool Clients::makeRoom(const std::string& newcomer, std::int64_t now_ns) {
+  std::map<std::string, std::size_t> places{{newcomer, 1}};
+  for (const auto& [number, client] : clients_) ++places[client.line->address()];
+  std::string crowded = newcomer;
+  for (const auto& [address, count] : places) {
+    if (count > places[crowded]) crowded = address;
+  }
+  const auto first = std::find_if(clients_.begin(), clients_.end(), [&](const auto& entry) {
+    return !desk_.holds(entry.first) && entry.second.line->address() == crowded;
+  });
+  if (first == clients_.end()) return false;
+  const std::uint32_t number = first->first;
+  log_.write(fmt::format("client {} gives its place to a new one of {}", number, newcomer), now_ns);
+  ++traffic_.dropped["displaced"];
+  first->second.line->cut();
+  leave(number, now_ns);
+  return true;
 }
 
 void Clients::refuse(Entry client, std::uint32_t command, const char* counter,
@@ -158,32 +187,8 @@ void Clients::obey(Entry entry, const wire::ClientMessage& m, std::int64_t now_n
   const std::uint32_t client = entry->first;
   desk_.heard(client, now_ns);
   if (m.type == wire::ClientMessageType::kHeartbeat) return;
-  if (m.type == wire::ClientMessageType::kOrder) {
-    const bool emergency = m.order.type == OrderType::kEmergencyStop;
-    if (desk_.holds(client) || emergency) {
-      forward(client, m.id, m.order);
-    } else {
-      refuse(entry, m.id, "not_holder",
-             refused(Refusal::kNotHolder, "this client does not hold the controls"), now_ns);
-    }
-    if (emergency) log_.write(fmt::format("client {}: emergency stop", client), now_ns);
-    return;
-  }
-  const bool take = m.type == wire::ClientMessageType::kTakeControls;
-  // Who connects has shown the token already; a wrong one beside it is a mistake to be told.
-  if (take && !m.token.empty() && !access_.tokenMatches(m.token)) {
-    refuse(entry, m.id, "token", refused(Refusal::kWrongToken, "this is not the token"), now_ns);
-    return;
-  }
-  const std::string why = take ? desk_.take(client, now_ns) : desk_.release(client);
-  if (!why.empty()) {
-    refuse(entry, m.id, take ? "controls_held" : "not_holder",
-           refused(take ? Refusal::kControlsHeld : Refusal::kNotHolder, why), now_ns);
-    return;
-  }
-  log_.write(fmt::format("client {} {} the controls", client, take ? "takes" : "gives back"),
-             now_ns);
-  entry->second.line->deliver(share(wire::replyMessage(m.id, {true, ""})));
+  if (m.type == wire::ClientMessageType::kOrder) return obeyOrder(entry, m, now_ns);
+  changeHands(entry, m, now_ns);
 }
 
 void Clients::forward(std::uint32_t client, std::uint32_t command, Order order) {
@@ -239,9 +244,17 @@ void Clients::followControls(std::int64_t now_ns) {
 }
 
 void Clients::tellControls() {
-  for (auto& [number, client] : clients_) {
-    client.line->deliver(share(wire::controlsMessage(desk_.holds(number), desk_.held())));
-  }
+  for (auto& [number, client] : clients_) client.line->deliver(controlsFor(number, client.role));
+}
+
+SharedBytes Clients::controlsFor(std::uint32_t client, Role role) const {
+  wire::ControlsFacts facts;
+  facts.held_by_you = desk_.holds(client);
+  facts.held = desk_.held();
+  facts.your_role = role;
+  if (facts.held) facts.holder_role = roleOf(desk_.holder());
+  facts.led = led();
+  return share(wire::controlsMessage(facts));
 }
 
 void Clients::deliverToAll(const SharedBytes& message) {
@@ -252,6 +265,7 @@ void Clients::tick(std::int64_t now_ns) {
   followControls(now_ns);
   dropSlow(now_ns);
   followScene();
+  followCommissioning(now_ns);
   sendEvents();
   sendState(now_ns);
 }
@@ -264,6 +278,16 @@ void Clients::followScene() {
   scene_message_ = share(wire::sceneMessage(*scene_));
   shown_ns_ = 0;  // what was shown belongs to the scene before
   deliverToAll(scene_message_);
+}
+
+void Clients::followCommissioning(std::int64_t now_ns) {
+  auto facts = commissioning_ ? commissioning_() : nullptr;
+  const bool changed = facts != commissioning_shown_;
+  if (!facts || (!changed && now_ns - commissioning_ns_ < kRepeat_ns)) return;
+  if (changed) commissioning_message_ = share(wire::commissioningMessage(*facts));
+  commissioning_shown_ = std::move(facts);
+  commissioning_ns_ = now_ns;
+  deliverToAll(commissioning_message_);
 }
 
 void Clients::sendEvents() {
@@ -295,6 +319,8 @@ void Clients::sendState(std::int64_t now_ns) {
       ++traffic_.states_skipped;
     }
   }
+  // After the state that shows the ending: a page tells a stop from a loss by it.
+  followEndings(shown_, now_ns);
 }
 
 void Clients::dropSlow(std::int64_t now_ns) {

@@ -5,6 +5,7 @@
 #include "server/control_desk.hpp"
 #include "server/event_mailbox.hpp"
 #include "server/polite_log.hpp"
+#include "server/roles.hpp"
 #include "server/traffic.hpp"
 #include "server/wire.hpp"
 
@@ -33,6 +34,8 @@ class ClientLine {
   [[nodiscard]] virtual std::size_t waiting() const = 0;
   /// Since when the one being written is; 0: nothing is.
   [[nodiscard]] virtual std::int64_t writingSince_ns() const = 0;
+  /// Of the other end, without its port.
+  [[nodiscard]] virtual std::string address() const = 0;
   /// Ends the connection at once.
   virtual void cut() = 0;
 };
@@ -48,13 +51,20 @@ class Clients : public std::enable_shared_from_this<Clients> {
   /// Runs a task on the server's thread; called from any thread.
   using Post = std::function<void(std::function<void()>)>;
 
+  /// What a program that leads through a commissioning says of it; empty: it does not.
+  using Commissioning = std::function<std::shared_ptr<const CommissioningFacts>()>;
+
   Clients(ServerBackend& backend, EventMailbox& mailbox, Traffic& traffic, PoliteLog& log,
-          ControlsArbiter& controls, Access access, Post post);
+          ControlsArbiter& controls, Access access, Post post, Commissioning commissioning = {});
 
   /// Greets a new client; its number.
-  std::uint32_t join(std::shared_ptr<ClientLine> line, std::int64_t now_ns);
+  std::uint32_t join(std::shared_ptr<ClientLine> line, Role role, std::int64_t now_ns);
   /// Its connection ended.
   void leave(std::uint32_t client, std::int64_t now_ns);
+  /// Cuts a client off where all places are taken, so that nobody is shut out for good: of the
+  /// address that has most of them, the newcomer counted, the one that came first. Never who holds
+  /// the controls. False where there is nobody else.
+  [[nodiscard]] bool makeRoom(const std::string& newcomer, std::int64_t now_ns);
   /// It said something.
   void heard(std::uint32_t client, std::span<const std::uint8_t> message, bool text,
              std::int64_t now_ns);
@@ -68,6 +78,7 @@ class Clients : public std::enable_shared_from_this<Clients> {
  private:
   struct Client {
     std::shared_ptr<ClientLine> line;
+    Role role = Role::kUnsaid;
     std::uint32_t last_command = 0;
     double allowance = kMessagesPerSecond;  ///< messages it may send now
     std::int64_t allowance_ns = 0;          ///< when that was so
@@ -82,13 +93,23 @@ class Clients : public std::enable_shared_from_this<Clients> {
   [[nodiscard]] bool withinRate(Entry entry, std::int64_t now_ns);
   void refuseForRate(Entry entry, const wire::ClientMessage* message, std::int64_t now_ns);
   void obey(Entry entry, const wire::ClientMessage& message, std::int64_t now_ns);
+  [[nodiscard]] Standing standingOf(std::uint32_t client, const Order& order) const;
+  void obeyOrder(Entry entry, const wire::ClientMessage& message, std::int64_t now_ns);
+  void changeHands(Entry entry, const wire::ClientMessage& message, std::int64_t now_ns);
+  void noteOrder(Entry entry, const Order& order, std::int64_t now_ns);
+  [[nodiscard]] std::string takeControls(Entry entry, std::int64_t now_ns);
+  [[nodiscard]] bool led() const;
+  [[nodiscard]] Role roleOf(std::uint32_t client) const;
   void forward(std::uint32_t client, std::uint32_t command, Order order);
   void answer(std::uint32_t client, std::uint32_t command, const OrderReply& reply);
   void orderQuietly(const Order& order);
   void followControls(std::int64_t now_ns);
   void tellControls();
+  [[nodiscard]] SharedBytes controlsFor(std::uint32_t client, Role role) const;
+  void followEndings(const LoopStatus& status, std::int64_t now_ns);
   void deliverToAll(const SharedBytes& message);
   void followScene();
+  void followCommissioning(std::int64_t now_ns);
   void sendEvents();
   void sendState(std::int64_t now_ns);
   void dropSlow(std::int64_t now_ns);
@@ -103,6 +124,14 @@ class Clients : public std::enable_shared_from_this<Clients> {
   std::map<std::uint32_t, Client> clients_;
   ControlsArbiter& controls_;
   ControlDesk desk_;
+  std::uint32_t resting_ = 0;      ///< the player who asked for the newest rest; 0: nobody
+  bool therapist_paused_ = false;  ///< the exercise, and has not let it go on
+  std::uint32_t endings_ = 0;      ///< of the program, as last looked at; 0: not yet
+
+  Commissioning commissioning_;
+  std::shared_ptr<const CommissioningFacts> commissioning_shown_;
+  SharedBytes commissioning_message_;
+  std::int64_t commissioning_ns_ = 0;  ///< when it was last sent
 
   std::shared_ptr<const SceneFacts> scene_;
   SharedBytes scene_message_;

@@ -5,6 +5,16 @@ namespace wholehand {
 std::string ControlDesk::take(Client client, std::int64_t now_ns) {
   const ControlsArbiter::Taken taken = arbiter_.take(client);
   if (!taken) return "another client holds the controls";
+  holdsNow(client, taken, now_ns);
+  return {};
+}
+
+void ControlDesk::takeOver(Client client, std::int64_t now_ns) {
+  holdsNow(client, arbiter_.takeOver(client), now_ns);
+}
+
+void ControlDesk::holdsNow(Client client, const ControlsArbiter::Taken& taken,
+                           std::int64_t now_ns) {
   // Whoever takes over says anew who steers: the aim of the one who is gone must not go on.
   if (taken.orphaned) give_back_ = true;
   // Another server's clients held them in between. What that server has told the program since may
@@ -15,7 +25,6 @@ std::string ControlDesk::take(Client client, std::int64_t now_ns) {
   mine_ = client;
   claim_ = own_claim_ = taken.claim;
   heard_ns_ = now_ns;
-  return {};
 }
 
 std::string ControlDesk::release(Client client) {

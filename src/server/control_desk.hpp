@@ -47,6 +47,8 @@ class ControlDesk {
 
   /// Empty when the client holds the controls now, else why not.
   [[nodiscard]] std::string take(Client client, std::int64_t now_ns);
+  /// Takes them from whoever has them. @pre client is not 0
+  void takeOver(Client client, std::int64_t now_ns);
   /// Empty when given back, else why not.
   [[nodiscard]] std::string release(Client client);
   /// A message of that client came.
@@ -58,12 +60,15 @@ class ControlDesk {
   [[nodiscard]] Advice advance(std::int64_t now_ns);
 
   [[nodiscard]] bool holds(Client client) const { return client != 0 && mine_ == client; }
+  /// Where it is a client of ours, else 0.
+  [[nodiscard]] Client holder() const { return mine_; }
   [[nodiscard]] bool held() const { return arbiter_.holder() != 0; }
   /// Of the holder, where it is a client of ours.
   [[nodiscard]] std::uint32_t claim() const { return claim_; }
 
  private:
   void followOthers(std::int64_t now_ns);
+  void holdsNow(Client client, const ControlsArbiter::Taken& taken, std::int64_t now_ns);
 
   ControlsArbiter& arbiter_;
   Client mine_ = 0;              ///< the holder, where it is a client of ours

@@ -12,6 +12,14 @@ ControlsArbiter::Taken ControlsArbiter::take(Client client) noexcept {
   return {claims_.fetch_add(1) + 1, orphaned};
 }
 
+ControlsArbiter::Taken ControlsArbiter::takeOver(Client client) noexcept {
+  if (client == 0) return {};
+  const Client before = holder_.exchange(client);
+  if (before == client) return {claims_.load(), false};
+  const bool vanished = !handed_back_.exchange(true);
+  return {claims_.fetch_add(1) + 1, before != 0 || vanished};
+}
+
 bool ControlsArbiter::release(Client client, bool handed_back) noexcept {
   if (client == 0 || holder() != client) return false;
   handed_back_ = handed_back;  // before the holder: whoever sees nobody sees why

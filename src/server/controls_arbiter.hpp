@@ -18,10 +18,13 @@ class ControlsArbiter {
   /// What came of taking the controls; false where another client holds them.
   struct Taken {
     std::uint32_t claim = 0;  ///< counts from 1 with every new holder
-    bool orphaned = false;    ///< who held them before had vanished: nothing of it is to go on
+    bool orphaned = false;    ///< who held them before vanished or was overruled: nothing of it is
+                              ///< to go on
     explicit operator bool() const noexcept { return claim != 0; }
   };
   [[nodiscard]] Taken take(Client client) noexcept;
+  /// From whoever has them: the therapist's way. Always succeeds, but for nobody (0).
+  [[nodiscard]] Taken takeOver(Client client) noexcept;
   /// True when the client held them; nobody does now.
   /// @param handed_back it gave them back; else it was lost, and the next one begins anew
   bool release(Client client, bool handed_back = false) noexcept;

@@ -1,5 +1,6 @@
 #include "server/http_connection.hpp"
 
+#include "core/printable.hpp"
 #include "realtime/monotonic_clock.hpp"
 #include "server/http_text.hpp"
 #include "server/websocket_line.hpp"
@@ -71,19 +72,22 @@ void HttpConnection::upgrade() {
   HttpAnswer verdict = premises_.site.mayConnect(request_);
   if (verdict.status != 200) {
     answer(std::move(verdict));
-  } else if (premises_.clients.count() + premises_.upgrading >= premises_.max_clients) {
+  } else if (premises_.clients.count() + premises_.upgrading >= premises_.max_clients &&
+             !premises_.clients.makeRoom(line_->peer(), monotonicNow_ns())) {
     answer(plainRefusal(503, "too_many_clients", "As many clients as may be are connected."));
   } else {
     std::string cookie = premises_.site.cookieFor(request_);
     ++premises_.upgrading;
-    line_->upgrade(std::move(cookie), wire::kLargestClientMessage,
-                   [&premises = premises_](std::unique_ptr<WebSocketStream> stream) {
-                     --premises.upgrading;
-                     if (!stream) return;
-                     std::make_shared<WebSocketLine>(std::move(stream), premises.clients,
-                                                     premises.traffic)
-                         ->join();
-                   });
+    line_->upgrade(
+        std::move(cookie), wire::kLargestClientMessage,
+        [&premises = premises_, address = line_->peer(),
+         role = premises_.site.roleOf(request_)](std::unique_ptr<WebSocketStream> stream) {
+          --premises.upgrading;
+          if (!stream) return;
+          std::make_shared<WebSocketLine>(std::move(stream), address, premises.clients,
+                                          premises.traffic)
+              ->join(role);
+        });
   }
 }
 

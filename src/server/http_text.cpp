@@ -83,13 +83,4 @@ std::string percentEncoded(std::string_view text) {
   return out;
 }
 
-std::string printable(std::string_view text, std::size_t longest) {
-  std::string out(text.substr(0, longest));
-  for (char& c : out) {
-    if (isControl(c)) c = ' ';
-  }
-  if (text.size() > longest) out += "...";
-  return out;
-}
-
 }  // namespace wholehand

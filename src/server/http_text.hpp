@@ -17,7 +17,4 @@ namespace wholehand {
 /// A path segment, with all but the plainest characters as %XX.
 [[nodiscard]] std::string percentEncoded(std::string_view text);
 
-/// Without control characters and of bounded length: fit for a log.
-[[nodiscard]] std::string printable(std::string_view text, std::size_t longest = 200);
-
 }  // namespace wholehand

@@ -1,6 +1,6 @@
 #include "server/polite_log.hpp"
 
-#include "server/http_text.hpp"
+#include "core/printable.hpp"
 
 #include <algorithm>
 

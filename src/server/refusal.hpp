@@ -30,10 +30,17 @@ enum class Refusal : std::uint8_t {
   kCannotLoad,  ///< a file's faults are in the reason
   kNotStable,   ///< the certificate says no
   kRehearsalFailed,
-  kCannotStart,  ///< the device is not ready, or a recording cannot be written
-  kFailed,       ///< nobody foresaw it
-  kEnding,       ///< the program ends
-  kStopNotSeen   ///< something ended since what an order to arm has seen
+  kCannotStart,      ///< the device is not ready, or a recording cannot be written
+  kFailed,           ///< nobody foresaw it
+  kEnding,           ///< the program ends
+  kStopNotSeen,      ///< something ended since what an order to arm has seen
+  kTherapistOnly,    ///< a player asked for it
+  kTherapistPaused,  ///< the exercise, and only the therapist lets it go on
+  kOnlyWatches,      ///< a watcher asked for it
+  kUnknownProfile,
+  kOtherProfile,  ///< for another device or hand
+  kNotHere,       ///< a device is commissioned here, or none is
+  kNotAsked       ///< an answer to another question than the one that is asked
 };
 
 struct OrderReply {

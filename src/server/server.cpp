@@ -39,11 +39,12 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
 
   void start() {
     const Access access(options_, port());
-    clients_ = std::make_shared<Clients>(backend_, mailbox_, traffic_, log_, controls_, access,
-                                         [weak = weak_from_this()](std::function<void()> task) {
-                                           if (const auto self = weak.lock())
-                                             self->network_.post(std::move(task));
-                                         });
+    clients_ = std::make_shared<Clients>(
+        backend_, mailbox_, traffic_, log_, controls_, access,
+        [weak = weak_from_this()](std::function<void()> task) {
+          if (const auto self = weak.lock()) self->network_.post(std::move(task));
+        },
+        options_.commissioning);
     Site::Figures figures;
     figures.health = [this] {
       const Pulse p = pulse();

@@ -3,6 +3,7 @@
 #include "core/expected.hpp"
 #include "core/tick_record.hpp"
 #include "server/backend.hpp"
+#include "server/commissioning_facts.hpp"
 #include "server/controls_arbiter.hpp"
 
 #include <chrono>
@@ -21,13 +22,16 @@ struct ServerOptions {
   std::string web_folder;             ///< with index.html; where it is missing a page says so
   /// Whoever wants more than the bare pages shows it. Empty: none is asked for; not allowed
   /// where the address is not of this machine.
-  std::string token;
+  std::string token;                         ///< the therapist's; opens every role
+  std::string player_token, watcher_token;   ///< each opens its role and no more; empty: none
   std::vector<std::string> allowed_origins;  ///< besides our own, e.g. "https://clinic.example"
   int max_clients = 16;                      ///< WebSocket connections at a time, 1 .. 1000
   /// For so long a request waits for a disk, or for a report to be made; then it is refused (503).
   std::chrono::milliseconds disk_patience{10'000}, report_patience{150'000};
   /// Prometheus text that follows our own at /metrics: what else the program counts. Any thread.
   std::function<std::string()> more_metrics;
+  /// What is said of a device's commissioning, where the program leads through one. Any thread.
+  std::function<std::shared_ptr<const CommissioningFacts>()> commissioning;
   /// One line for a person, from the server's thread; rate-limited.
   std::function<void(const std::string&)> log;
 };

@@ -1,6 +1,7 @@
 #include "server/site.hpp"
 
 #include "core/escape_html.hpp"
+#include "core/printable.hpp"
 #include "server/http_text.hpp"
 #include "server/static_files.hpp"
 
@@ -153,9 +154,15 @@ HttpAnswer Site::mayConnect(const HttpRequest& request) const {
     a = refusal(403, "origin", "Not from there", "Another site may not connect to this program.");
   } else if (!access_.authorized(request.credentials())) {
     a = refusal(401, "token", "A token is needed", "Connect with ?token=...");
+  } else if (!access_.roleOf(request.credentials())) {
+    a = refusal(400, "role", "No such role", "There are role=therapist, player and watcher.");
   }
   addSecurity(a);
   return a;
+}
+
+Role Site::roleOf(const HttpRequest& request) const {
+  return access_.roleOf(request.credentials()).value_or(Role::kWatcher);
 }
 
 HttpAnswer Site::route(const HttpRequest& request, const std::string& path) const {
@@ -175,13 +182,14 @@ HttpAnswer Site::route(const HttpRequest& request, const std::string& path) cons
 }
 
 HttpAnswer Site::page(const HttpRequest& request, const std::string& path) const {
-  const std::string name = path == "/console" ? "/console.html" : path;
+  const bool ours = path == "/console" || path == "/commission";
+  const std::string name = ours ? path + ".html" : path;
   if (const auto found = fileWithin(web_folder_, name)) {
     return file(*found, request,
                 nameHasHash(name) ? "public, max-age=31536000, immutable" : "no-cache");
   }
   const bool built = fileWithin(web_folder_, "/index.html").has_value();
-  if (built || (path != "/" && path != "/console")) return notFound(path);
+  if (built || (path != "/" && !ours)) return notFound(path);
   return html(
       503, "The pages are not built",
       "<p>The loop runs; what shows it does not exist yet. With Node 18.19, 20, or 22 and newer "
@@ -198,6 +206,7 @@ HttpAnswer Site::recordingList() const {
                     {"title", r.title},
                     {"created_utc", r.created_utc},
                     {"duration_s", r.duration_s},
+                    {"ticks_missing", r.ticks_missing},
                     {"bytes", r.bytes},
                     {"report", fmt::format("{}/{}/report/", kRecordings, percentEncoded(r.name))}});
   }

@@ -51,6 +51,8 @@ class Site {
   [[nodiscard]] HttpAnswer answer(const HttpRequest& request) const;
   /// Refusal of a request for a WebSocket; status 200 where it may have one.
   [[nodiscard]] HttpAnswer mayConnect(const HttpRequest& request) const;
+  /// Of a client that may have a WebSocket.
+  [[nodiscard]] Role roleOf(const HttpRequest& request) const;
   /// Set-Cookie for who showed the token in the query, else empty.
   [[nodiscard]] std::string cookieFor(const HttpRequest& request) const;
 

@@ -1,15 +1,11 @@
 #include "server/udp_host.hpp"
 
 #include <algorithm>
-#include <string_view>
+#include <utility>
 
 namespace wholehand::udp {
 
 namespace {
-
-/// Nonces remembered; an old Hello that is played back later than that begins a conversation that
-/// nobody continues.
-constexpr std::size_t kOldNonces = 64;
 
 UdpIgnored reasonOf(Flaw flaw) noexcept {
   switch (flaw) {
@@ -32,27 +28,6 @@ UdpIgnored reasonOf(Flaw flaw) noexcept {
   return UdpIgnored::kHeader;
 }
 
-/// Takes as long for a wrong token as for the right one.
-bool sameToken(std::string_view wanted, std::span<const std::uint8_t> given) noexcept {
-  std::size_t difference = wanted.size() ^ given.size();
-  for (std::size_t i = 0; i < given.size() && !wanted.empty(); ++i) {
-    difference |= static_cast<std::uint8_t>(wanted[i % wanted.size()]) ^ std::size_t{given[i]};
-  }
-  return difference == 0;
-}
-
-/// A number that is not 0 and hard to guess from the last one (SplitMix64).
-std::uint32_t nextSession(std::uint64_t& state) noexcept {
-  std::uint64_t z = 0;
-  do {
-    z = (state += 0x9E3779B97F4A7C15U);
-    z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9U;
-    z = (z ^ (z >> 27U)) * 0x94D049BB133111EBU;
-    z ^= z >> 31U;
-  } while (static_cast<std::uint32_t>(z) == 0);
-  return static_cast<std::uint32_t>(z);
-}
-
 }  // namespace
 
 Host::Host(Admission admission, ControlsArbiter& controls, UdpCounters& counters, Send send,
@@ -73,13 +48,6 @@ Peer* Host::find(const UdpEndpoint& endpoint) {
   return it == peers_.end() ? nullptr : &*it;
 }
 
-bool Host::mayHello(const UdpEndpoint& from) const {
-  return from.isLoopback() ||
-         std::any_of(admission_.peers.begin(), admission_.peers.end(), [&](const UdpEndpoint& p) {
-           return p.address == from.address && (p.port == 0 || p.port == from.port);
-         });
-}
-
 void Host::receive(const UdpEndpoint& from, std::span<const std::uint8_t> bytes,
                    std::int64_t now_ns) {
   ++counters_.received;
@@ -91,51 +59,11 @@ void Host::receive(const UdpEndpoint& from, std::span<const std::uint8_t> bytes,
   receiveFrom(*peer, datagram, now_ns);
 }
 
-void Host::receiveHello(const UdpEndpoint& from, std::span<const std::uint8_t> payload,
-                        std::int64_t now_ns) {
-  if (!mayHello(from)) return counters_.ignore(UdpIgnored::kUnknownPeer);
-  Hello hello;
-  if (!readHello(payload, hello)) return counters_.ignore(UdpIgnored::kHello);
-  if (!admission_.token.empty() && !sameToken(admission_.token, hello.token)) {
-    return refuseHello(from, UdpIgnored::kToken, "this is not the token of the program", now_ns);
-  }
-  if (hello.schema_version != wire::kSchemaVersion) {
-    return refuseHello(from, UdpIgnored::kSchema,
-                       "the program speaks version " + std::to_string(wire::kSchemaVersion) +
-                           " of protocol/wholehand.fbs, the game version " +
-                           std::to_string(hello.schema_version),
-                       now_ns);
-  }
-  Peer* peer = find(from);
-  if (peer != nullptr && peer->nonce == hello.nonce) return welcome(*peer, now_ns);
-  if (std::find(old_nonces_.begin(), old_nonces_.end(), hello.nonce) != old_nonces_.end()) {
-    return counters_.ignore(UdpIgnored::kReplayed);
-  }
-  if (peer != nullptr) remove([&](const Peer& p) { return p.endpoint == from; }, now_ns);
-  if (peers_.size() >= admission_.most_peers) {
-    return refuseHello(from, UdpIgnored::kHello,
-                       std::to_string(peers_.size()) + " games are connected already", now_ns);
-  }
-  if (old_nonces_.size() == kOldNonces) old_nonces_.erase(old_nonces_.begin());
-  old_nonces_.push_back(hello.nonce);
-  Peer& added = peers_.emplace_back();
-  added.endpoint = from;
-  added.nonce = hello.nonce;
-  added.session = nextSession(random_);
-  added.client = controls_.newClient();
-  added.rate_hz = hello.rate_hz;
-  added.decimator = Decimator(hello.rate_hz, tick_rate_hz_);
-  added.heard_ns = added.alive_ns = now_ns;
-  counters_.peers = static_cast<std::uint32_t>(peers_.size());
-  welcome(added, now_ns);
-  tellControls(added, now_ns);
-  if (scene_message_ != nullptr) sendReliable(added, scene_message_, now_ns);
-}
-
 void Host::receiveFrom(Peer& peer, const Received& datagram, std::int64_t now_ns) {
   const Header& header = datagram.header;
   if (header.session != peer.session) return counters_.ignore(UdpIgnored::kSession);
   if (header.kind > Kind::kGoodbye) return counters_.ignore(UdpIgnored::kHeader);
+  if (!peer.answered && !begin(peer, now_ns)) return;
   if (!peer.window.isNew(header.sequence)) return counters_.ignore(UdpIgnored::kReplayed);
   const Reassembler::Result result = peer.reassembler.add(header, datagram.payload);
   if (result == Reassembler::Result::kRefused) return counters_.ignore(UdpIgnored::kFragment);
@@ -282,7 +210,7 @@ std::size_t Host::remove(const std::function<bool(const Peer&)>& which, std::int
     if (which(peer)) leave(peer, now_ns);
   }
   const std::size_t removed = std::erase_if(peers_, which);
-  counters_.peers = static_cast<std::uint32_t>(peers_.size());
+  counters_.peers = static_cast<std::uint32_t>(games());
   return removed;
 }
 

@@ -41,6 +41,10 @@ class Host {
   static constexpr std::int64_t kSilence_ns = 200'000'000;
   /// After which a game counts as gone, and the hand of a lost holder falls to the virtual patient.
   static constexpr std::int64_t kGone_ns = 5'000'000'000;
+  /// After which a Hello whose address has answered nothing is forgotten.
+  static constexpr std::int64_t kUnanswered_ns = 1'000'000'000;
+  /// Hellos that wait for that. They take no game's place; the oldest gives way.
+  static constexpr std::size_t kMostUnanswered = 16;
   /// Commands of one game in a second: an aim at every tick, and some. Stops pass.
   static constexpr int kMostCommands = 1200;
   /// The program says so often at least that it is there.
@@ -77,6 +81,10 @@ class Host {
                    std::int64_t now_ns);
   void welcome(Peer& peer, std::int64_t now_ns);
   void receiveFrom(Peer& peer, const Received& datagram, std::int64_t now_ns);
+  void makeRoomForHello(const UdpEndpoint& from, std::int64_t now_ns);
+  [[nodiscard]] bool begin(Peer& peer, std::int64_t now_ns);
+  void refuseFull(const UdpEndpoint& to, std::int64_t now_ns);
+  [[nodiscard]] std::size_t games() const;
   void receiveMessage(Peer& peer, std::span<const std::uint8_t> message, std::int64_t now_ns);
   void receiveCommand(Peer& peer, const wire::ClientMessage& message, std::int64_t now_ns);
   void receiveOrder(Peer& peer, const wire::ClientMessage& message, std::int64_t now_ns);
@@ -104,7 +112,7 @@ class Host {
   UdpCounters& counters_;
   Send send_;
   std::uint64_t random_;
-  std::vector<std::uint64_t> old_nonces_;  ///< of Hellos: a replayed one must not begin anew
+  std::vector<std::uint64_t> old_nonces_;  ///< of games: a replayed Hello must not begin anew
   std::vector<Peer> peers_;
   std::vector<PendingOrder> orders_;
   std::optional<std::int64_t> lost_ns_;  ///< when a holder vanished; nobody took over

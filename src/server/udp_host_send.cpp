@@ -16,7 +16,7 @@ void Host::setScene(std::shared_ptr<const SceneFacts> scene, std::int64_t now_ns
                       : 1000U;
   for (Peer& peer : peers_) {
     peer.decimator = Decimator(peer.rate_hz, tick_rate_hz_);
-    sendReliable(peer, scene_message_, now_ns);
+    if (peer.answered) sendReliable(peer, scene_message_, now_ns);
   }
 }
 
@@ -24,31 +24,37 @@ void Host::publish(const TickRecord& record, const LoopStatus& status, std::int6
   if (encoder_ == nullptr) return;
   std::span<const std::uint8_t> state;
   for (Peer& peer : peers_) {
-    if (!peer.decimator.due(record.tick)) continue;
+    if (!peer.answered || !peer.decimator.due(record.tick)) continue;
     if (state.empty()) {
       state = encoder_->encode(record, status, wire::Detail::kCompact, now_ns);
     }
     sendState(peer, state, now_ns);
   }
   const int count = std::clamp(record.exercise.event_count, 0, kMaxExerciseEvents);
-  if (count == 0 || peers_.empty()) return;
+  if (count == 0 || games() == 0) return;
   std::array<wire::NumberedEvent, kMaxExerciseEvents> events;
   for (int i = 0; i < count; ++i) events[i] = {record.tick, record.exercise.events[i]};
   const auto message = std::make_shared<const wire::Bytes>(
       wire::eventsMessage({events.data(), static_cast<std::size_t>(count)}));
-  for (Peer& peer : peers_) sendReliable(peer, message, now_ns);
+  for (Peer& peer : peers_) {
+    if (peer.answered) sendReliable(peer, message, now_ns);
+  }
 }
 
 void Host::publishIdle(const TickRecord& record, const LoopStatus& status, std::int64_t now_ns) {
-  if (encoder_ == nullptr || peers_.empty()) return;
+  if (encoder_ == nullptr || games() == 0) return;
   const auto state = encoder_->encode(record, status, wire::Detail::kCompact, now_ns);
   for (Peer& peer : peers_) {
-    if (peer.rate_hz > 0) sendState(peer, state, now_ns);
+    if (peer.answered && peer.rate_hz > 0) sendState(peer, state, now_ns);
   }
 }
 
 void Host::advance(std::int64_t now_ns) {
+  std::erase_if(peers_, [now_ns](const Peer& peer) {
+    return !peer.answered && now_ns - peer.heard_ns > kUnanswered_ns;
+  });
   for (Peer& peer : peers_) {
+    if (!peer.answered) continue;
     if (controls_.heldBy(peer.client)) watchHolder(peer, now_ns);
     tellControls(peer, now_ns);
     sendDue(peer, now_ns);
@@ -76,7 +82,9 @@ void Host::watchHolder(Peer& peer, std::int64_t now_ns) {
 }
 
 void Host::sayGoodbye(std::int64_t now_ns) {
-  for (Peer& peer : peers_) sendOnce(peer, Kind::kGoodbye, {}, now_ns);
+  for (Peer& peer : peers_) {
+    if (peer.answered) sendOnce(peer, Kind::kGoodbye, {}, now_ns);
+  }
   remove([](const Peer&) { return true; }, now_ns);
 }
 
@@ -120,7 +128,7 @@ void Host::tellControls(Peer& peer, std::int64_t now_ns) {
   peer.told_mine = mine;
   peer.told_held = held;
   peer.aim_refused = false;
-  sendReliable(peer, std::make_shared<const wire::Bytes>(wire::controlsMessage(mine, held)),
+  sendReliable(peer, std::make_shared<const wire::Bytes>(wire::controlsMessage({mine, held})),
                now_ns);
 }
 

@@ -66,6 +66,9 @@ struct Peer {
   UdpEndpoint endpoint;
   std::uint32_t session = 0;
   std::uint64_t nonce = 0;  ///< of its Hello
+  /// Its address has sent something that names the session, hence got the Welcome. Until then it
+  /// gets nothing else: a Hello may carry anybody's address.
+  bool answered = false;
   ControlsArbiter::Client client = 0;
   std::uint32_t claim = 0;  ///< of its last holding of the controls
   std::uint16_t rate_hz = 0;

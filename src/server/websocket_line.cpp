@@ -6,12 +6,15 @@
 
 namespace wholehand {
 
-WebSocketLine::WebSocketLine(std::unique_ptr<WebSocketStream> stream, Clients& clients,
-                             Traffic& traffic)
-    : stream_(std::move(stream)), clients_(clients), traffic_(traffic) {}
+WebSocketLine::WebSocketLine(std::unique_ptr<WebSocketStream> stream, std::string address,
+                             Clients& clients, Traffic& traffic)
+    : stream_(std::move(stream)),
+      address_(std::move(address)),
+      clients_(clients),
+      traffic_(traffic) {}
 
-void WebSocketLine::join() {
-  number_ = clients_.join(shared_from_this(), monotonicNow_ns());
+void WebSocketLine::join(Role role) {
+  number_ = clients_.join(shared_from_this(), role, monotonicNow_ns());
   read();
 }
 

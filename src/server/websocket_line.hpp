@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <string>
 
 namespace wholehand {
 
@@ -16,15 +17,17 @@ namespace wholehand {
 class WebSocketLine final : public ClientLine, public std::enable_shared_from_this<WebSocketLine> {
  public:
   /// @pre clients and traffic outlive every operation
-  WebSocketLine(std::unique_ptr<WebSocketStream> stream, Clients& clients, Traffic& traffic);
+  WebSocketLine(std::unique_ptr<WebSocketStream> stream, std::string address, Clients& clients,
+                Traffic& traffic);
 
   /// Joins the clients, and listens.
-  void join();
+  void join(Role role);
 
   void deliver(SharedBytes message) override;
   bool offer(SharedBytes state, std::int64_t arrived_ns) override;
   std::size_t waiting() const override { return queue_.size(); }
   std::int64_t writingSince_ns() const override { return writing_ ? since_ns_ : 0; }
+  std::string address() const override { return address_; }
   void cut() override { stream_->cut(); }
 
  private:
@@ -35,6 +38,7 @@ class WebSocketLine final : public ClientLine, public std::enable_shared_from_th
   void haveWritten(bool sent);
 
   std::unique_ptr<WebSocketStream> stream_;
+  const std::string address_;
   Clients& clients_;
   Traffic& traffic_;
   std::uint32_t number_ = 0;

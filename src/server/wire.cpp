@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace wholehand::wire {
 
@@ -20,6 +21,8 @@ struct Arrays {
   VectorOffset<double> values;
   VectorOffset<const fb::Pose*> links, bodies;
   VectorOffset<const fb::ContactPoint*> contacts;
+  Offset<fb::DeviceState> device;
+  VectorOffset<std::uint32_t> fault_ticks;
 };
 
 VectorOffset<const fb::Pose*> links(Builder& b, const HandModel& hand,
@@ -52,6 +55,14 @@ VectorOffset<const fb::ContactPoint*> contacts(Builder& b, const TickRecord& r) 
   return b.CreateVectorOfStructs(points.data(), n);
 }
 
+Offset<fb::DeviceState> deviceToWire(Builder& b, const DeviceStatus& s) {
+  const bool warm = std::isfinite(s.temperature_c);
+  return fb::CreateDeviceState(b, s.enabled, s.homed, s.silenced, warm,
+                               warm ? static_cast<float>(s.temperature_c) : 0.0F,
+                               static_cast<float>(s.sample_age_s), s.hosted,
+                               static_cast<float>(s.host_age_s), static_cast<fb::LetGo>(s.let_go));
+}
+
 Arrays makeArrays(Builder& b, const TickRecord& r, const LoopStatus& status, Detail detail) {
   Arrays a;
   a.q_m = floats(b, r.q_m);
@@ -69,6 +80,11 @@ Arrays makeArrays(Builder& b, const TickRecord& r, const LoopStatus& status, Det
     a.damping = floats(b, r.damping);
   }
   if (detail == Detail::kFull) {
+    std::array<std::uint32_t, kFaultBits> ticks;
+    std::transform(status.fault_ticks.begin(), status.fault_ticks.end(), ticks.begin(),
+                   [](std::uint64_t n) { return static_cast<std::uint32_t>(n); });
+    a.fault_ticks = b.CreateVector(ticks.data(), ticks.size());
+    if (status.device) a.device = deviceToWire(b, *status.device);
     a.parameters = floats(b, status.parameters);
     a.bodies = bodies(b, r);
     a.contacts = contacts(b, r);
@@ -91,6 +107,8 @@ void addArrays(fb::WorldStateBuilder& out, const Arrays& a) {
   out.add_contacts(a.contacts);
   out.add_values(a.values);
   out.add_parameters(a.parameters);
+  out.add_device(a.device);
+  out.add_fault_ticks(a.fault_ticks);
 }
 
 fb::Statistics statisticsToWire(const LoopStatus& s) {
@@ -128,6 +146,8 @@ Offset<fb::WorldState> makeState(Builder& b, const TickRecord& r, const LoopStat
   out.add_run_state(static_cast<fb::RunState>(status.run_state));
   out.add_steering(static_cast<fb::Steering>(status.steering));
   out.add_safety_state(static_cast<fb::SafetyState>(r.safety_state));
+  out.add_rested(status.rested);
+  out.add_help(static_cast<fb::Help>(status.help));
   return out.Finish();
 }
 
@@ -181,13 +201,18 @@ Bytes welcomeMessage(std::uint32_t client, bool controls, const std::string& pro
   return take(b);
 }
 
-Bytes controlsMessage(bool held_by_you, bool held) {
+static_assert(static_cast<int>(Role::kTherapist) == static_cast<int>(fb::Role::MAX));
+
+Bytes controlsMessage(const ControlsFacts& f) {
   Builder b;
-  finish(b, fb::CreateControls(b, held_by_you, held), kSchemaVersion);
+  finish(b,
+         fb::CreateControls(b, f.held_by_you, f.held, static_cast<fb::Role>(f.your_role),
+                            static_cast<fb::Role>(f.holder_role), f.led),
+         kSchemaVersion);
   return take(b);
 }
 
-static_assert(static_cast<int>(Refusal::kStopNotSeen) == static_cast<int>(fb::Refusal::MAX));
+static_assert(static_cast<int>(Refusal::kNotAsked) == static_cast<int>(fb::Refusal::MAX));
 
 Bytes replyMessage(std::uint32_t command, const OrderReply& reply) {
   Builder b;
@@ -210,8 +235,14 @@ const char* nameOf(const ClientMessage& message) noexcept {
     case ClientMessageType::kOrder:
       break;
   }
+  if (message.order.rest) return "Rest";
   constexpr std::array<const char*, 8> kNames = {
       "Arm", "Stop", "EmergencyStop", "LoadExercise", "SetParameter", "Aim", "Steer", "Action"};
+  if (message.order.type == OrderType::kSaveProfile) return "SaveProfile";
+  if (message.order.type == OrderType::kLoadProfile) return "LoadProfile";
+  if (message.order.type == OrderType::kSetHelp) return "SetHelp";
+  if (message.order.type == OrderType::kAnswer) return "Answer";
+  if (message.order.type == OrderType::kHoldToMove) return "HoldToMove";
   const auto i = static_cast<std::size_t>(message.order.type);
   return i < kNames.size() ? kNames[i] : "command";
 }

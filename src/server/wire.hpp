@@ -3,6 +3,8 @@
 #include "core/expected.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "server/backend.hpp"
+#include "server/commissioning_facts.hpp"
+#include "server/roles.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -55,7 +57,14 @@ struct NumberedEvent {
 [[nodiscard]] Bytes eventsMessage(std::span<const NumberedEvent> events);
 [[nodiscard]] Bytes welcomeMessage(std::uint32_t client, bool controls,
                                    const std::string& program_version);
-[[nodiscard]] Bytes controlsMessage(bool held_by_you, bool held);
+/// Who has the controls, as one client is told.
+struct ControlsFacts {
+  bool held_by_you = false, held = false;
+  Role your_role = Role::kUnsaid, holder_role = Role::kUnsaid;
+  bool led = false;  ///< a therapist is connected
+};
+[[nodiscard]] Bytes controlsMessage(const ControlsFacts& facts);
+[[nodiscard]] Bytes commissioningMessage(const CommissioningFacts& facts);
 [[nodiscard]] Bytes replyMessage(std::uint32_t command, const OrderReply& reply);
 
 /// What a client may say.
@@ -75,7 +84,8 @@ struct ClientMessage {
   /// Comes by the hundred, and the next one corrects it: nobody waits for its answer.
   [[nodiscard]] bool streams() const noexcept {
     return type == ClientMessageType::kHeartbeat ||
-           (type == ClientMessageType::kOrder && order.type == OrderType::kAim);
+           (type == ClientMessageType::kOrder &&
+            (order.type == OrderType::kAim || order.type == OrderType::kHoldToMove));
   }
 };
 

@@ -70,6 +70,15 @@ Expected<ClientMessage> decodeAction(const fb::Action& a, ClientMessage m) {
   return m;
 }
 
+Expected<ClientMessage> decodeHelp(const fb::SetHelp& h, ClientMessage m) {
+  if (h.help() > fb::Help::MAX) {
+    return refusal("help", std::to_string(static_cast<int>(h.help())), "is not known", "");
+  }
+  m.order.type = OrderType::kSetHelp;
+  m.order.help = static_cast<Help>(h.help());
+  return m;
+}
+
 Expected<ClientMessage> decodeLoad(const fb::LoadExercise& l, ClientMessage m) {
   m.order.type = OrderType::kLoadExercise;
   m.order.name = text(l.exercise());
@@ -112,6 +121,30 @@ Expected<ClientMessage> decodeCommand(const fb::Command& c) {
       return m;
     case fb::Order::Heartbeat:
       m.type = ClientMessageType::kHeartbeat;
+      return m;
+    case fb::Order::Rest:
+      m.order.type = OrderType::kStop;
+      m.order.rest = true;
+      return m;
+    case fb::Order::SaveProfile:
+      m.order.type = OrderType::kSaveProfile;
+      m.order.name = text(c.order_as_SaveProfile()->name());
+      return m;
+    case fb::Order::LoadProfile:
+      m.order.type = OrderType::kLoadProfile;
+      m.order.name = text(c.order_as_LoadProfile()->name());
+      return m;
+    case fb::Order::SetHelp:
+      return decodeHelp(*c.order_as_SetHelp(), m);
+    case fb::Order::Answer:
+      m.order.type = OrderType::kAnswer;
+      m.order.number = c.order_as_Answer()->question();
+      m.order.name = text(c.order_as_Answer()->text());
+      return m;
+    case fb::Order::HoldToMove:
+      m.order.type = OrderType::kHoldToMove;
+      m.order.number = c.order_as_HoldToMove()->press();
+      m.order.held = c.order_as_HoldToMove()->held();
       return m;
     case fb::Order::NONE:
       break;

@@ -68,6 +68,23 @@ Offset<fb::Parameter> parameterToWire(Builder& b, const PublishedParameter& p) {
                              static_cast<float>(p.initial), static_cast<float>(p.rate_per_s));
 }
 
+Offset<fb::Words> wordsToWire(Builder& b, const Words& words) {
+  const auto en = b.CreateString(words.en);
+  const auto fr = b.CreateString(words.fr);
+  const auto de = b.CreateString(words.de);
+  return fb::CreateWords(b, en, fr, de);
+}
+
+Offset<fb::PanelValue> panelValueToWire(Builder& b, const PanelValue& v) {
+  const auto name = b.CreateString(v.name);
+  const auto label = wordsToWire(b, v.label);
+  const auto unit = b.CreateString(v.unit);
+  const auto goal_lower = b.CreateString(v.goal_lower);
+  const auto goal_upper = b.CreateString(v.goal_upper);
+  return fb::CreatePanelValue(b, name, label, unit, v.factor, static_cast<std::uint8_t>(v.decimals),
+                              v.lower, v.upper, goal_lower, goal_upper, v.result);
+}
+
 /// A vector of tables, each made by `make(b, item)`.
 template <class Item, class Make>
 auto tables(Builder& b, const std::vector<Item>& items, Make make) {
@@ -75,6 +92,21 @@ auto tables(Builder& b, const std::vector<Item>& items, Make make) {
   out.reserve(items.size());
   for (const Item& item : items) out.push_back(make(b, item));
   return b.CreateVector(out);
+}
+
+/// Null where the exercise file has no panel.
+Offset<fb::Panel> panelToWire(Builder& b, const SceneFacts& s) {
+  if (s.panel.title.en.empty()) return {};
+  const auto title = wordsToWire(b, s.panel.title);
+  const auto lead = wordsToWire(b, s.panel.lead);
+  const auto instructions = tables(b, s.panel.instructions, wordsToWire);
+  const auto values = tables(b, s.panel.values, panelValueToWire);
+  const auto events = tables(b, s.panel.events, [&s](Builder& to, const PanelEvent& event) {
+    const auto at = std::find(s.event_names.begin(), s.event_names.end(), event.name);
+    const auto words = wordsToWire(to, event.words);
+    return fb::CreatePanelEvent(to, static_cast<std::uint16_t>(at - s.event_names.begin()), words);
+  });
+  return fb::CreatePanel(b, title, lead, instructions, values, events);
 }
 
 std::vector<std::string> linkNames(const HandModel& hand) {
@@ -97,6 +129,9 @@ struct SceneParts {
   VectorOffset<Offset<fb::Capsule>> capsules;
   VectorOffset<Offset<fb::Body>> bodies;
   VectorOffset<Offset<fb::Parameter>> parameters;
+  Offset<fb::Panel> panel;
+  Offset<flatbuffers::String> profile;
+  Strings profiles;
   Strings joint_names, link_names, value_names, event_names, fault_names, exercises, hands;
 };
 
@@ -110,6 +145,7 @@ SceneParts makeParts(Builder& b, const SceneFacts& s) {
   p.exercise_name = b.CreateString(s.exercise_name);
   p.exercise_json = b.CreateString(s.exercise_json);
   p.recording = b.CreateString(s.recording);
+  p.panel = panelToWire(b, s);
   p.axes = tables(b, s.device.axes, axisToWire);
   p.capsules = tables(b, s.hand.capsules, capsuleToWire);
   p.bodies = tables(b, s.scene.bodies, bodyToWire);
@@ -121,6 +157,8 @@ SceneParts makeParts(Builder& b, const SceneFacts& s) {
   p.fault_names = strings(b, faultNames());
   p.exercises = strings(b, s.exercises);
   p.hands = strings(b, s.hands);
+  p.profiles = strings(b, s.profiles);
+  p.profile = b.CreateString(s.profile);
   return p;
 }
 
@@ -154,6 +192,9 @@ Bytes sceneMessage(const SceneFacts& s) {
   out.add_levels(static_cast<std::uint16_t>(s.levels));
   out.add_level(static_cast<std::uint16_t>(s.level));
   out.add_recording(p.recording);
+  if (!p.panel.IsNull()) out.add_panel(p.panel);
+  out.add_profiles(p.profiles);
+  out.add_profile(p.profile);
   finish(b, out.Finish(), kSchemaVersion);
   return {b.GetBufferPointer(), b.GetBufferPointer() + b.GetSize()};
 }

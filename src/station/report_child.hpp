@@ -9,8 +9,9 @@
 namespace wholehand {
 
 /// Makes report pages in a process of its own: HDF5 may be writing in this one, and a page takes
-/// seconds of a core. That process runs at the lowest priority of CPU and disk, for a limited time,
-/// and never keeps this program from ending. Any thread.
+/// seconds of a core, and a stranger's file may end its reader. That process runs at the lowest
+/// priority of CPU and disk, within limits of time and memory, and never keeps this program from
+/// ending. Any thread.
 class ReportChild {
  public:
   /// @param program that is run as `program report RECORDING --out FOLDER`; empty: this one

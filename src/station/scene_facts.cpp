@@ -3,13 +3,23 @@
 #include "control/adaptive_damping.hpp"
 #include "renderer/live_settings.hpp"
 
+#include <string>
+#include <vector>
+
 namespace wholehand {
 namespace {
+
+/// What an exercise has to know of the person's own arm and hand stands with the person's.
+LiveParameterGroup groupOf(const std::string& name, LiveParameterGroup usual) {
+  if (name.starts_with("reach_")) return LiveParameterGroup::kPatient;
+  return name.starts_with("fingers_") ? LiveParameterGroup::kHand : usual;
+}
 
 void publish(const std::vector<LiveParameter>& parameters, LiveParameterGroup group,
              SceneFacts& facts) {
   for (const LiveParameter& p : parameters) {
-    facts.parameters.push_back({p.name, group, p.unit, p.lower, p.upper, p.value, p.rate_per_s});
+    facts.parameters.push_back(
+        {p.name, groupOf(p.name, group), p.unit, p.lower, p.upper, p.value, p.rate_per_s});
   }
 }
 
@@ -34,6 +44,7 @@ SceneFacts sceneFacts(const Models& models, double period_s) {
     facts.levels = exercise.levels;
     facts.value_names = exercise.value_names;
     facts.event_names = exercise.event_names;
+    facts.panel = models.exercise_panel;
     publish(exercise.parameters, LiveParameterGroup::kExercise, facts);
   }
   return facts;

@@ -16,17 +16,16 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kExtension = ".h5";
+constexpr std::uintmax_t kLargestNote_bytes = 65536;  // ours have some 200
 
 std::string notePath(const fs::path& recording) {
   return recording.string() + ".json";
 }
 
-std::string utcNow() {
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));
-}
-
 // What was noted of it; a note that is missing or damaged leaves the entry as it is.
 void readNote(const fs::path& recording, RecordingEntry& entry) {
+  std::error_code error;
+  if (fs::file_size(notePath(recording), error) > kLargestNote_bytes || error) return;
   std::ifstream in(notePath(recording));
   const auto note = nlohmann::json::parse(in, nullptr, false);
   if (!note.is_object()) return;
@@ -39,9 +38,17 @@ void readNote(const fs::path& recording, RecordingEntry& entry) {
   if (const auto found = note.find("duration_s"); found != note.end() && found->is_number()) {
     entry.duration_s = found->get<double>();
   }
+  if (const auto found = note.find("ticks_missing");
+      found != note.end() && found->is_number_unsigned()) {
+    entry.ticks_missing = found->get<std::uint64_t>();
+  }
 }
 
 }  // namespace
+
+std::string utcNow() {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));
+}
 
 std::string SessionFiles::nameNew(const std::string& exercise, int level) const {
   std::error_code error;
@@ -56,10 +63,13 @@ std::string SessionFiles::nameNew(const std::string& exercise, int level) const 
 }
 
 void SessionFiles::note(const std::string& path, const std::string& title,
-                        double duration_s) const {
+                        const std::string& began_utc, double duration_s,
+                        std::uint64_t ticks_missing) const {
   if (!kept() || path.empty() || fs::path(path).parent_path() != fs::path(folder_)) return;
-  const nlohmann::json note = {
-      {"title", title}, {"created_utc", utcNow()}, {"duration_s", duration_s}};
+  const nlohmann::json note = {{"title", title},
+                               {"created_utc", began_utc},
+                               {"duration_s", duration_s},
+                               {"ticks_missing", ticks_missing}};
   (void)writeText(notePath(path), note.dump(2) + "\n");  // the list then shows the file alone
 }
 

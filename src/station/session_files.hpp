@@ -2,10 +2,14 @@
 
 #include "server/backend.hpp"
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
 namespace wholehand {
+
+/// ISO 8601, to the second.
+[[nodiscard]] std::string utcNow();
 
 /// The folder in which a station keeps its recordings. Beside each a small JSON file says what a
 /// list shows of it, so that a list opens no HDF5 file while another is being written.
@@ -19,7 +23,8 @@ class SessionFiles {
   /// folder; empty where it cannot.
   [[nodiscard]] std::string nameNew(const std::string& exercise, int level) const;
   /// Notes what a finished recording holds; nothing of one that lies elsewhere.
-  void note(const std::string& path, const std::string& title, double duration_s) const;
+  void note(const std::string& path, const std::string& title, const std::string& began_utc,
+            double duration_s, std::uint64_t ticks_missing) const;
   /// The finished ones, newest first; those that nobody noted with what their file tells.
   [[nodiscard]] std::vector<RecordingEntry> list(const std::string& being_written) const;
   /// Path of a recording in the folder; empty for any name that is none.

@@ -2,7 +2,17 @@
 
 #include "station/station_core.hpp"
 
+#include <filesystem>
+
 namespace wholehand {
+
+std::string pathOfSession(const std::string& path, std::uint64_t number) {
+  if (number < 2 || path.empty()) return path;
+  const std::filesystem::path first(path);
+  const std::string name =
+      first.stem().string() + "-" + std::to_string(number) + first.extension().string();
+  return (first.parent_path() / name).string();
+}
 
 Station::Station(StationConfig config) : core_(std::make_unique<Core>(std::move(config))) {}
 Station::~Station() = default;

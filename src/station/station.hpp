@@ -17,6 +17,18 @@
 
 namespace wholehand {
 
+/// One session of a station, from arming to closed files.
+struct EndedSession {
+  std::uint64_t number = 0;  ///< 1 for the first
+  RunOutcome outcome;
+  std::vector<SafetyTransition> transitions;
+  std::optional<Rehearsal> rehearsal;  ///< of what was armed
+  std::string record;                  ///< empty: not recorded
+};
+
+/// File of a session where `path` is that of the first: "a.h5", "a-2.h5", "a-3.h5".
+[[nodiscard]] std::string pathOfSession(const std::string& path, std::uint64_t number);
+
 /// What a station works with.
 struct StationConfig {
   ModelFiles files;  ///< what is loaded first
@@ -25,12 +37,17 @@ struct StationConfig {
   RehearsalOptions rehearsal;     ///< the station cancels it itself
   std::uint64_t seed = 1;         ///< of the virtual patient; counts up with every arming
   std::string config_folder;      ///< holds exercises/ and hands/, what clients may load
+  std::string profiles_folder;    ///< of patients (station/profiles.hpp); empty: none are kept
   std::string recordings_folder;  ///< sessions that a client arms are recorded here; empty: not
-  std::string record;             ///< file of the first session; empty: none
+  /// File of the first session, whoever arms it; the others' are numbered (pathOfSession). Empty:
+  /// recordings_folder.
+  std::string record;
   std::string program_version;
   /// Makes the device of each session, which a person holds: nothing plays, nobody at a screen
   /// steers, and nothing is armed at once. Null: a simulated one, whom a virtual patient moves.
   std::function<Expected<std::unique_ptr<HapticDevice>>(const DeviceModel&)> make_device;
+  /// What the real device says of itself, for clients. Any thread; null: nothing is told.
+  std::function<DeviceStatus()> device_status;
   /// Who plays where the exercise brings nobody. Needed.
   std::function<std::unique_ptr<Player>(const Models&)> make_player;
   /// Makes a report page of a recording, in a process of its own: HDF5 may be writing in this one.
@@ -39,16 +56,15 @@ struct StationConfig {
   /// A line for the person who runs the program. From any thread; may be null.
   std::function<void(const std::string&)> log;
   std::function<void(RunState, const TickSummary&)> status;  ///< told how it goes; may be null
+  std::function<void(const EndedSession&)> ended;  ///< told of each, on run()'s thread; may be null
 };
 
 /// What came of a station's run.
 struct StationOutcome {
   std::uint64_t sessions = 0;
-  bool faulted = false;                       ///< the last session ended by a fault
-  bool interrupted = false;                   ///< by Ctrl-C
-  std::optional<RunOutcome> last;             ///< what came of the last session
-  std::vector<SafetyTransition> transitions;  ///< of the last session
-  std::optional<Rehearsal> rehearsal;         ///< of what was armed last
+  bool faulted = false;      ///< a session ended by a fault, whichever
+  bool interrupted = false;  ///< by Ctrl-C
+  std::optional<EndedSession> last;
 };
 
 /// Loads, arms, stops and records the loop on behalf of people: the program's main thread runs it,

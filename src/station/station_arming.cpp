@@ -3,6 +3,7 @@
 #include "patient/steered_player.hpp"
 #include "runtime/interrupt_scope.hpp"
 #include "station/station_core.hpp"
+#include "telemetry/disk_room.hpp"
 
 #include <fmt/format.h>
 
@@ -96,6 +97,12 @@ Expected<std::unique_ptr<Run>> Station::Core::prepareRun(std::unique_ptr<Player>
   auto rig = makeRig(std::move(player));
   if (!rig) return rig.errors();
   (*rig)->renderer->startParametersAt(parameters);
+  if (!plan.record.empty()) {
+    const double period_s = config_.rig.period_s;
+    const std::string room =
+        roomNotice(plan.record, period_s, static_cast<double>(plan.duration_ticks) * period_s);
+    if (!room.empty()) say(room);
+  }
   const auto passed = rehearsed_ ? rehearsed_->passed : std::nullopt;
   if (auto armed = (*rig)->renderer->arm(passed); !armed) return armed.errors();
   return Run::prepare(std::move(*rig), std::move(plan));
@@ -158,6 +165,8 @@ OrderReply Station::Core::sessionRuns(OrderReply reply, const std::string& recor
     if (!line.granted && arming_ == 1) say(line.what + ": " + line.sentence);
   }
   record_path_ = record;
+  began_utc_ = utcNow();
+  told_of_loss_ = false;
   ++outcome_.sessions;
   return reply;
 }
@@ -177,6 +186,7 @@ OrderReply Station::Core::armedNow(std::unique_ptr<Run> live, std::uint64_t aske
     return stopCame();
   }
   status_.run_state = RunState::kRendering;
+  rest_ending_ = 0;
   catchUp(parameters);
   return {true, ""};
 }
@@ -213,6 +223,9 @@ OrderReply Station::Core::armForPerson(std::uint64_t asked, std::uint32_t seen) 
 }
 
 OrderReply Station::Core::armForClient(std::uint64_t asked) {
+  if (!config_.record.empty()) {
+    return arm(asked, pathOfSession(config_.record, outcome_.sessions + 1), ticksLeft(), true);
+  }
   const std::string exercise = scene()->exercise_name;
   const std::string record = files_.kept() ? files_.nameNew(exercise, models_.files.level) : "";
   if (files_.kept() && record.empty()) {

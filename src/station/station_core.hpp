@@ -2,6 +2,7 @@
 
 #include "assembly/run.hpp"
 #include "server/aside_log.hpp"
+#include "station/profiles.hpp"
 #include "station/session_files.hpp"
 #include "station/station.hpp"
 
@@ -24,7 +25,10 @@ using StationClock = std::chrono::steady_clock;
 class Station::Core {
  public:
   explicit Core(StationConfig config)
-      : config_(std::move(config)), files_(config_.recordings_folder), log_(config_.log) {}
+      : config_(std::move(config)),
+        files_(config_.recordings_folder),
+        profiles_(config_.profiles_folder),
+        log_(config_.log) {}
 
   Expected<Done> load();
   Expected<StationOutcome> run(bool arm_at_once, double duration_s);
@@ -79,7 +83,12 @@ class Station::Core {
   [[nodiscard]] Expected<Rehearsal> rehearsalOf(const Models& models, const AxisPosition& start,
                                                 std::uint64_t asked) const;
   OrderReply rehearseNext(const Models& models, std::optional<Rehearsal>& passed);
+  [[nodiscard]] OrderReply filesOf(const Order& order, ModelFiles& files) const;
   OrderReply loadExercise(const Order& order);
+  OrderReply carryOutTask(const Order& order);
+  OrderReply saveProfile(const Order& order);
+  OrderReply loadProfile(const Order& order);
+  [[nodiscard]] OrderReply refuseParameters(const Profile& profile, const Models& models) const;
   void stopGently(bool goes_on = false);
   /// @param goes_on a load goes on with what rendered: nothing ended that a person must have seen
   void finishSession(bool goes_on = false);
@@ -97,7 +106,8 @@ class Station::Core {
   // Any thread, mutex_ held.
   [[nodiscard]] bool overtaken(const Order& order);
   [[nodiscard]] OrderReply refuseUnseen(std::uint32_t seen) const;
-  void takeStop(std::uint64_t asked, bool emergency);
+  void takeStop(std::uint64_t asked, bool emergency, bool rest = false);
+  [[nodiscard]] bool rested() const;
   void enqueue(std::function<OrderReply()> work, const std::function<void(OrderReply)>& done);
   OrderReply carryOut(const Order& order, std::uint64_t asked);
   void catchUp(const std::vector<double>& parameters);
@@ -117,11 +127,14 @@ class Station::Core {
   Models models_;
   std::vector<std::function<void(const TickRecord&)>> sinks_;
   SessionFiles files_;
+  Profiles profiles_;
+  std::string profile_;  ///< loaded or saved last, while it holds; empty: none
   mutable AsideLog log_;
   std::unique_ptr<SafetyLog> safety_;   ///< once loaded
   std::optional<Rehearsal> rehearsed_;  ///< of what is loaded
   std::uint64_t arming_ = 0;
-  std::string record_path_;
+  std::string record_path_, began_utc_;  ///< of the session that runs
+  bool told_of_loss_ = false;            ///< that its recording misses ticks
   StationClock::time_point status_at_;
   std::optional<StationClock::time_point> ends_at_;  ///< of a run that has an end
   StationOutcome outcome_;
@@ -134,7 +147,8 @@ class Station::Core {
   // arming has got to, and a session that was armed before a stop is never armed again by a load.
   std::uint64_t orders_ = kFirstArming;
   std::uint64_t stop_asked_ = 0;
-  bool emergency_ = false;  ///< that stop was one
+  bool emergency_ = false;         ///< that stop was one
+  std::uint32_t rest_ending_ = 0;  ///< the newest ending of a rest; 0: none since the last arming
   std::uint64_t armed_by_ = 0;
   bool armed_for_client_ = false;  ///< else by run(): it goes on for as long as that was asked to
   std::uint32_t claim_ = 0;        ///< newest holder of the controls that was heard of
@@ -143,6 +157,7 @@ class Station::Core {
   std::optional<Command> unsent_steer_;  ///< for which there was no room
   std::shared_ptr<const SceneFacts> scene_;
   LoopStatus status_;
+  Help help_ = Help::kUnsaid;                       ///< what pages do for the player
   std::map<std::string, double> asked_parameters_;  ///< what a therapist has set stays set
 
   std::mutex report_mutex_;

@@ -14,6 +14,12 @@ namespace {
 
 using Clock = StationClock;
 
+/// Such orders wait for the main thread.
+bool takesTime(OrderType type) {
+  return type == OrderType::kArm || type == OrderType::kLoadExercise ||
+         type == OrderType::kSaveProfile || type == OrderType::kLoadProfile;
+}
+
 }  // namespace
 
 void Station::Core::quit() {
@@ -103,11 +109,21 @@ OrderReply Station::Core::refuseUnseen(std::uint32_t seen) const {
                              status_.endings, seen));
 }
 
+// Whether what ended last is a rest, and its end.
+bool Station::Core::rested() const {
+  const RunState now = status_.run_state;
+  return status_.endings == rest_ending_ &&
+         (now == RunState::kRampingDown || now == RunState::kStopped);
+}
+
 // Holds and is shown whether or not something renders: an order to arm may be on its way.
-void Station::Core::takeStop(std::uint64_t asked, bool emergency) {
+void Station::Core::takeStop(std::uint64_t asked, bool emergency, bool rest) {
   stop_asked_ = asked;
   emergency_ = emergency;
+  // Of what renders, or of a rest: a stop that somebody else asked for stays one.
+  const bool rests = rest && (rested() || status_.run_state == RunState::kRendering);
   ++status_.endings;
+  rest_ending_ = rests ? status_.endings : 0;
   if (!live_ && status_.run_state == RunState::kDisarmed) status_.run_state = RunState::kStopped;
   beginStop(emergency);
 }
@@ -123,7 +139,7 @@ void Station::Core::order(const Order& order, const std::function<void(OrderRepl
   {
     const std::lock_guard lock(mutex_);
     const std::uint64_t asked = ++orders_;
-    const bool takes_time = order.type == OrderType::kArm || order.type == OrderType::kLoadExercise;
+    const bool takes_time = takesTime(order.type);
     if (overtaken(order)) {
       reply = refused(Refusal::kNotHolder, "another client holds the controls by now");
     } else if (!takes_time) {
@@ -139,10 +155,16 @@ void Station::Core::order(const Order& order, const std::function<void(OrderRepl
         return enqueue([this, asked, seen] { return armForPerson(asked, seen); }, done);
       }
     } else {
-      return enqueue([this, order] { return loadExercise(order); }, done);
+      return enqueue([this, order] { return carryOutTask(order); }, done);
     }
   }
   done(reply);
+}
+
+OrderReply Station::Core::carryOutTask(const Order& order) {
+  if (order.type == OrderType::kSaveProfile) return saveProfile(order);
+  if (order.type == OrderType::kLoadProfile) return loadProfile(order);
+  return loadExercise(order);
 }
 
 OrderReply Station::Core::carryOut(const Order& order, std::uint64_t asked) {
@@ -150,10 +172,13 @@ OrderReply Station::Core::carryOut(const Order& order, std::uint64_t asked) {
   switch (order.type) {
     case OrderType::kStop:
     case OrderType::kEmergencyStop:
-      takeStop(asked, order.type == OrderType::kEmergencyStop);
+      takeStop(asked, order.type == OrderType::kEmergencyStop, order.rest);
       break;
     case OrderType::kSetParameter:
       return setParameter(order);
+    case OrderType::kSetHelp:
+      help_ = order.help;
+      break;
     case OrderType::kAim:
       if (order.aim.size() != static_cast<int>(scene_->device.axes.size()) ||
           !allFinite(order.aim)) {
@@ -180,8 +205,13 @@ OrderReply Station::Core::carryOut(const Order& order, std::uint64_t asked) {
       say("nobody has held the controls for long: the session ends");
       takeStop(asked, false);
       break;
+    case OrderType::kAnswer:
+    case OrderType::kHoldToMove:
+      return refused(Refusal::kNotHere, "no device is commissioned here");
     case OrderType::kArm:
     case OrderType::kLoadExercise:
+    case OrderType::kSaveProfile:
+    case OrderType::kLoadProfile:
       break;  // tasks
   }
   return {true, ""};
@@ -189,9 +219,13 @@ OrderReply Station::Core::carryOut(const Order& order, std::uint64_t asked) {
 
 LoopStatus Station::Core::status() const {
   LoopStatus status;
+  bool live = false;
   {
     const std::lock_guard lock(mutex_);
+    live = live_ != nullptr;
     status = status_;
+    status.rested = rested();
+    status.help = help_;
     for (const auto& parameter : scene_->parameters) {
       const auto asked = asked_parameters_.find(parameter.name);
       const bool set = asked != asked_parameters_.end();
@@ -199,8 +233,10 @@ LoopStatus Station::Core::status() const {
     }
   }
   nameSafety(status);
+  if (config_.device_status) status.device = config_.device_status();
   const std::lock_guard lock(latest_mutex_);
-  if (has_latest_) {
+  // Where nothing runs, what the next session begins with is what holds.
+  if (has_latest_ && live) {
     const auto count =
         std::min(static_cast<std::size_t>(latest_.parameter_count), status.parameters.size());
     std::copy_n(latest_.parameters.begin(), count, status.parameters.begin());

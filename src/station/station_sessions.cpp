@@ -42,7 +42,7 @@ std::vector<std::string> stemsIn(const std::string& folder) {
 Expected<Done> Station::Core::load() {
   Expected<Models> models = loadModels(config_.files);
   if (!models) return models.errors();
-  const auto gains = checkGains(*models, config_.rig.period_s);
+  const auto gains = checkGains(*models, config_.rig.period_s, config_.rig.measured);
   if (!gains) return gains.errors();
   if (Diagnostics no = refuseToRender(*gains, config_.rig); !no.empty()) return no;
   models_ = std::move(*models);
@@ -61,6 +61,8 @@ void Station::Core::publishScene(const std::string& recording) {
     facts->exercises.push_back(file.name);
   }
   facts->hands = stemsIn(config_.config_folder + "/hands");
+  facts->profiles = profiles_.list();
+  facts->profile = profile_;
   facts->recording = fs::path(recording).filename().string();
   const std::lock_guard lock(mutex_);
   facts->session = status_.session;
@@ -100,21 +102,29 @@ void Station::Core::finishSession(bool goes_on) {
   if (!ended.black_box.empty()) say("black box: " + ended.black_box);
   ended.black_box.clear();  // it is said
   refreshStatus();
-  files_.note(record_path_, title(),
-              static_cast<double>(ended.summary.ticks) * config_.rig.period_s);
-  outcome_.faulted = ended.faulted;
+  const std::uint64_t missing =
+      record_path_.empty() ? 0 : ended.dropped_records + ended.dropped_writes;
+  if (missing > 0) {
+    say(fmt::format("the recording holds {} of {} ticks: {}", ended.written,
+                    ended.written + missing, record_path_));
+  }
+  files_.note(record_path_, title(), began_utc_,
+              static_cast<double>(ended.summary.ticks) * config_.rig.period_s, missing);
+  outcome_.faulted = outcome_.faulted || ended.faulted;
   {
     // Its world is taken down outside: an order waits for nobody.
     const std::lock_guard lock(mutex_);
     status_.run_state = ended.faulted ? RunState::kFaulted : RunState::kStopped;
     status_.latched = ended.counters.latched;
+    const bool rest = status_.endings == rest_ending_ && !ended.faulted;
     if (!goes_on) ++status_.endings;
+    rest_ending_ = rest ? status_.endings : 0;  // the end of a session that rests belongs to it
     over = std::move(live_);
   }
   over.reset();
-  outcome_.last = std::move(ended);
-  outcome_.transitions = safety_->transitions();
-  outcome_.rehearsal = rehearsed_;
+  outcome_.last = EndedSession{outcome_.sessions, std::move(ended), safety_->transitions(),
+                               rehearsed_, record_path_};
+  if (config_.ended) config_.ended(*outcome_.last);
   if (!record_path_.empty()) publishScene("");
   record_path_.clear();
 }
@@ -132,8 +142,9 @@ void Station::Core::stopGently(bool goes_on) {
   finishSession(goes_on);
 }
 
-OrderReply Station::Core::loadExercise(const Order& order) {
-  ModelFiles files = models_.files;
+// Which files an order names; nothing is read of them.
+OrderReply Station::Core::filesOf(const Order& order, ModelFiles& files) const {
+  files = models_.files;
   if (!order.name.empty()) {
     const auto known = listExercises(config_.config_folder + "/exercises");
     const auto found = std::find_if(known.begin(), known.end(),
@@ -152,10 +163,16 @@ OrderReply Station::Core::loadExercise(const Order& order) {
     files.hand = config_.config_folder + "/hands/" + order.hand + ".toml";
   }
   if (order.level > 0) files.level = order.level;
+  return {true, ""};
+}
+
+OrderReply Station::Core::loadExercise(const Order& order) {
+  ModelFiles files;
+  if (OrderReply known = filesOf(order, files); !known.accepted) return known;
   const WaitingFor disk("the disk: what is to be loaded");
   Expected<Models> models = loadModels(files);
   if (!models) return refused(Refusal::kCannotLoad, format(models.errors()));
-  const auto gains = checkGains(*models, config_.rig.period_s);
+  const auto gains = checkGains(*models, config_.rig.period_s, config_.rig.measured);
   if (!gains) return refused(Refusal::kCannotLoad, format(gains.errors()));
   if (Diagnostics no = refuseToRender(*gains, config_.rig); !no.empty()) {
     return refused(Refusal::kNotStable, format(no));
@@ -168,6 +185,7 @@ OrderReply Station::Core::loadExercise(const Order& order) {
     if (!passed.accepted) return passed;
   }
   stopGently(true);
+  if (files.hand != models_.files.hand) profile_.clear();  // another person's hand
   models_ = std::move(*models);
   rehearsed_ = std::move(rehearsal);
   forgetLatest();
@@ -216,6 +234,10 @@ void Station::Core::refreshStatus() {
     showRehearsal();
     status_.recording_bytes = bytes;
     state = status_.run_state;
+  }
+  if (dropped > 0 && !std::exchange(told_of_loss_, true) && !record_path_.empty()) {
+    say(fmt::format("the disk takes no more: from {:.1f} s on ticks are missing in {}",
+                    summary.time_s, record_path_));
   }
   if (config_.status) config_.status(state, summary);
 }

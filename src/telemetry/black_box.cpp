@@ -39,7 +39,7 @@ MappedBox::Sizes MappedBox::sizesOf(const RecordingMeta& meta, const BlackBoxPla
       static_cast<double>(packedBytes(count(meta.axis_names), count(meta.joint_names),
                                       count(meta.body_names), values, kMaxContacts));
   Sizes sizes;
-  sizes.entries = static_cast<std::size_t>(kept);
+  sizes.entries = static_cast<std::size_t>(kept) + kSpareEntries;
   // One more, since the last of a lap may not fit; and commands.
   sizes.data = std::min(static_cast<std::size_t>(kept * tick_bytes), plan.most_tick_bytes) +
                2 * kMostPackedBytes;

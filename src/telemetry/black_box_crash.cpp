@@ -26,8 +26,8 @@ void MappedBox::describe(int signal) noexcept {
   header_.ticks_done = ticks_done_.load(std::memory_order_acquire);
   header_.ticks_begun = ticks_begun_.load(std::memory_order_acquire);
   header_.end_entry = entries_done_.load(std::memory_order_acquire);
-  header_.first_entry =
-      header_.end_entry - std::min<std::uint64_t>(header_.end_entry, sizes_.entries);
+  // The loop may be writing over the oldest ones: where the data begins is not read from these.
+  header_.first_entry = firstKept(header_.end_entry, sizes_.entries);
   header_.data_end = data_done_.load(std::memory_order_acquire);
   header_.data_begin = header_.end_entry > 0 ? entryAt(header_.first_entry)->begin : 0;
   // Of a ring that is too small for its entries the oldest are gone.

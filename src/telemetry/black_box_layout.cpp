@@ -107,13 +107,18 @@ bool visit(Archive& a, Meta& m, Steps& encoder_step) {
 std::vector<std::byte> packMeta(RecordingMeta meta, std::vector<double> encoder_step) {
   Packer packer;
   visit(packer, meta, encoder_step);
+  packer(meta.models_changed);
+  packer(meta.passport);
   return std::move(packer.bytes);
 }
 
 bool unpackMeta(const std::byte* in, std::size_t bytes, RecordingMeta& meta,
                 std::vector<double>& encoder_step) {
   Unpacker unpacker(in, bytes);
-  return visit(unpacker, meta, encoder_step) && unpacker.atEnd();
+  if (!visit(unpacker, meta, encoder_step)) return false;
+  if (unpacker.atEnd()) return true;  // older: the rest was not said
+  if (!unpacker(meta.models_changed)) return false;
+  return unpacker.atEnd() || (unpacker(meta.passport) && unpacker.atEnd());
 }
 
 }  // namespace wholehand::black_box

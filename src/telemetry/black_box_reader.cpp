@@ -3,6 +3,7 @@
 #include "telemetry/black_box_layout.hpp"
 #include "telemetry/crc32.hpp"
 #include "telemetry/record_packing.hpp"
+#include "telemetry/recording_bounds.hpp"
 #include "telemetry/recording_layout.hpp"
 
 #include <algorithm>
@@ -72,6 +73,7 @@ class MemoryReader final : public BlackBoxReader {
   std::string findParts();
   std::string readMeta();
   std::string readEntries();
+  std::string checkTicks();
   std::string readInputs();
   [[nodiscard]] Bytes part(Part p) const { return parts_[static_cast<std::size_t>(p)]; }
 
@@ -161,6 +163,16 @@ std::string MemoryReader::readEntries() {
   return {};
 }
 
+std::string MemoryReader::checkTicks() {
+  TickRecord record;
+  for (std::uint64_t i = 0; i < entries_.size(); ++i) {
+    if (!read(i, record) || !recording::fits(record, meta_)) {
+      return "is damaged: its ticks are not those of its description";
+    }
+  }
+  return {};
+}
+
 std::string MemoryReader::readInputs() {
   TickInput input;
   while (nextInput(input)) ++input_ticks_;
@@ -186,7 +198,7 @@ Expected<Done> MemoryReader::open(const std::string& path) {
   }
   if (auto checked = checkHeader(path); !checked) return checked;
   for (auto step : {&MemoryReader::findParts, &MemoryReader::readMeta, &MemoryReader::readEntries,
-                    &MemoryReader::readInputs}) {
+                    &MemoryReader::checkTicks, &MemoryReader::readInputs}) {
     if (const std::string problem = (this->*step)(); !problem.empty()) {
       return refusal(path, "is a black box that " + problem, kCopyAgain);
     }

@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
@@ -54,8 +55,21 @@ bool DiskReserve::hasName() const {
   return fd_ >= 0 && ::fstat(fd_, &status) == 0 && status.st_nlink > 0;
 }
 
+void DiskReserve::mark() const {
+  (void)::flock(fd_, LOCK_SH | LOCK_NB);  // not every file system can
+}
+
+bool DiskReserve::isOpenElsewhere(const std::string& path) {
+  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) return false;
+  const bool held = ::flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  ::close(fd);
+  return held;
+}
+
 void DiskReserve::release() {
   struct stat status {};
+  if (fd_ >= 0) (void)::flock(fd_, LOCK_UN);
   if (fd_ < 0 || ::fstat(fd_, &status) != 0) return;
   claimed_ = static_cast<std::uint64_t>(status.st_size);
   // Truncating to the present size frees the blocks behind it.

@@ -22,6 +22,11 @@ class DiskReserve {
   [[nodiscard]] bool claim(std::uint64_t end);
   /// False once the file was removed: what is written to it then is lost when it is closed.
   [[nodiscard]] bool hasName() const;
+  /// Marks the file as being written, until release() (flock, shared: HDF5's readers take the
+  /// same). For isOpenElsewhere() of others.
+  void mark() const;
+  /// True where a program writes or reads that file as HDF5 does.
+  [[nodiscard]] static bool isOpenElsewhere(const std::string& path);
   /// Gives back what was claimed behind the file's end.
   void release();
 

@@ -67,7 +67,9 @@ bool writeTexts(hid_t object, const char* name, const Handle& space,
 
 }  // namespace
 
-void silenceErrors() noexcept {
+void beginHdf5() noexcept {
+  static const bool kOnce = H5dont_atexit() >= 0;
+  (void)kOnce;
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // per thread: Debian's HDF5 is thread-safe
 }
 

@@ -2,6 +2,7 @@
 
 #include <hdf5.h>
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -10,6 +11,9 @@
 /// The little of HDF5 that recordings need, with owners for its identifiers. Private to telemetry:
 /// no header that others include shows HDF5.
 namespace wholehand::hdf5 {
+
+/// What every HDF5 file begins with (format specification, superblock).
+inline constexpr std::array<char, 8> kSignature = {'\x89', 'H', 'D', 'F', '\r', '\n', '\x1a', '\n'};
 
 /// Owns one HDF5 identifier. Not for the tick.
 class Handle {
@@ -43,9 +47,10 @@ class Handle {
   Closer closer_ = nullptr;
 };
 
-/// Turns off HDF5's habit of printing an error stack, for the calling thread. Every public function
-/// of the recorder calls it first; faults are told as Diagnostic or counted instead.
-void silenceErrors() noexcept;
+/// Every public function of the recorder calls it first. HDF5 prints no error stack for the calling
+/// thread: faults are told as Diagnostic or counted instead. HDF5 closes nothing at the program's
+/// end: a file whose writing a disk refused cannot be closed, and HDF5 1.10 crashes when it tries.
+void beginHdf5() noexcept;
 
 /// The type of a number in the file (little-endian) and in memory.
 enum class NumberType { kFloat64, kUint64, kInt64, kUint32, kInt32 };

@@ -7,6 +7,7 @@
 #include "telemetry/prefaulted_memory.hpp"
 #include "telemetry/signal_safe_file.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -16,6 +17,14 @@
 #include <vector>
 
 namespace wholehand {
+
+/// More than the loop can begin while a box is described.
+inline constexpr std::size_t kSpareEntries = 8;
+/// The first entry that a box holds of a ring of `slots` in which `end` were finished: the slots
+/// that the loop writes next are none of the box's.
+[[nodiscard]] constexpr std::uint64_t firstKept(std::uint64_t end, std::uint64_t slots) noexcept {
+  return end - std::min<std::uint64_t>(end, slots - kSpareEntries);
+}
 
 /// The black box in memory that is there from the start: black_box.cpp keeps the ticks in it,
 /// black_box_crash.cpp writes it down, in a signal's handler if need be.

@@ -26,9 +26,15 @@ struct RecordingMeta {
   bool simulated_clock = false;
   bool uncertified = false;  ///< gains that the stability check refused were allowed
   bool paper = false;
-  bool simulated_device = true;             ///< lateness and stuck encoders were counted only
-  std::uint64_t schema = kRecordingSchema;  ///< of the file it was read from
-  std::string title;                        ///< "Reach and grasp", shown by the report
+  /// What was rendered is not what the files say: the models were changed in memory, or the files
+  /// on the disk. It cannot be run again.
+  bool models_changed = false;
+  bool simulated_device = true;  ///< lateness and stuck encoders were counted only
+  /// Digest of the passport that a real device was armed with, or "without" where it had none and
+  /// --without-passport said so; empty on other devices, and in files from before passports.
+  std::string passport;
+  std::uint64_t schema = kRecordingSchema;          ///< of the file it was read from
+  std::string title;                                ///< "Reach and grasp", shown by the report
   std::vector<std::string> axis_names, axis_units;  ///< "m" or "rad"
   std::vector<double> effort_limits;                ///< per axis [N or N·m]
   std::vector<double> lever_arms_m;                 ///< per axis, 0 where there is no tip
@@ -37,6 +43,11 @@ struct RecordingMeta {
   std::string exercise;  ///< name of the exercise; empty: none
   int level = 0;
   std::vector<std::string> parameter_names, value_names, event_names;
+  /// Those of value_names that count at the end, each with its label and unit as shown, the factor
+  /// from value to shown number, and the decimals of that. Empty in files from before results, and
+  /// in black boxes.
+  std::vector<std::string> result_names, result_labels, result_units;
+  std::vector<double> result_factors, result_decimals;
   std::vector<double> parameter_values;  ///< live parameters when rendering was armed, one a name
   /// name -> full text of each configuration file used (device, hand, rendering, patient, scene,
   /// motion, and every mesh or URDF by its path), so that the recording stands alone.
@@ -53,8 +64,9 @@ class RecordingWriter {
                                                            const RecordingMeta& meta);
   virtual ~RecordingWriter() = default;
 
-  /// Appends one tick. False when it could not be written (disk full): the tick is counted as
-  /// dropped, writing is tried again later, nothing throws.
+  /// Appends one tick. False when it could not be written (disk full, or an error of the disk): the
+  /// tick is counted as dropped, writing is tried again later, after an error into a fresh part
+  /// (recordingParts()); nothing throws.
   virtual bool append(const TickRecord& record) = 0;
   /// Brings everything to the disk; called at least once a second by the recorder.
   virtual void flush() = 0;
@@ -67,6 +79,10 @@ class RecordingWriter {
   [[nodiscard]] virtual std::uint64_t bytes() const = 0;
 };
 
+/// The files beside `path` in which its recording goes on: where the disk refused a write, a fresh
+/// part begins ("run.part2.h5") once it answers again. Looks at the disk.
+[[nodiscard]] std::vector<std::string> recordingParts(const std::string& path);
+
 /// Reads a recording, also one that was cut off by kill -9 or is still being written; or the last
 /// seconds in a black box.
 class RecordingReader {
@@ -76,9 +92,14 @@ class RecordingReader {
   virtual ~RecordingReader() = default;
 
   [[nodiscard]] virtual const RecordingMeta& meta() const = 0;
-  [[nodiscard]] virtual std::uint64_t size() const = 0;  ///< ticks in the file
-  /// The i-th recorded tick (0 .. size()-1), complete but for stage times. False past the end.
+  /// Ticks that the file holds whole. Where some were lost between them, their numbers tell.
+  [[nodiscard]] virtual std::uint64_t size() const = 0;
+  /// The i-th of them, complete but for stage times. False past the end, and where the file is
+  /// damaged there (unreadable()).
   virtual bool read(std::uint64_t i, TickRecord& record) = 0;
 };
+
+/// What is said of a tick that a file claims and that cannot be read.
+[[nodiscard]] Diagnostic unreadable(const std::string& path, std::uint64_t i, std::uint64_t size);
 
 }  // namespace wholehand

@@ -288,28 +288,6 @@ std::vector<Column<ContactRow>> contactColumns() {
   return out;
 }
 
-std::string unusable(const RecordingMeta& meta) {
-  const auto within = [](std::size_t n, int most) { return n <= static_cast<std::size_t>(most); };
-  const std::size_t axes = meta.axis_names.size();
-  if (axes == 0 || !within(axes, kMaxAxes)) {
-    return "names " + std::to_string(axes) + " axes; 1 to " + std::to_string(kMaxAxes) +
-           " are possible";
-  }
-  if (meta.axis_units.size() != axes || meta.effort_limits.size() != axes ||
-      meta.lever_arms_m.size() != axes) {
-    return "has not one unit, effort limit and lever arm for each axis";
-  }
-  if (!within(meta.joint_names.size(), kMaxJoints)) return "names too many joints";
-  if (!within(meta.body_names.size(), kMaxBodies)) return "names too many bodies";
-  if (!within(meta.parameter_names.size(), kMaxLiveParameters)) return "names too many parameters";
-  if (meta.parameter_values.size() != meta.parameter_names.size()) {
-    return "has not one value for each parameter";
-  }
-  if (!within(meta.value_names.size(), kMaxExerciseValues)) return "names too many values";
-  if (!std::isfinite(meta.period_s) || meta.period_s <= 0.0) return "has no positive period";
-  return {};
-}
-
 std::uint64_t chunkRows(double period_s) noexcept {
   return static_cast<std::uint64_t>(std::clamp(std::round(0.25 / period_s), 25.0, 1000.0));
 }

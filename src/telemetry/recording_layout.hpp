@@ -14,8 +14,6 @@
 /// Told to people in docs/recording.md. Private to telemetry.
 namespace wholehand::recording {
 
-inline constexpr const char* kFormat = "wholehand-recording";
-
 /// One dataset: a row per tick (or per contact).
 struct ColumnShape {
   std::string name;
@@ -66,9 +64,6 @@ struct CommandRow {
 [[nodiscard]] std::vector<Column<EventRow>> eventColumns();
 /// The datasets of /commands.
 [[nodiscard]] std::vector<Column<CommandRow>> commandColumns(const RecordingMeta& meta);
-
-/// Says why this meta cannot describe a TickRecord (too many axes, joints, bodies ...), or nothing.
-[[nodiscard]] std::string unusable(const RecordingMeta& meta);
 
 /// The rows that one chunk holds: about a quarter of a second, so that a write fills one chunk.
 [[nodiscard]] std::uint64_t chunkRows(double period_s) noexcept;

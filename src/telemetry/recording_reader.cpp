@@ -1,6 +1,8 @@
 #include "telemetry/black_box_reader.hpp"
 #include "telemetry/recording.hpp"
+#include "telemetry/recording_bounds.hpp"
 #include "telemetry/recording_layout.hpp"
+#include "telemetry/recording_meta.hpp"
 #include "telemetry/table_reader.hpp"
 
 #include <algorithm>
@@ -29,7 +31,7 @@ constexpr const char* kVariableTexts = "holds texts of variable length, which ar
 constexpr const char* kFixedTexts =
     "write its texts with a fixed length (h5py: numpy.bytes_), or record anew";
 /// Far above what a file of a byte can hold: a damaged file must not make us ask for terabytes.
-constexpr std::uint64_t kMostTicksPerByte = 10;
+constexpr std::uint64_t kMostRowsPerByte = 10;
 constexpr const char* kBrokenCopy =
     "copy it again from where it was recorded; what is missing cannot be restored";
 
@@ -46,89 +48,63 @@ Expected<bool> leftOpen(const std::string& path) {
   if (!in)
     return refusal(path, std::string("cannot be read: ") + std::strerror(errno), kGiveRecording);
   in.read(head.data(), head.size());
-  static constexpr std::array<char, 8> kSignature = {'\x89', 'H',  'D',    'F',
-                                                     '\r',   '\n', '\x1a', '\n'};
   if (in.gcount() == 0) return refusal(path, "is empty", kGiveRecording);
-  if (in.gcount() < 12 || !std::equal(kSignature.begin(), kSignature.end(), head.begin())) {
+  if (in.gcount() < 12 ||
+      !std::equal(hdf5::kSignature.begin(), hdf5::kSignature.end(), head.begin())) {
     return refusal(path, "is no HDF5 file", kGiveRecording);
   }
   constexpr char kWriteBits = 0x01 | 0x04;  // open for writing; for single writer, many readers
   return head[8] >= 3 && (head[11] & kWriteBits) != 0;
 }
 
-bool readFiles(hid_t file, RecordingMeta& meta) {
-  const Handle group(H5Gopen2(file, "meta/files", H5P_DEFAULT), H5Gclose);
-  H5G_info_t info{};
-  if (!group.ok() || H5Gget_info(group.get(), &info) < 0) return false;
-  for (hsize_t i = 0; i < info.nlinks; ++i) {
-    std::string name, text;
-    if (!hdf5::readText(group.get(), std::to_string(i).c_str(), name, text)) return false;
-    meta.files.emplace_back(std::move(name), std::move(text));
-  }
-  return true;
-}
-
-bool readMeta(hid_t file, hid_t id, RecordingMeta& meta) {
-  std::uint64_t clock = 0, uncertified = 0, paper = 0, simulated = 1;
-  const bool ok =
-      readAttribute(id, "created_utc", meta.created_utc) &&
-      readAttribute(id, "git_version", meta.git_version) &&
-      readAttribute(id, "title", meta.title) && readAttribute(id, "seed", meta.seed) &&
-      readAttribute(id, "period_s", meta.period_s) && readAttribute(id, "engine", meta.engine) &&
-      readAttribute(id, "simulated_clock", clock) &&
-      readAttribute(id, "uncertified", uncertified) && readAttribute(id, "paper", paper) &&
-      readAttribute(id, "axis_names", meta.axis_names) &&
-      readAttribute(id, "axis_units", meta.axis_units) &&
-      readAttribute(id, "effort_limits", meta.effort_limits) &&
-      readAttribute(id, "lever_arms_m", meta.lever_arms_m) &&
-      readAttribute(id, "armed_position", meta.armed_position) &&
-      readAttribute(id, "joint_names", meta.joint_names) &&
-      readAttribute(id, "body_names", meta.body_names) &&
-      readAttribute(id, "capsule_names", meta.capsule_names);
-  std::uint64_t level = 0;
-  const bool exercise = readAttribute(id, "exercise", meta.exercise) &&
-                        readAttribute(id, "level", level) &&
-                        readAttribute(id, "parameter_names", meta.parameter_names) &&
-                        readAttribute(id, "parameter_values", meta.parameter_values) &&
-                        readAttribute(id, "value_names", meta.value_names) &&
-                        readAttribute(id, "event_names", meta.event_names);
-  // Before schema 3 no device was watched for lateness: to a re-simulation all were simulated.
-  const bool watched = meta.schema < 3 || readAttribute(id, "simulated_device", simulated);
-  meta.simulated_device = simulated != 0;
-  meta.level = static_cast<int>(std::min<std::uint64_t>(level, 1000));
-  meta.simulated_clock = clock != 0;
-  meta.uncertified = uncertified != 0;
-  meta.paper = paper != 0;
-  return ok && exercise && watched && readFiles(file, meta);
-}
-
 /// A table with any number of rows for a tick: its reader, and which rows belong to which tick.
 template <class Row>
 struct SideTable {
+  struct Rows {
+    std::uint64_t first = 0, count = 0;
+  };
   recording::TableReader<Row> table;
-  std::vector<std::uint64_t> first = {0};  ///< of each tick, and the end of the last
+  std::vector<Rows> of_tick;
 
-  /// Takes how many rows each tick has. False where the table ends before that tick's do.
-  bool follow(std::int32_t count, int most) {
-    const std::uint64_t end = first.back() + static_cast<std::uint64_t>(std::clamp(count, 0, most));
-    if (end > table.rows()) return false;
-    first.push_back(end);
+  /// Takes which tick each row belongs to. Rows that never reached the disk belong to none.
+  bool assign(std::uint64_t ticks) {
+    std::vector<std::uint64_t> owners;
+    if (!table.readAll("row", owners)) return false;
+    of_tick.assign(ticks, {});
+    for (std::uint64_t i = 0; i < owners.size(); ++i) {
+      if (owners[i] >= ticks) continue;
+      Rows& rows = of_tick[owners[i]];
+      if (rows.count == 0) rows.first = i;
+      if (rows.first + rows.count == i) ++rows.count;
+    }
     return true;
   }
+  /// True where all rows of that tick are there.
+  [[nodiscard]] bool isWhole(std::uint64_t tick, std::int32_t count, int most) const {
+    return of_tick[tick].count == static_cast<std::uint64_t>(std::clamp(count, 0, most));
+  }
   bool load(std::uint64_t tick, std::uint64_t end_tick) {
-    return table.load(first[tick], first[end_tick] - first[tick]);
+    std::uint64_t begin = UINT64_MAX, end = 0;
+    for (; tick < end_tick; ++tick) {
+      const Rows& rows = of_tick[tick];
+      if (rows.count == 0) continue;
+      begin = std::min(begin, rows.first);
+      end = std::max(end, rows.first + rows.count);
+    }
+    return begin >= end || table.load(begin, end - begin);
   }
   // Of a damaged file the ticks may have been read and these rows not.
   [[nodiscard]] bool holds(std::uint64_t tick) const {
-    if (first[tick] == first[tick + 1]) return true;
-    return table.holds(first[tick]) && table.holds(first[tick + 1] - 1);
+    const Rows& rows = of_tick[tick];
+    if (rows.count == 0) return true;
+    return table.holds(rows.first) && table.holds(rows.first + rows.count - 1);
   }
   [[nodiscard]] std::int32_t count(std::uint64_t tick) const {
-    return static_cast<std::int32_t>(first[tick + 1] - first[tick]);
+    return static_cast<std::int32_t>(of_tick[tick].count);
   }
   [[nodiscard]] Row row(std::uint64_t tick, std::int32_t i) const {
     Row row;
-    table.get(first[tick] + static_cast<std::uint64_t>(i), row);
+    table.get(of_tick[tick].first + static_cast<std::uint64_t>(i), row);
     return row;
   }
 };
@@ -139,7 +115,7 @@ class Hdf5Reader final : public RecordingReader {
   Expected<Done> open(const std::string& path, bool left_open);
 
   [[nodiscard]] const RecordingMeta& meta() const override { return meta_; }
-  [[nodiscard]] std::uint64_t size() const override { return size_; }
+  [[nodiscard]] std::uint64_t size() const override { return rows_.size(); }
   bool read(std::uint64_t i, TickRecord& record) override;
 
  private:
@@ -148,9 +124,10 @@ class Hdf5Reader final : public RecordingReader {
   std::string openTable(const char* name, recording::TableReader<Row>& table);
   /// Opens the tables and counts the ticks that are complete. What is wrong, or nothing.
   std::string openTables();
-  std::string countTicks();
-  bool loadAround(std::uint64_t i);
-  [[nodiscard]] bool holds(std::uint64_t i) const;
+  std::string findTicks();
+  // Of a row of the file.
+  bool loadAround(std::uint64_t row);
+  [[nodiscard]] bool holds(std::uint64_t row) const;
 
   Handle file_;
   RecordingMeta meta_;
@@ -158,7 +135,8 @@ class Hdf5Reader final : public RecordingReader {
   std::unique_ptr<SideTable<recording::ContactRow>> contacts_;
   std::unique_ptr<SideTable<recording::EventRow>> events_;
   std::unique_ptr<SideTable<recording::CommandRow>> commands_;
-  std::uint64_t size_ = 0, block_ = 1;
+  std::vector<std::uint64_t> rows_;  ///< of the file, that hold a whole tick
+  std::uint64_t block_ = 1;
 };
 
 Expected<Done> Hdf5Reader::open(const std::string& path, bool left_open) {
@@ -200,7 +178,7 @@ Expected<Done> Hdf5Reader::readDescription(const std::string& path) {
     return d;
   }
   meta_.schema = version;
-  if (!readMeta(file_.get(), group.get(), meta_)) {
+  if (!recording::readMeta(file_.get(), group.get(), meta_)) {
     return refusal(path, "is truncated or damaged: its description cannot be read", kBrokenCopy);
   }
   if (const std::string reason = recording::unusable(meta_); !reason.empty()) {
@@ -212,7 +190,7 @@ Expected<Done> Hdf5Reader::readDescription(const std::string& path) {
 template <class Row>
 std::string Hdf5Reader::openTable(const char* name, recording::TableReader<Row>& table) {
   const Handle group(H5Gopen2(file_.get(), name, H5P_DEFAULT), H5Gclose);
-  if (!group.ok()) return std::string("is truncated: it has no ") + name;
+  if (!group.ok()) return std::string("is truncated: it has no ").append(name);
   const std::string problem = table.open(group.get());
   return problem.empty() ? problem : "is damaged: it " + problem;
 }
@@ -220,59 +198,67 @@ std::string Hdf5Reader::openTable(const char* name, recording::TableReader<Row>&
 std::string Hdf5Reader::openTables() {
   using namespace recording;
   ticks_ = std::make_unique<TableReader<TickRecord>>(tickColumns(meta_));
-  contacts_.reset(new SideTable<ContactRow>{TableReader<ContactRow>(contactColumns())});
-  events_.reset(new SideTable<EventRow>{TableReader<EventRow>(eventColumns())});
-  commands_.reset(new SideTable<CommandRow>{TableReader<CommandRow>(commandColumns(meta_))});
+  contacts_.reset(new SideTable<ContactRow>{TableReader<ContactRow>(contactColumns()), {}});
+  events_.reset(new SideTable<EventRow>{TableReader<EventRow>(eventColumns()), {}});
+  commands_.reset(new SideTable<CommandRow>{TableReader<CommandRow>(commandColumns(meta_)), {}});
   for (const std::string& problem :
        {openTable("ticks", *ticks_), openTable("contacts", contacts_->table),
         openTable("events", events_->table), openTable("commands", commands_->table)}) {
     if (!problem.empty()) return problem;
   }
   block_ = chunkRows(meta_.period_s);
-  if (std::string problem = countTicks(); !problem.empty()) return problem;
+  if (std::string problem = findTicks(); !problem.empty()) return problem;
   // The last rows lie at the end of the file: a copy that stopped early shows here.
-  if (size_ > 0 && !loadAround(size_ - 1)) return "is truncated: its last ticks cannot be read";
+  if (!rows_.empty() && !loadAround(rows_.back()))
+    return "is truncated: its last ticks cannot be read";
   return {};
 }
 
-std::string Hdf5Reader::countTicks() {
+// A row whose number, contacts, events or commands never reached the disk is a hole: what follows
+// it is read all the same, and the ticks' numbers tell of it.
+std::string Hdf5Reader::findTicks() {
   std::vector<std::int32_t> contacts, events, commands;
   std::vector<std::uint64_t> numbers;
   hsize_t bytes = 0;
-  if (H5Fget_filesize(file_.get(), &bytes) < 0 || ticks_->rows() / kMostTicksPerByte > bytes) {
-    return "is damaged: it claims more ticks than a file of its size can hold";
+  if (H5Fget_filesize(file_.get(), &bytes) < 0) return "is truncated or damaged";
+  for (const std::uint64_t rows :
+       {ticks_->rows(), contacts_->table.rows(), events_->table.rows(), commands_->table.rows()}) {
+    if (rows / kMostRowsPerByte > bytes) {
+      return "is damaged: it claims more ticks than a file of its size can hold";
+    }
   }
+  const std::uint64_t ticks = ticks_->rows();
   if (!ticks_->readAll("contact_count", contacts) || !ticks_->readAll("tick", numbers) ||
-      !ticks_->readAll("event_count", events) || !ticks_->readAll("command_count", commands)) {
+      !ticks_->readAll("event_count", events) || !ticks_->readAll("command_count", commands) ||
+      !contacts_->assign(ticks) || !events_->assign(ticks) || !commands_->assign(ticks)) {
     return "is truncated or damaged: its ticks cannot be read";
   }
-  size_ = 0;
-  for (std::size_t i = 0; i < numbers.size(); ++i) {
-    // Where a table ends early the kill came in between.
-    if (numbers[i] == UINT64_MAX || !contacts_->follow(contacts[i], kMaxContacts) ||
-        !events_->follow(events[i], kMaxExerciseEvents) ||
-        !commands_->follow(commands[i], kMaxCommands)) {
-      break;
+  for (std::uint64_t i = 0; i < ticks; ++i) {
+    if (numbers[i] != UINT64_MAX && contacts_->isWhole(i, contacts[i], kMaxContacts) &&
+        events_->isWhole(i, events[i], kMaxExerciseEvents) &&
+        commands_->isWhole(i, commands[i], kMaxCommands)) {
+      rows_.push_back(i);
     }
-    ++size_;
   }
   return {};
 }
 
-bool Hdf5Reader::loadAround(std::uint64_t i) {
-  const std::uint64_t first = i / block_ * block_;
-  const std::uint64_t end = std::min(size_, first + block_);
+bool Hdf5Reader::loadAround(std::uint64_t row) {
+  const std::uint64_t first = row / block_ * block_;
+  const std::uint64_t end = std::min(ticks_->rows(), first + block_);
   return ticks_->load(first, end - first) && contacts_->load(first, end) &&
          events_->load(first, end) && commands_->load(first, end);
 }
 
-bool Hdf5Reader::holds(std::uint64_t i) const {
-  return ticks_->holds(i) && contacts_->holds(i) && events_->holds(i) && commands_->holds(i);
+bool Hdf5Reader::holds(std::uint64_t row) const {
+  return ticks_->holds(row) && contacts_->holds(row) && events_->holds(row) &&
+         commands_->holds(row);
 }
 
-bool Hdf5Reader::read(std::uint64_t i, TickRecord& record) {
-  if (i >= size_) return false;
-  hdf5::silenceErrors();
+bool Hdf5Reader::read(std::uint64_t index, TickRecord& record) {
+  if (index >= rows_.size()) return false;
+  const std::uint64_t i = rows_[index];
+  hdf5::beginHdf5();
   if (!holds(i) && !loadAround(i)) return false;
   record = TickRecord{};
   ticks_->get(i, record);
@@ -303,12 +289,19 @@ Expected<std::unique_ptr<RecordingReader>> RecordingReader::open(const std::stri
     if (!box) return box.errors();
     return Expected<std::unique_ptr<RecordingReader>>(std::move(*box));
   }
-  hdf5::silenceErrors();
+  hdf5::beginHdf5();
   const auto left_open = leftOpen(path);
   if (!left_open) return left_open.errors();
   auto reader = std::make_unique<Hdf5Reader>();
   if (auto opened = reader->open(path, *left_open); !opened) return opened.errors();
   return Expected<std::unique_ptr<RecordingReader>>(std::move(reader));
+}
+
+Diagnostic unreadable(const std::string& path, std::uint64_t i, std::uint64_t size) {
+  return refusal(path,
+                 "is damaged: tick " + std::to_string(i + 1) + " of " + std::to_string(size) +
+                     " cannot be read",
+                 kBrokenCopy);
 }
 
 }  // namespace wholehand

@@ -88,6 +88,10 @@ void TickStatistics::add(const TickRecord& r) {
   t.time_s = r.time_s;
   t.contacts = r.contact_count;
   t.sent = r.sent;
+  if (r.exercise.value_count > 0) {
+    t.value_count = r.exercise.value_count;
+    t.values = r.exercise.values;
+  }
   cpu_.add(r.cpu_ns);
   wall_.add(r.wall_ns);
   lateness_.add(r.lateness_ns);

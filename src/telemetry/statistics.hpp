@@ -53,6 +53,9 @@ struct TickSummary {
   double time_s = 0.0;        ///< of the last tick
   std::int32_t contacts = 0;  ///< in the last tick
   AxisEffort sent;            ///< in the last tick
+  /// The exercise's values in the last tick that had any, in the order of its names.
+  std::int32_t value_count = 0;
+  std::array<double, kMaxExerciseValues> values{};
 };
 
 /// Running statistics over records, without storing them. Any thread may ask for a snapshot while

@@ -5,6 +5,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <utility>
 #include <vector>
 
 namespace wholehand::recording {
@@ -25,6 +27,9 @@ class TableWriter {
   bool write();
   /// The written rows are safe: forgets them and goes on behind them.
   void commit();
+  /// Takes the rows that another keeps. Those of a side table name their tick by its row: it loses
+  /// the `ticks` that the other's file had.
+  void takeRowsOf(TableWriter& other, std::uint64_t ticks);
   /// Closes the datasets.
   void close() { datasets_.clear(); }
 
@@ -86,6 +91,21 @@ void TableWriter<Row>::commit() {
   written_ += pending_;
   for (auto& buffer : buffers_) buffer.clear();
   pending_ = 0;
+}
+
+template <class Row>
+void TableWriter<Row>::takeRowsOf(TableWriter& other, std::uint64_t ticks) {
+  buffers_.swap(other.buffers_);
+  std::swap(pending_, other.pending_);
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    if (columns_[i].name != "row") continue;
+    for (std::size_t at = 0; at < buffers_[i].size(); at += sizeof(std::uint64_t)) {
+      std::uint64_t row = 0;
+      std::memcpy(&row, buffers_[i].data() + at, sizeof row);
+      row -= ticks;
+      std::memcpy(buffers_[i].data() + at, &row, sizeof row);
+    }
+  }
 }
 
 template <class Row>

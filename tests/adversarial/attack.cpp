@@ -85,7 +85,9 @@ double Bones::deepest(const TickRecord& record) {
       for (const Eigen::Vector3d& point : {c.a_m, Eigen::Vector3d(0.5 * (c.a_m + c.b_m)), c.b_m}) {
         const Eigen::Vector3d p = inBody(state, body, at * point);
         for (const Shape& shape : body.shapes) {
-          deepest_m = std::max(deepest_m, -signedDistance(shape, p));
+          // Digits meet the core of a soft body.
+          const Shape met = c.part == HandPart::kPalm ? shape : coreOf(body, shape);
+          deepest_m = std::max(deepest_m, -signedDistance(met, p));
         }
       }
     }
@@ -115,7 +117,7 @@ std::optional<Outcome> attack(Rig& rig, ChangingDevice& device, Player& player, 
   if (!renderer.arm()) return std::nullopt;
   bones.reset();
   Outcome out;
-  AxisEffort before = renderer.config().neutral;
+  AxisEffort before = renderer.config().safety.neutral;
   auto record = std::make_unique<TickRecord>();
   int stop_tick = -1;
   for (int k = 0; (stop_tick < 0 || k < stop_tick + kAfterStop) && out.broken.empty(); ++k) {
@@ -135,7 +137,7 @@ std::optional<Outcome> attack(Rig& rig, ChangingDevice& device, Player& player, 
     out.touched_ticks += record->contact_count > 0 ? 1 : 0;
     before = record->sent;
     if (stop_tick >= 0) {
-      const bool neutral = isNeutral(record->sent, renderer.config().neutral);
+      const bool neutral = isNeutral(record->sent, renderer.config().safety.neutral);
       if (neutral && out.neutral_after_ticks < 0) out.neutral_after_ticks = k - stop_tick;
       if (!neutral && k >= stop_tick + kNeutralWithin) out.broken = "not at neutral after 100 ms";
     }

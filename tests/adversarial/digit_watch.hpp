@@ -1,5 +1,6 @@
 #pragma once
 
+#include "physics/segment_distance.hpp"
 #include "support/rig_tools.hpp"
 
 #include <algorithm>
@@ -67,12 +68,34 @@ class DigitWatch {
     double lowest = 0.0;                   // since then
   };
 
-  static bool touches(const Digit& digit, const TickRecord& r) {
-    return std::any_of(r.contacts.begin(), r.contacts.begin() + r.contact_count,
+  /// It bears on something, or is inside the surface that is drawn of a soft body.
+  bool touches(const Digit& digit, const TickRecord& r) const {
+    return insideSoftBody(digit, r) ||
+           std::any_of(r.contacts.begin(), r.contacts.begin() + r.contact_count,
                        [&](const Contact& c) {
                          return digit.capsules[static_cast<std::size_t>(c.capsule)] &&
                                 c.force_n.eigen().dot(c.normal.eigen()) > 0.0;
                        });
+  }
+
+  bool insideSoftBody(const Digit& digit, const TickRecord& r) const {
+    if (!(r.exercise.effort[digit.wall.axis] < 0.0)) return false;  // nothing to judge
+    const ArticulatedBody at = handAt(rig_.models.hand, r.q_s);
+    const std::vector<SceneBody>& bodies = rig_.models.scene.bodies;
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      if (!(bodies[b].soft_m > 0.0)) continue;
+      const Eigen::Matrix3d turn = r.bodies[b].orientation_xyzw.eigen().toRotationMatrix();
+      const Pose in_world{turn, r.bodies[b].position_m.eigen() - turn * bodies[b].com_m};
+      for (std::size_t i = 0; i < digit.capsules.size(); ++i) {
+        if (!digit.capsules[i]) continue;
+        const Capsule& c = rig_.models.hand.capsules[i];
+        const Pose link = in_world.inverse() * at.linkPose(c.link);
+        const SegmentDistance gap =
+            segmentDistance(bodies[b].shapes[0], link * c.a_m, link * c.b_m, c.radius_m, 0.0);
+        if (gap.distance_m < 0.0) return true;
+      }
+    }
+    return false;
   }
 
   void look(Digit& digit, const TickRecord& r) {

@@ -94,13 +94,14 @@ class Stages {
       const char* exercise;
       int level;
     };
-    constexpr std::array<Level, 7> kLevels{{{"cocktail-bar", 1},
+    constexpr std::array<Level, 8> kLevels{{{"cocktail-bar", 1},
                                             {"cocktail-bar", 2},
                                             {"cocktail-bar", 3},
                                             {"cocktail-bar", 4},
                                             {"cocktail-bar-free", 1},
                                             {"cocktail-bar-free", 2},
-                                            {"free-grasping", 1}}};
+                                            {"free-grasping", 1},
+                                            {"squeeze-to-level", 1}}};
     constexpr std::array<const char*, 4> kPatients{"relaxed-adult", "stiff-adult", "tremor",
                                                    "spastic"};
     const Level& level = kLevels[random() % kLevels.size()];

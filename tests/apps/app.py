@@ -59,10 +59,11 @@ class AppTest(unittest.TestCase):
         self.addCleanup(process.kill)
         return process
 
-    def wait_until(self, run, what):
-        """Until it is true of a program in the background, however slow the machine."""
+    def wait_until(self, run, what, say=lambda: ""):
+        """Until it is true of a program in the background, or the program has ended."""
         until = time.monotonic() + 100.0
-        while run.poll() is None and not what() and time.monotonic() < until:
+        while run.poll() is None and not what():
+            self.assertLess(time.monotonic(), until, f"not within 100 s, however slow the machine\n{say()}")
             time.sleep(0.01)
 
     def wait_until_it_catches(self, run, number):

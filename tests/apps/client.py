@@ -8,13 +8,15 @@ import time
 import zlib
 
 # protocol/wholehand.fbs: members of the unions Order and Payload, from 1.
-STOP, EMERGENCY_STOP, STEER, ACTION, TAKE_CONTROLS, HEARTBEAT = 2, 3, 7, 8, 9, 11
-WORLD_STATE, WELCOME, REPLY, COMMAND = 1, 4, 6, 7
+ARM, STOP, EMERGENCY_STOP, AIM, STEER, ACTION, TAKE_CONTROLS, HEARTBEAT = 1, 2, 3, 6, 7, 8, 9, 11
+WORLD_STATE, SCENE, WELCOME, REPLY, COMMAND = 1, 2, 4, 6, 7
+ENDINGS, DEVICE_STATE = 32, 33  # fields of WorldState
 PERSON = 1
 
 
 def encode(table):
-    """A finished buffer. A table is a list of its fields: (struct format, number) or a table; every field is given."""
+    """A finished buffer. A table is a list of its fields: (struct format, number), a table, or the floats of a vector
+    as bytes; every field is given."""
     buffer = bytearray(struct.pack("<I4s", 0, b"WHND"))
     struct.pack_into("<I", buffer, 0, _put(buffer, table))
     return bytes(buffer)
@@ -31,6 +33,10 @@ def _put(buffer, fields):
         place = at + 4 + 4 * i
         if isinstance(field, list):
             struct.pack_into("<I", buffer, place, _put(buffer, field) - place)
+        elif isinstance(field, bytes):
+            buffer += bytes(-len(buffer) % 4)
+            struct.pack_into("<I", buffer, place, len(buffer) - place)
+            buffer += struct.pack("<I", len(field) // 4) + field
         else:
             struct.pack_into("<" + field[0], buffer, place, field[1])
     return at
@@ -58,8 +64,21 @@ class Table:
         place = self.at + struct.unpack_from("<H", self.buffer, vtable + 4 + 2 * index)[0]
         return Table(self.buffer, place + struct.unpack_from("<I", self.buffer, place)[0])
 
-    def text(self, index):
+    def texts(self, index):
+        """Of a vector of strings."""
         at = self.inner(index).at
+        count = struct.unpack_from("<I", self.buffer, at)[0]
+        places = [at + 4 + 4 * i for i in range(count)]
+        return [self._text(place + struct.unpack_from("<I", self.buffer, place)[0]) for place in places]
+
+    def doubles(self, index):
+        at = self.inner(index).at
+        return struct.unpack_from(f"<{struct.unpack_from('<I', self.buffer, at)[0]}d", self.buffer, at + 4)
+
+    def text(self, index):
+        return self._text(self.inner(index).at)
+
+    def _text(self, at):
         return self.buffer[at + 4:at + 4 + struct.unpack_from("<I", self.buffer, at)[0]].decode()
 
 
@@ -72,11 +91,12 @@ def decode(buffer):
 class Page:
     """A WebSocket. Whoever holds the controls shows every 50 ms that it is alive, until it falls silent."""
 
-    def __init__(self, port):
+    def __init__(self, port, role=None):
+        path = f"/ws?role={role}" if role else "/ws"
         self.socket = socket.create_connection(("127.0.0.1", port), timeout=30)
         self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         key = base64.b64encode(os.urandom(16)).decode()
-        self.socket.sendall(f"GET /ws HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nUpgrade: websocket\r\n"
+        self.socket.sendall(f"GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nUpgrade: websocket\r\n"
                             f"Connection: Upgrade\r\nSec-WebSocket-Key: {key}\r\n"
                             "Sec-WebSocket-Version: 13\r\n\r\n".encode())
         self.bytes = b""
@@ -85,6 +105,9 @@ class Page:
         head, _, self.bytes = self.bytes.partition(b"\r\n\r\n")
         assert head.startswith(b"HTTP/1.1 101"), head
         self.replies = {}  # by command: accepted, reason
+        self.state = None  # the newest WorldState
+        self.on_state = lambda state: None  # in the thread that listens
+        self.scene = None
         self.answered = threading.Condition()
         self.version, self.last, self.lock = 1, 0, threading.Lock()
         self.alive = threading.Event()
@@ -117,6 +140,11 @@ class Page:
         if kind & 15 != 2:
             return
         what, table = decode(payload)
+        if what == WORLD_STATE:
+            self.state = table
+            self.on_state(table)
+        if what == SCENE:
+            self.scene = table
         if what == REPLY:
             with self.answered:
                 self.replies[table.number(0, "I")] = (bool(table.number(1, "B")), table.text(2))
@@ -136,6 +164,14 @@ class Page:
         with self.answered:
             self.answered.wait_for(lambda: number in self.replies, within_s)
             return self.replies.get(number)
+
+    def arm(self, endings_seen):
+        """Whether it was accepted, and why not, once the program has told of as many endings."""
+        until = time.monotonic() + 90.0
+        while endings_seen > 1 and (self.state is None or self.state.number(ENDINGS, "I") < endings_seen):
+            assert time.monotonic() < until, f"ending {endings_seen} is not told of within 90 s"
+            time.sleep(0.01)
+        return self.answer(self.say(ARM, ("I", endings_seen)), 90)
 
     def hold_controls(self):
         assert self.answer(self.say(TAKE_CONTROLS))[0]

@@ -72,7 +72,7 @@ class Level(AppTest):
         self.assertAlmostEqual(values["flow_l_s"].sum() * 1e-3, values["poured_total_l"][-1], delta=1e-7)
         # Flow = l_per_s_n (squeeze − threshold) / viscosity, at most max_l_s; the file's numbers.
         flow = values["flow_l_s"]
-        law = (0.0008 * (values["squeeze_n"] - 6.0)).clip(0.0, 0.02)
+        law = (0.0048 * (values["squeeze_n"] - 1.0)).clip(0.0, 0.02)
         self.assertGreater((flow > 0).sum(), 1000)
         self.assertLess(abs(flow - law)[flow > 0].max(), 1e-9)
 
@@ -91,7 +91,7 @@ class Level(AppTest):
         self.assertEqual((alpha.min(), alpha.max()), (0.0, 1.0))
 
     def test_wall_is_equation_15(self):
-        # f_e = −α min(cap, max(0, k p + d q̇)) for p > 0: lemon, 80 N/m and 0.22 N·s/m at the tip,
+        # f_e = −α min(cap, max(0, k p + d q̇)) for p > 0: lemon, 100 N/m and 0.11 N·s/m at the tip,
         # 90 % of the axis's 0.8 N·m.
         recording = self.open()
         ticks = {name: recording["ticks/" + name][:] for name in
@@ -99,7 +99,7 @@ class Level(AppTest):
         axes = [text.decode() for text in recording["meta"].attrs["axis_names"]]
         for axis in (axes.index("finger_flexion"), axes.index("thumb_flexion")):
             depth = ticks["q_m"][:, axis] - ticks["wall"][:, axis]
-            push = LEVER_M**2 * (80.0 * depth + 0.22 * ticks["qd_mf"][:, axis])
+            push = LEVER_M**2 * (100.0 * depth + 0.11 * ticks["qd_mf"][:, axis])
             expected = -ticks["alpha"] * push.clip(0.0, 0.9 * 0.8)
             expected[(depth <= 0.0) | (ticks["wall_active"][:, axis] == 0.0)] = 0.0
             self.assertLess(abs(ticks["exercise_effort"][:, axis] - expected).max(), 1e-12)

@@ -6,6 +6,7 @@ import unittest
 import xml.etree.ElementTree as ElementTree
 
 from app import BAD_INPUT, CONFIG, DONE, AppTest, read_recording
+from device_app import passport_of
 
 DEVICE, GAINS = CONFIG / "devices/lambda-pride.toml", CONFIG / "rendering/lambda-pride.toml"
 HAND = CONFIG / "hands/adult-median-right.toml"
@@ -115,8 +116,8 @@ class Certify(AppTest):
         self.assertEqual((certificate["exercise"], certificate["level"]), ("cocktail-bar", 4))
         self.assertIn("the walls of cocktail-bar, level 4", result.out.splitlines()[0])
         fingers, thumb = certificate["axes"][3], certificate["axes"][4]
-        # 80 N/m at the tip, 0.08 m of lever, 2.8 times for coconut, raised by at most WALL_RATIO while it runs.
-        self.assertAlmostEqual(fingers["wall"]["stiffness"], 80 * 0.08 ** 2 * 2.8 * WALL_RATIO)
+        # 100 N/m at the tip, 0.08 m of lever, 2.8 times for coconut, raised by at most WALL_RATIO while it runs.
+        self.assertAlmostEqual(fingers["wall"]["stiffness"], 100 * 0.08 ** 2 * 2.8 * WALL_RATIO)
         self.assertGreater(fingers["wall"]["damping_required"], fingers["damping_required"])
         self.assertAlmostEqual(fingers["wall"]["margin"],
                                fingers["damping_available"] / fingers["wall"]["damping_required"])
@@ -126,7 +127,7 @@ class Certify(AppTest):
 
     def test_wall_that_is_too_stiff_is_named(self):
         text = (CONFIG / "exercises/cocktail-bar.toml").read_text().replace(
-            "../scenes", str(CONFIG / "scenes")).replace("stiffness_tip_n_m = 80.0", "stiffness_tip_n_m = 400.0")
+            "../scenes", str(CONFIG / "scenes")).replace("stiffness_tip_n_m = 100.0", "stiffness_tip_n_m = 400.0")
         hard = self.write("hard.toml", text)
         result, certificate = self.certify("--exercise", hard, "--level", "4", code=NOT_CERTIFIED)
         self.assertEqual(certificate["binding"], "finger_flexion.wall")
@@ -202,6 +203,35 @@ class Certify(AppTest):
         for word in ("x, y, z", "finger_flexion", "thumb_circumduction", "thumb_flexion", "any person",
                      "rigid stop", "quantisation", "this axis", "N·m/rad"):
             self.assertIn(word, words)
+
+    def test_passport_is_judged_at_its_worst_corner_and_says_so(self):
+        device = CONFIG / "devices/desktop-3axis.toml"
+        mine = self.write("mine.toml", device.read_text())
+        arguments = ("--device", mine, "--rendering", CONFIG / "rendering/desktop-3axis.toml")
+        _, of_file = self.certify(*arguments)
+        self.assertIsNone(of_file["corner"])
+        good = self.write("good.toml", passport_of(mine))
+        result, certificate = self.certify(*arguments, "--passport", good)
+        self.assertIn("at the worst corner of the passport", result.out)
+        self.assertIn("good.toml", certificate["corner"])
+        # The file states 3 N·s/m and an encoder as measured: only the masses differ.
+        self.assertEqual(certificate["axes"][0]["damping_available"], 3.0)
+        self.assertLessEqual(certificate["margin"], of_file["margin"])
+        # A third of the damping that the file states bears less than its 400 N/m.
+        weak = self.write("weak.toml", passport_of(mine, damping=(1 / 3, 1.2)))
+        result, certificate = self.certify(*arguments, "--passport", weak, code=NOT_CERTIFIED)
+        self.assertAlmostEqual(certificate["axes"][0]["damping_available"], 1.0)
+        self.assertIn("damping", certificate["axes"][0]["fails"])
+
+    def test_passport_that_is_foreign_changed_or_expired_is_refused(self):
+        mine = self.write("mine.toml", (CONFIG / "devices/desktop-3axis.toml").read_text())
+        arguments = ("certify", "--device", mine, "--rendering", CONFIG / "rendering/desktop-3axis.toml", "--passport")
+        for text, says in ((passport_of(mine) + "\n", "changed after it was written"),
+                           (passport_of(mine, day="2020-01-01"), "has expired"),
+                           (passport_of(CONFIG / "devices/desktop-3axis.toml").replace("passport", "device"), "changed"),
+                           (passport_of(self.write("other.toml", mine.read_text() + "# other\n")), "was changed since")):
+            with self.subTest(says=says):
+                self.expect_refused(self.run_app(*arguments, self.write("p.toml", text)), "p.toml", says)
 
     def test_files_that_are_not_well_formed(self):
         bad_gains = self.gains(("gamma = 0.3", "gamma = nan"), name="bad-gains.toml")

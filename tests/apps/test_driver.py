@@ -1,7 +1,4 @@
 """A real device behind a driver that is compiled outside the tree: C99 and the public header, nothing else."""
-import os
-import pathlib
-import re
 import shutil
 import signal
 import subprocess
@@ -9,40 +6,15 @@ import time
 import unittest
 
 import client
-from app import CONFIG, INTERRUPTED, SOURCE, AppTest, read_recording
+from app import BINARY, CONFIG, INTERRUPTED, SOURCE, AppTest, read_recording
+from device_app import DRIVERS, HARDWARE, DeviceTest
 
-DRIVERS = pathlib.Path(os.environ.get("WHOLEHAND_DRIVERS", SOURCE / "build/release/drivers"))
-ARM = 1  # protocol/wholehand.fbs, union Order
 DEVICE_READ = 1 << 0  # docs/recording.md, bits of `faults`
-HARDWARE = ("run", "--exercise", "free-grasping", "--patient", CONFIG / "patients/no-arm.toml", "--port", 0)
 
 
-class Driver(AppTest):
-    def device_file(self):
-        """The desktop device, whose watch counts and does not stop: this machine may stall."""
-        text = (CONFIG / "devices/desktop-3axis.toml").read_text()
-        for key in ("late_in_a_row", "longest_gap_s", "stuck_encoder_s"):
-            text = re.sub(rf"^{key} = \S+", f"{key} = 0" if key == "late_in_a_row" else f"{key} = 0.0", text, flags=re.M)
-        path = self.folder / "device.toml"
-        path.write_text(text)
-        return path
-
+class Driver(DeviceTest):
     def start(self, driver, *more):
-        run = self.start_app(*HARDWARE, "--device", self.device_file(), "--rendering",
-                             CONFIG / "rendering/desktop-3axis.toml", "--driver", driver, *more)
-        first = run.stdout.readline()
-        if ":" not in first:
-            self.fail(first + run.communicate()[1])
-        self.driver_line = ""
-        while "driver" not in self.driver_line and run.poll() is None:
-            self.driver_line = run.stdout.readline()
-        self.page = client.Page(int(first.split(":")[2].rstrip("/\n")))
-        self.page.hold_controls()
-        return run
-
-    def arm(self, endings_seen=1):
-        accepted, reason = self.page.answer(self.page.say(ARM, ("I", endings_seen)), 90)
-        self.assertTrue(accepted, reason)
+        return self.start_run(*self.desktop(), "--driver", driver, *more)
 
     def stop(self, run):
         run.send_signal(signal.SIGINT)
@@ -65,6 +37,9 @@ class Driver(AppTest):
         self.assertFalse(self.page.answer(self.page.say(client.STEER, ("i", client.PERSON)))[0])
         self.arm()
         time.sleep(1.0)
+        device = self.page.state.inner(client.DEVICE_STATE)
+        self.assertEqual([device.number(i, "B") for i in range(4)], [1, 1, 0, 0])  # enabled, homed; rails.c has no heat
+        self.assertTrue(0.0 <= device.number(5, "f") < 2.0, "the age of the sample")
         self.assertEqual(self.page.answer(self.page.say(client.STEER, ("i", client.PERSON))),
                          (False, "who holds the device moves the hand"))
         self.assertTrue(self.page.answer(self.page.say(client.EMERGENCY_STOP))[0])
@@ -77,6 +52,7 @@ class Driver(AppTest):
         self.assertIn("rails (an example), 3 axes", self.driver_line)
         with read_recording(self.recordings()[0]) as first:
             self.assertEqual(first["meta"].attrs["simulated_device"], 0)
+            self.assertEqual(first["meta"].attrs["passport"], b"without")
             self.assertGreater(len(first["ticks/sent"]), 500)
             self.assertEqual(list(first["ticks/sent"][-1]), [0.0] * 3, "neutral at the end")
         self.expect_same_when_run_again(self.recordings()[0])
@@ -114,7 +90,53 @@ class Driver(AppTest):
                 ((*spoiled, *device, "--simulated-clock"), ("--simulated-clock", "simulated")),
                 ((*spoiled, *device, "--no-web"), ("--driver", "console"))):
             with self.subTest(arguments=arguments):
-                self.expect_refused(self.run_app(*HARDWARE[:-2], *arguments), *words)
+                self.expect_refused(self.run_app(*HARDWARE[:-2], *arguments, "--without-passport"), *words)
+
+
+class Passport(AppTest):
+    """A device without a passport is refused; `--without-passport` is loud and recorded."""
+
+    def test_device_without_a_passport_is_refused_with_the_remedy(self):
+        run = (*HARDWARE, "--device", CONFIG / "devices/desktop-3axis.toml", "--driver")
+        self.expect_refused(self.run_app(*run, DRIVERS / "rails.so"), "desktop-3axis.rails-0001.passport.toml",
+                            "device rails-0001 has no passport", "wholehand device commission")
+        self.expect_refused(self.run_app(*run, DRIVERS / "spoiled.so", "--driver-settings", "anonymous"),
+                            "no serial number", "wh_plugin.identify")
+
+    def test_damaged_passport_is_refused(self):
+        shutil.copy(CONFIG / "devices/desktop-3axis.toml", self.folder / "mine.toml")
+        changed = 'kind = "passport"\n[seal]\nsha256 = "' + 64 * "0" + '"\n'
+        for text, says in (("", "truncated"), (changed, "changed after it was written")):
+            self.write("mine.rails-0001.passport.toml", text)
+            self.expect_refused(self.run_app(*HARDWARE, "--device", "mine.toml", "--rendering",
+                                             CONFIG / "rendering/desktop-3axis.toml", "--driver", DRIVERS / "rails.so"),
+                                "mine.rails-0001.passport.toml", says, "device commission")
+
+    def test_simulated_device_takes_no_word_about_passports(self):
+        self.expect_refused(self.run_app("run", "--without-passport", "--simulated-clock"), "--without-passport",
+                            "real device")
+
+
+class Commission(AppTest):
+    COMMISSION = ("device", "commission", "--operator", "A", "--device", CONFIG / "devices/desktop-3axis.toml")
+
+    def test_person_who_does_not_answer_gets_no_passport(self):
+        self.expect(self.run_app(*self.COMMISSION, "--driver", DRIVERS / "rails.so"), 1, "Step 1 of 11: identify",
+                    "rails-0001", "Not finished")
+        self.assertEqual(self.names_in(self.folder), [])
+
+    def test_without_a_terminal_no_key_can_be_held_and_nothing_moves(self):
+        done = subprocess.run([BINARY, *map(str, self.COMMISSION), "--driver", DRIVERS / "rails.so"], text=True,
+                              input="yes\nyes\nquit\n", capture_output=True, timeout=60)
+        self.assertEqual(done.returncode, 1, done.stdout + done.stderr)
+        self.assertIn("Step 2 of 11: home", done.stdout)
+        self.assertIn("no key can be held", done.stderr)
+
+    def test_what_does_not_fit_is_refused(self):
+        self.expect_refused(self.run_app(*self.COMMISSION), "--driver", "--host")
+        self.expect_refused(self.run_app(*self.COMMISSION, "--driver", "none.so"), "none.so", "cannot open")
+        self.expect_refused(self.run_app(*self.COMMISSION, "--driver", DRIVERS / "rails.so", "--daily"),
+                            "rails-0001.passport.toml")
 
 
 if __name__ == "__main__":

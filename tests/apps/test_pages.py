@@ -179,6 +179,22 @@ class Refused(AppTest):
                     self.expect_refused(result, address, "token", "16 characters", lines=1)
                     self.assertEqual(result.out, "")  # no address was printed: nothing listened
 
+    def test_tokens_of_roles_are_refused_by_name(self):
+        long = "0123456789abcdef"
+        for tokens, texts in (
+                ([f"admin={long}"], ["--token", "admin", "therapist="]),
+                ([f"player={long}"], ["player token", "therapist="]),
+                (["player="], ["--token", "player=", "16 characters"]),
+                ([long, f"therapist={long}x"], ["--token", "therapist", "twice"]),
+                ([long, f"player={long}"], ["player token", "its own"]),
+                ([long, "watcher=short"], ["watcher token", "16 characters"]),
+        ):
+            with self.subTest(tokens=tokens):
+                arguments = [part for token in tokens for part in ("--token", token)]
+                result = self.run_app("run", "--wait", "--port", 0, *arguments, "--duration", 1, timeout=100)
+                self.expect_refused(result, *texts, lines=1)
+                self.assertEqual(result.out, "")
+
     def test_open_to_others_prints_addresses_of_this_machine(self):
         run = self.start_app("run", "--wait", "--port", 0, "--address", "0.0.0.0", "--token", "0123456789abcdef")
         said = "".join(run.stdout.readline() for _ in range(4))

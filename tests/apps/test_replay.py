@@ -108,17 +108,27 @@ class Same(AppTest):
 class BlackBox(AppTest):
     """The box of a run that is crashed from outside; crashes and faults of all kinds: test_black_box*."""
 
-    def crash(self, *arguments, after=1.0):
+    def crash(self, *arguments, after=1.0, written=None):
+        """`written`: a recording in whose file there are ticks by then."""
         run = self.start_app(*FREE_RUN, "--duration", "60", *arguments)
         time.sleep(after)
         self.wait_until_it_renders(run)
+        if written is not None:
+            self.wait_until(run, lambda: self.ticks_in(written) > 0)
         run.send_signal(signal.SIGSEGV)
         said, complained = run.communicate(timeout=60)
         self.assertEqual(run.returncode, -signal.SIGSEGV, said + complained)
         return complained
 
+    def ticks_in(self, name):
+        try:
+            with read_recording(self.folder / name) as recording:
+                return len(recording["ticks/tick"])
+        except (OSError, KeyError):
+            return 0
+
     def test_crashed_run_says_where_its_box_is_and_the_box_is_good(self):
-        said = self.crash("--record", "run.h5")
+        said = self.crash("--record", "run.h5", written="run.h5")
         self.assertIn("wholehand: crashed; the last seconds are in run.wbb: "
                       "wholehand replay run.wbb --resimulate", said)
         self.expect_same_when_run_again("run.wbb")

@@ -83,6 +83,8 @@ class Stops(AppTest):
         environment = dict(os.environ, **self.stall.environment, STALL_FOLDERS=":".join(map(str, folders)))
         if place in ("download", "report") and not (kept / "old.h5").exists():
             os.replace(self.record("old.h5", duration=0.3), kept / "old.h5")
+        # What a program that hangs still holds is not written over.
+        (self.folder / "rec/run.h5").unlink(missing_ok=True)
         run = self.start_app("run", "--port", 0, "--udp", 0, "--record", "rec/run.h5", "--duration", 600,
                              "--no-rehearsal", *arguments, env=environment, preexec_fn=listen_to_ctrl_c)
         self.addCleanup(self.stall.hang)

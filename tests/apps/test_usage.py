@@ -9,7 +9,7 @@ from app import BINARY, CONFIG, DONE, FREE_RUN, SOURCE, AppTest, ordinary_user
 OPTIONS = {
     "run": ["--scene", "--hand", "--device", "--rendering", "--patient", "--motion", "--engine",
             "--rate-hz", "--duration", "--record", "--report", "--json", "--simulated-clock",
-            "--uncertified", "--no-rehearsal"],
+            "--uncertified", "--no-rehearsal", "--driver", "--host", "--without-passport"],
     "replay": ["--resimulate", "recording"],
     "report": ["--out", "recording"],
     "picture": ["--out", "--at", "recording"],
@@ -18,6 +18,10 @@ OPTIONS = {
     "experiment timing": ["--json", "--out", "--ticks", "--scene", "--simulated-clock"],
     "validate": ["files"],
     "certify": ["--device", "--rendering", "--hand", "--rate-hz", "--json", "--svg"],
+    "device-host": ["--name", "--driver", "--device", "--device-at", "--driver-settings", "--rate-hz"],
+    "device": ["commission"],
+    "device commission": ["--driver", "--host", "--device", "--operator", "--device-at", "--driver-settings",
+                          "--rate-hz", "--daily"],
     "doctor": ["--help"],
 }
 
@@ -74,6 +78,11 @@ class BadUsage(AppTest):
         ("validate", "files"),
         ("validate --bogus", "--bogus"),
         ("doctor now", "now"),
+        ("device-host", "--name"),
+        ("device-host --name desk --device d.toml", "--driver"),
+        ("device-host --name desk --driver d.so --device d.toml --rate-hz 10", "--rate-hz"),
+        ("run --host", "--host"),
+        ("run --driver d.so --host desk", "--host"),
     ]
 
     def test_every_mistake_is_named_with_exit_code_2(self):

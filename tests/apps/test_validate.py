@@ -5,6 +5,7 @@ import shutil
 import unittest
 
 from app import CONFIG, DONE, MOTION, SOURCE, AppTest, read_recording
+from device_app import passport_of, sealed
 
 DEVICE, GAINS = CONFIG / "devices/lambda-pride.toml", CONFIG / "rendering/lambda-pride.toml"
 HAND, PATIENT = CONFIG / "hands/adult-median-right.toml", CONFIG / "patients/relaxed-adult.toml"
@@ -92,6 +93,29 @@ class Shipped(AppTest):
         for file in (SCENE, HAND, DEVICE, GAINS, PATIENT, MOTION):
             copy = shutil.copy(file, self.folder / ("copy" + file.suffix))
             self.expect(self.run_app("validate", copy), DONE, "ok ")
+
+
+class Passports(AppTest):
+    """What commissioning wrote, by itself and against the device file that it belongs to."""
+
+    def test_passport_and_check_pass(self):
+        mine = self.write("mine.toml", (CONFIG / "devices/desktop-3axis.toml").read_text())
+        passport = self.write("mine.S-1.passport.toml", passport_of(mine))
+        check = self.write("mine.S-1.check.toml", sealed('kind = "device-check"\nversion = 1\ndone_on = "2026-11-21"\n'
+                                                         'operator = "A"\npassport_sha256 = "0"\n\n'))
+        self.expect(self.run_app("validate", passport, check), DONE, "ok  passport", "serial number S-1", "ok  device-check")
+        self.expect(self.run_app("validate", mine, passport), DONE, "ok  passport")
+
+    def test_what_is_wrong_with_one_is_named(self):
+        mine = self.write("mine.toml", (CONFIG / "devices/desktop-3axis.toml").read_text())
+        other = self.write("other.toml", mine.read_text() + "# other\n")
+        for text, files, says in ((passport_of(mine).split("[seal]")[0], (), "truncated"),
+                                  (passport_of(mine) + "#\n", (), "changed after it was written"),
+                                  (passport_of(mine, mass=(-1, 1)), (), "mass_kg"),
+                                  (passport_of(other), (mine,), "was changed since"),
+                                  (passport_of(mine, day="2020-01-01"), (mine,), "has expired")):
+            with self.subTest(says=says):
+                self.expect_refused(self.run_app("validate", self.write("p.toml", text), *files), "p.toml", says)
 
 
 class Guessed(AppTest):

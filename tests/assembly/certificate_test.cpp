@@ -103,6 +103,22 @@ TEST(Certificate, Loops_AreThoseOfTheGainsThatRun) {
   }
 }
 
+/// Gains that the file's damping bears are refused where less was measured, and where that is.
+TEST(Certificate, OfADeviceThatWasMeasured_HoldsAtItsWorstCornersToo) {
+  const Models m = load(shippedFiles("desktop-3axis"));
+  RigOptions options;
+  options.measured = {m.device, m.device};
+  EXPECT_TRUE(orThrow(checkGains(m, 1e-3, options.measured)).refused.empty());
+  EXPECT_TRUE(buildRig(m, Intention{}, options).ok());
+  options.measured[1].axes[1].damping *= 0.5;
+  const auto refused = buildRig(m, Intention{}, options);
+  ASSERT_FALSE(refused.ok());
+  ASSERT_EQ(refused.errors().size(), 1U) << format(refused.errors());
+  EXPECT_NE(refused.errors()[0].problem.find("at the worst corner of the passport"),
+            std::string::npos);
+  EXPECT_NE(format(refused.errors()[0]).find("y"), std::string::npos);
+}
+
 /// A certificate for other numbers is refused, and for these accepted; so is a rig around it.
 TEST(Certificate, NamedInOptions_MustFitTheModels) {
   const Models m = load(shippedFiles("lambda-pride"));

@@ -2,7 +2,10 @@
 
 #include "black_box/box_tools.hpp"
 #include "support/seed.hpp"
+#include "support/tolerance.hpp"
+#include "telemetry/mapped_box.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cstdio>
 #include <ctime>
@@ -68,6 +71,30 @@ TEST(BlackBox, Description_ComesBackWithFilesByteForByte) {
   EXPECT_EQ(got.level, want.level);
   EXPECT_EQ(got.git_version, want.git_version);
   EXPECT_EQ(got.body_names, want.body_names);
+}
+
+// Six axes are described: what reads a tick relies on it.
+TEST(BlackBox, TicksOfAnotherShapeThanDescribed_AreRefused) {
+  const Folder folder;
+  const auto spoil = [](int which, TickRecord& r) {
+    if (which == 0) r.sent = AxisEffort(9, 1.0);
+    if (which == 1) r.q_m = AxisPosition(5, 1.0);
+    if (which == 2) r.theta = JointPosition(kMaxJoints, 0.0);
+    if (which == 3) r.body_count = 9;
+    if (which == 4) r.parameter_count = kMaxLiveParameters;
+  };
+  for (int which = 0; which < 5; ++which) {
+    const std::string path = folder.file(std::to_string(which) + ".wbb");
+    auto box = armed(planFor(path));
+    for (std::uint64_t i = 0; i < 5; ++i) {
+      TickRecord record = tickNumber(i);
+      if (i == 3) spoil(which, record);
+      giveTick(*box, record);
+    }
+    ASSERT_TRUE(box->write().ok());
+    EXPECT_NE(refusalOf(path).find("its ticks are not those of its description"), std::string::npos)
+        << which << ": " << refusalOf(path);
+  }
 }
 
 TEST(BlackBox, StoppingFault_IsTheCauseWithItsAxisAndTick) {
@@ -307,6 +334,57 @@ TEST(BlackBox, TickInTheBar_CostsFarLessThanATick) {
               per_tick_ns, bytesOf(record).size(),
               static_cast<double>(box.inputBytes() - bytes_before) / kTicks);
   EXPECT_LT(per_tick_ns, 50'000.0);  // of CPU time, so that sanitizers pass, too
+}
+
+// The loop begins a tick in the slot of the oldest one while the box is being described: were that
+// slot the box's first, where its data begins would be read from the new tick, and nearly all lost.
+TEST(BlackBox, SlotsThatTheLoopWritesNext_AreNoneOfAFullRingsBox) {
+  constexpr std::uint64_t kSlots = 108, kBegunMeanwhile = 2;
+  for (std::uint64_t end = 0; end < 3 * kSlots; ++end) {
+    const std::uint64_t first = firstKept(end, kSlots);
+    EXPECT_EQ(end - first, std::min<std::uint64_t>(end, 100));
+    for (std::uint64_t kept = first; kept < end; ++kept) {
+      for (std::uint64_t next = end; next < end + kBegunMeanwhile; ++next) {
+        ASSERT_NE(kept % kSlots, next % kSlots) << end;
+      }
+    }
+  }
+}
+
+TEST(BlackBox, WrittenBesideALoopThatFillsTheRing_KeepsAllThatWasNotOverwritten) {
+  const Folder folder;
+  BlackBoxPlan plan = planFor(folder.file("a.wbb"));
+  plan.most_ticks = std::uint64_t{1} << 40U;
+  plan.input_bytes = 1 << 16;
+  plan.keep_s = 1.0;
+  constexpr std::uint64_t kKept = 1100;  // a tenth more than is asked for
+  const auto box = armed(plan);
+  std::atomic<std::uint64_t> ticks{0};
+  std::atomic<bool> stop{false};
+  std::thread loop([&] {
+    std::mt19937_64 random(1);
+    for (TickRecord record = tickAt(0, random); !stop; ++record.tick, ++ticks) {
+      giveTick(*box, record);
+      if (record.tick % 4 == 3) std::this_thread::yield();
+    }
+  });
+  while (ticks < 2 * kKept) std::this_thread::yield();
+  int judged = 0;
+  for (int i = 0; i < cases(20); ++i) {
+    const std::uint64_t before = ticks;
+    ASSERT_TRUE(box->write());
+    // What the ring took meanwhile is rightly gone; a tick takes its largest size before it is
+    // packed.
+    const std::uint64_t during = ticks - before + 20;
+    const auto read = opened(plan.path);
+    ASSERT_NE(read, nullptr);
+    if (during > kKept / 2) continue;  // this thread stood still
+    ++judged;
+    EXPECT_GE(read->size() + during, kKept) << i;
+  }
+  stop = true;
+  loop.join();
+  std::printf("figure: %d boxes judged\n", judged);
 }
 
 }  // namespace

@@ -119,7 +119,7 @@ class CrashBesideTheLoop : public testing::Test {
     return most;
   }
   [[nodiscard]] double away(std::uint64_t tick, int a) const {
-    return std::abs(told_->log[tick].sent[a] - rig_->renderer->config().neutral[a]);
+    return std::abs(told_->log[tick].sent[a] - rig_->renderer->config().safety.neutral[a]);
   }
   [[nodiscard]] double change(std::uint64_t tick, int a) const {
     return std::abs(told_->log[tick].sent[a] - told_->log[tick - 1].sent[a]);

@@ -2,6 +2,7 @@
 #include "core/expected.hpp"
 #include "core/fault.hpp"
 #include "core/geometry.hpp"
+#include "core/printable.hpp"
 #include "core/tick_record.hpp"
 #include "realtime/allocation_counter.hpp"
 #include "support/tolerance.hpp"
@@ -210,6 +211,31 @@ TEST(QuatXyzw, KeepsItsOrderBothWays) {
   EXPECT_EQ(stored.w, 0.1);
   EXPECT_EQ(stored.eigen().coeffs(), q.coeffs());
   EXPECT_EQ(Vec3::from({1.0, 2.0, 3.0}).eigen(), Eigen::Vector3d(1.0, 2.0, 3.0));
+}
+
+// ---- what strangers wrote
+
+TEST(Printable, ControlDirectionAndBrokenUtf8_AreShownAsWhatTheyAre) {
+  EXPECT_EQ(printable("Glas für 2 Gäste \u2192 \U0001F378"), "Glas für 2 Gäste \u2192 \U0001F378");
+  EXPECT_EQ(printable("a\x1b[2J\n"), "a\\x1b[2J\\x0a");
+  EXPECT_EQ(printable("\u009b"), "\\u{009b}");  // CSI in one character
+  EXPECT_EQ(printable("\u202e\u2066"), "\\u{202e}\\u{2066}");
+  EXPECT_EQ(printable("\xff"), "\\xff");
+  EXPECT_EQ(printable("\xc0\xaf"), "\\xc0\\xaf");                    // a slash, longer than need be
+  EXPECT_EQ(printable("\xed\xa0\x80"), "\\xed\\xa0\\x80");           // a surrogate
+  EXPECT_EQ(printable("\xf4\x90\x80\x80"), "\\xf4\\x90\\x80\\x80");  // beyond U+10FFFF
+  EXPECT_EQ(printable("\xe2\x82"), "\\xe2\\x82");                    // cut off
+}
+
+TEST(Printable, LongText_IsCutAtACharacter) {
+  EXPECT_EQ(printable("äöü", 2), "äö...");
+  EXPECT_EQ(printable("äöü", 3), "äöü");
+  EXPECT_FALSE(isPrintable("äöü", 2));
+}
+
+TEST(Diagnostics, QuotedTextOfAStranger_StaysOnItsLine) {
+  const Diagnostic d{"a\n.toml", 3, "k\x1b", "v\n", "is wrong\nand more", "mend it"};
+  EXPECT_EQ(format(d), "a\\x0a.toml:3: k\\x1b = v\\x0a: is wrong\nand more; mend it");
 }
 
 }  // namespace

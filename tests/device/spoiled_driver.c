@@ -1,10 +1,13 @@
 /* A driver for tests: does as its settings say. "drive@40" has the drive fault from the 40th sample
  * on, "weak" states a smaller effort limit. What is wrong with the shared object itself is chosen
  * when it is built. */
+#define _POSIX_C_SOURCE 200809L
 #include <wholehand/device.h>
 
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
+#include <unistd.h>
 
 enum { AXES = 4 };
 /* In another order than the device file, and one axis more. */
@@ -71,9 +74,16 @@ static int control(wh_device* device, uint32_t verb, double argument) {
 
 /* Sample n was taken at n ms. Each axis stands at a place of its own and measures its effort. */
 static int read_sample(wh_device* device, wh_sample* sample) {
+  const struct timespec fifty_ms = {0, 50000000};
   uint64_t n = ++device->samples;
   int i;
   if (is(device, "unplug")) return WH_FAILED;
+  if (is(device, "crashes")) abort();
+  if (is(device, "blocks")) nanosleep(&fifty_ms, NULL);
+  if (is(device, "forks") && n == device->at && fork() == 0) {
+    sleep(5);
+    _exit(0);
+  }
   sample->status = WH_HOMED | (device->enabled ? WH_ENABLED : 0);
   if (is(device, "unhomed")) sample->status &= ~(uint32_t)WH_HOMED;
   if (is(device, "enable")) sample->status &= ~(uint32_t)WH_ENABLED;
@@ -105,6 +115,15 @@ static int write_command(wh_device* device, const wh_command* command) {
 
 static void close_device(wh_device* device) { free(device); }
 
+/* "anonymous" does not know which device it is. */
+static int identify(wh_device* device, wh_identity* identity) {
+  if (is(device, "anonymous")) return WH_FAILED;
+  strcpy(identity->serial, is(device, "other") ? "S-2" : "S-1");
+  strcpy(identity->firmware, is(device, "updated") ? "2.0" : "1.0");
+  strcpy(identity->sdk, is(device, "sdk") ? "8" : "7");
+  return WH_OK;
+}
+
 #ifndef SYMBOL
 #define SYMBOL wh_plugin_v1
 #endif
@@ -114,6 +133,9 @@ static void close_device(wh_device* device) { free(device); }
 #ifndef FLAGS
 #define FLAGS WH_NEVER_WAITS
 #endif
+#ifdef OLDER /* built with device.h of 1.0 */
+#define SIZE offsetof(wh_plugin, identify)
+#endif
 #ifndef SIZE
 #define SIZE sizeof(wh_plugin)
 #endif
@@ -122,6 +144,6 @@ static void close_device(wh_device* device) { free(device); }
 #endif
 const wh_plugin* SYMBOL(void) {
   static const wh_plugin plugin = {SIZE, MAJOR, WH_MINOR, FLAGS, "spoiled", open_device, describe,
-                                   control, read_sample, write_command, close_device};
+                                   control, read_sample, write_command, close_device, identify};
   return &plugin;
 }

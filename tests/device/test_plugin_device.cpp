@@ -1,5 +1,7 @@
 // Drivers that are loaded from shared objects built by a C compiler against the public header.
+#include "device/plugin/observed_driver.hpp"
 #include "device/plugin/plugin_device.hpp"
+#include "device/plugin/plugin_driver.hpp"
 #include "realtime/allocation_counter.hpp"
 #include "support/rig_tools.hpp"
 
@@ -59,6 +61,20 @@ TEST(PluginDriver, DeviceThatIsNotFound_SaysWhereAndWhatTheDriverSaid) {
   EXPECT_NE(format(driver.errors()).find("no device was found at nowhere: nothing answers"),
             std::string::npos)
       << format(driver.errors());
+}
+
+TEST(PluginDriver, ThatKnowsItsDevice_SaysSerialFirmwareAndSdk) {
+  const auto driver = orThrow(spoiled(""));
+  EXPECT_EQ(driver->identity().serial, "S-1");
+  EXPECT_EQ(driver->identity().firmware, "1.0");
+  EXPECT_EQ(driver->identity().sdk, "7");
+  EXPECT_EQ(orThrow(spoiled("anonymous"))->identity().serial, "");
+}
+
+TEST(PluginDriver, BuiltWithTheHeaderOf1_0_WorksAndIsNotAskedWhoItIs) {
+  const auto driver = orThrow(PluginDriver::load({built("older"), "", ""}));
+  EXPECT_EQ(driver->identity().serial, "");
+  EXPECT_TRUE(PluginDevice::make(driver, desktop(), 1e-3).ok());
 }
 
 class OtherDevice : public testing::TestWithParam<Named> {};
@@ -134,6 +150,24 @@ TEST(PluginDevice, NotHomedOrLocked_IsNotArmed) {
     const bool may = device->open() && device->ready();
     EXPECT_FALSE(may) << settings;
   }
+}
+
+TEST(ObservedDriver, NewestSample_IsKeptForOtherThreads) {
+  const auto observed = std::make_shared<ObservedDriver>(orThrow(spoiled("silenced@3")));
+  const auto device = orThrow(PluginDevice::make(observed, desktop(), 1e-3));
+  EXPECT_EQ(observed->facts().sampled_ns, 0) << "nothing was read yet";
+  ASSERT_TRUE(device->open());
+  DeviceReading reading;
+  ASSERT_EQ(device->read(reading, 1), Fault::kNone);
+  EXPECT_TRUE(observed->facts().enabled);
+  EXPECT_TRUE(observed->facts().homed);
+  EXPECT_FALSE(observed->facts().silenced);
+  EXPECT_TRUE(std::isnan(observed->facts().temperature_c)) << "the driver does not say";
+  EXPECT_EQ(observed->facts().sampled_ns, 1'000'000) << "spoiled_driver.c: sample n is of n ms";
+  (void)device->read(reading, 1), (void)device->read(reading, 1);
+  EXPECT_TRUE(observed->facts().silenced);
+  device->close();
+  EXPECT_FALSE(observed->facts().enabled) << "nobody reads any more";
 }
 
 struct Failing {

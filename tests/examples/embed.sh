@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# embed.sh BUILD CONSUMER COMPILER: installs the package, then configures, builds and runs a project
-# outside the tree that knows nothing but the place of the installation.
+# embed.sh BUILD CONSUMER COMPILER EXAMPLES: installs the package, then configures, builds and runs a
+# project outside the tree that knows nothing but the place of the installation.
 set -euo pipefail
-build=$1 consumer=$2 compiler=$3
+build=$1 consumer=$2 compiler=$3 examples=$4
 tree=$(mktemp -d)
-trap 'rm -rf "$tree"' EXIT
+trap 'kill -KILL ${serving:-} 2>/dev/null || true; rm -rf "$tree"' EXIT
 
 fail() {
   echo "$*"
@@ -18,18 +18,38 @@ grep -rlF -e "$build" -e "$tree/prefix" "$tree/moved" --include='*.cmake' --incl
   fail "these files name a folder of the build"
 
 cp -r "$consumer" "$tree/consumer"
+cp "$examples"/06_serve_a_driver.cpp "$tree/consumer"
 cmake -G Ninja -S "$tree/consumer" -B "$tree/out" -DCMAKE_PREFIX_PATH="$tree/moved" \
   -DCMAKE_CXX_COMPILER="$compiler" >"$tree/log" 2>&1 || fail "$(cat "$tree/log")"
 # Any warning fails: the headers must be clean in a project stricter than ours.
 cmake --build "$tree/out" >"$tree/log" 2>&1 || fail "$(cat "$tree/log")"
 "$tree/out/consumer"
 
+# Driver, station and server from the package: a page is served until Ctrl-C.
+cc -std=c99 -O2 -shared -fPIC -I"$tree/moved/include" "$examples/driver/rails.c" \
+  -o "$tree/rails.so" || fail "the driver does not compile against the package"
+"$tree/out/serve" "$tree/rails.so" >"$tree/served" 2>&1 &
+serving=$!
+for ((i = 0; i < 600; ++i)); do
+  grep -qs console "$tree/served" && break
+  kill -0 $serving 2>/dev/null || fail "$(cat "$tree/served")"
+  sleep 0.1
+done
+url=$(grep -o 'http://[0-9.:]*' "$tree/served") || fail "$(cat "$tree/served")"
+/usr/bin/python3 -c 'import sys, urllib.request as u; print(u.urlopen(sys.argv[1]).read().decode())' \
+  "$url/metrics" >"$tree/metrics" || fail "nothing is served"
+grep -q wholehand_ "$tree/metrics" || fail "$(cat "$tree/metrics")"
+kill -TERM $serving  # a shell lets what it runs in the background ignore Ctrl-C
+wait $serving || fail "$(cat "$tree/served")"
+serving=
+grep -q '0 sessions' "$tree/served" || fail "$(cat "$tree/served")"
+
 # Every installed header stands in the installed folders, and of the vendors only Eigen shows.
 (cd "$tree/moved/include" && find . -name '*.hpp' -printf '#include "%P"\n') >"$tree/all.cpp"
 (($(wc -l <"$tree/all.cpp") > 20)) || fail "the headers are not installed"
 "$compiler" -std=c++20 -I"$tree/moved/include" -I"$tree/moved/include/wholehand" \
   -isystem /usr/include/eigen3 -M "$tree/all.cpp" >"$tree/seen"
-if grep -oE '[^ ]*/(bullet|toml\+\+|hdf5|assimp|tinyxml2|fmt|nlohmann|CLI|libpng16)(/|\.h)[^ ]*' \
+if grep -oE '[^ ]*/(bullet|toml\+\+|hdf5|assimp|tinyxml2|fmt|nlohmann|CLI|libpng16|boost|flatbuffers)(/|\.h)[^ ]*' \
   "$tree/seen"; then
   fail "vendors show in the public headers"
 fi

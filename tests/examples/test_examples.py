@@ -3,13 +3,17 @@ import csv
 import os
 import pathlib
 import re
+import signal
+import subprocess
 import sys
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "apps"))
+import client  # noqa: E402
 from app import DONE, SOURCE, AppTest, read_recording  # noqa: E402
 
 EXAMPLES = pathlib.Path(os.environ["WHOLEHAND_EXAMPLES"])
+DRIVERS = pathlib.Path(os.environ.get("WHOLEHAND_DRIVERS", SOURCE / "build/release/drivers"))
 MOST_LINES = 80
 
 
@@ -44,6 +48,34 @@ class Examples(AppTest):
         self.assertIn("pulled with 3.000 N", said)
         back_n = float(re.search(r"gives back (\S+) N", said)[1])
         self.assertAlmostEqual(back_n, 3.0, delta=0.003)
+
+    def test_run_and_record_keeps_every_tick(self):
+        said = self.example("05_run_and_record", "rails.h5", "1").out
+        ticks, recorded = (int(n) for n in re.search(r"(\d+) ticks, (\d+) recorded", said).groups())
+        self.assertGreater(ticks, 500)  # a busy machine skips some of the 1,000
+        self.assertEqual(recorded, ticks)
+        with read_recording(self.folder / "rails.h5") as file:
+            self.assertEqual(len(file["ticks/tick"]), ticks)
+            self.assertEqual(file["meta"].attrs["simulated_device"], 0)
+            self.assertEqual(file["meta"].attrs["models_changed"], 0)
+            self.assertFalse(file["ticks/sent"][-1].any())  # it ends at neutral
+        self.assertFalse((self.folder / "rails.h5.black-box").exists())
+        self.expect_same_when_run_again(self.folder / "rails.h5")
+
+    def test_serve_a_driver_is_armed_and_stopped_at_a_page(self):
+        run = subprocess.Popen([EXAMPLES / "06_serve_a_driver", DRIVERS / "rails.so", "watchdog_ms=2000"],
+                               cwd=self.folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        self.addCleanup(run.communicate)
+        self.addCleanup(run.kill)
+        page = client.Page(int(re.search(r":(\d+)/console", run.stdout.readline())[1]))
+        page.hold_controls()
+        accepted, reason = page.answer(page.say(1, ("I", 1)), 90)  # Arm, of the only ending so far
+        self.assertTrue(accepted, reason)
+        self.assertTrue(page.answer(page.say(client.EMERGENCY_STOP))[0])
+        run.send_signal(signal.SIGINT)
+        said = run.communicate(timeout=60)[0]
+        self.assertIn("1 sessions", said)
+        self.assertIn(run.returncode, (0, 1), said)  # a machine that stalls stops a real device
 
     def test_read_a_recording_prints_what_h5py_reads(self):
         recording = self.record(duration=0.3)

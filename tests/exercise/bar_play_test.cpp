@@ -17,9 +17,9 @@ constexpr double kReach = 0, kSqueeze = 1, kPouring = 2, kLetGo = 3, kDrinkDone 
 const std::string kFree = config("exercises/cocktail-bar-free.toml");
 
 /// Holds the target and squeezes until `volume_l` of the step is in the glass, then lets go.
-void pour(BarTable& bar, double volume_l, double force_n = 12.0) {
+void pour(BarTable& bar, double volume_l, double felt_n = 2.0) {
   bar.runUntil("stage", kReach);
-  bar.hold(static_cast<int>(bar.value("target_dispenser")), force_n);
+  bar.hold(static_cast<int>(bar.value("target_dispenser")), felt_n);
   for (int i = 0; i < 120'000 && bar.value("poured_l") < volume_l; ++i) bar.tick();
   bar.squeeze(-1, 0.0);
 }
@@ -29,11 +29,11 @@ TEST(CocktailBar, RightAmountThenLetGo_StepAndDrinkAndLevelDone) {
   bar.tick();
   EXPECT_EQ(bar.value("stage"), kReach);
   EXPECT_EQ(bar.value("asked_l"), 0.04);
-  bar.hold(0, 4.0);  // below the threshold of 6 N
+  bar.hold(0, 0.7);  // below the threshold of 1 N
   bar.run(1.0);
   EXPECT_EQ(bar.value("stage"), kSqueeze);
   EXPECT_EQ(bar.value("poured_l"), 0.0);
-  bar.squeeze(0, 12.0);
+  bar.squeeze(0, 2.0);
   bar.run(0.5);
   EXPECT_EQ(bar.value("stage"), kPouring);
   while (bar.value("stage") == kPouring) bar.tick();
@@ -56,23 +56,23 @@ TEST(CocktailBar, RightAmountThenLetGo_StepAndDrinkAndLevelDone) {
 
 TEST(CocktailBar, SteadySqueeze_FlowsByTheOverpressureOverViscosity) {
   BarTable lemon(1);
-  lemon.hold(0, 12.0);
+  lemon.hold(0, 2.0);
   lemon.run(1.5);  // the low-pass of 5 Hz is through
-  EXPECT_NEAR(lemon.value("flow_l_s"), 0.0008 * (12.0 - 6.0), 1e-8);
-  lemon.squeeze(0, 1000.0);
+  EXPECT_NEAR(lemon.value("flow_l_s"), 0.0048 * (2.0 - 1.0), 1e-8);
+  lemon.squeeze(0, 9.0);
   lemon.run(0.5);
   EXPECT_NEAR(lemon.value("flow_l_s"), 0.02, 1e-8);  // max_l_s
 
   BarTable cherry(2);
   cherry.tick();
-  cherry.hold(1, 12.0);  // not asked for, flows all the same
+  cherry.hold(1, 2.0);  // not asked for, flows all the same
   cherry.run(1.5);
-  EXPECT_NEAR(cherry.value("flow_l_s"), 0.0008 * (12.0 - 6.0) / 1.6, 1e-8);
+  EXPECT_NEAR(cherry.value("flow_l_s"), 0.0048 * (2.0 - 1.0) / 1.6, 1e-8);
 }
 
 TEST(CocktailBar, PouredPastTheTolerance_TellsAndSpillsWhatIsOver) {
   BarTable bar(1);
-  bar.hold(0, 12.0);
+  bar.hold(0, 2.0);
   bar.run(20.0);
   EXPECT_EQ(bar.count("overfilled"), 1);
   EXPECT_EQ(bar.count("spilt"), 1);
@@ -99,7 +99,7 @@ TEST(CocktailBar, ScoreOfADrink_IsAccuracyLessSpillsPlusTime) {
 TEST(CocktailBar, WrongDispenser_IsToldAndSpilt) {
   BarTable bar(2);  // lemon first
   bar.tick();
-  bar.hold(1, 12.0);
+  bar.hold(1, 2.0);
   bar.run(2.0);
   EXPECT_EQ(bar.last("wrong_dispenser").index, 1);
   EXPECT_EQ(bar.value("engaged_dispenser"), 1.0);
@@ -115,7 +115,7 @@ TEST(CocktailBar, GlassAside_FlowIsSpilt) {
   bar.tick();
   BodyState& glass = bar.record.bodies[static_cast<std::size_t>(bar.scene.bodyIndex("glass"))];
   glass.position_m.y += 0.031;  // inner radius 0.03
-  bar.hold(0, 12.0);
+  bar.hold(0, 2.0);
   bar.run(1.0);
   EXPECT_EQ(bar.value("over_glass"), 0.0);
   EXPECT_EQ(bar.value("poured_l"), 0.0);
@@ -129,7 +129,7 @@ TEST(CocktailBar, GlassAside_FlowIsSpilt) {
 TEST(CocktailBar, BumpedFromTheBack_NothingFlows) {
   BarTable bar(1);
   bar.tick();
-  bar.squeeze(0, 24.0);
+  bar.squeeze(0, 4.0);
   bar.palm(0, 0.06);  // the back of the fingers touches, the palm is elsewhere
   bar.run(1.0);
   EXPECT_EQ(bar.last("touched").index, 0);
@@ -139,10 +139,11 @@ TEST(CocktailBar, BumpedFromTheBack_NothingFlows) {
 
 TEST(CocktailBar, Paused_NothingFlowsAndTheEffortFades) {
   BarTable bar(1);
-  bar.hold(0, 12.0);
-  bar.record.closure[3] = 2.0;
-  bar.record.q_m[3] = 2.05;
+  bar.hold(0, 2.0);
+  bar.record.closure[3] = bar.record.q_m[3] = 2.0;
   bar.run(2.0);
+  bar.record.q_m[3] = 2.05;
+  bar.tick();
   EXPECT_LT(bar.out.effort[3], 0.0);
   bar.act(ExerciseAction::kPause);
   bar.tick();
@@ -161,7 +162,7 @@ TEST(CocktailBar, Paused_NothingFlowsAndTheEffortFades) {
 
 TEST(CocktailBar, OwnerSilent_EffortFadesAndNothingFlows) {
   BarTable bar(1);
-  bar.hold(0, 12.0);
+  bar.hold(0, 2.0);
   bar.record.closure[3] = 2.0;
   bar.record.q_m[3] = 2.05;
   bar.run(2.0);
@@ -225,7 +226,7 @@ TEST(CocktailBar, EveryLevel_PlayedRight_EndsWithThreeStars) {
                              .position_m.y;
       EXPECT_GE(y_m, -0.023 - 1e-9);  // within reach_y_m
       EXPECT_LE(y_m, 0.105 + 1e-9);
-      pour(bar, bar.value("asked_l"), 7.0);
+      pour(bar, bar.value("asked_l"), 1.17);
       bar.run(0.4);
     }
     bar.drawBack();
@@ -287,14 +288,16 @@ TEST(CocktailBar, RowHasToSlide_OnlyWhileTheHandIsAway) {
 
 TEST(CocktailBar, FromOneDispenserToAnother_GainsChangeOnlyAtAlphaZero) {
   BarTable bar(4);
-  bar.record.closure[3] = 1.0;
-  bar.record.q_m[3] = 1.05;
+  bar.record.closure[3] = bar.record.q_m[3] = 1.0;
   bar.hold(0, 2.0);
   bar.run(1.5);
   ASSERT_EQ(bar.out.alpha, 1.0);
-  // Lemon: 80 N/m · (0.08 m)² · (1.05 − 1 + 0.005/0.08) rad.
-  EXPECT_NEAR(bar.out.effort[3], -80.0 * 0.0064 * (0.05 + 0.005 / 0.08), tolerance(1e-9));
+  bar.record.q_m[3] = 1.05;
+  bar.tick();
+  // Lemon: 100 N/m · (0.08 m)² · (1.05 − 1) rad, from the drawn surface on.
+  EXPECT_NEAR(bar.out.effort[3], -100.0 * 0.0064 * 0.05, tolerance(1e-9));
   bar.palm(3, 0.001);  // the palm is at coconut now
+  bar.record.closure[3] = 1.05;
   bar.squeeze(3, 2.0);
   double largest_n = 0.0, before = bar.out.effort[3];
   for (int i = 0; i < 2000; ++i) {
@@ -304,8 +307,10 @@ TEST(CocktailBar, FromOneDispenserToAnother_GainsChangeOnlyAtAlphaZero) {
   }
   EXPECT_LE(largest_n, 0.05);
   EXPECT_EQ(bar.out.alpha, 1.0);
-  // Coconut is 2.8 times as stiff.
-  EXPECT_NEAR(bar.out.effort[3], -2.8 * 80.0 * 0.0064 * (0.05 + 0.005 / 0.08), tolerance(1e-9));
+  // Coconut is 2.8 times as stiff; its wall has begun at the finger.
+  bar.record.q_m[3] = 1.1;
+  bar.tick();
+  EXPECT_NEAR(bar.out.effort[3], -2.8 * 100.0 * 0.0064 * 0.05, tolerance(1e-9));
 }
 
 TEST(CocktailBar, PalmComesNear_FingersAreClosedOnToThatDispenser) {
@@ -326,16 +331,16 @@ TEST(CocktailBar, FreeDispenserOverTheGlass_PoursAndOffItSpills) {
   BarTable bar(1, kFree);
   bar.tick();
   EXPECT_EQ(bar.value("stage"), kReach);
-  bar.hold(0, 30.0);  // squeezed where it stands
+  bar.hold(0, 8.0);  // squeezed where it stands
   bar.run(0.5);
   EXPECT_EQ(bar.value("poured_l"), 0.0);
   EXPECT_GT(bar.value("spilt_l"), 0.0);
-  bar.squeeze(0, 8.0);  // held, but not squeezed: threshold 24 N
+  bar.squeeze(0, 3.0);  // held, but not squeezed: threshold 6 N
   bar.run(1.0);
   const double spilt_l = bar.value("spilt_l");
   BodyState& body = bar.record.bodies[static_cast<std::size_t>(bar.bodyOf(0))];
   body.position_m = {0.02, 0.041, 0.02};  // the glass stands at (0.02, 0.041)
-  bar.squeeze(0, 30.0);
+  bar.squeeze(0, 8.0);
   bar.run(1.0);
   EXPECT_EQ(bar.value("over_glass"), 1.0);
   EXPECT_GT(bar.value("poured_l"), 0.001);
@@ -394,7 +399,7 @@ TEST(CocktailBar, TenMinutesOfRandomPlay_EveryDropIsAccountedFor) {
     if (random() % 3 == 0) {
       bar.drawBack();
     } else {
-      bar.hold(dispenser, static_cast<double>(random() % 60));
+      bar.hold(dispenser, static_cast<double>(random() % 10));
     }
     if (random() % 20 == 0) bar.act(static_cast<ExerciseAction>(random() % 4));
     bar.record.elapsed_periods = random() % 10 == 0 ? 7 : 1;
@@ -413,7 +418,7 @@ TEST(CocktailBar, SameInputsTwice_SameBits) {
     auto random = std::mt19937_64(7);
     std::vector<double> seen;
     for (int i = 0; i < 3000; ++i) {
-      if (random() % 50 == 0) bar.hold(static_cast<int>(random() % 2), 18.0);
+      if (random() % 50 == 0) bar.hold(static_cast<int>(random() % 2), 3.0);
       if (random() % 80 == 0) bar.drawBack();
       bar.tick();
       seen.insert(seen.end(), bar.out.values.begin(), bar.out.values.end());

@@ -50,7 +50,7 @@ TEST(FreeBar, DispenserAsideButWithinReach_StaysWhereItWasPut) {
 TEST(FreeBar, DispenserHeldOutOfReach_IsNotTakenOutOfTheHand) {
   BarTable bar(1, kFree);
   bar.tick();
-  bar.hold(0, 8.0);
+  bar.hold(0, 3.0);
   bar.record.q_s[0] = -0.08;  // drawn back as far as can be, with it
   lemon(bar).position_m = {-0.2, -0.023, 0.004};
   bar.run(5.0);
@@ -110,7 +110,7 @@ TEST(FreeBar, Restarted_BringsHomeWhatStandsElsewhere) {
   std::swap(lemon(bar).position_m, cherry.position_m);
   bar.run(3.0);
   EXPECT_GT(fromHome_m(bar, 0), 0.1);
-  bar.hold(0, 8.0);
+  bar.hold(0, 3.0);
   bar.act(ExerciseAction::kRestart);
   bar.run(1.0);
   EXPECT_EQ(bar.value("stage"), kDrawBack);

@@ -1,12 +1,14 @@
 #pragma once
 
 #include "core/tick_record.hpp"
+#include "dynamics/articulated_body.hpp"
 #include "exercise/load_exercise.hpp"
 #include "model/hand_file.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -86,23 +88,43 @@ class BarTable {
     record.palm_body = bodyOf(dispenser);
     record.palm_target_distance_m = distance_m;
   }
-  /// The palm holds a dispenser and squeezes it with four contacts.
-  void hold(int dispenser, double force_n) {
+  /// The palm holds a dispenser and squeezes it with four contacts, of which the fingers feel so
+  /// much at their tips.
+  void hold(int dispenser, double felt_n) {
     record.q_s[0] = record.q_m[0] = 0.07;
     record.q_s[3] = 0.0;
     fingers_face_palm = true;
     palm(dispenser, 0.002);
-    squeeze(dispenser, force_n);
+    squeeze(dispenser, felt_n);
   }
-  /// Presses a dispenser between the middle finger's end and the palm, which faces +y.
-  void squeeze(int dispenser, double force_n) {
-    record.contact_count = force_n > 0.0 ? 4 : 0;
+  /// Presses a dispenser between the middle finger's end and the palm, which faces +y. Two contacts
+  /// on the finger hold its axis back by felt_n at the tip, -jᵀf, friction included.
+  void squeeze(int dispenser, double felt_n) {
+    record.contact_count = felt_n > 0.0 ? 4 : 0;
+    const Vec3 friction{0.3, 0.0, 0.1};
+    AxisPosition closed = record.q_s;
+    closed[3] = 3.14;
+    ArticulatedBody body(shippedHand());
+    body.updateKinematics(postureOf(shippedHand(), closed));
+    const Capsule& end =
+        shippedHand().capsules[static_cast<std::size_t>(capsuleOf("middle_distal"))];
+    const Eigen::Vector3d at = body.linkPose(end.link) * Eigen::Vector3d(0.5 * (end.a_m + end.b_m));
+    const auto moves = [&](const Eigen::Vector3d& along) {
+      std::array<double, kMaxAxes> row{};
+      body.reducedPointRow(end.link, at, along, row.data());
+      return row[3];
+    };
+    const double lever_m = 0.08;
+    const double normal_n =
+        (0.5 * felt_n * lever_m + moves(friction.eigen())) / -moves(Eigen::Vector3d::UnitY());
     for (std::size_t i = 0; i < 4; ++i) {
       Contact& c = record.contacts[i];
+      const double side = i < 2 ? 1.0 : -1.0;
       c.body = dispenser >= 0 ? bodyOf(dispenser) : -1;
       c.capsule = capsuleOf(i < 2 ? "middle_distal" : "hollow");
-      c.normal = {0.0, i < 2 ? 1.0 : -1.0, 0.0};
-      c.force_n = {0.3, i < 2 ? 0.25 * force_n : -0.25 * force_n, 0.1};  // friction, too
+      c.point_m = Vec3::from(at);
+      c.normal = {0.0, side, 0.0};
+      c.force_n = {friction.x, side * normal_n, friction.z};
     }
   }
   [[nodiscard]] static int capsuleOf(const std::string& name) {

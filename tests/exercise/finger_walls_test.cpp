@@ -213,5 +213,60 @@ TEST(FingerWalls, RandomUntouchedFingers_GetNoMoreThanTheirOwnClosingAsksFor) {
   EXPECT_GT(pushed, 10'000);
 }
 
+/// A target with a soft side 10 mm deep; the finger is in it, the wall begins at its surface.
+FingerWallState squeezeSoft(const FingerWallState& state, double closure, double finger,
+                            double alpha) {
+  FingerWallConfig config = oneFinger();
+  config.soft_m = 0.01;
+  const FingerSight seen{AxisPosition(1, closure), AxisPosition(1, finger), AxisPosition(1, finger),
+                         0U, 1U};
+  return followClosure(state, seen, 0.0, alpha, config, kPeriod_s);
+}
+
+TEST(FingerWalls, FingerInTheSoftSide_FeelsItsDepth) {
+  FingerWallState state = squeezeSoft({}, 1.0, 1.0, 0.0);
+  for (int i = 1; i <= 125; ++i) state = squeezeSoft(state, 1.0, 1.0 + 1e-3 * i, 1.0);
+  EXPECT_NEAR(effortAt(state, 1.125), -1.5 * 0.125, tolerance(1e-12));  // k · 10 mm over 0.08 m
+}
+
+TEST(FingerWalls, SoftSideComesToTheFingerInIt_TheWallStays) {
+  FingerWallState state = squeezeSoft({}, 1.0, 1.05, 0.0);
+  EXPECT_EQ(effortAt(state, 1.05), 0.0);  // begins at the finger
+  for (int i = 0; i < 1000; ++i) state = squeezeSoft(state, 1.0 - 1e-3 * i, 1.05, 1.0);
+  EXPECT_EQ(effortAt(state, 1.05), 0.0) << "the arm's motion lifted the finger";
+  for (int i = 1; i <= 50; ++i) state = squeezeSoft(state, 0.0, 1.05 + 1e-3 * i, 1.0);
+  EXPECT_NEAR(effortAt(state, 1.1), -1.5 * 0.05, tolerance(1e-12));
+}
+
+TEST(FingerWalls, FingerBeforeTheTouchThatIsCalledInside_IsNotPushed) {
+  FingerWallState state = squeezeSoft({}, 2.0, 1.9, 0.0);
+  for (int i = 0; i < 1000; ++i) state = squeezeSoft(state, 1.5 + 1e-3 * i, 1.49, 1.0);
+  EXPECT_EQ(effortAt(state, 1.49), 0.0);
+}
+
+TEST(FingerWalls, FingerThatPressesDeepAndComesBack_GetsBackNoMoreThanItGave) {
+  FingerWallState state = squeezeSoft({}, 1.0, 1.0, 0.0);
+  for (int i = 1; i <= 1600; ++i) state = squeezeSoft(state, 1.0, 1.0 + 1e-3 * i, 1.0);
+  EXPECT_EQ(state.position[0], 1.0);
+  for (int i = 1600; i >= 0; --i) {
+    state = squeezeSoft(state, 1.0, 1.0 + 1e-3 * i, 1.0);
+    ASSERT_EQ(state.position[0], 1.0) << i;
+  }
+}
+
+TEST(FingerWalls, WallOfASoftSideThatNothingIsIn_IsWhereTheTouchIs) {
+  FingerWallState state = squeezeSoft({}, 2.0, 1.0, 0.0);
+  // Nothing is felt of it: the finger is before the touch.
+  FingerWallConfig config = oneFinger();
+  config.soft_m = 0.01;
+  const FingerSight seen{AxisPosition(1, 1.5), AxisPosition(1, 1.2), AxisPosition(1, 1.2), 0U, 0U};
+  state = followClosure(state, seen, 0.0, 0.5, config, kPeriod_s);
+  EXPECT_EQ(state.position[0], 1.5);
+  const FingerSight nearer{AxisPosition(1, 1.1), AxisPosition(1, 1.2), AxisPosition(1, 1.1), 0U,
+                           0U};
+  state = followClosure(state, nearer, 0.0, 0.5, config, kPeriod_s);
+  EXPECT_EQ(state.position[0], 1.2) << "it came to a finger that touches nothing";
+}
+
 }  // namespace
 }  // namespace wholehand::test

@@ -1,5 +1,7 @@
 // Which contacts on a dispenser are a grip. Postures and normals of the grasps are those of virtual
 // patients at the bar; of a left hand the mirror image in y.
+#include "exercise/cocktail_bar/grip.hpp"
+
 #include "exercise/bar_table.hpp"
 #include "exercise/cocktail_bar/hand_posture.hpp"
 #include "support/tolerance.hpp"
@@ -111,6 +113,142 @@ TEST_P(Grip, UnknownPosture_IsNone) {
   EXPECT_EQ(posture.clearance_m({1.0, 1.0, 1.0}, 0.02, 0.1), 0.0);
 }
 INSTANTIATE_TEST_SUITE_P(Hands, Grip, testing::Values(Side::kRight, Side::kLeft));
+
+/// -∂(f·x)/∂q of a material point of a capsule's link: what the axis feels of f, by a central
+/// difference of the kinematics.
+double heldBack(const HandModel& model, const AxisPosition& q_s, int axis, const Contact& c) {
+  constexpr double kStep = 1e-5;
+  const auto work = [&](double step) {
+    ArticulatedBody at(model), moved(model);
+    AxisPosition q = q_s;
+    q[axis] += step;
+    at.updateKinematics(postureOf(model, q_s));
+    moved.updateKinematics(postureOf(model, q));
+    const int link = model.capsules[static_cast<std::size_t>(c.capsule)].link;
+    const Eigen::Vector3d local = at.linkPose(link).inverse() * c.point_m.eigen();
+    return c.force_n.eigen().dot(moved.linkPose(link) * local);
+  };
+  return -(work(kStep) - work(-kStep)) / (2.0 * kStep);
+}
+
+FingerWallConfig wallsOf(const DeviceModel& device) {
+  FingerWallConfig walls;
+  walls.axes = device.axisCount();
+  walls.lever_arm_m = AxisRatio(walls.axes, 1.0);
+  walls.stiffness = walls.damping = AxisRatio(walls.axes);
+  for (const int a : {3, 5}) walls.stiffness[a] = 0.64, walls.lever_arm_m[a] = 0.08;
+  return walls;
+}
+
+/// Fingers press a bottle against the palm with their ends: contacts, and a wall on their axis.
+struct Held {
+  AxisPosition q_s{6};
+  TickRecord record;
+  FeltBody felt;
+  HandPosture posture{shippedHand()};
+  AxisEffort limit{6, 0.8};
+
+  Held() {
+    q_s[3] = 2.28, q_s[4] = 20.0 * kDeg;
+    posture.update(postureOf(shippedHand(), q_s));
+    add("middle_distal", {0.78, 0.61, -0.12}, 3.0);
+    add("hypothenar_edge", {-0.11, -0.99, 0.01}, 2.5);
+    felt.body = 3;
+  }
+  void add(const std::string& capsule, const Eigen::Vector3d& normal, double force_n) {
+    ArticulatedBody at(shippedHand());
+    at.updateKinematics(postureOf(shippedHand(), q_s));
+    Contact& c = record.contacts[static_cast<std::size_t>(record.contact_count++)];
+    c.body = 3;
+    c.capsule = BarTable::capsuleOf(capsule);
+    const Capsule& its = shippedHand().capsules[static_cast<std::size_t>(c.capsule)];
+    c.point_m = Vec3::from(at.linkPose(its.link) * its.b_m);
+    c.normal = Vec3::from(normal.normalized());
+    c.force_n = Vec3::from(force_n * normal.normalized() + Eigen::Vector3d(0.0, 0.0, 0.4));
+  }
+  void wall(double tip_n, const Eigen::Vector3d& normal) {
+    felt.wall = AxisEffort(6);
+    felt.wall[3] = -0.08 * tip_n;
+    felt.touches[3] = {true, 0.004, normal.normalized()};
+  }
+  [[nodiscard]] double squeeze_n() const {
+    return feltSqueeze_n(record, felt, posture, wallsOf(shippedDevice()), limit);
+  }
+};
+
+TEST(FeltSqueeze, OfContacts_IsTheirVirtualWorkAtTheFingertip) {
+  const Held held;
+  const double tip_n = heldBack(shippedHand(), held.q_s, 3, held.record.contacts[0]) / 0.08;
+  EXPECT_GT(tip_n, 0.5);
+  EXPECT_NEAR(held.squeeze_n(), tip_n, 1e-6);
+}
+
+TEST(FeltSqueeze, OfTheLiquidAlone_IsTheWallsEffortAtTheFingertip) {
+  Held held;
+  held.record.contacts[0].body = 2;  // the core is not met
+  EXPECT_EQ(held.squeeze_n(), 0.0);
+  held.wall(1.7, {0.78, 0.61, -0.12});
+  EXPECT_NEAR(held.squeeze_n(), 1.7, tolerance(1e-12));
+  held.limit[3] = 0.08;  // the device gives 1 N at the tip
+  EXPECT_NEAR(held.squeeze_n(), 1.0, tolerance(1e-12));
+}
+
+TEST(FeltSqueeze, WallAndContacts_AreAdded) {
+  Held held;
+  const double contact_n = held.squeeze_n();
+  held.wall(1.7, {0.78, 0.61, -0.12});
+  EXPECT_NEAR(held.squeeze_n(), 1.7 + contact_n, 1e-9);
+}
+
+TEST(FeltSqueeze, DigitWithNothingAgainstIt_IsNone) {
+  Held held;
+  held.record.contact_count = 0;
+  held.wall(5.0, {0.78, 0.61, -0.12});
+  EXPECT_EQ(held.squeeze_n(), 0.0);
+}
+
+TEST(FeltSqueeze, FlatFingersOnThePalmsSide_AreNone) {
+  Held held;
+  held.record.contacts[0].body = 2;
+  held.wall(5.0, {-0.5, -0.87, 0.0});
+  EXPECT_EQ(held.squeeze_n(), 0.0);
+}
+
+TEST(FeltSqueeze, DigitThatTouchesWithItsBack_IsNone) {
+  Held held;
+  held.record.contacts[0].body = 2;
+  held.wall(5.0, {0.78, 0.61, -0.12});
+  held.felt.touches[3].palmar_depth_m = 0.0;
+  EXPECT_EQ(held.squeeze_n(), 0.0);
+}
+
+TEST(SoftTouches, OfAHandAboutACylinder_AreThoseWhoseClosingPresses) {
+  const HandModel& model = shippedHand();
+  HandPosture posture(model);
+  AxisPosition q(6);
+  BodyState body;
+  body.position_m = {0.049, 0.041, 0.004};
+  const auto touches = [&](double fingers_rad) {
+    q[3] = fingers_rad;
+    posture.update(postureOf(model, q));
+    return posture.softTouches(body, 0.025, 0.2, axesOfCapsules(model));
+  };
+  EXPECT_FALSE(touches(0.2)[3].presses);
+  bool pressed = false;
+  for (double fingers_rad = 0.2; fingers_rad < 2.4; fingers_rad += 0.02) {
+    const SoftTouch touch = touches(fingers_rad)[3];
+    pressed = pressed || touch.presses;
+    EXPECT_EQ(touch.palmar_depth_m > 0.0, touch.presses) << fingers_rad;
+    if (touch.presses) {
+      EXPECT_NEAR(touch.palmar_normal.norm(), 1.0, 1e-9);
+      EXPECT_NEAR(touch.palmar_normal.z(), 0.0, 1e-9);  // from the side
+    }
+  }
+  EXPECT_TRUE(pressed);
+  // The back of a straight finger: opening would press, closing leads away.
+  body.position_m = {0.12, -0.03, 0.004};
+  EXPECT_FALSE(touches(0.0)[3].presses);
+}
 
 /// Against points of the capsules' and the cylinder's surfaces, drawn at random.
 TEST(Clearance, OfADispenser_IsNeverMoreThanTheDistanceOfAnyTwoPoints) {

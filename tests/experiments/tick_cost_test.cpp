@@ -89,9 +89,10 @@ class Squeezing {
     Intention intention = squeezeAgainAndAgain(m.device, target.grip_m, 60.0);
     rig_ = orThrow(buildRig(std::move(m), std::move(intention), options));
     RendererConfig config = rig_->renderer->config();
-    if (without.tank) config.tank = {};
-    renderer_ = std::make_unique<HapticRenderer>(*rig_->device, *rig_->world, rig_->models.hand,
-                                                 config, rig_->models.exercise.get());
+    if (without.tank) config.safety.tank = {};
+    renderer_ =
+        std::make_unique<HapticRenderer>(*rig_->device, *rig_->world, rig_->models.hand,
+                                         rig_->models.scene, config, rig_->models.exercise.get());
     if (!renderer_->arm()) throw std::runtime_error("not armed");
   }
 

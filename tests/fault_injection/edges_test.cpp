@@ -32,7 +32,7 @@ TEST(MovedSinceArming, BeyondATwentiethOfTheRange_IsFaultedAndNothingEverPushes)
       ASSERT_TRUE(bench.renderer.arm());
       for (int k = 0; k < 300; ++k) {
         const TickRecord& r = bench.tick();
-        ASSERT_TRUE(same(r.sent, config.neutral)) << of.name << ", tick " << k;
+        ASSERT_TRUE(same(r.sent, config.safety.neutral)) << of.name << ", tick " << k;
         ASSERT_EQ(r.safety_state, SafetyState::kFaulted);
         if (k > 0) continue;
         EXPECT_EQ(r.faults & kStopping, Fault::kSpeedLimit);
@@ -87,7 +87,8 @@ TEST(LongSleep, OfMorePeriodsThanAnIntHolds_IsALongGapAndNoTimeTravel) {
     StillDevice device(inside(workbench().models().device));
     AnalyticWorld world(workbench().models().hand,
                         Bench::stopOnFirst(workbench().models().hand.axis_count));
-    HapticRenderer renderer(device, world, workbench().models().hand, workbench().config());
+    HapticRenderer renderer(device, world, workbench().models().hand, SceneModel{},
+                            workbench().config());
     ASSERT_TRUE(renderer.arm());
     TickRecord r;
     for (int k = 0; k < 300; ++k) renderer.tick(1, r);
@@ -122,8 +123,8 @@ TEST(Disarm, WhileItPushes_IsFollowedByNoStep) {
     Witness witness(config);
     for (int k = 0; k < 300 + 20 * i; ++k) witness.see(bench.tick());
     for (int a = 0; a < workbench().axes(); ++a) {
-      largest = std::max(largest, std::abs(bench.record.sent[a] - config.neutral[a]) /
-                                      config.supervisor.most_change[a]);
+      largest = std::max(largest, std::abs(bench.record.sent[a] - config.safety.neutral[a]) /
+                                      config.safety.supervisor.most_change[a]);
     }
     bench.renderer.disarm();
     for (int k = 0; k < kNeutralWithin; ++k) witness.see(bench.tick());

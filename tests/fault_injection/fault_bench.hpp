@@ -62,12 +62,12 @@ struct Bench {
             workbench.models().device, workbench.models().patient,
             slamming(workbench.models().device, random, inside(workbench.models().device), 0.4),
             kPeriod_s),
-        accepting(simulated, config.neutral),
+        accepting(simulated, config.safety.neutral),
         device(accepting, sabotage.device),
         analytic(workbench.models().hand, stopOnFirst(workbench.models().hand.axis_count)),
         world(analytic, sabotage.world),
-        exercise(config.effort_limit, sabotage.push, sabotage.push_tick, sabotage.push_axis),
-        renderer(device, world, workbench.models().hand, config, &exercise) {}
+        exercise(config.safety.effort_limit, sabotage.push, sabotage.push_tick, sabotage.push_axis),
+        renderer(device, world, workbench.models().hand, SceneModel{}, config, &exercise) {}
 
   static AnalyticScene stopOnFirst(int axes) {
     AnalyticScene scene;
@@ -99,20 +99,22 @@ struct Bench {
 /// Watches that every effort sent is one that may be sent. Says what was wrong first.
 class Witness {
  public:
-  explicit Witness(const RendererConfig& config) : config_(config), last_(config.neutral) {}
+  explicit Witness(const RendererConfig& config) : config_(config), last_(config.safety.neutral) {}
 
   void see(const TickRecord& r) {
     double power_w = 0.0;
     for (int a = 0; a < r.sent.size(); ++a) {
       const double change = std::abs(r.sent[a] - last_[a]);
       if (!std::isfinite(r.sent[a])) complain(r, a, "not finite", r.sent[a]);
-      if (change > config_.supervisor.most_change[a] + 1e-12) complain(r, a, "steep", change);
-      if (std::abs(r.sent[a]) > config_.effort_limit[a] + 1e-9) complain(r, a, "large", r.sent[a]);
-      steepest = std::max(steepest, change / config_.supervisor.most_change[a]);
-      power_w += std::max((r.sent[a] - config_.neutral[a]) * r.qd_mf[a], 0.0);
+      if (change > config_.safety.supervisor.most_change[a] + 1e-12)
+        complain(r, a, "steep", change);
+      if (std::abs(r.sent[a]) > config_.safety.effort_limit[a] + 1e-9)
+        complain(r, a, "large", r.sent[a]);
+      steepest = std::max(steepest, change / config_.safety.supervisor.most_change[a]);
+      power_w += std::max((r.sent[a] - config_.safety.neutral[a]) * r.qd_mf[a], 0.0);
     }
     // The slew limit has the last word: power may fall no faster than it lets efforts fall.
-    if (power_w > config_.supervisor.power_limit_w + 1e-9 &&
+    if (power_w > config_.safety.supervisor.power_limit_w + 1e-9 &&
         !any(r.faults & (Fault::kEffortSlew | kStopping)) && r.authority == 1.0) {
       complain(r, -1, "powerful", power_w);
     }
@@ -121,15 +123,16 @@ class Witness {
   /// From a stop on, efforts only fall towards neutral.
   void seeFall(const TickRecord& r) {
     for (int a = 0; a < r.sent.size(); ++a) {
-      const double before = std::abs(last_[a] - config_.neutral[a]);
-      const double now = std::abs(r.sent[a] - config_.neutral[a]);
+      const double before = std::abs(last_[a] - config_.safety.neutral[a]);
+      const double now = std::abs(r.sent[a] - config_.safety.neutral[a]);
       if (now > before + 1e-12) complain(r, a, "rising", now - before);
     }
     see(r);
   }
   [[nodiscard]] const std::string& problem() const { return problem_; }
   [[nodiscard]] bool atNeutral() const {
-    return std::memcmp(last_.data(), config_.neutral.data(), sizeof(double) * last_.size()) == 0;
+    return std::memcmp(last_.data(), config_.safety.neutral.data(),
+                       sizeof(double) * last_.size()) == 0;
   }
   double steepest = 0.0;  ///< change of an effort, in slew limits
 

@@ -73,7 +73,7 @@ std::vector<Kind> kinds() {
 class Oracle {
  public:
   Oracle(const Kind& kind, const RendererConfig& config, int at, int axis)
-      : kind_(kind), s_(config.supervisor), at_(at), axis_(axis) {}
+      : kind_(kind), s_(config.safety.supervisor), at_(at), axis_(axis) {}
 
   /// @param sent_before the effort that was in force when this was read
   [[nodiscard]] bool met(const TickRecord& r, const AxisEffort& sent_before) {
@@ -212,7 +212,7 @@ void injectOne(const Workbench& workbench, const Kind& kind, int axis, std::mt19
   ASSERT_TRUE(bench.renderer.arm());
   Witness witness(config);
   Oracle oracle(kind, config, at, axis);
-  AxisEffort sent = config.neutral;
+  AxisEffort sent = config.safety.neutral;
   double authority = 0.0;
   bool met = false;
   for (int k = 0; k <= at + kReportedWithin && !met; ++k) {
@@ -231,7 +231,7 @@ void injectOne(const Workbench& workbench, const Kind& kind, int axis, std::mt19
   if (!met) {  // one that sticks at a stop or where a clamped effort cannot change is not seen
     ASSERT_EQ(kind.told, Fault::kEncoderStuck);
     ASSERT_TRUE(oracle.atStop(bench.record.q_m[axis]) ||
-                std::abs(bench.record.sent[axis]) >= 0.8 * config.effort_limit[axis])
+                std::abs(bench.record.sent[axis]) >= 0.8 * config.safety.effort_limit[axis])
         << "effort " << bench.record.sent[axis];
     ++totals.unseen;
     return;

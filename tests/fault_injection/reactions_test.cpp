@@ -78,7 +78,7 @@ TEST(PowerLimit, ExerciseThatPushesAlongEveryMotion_GivesNoMoreThanTheLimit) {
   double largest_w = 0.0;
   for (int i = 0; i < cases(kRuns); ++i) {
     RendererConfig config = workbench().config();
-    config.supervisor.power_limit_w = uniform(random, 0.3, 2.0);
+    config.safety.supervisor.power_limit_w = uniform(random, 0.3, 2.0);
     Bench bench(workbench(), pushing(Push::kAlong, 210, 0), random, config);
     ASSERT_TRUE(bench.renderer.arm());
     Witness witness(config);
@@ -91,9 +91,9 @@ TEST(PowerLimit, ExerciseThatPushesAlongEveryMotion_GivesNoMoreThanTheLimit) {
       slewed += any(r.faults & Fault::kEffortSlew) ? 1 : 0;
       double power_w = 0.0;
       for (int a = 0; a < r.sent.size(); ++a) {
-        power_w += std::max((r.sent[a] - config.neutral[a]) * r.qd_mf[a], 0.0);
+        power_w += std::max((r.sent[a] - config.safety.neutral[a]) * r.qd_mf[a], 0.0);
       }
-      largest_w = std::max(largest_w, power_w / config.supervisor.power_limit_w);
+      largest_w = std::max(largest_w, power_w / config.safety.supervisor.power_limit_w);
     }
     EXPECT_EQ(witness.problem(), "");
   }
@@ -203,7 +203,7 @@ TEST(OwnerSilent, WhileTheExercisePushes_ItFadesOutAndRenderingGoesOn) {
 TEST(Lateness, OfASimulatedDevice_IsCountedOnly) {
   std::mt19937_64 random = seededRandom(25);
   RendererConfig config = workbench().config();
-  config.supervisor = makeSupervisor(workbench().models().device, kPeriod_s, true);
+  config.safety.supervisor = makeSupervisor(workbench().models().device, kPeriod_s, true);
   Sabotage late;
   for (const InjectedKind kind : {InjectedKind::kLateTicks, InjectedKind::kLongGap}) {
     late.device.push_back(
@@ -233,7 +233,7 @@ TEST_P(Arming, OfADeviceThatIsNotReady_IsRefusedAndNothingMoves) {
   EXPECT_FALSE(armed.errors().front().problem.empty());
   EXPECT_FALSE(armed.errors().front().remedy.empty());
   EXPECT_EQ(bench.renderer.safetyState(), SafetyState::kDisarmed);
-  EXPECT_TRUE(same(bench.tick().sent, workbench().config().neutral));
+  EXPECT_TRUE(same(bench.tick().sent, workbench().config().safety.neutral));
   bench.device.clear();
   EXPECT_TRUE(bench.renderer.arm());
 }

@@ -30,6 +30,12 @@ expect 'control knows no clock, thread or I/O' control/a.cpp '#include <thread>'
 expect "control has no 'virtual'" control/a.hpp 'struct A { virtual void f(); };'
 expect 'is no file of ours' core/a.cpp '#include "fine.hpp"'
 expect 'its folder is not in scripts/include_rules.toml' new/a.cpp 'int a;'
+# An installed header brings along what it includes.
+mkdir -p "$tree/include"
+echo 'set(face runtime/session.hpp)' >"$tree/include/CMakeLists.txt"
+expect 'includes core/fine.hpp, which is not installed' core/a.cpp 'int a;'
+echo 'set(face runtime/session.hpp core/fine.hpp)' >"$tree/include/CMakeLists.txt"
+python3 scripts/check_includes.py "$tree" >/dev/null
 # What stands in a comment includes nothing.
 echo '// #include "runtime/session.hpp" and virtual' >"$tree/src/control/a.cpp"
 python3 scripts/check_includes.py "$tree" >/dev/null

@@ -1,11 +1,13 @@
 #include "model/anthropometry.hpp"
 #include "model/hand_file.hpp"
 #include "model/hand_mass.hpp"
+#include "temp_folder.hpp"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -16,9 +18,12 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+using test::TempFolder;
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kMm = 1e-3;
+const std::vector<std::string> kSizes = {"adult-median", "woman-p05", "woman-p50", "woman-p95",
+                                         "man-p05",      "man-p50",   "man-p95"};
 const std::string kConfig = std::string(WHOLEHAND_SOURCE_DIR) + "/config/";
 
 DeviceModel device(const std::string& name) {
@@ -231,12 +236,17 @@ TEST(Hand, Wrist_TurnsInSeriesAboutTheHandsOwnAxes) {
   EXPECT_LT(palm.translation_m.norm(), 1e-15);  // through the palm frame's origin
 }
 
-TEST(Hand, LeftHand_IsTheMirrorImageInEveryPosture) {
-  for (const char* name : {"lambda-pride", "wrist-9axis", "desktop-3axis"}) {
-    SCOPED_TRACE(name);
+TEST(Hand, LeftHandOfEverySize_IsTheMirrorImageInEveryPosture) {
+  const std::array<const char*, 3> devices = {"lambda-pride", "wrist-9axis", "desktop-3axis"};
+  for (std::size_t k = 0; k < 3 * kSizes.size(); ++k) {
+    const std::string size = kSizes[k / 3], name = devices[k % 3];
+    SCOPED_TRACE(size + " on " + name);
     const DeviceModel on = device(name);
-    const HandModel right = hand("adult-median-right", on);
-    const HandModel left = hand("adult-median-left", on);
+    const HandModel right = hand(size + "-right", on);
+    const HandModel left = hand(size + "-left", on);
+    EXPECT_EQ(left.side, Side::kLeft);
+    EXPECT_EQ(left.name, size + "-left");
+    EXPECT_EQ(left.reference.vec(), right.reference.vec());
     AxisPosition q(on.axisCount());
     AxisPosition mirrored(on.axisCount());
     for (int i = 0; i < on.axisCount(); ++i) {
@@ -266,6 +276,34 @@ TEST(Hand, LeftHand_IsTheMirrorImageInEveryPosture) {
       const Matrix3d image =
           left_poses[i].rotation * left.links[i].inertia_kg_m2 * left_poses[i].rotation.transpose();
       EXPECT_LT((image - Matrix3d(flip.asDiagonal() * inertia * flip.asDiagonal())).norm(), 1e-15);
+    }
+  }
+}
+
+/// What is said of a hand file that begins like this and goes on with `rest`.
+std::string told(const TempFolder& folder, const std::string& rest) {
+  const std::string text = "kind = \"hand\"\nversion = 1\nname = \"hand\"\n" + rest;
+  const auto loaded = loadHandFile(folder.write("hand.toml", text));
+  return loaded ? "loaded" : format(loaded.errors());
+}
+
+TEST(MirroredHand, WrongFile_IsRefusedByKeyAndValue) {
+  const TempFolder folder;
+  folder.write("mirror.toml", "kind = \"hand\"\nversion = 1\nmirror_of = \"somebody\"\n");
+  const std::vector<std::array<std::string, 3>> cases = {
+      {"nobody", "", "cannot be read"},
+      {"../hand", "", "is no file of this folder"},
+      {"mirror", "", "is a mirror image of another"},
+      {"hand", "", "is a mirror image of another"},  // itself
+      {"mirror", "length_m = 0.1\n", "length_m"},    // which one would hold?
+  };
+  for (const auto& [name, more, why] : cases) {
+    const std::string said = told(folder, "mirror_of = \"" + name + "\"\n" + more);
+    for (const std::string& word : {std::string("hand.toml"), why}) {
+      EXPECT_NE(said.find(word), std::string::npos) << name << ": " << said;
+    }
+    if (more.empty()) {
+      EXPECT_NE(said.find("mirror_of"), std::string::npos) << said;
     }
   }
 }

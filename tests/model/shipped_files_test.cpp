@@ -19,9 +19,13 @@ const std::set<std::string> kPatients = {"relaxed-adult", "stiff-adult",  "no-ar
                                          "tremor",        "spastic",      "releases",
                                          "slams",         "fights",       "enslaved-fingers",
                                          "spastic-fist",  "pill-rolling", "holds-a-ball"};
-const std::set<std::string> kHands = {"adult-median-right", "adult-median-left", "woman-p05-right",
-                                      "woman-p50-right",    "woman-p95-right",   "man-p05-right",
-                                      "man-p50-right",      "man-p95-right"};
+const std::set<std::string> kSizes = {"adult-median", "woman-p05", "woman-p50", "woman-p95",
+                                      "man-p05",      "man-p50",   "man-p95"};
+const std::set<std::string> kHands = [] {
+  std::set<std::string> both;
+  for (const std::string& size : kSizes) both.insert({size + "-left", size + "-right"});
+  return both;
+}();
 
 std::set<std::string> stems(const std::string& folder) {
   std::set<std::string> out;

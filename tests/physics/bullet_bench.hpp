@@ -1,6 +1,7 @@
 #pragma once
 
 #include "physics/bullet/bullet_world.hpp"
+#include "physics/hand_probe.hpp"
 #include "support/rig_tools.hpp"
 
 /// A Bullet world with the shipped hand, stepped without device or renderer.
@@ -8,9 +9,9 @@ namespace wholehand::test {
 
 inline constexpr double kPeriod_s = 1e-3;
 
-inline WorldState look(PhysicsWorld& world, const WorldQuery& query = {}) {
+inline WorldState look(PhysicsWorld& world) {
   WorldState state;
-  EXPECT_EQ(world.observe(query, state), Fault::kNone);
+  EXPECT_EQ(world.observe(state), Fault::kNone);
   return state;
 }
 
@@ -22,7 +23,7 @@ struct Bench {
   }
   /// One step towards q_m with the velocity qd_m.
   void step(const AxisPosition& q_m, const AxisVelocity& qd_m) {
-    state = look(*world, query);
+    state = look(*world);
     ASSERT_TRUE(body.update(state.theta, state.theta_dot, scene.gravity_m_s2));
     AxisEffort f_s(q_m.size());
     for (int a = 0; a < f_s.size(); ++a) {
@@ -30,18 +31,32 @@ struct Bench {
                (4e3 * (q_m[a] - state.q_s[a]) + 120.0 * (qd_m[a] - state.qd_s[a]));
     }
     HandDrive drive;
+    drive.effort = f_s;
     body.distribute(f_s, drive.torque);
     drive.reduced_inertia_inverse = &body.reducedInertiaInverse();
     ASSERT_EQ(world->step(drive, kPeriod_s), Fault::kNone);
     world->contacts(touching);
-    after = look(*world, query);
+    after = look(*world);
+    ask(query);
+  }
+  /// What the probe says of the world as it is now.
+  const TickRecord& ask(const WorldQuery& about) {
+    const WorldState now = look(*world);
+    kinematics.updateKinematics(now.theta);
+    probed.theta = now.theta;
+    probed.q_s = now.q_s;
+    std::copy_n(now.bodies.begin(), now.body_count, probed.bodies.begin());
+    probe.look(&kinematics.linkPose(0), about, probed);
+    return probed;
   }
 
   Models models;
   SceneModel scene;
   WorldQuery query;
   std::unique_ptr<BulletWorld> world;
-  ArticulatedBody body{models.hand};
+  ArticulatedBody body{models.hand}, kinematics{models.hand};
+  HandProbe probe{models.hand, scene};
+  TickRecord probed;
   WorldState state, after;
   ContactList touching;
 };

@@ -27,6 +27,7 @@ TEST(FreeHand, UnderRandomEffort_FollowsItsReducedInertia) {
     AxisEffort f_s(m.hand.axis_count);
     for (int a = 0; a < f_s.size(); ++a) f_s[a] = draw() * 20.0 * body.reducedInertia()(a, a);
     HandDrive drive;
+    drive.effort = f_s;
     body.distribute(f_s, drive.torque);
     drive.reduced_inertia_inverse = &body.reducedInertiaInverse();
     ASSERT_EQ(world.step(drive, kPeriod_s), Fault::kNone);
@@ -253,9 +254,9 @@ TEST(PalmDistance, OfBallsAndBoxes_IsTheClosedForm) {
   const Pose& palm = at.linkPose(m.hand.palm_link);
   const Eigen::Vector3d a = palm * hollow.a_m, b = palm * hollow.b_m;
   const auto distance = [&](const SceneBody& body) {
-    BulletWorld world(m.hand, weightless({body}));
-    EXPECT_TRUE(world.placeHand(q));
-    return look(world).palm_distance_m;
+    Bench bench(weightless({body}));
+    EXPECT_TRUE(bench.world->placeHand(q));
+    return bench.ask({}).palm_distance_m;
   };
   // A ball beside the segment's middle: the perpendicular distance less both radii.
   const Eigen::Vector3d beyond = (b - a).normalized();
@@ -271,9 +272,9 @@ TEST(PalmDistance, OfBallsAndBoxes_IsTheClosedForm) {
   EXPECT_NEAR(distance(fixedBox({0.0, 0.0, top + 0.2}, {1.0, 1.0, 0.1})),
               0.2 - 0.05 - hollow.radius_m, tolerance(1e-5));
   // Nothing: infinitely far.
-  BulletWorld empty(m.hand, weightless({}));
-  ASSERT_TRUE(empty.placeHand(q));
-  EXPECT_EQ(look(empty).palm_distance_m, std::numeric_limits<double>::infinity());
+  Bench empty(weightless({}));
+  ASSERT_TRUE(empty.world->placeHand(q));
+  EXPECT_EQ(empty.ask({}).palm_distance_m, std::numeric_limits<double>::infinity());
 }
 
 /// A ball somewhere about the middle of the palm's hollow, which looks along -z of the palm's

@@ -228,9 +228,9 @@ TEST(PlacedBody, InTwoWorldsAlike_GivesTheSameBits) {
       slide.put(slide.face_m - 2e-4 * k, {0.0, -0.2, 0.0});
       slide.bench.step(AxisPosition(6), AxisVelocity(6));
     }
-    return slide.bench.after;
+    return slide.bench.probed;
   };
-  const WorldState a = run(), b = run();
+  const TickRecord a = run(), b = run();
   EXPECT_EQ(0, std::memcmp(a.theta.data(), b.theta.data(), sizeof(double) * 19));
   EXPECT_EQ(0, std::memcmp(a.closure.data(), b.closure.data(), sizeof(double) * 6));
 }
@@ -241,18 +241,18 @@ TEST(PalmTarget, IsTheNearestOfThoseAskedFor) {
   ASSERT_TRUE(bench.world->placeHand(AxisPosition(6)));
   std::array<double, 3> alone_m{};
   for (int b = 0; b < 3; ++b) {
-    const WorldState s = look(*bench.world, {1U << b, -1});
+    const TickRecord s = bench.ask({1U << b, -1});
     EXPECT_EQ(s.palm_body, b);
     alone_m[static_cast<std::size_t>(b)] = s.palm_target_distance_m;
-    EXPECT_EQ(s.palm_distance_m, look(*bench.world).palm_distance_m);
+    EXPECT_EQ(s.palm_distance_m, bench.ask({}).palm_distance_m);
   }
-  EXPECT_EQ(alone_m[0], look(*bench.world).palm_distance_m);  // the nearest of all
-  const WorldState far_two = look(*bench.world, {0b110, -1});
+  EXPECT_EQ(alone_m[0], bench.ask({}).palm_distance_m);  // the nearest of all
+  const TickRecord far_two = bench.ask({0b110, -1});
   const int nearer = alone_m[1] < alone_m[2] ? 1 : 2;
   EXPECT_EQ(far_two.palm_body, nearer);
   EXPECT_EQ(far_two.palm_target_distance_m, std::min(alone_m[1], alone_m[2]));
   EXPECT_EQ(far_two.palm_distance_m, alone_m[0]);
-  const WorldState none = look(*bench.world);
+  const TickRecord none = bench.ask({});
   EXPECT_EQ(none.palm_body, -1);
   EXPECT_EQ(none.palm_target_distance_m, std::numeric_limits<double>::infinity());
 }

@@ -1,9 +1,17 @@
 // What the doctor says of machines that are made up.
 #include "doctor_findings.hpp"
+#include "realtime/thread_setup.hpp"
+#include "support/folder.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sched.h>
+#include <string>
+#include <thread>
+#include <unistd.h>
 
 namespace wholehand {
 namespace {
@@ -124,6 +132,55 @@ TEST(Doctor, NoLoopAtAll_IsNotFit) {
   const Verdict v = verdictOf(findingsAboutNoLoop({{"", 0, "", "", "no thread", "check ulimit"}}));
   EXPECT_FALSE(v.fit);
   EXPECT_TRUE(says(v, "no thread")) << v.sentence;
+}
+
+class Adapters : public testing::Test {
+ protected:
+  void plug(const std::string& tty, const std::string& latency_timer) {
+    const std::filesystem::path at = std::filesystem::path(folder_.path()) / tty;
+    std::filesystem::create_directories(at);
+    if (!latency_timer.empty()) std::ofstream(at / "latency_timer") << latency_timer << "\n";
+  }
+  test::Folder folder_;
+};
+
+TEST_F(Adapters, FtdiThatWaits_IsNamedWithItsTimerAndTheRemedy) {
+  plug("ttyUSB1", "1");
+  plug("ttyUSB0", "16");
+  plug("ttyUSB2", "");  // another maker's: no such timer
+  const Findings found = findingsAboutAdapters(folder_.path());
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0].what, "ttyUSB0");
+  EXPECT_FALSE(found[0].good);
+  EXPECT_NE(found[0].fact.find("up to 16 ms"), std::string::npos) << found[0].fact;
+  EXPECT_NE(found[0].remedy.find("echo 1 > " + folder_.path() + "/ttyUSB0/latency_timer"),
+            std::string::npos)
+      << found[0].remedy;
+  EXPECT_EQ(found[1].what, "ttyUSB1");
+  EXPECT_TRUE(found[1].good);
+  EXPECT_TRUE(verdictOf(found).fit) << "it may belong to something else";
+}
+
+TEST_F(Adapters, NoneOrNoFolder_SaysNothing) {
+  EXPECT_TRUE(findingsAboutAdapters(folder_.path()).empty());
+  EXPECT_TRUE(findingsAboutAdapters(folder_.file("none")).empty());
+}
+
+// Cores may have governors of their own: that of the core counts to which the loop goes.
+TEST(Doctor, OfCoresWithGovernorsOfTheirOwn_ReadsThatOfTheLoopsCore) {
+  const test::Folder sys;
+  for (long core = 0; core < sysconf(_SC_NPROCESSORS_CONF); ++core) {
+    const std::string folder =
+        sys.file("devices/system/cpu/cpu" + std::to_string(core) + "/cpufreq");
+    std::filesystem::create_directories(folder);
+    std::ofstream(folder + "/scaling_governor") << "of core " << core << "\n";
+  }
+  int core = 0;  // where the loop cannot have a core of its own
+  std::thread loop([&core] {
+    if (requestLastCore().granted) core = sched_getcpu();
+  });
+  loop.join();
+  EXPECT_EQ(machineFacts(sys.path()).governor, "of core " + std::to_string(core));
 }
 
 }  // namespace

@@ -64,6 +64,32 @@ TEST(ThreadSetup, WhateverTheMachineGrants_TheReportTellsTheTruth) {
   }
 }
 
+// A loop and what watches it have a core each, where there are two.
+TEST(ThreadSetup, CoreBeforeTheLast_IsAnotherOneWhereThereAreTwo) {
+  const auto coreOf = [](int cores_before_last) {
+    int core = -1;
+    std::thread thread([&] {
+      if (!requestLastCore(cores_before_last).granted) return;
+      cpu_set_t set;
+      CPU_ZERO(&set);
+      sched_getaffinity(0, sizeof set, &set);
+      for (int i = 0; i < CPU_SETSIZE && core < 0; ++i) core = CPU_ISSET(i, &set) ? i : -1;
+    });
+    thread.join();
+    return core;
+  };
+  cpu_set_t allowed;
+  CPU_ZERO(&allowed);
+  ASSERT_EQ(sched_getaffinity(0, sizeof allowed, &allowed), 0);
+  const std::size_t isolated = isolatedCpus().size();
+  if (CPU_COUNT(&allowed) < 2 || isolated == 1) GTEST_SKIP() << "one core";
+  const int last = coreOf(0);
+  ASSERT_GE(last, 0);
+  EXPECT_GE(coreOf(1), 0);
+  EXPECT_LT(coreOf(1), last);
+  EXPECT_GE(coreOf(1000), 0) << "the first, where there are not so many";
+}
+
 TEST(ThreadSetup, Denormals_CountAsZeroAfterwards) {
   double halved = 1.0;
   bool flushed = false;

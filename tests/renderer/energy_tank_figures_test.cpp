@@ -34,8 +34,8 @@ Felt pressAndDrawBack(double rate_hz, bool with_tank) {
       std::make_unique<SimulatedDevice>(m.device, m.patient, std::move(player), options.period_s);
   const auto rig = build(std::move(m), std::move(device), options);
   RendererConfig config = rig->renderer->config();
-  if (!with_tank) config.tank = {};
-  HapticRenderer renderer(*rig->device, *rig->world, rig->models.hand, config);
+  if (!with_tank) config.safety.tank = {};
+  HapticRenderer renderer(*rig->device, *rig->world, rig->models.hand, rig->models.scene, config);
   EXPECT_TRUE(renderer.arm());
   Felt felt;
   double before = 0.0, last = 0.0;

@@ -116,8 +116,8 @@ INSTANTIATE_TEST_SUITE_P(
 int ticksToNeutral(const RendererConfig& config, const AxisEffort& held) {
   double ticks = 0.0;
   for (int a = 0; a < held.size(); ++a) {
-    const double span = std::abs(held[a] - config.neutral[a]);
-    ticks = std::max(ticks, std::ceil(span / config.supervisor.most_change[a] - 1e-9));
+    const double span = std::abs(held[a] - config.safety.neutral[a]);
+    ticks = std::max(ticks, std::ceil(span / config.safety.supervisor.most_change[a] - 1e-9));
   }
   return static_cast<int>(ticks);
 }
@@ -168,12 +168,13 @@ TEST(RefusedWrites, ForAWhile_AreFollowedByNoStepAndNeutralIsNotClaimedBeforeItI
           ASSERT_TRUE(same(r.sent, now)) << k;
           ASSERT_TRUE(k >= refused || same(now, held)) << k;
           for (int a = 0; a < now.size(); ++a) {
-            ASSERT_LE(std::abs(now[a] - before[a]), config.supervisor.most_change[a] + 1e-12) << k;
-            ASSERT_LE(std::abs(now[a] - config.neutral[a]),
-                      std::abs(before[a] - config.neutral[a]) + 1e-12)
+            ASSERT_LE(std::abs(now[a] - before[a]), config.safety.supervisor.most_change[a] + 1e-12)
+                << k;
+            ASSERT_LE(std::abs(now[a] - config.safety.neutral[a]),
+                      std::abs(before[a] - config.safety.neutral[a]) + 1e-12)
                 << k;
           }
-          ASSERT_EQ(renderer.atNeutral(), k >= refused && same(now, config.neutral)) << k;
+          ASSERT_EQ(renderer.atNeutral(), k >= refused && same(now, config.safety.neutral)) << k;
           ASSERT_EQ(r.safety_state, SafetyState::kFaulted) << k;
           if (neutral_at < 0 && renderer.atNeutral()) neutral_at = k;
           before = now;
@@ -280,7 +281,7 @@ TEST_P(SlammingPatient, InAScene_NeverFeelsMoreThanTheDevicesLimits) {
       // While the force engages, what is sent comes in smoothly: at most the limit's share.
       if (r.tick < 200) {
         for (int a = 0; a < r.sent.size(); ++a) {
-          ASSERT_LE(std::abs(r.sent[a] - rig->renderer->config().neutral[a]),
+          ASSERT_LE(std::abs(r.sent[a] - rig->renderer->config().safety.neutral[a]),
                     2.0 * r.authority * rig->models.device.axes[a].effort_limit + 1e-12);
         }
       }

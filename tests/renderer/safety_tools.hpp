@@ -56,7 +56,7 @@ inline Models withWeight(Models m) {
 
 inline void expectWithinLimits(const HapticRenderer& renderer, const TickRecord& r) {
   for (int a = 0; a < r.sent.size(); ++a) {
-    ASSERT_LE(std::abs(r.sent[a]), renderer.config().effort_limit[a]) << "tick " << r.tick;
+    ASSERT_LE(std::abs(r.sent[a]), renderer.config().safety.effort_limit[a]) << "tick " << r.tick;
   }
 }
 
@@ -65,9 +65,9 @@ inline void expectWithinLimits(const HapticRenderer& renderer, const TickRecord&
 inline void expectRamp(const HapticRenderer& renderer, const std::vector<TickRecord>& records,
                        int from) {
   const RendererConfig& config = renderer.config();
-  const AxisEffort& neutral = config.neutral;
+  const AxisEffort& neutral = config.safety.neutral;
   const AxisEffort held = records[from - 1].sent;
-  const double steepest = 1.5 / config.ramp.ramp_s * kPeriod_s;
+  const double steepest = 1.5 / config.safety.ramp.ramp_s * kPeriod_s;
   for (int k = from; k < static_cast<int>(records.size()); ++k) {
     for (int a = 0; a < held.size(); ++a) {
       const double before = records[k - 1].sent[a] - neutral[a];

@@ -33,7 +33,7 @@ FailingWorldRig failingWorldRig(InjectedWorldFault fault, std::mt19937_64& rando
   out.world = std::make_unique<AnalyticWorld>(models.hand, std::move(scene));
   out.faulty = std::make_unique<FaultyWorld>(*out.world, fault);
   out.renderer = std::make_unique<HapticRenderer>(*out.rig->device, *out.faulty, models.hand,
-                                                  out.rig->renderer->config());
+                                                  SceneModel{}, out.rig->renderer->config());
   return out;
 }
 
@@ -112,8 +112,8 @@ AxisEffort wanted(const HapticRenderer& renderer, const TickRecord& r) {
   const RendererConfig& config = renderer.config();
   AxisEffort out = r.rendered;
   for (int a = 0; a < out.size(); ++a) {
-    out[a] =
-        std::clamp(out[a] + config.neutral[a], -config.effort_limit[a], config.effort_limit[a]);
+    out[a] = std::clamp(out[a] + config.safety.neutral[a], -config.safety.effort_limit[a],
+                        config.safety.effort_limit[a]);
   }
   return out;
 }
@@ -122,7 +122,7 @@ TEST(StalledLoop, WhileThePatientMovesFast_EngagesAnewWithoutAStep) {
   const auto rig = crossingRig();
   HapticRenderer& renderer = *rig->renderer;
   const RendererConfig& config = renderer.config();
-  const AxisEffort& limit = config.effort_limit;
+  const AxisEffort& limit = config.safety.effort_limit;
   ASSERT_TRUE(renderer.arm());
   TickRecord before = *runTicks(renderer, 600);
   const AxisEffort held = before.sent;
@@ -148,11 +148,12 @@ TEST(StalledLoop, WhileThePatientMovesFast_EngagesAnewWithoutAStep) {
     for (int a = 0; a < held.size(); ++a) {
       const double change = std::abs(now.sent[a] - before.sent[a]);
       const double own = authority * std::abs(want[a] - wanted_before[a]);
-      ASSERT_LE(change, 3.0 * limit[a] * config.period_s / config.ramp.reengage_s + own + 1e-12)
+      ASSERT_LE(change,
+                3.0 * limit[a] * config.period_s / config.safety.ramp.reengage_s + own + 1e-12)
           << k;
       ASSERT_LE(std::abs(now.sent[a] - held[a]), 2.0 * limit[a] * now.authority + 1e-12) << k;
       if (k == 1) largest = std::max(largest, change / limit[a]);
-      if (k * config.period_s >= config.ramp.reengage_s + config.period_s) {
+      if (k * config.period_s >= config.safety.ramp.reengage_s + config.period_s) {
         ASSERT_EQ(now.sent[a], want[a]) << k;  // wholly engaged again
       }
     }
@@ -161,7 +162,7 @@ TEST(StalledLoop, WhileThePatientMovesFast_EngagesAnewWithoutAStep) {
     renderer.tick(1, now);
   }
   // The smoothstep's first step, 3 (T / reengage_s)², of a span of at most twice the limit.
-  const double u = config.period_s / config.ramp.reengage_s;
+  const double u = config.period_s / config.safety.ramp.reengage_s;
   EXPECT_LE(largest, 6.0 * u * u + 1e-12);
   figure("step of the effort after a stall of 200 ms, worst axis, share of its limit", largest, "");
   figure("the same had it not engaged anew", jump, "");
@@ -177,7 +178,7 @@ TEST(StalledLoop, ForFivePeriods_StaysEngaged) {
   EXPECT_EQ(now.authority, 1.0);
   // What five periods have changed comes at once, as far as the slew limit of one period lets it.
   const AxisEffort want = wanted(renderer, now);
-  const AxisEffort& most = renderer.config().supervisor.most_change;
+  const AxisEffort& most = renderer.config().safety.supervisor.most_change;
   for (int a = 0; a < want.size(); ++a) {
     EXPECT_EQ(now.sent[a], std::clamp(want[a], before[a] - most[a], before[a] + most[a])) << a;
   }
@@ -213,8 +214,8 @@ double swingAgainstAWall(Stalls stalls, double reengage_s) {
   scene.axes[static_cast<std::size_t>(x)].upper_stop = 0.0;
   AnalyticWorld world(models.hand, std::move(scene));
   RendererConfig config = rig->renderer->config();
-  config.ramp.reengage_s = reengage_s;
-  HapticRenderer renderer(*rig->device, world, models.hand, config);
+  config.safety.ramp.reengage_s = reengage_s;
+  HapticRenderer renderer(*rig->device, world, models.hand, models.scene, config);
   EXPECT_TRUE(renderer.arm());
   const auto& device = dynamic_cast<const SimulatedDevice&>(*rig->device);
   TickRecord r;

@@ -1,5 +1,6 @@
 #include "report/report.hpp"
 
+#include "report/report_data.hpp"
 #include "telemetry/synthetic_recording.hpp"
 
 #include <gtest/gtest.h>
@@ -31,8 +32,9 @@ std::string printed(const char* form, double value) {
 struct Story {
   RecordingMeta meta = synthetic::meta();
   std::uint64_t skipped = 0;
-  Fault faults = Fault::kNone;  ///< of every hundredth tick
-  int fault_axis = -1;          ///< and of the first of them another axis
+  Fault faults = Fault::kNone;               ///< of every hundredth tick
+  int fault_axis = -1;                       ///< and of the first of them another axis
+  std::uint64_t lost_from = 0, lost_to = 0;  ///< ticks that never reached the disk
   double largest_tip_n = 0.0, largest_z_n = 0.0;
 
   Story() {
@@ -83,7 +85,7 @@ struct Story {
     for (std::uint64_t i = 0; i < 4000; ++i) {
       const bool skip = i % 1000 == 500;  // one period is lost before these
       if (skip) ++skipped;
-      if (i % 1000 == 499) continue;
+      if (i % 1000 == 499 || (i >= lost_from && i < lost_to)) continue;
       ASSERT_TRUE(writer->append(tick(i, skip ? 2 : 1)));
     }
   }
@@ -123,6 +125,39 @@ TEST(Report, SyntheticRecording_ShowsTheFiguresComputedIndependently) {
   EXPECT_NEAR(std::stod(found[1]), 109.0, 1.6);
   ASSERT_TRUE(std::regex_search(page, found, std::regex("p99 (\\d+) µs")));
   EXPECT_NEAR(std::stod(found[1]), 158.0, 2.1);
+}
+
+TEST(Report, MissingTicks_AreToldAndNoLineLeadsAcross) {
+  const Folder folder;
+  Story story;
+  story.lost_from = 1600;
+  story.lost_to = 2600;  // none of them was skipped by the loop but 2499: a period without record
+  story.write(folder.file("run.h5"));
+  const auto data = collectReport(folder.file("run.h5"), 500);
+  ASSERT_TRUE(data.ok());
+  EXPECT_EQ(data->missing_ticks, 1000U);
+  for (const auto* line : {&data->contact_force_n, &data->axes[3].effort, &data->axes[0].device}) {
+    for (std::size_t i = 1; i < line->size(); ++i) {
+      const PlotPoint &a = (*line)[i - 1], &b = (*line)[i];
+      const bool joined = std::isfinite(a.y) && std::isfinite(b.y);
+      EXPECT_FALSE(joined && a.x < 1.61 && b.x > 2.59) << a.x << " to " << b.x;
+    }
+  }
+  ASSERT_TRUE(writeReport(folder.file("run.h5"), folder.file("out")).ok());
+  EXPECT_NE(readFile(folder.file("out/index.html")).find("<dt>Missing</dt><dd>1,000 ticks, 1.0 s"),
+            std::string::npos);
+}
+
+TEST(Report, EmergencyStopAndRealDevice_AreTold) {
+  const Folder folder;
+  Story story;
+  story.meta.simulated_device = false;
+  story.faults = Fault::kEmergencyStop;
+  story.write(folder.file("run.h5"));
+  ASSERT_TRUE(writeReport(folder.file("run.h5"), folder.file("out")).ok());
+  const std::string page = readFile(folder.file("out/index.html"));
+  EXPECT_NE(page.find("<dt>Emergency stop</dt><dd>at 0.00 s"), std::string::npos);
+  EXPECT_NE(page.find("lambda-pride, 6 axes, held by a person"), std::string::npos);
 }
 
 TEST(Report, FaultsOfAnAxis_NameTheOneThatHadMost) {

@@ -66,10 +66,10 @@ struct Rail {
     RendererConfig config;
     config.gains = *gains;
     config.damping = makeAdaptiveDamping(device_model, rendering);
-    config.effort_limit = AxisEffort(1, 20.0);
-    config.neutral = device_model.neutral();
+    config.safety.effort_limit = AxisEffort(1, 20.0);
+    config.safety.neutral = device_model.neutral();
     config.moves_nobody = true;  // though everything is watched
-    renderer = std::make_unique<HapticRenderer>(*faulty, world, hand, config);
+    renderer = std::make_unique<HapticRenderer>(*faulty, world, hand, SceneModel{}, config);
     EXPECT_TRUE(renderer->arm());
     session = std::make_unique<Session>(*renderer, session_config);
   }

@@ -43,6 +43,9 @@ inline wire::Bytes stop(std::uint32_t id) {
 inline wire::Bytes emergencyStop(std::uint32_t id) {
   return command(id, [](Builder& b) { return fb::CreateEmergencyStop(b); });
 }
+inline wire::Bytes rest(std::uint32_t id) {
+  return command(id, [](Builder& b) { return fb::CreateRest(b); });
+}
 inline wire::Bytes load(std::uint32_t id, const char* exercise, std::uint16_t level,
                         const char* hand) {
   return command(
@@ -56,6 +59,9 @@ inline wire::Bytes setParameter(std::uint32_t id, const char* name, double value
 }
 inline wire::Bytes steer(std::uint32_t id, fb::Steering by) {
   return command(id, [&](Builder& b) { return fb::CreateSteer(b, by); });
+}
+inline wire::Bytes setHelp(std::uint32_t id, fb::Help help) {
+  return command(id, [&](Builder& b) { return fb::CreateSetHelp(b, help); });
 }
 inline wire::Bytes action(std::uint32_t id, fb::Act act) {
   return command(id, [&](Builder& b) { return fb::CreateAction(b, act); });
@@ -82,7 +88,9 @@ inline std::vector<wire::Bytes> oneOfEach() {
           action(8, fb::Act::Pause),
           takeControls(9, "a token of 18 char"),
           releaseControls(10),
-          heartbeat(11)};
+          heartbeat(11),
+          rest(12),
+          setHelp(13, fb::Help::Some)};
 }
 
 }  // namespace wholehand::test::words

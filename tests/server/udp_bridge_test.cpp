@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <thread>
@@ -76,8 +77,9 @@ TEST_F(UdpBridgeOnLoopback, EveryTick_ReachesTheGameInOrder) {
     bridge.publish(backend.record(tick));
     // The game's buffer holds some hundred: it reads before it is full, however slow this goes.
     if (tick % 50 == 0) {
-      ASSERT_TRUE(g.until(
-          [&] { return !g.game.state_ticks.empty() && g.game.state_ticks.back() >= tick; }));
+      // On a busy machine one that says how the loop was before its first record may come last.
+      const auto& told = g.game.state_ticks;
+      ASSERT_TRUE(g.until([&] { return std::find(told.begin(), told.end(), tick) != told.end(); }));
     }
   }
   std::erase(g.game.state_ticks, 0U);  // how the loop was before its first record

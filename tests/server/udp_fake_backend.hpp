@@ -155,6 +155,10 @@ class FakeBackend : public ServerBackend {
         return {true, ""};
       case OrderType::kAction:
       case OrderType::kLeftAlone:
+      case OrderType::kSaveProfile:
+      case OrderType::kLoadProfile:
+      case OrderType::kAnswer:
+      case OrderType::kHoldToMove:
         return {true, ""};
     }
     return {false, "is not known"};

@@ -120,8 +120,10 @@ TEST_F(UdpHost, OneGameTooMany_IsRefusedInWords) {
   for (std::uint16_t i = 0; i < 4; ++i) {
     TestGame more = makeGame({0x7F000001, static_cast<std::uint16_t>(6000 + i)});
     more.hello(10, "", 100U + i);
+    for (const auto& [from, d] : std::exchange(arriving, {})) host.receive(from, d, now_ns);
+    for (const auto& [to, d] : std::exchange(leaving, {})) more.hear(d);
+    settle();  // it answers
   }
-  settle();
   EXPECT_EQ(counters.peers, 4U);
   game.hello(1000);
   settle();
@@ -244,6 +246,78 @@ TEST_F(UdpHost, EmergencyStopUnderAnyNumber_IsObeyed) {
     settle();
     EXPECT_EQ(backend.status().run_state, RunState::kStopped) << id;
   }
+}
+
+// A Hello may carry anybody's address: whoever gets the answers must not be flooded by it.
+TEST_F(UdpHost, HelloThatNobodyAnswers_BringsItsAddressLessThanThreeTimesItsBytes) {
+  game.answers = false;
+  game.hello(1000);
+  const std::size_t said = arriving.at(0).bytes.size();
+  std::size_t got = 0;
+  const auto send = [&] {
+    for (const auto& [from, d] : std::exchange(arriving, {})) host.receive(from, d, now_ns);
+    for (const auto& [to, d] : std::exchange(leaving, {})) got += d.size();
+  };
+  send();
+  EXPECT_GT(got, 0U);
+  for (std::uint64_t tick = 1; tick <= 1500; ++tick) {
+    now_ns += kMillisecond_ns;
+    host.publish(backend.record(tick), backend.status(), now_ns);
+    if (tick % 100 == 0) host.publishIdle(backend.record(tick), backend.status(), now_ns);
+    if (tick == 500) backend.changeScene();
+    host.setScene(backend.scene(), now_ns);
+    host.advance(now_ns);
+    send();
+  }
+  host.sayGoodbye(now_ns);
+  send();
+  std::printf("figure: a Hello of %zu bytes that nobody answers brings %zu\n", said, got);
+  EXPECT_LE(got, 3 * said);
+}
+
+TEST_F(UdpHost, SilentHellosFromAnyNumberOfAddresses_KeepNoGameOut) {
+  for (std::uint16_t i = 0; i < 200; ++i) {
+    TestGame silent = makeGame({0x7F000001, static_cast<std::uint16_t>(6000 + i)});
+    silent.hello(1000, "", 100U + i);
+    settle();
+  }
+  EXPECT_EQ(host.peers().size(), Host::kMostUnanswered);
+  EXPECT_EQ(counters.peers, 0U);
+  connect(game);
+  EXPECT_EQ(counters.peers, 1U);
+  EXPECT_EQ(game.messages().size(), 1U);
+}
+
+TEST_F(UdpHost, SilentHello_IsForgottenAfterASecondAndMayComeAgain) {
+  game.answers = false;
+  game.hello(1000);
+  settle();
+  game.hello(1000);  // repeated: it keeps its place no longer
+  settle();
+  EXPECT_EQ(game.heard[Kind::kWelcome], 2);
+  pass(999);
+  EXPECT_EQ(host.peers().size(), 1U);
+  pass(2);
+  EXPECT_TRUE(host.peers().empty());
+  game.answers = true;
+  connect(game);
+}
+
+TEST_F(UdpHost, MoreGamesThanPlacesThatAnswerAtOnce_TheLastIsRefused) {
+  std::vector<TestGame> games;
+  for (std::uint16_t i = 0; i < 5; ++i) {
+    games.push_back(makeGame({0x7F000001, static_cast<std::uint16_t>(6000 + i)}));
+    games.back().answers = false;
+    games.back().hello(0, "", 100U + i);
+  }
+  for (const auto& [from, d] : std::exchange(arriving, {})) host.receive(from, d, now_ns);
+  for (const auto& [to, d] : std::exchange(leaving, {})) games.at(to.port - 6000U).hear(d);
+  for (TestGame& g : games) g.say(Kind::kHeartbeat);
+  for (const auto& [from, d] : std::exchange(arriving, {})) host.receive(from, d, now_ns);
+  for (const auto& [to, d] : std::exchange(leaving, {})) games.at(to.port - 6000U).hear(d);
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(games[static_cast<std::size_t>(i)].refusal, "");
+  EXPECT_EQ(games[4].refusal, "4 games are connected already");
+  EXPECT_EQ(host.peers().size(), 4U);
 }
 
 }  // namespace

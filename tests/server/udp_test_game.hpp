@@ -51,7 +51,10 @@ class TestGame {
     if (r.flaw != udp::Flaw::kNone) throw std::runtime_error("the program sent rubbish");
     largest = std::max(largest, bytes.size());
     ++heard[r.header.kind];
-    if (r.header.kind == udp::Kind::kWelcome && session == 0) session = r.header.session;
+    if (r.header.kind == udp::Kind::kWelcome && session == 0) {
+      session = r.header.session;
+      if (answers) say(udp::Kind::kHeartbeat);
+    }
     if (r.header.kind == udp::Kind::kRefused) {
       refusal.assign(r.payload.begin(), r.payload.end());
     }
@@ -92,6 +95,7 @@ class TestGame {
   }
 
   bool acknowledges = true;
+  bool answers = true;  ///< the Welcome, at once
   std::uint32_t session = 0, sequence = 0;
   Bytes last_said, last_state;
   std::map<udp::Kind, int> heard;

@@ -104,6 +104,7 @@ LoopStatus fullStatus() {
   s.dropped_records = 9;
   s.cpu_p999_us = 42.5;
   s.recording_bytes = 1ULL << 40U;
+  s.help = Help::kNone;
   s.parameters.assign(8, 0.5);
   return s;
 }
@@ -124,6 +125,7 @@ TEST(WireState, FullRecord_ArrivesAsItWas) {
   EXPECT_EQ(s->time_s(), 123456.789);
   EXPECT_EQ(s->sent_monotonic_ns(), 555);
   EXPECT_EQ(s->run_state(), fb::RunState::Faulted);
+  EXPECT_EQ(s->help(), fb::Help::None);
   EXPECT_EQ(s->steering(), fb::Steering::Person);
   EXPECT_EQ(s->faults(), 128U);        // bit 7
   EXPECT_EQ(s->latched_faults(), 1U);  // bit 0
@@ -153,6 +155,35 @@ TEST(WireState, FullRecord_ArrivesAsItWas) {
   EXPECT_NEAR(arm.position_m().y(), 0.1F, 1e-7F);
   EXPECT_NEAR(arm.orientation_xyzw().z(), std::sqrt(0.5F), 1e-7F);
   EXPECT_NEAR(arm.orientation_xyzw().w(), std::sqrt(0.5F), 1e-7F);
+}
+
+TEST(WireState, RealDevice_SaysWhatItIsLike) {
+  wire::StateEncoder encoder(std::make_shared<SceneFacts>(smallFacts()));
+  LoopStatus status = fullStatus();
+  const auto encoded = [&](wire::Detail detail) {
+    return verified(encoder.encode(fullRecord(2, 2, 4), status, detail, 0))
+        .payload_as_WorldState()
+        ->device();
+  };
+  EXPECT_EQ(encoded(wire::Detail::kFull), nullptr) << "a simulated one";
+  status.device = DeviceStatus{};
+  status.device->enabled = status.device->hosted = true;
+  status.device->sample_age_s = 0.5;
+  status.device->host_age_s = 0.25;
+  status.device->let_go = LetGo::kNeverCommanded;
+  const auto* device = encoded(wire::Detail::kFull);
+  ASSERT_NE(device, nullptr);
+  EXPECT_TRUE(device->enabled());
+  EXPECT_FALSE(device->homed());
+  EXPECT_FALSE(device->temperature_known()) << "NaN";
+  EXPECT_EQ(device->sample_age_s(), 0.5F);
+  EXPECT_TRUE(device->hosted());
+  EXPECT_EQ(device->host_age_s(), 0.25F);
+  EXPECT_EQ(device->let_go(), fb::LetGo::NeverCommanded);
+  status.device->temperature_c = 41.5;
+  EXPECT_TRUE(encoded(wire::Detail::kFull)->temperature_known());
+  EXPECT_EQ(encoded(wire::Detail::kFull)->temperature_c(), 41.5F);
+  EXPECT_EQ(encoded(wire::Detail::kCompact), nullptr) << "datagrams are small";
 }
 
 TEST(WireState, NothingRenderedYet_StillSaysTheRunState) {
@@ -253,6 +284,9 @@ TEST(WireDecode, EveryOrder_IsUnderstood) {
   EXPECT_EQ(m[8].token, "a token of 18 char");
   EXPECT_EQ(m[9].type, wire::ClientMessageType::kReleaseControls);
   EXPECT_EQ(m[10].type, wire::ClientMessageType::kHeartbeat);
+  EXPECT_EQ(m[12].order.type, OrderType::kSetHelp);
+  EXPECT_EQ(m[12].order.help, Help::kSome);
+  EXPECT_STREQ(wire::nameOf(m[12]), "SetHelp");
 }
 
 TEST(WireDecode, BadMessages_AreRefusedWithTheReason) {
@@ -271,9 +305,10 @@ TEST(WireDecode, BadMessages_AreRefusedWithTheReason) {
                 .find("finite"),
             std::string::npos);
   EXPECT_NE(refusalOf(steer(1, static_cast<fb::Steering>(2))).find("steer = 2"), std::string::npos);
+  EXPECT_NE(refusalOf(setHelp(1, static_cast<fb::Help>(4))).find("help = 4"), std::string::npos);
   EXPECT_NE(refusalOf(action(1, static_cast<fb::Act>(-1))).find("action = -1"), std::string::npos);
   // What the program says is nothing that a client may say.
-  EXPECT_NE(refusalOf(wire::controlsMessage(true, true)).find("client says"), std::string::npos);
+  EXPECT_NE(refusalOf(wire::controlsMessage({true, true})).find("client says"), std::string::npos);
 }
 
 TEST(WireDecode, OrderLeftOut_IsRefused) {

@@ -105,11 +105,11 @@ TEST_F(SafetyStates, EmergencyStop_IsToldAsOne) {
   EXPECT_TRUE(says("armed -> rendering")) << log();
   EXPECT_TRUE(says("rendering -> disarmed: emergency stop at")) << log();
   const StationOutcome& outcome = quit();
-  ASSERT_EQ(outcome.transitions.size(), 3U);
-  EXPECT_EQ(outcome.transitions[0].tick, 0U);
-  EXPECT_EQ(outcome.transitions[2].to, SafetyState::kDisarmed);
-  EXPECT_TRUE(any(outcome.transitions[2].faults & Fault::kEmergencyStop));
-  ASSERT_TRUE(outcome.rehearsal.has_value());
+  ASSERT_EQ(outcome.last->transitions.size(), 3U);
+  EXPECT_EQ(outcome.last->transitions[0].tick, 0U);
+  EXPECT_EQ(outcome.last->transitions[2].to, SafetyState::kDisarmed);
+  EXPECT_TRUE(any(outcome.last->transitions[2].faults & Fault::kEmergencyStop));
+  ASSERT_TRUE(outcome.last->rehearsal.has_value());
   EXPECT_TRUE(says("rehearsal"));
 }
 

@@ -33,9 +33,9 @@ class FaultyWorld final : public PhysicsWorld {
     return world_.placeHand(q_s);
   }
 
-  [[nodiscard]] Fault observe(const WorldQuery& query, WorldState& state) noexcept override {
+  [[nodiscard]] Fault observe(WorldState& state) noexcept override {
     ++tick_;
-    const Fault fault = world_.observe(query, state);
+    const Fault fault = world_.observe(state);
     if (now(InjectedWorldFault::Kind::kNonFiniteState)) {
       state.q_s[0] = state.theta[0] = std::numeric_limits<double>::quiet_NaN();
       return fault | Fault::kNonFiniteState;

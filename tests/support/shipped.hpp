@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -16,6 +17,19 @@ inline std::vector<std::string> shipped(const std::string& kind) {
   }
   std::sort(names.begin(), names.end());
   return names;
+}
+
+/// Of every size the right hand or the left one, by the seed: mirror images share all else. All of
+/// them where `all`.
+inline std::vector<std::string> shippedHands(std::uint64_t seed, bool all) {
+  std::vector<std::string> hands = shipped("hands");
+  if (all) return hands;
+  std::erase_if(hands, [seed](const std::string& name) {
+    const bool right = name.ends_with("-right");
+    const std::string size = name.substr(0, name.rfind('-'));
+    return right != ((seed + size.back() + size.size()) % 2 == 0);
+  });
+  return hands;
 }
 
 }  // namespace wholehand::test

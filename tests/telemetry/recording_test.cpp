@@ -102,6 +102,8 @@ TEST(Recording, Meta_ComesBackWithFilesByteForByte) {
   EXPECT_EQ(got.title, want.title);
   EXPECT_TRUE(got.paper);
   EXPECT_FALSE(got.simulated_device);
+  EXPECT_TRUE(got.models_changed);
+  EXPECT_EQ(got.passport, "0123");
   EXPECT_FALSE(got.uncertified);
   EXPECT_FALSE(got.simulated_clock);
   EXPECT_EQ(got.axis_names, want.axis_names);
@@ -122,6 +124,7 @@ TEST(Recording, SceneWithoutBodiesOrJoints_RoundTrips) {
   meta.body_names.clear();
   meta.joint_names.clear();
   meta.axis_names = {"x"};
+  meta.armed_position = {0.0};
   meta.axis_units = {"m"};
   meta.effort_limits = {20};
   meta.lever_arms_m = {0};
@@ -304,7 +307,9 @@ TEST(RecordingWriter, FolderMissing_SaysSoAndLeavesNothing) {
 TEST(RecordingWriter, NoRoomForTheDescription_KeepsTheOldFile) {
   const Folder folder;
   const std::string path = folder.file("a.h5");
-  std::ofstream(path) << "old";
+  writer(path)->close();
+  std::ifstream old(path);
+  const std::string before_it(std::istreambuf_iterator<char>(old), {});
   RecordingMeta meta = synthetic::meta();
   ::signal(SIGXFSZ, SIG_IGN);
   rlimit before{};
@@ -317,7 +322,7 @@ TEST(RecordingWriter, NoRoomForTheDescription_KeepsTheOldFile) {
   ASSERT_FALSE(created.ok());
   EXPECT_NE(format(created.errors()).find("disk is full"), std::string::npos);
   std::ifstream in(path);
-  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), "old");
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(in), {}), before_it);
   EXPECT_FALSE(std::filesystem::exists(path + ".part"));
 }
 

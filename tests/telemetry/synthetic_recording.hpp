@@ -19,6 +19,8 @@ inline RecordingMeta meta() {
   m.git_version = "7c1e90a";
   m.seed = 0xFEDC'BA98'7654'3210ULL;
   m.engine = "bullet";
+  m.models_changed = true;
+  m.passport = "0123";
   m.title = "Reach and grasp";
   m.axis_names = {"x", "y", "z", "finger_flexion", "thumb_circumduction", "thumb_flexion"};
   m.axis_units = {"m", "m", "m", "rad", "rad", "rad"};

@@ -39,7 +39,7 @@ test('Connection_AfterWelcome_IsOpenAndTellsOfMessages', () => {
   lines[0].say(Payload.Controls, new ControlsT(false, false));
   expect(seen).toEqual(['open', 'scene cocktail-bar', 'state 42', 'event 6', 'held true']);
   expect(connection.latestState?.tick).toBe(42n);
-  expect(connection.controls).toEqual({ heldByYou: false, held: false });
+  expect(connection.controls).toMatchObject({ heldByYou: false, held: false });
 });
 
 test('Connection_Orders_HaveStrictlyIncreasingIdsAndTheirOwnAnswers', async () => {
@@ -225,10 +225,10 @@ test('Connection_DamagedMessages_AreCountedAndChangeNothing', () => {
 
 test('SocketUrl_TakesTheTokenAndNoForeignServer', () => {
   const at = (search: string, hash = '') => ({ protocol: 'https:', host: 'bar.example:8080', search, hash });
-  expect(socketUrl(at(''), false)).toBe('wss://bar.example:8080/ws');
-  expect(socketUrl(at('?token=a%2Fb'), false)).toBe('wss://bar.example:8080/ws?token=a%2Fb');
+  expect(socketUrl(at(''), false, 'player')).toBe('wss://bar.example:8080/ws?role=player');
+  expect(socketUrl(at('?token=a%2Fb'), false, 'player')).toBe('wss://bar.example:8080/ws?role=player&token=a%2Fb');
   expect(tokenOf(at('', '#token=xyz'))).toBe('xyz');
-  expect(socketUrl(at('?server=127.0.0.1:9000'), true)).toBe('wss://127.0.0.1:9000/ws');
-  expect(socketUrl(at('?server=127.0.0.1:9000'), false)).toBe('wss://bar.example:8080/ws');
-  expect(socketUrl(at('?server=evil.example'), true)).toBe('wss://bar.example:8080/ws');
+  expect(socketUrl(at('?server=127.0.0.1:9000'), true, 'player')).toBe('wss://127.0.0.1:9000/ws?role=player');
+  expect(socketUrl(at('?server=127.0.0.1:9000'), false, 'player')).toBe('wss://bar.example:8080/ws?role=player');
+  expect(socketUrl(at('?server=evil.example'), true, 'player')).toBe('wss://bar.example:8080/ws?role=player');
 });

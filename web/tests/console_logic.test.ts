@@ -1,17 +1,18 @@
 import { readdirSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
 import { asWords, bytes, duration, fixed, grouped } from '../src/console/format';
+import { deviceLines, type ToldDevice } from '../src/console/device_status';
 import { History, shownUnits, WINDOW_S } from '../src/console/history';
 import { de } from '../src/console/i18n/de';
 import { en } from '../src/console/i18n/en';
 import { fr } from '../src/console/i18n/fr';
 import { Marks } from '../src/console/marks';
-import { parsed, ParameterTarget, viewOf } from '../src/console/parameter_model';
+import { meantBySlider, parsed, ParameterTarget, viewOf } from '../src/console/parameter_model';
 import { SampleWindow } from '../src/console/sample_window';
 import { faultWords, statusOf } from '../src/console/run_status';
 import { CalmRange, niceStep, ticksIn } from '../src/console/scale';
 import { logHeight, logTicks, tail, timeEnd } from '../src/console/timing_model';
-import { AxisT, EventT, ParameterGroup, ParameterT, RunState, SafetyState, WorldStateT } from '../src/protocol';
+import { AxisT, EventT, LetGo, ParameterGroup, ParameterT, RunState, SafetyState, WorldStateT } from '../src/protocol';
 
 describe('numbers for people', () => {
   it('have a true minus and no minus zero', () => {
@@ -121,6 +122,24 @@ describe('the history', () => {
     expect(history.peakSpeed([0])).toBeCloseTo(0.2, 6);
   });
 
+  it('a state without positions is no position: no speed, no peak, no line', () => {
+    const history = new History(AXES);
+    history.add(state(1, { sent: [], qM: [], qS: [], phi: [] }));  // as the first ones of an arming
+    for (let k = 1; k < 10; k += 1) history.add(state(1 + 17 * k, { qM: [0.08, 0] }));
+    expect(history.peakSpeed([0])).toBe(0);
+    expect(history.samples.column(history.column('device', 0))[0]).toBeNaN();
+    expect(history.peak('effort', 0)).toBe(0);
+  });
+
+  it('the two ends of a lost line are not joined', () => {
+    const history = new History(AXES);
+    history.add(state(1000, { qM: [0.01, 0] }));
+    history.add(state(4000, { qM: [0.05, 0] }));
+    expect([...history.samples.column(history.column('device', 0))]).toEqual([10, NaN, 50]);
+    history.add(state(4200, { qM: [0.05, 0] }));  // a slow moment is no loss
+    expect(history.samples.length).toBe(4);
+  });
+
   it('knows where a tick lies on its clock', () => {
     const history = new History(AXES);
     history.add(state(1000));
@@ -209,14 +228,78 @@ describe('parameters', () => {
 
   it('a ramp is shown until it arrives; a refusal puts the value back', () => {
     const target = new ParameterTarget(1.4);
-    target.ask(1.6);
-    target.see(1.5);
+    target.ask(1.6, 0);
+    target.see(1.5, 200);
     expect([target.target, target.shown, target.now]).toEqual([1.6, 1.6, 1.5]);
-    target.see(Math.fround(1.6));
+    target.see(Math.fround(1.6), 400);
     expect(target.target).toBeUndefined();
-    target.ask(9);
+    target.ask(9, 500);
     target.refuse();
     expect(target.shown).toBe(Math.fround(1.6));
+  });
+
+  it('what was asked for is dropped when the value goes elsewhere, as another console asked', () => {
+    const target = new ParameterTarget(8);
+    target.ask(2, 0);
+    target.see(7.5, 200);
+    expect(target.target).toBe(2);
+    for (let k = 1; k <= 5; k += 1) target.see(7.5 + 0.3 * k, 200 + 200 * k);  // up to 9 N
+    expect([target.target, target.shown]).toEqual([undefined, 9]);
+  });
+
+  it('what was asked for is dropped when the value stands still short of it', () => {
+    const target = new ParameterTarget(8);
+    target.ask(2, 0);
+    target.see(7, 200);
+    target.see(7, 1600);
+    expect(target.target).toBe(2);
+    target.see(7, 1800);
+    expect([target.target, target.shown]).toEqual([undefined, 7]);
+  });
+
+  it('an earlier ramp may run on for a moment before the newer value is heard', () => {
+    const target = new ParameterTarget(5);
+    target.ask(2, 0);
+    target.see(5.1, 100);
+    expect(target.target).toBe(2);
+    target.see(4.9, 200);
+    expect(target.target).toBe(2);
+  });
+
+  it('a slider can be put back to what the program began with, though its steps pass it by', () => {
+    // squeeze_threshold_ratio: 1 in 0.25 to 2, in steps of 0.02 from 0.25: 0.99 and 1.01 are the nearest places.
+    const squeeze = viewOf(new ParameterT('squeeze_threshold_ratio', 2, '1', 0.25, 2, 1, 0.5), {});
+    expect([squeeze.lower, squeeze.step]).toEqual([0.25, 0.02]);
+    expect([0.97, 0.99, 1.01, 1.03].map((at) => meantBySlider(at, 1, squeeze.step))).toEqual([0.97, 1, 1, 1.03]);
+  });
+});
+
+describe('what a real device says', () => {
+  const device: ToldDevice = {
+    enabled: true, homed: true, silenced: false, temperatureKnown: true, temperatureC: 41.4,
+    sampleAgeS: 0.0012, hosted: true, hostAgeS: 2.34, letGo: LetGo.Not,
+  };
+
+  it('is nothing where the device is simulated', () => {
+    expect(deviceLines(null, en)).toBeUndefined();
+    expect(deviceLines(new WorldStateT().device, en)).toBeUndefined();
+  });
+
+  it('is its state, its temperature and how old its sample and its host are', () => {
+    expect(deviceLines(device, en)).toEqual({ state: 'Enabled, homed', figures: 'Temperature 41 °C · sample 1 ms · host 2.3 s', letGo: '' });
+    const plain = { ...device, enabled: false, homed: false, temperatureKnown: false, sampleAgeS: -1, hosted: false };
+    expect(deviceLines(plain, en)).toEqual({ state: 'Not enabled, not homed', figures: 'Temperature not known · sample none yet', letGo: '' });
+  });
+
+  it('says why the host let go, in every language, for every reason of the schema', () => {
+    const reasons = Object.values(LetGo).filter((value): value is LetGo => typeof value === 'number' && value !== LetGo.Not);
+    expect(reasons.length).toBe(6);   // HostReason of src/device/host/shared_frame.hpp, but for kNone
+    for (const texts of [en, de, fr]) {
+      const said = reasons.map((letGo) => deviceLines({ ...device, silenced: true, letGo }, texts)?.letGo ?? '');
+      expect(new Set(said).size).toBe(reasons.length);
+      for (const line of said) expect(line).not.toMatch(/[{}]/);
+    }
+    expect(deviceLines({ ...device, letGo: LetGo.LoopSilent }, de)?.letGo).toBe('Der Host hat losgelassen: 20 ms lang kein neuer Befehl');
   });
 });
 

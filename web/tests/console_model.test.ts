@@ -1,6 +1,7 @@
 import { describe, expect, it, vi } from 'vitest';
 import { ConsoleModel } from '../src/console/model';
 import type { Connection } from '../src/net/connection';
+import { SceneT, WorldStateT } from '../src/protocol';
 
 /** A connection that remembers what was asked of it. */
 function connectionWith(controls: { heldByYou: boolean; held: boolean }, takes = true) {
@@ -28,45 +29,73 @@ const order = (asked: string[], name: string, accepted = true) => async () => {
 };
 
 describe('an order of the therapist', () => {
-  it('takes free controls for itself and gives them back', async () => {
-    const { asked, model } = connectionWith({ heldByYou: false, held: false });
-    await model.command('a', order(asked, 'a'));
-    expect(asked).toEqual(['take', 'a', 'give back']);
+  it('is sent as it is, whoever has the controls', async () => {
+    for (const controls of [{ heldByYou: false, held: false }, { heldByYou: false, held: true }, { heldByYou: true, held: true }]) {
+      const { asked, model } = connectionWith(controls);
+      await model.command('a', order(asked, 'a'));
+      expect(asked).toEqual(['a']);
+    }
   });
 
-  it('two at once give them back once, after both', async () => {
-    const { asked, model } = connectionWith({ heldByYou: false, held: false });
-    await Promise.all([model.command('a', order(asked, 'a')), (async () => {
-      await Promise.resolve();
-      await model.command('b', order(asked, 'b'));
-    })()]);
-    expect(asked.filter((what) => what === 'give back')).toEqual(['give back']);
-    expect(asked.at(-1)).toBe('give back');
-  });
-
-  it('keeps controls that the therapist took', async () => {
-    const { asked, model } = connectionWith({ heldByYou: true, held: true });
-    await model.command('a', order(asked, 'a'));
-    expect(asked).toEqual(['a']);
-  });
-
-  it('steering keeps them', async () => {
-    const { asked, model } = connectionWith({ heldByYou: false, held: false });
-    await model.command('a', order(asked, 'a'), { keep: true });
+  it('steering takes the controls, from whoever has them, and keeps them', async () => {
+    const { asked, model } = connectionWith({ heldByYou: false, held: true });
+    await model.command('a', order(asked, 'a'), { steers: true });
     expect(asked).toEqual(['take', 'a']);
   });
 
-  it('a refused one is said with its reason, and gives the controls back', async () => {
+  it('steering that is not granted is not sent, and the reason is said', async () => {
+    const { asked, model } = connectionWith({ heldByYou: false, held: true }, false);
+    model.onRefused = vi.fn();
+    await model.command('Who plays', order(asked, 'a'), { steers: true });
+    expect(asked).toEqual(['take']);
+    expect(model.onRefused).toHaveBeenCalledWith('Who plays', 'another client holds the controls');
+  });
+
+  it('a refused one is said with its reason, and quietly only where asked for', async () => {
     const { asked, model } = connectionWith({ heldByYou: false, held: false });
     model.onRefused = vi.fn();
     await model.command('Fingers', order(asked, 'a', false));
     expect(model.onRefused).toHaveBeenCalledWith('Fingers', 'out of range');
-    expect(asked.at(-1)).toBe('give back');
+    await model.command('Fingers', order(asked, 'a', false), { quietly: true });
+    expect(model.onRefused).toHaveBeenCalledTimes(1);
+  });
+});
+
+describe('notices', () => {
+  /** A model that hears states as a connection brings them. */
+  function listening() {
+    let hear: (state: WorldStateT) => void = () => {};
+    const connection = {
+      controls: { heldByYou: false, held: false }, status: 'open', scene: null,
+      on: (name: string, callback: (state: WorldStateT) => void) => { if (name === 'state') hear = callback; return () => {}; },
+    };
+    const model = new ConsoleModel(connection as unknown as Connection);
+    model.scene = Object.assign(new SceneT(), { faultNames: Array.from({ length: 27 }, (_, i) => (i === 6 ? 'effort limited' : `fault ${i}`)) });
+    let tick = 0;
+    const see = (limited: number, faults = 0, session = 1): void => {
+      tick += 17;
+      const faultTicks = Array.from({ length: 27 }, (_, i) => (i === 6 ? limited : 0));
+      hear(Object.assign(new WorldStateT(), { session, tick: BigInt(tick), timeS: tick / 1000, faultTicks, faults }));
+    };
+    return { model, see };
+  }
+
+  it('a limit that held between two states that are shown is told', () => {
+    const { model, see } = listening();
+    see(0);
+    expect(model.notice).toBeUndefined();
+    see(5);  // in none of the ticks that were sent
+    expect(model.notice?.what).toContain('limit');
+    expect(model.limited).toBe(true);
   });
 
-  it('where another client holds them it is sent all the same, and that one is not disturbed', async () => {
-    const { asked, model } = connectionWith({ heldByYou: false, held: true });
-    await model.command('a', order(asked, 'a', false), { quietly: true });
-    expect(asked).toEqual(['a']);
+  it('what was counted before the page was opened is no news', () => {
+    const { model, see } = listening();
+    see(94);
+    expect(model.notice).toBeUndefined();
+    see(94);
+    expect(model.notice).toBeUndefined();
+    see(1, 0, 2);  // another session counts anew
+    expect(model.notice).toBeDefined();
   });
 });

@@ -4,7 +4,7 @@ import { cueTowards } from '../src/game/cues';
 import { openedHand } from '../src/game/takeover';
 import { faultsOf, figure, readScript, type Script } from '../src/game/script';
 import {
-  callOutOf, causeOf, clock, filledPercent, instructionOf, meterOf, pageState, praiseOf, recipeOf, Stage, type Situation,
+  callOutOf, causeOf, clock, filledPercent, instructionOf, meterOf, pageState, praiseOf, recipeOf, Stage, wrongBottle, type Situation,
 } from '../src/game/view';
 
 const NAMES = ['stage', 'drink', 'drinks', 'step', 'steps', 'target_dispenser', 'engaged_dispenser', 'squeeze_n', 'squeeze_low_n', 'squeeze_high_n',
@@ -33,7 +33,7 @@ function moment(values: Record<string, number>, more: Partial<WorldStateT> = {})
 }
 
 const script = scriptOfSunset();
-const playing: Situation = { status: 'open', problem: null, everOpen: true, attempts: 0, wish: 'play', loading: false, resting: false, loss: '', held: { heldByYou: true, held: true } };
+const playing: Situation = { status: 'open', problem: null, everOpen: true, attempts: 0, wish: 'play', loading: false, resting: 'no', framing: false, unseen: 'no', loss: '', held: { heldByYou: true, held: true } };
 
 test('Script_OfAnotherExerciseOrBrokenText_IsNone', () => {
   const scene = new SceneT();
@@ -66,15 +66,19 @@ test('PageState_TheMostSeriousComesFirst', () => {
   // A level that we load stops the run for a moment: that is no stop to speak of.
   expect(pageState({ ...playing, loading: true }, script, moment({}, { runState: RunState.Stopping }))).toBe('loading');
   expect(pageState({ ...playing, wish: 'undecided' }, script, state)).toBe('welcome');
-  expect(pageState({ ...playing, resting: true }, script, state)).toBe('rest');
+  expect(pageState({ ...playing, resting: 'between' }, script, state)).toBe('rest');
   expect(pageState(playing, null, state)).toBe('free');
+  expect(pageState({ ...playing, framing: true }, script, state)).toBe('framing');
+  expect(pageState({ ...playing, framing: true }, script, moment({}, { runState: RunState.Stopped }))).toBe('stopped');
+  expect(pageState({ ...playing, unseen: 'lost' }, script, state)).toBe('unseen');
+  expect(pageState({ ...playing, unseen: 'lost', wish: 'watch' }, script, state)).toBe('watching');
 });
 
 test('PageState_WhenThePageLostTheControls_SaysSoUntilTheyAreTakenAnew', () => {
   const lost: Situation = { ...playing, loss: 'left', held: { heldByYou: false, held: false } };
   const state = moment({ stage: Stage.Pour });
   expect(pageState(lost, script, state)).toBe('left');
-  expect(pageState({ ...lost, resting: true }, script, state)).toBe('left');
+  expect(pageState({ ...lost, resting: 'between' }, script, state)).toBe('left');
   expect(pageState({ ...lost, loading: true }, script, state)).toBe('loading');
   expect(pageState({ ...lost, wish: 'watch' }, script, state)).toBe('watching');
   expect(pageState(lost, script, moment({}, { runState: RunState.Stopped }))).toBe('stopped');
@@ -163,9 +167,12 @@ test('Praise_OfTheLastDrink_IsThatOfTheLevel', () => {
 test('Cue_PointsFromTheHandToTheBottle_AndNotWhenTheHandIsThere', () => {
   const target = { x_px: 600, y_px: 300 };
   // The hand is to the right of the bottle (y points left): the chevrons stand right of it and point left.
-  expect(cueTowards(-0.1, 0.064, target, 1)).toEqual({ at: { x_px: 666, y_px: 300 }, left: true });
-  expect(cueTowards(0.1, -0.064, target, 2)).toEqual({ at: { x_px: 468, y_px: 300 }, left: false });
-  expect(cueTowards(0.023, 0.064, target, 1)).toBeNull();
+  expect(cueTowards(-0.1, 0.064, true, target, 1)).toEqual({ at: { x_px: 666, y_px: 300 }, left: true });
+  expect(cueTowards(0.1, -0.064, true, target, 2)).toEqual({ at: { x_px: 468, y_px: 300 }, left: false });
+  expect(cueTowards(0.023, 0.064, true, target, 1)).toBeNull();
+  // A left hand is the mirror image.
+  expect(cueTowards(0.1, -0.064, false, target, 1)).toEqual({ at: { x_px: 534, y_px: 300 }, left: false });
+  expect(cueTowards(-0.023, -0.064, false, target, 1)).toBeNull();
 });
 
 test('TakeOver_OfAClosedHand_OpensItWhereItIs', () => {
@@ -175,4 +182,34 @@ test('TakeOver_OfAClosedHand_OpensItWhereItIs', () => {
   // Open is 65 degrees of the fingers and none of the thumb: in front of a bottle without touching it.
   expect(fingers).toBeCloseTo(65 * Math.PI / 180, 12);
   expect(thumb).toBe(0);
+});
+
+test('the meter says stop past the line, and is grey at a bottle that is not asked for', () => {
+  const squeezed = { squeeze_n: 25, squeeze_low_n: 20, squeeze_high_n: 30, squeeze_full_n: 50, target_dispenser: 0, engaged_dispenser: 0, poured_l: 0.01, asked_l: 0.04 };
+  const zone = (values: Record<string, number>): string => meterOf(script, moment({ ...squeezed, ...values })).zone;
+  expect(zone({ stage: Stage.Pour })).toBe('right');
+  expect(zone({ stage: Stage.Pour, poured_l: 0.041 })).toBe('stop');
+  expect(zone({ stage: Stage.LetGo })).toBe('stop');
+  expect(zone({ stage: Stage.LetGo, squeeze_n: 0 })).toBe('none');
+  expect(zone({ stage: Stage.Reach, engaged_dispenser: 1 })).toBe('wrong');
+});
+
+test('a wrong bottle that was squeezed is said until it is left; one that is passed by never', () => {
+  const at = (engaged_dispenser: number, squeeze_n: number, before: number): number =>
+    wrongBottle(script, moment({ stage: Stage.Reach, target_dispenser: 0, engaged_dispenser, squeeze_n, squeeze_low_n: 20 }), before);
+  expect(at(1, 0, -1)).toBe(-1);
+  expect(at(1, 10, -1)).toBe(1);
+  expect(at(1, 0, 1)).toBe(1);
+  expect(at(-1, 0, 1)).toBe(-1);
+  expect(at(0, 30, 1)).toBe(-1);
+});
+
+test('PageState_OfARestThatThisPageAskedFor_IsRestUntilAnythingElseEnds', () => {
+  const off: Situation = { ...playing, resting: 'off' };
+  const at = (runState: RunState, rested: boolean): string => pageState(off, script, moment({}, { runState, rested }));
+  expect(at(RunState.Rendering, false), 'at once, before the program has answered').toBe('rest');
+  expect(at(RunState.Stopping, true)).toBe('rest');
+  expect(at(RunState.Stopped, true)).toBe('rest');
+  expect(at(RunState.Stopped, false), 'somebody stopped it').toBe('stopped');
+  expect(at(RunState.Faulted, true)).toBe('stopped');
 });

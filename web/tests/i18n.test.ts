@@ -1,5 +1,8 @@
 import { readdirSync, readFileSync } from 'node:fs';
 import { expect, test } from 'vitest';
+import { de as consoleDe } from '../src/console/i18n/de';
+import { en as consoleEn } from '../src/console/i18n/en';
+import { fr as consoleFr } from '../src/console/i18n/fr';
 import { chooseLanguage, fill } from '../src/shared/i18n';
 import { de } from '../src/shared/i18n/de';
 import { en } from '../src/shared/i18n/en';
@@ -56,4 +59,10 @@ test('Texts_NameEveryLiquidAndDrinkOfTheShippedExercises', () => {
     .matchAll(/\[\[(liquid|drink)s\]\]\s+name = "([^"]+)"/g)].map(([, kind, name]) => `${kind}.${name}`));
   expect(names.length).toBeGreaterThanOrEqual(9);   // four liquids, five drinks
   expect(names.filter((name) => !(name in en))).toEqual([]);
+});
+
+// WCAG 2.5.3: who speaks to the page says what stands on a button.
+test.each([consoleEn, consoleFr, consoleDe].map((t) => t.recordings))('accessible names of a recording hold the words that are seen ($download)', (t) => {
+  expect(fill(t.downloadOf, { name: 'A' })).toContain(t.download);
+  expect(fill(t.reportOf, { name: 'A' })).toContain(t.report);
 });

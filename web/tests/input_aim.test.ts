@@ -1,9 +1,13 @@
+import { PerspectiveCamera, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
+import { placeCamera, pointInRow } from '../src/scene/camera';
 import { AimModel, placeOnAxis, type Perception } from '../src/input/aim_model';
 import { nearestGrip } from '../src/input/guide';
+import { limitsOf } from '../src/input/limits';
 import { postureOf, squeezeOfFingers } from '../src/input/posture';
 import { Drag } from '../src/input/touch';
 import { restingWish, type Wish } from '../src/input/wish';
+import type { SceneT, WorldStateT } from '../src/protocol';
 
 const DEGREE = Math.PI / 180;
 // The six axes of the rehabilitation robot, config/devices/lambda-pride.toml.
@@ -18,7 +22,7 @@ const AXES = [
 const START = [0, 0, 0, 65 * DEGREE, 5 * DEGREE, 0];
 
 function seen(device: readonly number[] = START, more: Partial<Perception> = {}): Perception {
-  return { device, grips: [], beside: 1, squeeze_n: 0, squeezeLow_n: 4, squeezeHigh_n: 8, ...more };
+  return { device, grips: [], beside: 1, squeeze_n: 0, squeezeLow_n: 4, squeezeHigh_n: 8, target: -1, letGo: false, touches: [], ...more };
 }
 
 function ask(more: Partial<Wish>): Wish {
@@ -36,6 +40,20 @@ function begun(config = {}): AimModel {
   return model;
 }
 
+describe('limits that a therapist sets', () => {
+  const scene = { parameters: [{ name: 'wall_fade_s' }, { name: 'reach_left_m' }, { name: 'reach_right_m' }, { name: 'reach_forward_m' }, { name: 'fingers_open_rad' }, { name: 'fingers_close_rad' }] } as unknown as SceneT;
+
+  it('are read by name from what the program says, each for its axis and side', () => {
+    const state = { parameters: [1, 0.05, 0.07, 0.04, 0.3, 2.6] } as unknown as WorldStateT;
+    expect(limitsOf(scene, state)).toEqual({ x: [-Infinity, 0.04], y: [-0.07, 0.05], finger_flexion: [0.3, 2.6] });
+  });
+
+  it('are none where the exercise has none, or the program has not said them yet', () => {
+    expect(limitsOf({ parameters: [{ name: 'lead_in_m' }] } as unknown as SceneT, { parameters: [0.01] } as unknown as WorldStateT)).toEqual({});
+    expect(limitsOf(scene, { parameters: [] } as unknown as WorldStateT)).toEqual({});
+  });
+});
+
 describe('the aim on the arm axes', () => {
   it('moves at the speed asked for: 0.1 m/s for 0.5 s is 50 mm away and nothing else', () => {
     const model = begun();
@@ -51,6 +69,30 @@ describe('the aim on the arm axes', () => {
     const byKeys = begun({ speed_m_s: 0.2 });
     byKeys.step(ask({ velocity: { x: 0, y: 9, z: 0 } }), seen(), 0.01);
     expect(byKeys.aim[1]).toBeCloseTo(0.002, 12);
+  });
+
+  it('stops at the end of the person\'s reach, and turns back gently where that became shorter', () => {
+    const model = begun();
+    model.limits = { y: [-0.05, 0.03], x: [-Infinity, 0.04] };
+    play(model, ask({ velocity: { x: 0.15, y: 0.15, z: 0 } }), 2);
+    expect(model.aim.slice(0, 2)).toEqual([0.04, 0.03]);
+    play(model, ask({ place: { y: -1 } }), 2);
+    expect(model.aim[1]).toBe(-0.05);
+    model.limits = { y: [-0.03, 0.03] };
+    play(model, ask({}), 1 / 60);
+    expect(model.aim[1]).toBeCloseTo(-0.05 + model.config.speed_m_s / 60, 9);
+    play(model, ask({}), 1);
+    expect(model.aim[1]).toBe(-0.03);
+  });
+
+  it('asks the fingers neither to open nor to close farther than they go', () => {
+    const model = begun({ help: 'none' });
+    model.limits = { finger_flexion: [0.6, 2.4] };
+    play(model, ask({ squeeze: true }), 3);
+    expect(model.aim[3]).toBe(2.4);
+    // Stretched, beside a bottle, an open hand is asked for 8 degrees.
+    play(model, ask({ velocity: { x: 0.1, y: 0, z: 0 } }), 2, { grips: [{ x: 0, y: 0, z: 0 }] });
+    expect(model.aim[3]).toBe(0.6);
   });
 
   it('stops at the end of the range', () => {
@@ -148,11 +190,17 @@ describe('help near a dispenser', () => {
     expect(model.aim[1] - before).toBeCloseTo(0.06, 3);
   });
 
-  it('closing waits until the palm is at the dispenser', () => {
+  it('a squeeze near the dispenser takes the hand to it first, says so, and then closes', () => {
     const model = begun();
     model.begin([0, -0.034, 0.004, 8 * DEGREE, 5 * DEGREE, 0]);
-    play(model, ask({ squeeze: true }), 1, { grips: [grip] });
+    play(model, ask({ squeeze: true }), 0.2, { grips: [grip] });
     expect(model.squeeze).toBe(0);
+    expect(model.onItsWay).toBe(true);
+    play(model, ask({ squeeze: true }), 2, { grips: [grip] });
+    expect(model.aim[0]).toBeCloseTo(grip.x, 2);
+    expect(model.aim[1]).toBeCloseTo(grip.y, 2);
+    expect(model.squeeze).toBeGreaterThan(0.2);
+    expect(model.onItsWay).toBe(false);
   });
 
   it('a person who asks to go sideways goes sideways', () => {
@@ -163,17 +211,33 @@ describe('help near a dispenser', () => {
   });
 
   it('the nearest dispenser sideways is the one', () => {
-    expect(nearestGrip([{ x: 0, y: 0.1, z: 0 }, { x: 0, y: -0.028, z: 0 }], 0.03)).toEqual({ x: 0, y: -0.028, z: 0 });
+    expect(nearestGrip([{ x: 0, y: 0.1, z: 0 }, { x: 0, y: -0.028, z: 0 }], 0.03)).toBe(1);
     expect(nearestGrip([{ x: 0, y: 0.3, z: 0 }], 0.03)).toBeUndefined();
   });
 
   it('can be switched off', () => {
-    const model = begun({ assist: false });
+    const model = begun({ help: 'none' });
     model.begin(back);
     play(model, forward, 1, { grips: [grip] });
     expect(model.aim[0]).toBeCloseTo(0.043, 9);
     expect(model.aim[1]).toBe(-0.03);
   });
+});
+
+it('the cursor is projected on to the row: a bottle is pointed at where it is drawn, on every screen', () => {
+  const camera = new PerspectiveCamera();
+  for (const [width, height] of [[1280, 800], [1920, 1080], [1024, 768], [800, 1280]] as const) {
+    placeCamera(camera, 'game', { right: true, counter_y: -0.253, row_z: -0.119 }, [], width, height);
+    camera.updateMatrixWorld(true);
+    for (const [y, z] of [[-0.023, 0.004], [0.105, 0.1], [0.233, -0.2]] as const) {
+      // three.js's own projection is the other way round: (-y, z, -x) of the program's world.
+      const drawn = new Vector3(-y, z, -0.119).project(camera);
+      const at = pointInRow(camera, -0.119, 0.5 + drawn.x / 2, 0.5 - drawn.y / 2)!;
+      expect(at.y_m).toBeCloseTo(y, 9);
+      expect(at.z_m).toBeCloseTo(z, 9);
+    }
+  }
+  expect(pointInRow(camera, -0.119, 1.2, 0.5)).toBeNull();
 });
 
 describe('the squeeze', () => {
@@ -219,7 +283,7 @@ describe('the squeeze', () => {
   });
 
   it('without help, presses on for as long as it is held', () => {
-    const model = begun({ assist: false });
+    const model = begun({ help: 'none' });
     play(model, ask({ squeeze: true }), 20, { squeeze_n: 6 });
     expect(model.squeeze).toBe(1);
   });

@@ -3,6 +3,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { AimModel } from '../src/input/aim_model';
 import { Controls } from '../src/input/controls';
 import { PadWatch, wishOfPad, type PadReading } from '../src/input/gamepad';
+import { Keys } from '../src/input/keys';
 import { Mouse } from '../src/input/mouse';
 import { postureOf } from '../src/input/posture';
 import { Touch } from '../src/input/touch';
@@ -88,6 +89,18 @@ describe('controls that are taken away', () => {
     controls.disable();
   });
 
+  it('by a camera or a pad that is gone: the hand opens at once, and nothing is asked for any more', () => {
+    const { controls, aims } = closing();
+    // As Webcam and GamepadWay do it.
+    for (const way of (controls as unknown as { ways: { claimed_s: number }[] }).ways) way.claimed_s = -Infinity;
+    vi.advanceTimersByTime(20);
+    expectOpen(aims.at(-1)!);
+    const before = aims.length;
+    vi.advanceTimersByTime(1000);
+    expect(aims).toHaveLength(before);
+    controls.disable();
+  });
+
   it('by the program: a key that is still held does not take them again', () => {
     const { controls, aims, connection } = closing();
     connection.controls = { heldByYou: false };
@@ -98,10 +111,25 @@ describe('controls that are taken away', () => {
     controls.disable();
   });
 
+  // That it draws back, too: steered_hand.test.ts; here is no bottle.
+  it('by nobody: a hand that is taken over in a grip opens before the person touches anything', () => {
+    const { controls, aims, state } = closing();
+    controls.disable();
+    state.qM = state.intention = [0.05, 2.5, 1];
+    aims.length = 0;
+    controls.enable();
+    for (let k = 0; k < 250; k += 1) {
+      vi.advanceTimersByTime(16);
+      state.qM = aims.at(-1) ?? state.qM;   // a device that follows
+    }
+    expectOpen(aims.at(-1)!);
+    controls.disable();
+  });
+
   it('but open a hand that nobody closed to where it was', () => {
     const model = new AimModel([{ name: 'finger_flexion', lower: 0, upper: Math.PI }]);
     model.begin([postureOf('finger_flexion', 0)]);
-    model.step(restingWish(), { device: [1], grips: [], beside: 1, squeeze_n: 0, squeezeLow_n: 4, squeezeHigh_n: 8 }, 0.016);
+    model.step(restingWish(), { device: [1], grips: [], beside: 1, squeeze_n: 0, squeezeLow_n: 4, squeezeHigh_n: 8, target: -1, letGo: false, touches: [] }, 0.016);
     const before = [...model.aim];
     model.open();
     expect(model.aim).toEqual(before);
@@ -145,6 +173,35 @@ describe('a game pad', () => {
     expect(watch.look([pad([0, 0, 0, 0], {}, 1)]).wish).toBeUndefined();
     watch.look([pad([0, 0, 0, 0])]);
     expect(watch.look([pad([0, 0, 0, 0], {}, 1)]).wish?.squeeze).toBe(1);
+  });
+});
+
+describe('a press that came and went between two looks of a slow page', () => {
+  it('is one, by key, mouse and finger; what somebody took back is none', () => {
+    vi.stubGlobal('Element', class {});
+    const keys = new Keys();
+    keys.enable();
+    for (const type of ['keydown', 'keyup']) WINDOW.dispatchEvent(Object.assign(new Event(type), { code: 'Space' }));
+    expect([keys.wish().squeeze, keys.wish().squeeze]).toEqual([true, false]);
+    keys.disable();
+    const picture = new Picture();
+    const mouse = new Mouse(picture as unknown as HTMLElement, () => 0);
+    mouse.enable();
+    for (const [ends, seen] of [['pointerup', true], ['pointercancel', false], ['blur', false]] as const) {
+      picture.dispatchEvent(event('pointerdown', { pointerType: 'mouse' }));
+      WINDOW.dispatchEvent(new Event(ends));
+      expect([mouse.wish().squeeze, mouse.wish().squeeze], ends).toEqual([seen, false]);
+    }
+    mouse.disable();
+    const touch = new Touch(picture as unknown as HTMLElement, () => ({ x: 0, y: 0 }), () => ({ squeeze: '', higher: '', lower: '' }), () => 2, () => true);
+    Object.assign(touch, { buttons: { remove: () => {} } });
+    touch.enable();
+    for (const [ends, seen] of [['pointerup', true], ['pointercancel', false], ['blur', false]] as const) {
+      picture.dispatchEvent(event('pointerdown', { pointerType: 'touch' }));
+      WINDOW.dispatchEvent(event(ends, { pointerType: 'touch' }));
+      expect([touch.wish().squeeze, touch.wish().squeeze], ends).toEqual([seen, false]);
+    }
+    touch.disable();
   });
 });
 

@@ -13,7 +13,7 @@ function waitingProgram() {
   let loaded: (answer: Answer) => void = () => {};
   const ask = (what: string) => async () => { asked.push(what); return YES; };
   const connection = {
-    endings: 4, controls: { heldByYou: false, held: false }, scene: { level: 1, axes: [] }, latestState: { runState: RunState.Disarmed },
+    endings: 4, controls: { heldByYou: false, held: false, led: false }, scene: { level: 1, axes: [] }, latestState: { runState: RunState.Disarmed as RunState, rested: false },
     takeControls: ask('take'), releaseControls: ask('release'), steer: ask('steer'), act: ask('act'), aim: ask('aim'),
     arm: async (seen: number) => { asked.push(`arm ${seen}`); return YES; },
     loadExercise: () => new Promise<Answer>((settle) => { asked.push('load'); loaded = settle; }),
@@ -72,4 +72,44 @@ test('ChangeLevel_WhenStopIsPressedWhileItLoads_DoesNotSteer', async () => {
   finishLoading();
   await changed;
   expect(asked).toEqual(['load']);
+});
+
+test('TakeOver_ThatIsRefused_GivesTheControlsBack', async () => {
+  const { asked, asConnection } = waitingProgram();
+  const refusing = Object.assign(asConnection, { loadExercise: async () => ({ accepted: false, reason: 'no such level' }) });
+  const outcome = await takeOver(refusing, known, new Press(refusing, 4), wishes);
+  expect(outcome).toEqual({ is: 'refused', reason: 'no such level' });
+  expect(asked).toEqual(['take', 'release']);
+});
+
+test('TakeOver_WhereATherapistLeadsAndNothingRuns_AsksForNothingAndSaysSo', async () => {
+  const { asked, connection, asConnection } = waitingProgram();
+  connection.controls.led = true;
+  const outcome = await takeOver(asConnection, known, new Press(asConnection, 4), wishes);
+  expect([outcome.is, asked]).toEqual(['refused', []]);
+});
+
+test('TakeOver_WhereATherapistLeadsAndItRuns_PlaysWhatTheTherapistChose', async () => {
+  vi.useFakeTimers();
+  const { asked, connection, asConnection } = waitingProgram();
+  connection.controls.led = true;
+  connection.latestState.runState = RunState.Rendering;
+  const outcome = takeOver(asConnection, known, new Press(asConnection, 4), wishes);
+  await vi.advanceTimersByTimeAsync(10_000);
+  vi.useRealTimers();
+  expect((await outcome).is).toBe('playing');
+  expect(asked).not.toContain('load');
+  expect(asked.some((what) => what.startsWith('arm'))).toBe(false);
+});
+
+test('TakeOver_AfterOnesOwnRest_ArmsWithTheEndingThatWasShown', async () => {
+  vi.useFakeTimers();
+  const { asked, connection, asConnection } = waitingProgram();
+  Object.assign(connection.controls, { led: true });
+  Object.assign(connection.latestState, { runState: RunState.Stopped, rested: true });
+  const outcome = takeOver(asConnection, known, new Press(asConnection, 4), wishes);
+  await vi.advanceTimersByTimeAsync(10_000);
+  vi.useRealTimers();
+  await outcome;
+  expect(asked.slice(0, 2)).toEqual(['take', 'arm 4']);
 });

@@ -9,18 +9,16 @@
 namespace wholehand {
 namespace {
 
-constexpr double kTolerance = 1e-6;       // of a figure that the file states
-constexpr double kLongestStill_s = 0.02;  // samples may stand still where the file says nothing
+constexpr double kTolerance = 1e-6;  // of a figure that the file states
 constexpr std::uint32_t kNeeded = WH_ENABLED | WH_HOMED;
 
 class Comparison {
  public:
-  Comparison(const DeviceModel& model, const PluginDriver& driver)
+  Comparison(const DeviceModel& model, const DeviceDriver& driver)
       : model_(model), driver_(driver) {}
 
   void refuse(const DeviceAxis& axis, const std::string& why, const std::string& remedy) {
-    out_.push_back({model_.path, 0, "axes", axis.name,
-                    "the driver " + driver_.location().path + " " + why, remedy});
+    out_.push_back({model_.path, 0, "axes", axis.name, driver_.where() + " " + why, remedy});
   }
   // The file must not promise what the device does not have.
   void atLeast(const DeviceAxis& axis, const char* what, double has, double stated) {
@@ -45,19 +43,22 @@ class Comparison {
   }
 
   const DeviceModel& model_;
-  const PluginDriver& driver_;
+  const DeviceDriver& driver_;
   Diagnostics out_;
 };
 
 }  // namespace
 
+double longestStill_s(const DeviceModel& model) {
+  constexpr double kWhereNothingIsStated_s = 0.02;
+  return model.watch.longest_gap_s > 0.0 ? model.watch.longest_gap_s : kWhereNothingIsStated_s;
+}
+
 Expected<std::unique_ptr<HapticDevice>> PluginDevice::make(
-    const std::shared_ptr<PluginDriver>& driver, const DeviceModel& model, double period_s) {
+    const std::shared_ptr<DeviceDriver>& driver, const DeviceModel& model, double period_s) {
   Comparison compare(model, *driver);
-  const double longest_still_s =
-      model.watch.longest_gap_s > 0.0 ? model.watch.longest_gap_s : kLongestStill_s;
   std::unique_ptr<PluginDevice> device(new PluginDevice(
-      driver, model.axisCount(), static_cast<int>(std::ceil(longest_still_s / period_s))));
+      driver, model.axisCount(), static_cast<int>(std::ceil(longestStill_s(model) / period_s))));
   const std::vector<wh_axis>& offered = driver->axes();
   for (int a = 0; a < model.axisCount(); ++a) {
     const DeviceAxis& axis = model.axes[static_cast<std::size_t>(a)];
@@ -98,7 +99,7 @@ Expected<Done> PluginDevice::open() {
   command_ = {};
   command_.size = sizeof(command_);
   command_.axes = static_cast<std::uint32_t>(driver_->axes().size());
-  Expected<Done> enabled = driver_->control(WH_ENABLE);
+  Expected<Done> enabled = driver_->control(WH_ENABLE, 0.0);
   enabled_ = enabled.ok();
   return enabled;
 }
@@ -106,7 +107,7 @@ Expected<Done> PluginDevice::open() {
 Expected<Done> PluginDevice::ready() {
   wh_sample sample{};
   const auto no = [this](const std::string& why, const std::string& remedy) {
-    return Diagnostic{driver_->location().path, 0, "", "", why, remedy};
+    return Diagnostic{driver_->where(), 0, "", "", why, remedy};
   };
   if (driver_->read(sample) < 0) return no("the device gives no sample", "look at its cable");
   if ((sample.status & WH_DRIVE_FAULT) != 0) {
@@ -163,7 +164,7 @@ Fault PluginDevice::write(const AxisEffort& effort) noexcept {
 
 void PluginDevice::close() noexcept {
   if (!std::exchange(enabled_, false)) return;
-  (void)driver_->control(WH_DISABLE);
+  (void)driver_->control(WH_DISABLE, 0.0);
 }
 
 }  // namespace wholehand

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "device/haptic_device.hpp"
-#include "device/plugin/plugin_driver.hpp"
+#include "device/plugin/device_driver.hpp"
 #include "model/device_model.hpp"
 
 #include <array>
@@ -10,7 +10,10 @@
 
 namespace wholehand {
 
-/// A real device behind a loaded driver. Axes are matched by their names; the driver may have more
+/// How long the samples of a device may stand still: the file's `longest_gap_s`, or 20 ms [s].
+[[nodiscard]] double longestStill_s(const DeviceModel& model);
+
+/// A real device behind a driver. Axes are matched by their names; the driver may have more
 /// than the device file, and in any order: the others get no effort.
 class PluginDevice final : public HapticDevice {
  public:
@@ -20,7 +23,7 @@ class PluginDevice final : public HapticDevice {
   /// effort is something else, and a drive that never goes to neutral by itself.
   /// @param period_s T, for the delay
   [[nodiscard]] static Expected<std::unique_ptr<HapticDevice>> make(
-      const std::shared_ptr<PluginDriver>& driver, const DeviceModel& model, double period_s);
+      const std::shared_ptr<DeviceDriver>& driver, const DeviceModel& model, double period_s);
 
   /// Enables the device.
   [[nodiscard]] Expected<Done> open() override;
@@ -34,11 +37,11 @@ class PluginDevice final : public HapticDevice {
   void close() noexcept override;
 
  private:
-  PluginDevice(std::shared_ptr<PluginDriver> driver, int axes, int most_still_periods)
+  PluginDevice(std::shared_ptr<DeviceDriver> driver, int axes, int most_still_periods)
       : driver_(std::move(driver)), axes_(axes), most_still_periods_(most_still_periods) {}
   [[nodiscard]] Fault judge(const wh_sample& sample, int elapsed_periods) noexcept;
 
-  std::shared_ptr<PluginDriver> driver_;
+  std::shared_ptr<DeviceDriver> driver_;
   int axes_;
   int most_still_periods_;
   std::array<int, WH_MAX_AXES> place_{};  ///< axis of the file → axis of the driver

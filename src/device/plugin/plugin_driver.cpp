@@ -1,33 +1,65 @@
 #include "device/plugin/plugin_driver.hpp"
 
+#include "device/plugin/driver_lookup.hpp"
+
+#include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstring>
 #include <dlfcn.h>
+#include <iterator>
+#include <limits>
 #include <utility>
 
 namespace wholehand {
 namespace {
 
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kSymbol = "wh_plugin_v1";
+// Where the functions that every driver has end, and where those of 1.1 do.
+constexpr std::size_t kSixFunctions = offsetof(wh_plugin, close) + sizeof(wh_plugin::close);
+constexpr std::size_t kIdentifies = offsetof(wh_plugin, identify) + sizeof(wh_plugin::identify);
 constexpr const char* kRemedy = "build it with this version's wholehand/device.h";
 
 // Empty: it may be used.
-std::string whyNot(const wh_plugin* plugin) {
+std::string whyNot(const wh_plugin* plugin, CalledBy called_by) {
   if (plugin == nullptr) return "gives no driver";
   if (plugin->size < offsetof(wh_plugin, open)) return "gives a structure that is too short";
   if (plugin->major != WH_MAJOR) {
     return "is built for version " + std::to_string(plugin->major) + " of the boundary, this is " +
            std::to_string(WH_MAJOR);
   }
-  if (plugin->size < sizeof(wh_plugin)) return "gives a structure that is too short";
+  if (plugin->size < kSixFunctions) return "gives a structure that is too short";
   if (plugin->open == nullptr || plugin->describe == nullptr || plugin->control == nullptr ||
       plugin->read == nullptr || plugin->write == nullptr || plugin->close == nullptr) {
     return "leaves out one of its six functions";
   }
-  if ((plugin->flags & WH_NEVER_WAITS) == 0) {
-    return "does not say that it never waits (WH_NEVER_WAITS): the loop cannot call it";
+  if (called_by == CalledBy::kLoop && (plugin->flags & WH_NEVER_WAITS) == 0) {
+    return "does not say that it never waits (WH_NEVER_WAITS): the loop cannot call it, a host can "
+           "(wholehand device-host)";
   }
   return {};
+}
+
+// The code stays loaded: a driver's own threads may still be in it.
+Expected<const wh_plugin*> findPlugin(const std::string& path, CalledBy called_by) {
+  const auto no = [&path](const std::string& why, const char* remedy) {
+    return Diagnostic{path, 0, "", "", why, remedy};
+  };
+  // A name without a slash would be looked for where libraries of the system are.
+  const bool bare = path.find('/') == std::string::npos;
+  void* const library =
+      ::dlopen((bare ? "./" + path : path).c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+  if (library == nullptr) {
+    const char* const why = ::dlerror();
+    return no(why != nullptr ? why : "cannot be loaded",
+              "give the path of a driver's shared object");
+  }
+  void* const symbol = ::dlsym(library, kSymbol);
+  if (symbol == nullptr) return no(std::string("has no ") + kSymbol + "()", kRemedy);
+  const wh_plugin* const plugin = reinterpret_cast<decltype(&wh_plugin_v1)>(symbol)();
+  if (const std::string why = whyNot(plugin, called_by); !why.empty()) return no(why, kRemedy);
+  return plugin;
 }
 
 }  // namespace
@@ -49,33 +81,31 @@ Diagnostic PluginDriver::failed(const std::string& what, const std::string& reme
   return {location_.path, 0, "", "", last_line_.empty() ? what : what + ": " + last_line_, remedy};
 }
 
+Expected<PluginFacts> pluginFacts(const std::string& path) {
+  auto plugin = findPlugin(path, CalledBy::kHost);
+  if (!plugin) return plugin.errors();
+  const wh_plugin& facts = **plugin;
+  return PluginFacts{facts.name != nullptr ? facts.name : "", facts.major, facts.minor,
+                     (facts.flags & WH_NEVER_WAITS) != 0};
+}
+
 Expected<std::shared_ptr<PluginDriver>> PluginDriver::load(
-    const DriverLocation& location, std::function<void(const std::string&)> say) {
+    const DriverLocation& location, std::function<void(const std::string&)> say,
+    CalledBy called_by) {
+  auto path = findDriver(location.path, shippedDriverFolders());
+  if (!path) return path.errors();
+  auto plugin = findPlugin(*path, called_by);
+  if (!plugin) return plugin.errors();
   std::shared_ptr<PluginDriver> driver(new PluginDriver(location, std::move(say)));
-  // A name without a slash would be looked for where libraries of the system are.
-  const bool bare = location.path.find('/') == std::string::npos;
-  const std::string path = bare ? "./" + location.path : location.path;
-  void* const library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
-  if (library == nullptr) {
-    const char* const why = ::dlerror();
-    return Diagnostic{location.path,
-                      0,
-                      "",
-                      "",
-                      why != nullptr ? why : "cannot be loaded",
-                      "give the path of a driver's shared object"};
-  }
-  void* const symbol = ::dlsym(library, kSymbol);
-  if (symbol == nullptr) {
-    return Diagnostic{location.path, 0, "", "", std::string("has no ") + kSymbol + "()", kRemedy};
-  }
-  driver->plugin_ = reinterpret_cast<decltype(&wh_plugin_v1)>(symbol)();
-  if (const std::string why = whyNot(driver->plugin_); !why.empty()) {
-    driver->plugin_ = nullptr;
-    return Diagnostic{location.path, 0, "", "", why, kRemedy};
-  }
+  driver->plugin_ = *plugin;
   if (Expected<Done> opened = driver->open(); !opened) return opened.errors();
+  // A driver that opens others knows only now whether all of them never wait.
+  if (const std::string why = whyNot(driver->plugin_, called_by); !why.empty()) {
+    return Diagnostic{location.path, 0, "", "", why, "let a host hold it"};
+  }
+  driver->never_waits_ = (driver->plugin_->flags & WH_NEVER_WAITS) != 0;
   if (Expected<Done> described = driver->describe(); !described) return described.errors();
+  driver->identify();
   return driver;
 }
 
@@ -106,11 +136,23 @@ Expected<Done> PluginDriver::describe() {
   return Done{};
 }
 
+// What is not known stays empty: a device may be used without, but gets no passport.
+void PluginDriver::identify() {
+  if (plugin_->size < kIdentifies || plugin_->identify == nullptr) return;
+  wh_identity said{};
+  said.size = sizeof(said);
+  if (plugin_->identify(device_, &said) < 0) return;
+  const auto text = [](const auto& field) {
+    return std::string(field, ::strnlen(field, sizeof(field)));
+  };
+  identity_ = {text(said.serial), text(said.firmware), text(said.sdk)};
+}
+
 PluginDriver::~PluginDriver() {
   if (device_ != nullptr) plugin_->close(device_);
 }
 
-const char* PluginDriver::name() const noexcept {
+std::string PluginDriver::name() const {
   return plugin_->name != nullptr ? plugin_->name : "";
 }
 
@@ -121,13 +163,15 @@ Expected<Done> PluginDriver::control(std::uint32_t verb, double argument) {
   const int result = plugin_->control(device_, verb, argument);
   if (result >= 0) return Done{};
   const std::string what = verb < kVerbs.size() ? kVerbs.at(verb) : "do that";
-  return failed(
-      "the device " + std::string(result == WH_UNSUPPORTED ? "has no way to " : "did not ") + what,
-      "look at the device");
+  return failed(std::string(result == WH_UNSUPPORTED ? kHasNoWay : "the device did not ") + what,
+                "look at the device");
 }
 
 int PluginDriver::read(wh_sample& sample) noexcept {
   sample.size = sizeof(sample);
+  // What a driver leaves out is not known.
+  std::fill(std::begin(sample.effort), std::end(sample.effort), kNan);
+  std::fill(std::begin(sample.temperature_c), std::end(sample.temperature_c), kNan);
   return plugin_->read(device_, &sample);
 }
 

@@ -1,8 +1,6 @@
 #pragma once
 
-#include "core/expected.hpp"
-#include "core/real_time.hpp"
-#include "wholehand/device.h"
+#include "device/plugin/device_driver.hpp"
 
 #include <functional>
 #include <memory>
@@ -13,40 +11,58 @@ namespace wholehand {
 
 /// Where a driver is and what it is told.
 struct DriverLocation {
-  std::string path;      ///< of the shared object
+  std::string path;      ///< of the shared object, or the name of one that ships (findDriver)
   std::string locator;   ///< which device: a port, a serial number; the driver's own words
   std::string settings;  ///< the driver's own words
 };
 
+/// Who calls read and write of a driver.
+enum class CalledBy {
+  kLoop,  ///< the tick: a driver that may wait is refused
+  kHost   ///< a process of its own (device/host)
+};
+
+/// What a shared object says before any device is opened.
+struct PluginFacts {
+  std::string name;  ///< for a person
+  int major = 0, minor = 0;
+  bool never_waits = false;
+};
+
+/// Loads the object and looks. Refused as PluginDriver::load(), but for what needs a device.
+[[nodiscard]] Expected<PluginFacts> pluginFacts(const std::string& path);
+
 /// A driver that was loaded from a shared object (include/wholehand/device.h), with its device open
 /// but not enabled. It stays so from one arming to the next: a device is found and homed once.
-class PluginDriver {
+class PluginDriver final : public DeviceDriver {
  public:
   /// Loads the driver, opens its device and asks for its axes. Refused, each by name: no such file,
   /// no `wh_plugin_v1`, another major version, a structure that ends before a function, a driver
-  /// that may wait, a device that is not found.
+  /// that may wait where the loop calls it, a device that is not found.
   /// @param say takes the driver's lines; may be null
   [[nodiscard]] static Expected<std::shared_ptr<PluginDriver>> load(
-      const DriverLocation& location, std::function<void(const std::string&)> say = nullptr);
+      const DriverLocation& location, std::function<void(const std::string&)> say = nullptr,
+      CalledBy called_by = CalledBy::kLoop);
   /// Closes the device. The code stays loaded: a driver's own threads may still be in it.
-  ~PluginDriver();
+  ~PluginDriver() override;
   PluginDriver(const PluginDriver&) = delete;
   PluginDriver& operator=(const PluginDriver&) = delete;
 
   [[nodiscard]] const DriverLocation& location() const noexcept { return location_; }
-  [[nodiscard]] const char* name() const noexcept;
-  [[nodiscard]] const std::vector<wh_axis>& axes() const noexcept { return axes_; }
-
-  /// One of the verbs of device.h. Not real-time safe.
-  [[nodiscard]] Expected<Done> control(std::uint32_t verb, double argument = 0.0);
-  /// As the driver's read and write.
-  [[nodiscard]] WHOLEHAND_RT int read(wh_sample& sample) noexcept;
-  [[nodiscard]] WHOLEHAND_RT int write(const wh_command& command) noexcept;
+  /// Whether read and write never wait (WH_NEVER_WAITS).
+  [[nodiscard]] bool neverWaits() const noexcept { return never_waits_; }
+  [[nodiscard]] std::string where() const override { return "the driver " + location_.path; }
+  [[nodiscard]] std::string name() const override;
+  [[nodiscard]] const std::vector<wh_axis>& axes() const noexcept override { return axes_; }
+  [[nodiscard]] Expected<Done> control(std::uint32_t verb, double argument) override;
+  [[nodiscard]] WHOLEHAND_RT int read(wh_sample& sample) noexcept override;
+  [[nodiscard]] WHOLEHAND_RT int write(const wh_command& command) noexcept override;
 
  private:
   PluginDriver(DriverLocation location, std::function<void(const std::string&)> say);
   [[nodiscard]] Expected<Done> open();
   [[nodiscard]] Expected<Done> describe();
+  void identify();
   [[nodiscard]] Diagnostic failed(const std::string& what, const std::string& remedy) const;
   static void take(void* self, const char* line);
 
@@ -56,6 +72,7 @@ class PluginDriver {
   wh_host host_{};
   const wh_plugin* plugin_ = nullptr;
   wh_device* device_ = nullptr;
+  bool never_waits_ = false;
   std::vector<wh_axis> axes_;
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "control/transition.hpp"
+#include "exercise/finger_wall_file.hpp"
 #include "exercise/finger_walls.hpp"
 #include "model/scene_model.hpp"
 
@@ -16,11 +17,6 @@ namespace wholehand {
 inline constexpr int kMaxDispensers = 6;  ///< of a level
 inline constexpr int kMaxSteps = 8;       ///< of a drink
 
-/// How far the walls' gains and their lead-in may be raised while the loop runs. The certificate is
-/// asked about the walls at this ratio.
-inline constexpr double kLargestWallRatio = 1.2;
-inline constexpr double kLargestLeadIn_m = 0.02;
-
 struct BarLiquid {
   std::string name, color, pattern, symbol;
   double viscosity = 1.0;  ///< times the thinnest
@@ -29,13 +25,14 @@ struct BarLiquid {
 
 struct BarDispenser {
   std::string body;
-  int body_index = -1;  ///< in the level's scene
-  int liquid = 0;       ///< index into Bar::liquids
-  bool free = false;    ///< may be carried
-  double radius_m = 0.0, height_m = 0.0;
-  double start_l = 0.0;              ///< what is in it
-  Eigen::Vector3d nozzle_m, grip_m;  ///< from the centre of mass, body axes
-  Eigen::Vector3d home_m;            ///< its centre of mass at the start
+  int body_index = -1;                    ///< in the level's scene
+  int liquid = 0;                         ///< index into Bar::liquids
+  bool free = false;                      ///< may be carried
+  double radius_m = 0.0, height_m = 0.0;  ///< as drawn
+  double soft_m = 0.0;                    ///< how far digits sink in before they meet the core
+  double start_l = 0.0;                   ///< what is in it
+  Eigen::Vector3d nozzle_m, grip_m;       ///< from the centre of mass, body axes
+  Eigen::Vector3d home_m;                 ///< its centre of mass at the start
 };
 
 struct BarStep {
@@ -82,7 +79,7 @@ struct BarDrawnBack {
   double palm_m = 0.0;  ///< ... and the palm at least this far from every dispenser
 };
 
-/// Squeeze: the normal contact forces that grip a dispenser, low-passed.
+/// Squeeze: what the digits that grip a dispenser feel of it, low-passed [N at the fingertips].
 struct BarSqueeze {
   double filter_hz = 5.0;
   double threshold_n = 0.0, low_n = 0.0, high_n = 0.0, full_n = 0.0;
@@ -114,7 +111,8 @@ struct Bar {
   std::vector<std::string> level_names;
   double lead_in_m = 0.0;
   TransitionConfig transition;
-  FingerWallConfig walls;  ///< of the softest and thinnest liquid
+  FingerWallConfig walls;   ///< of the softest and thinnest liquid
+  AxisEffort effort_limit;  ///< the device's
   BarSqueeze squeeze;
   BarFlow flow;
   BarGlass glass;
@@ -124,6 +122,8 @@ struct Bar {
   BarReach reach;
   BarScoring scoring;
   double counter_z_m = 0.0, rail_z_m = 0.0;  ///< top of the counter, lower side of the rail
+  int rail_index = -1;                       ///< in the level's scene
+  Eigen::Vector3d rail_home_m;               ///< its centre of mass
   int x_axis = -1;                           ///< of the device; -1: it has none
   std::vector<BarLiquid> liquids;
   std::vector<BarDispenser> dispensers;  ///< of the level, in a row

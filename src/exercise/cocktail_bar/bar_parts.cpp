@@ -9,72 +9,20 @@
 namespace wholehand {
 namespace {
 
-constexpr AxisQuantity kStiffness{
-    "stiffness_n_m", "stiffness_nm_rad", "stiffness_tip_n_m", 2, 0.0, 1e5};
-constexpr AxisQuantity kDamping{
-    "damping_n_s_m", "damping_nm_s_rad", "damping_tip_n_s_m", 2, 0.0, 1e3};
-/// Of an axis's effort limit: what a wall may take of it.
-constexpr double kCapShare = 0.9;
-
 bool isColor(const std::string& text) {
   return text.size() == 7 && text[0] == '#' &&
          std::all_of(text.begin() + 1, text.end(),
                      [](unsigned char c) { return std::isxdigit(c) != 0; });
 }
 
-void readWallAxis(NamedAxis& named, const DeviceModel& device, FingerWallConfig& walls) {
-  const int i = device.axisIndex(named.name);
-  if (i < 0) {
-    const std::optional<AxisKind> kind = knownAxisKind(named.name);
-    if (kind) {  // what it takes to feel a liquid is not there; its keys are checked all the same
-      named.table.fail("name", "the device " + device.path + " has no such axis",
-                       "take a device that has it; without the bar any plays a motion: "
-                       "--scene F --motion F");
-      (void)readAxisQuantity(named.table, kStiffness, *kind, 1.0);
-      (void)readAxisQuantity(named.table, kDamping, *kind, 1.0);
-    } else {
-      named.table.fail("name", "is no axis of the device " + device.path + " nor any known one",
-                       "remove it, or write the name of a hand axis");
-      named.table.skipRest();
-    }
-    return;
-  }
-  const DeviceAxis& axis = device.axes[static_cast<std::size_t>(i)];
-  if (axis.group != AxisGroup::kHand) {
-    named.table.fail("name", "carries the hand and closes on to nothing",
-                     "write the name of an axis that moves the hand's joints");
-    named.table.skipRest();
-    return;
-  }
-  walls.stiffness[i] = readAxisQuantity(named.table, kStiffness, axis.kind, axis.lever_arm_m);
-  walls.damping[i] = readAxisQuantity(named.table, kDamping, axis.kind, axis.lever_arm_m);
-}
-
 }  // namespace
 
 void readWall(TomlTable& wall, const DeviceModel& device, Bar& bar) {
-  bar.lead_in_m = wall.number("lead_in_m", between(0.0, kLargestLeadIn_m, "m"));
-  TransitionConfig& t = bar.transition;
-  t.engage_m = wall.number("engage_m", above(0.0, 1.0, "m"));
-  t.release_m = wall.number("release_m", above(0.0, 1.0, "m"));
-  if (wall.good("engage_m") && wall.good("release_m") && t.release_m < t.engage_m) {
-    wall.fail("release_m", "is nearer than engage_m", "must be at least engage_m");
-  }
-  // In 0.3 s the largest effort of a wall, 10 N at the tip, comes and goes by 0.05 N a tick.
-  t.engage_s = wall.number("engage_s", between(0.3, 10.0, "s"), t.engage_s);
-  t.release_s = wall.number("release_s", between(0.3, 5.0, "s"), t.release_s);
-  const int n = device.axisCount();
-  bar.walls.axes = n;
-  bar.walls.lever_arm_m = AxisRatio(n, 1.0);
-  bar.walls.stiffness = bar.walls.damping = AxisRatio(n);
-  bar.walls.effort_cap = AxisEffort(n);
-  for (int i = 0; i < n; ++i) {
-    const DeviceAxis& axis = device.axes[static_cast<std::size_t>(i)];
-    if (axis.lever_arm_m > 0.0) bar.walls.lever_arm_m[i] = axis.lever_arm_m;
-    bar.walls.effort_cap[i] = kCapShare * axis.effort_limit;
-  }
-  bar.walls.follow_m_s = wall.number("follow_m_s", above(0.0, 1.0, "m/s"), bar.walls.follow_m_s);
-  for (NamedAxis& named : readAxisNames(wall)) readWallAxis(named, device, bar.walls);
+  FingerWallFile file = readFingerWalls(wall, device);
+  bar.lead_in_m = file.lead_in_m;
+  bar.transition = file.transition;
+  bar.walls = file.walls;
+  bar.effort_limit = file.effort_limit;
 }
 
 void readGlass(TomlTable& table, BarGlass& glass) {

@@ -66,6 +66,8 @@ void readBodies(TomlTable& root, const SceneModel& scene, BarParts& parts, Bar& 
     if (body == nullptr) continue;
     d.radius_m = body->shapes[0].radius_m;
     d.height_m = body->shapes[0].length_m;
+    d.soft_m = body->soft_m;
+    bar.walls.soft_m = std::max(bar.walls.soft_m, d.soft_m);
     d.free = !body->fixed;
     const bool narrow = bar.row.slides && bar.row.spacing_m < 2.0 * d.radius_m;
     if (narrow && root.table("row").good("spacing_m")) {  // told once
@@ -104,6 +106,8 @@ void keepBodies(const BarParts& parts, Side side, Bar& bar, SceneModel& scene) {
     y_m = row.slides ? first_y_m + static_cast<double>(i) * row.spacing_m : mirror * y_m;
     d.home_m = body.pose.translation_m;
   }
+  bar.rail_index = scene.bodyIndex("rail");
+  bar.rail_home_m = scene.bodies[static_cast<std::size_t>(bar.rail_index)].pose.translation_m;
   bar.glass.body_index = scene.bodyIndex(bar.glass.body);
   const BarDispenser& first =
       bar.dispensers[static_cast<std::size_t>(bar.drinks[0].steps[0].dispenser)];

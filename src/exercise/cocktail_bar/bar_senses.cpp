@@ -1,5 +1,7 @@
 #include "exercise/cocktail_bar/bar_senses.hpp"
 
+#include "exercise/cocktail_bar/grip.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -37,8 +39,8 @@ BarSenses senseBar(const Bar& bar, const TickRecord& record, const HandPosture& 
   senseContacts(bar, record, out);
   for (std::size_t i = 0; i < bar.dispensers.size(); ++i) {
     const BarDispenser& d = bar.dispensers[i];
-    if (out.touched[i]) out.grip_n[i] = gripForce_n(record, d.body_index, hand);
-    out.grips_any = out.grips_any || out.grip_n[i] > 0.0;
+    const bool grips = out.touched[i] && gripForce_n(record, d.body_index, hand) > 0.0;
+    out.grips_any = out.grips_any || grips;
     const BodyState& body = record.bodies[static_cast<std::size_t>(d.body_index)];
     const Eigen::Matrix3d turn = body.orientation_xyzw.eigen().toRotationMatrix();
     out.at_m[i] = body.position_m.eigen();

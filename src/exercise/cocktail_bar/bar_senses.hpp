@@ -14,8 +14,8 @@ namespace wholehand {
 /// What the bar makes of a tick's observation. Indices are those of Bar::dispensers, -1: none.
 struct BarSenses {
   double elapsed_s = 0.0;
-  std::array<double, kMaxDispensers> force_n{};  ///< summed normal contact force on each
-  std::array<double, kMaxDispensers> grip_n{};   ///< of it what grips: gripForce_n()
+  std::array<double, kMaxDispensers> force_n{};    ///< summed normal contact force on each
+  std::array<double, kMaxDispensers> squeeze_n{};  ///< filled in when the walls are known
   std::array<bool, kMaxDispensers> touched{};
   std::array<Eigen::Vector3d, kMaxDispensers> at_m;      ///< centre of mass
   std::array<Eigen::Vector3d, kMaxDispensers> nozzle_m;  ///< world

@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+
 namespace wholehand {
 
 static_assert(static_cast<int>(BarValue::kCount) + kMaxDispensers + kMaxSteps <=
@@ -62,6 +64,20 @@ Json drinksJson(const Bar& bar) {
   return out;
 }
 
+// From where to where the first dispenser comes while the row slides to any of them [m].
+Json rowRangeJson(const Bar& bar) {
+  const double home_m = bar.dispensers.empty() ? 0.0 : bar.dispensers[0].home_m.y();
+  double lower_m = home_m, upper_m = home_m;
+  if (bar.row.slides) {
+    for (std::size_t i = 0; i < bar.dispensers.size(); ++i) {
+      const double offset_m = static_cast<double>(i) * bar.row.spacing_m;
+      lower_m = std::min(lower_m, bar.row.reach_upper_m - offset_m);
+      upper_m = std::max(upper_m, bar.row.reach_lower_m - offset_m);
+    }
+  }
+  return Json::array({lower_m, upper_m});
+}
+
 }  // namespace
 
 std::vector<std::string> barValueNames(const Bar& bar) {
@@ -92,6 +108,7 @@ std::string barJson(const Bar& bar) {
              {"capacity_l", bar.glass.capacity_l}}},
            {"counter_z_m", bar.counter_z_m},
            {"rail_z_m", bar.rail_z_m},
+           {"row_y_m", rowRangeJson(bar)},
            {"engage_m", bar.transition.engage_m},
            {"release_m", bar.transition.release_m},
            {"draw_back", {{"x_m", bar.drawn_back.x_m}, {"palm_m", bar.drawn_back.palm_m}}},

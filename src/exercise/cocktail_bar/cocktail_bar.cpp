@@ -2,8 +2,10 @@
 
 #include "exercise/cocktail_bar/bar_events.hpp"
 #include "exercise/cocktail_bar/bar_file.hpp"
+#include "exercise/cocktail_bar/bar_patient.hpp"
 #include "exercise/cocktail_bar/bar_player.hpp"
 #include "exercise/cocktail_bar/bar_values.hpp"
+#include "exercise/cocktail_bar/grip.hpp"
 #include "exercise/cocktail_bar/pouring.hpp"
 #include "exercise/cocktail_bar/recipe.hpp"
 #include "exercise/cocktail_bar/serving.hpp"
@@ -17,18 +19,9 @@
 namespace wholehand::cocktail_bar {
 namespace {
 
-enum Parameter : std::int32_t { kWallStiffness, kWallDamping, kLeadIn, kThreshold };
-
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 /// Palm nearer than the engaging distance by this: the walls are asked for, the approach is told.
 constexpr double kApproach_m = 0.05;
-
-std::vector<LiveParameter> liveParameters(const Bar& bar) {
-  return {{"wall_stiffness_ratio", "1", 0.0, kLargestWallRatio, 1.0, 0.5},
-          {"wall_damping_ratio", "1", 0.0, kLargestWallRatio, 1.0, 0.5},
-          {"lead_in_m", "m", 0.0, kLargestLeadIn_m, bar.lead_in_m, 0.005},
-          {"squeeze_threshold_ratio", "1", 0.25, 2.0, 1.0, 0.5}};
-}
 
 class CocktailBar final : public Exercise {
  public:
@@ -37,6 +30,7 @@ class CocktailBar final : public Exercise {
         device_(device),
         hand_(hand),
         axes_of_capsule_(axesOfCapsules(hand)),
+        parameters_(bar_, makeBarView(bar_, device_, &hand_)),
         posture_(hand_),
         serving_(bar_),
         pouring_(bar_),
@@ -45,7 +39,7 @@ class CocktailBar final : public Exercise {
     description_.level = bar_.level;
     description_.levels = static_cast<int>(bar_.level_names.size());
     description_.fade_out_s = bar_.transition.release_s;
-    description_.parameters = liveParameters(bar_);
+    description_.parameters = parameters_.all();
     description_.value_names = barValueNames(bar_);
     description_.event_names.assign(kBarEventNames.begin(), kBarEventNames.end());
     description_.json = barJson(bar_);
@@ -65,6 +59,7 @@ class CocktailBar final : public Exercise {
     recipe_.reset();
     transition_ = TransitionState{};
     walls_ = FingerWallState{};
+    soft_touches_ = SoftTouches{};
     at_ = near_ = -1;
     approached_ = -1;
     untouched_s_ = {};
@@ -82,15 +77,18 @@ class CocktailBar final : public Exercise {
     const int closed_on_to = near_;
     out = ExerciseRecord{};
     posture_.update(seen.theta);
-    const BarSenses senses = senseBar(bar_, seen, posture_, input.period_s);
+    BarSenses senses = senseBar(bar_, seen, posture_, input.period_s);
+    recipe_.tolerate(parameters_.tolerance_l(input.parameters));
     takeActions(seen, out);
     tellTouches(senses, out);
     engage(senses, input, out);
     push(senses, input, closed_on_to, out);
-    serving_.tick(senses, posture_, recipe_.order().dispenser, !paused_, placements);
+    feelSqueeze(seen, out.effort, senses);
+    serving_.tick(senses, posture_, recipe_.order().dispenser, parameters_.reach(input.parameters),
+                  !paused_, placements);
     tellUpsets(out);
-    pouring_.tick(senses, recipe_.order(), held(), serving_.leaking(), input.parameters[kThreshold],
-                  !paused_, out);
+    pouring_.tick(senses, recipe_.order(), held(), serving_.leaking(),
+                  parameters_.threshold(input.parameters), !paused_, out);
     if (!paused_) {
       recipe_.tick(senses.elapsed_s, held(), serving_.pending(), pouring_, out);
     }
@@ -152,8 +150,10 @@ class CocktailBar final : public Exercise {
     if (!(transition_.u > 0.0)) at_ = senses.nearest;
     const bool was_engaged = transition_.engaged;
     const double distance_m = at_ >= 0 && senses.nearest == at_ ? senses.palm_m : kInfinite;
+    TransitionConfig fading = bar_.transition;
+    fading.engage_s = parameters_.fade_s(input.parameters);
     transition_ =
-        advanceTransition(transition_, distance_m, input.may_push && !paused_, bar_.transition,
+        advanceTransition(transition_, distance_m, input.may_push && !paused_, fading,
                           static_cast<int>(input.observed->elapsed_periods), input.period_s);
     if (!(transition_.u > 0.0)) {
       near_ = senses.palm_m < bar_.transition.release_m + kApproach_m ? senses.nearest : -1;
@@ -173,15 +173,24 @@ class CocktailBar final : public Exercise {
             ExerciseRecord& out) noexcept {
     const TickRecord& seen = *input.observed;
     const double alpha = transitionAlpha(transition_);
-    FingerSight sight{{}, seen.q_m, seen.q_s, 0};
+    FingerSight sight{{}, seen.q_m, seen.q_s, 0, 0};
+    soft_touches_ = SoftTouches{};
     if (at_ >= 0 && closed_on_to == at_) {
+      const BarDispenser& d = bar_.dispensers[static_cast<std::size_t>(at_)];
       sight.closure = seen.closure;
-      sight.touching = touchingAxes(seen, bar_.dispensers[static_cast<std::size_t>(at_)].body_index,
-                                    axes_of_capsule_);
+      sight.touching = touchingAxes(seen, d.body_index, axes_of_capsule_);
+      if (d.soft_m > 0.0) {
+        const BodyState& body = seen.bodies[static_cast<std::size_t>(d.body_index)];
+        soft_touches_ = posture_.softTouches(body, d.radius_m, d.height_m, axes_of_capsule_);
+      }
+      for (int a = 0; a < bar_.walls.axes; ++a) {
+        if (soft_touches_[static_cast<std::size_t>(a)].presses) sight.inside |= 1U << a;
+      }
     }
-    walls_ = followClosure(walls_, sight, input.parameters[kLeadIn], alpha, bar_.walls,
+    walls_ = followClosure(walls_, sight, parameters_.leadIn_m(input.parameters), alpha, bar_.walls,
                            senses.elapsed_s);
-    WallRatios ratios{input.parameters[kWallStiffness], input.parameters[kWallDamping]};
+    WallRatios ratios{parameters_.stiffness(input.parameters),
+                      parameters_.damping(input.parameters)};
     if (at_ >= 0) {
       const BarLiquid& liquid = bar_.liquids[static_cast<std::size_t>(
           bar_.dispensers[static_cast<std::size_t>(at_)].liquid)];
@@ -192,6 +201,22 @@ class CocktailBar final : public Exercise {
     out.alpha = alpha;
     out.wall = walls_.position;
     out.wall_active = walls_.known;
+  }
+
+  /// What the hand feels of every dispenser at the fingertips: contacts, and of one the walls.
+  void feelSqueeze(const TickRecord& seen, const AxisEffort& wall,
+                   BarSenses& senses) const noexcept {
+    for (std::size_t i = 0; i < bar_.dispensers.size(); ++i) {
+      FeltBody felt;
+      felt.body = bar_.dispensers[i].body_index;
+      if (static_cast<int>(i) == at_) {
+        felt.wall = wall;
+        felt.touches = soft_touches_;
+      } else if (!senses.touched[i]) {
+        continue;
+      }
+      senses.squeeze_n[i] = feltSqueeze_n(seen, felt, posture_, bar_.walls, bar_.effort_limit);
+    }
   }
 
   void tellUpsets(ExerciseRecord& out) const noexcept {
@@ -209,6 +234,7 @@ class CocktailBar final : public Exercise {
   const DeviceModel device_;  ///< these two for the player
   const HandModel hand_;
   const std::vector<std::uint32_t> axes_of_capsule_;
+  const BarParameters parameters_;
   HandPosture posture_;
   ExerciseDescription description_;
   std::uint32_t targets_ = 0;
@@ -217,9 +243,10 @@ class CocktailBar final : public Exercise {
   Recipe recipe_;
   TransitionState transition_;
   FingerWallState walls_;
-  int at_ = -1;          ///< whose walls these are; changes only at α = 0
-  int near_ = -1;        ///< whom the fingers are closed on to in the next observation
-  int approached_ = -1;  ///< told already
+  SoftTouches soft_touches_;  ///< of the dispenser whose walls these are
+  int at_ = -1;               ///< whose walls these are; changes only at α = 0
+  int near_ = -1;             ///< whom the fingers are closed on to in the next observation
+  int approached_ = -1;       ///< told already
   std::array<double, kMaxDispensers> untouched_s_{};
   bool paused_ = false;
 };
@@ -232,7 +259,7 @@ void CocktailBar::show(const BarSenses& senses, const ExerciseInput& input,
   const PourOrder order = recipe_.order();
   const Ledger& ledger = pouring_.ledger();
   const int meter = held() >= 0 ? held() : order.dispenser;
-  const double ratio = input.parameters[kThreshold];
+  const double ratio = parameters_.threshold(input.parameters);
   set(BarValue::kStage, static_cast<double>(recipe_.stage()));
   set(BarValue::kDrink, recipe_.drink());
   set(BarValue::kDrinks, static_cast<double>(bar_.drinks.size()));
@@ -275,13 +302,7 @@ std::vector<ExerciseWall> stiffestWalls(const Bar& bar) {
     stiffest = std::max(stiffest, bar.liquids[static_cast<std::size_t>(d.liquid)].stiffness);
     thickest = std::max(thickest, bar.liquids[static_cast<std::size_t>(d.liquid)].viscosity);
   }
-  std::vector<ExerciseWall> walls;
-  for (int i = 0; i < bar.walls.axes; ++i) {
-    const double k = kLargestWallRatio * stiffest * bar.walls.stiffness[i];
-    const double d = kLargestWallRatio * thickest * bar.walls.damping[i];
-    if (k > 0.0 || d > 0.0) walls.push_back({i, k, d});
-  }
-  return walls;
+  return stiffestWalls(bar.walls, stiffest, thickest);
 }
 
 }  // namespace

@@ -11,12 +11,8 @@ using Eigen::Vector3d;
 
 /// Cosine of the angle between the surface's outward direction and the palmar one, at least.
 constexpr double kPalmar = 0.5;
-/// Contacts within 60° of each other are on one side. Fingers that press a bottle into the palm do
-/// so at 110° and more; a flat hand's contacts are less than a right angle apart.
-constexpr double kSameSide = 0.5, kOppositeSide = -0.3;
-/// A squeeze counts up to this many times what the weaker of its two sides bears.
-constexpr double kWeakerSide = 5.0;
-
+/// Closing an axis presses a point in where it moves it against the normal by this [m per rad].
+constexpr double kPressing_m = 5e-3;
 /// Where a digit's link bends to, and where the palm faces. Flexion turns fingers about +y and the
 /// thumb about -z of its link; a left hand is the mirror image in y.
 Vector3d palmarOf(const Capsule& capsule, Side side) {
@@ -25,20 +21,25 @@ Vector3d palmarOf(const Capsule& capsule, Side side) {
   return axis.cross(capsule.b_m - capsule.a_m).normalized();
 }
 
-/// Smallest distance of the segment a b from the upright segment of half length `half_m` about the
-/// origin (Ericson, Real-Time Collision Detection, 5.1.9).
-double distanceFromUpright(const Vector3d& a, const Vector3d& b, double half_m) noexcept {
-  const Vector3d way = b - a;
-  const double length2 = way.squaredNorm();
-  const double across2 = length2 - way.z() * way.z();  // squared, seen from above
+/// The shortest way from the upright segment of half length `half_m` about the origin to the
+/// segment a b (Ericson, Real-Time Collision Detection, 5.1.9), and where on a b it ends.
+struct Way {
+  Vector3d way, end;
+};
+Way wayFromUpright(const Vector3d& a, const Vector3d& b, double half_m) noexcept {
+  const Vector3d along_ab = b - a;
+  const double length2 = along_ab.squaredNorm();
+  const double across2 = length2 - along_ab.z() * along_ab.z();  // squared, seen from above
   double along = 0.0;
-  if (across2 > 1e-12) along = std::clamp(-a.head<2>().dot(way.head<2>()) / across2, 0.0, 1.0);
-  const double z = std::clamp(a.z() + along * way.z(), -half_m, half_m);
-  if (length2 > 1e-12) {
-    along = std::clamp((Vector3d(0.0, 0.0, z) - a).dot(way) / length2, 0.0, 1.0);
+  if (across2 > 1e-12) {
+    along = std::clamp(-a.head<2>().dot(along_ab.head<2>()) / across2, 0.0, 1.0);
   }
-  const Vector3d at = a + along * way;
-  return (at - Vector3d(0.0, 0.0, std::clamp(at.z(), -half_m, half_m))).norm();
+  const double z = std::clamp(a.z() + along * along_ab.z(), -half_m, half_m);
+  if (length2 > 1e-12) {
+    along = std::clamp((Vector3d(0.0, 0.0, z) - a).dot(along_ab) / length2, 0.0, 1.0);
+  }
+  const Vector3d at = a + along * along_ab;
+  return {at - Vector3d(0.0, 0.0, std::clamp(at.z(), -half_m, half_m)), at};
 }
 
 }  // namespace
@@ -52,11 +53,52 @@ void HandPosture::update(const JointPosition& theta) noexcept {
   if (known_) body_.updateKinematics(theta);
 }
 
-bool HandPosture::isPalmar(const Contact& contact) const noexcept {
-  const auto at = static_cast<std::size_t>(contact.capsule);
+bool HandPosture::isPalmar(int capsule, const Vector3d& normal) const noexcept {
+  const auto at = static_cast<std::size_t>(capsule);
   if (!known_ || at >= palmar_.size()) return false;
   const Vector3d palmar = body_.linkPose(hand_.capsules[at].link).rotation * palmar_[at];
-  return -contact.normal.eigen().dot(palmar) > kPalmar;
+  return -normal.dot(palmar) > kPalmar;
+}
+
+double HandPosture::opposes(int axis, int capsule, const Vector3d& point_m,
+                            const Vector3d& force_n) const noexcept {
+  const auto at = static_cast<std::size_t>(capsule);
+  if (!known_ || at >= palmar_.size() || axis >= hand_.axis_count) return 0.0;
+  std::array<double, kMaxAxes> row{};
+  body_.reducedPointRow(hand_.capsules[at].link, point_m, force_n, row.data());
+  return -row[static_cast<std::size_t>(axis)];
+}
+
+SoftTouches HandPosture::softTouches(
+    const BodyState& body, double radius_m, double height_m,
+    const std::vector<std::uint32_t>& axes_of_capsule) const noexcept {
+  SoftTouches out;
+  if (!known_) return out;
+  const Eigen::Matrix3d turn = body.orientation_xyzw.eigen().toRotationMatrix();
+  const auto in_body = [&](const Vector3d& p) -> Vector3d {
+    return turn.transpose() * (p - body.position_m.eigen());
+  };
+  for (std::size_t i = 0; i < hand_.capsules.size() && i < axes_of_capsule.size(); ++i) {
+    if (axes_of_capsule[i] == 0) continue;
+    const Capsule& c = hand_.capsules[i];
+    const Pose& link = body_.linkPose(c.link);
+    const Way is = wayFromUpright(in_body(link * c.a_m), in_body(link * c.b_m), 0.5 * height_m);
+    const double apart_m = is.way.norm(), depth_m = radius_m + c.radius_m - apart_m;
+    if (!(depth_m > 0.0 && apart_m > 1e-6) || std::abs(is.end.z()) > 0.5 * height_m) continue;
+    const Vector3d normal = turn * is.way / apart_m;
+    const Vector3d point_m = body.position_m.eigen() + turn * is.end - c.radius_m * normal;
+    const int capsule = static_cast<int>(i);
+    for (int a = 0; a < hand_.axis_count; ++a) {
+      if ((axes_of_capsule[i] >> a & 1U) == 0U) continue;
+      if (!(opposes(a, capsule, point_m, normal) > kPressing_m)) continue;
+      SoftTouch& touch = out[static_cast<std::size_t>(a)];
+      touch.presses = true;
+      if (!isPalmar(capsule, normal) || depth_m <= touch.palmar_depth_m) continue;
+      touch.palmar_depth_m = depth_m;
+      touch.palmar_normal = normal;
+    }
+  }
+  return out;
 }
 
 double HandPosture::clearance_m(const Vector3d& center_m, double radius_m,
@@ -66,37 +108,10 @@ double HandPosture::clearance_m(const Vector3d& center_m, double radius_m,
   for (const Capsule& c : hand_.capsules) {
     const Pose& link = body_.linkPose(c.link);
     const double apart_m =
-        distanceFromUpright(link * c.a_m - center_m, link * c.b_m - center_m, 0.5 * height_m);
+        wayFromUpright(link * c.a_m - center_m, link * c.b_m - center_m, 0.5 * height_m).way.norm();
     least_m = std::min(least_m, apart_m - c.radius_m - radius_m);
   }
   return least_m;
-}
-
-double gripForce_n(const TickRecord& record, int body, const HandPosture& posture) noexcept {
-  std::array<Vector3d, kMaxContacts> normal;
-  std::array<double, kMaxContacts> force_n{};
-  std::size_t count = 0;
-  double sum_n = 0.0;
-  for (int i = 0; i < record.contact_count; ++i) {
-    const Contact& c = record.contacts[static_cast<std::size_t>(i)];
-    if (c.body != body) continue;
-    const double bears_n = c.force_n.eigen().dot(c.normal.eigen());
-    if (!(bears_n > 0.0) || !posture.isPalmar(c)) continue;
-    normal[count] = c.normal.eigen();
-    force_n[count++] = bears_n;
-    sum_n += bears_n;
-  }
-  double weaker_n = 0.0;
-  for (std::size_t i = 0; i < count; ++i) {
-    double with_n = 0.0, against_n = 0.0;
-    for (std::size_t k = 0; k < count; ++k) {
-      const double cosine = normal[i].dot(normal[k]);
-      if (cosine > kSameSide) with_n += force_n[k];
-      if (cosine < kOppositeSide) against_n += force_n[k];
-    }
-    weaker_n = std::max(weaker_n, std::min(with_n, against_n));
-  }
-  return std::min(sum_n, kWeakerSide * weaker_n);
 }
 
 }  // namespace wholehand

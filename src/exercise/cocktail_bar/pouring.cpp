@@ -35,8 +35,8 @@ void Pouring::tick(const BarSenses& senses, const PourOrder& order, int engaged,
                    double threshold_ratio, bool running, ExerciseRecord& out) noexcept {
   const double tau_s = 1.0 / (2.0 * std::numbers::pi * bar_.squeeze.filter_hz);
   for (std::size_t i = 0; i < bar_.dispensers.size(); ++i) {
-    squeeze_n_[i] =
-        (tau_s * squeeze_n_[i] + senses.elapsed_s * senses.grip_n[i]) / (tau_s + senses.elapsed_s);
+    squeeze_n_[i] = (tau_s * squeeze_n_[i] + senses.elapsed_s * senses.squeeze_n[i]) /
+                    (tau_s + senses.elapsed_s);
   }
   const bool was_into_glass = into_glass_;
   const double before_l = ledger_.layer_l(order.step), spilt_before_l = ledger_.spilt_l();

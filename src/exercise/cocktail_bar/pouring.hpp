@@ -19,8 +19,9 @@ struct PourOrder {
 
 /// Squeeze, flow and where it goes. Flow of the dispenser that is held, thinnest liquid:
 ///   clamp(l_per_s_n · (squeeze − threshold), 0, max_l_s) / viscosity,
-/// squeeze the force that grips (gripForce_n), low-passed. Into the glass when it is asked for and
-/// the nozzle is over the glass, as far as tolerance and glass take it; spilt otherwise.
+/// squeeze what is felt of it at the fingertips (feltSqueeze_n), low-passed. Into the glass when it
+/// is asked for and the nozzle is over the glass, as far as tolerance and glass take it; spilt
+/// otherwise.
 class Pouring {
  public:
   explicit Pouring(const Bar& bar) : bar_(bar) { reset(); }

@@ -35,7 +35,10 @@ PourOrder Recipe::order() const noexcept {
   const BarStep& s =
       bar_.drinks[static_cast<std::size_t>(drink_)].steps[static_cast<std::size_t>(step_)];
   const bool over = stage_ == BarStage::kDrinkDone || stage_ == BarStage::kLevelDone;
-  return {over ? -1 : s.dispenser, step_, s.amount_l, s.tolerance_l};
+  constexpr double kMostShare = 0.9;  // of what is asked for
+  const double tolerance_l =
+      tolerance_l_ > 0.0 ? std::min(tolerance_l_, kMostShare * s.amount_l) : s.tolerance_l;
+  return {over ? -1 : s.dispenser, step_, s.amount_l, tolerance_l};
 }
 
 double Recipe::score() const noexcept {

@@ -26,6 +26,9 @@ class Recipe {
   explicit Recipe(const Bar& bar) : bar_(bar) {}
 
   void reset() noexcept;
+  /// Of every step from now on, instead of the level's; a step's tolerance is less than what it
+  /// asks for. Real-time safe.
+  WHOLEHAND_RT void tolerate(double tolerance_l) noexcept { tolerance_l_ = tolerance_l; }
   /// Ends the rest after a drink. Real-time safe.
   WHOLEHAND_RT void hurry() noexcept { rest_left_s_ = 0.0; }
 
@@ -52,6 +55,7 @@ class Recipe {
   const Bar& bar_;
   BarStage stage_ = BarStage::kReach;
   int drink_ = 0, step_ = 0;
+  double tolerance_l_ = 0.0;   ///< 0: the level's
   double accuracy_sum_ = 0.0;  ///< of this drink's steps
   double spilt_before_l_ = 0.0;
   double time_s_ = 0.0;

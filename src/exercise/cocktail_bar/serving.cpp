@@ -37,12 +37,14 @@ void Serving::bringHome() noexcept {
   for (std::size_t i = 0; i < bar_.dispensers.size(); ++i) called_[i] = bar_.dispensers[i].free;
 }
 
-void Serving::tick(const BarSenses& senses, const HandPosture& hand, int target, bool running,
-                   BodyPlacements& placements) noexcept {
+void Serving::tick(const BarSenses& senses, const HandPosture& hand, int target,
+                   const RowReach& reach, bool running, BodyPlacements& placements) noexcept {
   placements.count = 0;
+  reach_ = reach;
   knocked_over_ = stood_up_ = 0;
   if (!placed_) {  // the world says where they are: it may have been left mid-slide
     row_y_m_ = row_to_m_ = senses.at_m[0].y();
+    nearer_m_ = nearer_to_m_ = bar_.dispensers[0].home_m.x() - senses.at_m[0].x();
     glass_m_ = glass_to_m_ = senses.glass_m;
     placed_ = true;
   }
@@ -58,32 +60,45 @@ void Serving::tick(const BarSenses& senses, const HandPosture& hand, int target,
 double Serving::wantedRowY_m(int target) const noexcept {
   const double offset_m = target * bar_.row.spacing_m;
   const double from_m = row_home_ ? bar_.dispensers[0].home_m.y() : row_y_m_;
-  return std::clamp(from_m + offset_m, bar_.row.reach_lower_m, bar_.row.reach_upper_m) - offset_m;
+  return std::clamp(from_m + offset_m, reach_.lower_m, reach_.upper_m) - offset_m;
+}
+
+/// Begins to slide where the row is not where the target needs it.
+void Serving::startRow(int target) noexcept {
+  const double to_m = wantedRowY_m(target);
+  const double way_m = std::hypot(to_m - row_y_m_, reach_.nearer_m - nearer_m_);
+  if (way_m <= kThere_m) {
+    row_home_ = false;
+    return;
+  }
+  row_from_m_ = row_y_m_;
+  row_to_m_ = to_m;
+  nearer_from_m_ = nearer_m_;
+  nearer_to_m_ = reach_.nearer_m;
+  row_ = Slide{kMinimumJerkPeak * way_m / bar_.row.speed_m_s};
 }
 
 void Serving::slideRow(const BarSenses& senses, int target, bool may_move,
                        BodyPlacements& placements) noexcept {
   if (!bar_.row.slides) return;
-  if (!row_.active()) {
-    if (target >= 0 && std::abs(wantedRowY_m(target) - row_y_m_) <= kThere_m) row_home_ = false;
-    if (target >= 0 && std::abs(wantedRowY_m(target) - row_y_m_) > kThere_m) {
-      row_from_m_ = row_y_m_;
-      row_to_m_ = wantedRowY_m(target);
-      row_ = Slide{kMinimumJerkPeak * std::abs(row_to_m_ - row_from_m_) / bar_.row.speed_m_s};
-    } else {
-      return;
-    }
-  }
+  if (!row_.active() && target >= 0) startRow(target);
+  if (!row_.active()) return;
   row_.advance(may_move, senses.elapsed_s);
   pending_ = true;
-  const double way_m = row_to_m_ - row_from_m_;
+  const double way_m = row_to_m_ - row_from_m_, nearer_m = nearer_to_m_ - nearer_from_m_;
   row_y_m_ = row_from_m_ + row_.share() * way_m;
-  const Eigen::Vector3d velocity_m_s(0.0, row_.rate_per_s() * way_m, 0.0);
+  nearer_m_ = nearer_from_m_ + row_.share() * nearer_m;
+  const Eigen::Vector3d velocity_m_s(-row_.rate_per_s() * nearer_m, row_.rate_per_s() * way_m, 0.0);
   for (std::size_t i = 0; i < bar_.dispensers.size(); ++i) {
     Eigen::Vector3d at_m = bar_.dispensers[i].home_m;
+    at_m.x() -= nearer_m_;
     at_m.y() = row_y_m_ + static_cast<double>(i) * bar_.row.spacing_m;
     place(placements, bar_.dispensers[i].body_index, at_m, velocity_m_s);
   }
+  if (nearer_m == 0.0) return;
+  // What they hang from comes with them.
+  const Eigen::Vector3d rail_m = bar_.rail_home_m - nearer_m_ * Eigen::Vector3d::UnitX();
+  place(placements, bar_.rail_index, rail_m, velocity_m_s.x() * Eigen::Vector3d::UnitX());
 }
 
 void Serving::slideGlass(const BarSenses& senses, int target, bool may_move,
@@ -95,6 +110,7 @@ void Serving::slideGlass(const BarSenses& senses, int target, bool may_move,
     Eigen::Vector3d to_m = d.home_m + d.nozzle_m;
     if (bar_.row.slides) {
       const double row_y_m = row_.active() ? row_to_m_ : row_y_m_;
+      to_m.x() -= row_.active() ? nearer_to_m_ : nearer_m_;
       to_m.y() = row_y_m + target * bar_.row.spacing_m + d.nozzle_m.y();
     }
     to_m.z() = glass_m_.z();

@@ -3,6 +3,7 @@
 #include "core/real_time.hpp"
 #include "core/world_query.hpp"
 #include "exercise/cocktail_bar/bar.hpp"
+#include "exercise/cocktail_bar/bar_patient.hpp"
 #include "exercise/cocktail_bar/bar_senses.hpp"
 #include "exercise/cocktail_bar/slide.hpp"
 
@@ -21,9 +22,10 @@ class Serving {
   void reset() noexcept;
   /// Every dispenser goes home as soon as the hand allows it. Real-time safe.
   WHOLEHAND_RT void bringHome() noexcept;
-  /// @param target whose turn it is; -1: nobody's, all stays @param running false: paused
-  WHOLEHAND_RT void tick(const BarSenses& senses, const HandPosture& hand, int target, bool running,
-                         BodyPlacements& placements) noexcept;
+  /// @param target whose turn it is; -1: nobody's, all stays @param reach where the row may be
+  /// @param running false: paused
+  WHOLEHAND_RT void tick(const BarSenses& senses, const HandPosture& hand, int target,
+                         const RowReach& reach, bool running, BodyPlacements& placements) noexcept;
 
   /// The target is not yet served: row or glass is on its way, or waits for the hand to draw back.
   [[nodiscard]] bool pending() const noexcept { return pending_; }
@@ -36,6 +38,7 @@ class Serving {
   [[nodiscard]] unsigned leaking() const noexcept { return leaking_; }
 
  private:
+  void startRow(int target) noexcept;
   void slideRow(const BarSenses& senses, int target, bool may_move,
                 BodyPlacements& placements) noexcept;
   void slideGlass(const BarSenses& senses, int target, bool may_move,
@@ -53,6 +56,8 @@ class Serving {
   bool placed_ = false;  ///< row and glass are known
   bool pending_ = false;
   double row_y_m_ = 0.0, row_from_m_ = 0.0, row_to_m_ = 0.0;
+  double nearer_m_ = 0.0, nearer_from_m_ = 0.0, nearer_to_m_ = 0.0;  ///< the row, than in the scene
+  RowReach reach_;
   Slide row_;
   Eigen::Vector3d glass_m_, glass_from_m_, glass_to_m_;
   Slide glass_;

@@ -62,16 +62,12 @@ Expected<Done> AnalyticWorld::placeHand(const AxisPosition& q_s) {
   return Done{};
 }
 
-Fault AnalyticWorld::observe(const WorldQuery&, WorldState& state) noexcept {
+Fault AnalyticWorld::observe(WorldState& state) noexcept {
   state.q_s = q_s_;
   state.qd_s = qd_s_;
   state.theta = theta_;
   state.theta_dot = theta_dot_;
   state.coupling_error_rad = 0.0;  // the joints are nothing but G q_s here
-  state.palm_distance_m = std::numeric_limits<double>::infinity();
-  state.palm_body = -1;
-  state.palm_target_distance_m = std::numeric_limits<double>::infinity();
-  state.closure = AxisPosition(hand_->axis_count, std::numeric_limits<double>::quiet_NaN());
   state.body_count = 0;
   return allFinite(q_s_) && allFinite(qd_s_) ? Fault::kNone : Fault::kNonFiniteState;
 }

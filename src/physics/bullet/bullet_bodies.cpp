@@ -73,12 +73,20 @@ BulletBody::BulletBody(const SceneBody& body, int index)
       btRigidBody::btRigidBodyConstructionInfo(mass, nullptr, no_shape_.get(), moments));
   rigid_->setDamping(body.linear_damping_per_s, 0.0);
   rigid_->setActivationState(DISABLE_DEACTIVATION);
-  for (const Shape& shape : body.shapes) addCollider(body, shape);
+  for (const Shape& shape : body.shapes) {
+    if (body.soft_m > 0.0) {
+      addCollider(body, shape, Meets::kAllButDigits);
+      addCollider(body, coreOf(body, shape), Meets::kDigits);
+    } else {
+      addCollider(body, shape, Meets::kAll);
+    }
+  }
   putAtStart();
 }
 
-void BulletBody::addCollider(const SceneBody& body, const Shape& shape) {
+void BulletBody::addCollider(const SceneBody& body, const Shape& shape, Meets meets) {
   auto collider = std::make_unique<Collider>();
+  collider->meets = meets;
   collider->form = shape;
   collider->form.in_body = Pose{};
   const bool closed_form = shape.type != ShapeType::kConvexMesh;

@@ -19,7 +19,10 @@ class BulletBody {
   BulletBody(const SceneBody& body, int index);
 
   [[nodiscard]] btRigidBody& rigid() { return *rigid_; }
+  /// What a collider collides with: of a soft body the digits meet the core, all else the shape.
+  enum class Meets { kAll, kAllButDigits, kDigits };
   struct Collider {
+    Meets meets = Meets::kAll;
     Shape form;  ///< in the collider's own frame
     ColliderTag tag;
     std::unique_ptr<btCollisionShape> shape;
@@ -45,7 +48,7 @@ class BulletBody {
 
  private:
   void put(const btTransform& at, const btVector3& velocity) noexcept;
-  void addCollider(const SceneBody& body, const Shape& shape);
+  void addCollider(const SceneBody& body, const Shape& shape, Meets meets);
 
   Pose from_body_;     ///< Bullet's frame in the scene's body frame
   btTransform start_;  ///< of Bullet's frame

@@ -14,9 +14,22 @@ namespace {
 
 // Collision groups: the hand meets bodies, never itself.
 constexpr int kBodyGroup = 1;
-constexpr int kHandGroup = 2;
+constexpr int kPalmGroup = 2;
 constexpr int kRehearsalGroup = 4;
+constexpr int kDigitGroup = 8;
 constexpr int kNoGroup = 0;
+
+int maskOf(BulletBody::Meets meets) {
+  switch (meets) {
+    case BulletBody::Meets::kAll:
+      return kBodyGroup | kPalmGroup | kDigitGroup;
+    case BulletBody::Meets::kAllButDigits:
+      return kBodyGroup | kPalmGroup;
+    case BulletBody::Meets::kDigits:
+      return kDigitGroup;
+  }
+  return kNoGroup;
+}
 
 // More than this many pairs touch at once only in scenes far too large for the tick.
 constexpr std::size_t kRehearsedManifolds = 1024;
@@ -38,20 +51,19 @@ BulletEngine::BulletEngine(const HandModel& hand_in, const SceneModel& scene,
     : hand_model(hand_in),
       synergy(hand_in),
       kinematics(hand_in),
-      palm_distance(hand_in, scene),
-      axis_closure(hand_in, scene),
       scene_path(scene.path),
       dispatcher(&configuration, contactThreshold()),
       rows(hand_in, scene.hand_friction, settings),
-      solver(hand_in, synergy, settings),
+      solver(hand_in, kinematics, rows, settings),
       world(&dispatcher, &broadphase, &solver, &configuration),
       hand(hand_in, scene.hand_friction),
-      q_s(hand_in.axis_count) {
+      q_s(hand_in.axis_count),
+      qd_s(hand_in.axis_count),
+      theta_dot(hand_in.joint_count) {
   configure(scene, settings);
-  solver.attach(&hand.body(), &kinematics, &rows);
-  world.addMultiBody(&hand.body());
-  for (const auto& capsule : hand.capsules()) {
-    world.addCollisionObject(capsule.get(), kHandGroup, kBodyGroup);
+  for (std::size_t i = 0; i < hand.capsules().size(); ++i) {
+    const bool palm = hand_in.capsules[i].part == HandPart::kPalm;
+    world.addCollisionObject(hand.capsules()[i].get(), palm ? kPalmGroup : kDigitGroup, kBodyGroup);
   }
   bodies.reserve(scene.bodies.size());
   for (const SceneBody& body : scene.bodies) {
@@ -59,7 +71,7 @@ BulletEngine::BulletEngine(const HandModel& hand_in, const SceneModel& scene,
     body_names.push_back(body.name);
     world.addRigidBody(&added.rigid(), kNoGroup, kNoGroup);
     for (const auto& collider : added.colliders()) {
-      world.addCollisionObject(collider->object.get(), kBodyGroup, kBodyGroup | kHandGroup);
+      world.addCollisionObject(collider->object.get(), kBodyGroup, maskOf(collider->meets));
     }
   }
   rehearsePairs();
@@ -74,7 +86,6 @@ BulletEngine::~BulletEngine() {
     world.removeRigidBody(&body.rigid());
   }
   for (const auto& capsule : hand.capsules()) world.removeCollisionObject(capsule.get());
-  world.removeMultiBody(&hand.body());
 }
 
 // Each setting that differs from stock is explained in ADR 3.
@@ -135,10 +146,9 @@ std::vector<btCollisionObject*> BulletEngine::colliders() const {
 // One step of a microsecond, then everything is put back as it was.
 void BulletEngine::rehearseStep() {
   AxisMatrix no_motion = AxisMatrix::Zero(hand_model.axis_count, hand_model.axis_count);
-  solver.beginStep();
-  solver.setReducedInertiaInverse(&no_motion);
+  solver.beginStep(no_motion, qd_s);
   world.stepSimulation(1e-6, 0);
-  solver.beginStep();
+  solver.forgetStep();
   for (BulletBody& body : bodies) body.putAtStart();
   forgetContacts();
 }
@@ -152,8 +162,11 @@ void BulletEngine::forgetContacts(int body) noexcept {
   }
 }
 
-void BulletEngine::setHand(const JointPosition& theta, const double* theta_dot) noexcept {
-  hand.writeJoints(theta, theta_dot);
+void BulletEngine::setHand(const AxisPosition& position, const AxisVelocity& velocity) noexcept {
+  q_s = position;
+  qd_s = velocity;
+  synergy.expand(q_s, theta);
+  synergy.expandRate(qd_s.data(), theta_dot.data());
   kinematics.updateKinematics(theta);
   hand.placeCapsules(kinematics);
 }

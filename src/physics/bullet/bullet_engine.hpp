@@ -3,16 +3,14 @@
 #include "dynamics/articulated_body.hpp"
 #include "dynamics/synergy.hpp"
 #include "model/scene_model.hpp"
-#include "physics/axis_closure.hpp"
 #include "physics/bullet/bullet_bodies.hpp"
 #include "physics/bullet/bullet_hand.hpp"
 #include "physics/bullet/near_filter.hpp"
 #include "physics/bullet/reduced_contact_solver.hpp"
-#include "physics/palm_distance.hpp"
 
 #include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
 #include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>
-#include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
+#include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
 
 #include <string>
 #include <vector>
@@ -28,8 +26,8 @@ struct BulletEngine {
   BulletEngine(const BulletEngine&) = delete;
   BulletEngine& operator=(const BulletEngine&) = delete;
 
-  /// Puts joints and capsules there. Real-time safe.
-  void setHand(const JointPosition& theta, const double* theta_dot) noexcept;
+  /// Puts the hand there: joints and capsules follow. Real-time safe.
+  void setHand(const AxisPosition& position, const AxisVelocity& velocity) noexcept;
   /// Drops every contact point with the impulses it remembers, of one body or of all (-1).
   /// Real-time safe.
   void forgetContacts(int body = -1) noexcept;
@@ -39,8 +37,6 @@ struct BulletEngine {
   const HandModel& hand_model;
   Synergy synergy;
   ArticulatedBody kinematics;
-  PalmDistance palm_distance;
-  AxisClosure axis_closure;
   std::string scene_path;
   std::vector<std::string> body_names;
   btDefaultCollisionConfiguration configuration;
@@ -48,11 +44,13 @@ struct BulletEngine {
   btDbvtBroadphase broadphase;
   HandRows rows;
   ReducedContactSolver solver;
-  btMultiBodyDynamicsWorld world;
+  btDiscreteDynamicsWorld world;
   BulletHand hand;
   std::vector<BulletBody> bodies;
   AxisPosition q_s;  ///< where setHand() last put the hand
-  double coupling_error_rad = 0.0;
+  AxisVelocity qd_s;
+  JointPosition theta;
+  JointVelocity theta_dot;
   double period_s = 1e-3;
 
  private:

@@ -3,8 +3,6 @@
 #include "physics/bullet/bullet_engine.hpp"
 #include "physics/bullet/bullet_types.hpp"
 
-#include <array>
-
 namespace wholehand {
 
 using bullet::toVec3;
@@ -34,41 +32,28 @@ Expected<Done> BulletWorld::placeHand(const AxisPosition& q_s) {
         "build the scene anew"};
   }
   e.forgetContacts();
-  JointPosition theta;
-  e.synergy.expand(q_s, theta);
-  const std::array<double, kMaxJoints> at_rest{};
-  e.setHand(theta, at_rest.data());
-  e.coupling_error_rad = 0.0;
-  e.axis_closure.reset();
-  e.q_s = q_s;
+  e.setHand(q_s, AxisVelocity(e.hand_model.axis_count));
   e.rows.reset(e.kinematics, q_s);
-  e.solver.beginStep();
+  e.solver.forgetStep();
   e.world.performDiscreteCollisionDetection();
   Diagnostics found = e.overlaps();
   if (!found.empty()) return found;
   return Done{};
 }
 
-Fault BulletWorld::observe(const WorldQuery& query, WorldState& state) noexcept {
+Fault BulletWorld::observe(WorldState& state) noexcept {
   bullet::BulletEngine& e = *engine_;
-  e.hand.readJoints(state.theta, state.theta_dot);
-  e.synergy.reduce(state.theta, state.q_s);
-  state.qd_s = AxisVelocity(e.hand_model.axis_count);
-  e.synergy.reduceRate(state.theta_dot.data(), state.qd_s.data());
-  state.coupling_error_rad = e.coupling_error_rad;
+  state.q_s = e.q_s;
+  state.qd_s = e.qd_s;
+  state.theta = e.theta;
+  state.theta_dot = e.theta_dot;
+  state.coupling_error_rad = 0.0;  // the joints are nothing but G q_s here
   state.body_count = static_cast<int>(e.bodies.size());
   bool finite = allFinite(state.q_s) && allFinite(state.qd_s);
   for (int i = 0; i < state.body_count; ++i) {
     state.bodies[i] = e.bodies[i].state();
     finite = finite && allFinite(state.bodies[i]);
   }
-  const PalmDistance::Result palm = e.palm_distance(e.kinematics.linkPose(e.hand_model.palm_link),
-                                                    state.bodies.data(), query.targets);
-  state.palm_distance_m = palm.any_m;
-  state.palm_body = palm.target;
-  state.palm_target_distance_m = palm.target_m;
-  e.axis_closure.update(&e.kinematics.linkPose(0), state.theta, state.q_s, query.closure_body,
-                        state.bodies.data(), state.closure);
   return finite ? Fault::kNone : Fault::kNonFiniteState;
 }
 
@@ -84,33 +69,28 @@ void BulletWorld::placeBodies(const BodyPlacements& placements) noexcept {
 
 Fault BulletWorld::step(const HandDrive& drive, double period_s) noexcept {
   bullet::BulletEngine& e = *engine_;
-  if (drive.reduced_inertia_inverse == nullptr) return Fault::kPhysicsStep;
+  if (drive.reduced_inertia_inverse == nullptr || drive.effort.size() != e.qd_s.size()) {
+    return Fault::kPhysicsStep;
+  }
   e.period_s = period_s;
-  e.solver.setReducedInertiaInverse(drive.reduced_inertia_inverse);
-  e.solver.beginStep();
+  // Under τ = M G M_r⁻¹ f_s + h the joints accelerate by G M_r⁻¹ f_s: the synergy keeps itself, so
+  // that its few coordinates are integrated and nothing else. Symplectic Euler, as Bullet.
+  AxisVelocity qd_s = e.qd_s;
+  for (int a = 0; a < qd_s.size(); ++a) {
+    for (int b = 0; b < qd_s.size(); ++b) {
+      qd_s[a] += period_s * (*drive.reduced_inertia_inverse)(b, a) * drive.effort[b];
+    }
+  }
+  e.solver.beginStep(*drive.reduced_inertia_inverse, qd_s);
   e.rows.beginStep(e.kinematics, e.q_s);
   for (bullet::BulletBody& body : e.bodies) body.beginStep();
-  e.hand.addTorque(drive.torque);
   e.world.stepSimulation(period_s, 0);
 
-  JointPosition theta;
-  JointVelocity theta_dot;
-  e.hand.readJoints(theta, theta_dot);
-  AxisPosition q_s;
-  AxisVelocity qd_s(e.hand_model.axis_count);
-  e.synergy.reduce(theta, q_s);
-  e.synergy.reduceRate(theta_dot.data(), qd_s.data());
+  qd_s = e.solver.velocity();
+  AxisPosition q_s = e.q_s;
+  for (int a = 0; a < qd_s.size(); ++a) q_s[a] += period_s * qd_s[a];
   if (!allFinite(q_s) || !allFinite(qd_s)) return Fault::kNonFiniteState;
-
-  // The coupling holds but for rounding and the tiny masses of the base links; integrated over
-  // minutes those would add up. The correction carries no load, and its size is recorded so that it
-  // can hide nothing.
-  JointPosition on_synergy;
-  e.synergy.expand(q_s, on_synergy);
-  e.coupling_error_rad = (theta.vec() - on_synergy.vec()).cwiseAbs().maxCoeff();
-  e.synergy.expandRate(qd_s.data(), theta_dot.data());
-  e.q_s = q_s;
-  e.setHand(on_synergy, theta_dot.data());
+  e.setHand(q_s, qd_s);
   for (bullet::BulletBody& body : e.bodies) body.placeColliders();
   return Fault::kNone;
 }

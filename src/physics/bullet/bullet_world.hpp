@@ -26,7 +26,7 @@ class BulletWorld final : public PhysicsWorld {
   ~BulletWorld() override;
 
   [[nodiscard]] Expected<Done> placeHand(const AxisPosition& q_s) override;
-  [[nodiscard]] Fault observe(const WorldQuery& query, WorldState& state) noexcept override;
+  [[nodiscard]] Fault observe(WorldState& state) noexcept override;
   void placeBodies(const BodyPlacements& placements) noexcept override;
   [[nodiscard]] Fault step(const HandDrive& drive, double period_s) noexcept override;
   void contacts(ContactList& contacts) const noexcept override;

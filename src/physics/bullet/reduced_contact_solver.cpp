@@ -40,10 +40,28 @@ void letGoOfAnchor(btManifoldPoint& point) {
 
 }  // namespace
 
-ReducedContactSolver::ReducedContactSolver(const HandModel& hand, const Synergy& synergy,
-                                           const SolverSettings& settings)
-    : synergy_(synergy), axes_(hand.axis_count), settings_(settings), contacts_(kMostContacts) {
+ReducedContactSolver::ReducedContactSolver(const HandModel& hand, const ArticulatedBody& kinematics,
+                                           HandRows& rows, const SolverSettings& settings)
+    : axes_(hand.axis_count),
+      settings_(settings),
+      kinematics_(kinematics),
+      rows_(rows),
+      contacts_(kMostContacts) {
   reserve();
+}
+
+void ReducedContactSolver::beginStep(const AxisMatrix& inverse, const AxisVelocity& velocity) {
+  forgetStep();
+  rows_wait_ = true;
+  inverse_ = &inverse;
+  std::copy_n(velocity.data(), axes_, velocity_.data());
+  change_.fill(0.0);
+}
+
+AxisVelocity ReducedContactSolver::velocity() const {
+  AxisVelocity out(axes_);
+  for (int a = 0; a < axes_; ++a) out[a] = velocity_[a] + change_[a];
+  return out;
 }
 
 // The base class grows these arrays at first contacts; growing them here keeps the tick free of
@@ -63,10 +81,9 @@ void ReducedContactSolver::reserve() {
 void ReducedContactSolver::convertContacts(btPersistentManifold** manifolds, int count,
                                            const btContactSolverInfo& info) {
   first_contact_ = contact_count_;
-  change_.fill(0.0);
-  synergy_.reduceRate(multi_body_->getVelocityVector() + 6, velocity_.data());
+  for (int a = 0; a < axes_; ++a) velocity_[a] += std::exchange(change_[a], 0.0);
   rows_solved_ = std::exchange(rows_wait_, false);
-  if (rows_solved_) rows_->setUp(*kinematics_, *inverse_, velocity_.data(), info.m_timeStep);
+  if (rows_solved_) rows_.setUp(kinematics_, *inverse_, velocity_.data(), info.m_timeStep);
   for (int i = 0; i < count; ++i) {
     const ColliderTag& a = *tagOf(manifolds[i]->getBody0());
     const ColliderTag& b = *tagOf(manifolds[i]->getBody1());
@@ -78,7 +95,7 @@ void ReducedContactSolver::convertContacts(btPersistentManifold** manifolds, int
       convertHandManifold(*manifolds[i], b, a, false, info);
     }
   }
-  if (rows_solved_) rows_->start(change_.data());
+  if (rows_solved_) rows_.start(change_.data());
 }
 
 // The base class moves what a manifold names: for this call that is the bodies, not their
@@ -132,7 +149,7 @@ void ReducedContactSolver::setUpContact(HandContact& contact, const ColliderTag&
   btPlaneSpace1(contact.point->m_normalWorldOnB, contact.tangent1, contact.tangent2);
 
   const auto linear_row = [&](ReducedRow& row, const btVector3& direction, double goal) {
-    kinematics_->reducedPointRow(tag.link, at, toEigen(direction), row.jacobian.data());
+    kinematics_.reducedPointRow(tag.link, at, toEigen(direction), row.jacobian.data());
     row.linear = -direction;
     row.angular = arm.cross(-direction);
     // Bullet has one body for all that is fixed, and that one stands; this one may slide.
@@ -150,7 +167,7 @@ void ReducedContactSolver::setUpContact(HandContact& contact, const ColliderTag&
   linear_row(contact.tangent2_row, contact.tangent2, pull * drift.dot(contact.tangent2));
 
   ReducedRow& spin = contact.spin_row;
-  kinematics_->reducedAngularRow(tag.link, toEigen(contact.normal), spin.jacobian.data());
+  kinematics_.reducedAngularRow(tag.link, toEigen(contact.normal), spin.jacobian.data());
   spin.linear.setZero();
   spin.angular = -contact.normal;
   finishRow(spin, body, true, 0.0);
@@ -166,7 +183,7 @@ void ReducedContactSolver::finishRow(ReducedRow& row, const btSolverBody& body, 
     row.response[a] = y;
     velocity += row.jacobian[a] * velocity_[a];
   }
-  rows_->lean(row.jacobian, row.response, row.lean, one_sided);
+  rows_.lean(row.jacobian, row.response, row.lean, one_sided);
   for (int a = 0; a < axes_; ++a) inverse_mass += row.response[a] * row.jacobian[a];
   const btRigidBody* rigid = body.m_originalBody;
   row.inverse_mass = 0.0;
@@ -218,7 +235,7 @@ void ReducedContactSolver::apply(ReducedRow& row, btSolverBody& body, double imp
   using Axes = Eigen::Matrix<double, Width, 1>;
   Eigen::Map<Axes>(change_.data()) += change * Eigen::Map<const Axes>(row.response.data());
   using Ends = Eigen::Matrix<double, kMaxLeaning, 1>;
-  Eigen::Map<Ends>(rows_->leaningImpulse().data()) +=
+  Eigen::Map<Ends>(rows_.leaningImpulse().data()) +=
       change * Eigen::Map<const Ends>(row.lean.data());
 }
 
@@ -257,14 +274,14 @@ void ReducedContactSolver::iterate() {
                  std::clamp(wanted<Width>(contact.normal_row, body), 0.0, kNoLimit));
   }
   for (int i = first_contact_; i < contact_count_; ++i) solveFriction<Width>(contacts_[i]);
-  if (rows_solved_) residual_ = std::max(residual_, rows_->iterate<Width>(change_.data()));
+  if (rows_solved_) residual_ = std::max(residual_, rows_.iterate<Width>(change_.data()));
 }
 
 btScalar ReducedContactSolver::solveSingleIteration(
     int iteration, btCollisionObject** bodies, int body_count, btPersistentManifold** manifolds,
     int manifold_count, btTypedConstraint** constraints, int constraint_count,
     const btContactSolverInfo& info, btIDebugDraw* drawer) {
-  const btScalar others = btMultiBodyConstraintSolver::solveSingleIteration(
+  const btScalar others = btSequentialImpulseConstraintSolver::solveSingleIteration(
       iteration, bodies, body_count, manifolds, manifold_count, constraints, constraint_count, info,
       drawer);
   residual_ = 0.0;
@@ -280,10 +297,7 @@ btScalar ReducedContactSolver::solveSingleIteration(
 btScalar ReducedContactSolver::solveGroupCacheFriendlyFinish(btCollisionObject** bodies,
                                                              int body_count,
                                                              const btContactSolverInfo& info) {
-  std::array<btScalar, 6 + kMaxJoints> joint_change{};
-  synergy_.expandRate(change_.data(), joint_change.data() + 6);
-  multi_body_->applyDeltaVeeMultiDof(joint_change.data(), 1.0);
-  if (rows_solved_) rows_->finish();
+  if (rows_solved_) rows_.finish();
   for (int i = first_contact_; i < contact_count_; ++i) {
     const HandContact& contact = contacts_[i];
     btManifoldPoint& point = *contact.point;
@@ -295,7 +309,8 @@ btScalar ReducedContactSolver::solveGroupCacheFriendlyFinish(btCollisionObject**
     point.m_lateralFrictionDir2 = contact.tangent2;
     point.m_prevRHS = contact.spin_row.impulse;  // a free slot that lives with the point
   }
-  return btMultiBodyConstraintSolver::solveGroupCacheFriendlyFinish(bodies, body_count, info);
+  return btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyFinish(bodies, body_count,
+                                                                            info);
 }
 
 }  // namespace wholehand::bullet

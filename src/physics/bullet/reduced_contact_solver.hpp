@@ -2,13 +2,11 @@
 
 #include "core/axis_array.hpp"
 #include "dynamics/articulated_body.hpp"
-#include "dynamics/synergy.hpp"
 #include "physics/bullet/collider_tag.hpp"
 #include "physics/bullet/hand_rows.hpp"
 #include "physics/bullet/solver_settings.hpp"
 
-#include <BulletDynamics/Featherstone/btMultiBody.h>
-#include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
+#include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
 
 #include <array>
 #include <vector>
@@ -42,38 +40,31 @@ struct HandContact {
   ReducedRow normal_row, tangent1_row, tangent2_row, spin_row;
 };
 
-/// Bullet's multi-body solver, but for the contacts of the hand. Those are solved in the hand's
+/// Bullet's solver of rigid bodies, with the contacts of the hand. Those are solved in the hand's
 /// reduced velocities q̇_s, so that every impulse keeps θ = θ₀ + G q_s exactly: no gear rows that
 /// fight the contact rows, and six unknowns instead of nineteen joints.
 ///
 /// What the hand does with itself (HandRows) is solved along. Everything between other bodies is
 /// left to the base class.
-class ReducedContactSolver final : public btMultiBodyConstraintSolver {
+class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
  public:
-  /// @pre hand and synergy outlive this
-  ReducedContactSolver(const HandModel& hand, const Synergy& synergy,
+  /// @pre kinematics and rows outlive this
+  ReducedContactSolver(const HandModel& hand, const ArticulatedBody& kinematics, HandRows& rows,
                        const SolverSettings& settings);
 
-  /// The articulated body of Bullet that receives the velocity change.
-  void attach(btMultiBody* body, const ArticulatedBody* kinematics, HandRows* rows) {
-    multi_body_ = body;
-    kinematics_ = kinematics;
-    rows_ = rows;
-  }
-  /// M_r⁻¹ of the coming step. @pre outlives the step
-  void setReducedInertiaInverse(const AxisMatrix* inverse) { inverse_ = inverse; }
+  /// Forgets the contacts of the last step. Bullet calls the solver more than once a step; each
+  /// call adds its own. @param inverse M_r⁻¹; outlives the step
+  /// @param velocity q̇_s at its end if nothing were touched
+  void beginStep(const AxisMatrix& inverse, const AxisVelocity& velocity);
+  /// Forgets the contacts of the last step.
+  void forgetStep() { contact_count_ = dropped_ = 0; }
+  /// q̇_s at the end of the step.
+  [[nodiscard]] AxisVelocity velocity() const;
 
   [[nodiscard]] int contactCount() const { return contact_count_; }
   [[nodiscard]] const HandContact& contact(int i) const { return contacts_[i]; }
   /// Contact points that did not fit in the last step.
   [[nodiscard]] int dropped() const { return dropped_; }
-  /// Forgets the contacts of the last step. Bullet calls the solver more than once a step; each
-  /// call adds its own.
-  void beginStep() {
-    contact_count_ = 0;
-    dropped_ = 0;
-    rows_wait_ = true;
-  }
 
  protected:
   void convertContacts(btPersistentManifold** manifolds, int count,
@@ -107,21 +98,19 @@ class ReducedContactSolver final : public btMultiBodyConstraintSolver {
   template <int Width>
   void solveFriction(HandContact& contact);
 
-  const Synergy& synergy_;
   const int axes_;
   const SolverSettings settings_;
-  btMultiBody* multi_body_ = nullptr;
-  const ArticulatedBody* kinematics_ = nullptr;
+  const ArticulatedBody& kinematics_;
+  HandRows& rows_;  ///< of the hand with itself; solved in the first call of a step
   const AxisMatrix* inverse_ = nullptr;
-  HandRows* rows_ = nullptr;  ///< of the hand with itself; solved in the first call of a step
-  bool rows_wait_ = false;    ///< for that call
-  bool rows_solved_ = false;  ///< in the present call
+  bool rows_wait_ = false;             ///< for that call
+  bool rows_solved_ = false;           ///< in the present call
   std::vector<HandContact> contacts_;  ///< fixed size; the first contact_count_ are in use
   int first_contact_ = 0;              ///< of the present call
   int contact_count_ = 0;
   int dropped_ = 0;
-  std::array<double, kMaxAxes> velocity_{};  ///< q̇_s before the contacts, external forces applied
-  std::array<double, kMaxAxes> change_{};    ///< Δq̇_s by the contacts
+  std::array<double, kMaxAxes> velocity_{};  ///< q̇_s before the contacts of the present call
+  std::array<double, kMaxAxes> change_{};    ///< Δq̇_s by them
   double residual_ = 0.0;
 };
 

@@ -23,7 +23,8 @@ std::string textOf(const std::string& path) {
 TEST(ThirdExercise, ItsFolder_IsListedAndBuiltWithTheOthers) {
   std::set<std::string> kinds;
   for (const ExerciseKind& kind : kExerciseKinds) kinds.insert(kind.name);
-  for (const char* kind : {"cocktail_bar", "free_grasping", "hold_still"}) {
+  for (const char* kind :
+       {"cocktail_bar", "free_grasping", "squeeze_to_level", "hold_still", "my_task"}) {
     EXPECT_TRUE(kinds.contains(kind)) << kind;
   }
   std::set<std::string> sources;
@@ -80,6 +81,48 @@ TEST(ThirdExercise, InTheLoop_SeesEveryTickAndTellsHowItGoes) {
   EXPECT_EQ(held_s[190], 0.0);
   ASSERT_EQ(told.size(), 1U);
   EXPECT_NEAR(static_cast<double>(told[0]), 404.0, 2.0);
+}
+
+/// What the guide's first command made, built as the guide says, and played by its virtual patient.
+TEST(NewExercise, MadeByTheGuide_IsCertifiedAndPlayedToItsEnd) {
+  ModelFiles files = shippedFiles();
+  files.exercise = std::string(CLEAN_FOLDER) + "/config/exercises/my-task.toml";
+  Models m = load(files);
+  EXPECT_EQ(m.exercise->description().name, "my-task");
+  EXPECT_EQ(m.exercise_panel.title.fr, "Doser sa force");
+  EXPECT_EQ(m.exercise_walls.size(), 2U);
+  const std::vector<std::string>& names = m.exercise->description().value_names;
+  const auto done = std::find(names.begin(), names.end(), kDoneValue) - names.begin();
+  std::unique_ptr<Player> player = m.exercise->makePlayer(1);
+  ASSERT_NE(player, nullptr);
+  const auto rig = buildRig(std::move(m), std::move(player), RigOptions{});  // certifies
+  ASSERT_TRUE(rig.ok()) << format(rig.errors());
+  ASSERT_TRUE((*rig)->renderer->arm());
+  bool played = false;
+  for (int s = 0; s < 60 && !played; ++s) {
+    runTicks(*(*rig)->renderer, 1000, [&](const TickRecord& r) {
+      (*rig)->listener->afterTick(r);
+      played = r.exercise.values[static_cast<std::size_t>(done)] > 0.5;
+    });
+  }
+  EXPECT_TRUE(played);
+}
+
+TEST(NewExercise, PanelThatNamesWhatIsNotThere_IsRefusedWithWhatIs) {
+  std::string text = textOf(std::string(CLEAN_FOLDER) + "/config/exercises/my-task.toml");
+  text.replace(text.find("name = \"held_s\""), 15, "name = \"bold_s\"");
+  text.replace(text.find("band_entered ="), 14, "band_left    =");
+  text.replace(text.find("../scenes"), 9, std::string(CLEAN_FOLDER) + "/config/scenes");
+  const std::string path = testing::TempDir() + "my-task.toml";
+  std::ofstream(path) << text;
+  const Models m = load(shippedFiles());
+  const auto loaded = loadExercise(path, 1, m.device, m.hand);
+  ASSERT_FALSE(loaded.ok());
+  ASSERT_EQ(loaded.errors().size(), 2U) << format(loaded.errors());
+  EXPECT_EQ(loaded.errors()[0].key, "panel.values[bold_s].name");
+  EXPECT_NE(loaded.errors()[0].remedy.find("held_s"), std::string::npos);
+  EXPECT_EQ(loaded.errors()[1].key, "panel.events.band_left");
+  EXPECT_NE(loaded.errors()[1].remedy.find("band_held"), std::string::npos);
 }
 
 }  // namespace

@@ -7,6 +7,8 @@ export const WINDOW_S = 10;
 const CAPACITY = 2 * 60 * WINDOW_S;
 /** Between two sessions on the plots' clock [s]: long enough that no speed is made of the jump. */
 const BETWEEN_SESSIONS_S = 0.6;
+/** Without a sample for so long, the line was lost or the page asleep [s]. */
+const GAP_S = 0.5;
 
 /** What is kept of every axis, one column each. */
 export const KEPT = ['effort', 'device', 'avatar', 'phi'] as const;
@@ -72,6 +74,7 @@ export class History {
     const step_s = state.timeS - this.program_s;
     // Messages that a busy page missed leave a gap as long as it was.
     const follows = this.session === state.session && step_s > 0;
+    if (this.tick !== undefined && !(follows && step_s <= GAP_S)) this.addGap();
     this.own_s += follows ? step_s : BETWEEN_SESSIONS_S;
     this.tick = state.tick;
     this.session = state.session;
@@ -79,20 +82,27 @@ export class History {
     this.row[0] = this.own_s;
     this.row[1] = state.alpha;
     this.units.forEach((unit, i) => {
-      this.row[this.column('effort', i)] = (state.sent[i] ?? 0) * unit.effort;
-      this.row[this.column('device', i)] = (state.qM[i] ?? 0) * unit.coordinate;
-      this.row[this.column('avatar', i)] = (state.qS[i] ?? 0) * unit.coordinate;
-      this.row[this.column('phi', i)] = state.phi[i] ?? 0;
+      this.row[this.column('effort', i)] = (state.sent[i] ?? NaN) * unit.effort;
+      this.row[this.column('device', i)] = (state.qM[i] ?? NaN) * unit.coordinate;
+      this.row[this.column('avatar', i)] = (state.qS[i] ?? NaN) * unit.coordinate;
+      this.row[this.column('phi', i)] = state.phi[i] ?? NaN;
     });
     this.samples.push(this.row);
     return true;
+  }
+
+  /** Nothing is known between here and the next sample: no line is drawn over it. */
+  private addGap(): void {
+    this.row.fill(NaN);
+    this.row[0] = this.own_s;
+    this.samples.push(this.row);
   }
 
   /** Largest size in the window of what is kept of an axis, in shown units. */
   peak(kept: Kept, axis: number): number {
     const values = this.samples.column(this.column(kept, axis), this.count());
     let most = 0;
-    for (const value of values) most = Math.max(most, Math.abs(value));
+    for (const value of values) if (Math.abs(value) > most) most = Math.abs(value);
     return most;
   }
 
@@ -107,7 +117,7 @@ export class History {
       const dt_s = times[k] - times[k - stride];
       if (!(dt_s > 0) || dt_s > 0.5) continue;
       const moved_mm = Math.hypot(...columns.map((column) => column[k] - column[k - stride]));
-      most = Math.max(most, moved_mm / 1000 / dt_s);
+      if (Number.isFinite(moved_mm)) most = Math.max(most, moved_mm / 1000 / dt_s);
     }
     return most;
   }

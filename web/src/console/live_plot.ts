@@ -7,6 +7,8 @@ import { CalmRange, niceStep, ticksIn } from './scale';
 import type { Theme } from './theme';
 
 const TIMES = [-10, -8, -6, -4, -2, 0];
+/** Half a letter's width: the word for now stands in the middle of the last tick [px]. */
+const NOW_PX = 3.7;
 const FONT = '13px "Atkinson Hyperlegible Next Variable", Verdana, sans-serif';
 const FONT_BAD = '700 14px "Atkinson Hyperlegible Next Variable", Verdana, sans-serif';
 const FONT_SIGN = '15px "DejaVu Sans", "Segoe UI Symbol", "Apple Symbols", sans-serif';
@@ -83,7 +85,7 @@ export class LivePlot {
     const axis = { stroke: theme.ink2, grid: { stroke: theme.grid, width: 1 }, ticks: { show: false }, font: FONT };
     const [valueSplits, valueNames] = this.valueAxis();
     return {
-      width, height, legend: { show: false }, cursor: { show: false }, padding: [6, 16, 0, 0],
+      width, height, legend: { show: false }, cursor: { show: false }, padding: [6, Math.max(16, NOW_PX * this.words.now.length), 0, 0],
       scales: {
         x: { time: false, range: () => [this.now_s - WINDOW_S, this.now_s] },
         y: { range: () => this.valueRange() },
@@ -96,7 +98,7 @@ export class LivePlot {
         { ...axis, size: 40, gap: 4, splits: valueSplits, values: valueNames },
       ],
       series: [{}, ...spec.series.map((series): uPlot.Series => ({
-        stroke: theme.color(series.color), width: series.color === '--ax-a' ? 2 : 2.2, dash: [...series.dash], points: { show: false },
+        stroke: theme.color(series.color), width: series.color === '--ax-a' ? 2 : 2.2, dash: [...series.dash], points: { show: false }, gaps: unknownSpans,
       }))],
       hooks: { draw: [(plot) => this.drawOver(plot)] },
     };
@@ -162,6 +164,16 @@ export class LivePlot {
     context.font = scaled(mark.bad ? FONT_BAD : FONT_SIGN, ratio);
     context.fillText(mark.label, x + 5 * ratio, bbox.top + 13 * ratio);
   }
+}
+
+/** Where nothing is known, no line: from a sample without a value to the next one [px of the canvas]. */
+function unknownSpans(plot: uPlot, series: number, first: number, last: number): uPlot.Series.Gaps {
+  const [times, values] = [plot.data[0], plot.data[series]];
+  const spans: uPlot.Series.Gaps = [];
+  for (let i = first; i < last; i += 1) {
+    if (Number.isNaN(values[i])) spans.push([plot.valToPos(times[i], 'x', true), plot.valToPos(times[i + 1], 'x', true)]);
+  }
+  return spans;
 }
 
 function scaled(font: string, ratio: number): string {

@@ -18,7 +18,7 @@ declare global {
 
 startTheme();
 startLanguage();
-const connection = await openConnection();
+const connection = await openConnection('therapist');
 const page = new ConsolePage(document.querySelector<HTMLElement>('#app')!, connection);
 onLanguage(() => page.build());
 

@@ -37,9 +37,7 @@ export class ConsoleModel {
   onRefused: (what: string, reason: string) => void = () => {};
   private limited_s = -Infinity;
   private ended_ms = -Infinity;
-  /** Orders without an answer, and whether the controls were taken for them only. */
-  private underWay = 0;
-  private borrowed = false;
+  private faultTicks: { session: number; counts: readonly number[] } = { session: 0, counts: [] };
 
   constructor(readonly connection: Connection) {
     connection.on('scene', (scene) => this.takeScene(scene));
@@ -76,25 +74,13 @@ export class ConsoleModel {
   }
 
   /**
-   * Sends an order. Where nobody holds the controls they are taken for it and given back, so that a
-   * patient's game is never kept out; `keep` holds them on. A refusal is said to the therapist,
-   * unless `quietly`, and returned.
+   * Sends an order. A therapist's needs no controls, but for `steers`: who moves the hand. A refusal is said
+   * to the therapist, unless `quietly`, and returned.
    */
-  async command(what: string, send: () => Promise<Answer>, { quietly = false, keep = false } = {}): Promise<Answer> {
+  async command(what: string, send: () => Promise<Answer>, { quietly = false, steers = false } = {}): Promise<Answer> {
     let answer: Answer = { accepted: true, reason: '' };
-    const { controls } = this.connection;
-    this.underWay += 1;
-    if (!controls.heldByYou && !controls.held) {
-      answer = await this.connection.takeControls();
-      this.borrowed = answer.accepted;
-    }
+    if (steers && !this.connection.controls.heldByYou) answer = await this.connection.takeControls();
     if (answer.accepted) answer = await send();
-    if (answer.accepted && keep) this.borrowed = false;
-    this.underWay -= 1;
-    if (this.borrowed && this.underWay === 0) {
-      this.borrowed = false;
-      await this.connection.releaseControls();
-    }
     if (!answer.accepted && !quietly) this.onRefused(what, answer.reason);
     return answer;
   }
@@ -118,14 +104,25 @@ export class ConsoleModel {
     if (before && (ended || before.endings !== state.endings)) this.ended_ms = performance.now();
     this.state = state;
     this.paused = (this.value('paused') ?? Number(this.paused)) > 0.5;
+    this.takeFaults(state);
     if (!this.history.add(state)) return;
     this.fresh = true;
     this.marks.addRunState(state.runState, this.history.now_s, texts(), state.safetyState === SafetyState.Faulted);
     this.marks.forgetBefore(this.history.now_s - WINDOW_S);
-    if ((state.faults & INFORMATION) === 0) return;
-    if ((state.faults & (1 << 6)) !== 0) this.limited_s = this.history.now_s;
-    const what = faultWords(state.faults & INFORMATION, this.scene?.faultNames ?? []).join(', ');
-    this.notice = { at: new Date(), what };
+  }
+
+  /** One tick in 17 is shown: what happened in the others stands in their counts. */
+  private takeFaults({ session, faults, faultTicks }: WorldStateT): void {
+    const before = this.faultTicks.session === session ? this.faultTicks.counts : [];
+    let bits = faults & INFORMATION;
+    faultTicks.forEach((count, bit) => { if (count > (before[bit] ?? 0)) bits |= INFORMATION & (1 << bit); });
+    // A page that is opened, or a session that it was not there for, begins to count.
+    const counted = this.faultTicks.counts.length > 0 || this.faultTicks.session !== 0;
+    this.faultTicks = { session, counts: [...faultTicks] };
+    if (!counted) bits = faults & INFORMATION;
+    if (bits === 0) return;
+    if ((bits & (1 << 6)) !== 0) this.limited_s = this.history.now_s;
+    this.notice = { at: new Date(), what: faultWords(bits, this.scene?.faultNames ?? []).join(', ') };
   }
 
   private takeEvents(events: readonly EventT[]): void {

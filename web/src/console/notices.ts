@@ -1,6 +1,7 @@
 import { fill } from '../shared/i18n';
 import { h, say } from './dom';
 import { texts } from './i18n';
+import { Role } from '../protocol';
 import type { ConsoleModel, Panel } from './model';
 
 /** A refusal is shown for this long [ms]. */
@@ -20,6 +21,8 @@ export class NoticesPanel implements Panel {
   private readonly lostText = h('span');
   private readonly attempts = h('span', { class: 'num' });
   private readonly held: HTMLElement;
+  private readonly heldText = h('span');
+  private readonly watching: HTMLElement;
   private readonly left: HTMLElement;
   private readonly leftText = h('span');
   private readonly unconfirmed: HTMLElement;
@@ -35,11 +38,12 @@ export class NoticesPanel implements Panel {
     this.unconfirmed = h('div', { class: 'notice alarm', role: 'alert', hidden: true, 'data-testid': 'stop-unconfirmed' }, h('strong', {}, t.unconfirmed), h('span', {}, t.unconfirmedMore));
     this.left = h('div', { class: 'notice warn', role: 'alert', hidden: true, 'data-testid': 'left' }, this.leftText, this.takeButton('take-again'));
     const take = this.takeButton('take-controls-banner');
-    this.held = h('div', { class: 'notice', role: 'status', hidden: true, 'data-testid': 'held' }, h('span', {}, t.held), take);
+    this.held = h('div', { class: 'notice', role: 'status', hidden: true, 'data-testid': 'held' }, this.heldText, take);
+    this.watching = h('div', { class: 'notice warn', role: 'status', hidden: true, 'data-testid': 'watching' }, h('span', {}, t.watching));
     const close = h('button', { type: 'button', class: 'b small' }, t.close);
     close.addEventListener('click', () => { this.refused.hidden = true; });
     this.refused = h('div', { class: 'notice warn', role: 'alert', hidden: true, 'data-testid': 'refused' }, this.refusedText, close);
-    this.element = h('div', { class: 'notices' }, this.unconfirmed, this.lost, this.left, this.held, this.refused);
+    this.element = h('div', { class: 'notices' }, this.unconfirmed, this.lost, this.left, this.watching, this.held, this.refused);
     this.refresh();
   }
 
@@ -62,7 +66,11 @@ export class NoticesPanel implements Panel {
       say(this.lostText, problem ? fill(t.version, { theirs: problem.theirs, ours: problem.ours }) : `${t.lost} ${t.lostMore}${hardware}`);
       say(this.attempts, problem ? '' : fill(t.attempts, { n: connection.attempts }));
     }
-    const held = connection.status === 'open' && connection.controls.held && !connection.controls.heldByYou;
+    const { role, holder } = connection.controls;
+    const watching = connection.status === 'open' && (role === Role.Watcher || role === Role.Player);
+    if (this.watching.hidden === watching) this.watching.hidden = !watching;
+    const held = connection.status === 'open' && !watching && connection.controls.held && !connection.controls.heldByYou;
+    say(this.heldText, holder === Role.Player ? t.player : holder === Role.Therapist ? t.therapist : t.held);
     if (this.held.hidden === held) this.held.hidden = !held;
     const { loss } = connection;
     const left = connection.status === 'open' && loss !== '' && !connection.controls.held;

@@ -1,6 +1,9 @@
 import type { Connection } from '../net/connection';
 import { SmallBar, type HandLook } from './bar_view';
+import type { SceneT } from '../protocol';
+import { answerPresses } from '../shared/pressed';
 import { h, setAttribute } from './dom';
+import { ExercisePanelView } from './exercise_panel';
 import { Header } from './header';
 import { texts } from './i18n';
 import { ConsoleModel, type Panel } from './model';
@@ -21,6 +24,13 @@ function spaceIsTaken(target: EventTarget | null): boolean {
   return target instanceof Element && target.closest('input, select, textarea, button, a, summary, [role=tab]') !== null;
 }
 
+/** What of a scene panels are built from. */
+function builtFrom(scene: SceneT | null): string {
+  if (!scene) return '';
+  const { axes, parameters, exercises, hands, levels, level, exerciseName, exerciseJson, handName, rightHand, valueNames, eventNames } = scene;
+  return JSON.stringify([axes, parameters, exercises, hands, levels, level, exerciseName, exerciseJson, handName, rightHand, valueNames, eventNames]);
+}
+
 /** The therapist's page: panels around one model, built anew for a language, a theme or a scene. */
 export class ConsolePage {
   private readonly model: ConsoleModel;
@@ -30,19 +40,26 @@ export class ConsolePage {
   private plots: PlotsPanel | undefined;
   private parameters: ParametersPanel | undefined;
   private viewPanel: ViewPanel | undefined;
+  private exercise: ExercisePanelView | undefined;
   private view: SmallBar | undefined;
   private viewTried = false;
   private look: HandLook = 'skin';
   private refreshed_ms = -Infinity;
+  private builtFrom = '';
 
   constructor(private readonly root: HTMLElement, connection: Connection) {
     this.model = new ConsoleModel(connection);
     this.model.onScene = () => {
-      this.build();
+      // A recording that begins, or a new session, changes nothing that is built: what is half typed stays.
+      const built = builtFrom(this.model.scene);
+      if (built !== this.builtFrom) this.build();
+      this.builtFrom = built;
       if (this.model.scene) this.view?.setScene(this.model.scene);
     };
+    connection.on('events', (events) => this.exercise?.take(events));
     this.model.onRefused = (what, reason) => this.notices?.refuse(what, reason);
     addEventListener('keydown', (event) => this.onKey(event), true);
+    answerPresses(document);
     this.build();
   }
 
@@ -56,6 +73,7 @@ export class ConsolePage {
     const axis = this.plots?.axisName ?? 'finger_flexion';
     const group = this.parameters?.openGroup ?? 0;
     const focused = document.activeElement?.getAttribute('data-testid');
+    const parameters = this.parameters?.keep();
     for (const panel of this.panels) panel.close?.();
     document.title = texts().title;
     const { model } = this;
@@ -63,14 +81,15 @@ export class ConsolePage {
     this.notices = new NoticesPanel(model);
     this.plots = new PlotsPanel(model, axis);
     this.viewPanel = new ViewPanel(model, this.look, (look) => { this.look = look; });
+    this.exercise = new ExercisePanelView(model);
     const safety = new SafetyPanel(model);
     const timing = new TimingPanel(model);
     const setup = new SetupPanel(model);
-    this.parameters = new ParametersPanel(model, group);
+    this.parameters = new ParametersPanel(model, group, parameters);
     const recordings = new RecordingsPanel(model);
-    this.panels = [this.header, this.notices, this.plots, this.viewPanel, safety, timing, setup, this.parameters, recordings];
+    this.panels = [this.header, this.notices, this.plots, this.viewPanel, this.exercise, safety, timing, setup, this.parameters, recordings];
     this.root.replaceChildren(this.header.element, this.notices.element, h('main', {}, this.plots.element,
-      h('div', { class: 'col' }, this.viewPanel.element, safety.element, timing.element),
+      h('div', { class: 'col' }, this.viewPanel.element, this.exercise.element, safety.element, timing.element),
       h('div', { class: 'col' }, setup.element, this.parameters.element, recordings.element)));
     if (this.viewTried) this.viewPanel.setView(this.view);
     if (focused) this.root.querySelector<HTMLElement>(`[data-testid="${focused}"]`)?.focus();

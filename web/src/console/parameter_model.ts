@@ -2,6 +2,14 @@ import type { ParameterT } from '../protocol';
 import { asWords } from './format';
 import { niceStep } from './scale';
 
+/**
+ * What a slider's place means: its steps begin at the lower end, and where one of them is nearest to the value that
+ * the program began with, that value is meant.
+ */
+export function meantBySlider(shown: number, initial: number, step: number): number {
+  return Math.abs(shown - initial) <= 0.501 * step ? initial : shown;
+}
+
 /** How a parameter is shown: people read mm, ° and %, the program reads SI. */
 export interface ParameterView {
   name: string;
@@ -30,13 +38,14 @@ export function viewOf(parameter: ParameterT, labels: Readonly<Record<string, st
 
 function shownUnit(unit: string, upper: number): [string, number] {
   if (unit === 'm' && Math.abs(upper) < 1) return ['mm', 1000];
+  if (unit === 'l' && Math.abs(upper) < 1) return ['ml', 1000];
   if (unit === 'rad') return ['°', 180 / Math.PI];
   if (unit === '' || unit === '1') return ['×', 1];
   return [unit, 1];
 }
 
 // The wire carries floats: 0.3 arrives as 0.30000001192.
-function roundAway(value: number): number {
+export function roundAway(value: number): number {
   return Number(value.toPrecision(6));
 }
 
@@ -48,13 +57,20 @@ export function parsed(text: string, view: ParameterView): number | undefined {
   return value / view.factor;
 }
 
+/** For so long a value may stand still, or what was asked for be unanswered, before it is not believed any more [ms]. */
+const STANDS_MS = 1500;
+/** An earlier ramp may run on until the program has the newer value [ms]. */
+const ANSWER_MS = 300;
+
 /**
  * A parameter between what is asked for and what is: while its ramp runs, `target` says where it
- * goes; a refusal puts it back to what is.
+ * goes. A refusal puts it back to what is; so does a value that goes elsewhere, as when another console
+ * asks for another one, or that stands still short of it.
  */
 export class ParameterTarget {
   private asked: number | undefined;
   private present: number;
+  private moved_ms = 0;
 
   constructor(initial: number) {
     this.present = initial;
@@ -74,8 +90,9 @@ export class ParameterTarget {
     return this.asked ?? this.present;
   }
 
-  ask(value: number): void {
+  ask(value: number, now_ms: number): void {
     this.asked = value;
+    this.moved_ms = now_ms;
   }
 
   refuse(): void {
@@ -83,10 +100,14 @@ export class ParameterTarget {
   }
 
   /** Takes the program's present value; the ramp ends when it is as near as floats come. */
-  see(value: number): void {
+  see(value: number, now_ms: number): void {
+    const before = this.present;
     this.present = value;
     if (this.asked === undefined) return;
     const close = 1e-5 * Math.max(Math.abs(this.asked), 1e-3);
-    if (Math.abs(value - this.asked) <= close) this.asked = undefined;
+    const nearer = Math.abs(before - this.asked) - Math.abs(value - this.asked);
+    if (nearer > 0) this.moved_ms = now_ms;
+    const elsewhere = nearer < -close && now_ms - this.moved_ms > ANSWER_MS;
+    if (Math.abs(value - this.asked) <= close || elsewhere || now_ms - this.moved_ms > STANDS_MS) this.asked = undefined;
   }
 }

@@ -1,13 +1,18 @@
-import type { ParameterT } from '../protocol';
+import { ParameterGroup, type ParameterT } from '../protocol';
 import { fill } from '../shared/i18n';
 import { h, say, setAttribute } from './dom';
 import { fixed } from './format';
+import { handFacts } from './hand_facts';
 import { texts } from './i18n';
 import type { ConsoleModel, Panel } from './model';
-import { parsed, ParameterTarget, viewOf, type ParameterView } from './parameter_model';
+import { meantBySlider, parsed, ParameterTarget, roundAway, viewOf, type ParameterView } from './parameter_model';
 
 /** A refusal is shown for this long [ms]. */
 const REFUSAL_MS = 8000;
+
+/** Of a parameter, when its panel is built anew. */
+interface KeptRow { readonly target: ParameterTarget; readonly typed: string | undefined }
+type Kept = ReadonlyMap<string, KeptRow>;
 
 /** A slider and a number for one parameter, with its range, its ramp, and why it was refused. */
 class ParameterRow {
@@ -18,12 +23,15 @@ class ParameterRow {
   private readonly slider: HTMLInputElement;
   private readonly number: HTMLInputElement;
   private readonly ramp = h('span', { class: 'ramp', hidden: true });
+  private readonly initial: number;
   private readonly refusal: HTMLElement;
   private refusalTimer: ReturnType<typeof setTimeout> | undefined;
+  private typing = false;   // since the value was last asked for
 
-  constructor(private readonly model: ConsoleModel, private readonly index: number, parameter: ParameterT) {
+  constructor(private readonly model: ConsoleModel, private readonly index: number, parameter: ParameterT, kept?: KeptRow) {
     this.view = viewOf(parameter, this.t.names);
-    this.target = new ParameterTarget(model.state?.parameters[index] ?? parameter.initial);
+    this.initial = roundAway(parameter.initial * this.view.factor);
+    this.target = kept?.target ?? new ParameterTarget(model.state?.parameters[index] ?? parameter.initial);
     const { view } = this;
     const lo = fixed(view.lower, view.decimals);
     const hi = fixed(view.upper, view.decimals);
@@ -35,23 +43,38 @@ class ParameterRow {
     this.element = h('div', { class: 'par', 'data-parameter': view.name },
       h('label', { for: id }, view.label, this.ramp), h('span', { class: 'v' }, this.number, h('span', { class: 'unit' }, view.unit)),
       h('div', { class: 'r' }, h('span', {}, trimmed(lo)), this.slider, h('span', {}, trimmed(hi))), this.refusal);
-    this.slider.addEventListener('input', () => { this.number.value = fixed(Number(this.slider.value), view.decimals); });
-    this.slider.addEventListener('change', () => void this.ask(Number(this.slider.value) / view.factor));
+    const slid = (): number => meantBySlider(Number(this.slider.value), this.initial, view.step);
+    this.slider.addEventListener('input', () => { this.number.value = fixed(slid(), view.decimals); });
+    this.slider.addEventListener('change', () => void this.ask(slid() / view.factor));
+    this.number.addEventListener('input', () => { this.typing = true; });
     this.number.addEventListener('change', () => this.typed());
     this.refresh(true);
+    if (kept?.typed === undefined) return;
+    this.number.value = kept.typed;
+    this.typing = true;
+  }
+
+  get name(): string {
+    return this.view.name;
+  }
+
+  keep(): KeptRow {
+    return { target: this.target, typed: this.typing ? this.number.value : undefined };
   }
 
   refresh(always = false): void {
-    this.target.see(this.model.state?.parameters[this.index] ?? this.target.now);
+    this.target.see(this.model.state?.parameters[this.index] ?? this.target.now, performance.now());
     const { target } = this.target;
     const ramping = target !== undefined;
     if (this.ramp.hidden === ramping) this.ramp.hidden = !ramping;
-    if (ramping) say(this.ramp, fill(this.t.ramp, { v: this.text(target) }));
-    // What is under the person's finger is left alone.
-    const touched = document.activeElement === this.number || this.slider.matches(':active');
+    // What holds and what is asked for, both: a slider that has moved is no limit yet.
+    if (ramping) say(this.ramp, fill(this.t.ramp, { now: this.text(this.target.now), v: this.text(target) }));
+    // What is under the person's finger, and half typed, is left alone.
+    const half = this.typing && document.activeElement === this.number;
+    const touched = half || this.slider.matches(':active');
     if (touched && !always) return;
     const shown = this.text(this.target.shown);
-    if (document.activeElement !== this.number && this.number.value !== shown) this.number.value = shown;
+    if (!half && this.number.value !== shown) this.number.value = shown;
     const value = String(this.target.shown * this.view.factor);
     if (Math.abs(Number(this.slider.value) - Number(value)) > this.view.step / 2) this.slider.value = value;
     setAttribute(this.slider, 'aria-valuetext', `${shown} ${this.view.unit}`);
@@ -62,6 +85,7 @@ class ParameterRow {
   }
 
   private typed(): void {
+    this.typing = false;
     const value = parsed(this.number.value, this.view);
     if (value !== undefined) void this.ask(value);
     else {
@@ -72,7 +96,8 @@ class ParameterRow {
 
   private async ask(value: number): Promise<void> {
     this.clearRefusal();
-    this.target.ask(value);
+    this.typing = false;
+    this.target.ask(value, performance.now());
     const { view, model } = this;
     const answer = await model.command(view.label, () => model.connection.setParameter(view.name, value), { quietly: true });
     if (answer.accepted) this.refresh();
@@ -80,6 +105,7 @@ class ParameterRow {
   }
 
   private refuse(reason: string): void {
+    this.typing = false;
     this.target.refuse();
     this.number.value = this.text(this.target.shown);
     this.refresh(true);
@@ -109,7 +135,8 @@ export class ParametersPanel implements Panel {
   private readonly pages: HTMLElement[] = [];
   private readonly rows: ParameterRow[] = [];
 
-  constructor(private readonly model: ConsoleModel, private group: number) {
+  /** What was asked for and is half typed, of a panel before this one, by name. */
+  constructor(private readonly model: ConsoleModel, private group: number, private readonly kept: Kept = new Map()) {
     const t = texts().parameters;
     for (const key of Object.keys(t.groups).map(Number)) this.addGroup(key, t.groups[key], t.none);
     const tablist = h('div', { class: 'seg', role: 'tablist', 'aria-label': t.title }, ...this.tabs);
@@ -128,16 +155,22 @@ export class ParametersPanel implements Panel {
     for (const row of this.rows) row.refresh();
   }
 
+  /** For the panel that follows this one. */
+  keep(): Kept {
+    return new Map(this.rows.map((row) => [row.name, row.keep()]));
+  }
+
   private addGroup(key: number, name: string, none: string): void {
     const rows = (this.model.scene?.parameters ?? [])
       .map((parameter, index) => ({ parameter, index }))
       .filter(({ parameter }) => parameter.group === key)
-      .map(({ parameter, index }) => new ParameterRow(this.model, index, parameter));
+      .map(({ parameter, index }) => new ParameterRow(this.model, index, parameter, this.kept.get(String(parameter.name))));
     this.rows.push(...rows);
     const tab = h('button', { type: 'button', role: 'tab', id: `group-${key}`, 'aria-controls': `page-${key}`, 'data-testid': `group-${key}` }, name);
     tab.addEventListener('click', () => this.show(key));
     this.tabs.push(tab);
-    const content = rows.length > 0 ? rows.map((row) => row.element) : [h('p', { class: 'none' }, none)];
+    const facts = key === ParameterGroup.Hand && this.model.scene ? handFacts(this.model.scene) : null;
+    const content = facts || rows.length > 0 ? [...rows.map((row) => row.element), facts] : [h('p', { class: 'none' }, none)];
     this.pages.push(h('div', { role: 'tabpanel', id: `page-${key}`, 'aria-labelledby': `group-${key}`, class: 'page', tabindex: 0 }, ...content));
   }
 

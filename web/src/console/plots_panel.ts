@@ -72,6 +72,12 @@ function swatch(series: SeriesSpec): SVGElement {
   return svg('svg', { width: 20, height: 6, 'aria-hidden': 'true' }, path);
 }
 
+/** What the signs on the plots mean. */
+function legend({ legend: t }: ConsoleTexts): HTMLElement {
+  const { title, ...lines } = t;
+  return h('details', { class: 'legend', 'data-testid': 'legend' }, h('summary', { title, 'aria-label': title }, '?'), h('ul', {}, ...Object.values(lines).map((line) => h('li', {}, line))));
+}
+
 /** The column of live plots. */
 export class PlotsPanel implements Panel {
   readonly element = h('div', { class: 'col', id: 'plots' });
@@ -108,7 +114,7 @@ export class PlotsPanel implements Panel {
     const t = texts();
     const theme = readTheme();
     this.plots = plotSpecs(scene, this.model.history, this.axis, t)
-      .map((spec) => new PlotPanel(this.model, spec, theme, t, spec.id === 'axis' ? this.axisChoice(t) : undefined));
+      .map((spec) => new PlotPanel(this.model, spec, theme, t, spec.id === 'axis' ? this.axisChoice(t) : spec.id === 'ratios' ? legend(t) : undefined));
     this.element.replaceChildren(...this.plots.map((plot) => plot.element));
   }
 

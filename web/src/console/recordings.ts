@@ -13,6 +13,8 @@ export interface Recording {
   created_utc?: string;
   duration_s?: number;
   bytes?: number;
+  /** For which the disk had no room. */
+  ticks_missing?: number;
   title?: string;
   report?: boolean | string;
 }
@@ -102,6 +104,7 @@ export class RecordingsPanel implements Panel {
     const figures = [
       ...(recording.duration_s === undefined ? [] : [duration(recording.duration_s)]),
       ...(recording.bytes === undefined ? [] : [bytes(recording.bytes)]),
+      ...(recording.ticks_missing ? [fill(t.missing, { ticks: recording.ticks_missing.toLocaleString(language()) })] : []),
     ].join(', ');
     const called = title || name;
     const reportLink = report ? h('a', { href: recordingUrl(name, true, token), target: '_blank', rel: 'noopener', 'aria-label': fill(t.reportOf, { name: called }) }, t.report) : h('span');

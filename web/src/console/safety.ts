@@ -1,6 +1,7 @@
 import { fill } from '../shared/i18n';
 import { h, say, setAttribute, setClass } from './dom';
 import { fixed } from './format';
+import { deviceLines } from './device_status';
 import { shownUnits } from './history';
 import { SafetyState } from '../protocol';
 import { language } from '../shared/i18n';
@@ -44,6 +45,10 @@ export class SafetyPanel implements Panel {
   private readonly todo = h('strong', { class: 'todo' });
   private readonly causeIcon = h('span', { class: 'cause-icon' });
   private readonly box: HTMLElement;
+  private readonly deviceState = h('span');
+  private readonly deviceFigures = h('span', { class: 'num' });
+  private readonly deviceLetGo = h('strong');
+  private readonly device: HTMLElement;
   private readonly fingers = new PeakRow(this.t.safety.fingers, 'N', 1);
   private readonly thumb = new PeakRow(this.t.safety.thumb, 'N', 1);
   private readonly arm = new PeakRow(this.t.safety.arm, 'N', 1);
@@ -53,16 +58,18 @@ export class SafetyPanel implements Panel {
     const { t } = this;
     this.steps = [t.states.disarmed, t.states.rendering, t.states.stopping, t.states.stopped].map((name) => h('li', {}, name));
     this.box = h('div', { class: 'cause' }, this.causeIcon, h('div', {}, this.cause, this.excess, this.did, this.todo));
+    this.device = h('p', { class: 'device', 'data-testid': 'device' }, h('b', {}, t.device.title), this.deviceState, this.deviceFigures, this.deviceLetGo);
     const rows = [...this.handRows(), ...(model.scene?.axes.some(isArm) ? [this.arm, this.speed] : [])];
     this.element = h('section', { class: 'panel safety', 'aria-label': t.safety.title },
       h('div', { class: 'hd' }, h('h2', {}, t.safety.title), h('span', { class: 'aside' }, t.safety.peaks)),
-      h('ol', { class: 'steps', 'aria-label': t.safety.state }, ...this.steps), this.box,
+      h('ol', { class: 'steps', 'aria-label': t.safety.state }, ...this.steps), this.box, this.device,
       ...rows.map((row) => row.element));
     this.refresh();
   }
 
   refresh(): void {
     this.refreshState();
+    this.refreshDevice();
     this.refreshPeaks();
   }
 
@@ -92,6 +99,15 @@ export class SafetyPanel implements Panel {
     say(this.excess, status.excess ?? '');
     say(this.did, status.did || this.lastNotice());
     say(this.todo, status.todo ?? '');
+  }
+
+  /** A real device only. */
+  private refreshDevice(): void {
+    const lines = deviceLines(this.model.state?.device, this.t);
+    this.device.hidden = lines === undefined;
+    say(this.deviceState, lines?.state ?? '');
+    say(this.deviceFigures, lines?.figures ?? '');
+    say(this.deviceLetGo, lines?.letGo ?? '');
   }
 
   private lastNotice(): string {

@@ -1,9 +1,10 @@
-import { Act, RunState, Steering } from '../protocol';
+import { Act, Help, Role, RunState, Steering } from '../protocol';
 import { hasText, text } from '../shared/i18n';
 import { choice, h, say, setAttribute, setClass } from './dom';
 import { asWords } from './format';
 import { texts } from './i18n';
 import type { ConsoleModel, Panel } from './model';
+import { ProfileRow } from './profile_row';
 
 /** Which exercise, level and hand; who plays; who holds the controls. */
 export class SetupPanel implements Panel {
@@ -16,9 +17,12 @@ export class SetupPanel implements Panel {
   private readonly take: HTMLButtonElement;
   private readonly stop: HTMLButtonElement;
   private readonly who: ReturnType<typeof choice>;
+  private readonly help: ReturnType<typeof choice>;
+  private readonly profile: ProfileRow;
 
   constructor(private readonly model: ConsoleModel) {
     const { t } = this;
+    this.profile = new ProfileRow(model);
     this.take = button(t.setup.take, 'take-controls', () => void this.takeOrGive());
     this.stop = button(t.stop, 'stop', () => void model.command(t.stop, () => model.connection.stop()));
     const load = button(t.setup.load, 'load', () => void this.load());
@@ -26,11 +30,15 @@ export class SetupPanel implements Panel {
     const next = button(t.setup.next, 'next', () => void model.command(t.setup.next, () => model.connection.act(Act.Next)));
     this.who = choice(t.setup.steering, [
       { key: String(Steering.VirtualPatient), name: t.setup.virtual }, { key: String(Steering.Person), name: t.setup.person },
-    ], String(Steering.VirtualPatient), (key) => void model.command(t.setup.steering, () => model.connection.steer(Number(key)), { keep: true }));
+    ], String(Steering.VirtualPatient), (key) => void model.command(t.setup.steering, () => model.connection.steer(Number(key)), { steers: true }));
+    this.help = choice(t.setup.help, [Help.Unsaid, Help.Full, Help.Some, Help.None].map((key) => ({ key: String(key), name: t.setup.helps[key] })),
+      String(Help.Unsaid), (key) => void model.command(t.setup.help, () => model.connection.setHelp(Number(key))));
+    this.help.element.dataset.testid = 'set-help';
     this.element = h('section', { class: 'panel setup', 'aria-label': t.setup.title },
       h('div', { class: 'hd' }, h('h2', {}, t.setup.title), this.holder, this.take),
-      h('div', { class: 'fields' },
+      this.profile.element, h('div', { class: 'fields' },
         field(t.setup.exercise, this.exercise), field(t.setup.level, this.level), field(t.setup.hand, this.hand), load),
+      h('div', { class: 'row given-help' }, h('span', { class: 'name', 'aria-hidden': 'true' }, t.setup.help), this.help.element),
       h('div', { class: 'row who-plays' }, this.who.element), h('div', { class: 'row' }, restart, next, this.stop));
     this.fillChoices();
     this.refresh();
@@ -38,12 +46,15 @@ export class SetupPanel implements Panel {
 
   refresh(): void {
     const { t, model } = this;
-    const { heldByYou, held } = model.connection.controls;
-    say(this.holder, heldByYou ? t.setup.yours : held ? t.setup.others : t.setup.free);
+    const { heldByYou, held, holder } = model.connection.controls;
+    const theirs = holder === Role.Player ? t.setup.players : holder === Role.Therapist ? t.setup.therapists : t.setup.others;
+    say(this.holder, heldByYou ? t.setup.yours : held ? theirs : t.setup.free);
     say(this.take, heldByYou ? t.setup.giveBack : t.setup.takeShort);
     setAttribute(this.take, 'title', heldByYou ? t.setup.giveBack : t.setup.take);
     setClass(this.take, 'go', !heldByYou);
     this.who.choose(String(model.state?.steering ?? Steering.VirtualPatient));
+    this.help.choose(String(model.state?.help ?? Help.Unsaid));
+    this.profile.refresh();
     this.stop.disabled = model.state?.runState !== RunState.Rendering;
   }
 

@@ -1,12 +1,22 @@
 // What lies over the play: welcome, praise, help, and what to say when something is in the way.
 import { trapFocus } from '../shared/a11y';
+import { HELPS, type Help } from '../input/wish';
 import { h } from '../shared/dom';
+import type { WorldStateT } from '../protocol';
+import type { ExercisePanel } from '../shared/exercise_panel';
 import { hasText, language, LANGUAGES, nameOf, text, type Language, type TextKey } from '../shared/i18n';
+import { farthestStep } from './effort';
 import { buttonPicture, cupPicture, octagonPicture, plugPicture, starPicture, stepPicture } from './pictures';
+import type { Recipe } from './script';
+import { MUSIC_VOLUMES, type MusicVolume } from './sound';
 import { clock, type Praise } from './view';
 
 export type Tone = 'porcelain' | 'honey' | 'bronze' | 'umber' | 'glove';
 export const TONES: Readonly<Record<Tone, string>> = { porcelain: '#EBC3A6', honey: '#CF9F80', bronze: '#A86C46', umber: '#6E4430', glove: '#DCE5E6' };
+
+/** Of all but what must be read in play, which is always large (game.css). */
+export const TEXT_SIZES = ['normal', 'far'] as const;
+export type TextSize = typeof TEXT_SIZES[number];
 
 export interface HelpSection { readonly way: string; readonly name: string; readonly lines: readonly { readonly keys: readonly string[]; readonly does: string }[] }
 
@@ -16,10 +26,13 @@ export class Overlay {
   private onEscape: (() => void) | null = null;
   private readonly element = h('div', { class: 'overlay', hidden: true });
 
-  /** `beside`: the strip with Stop, which stays reachable from every dialog that does not cover it. */
-  constructor(root: HTMLElement, private readonly beside: HTMLElement) {
+  /**
+   * `beside`: the strip with Stop, which stays reachable from every dialog that does not cover it; `otherwise`: what
+   * Escape does where nothing is open that it closes.
+   */
+  constructor(root: HTMLElement, private readonly beside: HTMLElement, otherwise: () => void) {
     root.append(this.element);
-    document.addEventListener('keydown', (event) => { if (event.key === 'Escape') this.onEscape?.(); });
+    document.addEventListener('keydown', (event) => { if (event.key === 'Escape' && !event.repeat) (this.onEscape ?? otherwise)(); });
   }
 
   open(kind: string, card: HTMLElement, options: { first?: HTMLElement | null; alone?: boolean; onEscape?: () => void } = {}): void {
@@ -32,6 +45,9 @@ export class Overlay {
     this.onEscape = options.onEscape ?? null;
     this.release = trapFocus(options.alone ? [this.element] : [this.element, this.beside], options.first ?? card);
   }
+
+  /** Of a card that waits for the program. */
+  showAttempts(attempts: number): void { showAttempts(this.element, attempts); }
 
   /** The focus goes back, or to the play. */
   close(focus: HTMLElement): void {
@@ -57,10 +73,12 @@ export interface WelcomeContent {
   readonly ways: readonly HelpSection[];
   readonly way: string;
   readonly robot: boolean;            // a real device is there
-  readonly levels: number;
+  readonly levels: number;            // to choose from; 0: a therapist chooses
   readonly level: number;
   readonly tone: Tone;
+  readonly help: Help | null;  // null: the therapist has set it
   readonly notice: string;
+  readonly panel: ExercisePanel | null;   // of another exercise than the bar
 }
 
 export interface WelcomeActions {
@@ -70,6 +88,7 @@ export interface WelcomeActions {
   way(wanted: string): void;
   level(wanted: number): void;
   tone(wanted: Tone): void;
+  help(wanted: Help): void;
 }
 
 export function levelName(level: number): string {
@@ -77,17 +96,27 @@ export function levelName(level: number): string {
   return hasText(key) ? text(key) : '';
 }
 
-export function welcomeCard(content: WelcomeContent, actions: WelcomeActions): { card: HTMLElement; start: HTMLButtonElement } {
-  const start = h('button', { type: 'button', class: 'button go t-m', 'data-testid': 'start', onclick: actions.start }, text('welcome.start'));
+/** Title, lead and steps: the bar's, or what another exercise says of itself. */
+function welcomeWords({ panel, tone }: WelcomeContent): { title: string; lead: string; steps: HTMLElement | null } {
+  if (panel) return { title: panel.title, lead: panel.lead, steps: null };
   const steps = (['1', '2', '3'] as const).map((n, i) => h('li', { class: 'step' },
-    stepPicture(i as 0 | 1 | 2, TONES[content.tone]),
+    stepPicture(i as 0 | 1 | 2, TONES[tone]),
     h('b', { class: 't-m' }, h('i', { 'aria-hidden': 'true' }, n), text(`welcome.step${n}`)),
     h('span', { class: 't-s' }, text(`welcome.step${n}More`))));
+  return { title: text('welcome.title'), lead: text('welcome.lead'), steps: h('ol', { class: 'steps' }, ...steps) };
+}
+
+export function welcomeCard(content: WelcomeContent, actions: WelcomeActions): { card: HTMLElement; start: HTMLButtonElement } {
+  const start = h('button', { type: 'button', class: 'button go t-m', 'data-testid': 'start', onclick: actions.start }, text('welcome.start'));
+  const { title, lead, steps } = welcomeWords(content);
+  // The names are the bar's.
+  const nameOfLevel = (level: number): string => content.panel ? '' : levelName(level);
   const chosen = content.ways.find((section) => section.way === content.way);
   const ways = content.ways.map((section) => pressable(section.name, section.way === content.way, () => actions.way(section.way), { 'data-way': section.way }));
   if (content.robot) ways.unshift(pressable(text('welcome.robot'), content.way === 'robot', () => actions.way('robot'), { 'data-way': 'robot' }));
   const levels = Array.from({ length: content.levels }, (_, i) => i + 1).map((level) =>
-    pressable(String(level), level === content.level, () => actions.level(level), { 'aria-label': `${text('welcome.level')} ${level}, ${levelName(level)}`, 'data-level': String(level) }));
+    pressable(String(level), level === content.level, () => actions.level(level), { 'aria-label': [`${text('welcome.level')} ${level}`, nameOfLevel(level)].filter(Boolean).join(', '), 'data-level': String(level) }));
+  const helps = HELPS.map((help) => pressable(text(`help.${help}`), help === content.help, () => actions.help(help), { 'data-help': help }));
   const tones = (Object.keys(TONES) as Tone[]).map((tone) => {
     const button = h('button', { type: 'button', class: 'tone', 'aria-pressed': String(tone === content.tone), 'aria-label': text(`tone.${tone}`), 'data-tone': tone, onclick: () => actions.tone(tone) });
     button.style.backgroundColor = TONES[tone];
@@ -95,14 +124,15 @@ export function welcomeCard(content: WelcomeContent, actions: WelcomeActions): {
   });
   const card = h('section', { class: 'card welcome', role: 'dialog', 'aria-labelledby': 'welcome-title', tabindex: -1, 'data-testid': 'welcome' },
     h('header', {},
-      h('div', {}, h('h1', { id: 'welcome-title', class: 't-xl' }, text('welcome.title')), h('p', { class: 't-s soft' }, text('welcome.lead'))),
+      h('div', {}, h('h1', { id: 'welcome-title', class: 't-xl' }, title), h('p', { class: 't-s soft' }, lead)),
       h('div', { class: 'languages t-s', role: 'group', 'aria-label': 'Sprache · Langue · Language' },
         ...LANGUAGES.map((l) => h('button', { type: 'button', lang: l, 'aria-pressed': String(l === language()), 'data-lang': l, onclick: () => actions.language(l) }, l.toUpperCase())))),
-    h('ol', { class: 'steps' }, ...steps),
+    steps,
     h('div', { class: 'line how t-s', role: 'group', 'aria-labelledby': 'welcome-how' }, h('h2', { id: 'welcome-how', class: 't-m' }, text('welcome.how')), ...ways),
-    chosen ? helpList(chosen) : h('p', { class: 'help-list t-s' }, text('welcome.robotHint')),
+    h('div', { class: 'aid' }, chosen ? helpList(chosen) : h('p', { class: 'help-list t-s' }, text('welcome.robotHint')),
+      content.help && h('div', { class: 'line t-s', role: 'group', 'aria-labelledby': 'welcome-help' }, h('h2', { id: 'welcome-help', class: 't-m' }, text('welcome.help')), ...helps)),
     h('div', { class: 'line t-s apart' },
-      h('div', { class: 'line', role: 'group', 'aria-labelledby': 'welcome-level' }, h('h2', { id: 'welcome-level', class: 't-m' }, text('welcome.level')), ...levels, h('span', { class: 'soft' }, levelName(content.level))),
+      content.levels < 2 ? null : h('div', { class: 'line', role: 'group', 'aria-labelledby': 'welcome-level' }, h('h2', { id: 'welcome-level', class: 't-m' }, text('welcome.level')), ...levels, h('span', { class: 'soft' }, nameOfLevel(content.level))),
       h('div', { class: 'line', role: 'group', 'aria-labelledby': 'welcome-tone' }, h('h2', { id: 'welcome-tone', class: 't-m' }, text('welcome.tone')), ...tones)),
     h('div', { class: 'actions' }, start,
       h('button', { type: 'button', class: 'button plain t-m', 'data-testid': 'watch', onclick: actions.watch }, text('welcome.watch')),
@@ -118,11 +148,18 @@ function messageCard(picture: SVGElement, title: string, what: string, soft: str
 }
 
 const dots = (attempts: number): HTMLElement => {
-  const lit = attempts <= 0 ? 1 : ((attempts - 1) % 4) + 1;
-  return h('p', { class: 'retry t-s' },
-    h('span', { class: 'dots', 'aria-hidden': 'true' }, ...[1, 2, 3, 4].map((n) => h('i', { class: n <= lit ? 'on' : '' }))),
+  const row = h('p', { class: 'retry t-s' },
+    h('span', { class: 'dots', 'aria-hidden': 'true' }, ...[1, 2, 3, 4].map(() => h('i'))),
     text('lost.retry'));
+  showAttempts(row, attempts);
+  return row;
 };
+
+/** Lights the dots of a card that waits for the program; the card itself, and the focus in it, stay. */
+export function showAttempts(within: ParentNode, attempts: number): void {
+  const lit = attempts <= 0 ? 1 : ((attempts - 1) % 4) + 1;
+  within.querySelectorAll('.dots i').forEach((dot, i) => dot.classList.toggle('on', i < lit));
+}
 
 /** `hardware`: only then is there a button on the robot to speak of. */
 export function lostCard(attempts: number, hardware: boolean): HTMLElement {
@@ -149,13 +186,16 @@ export function stoppedCard(cause: string): HTMLElement {
   return card;
 }
 
-export function restCard(goOn: () => void): { card: HTMLElement; first: HTMLElement } {
-  const first = h('button', { type: 'button', class: 'button go t-m', 'data-testid': 'go-on', onclick: goOn }, text('game.back'));
-  return { card: messageCard(cupPicture(), text('rest.title'), text('rest.more'), '', h('p', { class: 'links' }, first)), first };
+/** `off`: the device lets go ("ing") or has; `notice`: why going on did not work. */
+export function restCard(off: '' | 'letting' | 'let', notice: string, goOn: () => void): { card: HTMLElement; first: HTMLElement } {
+  const first = h('button', { type: 'button', class: 'button go t-m', 'data-testid': 'go-on', disabled: off === 'letting', onclick: goOn }, text('game.back'));
+  const card = messageCard(cupPicture(), text('rest.title'), text(off === 'letting' ? 'rest.letting' : 'rest.more'), off === 'let' ? text('rest.anew') : '',
+    h('p', { class: 'links' }, first), notice ? h('p', { class: 'notice t-s', role: 'alert' }, notice) : null);
+  return { card, first };
 }
 
 /** The controls are gone, and only a press takes them again. `notice`: why that did not work. */
-export function leftCard(loss: 'left' | 'unheard', notice: string, goOn: () => void): { card: HTMLElement; first: HTMLElement } {
+export function leftCard(loss: 'left' | 'unheard' | 'taken', notice: string, goOn: () => void): { card: HTMLElement; first: HTMLElement } {
   const first = h('button', { type: 'button', class: 'button go t-m', 'data-testid': 'take-again', onclick: goOn }, text('game.back'));
   const card = messageCard(cupPicture(), text(`${loss}.title`), text(`${loss}.what`), text('rest.more'), h('p', { class: 'links' }, first),
     notice ? h('p', { class: 'notice t-s', role: 'alert' }, notice) : null);
@@ -163,10 +203,27 @@ export function leftCard(loss: 'left' | 'unheard', notice: string, goOn: () => v
   return { card, first };
 }
 
+/** The browser lost the picture, and the play waits until it is `back` and the person goes on. */
+export function unseenCard(back: boolean, goOn: () => void): { card: HTMLElement; first: HTMLElement } {
+  const first = h('button', { type: 'button', class: 'button go t-m', 'data-testid': 'see-again', disabled: !back, onclick: goOn }, text('game.back'));
+  const card = back ? messageCard(cupPicture(), text('webgl.backTitle'), text('rest.more'), '', h('p', { class: 'links' }, first))
+    : messageCard(plugPicture(), text('webgl.lostTitle'), text('webgl.lostWhat'), text('webgl.lostSoft'), h('p', { class: 'links' }, first));
+  card.dataset.testid = 'unseen';
+  return { card, first };
+}
+
 export interface PraiseActions { next(): void; nextLevel(): void; again(): void; rest(): void }
 
-/** `more`: there is a level after this one. */
-export function praiseCard(praise: Praise, more: boolean, actions: PraiseActions): { card: HTMLElement; first: HTMLElement } {
+/** What is true of the person's effort: how near the amounts are, and how the bottle was held. */
+export function effortText(recipe: Recipe, layers_l: readonly number[], grip: '' | 'steady' | 'right'): string {
+  const { liquid, off_ml } = farthestStep(recipe, layers_l);
+  const amount = Math.abs(off_ml) <= 1 ? text('effort.exact') : text(off_ml > 0 ? 'effort.over' : 'effort.under', { a: Math.abs(off_ml) });
+  const named = recipe.steps.length > 1 && Math.abs(off_ml) > 1 ? text('effort.of', { x: nameOf('liquid', liquid), y: amount }) : amount;
+  return `${[named, grip && text(`effort.${grip}`)].filter(Boolean).join(', ')}.`;
+}
+
+/** `more`: there is a level after this one; `effort`: of effortText(); `starsSoFar`: with this drink's. */
+export function praiseCard(praise: Praise, more: boolean, effort: string, starsSoFar: number, actions: PraiseActions): { card: HTMLElement; first: HTMLElement } {
   const button = (kind: string, key: TextKey, testid: string, onclick: () => void) => h('button', { type: 'button', class: `button ${kind} t-m`, 'data-testid': testid, onclick }, text(key));
   const first = !praise.levelDone ? button('go', 'success.next', 'next', actions.next)
     : more ? button('go', 'success.nextLevel', 'next-level', actions.nextLevel) : button('go', 'success.again', 'again', actions.again);
@@ -177,23 +234,63 @@ export function praiseCard(praise: Praise, more: boolean, actions: PraiseActions
   ];
   const stars = [1, 2, 3].map((n) => { const star = starPicture(); star.classList.toggle('on', n <= praise.stars); return star; });
   const card = h('section', { class: 'card praise', role: 'dialog', 'aria-labelledby': 'praise-title', tabindex: -1, 'data-testid': 'success' },
-    h('div', { class: 'stars', role: 'img', 'aria-label': text('success.stars', { a: praise.stars }) }, ...stars as unknown as HTMLElement[]),
+    h('header', {},
+      h('div', { class: 'stars', role: 'img', 'aria-label': text('success.stars', { a: praise.stars }) }, ...stars as unknown as HTMLElement[]),
+      h('p', { class: 'sofar t-s', 'data-testid': 'stars-so-far' }, text('success.starsSoFar', { a: starsSoFar }))),
     h('h1', { id: 'praise-title', class: 't-xl' }, text('success.title')),
     h('p', { class: 't-m soft' }, praise.levelDone ? text('success.level') : text('success.ready', { x: nameOf('drink', praise.drink) })),
+    h('p', { class: 't-s effort', 'data-testid': 'effort' }, effort),
     h('dl', {}, ...figures.map(([key, value, testid]) => h('div', {}, h('dt', { class: 't-s' }, text(key)), h('dd', { class: 't-m', 'data-testid': testid }, value)))),
     h('div', { class: 'actions' }, first, button('plain', 'success.rest', 'rest', actions.rest)));
   return { card, first };
 }
 
-export function helpCard(ways: readonly HelpSection[], close: () => void): { card: HTMLElement; first: HTMLElement } {
+/** The end of an exercise that has a panel: what counts of it. */
+export function panelPraiseCard(panel: ExercisePanel, state: WorldStateT, actions: Pick<PraiseActions, 'again' | 'rest'>): { card: HTMLElement; first: HTMLElement } {
+  const button = (kind: string, key: TextKey, testid: string, onclick: () => void) => h('button', { type: 'button', class: `button ${kind} t-m`, 'data-testid': testid, onclick }, text(key));
+  const first = button('go', 'success.again', 'again', actions.again);
+  const card = h('section', { class: 'card praise', role: 'dialog', 'aria-labelledby': 'praise-title', tabindex: -1, 'data-testid': 'success' },
+    h('h1', { id: 'praise-title', class: 't-xl' }, text('success.title')),
+    h('p', { class: 't-m soft' }, panel.instruction(state) || panel.title),
+    h('dl', {}, ...panel.values(state).filter(({ result }) => result).map(({ name, label, shown }) =>
+      h('div', {}, h('dt', { class: 't-s' }, label), h('dd', { class: 't-m', 'data-testid': `result-${name}` }, shown)))),
+    h('div', { class: 'actions' }, first, button('plain', 'success.rest', 'rest', actions.rest)));
+  return { card, first };
+}
+
+export interface Settings {
+  readonly sounds: boolean;
+  readonly music: MusicVolume;
+  readonly speech: boolean;
+  readonly voice: boolean;   // this machine has one that speaks the page's language
+  readonly textSize: TextSize;
+}
+
+export interface SettingsActions { sounds(): void; music(wanted: MusicVolume): void; speech(): void; textSize(wanted: TextSize): void }
+
+/** Sound and text, kept by the browser. */
+function settingsSection(now: Settings, actions: SettingsActions): HTMLElement {
+  const line = (id: string, key: TextKey, choices: HTMLElement[], note = '') => h('div', { class: 'line t-s', role: 'group', 'aria-labelledby': `settings-${id}` },
+    h('h2', { id: `settings-${id}`, class: 't-m' }, text(key)), ...choices, note ? h('p', { class: 'notice', role: 'status', 'data-testid': `${id}-note` }, note) : null);
+  const onOff = (name: string, on: boolean, toggle: () => void) => [true, false].map((wanted) =>
+    pressable(text(wanted ? 'settings.on' : 'settings.off'), wanted === on, () => { if (wanted !== on) toggle(); }, { [`data-${name}`]: String(wanted) }));
+  return h('section', { class: 'settings', 'data-testid': 'settings' },
+    line('sounds', 'settings.sounds', onOff('sounds', now.sounds, actions.sounds)),
+    line('music', 'settings.music', MUSIC_VOLUMES.map((volume) => pressable(text(`music.${volume}`), volume === now.music, () => actions.music(volume), { 'data-music': volume }))),
+    line('speech', 'settings.speech', onOff('speech', now.speech, actions.speech), now.speech && !now.voice ? text('settings.noVoice') : ''),
+    line('text', 'settings.text', TEXT_SIZES.map((size) => pressable(text(`text.${size}`), size === now.textSize, () => actions.textSize(size), { 'data-text-size': size }))));
+}
+
+export function helpCard(ways: readonly HelpSection[], settings: Settings, actions: SettingsActions, close: () => void): { card: HTMLElement; first: HTMLElement } {
   const first = h('button', { type: 'button', class: 'button go t-m', 'data-testid': 'close-help', onclick: close }, text('game.back'));
   const card = h('section', { class: 'card help', role: 'dialog', 'aria-labelledby': 'help-title', tabindex: -1, 'data-testid': 'help-card' },
     h('header', {}, h('h1', { id: 'help-title', class: 't-l' }, text('game.help')), first),
-    h('div', { class: 'sections', tabindex: 0, role: 'group', 'aria-labelledby': 'help-title' }, ...ways.map((section) => h('section', {}, h('h2', { class: 't-m' }, section.name), helpList(section)))));
+    h('div', { class: 'sections', tabindex: 0, role: 'group', 'aria-labelledby': 'help-title' }, settingsSection(settings, actions), ...ways.map((section) => h('section', {}, h('h2', { class: 't-m' }, section.name), helpList(section)))));
   return { card, first };
 }
 
 /** Said where the bar cannot be drawn; the words go on. */
-export function noPictureCard(): HTMLElement {
-  return h('section', { class: 'card nopicture', role: 'note', 'data-testid': 'nopicture' }, h('h2', { class: 't-l' }, text('webgl.title')), h('p', { class: 't-s' }, text('webgl.what')));
+export function noPictureCard(why: 'none' | 'lost' = 'none'): HTMLElement {
+  const [title, what]: [TextKey, TextKey] = why === 'none' ? ['webgl.title', 'webgl.what'] : ['webgl.lostTitle', 'webgl.lostSoft'];
+  return h('section', { class: 'card nopicture', role: 'note', 'data-testid': 'nopicture' }, h('h2', { class: 't-l' }, text(title)), h('p', { class: 't-s' }, text(what)));
 }

@@ -7,6 +7,8 @@ export interface WholehandStats {
   readonly state_age_ms_p99: number;   // of a state when it is first drawn, beyond the fastest message's way
   readonly quality: string;
   readonly frames: number;
+  /** What the graphics card keeps. */
+  readonly card?: { readonly geometries: number; readonly textures: number };
 }
 
 /**
@@ -57,7 +59,7 @@ export class FrameStats {
   /** Forgets, so that what comes is judged alone. */
   reset(): void { this.frames.clear(); }
 
-  report(quality: string): WholehandStats {
+  report(quality: string, card?: { geometries: number; textures: number }): WholehandStats {
     const n = this.frames.length;
     const column = (channel: number) => Array.from({ length: n }, (_, i) => this.frames.at(i, channel));
     const ages = column(2).filter(Number.isFinite);
@@ -68,6 +70,6 @@ export class FrameStats {
     // Slower than one a second: the time since the frame before.
     const slow_ms = n > 1 ? last_ms - this.frames.at(n - 2, 0) : NaN;
     const fps = span_ms > 0 ? (1000 * (n - 1 - first)) / span_ms : 1000 / slow_ms;
-    return { script_ms_p95: quantile(column(1), 0.95), fps, state_age_ms_p99: quantile(ages, 0.99), quality, frames: this.total };
+    return { script_ms_p95: quantile(column(1), 0.95), fps, state_age_ms_p99: quantile(ages, 0.99), quality, frames: this.total, card };
   }
 }

@@ -20,7 +20,7 @@ export class Game {
   private readonly screen: Screen;
   private followed: WorldStateT | null = null;
 
-  constructor(root: HTMLElement, play: HTMLElement, private readonly connection: Connection, controls: Controls) {
+  constructor(root: HTMLElement, play: HTMLElement, private readonly connection: Connection, private readonly controls: Controls) {
     const { memory, sound } = this;
     const presses = new Presses(connection, controls, memory, sound);
     this.screen = new Screen(root, play, { connection, controls, memory, presses, sound });
@@ -28,13 +28,25 @@ export class Game {
     connection.on('events', (events) => this.takeEvents(events));
     controls.onRefused = (reason) => { memory.notice = reason; };
     controls.onMode((way) => { if (way) memory.way = way; });
-    controls.onWebcam = (view) => this.screen.hud.camera(view?.video ?? null, view && !view.seen ? controls.noHandText() : '');
+    controls.onWebcam = (view, reason) => this.screen.camera(view, reason);
   }
 
   get tone(): Tone { return this.memory.tone; }
 
+  /** A hand is to be kept in the camera's frame: nobody plays yet. */
+  get framing(): boolean { return this.memory.framing; }
+
   /** The picture came, or was found to be impossible (null). */
-  setPicture(picture: Picture | null): void { this.screen.setPicture(picture); }
+  setPicture(picture: Picture | null): void {
+    this.screen.setPicture(picture);
+    this.controls.pointing = picture ? (x_px, y_px) => picture.rowPoint(x_px, y_px) : undefined;
+  }
+
+  /** The browser lost the picture, or has it again: whoever plays by it waits until they go on. */
+  pictureLost(lost: boolean): void {
+    this.memory.unseen = lost ? 'lost' : 'back';
+    this.frame();
+  }
 
   /** Once a frame, and now and then where frames are slow. */
   frame(): void {
@@ -42,7 +54,9 @@ export class Game {
     const { latestState: state, status } = connection;
     memory.everOpen ||= status === 'open';
     if (state && state !== this.followed) this.takeState(state);
-    this.screen.show(pageState(memory.situation(connection), memory.script, state), state);
+    const now = pageState(memory.situation(connection), memory.script, state, memory.panel);
+    if (memory.unseen === 'back' && now !== 'unseen') memory.unseen = 'no';
+    this.screen.show(now, state);
     memory.endingsShown = connection.endings;
   }
 
@@ -54,6 +68,7 @@ export class Game {
   private takeState(state: WorldStateT): void {
     this.followed = state;
     this.memory.takeState(state);
+    if (this.controls.help !== this.memory.help) this.controls.help = this.memory.help;
     this.screen.setState(state);
     const { script } = this.memory;
     if (!script) return;
@@ -64,6 +79,8 @@ export class Game {
   private takeEvents(events: readonly EventT[]): void {
     for (const event of events) {
       const name = String(this.connection.scene?.eventNames[event.type] ?? '');
+      const words = this.memory.panel?.event(event.type);
+      if (words) this.screen.hud.panel.tell(words, performance.now());
       if (name === 'line_reached') this.sound.line();
       if (name === 'step_done') this.sound.step();
       if (name === 'drink_done' || name === 'level_done') this.sound.done();

@@ -1,10 +1,11 @@
 // The recipe card, the amount at the glass, and the strip with instruction, meter and buttons.
 import { h, setAttribute, setText } from '../shared/dom';
 import { nameOf, text } from '../shared/i18n';
-import { helpPicture, soundPicture, stopPicture, swatch, tickPicture } from './pictures';
+import { PanelCard } from './panel_card';
+import { helpPicture, restPicture, stopPicture, swatch, tickPicture } from './pictures';
 import type { CallOut, Meter, RecipeRow, RecipeView } from './view';
 
-export interface HudActions { help(): void; sound(): void; stop(): void; play(): void }
+export interface HudActions { help(): void; rest(): void; stop(): void; play(): void }
 export interface Point { readonly x_px: number; readonly y_px: number }
 
 /** Puts an element's anchor to a point of the screen. */
@@ -46,7 +47,7 @@ class RecipeCard {
       return { row: line, ml, bar, fill, tick };
     });
     this.list.replaceChildren(...this.rows.map(({ row }) => row));
-    this.list.classList.toggle('many', rows.length > 4);
+    this.list.classList.toggle('many', rows.length > 3);
   }
 
   private update(i: number, row: RecipeRow): void {
@@ -71,22 +72,24 @@ class RecipeCard {
 
 class SqueezeMeter {
   readonly element = h('div', { class: 'meter', 'data-testid': 'meter', hidden: true });
-  private readonly label = h('span');
-  private readonly word = h('b', { 'aria-hidden': 'true' });
+  private readonly label = h('span', { class: 't-s' });
+  private readonly word = h('b', { class: 't-read', 'aria-hidden': 'true' });
   private readonly zone = h('div', { class: 'zone' });
   private readonly mark = h('div', { class: 'mark' });
   private readonly track = h('div', { class: 'track', role: 'meter', 'aria-valuemin': 0, 'aria-valuemax': 100 }, this.zone, h('div', { class: 'slide' }, this.mark));
 
-  constructor() { this.element.append(h('div', { class: 'labels t-s' }, this.label, this.word), this.track); }
+  constructor() { this.element.append(h('div', { class: 'labels' }, this.label, this.word), this.track); }
 
   show(meter: Meter | null): void {
     this.element.hidden = !meter?.shown;
     if (!meter?.shown) return;
     const word = text(`game.zone.${meter.zone}`);
-    setText(this.label, text('game.yourSqueeze'));
+    const label = meter.label ?? text('game.yourSqueeze');
+    setText(this.label, label);
     setText(this.word, word);
     setAttribute(this.word, 'data-zone', meter.zone);
-    setAttribute(this.track, 'aria-label', text('game.yourSqueeze'));
+    this.element.classList.toggle('grey', meter.zone === 'wrong');
+    setAttribute(this.track, 'aria-label', label);
     setAttribute(this.track, 'aria-valuenow', String(Math.round(100 * meter.value)));
     setAttribute(this.track, 'aria-valuetext', word);
     this.zone.style.left = `${(100 * meter.low).toFixed(1)}%`;
@@ -99,54 +102,49 @@ class SqueezeMeter {
 export class Hud {
   readonly strip: HTMLElement;
   readonly stop: HTMLButtonElement;
+  readonly rest: HTMLButtonElement;
   readonly play: HTMLButtonElement;
   private readonly recipe = new RecipeCard();
   private readonly meter = new SqueezeMeter();
+  readonly panel = new PanelCard();
   private readonly title = h('b', { class: 't-l', 'data-testid': 'instruction' });
-  private readonly more = h('span', { class: 't-s' });
+  private readonly more = h('span', { class: 't-read' });
   private readonly unconfirmed = h('div', { class: 'say alarm', role: 'alert', 'data-testid': 'stop-unconfirmed' });
   private readonly stopWord = h('span');
+  private readonly restWord = h('span');
   private readonly help: HTMLButtonElement;
-  private readonly sound: HTMLButtonElement;
-  private readonly amount = h('b', { class: 't-m' });
+  private readonly amount = h('b', { class: 't-read' });
   private readonly amountMore = h('span', { class: 't-s' });
   private readonly callOut = h('div', { class: 'callout', hidden: true }, h('div', {}, this.amount, this.amountMore));
-  private readonly viewProblem = h('p', { class: 't-s', role: 'status' });
-  private readonly view = h('div', { class: 'camera card', hidden: true, 'data-testid': 'camera' }, this.viewProblem);
+  private readonly ring = h('div', { class: 'depth ring', hidden: true, 'aria-hidden': 'true' }, h('i'));
+  private readonly shadow = h('div', { class: 'depth shadow', hidden: true, 'aria-hidden': 'true' }, h('i'));
   private readonly chevrons = h('div', { class: 'chevrons', hidden: true, 'aria-hidden': 'true' });
 
   constructor(root: HTMLElement, actions: HudActions) {
     this.help = h('button', { class: 'button quiet', type: 'button', 'data-testid': 'help', onclick: () => actions.help() }, helpPicture());
-    this.sound = h('button', { class: 'button quiet', type: 'button', 'data-testid': 'sound', onclick: () => actions.sound() }, soundPicture());
-    this.stop = h('button', { class: 'button stop t-m', type: 'button', 'data-testid': 'stop', onclick: () => actions.stop() }, stopPicture(), this.stopWord);
+    this.rest = h('button', { class: 'button rest t-read', type: 'button', 'data-testid': 'rest-now', onclick: () => actions.rest() }, restPicture(), this.restWord);
+    this.stop = h('button', { class: 'button stop t-read', type: 'button', 'data-testid': 'stop', onclick: () => actions.stop() }, stopPicture(), this.stopWord);
     this.play = h('button', { class: 'button go playself t-m', type: 'button', 'data-testid': 'play', hidden: true, onclick: () => actions.play() });
     this.strip = h('footer', { class: 'strip' },
       h('div', { class: 'say', role: 'status', 'aria-live': 'polite' }, this.title, this.more),
-      this.unconfirmed, this.meter.element, this.play, this.help, this.sound, this.stop);
+      this.unconfirmed, this.meter.element, this.play, this.help, this.rest, this.stop);
     this.chevrons.append(...[0, 1, 2].map(() => h('i')));
-    root.append(this.recipe.element, this.view, this.chevrons, this.callOut, this.strip);
+    root.append(this.ring, this.shadow, this.recipe.element, this.panel.element, this.chevrons, this.callOut, this.strip);
   }
 
-  words(soundOn: boolean): void {
+  words(): void {
     setAttribute(this.help, 'aria-label', text('game.help'));
-    setAttribute(this.sound, 'aria-label', text(soundOn ? 'game.soundOn' : 'game.soundOff'));
-    setAttribute(this.sound, 'aria-pressed', String(soundOn));
     setText(this.stopWord, text('game.stop'));
+    setText(this.restWord, text('game.rest'));
+    setAttribute(this.rest, 'aria-label', text('game.rest'));   // upright, its word is not shown
     setText(this.play, text('watch.play'));
-  }
-
-  /** What the camera sees, for the person to find the middle; null: it is off. */
-  camera(video: HTMLVideoElement | null, problem: string): void {
-    this.view.hidden = video === null;
-    if (video && video.parentElement !== this.view) this.view.prepend(video);
-    setText(this.viewProblem, problem);
   }
 
   /** A stop was pressed, and the program has not said that it has it. */
   alarm(on: boolean): void {
     if (this.unconfirmed.hasChildNodes() === on) return;
     this.strip.classList.toggle('alarmed', on);
-    this.unconfirmed.replaceChildren(...(on ? [h('b', { class: 't-m' }, text('stop.unconfirmed')), h('span', { class: 't-s' }, text('stop.unconfirmedMore'))] : []));
+    this.unconfirmed.replaceChildren(...(on ? [h('b', { class: 't-read' }, text('stop.unconfirmed')), h('span', { class: 't-s' }, text('stop.unconfirmedMore'))] : []));
   }
 
   say(title: string, more: string): void {
@@ -162,6 +160,12 @@ export class Hud {
     if (!callOut?.shown) return;
     setText(this.amount, text('game.amountOf', { a: callOut.got_ml, b: callOut.asked_ml }));
     setText(this.amountMore, text('game.fillToHere'));
+  }
+
+  /** A ring where the bottle stands on the counter, and the hand's shadow; null: no such hint. */
+  depth(marks: { ring: Point; shadow: Point } | null): void {
+    moveTo(this.ring, marks?.ring ?? null);
+    moveTo(this.shadow, marks?.shadow ?? null);
   }
 
   /** Where the scene has the line on the glass and the target; null: it shows none. */

@@ -14,6 +14,9 @@ declare global {
   interface Window { wholehandStats: WholehandStats }
 }
 
+/** Behind the camera's card the picture is drawn so often: hand tracking, which gets ready, needs the machine [ms]. */
+const STILL_MS = 1000;
+
 const stats = new FrameStats();
 const clock = new ClockOffset();
 
@@ -25,7 +28,7 @@ const page = document.querySelector<HTMLElement>('#page')!;
 const play = h('div', { id: 'play', tabindex: 0, role: 'img', 'aria-label': text('game.picture') });
 page.append(play);
 
-const connection = await openConnection();
+const connection = await openConnection('player');
 const controls = new Controls(connection, play);
 const game = new Game(page, play, connection, controls);
 onLanguage(() => {
@@ -37,9 +40,10 @@ connection.on('state', (state) => clock.heard(Number(state.sentMonotonicNs) / 1e
 let picture: Picture | null = null;
 let quality: QualityWatch | null = null;
 let framed_ms = 0;
+let rendered_ms = 0;
 let drawn: WorldStateT | null = null;
 
-Object.defineProperty(window, 'wholehandStats', { get: () => stats.report(picture?.whole && quality ? quality.now : 'none') });
+Object.defineProperty(window, 'wholehandStats', { get: () => stats.report(picture?.whole && quality ? quality.now : 'none', picture?.memory) });
 
 function frame(now_ms: number): void {
   requestAnimationFrame(frame);
@@ -47,7 +51,10 @@ function frame(now_ms: number): void {
   const state = connection.latestState;
   framed_ms = began_ms;
   game.frame();
-  picture?.render(now_ms);
+  if (!game.framing || began_ms - rendered_ms > STILL_MS) {
+    picture?.render(now_ms);
+    rendered_ms = began_ms;
+  }
   const ended_ms = performance.now();
   stats.add(now_ms, ended_ms - began_ms + connection.takeReading_ms(), state && state !== drawn ? clock.age_ms(Number(state.sentMonotonicNs) / 1e6, ended_ms) : NaN);
   drawn = state;
@@ -65,6 +72,15 @@ try {
   picture = made.picture;
   game.setPicture(picture);
   addEventListener('resize', () => picture?.resize());
+  let note: HTMLElement | null = null;
+  const lost = (isLost: boolean): void => {
+    note?.remove();
+    canvas.style.visibility = isLost ? 'hidden' : '';   // browsers draw a broken one white
+    if (isLost) page.append(note = noPictureCard('lost'));
+    game.pictureLost(isLost);
+  };
+  canvas.addEventListener('webglcontextlost', () => lost(true));
+  canvas.addEventListener('webglcontextrestored', () => lost(false));
 } catch (problem) {
   console.warn('The bar cannot be drawn here:', problem);
   document.body.classList.add('blind');

@@ -14,6 +14,7 @@ export interface Script {
   /** Where a figure is in WorldState.values. */
   readonly place: ReadonlyMap<string, number>;
   readonly faultNames: readonly string[];
+  readonly counter_z_m?: number;   // top of the counter
 }
 
 /** Null where the exercise has no bar; throws nothing on a text that is not JSON. */
@@ -33,6 +34,7 @@ export function readScript(scene: SceneT): Script | null {
     levels,
     place: new Map(scene.valueNames.map((name, i) => [String(name), i])),
     faultNames: scene.faultNames.map(String),
+    counter_z_m: typeof json.counter_z_m === 'number' ? json.counter_z_m : undefined,
   };
 }
 

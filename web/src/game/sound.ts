@@ -1,13 +1,24 @@
-// Gentle sounds, made here: a trickle while it pours, a bell at the line, three tones when a drink is done.
+// Gentle sounds, made here: a trickle while it pours, a bell at the line, three tones when a drink is done. Music too, once
+// a person turns it on.
 import { store, stored } from '../shared/i18n';
+import { Music } from './music';
 
 const STORED = 'wholehand.sound';
+const STORED_MUSIC = 'wholehand.music';
 const VOLUME = 0.16;
+
+/** How loud the music is: off, and three steps 6 dB apart. */
+export const MUSIC_VOLUMES = ['off', 'soft', 'medium', 'loud'] as const;
+export type MusicVolume = typeof MUSIC_VOLUMES[number];
+const MUSIC_GAIN: Readonly<Record<MusicVolume, number>> = { off: 0, soft: 0.03, medium: 0.06, loud: 0.12 };
 
 export class Sound {
   on = stored(STORED) !== 'off';
+  musicVolume: MusicVolume = MUSIC_VOLUMES.find((volume) => volume === stored(STORED_MUSIC)) ?? 'off';
   private context: AudioContext | null = null;
   private master: GainNode | null = null;
+  private musicGain: GainNode | null = null;
+  private music: Music | null = null;
   private trickle: { gain: GainNode; filter: BiquadFilterNode } | null = null;
 
   /** Browsers let sound begin only after a gesture of the person: call it from one. */
@@ -19,6 +30,7 @@ export class Sound {
       this.master.gain.value = this.on ? VOLUME : 0;
       this.master.connect(this.context.destination);
       this.trickle = this.makeTrickle(this.context, this.master);
+      this.makeMusic(this.context);
     } catch {
       this.context = null;   // no audio device: the game is complete without
     }
@@ -30,6 +42,15 @@ export class Sound {
     this.unlock();
     if (this.context && this.master) this.master.gain.setTargetAtTime(this.on ? VOLUME : 0, this.context.currentTime, 0.05);
     return this.on;
+  }
+
+  setMusic(volume: MusicVolume): void {
+    this.musicVolume = volume;
+    store(STORED_MUSIC, volume);
+    this.unlock();
+    if (!this.context || !this.musicGain || !this.music) return;
+    this.musicGain.gain.setTargetAtTime(MUSIC_GAIN[volume], this.context.currentTime, 0.3);
+    if (volume === 'off') this.music.stop(); else this.music.play();
   }
 
   /** While it flows [l/s]; the pitch rises with the level in the glass, 0 .. 1, as in a real one. */
@@ -59,6 +80,20 @@ export class Sound {
       tone.start(at);
       tone.stop(at + 1);
     });
+  }
+
+  /** Of its own volume, and dull, so that words and bells stand out. */
+  private makeMusic(context: AudioContext): void {
+    const dull = context.createBiquadFilter();
+    dull.type = 'lowpass';
+    dull.frequency.value = 1200;
+    this.musicGain = context.createGain();
+    this.musicGain.gain.value = MUSIC_GAIN[this.musicVolume];
+    dull.connect(this.musicGain).connect(context.destination);
+    this.music = new Music(context, dull);
+    if (this.musicVolume !== 'off') this.music.play();
+    // A page that is not seen is not heard.
+    document.addEventListener('visibilitychange', () => { void (document.hidden ? context.suspend() : context.resume()); });
   }
 
   /** Two seconds of noise, round and round, through a band that sounds like a thin stream. */

@@ -3,6 +3,8 @@ import type { Controls } from '../input/controls';
 import { isHandAxis, postureOf } from '../input/posture';
 import type { Answer, Connection } from '../net/connection';
 import { Act, RunState, Steering } from '../protocol';
+import { text } from '../shared/i18n';
+import type { ExercisePanel } from '../shared/exercise_panel';
 import { figure, type Script } from './script';
 import { hasHardware, isFaded, Stage } from './view';
 
@@ -13,7 +15,7 @@ export interface Wishes {
 }
 
 /** What the page knows; asked again after every order, as orders change it. */
-export interface Known { readonly script: Script | null; readonly hardware: boolean }
+export interface Known { readonly script: Script | null; readonly panel?: ExercisePanel | null; readonly hardware: boolean }
 
 export type Outcome = { readonly is: 'playing' | 'another plays' | 'stopped' } | { readonly is: 'refused'; readonly reason: string };
 
@@ -42,13 +44,14 @@ export class Press {
   get holds(): boolean { return !this.cancelled && this.connection.endings === this.seen; }
 }
 
-/** Loads that level, or the bar where another exercise is on; nothing when it is there already. */
+/** Loads that level, or the bar where an exercise is on that shows nothing; nothing when it is there already. */
 export async function matchLevel(connection: Connection, known: () => Known, level: number): Promise<Answer> {
   const { scene } = connection;
-  const { script } = known();
-  if (!scene || (script && scene.level === level)) return { accepted: true, reason: '' };
-  const answer = await connection.loadExercise(script ? '' : 'cocktail-bar', level, '');
-  if (answer.accepted) await until(() => known().script !== null && connection.scene?.level === level);
+  const { script, panel } = known();
+  const shown = script ?? panel ?? null;
+  if (!scene || (shown && scene.level === level)) return { accepted: true, reason: '' };
+  const answer = await connection.loadExercise(shown ? '' : 'cocktail-bar', level, '');
+  if (answer.accepted) await until(() => (known().script ?? known().panel ?? null) !== null && connection.scene?.level === level);
   return answer;
 }
 
@@ -75,27 +78,40 @@ export function openedHand(axes: readonly { readonly name: string }[], q: readon
 }
 
 export async function openCamera(controls: Controls, way: string): Promise<Answer> {
-  if (way !== 'webcam') return { accepted: true, reason: '' };
+  if (way !== 'webcam') {
+    controls.stopWebcam();
+    return { accepted: true, reason: '' };
+  }
   const { ok, reason } = await controls.startWebcam();
   return { accepted: ok, reason };
 }
 
+/** Whether what the program does last is a rest, which whoever rested may end. */
+const restsNow = ({ latestState: state }: Connection): boolean => state?.runState === RunState.Stopped && state.rested;
+
+/** A therapist who is there starts it, and chooses what is played. */
+function waitsForTherapist(connection: Connection): boolean {
+  return connection.controls.led && connection.latestState?.runState !== RunState.Rendering && !restsNow(connection);
+}
+
 /** From watching to playing. After a stop the controls are given back: whoever starts it again may command. */
 export async function takeOver(connection: Connection, known: () => Known, press: Press, wishes: Wishes): Promise<Outcome> {
+  if (waitsForTherapist(connection)) return { is: 'refused', reason: text('welcome.led') };
   const taken = await connection.takeControls();
   if (!taken.accepted) return connection.controls.held ? { is: 'another plays' } : { is: 'refused', reason: taken.reason };
   const outcome = await takeHand(connection, known, press, wishes);
-  if (press.holds) return outcome;
+  if (press.holds && outcome.is === 'playing') return outcome;
+  // Whoever does not play keeps nobody else from it.
   await connection.releaseControls();
-  return { is: 'stopped' };
+  return press.holds ? outcome : { is: 'stopped' };
 }
 
 /** With the controls: loads, starts and steers, each only while the press holds. */
 async function takeHand(connection: Connection, known: () => Known, press: Press, wishes: Wishes): Promise<Outcome> {
-  const loaded = await matchLevel(connection, known, wishes.level);
+  const loaded = connection.controls.led ? { accepted: true, reason: '' } : await matchLevel(connection, known, wishes.level);
   if (!loaded.accepted) return { is: 'refused', reason: loaded.reason };
   if (!press.holds) return { is: 'stopped' };
-  if (connection.latestState?.runState === RunState.Disarmed) {
+  if (connection.latestState?.runState === RunState.Disarmed || restsNow(connection)) {
     const armed = await connection.arm(press.seen);
     // Somebody who has just left may have armed it: the next states say so, and that is as good.
     const rendering = (): boolean => connection.latestState?.runState === RunState.Rendering;
@@ -113,17 +129,18 @@ async function takeHand(connection: Connection, known: () => Known, press: Press
 async function beginDrink(connection: Connection, known: () => Known, wishes: Wishes): Promise<void> {
   const { scene, latestState } = connection;
   if (scene && latestState && !known().hardware) await connection.aim(openedHand(scene.axes.map(({ name }) => ({ name: String(name) })), latestState.qM));
-  const { script } = known();
+  const { script, panel } = known();
   const stage = script && connection.latestState ? figure(script, connection.latestState, 'stage') : Stage.Reach;
-  const over = stage === Stage.DrinkDone || stage === Stage.LevelDone;
+  const done = panel && connection.latestState ? panel.done(connection.latestState) : false;
+  const over = done || stage === Stage.DrinkDone || stage === Stage.LevelDone;
   await connection.act(wishes.fresh || over ? Act.Restart : Act.Resume);
-  if (over) await until(() => connection.latestState !== null && script !== null && figure(script, connection.latestState, 'stage') < Stage.DrinkDone);
+  if (over && script) await until(() => connection.latestState !== null && script !== null && figure(script, connection.latestState, 'stage') < Stage.DrinkDone);
 }
 
 /** Where nothing runs or pushes and nobody commands, the wish to see it is enough to let the program play. */
 export async function letProgramPlay(connection: Connection, press: Press): Promise<void> {
   const { latestState: state, controls } = connection;
-  const disarmed = state?.runState === RunState.Disarmed;
+  const disarmed = (state?.runState === RunState.Disarmed && !controls.led) || restsNow(connection);
   const faded = state?.runState === RunState.Rendering && isFaded(state) && !hasHardware(state);
   if ((!disarmed && !faded) || controls.held) return;
   if (!(await connection.takeControls()).accepted) return;

@@ -17,7 +17,7 @@ import { toneOf } from './tones';
 import { POSE_STRIDE } from './vector';
 
 /** Grid spacing of the skin [m]. */
-export const SKIN_STEP_M: Readonly<Record<Quality, number>> = { high: 1.5e-3, low: 2.0e-3 };
+export const SKIN_STEP_M: Readonly<Record<Quality, number>> = { high: 1.5e-3, low: 3.0e-3 };
 const DETAIL: Readonly<Record<Quality, SkinDetail>> = { high: 'fine', low: 'plain' };
 const WEAVE: Readonly<Record<Quality, Weave>> = { high: { around: 64, row_m: 0.007 }, low: { around: 24, row_m: 0.03 } };
 /** Radius of the wrist's middle capsule in the median hand [m]: the cuff fits it. */
@@ -150,6 +150,7 @@ export class HandView {
     const sew = (geometry: BufferGeometry, color: string) => {
       const mesh = new Mesh(geometry, surface(this.quality, { color: new Color(color), roughness: 0.95, sheen: 0.45, sheenColor: new Color('#dfe6ea'), sheenRoughness: 0.6 }));
       mesh.castShadow = mesh.receiveShadow = true;
+      mesh.scale.y = this.shape.right ? 1 : -1;   // radial is -y in a left palm
       this.link(this.shape.palmLink).add(mesh);
       this.cloth.push({ mesh, color });
     };

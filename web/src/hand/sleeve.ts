@@ -1,4 +1,4 @@
-// Sleeve and cuff over the wrist, in the palm's frame (x distal, y radial, z dorsal): the forearm goes
+// Sleeve and cuff over the wrist, in a right palm's frame (x distal, y radial, z dorsal): the forearm goes
 // back to the guest and leaves the picture to the side of the back of the hand.
 
 import { BufferAttribute, BufferGeometry } from 'three';

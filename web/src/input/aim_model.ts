@@ -1,6 +1,9 @@
-import { depthOf, guide, nearestGrip, type Guide } from './guide';
+import { depthOf, guide, INSIDE, nearestGrip, ownGrip, type Guide } from './guide';
+import type { Limits } from './limits';
+import { Pilot } from './pilot';
 import { approach, clamp, isHandAxis, postureOf, squeezeOfFingers } from './posture';
-import type { Triple, Wish } from './wish';
+import type { Help, Triple, Wish } from './wish';
+import { Yielding, type Touch } from './yielding';
 
 /** An axis of the device as far as aiming needs it. */
 export interface AimAxis {
@@ -21,6 +24,12 @@ export interface Perception {
   squeeze_n: number;
   squeezeLow_n: number;
   squeezeHigh_n: number;
+  /** The dispenser that the recipe asks for, an index of `grips`; -1: none. */
+  target: number;
+  /** Nothing is to be held now: the step has enough, the bar moves, or the drink is done. */
+  letGo: boolean;
+  /** What presses on the hand. */
+  touches: readonly Touch[];
 }
 
 export interface AimConfig {
@@ -34,8 +43,7 @@ export interface AimConfig {
   open_per_s: number;
   /** Time constant of easing to the grip pose [s]. */
   ease_s: number;
-  /** Steady the squeeze and ease to the grip. */
-  assist: boolean;
+  help: Help;
 }
 
 export const DEFAULT_AIM: Readonly<AimConfig> = {
@@ -45,15 +53,40 @@ export const DEFAULT_AIM: Readonly<AimConfig> = {
   press_per_s: 0.12,
   open_per_s: 2,
   ease_s: 0.25,
-  assist: true,
+  help: 'some',
 };
 
 /** Hand axes are never asked to move faster [rad/s]. */
 const FASTEST_RAD_S = 4;
+/** A wedged hand is drawn back so fast [m/s]. */
+const WEDGED_M_S = 0.05;
+/** A hand that opens is asked for so much more than it is open [rad]. */
+const OPENING_LEASH_RAD = 0.4;
+/** A longer time is passed in steps [s]. */
+const LONGEST_STEP_S = 0.02;
 /** A hand drawn back is this far from the end of x's range [m]. */
 const BACK_M = 0.008;
+/** What is this little beyond the reach is reached [m]. */
+const EDGE_M = 0.005;
+/** A palm against a dispenser is no farther from the grip than this [m]. */
+const ARRIVED_M = 0.02;
 /** Above this a dispenser is felt: closing turns into pressing [N]. */
 const TOUCH_N = 0.3;
+
+/** Where the hand is and is going. */
+interface Way {
+  hand: Triple;
+  aim: Triple;
+  back_m: number;
+  goal?: number;
+  leaving: boolean;
+}
+
+/** The help, and at which dispenser; `wanted`: the hand is meant to touch it. */
+interface Near extends Guide {
+  at?: number;
+  wanted: boolean;
+}
 
 /**
  * Where the person wants the hand to be. Wishes come in, positions per device axis go out: never
@@ -61,10 +94,16 @@ const TOUCH_N = 0.3;
  */
 export class AimModel {
   readonly config: AimConfig;
+  /** How far the person's arm and fingers go. A limit that comes while the hand is beyond it brings the aim back gently. */
+  limits: Limits = {};
   private q: number[] = [];
   private squeezePart = 0;
   private stretch = 0;
   private overruledParts: Partial<Triple> = {};
+  private readonly pilot = new Pilot();
+  private readonly yielding = new Yielding();
+  private waits = false;
+  private tooFar = false;
 
   constructor(
     private readonly axes: readonly AimAxis[],
@@ -92,41 +131,97 @@ export class AimModel {
     return this.overruledParts;
   }
 
+  /** A squeeze is asked for, and the hand is on its way to the dispenser first. */
+  get onItsWay(): boolean {
+    return this.waits;
+  }
+
+  /** The bottle that is asked for is out of reach. */
+  get outOfReach(): boolean {
+    return this.tooFar;
+  }
+
   /** Takes over where the hand is, so that nothing jumps when a person begins to steer. */
   begin(q: ArrayLike<number>): void {
     this.q = this.axes.map((axis, i) => clamp(q[i] ?? 0, axis.lower, axis.upper));
     const fingers = this.axes.findIndex((axis) => axis.name === 'finger_flexion');
     this.squeezePart = fingers < 0 ? 0 : squeezeOfFingers(this.q[fingers] ?? 0);
+    this.pilot.begin();
+    this.yielding.reset();
+  }
+
+  /** The hand shows what to do; nobody has taken over yet. */
+  get showing(): boolean {
+    return this.pilot.shows;
+  }
+
+  /** Shows what to do next, once. */
+  show(): void {
+    this.pilot.show();
+  }
+
+  /** Nobody presses anything any more: what a tap began ends. */
+  release(): void {
+    this.pilot.release();
   }
 
   /** Nobody closes the hand any more: it is open at once, where it is. The program makes it a gentle move. */
   open(): void {
+    this.pilot.release();
     this.squeezePart = 0;
     this.axes.forEach((axis, i) => {
       if (isHandAxis(axis.name)) this.q[i] = clamp(postureOf(axis.name, 0, this.stretch), axis.lower, axis.upper);
     });
   }
 
-  /** The aim `dt_s` later. */
-  step(wish: Wish, seen: Perception, dt_s: number): readonly number[] {
-    const help = this.guideFor(wish, seen);
-    const wanted = typeof wish.squeeze === 'number' ? wish.squeeze > 0.05 : wish.squeeze;
-    const squeeze = wanted && this.config.assist && !help.mayClose && this.squeezePart === 0 ? false : wish.squeeze;
-    this.squeezePart = this.nextSqueeze(squeeze, seen, dt_s);
-    this.stretch = help.stretch;
-    this.axes.forEach((axis, i) => {
-      const next = isHandAxis(axis.name)
-        ? this.handAxis(axis.name, wish, help.stretch, this.q[i] ?? 0, dt_s)
-        : this.armAxis(axis, wish, help, seen, i, dt_s);
-      this.q[i] = clamp(next, axis.lower, axis.upper);
-    });
-    this.overruledParts = this.overruledBy(help, wish);
+  /**
+   * The aim `dt_s` later, however long that was: what a page decides by must not hang on how often it draws. What
+   * is seen meanwhile stays the same.
+   */
+  advance(asked: Wish, seen: Perception, dt_s: number): readonly number[] {
+    const steps = Math.max(1, Math.ceil(dt_s / LONGEST_STEP_S));
+    for (let k = 0; k < steps; k += 1) this.step(asked, seen, dt_s / steps);
     return this.q;
   }
 
-  private handAxis(name: string, wish: Wish, stretch: number, now: number, dt_s: number): number {
+  /** The aim `dt_s` later, at most a few hundredths of a second. */
+  step(asked: Wish, seen: Perception, dt_s: number): readonly number[] {
+    const hand = this.triple((i) => seen.device[i] ?? 0);
+    const aim = this.triple((i) => this.q[i] ?? 0);
+    const back_m = this.back_m();
+    const sight = { ...seen, hand, aim, back_m, closed: this.squeezePart > 0.02, reachable: (grip: Triple) => this.reachable(grip) };
+    const { wish, goal, leaving, outOfReach = false } = this.pilot.steer(asked, sight, this.config.help, dt_s);
+    this.tooFar = outOfReach;
+    const help = this.guideFor(wish, seen, { hand, aim, back_m, goal, leaving });
+    const wanted = typeof wish.squeeze === 'number' ? wish.squeeze > 0.05 : wish.squeeze;
+    this.waits = wanted && this.config.help !== 'none' && !help.mayClose && this.squeezePart === 0;
+    this.squeezePart = this.nextSqueeze(this.waits ? false : wish.squeeze, seen, dt_s);
+    this.stretch = help.stretch;
+    this.yielding.look(seen.touches, wanted || help.wanted ? help.at : undefined, dt_s);
+    this.axes.forEach((axis, i) => {
+      const next = isHandAxis(axis.name)
+        ? this.handAxis(axis.name, wish, help.stretch, i, seen, dt_s)
+        : this.armAxis(axis, wish, help, seen, i, dt_s);
+      this.q[i] = clamp(this.within(axis.name, next, i, dt_s), axis.lower, axis.upper);
+    });
+    this.overruledParts = this.overruledBy(help, asked, wish);
+    return this.q;
+  }
+
+  private within(name: string, next: number, i: number, dt_s: number): number {
+    const limited = clamp(next, ...(this.limits[name] ?? [-Infinity, Infinity] as const));
+    if (limited === next) return next;
+    return approach(this.q[i] ?? 0, limited, (isHandAxis(name) ? FASTEST_RAD_S : this.config.speed_m_s) * dt_s);
+  }
+
+  private handAxis(name: string, wish: Wish, stretch: number, i: number, seen: Perception, dt_s: number): number {
     const part = name === 'thumb_flexion' && wish.thumb !== undefined ? wish.thumb : this.squeezePart;
-    return approach(now, postureOf(name, part, stretch), FASTEST_RAD_S * dt_s);
+    const now = this.q[i] ?? 0;
+    const next = approach(now, postureOf(name, part, stretch), FASTEST_RAD_S * dt_s);
+    if (this.squeezePart > 0) return next;
+    // A finger whose back is held by a bottle would be strung, and snap when it comes free.
+    const device = seen.device[i] ?? now;
+    return clamp(next, device - this.yielding.handLeash(OPENING_LEASH_RAD), device + this.yielding.handLeash(FASTEST_RAD_S));
   }
 
   private armAxis(axis: AimAxis, wish: Wish, help: Guide, seen: Perception, i: number, dt_s: number): number {
@@ -144,17 +239,20 @@ export class AimModel {
       const part = 1 - Math.exp(-dt_s / this.config.ease_s);
       next = now + clamp((eased - now) * part, -step, step);
     }
+    if (key === 'y' && help.channel) next = approach(now, clamp(next, ...help.channel), step);
+    if (key === 'x' && this.yielding.drawsBack) next = now - WEDGED_M_S * dt_s;
     const device = seen.device[i] ?? now;
-    return clamp(next, device - this.config.leash_m, device + this.config.leash_m);
+    const [below_m, above_m] = this.yielding.leash(key, this.config.leash_m);
+    return clamp(next, device - below_m, device + above_m);
   }
 
-  private overruledBy(help: Guide, wish: Wish): Partial<Triple> {
+  private overruledBy(help: Guide, asked: Wish, wish: Wish): Partial<Triple> {
     const parts: Partial<Triple> = {};
     for (const key of ['x', 'y', 'z'] as const) {
       const i = this.axes.findIndex((axis) => axis.name === key);
       const axis = this.axes[i];
-      const place = wish.place[key];
-      if (!axis || place === undefined || help[key] === undefined) continue;
+      const place = asked.place[key];
+      if (!axis || place === undefined || (help[key] === undefined && wish.place[key] !== undefined)) continue;
       const part = partOfAxis(axis, this.q[i] ?? 0);
       // Drawing back from the dispenser is what the person decides, however slowly.
       if (key !== 'x' || place > part) parts[key] = part;
@@ -163,16 +261,25 @@ export class AimModel {
   }
 
   /** What the help near the row says; nothing of it but the fingers' stretch when it is off. */
-  private guideFor(wish: Wish, seen: Perception): Guide {
-    const at = { x: this.value('x'), y: this.value('y'), z: this.value('z') };
-    const grip = nearestGrip(seen.grips, at.y);
-    if (!grip) return { pace: 1, stretch: 0, mayClose: true };
-    const back_m = (this.axes.find((axis) => axis.name === 'x')?.lower ?? 0) + BACK_M;
-    if (!this.config.assist) return { pace: 1, stretch: clamp(4 * depthOf(at.x, back_m, grip), 0, 1), mayClose: true };
-    const asked = { x: this.asked('x', wish, at.x), y: this.asked('y', wish, at.y) };
+  private guideFor(wish: Wish, seen: Perception, { hand, aim, back_m, goal, leaving }: Way): Near {
+    const own = ownGrip(seen.grips, hand.y, seen.beside);
+    const front = nearestGrip(seen.grips, aim.y);
+    if (own === undefined || front === undefined) return { pace: 1, stretch: 0, mayClose: true, wanted: false };
+    // Inside the row the lane is that of where the hand is; in front of it, of what it is before.
+    const inside = depthOf(hand.x, back_m, seen.grips[own]!) > INSIDE;
+    const at = goal ?? (inside ? own : front);
+    const grip = seen.grips[at]!;
+    if (this.config.help === 'none' && !leaving && goal === undefined) {
+      return { pace: 1, stretch: clamp(4 * depthOf(aim.x, back_m, grip), 0, 1), mayClose: true, at, wanted: false };
+    }
+    const asked = { x: this.asked('x', wish, aim.x), y: this.asked('y', wish, aim.y) };
     // A cursor that stays near the dispenser does not ask for another one.
-    if (wish.place.y !== undefined && wish.velocity.y === 0 && (depthOf(at.x, back_m, grip) > 0.2 || asked.x > 0)) asked.y = 0;
-    return guide(at, back_m, grip, seen.beside, asked, this.squeezePart > 0.02);
+    if (wish.place.y !== undefined && wish.velocity.y === 0 && (depthOf(aim.x, back_m, grip) > 0.2 || asked.x > 0)) asked.y = 0;
+    const said = guide({ aim, hand, back_m, grip, beside: seen.beside }, asked, this.squeezePart > 0.02);
+    // Meant to touch it is an open hand that is at the grip, not one that something keeps from it.
+    const arrived = Math.hypot(hand.x - grip.x, hand.y - grip.y) <= ARRIVED_M;
+    const wanted = asked.x >= 0 && said.x !== undefined && (arrived || this.squeezePart > 0);
+    return { ...said, mayClose: goal === undefined ? said.mayClose : said.mayClose && said.channel !== undefined, at, wanted };
   }
 
   private asked(key: 'x' | 'y', wish: Wish, now: number): number {
@@ -184,19 +291,35 @@ export class AimModel {
     return Math.abs(gap) < 0.003 ? 0 : gap;
   }
 
-  private value(name: keyof Triple): number {
-    return this.q[this.axes.findIndex((axis) => axis.name === name)] ?? 0;
+  private triple(value: (index: number) => number): Triple {
+    const at = (name: keyof Triple): number => {
+      const i = this.axes.findIndex((axis) => axis.name === name);
+      return i < 0 ? 0 : value(i);
+    };
+    return { x: at('x'), y: at('y'), z: at('z') };
+  }
+
+  private reachable(grip: Triple): boolean {
+    const y = this.axes.find((axis) => axis.name === 'y');
+    const [lower, upper] = this.limits['y'] ?? [-Infinity, Infinity];
+    // The row comes to the very edge of what the arm reaches.
+    return !y || (grip.y >= Math.max(y.lower, lower - EDGE_M) && grip.y <= Math.min(y.upper, upper + EDGE_M));
+  }
+
+  private back_m(): number {
+    return (this.axes.find((axis) => axis.name === 'x')?.lower ?? 0) + BACK_M;
   }
 
   private nextSqueeze(asked: boolean | number, seen: Perception, dt_s: number): number {
-    const { close_per_s, press_per_s, open_per_s, assist } = this.config;
+    const { close_per_s, press_per_s, open_per_s, help } = this.config;
+    const assist = help !== 'none';
     const now = this.squeezePart;
     if (typeof asked === 'number') return approach(now, clamp(asked, 0, 1), open_per_s * dt_s);
     if (!asked) return approach(now, 0, open_per_s * dt_s);
     if (seen.squeeze_n < TOUCH_N) return approach(now, 1, close_per_s * dt_s);
     const middle_n = (seen.squeezeLow_n + seen.squeezeHigh_n) / 2;
     // In the middle of the zone a person who finds it hard to stop is stopped; a firm grip softens.
-    if (assist && seen.squeeze_n > seen.squeezeHigh_n) return approach(now, 0, press_per_s * dt_s);
+    if (assist && seen.squeeze_n > (middle_n + seen.squeezeHigh_n) / 2) return approach(now, 0, press_per_s * dt_s);
     if (assist && middle_n > 0 && seen.squeeze_n >= middle_n) return now;
     return approach(now, 1, press_per_s * dt_s);
   }

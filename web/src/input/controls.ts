@@ -8,18 +8,25 @@ import { de } from './i18n/de';
 import { en, type HelpLine, type InputTexts } from './i18n/en';
 import { fr } from './i18n/fr';
 import { Keys } from './keys';
-import { Mouse } from './mouse';
-import { Perceiver } from './perception';
+import { limitsOf } from './limits';
+import { Mouse, type Pointed } from './mouse';
+import { Perceiver, type RowPoint } from './perception';
+import { clamp } from './posture';
 import { Touch } from './touch';
-import { Webcam, type WebcamView } from './webcam';
-import { now_s, WAYS, type InputWay, type Way } from './wish';
+import { Webcam, type WebcamProblem, type WebcamView } from './webcam';
+import { now_s, restingWish, WAYS, type Help, type InputWay, type Way } from './wish';
 
 const TEXTS: Readonly<Record<Language, InputTexts>> = { en, de, fr };
 
 /** Aims go out this often at most [Hz]. */
 const RATE_HZ = 60;
+/** From one look of a page that draws slowly to the next; who was away for longer was asleep [s]. */
+const ASLEEP_S = 0.5;
 /** After a refusal the program is asked again this much later [s]. */
 const ASK_AGAIN_S = 1;
+/** An aim that moves faster than this [m/s or rad/s] moves; so long after it a person is still at it [s]. */
+const MOVES = 0.01;
+const MOVING_S = 0.5;
 
 export interface ControlsOptions {
   /** Language of what is said; the page's unless told otherwise. */
@@ -47,12 +54,15 @@ export function latestOf<W extends Pick<InputWay, 'claimed_s'>>(ways: readonly W
 export class Controls {
   /** Called with why a person may not steer, in the program's words; empty: it was granted. */
   onRefused: (reason: string) => void = () => {};
-  /** Called with the camera's picture and whether a hand is seen; undefined: the camera is off. */
-  onWebcam: (view: WebcamView | undefined) => void = () => {};
+  /** Called with the camera's picture and whether a hand is seen; undefined: the camera is off, and why, for the person. */
+  onWebcam: (view: WebcamView | undefined, reason: string) => void = () => {};
+
+  /** Where in the row a point of the page is; null: it is not in the picture. Unset: there is no picture. */
+  pointing: ((x_px: number, y_px: number) => RowPoint | null) | undefined;
 
   private readonly ways: readonly InputWay[];
   private readonly pad = new GamepadWay();
-  private readonly webcam = new Webcam((view) => this.onWebcam(view));
+  private readonly webcam = new Webcam((view, problem) => this.onWebcam(view, this.reasonOf(problem)));
   private readonly modeListeners = new Set<(way: Way | undefined) => void>();
   private model: AimModel | undefined;
   private perceiver: Perceiver | undefined;
@@ -60,9 +70,12 @@ export class Controls {
   private timer: ReturnType<typeof setInterval> | undefined;
   private last_s = 0;
   private asked_s = -Infinity;
+  private moved_s = -Infinity;
   private began = false;
+  /** The hand was taken over and not touched yet: it opens and draws back before anything else. */
+  private handedOver = false;
   private revoked_s = -Infinity;
-  private assisted = true;
+  private helped: Help = 'full';
 
   constructor(
     private readonly connection: Connection,
@@ -71,8 +84,9 @@ export class Controls {
   ) {
     this.ways = [
       new Keys(),
-      new Mouse(element, () => this.part('x')),
-      new Touch(element, () => ({ x: this.part('x'), y: this.part('y') }), () => this.texts().touch),
+      new Mouse(element, () => this.part('x'), (x_px, y_px) => this.pointed(x_px, y_px)),
+      new Touch(element, () => ({ x: this.part('x'), y: this.part('y') }), () => this.texts().touch,
+        (x_px, y_px) => this.pointed(x_px, y_px)?.bottle, () => this.helped === 'full'),
       this.pad,
       this.webcam,
     ];
@@ -92,14 +106,35 @@ export class Controls {
     return this.began ? (this.model?.squeeze ?? 0) : 0;
   }
 
-  /** Eases the hand to the grip and steadies the squeeze; on unless switched off. */
-  get assist(): boolean {
-    return this.assisted;
+  /** A squeeze is asked for, and the hand is on its way to the bottle first. */
+  get onItsWay(): boolean {
+    return this.began && (this.model?.onItsWay ?? false);
   }
 
-  set assist(on: boolean) {
-    this.assisted = on;
-    if (this.model) this.model.config.assist = on;
+  /** The bottle that is asked for is out of reach. */
+  get outOfReach(): boolean {
+    return this.began && (this.model?.outOfReach ?? false);
+  }
+
+  /** The aim moved a moment ago: something is being done. */
+  get moving(): boolean {
+    return now_s() - this.moved_s < MOVING_S;
+  }
+
+  /** The hand shows what to do next, once; whoever moves or presses takes over. */
+  show(): void {
+    this.model?.show();
+  }
+
+  /** How much of reaching, gripping and letting go is done for the person. */
+  get help(): Help {
+    return this.helped;
+  }
+
+  set help(help: Help) {
+    this.helped = help;
+    if (this.model) this.model.config.help = help;
+    this.model?.release();
   }
 
   /** Tells which way is in use whenever it changes; undefined: none any more. */
@@ -111,13 +146,15 @@ export class Controls {
   /** What to press and what it does, in the language of the page. */
   helpEntries(): HelpEntry[] {
     const texts = this.texts();
-    return WAYS.map((way) => ({ way, name: texts.ways[way], lines: texts.help[way] }));
+    return WAYS.map((way) => ({ way, name: texts.ways[way], lines: (this.helped === 'full' && texts.easy[way]) || texts.help[way] }));
   }
 
-  /** Begins to listen. Nothing is sent before the person does something. */
+  /** Begins to listen. Whose hand it is already opens it and draws it back; nothing else is sent before the person does something. */
   enable(): void {
     if (this.timer !== undefined) return;
     for (const way of this.ways) way.enable();
+    addEventListener('blur', this.release);
+    this.handedOver = true;
     this.last_s = now_s();
     this.timer = setInterval(() => this.step(), 1000 / RATE_HZ);
   }
@@ -128,23 +165,28 @@ export class Controls {
     clearInterval(this.timer);
     this.timer = undefined;
     this.letGo();
+    removeEventListener('blur', this.release);
     for (const way of this.ways) way.disable();
     this.use(undefined);
   }
 
-  /** Opens the camera; the reason why not is for the person. */
+  /** Opens the camera, and waits for a hand in its frame; the reason why not is for the person, '' where they wanted it no more. */
   async startWebcam(): Promise<{ ok: boolean; reason: string }> {
     const problem = await this.webcam.start();
-    return { ok: problem === '', reason: problem === '' ? '' : this.texts().webcam[problem] };
+    return { ok: problem === '', reason: this.reasonOf(problem) };
   }
 
   stopWebcam(): void {
     this.webcam.stop();
   }
 
-  /** What to say while the camera sees no hand. */
-  noHandText(): string {
-    return this.texts().webcam.noHand;
+  /** What to say of the camera while it is on. */
+  cameraTexts(): InputTexts['camera'] {
+    return this.texts().camera;
+  }
+
+  private reasonOf(problem: WebcamProblem): string {
+    return problem === '' || problem === 'cancelled' ? '' : this.texts().webcam[problem];
   }
 
   private texts(): InputTexts {
@@ -153,7 +195,7 @@ export class Controls {
 
   private onScene(scene: SceneT): void {
     const axes = scene.axes.map(({ name, lower, upper }) => ({ name: String(name), lower, upper }));
-    this.model = new AimModel(axes, { ...this.options.aim, assist: this.assisted });
+    this.model = new AimModel(axes, { ...this.options.aim, help: this.helped });
     this.perceiver = new Perceiver(scene);
     this.began = false;
   }
@@ -178,23 +220,45 @@ export class Controls {
     this.began = false;
   }
 
+  /** In another window nobody can end what a tap began. */
+  private readonly release = (): void => { this.model?.release(); };
+
+  /** What is drawn at a point of the page; undefined where the picture or the hand is not known. */
+  private pointed(x_px: number, y_px: number): Pointed | undefined {
+    const at = this.pointing?.(x_px, y_px);
+    const { perceiver, connection: { scene, latestState: state } } = this;
+    const palm = at && state ? perceiver?.palmAt(state, at) : undefined;
+    if (!at || !state || !scene || !palm) return undefined;
+    const part = (name: 'y' | 'z'): number => {
+      const axis = scene.axes.find((candidate) => String(candidate.name) === name);
+      return axis ? clamp(partOfAxis(axis, palm[name]), -1, 1) : 0;
+    };
+    return { y: part('y'), z: part('z'), bottle: perceiver?.bottleAt(state, at.y_m) };
+  }
+
   private use(way: InputWay | undefined): void {
     if (way === this.current) return;
     this.current?.yield();
+    this.model?.release();
     this.current = way;
     for (const callback of this.modeListeners) callback(way?.way);
   }
 
   private step(): void {
     const now = now_s();
-    // A page that was asleep must not jump when it wakes.
-    const dt_s = Math.min(now - this.last_s, 0.1);
+    // A page that was asleep must not jump when it wakes; one that draws slowly steers as fast as any.
+    const dt_s = Math.min(now - this.last_s, ASLEEP_S);
     this.last_s = now;
     this.pad.poll();
+    const { current: before } = this;
     this.use(latestOf(this.ways));
+    // A camera that is unplugged, a pad that is gone: what it held is let go of.
+    if (before && !this.current) this.letGo();
     const { connection, model, perceiver, current } = this;
     const state = connection.latestState;
-    if (!current || !model || !perceiver || !state || connection.status !== 'open') return;
+    if (!model || !perceiver || !state || connection.status !== 'open') return;
+    const isHanded = this.handedOver && state.steering === Steering.Person && connection.controls.heldByYou;
+    if (!current && !model.showing && !isHanded) return;
     // Steering that was taken away (somebody wants to watch) is only asked for with a new touch.
     if (this.began && state.steering !== Steering.Person) this.revoked_s = now;
     if (state.runState !== RunState.Rendering || state.steering !== Steering.Person) this.began = false;
@@ -202,9 +266,13 @@ export class Controls {
     if (!this.began) {
       model.begin(state.intention.length > 0 ? state.intention : state.qM);
       this.began = true;
+      this.handedOver = false;
     }
-    model.step(current.wish(now), perceiver.see(state), dt_s);
-    current.overruled?.(model.overruled);
+    if (connection.scene) model.limits = limitsOf(connection.scene, state);
+    const aimed = [...model.aim];
+    model.advance(current?.wish(now) ?? restingWish(), perceiver.see(state), dt_s);
+    if (model.aim.some((q, i) => Math.abs(q - aimed[i]!) > MOVES * dt_s)) this.moved_s = now;
+    current?.overruled?.(model.overruled);
     void connection.aim([...model.aim]);
   }
 

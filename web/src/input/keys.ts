@@ -39,6 +39,8 @@ export function wishOfMoves(held: ReadonlySet<Move>): Wish {
 export class Keys implements InputWay {
   readonly way = 'keys';
   private readonly held = new Map<string, Move>();
+  /** Space came down since the last look: a tap between two looks of a slow page is one, too. */
+  private tapped = false;
   claimed_s = -Infinity;
 
   enable(): void {
@@ -60,7 +62,10 @@ export class Keys implements InputWay {
   }
 
   wish(): Wish {
-    return wishOfMoves(new Set(this.held.values()));
+    const moves = new Set(this.held.values());
+    if (this.tapped) moves.add('squeeze');
+    this.tapped = false;
+    return wishOfMoves(moves);
   }
 
   private readonly down = (event: KeyboardEvent): void => {
@@ -69,6 +74,7 @@ export class Keys implements InputWay {
     if (keyBelongsTo(event.target, event.code)) return;
     event.preventDefault();
     this.held.set(event.code, move);
+    this.tapped ||= move === 'squeeze' && !event.repeat;
     this.claimed_s = now_s();
   };
 
@@ -77,5 +83,8 @@ export class Keys implements InputWay {
   };
 
   // Keys that are let go in another window never say so.
-  private readonly letGo = (): void => this.held.clear();
+  private readonly letGo = (): void => {
+    this.held.clear();
+    this.tapped = false;
+  };
 }

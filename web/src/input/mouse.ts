@@ -12,6 +12,8 @@ const DEPTH_PER_NOTCH = 0.12;
 
 /** After any of these nobody holds the button for sure. */
 const ENDS = ['pointerup', 'pointercancel', 'lostpointercapture', 'contextmenu', 'blur'] as const;
+/** Of these, what a person does to end a press; after the others nobody wants it. */
+const LETS_GO = new Set<string>(['pointerup', 'lostpointercapture']);
 
 /** y (left) and z (up), each -1 .. 1, of a point in the picture. */
 export function placeOfPointer(
@@ -31,12 +33,22 @@ export function depthAfterWheel(depth: number, delta: number, deltaMode: number)
   return clamp(depth - (pixels / 100) * DEPTH_PER_NOTCH, -1, 1);
 }
 
+/** What a point of the picture stands for: a place along y and z, -1 .. 1, and the bottle that is there. */
+export interface Pointed {
+  y: number;
+  z: number;
+  bottle?: number;
+}
+
 /** The cursor is the hand's place in the picture; the wheel goes away and near; a button squeezes. */
 export class Mouse implements InputWay {
   readonly way = 'mouse';
   claimed_s = -Infinity;
   private place: Partial<Triple> = {};
+  private pointed: number | undefined;
   private squeeze = false;
+  /** The button came down since the last look: a click between two looks of a slow page is one, too. */
+  private clicked = false;
   private stillToGo_px = FIRST_TRAVEL_PX;
   private last: { x_px: number; y_px: number } | undefined;
 
@@ -44,6 +56,8 @@ export class Mouse implements InputWay {
   constructor(
     private readonly element: HTMLElement,
     private readonly depthNow: () => number,
+    /** What is drawn at a point of the page; undefined: nobody knows, and the picture's own middle counts. */
+    private readonly pointedAt: (x_px: number, y_px: number) => Pointed | undefined = () => undefined,
   ) {}
 
   enable(): void {
@@ -65,12 +79,15 @@ export class Mouse implements InputWay {
 
   yield(): void {
     this.place = {};
-    this.squeeze = false;
+    this.pointed = undefined;
+    this.squeeze = this.clicked = false;
     this.stillToGo_px = TRAVEL_FROM_ANOTHER_WAY_PX;
   }
 
   wish(): Wish {
-    return { ...restingWish(), place: this.place, squeeze: this.squeeze };
+    const squeeze = this.squeeze || this.clicked;
+    this.clicked = false;
+    return { ...restingWish(), place: this.place, pointed: this.pointed, squeeze };
   }
 
   /** The cursor is a place; only the wheel adds up. */
@@ -91,19 +108,22 @@ export class Mouse implements InputWay {
   private point(event: PointerEvent): void {
     this.stillToGo_px = 0;
     this.claimed_s = now_s();
-    const box = this.element.getBoundingClientRect();
-    this.place = { ...this.place, ...placeOfPointer(event.clientX, event.clientY, box) };
+    const seen = this.pointedAt(event.clientX, event.clientY);
+    const { y, z } = seen ?? placeOfPointer(event.clientX, event.clientY, this.element.getBoundingClientRect());
+    this.place = { ...this.place, y, z };
+    this.pointed = seen?.bottle;
   }
 
   private readonly press = (event: PointerEvent): void => {
     if (event.pointerType !== 'mouse' || event.button !== 0) return;
     this.point(event);
     this.element.setPointerCapture(event.pointerId);
-    this.squeeze = true;
+    this.squeeze = this.clicked = true;
   };
 
-  private readonly release = (): void => {
+  private readonly release = ({ type }: Event): void => {
     this.squeeze = false;
+    if (!LETS_GO.has(type)) this.clicked = false;
   };
 
   private readonly wheel = (event: WheelEvent): void => {

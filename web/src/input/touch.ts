@@ -4,6 +4,8 @@ import { now_s, restingWish } from './wish';
 
 /** A finger that crosses this part of the picture's smaller side moves the hand through its range. */
 const PLAY_PART = 0.6;
+/** A finger that moved less than this has not moved [px]. */
+const STILL_PX = 14;
 /** Speed while "higher" or "lower" is held [m/s]. */
 const LIFT_M_S = 0.08;
 
@@ -62,6 +64,11 @@ export class Touch implements InputWay {
   /** Pen or touch: of the pointer that drags. */
   private kind = '';
   private readonly others = new Set<number>();
+  /** The finger that came down last has not moved: it presses what it is on. */
+  private still: { x_px: number; y_px: number } | undefined;
+  /** Something was pressed since the last look: a tap between two looks of a slow page is one, too. */
+  private tapped = false;
+  private pointed: number | undefined;
   private held = new Set<string>();
   private buttons: HTMLElement | undefined;
 
@@ -70,6 +77,10 @@ export class Touch implements InputWay {
     private readonly element: HTMLElement,
     private readonly placeNow: () => DraggedPlace,
     private readonly words: () => TouchWords,
+    /** The bottle that is drawn at a point of the page. */
+    private readonly bottleAt: (x_px: number, y_px: number) => number | undefined = () => undefined,
+    /** Whether a finger that stays where it came down presses; else it only drags. */
+    private readonly presses: () => boolean = () => false,
   ) {}
 
   enable(): void {
@@ -96,17 +107,21 @@ export class Touch implements InputWay {
   }
 
   yield(): void {
-    this.drag = undefined;
+    this.drag = this.pointed = undefined;
     this.letGo();
   }
 
   wish(): Wish {
+    const tapped = this.tapped;
+    this.tapped = false;
     const lift = Number(this.held.has('higher')) - Number(this.held.has('lower'));
     return {
       ...restingWish(),
       velocity: { x: 0, y: 0, z: LIFT_M_S * lift },
-      place: this.drag?.place ?? {},
-      squeeze: this.others.size > 0 || this.held.has('squeeze'),
+      place: this.still || tapped ? {} : this.drag?.place ?? {},
+      // A finger that stays asks for a bottle; where it drags the hand, that is what is meant.
+      pointed: this.pointed,
+      squeeze: this.others.size > 0 || this.held.has('squeeze') || this.still !== undefined || tapped,
     };
   }
 
@@ -122,10 +137,17 @@ export class Touch implements InputWay {
     if (event.isPrimary && event.pointerType === this.kind) this.letGo();
     if (this.dragging) {
       // A hand that rests beside a pen does not squeeze, nor does a pen beside a finger.
-      if (event.pointerType === this.kind) this.others.add(event.pointerId);
+      if (event.pointerType !== this.kind) return;
+      this.others.add(event.pointerId);
+      this.tapped = true;
       return;
     }
     this.kind = event.pointerType;
+    if (this.presses()) {
+      this.still = { x_px: event.clientX, y_px: event.clientY };
+      this.pointed = this.bottleAt(event.clientX, event.clientY);
+      this.tapped = true;
+    }
     this.drag = new Drag(event.pointerId, event.clientX, event.clientY, this.drag?.place ?? this.placeNow());
     this.dragging = true;
   };
@@ -137,16 +159,24 @@ export class Touch implements InputWay {
     if (!this.dragging && !this.others.has(event.pointerId)) this.down(event);
     if (!this.dragging || event.pointerId !== this.drag?.pointerId) return;
     this.claimed_s = now_s();
+    if (this.still && Math.hypot(event.clientX - this.still.x_px, event.clientY - this.still.y_px) < STILL_PX) return;
+    if (this.still) this.tapped = false;
+    this.still = this.pointed = undefined;
     this.drag.moveTo(event.clientX, event.clientY, Math.min(this.element.clientWidth, this.element.clientHeight));
   };
 
   private readonly up = (event: PointerEvent): void => {
     this.others.delete(event.pointerId);
-    if (event.pointerId === this.drag?.pointerId) this.dragging = false;
+    if (event.type === 'pointercancel') this.tapped = false;
+    if (event.pointerId !== this.drag?.pointerId) return;
+    this.dragging = false;
+    this.still = undefined;
   };
 
   private readonly letGo = (): void => {
     this.dragging = false;
+    this.still = undefined;
+    this.tapped = false;
     this.others.clear();
     this.held.clear();
   };
@@ -177,6 +207,7 @@ export class Touch implements InputWay {
       button.setPointerCapture(event.pointerId);
       this.claimed_s = now_s();
       this.held.add(name);
+      this.tapped ||= name === 'squeeze';
     });
     for (const type of ['pointerup', 'pointercancel', 'lostpointercapture', 'blur'] as const) {
       button.addEventListener(type, end);

@@ -1,24 +1,34 @@
-import type { Hands, Results } from '@mediapipe/hands';
+import { HandTracker, type Looked } from './hand_tracker';
 import type { HandReading } from './landmarks';
 import { curl, place, readHand, thumbCurl } from './landmarks';
 import { OneEuroFilter } from './one_euro';
 import type { InputWay, Wish } from './wish';
 import { now_s, restingWish } from './wish';
 
-/** Why there is no hand tracking, as a key of the texts; empty: there is. */
-export type WebcamProblem = '' | 'insecure' | 'refused' | 'absent' | 'busy' | 'model';
+/** Why there is no hand tracking, as a key of the texts; empty: there is. `cancelled`: the person wants it no more. */
+export type WebcamProblem = '' | 'insecure' | 'refused' | 'absent' | 'busy' | 'model' | 'ended' | 'cancelled';
+
+/** From the browser's question to the play: nothing steers before `play`. */
+export type WebcamStep = 'ask' | 'load' | 'frame' | 'play';
 
 export interface WebcamView {
-  /** The picture, mirrored, for the person to see. */
-  video: HTMLVideoElement;
+  /** The picture, mirrored, for the person to see; undefined while the browser asks for the camera. */
+  video: HTMLVideoElement | undefined;
+  step: WebcamStep;
   /** true while a hand is seen. */
   seen: boolean;
+  /** How much longer the hand has to be kept in the frame before it steers [s]. */
+  left_s: number;
 }
 
-/** After this long without a hand the person is told [s]. */
+/** After this long without a hand the person is told, and the hand opens [s]; a slow tracker gets so many pictures' time. */
 const LOST_S = 0.7;
-/** The program and its models come with the page: nothing is asked of any other server. */
-const FOLDER = '/mediapipe/';
+const LOST_LOOKS = 3;
+const SLOWEST_LOOK_S = 0.7;
+/** A hand is seen for this long before it steers [s]. */
+export const FRAME_S = 10;
+/** Of the step above, a look counts for this much at most: nobody was looking meanwhile [s]. */
+const LONGEST_LOOK_S = 1;
 
 const SMOOTHING = { minCutoff_hz: 1.2, beta: 2.5, speedCutoff_hz: 1 };
 
@@ -70,6 +80,22 @@ export class HandFollower {
   }
 }
 
+/** "Keep your hand in the frame": counts while a hand is seen, and stands still while none is. */
+export class FrameStep {
+  private seen_s = 0;
+
+  look(seen: boolean, dt_s: number): void {
+    if (seen) this.seen_s += Math.min(dt_s, LONGEST_LOOK_S);
+  }
+
+  get left_s(): number {
+    return Math.max(0, FRAME_S - this.seen_s);
+  }
+}
+
+/** What finds a hand in pictures: HandTracker, but for tests. */
+export type Tracker = Pick<HandTracker, 'load' | 'look' | 'close'>;
+
 /** The person's own hand before a camera. The picture never leaves this page. */
 export class Webcam implements InputWay {
   readonly way = 'webcam';
@@ -78,13 +104,22 @@ export class Webcam implements InputWay {
   private readonly pictures = new PictureWatch();
   private latest: Wish | undefined;
   private lastSeen_s = -Infinity;
-  private hands: Hands | undefined;
+  private look_s = 0;
+  private tracker: Tracker | undefined;
   private stream: MediaStream | undefined;
   private video: HTMLVideoElement | undefined;
-  private running = false;
+  private step: WebcamStep | 'off' = 'off';
+  private frame = new FrameStep();
+  private starting: Promise<WebcamProblem> | undefined;
+  private settle: ((problem: WebcamProblem) => void) | undefined;
   private enabled = false;
+  private round = 0;           // of start() and stop(): what an earlier one was waiting for is nobody's any more
 
-  constructor(private readonly onView: (view: WebcamView | undefined) => void) {}
+  /** `onView`: what there is to see, often; undefined: the camera is off, for that reason. */
+  constructor(
+    private readonly onView: (view: WebcamView | undefined, problem: WebcamProblem) => void,
+    private readonly makeTracker: () => Tracker = () => new HandTracker(),
+  ) {}
 
   // The camera is only ever opened by start() and closed by stop(): a pause does neither.
   enable(): void {
@@ -101,104 +136,133 @@ export class Webcam implements InputWay {
   }
 
   wish(now: number): Wish {
-    return now - this.lastSeen_s < LOST_S && this.latest ? this.latest : restingWish();
+    return this.sees(now) && this.latest ? this.latest : restingWish();
   }
 
-  /** Opens the camera and loads the tracker; says in a word why not. */
-  async start(): Promise<WebcamProblem> {
-    if (this.running) return '';
-    if (!navigator.mediaDevices?.getUserMedia) return 'insecure';
-    try {
-      const wanted = { video: { width: 640, height: 480, facingMode: 'user' }, audio: false };
-      this.stream = await navigator.mediaDevices.getUserMedia(wanted);
-    } catch (error) {
-      return problemOf(error);
-    }
-    try {
-      this.hands = await loadHands();
-      this.hands.onResults((results) => this.onResults(results));
-      await this.hands.initialize();
-    } catch {
-      this.stop();
-      return 'model';
-    }
-    await this.show();
-    // Unplugged, or taken away: nobody is seen any more.
-    for (const track of this.stream.getTracks()) track.addEventListener('ended', () => this.stop());
-    this.running = true;
-    void this.run();
-    return '';
+  /**
+   * Opens the camera, loads the tracker, and waits until a hand was in the frame for FRAME_S; says in a word why not.
+   * Pressed twice it is one start.
+   */
+  start(): Promise<WebcamProblem> {
+    if (this.step === 'play') return Promise.resolve('');
+    if (this.starting) return this.starting;
+    const starting = this.starting = new Promise<WebcamProblem>((done) => { this.settle = done; });
+    void this.open(this.round);
+    return starting;
   }
 
   stop(): void {
-    this.running = false;
-    this.claimed_s = -Infinity;
+    this.end('cancelled');
+  }
+
+  /** Over, whatever it was about: nothing of it steers any more. */
+  private end(problem: WebcamProblem): void {
+    this.round += 1;
+    this.step = 'off';
+    this.claimed_s = this.lastSeen_s = -Infinity;
     this.latest = undefined;
     this.stream?.getTracks().forEach((track) => track.stop());
-    this.stream = undefined;
-    void this.hands?.close();
-    this.hands = undefined;
-    this.video = undefined;
-    this.follower.recentre();
-    this.onView(undefined);
+    this.tracker?.close();
+    this.stream = this.tracker = this.video = undefined;
+    this.finish(problem);
+    this.onView(undefined, problem);
   }
 
-  private async show(): Promise<void> {
-    this.video = document.createElement('video');
-    this.video.muted = true;
-    this.video.playsInline = true;
-    this.video.style.transform = 'scaleX(-1)';
-    this.video.srcObject = this.stream ?? null;
-    await this.video.play();
-    this.onView({ video: this.video, seen: false });
+  private finish(problem: WebcamProblem): void {
+    this.settle?.(problem);
+    this.starting = this.settle = undefined;
   }
 
-  // One picture after another. The tracker works on the page's own thread: it gets half of it at most.
-  private async run(): Promise<void> {
-    while (this.running && this.video && this.hands) {
-      const began_ms = performance.now();
+  private async open(round: number): Promise<void> {
+    const devices = navigator.mediaDevices as MediaDevices | undefined;
+    if (!devices?.getUserMedia) { this.finish('insecure'); return; }
+    this.frame = new FrameStep();
+    this.show('ask');
+    let doing: (error: unknown) => WebcamProblem = problemOf;
+    try {
+      const stream = await devices.getUserMedia({ video: { width: 640, height: 480, facingMode: 'user' }, audio: false });
+      if (round !== this.round) { stream.getTracks().forEach((track) => track.stop()); return; }
+      this.stream = stream;
+      // Unplugged, or taken away: nobody is seen any more.
+      for (const track of stream.getTracks()) track.addEventListener('ended', () => { if (round === this.round) this.end('ended'); });
+      const video = await mirrorOf(stream);
+      if (round !== this.round) return;
+      this.video = video;
+      this.show('load');
+      doing = () => 'model';
+      const tracker = this.tracker = this.makeTracker();
+      await tracker.load();
+      if (round !== this.round) return;
+      this.show('frame');
+      void this.run(tracker, round);
+    } catch (error) {
+      if (round === this.round) this.end(doing(error));
+    }
+  }
+
+  private show(step: WebcamStep): void {
+    this.step = step;
+    this.onView({ video: this.video, step, seen: this.sees(now_s()), left_s: this.frame.left_s }, '');
+  }
+
+  private sees(now: number): boolean {
+    return now - this.lastSeen_s < Math.max(LOST_S, LOST_LOOKS * Math.min(this.look_s, SLOWEST_LOOK_S));
+  }
+
+  // One picture after another. The tracker has a thread of its own, but few machines have many: it rests between.
+  private async run(tracker: Tracker, round: number): Promise<void> {
+    let before_s = now_s();
+    while (round === this.round && this.video) {
+      const began_s = now_s();
       try {
         // The last picture of a camera that stands still says nothing of the hand now.
-        if (this.pictures.isNew(this.video)) await this.hands.send({ image: this.video });
+        if (this.pictures.isNew(this.video)) {
+          const looked = await tracker.look(await createImageBitmap(this.video));
+          if (round !== this.round) return;
+          this.take(looked, now_s());
+        }
       } catch {
-        this.stop();
+        if (round === this.round) this.end('model');
         return;
       }
-      const took_ms = performance.now() - began_ms;
-      await new Promise((resume) => setTimeout(resume, Math.max(16, took_ms)));
+      await new Promise((resume) => setTimeout(resume, 1000 * Math.max(0.016, 0.5 * (now_s() - began_s))));
+      if (round !== this.round) return;
+      this.look_s = now_s() - before_s;
+      before_s = now_s();
+      this.count();
     }
   }
 
-  private onResults(results: Results): void {
-    if (!this.running || !this.video) return;
-    const time_s = now_s();
-    const aspect = this.video.videoWidth / Math.max(1, this.video.videoHeight);
-    const image = results.multiHandLandmarks?.[0] ?? [];
-    const world = results.multiHandWorldLandmarks?.[0] ?? image;
-    const reading = readHand(image, world, aspect);
-    if (reading) {
-      this.latest = this.follower.follow(reading, time_s);
-      this.lastSeen_s = time_s;
-      if (this.enabled) this.claimed_s = time_s;
+  private take({ image, world }: Looked, time_s: number): void {
+    const aspect = (this.video?.videoWidth ?? 4) / Math.max(1, this.video?.videoHeight ?? 3);
+    const reading = readHand(image, world.length > 0 ? world : image, aspect);
+    if (!reading) return;
+    this.lastSeen_s = time_s;
+    // Where the hand is at the end of the step is the middle of the depth.
+    if (this.step === 'frame') this.follower.recentre();
+    this.latest = this.follower.follow(reading, time_s);
+    if (this.enabled && this.step === 'play') this.claimed_s = time_s;
+  }
+
+  private count(): void {
+    if (this.step === 'frame') {
+      this.frame.look(this.sees(now_s()), this.look_s);
+      if (this.frame.left_s === 0) {
+        this.step = 'play';
+        this.finish('');
+      }
     }
-    this.onView({ video: this.video, seen: time_s - this.lastSeen_s < LOST_S });
+    this.show(this.step as WebcamStep);
   }
 }
 
-/** The tracker is a classic script that leaves its class at the window. */
-async function loadHands(): Promise<Hands> {
-  const there = window as unknown as { Hands?: typeof Hands };
-  if (!there.Hands) {
-    await new Promise<void>((done, fail) => {
-      const script = document.createElement('script');
-      script.src = `${FOLDER}hands.js`;
-      script.onload = () => done();
-      script.onerror = () => fail(new Error('hand tracking could not be loaded'));
-      document.head.append(script);
-    });
-  }
-  if (!there.Hands) throw new Error('hand tracking could not be loaded');
-  const hands = new there.Hands({ locateFile: (file) => FOLDER + file });
-  hands.setOptions({ maxNumHands: 1, modelComplexity: 0, minDetectionConfidence: 0.6, minTrackingConfidence: 0.5 });
-  return hands;
+/** The camera's picture as in a mirror. */
+async function mirrorOf(stream: MediaStream): Promise<HTMLVideoElement> {
+  const video = document.createElement('video');
+  video.muted = true;
+  video.playsInline = true;
+  video.style.transform = 'scaleX(-1)';
+  video.srcObject = stream;
+  await video.play();
+  return video;
 }

@@ -4,6 +4,11 @@ export type Way = 'keys' | 'mouse' | 'touch' | 'gamepad' | 'webcam';
 
 export const WAYS: readonly Way[] = ['keys', 'mouse', 'touch', 'gamepad', 'webcam'];
 
+/** How much the page does for a person: reaching, gripping and letting go, the last bit of it, or nothing. */
+export type Help = 'full' | 'some' | 'none';
+
+export const HELPS: readonly Help[] = ['full', 'some', 'none'];
+
 /** World axes of a translation: x away from the person, y left, z up [m or m/s]. */
 export interface Triple {
   x: number;
@@ -18,6 +23,8 @@ export interface Wish {
   place: Partial<Triple>;
   /** true: close more and more while held; a number 0 .. 1: close this far. */
   squeeze: boolean | number;
+  /** The bottle that the cursor is on, in the order of the grips; undefined: none, or no cursor. */
+  pointed?: number;
   /** Thumb flexion on its own, 0 .. 1 (webcam); undefined: it goes with the squeeze. */
   thumb?: number;
 }

@@ -1,11 +1,12 @@
 // The page's only way to the program: messages in, orders out, by itself back after a loss.
 import * as flatbuffers from 'flatbuffers';
 import {
-  Act, ActionT, AimT, ArmT, Controls, EmergencyStopT, Events, HeartbeatT, LoadExerciseT, Message, Payload, ReleaseControlsT, Reply, Scene,
-  SCHEMA_VERSION, SetParameterT, Steering, SteerT, StopT, TakeControlsT, Welcome, WorldState,
-  type ControlsT, type EventT, type SceneT, type WelcomeT, type WorldStateT,
+  Act, ActionT, AimT, AnswerT, ArmT, Commissioning, Controls, EmergencyStopT, Events, HeartbeatT, type Help, HoldToMoveT, LoadExerciseT, LoadProfileT, Message, Payload, ReleaseControlsT, Reply, RestT,
+  RunState, SaveProfileT, Scene, SCHEMA_VERSION, SetHelpT, SetParameterT, Steering, SteerT, StopT, TakeControlsT, Welcome, WorldState,
+  type CommissioningT, type ControlsT, type EventT, type SceneT, type WelcomeT, type WorldStateT,
 } from '../protocol';
 import { text } from '../shared/i18n';
+import { Holding, type Hands, type Loss } from './holding';
 import { encodeCommand, type AnyOrder } from './orders';
 import { PendingStop } from './pending_stop';
 import { refusalText } from './refusals';
@@ -25,12 +26,11 @@ export interface ConnectionEvents {
   controls: ControlsT;
   status: ConnectionStatus;
   welcome: WelcomeT;
+  /** What a program that leads through a device's commissioning is at. */
+  commissioning: CommissioningT;
   /** The person leaves this page: the last moment to order something. */
   leaving: void;
 }
-
-/** Why this page lost the controls, which it did not give back: the person left it, or the program did not hear it. */
-export type Loss = '' | 'left' | 'unheard';
 
 /** The part of a WebSocket that is used; net/fake_program.ts is another one. */
 export interface Line {
@@ -80,10 +80,7 @@ export class Connection {
   latestState: WorldStateT | null = null;
   scene: SceneT | null = null;
   welcome: WelcomeT | null = null;
-  /** Whether this client commands, and whether any client does. */
-  controls = { heldByYou: false, held: false };
-  /** Until they are taken anew. */
-  loss: Loss = '';
+  commissioning: CommissioningT | null = null;
   /** Failed attempts since the line was last open, for the person to see that something happens. */
   attempts = 0;
   /** Messages that could not be read. */
@@ -95,7 +92,7 @@ export class Connection {
 
   private reading_ms = 0;
   private readonly listeners: Listeners = {
-    state: new Set(), scene: new Set(), events: new Set(), controls: new Set(), status: new Set(), welcome: new Set(), leaving: new Set(),
+    state: new Set(), scene: new Set(), events: new Set(), controls: new Set(), status: new Set(), welcome: new Set(), commissioning: new Set(), leaving: new Set(),
   };
   private readonly waiting = new Map<number, Waiting>();
   private line: Line | null = null;
@@ -106,16 +103,18 @@ export class Connection {
   private heard_ms = 0;
   private beat_ms = 0;
   private closed = false;
-  private away = false;
-  private taking = 0;          // the controls: orders without an answer yet
-  private beating = false;     // so the line was told
-  private giving = false;      // the controls back, at the person's wish
+  private readonly holding = new Holding((beats) => this.line?.hold?.(beats ? BEAT : null));
   private readonly stopAsked = new PendingStop(() => this.order(new EmergencyStopT()), () => this.tell('status', this.status));
 
   constructor(private readonly options: ConnectionOptions) {
     this.beatTimer = setInterval(() => this.beat(), HEARTBEAT_MS);
     this.connect();
   }
+
+  /** Whether this client commands, and whether any client does. */
+  get controls(): Hands { return this.holding.hands; }
+  /** Why this page lost them, until they are taken anew. */
+  get loss(): Loss { return this.holding.loss; }
 
   /** Calls back with every later message of that kind; returns what ends it. */
   on<Name extends keyof ConnectionEvents>(name: Name, callback: (value: ConnectionEvents[Name]) => void): () => void {
@@ -129,9 +128,9 @@ export class Connection {
     const line = this.line;
     if (this.status !== 'open' || !line) return Promise.resolve({ accepted: false, reason: text('line.none') });
     // Nothing begins or goes on by an order of a page that nobody sees; a stop always may.
-    if (this.away && !(order instanceof EmergencyStopT || order instanceof StopT)) return Promise.resolve({ accepted: false, reason: text('line.away') });
+    if (this.holding.away && !(order instanceof EmergencyStopT || order instanceof StopT || order instanceof RestT)) return Promise.resolve({ accepted: false, reason: text('line.away') });
     const id = ++this.lastId;
-    const within_ms = order instanceof LoadExerciseT || order instanceof ArmT ? SLOW_ANSWER_WITHIN_MS : ANSWER_WITHIN_MS;
+    const within_ms = order instanceof LoadExerciseT || order instanceof LoadProfileT || order instanceof ArmT ? SLOW_ANSWER_WITHIN_MS : ANSWER_WITHIN_MS;
     return new Promise((settle) => {
       const timer = setTimeout(() => this.settle(id, { accepted: false, reason: text('line.silent') }), within_ms);
       this.waiting.set(id, { settle, timer });
@@ -142,6 +141,8 @@ export class Connection {
   /** `endingsSeen`: what `endings` was when the person was shown what they pressed on. */
   arm(endingsSeen: number): Promise<Answer> { return this.order(new ArmT(endingsSeen)); }
   stop(): Promise<Answer> { return this.order(new StopT()); }
+  /** A gentle stop that the same page may end by arming again. */
+  rest(): Promise<Answer> { return this.order(new RestT()); }
   /** Sent until the program has confirmed it; answered then. */
   emergencyStop(): Promise<Answer> { return this.stopAsked.ask(); }
   /** An emergency stop was asked for, and the program has not said within 300 ms that it has it. */
@@ -150,40 +151,40 @@ export class Connection {
   loadExercise(exercise: string, level: number, hand: string): Promise<Answer> {
     return this.order(new LoadExerciseT(exercise, level, hand));
   }
+  /** Of a patient, by name: what is loaded and set now; or what was saved, while nothing is armed. */
+  saveProfile(name: string): Promise<Answer> { return this.order(new SaveProfileT(name)); }
+  loadProfile(name: string): Promise<Answer> { return this.order(new LoadProfileT(name)); }
+  /** What pages do for the player; Unsaid: the player chooses. */
+  setHelp(help: Help): Promise<Answer> { return this.order(new SetHelpT(help)); }
   setParameter(name: string, value: number): Promise<Answer> { return this.order(new SetParameterT(name, value)); }
   /** Where the person wants to be, one value per axis of the scene [m or rad]. */
   aim(q: number[]): Promise<Answer> { return this.order(new AimT(q)); }
   steer(by: Steering): Promise<Answer> { return this.order(new SteerT(by)); }
   act(act: Act): Promise<Answer> { return this.order(new ActionT(act)); }
+  /** To a question of a commissioning, by its number. */
+  answer(question: number, words: string): Promise<Answer> { return this.order(new AnswerT(question, words)); }
+  /** A button is held, or let go, without which a commissioning moves nothing. */
+  holdToMove(press: number, held: boolean): Promise<Answer> { return this.order(new HoldToMoveT(press, held)); }
   async takeControls(): Promise<Answer> {
-    // The beat begins before the answer can be read: a page that is busy meanwhile would lose them at once.
-    this.taking += 1;
-    this.keepBeating();
+    this.holding.asks();
     const answer = await this.order(new TakeControlsT(this.options.token ?? ''));
-    this.taking -= 1;
-    if (answer.accepted) {
-      this.loss = '';
-      this.giving = false;
-      this.setControls({ heldByYou: true, held: true });
-    }
-    this.keepBeating();
+    this.holding.answered(answer.accepted);
     return answer;
   }
   releaseControls(): Promise<Answer> {
-    this.giving = true;
+    this.holding.gives();
     return this.order(new ReleaseControlsT());
   }
 
   /** The person leaves the page: it is silent from now on, and the program takes the controls back by itself. */
   leave(): void {
-    if (this.away) return;
+    if (this.holding.away) return;
     this.tell('leaving', undefined);
-    this.away = true;
-    this.setControls({ ...this.controls, heldByYou: false });
+    this.holding.leave(this.rendering);
   }
 
   /** The person is here again. What was lost must be taken anew, by a press. */
-  comeBack(): void { this.away = false; }
+  comeBack(): void { this.holding.away = false; }
 
   /** Tries at once instead of after the wait. */
   retryNow(): void {
@@ -233,8 +234,6 @@ export class Connection {
 
   private lost(): void {
     this.dropLine();
-    this.controls = { heldByYou: false, held: false };
-    this.giving = false;
     for (const id of [...this.waiting.keys()]) this.settle(id, { accepted: false, reason: text('line.lost') });
     this.attempts += 1;
     this.setStatus('lost');
@@ -256,7 +255,7 @@ export class Connection {
   private dropLine(): void {
     const line = this.line;
     this.line = null;
-    this.beating = false;
+    this.holding.lineGone();
     if (!line) return;
     line.onopen = line.onmessage = line.onclose = null;
     line.close();
@@ -286,24 +285,10 @@ export class Connection {
       return;
     }
     // Not answered for: a beat whose answer is lost is followed by the next one.
-    if (!this.line.hold && this.status === 'open' && this.beats) this.line.send(encodeCommand(++this.lastId, new HeartbeatT()));
+    if (!this.line.hold && this.status === 'open' && this.holding.beats) this.line.send(encodeCommand(++this.lastId, new HeartbeatT()));
   }
 
-  private setControls(controls: { heldByYou: boolean; held: boolean }): void {
-    const lost = this.controls.heldByYou && !controls.heldByYou && !this.giving;
-    if (lost) this.loss = this.away ? 'left' : 'unheard';
-    this.controls = this.away ? { ...controls, heldByYou: false } : controls;
-    this.giving &&= controls.heldByYou;
-    this.keepBeating();
-  }
-
-  private get beats(): boolean { return !this.away && (this.controls.heldByYou || this.taking > 0); }
-
-  private keepBeating(): void {
-    if (this.beats === this.beating) return;
-    this.beating = this.beats;
-    this.line?.hold?.(this.beating ? BEAT : null);
-  }
+  private get rendering(): boolean { return this.latestState?.runState === RunState.Rendering; }
 
   private tell<Name extends keyof ConnectionEvents>(name: Name, value: ConnectionEvents[Name]): void {
     const set: Set<(value: ConnectionEvents[Name]) => void> = this.listeners[name];
@@ -344,6 +329,7 @@ export class Connection {
         const state = unpack(new WorldState());
         if (!state) return;
         this.latestState = state;
+        if (state.endings !== this.endings) this.holding.ended();
         this.endings = state.endings;
         this.latestStateAt_ms = this.heard_ms;
         this.tell('state', state);
@@ -374,8 +360,15 @@ export class Connection {
       case Payload.Controls: {
         const controls = unpack(new Controls());
         if (!controls) return;
-        this.setControls({ heldByYou: controls.heldByYou, held: controls.held });
+        this.holding.told({ heldByYou: controls.heldByYou, held: controls.held, role: controls.yourRole, holder: controls.holderRole, led: controls.led }, this.rendering);
         this.tell('controls', controls);
+        return;
+      }
+      case Payload.Commissioning: {
+        const commissioning = unpack(new Commissioning());
+        if (!commissioning) return;
+        this.commissioning = commissioning;
+        this.tell('commissioning', commissioning);
         return;
       }
       case Payload.Reply: {

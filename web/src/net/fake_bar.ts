@@ -32,10 +32,19 @@ export const AXES = [
   { name: 'thumb_flexion', unit: 'rad', lower: 0, upper: 80 * DEGREE, limit: 0.8, lever: 0.08, speed: 10, spring: 1.2 },
 ] as const;
 export const GEOMETRY = {
-  counter_z: -0.253, rail_z: 0.128, row_x: 0.119, pitch: 0.128, bottle_r: 0.025, bottle_h: 0.2, bottle_z: 0.004, nozzle_z: -0.109,
+  counter_z: -0.253, rail_z: 0.128, row_x: 0.119, pitch: 0.128, bottle_r: 0.025, soft: 0.005, bottle_h: 0.2, bottle_z: 0.004, nozzle_z: -0.109,
   glass_r: 0.034, glass_h: 0.116, m_per_l: 0.74, capacity_l: 0.14, grip: [0.049, 0.041, 0.004] as Triple,
 };
-export const SQUEEZE = { low_n: 5, high_n: 11, full_n: 18 };
+/** Felt at the fingertips, as in config/exercises/cocktail-bar.toml, level 1. */
+export const SQUEEZE = { threshold_n: 1, low_n: 1.4, high_n: 2.6, full_n: 6 };
+const FLOW_L_S_N = 0.0048;
+/** Of the softest liquid, and of the bottle's core, at the tip [N/m]. */
+const LIQUID_N_M = 100;
+const CORE_N_M = 625;
+const LEVER_M = 0.08;
+/** Overlap that is no touch yet [m], and how much deeper a digit gets as its axis closes [m/rad]. */
+const SKIN_M = 0.0008;
+const DEEPER_M = 0.05;
 const START_L = 0.7;
 const NEUTRAL = [-0.04, 0, -0.01, 65 * DEGREE, 5 * DEGREE, 0];
 
@@ -151,8 +160,8 @@ export class FakeBar {
     if (!grasping && nowX > 0.03) wanted = [x, open ? side : y, 0, 40 * DEGREE, open ? 5 * DEGREE : 20 * DEGREE, 0];
     if (!grasping && nowX > 0.03 && open && nowY < side + 0.01) wanted[0] = -0.04;
     if (grasping && this.stage !== Stage.Reach && nowX > x - 0.004 && Math.abs(nowY - y) < 0.004) {
-      const wish_n = this.poured_l > 0.85 * this.steps[this.step].amount_l ? 6 : 8.5;
-      const more = Math.max(-1, Math.min(1, (wish_n - this.squeeze_n) / 3)) * dt;
+      const wish_n = this.poured_l > 0.85 * this.steps[this.step].amount_l ? 1.6 : 2;
+      const more = Math.max(-1, Math.min(1, wish_n - this.squeeze_n)) * dt;
       wanted = [x, y, 0, Math.min(155 * DEGREE, this.intention[3] + 1.2 * more), 20 * DEGREE, Math.min(55 * DEGREE, this.intention[5] + 0.5 * more)];
     }
     if (this.stage === Stage.DrinkDone && this.rest_s > 6) this.next();
@@ -183,7 +192,7 @@ export class FakeBar {
     return Math.max(...capsules.filter((c) => parts(c.part)).map((c) => this.depth(c, bottle).depth));
   }
 
-  /** The avatar stops at the bottle where the device goes on: what is between is felt as force. */
+  /** The liquid is felt from the bottle's surface on, the core from where the avatar's digits stop. */
   private touch(dt: number): void {
     const q = [...this.qM];
     const near = this.liquids.findIndex((_, i) => Math.hypot(GEOMETRY.row_x - q[0] - GEOMETRY.grip[0], this.dispenserY(i) - q[1] - GEOMETRY.grip[1]) < 0.04);
@@ -191,13 +200,16 @@ export class FakeBar {
     this.squeeze_n = 0;
     this.palmDistance_m = 0.2;
     if (near >= 0) {
-      const skin = 0.0008;
       const palm = this.deepest(q, near, (part) => part === 0);
       this.palmDistance_m = Math.max(0, -palm);
-      if (palm > skin) q[0] -= Math.min(0.03, palm - skin);
-      for (let k = 0; k < 60 && q[3] > 0.3 && this.deepest(q, near, (part) => part >= 1 && part <= 4) > skin; k++) q[3] -= 1.5 * DEGREE;
-      for (let k = 0; k < 50 && q[5] > 0 && this.deepest(q, near, (part) => part === 5) > skin; k++) q[5] = Math.max(0, q[5] - 1.5 * DEGREE);
-      this.squeeze_n = 22 * Math.max(0, this.qM[3] - q[3]) + 9 * Math.max(0, this.qM[5] - q[5]);
+      if (palm > SKIN_M) q[0] -= Math.min(0.03, palm - SKIN_M);
+      const liquid_n_m = LIQUID_N_M * this.liquids[near].stiffness * this.alpha;
+      for (const axis of [3, 5]) {
+        const deep_m = Math.max(0, this.deepest(q, near, (part) => (axis === 5 ? part === 5 : part >= 1 && part <= 4)) - SKIN_M);
+        const inCore = Math.max(0, deep_m - GEOMETRY.soft) / DEEPER_M;
+        q[axis] = Math.max(0, q[axis] - inCore);
+        this.squeeze_n += LEVER_M * (liquid_n_m * deep_m / DEEPER_M + CORE_N_M * inCore);
+      }
     }
     // Blended over some steps: the search above moves in whole degrees.
     this.qS = q.map((v, i) => this.qS[i] + (v - this.qS[i]) * (1 - Math.exp(-dt * 30)));
@@ -225,7 +237,7 @@ export class FakeBar {
     const asked = this.steps[Math.min(this.step, this.steps.length - 1)];
     if (this.stage < Stage.DrinkDone) { this.drinkTime_s += dt; this.rest_s = 0; } else this.rest_s += dt;
     this.flow_l_s = 0;
-    if (this.engaged < 0 || this.squeeze_n < 2) {
+    if (this.engaged < 0 || this.squeeze_n < 0.5) {
       if (this.stage === Stage.LetGo && this.qM[0] < 0.03) this.stepDone();
       else if (this.stage === Stage.Pour) this.stage = Stage.Squeeze;
       else if (this.stage === Stage.Squeeze && this.engaged < 0) this.stage = Stage.Reach;
@@ -233,7 +245,7 @@ export class FakeBar {
       return;
     }
     const liquid = this.liquids[this.engaged];
-    this.flow_l_s = Math.min(this.left_l[this.engaged] / dt, Math.max(0, this.squeeze_n - 3) * 0.0016 / Math.sqrt(liquid.viscosity));
+    this.flow_l_s = Math.min(this.left_l[this.engaged] / dt, Math.max(0, this.squeeze_n - SQUEEZE.threshold_n) * FLOW_L_S_N / Math.sqrt(liquid.viscosity));
     const volume = this.flow_l_s * dt;
     if (volume <= 0) return;
     this.left_l[this.engaged] -= volume;

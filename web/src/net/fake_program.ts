@@ -6,7 +6,7 @@
 //   fault=12      faults after a second with that bit of Scene.fault_names, on the first axis
 import * as flatbuffers from 'flatbuffers';
 import {
-  Act, Action, Aim, Arm, AxisT, BodyT, CapsuleT, Command, ContactPointT, ControlsT, EventsT, EventT,
+  Act, Action, Aim, Arm, AxisT, BodyT, CapsuleT, Command, ContactPointT, ControlsT, DeviceStateT, EventsT, EventT, LetGo,
   LoadExercise, Message, MessageT, Order, ParameterGroup, ParameterT, Payload, PoseT, QuatXyzwT, Refusal, ReplyT, RunState, SafetyState, SceneT,
   SCHEMA_VERSION, SetParameter, ShapeT, ShapeType, StatisticsT, Steer, Steering, Vec3T, WelcomeT, WorldStateT,
 } from '../protocol';
@@ -53,6 +53,7 @@ export class FakeProgram {
   private latched = 0;
   private faulted = false;
   private endings = 1;
+  private rested = false;
   private heldByClient = false;
   private readonly parameters = PARAMETERS.map((p) => ({ now: p[5] as number, target: p[5] as number }));
   private readonly version: number;
@@ -177,6 +178,12 @@ export class FakeProgram {
         this.say(line, Payload.Scene, this.scene());
         return Refusal.None;
       case Order.Stop: return this.halt();
+      case Order.Rest: {
+        const rests = this.runState === RunState.Rendering;
+        this.halt();
+        this.rested = rests;
+        return Refusal.None;
+      }
       case Order.Steer: this.steering = (command.order(new Steer()) as Steer).by(); return Refusal.None;
       case Order.Aim: {
         const aim = command.order(new Aim()) as Aim;
@@ -209,6 +216,7 @@ export class FakeProgram {
     if (this.runState === RunState.Rendering) this.runState = RunState.Stopping;
     this.latched |= STOP_REQUESTED | why;
     this.endings += 1;
+    this.rested = false;
     return Refusal.None;
   }
 
@@ -270,6 +278,7 @@ export class FakeProgram {
     const g = GEOMETRY, bar = this.bar, s = new WorldStateT();
     s.session = this.session;
     s.endings = this.endings;
+    s.rested = this.rested && this.runState !== RunState.Rendering;
     s.tick = BigInt(this.tick);
     s.timeS = bar.time_s;
     s.sentMonotonicNs = BigInt(Math.round(performance.now() * 1e6));
@@ -305,6 +314,8 @@ export class FakeProgram {
     s.parameters = this.parameters.map((p) => p.now);
     s.statistics = new StatisticsT(BigInt(this.tick), BigInt(2), BigInt(0), 148 + 4 * Math.random(), 236, 402, 890);
     s.recordingBytes = BigInt(this.tick * 400);
+    const enabled = this.runState !== RunState.Disarmed;
+    s.device = this.options.has('hardware') ? new DeviceStateT(enabled, true, false, true, 38, 0.001, true, 0.0003, LetGo.Not) : null;
     return s;
   }
 }

@@ -2,6 +2,9 @@ import { Connection } from './connection';
 import { followPresence } from './presence';
 import { WorkerLine } from './worker_line';
 
+/** What a page is there for: the game is the player's, the console the therapist's. */
+export type PageRole = 'player' | 'therapist';
+
 /** Token of the address, "?token=…" or "#token=…"; the second one is in no server's log. */
 export function tokenOf(address: Pick<Location, 'search' | 'hash'>): string {
   const fragment = new URLSearchParams(address.hash.replace(/^#/, ''));
@@ -9,24 +12,45 @@ export function tokenOf(address: Pick<Location, 'search' | 'hash'>): string {
 }
 
 /** Where the program's WebSocket is. ?server=host:port names another one, of this machine and in development only. */
-export function socketUrl(address: Pick<Location, 'protocol' | 'host' | 'search' | 'hash'>, development: boolean): string {
+export function socketUrl(address: Pick<Location, 'protocol' | 'host' | 'search' | 'hash'>, development: boolean, role: PageRole, token = tokenOf(address)): string {
   const asked = development ? new URLSearchParams(address.search).get('server') : null;
   const host = asked && /^(localhost|127\.0\.0\.1)(:\d+)?$/.test(asked) ? asked : address.host;
-  const token = tokenOf(address);
   const scheme = address.protocol === 'https:' ? 'wss' : 'ws';
-  return `${scheme}://${host}/ws${token ? `?token=${encodeURIComponent(token)}` : ''}`;
+  // Whoever only wants to look says so: "?role=watcher".
+  const wanted = new URLSearchParams(address.search).get('role') === 'watcher' ? 'watcher' : role;
+  return `${scheme}://${host}/ws?role=${wanted}${token ? `&token=${encodeURIComponent(token)}` : ''}`;
+}
+
+const STORED = 'wholehand.token';
+
+/** The token, taken out of the address: there it would be seen, bookmarked and shared. The tab keeps it over a reload. */
+export function takeToken(): string {
+  const shown = tokenOf(location);
+  try {
+    if (!shown) return sessionStorage.getItem(STORED) ?? '';
+    sessionStorage.setItem(STORED, shown);
+  } catch {
+    return shown;  // without storage a reload would lose it: it stays where it is
+  }
+  const address = new URL(location.href);
+  address.searchParams.delete('token');
+  const fragment = new URLSearchParams(address.hash.replace(/^#/, ''));
+  fragment.delete('token');
+  address.hash = fragment.toString();
+  history.replaceState(history.state, '', address);
+  return shown;
 }
 
 /** The connection of this page; with ?fake, in development builds, to a stand-in inside the page. */
-export async function openConnection(): Promise<Connection> {
-  const connection = await connect();
+export async function openConnection(role: PageRole): Promise<Connection> {
+  const connection = await connect(role);
   followPresence(connection);
   return connection;
 }
 
-async function connect(): Promise<Connection> {
-  const token = tokenOf(location);
-  const url = socketUrl(location, import.meta.env.DEV);
+async function connect(role: PageRole): Promise<Connection> {
+  const token = takeToken();
+  const url = socketUrl(location, import.meta.env.DEV, role, token);
   if (import.meta.env.DEV && new URLSearchParams(location.search).has('fake')) {
     const { FakeProgram } = await import('./fake_program');
     const program = new FakeProgram(new URLSearchParams(location.search));

@@ -8,10 +8,11 @@ import { madeSkin } from '../hand/skin_maker';
 import type { SceneT, WorldStateT } from '../protocol';
 import { Backdrop } from './backdrop';
 import { BarView } from './bar_view';
-import { placeCamera, type CameraPlace, type View } from './camera';
+import { placeCamera, pointInRow, turnOf, type CameraPlace, type View } from './camera';
 import { ContactGlow } from './contacts';
 import { compiled } from './compile';
 import { barOf, type Bar } from './exercise';
+import { bottlesOf, outlineOf } from './outline';
 import { FrameClock } from './frame_clock';
 import { programFrame, toThree, type Triple } from './frames';
 import { disposeTree } from './materials';
@@ -43,7 +44,7 @@ export interface Labels {
 const LOW_PIXELS = 450_000;
 const MOST_PIXELS = 2;
 /** Where the row stands when no exercise says so [m]. */
-const DEFAULT_PLACE: CameraPlace = { counter_y: -0.253, row_z: -0.119 };
+const DEFAULT_PLACE: CameraPlace = { right: true, counter_y: -0.253, row_z: -0.119 };
 
 export class BarScene {
   private readonly renderer: WebGLRenderer;
@@ -57,6 +58,8 @@ export class BarScene {
   private state: WorldStateT | undefined;
   private bar: BarView | undefined;
   private place = DEFAULT_PLACE;
+  private outline: Vector3[] = [];   // of the row, wherever it slides
+  private bottles: Vector3[] = [];
   private stage: Stage | undefined;
   private backdrop: Backdrop | undefined;
   private hand: HandView | undefined;
@@ -94,10 +97,12 @@ export class BarScene {
 
   setState(state: WorldStateT): void {
     const start = performance.now();
+    const first = this.state === undefined;
     this.state = state;
     this.fresh = true;
     this.poses = linkPoses(state.links, this.poses) as Float64Array<ArrayBuffer>;
     if (state.links.length > 0) void this.makeHand();
+    if (first) this.placeRow();
     this.contacts.take(state.contacts);
     this.stateScript_ms += performance.now() - start;
   }
@@ -112,6 +117,12 @@ export class BarScene {
     if (quality === this.quality) return;
     this.quality = quality;
     this.build();
+  }
+
+  /** What the graphics card keeps for it. */
+  get memory(): { geometries: number; textures: number } {
+    const { geometries, textures } = this.renderer.info.memory;
+    return { geometries, textures };
   }
 
   /** Whether all of it is drawn: room, things and hand are made beside the page's own work. */
@@ -135,13 +146,20 @@ export class BarScene {
     const device = Math.min(MOST_PIXELS, window.devicePixelRatio || 1);
     this.renderer.setPixelRatio(this.quality === 'high' ? device : Math.min(1, Math.sqrt(LOW_PIXELS / (width * height))));
     this.renderer.setSize(width, height, false);
-    placeCamera(this.camera, this.options.view, this.place, width, height);
+    placeCamera(this.camera, this.options.view, this.place, this.outline, width, height);
+    this.bar?.placeGuest(this.camera, this.place, this.bottles);
     if (this.compiled) this.takeBackdrop();
     else this.renderer.clear();
   }
 
   /** Where a point of the program's world is in the canvas. */
   project(world_m: Triple): Pixel { return this.pixel(toThree(world_m)); }
+
+  /** Where in the row's plane a point of the page is [m, the program's world]; null: beside the picture. */
+  rowPoint(x_px: number, y_px: number): { y_m: number; z_m: number } | null {
+    const box = this.canvas.getBoundingClientRect();
+    return pointInRow(this.camera, this.place.row_z, (x_px - box.left) / box.width, (y_px - box.top) / box.height);
+  }
 
   labels(): Labels {
     if (this.fresh && this.state) this.update(this.state, 0);   // where things are, not where they were drawn last
@@ -186,9 +204,7 @@ export class BarScene {
     this.clear();
     this.renderer.toneMapping = this.quality === 'high' ? NeutralToneMapping : NoToneMapping;
     const bar = this.told ? barOf(this.told) : undefined;
-    this.place = placeOf(bar, this.told, this.state);
     this.stage = makeStage(this.renderer, this.scene, this.quality, bar ? bar.rail_z_m - bar.counter_z_m : this.told ? undefined : 0.381);
-    this.stage.place(this.place.counter_y, this.place.row_z);
     if (this.quality === 'low') this.scene.add((this.backdrop = new Backdrop()).mesh);
     if (bar && this.told) {
       this.bar = new BarView(bar, this.told, this.quality);
@@ -201,10 +217,20 @@ export class BarScene {
       return group;
     }) ?? [];
     this.scene.add(this.plain, this.contacts.root);
-    this.resize();
+    this.placeRow();
     void this.compile();
     if (this.state) void this.makeHand();
     this.fresh = true;
+  }
+
+  /** Room and camera where the row stands. */
+  private placeRow(): void {
+    const bar = this.told ? barOf(this.told) : undefined;
+    this.place = placeOf(bar, this.told, this.state);
+    this.outline = bar && this.told && this.state ? outlineOf(bar, this.told, this.state) : [];
+    this.bottles = bar && this.told && this.state ? bottlesOf(bar, this.told, this.state) : [];
+    this.stage?.place(this.place.counter_y, this.place.row_z, turnOf(this.place.right));
+    this.resize();
   }
 
   private async compile(): Promise<void> {
@@ -272,8 +298,9 @@ function drawn({ exerciseJson, valueNames, capsules, bodies, rightHand, linkName
 
 /** The bar's own place; another scene's table top, or the usual one. */
 function placeOf(bar: Bar | undefined, scene: SceneT | undefined, state: WorldStateT | undefined): CameraPlace {
-  if (!bar || !scene) return DEFAULT_PLACE;
+  const right = scene?.rightHand ?? true;
+  if (!bar || !scene) return { ...DEFAULT_PLACE, right };
   const first = scene.bodies.findIndex((b) => String(b.name) === bar.dispensers[0]?.body);
   const row_x = state?.bodies[first]?.positionM?.x ?? -DEFAULT_PLACE.row_z;
-  return { counter_y: bar.counter_z_m, row_z: -row_x };
+  return { right, counter_y: bar.counter_z_m, row_z: -row_x };
 }

@@ -8,13 +8,19 @@ import { Sign, makeDispenser } from './dispenser';
 import { ExerciseValues, STAGE, type Bar } from './exercise';
 import { quaternionToThree, toThree } from './frames';
 import { FLOOR_M, GlassView, innerRadius, rimHeight } from './glass';
+import type { CameraPlace } from './camera';
+import { GuestView } from './guest';
 import { layersOf, lineHeight, surfaceHeight } from './layers';
 import type { Quality } from './quality';
+import { ServingClock, type Serving } from './serving';
 import { StreamView } from './stream';
 
 /** Over the rail, and before it [m]. */
 const SIGN_OVER_M = 0.012;
 const SIGN_BEFORE_M = 0.014;
+/** The done glass: how far before the guest it is drunk from, and how far it slides out of the picture [m]. */
+const GLASS_BEFORE_GUEST_M = 0.2;
+const GLASS_AWAY_M = 0.8;
 
 interface Hung { readonly body: number; readonly root: Group; readonly dent: Dent | undefined; readonly sign: Sign; slot: Vector3 | undefined }
 
@@ -31,20 +37,23 @@ export class BarView {
   private readonly hung: Hung[];
   private readonly glass: GlassView;
   private readonly stream: StreamView;
+  private readonly guest = new GuestView();
+  private readonly serving = new ServingClock();
+  private readonly still = matchMedia('(prefers-reduced-motion: reduce)');
   private readonly glassBody: number;
   private readonly railBody: number;
   private row_y0: number | undefined;
   private line_m: number | undefined;
   private target = -1;
 
-  constructor(private readonly bar: Bar, scene: SceneT, quality: Quality) {
+  constructor(private readonly bar: Bar, private readonly scene: SceneT, quality: Quality) {
     const bodyIndex = (name: string) => scene.bodies.findIndex((b) => String(b.name) === name);
     this.values = new ExerciseValues(scene.valueNames);
     this.glassBody = bodyIndex(bar.glass.body);
     this.railBody = bodyIndex('rail');
     this.glass = new GlassView(bar.glass, quality);
     this.stream = new StreamView(quality);
-    this.root.add(this.glass.root, this.stream.root);
+    this.root.add(this.glass.root, this.stream.root, this.guest.root);
     this.hung = bar.dispensers.map((d) => {
       const { root, wall } = makeDispenser(d, quality, bar.rail_z_m - d.grip_m[2]);
       const sign = new Sign(d.liquid);
@@ -74,9 +83,12 @@ export class BarView {
     const rim = rimHeight(this.bar.glass), rise = this.bar.glass.m_per_l, step = this.values.get(state, 'step');
     const liquids = drink?.steps.map((s) => s.liquid) ?? [];
     this.line_m = done || !drink ? undefined : lineHeight(poured, step, this.values.get(state, 'asked_l'), rise, rim);
-    this.glass.update(layersOf(poured, liquids, rise, rim), this.line_m, done);
+    const serving = this.serving.look(done, stage === STAGE.squeeze || stage === STAGE.pouring || stage === STAGE.letGo, dt_s, this.still.matches);
+    this.glass.update(serving.empty ? [] : layersOf(poured, liquids, rise, rim), this.line_m, done && !serving.empty);
     const body = state.bodies[this.glassBody];
     if (body) place(this.glass.root, body, -this.bar.glass.height_m / 2);
+    this.guest.update(this.scene.level * this.bar.drinks.length + this.values.get(state, 'drink'), serving.pose, dt_s);
+    this.serve(serving);
     this.updateStream(state, surfaceHeight(poured, rise, rim), dt_s);
   }
 
@@ -99,6 +111,20 @@ export class BarView {
     if (!at) return;
     const share = 1 - Math.exp(-dt_s / 0.15), x = light.target.position.x + (at.x - light.target.position.x) * share;
     light.target.position.x = light.position.x = x;
+  }
+
+  /** @param bottles what it must not stand behind */
+  placeGuest(camera: PerspectiveCamera, at: CameraPlace, bottles: readonly Vector3[]): void {
+    this.guest.place(camera, at, bottles);
+  }
+
+  /** The glass to the guest and away, as looks alone. */
+  private serve({ toMiddle, away, seen }: Serving): void {
+    const glass = this.glass.root, facing = new Vector3(0, 0, 1).applyQuaternion(this.guest.root.quaternion);
+    const middle = this.guest.root.position.clone().addScaledVector(facing, GLASS_BEFORE_GUEST_M).setY(glass.position.y);
+    glass.position.lerp(middle, toMiddle);
+    glass.position.addScaledVector(new Vector3(-1, 0, 0).applyQuaternion(this.guest.root.quaternion), GLASS_AWAY_M * away);
+    this.glass.fade(seen);
   }
 
   private placeDispensers(state: WorldStateT, names: Readonly<Record<string, string>>, eye: Vector3, done: boolean): void {

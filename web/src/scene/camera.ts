@@ -1,9 +1,10 @@
 // Where the picture is taken from: fixed, so that seen and felt directions agree.
 //
-// The camera stands to the left of the hand and somewhat above, where thumb, fingers, bottle and
-// glass are seen at once. It is level, and turned only part of the way back; the rest is a shift of
-// the picture in its plane, as architects photograph houses. So verticals stand upright, the row of
-// dispensers is nearly level and of one size, and the hand's left and right are the picture's.
+// The camera stands beside the hand, on the thumb's side of its palm, and somewhat above, where thumb,
+// fingers, bottle and glass are seen at once; a left hand has the mirror image. It is level, and turned
+// only part of the way back; the rest is a shift of the picture in its plane, as architects photograph
+// houses. So verticals stand upright, the row of dispensers is nearly level and of one size, and the
+// hand's left and right are the picture's.
 
 import { PerspectiveCamera, Vector3 } from 'three';
 
@@ -13,37 +14,91 @@ export type View = 'game' | 'console';
 const WIDTH_PX = 1280;
 const HEIGHT_PX = 800;
 const FIELD_RAD = 24.5 * Math.PI / 180;
-/** Middle of the picture moved to the right, so that the card hides nothing [px of the designed picture]. */
-const CARD_SHIFT_PX = 122;
+const FOCAL_PX = HEIGHT_PX / 2 / Math.tan(FIELD_RAD / 2);
+/** What is looked at, in the designed picture: in the game right of the card. */
+const LOOK_PX = { game: { x: 762, y: 400 }, console: { x: 640, y: 400 } };
+/** Between things and the edge of what is free [designed px]. */
+const MARGIN_PX = 14;
 
-/** Of the camera, left of the straight line through what it looks at, and above it. */
+/** Of the camera, beside the straight line through what it looks at, and above it. */
 const AZIMUTH_RAD = -26 * Math.PI / 180;
 const ELEVATION_RAD = 14 * Math.PI / 180;
-/** How far it turns back. All of it would make the row slope, nothing of it would tilt the glass. */
+/** How far it turns back. All of it would make the row slope, nothing of it would tilt the glass. The room turns with it: the counter's far edge is the picture's horizon. */
 const YAW_RAD = -17 * Math.PI / 180;
 /** Away from the row of dispensers [m]. */
 const DEPTH_M = 1.12;
-/** What is in the middle: over the counter, and left of the device's middle, as grasps are [m]. */
+/** What is in the middle: over the counter, and beside the device's middle, as grasps are [m]. */
 const LOOK_HEIGHT_M = 0.177;
-const LOOK_LEFT_M = 0.03;
+const LOOK_ASIDE_M = 0.03;
 
-/** Where the row of dispensers stands over the counter's top, three.js's frame [m]. */
-export interface CameraPlace { readonly counter_y: number; readonly row_z: number }
+/** The hand's side, and where the row of dispensers stands over the counter's top, three.js's frame [m]. */
+export interface CameraPlace { readonly right: boolean; readonly counter_y: number; readonly row_z: number }
 
-export function placeCamera(camera: PerspectiveCamera, view: View, at: CameraPlace, width_px: number, height_px: number): void {
-  const look = new Vector3(-LOOK_LEFT_M, at.counter_y + LOOK_HEIGHT_M, at.row_z);
-  camera.position.set(look.x + DEPTH_M * Math.tan(AZIMUTH_RAD), look.y + DEPTH_M * Math.tan(ELEVATION_RAD), look.z + DEPTH_M);
-  camera.rotation.set(0, YAW_RAD, 0);
+/** Of the camera, and of the room behind the row, about the upright [rad]. */
+export function turnOf(right: boolean): number { return right ? YAW_RAD : -YAW_RAD; }
+
+interface Free { readonly x: number; readonly y: number; readonly width: number; readonly height: number; readonly scale: number }
+
+/** Part of the picture that no card covers (game.css), and its size against the designed one's [px]. */
+function freeOf(view: View, width: number, height: number): Free {
+  if (view === 'console') return { x: 0, y: 0, width, height, scale: Math.min(width / WIDTH_PX, height / HEIGHT_PX) };
+  const upright = width / height <= 1.1;
+  const u = upright ? width / 740 : Math.min(width / WIDTH_PX, height / HEIGHT_PX);
+  const strip = upright ? Math.max(190 * u, 112 * u + 78) : Math.max(104 * u, 80);
+  const [left, top] = upright ? [0, 256 * u] : [336 * u, 0];
+  const free = { x: left, y: top, width: width - left, height: height - top - strip };
+  return { ...free, scale: Math.min(free.width / (WIDTH_PX - 336), free.height / (HEIGHT_PX - 104)) };
+}
+
+/** Where the designed picture has what is looked at, in this one. */
+function lookIn(view: View, free: Free): { x: number; y: number } {
+  const designed = freeOf(view, WIDTH_PX, HEIGHT_PX), at = LOOK_PX[view];
+  return {
+    x: free.x + free.width / 2 + (at.x - designed.x - designed.width / 2) * free.scale,
+    y: free.y + free.height / 2 + (at.y - designed.y - designed.height / 2) * free.scale,
+  };
+}
+
+/** By how much a range must move to lie within [from, to], as far as it can. */
+function into(low: number, high: number, from: number, to: number): number {
+  return high - low > to - from ? (from + to - low - high) / 2 : Math.max(0, from - low) - Math.max(0, high - to);
+}
+
+/** @param seen points that must be in the free part of the picture, three.js's frame [m] */
+export function placeCamera(camera: PerspectiveCamera, view: View, at: CameraPlace, seen: readonly Vector3[], width_px: number, height_px: number): void {
+  const side = at.right ? 1 : -1;
+  const look = new Vector3(-side * LOOK_ASIDE_M, at.counter_y + LOOK_HEIGHT_M, at.row_z);
+  camera.position.set(look.x + side * DEPTH_M * Math.tan(AZIMUTH_RAD), look.y + DEPTH_M * Math.tan(ELEVATION_RAD), look.z + DEPTH_M);
+  camera.rotation.set(0, turnOf(at.right), 0);
+  camera.updateMatrixWorld(true);
+  const flat = (p: Vector3) => { const c = p.clone().applyMatrix4(camera.matrixWorldInverse); return { x: c.x / -c.z, y: c.y / c.z }; };   // y down
+  const all = seen.map(flat), xs = all.map((p) => p.x), ys = all.map((p) => p.y);
+  const free = freeOf(view, width_px, height_px), margin = MARGIN_PX * free.scale;
+  const room = { x: free.width - 2 * margin, y: free.height - 2 * margin };
+  const focal = all.length === 0 ? FOCAL_PX * free.scale
+    : Math.min(FOCAL_PX * free.scale, room.x / (Math.max(...xs) - Math.min(...xs)), room.y / (Math.max(...ys) - Math.min(...ys)));
+  const middle = flat(look), wanted = lookIn(view, free);
+  const shift = { x: wanted.x - focal * middle.x, y: wanted.y - focal * middle.y };   // where the camera's own axis is drawn
+  if (all.length > 0) {
+    shift.x += into(shift.x + focal * Math.min(...xs), shift.x + focal * Math.max(...xs), free.x + margin, free.x + margin + room.x);
+    shift.y += into(shift.y + focal * Math.min(...ys), shift.y + focal * Math.max(...ys), free.y + margin, free.y + margin + room.y);
+  }
   camera.aspect = width_px / Math.max(1, height_px);
-  // A narrower picture than the designed one keeps the width, and with it the row.
-  const half = Math.tan(FIELD_RAD / 2) * Math.max(1, WIDTH_PX / HEIGHT_PX / camera.aspect);
-  camera.fov = 2 * Math.atan(half) * 180 / Math.PI;
+  camera.fov = 2 * Math.atan(height_px / 2 / focal) * 180 / Math.PI;
   camera.near = 0.1;
   camera.far = 8;
-  const card_px = view === 'game' ? CARD_SHIFT_PX * Math.min(width_px / WIDTH_PX, height_px / HEIGHT_PX) : 0;
-  // Where it would see what it looks at, without the shift.
-  camera.updateMatrixWorld(true);
-  const seen = look.applyMatrix4(camera.matrixWorldInverse), focal_px = height_px / 2 / half;
-  camera.setViewOffset(width_px, height_px, focal_px * seen.x / -seen.z - card_px, focal_px * -seen.y / -seen.z, width_px, height_px);
+  camera.setViewOffset(width_px, height_px, width_px / 2 - shift.x, height_px / 2 - shift.y, width_px, height_px);
   camera.updateProjectionMatrix();
+}
+
+/**
+ * What of the row's plane is seen at a point of the picture, the program's world (y left, z up) [m].
+ * @param across, @param down as parts of the picture, 0 .. 1; null beside it
+ */
+export function pointInRow(camera: PerspectiveCamera, row_z: number, across: number, down: number): { y_m: number; z_m: number } | null {
+  if (!(across >= 0 && across <= 1 && down >= 0 && down <= 1)) return null;
+  camera.updateMatrixWorld(true);
+  const from = camera.position, way = new Vector3(2 * across - 1, 1 - 2 * down, 0.5).unproject(camera).sub(from);
+  const far = (row_z - from.z) / way.z;
+  return Number.isFinite(far) && far > 0 ? { y_m: -(from.x + far * way.x), z_m: from.y + far * way.y } : null;
 }

@@ -20,6 +20,7 @@ export interface Bar {
   readonly glass: BarGlass;
   readonly counter_z_m: number;
   readonly rail_z_m: number;
+  readonly row_y_m?: readonly [number, number];   // of the first dispenser, while the row slides
   readonly drinks: readonly { readonly name: string; readonly steps: readonly BarStep[] }[];
 }
 

@@ -72,6 +72,7 @@ export class GlassView {
   private readonly line = new Group();
   private readonly garnish = new Group();
   private layers: LayerView[] = [];
+  private faded = 1;
 
   constructor(private readonly glass: BarGlass, private readonly quality: Quality) {
     this.root.add(this.contents, this.line, this.garnish);
@@ -98,6 +99,25 @@ export class GlassView {
       this.line.scale.set(r, 1, r);
     }
     this.garnish.visible = done;
+  }
+
+  /** @param share of it that is seen, 0 .. 1; only a share between makes its materials transparent */
+  fade(share: number): void {
+    this.root.visible = share > 0;
+    if (share === this.faded) return;
+    this.faded = share;
+    this.root.traverse((object) => {
+      const material = (object as Mesh).material;
+      for (const m of material ? [material].flat() : []) {
+        const whole = m.userData as { opacity?: number; transparent?: boolean };
+        whole.opacity ??= m.opacity;
+        whole.transparent ??= m.transparent;
+        const transparent = whole.transparent || share < 1;
+        if (m.transparent !== transparent) m.needsUpdate = true;
+        m.transparent = transparent;
+        m.opacity = whole.opacity * share;
+      }
+    });
   }
 
   private pourOut(from: number): void {

@@ -27,11 +27,13 @@ export function flat(color: string, more: ConstructorParameters<typeof MeshBasic
   return new MeshBasicMaterial({ color: new Color(color), toneMapped: false, ...more });
 }
 
-/** Frees geometry, materials and textures of everything below. */
+/** Frees geometry, materials, textures, instances and shadow maps of everything below. */
 export function disposeTree(root: { traverse(visit: (o: object) => void): void }): void {
   root.traverse((object) => {
     const { geometry, material } = object as { geometry?: { dispose(): void }; material?: Material | Material[] };
     geometry?.dispose();
+    const { isLight, isInstancedMesh, dispose } = object as { isLight?: boolean; isInstancedMesh?: boolean; dispose?(): void };
+    if (isLight || isInstancedMesh) dispose?.call(object);
     for (const m of material ? [material].flat() : []) {
       for (const value of Object.values(m)) if (value?.isTexture) value.dispose();
       m.dispose();

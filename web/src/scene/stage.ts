@@ -3,10 +3,10 @@
 
 import {
   BoxGeometry, Color, CylinderGeometry, DirectionalLight, DoubleSide, Group, HemisphereLight, InstancedMesh, Matrix4,
-  Mesh, MeshBasicMaterial, PCFShadowMap, PlaneGeometry, PMREMGenerator, Scene, SphereGeometry, SpotLight,
-  type Texture, type WebGLRenderer,
+  Mesh, MeshBasicMaterial, PCFShadowMap, PlaneGeometry, PMREMGenerator, RepeatWrapping, Scene, SphereGeometry, SpotLight,
+  type WebGLRenderer, type WebGLRenderTarget,
 } from 'three';
-import { surface } from './materials';
+import { disposeTree, surface } from './materials';
 import { picture, woodTexture } from './patterns';
 import type { Quality } from './quality';
 
@@ -14,7 +14,14 @@ import type { Quality } from './quality';
 export const ROOM = '#142726';
 const WALL_Z = -0.62;
 const FLUTE = 0.05;
-const WIDTH = 4.2;
+/** Wall and counter go on beyond every picture, upright and very wide ones too (camera.test.ts) [m]. */
+const WIDTH = 8.4;
+const HEIGHT = 4.2;
+/** Of what is painted on the wall: the middle of it. */
+const PAINTED = { width_m: 4.2, height_m: 2.1 } as const;
+export const WALL = { width_m: WIDTH, height_m: HEIGHT, front_z: WALL_Z + FLUTE * 0.8 } as const;
+/** The counter's near edge, and how far its front goes down [m]. */
+export const COUNTER = { edge_z: 0.232, front_m: 0.64 } as const;
 const RAIL_M = 0.01;
 
 export interface Stage {
@@ -22,7 +29,8 @@ export interface Stage {
   readonly rail: Group;
   readonly light: Group;
   readonly target: SpotLight | undefined;     // the soft spot on what is wanted
-  place(counter_y: number, row_z: number): void;
+  /** @param turn_rad of wall and counter about the upright, so that they face the picture */
+  place(counter_y: number, row_z: number, turn_rad: number): void;
   dispose(): void;
 }
 
@@ -31,7 +39,7 @@ export function brass(quality: Quality) {
 }
 
 /** What shiny things mirror: a wide warm window on the left, a low cool one on the right. */
-function softbox(renderer: WebGLRenderer): Texture {
+function softbox(renderer: WebGLRenderer): WebGLRenderTarget {
   const studio = new Scene(), generator = new PMREMGenerator(renderer);
   const window = (color: string, light: number, at: [number, number, number], w: number, h: number) => {
     const pane = new Mesh(new PlaneGeometry(w, h), new MeshBasicMaterial({ color: new Color(color).multiplyScalar(light), side: DoubleSide }));
@@ -44,9 +52,10 @@ function softbox(renderer: WebGLRenderer): Texture {
   window('#dbe9ea', 2.2, [4.2, 1.6, 1.6], 1.6, 3.6);
   window('#ffe2b8', 3.2, [0, 5, 0.5], 4, 1.6);
   window('#8a5a38', 0.8, [0, -4, 2], 8, 4);
-  const texture = generator.fromScene(studio, 0.03).texture;
+  const target = generator.fromScene(studio, 0.03);
   generator.dispose();
-  return texture;
+  disposeTree(studio);
+  return target;
 }
 
 function spot(color: string, candela: number, half: number, soft: number, from: [number, number, number], to: [number, number, number]): SpotLight {
@@ -86,37 +95,41 @@ function lowLights(root: Group): void {
 function flutedWall(): Mesh {
   const material = surface('high', { color: new Color('#27495C'), roughness: 0.82 });
   const count = Math.round(WIDTH / FLUTE);
-  const wall = new InstancedMesh(new CylinderGeometry(FLUTE * 0.86, FLUTE * 0.86, 1.6, 32, 1, true), material, count);
-  for (let i = 0; i < count; i++) wall.setMatrixAt(i, new Matrix4().makeTranslation((i - count / 2 + 0.5) * FLUTE, 0.5, WALL_Z));
+  const wall = new InstancedMesh(new CylinderGeometry(FLUTE * 0.86, FLUTE * 0.86, HEIGHT, 16, 1, true, -Math.PI / 2, Math.PI), material, count);
+  for (let i = 0; i < count; i++) wall.setMatrixAt(i, new Matrix4().makeTranslation((i - count / 2 + 0.5) * FLUTE, HEIGHT / 2, WALL_Z));
   wall.receiveShadow = true;
   return wall;
 }
 
 /** The same wall as a picture: flutes and the two pools of light. */
 function paintedWall(): Mesh {
-  const texture = picture(2048, 512, (pen) => {
-    const flute = 2048 / (WIDTH / FLUTE);
+  const texture = picture(2048, 1024, (pen) => {
+    const flute = 2048 / (PAINTED.width_m / FLUTE);
     for (let x = 0; x < 2048; x += flute) {
       const g = pen.createLinearGradient(x, 0, x + flute, 0);
       g.addColorStop(0, '#1d3638'); g.addColorStop(0.3, '#345154'); g.addColorStop(0.7, '#2f4a4d'); g.addColorStop(1, '#1d3638');
       pen.fillStyle = g;
-      pen.fillRect(x, 0, flute + 1, 512);
+      pen.fillRect(x, 0, flute + 1, 1024);
     }
     for (const x of [0.4, 0.6]) {
-      const g = pen.createRadialGradient(x * 2048, 300, 20, x * 2048, 300, 330);
+      const g = pen.createRadialGradient(x * 2048, 812, 20, x * 2048, 812, 330);
       g.addColorStop(0, 'rgba(255,230,190,.20)'); g.addColorStop(1, 'rgba(0,10,14,0)');
       pen.fillStyle = g;
-      pen.fillRect(0, 0, 2048, 512);
+      pen.fillRect(0, 0, 2048, 1024);
     }
   });
-  const wall = new Mesh(new PlaneGeometry(WIDTH, 1.05), new MeshBasicMaterial({ map: texture }));
-  wall.position.set(0, 0.525, WALL_Z + FLUTE * 0.8);
+  // Beside it the picture begins again, above it the flutes go on.
+  texture.wrapS = RepeatWrapping;
+  const geometry = new PlaneGeometry(WIDTH, HEIGHT), uv = geometry.attributes.uv;
+  for (let i = 0; i < uv.count; i++) uv.setXY(i, 0.5 + (uv.getX(i) - 0.5) * WIDTH / PAINTED.width_m, uv.getY(i) * HEIGHT / PAINTED.height_m);
+  const wall = new Mesh(geometry, new MeshBasicMaterial({ map: texture }));
+  wall.position.set(0, HEIGHT / 2, WALL_Z + FLUTE * 0.8);
   return wall;
 }
 
 function counter(quality: Quality): Group {
   const root = new Group(), wood = woodTexture();
-  wood.repeat.set(1.6, 0.9);
+  wood.repeat.set(3.2, 0.9);   // as fine over its whole width
   const low = quality === 'low';
   const top = new Mesh(new BoxGeometry(WIDTH, 0.045, 0.86), low
     ? new MeshBasicMaterial({ map: wood, color: new Color(1.9, 1.45, 1.05) })
@@ -125,8 +138,8 @@ function counter(quality: Quality): Group {
   const edge = new Mesh(new CylinderGeometry(0.0225, 0.0225, WIDTH, 24), surface(quality, { map: wood, roughness: 0.42, clearcoat: 0.4, clearcoatRoughness: 0.3 }));
   edge.rotation.z = Math.PI / 2;
   edge.position.set(0, -0.0225, 0.23);
-  const front = new Mesh(new PlaneGeometry(WIDTH, 0.6), new MeshBasicMaterial({ color: '#15100d' }));
-  front.position.set(0, -0.34, 0.232);
+  const front = new Mesh(new PlaneGeometry(WIDTH, COUNTER.front_m - 0.04), new MeshBasicMaterial({ color: '#15100d' }));
+  front.position.set(0, -(COUNTER.front_m + 0.04) / 2, COUNTER.edge_z);
   top.receiveShadow = edge.receiveShadow = true;
   root.add(top, edge, front);
   return root;
@@ -147,8 +160,10 @@ export function makeStage(renderer: WebGLRenderer, scene: Scene, quality: Qualit
   renderer.shadowMap.enabled = quality === 'high';
   renderer.shadowMap.type = PCFShadowMap;
   let target: SpotLight | undefined;
+  let mirrored: WebGLRenderTarget | undefined;
   if (quality === 'high') {
-    scene.environment = softbox(renderer);
+    mirrored = softbox(renderer);
+    scene.environment = mirrored.texture;
     scene.environmentIntensity = 0.62;
     target = highLights(light);
   } else lowLights(light);
@@ -157,10 +172,15 @@ export function makeStage(renderer: WebGLRenderer, scene: Scene, quality: Qualit
   scene.add(...all);
   return {
     room, rail: railing, light, target,
-    place(counter_y, row_z) { for (const group of all) group.position.set(0, counter_y, row_z); },
+    place(counter_y, row_z, turn_rad) {
+      for (const group of all) group.position.set(0, counter_y, row_z);
+      room.rotation.y = turn_rad;
+    },
     dispose() {
-      scene.environment?.dispose();
+      mirrored?.dispose();
       scene.environment = null;
+      // Its things are no part of the scene's tree any more when that is disposed of: they go here.
+      for (const group of all) disposeTree(group);
       scene.remove(...all);
     },
   };

@@ -75,6 +75,8 @@ export async function openPage(browser, url, { width = 1280, height = 800, local
 /** Faults that keep somebody out: serious and critical ones, by axe-core. */
 export async function accessibilityFaults(page) {
   await page.evaluate(AXE);
+  // What is still appearing is read half transparent.
+  await page.evaluate(() => { for (const a of document.getAnimations()) if (Number.isFinite(a.effect?.getComputedTiming().endTime)) a.finish(); });
   const { violations } = await page.evaluate(() => globalThis.axe.run());
   return violations
     .filter(({ impact }) => impact === 'serious' || impact === 'critical')

@@ -7,14 +7,24 @@ const AT_M = 0.058;
 /** Palm of a right hand to the axis of what it grips, sideways [m]. */
 const GRIP_SIDE_M = 0.041;
 
-/** Which keys a person would hold now. */
-export function keysFor(now) {
+/** Without help nothing brings the hand to its lane: stretched fingers go in this far beside a bottle's axis [m], give or take. */
+const LANE_M = 0.014;
+const LANE_WIDE_M = 0.018;
+
+/** Which keys a person would hold now, who with `help` "none" has to go in beside the bottle alone. */
+export function keysFor(now, help = 'full') {
   const [x, y] = [now.q[now.axes.indexOf('x')], now.q[now.axes.indexOf('y')]];
   const { stage, target_dispenser: target, squeeze_n: squeeze } = now.values;
   const body = now.bodies[now.dispensers[target]];
   if (!body || stage === STAGE.drinkDone || stage === STAGE.levelDone) return [];
   if (stage === STAGE.letGo || stage === STAGE.drawBack) return squeeze > 1 || x < -0.074 ? [] : ['ArrowDown'];
   const aside = body[1] - GRIP_SIDE_M - y;
+  const alone = help === 'none';
+  if (alone && x < AT_M && Math.abs(aside - LANE_M) > LANE_WIDE_M) {
+    if (x > IN_FRONT_M && aside < 0) return ['ArrowDown'];
+    return [aside > LANE_M ? 'ArrowLeft' : 'ArrowRight'];
+  }
+  if (alone && x >= AT_M && aside > 0.012) return ['ArrowLeft'];
   if (x > IN_FRONT_M && Math.abs(aside) > 0.05) return ['ArrowDown'];
   if (x < IN_FRONT_M) {
     if (Math.abs(aside) > 0.04) return [aside > 0 ? 'ArrowLeft' : 'ArrowRight'];
@@ -24,7 +34,7 @@ export function keysFor(now) {
 }
 
 /** Plays until a drink is done; returns the last state and how long it took. */
-export async function playOneDrink(page, watcher, { within_s = 120, onLook = () => {} } = {}) {
+export async function playOneDrink(page, watcher, { within_s = 120, help = 'full', onLook = () => {} } = {}) {
   const began_ms = Date.now();
   const held = new Set();
   const hold = async (wanted) => {
@@ -44,7 +54,7 @@ export async function playOneDrink(page, watcher, { within_s = 120, onLook = () 
       onLook(now, taken_s);
       if (now.values.stage === STAGE.drinkDone || now.values.stage === STAGE.levelDone) return { now, taken_s };
       if (taken_s > within_s) throw new Error(`no drink within ${within_s} s: ${JSON.stringify({ ...now.values, q: now.q.map((v) => +v.toFixed(3)) })}`);
-      await hold(keysFor(now));
+      await hold(keysFor(now, help));
       await new Promise((resolve) => setTimeout(resolve, 100));
     }
   } finally {

@@ -66,7 +66,7 @@ const EMULATED = () => {
 /** With a game that plays, the hand closed by the key, whose page can be hidden. */
 async function withClosedHand(browser, programUrl, watcher, check) {
   await watcher.page.waitForSelector('[data-testid=holder]:has-text("free")', { timeout: PATIENT_MS });
-  const page = await openGame(browser, programUrl, {}, { init: EMULATED });
+  const page = await openGame(browser, programUrl, { help: 'none' }, { init: EMULATED });
   try {
     // Away from the dispensers first: what the hand closes on would hold its fingers open.
     await page.keyboard.down('ArrowDown');

@@ -126,8 +126,12 @@ async function oneMoment(all, watcher, name) {
   const { runState } = await watcher.now();
   const stopped = runState === STOPPED;  // the game has no Start then
   if (name === 'pause' || (stopped && AT_THE_GAME.includes(name)) || all.random() < 0.3) {
-    await armFrom(watcher);
+    // A therapist starts it and goes: while one is there a game loads and starts nothing.
+    const page = await openConsole(all);
+    await armFrom({ page });
     await watcher.until('rendering', (now) => now.runState === RENDERING, { within_ms: PATIENT_MS });
+    await page.context().close();
+    all.opened.splice(all.opened.indexOf(page), 1);
   }
   const press = await SCRIPTS[name](all);
   const before = await watcher.page.evaluate(() => window.wholehandNow.state.endings);
@@ -165,7 +169,7 @@ export async function stopsAtRandomMoments(browser, start, moments = MOMENTS) {
         await watcher?.page.context().close();
         await program?.stop();
         program = await start();
-        watcher = await openWatcher(browser, program.url);
+        watcher = await openWatcher(browser, program.url, { role: 'watcher' });
         await keepRunStates(watcher);
       }
       const name = names[(moment + Math.floor(seed % names.length)) % names.length];

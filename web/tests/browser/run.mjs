@@ -8,11 +8,17 @@ import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
 import { openBrowser } from './browser.mjs';
+import * as cameras from './camera_checks.mjs';
 import * as checks from './checks.mjs';
+import { commissionedThroughThePage } from './commission_checks.mjs';
+import { drinksByEveryWay } from './drink_checks.mjs';
+import * as panels from './panel_checks.mjs';
+import { lostPictureIsSaid } from './picture_checks.mjs';
 import * as presence from './presence_checks.mjs';
 import { takePictures } from './pictures.mjs';
 import { startProgram } from './program.mjs';
 import { stopsAtRandomMoments } from './random_stops.mjs';
+import * as roles from './role_checks.mjs';
 import * as stops from './stop_checks.mjs';
 import { openWatcher } from './watcher.mjs';
 
@@ -23,10 +29,10 @@ const { values: options, positionals: wanted } = parseArgs({
 const OUTPUT = resolve(options.out ?? join(WEB, 'test-output', 'browser'));
 const FILE = resolve(options.program ?? join(WEB, '..', 'build', 'release', 'wholehand'));
 const SCRIPT_MS = 8;
-// An idle machine of two cores draws 15. By the clock a shared one is now and then half as fast, and nothing
-// tells: what is gated is the processor's time, which others change little, and a frame rate that only a fault of
-// the page explains.
-const SLOWEST_HZ = 7.5;
+// Two processors with nothing else to do draw 15 frames a second where a frame takes 100 ms of them for drawing, 20 for
+// the page and 13 for the program. Beside other work the same frame takes up to 1.4 times as much of a processor, and by
+// the clock nothing can be told.
+const DRAWING_MS = 140;
 // Share of the processor that is in use before a page opens, above which others use this machine too.
 const BUSY = 0.5;
 const LOOK_MS = 3000;
@@ -69,13 +75,13 @@ async function idleMachine() {
   return { busy, waited_s: waited_s() };
 }
 
-const startWaiting = () => startProgram({ file: FILE, folder, args: ['--wait'] });
+const startWaiting = (...more) => startProgram({ file: FILE, folder, args: ['--wait', ...more] });
 
-/** Runs a check against a program of its own that waits to be started. */
-async function waiting(check) {
-  const fresh = await startWaiting();
+/** Runs a check against a program of its own that waits to be started, with more arguments or started as `start` says. */
+async function waiting(check, start = startWaiting, ...more) {
+  const fresh = await start(...more);
   try {
-    return await check(fresh.url);
+    return await check(fresh.url, fresh);
   } finally {
     await fresh.stop();
   }
@@ -86,23 +92,18 @@ async function measured(browser, programUrl, name, path) {
   const { busy, waited_s } = await idleMachine();
   // A page whose machine is taken away for seconds loses its line, and is right to.
   const figures = await checks.cost(browser, programUrl, path, { cutOff: busy >= BUSY });
-  const words = `${figures.fps.toFixed(1)} frames/s in low quality, script ${figures.script_cpu_ms_mean.toFixed(2)} ms of processor a frame, p95 ${figures.script_ms_p95.toFixed(2)} ms by the clock, state age p99 ${figures.state_age_ms_p99?.toFixed?.(0) ?? '-'} ms; ${(100 * busy).toFixed(0)} % of the processor in use before, after waiting ${waited_s.toFixed(0)} s`;
+  const words = `${figures.fps.toFixed(1)} frames/s in low quality, drawing ${figures.drawing_cpu_ms_mean.toFixed(0)} ms and script ${figures.script_cpu_ms_mean.toFixed(2)} ms of processor a frame, p95 ${figures.script_ms_p95.toFixed(2)} ms by the clock, state age p99 ${figures.state_age_ms_p99?.toFixed?.(0) ?? '-'} ms; ${(100 * busy).toFixed(0)} % of the processor in use before, after waiting ${waited_s.toFixed(0)} s`;
   writeFileSync(join(OUTPUT, `cost-${name}.json`), `${JSON.stringify({ ...figures, busy_share: busy, waited_s }, null, 2)}\n`);
   console.log(`figure ${name}: ${words}`);
   return { figures, words, busy };
 }
 
-/** Gates that need an idle machine hold only on one, and a slow moment is no slow page: once more then. */
 async function costOf(browser, programUrl, name, path) {
-  const slowest_hz = name === 'game' ? SLOWEST_HZ : 0;
-  let last = await measured(browser, programUrl, name, path);
-  if (last.busy < BUSY && last.figures.fps < slowest_hz) last = await measured(browser, programUrl, name, path);
-  const { figures, words, busy } = last;
+  const { figures, words } = await measured(browser, programUrl, name, path);
   checks.expect(figures.faults.length === 0, figures.faults.join('\n'));
   checks.expect(figures.script_cpu_ms_mean <= SCRIPT_MS, `script above ${SCRIPT_MS} ms of processor a frame: ${words}`);
-  if (busy >= BUSY) return 'others use this machine: frames and clock printed, not gated';
-  checks.expect(figures.fps >= slowest_hz, `fewer than ${slowest_hz} frames/s: ${words}`);
-  return `gated: ${SCRIPT_MS} ms of processor a frame${slowest_hz > 0 ? `, ${slowest_hz} frames/s` : ''}`;
+  checks.expect(figures.drawing_cpu_ms_mean <= DRAWING_MS, `drawing above ${DRAWING_MS} ms of processor a frame: ${words}`);
+  return `gated: ${DRAWING_MS} ms of processor a frame for drawing, ${SCRIPT_MS} for script`;
 }
 
 mkdirSync(OUTPUT, { recursive: true });
@@ -118,10 +119,13 @@ const plain = await openBrowser({ with3d: false });
 const drawing = await openBrowser();
 try {
   const watcher = await openWatcher(plain, program.url);
+  // A therapist who is there starts it.
+  await stops.armFrom(watcher);
+  await watcher.until('rendering', (now) => now.runState === 1, { within_ms: 60_000 });
   const game = await checks.openGame(drawing, program.url, {}, { init: checks.GOES_ON });
   await test('mouse moves the hand', () => checks.mouseMovesTheHand(game, watcher));
   await test('keys fill a glass', () => checks.keysFillAGlass(game, watcher));
-  await test('a second controller is refused', () => checks.secondControllerIsRefused(watcher));
+  await test('the therapist sets a limit while the game plays', () => checks.therapistSetsALimit(watcher));
   await test('a value out of range is said', () => checks.outOfRangeIsSaid(watcher));
   await test('emergency stop ends all effort', () => checks.emergencyStopEndsAllEffort(watcher, game));
   await test('reconnects after a restart', async () => {
@@ -141,6 +145,8 @@ try {
   await test('a stop that is not confirmed is said', () => presence.unconfirmedStopIsSaid(plain, program.url, watcher, program, OUTPUT));
   await test('pages are accessible', () => checks.pagesAreAccessible(plain, program.url));
   await test('a missing camera is said', () => checks.missingCameraIsSaid((args) => openBrowser({ with3d: false, args }), program.url));
+  await test('a camera plays', () => cameras.cameraPlays(plain, (args) => openBrowser({ args }), program.url, (page, name) => page.screenshot({ path: join(OUTPUT, `${name}.png`) })));
+  await test('a lost picture is said', () => lostPictureIsSaid(drawing, program.url, (page, name) => page.screenshot({ path: join(OUTPUT, `${name}.png`) })));
   await test('cost of the game', () => costOf(drawing, program.url, 'game', '/'));
   await test('cost of the console', () => costOf(drawing, program.url, 'console', '/console'));
   // Before the touch: who takes over there plays level 1.
@@ -151,9 +157,24 @@ try {
     return words;
   });
   await test('touch moves and squeezes', () => checks.touchMovesAndSqueezes(plain, program.url, watcher));
+  const picture = (page, name) => page.screenshot({ path: join(OUTPUT, `${name}.png`) });
+  await test('a therapist leads while a patient plays', () => waiting((url) => roles.therapistLeadsWhileAPatientPlays(drawing, url, picture)));
+  await test('a player rests and goes on', () => waiting((url) => roles.playerRestsAndGoesOn(drawing, url, picture)));
+  await test('a stopped game gives the controls back', () => waiting((url) => roles.stoppedGameGivesTheControlsBack(plain, url)));
+  await test('consoles show the limit that holds', () => waiting((url) => roles.consolesShowTheLimitThatHolds(plain, url)));
+  await test('a half-typed number stays', () => waiting((url) => roles.halfTypedNumberStays(plain, url)));
+  await test('the lost card stays', () => waiting((_, program) => roles.lostCardStays(plain, program)));
+  await test('tokens open their roles', () => waiting((url) => roles.tokensOpenTheirRoles(plain, url), startWaiting, ...roles.TOKEN_ARGS));
+  await test('levels leave nothing on the card', () => waiting((url) => roles.levelsLeaveNothingOnTheCard(drawing, url)));
   await test('stop while a level is loaded starts nothing', () => waiting((url) => stops.stopWhileLoadingStartsNothing(plain, url)));
+  // Minutes where pages are drawn in software; the same ways play on the simulated clock in tests/steered_hand.test.ts.
+  if (process.env.WHOLEHAND_FULL === '1') await test('drinks by one button, mouse, touch and pad', () => drinksByEveryWay(drawing, program.url, watcher));
+  if (process.env.WHOLEHAND_FULL === '1') await test('keys fill a glass without help', () => checks.keysFillAGlassAlone(drawing, program.url, watcher));
   await test('pause after a stop starts nothing', () => waiting((url) => stops.pauseAfterAStopStartsNothing(plain, url)));
-  await test('stops at random moments are followed by nothing', () => stopsAtRandomMoments(plain, startWaiting));
+  await test('any exercise shows its panel', () => waiting((url) => panels.anyExerciseShowsItsPanel(plain, url), () => startProgram({ file: FILE, folder, args: ['--exercise', 'squeeze-to-level'] })));
+  await test('profiles are kept', () => waiting((url) => panels.profilesAreKept(plain, url, picture)));
+  await test('a device is commissioned through its page', () => commissionedThroughThePage(plain, FILE, picture));
+  await test('stops at random moments are followed by nothing', () => stopsAtRandomMoments(plain, () => startWaiting()));
   await test('no fault was logged by the pages', async () => {
     const faults = [...game.faults, ...watcher.page.faults];
     checks.expect(faults.length === 0, faults.join('\n'));

@@ -39,7 +39,8 @@ const open = (browser, programUrl, path, query = {}) => openPage(browser, pageUr
 
 /** Start with another level, and Stop while the page says "One moment…". */
 export async function stopWhileLoadingStartsNothing(browser, programUrl) {
-  const watcher = await openWatcher(browser, programUrl);
+  // A player who is alone: with a therapist there, the therapist loads.
+  const watcher = await openWatcher(browser, programUrl, { role: 'watcher' });
   await keepRunStates(watcher);
   const game = await open(browser, programUrl, '/');
   await game.click('[data-level="2"]', { timeout: PATIENT_MS });

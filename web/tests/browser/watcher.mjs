@@ -1,9 +1,9 @@
 // What the program says, read through the console's page: the same messages that a therapist sees.
 import { openPage, pageUrl, until } from './browser.mjs';
 
-/** A console without 3D, which only watches. */
-export async function openWatcher(browser, programUrl) {
-  const page = await openPage(browser, pageUrl(programUrl, '/console', { lang: 'en', theme: 'light' }));
+/** A console without 3D: a therapist's, or with `query.role` "watcher" one that only watches. */
+export async function openWatcher(browser, programUrl, query = {}) {
+  const page = await openPage(browser, pageUrl(programUrl, '/console', { lang: 'en', theme: 'light', ...query }));
   const watcher = {
     page,
     /** The latest state in plain numbers; figures of the exercise by their names. */

@@ -7,11 +7,13 @@ export const de: ConsoleTexts = {
   level: 'Stufe {n}',
   levelOf: 'Stufe {n} von {m}',
   drinkOf: 'Getränk {n} von {m}',
-  exercises: { 'cocktail-bar': 'Cocktailbar', 'free-grasping': 'Freies Greifen' },
+  exercises: { 'cocktail-bar': 'Cocktailbar', 'free-grasping': 'Freies Greifen', 'squeeze-to-level': 'Kraft dosieren' },
   hands: {
     'adult-median-right': 'Median, rechts', 'adult-median-left': 'Median, links',
     'woman-p05-right': 'Frau P5, rechts', 'woman-p50-right': 'Frau P50, rechts', 'woman-p95-right': 'Frau P95, rechts',
+    'woman-p05-left': 'Frau P5, links', 'woman-p50-left': 'Frau P50, links', 'woman-p95-left': 'Frau P95, links',
     'man-p05-right': 'Mann P5, rechts', 'man-p50-right': 'Mann P50, rechts', 'man-p95-right': 'Mann P95, rechts',
+    'man-p05-left': 'Mann P5, links', 'man-p50-left': 'Mann P50, links', 'man-p95-left': 'Mann P95, links',
   },
   patients: {
     'relaxed-adult': 'Entspannte Person', 'stiff-adult': 'Steife Person', 'no-arm': 'Ohne Arm', tremor: 'Zittern', spastic: 'Spastik',
@@ -21,7 +23,7 @@ export const de: ConsoleTexts = {
   noExercise: 'Keine Übung',
 
   states: {
-    connecting: 'Verbindet', lost: 'Verbindung weg', disarmed: 'Gesperrt', rendering: 'Läuft',
+    connecting: 'Verbindet', lost: 'Keine Verbindung', disarmed: 'Gesperrt', rendering: 'Läuft',
     paused: 'Pause', stopping: 'Hält an', stopped: 'Angehalten', faulted: 'Störung',
     armed: 'Scharf',
   },
@@ -42,7 +44,7 @@ export const de: ConsoleTexts = {
     hand: 'Kraft, Hand', arm: 'Kraft, Arm', axis: 'Koordinate', ratios: 'φ und α',
     device: 'Gerät', avatar: 'Avatar', limit: 'Grenze', now: 'jetzt', axisChoice: 'Achse',
     image: '{name}: die letzten 10 Sekunden. Zahlen mit «Tabellen».',
-    series: 'Kurve', latest: 'Jetzt', least: 'Kleinster', most: 'Grösster',
+    series: 'Kurve', latest: 'Jetzt', least: 'Minimum', most: 'Maximum',
     tableCaption: '{name}, letzte 10 Sekunden', fault: 'Störung', stop: 'Halt',
   },
   axes: {
@@ -59,12 +61,18 @@ export const de: ConsoleTexts = {
   },
   phases: { bump: 'berührt', engaged: 'Griff, Wand blendet ein', pour: 'giesst', release: 'lässt los' },
 
+  legend: { title: 'Legende', phi: 'φ: adaptive Dämpfung einer Achse; 0 keine, 1 volle', alpha: 'α: wie weit die Wand der Übung eingeblendet ist; 0 aus, 1 ganz', m1: '① die Hand berührt einen Gegenstand', m2: '② gegriffen, die Wand blendet ein', m3: '③ es fliesst', m4: '④ die Hand lässt los' },
+  profile: { profile: 'Person: {name}', noProfile: 'kein Profil', name: 'Name des Profils', save: 'Speichern', load: 'Öffnen', nameHint: 'Neuer Name', stopFirst: 'Zuerst anhalten: Ein Profil wird vor dem Start geöffnet.' },
+  handFacts: { now: 'Hand', side: 'Seite', right: 'rechts', left: 'links', range: '{lo} bis {hi}', of: 'Bereich des Geräts' },
+
   view: {
     title: '3D-Ansicht', skin: 'Haut', colliders: 'Kollider', choice: 'Hand gezeichnet als',
     none: 'Keine 3D-Ansicht: Dieser Browser hat kein WebGL. Alles andere geht.',
     loading: 'Die 3D-Ansicht wird aufgebaut …',
   },
   pouring: '{liquid}, {a} / {b} ml',
+
+  exercise: { title: 'Übung' },
 
   safety: {
     title: 'Sicherheit', peaks: 'Spitzen der letzten 10 s', state: 'Zustand',
@@ -78,18 +86,28 @@ export const de: ConsoleTexts = {
     armed: 'Scharf gestellt', armedWhat: 'Die Kraft wird eingeblendet.', emergency: 'Not-Halt wurde gedrückt', beyond: '{value}, Grenze {limit}',
     lost: 'Keine Verbindung zum Programm',
     lostWhat: 'Wenn das Programm läuft, klingt die Kraft der Übung von selbst ab. Die Zahlen hier sind von vorher.',
-    fingers: 'Finger', thumb: 'Daumen', arm: 'Arm x y z', speed: 'Tempo Arm', of: '{a} von {b}',
+    fingers: 'Finger', thumb: 'Daumen', arm: 'Arm x y z', speed: 'Tempo, Arm', of: '{a} von {b}',
+  },
+  device: {
+    title: 'Gerät', enabled: 'Freigegeben', notEnabled: 'Nicht freigegeben', homed: 'referenziert', notHomed: 'nicht referenziert', silenced: 'von seiner Überwachung losgelassen',
+    temperature: 'Temperatur {value}', notKnown: 'nicht bekannt', sample: 'Messwert {age}', host: 'Host {age}', nothingYet: 'noch keiner',
+    letGo: 'Der Host hat losgelassen: {why}',
+    reasons: {
+      loopSilent: '20 ms lang kein neuer Befehl', silentAtNeutral: '20 ms lang kein neuer Befehl, die Kraft war neutral',
+      badCommand: 'ein Befehl war fehlerhaft', loopEnded: 'der Regelkreis endete, bevor die Kraft neutral war',
+      hostEnds: 'er wurde beendet', neverCommanded: 'er wurde freigegeben und bekam keinen Befehl',
+    },
   },
   advice: {
     'device read failed': 'Kabel und Strom des Geräts prüfen, dann neu starten.',
     'device write failed': 'Kabel und Strom des Geräts prüfen, dann neu starten.',
     'non-finite device position': 'Kabel und Strom des Geräts prüfen, dann neu starten.',
-    'non-finite effort': 'Die Übung neu laden, dann starten. Kommt es wieder, dem sagen, der das Programm betreut.',
-    'non-finite state': 'Die Übung neu laden, dann starten. Kommt es wieder, dem sagen, der das Programm betreut.',
-    'physics step failed': 'Die Übung neu laden, dann starten. Kommt es wieder, dem sagen, der das Programm betreut.',
-    'singular reduced inertia': 'Die Übung neu laden, dann starten. Kommt es wieder, dem sagen, der das Programm betreut.',
-    'bodies exploded': 'Die Übung neu laden, dann starten. Kommt es wieder, dem sagen, der das Programm betreut.',
-    'speed limit exceeded': 'Schauen, dass die Person ruhig und der Arm frei ist, dann neu starten.',
+    'non-finite effort': 'Die Übung neu laden, dann starten. Kommt es wieder, der Person melden, die das Programm betreut.',
+    'non-finite state': 'Die Übung neu laden, dann starten. Kommt es wieder, der Person melden, die das Programm betreut.',
+    'physics step failed': 'Die Übung neu laden, dann starten. Kommt es wieder, der Person melden, die das Programm betreut.',
+    'singular reduced inertia': 'Die Übung neu laden, dann starten. Kommt es wieder, der Person melden, die das Programm betreut.',
+    'bodies exploded': 'Die Übung neu laden, dann starten. Kommt es wieder, der Person melden, die das Programm betreut.',
+    'speed limit exceeded': 'Prüfen, ob die Person ruhig und der Arm frei ist, dann neu starten.',
     'workspace left': 'Die Hand zurück in die Mitte führen, dann neu starten.',
     'encoder jumped': 'Mit diesem Gerät nicht weitermachen, bis es geprüft ist.',
     'encoder stuck': 'Mit diesem Gerät nicht weitermachen, bis es geprüft ist.',
@@ -108,15 +126,16 @@ export const de: ConsoleTexts = {
   },
 
   setup: {
+    help: 'Hilfe im Spiel', helps: ['Freie Wahl', 'Viel', 'Etwas', 'Keine'],
     title: 'Sitzung', exercise: 'Übung', level: 'Stufe', hand: 'Hand', load: 'Laden', steering: 'Wer spielt',
     virtual: 'Virtuelle Person', person: 'Person', next: 'Weiter', restart: 'Von vorn',
-    yours: 'Steuerung: hier', free: 'Steuerung: frei', others: 'Steuerung: belegt',
+    yours: 'Steuerung: hier', free: 'Steuerung: frei', others: 'Steuerung: belegt', players: 'Steuerung: im Spiel', therapists: 'Steuerung: andere Konsole',
     take: 'Steuerung übernehmen', takeShort: 'Nehmen', giveBack: 'Abgeben',
   },
 
   parameters: {
     title: 'Parameter', groups: { 0: 'Person', 1: 'Hand', 2: 'Übung' },
-    ramp: 'Rampe → {v}', range: '{name}, {lo} bis {hi} {unit}', none: 'Hier ist nichts einzustellen.',
+    ramp: 'jetzt {now} → {v}', range: '{name}, {lo} bis {hi} {unit}', none: 'Hier ist nichts einzustellen.',
     notANumber: 'Bitte eine Zahl von {lo} bis {hi} eingeben.', refused: 'Nicht geändert: {reason}',
     names: {
       effort_limit_hand_tip_n: 'Kraftgrenze, Hand',
@@ -126,13 +145,22 @@ export const de: ConsoleTexts = {
       wall_stiffness_ratio: 'Steifigkeit der Wand',
       wall_damping_ratio: 'Dämpfung der Wand',
       lead_in_m: 'Wand vor dem Kontakt',
+      level_ratio: 'Verlangte Kraft',
       squeeze_threshold_ratio: 'Nötiger Druck',
+      line_tolerance_l: 'Toleranz am Strich',
+      wall_fade_s: 'Wand blendet ein',
+      reach_left_m: 'Reichweite links',
+      reach_right_m: 'Reichweite rechts',
+      reach_forward_m: 'Reichweite nach vorn',
+      fingers_open_rad: 'Finger öffnen bis',
+      fingers_close_rad: 'Finger schliessen bis',
     },
   },
 
   recordings: {
     title: 'Aufzeichnungen', none: 'Noch keine Aufzeichnungen.', failed: 'Die Liste liess sich nicht lesen. Neuer Versuch folgt.',
-    report: 'Bericht', download: 'Laden', reportOf: 'Bericht von {name}', downloadOf: 'Laden: {name}', now: 'Aufnahme',
+    report: 'Bericht', download: 'Download', reportOf: 'Bericht von {name}', downloadOf: 'Download von {name}', missing: 'unvollständig: {ticks} Takte fehlen',
+    now: 'Aufnahme',
   },
 
   notices: {
@@ -140,8 +168,12 @@ export const de: ConsoleTexts = {
     unconfirmed: 'Stopp nicht bestätigt: roten Knopf drücken.', unconfirmedMore: 'Diese Seite sendet den Stopp weiter.',
     left: 'Sie haben diese Seite verlassen: Die Steuerung wurde zurückgegeben, und die Kraft der Übung bleibt weg, bis jemand sie übernimmt.',
     unheard: 'Das Programm hat diese Seite nicht gehört: Die Steuerung wurde zurückgegeben, und die Kraft der Übung bleibt weg, bis jemand sie übernimmt.',
-    hardware: 'Der rote Knopf am Roboter wirkt immer.', retry: 'Jetzt versuchen', attempts: 'Versuch {n} …',
-    held: 'Ein anderes Gerät steuert: Sie sehen zu. Der Not-Halt wirkt immer.',
+    taken: 'Eine andere Konsole hat die Führung der Hand übernommen. Alles andere können Sie weiterhin.',
+    player: 'Wer spielt, führt die Hand. Sie können anhalten, stoppen, Grenzen setzen, laden und die Führung übernehmen.',
+    therapist: 'Eine andere Konsole führt die Hand. Alles andere können Sie auch.',
+    watching: 'Sie sehen nur zu: Mit dieser Adresse darf diese Seite nichts steuern. Der Not-Halt geht immer.',
+    hardware: 'Der rote Knopf am Roboter wirkt immer.', retry: 'Erneut versuchen', attempts: 'Versuch {n} …',
+    held: 'Ein Spiel führt die Hand. Sie können anhalten, stoppen, Grenzen setzen, laden und die Führung übernehmen.',
     version: 'Das Programm spricht Version {theirs} der Meldungen, diese Seite Version {ours}. Laden Sie die Seite neu.',
     refused: '{what} wurde abgelehnt: {reason}', close: 'Schliessen',
   },

@@ -6,11 +6,13 @@ export const en = {
   level: 'Level {n}',
   levelOf: 'Level {n} of {m}',
   drinkOf: 'drink {n} of {m}',
-  exercises: { 'cocktail-bar': 'Cocktail bar', 'free-grasping': 'Free grasping' } as Record<string, string>,
+  exercises: { 'cocktail-bar': 'Cocktail bar', 'free-grasping': 'Free grasping', 'squeeze-to-level': 'Squeeze to a level' } as Record<string, string>,
   hands: {
     'adult-median-right': 'Median, right', 'adult-median-left': 'Median, left',
     'woman-p05-right': 'Woman P5, right', 'woman-p50-right': 'Woman P50, right', 'woman-p95-right': 'Woman P95, right',
+    'woman-p05-left': 'Woman P5, left', 'woman-p50-left': 'Woman P50, left', 'woman-p95-left': 'Woman P95, left',
     'man-p05-right': 'Man P5, right', 'man-p50-right': 'Man P50, right', 'man-p95-right': 'Man P95, right',
+    'man-p05-left': 'Man P5, left', 'man-p50-left': 'Man P50, left', 'man-p95-left': 'Man P95, left',
   } as Record<string, string>,
   patients: {
     'relaxed-adult': 'Relaxed adult', 'stiff-adult': 'Stiff adult', 'no-arm': 'No arm', tremor: 'Tremor', spastic: 'Spasticity',
@@ -58,12 +60,18 @@ export const en = {
   } as Record<string, string>,
   phases: { bump: 'touched', engaged: 'grasp, wall fades in', pour: 'pours', release: 'lets go' },
 
+  legend: { title: 'Legend', phi: 'φ: adaptive damping of an axis; 0 none, 1 full', alpha: 'α: how far the exercise’s wall is faded in; 0 out, 1 in', m1: '① the hand touches an object', m2: '② grasped, the wall fades in', m3: '③ it pours', m4: '④ the hand lets go' },
+  profile: { profile: 'Patient: {name}', noProfile: 'no profile', name: 'Name of the patient’s profile', save: 'Save', load: 'Open', nameHint: 'New name', stopFirst: 'Stop first: a profile is opened before the start.' },
+  handFacts: { now: 'Hand', side: 'Side', right: 'right', left: 'left', range: '{lo} to {hi}', of: 'Range of the device' },
+
   view: {
     title: '3D view', skin: 'Skin', colliders: 'Colliders', choice: 'Hand drawn as',
     none: 'No 3D view: this browser has no WebGL. Everything else works.',
     loading: 'The 3D view is being built …',
   },
   pouring: '{liquid}, {a} / {b} ml',
+
+  exercise: { title: 'Exercise' },
 
   safety: {
     title: 'Safety', peaks: 'peaks of the last 10 s', state: 'State',
@@ -78,6 +86,16 @@ export const en = {
     lost: 'No connection to the program',
     lostWhat: 'If the program runs, the exercise effort fades out by itself. The figures here are from before.',
     fingers: 'Fingers', thumb: 'Thumb', arm: 'Arm x y z', speed: 'Arm speed', of: '{a} of {b}',
+  },
+  device: {
+    title: 'Device', enabled: 'Enabled', notEnabled: 'Not enabled', homed: 'homed', notHomed: 'not homed', silenced: 'let go by its watchdog',
+    temperature: 'Temperature {value}', notKnown: 'not known', sample: 'sample {age}', host: 'host {age}', nothingYet: 'none yet',
+    letGo: 'The host let go: {why}',
+    reasons: {
+      loopSilent: 'no new command for 20 ms', silentAtNeutral: 'no new command for 20 ms, the effort was neutral',
+      badCommand: 'a command was not sound', loopEnded: 'the loop ended before it was at neutral',
+      hostEnds: 'it was told to end', neverCommanded: 'it was enabled and got no command',
+    },
   },
   /** What to do, after a fault of that name. */
   advice: {
@@ -108,15 +126,16 @@ export const en = {
   },
 
   setup: {
+    help: 'Help in the game', helps: ['Own choice', 'Full', 'Some', 'None'],
     title: 'Session', exercise: 'Exercise', level: 'Level', hand: 'Hand', load: 'Load', steering: 'Who plays',
     virtual: 'Virtual patient', person: 'Person', next: 'Next', restart: 'Restart',
-    yours: 'Controls: yours', free: 'Controls: free', others: 'Controls: taken',
+    yours: 'Controls: yours', free: 'Controls: free', others: 'Controls: taken', players: 'Controls: the player’s', therapists: 'Controls: another therapist’s',
     take: 'Take the controls', takeShort: 'Take', giveBack: 'Give back',
   },
 
   parameters: {
     title: 'Parameters', groups: { 0: 'Patient', 1: 'Hand', 2: 'Exercise' } as Record<number, string>,
-    ramp: 'ramp → {v}', range: '{name}, {lo} to {hi} {unit}', none: 'Nothing to set here.',
+    ramp: 'now {now} → {v}', range: '{name}, {lo} to {hi} {unit}', none: 'Nothing to set here.',
     notANumber: 'Please enter a number from {lo} to {hi}.', refused: 'Not changed: {reason}',
     names: {
       effort_limit_hand_tip_n: 'Effort limit, hand',
@@ -126,13 +145,22 @@ export const en = {
       wall_stiffness_ratio: 'Wall stiffness',
       wall_damping_ratio: 'Wall damping',
       lead_in_m: 'Wall before contact',
+      level_ratio: 'Force asked for',
       squeeze_threshold_ratio: 'Squeeze needed',
+      line_tolerance_l: 'Tolerance of the line',
+      wall_fade_s: 'Wall fades in',
+      reach_left_m: 'Reach to the left',
+      reach_right_m: 'Reach to the right',
+      reach_forward_m: 'Reach forward',
+      fingers_open_rad: 'Fingers open to',
+      fingers_close_rad: 'Fingers close to',
     } as Record<string, string>,
   },
 
   recordings: {
     title: 'Recordings', none: 'No recordings yet.', failed: 'The list could not be read. It is tried again.',
-    report: 'Report', download: 'Download', reportOf: 'Report of {name}', downloadOf: 'Download {name}', now: 'Recording',
+    report: 'Report', download: 'Download', reportOf: 'Report of {name}', downloadOf: 'Download {name}', missing: 'incomplete: {ticks} ticks are missing',
+    now: 'Recording',
   },
 
   notices: {
@@ -140,8 +168,12 @@ export const en = {
     unconfirmed: 'Stop not confirmed: use the red button.', unconfirmedMore: 'This page goes on sending the stop.',
     left: 'You left this page: the controls were given back, and the exercise effort is out until somebody takes them.',
     unheard: 'The program did not hear this page: the controls were given back, and the exercise effort is out until somebody takes them.',
+    taken: 'Another therapist took the steering. Everything else you can still do.',
+    player: 'The player has the controls. You can pause, stop, set limits, load, and take the steering.',
+    therapist: 'Another therapist has the steering. Everything else you can do, too.',
+    watching: 'You are watching: this address does not let this page lead. Emergency stop always works.',
     hardware: 'The red button on the robot always works.', retry: 'Try now', attempts: 'Attempt {n} …',
-    held: 'Another client holds the controls: you are watching. Emergency stop always works.',
+    held: 'A game has the controls. You can pause, stop, set limits, load, and take the steering.',
     version: 'The program speaks version {theirs} of the messages, this page version {ours}. Load the page again.',
     refused: '{what} was refused: {reason}', close: 'Close',
   },

@@ -29,6 +29,12 @@ export const de: InputTexts = {
       { keys: ['Faust'], does: 'Hand schliessen: drücken, Hand öffnen: loslassen' },
     ],
   },
+  easy: {
+    keys: [{ keys: ['Leertaste'], does: 'einmal drücken: Ihre Hand greift, drückt und lässt am Strich los' }],
+    mouse: [{ keys: ['Klick'], does: 'auf eine Flasche: Ihre Hand greift, drückt und lässt am Strich los' }],
+    touch: [{ keys: ['Tippen'], does: 'auf eine Flasche: Ihre Hand greift, drückt und lässt am Strich los' }],
+    gamepad: [{ keys: ['A'], does: 'einmal drücken: Ihre Hand greift, drückt und lässt am Strich los' }],
+  },
   touch: { squeeze: 'Drücken', higher: 'Höher', lower: 'Tiefer' },
   webcam: {
     insecure: 'Der Browser gibt hier keine Kamera frei. Öffnen Sie die Seite über https oder auf diesem Computer selbst.',
@@ -36,6 +42,18 @@ export const de: InputTexts = {
     absent: 'Es wurde keine Kamera gefunden. Schliessen Sie eine an, oder spielen Sie mit Tasten oder Maus.',
     busy: 'Die Kamera ist nicht gestartet. Vielleicht braucht sie ein anderes Programm.',
     model: 'Die Handerkennung konnte nicht geladen werden. Spielen Sie mit Tasten oder Maus.',
-    noHand: 'Es ist keine Hand zu sehen. Halten Sie Ihre Hand vor die Kamera.',
+    ended: 'Die Kamera ist aus. Spielen Sie mit Tasten oder Maus, oder starten Sie sie neu.',
+  },
+  camera: {
+    ask: 'Erlauben Sie die Kamera',
+    askMore: 'Ihr Browser fragt danach. Das Bild bleibt auf diesem Computer.',
+    load: 'Einen Moment …',
+    loadMore: 'Die Kamera wird vorbereitet.',
+    frame: 'Halten Sie die Hand ins Bild',
+    frameMore: 'Offen und ruhig. Danach bewegt sie die Hand in der Bar.',
+    noHand: 'Keine Hand zu sehen',
+    noHandMore: 'Halten Sie Ihre offene Hand vor die Kamera.',
+    otherWay: 'Anders spielen',
+    again: 'Kamera starten',
   },
 };

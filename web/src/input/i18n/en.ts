@@ -6,8 +6,12 @@ export interface HelpLine { keys: string[]; does: string }
 export interface InputTexts {
   ways: Record<Way, string>;
   help: Record<Way, HelpLine[]>;
+  /** With full help, where that needs less. */
+  easy: Partial<Record<Way, HelpLine[]>>;
   touch: { squeeze: string; higher: string; lower: string };
-  webcam: Record<'insecure' | 'refused' | 'absent' | 'busy' | 'model' | 'noHand', string>;
+  webcam: Record<'insecure' | 'refused' | 'absent' | 'busy' | 'model' | 'ended', string>;
+  /** While the camera is on: what to do before it steers, and in the play. */
+  camera: Record<'ask' | 'askMore' | 'load' | 'loadMore' | 'frame' | 'frameMore' | 'noHand' | 'noHandMore' | 'otherWay' | 'again', string>;
 }
 
 export const en: InputTexts = {
@@ -39,6 +43,12 @@ export const en: InputTexts = {
       { keys: ['Fist'], does: 'close your hand to squeeze, open it to let go' },
     ],
   },
+  easy: {
+    keys: [{ keys: ['Space'], does: 'press once: your hand reaches, squeezes and lets go at the line' }],
+    mouse: [{ keys: ['Click'], does: 'a bottle: your hand reaches, squeezes and lets go at the line' }],
+    touch: [{ keys: ['Tap'], does: 'a bottle: your hand reaches, squeezes and lets go at the line' }],
+    gamepad: [{ keys: ['A'], does: 'press once: your hand reaches, squeezes and lets go at the line' }],
+  },
   touch: { squeeze: 'Squeeze', higher: 'Higher', lower: 'Lower' },
   webcam: {
     insecure: 'The browser gives no camera here. Open this page by https or on this computer itself.',
@@ -46,6 +56,18 @@ export const en: InputTexts = {
     absent: 'No camera was found. Connect one, or play with keys or mouse.',
     busy: 'The camera did not start. Another program may be using it.',
     model: 'Hand tracking could not be loaded. Play with keys or mouse.',
-    noHand: 'No hand is seen. Hold your hand before the camera.',
+    ended: 'The camera has stopped. Play with keys or mouse, or start it again.',
+  },
+  camera: {
+    ask: 'Allow the camera',
+    askMore: 'Your browser asks for it. The picture stays on this computer.',
+    load: 'One moment …',
+    loadMore: 'The camera is getting ready.',
+    frame: 'Keep your hand in the frame',
+    frameMore: 'Hold it open and still. Then it moves the hand in the bar.',
+    noHand: 'No hand is seen',
+    noHandMore: 'Hold your open hand before the camera.',
+    otherWay: 'Play another way',
+    again: 'Start the camera',
   },
 };

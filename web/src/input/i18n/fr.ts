@@ -29,6 +29,12 @@ export const fr: InputTexts = {
       { keys: ['Poing'], does: 'fermez la main pour presser, ouvrez-la pour lâcher' },
     ],
   },
+  easy: {
+    keys: [{ keys: ['Espace'], does: 'appuyez une fois : la main va, presse et lâche au trait' }],
+    mouse: [{ keys: ['Clic'], does: 'une bouteille : la main va, presse et lâche au trait' }],
+    touch: [{ keys: ['Toucher'], does: 'une bouteille : la main va, presse et lâche au trait' }],
+    gamepad: [{ keys: ['A'], does: 'appuyez une fois : la main va, presse et lâche au trait' }],
+  },
   touch: { squeeze: 'Presser', higher: 'Plus haut', lower: 'Plus bas' },
   webcam: {
     insecure: 'Le navigateur ne donne pas de caméra ici. Ouvrez cette page par https ou sur cet ordinateur même.',
@@ -36,6 +42,18 @@ export const fr: InputTexts = {
     absent: 'Aucune caméra trouvée. Branchez-en une, ou jouez avec les touches ou la souris.',
     busy: 'La caméra n’a pas démarré. Un autre programme l’utilise peut-être.',
     model: 'Le suivi de la main n’a pas pu être chargé. Jouez avec les touches ou la souris.',
-    noHand: 'Aucune main n’est visible. Tenez votre main devant la caméra.',
+    ended: 'La caméra s’est arrêtée. Jouez avec les touches ou la souris, ou relancez-la.',
+  },
+  camera: {
+    ask: 'Autorisez la caméra',
+    askMore: 'Votre navigateur la demande. L’image reste sur cet ordinateur.',
+    load: 'Un instant …',
+    loadMore: 'La caméra se prépare.',
+    frame: 'Gardez la main dans l’image',
+    frameMore: 'Ouverte et immobile. Ensuite, elle dirige la main du bar.',
+    noHand: 'Aucune main visible',
+    noHandMore: 'Tenez votre main ouverte devant la caméra.',
+    otherWay: 'Jouer autrement',
+    again: 'Démarrer la caméra',
   },
 };

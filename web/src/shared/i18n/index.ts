@@ -71,6 +71,12 @@ export function faultWord(name: string): string {
   return hasText(key) ? text(key) : name;
 }
 
+/** A liquid as a sentence takes it, "le citron"; an unknown one by its name. */
+export function inSentence(liquid: string): string {
+  const key = `inSentence.${liquid}`;
+  return hasText(key) ? text(key) : nameOf('liquid', liquid);
+}
+
 /** The name of a liquid or drink that a file gave; an unknown one as it stands, with a capital. */
 export function nameOf(kind: 'liquid' | 'drink', name: string): string {
   const key = `${kind}.${name}`;

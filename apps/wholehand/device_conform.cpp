@@ -1,0 +1,118 @@
+// wholehand device conform: the conformance suite as text and JSON.
+#include "device_command.hpp"
+#include "exit_code.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <cstdio>
+#include <filesystem>
+
+namespace wholehand {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const char* word(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::kPassed:
+      return "passed";
+    case Outcome::kFailed:
+      return "failed";
+    case Outcome::kNotRun:
+      return "not run";
+  }
+  return "";
+}
+
+struct Counts {
+  int passed = 0, failed = 0, not_run = 0;
+};
+Counts count(const std::vector<CheckResult>& results) {
+  Counts out;
+  for (const CheckResult& r : results) {
+    if (r.finding.outcome == Outcome::kPassed) ++out.passed;
+    if (r.finding.outcome == Outcome::kFailed) ++out.failed;
+    if (r.finding.outcome == Outcome::kNotRun) ++out.not_run;
+  }
+  return out;
+}
+
+// Not by leave of the person: said once, not for each.
+bool isLeftOut(const Check& check, const ConformanceOptions& asked) {
+  return (check.does != Does::kLooks && !asked.allow_effort) ||
+         (check.does == Does::kOverreaches && !asked.allow_beyond_limit);
+}
+
+void print(const CheckResult& r) {
+  const char* const mark = r.finding.outcome == Outcome::kPassed   ? "ok  "
+                           : r.finding.outcome == Outcome::kFailed ? "FAIL"
+                                                                   : "-   ";
+  std::printf("%s %-31s %s\n", mark, r.check->id, r.check->asks);
+  if (r.finding.outcome == Outcome::kPassed) return;
+  std::printf("     %s\n", r.finding.text.c_str());
+  if (r.finding.outcome == Outcome::kFailed) std::printf("     → %s\n", r.check->remedy);
+}
+
+Json jsonOf(const DeviceOptions& options, const std::vector<CheckResult>& results) {
+  const Counts counts = count(results);
+  Json json{{"driver", options.driver.path},
+            {"allow_effort", options.conformance.allow_effort},
+            {"allow_beyond_limit", options.conformance.allow_beyond_limit},
+            {"passed", counts.passed},
+            {"failed", counts.failed},
+            {"not_run", counts.not_run},
+            {"checks", Json::array()}};
+  for (const CheckResult& r : results) {
+    Json check{{"id", r.check->id},
+               {"asks", r.check->asks},
+               {"outcome", word(r.finding.outcome)},
+               {"finding", r.finding.text}};
+    if (r.finding.outcome == Outcome::kFailed) check["remedy"] = r.check->remedy;
+    json["checks"].push_back(check);
+  }
+  return json;
+}
+
+}  // namespace
+
+int deviceConformCommand(const DeviceOptions& options) {
+  const auto no = [](const char* key, const std::string& value, const char* why,
+                     const char* remedy) {
+    return refuse({Diagnostic{"", 0, key, value, why, remedy}});
+  };
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(options.driver.path, error)) {
+    return no("--driver", options.driver.path, "is no file",
+              "give the path of a driver's shared object");
+  }
+  ConformanceOptions asked = options.conformance;
+  asked.driver = options.driver;
+  const std::vector<CheckResult> results = conform(asked);
+  if (results.empty()) {
+    return no("--only", asked.only, "is the beginning of no check",
+              "run without it to see their names");
+  }
+  std::size_t left_out = 0;
+  for (const CheckResult& r : results) {
+    if (isLeftOut(*r.check, asked)) {
+      ++left_out;
+    } else {
+      print(r);
+    }
+  }
+  if (left_out > 0) {
+    std::printf(
+        "-    %zu checks that move the device were left out: %s\n", left_out,
+        asked.allow_effort ? "--allow-beyond-limit" : "--allow-effort, with nobody attached");
+  }
+  const Counts counts = count(results);
+  std::printf("%zu checks: %d passed, %d failed, %d not run\n", results.size(), counts.passed,
+              counts.failed, counts.not_run);
+  if (const int code = keepJson(options.json, jsonOf(options, results).dump(2));
+      code != kExitDone) {
+    return code;
+  }
+  return counts.failed == 0 ? kExitDone : kExitNotFit;
+}
+
+}  // namespace wholehand

@@ -1,0 +1,45 @@
+#include "drivers/composite/composite_file.hpp"
+
+#include "model/toml_file.hpp"
+
+#include <algorithm>
+
+namespace wholehand {
+namespace {
+
+CompositePart readPart(TomlTable& table) {
+  CompositePart part;
+  part.driver.path = table.text("driver");
+  part.driver.locator = table.text("device_at", "");
+  part.driver.settings = table.text("settings", "");
+  part.axes = table.texts("axes");
+  return part;
+}
+
+}  // namespace
+
+Expected<CompositeConfig> loadCompositeFile(const std::string& path) {
+  TomlFile file(path, "composite");
+  if (!file.readable()) return file.finish();
+  TomlTable& root = file.root();
+  CompositeConfig config;
+  config.path = path;
+  config.longest_skew_s = root.number("longest_skew_s", above(0.0, 1.0, "s"));
+  std::vector<TomlTable> parts = root.tables("parts", 2);
+  if (parts.size() > 2) parts[2].fail("", "is a third part", "two devices make a whole");
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const CompositePart part = readPart(parts[i]);
+    for (const std::string& name : part.axes) {
+      if (std::find(names.begin(), names.end(), name) != names.end()) {
+        parts[i].fail("axes", "gives " + name + " a second time", "an axis has one device");
+      }
+      names.push_back(name);
+    }
+    if (i < config.parts.size()) config.parts.at(i) = part;
+  }
+  if (Diagnostics faults = file.finish(); !faults.empty()) return faults;
+  return config;
+}
+
+}  // namespace wholehand

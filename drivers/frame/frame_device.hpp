@@ -1,0 +1,107 @@
+#pragma once
+
+#include "core/expected.hpp"
+#include "core/real_time.hpp"
+#include "device/host/newest_value.hpp"
+#include "drivers/frame/carrier.hpp"
+#include "drivers/frame/firmware/frame.h"
+#include "wholehand/device.h"
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace wholehand {
+
+/// Frames that were passed over, and why.
+struct FrameCounters {
+  std::uint32_t broken = 0, crc_errors = 0, foreign = 0, stale = 0;
+};
+
+/// A device that speaks the frame (firmware/frame.h), over any carrier: no thread and no clock of
+/// its own. One thread, the bus, calls pump(), control() and open(); another, the loop, calls
+/// read() and write(), which never wait for it.
+class FrameDevice {
+ public:
+  /// Lets a little time pass, 1 ms say, and returns the time after it, CLOCK_MONOTONIC [ns].
+  using Wait = std::function<std::int64_t()>;
+
+  /// Begins a session and asks for the axes. Refused, each by name: nobody answers within 2 s,
+  /// another version of the frame, a device that renders for another program, axes that cannot be.
+  /// @param session drawn anew for every device; not 0
+  [[nodiscard]] static Expected<std::unique_ptr<FrameDevice>> open(std::unique_ptr<Carrier> carrier,
+                                                                   std::uint32_t session,
+                                                                   const Wait& wait);
+
+  /// As the device says, in its order.
+  [[nodiscard]] const std::vector<wh_axis>& axes() const noexcept { return axes_; }
+  [[nodiscard]] const std::string& name() const noexcept { return name_; }
+  [[nodiscard]] const std::string& serial() const noexcept { return serial_; }
+  [[nodiscard]] const std::string& firmware() const noexcept { return firmware_; }
+  [[nodiscard]] FrameCounters counters() const;
+  [[nodiscard]] const Carrier& carrier() const noexcept { return *carrier_; }
+
+  /// A verb of device.h. Asks until it is answered, for 1 s, or 60 s to home and to test itself.
+  [[nodiscard]] Expected<Done> control(std::uint32_t verb, double argument, const Wait& wait);
+  /// Takes all that has come and sends the loop's newest command, once.
+  void pump(std::int64_t now_ns) noexcept;
+
+  /// As wh_plugin.read and wh_plugin.write. WH_FAILED: the carrier is gone; write: not enabled, or
+  /// other axes. Real-time safe.
+  [[nodiscard]] WHOLEHAND_RT int read(wh_sample& sample) noexcept;
+  [[nodiscard]] WHOLEHAND_RT int write(const wh_command& command) noexcept;
+
+ private:
+  struct Posted {
+    std::uint64_t number;  ///< rises with every write
+    wh_command command;
+  };
+
+  FrameDevice(std::unique_ptr<Carrier> carrier, std::uint32_t session)
+      : carrier_(std::move(carrier)), session_(session) {
+    axes_.reserve(WF_MAX_AXES);
+  }
+  [[nodiscard]] Expected<Done> shakeHands(const Wait& wait);
+  [[nodiscard]] Expected<Done> askAxes(const Wait& wait);
+  [[nodiscard]] bool ask(wf_frame question, std::uint8_t answer, std::int64_t within_ns,
+                         const Wait& wait);
+  [[nodiscard]] Diagnostic silent(const std::string& what) const;
+  void sendFrame(const wf_frame& frame) noexcept;
+  void sendCommand() noexcept;
+  void take(const wf_frame& frame, std::int64_t now_ns) noexcept;
+  void takeSample(const wf_frame& frame, std::int64_t now_ns) noexcept;
+
+  std::unique_ptr<Carrier> carrier_;
+  std::uint32_t session_;
+  std::string name_, serial_, firmware_;
+  std::vector<wh_axis> axes_;
+
+  // The bus.
+  wf_receiver receiver_{};
+  wf_frame answer_{};         ///< the last one that was waited for
+  std::uint8_t awaited_ = 0;  ///< kind; 0: none
+  std::uint32_t questions_ = 0;
+  std::uint32_t other_session_ = 0;
+  int other_version_ = 0;
+  std::uint32_t last_sample_ = 0;
+  wh_sample sample_{};
+  bool muted_ = false;          ///< WH_DROP_WATCHDOG
+  std::uint32_t commands_ = 0;  ///< sent since WH_ENABLE
+  std::uint64_t sent_number_ = 0;
+  std::atomic<std::uint32_t> broken_{0}, crc_errors_{0}, foreign_{0}, stale_{0};
+
+  // Between the two.
+  std::atomic<bool> gone_{false}, enabled_{false};
+  NewestValue<wh_sample> samples_;
+  NewestValue<Posted> posts_;
+
+  // The loop.
+  wh_sample newest_{};
+  Posted post_{};
+};
+
+}  // namespace wholehand

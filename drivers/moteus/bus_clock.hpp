@@ -1,0 +1,27 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <thread>
+
+namespace wholehand::moteus {
+
+/// The driver's time; tests have their own.
+class BusClock {
+ public:
+  virtual ~BusClock() = default;
+  [[nodiscard]] virtual std::int64_t now_ns() noexcept = 0;
+  /// Lets a tenth of a millisecond pass, or a bit more. Never in the tick.
+  virtual void rest() = 0;
+};
+
+/// CLOCK_MONOTONIC.
+class MonotonicClock final : public BusClock {
+ public:
+  [[nodiscard]] std::int64_t now_ns() noexcept override {
+    return std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1);
+  }
+  void rest() override { std::this_thread::sleep_for(std::chrono::microseconds(100)); }
+};
+
+}  // namespace wholehand::moteus

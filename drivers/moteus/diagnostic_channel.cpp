@@ -1,0 +1,81 @@
+#include "diagnostic_channel.hpp"
+
+#include "registers.hpp"
+
+#include <algorithm>
+#include <span>
+#include <string_view>
+
+namespace wholehand::moteus {
+namespace {
+
+constexpr std::int64_t kLongest_ns = 1'000'000'000;
+constexpr std::int64_t kPoll_ns = 200'000'000;
+constexpr std::uint8_t kMostPerPoll = 48;
+
+class Channel {
+ public:
+  Channel(CanBus& bus, BusClock& clock, int drive) : bus_(bus), clock_(clock), drive_(drive) {}
+
+  // Nothing is asked of the drive by the protocol's reply bit: a text is not answered.
+  bool write(std::string_view text) {
+    for (; !text.empty(); text.remove_prefix(std::min<std::size_t>(text.size(), kMostPerPoll))) {
+      CanFrame frame;
+      frame.id = static_cast<std::uint32_t>(drive_);
+      FrameWriter(frame).diagnosticWrite(text.substr(0, kMostPerPoll));
+      if (bus_.send(frame) != BusResult::kDone) return false;
+    }
+    return true;
+  }
+
+  // What the drive has to say; nothing where it does not answer or the bus failed.
+  std::optional<std::string> poll() {
+    CanFrame frame;
+    frame.id = commandId(drive_);
+    FrameWriter(frame).diagnosticPoll(kMostPerPoll);
+    if (bus_.send(frame) != BusResult::kDone) return std::nullopt;
+    const std::int64_t until_ns = clock_.now_ns() + kPoll_ns;
+    while (clock_.now_ns() < until_ns) {
+      CanFrame answer;
+      const BusResult result = bus_.receive(answer);
+      if (result == BusResult::kFailed) return std::nullopt;
+      if (result == BusResult::kNothing) {
+        clock_.rest();
+        continue;
+      }
+      const auto text = diagnosticAnswer(std::span(answer.data).first(answer.size));
+      if (answer.id == answerId(drive_) && text) return std::string(*text);
+    }
+    return std::nullopt;
+  }
+
+ private:
+  CanBus& bus_;
+  BusClock& clock_;
+  int drive_;
+};
+
+}  // namespace
+
+std::optional<std::string> askDrive(CanBus& bus, BusClock& clock, int drive,
+                                    const std::string& question) {
+  Channel channel(bus, clock, drive);
+  const std::int64_t until_ns = clock.now_ns() + kLongest_ns;
+  for (auto left = channel.poll(); !left || !left->empty(); left = channel.poll()) {
+    if (!left || clock.now_ns() > until_ns) return std::nullopt;
+  }
+  if (!channel.write(question + "\n")) return std::nullopt;
+  std::string said;
+  while (clock.now_ns() < until_ns) {
+    const auto more = channel.poll();
+    if (!more) return std::nullopt;
+    said += *more;
+    const std::size_t begin = said.find_first_not_of("\r\n");
+    if (begin == std::string::npos) continue;
+    const std::size_t end = said.find_first_of("\r\n", begin);
+    if (end != std::string::npos) return said.substr(begin, end - begin);
+  }
+  return std::nullopt;
+}
+
+}  // namespace wholehand::moteus

@@ -1,0 +1,119 @@
+#include "drive_settings.hpp"
+
+#include "diagnostic_channel.hpp"
+#include "registers.hpp"
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <optional>
+#include <span>
+#include <utility>
+
+namespace wholehand::moteus {
+namespace {
+
+std::string text(double value) {
+  std::array<char, 32> out{};
+  std::snprintf(out.data(), out.size(), "%g", value);
+  return out.data();
+}
+
+// The whole line is a number; nan is one, too.
+std::optional<double> numberIn(const std::string& line) {
+  char* end = nullptr;
+  const double value = std::strtod(line.c_str(), &end);
+  if (end == line.c_str() || *end != 0) return std::nullopt;
+  return value;
+}
+
+class Judge {
+ public:
+  Judge(CanBus& bus, BusClock& clock, const Motor& motor)
+      : bus_(bus), clock_(clock), motor_(motor) {}
+
+  // Holds the value of a setting against what is taken; `safe` is what it may be set to.
+  template <class Taken>
+  void hold(const std::string& setting, Taken taken, const std::string& problem,
+            const std::string& safe) {
+    const std::optional<std::string> line =
+        askDrive(bus_, clock_, motor_.id, "conf get " + setting);
+    const std::optional<double> value = line ? numberIn(*line) : std::nullopt;
+    if (value && taken(*value)) return;
+    out_.push_back({"", 0,
+                    "drive " + std::to_string(motor_.id) + " (" + motor_.name + ") " + setting,
+                    line.value_or(""),
+                    value  ? problem
+                    : line ? "is no number"
+                           : "cannot be read: the drive does not answer",
+                    value ? "set it with tview: conf set " + setting + " " + safe + ", conf write"
+                          : "look at the cable and the drive's firmware"});
+  }
+  [[nodiscard]] Diagnostics take() { return std::move(out_); }
+
+ private:
+  CanBus& bus_;
+  BusClock& clock_;
+  const Motor& motor_;
+  Diagnostics out_;
+};
+
+}  // namespace
+
+Diagnostics judgeDrive(CanBus& bus, BusClock& clock, const Motor& motor) {
+  Judge judge(bus, clock, motor);
+  const double most_nm = motor.max_torque_nm;
+  judge.hold(
+      "servo.default_timeout_s", [](double s) { return s > 0.0 && s <= kLongestTimeout_s; },
+      "is no watchdog of at most " + text(kLongestTimeout_s) + " s", text(kLongestTimeout_s));
+  judge.hold(
+      "servo.timeout_mode", [](double mode) { return mode == 0.0 || mode == 12.0; },
+      "holds or brakes when nobody commands", "12");
+  judge.hold(
+      "servo.timeout_max_torque_Nm", [&](double nm) { return nm >= 0.0 && nm <= most_nm; },
+      "is above max_torque_nm of the motor, " + text(most_nm), text(most_nm));
+  judge.hold(
+      "servo.fixed_voltage_mode", [](double on) { return on == 0.0; }, "ignores torques", "0");
+  judge.hold(
+      "servo.inertia_feedforward", [](double gain) { return gain == 0.0; }, "adds to the torque",
+      "0");
+  return judge.take();
+}
+
+std::optional<DriveIdentity> identifyDrive(CanBus& bus, BusClock& clock, int drive) {
+  constexpr std::int64_t kAnswer_ns = 200'000'000;
+  CanFrame question;
+  question.id = commandId(drive);
+  FrameWriter writer(question);
+  writer.read(RegisterType::kInt32, kFirmwareVersion, 1);
+  writer.read(RegisterType::kInt32, kSerialNumber, 3);
+  if (bus.send(question) != BusResult::kDone) return std::nullopt;
+  const std::int64_t until_ns = clock.now_ns() + kAnswer_ns;
+  while (clock.now_ns() < until_ns) {
+    CanFrame frame;
+    const BusResult result = bus.receive(frame);
+    if (result == BusResult::kFailed) return std::nullopt;
+    if (result == BusResult::kNothing) {
+      clock.rest();
+      continue;
+    }
+    Answer answer;
+    if (frame.id != answerId(drive) ||
+        !readAnswer(std::span(frame.data).first(frame.size), answer)) {
+      continue;
+    }
+    const auto word = [&answer](std::uint32_t reg) -> std::optional<std::uint32_t> {
+      const std::optional<double> value = answer.of(reg);
+      if (!value) return std::nullopt;
+      return static_cast<std::uint32_t>(static_cast<std::int64_t>(*value));
+    };
+    const auto firmware = word(kFirmwareVersion), first = word(kSerialNumber),
+               second = word(kSerialNumber + 1), third = word(kSerialNumber + 2);
+    if (firmware && first && second && third) {
+      return DriveIdentity{{*first, *second, *third}, *firmware};
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace wholehand::moteus

@@ -1,0 +1,142 @@
+#include "moteus_round.hpp"
+
+#include "fault_text.hpp"
+#include "registers.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <numbers>
+#include <span>
+
+namespace wholehand::moteus {
+namespace {
+
+constexpr double kTurn_rad = 2.0 * std::numbers::pi;
+constexpr int kMostFrames = 64;  // that are taken at once: an adapter that babbles holds nobody up
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+void writeMode(FrameWriter& out, int mode) noexcept {
+  const std::array<std::int8_t, 1> value = {static_cast<std::int8_t>(mode)};
+  out.writeInt8(kMode, value);
+}
+
+void writeQuery(FrameWriter& out) noexcept {
+  out.read(RegisterType::kFloat, kMode, 4);      // mode, position, velocity, torque
+  out.read(RegisterType::kInt8, kHomeState, 4);  // home state, voltage, temperature, fault
+}
+
+void writeTorque(FrameWriter& out, double torque_nm, double most_nm, double watchdog_s) noexcept {
+  // Registers 0x020 to 0x027. The integral's limit stands apart: zero gains alone would leave it.
+  const std::array<float, 8> command = {kNaN,                             // position: where it is
+                                        0.0F,                             // velocity
+                                        static_cast<float>(torque_nm),    // feed-forward
+                                        0.0F,                             // kp scale
+                                        0.0F,                             // kd scale
+                                        static_cast<float>(most_nm),      // largest torque
+                                        kNaN,                             // stop position: none
+                                        static_cast<float>(watchdog_s)};  // watchdog
+  const std::array<std::int8_t, 1> no_integral = {0};
+  out.writeFloat(kCommandPosition, command);
+  out.writeInt8(kIntegralLimitScale, no_integral);
+}
+
+}  // namespace
+
+MoteusRound::MoteusRound(const std::vector<Motor>& motors, CanBus& bus, BusClock& clock)
+    : motors_(motors), bus_(bus), clock_(clock) {}
+
+void MoteusRound::begin() noexcept {
+  awaited_ = (1U << motors_.size()) - 1U;
+  begun_ns_ = clock_.now_ns();
+}
+
+bool MoteusRound::send(CanFrame& frame, std::size_t motor) noexcept {
+  frame.id = commandId(motors_[motor].id);
+  return bus_.send(frame) == BusResult::kDone;
+}
+
+bool MoteusRound::sendTorques(const PerMotor& torque_nm, double watchdog_s) noexcept {
+  begin();
+  bool sent = true;
+  for (std::size_t i = 0; i < motors_.size(); ++i) {
+    const double most_nm = motors_[i].max_torque_nm;
+    CanFrame frame;
+    FrameWriter out(frame);
+    writeMode(out, kModePosition);  // first of all: the other registers belong to it
+    writeTorque(out, std::clamp(torque_nm[i], -most_nm, most_nm), most_nm, watchdog_s);
+    writeQuery(out);
+    sent = send(frame, i) && sent;
+  }
+  return sent;
+}
+
+bool MoteusRound::sendStops() noexcept {
+  begin();
+  bool sent = true;
+  for (std::size_t i = 0; i < motors_.size(); ++i) {
+    CanFrame frame;
+    FrameWriter out(frame);
+    writeMode(out, kModeStopped);
+    writeQuery(out);
+    sent = send(frame, i) && sent;
+  }
+  return sent;
+}
+
+bool MoteusRound::sendQueries() noexcept {
+  begin();
+  bool sent = true;
+  for (std::size_t i = 0; i < motors_.size(); ++i) {
+    CanFrame frame;
+    FrameWriter out(frame);
+    writeQuery(out);
+    sent = send(frame, i) && sent;
+  }
+  return sent;
+}
+
+bool MoteusRound::receive() noexcept {
+  for (int i = 0; i < kMostFrames; ++i) {
+    CanFrame frame;
+    const BusResult result = bus_.receive(frame);
+    if (result == BusResult::kNothing) break;
+    if (result == BusResult::kFailed) return false;
+    take(frame);
+  }
+  return true;
+}
+
+void MoteusRound::take(const CanFrame& frame) noexcept {
+  const auto of = std::find_if(motors_.begin(), motors_.end(),
+                               [&](const Motor& motor) { return answerId(motor.id) == frame.id; });
+  if (of == motors_.end()) {
+    ++foreign_;
+    return;
+  }
+  Answer answer;
+  const bool whole = readAnswer(std::span(frame.data).first(frame.size), answer);
+  const auto mode = answer.of(kMode), position = answer.of(kPosition), torque = answer.of(kTorque),
+             home = answer.of(kHomeState), fault = answer.of(kFault),
+             temperature = answer.of(kTemperature);
+  if (!whole || !mode || !position || !torque || !home || !fault || !temperature ||
+      !(*mode >= 0.0 && *mode <= 255.0)) {
+    ++malformed_;
+    return;
+  }
+  const auto i = static_cast<std::size_t>(of - motors_.begin());
+  last_[i] = {static_cast<int>(*mode),
+              static_cast<int>(*fault),
+              static_cast<int>(*home),
+              kTurn_rad * *position,
+              *torque,
+              *temperature,
+              true};
+  if (awaited_ == 0) return;
+  awaited_ &= ~(1U << i);
+  if (awaited_ != 0) return;
+  ++completed_;
+  completed_ns_ = clock_.now_ns();
+  of_round_ = last_;
+}
+
+}  // namespace wholehand::moteus

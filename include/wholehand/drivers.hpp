@@ -1,0 +1,20 @@
+#pragma once
+
+/// Real devices behind drivers (wholehand/device.h), in this process or in a host of their own.
+///
+///   auto driver = wholehand::PluginDriver::load({"./rails.so", "", ""});
+///   auto device = wholehand::PluginDevice::make(*driver, models->device, 1e-3);
+///   auto rig = wholehand::buildRig(*models, std::move(*device), options);
+///
+/// A host outlives the loop and takes the effort to neutral when the loop dies. Nothing here is for
+/// the tick but read() and write().
+
+// IWYU pragma: begin_exports
+#include "device/host/device_host.hpp"        // DeviceHost: holds a device for another process
+#include "device/host/host_list.hpp"          // listHosts(): which hosts there are
+#include "device/host/host_segment.hpp"       // HostLock, HostSegment: what host and loop share
+#include "device/host/hosted_driver.hpp"      // HostedDriver: a device that a host holds
+#include "device/plugin/observed_driver.hpp"  // ObservedDriver: what its newest sample says
+#include "device/plugin/plugin_device.hpp"    // PluginDevice: a driver as a HapticDevice
+#include "device/plugin/plugin_driver.hpp"    // PluginDriver: loads a shared object
+// IWYU pragma: end_exports

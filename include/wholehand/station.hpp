@@ -1,0 +1,22 @@
+#pragma once
+
+/// What `wholehand run` is made of: people arm, stop and load at a page or in a game.
+///
+///   wholehand::Station station(config);                          // runs the loop, on this thread
+///   station.load();
+///   wholehand::ControlsArbiter controls;                         // who of the clients steers
+///   auto server = wholehand::Server::open(station, {}, controls);  // pages and WebSocket
+///   station.addSink([&](const auto& record) { (*server)->publish(record); });
+///   station.run(false, 0.0);                                     // until Ctrl-C or quit()
+///
+/// The station outlives the server. The pages are in WHOLEHAND_SHARE_DIR "/web" where they were
+/// built before the installation. Nothing here is for the tick.
+
+// IWYU pragma: begin_exports
+#include "assembly/resting_player.hpp"  // restingOrPlaying(), for StationConfig::make_player
+#include "runtime/interrupt_scope.hpp"  // InterruptScope: Ctrl-C ends the station gently
+#include "server/controls_arbiter.hpp"
+#include "server/server.hpp"      // Server: docs/protocol.md
+#include "server/udp_bridge.hpp"  // UdpBridge: docs/udp.md
+#include "station/station.hpp"
+// IWYU pragma: end_exports

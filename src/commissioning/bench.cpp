@@ -1,0 +1,293 @@
+#include "commissioning/bench.hpp"
+
+#include "device/host/device_host.hpp"
+#include "device/host/hosted_driver.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+namespace wholehand {
+namespace {
+
+constexpr double kKeyWithin_s = 60.0;
+constexpr double kKeySeen_s = 1.0;  // until a held key is seen again: the longest first repeat
+
+// Tells the person that a motion is over, however it ends.
+class MotionEnd {
+ public:
+  MotionEnd(Operator& person, const Motion& motion) : person_(person), motion_(motion) {}
+  ~MotionEnd() { person_.tellMotion(motion_, MotionState::kOver); }
+  MotionEnd(const MotionEnd&) = delete;
+  MotionEnd& operator=(const MotionEnd&) = delete;
+
+ private:
+  Operator& person_;
+  Motion motion_;
+};
+
+}  // namespace
+
+Bench::Bench(DeviceDriver& driver, const DeviceModel& model, Operator& person, TickClock& clock)
+    : driver_(&driver), model_(&model), person_(&person), clock_(&clock), watch_(model, {}, 1e-3) {}
+
+Diagnostic Bench::no(const std::string& axis, const std::string& problem,
+                     const std::string& remedy) const {
+  return {model_->path, 0, axis.empty() ? "" : "axes", axis, problem, remedy};
+}
+
+Expected<Bench> Bench::make(DeviceDriver& driver, const DeviceModel& model, Operator& person,
+                            TickClock& clock, double period_s) {
+  Bench bench(driver, model, person, clock);
+  Diagnostics out;
+  for (const DeviceAxis& axis : model.axes) {
+    const auto found = std::find_if(driver.axes().begin(), driver.axes().end(),
+                                    [&](const wh_axis& has) { return axis.name == has.name; });
+    if (found == driver.axes().end()) {
+      out.push_back(bench.no(axis.name, driver.where() + " has no such axis",
+                             "name the axes as the driver does"));
+    }
+    bench.place_.push_back(static_cast<std::size_t>(found - driver.axes().begin()));
+    if (std::abs(axis.neutral_effort) > kCommissioningShare * axis.effort_limit) {
+      out.push_back(bench.no(axis.name,
+                             "its neutral effort is more than a fifth of its effort limit",
+                             "balance the axis: commissioning may not use more"));
+    }
+  }
+  if (!out.empty()) return out;
+  bench.config_ = guardConfig(driver, model, period_s);
+  for (int i = 0; i < bench.config_.limit.size(); ++i) {
+    bench.config_.limit[i] *= kCommissioningShare;
+  }
+  bench.watch_ = SampleWatch(model, bench.place_, period_s);
+  bench.guard_ = endSession(bench.guard_, bench.config_);
+  bench.command_.size = sizeof(bench.command_);
+  bench.command_.axes = static_cast<std::uint32_t>(driver.axes().size());
+  return bench;
+}
+
+double Bench::limit(std::size_t axis) const {
+  return kCommissioningShare * model_->axes[axis].effort_limit;
+}
+
+Expected<wh_sample> Bench::sample() {
+  wh_sample sample{};
+  if (driver_->read(sample) < 0) return no("", "the device gives no sample", "look at its cable");
+  newest_ = sample;
+  return sample;
+}
+
+std::vector<double> Bench::neutral() const {
+  std::vector<double> out;
+  for (const DeviceAxis& axis : model_->axes) out.push_back(axis.neutral_effort);
+  return out;
+}
+
+Expected<std::vector<double>> Bench::position() {
+  const Expected<wh_sample> now = sample();
+  if (!now) return now.errors();
+  return watch_.positions(*now);
+}
+
+Expected<Done> Bench::awaitKey(const Motion& motion) {
+  if (!nobody_attached_) {
+    return no("", "nobody has confirmed that nobody is attached", "do the step `home` first");
+  }
+  if (!person_->holdsKey()) person_->tellMotion(motion, MotionState::kAwaitsKey);
+  for (double waited_s = 0.0; !person_->holdsKey(); waited_s += config_.period_s) {
+    if (person_->gaveUp()) {
+      return no("", "no key can be held: the person gave up, or there is no terminal",
+                "repeat the step at a terminal");
+    }
+    if (waited_s > kKeyWithin_s) return no("", "the key was not held", "repeat the step");
+    clock_->waitForTick();
+  }
+  person_->tellMotion(motion, MotionState::kMoves);
+  return Done{};
+}
+
+// Enabling may have taken long: a key that was pressed before it says nothing of now.
+Expected<Done> Bench::keyStillHeld() {
+  for (double waited_s = 0.0; !person_->holdsKey(); waited_s += config_.period_s) {
+    if (waited_s > kKeySeen_s || person_->gaveUp()) {
+      return no("", "the key was let go", "repeat the step");
+    }
+    if (auto sent = send(neutral(), HostReason::kNone); !sent) return sent;
+    clock_->waitForTick();
+  }
+  return Done{};
+}
+
+Expected<Done> Bench::enable() {
+  if (!nobody_attached_) {
+    return no("", "nobody has confirmed that nobody is attached", "do the step `home` first");
+  }
+  if (auto done = driver_->control(WH_ENABLE, 0.0); !done) {
+    (void)driver_->control(WH_DISABLE, 0.0);  // it may be half enabled
+    return done;
+  }
+  guard_ = beginSession(++sessions_, clock_->now_ns(), config_);
+  return Done{};
+}
+
+Expected<Done> Bench::send(const std::vector<double>& effort, HostReason let_go) {
+  HostCommand command{};
+  command.session = guard_.session;
+  command.sequence = guard_.sequence + 1;
+  command.monotonic_ns = clock_->now_ns();
+  command.axes = command_.axes;
+  for (std::size_t i = 0; i < place_.size(); ++i) command.effort[place_[i]] = effort[i];
+  guard_ = advanceGuard(guard_, &command, let_go, 1, clock_->now_ns(), config_);
+  ++command_.sequence;
+  for (int i = 0; i < config_.neutral.size(); ++i) {
+    command_.effort[static_cast<std::size_t>(i)] = guard_.ramp.sent[i];
+  }
+  for (std::size_t i = 0; i < place_.size(); ++i) {
+    largest_share_ = std::max(largest_share_,
+                              std::abs(command_.effort[place_[i]]) / model_->axes[i].effort_limit);
+  }
+  const bool taken = driver_->write(command_) >= 0;
+  if (listener_) listener_({clock_->now_ns(), newest_, command_, guard_.phase, guard_.reason});
+  if (!taken) {
+    return no("", "the device refuses an effort", "look at the device, and repeat the step");
+  }
+  if (guard_.phase != HostPhase::kRendering && let_go == HostReason::kNone) {
+    return no("", fmt::format("the guard let go: {}", describe(guard_.reason)),
+              "let nothing else run on this machine, and repeat the step");
+  }
+  return Done{};
+}
+
+void Bench::letGo() {
+  for (int i = 0; guard_.phase != HostPhase::kLatched && i < 1000; ++i) {
+    if (!send(neutral(), HostReason::kLoopEnded)) break;
+    clock_->waitForTick();
+  }
+  (void)driver_->control(WH_DISABLE, 0.0);
+  guard_ = endSession(guard_, config_);
+}
+
+Expected<Done> Bench::guarded(const Law& law) {
+  if (auto held = keyStillHeld(); !held) return held;
+  watch_.begin();
+  Now now;
+  const std::int64_t began_ns = clock_->now_ns();
+  for (std::size_t tick = 0;; ++tick) {
+    if (!person_->holdsKey()) return no("", "the key was let go", "repeat the step");
+    const std::int64_t taken_ns = clock_->now_ns();
+    const Expected<wh_sample> read = sample();
+    if (!read) return read.errors();
+    Expected<std::vector<double>> position = watch_.judge(*read);
+    if (!position) return position.errors();
+    now.time_s = static_cast<double>(tick) * config_.period_s;
+    now.taken_s = static_cast<double>(taken_ns - began_ns) * 1e-9;
+    now.position = std::move(*position);
+    now.effort = neutral();
+    const Expected<bool> goes_on = law(now);
+    if (!goes_on) return goes_on.errors();
+    if (!*goes_on) return Done{};
+    if (auto sent = send(now.effort, HostReason::kNone); !sent) return sent;
+    clock_->waitForTick();
+  }
+}
+
+Expected<Done> Bench::move(const Motion& motion, const Law& law) {
+  const MotionEnd end(*person_, motion);
+  if (auto held = awaitKey(motion); !held) return held;
+  if (auto enabled = enable(); !enabled) return enabled;
+  Expected<Done> done = guarded(law);
+  letGo();
+  return done;
+}
+
+Expected<std::string> Bench::askWhile(
+    const Question& question,
+    const std::function<void(const std::vector<double>& position)>& look) {
+  Expected<Done> seen = Done{};
+  const auto answer = person_->ask(question, [&] {
+    const Expected<std::vector<double>> now = position();
+    if (!now) seen = now.errors();
+    if (now) look(*now);
+  });
+  if (!answer) return no("", "the person gave up", "repeat the step");
+  if (!seen) return seen.errors();
+  return *answer;
+}
+
+Expected<std::string> Bench::askEnabled(const Question& question,
+                                        const std::function<void(int, const wh_sample&)>& look) {
+  if (auto enabled = enable(); !enabled) return enabled.errors();
+  const auto answer = person_->ask(question, [&] {
+    wh_sample now{};
+    const int result = driver_->read(now);
+    if (result >= 0) newest_ = now;
+    look(result, now);
+    (void)send(neutral(), HostReason::kNone);
+  });
+  letGo();
+  if (!answer) return no("", "the person gave up", "repeat the step");
+  return *answer;
+}
+
+Expected<Done> Bench::home() {
+  const Motion motion{Motion::What::kHoming,
+                      "it may home itself; then only its emergency stop ends that", "", 0.0};
+  const MotionEnd end(*person_, motion);
+  if (auto held = awaitKey(motion); !held) return held;
+  Expected<Done> homed = driver_->control(WH_HOME, 0.0);
+  const auto has_no_way = [](const Diagnostic& d) {
+    return d.problem.find(kHasNoWay) != std::string::npos;
+  };
+  if (!homed && !std::all_of(homed.errors().begin(), homed.errors().end(), has_no_way)) {
+    return homed;
+  }
+  const Expected<wh_sample> now = sample();
+  if (!now) return now.errors();
+  if ((now->status & WH_HOMED) != 0) return Done{};
+  return no("", "it does not say that it is homed", "home it as its maker says");
+}
+
+Expected<double> Bench::dropWatchdog(double longest_s) {
+  const Motion motion{Motion::What::kWatchdog, "the watchdog is pulled", "", 0.0};
+  const MotionEnd end(*person_, motion);
+  if (auto held = awaitKey(motion); !held) return held.errors();
+  if (auto enabled = enable(); !enabled) return enabled.errors();
+  watch_.begin();
+  const Expected<wh_sample> before = sample();
+  const auto good = before ? watch_.judge(*before) : before.errors();
+  if (!good) {
+    letGo();
+    return good.errors();
+  }
+  const bool dropped = driver_->control(WH_DROP_WATCHDOG, 0.0).ok();
+  if (!dropped && dynamic_cast<const HostedDriver*>(driver_) != nullptr) {
+    letGo();
+    return no("", "the driver cannot drop its watchdog, and behind a host silence is the host's",
+              "let the driver know WH_DROP_WATCHDOG, or commission it with --driver");
+  }
+  // Where the driver cannot stop feeding by itself, silence does the same.
+  (void)send(neutral(), HostReason::kNone);
+  const std::int64_t began_ns = clock_->now_ns();
+  double passed_s = 0.0;
+  bool let_go = false;
+  while (!let_go && passed_s <= longest_s) {
+    clock_->waitForTick();
+    if (dropped) (void)send(neutral(), HostReason::kNone);
+    wh_sample now{};
+    if (driver_->read(now) < 0) break;
+    newest_ = now;
+    // By the clock: this machine may be late, and a silence must not pass for a shorter one.
+    passed_s = static_cast<double>(clock_->now_ns() - began_ns) * 1e-9;
+    let_go = (now.status & WH_SILENCED) != 0 || (now.status & WH_ENABLED) == 0;
+  }
+  (void)driver_->control(WH_DISABLE, 0.0);
+  guard_ = endSession(guard_, config_);
+  if (let_go && passed_s <= longest_s) return passed_s;
+  return no("", fmt::format("the drive's watchdog did not let go within {:.3f} s", longest_s),
+            "switch it on in the drive: without it the last effort stays when the program dies");
+}
+
+}  // namespace wholehand

@@ -1,0 +1,205 @@
+#include "commissioning/console/console_operator.hpp"
+
+#include "commissioning/commissioning.hpp"
+#include "core/expected.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace wholehand {
+namespace {
+
+using Facts = CommissioningFacts;
+
+constexpr std::chrono::milliseconds kLook{5};
+constexpr std::size_t kLongestAnswer = 64;
+
+static_assert(static_cast<int>(Question::About::kNextStep) + 1 ==
+              static_cast<int>(Facts::Asked::kNextStep));
+static_assert(static_cast<int>(Motion::What::kWatchdog) ==
+              static_cast<int>(Facts::Motion::kWatchdog));
+static_assert(static_cast<int>(MotionState::kOver) == static_cast<int>(Facts::MotionState::kOver));
+
+std::vector<int> placesOf(const std::vector<int>& steps) {
+  std::vector<int> places(kCommissioningSteps, -1);
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    places.at(static_cast<std::size_t>(steps[i])) = static_cast<int>(i);
+  }
+  return places;
+}
+
+// Where the person is led by default: the first step that is not done.
+std::string nextOf(const Facts& facts) {
+  const auto next = std::find_if(facts.steps.begin(), facts.steps.end(), [](const Facts::Step& s) {
+    return s.state != Facts::StepState::kDone;
+  });
+  return next == facts.steps.end() ? std::string() : next->name;
+}
+
+}  // namespace
+
+ConsoleOperator::ConsoleOperator(CommissioningFacts about, const std::vector<int>& steps,
+                                 std::function<std::int64_t()> now_ns, std::function<bool()> ended)
+    : places_(placesOf(steps)), now_ns_(std::move(now_ns)), ended_(std::move(ended)) {
+  for (const int step : steps) {
+    about.steps.push_back({stepName(static_cast<CommissioningStep>(step)), {}, {}, {}, {}});
+  }
+  facts_ = std::make_shared<const Facts>(std::move(about));
+}
+
+template <class Change>
+void ConsoleOperator::publish(Change&& change) {
+  auto changed = std::make_shared<Facts>(*facts_);
+  change(*changed);
+  facts_ = std::move(changed);
+}
+
+std::shared_ptr<const CommissioningFacts> ConsoleOperator::facts() const {
+  const std::lock_guard lock(mutex_);
+  return facts_;
+}
+
+void ConsoleOperator::finish(const std::string& file) {
+  const std::lock_guard lock(mutex_);
+  publish([&](Facts& f) { f.passport = file; });
+}
+
+// A line without a finding says what was wrong with an answer, or which file was written.
+void ConsoleOperator::tell(const std::string& line, const std::vector<FoundFigure>& findings) {
+  const std::lock_guard lock(mutex_);
+  publish([&](Facts& f) {
+    if (findings.empty()) f.note = line;
+    if (step_ < 0) return;
+    auto& shown = f.steps[static_cast<std::size_t>(step_)].findings;
+    for (const FoundFigure& found : findings) {
+      shown.push_back({found.axis, found.quantity, found.unit, found.lower, found.upper});
+    }
+  });
+}
+
+void ConsoleOperator::tellStep(const StepNews& news) {
+  const std::lock_guard lock(mutex_);
+  const int place = places_.at(static_cast<std::size_t>(news.step));
+  if (place < 0) return;
+  publish([&](Facts& f) {
+    Facts::Step& step = f.steps[static_cast<std::size_t>(place)];
+    f.note.clear();
+    if (news.what == StepNews::What::kBegins) {
+      step = {step.name, Facts::StepState::kUnderWay, {}, {}, {}};
+      return;
+    }
+    const bool done = news.what == StepNews::What::kDone;
+    step.state = done ? Facts::StepState::kDone : Facts::StepState::kFailed;
+    for (const Diagnostic& d : news.why) {
+      step.problem += (step.problem.empty() ? "" : "; ") +
+                      (d.value.empty() ? d.problem : d.value + " " + d.problem);
+      step.remedy = d.remedy;
+    }
+  });
+  step_ = news.what == StepNews::What::kBegins ? place : -1;
+}
+
+void ConsoleOperator::tellMotion(const Motion& motion, MotionState state) {
+  const std::lock_guard lock(mutex_);
+  publish([&](Facts& f) {
+    f.motion = static_cast<Facts::Motion>(motion.what);
+    f.motion_state = static_cast<Facts::MotionState>(state);
+    f.motion_s = motion.duration_s;
+    f.axis = motion.axis;
+    if (state != MotionState::kOver) f.note.clear();
+  });
+}
+
+std::optional<std::string> ConsoleOperator::ask(const Question& question,
+                                                const std::function<void()>& meanwhile) {
+  std::unique_lock lock(mutex_);
+  switch_.end();  // what was held for a move before is not held for the one after the answer
+  answer_.reset();
+  publish([&](Facts& f) {
+    ++f.question;
+    f.asked = static_cast<Facts::Asked>(static_cast<int>(question.about) + 1);
+    f.axis = question.axis;
+    f.unit = question.unit;
+    f.lower = question.lower;
+    f.upper = question.upper;
+    f.next = nextOf(f);
+  });
+  while (!ended_() && !answer_) {
+    lock.unlock();
+    meanwhile();
+    lock.lock();
+    answered_.wait_for(lock, kLook, [this] { return answer_.has_value(); });
+  }
+  publish([](Facts& f) {
+    f.asked = Facts::Asked::kNothing;
+    f.note.clear();
+  });
+  return std::exchange(answer_, std::nullopt);
+}
+
+bool ConsoleOperator::holdsKey() {
+  if (ended_()) return false;
+  const std::lock_guard lock(mutex_);
+  return switch_.held(now_ns_());
+}
+
+void ConsoleOperator::order(const Order& order, std::function<void(OrderReply)> done) {
+  OrderReply reply;
+  {
+    const std::lock_guard lock(mutex_);
+    reply = obey(order);
+  }
+  done(std::move(reply));
+}
+
+OrderReply ConsoleOperator::obey(const Order& order) {
+  switch (order.type) {
+    case OrderType::kAnswer:
+      return takeAnswer(order);
+    case OrderType::kHoldToMove:
+      hold(order);
+      return {true, ""};
+    case OrderType::kStop:
+    case OrderType::kEmergencyStop:
+      switch_.end();
+      return {true, ""};
+    case OrderType::kOwnerAlive:
+      if (order.value == 0.0) switch_.end();
+      return {true, ""};
+    case OrderType::kSteer:  // who gives the controls back, or is overruled
+      switch_.end();
+      return {true, ""};
+    case OrderType::kLeftAlone:
+      return {true, ""};
+    default:
+      return refused(Refusal::kNotHere, "a device is being commissioned here");
+  }
+}
+
+OrderReply ConsoleOperator::takeAnswer(const Order& order) {
+  const bool asked = facts_->asked != Facts::Asked::kNothing;
+  if (!asked || order.number != facts_->question || answer_) {
+    return refused(Refusal::kNotAsked, "that is not what is asked now");
+  }
+  if (order.name.size() > kLongestAnswer) {
+    return refused(Refusal::kOutOfRange, "an answer has at most 64 characters");
+  }
+  answer_ = order.name;
+  answered_.notify_all();
+  return {true, ""};
+}
+
+// Where no motion wants it, nothing is held: a button that stays down after a question moves
+// nothing until it is pressed anew.
+void ConsoleOperator::hold(const Order& order) {
+  switch_.beat(order.claim, order.number, now_ns_());
+  if (!order.held || facts_->asked != Facts::Asked::kNothing) switch_.end();
+}
+
+std::string ConsoleOperator::reportFolder(const std::string&, std::string& why) {
+  why = "nothing is recorded for a report here";
+  return {};
+}
+
+}  // namespace wholehand

@@ -1,0 +1,71 @@
+#pragma once
+
+#include "commissioning/console/hold_switch.hpp"
+#include "commissioning/operator.hpp"
+#include "server/backend.hpp"
+#include "server/commissioning_facts.hpp"
+
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace wholehand {
+
+/// The person who commissions a device at a page of the console. One thread asks and waits as an
+/// Operator; the server's thread brings answers and the held button as orders. The roles have
+/// judged those already: only the therapist who holds the controls answers and holds
+/// (server/roles.hpp). Every stop, from anybody, and a lost or changed leader end a motion.
+class ConsoleOperator final : public Operator, public ServerBackend {
+ public:
+  /// @param about device and identity; the steps are those of `steps`, in their order
+  /// @param now_ns CLOCK_MONOTONIC, or simulated
+  /// @param ended the program is to end: nobody will answer any more
+  ConsoleOperator(CommissioningFacts about, const std::vector<int>& steps,
+                  std::function<std::int64_t()> now_ns, std::function<bool()> ended);
+
+  /// For ServerOptions::commissioning. Any thread.
+  [[nodiscard]] std::shared_ptr<const CommissioningFacts> facts() const;
+  /// The passport or check is written; clients are told.
+  void finish(const std::string& file);
+
+  // Operator, in the thread of the commissioning.
+  void tell(const std::string& line, const std::vector<FoundFigure>& findings) override;
+  void tellStep(const StepNews& news) override;
+  void tellMotion(const Motion& motion, MotionState state) override;
+  [[nodiscard]] std::optional<std::string> ask(const Question& question,
+                                               const std::function<void()>& meanwhile) override;
+  [[nodiscard]] bool holdsKey() override;
+  [[nodiscard]] bool gaveUp() override { return ended_(); }
+
+  // ServerBackend, in any thread.
+  void order(const Order& order, std::function<void(OrderReply)> done) override;
+  [[nodiscard]] std::shared_ptr<const SceneFacts> scene() const override { return nullptr; }
+  [[nodiscard]] LoopStatus status() const override { return {}; }
+  [[nodiscard]] bool latest(TickRecord&) const override { return false; }
+  [[nodiscard]] std::vector<RecordingEntry> recordings() const override { return {}; }
+  [[nodiscard]] std::string recordingPath(const std::string&) const override { return {}; }
+  [[nodiscard]] std::string reportFolder(const std::string&, std::string& why) override;
+
+ private:
+  template <class Change>
+  void publish(Change&& change);
+  [[nodiscard]] OrderReply obey(const Order& order);
+  [[nodiscard]] OrderReply takeAnswer(const Order& order);
+  void hold(const Order& order);
+
+  const std::vector<int> places_;  ///< number of a CommissioningStep → place in the facts' steps
+  const std::function<std::int64_t()> now_ns_;
+  const std::function<bool()> ended_;
+
+  mutable std::mutex mutex_;
+  std::condition_variable answered_;
+  std::shared_ptr<const CommissioningFacts> facts_;
+  HoldSwitch switch_;
+  std::optional<std::string> answer_;
+  int step_ = -1;  ///< place of the step under way
+};
+
+}  // namespace wholehand

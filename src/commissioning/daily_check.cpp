@@ -1,0 +1,83 @@
+#include "commissioning/daily_check.hpp"
+
+#include "commissioning/sealed_file.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+namespace wholehand {
+namespace {
+
+constexpr const char* kCommission = "commission it: wholehand device commission";
+constexpr const char* kCheck = "do today's check: wholehand device commission --daily";
+
+}  // namespace
+
+std::string dailyCheckPath(const std::string& device_file, const std::string& serial) {
+  return besideDeviceFile(device_file, serial, "check");
+}
+
+std::string dailyCheckText(const DailyCheck& check) {
+  return seal(fmt::format(
+      "# The two-minute check: zero, signs, watchdog, emergency stop. Do not edit: do it again.\n"
+      "kind = \"device-check\"\nversion = 1\ndone_on = \"{}\"\noperator = {}\n"
+      "passport_sha256 = \"{}\"\n\n",
+      format(check.done_on), quoted(check.operator_name), check.passport_sha256));
+}
+
+Expected<DailyCheck> readDailyCheck(const std::string& path) {
+  if (const auto sealed = checkSeal(path, kCheck); !sealed) return sealed.errors();
+  TomlFile file(path, "device-check");
+  if (!file.readable()) return file.finish();
+  TomlTable& root = file.root();
+  DailyCheck check;
+  check.done_on = readDay(root, "done_on");
+  check.operator_name = root.text("operator");
+  check.passport_sha256 = root.text("passport_sha256");
+  (void)root.table("seal").text("sha256");
+  if (Diagnostics faults = file.finish(); !faults.empty()) return faults;
+  return check;
+}
+
+Expected<Passport> clearToArm(const DriverIdentity& identity, const DeviceModel& model, Day day) {
+  if (identity.serial.empty()) {
+    return Diagnostic{model.path,
+                      0,
+                      "serial",
+                      "",
+                      "the driver says no serial number: no passport can be told to be its own",
+                      "let the driver fill in wh_plugin.identify"};
+  }
+  const std::string path = passportPath(model.path, identity.serial);
+  if (!std::filesystem::exists(path)) {
+    return Diagnostic{path,       0, "", "", "device " + identity.serial + " has no passport",
+                      kCommission};
+  }
+  Expected<Passport> passport = readPassport(path);
+  if (!passport) return passport;
+  if (auto fits = checkPassport(*passport, identity, model, day); !fits) return fits.errors();
+
+  const std::string check_path = dailyCheckPath(model.path, identity.serial);
+  if (!std::filesystem::exists(check_path)) {
+    return Diagnostic{check_path, 0, "", "", "the device was not checked today", kCheck};
+  }
+  const Expected<DailyCheck> check = readDailyCheck(check_path);
+  if (!check) return check.errors();
+  if (check->done_on != day) {
+    return Diagnostic{check_path,
+                      0,
+                      "done_on",
+                      format(check->done_on),
+                      "the device was not checked today, " + format(day),
+                      kCheck};
+  }
+  if (check->passport_sha256 != passport->sha256) {
+    return Diagnostic{
+        check_path, 0, "passport_sha256", "", "today's check was done with another passport",
+        kCheck};
+  }
+  return passport;
+}
+
+}  // namespace wholehand

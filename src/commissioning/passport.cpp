@@ -1,0 +1,179 @@
+#include "commissioning/passport.hpp"
+
+#include "commissioning/sealed_file.hpp"
+#include "commissioning/sha256.hpp"
+#include "model/toml_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace wholehand {
+namespace {
+
+constexpr const char* kRemedy = "measure the device again: wholehand device commission";
+constexpr double kDelaySlack = 0.1;  // of a period
+
+// The figures of an axis with their keys by kind.
+struct Figure {
+  Interval PassportAxis::*of;
+  const char* translation;
+  const char* rotation;
+  NumberRule rule;
+};
+std::array<Figure, 5> figures() {
+  return {{{&PassportAxis::mass, "mass_kg", "inertia_kg_m2", above(0.0, 1000.0)},
+           {&PassportAxis::damping, "damping_n_s_m", "damping_nm_s_rad", between(-1000.0, 1e4)},
+           {&PassportAxis::coulomb, "coulomb_n", "coulomb_nm", between(-1000.0, 1e3)},
+           {&PassportAxis::gravity, "gravity_n", "gravity_nm", between(-1e4, 1e4)},
+           {&PassportAxis::delay_s, "delay_s", "delay_s", between(-1.0, 1.0, "s")}}};
+}
+
+std::string axisText(const PassportAxis& axis) {
+  const bool turns = axis.kind == AxisKind::kRotation;
+  std::string out = fmt::format("\n[[axes]]\nname = {}\ntype = \"{}\"\n", quoted(axis.name),
+                                turns ? "rotation" : "translation");
+  for (const Figure& f : figures()) {
+    const Interval& i = axis.*f.of;
+    out += fmt::format("{} = [{:.9g}, {:.9g}]\n", turns ? f.rotation : f.translation, i.lower,
+                       i.upper);
+  }
+  return out + fmt::format("{} = {:.9g}\n{} = {:.9g}\n", turns ? "resolution_rad" : "resolution_m",
+                           axis.resolution, turns ? "mark_rad" : "mark_m", axis.mark);
+}
+
+PassportAxis readAxis(TomlTable& table) {
+  PassportAxis axis;
+  axis.name = table.text("name");
+  axis.kind = table.choice("type", {"translation", "rotation"}) == "rotation"
+                  ? AxisKind::kRotation
+                  : AxisKind::kTranslation;
+  const bool turns = axis.kind == AxisKind::kRotation;
+  for (const Figure& f : figures()) {
+    const auto ends = table.interval(turns ? f.rotation : f.translation, f.rule);
+    axis.*f.of = {ends[0], ends[1]};
+  }
+  axis.resolution = table.number(turns ? "resolution_rad" : "resolution_m", between(0.0, 1.0));
+  axis.mark = table.number(turns ? "mark_rad" : "mark_m", between(-100.0, 100.0));
+  return axis;
+}
+
+Diagnostic foreign(const Passport& p, const char* key, const std::string& stated,
+                   const std::string& has) {
+  return {p.path, 0, key, stated, fmt::format("the passport is foreign: this device says {}", has),
+          kRemedy};
+}
+
+}  // namespace
+
+std::string passportPath(const std::string& device_file, const std::string& serial) {
+  return besideDeviceFile(device_file, serial, "passport");
+}
+
+std::string passportText(const Passport& p) {
+  std::string out = fmt::format(
+      "# Measured by `wholehand device commission`. Do not edit: measure again.\n"
+      "kind = \"passport\"\nversion = 1\nmeasured_on = \"{}\"\noperator = {}\n"
+      "device = {}\ndevice_sha256 = \"{}\"\nrate_hz = {:.9g}\n",
+      format(p.measured_on), quoted(p.operator_name), quoted(p.device), p.device_sha256, p.rate_hz);
+  const std::array<std::pair<const char*, std::string>, 4> known = {
+      {{"driver", p.driver},
+       {"serial", p.identity.serial},
+       {"firmware", p.identity.firmware},
+       {"sdk", p.identity.sdk}}};
+  for (const auto& [key, text] : known) {
+    if (!text.empty()) out += fmt::format("{} = {}\n", key, quoted(text));
+  }
+  for (const PassportAxis& axis : p.axes) out += axisText(axis);
+  return seal(out + "\n");
+}
+
+Expected<Passport> readPassport(const std::string& path) {
+  const Expected<std::string> digest = checkSeal(path, kRemedy);
+  if (!digest) return digest.errors();
+  TomlFile file(path, "passport");
+  if (!file.readable()) return file.finish();
+  TomlTable& root = file.root();
+  Passport p;
+  p.path = path;
+  p.sha256 = *digest;
+  p.measured_on = readDay(root, "measured_on");
+  p.operator_name = root.text("operator");
+  p.driver = root.text("driver", "");
+  p.identity = {root.text("serial"), root.text("firmware", ""), root.text("sdk", "")};
+  p.device = root.text("device");
+  p.device_sha256 = root.text("device_sha256");
+  p.rate_hz = root.number("rate_hz", above(0.0, 1e5, "Hz"));
+  for (TomlTable& table : root.tables("axes", 1)) p.axes.push_back(readAxis(table));
+  (void)root.table("seal").text("sha256");
+  if (Diagnostics faults = file.finish(); !faults.empty()) return faults;
+  return p;
+}
+
+bool sameAxes(const Passport& passport, const DeviceModel& model) {
+  return std::equal(passport.axes.begin(), passport.axes.end(), model.axes.begin(),
+                    model.axes.end(), [](const PassportAxis& a, const DeviceAxis& b) {
+                      return a.name == b.name && a.kind == b.kind;
+                    });
+}
+
+Expected<Done> checkPassport(const Passport& p, const DriverIdentity& identity,
+                             const DeviceModel& model, Day day) {
+  Diagnostics out;
+  const std::array<std::array<std::string, 3>, 3> parts = {
+      {{"serial", p.identity.serial, identity.serial},
+       {"firmware", p.identity.firmware, identity.firmware},
+       {"sdk", p.identity.sdk, identity.sdk}}};
+  for (const auto& [key, stated, has] : parts) {
+    if (stated != has) out.push_back(foreign(p, key.c_str(), stated, has));
+  }
+  const Expected<std::string> file = readWhole(model.path);
+  if (!file) return file.errors();
+  if (sha256(*file) != p.device_sha256) {
+    out.push_back(
+        {p.path, 0, "device_sha256", "",
+         fmt::format("the device file {} was changed since the passport was written", model.path),
+         kRemedy});
+  } else if (!sameAxes(p, model)) {
+    out.push_back({p.path, 0, "axes", "", "are not those of the device file", kRemedy});
+  }
+  if (day < p.measured_on) {
+    out.push_back({p.path, 0, "measured_on", format(p.measured_on),
+                   "lies in the future: today is " + format(day), "set this machine's clock"});
+  } else if (day - p.measured_on > kPassportLasts) {
+    out.push_back(
+        {p.path, 0, "measured_on", format(p.measured_on),
+         fmt::format("the passport has expired: it lasts {} days", kPassportLasts.count()),
+         kRemedy});
+  }
+  if (!out.empty()) return out;
+  return Done{};
+}
+
+std::vector<DeviceModel> worstCorners(const DeviceModel& model, const Passport& passport,
+                                      double period_s) {
+  DeviceModel light = model;
+  double delay_s = 0.0;
+  for (std::size_t i = 0; i < model.axes.size(); ++i) {
+    const PassportAxis& measured = passport.axes.at(i);
+    DeviceAxis& axis = light.axes[i];
+    axis.damping = std::max(0.0, std::min(axis.damping, measured.damping.lower));
+    axis.coulomb = std::max(0.0, std::min(axis.coulomb, measured.coulomb.lower));
+    axis.encoder_step = std::max(axis.encoder_step, measured.resolution);
+    axis.mass = measured.mass.lower;
+    delay_s = std::max(delay_s, measured.delay_s.upper);
+  }
+  const int delay = static_cast<int>(std::ceil(delay_s / period_s - kDelaySlack - 1e-9));
+  light.output_delay_ticks = std::max(light.output_delay_ticks, delay);
+  DeviceModel heavy = light;
+  for (std::size_t i = 0; i < model.axes.size(); ++i) {
+    heavy.axes[i].mass = passport.axes[i].mass.upper;
+  }
+  return {std::move(light), std::move(heavy)};
+}
+
+}  // namespace wholehand

@@ -1,0 +1,48 @@
+#pragma once
+
+#include "core/expected.hpp"
+#include "device/plugin/device_driver.hpp"
+#include "model/device_model.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace wholehand {
+
+/// Judges every sample of a device that is moved under supervision, from the beginning of a move
+/// to its end. Axes are in the order of the device file.
+class SampleWatch {
+ public:
+  /// @param place axis of the file → axis of the driver
+  /// @param period_s between two samples
+  SampleWatch(const DeviceModel& model, std::vector<std::size_t> place, double period_s);
+
+  /// A move begins: what was seen before is forgotten.
+  void begin();
+  /// Refused, by name: an axis without a finite position.
+  [[nodiscard]] Expected<std::vector<double>> positions(const wh_sample& sample) const;
+  /// Refused, by name: a drive in fault, not enabled or homed, a watchdog that let go, samples that
+  /// stand still for longer than longestStill_s() or run backwards, an axis without a position,
+  /// beyond its range or faster than its speed limit. The positions, else.
+  [[nodiscard]] Expected<std::vector<double>> judge(const wh_sample& sample);
+
+ private:
+  [[nodiscard]] Diagnostic no(const std::string& axis, const std::string& problem,
+                              const std::string& remedy) const;
+  [[nodiscard]] Expected<Done> judgeStatus(const wh_sample& sample) const;
+  [[nodiscard]] Expected<Done> judgeAge(const wh_sample& sample);
+  [[nodiscard]] Expected<Done> judgeMotion(const std::vector<double>& now);
+
+  const DeviceModel* model_;
+  std::vector<std::size_t> place_;
+  double period_s_;
+  std::vector<double> start_;              ///< where the move began
+  std::vector<std::vector<double>> seen_;  ///< a ring: positions of the last kSpeedOver_s
+  std::size_t tick_ = 0, still_ = 0;
+  std::uint64_t sequence_ = 0;
+  std::int64_t taken_ns_ = 0;
+};
+
+}  // namespace wholehand

@@ -1,0 +1,245 @@
+// Commands to an enabled device that nobody holds. Efforts stay below kEffortShare of the limit,
+// but for commands.beyond_limit.
+#include "device/conformance/check.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace wholehand {
+namespace {
+
+constexpr double kPulse_s = 0.02;
+constexpr double kSoon_s = 0.1;
+constexpr double kBeyond = 1.5, kBeyond_s = 0.005;  // asked for, of the limit; for so long
+constexpr double kClipped = 1.05;
+
+CheckFinding accepted(int result, const char* what) {
+  return result >= 0 ? passed() : failed(std::string(what) + " returns " + std::to_string(result));
+}
+
+CheckFinding neutral(DriverBench& bench) {
+  return accepted(bench.writeNeutral(), "a command of zeros");
+}
+
+CheckFinding often(DriverBench& bench) {
+  for (int i = 0; i < 50; ++i) {
+    if (bench.writeNeutral() < 0) return failed("command " + std::to_string(i) + " fails");
+  }
+  return passed();
+}
+
+CheckFinding sequenceSkips(DriverBench& bench) {
+  (void)bench.writeNeutral();
+  bench.startSequenceAt(bench.sequence() + 1000);
+  return accepted(bench.writeNeutral(), "a sequence that skips 1,000");
+}
+
+CheckFinding sequenceRestarts(DriverBench& bench) {
+  for (int i = 0; i < 5; ++i) (void)bench.writeNeutral();
+  if (bench.control(WH_DISABLE) < 0 || bench.control(WH_ENABLE) < 0) {
+    return notRun("is not enabled again");
+  }
+  bench.startSequenceAt(0);
+  return accepted(bench.writeNeutral(), "the first command after WH_ENABLE, sequence 1,");
+}
+
+CheckFinding longerCommand(DriverBench& bench) {
+  struct {
+    wh_command command;
+    double later[4];
+  } longer{};
+  longer.command.size = sizeof(longer);
+  longer.command.axes = static_cast<std::uint32_t>(bench.axes().size());
+  longer.command.sequence = bench.sequence() + 1;
+  bench.startSequenceAt(longer.command.sequence);
+  return accepted(bench.plugin().write(bench.device(), &longer.command), "a longer command");
+}
+
+// A command that must not be carried out: what it asks of axis 0 is `effort`.
+CheckFinding refused(DriverBench& bench, double effort, std::uint32_t axes, const char* what) {
+  (void)bench.writeNeutral();
+  std::array<double, WH_MAX_AXES> efforts{};
+  efforts[0] = effort;
+  const int result = bench.write(efforts, axes);
+  const Sampled now = bench.read();
+  (void)bench.writeNeutral();
+  if (now.result < 0) return failed(std::string("no sample comes after ") + what);
+  if (!std::isfinite(now.sample.position[0]))
+    return failed(std::string(what) + " reaches the position");
+  if (result < 0) return passed("is refused");
+  const double given = now.sample.effort[0];
+  if (std::isfinite(given) && given == 0.0) return passed("is without effect");
+  return failed(std::string(what) + " is taken");
+}
+
+CheckFinding fewerAxes(DriverBench& bench) {
+  const auto axes = static_cast<std::uint32_t>(bench.axes().size());
+  if (axes < 2) return notRun("has one axis");
+  return refused(bench, 0.5 * kEffortShare * bench.axes()[0].effort_limit, axes - 1,
+                 "a command of one axis too few");
+}
+
+CheckFinding moreAxes(DriverBench& bench) {
+  const auto axes = static_cast<std::uint32_t>(bench.axes().size());
+  return refused(bench, 0.5 * kEffortShare * bench.axes()[0].effort_limit, axes + 1,
+                 "a command of one axis too many");
+}
+
+CheckFinding notANumber(DriverBench& bench) {
+  return refused(bench, std::numeric_limits<double>::quiet_NaN(), 0, "NaN");
+}
+
+CheckFinding infinite(DriverBench& bench) {
+  return refused(bench, std::numeric_limits<double>::infinity(), 0, "infinity");
+}
+
+CheckFinding stillThereAfterBad(DriverBench& bench) {
+  std::array<double, WH_MAX_AXES> efforts{};
+  efforts[0] = std::numeric_limits<double>::quiet_NaN();
+  (void)bench.write(efforts);
+  const int result = bench.writeNeutral();
+  const Sampled now = bench.read();
+  if (now.result < 0) return failed("no sample comes any more");
+  const bool disabled = (now.sample.status & WH_ENABLED) == 0;
+  if (result >= 0 || disabled) return passed(disabled ? "has disabled itself" : "goes on");
+  return failed("refuses commands, and says that it is enabled");
+}
+
+CheckFinding pulses(DriverBench& bench) {
+  for (std::size_t a = 0; a < bench.axes().size(); ++a) {
+    if (bench.axes()[a].effort_meaning != WH_EFFORT) continue;
+    for (const double share : {0.5 * kEffortShare, -0.5 * kEffortShare}) {
+      int worst = WH_OK;
+      everyMillisecond(kPulse_s, [&] { return (worst = bench.writeShare(a, share)) >= 0; });
+      (void)bench.writeNeutral();
+      if (worst < 0)
+        return failed(std::string(bench.axes()[a].name) + ": a tenth of its limit is refused");
+    }
+  }
+  return passed("±" + number(50.0 * kEffortShare) + " % of each limit");
+}
+
+// The effort measured on an axis while one is asked for, as soon as it is not zero.
+double answerTo(DriverBench& bench, std::size_t axis, double share) {
+  double measured = 0.0;
+  everyMillisecond(kSoon_s, [&] {
+    if (bench.writeShare(axis, share) < 0) return false;
+    measured = bench.read().sample.effort[axis];
+    return measured == 0.0;
+  });
+  (void)bench.writeNeutral();
+  return measured;
+}
+
+CheckFinding measuredSign(DriverBench& bench) {
+  bool known = false;
+  for (std::size_t a = 0; a < bench.axes().size(); ++a) {
+    if (bench.axes()[a].effort_meaning != WH_EFFORT) continue;
+    const double measured = answerTo(bench, a, kEffortShare);
+    if (std::isnan(measured)) continue;
+    known = true;
+    if (measured <= 0.0) {
+      return failed(std::string(bench.axes()[a].name) + " measures " + number(measured) + " for " +
+                    number(kEffortShare * bench.axes()[a].effort_limit));
+    }
+  }
+  return known ? passed() : notRun("efforts are not measured");
+}
+
+CheckFinding neutralReturns(DriverBench& bench) {
+  const double measured = answerTo(bench, 0, kEffortShare);
+  if (std::isnan(measured)) return notRun("efforts are not measured");
+  double left = measured;
+  everyMillisecond(kSoon_s, [&] {
+    (void)bench.writeNeutral();
+    left = bench.read().sample.effort[0];
+    return std::abs(left) > 0.1 * std::abs(measured);
+  });
+  return std::abs(left) <= 0.1 * std::abs(measured) ? passed()
+                                                    : failed("measures " + number(left) + " then");
+}
+
+CheckFinding disabledIsNeutral(DriverBench& bench) {
+  (void)bench.writeShare(0, kEffortShare);
+  if (bench.control(WH_DISABLE) < 0) return failed("WH_DISABLE fails");
+  const double left = bench.read().sample.effort[0];
+  if (std::isnan(left)) return notRun("efforts are not measured");
+  const double most = 0.02 * bench.axes()[0].effort_limit;
+  return std::abs(left) <= most ? passed() : failed("measures " + number(left) + " then");
+}
+
+CheckFinding enabledIsNeutral(DriverBench& bench) {
+  (void)bench.writeShare(0, kEffortShare);
+  if (bench.control(WH_DISABLE) < 0 || bench.control(WH_ENABLE) < 0) {
+    return failed("is not enabled again");
+  }
+  const double left = bench.read().sample.effort[0];
+  if (std::isnan(left)) return notRun("efforts are not measured");
+  const double most = 0.02 * bench.axes()[0].effort_limit;
+  return std::abs(left) <= most ? passed() : failed("begins with " + number(left));
+}
+
+CheckFinding beyondLimit(DriverBench& bench) {
+  const wh_axis& axis = bench.axes()[0];
+  bool told = false;
+  double most = 0.0;
+  everyMillisecond(kBeyond_s, [&] {
+    if (bench.writeShare(0, kBeyond) < 0) return false;
+    const Sampled now = bench.read();
+    told = told || (now.sample.status & WH_SATURATED) != 0;
+    if (std::isfinite(now.sample.effort[0])) most = std::max(most, now.sample.effort[0]);
+    return true;
+  });
+  const bool refuses = bench.writeShare(0, kBeyond) < 0;
+  (void)bench.writeNeutral();
+  if (refuses) return passed("is refused");
+  if (most > kClipped * axis.effort_limit) return failed("gives " + number(most));
+  return told ? passed("is clipped") : failed("no sample says WH_SATURATED");
+}
+
+constexpr const char* kFinite = "return WH_FAILED from write for what is not finite";
+constexpr const char* kCount = "return WH_FAILED from write for another number of axes";
+constexpr Does kMoves = Does::kMoves;
+constexpr DriverStage kEnabled = DriverStage::kEnabled;
+
+constexpr Check kChecks[] = {
+    {"commands.neutral", "a command of zeros is taken", "is it enabled?", kMoves, kEnabled,
+     neutral},
+    {"commands.often", "50 commands at once are taken", "hand over the newest command only", kMoves,
+     kEnabled, often},
+    {"commands.sequence_skips", "a sequence that skips is taken",
+     "a host writes the newest command: require only that it is another", kMoves, kEnabled,
+     sequenceSkips},
+    {"commands.sequence_restarts", "after WH_ENABLE the sequence may begin at 1 again",
+     "forget the last sequence at WH_ENABLE", kMoves, kEnabled, sequenceRestarts},
+    {"commands.longer", "a longer command of a newer program is taken",
+     "accept every size that is not smaller than yours", kMoves, kEnabled, longerCommand},
+    {"commands.fewer_axes", "a command of too few axes is not carried out", kCount, kMoves,
+     kEnabled, fewerAxes},
+    {"commands.more_axes", "a command of too many axes is not carried out", kCount, kMoves,
+     kEnabled, moreAxes},
+    {"commands.nan", "NaN is not carried out", kFinite, kMoves, kEnabled, notANumber},
+    {"commands.infinity", "infinity is not carried out", kFinite, kMoves, kEnabled, infinite},
+    {"commands.after_bad", "after a bad command it goes on, or says that it is disabled",
+     "refuse the command, not the ones after it", kMoves, kEnabled, stillThereAfterBad},
+    {"commands.pulses", "a tenth of the limit is taken on every axis, both ways",
+     "return WH_FAILED only where the drive is in fault", kMoves, kEnabled, pulses},
+    {"commands.sign", "the effort measured has the sign of the one asked for",
+     "give the motor its sign in read and write alike", kMoves, kEnabled, measuredSign},
+    {"commands.neutral_again", "the effort measured goes back with the command",
+     "hold an effort until the next command, not longer", kMoves, kEnabled, neutralReturns},
+    {"commands.disabled_neutral", "WH_DISABLE takes the effort away",
+     "send neutral before disabling", kMoves, kEnabled, disabledIsNeutral},
+    {"commands.enabled_neutral", "WH_ENABLE begins at neutral", "forget the last command", kMoves,
+     kEnabled, enabledIsNeutral},
+    {"commands.beyond_limit", "1.5 times the limit is refused, or clipped with WH_SATURATED",
+     "clip to effort_limit and say so", Does::kOverreaches, kEnabled, beyondLimit},
+};
+
+}  // namespace
+
+std::span<const Check> commandChecks() {
+  return kChecks;
+}
+
+}  // namespace wholehand

@@ -1,0 +1,106 @@
+#include "device/host/effort_guard.hpp"
+
+#include "safety/force_limiter.hpp"
+
+#include <algorithm>
+
+namespace wholehand {
+namespace {
+
+bool isNeutral(const AxisEffort& effort, const AxisEffort& neutral) noexcept {
+  return std::equal(effort.begin(), effort.end(), neutral.begin(), neutral.end());
+}
+
+// What the command asks for; size 0: nothing that could be sent.
+AxisEffort effortOf(const HostCommand& command, const GuardConfig& config) noexcept {
+  const int axes = config.neutral.size();
+  if (command.axes != static_cast<std::uint64_t>(axes)) return AxisEffort(0);
+  AxisEffort asked(axes);
+  for (int i = 0; i < axes; ++i) asked[i] = command.effort[i];
+  if (!allFinite(asked)) return AxisEffort(0);
+  return limitEffort(asked, config.limit).effort;
+}
+
+// Takes the command where it is new: why the loop must be let go of; kNone: it need not.
+HostReason hear(GuardState& s, const HostCommand* command, std::int64_t now_ns,
+                const GuardConfig& config, AxisEffort& wanted) noexcept {
+  if (command == nullptr || command->session != s.session || command->sequence <= s.sequence) {
+    return HostReason::kNone;
+  }
+  s.sequence = command->sequence;
+  s.alive_ns = std::min(command->monotonic_ns, now_ns);
+  s.phase = HostPhase::kRendering;
+  wanted = effortOf(*command, config);
+  return wanted.size() == 0 ? HostReason::kBadCommand : HostReason::kNone;
+}
+
+HostReason judgeSilence(const GuardState& s, std::int64_t now_ns) noexcept {
+  const bool waits = s.phase == HostPhase::kWaiting;
+  const std::int64_t patience_ns = waits ? kFirstCommand_ns : kLoopSilence_ns;
+  if (now_ns - s.alive_ns <= patience_ns) return HostReason::kNone;
+  return waits ? HostReason::kNeverCommanded : HostReason::kLoopSilent;
+}
+
+void letGo(GuardState& s, HostReason why, const GuardConfig& config) noexcept {
+  const bool neutral = isNeutral(s.ramp.sent, config.neutral);
+  s.reason = why;
+  if (neutral && why == HostReason::kLoopSilent) s.reason = HostReason::kSilentAtNeutral;
+  if (neutral && why == HostReason::kLoopEnded) s.reason = HostReason::kNone;  // as it should
+  s.phase = neutral ? HostPhase::kLatched : HostPhase::kRamping;
+}
+
+}  // namespace
+
+GuardState beginSession(std::uint64_t session, std::int64_t now_ns,
+                        const GuardConfig& config) noexcept {
+  GuardState s;
+  s.phase = HostPhase::kWaiting;
+  s.session = session;
+  s.alive_ns = now_ns;
+  s.wanted = config.neutral;
+  s.ramp = engageFrom(config.neutral);
+  s.ramp.again = true;  // engaged wholly: the loop blends in by itself
+  s.ramp.authority = 1.0;
+  s.ramp.elapsed_s = config.ramp.reengage_s;
+  s.given = SlewWindow(slewTicks(config.period_s));
+  s.given.note(config.neutral);
+  return s;
+}
+
+GuardState endSession(const GuardState& state, const GuardConfig& config) noexcept {
+  GuardState s = state;
+  s.phase = HostPhase::kIdle;
+  s.ramp = engageFrom(config.neutral);
+  return s;
+}
+
+GuardState advanceGuard(const GuardState& state, const HostCommand* command, HostReason let_go,
+                        int elapsed_periods, std::int64_t now_ns,
+                        const GuardConfig& config) noexcept {
+  GuardState next = state;
+  if (state.phase == HostPhase::kIdle) return next;
+  HostReason why = HostReason::kNone;
+  if (state.phase == HostPhase::kWaiting || state.phase == HostPhase::kRendering) {
+    AxisEffort wanted = state.wanted;
+    why = let_go;
+    if (why == HostReason::kNone) why = hear(next, command, now_ns, config, wanted);
+    if (why == HostReason::kNone) why = judgeSilence(next, now_ns);
+    // What the device holds is where the ramp begins: not a command that came too late.
+    if (why == HostReason::kNone) {
+      next.wanted = wanted;
+    } else {
+      letGo(next, why, config);
+    }
+  }
+  next.ramp = advanceRamp(state.ramp, next.wanted, config.neutral, why != HostReason::kNone,
+                          elapsed_periods, config.period_s, config.ramp);
+  next.ramp.sent = limitSlew(next.ramp.sent, state.given, config.most_change).effort;
+  next.given.note(next.ramp.sent);
+  const bool neutral = isNeutral(next.ramp.sent, config.neutral);
+  if (next.phase == HostPhase::kRamping && next.ramp.phase == RampPhase::kNeutral && neutral) {
+    next.phase = HostPhase::kLatched;
+  }
+  return next;
+}
+
+}  // namespace wholehand

@@ -1,0 +1,192 @@
+#include "device/host/host_segment.hpp"
+
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <fcntl.h>
+#include <fstream>
+#include <new>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <thread>
+#include <unistd.h>
+#include <utility>
+
+namespace wholehand {
+namespace {
+
+constexpr std::chrono::milliseconds kPulseEvery{1};
+constexpr std::chrono::milliseconds kPulseWithin{1000};
+constexpr const char* kStartHost = "start it with wholehand device-host";
+
+Diagnostic no(const std::string& name, const std::string& problem, const std::string& remedy) {
+  return {"", 0, "host", name, problem, remedy};
+}
+
+std::string because(const std::string& what) {
+  return what + ": " + std::strerror(errno);
+}
+
+bool isName(const std::string& name) {
+  return !name.empty() && name.size() <= 32 &&
+         name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-") == std::string::npos;
+}
+
+Diagnostic badName(const std::string& name) {
+  return no(name, "is no name of a host", "1 to 32 of a-z, 0-9 and -");
+}
+
+std::string pathOf(const std::string& name) {
+  return "/wholehand-" + name;
+}
+
+struct flock wholeFile() {
+  struct flock lock {};
+  lock.l_type = F_WRLCK;
+  lock.l_whence = SEEK_SET;
+  return lock;
+}
+
+// Closes unless it is taken.
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  [[nodiscard]] int get() const { return fd_; }
+  [[nodiscard]] int take() { return std::exchange(fd_, -1); }
+
+ private:
+  int fd_;
+};
+
+SharedFrame* mapped(int fd) {
+  void* const at = ::mmap(nullptr, sizeof(SharedFrame), PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
+  return at == MAP_FAILED ? nullptr : static_cast<SharedFrame*>(at);
+}
+
+}  // namespace
+
+std::string whyForeign(const SharedFrame& frame) {
+  if (frame.magic.load(std::memory_order_acquire) != kFrameMagic) return "is not set up by a host";
+  if (frame.layout != kFrameLayout) {
+    return "shares memory of version " + std::to_string(frame.layout) + ", this is " +
+           std::to_string(kFrameLayout);
+  }
+  if (frame.size != sizeof(SharedFrame)) return "shares memory of another size";
+  if (frame.axis_count < 1 || frame.axis_count > WH_MAX_AXES) {
+    return "says that it has " + std::to_string(frame.axis_count) + " axes";
+  }
+  for (std::uint32_t i = 0; i < frame.axis_count; ++i) {
+    if (::strnlen(frame.axes[i].name, sizeof(frame.axes[i].name)) == sizeof(frame.axes[i].name)) {
+      return "gives an axis a name without end";
+    }
+  }
+  return {};
+}
+
+bool processLives(std::int64_t pid) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
+  std::string text;
+  if (!std::getline(file, text)) return false;
+  const std::size_t name_end = text.rfind(')');  // the name may hold anything
+  const char state = name_end + 2 < text.size() ? text[name_end + 2] : 'X';
+  return state != 'Z' && state != 'X';
+}
+
+Expected<std::unique_ptr<HostLock>> HostLock::take(const std::string& name) {
+  if (!isName(name)) return badName(name);
+  const std::string path = pathOf(name) + ".lock";
+  Descriptor fd(::shm_open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+  if (fd.get() < 0) {
+    return no(name, because("cannot be locked"), "does it belong to another user? See /dev/shm");
+  }
+  // A lock of the process: what it forks does not hold it.
+  struct flock lock = wholeFile();
+  if (::fcntl(fd.get(), F_SETLK, &lock) == 0) {
+    return std::unique_ptr<HostLock>(new HostLock(name, fd.take()));
+  }
+  lock = wholeFile();
+  (void)::fcntl(fd.get(), F_GETLK, &lock);
+  return no(name, "runs already, as process " + std::to_string(lock.l_pid),
+            "one host holds one device: end that one, or take another name");
+}
+
+HostLock::~HostLock() {
+  ::close(fd_);
+}
+
+Expected<std::unique_ptr<HostSegment>> HostSegment::create(const HostLock& lock) {
+  const std::string path = pathOf(lock.name());
+  (void)::shm_unlink(path.c_str());
+  Descriptor fd(::shm_open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
+  SharedFrame* frame = nullptr;
+  if (fd.get() >= 0 && ::ftruncate(fd.get(), sizeof(SharedFrame)) == 0) frame = mapped(fd.get());
+  if (frame == nullptr) {
+    return no(lock.name(), because("gets no shared memory"), "look at /dev/shm");
+  }
+  (void)::madvise(frame, sizeof(SharedFrame), MADV_DONTFORK);
+  new (frame) SharedFrame{};
+  return std::unique_ptr<HostSegment>(new HostSegment(path, fd.take(), frame, true));
+}
+
+Expected<std::unique_ptr<HostSegment>> HostSegment::attach(const std::string& name) {
+  if (!isName(name)) return badName(name);
+  const std::string path = pathOf(name);
+  Descriptor fd(::shm_open(path.c_str(), O_RDWR | O_CLOEXEC, 0));
+  if (fd.get() < 0) {
+    return errno == ENOENT ? no(name, "does not run", kStartHost)
+                           : no(name, because("cannot be reached"), "run as the user of the host");
+  }
+  struct stat file {};
+  if (::fstat(fd.get(), &file) != 0 || file.st_uid != ::geteuid()) {
+    return no(name, "belongs to another user", "run as the user of the host");
+  }
+  if (file.st_size != static_cast<off_t>(sizeof(SharedFrame))) {
+    return no(name, "shares memory of another size", "run the same version as the host");
+  }
+  SharedFrame* const frame = mapped(fd.get());
+  if (frame == nullptr) return no(name, because("cannot be mapped"), "is there memory left?");
+  std::unique_ptr<HostSegment> segment(new HostSegment(path, fd.take(), frame, false));
+  if (const std::string why = whyForeign(*frame); !why.empty()) {
+    return no(name, why, "run the same version as the host");
+  }
+  if (!segment->hostLives()) return no(name, "is gone", kStartHost);
+  // Of this open file: a second loop is refused, in this process, too.
+  struct flock lock = wholeFile();
+  if (::fcntl(segment->fd_, F_OFD_SETLK, &lock) != 0) {
+    HostRequest last{};
+    const bool known = frame->request.take(last);
+    return no(name,
+              "is in use by another loop" +
+                  (known ? ", process " + std::to_string(last.pid) : std::string()),
+              "end that one first");
+  }
+  if (!segment->hasPulse()) return no(name, "stands still", "end it and start it again");
+  return segment;
+}
+
+HostSegment::~HostSegment() {
+  if (owned_) (void)::shm_unlink(path_.c_str());
+  ::munmap(frame_, sizeof(SharedFrame));
+  ::close(fd_);
+}
+
+bool HostSegment::hostLives() const {
+  return processLives(frame_->host_pid);
+}
+
+bool HostSegment::hasPulse() const {
+  HostSample first{}, later{};
+  const bool had = frame_->sample.take(first);
+  for (auto waited = kPulseEvery; waited < kPulseWithin; waited += kPulseEvery) {
+    std::this_thread::sleep_for(kPulseEvery);
+    if (frame_->sample.take(later) && (!had || later.cycle != first.cycle)) return true;
+  }
+  return false;
+}
+
+}  // namespace wholehand

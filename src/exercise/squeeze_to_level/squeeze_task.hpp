@@ -1,0 +1,42 @@
+#pragma once
+
+#include "exercise/finger_wall_file.hpp"
+#include "exercise/squeeze_to_level/band_steps.hpp"
+#include "model/scene_model.hpp"
+
+#include <cstdint>
+#include <iterator>
+#include <string>
+
+namespace wholehand::squeeze_to_level {
+
+/// The exercise as its file and scene say it. Plain data, immutable while played.
+struct SqueezeTask {
+  std::string name;
+  int body = -1;  ///< what is squeezed: index into the scene's bodies
+  double radius_m = 0.0, height_m = 0.0, soft_m = 0.0;
+  double filter_hz = 5.0;  ///< low-pass of the squeeze
+  BandRules rules;
+  FingerWallFile wall;
+};
+
+/// Where ExerciseRecord::values has what; kValueNames are their names.
+enum Value : std::int32_t {
+  kInstruction,
+  kScore,
+  kDone,
+  kBandsDone,
+  kBands,
+  kSqueeze,
+  kGoalLow,
+  kGoalHigh,
+  kHeld,
+  kPaused,
+  kValues
+};
+inline constexpr const char* kValueNames[] = {
+    "instruction", "score",      "done",        "bands_done", "bands",
+    "squeeze_n",   "goal_low_n", "goal_high_n", "held_s",     "paused"};
+static_assert(std::size(kValueNames) == kValues);
+
+}  // namespace wholehand::squeeze_to_level

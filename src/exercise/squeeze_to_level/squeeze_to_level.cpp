@@ -1,0 +1,259 @@
+#include "exercise/squeeze_to_level/squeeze_to_level.hpp"
+
+#include "exercise/cocktail_bar/grip.hpp"
+#include "exercise/squeeze_to_level/squeeze_player.hpp"
+#include "exercise/squeeze_to_level/squeeze_task.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+namespace wholehand::squeeze_to_level {
+namespace {
+
+enum Parameter : std::int32_t { kWallStiffness, kWallDamping, kLeadIn, kLevelRatio };
+enum Event : std::int32_t { kEntered, kBandHeld, kLevelDone, kRestarted };
+
+/// The palm nearer than release_m by this: the fingers are closed on to the object.
+constexpr double kApproach_m = 0.05;
+
+class SqueezeToLevel final : public Exercise {
+ public:
+  SqueezeToLevel(SqueezeTask task, const DeviceModel& device, const HandModel& hand)
+      : task_(std::move(task)),
+        device_(device),
+        hand_(hand),
+        axes_of_capsule_(axesOfCapsules(hand)),
+        posture_(hand_),
+        steps_(task_.rules) {
+    description_.name = task_.name;
+    description_.fade_out_s = task_.wall.transition.release_s;
+    description_.parameters = {
+        {"wall_stiffness_ratio", "1", 0.0, kLargestWallRatio, 1.0, 0.5},
+        {"wall_damping_ratio", "1", 0.0, kLargestWallRatio, 1.0, 0.5},
+        {"lead_in_m", "m", 0.0, kLargestLeadIn_m, task_.wall.lead_in_m, 0.005},
+        {"level_ratio", "1", 0.25, 1.5, 1.0, 0.5}};
+    description_.value_names.assign(std::begin(kValueNames), std::end(kValueNames));
+    description_.event_names = {"band_entered", "band_held", "level_done", "restarted"};
+    description_.json = R"({"kind":"squeeze_to_level"})";
+    SqueezeToLevel::reset();
+  }
+  SqueezeToLevel(const SqueezeToLevel&) = delete;
+  SqueezeToLevel& operator=(const SqueezeToLevel&) = delete;
+
+  [[nodiscard]] const ExerciseDescription& description() const noexcept override {
+    return description_;
+  }
+
+  void reset() override {
+    steps_.reset();
+    transition_ = TransitionState{};
+    walls_ = FingerWallState{};
+    squeeze_n_ = 0.0;
+    near_ = paused_ = false;
+  }
+
+  [[nodiscard]] WorldQuery query() const noexcept override {
+    return {1U << static_cast<unsigned>(task_.body), near_ ? task_.body : -1};
+  }
+
+  void tick(const ExerciseInput& input, ExerciseRecord& out,
+            BodyPlacements& placements) noexcept override {
+    const TickRecord& seen = *input.observed;
+    const double elapsed_s = std::max(seen.elapsed_periods, 1U) * input.period_s;
+    out = ExerciseRecord{};
+    placements.count = 0;
+    posture_.update(seen.theta);
+    takeActions(seen, out);
+    push(input, elapsed_s, out);
+    feel(seen, out, elapsed_s);
+    if (!paused_) advanceSteps(input.parameters[kLevelRatio], elapsed_s, out);
+    show(input.parameters[kLevelRatio], out);
+  }
+
+  [[nodiscard]] std::unique_ptr<Player> makePlayer(std::uint64_t seed) const override {
+    Bar one;  // the object as the one dispenser of a bar
+    BarDispenser& object = one.dispensers.emplace_back();
+    object.body_index = task_.body;
+    object.radius_m = task_.radius_m;
+    object.nozzle_m = object.grip_m = Eigen::Vector3d::Zero();
+    return std::make_unique<SqueezePlayer>(makeBarView(one, device_, &hand_), seed);
+  }
+
+ private:
+  static void tell(ExerciseRecord& out, Event type, int index, double value) noexcept {
+    if (out.event_count >= kMaxExerciseEvents) return;
+    out.events[static_cast<std::size_t>(out.event_count++)] = {type, index, value};
+  }
+
+  void takeActions(const TickRecord& seen, ExerciseRecord& out) noexcept {
+    for (int i = 0; i < seen.command_count; ++i) {
+      const Command& c = seen.commands[static_cast<std::size_t>(i)];
+      if (c.type != CommandType::kAction) continue;
+      const auto action = static_cast<ExerciseAction>(c.index);
+      if (action == ExerciseAction::kPause || action == ExerciseAction::kResume) {
+        paused_ = action == ExerciseAction::kPause;
+      } else if (action == ExerciseAction::kRestart || steps_.done()) {
+        steps_.reset();
+        paused_ = false;
+        tell(out, kRestarted, -1, 0.0);
+      }
+    }
+  }
+
+  /// f_e, Eq. (15) to (17): a wall on every axis of the file, faded in where the palm is near.
+  void push(const ExerciseInput& input, double elapsed_s, ExerciseRecord& out) noexcept {
+    const TickRecord& seen = *input.observed;
+    const double to_palm_m = seen.palm_target_distance_m;
+    const double distance_m = seen.palm_body == task_.body && to_palm_m >= 0.0
+                                  ? to_palm_m
+                                  : std::numeric_limits<double>::infinity();
+    transition_ = advanceTransition(transition_, distance_m, input.may_push && !paused_,
+                                    task_.wall.transition, static_cast<int>(seen.elapsed_periods),
+                                    input.period_s);
+    FingerSight sight{{}, seen.q_m, seen.q_s, 0, 0};
+    touches_ = SoftTouches{};
+    if (near_) {  // the closure is this object's
+      sight.closure = seen.closure;
+      sight.touching = touchingAxes(seen, task_.body, axes_of_capsule_);
+      touches_ = posture_.softTouches(seen.bodies[static_cast<std::size_t>(task_.body)],
+                                      task_.radius_m, task_.height_m, axes_of_capsule_);
+      for (int a = 0; a < task_.wall.walls.axes; ++a) {
+        const bool soft = task_.soft_m > 0.0 && touches_[static_cast<std::size_t>(a)].presses;
+        if (soft) sight.inside |= 1U << static_cast<unsigned>(a);
+      }
+    }
+    near_ = transition_.u > 0.0 || distance_m < task_.wall.transition.release_m + kApproach_m;
+    out.alpha = transitionAlpha(transition_);
+    walls_ = followClosure(walls_, sight, input.parameters[kLeadIn], out.alpha, task_.wall.walls,
+                           elapsed_s);
+    const WallRatios ratios{input.parameters[kWallStiffness], input.parameters[kWallDamping]};
+    out.effort =
+        fingerWallEffort(walls_, seen.q_m, seen.qd_mf, out.alpha, ratios, task_.wall.walls);
+    out.wall = walls_.position;
+    out.wall_active = walls_.known;
+  }
+
+  /// The squeeze at the fingertips, low-passed (docs/exercises.md).
+  void feel(const TickRecord& seen, const ExerciseRecord& out, double elapsed_s) noexcept {
+    const FeltBody felt{task_.body, out.effort, touches_};
+    const double now_n =
+        feltSqueeze_n(seen, felt, posture_, task_.wall.walls, task_.wall.effort_limit);
+    squeeze_n_ += (now_n - squeeze_n_) *
+                  (1.0 - std::exp(-2.0 * std::numbers::pi * task_.filter_hz * elapsed_s));
+  }
+
+  void advanceSteps(double ratio, double elapsed_s, ExerciseRecord& out) noexcept {
+    const int band = steps_.band();
+    const BandNews news = steps_.tick(squeeze_n_, transition_.engaged, ratio, elapsed_s);
+    if (news.entered) tell(out, kEntered, band, squeeze_n_);
+    if (news.held >= 0) tell(out, kBandHeld, news.held, steps_.score());
+    if (news.done) tell(out, kLevelDone, -1, steps_.score());
+  }
+
+  void show(double ratio, ExerciseRecord& out) const noexcept {
+    const Band goal = steps_.goal(ratio);
+    out.values[kInstruction] = static_cast<double>(steps_.instruction());
+    out.values[kScore] = steps_.score();
+    out.values[kDone] = steps_.done() ? 1.0 : 0.0;
+    out.values[kBandsDone] = steps_.bandsDone();
+    out.values[kBands] = static_cast<double>(task_.rules.bands.size());
+    out.values[kSqueeze] = squeeze_n_;
+    out.values[kGoalLow] = goal.low_n;
+    out.values[kGoalHigh] = goal.high_n;
+    out.values[kHeld] = std::min(steps_.held_s(), task_.rules.hold_s);
+    out.values[kPaused] = paused_ ? 1.0 : 0.0;
+    out.value_count = kValues;
+  }
+
+  const SqueezeTask task_;
+  const DeviceModel device_;  ///< these two for the player
+  const HandModel hand_;
+  const std::vector<std::uint32_t> axes_of_capsule_;
+  HandPosture posture_;
+  BandSteps steps_;
+  ExerciseDescription description_;
+  TransitionState transition_;
+  FingerWallState walls_;
+  SoftTouches touches_{};
+  double squeeze_n_ = 0.0;
+  bool near_ = false;  ///< the fingers are closed on to the object in the next observation
+  bool paused_ = false;
+};
+
+void readBands(TomlTable& root, BandRules& rules) {
+  rules.hold_s = root.number("hold_s", between(0.1, 60.0, "s"));
+  rules.let_go_n = root.number("let_go_n", above(0.0, 10.0, "N"));
+  for (TomlTable& table : root.tables("bands", 1)) {
+    Band band;
+    band.low_n = table.number("low_n", above(0.0, 40.0, "N"));
+    band.high_n = table.number("high_n", above(0.0, 40.0, "N"));
+    if (table.good("low_n") && table.good("high_n") && band.high_n <= band.low_n) {
+      table.fail("high_n", "is not above low_n", "must be more than low_n");
+    }
+    if (table.good("low_n") && root.good("let_go_n") && band.low_n <= rules.let_go_n) {
+      table.fail("low_n", "is not above let_go_n", "must be more than let_go_n");
+    }
+    rules.bands.push_back(band);
+  }
+}
+
+/// The object in the scene; places it for the hand's side.
+void findObject(TomlTable& root, const std::string& name, Side side, SceneModel& scene,
+                SqueezeTask& task) {
+  task.body = scene.bodyIndex(name);
+  if (task.body < 0) {
+    root.fail("object", "the scene " + scene.path + " has no such body", "write the name of one");
+    return;
+  }
+  SceneBody& body = scene.bodies[static_cast<std::size_t>(task.body)];
+  const bool cylinder = body.shapes.size() == 1 && body.shapes[0].type == ShapeType::kCylinder;
+  if (!cylinder || !body.pose.rotation.isIdentity(1e-9) || !body.fixed) {
+    root.fail("object", "is no fixed upright cylinder in the scene " + scene.path,
+              "write shape = \"cylinder\" and fixed = true there, not turned");
+    return;
+  }
+  task.radius_m = body.shapes[0].radius_m;
+  task.height_m = body.shapes[0].length_m;
+  task.soft_m = task.wall.walls.soft_m = body.soft_m;
+  if (side == Side::kLeft) {
+    for (SceneBody& other : scene.bodies) other.pose.translation_m.y() *= -1.0;
+  }
+}
+
+}  // namespace
+
+Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
+  TomlTable& root = file.root();
+  SqueezeTask task;
+  task.name = source.name;
+  task.filter_hz = root.number("filter_hz", above(0.0, 100.0, "Hz"));
+  const std::string object = root.text("object");
+  readBands(root, task.rules);
+  TomlTable wall = root.table("wall");
+  task.wall = readFingerWalls(wall, *source.device);
+
+  LoadedExercise out;
+  Diagnostics scene_faults;
+  if (!source.scene_path.empty()) {
+    Expected<SceneModel> scene = loadSceneFile(source.scene_path);
+    if (scene) {
+      out.scene = std::move(*scene);
+      if (root.good("object")) findObject(root, object, source.hand->side, out.scene, task);
+    } else {
+      scene_faults = scene.errors();
+    }
+  }
+  if (source.level != 1) root.fail("exercise", "has one level", "ask for level 1");
+  Diagnostics faults = file.finish();
+  faults.insert(faults.end(), scene_faults.begin(), scene_faults.end());
+  if (!faults.empty()) return faults;
+  out.files = {source.path, out.scene.path};
+  out.walls = stiffestWalls(task.wall.walls);
+  out.exercise = std::make_unique<SqueezeToLevel>(std::move(task), *source.device, *source.hand);
+  return out;
+}
+
+}  // namespace wholehand::squeeze_to_level

@@ -1,0 +1,148 @@
+#include "impedance/impedance_bench.hpp"
+
+#include "dynamics/articulated_body.hpp"
+#include "dynamics/synergy.hpp"
+#include "physics/analytic/analytic_world.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace wholehand {
+namespace {
+
+constexpr double kLeastSettle_s = 1.5, kMostSettle_s = 60.0;
+constexpr double kLeftOfTransient = 1e-7;
+
+/// Φ held at 0 or 1 by thresholds that no effort, or every effort, passes.
+void holdDamping(RenderingConfig& rendering, double phi) {
+  for (AxisRendering& axis : rendering.axes) {
+    axis.effort_dead = phi > 0.0 ? 0.0 : 1e9;
+    axis.effort_full = phi > 0.0 ? 1e-12 : 2e9;
+    axis.decay_s = phi > 0.0 ? 1e12 : 0.1;
+    axis.palm_contact = true;
+  }
+}
+
+Models modelsFor(const Models& from, double phi, BenchDevice device) {
+  Models models;
+  models.files = from.files;
+  models.device = from.device;
+  models.rendering = from.rendering;
+  models.hand = from.hand;
+  if (device == BenchDevice::kLinear) {
+    for (DeviceAxis& axis : models.device.axes) axis.coulomb = axis.encoder_step = 0.0;
+  }
+  holdDamping(models.rendering, phi);
+  return models;
+}
+
+AxisMatrix inertiaAt(const HandModel& hand, const AxisPosition& q) {
+  ArticulatedBody body(hand);
+  JointPosition theta;
+  Synergy(hand).expand(q, theta);
+  [[maybe_unused]] const bool definite =
+      body.update(theta, JointVelocity(hand.joint_count), Eigen::Vector3d::Zero());
+  return body.reducedInertia();
+}
+
+}  // namespace
+
+AxisPosition middleOf(const DeviceModel& device) {
+  AxisPosition q(device.axisCount());
+  for (int a = 0; a < q.size(); ++a) {
+    const DeviceAxis& axis = device.axes[static_cast<std::size_t>(a)];
+    q[a] = 0.5 * (axis.lower + axis.upper);
+  }
+  return q;
+}
+
+PatientConfig armFor(const DeviceModel& device, int axis, double lowest_hz) {
+  PatientConfig arm;
+  for (const DeviceAxis& d : device.axes) {
+    constexpr double kVice_rad_s = 1e4;
+    arm.axes.push_back(
+        {d.name, 0.0, 2.0 * d.mass * kVice_rad_s, d.mass * kVice_rad_s * kVice_rad_s});
+  }
+  // A millionth of what the device's mass does at the lowest line.
+  const double lowest_rad_s = 2.0 * std::numbers::pi * lowest_hz;
+  PatientAxis& pushed = arm.axes[static_cast<std::size_t>(axis)];
+  pushed.damping = 0.0;
+  pushed.stiffness =
+      1e-6 * device.axes[static_cast<std::size_t>(axis)].mass * lowest_rad_s * lowest_rad_s;
+  return arm;
+}
+
+FeltLoop feltLoop(const ImpedanceBench& bench, int axis, double stiffness) {
+  const CouplingGains& gains = bench.rig->gains;
+  FeltLoop felt;
+  felt.loop = axisLoop(bench.models.device, gains, axis, bench.grid.period_s);
+  felt.loop.phi_k_dm *= bench.phi;
+  felt.inertia = withArmature(bench.inertia, gains.armature);
+  felt.loop.spring_per_s2 = stiffness / felt.inertia(axis, axis);
+  felt.axis = axis;
+  felt.k_pm = gains.k_pm;
+  felt.avatar_damping = avatarDamping(felt.inertia, gains.k_pm, bench.grid.period_s);
+  return felt;
+}
+
+double settleTime(const AxisLoop& loop, ContactCase contact) {
+  const Eigen::VectorXcd found = poles(closedLoopMatrix(loop, contact));
+  if (found.size() == 0) return -1.0;
+  double slowest = 0.0;
+  // A drift of device and hand together (eigenvalue 1) is a constant, which no line sees.
+  bool drift = contact != ContactCase::kFree;
+  for (const std::complex<double>& pole : found) {
+    if (!drift && std::abs(pole - 1.0) < 1e-9) {
+      drift = true;
+    } else {
+      slowest = std::max(slowest, std::abs(pole));
+    }
+  }
+  if (!(slowest < 1.0)) return -1.0;
+  const double settle_s = loop.period_s * std::log(kLeftOfTransient) / std::log(slowest);
+  return settle_s <= kMostSettle_s ? std::max(settle_s, kLeastSettle_s) : -1.0;
+}
+
+std::unique_ptr<PhysicsWorld> contactWorld(const ImpedanceBench& bench, int axis,
+                                           ContactCase contact, double stiffness) {
+  AnalyticScene scene;
+  scene.gravity_m_s2 = bench.rig->renderer->config().gravity_m_s2;
+  scene.axes.resize(static_cast<std::size_t>(bench.rest.size()));
+  AnalyticAxis& met = scene.axes[static_cast<std::size_t>(axis)];
+  const double period_s = bench.grid.period_s;
+  if (contact == ContactCase::kRigid) {
+    met.lower_stop = met.upper_stop = bench.rest[axis];
+  } else {
+    // Engines solve contacts after the step: M (v⁺ − v) = T (f − k (q + T v⁺)). In a world that
+    // takes its springs before the step that is a mass T²k and a damping T k more.
+    met.stiffness = stiffness;
+    met.damping = period_s * stiffness;
+    met.added_mass = period_s * period_s * stiffness;
+    met.spring_rest = bench.rest[axis];
+  }
+  return std::make_unique<AnalyticWorld>(bench.rig->models.hand, scene);
+}
+
+Expected<ImpedanceBench> makeImpedanceBench(const Models& models, double phi, double period_s,
+                                            BenchDevice device) {
+  ImpedanceBench bench;
+  bench.phi = phi;
+  bench.models = modelsFor(models, phi, device);
+  bench.grid = lineGrid(period_s);
+  bench.rest = middleOf(bench.models.device);
+  bench.inertia = inertiaAt(bench.models.hand, bench.rest);
+  Models own = bench.models;
+  own.patient = armFor(own.device, 0, bench.grid.frequency_hz(0));
+  RigOptions options;
+  options.period_s = period_s;
+  options.uncertified = true;  // nobody is moved
+  auto player = std::make_unique<MultisinePlayer>(
+      bench.rest, 0, bench.grid, std::vector<double>(bench.grid.lines.size(), 0.0), 1.0);
+  auto rig = buildRig(std::move(own), std::move(player), options);
+  if (!rig) return rig.errors();
+  bench.rig = std::move(*rig);
+  return bench;
+}
+
+}  // namespace wholehand

@@ -1,0 +1,200 @@
+#include "resimulation/resimulation.hpp"
+
+#include "assembly/rig.hpp"
+#include "realtime/thread_setup.hpp"
+#include "resimulation/recorded_files.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace wholehand {
+namespace {
+
+// What is run again, tick by tick.
+class RecordedTicks {
+ public:
+  virtual ~RecordedTicks() = default;
+  // What the next tick took. False at the end.
+  virtual Expected<bool> next(TickInput& input) = 0;
+  // That tick as it was, where it is known. Its number is the tick's.
+  virtual bool recorded(std::uint64_t tick, TickRecord& record) = 0;
+};
+
+Diagnostic cannotRun(const std::string& path, std::string why, std::string remedy) {
+  return {path, 0, "", "", "cannot be run again: " + std::move(why), std::move(remedy)};
+}
+
+class TicksOfRecording final : public RecordedTicks {
+ public:
+  TicksOfRecording(RecordingReader& recording, std::string path)
+      : recording_(recording), path_(std::move(path)) {}
+
+  Expected<bool> next(TickInput& input) override {
+    const std::uint64_t before = record_.tick;
+    if (row_ == recording_.size()) return false;
+    if (!recording_.read(row_, record_)) return unreadable(path_, row_, recording_.size());
+    const std::uint64_t expected = row_++ == 0 ? 0 : before + record_.elapsed_periods;
+    if (record_.tick != expected) {
+      return cannotRun(path_,
+                       row_ == 1 ? "it begins with tick " + std::to_string(record_.tick)
+                                 : "tick " + std::to_string(expected) + " is missing",
+                       row_ == 1 ? "run the black box or the whole recording again"
+                                 : "there was no room for it on the disk, or it was cut out");
+    }
+    input.q_m = record_.q_m;
+    input.elapsed_periods = record_.elapsed_periods;
+    input.faults = record_.faults & kInputFaults;
+    input.command_count = record_.command_count;
+    input.commands = record_.commands;
+    return true;
+  }
+  bool recorded(std::uint64_t, TickRecord& record) override {
+    record = record_;
+    return true;
+  }
+
+ private:
+  RecordingReader& recording_;
+  const std::string path_;
+  std::uint64_t row_ = 0;
+  TickRecord record_;
+};
+
+class TicksOfBox final : public RecordedTicks {
+ public:
+  explicit TicksOfBox(BlackBoxReader& box) : box_(box) { known_ = box_.read(0, record_); }
+
+  Expected<bool> next(TickInput& input) override { return box_.nextInput(input); }
+  bool recorded(std::uint64_t tick, TickRecord& record) override {
+    if (!known_ || record_.tick != tick) return false;
+    record = record_;
+    known_ = box_.read(++row_, record_);
+    return true;
+  }
+
+ private:
+  BlackBoxReader& box_;
+  std::uint64_t row_ = 0;
+  TickRecord record_;
+  bool known_ = false;
+};
+
+// Is where it was when it was recorded, whatever is written to it.
+class FedDevice final : public HapticDevice {
+ public:
+  explicit FedDevice(const RecordingMeta& meta) : simulated_(meta.simulated_device) {
+    q_m_ = AxisPosition(static_cast<int>(meta.armed_position.size()));
+    std::copy(meta.armed_position.begin(), meta.armed_position.end(), q_m_.data());
+  }
+  void feed(const TickInput& input) noexcept {
+    q_m_ = input.q_m;
+    faults_ = input.faults;
+  }
+  [[nodiscard]] Expected<Done> open() override { return Done{}; }
+  [[nodiscard]] Expected<Done> ready() override { return Done{}; }
+  [[nodiscard]] bool simulated() const noexcept override { return simulated_; }
+  [[nodiscard]] Fault read(DeviceReading& reading, int) noexcept override {
+    reading.q_m = q_m_;
+    return faults_ & Fault::kDeviceRead;
+  }
+  [[nodiscard]] Fault write(const AxisEffort&) noexcept override {
+    return faults_ & Fault::kDeviceWrite;
+  }
+  void close() noexcept override {}
+
+ private:
+  const bool simulated_;
+  AxisPosition q_m_;
+  Fault faults_ = Fault::kNone;
+};
+
+// The recorded renderer once more, armed as it was.
+Expected<std::unique_ptr<Rig>> armedRig(const RecordingMeta& meta, const std::string& path) {
+  auto models = recordedModels(meta, path);
+  if (!models) return models.errors();
+  RigOptions options;
+  options.period_s = meta.period_s;
+  options.engine = meta.engine;
+  options.uncertified = true;  // nobody is moved, whatever is certified today
+  auto corners = recordedCorners(meta, models->device, path);
+  if (!corners) return corners.errors();
+  options.measured = std::move(*corners);
+  auto rig =
+      buildRigThatMovesNobody(std::move(*models), std::make_unique<FedDevice>(meta), options);
+  if (!rig) return rig;
+  (*rig)->renderer->startParametersAt(meta.parameter_values);
+  if (auto armed = (*rig)->renderer->arm(); !armed) return armed.errors();
+  return rig;
+}
+
+void runTick(Rig& rig, const TickInput& input, TickRecord& record) {
+  static_cast<FedDevice&>(*rig.device).feed(input);
+  if (any(input.faults & Fault::kStopRequested)) rig.renderer->requestStop();
+  if (any(input.faults & Fault::kEmergencyStop)) rig.renderer->requestEmergencyStop();
+  record.command_count = input.command_count;
+  record.commands = input.commands;
+  rig.renderer->tick(input.elapsed_periods, record);
+}
+
+Expected<Resimulation> resimulate(RecordedTicks& ticks, const RecordingMeta& meta,
+                                  const std::string& path) {
+  if (meta.schema < kSchemaOfLaw) {
+    return cannotRun(
+        path,
+        fmt::format("it was recorded under an earlier law of rendering (schema version "
+                    "{}; today's since {})",
+                    meta.schema, kSchemaOfLaw),
+        "replay it without --resimulate or make a report; to run it again, use a "
+        "program of its time: " +
+            meta.git_version);
+  }
+  if (meta.models_changed) {
+    return cannotRun(path,
+                     "what was rendered is not what the files in it say: the models were "
+                     "changed in memory, or the files after they were read",
+                     "write the change into the files and record again");
+  }
+  const DenormalsFlushed as_recorded;
+  auto rig = armedRig(meta, path);
+  if (!rig) return rig.errors();
+  Resimulation result;
+  TickInput input;
+  TickRecord recorded, again;
+  while (true) {
+    const Expected<bool> more = ticks.next(input);
+    if (!more) return more.errors();
+    if (!*more) return result;
+    again.tick = result.ticks == 0 ? 0 : again.tick + input.elapsed_periods;
+    again.time_s = static_cast<double>(again.tick) * meta.period_s;
+    runTick(**rig, input, again);
+    ++result.ticks;
+    if (!ticks.recorded(again.tick, recorded)) continue;
+    ++result.compared;
+    result.difference = firstDifference(recorded, again);
+    if (!result.difference.field.empty()) {
+      result.different_tick = recorded.tick;
+      return result;
+    }
+  }
+}
+
+}  // namespace
+
+Expected<Resimulation> resimulate(RecordingReader& recording, const std::string& path) {
+  TicksOfRecording ticks(recording, path);
+  return resimulate(ticks, recording.meta(), path);
+}
+
+Expected<Resimulation> resimulate(BlackBoxReader& box, const std::string& path) {
+  if (!box.inputsWhole()) {
+    return cannotRun(
+        path,
+        "it holds the inputs of the first " + std::to_string(box.inputTicks()) + " ticks only",
+        "it can be shown; run the recording of that session again, if there is one");
+  }
+  TicksOfBox ticks(box);
+  return resimulate(ticks, box.meta(), path);
+}
+
+}  // namespace wholehand

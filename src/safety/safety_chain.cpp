@@ -1,0 +1,193 @@
+#include "safety/safety_chain.hpp"
+
+#include "core/effort_sum.hpp"
+#include "safety/force_limiter.hpp"
+#include "safety/note_fault.hpp"
+#include "safety/power_limiter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace wholehand {
+namespace {
+
+// For so long a device that takes no effort is asked to take its neutral one.
+constexpr double kNeutralWithin_s = 1.0;
+
+AxisEffort noted(const LimitedEffort& limited, TickRecord& record) noexcept {
+  noteFault(limited.faults, limited.axis, record);
+  return limited.effort;
+}
+
+// What is rendered, within the limits that are tighter than the device's.
+AxisEffort heldTo(const AxisEffort& limit, const AxisEffort& device_limit,
+                  TickRecord& record) noexcept {
+  AxisEffort out = record.rendered;
+  for (int i = 0; i < out.size(); ++i) {
+    if (!(limit[i] < device_limit[i]) || !(std::abs(out[i]) > limit[i])) continue;
+    out[i] = std::clamp(out[i], -limit[i], limit[i]);
+    noteFault(Fault::kEffortLimit, i, record);
+  }
+  return out;
+}
+
+// What the walls of an exercise hold: half their effort times the depth in them, with a bounded
+// part of the damping's that comes and goes with the motion.
+AxisEnergy wallStored(const TickRecord& record) noexcept {
+  const ExerciseRecord& exercise = record.exercise;
+  AxisEnergy out(exercise.wall_active.size());
+  for (int i = 0; i < out.size(); ++i) {
+    if (exercise.wall_active[i] == 0.0) continue;
+    out[i] = 0.5 * std::abs(exercise.effort[i] * (record.q_m[i] - exercise.wall[i]));
+  }
+  return out;
+}
+
+int elapsedOf(const TickRecord& record) noexcept {
+  return static_cast<int>(record.elapsed_periods);
+}
+
+}  // namespace
+
+SafetyChain::SafetyChain(const SafetyConfig& config, const CouplingGains& gains, double period_s)
+    : config_(config), gains_(gains), period_s_(period_s), slew_(config.supervisor.slew_ticks) {
+  ramp_.sent = acknowledged_ = config.neutral;  // what a device holds that nobody has armed
+}
+
+Finding SafetyChain::judgeAtRest(const AxisPosition& q_m) const noexcept {
+  DeviceWatchState nothing_known;
+  return watchDevice(nothing_known, q_m, config_.neutral, 1, config_.supervisor);
+}
+
+void SafetyChain::arm(const AxisPosition& q_m) noexcept {
+  tank_ = fullTank(config_.tank);
+  ramp_ = engageFrom(config_.neutral);
+  slew_.clear();
+  device_watch_ = DeviceWatchState{};
+  device_watch_.q = q_m;
+  world_watch_ = WorldWatchState{};
+  state_ = SafetyState::kArmed;
+  latched_ = Fault::kNone;
+  acknowledged_ = config_.neutral;  // as open() leaves it
+  unconfirmed_s_ = 0.0;
+}
+
+void SafetyChain::disarm() noexcept {
+  ramp_.phase = RampPhase::kNeutral;
+  ramp_.sent = acknowledged_;  // neutral, unless ticks have followed: then they let it down
+  state_ = any(latched_) ? SafetyState::kFaulted : SafetyState::kDisarmed;
+}
+
+void SafetyChain::judgeReading(Fault read, TickRecord& record) noexcept {
+  record.faults |= read;
+  if (record.q_m.size() != gains_.axes) {  // a missing axis would read as 0 and be pulled
+    record.faults |= Fault::kDeviceRead;
+    record.q_m = AxisPosition(gains_.axes, std::numeric_limits<double>::quiet_NaN());
+  } else if (!any(read & kStopping) && !allFinite(record.q_m)) {
+    record.faults |= Fault::kNonFinitePosition;
+    for (int i = gains_.axes; i-- > 0;) {
+      if (!std::isfinite(record.q_m[i])) record.fault_axis = i;
+    }
+  }
+  // Once it falls to neutral, motion is not judged: who pressed springs forward when it lets go.
+  if (any(record.faults & kStopping) || !rendering()) return;
+  const Finding finding =
+      watchDevice(device_watch_, record.q_m, ramp_.sent, elapsedOf(record), config_.supervisor);
+  record.faults |= finding.faults;
+  record.fault_axis = finding.axis;
+}
+
+void SafetyChain::judgeWorld(TickRecord& record) noexcept {
+  if (rendering()) record.faults |= watchWorld(world_watch_, record, config_.supervisor);
+}
+
+void SafetyChain::watchEnergy(TickRecord& record) noexcept {
+  record.tank_effort = AxisEffort(gains_.axes);
+  record.tank = tank_.energy;
+  if (config_.tank.axes == 0 || any(record.faults & kStopping)) return;
+  const EnergyTankStep step =
+      advanceTank(tank_, record.q_m, record.q_s, wallStored(record), gains_, config_.tank,
+                  record.effort_limit, elapsedOf(record), period_s_);
+  tank_ = step.state;
+  record.tank = tank_.energy;
+  // While an effort is blended in, the springs hold what nobody was given yet: nothing to judge.
+  if (ramp_.authority < 1.0) return;
+  record.tank_effort = step.effort;
+  for (int i = 0; i < step.effort.size(); ++i) {
+    if (step.effort[i] != 0.0) noteFault(Fault::kTankEmpty, i, record);
+  }
+}
+
+void SafetyChain::limitEffort(TickRecord& record) noexcept {
+  const AxisEffort wanted = withinLimits(record);
+  latched_ |= record.faults & kStopping;
+  const Fault asked = stops_.asked();
+  record.faults |= asked;
+  slew_.note(ramp_.sent);
+  ramp_ = advanceRamp(ramp_, wanted, config_.neutral, any(latched_) || any(asked),
+                      elapsedOf(record), period_s_, config_.ramp);
+  const SupervisorConfig& supervisor = config_.supervisor;
+  if (rendering()) {  // a ramp only ever falls, and knows no good velocity
+    ramp_.sent = noted(
+        limitPower(ramp_.sent, config_.neutral, record.qd_mf, supervisor.power_limit_w), record);
+  }
+  if (supervisor.axes > 0) {
+    ramp_.sent = noted(limitSlew(ramp_.sent, slew_, supervisor.most_change), record);
+  }
+  record.authority = ramp_.authority;
+  record.sent = ramp_.sent;
+  if (config_.tank.axes > 0) noteSentInTank(record);
+}
+
+// A therapist's limit is on what is rendered; the device's own on all that is sent, the effort that
+// carries its weight with it.
+AxisEffort SafetyChain::withinLimits(TickRecord& record) const noexcept {
+  const AxisEffort held = heldTo(record.effort_limit, config_.effort_limit, record);
+  return noted(wholehand::limitEffort(sum(held, config_.neutral), config_.effort_limit), record);
+}
+
+void SafetyChain::noteSentInTank(const TickRecord& record) noexcept {
+  tank_ =
+      noteSent(tank_, difference(record.sent, config_.neutral), record.f_s, record.effort_limit);
+  if (ramp_.authority < 1.0) {
+    tank_.energy = config_.tank.capacity;
+    tank_.hand = config_.tank.hand_capacity;
+  }
+}
+
+void SafetyChain::judgeWrite(Fault written, TickRecord& record) noexcept {
+  noteFault(written, -1, record);
+  latched_ |= written & kStopping;
+  if (!any(written & Fault::kDeviceWrite)) {
+    acknowledged_ = record.sent;
+    return;
+  }
+  // It goes on with what it holds: the ramp, the slew limit and the record go by that.
+  ramp_.sent = record.sent = acknowledged_;
+  if (ramp_.phase == RampPhase::kNeutral) unconfirmed_s_ += period_s_;
+}
+
+void SafetyChain::judgeStep(Fault stepped, TickRecord& record) noexcept {
+  noteFault(stepped, -1, record);
+  latched_ |= stepped & kStopping;
+}
+
+void SafetyChain::conclude(TickRecord& record) noexcept {
+  state_ = nextSafetyState(state_, latched_, atNeutral(), ramp_.authority);
+  record.safety_state = state_;
+}
+
+bool SafetyChain::finished() const noexcept {
+  return atNeutral() || unconfirmed_s_ > kNeutralWithin_s;
+}
+
+bool SafetyChain::atNeutral() const noexcept {
+  if (ramp_.phase != RampPhase::kNeutral) return false;
+  for (int i = 0; i < gains_.axes; ++i) {
+    if (ramp_.sent[i] != config_.neutral[i]) return false;  // held back by the slew limit
+  }
+  return true;
+}
+
+}  // namespace wholehand

@@ -1,0 +1,110 @@
+// Who may order what, and who moves the hand.
+#include "server/clients.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace wholehand {
+
+bool Clients::led() const {
+  return std::any_of(clients_.begin(), clients_.end(),
+                     [](const auto& c) { return c.second.role == Role::kTherapist; });
+}
+
+Role Clients::roleOf(std::uint32_t client) const {
+  const auto found = clients_.find(client);
+  return found == clients_.end() ? Role::kUnsaid : found->second.role;
+}
+
+Standing Clients::standingOf(std::uint32_t client, const Order& order) const {
+  const LoopStatus status = backend_.status();
+  Standing now;
+  now.holds = desk_.holds(client);
+  now.led = led();
+  now.moves_person = status.device.has_value();
+  now.own_rest = status.rested && resting_ == client && order.endings_seen == status.endings;
+  now.therapist_paused = therapist_paused_;
+  now.run_state = status.run_state;
+  return now;
+}
+
+void Clients::obeyOrder(Entry entry, const wire::ClientMessage& m, std::int64_t now_ns) {
+  const std::uint32_t client = entry->first;
+  // A cursor and a stick aim by the hundred: what they are judged by is here already.
+  const bool aim = m.order.type == OrderType::kAim;
+  const OrderReply may =
+      mayOrder(entry->second.role, m.order,
+               aim ? Standing{desk_.holds(client)} : standingOf(client, m.order));
+  if (!may.accepted) {
+    const char* counter = may.refusal == Refusal::kNotHolder ? "not_holder" : "role";
+    return refuse(entry, m.id, counter, may, now_ns);
+  }
+  noteOrder(entry, m.order, now_ns);
+  forward(client, m.id, m.order);
+  if (m.order.type == OrderType::kEmergencyStop) {
+    log_.write(fmt::format("client {}: emergency stop", client), now_ns);
+  }
+}
+
+void Clients::noteOrder(Entry entry, const Order& order, std::int64_t now_ns) {
+  const bool therapist = entry->second.role == Role::kTherapist;
+  if (order.type == OrderType::kAction) {
+    therapist_paused_ = therapist && order.action == ExerciseAction::kPause;
+  }
+  if (order.type == OrderType::kStop && order.rest) {
+    resting_ = entry->first;
+    log_.write(fmt::format("client {} rests", entry->first), now_ns);
+  }
+  if (order.type != OrderType::kArm && order.type != OrderType::kLoadExercise) return;
+  therapist_paused_ = false;  // what is loaded begins anew
+  // Whoever starts it says that it goes on: the effort that faded with a lost holder is there
+  // again.
+  if (order.type != OrderType::kArm || !therapist || desk_.held()) return;
+  if (desk_.take(entry->first, now_ns).empty()) (void)desk_.release(entry->first);
+  followControls(now_ns);
+}
+
+std::string Clients::takeControls(Entry entry, std::int64_t now_ns) {
+  if (entry->second.role != Role::kTherapist) return desk_.take(entry->first, now_ns);
+  desk_.takeOver(entry->first, now_ns);
+  return {};
+}
+
+void Clients::changeHands(Entry entry, const wire::ClientMessage& m, std::int64_t now_ns) {
+  const std::uint32_t client = entry->first;
+  const bool take = m.type == wire::ClientMessageType::kTakeControls;
+  if (entry->second.role == Role::kWatcher) {
+    return refuse(entry, m.id, "role", refused(Refusal::kOnlyWatches, "this client only watches"),
+                  now_ns);
+  }
+  // Who connects has shown the token already; a wrong one beside it is a mistake to be told.
+  if (take && !m.token.empty() && !access_.tokenMatches(m.token)) {
+    refuse(entry, m.id, "token", refused(Refusal::kWrongToken, "this is not the token"), now_ns);
+    return;
+  }
+  const std::string why = take ? takeControls(entry, now_ns) : desk_.release(client);
+  if (!why.empty()) {
+    refuse(entry, m.id, take ? "controls_held" : "not_holder",
+           refused(take ? Refusal::kControlsHeld : Refusal::kNotHolder, why), now_ns);
+    return;
+  }
+  log_.write(fmt::format("client {} ({}) {} the controls", client, nameOf(entry->second.role),
+                         take ? "takes" : "gives back"),
+             now_ns);
+  entry->second.line->deliver(
+      std::make_shared<const wire::Bytes>(wire::replyMessage(m.id, {true, ""})));
+}
+
+// A player steers what renders: at a stop its hand is off, and it takes the controls by a press.
+void Clients::followEndings(const LoopStatus& status, std::int64_t now_ns) {
+  const bool ended = endings_ != 0 && status.endings != endings_;
+  endings_ = status.endings;
+  if (!ended || roleOf(desk_.holder()) != Role::kPlayer) return;
+  log_.write(fmt::format("client {} gives back the controls: it was stopped", desk_.holder()),
+             now_ns);
+  (void)desk_.release(desk_.holder());
+  followControls(now_ns);
+}
+
+}  // namespace wholehand

@@ -1,0 +1,210 @@
+"""`wholehand device commission` at a terminal: a held key, wrong answers, and every way to let go."""
+import fcntl
+import mmap
+import os
+import pty
+import re
+import select
+import signal
+import struct
+import subprocess
+import termios
+import time
+import unittest
+
+from app import BINARY
+from device_app import DRIVERS, DeviceTest
+
+HAND, STOP, ENABLE_TAKES, FROZEN, ENABLED, EFFORT, POSITION, LARGEST = range(8)  # tests/device/handled_driver.c
+SPACE, CTRL_C, CTRL_Z = b" ", b"\x03", b"\x1a"
+REPEATS_S = 0.03  # of a held key
+ONE_FIFTH_N = 0.2 * 8.0
+
+
+def take_terminal():
+    os.setsid()
+    fcntl.ioctl(0, termios.TIOCSCTTY, 0)
+
+
+class Commission(DeviceTest):
+    """One rail behind a driver; the test is the person."""
+
+    def setUp(self):
+        super().setUp()
+        with open(self.write("rail", bytes(64)), "r+b") as shared:
+            self.rail = mmap.mmap(shared.fileno(), 64)
+        device = self.config_file("devices", "desktop-3axis", axes=["x"])
+        self.terminal, theirs = pty.openpty()
+        self.program = subprocess.Popen(
+            [BINARY, "device", "commission", "--operator", "A", "--device", device, "--driver",
+             DRIVERS / "handled.so", "--driver-settings", self.folder / "rail"],
+            cwd=self.folder, stdin=theirs, stdout=theirs, stderr=theirs, preexec_fn=take_terminal)
+        os.close(theirs)
+        self.addCleanup(self.program.wait)
+        self.addCleanup(self.program.kill)
+        self.addCleanup(self.hang_up)
+        self.said = ""
+
+    def hang_up(self):
+        if self.terminal is not None:
+            os.close(self.terminal)
+        self.terminal = None
+
+    def shared(self, at):
+        return struct.unpack_from("d", self.rail, 8 * at)[0]
+
+    def set(self, at, value):
+        struct.pack_into("d", self.rail, 8 * at, value)
+
+    def carry(self, to):
+        """By hand, in steps far below what would pass for an encoder that wraps round."""
+        time.sleep(0.05)
+        while abs(self.shared(HAND) - to) > 1e-9:
+            step = max(-0.004, min(0.004, to - self.shared(HAND)))
+            self.set(HAND, self.shared(HAND) + step)
+            time.sleep(0.01)
+        time.sleep(0.05)
+
+    def listen(self, within_s=0.0):
+        if select.select([self.terminal], [], [], within_s)[0]:
+            try:
+                self.said += os.read(self.terminal, 4096).decode()
+            except OSError:  # the program has ended
+                time.sleep(0.01)
+
+    def until(self, what, press=b"", within_s=15.0):
+        """What was said until then; keeps a key pressed meanwhile."""
+        deadline = time.monotonic() + within_s
+        while not (what() if callable(what) else re.search(what, self.said)):
+            self.assertLess(time.monotonic(), deadline, f"{what}: {self.said}")
+            if press:
+                os.write(self.terminal, press)
+            self.listen(REPEATS_S)
+        if callable(what):
+            return ""
+        end = re.search(what, self.said).end()
+        heard, self.said = self.said[:end], self.said[end:]
+        return heard
+
+    def answer(self, question, text):
+        heard = self.until(question)
+        os.write(self.terminal, text.encode() + b"\n")
+        return heard
+
+    def ended(self, within_s=20.0):
+        """The exit code; what was left to say is in `said`."""
+        self.until(lambda: self.program.poll() is not None, within_s=within_s)
+        self.listen()
+        return self.program.returncode
+
+    def begin(self):
+        """As far as the push by hand."""
+        self.answer("serial number H-1.*yes or no", "yes")
+        self.answer("NOBODY attached.*yes or no", "yes")
+        self.until("Push axis x away from you", press=SPACE)  # the key lets it home
+        self.carry(0.012)
+        os.write(self.terminal, b"\n")
+
+    def begin_gravity(self):
+        """As far as the first long move."""
+        self.begin()
+        self.until("Move axis x", press=SPACE)
+        self.carry(-0.061)
+        self.carry(0.061)
+        os.write(self.terminal, b"0.122\n")
+        self.until("Hold the space bar: what carries axis x")
+
+    def expect_let_go(self):
+        self.assertEqual((self.shared(ENABLED), self.shared(EFFORT)), (0.0, 0.0), self.said)
+        self.assertLessEqual(self.shared(LARGEST), ONE_FIFTH_N + 1e-9)
+
+    def test_held_key_moves_and_one_let_go_takes_it_to_neutral(self):
+        self.begin()
+        self.until("Hold the space bar: axis x is pushed")
+        time.sleep(0.3)
+        self.assertEqual(self.shared(LARGEST), 0.0, "no effort before the key is held")
+        self.until("- effort moves it -", press=SPACE)
+        self.assertGreater(self.shared(LARGEST), 0.0)
+        self.answer("Move axis x", "0.12 m")
+        self.until("no number")
+        self.carry(-0.061)
+        self.carry(0.061)
+        self.answer("measure how far", "0.122")
+        self.until("Hold the space bar: what carries axis x")
+        self.until(lambda: self.shared(ENABLED) == 1.0 and self.shared(EFFORT) != 0.0, press=SPACE)
+        self.until("the key was let go")  # the test holds it no more
+        self.until(lambda: self.shared(ENABLED) == 0.0)
+        self.expect_let_go()
+        self.answer("Next: gravity.*quit:", "gravitation")
+        self.answer(r"gravitation is no step\.\s+Next: gravity.*quit:", "quit")
+        self.assertEqual(self.ended(), 1)
+        self.assertIn("Not finished", self.said)
+        self.assertEqual([n for n in self.names_in(self.folder) if "passport" in n], [])
+
+    def test_axis_that_nobody_pushes_is_named_and_the_step_is_repeated(self):
+        self.answer("serial number H-1.*yes or no", "yes")
+        self.answer("NOBODY attached.*yes or no", "yes")
+        self.until("Push axis x.*Enter", press=SPACE)
+        self.answer("", "")
+        self.until("x: its position did not change while it was pushed")
+        self.answer("Next: signs.*quit:", "")
+        self.until("Step 3 of 11: signs")
+
+    def test_interrupt_while_it_waits_for_the_key_ends_it(self):
+        self.begin()
+        self.until("Hold the space bar")
+        os.write(self.terminal, CTRL_C)
+        self.assertEqual(self.ended(), 1)
+        self.assertEqual(self.shared(LARGEST), 0.0)
+
+    def test_whatever_ends_it_in_motion_takes_it_to_neutral(self):
+        for what, end in (("Ctrl-C", lambda: os.write(self.terminal, CTRL_C)),
+                          ("Ctrl-Z", lambda: os.write(self.terminal, CTRL_Z)),
+                          ("a polite kill", lambda: self.program.send_signal(signal.SIGTERM)),
+                          ("a closed terminal", self.hang_up)):
+            with self.subTest(what=what):
+                self.begin_gravity()
+                self.until(lambda: abs(self.shared(EFFORT)) > 0.01, press=SPACE)
+                end()
+                if self.terminal is None:
+                    self.program.wait(timeout=20)
+                else:
+                    self.assertEqual(self.ended(), 1)
+                self.expect_let_go()
+            self.doCleanups()
+            self.setUp()
+
+    def test_key_let_go_while_the_device_is_being_enabled_moves_nothing(self):
+        self.set(ENABLE_TAKES, 1.5)
+        self.begin()
+        self.until("Hold the space bar")
+        os.write(self.terminal, SPACE * 30)  # lie in the terminal while it is being enabled
+        self.until("the key was let go")
+        self.assertEqual(self.shared(LARGEST), 0.0)
+        self.expect_let_go()
+
+    def test_samples_that_stand_still_in_motion_end_it(self):
+        self.begin_gravity()
+        self.until(lambda: abs(self.shared(EFFORT)) > 0.01, press=SPACE)
+        self.set(FROZEN, 1.0)
+        self.until("samples stand still", press=SPACE, within_s=5.0)
+        self.until(lambda: self.shared(ENABLED) == 0.0)
+        self.expect_let_go()
+
+    def test_nobody_is_attached_only_by_an_answer_to_that_question(self):
+        """What was typed before a question was shown, or is neither yes nor no, answers nothing."""
+        self.until("serial number H-1.*yes or no")
+        os.write(self.terminal, b"yes\nyes\n\n")
+        self.until("NOBODY attached.*yes or no")
+        time.sleep(0.3)
+        self.listen()
+        self.assertNotIn("signs", self.said)
+        os.write(self.terminal, b"sure\n")
+        self.until("NOBODY attached.*yes or no")
+        self.answer("", "  no")
+        self.until("somebody is attached")
+        self.assertEqual(self.shared(LARGEST), 0.0)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,195 @@
+"""`wholehand device-host` and `wholehand run --host`: the loop may die, the device is not left pushing.
+
+The driver keeps every effort that the host gave it, with its time (tests/device/pushed_driver.c). The host may be as
+late as this machine keeps it waiting: its longest gap between two writes is added to what is allowed.
+"""
+import os
+import pathlib
+import signal
+import struct
+import subprocess
+import time
+import unittest
+
+from app import BINARY, FULL, read_recording
+from device_app import DRIVERS, HARDWARE, DeviceTest
+
+STALE_SAMPLE, ENABLE_LOST = 1 << 25, 1 << 24  # docs/recording.md, bits of `faults`
+LOSSES = 25 if FULL else 2
+RECORD = struct.Struct("<q3d")
+NAME = f"test-apps-{os.getpid()}"
+EFFORTS = pathlib.Path("/dev/shm", NAME + "-efforts.bin")  # in memory: a disk that others fill keeps a host waiting
+
+
+class DeviceHost(DeviceTest):
+    def setUp(self):
+        super().setUp()
+        for leftover in (NAME, NAME + ".lock"):
+            self.addCleanup(pathlib.Path("/dev/shm", "wholehand-" + leftover).unlink, missing_ok=True)
+        self.addCleanup(EFFORTS.unlink, missing_ok=True)
+
+    def start_host(self, driver="pushed", settings=EFFORTS):
+        """Lines of the host go into a file, so that they are all there when it is killed."""
+        log = open(self.folder / "host.log", "a")
+        self.addCleanup(log.close)
+        before = self.host_says()
+        host = subprocess.Popen([BINARY, "device-host", "--name", NAME, "--driver", DRIVERS / f"{driver}.so",
+                                 "--driver-settings", settings, *self.desktop()[:2]], cwd=self.folder,
+                                stdin=subprocess.DEVNULL, stdout=log, stderr=log)
+        self.addCleanup(host.wait)
+        self.addCleanup(host.kill)
+        self.wait_until(host, lambda: self.host_says() != before)
+        self.assertIn(f"{NAME}: holds", self.host_says())
+        return host
+
+    def host_says(self):
+        log = self.folder / "host.log"
+        return log.read_text() if log.exists() else ""
+
+    def start_run(self):
+        return super().start_run(*self.desktop(), "--host", NAME)
+
+    def efforts(self):
+        """(time in s, (x, y, z) in N), as far as they are in the file."""
+        data = EFFORTS.read_bytes()
+        return [(r[0] * 1e-9, r[1:]) for r in RECORD.iter_unpack(data[:len(data) // RECORD.size * RECORD.size])]
+
+    def wait_until_it_pushes(self, run):
+        def pushes():
+            given = self.efforts()
+            return len(given) > 400 and all(max(map(abs, e)) > 0.5 for _, e in given[-400:])
+        self.wait_until(run, pushes)
+
+    def judge_loss(self, host):
+        """Of the last loss: from the loop's last command on."""
+        self.wait_until(host, lambda: "stays there" in self.host_says().splitlines()[-1], self.host_says)
+        self.wait_until(host, lambda: self.efforts()[-1][1] == (0.0, 0.0, 0.0), self.host_says)
+        given = self.efforts()
+        neutral = len(given)
+        while neutral > 0 and given[neutral - 1][1] == (0.0, 0.0, 0.0):
+            neutral -= 1
+        self.assertLess(neutral, len(given), "never neutral")
+        # Before the ramp one command was held for 20 ms; that of a living loop changes with every tick.
+        held = neutral - 1
+        while given[held][1] != given[held - 40][1]:
+            held -= 1
+        last = held
+        while given[last - 1][1] == given[held][1]:
+            last -= 1
+        span = given[last:neutral + 1]
+        gap = max(b[0] - a[0] for a, b in zip(span, span[1:]))
+        taken = span[-1][0] - span[0][0]
+        for (_, before), (_, after) in zip(span, span[1:]):
+            for was, now in zip(before, after):
+                self.assertLessEqual(abs(now), abs(was), "an effort rises after the loss")
+                self.assertGreaterEqual(now * was, 0.0, "an effort goes through neutral")
+        self.assertGreater(max(map(abs, span[0][1])), 0.05, "nothing was pushed: the test proves nothing")
+        self.assertLessEqual(taken, 0.110 + gap)
+        self.assertGreater(given[held][0] - given[last][0], 0.019 - gap, "an alarm too early")
+        return taken, gap
+
+    def test_lost_loop_is_taken_to_neutral_and_the_next_one_is_served(self):
+        host = self.start_host()
+        for number in (signal.SIGKILL, signal.SIGSTOP) * LOSSES:
+            run = self.start_run()
+            self.arm()
+            self.wait_until_it_pushes(run)
+            run.send_signal(number)
+            taken, gap = self.judge_loss(host)
+            print(f"figure: loop of the program lost by {number.name}, neutral = {taken * 1e3:.1f} ms "
+                  f"(longest gap of the host {gap * 1e3:.1f} ms)")
+            said = self.host_says().splitlines()[-2:]
+            self.assertIn("LETS GO: the loop sent no new command for 20 ms", said[0])
+            self.assertIn("stays there until a loop arms anew", said[1])
+            if number == signal.SIGSTOP:
+                self.expect_stopped_loop_is_not_heard_again(host, run)
+            run.kill()
+            run.communicate()
+
+    def expect_stopped_loop_is_not_heard_again(self, host, run):
+        before = len(self.efforts())
+        run.send_signal(signal.SIGCONT)
+        self.wait_until(host, lambda: self.host_says().endswith(": ended\n"), self.host_says)
+        after = self.efforts()[before:]
+        self.assertTrue(all(e == (0.0, 0.0, 0.0) for _, e in after), "the loop is heard after the host let go")
+        self.arm(endings_seen=2)  # of its own will, it is served again
+        self.wait_until_it_pushes(run)
+
+    def test_lost_host_is_a_fault_of_the_loop_and_a_new_host_serves_it(self):
+        host = self.start_host()
+        run = self.start_run()
+        self.arm()
+        self.wait_until_it_pushes(run)
+        host.kill()
+        host.wait()
+        accepted, reason = self.page.arm(endings_seen=2)
+        self.assertFalse(accepted)
+        self.assertIn("is gone", reason)
+        self.assertIn("wholehand device-host", reason)
+        self.start_host()
+        self.arm(endings_seen=2)
+        self.wait_until_it_pushes(run)
+        run.send_signal(signal.SIGINT)
+        said = "".join(run.communicate(timeout=60))
+        self.assertIn("rendering -> faulted: stale sample", said)
+        self.assertIn(f"pushed, 3 axes, in the host {NAME}", self.driver_line)
+        recordings = sorted((self.folder / "out/recordings").glob("*.h5"))
+        with read_recording(recordings[0]) as first:
+            self.assertEqual(first["ticks/faults"][-1] & STALE_SAMPLE, STALE_SAMPLE)
+
+    def test_end_of_the_loop_disables_and_end_of_the_host_is_at_neutral(self):
+        host = self.start_host()
+        run = self.start_run()
+        self.arm()
+        self.wait_until_it_pushes(run)
+        run.send_signal(signal.SIGINT)
+        run.communicate(timeout=60)
+        self.wait_until(host, lambda: "session 1: ended" in self.host_says())
+        self.assertNotIn("LETS GO", self.host_says())
+        run = self.start_run()
+        self.arm()
+        self.wait_until_it_pushes(run)
+        host.terminate()
+        self.assertEqual(host.wait(timeout=60), 0, self.host_says())
+        self.assertIn("LETS GO: the host was told to end", self.host_says())
+        self.assertEqual(self.efforts()[-1][1], (0.0, 0.0, 0.0))
+        self.assertFalse(pathlib.Path("/dev/shm/wholehand-" + NAME).exists())
+        time.sleep(0.3)
+        run.send_signal(signal.SIGINT)
+        self.assertIn("faulted: ", "".join(run.communicate(timeout=60)))
+
+    def test_what_does_not_fit_is_refused_by_name(self):
+        host = ("device-host", "--name", NAME, "--driver", DRIVERS / "rails.so")
+        device = self.desktop()[:2]
+        run = (*HARDWARE, "--without-passport", *self.desktop())
+        self.expect_refused(self.run_app(*run, "--host", NAME), NAME, "does not run",
+                            "wholehand device-host")
+        self.expect_refused(self.run_app("device-host", "--name", "../a", *host[3:], *device), "../a", "is no name")
+        self.expect_refused(self.run_app(*host[:-1], "none.so", *device), "none.so", "cannot open")
+        self.expect_refused(self.run_app(*host, "--device", "none.toml"), "none.toml")
+        self.expect_refused(self.run_app(*host, "--driver-settings", "watchdog_ms=0", *device), "x", "no watchdog")
+        self.expect_refused(self.run_app(*run, "--driver", DRIVERS / "may_wait.so"), "WH_NEVER_WAITS",
+                            "wholehand device-host")
+        running = self.start_host()
+        self.expect_refused(self.run_app(*host, *device), NAME, f"runs already, as process {running.pid}")
+        one = self.start_run()
+        self.expect_refused(self.run_app(*run, "--host", NAME), NAME, "in use by another loop")
+        one.kill()
+        one.communicate()
+        other = self.desktop(neutral_effort_n="0.5")
+        self.expect_refused(self.run_app(*HARDWARE, "--without-passport", *other, "--host", NAME), "z",
+                            "another neutral effort")
+        for more, words in ((("--driver", "a.so"), ("--driver", "--host")),
+                            (("--no-web",), ("--host", "console")),
+                            (("--no-rehearsal",), ("--no-rehearsal", "simulated")),
+                            (("--uncertified",), ("--uncertified", "simulated"))):
+            with self.subTest(more=more):
+                arguments = [*run, "--host", NAME, *more]
+                if "--no-web" in more:
+                    arguments.remove("--port")
+                    arguments.remove(0)
+                self.expect_refused(self.run_app(*arguments), *words)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,102 @@
+"""The drivers of Force Dimension and moteus in the program, with devices that are not there."""
+import os
+import pathlib
+import re
+import signal
+import subprocess
+import time
+import unittest
+
+from app import BINARY, CONFIG, INTERRUPTED, SOURCE
+from device_app import DRIVERS, DeviceTest
+
+BUILT = DRIVERS.parent
+NAME = f"test-vendor-{os.getpid()}"
+HAND = ("finger_flexion", "thumb_circumduction", "thumb_flexion")
+MODE = re.compile(r"drive (\d) mode (\d+) torque (\S+) silent (\S+) gap (\S+)")
+
+
+class VendorDrivers(DeviceTest):
+    def start_hand(self):
+        """Three moteus drives behind a pseudo terminal (tests/device/moteus/fake_hand.cpp)."""
+        self.log = self.folder / "hand.log"
+        with open(self.log, "w") as log:
+            hand = subprocess.Popen([BUILT / "fake_hand"], stdin=subprocess.PIPE, stdout=log)
+        self.addCleanup(hand.wait)
+        self.addCleanup(hand.stdin.close)
+        self.wait_until(hand, lambda: "\n" in self.log.read_text())
+        return self.log.read_text().splitlines()[0]
+
+    def modes(self):
+        """The last line of each drive: {id: (mode, torque before [N.m], silent [ms], longest gap of the drive [ms])}."""
+        return {int(m[1]): (int(m[2]), *map(float, m.groups()[2:])) for m in MODE.finditer(self.log.read_text())}
+
+    def moteus(self, port):
+        return ("--device", self.config_file("devices", "lambda-pride", HAND), "--rendering",
+                self.config_file("rendering", "lambda-pride", HAND), "--driver", DRIVERS / "moteus.so",
+                "--device-at", f"fdcanusb:{port}", "--driver-settings", SOURCE / "drivers/moteus/hand.toml")
+
+    def test_program_that_is_killed_is_let_go_by_the_moteus_drives(self):
+        run = self.start_run(*self.moteus(self.start_hand()))
+        self.assertIn("moteus drives, 3 axes", self.driver_line)
+        self.assertEqual(self.modes(), {}, "nothing moves before somebody arms")
+        self.arm()
+        self.wait_until(run, lambda: len(self.modes()) == 3)
+        self.assertEqual({mode for mode, *_ in self.modes().values()}, {10})
+        self.wait_until_it_renders(run)
+        run.send_signal(signal.SIGKILL)
+        run.wait()
+        until = time.monotonic() + 20
+        while time.monotonic() < until and {mode for mode, *_ in self.modes().values()} != {11}:
+            time.sleep(0.05)
+        for drive, (mode, _, silent, gap) in self.modes().items():
+            self.assertEqual(mode, 11, f"drive {drive}")
+            # 20 ms by the drive's clock, as often as this machine runs the drive.
+            self.assertLessEqual(silent, 21.0 + 2 * gap)
+            print(f"figure: drive {drive} lets go after {silent:.1f} ms (longest gap of the drive {gap:.1f} ms)")
+
+    def test_program_that_ends_stops_the_moteus_drives(self):
+        run = self.start_run(*self.moteus(self.start_hand()))
+        self.arm()
+        self.wait_until(run, lambda: len(self.modes()) == 3)
+        run.send_signal(signal.SIGINT)
+        out, err = run.communicate(timeout=60)
+        self.assertEqual(run.returncode, INTERRUPTED, out + err)
+        until = time.monotonic() + 20
+        while time.monotonic() < until and {mode for mode, *_ in self.modes().values()} != {0}:
+            time.sleep(0.05)
+        self.assertEqual({mode for mode, *_ in self.modes().values()}, {0})
+
+    def test_force_dimension_device_is_held_by_a_host_and_armed(self):
+        for leftover in (NAME, NAME + ".lock"):
+            self.addCleanup(pathlib.Path("/dev/shm", "wholehand-" + leftover).unlink, missing_ok=True)
+        device = self.config_file("devices", "desktop-3axis")
+        # A quick device: with the host's two cycles it stays within the one period that the file states.
+        quick = (SOURCE / "drivers/force_dimension/lambda-7.toml").read_text().replace("delay_s = 0.001 ", "delay_s = 0.0004 ")
+        settings = ("--driver-settings", self.write("lambda-7.toml", quick))
+        driver = ("--driver", DRIVERS / "force_dimension.so")
+        sdk = dict(os.environ, FORCEDIM_SDK=str(BUILT / "fake_sdk/current"))
+        rendering = ("--rendering", self.config_file("rendering", "desktop-3axis"))
+        exercise = ("--exercise", "free-grasping", "--patient", CONFIG / "patients/no-arm.toml")
+        self.expect_refused(self.run_app("run", *exercise, "--device", device, *rendering, *driver, *settings, env=sdk),
+                            "a host can")
+        log = open(self.folder / "host.log", "w")
+        self.addCleanup(log.close)
+        host = subprocess.Popen([BINARY, "device-host", "--name", NAME, "--device", device, *driver, *settings],
+                                cwd=self.folder, env=sdk, stdin=subprocess.DEVNULL, stdout=log, stderr=log)
+        self.addCleanup(host.wait)
+        self.addCleanup(host.kill)
+        said = lambda: (self.folder / "host.log").read_text()
+        self.wait_until(host, lambda: f"{NAME}: holds" in said())
+        self.assertIn("fake.7, SDK 3.17.1", said())
+        run = self.start_run("--host", NAME, "--device", device, *rendering)
+        self.arm()
+        time.sleep(0.5)
+        self.assertEqual(run.poll(), None)
+        run.send_signal(signal.SIGINT)
+        out, err = run.communicate(timeout=60)
+        self.assertEqual(run.returncode, INTERRUPTED, out + err + said())
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,319 @@
+// Commissioning as a whole: a scripted operator, a device that is not there, a simulated clock.
+#include "commissioning/commissioning.hpp"
+
+#include "device/plugin/plugin_device.hpp"
+#include "fake_device.hpp"
+#include "passport_file.hpp"
+#include "support/figure.hpp"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+
+namespace wholehand::test {
+namespace {
+
+using Step = CommissioningStep;
+
+const Motion kAnyMotion{Motion::What::kPush, "test", "", 0.0};
+const Question kAnyQuestion{Question::About::kEmergencyStop, "test", "", "", 0.0, 0.0};
+
+/// A device, a person and their bench; files go into a folder of its own.
+struct Session {
+  explicit Session(const std::string& file, Spoiled spoiled = {})
+      : path(folder.file("mine.toml")),
+        model(load(file, path)),
+        device(model, std::move(spoiled)) {}
+
+  void begin() {
+    bench.emplace(orThrow(Bench::make(device, model, person, device, 1e-3)));
+    CommissioningPlan plan;
+    plan.operator_name = "Test";
+    plan.day = std::chrono::sys_days(std::chrono::year(2026) / 11 / 21);
+    plan.write = [](const std::string& to, const std::string& text) -> Expected<Done> {
+      writeFile(to, text);
+      return Done{};
+    };
+    commissioning.emplace(*bench, plan);
+  }
+  Expected<Done> upTo(Step last) {
+    if (!commissioning) begin();
+    for (int i = 0; i <= static_cast<int>(last); ++i) {
+      if (commissioning->done(static_cast<Step>(i))) continue;
+      if (auto done = commissioning->carryOut(static_cast<Step>(i)); !done) return done;
+    }
+    return Done{};
+  }
+  static DeviceModel load(const std::string& file, const std::string& to) {
+    std::filesystem::copy_file(WHOLEHAND_SOURCE_DIR "/config/devices/" + file + ".toml", to);
+    return orThrow(loadDeviceFile(to));
+  }
+
+  Folder folder;
+  std::string path;
+  DeviceModel model;
+  FakeDevice device;
+  ScriptedOperator person{device, model};
+  std::optional<Bench> bench;
+  std::optional<Commissioning> commissioning;
+};
+
+std::string said(const Expected<Done>& done) {
+  return done.ok() ? "" : format(done.errors());
+}
+
+TEST(Commissioning, OfSixAxes_TakesFiveMinutesAnd25ActionsAndClearsTheDevice) {
+  Session s("lambda-pride");
+  const auto done = s.upTo(Step::kPassport);
+  ASSERT_TRUE(done.ok()) << said(done) << s.person.said;
+  const double time_s = static_cast<double>(s.device.now_ns()) * 1e-9;
+  // Steps without a question begin with the key: home, gravity and mass, watchdog, range stops.
+  const int actions = s.person.actions + 4;
+  figure("six axes commissioned in", time_s, "s");
+  figure("six axes commissioned with", actions, "actions");
+  figure("largest effort, of the limit", 100.0 * s.bench->largestShare(), "%");
+  EXPECT_LE(time_s, 300.0);
+  EXPECT_LE(actions, 25);
+  EXPECT_LE(s.bench->largestShare(), 0.2 + 1e-12);
+  const Passport passport = orThrow(readPassport(s.commissioning->path()));
+  EXPECT_TRUE(std::filesystem::exists(s.folder.file("mine.F-1.passport.svg")));
+  for (std::size_t i = 0; i < s.model.axes.size(); ++i) {
+    const DeviceAxis& truth = s.model.axes[i];  // the fake device is what its file says
+    EXPECT_TRUE(passport.axes[i].mass.contains(truth.mass)) << truth.name;
+    EXPECT_TRUE(passport.axes[i].damping.contains(truth.damping)) << truth.name;
+    EXPECT_TRUE(passport.axes[i].coulomb.contains(truth.coulomb)) << truth.name;
+  }
+
+  const Day day = passport.measured_on;
+  EXPECT_FALSE(clearToArm(s.device.identity(), s.model, day).ok()) << "not checked today";
+  const auto checked = s.commissioning->checkToday();
+  ASSERT_TRUE(checked.ok()) << said(checked);
+  EXPECT_TRUE(clearToArm(s.device.identity(), s.model, day).ok());
+}
+
+TEST(Commissioning, StepsOutOfOrder_AreRefusedByName) {
+  Session s("desktop-3axis");
+  s.begin();
+  for (int i = 1; i < kCommissioningSteps; ++i) {
+    const auto step = static_cast<Step>(i);
+    const std::string why = said(s.commissioning->carryOut(step));
+    EXPECT_NE(why.find("needs the step identify first"), std::string::npos) << why;
+    EXPECT_NE(why.find(stepName(step)), std::string::npos) << why;
+  }
+  EXPECT_EQ(s.bench->largestShare(), 0.0) << "nothing moved";
+}
+
+TEST(Commissioning, WithSomebodyAttached_MovesNothing) {
+  Session s("desktop-3axis");
+  s.person.nobody = false;
+  EXPECT_NE(said(s.upTo(Step::kSigns)).find("somebody is attached"), std::string::npos);
+  EXPECT_EQ(s.bench->largestShare(), 0.0);
+  EXPECT_NE(said(s.bench->move(kAnyMotion, [](Bench::Now&) -> Expected<bool> { return true; }))
+                .find("nobody is attached"),
+            std::string::npos);
+}
+
+TEST(Commissioning, KeyThatIsLetGo_EndsTheMoveAtNeutralAndTheStepIsRepeated) {
+  Session s("desktop-3axis");
+  ASSERT_TRUE(s.upTo(Step::kGravity).ok());
+  s.person.lets_go_after = s.person.looks + 5000;
+  const std::string why = said(s.commissioning->carryOut(Step::kMassFrictionDelay));
+  EXPECT_NE(why.find("the key was let go; repeat the step"), std::string::npos) << why;
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(s.bench->sent(i), 0.0) << "neutral";
+  EXPECT_FALSE(s.commissioning->done(Step::kMassFrictionDelay));
+  EXPECT_NE(said(s.commissioning->carryOut(Step::kKnownWeight)).find("mass-friction-delay"),
+            std::string::npos);
+  s.person.lets_go_after = 1L << 60;
+  EXPECT_TRUE(s.commissioning->carryOut(Step::kMassFrictionDelay).ok());
+}
+
+TEST(Commissioning, MachineThatIsLateWhileItMeasures_IsRefusedByNameAndTheStepRepeated) {
+  Session s("desktop-3axis");
+  ASSERT_TRUE(s.upTo(Step::kGravity).ok());
+  s.person.on_look = [&] {
+    if (s.person.looks % 1000 == 0) s.device.late_ns = 8'000'000;
+  };
+  const std::string why = said(s.commissioning->carryOut(Step::kMassFrictionDelay));
+  EXPECT_NE(why.find("by a machine that was late"), std::string::npos) << why;
+  EXPECT_NE(why.find("axes = x"), std::string::npos) << why;
+  s.person.on_look = nullptr;
+  EXPECT_TRUE(s.commissioning->carryOut(Step::kMassFrictionDelay).ok());
+}
+
+TEST(Commissioning, DriverThatCannotDropItsWatchdog_IsTriedBySilence) {
+  Spoiled spoiled;
+  spoiled.cannot_drop = true;
+  Session s("desktop-3axis", spoiled);
+  EXPECT_EQ(said(s.upTo(Step::kWatchdog)), "");
+}
+
+TEST(Commissioning, RepeatedStep_TakesThePassportBack) {
+  Session s("desktop-3axis");
+  ASSERT_TRUE(s.upTo(Step::kPassport).ok()) << s.person.said;
+  ASSERT_TRUE(s.commissioning->carryOut(Step::kWatchdog).ok());
+  EXPECT_FALSE(s.commissioning->done(Step::kPassport));
+  EXPECT_EQ(s.commissioning->next(), Step::kPassport);
+}
+
+struct Fault {
+  const char* what;
+  Spoiled spoiled;
+  const char* says;
+};
+
+TEST(SpoiledDevice, OfEveryKind_IsFoundByNameAtAFifthOfTheLimitAtMost) {
+  const auto on = [](const char* axis) {
+    Spoiled s;
+    s.axis = axis;
+    return s;
+  };
+  std::vector<Fault> faults;
+  for (const char* axis : {"x", "y", "z"}) {
+    Spoiled s = on(axis);
+    s.encoder_sign = true;
+    faults.push_back({"encoder sign", s, "its encoder has the wrong sign"});
+    s = on(axis);
+    s.motor_sign = true;
+    faults.push_back({"motor sign", s, "its motor has the wrong sign"});
+    for (const double scale : {2.0, 0.5}) {
+      s = on(axis);
+      s.scale = scale;
+      faults.push_back({"scale", s, scale > 1.0 ? "2 times" : "0.5 times"});
+    }
+    s = on(axis);
+    s.wraps = true;
+    faults.push_back({"wrapped encoder", s, "its encoder wraps round"});
+    for (const double scale : {2.0, 0.5}) {
+      s = on(axis);
+      s.effort_scale = scale;
+      faults.push_back({"torque constant", s, "times what they are called"});
+    }
+    s = on(axis);
+    s.swapped_with = axis == std::string("x") ? "z" : "x";
+    faults.push_back({"swapped", s, "their motors are swapped"});
+    s = on(axis);
+    s.encoder_of = axis == std::string("x") ? "z" : "x";
+    faults.push_back({"swapped encoders", s, "their positions are swapped"});
+    for (const double off : {0.1, -0.1}) {
+      s = on(axis);
+      s.homed_off = off;
+      faults.push_back({"homed elsewhere", s, "homed elsewhere than where it stands"});
+    }
+  }
+  // Its weight moves it as its motor should. Of x: the others would fall while x is pushed.
+  for (const double weight : {0.1, -0.1}) {
+    Spoiled s = on("x");
+    s.motor_sign = true;
+    s.hidden_weight = weight;
+    faults.push_back({"motor sign behind a weight", s, "its motor has the wrong sign"});
+  }
+  Spoiled s;
+  s.no_watchdog = true;
+  faults.push_back({"watchdog", s, "watchdog did not let go"});
+  s.cannot_drop = true;  // then silence pulls it
+  faults.push_back({"watchdog", s, "watchdog did not let go"});
+  s = {};
+  s.deaf_home = true;
+  faults.push_back({"homing", s, "did not be homed"});
+  s = {};
+  s.no_stop_button = true;
+  faults.push_back({"stop button", s, "the emergency stop does not cut it off"});
+  for (const Fault& fault : faults) {
+    Session session("desktop-3axis", fault.spoiled);
+    session.begin();
+    const std::string why = said(session.upTo(Step::kPassport));
+    EXPECT_NE(why.find(fault.says), std::string::npos)
+        << fault.what << " of " << fault.spoiled.axis << ": " << why;
+    EXPECT_LE(session.bench->largestShare(), 0.2 + 1e-12) << fault.what;
+    EXPECT_FALSE(std::filesystem::exists(session.commissioning->path())) << fault.what;
+  }
+}
+
+TEST(Commissioning, AxesThatMoveEachOther_AreRefusedWithWhatToChange) {
+  Session s("desktop-3axis");
+  s.device.mechanism.cross_inertia = 0.3;
+  const std::string why = said(s.upTo(Step::kMassFrictionDelay));
+  EXPECT_NE(why.find("along"), std::string::npos) << why;
+  EXPECT_NE(why.find("decouple the axes"), std::string::npos) << why;
+}
+
+TEST(Commissioning, DeviceWithoutSerialNumber_IsRefused) {
+  Spoiled spoiled;
+  spoiled.anonymous = true;
+  Session s("desktop-3axis", spoiled);
+  EXPECT_NE(said(s.upTo(Step::kIdentify)).find("no serial number"), std::string::npos);
+}
+
+TEST(Commissioning, SamplesThatStandStillInMotion_EndTheMoveAtNeutral) {
+  Session s("desktop-3axis");
+  ASSERT_TRUE(s.upTo(Step::kGravity).ok());
+  // 20 ms where the file states nothing (plugin_device.hpp); desktop-3axis states its own.
+  const auto most = static_cast<int>(longestStill_s(s.model) / 1e-3);
+  int after = 0;
+  const auto done = s.bench->move(kAnyMotion, [&](Bench::Now& now) -> Expected<bool> {
+    s.device.frozen = now.time_s > 0.1;
+    if (s.device.frozen) ++after;
+    now.effort[0] = 1.0;
+    return now.time_s < 2.0;
+  });
+  EXPECT_NE(said(done).find("samples stand still"), std::string::npos) << said(done);
+  EXPECT_LE(after, most + 2);
+  EXPECT_EQ(s.bench->sent(0), 0.0) << "neutral";
+}
+
+TEST(Commissioning, HomeRepeatedWithSomebodyAttached_EnablesNothingAnyMore) {
+  Session s("desktop-3axis");
+  ASSERT_TRUE(s.upTo(Step::kSigns).ok());
+  s.person.nobody = false;
+  EXPECT_FALSE(s.commissioning->carryOut(Step::kHome).ok());
+  const auto look = [](int, const wh_sample&) {};
+  for (const std::string& why :
+       {said(s.bench->move(kAnyMotion, [](Bench::Now&) -> Expected<bool> { return false; })),
+        format(s.bench->askEnabled(kAnyQuestion, look).errors()),
+        format(s.bench->dropWatchdog(0.1).errors())}) {
+    EXPECT_NE(why.find("nobody is attached"), std::string::npos) << why;
+  }
+}
+
+TEST(Commissioning, PersonWhoGaveUp_IsNotWaitedForByTheKey) {
+  Session s("desktop-3axis");
+  ASSERT_TRUE(s.upTo(Step::kGravity).ok());
+  s.person.gave_up = true;
+  s.person.lets_go_after = 0;
+  const std::int64_t began_ns = s.device.now_ns();
+  EXPECT_NE(said(s.commissioning->carryOut(Step::kGravity)).find("gave up"), std::string::npos);
+  EXPECT_LE(s.device.now_ns() - began_ns, 2'000'000) << "two ticks";
+}
+
+TEST(EmergencyStop, ThatNobodyPressedWhileTheWatchdogLetGo_IsNotTakenForPressed) {
+  Spoiled spoiled;
+  spoiled.stop_says_silenced = true;
+  Session s("desktop-3axis", spoiled);
+  ASSERT_TRUE(s.upTo(Step::kWatchdog).ok());
+  s.person.presses_stop = false;
+  s.person.late_ticks = 50;  // the watchdog takes 20
+  const std::string why = said(s.commissioning->carryOut(Step::kEmergencyStop));
+  EXPECT_NE(why.find("its watchdog let go first"), std::string::npos) << why;
+  s.person.late_ticks = 0;
+  s.person.presses_stop = true;
+  EXPECT_EQ(said(s.commissioning->carryOut(Step::kEmergencyStop)), "");
+}
+
+TEST(Watchdog, OfADeviceThatWasCutOffBefore_IsNotTakenForOneThatLetGo) {
+  Session s("desktop-3axis");
+  ASSERT_TRUE(s.upTo(Step::kKnownWeight).ok());
+  s.person.on_look = [&s] { s.device.stop_pressed = true; };  // between the key and the silence
+  EXPECT_NE(said(s.commissioning->carryOut(Step::kWatchdog)), "");
+  EXPECT_FALSE(s.commissioning->done(Step::kWatchdog));
+}
+
+TEST(DailyCheck, OfAMovedMark_IsRefused) {
+  Session s("desktop-3axis");
+  ASSERT_TRUE(s.upTo(Step::kPassport).ok());
+  s.person.off_mark = 0.005;
+  const std::string why = said(s.commissioning->checkToday());
+  EXPECT_NE(why.find("off its mark"), std::string::npos) << why;
+}
+
+}  // namespace
+}  // namespace wholehand::test

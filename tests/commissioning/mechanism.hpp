@@ -1,0 +1,133 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <deque>
+#include <utility>
+#include <vector>
+
+namespace wholehand::test {
+
+/// One axis of a mechanism that is not ideal. SI; per radian for a rotation.
+struct MechanismAxis {
+  double mass = 1.0, damping = 0.0;
+  double coulomb = 0.0;              ///< dry friction while it slides
+  double breakaway = 0.0;            ///< more than that at rest (Stribeck) [N or N·m]
+  double stribeck_speed = 1e-2;      ///< at which that has fallen to 1/e
+  double cogging = 0.0;              ///< amplitude over position [N or N·m]
+  double cogging_pitch = 1.0;        ///< [m or rad]
+  double play = 0.0;                 ///< between motor, which the encoder sees, and load
+  double load_share = 0.0;           ///< of the mass that lies behind the play
+  double gravity = 0.0;              ///< effort that holds it [N or N·m]
+  double lower = -1.0, upper = 1.0;  ///< stops
+  double step = 0.0;                 ///< of the encoder; 0: ideal
+  double delay_s = 0.0;              ///< any, broken periods included
+};
+
+/// Axes with friction that grows towards rest, cogging, play and inertia that links them, advanced
+/// in small steps (symplectic Euler; dry friction as an impulse that stops at rest). A second
+/// opinion on device/simulated, which has none of these.
+class Mechanism {
+ public:
+  Mechanism(std::vector<MechanismAxis> axes, double period_s)
+      : axes_(std::move(axes)), states_(axes_.size()), period_s_(period_s) {
+    for (std::size_t i = 0; i < axes_.size(); ++i) {
+      states_[i].at = std::clamp(0.0, axes_[i].lower, axes_[i].upper);
+      states_[i].load_at = states_[i].at;
+    }
+  }
+
+  /// Share of the geometric mean of two neighbouring masses that links them (axis i and i + 1).
+  double cross_inertia = 0.0;
+  /// Added to the effort of an axis: a hand, a weight.
+  std::vector<double> pushed;
+
+  void place(std::size_t axis, double at) { states_[axis].at = states_[axis].load_at = at; }
+  [[nodiscard]] double true_position(std::size_t axis) const { return states_[axis].at; }
+  [[nodiscard]] double speed(std::size_t axis) const { return states_[axis].speed; }
+  [[nodiscard]] double position(std::size_t axis) const {
+    const double step = axes_[axis].step;
+    return step > 0.0 ? std::round(states_[axis].at / step) * step : states_[axis].at;
+  }
+  [[nodiscard]] const MechanismAxis& axis(std::size_t i) const { return axes_[i]; }
+
+  /// One period under these efforts, each after its own delay.
+  void advance(const std::vector<double>& effort) {
+    constexpr int kSteps = 20;
+    const double h = period_s_ / kSteps;
+    for (std::size_t i = 0; i < axes_.size(); ++i) {
+      State& s = states_[i];
+      s.sent.push_front(effort[i]);
+      if (s.sent.size() > 16) s.sent.pop_back();
+    }
+    for (int j = 0; j < kSteps; ++j) {
+      for (std::size_t i = 0; i < axes_.size(); ++i) accelerate(i, (j + 0.5) * h, h);
+      for (std::size_t i = 0; i < axes_.size(); ++i) move(i, h);
+    }
+  }
+
+ private:
+  struct State {
+    double at = 0.0, speed = 0.0, load_at = 0.0, load_speed = 0.0;
+    double before = 0.0;        ///< speed at the beginning of the step
+    double acceleration = 0.0;  ///< of the step before
+    std::deque<double> sent;
+  };
+
+  // What was sent `delay` before this moment of the running period.
+  [[nodiscard]] double acting(std::size_t i, double into_s) const {
+    const double ago = axes_[i].delay_s - into_s;
+    const auto back = static_cast<std::size_t>(ago <= 0.0 ? 0.0 : std::ceil(ago / period_s_));
+    const auto& sent = states_[i].sent;
+    return back < sent.size() ? sent[back] : sent.back();
+  }
+  void accelerate(std::size_t i, double into_s, double h) {
+    const MechanismAxis& a = axes_[i];
+    State& s = states_[i];
+    const double hand = i < pushed.size() ? pushed[i] : 0.0;
+    double f = acting(i, into_s) + hand - a.gravity - a.damping * s.speed;
+    if (a.cogging > 0.0) f += a.cogging * std::sin(2.0 * M_PI * s.at / a.cogging_pitch);
+    const double motor = a.mass * (1.0 - a.load_share);
+    s.before = s.speed;
+    if (a.load_share > 0.0) {
+      // A stiff, damped spring behind the gap: 300 Hz of the load.
+      const double load = a.mass * a.load_share, w = 2.0 * M_PI * 300.0;
+      const double gap = s.load_at - s.at, over = gap - std::clamp(gap, -a.play / 2, a.play / 2);
+      double between = load * w * w * over;
+      if (over != 0.0) between += 0.4 * load * w * (s.load_speed - s.speed);
+      f += between;
+      s.load_speed -= h * between / load;
+    }
+    f -= linked(i);
+    const double v = s.speed + h * f / motor;
+    const double x = s.speed / a.stribeck_speed;
+    const double friction = h * (a.coulomb + a.breakaway * std::exp(-x * x)) / motor;
+    s.speed = std::abs(v) <= friction ? 0.0 : v - std::copysign(friction, v);
+  }
+  // What the neighbours' accelerations of the step before ask of this axis.
+  [[nodiscard]] double linked(std::size_t i) const {
+    double f = 0.0;
+    for (const std::size_t j : {i - 1, i + 1}) {
+      if (j >= axes_.size()) continue;
+      f += cross_inertia * std::sqrt(axes_[i].mass * axes_[j].mass) * states_[j].acceleration;
+    }
+    return f;
+  }
+  void move(std::size_t i, double h) {
+    State& s = states_[i];
+    s.acceleration = (s.speed - s.before) / h;
+    s.at += h * s.speed;
+    s.load_at += h * s.load_speed;
+    if (s.at < axes_[i].lower || s.at > axes_[i].upper) {
+      s.at = std::clamp(s.at, axes_[i].lower, axes_[i].upper);
+      s.speed = 0.0;
+    }
+  }
+
+  std::vector<MechanismAxis> axes_;
+  std::vector<State> states_;
+  double period_s_;
+};
+
+}  // namespace wholehand::test

@@ -1,0 +1,143 @@
+// Force Dimension devices against a fake of their SDK: finding, opening, homing.
+#include "fake_sdk.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <string>
+
+namespace wholehand::test {
+namespace {
+
+struct Sdks {
+  const char* name;
+  const char* says;
+};
+class OtherSdk : public testing::TestWithParam<Sdks> {};
+
+TEST_P(OtherSdk, IsRefusedWithWhatIsMissing) {
+  ForceDimensionDriver at(GetParam().name);
+  const auto driver = at.load();
+  ASSERT_FALSE(driver);
+  EXPECT_NE((at.said + whyNot(driver)).find(GetParam().says), std::string::npos)
+      << at.said << whyNot(driver);
+}
+INSTANTIATE_TEST_SUITE_P(Kinds, OtherSdk,
+                         testing::Values(Sdks{"none", "name its folder in FORCEDIM_SDK"},
+                                         Sdks{"without_angle", "has no dhdGetGripperAngleRad"},
+                                         Sdks{"old", "is SDK 3.13"}, Sdks{"next", "is SDK 4.17"}),
+                         [](const auto& tested) { return tested.param.name; });
+
+TEST_F(ForceDimension, InTheLoop_IsRefusedForAHost) {
+  const auto driver = at.load("", std::string(kForceSettings) + kGripperSettings, CalledBy::kLoop);
+  ASSERT_FALSE(driver);
+  EXPECT_NE(whyNot(driver).find("a host can"), std::string::npos) << whyNot(driver);
+}
+
+TEST_F(ForceDimension, Opened_MovesNothingAndSwitchesNoForceOn) {
+  open();
+  EXPECT_EQ(at.fake->inits, 0);
+  EXPECT_EQ(at.fake->enables, 0);
+  EXPECT_EQ(at.fake->sent, 0);
+  const auto& axes = at.driver->axes();
+  ASSERT_EQ(axes.size(), 4U);
+  EXPECT_STREQ(axes[3].name, "finger_flexion");
+  EXPECT_EQ(axes[3].upper, 1.6);
+  EXPECT_NEAR(axes[3].effort_limit, 8.0 * 0.07 / 4.0, 1e-12);  // ratio 1.6 / 0.4
+  EXPECT_EQ(axes[0].effort_limit, 12.0);
+  EXPECT_EQ(axes[0].silence_s, 0.02);
+  EXPECT_NE(at.said.find("fake.7, SDK 3.17.1"), std::string::npos) << at.said;
+}
+
+TEST_F(ForceDimension, SerialNumber_OpensThatDeviceAndClosesTheOthers) {
+  open("serial:22222");
+  EXPECT_EQ(at.fake->opened, 2);
+  EXPECT_EQ(at.fake->closed, 1);
+  EXPECT_EQ(at.driver->identity().serial, "22222");
+  EXPECT_EQ(at.driver->identity().sdk, "3.17.1");
+}
+
+struct Finding {
+  const char* name;
+  const char* locator;
+  int devices;
+  const char* says;
+};
+class NotFound : public testing::TestWithParam<Finding> {};
+TEST_P(NotFound, SaysWhatThereIs) {
+  ForceDimensionDriver at;
+  at.fake->devices = GetParam().devices;
+  const auto driver = at.load(GetParam().locator);
+  ASSERT_FALSE(driver);
+  EXPECT_NE(whyNot(driver).find(GetParam().says), std::string::npos) << whyNot(driver);
+}
+INSTANTIATE_TEST_SUITE_P(Locators, NotFound,
+                         testing::Values(Finding{"none", "", 0, "no device: the fake says why"},
+                                         Finding{"other", "serial:7", 2, "there are: 11111, 22222"},
+                                         Finding{"word", "usb", 2, "names no device"},
+                                         Finding{"half", "serial:12x", 2, "names no device"}),
+                         [](const auto& tested) { return tested.param.name; });
+
+TEST_F(ForceDimension, WithoutAGripper_IsRefusedWhereOneIsAskedFor) {
+  at.fake->has_gripper = 0;
+  const auto asked = at.load();
+  ASSERT_FALSE(asked);
+  EXPECT_NE(whyNot(asked).find("fake.7 has no gripper"), std::string::npos) << whyNot(asked);
+  ASSERT_TRUE(at.load("", kForceSettings));
+  EXPECT_EQ(at.driver->axes().size(), 3U);
+}
+
+TEST_F(ForceDimension, Settings_AreReadStrictly) {
+  const auto driver = at.load("", std::string(kForceSettings) + "watchdog = 3\n");
+  ASSERT_FALSE(driver);
+  const auto crossed = at.load("", std::string(kForceSettings) + R"([gripper]
+axis = "finger_flexion"
+open_rad = 0.1
+closed_rad = 0.5
+flexion_rad = 1.6
+lever_m = 0.07
+force_limit_n = 8.0
+step_rad = 1e-4
+)");
+  ASSERT_FALSE(crossed);
+  EXPECT_NE(at.said.find("is not below open_rad"), std::string::npos) << at.said;
+}
+
+TEST_F(ForceDimension, NotHomed_HomesOnlyOnRequestAndLeavesForceOff) {
+  at.fake->initialized = 0;
+  open();
+  ASSERT_TRUE(at.driver->control(WH_ENABLE, 0.0));
+  EXPECT_EQ(at.read().status, static_cast<std::uint32_t>(WH_ENABLED));
+  EXPECT_EQ(at.fake->inits, 0);
+  EXPECT_FALSE(at.driver->control(WH_HOME, 0.0)) << "it would move with its force on";
+  EXPECT_EQ(at.fake->inits, 0);
+  ASSERT_TRUE(at.driver->control(WH_DISABLE, 0.0));
+  ASSERT_TRUE(at.driver->control(WH_HOME, 0.0)) << at.said;
+  EXPECT_EQ(at.fake->inits, 1);
+  EXPECT_EQ(at.fake->stops, 1);
+  EXPECT_EQ(at.fake->stops_that_leave_force_on, 0);
+  EXPECT_EQ(at.fake->force_on, 0);
+  EXPECT_EQ(at.read().status, static_cast<std::uint32_t>(WH_HOMED));
+}
+
+TEST_F(ForceDimension, HomingThatFails_IsSaidAndForceIsOff) {
+  at.fake->initialized = 0;
+  at.fake->init_returns = -1;
+  open();
+  EXPECT_FALSE(at.driver->control(WH_HOME, 0.0));
+  EXPECT_NE(at.said.find("homing failed: the fake says why"), std::string::npos) << at.said;
+  EXPECT_EQ(at.fake->stops, 1) << "whatever it had begun ends";
+  EXPECT_EQ(at.read().status & WH_HOMED, 0U);
+}
+
+TEST(ForceDimensionSettings, ShippedExample_IsRead) {
+  ForceDimensionDriver at;
+  std::ifstream file(WHOLEHAND_SOURCE_DIR "/drivers/force_dimension/lambda-7.toml");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const auto driver = at.load("", text);
+  EXPECT_TRUE(driver) << whyNot(driver);
+}
+
+}  // namespace
+}  // namespace wholehand::test

@@ -1,0 +1,112 @@
+/* A driver for tests: three rails that somebody pushes to and fro by 2 cm, from 3 s after it was
+ * enabled on, so that the loop pushes back. Keeps every effort it is given, with its time, in the
+ * file that its settings name: int64 CLOCK_MONOTONIC [ns], three doubles [N]. May wait: only a host
+ * takes it. */
+#define _POSIX_C_SOURCE 200809L
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <wholehand/device.h>
+
+enum { AXES = 3, FLUSH_EVERY = 64 };
+
+struct wh_device {
+  FILE* kept;
+  int enabled;
+  int64_t enabled_ns;
+  uint64_t samples, commands;
+};
+
+static int64_t now_ns(void) {
+  struct timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return (int64_t)t.tv_sec * 1000000000 + t.tv_nsec;
+}
+
+static int open_device(const wh_host* host, const char* locator, const char* settings,
+                       wh_device** out) {
+  wh_device* device = calloc(1, sizeof *device);
+  (void)locator;
+  if (device == NULL) return WH_FAILED;
+  device->kept = fopen(settings, "wb");
+  if (device->kept == NULL) {
+    host->say(host->context, "cannot write the file of the settings");
+    free(device);
+    return WH_FAILED;
+  }
+  *out = device;
+  return WH_OK;
+}
+
+static int describe(wh_device* device, wh_axis* axes, uint32_t capacity, uint32_t* count) {
+  static const char* const names[AXES] = {"x", "y", "z"};
+  uint32_t i;
+  (void)device;
+  *count = AXES;
+  for (i = 0; i < AXES && i < capacity; ++i) {
+    strcpy(axes[i].name, names[i]);
+    axes[i].kind = WH_TRANSLATION;
+    axes[i].effort_meaning = WH_EFFORT;
+    axes[i].lower = -0.1;
+    axes[i].upper = 0.1;
+    axes[i].effort_limit = 8.0;
+    axes[i].resolution = 2e-5;
+    axes[i].delay_s = 0.0005;
+    axes[i].silence_s = 0.02;
+  }
+  return WH_OK;
+}
+
+static int control(wh_device* device, uint32_t verb, double argument) {
+  (void)argument;
+  if (verb != WH_ENABLE && verb != WH_DISABLE) return WH_UNSUPPORTED;
+  device->enabled = verb == WH_ENABLE;
+  device->enabled_ns = now_ns();
+  fflush(device->kept);
+  return WH_OK;
+}
+
+/* Twice a second to and fro, in parabolas. */
+static double place(int64_t since_ns) {
+  const double p = (double)(since_ns % 500000000) * 4e-9 - 1.0; /* -1 .. 1 */
+  return 4.0 * p * (1.0 - (p < 0 ? -p : p));
+}
+
+static int read_sample(wh_device* device, wh_sample* sample) {
+  const int64_t now = now_ns();
+  const int64_t since_ns = now - device->enabled_ns - INT64_C(3000000000);
+  int i;
+  sample->status = WH_HOMED | (device->enabled ? WH_ENABLED : 0);
+  sample->sequence = ++device->samples;
+  sample->monotonic_ns = now;
+  sample->valid = 7;
+  sample->vendor_code = 0;
+  for (i = 0; i < AXES; ++i) {
+    const int64_t own_ns = since_ns - i * INT64_C(83000000); /* never all at rest */
+    /* At rest while it is disabled, so that enabling is no jump. */
+    sample->position[i] = device->enabled && own_ns > 0 ? 0.02 * place(own_ns) : 0.0;
+  }
+  return WH_OK;
+}
+
+static int write_command(wh_device* device, const wh_command* command) {
+  const int64_t now = now_ns();
+  if (!device->enabled) return WH_FAILED;
+  fwrite(&now, sizeof now, 1, device->kept);
+  fwrite(command->effort, sizeof(double), AXES, device->kept);
+  if (++device->commands % FLUSH_EVERY == 0) fflush(device->kept);
+  return WH_OK;
+}
+
+static void close_device(wh_device* device) {
+  fclose(device->kept);
+  free(device);
+}
+
+const wh_plugin* wh_plugin_v1(void) {
+  static const wh_plugin plugin = {sizeof(wh_plugin), WH_MAJOR,      WH_MINOR,    0,
+                                   "pushed",          open_device,   describe,    control,
+                                   read_sample,       write_command, close_device, NULL};
+  return &plugin;
+}

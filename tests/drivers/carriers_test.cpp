@@ -1,0 +1,173 @@
+// The driver `frame` and the reference firmware as processes, over each carrier.
+#include "device/plugin/plugin_device.hpp"
+#include "device/plugin/plugin_driver.hpp"
+#include "firmware_process.hpp"
+#include "frame_bench.hpp"
+#include "model/device_model.hpp"
+#include "realtime/monotonic_clock.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <fcntl.h>
+#include <thread>
+#include <unistd.h>
+
+namespace wholehand::test {
+namespace {
+
+std::int64_t waitAMillisecond() {
+  std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  return monotonicNow_ns();
+}
+
+DeviceModel desktop() {
+  return orThrow(
+      loadDeviceFile(std::string(WHOLEHAND_SOURCE_DIR) + "/config/devices/desktop-3axis.toml"));
+}
+
+std::shared_ptr<PluginDriver> frameAt(const std::string& locator) {
+  return orThrow(PluginDriver::load({"frame", locator, ""}));
+}
+
+// Positions after each of some commands; a millisecond of the firmware's clock each.
+std::vector<double> positionsOver(const std::string& where) {
+  const FirmwareProcess firmware(where, true);
+  const auto device =
+      orThrow(FrameDevice::open(orThrow(openCarrier(firmware.locator())), 77, &waitAMillisecond));
+  (void)orThrow(device->control(WH_ENABLE, 0.0, &waitAMillisecond));
+  std::vector<double> positions;
+  for (int k = 1; k <= 100; ++k) {
+    const double effort = std::sin(0.3 * k) * 5.0;
+    EXPECT_EQ(device->write(commandOf({effort, -effort, 0.5 * effort})), WH_OK);
+    wh_sample sample = emptySample();
+    const std::int64_t until_ns = monotonicNow_ns() + 10'000'000'000;
+    // The sample that says this command's effort is the one after it.
+    while (sample.effort[0] != static_cast<double>(static_cast<float>(effort))) {
+      device->pump(monotonicNow_ns());
+      EXPECT_GE(device->read(sample), 0);
+      if (monotonicNow_ns() > until_ns) {
+        ADD_FAILURE() << where << " lost command " << k;
+        return positions;
+      }
+      std::this_thread::yield();
+    }
+    positions.insert(positions.end(), sample.position, sample.position + 3);
+  }
+  const FrameCounters counted = device->counters();
+  EXPECT_EQ(counted.broken + counted.crc_errors + counted.foreign + counted.stale, 0U) << where;
+  return positions;
+}
+
+TEST(Carriers, SameCommands_GiveTheSameSamplesOverEachOfThem) {
+  std::vector<double> first;
+  for (const std::string& where : everyCarrier()) {
+    const std::vector<double> positions = positionsOver(where);
+    ASSERT_EQ(positions.size(), 300U) << where;
+    if (first.empty()) first = positions;
+    EXPECT_EQ(positions, first) << where;
+  }
+  EXPECT_GT(std::abs(first[298]), 1e-4) << "nothing moved";
+}
+
+// The whole way that `run --driver frame` takes: by its name, held against a device file.
+TEST(Carriers, DriverByItsName_FitsTheDesktopFileAndRendersOverEachOfThem) {
+  for (const std::string& where : everyCarrier()) {
+    FirmwareProcess firmware(where);
+    const auto device = orThrow(PluginDevice::make(frameAt(firmware.locator()), desktop(), 1e-3));
+    ASSERT_TRUE(device->open()) << where;
+    ASSERT_TRUE(device->ready());
+    DeviceReading reading;
+    int faults = 0;
+    for (int i = 0; i < 200; ++i) {
+      ASSERT_EQ(device->write(AxisEffort(3, 1.0)), Fault::kNone);
+      // The machine may let this test stand still for longer than a sample may be old.
+      if (any(device->read(reading, 1))) ++faults;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    EXPECT_LT(faults, 100) << where;
+    EXPECT_GT(reading.q_m[0], 1e-4) << where << ": 1 N for some 0.2 s moves 0.25 kg";
+    device->close();
+    const PhaseLine off = firmware.until("off");
+    EXPECT_EQ(off.phase, "off") << where;
+    EXPECT_EQ(off.most_effort, 0.0);
+  }
+}
+
+TEST(Carriers, SerialLineUnpluggedInMidLine_IsAFaultOfReadAndWrite) {
+  FirmwareProcess firmware("serial");
+  const auto device = orThrow(PluginDevice::make(frameAt(firmware.locator()), desktop(), 1e-3));
+  ASSERT_TRUE(device->open());
+  DeviceReading reading;
+  ASSERT_EQ(device->write(AxisEffort(3, 1.0)), Fault::kNone);
+  ASSERT_EQ(device->read(reading, 1), Fault::kNone);
+  firmware.send(SIGKILL);
+  firmware.wait();
+  Fault read = Fault::kNone, written = Fault::kNone;
+  for (int i = 0; i < 5000 && !(any(read & Fault::kDeviceRead) && any(written)); ++i) {
+    read = device->read(reading, 1);
+    written = device->write(AxisEffort(3, 1.0));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_TRUE(any(read & Fault::kDeviceRead));
+  EXPECT_TRUE(any(written & Fault::kDeviceWrite));
+  device->close();
+  EXPECT_FALSE(device->open()) << "it is gone";
+}
+
+// The pseudo-terminal of a cable that is pulled out between two bytes of a frame.
+TEST(SerialCarrier, ClosedInMidFrame_GivesWhatCameAndIsThenGone) {
+  const int cable = ::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+  ASSERT_GE(cable, 0);
+  ASSERT_EQ(::grantpt(cable), 0);
+  ASSERT_EQ(::unlockpt(cable), 0);
+  const auto carrier = orThrow(openCarrier(std::string("serial:") + ::ptsname(cable) + ":115200"));
+  std::array<std::uint8_t, 64> bytes{};
+  EXPECT_EQ(carrier->receive(bytes.data(), bytes.size()), 0) << "nothing yet is not gone";
+  const std::array<std::uint8_t, 3> half = {0, 5, 0x11};
+  ASSERT_EQ(::write(cable, half.data(), half.size()), 3);
+  EXPECT_TRUE(carrier->send(half.data(), half.size()));
+  ASSERT_EQ(carrier->receive(bytes.data(), bytes.size()), 3)
+      << "raw: no byte is turned into another";
+  EXPECT_EQ(bytes[1], 5);
+  ASSERT_EQ(::write(cable, half.data(), half.size()), 3);
+  ::close(cable);
+  int count = 0;
+  for (int i = 0; i < 3 && count >= 0; ++i) count = carrier->receive(bytes.data(), bytes.size());
+  EXPECT_EQ(count, -1);
+  EXPECT_FALSE(carrier->send(half.data(), half.size()));
+}
+
+// No datagram says that its sender is dead: the samples stand still. 20 ms, so 20 ticks of 1 ms.
+TEST(Carriers, DeviceGoneFromUdpOrMemory_IsAStaleSample) {
+  for (const std::string& where : {everyCarrier()[0], everyCarrier()[2]}) {
+    FirmwareProcess firmware(where);
+    const auto device = orThrow(PluginDevice::make(frameAt(firmware.locator()), desktop(), 1e-3));
+    ASSERT_TRUE(device->open());
+    firmware.send(SIGKILL);
+    firmware.wait();
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    DeviceReading reading;
+    Fault faults = Fault::kNone;
+    int ticks = 0;
+    for (; ticks < 100 && !any(faults & Fault::kStaleSample); ++ticks) {
+      faults = device->read(reading, 1);
+    }
+    EXPECT_LE(ticks, 25) << where;
+    EXPECT_TRUE(any(faults & Fault::kStaleSample));
+    ::unlink(("/dev/shm/wholehand-frame-test-" + std::to_string(::getpid())).c_str());
+  }
+}
+
+TEST(FrameDriver, Settings_AreRefusedByName) {
+  const auto driver = PluginDriver::load({"frame", "udp:127.0.0.1:1", "fast=1"});
+  ASSERT_FALSE(driver);
+  EXPECT_NE(format(driver.errors()).find("has no settings"), std::string::npos)
+      << format(driver.errors());
+}
+
+}  // namespace
+}  // namespace wholehand::test

@@ -1,0 +1,190 @@
+// The driver `composite` from its file: two spoiled drivers (tests/device/spoiled_driver.c), and
+// two frames.
+#include "device/plugin/plugin_device.hpp"
+#include "device/plugin/plugin_driver.hpp"
+#include "fault_injection/pushing_exercise.hpp"
+#include "firmware_process.hpp"
+#include "support/folder.hpp"
+#include "support/rig_tools.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace wholehand::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string built(const std::string& name) {
+  return std::string(WHOLEHAND_BINARY_DIR) + "/drivers/" + name + ".so";
+}
+
+DeviceModel desktop() {
+  return load(shippedFiles("desktop-3axis", "empty", "adult-median-right", "no-arm")).device;
+}
+
+// The driver itself, from its file.
+class CompositeDriver : public testing::Test {
+ protected:
+  CompositeDriver() : path_(folder_.file("pair.toml")) {}
+  // Base x and y, hand z; as the desktop device has them.
+  std::string file(const std::string& base, const std::string& hand,
+                   const std::string& hand_driver = "spoiled") {
+    std::ofstream(path_) << "kind = \"composite\"\nversion = 1\nlongest_skew_s = 0.005\n"
+                         << "[[parts]]\ndriver = \"" << built("spoiled") << "\"\nsettings = \""
+                         << base << "\"\naxes = [\"x\", \"y\"]\n"
+                         << "[[parts]]\ndriver = \"" << built(hand_driver) << "\"\nsettings = \""
+                         << hand << "\"\naxes = [\"z\"]\n";
+    return path_.string();
+  }
+  Expected<std::shared_ptr<PluginDriver>> open(const std::string& file,
+                                               CalledBy called_by = CalledBy::kLoop) {
+    return PluginDriver::load({"composite", "", file}, nullptr, called_by);
+  }
+  std::string refusal(const std::string& text) {
+    std::ofstream(path_) << text;
+    const auto driver = open(path_.string());
+    return driver ? "" : format(driver.errors());
+  }
+
+  Folder folder_;
+  fs::path path_;
+};
+
+TEST_F(CompositeDriver, PartThatMayWait_IsRefusedForALoopAndTakenForAHost) {
+  const auto refused = open(file("well", "well", "may_wait"));
+  ASSERT_FALSE(refused);
+  EXPECT_NE(format(refused.errors()).find("WH_NEVER_WAITS"), std::string::npos)
+      << format(refused.errors());
+  EXPECT_TRUE(open(file("well", "well", "may_wait"), CalledBy::kHost));
+  EXPECT_TRUE(open(file("well", "well"))) << "both never wait";
+}
+
+TEST_F(CompositeDriver, WhatDoesNotFit_IsRefusedByName) {
+  const std::string head = "kind = \"composite\"\nversion = 1\nlongest_skew_s = 0.005\n";
+  const auto part = [](const std::string& driver, const std::string& axes) {
+    return "[[parts]]\ndriver = \"" + driver + "\"\naxes = [" + axes + "]\n";
+  };
+  const std::string good = part(built("spoiled"), "\"x\"");
+  const struct {
+    std::string text, says;
+  } cases[] = {
+      {head + good, "parts"},
+      {head + good + good, "gives x a second time"},
+      {head + good + part(built("spoiled"), "\"w\""), "w: "},
+      {head + good + part("no-such", "\"y\""), "no-such"},
+      {head + good + part(built("spoiled"), "\"y\"") + good, "third part"},
+      {"kind = \"composite\"\nversion = 1\nlongest_skew_s = 0.0\n" + good + good, "longest_skew_s"},
+      {head + "skew = 1\n" + good + part(built("spoiled"), "\"y\""), "skew"}};
+  for (const auto& one : cases) {
+    const std::string said = refusal(one.text);
+    EXPECT_NE(said.find(one.says), std::string::npos) << one.says << " is not in: " << said;
+  }
+  const auto nowhere = PluginDriver::load({"composite", "", ""});
+  ASSERT_FALSE(nowhere);
+  EXPECT_NE(format(nowhere.errors()).find("--driver-settings FILE"), std::string::npos);
+}
+
+struct Lost {
+  const char* name;
+  bool hand;  ///< which of the two
+};
+
+class LostPart : public CompositeDriver, public testing::WithParamInterface<Lost> {};
+
+// A whole rig under an exercise that pushes: one part fails, and both are led to neutral.
+TEST_P(LostPart, RampsBothToNeutralWithin100ms) {
+  const std::string spoiled = std::string(GetParam().name) + "@300";
+  auto driver = orThrow(open(GetParam().hand ? file("well", spoiled) : file(spoiled, "well")));
+  Models models = load(shippedFiles("desktop-3axis", "empty", "adult-median-right", "no-arm"));
+  AxisEffort limit(3, 8.0);
+  models.exercise = std::make_unique<PushingExercise>(limit, Push::kWell, 0, 0);
+  auto device = orThrow(PluginDevice::make(driver, models.device, 1e-3));
+  auto rig = orThrow(buildRigThatMovesNobody(std::move(models), std::move(device), {}));
+  ASSERT_TRUE(rig->renderer->arm());
+  TickRecord record;
+  int fault = -1, neutral = -1;
+  std::array<double, 3> before{};
+  double pushed = 0.0;
+  for (int tick = 0; tick < 600 && neutral < 0; ++tick) {
+    record.tick = static_cast<std::uint64_t>(tick);
+    record.time_s = tick * 1e-3;
+    record.command_count = 0;
+    rig->renderer->tick(1, record);
+    if (fault < 0 && any(record.faults & kStopping)) fault = tick;
+    for (int a = 0; a < 3; ++a) {
+      const double now = record.sent[a];
+      const double was = std::exchange(before[static_cast<std::size_t>(a)], now);
+      if (fault < 0) pushed = std::max(pushed, std::abs(now));
+      if (fault >= 0 && tick > fault) {
+        EXPECT_LE(std::abs(now), std::abs(was) + 1e-12);
+      }
+    }
+    if (rig->renderer->finished()) neutral = tick;
+  }
+  ASSERT_GE(fault, 0);
+  EXPECT_GT(pushed, 0.5) << "nothing was pushed: the test proves nothing";
+  EXPECT_FALSE(any(record.faults & Fault::kDeviceWrite));
+  EXPECT_LE(neutral - fault, 100);
+  // What the healthy part really holds; the spoiled one gives its effort back as a measurement.
+  wh_sample sample{};
+  sample.size = sizeof(sample);
+  ASSERT_GE(driver->read(sample), 0);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const bool hands = i == 2;
+    if (hands != GetParam().hand) {
+      EXPECT_EQ(sample.effort[i], 0.0) << "axis " << i;
+    }
+  }
+}
+INSTANTIATE_TEST_SUITE_P(Kinds, LostPart,
+                         testing::Values(Lost{"unplug", true}, Lost{"unplug", false},
+                                         Lost{"refuse", true}, Lost{"refuse", false},
+                                         Lost{"frozen", true}, Lost{"frozen", false},
+                                         Lost{"clock", true}, Lost{"backwards", false},
+                                         Lost{"silenced", true}, Lost{"drive", false}),
+                         [](const auto& tested) {
+                           return std::string(tested.param.name) +
+                                  (tested.param.hand ? "_hand" : "_base");
+                         });
+
+// A frame over shared memory and another over UDP, by names and file alone.
+TEST(CompositeOfFrames, FitsAndRendersOverTwoCarriers) {
+  const FirmwareProcess base("udp:0"), hand("shm:pair-" + std::to_string(::getpid()));
+  const Folder folder;
+  const fs::path path = folder.file("pair.toml");
+  std::ofstream(path) << "kind = \"composite\"\nversion = 1\nlongest_skew_s = 1.0\n"
+                      << "[[parts]]\ndriver = \"frame\"\ndevice_at = \"" << base.locator()
+                      << "\"\naxes = [\"x\", \"y\"]\n[[parts]]\ndriver = \"frame\"\ndevice_at = \""
+                      << hand.locator() << "\"\naxes = [\"z\"]\n";
+  std::vector<std::string> said;
+  {
+    const auto driver = orThrow(PluginDriver::load(
+        {"composite", "", path.string()}, [&](const std::string& line) { said.push_back(line); }));
+    const auto device = orThrow(PluginDevice::make(driver, desktop(), 1e-3));
+    ASSERT_TRUE(device->open());
+    ASSERT_TRUE(device->ready());
+    DeviceReading reading;
+    for (int i = 0; i < 200; ++i) {
+      ASSERT_EQ(device->write(AxisEffort(3, 1.0)), Fault::kNone);
+      (void)device->read(reading, 1);
+      ::usleep(1000);
+    }
+    EXPECT_GT(reading.q_m[0], 1e-4);
+    EXPECT_GT(reading.q_m[2], 1e-4);
+    device->close();
+  }
+  ASSERT_FALSE(said.empty());
+  EXPECT_NE(said.back().find("largest skew between the two samples"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace wholehand::test

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <array>
+#include <csignal>
+#include <cstdio>
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <stdexcept>
+#include <string>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <vector>
+
+/// The reference firmware as a process beside the test.
+namespace wholehand::test {
+
+/// What a line of the firmware says (drivers/frame/firmware/posix_main.c).
+struct PhaseLine {
+  std::string phase;
+  double silent_ms = 0.0;    ///< since the last command was heard
+  double most_effort = 0.0;  ///< largest |effort - neutral|
+  double gap_ms = 0.0;       ///< longest between two ticks since the last line
+};
+
+class FirmwareProcess {
+ public:
+  /// @param where "serial", "udp:0" or "shm:NAME"
+  explicit FirmwareProcess(const std::string& where, bool commanded = false) {
+    std::vector<std::string> words = {std::string(WHOLEHAND_BINARY_DIR) + "/frame_firmware", where};
+    if (commanded) words.emplace_back("commanded");
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    std::array<int, 2> ends{};
+    if (::pipe2(ends.data(), O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
+    posix_spawn_file_actions_t actions;
+    ::posix_spawn_file_actions_init(&actions);
+    ::posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
+    if (::posix_spawn(&pid_, argv[0], &actions, nullptr, argv.data(), environ) != 0) pid_ = 0;
+    ::posix_spawn_file_actions_destroy(&actions);
+    ::close(ends[1]);
+    out_ = ends[0];
+    const std::string first = line();
+    if (first.rfind("at ", 0) != 0) throw std::runtime_error("the firmware says: " + first);
+    locator_ = first.substr(3);
+  }
+  ~FirmwareProcess() {
+    send(SIGTERM);  // it removes its shared memory
+    wait();
+    ::close(out_);
+  }
+  FirmwareProcess(const FirmwareProcess&) = delete;
+  FirmwareProcess& operator=(const FirmwareProcess&) = delete;
+
+  /// What --device-at is to be.
+  [[nodiscard]] const std::string& locator() const { return locator_; }
+  void send(int signal) const {
+    if (pid_ > 0) ::kill(pid_, signal);
+  }
+  void wait() {
+    if (pid_ > 0) ::waitpid(pid_, nullptr, 0);
+    pid_ = 0;
+  }
+  /// The next line; empty after 20 s or at the end.
+  [[nodiscard]] std::string line() {
+    std::string text;
+    for (char c = 0;;) {
+      pollfd input{out_, POLLIN, 0};
+      if (::poll(&input, 1, 20'000) <= 0 || ::read(out_, &c, 1) != 1) return "";
+      if (c == '\n') return text;
+      text += c;
+    }
+  }
+  /// Lines until the one of that phase; its fields are empty where none comes. `gap_ms` is the
+  /// longest of all lines on the way.
+  [[nodiscard]] PhaseLine until(const std::string& phase) {
+    double gap_ms = 0.0;
+    for (;;) {
+      const std::string text = line();
+      std::array<char, 32> word{};
+      PhaseLine told;
+      if (std::sscanf(text.c_str(), "%31s %lf %lf %lf", word.data(), &told.silent_ms,
+                      &told.most_effort, &told.gap_ms) != 4) {
+        return {};
+      }
+      gap_ms = told.gap_ms > gap_ms ? told.gap_ms : gap_ms;
+      if (phase != word.data()) continue;
+      told.phase = phase;
+      told.gap_ms = gap_ms;
+      return told;
+    }
+  }
+
+ private:
+  pid_t pid_ = 0;
+  int out_ = -1;
+  std::string locator_;
+};
+
+/// Of this test process alone.
+inline std::vector<std::string> everyCarrier() {
+  return {"udp:0", "serial", "shm:test-" + std::to_string(::getpid())};
+}
+
+}  // namespace wholehand::test

@@ -1,0 +1,313 @@
+// The program's side of the frame against the reference firmware, on a simulated clock.
+#include "frame_bench.hpp"
+#include "realtime/allocation_counter.hpp"
+#include "support/seed.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+namespace wholehand::test {
+namespace {
+
+std::string why(const Diagnostics& errors) {
+  return format(errors);
+}
+
+class FrameLine : public testing::Test {
+ protected:
+  void SetUp() override {
+    device_ = orThrow(bench_.open());
+    ASSERT_TRUE(device_->control(WH_ENABLE, 0.0, bench_.wait()));
+  }
+  // One tick of a loop: a command to the device, a millisecond, a sample back.
+  int tick(const std::vector<double>& efforts) {
+    (void)device_->write(commandOf(efforts));
+    device_->pump(bench_.now_ns());
+    bench_.pass();
+    device_->pump(bench_.now_ns());
+    return device_->read(sample_);
+  }
+
+  BenchBoard bench_;
+  std::unique_ptr<FrameDevice> device_;
+  wh_sample sample_ = emptySample();
+};
+
+TEST_F(FrameLine, Opened_KnowsTheAxesAsTheDeviceStatesThem) {
+  ASSERT_EQ(device_->axes().size(), 3U);
+  const wh_axis& y = device_->axes()[1];
+  EXPECT_STREQ(y.name, "y");
+  EXPECT_EQ(y.kind, static_cast<std::uint32_t>(WH_TRANSLATION));
+  EXPECT_EQ(y.upper, static_cast<double>(0.1F));
+  EXPECT_EQ(y.effort_limit, 8.0);
+  EXPECT_EQ(y.silence_s, static_cast<double>(0.02F));
+  EXPECT_EQ(device_->name(), "bench");
+  const FrameCounters counted = device_->counters();
+  EXPECT_EQ(counted.broken + counted.crc_errors + counted.foreign + counted.stale, 0U);
+}
+
+TEST_F(FrameLine, CommandAndSample_CrossWithinOneTick) {
+  bench_.state.position[2] = 0.015625F;
+  bench_.state.effort[0] = 0.5F;
+  bench_.state.vendor_code = 17;
+  ASSERT_EQ(tick({1.0, -2.0, 8.0}), WH_OK);
+  EXPECT_EQ(bench_.given[1], -2.0F);
+  EXPECT_EQ(sample_.position[2], 0.015625);
+  EXPECT_EQ(sample_.effort[0], 0.5);
+  EXPECT_TRUE(std::isnan(sample_.temperature_c[0]));
+  EXPECT_EQ(sample_.vendor_code, 17);
+  EXPECT_EQ(sample_.valid, 7U);
+  EXPECT_EQ(sample_.status, static_cast<std::uint32_t>(WH_ENABLED | WH_HOMED));
+  EXPECT_EQ(sample_.monotonic_ns, bench_.now_ns());
+  EXPECT_EQ(device_->read(sample_), WH_NOTHING_NEW);
+  EXPECT_EQ(sample_.position[2], 0.015625);
+}
+
+TEST_F(FrameLine, EachCommand_IsSentOnce) {
+  ASSERT_EQ(tick({1.0, 0.0, 0.0}), WH_OK);
+  const std::uint32_t heard = bench_.fw.heard;
+  for (int i = 0; i < 30; ++i) {
+    device_->pump(bench_.now_ns());
+    bench_.pass();
+  }
+  EXPECT_EQ(bench_.fw.heard, heard);
+  EXPECT_EQ(bench_.fw.phase, FW_RAMPING)
+      << "a loop that stands still is silent, though its bus lives";
+}
+
+TEST_F(FrameLine, EnabledAnew_SendsNothingFromBefore) {
+  ASSERT_EQ(tick({5.0, 0.0, 0.0}), WH_OK);
+  ASSERT_EQ(device_->write(commandOf({7.0, 7.0, 7.0})), WH_OK);  // nobody pumps it
+  ASSERT_TRUE(device_->control(WH_DISABLE, 0.0, bench_.wait()));
+  EXPECT_FALSE(bench_.on);
+  ASSERT_TRUE(device_->control(WH_ENABLE, 0.0, bench_.wait()));
+  device_->pump(bench_.now_ns());
+  bench_.pass();
+  EXPECT_EQ(bench_.given[0], 0.0F);
+  ASSERT_EQ(tick({1.0, 0.0, 0.0}), WH_OK);
+  EXPECT_EQ(bench_.given[0], 1.0F);
+}
+
+TEST_F(FrameLine, Disabled_RefusesWrites) {
+  ASSERT_TRUE(device_->control(WH_DISABLE, 0.0, bench_.wait()));
+  EXPECT_EQ(device_->write(commandOf({1.0, 1.0, 1.0})), WH_FAILED);
+}
+
+TEST_F(FrameLine, CommandOfOtherAxes_IsRefused) {
+  EXPECT_EQ(device_->write(commandOf({1.0, 1.0})), WH_FAILED);
+}
+
+TEST_F(FrameLine, WatchdogDropped_SilencesTheDevice) {
+  ASSERT_EQ(tick({5.0, 0.0, 0.0}), WH_OK);
+  ASSERT_TRUE(device_->control(WH_DROP_WATCHDOG, 0.0, bench_.wait()));
+  for (int i = 0; i < 120; ++i) (void)tick({5.0, 0.0, 0.0});
+  EXPECT_NE(sample_.status & WH_SILENCED, 0U);
+  EXPECT_EQ(bench_.given[0], 0.0F);
+}
+
+TEST_F(FrameLine, VerbsOfTheBoard_ReachItAndItsAnswerComesBack) {
+  EXPECT_TRUE(device_->control(WH_IDENTIFY, 0.0, bench_.wait()));
+  const auto tared = device_->control(WH_TARE, 0.0, bench_.wait());
+  ASSERT_FALSE(tared);
+  EXPECT_NE(why(tared.errors()).find("cannot do it"), std::string::npos) << why(tared.errors());
+  EXPECT_EQ(bench_.verbs, (std::vector<int>{WH_IDENTIFY, WH_TARE}));
+}
+
+TEST_F(FrameLine, LostAnswer_IsAskedForAgain) {
+  int passes = 0;
+  const auto lossy = [&] {
+    bench_.pass();
+    if (++passes < 50) bench_.wires->from_device.clear();
+    return bench_.now_ns();
+  };
+  EXPECT_TRUE(device_->control(WH_IDENTIFY, 0.0, lossy));
+}
+
+// A line that loses, spoils, doubles and invents bytes: what is taken is what the device sent.
+TEST_F(FrameLine, Damage_IsCountedAndNothingSpoiledIsTaken) {
+  auto random = seededRandom(1221);
+  device_->pump(bench_.now_ns());  // what came before the first damage
+  (void)device_->read(sample_);
+  std::uint64_t sequence = sample_.sequence;
+  std::map<std::uint64_t, double> told;  // position by the number of its sample
+  int fresh = 0;
+  for (int k = 0; k < 5000; ++k) {
+    bench_.state.position[0] = static_cast<float>(k % 7) * 0.01F;
+    (void)device_->write(commandOf({1.0, 1.0, 1.0}));
+    device_->pump(bench_.now_ns());
+    bench_.pass();
+    told[bench_.fw.samples] = static_cast<double>(bench_.state.position[0]);
+    Line& line = bench_.wires->from_device;
+    const auto how = random() % 6;
+    const Line once = line;
+    if (how == 0) line[random() % line.size()] ^= static_cast<std::uint8_t>(1 + random() % 255);
+    if (how == 1) line.resize(random() % line.size());
+    if (how == 2) line.insert(line.end(), once.begin(), once.end());  // doubled: stale
+    if (how == 3) line.push_front(static_cast<std::uint8_t>(random()));
+    device_->pump(bench_.now_ns());
+    const int result = device_->read(sample_);
+    ASSERT_GE(result, 0);
+    if (result == WH_OK) {
+      ++fresh;
+      ASSERT_EQ(sample_.position[0], told.at(sample_.sequence));
+      ASSERT_GT(sample_.sequence, sequence);
+    }
+    ASSERT_EQ(sample_.valid, 7U);
+    sequence = sample_.sequence;
+  }
+  const FrameCounters counted = device_->counters();
+  EXPECT_GT(fresh, 2500);
+  EXPECT_GT(counted.broken + counted.crc_errors, 500U);
+  EXPECT_GT(counted.stale, 500U);
+}
+
+TEST_F(FrameLine, ForeignSession_IsCountedAndIgnored) {
+  ASSERT_EQ(tick({0.0, 0.0, 0.0}), WH_OK);
+  wf_frame frame{};
+  frame.kind = WF_SAMPLE;
+  frame.axes = 3;
+  frame.session = 99;
+  frame.sequence = 1'000'000;
+  frame.position[0] = 0.5F;
+  std::array<std::uint8_t, WF_MAX_WIRE> wire{};
+  const std::size_t count = wf_encode(&frame, wire.data());
+  bench_.wires->from_device.insert(bench_.wires->from_device.end(), wire.begin(),
+                                   wire.begin() + static_cast<std::ptrdiff_t>(count));
+  device_->pump(bench_.now_ns());
+  EXPECT_EQ(device_->counters().foreign, 1U);
+  EXPECT_EQ(device_->read(sample_), WH_NOTHING_NEW);
+}
+
+TEST_F(FrameLine, SequenceThatBeginsAnew_GoesOn) {
+  for (const std::uint32_t samples : {UINT32_C(0x70000000), UINT32_C(0xE0000000), UINT32_MAX - 3}) {
+    bench_.fw.samples = samples;  // a step that is still ahead
+    ASSERT_EQ(tick({0.0, 0.0, 0.0}), WH_OK);
+  }
+  std::uint64_t last = sample_.sequence;
+  for (int i = 0; i < 10; ++i) {
+    ASSERT_EQ(tick({0.0, 0.0, 0.0}), WH_OK);
+    ASSERT_EQ(sample_.sequence, last + 1);
+    last = sample_.sequence;
+  }
+}
+
+TEST_F(FrameLine, UnpluggedInMidLine_FailsReadsWritesAndVerbs) {
+  (void)device_->write(commandOf({1.0, 1.0, 1.0}));
+  device_->pump(bench_.now_ns());
+  bench_.pass();
+  bench_.wires->from_device.resize(bench_.wires->from_device.size() / 2);
+  device_->pump(bench_.now_ns());
+  bench_.wires->gone = true;
+  device_->pump(bench_.now_ns());
+  EXPECT_EQ(device_->read(sample_), WH_FAILED);
+  EXPECT_EQ(device_->write(commandOf({1.0, 1.0, 1.0})), WH_FAILED);
+  const auto enabled = device_->control(WH_ENABLE, 0.0, bench_.wait());
+  ASSERT_FALSE(enabled);
+  EXPECT_NE(why(enabled.errors()).find("the line is gone"), std::string::npos);
+}
+
+TEST_F(FrameLine, ReadsAndWrites_AllocateNothing) {
+  const wh_command command = commandOf({1.0, 1.0, 1.0});
+  const std::uint64_t before = threadAllocations();
+  for (int i = 0; i < 1000; ++i) {
+    (void)device_->read(sample_);
+    (void)device_->write(command);
+  }
+  EXPECT_EQ(threadAllocations(), before);
+}
+
+TEST(FrameOpen, NobodyAnswers_IsRefused) {
+  BenchBoard bench;
+  bench.silent = true;
+  const auto device = bench.open();
+  ASSERT_FALSE(device);
+  EXPECT_NE(why(device.errors()).find("nobody answers"), std::string::npos);
+}
+
+TEST(FrameOpen, DeviceThatRendersForAnother_IsRefusedAsInUse) {
+  BenchBoard bench;
+  const auto first = orThrow(bench.open(5));
+  ASSERT_TRUE(first->control(WH_ENABLE, 0.0, bench.wait()));
+  const auto alive = [&] {
+    bench.fw.heard_us = bench.now_us;  // as if the first went on commanding
+    bench.pass();
+    return bench.now_ns();
+  };
+  const auto second = FrameDevice::open(std::make_unique<MemoryCarrier>(bench.wires), 6, alive);
+  ASSERT_FALSE(second);
+  EXPECT_NE(why(second.errors()).find("renders for another program"), std::string::npos)
+      << why(second.errors());
+  EXPECT_EQ(bench.fw.session, 5U);
+  EXPECT_EQ(bench.fw.phase, FW_WAITING);
+}
+
+TEST(FrameOpen, OtherVersion_IsRefusedWithBoth) {
+  auto wires = std::make_shared<Wires>();
+  // A device of version 2 answers in its own words.
+  const auto answer = [&wires] {
+    std::vector<std::uint8_t> frame = {2, WF_WELCOME, 1, 0, 5, 0, 0, 0, 1, 0, 0, 0, 42};
+    const std::uint16_t crc = wf_crc16(frame.data(), frame.size());
+    frame.push_back(static_cast<std::uint8_t>(crc));
+    frame.push_back(static_cast<std::uint8_t>(crc >> 8));
+    std::vector<std::uint8_t> coded(frame.size() + 2);
+    coded.resize(wf_cobs_encode(frame.data(), frame.size(), coded.data()));
+    wires->from_device.insert(wires->from_device.end(), coded.begin(), coded.end());
+    wires->from_device.push_back(0);
+  };
+  std::int64_t now_ns = 0;
+  const auto device = FrameDevice::open(std::make_unique<MemoryCarrier>(wires), 5, [&] {
+    answer();
+    return now_ns += 1'000'000;
+  });
+  ASSERT_FALSE(device);
+  EXPECT_NE(why(device.errors()).find("speaks version 2 of the frame, this is 1"),
+            std::string::npos)
+      << why(device.errors());
+}
+
+TEST(FrameOpen, AxesThatCannotBe_AreRefusedByName) {
+  BenchBoard twice;
+  std::strcpy(twice.board.axis[2].name, "x");
+  auto device = twice.open();
+  ASSERT_FALSE(device);
+  EXPECT_NE(why(device.errors()).find("axis 2 (x) has the name of axis 0"), std::string::npos);
+  BenchBoard kind;
+  kind.board.axis[1].kind = 7;
+  device = kind.open();
+  ASSERT_FALSE(device);
+  EXPECT_NE(why(device.errors()).find("axis 1 (y) is of a kind"), std::string::npos);
+}
+
+TEST(Locator, ThatNamesNoCarrier_IsRefusedWithWhatThereIs) {
+  for (const char* locator :
+       {"", "tcp:here:1", "udp:here", "udp::1", "udp:here:", "serial:", "7777"}) {
+    const auto carrier = openCarrier(locator);
+    ASSERT_FALSE(carrier) << locator;
+    EXPECT_NE(why(carrier.errors()).find("serial:/dev/ttyX:BAUD"), std::string::npos) << locator;
+  }
+}
+
+struct Named {
+  const char* locator;
+  const char* says;
+};
+
+TEST(Locator, ThatLeadsNowhere_IsRefusedWithTheReason) {
+  for (const Named& named : {Named{"serial:/dev/none", "/dev/none cannot be opened: No such file"},
+                             Named{"serial:/dev/null", "is no serial line"},
+                             Named{"serial:/dev/none:12345", "12345 baud is not known"},
+                             Named{"udp:127.0.0.1:99999", "99999 is no port"},
+                             Named{"udp:no.such.host.invalid:7", "leads nowhere"},
+                             Named{"shm:Not-A-Name", "names no shared memory"},
+                             Named{"shm:nobody-made-this", "No such file"}}) {
+    const auto carrier = openCarrier(named.locator);
+    ASSERT_FALSE(carrier) << named.locator;
+    EXPECT_NE(why(carrier.errors()).find(named.says), std::string::npos) << why(carrier.errors());
+    EXPECT_NE(why(carrier.errors()).find(named.locator), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace wholehand::test

@@ -1,0 +1,64 @@
+// Every order in which a stop, an arming and a tick may come.
+#include "safety/stop_requests.hpp"
+
+#include <gtest/gtest.h>
+
+namespace wholehand {
+namespace {
+
+TEST(StopRequests, NobodyAsked_NothingIsSaid) {
+  StopRequests stops;
+  EXPECT_FALSE(stops.takeUnseen());
+  EXPECT_TRUE(stops.arm());
+  EXPECT_EQ(stops.asked(), Fault::kNone);
+}
+
+TEST(StopRequests, AskedBeforeArming_IsSeenOnce) {
+  StopRequests stops;
+  stops.ask();
+  EXPECT_TRUE(stops.takeUnseen());
+  EXPECT_FALSE(stops.takeUnseen());
+  ASSERT_TRUE(stops.arm());
+  EXPECT_EQ(stops.asked(), Fault::kNone) << "an old stop ended a new session";
+}
+
+TEST(StopRequests, AskedWhileArming_RefusesThatArmingOnly) {
+  StopRequests stops;
+  EXPECT_FALSE(stops.takeUnseen());
+  stops.askInEmergency();
+  EXPECT_FALSE(stops.arm());
+  EXPECT_FALSE(stops.takeUnseen()) << "it was told already";
+  EXPECT_TRUE(stops.arm());
+  EXPECT_EQ(stops.asked(), Fault::kNone);
+}
+
+TEST(StopRequests, AskedOnceArmed_IsSaidInEveryTickFromThenOn) {
+  StopRequests stops;
+  ASSERT_TRUE(stops.arm());
+  stops.ask();
+  EXPECT_EQ(stops.asked(), Fault::kStopRequested);
+  EXPECT_EQ(stops.asked(), Fault::kStopRequested);
+  stops.askInEmergency();
+  EXPECT_EQ(stops.asked(), Fault::kStopRequested | Fault::kEmergencyStop);
+}
+
+TEST(StopRequests, SeenByATick_DoesNotRefuseTheNextArming) {
+  StopRequests stops;
+  ASSERT_TRUE(stops.arm());
+  stops.askInEmergency();
+  EXPECT_TRUE(any(stops.asked()));
+  EXPECT_FALSE(stops.takeUnseen());
+  ASSERT_TRUE(stops.arm());
+  EXPECT_EQ(stops.asked(), Fault::kNone);
+}
+
+TEST(StopRequests, AskedAfterTheLastTick_RefusesTheNextArming) {
+  StopRequests stops;
+  ASSERT_TRUE(stops.arm());
+  EXPECT_EQ(stops.asked(), Fault::kNone);
+  stops.ask();
+  EXPECT_TRUE(stops.takeUnseen());
+}
+
+}  // namespace
+}  // namespace wholehand

@@ -1,0 +1,134 @@
+#include "server/roles.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+// Who may order what: the table of docs/adr/0028-roles.md, row by row.
+namespace wholehand {
+namespace {
+
+Order of(OrderType type) {
+  Order order;
+  order.type = type;
+  return order;
+}
+
+const std::vector<OrderType> kAll = {
+    OrderType::kArm,          OrderType::kStop, OrderType::kEmergencyStop, OrderType::kLoadExercise,
+    OrderType::kSetParameter, OrderType::kAim,  OrderType::kSteer,         OrderType::kAction};
+
+std::vector<OrderType> allowed(Role role, const Standing& now) {
+  std::vector<OrderType> may;
+  for (const OrderType type : kAll) {
+    if (mayOrder(role, of(type), now).accepted) may.push_back(type);
+  }
+  return may;
+}
+
+Standing playing() {
+  Standing now;
+  now.holds = now.led = true;
+  now.run_state = RunState::kRendering;
+  return now;
+}
+
+TEST(Roles, EmergencyStop_IsEverybodysAtAnyTime) {
+  for (const Role role : {Role::kUnsaid, Role::kWatcher, Role::kPlayer, Role::kTherapist}) {
+    EXPECT_TRUE(mayOrder(role, of(OrderType::kEmergencyStop), {}).accepted) << nameOf(role);
+  }
+}
+
+TEST(Roles, TherapistWhilePlayerHolds_MayAllButSteer) {
+  Standing now = playing();
+  now.holds = false;
+  EXPECT_EQ(allowed(Role::kTherapist, now),
+            (std::vector{OrderType::kArm, OrderType::kStop, OrderType::kEmergencyStop,
+                         OrderType::kLoadExercise, OrderType::kSetParameter, OrderType::kAction}));
+  EXPECT_EQ(mayOrder(Role::kTherapist, of(OrderType::kAim), now).refusal, Refusal::kNotHolder);
+}
+
+TEST(Roles, PlayerWhoIsLed_SteersRestsAndStopsOnly) {
+  EXPECT_EQ(allowed(Role::kPlayer, playing()),
+            (std::vector{OrderType::kStop, OrderType::kEmergencyStop, OrderType::kAim,
+                         OrderType::kSteer, OrderType::kAction}));
+  EXPECT_EQ(mayOrder(Role::kPlayer, of(OrderType::kSetHelp), playing()).refusal,
+            Refusal::kTherapistOnly);
+  EXPECT_EQ(mayOrder(Role::kPlayer, of(OrderType::kSetParameter), playing()).refusal,
+            Refusal::kTherapistOnly);
+}
+
+TEST(Roles, Watcher_MayOnlyStop) {
+  EXPECT_EQ(allowed(Role::kWatcher, playing()), (std::vector{OrderType::kEmergencyStop}));
+  EXPECT_EQ(mayOrder(Role::kWatcher, of(OrderType::kAction), playing()).refusal,
+            Refusal::kOnlyWatches);
+}
+
+TEST(Roles, PlayerAloneOnASimulatedDevice_BeginsButNeverAgainAfterAStop) {
+  Standing now;
+  now.holds = true;
+  EXPECT_TRUE(mayOrder(Role::kPlayer, of(OrderType::kArm), now).accepted);
+  EXPECT_TRUE(mayOrder(Role::kPlayer, of(OrderType::kLoadExercise), now).accepted);
+  for (const RunState ended : {RunState::kStopped, RunState::kFaulted, RunState::kRampingDown}) {
+    now.run_state = ended;
+    EXPECT_EQ(mayOrder(Role::kPlayer, of(OrderType::kArm), now).refusal, Refusal::kTherapistOnly);
+  }
+  now.run_state = RunState::kDisarmed;
+  now.moves_person = true;
+  EXPECT_EQ(mayOrder(Role::kPlayer, of(OrderType::kArm), now).refusal, Refusal::kTherapistOnly);
+  EXPECT_EQ(mayOrder(Role::kPlayer, of(OrderType::kLoadExercise), now).refusal,
+            Refusal::kTherapistOnly);
+}
+
+TEST(Roles, PlayerAfterItsOwnRest_MayArmWhoeverLeads) {
+  Standing now = playing();
+  now.moves_person = true;
+  now.run_state = RunState::kStopped;
+  EXPECT_FALSE(mayOrder(Role::kPlayer, of(OrderType::kArm), now).accepted);
+  now.own_rest = true;
+  EXPECT_TRUE(mayOrder(Role::kPlayer, of(OrderType::kArm), now).accepted);
+  now.holds = false;  // by a press that takes the controls first
+  EXPECT_EQ(mayOrder(Role::kPlayer, of(OrderType::kArm), now).refusal, Refusal::kNotHolder);
+}
+
+TEST(Roles, PauseOfTheTherapist_IsNotThePlayersToEndWhileTheTherapistIsThere) {
+  Standing now = playing();
+  now.therapist_paused = true;
+  for (const ExerciseAction action :
+       {ExerciseAction::kResume, ExerciseAction::kNext, ExerciseAction::kRestart}) {
+    Order order = of(OrderType::kAction);
+    order.action = action;
+    EXPECT_EQ(mayOrder(Role::kPlayer, order, now).refusal, Refusal::kTherapistPaused);
+    EXPECT_TRUE(mayOrder(Role::kTherapist, order, now).accepted);
+  }
+  now.led = false;  // nobody is left who could end it
+  Order resume = of(OrderType::kAction);
+  resume.action = ExerciseAction::kResume;
+  EXPECT_TRUE(mayOrder(Role::kPlayer, resume, now).accepted);
+}
+
+TEST(Roles, ClientThatSaysNoRole_MayAllWithTheControlsAndNothingWithout) {
+  EXPECT_EQ(allowed(Role::kUnsaid, playing()), kAll);
+  Standing now = playing();
+  now.holds = false;
+  EXPECT_EQ(allowed(Role::kUnsaid, now), (std::vector{OrderType::kEmergencyStop}));
+}
+
+TEST(Roles, ClaimBeyondTheToken_Watches) {
+  EXPECT_EQ(grantedRole(Role::kTherapist, Role::kPlayer), Role::kWatcher);
+  EXPECT_EQ(grantedRole(Role::kTherapist, Role::kWatcher), Role::kWatcher);
+  EXPECT_EQ(grantedRole(Role::kPlayer, Role::kTherapist), Role::kPlayer);
+  EXPECT_EQ(grantedRole(Role::kUnsaid, Role::kPlayer), Role::kPlayer);
+}
+
+TEST(Roles, Names_AreReadBackAndNothingElseIs) {
+  for (const Role role : {Role::kWatcher, Role::kPlayer, Role::kTherapist}) {
+    EXPECT_EQ(roleNamed(nameOf(role)), role);
+  }
+  for (const char* none : {"", "unsaid", "Therapist", "admin", "therapist "}) {
+    EXPECT_FALSE(roleNamed(none)) << none;
+  }
+}
+
+}  // namespace
+}  // namespace wholehand

@@ -1,0 +1,234 @@
+#include "station/profiles.hpp"
+
+#include "station_bench.hpp"
+
+#include <fstream>
+#include <iterator>
+
+namespace wholehand::test {
+namespace {
+
+Profile somebody() {
+  return {"p-014",        "lambda-pride",
+          "right",        "woman-p50-right",
+          "cocktail-bar", 2,
+          Help::kSome,    {{"effort_limit_hand_tip_n", 0.1 + 0.2}, {"lead_in_m", 0.004}}};
+}
+
+TEST(ProfileFile, SavedAndLoaded_IsTheSameToTheBit) {
+  const Folder folder;
+  const Profiles profiles(folder.path() + "/profiles");
+  EXPECT_TRUE(profiles.list().empty());
+  ASSERT_TRUE(profiles.save(somebody()).ok());
+  EXPECT_EQ(profiles.list(), std::vector<std::string>{"p-014"});
+  const auto loaded = profiles.load("p-014");
+  ASSERT_TRUE(loaded.ok()) << format(loaded.errors());
+  EXPECT_EQ(loaded->hand, "woman-p50-right");
+  EXPECT_EQ(loaded->level, 2);
+  EXPECT_EQ(loaded->help, Help::kSome);
+  EXPECT_EQ(loaded->parameters, somebody().parameters);
+}
+
+TEST(ProfileFile, OfEveryHelp_IsReadBackAndTheKeyIsLeftOutWhereNothingIsSet) {
+  const Folder folder;
+  const Profiles profiles(folder.path());
+  for (const Help help : {Help::kUnsaid, Help::kFull, Help::kSome, Help::kNone}) {
+    Profile profile = somebody();
+    profile.help = help;
+    ASSERT_TRUE(profiles.save(profile).ok());
+    EXPECT_EQ(profiles.load("p-014")->help, help);
+    std::ifstream in(folder.path() + "/p-014.toml");
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    EXPECT_EQ(text.find("help") != std::string::npos, help != Help::kUnsaid) << text;
+  }
+}
+
+/// As version 0.3 wrote them.
+TEST(ProfileFile, FromBeforeTheNewKeys_StillLoads) {
+  const Folder folder;
+  std::ofstream(folder.path() + "/old.toml")
+      << "kind = \"profile\"\nversion = 1\nname = \"old\"\ndevice = \"lambda-pride\"\n"
+         "side = \"right\"\nhand = \"man-p50-right\"\nexercise = \"cocktail-bar\"\nlevel = 3\n\n"
+         "[parameters]\nlead_in_m = 0.004\n";
+  const auto loaded = Profiles(folder.path()).load("old");
+  ASSERT_TRUE(loaded.ok()) << format(loaded.errors());
+  EXPECT_EQ(loaded->help, Help::kUnsaid);
+  EXPECT_EQ(loaded->parameters.size(), 1U);
+}
+
+TEST(ProfileFile, NameThatIsNone_IsRefusedAndWritesNothing) {
+  const Folder folder;
+  const Profiles profiles(folder.path() + "/profiles");
+  for (const char* name : {"", "../p", "a b", "a/b", ".", "ä"}) {
+    Profile profile = somebody();
+    profile.name = name;
+    EXPECT_FALSE(profiles.save(profile).ok()) << name;
+    EXPECT_FALSE(profiles.load(name).ok()) << name;
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder.path() + "/profiles"));
+}
+
+TEST(ProfileFile, EveryFault_IsToldByKey) {
+  const Folder folder;
+  const Profiles profiles(folder.path());
+  std::ofstream(folder.path() + "/p.toml")
+      << "kind = \"profile\"\nversion = 1\nname = \"q\"\ndevice = \"d\"\nside = \"middle\"\n"
+         "hand = \"h\"\nhelp = \"much\"\nlevel = 0\n[parameters]\na = \"x\"\n";
+  const auto loaded = profiles.load("p");
+  ASSERT_FALSE(loaded.ok());
+  const std::string told = format(loaded.errors());
+  for (const char* key : {"name", "side", "exercise", "help", "level", "parameters.a"}) {
+    EXPECT_NE(told.find(key), std::string::npos) << key << " in " << told;
+  }
+}
+
+class StationProfiles : public Bar {
+ protected:
+  void begin() {
+    StationConfig config = barConfig();
+    config.profiles_folder = folder_ + "/profiles";
+    load(config);
+    run(false);
+  }
+  OrderReply ask(OrderType type, const std::string& name) {
+    Order order = of(type);
+    order.name = name;
+    return Bar::ask(order);
+  }
+  OrderReply set(const std::string& name, double value) {
+    Order order = of(OrderType::kSetParameter);
+    order.name = name;
+    order.value = value;
+    return Bar::ask(order);
+  }
+  double parameter(const std::string& name) {
+    const auto scene = station_->scene();
+    for (std::size_t i = 0; i < scene->parameters.size(); ++i) {
+      if (scene->parameters[i].name == name) return station_->status().parameters[i];
+    }
+    return NAN;
+  }
+};
+
+TEST_F(StationProfiles, SavedBeforeARestart_HoldsAfterItFromTheFirstTick) {
+  begin();
+  ASSERT_TRUE(set("lead_in_m", 0.004).accepted);
+  ASSERT_TRUE(ask(OrderType::kSaveProfile, "p-014").accepted);
+  EXPECT_EQ(station_->scene()->profile, "p-014");
+  quit();
+  station_.reset();
+
+  begin();
+  EXPECT_EQ(station_->scene()->profile, "");
+  EXPECT_EQ(parameter("lead_in_m"), 0.0);
+  const OrderReply loaded = ask(OrderType::kLoadProfile, "p-014");
+  ASSERT_TRUE(loaded.accepted) << loaded.reason;
+  EXPECT_EQ(station_->scene()->profile, "p-014");
+  EXPECT_EQ(parameter("lead_in_m"), 0.004);
+  ASSERT_TRUE(Bar::ask(OrderType::kArm).accepted);
+  TickRecord record;
+  ASSERT_TRUE(becomes([&] { return station_->latest(record); }));
+  EXPECT_EQ(parameter("lead_in_m"), 0.004);  // no ramp from another value
+  EXPECT_EQ(ask(OrderType::kLoadProfile, "p-014").refusal, Refusal::kArmedAlready);
+}
+
+/// Every key of one patient, each with a value that is not the one at the start.
+const std::vector<std::pair<const char*, double>> kOfOnePatient = {
+    {"line_tolerance_l", 0.008},      {"wall_fade_s", 2.5},
+    {"reach_left_m", 0.05},           {"reach_right_m", 0.07},
+    {"reach_forward_m", 0.065},       {"fingers_open_rad", 0.3},
+    {"fingers_close_rad", 2.6},       {"squeeze_threshold_ratio", 0.5},
+    {"effort_limit_hand_tip_n", 5.0}, {"effort_limit_arm_n", 8.0}};
+
+TEST_F(StationProfiles, EveryKeyOfAPatient_HoldsAfterARestart) {
+  begin();
+  for (const auto& [name, value] : kOfOnePatient) {
+    EXPECT_NE(parameter(name), value) << name;
+    const OrderReply reply = set(name, value);
+    EXPECT_TRUE(reply.accepted) << reply.reason;
+  }
+  Order help = of(OrderType::kSetHelp);
+  help.help = Help::kNone;
+  ASSERT_TRUE(Bar::ask(help).accepted);
+  EXPECT_EQ(station_->status().help, Help::kNone);
+  ASSERT_TRUE(ask(OrderType::kSaveProfile, "p-020").accepted);
+  quit();
+  station_.reset();
+
+  begin();
+  EXPECT_EQ(station_->status().help, Help::kUnsaid);
+  const OrderReply loaded = ask(OrderType::kLoadProfile, "p-020");
+  ASSERT_TRUE(loaded.accepted) << loaded.reason;
+  EXPECT_EQ(station_->status().help, Help::kNone);
+  for (const auto& [name, value] : kOfOnePatient) EXPECT_EQ(parameter(name), value) << name;
+  ASSERT_TRUE(Bar::ask(OrderType::kArm).accepted);
+  TickRecord record;
+  ASSERT_TRUE(becomes([&] { return station_->latest(record); }));
+  for (const auto& [name, value] : kOfOnePatient) EXPECT_EQ(parameter(name), value) << name;
+}
+
+TEST_F(StationProfiles, EveryKeyOutOfItsRange_IsRefusedByProfileKeyAndRange) {
+  begin();
+  ASSERT_TRUE(ask(OrderType::kSaveProfile, "mine").accepted);
+  std::ifstream in(folder_ + "/profiles/mine.toml");
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  for (const auto& [name, value] : kOfOnePatient) {
+    EXPECT_EQ(set(name, 1e3).refusal, Refusal::kOutOfRange) << name;
+    const std::string key = "\n" + std::string(name) + " = ";
+    const std::size_t at = text.find(key);
+    ASSERT_NE(at, std::string::npos) << name;
+    std::string other = text;
+    other.replace(at + key.size(), text.find('\n', at + 1) - at - key.size(), "1000.0");
+    other.replace(other.find("\"mine\""), 6, "\"bad\"");
+    std::ofstream(folder_ + "/profiles/bad.toml") << other;
+    const OrderReply reply = ask(OrderType::kLoadProfile, "bad");
+    EXPECT_EQ(reply.refusal, Refusal::kOutOfRange) << reply.reason;
+    for (const std::string& part : {std::string("bad"), std::string(name), std::string("1000")}) {
+      EXPECT_NE(reply.reason.find(part), std::string::npos) << reply.reason;
+    }
+  }
+  EXPECT_EQ(station_->scene()->profile, "mine");
+}
+
+/// The console shows them by these groups: reach with the person's limits, fingers with the hand.
+TEST_F(StationProfiles, WhatIsThePersonsOwn_StandsWithThePersonAndTheHand) {
+  begin();
+  int patient = 0, hand = 0;
+  for (const PublishedParameter& p : station_->scene()->parameters) {
+    if (p.name.starts_with("reach_")) patient += p.group == LiveParameterGroup::kPatient ? 1 : 0;
+    if (p.name.starts_with("fingers_")) hand += p.group == LiveParameterGroup::kHand ? 1 : 0;
+  }
+  EXPECT_EQ(patient, 3);
+  EXPECT_EQ(hand, 2);
+}
+
+TEST_F(StationProfiles, ForAnotherDeviceOrHand_AreRefusedByNameAndChangeNothing) {
+  begin();
+  ASSERT_TRUE(ask(OrderType::kSaveProfile, "mine").accepted);
+  const std::string path = folder_ + "/profiles/mine.toml";
+  std::ifstream in(path);
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  const auto altered = [&](const std::string& from, const std::string& to,
+                           const std::string& name) {
+    std::string other = text;
+    other.replace(other.find(from), from.size(), to);
+    other.replace(other.find("\"mine\""), 6, "\"" + name + "\"");
+    std::ofstream(folder_ + "/profiles/" + name + ".toml") << other;
+    return ask(OrderType::kLoadProfile, name);
+  };
+  const std::string device = station_->scene()->device.name;
+  OrderReply reply = altered("device = \"" + device + "\"", "device = \"desktop\"", "elsewhere");
+  EXPECT_EQ(reply.refusal, Refusal::kOtherProfile);
+  EXPECT_NE(reply.reason.find("elsewhere"), std::string::npos) << reply.reason;
+  EXPECT_NE(reply.reason.find("desktop"), std::string::npos) << reply.reason;
+  reply = altered("side = \"right\"", "side = \"left\"", "lefty");
+  EXPECT_EQ(reply.refusal, Refusal::kOtherProfile);
+  EXPECT_NE(reply.reason.find("left"), std::string::npos) << reply.reason;
+  reply = altered("lead_in_m = 0", "lead_in_m = 9", "far");
+  EXPECT_EQ(reply.refusal, Refusal::kOutOfRange);
+  EXPECT_EQ(ask(OrderType::kLoadProfile, "nobody").refusal, Refusal::kUnknownProfile);
+  EXPECT_EQ(station_->scene()->profile, "mine");
+}
+
+}  // namespace
+}  // namespace wholehand::test

@@ -1,0 +1,67 @@
+import { icon } from '../console/icons';
+import { toggleTheme } from '../console/theme';
+import { h } from '../console/dom';
+import type { Connection } from '../net/connection';
+import { fill, language, LANGUAGES, setLanguage, type Language } from '../shared/i18n';
+import { texts } from './i18n';
+import { StepList } from './step_list';
+import { TaskCard } from './task_card';
+import { stepNow, taskOf } from './view';
+
+/** What a program says within this time after it has greeted; else it commissions nothing [ms]. */
+const SAYS_WITHIN_MS = 1500;
+
+/** The page that leads a person through the commissioning of a device; what it shows comes from the program. */
+export class CommissionPage {
+  private heardElse = false;
+  private card: TaskCard | undefined;
+  private list = new StepList();
+  private about = h('p', { class: 'about' });
+
+  constructor(private readonly root: HTMLElement, private readonly connection: Connection) {
+    this.build();
+    for (const what of ['commissioning', 'controls', 'status', 'scene', 'leaving'] as const) connection.on(what, () => this.show());
+    connection.on('welcome', () => setTimeout(() => { this.heardElse = true; this.show(); }, SAYS_WITHIN_MS));
+  }
+
+  /** Anew, in the language of now. */
+  build(): void {
+    const t = texts();
+    this.card?.close();
+    this.card = new TaskCard(this.connection);
+    this.list = new StepList();
+    this.about = h('p', { class: 'about' });
+    const stop = h('button', { type: 'button', class: 'b stop', 'data-testid': 'emergency-stop' }, icon('stop'), t.stop);
+    // When it goes down, not when it comes up again.
+    for (const press of ['pointerdown', 'click']) stop.addEventListener(press, () => this.stop());
+    const languages = h('select', { 'aria-label': t.language, class: 'lang', 'data-testid': 'language' },
+      ...LANGUAGES.map((key) => h('option', { value: key, selected: key === language(), lang: key }, key.toUpperCase())));
+    languages.addEventListener('change', () => setLanguage(languages.value as Language));
+    const theme = h('button', { type: 'button', class: 'b icon', 'aria-label': t.theme, title: t.theme, onclick: () => toggleTheme() }, icon('theme'));
+    this.root.replaceChildren(
+      h('header', { class: 'top' }, h('div', { class: 'brand' }, icon('logo'), 'Wholehand'), this.about, h('span', { class: 'sp' }), languages, theme, stop),
+      h('p', { class: 'rule' }, t.rule),
+      h('main', { class: 'commission' }, this.card.element, this.list.element));
+    this.show();
+  }
+
+  private stop(): void {
+    this.card?.letGo();
+    void this.connection.emergencyStop();
+  }
+
+  private show(): void {
+    const { connection } = this;
+    const t = texts();
+    const c = connection.commissioning;
+    const title = c?.daily ? t.daily : t.title;
+    document.title = `${title}: Wholehand`;
+    const task = taskOf(c, connection.status, connection.controls, this.heardElse);
+    document.body.dataset.task = task;
+    this.about.replaceChildren(h('b', {}, title),
+      c ? fill(t.by, { device: String(c.device), serial: String(c.serial), operator: String(c.operatorName) }) : '');
+    this.list.show(c);
+    this.card?.show(task, c, c ? stepNow(c) : -1);
+  }
+}
+

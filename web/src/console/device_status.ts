@@ -1,0 +1,47 @@
+import { LetGo, type DeviceStateT } from '../protocol';
+import { fill } from '../shared/i18n';
+import { fixed } from './format';
+import type { ConsoleTexts } from './i18n/en';
+
+/** What of a real device is shown. */
+export type ToldDevice = Pick<DeviceStateT, 'enabled' | 'homed' | 'silenced' | 'temperatureKnown' | 'temperatureC' | 'sampleAgeS' | 'hosted' | 'hostAgeS' | 'letGo'>;
+
+/** A real device in three lines for a person. */
+export interface DeviceLines {
+  /** Enabled or not, homed or not. */
+  state: string;
+  /** Temperature and ages. */
+  figures: string;
+  /** Why the host let go; empty where it did not. */
+  letGo: string;
+}
+
+/** Older than this, an age is said in seconds [s]. */
+const SECONDS_FROM_S = 1;
+
+const REASONS: Readonly<Record<Exclude<LetGo, LetGo.Not>, keyof ConsoleTexts['device']['reasons']>> = {
+  [LetGo.LoopSilent]: 'loopSilent',
+  [LetGo.SilentAtNeutral]: 'silentAtNeutral',
+  [LetGo.BadCommand]: 'badCommand',
+  [LetGo.LoopEnded]: 'loopEnded',
+  [LetGo.HostEnds]: 'hostEnds',
+  [LetGo.NeverCommanded]: 'neverCommanded',
+};
+
+function age(age_s: number, t: ConsoleTexts['device']): string {
+  if (!(age_s >= 0)) return t.nothingYet;
+  return age_s < SECONDS_FROM_S ? `${fixed(1e3 * age_s, 0)} ms` : `${fixed(age_s, 1)} s`;
+}
+
+/** The lines, or undefined where the device is simulated. */
+export function deviceLines(device: ToldDevice | null | undefined, texts: ConsoleTexts): DeviceLines | undefined {
+  if (!device) return undefined;
+  const t = texts.device;
+  const words = [device.enabled ? t.enabled : t.notEnabled, device.homed ? t.homed : t.notHomed];
+  if (device.silenced) words.push(t.silenced);
+  const temperature = device.temperatureKnown ? `${fixed(device.temperatureC, 0)} °C` : t.notKnown;
+  const figures = [fill(t.temperature, { value: temperature }), fill(t.sample, { age: age(device.sampleAgeS, t) })];
+  if (device.hosted) figures.push(fill(t.host, { age: age(device.hostAgeS, t) }));
+  const reason = device.letGo === LetGo.Not ? undefined : REASONS[device.letGo];
+  return { state: words.join(', '), figures: figures.join(' · '), letGo: reason ? fill(t.letGo, { why: t.reasons[reason] }) : '' };
+}

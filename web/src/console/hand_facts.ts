@@ -1,0 +1,21 @@
+import type { SceneT } from '../protocol';
+import { fill } from '../shared/i18n';
+import { h } from './dom';
+import { asWords, fixed } from './format';
+import { shownUnits } from './history';
+import { texts } from './i18n';
+import { isArm } from './plot_specs';
+
+/** The hand that is loaded: which one, and how far the device lets each of its axes go. */
+export function handFacts(scene: SceneT): HTMLElement {
+  const t = texts();
+  const name = String(scene.handName ?? '');
+  const row = (label: string, value: string): HTMLElement => h('div', {}, h('dt', {}, label), h('dd', {}, value));
+  const ranges = scene.axes.filter((axis) => !isArm(axis)).map((axis) => {
+    const { coordinate, coordinateUnit } = shownUnits(axis);
+    const words = fill(t.handFacts.range, { lo: fixed(axis.lower * coordinate, 0), hi: fixed(axis.upper * coordinate, 0) });
+    return row(t.axesLong[String(axis.name)] ?? String(axis.name), `${words} ${coordinateUnit}`);
+  });
+  return h('dl', { class: 'facts', 'data-testid': 'hand-facts' }, row(t.handFacts.now, t.hands[name] ?? asWords(name)),
+    row(t.handFacts.side, scene.rightHand ? t.handFacts.right : t.handFacts.left), ...ranges);
+}

@@ -1,0 +1,17 @@
+// The stars that a person has won: kept by this browser, for each patient's profile; where none is loaded, for whoever plays.
+import { store, stored } from '../shared/i18n';
+
+const STORED = 'wholehand.stars';
+const key = (profile: string): string => (profile === '' ? STORED : `${STORED}.${profile}`);
+
+/** Anything but a count counts as none. */
+export function starsOf(profile: string): number {
+  const count = Number(stored(key(profile)) ?? 0);
+  return Number.isInteger(count) && count > 0 ? count : 0;
+}
+
+export function addStars(profile: string, won: number): number {
+  const count = starsOf(profile) + Math.max(0, Math.round(won));
+  store(key(profile), String(count));
+  return count;
+}

@@ -1,0 +1,171 @@
+import { depthOf, INSIDE, laneOf, ownGrip } from './guide';
+import { Trigger } from './trigger';
+import type { Help, Triple, Wish } from './wish';
+
+/** What the pilot looks at in a moment. Grips are device coordinates. */
+export interface Sight {
+  /** Where the hand is [m]: lanes are chosen from here, not from where it is aimed. */
+  hand: Triple;
+  /** Where it is aimed [m]. */
+  aim: Triple;
+  /** x of the hand drawn back [m]. */
+  back_m: number;
+  grips: readonly Triple[];
+  /** Which side of the hand a bottle is gripped on: +1 left (a right hand), -1 right. */
+  beside: number;
+  /** The bottle that the recipe asks for, an index of `grips`; -1: none. */
+  target: number;
+  /** Which of `grips` the hand can come to. */
+  reachable: (grip: Triple) => boolean;
+  /** The hand is closed: it leaves when it has opened. */
+  closed: boolean;
+  /** Nothing is to be held now: the step has enough, the bar moves, or the drink is done. */
+  letGo: boolean;
+}
+
+/** What the hand is to do now, as if a person had pressed keys for it. */
+export interface Course {
+  wish: Wish;
+  /** The bottle that is meant, an index of the grips; undefined: none. */
+  goal?: number;
+  /** The hand is on its way out of the row by itself. */
+  leaving: boolean;
+  /** The bottle that is asked for is out of reach. */
+  outOfReach?: boolean;
+}
+
+/** Speed at which the hand is taken along [m/s]. */
+const SPEED_M_S = 0.16;
+/** A cursor that stays on a bottle for this long asks for it [s]. */
+const DWELL_S = 0.8;
+/** Nearer than this to its lane the hand may go in [m]. */
+const LANE_M = 0.012;
+/** A hand this far sideways from a bottle's lane is near it [m]. */
+const NEAR_M = 0.045;
+/** Drawn back, to within this [m]. */
+const BACK_AT_M = 0.004;
+
+/**
+ * "This bottle" is one intent. The pilot turns it into moves: out of the row where the hand is in
+ * another lane, sideways in front of it, in, round the bottle, and out again. With full help it does all
+ * of that, with some the last bit once a squeeze is asked for, with none nothing.
+ */
+export class Pilot {
+  private readonly trigger = new Trigger();
+  private meant: number | undefined;
+  private leaving = false;
+  private cursor: number | undefined;
+  private cursor_s = 0;
+  /** A bottle that the cursor was left on when its work was done: it is not asked for again by itself. */
+  private stale: number | undefined;
+  private tooFar = false;
+  private over = false;
+  private showing = false;
+  private squeezed = false;
+
+  /** A hand that is handed over opens and draws back, whatever it holds. */
+  begin(): void {
+    this.release();
+    this.leaving = true;
+  }
+
+  /** Shows what to do next, once: goes to the bottle, or leaves. Whoever moves or presses takes over. */
+  show(): void {
+    this.showing = true;
+  }
+
+  get shows(): boolean {
+    return this.showing || this.leaving;
+  }
+
+  /** Nobody asks for anything any more. */
+  release(): void {
+    this.trigger.release();
+    this.meant = this.cursor = this.stale = undefined;
+    this.leaving = this.tooFar = this.over = this.squeezed = this.showing = false;
+    this.cursor_s = 0;
+  }
+
+  steer(asked: Wish, sight: Sight, set: Help, dt_s: number): Course {
+    const help = this.showing ? 'full' : set;
+    const own = ownGrip(sight.grips, sight.hand.y, sight.beside);
+    if (own === undefined) return { wish: asked, leaving: false };
+    const inside = depthOf(sight.hand.x, sight.back_m, sight.grips[own]!) > INSIDE;
+    if (help === 'full' && sight.letGo && !this.over) this.finish(asked, inside);
+    this.over = sight.letGo;
+    const wish = { ...asked, squeeze: this.trigger.step(asked.squeeze, help === 'full', sight.closed, dt_s) };
+    this.look(asked.pointed, dt_s);
+    this.choose(wish, sight, own, help);
+    if (this.leaving) return this.leave(wish, sight);
+    if (help === 'full' && sight.letGo) wish.squeeze = false;
+    if (help === 'none') return { wish, leaving: false };
+    if (this.tooFar) return { wish: { ...wish, squeeze: false }, leaving: false, outOfReach: true };
+    return this.meant === undefined ? this.alone(wish, own, inside) : this.reach(wish, sight, own, inside, this.meant);
+  }
+
+  /** Enough is in: what is held is let go of, and the hand leaves. */
+  private finish(asked: Wish, inside: boolean): void {
+    this.trigger.finish();
+    this.meant = undefined;
+    this.stale = asked.pointed;
+    if (inside && asked.velocity.x <= 0) this.leaving = true;
+  }
+
+  private look(pointed: number | undefined, dt_s: number): void {
+    this.cursor_s = pointed === this.cursor ? this.cursor_s + dt_s : 0;
+    this.cursor = pointed;
+    if (pointed !== this.stale) this.stale = undefined;
+  }
+
+  /** Which bottle is meant now. Whoever moves the hand with keys decides it by hand. */
+  private choose(wish: Wish, sight: Sight, own: number, help: Help): void {
+    const { x, y, z } = wish.velocity;
+    const squeezes = typeof wish.squeeze === 'number' ? wish.squeeze > 0.05 : wish.squeeze;
+    const before = this.squeezed;
+    this.squeezed = squeezes && !sight.letGo;
+    if (x !== 0 || y !== 0 || z !== 0) {
+      this.meant = undefined;
+      this.leaving = this.showing = false;
+      return;
+    }
+    if (this.showing && sight.letGo) {
+      this.showing = false;
+      this.leaving = true;
+    } else if (this.showing && this.meant === undefined && sight.target >= 0) this.meant = sight.target;
+    const pointed = this.stale === undefined ? this.cursor : undefined;
+    this.tooFar = help === 'full' && pointed !== undefined && squeezes && !sight.reachable(sight.grips[pointed]!);
+    if (help === 'none' || sight.letGo) this.meant = undefined;
+    else if (help === 'full') {
+      const wanted = pointed ?? (sight.target >= 0 ? sight.target : own);
+      const dwelt = pointed !== undefined && this.cursor_s >= DWELL_S;
+      const says = squeezes ? !before || this.meant === undefined : dwelt;
+      if (says && sight.reachable(sight.grips[wanted]!)) this.meant = wanted;
+    } else if (!squeezes) this.meant = undefined;
+    else if (Math.abs(sight.hand.y - laneOf(sight.grips[own]!, sight.beside)) < NEAR_M) this.meant ??= own;
+    if (this.meant !== undefined) this.leaving = false;
+  }
+
+  /** Out of the row if the hand is at another bottle, in front of the one that is meant, and in. */
+  private reach(wish: Wish, sight: Sight, own: number, inside: boolean, goal: number): Course {
+    const move = (velocity: Partial<Triple>, more: Partial<Wish> = {}): Course => (
+      { wish: { ...wish, place: {}, velocity: { x: 0, y: 0, z: 0, ...velocity }, ...more }, goal, leaving: false });
+    const grip = sight.grips[goal];
+    if (!grip) return { wish, leaving: false };
+    if (inside && own !== goal) return { ...move({ x: sight.closed ? 0 : -SPEED_M_S }, { squeeze: false }), goal: undefined };
+    const aside_m = laneOf(grip, sight.beside) - sight.aim.y;
+    if (inside || Math.abs(aside_m) <= LANE_M) return move({ x: SPEED_M_S });
+    return move({ y: Math.sign(aside_m) * Math.min(SPEED_M_S, 6 * Math.abs(aside_m)) });
+  }
+
+  /** Inside the row a cursor on another bottle asks for the way out: sideways the hand would meet a bottle's side. */
+  private alone(wish: Wish, own: number, inside: boolean): Course {
+    if (!inside || wish.place.y === undefined) return { wish, leaving: false };
+    if (wish.pointed !== undefined && wish.pointed !== own) return { wish: { ...wish, velocity: { x: -SPEED_M_S, y: 0, z: 0 }, place: {} }, leaving: false };
+    return { wish: { ...wish, place: wish.place.x === undefined ? {} : { x: wish.place.x } }, leaving: false };
+  }
+
+  private leave(wish: Wish, { hand, aim, back_m, closed }: Sight): Course {
+    if (hand.x <= back_m + BACK_AT_M || aim.x <= back_m) this.leaving = false;
+    return { wish: { ...wish, velocity: { x: closed ? 0 : -SPEED_M_S, y: 0, z: 0 }, place: {}, squeeze: false }, leaving: true };
+  }
+}

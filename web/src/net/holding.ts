@@ -1,0 +1,88 @@
+// Whether this page has the controls, when it must show the program that it is there, and why it lost them.
+import { Role } from '../protocol';
+
+/** Why this page lost the controls, which it did not give back: the person left it, the program did not hear it, or a therapist took them. */
+export type Loss = '' | 'left' | 'unheard' | 'taken';
+
+/** Who has the controls, and what this page is there for. */
+export interface Hands {
+  readonly heldByYou: boolean;
+  readonly held: boolean;
+  /** As the program granted it; Unsaid by one that knows no roles. */
+  readonly role: Role;
+  readonly holder: Role;
+  /** A therapist's page is open. */
+  readonly led: boolean;
+}
+
+const NOBODY: Hands = { heldByYou: false, held: false, role: Role.Unsaid, holder: Role.Unsaid, led: false };
+
+export class Holding {
+  hands: Hands = NOBODY;
+  /** Until they are taken anew. */
+  loss: Loss = '';
+  /** The person has left the page. */
+  away = false;
+  private taking = 0;        // orders without an answer yet
+  private giving = false;    // the controls back, at the person's wish
+  private beating = false;   // so the line was told
+
+  /** @param keep begins the beats that say that the page is there, or ends them */
+  constructor(private readonly keep: (beats: boolean) => void) {}
+
+  get beats(): boolean { return !this.away && (this.hands.heldByYou || this.taking > 0); }
+
+  /** The page asks for the controls. Beats begin before the answer can be read: a busy page would lose them at once. */
+  asks(): void {
+    this.taking += 1;
+    this.tellLine();
+  }
+
+  answered(accepted: boolean): void {
+    this.taking -= 1;
+    if (accepted) {
+      this.loss = '';
+      this.giving = false;
+      this.set({ ...this.hands, heldByYou: true, held: true });
+    }
+    this.tellLine();
+  }
+
+  gives(): void { this.giving = true; }
+
+  leave(rendering: boolean): void {
+    this.away = true;
+    this.told({ ...this.hands, heldByYou: false }, rendering);
+  }
+
+  /** The program says who has the controls. */
+  told(hands: Hands, rendering: boolean): void {
+    const lost = this.hands.heldByYou && !hands.heldByYou && !this.giving;
+    // At a stop a player's hand is taken off: that is no loss to speak of.
+    if (lost && this.away) this.loss = 'left';
+    else if (lost && hands.held) this.loss = 'taken';
+    else if (lost && (rendering || hands.role !== Role.Player)) this.loss = 'unheard';
+    this.set(hands);
+    this.giving &&= hands.heldByYou;
+    this.tellLine();
+  }
+
+  /** Rendering has ended: what looked like silence was the stop that took a player's hand off. */
+  ended(): void {
+    if (this.loss === 'unheard' && this.hands.role === Role.Player) this.loss = '';
+  }
+
+  /** There is no line any more that anything could be held over. */
+  lineGone(): void {
+    this.hands = NOBODY;
+    this.giving = this.beating = false;
+  }
+
+  private set(hands: Hands): void { this.hands = this.away ? { ...hands, heldByYou: false } : hands; }
+
+  private tellLine(): void {
+    if (this.beats === this.beating) return;
+    this.beating = this.beats;
+    this.keep(this.beating);
+  }
+}

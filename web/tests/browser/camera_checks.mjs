@@ -1,0 +1,92 @@
+// A camera that plays: Chromium's fake one, before which a drawn hand is held.
+import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { accessibilityFaults, openPage, pageUrl, until } from './browser.mjs';
+import { expect, GOES_ON } from './checks.mjs';
+
+const PATIENT_MS = 120_000;
+
+/** Draws an open hand, its palm at the middle of a 640 × 480 picture, which hand tracking takes for one; gives a JPEG. */
+async function pictureOfAHand() {
+  const canvas = new OffscreenCanvas(640, 480), g = canvas.getContext('2d');
+  const SIZE_PX = 100, at = (x, y) => [320 + SIZE_PX * x, 260 + SIZE_PX * y];
+  // From the knuckle to the tip, and how thick, in lengths of the palm; the last is the thumb.
+  const fingers = [[[-0.34, -0.1], [-0.52, -0.85], 0.17], [[-0.12, -0.2], [-0.17, -1.12], 0.19], [[0.11, -0.2], [0.14, -1.18], 0.19], [[0.33, -0.12], [0.47, -1], 0.19], [[0.35, 0.45], [0.92, -0.25], 0.21]];
+  const line = (points, width_px, colour) => {
+    g.strokeStyle = colour;
+    g.lineWidth = width_px;
+    g.beginPath();
+    points.forEach((point) => g.lineTo(...at(...point)));
+    g.stroke();
+  };
+  g.lineCap = g.lineJoin = 'round';
+  g.fillStyle = '#7d8a92';
+  g.fillRect(0, 0, 640, 480);
+  for (const [colour, edge_px] of [['#a86c4a', 6], ['#d9a17c', 0]]) {
+    for (const [from, to, thick] of fingers) line([from, to], SIZE_PX * thick + edge_px, colour);
+    line([[0, 0.6], [0, 2.6]], SIZE_PX * 0.5 + edge_px, colour);
+    line([[-0.33, -0.1], [0.33, -0.12], [0.3, 0.6], [-0.25, 0.6], [-0.33, -0.1], [0, 0.2], [0, 0.5]], SIZE_PX * 0.25 + edge_px, colour);
+    g.fillStyle = colour;
+    g.fillRect(...at(-0.3, -0.05), 0.58 * SIZE_PX, 0.6 * SIZE_PX);
+  }
+  // Creases at the joints and in the palm.
+  for (const [[x, y], [tx, ty], thick] of fingers) for (const part of [0.38, 0.68]) {
+    const [jx, jy] = [x + part * (tx - x), y + part * (ty - y)];
+    line([[jx - 0.4 * thick, jy], [jx + 0.4 * thick, jy]], 2.5, '#b98260');
+  }
+  line([[0.4, 0.1], [0.02, 0.05], [-0.35, 0.2]], 2.5, '#b98260');
+  line([[0.4, 0.15], [0.12, 0.3], [0.1, 0.7]], 2.5, '#b98260');
+  const blob = await canvas.convertToBlob({ type: 'image/jpeg', quality: 0.95 });
+  return [...new Uint8Array(await blob.arrayBuffer())];
+}
+
+/** A file that Chromium's fake camera shows over and over: the hand. */
+async function fileOfAHand(plain, folder) {
+  const context = await plain.newContext();
+  const page = await context.newPage();
+  const jpeg = Buffer.from(await page.evaluate(pictureOfAHand));
+  await context.close();
+  const file = join(folder, 'hand.mjpeg');
+  writeFileSync(file, Buffer.concat(Array.from({ length: 30 }, () => jpeg)));
+  return file;
+}
+
+/** Chosen, kept in the frame, played with; taken away in the play; taken up again. */
+export async function cameraPlays(plain, openBrowserWith, programUrl, picture) {
+  const folder = mkdtempSync(join(tmpdir(), 'wholehand-camera-'));
+  const file = await fileOfAHand(plain, folder);
+  const browser = await openBrowserWith(['--use-fake-device-for-media-stream', `--use-file-for-fake-video-capture=${file}`]);
+  try {
+    const page = await openPage(browser, pageUrl(programUrl, '/', { lang: 'en', quality: 'low' }), { width: 800, height: 500, permissions: ['camera'], init: GOES_ON });
+    await page.click('[data-way=webcam]', { timeout: PATIENT_MS });
+    const pressed_ms = Date.now();
+    await page.click('[data-testid=start]');
+    await page.waitForSelector('.framing[data-step=frame].seen', { timeout: PATIENT_MS });
+    const ready_ms = Date.now() - pressed_ms;
+    await picture(page, 'camera-frame');
+    expect(await page.evaluate(() => document.body.dataset.state) === 'framing', 'it steers before the hand was kept in the frame');
+    const first = Number(await page.textContent('[data-testid=camera-count]'));
+    expect(first >= 5 && first <= 10, `the count begins at ${first}`);
+    const faults = await accessibilityFaults(page);
+    expect(faults.length === 0, faults.join('\n'));
+    await page.waitForSelector('body:is([data-state=reach], [data-state=squeeze], [data-state=pour], [data-state=drawback])', { timeout: PATIENT_MS });
+    await page.waitForSelector('[data-testid=camera] video', { timeout: PATIENT_MS });
+    await picture(page, 'camera-play');
+    // Taken away, as by a cable.
+    await page.evaluate(() => { for (const track of document.querySelector('.camera video').srcObject.getTracks()) { track.stop(); track.dispatchEvent(new Event('ended')); } });
+    await page.waitForSelector('text=/The camera has stopped/', { timeout: PATIENT_MS });
+    await picture(page, 'camera-gone');
+    const more = await accessibilityFaults(page);
+    expect(more.length === 0, more.join('\n'));
+    await page.click('[data-testid=camera-again]');
+    await page.waitForSelector('.framing[data-step=frame].seen', { timeout: PATIENT_MS });
+    await page.click('[data-testid=camera-other]');
+    await until('the play without the camera', () => page.evaluate(() => document.body.dataset.state !== 'framing' && !document.querySelector('video')));
+    expect(page.faults.length === 0, page.faults.join('\n'));
+    return `a hand seen ${(ready_ms / 1000).toFixed(1)} s after Start; kept in the frame from ${first}; gone, said, and back`;
+  } finally {
+    await browser.close();
+    rmSync(folder, { recursive: true, force: true });
+  }
+}

@@ -1,0 +1,155 @@
+// A device is commissioned through its page: one rail behind tests/device/handled_driver.c; the check is the person.
+import { spawn } from 'node:child_process';
+import { closeSync, mkdtempSync, openSync, readFileSync, readSync, rmSync, writeFileSync, writeSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { dirname, join } from 'node:path';
+import { createInterface } from 'node:readline';
+import { fileURLToPath } from 'node:url';
+import { accessibilityFaults, openPage, pageUrl, until } from './browser.mjs';
+import { expect } from './checks.mjs';
+
+const ROOT = join(dirname(fileURLToPath(import.meta.url)), '..', '..', '..');
+const [HAND, ENABLED, EFFORT, LARGEST] = [0, 4, 5, 7];  // of the driver's shared file
+const ONE_FIFTH_N = 0.2 * 8.0;
+const WITHIN_MS = 30_000;
+
+/** The rail's memory, shared with its driver. */
+class Rail {
+  constructor(path) {
+    writeFileSync(path, Buffer.alloc(64));
+    this.file = openSync(path, 'r+');
+  }
+
+  get(at) {
+    const bytes = Buffer.alloc(8);
+    readSync(this.file, bytes, 0, 8, 8 * at);
+    return bytes.readDoubleLE();
+  }
+
+  set(at, value) {
+    const bytes = Buffer.alloc(8);
+    bytes.writeDoubleLE(value);
+    writeSync(this.file, bytes, 0, 8, 8 * at);
+  }
+
+  /** By hand, in small steps: a jump would pass for an encoder that wraps round. */
+  async carry(to_m) {
+    for (let at_m = this.get(HAND); Math.abs(at_m - to_m) > 1e-9;) {
+      at_m += Math.max(-0.004, Math.min(0.004, to_m - at_m));
+      this.set(HAND, at_m);
+      await new Promise((resolve) => setTimeout(resolve, 10));
+    }
+    await new Promise((resolve) => setTimeout(resolve, 100));
+  }
+
+  close() { closeSync(this.file); }
+}
+
+/** The desktop device's file with its axis x only. */
+function railFile(folder) {
+  const [head, ...axes] = readFileSync(join(ROOT, 'config', 'devices', 'desktop-3axis.toml'), 'utf8').split('[[axes]]');
+  const path = join(folder, 'rail.toml');
+  writeFileSync(path, [head, ...axes.filter((axis) => /name = "x"/.test(axis))].join('[[axes]]'));
+  return path;
+}
+
+async function startCommission(program, folder) {
+  const drivers = process.env.WHOLEHAND_DRIVERS ?? join(dirname(program), 'drivers');
+  const child = spawn(program, ['device', 'commission', '--web', '--port', '0', '--operator', 'A. Name', '--device', railFile(folder),
+    '--driver', join(drivers, 'handled.so'), '--driver-settings', join(folder, 'rail')], { cwd: folder, stdio: ['ignore', 'pipe', 'inherit'] });
+  const ended = new Promise((resolve) => child.once('exit', (code) => resolve(code)));
+  const url = await new Promise((resolve, reject) => {
+    createInterface({ input: child.stdout }).on('line', (line) => { const at = /http:\S+commission/.exec(line); if (at) resolve(at[0]); });
+    void ended.then((code) => reject(new Error(`commission ended at once (${code})`)));
+  });
+  return { child, ended, url };
+}
+
+const task = (page, wanted) => page.waitForSelector(`body[data-task=${wanted}]`, { timeout: WITHIN_MS });
+const press = (page, id) => page.click(`[data-testid="${id}"]:enabled`, { timeout: WITHIN_MS });
+
+/**
+ * Holds until there is another task than to hold. A machine that others use may be so late that a press ends, and with
+ * it the step: then it is pressed anew, as a person would.
+ */
+async function hold(page, down, up, wanted) {
+  await until(`the task ${wanted}`, async () => {
+    const now = await page.evaluate(() => ({ task: document.body.dataset.task, held: document.querySelector('.hold')?.classList.contains('held') }));
+    if (now.task === wanted) return true;
+    if (now.task === 'next') await press(page, 'answer-done');
+    if (now.task === 'hold' && !now.held) {
+      await up();
+      await down();
+    }
+    return false;
+  }, { within_ms: 2 * WITHIN_MS });
+  await up();
+}
+
+/** As far as the first long move: another console only watches, and a pointer or a key has to be held. */
+async function leadToGravity(page, other, rail, picture) {
+  await task(page, 'lead');
+  await press(page, 'lead');
+  await task(page, 'yes-no');
+  await task(other, 'watch');
+  await press(page, 'answer-yes');
+  await page.waitForSelector('text=/nobody attached/i', { timeout: WITHIN_MS });
+  await picture(page, 'commission-question');
+  await press(page, 'answer-yes');
+  await task(page, 'hold');
+  await page.click('[data-testid=hold]');
+  await new Promise((resolve) => setTimeout(resolve, 500));
+  expect(await page.getAttribute('[data-step=home]', 'data-state') === 'UnderWay', 'a click homed it');
+  const mouse = [async () => { await page.hover('[data-testid=hold]'); await page.mouse.down(); }, () => page.mouse.up()];
+  await hold(page, ...mouse, 'done');
+  await rail.carry(0.012);
+  await press(page, 'answer-done');
+  await task(page, 'hold');
+  expect(rail.get(LARGEST) === 0, 'effort before the button is held');
+  await hold(page, async () => { await page.focus('[data-testid=hold]'); await page.keyboard.down('Space'); }, () => page.keyboard.up('Space'), 'number');
+  expect(rail.get(LARGEST) > 0, 'no effort while it was held');
+  await rail.carry(-0.061);
+  await rail.carry(0.061);
+  await page.fill('[data-testid=number]', '0,122');
+  await press(page, 'answer');
+  await task(page, 'hold');
+}
+
+/** Commissions up to gravity; the page is lost in mid-move; the step is repeated by the one that took over. */
+export async function commissionedThroughThePage(browser, program, picture = async () => {}) {
+  const folder = mkdtempSync(join(tmpdir(), 'wholehand-commission-'));
+  const rail = new Rail(join(folder, 'rail'));
+  const { child, ended, url } = await startCommission(program, folder);
+  try {
+    const query = { lang: 'en', theme: 'light' };
+    const page = await openPage(browser, pageUrl(url, '/commission', query), { cutOff: true });
+    const other = await openPage(browser, pageUrl(url, '/commission', query), { cutOff: true });
+    await leadToGravity(page, other, rail, picture);
+    await page.hover('[data-testid=hold]');
+    await page.mouse.down();
+    await until('effort', () => rail.get(ENABLED) === 1 && Math.abs(rail.get(EFFORT)) > 0.01, { every_ms: 10 });
+    await picture(page, 'commission-moving');
+    const faults = [...await accessibilityFaults(page), ...page.faults];
+    expect(faults.length === 0, faults.join('\n'));
+    const lost_ms = Date.now();
+    await page.context().close();
+    await until('neutral', () => rail.get(EFFORT) === 0 && rail.get(ENABLED) === 0, { every_ms: 5 });
+    const let_go_ms = Date.now() - lost_ms;
+    expect(rail.get(LARGEST) <= ONE_FIFTH_N + 1e-9, `an effort of ${rail.get(LARGEST)} N`);
+    await task(other, 'lead');
+    await press(other, 'lead');
+    await task(other, 'next');
+    await picture(other, 'commission-failed');
+    const failed = await other.innerText('[data-testid=failed]');
+    expect(/the key was let go/.test(failed), `it says "${failed}"`);
+    const more = await accessibilityFaults(other);
+    expect(more.length === 0 && other.faults.length === 0, [...more, ...other.faults].join('\n'));
+    await press(other, 'answer-quit');
+    expect(await ended === 1, 'it did not end as unfinished');
+    return `to gravity and a lost page in mid-move, at neutral after ${let_go_ms} ms, taken over by another`;
+  } finally {
+    child.kill('SIGKILL');
+    rail.close();
+    rmSync(folder, { recursive: true, force: true });
+  }
+}

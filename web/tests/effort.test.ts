@@ -1,0 +1,87 @@
+// Praise that is true: only what was measured is said.
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import { effortText } from '../src/game/dialogs';
+import { EffortMeter, farthestStep, gripWord } from '../src/game/effort';
+import { Memory } from '../src/game/memory';
+import type { Recipe, Script } from '../src/game/script';
+import { addStars, starsOf } from '../src/game/stars';
+import type { WorldStateT } from '../src/protocol';
+
+const NAMES = ['flow_l_s', 'engaged_dispenser', 'target_dispenser', 'squeeze_n', 'squeeze_low_n', 'squeeze_high_n'];
+const script = { place: new Map(NAMES.map((name, i) => [name, i])) } as unknown as Script;
+const state = (flow: number, engaged: number, squeeze_n: number) => ({ values: [flow, engaged, 1, squeeze_n, 1, 2] }) as unknown as WorldStateT;
+
+/** Pours for so long at 60 states a second. */
+function poured(long_s: number, squeeze: (t_s: number) => number, engaged = 1, flow = 0.01) {
+  const meter = new EffortMeter();
+  for (let i = 0; i <= 60 * long_s; i++) meter.look(script, state(flow, engaged, squeeze(i / 60)), i / 60);
+  return meter.grip();
+}
+
+const step = (liquid: string, amount_l: number) => ({ liquid, amount_l, tolerance_l: 0.004 });
+const one: Recipe = { name: 'lemonade', steps: [step('lemon', 0.04)] };
+const two: Recipe = { name: 'blush', steps: [step('lemon', 0.04), step('cherry', 0.03)] };
+
+describe('the grip', () => {
+  it('that is the same all the time is steady and just right', () => {
+    expect(poured(5, () => 1.5)).toEqual({ steady: true, rightShare: 1 });
+  });
+
+  it('that swings is steady up to a quarter of its mean: a sine deviates by its amplitude over the root of two', () => {
+    const swing = (share: number) => poured(10, (t_s) => 1.5 * (1 + share * Math.SQRT2 * Math.sin(2 * Math.PI * t_s)))?.steady;
+    expect(swing(0.24)).toBe(true);
+    expect(swing(0.26)).toBe(false);
+  });
+
+  it('is not spoken of when little was poured, from another bottle, or without flow', () => {
+    expect(poured(0.5, () => 1.5)).toBeNull();
+    expect(poured(5, () => 1.5, 0)).toBeNull();
+    expect(poured(5, () => 1.5, 1, 0)).toBeNull();
+  });
+
+  it('is not praised where the page squeezed, nor where it was neither steady nor right', () => {
+    expect(gripWord({ steady: true, rightShare: 1 }, false)).toBe('');
+    expect(gripWord({ steady: false, rightShare: 0.3 }, true)).toBe('');
+    expect(gripWord({ steady: false, rightShare: 0.8 }, true)).toBe('right');
+    expect(gripWord({ steady: true, rightShare: 0 }, true)).toBe('steady');
+  });
+});
+
+describe('what is said of the amounts', () => {
+  it('is the step that is farthest off, in millilitres', () => {
+    expect(farthestStep(two, [0.042, 0.024])).toEqual({ liquid: 'cherry', off_ml: -6 });
+    expect(effortText(one, [0.046], 'steady')).toBe('6 ml too much, the grip was steady.');
+    expect(effortText(two, [0.042, 0.024], '')).toBe('Cherry: 6 ml too little.');
+    expect(effortText(two, [0.0404, 0.0296], 'right')).toBe('Filled to within 1 ml, the squeeze was mostly just right.');
+  });
+});
+
+describe('stars', () => {
+  const kept = new Map<string, string>();
+  beforeEach(() => {
+    kept.clear();
+    vi.stubGlobal('localStorage', { getItem: (key: string) => kept.get(key) ?? null, setItem: (key: string, value: string) => kept.set(key, value) });
+  });
+  afterEach(() => { vi.unstubAllGlobals(); });
+
+  it('are each patient\'s own', () => {
+    addStars('anna', 3);
+    addStars('anna', 2);
+    addStars('', 1);
+    expect([starsOf('anna'), starsOf('ben'), starsOf('')]).toEqual([5, 0, 1]);
+  });
+
+  it('of a drink count once, however often its praise is shown', () => {
+    vi.stubGlobal('location', { search: '' });
+    vi.stubGlobal('matchMedia', () => ({ matches: false }));
+    const memory = new Memory();
+    expect(memory.countStars(3)).toBe(3);
+    expect(memory.countStars(3)).toBe(3);
+  });
+
+  it('that cannot be read count as none', () => {
+    kept.set('wholehand.stars.anna', 'many');
+    expect(starsOf('anna')).toBe(0);
+    expect(addStars('anna', 3)).toBe(3);
+  });
+});

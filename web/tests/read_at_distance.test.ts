@@ -1,0 +1,78 @@
+// What must be read in play can be read at 2 m: capitals of at least 16 minutes of arc on a 24 inch screen.
+import { readFileSync } from 'node:fs';
+import { describe, expect, it } from 'vitest';
+
+const css = readFileSync(new URL('../src/game/game.css', import.meta.url), 'utf8');
+const hud = readFileSync(new URL('../src/game/hud.ts', import.meta.url), 'utf8') + readFileSync(new URL('../src/game/panel_card.ts', import.meta.url), 'utf8');
+
+/** 24 inch, 16:9. The letter height is that of a capital without accents, as ISO 9241-303 has it. */
+const SCREEN = { width_mm: 531, width_px: 1920, height_px: 1080 } as const;
+const DISTANCE_MM = 2000;
+const LEAST_ARCMIN = 16;
+/** Height of H, of the font size: Atkinson Hyperlegible Next (Chromium measures 672 of 1000 at weight 700). */
+const CAPITAL_EM = 0.67;
+
+/** 1u of game.css on that screen [px]: min(100vh / 800, 100vw / 1280). */
+const UNIT_PX = Math.min(SCREEN.height_px / 800, SCREEN.width_px / 1280);
+
+/** The rules of a selector that stands alone, outside of any other block. */
+function rule(selector: string): string {
+  const start = css.indexOf(`${selector} {`);
+  expect(start, selector).toBeGreaterThanOrEqual(0);
+  return css.slice(css.indexOf('{', start) + 1, css.indexOf('}', start));
+}
+
+/** A size that the root gives by name [u]. */
+function size(name: string, root: string): number {
+  const found = rule(root).match(new RegExp(`--size-${name}: ([\\d.]+)`)) ?? rule(':root').match(new RegExp(`--size-${name}: ([\\d.]+)`));
+  return Number(found?.[1]);
+}
+
+function arcmin(kind: string, root: string): number {
+  expect(rule(`.t-${kind}`)).toContain(`font-size: calc(var(--size-${kind}) * var(--u))`);
+  const capital_mm = size(kind, root) * UNIT_PX * CAPITAL_EM * SCREEN.width_mm / SCREEN.width_px;
+  return Math.atan(capital_mm / DISTANCE_MM) * 180 / Math.PI * 60;
+}
+
+describe('at 2 m', () => {
+  it('16 minutes of arc are 9.3 mm, 33.7 px of a 24 inch screen', () => {
+    const needed_mm = DISTANCE_MM * Math.tan(LEAST_ARCMIN / 60 * Math.PI / 180);
+    expect(needed_mm).toBeCloseTo(9.31, 2);
+    expect(needed_mm * SCREEN.width_px / SCREEN.width_mm).toBeCloseTo(33.7, 1);
+  });
+
+  it.each(['l', 'read'])('text of kind %s is large enough, in both sizes', (kind) => {
+    expect(arcmin(kind, ':root')).toBeGreaterThanOrEqual(LEAST_ARCMIN);
+    expect(arcmin(kind, ':root[data-text=far]')).toBeGreaterThanOrEqual(LEAST_ARCMIN);
+  });
+
+  it.each(['m', 's'])('with large text the rest of kind %s is too', (kind) => {
+    expect(arcmin(kind, ':root[data-text=far]')).toBeGreaterThanOrEqual(LEAST_ARCMIN);
+  });
+
+  it.each([
+    ['what to do now', /title = h\('b', \{ class: 't-(\w+)', 'data-testid': 'instruction'/],
+    ['the hint beside it', /more = h\('span', \{ class: 't-(\w+)'/],
+    ['the meter\'s word', /word = h\('b', \{ class: 't-(\w+)'/],
+    ['the amount in the glass', /amount = h\('b', \{ class: 't-(\w+)'/],
+    ['a panel\'s figure', /number = h\('b', \{ class: 't-(\w+)'/],
+    ['Stop', /class: 'button stop t-(\w+)'/],
+    ['Rest', /class: 'button rest t-(\w+)'/],
+    ['a stop that is not confirmed', /h\('b', \{ class: 't-(\w+)' \}, text\('stop.unconfirmed'\)/],
+  ])('%s is of such a kind', (_name, pattern) => {
+    expect(['l', 'read']).toContain(hud.match(pattern)?.[1]);
+  });
+});
+
+describe('Stop', () => {
+  it('is more than its own height away from Squeeze of a touch screen, which is above the strip', () => {
+    const input = readFileSync(new URL('../src/input/input.css', import.meta.url), 'utf8');
+    expect(Number(input.match(/\.touch-buttons \{[^}]*bottom: calc\(var\(--strip, 104px\) \+ (\d+)px\)/)?.[1])).toBeGreaterThan(68);
+  });
+
+  it('is at least 68 px high and wide on every screen', () => {
+    const own = css.match(/:is\(\.button\.stop,[^{]*\{([^}]*)\}/)?.[1] ?? '';
+    expect(own).toMatch(/min-height: max\([^;]*, 68px\)/);
+    expect(own).toMatch(/min-width: max\([^;]*, 68px\)/);
+  });
+});

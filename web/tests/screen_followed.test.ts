@@ -1,0 +1,149 @@
+// A person who reads the strip and does what it says, with keys, and nothing else: on the simulated clock, against the
+// program's own hand and bar, at a page of 60 frames a second and at one that draws three.
+import { afterEach, beforeEach, expect, it, vi } from 'vitest';
+import { cueTowards } from '../src/game/cues';
+import { Hints, type HintLevel } from '../src/game/hints';
+import { readScript, type Script } from '../src/game/script';
+import { taskOf, wrongBottle, type PageState } from '../src/game/view';
+import { besideOf, playWords } from '../src/game/words';
+import { AimModel } from '../src/input/aim_model';
+import { Keys } from '../src/input/keys';
+import type { Help } from '../src/input/wish';
+import type { SceneT } from '../src/protocol';
+import { en } from '../src/shared/i18n/en';
+import { LOOK_S, SteeredHand } from './steered_hand';
+
+/** Issue 13: a drink by a script that does only what the screen says. */
+const DRINK_S = 90;
+/** From what is said to what is done, and how long a press is [s]. */
+const REACTS_S = 0.4;
+const PRESS_S = 0.15;
+/** Who has pressed as it was said presses again when it is still said so much later [s]. */
+const AGAIN_S = 6;
+/** The page's own: how long after a move of the aim somebody is still at it [s], and what a move is. */
+const MOVING_S = 0.5;
+const MOVES = 0.01;
+const BY_STAGE: readonly PageState[] = ['reach', 'squeeze', 'pour', 'letgo', 'success', 'success', 'drawback'];
+
+const WINDOW = new EventTarget();
+beforeEach(() => {
+  vi.stubGlobal('addEventListener', WINDOW.addEventListener.bind(WINDOW));
+  vi.stubGlobal('removeEventListener', WINDOW.removeEventListener.bind(WINDOW));
+  vi.stubGlobal('Element', class {});
+});
+const open: SteeredHand[] = [];
+afterEach(() => {
+  for (const hand of open.splice(0)) hand.stop();
+  vi.unstubAllGlobals();
+});
+
+/** What is on the screen of a page, drawn every `frame_looks` looks of the clock. */
+class Page {
+  title = '';
+  more = '';
+  sign: '' | 'left' | 'right' = '';
+  readonly keys = new Keys();
+  readonly model: AimModel;
+  private readonly script: Script;
+  private readonly scene: SceneT;
+  private readonly hints = new Hints();
+  private hint: HintLevel = 0;
+  private wrong = -1;
+  private still_s = 0;
+
+  constructor(readonly hand: SteeredHand, private readonly help: Help) {
+    this.scene = Object.assign(hand.scene, { level: 1, faultNames: [] });
+    this.script = readScript(this.scene)!;
+    this.model = new AimModel(hand.axes, { help });
+    this.model.begin(hand.now.q_m);
+    this.keys.enable();
+  }
+
+  get now(): PageState { return BY_STAGE[this.hand.value('stage')]!; }
+
+  frame(dt_s: number): void {
+    const { hand: { state, perceiver }, model, script, scene, now } = this;
+    const before = [...model.aim];
+    model.advance(this.keys.wish(), perceiver.see(state), dt_s);
+    this.still_s = model.aim.some((q, i) => Math.abs(q - before[i]!) > MOVES * dt_s) ? 0 : this.still_s + dt_s;
+    this.wrong = wrongBottle(script, state, this.wrong);
+    const palm = scene.capsules[0]!.link;
+    const hint = this.hints.look(model.onItsWay || this.still_s < MOVING_S ? '' : taskOf(now, script, state), Math.min(0.25, dt_s));
+    if (hint === 3 && this.hint < 3) model.show();
+    this.hint = hint;
+    const said = playWords(script, state, {
+      now, help: this.help, hint, wrong: this.wrong, oneButton: true, onItsWay: model.onItsWay, outOfReach: model.outOfReach, closing: model.squeeze > 0, beside: besideOf(script, scene, state, palm),
+    });
+    this.title = en[said.title];
+    this.more = en[said.more];
+    const bottle = state.bodies[this.hand.bodyOf(this.hand.value('target_dispenser'))]?.positionM;
+    const cue = now === 'reach' && bottle ? cueTowards(state.links[palm]!.positionM!.y, bottle.y, true, { x_px: 0, y_px: 0 }, 1) : null;
+    this.sign = cue ? (cue.left ? 'left' : 'right') : '';
+  }
+}
+
+/** Which keys the words on the screen ask for: held, or `press`ed once; "a little" is a `nudge`. */
+function told({ title, more, sign }: Page): { hold?: string; press?: string; nudge?: string } {
+  if (title === en['game.letGo'] || title === en['game.drawBack'] || title.startsWith(en['game.wrong'].replace('{x}', ''))) return { hold: 'ArrowDown' };
+  if ([en['hint.press'], en['hint.again']].includes(more as never)) return { press: 'Space' };
+  if (more === en['game.onItsWay'] || more === en['game.closing'] || more === en['hint.shows']) return {};
+  if (title === en['game.squeeze']) return { hold: 'Space' };
+  if (more === en['hint.back']) return { hold: 'ArrowDown' };
+  if (sign !== '') return { hold: sign === 'left' ? 'ArrowLeft' : 'ArrowRight' };
+  if (more === en['hint.left']) return { nudge: 'ArrowLeft' };
+  if (more === en['hint.right']) return { nudge: 'ArrowRight' };
+  if (more === en['hint.forward'] || more === en['game.reachMore']) return { hold: 'ArrowUp' };
+  return {};
+}
+
+/** How long a drink takes, and what was read. */
+async function drink(help: Help, frame_looks: number): Promise<{ took_s: number; stars: number; log: string[] }> {
+  const hand = await SteeredHand.start(1);
+  open.push(hand);
+  const page = new Page(hand, help);
+  const tell = (type: 'keydown' | 'keyup', code: string): void => { WINDOW.dispatchEvent(Object.assign(new Event(type), { code })); };
+  const log: string[] = [];
+  let held = '', pressed = '', read = '', read_s = 0, pressed_s = -Infinity, t = 0;
+  for (let look = 0; t < DRINK_S && page.now !== 'success'; look += 1, t += LOOK_S) {
+    if (look % frame_looks === 0) page.frame(frame_looks * LOOK_S);
+    await hand.aim([...page.model.aim]);
+    const words = `${page.title} · ${page.more} ${page.sign}`;
+    if (words !== read) {
+      [read, read_s] = [words, t];
+      log.push(`${t.toFixed(1)} s: ${words} (${hand.now.q_m.slice(0, 2).map((v) => v.toFixed(3)).join(' ')})`);
+    }
+    if (pressed && t - pressed_s >= PRESS_S) {
+      tell('keyup', pressed);
+      pressed = '';
+    }
+    if (t - read_s < REACTS_S) continue;
+    const { hold = '', press = '', nudge = '' } = told(page);
+    if (hold !== held) {
+      if (held) tell('keyup', held);
+      if (hold) tell('keydown', hold);
+      held = hold;
+    }
+    const due = press ? read_s > pressed_s || t - pressed_s > AGAIN_S : t - pressed_s > PRESS_S + REACTS_S;
+    if ((press || nudge) && !pressed && due) {
+      pressed = press || nudge;
+      pressed_s = t;
+      tell('keydown', pressed);
+    }
+  }
+  page.keys.disable();
+  return { took_s: t, stars: hand.value('stars'), log };
+}
+
+/** A page that draws slowly is looked at later: so much of a drink's time, and no more. */
+const SLOWER = 1.5;
+
+it.each([['full', [1, 20]], ['some', [4]], ['none', [1, 12]]] as const)('who does only what the screen says finishes a drink, however slowly the page draws: help %s', async (help, pages) => {
+  const took_s: number[] = [];
+  for (const frame_looks of pages) {
+    const made = await drink(help, frame_looks);
+    console.log(`figure: a drink by what the screen says, help ${help}, ${(1 / (frame_looks * LOOK_S)).toFixed(0)} frames/s: ${made.took_s.toFixed(1)} s, ${made.stars} stars`);
+    expect(made.took_s, made.log.slice(-30).join('\n')).toBeLessThan(DRINK_S);
+    took_s.push(made.took_s);
+  }
+  expect(took_s.at(-1)!).toBeLessThan(SLOWER * took_s[0]!);
+}, 240_000);

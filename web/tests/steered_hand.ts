@@ -1,0 +1,87 @@
+// The program's own hand and bar on the simulated clock, for tests: tests/experiments/steered_hand.cpp.
+import { spawn, type ChildProcessWithoutNullStreams } from 'node:child_process';
+import { existsSync } from 'node:fs';
+import { resolve } from 'node:path';
+import { createInterface } from 'node:readline';
+import { Perceiver } from '../src/input/perception';
+import type { AimAxis } from '../src/input/aim_model';
+import { HandPart, type SceneT, type WorldStateT } from '../src/protocol';
+
+/** From one look to the next [s]. */
+export const LOOK_S = 0.016;
+const FILE = resolve(process.env.WHOLEHAND_STEERED_HAND ?? resolve(__dirname, '../../build/release/steered_hand'));
+
+interface Told { right_hand: boolean; palm_link: number; axes: AimAxis[]; bodies: string[]; values: string[]; exercise: string }
+type Vec = [number, number, number];
+export interface Seen {
+  /** That stopped the loop. */
+  q_m: number[]; q_s: number[]; palm: Vec; faults: number;
+  bodies: Vec[]; contacts: [body: number, capsule: number, force_n: Vec][]; values: number[];
+}
+
+const xyz = ([x, y, z]: Vec): { x: number; y: number; z: number } => ({ x, y, z });
+
+export class SteeredHand {
+  axes: readonly AimAxis[] = [];
+  scene!: SceneT;
+  state!: WorldStateT;
+  perceiver!: Perceiver;
+  now!: Seen;
+  private told!: Told;
+  private readonly lines: string[] = [];
+  private heard: (() => void) | undefined;
+  private ended = '';
+
+  private constructor(private readonly program: ChildProcessWithoutNullStreams) {
+    createInterface({ input: program.stdout }).on('line', (line) => { this.lines.push(line); this.heard?.(); });
+    program.stderr.on('data', (words) => { this.ended += String(words); });
+    program.on('close', () => { this.ended ||= 'it ended'; this.heard?.(); });
+  }
+
+  static async start(level: number, exercise = 'cocktail-bar', hand = 'adult-median-right'): Promise<SteeredHand> {
+    if (!existsSync(FILE)) throw new Error(`${FILE} is not there: ninja -C build/release steered_hand`);
+    const out = new SteeredHand(spawn(FILE, [exercise, String(level), hand]));
+    const told = out.told = JSON.parse(await out.line()) as Told;
+    out.axes = told.axes;
+    out.scene = {
+      axes: told.axes, bodies: told.bodies.map((name) => ({ name })), valueNames: told.values, exerciseJson: told.exercise,
+      rightHand: told.right_hand, capsules: [{ part: HandPart.Palm, link: told.palm_link }],
+    } as unknown as SceneT;
+    out.perceiver = new Perceiver(out.scene);
+    out.take(await out.line());
+    return out;
+  }
+
+  /** A look later, with the hand aimed there. */
+  async aim(q: readonly number[], restart = false): Promise<void> {
+    this.program.stdin.write(`${q.join(' ')}${restart ? ' restart' : ''}\n`);
+    this.take(await this.line());
+  }
+
+  value(name: string): number { return this.now.values[this.told.values.indexOf(name)] ?? NaN; }
+
+  bodyOf(dispenser: number): number {
+    const { dispensers } = JSON.parse(this.told.exercise) as { dispensers: { body: string }[] };
+    return this.told.bodies.indexOf(dispensers[dispenser]?.body ?? '');
+  }
+
+  stop(): void { this.program.kill(); }
+
+  private take(line: string): void {
+    const now = this.now = JSON.parse(line) as Seen;
+    const links: unknown[] = [];
+    links[this.told.palm_link] = { positionM: xyz(now.palm) };
+    this.state = {
+      qM: now.q_m, qS: now.q_s, links, bodies: now.bodies.map((p) => ({ positionM: xyz(p) })), values: now.values,
+      contacts: now.contacts.map(([body, capsule, force]) => ({ body, capsule, forceN: xyz(force) })),
+    } as unknown as WorldStateT;
+  }
+
+  private async line(): Promise<string> {
+    while (this.lines.length === 0) {
+      if (this.ended) throw new Error(`steered_hand: ${this.ended}`);
+      await new Promise<void>((go) => { this.heard = go; });
+    }
+    return this.lines.shift()!;
+  }
+}
