@@ -165,12 +165,16 @@ class Page:
             self.answered.wait_for(lambda: number in self.replies, within_s)
             return self.replies.get(number)
 
+    def wait_for_endings(self, count):
+        until = time.monotonic() + 90.0
+        while self.state is None or self.state.number(ENDINGS, "I") < count:
+            assert time.monotonic() < until, f"ending {count} is not told of within 90 s"
+            time.sleep(0.01)
+
     def arm(self, endings_seen):
         """Whether it was accepted, and why not, once the program has told of as many endings."""
-        until = time.monotonic() + 90.0
-        while endings_seen > 1 and (self.state is None or self.state.number(ENDINGS, "I") < endings_seen):
-            assert time.monotonic() < until, f"ending {endings_seen} is not told of within 90 s"
-            time.sleep(0.01)
+        if endings_seen > 1:
+            self.wait_for_endings(endings_seen)
         return self.answer(self.say(ARM, ("I", endings_seen)), 90)
 
     def hold_controls(self):
