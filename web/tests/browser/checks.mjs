@@ -35,6 +35,18 @@ async function playing(page) {
   }
 }
 
+/** Within 300 ticks it moved by less than half a millimetre along x and y. */
+async function handAtRest(watcher, words) {
+  let before = { tick: -Infinity, place: [NaN, NaN] };
+  return watcher.until(words, (now) => {
+    if (now.tick < before.tick + 300) return false;
+    const place = [axis(now, 'x'), axis(now, 'y')];
+    const rests = place.every((at, i) => Math.abs(at - before.place[i]) < 5e-4);
+    before = { tick: now.tick, place };
+    return rests;
+  }, { within_ms: PATIENT_MS });
+}
+
 export async function mouseMovesTheHand(game, watcher) {
   await watcher.until('rendering', (now) => now.runState === RENDERING);
   const { width, height } = game.viewportSize();
@@ -47,17 +59,12 @@ export async function mouseMovesTheHand(game, watcher) {
   // Left in the picture is left of the person, y positive; what the cursor is on is what the palm goes in front of.
   await to(0.5);
   await watcher.until('the person steering', (now) => now.steering === 1, { within_ms: PATIENT_MS });
-  let before_m = NaN;
   await new Promise((resolve) => setTimeout(resolve, 2000));   // it sets out
-  const right = await watcher.until('the hand at rest before the cursor', (now) => {
-    const rests = Math.abs(axis(now, 'y') - before_m) < 5e-4;
-    before_m = axis(now, 'y');
-    return rests;
-  }, { within_ms: PATIENT_MS });
+  const right = await handAtRest(watcher, 'the hand at rest before the cursor');
   await to(0.3);
   await watcher.until('the hand farther left, as the cursor', (now) => axis(now, 'y') > axis(right, 'y') + 0.02, { within_ms: PATIENT_MS });
-  // A hand that was taken over has been drawn back: away first, then near again.
-  const before = await watcher.now();
+  // A hand that was taken over has been drawn back: away first, then near again. The wheel counts from where it is.
+  const before = await handAtRest(watcher, 'the hand at rest farther left');
   const turn = async (by_px) => { for (let k = 0; k < 2; k += 1) await game.mouse.wheel(0, by_px); };
   await turn(-100);
   const away = await watcher.until('the device farther from the person after the wheel', (now) => axis(now, 'x') > axis(before, 'x') + 0.01, { within_ms: PATIENT_MS });
