@@ -16,7 +16,13 @@ enum class CommandType : std::int32_t {
   kSteer       ///< index: a Steering
 };
 
-enum class ExerciseAction : std::int32_t { kNext, kRestart, kPause, kResume };
+enum class ExerciseAction : std::int32_t {
+  kNext,
+  kRestart,
+  kPause,
+  kResume,
+  kBeginAt  ///< value: where in its level the exercise goes on after a rest; no client sends it
+};
 
 /// Who says where the virtual patient wants to be.
 enum class Steering : std::int32_t { kVirtualPatient, kPerson };

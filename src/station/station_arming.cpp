@@ -121,6 +121,7 @@ OrderReply Station::Core::startSession(std::unique_ptr<Player> player, std::uint
   plan.interrupts = &InterruptScope::shared();
   plan.sinks.push_back([this](const TickRecord& r) { keepLatest(r); });
   plan.sinks.insert(plan.sinks.end(), sinks_.begin(), sinks_.end());
+  const std::optional<double> place = placeOfRest();
   const bool had_latest = forgetLatest();
   LoopStatus before;
   {
@@ -136,7 +137,7 @@ OrderReply Station::Core::startSession(std::unique_ptr<Player> player, std::uint
   Diagnostics errors;
   if (live) {
     // A stop reaches it from here on, before its first tick.
-    OrderReply reply = armedNow(std::move(*live), asked, parameters);
+    OrderReply reply = armedNow(std::move(*live), asked, parameters, place);
     auto begun = live_->begin();
     if (begun) return sessionRuns(std::move(reply), record);
     errors = begun.errors();
@@ -172,7 +173,8 @@ OrderReply Station::Core::sessionRuns(OrderReply reply, const std::string& recor
 }
 
 OrderReply Station::Core::armedNow(std::unique_ptr<Run> live, std::uint64_t asked,
-                                   const std::vector<double>& parameters) {
+                                   const std::vector<double>& parameters,
+                                   std::optional<double> place) {
   const std::lock_guard lock(mutex_);
   live_ = std::move(live);
   armed_by_ = asked;
@@ -187,13 +189,20 @@ OrderReply Station::Core::armedNow(std::unique_ptr<Run> live, std::uint64_t aske
   }
   status_.run_state = RunState::kRendering;
   rest_ending_ = 0;
-  catchUp(parameters);
+  catchUp(parameters, place);
   return {true, ""};
 }
 
 // What a session has to be told that was being built while it was said.
-void Station::Core::catchUp(const std::vector<double>& parameters) {
+void Station::Core::catchUp(const std::vector<double>& parameters, std::optional<double> place) {
   live_->setOwnerAlive(owner_alive_);
+  if (place) {
+    Command begin;
+    begin.type = CommandType::kAction;
+    begin.index = static_cast<std::int32_t>(ExerciseAction::kBeginAt);
+    begin.value = *place;
+    (void)push(begin);  // its queue is empty yet
+  }
   for (std::size_t i = 0; i < std::min(parameters.size(), scene_->parameters.size()); ++i) {
     const auto asked = asked_parameters_.find(scene_->parameters[i].name);
     if (asked == asked_parameters_.end() || asked->second == parameters[i]) continue;
@@ -201,8 +210,19 @@ void Station::Core::catchUp(const std::vector<double>& parameters) {
     command.type = CommandType::kParameter;
     command.index = static_cast<std::int32_t>(i);
     command.value = asked->second;
-    (void)push(command);  // its queue is empty yet
+    (void)push(command);
   }
+}
+
+std::optional<double> Station::Core::placeOfRest() const {
+  const int value = models_.exercise ? models_.exercise->description().resume_value : -1;
+  {
+    const std::lock_guard lock(mutex_);
+    if (value < 0 || !rested()) return std::nullopt;
+  }
+  const std::lock_guard lock(latest_mutex_);
+  if (!has_latest_ || value >= latest_.exercise.value_count) return std::nullopt;
+  return latest_.exercise.values[static_cast<std::size_t>(value)];
 }
 
 // Of a run that has an end; 0: there is none.

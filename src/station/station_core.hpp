@@ -77,7 +77,7 @@ class Station::Core {
                                                           const std::vector<double>& parameters,
                                                           RunPlan plan) const;
   OrderReply armedNow(std::unique_ptr<Run> live, std::uint64_t asked,
-                      const std::vector<double>& parameters);
+                      const std::vector<double>& parameters, std::optional<double> place);
   OrderReply sessionRuns(OrderReply reply, const std::string& record);
   [[nodiscard]] std::uint64_t ticksLeft() const;
   [[nodiscard]] Expected<Rehearsal> rehearsalOf(const Models& models, const AxisPosition& start,
@@ -101,6 +101,9 @@ class Station::Core {
   [[nodiscard]] std::unique_ptr<Player> makePlayer(const Models& models) const;
   [[nodiscard]] std::string title() const;
   bool forgetLatest();
+  /// Where in its level the exercise was when its player began to rest; none: it begins at the
+  /// start.
+  [[nodiscard]] std::optional<double> placeOfRest() const;
   // Any thread.
   [[nodiscard]] bool stoppedSince(std::uint64_t asked) const;  ///< or the station ends
   // Any thread, mutex_ held.
@@ -110,7 +113,7 @@ class Station::Core {
   [[nodiscard]] bool rested() const;
   void enqueue(std::function<OrderReply()> work, const std::function<void(OrderReply)>& done);
   OrderReply carryOut(const Order& order, std::uint64_t asked);
-  void catchUp(const std::vector<double>& parameters);
+  void catchUp(const std::vector<double>& parameters, std::optional<double> place);
   OrderReply steer(Steering by);
   void sendUnsent();
   OrderReply setParameter(const Order& order);

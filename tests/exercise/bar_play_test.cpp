@@ -193,6 +193,48 @@ TEST(CocktailBar, Restarted_IsFullAndAtTheFirstStep) {
   EXPECT_EQ(bar.count("restarted"), 1);
 }
 
+TEST(CocktailBar, BegunAtADrink_IsAtItsFirstStepWithAllBottlesFull) {
+  BarTable bar(2);
+  bar.act(ExerciseAction::kBeginAt, 1.0);
+  bar.tick();
+  EXPECT_EQ(bar.value("drink"), 1.0);
+  EXPECT_EQ(bar.value("resume_drink"), 1.0);
+  EXPECT_EQ(bar.value("step"), 0.0);
+  EXPECT_EQ(bar.value("score"), 0.0);
+  EXPECT_EQ(bar.left_l(), 0.7);
+  for (int step = 0; step < 2; ++step) {  // the level's last drink, by the file
+    pour(bar, bar.value("asked_l"));
+    bar.run(0.3);
+    bar.drawBack();
+    bar.run(0.1);
+  }
+  EXPECT_EQ(bar.value("stage"), kDrinkDone);
+  EXPECT_EQ(bar.value("resume_drink"), 0.0) << "nothing of the level is left";
+}
+
+TEST(CocktailBar, BegunAtADrinkItDoesNotHave_IsAtTheFirst) {
+  for (const double drink : {-1.0, 2.0, 1e300, std::nan("")}) {
+    BarTable bar(2);
+    bar.act(ExerciseAction::kBeginAt, drink);
+    bar.tick();
+    EXPECT_EQ(bar.value("drink"), 0.0) << drink;
+  }
+}
+
+TEST(CocktailBar, DrinkDone_ARestGoesOnWithTheNext) {
+  BarTable bar(2);
+  bar.tick();
+  EXPECT_EQ(bar.value("resume_drink"), 0.0);
+  for (int step = 0; step < 2; ++step) {
+    pour(bar, bar.value("asked_l"));
+    bar.run(0.3);
+    bar.drawBack();
+    bar.run(0.1);
+  }
+  ASSERT_EQ(bar.value("stage"), kDrinkDone);
+  EXPECT_EQ(bar.value("resume_drink"), 1.0);
+}
+
 TEST(CocktailBar, NextWhileResting_EndsTheRest) {
   BarTable bar(2);
   bar.tick();

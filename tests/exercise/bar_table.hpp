@@ -177,11 +177,12 @@ class BarTable {
     }
     ADD_FAILURE() << name << " never became " << wanted << ", it is " << value(name);
   }
-  void act(ExerciseAction action) {
+  void act(ExerciseAction action, double value = 0.0) {
     Command& c = record.commands[static_cast<std::size_t>(record.command_count++)];
     c = Command{};
     c.type = CommandType::kAction;
     c.index = static_cast<std::int32_t>(action);
+    c.value = value;
   }
 
   [[nodiscard]] double value(const std::string& name) const {

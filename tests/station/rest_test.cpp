@@ -66,5 +66,39 @@ TEST_F(RestOfAPlayer, LimitSetMeanwhile_IsShownAndHoldsInTheNextSession) {
   EXPECT_EQ(station_->status().parameters.front(), limit.value);
 }
 
+class RestInALevel : public RestOfAPlayer {
+ protected:
+  double value(const std::string& name) {
+    const auto& names = station_->scene()->value_names;
+    const auto found = std::find(names.begin(), names.end(), name);
+    TickRecord record;
+    if (found == names.end() || !station_->latest(record)) return std::nan("");
+    return record.exercise.values[static_cast<std::size_t>(found - names.begin())];
+  }
+  /// Level 2 has two drinks; the virtual patient is in its second one.
+  void playToTheSecondDrink() {
+    StationConfig config = barConfig();
+    config.files.level = 2;
+    load(config);
+    run(true);
+    ASSERT_TRUE(becomes([&] { return value("drink") == 1.0; }, 180s));
+  }
+};
+
+TEST_F(RestInALevel, ArmedAgain_GoesOnWithTheDrinkThatWasBegun) {
+  playToTheSecondDrink();
+  ASSERT_TRUE(ask(rest()).accepted);
+  ASSERT_TRUE(becomes(RunState::kStopped));
+  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(rendersOn());
+  EXPECT_EQ(value("drink"), 1.0);
+  EXPECT_EQ(value("step"), 0.0);
+  ASSERT_TRUE(ask(OrderType::kStop).accepted);
+  ASSERT_TRUE(becomes(RunState::kStopped));
+  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(rendersOn());
+  EXPECT_EQ(value("drink"), 0.0) << "after a stop a level begins at its start";
+}
+
 }  // namespace
 }  // namespace wholehand::test

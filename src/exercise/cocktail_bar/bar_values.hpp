@@ -41,6 +41,7 @@ enum class BarValue : std::int32_t {
   kRestLeft,
   kPaused,
   kPalmDispenser,
+  kResumeDrink,
   kCount
 };
 
@@ -72,7 +73,8 @@ inline constexpr std::array<const char*, static_cast<std::size_t>(BarValue::kCou
                       "start_total_l",
                       "rest_left_s",
                       "paused",
-                      "palm_dispenser"};
+                      "palm_dispenser",
+                      "resume_drink"};
 
 /// Names of all values of a bar, in the order of ExerciseRecord::values.
 [[nodiscard]] std::vector<std::string> barValueNames(const Bar& bar);

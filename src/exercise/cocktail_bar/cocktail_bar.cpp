@@ -42,6 +42,7 @@ class CocktailBar final : public Exercise {
     description_.parameters = parameters_.all();
     description_.value_names = barValueNames(bar_);
     description_.event_names.assign(kBarEventNames.begin(), kBarEventNames.end());
+    description_.resume_value = static_cast<int>(BarValue::kResumeDrink);
     description_.json = barJson(bar_);
     for (const BarDispenser& d : bar_.dispensers) targets_ |= 1U << d.body_index;
     reset();
@@ -106,11 +107,12 @@ class CocktailBar final : public Exercise {
   void takeActions(const TickRecord& seen, ExerciseRecord& out) noexcept {
     for (int i = 0; i < seen.command_count; ++i) {
       const Command& c = seen.commands[static_cast<std::size_t>(i)];
-      if (c.type == CommandType::kAction) act(static_cast<ExerciseAction>(c.index), out);
+      if (c.type == CommandType::kAction) act(c, out);
     }
   }
 
-  void act(ExerciseAction action, ExerciseRecord& out) noexcept {
+  void act(const Command& command, ExerciseRecord& out) noexcept {
+    const auto action = static_cast<ExerciseAction>(command.index);
     if (action == ExerciseAction::kNext && recipe_.stage() != BarStage::kLevelDone) {
       recipe_.hurry();
     } else if (action == ExerciseAction::kRestart || action == ExerciseAction::kNext) {
@@ -125,6 +127,8 @@ class CocktailBar final : public Exercise {
     } else if (action == ExerciseAction::kResume && paused_) {
       paused_ = false;
       addEvent(out, BarEvent::kResumed);
+    } else if (action == ExerciseAction::kBeginAt) {
+      recipe_.beginAt(command.value);
     }
   }
 
@@ -288,6 +292,7 @@ void CocktailBar::show(const BarSenses& senses, const ExerciseInput& input,
   set(BarValue::kRestLeft, recipe_.restLeft_s());
   set(BarValue::kPaused, paused_ ? 1.0 : 0.0);
   set(BarValue::kPalmDispenser, senses.nearest);
+  set(BarValue::kResumeDrink, recipe_.resumeDrink());
   auto next = static_cast<std::size_t>(BarValue::kCount);
   for (std::size_t i = 0; i < bar_.dispensers.size(); ++i) {
     out.values[next++] = ledger.left_l(static_cast<int>(i));

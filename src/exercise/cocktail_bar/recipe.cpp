@@ -27,6 +27,18 @@ void Recipe::reset() noexcept {
   accuracy_sum_ = spilt_before_l_ = time_s_ = score_sum_ = rest_left_s_ = 0.0;
 }
 
+void Recipe::beginAt(double drink) noexcept {
+  const auto drinks = static_cast<double>(bar_.drinks.size());
+  reset();
+  if (drink >= 0.0 && drink < drinks) drink_ = static_cast<int>(drink);
+}
+
+int Recipe::resumeDrink() const noexcept {
+  if (stage_ == BarStage::kLevelDone) return 0;
+  if (stage_ != BarStage::kDrinkDone) return drink_;
+  return (drink_ + 1) % static_cast<int>(bar_.drinks.size());
+}
+
 int Recipe::steps() const noexcept {
   return static_cast<int>(bar_.drinks[static_cast<std::size_t>(drink_)].steps.size());
 }

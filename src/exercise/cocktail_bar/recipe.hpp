@@ -26,6 +26,9 @@ class Recipe {
   explicit Recipe(const Bar& bar) : bar_(bar) {}
 
   void reset() noexcept;
+  /// As reset(), but from that drink on. A level that has no such drink begins with its first.
+  /// @pre nothing was poured yet. Real-time safe.
+  WHOLEHAND_RT void beginAt(double drink) noexcept;
   /// Of every step from now on, instead of the level's; a step's tolerance is less than what it
   /// asks for. Real-time safe.
   WHOLEHAND_RT void tolerate(double tolerance_l) noexcept { tolerance_l_ = tolerance_l; }
@@ -39,6 +42,8 @@ class Recipe {
   [[nodiscard]] PourOrder order() const noexcept;
   [[nodiscard]] BarStage stage() const noexcept { return stage_; }
   [[nodiscard]] int drink() const noexcept { return drink_; }
+  /// The drink to begin with after a rest: this one, or the next where it is done.
+  [[nodiscard]] WHOLEHAND_RT int resumeDrink() const noexcept;
   [[nodiscard]] int step() const noexcept { return step_; }
   [[nodiscard]] int steps() const noexcept;
   [[nodiscard]] double score() const noexcept;
