@@ -1,9 +1,9 @@
 // Which contacts on a dispenser are a grip. Postures and normals of the grasps are those of virtual
 // patients at the bar; of a left hand the mirror image in y.
-#include "exercise/cocktail_bar/grip.hpp"
+#include "exercise/grip.hpp"
 
 #include "exercise/bar_table.hpp"
-#include "exercise/cocktail_bar/hand_posture.hpp"
+#include "exercise/hand_posture.hpp"
 #include "support/tolerance.hpp"
 
 #include <numbers>

@@ -1,6 +1,6 @@
 #include "exercise/cocktail_bar/bar_senses.hpp"
 
-#include "exercise/cocktail_bar/grip.hpp"
+#include "exercise/grip.hpp"
 
 #include <algorithm>
 #include <cmath>

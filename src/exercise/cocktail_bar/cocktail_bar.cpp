@@ -5,11 +5,11 @@
 #include "exercise/cocktail_bar/bar_patient.hpp"
 #include "exercise/cocktail_bar/bar_player.hpp"
 #include "exercise/cocktail_bar/bar_values.hpp"
-#include "exercise/cocktail_bar/grip.hpp"
 #include "exercise/cocktail_bar/pouring.hpp"
 #include "exercise/cocktail_bar/recipe.hpp"
 #include "exercise/cocktail_bar/serving.hpp"
 #include "exercise/finger_walls.hpp"
+#include "exercise/grip.hpp"
 
 #include <algorithm>
 #include <cstddef>

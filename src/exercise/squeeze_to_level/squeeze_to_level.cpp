@@ -1,6 +1,6 @@
 #include "exercise/squeeze_to_level/squeeze_to_level.hpp"
 
-#include "exercise/cocktail_bar/grip.hpp"
+#include "exercise/grip.hpp"
 #include "exercise/squeeze_to_level/squeeze_player.hpp"
 #include "exercise/squeeze_to_level/squeeze_task.hpp"
 

@@ -2,8 +2,8 @@
 
 #include "core/real_time.hpp"
 #include "core/tick_record.hpp"
-#include "exercise/cocktail_bar/hand_posture.hpp"
 #include "exercise/finger_walls.hpp"
+#include "exercise/hand_posture.hpp"
 
 namespace wholehand {
 

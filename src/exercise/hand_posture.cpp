@@ -1,4 +1,4 @@
-#include "exercise/cocktail_bar/hand_posture.hpp"
+#include "exercise/hand_posture.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "exercise/cocktail_bar/grip.hpp"
+#include "exercise/grip.hpp"
 
 #include <algorithm>
 #include <array>
