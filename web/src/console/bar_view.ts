@@ -52,12 +52,13 @@ export class SmallBar {
     this.scene.resize();
   }
 
-  /** Draws a state if it is time to. */
-  draw(state: WorldStateT, now_ms: number): void {
-    if (now_ms - this.drawn_ms < 1000 / RATE_HZ[this.quality] - 2) return;
+  /** Draws a state if it is time to, or at once: then somebody waits for this very one. */
+  draw(state: WorldStateT, now_ms: number, atOnce = false): void {
+    if (!atOnce && now_ms - this.drawn_ms < 1000 / RATE_HZ[this.quality] - 2) return;
     this.drawn_ms = now_ms;
     this.scene.setState(state);
     this.scene.render(now_ms);
+    if (atOnce) return;
     // Its own pace is no sign of a slow machine: only pictures slower than that are.
     const late_ms = this.scene.stats().frame_ms - 1000 / RATE_HZ[this.quality];
     const quality = this.chooser?.choose({ frame_ms: late_ms }, now_ms) ?? this.quality;
