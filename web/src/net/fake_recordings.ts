@@ -11,7 +11,7 @@ import { FakeProgram } from './fake_program';
 
 const PERIOD_S = 1e-3;
 /** States are made at this rate, for so long; then they come again. */
-const MADE_HZ = 50;
+const MADE_HZ = 20;
 const MADE_S = 24;
 const GAP_TICKS = 200;
 const DISPENSER_FORCE = ['contact_force_n', 'contact_count'] as const;
@@ -33,11 +33,12 @@ export class FakeRecordings {
   constructor(private readonly options: URLSearchParams) {
     const program = new FakeProgram(new URLSearchParams({ level: options.get('level') ?? '2' }));
     this.scene = program.scene();
-    for (let i = 0; i < MADE_HZ * MADE_S; i += 1) {
+    const length_s = Number(options.get('length') ?? 60);
+    for (let i = 0; i < MADE_HZ * Math.min(MADE_S, length_s + 2); i += 1) {
       this.made.push(program.state());
       program.advance(1 / MADE_HZ);
     }
-    this.ticks = Math.round(Number(options.get('length') ?? 60) / PERIOD_S);
+    this.ticks = Math.round(length_s / PERIOD_S);
   }
 
   /** Rows of the file: without the ticks that are missing. */

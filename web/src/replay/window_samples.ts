@@ -27,7 +27,7 @@ export class WindowSamples {
       end_s = piece.from_s + to * width_s;
     }
     const first_s = samples[0]?.time_s ?? Infinity;
-    for (const gap of gaps) if (gap.from_s > first_s && gap.from_s < end_s) hole((gap.from_s + gap.to_s) / 2);
+    for (const gap of gaps) if (gap.to_s > first_s && gap.from_s < end_s) hole((gap.from_s + gap.to_s) / 2);
     // Stable: low stays before high.
     samples.sort((a, b) => a.time_s - b.time_s);
     this.times = Float64Array.from(samples, ({ time_s }) => time_s);

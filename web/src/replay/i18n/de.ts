@@ -3,7 +3,7 @@ import type { ReplayTexts } from './en';
 export const de: ReplayTexts = {
   title: '{name}: Wiedergabe', brand: 'Wiedergabe',
   theme: 'Dunkel oder hell', language: 'Sprache', tables: 'Tabellen statt Kurven',
-  report: 'Bericht', reportOf: 'Bericht zu {name}', download: 'Herunterladen', downloadOf: '{name} herunterladen: Herunterladen',
+  report: 'Bericht', reportOf: 'Bericht zu {name}',
   opening: 'Die Aufnahme wird geöffnet …', loading: '{percent} % gelesen',
   sides: { a: 'A', b: 'B', of: 'Aufnahme {side}' },
 

@@ -2,7 +2,7 @@
 export const en = {
   title: '{name}: replay', brand: 'Replay',
   theme: 'Dark or light', language: 'Language', tables: 'Tables instead of plots',
-  report: 'Report', reportOf: 'Report of {name}', download: 'Download', downloadOf: 'Download {name}',
+  report: 'Report', reportOf: 'Report of {name}',
   opening: 'The recording is being opened …', loading: '{percent} % read',
   sides: { a: 'A', b: 'B', of: 'Recording {side}' },
 

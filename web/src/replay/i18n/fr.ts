@@ -3,7 +3,7 @@ import type { ReplayTexts } from './en';
 export const fr: ReplayTexts = {
   title: '{name} : relecture', brand: 'Relecture',
   theme: 'Sombre ou clair', language: 'Langue', tables: 'Tableaux au lieu de courbes',
-  report: 'Rapport', reportOf: 'Rapport de {name}', download: 'Télécharger', downloadOf: 'Télécharger {name}',
+  report: 'Rapport', reportOf: 'Rapport de {name}',
   opening: 'L’enregistrement s’ouvre …', loading: '{percent} % lus',
   sides: { a: 'A', b: 'B', of: 'Enregistrement {side}' },
 
