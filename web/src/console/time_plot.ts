@@ -15,6 +15,9 @@ const FONT_SIGN = '15px "DejaVu Sans", "Segoe UI Symbol", "Apple Symbols", sans-
 /** A limit is drawn when the data come this near to it. */
 const LIMIT_NEAR = 0.45;
 
+/** Of the canvas [px]. */
+interface Stretch { readonly left: number; readonly right: number }
+
 const NOTHING: Span = { from_s: 0, to_s: 1 };
 /** Shorter than this a pull is a click [px]. */
 const PULL_PX = 6;
@@ -183,8 +186,19 @@ export class TimePlot {
     context.textAlign = 'left';
     context.textBaseline = 'alphabetic';
     if (this.limit !== undefined) for (const value of [this.limit, -this.limit]) this.drawLimit(plot, value, ratio);
-    for (const mark of this.marks) this.drawMark(plot, mark, ratio);
+    this.drawMarks(plot, ratio);
     context.restore();
+  }
+
+  /** What is bad is named first; a name that would stand in another is left out. */
+  private drawMarks(plot: uPlot, ratio: number): void {
+    const { from_s, to_s } = this.window;
+    const seen = this.marks.filter(({ time_s }) => time_s >= from_s && time_s <= to_s);
+    const taken: Stretch[] = [];
+    for (const mark of [...seen.filter(({ bad }) => bad), ...seen.filter(({ bad }) => !bad)]) {
+      const name = this.drawMark(plot, mark, ratio, taken);
+      if (name) taken.push(name);
+    }
   }
 
   private drawLimit(plot: uPlot, value: number, ratio: number): void {
@@ -203,9 +217,9 @@ export class TimePlot {
     context.fillText(this.words.limit, bbox.left + 8 * ratio, y + (value < 0 ? -5 : 15) * ratio);
   }
 
-  private drawMark(plot: uPlot, mark: Mark, ratio: number): void {
+  /** @param taken where names stand [px]; @returns where this one's does */
+  private drawMark(plot: uPlot, mark: Mark, ratio: number, taken: readonly Stretch[]): Stretch | undefined {
     const { ctx: context, bbox } = plot;
-    if (mark.time_s < this.window.from_s || mark.time_s > this.window.to_s) return;
     const x = Math.round(plot.valToPos(mark.time_s, 'x', true));
     context.strokeStyle = mark.bad ? this.theme.bad : this.theme.line2;
     context.fillStyle = mark.bad ? this.theme.bad : this.theme.ink2;
@@ -216,9 +230,12 @@ export class TimePlot {
     context.lineTo(x, bbox.top + bbox.height);
     context.stroke();
     // A stop is named once, at the top; its line goes through all plots.
-    if (mark.bad && this.spec.id !== 'hand') return;
+    if (mark.bad && this.spec.id !== 'hand') return undefined;
     context.font = scaled(mark.bad ? FONT_BAD : FONT_SIGN, ratio);
+    const name = { left: x, right: x + 5 * ratio + context.measureText(mark.label).width };
+    if (taken.some((other) => name.left < other.right && name.right > other.left)) return undefined;
     context.fillText(mark.label, x + 5 * ratio, bbox.top + 13 * ratio);
+    return name;
   }
 }
 
