@@ -36,6 +36,8 @@ export class Player {
   advance(dt_s: number): void {
     if (!this.playing) return;
     this.seek(this.time_s + Math.min(Math.max(0, dt_s), 0.25) * this.speed);
-    if (this.atEnd) this.playing = false;
+    if (!this.atEnd) return;
+    this.seek(this.span.to_s);
+    this.playing = false;
   }
 }
