@@ -93,8 +93,9 @@ describe('rows and times', () => {
 
   it('lead back and forth over ticks that are missing: no row is skipped, none is met twice', () => {
     const map = new TimeMap({ from_s: 0, period_s: 0.001 }, 1000);
+    // From the first tick that is missing to the first row after it.
     // Rows 0 .. 99 are ticks 0 .. 99, rows 100 .. 299 ticks 150 .. 349, the rest ticks 350 + 7 and on.
-    map.setGaps([{ from_s: 0.099, to_s: 0.15, ticks: 50 }, { from_s: 0.349, to_s: 0.357, ticks: 7 }]);
+    map.setGaps([{ from_s: 0.1, to_s: 0.15, ticks: 50 }, { from_s: 0.35, to_s: 0.357, ticks: 7 }]);
     const tick = (row: number): number => row + (row >= 100 ? 50 : 0) + (row >= 300 ? 7 : 0);
     for (let row = 0; row < 1000; row += 1) {
       expect(map.timeAt(row)).toBeCloseTo(tick(row) / 1000, 9);
@@ -102,6 +103,17 @@ describe('rows and times', () => {
     }
     expect([map.rowAt(0.12), map.rowAt(0.149)], 'in a gap: the last one before it').toEqual([99, 99]);
   });
+});
+
+it('a row that the series told of is right though the loop was late before it', () => {
+  const map = new TimeMap({ from_s: 0, period_s: 0.001 }, 1000);
+  // Ten ticks were passed over somewhere in the first half second: nothing says where.
+  map.addAnchor(490, 0.4995);
+  for (const row of [490, 491, 700]) {
+    expect(map.timeAt(row)).toBeCloseTo((row + 10) / 1000, 9);
+    expect(map.rowAt((row + 10) / 1000)).toBe(row);
+  }
+  expect(map.rowAt(0.499)).toBeLessThan(490);
 });
 
 describe('pieces of series', () => {
@@ -129,7 +141,7 @@ describe('pieces of series', () => {
 
   const pieceOf = (from_s: number, low: number[], high: number[], width_s: number): SeriesPiece => ({
     from_s, to_s: from_s + low.length * width_s, columns: low.length, channels: new Map([['x/0', { low: Float32Array.from(low), high: Float32Array.from(high) }]]),
-    events: [], gaps: [], marks: [], truncated: false, bytes: 100 });
+    events: [], gaps: [], unreadable: [], first_tick: 0, marks: [], truncated: false, bytes: 100 });
 
   it('are drawn with the extremes of every column, and nothing where there is nothing', () => {
     const piece = pieceOf(0, [1, NaN, -5], [2, NaN, 9], 0.1);
@@ -143,7 +155,7 @@ describe('pieces of series', () => {
     const [a, b] = [pieceOf(0, [1, 2], [1, 2], 0.001), pieceOf(0.01, [3, 4], [3, 4], 0.001)];
     const runs = [a, b].map((piece) => ({ piece, from: 0, to: 2, width_s: 0.001 }));
     expect([...new WindowSamples(runs, [], 0.001).values('x/0', 1)]).toEqual([1, 2, NaN, 3, 4]);
-    const gap = [{ from_s: 0.0005, to_s: 0.0014, ticks: 1 }];
+    const gap = [{ from_s: 0.0009, to_s: 0.0014, ticks: 1 }];
     expect([...new WindowSamples([runs[0]], gap, 0.001).values('x/0', 1)]).toEqual([1, NaN, 2]);
   });
 });

@@ -167,8 +167,8 @@ describe('a recording that is opened', () => {
   it('finds every tick by its row, with ticks missing', async () => {
     const { side, fake } = await open({ length: '3', gap: '' });
     await settled(() => side.series.progress === 1);
-    expect([side.missingTicks, side.about.ticks, fake.rows]).toEqual([200, 2800, 2800]);
-    for (const row of [0, 999, 1000, 1001, 2799]) expect(side.timeAt(row)).toBeCloseTo(fake.state(row).timeS, 9);
+    expect([side.about.ticks_missing, side.about.ticks, fake.rows]).toEqual([200, 2800, 2800]);
+    for (const row of [0, 999, 1000, 1001, 2799]) expect(side.timeOf(row)).toBeCloseTo(fake.state(row).timeS, 9);
     side.close();
   });
 

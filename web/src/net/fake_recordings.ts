@@ -95,9 +95,11 @@ export class FakeRecordings {
     const damaged = this.options.has('damaged');
     return {
       name, title: this.options.get('title') ?? 'Cocktail bar', created_utc: '2026-11-20T09:38:00Z', program_version: '0.3.0 (stand-in)', period_s: PERIOD_S,
-      ticks: this.rows, from_s: 0, to_s: this.ticks * PERIOD_S, simulated_device: true, patient: 'relaxed-adult', device: 'lambda-pride', hand: 'adult-median-right',
+      ticks: this.rows, ticks_missing: this.ticks - this.rows, from_s: 0, to_s: this.ticks * PERIOD_S, simulated_device: true, patient: 'relaxed-adult', device: 'lambda-pride', hand: 'adult-median-right',
       exercise: this.options.has('noexercise') ? '' : 'cocktail-bar', level: 2, still_written: written, whole: !damaged,
       ...(damaged ? { unreadable_from_s: 0.9 * this.ticks * PERIOD_S } : {}), run_again: true, picture: !this.options.has('nopicture'), no_picture_because: '',
+      axes: this.scene.axes.map(({ name, unit, effortLimit, leverArmM }) => ({ name, unit, effort_limit: effortLimit, lever_arm_m: leverArmM })),
+      value_names: this.scene.valueNames, event_names: this.scene.eventNames,
       result: [{ label: 'Score', unit: '', value: '87' }, { label: 'Spilt', unit: 'ml', value: '3.2' }],
     };
   }
@@ -136,7 +138,7 @@ export class FakeRecordings {
         });
       }
     }
-    return framed({ from_s, to_s, columns, first_tick: rowFrom(from_s), channels: channels.map(({ name, axis }) => ({ name, axis })), ...this.happened(from_s, to_s), truncated: false }, values);
+    return framed({ from_s, to_s, columns, first_tick: Math.max(0, rowFrom(from_s)), unreadable: [], channels: channels.map(({ name, axis }) => ({ name, axis })), ...this.happened(from_s, to_s), truncated: false }, values);
   }
 
   private happened(from_s: number, to_s: number): object {
@@ -150,7 +152,7 @@ export class FakeRecordings {
     const gap_s = this.gapAt * PERIOD_S;
     return {
       events: events.filter((e) => within(e) && e.time_s < end_s),
-      gaps: this.options.has('gap') && gap_s < to_s && gap_s + GAP_TICKS * PERIOD_S > from_s ? [{ from_s: gap_s - PERIOD_S, to_s: gap_s + GAP_TICKS * PERIOD_S, ticks: GAP_TICKS }] : [],
+      gaps: this.options.has('gap') && gap_s < to_s && gap_s + GAP_TICKS * PERIOD_S > from_s ? [{ from_s: gap_s, to_s: gap_s + GAP_TICKS * PERIOD_S, ticks: GAP_TICKS }] : [],
       marks: [
         { time_s: 0, kind: 'armed', text: '', axis: '' }, { time_s: 0.6 * end_s, kind: 'controls_lost', text: 'owner silent', axis: '' },
         { time_s: 0.9 * end_s, kind: 'fault', text: 'speed limit exceeded', axis: 'x' },

@@ -32,7 +32,7 @@ export class Column {
     this.view = new ViewPanel(side, look, (chosen) => { hands.look(chosen); this.changed_ms = performance.now(); });
     this.plots = new ReplayPlots(side, maker, hands, () => hands.choice());
     this.exercise = new ExercisePanelView({ get scene() { return side.hasScene ? side.scene : null; }, get state() { return side.state; } });
-    this.facts = factsPanel(side.about, side.missingTicks);
+    this.facts = factsPanel(side.about, side.about.ticks_missing);
     this.moments = new MomentsPanel(side, (time_s) => hands.seek(time_s));
   }
 

@@ -29,6 +29,11 @@ export function readState(bytes: Uint8Array): WorldStateT {
   return reading(() => (open(bytes, Payload.WorldState).payload(new WorldState()) as WorldState).unpack());
 }
 
+/** Only its time, without reading all of it. */
+export function timeOfState(bytes: Uint8Array): number {
+  return reading(() => (open(bytes, Payload.WorldState).payload(new WorldState()) as WorldState).timeS());
+}
+
 /** Cuts the answer of .../replay/states into its messages; they are read when they are shown. */
 export function splitStates(buffer: ArrayBuffer): Uint8Array[] {
   const view = new DataView(buffer);

@@ -39,7 +39,7 @@ function linesOf(side: ReplaySide): Line[] {
   if (about.still_written) lines.push({ kind: '', text: t.written, act: 'read-on' });
   if (!about.whole) lines.push({ kind: 'warn', text: about.unreadable_from_s === undefined ? t.damagedEnd : fill(t.damaged, { time: clockTime(about.unreadable_from_s + side.shift_s, 3) }) });
   if (about.ticks === 0) lines.push({ kind: 'warn', text: t.empty });
-  if (side.missingTicks > 0) lines.push({ kind: 'warn', text: fill(t.holes, { n: grouped(side.missingTicks) }) });
+  if (side.about.ticks_missing > 0) lines.push({ kind: 'warn', text: fill(t.holes, { n: grouped(side.about.ticks_missing) }) });
   if (!side.hasScene) lines.push({ kind: '', text: about.no_picture_because === '' ? t.noPictureAtAll : fill(t.noPicture, { why: about.no_picture_because }) });
   if (about.exercise === '') lines.push({ kind: '', text: t.noExercise });
   return lines;

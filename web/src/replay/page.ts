@@ -137,9 +137,10 @@ export class ReplayPage implements TransportHands {
   step(ticks: number): void {
     const [first] = this.sides;
     const last = Math.max(0, first.about.ticks - 1);
-    const row = Math.min(last, Math.max(0, (first.rowAt(this.player.time_s) ?? last) + ticks));
+    const row = Math.min(last, Math.max(0, first.wanted + ticks));
     this.player.playing = false;
-    this.seek(first.timeAt(row));
+    this.seek(first.timeOf(row));
+    first.wanted = row;
   }
 
   mark(way: 1 | -1): void {

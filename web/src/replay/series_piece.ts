@@ -2,6 +2,7 @@ import type { Span } from '../console/plot_source';
 import { Problem } from './problem';
 
 export interface ReplayEvent { readonly time_s: number; readonly type: number; readonly index: number; readonly value: number }
+/** Ticks that are missing, up to the first one that is there again. */
 export interface Gap extends Span { readonly ticks: number }
 export type MarkKind = 'stop' | 'emergency_stop' | 'fault' | 'controls_lost' | 'armed' | 'neutral';
 export interface ReplayMark { readonly time_s: number; readonly kind: MarkKind; readonly text: string; readonly axis: string }
@@ -13,6 +14,10 @@ export interface SeriesPiece extends Span {
   readonly channels: ReadonlyMap<string, { readonly low: Float32Array; readonly high: Float32Array }>;
   readonly events: readonly ReplayEvent[];
   readonly gaps: readonly Gap[];
+  /** What is there and cannot be read. */
+  readonly unreadable: readonly Span[];
+  /** Row of the first tick at or after its begin. */
+  readonly first_tick: number;
   readonly marks: readonly ReplayMark[];
   /** There was more than the program tells at once. */
   readonly truncated: boolean;
@@ -47,6 +52,8 @@ export function readPiece(buffer: ArrayBuffer): SeriesPiece {
   }));
   return {
     from_s: number(header.from_s), to_s: number(header.to_s), columns, channels, truncated: header.truncated === true, bytes: buffer.byteLength,
+    first_tick: number(header.first_tick),
+    unreadable: list(header.unreadable).map((span) => ({ from_s: number(span.from_s), to_s: number(span.to_s) })),
     events: list(header.events).map((e) => ({ time_s: number(e.time_s), type: number(e.type), index: number(e.index), value: number(e.value) })),
     gaps: list(header.gaps).map((g) => ({ from_s: number(g.from_s), to_s: number(g.to_s), ticks: number(g.ticks) })),
     marks: list(header.marks).filter((m) => KINDS.includes(String(m.kind))).map((m) => ({

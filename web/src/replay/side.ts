@@ -21,11 +21,13 @@ import { WindowSamples } from './window_samples';
 const COLUMNS = 500;
 /** Pictures a second while it plays [Hz]. */
 const PICTURES_HZ = 60;
+/** Steps of looking for a time among rows. */
+const CORRECTIONS = 5;
 
 /** One recording that is shown: what is known of it, and the moment that is looked at. */
 export class ReplaySide implements PlotsModel {
   about: About;
-  /** Of the file; where it has none, axes as far as the series tell them. */
+  /** Of the file; where it has none, names as far as the file tells them. */
   scene: SceneT;
   readonly hasScene: boolean;
   state: WorldStateT | null = null;
@@ -49,7 +51,7 @@ export class ReplaySide implements PlotsModel {
   private constructor(readonly source: RecordingSource, about: About, scene: SceneT | undefined) {
     this.about = about;
     this.hasScene = scene !== undefined;
-    this.scene = scene ?? new SceneT();
+    this.scene = scene ?? sceneOf(about);
     this.panel = ExercisePanel.of(this.scene);
     this.map = new TimeMap(about, about.ticks);
     this.history = new SeriesView(new ColumnList(), [], this.scene);
@@ -76,11 +78,6 @@ export class ReplaySide implements PlotsModel {
   get span(): Span {
     const { from_s, to_s, period_s } = this.about;
     return { from_s: from_s + this.shift_s, to_s: Math.max(from_s, to_s - period_s) + this.shift_s };
-  }
-
-  get missingTicks(): number {
-    const { from_s, to_s, period_s, ticks } = this.about;
-    return ticks === 0 ? 0 : Math.max(0, Math.round((to_s - from_s) / period_s) - ticks);
   }
 
   get names(): Names {
@@ -122,14 +119,11 @@ export class ReplaySide implements PlotsModel {
     return ticks === 0 || own_s < from_s - period_s / 2 || own_s > to_s - period_s / 2 ? undefined : this.map.rowAt(own_s);
   }
 
-  timeAt(row: number): number {
-    return this.map.timeAt(row) + this.shift_s;
-  }
-
   /** Asks for what is needed at a time, and shows the nearest that is known. True when another state is shown. */
   seek(time_s: number, window: Span, playing: boolean, speed: number): boolean {
-    const row = this.rowAt(time_s);
-    if (row === undefined) return false;
+    const mapped = this.rowAt(time_s);
+    if (mapped === undefined) return false;
+    const row = this.corrected(mapped, time_s - this.shift_s);
     this.wanted = row;
     const { period_s } = this.about;
     if (playing) this.states.wantFrom(row, stepFor(speed / PICTURES_HZ / period_s));
@@ -137,6 +131,24 @@ export class ReplaySide implements PlotsModel {
     const nearest = this.states.nearest(row);
     if (nearest === undefined || nearest === this.shown) return false;
     return this.show(nearest);
+  }
+
+  /** Time of a row on the page's clock, from its state where that is known. */
+  timeOf(row: number): number {
+    return (this.states.time_s(row) ?? this.map.timeAt(row)) + this.shift_s;
+  }
+
+  /** States that are known say where the map is wrong. */
+  private corrected(row: number, own_s: number): number {
+    let best = row;
+    let off_s = Infinity;
+    for (let i = 0; i < CORRECTIONS; i += 1) {
+      const time_s = this.states.time_s(row);
+      if (time_s === undefined || Math.abs(own_s - time_s) >= off_s) break;
+      [best, off_s] = [row, Math.abs(own_s - time_s)];
+      row = Math.min(this.about.ticks - 1, Math.max(0, row + Math.round((own_s - time_s) / this.about.period_s)));
+    }
+    return off_s === Infinity ? row : best;
   }
 
   /** The file is read on: it was still being written. */
@@ -171,17 +183,10 @@ export class ReplaySide implements PlotsModel {
   }
 
   private take(piece: SeriesPiece): void {
-    if (!this.hasScene && this.scene.axes.length === 0) this.takeAxes(piece);
+    this.map.addAnchor(piece.first_tick, piece.from_s);
     this.moments.add(piece);
     this.map.setGaps(this.moments.gaps);
     this.fresh = true;
-  }
-
-  // Without a scene nobody says what the axes are called: they are numbered.
-  private takeAxes(piece: SeriesPiece): void {
-    let count = 0;
-    while (piece.channels.has(`q_m/${count}`)) count += 1;
-    this.scene.axes = Array.from({ length: count }, (_, i) => new AxisT(texts().plots.axis.replace('{n}', String(i + 1)), '', 0, 0, 0, 0, 0));
   }
 
   private tell(problem: Problem | undefined): void {
@@ -190,4 +195,14 @@ export class ReplaySide implements PlotsModel {
     this.problem = problem;
     this.fresh = true;
   }
+}
+
+/** What plots need of a scene, from what is told of the file. */
+function sceneOf({ axes, value_names, event_names, period_s }: About): SceneT {
+  const scene = new SceneT();
+  scene.axes = axes.map(({ name, unit, effort_limit, lever_arm_m }) => new AxisT(name, unit, 0, 0, effort_limit, lever_arm_m, 0));
+  scene.valueNames = [...value_names];
+  scene.eventNames = [...event_names];
+  scene.periodS = period_s;
+  return scene;
 }

@@ -1,7 +1,7 @@
 import type { WorldStateT } from '../protocol';
 import { BoundedCache } from './bounded_cache';
 import { Loader } from './loader';
-import { readState } from './messages';
+import { readState, timeOfState } from './messages';
 import type { Problem } from './problem';
 import type { RecordingSource } from './recording_source';
 
@@ -72,17 +72,19 @@ export class StateStore {
     return found;
   }
 
+  /** Time of a row, as its state tells it; undefined where that is not known. */
+  time_s(row: number): number | undefined {
+    const message = this.messageOf(row);
+    return message && timeOfState(message);
+  }
+
   /** The state of a known row; throws a Problem where its message cannot be read. */
   state(row: number): WorldStateT | undefined {
     if (this.read?.row === row) return this.read.state;
-    for (const [key, { value: { first, step, messages } }] of this.blocks.entries()) {
-      const message = (row - first) % step === 0 ? messages[(row - first) / step] : undefined;
-      if (!message) continue;
-      this.blocks.use(key);
-      this.read = { row, state: readState(message) };
-      return this.read.state;
-    }
-    return undefined;
+    const message = this.messageOf(row);
+    if (!message) return undefined;
+    this.read = { row, state: readState(message) };
+    return this.read.state;
   }
 
   get bytes(): number {
@@ -96,6 +98,15 @@ export class StateStore {
   close(): void {
     this.loader.close();
     this.blocks.clear();
+  }
+
+  private messageOf(row: number): Uint8Array | undefined {
+    const exact = this.blocks.use(keyOf(1, Math.floor(row / BLOCK)))?.messages[row % BLOCK];
+    if (exact) return exact;
+    for (const [, { value: { first, step, messages } }] of this.blocks.entries()) {
+      if (row >= first && (row - first) % step === 0 && messages[(row - first) / step]) return messages[(row - first) / step];
+    }
+    return undefined;
   }
 
   private rowsIn(step: number, index: number): number {

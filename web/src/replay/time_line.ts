@@ -144,6 +144,7 @@ export class TimeLine {
     this.drawForce(context, side.series.overview(), x, floor, high);
     for (const { from_s, to_s } of side.series.missing()) hatch(context, theme.line2, x(from_s), x(to_s), floor - high, high);
     for (const gap of side.moments.gaps) hatch(context, theme.bad, x(gap.from_s), Math.max(x(gap.to_s), x(gap.from_s) + 3), floor - high, high);
+    for (const { unreadable } of side.series.overview()) for (const { from_s, to_s } of unreadable) hatch(context, theme.bad, x(from_s), x(to_s), floor - high, high);
     if (!about.whole && about.unreadable_from_s !== undefined) hatch(context, theme.bad, x(about.unreadable_from_s), x(about.to_s), floor - high, high);
     this.drawMarks(context, theme, side, x, top);
   }

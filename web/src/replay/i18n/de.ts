@@ -21,7 +21,7 @@ export const de: ReplayTexts = {
     intention: 'gewollt', parts: 'Kraft, {axis}', sent: 'gesendet', exercise: 'Übung', damping: 'Dämpfung',
     contact: 'Berührung', force: 'Kraft', count: 'Kontakte', palm: 'Handfläche zum Objekt', distance: 'Abstand', duration: 'Zeit pro Takt', took: 'dauerte',
     value: 'Übung', valueChoice: 'Wert der Übung', hint: 'Klick: dorthin. Ziehen: vergrössern. Strg und Rad: länger oder kürzer.',
-    axis: 'Achse {n}', coming: 'Die Kurven kommen, sobald sie gelesen sind.',
+    coming: 'Die Kurven kommen, sobald sie gelesen sind.',
   },
   facts: {
     title: 'Aufnahme', when: 'Wann', exercise: 'Übung', hand: 'Hand', patient: 'Patient', device: 'Gerät', simulated: 'simuliert', length: 'Länge',

@@ -20,7 +20,7 @@ export const en = {
     intention: 'intended', parts: 'Effort, {axis}', sent: 'sent', exercise: 'exercise', damping: 'damping',
     contact: 'Contact', force: 'force', count: 'contacts', palm: 'Palm to object', distance: 'distance', duration: 'Time per tick', took: 'took',
     value: 'Exercise', valueChoice: 'Value of the exercise', hint: 'Click: go there. Pull: zoom in. Ctrl and wheel: longer or shorter.',
-    axis: 'Axis {n}', coming: 'The plots come as they are read.',
+    coming: 'The plots come as they are read.',
   },
   facts: {
     title: 'Recording', when: 'When', exercise: 'Exercise', hand: 'Hand', patient: 'Patient', device: 'Device', simulated: 'simulated', length: 'Length',

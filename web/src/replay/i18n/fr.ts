@@ -21,7 +21,7 @@ export const fr: ReplayTexts = {
     intention: 'voulu', parts: 'Effort, {axis}', sent: 'envoyé', exercise: 'exercice', damping: 'amortissement',
     contact: 'Contact', force: 'force', count: 'contacts', palm: 'Paume à l’objet', distance: 'distance', duration: 'Temps par pas', took: 'durée',
     value: 'Exercice', valueChoice: 'Valeur de l’exercice', hint: 'Clic : y aller. Tirer : agrandir. Ctrl et molette : plus long ou plus court.',
-    axis: 'Axe {n}', coming: 'Les courbes viennent à mesure de la lecture.',
+    coming: 'Les courbes viennent à mesure de la lecture.',
   },
   facts: {
     title: 'Enregistrement', when: 'Quand', exercise: 'Exercice', hand: 'Main', patient: 'Patient', device: 'Appareil', simulated: 'simulé', length: 'Durée',
