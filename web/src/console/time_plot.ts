@@ -232,9 +232,13 @@ export class TimePlot {
     // A stop is named once, at the top; its line goes through all plots.
     if (mark.bad && this.spec.id !== 'hand') return undefined;
     context.font = scaled(mark.bad ? FONT_BAD : FONT_SIGN, ratio);
-    const name = { left: x, right: x + 5 * ratio + context.measureText(mark.label).width };
-    if (taken.some((other) => name.left < other.right && name.right > other.left)) return undefined;
-    context.fillText(mark.label, x + 5 * ratio, bbox.top + 13 * ratio);
+    if (mark.label === '') return undefined;
+    const width = context.measureText(mark.label).width;
+    // At the end of the window it stands before its line.
+    const left = x + 5 * ratio + width <= bbox.left + bbox.width ? x + 5 * ratio : x - 5 * ratio - width;
+    const name = { left, right: left + width };
+    if (taken.some((other) => name.left < other.right + 5 * ratio && name.right > other.left)) return undefined;
+    context.fillText(mark.label, left, bbox.top + 13 * ratio);
     return name;
   }
 }

@@ -23,6 +23,9 @@ const token = takeToken();
 const asked = new URLSearchParams(location.search);
 const names = ['recording', 'beside'].map((key) => asked.get(key) ?? '').filter((name, i) => i === 0 || name !== '');
 const root = document.querySelector<HTMLElement>('#app')!;
+/** After so long a program that did not answer is asked again [ms]. */
+const AGAIN_MS = 2000;
+let again: ReturnType<typeof setTimeout> | undefined;
 let page: ReplayPage | undefined;
 let shown: { name: string; problem: Problem | 'none' | undefined } = { name: names[0], problem: undefined };
 Object.defineProperty(window, 'wholehandReplay', { get: () => page?.now ?? null });
@@ -40,6 +43,7 @@ async function answers(): Promise<Fetch | undefined> {
 }
 
 async function open(): Promise<void> {
+  clearTimeout(again);
   shown = { name: names[0], problem: names[0] === '' ? 'none' : undefined };
   showOpening();
   if (names[0] === '') return;
@@ -54,6 +58,8 @@ async function open(): Promise<void> {
     for (const side of sides) side.close();
     shown.problem = asProblem(thrown);
     showOpening();
+    // A program that is busy, or starts again, is waited for.
+    if (shown.problem.passes) again = setTimeout(() => void open(), AGAIN_MS);
     return;
   }
   page = new ReplayPage(root, sides);

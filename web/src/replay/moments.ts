@@ -77,6 +77,6 @@ export function wordsOf(moment: Moment, names: Names, t: ReplayTexts, ofConsole:
 
 /** As an upright line in the plots. */
 export function plotMark(moment: Moment, names: Names, t: ReplayTexts, ofConsole: ConsoleTexts): Mark {
-  const sign = moment.event ? phaseSign(names.eventNames[moment.event.type] ?? '') ?? '·' : t.moments.short[moment.kind] ?? moment.kind;
+  const sign = moment.event ? phaseSign(names.eventNames[moment.event.type] ?? '') ?? '' : t.moments.short[moment.kind] ?? moment.kind;
   return { time_s: moment.time_s, label: sign, meaning: wordsOf(moment, names, t, ofConsole), bad: isBad(moment) };
 }

@@ -7,24 +7,27 @@ import type { ReplaySide } from './side';
 
 /** What a person must know of a recording that is shown: it grows, it has holes, a part of it cannot be had. */
 export class ReplayNotices {
-  readonly element = h('div', { class: 'notices' });
+  readonly element = h('div', { class: 'notices replay-notices' });
   private shown = '';
 
   constructor(private readonly sides: readonly ReplaySide[], private readonly readOn: (side: ReplaySide) => void) {}
 
   refresh(): void {
-    const lines = this.sides.flatMap((side, i) => linesOf(side).map((line) => ({ ...line, i })));
+    const lines = this.sides.map(linesOf);
     const key = JSON.stringify(lines);
     if (key === this.shown) return;
     this.shown = key;
+    // Each recording's lines stand over it.
+    this.element.replaceChildren(...lines.map((own, i) => h('div', {}, ...own.map((line) => this.notice(line, i)))));
+  }
+
+  private notice({ kind, text, act }: Line, i: number): HTMLElement {
     const { sides, notices: t } = texts();
-    this.element.replaceChildren(...lines.map(({ kind, text, act, i }) => {
-      const side = this.sides[i];
-      const button = act === undefined ? null : h('button', { type: 'button', class: 'b small', 'data-testid': act, onclick: () => (act === 'retry' ? side.retry() : this.readOn(side)) },
-        act === 'retry' ? t.retry : t.readOn);
-      return h('div', { class: `notice ${kind}`, role: kind === 'bad' ? 'alert' : 'status' },
-        this.sides.length > 1 ? h('b', {}, i === 0 ? sides.a : sides.b) : null, h('bdi', { class: 'clip', title: text }, text), button);
-    }));
+    const side = this.sides[i];
+    const button = act === undefined ? null : h('button', { type: 'button', class: 'b small', 'data-testid': act, onclick: () => (act === 'retry' ? side.retry() : this.readOn(side)) },
+      act === 'retry' ? t.retry : t.readOn);
+    return h('div', { class: `notice ${kind}`, role: kind === 'bad' ? 'alert' : 'status' },
+      this.sides.length > 1 ? h('b', {}, i === 0 ? sides.a : sides.b) : null, h('bdi', { class: 'clip', title: text }, text), button);
   }
 }
 

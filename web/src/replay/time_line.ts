@@ -16,6 +16,8 @@ const TIMES_PX = 18;
 const TICK_EVERY_PX = 90;
 /** Least force that fills a lane [N]. */
 const LEAST_FULL_N = 2;
+/** Share of the columns with contact that fit into a lane. */
+const FITS = 0.95;
 
 /** What a person does at the time line. */
 export interface TimeLineHands {
@@ -151,13 +153,15 @@ export class TimeLine {
 
   private drawForce(context: CanvasRenderingContext2D, pieces: readonly SeriesPiece[], x: (time_s: number) => number, floor: number, high: number): void {
     const forces = pieces.map((piece) => ({ piece, force: piece.channels.get(channelKey('contact_force_n'))?.high }));
-    const most = forces.reduce((max, { force }) => force?.reduce((a, b) => (b > a ? b : a), max) ?? max, LEAST_FULL_N);
+    // A bump must not hide the grasps: nearly all of them fit.
+    const all = forces.flatMap(({ force }) => [...(force ?? [])]).filter((value) => value > 0).sort((a, b) => a - b);
+    const most = Math.max(LEAST_FULL_N, all[Math.floor(FITS * (all.length - 1))] ?? 0);
     for (const { piece, force } of forces) {
       const width_s = (piece.to_s - piece.from_s) / piece.columns;
       force?.forEach((value, column) => {
         if (!(value > 0)) return;
         const from = x(piece.from_s + column * width_s);
-        const tall = high * value / most;
+        const tall = high * Math.min(1, value / most);
         context.fillRect(from, floor - tall, Math.max(1, x(piece.from_s + (column + 1) * width_s) - from), tall);
       });
     }
