@@ -23,15 +23,15 @@ export class SmallBar {
     this.chooser = asked ? undefined : new QualityChooser(quality);
   }
 
-  /** Builds it. Fails where there is no WebGL. */
-  static async load(): Promise<SmallBar> {
+  /** Builds it. Fails where there is no WebGL. @param forces whether each contact's force is an arrow */
+  static async load({ forces = false } = {}): Promise<SmallBar> {
     const asked = new URLSearchParams(location.search).get('quality');
     const quality: Quality = asked === 'high' || asked === 'low' ? asked : initialQuality();
     // three.js is large: the figures come first.
     const { BarScene } = await import('../scene/bar_scene');
     const canvas = document.createElement('canvas');
     canvas.setAttribute('aria-hidden', 'true');
-    return new SmallBar(new BarScene(canvas, { quality, tone: 'honey', view: 'console' }), canvas, quality, asked === quality);
+    return new SmallBar(new BarScene(canvas, { quality, tone: 'honey', view: 'console', forces }), canvas, quality, asked === quality);
   }
 
   /** None until all of it can be drawn. */

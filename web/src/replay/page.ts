@@ -87,7 +87,7 @@ export class ReplayPage implements TransportHands {
     for (const [i, side] of this.sides.entries()) {
       if (!side.hasScene) continue;
       try {
-        const view = await SmallBar.load();
+        const view = await SmallBar.load({ forces: true });
         view.setScene(side.scene);
         this.views[i] = view;
       } catch (problem) {
