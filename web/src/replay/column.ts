@@ -76,7 +76,7 @@ export class Column {
 export function arranged(columns: readonly Column[]): HTMLElement {
   const [only] = columns;
   if (columns.length === 1) {
-    return h('main', { class: 'replay' }, h('div', { class: 'col scrolls', tabindex: 0, role: 'group', 'aria-label': texts().plots.hint }, only.plots.element),
+    return h('main', { class: 'replay' }, h('div', { class: 'col scrolls', tabindex: 0, role: 'group', 'aria-label': texts().plots.title }, only.plots.element, hint()),
       h('div', { class: 'col scrolls aside-col' }, only.view.element, only.exercise.element, only.moments.element, only.facts));
   }
   const t = texts().sides;
@@ -84,6 +84,11 @@ export function arranged(columns: readonly Column[]): HTMLElement {
     const letter = i === 0 ? t.a : t.b;
     const called = side.about.title || side.about.name || side.source.name;
     return h('div', { class: 'col' }, h('h2', { class: 'called' }, h('b', {}, letter), h('bdi', { title: called }, called)),
-      view.element, exercise.element, plots.element, moments.element, facts);
+      view.element, plots.element, hint(), exercise.element, moments.element, facts);   // plots at the same height
   }));
+}
+
+/** What a person may do in a plot. */
+function hint(): HTMLElement {
+  return h('p', { class: 'hint' }, texts().plots.hint);
 }

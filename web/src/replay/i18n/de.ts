@@ -2,10 +2,9 @@ import type { ReplayTexts } from './en';
 
 export const de: ReplayTexts = {
   title: '{name}: Wiedergabe', brand: 'Wiedergabe',
-  theme: 'Dunkel oder hell', language: 'Sprache', tables: 'Tabellen statt Kurven',
   report: 'Bericht', reportOf: 'Bericht zu {name}',
   opening: 'Die Aufnahme wird geöffnet …', loading: '{percent} % gelesen',
-  sides: { a: 'A', b: 'B', of: 'Aufnahme {side}' },
+  sides: { a: 'A', b: 'B' },
 
   transport: {
     title: 'Abspielen', play: 'Abspielen', pause: 'Anhalten', space: 'Leertaste', back: 'Ein Takt zurück', forward: 'Ein Takt weiter', home: 'Zum Anfang', end: 'Zum Ende',
@@ -21,7 +20,7 @@ export const de: ReplayTexts = {
     intention: 'gewollt', parts: 'Kraft, {axis}', sent: 'gesendet', exercise: 'Übung', damping: 'Dämpfung',
     contact: 'Berührung', force: 'Kraft', count: 'Kontakte', palm: 'Handfläche zum Objekt', distance: 'Abstand', duration: 'Zeit pro Takt', took: 'dauerte',
     value: 'Übung', valueChoice: 'Wert der Übung', hint: 'Klick: dorthin. Ziehen: vergrössern. Strg und Rad: länger oder kürzer.',
-    coming: 'Die Kurven kommen, sobald sie gelesen sind.',
+    title: 'Kurven',
   },
   facts: {
     title: 'Aufnahme', when: 'Wann', exercise: 'Übung', hand: 'Hand', patient: 'Patient', device: 'Gerät', simulated: 'simuliert', length: 'Länge',
@@ -44,12 +43,11 @@ export const de: ReplayTexts = {
     damaged: 'Ab {time} ist die Datei nicht lesbar.', damagedEnd: 'Das Ende der Datei ist nicht lesbar.', holes: '{n} Takte fehlen: auf der Zeitleiste bezeichnet.',
     noPicture: 'Kein Bild: {why}', noPictureAtAll: 'Kein Bild: Die Szene lässt sich aus dieser Datei nicht aufbauen.', noExercise: 'Ohne Übung aufgenommen.',
     gone: 'Das Programm antwortet nicht. Gelesenes bleibt; der Rest kommt, wenn es wieder da ist.', retry: 'Jetzt versuchen',
-    piece: 'Ein Teil der Aufnahme ist nicht lesbar: {why}', empty: 'Die Aufnahme hat keine Takte.', otherLaw: 'In den Worten des Programms: {why}',
+    piece: 'Ein Teil der Aufnahme ist nicht lesbar: {why}', empty: 'Die Aufnahme hat keine Takte.',
   },
   problems: {
     unknown: 'Es gibt keine Aufnahme dieses Namens.', denied: 'Das Programm verlangt ein Token. Öffnen Sie die Wiedergabe aus der Konsole.',
     unreadable: 'Diese Aufnahme lässt sich nicht öffnen.', gone: 'Das Programm antwortet nicht.', nonsense: 'Das Programm antwortet etwas, das diese Seite nicht versteht. Laden Sie die Seite neu; hilft das nicht, erneuern Sie das Programm.',
     none: 'Die Adresse nennt keine Aufnahme: /replay?recording=NAME. Die Konsole führt sie auf.', says: 'Das Programm sagt:', again: 'Nochmals versuchen', console: 'Zur Konsole',
-    besideFails: 'Die andere Aufnahme lässt sich nicht daneben zeigen.',
   },
 };

@@ -1,10 +1,9 @@
 /** Everything that the replay says. The other languages have the same shape. */
 export const en = {
   title: '{name}: replay', brand: 'Replay',
-  theme: 'Dark or light', language: 'Language', tables: 'Tables instead of plots',
   report: 'Report', reportOf: 'Report of {name}',
   opening: 'The recording is being opened …', loading: '{percent} % read',
-  sides: { a: 'A', b: 'B', of: 'Recording {side}' },
+  sides: { a: 'A', b: 'B' },
 
   transport: {
     title: 'Playing', play: 'Play', pause: 'Pause', space: 'Space', back: 'One tick back', forward: 'One tick on', home: 'To the beginning', end: 'To the end',
@@ -20,7 +19,7 @@ export const en = {
     intention: 'intended', parts: 'Effort, {axis}', sent: 'sent', exercise: 'exercise', damping: 'damping',
     contact: 'Contact', force: 'force', count: 'contacts', palm: 'Palm to object', distance: 'distance', duration: 'Time per tick', took: 'took',
     value: 'Exercise', valueChoice: 'Value of the exercise', hint: 'Click: go there. Pull: zoom in. Ctrl and wheel: longer or shorter.',
-    coming: 'The plots come as they are read.',
+    title: 'Plots',
   },
   facts: {
     title: 'Recording', when: 'When', exercise: 'Exercise', hand: 'Hand', patient: 'Patient', device: 'Device', simulated: 'simulated', length: 'Length',
@@ -43,13 +42,12 @@ export const en = {
     damaged: 'From {time} on the file cannot be read.', damagedEnd: 'The end of the file cannot be read.', holes: '{n} ticks are missing: marked on the time line.',
     noPicture: 'No picture: {why}', noPictureAtAll: 'No picture: the scene cannot be built from this file.', noExercise: 'Recorded without an exercise.',
     gone: 'The program does not answer. What was read stays; the rest comes when it is back.', retry: 'Try now',
-    piece: 'A part of the recording could not be read: {why}', empty: 'The recording has no ticks.', otherLaw: 'In the program’s words: {why}',
+    piece: 'A part of the recording could not be read: {why}', empty: 'The recording has no ticks.',
   },
   problems: {
     unknown: 'There is no recording of this name.', denied: 'The program wants a token. Open the replay from the console.',
     unreadable: 'This recording cannot be opened.', gone: 'The program does not answer.', nonsense: 'The program answers something this page does not understand. Reload the page; if that does not help, update the program.',
     none: 'The address names no recording: /replay?recording=NAME. The console lists them.', says: 'The program says:', again: 'Try again', console: 'To the console',
-    besideFails: 'The other recording cannot be shown beside it.',
   },
 };
 

@@ -2,10 +2,9 @@ import type { ReplayTexts } from './en';
 
 export const fr: ReplayTexts = {
   title: '{name} : relecture', brand: 'Relecture',
-  theme: 'Sombre ou clair', language: 'Langue', tables: 'Tableaux au lieu de courbes',
   report: 'Rapport', reportOf: 'Rapport de {name}',
   opening: 'L’enregistrement s’ouvre …', loading: '{percent} % lus',
-  sides: { a: 'A', b: 'B', of: 'Enregistrement {side}' },
+  sides: { a: 'A', b: 'B' },
 
   transport: {
     title: 'Lecture', play: 'Lire', pause: 'Pause', space: 'Espace', back: 'Un pas en arrière', forward: 'Un pas en avant', home: 'Au début', end: 'À la fin',
@@ -21,7 +20,7 @@ export const fr: ReplayTexts = {
     intention: 'voulu', parts: 'Effort, {axis}', sent: 'envoyé', exercise: 'exercice', damping: 'amortissement',
     contact: 'Contact', force: 'force', count: 'contacts', palm: 'Paume à l’objet', distance: 'distance', duration: 'Temps par pas', took: 'durée',
     value: 'Exercice', valueChoice: 'Valeur de l’exercice', hint: 'Clic : y aller. Tirer : agrandir. Ctrl et molette : plus long ou plus court.',
-    coming: 'Les courbes viennent à mesure de la lecture.',
+    title: 'Courbes',
   },
   facts: {
     title: 'Enregistrement', when: 'Quand', exercise: 'Exercice', hand: 'Main', patient: 'Patient', device: 'Appareil', simulated: 'simulé', length: 'Durée',
@@ -44,12 +43,11 @@ export const fr: ReplayTexts = {
     damaged: 'À partir de {time}, le fichier est illisible.', damagedEnd: 'La fin du fichier est illisible.', holes: '{n} pas manquent : marqués sur la ligne du temps.',
     noPicture: 'Pas d’image : {why}', noPictureAtAll: 'Pas d’image : la scène ne peut pas être construite à partir de ce fichier.', noExercise: 'Enregistré sans exercice.',
     gone: 'Le programme ne répond pas. Ce qui est lu reste ; le reste viendra à son retour.', retry: 'Essayer maintenant',
-    piece: 'Une partie de l’enregistrement est illisible : {why}', empty: 'L’enregistrement n’a aucun pas.', otherLaw: 'Dans les mots du programme : {why}',
+    piece: 'Une partie de l’enregistrement est illisible : {why}', empty: 'L’enregistrement n’a aucun pas.',
   },
   problems: {
     unknown: 'Il n’y a pas d’enregistrement de ce nom.', denied: 'Le programme demande un jeton. Ouvrez la relecture depuis la console.',
     unreadable: 'Cet enregistrement ne peut pas être ouvert.', gone: 'Le programme ne répond pas.', nonsense: 'Le programme répond quelque chose que cette page ne comprend pas. Rechargez la page ; sinon, mettez le programme à jour.',
     none: 'L’adresse ne nomme aucun enregistrement : /replay?recording=NOM. La console les énumère.', says: 'Le programme dit :', again: 'Réessayer', console: 'À la console',
-    besideFails: 'L’autre enregistrement ne peut pas être montré à côté.',
   },
 };
