@@ -17,7 +17,7 @@ const TICK_EVERY_PX = 90;
 /** Least force that fills a lane [N]. */
 const LEAST_FULL_N = 2;
 /** Share of the columns with contact that fit into a lane. */
-const FITS = 0.95;
+const FITS = 0.8;
 
 /** What a person does at the time line. */
 export interface TimeLineHands {
@@ -153,7 +153,7 @@ export class TimeLine {
 
   private drawForce(context: CanvasRenderingContext2D, pieces: readonly SeriesPiece[], x: (time_s: number) => number, floor: number, high: number): void {
     const forces = pieces.map((piece) => ({ piece, force: piece.channels.get(channelKey('contact_force_n'))?.high }));
-    // A bump must not hide the grasps: nearly all of them fit.
+    // A bump must not hide the grasps: most of them fit.
     const all = forces.flatMap(({ force }) => [...(force ?? [])]).filter((value) => value > 0).sort((a, b) => a - b);
     const most = Math.max(LEAST_FULL_N, all[Math.floor(FITS * (all.length - 1))] ?? 0);
     for (const { piece, force } of forces) {
