@@ -134,9 +134,10 @@ export class RecordingsPanel implements Panel {
       ...(recording.ticks_missing ? [fill(t.missing, { ticks: recording.ticks_missing.toLocaleString(language()) })] : []),
     ].join(', ');
     const called = title || name;
-    const reportLink = report ? h('a', { href: recordingUrl(name, true, token), target: '_blank', rel: 'noopener', 'aria-label': fill(t.reportOf, { name: called }) }, t.report) : h('span');
+    const reportLink = report ? h('a', { href: recordingUrl(name, true, token), target: '_blank', rel: 'noopener', 'aria-label': fill(t.reportOf, { name: called }) }, t.report) : null;
     const replayLink = h('a', { href: replayUrl([name], token), target: '_blank', rel: 'noopener', 'aria-label': fill(t.replayOf, { name: called }), 'data-testid': 'replay' }, t.replay);
-    return h('li', { title: name }, this.besideBox(name, called), h('span', {}, h('b', {}, when), ' ', h('bdi', {}, called), h('small', {}, figures)), replayLink, reportLink,
-      h('a', { href: recordingUrl(name, false, token), download: name, 'aria-label': fill(t.downloadOf, { name: called }) }, t.download));
+    return h('li', { title: name }, this.besideBox(name, called), h('span', {}, h('b', {}, when), ' ', h('bdi', {}, called), h('small', {}, figures)),
+      h('span', { class: 'links' }, replayLink, reportLink,
+        h('a', { href: recordingUrl(name, false, token), download: name, 'aria-label': fill(t.downloadOf, { name: called }) }, t.download)));
   }
 }

@@ -3,7 +3,7 @@ import type { ReplayTexts } from './en';
 export const de: ReplayTexts = {
   title: '{name}: Wiedergabe', brand: 'Wiedergabe',
   report: 'Bericht', reportOf: 'Bericht zu {name}',
-  opening: 'Die Aufnahme wird geöffnet …', loading: '{percent} % gelesen',
+  opening: 'Die Aufzeichnung wird geöffnet …', loading: '{percent} % gelesen',
   sides: { a: 'A', b: 'B' },
 
   transport: {
@@ -23,13 +23,13 @@ export const de: ReplayTexts = {
     title: 'Kurven',
   },
   facts: {
-    title: 'Aufnahme', when: 'Wann', exercise: 'Übung', hand: 'Hand', patient: 'Patient', device: 'Gerät', simulated: 'simuliert', length: 'Länge',
+    title: 'Aufzeichnung', when: 'Wann', exercise: 'Übung', hand: 'Hand', patient: 'Person', device: 'Gerät', simulated: 'simuliert', length: 'Länge',
     ticks: '{n} Takte', missing: 'Es fehlen', program: 'Programm', result: 'Ergebnis', noExercise: 'Keine',
   },
   moments: {
     title: 'Marken', none: 'In diesem Fenster ist nichts geschehen.', more: 'Die ersten {n} von {m}. Ein kürzeres Fenster zeigt die anderen.', gap: '{n} Takte fehlen',
     kinds: {
-      stop: 'Stopp', emergency_stop: 'Not-Stopp', fault: 'Fehler', controls_lost: 'Steuerung verloren', armed: 'Scharf', neutral: 'In Neutralstellung',
+      stop: 'Stopp', emergency_stop: 'Not-Halt', fault: 'Fehler', controls_lost: 'Steuerung verloren', armed: 'Scharf', neutral: 'In Neutralstellung',
     },
     short: { stop: 'Stopp', emergency_stop: 'Stopp', fault: 'Fehler', controls_lost: 'Steuerung verloren', armed: 'scharf', neutral: 'neutral', gap: 'Lücke' },
     events: {
@@ -39,15 +39,15 @@ export const de: ReplayTexts = {
     },
   },
   notices: {
-    written: 'Diese Aufnahme wird noch geschrieben.', readOn: 'Weiterlesen',
+    written: 'Diese Aufzeichnung wird noch geschrieben.', readOn: 'Weiterlesen',
     damaged: 'Ab {time} ist die Datei nicht lesbar.', damagedEnd: 'Das Ende der Datei ist nicht lesbar.', holes: '{n} Takte fehlen: auf der Zeitleiste bezeichnet.',
-    noPicture: 'Kein Bild: {why}', noPictureAtAll: 'Kein Bild: Die Szene lässt sich aus dieser Datei nicht aufbauen.', noExercise: 'Ohne Übung aufgenommen.',
+    noPicture: 'Kein Bild: {why}', noPictureAtAll: 'Kein Bild: Die Szene lässt sich aus dieser Datei nicht aufbauen.', noExercise: 'Ohne Übung aufgezeichnet.',
     gone: 'Das Programm antwortet nicht. Gelesenes bleibt; der Rest kommt, wenn es wieder da ist.', retry: 'Jetzt versuchen',
-    piece: 'Ein Teil der Aufnahme ist nicht lesbar: {why}', empty: 'Die Aufnahme hat keine Takte.',
+    piece: 'Ein Teil der Aufzeichnung ist nicht lesbar: {why}', empty: 'Die Aufzeichnung hat keine Takte.',
   },
   problems: {
-    unknown: 'Es gibt keine Aufnahme dieses Namens.', denied: 'Das Programm verlangt ein Token. Öffnen Sie die Wiedergabe aus der Konsole.',
-    unreadable: 'Diese Aufnahme lässt sich nicht öffnen.', gone: 'Das Programm antwortet nicht.', nonsense: 'Das Programm antwortet etwas, das diese Seite nicht versteht. Laden Sie die Seite neu; hilft das nicht, erneuern Sie das Programm.',
-    none: 'Die Adresse nennt keine Aufnahme: /replay?recording=NAME. Die Konsole führt sie auf.', says: 'Das Programm sagt:', again: 'Nochmals versuchen', console: 'Zur Konsole',
+    unknown: 'Es gibt keine Aufzeichnung dieses Namens.', denied: 'Das Programm verlangt ein Token. Öffnen Sie die Wiedergabe aus der Konsole.',
+    unreadable: 'Diese Aufzeichnung lässt sich nicht öffnen.', gone: 'Das Programm antwortet nicht.', nonsense: 'Das Programm antwortet etwas, das diese Seite nicht versteht. Laden Sie die Seite neu; hilft das nicht, erneuern Sie das Programm.',
+    none: 'Die Adresse nennt keine Aufzeichnung: /replay?recording=NAME. Die Konsole führt sie auf.', says: 'Das Programm sagt:', again: 'Nochmals versuchen', console: 'Zur Konsole',
   },
 };
