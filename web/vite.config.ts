@@ -27,13 +27,13 @@ function mediapipeHands(): Plugin {
   };
 }
 
-/** `/console` is console.html, `/commission` commission.html, as the program serves them. */
+/** `/console` is console.html, `/commission` commission.html, `/replay` replay.html, as the program serves them. */
 function consoleAddress(): Plugin {
   return {
     name: 'wholehand-console-address',
     configureServer(server) {
       server.middlewares.use((request, _response, next) => {
-        if (request.url) request.url = request.url.replace(/^\/(console|commission)(?=\?|#|$)/, '/$1.html');
+        if (request.url) request.url = request.url.replace(/^\/(console|commission|replay)(?=\?|#|$)/, '/$1.html');
         next();
       });
     },
@@ -81,6 +81,6 @@ export default defineConfig({
     assetsInlineLimit: 0,  // nothing as data: address, so that the content policy can be strict
     modulePreload: { polyfill: false },
     chunkSizeWarningLimit: 900,
-    rollupOptions: { input: { game: 'index.html', console: 'console.html', commission: 'commission.html' } },
+    rollupOptions: { input: { game: 'index.html', console: 'console.html', commission: 'commission.html', replay: 'replay.html' } },
   },
 });

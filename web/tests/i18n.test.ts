@@ -65,4 +65,5 @@ test('Texts_NameEveryLiquidAndDrinkOfTheShippedExercises', () => {
 test.each([consoleEn, consoleFr, consoleDe].map((t) => t.recordings))('accessible names of a recording hold the words that are seen ($download)', (t) => {
   expect(fill(t.downloadOf, { name: 'A' })).toContain(t.download);
   expect(fill(t.reportOf, { name: 'A' })).toContain(t.report);
+  expect(fill(t.replayOf, { name: 'A' })).toContain(t.replay);
 });

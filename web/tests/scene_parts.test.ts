@@ -4,6 +4,7 @@ import type { ContactPointT } from '../src/protocol';
 import { ContactFilter } from '../src/scene/contacts';
 import { Dent, depthIn } from '../src/scene/dent';
 import { ExerciseValues, barOf } from '../src/scene/exercise';
+import { arrowsOf } from '../src/scene/force_arrows';
 import { FrameClock } from '../src/scene/frame_clock';
 import { programFrame, quaternionToThree, toThree } from '../src/scene/frames';
 import { layersOf, lineHeight, surfaceHeight } from '../src/scene/layers';
@@ -138,5 +139,23 @@ describe('quality', () => {
     expect(clock.script_ms).toBe(9);
     clock.add(60 * 20 + 5000, 2);   // the page was hidden: no frame of five seconds
     expect(clock.frame_ms).toBe(20);
+  });
+});
+
+describe('arrows of forces', () => {
+  const contact = (force: [number, number, number]): ContactPointT =>
+    ({ capsule: 0, body: 0, pointM: { x: 1, y: 2, z: 3 }, forceN: { x: force[0], y: force[1], z: force[2] } }) as unknown as ContactPointT;
+
+  it('begin where the force acts, point where it pushes, and are as long as it is strong', () => {
+    const [strong, weak] = arrowsOf([contact([0, 2, 0]), contact([0, 0, -4])]);
+    expect(strong.from.toArray()).toEqual([1, 2, 3]);
+    expect(strong.along.toArray()).toEqual([0, 0, -1]);
+    expect(strong.length_m / weak.length_m, 'twice the force').toBeCloseTo(2, 9);
+  });
+
+  it('are none for a touch without force, and never longer than the picture bears', () => {
+    expect(arrowsOf([contact([0, 0, 0]), contact([0.01, 0, 0])])).toEqual([]);
+    expect(arrowsOf([contact([1000, 0, 0])])[0].length_m).toBeLessThan(0.2);
+    expect(arrowsOf(Array.from({ length: 99 }, () => contact([1, 0, 0])))).toHaveLength(32);
   });
 });

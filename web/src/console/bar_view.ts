@@ -23,15 +23,15 @@ export class SmallBar {
     this.chooser = asked ? undefined : new QualityChooser(quality);
   }
 
-  /** Builds it. Fails where there is no WebGL. */
-  static async load(): Promise<SmallBar> {
+  /** Builds it. Fails where there is no WebGL. @param forces whether each contact's force is an arrow */
+  static async load({ forces = false } = {}): Promise<SmallBar> {
     const asked = new URLSearchParams(location.search).get('quality');
     const quality: Quality = asked === 'high' || asked === 'low' ? asked : initialQuality();
     // three.js is large: the figures come first.
     const { BarScene } = await import('../scene/bar_scene');
     const canvas = document.createElement('canvas');
     canvas.setAttribute('aria-hidden', 'true');
-    return new SmallBar(new BarScene(canvas, { quality, tone: 'honey', view: 'console' }), canvas, quality, asked === quality);
+    return new SmallBar(new BarScene(canvas, { quality, tone: 'honey', view: 'console', forces }), canvas, quality, asked === quality);
   }
 
   /** None until all of it can be drawn. */
@@ -52,12 +52,13 @@ export class SmallBar {
     this.scene.resize();
   }
 
-  /** Draws a state if it is time to. */
-  draw(state: WorldStateT, now_ms: number): void {
-    if (now_ms - this.drawn_ms < 1000 / RATE_HZ[this.quality] - 2) return;
+  /** Draws a state if it is time to, or at once: then somebody waits for this very one. */
+  draw(state: WorldStateT, now_ms: number, atOnce = false): void {
+    if (!atOnce && now_ms - this.drawn_ms < 1000 / RATE_HZ[this.quality] - 2) return;
     this.drawn_ms = now_ms;
     this.scene.setState(state);
     this.scene.render(now_ms);
+    if (atOnce) return;
     // Its own pace is no sign of a slow machine: only pictures slower than that are.
     const late_ms = this.scene.stats().frame_ms - 1000 / RATE_HZ[this.quality];
     const quality = this.chooser?.choose({ frame_ms: late_ms }, now_ms) ?? this.quality;

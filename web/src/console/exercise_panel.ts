@@ -15,7 +15,7 @@ export class ExercisePanelView implements Panel {
   private readonly instruction = h('h2', { 'data-testid': 'exercise-instruction' });
   private readonly event = h('span', { class: 'aside', 'data-testid': 'exercise-event' });
 
-  constructor(private readonly model: ConsoleModel) {
+  constructor(private readonly model: Pick<ConsoleModel, 'scene' | 'state'>) {
     this.panel = ExercisePanel.of(model.scene);
     const { panel, t } = this;
     const values = panel && model.state ? panel.values(model.state) : [];

@@ -1,4 +1,5 @@
 import type { AxisT, WorldStateT } from '../protocol';
+import { extremesOf, KEPT, type Kept, type PlotSource, type Span, type TimeTick } from './plot_source';
 import { SampleWindow } from './sample_window';
 
 /** What the plots show [s]. */
@@ -9,10 +10,8 @@ const CAPACITY = 2 * 60 * WINDOW_S;
 const BETWEEN_SESSIONS_S = 0.6;
 /** Without a sample for so long, the line was lost or the page asleep [s]. */
 const GAP_S = 0.5;
-
-/** What is kept of every axis, one column each. */
-export const KEPT = ['effort', 'device', 'avatar', 'phi'] as const;
-export type Kept = (typeof KEPT)[number];
+/** Where the time axis is named, before now [s]. */
+const TICKS_S = [10, 8, 6, 4, 2, 0];
 
 /** Torques become forces at the tip, radians degrees, metres millimetres: what people read. */
 export interface Shown {
@@ -23,6 +22,8 @@ export interface Shown {
 }
 
 export function shownUnits(axis: Pick<AxisT, 'unit' | 'leverArmM'>): Shown {
+  // A recording that does not tell its units is shown in its own.
+  if (String(axis.unit ?? '') === '') return { effort: 1, coordinate: 1, effortUnit: '', coordinateUnit: '' };
   const turns = String(axis.unit) === 'rad';
   const tip = turns && axis.leverArmM > 0;
   return {
@@ -34,7 +35,8 @@ export function shownUnits(axis: Pick<AxisT, 'unit' | 'leverArmM'>): Shown {
 }
 
 /** The last ten seconds of what is felt. Time runs on over a new session and stands still without one. */
-export class History {
+export class History implements PlotSource {
+  readonly live = true;
   readonly samples: SampleWindow;
   private readonly units: Shown[];
   private readonly row: Float64Array;
@@ -55,12 +57,36 @@ export class History {
     return this.own_s;
   }
 
+  get window(): Span {
+    return { from_s: this.own_s - WINDOW_S, to_s: this.own_s };
+  }
+
   get alphaColumn(): number {
     return 1;
   }
 
   column(kept: Kept, axis: number): number {
     return 2 + KEPT.indexOf(kept) * this.units.length + axis;
+  }
+
+  times(): Float64Array {
+    return this.samples.column(0, this.count());
+  }
+
+  values(column: number): Float64Array {
+    return this.samples.column(column, this.count());
+  }
+
+  current(column: number): number {
+    return this.samples.latest(column);
+  }
+
+  extremes(columns: readonly number[]): readonly [number, number] {
+    return extremesOf(columns.map((column) => this.values(column)));
+  }
+
+  timeTicks(now: string): readonly TimeTick[] {
+    return TICKS_S.map((before_s) => ({ at_s: this.own_s - before_s, name: before_s === 0 ? now : `−${before_s} s` }));
   }
 
   /** Where a tick of the present session lies on the plots' clock [s]. */
@@ -100,10 +126,8 @@ export class History {
 
   /** Largest size in the window of what is kept of an axis, in shown units. */
   peak(kept: Kept, axis: number): number {
-    const values = this.samples.column(this.column(kept, axis), this.count());
-    let most = 0;
-    for (const value of values) if (Math.abs(value) > most) most = Math.abs(value);
-    return most;
+    const [least, most] = this.extremes([this.column(kept, axis)]);
+    return Math.max(0, -least, most);
   }
 
   /** Highest speed in the window over these translations together, over steps of about 50 ms [m/s]. */

@@ -16,6 +16,11 @@ const SIGNS: Readonly<Record<string, [string, keyof ConsoleTexts['phases']]>> = 
   pour_began: ['③', 'pour'],
   pour_ended: ['④', 'release'],
 };
+/** The sign of an event's phase of a grasp; undefined where it begins none. */
+export function phaseSign(name: string): string | undefined {
+  return SIGNS[name]?.[0];
+}
+
 /** The same sign again within this time is the same moment [s]. */
 const SAME_MOMENT_S = 0.4;
 

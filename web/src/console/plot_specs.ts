@@ -1,6 +1,7 @@
 import type { AxisT, SceneT } from '../protocol';
-import { shownUnits, type History } from './history';
+import { shownUnits } from './history';
 import type { ConsoleTexts } from './i18n';
+import type { PlotColumns } from './plot_source';
 
 export interface SeriesSpec {
   name: string;
@@ -12,7 +13,8 @@ export interface SeriesSpec {
 }
 
 export interface PlotSpec {
-  id: 'hand' | 'arm' | 'axis' | 'ratios';
+  /** 'hand', 'arm', 'axis', 'ratios', or another that a page adds. */
+  id: string;
   title: string;
   unit: string;
   series: readonly SeriesSpec[];
@@ -22,6 +24,9 @@ export interface PlotSpec {
   /** Fixed range, where the values have one. */
   range?: readonly [number, number];
 }
+
+/** A scene, as far as plots are made from it. */
+export type Axes = Pick<SceneT, 'axes'>;
 
 /** Colour of an axis and its dash, which repeats the distinction: solid, long, dotted. */
 const LOOKS: Readonly<Record<string, readonly [string, readonly number[]]>> = {
@@ -36,61 +41,62 @@ export function isArm(axis: Pick<AxisT, 'name'>): boolean {
   return ARM.includes(String(axis.name));
 }
 
-function look(axis: AxisT): readonly [string, readonly number[]] {
+/** Colour and dash of an axis. */
+export function lookOf(axis: AxisT): readonly [string, readonly number[]] {
   return LOOKS[String(axis.name)] ?? ['--ax-x', []];
 }
 
 /** Efforts of one part of the device; a unit other than the plot's is said at the series. */
-function efforts(id: 'hand' | 'arm', scene: SceneT, history: History, t: ConsoleTexts): PlotSpec {
+function efforts(id: 'hand' | 'arm', scene: Axes, columns: PlotColumns, t: ConsoleTexts): PlotSpec {
   const wanted = scene.axes.map((axis, i) => ({ axis, i })).filter(({ axis }) => isArm(axis) === (id === 'arm'));
   const series = wanted.map(({ axis, i }): SeriesSpec => {
-    const [color, dash] = look(axis);
+    const [color, dash] = lookOf(axis);
     const { effortUnit } = shownUnits(axis);
     const name = t.axes[String(axis.name)] ?? String(axis.name);
     return {
       name: effortUnit === 'N' ? name : `${name}, ${effortUnit}`, color, dash,
-      column: history.column('effort', i), decimals: effortUnit === 'N' ? 1 : 2,
+      column: columns.column('effort', i), decimals: effortUnit === 'N' ? 1 : 2,
     };
   });
   return { id, title: t.plots[id], unit: 'N', series, leastSpan: 6, withZero: true };
 }
 
 /** Device and avatar coordinate of one axis. */
-export function coordinateSpec(scene: SceneT, history: History, axis: number, t: ConsoleTexts): PlotSpec {
+export function coordinateSpec(scene: Axes, columns: PlotColumns, axis: number, t: ConsoleTexts): PlotSpec {
   const spec = scene.axes[axis];
   const name = String(spec.name);
-  const [color] = look(spec);
+  const [color] = lookOf(spec);
   return {
     id: 'axis', title: t.axesLong[name] ?? name, unit: shownUnits(spec).coordinateUnit, leastSpan: 8, withZero: false,
     series: [
-      { name: t.plots.device, color, dash: [], column: history.column('device', axis), decimals: 0 },
-      { name: t.plots.avatar, color: '--ax-a', dash: AVATAR_DASH, column: history.column('avatar', axis), decimals: 0 },
+      { name: t.plots.device, color, dash: [], column: columns.column('device', axis), decimals: 0 },
+      { name: t.plots.avatar, color: '--ax-a', dash: AVATAR_DASH, column: columns.column('avatar', axis), decimals: 0 },
     ],
   };
 }
 
 /** φ of the hand's axes and α; of every axis where there is no hand. */
-function ratios(scene: SceneT, history: History, t: ConsoleTexts): PlotSpec {
+function ratios(scene: Axes, columns: PlotColumns, t: ConsoleTexts): PlotSpec {
   const all = scene.axes.map((axis, i) => ({ axis, i }));
   const hand = all.filter(({ axis }) => !isArm(axis));
   const series = (hand.length > 0 ? hand : all).map(({ axis, i }): SeriesSpec => {
-    const [color, dash] = look(axis);
-    return { name: `φ ${t.axes[String(axis.name)] ?? String(axis.name)}`, color, dash, column: history.column('phi', i), decimals: 2 };
+    const [color, dash] = lookOf(axis);
+    return { name: `φ ${t.axes[String(axis.name)] ?? String(axis.name)}`, color, dash, column: columns.column('phi', i), decimals: 2 };
   });
-  const alpha = { name: 'α', color: '--ax-a', dash: AVATAR_DASH, column: history.alphaColumn, decimals: 2 };
+  const alpha = { name: 'α', color: '--ax-a', dash: AVATAR_DASH, column: columns.alphaColumn, decimals: 2 };
   return { id: 'ratios', title: t.plots.ratios, unit: '', series: [...series, alpha], leastSpan: 1, withZero: true, range: [-0.05, 1.08] };
 }
 
 /** The four plots for a scene, with the chosen axis in the third. */
-export function plotSpecs(scene: SceneT, history: History, axis: number, t: ConsoleTexts): PlotSpec[] {
+export function plotSpecs(scene: Axes, columns: PlotColumns, axis: number, t: ConsoleTexts): PlotSpec[] {
   return [
-    efforts('hand', scene, history, t), efforts('arm', scene, history, t),
-    coordinateSpec(scene, history, axis, t), ratios(scene, history, t),
+    efforts('hand', scene, columns, t), efforts('arm', scene, columns, t),
+    coordinateSpec(scene, columns, axis, t), ratios(scene, columns, t),
   ].filter((spec) => spec.series.length > 0);
 }
 
 /** The limit that holds for a part of the device now [N]; undefined: none is known. */
-export function limitOf(id: string, scene: SceneT, parameter: (name: string) => number | undefined): number | undefined {
+export function limitOf(id: string, scene: Axes, parameter: (name: string) => number | undefined): number | undefined {
   if (id !== 'hand' && id !== 'arm') return undefined;
   const own = scene.axes
     .filter((axis) => isArm(axis) === (id === 'arm') && shownUnits(axis).effortUnit === 'N')

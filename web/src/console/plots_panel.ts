@@ -1,81 +1,24 @@
-import { choice, h, say, svg } from './dom';
-import { fixed } from './format';
+import type { AxisT } from '../protocol';
+import { choice, h } from './dom';
 import { texts, type ConsoleTexts } from './i18n';
-import { LivePlot } from './live_plot';
 import type { ConsoleModel, Panel } from './model';
-import { coordinateSpec, limitOf, plotSpecs, type PlotSpec, type SeriesSpec } from './plot_specs';
-import { readTheme, type Theme } from './theme';
-import { fill } from '../shared/i18n';
-
-/** Numbers in a text table: latest, least, most. */
-interface Row {
-  series: SeriesSpec;
-  legend: HTMLElement;
-  cells: HTMLElement[];
-}
-
-/** A plot with its title, legend with live numbers, and the same as a table. */
-class PlotPanel {
-  readonly element: HTMLElement;
-  private readonly plot: LivePlot;
-  private readonly rows: Row[];
-
-  constructor(private readonly model: ConsoleModel, private readonly spec: PlotSpec, theme: Theme, t: ConsoleTexts, extra?: HTMLElement) {
-    const host = h('div', { class: 'canvas', role: 'img', 'aria-label': fill(t.plots.image, { name: spec.title }) });
-    this.rows = spec.series.map((series) => ({
-      series, legend: h('b', {}, '–'), cells: [h('td'), h('td'), h('td')],
-    }));
-    const unit = spec.unit === '' ? null : h('span', { class: 'u' }, ` ${spec.unit}`);
-    this.element = h('section', { class: 'panel plot', 'aria-label': spec.title, 'data-plot': spec.id },
-      h('div', { class: 'hd' }, h('h2', {}, spec.title, unit), extra ?? null,
-        h('div', { class: 'leg' }, ...this.rows.map((row) => h('span', {}, swatch(row.series), row.series.name, row.legend)))),
-      host, this.table(t));
-    this.plot = new LivePlot(host, spec, theme, t.plots);
-  }
-
-  draw(): void {
-    const { model, spec } = this;
-    const limit = model.scene ? limitOf(spec.id, model.scene, (name) => model.parameter(name)) : undefined;
-    this.plot.draw(model.history, model.marks.list, limit);
-  }
-
-  refresh(inTables: boolean): void {
-    const { samples } = this.model.history;
-    if (samples.length === 0) return;
-    for (const { series, legend, cells } of this.rows) {
-      const latest = fixed(samples.latest(series.column), series.decimals);
-      say(legend, latest);
-      if (!inTables) continue;
-      const values = samples.column(series.column, this.model.history.count());
-      say(cells[0], latest);
-      say(cells[1], fixed(values.reduce((a, b) => Math.min(a, b), Infinity), series.decimals));
-      say(cells[2], fixed(values.reduce((a, b) => Math.max(a, b), -Infinity), series.decimals));
-    }
-  }
-
-  close(): void {
-    this.plot.close();
-  }
-
-  private table(t: ConsoleTexts): HTMLElement {
-    const heads = [t.plots.series, t.plots.latest, t.plots.least, t.plots.most].map((name) => h('th', { scope: 'col' }, name));
-    const body = this.rows.map(({ series, cells }) => h('tr', {}, h('th', { scope: 'row' }, series.name), ...cells));
-    return h('div', { class: 'numbers', tabindex: 0, role: 'group', 'aria-label': this.spec.title }, h('table', {},
-      h('caption', {}, fill(t.plots.tableCaption, { name: `${this.spec.title} ${this.spec.unit}`.trim() })),
-      h('thead', {}, h('tr', {}, ...heads)), h('tbody', {}, ...body)));
-  }
-}
-
-function swatch(series: SeriesSpec): SVGElement {
-  const path = svg('path', { d: 'M0 3h20', 'stroke-width': 3, 'stroke-dasharray': series.dash.map((v) => Math.min(v, 9)).join(' ') || undefined });
-  path.style.stroke = `var(${series.color})`;
-  return svg('svg', { width: 20, height: 6, 'aria-hidden': 'true' }, path);
-}
+import { PlotPanel } from './plot_panel';
+import { coordinateSpec, plotSpecs } from './plot_specs';
+import { readTheme } from './theme';
 
 /** What the signs on the plots mean. */
-function legend({ legend: t }: ConsoleTexts): HTMLElement {
+export function legend({ legend: t }: ConsoleTexts): HTMLElement {
   const { title, ...lines } = t;
   return h('details', { class: 'legend', 'data-testid': 'legend' }, h('summary', { title, 'aria-label': title }, '?'), h('ul', {}, ...Object.values(lines).map((line) => h('li', {}, line))));
+}
+
+/** Buttons for the axis whose coordinate is shown. */
+export function axisChoice(axes: readonly AxisT[], chosen: number, t: ConsoleTexts, onChoice: (axis: number) => void): HTMLElement {
+  const options = axes.map((axis, i) => {
+    const name = String(axis.name);
+    return { key: String(i), name: t.axesKey[name] ?? name.slice(0, 2), title: t.axesLong[name] ?? name };
+  });
+  return choice(t.plots.axisChoice, options, String(chosen), (key) => onChoice(Number(key))).element;
 }
 
 /** The column of live plots. */
@@ -119,11 +62,7 @@ export class PlotsPanel implements Panel {
   }
 
   private axisChoice(t: ConsoleTexts): HTMLElement {
-    const options = (this.model.scene?.axes ?? []).map((axis, i) => {
-      const name = String(axis.name);
-      return { key: String(i), name: t.axesKey[name] ?? name.slice(0, 2), title: t.axesLong[name] ?? name };
-    });
-    return choice(t.plots.axisChoice, options, String(this.axis), (key) => this.showAxis(Number(key), t)).element;
+    return axisChoice(this.model.scene?.axes ?? [], this.axis, t, (axis) => this.showAxis(axis, t));
   }
 
   // Only this plot is built anew; the keyboard stays on the chosen button.

@@ -43,7 +43,13 @@ export function recordingUrl(name: string, report: boolean, token: string): stri
   return `/api/recordings/${encodeURIComponent(name)}${report ? '/report' : ''}${token === '' ? '' : `?token=${encodeURIComponent(token)}`}`;
 }
 
-/** What was recorded, with report and download, and what is being recorded. */
+/** The address of the page that replays a recording, or two beside each other. */
+export function replayUrl(names: readonly string[], token: string): string {
+  const [recording, beside] = names.map(encodeURIComponent);
+  return `/replay?recording=${recording}${beside === undefined ? '' : `&beside=${beside}`}${token === '' ? '' : `&token=${encodeURIComponent(token)}`}`;
+}
+
+/** What was recorded, with replay, report and download, and what is being recorded. */
 export class RecordingsPanel implements Panel {
   readonly element: HTMLElement;
   private readonly t = texts().recordings;
@@ -52,12 +58,14 @@ export class RecordingsPanel implements Panel {
   private readonly now: HTMLElement;
   private readonly nowText = h('span', { class: 'num' });
   private readonly timer: ReturnType<typeof setInterval>;
+  private readonly beside = h('a', { target: '_blank', rel: 'noopener', hidden: true, 'data-testid': 'replay-beside' }, this.t.beside);
+  private chosen: string[] = [];
   private shown = '';
 
   constructor(private readonly model: ConsoleModel) {
     this.now = h('span', { class: 'rec', hidden: true }, h('i'), `${this.t.now} `, this.nowText);
     this.element = h('section', { class: 'panel recordings', 'aria-label': this.t.title },
-      h('div', { class: 'hd' }, h('h2', {}, this.t.title), this.now), this.words, this.list);
+      h('div', { class: 'hd' }, h('h2', {}, this.t.title), this.beside, this.now), this.words, this.list);
     this.timer = setInterval(() => void this.read(), EVERY_MS);
     void this.read();
   }
@@ -94,7 +102,26 @@ export class RecordingsPanel implements Panel {
     const key = JSON.stringify(recordings);
     if (key === this.shown) return;
     this.shown = key;
+    this.chosen = this.chosen.filter((name) => recordings.some((recording) => recording.name === name));
+    this.showBeside();
     this.list.replaceChildren(...recordings.map((recording) => this.row(recording, token)));
+  }
+
+  /** Two that are chosen are replayed beside each other; a third one takes the place of the first. */
+  private besideBox(name: string, called: string): HTMLElement {
+    const box = h('input', { type: 'checkbox', 'aria-label': fill(this.t.besideOf, { name: called }) });
+    box.checked = this.chosen.includes(name);
+    box.addEventListener('change', () => {
+      this.chosen = box.checked ? [...this.chosen, name].slice(-2) : this.chosen.filter((other) => other !== name);
+      for (const row of this.list.children) (row.querySelector('input') as HTMLInputElement).checked = this.chosen.includes((row as HTMLElement).title);
+      this.showBeside();
+    });
+    return h('label', { class: 'pick' }, box);
+  }
+
+  private showBeside(): void {
+    this.beside.hidden = this.chosen.length < 2;
+    if (this.chosen.length === 2) this.beside.href = replayUrl(this.chosen, tokenOf(location));
   }
 
   private row(recording: Recording, token: string): HTMLElement {
@@ -107,8 +134,10 @@ export class RecordingsPanel implements Panel {
       ...(recording.ticks_missing ? [fill(t.missing, { ticks: recording.ticks_missing.toLocaleString(language()) })] : []),
     ].join(', ');
     const called = title || name;
-    const reportLink = report ? h('a', { href: recordingUrl(name, true, token), target: '_blank', rel: 'noopener', 'aria-label': fill(t.reportOf, { name: called }) }, t.report) : h('span');
-    return h('li', { title: name }, h('span', {}, h('b', {}, when), ` ${called}`, h('small', {}, figures)), reportLink,
-      h('a', { href: recordingUrl(name, false, token), download: name, 'aria-label': fill(t.downloadOf, { name: called }) }, t.download));
+    const reportLink = report ? h('a', { href: recordingUrl(name, true, token), target: '_blank', rel: 'noopener', 'aria-label': fill(t.reportOf, { name: called }) }, t.report) : null;
+    const replayLink = h('a', { href: replayUrl([name], token), target: '_blank', rel: 'noopener', 'aria-label': fill(t.replayOf, { name: called }), 'data-testid': 'replay' }, t.replay);
+    return h('li', { title: name }, this.besideBox(name, called), h('span', {}, h('b', {}, when), ' ', h('bdi', {}, called), h('small', {}, figures)),
+      h('span', { class: 'links' }, replayLink, reportLink,
+        h('a', { href: recordingUrl(name, false, token), download: name, 'aria-label': fill(t.downloadOf, { name: called }) }, t.download)));
   }
 }

@@ -48,6 +48,11 @@ export class CalmRange {
     return true;
   }
 
+  /** Takes the range of these extremes at once: of a window that stands still. */
+  fit(least: number, most: number): void {
+    [this.lower, this.upper] = this.wanted(least, most);
+  }
+
   private wanted(least: number, most: number): [number, number] {
     let low = Number.isFinite(least) ? least : 0;
     let high = Number.isFinite(most) ? most : 0;

@@ -5,6 +5,9 @@ import { fixed } from './format';
 import { texts } from './i18n';
 import type { ConsoleModel, Panel } from './model';
 
+/** What is shown of a moment: live, or of a recording. */
+export type Shown = Pick<ConsoleModel, 'scene' | 'state' | 'value'>;
+
 /** The scene as it is now, small, with the hand as skin or as the capsules that collide. */
 export class ViewPanel implements Panel {
   readonly element: HTMLElement;
@@ -15,7 +18,7 @@ export class ViewPanel implements Panel {
   private view: SmallBar | undefined;
   private readonly resized = new ResizeObserver(() => this.view?.resize());
 
-  constructor(private readonly model: ConsoleModel, private shown: HandLook, private readonly onLook: (look: HandLook) => void) {
+  constructor(private readonly model: Shown, private shown: HandLook, private readonly onLook: (look: HandLook) => void) {
     const { t } = this;
     this.look = choice(t.view.choice, [{ key: 'skin', name: t.view.skin }, { key: 'colliders', name: t.view.colliders }], shown, (key) => this.showHand(key as HandLook));
     this.look.element.hidden = true;
@@ -36,9 +39,10 @@ export class ViewPanel implements Panel {
     view.resize();
   }
 
-  draw(): void {
+  /** @param atOnce whether or not it is time for another picture */
+  draw(atOnce = false): void {
     const { state } = this.model;
-    if (state) this.view?.draw(state, performance.now());
+    if (state) this.view?.draw(state, performance.now(), atOnce);
   }
 
   refresh(): void {

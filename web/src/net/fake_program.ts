@@ -229,7 +229,7 @@ export class FakeProgram {
     return Refusal.None;
   }
 
-  private scene(): SceneT {
+  scene(): SceneT {
     const g = GEOMETRY, bar = this.bar;
     const s = new SceneT(this.session, '0.3.0 (stand-in)', 'cocktail-bar', HAND.name, true, this.options.has('hardware') ? 'lambda-pride' : 'simulated lambda-pride', 'relaxed-adult', 'cocktail-bar');
     s.exerciseJson = JSON.stringify({
@@ -274,7 +274,7 @@ export class FakeProgram {
     ];
   }
 
-  private state(): WorldStateT {
+  state(): WorldStateT {
     const g = GEOMETRY, bar = this.bar, s = new WorldStateT();
     s.session = this.session;
     s.endings = this.endings;

@@ -12,6 +12,7 @@ import { placeCamera, pointInRow, turnOf, type CameraPlace, type View } from './
 import { ContactGlow } from './contacts';
 import { compiled } from './compile';
 import { barOf, type Bar } from './exercise';
+import { ForceArrows } from './force_arrows';
 import { bottlesOf, outlineOf } from './outline';
 import { FrameClock } from './frame_clock';
 import { programFrame, toThree, type Triple } from './frames';
@@ -20,7 +21,11 @@ import { makeBody } from './plain_bodies';
 import type { FrameStats, Quality } from './quality';
 import { makeStage, ROOM, type Stage } from './stage';
 
-export interface BarSceneOptions { quality: Quality; tone: string; view: View }
+export interface BarSceneOptions {
+  quality: Quality; tone: string; view: View;
+  /** Each contact's force is an arrow. */
+  forces?: boolean;
+}
 
 export interface Look {
   dimmed: boolean;          // behind a card
@@ -52,6 +57,7 @@ export class BarScene {
   private readonly camera = new PerspectiveCamera();
   private readonly clock = new FrameClock();
   private readonly contacts = new ContactGlow();
+  private readonly forces: ForceArrows | undefined;
   private quality: Quality;
   private look: Look;
   private told: SceneT | undefined;
@@ -75,6 +81,7 @@ export class BarScene {
 
   constructor(private readonly canvas: HTMLCanvasElement, private readonly options: BarSceneOptions) {
     this.quality = options.quality;
+    this.forces = options.forces ? new ForceArrows() : undefined;
     this.look = { dimmed: false, grey: false, ghostHand: false, showColliders: false, tone: options.tone, names: {} };
     // Nothing shines through: the browser need not blend the picture with the page.
     const context = canvas.getContext('webgl2', { alpha: false, antialias: options.quality === 'high', powerPreference: 'high-performance' });
@@ -104,6 +111,7 @@ export class BarScene {
     if (state.links.length > 0) void this.makeHand();
     if (first) this.placeRow();
     this.contacts.take(state.contacts);
+    this.forces?.take(state.contacts);
     this.stateScript_ms += performance.now() - start;
   }
 
@@ -216,6 +224,7 @@ export class BarScene {
       this.plain.add(group);
       return group;
     }) ?? [];
+    if (this.forces) this.plain.add(this.forces.root);
     this.scene.add(this.plain, this.contacts.root);
     this.placeRow();
     void this.compile();

@@ -5,11 +5,20 @@ import { existsSync } from 'node:fs';
 
 const START_MS = 60_000;
 
-/** Starts it and waits for its address. */
-export async function startProgram({ file, port = 0, args = [], folder }) {
+/** Lets it do something to its end; what it said where that failed. */
+export async function letProgram({ file, args, folder }) {
+  const child = spawn(file, args, { cwd: folder, stdio: ['ignore', 'pipe', 'pipe'] });
+  const said = [];
+  for (const stream of [child.stdout, child.stderr]) stream.on('data', (data) => said.push(String(data)));
+  const code = await new Promise((resolve) => child.once('exit', resolve));
+  if (code !== 0) throw new Error(`${args.join(' ')} ended with ${code}: ${said.join('')}`);
+}
+
+/** Starts it and waits for its address. @param command what it is to do, "run" where none is named */
+export async function startProgram({ file, port = 0, args = [], folder, command = ['run'] }) {
   if (!existsSync(file)) throw new Error(`${file} is not there: build the program first`);
-  const origin = process.env.WHOLEHAND_PAGES ? ['--origin', process.env.WHOLEHAND_PAGES] : [];
-  const child = spawn(file, ['run', '--port', String(port), ...origin, ...args], { cwd: folder, stdio: ['ignore', 'pipe', 'pipe'] });
+  const origin = process.env.WHOLEHAND_PAGES && command[0] === 'run' ? ['--origin', process.env.WHOLEHAND_PAGES] : [];
+  const child = spawn(file, [...command, '--port', String(port), ...origin, ...args], { cwd: folder, stdio: ['ignore', 'pipe', 'pipe'] });
   const said = [];
   const ended = new Promise((resolve) => child.once('exit', (code, signal) => resolve({ code, signal })));
   const lines = createInterface({ input: child.stdout });

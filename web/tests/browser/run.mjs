@@ -18,6 +18,7 @@ import * as presence from './presence_checks.mjs';
 import { takePictures } from './pictures.mjs';
 import { startProgram } from './program.mjs';
 import { stopsAtRandomMoments } from './random_stops.mjs';
+import * as replays from './replay_checks.mjs';
 import * as roles from './role_checks.mjs';
 import * as stops from './stop_checks.mjs';
 import { openWatcher } from './watcher.mjs';
@@ -174,6 +175,10 @@ try {
   await test('any exercise shows its panel', () => waiting((url) => panels.anyExerciseShowsItsPanel(plain, url), () => startProgram({ file: FILE, folder, args: ['--exercise', 'squeeze-to-level'] })));
   await test('profiles are kept', () => waiting((url) => panels.profilesAreKept(plain, url, picture)));
   await test('a device is commissioned through its page', () => commissionedThroughThePage(plain, FILE, picture));
+  const recorded = { file: FILE, folder };
+  await test('replay of a recording', () => replays.recordingIsReplayed(plain, drawing, recorded, picture));
+  await test('replay of two beside each other', () => replays.twoAreReplayed(plain, recorded, picture));
+  await test('replay says what it cannot show', () => replays.badRecordingsAreSaid(plain, recorded, picture));
   await test('stops at random moments are followed by nothing', () => stopsAtRandomMoments(plain, () => startWaiting()));
   await test('no fault was logged by the pages', async () => {
     const faults = [...game.faults, ...watcher.page.faults];

@@ -159,7 +159,7 @@ export const de: ConsoleTexts = {
 
   recordings: {
     title: 'Aufzeichnungen', none: 'Noch keine Aufzeichnungen.', failed: 'Die Liste liess sich nicht lesen. Neuer Versuch folgt.',
-    report: 'Bericht', download: 'Download', reportOf: 'Bericht von {name}', downloadOf: 'Download von {name}', missing: 'unvollständig: {ticks} Takte fehlen',
+    replay: 'Wiedergabe', replayOf: 'Wiedergabe von {name}', beside: 'Beide wiedergeben', besideOf: 'Neben einer anderen: {name}', report: 'Bericht', download: 'Download', reportOf: 'Bericht von {name}', downloadOf: 'Download von {name}', missing: 'unvollständig: {ticks} Takte fehlen',
     now: 'Aufnahme',
   },
 

@@ -1,12 +1,12 @@
 import uPlot from 'uplot';
+import { h } from './dom';
 import type { ConsoleTexts } from './i18n';
-import { WINDOW_S, type History } from './history';
 import type { Mark } from './marks';
+import type { PlotSource, Span, TimeTick } from './plot_source';
 import type { PlotSpec } from './plot_specs';
 import { CalmRange, niceStep, ticksIn } from './scale';
 import type { Theme } from './theme';
 
-const TIMES = [-10, -8, -6, -4, -2, 0];
 /** Half a letter's width: the word for now stands in the middle of the last tick [px]. */
 const NOW_PX = 3.7;
 const FONT = '13px "Atkinson Hyperlegible Next Variable", Verdana, sans-serif';
@@ -15,11 +15,29 @@ const FONT_SIGN = '15px "DejaVu Sans", "Segoe UI Symbol", "Apple Symbols", sans-
 /** A limit is drawn when the data come this near to it. */
 const LIMIT_NEAR = 0.45;
 
-/** One plot of the last ten seconds. Draws what is in the history, and copies nothing of it. */
-export class LivePlot {
+/** Of the canvas [px]. */
+interface Stretch { readonly left: number; readonly right: number }
+
+const NOTHING: Span = { from_s: 0, to_s: 1 };
+/** Shorter than this a pull is a click [px]. */
+const PULL_PX = 6;
+
+/** What a person does in a plot of a recording. */
+export interface PlotHands {
+  /** A time was clicked. */
+  seek(time_s: number): void;
+  /** A window was pulled open. */
+  zoom(window: Span): void;
+  /** The wheel was turned at a time; a factor below 1 shows less. */
+  scale(time_s: number, factor: number): void;
+}
+
+/** One plot of a window of time. Draws what is in its source, and copies nothing of it. */
+export class TimePlot {
   private readonly range: CalmRange;
+  private readonly head = h('i', { class: 'head', hidden: true });
   private plot: uPlot | undefined;
-  private now_s = 0;
+  private source: PlotSource | undefined;
   private marks: readonly Mark[] = [];
   private limit: number | undefined;
   private readonly resized: ResizeObserver;
@@ -29,6 +47,7 @@ export class LivePlot {
     private readonly spec: PlotSpec,
     private readonly theme: Theme,
     private readonly words: ConsoleTexts['plots'],
+    private readonly hands?: PlotHands,
   ) {
     this.range = new CalmRange(spec.leastSpan, spec.withZero);
     this.resized = new ResizeObserver(() => this.fit());
@@ -41,38 +60,70 @@ export class LivePlot {
     this.plot = undefined;
   }
 
-  draw(history: History, marks: readonly Mark[], limit: number | undefined): void {
+  draw(source: PlotSource, marks: readonly Mark[], limit: number | undefined): void {
+    this.source = source;
     if (!this.plot) return;
-    const count = history.count();
-    const columns = this.spec.series.map((series) => history.samples.column(series.column, count));
-    this.now_s = history.now_s;
     this.marks = marks;
-    this.follow(columns, limit);
-    this.plot.setData([history.samples.column(0, count), ...columns] as unknown as uPlot.AlignedData, true);
+    this.follow(source, limit);
+    this.plot.setData([source.times(), ...this.spec.series.map((series) => source.values(series.column))] as unknown as uPlot.AlignedData, true);
+  }
+
+  /** Puts the play head at a time of the window. */
+  placeHead(time_s: number): void {
+    if (!this.plot) return;
+    const { from_s, to_s } = this.window;
+    const share = (time_s - from_s) / (to_s - from_s);
+    this.head.hidden = !(share >= 0 && share <= 1);
+    this.head.style.transform = `translateX(${(share * this.plot.over.clientWidth).toFixed(1)}px)`;
+  }
+
+  private get window(): Span {
+    return this.source?.window ?? NOTHING;
   }
 
   // The range holds the data, and the limit once the data come near it.
-  private follow(columns: readonly Float64Array[], limit: number | undefined): void {
-    let least = Infinity;
-    let most = -Infinity;
-    for (const column of columns) {
-      for (const value of column) {
-        if (value < least) least = value;
-        if (value > most) most = value;
-      }
-    }
+  private follow(source: PlotSource, limit: number | undefined): void {
+    let [least, most] = source.extremes(this.spec.series.map((series) => series.column));
     this.limit = limit;
     if (limit !== undefined && most > LIMIT_NEAR * limit) most = Math.max(most, limit);
     if (limit !== undefined && least < -LIMIT_NEAR * limit) least = Math.min(least, -limit);
-    this.range.follow(least, most, this.now_s);
+    if (source.live) this.range.follow(least, most, source.window.to_s);
+    else this.range.fit(least, most);
   }
 
   private fit(): void {
     const width = Math.floor(this.host.clientWidth);
     const height = Math.floor(this.host.clientHeight);
     if (width < 40 || height < 40) return;
-    if (this.plot) this.plot.setSize({ width, height });
-    else this.plot = new uPlot(this.options(width, height), [[], ...this.spec.series.map(() => [])], this.host);
+    if (this.plot) {
+      this.plot.setSize({ width, height });
+      return;
+    }
+    this.plot = new uPlot(this.options(width, height), [[], ...this.spec.series.map(() => [])], this.host);
+    if (this.hands) this.listen(this.plot, this.hands);
+    if (this.source) this.draw(this.source, this.marks, this.limit);
+  }
+
+  private listen(plot: uPlot, hands: PlotHands): void {
+    plot.over.append(this.head);
+    const timeAt = (x_px: number): number => plot.posToVal(x_px, 'x');
+    plot.over.addEventListener('click', (event) => {
+      if (plot.select.width < PULL_PX) hands.seek(timeAt(event.clientX - plot.over.getBoundingClientRect().left));
+    });
+    plot.over.addEventListener('wheel', (event) => {
+      // Plots are in a page that scrolls: only with Ctrl or Shift does the wheel change the window.
+      if (!event.ctrlKey && !event.shiftKey) return;
+      event.preventDefault();
+      const turned = event.deltaY || event.deltaX;
+      hands.scale(timeAt(event.clientX - plot.over.getBoundingClientRect().left), turned > 0 ? 1.25 : 0.8);
+    }, { passive: false });
+  }
+
+  private pulled(plot: uPlot): void {
+    const { left, width } = plot.select;
+    if (width < PULL_PX) return;
+    this.hands?.zoom({ from_s: plot.posToVal(left, 'x'), to_s: plot.posToVal(left + width, 'x') });
+    plot.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
   }
 
   private valueRange(): [number, number] {
@@ -85,23 +136,31 @@ export class LivePlot {
     const axis = { stroke: theme.ink2, grid: { stroke: theme.grid, width: 1 }, ticks: { show: false }, font: FONT };
     const [valueSplits, valueNames] = this.valueAxis();
     return {
-      width, height, legend: { show: false }, cursor: { show: false }, padding: [6, Math.max(16, NOW_PX * this.words.now.length), 0, 0],
+      width, height, legend: { show: false }, cursor: this.cursor(), padding: [6, Math.max(16, NOW_PX * this.words.now.length), 0, 0],
       scales: {
-        x: { time: false, range: () => [this.now_s - WINDOW_S, this.now_s] },
+        x: { time: false, range: () => [this.window.from_s, this.window.to_s] },
         y: { range: () => this.valueRange() },
       },
       axes: [
         {
-          ...axis, size: 22, gap: 2, splits: () => TIMES.map((t) => this.now_s + t),
-          values: () => TIMES.map((t) => (t === 0 ? this.words.now : `−${-t} s`)),
+          ...axis, size: 22, gap: 2, splits: () => this.timeTicks().map((tick) => tick.at_s),
+          values: () => this.timeTicks().map((tick) => tick.name),
         },
         { ...axis, size: 40, gap: 4, splits: valueSplits, values: valueNames },
       ],
       series: [{}, ...spec.series.map((series): uPlot.Series => ({
         stroke: theme.color(series.color), width: series.color === '--ax-a' ? 2 : 2.2, dash: [...series.dash], points: { show: false }, gaps: unknownSpans,
       }))],
-      hooks: { draw: [(plot) => this.drawOver(plot)] },
+      hooks: { draw: [(plot) => this.drawOver(plot)], setSelect: [(plot) => this.pulled(plot)] },
     };
+  }
+
+  private timeTicks(): readonly TimeTick[] {
+    return this.source?.timeTicks(this.words.now) ?? [];
+  }
+
+  private cursor(): uPlot.Cursor {
+    return this.hands ? { show: true, x: false, y: false, points: { show: false }, drag: { x: true, y: false, setScale: false } } : { show: false };
   }
 
   private valueAxis(): [() => number[], (plot: uPlot, splits: number[]) => string[]] {
@@ -127,8 +186,19 @@ export class LivePlot {
     context.textAlign = 'left';
     context.textBaseline = 'alphabetic';
     if (this.limit !== undefined) for (const value of [this.limit, -this.limit]) this.drawLimit(plot, value, ratio);
-    for (const mark of this.marks) this.drawMark(plot, mark, ratio);
+    this.drawMarks(plot, ratio);
     context.restore();
+  }
+
+  /** What is bad is named first; a name that would stand in another is left out. */
+  private drawMarks(plot: uPlot, ratio: number): void {
+    const { from_s, to_s } = this.window;
+    const seen = this.marks.filter(({ time_s }) => time_s >= from_s && time_s <= to_s);
+    const taken: Stretch[] = [];
+    for (const mark of [...seen.filter(({ bad }) => bad), ...seen.filter(({ bad }) => !bad)]) {
+      const name = this.drawMark(plot, mark, ratio, taken);
+      if (name) taken.push(name);
+    }
   }
 
   private drawLimit(plot: uPlot, value: number, ratio: number): void {
@@ -147,9 +217,9 @@ export class LivePlot {
     context.fillText(this.words.limit, bbox.left + 8 * ratio, y + (value < 0 ? -5 : 15) * ratio);
   }
 
-  private drawMark(plot: uPlot, mark: Mark, ratio: number): void {
+  /** @param taken where names stand [px]; @returns where this one's does */
+  private drawMark(plot: uPlot, mark: Mark, ratio: number, taken: readonly Stretch[]): Stretch | undefined {
     const { ctx: context, bbox } = plot;
-    if (mark.time_s < this.now_s - WINDOW_S || mark.time_s > this.now_s) return;
     const x = Math.round(plot.valToPos(mark.time_s, 'x', true));
     context.strokeStyle = mark.bad ? this.theme.bad : this.theme.line2;
     context.fillStyle = mark.bad ? this.theme.bad : this.theme.ink2;
@@ -160,9 +230,16 @@ export class LivePlot {
     context.lineTo(x, bbox.top + bbox.height);
     context.stroke();
     // A stop is named once, at the top; its line goes through all plots.
-    if (mark.bad && this.spec.id !== 'hand') return;
+    if (mark.bad && this.spec.id !== 'hand') return undefined;
     context.font = scaled(mark.bad ? FONT_BAD : FONT_SIGN, ratio);
-    context.fillText(mark.label, x + 5 * ratio, bbox.top + 13 * ratio);
+    if (mark.label === '') return undefined;
+    const width = context.measureText(mark.label).width;
+    // At the end of the window it stands before its line.
+    const left = x + 5 * ratio + width <= bbox.left + bbox.width ? x + 5 * ratio : x - 5 * ratio - width;
+    const name = { left, right: left + width };
+    if (taken.some((other) => name.left < other.right + 5 * ratio && name.right > other.left)) return undefined;
+    context.fillText(mark.label, left, bbox.top + 13 * ratio);
+    return name;
   }
 }
 

@@ -1,0 +1,94 @@
+import { SmallBar, type HandLook } from '../console/bar_view';
+import { h } from '../console/dom';
+import { ExercisePanelView } from '../console/exercise_panel';
+import { ViewPanel } from '../console/view';
+import type { Span } from '../console/plot_source';
+import type { PlotHands } from '../console/time_plot';
+import { factsPanel } from './facts_panel';
+import { texts } from './i18n';
+import { MomentsPanel } from './moments_panel';
+import { ReplayPlots, type PlotMaker } from './plots';
+import type { ReplaySide } from './side';
+
+/** So long after the last change the glow of a contact has settled [ms]. */
+const SETTLES_MS = 600;
+
+export interface ColumnHands extends PlotHands {
+  look(look: HandLook): void;
+  /** Another axis or value was chosen: all columns show it. */
+  choice(): void;
+}
+
+/** All that is shown of one recording. */
+export class Column {
+  readonly view: ViewPanel;
+  readonly plots: ReplayPlots;
+  readonly exercise: ExercisePanelView;
+  readonly facts: HTMLElement;
+  readonly moments: MomentsPanel;
+  private changed_ms = -Infinity;
+
+  constructor(readonly side: ReplaySide, maker: PlotMaker, look: HandLook, hands: ColumnHands) {
+    this.view = new ViewPanel(side, look, (chosen) => { hands.look(chosen); this.changed_ms = performance.now(); });
+    this.plots = new ReplayPlots(side, maker, hands, () => hands.choice());
+    this.exercise = new ExercisePanelView({ get scene() { return side.hasScene ? side.scene : null; }, get state() { return side.state; } });
+    this.facts = factsPanel(side.about, side.about.ticks_missing);
+    this.moments = new MomentsPanel(side, (time_s) => hands.seek(time_s));
+  }
+
+  setView(bar: SmallBar | undefined): void {
+    if (this.side.hasScene) this.view.setView(bar);
+    else this.view.element.hidden = true;
+  }
+
+  /** The window, or what is known of it, is another one. */
+  drawWindow(window: Span): void {
+    this.side.look(window);
+    this.plots.draw();
+    this.plots.refresh();
+    this.moments.show(window);
+  }
+
+  /** Another state is shown. */
+  drawState(now_ms: number, playing: boolean): void {
+    this.changed_ms = now_ms;
+    this.view.draw(!playing);
+  }
+
+  /** Contacts fade in, the hand is still being made: pictures go on for a moment. @param whole all of it can be drawn */
+  settle(now_ms: number, whole: boolean): void {
+    if (!whole || now_ms - this.changed_ms < SETTLES_MS) this.view.draw();
+  }
+
+  refresh(): void {
+    this.view.refresh();
+    this.exercise.refresh();
+    this.plots.refresh();
+  }
+
+  close(): void {
+    this.view.close();
+    this.plots.close();
+  }
+}
+
+/** The columns of a page, one beside the other or a single one with its panels at its side. */
+export function arranged(columns: readonly Column[]): HTMLElement {
+  const [only] = columns;
+  if (columns.length === 1) {
+    return h('main', { class: 'replay' }, h('div', { class: 'col scrolls', tabindex: 0, role: 'group', 'aria-label': texts().plots.title }, only.plots.element, hint()),
+      h('div', { class: 'col scrolls aside-col' }, only.view.element, only.exercise.element, only.moments.element, only.facts));
+  }
+  const t = texts().sides;
+  return h('main', { class: 'replay beside' }, ...columns.map(({ side, view, exercise, plots, moments, facts }, i) => {
+    const letter = i === 0 ? t.a : t.b;
+    const called = side.about.title || side.about.name || side.source.name;
+    return h('div', { class: 'col' }, h('h2', { class: 'called' }, h('b', {}, letter), h('bdi', { title: called }, called)),
+      view.element, plots.element, hint(), exercise.element, moments.element, facts);   // plots at the same height
+  }));
+}
+
+/** What a person may do in a plot. */
+function hint(): HTMLElement {
+  return h('p', { class: 'hint' }, texts().plots.hint);
+}

@@ -1,0 +1,34 @@
+import { h } from '../console/dom';
+import { asWords, duration, grouped } from '../console/format';
+import { texts as consoleTexts } from '../console/i18n';
+import { fill, language } from '../shared/i18n';
+import type { About } from './about';
+import { texts } from './i18n';
+
+/** When a recording was made, as people of the language write it; as it stands where it is no date. */
+export function dateWords(created_utc: string, locale: string): string {
+  const made = new Date(created_utc);
+  return Number.isNaN(made.getTime()) ? created_utc : made.toLocaleString(locale, { dateStyle: 'medium', timeStyle: 'short' });
+}
+
+/** What a file says of itself is of any language and direction. */
+const told = (text: string): HTMLElement => h('bdi', { title: text }, text);
+
+/** What was recorded, and what came of it. */
+export function factsPanel(about: About, missing: number): HTMLElement {
+  const { facts: t } = texts();
+  const c = consoleTexts();
+  const exercise = about.exercise === '' ? t.noExercise : `${c.exercises[about.exercise] ?? asWords(about.exercise)}${about.level > 0 ? `, ${fill(c.level, { n: about.level })}` : ''}`;
+  const rows: [string, string][] = [
+    [t.when, dateWords(about.created_utc, language())], [t.exercise, exercise], [t.hand, c.hands[about.hand] ?? about.hand],
+    [t.patient, c.patients[about.patient] ?? about.patient], [t.device, about.simulated_device ? [about.device, t.simulated].filter(Boolean).join(', ') : about.device],
+    [t.length, `${duration(about.to_s - about.from_s)}, ${fill(t.ticks, { n: grouped(about.ticks) })}`],
+    [t.missing, missing > 0 ? fill(t.ticks, { n: grouped(missing) }) : ''], [t.program, about.program_version],
+  ];
+  const line = (name: string, value: string): HTMLElement => h('div', {}, h('dt', {}, told(name)), h('dd', {}, told(value)));
+  const result = about.result.map(({ label, value, unit }) => line(label, `${value} ${unit}`.trim()));
+  return h('section', { class: 'panel replay-facts', 'aria-label': t.title },
+    h('div', { class: 'hd' }, h('h2', {}, t.title)),
+    h('dl', { class: 'facts' }, ...rows.filter(([, value]) => value !== '').map(([name, value]) => line(name, value))),
+    result.length === 0 ? null : h('h2', {}, t.result), result.length === 0 ? null : h('dl', { class: 'facts' }, ...result));
+}

@@ -1,0 +1,55 @@
+import { h, say } from '../console/dom';
+import { texts as consoleTexts } from '../console/i18n';
+import { icon } from '../console/icons';
+import { recordingUrl } from '../console/recordings';
+import { toggleTheme } from '../console/theme';
+import { fill, language, LANGUAGES, setLanguage, type Language } from '../shared/i18n';
+import { tokenOf } from '../net/open_connection';
+import { dateWords } from './facts_panel';
+import { texts } from './i18n';
+import type { ReplaySide } from './side';
+
+/** Which recordings are shown, how much of them has been read, and how the page looks. */
+export class Header {
+  readonly element: HTMLElement;
+  private readonly t = texts();
+  private readonly progress = h('span', { class: 'aside num', role: 'status', 'data-testid': 'progress' });
+
+  constructor(private readonly sides: readonly ReplaySide[], rebuild: () => void) {
+    const { t } = this;
+    const names = sides.map(({ about, source }) => about.title || about.name || source.name);
+    document.title = fill(t.title, { name: names.join(', ').slice(0, 200) });
+    this.element = h('header', { class: 'top' },
+      h('h1', { class: 'brand' }, icon('logo'), t.brand), ...sides.map((side, i) => this.who(side, names[i])), h('span', { class: 'sp' }), this.progress,
+      ...(sides.length === 1 ? [this.reportLink(sides[0].source.name, names[0])] : []), headerButtons(rebuild));
+    this.refresh();
+  }
+
+  refresh(): void {
+    const share = Math.min(...this.sides.map(({ series }) => series.progress));
+    say(this.progress, share < 1 ? fill(this.t.loading, { percent: Math.floor(100 * share) }) : '');
+  }
+
+  private who({ about }: ReplaySide, name: string): HTMLElement {
+    return h('div', { class: 'who', title: name }, h('b', {}, h('bdi', {}, name)), h('span', {}, dateWords(about.created_utc, language())));
+  }
+
+  private reportLink(name: string, called: string): HTMLElement {
+    return h('a', { class: 'b', href: recordingUrl(name, true, tokenOf(location)), target: '_blank', rel: 'noopener', 'aria-label': fill(this.t.reportOf, { name: called }) }, this.t.report);
+  }
+}
+
+/** Language, colours, tables. */
+export function headerButtons(rebuild: () => void): DocumentFragment {
+  const t = consoleTexts();
+  const languages = h('select', { 'aria-label': t.language, class: 'lang', 'data-testid': 'language' },
+    ...LANGUAGES.map((key) => h('option', { value: key, selected: key === language(), lang: key }, key.toUpperCase())));
+  languages.addEventListener('change', () => setLanguage(languages.value as Language));
+  const theme = h('button', { type: 'button', class: 'b icon', 'aria-label': t.theme, title: t.theme, 'data-testid': 'theme', onclick: () => { toggleTheme(); rebuild(); } }, icon('theme'));
+  const on = document.body.classList.contains('tables');
+  const tables = h('button', { type: 'button', class: 'b icon', 'aria-label': t.tables, title: t.tables, 'aria-pressed': String(on), 'data-testid': 'tables' }, icon('table'));
+  tables.addEventListener('click', () => tables.setAttribute('aria-pressed', String(document.body.classList.toggle('tables'))));
+  const all = document.createDocumentFragment();
+  all.append(languages, theme, tables);
+  return all;
+}

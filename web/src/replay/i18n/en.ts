@@ -1,0 +1,54 @@
+/** Everything that the replay says. The other languages have the same shape. */
+export const en = {
+  title: '{name}: replay', brand: 'Replay',
+  report: 'Report', reportOf: 'Report of {name}',
+  opening: 'The recording is being opened …', loading: '{percent} % read',
+  sides: { a: 'A', b: 'B' },
+
+  transport: {
+    title: 'Playing', play: 'Play', pause: 'Pause', space: 'Space', back: 'One tick back', forward: 'One tick on', home: 'To the beginning', end: 'To the end',
+    earlier: 'To the mark before', later: 'To the next mark', speed: 'Speed', zoomIn: 'Shorter window', zoomOut: 'Longer window', whole: 'All of it',
+    tick: 'tick {n} of {m}', near: 'being read …', window: 'Window {a} to {b}',
+  },
+  timeLine: {
+    title: 'Time line', position: '{time}, {tick}', begin: 'Begin of the window', end: 'End of the window',
+    help: 'Arrows: one tick. With Shift: a tenth of a second. Page keys: marks. Plus and minus: the window.',
+  },
+  plots: {
+    image: '{name}, {a} to {b}. Press “Tables” for numbers.', tableCaption: '{name}, in the window', latest: 'At the play head',
+    intention: 'intended', parts: 'Effort, {axis}', sent: 'sent', exercise: 'exercise', damping: 'damping',
+    contact: 'Contact', force: 'force', count: 'contacts', palm: 'Palm to object', distance: 'distance', duration: 'Time per tick', took: 'took',
+    value: 'Exercise', valueChoice: 'Value of the exercise', hint: 'Click: go there. Pull: zoom in. Ctrl and wheel: longer or shorter.',
+    title: 'Plots',
+  },
+  facts: {
+    title: 'Recording', when: 'When', exercise: 'Exercise', hand: 'Hand', patient: 'Patient', device: 'Device', simulated: 'simulated', length: 'Length',
+    ticks: '{n} ticks', missing: 'Missing', program: 'Program', result: 'Result', noExercise: 'None',
+  },
+  moments: {
+    title: 'Marks', none: 'Nothing happened in this window.', more: 'The first {n} of {m}. A shorter window shows the others.', gap: '{n} ticks are missing',
+    kinds: {
+      stop: 'Stop', emergency_stop: 'Emergency stop', fault: 'Fault', controls_lost: 'Controls lost', armed: 'Armed', neutral: 'At neutral',
+    } as Record<string, string>,
+    short: { stop: 'stop', emergency_stop: 'stop', fault: 'fault', controls_lost: 'controls lost', armed: 'armed', neutral: 'neutral', gap: 'gap' } as Record<string, string>,
+    events: {
+      approached: 'Near an object', touched: 'Touched', engaged: 'Grasped', disengaged: 'Let go', pour_began: 'Pouring begins', pour_ended: 'Pouring ends',
+      line_reached: 'Line reached', overfilled: 'Overfilled', spilt: 'Spilt', wrong_dispenser: 'Wrong bottle', knocked_over: 'Knocked over', stood_up: 'Stood up',
+      step_done: 'Step done', drink_done: 'Drink done', level_done: 'Level done', paused: 'Paused', resumed: 'Resumed', restarted: 'Restarted',
+    } as Record<string, string>,
+  },
+  notices: {
+    written: 'This recording is still being written.', readOn: 'Read on',
+    damaged: 'From {time} on the file cannot be read.', damagedEnd: 'The end of the file cannot be read.', holes: '{n} ticks are missing: marked on the time line.',
+    noPicture: 'No picture: {why}', noPictureAtAll: 'No picture: the scene cannot be built from this file.', noExercise: 'Recorded without an exercise.',
+    gone: 'The program does not answer. What was read stays; the rest comes when it is back.', retry: 'Try now',
+    piece: 'A part of the recording could not be read: {why}', empty: 'The recording has no ticks.',
+  },
+  problems: {
+    unknown: 'There is no recording of this name.', denied: 'The program wants a token. Open the replay from the console.',
+    unreadable: 'This recording cannot be opened.', gone: 'The program does not answer.', nonsense: 'The program answers something this page does not understand. Reload the page; if that does not help, update the program.',
+    none: 'The address names no recording: /replay?recording=NAME. The console lists them.', says: 'The program says:', again: 'Try again', console: 'To the console',
+  },
+};
+
+export type ReplayTexts = typeof en;

@@ -1,0 +1,49 @@
+import { h } from '../console/dom';
+import { grouped } from '../console/format';
+import { fill } from '../shared/i18n';
+import { clockTime } from './clock';
+import { texts } from './i18n';
+import type { ReplaySide } from './side';
+
+/** What a person must know of a recording that is shown: it grows, it has holes, a part of it cannot be had. */
+export class ReplayNotices {
+  readonly element = h('div', { class: 'notices replay-notices' });
+  private shown = '';
+
+  constructor(private readonly sides: readonly ReplaySide[], private readonly readOn: (side: ReplaySide) => void) {}
+
+  refresh(): void {
+    const lines = this.sides.map(linesOf);
+    const key = JSON.stringify(lines);
+    if (key === this.shown) return;
+    this.shown = key;
+    // Each recording's lines stand over it.
+    this.element.replaceChildren(...lines.map((own, i) => h('div', {}, ...own.map((line) => this.notice(line, i)))));
+  }
+
+  private notice({ kind, text, act }: Line, i: number): HTMLElement {
+    const { sides, notices: t } = texts();
+    const side = this.sides[i];
+    const button = act === undefined ? null : h('button', { type: 'button', class: 'b small', 'data-testid': act, onclick: () => (act === 'retry' ? side.retry() : this.readOn(side)) },
+      act === 'retry' ? t.retry : t.readOn);
+    return h('div', { class: `notice ${kind}`, role: kind === 'bad' ? 'alert' : 'status' },
+      this.sides.length > 1 ? h('b', {}, i === 0 ? sides.a : sides.b) : null, h('bdi', { class: 'clip', title: text }, text), button);
+  }
+}
+
+interface Line { readonly kind: string; readonly text: string; readonly act?: 'retry' | 'read-on' }
+
+function linesOf(side: ReplaySide): Line[] {
+  const t = texts().notices;
+  const { about, problem } = side;
+  const lines: Line[] = [];
+  if (problem?.kind === 'gone') lines.push({ kind: 'bad', text: t.gone, act: 'retry' });
+  else if (problem) lines.push({ kind: 'warn', text: fill(t.piece, { why: problem.text || texts().problems[problem.kind] }), act: 'retry' });
+  if (about.still_written) lines.push({ kind: '', text: t.written, act: 'read-on' });
+  if (!about.whole) lines.push({ kind: 'warn', text: about.unreadable_from_s === undefined ? t.damagedEnd : fill(t.damaged, { time: clockTime(about.unreadable_from_s + side.shift_s, 3) }) });
+  if (about.ticks === 0) lines.push({ kind: 'warn', text: t.empty });
+  if (side.about.ticks_missing > 0) lines.push({ kind: 'warn', text: fill(t.holes, { n: grouped(side.about.ticks_missing) }) });
+  if (!side.hasScene) lines.push({ kind: '', text: about.no_picture_because === '' ? t.noPictureAtAll : fill(t.noPicture, { why: about.no_picture_because }) });
+  if (about.exercise === '') lines.push({ kind: '', text: t.noExercise });
+  return lines;
+}

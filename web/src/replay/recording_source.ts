@@ -1,0 +1,74 @@
+import type { SceneT } from '../protocol';
+import { readAbout, type About } from './about';
+import { readScene, splitStates } from './messages';
+import { Problem } from './problem';
+import { readPiece, type SeriesPiece } from './series_piece';
+
+/** A program that does not answer within this time is gone [ms]. */
+const PATIENCE_MS = 20_000;
+
+export type Fetch = (address: string, init?: { signal?: AbortSignal }) => Promise<Response>;
+
+/** Asks the program for what is in one recording. Every failure is a Problem. */
+export class RecordingSource {
+  constructor(readonly name: string, private readonly token: string, private readonly get: Fetch = (address, init) => fetch(address, init)) {}
+
+  async about(): Promise<About> {
+    const answer = await this.ask('about');
+    return readAbout(await this.body(answer.json() as Promise<unknown>));
+  }
+
+  async scene(): Promise<SceneT> {
+    return readScene(new Uint8Array(await this.bytes('scene')));
+  }
+
+  /** Messages of the rows first, first + step, ...; fewer where the file ends. */
+  async states(first: number, count: number, step: number): Promise<Uint8Array[]> {
+    return splitStates(await this.bytes('states', { tick: first, count, step }));
+  }
+
+  /** @pre to_s - from_s <= 60 */
+  async series(from_s: number, to_s: number, columns: number): Promise<SeriesPiece> {
+    return readPiece(await this.bytes('series', { from_s, to_s, columns }));
+  }
+
+  private async bytes(what: string, query: Readonly<Record<string, number>> = {}): Promise<ArrayBuffer> {
+    return this.body((await this.ask(what, query)).arrayBuffer());
+  }
+
+  private async ask(what: string, query: Readonly<Record<string, number>> = {}): Promise<Response> {
+    const wanted = new URLSearchParams(Object.entries(query).map(([key, value]) => [key, String(value)]));
+    if (this.token !== '') wanted.set('token', this.token);
+    const asked = wanted.toString();
+    const address = `/api/recordings/${encodeURIComponent(this.name)}/replay/${what}${asked === '' ? '' : `?${asked}`}`;
+    let answer: Response;
+    try {
+      answer = await this.get(address, { signal: AbortSignal.timeout(PATIENCE_MS) });
+    } catch {
+      throw new Problem('gone');
+    }
+    if (answer.ok) return answer;
+    // A name that no file can have, with a slash, is refused before it is looked for.
+    if (answer.status === 404 || (answer.status === 400 && what === 'about')) throw new Problem('unknown');
+    if (answer.status === 401 || answer.status === 403) throw new Problem('denied');
+    if (answer.status >= 500 || answer.status === 429) throw new Problem('gone', `HTTP ${answer.status}`);
+    throw new Problem('unreadable', await errorText(answer));
+  }
+
+  private async body<T>(coming: Promise<T>): Promise<T> {
+    try {
+      return await coming;
+    } catch (thrown) {
+      // Half an answer: the program went away. Whole but not JSON: it is another program.
+      throw thrown instanceof SyntaxError ? new Problem('nonsense', 'no JSON') : new Problem('gone');
+    }
+  }
+}
+
+async function errorText(answer: Response): Promise<string> {
+  try {
+    const said = JSON.parse(await answer.text()) as { error?: unknown };
+    if (typeof said.error === 'string') return said.error;
+  } catch { /* the status says enough */ }
+  return `HTTP ${answer.status}`;
+}

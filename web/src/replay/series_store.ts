@@ -1,0 +1,128 @@
+import type { Span } from '../console/plot_source';
+import type { About } from './about';
+import { BoundedCache } from './bounded_cache';
+import { Loader } from './loader';
+import type { Problem } from './problem';
+import type { RecordingSource } from './recording_source';
+import { SeriesLevels, type Slot } from './series_levels';
+import type { SeriesPiece } from './series_piece';
+
+/** Of the pieces that are kept beside those of the whole recording [bytes]. */
+const MOST_BYTES = 48e6;
+/** Columns of the whole recording: the time line is about so many pixels wide. */
+const OVERVIEW = 800;
+
+/** Part of a piece that is drawn: these columns of it. */
+export interface Run { readonly piece: SeriesPiece; readonly from: number; readonly to: number; readonly width_s: number }
+
+/** Series of a recording: the whole of it coarsely, and what is looked at finely, piece by piece as it comes. */
+export class SeriesStore {
+  readonly levels: SeriesLevels;
+  private readonly overviewLevel: number;
+  private readonly coarse = new Map<string, SeriesPiece>();
+  private readonly fine = new BoundedCache<SeriesPiece>(MOST_BYTES);
+  private readonly slots = new Map<string, Slot>();
+  private readonly loader: Loader<SeriesPiece>;
+  private looked: readonly Slot[] = [];
+  private whole: Span;
+
+  /** @param came is called with every piece; `coarse` of the whole recording's */
+  constructor(
+    private readonly source: RecordingSource, about: Pick<About, 'from_s' | 'to_s' | 'period_s'>,
+    came: (piece: SeriesPiece, coarse: boolean) => void, tell: (problem: Problem | undefined) => void,
+  ) {
+    this.whole = { from_s: about.from_s, to_s: about.to_s };
+    this.levels = new SeriesLevels(about.from_s, about.to_s, about.period_s);
+    this.overviewLevel = this.levels.overview(OVERVIEW);
+    this.loader = new Loader((key) => {
+      const { from_s, to_s, columns } = this.slots.get(key)!;
+      return this.source.series(from_s, to_s, columns);
+    }, (key, piece) => {
+      const slot = this.slots.get(key)!;
+      this.slots.delete(key);
+      if (slot.level === this.overviewLevel) this.coarse.set(key, piece);
+      else this.fine.put(key, piece, piece.bytes);
+      came(piece, slot.level === this.overviewLevel);
+      this.order();
+    }, tell);
+    this.order();
+  }
+
+  /** Share of the whole recording that has come. */
+  get progress(): number {
+    const slots = this.overviewSlots();
+    return slots.length === 0 ? 1 : slots.filter(({ key }) => this.coarse.has(key)).length / slots.length;
+  }
+
+  /** Spans of the whole recording that have not come yet. */
+  missing(): Span[] {
+    return this.overviewSlots().filter(({ key }) => !this.coarse.has(key));
+  }
+
+  /** What of the whole recording has come, in order of time. */
+  overview(): SeriesPiece[] {
+    return this.overviewSlots().map(({ key }) => this.coarse.get(key)).filter((piece) => piece !== undefined);
+  }
+
+  /** A window is looked at in so many columns. */
+  look(window: Span, columns: number): void {
+    this.looked = this.levels.slots(this.levels.levelFor(window.to_s - window.from_s, columns), window);
+    this.order();
+  }
+
+  /** What is known of the window that is looked at; where the fine is not there yet, the coarse. */
+  runs(): Run[] {
+    return this.looked.flatMap((slot) => {
+      const piece = this.piece(slot.key);
+      return piece ? [{ piece, from: 0, to: piece.columns, width_s: this.levels.width_s(slot.level) }] : this.coarseRuns(slot);
+    });
+  }
+
+  /** The file has grown to this time: what ended with it is read again. */
+  grow(to_s: number): void {
+    const old = this.whole.to_s;
+    const ends = (piece: SeriesPiece): boolean => piece.to_s >= old - 1e-9;
+    for (const [key, piece] of this.coarse) if (ends(piece)) this.coarse.delete(key);
+    for (const [key, { value }] of [...this.fine.entries()]) if (ends(value)) this.fine.drop(key);
+    this.whole = { ...this.whole, to_s };
+    this.levels.grow(to_s);
+    this.order();
+  }
+
+  retry(): void {
+    this.loader.retry();
+  }
+
+  close(): void {
+    this.loader.close();
+    this.fine.clear();
+  }
+
+  private overviewSlots(): Slot[] {
+    return this.levels.slots(this.overviewLevel, this.whole);
+  }
+
+  private piece(key: string): SeriesPiece | undefined {
+    return this.coarse.get(key) ?? this.fine.peek(key);
+  }
+
+  /** What is looked at comes before the whole. */
+  private order(): void {
+    for (const { key } of this.looked) this.fine.use(key);
+    const missing = [...this.looked, ...this.overviewSlots()].filter(({ key }) => !this.piece(key));
+    for (const slot of missing) this.slots.set(slot.key, slot);
+    this.loader.want([...new Set(missing.map(({ key }) => key))]);
+  }
+
+  private coarseRuns(slot: Slot): Run[] {
+    const width_s = this.levels.width_s(this.overviewLevel);
+    return this.levels.slots(this.overviewLevel, slot).flatMap(({ key, from_s }) => {
+      const piece = this.coarse.get(key);
+      if (!piece) return [];
+      // Columns whose middle lies in the slot: none is drawn twice.
+      const from = Math.max(0, Math.ceil((slot.from_s - from_s) / width_s - 0.5));
+      const to = Math.min(piece.columns, Math.ceil((slot.to_s - from_s) / width_s - 0.5));
+      return to > from ? [{ piece, from, to, width_s }] : [];
+    });
+  }
+}

@@ -1,0 +1,75 @@
+import { extremesOf, type Kept, type PlotSource, type Span, type TimeTick } from '../console/plot_source';
+import type { SceneT, WorldStateT } from '../protocol';
+import { channelOf, keptColumn, type Channel, type ColumnList } from './channels';
+import { clockTicks } from './clock';
+import { WindowSamples } from './window_samples';
+
+/** Times that an axis of time names at most. */
+const TICKS = 7;
+
+/** A window of a recording as plots draw it. Its times are those of the page: the recording's, shifted. */
+export class SeriesView implements PlotSource {
+  readonly live = false;
+  window: Span = { from_s: 0, to_s: 1 };
+  state: WorldStateT | null = null;
+  /** The same window of the recording beside it: both have the same range. */
+  fellow: SeriesView | undefined;
+  private readonly channels = new Map<number, Channel | undefined>();
+  private samples = new WindowSamples([], [], 1);
+  private shifted = new Float64Array(0);
+  private within: readonly [number, number] = [0, 0];
+
+  /** @param axes of the plots, by name; @param scene of this recording */
+  constructor(private readonly list: ColumnList, private readonly axes: readonly string[], private readonly scene: Pick<SceneT, 'axes' | 'valueNames'>) {}
+
+  /** What is known of the window now. @param shift_s from the recording's time to that of the page and the window */
+  take(window: Span, samples: WindowSamples, shift_s: number): void {
+    this.window = window;
+    this.samples = samples;
+    this.shifted = samples.times.map((time_s) => time_s + shift_s);
+    const first = this.shifted.findIndex((time_s) => time_s >= window.from_s);
+    const after = this.shifted.findIndex((time_s) => time_s > window.to_s);
+    this.within = [first < 0 ? this.shifted.length : first, after < 0 ? this.shifted.length : after];
+  }
+
+  times(): Float64Array {
+    return this.shifted;
+  }
+
+  values(column: number): Float64Array {
+    const channel = this.channel(column);
+    return this.samples.values(channel?.key ?? '', channel?.factor ?? 1);
+  }
+
+  current(column: number): number {
+    return this.state ? this.valueOf(column, this.state) : NaN;
+  }
+
+  extremes(columns: readonly number[]): readonly [number, number] {
+    const views = this.fellow ? [this, this.fellow] : [this];
+    return extremesOf(views.flatMap((view) => columns.map((column) => view.values(column).subarray(...view.within))));
+  }
+
+  timeTicks(): readonly TimeTick[] {
+    return clockTicks(this.window, TICKS);
+  }
+
+  get alphaColumn(): number {
+    return this.list.numberOf({ of: 'alpha' });
+  }
+
+  column(kept: Kept, axis: number): number {
+    return this.list.numberOf(keptColumn(kept, this.axes[axis]));
+  }
+
+  private valueOf(column: number, state: WorldStateT): number {
+    const channel = this.channel(column);
+    const value = channel?.read(state);
+    return channel && value !== undefined ? value * channel.factor : NaN;
+  }
+
+  private channel(column: number): Channel | undefined {
+    if (!this.channels.has(column)) this.channels.set(column, channelOf(this.list.at(column), this.scene));
+    return this.channels.get(column);
+  }
+}

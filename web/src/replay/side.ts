@@ -1,0 +1,208 @@
+import type { Mark } from '../console/marks';
+import type { PlotsModel } from '../console/plot_panel';
+import type { Span } from '../console/plot_source';
+import { texts as consoleTexts } from '../console/i18n';
+import { AxisT, SceneT, type WorldStateT } from '../protocol';
+import { ExercisePanel } from '../shared/exercise_panel';
+import type { About } from './about';
+import { ColumnList } from './channels';
+import { texts } from './i18n';
+import { Moments, plotMark, type Names } from './moments';
+import { asProblem, type Problem } from './problem';
+import type { RecordingSource } from './recording_source';
+import type { SeriesPiece } from './series_piece';
+import { SeriesStore } from './series_store';
+import { SeriesView } from './series_view';
+import { stepFor, StateStore } from './state_store';
+import { TimeMap } from './time_map';
+import { WindowSamples } from './window_samples';
+
+/** Columns of a plot: about as many as it is wide. */
+const COLUMNS = 500;
+/** Pictures a second while it plays [Hz]. */
+const PICTURES_HZ = 60;
+/** Steps of looking for a time among rows. */
+const CORRECTIONS = 5;
+
+/** One recording that is shown: what is known of it, and the moment that is looked at. */
+export class ReplaySide implements PlotsModel {
+  about: About;
+  /** Of the file; where it has none, names as far as the file tells them. */
+  scene: SceneT;
+  readonly hasScene: boolean;
+  state: WorldStateT | null = null;
+  history: SeriesView;
+  readonly marks: { list: readonly Mark[] } = { list: [] };
+  readonly moments = new Moments();
+  readonly map: TimeMap;
+  readonly states: StateStore;
+  readonly series: SeriesStore;
+  /** Row that is shown, and that which is asked for. */
+  shown: number | undefined;
+  wanted = 0;
+  /** From the recording's time to the page's [s]. */
+  shift_s = 0;
+  /** The program is gone, or a part cannot be read. */
+  problem: Problem | undefined;
+  /** Something came: what is drawn is no longer all that is known. */
+  fresh = true;
+  private panel: ExercisePanel | null;
+
+  private constructor(readonly source: RecordingSource, about: About, scene: SceneT | undefined) {
+    this.about = about;
+    this.hasScene = scene !== undefined;
+    this.scene = scene ?? sceneOf(about);
+    this.panel = ExercisePanel.of(this.scene);
+    this.map = new TimeMap(about, about.ticks);
+    this.history = new SeriesView(new ColumnList(), [], this.scene);
+    const tell = (problem: Problem | undefined): void => this.tell(problem);
+    this.states = new StateStore(source, about.ticks, () => { this.fresh = true; }, tell);
+    this.series = new SeriesStore(source, about, (piece) => this.take(piece), tell);
+  }
+
+  /** Opens a recording; throws a Problem where nothing of it can be shown. */
+  static async open(source: RecordingSource): Promise<ReplaySide> {
+    const about = await source.about();
+    let scene: SceneT | undefined;
+    try {
+      scene = about.picture ? await source.scene() : undefined;
+    } catch (thrown) {
+      const problem = asProblem(thrown);
+      if (problem.kind === 'gone') throw problem;
+      return new ReplaySide(source, { ...about, picture: false, no_picture_because: problem.text }, undefined);
+    }
+    return new ReplaySide(source, about, scene);
+  }
+
+  /** First to last tick, of the page's time. */
+  get span(): Span {
+    const { from_s, to_s, period_s } = this.about;
+    return { from_s: from_s + this.shift_s, to_s: Math.max(from_s, to_s - period_s) + this.shift_s };
+  }
+
+  get names(): Names {
+    return { eventNames: this.scene.eventNames, ownWords: (type) => this.panel?.event(type) ?? '' };
+  }
+
+  value(name: string): number | undefined {
+    const index = this.scene.valueNames.indexOf(name);
+    return index < 0 ? undefined : this.state?.values[index];
+  }
+
+  parameter(name: string): number | undefined {
+    const index = this.scene.parameters.findIndex((parameter) => parameter.name === name);
+    return index < 0 ? undefined : this.state?.parameters[index];
+  }
+
+  /** The plots are made for these axes. */
+  setColumns(list: ColumnList, axes: readonly string[]): void {
+    this.history = new SeriesView(list, axes, this.scene);
+    this.history.state = this.state;
+  }
+
+  /** A window of the page's time is looked at. */
+  look(window: Span): void {
+    const { shift_s, about } = this;
+    const own = { from_s: window.from_s - shift_s, to_s: window.to_s - shift_s };
+    this.series.look(own, COLUMNS);
+    this.history.take(window, new WindowSamples(this.series.runs(), this.moments.gaps, about.period_s), shift_s);
+    this.marks.list = this.moments.within(own).map((moment) => {
+      const mark = plotMark(moment, this.names, texts(), consoleTexts());
+      return { ...mark, time_s: mark.time_s + shift_s };
+    });
+  }
+
+  /** The row at a time of the page; undefined: this recording has nothing there. */
+  rowAt(time_s: number): number | undefined {
+    const own_s = time_s - this.shift_s;
+    const { from_s, to_s, period_s, ticks } = this.about;
+    return ticks === 0 || own_s < from_s - period_s / 2 || own_s > to_s - period_s / 2 ? undefined : this.map.rowAt(own_s);
+  }
+
+  /** Asks for what is needed at a time, and shows the nearest that is known. True when another state is shown. */
+  seek(time_s: number, window: Span, playing: boolean, speed: number): boolean {
+    const mapped = this.rowAt(time_s);
+    if (mapped === undefined) return false;
+    const row = this.corrected(mapped, time_s - this.shift_s);
+    this.wanted = row;
+    const { period_s } = this.about;
+    if (playing) this.states.wantFrom(row, stepFor(speed / PICTURES_HZ / period_s));
+    else this.states.wantAround(row, Math.max(4, stepFor((window.to_s - window.from_s) / COLUMNS / period_s)));
+    const nearest = this.states.nearest(row);
+    if (nearest === undefined || nearest === this.shown) return false;
+    return this.show(nearest);
+  }
+
+  /** Time of a row on the page's clock, from its state where that is known. */
+  timeOf(row: number): number {
+    return (this.states.time_s(row) ?? this.map.timeAt(row)) + this.shift_s;
+  }
+
+  /** States that are known say where the map is wrong. */
+  private corrected(row: number, own_s: number): number {
+    let best = row;
+    let off_s = Infinity;
+    for (let i = 0; i < CORRECTIONS; i += 1) {
+      const time_s = this.states.time_s(row);
+      if (time_s === undefined || Math.abs(own_s - time_s) >= off_s) break;
+      [best, off_s] = [row, Math.abs(own_s - time_s)];
+      row = Math.min(this.about.ticks - 1, Math.max(0, row + Math.round((own_s - time_s) / this.about.period_s)));
+    }
+    return off_s === Infinity ? row : best;
+  }
+
+  /** The file is read on: it was still being written. */
+  grow(about: About): void {
+    this.about = { ...about, picture: this.about.picture, no_picture_because: this.about.no_picture_because };
+    this.map.grow(about.ticks);
+    this.states.grow(about.ticks);
+    this.series.grow(about.to_s);
+    this.fresh = true;
+  }
+
+  retry(): void {
+    this.states.retry();
+    this.series.retry();
+  }
+
+  close(): void {
+    this.states.close();
+    this.series.close();
+  }
+
+  private show(row: number): boolean {
+    try {
+      this.state = this.states.state(row) ?? this.state;
+    } catch (thrown) {
+      this.tell(asProblem(thrown));
+      return false;
+    }
+    this.shown = row;
+    this.history.state = this.state;
+    return true;
+  }
+
+  private take(piece: SeriesPiece): void {
+    this.map.addAnchor(piece.first_tick, piece.from_s);
+    this.moments.add(piece);
+    this.map.setGaps(this.moments.gaps);
+    this.fresh = true;
+  }
+
+  private tell(problem: Problem | undefined): void {
+    // A part that cannot be read stays unreadable though others come.
+    if (problem === undefined && this.problem?.kind !== 'gone') return;
+    this.problem = problem;
+    this.fresh = true;
+  }
+}
+
+/** What plots need of a scene, from what is told of the file. */
+function sceneOf({ axes, value_names, event_names, period_s }: About): SceneT {
+  const scene = new SceneT();
+  scene.axes = axes.map(({ name, unit, effort_limit, lever_arm_m }) => new AxisT(name, unit, 0, 0, effort_limit, lever_arm_m, 0));
+  scene.valueNames = [...value_names];
+  scene.eventNames = [...event_names];
+  scene.periodS = period_s;
+  return scene;
+}

@@ -1,0 +1,123 @@
+import type { WorldStateT } from '../protocol';
+import { BoundedCache } from './bounded_cache';
+import { Loader } from './loader';
+import { readState, timeOfState } from './messages';
+import type { Problem } from './problem';
+import type { RecordingSource } from './recording_source';
+
+/** Rows that one request brings. */
+export const BLOCK = 64;
+/** Of the messages that are kept [bytes]. */
+const MOST_BYTES = 48e6;
+/** Two blocks are asked for ahead of what is played. */
+const AHEAD = [0, 1, 2];
+
+interface Block { readonly first: number; readonly step: number; readonly messages: readonly Uint8Array[] }
+
+const keyOf = (step: number, index: number): string => `${step}:${index}`;
+
+/** The step for so many rows between two states that are shown: 1, 4, 16, ... */
+export function stepFor(rows: number): number {
+  return 4 ** Math.max(0, Math.floor(Math.log(Math.max(1, rows) * 1.000001) / Math.log(4)));
+}
+
+/** States of a recording: blocks of rows as they are wanted, the last used kept. */
+export class StateStore {
+  private readonly blocks = new BoundedCache<Block>(MOST_BYTES);
+  private readonly loader: Loader<Uint8Array[]>;
+  private read: { row: number; state: WorldStateT } | undefined;
+
+  /** @param changed is called when states came */
+  constructor(private readonly source: RecordingSource, private ticks: number, changed: () => void, tell: (problem: Problem | undefined) => void) {
+    this.loader = new Loader((key) => {
+      const [step, index] = key.split(':').map(Number);
+      return this.source.states(index * BLOCK * step, this.rowsIn(step, index), step);
+    }, (key, messages) => {
+      const [step, index] = key.split(':').map(Number);
+      this.blocks.put(key, { first: index * BLOCK * step, step, messages }, messages.reduce((sum, { length }) => sum + length, 200));
+      changed();
+    }, tell);
+  }
+
+  /** The file has grown: blocks that ended with it are read again. */
+  grow(ticks: number): void {
+    for (const [key, { value }] of [...this.blocks.entries()]) {
+      if (value.messages.length < BLOCK) this.blocks.drop(key);
+    }
+    this.ticks = ticks;
+  }
+
+  /** A person looks for this row: it and its neighbours, then what lies around it at a coarser step. */
+  wantAround(row: number, step: number): void {
+    const exact = Math.floor(row / BLOCK);
+    this.want([keyOf(1, exact), keyOf(step, Math.floor(row / BLOCK / step)), keyOf(1, exact + 1), keyOf(1, exact - 1)]);
+  }
+
+  /** The rows from this one on are played. */
+  wantFrom(row: number, step: number): void {
+    const index = Math.floor(row / BLOCK / step);
+    this.want(AHEAD.map((ahead) => keyOf(step, index + ahead)));
+  }
+
+  /** The known row that is nearest to this one; undefined: none is known yet. */
+  nearest(row: number): number | undefined {
+    if (this.blocks.peek(keyOf(1, Math.floor(row / BLOCK)))?.messages[row % BLOCK]) return row;
+    let found: number | undefined;
+    for (const [, { value: { first, step, messages } }] of this.blocks.entries()) {
+      if (messages.length === 0) continue;
+      const place = Math.min(messages.length - 1, Math.max(0, Math.round((row - first) / step)));
+      const here = first + place * step;
+      if (found === undefined || Math.abs(here - row) < Math.abs(found - row)) found = here;
+    }
+    return found;
+  }
+
+  /** Time of a row, as its state tells it; undefined where that is not known. */
+  time_s(row: number): number | undefined {
+    const message = this.messageOf(row);
+    return message && timeOfState(message);
+  }
+
+  /** The state of a known row; throws a Problem where its message cannot be read. */
+  state(row: number): WorldStateT | undefined {
+    if (this.read?.row === row) return this.read.state;
+    const message = this.messageOf(row);
+    if (!message) return undefined;
+    this.read = { row, state: readState(message) };
+    return this.read.state;
+  }
+
+  get bytes(): number {
+    return this.blocks.size;
+  }
+
+  retry(): void {
+    this.loader.retry();
+  }
+
+  close(): void {
+    this.loader.close();
+    this.blocks.clear();
+  }
+
+  private messageOf(row: number): Uint8Array | undefined {
+    const exact = this.blocks.use(keyOf(1, Math.floor(row / BLOCK)))?.messages[row % BLOCK];
+    if (exact) return exact;
+    for (const [, { value: { first, step, messages } }] of this.blocks.entries()) {
+      if (row >= first && (row - first) % step === 0 && messages[(row - first) / step]) return messages[(row - first) / step];
+    }
+    return undefined;
+  }
+
+  private rowsIn(step: number, index: number): number {
+    return Math.max(0, Math.min(BLOCK, Math.ceil((this.ticks - index * BLOCK * step) / step)));
+  }
+
+  private want(keys: readonly string[]): void {
+    const there = keys.filter((key) => {
+      const [step, index] = key.split(':').map(Number);
+      return index >= 0 && this.rowsIn(step, index) > 0;
+    });
+    this.loader.want([...new Set(there)].filter((key) => !this.blocks.use(key)));
+  }
+}

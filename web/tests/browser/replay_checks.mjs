@@ -1,0 +1,172 @@
+// The replay of recordings, against the program as `replay --web`.
+import { copyFileSync, existsSync, readFileSync, truncateSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { accessibilityFaults, openPage, until } from './browser.mjs';
+import { expect } from './checks.mjs';
+import { letProgram, startProgram } from './program.mjs';
+
+const PATIENT_MS = 120_000;
+const SECONDS = 12;
+
+const replayed = (page) => page.evaluate(() => window.wholehandReplay);
+/** Waits until the page shows what it was asked for, and all of the time line. */
+const still = (page, what, look = () => true) => until(what, async () => {
+  const now = await replayed(page);
+  return now && now.exact && now.loaded === 1 && look(now) ? now : undefined;
+}, { within_ms: PATIENT_MS });
+
+/** A recording of the bar by the virtual patient, on the simulated clock: made once. */
+async function recording({ file, folder }, name = 'replayed.h5', exercise = 'cocktail-bar') {
+  const path = join(folder, name);
+  if (!existsSync(path)) await letProgram({ file, folder, args: ['run', '--exercise', exercise, '--simulated-clock', '--duration', String(SECONDS), '--record', path] });
+  return path;
+}
+
+async function replay(recorded, paths, check) {
+  const [path, beside] = paths;
+  const program = await startProgram({ ...recorded, command: ['replay', path, '--web'], args: beside ? ['--beside', beside] : [] });
+  try {
+    return await check(program.url, program);
+  } finally {
+    await program.stop();
+  }
+}
+
+const withQuery = (address, query) => {
+  const url = new URL(address);
+  for (const [key, value] of Object.entries(query)) url.searchParams.set(key, value);
+  return url.href;
+};
+
+/** Scrubbed, stepped, played, zoomed; in two themes and three languages; its picture where there is 3D. */
+export async function recordingIsReplayed(plain, drawing, recorded, picture) {
+  const path = await recording(recorded);
+  return replay(recorded, [path], async (url) => {
+    const page = await openPage(plain, withQuery(url, { lang: 'en', theme: 'light' }));
+    // All of it is seen at first: the ramp to neutral after its length, too.
+    const { window: { to_s: last_s } } = await still(page, 'the first tick', (now) => now.rows[0] === 0);
+    expect(last_s > SECONDS - 0.1 && last_s < SECONDS + 1, `it is ${last_s} s long`);
+    // Through the middle and back: at every place the very row of its time.
+    const line = await page.locator('[data-testid=time-line]').boundingBox();
+    for (const share of [0.5, 0.25, 0.9, 0.251]) {
+      await page.mouse.click(line.x + share * line.width, line.y + 30);
+      const now = await still(page, `the row at ${share}`, ({ time_s }) => Math.abs(time_s - share * last_s) < 0.05);
+      expect(now.rows[0] === Math.round(now.time_s * 1000), `row ${now.rows[0]} at ${now.time_s} s`);
+    }
+    await keysMove(page, last_s);
+    await zoomed(page, last_s);
+    await page.keyboard.press('Home');
+    await page.click('[data-testid=play]');
+    await until('some of it played', async () => (await replayed(page)).time_s > 0.5, { within_ms: PATIENT_MS });
+    await page.keyboard.press(' ');
+    const first = page.locator('[data-testid=moments] button').first();
+    await first.click();
+    const faults = [];
+    for (const [lang, click] of [['en', null], ['de', '[data-testid=theme]'], ['fr', '[data-testid=tables]']]) {
+      await page.selectOption('[data-testid=language]', lang);
+      if (click) await page.click(click);
+      faults.push(...(await accessibilityFaults(page)).map((fault) => `${lang}: ${fault}`));
+      await picture(page, `replay_${lang}`);
+    }
+    expect(faults.length === 0, faults.join('\n'));
+    expect(page.faults.length === 0, page.faults.join('\n'));
+    const { scrub_ms } = await replayed(page);
+    await page.context().close();
+    await pictureIsDrawn(drawing, url, picture);
+    return `${scrub_ms.length} looks, the fastest answered within ${Math.min(...scrub_ms).toFixed(0)} ms`;
+  });
+}
+
+async function keysMove(page, last_s) {
+  const last = Math.round(last_s * 1000);
+  await page.keyboard.press('Home');
+  await still(page, 'the beginning', (now) => now.rows[0] === 0);
+  for (const [key, row] of [['ArrowRight', 1], ['ArrowRight', 2], ['ArrowLeft', 1], ['Shift+ArrowRight', 101], ['End', last], ['ArrowRight', last]]) {
+    await page.keyboard.press(key);
+    await still(page, `row ${row} after ${key}`, (now) => now.rows[0] === row && Math.abs(now.time_s - row / 1000) < 1e-6);
+  }
+}
+
+/** The keys of the window, and a pull in a plot. */
+async function zoomed(page, last_s) {
+  await page.keyboard.press('+');
+  await still(page, 'half the window', ({ window: w }) => Math.abs(w.to_s - w.from_s - last_s / 2) < 1e-6);
+  await page.keyboard.press('0');
+  const plot = await page.locator('.plot .u-over').first().boundingBox();
+  await page.mouse.move(plot.x + 0.2 * plot.width, plot.y + 40);
+  await page.mouse.down();
+  await page.mouse.move(plot.x + 0.4 * plot.width, plot.y + 40, { steps: 6 });
+  await page.mouse.up();
+  await still(page, 'a fifth of it', ({ window: w }) => Math.abs(w.from_s - 0.2 * last_s) < 0.1 && Math.abs(w.to_s - 0.4 * last_s) < 0.1);
+  await page.click('[data-testid=whole]');
+  await still(page, 'all of it', ({ window: w }) => w.from_s === 0);
+}
+
+/** The hand is there in 3D, at a moment of a grasp. */
+async function pictureIsDrawn(drawing, url, picture) {
+  const page = await openPage(drawing, withQuery(url, { lang: 'en', quality: 'low' }));
+  await until('the whole picture', async () => (await replayed(page))?.quality === 'low', { within_ms: PATIENT_MS });
+  await page.keyboard.press('PageDown');
+  await still(page, 'a mark');
+  await picture(page, 'replay_3d');
+  expect(page.faults.length === 0, page.faults.join('\n'));
+  await page.context().close();
+}
+
+/** Another exercise beside the first: both at the same time, each with its plots. */
+export async function twoAreReplayed(browser, recorded, picture) {
+  const paths = [await recording(recorded), await recording(recorded, 'grasping.h5', 'free-grasping')];
+  return replay(recorded, paths, async (url) => {
+    const page = await openPage(browser, withQuery(url, { lang: 'en' }));
+    await still(page, 'both at their beginning', (now) => now.rows.length === 2 && now.rows.every((row) => row === 0));
+    await page.keyboard.press('Shift+ArrowRight');
+    const now = await still(page, 'a tenth of a second in both', ({ rows }) => rows.every((row) => row === 100));
+    const plots = await page.locator('.plots').evaluateAll((all) => all.map((one) => one.querySelectorAll('.plot').length));
+    expect(plots.length === 2 && plots[0] === plots[1] && plots[0] >= 8, `plots: ${plots}`);
+    const faults = await accessibilityFaults(page);
+    expect(faults.length === 0, faults.join('\n'));
+    await picture(page, 'replay_beside');
+    expect(page.faults.length === 0, page.faults.join('\n'));
+    await page.context().close();
+    return `rows ${now.rows.join(' and ')}, ${plots[0]} plots each`;
+  });
+}
+
+/** What is no recording, what there is none of, and a program that goes away meanwhile. */
+export async function badRecordingsAreSaid(browser, recorded, picture) {
+  const path = await recording(recorded);
+  const foreign = join(recorded.folder, 'foreign.h5');
+  writeFileSync(foreign, 'this is no recording\n');
+  const said = await replay(recorded, [foreign], async (url) => {
+    const page = await openPage(browser, withQuery(url, { lang: 'de' }));
+    const problem = page.locator('[data-testid=problem]');
+    await problem.waitFor({ timeout: PATIENT_MS });
+    expect((await problem.getAttribute('data-kind')) === 'unreadable', await problem.innerText());
+    await page.goto(withQuery(url, { recording: '<b>nobody</b>', lang: 'de' }));
+    await page.waitForSelector('[data-kind=unknown]', { timeout: PATIENT_MS });
+    expect((await problem.locator('bdi').innerText()) === '<b>nobody</b>', 'a name is markup');
+    const words = await problem.innerText();
+    await page.context().close();
+    return words.split('\n')[0];
+  });
+  const cut = join(recorded.folder, 'cut.h5');
+  copyFileSync(path, cut);
+  truncateSync(cut, Math.floor(readFileSync(path).length * 0.9));
+  await replay(recorded, [cut], async (url) => {
+    const page = await openPage(browser, withQuery(url, { lang: 'fr' }));
+    await page.waitForSelector('[data-testid=problem], .notice', { timeout: PATIENT_MS });
+    await picture(page, 'replay_cut');
+    await page.context().close();
+  });
+  await replay(recorded, [path], async (url, program) => {
+    const page = await openPage(browser, withQuery(url, { lang: 'en' }));
+    await still(page, 'the first tick');
+    await program.stop('SIGKILL');
+    await page.keyboard.press('End');
+    await page.waitForSelector('.notice.bad [data-testid=retry]', { timeout: PATIENT_MS });
+    await page.keyboard.press('Home');
+    await until('what was read', async () => (await replayed(page)).rows[0] === 0, { within_ms: PATIENT_MS });
+    await page.context().close();
+  });
+  return `"${said}"`;
+}
