@@ -48,7 +48,8 @@ HttpLine::Then HttpConnection::next(Then then) {
 }
 
 FileWorkers& HttpConnection::workers() {
-  return needs_ == Site::Needs::kPage ? premises_.pages : premises_.recordings;
+  if (needs_ == Site::Needs::kPage) return premises_.pages;
+  return needs_ == Site::Needs::kReplay ? premises_.replays : premises_.recordings;
 }
 
 void HttpConnection::haveRead(HttpHeard heard) {
