@@ -17,7 +17,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int kLook_ms = 20;
-constexpr auto kEndsWithin = std::chrono::milliseconds(200);
+/// From the moment that it closed its socket, as its end does.
+constexpr auto kEndsWithin = std::chrono::seconds(10);
 constexpr std::size_t kPiece_bytes = 1 << 16;
 
 }  // namespace
@@ -48,6 +49,7 @@ bool TalkingChild::send(std::string_view text) {
   while (!text.empty()) {
     const ssize_t n = ::send(socket_, text.data(), text.size(), MSG_NOSIGNAL);
     if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) hung_up_ = true;
     if (n <= 0) return false;
     text.remove_prefix(static_cast<std::size_t>(n));
   }
@@ -64,12 +66,14 @@ std::string TalkingChild::receive(std::size_t bytes, Clock::time_point until,
     said.resize(at + std::min(bytes - at, kPiece_bytes));
     const ssize_t n = ::recv(socket_, said.data() + at, said.size() - at, 0);
     said.resize(at + static_cast<std::size_t>(std::max<ssize_t>(n, 0)));
-    if (n == 0 || (n < 0 && errno != EINTR)) break;
+    hung_up_ = n == 0 || (n < 0 && errno != EINTR);
+    if (hung_up_) break;
   }
   return said;
 }
 
 int TalkingChild::signal() {
+  if (!hung_up_) return 0;
   for (const auto until = Clock::now() + kEndsWithin; !over_ && Clock::now() < until;) {
     over_ = process::isOver(child_, status_);
     if (!over_) std::this_thread::sleep_for(std::chrono::milliseconds(1));

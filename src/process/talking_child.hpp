@@ -38,7 +38,7 @@ class TalkingChild {
   /// @param stop asked every 20 ms; empty: never
   [[nodiscard]] std::string receive(std::size_t bytes, std::chrono::steady_clock::time_point until,
                                     const std::function<bool()>& stop = {});
-  /// The signal that ended it; 0: none did.
+  /// The signal that ended it, after send() or receive() failed; 0: none did.
   [[nodiscard]] int signal();
 
  private:
@@ -46,7 +46,8 @@ class TalkingChild {
 
   pid_t child_;
   int socket_;
-  bool over_ = false;  ///< its status has been taken
+  bool hung_up_ = false;  ///< its end of the socket is closed
+  bool over_ = false;     ///< its status has been taken
   int status_ = 0;
 };
 

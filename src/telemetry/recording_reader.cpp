@@ -65,7 +65,9 @@ Expected<bool> leftOpen(const std::string& path) {
 class Hdf5Reader final : public RecordingReader {
  public:
   /// @param chunks_at_once that are read around a tick
-  explicit Hdf5Reader(std::uint64_t chunks_at_once) : chunks_at_once_(chunks_at_once) {}
+  /// @param marks a file that its writer left open as one that is read
+  Hdf5Reader(std::uint64_t chunks_at_once, bool marks)
+      : chunks_at_once_(chunks_at_once), marks_(marks) {}
   /// Opens and checks. What is wrong, or Done.
   Expected<Done> open(const std::string& path, bool left_open);
   [[nodiscard]] bool endsWhole() {
@@ -100,13 +102,15 @@ class Hdf5Reader final : public RecordingReader {
   std::vector<std::uint64_t> rows_;  ///< of the file, that hold a whole tick
   RecordingOutline outline_;
   const std::uint64_t chunks_at_once_;
+  const bool marks_;
   std::uint64_t block_ = 1;                      ///< rows of a chunk
   std::uint64_t unreadable_block_ = UINT64_MAX;  ///< the one that was tried last
 };
 
 Expected<Done> Hdf5Reader::open(const std::string& path, bool left_open) {
+  outline_.being_written = left_open && DiskReserve::isOpenElsewhere(path);
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_file_locking(access.get(), true, true);
+  H5Pset_file_locking(access.get(), marks_ || !left_open, true);
   // HDF5 waits twice as long before each new attempt, from 1 ns on: of its usual 100 attempts at a
   // broken piece of a file left open, nobody would see the end.
   if (left_open) H5Pset_metadata_read_attempts(access.get(), 25);
@@ -114,7 +118,6 @@ Expected<Done> Hdf5Reader::open(const std::string& path, bool left_open) {
   const unsigned mode = H5F_ACC_RDONLY | (left_open ? H5F_ACC_SWMR_READ : 0U);
   file_ = Handle(H5Fopen(path.c_str(), mode, access.get()), H5Fclose);
   if (!file_.ok()) return refusal(path, "is truncated or damaged", kBrokenCopy);
-  outline_.being_written = left_open && DiskReserve::isOpenElsewhere(path);
   if (auto described = readDescription(path); !described) return described;
   if (const std::string problem = openTables(); !problem.empty()) {
     return refusal(path, problem, kBrokenCopy);
@@ -272,11 +275,11 @@ bool Hdf5Reader::read(std::uint64_t index, TickRecord& record) {
 }
 
 Expected<std::unique_ptr<Hdf5Reader>> openHdf5(const std::string& path,
-                                               std::uint64_t chunks_at_once) {
+                                               std::uint64_t chunks_at_once, bool marks) {
   hdf5::beginHdf5();
   const auto left_open = leftOpen(path);
   if (!left_open) return left_open.errors();
-  auto reader = std::make_unique<Hdf5Reader>(chunks_at_once);
+  auto reader = std::make_unique<Hdf5Reader>(chunks_at_once, marks);
   if (auto opened = reader->open(path, *left_open); !opened) return opened.errors();
   return reader;
 }
@@ -289,7 +292,7 @@ Expected<std::unique_ptr<RecordingReader>> RecordingReader::open(const std::stri
     if (!box) return box.errors();
     return Expected<std::unique_ptr<RecordingReader>>(std::move(*box));
   }
-  auto reader = openHdf5(path, 1);
+  auto reader = openHdf5(path, 1, true);
   if (!reader) return reader.errors();
   // The last rows lie at the end of the file: a copy that stopped early shows here.
   if (!(*reader)->endsWhole()) {
@@ -299,7 +302,7 @@ Expected<std::unique_ptr<RecordingReader>> RecordingReader::open(const std::stri
 }
 
 Expected<ViewedRecording> viewRecording(const std::string& path, std::uint64_t chunks_at_once) {
-  auto reader = openHdf5(path, chunks_at_once);
+  auto reader = openHdf5(path, chunks_at_once, false);
   if (!reader) return reader.errors();
   ViewedRecording viewed;
   const auto& numbers = (*reader)->outline().numbers;

@@ -18,7 +18,8 @@ struct ViewedRecording {
 };
 
 /// As RecordingReader::open(), but a file whose last ticks cannot be read is read up to them. No
-/// black boxes.
+/// black boxes. A file that is being written, or whose writer was killed, is not marked as read, so
+/// that whoever looks at it later can tell these two apart (RecordingOutline::being_written).
 /// @param chunks_at_once quarters of a second that are read around a tick: 1 for moments here and
 /// there, more for a reader that goes through them in order
 [[nodiscard]] Expected<ViewedRecording> viewRecording(const std::string& path,
