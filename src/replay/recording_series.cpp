@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -164,7 +165,7 @@ std::string seriesMessage(RecordingReader& recording, const SeriesQuestion& ques
   Collector collector(recording.meta(), question);
   const std::uint64_t first = firstTickAt(recording, question.from_s);
   const std::uint64_t end = firstTickAt(recording, question.to_s);
-  TickRecord records[2];
+  std::array<TickRecord, 2> records;
   TickRecord *record = &records[0], *before = &records[1];
   bool known = first > 0 && first < end && recording.read(first - 1, *before);
   for (std::uint64_t i = first; i < end; ++i) {

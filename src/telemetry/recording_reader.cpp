@@ -88,6 +88,7 @@ class Hdf5Reader final : public RecordingReader {
   /// Opens the tables and counts the ticks that are complete. What is wrong, or nothing.
   std::string openTables();
   std::string findTicks();
+  std::string countMissing();
   // Of a row of the file.
   bool loadAround(std::uint64_t row);
   bool load(std::uint64_t row, std::uint64_t rows);
@@ -184,7 +185,6 @@ std::string Hdf5Reader::openTables() {
 std::string Hdf5Reader::findTicks() {
   std::vector<std::int32_t> contacts, events, commands;
   std::vector<std::uint64_t> numbers;
-  std::vector<std::uint32_t> elapsed;
   hsize_t bytes = 0;
   if (H5Fget_filesize(file_.get(), &bytes) < 0) return "is truncated or damaged";
   for (const std::uint64_t rows :
@@ -195,21 +195,31 @@ std::string Hdf5Reader::findTicks() {
   }
   const std::uint64_t ticks = ticks_->rows();
   if (!ticks_->readAll("contact_count", contacts) || !ticks_->readAll("tick", numbers) ||
-      !ticks_->readAll("elapsed_periods", elapsed) || !ticks_->readAll("event_count", events) ||
-      !ticks_->readAll("command_count", commands) || !contacts_->assign(ticks) ||
-      !events_->assign(ticks) || !commands_->assign(ticks)) {
+      !ticks_->readAll("event_count", events) || !ticks_->readAll("command_count", commands) ||
+      !contacts_->assign(ticks) || !events_->assign(ticks) || !commands_->assign(ticks)) {
     return "is truncated or damaged: its ticks cannot be read";
   }
   for (std::uint64_t i = 0; i < ticks; ++i) {
     if (numbers[i] != UINT64_MAX && contacts_->isWhole(i, contacts[i], kMaxContacts) &&
         events_->isWhole(i, events[i], kMaxExerciseEvents) &&
         commands_->isWhole(i, commands[i], kMaxCommands)) {
-      if (!rows_.empty()) {
-        outline_.missing += missingBetween(outline_.numbers.back(), numbers[i], elapsed[i]);
-      }
       rows_.push_back(i);
       outline_.numbers.push_back(numbers[i]);
     }
+  }
+  return countMissing();
+}
+
+// Reads no column of an hour for a recording in which every tick follows the one before.
+std::string Hdf5Reader::countMissing() {
+  const std::vector<std::uint64_t>& numbers = outline_.numbers;
+  if (numbers.empty() || numbers.back() - numbers.front() + 1 == numbers.size()) return {};
+  std::vector<std::uint32_t> elapsed;
+  if (!ticks_->readAll("elapsed_periods", elapsed)) {
+    return "is truncated or damaged: its ticks cannot be read";
+  }
+  for (std::size_t i = 1; i < numbers.size(); ++i) {
+    outline_.missing += missingBetween(numbers[i - 1], numbers[i], elapsed[rows_[i]]);
   }
   return {};
 }

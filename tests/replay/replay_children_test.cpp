@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -13,6 +14,7 @@
 #include <sstream>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace wholehand::test {
 namespace {
@@ -80,6 +82,26 @@ TEST_F(ReplayChildrenTest, SoManyStay_AndTheOneAskedLongestAgoGoes) {
   (void)children.answer(c, kState);  // b goes
   EXPECT_EQ(children.answer(a, kState).body, of_a);
   EXPECT_NE(children.answer(b, kState).body, of_b);
+}
+
+TEST_F(ReplayChildrenTest, ManyWhoAskAtOnce_AreAllAnswered) {
+  auto options = playing(kSaysItsId);
+  options.most = 2;  // so that processes go while others ask
+  ReplayChildren children(options);
+  const std::string paths[] = {recording("a.h5"), recording("b.h5"), recording("c.h5")};
+  std::vector<std::thread> pages;
+  std::atomic<int> answered{0};
+  for (int page = 0; page < 4; ++page) {
+    pages.emplace_back([&, page] {
+      for (int i = 0; i < 10; ++i) {
+        const ReplayAnswer answer =
+            children.answer(paths[(page + i) % 3], i % 4 == 0 ? kSeries : kState);
+        if (answer.status == 200 && answer.body.size() == 8U) ++answered;
+      }
+    });
+  }
+  for (std::thread& page : pages) page.join();
+  EXPECT_EQ(answered, 40);
 }
 
 TEST_F(ReplayChildrenTest, FileThatChanged_IsReadAnewWhenAskedAbout) {
