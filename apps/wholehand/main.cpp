@@ -91,20 +91,31 @@ void addCertify(CLI::App& app, CertifyOptions& o, int& code) {
   });
 }
 
-void addOthers(CLI::App& app, ReplayOptions& replay, ReportOptions& report,
-               ExperimentOptions& experiment, BarExperimentOptions& bar,
-               std::vector<std::string>& files, int& code) {
+void addReplay(CLI::App& app, ReplayOptions& o, int& code) {
   CLI::App* r = app.add_subcommand("replay", "Play a recording back, or run it again and compare");
-  r->add_option("recording", replay.recording, "HDF5 file, or black box (.wbb)")->required();
-  r->add_flag("--resimulate", replay.resimulate,
-              "Run the recorded inputs again and compare bit by bit (exit code 1: they differ)");
-  r->add_option("--extract", replay.extract, "Write the ticks of a black box to this HDF5 file")
-      ->excludes("--resimulate");
-  r->add_option("--speed", replay.speed, "How fast to play it back")
-      ->check(finiteBetween(0.01, 1000.0, "times"))
-      ->capture_default_str();
-  r->callback([&] { code = replayCommand(replay); });
+  r->add_option("recording", o.recording, "HDF5 file, or black box (.wbb)")->required();
+  CLI::Option* again = r->add_flag(
+      "--resimulate", o.resimulate,
+      "Run the recorded inputs again and compare bit by bit (exit code 1: they differ)");
+  CLI::Option* extract =
+      r->add_option("--extract", o.extract, "Write the ticks of a black box to this HDF5 file")
+          ->excludes(again);
+  CLI::Option* speed = r->add_option("--speed", o.speed, "How fast to play it back")
+                           ->check(finiteBetween(0.01, 1000.0, "times"))
+                           ->capture_default_str();
+  CLI::Option* web = r->add_flag("--web", o.web, "Show it in the browser, until Ctrl-C");
+  web->excludes(again)->excludes(extract)->excludes(speed);
+  r->add_option("--beside", o.beside, "HDF5 file to show beside it in the browser")->needs(web);
+  r->add_option("--port", o.port, "Port of the pages; 0: any that is free")
+      ->check(finiteBetween(0, 65535, ""))
+      ->capture_default_str()
+      ->needs(web);
+  r->add_flag("--answer", o.answer)->group("");  // of our own processes: not shown
+  r->callback([&o, &code] { code = replayCommand(o); });
+}
 
+void addOthers(CLI::App& app, ReportOptions& report, ExperimentOptions& experiment,
+               BarExperimentOptions& bar, std::vector<std::string>& files, int& code) {
   CLI::App* p = app.add_subcommand("report", "Make a self-contained HTML page of a recording");
   p->add_option("recording", report.recording, "HDF5 file, or black box (.wbb)")->required();
   p->add_option("--out", report.folder, "Folder to write into")->required();
@@ -177,7 +188,8 @@ int runProgram(int argc, char** argv) {
                          shippedFile("config/hands/adult-median-right.toml")};
   addPicture(app, picture, code);
   addCertify(app, certify, code);
-  addOthers(app, replay, report, experiment, bar, files, code);
+  addReplay(app, replay, code);
+  addOthers(app, report, experiment, bar, files, code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

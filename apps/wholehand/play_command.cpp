@@ -7,6 +7,7 @@
 #include "git_version.hpp"
 #include "pages.hpp"
 #include "real_device.hpp"
+#include "replay/replay_children.hpp"
 #include "report_command.hpp"
 #include "run_text.hpp"
 #include "runtime/interrupt_scope.hpp"
@@ -240,6 +241,7 @@ int playCommand(RunOptions options) {
   const InterruptScope interrupts;  // from the address on, Ctrl-C ends gently
   Terminal terminal;
   ReportChild reports;
+  ReplayChildren replays(ReplayChildren::Options{});
   StationConfig config = stationConfig(options, terminal, reports);
   config.rig.certificate = *certificate;
   auto driver = useDriver(options, config, terminal);
@@ -259,6 +261,9 @@ int playCommand(RunOptions options) {
   UdpBridge udp(station, controls);
   ServerOptions server_options =
       serverOptions(options, [&terminal](const std::string& text) { terminal.say(text); });
+  server_options.replay = [&replays](const std::string& path, const std::string& question) {
+    return replays.answer(path, question);
+  };
   server_options.more_metrics = [&udp] { return udpMetricsText(udp.counters()); };
   auto server = Server::open(station, server_options, controls);
   if (!server) return refuse(server.errors());
@@ -287,6 +292,7 @@ int playCommand(RunOptions options) {
   {
     const WaitingFor disk("the disk: files that pages have asked for");
     reports.end();
+    replays.end();
     udp.stop();
     server->reset();
   }

@@ -3,6 +3,8 @@
 #include "core/printable.hpp"
 #include "exit_code.hpp"
 #include "git_version.hpp"
+#include "replay/answering.hpp"
+#include "replay_web_command.hpp"
 #include "resimulation/resimulation.hpp"
 #include "telemetry/recording.hpp"
 
@@ -58,12 +60,6 @@ std::string lineOf(const TickRecord& r, const RecordingMeta& meta) {
   return line + fmt::format("  contacts {}", r.contact_count);
 }
 
-// Ticks between two records that neither holds: those that the loop skipped are none of them.
-std::uint64_t missingBefore(const TickRecord& record, const TickRecord& before) {
-  const std::uint64_t next = before.tick + record.elapsed_periods;
-  return record.tick > next ? record.tick - next : 0;
-}
-
 int play(RecordingReader& recording, const std::string& path, double speed) {
   constexpr double kFrame_s = 0.1;
   const RecordingMeta& meta = recording.meta();
@@ -71,16 +67,18 @@ int play(RecordingReader& recording, const std::string& path, double speed) {
               meta.title.c_str(), meta.created_utc.c_str(),
               static_cast<unsigned long long>(recording.size()));
   const auto step = static_cast<std::uint64_t>(std::ceil(kFrame_s / meta.period_s));
-  TickRecord record, before;
+  TickRecord record;
+  std::uint64_t before = 0;
   for (std::uint64_t i = 0; i < recording.size(); ++i) {
     if (!recording.read(i, record)) return refuse({unreadable(path, i, recording.size())});
-    const std::uint64_t missing = i > 0 ? missingBefore(record, before) : 0;
+    const std::uint64_t missing =
+        i > 0 ? missingBetween(before, record.tick, record.elapsed_periods) : 0;
     if (missing > 0) {
       std::printf("          -- %llu ticks, %.3f s, are missing --\n",
                   static_cast<unsigned long long>(missing),
                   static_cast<double>(missing) * meta.period_s);
     }
-    before = record;
+    before = record.tick;
     if (i % step != 0) continue;
     std::printf("%s\n", lineOf(record, meta).c_str());
     if (std::fflush(stdout) != 0) break;  // nobody reads on
@@ -148,6 +146,11 @@ int replayBox(const ReplayOptions& options) {
 }  // namespace
 
 int replayCommand(const ReplayOptions& options) {
+  if (options.answer) {
+    answerQuestions(options.recording);
+    return kExitDone;
+  }
+  if (options.web) return replayWebCommand(options);
   if (BlackBoxReader::isBox(options.recording)) return replayBox(options);
   if (!options.extract.empty()) {
     return refuse({{options.recording, 0, "--extract", options.extract,

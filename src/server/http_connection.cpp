@@ -48,7 +48,8 @@ HttpLine::Then HttpConnection::next(Then then) {
 }
 
 FileWorkers& HttpConnection::workers() {
-  return needs_ == Site::Needs::kPage ? premises_.pages : premises_.recordings;
+  if (needs_ == Site::Needs::kPage) return premises_.pages;
+  return needs_ == Site::Needs::kReplay ? premises_.replays : premises_.recordings;
 }
 
 void HttpConnection::haveRead(HttpHeard heard) {
@@ -112,8 +113,9 @@ bool HttpConnection::letWork(const std::shared_ptr<Work>& work, std::function<vo
     work_.reset();
     return false;
   }
-  const bool draws = needs_ == Site::Needs::kReport;
-  line_->setAlarm(draws ? premises_.report_patience : premises_.disk_patience,
+  // A report is drawn, and an hour's recording opened, by a process of its own with limits of time.
+  const bool works = needs_ == Site::Needs::kReport || needs_ == Site::Needs::kReplay;
+  line_->setAlarm(works ? premises_.report_patience : premises_.disk_patience,
                   [self = shared_from_this(), work] { self->giveUp(work); });
   return true;
 }

@@ -23,6 +23,7 @@ struct Premises {
   PoliteLog& log;
   FileWorkers& pages;       ///< the pages' disk is another than the recordings', and must not wait
   FileWorkers& recordings;  ///< for it: a page has the button that stops
+  FileWorkers& replays;     ///< a moment that somebody looks at again waits for no download
   /// Runs a task on the server's thread; called from any thread.
   std::function<void(std::function<void()>)> post;
   std::size_t max_clients = 16;

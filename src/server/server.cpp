@@ -20,8 +20,10 @@ namespace {
 
 constexpr std::size_t kMostConnections = 128;  ///< over plain HTTP
 constexpr unsigned kPageWorkers = 1, kRecordingWorkers = 2;
+/// Two pieces of plots, of recordings side by side, and a moment of each at the same time.
+constexpr unsigned kReplayWorkers = 4;
 /// That wait for a worker, or for a disk that hangs. Of pages: those of every connection.
-constexpr std::size_t kMostPages = kMostConnections, kMostRecordings = 16;
+constexpr std::size_t kMostPages = kMostConnections, kMostRecordings = 16, kMostReplays = 64;
 
 }  // namespace
 
@@ -54,9 +56,10 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
       const auto& more = options_.more_metrics;
       return metricsText(pulse(), traffic_) + (more ? more() : std::string());
     };
-    site_ = std::make_unique<Site>(backend_, options_.web_folder, access, std::move(figures));
+    site_ = std::make_unique<Site>(backend_, options_.web_folder, access, std::move(figures),
+                                   options_.replay);
     premises_.emplace(
-        Premises{*site_, *clients_, traffic_, log_, pages_, recordings_,
+        Premises{*site_, *clients_, traffic_, log_, pages_, recordings_, replays_,
                  [this](std::function<void()> task) { network_.post(std::move(task)); },
                  static_cast<std::size_t>(options_.max_clients), options_.disk_patience,
                  options_.report_patience});
@@ -74,6 +77,7 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
     network_.stop();
     pages_.stop();
     recordings_.stop();
+    replays_.stop();
   }
 
   void publish(const TickRecord& record) { mailbox_.put(record, monotonicNow_ns()); }
@@ -118,6 +122,7 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
   std::optional<Premises> premises_;  ///< connections count themselves out there at their end
   FileWorkers pages_{kPageWorkers, kMostPages};
   FileWorkers recordings_{kRecordingWorkers, kMostRecordings};
+  FileWorkers replays_{kReplayWorkers, kMostReplays};
   NetworkThread network_;
   AsideLog aside_;
   PoliteLog log_;

@@ -5,6 +5,7 @@
 #include "server/backend.hpp"
 #include "server/commissioning_facts.hpp"
 #include "server/controls_arbiter.hpp"
+#include "server/replay_service.hpp"
 
 #include <chrono>
 #include <cstdint>
@@ -32,6 +33,9 @@ struct ServerOptions {
   std::function<std::string()> more_metrics;
   /// What is said of a device's commissioning, where the program leads through one. Any thread.
   std::function<std::shared_ptr<const CommissioningFacts>()> commissioning;
+  /// Answers what a page asks of a recording that it looks at again; empty: nobody does. From
+  /// threads of its own, which wait for it.
+  ReplayService replay;
   /// One line for a person, from the server's thread; rate-limited.
   std::function<void(const std::string&)> log;
 };

@@ -15,6 +15,7 @@ namespace wholehand {
 namespace {
 
 constexpr std::string_view kRecordings = "/api/recordings";
+constexpr std::string_view kReplay = "/replay/";  ///< after a recording's name
 // Hand tracking compiles WebAssembly and starts from blobs; plots and the scene set styles.
 constexpr const char* kPagePolicy =
     "default-src 'self'; script-src 'self' 'wasm-unsafe-eval' blob:; worker-src 'self' blob:; "
@@ -102,17 +103,21 @@ Credentials HttpRequest::credentials() const {
   return {host, origin, query(), authorization, cookie};
 }
 
-Site::Site(ServerBackend& backend, std::string web_folder, Access access, Figures figures)
+Site::Site(ServerBackend& backend, std::string web_folder, Access access, Figures figures,
+           ReplayService replay)
     : backend_(backend),
       web_folder_(std::move(web_folder)),
       access_(std::move(access)),
-      figures_(std::move(figures)) {}
+      figures_(std::move(figures)),
+      replay_(std::move(replay)) {}
 
 Site::Needs Site::needsOf(const HttpRequest& request) {
   // As answer() reads it: an odd spelling of the same path needs the same.
   const std::optional<std::string> path = decodedPath(request.path());
   if (!path || *path == "/healthz" || *path == "/metrics" || *path == "/ws") return Needs::kNoFile;
   if (!path->starts_with(kRecordings)) return Needs::kPage;
+  const std::size_t after_name = path->find('/', std::min(path->size(), kRecordings.size() + 1));
+  if (path->find(kReplay) == after_name && after_name != std::string::npos) return Needs::kReplay;
   return path->find("/report") == std::string::npos ? Needs::kRecording : Needs::kReport;
 }
 
@@ -176,13 +181,13 @@ HttpAnswer Site::route(const HttpRequest& request, const std::string& path) cons
   if (path == "/ws") return refusal(426, "no_upgrade", "For programs", "This is a WebSocket.");
   if (path == kRecordings) return recordingList();
   if (path.starts_with(std::string(kRecordings) + "/")) {
-    return recording(path.substr(kRecordings.size() + 1));
+    return recording(request, path.substr(kRecordings.size() + 1));
   }
   return page(request, path);
 }
 
 HttpAnswer Site::page(const HttpRequest& request, const std::string& path) const {
-  const bool ours = path == "/console" || path == "/commission";
+  const bool ours = path == "/console" || path == "/commission" || path == "/replay";
   const std::string name = ours ? path + ".html" : path;
   if (const auto found = fileWithin(web_folder_, name)) {
     return file(*found, request,
@@ -216,15 +221,27 @@ HttpAnswer Site::recordingList() const {
               "application/json");
 }
 
-HttpAnswer Site::recording(const std::string& name_and_rest) const {
+HttpAnswer Site::recording(const HttpRequest& request, const std::string& name_and_rest) const {
   const std::size_t slash = name_and_rest.find('/');
   const std::string name = name_and_rest.substr(0, slash);
   const std::string path = name.empty() ? std::string() : backend_.recordingPath(name);
   if (path.empty()) return notFound(name_and_rest);
+  if (replay_ && slash != std::string::npos && name_and_rest.substr(slash).starts_with(kReplay)) {
+    return replay(request, path, name_and_rest.substr(slash + kReplay.size()));
+  }
   if (slash != std::string::npos) return report(name, name_and_rest.substr(slash));
   HttpAnswer a = file(path, HttpRequest{}, "no-cache");
   a.headers.emplace_back("Content-Disposition",
                          "attachment; filename*=UTF-8''" + percentEncoded(name));
+  return a;
+}
+
+HttpAnswer Site::replay(const HttpRequest& request, const std::string& path,
+                        const std::string& question) const {
+  ReplayAnswer answer = replay_(path, fmt::format("{}?{}", question, request.query()));
+  HttpAnswer a = text(std::move(answer.body), "");
+  a.content_type = std::move(answer.content_type);
+  a.status = answer.status;
   return a;
 }
 

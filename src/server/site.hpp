@@ -2,6 +2,7 @@
 
 #include "server/access.hpp"
 #include "server/backend.hpp"
+#include "server/replay_service.hpp"
 
 #include <functional>
 #include <string>
@@ -41,10 +42,12 @@ class Site {
     std::function<std::string()> metrics;
   };
 
-  Site(ServerBackend& backend, std::string web_folder, Access access, Figures figures);
+  /// @param replay empty: recordings are not looked at again
+  Site(ServerBackend& backend, std::string web_folder, Access access, Figures figures,
+       ReplayService replay = {});
 
   /// What the answer is made of, and so who may make it: the server's thread touches no file.
-  enum class Needs { kNoFile, kPage, kRecording, kReport };
+  enum class Needs { kNoFile, kPage, kRecording, kReport, kReplay };
   [[nodiscard]] static Needs needsOf(const HttpRequest& request);
   /// The answer with all its headers: from the server's thread where it needs no file, else from
   /// any other, for it waits for the disk.
@@ -60,13 +63,17 @@ class Site {
   [[nodiscard]] HttpAnswer route(const HttpRequest& request, const std::string& path) const;
   [[nodiscard]] HttpAnswer page(const HttpRequest& request, const std::string& path) const;
   [[nodiscard]] HttpAnswer recordingList() const;
-  [[nodiscard]] HttpAnswer recording(const std::string& name_and_rest) const;
+  [[nodiscard]] HttpAnswer recording(const HttpRequest& request,
+                                     const std::string& name_and_rest) const;
+  [[nodiscard]] HttpAnswer replay(const HttpRequest& request, const std::string& path,
+                                  const std::string& question) const;
   [[nodiscard]] HttpAnswer report(const std::string& name, const std::string& rest) const;
 
   ServerBackend& backend_;
   std::string web_folder_;
   Access access_;
   Figures figures_;
+  ReplayService replay_;
 };
 
 /// Says why not, on a small page; counted as `reason`.

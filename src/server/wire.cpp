@@ -74,7 +74,7 @@ Arrays makeArrays(Builder& b, const TickRecord& r, const LoopStatus& status, Det
   a.values = b.CreateVector(
       r.exercise.values.data(),
       static_cast<std::size_t>(std::clamp(r.exercise.value_count, 0, kMaxExerciseValues)));
-  if (detail == Detail::kFull || r.q_m.size() <= kAxesThatFitDatagram) {
+  if (detail != Detail::kCompact || r.q_m.size() <= kAxesThatFitDatagram) {
     a.intention = floats(b, r.intention);
     a.coupling = floats(b, r.coupling);
     a.damping = floats(b, r.damping);
@@ -85,6 +85,8 @@ Arrays makeArrays(Builder& b, const TickRecord& r, const LoopStatus& status, Det
                    [](std::uint64_t n) { return static_cast<std::uint32_t>(n); });
     a.fault_ticks = b.CreateVector(ticks.data(), ticks.size());
     if (status.device) a.device = deviceToWire(b, *status.device);
+  }
+  if (detail != Detail::kCompact) {
     a.parameters = floats(b, status.parameters);
     a.bodies = bodies(b, r);
     a.contacts = contacts(b, r);
@@ -122,7 +124,8 @@ fb::Statistics statisticsToWire(const LoopStatus& s) {
 }
 
 Offset<fb::WorldState> makeState(Builder& b, const TickRecord& r, const LoopStatus& status,
-                                 const Arrays& arrays, std::int64_t sent_monotonic_ns) {
+                                 const Arrays& arrays, Detail detail,
+                                 std::int64_t sent_monotonic_ns) {
   const fb::Statistics statistics = statisticsToWire(status);
   fb::WorldStateBuilder out(b);
   // The large ones first: no bytes are lost to alignment between them.
@@ -130,7 +133,7 @@ Offset<fb::WorldState> makeState(Builder& b, const TickRecord& r, const LoopStat
   out.add_time_s(r.time_s);
   out.add_sent_monotonic_ns(sent_monotonic_ns);
   out.add_recording_bytes(status.recording_bytes);
-  out.add_statistics(&statistics);
+  if (detail != Detail::kRecorded) out.add_statistics(&statistics);
   out.add_session(status.session);
   out.add_faults(static_cast<std::uint32_t>(r.faults));
   out.add_latched_faults(static_cast<std::uint32_t>(status.latched));
@@ -174,11 +177,12 @@ std::span<const std::uint8_t> StateEncoder::encode(const TickRecord& record,
   Arrays arrays = makeArrays(b, record, status, detail);
   // A record from before the scene was changed may have other joints: then there are no links.
   const HandModel& hand = scene_->hand;
-  if (detail == Detail::kFull && hand.joint_count > 0 && record.theta.size() == hand.joint_count) {
+  if (detail != Detail::kCompact && hand.joint_count > 0 &&
+      record.theta.size() == hand.joint_count) {
     kinematics_.updateKinematics(record.theta);
     arrays.links = links(b, hand, kinematics_);
   }
-  finish(b, makeState(b, record, status, arrays, sent_monotonic_ns), kSchemaVersion);
+  finish(b, makeState(b, record, status, arrays, detail, sent_monotonic_ns), kSchemaVersion);
   return {b.GetBufferPointer(), b.GetSize()};
 }
 

@@ -21,9 +21,10 @@ inline constexpr std::uint16_t kSchemaVersion = 1;
 
 /// How much of a record a WorldState carries.
 enum class Detail {
-  kFull,    ///< all of it: the browser
-  kCompact  ///< hand coordinates, joints, efforts, values; no links, bodies, contacts: fits a
-            ///< datagram
+  kFull,     ///< all of it: the browser
+  kCompact,  ///< hand coordinates, joints, efforts, values; no links, bodies, contacts: fits a
+             ///< datagram
+  kRecorded  ///< all that a record holds, without what the loop says of itself beside it: a replay
 };
 
 /// Encodes one scene's states. Allocates only while its buffer grows. One thread.

@@ -61,6 +61,7 @@ class MemoryReader final : public BlackBoxReader {
 
   [[nodiscard]] const RecordingMeta& meta() const override { return meta_; }
   [[nodiscard]] std::uint64_t size() const override { return entries_.size(); }
+  [[nodiscard]] const RecordingOutline& outline() const override { return outline_; }
   bool read(std::uint64_t i, TickRecord& record) override;
   [[nodiscard]] const BlackBoxCause& cause() const override { return cause_; }
   [[nodiscard]] bool inputsWhole() const override { return header_.inputs_whole != 0; }
@@ -84,6 +85,7 @@ class MemoryReader final : public BlackBoxReader {
   RecordingMeta meta_;
   std::vector<double> encoder_step_;
   std::vector<Entry> entries_;  ///< those that were not overwritten meanwhile
+  RecordingOutline outline_;
   InputLogState log_;
   std::size_t next_input_ = 0;  ///< where in its part
   std::uint64_t input_ticks_ = 0;
@@ -169,6 +171,11 @@ std::string MemoryReader::checkTicks() {
     if (!read(i, record) || !recording::fits(record, meta_)) {
       return "is damaged: its ticks are not those of its description";
     }
+    if (i > 0) {
+      outline_.missing +=
+          missingBetween(outline_.numbers.back(), record.tick, record.elapsed_periods);
+    }
+    outline_.numbers.push_back(record.tick);
   }
   return {};
 }

@@ -83,6 +83,13 @@ class RecordingWriter {
 /// part begins ("run.part2.h5") once it answers again. Looks at the disk.
 [[nodiscard]] std::vector<std::string> recordingParts(const std::string& path);
 
+/// What is known of a recording's ticks without reading them.
+struct RecordingOutline {
+  std::vector<std::uint64_t> numbers;  ///< of the ticks, in their order (TickRecord::tick)
+  std::uint64_t missing = 0;           ///< ticks between them that ran, and that it does not hold
+  bool being_written = false;
+};
+
 /// Reads a recording, also one that was cut off by kill -9 or is still being written; or the last
 /// seconds in a black box.
 class RecordingReader {
@@ -94,10 +101,17 @@ class RecordingReader {
   [[nodiscard]] virtual const RecordingMeta& meta() const = 0;
   /// Ticks that the file holds whole. Where some were lost between them, their numbers tell.
   [[nodiscard]] virtual std::uint64_t size() const = 0;
+  /// As it was opened; size() numbers.
+  [[nodiscard]] virtual const RecordingOutline& outline() const = 0;
   /// The i-th of them, complete but for stage times. False past the end, and where the file is
   /// damaged there (unreadable()).
   virtual bool read(std::uint64_t i, TickRecord& record) = 0;
 };
+
+/// Ticks between two that follow each other in a recording and that it does not hold; those that
+/// the loop skipped (elapsed_periods of the later one) are none of them.
+[[nodiscard]] std::uint64_t missingBetween(std::uint64_t before, std::uint64_t tick,
+                                           std::uint32_t elapsed_periods);
 
 /// What is said of a tick that a file claims and that cannot be read.
 [[nodiscard]] Diagnostic unreadable(const std::string& path, std::uint64_t i, std::uint64_t size);

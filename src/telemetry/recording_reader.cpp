@@ -1,8 +1,11 @@
 #include "telemetry/black_box_reader.hpp"
+#include "telemetry/disk_reserve.hpp"
 #include "telemetry/recording.hpp"
 #include "telemetry/recording_bounds.hpp"
 #include "telemetry/recording_layout.hpp"
 #include "telemetry/recording_meta.hpp"
+#include "telemetry/recording_view.hpp"
+#include "telemetry/side_table.hpp"
 #include "telemetry/table_reader.hpp"
 
 #include <algorithm>
@@ -10,6 +13,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <optional>
 #include <sys/stat.h>
 
 namespace wholehand {
@@ -17,6 +21,7 @@ namespace {
 
 using hdf5::Handle;
 using hdf5::readAttribute;
+using recording::SideTable;
 
 Diagnostic refusal(const std::string& path, std::string problem, std::string remedy) {
   Diagnostic d;
@@ -57,65 +62,23 @@ Expected<bool> leftOpen(const std::string& path) {
   return head[8] >= 3 && (head[11] & kWriteBits) != 0;
 }
 
-/// A table with any number of rows for a tick: its reader, and which rows belong to which tick.
-template <class Row>
-struct SideTable {
-  struct Rows {
-    std::uint64_t first = 0, count = 0;
-  };
-  recording::TableReader<Row> table;
-  std::vector<Rows> of_tick;
-
-  /// Takes which tick each row belongs to. Rows that never reached the disk belong to none.
-  bool assign(std::uint64_t ticks) {
-    std::vector<std::uint64_t> owners;
-    if (!table.readAll("row", owners)) return false;
-    of_tick.assign(ticks, {});
-    for (std::uint64_t i = 0; i < owners.size(); ++i) {
-      if (owners[i] >= ticks) continue;
-      Rows& rows = of_tick[owners[i]];
-      if (rows.count == 0) rows.first = i;
-      if (rows.first + rows.count == i) ++rows.count;
-    }
-    return true;
-  }
-  /// True where all rows of that tick are there.
-  [[nodiscard]] bool isWhole(std::uint64_t tick, std::int32_t count, int most) const {
-    return of_tick[tick].count == static_cast<std::uint64_t>(std::clamp(count, 0, most));
-  }
-  bool load(std::uint64_t tick, std::uint64_t end_tick) {
-    std::uint64_t begin = UINT64_MAX, end = 0;
-    for (; tick < end_tick; ++tick) {
-      const Rows& rows = of_tick[tick];
-      if (rows.count == 0) continue;
-      begin = std::min(begin, rows.first);
-      end = std::max(end, rows.first + rows.count);
-    }
-    return begin >= end || table.load(begin, end - begin);
-  }
-  // Of a damaged file the ticks may have been read and these rows not.
-  [[nodiscard]] bool holds(std::uint64_t tick) const {
-    const Rows& rows = of_tick[tick];
-    if (rows.count == 0) return true;
-    return table.holds(rows.first) && table.holds(rows.first + rows.count - 1);
-  }
-  [[nodiscard]] std::int32_t count(std::uint64_t tick) const {
-    return static_cast<std::int32_t>(of_tick[tick].count);
-  }
-  [[nodiscard]] Row row(std::uint64_t tick, std::int32_t i) const {
-    Row row;
-    table.get(of_tick[tick].first + static_cast<std::uint64_t>(i), row);
-    return row;
-  }
-};
-
 class Hdf5Reader final : public RecordingReader {
  public:
+  /// @param chunks_at_once that are read around a tick
+  /// @param marks a file that its writer left open as one that is read
+  Hdf5Reader(std::uint64_t chunks_at_once, bool marks)
+      : chunks_at_once_(chunks_at_once), marks_(marks) {}
   /// Opens and checks. What is wrong, or Done.
   Expected<Done> open(const std::string& path, bool left_open);
+  [[nodiscard]] bool endsWhole() {
+    return rows_.empty() || holds(rows_.back()) || loadAround(rows_.back());
+  }
+  /// Leaves out the last ticks where they cannot be read: the number of the first of these.
+  std::optional<std::uint64_t> leaveOutDamagedEnd();
 
   [[nodiscard]] const RecordingMeta& meta() const override { return meta_; }
   [[nodiscard]] std::uint64_t size() const override { return rows_.size(); }
+  [[nodiscard]] const RecordingOutline& outline() const override { return outline_; }
   bool read(std::uint64_t i, TickRecord& record) override;
 
  private:
@@ -125,8 +88,10 @@ class Hdf5Reader final : public RecordingReader {
   /// Opens the tables and counts the ticks that are complete. What is wrong, or nothing.
   std::string openTables();
   std::string findTicks();
+  std::string countMissing();
   // Of a row of the file.
   bool loadAround(std::uint64_t row);
+  bool load(std::uint64_t row, std::uint64_t rows);
   [[nodiscard]] bool holds(std::uint64_t row) const;
 
   Handle file_;
@@ -136,12 +101,17 @@ class Hdf5Reader final : public RecordingReader {
   std::unique_ptr<SideTable<recording::EventRow>> events_;
   std::unique_ptr<SideTable<recording::CommandRow>> commands_;
   std::vector<std::uint64_t> rows_;  ///< of the file, that hold a whole tick
-  std::uint64_t block_ = 1;
+  RecordingOutline outline_;
+  const std::uint64_t chunks_at_once_;
+  const bool marks_;
+  std::uint64_t block_ = 1;                      ///< rows of a chunk
+  std::uint64_t unreadable_block_ = UINT64_MAX;  ///< the one that was tried last
 };
 
 Expected<Done> Hdf5Reader::open(const std::string& path, bool left_open) {
+  outline_.being_written = left_open && DiskReserve::isOpenElsewhere(path);
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_file_locking(access.get(), true, true);
+  H5Pset_file_locking(access.get(), marks_ || !left_open, true);
   // HDF5 waits twice as long before each new attempt, from 1 ns on: of its usual 100 attempts at a
   // broken piece of a file left open, nobody would see the end.
   if (left_open) H5Pset_metadata_read_attempts(access.get(), 25);
@@ -207,11 +177,7 @@ std::string Hdf5Reader::openTables() {
     if (!problem.empty()) return problem;
   }
   block_ = chunkRows(meta_.period_s);
-  if (std::string problem = findTicks(); !problem.empty()) return problem;
-  // The last rows lie at the end of the file: a copy that stopped early shows here.
-  if (!rows_.empty() && !loadAround(rows_.back()))
-    return "is truncated: its last ticks cannot be read";
-  return {};
+  return findTicks();
 }
 
 // A row whose number, contacts, events or commands never reached the disk is a hole: what follows
@@ -238,16 +204,53 @@ std::string Hdf5Reader::findTicks() {
         events_->isWhole(i, events[i], kMaxExerciseEvents) &&
         commands_->isWhole(i, commands[i], kMaxCommands)) {
       rows_.push_back(i);
+      outline_.numbers.push_back(numbers[i]);
     }
+  }
+  return countMissing();
+}
+
+// Reads no column of an hour for a recording in which every tick follows the one before.
+std::string Hdf5Reader::countMissing() {
+  const std::vector<std::uint64_t>& numbers = outline_.numbers;
+  if (numbers.empty() || numbers.back() - numbers.front() + 1 == numbers.size()) return {};
+  std::vector<std::uint32_t> elapsed;
+  if (!ticks_->readAll("elapsed_periods", elapsed)) {
+    return "is truncated or damaged: its ticks cannot be read";
+  }
+  for (std::size_t i = 1; i < numbers.size(); ++i) {
+    outline_.missing += missingBetween(numbers[i - 1], numbers[i], elapsed[rows_[i]]);
   }
   return {};
 }
 
-bool Hdf5Reader::loadAround(std::uint64_t row) {
-  const std::uint64_t first = row / block_ * block_;
-  const std::uint64_t end = std::min(ticks_->rows(), first + block_);
+bool Hdf5Reader::load(std::uint64_t row, std::uint64_t rows) {
+  const std::uint64_t first = row / rows * rows;
+  const std::uint64_t end = std::min(ticks_->rows(), first + rows);
   return ticks_->load(first, end - first) && contacts_->load(first, end) &&
          events_->load(first, end) && commands_->load(first, end);
+}
+
+// A damaged chunk spoils no other, and is not tried again with each of its rows.
+bool Hdf5Reader::loadAround(std::uint64_t row) {
+  if (row / block_ == unreadable_block_) return false;
+  if (chunks_at_once_ > 1 && load(row, chunks_at_once_ * block_)) return true;
+  if (load(row, block_)) return true;
+  unreadable_block_ = row / block_;
+  return false;
+}
+
+std::optional<std::uint64_t> Hdf5Reader::leaveOutDamagedEnd() {
+  std::optional<std::uint64_t> first;
+  while (!endsWhole()) {
+    const std::uint64_t block = rows_.back() / block_;
+    while (!rows_.empty() && rows_.back() / block_ == block) {
+      first = outline_.numbers.back();
+      rows_.pop_back();
+      outline_.numbers.pop_back();
+    }
+  }
+  return first;
 }
 
 bool Hdf5Reader::holds(std::uint64_t row) const {
@@ -281,6 +284,16 @@ bool Hdf5Reader::read(std::uint64_t index, TickRecord& record) {
   return true;
 }
 
+Expected<std::unique_ptr<Hdf5Reader>> openHdf5(const std::string& path,
+                                               std::uint64_t chunks_at_once, bool marks) {
+  hdf5::beginHdf5();
+  const auto left_open = leftOpen(path);
+  if (!left_open) return left_open.errors();
+  auto reader = std::make_unique<Hdf5Reader>(chunks_at_once, marks);
+  if (auto opened = reader->open(path, *left_open); !opened) return opened.errors();
+  return reader;
+}
+
 }  // namespace
 
 Expected<std::unique_ptr<RecordingReader>> RecordingReader::open(const std::string& path) {
@@ -289,12 +302,30 @@ Expected<std::unique_ptr<RecordingReader>> RecordingReader::open(const std::stri
     if (!box) return box.errors();
     return Expected<std::unique_ptr<RecordingReader>>(std::move(*box));
   }
-  hdf5::beginHdf5();
-  const auto left_open = leftOpen(path);
-  if (!left_open) return left_open.errors();
-  auto reader = std::make_unique<Hdf5Reader>();
-  if (auto opened = reader->open(path, *left_open); !opened) return opened.errors();
-  return Expected<std::unique_ptr<RecordingReader>>(std::move(reader));
+  auto reader = openHdf5(path, 1, true);
+  if (!reader) return reader.errors();
+  // The last rows lie at the end of the file: a copy that stopped early shows here.
+  if (!(*reader)->endsWhole()) {
+    return refusal(path, "is truncated: its last ticks cannot be read", kBrokenCopy);
+  }
+  return Expected<std::unique_ptr<RecordingReader>>(std::move(*reader));
+}
+
+Expected<ViewedRecording> viewRecording(const std::string& path, std::uint64_t chunks_at_once) {
+  auto reader = openHdf5(path, chunks_at_once, false);
+  if (!reader) return reader.errors();
+  ViewedRecording viewed;
+  const auto& numbers = (*reader)->outline().numbers;
+  viewed.last_tick = numbers.empty() ? 0 : numbers.back();
+  viewed.unreadable_from_tick = (*reader)->leaveOutDamagedEnd();
+  viewed.reader = std::move(*reader);
+  return viewed;
+}
+
+std::uint64_t missingBetween(std::uint64_t before, std::uint64_t tick,
+                             std::uint32_t elapsed_periods) {
+  const std::uint64_t next = before + elapsed_periods;
+  return tick > next ? tick - next : 0;
 }
 
 Diagnostic unreadable(const std::string& path, std::uint64_t i, std::uint64_t size) {

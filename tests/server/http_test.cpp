@@ -205,6 +205,49 @@ TEST_F(HttpTest, NamesThatAreNoRecording_AreNotFound) {
   }
 }
 
+TEST_F(HttpTest, Replay_AnswersWithTheServicesWordsAboutTheRecordingsFile) {
+  write("web/replay.html", "<title>replay</title>");
+  std::promise<void> read;
+  const std::shared_future<void> disk = read.get_future().share();
+  options.replay = [disk](const std::string& path, const std::string& question) -> ReplayAnswer {
+    if (question.starts_with("series")) disk.wait();
+    if (question.starts_with("scene")) return {422, "application/json", "{\"error\": \"no\"}"};
+    return {200, "application/octet-stream", path + "|" + question};
+  };
+  open();
+  EXPECT_EQ(get(port(), "/replay?recording=night%20shift.h5").body, "<title>replay</title>");
+  const std::string base = "/api/recordings/night%20shift.h5/replay/";
+  HttpReply r = get(port(), base + "states?tick=0&count=1&step=1");
+  EXPECT_EQ(r.status, 200);
+  EXPECT_EQ(r.headers["content-type"], "application/octet-stream");
+  EXPECT_EQ(r.headers["cache-control"], "no-store");
+  EXPECT_EQ(r.body, (program.folder / "night shift.h5").string() + "|states?tick=0&count=1&step=1");
+  r = get(port(), base + "scene");
+  EXPECT_EQ(r.status, 422);
+  EXPECT_EQ(r.body, "{\"error\": \"no\"}");
+  for (const char* target :
+       {"/api/recordings/other.h5/replay/about", "/api/recordings/%2e%2e/replay/about",
+        "/api/recordings/..%2fsecret.txt/replay/about", "/api/recordings//replay/about",
+        "/api/recordings/night%20shift.h5/replay/../../secret.txt",
+        "/api/recordings/night%20shift.h5/replay"}) {
+    r = get(port(), target);
+    EXPECT_TRUE(r.status == 400 || r.status == 404) << target << " gave " << r.status;
+  }
+  // A disk that takes its time delays neither a moment nor a download nor health.
+  std::thread slow([&] { EXPECT_EQ(get(port(), base + "series?from_s=0").status, 200); });
+  EXPECT_EQ(get(port(), base + "states?tick=1&count=1&step=1").status, 200);
+  EXPECT_EQ(get(port(), "/api/recordings/night%20shift.h5").status, 200);
+  EXPECT_EQ(get(port(), "/healthz").status, 200);
+  read.set_value();
+  slow.join();
+}
+
+TEST_F(HttpTest, ProgramThatLooksAtNoRecordingAgain_HasNoReplay) {
+  open();
+  EXPECT_EQ(get(port(), "/api/recordings/night%20shift.h5/replay/about").status, 404);
+  EXPECT_EQ(get(port(), "/replay").status, 404) << "the pages are built, this one is not";
+}
+
 TEST_F(HttpTest, ReportThatCannotBeMade_SaysWhy) {
   program.report_fails = true;
   open();

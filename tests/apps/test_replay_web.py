@@ -1,0 +1,233 @@
+"""`wholehand replay --web`: what pages are told of a recording, over HTTP; and every file that is refused."""
+import http.client
+import json
+import signal
+import struct
+import unittest
+import urllib.parse
+
+import h5py
+import numpy
+
+from app import INTERRUPTED, MOTION, AppTest, read_recording
+
+
+class ReplayWeb(AppTest):
+    def serve(self, *files):
+        """Starts the server; the address that it prints first."""
+        run = self.start_app("replay", "--web", files[0], *(["--beside", files[1]] if len(files) > 1 else []),
+                             "--port", 0)
+        self.url = run.stdout.readline().strip()
+        self.assertTrue(self.url.startswith("http://127.0.0.1:"), self.url)
+        self.host = urllib.parse.urlsplit(self.url).netloc
+        self.connection = http.client.HTTPConnection(self.host, timeout=100)
+        self.addCleanup(self.connection.close)
+        return run
+
+    def get(self, path):
+        self.connection.request("GET", path)
+        answer = self.connection.getresponse()
+        return answer.status, answer.read()
+
+    def ask(self, question, name="run.h5", status=200):
+        got, body = self.get(f"/api/recordings/{urllib.parse.quote(name)}/replay/{question}")
+        self.assertEqual(got, status, body[:500])
+        return body
+
+    def about(self, name="run.h5"):
+        return json.loads(self.ask("about", name))
+
+    def error(self, question, name="run.h5", status=422):
+        return json.loads(self.ask(question, name, status))["error"]
+
+    def states(self, tick, count=1, step=1, name="run.h5"):
+        """The messages, each with its identifier."""
+        body, messages = self.ask(f"states?tick={tick}&count={count}&step={step}", name), []
+        while body:
+            size = struct.unpack_from("<I", body)[0]
+            messages.append(body[4:4 + size])
+            self.assertEqual(len(messages[-1]), size)
+            self.assertEqual(messages[-1][4:8], b"WHND")
+            body = body[4 + size:]
+        return messages
+
+    def series(self, from_s, to_s, columns, name="run.h5"):
+        """Header, and low and high by channel."""
+        body = self.ask(f"series?from_s={from_s}&to_s={to_s}&columns={columns}", name)
+        size = struct.unpack_from("<I", body)[0]
+        self.assertEqual((4 + size) % 4, 0)
+        header = json.loads(body[4:4 + size])
+        values = numpy.frombuffer(body, "<f4", offset=4 + size).reshape(len(header["channels"]), 2, columns)
+        return header, {(c["name"], c["axis"]): values[i] for i, c in enumerate(header["channels"])}
+
+
+class Shown(ReplayWeb):
+    def test_every_endpoint_of_two_recordings(self):
+        first = self.record("bar run.h5", "--exercise", "cocktail-bar", duration=4.0)
+        second = self.record("run.h5", duration=1.5)
+        run = self.serve(first, second)
+        self.assertTrue(self.url.endswith("/replay?recording=bar%20run.h5&beside=run.h5"), self.url)
+
+        listed = json.loads(self.get("/api/recordings")[1])["recordings"]
+        self.assertEqual([r["name"] for r in listed], ["bar run.h5", "run.h5"])
+        about, other = self.about("bar run.h5"), self.about()
+        with read_recording(first) as f:
+            ticks, sent, time_s = len(f["ticks/tick"]), f["ticks/sent"][:], f["ticks/time_s"][:]
+        self.assertEqual(about["ticks"], ticks)
+        self.assertAlmostEqual(about["to_s"], time_s[-1] + 1e-3)
+        self.assertEqual((about["exercise"], about["level"], about["device"]), ("cocktail-bar", 1, "lambda-pride"))
+        self.assertEqual((about["picture"], about["whole"], about["still_written"]), (True, True, False))
+        self.assertTrue(about["result"])
+        self.assertEqual((other["exercise"], other["result"]), ("", []))
+
+        scene = self.ask("scene", "bar run.h5")
+        self.assertEqual(scene[4:8], b"WHND")
+        self.assertIn(b"cocktail-bar", scene)
+        self.assertEqual(len(self.states(0, 256, 4, "bar run.h5")), 256)
+        self.assertEqual(len(self.states(ticks - 2, 10, 1, "bar run.h5")), 2)  # fewer at the end
+
+        header, channels = self.series(1.0, 3.0, 50, "bar run.h5")
+        rows = (time_s >= 1.0) & (time_s < 3.0)
+        self.assertEqual(header["first_tick"], int(numpy.argmax(rows)))
+        for axis in range(sent.shape[1]):
+            low, high = channels["sent", axis]
+            self.assertEqual(high.max(), numpy.float32(sent[rows, axis].max()))
+            self.assertEqual(low.min(), numpy.float32(sent[rows, axis].min()))
+        header, _ = self.series(0.0, 60.0, 100, "bar run.h5")
+        self.assertEqual([m["kind"] for m in header["marks"]], ["armed", "stop", "neutral"])
+
+        run.send_signal(signal.SIGINT)
+        said, complained = run.communicate(timeout=100)
+        self.assertEqual((run.returncode, complained), (INTERRUPTED, ""), said)
+
+    def test_questions_that_are_none_are_refused(self):
+        self.record("run.h5", duration=0.2)
+        self.serve("run.h5")
+        for question, texts in (("series?from_s=2&to_s=1&columns=9", ["to_s = 1", "not after from_s"]),
+                                ("series?from_s=0&to_s=1&columns=0", ["columns = 0", "1 to 2000"]),
+                                ("series?from_s=0&to_s=3600&columns=9", ["to_s = 3600", "60 s"]),
+                                ("states?tick=0&count=257&step=1", ["count = 257", "1 to 256"])):
+            with self.subTest(question):
+                error = self.error(question, status=400)
+                for text in texts:
+                    self.assertIn(text, error)
+        self.error("everything", status=404)
+        for path in ("/api/recordings/other.h5/replay/about", "/api/recordings/../run.h5/replay/about",
+                     "/api/recordings/..%2frun.h5/replay/about", "/api/recordings//etc/passwd/replay/about"):
+            with self.subTest(path):
+                self.assertIn(self.get(path)[0], (400, 404))
+
+    def test_hole_is_a_gap_and_what_follows_is_shown(self):
+        path = self.record("run.h5", duration=1.5)
+        with h5py.File(path, "r+", libver="latest") as f:
+            f["ticks/tick"][500:700] = numpy.uint64(2**64 - 1)  # docs/recording.md: never reached the disk
+            f["ticks/contact_count"][500:700] = 0
+            rows = f["contacts/row"][:]
+            rows[(rows >= 500) & (rows < 700)] = 0
+            f["contacts/row"][:] = rows
+            ticks = len(f["ticks/tick"])
+        self.serve(path)
+        about = self.about()
+        self.assertEqual((about["ticks"], about["ticks_missing"], about["run_again"]), (ticks - 200, 200, False))
+        gaps = self.series(0.0, 10.0, 10)[0]["gaps"]
+        self.assertEqual([(round(g["from_s"], 3), round(g["to_s"], 3), g["ticks"]) for g in gaps], [(0.5, 0.7, 200)])
+        self.assertEqual(len(self.states(499, 2)), 2)
+
+    def test_killed_and_still_written_recordings_are_read_as_far_as_they_go(self):
+        run = self.start_app("run", "--motion", MOTION, "--no-web",
+                             "--duration", 600, "--record", "run.h5")
+
+        def ticks():
+            try:
+                with read_recording(self.folder / "run.h5") as f:
+                    return len(f["ticks/tick"])
+            except (OSError, KeyError):
+                return 0
+        self.wait_until(run, lambda: ticks() >= 500)
+        self.serve("run.h5")
+        before = self.about()
+        self.assertIs(before["still_written"], True)
+        self.assertGreaterEqual(before["ticks"], 500)
+        self.assertEqual(len(self.states(before["ticks"] - 1)), 1)
+        self.wait_until(run, lambda: ticks() > before["ticks"] + 500)
+        after = self.about()  # a page that reads on
+        self.assertGreater(after["ticks"], before["ticks"] + 300)
+        self.assertEqual(len(self.states(after["ticks"] - 1)), 1)
+        run.kill()
+        run.wait()
+        killed = self.about()
+        self.assertIs(killed["still_written"], False)
+        self.assertGreaterEqual(killed["ticks"], after["ticks"])
+
+
+class Refused(ReplayWeb):
+    def test_paths_are_judged_before_anything_is_served(self):
+        (self.folder / "x.h5").mkdir()
+        for path, text in (("none.h5", "does not exist"), ("x.h5", "is no regular file")):
+            self.expect_refused(self.run_app("replay", "--web", path), path, text, lines=1)
+        path = self.record("run.h5", duration=0.2)
+        self.expect_refused(self.run_app("replay", "--web", path, "--beside", "none.h5"), "none.h5", lines=1)
+        self.expect_refused(self.run_app("replay", path, "--beside", path), "--web")
+        self.expect_refused(self.run_app("replay", "--web", "--resimulate", path), "--resimulate")
+
+    def test_files_that_are_no_recordings_say_so(self):
+        good = self.record("good.h5", duration=1.0).read_bytes()
+        (self.folder / "good.h5").unlink()
+        path = self.folder / "run.h5"
+
+        def foreign():
+            with h5py.File(path, "w") as f:
+                f["x"] = [1, 2, 3]
+
+        def newer():
+            path.write_bytes(good)
+            with h5py.File(path, "r+", libver="latest") as f:
+                del f["meta"].attrs["schema_version"]
+                f["meta"].attrs["schema_version"] = numpy.uint64(99)
+
+        def without_ticks():
+            path.write_bytes(good)
+            with h5py.File(path, "r+", libver="latest") as f:
+                for table in ("ticks", "contacts", "events", "commands"):
+                    for dataset in f[table].values():
+                        dataset.resize(0, axis=0)
+
+        for make, text in ((lambda: path.write_bytes(b""), "is empty"),
+                           (lambda: path.write_bytes(b"<html>not a recording</html>"), "is no HDF5 file"),
+                           (lambda: path.write_bytes(good[:len(good) // 2]), "truncated"),
+                           (foreign, "no Wholehand recording"), (newer, "newer Wholehand"),
+                           (without_ticks, "holds no ticks")):
+            with self.subTest(text):
+                make()
+                run = self.serve(path)
+                for question in ("about", "scene", "states?tick=0&count=1&step=1",
+                                 "series?from_s=0&to_s=1&columns=1"):
+                    error = self.error(question)
+                    self.assertIn("run.h5", error)
+                    self.assertIn(text, error)
+                run.kill()
+                run.wait()
+
+    def test_one_spoiled_chunk_costs_its_quarter_second(self):
+        path = self.record("run.h5", duration=1.5)
+        with h5py.File(path, "r") as f:
+            chunk = f["ticks/q_s"].id.get_chunk_info(4)
+            first, rows, ticks = chunk.chunk_offset[0], f["ticks/q_s"].chunks[0], len(f["ticks/tick"])
+        spoilt = bytearray(path.read_bytes())
+        for at in range(chunk.byte_offset, chunk.byte_offset + chunk.size):
+            spoilt[at] ^= 0xFF
+        path.write_bytes(spoilt)
+        self.serve(path)
+        self.assertEqual(self.about()["ticks"], ticks)
+        self.assertIn("cannot be read", self.error(f"states?tick={first}&count=1&step=1"))
+        self.assertEqual(len(self.states(first - 2, 10)), 2)  # up to it
+        self.assertEqual(len(self.states(first + rows)), 1)
+        header, channels = self.series(-0.0005, ticks * 1e-3 - 0.0005, ticks)  # each tick amid its column
+        self.assertIs(header["truncated"], True)
+        dark = numpy.isnan(channels["q_m", 0][0])
+        self.assertTrue(dark[first:first + rows].all())
+        self.assertEqual(dark.sum(), rows)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

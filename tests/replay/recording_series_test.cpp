@@ -1,0 +1,231 @@
+// Stretches of a recording against a plain loop over its rows.
+#include "replay/recording_series.hpp"
+
+#include "replay/series_reader.hpp"
+#include "support/seed.hpp"
+#include "telemetry/synthetic_recording.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace wholehand::test {
+namespace {
+
+using synthetic::Folder;
+
+constexpr double kPeriod_s = 1e-3;
+
+/// Writes these ticks and reads them back.
+std::unique_ptr<RecordingReader> recorded(const Folder& folder,
+                                          const std::vector<TickRecord>& ticks) {
+  const std::string path = folder.file("run.h5");
+  auto writer = RecordingWriter::create(path, synthetic::meta());
+  EXPECT_TRUE(writer);
+  for (const TickRecord& record : ticks) EXPECT_TRUE((*writer)->append(record));
+  (*writer)->close();
+  auto reader = RecordingReader::open(path);
+  EXPECT_TRUE(reader) << format(reader.errors());
+  return std::move(*reader);
+}
+
+/// Ticks in which nothing happens.
+std::vector<TickRecord> quietTicks(std::uint64_t count) {
+  std::vector<TickRecord> ticks;
+  for (std::uint64_t tick = 0; tick < count; ++tick) {
+    TickRecord r;
+    r.tick = tick;
+    r.time_s = static_cast<double>(tick) * kPeriod_s;
+    r.q_m = AxisPosition(6, 0.1);
+    r.sent = AxisEffort(6, 0.0);
+    r.exercise.value_count = 3;
+    r.parameter_count = 2;
+    r.safety_state = SafetyState::kRendering;
+    ticks.push_back(r);
+  }
+  return ticks;
+}
+
+Series seriesOf(RecordingReader& reader, double from_s, double to_s, int columns) {
+  return Series(seriesMessage(reader, {from_s, to_s, columns}));
+}
+
+double forceSum_n(const TickRecord& r) {
+  double sum = 0.0;
+  for (int c = 0; c < r.contact_count; ++c) {
+    const Vec3& f = r.contacts[static_cast<std::size_t>(c)].force_n;
+    sum += std::sqrt(f.x * f.x + f.y * f.y + f.z * f.z);
+  }
+  return sum;
+}
+
+struct Check {
+  const char* name;
+  int axis;
+  std::function<double(const TickRecord&)> value;
+};
+
+const std::vector<Check>& checks() {
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  static const std::vector<Check> all = {
+      {"q_m", 0, [](const auto& r) { return r.q_m[0]; }},
+      {"q_s", 5, [](const auto& r) { return r.q_s[5]; }},
+      {"intention", 2,
+       [none](const auto& r) { return r.intention.size() > 2 ? r.intention[2] : none; }},
+      {"sent", 3, [](const auto& r) { return r.sent[3]; }},
+      {"exercise_effort", 1, [](const auto& r) { return r.exercise.effort[1]; }},
+      {"damping", 4, [](const auto& r) { return r.damping[4]; }},
+      {"phi", 2, [](const auto& r) { return r.phi[2]; }},
+      {"alpha", 0, [](const auto& r) { return r.exercise.alpha; }},
+      {"palm_distance_m", 0, [](const auto& r) { return r.palm_distance_m; }},
+      {"contact_force_n", 0, forceSum_n},
+      {"contact_count", 0, [](const auto& r) { return static_cast<double>(r.contact_count); }},
+      {"duration_s", 0, [](const auto& r) { return 1e-9 * static_cast<double>(r.wall_ns); }},
+      {"value", 2, [](const auto& r) { return r.exercise.values[2]; }}};
+  return all;
+}
+
+/// A plain loop over every tick, for every column anew.
+void expectExtremes(const Series& series, const std::vector<TickRecord>& ticks, double from_s,
+                    double to_s) {
+  const auto columns = static_cast<double>(series.columns());
+  for (const Check& check : checks()) {
+    const std::size_t channel = series.channel(check.name, check.axis);
+    for (std::size_t c = 0; c < series.columns(); ++c) {
+      double low = std::numeric_limits<double>::infinity(), high = -low;
+      for (const TickRecord& r : ticks) {
+        if (r.time_s < from_s || r.time_s >= to_s) continue;
+        const double at = std::floor((r.time_s - from_s) / (to_s - from_s) * columns);
+        if (at != static_cast<double>(c) || !std::isfinite(check.value(r))) continue;
+        low = std::min(low, check.value(r));
+        high = std::max(high, check.value(r));
+      }
+      if (low > high) {
+        ASSERT_TRUE(std::isnan(series.low(channel, c))) << check.name << " column " << c;
+        ASSERT_TRUE(std::isnan(series.high(channel, c))) << check.name << " column " << c;
+      } else {
+        ASSERT_EQ(series.low(channel, c), static_cast<float>(low)) << check.name << " column " << c;
+        ASSERT_EQ(series.high(channel, c), static_cast<float>(high))
+            << check.name << " column " << c;
+      }
+    }
+  }
+}
+
+TEST(RecordingSeries, Extremes_AreThoseOfAPlainLoop) {
+  auto random = seededRandom(91);
+  std::vector<TickRecord> ticks;
+  for (std::uint64_t tick = 0; tick < 1200; ++tick) {
+    ticks.push_back(synthetic::noisy(tick, random));
+    ticks.back().wall_ns += 1;  // 0 would be none
+  }
+  ticks.erase(ticks.begin() + 400, ticks.begin() + 460);  // so that columns are empty
+  const Folder folder;
+  const auto reader = recorded(folder, ticks);
+  std::uniform_real_distribution<double> time(-0.3, 1.5);
+  for (int i = 0; i < 12; ++i) {
+    double from_s = time(random), to_s = time(random);
+    if (from_s > to_s) std::swap(from_s, to_s);
+    const int columns = 1 + static_cast<int>(random() % 300);
+    SCOPED_TRACE(testing::Message() << from_s << " .. " << to_s << " s in " << columns);
+    const Series series = seriesOf(*reader, from_s, to_s, columns);
+    expectExtremes(series, ticks, from_s, to_s);
+    const auto first = std::find_if(ticks.begin(), ticks.end(),
+                                    [&](const TickRecord& r) { return r.time_s >= from_s; });
+    EXPECT_EQ(series.header["first_tick"], first - ticks.begin());
+    EXPECT_FALSE(series.header["truncated"]);
+  }
+}
+
+TEST(RecordingSeries, OneTickThatSticksOut_IsSeenInAMinute) {
+  auto ticks = quietTicks(3000);
+  ticks[1777].sent[4] = 7.5;
+  ticks[1777].exercise.values[1] = -3.25;
+  const Folder folder;
+  const auto reader = recorded(folder, ticks);
+  const Series series = seriesOf(*reader, 0.0, 60.0, 100);
+  const std::size_t sent = series.channel("sent", 4), value = series.channel("value", 1);
+  EXPECT_EQ(series.high(sent, 2), 7.5F);  // 1.777 s of 0.6 s a column
+  EXPECT_EQ(series.low(sent, 2), 0.0F);
+  EXPECT_EQ(series.low(value, 2), -3.25F);
+  EXPECT_TRUE(std::isnan(series.high(sent, 5))) << "the recording ends at 3 s";
+}
+
+TEST(RecordingSeries, MissingTicks_AreGapsAndSkippedOnesAreNot) {
+  auto ticks = quietTicks(1000);
+  ticks[600].elapsed_periods = 11;  // the loop was late: ten periods are skipped
+  ticks.erase(ticks.begin() + 590, ticks.begin() + 600);
+  ticks.erase(ticks.begin() + 300, ticks.begin() + 325);  // the disk was full
+  const Folder folder;
+  const auto reader = recorded(folder, ticks);
+  const auto gaps = seriesOf(*reader, 0.0, 1.0, 10).header["gaps"];
+  ASSERT_EQ(gaps.size(), 1U);
+  EXPECT_NEAR(gaps[0]["from_s"].get<double>(), 0.300, 1e-9);
+  EXPECT_NEAR(gaps[0]["to_s"].get<double>(), 0.325, 1e-9);
+  EXPECT_EQ(gaps[0]["ticks"], 25);
+  EXPECT_EQ(reader->outline().missing, 25U);
+  // One that ends exactly where a stretch begins is told there, and nowhere twice.
+  EXPECT_EQ(seriesOf(*reader, 0.0, 0.325, 10).header["gaps"].size(), 0U);
+  EXPECT_EQ(seriesOf(*reader, 0.325, 1.0, 10).header["gaps"].size(), 1U);
+}
+
+TEST(RecordingSeries, EventsAndMarks_AreToldOnceWhereverStretchesMeet) {
+  auto ticks = quietTicks(1000);
+  ticks[123].exercise.event_count = 2;
+  ticks[123].exercise.events[0] = {1, 3, 2.5};
+  ticks[123].exercise.events[1] = {0, -1, 0.0};
+  for (std::size_t i = 700; i < 1000; ++i) ticks[i].faults |= Fault::kStopRequested;
+  for (std::size_t i = 800; i < 1000; ++i) ticks[i].faults |= Fault::kEmergencyStop;
+  ticks[500].faults |= Fault::kOwnerSilent;
+  for (std::size_t i = 900; i < 1000; ++i) ticks[i].authority = 0.0;
+  const Folder folder;
+  const auto reader = recorded(folder, ticks);
+  nlohmann::json events = nlohmann::json::array(), marks = nlohmann::json::array();
+  for (int i = 0; i < 10; ++i) {
+    const Series piece = seriesOf(*reader, 0.1 * i, 0.1 * (i + 1), 7);
+    for (const auto& event : piece.header["events"]) events.push_back(event);
+    for (const auto& mark : piece.header["marks"]) marks.push_back(mark);
+  }
+  ASSERT_EQ(events.size(), 2U);
+  EXPECT_EQ(events[0]["time_s"], 0.123);
+  EXPECT_EQ(events[0]["type"], 1);
+  EXPECT_EQ(events[0]["index"], 3);
+  EXPECT_EQ(events[0]["value"], 2.5);
+  std::vector<std::pair<std::string, double>> told;
+  for (const auto& mark : marks) told.emplace_back(mark["kind"], mark["time_s"]);
+  const std::vector<std::pair<std::string, double>> expected = {{"armed", 0.0},
+                                                                {"controls_lost", 0.5},
+                                                                {"stop", 700 * kPeriod_s},
+                                                                {"emergency_stop", 0.8},
+                                                                {"neutral", 0.9}};
+  EXPECT_EQ(told, expected);
+}
+
+TEST(RecordingSeries, StretchWithoutTicks_IsEmptyAndNoFault) {
+  const Folder folder;
+  const auto reader = recorded(folder, quietTicks(10));
+  for (const auto& [from_s, to_s] : {std::pair{5.0, 6.0}, {-2.0, -1.0}, {0.0091, 0.0099}}) {
+    const Series series = seriesOf(*reader, from_s, to_s, 3);
+    for (const float value : series.values) EXPECT_TRUE(std::isnan(value));
+    EXPECT_FALSE(series.header["truncated"]);
+  }
+}
+
+TEST(RecordingSeries, FloodOfEvents_IsCutAndSaysSo) {
+  auto ticks = quietTicks(4000);
+  for (TickRecord& r : ticks) r.exercise.event_count = kMaxExerciseEvents;
+  const Folder folder;
+  const auto reader = recorded(folder, ticks);
+  const Series series = seriesOf(*reader, 0.0, 60.0, 10);
+  EXPECT_EQ(series.header["events"].size(), 20'000U);
+  EXPECT_TRUE(series.header["truncated"]);
+}
+
+}  // namespace
+}  // namespace wholehand::test

@@ -1,0 +1,355 @@
+// A recording of the bar, looked at again: against its file, and against what the live program said
+// of the same ticks.
+#include "replay/replayed_recording.hpp"
+
+#include "assembly/run.hpp"
+#include "replay/series_reader.hpp"
+#include "station/scene_facts.hpp"
+#include "support/folder.hpp"
+#include "support/rig_tools.hpp"
+#include "support/seed.hpp"
+#include "telemetry/synthetic_recording.hpp"
+#include "wholehand_generated.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+namespace wholehand::test {
+namespace {
+
+namespace fb = wholehand::protocol;
+using Json = nlohmann::json;
+
+const fb::Message& verified(const std::uint8_t* data, std::size_t size) {
+  flatbuffers::Verifier verifier(data, size);
+  if (!fb::VerifyMessageBuffer(verifier)) throw std::runtime_error("not a message");
+  return *fb::GetMessage(data);
+}
+
+const fb::WorldState& stateIn(const std::string& bytes) {
+  const auto* data = reinterpret_cast<const std::uint8_t*>(bytes.data());
+  const fb::WorldState* state = verified(data, bytes.size()).payload_as_WorldState();
+  if (state == nullptr) throw std::runtime_error("not a state");
+  return *state;
+}
+
+/// The messages of an answer of states.
+std::vector<std::string> messagesIn(const ReplayAnswer& answer) {
+  EXPECT_EQ(answer.status, 200) << answer.body;
+  EXPECT_EQ(answer.content_type, "application/octet-stream");
+  std::vector<std::string> messages;
+  for (std::size_t at = 0; at < answer.body.size();) {
+    std::uint32_t bytes = 0;
+    std::memcpy(&bytes, answer.body.data() + at, sizeof bytes);
+    messages.push_back(answer.body.substr(at + sizeof bytes, bytes));
+    EXPECT_EQ(messages.back().size(), bytes);
+    at += sizeof bytes + bytes;
+  }
+  return messages;
+}
+
+ReplayAnswer ask(ReplayedRecording& recording, const std::string& question) {
+  return recording.answer(orThrow(parseReplayQuestion(question)));
+}
+
+std::unique_ptr<ReplayedRecording> opened(const std::string& path) {
+  return std::make_unique<ReplayedRecording>(path);
+}
+
+Json aboutOf(ReplayedRecording& recording) {
+  const ReplayAnswer answer = ask(recording, "about");
+  EXPECT_EQ(answer.status, 200) << answer.body;
+  EXPECT_EQ(answer.content_type, "application/json");
+  return Json::parse(answer.body);
+}
+
+Models barModels() {
+  ModelFiles files = shippedFiles();
+  files.exercise = std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/cocktail-bar.toml";
+  return load(files);
+}
+
+/// Nine seconds of the bar, recorded; and what clients were told of each tick.
+class RecordedBar {
+ public:
+  RecordedBar() {
+    const Models models = barModels();
+    facts = std::make_shared<const SceneFacts>(sceneFacts(models, 1e-3));
+    wire::StateEncoder live(facts);
+    const auto rig = orThrow(buildRig(models, models.exercise->makePlayer(1), RigOptions{}));
+    EXPECT_TRUE(rig->renderer->arm());
+    RunPlan plan;
+    plan.title = "bar";
+    plan.simulated_clock = true;
+    plan.duration_ticks = 9000;
+    plan.record = path();
+    plan.sinks.push_back([&](const TickRecord& record) {
+      const auto message = live.encode(record, LoopStatus{}, wire::Detail::kFull, 0);
+      states.emplace_back(message.begin(), message.end());
+    });
+    orThrow(runAndRecord(*rig, plan));
+  }
+  [[nodiscard]] std::string path() const { return folder.file("bar.h5"); }
+
+  const Folder folder;
+  std::shared_ptr<const SceneFacts> facts;
+  std::vector<std::string> states;  ///< of each tick, as live clients get them
+};
+
+const RecordedBar& bar() {
+  static const RecordedBar recorded;
+  return recorded;
+}
+
+template <class Vector, class Array>
+void expectFloats(const Vector* sent, const Array& recorded, const char* name) {
+  ASSERT_NE(sent, nullptr) << name;
+  ASSERT_EQ(sent->size(), static_cast<std::size_t>(recorded.size())) << name;
+  for (unsigned i = 0; i < sent->size(); ++i) {
+    EXPECT_EQ(sent->Get(i), static_cast<float>(recorded.data()[i])) << name << " " << i;
+  }
+}
+
+/// The bytes of a vector of structs.
+template <class Vector>
+std::string bytesOf(const Vector* v) {
+  return v == nullptr ? std::string("none")
+                      : std::string(reinterpret_cast<const char*>(v->Data()),
+                                    v->size() * sizeof(*v->Get(0)));
+}
+
+void expectAsInFile(const fb::WorldState& state, const TickRecord& row) {
+  EXPECT_EQ(state.tick(), row.tick);
+  EXPECT_EQ(state.time_s(), row.time_s);
+  EXPECT_EQ(state.faults(), static_cast<std::uint32_t>(row.faults));
+  EXPECT_EQ(state.authority(), static_cast<float>(row.authority));
+  EXPECT_EQ(state.alpha(), static_cast<float>(row.exercise.alpha));
+  EXPECT_EQ(state.palm_body(), row.palm_body);
+  EXPECT_EQ(static_cast<int>(state.safety_state()), static_cast<int>(row.safety_state));
+  expectFloats(state.q_m(), row.q_m, "q_m");
+  expectFloats(state.q_s(), row.q_s, "q_s");
+  expectFloats(state.theta(), row.theta, "theta");
+  expectFloats(state.intention(), row.intention, "intention");
+  expectFloats(state.coupling(), row.coupling, "coupling");
+  expectFloats(state.exercise_effort(), row.exercise.effort, "exercise_effort");
+  expectFloats(state.damping(), row.damping, "damping");
+  expectFloats(state.sent(), row.sent, "sent");
+  expectFloats(state.phi(), row.phi, "phi");
+  ASSERT_EQ(state.values()->size(), static_cast<std::size_t>(row.exercise.value_count));
+  for (unsigned v = 0; v < state.values()->size(); ++v) {
+    EXPECT_EQ(state.values()->Get(v), row.exercise.values[v]);
+  }
+  ASSERT_EQ(state.contacts()->size(), static_cast<std::size_t>(row.contact_count));
+  for (unsigned c = 0; c < state.contacts()->size(); ++c) {
+    EXPECT_EQ(state.contacts()->Get(c)->force_n().x(),
+              static_cast<float>(row.contacts[c].force_n.x));
+  }
+}
+
+TEST(ReplayedRecording, ThousandTicksAtRandom_AreThoseOfTheFileAndOfTheLiveProgram) {
+  auto random = seededRandom(92);
+  const auto recording = opened(bar().path());
+  const auto file = orThrow(RecordingReader::open(bar().path()));
+  ASSERT_EQ(file->size(), bar().states.size());
+  int with_contacts = 0;
+  TickRecord row;
+  for (int i = 0; i < 1000; ++i) {
+    const std::uint64_t n = random() % file->size();
+    SCOPED_TRACE(testing::Message() << "row " << n);
+    const auto messages =
+        messagesIn(ask(*recording, "states?tick=" + std::to_string(n) + "&count=1&step=1"));
+    ASSERT_EQ(messages.size(), 1U);
+    const fb::WorldState& state = stateIn(messages[0]);
+    ASSERT_TRUE(file->read(n, row));
+    expectAsInFile(state, row);
+    const fb::WorldState& live = stateIn(bar().states[n]);
+    EXPECT_EQ(bytesOf(state.links()), bytesOf(live.links()));
+    EXPECT_EQ(bytesOf(state.bodies()), bytesOf(live.bodies()));
+    EXPECT_EQ(bytesOf(state.contacts()), bytesOf(live.contacts()));
+    EXPECT_GT(state.links()->size(), 10U);
+    EXPECT_EQ(state.palm_distance_m(), live.palm_distance_m());
+    EXPECT_EQ(state.run_state(), fb::RunState::Rendering);
+    EXPECT_EQ(state.statistics(), nullptr);
+    EXPECT_EQ(state.fault_ticks(), nullptr);
+    with_contacts += row.contact_count > 0 ? 1 : 0;
+    if (testing::Test::HasFailure()) return;
+  }
+  EXPECT_GT(with_contacts, 0) << "the bar was never touched: nothing of contacts was compared";
+}
+
+TEST(ReplayedRecording, Scene_IsTheLiveOneButForWhatOnlyAProgramHas) {
+  const auto recording = opened(bar().path());
+  const ReplayAnswer answer = ask(*recording, "scene");
+  ASSERT_EQ(answer.status, 200) << answer.body;
+  SceneFacts live = *bar().facts;
+  live.session = 1;
+  live.program_version = orThrow(RecordingReader::open(bar().path()))->meta().git_version;
+  const wire::Bytes expected = wire::sceneMessage(live);
+  EXPECT_TRUE(answer.body == std::string(expected.begin(), expected.end()));
+  const auto* data = reinterpret_cast<const std::uint8_t*>(answer.body.data());
+  const fb::Scene* scene = verified(data, answer.body.size()).payload_as_Scene();
+  ASSERT_NE(scene, nullptr);
+  EXPECT_EQ(scene->exercise_name()->str(), "cocktail-bar");
+  EXPECT_GT(scene->bodies()->size(), 3U);
+  EXPECT_FALSE(scene->exercise_json()->str().empty());
+}
+
+TEST(ReplayedRecording, About_SaysWhatTheFileHolds) {
+  const auto recording = opened(bar().path());
+  const Json about = aboutOf(*recording);
+  EXPECT_EQ(about["name"], "bar.h5");
+  EXPECT_EQ(about["title"], "bar");
+  EXPECT_EQ(about["ticks"], bar().states.size());
+  EXPECT_EQ(about["from_s"], 0.0);
+  EXPECT_NEAR(about["to_s"].get<double>(), 1e-3 * static_cast<double>(bar().states.size()), 1e-9);
+  EXPECT_EQ(about["device"], "lambda-pride");
+  EXPECT_EQ(about["hand"], "adult-median-right");
+  EXPECT_EQ(about["patient"], "relaxed-adult");
+  EXPECT_EQ(about["exercise"], "cocktail-bar");
+  EXPECT_EQ(about["level"], 1);
+  EXPECT_EQ(about["picture"], true);
+  EXPECT_EQ(about["whole"], true);
+  EXPECT_EQ(about["run_again"], true);
+  EXPECT_EQ(about["still_written"], false);
+  EXPECT_EQ(about["simulated_device"], true);
+  EXPECT_FALSE(about.contains("no_picture_because"));
+  ASSERT_FALSE(about["result"].empty());
+  EXPECT_TRUE(about["result"][0]["value"].is_string()) << "as the report writes it";
+}
+
+TEST(ReplayedRecording, StatesInSteps_AreTheRowsAskedForAndFewerAtTheEnd) {
+  const auto recording = opened(bar().path());
+  const auto ticksOf = [&](const std::string& question) {
+    std::vector<std::uint64_t> ticks;
+    for (const std::string& message : messagesIn(ask(*recording, question))) {
+      ticks.push_back(stateIn(message).tick());
+    }
+    return ticks;
+  };
+  const std::uint64_t size = bar().states.size();
+  EXPECT_EQ(ticksOf("states?tick=10&count=3&step=400"), (std::vector<std::uint64_t>{10, 410, 810}));
+  EXPECT_EQ(ticksOf("states?tick=" + std::to_string(size - 2) + "&count=256&step=1"),
+            (std::vector<std::uint64_t>{size - 2, size - 1}));
+  EXPECT_TRUE(ticksOf("states?tick=" + std::to_string(size) + "&count=1&step=1").empty());
+}
+
+/// A tenth of a second of a resting hand.
+std::string recordedRest(const Folder& folder, const std::string& scene) {
+  Models models = load(shippedFiles("lambda-pride", scene));
+  const auto rig = orThrow(buildRig(
+      std::move(models), Intention::throughWaypoints({{0.0, AxisPosition(6)}}), RigOptions{}));
+  EXPECT_TRUE(rig->renderer->arm());
+  RunPlan plan;
+  plan.simulated_clock = true;
+  plan.duration_ticks = 100;
+  plan.record = folder.file("rest.h5");
+  orThrow(runAndRecord(*rig, plan));
+  return plan.record;
+}
+
+TEST(ReplayedRecording, WithoutExerciseOrBodies_ShowsTheHandAlone) {
+  const Folder folder;
+  const auto recording = opened(recordedRest(folder, "empty"));
+  const Json about = aboutOf(*recording);
+  EXPECT_EQ(about["exercise"], "");
+  EXPECT_EQ(about["result"], Json::array());
+  EXPECT_EQ(about["value_names"], Json::array());
+  const auto messages = messagesIn(ask(*recording, "states?tick=0&count=5&step=20"));
+  ASSERT_EQ(messages.size(), 5U);
+  EXPECT_EQ(stateIn(messages[4]).bodies()->size(), 0U);
+  EXPECT_GT(stateIn(messages[4]).links()->size(), 10U);
+  const Series series(ask(*recording, "series?from_s=0&to_s=1&columns=4").body);
+  EXPECT_TRUE(std::isnan(series.low(series.channel("palm_distance_m"), 0))) << "there is no body";
+  EXPECT_EQ(series.high(series.channel("contact_count"), 0), 0.0F);
+  EXPECT_EQ(ask(*recording, "scene").status, 200);
+}
+
+/// Ticks whose file carries no scene, hand ...
+std::string synthetic(const Folder& folder, int ticks) {
+  std::mt19937_64 random(5);
+  const std::string path = folder.file("synthetic.h5");
+  auto writer = orThrow(RecordingWriter::create(path, synthetic::meta()));
+  for (int i = 0; i < ticks; ++i) {
+    writer->append(synthetic::noisy(static_cast<std::uint64_t>(i), random));
+  }
+  writer->close();
+  return path;
+}
+
+TEST(ReplayedRecording, WithoutItsFiles_HasNoPictureAndEverythingElse) {
+  const Folder folder;
+  const auto recording = opened(synthetic(folder, 300));
+  const Json about = aboutOf(*recording);
+  EXPECT_EQ(about["picture"], false);
+  const std::string why = about["no_picture_because"];
+  EXPECT_NE(why.find("carries no scene file"), std::string::npos) << why;
+  EXPECT_EQ(about["run_again"], false) << "its models were changed in memory";
+  EXPECT_EQ(about["device"], "lambda-pride");
+  EXPECT_EQ(about["axes"].size(), 6U);
+  const ReplayAnswer scene = ask(*recording, "scene");
+  EXPECT_EQ(scene.status, 422);
+  EXPECT_EQ(Json::parse(scene.body)["error"], why);
+  const auto messages = messagesIn(ask(*recording, "states?tick=299&count=1&step=1"));
+  ASSERT_EQ(messages.size(), 1U);
+  EXPECT_EQ(stateIn(messages[0]).links(), nullptr);
+  EXPECT_EQ(stateIn(messages[0]).q_m()->size(), 6U);
+}
+
+TEST(ReplayedRecording, OfNoTicks_IsRefused) {
+  const Folder folder;
+  const ReplayAnswer refused = ask(*opened(synthetic(folder, 0)), "about");
+  EXPECT_EQ(refused.status, 422);
+  EXPECT_NE(Json::parse(refused.body)["error"].get<std::string>().find("holds no ticks"),
+            std::string::npos);
+}
+
+/// Spoils one place after the other until the file opens and a tick in it cannot be read.
+std::string damagedInside(const Folder& folder, std::uint64_t& first_unreadable) {
+  const std::string path = synthetic(folder, 2000);
+  std::stringstream whole;
+  whole << std::ifstream(path, std::ios::binary).rdbuf();
+  const std::string bytes = whole.str();
+  for (std::size_t part = 10; part < 90; ++part) {
+    std::string spoilt = bytes;
+    const std::size_t at = bytes.size() / 100 * part;
+    for (std::size_t i = at; i < at + 200; ++i) spoilt[i] = static_cast<char>(~spoilt[i]);
+    std::ofstream(path, std::ios::binary) << spoilt;
+    const auto reader = RecordingReader::open(path);
+    if (!reader) continue;
+    TickRecord record;
+    for (first_unreadable = 0; first_unreadable < (*reader)->size(); ++first_unreadable) {
+      if (!(*reader)->read(first_unreadable, record)) return path;
+    }
+  }
+  ADD_FAILURE() << "no place of the file that damages a tick";
+  return path;
+}
+
+TEST(ReplayedRecording, DamagedChunk_IsToldAndTheRestIsShown) {
+  const Folder folder;
+  std::uint64_t bad = 0;
+  const auto recording = opened(damagedInside(folder, bad));
+  EXPECT_EQ(aboutOf(*recording)["ticks"], 2000);
+  const ReplayAnswer state =
+      ask(*recording, "states?tick=" + std::to_string(bad) + "&count=1&step=1");
+  EXPECT_EQ(state.status, 422);
+  EXPECT_NE(state.body.find("cannot be read"), std::string::npos) << state.body;
+  const Series series(ask(*recording, "series?from_s=-0.0005&to_s=1.9995&columns=2000").body);
+  EXPECT_TRUE(series.header["truncated"]);
+  const std::size_t channel = series.channel("q_m", 0);
+  EXPECT_TRUE(std::isnan(series.low(channel, bad)));
+  std::size_t shown = 0;
+  for (std::size_t c = 0; c < 2000; ++c) shown += std::isnan(series.low(channel, c)) ? 0 : 1;
+  EXPECT_GT(shown, 1000U) << "a chunk of a quarter of a second is lost, no more";
+  ASSERT_FALSE(series.header["unreadable"].empty());
+  EXPECT_NEAR(series.header["unreadable"][0]["from_s"].get<double>(),
+              1e-3 * static_cast<double>(bad), 1e-9);
+}
+
+}  // namespace
+}  // namespace wholehand::test
