@@ -98,7 +98,8 @@ void addOthers(CLI::App& app, ReplayOptions& replay, ReportOptions& report,
   r->add_option("recording", replay.recording, "HDF5 file, or black box (.wbb)")->required();
   r->add_flag("--resimulate", replay.resimulate,
               "Run the recorded inputs again and compare bit by bit (exit code 1: they differ)");
-  r->add_option("--extract", replay.extract, "Write the ticks of a black box to this HDF5 file")
+  r->add_option("--extract", replay.extract,
+                "Write every tick to this HDF5 file, its numbers not packed")
       ->excludes("--resimulate");
   r->add_option("--speed", replay.speed, "How fast to play it back")
       ->check(finiteBetween(0.01, 1000.0, "times"))

@@ -23,6 +23,16 @@ bool sayWhatIsRendered(const ModelFiles& files, const Rig& rig) {
   return rehearsalFingerprint(*again, rig.options, certified) == rig.renderer->config().rehearsal;
 }
 
+RecordedLaw lawOf(const CouplingGains& gains, const HandModel& hand) {
+  const auto numbers = [](const auto& a) { return std::vector<double>(a.begin(), a.end()); };
+  RecordedLaw law{numbers(gains.k_pm),         numbers(gains.k_dm),  numbers(gains.gamma),
+                  numbers(gains.filter_tau_s), numbers(hand.theta0), {}};
+  for (int j = 0; j < hand.joint_count; ++j) {
+    for (int a = 0; a < hand.axis_count; ++a) law.synergy.push_back(hand.synergy(j, a));
+  }
+  return law;
+}
+
 }  // namespace
 
 Expected<RecordingMeta> describeRecording(const Rig& rig, const std::string& title,
@@ -50,6 +60,7 @@ Expected<RecordingMeta> describeRecording(const Rig& rig, const std::string& tit
     meta.lever_arms_m.push_back(axis.lever_arm_m);
   }
   for (double q : rig.renderer->armedPosition()) meta.armed_position.push_back(q);
+  meta.law = lawOf(rig.renderer->config().gains, rig.models.hand);
   meta.joint_names = rig.models.hand.joint_names;
   for (const SceneBody& body : rig.models.scene.bodies) meta.body_names.push_back(body.name);
   for (const Capsule& capsule : rig.models.hand.capsules)

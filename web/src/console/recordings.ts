@@ -43,6 +43,37 @@ export function recordingUrl(name: string, report: boolean, token: string): stri
   return `/api/recordings/${encodeURIComponent(name)}${report ? '/report' : ''}${token === '' ? '' : `?token=${encodeURIComponent(token)}`}`;
 }
 
+/** How long and how large a recording is, and what it misses, as people read it. */
+export function figuresOf(recording: Recording): string {
+  const { duration_s, bytes: size, ticks_missing } = recording;
+  return [
+    ...(duration_s === undefined ? [] : [duration(duration_s)]),
+    ...(size === undefined ? [] : [bytes(size)]),
+    ...(ticks_missing ? [fill(texts().recordings.missing, { ticks: ticks_missing.toLocaleString(language()) })] : []),
+  ].join(', ');
+}
+
+/** Tells of each recording that was being written once, when it is in the list. */
+export class SavedWatch {
+  private writing = '';
+  private readonly ended = new Set<string>();
+
+  /** Takes the name of what is being written now; true where another one has ended. */
+  take(writing: string): boolean {
+    if (writing === this.writing) return false;
+    const ended = this.writing !== '';
+    if (ended) this.ended.add(this.writing);
+    this.writing = writing;
+    this.ended.delete(writing);
+    return ended;
+  }
+
+  /** Those of the list that have ended and were not told of. */
+  found(recordings: readonly Recording[]): Recording[] {
+    return recordings.filter(({ name }) => this.ended.delete(name));
+  }
+}
+
 /** What was recorded, with report and download, and what is being recorded. */
 export class RecordingsPanel implements Panel {
   readonly element: HTMLElement;
@@ -54,7 +85,7 @@ export class RecordingsPanel implements Panel {
   private readonly timer: ReturnType<typeof setInterval>;
   private shown = '';
 
-  constructor(private readonly model: ConsoleModel) {
+  constructor(private readonly model: ConsoleModel, private readonly watch: SavedWatch) {
     this.now = h('span', { class: 'rec', hidden: true }, h('i'), `${this.t.now} `, this.nowText);
     this.element = h('section', { class: 'panel recordings', 'aria-label': this.t.title },
       h('div', { class: 'hd' }, h('h2', {}, this.t.title), this.now), this.words, this.list);
@@ -65,7 +96,9 @@ export class RecordingsPanel implements Panel {
   refresh(): void {
     const state = this.model.state;
     const size = Number(state?.recordingBytes ?? 0n);
-    const runs = String(this.model.scene?.recording ?? '') !== '' || size > 0;
+    const writing = String(this.model.scene?.recording ?? '');
+    if (this.watch.take(writing)) void this.read();
+    const runs = writing !== '' || size > 0;
     if (this.now.hidden === runs) this.now.hidden = !runs;
     if (runs) say(this.nowText, `${duration(state?.timeS ?? 0)}, ${bytes(size)}`);
   }
@@ -81,7 +114,9 @@ export class RecordingsPanel implements Panel {
       const answer = await fetch(`/api/recordings${token === '' ? '' : `?token=${encodeURIComponent(token)}`}`);
       const found = answer.ok ? readRecordings(await answer.json()) : undefined;
       if (!found) throw new Error('no list');
-      this.show(found.recordings.filter(({ name }) => name !== found.recording), token);
+      const finished = found.recordings.filter(({ name }) => name !== found.recording);
+      this.show(finished, token);
+      for (const recording of this.watch.found(finished)) this.model.saved = recording;
     } catch {
       say(this.words, this.t.failed);
       this.words.hidden = false;
@@ -101,14 +136,9 @@ export class RecordingsPanel implements Panel {
     const { t } = this;
     const { name, title, report } = recording;
     const when = whenMade(recording.created_utc, new Date(), language());
-    const figures = [
-      ...(recording.duration_s === undefined ? [] : [duration(recording.duration_s)]),
-      ...(recording.bytes === undefined ? [] : [bytes(recording.bytes)]),
-      ...(recording.ticks_missing ? [fill(t.missing, { ticks: recording.ticks_missing.toLocaleString(language()) })] : []),
-    ].join(', ');
     const called = title || name;
     const reportLink = report ? h('a', { href: recordingUrl(name, true, token), target: '_blank', rel: 'noopener', 'aria-label': fill(t.reportOf, { name: called }) }, t.report) : h('span');
-    return h('li', { title: name }, h('span', {}, h('b', {}, when), ` ${called}`, h('small', {}, figures)), reportLink,
+    return h('li', { title: name }, h('span', {}, h('b', {}, when), ` ${called}`, h('small', {}, figuresOf(recording))), reportLink,
       h('a', { href: recordingUrl(name, false, token), download: name, 'aria-label': fill(t.downloadOf, { name: called }) }, t.download));
   }
 }
