@@ -12,7 +12,7 @@ import h5py
 import numpy
 
 FIRST_PACKED_SCHEMA = 5
-POLYNOMIALS = {"intention": 6, "patient_effort": 5, "palm_distance_m": 5, "tank": 2, "bodies": 1,
+POLYNOMIALS = {"intention": 6, "patient_effort": 5, "palm_distance_m": 5, "bodies": 1,
             "exercise_values": 1, "parameters": 1, "qd_s": 5}  # orders of the polynomials
 # Each needs of its own row only datasets that are not packed, or stand before it.
 ORDER = ("time_s", "qd_s", "q_s", "qd_mf", "theta", "f_s", "coupling", "phi", "damping", "rendered", "sent",
@@ -127,6 +127,8 @@ class Recording:
         if column == "rendered":
             return lambda row: (((at("coupling")[:, row] + at("exercise_effort")[:, row]) + at("damping")[:, row])
                                 + at("tank_effort")[:, row])
+        if column == "tank":
+            return lambda row: self._tank(values, row)
         source = {"sent": "rendered", "palm_target_distance_m": "palm_distance_m"}[column]
         return lambda row: at(source)[:, row]
 
@@ -157,6 +159,27 @@ class Recording:
             damping = (values[:, row - 1] - k_pm * self._stretch(row - 1)) / rate
             damping = numpy.where(rate != 0.0, damping, 0.0)
         return k_pm * self._stretch(row) + damping * self._rate(row)
+
+    def _stored(self, row):
+        k_pm, most = self.meta["k_pm"], self._block("effort_limit")[:, row]
+        stretch = abs(self._stretch(row))
+        return numpy.where(k_pm * stretch < most, 0.5 * k_pm * stretch * stretch,
+                           most * stretch - 0.5 * most * most / k_pm)
+
+    def _tank(self, values, row):
+        if not len(self.meta["k_pm"]):
+            return extrapolated(values, row, 2)
+        delay, at = int(self.meta["output_delay_ticks"]), self._block
+        if row < delay + 2:
+            return values[:, row - 1] if row > 0 else 0.0
+        most, effort = at("effort_limit")[:, row - 1], at("f_s")[:, row - 1]
+        avatar = numpy.where(effort > most, most, numpy.where(effort < -most, -most, effort))
+        acted = at("sent")[:, row - delay - 1]
+        hidden = 0.5 * self.meta["encoder_step"] * abs(acted - at("sent")[:, row - delay - 2])
+        moved = at("q_m")[:, row] - at("q_m")[:, row - 1]
+        to_person = (acted * moved + (self._stored(row) - self._stored(row - 1))) + hidden
+        given = to_person + avatar * (at("q_s")[:, row] - at("q_s")[:, row - 1])
+        return values[:, row - 1] - given
 
 
 def extrapolated(values, row, order):

@@ -137,6 +137,36 @@ void addEfforts(Rules& rules, const RecordingMeta& meta) {
   rules.add("sent", [=](const RowWindow& w, std::size_t i) { return w.number(rendered, i); });
 }
 
+// The tank's own account, without what the device's damping takes: from what acted on the device,
+// what the coupling's spring stores, what an encoder's step hides and what the avatar took.
+void addTank(Rules& rules, const RecordingMeta& meta) {
+  const std::size_t tank = rules.column("tank"), sent = rules.column("sent");
+  const std::size_t q_m = rules.column("q_m"), q_s = rules.column("q_s");
+  const std::size_t f_s = rules.column("f_s"), limit = rules.column("effort_limit");
+  const auto stored = [=, k = meta.law.k_pm](const RowWindow& w, std::size_t i,
+                                             std::uint64_t back) {
+    const double stretch = std::abs(w.number(q_m, i, back) - w.number(q_s, i, back));
+    const double most = w.number(limit, i, back);
+    if (k[i] * stretch < most) return 0.5 * k[i] * stretch * stretch;
+    return most * stretch - 0.5 * most * most / k[i];
+  };
+  const auto avatar = [=](const RowWindow& w, std::size_t i) {
+    const double most = w.number(limit, i, 1), effort = w.number(f_s, i, 1);
+    if (effort > most) return most;
+    return effort < -most ? -most : effort;
+  };
+  const std::uint64_t delay = meta.law.output_delay_ticks;
+  rules.add("tank", [=, step = meta.law.encoder_step](const RowWindow& w, std::size_t i) {
+    if (w.past() < delay + 2) return w.past() == 0 ? 0.0 : w.number(tank, i, 1);
+    const double acted = w.number(sent, i, delay + 1);
+    const double hidden = 0.5 * step[i] * std::abs(acted - w.number(sent, i, delay + 2));
+    const double moved = w.number(q_m, i) - w.number(q_m, i, 1);
+    const double to_person = (acted * moved + (stored(w, i, 0) - stored(w, i, 1))) + hidden;
+    const double given = to_person + avatar(w, i) * (w.number(q_s, i) - w.number(q_s, i, 1));
+    return w.number(tank, i, 1) - given;
+  });
+}
+
 /// Computes as every machine does: denormal numbers are kept, results are rounded to the nearest.
 class PlainArithmetic {
  public:
@@ -179,8 +209,13 @@ std::vector<Prediction> predictions(const std::vector<ColumnShape>& columns,
     addCoupling(rules, meta);
   }
   addEfforts(rules, meta);
+  if (meta.law.k_pm.empty()) {
+    rules.add("tank", extrapolated(rules.column("tank"), 2));
+  } else {
+    addTank(rules, meta);
+  }
   const std::pair<const char*, std::size_t> smooth[] = {
-      {"intention", 6}, {"patient_effort", 5},  {"palm_distance_m", 5}, {"tank", 2},
+      {"intention", 6}, {"patient_effort", 5},  {"palm_distance_m", 5},
       {"bodies", 1},    {"exercise_values", 1}, {"parameters", 1}};
   for (const auto& [name, order] : smooth) {
     rules.add(name, extrapolated(rules.column(name), order));

@@ -25,6 +25,8 @@ struct RecordedLaw {
   std::vector<double> filter_tau_s;       ///< per axis, of the velocity filter
   std::vector<double> theta0;             ///< per joint
   std::vector<double> synergy;            ///< G, a row for each joint
+  std::vector<double> encoder_step;       ///< per axis, of the device [m or rad]
+  std::uint64_t output_delay_ticks = 0;   ///< of the device
 };
 
 /// All that is needed to understand a recording and to run it again: written once into its /meta.

@@ -17,11 +17,15 @@ constexpr double kLeastPeriod_s = 1e-6, kMostPeriod_s = 1.0;
 
 // Packed numbers cannot be restored without each of them.
 bool isWhole(const RecordedLaw& law, std::size_t axes, std::size_t joints) {
-  const bool none = law.k_pm.empty() && law.k_dm.empty() && law.gamma.empty() &&
-                    law.filter_tau_s.empty() && law.theta0.empty() && law.synergy.empty();
-  return none || (law.k_pm.size() == axes && law.k_dm.size() == axes && law.gamma.size() == axes &&
-                  law.filter_tau_s.size() == axes && law.theta0.size() == joints &&
-                  law.synergy.size() == joints * axes);
+  constexpr std::uint64_t kMostDelayTicks = 1000;
+  if (law.output_delay_ticks > kMostDelayTicks) return false;
+  const bool per_joint = law.theta0.size() == joints && law.synergy.size() == joints * axes;
+  const auto per_axis = [&law](std::size_t n) {
+    return law.k_pm.size() == n && law.k_dm.size() == n && law.gamma.size() == n &&
+           law.filter_tau_s.size() == n && law.encoder_step.size() == n;
+  };
+  return (per_axis(axes) && per_joint) ||
+         (per_axis(0) && law.theta0.empty() && law.synergy.empty());
 }
 
 }  // namespace

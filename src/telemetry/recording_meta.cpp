@@ -29,14 +29,18 @@ bool writeLaw(hid_t id, const RecordedLaw& law) {
   return writeAttribute(id, "k_pm", law.k_pm) && writeAttribute(id, "k_dm", law.k_dm) &&
          writeAttribute(id, "gamma", law.gamma) &&
          writeAttribute(id, "filter_tau_s", law.filter_tau_s) &&
-         writeAttribute(id, "theta0", law.theta0) && writeAttribute(id, "synergy", law.synergy);
+         writeAttribute(id, "theta0", law.theta0) && writeAttribute(id, "synergy", law.synergy) &&
+         writeAttribute(id, "encoder_step", law.encoder_step) &&
+         writeAttribute(id, "output_delay_ticks", law.output_delay_ticks);
 }
 
 bool readLaw(hid_t id, RecordedLaw& law) {
   return readAttribute(id, "k_pm", law.k_pm) && readAttribute(id, "k_dm", law.k_dm) &&
          readAttribute(id, "gamma", law.gamma) &&
          readAttribute(id, "filter_tau_s", law.filter_tau_s) &&
-         readAttribute(id, "theta0", law.theta0) && readAttribute(id, "synergy", law.synergy);
+         readAttribute(id, "theta0", law.theta0) && readAttribute(id, "synergy", law.synergy) &&
+         readAttribute(id, "encoder_step", law.encoder_step) &&
+         readAttribute(id, "output_delay_ticks", law.output_delay_ticks);
 }
 
 }  // namespace

@@ -176,8 +176,8 @@ TEST(Packing, WithoutTheNumbersOfTheLaw_ComesBack) {
   expectSame(folder.file("a.h5"), ticks);
 }
 
-// Of the 116 numbers of a tick that numbersOf() lists, 68 follow from the others by the formulas;
-// the rest is noise, and so are bodies, contacts and figures. The plain file holds all of them.
+// 61 numbers of a tick follow from the others by the formulas: its time, 18 joints, and q_s, qd_mf,
+// coupling, phi, damping, rendered and sent of six axes. The plain file holds all of them.
 TEST(Packing, WhatTheLawsMake_TakesLittleRoom) {
   const Folder folder;
   RecordingMeta plain = synthetic::meta();
@@ -190,8 +190,8 @@ TEST(Packing, WhatTheLawsMake_TakesLittleRoom) {
   const auto bytes = [&](const char* name) {
     return static_cast<double>(std::filesystem::file_size(folder.file(name)));
   };
-  // 8 bytes less for each of the 68, of which compression leaves 7 in a plain file.
-  const double saved_bytes = 1000.0 * 68 * 7;
+  // 8 bytes less for each of the 61, of which compression leaves 7 in a plain file.
+  const double saved_bytes = 1000.0 * 61 * 7;
   EXPECT_LT(bytes("packed.h5"), bytes("plain.h5") - 0.7 * saved_bytes);
   EXPECT_EQ(RecordingReader::open(folder.file("plain.h5")).value()->meta().schema, 4U);
 }

@@ -123,6 +123,7 @@ TEST(Recording, SceneWithoutBodiesOrJoints_RoundTrips) {
   RecordingMeta meta = synthetic::meta();
   meta.body_names.clear();
   meta.joint_names.clear();
+  meta.law = {};
   meta.axis_names = {"x"};
   meta.armed_position = {0.0};
   meta.axis_units = {"m"};
