@@ -97,9 +97,9 @@ void addReplay(CLI::App& app, ReplayOptions& o, int& code) {
   CLI::Option* again = r->add_flag(
       "--resimulate", o.resimulate,
       "Run the recorded inputs again and compare bit by bit (exit code 1: they differ)");
-  CLI::Option* extract =
-      r->add_option("--extract", o.extract, "Write the ticks of a black box to this HDF5 file")
-          ->excludes(again);
+  CLI::Option* extract = r->add_option("--extract", o.extract,
+                                       "Write every tick to this HDF5 file, its numbers not packed")
+                             ->excludes(again);
   CLI::Option* speed = r->add_option("--speed", o.speed, "How fast to play it back")
                            ->check(finiteBetween(0.01, 1000.0, "times"))
                            ->capture_default_str();

@@ -81,11 +81,16 @@ Expected<std::string> drawMoment(const std::string& recording_path, const Moment
                                  const std::string& png_path) {
   auto recording = RecordingReader::open(recording_path);
   if (!recording) return recording.errors();
-  auto models = recordedModels((*recording)->meta(), recording_path);
-  if (!models) return models.errors();
   auto found = findMoment(**recording, recording_path, moment.time_s);
   if (!found) return found.errors();
-  const TickRecord& r = *found;
+  return drawTick((*recording)->meta(), *found, recording_path, moment, png_path);
+}
+
+Expected<std::string> drawTick(const RecordingMeta& meta, const TickRecord& r,
+                               const std::string& recording_path, const Moment& moment,
+                               const std::string& png_path) {
+  auto models = recordedModels(meta, recording_path);
+  if (!models) return models.errors();
   ArticulatedBody body(models->hand);
   body.updateKinematics(r.theta);
   PictureRequest request;

@@ -11,6 +11,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -113,8 +114,11 @@ void introduce(const BlackBoxReader& box) {
               box.inputsWhole() ? "all of them" : "and none after: it cannot be run again");
 }
 
+// Every number as it is, for readers that know of no packing.
 int extract(RecordingReader& box, const ReplayOptions& options) {
-  auto writer = RecordingWriter::create(options.extract, box.meta());
+  RecordingMeta plain = box.meta();
+  plain.schema = std::min(plain.schema, kPackedSchema - 1);
+  auto writer = RecordingWriter::create(options.extract, plain);
   if (!writer) return refuse(writer.errors());
   TickRecord record;
   for (std::uint64_t i = 0; i < box.size(); ++i) {
@@ -152,13 +156,9 @@ int replayCommand(const ReplayOptions& options) {
   }
   if (options.web) return replayWebCommand(options);
   if (BlackBoxReader::isBox(options.recording)) return replayBox(options);
-  if (!options.extract.empty()) {
-    return refuse({{options.recording, 0, "--extract", options.extract,
-                    "takes the ticks out of a black box, and this is none",
-                    "give a .wbb file, or leave it out"}});
-  }
   auto recording = RecordingReader::open(options.recording);
   if (!recording) return refuse(recording.errors());
+  if (!options.extract.empty()) return extract(**recording, options);
   if (options.resimulate) {
     return tell(resimulate(**recording, options.recording), (*recording)->meta(),
                 options.recording);

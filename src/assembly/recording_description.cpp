@@ -9,7 +9,9 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <utility>
 
 namespace wholehand {
@@ -21,6 +23,22 @@ bool sayWhatIsRendered(const ModelFiles& files, const Rig& rig) {
   if (!again) return false;
   const auto certified = fingerprintOf(certificateInput(*again, rig.options.period_s));
   return rehearsalFingerprint(*again, rig.options, certified) == rig.renderer->config().rehearsal;
+}
+
+RecordedLaw lawOf(const CouplingGains& gains, const HandModel& hand, const DeviceModel& device) {
+  const auto numbers = [](const auto& a) { return std::vector<double>(a.begin(), a.end()); };
+  RecordedLaw law;
+  law.k_pm = numbers(gains.k_pm);
+  law.k_dm = numbers(gains.k_dm);
+  law.gamma = numbers(gains.gamma);
+  law.filter_tau_s = numbers(gains.filter_tau_s);
+  law.theta0 = numbers(hand.theta0);
+  for (const DeviceAxis& axis : device.axes) law.encoder_step.push_back(axis.encoder_step);
+  law.output_delay_ticks = static_cast<std::uint64_t>(std::max(device.output_delay_ticks, 0));
+  for (int j = 0; j < hand.joint_count; ++j) {
+    for (int a = 0; a < hand.axis_count; ++a) law.synergy.push_back(hand.synergy(j, a));
+  }
+  return law;
 }
 
 }  // namespace
@@ -50,6 +68,7 @@ Expected<RecordingMeta> describeRecording(const Rig& rig, const std::string& tit
     meta.lever_arms_m.push_back(axis.lever_arm_m);
   }
   for (double q : rig.renderer->armedPosition()) meta.armed_position.push_back(q);
+  meta.law = lawOf(rig.renderer->config().gains, rig.models.hand, rig.models.device);
   meta.joint_names = rig.models.hand.joint_names;
   for (const SceneBody& body : rig.models.scene.bodies) meta.body_names.push_back(body.name);
   for (const Capsule& capsule : rig.models.hand.capsules)

@@ -57,9 +57,14 @@ Expected<Done> writeReport(const std::string& recording_path, const std::string&
                            const std::vector<ReportPicture>& pictures) {
   const auto data = collectReport(recording_path, kReportPlotColumns);
   if (!data) return data.errors();
+  return writeReport(*data, out_dir, pictures);
+}
+
+Expected<Done> writeReport(const ReportData& data, const std::string& out_dir,
+                           const std::vector<ReportPicture>& pictures) {
   const auto loaded = loadPictures(pictures);
   if (!loaded) return loaded.errors();
-  const std::string page = reportPage(*data, *loaded);
+  const std::string page = reportPage(data, *loaded);
 
   const std::filesystem::path folder = out_dir.empty() ? "." : out_dir;
   std::error_code failure;

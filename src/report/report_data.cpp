@@ -11,6 +11,7 @@ namespace {
 constexpr double kDegrees = 180.0 / 3.14159265358979323846;
 /// Steps of 1 % of the period, up to three periods, and one for all beyond.
 constexpr std::size_t kDurationSteps = 301;
+constexpr std::uint64_t kTicksBetweenProgress = 10'000;
 
 bool startsWith(const std::string& text, const char* head) {
   return text.rfind(head, 0) == 0;
@@ -79,6 +80,7 @@ class Collector {
   TickStatistics statistics_;
   std::vector<std::uint64_t> wall_, cpu_;
   double largest_force_n_ = 0.0;
+  TickRecord largest_;
   std::uint64_t damped_ = 0, records_ = 0, missing_ticks_ = 0, last_tick_ = 0;
   double emergency_stop_s_ = -1.0;
 };
@@ -168,6 +170,7 @@ void Collector::addContacts(const TickRecord& r) {
     bodies_[b].contact(r.time_s, duration_s, g.touching, g.force_n, g.held());
     if (static_cast<int>(b) < r.body_count) bodies_[b].position(r.bodies[b].position_m.eigen());
   }
+  if (records_ == 0 || sum_n > largest_force_n_) largest_ = r;
   force_.add(r.time_s, sum_n);
   count_.add(r.time_s, r.contact_count);
   largest_force_n_ = std::max(largest_force_n_, sum_n);
@@ -207,6 +210,7 @@ void Collector::finish(ReportData& data) const {
   data.missing_ticks = missing_ticks_;
   data.emergency_stop_s = emergency_stop_s_;
   data.largest_contact_force_n = largest_force_n_;
+  data.largest_contact = largest_;
   data.damped_share =
       records_ > 0 ? static_cast<double>(damped_) / static_cast<double>(records_) : 0.0;
 }
@@ -234,7 +238,8 @@ std::string embeddedName(const RecordingMeta& meta, const std::string& kind) {
   return {};
 }
 
-Expected<ReportData> collectReport(const std::string& recording_path, int columns) {
+Expected<ReportData> collectReport(const std::string& recording_path, int columns,
+                                   const std::function<void(double)>& progress) {
   auto opened = RecordingReader::open(recording_path);
   if (!opened) return opened.errors();
   RecordingReader& reader = **opened;
@@ -255,6 +260,9 @@ Expected<ReportData> collectReport(const std::string& recording_path, int column
   for (std::uint64_t i = 0; i < reader.size(); ++i) {
     if (!reader.read(i, record)) return unreadable(recording_path, i, reader.size());
     collector.add(record);
+    if (progress && (i + 1) % kTicksBetweenProgress == 0) {
+      progress(static_cast<double>(i + 1) / static_cast<double>(reader.size()));
+    }
   }
   collector.finish(data);
   return data;

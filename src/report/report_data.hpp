@@ -7,6 +7,7 @@
 #include "telemetry/statistics.hpp"
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -38,15 +39,18 @@ struct ReportData {
   std::vector<Touch> touches;  ///< of all bodies, by time
   std::vector<PlotPoint> contact_force_n, contact_count, palm_distance_mm;
   double largest_contact_force_n = 0.0;
-  bool cpu_time = false;  ///< simulated clock or no wall time: durations are CPU time
+  TickRecord largest_contact;  ///< the first tick with that force; without any, the first of all
+  bool cpu_time = false;       ///< simulated clock or no wall time: durations are CPU time
   std::vector<std::uint64_t> durations;  ///< ticks in steps of 1 % of the period; the last: beyond
   std::uint64_t missing_ticks = 0;  ///< between those that the file holds; lines are broken there
   double emergency_stop_s = -1.0;   ///< when the first was heard; -1: none was
   double damped_share = 0.0;        ///< of the time with some Φ above 0.5
 };
 
-/// Reads a recording once. `columns`: pixels across a plot.
-[[nodiscard]] Expected<ReportData> collectReport(const std::string& recording_path, int columns);
+/// Reads a recording once. `columns`: pixels across a plot; `progress` hears now and then how much
+/// is read, 0 to 1.
+[[nodiscard]] Expected<ReportData> collectReport(const std::string& recording_path, int columns,
+                                                 const std::function<void(double)>& progress = {});
 
 /// "lambda-pride" from the embedded file of that kind ("device", "hand", "scene" ...); empty when
 /// there is none.

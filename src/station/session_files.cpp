@@ -1,6 +1,7 @@
 #include "station/session_files.hpp"
 
 #include "assembly/text_file.hpp"
+#include "station/file_name.hpp"
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -50,13 +51,16 @@ std::string utcNow() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()));
 }
 
-std::string SessionFiles::nameNew(const std::string& exercise, int level) const {
+std::string SessionFiles::nameNew(const std::string& person, const std::string& exercise,
+                                  int level) const {
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error) return {};
-  const std::string stem = fmt::format("{}/{:%Y%m%d-%H%M%S}-{}-level-{}", folder_,
-                                       fmt::localtime(std::chrono::system_clock::now()),
-                                       exercise.empty() ? "scene" : exercise, level);
+  const std::string who = fileNamePart(person), what = fileNamePart(exercise);
+  const std::string stem =
+      fmt::format("{}/{:%Y%m%d-%H%M%S}-{}{}{}-level-{}", folder_,
+                  fmt::localtime(std::chrono::system_clock::now()), who, who.empty() ? "" : "-",
+                  what.empty() ? "scene" : what, level);
   std::string path = stem + kExtension;
   for (int i = 2; fs::exists(path, error); ++i) path = fmt::format("{}-{}{}", stem, i, kExtension);
   return path;

@@ -19,9 +19,11 @@ class SessionFiles {
   explicit SessionFiles(std::string folder) : folder_(std::move(folder)) {}
 
   [[nodiscard]] bool kept() const { return !folder_.empty(); }
-  /// A path for a new recording: "<folder>/20261120-093812-cocktail-bar-level-1.h5". Makes the
-  /// folder; empty where it cannot.
-  [[nodiscard]] std::string nameNew(const std::string& exercise, int level) const;
+  /// A path for a new recording: "<folder>/20261120-093812-p-014-cocktail-bar-level-1.h5", time
+  /// first, so that a list by name is one by time. Makes the folder; empty where it cannot.
+  /// @param person the profile that is loaded; empty: none is
+  [[nodiscard]] std::string nameNew(const std::string& person, const std::string& exercise,
+                                    int level) const;
   /// Notes what a finished recording holds; nothing of one that lies elsewhere.
   void note(const std::string& path, const std::string& title, const std::string& began_utc,
             double duration_s, std::uint64_t ticks_missing) const;

@@ -247,7 +247,8 @@ OrderReply Station::Core::armForClient(std::uint64_t asked) {
     return arm(asked, pathOfSession(config_.record, outcome_.sessions + 1), ticksLeft(), true);
   }
   const std::string exercise = scene()->exercise_name;
-  const std::string record = files_.kept() ? files_.nameNew(exercise, models_.files.level) : "";
+  const std::string record =
+      files_.kept() ? files_.nameNew(profile_, exercise, models_.files.level) : "";
   if (files_.kept() && record.empty()) {
     say("what follows is not recorded: there is no folder " + config_.recordings_folder +
         ", and none can be made");

@@ -11,8 +11,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of a tick in the file. Measured: 600 in the cocktail bar, 770 among four shapes without it.
-constexpr double kBytesPerTick = 800.0;
+/// Of a tick in the file. Measured: 190 in the cocktail bar. More where a hand holds many bodies.
+constexpr double kBytesPerTick = 300.0;
 /// Description and tables, and what DiskReserve claims ahead.
 constexpr double kBesideTicks_bytes = 4e6;
 

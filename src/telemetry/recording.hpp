@@ -13,8 +13,21 @@ namespace wholehand {
 /// Of the recordings that are written; those of kOldestRecordingSchema on are read. Below 3 a tick
 /// has no safety_state (disarmed) and no fault_axis (-1). Below kSchemaOfLaw it was rendered under
 /// another law (docs/adr/0018-one-spring.md): it reads and replays, but does not run again to the
-/// bit.
-inline constexpr std::uint64_t kRecordingSchema = 4, kOldestRecordingSchema = 2, kSchemaOfLaw = 4;
+/// bit. Below kPackedSchema every number stands in its dataset as it is; a recording of schema 4
+/// can still be written, for readers that know of no packing.
+inline constexpr std::uint64_t kRecordingSchema = 5, kOldestRecordingSchema = 2, kSchemaOfLaw = 4,
+                               kPackedSchema = 5;
+
+/// The numbers of the law that was rendered, by which a recording is packed. All empty where nobody
+/// told them.
+struct RecordedLaw {
+  std::vector<double> k_pm, k_dm, gamma;  ///< per axis, as CouplingGains
+  std::vector<double> filter_tau_s;       ///< per axis, of the velocity filter
+  std::vector<double> theta0;             ///< per joint
+  std::vector<double> synergy;            ///< G, a row for each joint
+  std::vector<double> encoder_step;       ///< per axis, of the device [m or rad]
+  std::uint64_t output_delay_ticks = 0;   ///< of the device
+};
 
 /// All that is needed to understand a recording and to run it again: written once into its /meta.
 struct RecordingMeta {
@@ -33,7 +46,8 @@ struct RecordingMeta {
   /// Digest of the passport that a real device was armed with, or "without" where it had none and
   /// --without-passport said so; empty on other devices, and in files from before passports.
   std::string passport;
-  std::uint64_t schema = kRecordingSchema;          ///< of the file it was read from
+  RecordedLaw law;
+  std::uint64_t schema = kRecordingSchema;          ///< of the file it was read from, or goes to
   std::string title;                                ///< "Reach and grasp", shown by the report
   std::vector<std::string> axis_names, axis_units;  ///< "m" or "rad"
   std::vector<double> effort_limits;                ///< per axis [N or N·m]

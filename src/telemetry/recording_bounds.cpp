@@ -15,6 +15,19 @@ namespace {
 // Far outside what a loop runs at: a file that says so is damaged.
 constexpr double kLeastPeriod_s = 1e-6, kMostPeriod_s = 1.0;
 
+// Packed numbers cannot be restored without each of them.
+bool isWhole(const RecordedLaw& law, std::size_t axes, std::size_t joints) {
+  constexpr std::uint64_t kMostDelayTicks = 1000;
+  if (law.output_delay_ticks > kMostDelayTicks) return false;
+  const bool per_joint = law.theta0.size() == joints && law.synergy.size() == joints * axes;
+  const auto per_axis = [&law](std::size_t n) {
+    return law.k_pm.size() == n && law.k_dm.size() == n && law.gamma.size() == n &&
+           law.filter_tau_s.size() == n && law.encoder_step.size() == n;
+  };
+  return (per_axis(axes) && per_joint) ||
+         (per_axis(0) && law.theta0.empty() && law.synergy.empty());
+}
+
 }  // namespace
 
 std::string unusable(const RecordingMeta& meta) {
@@ -41,6 +54,9 @@ std::string unusable(const RecordingMeta& meta) {
     if (!isPrintable(text, 500)) return "holds texts that cannot be shown";
   }
   if (!within(meta.joint_names.size(), kMaxJoints)) return "names too many joints";
+  if (!isWhole(meta.law, axes, meta.joint_names.size())) {
+    return "has not one number of the law for each axis and joint";
+  }
   if (!within(meta.body_names.size(), kMaxBodies)) return "names too many bodies";
   if (!within(meta.parameter_names.size(), kMaxLiveParameters)) return "names too many parameters";
   if (meta.parameter_values.size() != meta.parameter_names.size()) {

@@ -28,7 +28,9 @@ RecordingFile::RecordingFile(const RecordingMeta& meta)
     : ticks_(tickColumns(meta), chunkRows(meta.period_s)),
       contacts_(contactColumns(), kContactChunkRows),
       events_(eventColumns(), kRareChunkRows),
-      commands_(commandColumns(meta), kRareChunkRows) {}
+      commands_(commandColumns(meta), kRareChunkRows) {
+  ticks_.pack(predictions(shapesOf(tickColumns(meta)), meta));
+}
 
 std::string RecordingFile::create(const std::string& path, const RecordingMeta& meta) {
   const std::string temporary = path + ".part";

@@ -22,7 +22,12 @@ struct ColumnShape {
   std::vector<std::string> units;    ///< one, or one for each element of the last dimension
   std::vector<std::string> labels;   ///< one for each element of the first dimension of a row
   std::vector<std::string> columns;  ///< names along the last dimension where there are two
+  bool packed = false;               ///< the file holds how far each number is from its prediction
 
+  /// Of the numbers in the file.
+  [[nodiscard]] hdf5::NumberType fileType() const noexcept {
+    return packed ? hdf5::NumberType::kUint64 : type;
+  }
   [[nodiscard]] std::size_t rowBytes() const noexcept {
     std::size_t n = hdf5::byteSize(type);
     for (std::uint64_t d : shape) n *= d;
@@ -64,6 +69,12 @@ struct CommandRow {
 [[nodiscard]] std::vector<Column<EventRow>> eventColumns();
 /// The datasets of /commands.
 [[nodiscard]] std::vector<Column<CommandRow>> commandColumns(const RecordingMeta& meta);
+
+/// What of these columns the file tells.
+template <class Row>
+[[nodiscard]] std::vector<ColumnShape> shapesOf(const std::vector<Column<Row>>& columns) {
+  return {columns.begin(), columns.end()};
+}
 
 /// The rows that one chunk holds: about a quarter of a second, so that a write fills one chunk.
 [[nodiscard]] std::uint64_t chunkRows(double period_s) noexcept;

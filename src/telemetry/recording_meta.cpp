@@ -25,6 +25,24 @@ bool readFiles(hid_t file, RecordingMeta& meta) {
   return true;
 }
 
+bool writeLaw(hid_t id, const RecordedLaw& law) {
+  return writeAttribute(id, "k_pm", law.k_pm) && writeAttribute(id, "k_dm", law.k_dm) &&
+         writeAttribute(id, "gamma", law.gamma) &&
+         writeAttribute(id, "filter_tau_s", law.filter_tau_s) &&
+         writeAttribute(id, "theta0", law.theta0) && writeAttribute(id, "synergy", law.synergy) &&
+         writeAttribute(id, "encoder_step", law.encoder_step) &&
+         writeAttribute(id, "output_delay_ticks", law.output_delay_ticks);
+}
+
+bool readLaw(hid_t id, RecordedLaw& law) {
+  return readAttribute(id, "k_pm", law.k_pm) && readAttribute(id, "k_dm", law.k_dm) &&
+         readAttribute(id, "gamma", law.gamma) &&
+         readAttribute(id, "filter_tau_s", law.filter_tau_s) &&
+         readAttribute(id, "theta0", law.theta0) && readAttribute(id, "synergy", law.synergy) &&
+         readAttribute(id, "encoder_step", law.encoder_step) &&
+         readAttribute(id, "output_delay_ticks", law.output_delay_ticks);
+}
+
 }  // namespace
 
 bool writeMeta(hid_t file, const RecordingMeta& meta) {
@@ -32,7 +50,7 @@ bool writeMeta(hid_t file, const RecordingMeta& meta) {
   const hid_t id = group.get();
   const auto flag = [](bool b) { return std::uint64_t{b ? 1U : 0U}; };
   bool ok = group.ok() && writeAttribute(id, "format", std::string(kFormat)) &&
-            writeAttribute(id, "schema_version", kRecordingSchema) &&
+            writeAttribute(id, "schema_version", meta.schema) &&
             writeAttribute(id, "created_utc", meta.created_utc) &&
             writeAttribute(id, "git_version", meta.git_version) &&
             writeAttribute(id, "title", meta.title) && writeAttribute(id, "seed", meta.seed) &&
@@ -62,7 +80,8 @@ bool writeMeta(hid_t file, const RecordingMeta& meta) {
             writeAttribute(id, "result_labels", meta.result_labels) &&
             writeAttribute(id, "result_units", meta.result_units) &&
             writeAttribute(id, "result_factors", meta.result_factors) &&
-            writeAttribute(id, "result_decimals", meta.result_decimals);
+            writeAttribute(id, "result_decimals", meta.result_decimals) &&
+            (meta.schema < kPackedSchema || writeLaw(id, meta.law));
   const Handle files(H5Gcreate2(file, "meta/files", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
                      H5Gclose);
   for (std::size_t i = 0; ok && i < meta.files.size(); ++i) {
@@ -116,7 +135,8 @@ bool readMeta(hid_t file, hid_t id, RecordingMeta& meta) {
   meta.simulated_clock = clock != 0;
   meta.uncertified = uncertified != 0;
   meta.paper = paper != 0;
-  return ok && exercise && watched && readFiles(file, meta);
+  const bool law = meta.schema < kPackedSchema || readLaw(id, meta.law);
+  return ok && exercise && watched && law && readFiles(file, meta);
 }
 
 }  // namespace wholehand::recording

@@ -171,12 +171,13 @@ std::string Hdf5Reader::openTables() {
   contacts_.reset(new SideTable<ContactRow>{TableReader<ContactRow>(contactColumns()), {}});
   events_.reset(new SideTable<EventRow>{TableReader<EventRow>(eventColumns()), {}});
   commands_.reset(new SideTable<CommandRow>{TableReader<CommandRow>(commandColumns(meta_)), {}});
+  block_ = chunkRows(meta_.period_s);
+  ticks_->unpack(predictions(shapesOf(tickColumns(meta_)), meta_), block_);
   for (const std::string& problem :
        {openTable("ticks", *ticks_), openTable("contacts", contacts_->table),
         openTable("events", events_->table), openTable("commands", commands_->table)}) {
     if (!problem.empty()) return problem;
   }
-  block_ = chunkRows(meta_.period_s);
   return findTicks();
 }
 

@@ -15,7 +15,7 @@ std::string openDataset(hid_t group, const ColumnShape& column, Handle& dataset,
   const Handle type(H5Dget_type(dataset.get()), H5Tclose);
   const int rank = H5Sget_simple_extent_ndims(space.get());
   if (rank != static_cast<int>(column.shape.size()) + 1 ||
-      H5Tequal(type.get(), hdf5::fileType(column.type)) <= 0) {
+      H5Tequal(type.get(), hdf5::fileType(column.fileType())) <= 0) {
     return "has a dataset '" + column.name + "' of another form";
   }
   std::vector<hsize_t> dims(static_cast<std::size_t>(rank));
@@ -40,7 +40,7 @@ bool readRows(hid_t dataset, const ColumnShape& column, std::uint64_t first, std
                          H5Sclose);
   return H5Sselect_hyperslab(in_file.get(), H5S_SELECT_SET, start.data(), nullptr, block.data(),
                              nullptr) >= 0 &&
-         H5Dread(dataset, hdf5::memoryType(column.type), in_memory.get(), in_file.get(),
+         H5Dread(dataset, hdf5::memoryType(column.fileType()), in_memory.get(), in_file.get(),
                  H5P_DEFAULT, rows.data()) >= 0;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "telemetry/hdf5_handle.hpp"
+#include "telemetry/prediction.hpp"
 #include "telemetry/recording_layout.hpp"
 
 #include <algorithm>
@@ -24,26 +25,38 @@ template <class Row>
 class TableReader {
  public:
   explicit TableReader(std::vector<Column<Row>> columns)
-      : columns_(std::move(columns)), buffers_(columns_.size()) {}
+      : columns_(std::move(columns)), buffers_(columns_.size()) {
+    for (const ColumnShape& c : columns_) row_bytes_.push_back(c.rowBytes());
+  }
+  /// These columns are packed, each chunk for itself. To be told before open().
+  void unpack(std::vector<Prediction> predictions, std::uint64_t chunk_rows) {
+    predictions_ = std::move(predictions);
+    chunk_rows_ = chunk_rows;
+    for (const Prediction& p : predictions_) columns_[p.column].packed = true;
+  }
 
   /// Opens every dataset of the table. What is wrong, or nothing.
   std::string open(hid_t group);
   /// The rows that every dataset has: a killed writer may leave some a little longer.
   [[nodiscard]] std::uint64_t rows() const noexcept { return rows_; }
-  /// Makes the rows first .. first+count-1 ready for get().
+  /// Makes the rows first .. first+count-1 ready for get(). @pre where columns are packed, first is
+  /// the first row of a chunk
   bool load(std::uint64_t first, std::uint64_t count);
   /// The i-th row of the file. @pre it was loaded.
   void get(std::uint64_t i, Row& row) const;
   [[nodiscard]] bool holds(std::uint64_t i) const noexcept {
     return i >= first_ && i < first_ + count_;
   }
-  /// The dataset of that name, whole. @pre a number of type T per row.
+  /// The dataset of that name, whole. @pre a number of type T per row, not packed.
   template <class T>
   bool readAll(const std::string& name, std::vector<T>& out) const;
 
  private:
   std::vector<Column<Row>> columns_;
-  std::vector<std::vector<std::byte>> buffers_;
+  std::vector<std::size_t> row_bytes_;
+  std::vector<Prediction> predictions_;
+  std::uint64_t chunk_rows_ = 1;
+  RowBytes buffers_;
   std::vector<hdf5::Handle> datasets_;
   std::uint64_t rows_ = 0, first_ = 0, count_ = 0;
 };
@@ -67,6 +80,7 @@ bool TableReader<Row>::load(std::uint64_t first, std::uint64_t count) {
   for (std::size_t i = 0; i < columns_.size(); ++i) {
     if (!readRows(datasets_[i].get(), columns_[i], first, count, buffers_[i])) return false;
   }
+  unpackRows(predictions_, buffers_, row_bytes_, chunk_rows_, count);
   first_ = first;
   count_ = count;
   return true;
@@ -75,7 +89,7 @@ bool TableReader<Row>::load(std::uint64_t first, std::uint64_t count) {
 template <class Row>
 void TableReader<Row>::get(std::uint64_t i, Row& row) const {
   for (std::size_t c = 0; c < columns_.size(); ++c) {
-    columns_[c].load(buffers_[c].data() + (i - first_) * columns_[c].rowBytes(), row);
+    columns_[c].load(buffers_[c].data() + (i - first_) * row_bytes_[c], row);
   }
 }
 

@@ -40,8 +40,8 @@ Handle createDataset(hid_t group, const ColumnShape& column, std::uint64_t chunk
   H5Pset_chunk_cache(access.get(), 521,
                      std::max<std::size_t>(column.rowBytes() * chunk_rows * 2, 1U << 16U), 1.0);
   Handle dataset(
-      H5Dcreate2(group, column.name.c_str(), hdf5::fileType(column.type), space.get(), H5P_DEFAULT,
-                 creationProperties(column, chunk_rows).get(), access.get()),
+      H5Dcreate2(group, column.name.c_str(), hdf5::fileType(column.fileType()), space.get(),
+                 H5P_DEFAULT, creationProperties(column, chunk_rows).get(), access.get()),
       H5Dclose);
   if (!dataset.ok()) return {};
   const hid_t id = dataset.get();
@@ -66,7 +66,7 @@ bool writeRows(hid_t dataset, const ColumnShape& column, std::uint64_t first, st
                          H5Sclose);
   return H5Sselect_hyperslab(in_file.get(), H5S_SELECT_SET, start.data(), nullptr, block.data(),
                              nullptr) >= 0 &&
-         H5Dwrite(dataset, hdf5::memoryType(column.type), in_memory.get(), in_file.get(),
+         H5Dwrite(dataset, hdf5::memoryType(column.fileType()), in_memory.get(), in_file.get(),
                   H5P_DEFAULT, rows) >= 0;
 }
 

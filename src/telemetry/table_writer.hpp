@@ -1,6 +1,7 @@
 #pragma once
 
 #include "telemetry/hdf5_handle.hpp"
+#include "telemetry/prediction.hpp"
 #include "telemetry/recording_layout.hpp"
 
 #include <cstddef>
@@ -16,7 +17,17 @@ template <class Row>
 class TableWriter {
  public:
   TableWriter(std::vector<Column<Row>> columns, std::uint64_t chunk_rows)
-      : columns_(std::move(columns)), chunk_rows_(chunk_rows), buffers_(columns_.size()) {}
+      : columns_(std::move(columns)),
+        chunk_rows_(chunk_rows),
+        buffers_(columns_.size()),
+        packed_(columns_.size()) {
+    for (const ColumnShape& c : columns_) row_bytes_.push_back(c.rowBytes());
+  }
+  /// Packs these columns.
+  void pack(std::vector<Prediction> predictions) {
+    predictions_ = std::move(predictions);
+    for (const Prediction& p : predictions_) columns_[p.column].packed = true;
+  }
 
   /// Creates the datasets with their attributes in `group`.
   bool create(hid_t group);
@@ -42,11 +53,17 @@ class TableWriter {
   [[nodiscard]] std::uint64_t pendingBytes() const noexcept;
 
  private:
+  void forget(std::uint64_t rows);
+
   std::vector<Column<Row>> columns_;
   std::uint64_t chunk_rows_;
-  std::vector<std::vector<std::byte>> buffers_;
+  std::vector<std::size_t> row_bytes_;
+  std::vector<Prediction> predictions_;
+  RowBytes buffers_;  ///< the committed rows of the chunk that was begun, and the kept ones
+  RowBytes packed_;   ///< the kept rows of packed columns
   std::vector<hdf5::Handle> datasets_;
   std::uint64_t written_ = 0, pending_ = 0;
+  std::uint64_t begun_ = 0;  ///< committed rows in the buffers
 };
 
 /// Creates one dataset, chunked and compressed, without rows.
@@ -67,7 +84,7 @@ bool TableWriter<Row>::create(hid_t group) {
 template <class Row>
 void TableWriter<Row>::push(const Row& row) {
   for (std::size_t i = 0; i < columns_.size(); ++i) {
-    const std::size_t bytes = columns_[i].rowBytes();
+    const std::size_t bytes = row_bytes_[i];
     std::vector<std::byte>& buffer = buffers_[i];
     buffer.resize(buffer.size() + bytes);
     columns_[i].store(row, buffer.data() + buffer.size() - bytes);
@@ -78,10 +95,11 @@ void TableWriter<Row>::push(const Row& row) {
 template <class Row>
 bool TableWriter<Row>::write() {
   if (pending_ == 0) return true;
+  packRows(predictions_, buffers_, row_bytes_, chunk_rows_, begun_, begun_ + pending_, packed_);
   for (std::size_t i = 0; i < columns_.size(); ++i) {
-    if (!writeRows(datasets_[i].get(), columns_[i], written_, pending_, buffers_[i].data())) {
-      return false;
-    }
+    const std::byte* rows =
+        columns_[i].packed ? packed_[i].data() : buffers_[i].data() + begun_ * row_bytes_[i];
+    if (!writeRows(datasets_[i].get(), columns_[i], written_, pending_, rows)) return false;
   }
   return true;
 }
@@ -89,12 +107,23 @@ bool TableWriter<Row>::write() {
 template <class Row>
 void TableWriter<Row>::commit() {
   written_ += pending_;
-  for (auto& buffer : buffers_) buffer.clear();
+  begun_ += pending_;
   pending_ = 0;
+  forget(predictions_.empty() ? begun_ : begun_ - written_ % chunk_rows_);
+}
+
+template <class Row>
+void TableWriter<Row>::forget(std::uint64_t rows) {
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    const auto begin = buffers_[i].begin();
+    buffers_[i].erase(begin, begin + static_cast<std::ptrdiff_t>(rows * row_bytes_[i]));
+  }
+  begun_ -= rows;
 }
 
 template <class Row>
 void TableWriter<Row>::takeRowsOf(TableWriter& other, std::uint64_t ticks) {
+  other.forget(other.begun_);
   buffers_.swap(other.buffers_);
   std::swap(pending_, other.pending_);
   for (std::size_t i = 0; i < columns_.size(); ++i) {
@@ -111,8 +140,8 @@ void TableWriter<Row>::takeRowsOf(TableWriter& other, std::uint64_t ticks) {
 template <class Row>
 std::uint64_t TableWriter<Row>::pendingBytes() const noexcept {
   std::uint64_t n = 0;
-  for (const auto& buffer : buffers_) n += buffer.size();
-  return n;
+  for (const std::size_t bytes : row_bytes_) n += bytes;
+  return n * pending_;
 }
 
 }  // namespace wholehand::recording

@@ -5,13 +5,15 @@ import random
 import resource
 import shutil
 import subprocess
+import sys
 import tempfile
 import time
 import unittest
 
-import h5py
-
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(SOURCE / "clients/python"))
+from wholehand_recording import Recording  # noqa: E402
+
 BINARY = pathlib.Path(os.environ.get("WHOLEHAND_BINARY", SOURCE / "build/release/wholehand")).resolve()
 FULL = os.environ.get("WHOLEHAND_FULL") == "1"
 SEED = int(os.environ.get("WHOLEHAND_SEED", "1"))
@@ -125,7 +127,7 @@ def loop_sleeps(pid):
 
 def read_recording(path):
     """Opens a recording as docs/recording.md says."""
-    return h5py.File(path, "r", libver="latest", swmr=True)
+    return Recording(path)
 
 
 def limit_file_size(size_bytes):

@@ -157,9 +157,18 @@ class BlackBox(AppTest):
         self.record(duration=0.3)
         self.assertEqual(self.names_in(self.folder), ["run.h5"])
 
-    def test_extract_of_a_recording_and_of_a_spoiled_box_are_refused(self):
-        path = self.record(duration=0.3)
-        self.expect_refused(self.run_app("replay", path, "--extract", "x.h5"), "black box", lines=1)
+    def test_extract_of_a_recording_has_every_number_as_it_is(self):
+        path = self.record(duration=1.5)
+        self.expect(self.run_app("replay", path, "--extract", "plain.h5"), DONE, "plain.h5: ")
+        with read_recording(path) as packed, h5py.File(self.folder / "plain.h5", "r") as plain:
+            self.assertEqual(plain["meta"].attrs["schema_version"], 4)
+            self.assertEqual(set(packed["ticks"]), set(plain["ticks"]))
+            for name, numbers in plain["ticks"].items():  # two programs unpack alike, to the bit
+                self.assertEqual(packed["ticks/" + name][:].tobytes(), numbers[:].tobytes(), name)
+        self.expect_same_when_run_again(self.folder / "plain.h5")
+        self.expect_refused(self.run_app("replay", path, "--extract", path), "open in another program", lines=1)
+
+    def test_extract_of_a_spoiled_box_is_refused(self):
         self.crash("--record", "crashed.h5", after=0.0)
         whole = (self.folder / "crashed.wbb").read_bytes()
         self.write("cut.wbb", whole[: len(whole) // 2])
@@ -178,7 +187,9 @@ class BlackBox(AppTest):
 class Different(AppTest):
     def setUp(self):
         super().setUp()
-        self.path = self.record(duration=1.5)
+        # Plain, so that one bit in the file is one bit of a number.
+        self.path = self.folder / "plain.h5"
+        self.expect(self.run_app("replay", self.record(duration=1.5), "--extract", self.path), DONE)
 
     def test_recording_of_another_version_says_so(self):
         with h5py.File(self.path, "r+", libver="latest") as f:
@@ -296,12 +307,13 @@ class Foreign(AppTest):
         self.expect_all_refuse(path, "99")
 
     def test_recording_of_the_former_law_replays_and_is_not_run_again(self):
-        path = self.record(duration=0.2)
+        path = self.folder / "plain.h5"
+        self.expect(self.run_app("replay", self.record(duration=0.2), "--extract", path), DONE)
         with h5py.File(path, "r+", libver="latest") as f:
             version = f["meta"].attrs["schema_version"]
             f["meta"].attrs.modify("schema_version", type(version)(3))
             written_by = f["meta"].attrs["git_version"].decode()
-        self.expect_refused(self.run_app("replay", "--resimulate", path), "run.h5", "cannot be run again",
+        self.expect_refused(self.run_app("replay", "--resimulate", path), "plain.h5", "cannot be run again",
                             "an earlier law of rendering (schema version 3", "a program of its time: " + written_by,
                             lines=1)
         self.expect(self.run_app("replay", "--speed", "1000", path), DONE)

@@ -9,19 +9,19 @@
 namespace wholehand {
 namespace {
 
-// 800 bytes a tick and 4 MB beside them: 76 MB are 90,000 ticks, 90 s at 1 kHz.
+// 300 bytes a tick and 4 MB beside them: 31 MB are 90,000 ticks, 90 s at 1 kHz.
 TEST(RoomForRecording, LessThanTheRunTakes_IsSaidWithHowLongItLasts) {
-  EXPECT_EQ(roomSentence("out/a.h5", 76'000'000, 1e-3, 91.0),
-            "the disk has room for about 90 s of recording (76 MB free): out/a.h5");
-  EXPECT_EQ(roomSentence("out/a.h5", 76'000'000, 1e-3, 89.0), "");
-  EXPECT_EQ(roomSentence("out/a.h5", 76'000'000, 0.5e-3, 89.0),
-            "the disk has room for about 45 s of recording (76 MB free): out/a.h5");
+  EXPECT_EQ(roomSentence("out/a.h5", 31'000'000, 1e-3, 91.0),
+            "the disk has room for about 90 s of recording (31 MB free): out/a.h5");
+  EXPECT_EQ(roomSentence("out/a.h5", 31'000'000, 1e-3, 89.0), "");
+  EXPECT_EQ(roomSentence("out/a.h5", 31'000'000, 0.5e-3, 89.0),
+            "the disk has room for about 45 s of recording (31 MB free): out/a.h5");
 }
 
 TEST(RoomForRecording, OfARunWithoutEnd_IsSaidBelowHalfAnHour) {
-  EXPECT_EQ(roomSentence("a.h5", 1'443'000'000, 1e-3, 0.0),
-            "the disk has room for about 30 min of recording (1443 MB free): a.h5");
-  EXPECT_EQ(roomSentence("a.h5", 1'445'000'000, 1e-3, 0.0), "");
+  EXPECT_EQ(roomSentence("a.h5", 543'000'000, 1e-3, 0.0),
+            "the disk has room for about 30 min of recording (543 MB free): a.h5");
+  EXPECT_EQ(roomSentence("a.h5", 545'000'000, 1e-3, 0.0), "");
   EXPECT_EQ(roomSentence("a.h5", 0, 1e-3, 0.0),
             "the disk has room for about 0 s of recording (0 MB free): a.h5");
 }

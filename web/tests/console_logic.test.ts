@@ -8,6 +8,7 @@ import { en } from '../src/console/i18n/en';
 import { fr } from '../src/console/i18n/fr';
 import { Marks } from '../src/console/marks';
 import { meantBySlider, parsed, ParameterTarget, viewOf } from '../src/console/parameter_model';
+import { figuresOf, SavedWatch } from '../src/console/recordings';
 import { SampleWindow } from '../src/console/sample_window';
 import { faultWords, statusOf } from '../src/console/run_status';
 import { CalmRange, niceStep, ticksIn } from '../src/console/scale';
@@ -406,5 +407,37 @@ describe('texts', () => {
 
   it('German is spelt the Swiss way', () => {
     expect(JSON.stringify(de)).not.toContain('ß');
+  });
+});
+
+describe('what was saved', () => {
+  const entry = { name: '20261122-081500-p-014-cocktail-bar-level-1.h5', title: 'cocktail-bar, level 1', duration_s: 63, bytes: 11_000_000, report: '/r' };
+
+  it('is told once, when the recording that was being written is in the list', () => {
+    const watch = new SavedWatch();
+    expect(watch.take('')).toBe(false);
+    expect(watch.take(entry.name)).toBe(false);
+    expect(watch.found([])).toEqual([]);
+    expect(watch.take('')).toBe(true);
+    expect(watch.found([])).toEqual([]);  // not in the list yet
+    expect(watch.found([{ name: 'older.h5' }, entry])).toEqual([entry]);
+    expect(watch.found([entry])).toEqual([]);
+  });
+
+  it('is told where the next recording begins at once', () => {
+    const watch = new SavedWatch();
+    watch.take(entry.name);
+    expect(watch.take('next.h5')).toBe(true);
+    expect(watch.found([entry])).toEqual([entry]);
+  });
+
+  it('an older recording that a page finds is no news', () => {
+    expect(new SavedWatch().found([entry])).toEqual([]);
+  });
+
+  it('its figures are those that the file has', () => {
+    expect(figuresOf(entry)).toContain(duration(63));
+    expect(figuresOf(entry)).toContain(bytes(11_000_000));
+    expect(figuresOf({ name: 'a.h5' })).toBe('');
   });
 });

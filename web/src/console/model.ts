@@ -3,6 +3,7 @@ import { RunState, SafetyState, type EventT, type SceneT, type WorldStateT } fro
 import { History, WINDOW_S } from './history';
 import { texts } from './i18n';
 import { Marks } from './marks';
+import type { Recording } from './recordings';
 import { faultWords, statusOf, type Status } from './run_status';
 
 /** Something worth a line in the safety panel. */
@@ -29,6 +30,8 @@ export class ConsoleModel {
   readonly marks = new Marks();
   paused = false;
   notice: Notice | undefined;
+  /** What was recorded last, until somebody closes the word of it or renders again. */
+  saved: Recording | undefined;
   /** true when a sample came that is not drawn yet. */
   fresh = false;
   /** Called after a scene came: panels are built for it. */
@@ -103,6 +106,7 @@ export class ConsoleModel {
     const ended = before?.runState === RunState.Rendering && state.runState !== RunState.Rendering;
     if (before && (ended || before.endings !== state.endings)) this.ended_ms = performance.now();
     this.state = state;
+    if (state.runState === RunState.Rendering) this.saved = undefined;
     this.paused = (this.value('paused') ?? Number(this.paused)) > 0.5;
     this.takeFaults(state);
     if (!this.history.add(state)) return;

@@ -3,6 +3,8 @@ import { h, say } from './dom';
 import { texts } from './i18n';
 import { Role } from '../protocol';
 import type { ConsoleModel, Panel } from './model';
+import { tokenOf } from '../net/open_connection';
+import { figuresOf, recordingUrl, type Recording } from './recordings';
 
 /** A refusal is shown for this long [ms]. */
 const REFUSAL_MS = 10_000;
@@ -28,6 +30,8 @@ export class NoticesPanel implements Panel {
   private readonly unconfirmed: HTMLElement;
   private readonly refused: HTMLElement;
   private readonly refusedText = h('span');
+  private readonly kept: HTMLElement;
+  private shownSaved: Recording | undefined;
   private timer: ReturnType<typeof setTimeout> | undefined;
 
   constructor(private readonly model: ConsoleModel) {
@@ -43,7 +47,8 @@ export class NoticesPanel implements Panel {
     const close = h('button', { type: 'button', class: 'b small' }, t.close);
     close.addEventListener('click', () => { this.refused.hidden = true; });
     this.refused = h('div', { class: 'notice warn', role: 'alert', hidden: true, 'data-testid': 'refused' }, this.refusedText, close);
-    this.element = h('div', { class: 'notices' }, this.unconfirmed, this.lost, this.left, this.watching, this.held, this.refused);
+    this.kept = h('div', { class: 'notice', role: 'status', hidden: true, 'data-testid': 'saved' });
+    this.element = h('div', { class: 'notices' }, this.unconfirmed, this.lost, this.left, this.watching, this.held, this.refused, this.kept);
     this.refresh();
   }
 
@@ -76,11 +81,24 @@ export class NoticesPanel implements Panel {
     const left = connection.status === 'open' && loss !== '' && !connection.controls.held;
     if (this.left.hidden === left) this.left.hidden = !left;
     if (loss !== '') say(this.leftText, t[loss]);
+    if (this.shownSaved !== this.model.saved) this.showSaved(this.shownSaved = this.model.saved);
     if (this.unconfirmed.hidden === connection.stopUnconfirmed) this.unconfirmed.hidden = !connection.stopUnconfirmed;
   }
 
   close(): void {
     clearTimeout(this.timer);
+  }
+
+  private showSaved(recording: Recording | undefined): void {
+    this.kept.hidden = recording === undefined;
+    if (!recording) return;
+    const t = this.t;
+    const { name, title } = recording;
+    const link = h('a', { href: recordingUrl(name, true, tokenOf(location)), target: '_blank', rel: 'noopener', 'aria-label': fill(t.recordings.reportOf, { name: title || name }) }, t.recordings.report);
+    const close = h('button', { type: 'button', class: 'b small' }, t.notices.close);
+    close.addEventListener('click', () => { this.model.saved = undefined; this.refresh(); });
+    this.kept.replaceChildren(h('span', { title: name }, fill(t.notices.saved, { name: title || name, figures: figuresOf(recording) })),
+      ...(recording.report ? [link] : []), close);
   }
 
   private takeButton(testid: string): HTMLElement {

@@ -10,7 +10,7 @@ import { ConsoleModel, type Panel } from './model';
 import { NoticesPanel } from './notices';
 import { ParametersPanel } from './parameters';
 import { PlotsPanel } from './plots_panel';
-import { RecordingsPanel } from './recordings';
+import { RecordingsPanel, SavedWatch } from './recordings';
 import { SafetyPanel } from './safety';
 import { SetupPanel } from './setup';
 import { TimingPanel } from './timing';
@@ -44,6 +44,7 @@ export class ConsolePage {
   private view: SmallBar | undefined;
   private viewTried = false;
   private look: HandLook = 'skin';
+  private readonly watch = new SavedWatch();
   private refreshed_ms = -Infinity;
   private builtFrom = '';
 
@@ -86,7 +87,7 @@ export class ConsolePage {
     const timing = new TimingPanel(model);
     const setup = new SetupPanel(model);
     this.parameters = new ParametersPanel(model, group, parameters);
-    const recordings = new RecordingsPanel(model);
+    const recordings = new RecordingsPanel(model, this.watch);
     this.panels = [this.header, this.notices, this.plots, this.viewPanel, this.exercise, safety, timing, setup, this.parameters, recordings];
     this.root.replaceChildren(this.header.element, this.notices.element, h('main', {}, this.plots.element,
       h('div', { class: 'col' }, this.viewPanel.element, this.exercise.element, safety.element, timing.element),

@@ -49,6 +49,37 @@ export function replayUrl(names: readonly string[], token: string): string {
   return `/replay?recording=${recording}${beside === undefined ? '' : `&beside=${beside}`}${token === '' ? '' : `&token=${encodeURIComponent(token)}`}`;
 }
 
+/** How long and how large a recording is, and what it misses, as people read it. */
+export function figuresOf(recording: Recording): string {
+  const { duration_s, bytes: size, ticks_missing } = recording;
+  return [
+    ...(duration_s === undefined ? [] : [duration(duration_s)]),
+    ...(size === undefined ? [] : [bytes(size)]),
+    ...(ticks_missing ? [fill(texts().recordings.missing, { ticks: ticks_missing.toLocaleString(language()) })] : []),
+  ].join(', ');
+}
+
+/** Tells of each recording that was being written once, when it is in the list. */
+export class SavedWatch {
+  private writing = '';
+  private readonly ended = new Set<string>();
+
+  /** Takes the name of what is being written now; true where another one has ended. */
+  take(writing: string): boolean {
+    if (writing === this.writing) return false;
+    const ended = this.writing !== '';
+    if (ended) this.ended.add(this.writing);
+    this.writing = writing;
+    this.ended.delete(writing);
+    return ended;
+  }
+
+  /** Those of the list that have ended and were not told of. */
+  found(recordings: readonly Recording[]): Recording[] {
+    return recordings.filter(({ name }) => this.ended.delete(name));
+  }
+}
+
 /** What was recorded, with replay, report and download, and what is being recorded. */
 export class RecordingsPanel implements Panel {
   readonly element: HTMLElement;
@@ -62,7 +93,7 @@ export class RecordingsPanel implements Panel {
   private chosen: string[] = [];
   private shown = '';
 
-  constructor(private readonly model: ConsoleModel) {
+  constructor(private readonly model: ConsoleModel, private readonly watch: SavedWatch) {
     this.now = h('span', { class: 'rec', hidden: true }, h('i'), `${this.t.now} `, this.nowText);
     this.element = h('section', { class: 'panel recordings', 'aria-label': this.t.title },
       h('div', { class: 'hd' }, h('h2', {}, this.t.title), this.beside, this.now), this.words, this.list);
@@ -73,7 +104,9 @@ export class RecordingsPanel implements Panel {
   refresh(): void {
     const state = this.model.state;
     const size = Number(state?.recordingBytes ?? 0n);
-    const runs = String(this.model.scene?.recording ?? '') !== '' || size > 0;
+    const writing = String(this.model.scene?.recording ?? '');
+    if (this.watch.take(writing)) void this.read();
+    const runs = writing !== '' || size > 0;
     if (this.now.hidden === runs) this.now.hidden = !runs;
     if (runs) say(this.nowText, `${duration(state?.timeS ?? 0)}, ${bytes(size)}`);
   }
@@ -89,7 +122,9 @@ export class RecordingsPanel implements Panel {
       const answer = await fetch(`/api/recordings${token === '' ? '' : `?token=${encodeURIComponent(token)}`}`);
       const found = answer.ok ? readRecordings(await answer.json()) : undefined;
       if (!found) throw new Error('no list');
-      this.show(found.recordings.filter(({ name }) => name !== found.recording), token);
+      const finished = found.recordings.filter(({ name }) => name !== found.recording);
+      this.show(finished, token);
+      for (const recording of this.watch.found(finished)) this.model.saved = recording;
     } catch {
       say(this.words, this.t.failed);
       this.words.hidden = false;
@@ -128,15 +163,10 @@ export class RecordingsPanel implements Panel {
     const { t } = this;
     const { name, title, report } = recording;
     const when = whenMade(recording.created_utc, new Date(), language());
-    const figures = [
-      ...(recording.duration_s === undefined ? [] : [duration(recording.duration_s)]),
-      ...(recording.bytes === undefined ? [] : [bytes(recording.bytes)]),
-      ...(recording.ticks_missing ? [fill(t.missing, { ticks: recording.ticks_missing.toLocaleString(language()) })] : []),
-    ].join(', ');
     const called = title || name;
     const reportLink = report ? h('a', { href: recordingUrl(name, true, token), target: '_blank', rel: 'noopener', 'aria-label': fill(t.reportOf, { name: called }) }, t.report) : null;
     const replayLink = h('a', { href: replayUrl([name], token), target: '_blank', rel: 'noopener', 'aria-label': fill(t.replayOf, { name: called }), 'data-testid': 'replay' }, t.replay);
-    return h('li', { title: name }, this.besideBox(name, called), h('span', {}, h('b', {}, when), ' ', h('bdi', {}, called), h('small', {}, figures)),
+    return h('li', { title: name }, this.besideBox(name, called), h('span', {}, h('b', {}, when), ' ', h('bdi', {}, called), h('small', {}, figuresOf(recording))),
       h('span', { class: 'links' }, replayLink, reportLink,
         h('a', { href: recordingUrl(name, false, token), download: name, 'aria-label': fill(t.downloadOf, { name: called }) }, t.download)));
   }

@@ -164,6 +164,7 @@ export const de: ConsoleTexts = {
   },
 
   notices: {
+    saved: 'Gespeichert: {name}, {figures}.',
     lost: 'Verbindung unterbrochen. Die Zahlen sind von vorher.', lostMore: 'Wenn das Programm läuft, klingt die Kraft der Übung von selbst ab.',
     unconfirmed: 'Stopp nicht bestätigt: roten Knopf drücken.', unconfirmedMore: 'Diese Seite sendet den Stopp weiter.',
     left: 'Sie haben diese Seite verlassen: Die Steuerung wurde zurückgegeben, und die Kraft der Übung bleibt weg, bis jemand sie übernimmt.',

@@ -164,6 +164,7 @@ export const en = {
   },
 
   notices: {
+    saved: 'Saved: {name}, {figures}.',
     lost: 'Connection lost. The figures are from before.', lostMore: 'If the program runs, the exercise effort fades out by itself.',
     unconfirmed: 'Stop not confirmed: use the red button.', unconfirmedMore: 'This page goes on sending the stop.',
     left: 'You left this page: the controls were given back, and the exercise effort is out until somebody takes them.',

@@ -164,6 +164,7 @@ export const fr: ConsoleTexts = {
   },
 
   notices: {
+    saved: 'Enregistré : {name}, {figures}.',
     lost: 'Connexion perdue. Les chiffres datent d’avant.', lostMore: 'Si le programme tourne, la force de l’exercice s’éteint d’elle-même.',
     unconfirmed: 'Arrêt non confirmé : appuyez sur le bouton rouge.', unconfirmedMore: 'Cette page continue d’envoyer l’arrêt.',
     left: 'Vous avez quitté cette page : les commandes ont été rendues, et la force de l’exercice reste éteinte jusqu’à ce que quelqu’un les prenne.',

@@ -1,0 +1,205 @@
+"""Reads recordings of Wholehand with h5py: numbers as they were recorded, to the bit.
+
+    from wholehand_recording import Recording
+    f = Recording("run.h5")
+    time_s, sent = f["ticks/time_s"][:], f["ticks/sent"][:]
+
+From schema version 5 on, most datasets of /ticks are packed: they hold how far each number is from what
+the rest of its row and the rows before it let expect (docs/recording.md, "Packed datasets"). A `Recording`
+is used as the h5py file it wraps, and gives packed datasets unpacked.
+"""
+import h5py
+import numpy
+
+FIRST_PACKED_SCHEMA = 5
+POLYNOMIALS = {"intention": 6, "patient_effort": 5, "palm_distance_m": 5, "bodies": 1,
+            "exercise_values": 1, "parameters": 1, "qd_s": 5}  # orders of the polynomials
+# Each needs of its own row only datasets that are not packed, or stand before it.
+ORDER = ("time_s", "qd_s", "q_s", "qd_mf", "theta", "f_s", "coupling", "phi", "damping", "rendered", "sent",
+         "intention", "patient_effort", "palm_distance_m", "tank", "bodies", "exercise_values", "parameters",
+         "palm_target_distance_m")
+
+
+class Column:
+    """An unpacked dataset: sliced as one of h5py, with its attributes."""
+
+    def __init__(self, values, attrs):
+        self.values, self.attrs = values, attrs
+        self.shape, self.dtype = values.shape, values.dtype
+
+    def __getitem__(self, key):
+        return self.values[key]
+
+    def __len__(self):
+        return len(self.values)
+
+    def __array__(self, dtype=None, copy=None):
+        return numpy.array(self.values, dtype=dtype)
+
+
+class Recording:
+    """A recording, opened for reading; one that is still written or was cut off, too."""
+
+    def __init__(self, path):
+        self.file = h5py.File(path, "r", libver="latest", swmr=True)
+        self.ticks = self.file["ticks"]
+        self.meta = self.file["meta"].attrs
+        self._blocks = {}  # name -> chunks x rows of a chunk x numbers of a row
+        self._rows = min(len(self.ticks[name]) for name in self.ticks)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.file.close()
+
+    def __contains__(self, name):
+        return name in self.file
+
+    def __getitem__(self, name):
+        dataset = self.file[name]
+        group, _, column = name.strip("/").rpartition("/")
+        if group != "ticks" or not self._is_packed(column):
+            return dataset
+        values = self._block(column).reshape(-1, *dataset.shape[1:])
+        return Column(values[:self._rows], dataset.attrs)
+
+    def __getattr__(self, name):  # keys, attrs, close ...
+        return getattr(self.file, name)
+
+    def _is_packed(self, column):
+        packed = self.meta["schema_version"] >= FIRST_PACKED_SCHEMA
+        return packed and column in ORDER and self.ticks[column].dtype == numpy.uint64
+
+    def _block(self, column):
+        if column not in self._blocks:
+            self._blocks[column] = self._unpacked(column) if self._is_packed(column) else self._plain(column)
+        return self._blocks[column]
+
+    def _plain(self, column):
+        dataset = self.ticks[column]
+        rows = dataset.chunks[0]
+        chunks = -(-self._rows // rows)
+        values = numpy.zeros((chunks * rows, *dataset.shape[1:]), dataset.dtype)
+        values[:self._rows] = dataset[:self._rows]
+        return values.reshape(chunks, rows, -1)
+
+    def _unpacked(self, column):
+        folded = self._plain(column)
+        difference = (folded >> numpy.uint64(1)) ^ (numpy.uint64(0) - (folded & numpy.uint64(1)))
+        values = numpy.zeros(folded.shape)
+        bits = values.view(numpy.uint64)
+        expect = self._rule(column, values)
+        with numpy.errstate(all="ignore"):
+            for row in range(folded.shape[1]):
+                expected = numpy.ascontiguousarray(numpy.broadcast_to(expect(row), values[:, row].shape))
+                before = bits[:, row - 1] if row > 0 else numpy.uint64(0)
+                expected_bits = numpy.where(numpy.isnan(expected), before, expected.view(numpy.uint64))
+                bits[:, row] = difference[:, row] + expected_bits
+        return values
+
+    def _rule(self, column, values):
+        """What row `row` of every chunk is expected to hold, the operations in the order of the file format."""
+        period_s, meta = self.meta["period_s"], self.meta
+        at = self._block
+        if column in POLYNOMIALS:
+            return lambda row: extrapolated(values, row, POLYNOMIALS[column])
+        if column == "time_s":
+            return lambda row: at("tick")[:, row] * period_s
+        if column == "q_s":
+            return lambda row: values[:, row - 1] + period_s * at("qd_s")[:, row] if row else 0.0
+        if column == "qd_mf":
+            return lambda row: self._filtered(values, row) if row else 0.0
+        if column == "theta":
+            return self._joints
+        if column == "f_s":
+            return lambda row: self._avatar_effort(values, row)
+        if column == "coupling":
+            def coupling(row):
+                spring = meta["k_pm"] * self._stretch(row)
+                return meta["gamma"] * (spring - at("f_s")[:, row]) - spring
+            return coupling
+        if column == "phi":
+            return lambda row: decayed(values, row)
+        if column == "damping":
+            k_dm = meta["k_dm"]
+            return lambda row: -at("phi")[:, row] * k_dm * at("qd_mf")[:, row] if len(k_dm) else 0.0
+        if column == "rendered":
+            return lambda row: (((at("coupling")[:, row] + at("exercise_effort")[:, row]) + at("damping")[:, row])
+                                + at("tank_effort")[:, row])
+        if column == "tank":
+            return lambda row: self._tank(values, row)
+        source = {"sent": "rendered", "palm_target_distance_m": "palm_distance_m"}[column]
+        return lambda row: at(source)[:, row]
+
+    def _stretch(self, row):
+        return self._block("q_m")[:, row] - self._block("q_s")[:, row]
+
+    def _rate(self, row):
+        return self._block("qd_mf")[:, row] - self._block("qd_s")[:, row]
+
+    def _filtered(self, values, row):
+        tau_s, q_m = self.meta["filter_tau_s"], self._block("q_m")
+        elapsed_s = self._block("elapsed_periods")[:, row] * self.meta["period_s"]
+        return (tau_s * values[:, row - 1] + (q_m[:, row] - q_m[:, row - 1])) / (tau_s + elapsed_s)
+
+    def _joints(self, row):
+        q_s = self._block("q_s")[:, row]
+        synergy = self.meta["synergy"].reshape(-1, q_s.shape[1])
+        theta = numpy.tile(self.meta["theta0"], (len(q_s), 1))
+        for joint, axis in zip(*numpy.nonzero(synergy)):
+            theta[:, joint] += synergy[joint, axis] * q_s[:, axis]
+        return theta
+
+    def _avatar_effort(self, values, row):
+        k_pm = self.meta["k_pm"]
+        damping = 0.0
+        if row > 0:
+            rate = self._rate(row - 1)
+            damping = (values[:, row - 1] - k_pm * self._stretch(row - 1)) / rate
+            damping = numpy.where(rate != 0.0, damping, 0.0)
+        return k_pm * self._stretch(row) + damping * self._rate(row)
+
+    def _stored(self, row):
+        k_pm, most = self.meta["k_pm"], self._block("effort_limit")[:, row]
+        stretch = abs(self._stretch(row))
+        return numpy.where(k_pm * stretch < most, 0.5 * k_pm * stretch * stretch,
+                           most * stretch - 0.5 * most * most / k_pm)
+
+    def _tank(self, values, row):
+        if not len(self.meta["k_pm"]):
+            return extrapolated(values, row, 2)
+        delay, at = int(self.meta["output_delay_ticks"]), self._block
+        if row < delay + 2:
+            return values[:, row - 1] if row > 0 else 0.0
+        most, effort = at("effort_limit")[:, row - 1], at("f_s")[:, row - 1]
+        avatar = numpy.where(effort > most, most, numpy.where(effort < -most, -most, effort))
+        acted = at("sent")[:, row - delay - 1]
+        hidden = 0.5 * self.meta["encoder_step"] * abs(acted - at("sent")[:, row - delay - 2])
+        moved = at("q_m")[:, row] - at("q_m")[:, row - 1]
+        to_person = (acted * moved + (self._stored(row) - self._stored(row - 1))) + hidden
+        given = to_person + avatar * (at("q_s")[:, row] - at("q_s")[:, row - 1])
+        return values[:, row - 1] - given
+
+
+def extrapolated(values, row, order):
+    """The polynomial through the last `order` rows, by its differences."""
+    difference = [values[:, row - 1 - k] for k in range(min(row, order))]
+    if not difference:
+        return numpy.zeros(values[:, 0].shape)
+    last = following = difference[0]
+    while len(difference) > 1:
+        difference = [a - b for a, b in zip(difference, difference[1:])]
+        following = following + difference[0]
+    return numpy.where(numpy.isfinite(following), following, last)
+
+
+def decayed(values, row):
+    """The last row, smaller by as much as it was than the one before."""
+    if row == 0:
+        return numpy.zeros(values[:, 0].shape)
+    last = values[:, row - 1]
+    if row == 1:
+        return last
+    before = values[:, row - 2]
+    return numpy.where((last == 0.0) | (before == 0.0), last, last * (last / before))

@@ -1,0 +1,267 @@
+#include "telemetry/prediction.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cfenv>
+#include <cmath>
+#include <utility>
+
+namespace wholehand::recording {
+namespace {
+
+using Rule = std::function<double(const RowWindow&, std::size_t)>;
+
+/// Finds columns by name and collects their rules.
+class Rules {
+ public:
+  explicit Rules(const std::vector<ColumnShape>& columns) : columns_(columns) {}
+
+  [[nodiscard]] bool has(const std::string& name) const { return column(name) < columns_.size(); }
+  [[nodiscard]] std::size_t column(const std::string& name) const {
+    const auto is_it = [&name](const ColumnShape& c) { return c.name == name; };
+    return static_cast<std::size_t>(std::find_if(columns_.begin(), columns_.end(), is_it) -
+                                    columns_.begin());
+  }
+  void add(const std::string& name, Rule rule) {
+    if (!has(name)) return;  // a recording without bodies, joints or parameters
+    const std::size_t c = column(name);
+    all_.push_back({c, columns_[c].rowBytes() / sizeof(double), std::move(rule)});
+  }
+  [[nodiscard]] std::vector<Prediction> take() { return std::move(all_); }
+
+ private:
+  const std::vector<ColumnShape>& columns_;
+  std::vector<Prediction> all_;
+};
+
+/// Goes on as the polynomial through the last `order` rows: v + Δv + Δ²v + ... A number that stays
+/// the same is met exactly.
+Rule extrapolated(std::size_t column, std::size_t order) {
+  return [column, order](const RowWindow& w, std::size_t i) {
+    constexpr std::size_t kMost = 6;
+    std::array<double, kMost> difference{};
+    const std::size_t n = std::min<std::size_t>({w.past(), order, kMost});
+    if (n == 0) return 0.0;
+    for (std::size_t k = 0; k < n; ++k) difference[k] = w.number(column, i, k + 1);
+    const double last = difference[0];
+    double next = last;
+    for (std::size_t level = 1; level < n; ++level) {
+      for (std::size_t k = 0; k + level < n; ++k) difference[k] -= difference[k + 1];
+      next += difference[0];
+    }
+    return std::isfinite(next) ? next : last;
+  };
+}
+
+void addMotion(Rules& rules, const RecordingMeta& meta) {
+  const double period_s = meta.period_s;
+  const std::size_t q_s = rules.column("q_s"), qd_s = rules.column("qd_s");
+  const std::size_t tick = rules.column("tick");
+  rules.add("time_s", [=](const RowWindow& w, std::size_t) {
+    return static_cast<double>(w.number<std::uint64_t>(tick, 0)) * period_s;
+  });
+  rules.add("qd_s", extrapolated(qd_s, 5));
+  rules.add("q_s", [=](const RowWindow& w, std::size_t i) {  // symplectic Euler
+    if (w.past() == 0) return 0.0;
+    return w.number(q_s, i, 1) + period_s * w.number(qd_s, i);
+  });
+}
+
+// The velocity filter, and θ = θ₀ + G q_s.
+void addKinematics(Rules& rules, const RecordingMeta& meta) {
+  const double period_s = meta.period_s;
+  const RecordedLaw& law = meta.law;
+  const std::size_t q_m = rules.column("q_m"), qd_mf = rules.column("qd_mf");
+  const std::size_t q_s = rules.column("q_s"), elapsed = rules.column("elapsed_periods");
+  rules.add("qd_mf", [=, tau = law.filter_tau_s](const RowWindow& w, std::size_t i) {
+    if (w.past() == 0) return 0.0;
+    const double elapsed_s = w.number<std::uint32_t>(elapsed, 0) * period_s;
+    const double moved = w.number(q_m, i) - w.number(q_m, i, 1);
+    return (tau[i] * w.number(qd_mf, i, 1) + moved) / (tau[i] + elapsed_s);
+  });
+  const std::size_t axes = meta.axis_names.size();
+  rules.add("theta", [=, theta0 = law.theta0, g = law.synergy](const RowWindow& w, std::size_t j) {
+    double theta = theta0[j];
+    for (std::size_t a = 0; a < axes; ++a) {
+      const double share = g[j * axes + a];
+      if (share != 0.0) theta += share * w.number(q_s, a);
+    }
+    return theta;
+  });
+}
+
+// Eq. (2) with the damping D that the row before tells, then Eq. (3) with the D of this row.
+void addCoupling(Rules& rules, const RecordingMeta& meta) {
+  const std::size_t q_m = rules.column("q_m"), q_s = rules.column("q_s");
+  const std::size_t qd_mf = rules.column("qd_mf"), qd_s = rules.column("qd_s");
+  const std::size_t f_s = rules.column("f_s");
+  const auto stretch = [=](const RowWindow& w, std::size_t i, std::uint64_t back) {
+    return w.number(q_m, i, back) - w.number(q_s, i, back);
+  };
+  const auto rate = [=](const RowWindow& w, std::size_t i, std::uint64_t back) {
+    return w.number(qd_mf, i, back) - w.number(qd_s, i, back);
+  };
+  rules.add("f_s", [=, k = meta.law.k_pm](const RowWindow& w, std::size_t i) {
+    double damping = 0.0;
+    if (w.past() > 0 && rate(w, i, 1) != 0.0) {
+      damping = (w.number(f_s, i, 1) - k[i] * stretch(w, i, 1)) / rate(w, i, 1);
+    }
+    return k[i] * stretch(w, i, 0) + damping * rate(w, i, 0);
+  });
+  rules.add("coupling",
+            [=, k = meta.law.k_pm, gamma = meta.law.gamma](const RowWindow& w, std::size_t i) {
+              const double spring = k[i] * stretch(w, i, 0);
+              return gamma[i] * (spring - w.number(f_s, i)) - spring;
+            });
+}
+
+void addEfforts(Rules& rules, const RecordingMeta& meta) {
+  const std::size_t phi = rules.column("phi"), qd_mf = rules.column("qd_mf");
+  const std::size_t coupling = rules.column("coupling"), damping = rules.column("damping");
+  const std::size_t exercise = rules.column("exercise_effort");
+  const std::size_t tank_effort = rules.column("tank_effort"), rendered = rules.column("rendered");
+  rules.add("phi", [=](const RowWindow& w, std::size_t i) {  // decays by the same share
+    if (w.past() == 0) return 0.0;
+    const double last = w.number(phi, i, 1);
+    if (w.past() == 1 || last == 0.0 || w.number(phi, i, 2) == 0.0) return last;
+    return last * (last / w.number(phi, i, 2));
+  });
+  rules.add("damping", [=, k = meta.law.k_dm](const RowWindow& w, std::size_t i) {
+    return k.empty() ? 0.0 : -w.number(phi, i) * k[i] * w.number(qd_mf, i);
+  });
+  rules.add("rendered", [=](const RowWindow& w, std::size_t i) {
+    return ((w.number(coupling, i) + w.number(exercise, i)) + w.number(damping, i)) +
+           w.number(tank_effort, i);
+  });
+  rules.add("sent", [=](const RowWindow& w, std::size_t i) { return w.number(rendered, i); });
+}
+
+// The tank's own account, without what the device's damping takes: from what acted on the device,
+// what the coupling's spring stores, what an encoder's step hides and what the avatar took.
+void addTank(Rules& rules, const RecordingMeta& meta) {
+  const std::size_t tank = rules.column("tank"), sent = rules.column("sent");
+  const std::size_t q_m = rules.column("q_m"), q_s = rules.column("q_s");
+  const std::size_t f_s = rules.column("f_s"), limit = rules.column("effort_limit");
+  const auto stored = [=, k = meta.law.k_pm](const RowWindow& w, std::size_t i,
+                                             std::uint64_t back) {
+    const double stretch = std::abs(w.number(q_m, i, back) - w.number(q_s, i, back));
+    const double most = w.number(limit, i, back);
+    if (k[i] * stretch < most) return 0.5 * k[i] * stretch * stretch;
+    return most * stretch - 0.5 * most * most / k[i];
+  };
+  const auto avatar = [=](const RowWindow& w, std::size_t i) {
+    const double most = w.number(limit, i, 1), effort = w.number(f_s, i, 1);
+    if (effort > most) return most;
+    return effort < -most ? -most : effort;
+  };
+  const std::uint64_t delay = meta.law.output_delay_ticks;
+  rules.add("tank", [=, step = meta.law.encoder_step](const RowWindow& w, std::size_t i) {
+    if (w.past() < delay + 2) return w.past() == 0 ? 0.0 : w.number(tank, i, 1);
+    const double acted = w.number(sent, i, delay + 1);
+    const double hidden = 0.5 * step[i] * std::abs(acted - w.number(sent, i, delay + 2));
+    const double moved = w.number(q_m, i) - w.number(q_m, i, 1);
+    const double to_person = (acted * moved + (stored(w, i, 0) - stored(w, i, 1))) + hidden;
+    const double given = to_person + avatar(w, i) * (w.number(q_s, i) - w.number(q_s, i, 1));
+    return w.number(tank, i, 1) - given;
+  });
+}
+
+/// Computes as every machine does: denormal numbers are kept, results are rounded to the nearest.
+class PlainArithmetic {
+ public:
+  PlainArithmetic() noexcept {
+    std::fegetenv(&before_);
+    std::fesetenv(FE_DFL_ENV);
+  }
+  ~PlainArithmetic() { std::fesetenv(&before_); }
+  PlainArithmetic(const PlainArithmetic&) = delete;
+  PlainArithmetic& operator=(const PlainArithmetic&) = delete;
+
+ private:
+  std::fenv_t before_{};
+};
+
+// The bits of a NaN that arithmetic made depend on the processor: then the row before stands in.
+std::uint64_t expectedBits(const Prediction& prediction, const RowWindow& window, std::size_t i) {
+  const double expected = prediction.at(window, i);
+  if (!std::isnan(expected)) return std::bit_cast<std::uint64_t>(expected);
+  return window.past() > 0 ? window.number<std::uint64_t>(prediction.column, i, 1) : 0;
+}
+
+// 0, -1, 1, -2 ... as 0, 1, 2, 3 ...: a small difference has small bytes.
+std::uint64_t folded(std::uint64_t difference) {
+  return (difference << 1U) ^ (std::uint64_t{0} - (difference >> 63U));
+}
+std::uint64_t unfolded(std::uint64_t number) {
+  return (number >> 1U) ^ (std::uint64_t{0} - (number & 1U));
+}
+
+}  // namespace
+
+std::vector<Prediction> predictions(const std::vector<ColumnShape>& columns,
+                                    const RecordingMeta& meta) {
+  if (meta.schema < kPackedSchema) return {};
+  Rules rules(columns);
+  addMotion(rules, meta);
+  if (!meta.law.k_pm.empty()) {
+    addKinematics(rules, meta);
+    addCoupling(rules, meta);
+  }
+  addEfforts(rules, meta);
+  if (meta.law.k_pm.empty()) {
+    rules.add("tank", extrapolated(rules.column("tank"), 2));
+  } else {
+    addTank(rules, meta);
+  }
+  const std::pair<const char*, std::size_t> smooth[] = {
+      {"intention", 6}, {"patient_effort", 5},  {"palm_distance_m", 5},
+      {"bodies", 1},    {"exercise_values", 1}, {"parameters", 1}};
+  for (const auto& [name, order] : smooth) {
+    rules.add(name, extrapolated(rules.column(name), order));
+  }
+  const std::size_t palm = rules.column("palm_distance_m");
+  rules.add("palm_target_distance_m",
+            [palm](const RowWindow& w, std::size_t) { return w.number(palm, 0); });
+  return rules.take();
+}
+
+void packRows(const std::vector<Prediction>& predictions, const RowBytes& columns,
+              const std::vector<std::size_t>& row_bytes, std::uint64_t chunk_rows,
+              std::uint64_t begin, std::uint64_t end, RowBytes& packed) {
+  const PlainArithmetic plain;
+  RowWindow window(columns, row_bytes);
+  for (const Prediction& p : predictions) {
+    std::vector<std::byte>& out = packed[p.column];
+    out.resize((end - begin) * row_bytes[p.column]);
+    std::byte* to = out.data();
+    for (std::uint64_t row = begin; row < end; ++row) {
+      window.moveTo(row, row % chunk_rows);
+      for (std::size_t i = 0; i < p.width; ++i, to += sizeof(std::uint64_t)) {
+        const auto bits = window.number<std::uint64_t>(p.column, i);
+        const std::uint64_t number = folded(bits - expectedBits(p, window, i));
+        std::memcpy(to, &number, sizeof number);
+      }
+    }
+  }
+}
+
+void unpackRows(const std::vector<Prediction>& predictions, RowBytes& columns,
+                const std::vector<std::size_t>& row_bytes, std::uint64_t chunk_rows,
+                std::uint64_t rows) {
+  const PlainArithmetic plain;
+  RowWindow window(columns, row_bytes);
+  for (const Prediction& p : predictions) {
+    std::byte* at = columns[p.column].data();
+    for (std::uint64_t row = 0; row < rows; ++row) {
+      window.moveTo(row, row % chunk_rows);
+      for (std::size_t i = 0; i < p.width; ++i, at += sizeof(std::uint64_t)) {
+        const std::uint64_t bits =
+            unfolded(window.number<std::uint64_t>(p.column, i)) + expectedBits(p, window, i);
+        std::memcpy(at, &bits, sizeof bits);
+      }
+    }
+  }
+}
+
+}  // namespace wholehand::recording

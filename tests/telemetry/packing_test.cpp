@@ -1,0 +1,225 @@
+// What a recording packs comes back to the bit, whatever it is, and what the laws of the renderer
+// make takes little room.
+#include "telemetry/recording.hpp"
+#include "telemetry/synthetic_recording.hpp"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <vector>
+
+#if defined(__SSE2__)
+#include <immintrin.h>
+#endif
+
+namespace wholehand {
+namespace {
+
+using synthetic::Folder;
+
+/// Sets every array of numbers per axis and joint.
+template <class Make>
+void setArrays(TickRecord& r, Make make) {
+  const auto fill = [&make](auto& array) {
+    for (int i = 0; i < array.size(); ++i) array[i] = make();
+  };
+  fill(r.q_m), fill(r.intention), fill(r.patient_effort), fill(r.qd_mf), fill(r.q_s), fill(r.qd_s);
+  fill(r.theta), fill(r.f_s), fill(r.coupling), fill(r.phi), fill(r.damping), fill(r.rendered);
+  fill(r.sent), fill(r.tank), fill(r.tank_effort), fill(r.exercise.effort);
+  r.palm_distance_m = make();
+  r.palm_target_distance_m = make();
+}
+
+/// One tick after another by the formulas of docs/recording.md, written down a second time.
+class LawfulTicks {
+ public:
+  TickRecord next() {
+    TickRecord r = synthetic::noisy(tick_, random_);
+    const RecordedLaw law = synthetic::meta().law;
+    r.elapsed_periods = 1;
+    for (int i = 0; i < 6; ++i) {
+      const auto a = static_cast<std::size_t>(i);
+      r.q_m[i] = 1e-5 * std::round(1e5 * std::sin(1e-3 * static_cast<double>(tick_) + i));
+      const double moved = r.q_m[i] - before_.q_m[i];
+      r.qd_mf[i] = (law.filter_tau_s[a] * before_.qd_mf[i] + moved) / (law.filter_tau_s[a] + 1e-3);
+      r.qd_s[i] = 0.3 * std::sin(2e-3 * static_cast<double>(tick_) + i);
+      r.q_s[i] = before_.q_s[i] + 1e-3 * r.qd_s[i];
+      const double spring = law.k_pm[a] * (r.q_m[i] - r.q_s[i]);
+      r.f_s[i] = spring + 20.0 * (r.qd_mf[i] - r.qd_s[i]);
+      r.coupling[i] = law.gamma[a] * (spring - r.f_s[i]) - spring;
+      r.phi[i] = std::pow(0.997, static_cast<double>(tick_ % 250));
+      r.damping[i] = -r.phi[i] * law.k_dm[a] * r.qd_mf[i];
+      r.exercise.effort[i] = r.tank_effort[i] = 0.0;
+      r.rendered[i] = r.coupling[i] + r.damping[i];
+      r.sent[i] = r.rendered[i];
+    }
+    for (int j = 0; j < r.theta.size(); ++j) {
+      r.theta[j] = 0.1;
+      for (int a = 0; a < 6; ++a) {
+        if (law.synergy[static_cast<std::size_t>(6 * j + a)] != 0.0) r.theta[j] += 0.5 * r.q_s[a];
+      }
+    }
+    ++tick_;
+    before_ = r;
+    return r;
+  }
+
+ private:
+  std::mt19937_64 random_{1};
+  std::uint64_t tick_ = 0;
+  TickRecord before_ = firstRecord();
+  static TickRecord firstRecord() {
+    TickRecord r;
+    r.q_m = r.q_s = AxisPosition(6);
+    r.qd_mf = AxisVelocity(6);
+    return r;
+  }
+};
+
+std::vector<double> numbersOf(const TickRecord& record) {
+  std::vector<double> out;
+  TickRecord copy = record;
+  const auto take = [&out](const auto& array) {
+    out.insert(out.end(), array.begin(), array.end());
+  };
+  take(copy.q_m), take(copy.intention), take(copy.patient_effort), take(copy.qd_mf);
+  take(copy.q_s), take(copy.qd_s), take(copy.theta), take(copy.f_s), take(copy.coupling);
+  take(copy.phi), take(copy.damping), take(copy.rendered), take(copy.sent), take(copy.tank);
+  take(copy.tank_effort), take(copy.exercise.effort);
+  out.push_back(copy.time_s);
+  out.push_back(copy.palm_distance_m);
+  out.push_back(copy.palm_target_distance_m);
+  return out;
+}
+
+/// Bits, so that a NaN equals itself and 0 is not -0.
+std::vector<std::uint64_t> bitsOf(const TickRecord& record) {
+  std::vector<std::uint64_t> bits;
+  for (const double x : numbersOf(record)) bits.push_back(std::bit_cast<std::uint64_t>(x));
+  return bits;
+}
+
+void write(const std::string& path, const RecordingMeta& meta, const std::vector<TickRecord>& ticks,
+           std::size_t flush_every = 0) {
+  auto writer = RecordingWriter::create(path, meta).value();
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    ASSERT_TRUE(writer->append(ticks[i]));
+    if (flush_every > 0 && i % flush_every == flush_every - 1) writer->flush();
+  }
+  writer->close();
+  ASSERT_EQ(writer->written(), ticks.size());
+}
+
+void expectSame(const std::string& path, const std::vector<TickRecord>& ticks) {
+  auto reader = RecordingReader::open(path).value();
+  ASSERT_EQ(reader->size(), ticks.size());
+  TickRecord got;
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    ASSERT_TRUE(reader->read(i, got));
+    ASSERT_EQ(bitsOf(got), bitsOf(ticks[i])) << "tick " << i;
+  }
+}
+
+std::vector<TickRecord> lawfulTicks(std::size_t count) {
+  LawfulTicks source;
+  std::vector<TickRecord> ticks;
+  for (std::size_t i = 0; i < count; ++i) ticks.push_back(source.next());
+  return ticks;
+}
+
+TEST(Packing, AnyBitsAtAll_ComeBack) {
+  const Folder folder;
+  std::mt19937_64 random(2);
+  std::vector<TickRecord> ticks;
+  for (std::uint64_t i = 0; i < 600; ++i) {  // more than two chunks
+    ticks.push_back(synthetic::noisy(i, random));
+    setArrays(ticks.back(), [&random] { return std::bit_cast<double>(random()); });
+  }
+  write(folder.file("a.h5"), synthetic::meta(), ticks);
+  expectSame(folder.file("a.h5"), ticks);
+}
+
+TEST(Packing, ZerosInfinitiesNansAndDenormals_ComeBack) {
+  const Folder folder;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const double special[] = {
+      0.0,       -0.0,   1.0,        -1.0,    std::bit_cast<double>(0x7FF8'0000'0000'0001),
+      kInfinity, 5e-324, -kInfinity, -1e-310, std::bit_cast<double>(~0ULL)};
+  std::mt19937_64 random(3);
+  std::vector<TickRecord> ticks;
+  for (std::uint64_t i = 0; i < 600; ++i) {
+    ticks.push_back(synthetic::noisy(i, random));
+    setArrays(ticks.back(), [&] { return special[random() % std::size(special)]; });
+  }
+  write(folder.file("a.h5"), synthetic::meta(), ticks);
+  expectSame(folder.file("a.h5"), ticks);
+}
+
+TEST(Packing, RowsWrittenInTheMiddleOfAChunk_ComeBack) {
+  const Folder folder;
+  const std::vector<TickRecord> ticks = lawfulTicks(777);
+  for (const std::size_t every : {1, 7, 100, 333}) {
+    write(folder.file("a.h5"), synthetic::meta(), ticks, every);
+    expectSame(folder.file("a.h5"), ticks);
+  }
+}
+
+TEST(Packing, WithoutTheNumbersOfTheLaw_ComesBack) {
+  const Folder folder;
+  RecordingMeta meta = synthetic::meta();
+  meta.law = {};
+  const std::vector<TickRecord> ticks = lawfulTicks(300);
+  write(folder.file("a.h5"), meta, ticks);
+  expectSame(folder.file("a.h5"), ticks);
+}
+
+// 61 numbers of a tick follow from the others by the formulas: its time, 18 joints, and q_s, qd_mf,
+// coupling, phi, damping, rendered and sent of six axes. The plain file holds all of them.
+TEST(Packing, WhatTheLawsMake_TakesLittleRoom) {
+  const Folder folder;
+  RecordingMeta plain = synthetic::meta();
+  plain.schema = kPackedSchema - 1;
+  const std::vector<TickRecord> ticks = lawfulTicks(1000);
+  write(folder.file("packed.h5"), synthetic::meta(), ticks);
+  write(folder.file("plain.h5"), plain, ticks);
+  expectSame(folder.file("packed.h5"), ticks);
+  expectSame(folder.file("plain.h5"), ticks);
+  const auto bytes = [&](const char* name) {
+    return static_cast<double>(std::filesystem::file_size(folder.file(name)));
+  };
+  // 8 bytes less for each of the 61, of which compression leaves 7 in a plain file.
+  const double saved_bytes = 1000.0 * 61 * 7;
+  EXPECT_LT(bytes("packed.h5"), bytes("plain.h5") - 0.7 * saved_bytes);
+  EXPECT_EQ(RecordingReader::open(folder.file("plain.h5")).value()->meta().schema, 4U);
+}
+
+TEST(Packing, LawOfAnotherDevice_IsRefused) {
+  const Folder folder;
+  RecordingMeta meta = synthetic::meta();
+  meta.law.synergy.pop_back();
+  const auto refused = RecordingWriter::create(folder.file("a.h5"), meta);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_NE(format(refused.errors()).find("for each axis and joint"), std::string::npos);
+}
+
+#if defined(__SSE2__)
+// The loop's thread flushes denormal numbers to zero; a thread that it starts does so, too.
+TEST(Packing, WrittenWhereDenormalsAreFlushed_ComesBackElsewhere) {
+  const Folder folder;
+  std::vector<TickRecord> ticks = lawfulTicks(300);
+  for (std::size_t i = 0; i < ticks.size(); ++i) {
+    ticks[i].phi[0] = 1e-307 / static_cast<double>(i + 1);  // denormal from the fifth on
+  }
+  const unsigned before = _mm_getcsr();
+  _mm_setcsr(before | 0x8040U);
+  write(folder.file("a.h5"), synthetic::meta(), ticks);
+  _mm_setcsr(before);
+  expectSame(folder.file("a.h5"), ticks);
+}
+#endif
+
+}  // namespace
+}  // namespace wholehand
