@@ -128,7 +128,8 @@ TEST_F(ReplayChildrenTest, CrashOfTheReader_IsToldAndTheNextOneTries) {
 }
 
 TEST_F(ReplayChildrenTest, ReaderThatSaysSomethingElse_IsNoAnswer) {
-  for (const char* text : {"exit 0", "read -r words; echo hello, this is no answer at all",
+  for (const char* text : {"read -r words; kill -TERM $$",  // somebody stopped it
+                           "exit 0", "read -r words; echo hello, this is no answer at all",
                            "read -r words; printf WRA1"}) {
     ReplayChildren children(playing(text));
     const ReplayAnswer answer = children.answer(recording("a.h5"), "about");
