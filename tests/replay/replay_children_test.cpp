@@ -67,7 +67,7 @@ TEST_F(ReplayChildrenTest, OneRecording_HasOneProcessForStatesAndOneForPlots) {
 
 TEST_F(ReplayChildrenTest, TokenInTheQuery_IsNotHandedOn) {
   ReplayChildren children(playing(kSaysItsId));
-  (void)children.answer(recording("a.h5"), std::string(kState) + "&token=0123456789abcdef");
+  (void)children.answer(recording("a.h5"), "states?tick=0&count=1&step=1&token=0123456789abcdef");
   EXPECT_EQ(asked().find("token"), std::string::npos) << asked();
 }
 
