@@ -4,6 +4,7 @@
 
 #include <cerrno>
 #include <cstddef>
+#include <fstream>
 #include <iostream>
 #include <new>
 #include <string_view>
@@ -46,6 +47,8 @@ ReplayAnswer answerOne(ReplayedRecording& recording, const std::string& words) {
 }  // namespace
 
 void answerQuestions(const std::string& recording_path) {
+  // Where memory runs out the kernel ends this process, and not the loop that it is beside.
+  std::ofstream("/proc/self/oom_score_adj") << 1000;
   ReplayedRecording recording(recording_path);
   for (std::string words; std::getline(std::cin, words);) {
     if (!send(answerOne(recording, words))) return;

@@ -5,6 +5,8 @@
 #include "replay/replayed_recording.hpp"
 
 #include <algorithm>
+#include <array>
+#include <csignal>
 #include <cstring>
 #include <sys/stat.h>
 #include <utility>
@@ -16,6 +18,12 @@ namespace {
 constexpr std::uint64_t kMemory_bytes = 3ULL << 30;
 /// The largest answer is a scene of many meshes.
 constexpr std::uint64_t kLargest_bytes = 512ULL << 20;
+
+/// Ctrl-C in a terminal reaches the readers, too, and says nothing of the file.
+bool isCrash(int signal) {
+  constexpr std::array<int, 5> kCrashes = {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL};
+  return std::find(kCrashes.begin(), kCrashes.end(), signal) != kCrashes.end();
+}
 
 }  // namespace
 
@@ -63,7 +71,8 @@ ReplayAnswer ReplayChildren::failed(Reader& reader) {
   reader.child.reset();
   if (ending_) return replayRefusal(503, "the program is ending");
   const std::string path = printable(reader.path);
-  if (signal == 0) return replayRefusal(503, path + ": could not be read in time");
+  if (!isCrash(signal))
+    return replayRefusal(503, path + ": could not be read in time, or its reader was stopped");
   return replayRefusal(422, path + ": is damaged: it ended the program that read it (" +
                                 ::strsignal(signal) +
                                 "); copy it again from where it was recorded");

@@ -1,6 +1,7 @@
 """`wholehand replay --web`: what pages are told of a recording, over HTTP; and every file that is refused."""
 import http.client
 import json
+import pathlib
 import signal
 import struct
 import unittest
@@ -95,6 +96,12 @@ class Shown(ReplayWeb):
             self.assertEqual(low.min(), numpy.float32(sent[rows, axis].min()))
         header, _ = self.series(0.0, 60.0, 100, "bar run.h5")
         self.assertEqual([m["kind"] for m in header["marks"]], ["armed", "stop", "neutral"])
+
+        readers = [pid for task in pathlib.Path(f"/proc/{run.pid}/task").iterdir()
+                   for pid in (task / "children").read_text().split()]
+        self.assertEqual(len(readers), 3)  # of the first for moments and for plots, of the second for what it is
+        for pid in readers:  # where memory runs out, they go first
+            self.assertEqual(pathlib.Path(f"/proc/{pid}/oom_score_adj").read_text(), "1000\n")
 
         run.send_signal(signal.SIGINT)
         said, complained = run.communicate(timeout=100)

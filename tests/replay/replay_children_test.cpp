@@ -67,7 +67,7 @@ TEST_F(ReplayChildrenTest, OneRecording_HasOneProcessForStatesAndOneForPlots) {
 
 TEST_F(ReplayChildrenTest, TokenInTheQuery_IsNotHandedOn) {
   ReplayChildren children(playing(kSaysItsId));
-  (void)children.answer(recording("a.h5"), std::string(kState) + "&token=0123456789abcdef");
+  (void)children.answer(recording("a.h5"), "states?tick=0&count=1&step=1&token=0123456789abcdef");
   EXPECT_EQ(asked().find("token"), std::string::npos) << asked();
 }
 
@@ -128,7 +128,8 @@ TEST_F(ReplayChildrenTest, CrashOfTheReader_IsToldAndTheNextOneTries) {
 }
 
 TEST_F(ReplayChildrenTest, ReaderThatSaysSomethingElse_IsNoAnswer) {
-  for (const char* text : {"exit 0", "read -r words; echo hello, this is no answer at all",
+  for (const char* text : {"read -r words; kill -TERM $$",  // somebody stopped it
+                           "exit 0", "read -r words; echo hello, this is no answer at all",
                            "read -r words; printf WRA1"}) {
     ReplayChildren children(playing(text));
     const ReplayAnswer answer = children.answer(recording("a.h5"), "about");
