@@ -1,6 +1,7 @@
 // The page of a replay: where it is in time, what it shows of two recordings, what it says.
 import { describe, expect, it, vi } from 'vitest';
 import { en as consoleEn } from '../src/console/i18n/en';
+import { replayUrl } from '../src/console/recordings';
 import { AxisT } from '../src/protocol';
 import { FakeRecordings } from '../src/net/fake_recordings';
 import { channelOf, ColumnList } from '../src/replay/channels';
@@ -83,6 +84,12 @@ describe('the window', () => {
     zoom.setWhole({ from_s: 0, to_s: 300 });
     expect(zoom.window).toEqual({ from_s: 0, to_s: 300 });
   });
+});
+
+it('the console leads to a recording, or to two, whatever they are called', () => {
+  expect(replayUrl(['a&b #1.h5'], '')).toBe('/replay?recording=a%26b%20%231.h5');
+  expect(new URLSearchParams(replayUrl(['يد.h5', '<b>.h5'], 'x&y').slice('/replay?'.length)).toString())
+    .toBe(new URLSearchParams({ recording: 'يد.h5', beside: '<b>.h5', token: 'x&y' }).toString());
 });
 
 it('every key does what the page says of it', () => {

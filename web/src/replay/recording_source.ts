@@ -4,8 +4,8 @@ import { readScene, splitStates } from './messages';
 import { Problem } from './problem';
 import { readPiece, type SeriesPiece } from './series_piece';
 
-/** A program that does not answer within this time is gone [ms]. */
-const PATIENCE_MS = 20_000;
+/** A program that does not answer within this time is gone; its own readers have 60 s [ms]. */
+const PATIENCE_MS = 90_000;
 
 export type Fetch = (address: string, init?: { signal?: AbortSignal }) => Promise<Response>;
 

@@ -66,7 +66,9 @@ export class SeriesStore {
 
   /** A window is looked at in so many columns. */
   look(window: Span, columns: number): void {
-    this.looked = this.levels.slots(this.levels.levelFor(window.to_s - window.from_s, columns), window);
+    // Never coarser than the whole, which comes anyway: no tick is read twice.
+    const level = Math.min(this.overviewLevel, this.levels.levelFor(window.to_s - window.from_s, columns));
+    this.looked = this.levels.slots(level, window);
     this.order();
   }
 

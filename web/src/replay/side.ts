@@ -21,6 +21,8 @@ import { WindowSamples } from './window_samples';
 const COLUMNS = 500;
 /** Pictures a second while it plays [Hz]. */
 const PICTURES_HZ = 60;
+/** Rows between two states at most: the program reads every chunk of the file that a block touches. */
+const COARSEST = 64;
 /** Steps of looking for a time among rows. */
 const CORRECTIONS = 5;
 
@@ -127,7 +129,7 @@ export class ReplaySide implements PlotsModel {
     this.wanted = row;
     const { period_s } = this.about;
     if (playing) this.states.wantFrom(row, stepFor(speed / PICTURES_HZ / period_s));
-    else this.states.wantAround(row, Math.max(4, stepFor((window.to_s - window.from_s) / COLUMNS / period_s)));
+    else this.states.wantAround(row, Math.min(COARSEST, Math.max(4, stepFor((window.to_s - window.from_s) / COLUMNS / period_s))));
     const nearest = this.states.nearest(row);
     if (nearest === undefined || nearest === this.shown) return false;
     return this.show(nearest);

@@ -29,9 +29,9 @@ export const de: ReplayTexts = {
   moments: {
     title: 'Marken', none: 'In diesem Fenster ist nichts geschehen.', more: 'Die ersten {n} von {m}. Ein kürzeres Fenster zeigt die anderen.', gap: '{n} Takte fehlen',
     kinds: {
-      stop: 'Stopp', emergency_stop: 'Not-Halt', fault: 'Fehler', controls_lost: 'Steuerung verloren', armed: 'Scharf', neutral: 'In Neutralstellung',
+      stop: 'Halt', emergency_stop: 'Not-Halt', fault: 'Störung', controls_lost: 'Steuerung verloren', armed: 'Scharf gestellt', neutral: 'In Neutralstellung',
     },
-    short: { stop: 'Stopp', emergency_stop: 'Stopp', fault: 'Fehler', controls_lost: 'Steuerung verloren', armed: 'scharf', neutral: 'neutral', gap: 'Lücke' },
+    short: { stop: 'Halt', emergency_stop: 'Not-Halt', fault: 'Störung', controls_lost: 'Steuerung verloren', armed: 'scharf', neutral: 'neutral', gap: 'Lücke' },
     events: {
       approached: 'Nahe an einem Objekt', touched: 'Berührt', engaged: 'Gegriffen', disengaged: 'Losgelassen', pour_began: 'Giessen beginnt', pour_ended: 'Giessen endet',
       line_reached: 'Linie erreicht', overfilled: 'Überfüllt', spilt: 'Verschüttet', wrong_dispenser: 'Falsche Flasche', knocked_over: 'Umgestossen', stood_up: 'Aufgestellt',

@@ -30,7 +30,7 @@ export const en = {
     kinds: {
       stop: 'Stop', emergency_stop: 'Emergency stop', fault: 'Fault', controls_lost: 'Controls lost', armed: 'Armed', neutral: 'At neutral',
     } as Record<string, string>,
-    short: { stop: 'stop', emergency_stop: 'stop', fault: 'fault', controls_lost: 'controls lost', armed: 'armed', neutral: 'neutral', gap: 'gap' } as Record<string, string>,
+    short: { stop: 'stop', emergency_stop: 'emergency stop', fault: 'fault', controls_lost: 'controls lost', armed: 'armed', neutral: 'neutral', gap: 'gap' } as Record<string, string>,
     events: {
       approached: 'Near an object', touched: 'Touched', engaged: 'Grasped', disengaged: 'Let go', pour_began: 'Pouring begins', pour_ended: 'Pouring ends',
       line_reached: 'Line reached', overfilled: 'Overfilled', spilt: 'Spilt', wrong_dispenser: 'Wrong bottle', knocked_over: 'Knocked over', stood_up: 'Stood up',

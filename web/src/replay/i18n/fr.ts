@@ -31,7 +31,7 @@ export const fr: ReplayTexts = {
     kinds: {
       stop: 'Arrêt', emergency_stop: 'Arrêt d’urgence', fault: 'Défaut', controls_lost: 'Commandes perdues', armed: 'Armé', neutral: 'Au neutre',
     },
-    short: { stop: 'arrêt', emergency_stop: 'arrêt', fault: 'défaut', controls_lost: 'commandes perdues', armed: 'armé', neutral: 'neutre', gap: 'trou' },
+    short: { stop: 'arrêt', emergency_stop: 'arrêt d’urgence', fault: 'défaut', controls_lost: 'commandes perdues', armed: 'armé', neutral: 'neutre', gap: 'trou' },
     events: {
       approached: 'Près d’un objet', touched: 'Touché', engaged: 'Saisi', disengaged: 'Lâché', pour_began: 'Début du versement', pour_ended: 'Fin du versement',
       line_reached: 'Trait atteint', overfilled: 'Trop plein', spilt: 'Renversé à côté', wrong_dispenser: 'Mauvaise bouteille', knocked_over: 'Renversée', stood_up: 'Redressée',
