@@ -315,13 +315,13 @@ class WhatSurvives(AppTest):
         self.expect_same_when_run_again(path)
 
     def test_limit_of_file_size(self):
-        self.check_run_over_a_full_disk(self.folder / "run.h5", preexec_fn=limit_file_size(3_000_000))
+        self.check_run_over_a_full_disk(self.folder / "run.h5", preexec_fn=limit_file_size(2_400_000))
 
     @unittest.skipUnless(os.geteuid() == 0, "only root can make a small disk")
     def test_small_disk(self):
         disk = self.folder / "disk"
         disk.mkdir()
-        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=3m", "tmpfs", str(disk)],
+        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=2400k", "tmpfs", str(disk)],
                                  capture_output=True, text=True, check=False)
         if mounted.returncode != 0:
             self.skipTest("mount is not allowed here: " + mounted.stderr.strip())

@@ -66,7 +66,7 @@ class Sessions(Running):
         self.assertNotIn("recorded", said)
 
     def test_recording_for_which_the_disk_had_no_room_says_so_while_it_runs_and_in_the_list(self):
-        run = self.start(preexec_fn=limit_file_size(1 << 22))
+        run = self.start(preexec_fn=limit_file_size(2_500_000))
         began = int(time.time())
         self.session(4.0)
         ended = time.time()

@@ -28,8 +28,11 @@ inline RecordingMeta meta() {
   m.lever_arms_m = {0, 0, 0, 0.08, 0, 0.08};
   m.armed_position = {0.01, -0.02, 0.03, 0.4, 0.5, 0.6};
   for (int i = 0; i < 18; ++i) m.joint_names.push_back("joint_" + std::to_string(i));
-  m.law = {std::vector<double>(6, 900.0), std::vector<double>(6, 2.0),  std::vector<double>(6, 0.3),
-           std::vector<double>(6, 5e-3),  std::vector<double>(18, 0.1), {}};
+  m.law.k_pm = std::vector<double>(6, 900.0);
+  m.law.k_dm = std::vector<double>(6, 2.0);
+  m.law.gamma = std::vector<double>(6, 0.3);
+  m.law.filter_tau_s = std::vector<double>(6, 5e-3);
+  m.law.theta0 = std::vector<double>(18, 0.1);
   for (int i = 0; i < 18 * 6; ++i) m.law.synergy.push_back(i % 6 == i / 18 ? 0.5 : 0.0);
   m.law.encoder_step = std::vector<double>(6, 1e-5);
   m.law.output_delay_ticks = 1;
