@@ -22,10 +22,10 @@ struct ExerciseDescription {
   std::vector<LiveParameter> parameters;
   std::vector<std::string> value_names;  ///< of ExerciseRecord::values, at most kMaxExerciseValues
   std::vector<std::string> event_names;  ///< of ExerciseEvent::type
-  /// Index into value_names of the place in its level from which a session goes on after a rest: the
-  /// value of ExerciseAction::kBeginAt. -1: every session begins at the start.
+  /// Index into value_names of the place in its level from which a session goes on after a rest:
+  /// the value of ExerciseAction::kBeginAt. -1: every session begins at the start.
   int resume_value = -1;
-  std::string json;                      ///< what its front end needs to know: liquids, recipe ...
+  std::string json;  ///< what its front end needs to know: liquids, recipe ...
 };
 
 /// What the exercise sees in a tick.
