@@ -111,6 +111,8 @@ void Station::Core::finishSession(bool goes_on) {
   files_.note(record_path_, title(), began_utc_,
               static_cast<double>(ended.summary.ticks) * config_.rig.period_s, missing);
   outcome_.faulted = outcome_.faulted || ended.faulted;
+  // Who is told of the end finds the recording in the list.
+  if (!record_path_.empty()) publishScene("");
   {
     // Its world is taken down outside: an order waits for nobody.
     const std::lock_guard lock(mutex_);
@@ -125,7 +127,6 @@ void Station::Core::finishSession(bool goes_on) {
   outcome_.last = EndedSession{outcome_.sessions, std::move(ended), safety_->transitions(),
                                rehearsed_, record_path_};
   if (config_.ended) config_.ended(*outcome_.last);
-  if (!record_path_.empty()) publishScene("");
   record_path_.clear();
 }
 

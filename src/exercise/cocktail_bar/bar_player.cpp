@@ -69,6 +69,7 @@ void BarPlayer::reset() {
   poured_before_l_ = poured_l_ = vain_s_ = 0.0;
   lifted_ = false;
   rate_ = wanted_rate_ = trembling_s_ = glance_due_s_ = 0.0;
+  grips_ = false;
   remembered_ = newest_ = 0;
   memory_.fill({});
   go(Doing::kWait);
@@ -243,7 +244,8 @@ void BarPlayer::pressBy(const BarGlance& seen) noexcept {
   const bool hold = free && (!lifted_ || doing_ == Doing::kEase);
   const double zone_n = seen.low_n + share_ * (seen.high_n - seen.low_n);
   const double wanted_n = std::max(hold ? kHoldShare * seen.low_n : zone_n, 0.5);
-  if (seen.squeeze_n < 0.15 * wanted_n) {
+  grips_ = seen.squeeze_n >= 0.15 * wanted_n;
+  if (!grips_) {
     wanted_rate_ = kClosing_rad_s * character_.pace;
   } else {
     const double missing = (wanted_n - seen.squeeze_n) / wanted_n;

@@ -110,6 +110,7 @@ class BarPlayer final : public Player {
   double settled_s_ = 0.0;                          // how long a hold was as it should be
   double fingers_ = 0.0, thumb_ = 0.0;     // their aim while they press; thumb at half bent
   double rate_ = 0.0, wanted_rate_ = 0.0;  // of the fingers' aim [rad/s]
+  bool grips_ = false;                     // as seen last: something is felt between the fingers
 
   std::array<BarGlance, kMemory> memory_{};
   int remembered_ = 0;  // glances so far, at most kMemory

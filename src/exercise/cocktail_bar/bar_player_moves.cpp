@@ -25,7 +25,8 @@ constexpr double kShortest_s = 0.3;
 
 // Of the fingers' aim while they press.
 constexpr double kGripFilter_s = 0.05;
-constexpr double kGripEnd_s = 0.2;  // comes to rest at the end of the range in this time
+constexpr double kPastRange = 30.0 * kDeg;  // of an intention, while something is gripped
+constexpr double kGripEnd_s = 0.2;          // comes to rest at the end of the range in this time
 
 }  // namespace
 
@@ -133,6 +134,7 @@ void BarPlayer::go(Doing doing) noexcept {
   doing_ = doing;
   since_s_ = 0.0;
   rate_ = wanted_rate_ = 0.0;
+  grips_ = false;
   settled_s_ = vain_s_ = 0.0;
   if (doing == Doing::kTouch) share_ = character_.share;
   const AxisPosition goal = goalOf(doing);
@@ -160,9 +162,10 @@ void BarPlayer::tremble(double period_s, AxisPosition& q, AxisVelocity& qd) noex
 // Fingers and thumb go by rates here; the arm rests.
 void BarPlayer::press(double period_s) noexcept {
   if (view_.fingers < 0) return;
-  const double upper = view_.upper[view_.fingers];
-  const double wanted = std::clamp(wanted_rate_, -(fingers_ - kHalfBent) / kGripEnd_s,
-                                   (upper - fingers_) / kGripEnd_s);
+  // A large hand on a bottle is far from closed: a firm grip wants the fingers past their range.
+  const double end = view_.upper[view_.fingers] + (grips_ ? kPastRange : 0.0);
+  const double wanted =
+      std::clamp(wanted_rate_, -(fingers_ - kHalfBent) / kGripEnd_s, (end - fingers_) / kGripEnd_s);
   rate_ += (wanted - rate_) * std::min(period_s / kGripFilter_s, 1.0);
   fingers_ += rate_ * period_s;
   q_[view_.fingers] = fingers_;

@@ -65,6 +65,7 @@ export async function mouseMovesTheHand(game, watcher) {
   await watcher.until('the hand farther left, as the cursor', (now) => axis(now, 'y') > axis(right, 'y') + 0.02, { within_ms: PATIENT_MS });
   // A hand that was taken over has been drawn back: away first, then near again. The wheel counts from where it is.
   const before = await handAtRest(watcher, 'the hand at rest farther left');
+  if (process.env.SAY) console.log('before', before.q.slice(0,3), 'right', right.q.slice(0,3), before.values.stage, before.values.palm_dispenser);
   const turn = async (by_px) => { for (let k = 0; k < 2; k += 1) await game.mouse.wheel(0, by_px); };
   await turn(-100);
   const away = await watcher.until('the device farther from the person after the wheel', (now) => axis(now, 'x') > axis(before, 'x') + 0.01, { within_ms: PATIENT_MS });
