@@ -65,12 +65,20 @@ export async function mouseMovesTheHand(game, watcher) {
   await watcher.until('the hand farther left, as the cursor', (now) => axis(now, 'y') > axis(right, 'y') + 0.02, { within_ms: PATIENT_MS });
   // A hand that was taken over has been drawn back: away first, then near again. The wheel counts from where it is.
   const before = await handAtRest(watcher, 'the hand at rest farther left');
-  if (process.env.SAY) console.log('before', before.q.slice(0,3), 'right', right.q.slice(0,3), before.values.stage, before.values.palm_dispenser);
-  const turn = async (by_px) => { for (let k = 0; k < 2; k += 1) await game.mouse.wheel(0, by_px); };
-  await turn(-100);
-  const away = await watcher.until('the device farther from the person after the wheel', (now) => axis(now, 'x') > axis(before, 'x') + 0.01, { within_ms: PATIENT_MS });
-  await turn(100);
-  await watcher.until('the device nearer to the person after the wheel', (now) => axis(now, 'x') < axis(away, 'x') - 0.005, { within_ms: PATIENT_MS });
+  // A page that lost the controls meanwhile begins anew where the hand is: whoever plays turns the wheel again.
+  const turnUntil = (what, by_px, reached) => {
+    let due_ms = 0;
+    return watcher.until(what, async (now) => {
+      if (reached(now)) return true;
+      if (Date.now() >= due_ms) {
+        due_ms = Date.now() + 5000;
+        for (let k = 0; k < 2; k += 1) await game.mouse.wheel(0, by_px);
+      }
+      return false;
+    }, { within_ms: PATIENT_MS });
+  };
+  const away = await turnUntil('the device farther from the person after the wheel', -100, (now) => axis(now, 'x') > axis(before, 'x') + 0.01);
+  await turnUntil('the device nearer to the person after the wheel', 100, (now) => axis(now, 'x') < axis(away, 'x') - 0.005);
   return `the hand followed the cursor to the left, steered by ${before.steering === 1 ? 'the person' : 'nobody'}`;
 }
 

@@ -28,7 +28,7 @@ export async function openWatcher(browser, programUrl, query = {}) {
     until(what, look, options) {
       return until(what, async () => {
         const now = await watcher.now();
-        return now && look(now) ? now : null;
+        return now && await look(now) ? now : null;
       }, options);
     },
   };
