@@ -296,25 +296,3 @@ build() {
   fi
   if grep -q '\] Building ' "$log"; then say "Built in $(duration $((SECONDS - start)))."; fi
 }
-
-# The tests that each sanitizer watches, as arguments of ctest.
-# shellcheck disable=SC2034
-sanitizers=(tsan asan-ubsan)
-tests_under() { # <preset>: sets `selection`
-  case $1 in
-    tsan) selection=(-L threaded) ;;
-    asan-ubsan) selection=(-L '^(unit|property)$') ;;
-    rtsan) selection=(-R '^(rt_proof|renderer|runtime|bar_experiments)$') ;;
-  esac
-}
-
-# build_for_tests <preset>: just the tests that this sanitizer watches.
-build_for_tests() {
-  local preset=$1 targets selection=()
-  tests_under "$preset"
-  configure "$preset" -DWHOLEHAND_BUILD_TESTS=ON
-  mapfile -t targets < <(ctest --test-dir "$root/build/$preset" -N "${selection[@]}" |
-    sed -n 's/^ *Test *#[0-9]*: \(.*\)$/test_\1/p')
-  ((${#targets[@]} > 0)) || fail "no test is selected by ${selection[*]}"
-  build "$preset" "${targets[@]}"
-}
