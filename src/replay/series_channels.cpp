@@ -46,16 +46,16 @@ void fillSeriesValues(const TickRecord& record, const RecordingMeta& meta,
                       std::vector<double>& values) {
   std::size_t at = 0;
   const auto axes = static_cast<int>(meta.axis_names.size());
-  const auto perAxis = [&](const auto& array) {
+  const auto per_axis = [&](const auto& array) {
     for (int a = 0; a < axes; ++a) values[at++] = a < array.size() ? array[a] : kNothing;
   };
-  perAxis(record.q_m);
-  perAxis(record.q_s);
-  perAxis(record.intention);
-  perAxis(record.sent);
-  perAxis(record.exercise.effort);
-  perAxis(record.damping);
-  perAxis(record.phi);
+  per_axis(record.q_m);
+  per_axis(record.q_s);
+  per_axis(record.intention);
+  per_axis(record.sent);
+  per_axis(record.exercise.effort);
+  per_axis(record.damping);
+  per_axis(record.phi);
   for (const double value : {record.exercise.alpha, record.palm_distance_m, contactForce_n(record),
                              static_cast<double>(record.contact_count), duration_s(record, meta)}) {
     values[at++] = value;
