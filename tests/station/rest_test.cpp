@@ -69,7 +69,8 @@ TEST_F(RestOfAPlayer, LimitSetMeanwhile_IsShownAndHoldsInTheNextSession) {
 class RestInALevel : public RestOfAPlayer {
  protected:
   double value(const std::string& name) {
-    const auto& names = station_->scene()->value_names;
+    const auto scene = station_->scene();
+    const auto& names = scene->value_names;
     const auto found = std::find(names.begin(), names.end(), name);
     TickRecord record;
     if (found == names.end() || !station_->latest(record)) return std::nan("");
