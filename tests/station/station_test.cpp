@@ -57,7 +57,8 @@ TEST_F(Bar, Parameters_RampOrAreRefusedWithTheirRange) {
   order.value = 8.0;
   ASSERT_TRUE(ask(order).accepted);
   const auto index = [&] {
-    const auto& all = station_->scene()->parameters;
+    const auto scene = station_->scene();
+    const auto& all = scene->parameters;
     for (std::size_t i = 0; i < all.size(); ++i) {
       if (all[i].name == order.name) return i;
     }
