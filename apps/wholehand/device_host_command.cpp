@@ -37,6 +37,12 @@ std::string sentence(const HostEvent& event) {
     case HostPhase::kRendering:
       return {};
     case HostPhase::kRamping:
+      if (event.reason == HostReason::kNone) {
+        return fmt::format(
+            "session {}: the loop ended at neutral; the device follows (this host's longest gap "
+            "{:.1f} ms)",
+            event.session, gap_ms);
+      }
       return fmt::format(
           "session {}: LETS GO: {} (its last is {:.1f} ms old; this host's longest "
           "gap {:.1f} ms)",

@@ -61,8 +61,10 @@ class DeviceHost(DeviceTest):
         return [(r[0] * 1e-9, r[1:]) for r in RECORD.iter_unpack(data[:len(data) // RECORD.size * RECORD.size])]
 
     def wait_until_it_pushes(self, run):
+        """A loop that the machine let wait is lost for the host: then this fails at once."""
         def pushes():
             given = self.efforts()
+            self.assertNotRegex(self.host_says().splitlines()[-1], "LETS GO|stays there", self.host_says())
             return len(given) > 400 and all(max(map(abs, e)) > 0.5 for _, e in given[-400:])
         self.wait_until(run, pushes)
 

@@ -32,19 +32,18 @@ class Frame(DeviceTest):
 
     def test_armed_and_stopped_over_udp_and_serial_leaves_the_firmware_neutral_and_off(self):
         for where in ("udp:0", "serial"):
-            with self.subTest(where=where):
-                run = self.start_run(self.start_firmware(where, 2000))  # this machine may stall
-                self.assertEqual(self.phase(), "off", "nothing is enabled before somebody asks")
-                self.arm()
-                self.wait_until(run, lambda: self.phase() == "rendering")
-                time.sleep(0.5)
-                self.assertEqual(self.phase(), "rendering")
-                run.send_signal(signal.SIGINT)
-                said = "".join(run.communicate(timeout=60))
-                self.assertEqual(run.returncode, INTERRUPTED, said)
-                self.assertEqual([p[0] for p in self.phases()][-1], "off", self.phases())
-                self.assertEqual(float(self.phases()[-1][2]), 0.0)
-                self.assertNotIn("latched", [p[0] for p in self.phases()], "its watchdog had nothing to do")
+            run = self.start_run(self.start_firmware(where, 2000))  # this machine may stall
+            self.assertEqual(self.phase(), "off", "nothing is enabled before somebody asks")
+            self.arm()
+            self.wait_until(run, lambda: self.phase() == "rendering")
+            time.sleep(0.5)
+            self.assertEqual(self.phase(), "rendering", where)
+            run.send_signal(signal.SIGINT)
+            said = "".join(run.communicate(timeout=60))
+            self.assertEqual(run.returncode, INTERRUPTED, where + said)
+            self.assertEqual([p[0] for p in self.phases()][-1], "off", self.phases())
+            self.assertEqual(float(self.phases()[-1][2]), 0.0)
+            self.assertNotIn("latched", [p[0] for p in self.phases()], "its watchdog had nothing to do")
 
     def test_killed_program_leaves_the_firmware_latched_at_neutral(self):
         run = self.start_run(self.start_firmware("shm:test-app-%d" % time.monotonic_ns(), 200))

@@ -286,6 +286,35 @@ TEST(EffortGuard, ToldToLetGo_RampsWhateverTheLoopCommands) {
   EXPECT_EQ(guard.ramp.sent[0], 0.0);
 }
 
+// A host that stood still blends in what it missed: the loop has come to neutral and ended before
+// the device has. That is no loop to be let go of, and no step for the device.
+TEST(EffortGuard, LoopThatEndedAtNeutralWhileTheHostWasBlocked_IsFollowedAndNotBlamed) {
+  const GuardConfig config = configAt(1000.0);
+  const HostCommand pushes = commandOf(5, kStart_ns, 4.0, -2.0, 1.5);
+  const std::int64_t back_ns = kStart_ns + 9 * kMs;
+  const HostCommand neutral = commandOf(12, back_ns - kMs, 0.0, 0.0, 1.5);
+  GuardState guard =
+      advanceGuard(rendering(config, pushes), &neutral, HostReason::kNone, 9, back_ns, config);
+  ASSERT_GT(guard.ramp.sent[0], 0.0) << "else the test is about nothing";
+  AxisEffort before = guard.ramp.sent;
+  int cycles = 0;
+  while (guard.phase != HostPhase::kLatched && ++cycles < 200) {
+    guard =
+        advanceGuard(guard, &neutral, HostReason::kLoopEnded, 1, back_ns + cycles * kMs, config);
+    EXPECT_EQ(guard.reason, HostReason::kNone);
+    for (int i = 0; i < 2; ++i) {
+      EXPECT_LE(std::abs(guard.ramp.sent[i]), std::abs(before[i])) << "falls";
+      EXPECT_LE(std::abs(guard.ramp.sent[i] - before[i]), 4.0 * 1.5 / 30.0) << "no step";
+    }
+    before = guard.ramp.sent;
+  }
+  EXPECT_LE(cycles, 110);
+  EXPECT_EQ(guard.ramp.sent[0], 0.0);
+  const GuardState pushing =
+      advanceGuard(rendering(config, pushes), &pushes, HostReason::kLoopEnded, 1, back_ns, config);
+  EXPECT_EQ(pushing.reason, HostReason::kLoopEnded) << "one that ended while it pushed is";
+}
+
 TEST(EffortGuard, EnabledAndNeverCommanded_StaysNeutralAndLatches) {
   const GuardConfig config = configAt(1000.0);
   const GuardState begun = beginSession(1, kStart_ns, config);

@@ -45,7 +45,9 @@ void letGo(GuardState& s, HostReason why, const GuardConfig& config) noexcept {
   const bool neutral = isNeutral(s.ramp.sent, config.neutral);
   s.reason = why;
   if (neutral && why == HostReason::kLoopSilent) s.reason = HostReason::kSilentAtNeutral;
-  if (neutral && why == HostReason::kLoopEnded) s.reason = HostReason::kNone;  // as it should
+  // As it should; a host that was late has yet to bring the device there.
+  const bool ended_well = why == HostReason::kLoopEnded && isNeutral(s.wanted, config.neutral);
+  if (ended_well) s.reason = HostReason::kNone;
   s.phase = neutral ? HostPhase::kLatched : HostPhase::kRamping;
 }
 

@@ -20,7 +20,7 @@ enum class HostPhase : std::uint32_t {
 
 /// Why the host took the effort to neutral by itself.
 enum class HostReason : std::uint32_t {
-  kNone = 0,
+  kNone = 0,             ///< the loop is heard, or ended at neutral
   kLoopSilent = 1,       ///< no new command for 20 ms
   kSilentAtNeutral = 2,  ///< the same, but the effort was neutral already
   kBadCommand = 3,       ///< not finite, or not of as many axes
