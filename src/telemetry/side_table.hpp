@@ -17,13 +17,16 @@ struct SideTable {
   TableReader<Row> table;
   std::vector<Rows> of_tick;
 
-  /// Takes which tick each row belongs to. Rows that never reached the disk belong to none.
+  /// Takes which tick each row belongs to. Rows that never reached the disk belong to none: they
+  /// hold UINT64_MAX, or in older files 0 behind those of later ticks.
   bool assign(std::uint64_t ticks) {
     std::vector<std::uint64_t> owners;
     if (!table.readAll("row", owners)) return false;
     of_tick.assign(ticks, {});
+    std::uint64_t last = 0;
     for (std::uint64_t i = 0; i < owners.size(); ++i) {
-      if (owners[i] >= ticks) continue;
+      if (owners[i] >= ticks || owners[i] < last) continue;
+      last = owners[i];
       Rows& rows = of_tick[owners[i]];
       if (rows.count == 0) rows.first = i;
       if (rows.first + rows.count == i) ++rows.count;

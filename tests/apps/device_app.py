@@ -1,43 +1,15 @@
-"""What the end-to-end tests with a driver share: a device file, its passport, a run that waits to be armed, and arming.
-
-Drives, hosts and held keys count real time, and this machine may stand still. Nothing runs beside these tests
-(CMakeLists.txt). One that fails is tried again where a process that only sleeps beside it was kept waiting, too."""
+"""What the end-to-end tests with a driver share: a device file, its passport, a run that waits to be armed, and arming."""
 import datetime
 import hashlib
 import os
 import pathlib
 import re
-import subprocess
-import sys
 
 import client
-from app import BINARY, CONFIG, AppTest
+from app import BINARY, CONFIG, TRIES, PacedTest
 
 DRIVERS = pathlib.Path(os.environ.get("WHOLEHAND_DRIVERS", BINARY.parent / "drivers")).resolve()
 HARDWARE = ("run", "--exercise", "free-grasping", "--patient", CONFIG / "patients/no-arm.toml", "--port", 0)
-
-STOOD_STILL_S, TRIES = 0.005, 6
-
-# Sleeps a millisecond at a time, and tells the longest that it took once its input is closed.
-SLEEPER = """
-import select, sys, time
-longest, last = 0.0, time.monotonic()
-while not select.select([sys.stdin], [], [], 0.001)[0]:
-    now = time.monotonic()
-    longest, last = max(longest, now - last), now
-print(longest)
-"""
-
-
-class StallWatch:
-    """How long this machine let a process wait that only sleeps: the longest between two wakings [s]."""
-
-    def __init__(self):
-        self.sleeper = subprocess.Popen([sys.executable, "-c", SLEEPER], text=True, stdin=subprocess.PIPE,
-                                        stdout=subprocess.PIPE)
-
-    def longest_s(self):
-        return float(self.sleeper.communicate()[0])
 
 
 def sealed(text):
@@ -61,23 +33,7 @@ def passport_of(device, serial="S-1", day=None, damping=(1.0, 1.2), mass=(0.98, 
     return sealed(out + "\n")
 
 
-class DeviceTest(AppTest):
-    def _callTestMethod(self, method):
-        for tries_left in reversed(range(TRIES)):
-            watch = StallWatch()
-            try:
-                method()
-                watch.longest_s()
-                return
-            except self.failureException:
-                stood_still_s = watch.longest_s()
-                if tries_left == 0 or stood_still_s < STOOD_STILL_S:
-                    raise
-            print(f"{self._testMethodName}: this machine stood still for {1e3 * stood_still_s:.0f} ms; tried again", flush=True)
-            self.tearDown()
-            self.doCleanups()
-            self.setUp()
-
+class DeviceTest(PacedTest):
     def config_file(self, kind, name, axes=None, **changed):
         """A shipped file with these axes only, whose watch stops nothing that a stall of this machine could be."""
         head, *blocks = (CONFIG / kind / f"{name}.toml").read_text().split("[[axes]]")

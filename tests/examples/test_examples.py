@@ -10,14 +10,14 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "apps"))
 import client  # noqa: E402
-from app import DONE, SOURCE, AppTest, read_recording  # noqa: E402
+from app import DONE, SOURCE, PacedTest, read_recording  # noqa: E402
 
 EXAMPLES = pathlib.Path(os.environ["WHOLEHAND_EXAMPLES"])
 DRIVERS = pathlib.Path(os.environ.get("WHOLEHAND_DRIVERS", SOURCE / "build/release/drivers"))
 MOST_LINES = 80
 
 
-class Examples(AppTest):
+class Examples(PacedTest):
     def example(self, name, *arguments):
         return self.expect(self.run_app(*arguments, binary=EXAMPLES / name), DONE)
 

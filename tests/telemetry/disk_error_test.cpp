@@ -99,6 +99,34 @@ TEST_F(DiskErrorTest, ThatPasses_APartBeginsAndNothingBeforeOrAfterIsLost) {
   for (std::uint64_t tick = 1600; tick < appended; ++tick) ASSERT_TRUE(seen.contains(tick)) << tick;
 }
 
+// Rows that grew a table and never reached the disk are no rows of tick 0.
+TEST(DiskErrors, AtEachWriteOfAFlush_EveryTickFlushedBeforeIsRead) {
+  int refused = 0;
+  for (int before = 0; before < 60; ++before) {
+    const Folder folder;
+    const std::string path = folder.file("run.h5");
+    auto writer = RecordingWriter::create(path, synthetic::meta()).value();
+    std::mt19937_64 noise(1);
+    std::uint64_t appended = 0;
+    const auto append = [&](std::uint64_t to) {
+      while (appended < to) writer->append(synthetic::noisy(appended++, noise));
+      writer->flush();
+    };
+    append(100);
+    ASSERT_EQ(writer->written(), 100U);
+    DiskErrorTest::failAfter(before, 1 << 30);
+    append(200);
+    refused += writer->written() == 100 ? 1 : 0;
+    disk_fails = false;
+    writer->close();  // tries once more
+    EXPECT_EQ(writer->written(), 200U);
+    std::vector<std::string> files = recordingParts(path);
+    files.insert(files.begin(), path);
+    EXPECT_EQ(ticksOf(files).size(), 200U) << before << " writes before the disk failed";
+  }
+  EXPECT_GT(refused, 20) << "else the test is about nothing";
+}
+
 TEST(DiskErrors, AtAnyWriteForAnyNumberOfThem_EveryWrittenTickIsReadAndTheOthersAreCounted) {
   auto random = test::seededRandom(15);
   std::uint64_t lost = 0, parts = 0;
