@@ -151,11 +151,12 @@ class PacedTest(AppTest):
                 method()
                 watch.longest_s()
                 return
-            except self.failureException:
+            except self.failureException as failure:
+                why = str(failure)
                 stood_still_s = watch.longest_s()
                 if tries_left == 0 or stood_still_s < STOOD_STILL_S:
                     raise
-            print(f"{self._testMethodName}: this machine stood still for {1e3 * stood_still_s:.0f} ms; tried again", flush=True)
+            print(f"{self._testMethodName}: this machine stood still for {1e3 * stood_still_s:.0f} ms; tried again\n{why}", flush=True)
             self.tearDown()
             self.doCleanups()
             self.setUp()

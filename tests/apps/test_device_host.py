@@ -1,16 +1,18 @@
 """`wholehand device-host` and `wholehand run --host`: the loop may die, the device is not left pushing.
 
 The driver keeps every effort that the host gave it, with its time (tests/device/pushed_driver.c). The host may be as
-late as this machine keeps it waiting: its longest gap between two writes is added to what is allowed.
+late as this machine keeps it waiting: its gaps between two writes are added to what is allowed.
 """
 import os
 import pathlib
+import re
 import signal
 import struct
 import subprocess
 import time
 import unittest
 
+import client
 from app import BINARY, FULL, read_recording
 from device_app import DRIVERS, HARDWARE, DeviceTest
 
@@ -30,6 +32,7 @@ def points_alike(a, b):
 class DeviceHost(DeviceTest):
     def setUp(self):
         super().setUp()
+        self.sessions = 0
         for leftover in (NAME, NAME + ".lock"):
             self.addCleanup(pathlib.Path("/dev/shm", "wholehand-" + leftover).unlink, missing_ok=True)
         self.addCleanup(EFFORTS.unlink, missing_ok=True)
@@ -39,7 +42,7 @@ class DeviceHost(DeviceTest):
         log = open(self.folder / "host.log", "a")
         self.addCleanup(log.close)
         before = self.host_says()
-        host = subprocess.Popen([BINARY, "device-host", "--name", NAME, "--driver", DRIVERS / f"{driver}.so",
+        self.host = host = subprocess.Popen([BINARY, "device-host", "--name", NAME, "--driver", DRIVERS / f"{driver}.so",
                                  "--driver-settings", settings, *self.desktop()[:2]], cwd=self.folder,
                                 stdin=subprocess.DEVNULL, stdout=log, stderr=log)
         self.addCleanup(host.wait)
@@ -60,13 +63,32 @@ class DeviceHost(DeviceTest):
         data = EFFORTS.read_bytes()
         return [(r[0] * 1e-9, r[1:]) for r in RECORD.iter_unpack(data[:len(data) // RECORD.size * RECORD.size])]
 
-    def wait_until_it_pushes(self, run):
-        """A loop that the machine let wait is lost for the host: then this fails at once."""
+    def arm_until_it_pushes(self, run):
+        """A loop that this machine let wait is lost for the host, too: it is armed anew."""
         def pushes():
             given = self.efforts()
-            self.assertNotRegex(self.host_says().splitlines()[-1], "LETS GO|stays there", self.host_says())
             return len(given) > 400 and all(max(map(abs, e)) > 0.5 for _, e in given[-400:])
-        self.wait_until(run, pushes)
+
+        def let_go():
+            return re.search("LETS GO|stays there", self.host_says().splitlines()[-1])
+        self.arm_anew()
+        for _ in range(20):
+            self.wait_until(run, lambda: pushes() or let_go())
+            if not let_go():
+                return
+            self.arm_anew()
+        self.fail(f"never pushes\n{self.host_says()}")
+
+    def arm_anew(self):
+        """Whatever has ended before."""
+        for _ in range(50):
+            self.wait_until(self.host, lambda: self.page.state is not None)
+            accepted, reason = self.page.arm(self.page.state.number(client.ENDINGS, "I"))
+            if accepted:
+                self.sessions += 1
+                return
+            time.sleep(0.1)
+        self.fail(reason)
 
     def judge_loss(self, host):
         """Of the last loss: from the loop's last command on."""
@@ -84,13 +106,14 @@ class DeviceHost(DeviceTest):
         lowered = next(i for i in range(last, neutral + 1) if given[i][1] != given[last][1])
         span = given[last:neutral + 1]
         gap = max(b[0] - a[0] for a, b in zip(span, span[1:]))
+        late = sum(b[0] - a[0] for a, b in zip(span, span[1:]) if b[0] - a[0] > 0.002)  # the host is called each 0.25 ms
         taken = span[-1][0] - span[0][0]
         for (_, before), (_, after) in zip(span, span[1:]):
             for was, now in zip(before, after):
                 self.assertLessEqual(abs(now), abs(was), "an effort rises after the loss")
                 self.assertGreaterEqual(now * was, 0.0, "an effort goes through neutral")
         self.assertGreater(max(map(abs, span[0][1])), 0.05, "nothing was pushed: the test proves nothing")
-        self.assertLessEqual(taken, 0.110 + gap)
+        self.assertLessEqual(taken, 0.110 + late)
         self.assertGreater(given[lowered][0] - given[last][0], 0.019 - gap, "an alarm too early")
         return taken, gap
 
@@ -98,8 +121,7 @@ class DeviceHost(DeviceTest):
         host = self.start_host()
         for number in (signal.SIGKILL, signal.SIGSTOP) * LOSSES:
             run = self.start_run()
-            self.arm()
-            self.wait_until_it_pushes(run)
+            self.arm_until_it_pushes(run)
             run.send_signal(number)
             taken, gap = self.judge_loss(host)
             print(f"figure: loop of the program lost by {number.name}, neutral = {taken * 1e3:.1f} ms "
@@ -118,43 +140,41 @@ class DeviceHost(DeviceTest):
         self.wait_until(host, lambda: self.host_says().endswith(": ended\n"), self.host_says)
         after = self.efforts()[before:]
         self.assertTrue(all(e == (0.0, 0.0, 0.0) for _, e in after), "the loop is heard after the host let go")
-        self.arm(endings_seen=2)  # of its own will, it is served again
-        self.wait_until_it_pushes(run)
+        self.arm_until_it_pushes(run)  # of its own will, it is served again
 
     def test_lost_host_is_a_fault_of_the_loop_and_a_new_host_serves_it(self):
         host = self.start_host()
         run = self.start_run()
-        self.arm()
-        self.wait_until_it_pushes(run)
+        self.arm_until_it_pushes(run)
+        lost = self.sessions - 1
+        endings = self.page.state.number(client.ENDINGS, "I")
         host.kill()
         host.wait()
-        accepted, reason = self.page.arm(endings_seen=2)
+        accepted, reason = self.page.arm(endings_seen=endings + 1)
         self.assertFalse(accepted)
         self.assertIn("is gone", reason)
         self.assertIn("wholehand device-host", reason)
         self.start_host()
-        self.arm(endings_seen=2)
-        self.wait_until_it_pushes(run)
+        self.arm_until_it_pushes(run)
         run.send_signal(signal.SIGINT)
         said = "".join(run.communicate(timeout=60))
         self.assertIn("rendering -> faulted: stale sample", said)
         self.assertIn(f"pushed, 3 axes, in the host {NAME}", self.driver_line)
         recordings = sorted((self.folder / "out/recordings").glob("*.h5"))
-        with read_recording(recordings[0]) as first:
+        with read_recording(recordings[lost]) as first:
             self.assertEqual(first["ticks/faults"][-1] & STALE_SAMPLE, STALE_SAMPLE)
 
     def test_end_of_the_loop_disables_and_end_of_the_host_is_at_neutral(self):
         host = self.start_host()
         run = self.start_run()
-        self.arm()
-        self.wait_until_it_pushes(run)
+        self.arm_until_it_pushes(run)
+        before = len(self.host_says())
         run.send_signal(signal.SIGINT)
         run.communicate(timeout=60)
-        self.wait_until(host, lambda: "session 1: ended" in self.host_says())
-        self.assertNotIn("LETS GO", self.host_says())
+        self.wait_until(host, lambda: self.host_says().endswith(": ended\n"))
+        self.assertNotIn("LETS GO", self.host_says()[before:])
         run = self.start_run()
-        self.arm()
-        self.wait_until_it_pushes(run)
+        self.arm_until_it_pushes(run)
         host.terminate()
         self.assertEqual(host.wait(timeout=60), 0, self.host_says())
         self.assertIn("LETS GO: the host was told to end", self.host_says())
