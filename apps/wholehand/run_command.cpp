@@ -11,7 +11,7 @@
 #include "run_options.hpp"
 #include "run_text.hpp"
 #include "runtime/interrupt_scope.hpp"
-#include "server/aside_log.hpp"
+#include "server/async_log.hpp"
 #include "shipped_files.hpp"
 #include "status_line.hpp"
 #include "summary_json.hpp"
@@ -191,12 +191,12 @@ int runCommand(RunOptions options) {
   Terminal terminal;
   terminal.begin(models->device);
   plan.status = [&](const TickSummary& now, double rate_hz) { terminal.update(now, rate_hz); };
-  AsideLog aside([&terminal](const std::string& line) { terminal.say(line); });
+  AsyncLog async_log([&terminal](const std::string& line) { terminal.say(line); });
   SafetyLog log(models->device, rig_options.period_s,
-                [&aside](const SafetyTransition& t) { aside.write(describe(t)); });
+                [&async_log](const SafetyTransition& t) { async_log.write(describe(t)); });
   plan.sinks.emplace_back([&log](const TickRecord& record) { log.add(record); });
   Expected<RunOutcome> outcome = runAndRecord(**rig, plan);
-  aside.flush(kLogWithin);
+  async_log.flush(kLogWithin);
   terminal.end();
   safety.transitions = log.transitions();
   if (!outcome) {

@@ -63,9 +63,9 @@ const toml::node* TomlTable::State::require(std::string_view key, const std::str
   known.emplace(key);
   const toml::node* node = find(key);
   // A table that is missing was reported itself; its keys need not be.
-  const bool noted =
+  const bool already_told =
       std::any_of(missing.begin(), missing.end(), [&](const Missing& m) { return m.key == key; });
-  if (node == nullptr && table != nullptr && !faulty.contains(key) && !noted) {
+  if (node == nullptr && table != nullptr && !faulty.contains(key) && !already_told) {
     missing.push_back({std::string(key), remedy});
   }
   return node;

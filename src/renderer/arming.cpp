@@ -9,7 +9,7 @@ namespace wholehand {
 namespace {
 
 // Why not, where no file and no value is to blame.
-Diagnostic because(const char* problem, const char* remedy) {
+Diagnostic armingProblem(const char* problem, const char* remedy) {
   return {"", 0, "", "", problem, remedy};
 }
 
@@ -18,20 +18,20 @@ Diagnostic because(const char* problem, const char* remedy) {
 // Before the device is touched.
 Expected<Done> HapticRenderer::mayArm(const std::optional<RehearsalPassed>& rehearsed) const {
   if (!safety_.rendering() && !finished()) {
-    return because("the device is still on its way to neutral", "arm again then");
+    return armingProblem("the device is still on its way to neutral", "arm again then");
   }
   if (device_.simulated()) return Done{};
   if (safety_.rendering()) {
-    return because("the device is armed already", "stop it first");
+    return armingProblem("the device is armed already", "stop it first");
   }
   if (config_.moves_nobody) return Done{};
   if (!rehearsed) {
-    return because("the device may move a person, and nothing was rehearsed",
-                   "call rehearse() and arm with what it says has passed");
+    return armingProblem("the device may move a person, and nothing was rehearsed",
+                         "call rehearse() and arm with what it says has passed");
   }
   if (rehearsed->of() != config_.rehearsal) {
-    return because("what was rehearsed is not what is to be rendered",
-                   "rehearse these models, with these options");
+    return armingProblem("what was rehearsed is not what is to be rendered",
+                         "rehearse these models, with these options");
   }
   return Done{};
 }
@@ -55,7 +55,7 @@ Expected<Done> HapticRenderer::withinWorkspace() const {
 Expected<Done> HapticRenderer::arm(const std::optional<RehearsalPassed>& rehearsed) {
   // A stop that no tick has seen is a person's: it is never forgotten in silence.
   if (safety_.stops().takeUnseen()) {
-    return because("a stop was asked for", "arm again if it is over");
+    return armingProblem("a stop was asked for", "arm again if it is over");
   }
   if (Expected<Done> may = mayArm(rehearsed); !may) return may;
   if (Expected<Done> opened = device_.open(); !opened) return opened;
@@ -69,14 +69,14 @@ Expected<Done> HapticRenderer::arm(const std::optional<RehearsalPassed>& rehears
   if (Expected<Done> ready = device_.ready(); !ready) return refused(ready.errors());
   if (any(device_.read(reading_, 1)) || !allFinite(reading_.q_m) ||
       reading_.q_m.size() != config_.gains.axes) {
-    return refused({because("the device gives no position", "check that it is connected")});
+    return refused({armingProblem("the device gives no position", "check that it is connected")});
   }
   if (Expected<Done> within = withinWorkspace(); !within) return refused(within.errors());
   if (Expected<Done> placed = world_.placeHand(reading_.q_m); !placed) {
     return refused(placed.errors());
   }
   if (!safety_.stops().arm()) {
-    return refused({because("a stop was asked for while the device was being armed", "")});
+    return refused({armingProblem("a stop was asked for while the device was being armed", "")});
   }
   armed_position_ = reading_.q_m;
   const int axes = config_.gains.axes;

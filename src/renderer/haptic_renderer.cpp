@@ -11,7 +11,8 @@
 namespace wholehand {
 namespace {
 
-std::vector<LiveParameter> together(const RendererConfig& config, const Exercise* exercise) {
+std::vector<LiveParameter> allLiveParameters(const RendererConfig& config,
+                                             const Exercise* exercise) {
   std::vector<LiveParameter> all = config.live.parameters();
   if (exercise != nullptr) {
     const std::vector<LiveParameter>& more = exercise->description().parameters;
@@ -30,7 +31,7 @@ HapticRenderer::HapticRenderer(HapticDevice& device, PhysicsWorld& world, const 
       exercise_(exercise),
       config_(config),
       safety_(config.safety, config.gains, config.period_s),
-      parameters_(together(config, exercise)),
+      parameters_(allLiveParameters(config, exercise)),
       effort_limit_(config.safety.effort_limit),
       damping_config_(config.damping),
       axis_names_(hand.axis_names),
@@ -41,7 +42,7 @@ HapticRenderer::HapticRenderer(HapticDevice& device, PhysicsWorld& world, const 
 HapticRenderer::~HapticRenderer() = default;
 
 std::vector<LiveParameter> HapticRenderer::liveParameters() const {
-  return together(config_, exercise_);
+  return allLiveParameters(config_, exercise_);
 }
 
 void HapticRenderer::startParametersAt(const std::vector<double>& values) noexcept {

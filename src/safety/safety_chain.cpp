@@ -15,14 +15,14 @@ namespace {
 // For so long a device that takes no effort is asked to take its neutral one.
 constexpr double kNeutralWithin_s = 1.0;
 
-AxisEffort noted(const LimitedEffort& limited, TickRecord& record) noexcept {
+AxisEffort noteLimit(const LimitedEffort& limited, TickRecord& record) noexcept {
   noteFault(limited.faults, limited.axis, record);
   return limited.effort;
 }
 
 // What is rendered, within the limits that are tighter than the device's.
-AxisEffort heldTo(const AxisEffort& limit, const AxisEffort& device_limit,
-                  TickRecord& record) noexcept {
+AxisEffort clampRendered(const AxisEffort& limit, const AxisEffort& device_limit,
+                         TickRecord& record) noexcept {
   AxisEffort out = record.rendered;
   for (int i = 0; i < out.size(); ++i) {
     if (!(limit[i] < device_limit[i]) || !(std::abs(out[i]) > limit[i])) continue;
@@ -129,11 +129,11 @@ void SafetyChain::limitEffort(TickRecord& record) noexcept {
                       elapsedOf(record), period_s_, config_.ramp);
   const SupervisorConfig& supervisor = config_.supervisor;
   if (rendering()) {  // a ramp only ever falls, and knows no good velocity
-    ramp_.sent = noted(
+    ramp_.sent = noteLimit(
         limitPower(ramp_.sent, config_.neutral, record.qd_mf, supervisor.power_limit_w), record);
   }
   if (supervisor.axes > 0) {
-    ramp_.sent = noted(limitSlew(ramp_.sent, slew_, supervisor.most_change), record);
+    ramp_.sent = noteLimit(limitSlew(ramp_.sent, slew_, supervisor.most_change), record);
   }
   record.authority = ramp_.authority;
   record.sent = ramp_.sent;
@@ -143,8 +143,9 @@ void SafetyChain::limitEffort(TickRecord& record) noexcept {
 // A therapist's limit is on what is rendered; the device's own on all that is sent, the effort that
 // carries its weight with it.
 AxisEffort SafetyChain::withinLimits(TickRecord& record) const noexcept {
-  const AxisEffort held = heldTo(record.effort_limit, config_.effort_limit, record);
-  return noted(wholehand::limitEffort(sum(held, config_.neutral), config_.effort_limit), record);
+  const AxisEffort held = clampRendered(record.effort_limit, config_.effort_limit, record);
+  return noteLimit(wholehand::limitEffort(sum(held, config_.neutral), config_.effort_limit),
+                   record);
 }
 
 void SafetyChain::noteSentInTank(const TickRecord& record) noexcept {

@@ -36,8 +36,9 @@ bool sameState(const LoopStatus& a, const LoopStatus& b) {
 
 }  // namespace
 
-Clients::Clients(ServerBackend& backend, EventMailbox& mailbox, Traffic& traffic, PoliteLog& log,
-                 ControlsArbiter& controls, Access access, Post post, Commissioning commissioning)
+Clients::Clients(ServerBackend& backend, EventMailbox& mailbox, Traffic& traffic,
+                 RateLimitedLog& log, ControlsArbiter& controls, Access access, Post post,
+                 Commissioning commissioning)
     : backend_(backend),
       mailbox_(mailbox),
       traffic_(traffic),

@@ -4,7 +4,7 @@
 #include "server/backend.hpp"
 #include "server/control_desk.hpp"
 #include "server/event_mailbox.hpp"
-#include "server/polite_log.hpp"
+#include "server/rate_limited_log.hpp"
 #include "server/roles.hpp"
 #include "server/traffic.hpp"
 #include "server/wire.hpp"
@@ -54,7 +54,7 @@ class Clients : public std::enable_shared_from_this<Clients> {
   /// What a program that leads through a commissioning says of it; empty: it does not.
   using Commissioning = std::function<std::shared_ptr<const CommissioningFacts>()>;
 
-  Clients(ServerBackend& backend, EventMailbox& mailbox, Traffic& traffic, PoliteLog& log,
+  Clients(ServerBackend& backend, EventMailbox& mailbox, Traffic& traffic, RateLimitedLog& log,
           ControlsArbiter& controls, Access access, Post post, Commissioning commissioning = {});
 
   /// Greets a new client; its number.
@@ -117,7 +117,7 @@ class Clients : public std::enable_shared_from_this<Clients> {
   ServerBackend& backend_;
   EventMailbox& mailbox_;
   Traffic& traffic_;
-  PoliteLog& log_;
+  RateLimitedLog& log_;
   Access access_;
   Post post_;
 

@@ -13,19 +13,19 @@
 
 namespace wholehand {
 
-HttpConnection::HttpConnection(std::unique_ptr<HttpLine> line, Premises& premises)
-    : line_(std::move(line)), premises_(premises) {
-  ++premises_.connections;
+HttpConnection::HttpConnection(std::unique_ptr<HttpLine> line, ConnectionContext& context)
+    : line_(std::move(line)), context_(context) {
+  ++context_.connections;
 }
 
 HttpConnection::~HttpConnection() {
   stopWaiting();
   closeFile();
-  --premises_.connections;
+  --context_.connections;
 }
 
 void HttpConnection::read() {
-  place_ = premises_.idle.insert(premises_.idle.end(), this);
+  place_ = context_.idle.insert(context_.idle.end(), this);
   line_->read([self = shared_from_this()](HttpHeard heard) { self->haveRead(std::move(heard)); });
 }
 
@@ -35,7 +35,7 @@ void HttpConnection::hangUpIdle() {
 }
 
 void HttpConnection::stopWaiting() {
-  if (place_) premises_.idle.erase(*place_);
+  if (place_) context_.idle.erase(*place_);
   place_.reset();
 }
 
@@ -48,14 +48,14 @@ HttpLine::Then HttpConnection::next(Then then) {
 }
 
 FileWorkers& HttpConnection::workers() {
-  if (needs_ == Site::Needs::kPage) return premises_.pages;
-  return needs_ == Site::Needs::kReplay ? premises_.replays : premises_.recordings;
+  if (needs_ == Site::Needs::kPage) return context_.pages;
+  return needs_ == Site::Needs::kReplay ? context_.replays : context_.recordings;
 }
 
 void HttpConnection::haveRead(HttpHeard heard) {
   stopWaiting();
   request_ = std::move(heard.request);
-  ++premises_.traffic.http_requests;
+  ++context_.traffic.http_requests;
   needs_ = Site::needsOf(request_);
   if (heard.what != HttpHeard::What::kRequest) {
     const int status = heard.what == HttpHeard::What::kHasBody ? 413 : 400;
@@ -65,28 +65,28 @@ void HttpConnection::haveRead(HttpHeard heard) {
   } else if (needs_ != Site::Needs::kNoFile) {
     answerByWorker();
   } else {
-    answer(premises_.site.answer(request_));
+    answer(context_.site.answer(request_));
   }
 }
 
 void HttpConnection::upgrade() {
-  HttpAnswer verdict = premises_.site.mayConnect(request_);
+  HttpAnswer verdict = context_.site.mayConnect(request_);
   if (verdict.status != 200) {
     answer(std::move(verdict));
-  } else if (premises_.clients.count() + premises_.upgrading >= premises_.max_clients &&
-             !premises_.clients.makeRoom(line_->peer(), monotonicNow_ns())) {
+  } else if (context_.clients.count() + context_.upgrading >= context_.max_clients &&
+             !context_.clients.makeRoom(line_->peer(), monotonicNow_ns())) {
     answer(plainRefusal(503, "too_many_clients", "As many clients as may be are connected."));
   } else {
-    std::string cookie = premises_.site.cookieFor(request_);
-    ++premises_.upgrading;
+    std::string cookie = context_.site.cookieFor(request_);
+    ++context_.upgrading;
     line_->upgrade(
         std::move(cookie), wire::kLargestClientMessage,
-        [&premises = premises_, address = line_->peer(),
-         role = premises_.site.roleOf(request_)](std::unique_ptr<WebSocketStream> stream) {
-          --premises.upgrading;
+        [&context = context_, address = line_->peer(),
+         role = context_.site.roleOf(request_)](std::unique_ptr<WebSocketStream> stream) {
+          --context.upgrading;
           if (!stream) return;
-          std::make_shared<WebSocketLine>(std::move(stream), address, premises.clients,
-                                          premises.traffic)
+          std::make_shared<WebSocketLine>(std::move(stream), address, context.clients,
+                                          context.traffic)
               ->join(role);
         });
   }
@@ -106,16 +106,16 @@ bool HttpConnection::letWork(const std::shared_ptr<Work>& work, std::function<vo
     }
     desk.close(std::move(work->file));
   };
-  if (!workers().post([work, job = std::move(job), done, &premises = premises_] {
+  if (!workers().post([work, job = std::move(job), done, &context = context_] {
         if (!work->given_up) job(*work);
-        premises.post(done);
+        context.post(done);
       })) {
     work_.reset();
     return false;
   }
   // A report is drawn, and an hour's recording opened, by a process of its own with limits of time.
   const bool works = needs_ == Site::Needs::kReport || needs_ == Site::Needs::kReplay;
-  line_->setAlarm(works ? premises_.report_patience : premises_.disk_patience,
+  line_->setAlarm(works ? context_.report_patience : context_.disk_patience,
                   [self = shared_from_this(), work] { self->giveUp(work); });
   return true;
 }
@@ -124,7 +124,7 @@ void HttpConnection::answerByWorker() {
   auto work = std::make_shared<Work>();
   work->request = request_;
   work->head = line_->headOnly();
-  const auto job = [&site = premises_.site](Work& w) {
+  const auto job = [&site = context_.site](Work& w) {
     try {
       w.answer = site.answer(w.request);
     } catch (const std::exception&) {
@@ -165,8 +165,8 @@ void HttpConnection::giveUp(const std::shared_ptr<Work>& work) {
 
 void HttpConnection::answer(HttpAnswer a) {
   if (!a.refused.empty()) {
-    ++premises_.traffic.refused[a.refused];
-    premises_.log.write(
+    ++context_.traffic.refused[a.refused];
+    context_.log.write(
         fmt::format("{} refused ({}): {}", line_->peer(), a.refused, printable(request_.path())),
         monotonicNow_ns());
   }

@@ -1,9 +1,9 @@
 #pragma once
 
+#include "server/connection_context.hpp"
 #include "server/file_reader.hpp"
 #include "server/file_workers.hpp"
 #include "server/http_line.hpp"
-#include "server/premises.hpp"
 #include "server/site.hpp"
 
 #include <atomic>
@@ -20,8 +20,8 @@ namespace wholehand {
 /// workers do, and hand over what they have read. Lives while an operation of its line does.
 class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
  public:
-  /// @pre premises outlive it
-  HttpConnection(std::unique_ptr<HttpLine> line, Premises& premises);
+  /// @pre the context outlives it
+  HttpConnection(std::unique_ptr<HttpLine> line, ConnectionContext& context);
   ~HttpConnection();
   HttpConnection(const HttpConnection&) = delete;
   HttpConnection& operator=(const HttpConnection&) = delete;
@@ -64,7 +64,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   void haveAnswered();
 
   std::unique_ptr<HttpLine> line_;
-  Premises& premises_;
+  ConnectionContext& context_;
   HttpRequest request_;
   Site::Needs needs_ = Site::Needs::kNoFile;
   std::optional<std::list<HttpConnection*>::iterator> place_;  ///< while it waits

@@ -1,12 +1,12 @@
 #include "server/server.hpp"
 
 #include "realtime/monotonic_clock.hpp"
-#include "server/aside_log.hpp"
+#include "server/async_log.hpp"
 #include "server/clients.hpp"
+#include "server/connection_context.hpp"
 #include "server/event_mailbox.hpp"
 #include "server/http_connection.hpp"
 #include "server/network_thread.hpp"
-#include "server/premises.hpp"
 #include "server/site.hpp"
 
 #include <fmt/format.h>
@@ -33,8 +33,8 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
       : backend_(backend),
         options_(std::move(options)),
         controls_(controls),
-        aside_(options_.log),
-        log_([this](const std::string& line) { aside_.write(line); }) {}
+        async_log_(options_.log),
+        log_([this](const std::string& line) { async_log_.write(line); }) {}
 
   /// Why the port cannot be had; empty: it listens.
   std::string listen() { return network_.listen(options_.address, options_.port); }
@@ -58,11 +58,11 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
     };
     site_ = std::make_unique<Site>(backend_, options_.web_folder, access, std::move(figures),
                                    options_.replay);
-    premises_.emplace(
-        Premises{*site_, *clients_, traffic_, log_, pages_, recordings_, replays_,
-                 [this](std::function<void()> task) { network_.post(std::move(task)); },
-                 static_cast<std::size_t>(options_.max_clients), options_.disk_patience,
-                 options_.report_patience});
+    context_.emplace(
+        ConnectionContext{*site_, *clients_, traffic_, log_, pages_, recordings_, replays_,
+                          [this](std::function<void()> task) { network_.post(std::move(task)); },
+                          static_cast<std::size_t>(options_.max_clients), options_.disk_patience,
+                          options_.report_patience});
     NetworkThread::Calls calls;
     calls.connected = [this](std::unique_ptr<HttpLine> line) { welcome(std::move(line)); };
     calls.frame = [this] { clients_->tick(monotonicNow_ns()); };
@@ -93,13 +93,13 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
 
  private:
   void welcome(std::unique_ptr<HttpLine> line) {
-    if (premises_->connections >= kMostConnections) {
+    if (context_->connections >= kMostConnections) {
       ++traffic_.refused["connections"];
-      if (premises_->idle.empty()) return;
+      if (context_->idle.empty()) return;
       // Whoever holds connections open and asks for nothing keeps nobody out.
-      premises_->idle.front()->hangUpIdle();
+      context_->idle.front()->hangUpIdle();
     }
-    std::make_shared<HttpConnection>(std::move(line), *premises_)->read();
+    std::make_shared<HttpConnection>(std::move(line), *context_)->read();
   }
 
   Pulse pulse() const {
@@ -119,13 +119,14 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
   ControlsArbiter& controls_;
   Traffic traffic_;
   EventMailbox mailbox_;
-  std::optional<Premises> premises_;  ///< connections count themselves out there at their end
+  std::optional<ConnectionContext>
+      context_;  ///< connections count themselves out there at their end
   FileWorkers pages_{kPageWorkers, kMostPages};
   FileWorkers recordings_{kRecordingWorkers, kMostRecordings};
   FileWorkers replays_{kReplayWorkers, kMostReplays};
   NetworkThread network_;
-  AsideLog aside_;
-  PoliteLog log_;
+  AsyncLog async_log_;
+  RateLimitedLog log_;
   std::shared_ptr<Clients> clients_;
   std::unique_ptr<Site> site_;
 };

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "assembly/run.hpp"
-#include "server/aside_log.hpp"
+#include "server/async_log.hpp"
 #include "station/profiles.hpp"
 #include "station/session_files.hpp"
 #include "station/station.hpp"
@@ -132,7 +132,7 @@ class Station::Core {
   SessionFiles files_;
   Profiles profiles_;
   std::string profile_;  ///< loaded or saved last, while it holds; empty: none
-  mutable AsideLog log_;
+  mutable AsyncLog log_;
   std::unique_ptr<SafetyLog> safety_;   ///< once loaded
   std::optional<Rehearsal> rehearsed_;  ///< of what is loaded
   std::uint64_t arming_ = 0;

@@ -22,7 +22,7 @@ CheckFinding symbol(DriverBench& bench) {
 }
 
 CheckFinding same(DriverBench& bench) {
-  if (bench.symbol() == nullptr) return notRun("has no wh_plugin_v1()");
+  if (bench.symbol() == nullptr) return skipped("has no wh_plugin_v1()");
   const wh_plugin* const first = bench.symbol()();
   if (first == nullptr) return failed("gives no driver");
   return first == bench.symbol()() ? passed() : failed("gives another structure at every call");
@@ -35,7 +35,7 @@ const wh_plugin* given(DriverBench& bench) {
 
 CheckFinding size(DriverBench& bench) {
   const wh_plugin* const plugin = given(bench);
-  if (plugin == nullptr) return notRun("gives no driver");
+  if (plugin == nullptr) return skipped("gives no driver");
   if (plugin->size >= sizeof(wh_plugin)) return passed();
   return failed("size is " + std::to_string(plugin->size) + ", the six functions need " +
                 std::to_string(sizeof(wh_plugin)));
@@ -43,7 +43,7 @@ CheckFinding size(DriverBench& bench) {
 
 CheckFinding major(DriverBench& bench) {
   const wh_plugin* const plugin = given(bench);
-  if (plugin == nullptr) return notRun("gives no driver");
+  if (plugin == nullptr) return skipped("gives no driver");
   if (plugin->major == WH_MAJOR) return passed();
   return failed("is built for version " + std::to_string(plugin->major) + ", this is " +
                 std::to_string(WH_MAJOR));
@@ -51,7 +51,7 @@ CheckFinding major(DriverBench& bench) {
 
 CheckFinding minor(DriverBench& bench) {
   const wh_plugin* const plugin = given(bench);
-  if (plugin == nullptr) return notRun("gives no driver");
+  if (plugin == nullptr) return skipped("gives no driver");
   const bool newer = plugin->size > sizeof(wh_plugin);
   if (plugin->minor > WH_MINOR || !newer) return passed();
   return failed("says version " + std::to_string(plugin->major) + "." +
@@ -60,7 +60,8 @@ CheckFinding minor(DriverBench& bench) {
 
 CheckFinding functions(DriverBench& bench) {
   const wh_plugin* const plugin = given(bench);
-  if (plugin == nullptr || plugin->size < sizeof(wh_plugin)) return notRun("its size is too small");
+  if (plugin == nullptr || plugin->size < sizeof(wh_plugin))
+    return skipped("its size is too small");
   std::string missing;
   const auto miss = [&](bool there, const char* name) {
     if (!there) missing += std::string(missing.empty() ? "" : ", ") + name;

@@ -37,7 +37,7 @@ CheckFinding sequenceSkips(DriverBench& bench) {
 CheckFinding sequenceRestarts(DriverBench& bench) {
   for (int i = 0; i < 5; ++i) (void)bench.writeNeutral();
   if (bench.control(WH_DISABLE) < 0 || bench.control(WH_ENABLE) < 0) {
-    return notRun("is not enabled again");
+    return skipped("is not enabled again");
   }
   bench.startSequenceAt(0);
   return accepted(bench.writeNeutral(), "the first command after WH_ENABLE, sequence 1,");
@@ -74,7 +74,7 @@ CheckFinding refused(DriverBench& bench, double effort, std::uint32_t axes, cons
 
 CheckFinding fewerAxes(DriverBench& bench) {
   const auto axes = static_cast<std::uint32_t>(bench.axes().size());
-  if (axes < 2) return notRun("has one axis");
+  if (axes < 2) return skipped("has one axis");
   return refused(bench, 0.5 * kEffortShare * bench.axes()[0].effort_limit, axes - 1,
                  "a command of one axis too few");
 }
@@ -143,12 +143,12 @@ CheckFinding measuredSign(DriverBench& bench) {
                     number(kEffortShare * bench.axes()[a].effort_limit));
     }
   }
-  return known ? passed() : notRun("efforts are not measured");
+  return known ? passed() : skipped("efforts are not measured");
 }
 
 CheckFinding neutralReturns(DriverBench& bench) {
   const double measured = answerTo(bench, 0, kEffortShare);
-  if (std::isnan(measured)) return notRun("efforts are not measured");
+  if (std::isnan(measured)) return skipped("efforts are not measured");
   double left = measured;
   everyMillisecond(kSoon_s, [&] {
     (void)bench.writeNeutral();
@@ -163,7 +163,7 @@ CheckFinding disabledIsNeutral(DriverBench& bench) {
   (void)bench.writeShare(0, kEffortShare);
   if (bench.control(WH_DISABLE) < 0) return failed("WH_DISABLE fails");
   const double left = bench.read().sample.effort[0];
-  if (std::isnan(left)) return notRun("efforts are not measured");
+  if (std::isnan(left)) return skipped("efforts are not measured");
   const double most = 0.02 * bench.axes()[0].effort_limit;
   return std::abs(left) <= most ? passed() : failed("measures " + number(left) + " then");
 }
@@ -174,7 +174,7 @@ CheckFinding enabledIsNeutral(DriverBench& bench) {
     return failed("is not enabled again");
   }
   const double left = bench.read().sample.effort[0];
-  if (std::isnan(left)) return notRun("efforts are not measured");
+  if (std::isnan(left)) return skipped("efforts are not measured");
   const double most = 0.02 * bench.axes()[0].effort_limit;
   return std::abs(left) <= most ? passed() : failed("begins with " + number(left));
 }

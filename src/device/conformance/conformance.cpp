@@ -44,7 +44,7 @@ std::vector<CheckResult> conform(const ConformanceOptions& options) {
       if (!isAskedFor(check, options.only)) continue;
       const std::string left_out = whyLeftOut(check, options);
       if (left_out.empty()) to_run.push_back(results.size());
-      results.push_back({&check, notRun(left_out)});
+      results.push_back({&check, skipped(left_out)});
     }
     std::vector<const Check*> checks;
     for (const std::size_t i : to_run) checks.push_back(results[i].check);

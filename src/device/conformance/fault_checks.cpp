@@ -11,14 +11,14 @@ constexpr std::size_t kLongestLine = 200;
 
 CheckFinding noDriveFault(DriverBench& bench) {
   const Sampled now = bench.read();
-  if (now.result < 0) return notRun("no sample");
+  if (now.result < 0) return skipped("no sample");
   if ((now.sample.status & WH_DRIVE_FAULT) == 0) return passed();
   return failed("a drive is in fault, code " + std::to_string(now.sample.vendor_code));
 }
 
 CheckFinding homed(DriverBench& bench) {
   const Sampled now = bench.read();
-  if (now.result < 0) return notRun("no sample");
+  if (now.result < 0) return skipped("no sample");
   return (now.sample.status & WH_HOMED) != 0 ? passed() : failed("is not homed");
 }
 
@@ -33,14 +33,14 @@ CheckFinding faultHasCode(DriverBench& bench) {
 
 CheckFinding notSilenced(DriverBench& bench) {
   const Sampled now = bench.read();
-  if (now.result < 0) return notRun("no sample");
+  if (now.result < 0) return skipped("no sample");
   return (now.sample.status & WH_SILENCED) == 0 ? passed()
                                                 : failed("is silenced before it was enabled");
 }
 
 CheckFinding coolAtRest(DriverBench& bench) {
   const Sampled now = bench.read();
-  if (now.result < 0) return notRun("no sample");
+  if (now.result < 0) return skipped("no sample");
   return (now.sample.status & (WH_HOT | WH_DERATING)) == 0 ? passed()
                                                            : failed("is hot before it was enabled");
 }
@@ -51,7 +51,7 @@ CheckFinding failedOpenGivesNothing(DriverBench& bench) {
   const int result = bench.openAnother(kNowhere, &device);
   if (result >= 0 && device != nullptr) {
     bench.plugin().close(device);
-    return notRun("opens whatever the name is");
+    return skipped("opens whatever the name is");
   }
   if (result >= 0) return failed("open succeeds and gives no device");
   return device == nullptr ? passed() : failed("open fails and gives a device");
@@ -62,7 +62,7 @@ CheckFinding failedOpenSaysWhy(DriverBench& bench) {
   wh_device* device = nullptr;
   if (bench.openAnother(kNowhere, &device) >= 0) {
     if (device != nullptr) bench.plugin().close(device);
-    return notRun("opens whatever the name is");
+    return skipped("opens whatever the name is");
   }
   return bench.said().size() > lines ? passed(bench.said().back())
                                      : failed("open fails and does not say why");

@@ -22,7 +22,7 @@ struct CheckFinding {
 [[nodiscard]] inline CheckFinding failed(std::string text) {
   return {Outcome::kFailed, std::move(text)};
 }
-[[nodiscard]] inline CheckFinding notRun(std::string text) {
+[[nodiscard]] inline CheckFinding skipped(std::string text) {
   return {Outcome::kNotRun, std::move(text)};
 }
 /// Passed where nothing is wrong: `wrong` is empty.

@@ -50,7 +50,7 @@ void limit(int what, rlim_t value) {
 CheckFinding lookAt(DriverBench& bench, const Check& check) {
   CheckFinding finding;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    if (std::string why = bench.reach(check.before); !why.empty()) return notRun(std::move(why));
+    if (std::string why = bench.reach(check.before); !why.empty()) return skipped(std::move(why));
     finding = check.look(bench);
     bench.calm();
     const bool judged = finding.outcome != Outcome::kFailed || !bench.stalled();
@@ -93,7 +93,7 @@ class GroupProcess {
       : child_(child),
         pipe_(pipe),
         longest_ns_(static_cast<std::int64_t>(longest_check_s * 1e9)),
-        findings_(checks, notRun({})) {}
+        findings_(checks, skipped({})) {}
 
   std::vector<CheckFinding> follow() {
     std::int64_t heard_ns = monotonicNow_ns();
@@ -155,7 +155,7 @@ class GroupProcess {
     const std::size_t at = under_way_.value_or(reached_);
     findings_[at] = failed(under_way_ ? end : end + ", when the device was closed at the end");
     for (std::size_t i = at + 1; i < findings_.size(); ++i) {
-      findings_[i] = notRun("the process of this group was gone");
+      findings_[i] = skipped("the process of this group was gone");
     }
   }
 
@@ -175,7 +175,7 @@ std::vector<CheckFinding> runInProcess(const DriverLocation& driver,
   std::array<int, 2> ends{};
   const auto impossible = [&](const char* what) {
     return std::vector<CheckFinding>(checks.size(),
-                                     notRun(std::string(what) + ": " + std::strerror(errno)));
+                                     skipped(std::string(what) + ": " + std::strerror(errno)));
   };
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) return impossible("no pipe");
   std::fflush(nullptr);  // or the child would print it again

@@ -66,7 +66,7 @@ long waitsOfThread() {
 
 // A thread that waits gives up its core; one that is only preempted does not.
 CheckFinding waits(DriverBench& bench, Call call) {
-  if (!bench.neverWaits()) return notRun("does not say WH_NEVER_WAITS");
+  if (!bench.neverWaits()) return skipped("does not say WH_NEVER_WAITS");
   long least = kCalls;
   for (int attempt = 0; attempt < kAttempts && least > 0;
        ++attempt) {  // a page may be fetched once
@@ -80,7 +80,7 @@ CheckFinding waits(DriverBench& bench, Call call) {
 }
 
 CheckFinding allocations(DriverBench& bench, Call call) {
-  if (!allocationCountingAvailable()) return notRun("malloc is not counted in this build");
+  if (!allocationCountingAvailable()) return skipped("malloc is not counted in this build");
   (void)call(bench);
   const AllocationScope scope;
   for (int i = 0; i < kCalls; ++i) (void)call(bench);
@@ -92,8 +92,8 @@ CheckFinding allocations(DriverBench& bench, Call call) {
 
 // Calls that may block for as long as somebody else likes.
 CheckFinding systemCalls(DriverBench& bench, Call call) {
-  if (!bench.neverWaits()) return notRun("does not say WH_NEVER_WAITS");
-  if (const std::string why = watchSystemCalls(); !why.empty()) return notRun(why);
+  if (!bench.neverWaits()) return skipped("does not say WH_NEVER_WAITS");
+  if (const std::string why = watchSystemCalls(); !why.empty()) return skipped(why);
   struct Blocking {
     int number;
     const char* name;

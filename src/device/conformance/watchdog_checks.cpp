@@ -71,7 +71,7 @@ CheckFinding fed(DriverBench& bench) {
   });
   if (!silent) return passed();
   if (static_cast<double>(longest_ns) * 1e-9 > 0.5 * silence_s(bench)) {
-    return notRun("this machine stood still for too long");
+    return skipped("this machine stood still for too long");
   }
   return failed("lets go although a command comes every millisecond");
 }
@@ -84,16 +84,18 @@ CheckFinding silenced(DriverBench& bench) {
 
 CheckFinding gone(DriverBench& bench) {
   (void)bench.writeShare(0, kEffortShare);
-  if (std::string late = lateSilence(bench, false); !late.empty()) return notRun("does not let go");
+  if (std::string late = lateSilence(bench, false); !late.empty())
+    return skipped("does not let go");
   const double left = bench.read().sample.effort[0];
-  if (std::isnan(left)) return notRun("efforts are not measured");
+  if (std::isnan(left)) return skipped("efforts are not measured");
   const double most = 0.02 * bench.axes()[0].effort_limit;
   return std::abs(left) <= most ? passed() : failed("still measures " + number(left));
 }
 
 CheckFinding latched(DriverBench& bench) {
   (void)bench.writeNeutral();
-  if (std::string late = lateSilence(bench, false); !late.empty()) return notRun("does not let go");
+  if (std::string late = lateSilence(bench, false); !late.empty())
+    return skipped("does not let go");
   const std::vector<Sampled> after = bench.idle(30, true);
   return std::all_of(after.begin(), after.end(), letGo)
              ? passed()
@@ -102,7 +104,8 @@ CheckFinding latched(DriverBench& bench) {
 
 CheckFinding enabledAnew(DriverBench& bench) {
   (void)bench.writeNeutral();
-  if (std::string late = lateSilence(bench, false); !late.empty()) return notRun("does not let go");
+  if (std::string late = lateSilence(bench, false); !late.empty())
+    return skipped("does not let go");
   if (bench.control(WH_DISABLE) < 0 || bench.control(WH_ENABLE) < 0) {
     return failed("cannot be enabled again");
   }

@@ -23,7 +23,7 @@ Diagnostic no(const std::string& name, const std::string& problem, const std::st
   return {"", 0, "host", name, problem, remedy};
 }
 
-std::string because(const std::string& what) {
+std::string withErrno(const std::string& what) {
   return what + ": " + std::strerror(errno);
 }
 
@@ -102,7 +102,7 @@ Expected<std::unique_ptr<HostLock>> HostLock::take(const std::string& name) {
   const std::string path = pathOf(name) + ".lock";
   Descriptor fd(::shm_open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
   if (fd.get() < 0) {
-    return no(name, because("cannot be locked"), "does it belong to another user? See /dev/shm");
+    return no(name, withErrno("cannot be locked"), "does it belong to another user? See /dev/shm");
   }
   // A lock of the process: what it forks does not hold it.
   struct flock lock = wholeFile();
@@ -126,7 +126,7 @@ Expected<std::unique_ptr<HostSegment>> HostSegment::create(const HostLock& lock)
   SharedFrame* frame = nullptr;
   if (fd.get() >= 0 && ::ftruncate(fd.get(), sizeof(SharedFrame)) == 0) frame = mapped(fd.get());
   if (frame == nullptr) {
-    return no(lock.name(), because("gets no shared memory"), "look at /dev/shm");
+    return no(lock.name(), withErrno("gets no shared memory"), "look at /dev/shm");
   }
   (void)::madvise(frame, sizeof(SharedFrame), MADV_DONTFORK);
   new (frame) SharedFrame{};
@@ -138,8 +138,9 @@ Expected<std::unique_ptr<HostSegment>> HostSegment::attach(const std::string& na
   const std::string path = pathOf(name);
   Descriptor fd(::shm_open(path.c_str(), O_RDWR | O_CLOEXEC, 0));
   if (fd.get() < 0) {
-    return errno == ENOENT ? no(name, "does not run", kStartHost)
-                           : no(name, because("cannot be reached"), "run as the user of the host");
+    return errno == ENOENT
+               ? no(name, "does not run", kStartHost)
+               : no(name, withErrno("cannot be reached"), "run as the user of the host");
   }
   struct stat file {};
   if (::fstat(fd.get(), &file) != 0 || file.st_uid != ::geteuid()) {
@@ -149,7 +150,7 @@ Expected<std::unique_ptr<HostSegment>> HostSegment::attach(const std::string& na
     return no(name, "shares memory of another size", "run the same version as the host");
   }
   SharedFrame* const frame = mapped(fd.get());
-  if (frame == nullptr) return no(name, because("cannot be mapped"), "is there memory left?");
+  if (frame == nullptr) return no(name, withErrno("cannot be mapped"), "is there memory left?");
   std::unique_ptr<HostSegment> segment(new HostSegment(path, fd.take(), frame, false));
   if (const std::string why = whyForeign(*frame); !why.empty()) {
     return no(name, why, "run the same version as the host");

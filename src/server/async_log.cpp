@@ -1,14 +1,14 @@
-#include "server/aside_log.hpp"
+#include "server/async_log.hpp"
 
 #include <utility>
 
 namespace wholehand {
 
-AsideLog::AsideLog(Sink sink) : sink_(std::move(sink)) {
+AsyncLog::AsyncLog(Sink sink) : sink_(std::move(sink)) {
   if (sink_) thread_ = std::thread([this] { run(); });
 }
 
-AsideLog::~AsideLog() {
+AsyncLog::~AsyncLog() {
   {
     const std::lock_guard lock(mutex_);
     closing_ = true;
@@ -17,7 +17,7 @@ AsideLog::~AsideLog() {
   if (thread_.joinable()) thread_.join();
 }
 
-void AsideLog::write(std::string line) {
+void AsyncLog::write(std::string line) {
   if (!sink_) return;
   {
     const std::lock_guard lock(mutex_);
@@ -34,12 +34,12 @@ void AsideLog::write(std::string line) {
   changed_.notify_all();
 }
 
-void AsideLog::flush(std::chrono::milliseconds within) {
+void AsyncLog::flush(std::chrono::milliseconds within) {
   std::unique_lock lock(mutex_);
   changed_.wait_for(lock, within, [this] { return waiting_.empty() && !writing_; });
 }
 
-void AsideLog::run() {
+void AsyncLog::run() {
   std::unique_lock lock(mutex_);
   while (true) {
     changed_.wait(lock, [this] { return closing_ || !waiting_.empty(); });
@@ -56,7 +56,7 @@ void AsideLog::run() {
 }
 
 // A log that fails must not end the process, and with it the loop.
-void AsideLog::deliver(const std::string& line) noexcept {
+void AsyncLog::deliver(const std::string& line) noexcept {
   try {
     sink_(line);
   } catch (...) {  // NOLINT(bugprone-empty-catch): there is nobody left to tell

@@ -8,11 +8,11 @@ namespace wholehand {
 
 /// A log that a hostile client cannot flood: at most kBurst lines at once and kPerSecond in the
 /// long run; what is left out is counted and told. One thread.
-class PoliteLog {
+class RateLimitedLog {
  public:
   static constexpr double kBurst = 20.0, kPerSecond = 2.0;
 
-  explicit PoliteLog(std::function<void(const std::string&)> sink) : sink_(std::move(sink)) {}
+  explicit RateLimitedLog(std::function<void(const std::string&)> sink) : sink_(std::move(sink)) {}
 
   void write(const std::string& line, std::int64_t now_ns);
 

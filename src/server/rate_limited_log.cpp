@@ -1,4 +1,4 @@
-#include "server/polite_log.hpp"
+#include "server/rate_limited_log.hpp"
 
 #include "core/printable.hpp"
 
@@ -6,7 +6,7 @@
 
 namespace wholehand {
 
-void PoliteLog::write(const std::string& line, std::int64_t now_ns) {
+void RateLimitedLog::write(const std::string& line, std::int64_t now_ns) {
   if (!sink_) return;
   if (last_ns_ != 0) {
     allowance_ += kPerSecond * 1e-9 * static_cast<double>(now_ns - last_ns_);

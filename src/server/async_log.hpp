@@ -14,17 +14,17 @@ namespace wholehand {
 /// Writes lines on a thread of its own: a terminal that stands still (Ctrl-S) or a full pipe holds
 /// up nobody who logs, least of all a thread that an emergency stop goes through. What finds no
 /// room is counted and told later. Any thread; not for the tick.
-class AsideLog {
+class AsyncLog {
  public:
   using Sink = std::function<void(const std::string&)>;
   static constexpr std::size_t kMostWaiting = 256;
 
   /// @param sink called by one thread at a time; null: nothing is written
-  explicit AsideLog(Sink sink);
+  explicit AsyncLog(Sink sink);
   /// Writes what waits: waits itself where the sink does.
-  ~AsideLog();
-  AsideLog(const AsideLog&) = delete;
-  AsideLog& operator=(const AsideLog&) = delete;
+  ~AsyncLog();
+  AsyncLog(const AsyncLog&) = delete;
+  AsyncLog& operator=(const AsyncLog&) = delete;
 
   /// Never waits for the sink.
   void write(std::string line);

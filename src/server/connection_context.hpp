@@ -2,7 +2,7 @@
 
 #include "server/clients.hpp"
 #include "server/file_workers.hpp"
-#include "server/polite_log.hpp"
+#include "server/rate_limited_log.hpp"
 #include "server/site.hpp"
 #include "server/traffic.hpp"
 
@@ -16,11 +16,11 @@ namespace wholehand {
 class HttpConnection;
 
 /// What every connection shares; outlives all their operations.
-struct Premises {
+struct ConnectionContext {
   Site& site;
   Clients& clients;
   Traffic& traffic;
-  PoliteLog& log;
+  RateLimitedLog& log;
   FileWorkers& pages;       ///< the pages' disk is another than the recordings', and must not wait
   FileWorkers& recordings;  ///< for it: a page has the button that stops
   FileWorkers& replays;     ///< a moment that somebody looks at again waits for no download
