@@ -47,9 +47,14 @@ class TableReader {
   [[nodiscard]] bool holds(std::uint64_t i) const noexcept {
     return i >= first_ && i < first_ + count_;
   }
-  /// The dataset of that name, whole. @pre a number of type T per row, not packed.
+  /// `count` rows of the dataset of that name. False where they cannot be read. @pre a number of
+  /// type T per row, not packed; first + count <= rows()
   template <class T>
-  bool readAll(const std::string& name, std::vector<T>& out) const;
+  bool read(const std::string& name, std::uint64_t first, std::uint64_t count,
+            std::vector<T>& out) const;
+  /// The loaded rows of the dataset of that name. @pre as read()
+  template <class T>
+  bool loaded(const std::string& name, std::vector<T>& out) const;
 
  private:
   std::vector<Column<Row>> columns_;
@@ -93,15 +98,32 @@ void TableReader<Row>::get(std::uint64_t i, Row& row) const {
   }
 }
 
+template <class T>
+void copyNumbers(const std::vector<std::byte>& bytes, std::vector<T>& out) {
+  out.resize(bytes.size() / sizeof(T));
+  std::copy_n(bytes.data(), out.size() * sizeof(T), reinterpret_cast<std::byte*>(out.data()));
+}
+
 template <class Row>
 template <class T>
-bool TableReader<Row>::readAll(const std::string& name, std::vector<T>& out) const {
+bool TableReader<Row>::read(const std::string& name, std::uint64_t first, std::uint64_t count,
+                            std::vector<T>& out) const {
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     if (columns_[c].name != name) continue;
     std::vector<std::byte> bytes;
-    if (!readRows(datasets_[c].get(), columns_[c], 0, rows_, bytes)) return false;
-    out.resize(rows_);
-    std::copy_n(bytes.data(), bytes.size(), reinterpret_cast<std::byte*>(out.data()));
+    if (!readRows(datasets_[c].get(), columns_[c], first, count, bytes)) return false;
+    copyNumbers(bytes, out);
+    return true;
+  }
+  return false;
+}
+
+template <class Row>
+template <class T>
+bool TableReader<Row>::loaded(const std::string& name, std::vector<T>& out) const {
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    if (columns_[c].name != name) continue;
+    copyNumbers(buffers_[c], out);
     return true;
   }
   return false;
