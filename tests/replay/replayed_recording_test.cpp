@@ -6,6 +6,7 @@
 #include "replay/series_reader.hpp"
 #include "station/scene_facts.hpp"
 #include "support/folder.hpp"
+#include "support/python.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
 #include "telemetry/synthetic_recording.hpp"
@@ -328,6 +329,31 @@ std::string damagedInside(const Folder& folder, std::uint64_t& first_unreadable)
   }
   ADD_FAILURE() << "no place of the file that damages a tick";
   return path;
+}
+
+TEST(ReplayedRecording, DamagedEnd_IsToldWithItsTimeAndShownUpToThere) {
+  const Folder folder;
+  const std::string path = synthetic(folder, 2000);  // eight chunks of 250
+  ASSERT_EQ(python("import h5py\n"
+                   "f = h5py.File('" +
+                   path +
+                   "', 'r')\n"
+                   "chunk = f['ticks/elapsed_periods'].id.get_chunk_info(7)\n"
+                   "f.close()\n"
+                   "with open('" +
+                   path +
+                   "', 'r+b') as raw:\n"
+                   "  raw.seek(chunk.byte_offset + 4)\n"
+                   "  raw.write(bytes(chunk.size - 4))\n"),
+            "");
+  const auto recording = opened(path);
+  const Json about = aboutOf(*recording);
+  EXPECT_EQ(about["whole"], false);
+  EXPECT_EQ(about["unreadable_from_s"], 1.75);
+  EXPECT_EQ(about["ticks"], 1750);
+  EXPECT_EQ(about["to_s"], 2.0) << "the time line goes on to where the ticks were";
+  EXPECT_EQ(about["run_again"], false);
+  EXPECT_EQ(messagesIn(ask(*recording, "states?tick=1749&count=2&step=1")).size(), 1U);
 }
 
 TEST(ReplayedRecording, DamagedChunk_IsToldAndTheRestIsShown) {

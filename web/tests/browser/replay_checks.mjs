@@ -4,6 +4,8 @@ import { join } from 'node:path';
 import { accessibilityFaults, openPage, until } from './browser.mjs';
 import { expect } from './checks.mjs';
 import { letProgram, startProgram } from './program.mjs';
+import { armFrom } from './stop_checks.mjs';
+import { openWatcher } from './watcher.mjs';
 
 const PATIENT_MS = 120_000;
 const SECONDS = 12;
@@ -61,6 +63,11 @@ export async function recordingIsReplayed(plain, drawing, recorded, picture) {
     await page.keyboard.press(' ');
     const first = page.locator('[data-testid=moments] button').first();
     await first.click();
+    await still(page, 'the first mark');
+    expect((await first.getAttribute('aria-current')) === 'time', 'the mark at the play head is not marked');
+    await page.keyboard.press('End');
+    await still(page, 'the end');
+    expect((await page.locator('[data-testid=moments] button').last().getAttribute('aria-current')) === 'time', 'the list does not follow the play head');
     const faults = [];
     for (const [lang, click] of [['en', null], ['de', '[data-testid=theme]'], ['fr', '[data-testid=tables]']]) {
       await page.selectOption('[data-testid=language]', lang);
@@ -149,6 +156,17 @@ export async function badRecordingsAreSaid(browser, recorded, picture) {
     await page.context().close();
     return words.split('\n')[0];
   });
+  // The one that cannot be shown hides no other, whichever comes first.
+  for (const paths of [[path, foreign], [foreign, path]]) {
+    await replay(recorded, paths, async (url) => {
+      const page = await openPage(browser, withQuery(url, { lang: 'fr' }));
+      await still(page, 'the one that is sound', ({ rows }) => rows.length === 1);
+      const notice = await page.locator('.notice.bad:has([data-testid=reload])').innerText();
+      expect(notice.includes('foreign.h5 n’est pas affiché'), notice);
+      await picture(page, 'replay_one_of_two');
+      await page.context().close();
+    });
+  }
   const cut = join(recorded.folder, 'cut.h5');
   copyFileSync(path, cut);
   truncateSync(cut, Math.floor(readFileSync(path).length * 0.9));
@@ -169,4 +187,25 @@ export async function badRecordingsAreSaid(browser, recorded, picture) {
     await page.context().close();
   });
   return `"${said}"`;
+}
+
+/** What is being recorded stands in the console's list, is replayed as far as it goes, and is offered whole when it has ended. */
+export async function recordingIsListedWhileItRuns(browser, programUrl) {
+  const { page } = await openWatcher(browser, programUrl);
+  await page.selectOption('[data-testid=language]', 'de');
+  await armFrom({ page });
+  const row = page.locator('[data-testid=recordings] li').first();
+  await row.getByText('wird noch aufgezeichnet').waitFor({ timeout: PATIENT_MS });
+  const links = await row.locator('.links a').allInnerTexts();
+  expect(links.join() === 'Wiedergabe', `offered while it is written: ${links}`);
+  const replayPage = await openPage(browser, new URL(await row.locator('[data-testid=replay]').getAttribute('href'), programUrl).href);
+  const { window: { to_s } } = await still(replayPage, 'what is written so far');
+  await replayPage.click('[data-testid=read-on]', { timeout: PATIENT_MS });
+  await still(replayPage, 'what was written since', ({ window }) => window.to_s > to_s);
+  await page.click('[data-testid=emergency-stop]', { timeout: PATIENT_MS });
+  await row.locator('a[download]').waitFor({ timeout: PATIENT_MS });
+  expect(replayPage.faults.length === 0, replayPage.faults.join('\n'));
+  await replayPage.context().close();
+  await page.context().close();
+  return `replayed from ${to_s.toFixed(1)} s on`;
 }
