@@ -105,7 +105,8 @@ export class ReplayPage implements TransportHands {
     const { player, zoom, sides, scrub_ms } = this;
     return {
       time_s: player.time_s, playing: player.playing, window: zoom.window, rows: sides.map(({ shown }) => shown), wanted: sides.map(({ wanted }) => wanted),
-      exact: this.exact, scrub_ms, loaded: Math.min(...sides.map(({ series }) => series.progress)), quality: this.views[0]?.drawnIn ?? 'none',
+      // An order that no picture has followed yet is not answered.
+      exact: this.exact && this.ordered_ms === undefined, scrub_ms, loaded: Math.min(...sides.map(({ series }) => series.progress)), quality: this.views[0]?.drawnIn ?? 'none',
     };
   }
 
