@@ -77,6 +77,7 @@ export async function recordingIsReplayed(plain, drawing, recorded, picture) {
       if (click) await page.click(click);
       faults.push(...(await accessibilityFaults(page)).map((fault) => `${lang}: ${fault}`));
       await picture(page, `replay_${lang}`);
+      if (lang !== 'fr') await plotsAreComplete(page, lang);
     }
     expect(faults.length === 0, faults.join('\n'));
     expect(page.faults.length === 0, page.faults.join('\n'));
@@ -85,6 +86,19 @@ export async function recordingIsReplayed(plain, drawing, recorded, picture) {
     await pictureIsDrawn(drawing, url, picture);
     return `${scrub_ms.length} looks, the fastest answered within ${Math.min(...scrub_ms).toFixed(0)} ms`;
   });
+}
+
+/** Plots that were built anew show what they show when they are drawn once more: curves, marks and limits. */
+async function plotsAreComplete(page, lang) {
+  await still(page, `all of it in ${lang}`);
+  const drawn = () => page.locator('.plot .canvas canvas').evaluateAll((all) => all.map((canvas) => canvas.toDataURL()));
+  const before = await drawn();
+  await page.click('[data-testid=whole]');
+  // A frame draws, the next one is after it.
+  await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
+  const after = await drawn();
+  const other = before.filter((plot, i) => plot !== after[i]).length;
+  expect(before.length > 0 && other === 0, `${lang}: ${other} of ${before.length} plots lacked something when they were built anew`);
 }
 
 async function keysMove(page, last_s) {
