@@ -13,7 +13,8 @@ constexpr std::uint64_t kMostRowsPerByte = 10;
 
 }  // namespace
 
-RecordedTables::RecordedTables(const RecordingMeta& meta, std::uint64_t chunks_at_once)
+RecordedTables::RecordedTables(const RecordingMeta& meta, std::uint64_t chunks_at_once,
+                               const LeftOut& left_out)
     : meta_(meta),
       ticks_(tickColumns(meta)),
       contacts_(contactColumns()),
@@ -22,6 +23,8 @@ RecordedTables::RecordedTables(const RecordingMeta& meta, std::uint64_t chunks_a
       block_(chunkRows(meta.period_s)),
       chunks_at_once_(chunks_at_once) {
   ticks_.unpack(predictions(shapesOf(tickColumns(meta)), meta), block_);
+  ticks_.leaveOut(left_out.of_ticks);
+  contacts_.table.leaveOut(left_out.of_contacts);
 }
 
 template <class Row>

@@ -4,6 +4,7 @@
 #include "telemetry/block_index.hpp"
 #include "telemetry/hdf5_handle.hpp"
 #include "telemetry/recording.hpp"
+#include "telemetry/recording_view.hpp"
 #include "telemetry/side_table.hpp"
 #include "telemetry/table_reader.hpp"
 
@@ -18,7 +19,7 @@ namespace wholehand::recording {
 class RecordedTables {
  public:
   /// @param chunks_at_once that are read around a tick
-  RecordedTables(const RecordingMeta& meta, std::uint64_t chunks_at_once);
+  RecordedTables(const RecordingMeta& meta, std::uint64_t chunks_at_once, const LeftOut& left_out);
 
   /// Opens the tables and finds the ticks that are whole. What is wrong, or nothing.
   std::string open(hid_t file, bool being_written);

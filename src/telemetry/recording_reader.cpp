@@ -61,8 +61,8 @@ class Hdf5Reader final : public RecordingReader {
  public:
   /// @param chunks_at_once that are read around a tick
   /// @param marks a file that its writer left open as one that is read
-  Hdf5Reader(std::uint64_t chunks_at_once, bool marks)
-      : chunks_at_once_(chunks_at_once), marks_(marks) {}
+  Hdf5Reader(std::uint64_t chunks_at_once, bool marks, LeftOut left_out)
+      : chunks_at_once_(chunks_at_once), marks_(marks), left_out_(std::move(left_out)) {}
   /// Opens and checks. What is wrong, or Done.
   Expected<Done> open(const std::string& path, bool left_open);
   /// As RecordedTables. @pre it was opened
@@ -85,6 +85,7 @@ class Hdf5Reader final : public RecordingReader {
   std::optional<recording::RecordedTables> tables_;
   const std::uint64_t chunks_at_once_;
   const bool marks_;
+  const LeftOut left_out_;
 };
 
 Expected<Done> Hdf5Reader::open(const std::string& path, bool left_open) {
@@ -99,7 +100,7 @@ Expected<Done> Hdf5Reader::open(const std::string& path, bool left_open) {
   file_ = Handle(H5Fopen(path.c_str(), mode, access.get()), H5Fclose);
   if (!file_.ok()) return refusal(path, "is truncated or damaged", kBrokenCopy);
   if (auto described = readDescription(path); !described) return described;
-  tables_.emplace(meta_, chunks_at_once_);
+  tables_.emplace(meta_, chunks_at_once_, left_out_);
   if (const std::string problem = tables_->open(file_.get(), being_written); !problem.empty()) {
     return refusal(path, problem, kBrokenCopy);
   }
@@ -138,11 +139,12 @@ Expected<Done> Hdf5Reader::readDescription(const std::string& path) {
 }
 
 Expected<std::unique_ptr<Hdf5Reader>> openHdf5(const std::string& path,
-                                               std::uint64_t chunks_at_once, bool marks) {
+                                               std::uint64_t chunks_at_once, bool marks,
+                                               const LeftOut& left_out) {
   hdf5::beginHdf5();
   const auto left_open = leftOpen(path);
   if (!left_open) return left_open.errors();
-  auto reader = std::make_unique<Hdf5Reader>(chunks_at_once, marks);
+  auto reader = std::make_unique<Hdf5Reader>(chunks_at_once, marks, left_out);
   if (auto opened = reader->open(path, *left_open); !opened) return opened.errors();
   return reader;
 }
@@ -155,7 +157,7 @@ Expected<std::unique_ptr<RecordingReader>> RecordingReader::open(const std::stri
     if (!box) return box.errors();
     return Expected<std::unique_ptr<RecordingReader>>(std::move(*box));
   }
-  auto reader = openHdf5(path, 1, true);
+  auto reader = openHdf5(path, 1, true, {});
   if (!reader) return reader.errors();
   // The last rows lie at the end of the file: a copy that stopped early shows here.
   if (!(*reader)->endsWhole()) {
@@ -164,8 +166,9 @@ Expected<std::unique_ptr<RecordingReader>> RecordingReader::open(const std::stri
   return Expected<std::unique_ptr<RecordingReader>>(std::move(*reader));
 }
 
-Expected<ViewedRecording> viewRecording(const std::string& path, std::uint64_t chunks_at_once) {
-  auto reader = openHdf5(path, chunks_at_once, false);
+Expected<ViewedRecording> viewRecording(const std::string& path, std::uint64_t chunks_at_once,
+                                        const LeftOut& left_out) {
+  auto reader = openHdf5(path, chunks_at_once, false, left_out);
   if (!reader) return reader.errors();
   ViewedRecording viewed;
   const auto& numbers = (*reader)->outline().numbers;
