@@ -3,6 +3,7 @@
 #include "replay/recorded_scene.hpp"
 #include "replay/recording_series.hpp"
 #include "replay/replay_about.hpp"
+#include "replay/series_channels.hpp"
 #include "telemetry/black_box_reader.hpp"
 #include "telemetry/disk_reserve.hpp"
 
@@ -45,15 +46,15 @@ ReplayAnswer replayRefusal(int status, const std::string& why) {
           json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"};
 }
 
-const Expected<ViewedRecording>& ReplayedRecording::open(Opened& as,
-                                                         std::uint64_t chunks_at_once) const {
+const Expected<ViewedRecording>& ReplayedRecording::open(Opened& as, std::uint64_t chunks_at_once,
+                                                         const LeftOut& left_out) const {
   if (as) return *as;
   if (BlackBoxReader::isBox(path_)) {
     as = refusal(path_, "is a black box, which pages do not show",
                  "take its last seconds out with: wholehand replay --extract seconds.h5 " + path_);
     return *as;
   }
-  as = viewRecording(path_, chunks_at_once);
+  as = viewRecording(path_, chunks_at_once, left_out);
   if (*as && as->value().reader->size() == 0) {
     as = refusal(path_, "holds no ticks", "record a run that lasts a while");
   }
@@ -62,7 +63,8 @@ const Expected<ViewedRecording>& ReplayedRecording::open(Opened& as,
 
 ReplayAnswer ReplayedRecording::answer(const ReplayQuestion& question) {
   const bool plots = question.what == ReplayQuestion::What::kSeries;
-  const auto& viewed = plots ? open(plotted_, kChunksOfPlots) : open(shown_, 1);
+  const auto& viewed =
+      plots ? open(plotted_, kChunksOfPlots, leftOutOfSeries()) : open(shown_, 1, {});
   if (!viewed) return replayRefusal(kCannotBeRead, format(viewed.errors()));
   if (plots) return {200, kBytes, seriesMessage(*viewed->reader, question.series)};
   prepareScene(viewed->reader->meta());

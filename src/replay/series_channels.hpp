@@ -2,6 +2,7 @@
 
 #include "core/tick_record.hpp"
 #include "telemetry/recording.hpp"
+#include "telemetry/recording_view.hpp"
 
 #include <string>
 #include <vector>
@@ -21,5 +22,9 @@ struct SeriesChannel {
 /// @pre values has one element for each of seriesChannels(meta)
 void fillSeriesValues(const TickRecord& record, const RecordingMeta& meta,
                       std::vector<double>& values);
+
+/// What of a recording neither a channel nor a mark is made of, and no other dataset is packed by:
+/// most of the work of reading it.
+[[nodiscard]] LeftOut leftOutOfSeries();
 
 }  // namespace wholehand

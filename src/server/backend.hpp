@@ -144,7 +144,7 @@ struct Order {
   std::uint32_t claim = 0;
 };
 
-/// One finished recording.
+/// One recording.
 struct RecordingEntry {
   std::string name;  ///< file name without folder
   std::string title;
@@ -152,6 +152,7 @@ struct RecordingEntry {
   double duration_s = 0.0;
   std::uint64_t bytes = 0;
   std::uint64_t ticks_missing = 0;  ///< for which the disk had no room
+  bool being_written = false;       ///< by this program: it can be replayed as far as it goes
 };
 
 /// What the server asks of the program. All of it may be called from the server's thread, and none

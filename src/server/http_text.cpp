@@ -69,6 +69,10 @@ std::optional<std::string> decodedPath(std::string_view path) {
   return out;
 }
 
+bool hasEncodedSlash(std::string_view path) {
+  return path.find("%2f") != std::string_view::npos || path.find("%2F") != std::string_view::npos;
+}
+
 std::string percentEncoded(std::string_view text) {
   constexpr std::string_view kHex = "0123456789ABCDEF";
   std::string out;

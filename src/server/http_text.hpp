@@ -13,6 +13,8 @@ namespace wholehand {
 /// A path with %XX decoded, once. Nothing where it is malformed or holds what no path of ours
 /// does: control characters, a backslash, an empty, "." or ".." segment, a slash that was encoded.
 [[nodiscard]] std::optional<std::string> decodedPath(std::string_view path);
+/// True where a slash was encoded: it belongs to a name, and no name that is served has one.
+[[nodiscard]] bool hasEncodedSlash(std::string_view path);
 
 /// A path segment, with all but the plainest characters as %XX.
 [[nodiscard]] std::string percentEncoded(std::string_view text);

@@ -134,7 +134,8 @@ HttpAnswer Site::answer(const HttpRequest& request) const {
     a = refusal(405, "method", "Not like this", "Only GET and HEAD are answered here.");
     a.headers.emplace_back("Allow", "GET, HEAD");
   } else if (!path) {
-    a = refusal(400, "path", "Not an address", "This path is not one that the program serves.");
+    const int status = hasEncodedSlash(request.path()) ? 404 : 400;
+    a = refusal(status, "path", "Not an address", "This path is not one that the program serves.");
   } else if (needsToken(*path) && !access_.originAllowed(request.origin, request.host)) {
     a = refusal(403, "origin", "Not from there", "Another site may not ask for this.");
   } else if (needsToken(*path) && !access_.authorized(request.credentials())) {
@@ -213,7 +214,9 @@ HttpAnswer Site::recordingList() const {
                     {"duration_s", r.duration_s},
                     {"ticks_missing", r.ticks_missing},
                     {"bytes", r.bytes},
-                    {"report", fmt::format("{}/{}/report/", kRecordings, percentEncoded(r.name))}});
+                    {"being_written", r.being_written}});
+    if (r.being_written) continue;
+    list.back()["report"] = fmt::format("{}/{}/report/", kRecordings, percentEncoded(r.name));
   }
   const auto scene = backend_.scene();
   const nlohmann::json json = {{"recordings", list}, {"recording", scene ? scene->recording : ""}};
@@ -228,6 +231,10 @@ HttpAnswer Site::recording(const HttpRequest& request, const std::string& name_a
   if (path.empty()) return notFound(name_and_rest);
   if (replay_ && slash != std::string::npos && name_and_rest.substr(slash).starts_with(kReplay)) {
     return replay(request, path, name_and_rest.substr(slash + kReplay.size()));
+  }
+  if (const auto scene = backend_.scene(); scene && scene->recording == name) {
+    return refusal(409, "being_written", "Still being recorded",
+                   "Stop first, or look at it as far as it goes: replay.");
   }
   if (slash != std::string::npos) return report(name, name_and_rest.substr(slash));
   HttpAnswer a = file(path, HttpRequest{}, "no-cache");

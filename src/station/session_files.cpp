@@ -82,7 +82,7 @@ std::vector<RecordingEntry> SessionFiles::list(const std::string& being_written)
   std::error_code error;
   for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
     const fs::path& path = it->path();
-    if (path.extension() != kExtension || path.filename() == being_written) continue;
+    if (path.extension() != kExtension) continue;
     std::error_code gone;  // and links, which path() gives nobody
     if (!fs::is_regular_file(it->symlink_status(gone))) continue;
     RecordingEntry entry;
@@ -91,7 +91,8 @@ std::vector<RecordingEntry> SessionFiles::list(const std::string& being_written)
     std::error_code unknown;
     entry.bytes = fs::file_size(path, unknown);
     if (unknown) continue;
-    readNote(path, entry);
+    entry.being_written = entry.name == being_written;
+    if (!entry.being_written) readNote(path, entry);
     entries.push_back(std::move(entry));
   }
   std::sort(entries.begin(), entries.end(),

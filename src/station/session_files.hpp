@@ -27,7 +27,7 @@ class SessionFiles {
   /// Notes what a finished recording holds; nothing of one that lies elsewhere.
   void note(const std::string& path, const std::string& title, const std::string& began_utc,
             double duration_s, std::uint64_t ticks_missing) const;
-  /// The finished ones, newest first; those that nobody noted with what their file tells.
+  /// Newest first; those that nobody noted with what their file tells.
   [[nodiscard]] std::vector<RecordingEntry> list(const std::string& being_written) const;
   /// Path of a recording in the folder; empty for any name that is none.
   [[nodiscard]] std::string path(const std::string& name) const;

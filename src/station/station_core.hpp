@@ -46,7 +46,7 @@ class Station::Core {
     return files_.kept() ? files_.list(scene()->recording) : std::vector<RecordingEntry>{};
   }
   [[nodiscard]] std::string recordingPath(const std::string& name) const {
-    return name == scene()->recording ? std::string() : files_.path(name);
+    return files_.path(name);
   }
 
   [[nodiscard]] const Models& models() const { return models_; }  // main thread

@@ -295,6 +295,10 @@ std::string Station::Core::reportFolder(const std::string& name, std::string& wh
     why = "there is no recording of that name";
     return {};
   }
+  if (name == scene()->recording) {
+    why = "it is still being recorded";
+    return {};
+  }
   std::string folder = recording.substr(0, recording.size() - 3) + "-report";
   if (fs::exists(folder + "/index.html")) return folder;
   if (!config_.make_report) {

@@ -10,57 +10,102 @@ namespace wholehand::recording {
 
 /// A table with any number of rows for a tick: its reader, and which rows belong to which tick.
 template <class Row>
-struct SideTable {
-  struct Rows {
-    std::uint64_t first = 0, count = 0;
-  };
-  TableReader<Row> table;
-  std::vector<Rows> of_tick;
+class SideTable {
+ public:
+  explicit SideTable(std::vector<Column<Row>> columns) : table(std::move(columns)) {}
 
-  /// Takes which tick each row belongs to. Rows that never reached the disk belong to none: they
-  /// hold UINT64_MAX, or in older files 0 behind those of later ticks.
-  bool assign(std::uint64_t ticks) {
+  /// The rows of the next block end here: the index says so.
+  void addBlock(std::uint64_t end) {
+    blocks_.push_back({blocks_.empty() ? 0 : blocks_.back().end(), 0});
+    blocks_.back().count = end - blocks_.back().first;
+  }
+  /// Finds the rows of the blocks behind these, which end with row `ticks` of /ticks. Until the
+  /// next load() it is known which of them belong to which tick.
+  bool findBlocks(std::uint64_t ticks, std::uint64_t block_rows) {
     std::vector<std::uint64_t> owners;
-    if (!table.readAll("row", owners)) return false;
-    of_tick.assign(ticks, {});
-    std::uint64_t last = 0;
-    for (std::uint64_t i = 0; i < owners.size(); ++i) {
-      if (owners[i] >= ticks || owners[i] < last) continue;
-      last = owners[i];
-      Rows& rows = of_tick[owners[i]];
-      if (rows.count == 0) rows.first = i;
-      if (rows.first + rows.count == i) ++rows.count;
+    const std::uint64_t first_row = blocks_.empty() ? 0 : blocks_.back().end();
+    if (!table.read("row", first_row, table.rows() - first_row, owners)) return false;
+    assign(owners, first_row, std::min(ticks, blocks_.size() * block_rows), ticks);
+    for (std::uint64_t tick = first_tick_; tick < ticks; tick += block_rows) {
+      blocks_.push_back(rowsOf(tick, std::min(ticks, tick + block_rows)));
     }
     return true;
   }
-  /// True where all rows of that tick are there.
+  /// True where all rows of that tick are there. @pre it was found or loaded
   [[nodiscard]] bool isWhole(std::uint64_t tick, std::int32_t count, int most) const {
-    return of_tick[tick].count == static_cast<std::uint64_t>(std::clamp(count, 0, most));
+    return countOf(tick) == static_cast<std::uint64_t>(std::clamp(count, 0, most));
   }
-  bool load(std::uint64_t tick, std::uint64_t end_tick) {
+  /// Makes the rows of these ticks ready; `tick` is the first of a block.
+  bool load(std::uint64_t tick, std::uint64_t end_tick, std::uint64_t block_rows) {
+    of_tick_.clear();
     std::uint64_t begin = UINT64_MAX, end = 0;
-    for (; tick < end_tick; ++tick) {
-      const Rows& rows = of_tick[tick];
+    for (std::uint64_t at = tick; at < end_tick; at += block_rows) {
+      const Rows& rows = blocks_[at / block_rows];
       if (rows.count == 0) continue;
       begin = std::min(begin, rows.first);
-      end = std::max(end, rows.first + rows.count);
+      end = std::max(end, rows.end());
     }
-    return begin >= end || table.load(begin, end - begin);
+    begin = std::min(begin, end);
+    std::vector<std::uint64_t> owners;
+    if (!table.load(begin, end - begin) || !table.loaded("row", owners)) return false;
+    assign(owners, begin, tick, end_tick);
+    return true;
   }
-  // Of a damaged file the ticks may have been read and these rows not.
+  /// Of a damaged file the ticks may have been read and these rows not.
   [[nodiscard]] bool holds(std::uint64_t tick) const {
-    const Rows& rows = of_tick[tick];
-    if (rows.count == 0) return true;
-    return table.holds(rows.first) && table.holds(rows.first + rows.count - 1);
+    return tick >= first_tick_ && tick - first_tick_ < of_tick_.size();
   }
   [[nodiscard]] std::int32_t count(std::uint64_t tick) const {
-    return static_cast<std::int32_t>(of_tick[tick].count);
+    return static_cast<std::int32_t>(countOf(tick));
   }
   [[nodiscard]] Row row(std::uint64_t tick, std::int32_t i) const {
     Row row;
-    table.get(of_tick[tick].first + static_cast<std::uint64_t>(i), row);
+    table.get(of_tick_[tick - first_tick_].first + static_cast<std::uint64_t>(i), row);
     return row;
   }
+
+  TableReader<Row> table;
+
+ private:
+  struct Rows {
+    std::uint64_t first = 0, count = 0;
+    [[nodiscard]] std::uint64_t end() const noexcept { return first + count; }
+  };
+
+  /// Rows that never reached the disk belong to no tick: they hold UINT64_MAX, or in older files 0
+  /// behind those of later ticks.
+  void assign(const std::vector<std::uint64_t>& owners, std::uint64_t first_row,
+              std::uint64_t first_tick, std::uint64_t end_tick) {
+    first_tick_ = first_tick;
+    of_tick_.assign(end_tick - first_tick, {});
+    std::uint64_t last = first_tick;
+    for (std::uint64_t i = 0; i < owners.size(); ++i) {
+      if (owners[i] < last || owners[i] >= end_tick) continue;
+      last = owners[i];
+      Rows& rows = of_tick_[owners[i] - first_tick];
+      if (rows.count == 0) rows.first = first_row + i;
+      if (rows.end() == first_row + i) ++rows.count;
+    }
+  }
+  [[nodiscard]] Rows rowsOf(std::uint64_t tick, std::uint64_t end_tick) const {
+    std::uint64_t begin = UINT64_MAX, end = 0;
+    for (; tick < end_tick; ++tick) {
+      const Rows& rows = of_tick_[tick - first_tick_];
+      if (rows.count == 0) continue;
+      begin = std::min(begin, rows.first);
+      end = std::max(end, rows.end());
+    }
+    // An empty one lies where the one before it ends.
+    if (begin < end) return {begin, end - begin};
+    return {blocks_.empty() ? 0 : blocks_.back().end(), 0};
+  }
+  [[nodiscard]] std::uint64_t countOf(std::uint64_t tick) const {
+    return of_tick_[tick - first_tick_].count;
+  }
+
+  std::vector<Rows> blocks_;   ///< of each chunk of /ticks
+  std::vector<Rows> of_tick_;  ///< of the ticks from first_tick_ on
+  std::uint64_t first_tick_ = 0;
 };
 
 }  // namespace wholehand::recording

@@ -25,7 +25,7 @@ template <class Row>
 class TableReader {
  public:
   explicit TableReader(std::vector<Column<Row>> columns)
-      : columns_(std::move(columns)), buffers_(columns_.size()) {
+      : columns_(std::move(columns)), left_out_(columns_.size()), buffers_(columns_.size()) {
     for (const ColumnShape& c : columns_) row_bytes_.push_back(c.rowBytes());
   }
   /// These columns are packed, each chunk for itself. To be told before open().
@@ -34,6 +34,10 @@ class TableReader {
     chunk_rows_ = chunk_rows;
     for (const Prediction& p : predictions_) columns_[p.column].packed = true;
   }
+
+  /// These columns are not read: their numbers are zero. To be told before load(). A column by
+  /// which a read one is packed must not be among them.
+  void leaveOut(const std::vector<std::string>& names);
 
   /// Opens every dataset of the table. What is wrong, or nothing.
   std::string open(hid_t group);
@@ -47,13 +51,19 @@ class TableReader {
   [[nodiscard]] bool holds(std::uint64_t i) const noexcept {
     return i >= first_ && i < first_ + count_;
   }
-  /// The dataset of that name, whole. @pre a number of type T per row, not packed.
+  /// `count` rows of the dataset of that name. False where they cannot be read. @pre a number of
+  /// type T per row, not packed; first + count <= rows()
   template <class T>
-  bool readAll(const std::string& name, std::vector<T>& out) const;
+  bool read(const std::string& name, std::uint64_t first, std::uint64_t count,
+            std::vector<T>& out) const;
+  /// The loaded rows of the dataset of that name. @pre as read()
+  template <class T>
+  bool loaded(const std::string& name, std::vector<T>& out) const;
 
  private:
   std::vector<Column<Row>> columns_;
   std::vector<std::size_t> row_bytes_;
+  std::vector<bool> left_out_;
   std::vector<Prediction> predictions_;
   std::uint64_t chunk_rows_ = 1;
   RowBytes buffers_;
@@ -75,10 +85,22 @@ std::string TableReader<Row>::open(hid_t group) {
 }
 
 template <class Row>
+void TableReader<Row>::leaveOut(const std::vector<std::string>& names) {
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    if (std::find(names.begin(), names.end(), columns_[c].name) != names.end()) left_out_[c] = true;
+  }
+  std::erase_if(predictions_, [this](const Prediction& p) { return left_out_[p.column]; });
+}
+
+template <class Row>
 bool TableReader<Row>::load(std::uint64_t first, std::uint64_t count) {
   count_ = 0;
   for (std::size_t i = 0; i < columns_.size(); ++i) {
-    if (!readRows(datasets_[i].get(), columns_[i], first, count, buffers_[i])) return false;
+    if (left_out_[i]) {
+      buffers_[i].resize(count * row_bytes_[i]);
+    } else if (!readRows(datasets_[i].get(), columns_[i], first, count, buffers_[i])) {
+      return false;
+    }
   }
   unpackRows(predictions_, buffers_, row_bytes_, chunk_rows_, count);
   first_ = first;
@@ -89,19 +111,37 @@ bool TableReader<Row>::load(std::uint64_t first, std::uint64_t count) {
 template <class Row>
 void TableReader<Row>::get(std::uint64_t i, Row& row) const {
   for (std::size_t c = 0; c < columns_.size(); ++c) {
+    if (left_out_[c]) continue;
     columns_[c].load(buffers_[c].data() + (i - first_) * row_bytes_[c], row);
   }
 }
 
+template <class T>
+void copyNumbers(const std::vector<std::byte>& bytes, std::vector<T>& out) {
+  out.resize(bytes.size() / sizeof(T));
+  std::copy_n(bytes.data(), out.size() * sizeof(T), reinterpret_cast<std::byte*>(out.data()));
+}
+
 template <class Row>
 template <class T>
-bool TableReader<Row>::readAll(const std::string& name, std::vector<T>& out) const {
+bool TableReader<Row>::read(const std::string& name, std::uint64_t first, std::uint64_t count,
+                            std::vector<T>& out) const {
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     if (columns_[c].name != name) continue;
     std::vector<std::byte> bytes;
-    if (!readRows(datasets_[c].get(), columns_[c], 0, rows_, bytes)) return false;
-    out.resize(rows_);
-    std::copy_n(bytes.data(), bytes.size(), reinterpret_cast<std::byte*>(out.data()));
+    if (!readRows(datasets_[c].get(), columns_[c], first, count, bytes)) return false;
+    copyNumbers(bytes, out);
+    return true;
+  }
+  return false;
+}
+
+template <class Row>
+template <class T>
+bool TableReader<Row>::loaded(const std::string& name, std::vector<T>& out) const {
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    if (columns_[c].name != name) continue;
+    copyNumbers(buffers_[c], out);
     return true;
   }
   return false;

@@ -6,6 +6,7 @@
 #include "replay/series_reader.hpp"
 #include "station/scene_facts.hpp"
 #include "support/folder.hpp"
+#include "support/python.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
 #include "telemetry/synthetic_recording.hpp"
@@ -16,8 +17,6 @@
 
 #include <cmath>
 #include <cstring>
-#include <fstream>
-#include <sstream>
 
 namespace wholehand::test {
 namespace {
@@ -308,47 +307,55 @@ TEST(ReplayedRecording, OfNoTicks_IsRefused) {
             std::string::npos);
 }
 
-/// Spoils one place after the other until the file opens and a tick in it cannot be read.
-std::string damagedInside(const Folder& folder, std::uint64_t& first_unreadable) {
+/// A recording of 2000 ticks, eight chunks of 250, of which one chunk of a dataset is zeros.
+std::string damaged(const Folder& folder, const std::string& dataset, int chunk) {
   const std::string path = synthetic(folder, 2000);
-  std::stringstream whole;
-  whole << std::ifstream(path, std::ios::binary).rdbuf();
-  const std::string bytes = whole.str();
-  for (std::size_t part = 10; part < 90; ++part) {
-    std::string spoilt = bytes;
-    const std::size_t at = bytes.size() / 100 * part;
-    for (std::size_t i = at; i < at + 200; ++i) spoilt[i] = static_cast<char>(~spoilt[i]);
-    std::ofstream(path, std::ios::binary) << spoilt;
-    const auto reader = RecordingReader::open(path);
-    if (!reader) continue;
-    TickRecord record;
-    for (first_unreadable = 0; first_unreadable < (*reader)->size(); ++first_unreadable) {
-      if (!(*reader)->read(first_unreadable, record)) return path;
-    }
-  }
-  ADD_FAILURE() << "no place of the file that damages a tick";
+  EXPECT_EQ(python("import h5py\n"
+                   "path = '" +
+                   path +
+                   "'\n"
+                   "with h5py.File(path, 'r') as f:\n"
+                   "  chunk = f['" +
+                   dataset + "'].id.get_chunk_info(" + std::to_string(chunk) +
+                   ")\n"
+                   "with open(path, 'r+b') as raw:\n"
+                   "  raw.seek(chunk.byte_offset + 4)\n"
+                   "  raw.write(bytes(chunk.size - 4))\n"),
+            "");
   return path;
+}
+
+TEST(ReplayedRecording, DamagedEnd_IsToldWithItsTimeAndShownUpToThere) {
+  const Folder folder;
+  const auto recording = opened(damaged(folder, "ticks/elapsed_periods", 7));
+  const Json about = aboutOf(*recording);
+  EXPECT_EQ(about["whole"], false);
+  EXPECT_EQ(about["unreadable_from_s"], 1.75);
+  EXPECT_EQ(about["ticks"], 1750);
+  EXPECT_EQ(about["to_s"], 2.0) << "the time line goes on to where the ticks were";
+  EXPECT_EQ(about["run_again"], false);
+  EXPECT_EQ(messagesIn(ask(*recording, "states?tick=1749&count=2&step=1")).size(), 1U);
 }
 
 TEST(ReplayedRecording, DamagedChunk_IsToldAndTheRestIsShown) {
   const Folder folder;
-  std::uint64_t bad = 0;
-  const auto recording = opened(damagedInside(folder, bad));
+  constexpr std::uint64_t kBad = 750;
+  const auto recording = opened(damaged(folder, "ticks/q_m", 3));
   EXPECT_EQ(aboutOf(*recording)["ticks"], 2000);
   const ReplayAnswer state =
-      ask(*recording, "states?tick=" + std::to_string(bad) + "&count=1&step=1");
+      ask(*recording, "states?tick=" + std::to_string(kBad) + "&count=1&step=1");
   EXPECT_EQ(state.status, 422);
   EXPECT_NE(state.body.find("cannot be read"), std::string::npos) << state.body;
   const Series series(ask(*recording, "series?from_s=-0.0005&to_s=1.9995&columns=2000").body);
   EXPECT_TRUE(series.header["truncated"]);
   const std::size_t channel = series.channel("q_m", 0);
-  EXPECT_TRUE(std::isnan(series.low(channel, bad)));
+  EXPECT_TRUE(std::isnan(series.low(channel, kBad)));
   std::size_t shown = 0;
   for (std::size_t c = 0; c < 2000; ++c) shown += std::isnan(series.low(channel, c)) ? 0 : 1;
-  EXPECT_GT(shown, 1000U) << "a chunk of a quarter of a second is lost, no more";
+  EXPECT_EQ(shown, 1750U) << "a chunk of a quarter of a second is lost, no more";
   ASSERT_FALSE(series.header["unreadable"].empty());
   EXPECT_NEAR(series.header["unreadable"][0]["from_s"].get<double>(),
-              1e-3 * static_cast<double>(bad), 1e-9);
+              1e-3 * static_cast<double>(kBad), 1e-9);
 }
 
 }  // namespace

@@ -53,7 +53,9 @@ class FakeProgram final : public ServerBackend {
     return has_record_;
   }
   std::vector<RecordingEntry> recordings() const override {
-    return {{"night shift.h5", "cocktail-bar, level 2", "2026-11-20T08:00:00Z", 61.5, 11}};
+    const std::string name = "night shift.h5";
+    return {{name, "cocktail-bar, level 2", "2026-11-20T08:00:00Z", 61.5, 11, 0,
+             scene()->recording == name}};
   }
   std::string recordingPath(const std::string& name) const override {
     return name == "night shift.h5" ? (folder / "night shift.h5").string() : "";

@@ -191,8 +191,37 @@ TEST_F(HttpTest, Recordings_ListDownloadAndReport) {
   EXPECT_EQ(get(port(), "/api/recordings/night%20shift.h5/report/plot.svg").body, "<svg/>");
 }
 
+TEST_F(HttpTest, RecordingThatIsWritten_IsListedAndReplayedButNotHandedOut) {
+  options.replay = [](const std::string&, const std::string&) -> ReplayAnswer {
+    return {200, "application/json", "{}"};
+  };
+  open();
+  SceneFacts facts = *program.scene();
+  facts.recording = "night shift.h5";
+  program.setScene(facts);
+  const std::string list = get(port(), "/api/recordings").body;
+  EXPECT_TRUE(contains(list, R"("name":"night shift.h5")")) << list;
+  EXPECT_TRUE(contains(list, R"("being_written":true)")) << list;
+  EXPECT_FALSE(contains(list, R"("report")")) << list;
+  const std::string address = "/api/recordings/night%20shift.h5";
+  EXPECT_EQ(get(port(), address + "/replay/about").status, 200);
+  for (const char* rest : {"", "/report", "/report/", "/report/plot.svg"}) {
+    const HttpReply r = get(port(), address + rest);
+    EXPECT_EQ(r.status, 409) << rest;
+    EXPECT_TRUE(contains(r.body, "Still being recorded")) << rest;
+  }
+  facts.recording = "";
+  program.setScene(facts);
+  EXPECT_EQ(get(port(), address).status, 200);
+}
+
 TEST_F(HttpTest, NamesThatAreNoRecording_AreNotFound) {
   open();
+  // Well-formed names that no file can have.
+  for (const char* target : {"/api/recordings/a%2fb.h5", "/api/recordings/a%2Fb.h5/replay/about",
+                             "/replay%2f..", "/assets%2Fx"}) {
+    EXPECT_EQ(get(port(), target).status, 404) << target;
+  }
   for (const char* target :
        {"/api/recordings/other.h5", "/api/recordings/", "/api/recordings/a%2fb.h5",
         "/api/recordings/..%2fsecret.txt", "/api/recordings/%2e%2e/secret.txt",

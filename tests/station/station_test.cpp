@@ -142,11 +142,15 @@ TEST_F(Bar, SessionsThatClientsArm_AreRecordedAndListed) {
   ASSERT_TRUE(rendersOn());
   const std::string name = station_->scene()->recording;
   ASSERT_NE(name, "");
-  EXPECT_TRUE(station_->recordings().empty()) << "the one being written is not finished";
-  EXPECT_EQ(station_->recordingPath(name), "");
+  ASSERT_EQ(station_->recordings().size(), 1U);
+  EXPECT_EQ(station_->recordings().front().name, name);
+  EXPECT_TRUE(station_->recordings().front().being_written);
+  std::string why;
+  EXPECT_EQ(station_->reportFolder(name, why), "");
+  EXPECT_EQ(why, "it is still being recorded");
   ASSERT_TRUE(ask(OrderType::kStop).accepted);
   ASSERT_TRUE(becomes(RunState::kStopped));
-  ASSERT_TRUE(becomes([&] { return !station_->recordings().empty(); }));
+  ASSERT_TRUE(becomes([&] { return !station_->recordings().front().being_written; }));
   const RecordingEntry entry = station_->recordings().front();
   EXPECT_EQ(entry.name, name);
   EXPECT_GT(entry.bytes, 1000U);

@@ -1,5 +1,6 @@
 #include "telemetry/recording.hpp"
 
+#include "support/python.hpp"
 #include "telemetry/synthetic_recording.hpp"
 
 #include <gtest/gtest.h>
@@ -18,18 +19,8 @@ namespace wholehand {
 namespace {
 
 using synthetic::Folder;
-
-/// Byte for byte, so that NaN equals itself; but for the four bytes before the commands, which are
-/// padding.
-bool identical(const TickRecord& a, const TickRecord& b) {
-  constexpr std::size_t kPadding = offsetof(TickRecord, fault_axis) + sizeof(std::int32_t);
-  constexpr std::size_t kBehind = offsetof(TickRecord, commands);
-  static_assert(offsetof(TickRecord, bodies) == offsetof(TickRecord, body_count) + 8);
-  static_assert(kBehind == kPadding + 4);
-  const auto bytes = [](const TickRecord& r) { return reinterpret_cast<const char*>(&r); };
-  return std::memcmp(bytes(a), bytes(b), kPadding) == 0 &&
-         std::memcmp(bytes(a) + kBehind, bytes(b) + kBehind, sizeof a - kBehind) == 0;
-}
+using synthetic::identical;
+using test::python;
 
 std::unique_ptr<RecordingWriter> writer(const std::string& path,
                                         const RecordingMeta& meta = synthetic::meta()) {
@@ -373,17 +364,6 @@ TEST(RecordingReader, KilledAndTruncated_IsRefused) {
                                  static_cast<std::uintmax_t>(share * static_cast<double>(bytes)));
     EXPECT_NE(refusal(cut).find("truncated"), std::string::npos) << share << ": " << refusal(cut);
   }
-}
-
-std::string python(const std::string& script) {
-  const std::string command = "/usr/bin/python3 - 2>&1 <<'END'\n" + script + "\nEND\n";
-  FILE* pipe = ::popen(command.c_str(), "r");
-  std::string out;
-  std::array<char, 4096> piece{};
-  while (std::size_t n = std::fread(piece.data(), 1, piece.size(), pipe))
-    out.append(piece.data(), n);
-  ::pclose(pipe);
-  return out;
 }
 
 TEST(RecordingReader, OtherHdf5AndNewerSchema_AreRefused) {

@@ -5,6 +5,8 @@
 #include "telemetry/recording.hpp"
 
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 #include <limits>
 #include <random>
 #include <string>
@@ -137,6 +139,18 @@ inline TickRecord noisy(std::uint64_t tick, std::mt19937_64& random) {
     r.exercise.events[static_cast<std::size_t>(c)] = {whole(2), whole(4) - 1, n(random)};
   }
   return r;
+}
+
+/// Byte for byte, so that NaN equals itself; but for the four bytes before the commands, which are
+/// padding.
+inline bool identical(const TickRecord& a, const TickRecord& b) {
+  constexpr std::size_t kPadding = offsetof(TickRecord, fault_axis) + sizeof(std::int32_t);
+  constexpr std::size_t kBehind = offsetof(TickRecord, commands);
+  static_assert(offsetof(TickRecord, bodies) == offsetof(TickRecord, body_count) + 8);
+  static_assert(kBehind == kPadding + 4);
+  const auto bytes = [](const TickRecord& r) { return reinterpret_cast<const char*>(&r); };
+  return std::memcmp(bytes(a), bytes(b), kPadding) == 0 &&
+         std::memcmp(bytes(a) + kBehind, bytes(b) + kBehind, sizeof a - kBehind) == 0;
 }
 
 }  // namespace wholehand::synthetic

@@ -8,7 +8,7 @@ import { en } from '../src/console/i18n/en';
 import { fr } from '../src/console/i18n/fr';
 import { Marks } from '../src/console/marks';
 import { meantBySlider, parsed, ParameterTarget, viewOf } from '../src/console/parameter_model';
-import { figuresOf, SavedWatch } from '../src/console/recordings';
+import { figuresOf, offered, SavedWatch } from '../src/console/recordings';
 import { SampleWindow } from '../src/console/sample_window';
 import { faultWords, statusOf } from '../src/console/run_status';
 import { CalmRange, niceStep, ticksIn } from '../src/console/scale';
@@ -439,5 +439,13 @@ describe('what was saved', () => {
     expect(figuresOf(entry)).toContain(duration(63));
     expect(figuresOf(entry)).toContain(bytes(11_000_000));
     expect(figuresOf({ name: 'a.h5' })).toBe('');
+  });
+
+  it('of one that is still written says so, and offers neither report nor file', () => {
+    const growing = { name: 'a.h5', bytes: 11_000_000, being_written: true, report: '/api/recordings/a.h5/report/' };
+    expect(figuresOf(growing)).toBe(`${en.recordings.beingWritten}, ${bytes(11_000_000)}`);
+    expect(offered(growing)).toEqual({ report: false, download: false });
+    expect(offered({ ...growing, being_written: false })).toEqual({ report: true, download: true });
+    expect(offered({ name: 'a.h5' })).toEqual({ report: false, download: true });
   });
 });

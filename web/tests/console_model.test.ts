@@ -1,7 +1,8 @@
 import { describe, expect, it, vi } from 'vitest';
 import { ConsoleModel } from '../src/console/model';
 import type { Connection } from '../src/net/connection';
-import { SceneT, WorldStateT } from '../src/protocol';
+import { WINDOW_S } from '../src/console/history';
+import { AxisT, RunState, SceneT, WorldStateT } from '../src/protocol';
 
 /** A connection that remembers what was asked of it. */
 function connectionWith(controls: { heldByYou: boolean; held: boolean }, takes = true) {
@@ -58,6 +59,48 @@ describe('an order of the therapist', () => {
     expect(model.onRefused).toHaveBeenCalledWith('Fingers', 'out of range');
     await model.command('Fingers', order(asked, 'a', false), { quietly: true });
     expect(model.onRefused).toHaveBeenCalledTimes(1);
+  });
+});
+
+describe('after a stop', () => {
+  const AXIS = new AxisT('x', 'm', -0.1, 0.1, 20, 0, 1.5);
+
+  /** What a console hears: its scene, states of half a minute at 60 Hz, then a stopped program's, which repeat the last tick. */
+  function stopped() {
+    const hear: { scene?: (scene: SceneT) => void; state?: (state: WorldStateT) => void } = {};
+    const connection = {
+      controls: { heldByYou: false, held: false }, status: 'open', scene: null,
+      on: (name: 'scene' | 'state', callback: never) => { hear[name] = callback; return () => {}; },
+    };
+    const model = new ConsoleModel(connection as unknown as Connection);
+    hear.scene!(Object.assign(new SceneT(), { session: 1, axes: [AXIS] }));
+    const see = (tick: number, more: Partial<WorldStateT> = {}): void => hear.state!(Object.assign(new WorldStateT(), {
+      session: 1, tick: BigInt(tick), timeS: tick / 1000, runState: RunState.Rendering, sent: [tick / 1000], qM: [0], qS: [0], phi: [0], ...more,
+    }));
+    for (let tick = 0; tick <= 30_000; tick += 16) see(tick);
+    return { model, see, hear };
+  }
+
+  it('the last 10 s stay as they were, however long nothing comes', () => {
+    const { model, see } = stopped();
+    for (let i = 0; i < 2000; i += 1) see(30_000, { runState: RunState.Stopped, endings: 1 });
+    const { history } = model;
+    const efforts = [...history.values(history.column('effort', 0))];
+    // 10 s in steps of 16 ms, and the effort is the time: the last ten seconds of half a minute.
+    expect([efforts.length, efforts[0], efforts.at(-1)]).toEqual([626, 20, 30]);
+    expect(history.window.to_s - history.window.from_s).toBe(WINDOW_S);
+    expect(history.peak('effort', 0)).toBe(30);
+    expect(model.state?.runState, 'and the state that is shown is the last').toBe(RunState.Stopped);
+  });
+
+  it('they stay where the program makes the scene anew, and beside the next session', () => {
+    const { model, see, hear } = stopped();
+    hear.scene!(Object.assign(new SceneT(), { session: 2, axes: [AXIS] }));
+    see(16, { session: 2 });
+    const efforts = model.history.values(model.history.column('effort', 0));
+    expect(efforts.length, 'less than a second of them has left the window').toBeGreaterThan(560);
+    expect(efforts[efforts.length - 3]).toBe(30);
+    expect(efforts[efforts.length - 1]).toBe(0.016);
   });
 });
 

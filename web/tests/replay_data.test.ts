@@ -33,7 +33,7 @@ describe('what the program says of a recording', () => {
 
   it('is cut where a text is endless', () => { expect(readAbout({ ...ABOUT, title: 'x'.repeat(10_000) }).title).toHaveLength(2000); });
 
-  it.each([[404, 'unknown'], [401, 'denied'], [403, 'denied'], [422, 'unreadable'], [400, 'unknown'], [500, 'gone'], [503, 'gone'], [429, 'gone']] as const)(
+  it.each([[404, 'unknown'], [401, 'denied'], [403, 'denied'], [422, 'unreadable'], [400, 'unreadable'], [500, 'gone'], [503, 'gone'], [429, 'gone']] as const)(
     'as HTTP %i is a problem: %s', async (status, kind) => {
       const source = new RecordingSource('a.h5', '', async () => new Response(JSON.stringify({ error: 'of version 9' }), { status }));
       const problem = asProblem(await source.about().catch((thrown: unknown) => thrown));

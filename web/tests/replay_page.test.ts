@@ -9,13 +9,16 @@ import { clockTicks, clockTime } from '../src/replay/clock';
 import { de } from '../src/replay/i18n/de';
 import { en } from '../src/replay/i18n/en';
 import { fr } from '../src/replay/i18n/fr';
-import { isBad, Moments, plotMark, wordsOf, type Names } from '../src/replay/moments';
+import { isBad, lastAt, Moments, plotMark, rowsAround, wordsOf, type Names } from '../src/replay/moments';
+import { lineOfFailed, linesOf } from '../src/replay/notices';
+import { openSides } from '../src/replay/opened';
 import { allAxes } from '../src/replay/plots';
 import { Player } from '../src/replay/player';
 import { RecordingSource } from '../src/replay/recording_source';
 import { ReplaySide } from '../src/replay/side';
 import { keyOrder, type TransportHands } from '../src/replay/transport';
 import { Zoom } from '../src/replay/zoom';
+import { fill } from '../src/shared/i18n';
 
 describe('time', () => {
   it('is written as a clock, with as many decimals as asked for', () => {
@@ -126,6 +129,48 @@ describe('what happened', () => {
   });
 });
 
+describe('the list of marks', () => {
+  const moments = [1, 2, 2, 5].map((time_s) => ({ time_s }));
+
+  it('marks the last that was at the play head', () => {
+    expect([0.5, 1, 1.999, 2, 4.9, 5, 99, NaN].map((time_s) => lastAt(moments, time_s))).toEqual([undefined, 0, 0, 2, 2, 3, 3, undefined]);
+    expect(lastAt([], 3)).toBeUndefined();
+  });
+
+  it('shows the rows around it, and others only when it leaves them', () => {
+    expect(rowsAround(50, 49, 200, 0), 'all of them').toBe(0);
+    expect([rowsAround(1000, undefined, 200, 0), rowsAround(1000, 199, 200, 0), rowsAround(1000, 200, 200, 0)]).toEqual([0, 0, 100]);
+    expect([rowsAround(1000, 299, 200, 100), rowsAround(1000, 999, 200, 100), rowsAround(1000, 3, 200, 800)]).toEqual([100, 800, 0]);
+    expect(rowsAround(300, 250, 200, 200), 'fewer than before').toBe(100);
+  });
+});
+
+describe('two recordings of which one cannot be shown', () => {
+  const sourceOf = (name: string, options: Record<string, string> = { length: '1' }): RecordingSource => {
+    const fake = new FakeRecordings(new URLSearchParams(options));
+    return new RecordingSource(name, '', (address) => fake.answer(address));
+  };
+
+  it.each([[['a.h5', 'unknown'], 'unknown'], [['unknown', 'a.h5'], 'unknown']])('%j: the other is', async (names, missing) => {
+    const { sides, failed } = await openSides(names.map((name) => sourceOf(name)));
+    expect(sides.map(({ source }) => source.name)).toEqual(['a.h5']);
+    expect(failed.map(({ name, problem }) => [name, problem.kind])).toEqual([[missing, 'unknown']]);
+    for (const side of sides) side.close();
+  });
+
+  it('say which one it is, and why', async () => {
+    const { sides, failed } = await openSides([sourceOf('a.h5'), sourceOf('<b>b.h5', { newer: '' })]);
+    expect(lineOfFailed(failed[0])).toMatchObject({ kind: 'bad', act: 'reload', text: expect.stringMatching(/^<b>b\.h5 .*cannot be opened.*newer program/) as string });
+    for (const side of sides) side.close();
+  });
+
+  it('both open where both can be, in the order of their names', async () => {
+    const { sides, failed } = await openSides([sourceOf('a.h5'), sourceOf('b.h5')]);
+    expect([sides.map(({ source }) => source.name), failed]).toEqual([['a.h5', 'b.h5'], []]);
+    for (const side of sides) side.close();
+  });
+});
+
 describe('two recordings of different devices', () => {
   const axis = (name: string, unit = 'm'): AxisT => new AxisT(name, unit, -1, 1, 10, unit === 'rad' ? 0.05 : 0, 1);
   const scenes = [{ axes: [axis('x'), axis('finger_flexion', 'rad')], valueNames: ['score'] }, { axes: [axis('finger_flexion', 'rad'), axis('yaw', 'rad')], valueNames: ['squeeze_n', 'score'] }];
@@ -198,6 +243,15 @@ describe('a recording that is opened', () => {
     expect(side.span.to_s).toBeCloseTo(before + 1, 9);
     await settled(() => side.series.progress === 1);
     side.close();
+  });
+
+  it('whose end cannot be read says from when on', async () => {
+    const { side } = await open({ length: '10', damaged: '' });
+    expect(side.about.whole).toBe(false);
+    expect(linesOf(side)).toContainEqual({ kind: 'warn', text: fill(en.notices.damaged, { time: '0:09.000' }) });
+    const whole = await open({ length: '10' });
+    expect(linesOf(whole.side)).toEqual([]);
+    for (const each of [side, whole.side]) each.close();
   });
 
   it('keeps what was read while the program is away, and goes on when it is back', async () => {

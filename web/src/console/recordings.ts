@@ -15,6 +15,8 @@ export interface Recording {
   bytes?: number;
   /** For which the disk had no room. */
   ticks_missing?: number;
+  /** By the program, now: it can be replayed as far as it goes. */
+  being_written?: boolean;
   title?: string;
   report?: boolean | string;
 }
@@ -49,14 +51,21 @@ export function replayUrl(names: readonly string[], token: string): string {
   return `/replay?recording=${recording}${beside === undefined ? '' : `&beside=${beside}`}${token === '' ? '' : `&token=${encodeURIComponent(token)}`}`;
 }
 
-/** How long and how large a recording is, and what it misses, as people read it. */
+/** How long and how large a recording is, what it misses and whether it goes on, as people read it. */
 export function figuresOf(recording: Recording): string {
-  const { duration_s, bytes: size, ticks_missing } = recording;
+  const { duration_s, bytes: size, ticks_missing, being_written } = recording;
   return [
+    ...(being_written === true ? [texts().recordings.beingWritten] : []),
     ...(duration_s === undefined ? [] : [duration(duration_s)]),
     ...(size === undefined ? [] : [bytes(size)]),
     ...(ticks_missing ? [fill(texts().recordings.missing, { ticks: ticks_missing.toLocaleString(language()) })] : []),
   ].join(', ');
+}
+
+/** What can be had of a recording: of one that is still written there is no report, and no whole file. */
+export function offered({ being_written, report }: Recording): { report: boolean; download: boolean } {
+  const finished = being_written !== true;
+  return { report: finished && Boolean(report), download: finished };
 }
 
 /** Tells of each recording that was being written once, when it is in the list. */
@@ -122,8 +131,8 @@ export class RecordingsPanel implements Panel {
       const answer = await fetch(`/api/recordings${token === '' ? '' : `?token=${encodeURIComponent(token)}`}`);
       const found = answer.ok ? readRecordings(await answer.json()) : undefined;
       if (!found) throw new Error('no list');
+      this.show(found.recordings, token);
       const finished = found.recordings.filter(({ name }) => name !== found.recording);
-      this.show(finished, token);
       for (const recording of this.watch.found(finished)) this.model.saved = recording;
     } catch {
       say(this.words, this.t.failed);
@@ -161,13 +170,14 @@ export class RecordingsPanel implements Panel {
 
   private row(recording: Recording, token: string): HTMLElement {
     const { t } = this;
-    const { name, title, report } = recording;
+    const { name, title } = recording;
+    const can = offered(recording);
     const when = whenMade(recording.created_utc, new Date(), language());
     const called = title || name;
-    const reportLink = report ? h('a', { href: recordingUrl(name, true, token), target: '_blank', rel: 'noopener', 'aria-label': fill(t.reportOf, { name: called }) }, t.report) : null;
+    const reportLink = can.report ? h('a', { href: recordingUrl(name, true, token), target: '_blank', rel: 'noopener', 'aria-label': fill(t.reportOf, { name: called }) }, t.report) : null;
     const replayLink = h('a', { href: replayUrl([name], token), target: '_blank', rel: 'noopener', 'aria-label': fill(t.replayOf, { name: called }), 'data-testid': 'replay' }, t.replay);
+    const downloadLink = can.download ? h('a', { href: recordingUrl(name, false, token), download: name, 'aria-label': fill(t.downloadOf, { name: called }) }, t.download) : null;
     return h('li', { title: name }, this.besideBox(name, called), h('span', {}, h('b', {}, when), ' ', h('bdi', {}, called), h('small', {}, figuresOf(recording))),
-      h('span', { class: 'links' }, replayLink, reportLink,
-        h('a', { href: recordingUrl(name, false, token), download: name, 'aria-label': fill(t.downloadOf, { name: called }) }, t.download)));
+      h('span', { class: 'links' }, replayLink, reportLink, downloadLink));
   }
 }

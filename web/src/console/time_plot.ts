@@ -61,9 +61,11 @@ export class TimePlot {
   }
 
   draw(source: PlotSource, marks: readonly Mark[], limit: number | undefined): void {
+    // A plot that has no size yet is drawn with them once it has.
     this.source = source;
-    if (!this.plot) return;
     this.marks = marks;
+    this.limit = limit;
+    if (!this.plot) return;
     this.follow(source, limit);
     this.plot.setData([source.times(), ...this.spec.series.map((series) => source.values(series.column))] as unknown as uPlot.AlignedData, true);
   }
@@ -84,7 +86,6 @@ export class TimePlot {
   // The range holds the data, and the limit once the data come near it.
   private follow(source: PlotSource, limit: number | undefined): void {
     let [least, most] = source.extremes(this.spec.series.map((series) => series.column));
-    this.limit = limit;
     if (limit !== undefined && most > LIMIT_NEAR * limit) most = Math.max(most, limit);
     if (limit !== undefined && least < -LIMIT_NEAR * limit) least = Math.min(least, -limit);
     if (source.live) this.range.follow(least, most, source.window.to_s);

@@ -6,11 +6,11 @@ import { startTheme } from '../console/theme';
 import { takeToken } from '../net/open_connection';
 import { onLanguage, startLanguage } from '../shared/i18n';
 import { answerPresses } from '../shared/pressed';
+import { openSides } from './opened';
 import { openingPage } from './opening';
 import { ReplayPage, type ReplayNow } from './page';
-import { asProblem, type Problem } from './problem';
+import type { Problem } from './problem';
 import { RecordingSource, type Fetch } from './recording_source';
-import { ReplaySide } from './side';
 
 declare global {
   interface Window { wholehandReplay: ReplayNow | null }
@@ -48,21 +48,15 @@ async function open(): Promise<void> {
   showOpening();
   if (names[0] === '') return;
   const get = await answers();
-  const sides: ReplaySide[] = [];
-  try {
-    for (const name of names) {
-      shown.name = name;
-      sides.push(await ReplaySide.open(new RecordingSource(name, token, get)));
-    }
-  } catch (thrown) {
-    for (const side of sides) side.close();
-    shown.problem = asProblem(thrown);
+  const { sides, failed } = await openSides(names.map((name) => new RecordingSource(name, token, get)));
+  if (sides.length === 0) {
+    shown = failed[0];
     showOpening();
     // A program that is busy, or starts again, is waited for.
-    if (shown.problem.passes) again = setTimeout(() => void open(), AGAIN_MS);
+    if (failed[0].problem.passes) again = setTimeout(() => void open(), AGAIN_MS);
     return;
   }
-  page = new ReplayPage(root, sides);
+  page = new ReplayPage(root, sides, failed);
   await page.loadViews();
 }
 

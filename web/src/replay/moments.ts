@@ -54,6 +54,25 @@ export class Moments {
   }
 }
 
+/** Which of these moments, in order of time, was the last one at a time; undefined: none was yet. */
+export function lastAt(moments: readonly Pick<Moment, 'time_s'>[], time_s: number): number | undefined {
+  const apart_s = 1e-6;
+  let [low, high] = [0, moments.length];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (moments[middle].time_s <= time_s + apart_s) low = middle + 1;
+    else high = middle;
+  }
+  return low === 0 ? undefined : low - 1;
+}
+
+/** The first of at most so many rows out of `count` that are shown: as before while one of them is meant, else around it. */
+export function rowsAround(count: number, meant: number | undefined, most: number, first: number): number {
+  const last = Math.max(0, count - most);
+  const here = meant ?? 0;
+  return here >= first && here < first + most ? Math.min(first, last) : Math.min(last, Math.max(0, here - Math.floor(most / 2)));
+}
+
 /** What a file calls its things, as far as words are made of it. */
 export interface Names {
   readonly eventNames: readonly string[];

@@ -4,19 +4,22 @@ import type { Span } from '../console/plot_source';
 import { fill } from '../shared/i18n';
 import { clockTime } from './clock';
 import { texts } from './i18n';
-import { isBad, wordsOf, type Moment } from './moments';
+import { isBad, lastAt, rowsAround, wordsOf, type Moment } from './moments';
 import type { ReplaySide } from './side';
 
 /** Rows that are shown at once. */
 const MOST = 200;
 
-/** What happened in the window, in words; each line leads there. */
+/** What happened in the window, in words; each line leads there. The last one before the play head is marked and in sight. */
 export class MomentsPanel {
   readonly element: HTMLElement;
   private readonly t = texts().moments;
   private readonly list = h('ul', { class: 'moments', 'data-testid': 'moments' });
   private readonly words = h('p', { class: 'none' });
-  private shown: readonly Moment[] | undefined;
+  private found: readonly Moment[] | undefined;
+  private first = 0;
+  private time_s = NaN;
+  private marked: number | undefined;
 
   constructor(private readonly side: ReplaySide, private readonly seek: (time_s: number) => void) {
     this.element = h('section', { class: 'panel', 'aria-label': this.t.title }, h('div', { class: 'hd' }, h('h2', {}, this.t.title)), this.words, this.list);
@@ -26,14 +29,49 @@ export class MomentsPanel {
   show(window: Span): void {
     const { side, t } = this;
     const found = side.moments.within({ from_s: window.from_s - side.shift_s, to_s: window.to_s - side.shift_s });
-    const before = this.shown;
+    const before = this.found;
     if (before && before.length === found.length && before.every((moment, i) => moment === found[i])) return;
-    this.shown = found;
+    this.found = found;
     say(this.words, found.length === 0 ? t.none : found.length > MOST ? fill(t.more, { n: MOST, m: found.length }) : '');
     this.words.hidden = found.length > 0 && found.length <= MOST;
+    this.fillRows(rowsAround(found.length, lastAt(found, this.time_s), MOST, 0));
+  }
+
+  /** @param time_s of the page */
+  placeHead(time_s: number): void {
+    this.time_s = time_s - this.side.shift_s;
+    const found = this.found ?? [];
+    const now = lastAt(found, this.time_s);
+    if (now === this.marked) return;
+    const first = rowsAround(found.length, now, MOST, this.first);
+    if (first !== this.first) this.fillRows(first);
+    else this.mark(now);
+  }
+
+  private fillRows(first: number): void {
+    const found = this.found ?? [];
     const focused = this.list.contains(document.activeElement);
-    this.list.replaceChildren(...found.slice(0, MOST).map((moment) => this.row(moment)));
+    this.first = first;
+    this.list.replaceChildren(...found.slice(first, first + MOST).map((moment) => this.row(moment)));
+    this.marked = undefined;
+    this.mark(lastAt(found, this.time_s));
     if (focused) this.list.querySelector('button')?.focus();
+  }
+
+  private mark(now: number | undefined): void {
+    this.list.querySelector('[aria-current]')?.removeAttribute('aria-current');
+    this.marked = now;
+    const row = now === undefined ? undefined : this.list.children[now - this.first] as HTMLElement | undefined;
+    row?.querySelector('button')?.setAttribute('aria-current', 'time');
+    // Where somebody reads or chooses, nothing moves away under the hand.
+    if (row && !this.list.matches(':hover, :focus-within')) this.bringIntoSight(row);
+  }
+
+  /** Scrolls the list, and nothing around it. */
+  private bringIntoSight(row: HTMLElement): void {
+    const top = row.offsetTop - this.list.offsetTop;
+    const { scrollTop, clientHeight } = this.list;
+    if (top < scrollTop || top + row.offsetHeight > scrollTop + clientHeight) this.list.scrollTop = top - clientHeight / 2;
   }
 
   private row(moment: Moment): HTMLElement {

@@ -3,6 +3,7 @@ import { grouped } from '../console/format';
 import { fill } from '../shared/i18n';
 import { clockTime } from './clock';
 import { texts } from './i18n';
+import type { Failed } from './opened';
 import type { ReplaySide } from './side';
 
 /** What a person must know of a recording that is shown: it grows, it has holes, a part of it cannot be had. */
@@ -10,10 +11,11 @@ export class ReplayNotices {
   readonly element = h('div', { class: 'notices replay-notices' });
   private shown = '';
 
-  constructor(private readonly sides: readonly ReplaySide[], private readonly readOn: (side: ReplaySide) => void) {}
+  /** @param failed recordings that were asked for and are not shown */
+  constructor(private readonly sides: readonly ReplaySide[], private readonly failed: readonly Failed[], private readonly readOn: (side: ReplaySide) => void) {}
 
   refresh(): void {
-    const lines = this.sides.map(linesOf);
+    const lines = this.sides.map((side, i) => [...(i === 0 ? this.failed.map(lineOfFailed) : []), ...linesOf(side)]);
     const key = JSON.stringify(lines);
     if (key === this.shown) return;
     this.shown = key;
@@ -24,16 +26,22 @@ export class ReplayNotices {
   private notice({ kind, text, act }: Line, i: number): HTMLElement {
     const { sides, notices: t } = texts();
     const side = this.sides[i];
-    const button = act === undefined ? null : h('button', { type: 'button', class: 'b small', 'data-testid': act, onclick: () => (act === 'retry' ? side.retry() : this.readOn(side)) },
-      act === 'retry' ? t.retry : t.readOn);
+    const acts = { retry: () => side.retry(), 'read-on': () => this.readOn(side), reload: () => location.reload() };
+    const button = act === undefined ? null : h('button', { type: 'button', class: 'b small', 'data-testid': act, onclick: acts[act] }, act === 'read-on' ? t.readOn : t.retry);
     return h('div', { class: `notice ${kind}`, role: kind === 'bad' ? 'alert' : 'status' },
       this.sides.length > 1 ? h('b', {}, i === 0 ? sides.a : sides.b) : null, h('bdi', { class: 'clip', title: text }, text), button);
   }
 }
 
-interface Line { readonly kind: string; readonly text: string; readonly act?: 'retry' | 'read-on' }
+interface Line { readonly kind: string; readonly text: string; readonly act?: 'retry' | 'read-on' | 'reload' }
 
-function linesOf(side: ReplaySide): Line[] {
+/** Of a recording that is not shown beside those that are. */
+export function lineOfFailed({ name, problem }: Failed): Line {
+  const why = [texts().problems[problem.kind], problem.text].filter((words) => words !== '').join(' ');
+  return { kind: 'bad', text: fill(texts().notices.failed, { name, why }), act: 'reload' };
+}
+
+export function linesOf(side: ReplaySide): Line[] {
   const t = texts().notices;
   const { about, problem } = side;
   const lines: Line[] = [];

@@ -8,6 +8,7 @@ import { arranged, Column } from './column';
 import { Header } from './header';
 import { texts } from './i18n';
 import { ReplayNotices } from './notices';
+import type { Failed } from './opened';
 import { PlotMaker, type PlotChoice } from './plots';
 import { Player } from './player';
 import { asProblem } from './problem';
@@ -50,7 +51,8 @@ export class ReplayPage implements TransportHands {
   private ordered_ms: number | undefined;
   private readonly scrub_ms: number[] = [];
 
-  constructor(private readonly root: HTMLElement, private readonly sides: readonly ReplaySide[]) {
+  /** @param failed recordings that were to be shown beside them, and cannot be */
+  constructor(private readonly root: HTMLElement, private readonly sides: readonly ReplaySide[], private readonly failed: readonly Failed[]) {
     const [first, second] = sides;
     // The one beside begins when the first one does.
     if (second) second.shift_s = first.about.from_s - second.about.from_s;
@@ -66,7 +68,7 @@ export class ReplayPage implements TransportHands {
     const { sides } = this;
     const maker = new PlotMaker(sides, this.chosen);
     this.header = new Header(sides, () => this.rebuild());
-    this.notices = new ReplayNotices(sides, (side) => void this.readOn(side));
+    this.notices = new ReplayNotices(sides, this.failed, (side) => void this.readOn(side));
     const hands = {
       seek: (time_s: number) => this.seek(time_s), zoom: (window: Span) => this.show(window), look: (look: HandLook) => { this.look = look; },
       scale: (time_s: number, factor: number) => { this.zoom.scale(time_s, factor); this.stale = true; },
@@ -103,7 +105,8 @@ export class ReplayPage implements TransportHands {
     const { player, zoom, sides, scrub_ms } = this;
     return {
       time_s: player.time_s, playing: player.playing, window: zoom.window, rows: sides.map(({ shown }) => shown), wanted: sides.map(({ wanted }) => wanted),
-      exact: this.exact, scrub_ms, loaded: Math.min(...sides.map(({ series }) => series.progress)), quality: this.views[0]?.drawnIn ?? 'none',
+      // An order that no picture has followed yet is not answered.
+      exact: this.exact && this.ordered_ms === undefined, scrub_ms, loaded: Math.min(...sides.map(({ series }) => series.progress)), quality: this.views[0]?.drawnIn ?? 'none',
     };
   }
 
@@ -209,7 +212,10 @@ export class ReplayPage implements TransportHands {
 
   private placeHeads(): void {
     const { time_s } = this.player;
-    for (const { plots } of this.columns) plots.placeHead(time_s);
+    for (const { plots, moments } of this.columns) {
+      plots.placeHead(time_s);
+      moments.placeHead(time_s);
+    }
     this.line?.placeHead(time_s, fill(texts().timeLine.position, { time: clockTime(time_s, 3), tick: this.tickWords() }));
   }
 

@@ -48,8 +48,7 @@ export class RecordingSource {
       throw new Problem('gone');
     }
     if (answer.ok) return answer;
-    // A name that no file can have, with a slash, is refused before it is looked for.
-    if (answer.status === 404 || (answer.status === 400 && what === 'about')) throw new Problem('unknown');
+    if (answer.status === 404) throw new Problem('unknown');
     if (answer.status === 401 || answer.status === 403) throw new Problem('denied');
     if (answer.status >= 500 || answer.status === 429) throw new Problem('gone', `HTTP ${answer.status}`);
     throw new Problem('unreadable', await errorText(answer));

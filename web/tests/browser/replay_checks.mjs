@@ -4,6 +4,8 @@ import { join } from 'node:path';
 import { accessibilityFaults, openPage, until } from './browser.mjs';
 import { expect } from './checks.mjs';
 import { letProgram, startProgram } from './program.mjs';
+import { armFrom } from './stop_checks.mjs';
+import { openWatcher } from './watcher.mjs';
 
 const PATIENT_MS = 120_000;
 const SECONDS = 12;
@@ -61,12 +63,21 @@ export async function recordingIsReplayed(plain, drawing, recorded, picture) {
     await page.keyboard.press(' ');
     const first = page.locator('[data-testid=moments] button').first();
     await first.click();
+    await still(page, 'the first mark');
+    expect((await first.getAttribute('aria-current')) === 'time', 'the mark at the play head is not marked');
+    // A list that has the focus keeps the key for itself.
+    await page.locator('[role=slider]').first().focus();
+    await page.keyboard.press('End');
+    await still(page, 'the end', ({ time_s }) => Math.abs(time_s - last_s) < 2e-3);
+    const marks = await page.locator('[data-testid=moments] button').evaluateAll((all) => all.map((one) => `${one.getAttribute('aria-current') ?? ''} ${one.innerText}`));
+    expect(marks.findIndex((mark) => mark.startsWith('time')) === marks.length - 1, `the list does not follow the play head: ${JSON.stringify(marks)}`);
     const faults = [];
     for (const [lang, click] of [['en', null], ['de', '[data-testid=theme]'], ['fr', '[data-testid=tables]']]) {
       await page.selectOption('[data-testid=language]', lang);
       if (click) await page.click(click);
       faults.push(...(await accessibilityFaults(page)).map((fault) => `${lang}: ${fault}`));
       await picture(page, `replay_${lang}`);
+      if (lang !== 'fr') await plotsAreComplete(page, lang);
     }
     expect(faults.length === 0, faults.join('\n'));
     expect(page.faults.length === 0, page.faults.join('\n'));
@@ -75,6 +86,19 @@ export async function recordingIsReplayed(plain, drawing, recorded, picture) {
     await pictureIsDrawn(drawing, url, picture);
     return `${scrub_ms.length} looks, the fastest answered within ${Math.min(...scrub_ms).toFixed(0)} ms`;
   });
+}
+
+/** Plots that were built anew show what they show when they are drawn once more: curves, marks and limits. */
+async function plotsAreComplete(page, lang) {
+  await still(page, `all of it in ${lang}`);
+  const drawn = () => page.locator('.plot .canvas canvas').evaluateAll((all) => all.map((canvas) => canvas.toDataURL()));
+  const before = await drawn();
+  await page.click('[data-testid=whole]');
+  // A frame draws, the next one is after it.
+  await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
+  const after = await drawn();
+  const other = before.filter((plot, i) => plot !== after[i]).length;
+  expect(before.length > 0 && other === 0, `${lang}: ${other} of ${before.length} plots lacked something when they were built anew`);
 }
 
 async function keysMove(page, last_s) {
@@ -149,6 +173,17 @@ export async function badRecordingsAreSaid(browser, recorded, picture) {
     await page.context().close();
     return words.split('\n')[0];
   });
+  // The one that cannot be shown hides no other, whichever comes first.
+  for (const paths of [[path, foreign], [foreign, path]]) {
+    await replay(recorded, paths, async (url) => {
+      const page = await openPage(browser, withQuery(url, { lang: 'fr' }));
+      await still(page, 'the one that is sound', ({ rows }) => rows.length === 1);
+      const notice = await page.locator('.notice.bad:has([data-testid=reload])').innerText();
+      expect(notice.includes('foreign.h5 n’est pas affiché'), notice);
+      await picture(page, 'replay_one_of_two');
+      await page.context().close();
+    });
+  }
   const cut = join(recorded.folder, 'cut.h5');
   copyFileSync(path, cut);
   truncateSync(cut, Math.floor(readFileSync(path).length * 0.9));
@@ -169,4 +204,25 @@ export async function badRecordingsAreSaid(browser, recorded, picture) {
     await page.context().close();
   });
   return `"${said}"`;
+}
+
+/** What is being recorded stands in the console's list, is replayed as far as it goes, and is offered whole when it has ended. */
+export async function recordingIsListedWhileItRuns(browser, programUrl) {
+  const { page } = await openWatcher(browser, programUrl);
+  await page.selectOption('[data-testid=language]', 'de');
+  await armFrom({ page });
+  const row = page.locator('[data-testid=recordings] li').first();
+  await row.getByText('wird noch aufgezeichnet').waitFor({ timeout: PATIENT_MS });
+  const links = await row.locator('.links a').allInnerTexts();
+  expect(links.join() === 'Wiedergabe', `offered while it is written: ${links}`);
+  const replayPage = await openPage(browser, new URL(await row.locator('[data-testid=replay]').getAttribute('href'), programUrl).href);
+  const { window: { to_s } } = await still(replayPage, 'what is written so far');
+  await replayPage.click('[data-testid=read-on]', { timeout: PATIENT_MS });
+  await still(replayPage, 'what was written since', ({ window }) => window.to_s > to_s);
+  await page.click('[data-testid=emergency-stop]', { timeout: PATIENT_MS });
+  await row.locator('a[download]').waitFor({ timeout: PATIENT_MS });
+  expect(replayPage.faults.length === 0, replayPage.faults.join('\n'));
+  await replayPage.context().close();
+  await page.context().close();
+  return `replayed from ${to_s.toFixed(1)} s on`;
 }

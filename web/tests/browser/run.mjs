@@ -179,6 +179,7 @@ try {
   await test('replay of a recording', () => replays.recordingIsReplayed(plain, drawing, recorded, picture));
   await test('replay of two beside each other', () => replays.twoAreReplayed(plain, recorded, picture));
   await test('replay says what it cannot show', () => replays.badRecordingsAreSaid(plain, recorded, picture));
+  await test('a recording is listed while it runs', () => waiting((url) => replays.recordingIsListedWhileItRuns(plain, url)));
   await test('stops at random moments are followed by nothing', () => stopsAtRandomMoments(plain, () => startWaiting()));
   await test('no fault was logged by the pages', async () => {
     const faults = [...game.faults, ...watcher.page.faults];

@@ -160,6 +160,7 @@ export const de: ConsoleTexts = {
   recordings: {
     title: 'Aufzeichnungen', none: 'Noch keine Aufzeichnungen.', failed: 'Die Liste liess sich nicht lesen. Neuer Versuch folgt.',
     replay: 'Wiedergabe', replayOf: 'Wiedergabe von {name}', beside: 'Beide wiedergeben', besideOf: 'Neben einer anderen: {name}', report: 'Bericht', download: 'Download', reportOf: 'Bericht von {name}', downloadOf: 'Download von {name}', missing: 'unvollständig: {ticks} Takte fehlen',
+    beingWritten: 'wird noch aufgezeichnet',
     now: 'Aufnahme',
   },
 

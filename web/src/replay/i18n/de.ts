@@ -27,7 +27,7 @@ export const de: ReplayTexts = {
     ticks: '{n} Takte', missing: 'Es fehlen', program: 'Programm', result: 'Ergebnis', noExercise: 'Keine',
   },
   moments: {
-    title: 'Marken', none: 'In diesem Fenster ist nichts geschehen.', more: 'Die ersten {n} von {m}. Ein kürzeres Fenster zeigt die anderen.', gap: '{n} Takte fehlen',
+    title: 'Marken', none: 'In diesem Fenster ist nichts geschehen.', more: '{n} von {m}, um die Abspielstelle. Ein kürzeres Fenster zeigt weniger.', gap: '{n} Takte fehlen',
     kinds: {
       stop: 'Halt', emergency_stop: 'Not-Halt', fault: 'Störung', controls_lost: 'Steuerung verloren', armed: 'Scharf gestellt', neutral: 'In Neutralstellung',
     },
@@ -39,6 +39,7 @@ export const de: ReplayTexts = {
     },
   },
   notices: {
+    failed: '{name} wird nicht gezeigt. {why}',
     written: 'Diese Aufzeichnung wird noch geschrieben.', readOn: 'Weiterlesen',
     damaged: 'Ab {time} ist die Datei nicht lesbar.', damagedEnd: 'Das Ende der Datei ist nicht lesbar.', holes: '{n} Takte fehlen: auf der Zeitleiste bezeichnet.',
     noPicture: 'Kein Bild: {why}', noPictureAtAll: 'Kein Bild: Die Szene lässt sich aus dieser Datei nicht aufbauen.', noExercise: 'Ohne Übung aufgezeichnet.',

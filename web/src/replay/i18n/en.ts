@@ -26,7 +26,7 @@ export const en = {
     ticks: '{n} ticks', missing: 'Missing', program: 'Program', result: 'Result', noExercise: 'None',
   },
   moments: {
-    title: 'Marks', none: 'Nothing happened in this window.', more: 'The first {n} of {m}. A shorter window shows the others.', gap: '{n} ticks are missing',
+    title: 'Marks', none: 'Nothing happened in this window.', more: '{n} of {m}, around the play head. A shorter window shows fewer.', gap: '{n} ticks are missing',
     kinds: {
       stop: 'Stop', emergency_stop: 'Emergency stop', fault: 'Fault', controls_lost: 'Controls lost', armed: 'Armed', neutral: 'At neutral',
     } as Record<string, string>,
@@ -38,6 +38,7 @@ export const en = {
     } as Record<string, string>,
   },
   notices: {
+    failed: '{name} is not shown. {why}',
     written: 'This recording is still being written.', readOn: 'Read on',
     damaged: 'From {time} on the file cannot be read.', damagedEnd: 'The end of the file cannot be read.', holes: '{n} ticks are missing: marked on the time line.',
     noPicture: 'No picture: {why}', noPictureAtAll: 'No picture: the scene cannot be built from this file.', noExercise: 'Recorded without an exercise.',

@@ -27,7 +27,7 @@ export const fr: ReplayTexts = {
     ticks: '{n} pas', missing: 'Manquent', program: 'Programme', result: 'Résultat', noExercise: 'Aucun',
   },
   moments: {
-    title: 'Repères', none: 'Rien ne s’est passé dans cette fenêtre.', more: 'Les {n} premiers sur {m}. Une fenêtre plus courte montre les autres.', gap: '{n} pas manquent',
+    title: 'Repères', none: 'Rien ne s’est passé dans cette fenêtre.', more: '{n} sur {m}, autour de la tête de lecture. Une fenêtre plus courte en montre moins.', gap: '{n} pas manquent',
     kinds: {
       stop: 'Arrêt', emergency_stop: 'Arrêt d’urgence', fault: 'Défaut', controls_lost: 'Commandes perdues', armed: 'Armé', neutral: 'Au neutre',
     },
@@ -39,6 +39,7 @@ export const fr: ReplayTexts = {
     },
   },
   notices: {
+    failed: '{name} n’est pas affiché. {why}',
     written: 'Cet enregistrement est encore en cours d’écriture.', readOn: 'Lire la suite',
     damaged: 'À partir de {time}, le fichier est illisible.', damagedEnd: 'La fin du fichier est illisible.', holes: '{n} pas manquent : marqués sur la ligne du temps.',
     noPicture: 'Pas d’image : {why}', noPictureAtAll: 'Pas d’image : la scène ne peut pas être construite à partir de ce fichier.', noExercise: 'Enregistré sans exercice.',
