@@ -1,10 +1,8 @@
 import { h, say } from '../console/dom';
 import { texts as consoleTexts } from '../console/i18n';
 import { icon } from '../console/icons';
-import { recordingUrl } from '../console/recordings';
 import { toggleTheme } from '../console/theme';
 import { fill, language, LANGUAGES, setLanguage, type Language } from '../shared/i18n';
-import { tokenOf } from '../net/open_connection';
 import { dateWords } from './facts_panel';
 import { texts } from './i18n';
 import type { ReplaySide } from './side';
@@ -21,7 +19,7 @@ export class Header {
     document.title = fill(t.title, { name: names.join(', ').slice(0, 200) });
     this.element = h('header', { class: 'top' },
       h('h1', { class: 'brand' }, icon('logo'), t.brand), ...sides.map((side, i) => this.who(side, names[i])), h('span', { class: 'sp' }), this.progress,
-      ...(sides.length === 1 ? [this.reportLink(sides[0].source.name, names[0])] : []), headerButtons(rebuild));
+      ...(sides.length === 1 ? [this.reportLink(sides[0].source.reportUrl, names[0])] : []), headerButtons(rebuild));
     this.refresh();
   }
 
@@ -34,8 +32,8 @@ export class Header {
     return h('div', { class: 'who', title: name }, h('b', {}, h('bdi', {}, name)), h('span', {}, dateWords(about.created_utc, language())));
   }
 
-  private reportLink(name: string, called: string): HTMLElement {
-    return h('a', { class: 'b', href: recordingUrl(name, true, tokenOf(location)), target: '_blank', rel: 'noopener', 'aria-label': fill(this.t.reportOf, { name: called }) }, this.t.report);
+  private reportLink(href: string, called: string): HTMLElement {
+    return h('a', { class: 'b', href, target: href.startsWith('#') ? undefined : '_blank', rel: 'noopener', 'data-testid': 'report', 'aria-label': fill(this.t.reportOf, { name: called }) }, this.t.report);
   }
 }
 

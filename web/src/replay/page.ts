@@ -137,7 +137,7 @@ export class ReplayPage implements TransportHands {
   step(ticks: number): void {
     const [first] = this.sides;
     const last = Math.max(0, first.about.ticks - 1);
-    const row = Math.min(last, Math.max(0, first.wanted + ticks));
+    const row = Math.min(last, Math.max(0, first.states.stepped(first.wanted, ticks)));
     this.player.playing = false;
     this.seek(first.timeOf(row));
     first.wanted = row;

@@ -1,4 +1,4 @@
-#include "report/touch_log.hpp"
+#include "replay/touch_log.hpp"
 
 #include <algorithm>
 
