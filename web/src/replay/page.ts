@@ -129,6 +129,12 @@ export class ReplayPage implements TransportHands {
   end(): void { this.seek(this.span().to_s); }
   all(): void { this.show(this.span()); }
 
+  /** Shows a moment, and stands still there. */
+  goTo(time_s: number): void {
+    this.player.playing = false;
+    this.seek(time_s);
+  }
+
   speed(speed: number): void {
     this.player.speed = speed;
     this.transport?.chooseSpeed(speed);

@@ -199,7 +199,7 @@ export class ReplaySide implements PlotsModel {
 }
 
 /** What plots need of a scene, from what is told of the file. */
-function sceneOf({ axes, value_names, event_names, period_s }: About): SceneT {
+export function sceneOf({ axes, value_names, event_names, period_s }: About): SceneT {
   const scene = new SceneT();
   scene.axes = axes.map(({ name, unit, effort_limit, lever_arm_m }) => new AxisT(name, unit, 0, 0, effort_limit, lever_arm_m, 0));
   scene.valueNames = [...value_names];
