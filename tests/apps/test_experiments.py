@@ -30,7 +30,7 @@ class Grasping(AppTest):
         self.assertEqual(self.names_in(self.folder / "out"),
                          ["grasping.svg"] + sorted(
                              f"pinch-sphere-{how}.{what}" for how in ("floating", "under-gravity")
-                             for what in ("h5", "png", "toml")))
+                             for what in ("h5", "toml")))
         # A trial's recording is a recording as any other.
         self.expect_same_when_run_again(self.folder / "out/pinch-sphere-floating.h5")
 

@@ -93,7 +93,7 @@ function options(spec: ChartSpec, width: number, height: number): uPlot.Options 
       y: spec.logarithmic ? { distr: 3, range: () => [0.8, Math.max(10, 2 * high)] } : { range: () => [low, high] },
     },
     axes: [
-      { ...axis, size: 19 * FINER, gap: 2 * FINER, space: 70 * FINER, values: (_plot, splits) => splits.map(spec.nameOfX) },
+      { ...axis, size: 21 * FINER, gap: 5 * FINER, space: 70 * FINER, values: (_plot, splits) => splits.map(spec.nameOfX) },
       { ...axis, size: 38 * FINER, gap: 4 * FINER, space: 22 * FINER, values: (_plot, splits) => splits.map((value) => (value === null ? '' : numberOf(value))) },
     ],
     series: [{}, ...spec.lines.map(({ color, dash, width: thick }): uPlot.Series => ({
