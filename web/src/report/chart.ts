@@ -2,12 +2,14 @@
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import { h } from '../shared/dom';
+import { rangeOf, type ChartLine } from './chart_range';
+
+export type { ChartLine };
 
 /** Dots of the canvas to one of the sheet, beside those of the screen: 192 dots to an inch on paper. */
 const FINER = 2;
 const FONT = '"Atkinson Hyperlegible Next Variable", Verdana, sans-serif';
 
-export interface ChartLine { readonly name: string; readonly color: string; readonly dash?: readonly number[]; readonly width?: number; readonly values: ArrayLike<number> }
 export interface ChartMark { readonly at: number; readonly label: string; readonly bad: boolean }
 export interface ChartBand { readonly from: number; readonly to: number; readonly color: string }
 
@@ -34,19 +36,6 @@ export interface ChartSpec {
 
 /** uPlot knows a hole as null. */
 const withHoles = (values: ArrayLike<number>): (number | null)[] => Array.from(values, (value) => (Number.isFinite(value) ? value : null));
-
-export function rangeOf(lines: readonly ChartLine[], holds: readonly [number, number] = [Infinity, -Infinity]): [number, number] {
-  let [low, high] = holds;
-  for (const { values } of lines) {
-    for (let i = 0; i < values.length; i += 1) {
-      if (values[i] < low) low = values[i];
-      if (values[i] > high) high = values[i];
-    }
-  }
-  if (!(low <= high)) return [0, 1];
-  const room = 0.06 * (high - low) || 0.5;
-  return [low < 0 || low > 0 ? low - room : 0, high + room];
-}
 
 /** A chart with its title and legend. It is drawn once it has a place in the page. */
 export function chart(spec: ChartSpec): HTMLElement {

@@ -8,8 +8,8 @@ import { h } from '../shared/dom';
 import { channelKey } from '../replay/series_piece';
 import { chart, type ChartLine } from './chart';
 import { texts } from './i18n';
+import { stepTimes, valueAt } from './limits';
 import { pictureFrame } from './picture';
-import type { Change } from './report_data';
 import { bodyWords, footer, header, litres, shortTime, table, timeName, told, type SheetContext } from './sheet';
 import { drinksOf, exerciseJson, gripFigures, lastState, lastValue, meanOf, reachTimes, whatHappened } from './therapy';
 
@@ -147,18 +147,6 @@ function limitsChart({ data, scene, marks, look }: SheetContext): HTMLElement | 
     title: texts().charts.limits, unit: 'N', height_px: 84, x, range_x: [from_s, to_s], marks: marks.filter(({ bad }) => bad), nameOfX: timeName, pick: look, holds: [0, 1],
     lines: [...lines.values()].map(({ names, line }) => ({ ...line, name: names.join(', ') })),
   });
-}
-
-/** Each time of a change twice: before it and after. */
-export function stepTimes(limits: readonly (readonly Change[])[], end_s: number): number[] {
-  const times = [...new Set(limits.flatMap((changes) => changes.map(([time_s]) => time_s)))].sort((a, b) => a - b);
-  return [...times.flatMap((time_s, i) => (i === 0 ? [time_s] : [time_s, time_s])), Math.max(end_s, times.at(-1) ?? end_s)];
-}
-
-/** The value in force at a time, or just before it. */
-export function valueAt(changes: readonly Change[], time_s: number, before: boolean): number {
-  const found = changes.filter(([at_s]) => (before ? at_s < time_s : at_s <= time_s)).at(-1) ?? changes[0];
-  return found ? found[1] : NaN;
 }
 
 function bodies({ data: { therapy, scene } }: SheetContext): HTMLElement {
