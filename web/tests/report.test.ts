@@ -39,9 +39,10 @@ const kindOf = async (data: Json): Promise<string> => readReport(data).then(() =
 describe('the data in a page', () => {
   const page = (text: string | null): Document => ({ querySelector: () => (text === null ? null : { textContent: text }) }) as unknown as Document;
 
-  it('is an object, or there is none: a template, another text', () => {
+  it('is an object; a template has none; a file that was cut is told apart', () => {
     expect(pageData(page('{"page":"report"}'))).toEqual({ page: 'report' });
-    for (const text of ['"wholehand-page-data"', '[]', 'null', '{', null]) expect(pageData(page(text))).toBeNull();
+    for (const text of ['"wholehand-page-data"', '[]', 'null']) expect(pageData(page(text))).toBeNull();
+    for (const text of ['{"page":"rep', '', null]) expect(() => pageData(page(text))).toThrow(SyntaxError);
   });
 
   it('holds bytes as packBytes() packs them', async () => {

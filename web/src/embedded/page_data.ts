@@ -2,14 +2,11 @@
 
 export type Json = Readonly<Record<string, unknown>>;
 
-/** What the page carries; null in a template that no program has written to. */
+/** What the page carries; null in a template that no program has written to. A SyntaxError where it is damaged. */
 export function pageData(page: Document): Json | null {
-  try {
-    const data: unknown = JSON.parse(page.querySelector('#page-data')?.textContent ?? 'null');
-    return typeof data === 'object' && data !== null && !Array.isArray(data) ? (data as Json) : null;
-  } catch {
-    return null;
-  }
+  // It stands last: where a file is cut, the page still runs, and says so.
+  const data: unknown = JSON.parse(page.querySelector('#page-data')?.textContent ?? '');
+  return typeof data === 'object' && data !== null && !Array.isArray(data) ? (data as Json) : null;
 }
 
 /** Bytes of packBytes(): base 64 of a zlib stream. Fails where the text is none. */

@@ -8,8 +8,8 @@ import { icon } from '../console/icons';
 import { startTheme } from '../console/theme';
 import { pageData } from '../embedded/page_data';
 import { headerButtons } from '../replay/header';
-import { ReplayPage } from '../replay/page';
-import { asProblem, type Problem } from '../replay/problem';
+import { ReplayPage, type ReplayNow } from '../replay/page';
+import { asProblem, Problem } from '../replay/problem';
 import { ReplaySide, sceneOf } from '../replay/side';
 import { fill, onLanguage, startLanguage } from '../shared/i18n';
 import { answerPresses } from '../shared/pressed';
@@ -19,6 +19,10 @@ import { texts } from './i18n';
 import { readReport, type ReportData } from './report_data';
 import { sheetContext } from './sheet';
 import { therapySheet } from './therapy_sheet';
+
+declare global {
+  interface Window { wholehandReplay: ReplayNow | null }
+}
 
 /** "#replay=12.5": the viewer, at a moment. */
 const REPLAY = /^#replay(?:=([\d.]+))?/;
@@ -73,24 +77,28 @@ async function show(): Promise<void> {
   if (wanted[1] !== undefined) page.goTo(Number(wanted[1]));
 }
 
-async function open(): Promise<void> {
-  const carried = pageData(document);
-  if (!carried) {
-    refused = { words: 'template' };
-  } else if (typeof DecompressionStream === 'undefined') {
+async function readData(): Promise<void> {
+  if (typeof DecompressionStream === 'undefined') {
     refused = { words: 'old' };
-  } else {
-    try {
-      data = await readReport(carried);
-    } catch (thrown) {
-      refused = { words: 'broken', problem: asProblem(thrown) };
-    }
+    return;
   }
+  try {
+    const carried = pageData(document);
+    if (carried) data = await readReport(carried);
+    else refused = { words: 'template' };
+  } catch (thrown) {
+    refused = { words: 'broken', problem: thrown instanceof SyntaxError ? new Problem('nonsense', 'the file is cut, or damaged') : asProblem(thrown) };
+  }
+}
+
+async function open(): Promise<void> {
+  await readData();
   document.body.dataset.state = refused ? 'problem' : 'shown';
   build();
   await show();
 }
 
+Object.defineProperty(window, 'wholehandReplay', { get: () => page?.now ?? null });
 startTheme();
 startLanguage();
 answerPresses(document);
