@@ -7,13 +7,13 @@
 namespace wholehand {
 namespace {
 
-constexpr double kLeast_n = 1.0, kShortest_s = 1.0, kRise_s = 0.25;
+constexpr double kShortest_s = 1.0, kRise_s = 0.25;
 constexpr std::size_t kMostGrips = 5'000;
 
 }  // namespace
 
 void GripLog::add(double time_s, double force_n) {
-  if (!(force_n >= kLeast_n)) return end();
+  if (!(force_n >= kLeastGrip_n)) return end();
   if (!gripping_) {
     gripping_ = true;
     grip_ = Grip{};

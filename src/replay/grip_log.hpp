@@ -5,7 +5,10 @@
 
 namespace wholehand {
 
-/// A stretch of time in which the hand gripped with at least 1 N, for at least a second.
+/// A hand that grips with less only touches.
+inline constexpr double kLeastGrip_n = 1.0;
+
+/// A stretch of time in which the hand gripped with at least kLeastGrip_n, for at least a second.
 struct Grip {
   double from_s = 0.0, to_s = 0.0;
   /// Mean and standard deviation of the grip force, without the first and the last quarter of a

@@ -50,15 +50,17 @@ TherapyFacts::TherapyFacts(const RecordingMeta& meta)
 }
 
 void TherapyFacts::add(const TickRecord& record, bool follows) {
-  addContacts(record);
+  const bool has_grip = squeeze_value_ >= 0 && squeeze_value_ < record.exercise.value_count;
+  const double grip_n =
+      has_grip ? record.exercise.values[static_cast<std::size_t>(squeeze_value_)] : 0.0;
+  // The wall of an exercise holds the fingers off the body: then its grip force tells.
+  addContacts(record, grip_n >= kLeastGrip_n);
   addLimits(record);
   if (!follows) grips_.end();
-  if (squeeze_value_ >= 0 && squeeze_value_ < record.exercise.value_count) {
-    grips_.add(record.time_s, record.exercise.values[static_cast<std::size_t>(squeeze_value_)]);
-  }
+  if (has_grip) grips_.add(record.time_s, grip_n);
 }
 
-void TherapyFacts::addContacts(const TickRecord& record) {
+void TherapyFacts::addContacts(const TickRecord& record, bool grips) {
   std::array<Grasp, kMaxBodies> grasps{};
   double sum_n = 0.0;
   for (int c = 0; c < record.contact_count; ++c) {
@@ -80,7 +82,7 @@ void TherapyFacts::addContacts(const TickRecord& record) {
   const double duration_s = meta_.period_s * std::max<std::uint32_t>(record.elapsed_periods, 1);
   for (std::size_t b = 0; b < bodies_.size() && b < grasps.size(); ++b) {
     const Grasp& g = grasps[b];
-    bodies_[b].contact(record.time_s, duration_s, g.touching, g.force_n, g.held());
+    bodies_[b].contact(record.time_s, duration_s, g.touching, g.force_n, g.held() || grips);
     if (static_cast<int>(b) < record.body_count) {
       bodies_[b].position(record.bodies[b].position_m.eigen());
     }

@@ -28,7 +28,7 @@ class TherapyFacts {
   struct Change {
     double time_s, value;
   };
-  void addContacts(const TickRecord& record);
+  void addContacts(const TickRecord& record, bool grips);
   void addLimits(const TickRecord& record);
   [[nodiscard]] nlohmann::json bodiesJson() const;
   [[nodiscard]] nlohmann::json touchesJson() const;

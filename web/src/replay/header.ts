@@ -37,8 +37,8 @@ export class Header {
   }
 }
 
-/** Language, colours, tables. */
-export function headerButtons(rebuild: () => void): DocumentFragment {
+/** Language, colours, and tables where there are plots that have them. */
+export function headerButtons(rebuild: () => void, withTables = true): DocumentFragment {
   const t = consoleTexts();
   const languages = h('select', { 'aria-label': t.language, class: 'lang', 'data-testid': 'language' },
     ...LANGUAGES.map((key) => h('option', { value: key, selected: key === language(), lang: key }, key.toUpperCase())));
@@ -48,6 +48,7 @@ export function headerButtons(rebuild: () => void): DocumentFragment {
   const tables = h('button', { type: 'button', class: 'b icon', 'aria-label': t.tables, title: t.tables, 'aria-pressed': String(on), 'data-testid': 'tables' }, icon('table'));
   tables.addEventListener('click', () => tables.setAttribute('aria-pressed', String(document.body.classList.toggle('tables'))));
   const all = document.createDocumentFragment();
-  all.append(languages, theme, tables);
+  all.append(languages, theme);
+  if (withTables) all.append(tables);
   return all;
 }

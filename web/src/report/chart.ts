@@ -16,6 +16,7 @@ export interface ChartBand { readonly from: number; readonly to: number; readonl
 export interface ChartSpec {
   readonly title: string;
   readonly unit: string;
+  /** Without the names of times. */
   readonly height_px: number;
   /** Of all lines; not falling. */
   readonly x: ArrayLike<number>;
@@ -27,19 +28,23 @@ export interface ChartSpec {
   readonly goal?: readonly [low: number, high: number];
   readonly bands?: readonly ChartBand[];
   readonly marks?: readonly ChartMark[];
-  readonly nameOfX: (x: number) => string;
+  /** Charts that stand over each other have the same times: the last one names them. */
+  readonly nameOfX?: (x: number) => string;
   readonly logarithmic?: boolean;
   readonly filled?: boolean;
   /** A value of x was clicked. */
   readonly pick?: (x: number) => void;
 }
 
+const NAMES_PX = 21;
+const heightOf = (spec: ChartSpec): number => spec.height_px + (spec.nameOfX ? NAMES_PX : 5);
+
 /** uPlot knows a hole as null. */
 const withHoles = (values: ArrayLike<number>): (number | null)[] => Array.from(values, (value) => (Number.isFinite(value) ? value : null));
 
 /** A chart with its title and legend. It is drawn once it has a place in the page. */
 export function chart(spec: ChartSpec): HTMLElement {
-  const host = h('div', { class: 'chart', style: `height: ${spec.height_px}px`, role: 'img', 'aria-label': `${spec.title}, ${spec.unit}` });
+  const host = h('div', { class: 'chart', style: `height: ${heightOf(spec)}px`, role: 'img', 'aria-label': `${spec.title}, ${spec.unit}` });
   const legend = spec.lines.filter(({ name }) => name !== '').map(({ name, color, dash }) =>
     h('span', {}, h('i', { style: `border-top: 2.5px ${dash ? 'dashed' : 'solid'} ${color}` }), name));
   const figure = h('figure', { class: 'charted' }, h('figcaption', {}, h('b', {}, spec.title), spec.unit === '' ? '' : ` ${spec.unit}`, h('span', { class: 'legend' }, ...legend)), host);
@@ -55,7 +60,7 @@ export function chart(spec: ChartSpec): HTMLElement {
 function draw(host: HTMLElement, spec: ChartSpec): void {
   const scaled = h('div', { class: 'finer', style: `transform: scale(${1 / FINER})` });
   host.append(scaled);
-  const plot = new uPlot(options(inColors(host, spec), FINER * host.clientWidth, FINER * spec.height_px),
+  const plot = new uPlot(options(inColors(host, spec), FINER * host.clientWidth, FINER * heightOf(spec)),
     [Array.from(spec.x), ...spec.lines.map(({ values }) => withHoles(values))] as uPlot.AlignedData, scaled);
   if (!spec.pick) return;
   host.classList.add('picks');
@@ -82,7 +87,7 @@ function options(spec: ChartSpec, width: number, height: number): uPlot.Options 
       y: spec.logarithmic ? { distr: 3, range: () => [0.8, Math.max(10, 2 * high)] } : { range: () => [low, high] },
     },
     axes: [
-      { ...axis, size: 21 * FINER, gap: 5 * FINER, space: 70 * FINER, values: (_plot, splits) => splits.map(spec.nameOfX) },
+      { ...axis, size: (spec.nameOfX ? NAMES_PX : 5) * FINER, gap: 5 * FINER, space: 70 * FINER, values: (_plot, splits) => splits.map((x) => spec.nameOfX?.(x) ?? '') },
       { ...axis, size: 38 * FINER, gap: 4 * FINER, space: 22 * FINER, values: (_plot, splits) => splits.map((value) => (value === null ? '' : numberOf(value))) },
     ],
     series: [{}, ...spec.lines.map(({ color, dash, width: thick }): uPlot.Series => ({

@@ -11,7 +11,7 @@ import { texts } from './i18n';
 import type { Percentiles } from './report_data';
 import { footer, header, table, timeName, told, type SheetContext } from './sheet';
 
-const MOST_FAULTS = 6;
+const MOST_FAULTS = 4;
 
 /** Page 2: what was sent and measured, and how the loop went. */
 export function engineeringSheet(context: SheetContext): HTMLElement {
@@ -28,7 +28,7 @@ type Axis = { readonly axis: AxisT; readonly i: number };
 function seriesCharts({ data, scene, samples, marks, touches, look }: SheetContext): HTMLElement[] {
   const t = texts().charts;
   const all = scene.axes.map((axis, i): Axis => ({ axis, i }));
-  const shared = { x: samples.times, range_x: [data.series.from_s, data.series.to_s] as const, bands: touches, marks, nameOfX: timeName, pick: look };
+  const shared = { x: samples.times, range_x: [data.series.from_s, data.series.to_s] as const, bands: touches, marks, pick: look };
   const charts: HTMLElement[] = [];
   const add = (title: string, unit: string, height_px: number, axes: readonly Axis[], lineOf: (axis: Axis) => ChartLine, holds?: readonly [number, number]): void => {
     if (axes.length > 0) charts.push(chart({ ...shared, title, unit, height_px, lines: axes.map(lineOf), holds }));
@@ -44,12 +44,12 @@ function seriesCharts({ data, scene, samples, marks, touches, look }: SheetConte
   const effort = line('sent', (axis) => shownUnits(axis).effort * (shownUnits(axis).effortUnit === 'Nm' ? 10 : 1), (axis) => (shownUnits(axis).effortUnit === 'Nm' ? ' (0.1 Nm)' : ''));
   const place = line('q_m', (axis) => shownUnits(axis).coordinate);
   const [arm, hand] = [all.filter(({ axis }) => isArm(axis)), all.filter(({ axis }) => !isArm(axis))];
-  add(t.effortHand, 'N', 118, hand, effort, [-1, 1]);
-  add(t.effortArm, 'N', 100, arm, effort, [-1, 1]);
-  add(t.phi, '', 66, hand.length > 0 ? hand : all, line('phi', () => 1), [0, 1]);
-  add(t.handPosition, '°', 80, hand.filter(({ axis }) => shownUnits(axis).coordinateUnit !== 'mm'), place);
-  add(t.armPosition, 'mm', 80, arm.filter(({ axis }) => shownUnits(axis).coordinateUnit === 'mm'), place);
-  charts.push(chart({ ...shared, title: t.contact, unit: 'N', height_px: 62, lines: [{ name: '', color: '#1E1A17', values: samples.values(channelKey('contact_force_n'), 1) }], holds: [0, 1] }));
+  add(t.effortHand, 'N', 84, hand, effort, [-1, 1]);
+  add(t.effortArm, 'N', 68, arm, effort, [-1, 1]);
+  add(t.phi, '', 42, hand.length > 0 ? hand : all, line('phi', () => 1), [0, 1]);
+  add(t.handPosition, '°', 56, hand.filter(({ axis }) => shownUnits(axis).coordinateUnit !== 'mm'), place);
+  add(t.armPosition, 'mm', 56, arm.filter(({ axis }) => shownUnits(axis).coordinateUnit === 'mm'), place);
+  charts.push(chart({ ...shared, title: t.contact, unit: 'N', height_px: 36, lines: [{ name: '', color: '#1E1A17', values: samples.values(channelKey('contact_force_n'), 1) }], holds: [0, 1], nameOfX: timeName }));
   return charts;
 }
 
@@ -61,7 +61,7 @@ function timesChart({ data: { engineering: { times, records }, about } }: SheetC
   const step = times.step_s * us;
   const mark = (at_s: number, name: string, bad = false): { at: number; label: string; bad: boolean } => ({ at: at_s * us, label: `${name} ${fixed(at_s * us, 0)}`, bad });
   return chart({
-    title: times.is_cpu ? t.timesCpu : t.times, unit: `µs, ${grouped(records)} ${t.ticks}`, height_px: 130, logarithmic: true, filled: true,
+    title: times.is_cpu ? t.timesCpu : t.times, unit: `µs, ${grouped(records)} ${t.ticks}`, height_px: 96, logarithmic: true, filled: true,
     x: Array.from({ length: steps }, (_, i) => i * step), range_x: [0, steps * step],
     lines: [{ name: '', color: '#0B6B58', values: Array.from({ length: steps }, (_, i) => (times.counts[i] > 0 ? times.counts[i] : 0.8)) }],
     marks: [mark(times.tick.p50_s, 'p50'), mark(times.tick.p999_s, 'p99.9'), mark(about.period_s, consoleTexts().timing.deadline.replace('{t}', '').trim(), true)],

@@ -38,7 +38,7 @@ function topBar(): HTMLElement {
   return h('header', { class: 'top' }, h('h1', { class: 'brand' }, icon('logo'), t.report), h('span', { class: 'sp' }),
     data ? h('a', { class: 'b go', href: '#replay', 'data-testid': 'replay' }, icon('play'), t.replay) : null,
     data ? h('button', { type: 'button', class: 'b', 'data-testid': 'print', onclick: () => print() }, t.print) : null,
-    headerButtons(build));
+    headerButtons(build, false));
 }
 
 function problemPanel(): HTMLElement {

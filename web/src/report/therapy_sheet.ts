@@ -13,7 +13,7 @@ import { pictureFrame } from './picture';
 import { bodyWords, footer, header, litres, shortTime, table, timeName, told, type SheetContext } from './sheet';
 import { drinksOf, exerciseJson, gripFigures, lastState, lastValue, meanOf, reachTimes, whatHappened } from './therapy';
 
-const MOST_ROWS = 6, MOST_TIMES = 3, MOST_TILES = 7;
+const MOST_ROWS = 4, MOST_TIMES = 3, MOST_TILES = 7;
 
 /** Page 1: what the person did, and what befell them. */
 export function therapySheet(context: SheetContext): HTMLElement {
@@ -114,8 +114,8 @@ function gripChart({ data, samples, marks, touches, look }: SheetContext): HTMLE
     const index = data.about.value_names.indexOf(name);
     return index < 0 ? undefined : samples.values(channelKey('value', index), 1);
   };
-  const shared = { unit: 'N', x: samples.times, range_x: [data.series.from_s, data.series.to_s] as const, bands: touches, marks, nameOfX: timeName, pick: look };
-  const contact = chart({ ...shared, title: t.contact, height_px: 110, lines: [{ name: '', color: '#1E1A17', values: samples.values('contact_force_n/0', 1) }], holds: [0, 1] });
+  const shared = { unit: 'N', x: samples.times, range_x: [data.series.from_s, data.series.to_s] as const, bands: touches, marks, pick: look };
+  const contact = chart({ ...shared, title: t.contact, height_px: 60, lines: [{ name: '', color: '#1E1A17', values: samples.values('contact_force_n/0', 1) }], holds: [0, 1] });
   const grip = of('squeeze_n');
   if (!grip) return [contact];
   const [low, high] = [of('squeeze_low_n') ?? of('goal_low_n'), of('squeeze_high_n') ?? of('goal_high_n')];
@@ -123,7 +123,7 @@ function gripChart({ data, samples, marks, touches, look }: SheetContext): HTMLE
   const asked = (values: ArrayLike<number>): number[] => Array.from(values, (value, i) => (high && high[i] > 0 ? value : NaN));
   const goal = low && high ? [asked(low), asked(high)] : [];
   const goals = goal.map((values, i): ChartLine => ({ name: i === 0 ? t.goal : '', color: '#0B6B58', dash: [4, 3], width: 1, values }));
-  return [chart({ ...shared, title: t.grip, height_px: 150, lines: [{ name: '', color: '#8A5A00', width: 1.6, values: grip }, ...goals], goal: goals.length === 2 ? [1, 2] : undefined, holds: [0, 1] }), contact];
+  return [chart({ ...shared, title: t.grip, height_px: 100, lines: [{ name: '', color: '#8A5A00', width: 1.6, values: grip }, ...goals], goal: goals.length === 2 ? [1, 2] : undefined, holds: [0, 1] }), contact];
 }
 
 /** The limits of each axis over time; what changes together is one line. */
@@ -144,7 +144,7 @@ function limitsChart({ data, scene, marks, look }: SheetContext): HTMLElement | 
     else lines.set(key, { names: [word], line: { name: '', color: `var(${lookOf(axis)[0]})`, values } });
   }
   return chart({
-    title: texts().charts.limits, unit: 'N', height_px: 84, x, range_x: [from_s, to_s], marks: marks.filter(({ bad }) => bad), nameOfX: timeName, pick: look, holds: [0, 1],
+    title: texts().charts.limits, unit: 'N', height_px: 40, x, range_x: [from_s, to_s], marks: marks.filter(({ bad }) => bad), nameOfX: timeName, pick: look, holds: [0, 1],
     lines: [...lines.values()].map(({ names, line }) => ({ ...line, name: names.join(', ') })),
   });
 }

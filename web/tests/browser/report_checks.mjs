@@ -43,6 +43,7 @@ export async function reportIsOneFile(plain, recorded, picture) {
   expect(faults.length === 0, faults.join('; '));
   const sheets = (await page.pdf({ preferCSSPageSize: true })).toString('latin1').match(/\/Type\s*\/Page\b/g) ?? [];
   expect(sheets.length === 2, `${sheets.length} sheets of paper`);
+  await nothingIsCutOnPaper(page);
   for (const [language, title] of [['de', 'Stopps und Fehler'], ['fr', 'Arrêts et défauts']]) {
     await page.selectOption('[data-testid=language]', language);
     await until(`it speaks ${language}`, async () => (await words(page, '.happened h2')) === title);
@@ -52,6 +53,17 @@ export async function reportIsOneFile(plain, recorded, picture) {
   expect(asked.length === 1, `it asked for nothing but itself: ${asked.join(' ')}`);
   expect(page.faults.length === 0, page.faults.join('; '));
   await page.context().close();
+}
+
+/** All of a sheet fits on its paper, beside its other sheet. */
+async function nothingIsCutOnPaper(page) {
+  const { width, height } = page.viewportSize();
+  await page.emulateMedia({ media: 'print' });
+  await page.setViewportSize({ width: 794, height: 1123 });
+  const cut = await page.locator('.sheet').evaluateAll((all) => all.map((sheet) => sheet.scrollHeight - sheet.clientHeight));
+  expect(cut.every((px) => px <= 1), `cut off on paper: ${cut.join(' and ')} px`);
+  await page.emulateMedia({ media: 'screen' });
+  await page.setViewportSize({ width, height });
 }
 
 /** The viewer in it goes to a moment, steps through the states that there are, and back to the sheets. */

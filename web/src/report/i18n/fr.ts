@@ -17,7 +17,7 @@ export const fr: ReportTexts = {
   },
   picture: { caption: 'Contact le plus fort : {n} N à {time}', last: 'À la fin, {time}', none: 'Pas d’image : ce navigateur n’a pas WebGL. Tout le reste fonctionne.', noScene: 'Pas d’image : {why}', drawing: 'L’image se dessine …' },
   drinks: { title: 'Boissons', drink: 'Boisson', poured: 'Versé / demandé, ml', off: 'Écart, ml', score: 'Points', done: 'Terminée à', none: 'Aucune boisson n’a été terminée.' },
-  bodies: { title: 'Ce qui a été tenu', body: 'Objet', first: 'D’abord à', touches: 'Contacts', longest: 'Le plus long, s', held: 'Tenu, s', force: 'Force, N', way: 'Déplacé, cm', nothing: 'La main n’a rien touché.', noBodies: 'Il n’y avait rien à toucher.', more: 'et {n} autres', note: 'Tenu : doigts d’un côté, pouce ou paume de l’autre.' },
+  bodies: { title: 'Ce qui a été tenu', body: 'Objet', first: 'D’abord à', touches: 'Contacts', longest: 'Le plus long, s', held: 'Tenu, s', force: 'Force, N', way: 'Déplacé, cm', nothing: 'La main n’a rien touché.', noBodies: 'Il n’y avait rien à toucher.', more: 'et {n} autres', note: 'Tenu : doigts d’un côté, pouce ou paume de l’autre, ou une prise que l’exercice compte.' },
   charts: {
     grip: 'Force de prise', goal: 'demandé', contact: 'Force de contact', limits: 'Limites d’effort en vigueur', effortHand: 'Effort, main', effortArm: 'Effort, bras', phi: 'Amortissement adaptatif φ', alpha: 'Paroi de l’exercice α',
     handPosition: 'Position, main', armPosition: 'Position, bras', palm: 'Paume à l’objet le plus proche', count: 'Points de contact', times: 'Temps par cycle', timesCpu: 'Temps de calcul par cycle', ticks: 'cycles', click: 'Cliquer un graphique : revoir cet instant.', touches: 'Ombré : la main touche quelque chose.',
