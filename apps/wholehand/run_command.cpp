@@ -94,8 +94,7 @@ class Outputs {
     options_.json = folder + "/run.json";
   }
   [[nodiscard]] std::vector<std::string> files() const {
-    return {options_.record, options_.json,
-            options_.report.empty() ? "" : pageIn(options_.report)};
+    return {options_.record, options_.json, options_.report.empty() ? "" : pageIn(options_.report)};
   }
 
   RunOptions& options_;
@@ -220,7 +219,8 @@ int runCommand(RunOptions options) {
       return refuse(done.errors());
   }
   if (!options.report.empty()) {
-    if (auto done = makeReport(options.record, pageIn(options.report)); !done) return refuse(done.errors());
+    if (auto done = makeReport(options.record, pageIn(options.report)); !done)
+      return refuse(done.errors());
   }
   printSummary(options, *models, *outcome, safety);
   return endOf(outcome->faulted, outcome->interrupted);

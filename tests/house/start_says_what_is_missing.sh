@@ -74,7 +74,7 @@ case $1 in true) ;; *) exec "$@" ;; esac
 EOF
 touch -d 2020-01-01 "$repo/web/package.json" "$repo/web/package-lock.json" "$repo/web/src/main.ts" \
   "$repo/protocol/messages.fbs"
-dist=$repo/web/dist/index.html
+dist=$repo/web/dist/report.html  # what is built last
 node() { stand_in node <<<"echo $1"; }
 npm_works() {
   cat <<EOF

@@ -8,6 +8,7 @@ export type { ChartLine };
 
 /** Dots of the canvas to one of the sheet, beside those of the screen: 192 dots to an inch on paper. */
 const FINER = 2;
+const SIGNS = '"DejaVu Sans", "Segoe UI Symbol", "Apple Symbols", sans-serif';
 const FONT = '"Atkinson Hyperlegible Next Variable", Verdana, sans-serif';
 
 export interface ChartMark { readonly at: number; readonly label: string; readonly bad: boolean }
@@ -129,10 +130,12 @@ function drawMarks(plot: uPlot, { marks = [] }: ChartSpec): void {
     ctx.stroke();
     // A word that has no room is left to the table.
     if (label === '' || x < free) continue;
-    ctx.font = `${bad ? 700 : 400} ${11 * dots}px ${FONT}`;
+    // Signs, such as circled numbers, are read no smaller than that.
+    ctx.font = label.length === 1 ? `${14 * dots}px ${SIGNS}` : `${bad ? 700 : 400} ${11 * dots}px ${FONT}`;
     const width = ctx.measureText(label).width;
     const left = x + 3 * dots + width > bbox.left + bbox.width;
-    ctx.fillText(label, left ? x - 3 * dots - width : x + 3 * dots, bbox.top + 10 * dots);
+    ctx.clearRect(left ? x - 4 * dots - width : x + 2 * dots, bbox.top, width + 2 * dots, 14 * dots);
+    ctx.fillText(label, left ? x - 3 * dots - width : x + 3 * dots, bbox.top + 11 * dots);
     free = x + width + 8 * dots;
   }
   ctx.restore();
