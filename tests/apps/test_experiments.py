@@ -111,7 +111,6 @@ class Exercise(AppTest):
         self.assertEqual(results["wall_pull_max_n"], 0.0)  # the wall never pulls
         self.assertLessEqual(results["volume_error_l"], 1e-9)  # asked of the pouring
         figure = (self.folder / "e.svg").read_text()
-        self.assertEqual(figure.count("<image "), 4)
         for word in ("squeezes", "Adaptive damping", "Flow, ml/s", "In the glass"):
             self.assertIn(word, figure)
         xml.etree.ElementTree.fromstring(figure)  # well formed
