@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -113,8 +114,67 @@ SeriesQuestion wholeOf(const ViewedRecording& viewed) {
   whole.to_s = time_s(viewed.last_tick + 1);
   const double ticks = (whole.to_s - whole.from_s) / meta.period_s;
   whole.columns = std::clamp(fitting, kFewestColumns, kMostColumns);
-  if (ticks < whole.columns) whole.columns = std::max(1, static_cast<int>(ticks + 0.5));
+  if (ticks < whole.columns) whole.columns = std::max(1, static_cast<int>(std::lround(ticks)));
   return whole;
+}
+
+/// Takes the ticks of a recording in their order.
+class ReportCollector {
+ public:
+  explicit ReportCollector(const ViewedRecording& viewed, std::shared_ptr<const SceneFacts> facts)
+      : meta_(viewed.reader->meta()),
+        series_(meta_, wholeOf(viewed)),
+        states_(std::move(facts), viewed.reader->size()),
+        therapy_(meta_),
+        engineering_(meta_) {}
+
+  /// @param before the tick before it; null where that is not known
+  void add(std::uint64_t row, const TickRecord& record, const TickRecord* before, bool has_scene) {
+    series_.add(record, before);
+    therapy_.add(record, before != nullptr && missingBetween(before->tick, record.tick,
+                                                             record.elapsed_periods) == 0);
+    engineering_.add(record);
+    if (has_scene) states_.add(row, record);
+  }
+  void skipUnreadable(std::uint64_t tick) {
+    series_.skipUnreadable(static_cast<double>(tick) * meta_.period_s);
+  }
+  [[nodiscard]] Json json(bool has_scene) {
+    Json data = {{"page", "report"},
+                 {"version", kVersion},
+                 {"series", packBytes(series_.message(0))},
+                 {"therapy", therapy_.json()},
+                 {"engineering", engineering_.json()}};
+    if (has_scene) data["states"] = states_.json();
+    return data;
+  }
+
+ private:
+  const RecordingMeta& meta_;
+  SeriesCollector series_;
+  StateSample states_;
+  TherapyFacts therapy_;
+  EngineeringFacts engineering_;
+};
+
+void collect(RecordingReader& reader, ReportCollector& collector, bool has_scene,
+             const std::function<void(double)>& progress) {
+  std::array<TickRecord, 2> records;
+  TickRecord *record = &records[0], *before = &records[1];
+  bool known = false;
+  for (std::uint64_t i = 0; i < reader.size(); ++i) {
+    if (progress && i % kTicksBetweenProgress == 0) {
+      progress(static_cast<double>(i) / static_cast<double>(reader.size()));
+    }
+    if (!reader.read(i, *record)) {
+      collector.skipUnreadable(reader.outline().numbers[i]);
+      known = false;
+      continue;
+    }
+    collector.add(i, *record, known ? before : nullptr, has_scene);
+    std::swap(record, before);
+    known = true;
+  }
 }
 
 }  // namespace
@@ -124,49 +184,21 @@ Expected<Json> reportData(const std::string& recording_path,
   const auto viewed = openAny(recording_path);
   if (!viewed) return viewed.errors();
   RecordingReader& reader = *viewed->reader;
-  const RecordingMeta& meta = reader.meta();
   if (reader.size() == 0) {
     return Diagnostic{
         recording_path, 0, "", "", "holds no ticks", "record a run that lasts a while"};
   }
-  const auto scene = recordedScene(meta, recording_path);
+  const auto scene = recordedScene(reader.meta(), recording_path);
   const auto facts = std::make_shared<const SceneFacts>(scene ? *scene : SceneFacts{});
-  SeriesCollector series(meta, wholeOf(*viewed));
-  StateSample states(facts, reader.size());
-  TherapyFacts therapy(meta);
-  EngineeringFacts engineering(meta);
-  std::array<TickRecord, 2> records;
-  TickRecord *record = &records[0], *before = &records[1];
-  bool known = false;
-  for (std::uint64_t i = 0; i < reader.size(); ++i) {
-    if (progress && i % kTicksBetweenProgress == 0) {
-      progress(static_cast<double>(i) / static_cast<double>(reader.size()));
-    }
-    if (!reader.read(i, *record)) {
-      series.skipUnreadable(static_cast<double>(reader.outline().numbers[i]) * meta.period_s);
-      known = false;
-      continue;
-    }
-    series.add(*record, known ? before : nullptr);
-    therapy.add(*record,
-                known && missingBetween(before->tick, record->tick, record->elapsed_periods) == 0);
-    engineering.add(*record);
-    if (scene) states.add(i, *record);
-    std::swap(record, before);
-    known = true;
-  }
+  ReportCollector collector(*viewed, facts);
+  collect(reader, collector, scene.ok(), progress);
+  Json data = collector.json(scene.ok());
   const std::string name = std::filesystem::path(recording_path).filename().string();
-  Json data = {{"page", "report"},
-               {"version", kVersion},
-               {"about", Json::parse(replayAbout(*viewed, name, false, *facts,
-                                                 scene ? "" : format(scene.errors())))},
-               {"series", packBytes(series.message(0))},
-               {"therapy", therapy.json()},
-               {"engineering", engineering.json()}};
+  data["about"] =
+      Json::parse(replayAbout(*viewed, name, false, *facts, scene ? "" : format(scene.errors())));
   if (scene) {
     const wire::Bytes message = wire::sceneMessage(*facts);
     data["scene"] = packBytes({reinterpret_cast<const char*>(message.data()), message.size()});
-    data["states"] = states.json();
   }
   return data;
 }
