@@ -117,6 +117,7 @@ function drawMarks(plot: uPlot, { marks = [] }: ChartSpec): void {
   const dots = FINER * devicePixelRatio;
   let free = -Infinity;
   ctx.save();
+  ctx.textAlign = 'left';
   for (const { at, label, bad } of marks) {
     const x = plot.valToPos(at, 'x', true);
     if (!(x >= bbox.left && x <= bbox.left + bbox.width)) continue;
@@ -134,7 +135,6 @@ function drawMarks(plot: uPlot, { marks = [] }: ChartSpec): void {
     ctx.font = label.length === 1 ? `${14 * dots}px ${SIGNS}` : `${bad ? 700 : 400} ${11 * dots}px ${FONT}`;
     const width = ctx.measureText(label).width;
     const left = x + 3 * dots + width > bbox.left + bbox.width;
-    ctx.clearRect(left ? x - 4 * dots - width : x + 2 * dots, bbox.top, width + 2 * dots, 14 * dots);
     ctx.fillText(label, left ? x - 3 * dots - width : x + 3 * dots, bbox.top + 11 * dots);
     free = x + width + 8 * dots;
   }
