@@ -154,7 +154,6 @@ Expected<ExerciseResult> runExercise(const ExercisePlan& plan) {
   run.sinks.emplace_back([&](const TickRecord& record) {
     if (record.time_s >= exercise_times::kEnd) return;  // only the ramp to neutral is left
     observe(record);
-    if (plan.each_tick) plan.each_tick(**rig, record);
   });
   auto outcome = runAndRecord(**rig, run);
   if (!outcome) return outcome.errors();

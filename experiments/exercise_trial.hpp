@@ -5,7 +5,6 @@
 #include "experiments/exercise_phases.hpp"
 
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -16,8 +15,6 @@ struct ExercisePlan {
   std::uint64_t seed = 1;
   std::string record;  ///< HDF5 file; empty: none
   RigOptions rig;
-  /// Called with every tick's record: for pictures. May be empty.
-  std::function<void(const Rig&, const TickRecord&)> each_tick;
 };
 
 /// The paper's Fig. 7: what a person felt who bumped into the dispenser, laid the hand on it,

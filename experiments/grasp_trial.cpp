@@ -278,7 +278,6 @@ Expected<GraspResult> runGrasp(const GraspTrial& trial, const ModelFiles& files,
   result.interrupted = outcome->interrupted;
   result.cpu_p50_us = outcome->summary.cpu.p50_ns / 1e3;
   result.cpu_p999_us = outcome->summary.cpu.p999_ns / 1e3;
-  if (plan.at_end) plan.at_end(**rig, last);
   return result;
 }
 

@@ -6,7 +6,6 @@
 #include <Eigen/Core>
 
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -61,8 +60,6 @@ struct GraspPlan {
   bool record = false;
   double hold_s = 10.0;
   RigOptions rig;
-  /// Called with the last record and the models: for pictures. May be empty.
-  std::function<void(const Rig&, const TickRecord&)> at_end;
 };
 
 /// Runs one trial through device, patient and renderer on the simulated clock: approach, close,

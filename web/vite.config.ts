@@ -1,6 +1,7 @@
 import { createReadStream, readdirSync, readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { defineConfig, type Plugin } from 'vite';
+import { BUNDLED, licenceTexts } from './tools/licences';
 
 // Where the program listens while the pages are served by "npm run dev".
 const program = `http://127.0.0.1:${process.env.WHOLEHAND_PORT ?? '8080'}`;
@@ -40,25 +41,11 @@ function consoleAddress(): Plugin {
   };
 }
 
-/** The licence texts of what is bundled, beside the pages; what ships none is Apache-2.0 as we are. */
+/** The licence texts of what is bundled, beside the pages. */
 function licences(): Plugin {
-  const modules = join(__dirname, 'node_modules');
-  const bundled = ['three', 'uplot', 'flatbuffers', '@mediapipe/hands',
-    '@fontsource-variable/atkinson-hyperlegible-next', '@fontsource-variable/atkinson-hyperlegible-mono'];
-  const textOf = (name: string) => {
-    const file = readdirSync(join(modules, name)).find((n) => /^licen[sc]e/i.test(n));
-    // Apache-2.0 like this project, whose text says the same.
-    return readFileSync(file ? join(modules, name, file) : join(__dirname, '..', 'LICENSE'), 'utf8');
-  };
   return {
     name: 'wholehand-licences',
-    generateBundle() {
-      const texts = bundled.map((name) => {
-        const about = JSON.parse(readFileSync(join(modules, name, 'package.json'), 'utf8')) as { version: string };
-        return `==== ${name} ${about.version}\n\n${textOf(name)}`;
-      });
-      this.emitFile({ type: 'asset', fileName: 'licences.txt', source: texts.join('\n\n') });
-    },
+    generateBundle() { this.emitFile({ type: 'asset', fileName: 'licences.txt', source: licenceTexts([...BUNDLED, '@mediapipe/hands']) }); },
   };
 }
 

@@ -4,27 +4,17 @@
 #include "exit_code.hpp"
 #include "experiments/exercise_script.hpp"
 #include "experiments/exercise_trial.hpp"
-#include "picture/picture.hpp"
 #include "runtime/interrupt_scope.hpp"
 
 #include <nlohmann/json.hpp>
 
-#include <array>
 #include <cstdio>
-#include <numbers>
 #include <string>
-#include <utility>
-#include <vector>
 
 namespace wholehand {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// What is drawn: a moment of each phase, by the script.
-constexpr std::array<double, 4> kMoments_s = {
-    exercise_times::kHardBump - 0.03, exercise_times::kCloses - 0.4,
-    exercise_times::kSqueezes + 1.2, exercise_times::kOff + 0.45};
 
 Json resultJson(const ExerciseResult& r, std::uint64_t seed) {
   Json json;
@@ -73,39 +63,6 @@ void print(const ExerciseResult& r) {
               r.completed ? "completed" : "not completed");
 }
 
-/// Draws a moment as it goes by; the figure collects the files.
-class Photographer {
- public:
-  Photographer(std::string folder) : folder_(std::move(folder)) {}
-
-  void operator()(const Rig& rig, const TickRecord& r) {
-    if (moments_.size() == kMoments_s.size() || r.time_s < kMoments_s[moments_.size()]) return;
-    FigureMoment moment{r.time_s,
-                        folder_ + "/exercise-" + std::to_string(moments_.size() + 1) + ".png"};
-    PictureRequest request;
-    request.width_px = 340;
-    request.height_px = 272;
-    request.target_m = {0.08, 0.03, -0.04};
-    request.distance_m = 0.72;
-    request.azimuth_rad = -0.75;
-    request.elevation_rad = 0.32;
-    request.field_of_view_rad = 0.45;
-    const std::vector<BodyState> bodies(r.bodies.begin(), r.bodies.begin() + r.body_count);
-    const std::vector<Contact> contacts(r.contacts.begin(), r.contacts.begin() + r.contact_count);
-    if (auto drawn = drawPicture(rig.models.hand, rig.models.scene, r.theta, bodies, contacts,
-                                 request, moment.png_path);
-        !drawn) {
-      refuse(drawn.errors());
-    }
-    moments_.push_back(std::move(moment));
-  }
-  [[nodiscard]] const std::vector<FigureMoment>& moments() const { return moments_; }
-
- private:
-  std::string folder_;
-  std::vector<FigureMoment> moments_;
-};
-
 }  // namespace
 
 int exerciseCommand(const ExerciseOptions& options) {
@@ -117,17 +74,13 @@ int exerciseCommand(const ExerciseOptions& options) {
   const std::string json_path = named(options.json, "exercise.json");
   const std::string svg_path = named(options.svg, "exercise.svg");
   const std::string record_path = named(options.record, "exercise.h5");
-  if (auto ready =
-          prepareFiles({options.folder + "/exercise-1.png", json_path, svg_path, record_path});
-      !ready) {
+  if (auto ready = prepareFiles({json_path, svg_path, record_path}); !ready) {
     return refuse(ready.errors());
   }
-  Photographer photographer(options.folder);
   ExercisePlan plan;
   plan.files = *files;
   plan.seed = options.seed;
   plan.record = record_path;
-  plan.each_tick = [&](const Rig& rig, const TickRecord& record) { photographer(rig, record); };
   const InterruptScope interrupts;
   auto result = runExercise(plan);
   if (!result) return refuse(result.errors());
@@ -138,7 +91,7 @@ int exerciseCommand(const ExerciseOptions& options) {
   if (auto done = writeText(json_path, resultJson(*result, options.seed).dump(2) + "\n"); !done) {
     return refuse(done.errors());
   }
-  if (auto done = writeText(svg_path, exerciseFigure(*result, photographer.moments())); !done) {
+  if (auto done = writeText(svg_path, exerciseFigure(*result)); !done) {
     return refuse(done.errors());
   }
   print(*result);

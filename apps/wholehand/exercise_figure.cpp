@@ -8,9 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <limits>
 
 namespace wholehand {
@@ -169,57 +167,15 @@ std::vector<LinePlot> panels(const ExerciseResult& result) {
   return out;
 }
 
-std::string base64(const std::string& bytes) {
-  static constexpr char kDigits[] =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    unsigned group = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      group = group << 8U | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0U);
-    }
-    for (std::size_t k = 0; k < 4; ++k) {
-      out += i + k > bytes.size() ? '=' : kDigits[group >> (18U - 6U * k) & 63U];
-    }
-  }
-  return out;
-}
-
-/// The pictures side by side over the width of the plots, each with its number and its time.
-std::string pictures(const std::vector<FigureMoment>& moments, int height_px) {
-  if (moments.empty()) return {};
-  const double each_px =
-      (kWidth_px - kLeft_px - kRight_px - 8.0 * (static_cast<double>(moments.size()) - 1.0)) /
-      static_cast<double>(moments.size());
-  std::string out;
-  for (std::size_t i = 0; i < moments.size(); ++i) {
-    std::ifstream in(moments[i].png_path, std::ios::binary);
-    const std::string png(std::istreambuf_iterator<char>(in), {});
-    if (png.empty()) continue;
-    const double x = kLeft_px + static_cast<double>(i) * (each_px + 8.0);
-    out += fmt::format(
-        "<image x=\"{:.1f}\" y=\"0\" width=\"{:.1f}\" height=\"{}\" preserveAspectRatio=\"xMidYMid "
-        "slice\" href=\"data:image/png;base64,{}\"/>",
-        x, each_px, height_px, base64(png));
-    out +=
-        fmt::format("<circle cx=\"{:.1f}\" cy=\"16\" r=\"10\" fill=\"{}\"/>", x + 16.0, kPlotInk);
-    out += svg::words(x + 16.0, 20.5, std::to_string(i + 1), "middle", "#FFFFFF", 700, 13.0);
-    out += svg::words(x + each_px - 8.0, height_px - 8.0,
-                      fmt::format("{:.1f} s", moments[i].time_s), "end", "#FFFFFF", 650);
-  }
-  return out;
-}
-
 }  // namespace
 
-std::string exerciseFigure(const ExerciseResult& result, const std::vector<FigureMoment>& moments) {
-  const int picture_px = moments.empty() ? 0 : 150;
+std::string exerciseFigure(const ExerciseResult& result) {
   std::vector<LinePlot> all = panels(result);
   all.front().mark_heads = !result.phases.empty();
   all.back().x_numbers = true;
   if (all.front().mark_heads) all.front().height_px += kHeads_px;
   all.back().height_px += kNumbers_px - 3;
-  int height_px = picture_px > 0 ? picture_px + 2 * kGap_px : 0;
+  int height_px = 0;
   std::string inner;
   for (const LinePlot& plot : all) {
     // One picture inside another: placed by its own x and y.
@@ -227,8 +183,7 @@ std::string exerciseFigure(const ExerciseResult& result, const std::vector<Figur
     height_px += plot.height_px + kGap_px;
   }
   return svg::opening(kWidth_px, height_px, "What the hand felt at the cocktail bar") +
-         "<rect width=\"100%\" height=\"100%\" fill=\"#FFFFFF\"/>" + pictures(moments, picture_px) +
-         inner + "</svg>\n";
+         "<rect width=\"100%\" height=\"100%\" fill=\"#FFFFFF\"/>" + inner + "</svg>\n";
 }
 
 }  // namespace wholehand

@@ -4,7 +4,6 @@
 #include "exit_code.hpp"
 #include "experiment_command.hpp"
 #include "experiments/grasp_trial.hpp"
-#include "picture/picture.hpp"
 #include "report/svg_plot.hpp"
 #include "runtime/interrupt_scope.hpp"
 #include "shipped_files.hpp"
@@ -59,22 +58,6 @@ void printTrial(const GraspResult& r) {
               r.slip_m * 1e3, r.rotation_rad * 1e3, r.force_noise_n, r.contact_force_n,
               r.tip_force_max_n, r.cpu_p50_us);
   std::fflush(stdout);
-}
-
-// A picture of the held object, seen from the person's side and a little from above.
-void drawHeld(const Rig& rig, const TickRecord& last, const std::string& path) {
-  PictureRequest request;
-  request.target_m = last.bodies[0].position_m.eigen();
-  request.distance_m = 0.55;
-  request.azimuth_rad = 0.9;
-  request.elevation_rad = 0.3;
-  request.field_of_view_rad = 0.45;
-  const std::vector<BodyState> bodies(last.bodies.begin(), last.bodies.begin() + last.body_count);
-  const std::vector<Contact> contacts(last.contacts.begin(),
-                                      last.contacts.begin() + last.contact_count);
-  const auto drawn =
-      drawPicture(rig.models.hand, rig.models.scene, last.theta, bodies, contacts, request, path);
-  if (!drawn) refuse(drawn.errors());
 }
 
 // Slip of all trials, sorted, on a logarithmic axis: how many stay below what is asked.
@@ -156,13 +139,6 @@ Sweep runAll(const std::vector<GraspTrial>& trials, const ExperimentOptions& opt
     GraspPlan plan;
     plan.folder = options.folder;
     plan.record = keep_recordings;
-    if (keep_recordings) {
-      plan.at_end = [&](const Rig& rig, const TickRecord& last) {
-        std::string stem = trial.name();
-        std::replace(stem.begin(), stem.end(), ' ', '-');
-        drawHeld(rig, last, options.folder + "/" + stem + ".png");
-      };
-    }
     auto result = runGrasp(trial, shippedModels(), plan);
     if (!result) {
       sweep.errors = result.errors();
@@ -187,7 +163,7 @@ int interrupted() {
 }  // namespace
 
 int graspingCommand(const ExperimentOptions& options) {
-  const InterruptScope interrupts;  // also between trials, while pictures are drawn
+  const InterruptScope interrupts;  // also between trials
   const std::vector<GraspTrial> trials = onlyThose(tunedTrials(), options.only);
   if (trials.empty()) return refuse({unknownTrial(options.only)});
   const std::string json_path =
@@ -235,7 +211,7 @@ int graspingCommand(const ExperimentOptions& options) {
     std::printf("jittered: %zu trial%s, %d dropped, %d slipped over 0.5 mm, noise at most %.4f N\n",
                 jittered.results.size(), plural(jittered.results.size()), dropped, slipped, noise);
   }
-  std::printf("%s\n%s\npictures, recordings and scenes in %s\n", json_path.c_str(), plot.c_str(),
+  std::printf("%s\n%s\nrecordings and scenes in %s\n", json_path.c_str(), plot.c_str(),
               options.folder.c_str());
   const auto faulted = tuned.faulted() + jittered.faulted();
   if (faulted > 0) std::printf("FAULT    trials stopped by a fault: %td\n", faulted);

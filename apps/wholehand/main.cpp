@@ -7,7 +7,6 @@
 #include "experiment_command.hpp"
 #include "git_version.hpp"
 #include "number_option.hpp"
-#include "picture_command.hpp"
 #include "replay_command.hpp"
 #include "report_command.hpp"
 #include "run_line.hpp"
@@ -26,28 +25,6 @@
 namespace {
 
 using namespace wholehand;  // NOLINT(google-build-using-namespace): the program's own main
-
-void addPicture(CLI::App& app, PictureOptions& o, int& code) {
-  CLI::App* picture =
-      app.add_subcommand("picture", "Draw the hand and what it holds at a moment of a recording");
-  picture->add_option("recording", o.recording, "HDF5 file, or black box (.wbb)")->required();
-  picture->add_option("--out", o.png, "PNG file to write")->required();
-  picture
-      ->add_option("--at", o.moment.time_s, "Moment (default: that of the largest contact force)")
-      ->check(finiteBetween(0.0, 1e9, "s"));
-  picture
-      ->add_option("--azimuth", o.moment.azimuth_deg,
-                   "Camera about z; 0 looks away from the person")
-      ->check(finiteBetween(-360.0, 360.0, "degrees"))
-      ->capture_default_str();
-  picture->add_option("--elevation", o.moment.elevation_deg, "Camera above the horizon")
-      ->check(finiteBetween(-89.0, 89.0, "degrees"))
-      ->capture_default_str();
-  picture->add_option("--distance", o.moment.distance_m, "Camera from the palm")
-      ->check(finiteBetween(0.1, 5.0, "m"))
-      ->capture_default_str();
-  picture->callback([&o, &code] { code = pictureCommand(o); });
-}
 
 void addCertify(CLI::App& app, CertifyOptions& o, int& code) {
   CLI::App* certify = app.add_subcommand(
@@ -105,6 +82,11 @@ void addReplay(CLI::App& app, ReplayOptions& o, int& code) {
                            ->capture_default_str();
   CLI::Option* web = r->add_flag("--web", o.web, "Show it in the browser, until Ctrl-C");
   web->excludes(again)->excludes(extract)->excludes(speed);
+  r->add_option("--report", o.report, "Write it as one HTML page that needs nothing else")
+      ->excludes(again)
+      ->excludes(extract)
+      ->excludes(speed)
+      ->excludes(web);
   r->add_option("--beside", o.beside, "HDF5 file to show beside it in the browser")->needs(web);
   r->add_option("--port", o.port, "Port of the pages; 0: any that is free")
       ->check(finiteBetween(0, 65535, ""))
@@ -116,10 +98,11 @@ void addReplay(CLI::App& app, ReplayOptions& o, int& code) {
 
 void addOthers(CLI::App& app, ReportOptions& report, ExperimentOptions& experiment,
                BarExperimentOptions& bar, std::vector<std::string>& files, int& code) {
-  CLI::App* p = app.add_subcommand("report", "Make a self-contained HTML page of a recording");
+  CLI::App* p =
+      app.add_subcommand("report", "Make a page of a recording: one HTML file, index.html");
   p->add_option("recording", report.recording, "HDF5 file, or black box (.wbb)")->required();
-  p->add_option("--out", report.folder, "Folder to write into")->required();
-  p->callback([&] { code = reportCommand(report); });
+  p->add_option("--out", report.page, "Folder to write into")->required();
+  p->callback([&] { code = reportCommand({report.recording, pageIn(report.page)}); });
 
   CLI::App* e = app.add_subcommand("experiment", "Repeat the paper's experiments");
   e->require_subcommand(1);
@@ -178,7 +161,6 @@ int runProgram(int argc, char** argv) {
   ExperimentOptions experiment;
   BarExperimentOptions bar;
   std::vector<std::string> files;
-  PictureOptions picture;
   DeviceHostOptions host;
   DeviceOptions device;
   addRun(app, run, code);
@@ -186,7 +168,6 @@ int runProgram(int argc, char** argv) {
   addDevice(app, device, code);
   CertifyOptions certify{shippedFile("config/devices/lambda-pride.toml"), "",
                          shippedFile("config/hands/adult-median-right.toml")};
-  addPicture(app, picture, code);
   addCertify(app, certify, code);
   addReplay(app, replay, code);
   addOthers(app, report, experiment, bar, files, code);

@@ -140,7 +140,7 @@ Diagnostics faultsOf(const RunOptions& options) {
                         "give --token, too"});
     }
   }
-  const std::string page = options.report.empty() ? "" : options.report + "/index.html";
+  const std::string page = options.report.empty() ? "" : pageIn(options.report);
   if (auto ready = checkFiles({options.record, options.json, page}, inputsOf(options)); !ready) {
     faults.insert(faults.end(), ready.errors().begin(), ready.errors().end());
   }
@@ -204,7 +204,7 @@ class SessionResults {
     if (!outcome.last) return endOf(false, outcome.interrupted);
     const WaitingFor report("the report");
     for (const auto& [recording, folder] : reports_) {
-      if (auto done = makeReport(recording, folder); !done) {
+      if (auto done = makeReport(recording, pageIn(folder)); !done) {
         refuse(done.errors());
         failed_ = true;
       }
@@ -236,6 +236,9 @@ int playCommand(RunOptions options) {
     options.record = options.report + "/recording.h5";
   }
   if (Diagnostics faults = faultsOf(options); !faults.empty()) return refuse(faults);
+  if (auto pages = checkReportTemplate(); !pages && !options.report.empty()) {
+    return refuse(pages.errors());
+  }
   auto certificate = certificateOf(options);
   if (!certificate) return refuse(certificate.errors());
   const InterruptScope interrupts;  // from the address on, Ctrl-C ends gently

@@ -5,6 +5,7 @@
 #include "git_version.hpp"
 #include "replay/answering.hpp"
 #include "replay_web_command.hpp"
+#include "report_command.hpp"
 #include "resimulation/resimulation.hpp"
 #include "telemetry/recording.hpp"
 
@@ -154,6 +155,7 @@ int replayCommand(const ReplayOptions& options) {
     answerQuestions(options.recording);
     return kExitDone;
   }
+  if (!options.report.empty()) return reportCommand({options.recording, options.report});
   if (options.web) return replayWebCommand(options);
   if (BlackBoxReader::isBox(options.recording)) return replayBox(options);
   auto recording = RecordingReader::open(options.recording);

@@ -2,10 +2,11 @@
 
 #include "core/printable.hpp"
 #include "exit_code.hpp"
-#include "moment_picture.hpp"
-#include "report/report.hpp"
-#include "report/report_data.hpp"
-#include "report/report_page.hpp"
+#include "page/page_file.hpp"
+#include "replay/recording_report.hpp"
+#include "shipped_files.hpp"
+
+#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <cstdio>
@@ -36,29 +37,35 @@ class ReadingLine {
   int shown_ = -1;
 };
 
-Expected<ReportData> readRecording(const std::string& recording) {
-  ReadingLine line;
-  return collectReport(recording, kReportPlotColumns, [&line](double share) { line.show(share); });
+Expected<std::string> reportTemplate() {
+  return readPageTemplate(shippedFile("web/dist/report.html"));
 }
 
 }  // namespace
 
-Expected<Done> makeReport(const std::string& recording, const std::string& folder) {
-  const auto data = readRecording(recording);
+std::string pageIn(const std::string& folder) {
+  return folder.empty() ? "index.html" : folder + "/index.html";
+}
+
+Expected<Done> checkReportTemplate() {
+  const auto page_template = reportTemplate();
+  if (!page_template) return page_template.errors();
+  return Done{};
+}
+
+Expected<Done> makeReport(const std::string& recording, const std::string& page) {
+  // The template first: a recording of an hour is not read for nothing.
+  const auto page_template = reportTemplate();
+  if (!page_template) return page_template.errors();
+  ReadingLine line;
+  const auto data = reportData(recording, [&line](double share) { line.show(share); });
   if (!data) return data.errors();
-  // The page first: it says what is wrong with a folder before anything is drawn.
-  if (auto done = writeReport(*data, folder); !done) return done;
-  const std::string png = folder + "/moment.png";
-  auto drawn = drawTick(data->meta, data->largest_contact, recording, Moment{}, png);
-  if (!drawn) return Done{};  // a recording without its files has no picture
-  return writeReport(*data, folder, {{"The largest contact force, at " + *drawn, png}});
+  return writePage(*page_template, *data, page);
 }
 
 int reportCommand(const ReportOptions& options) {
-  if (auto done = makeReport(options.recording, options.folder); !done) {
-    return refuse(done.errors());
-  }
-  std::printf("%s/index.html\n", printable(options.folder).c_str());
+  if (auto done = makeReport(options.recording, options.page); !done) return refuse(done.errors());
+  std::printf("%s\n", printable(options.page).c_str());
   return kExitDone;
 }
 

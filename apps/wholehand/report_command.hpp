@@ -8,13 +8,19 @@ namespace wholehand {
 
 struct ReportOptions {
   std::string recording;
-  std::string folder;
+  std::string page;  ///< HTML file
 };
 
-/// Makes a self-contained page of a recording, with a picture of its strongest moment.
-[[nodiscard]] Expected<Done> makeReport(const std::string& recording, const std::string& folder);
+/// The page of a report in its folder.
+[[nodiscard]] std::string pageIn(const std::string& folder);
 
-/// `wholehand report`. Returns the program's exit code.
+/// Where there is no template of a report: how it is built. Asked before a run begins.
+[[nodiscard]] Expected<Done> checkReportTemplate();
+
+/// Makes a page of a recording: one HTML file. Says on a terminal how far it is.
+[[nodiscard]] Expected<Done> makeReport(const std::string& recording, const std::string& page);
+
+/// `wholehand report` and `wholehand replay --report`. Returns the program's exit code.
 int reportCommand(const ReportOptions& options);
 
 }  // namespace wholehand

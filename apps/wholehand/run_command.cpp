@@ -63,7 +63,15 @@ class Outputs {
     }
   }
 
-  [[nodiscard]] Expected<Done> check() const { return checkFiles(files(), inputsOf(options_)); }
+  [[nodiscard]] Expected<Done> check() {
+    if (auto pages = checkReportTemplate(); !pages && !options_.report.empty()) {
+      if (!own_folder_) return pages;
+      wants_report_ = false;  // nobody asked for it by name
+      options_.report.clear();
+      std::fprintf(stderr, "No report: %s\n", format(pages.errors()).c_str());
+    }
+    return checkFiles(files(), inputsOf(options_));
+  }
 
   [[nodiscard]] Expected<Done> make() {
     if (own_folder_) {
@@ -82,16 +90,16 @@ class Outputs {
  private:
   void keepAllIn(const std::string& folder) {
     options_.record = folder + "/recording.h5";
-    options_.report = folder + "/report";
+    if (wants_report_) options_.report = folder + "/report";
     options_.json = folder + "/run.json";
   }
   [[nodiscard]] std::vector<std::string> files() const {
-    return {options_.record, options_.json,
-            options_.report.empty() ? "" : options_.report + "/index.html"};
+    return {options_.record, options_.json, options_.report.empty() ? "" : pageIn(options_.report)};
   }
 
   RunOptions& options_;
   bool own_folder_;  ///< no output was asked for: everything is kept in a folder of its own
+  bool wants_report_ = true;
   std::string folder_;
 };
 
@@ -211,7 +219,8 @@ int runCommand(RunOptions options) {
       return refuse(done.errors());
   }
   if (!options.report.empty()) {
-    if (auto done = makeReport(options.record, options.report); !done) return refuse(done.errors());
+    if (auto done = makeReport(options.record, pageIn(options.report)); !done)
+      return refuse(done.errors());
   }
   printSummary(options, *models, *outcome, safety);
   return endOf(outcome->faulted, outcome->interrupted);

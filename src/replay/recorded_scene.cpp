@@ -45,4 +45,16 @@ Expected<SceneFacts> recordedScene(const RecordingMeta& meta, const std::string&
   return facts;
 }
 
+LoopStatus recordedStatus(const TickRecord& record) {
+  LoopStatus status;
+  status.session = kReplayedSession;
+  status.run_state = RunState::kRendering;
+  status.safety_state = record.safety_state;
+  status.latched = record.faults & kStopping;
+  status.fault_axis = record.fault_axis;
+  status.parameters.assign(record.parameters.begin(),
+                           record.parameters.begin() + record.parameter_count);
+  return status;
+}
+
 }  // namespace wholehand

@@ -16,4 +16,7 @@ inline constexpr std::uint32_t kReplayedSession = 1;
 [[nodiscard]] Expected<SceneFacts> recordedScene(const RecordingMeta& meta,
                                                  const std::string& recording_path);
 
+/// What a client was shown beside a tick, as far as the record tells.
+[[nodiscard]] LoopStatus recordedStatus(const TickRecord& record);
+
 }  // namespace wholehand

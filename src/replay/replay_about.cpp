@@ -1,7 +1,7 @@
 #include "replay/replay_about.hpp"
 
+#include "replay/embedded_name.hpp"
 #include "report/html_text.hpp"
-#include "report/report_data.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -38,7 +38,8 @@ Json resultsOf(RecordingReader& recording) {
     const double shown =
         last.exercise.values[static_cast<std::size_t>(at)] * meta.result_factors[i];
     const auto decimals = static_cast<int>(std::clamp(meta.result_decimals[i], 0.0, 6.0));
-    results.push_back({{"label", meta.result_labels[i]},
+    results.push_back({{"name", meta.result_names[i]},
+                       {"label", meta.result_labels[i]},
                        {"unit", meta.result_units[i]},
                        {"value", formatNumber(shown, decimals)}});
   }

@@ -25,19 +25,6 @@ Diagnostic refusal(const std::string& path, std::string problem, std::string rem
   return {path, 0, "", "", std::move(problem), std::move(remedy)};
 }
 
-// What a client was shown with that tick, as far as the record tells.
-LoopStatus statusOf(const TickRecord& record) {
-  LoopStatus status;
-  status.session = kReplayedSession;
-  status.run_state = RunState::kRendering;
-  status.safety_state = record.safety_state;
-  status.latched = record.faults & kStopping;
-  status.fault_axis = record.fault_axis;
-  status.parameters.assign(record.parameters.begin(),
-                           record.parameters.begin() + record.parameter_count);
-  return status;
-}
-
 }  // namespace
 
 ReplayAnswer replayRefusal(int status, const std::string& why) {
@@ -111,7 +98,8 @@ ReplayAnswer ReplayedRecording::states(RecordingReader& reader,
       if (n > 0) break;
       return replayRefusal(kCannotBeRead, format(unreadable(path_, row, reader.size())));
     }
-    const auto message = encoder_->encode(record, statusOf(record), wire::Detail::kRecorded, 0);
+    const auto message =
+        encoder_->encode(record, recordedStatus(record), wire::Detail::kRecorded, 0);
     const auto bytes = static_cast<std::uint32_t>(message.size());
     body.append(reinterpret_cast<const char*>(&bytes), sizeof bytes);
     body.append(reinterpret_cast<const char*>(message.data()), message.size());

@@ -1,7 +1,5 @@
 #pragma once
 
-#include "report/decimation.hpp"
-
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -11,6 +9,10 @@
 /// complete files by themselves. Every text is escaped. Colours, dashes and sizes are those of the
 /// report's design (black on white, each series told apart by its dash as well).
 namespace wholehand {
+
+struct PlotPoint {
+  double x = 0.0, y = 0.0;
+};
 
 struct PlotLine {
   std::string name;  ///< written at the line's end; empty: not written

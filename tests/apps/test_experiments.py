@@ -30,7 +30,7 @@ class Grasping(AppTest):
         self.assertEqual(self.names_in(self.folder / "out"),
                          ["grasping.svg"] + sorted(
                              f"pinch-sphere-{how}.{what}" for how in ("floating", "under-gravity")
-                             for what in ("h5", "png", "toml")))
+                             for what in ("h5", "toml")))
         # A trial's recording is a recording as any other.
         self.expect_same_when_run_again(self.folder / "out/pinch-sphere-floating.h5")
 
@@ -111,7 +111,6 @@ class Exercise(AppTest):
         self.assertEqual(results["wall_pull_max_n"], 0.0)  # the wall never pulls
         self.assertLessEqual(results["volume_error_l"], 1e-9)  # asked of the pouring
         figure = (self.folder / "e.svg").read_text()
-        self.assertEqual(figure.count("<image "), 4)
         for word in ("squeezes", "Adaptive damping", "Flow, ml/s", "In the glass"):
             self.assertIn(word, figure)
         xml.etree.ElementTree.fromstring(figure)  # well formed

@@ -91,18 +91,10 @@ class Same(AppTest):
         scratch = self.folder / "scratch"
         scratch.mkdir()
         environment = dict(os.environ, TMPDIR=str(scratch))
-        for arguments in (["replay", "--resimulate"], ["picture", "--out", "p.png"]):
+        for arguments in (["replay", "--resimulate"], ["replay", "--report", "r.html"]):
             self.expect(self.run_app(*arguments, path, env=environment), DONE)
         self.assertEqual(self.names_in(scratch), [])
-        self.assertEqual(self.names_in(self.folder), ["p.png", "run.h5", "scratch"])
-
-
-    def test_moment_beyond_the_end_is_refused_with_the_length(self):
-        path = self.record(duration=0.3)  # and at most 0.1 s of ramp
-        self.expect(self.run_app("picture", path, "--at", "0.2", "--out", "p.png"), DONE, "0.20 s: ")
-        self.expect_refused(self.run_app("picture", path, "--at", "5", "--out", "q.png"), "run.h5",
-                            "--at = 5 s", "the recording ends at 0.3", lines=1)
-        self.assertFalse((self.folder / "q.png").exists())
+        self.assertEqual(self.names_in(self.folder), ["r.html", "run.h5", "scratch"])
 
 
 class BlackBox(AppTest):
@@ -144,7 +136,6 @@ class BlackBox(AppTest):
                 self.assertEqual(last["ticks/" + name][:][numpy.isin(tick, common)].tobytes(),
                                  run["ticks/" + name][:][numpy.isin(recorded, common)].tobytes(), name)
         self.expect(self.run_app("report", "run.wbb", "--out", "report"), DONE)
-        self.expect(self.run_app("picture", "run.wbb", "--out", "p.png"), DONE)
 
     def test_run_without_recording_leaves_its_box_in_a_folder_of_its_own(self):
         said = self.crash("--json", "run.json")
@@ -259,7 +250,7 @@ def replace_text(f, group, text, name=None):
 class Foreign(AppTest):
     def commands(self, path):
         return (["replay", path], ["replay", "--resimulate", path],
-                ["report", path, "--out", "report"], ["picture", path, "--out", "picture.png"])
+                ["report", path, "--out", "report"], ["replay", path, "--report", "page.html"])
 
     def expect_all_refuse(self, path, *texts):
         before = self.names_in(self.folder)
@@ -327,10 +318,8 @@ class Foreign(AppTest):
             shutil.copy(path, copy)
             with h5py.File(copy, "r+", libver="latest") as f:
                 f["meta/files/0"].attrs["name"] = numpy.bytes_(name)
-            for command in ("replay", "picture"):
-                arguments = ["--resimulate"] if command == "replay" else ["--out", "p.png"]
-                with self.subTest(name=name, command=command):
-                    self.expect_refused(self.run_app(command, copy, *arguments), name, lines=1)
+            with self.subTest(name=name):
+                self.expect_refused(self.run_app("replay", copy, "--resimulate"), name, lines=1)
             self.assertFalse(victim.exists())
 
     def test_recording_without_its_scene_is_refused(self):

@@ -10,9 +10,8 @@ OPTIONS = {
     "run": ["--scene", "--hand", "--device", "--rendering", "--patient", "--motion", "--engine",
             "--rate-hz", "--duration", "--record", "--report", "--json", "--simulated-clock",
             "--uncertified", "--no-rehearsal", "--driver", "--host", "--without-passport"],
-    "replay": ["--resimulate", "recording"],
+    "replay": ["--resimulate", "--report", "recording"],
     "report": ["--out", "recording"],
-    "picture": ["--out", "--at", "recording"],
     "experiment": ["grasping", "timing"],
     "experiment grasping": ["--json", "--out", "--jittered", "--only", "--seed"],
     "experiment timing": ["--json", "--out", "--ticks", "--scene", "--simulated-clock"],
@@ -60,8 +59,7 @@ class BadUsage(AppTest):
         ("replay", "recording"),
         ("replay a.h5 b.h5", "b.h5"),
         ("report a.h5", "--out"),
-        ("picture a.h5", "--out"),
-        ("picture a.h5 --out a.png --at nan", "--at"),
+        ("replay a.h5 --report a.html --web", "--report"),
         ("experiment", "--help"),
         ("experiment walking", "walking"),
         ("experiment grasping --jittered -1", "--jittered"),
@@ -150,12 +148,11 @@ class PlacesThatCannotBeWritten(AppTest):
                 self.expect_nothing_ran("experiment", experiment, "--out", "a-folder", "--json",
                                         "a-folder", place="a-folder")
 
-    def test_report_and_picture_say_so(self):
+    def test_report_says_so(self):
         recording = self.record(duration=0.2)
         self.expect_nothing_ran("report", recording, "--out", "a-file", place="a-file")
         self.expect_nothing_ran("report", recording, "--out", "a-file/x", place="a-file/x")
-        self.expect_nothing_ran("picture", recording, "--out", "a-file/x.png", place="a-file/x.png")
-        self.expect_nothing_ran("picture", recording, "--out", "a-folder", place="a-folder")
+        self.expect_nothing_ran("replay", recording, "--report", "a-folder", place="a-folder")
 
     def test_a_folder_of_somebody_else(self):
         os.chmod(self.folder, 0o755)
@@ -178,6 +175,8 @@ def deployed_tree(test):
         shutil.copy(BINARY, tree / "build/release/wholehand")
         shutil.copytree(CONFIG, tree / "config")
         shutil.copytree(SOURCE / "data", tree / "data")
+        (tree / "web/dist").mkdir(parents=True)
+        shutil.copy(SOURCE / "web/dist/report.html", tree / "web/dist")
         for path in [test.folder, tree, *tree.rglob("*")]:
             path.chmod(0o755)
     return tree
@@ -194,7 +193,7 @@ class UsersAndFolders(AppTest):
                                  **ordinary_user()), DONE, "Done after")
         (run,) = (home / "out").iterdir()
         self.assertEqual(self.names_in(run),
-                         ["recording.h5", "report", "report/index.html", "report/moment.png", "run.json"])
+                         ["recording.h5", "report", "report/index.html", "run.json"])
         for path in run.rglob("*"):
             self.assertNotEqual(path.stat().st_uid, 0)
         self.expect(self.run_app("replay", "--resimulate", run / "recording.h5", binary=binary,

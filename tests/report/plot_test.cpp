@@ -1,9 +1,7 @@
 #include "core/escape_html.hpp"
-#include "report/decimation.hpp"
 #include "report/html_text.hpp"
 #include "report/plot_scale.hpp"
 #include "report/svg_plot.hpp"
-#include "report/touch_log.hpp"
 
 #include <gtest/gtest.h>
 
@@ -94,70 +92,11 @@ TEST(Declutter, LabelsFarApart_StayWhereTheyWant) {
   EXPECT_EQ(declutter({50.0, 50.0}, 14.0, 0.0, 100.0), (std::vector<double>{43.0, 57.0}));
 }
 
-TEST(Decimator, LongSeries_KeepsEveryColumnsExtremesInOrder) {
-  std::mt19937_64 random(2);
-  std::normal_distribution<double> noise;
-  constexpr int kColumns = 50, kPoints = 100000;
-  Decimator decimator(0.0, 1.0, kColumns);
-  std::vector<double> low(kColumns, HUGE_VAL), high(kColumns, -HUGE_VAL);
-  for (int i = 0; i < kPoints; ++i) {
-    const double x = static_cast<double>(i) / (kPoints - 1);
-    const double y = noise(random) + (i == 77777 ? 100.0 : 0.0);  // one tick's peak
-    decimator.add(x, y);
-    const auto column = static_cast<std::size_t>(std::lround(x * (kColumns - 1)));
-    low[column] = std::min(low[column], y);
-    high[column] = std::max(high[column], y);
-  }
-  const auto points = decimator.points();
-  ASSERT_EQ(points.size(), 2U * kColumns);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    ASSERT_GE(points[i].x, points[i == 0 ? 0 : i - 1].x);
-    const double other = points[i ^ 1U].y;
-    ASSERT_EQ(std::min(points[i].y, other), low[i / 2]);
-    ASSERT_EQ(std::max(points[i].y, other), high[i / 2]);
-  }
-}
-
-TEST(Decimator, NotFiniteValues_BreakTheLine) {
-  Decimator decimator(0.0, 3.0, 100);
-  decimator.add(0.0, 1.0);
-  decimator.add(1.0, std::nan(""));
-  decimator.add(2.0, HUGE_VAL);
-  decimator.add(3.0, 2.0);
-  const auto points = decimator.points();
-  ASSERT_EQ(points.size(), 3U);
-  EXPECT_EQ(points[0].y, 1.0);
-  EXPECT_TRUE(std::isnan(points[1].y));
-  EXPECT_EQ(points[2].y, 2.0);
-}
-
 TEST(HtmlText, Texts_AreSafeAndNumbersReadWell) {
   EXPECT_EQ(escapeHtml("<a href='x'>\"&\n"), "&lt;a href=&#39;x&#39;&gt;&quot;&amp; ");
   EXPECT_EQ(formatNumber(-3.25, 1), "−3.2");
   EXPECT_EQ(formatNumber(-0.001, 1), "0.0");
   EXPECT_EQ(formatNumber(std::nan(""), 1), "–");
-  EXPECT_EQ(formatShort(2.52, "s"), "2.5 s");
-  EXPECT_EQ(formatShort(0.02, "s"), "20 ms");
-  EXPECT_EQ(formatShort(-3.14e-6, "rad"), "−3.1 µrad");
-  EXPECT_EQ(formatShort(0.0, "rad"), "0.0 rad");
-  EXPECT_EQ(formatCount(999), "999");
-  EXPECT_EQ(formatCount(1234567), "1,234,567");
-  EXPECT_EQ(formatDuration(59.94), "59.9 s");
-  EXPECT_EQ(formatDuration(161.0), "2:41");
-  EXPECT_EQ(formatDuration(3599.7), "60:00");
-  EXPECT_EQ(formatDate("2026-11-20T09:38:00Z"), "20 Nov 2026, 09:38 UTC");
-  EXPECT_EQ(formatDate("yesterday"), "yesterday");
-}
-
-TEST(HtmlText, Base64_MatchesRfc4648Vectors) {
-  const char* const vectors[][2] = {{"", ""},
-                                    {"f", "Zg=="},
-                                    {"fo", "Zm8="},
-                                    {"foo", "Zm9v"},
-                                    {"foob", "Zm9vYg=="},
-                                    {"fooba", "Zm9vYmE="},
-                                    {"foobar", "Zm9vYmFy"}};
-  for (const auto& [plain, encoded] : vectors) EXPECT_EQ(encodeBase64(plain), encoded);
 }
 
 TEST(LinePlot, EndLabels_DoNotOverlap) {
@@ -223,22 +162,6 @@ TEST(HistogramPlot, TitleDeadlineAndPercentiles_StandOnLinesOfTheirOwn) {
     EXPECT_GE(lines.front(), 10.0);  // a capital letter is about 9 px high
     for (std::size_t i = 1; i < lines.size(); ++i) EXPECT_GE(lines[i] - lines[i - 1], 12.0);
   }
-}
-
-TEST(TouchLog, ShortBreaks_AreOneTouch) {
-  TouchLog log(3, "cube");
-  for (int i = 0; i < 3000; ++i) {
-    const double t = i * 1e-3;
-    const bool touching = (t >= 0.5 && t < 1.0 && i % 50 > 5) || (t >= 2.0 && t < 2.25);
-    log.contact(t, 1e-3, touching, 2.0 + t, t >= 2.0);
-    log.position({0.1 * t + (i % 2) * 4e-4, 0.0, 0.0});  // 30 cm, with 0.4 mm of jitter
-  }
-  ASSERT_EQ(log.story().touches.size(), 2U);
-  EXPECT_EQ(log.story().touches[0].body, 3);
-  EXPECT_NEAR(log.story().longest_s(), 0.494, 1e-9);  // from the first contact, at 0.506 s
-  EXPECT_NEAR(log.story().largestForce_n(), 4.249, 1e-9);
-  EXPECT_NEAR(log.story().held_s(), 0.25, 1e-9);
-  EXPECT_NEAR(log.story().travelled_m, 0.3, 2e-3);
 }
 
 }  // namespace

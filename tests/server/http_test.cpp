@@ -277,6 +277,17 @@ TEST_F(HttpTest, ProgramThatLooksAtNoRecordingAgain_HasNoReplay) {
   EXPECT_EQ(get(port(), "/replay").status, 404) << "the pages are built, this one is not";
 }
 
+TEST_F(HttpTest, Report_RunsItsOwnScriptsAndAsksNobody) {
+  open();
+  const HttpReply r = get(port(), "/api/recordings/night%20shift.h5/report/");
+  const std::string policy = r.headers.at("content-security-policy");
+  EXPECT_TRUE(contains(policy, "default-src 'none'")) << policy;
+  EXPECT_TRUE(contains(policy, "script-src 'unsafe-inline'")) << policy;  // they stand in the file
+  EXPECT_TRUE(contains(policy, "worker-src blob:")) << policy;
+  EXPECT_FALSE(contains(policy, "connect-src")) << policy;
+  EXPECT_FALSE(contains(policy, "'self'")) << policy;
+}
+
 TEST_F(HttpTest, ReportThatCannotBeMade_SaysWhy) {
   program.report_fails = true;
   open();

@@ -52,6 +52,10 @@ export class SmallBar {
     this.scene.resize();
   }
 
+  close(): void {
+    this.scene.dispose();
+  }
+
   /** Draws a state if it is time to, or at once: then somebody waits for this very one. */
   draw(state: WorldStateT, now_ms: number, atOnce = false): void {
     if (!atOnce && now_ms - this.drawn_ms < 1000 / RATE_HZ[this.quality] - 2) return;

@@ -2,6 +2,7 @@
 
 import type { HandShape } from './shape';
 import { skinMesh, type SkinMesh } from './skin_mesh';
+import { startSkinWorker } from './start_skin_worker';
 
 /** What skin_worker.ts is asked for; see skinMesh. */
 export interface SkinOrder { readonly shape: HandShape; readonly poses: ArrayLike<number>; readonly step: number }
@@ -12,7 +13,7 @@ const MOST_KEPT = 4;
 
 function inWorker(order: SkinOrder): Promise<SkinMesh> {
   return new Promise((done, failed) => {
-    const worker = new Worker(new URL('./skin_worker.ts', import.meta.url), { type: 'module' });
+    const worker = startSkinWorker();
     worker.onmessage = ({ data }: MessageEvent<SkinMesh>) => {
       worker.terminate();
       done(data);

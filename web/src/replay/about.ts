@@ -1,6 +1,6 @@
 import { Problem } from './problem';
 
-export interface Result { readonly label: string; readonly value: string; readonly unit: string }
+export interface Result { /** Of the exercise's value; empty in older answers. */ readonly name: string; readonly label: string; readonly value: string; readonly unit: string }
 
 /** An axis of the device, as far as the file tells without a scene. */
 export interface ToldAxis { readonly name: string; readonly unit: string; readonly effort_limit: number; readonly lever_arm_m: number }
@@ -71,7 +71,7 @@ export function readAbout(json: unknown): About {
     })) : [],
     value_names: namesOf(json, 'value_names'), event_names: namesOf(json, 'event_names'),
     result: Array.isArray(json.result) ? json.result.filter(isSaid).map((line) => ({
-      label: textOf(line, 'label'), unit: textOf(line, 'unit'),
+      name: textOf(line, 'name'), label: textOf(line, 'label'), unit: textOf(line, 'unit'),
       value: typeof line.value === 'number' ? String(line.value) : textOf(line, 'value'),
     })) : [],
   };

@@ -1,10 +1,8 @@
 import { h, say } from '../console/dom';
 import { texts as consoleTexts } from '../console/i18n';
 import { icon } from '../console/icons';
-import { recordingUrl } from '../console/recordings';
 import { toggleTheme } from '../console/theme';
 import { fill, language, LANGUAGES, setLanguage, type Language } from '../shared/i18n';
-import { tokenOf } from '../net/open_connection';
 import { dateWords } from './facts_panel';
 import { texts } from './i18n';
 import type { ReplaySide } from './side';
@@ -21,7 +19,7 @@ export class Header {
     document.title = fill(t.title, { name: names.join(', ').slice(0, 200) });
     this.element = h('header', { class: 'top' },
       h('h1', { class: 'brand' }, icon('logo'), t.brand), ...sides.map((side, i) => this.who(side, names[i])), h('span', { class: 'sp' }), this.progress,
-      ...(sides.length === 1 ? [this.reportLink(sides[0].source.name, names[0])] : []), headerButtons(rebuild));
+      ...(sides.length === 1 ? [this.reportLink(sides[0].source.reportUrl, names[0])] : []), headerButtons(rebuild));
     this.refresh();
   }
 
@@ -34,13 +32,13 @@ export class Header {
     return h('div', { class: 'who', title: name }, h('b', {}, h('bdi', {}, name)), h('span', {}, dateWords(about.created_utc, language())));
   }
 
-  private reportLink(name: string, called: string): HTMLElement {
-    return h('a', { class: 'b', href: recordingUrl(name, true, tokenOf(location)), target: '_blank', rel: 'noopener', 'aria-label': fill(this.t.reportOf, { name: called }) }, this.t.report);
+  private reportLink(href: string, called: string): HTMLElement {
+    return h('a', { class: 'b', href, target: href.startsWith('#') ? undefined : '_blank', rel: 'noopener', 'data-testid': 'report', 'aria-label': fill(this.t.reportOf, { name: called }) }, this.t.report);
   }
 }
 
-/** Language, colours, tables. */
-export function headerButtons(rebuild: () => void): DocumentFragment {
+/** Language, colours, and tables where there are plots that have them. */
+export function headerButtons(rebuild: () => void, withTables = true): DocumentFragment {
   const t = consoleTexts();
   const languages = h('select', { 'aria-label': t.language, class: 'lang', 'data-testid': 'language' },
     ...LANGUAGES.map((key) => h('option', { value: key, selected: key === language(), lang: key }, key.toUpperCase())));
@@ -50,6 +48,7 @@ export function headerButtons(rebuild: () => void): DocumentFragment {
   const tables = h('button', { type: 'button', class: 'b icon', 'aria-label': t.tables, title: t.tables, 'aria-pressed': String(on), 'data-testid': 'tables' }, icon('table'));
   tables.addEventListener('click', () => tables.setAttribute('aria-pressed', String(document.body.classList.toggle('tables'))));
   const all = document.createDocumentFragment();
-  all.append(languages, theme, tables);
+  all.append(languages, theme);
+  if (withTables) all.append(tables);
   return all;
 }

@@ -132,6 +132,12 @@ export class ReplayPage implements TransportHands {
   end(): void { this.seek(this.span().to_s); }
   all(): void { this.show(this.span()); }
 
+  /** Shows a moment, and stands still there. */
+  goTo(time_s: number): void {
+    this.player.playing = false;
+    this.seek(time_s);
+  }
+
   speed(speed: number): void {
     this.player.speed = speed;
     this.transport?.chooseSpeed(speed);
@@ -140,7 +146,7 @@ export class ReplayPage implements TransportHands {
   step(ticks: number): void {
     const [first] = this.sides;
     const last = Math.max(0, first.about.ticks - 1);
-    const row = Math.min(last, Math.max(0, first.wanted + ticks));
+    const row = Math.min(last, Math.max(0, first.states.stepped(first.wanted, ticks)));
     this.player.playing = false;
     this.seek(first.timeOf(row));
     first.wanted = row;

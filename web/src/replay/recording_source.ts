@@ -2,7 +2,11 @@ import type { SceneT } from '../protocol';
 import { readAbout, type About } from './about';
 import { readScene, splitStates } from './messages';
 import { Problem } from './problem';
+import { recordingUrl } from '../console/recordings';
 import { readPiece, type SeriesPiece } from './series_piece';
+import { SeriesStore } from './series_store';
+import type { Series, Source, States } from './source';
+import { StateStore } from './state_store';
 
 /** A program that does not answer within this time is gone; its own readers have 60 s [ms]. */
 const PATIENCE_MS = 90_000;
@@ -10,8 +14,12 @@ const PATIENCE_MS = 90_000;
 export type Fetch = (address: string, init?: { signal?: AbortSignal }) => Promise<Response>;
 
 /** Asks the program for what is in one recording. Every failure is a Problem. */
-export class RecordingSource {
+export class RecordingSource implements Source {
   constructor(readonly name: string, private readonly token: string, private readonly get: Fetch = (address, init) => fetch(address, init)) {}
+
+  get reportUrl(): string {
+    return recordingUrl(this.name, true, this.token);
+  }
 
   async about(): Promise<About> {
     const answer = await this.ask('about');
@@ -22,13 +30,21 @@ export class RecordingSource {
     return readScene(new Uint8Array(await this.bytes('scene')));
   }
 
+  states(about: About, changed: () => void, tell: (problem: Problem | undefined) => void): States {
+    return new StateStore(this, about.ticks, changed, tell);
+  }
+
+  series(about: About, came: (piece: SeriesPiece) => void, tell: (problem: Problem | undefined) => void): Series {
+    return new SeriesStore(this, about, came, tell);
+  }
+
   /** Messages of the rows first, first + step, ...; fewer where the file ends. */
-  async states(first: number, count: number, step: number): Promise<Uint8Array[]> {
+  async readStates(first: number, count: number, step: number): Promise<Uint8Array[]> {
     return splitStates(await this.bytes('states', { tick: first, count, step }));
   }
 
   /** @pre to_s - from_s <= 60 */
-  async series(from_s: number, to_s: number, columns: number): Promise<SeriesPiece> {
+  async readSeries(from_s: number, to_s: number, columns: number): Promise<SeriesPiece> {
     return readPiece(await this.bytes('series', { from_s, to_s, columns }));
   }
 

@@ -4,6 +4,7 @@ import { BoundedCache } from './bounded_cache';
 import { Loader } from './loader';
 import type { Problem } from './problem';
 import type { RecordingSource } from './recording_source';
+import type { Series } from './source';
 import { SeriesLevels, type Slot } from './series_levels';
 import type { SeriesPiece } from './series_piece';
 
@@ -16,7 +17,7 @@ const OVERVIEW = 800;
 export interface Run { readonly piece: SeriesPiece; readonly from: number; readonly to: number; readonly width_s: number }
 
 /** Series of a recording: the whole of it coarsely, and what is looked at finely, piece by piece as it comes. */
-export class SeriesStore {
+export class SeriesStore implements Series {
   readonly levels: SeriesLevels;
   private readonly overviewLevel: number;
   private readonly coarse = new Map<string, SeriesPiece>();
@@ -28,7 +29,7 @@ export class SeriesStore {
 
   /** @param came is called with every piece; `coarse` of the whole recording's */
   constructor(
-    private readonly source: RecordingSource, about: Pick<About, 'from_s' | 'to_s' | 'period_s'>,
+    private readonly source: Pick<RecordingSource, 'readSeries'>, about: Pick<About, 'from_s' | 'to_s' | 'period_s'>,
     came: (piece: SeriesPiece, coarse: boolean) => void, tell: (problem: Problem | undefined) => void,
   ) {
     this.whole = { from_s: about.from_s, to_s: about.to_s };
@@ -36,7 +37,7 @@ export class SeriesStore {
     this.overviewLevel = this.levels.overview(OVERVIEW);
     this.loader = new Loader((key) => {
       const { from_s, to_s, columns } = this.slots.get(key)!;
-      return this.source.series(from_s, to_s, columns);
+      return this.source.readSeries(from_s, to_s, columns);
     }, (key, piece) => {
       const slot = this.slots.get(key)!;
       this.slots.delete(key);

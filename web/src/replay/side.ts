@@ -9,11 +9,10 @@ import { ColumnList } from './channels';
 import { texts } from './i18n';
 import { Moments, plotMark, type Names } from './moments';
 import { asProblem, type Problem } from './problem';
-import type { RecordingSource } from './recording_source';
 import type { SeriesPiece } from './series_piece';
-import { SeriesStore } from './series_store';
 import { SeriesView } from './series_view';
-import { stepFor, StateStore } from './state_store';
+import type { Series, Source, States } from './source';
+import { stepFor } from './state_store';
 import { TimeMap } from './time_map';
 import { WindowSamples } from './window_samples';
 
@@ -37,8 +36,8 @@ export class ReplaySide implements PlotsModel {
   readonly marks: { list: readonly Mark[] } = { list: [] };
   readonly moments = new Moments();
   readonly map: TimeMap;
-  readonly states: StateStore;
-  readonly series: SeriesStore;
+  readonly states: States;
+  readonly series: Series;
   /** Row that is shown, and that which is asked for. */
   shown: number | undefined;
   wanted = 0;
@@ -50,7 +49,7 @@ export class ReplaySide implements PlotsModel {
   fresh = true;
   private panel: ExercisePanel | null;
 
-  private constructor(readonly source: RecordingSource, about: About, scene: SceneT | undefined) {
+  private constructor(readonly source: Source, about: About, scene: SceneT | undefined) {
     this.about = about;
     this.hasScene = scene !== undefined;
     this.scene = scene ?? sceneOf(about);
@@ -58,12 +57,12 @@ export class ReplaySide implements PlotsModel {
     this.map = new TimeMap(about, about.ticks);
     this.history = new SeriesView(new ColumnList(), [], this.scene);
     const tell = (problem: Problem | undefined): void => this.tell(problem);
-    this.states = new StateStore(source, about.ticks, () => { this.fresh = true; }, tell);
-    this.series = new SeriesStore(source, about, (piece) => this.take(piece), tell);
+    this.states = source.states(about, () => { this.fresh = true; }, tell);
+    this.series = source.series(about, (piece) => this.take(piece), tell);
   }
 
   /** Opens a recording; throws a Problem where nothing of it can be shown. */
-  static async open(source: RecordingSource): Promise<ReplaySide> {
+  static async open(source: Source): Promise<ReplaySide> {
     const about = await source.about();
     let scene: SceneT | undefined;
     try {
@@ -125,7 +124,7 @@ export class ReplaySide implements PlotsModel {
   seek(time_s: number, window: Span, playing: boolean, speed: number): boolean {
     const mapped = this.rowAt(time_s);
     if (mapped === undefined) return false;
-    const row = this.corrected(mapped, time_s - this.shift_s);
+    const row = this.states.existing(this.corrected(mapped, time_s - this.shift_s));
     this.wanted = row;
     const { period_s } = this.about;
     if (playing) this.states.wantFrom(row, stepFor(speed / PICTURES_HZ / period_s));
@@ -200,7 +199,7 @@ export class ReplaySide implements PlotsModel {
 }
 
 /** What plots need of a scene, from what is told of the file. */
-function sceneOf({ axes, value_names, event_names, period_s }: About): SceneT {
+export function sceneOf({ axes, value_names, event_names, period_s }: About): SceneT {
   const scene = new SceneT();
   scene.axes = axes.map(({ name, unit, effort_limit, lever_arm_m }) => new AxisT(name, unit, 0, 0, effort_limit, lever_arm_m, 0));
   scene.valueNames = [...value_names];

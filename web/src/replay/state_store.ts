@@ -4,6 +4,7 @@ import { Loader } from './loader';
 import { readState, timeOfState } from './messages';
 import type { Problem } from './problem';
 import type { RecordingSource } from './recording_source';
+import type { States } from './source';
 
 /** Rows that one request brings. */
 export const BLOCK = 64;
@@ -22,16 +23,16 @@ export function stepFor(rows: number): number {
 }
 
 /** States of a recording: blocks of rows as they are wanted, the last used kept. */
-export class StateStore {
+export class StateStore implements States {
   private readonly blocks = new BoundedCache<Block>(MOST_BYTES);
   private readonly loader: Loader<Uint8Array[]>;
   private read: { row: number; state: WorldStateT } | undefined;
 
   /** @param changed is called when states came */
-  constructor(private readonly source: RecordingSource, private ticks: number, changed: () => void, tell: (problem: Problem | undefined) => void) {
+  constructor(private readonly source: Pick<RecordingSource, 'readStates'>, private ticks: number, changed: () => void, tell: (problem: Problem | undefined) => void) {
     this.loader = new Loader((key) => {
       const [step, index] = key.split(':').map(Number);
-      return this.source.states(index * BLOCK * step, this.rowsIn(step, index), step);
+      return this.source.readStates(index * BLOCK * step, this.rowsIn(step, index), step);
     }, (key, messages) => {
       const [step, index] = key.split(':').map(Number);
       this.blocks.put(key, { first: index * BLOCK * step, step, messages }, messages.reduce((sum, { length }) => sum + length, 200));
@@ -57,6 +58,14 @@ export class StateStore {
   wantFrom(row: number, step: number): void {
     const index = Math.floor(row / BLOCK / step);
     this.want(AHEAD.map((ahead) => keyOf(step, index + ahead)));
+  }
+
+  existing(row: number): number {
+    return row;
+  }
+
+  stepped(row: number, states: number): number {
+    return row + states;
   }
 
   /** The known row that is nearest to this one; undefined: none is known yet. */

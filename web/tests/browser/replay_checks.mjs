@@ -18,7 +18,7 @@ const still = (page, what, look = () => true) => until(what, async () => {
 }, { within_ms: PATIENT_MS });
 
 /** A recording of the bar by the virtual patient, on the simulated clock: made once. */
-async function recording({ file, folder }, name = 'replayed.h5', exercise = 'cocktail-bar') {
+export async function recording({ file, folder }, name = 'replayed.h5', exercise = 'cocktail-bar') {
   const path = join(folder, name);
   if (!existsSync(path)) await letProgram({ file, folder, args: ['run', '--exercise', exercise, '--simulated-clock', '--duration', String(SECONDS), '--record', path] });
   return path;

@@ -19,6 +19,7 @@ import { takePictures } from './pictures.mjs';
 import { startProgram } from './program.mjs';
 import { stopsAtRandomMoments } from './random_stops.mjs';
 import * as replays from './replay_checks.mjs';
+import * as reports from './report_checks.mjs';
 import * as roles from './role_checks.mjs';
 import * as stops from './stop_checks.mjs';
 import { openWatcher } from './watcher.mjs';
@@ -180,6 +181,9 @@ try {
   await test('replay of two beside each other', () => replays.twoAreReplayed(plain, recorded, picture));
   await test('replay says what it cannot show', () => replays.badRecordingsAreSaid(plain, recorded, picture));
   await test('a recording is listed while it runs', () => waiting((url) => replays.recordingIsListedWhileItRuns(plain, url)));
+  await test('report is one file', () => reports.reportIsOneFile(plain, recorded, picture));
+  await test('report has its picture', () => reports.reportHasItsPicture(drawing, recorded, picture));
+  await test('report says what is wrong with it', () => reports.badReportsAreSaid(plain, recorded));
   await test('stops at random moments are followed by nothing', () => stopsAtRandomMoments(plain, () => startWaiting()));
   await test('no fault was logged by the pages', async () => {
     const faults = [...game.faults, ...watcher.page.faults];

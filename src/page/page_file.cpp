@@ -1,0 +1,83 @@
+#include "page/page_file.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+#include <utility>
+
+namespace wholehand {
+namespace {
+
+constexpr const char* kHowToBuild =
+    "build the pages, with Node 18.19, 20, or 22 and newer: cd web && npm ci && npm run build";
+
+Diagnostic refusal(const std::string& file, std::string problem, std::string remedy) {
+  return {file, 0, "", "", std::move(problem), std::move(remedy)};
+}
+
+/// Writes all of it under a temporary name and renames it. @return an errno, or 0
+int writeWhole(const std::filesystem::path& path, std::string_view text) {
+  const std::string temporary = path.string() + ".part";
+  std::FILE* out = std::fopen(temporary.c_str(), "wb");
+  if (out == nullptr) return errno;
+  errno = 0;
+  const bool written = std::fwrite(text.data(), 1, text.size(), out) == text.size();
+  int error = written ? 0 : errno;
+  if (std::fclose(out) != 0 && error == 0) error = errno;
+  if (error == 0 && std::rename(temporary.c_str(), path.c_str()) != 0) error = errno;
+  if (error != 0) std::remove(temporary.c_str());
+  return error;
+}
+
+}  // namespace
+
+std::string embeddedJson(const nlohmann::json& data) {
+  const std::string json = data.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+  std::string out;
+  out.reserve(json.size());
+  for (const char c : json) {
+    if (c == '<') {
+      out += "\\u003c";  // no text of a file ends the element, or begins a comment
+    } else {
+      out += c;
+    }
+  }
+  return out;
+}
+
+Expected<std::string> readPageTemplate(const std::string& template_path) {
+  std::ifstream in(template_path, std::ios::binary);
+  if (!in.is_open()) {
+    return refusal(template_path, "is missing: the pages are not built", kHowToBuild);
+  }
+  std::string text(std::istreambuf_iterator<char>(in), {});
+  const std::size_t at = text.find(kPageDataMark);
+  if (at == std::string::npos || text.find(kPageDataMark, at + 1) != std::string::npos) {
+    return refusal(template_path, "is no template of a page", kHowToBuild);
+  }
+  return text;
+}
+
+Expected<Done> writePage(const std::string& page_template, const nlohmann::json& data,
+                         const std::string& path) {
+  std::string page = page_template;
+  page.replace(page.find(kPageDataMark), kPageDataMark.size(), embeddedJson(data));
+
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  std::error_code failure;
+  const bool created = !folder.empty() && std::filesystem::create_directory(folder, failure);
+  int error = failure.value() == EEXIST ? ENOTDIR : failure.value();
+  if (error == 0) error = writeWhole(path, page);
+  if (error == 0) return Done{};
+  if (created) std::filesystem::remove(folder, failure);
+  return refusal(path, std::string("cannot be written: ") + std::strerror(error),
+                 "name a file in a folder that is writable, or in a new one inside such a folder");
+}
+
+}  // namespace wholehand

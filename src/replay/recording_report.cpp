@@ -1,0 +1,206 @@
+#include "replay/recording_report.hpp"
+
+#include "page/packed_bytes.hpp"
+#include "replay/engineering_facts.hpp"
+#include "replay/recorded_scene.hpp"
+#include "replay/replay_about.hpp"
+#include "replay/series_collector.hpp"
+#include "replay/therapy_facts.hpp"
+#include "server/wire.hpp"
+#include "telemetry/black_box_reader.hpp"
+#include "telemetry/recording_view.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace wholehand {
+namespace {
+
+using Json = nlohmann::json;
+
+/// Counts changes of the data that an older page cannot read.
+constexpr int kVersion = 1;
+constexpr std::uint64_t kChunksAtOnce = 16, kTicksBetweenProgress = 10'000;
+/// A page of at most 2 MB has room for so much: before it is packed, and of states afterwards.
+constexpr std::uint64_t kMostStates = 1'500;
+constexpr std::size_t kMostStates_bytes = 1'500'000, kMostPacked_bytes = 500'000;
+constexpr std::size_t kMostSeries_bytes = 360'000;
+constexpr int kMostColumns = 800, kFewestColumns = 100;
+
+Expected<ViewedRecording> openAny(const std::string& path) {
+  if (!BlackBoxReader::isBox(path)) return viewRecording(path, kChunksAtOnce);
+  auto box = BlackBoxReader::openBox(path);
+  if (!box) return box.errors();
+  ViewedRecording viewed;
+  viewed.reader = std::move(*box);
+  if (viewed.reader->size() > 0) viewed.last_tick = viewed.reader->outline().numbers.back();
+  return viewed;
+}
+
+/// Every n-th state of a recording and its last one, as the viewer takes them.
+class StateSample {
+ public:
+  StateSample(std::shared_ptr<const SceneFacts> facts, std::uint64_t size)
+      : encoder_(std::move(facts)), last_(size - 1), step_(1 + (size - 1) / kMostStates) {}
+
+  void add(std::uint64_t row, const TickRecord& record) {
+    if (row % step_ != 0 && row != last_) return;
+    const auto message =
+        encoder_.encode(record, recordedStatus(record), wire::Detail::kRecorded, 0);
+    const auto bytes = static_cast<std::uint32_t>(message.size());
+    std::string& added = messages_.emplace_back();
+    added.append(reinterpret_cast<const char*>(&bytes), sizeof bytes);
+    added.append(reinterpret_cast<const char*>(message.data()), message.size());
+    rows_.push_back(row);
+    bytes_ += added.size();
+    if (bytes_ > kMostStates_bytes) dropEverySecond();
+  }
+  [[nodiscard]] Json json() {
+    std::string packed = pack();
+    for (; packed.size() > kMostPacked_bytes && rows_.size() > 2; packed = pack()) {
+      dropEverySecond();
+    }
+    return {{"rows", rows_}, {"messages", packed}};
+  }
+
+ private:
+  [[nodiscard]] std::string pack() const {
+    std::string all;
+    for (const std::string& message : messages_) all += message;
+    return packBytes(all);
+  }
+  void dropEverySecond() {
+    step_ *= 2;
+    std::vector<std::string> messages;
+    std::vector<std::uint64_t> rows;
+    bytes_ = 0;
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+      if (rows_[i] % step_ != 0 && rows_[i] != last_) continue;
+      bytes_ += messages_[i].size();
+      messages.push_back(std::move(messages_[i]));
+      rows.push_back(rows_[i]);
+    }
+    messages_ = std::move(messages);
+    rows_ = std::move(rows);
+  }
+
+  wire::StateEncoder encoder_;
+  const std::uint64_t last_;
+  std::uint64_t step_;
+  std::vector<std::uint64_t> rows_;
+  std::vector<std::string> messages_;
+  std::size_t bytes_ = 0;
+};
+
+/// Columns as wide as the whole of the recording allows; their edges lie between two ticks.
+SeriesQuestion wholeOf(const ViewedRecording& viewed) {
+  const RecordingMeta& meta = viewed.reader->meta();
+  const auto time_s = [&](std::uint64_t tick) {
+    return (static_cast<double>(tick) - 0.5) * meta.period_s;
+  };
+  const std::size_t channel_bytes = 2 * sizeof(float) * seriesChannels(meta).size();
+  const auto fitting = static_cast<int>(kMostSeries_bytes / channel_bytes);
+  SeriesQuestion whole;
+  whole.from_s = time_s(viewed.reader->outline().numbers.front());
+  whole.to_s = time_s(viewed.last_tick + 1);
+  const double ticks = (whole.to_s - whole.from_s) / meta.period_s;
+  whole.columns = std::clamp(fitting, kFewestColumns, kMostColumns);
+  if (ticks < whole.columns) whole.columns = std::max(1, static_cast<int>(std::lround(ticks)));
+  return whole;
+}
+
+/// Takes the ticks of a recording in their order.
+class ReportCollector {
+ public:
+  explicit ReportCollector(const ViewedRecording& viewed, std::shared_ptr<const SceneFacts> facts)
+      : meta_(viewed.reader->meta()),
+        series_(meta_, wholeOf(viewed)),
+        states_(std::move(facts), viewed.reader->size()),
+        therapy_(meta_),
+        engineering_(meta_) {}
+
+  /// @param before the tick before it; null where that is not known
+  void add(std::uint64_t row, const TickRecord& record, const TickRecord* before, bool has_scene) {
+    series_.add(record, before);
+    therapy_.add(record, before != nullptr && missingBetween(before->tick, record.tick,
+                                                             record.elapsed_periods) == 0);
+    engineering_.add(record);
+    if (has_scene) states_.add(row, record);
+  }
+  void skipUnreadable(std::uint64_t tick) {
+    series_.skipUnreadable(static_cast<double>(tick) * meta_.period_s);
+  }
+  [[nodiscard]] Json json(bool has_scene) {
+    Json data = {{"page", "report"},
+                 {"version", kVersion},
+                 {"series", packBytes(series_.message(0))},
+                 {"therapy", therapy_.json()},
+                 {"engineering", engineering_.json()}};
+    if (has_scene) data["states"] = states_.json();
+    return data;
+  }
+
+ private:
+  const RecordingMeta& meta_;
+  SeriesCollector series_;
+  StateSample states_;
+  TherapyFacts therapy_;
+  EngineeringFacts engineering_;
+};
+
+void collect(RecordingReader& reader, ReportCollector& collector, bool has_scene,
+             const std::function<void(double)>& progress) {
+  std::array<TickRecord, 2> records;
+  TickRecord *record = &records[0], *before = &records[1];
+  bool known = false;
+  for (std::uint64_t i = 0; i < reader.size(); ++i) {
+    if (progress && i % kTicksBetweenProgress == 0) {
+      progress(static_cast<double>(i) / static_cast<double>(reader.size()));
+    }
+    if (!reader.read(i, *record)) {
+      collector.skipUnreadable(reader.outline().numbers[i]);
+      known = false;
+      continue;
+    }
+    collector.add(i, *record, known ? before : nullptr, has_scene);
+    std::swap(record, before);
+    known = true;
+  }
+}
+
+}  // namespace
+
+Expected<Json> reportData(const std::string& recording_path,
+                          const std::function<void(double)>& progress) {
+  const auto viewed = openAny(recording_path);
+  if (!viewed) return viewed.errors();
+  RecordingReader& reader = *viewed->reader;
+  if (reader.size() == 0) {
+    return Diagnostic{
+        recording_path, 0, "", "", "holds no ticks", "record a run that lasts a while"};
+  }
+  const auto scene = recordedScene(reader.meta(), recording_path);
+  const auto facts = std::make_shared<const SceneFacts>(scene ? *scene : SceneFacts{});
+  ReportCollector collector(*viewed, facts);
+  collect(reader, collector, scene.ok(), progress);
+  Json data = collector.json(scene.ok());
+  const std::string name = std::filesystem::path(recording_path).filename().string();
+  data["about"] =
+      Json::parse(replayAbout(*viewed, name, false, *facts, scene ? "" : format(scene.errors())));
+  if (scene) {
+    const wire::Bytes message = wire::sceneMessage(*facts);
+    data["scene"] = packBytes({reinterpret_cast<const char*>(message.data()), message.size()});
+  }
+  return data;
+}
+
+}  // namespace wholehand

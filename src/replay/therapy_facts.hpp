@@ -1,0 +1,46 @@
+#pragma once
+
+#include "core/tick_record.hpp"
+#include "replay/grip_log.hpp"
+#include "replay/touch_log.hpp"
+#include "telemetry/recording.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <vector>
+
+namespace wholehand {
+
+/// What the hand held, how hard and how steadily, and within which limits, from every tick of a
+/// recording.
+class TherapyFacts {
+ public:
+  /// @pre meta outlives it
+  explicit TherapyFacts(const RecordingMeta& meta);
+
+  /// @param follows false where ticks are missing before this one
+  void add(const TickRecord& record, bool follows);
+  /// As web/src/report/report_data.ts reads it. Ends what is under way.
+  [[nodiscard]] nlohmann::json json();
+
+ private:
+  /// A value where it changed.
+  struct Change {
+    double time_s, value;
+  };
+  void addContacts(const TickRecord& record, bool grips);
+  void addLimits(const TickRecord& record);
+  [[nodiscard]] nlohmann::json bodiesJson() const;
+  [[nodiscard]] nlohmann::json touchesJson() const;
+  [[nodiscard]] nlohmann::json limitsJson() const;
+
+  const RecordingMeta& meta_;
+  std::vector<TouchLog> bodies_;
+  std::vector<int> grip_sides_;  ///< of each capsule: fingers, thumb or palm
+  int squeeze_value_ = -1;       ///< among the exercise's values; -1: it has no grip force
+  GripLog grips_;
+  std::vector<std::vector<Change>> limits_;  ///< per axis, in force [N or N·m]
+  double largest_force_n_ = 0.0, largest_force_s_ = 0.0;
+};
+
+}  // namespace wholehand

@@ -1,0 +1,183 @@
+"""`wholehand replay --report`, `report` and `run --report`: one file that needs nothing else, and what stands in it."""
+import base64
+import json
+import os
+import pty
+import re
+import resource
+import shutil
+import subprocess
+import unittest
+import zlib
+
+import h5py
+import numpy
+
+from app import BINARY, DONE, FREE_RUN, SOURCE, AppTest, read_recording
+
+MOST_BYTES = 2_000_000
+DATA = re.compile(r'<script type="application/json" id="page-data">(.*?)</script>', re.S)
+
+
+def unpacked(text):
+    return zlib.decompress(base64.b64decode(text))
+
+
+class Series:
+    """The answer "series" of docs/protocol.md, read by another implementation than the page's."""
+
+    def __init__(self, message):
+        length = int.from_bytes(message[:4], "little")
+        self.header = json.loads(message[4:4 + length])
+        values = numpy.frombuffer(message[4 + length:], dtype="<f4")
+        names = [(channel["name"], channel["axis"]) for channel in self.header["channels"]]
+        self.extremes = dict(zip(names, values.reshape(len(names), 2, self.header["columns"])))
+
+
+class ReportTest(AppTest):
+    def report(self, recording, name="page.html"):
+        self.expect(self.run_app("replay", recording, "--report", name), DONE, name)
+        return self.data_in(self.folder / name)
+
+    def data_in(self, page):
+        text = page.read_text()
+        self.assertLessEqual(page.stat().st_size, MOST_BYTES)
+        (data,) = DATA.findall(text)
+        return json.loads(data)
+
+
+class OneFile(ReportTest):
+    def test_asks_nobody_for_anything(self):
+        path = self.record(duration=0.5)
+        self.report(path)
+        self.assertEqual(self.names_in(self.folder), ["page.html", "run.h5"])
+        page = (self.folder / "page.html").read_text()
+        head = page[:page.index("<script")] + page[page.rindex("</style>"):]
+        for reference in re.findall(r'(?:src|href|data|action)\s*=\s*["\']([^"\']*)', head):
+            self.assertTrue(reference.startswith(("#", "data:")), reference)
+        self.assertNotRegex(page, r"<(script|link|img|iframe)[^>]*(src|href)=\"(?!data:)")
+        self.assertNotRegex(page, r"@import|url\(\s*['\"]?(?!#|data:|['\"]?#|\$)https?:")
+        # Whatever it would ask for, the browser refuses.
+        policy = re.search(r'Content-Security-Policy" content="([^"]*)"', page).group(1)
+        self.assertIn("default-src 'none'", policy)
+        self.assertNotRegex(policy, r"connect-src|https?:|'self'|\*")
+
+    def test_three_ways_make_the_same_page(self):
+        path = self.record(duration=0.5)
+        self.report(path)
+        self.expect(self.run_app("report", path, "--out", "folder"), DONE, "folder/index.html")
+        self.assertEqual((self.folder / "folder/index.html").read_bytes(), (self.folder / "page.html").read_bytes())
+
+    def test_names_stay_names(self):
+        path = self.record(duration=0.3)
+        for name in ("</script><script>alert(1)</script><!--", "محمد علي", "x" * 200, 'a"b\\c&lt;'):
+            with self.subTest(name[:20]):
+                with h5py.File(path, "r+", libver="latest") as f:
+                    f["meta"].attrs["title"] = numpy.bytes_(name.encode())
+                data = self.report(path)
+                self.assertEqual(data["about"]["title"], name)
+                self.assertNotIn("alert(1)</script>", (self.folder / "page.html").read_text())
+
+
+class WhatIsInIt(ReportTest):
+    def test_extremes_are_those_of_the_recording(self):
+        path = self.record("bar.h5", "--exercise", "cocktail-bar", duration=12)
+        data = self.report(path)
+        series = Series(unpacked(data["series"]))
+        begin, end, columns = (series.header[key] for key in ("from_s", "to_s", "columns"))
+        with read_recording(path) as f:
+            time, sent, values = f["ticks/time_s"][:], f["ticks/sent"][:], f["ticks/exercise_values"][:]
+        column = numpy.minimum(columns - 1, ((time - begin) / (end - begin) * columns).astype(int))
+        squeeze = data["about"]["value_names"].index("squeeze_n")
+        for (name, axis), column_of in ((("sent", 3), sent[:, 3]), (("sent", 0), sent[:, 0]),
+                                        (("value", squeeze), values[:, squeeze])):
+            low, high = series.extremes[name, axis]
+            for at in range(columns):
+                own = column_of[column == at].astype(numpy.float32)
+                self.assertEqual((low[at], high[at]), (own.min(), own.max()), (name, axis, at))
+        # What the exercise counts, as the summary says it.
+        self.assertEqual([line["name"] for line in data["about"]["result"]], ["poured_total_l", "spilt_l", "score"])
+        self.assertIn("drink_done", [data["about"]["event_names"][e["type"]] for e in series.header["events"]])
+        self.assertEqual(data["states"]["rows"][-1], len(time) - 1)
+        self.assertEqual(data["therapy"]["limits"][0], [[0.0, 20.0]])  # config/devices/lambda-pride.toml
+
+    def test_damage_is_told_and_the_rest_is_shown(self):
+        path = self.record(duration=2.0)
+        with h5py.File(path, "r") as f:
+            chunk = f["ticks/rendered"].id.get_chunk_info(4)
+            first = chunk.chunk_offset[0]
+        whole = bytearray(path.read_bytes())
+        for at in range(chunk.byte_offset, chunk.byte_offset + chunk.size):
+            whole[at] ^= 0xFF
+        path.write_bytes(whole)
+        (hole,) = Series(unpacked(self.report(path)["series"])).header["unreadable"]
+        self.assertAlmostEqual(hole["from_s"], first * 1e-3, delta=2e-3)
+
+    def test_missing_ticks_are_told(self):
+        path = self.record(duration=2.0)
+        with h5py.File(path, "r+", libver="latest") as f:
+            f["ticks/tick"][500:1200] = numpy.uint64(2**64 - 1)  # docs/recording.md: never reached the disk
+            f["ticks/contact_count"][500:1200] = 0
+            rows = f["contacts/row"][:]
+            rows[(rows >= 500) & (rows < 1200)] = 0
+            f["contacts/row"][:] = rows
+        data = self.report(path)
+        self.assertEqual(data["about"]["ticks_missing"], 700)
+        (gap,) = Series(unpacked(data["series"])).header["gaps"]
+        self.assertEqual(gap["ticks"], 700)
+
+    def test_recording_without_its_files_has_no_picture_and_everything_else(self):
+        path = self.record(duration=0.5)
+        with h5py.File(path, "r+", libver="latest") as f:
+            for group in f["meta/files"].values():
+                if b"scenes/" in group.attrs["name"]:
+                    group.attrs["name"] = numpy.bytes_("scene.txt")
+        data = self.report(path)
+        self.assertNotIn("states", data)
+        self.assertIn("carries no scene file", data["about"]["no_picture_because"])
+        self.assertGreater(len(Series(unpacked(data["series"])).extremes), 20)
+
+
+class HowItGoes(ReportTest):
+    def test_a_minute_costs_less_than_two_seconds_of_processor(self):
+        path = self.record("bar.h5", "--exercise", "cocktail-bar", duration=60)
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        self.report(path)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        used_s = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+        print(f"figure: report of a minute of the bar: {used_s:.2f} s of CPU, "
+              f"{(self.folder / 'page.html').stat().st_size / 1e6:.2f} MB")
+        self.assertLess(used_s, 2.0)
+
+    def test_progress_is_said_on_a_terminal(self):
+        path = self.record(duration=12)
+        terminal, other_end = pty.openpty()
+        run = subprocess.run([str(BINARY), "replay", str(path), "--report", "page.html"], cwd=self.folder,
+                             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=other_end, timeout=100)
+        os.close(other_end)
+        self.assertEqual(run.returncode, DONE)
+        self.assertIn(b"Reading the recording: ", os.read(terminal, 10_000))
+        os.close(terminal)
+
+    def test_pages_that_are_not_built_are_named_with_how_to_build_them(self):
+        path = self.record(duration=0.3)
+        tree = self.folder / "tree/bin"
+        tree.mkdir(parents=True)
+        binary = tree / "wholehand"
+        shutil.copy(BINARY, binary)
+        for name in ("config", "data"):
+            (self.folder / "tree" / name).symlink_to(SOURCE / name)
+        self.expect_refused(self.run_app("replay", path, "--report", "page.html", binary=binary),
+                            "web/dist/report.html", "npm run build", lines=1)
+        self.assertFalse((self.folder / "page.html").exists())
+        # Asked for by name, it is refused before the device is armed; else the run is kept without it.
+        self.expect_refused(self.run_app(*FREE_RUN, "--simulated-clock", "--report", "r", binary=binary),
+                            "npm run build", lines=1)
+        self.expect(self.run_app(*FREE_RUN, "--simulated-clock", "--duration", "0.2", binary=binary), DONE,
+                    "No report: ", "npm run build")
+        (run,) = (self.folder / "out").iterdir()
+        self.assertEqual(self.names_in(run), ["recording.h5", "run.json"])
+
+
+if __name__ == "__main__":
+    unittest.main()

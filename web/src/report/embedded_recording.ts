@@ -1,0 +1,113 @@
+// The recording that the page carries, as the viewer asks for it: nothing comes later, and nothing is finer than what is here.
+import type { Span } from '../console/plot_source';
+import type { SceneT, WorldStateT } from '../protocol';
+import type { About } from '../replay/about';
+import { readState, timeOfState } from '../replay/messages';
+import { Problem } from '../replay/problem';
+import type { SeriesPiece } from '../replay/series_piece';
+import type { Run } from '../replay/series_store';
+import type { Series, Source, States } from '../replay/source';
+import type { ReportData } from './report_data';
+
+/** States at some rows of the recording. */
+export class EmbeddedStates implements States {
+  private read: { row: number; state: WorldStateT } | undefined;
+
+  /** @param rows ascending, one for each message */
+  constructor(private readonly rows: readonly number[], private readonly messages: readonly Uint8Array[]) {}
+
+  wantAround(): void {}
+  wantFrom(): void {}
+
+  existing(row: number): number {
+    return this.nearest(row) ?? row;
+  }
+
+  stepped(row: number, states: number): number {
+    const at = Math.min(this.rows.length - 1, Math.max(0, this.indexOf(row) + states));
+    return this.rows[at] ?? row;
+  }
+
+  nearest(row: number): number | undefined {
+    return this.rows[this.indexOf(row)];
+  }
+
+  time_s(row: number): number | undefined {
+    const message = this.messageOf(row);
+    return message && timeOfState(message);
+  }
+
+  state(row: number): WorldStateT | undefined {
+    if (this.read?.row === row) return this.read.state;
+    const message = this.messageOf(row);
+    if (!message) return undefined;
+    this.read = { row, state: readState(message) };
+    return this.read.state;
+  }
+
+  grow(): void {}
+  retry(): void {}
+  close(): void {}
+
+  /** Of the nearest row. */
+  private indexOf(row: number): number {
+    let [low, high] = [0, this.rows.length - 1];
+    while (low < high) {
+      const middle = (low + high) >> 1;
+      if (this.rows[middle] < row) low = middle + 1;
+      else high = middle;
+    }
+    return low > 0 && row - this.rows[low - 1] <= this.rows[low] - row ? low - 1 : low;
+  }
+
+  private messageOf(row: number): Uint8Array | undefined {
+    const at = this.indexOf(row);
+    return this.rows[at] === row ? this.messages[at] : undefined;
+  }
+}
+
+/** One piece, of the whole recording. */
+class EmbeddedSeries implements Series {
+  readonly progress = 1;
+  private readonly whole: Run;
+
+  constructor(private readonly piece: SeriesPiece) {
+    this.whole = { piece, from: 0, to: piece.columns, width_s: (piece.to_s - piece.from_s) / piece.columns };
+  }
+
+  look(): void {}
+  runs(): Run[] { return [this.whole]; }
+  overview(): SeriesPiece[] { return [this.piece]; }
+  missing(): Span[] { return []; }
+  grow(): void {}
+  retry(): void {}
+  close(): void {}
+}
+
+export class EmbeddedRecording implements Source {
+  readonly reportUrl = '#';
+
+  constructor(private readonly data: ReportData) {}
+
+  get name(): string {
+    return this.data.about.name;
+  }
+
+  async about(): Promise<About> {
+    return this.data.about;
+  }
+
+  async scene(): Promise<SceneT> {
+    if (!this.data.scene) throw new Problem('unreadable', this.data.about.no_picture_because);
+    return this.data.scene;
+  }
+
+  states(): States {
+    return new EmbeddedStates(this.data.rows, this.data.states);
+  }
+
+  series(_about: About, came: (piece: SeriesPiece) => void): Series {
+    queueMicrotask(() => came(this.data.series));
+    return new EmbeddedSeries(this.data.series);
+  }
+}

@@ -1,0 +1,38 @@
+import type { ReportTexts } from './en';
+
+export const de: ReportTexts = {
+  title: 'Bericht: {name}', report: 'Bericht', replay: 'Noch einmal ansehen', print: 'Drucken', therapy: 'Therapie', engineering: 'Technik',
+  pageOf: 'Seite {n} von {m}', program: 'Programm {version}', notDiagnosis: 'Keine Diagnose. Jede Zahl stammt aus der Aufzeichnung.',
+  reading: 'Der Bericht wird gelesen …', none: 'keine', time: 'Zeit', seconds: 's',
+  facts: { patient: 'Patient', hand: 'Hand', device: 'Gerät', exercise: 'Übung', date: 'Datum', length: 'Dauer', file: 'Datei', simulated: 'simuliert', noExercise: 'Keine Übung', unknown: 'nicht angegeben' },
+  tiles: {
+    drinks: 'Getränke fertig', of: 'von {n}', reach: 'bis zum Greifen, im Mittel', reaches: '{n} Griffe', grip: 'Griffkraft, im Mittel', steadiness: 'Griff schwankt um', stars: 'Sterne',
+    touched: 'Gegenstände berührt', held: 'insgesamt gehalten', force: 'größte Kontaktkraft', effort: 'größte Kraft, {axis}',
+  },
+  steadinessNote: 'Griff: mindestens 1 N für mindestens 1 s. Er schwankt um seine Standardabweichung, als Anteil des Mittels; die ersten und letzten 0,25 s jedes Griffs zählen nicht.',
+  happened: {
+    title: 'Stopps und Fehler', emergency_stop: 'Notstopp', stop: 'Stopp', fault: 'Fehler', controls_lost: 'Steuerung verloren', missing: 'Fehlende Takte', missed: 'Übersprungene Perioden', limited: 'Kraft an der Grenze',
+    at: 'bei {times}', more: '{times} und {n} weitere', ticks: '{n} Takte', lost: '{n} Takte, {s} s', unreadable: 'Ab {time} ist die Datei nicht lesbar.', unreadableEnd: 'Das Ende der Datei ist nicht lesbar.',
+    written: 'Die Aufzeichnung wurde noch geschrieben.', truncated: 'Es geschah mehr, als diese Seite fasst.',
+  },
+  picture: { caption: 'Stärkster Kontakt: {n} N bei {time}', last: 'Am Ende, {time}', none: 'Kein Bild: Dieser Browser hat kein WebGL. Alles andere geht.', noScene: 'Kein Bild: {why}', drawing: 'Das Bild wird gezeichnet …' },
+  drinks: { title: 'Getränke', drink: 'Getränk', poured: 'Eingeschenkt / verlangt, ml', off: 'Daneben, ml', score: 'Punkte', done: 'Fertig bei', none: 'Kein Getränk wurde fertig.' },
+  bodies: { title: 'Was gehalten wurde', body: 'Gegenstand', first: 'Zuerst bei', touches: 'Berührungen', longest: 'Längste, s', held: 'Gehalten, s', force: 'Kraft, N', way: 'Bewegt, cm', nothing: 'Die Hand berührte nichts.', noBodies: 'Es gab nichts zu berühren.', more: 'und {n} weitere', note: 'Gehalten: Finger auf einer Seite, Daumen oder Handfläche auf der anderen, oder ein Griff, den die Übung zählt.' },
+  charts: {
+    grip: 'Griffkraft', goal: 'verlangt', contact: 'Kontaktkraft', limits: 'Geltende Kraftgrenzen', effortHand: 'Kraft, Hand', effortArm: 'Kraft, Arm', phi: 'Adaptive Dämpfung φ', alpha: 'Wand der Übung α',
+    handPosition: 'Stellung, Hand', armPosition: 'Stellung, Arm', palm: 'Handfläche zum nächsten Gegenstand', count: 'Kontaktpunkte', times: 'Zeit je Takt', timesCpu: 'Rechenzeit je Takt', ticks: 'Takte', click: 'Klick in ein Diagramm: diesen Augenblick ansehen.', touches: 'Getönt: Die Hand berührt etwas.',
+  },
+  stages: {
+    title: 'Rechenzeit eines Takts, µs', stage: 'Stufe', max: 'max.', whole: 'ganzer Takt',
+    names: { device_read: 'Gerät lesen', observe: 'beobachten', dynamics: 'Dynamik', control: 'Regelung', exercise: 'Übung', safety: 'Sicherheit', device_write: 'Gerät schreiben', physics_step: 'Physikschritt', contacts: 'Kontakte' },
+  },
+  faults: { title: 'Fehler nach Takten', fault: 'Fehler', ticks: 'Takte', axis: 'Meist an' },
+  settings: {
+    title: 'Einstellungen', scene: 'Szene', rendering: 'Rendering', engine: 'Physik', rate: 'Rate', simulatedClock: 'simulierte Uhr', realTime: 'Echtzeit', gains: 'Verstärkungen', accepted: 'zugelassen', uncertified: 'NICHT zertifiziert', paper: 'Gesetz der Veröffentlichung',
+    passport: 'Gerätepass', seed: 'Startwert', deadlines: 'Fristen versäumt', damped: 'Dämpfung φ über 0,5', share: '{n} % der Zeit', coupling: 'Größter Kopplungsfehler', limits: 'Grenzen des Geräts',
+  },
+  problems: {
+    template: 'Diese Seite enthält keine Aufzeichnung. Einen Bericht macht: wholehand replay --report bericht.html AUFZEICHNUNG.h5', old: 'Dieser Browser ist zu alt für diese Seite. Bitte mit einem Browser ab 2023 öffnen.',
+    broken: 'Die Daten dieser Seite sind nicht lesbar. Bitte den Bericht neu machen.', says: 'Grund:',
+  },
+};

@@ -1,0 +1,39 @@
+/** Everything that the report says. The other languages have the same shape. */
+export const en = {
+  title: 'Report: {name}', report: 'Report', replay: 'Look at it again', print: 'Print', therapy: 'Therapy', engineering: 'Engineering',
+  pageOf: 'Page {n} of {m}', program: 'Program {version}', notDiagnosis: 'Not a diagnosis. Every number comes from the recording.',
+  reading: 'The report is being read …', none: 'none', time: 'Time', seconds: 's',
+  facts: { patient: 'Patient', hand: 'Hand', device: 'Device', exercise: 'Exercise', date: 'Date', length: 'Length', file: 'File', simulated: 'simulated', noExercise: 'No exercise', unknown: 'not told' },
+  tiles: {
+    drinks: 'drinks finished', of: 'of {n}', reach: 'to reach, on average', reaches: '{n} reaches', grip: 'grip force, on average', steadiness: 'grip varies by', stars: 'stars',
+    touched: 'objects touched', held: 'held in all', force: 'largest contact force', effort: 'largest effort, {axis}',
+  },
+  steadinessNote: 'Grip: force of at least 1 N for at least 1 s. It varies by its standard deviation, as a share of its mean; the first and last 0.25 s of each grip do not count.',
+  happened: {
+    title: 'Stops and faults', emergency_stop: 'Emergency stop', stop: 'Stop', fault: 'Fault', controls_lost: 'Controls lost', missing: 'Missing ticks', missed: 'Skipped periods', limited: 'Effort at its limit',
+    at: 'at {times}', more: '{times} and {n} more', ticks: '{n} ticks', lost: '{n} ticks, {s} s', unreadable: 'From {time} on the file cannot be read.', unreadableEnd: 'The end of the file cannot be read.',
+    written: 'The recording was still being written.', truncated: 'More happened than this page holds.',
+  },
+  picture: { caption: 'Strongest contact: {n} N at {time}', last: 'At the end, {time}', none: 'No picture: this browser has no WebGL. Everything else works.', noScene: 'No picture: {why}', drawing: 'The picture is being drawn …' },
+  drinks: { title: 'Drinks', drink: 'Drink', poured: 'Poured / asked, ml', off: 'Off, ml', score: 'Score', done: 'Done at', none: 'No drink was finished.' },
+  bodies: { title: 'What was held', body: 'Object', first: 'First at', touches: 'Touches', longest: 'Longest, s', held: 'Held, s', force: 'Force, N', way: 'Moved, cm', nothing: 'The hand touched nothing.', noBodies: 'There was nothing to touch.', more: 'and {n} more', note: 'Held: fingers on one side, thumb or palm on the other, or a grip that the exercise counts.' },
+  charts: {
+    grip: 'Grip force', goal: 'asked for', contact: 'Contact force', limits: 'Effort limits in force', effortHand: 'Effort, hand', effortArm: 'Effort, arm', phi: 'Adaptive damping φ', alpha: 'Wall of the exercise α',
+    handPosition: 'Position, hand', armPosition: 'Position, arm', palm: 'Palm to the nearest object', count: 'Contact points', times: 'Time per tick', timesCpu: 'CPU time per tick', ticks: 'ticks', click: 'Click a chart: look at that moment.', touches: 'Shaded: the hand touches something.',
+  },
+  stages: {
+    title: 'CPU time of a tick, µs', stage: 'Stage', max: 'max', whole: 'whole tick',
+    names: { device_read: 'device read', observe: 'observe', dynamics: 'dynamics', control: 'control', exercise: 'exercise', safety: 'safety', device_write: 'device write', physics_step: 'physics step', contacts: 'contacts' } as Record<string, string>,
+  },
+  faults: { title: 'Faults by ticks', fault: 'Fault', ticks: 'Ticks', axis: 'Mostly on' },
+  settings: {
+    title: 'Settings', scene: 'Scene', rendering: 'Rendering', engine: 'Physics engine', rate: 'Rate', simulatedClock: 'simulated clock', realTime: 'real time', gains: 'Gains', accepted: 'accepted', uncertified: 'NOT certified', paper: 'the paper’s own law',
+    passport: 'Passport', seed: 'Seed', deadlines: 'Deadlines missed', damped: 'Damping φ above 0.5', share: '{n} % of the time', coupling: 'Largest coupling error', limits: 'Device limits',
+  },
+  problems: {
+    template: 'This page carries no recording. Make a report with: wholehand replay --report report.html RECORDING.h5', old: 'This browser is too old for this page. Open it with a browser of 2023 or later.',
+    broken: 'The data of this page cannot be read. Make the report again.', says: 'Reason:',
+  },
+};
+
+export type ReportTexts = typeof en;

@@ -1,0 +1,38 @@
+import type { ReportTexts } from './en';
+
+export const fr: ReportTexts = {
+  title: 'Rapport : {name}', report: 'Rapport', replay: 'Revoir la séance', print: 'Imprimer', therapy: 'Thérapie', engineering: 'Technique',
+  pageOf: 'Page {n} sur {m}', program: 'Programme {version}', notDiagnosis: 'Pas un diagnostic. Chaque nombre vient de l’enregistrement.',
+  reading: 'Lecture du rapport …', none: 'aucun', time: 'Temps', seconds: 's',
+  facts: { patient: 'Patient', hand: 'Main', device: 'Appareil', exercise: 'Exercice', date: 'Date', length: 'Durée', file: 'Fichier', simulated: 'simulé', noExercise: 'Sans exercice', unknown: 'non précisé' },
+  tiles: {
+    drinks: 'boissons terminées', of: 'sur {n}', reach: 'pour saisir, en moyenne', reaches: '{n} saisies', grip: 'force de prise, en moyenne', steadiness: 'variation de la prise', stars: 'étoiles',
+    touched: 'objets touchés', held: 'tenu en tout', force: 'plus grande force de contact', effort: 'plus grand effort, {axis}',
+  },
+  steadinessNote: 'Prise : au moins 1 N pendant au moins 1 s. Sa variation est son écart type rapporté à sa moyenne ; les premières et dernières 0,25 s de chaque prise ne comptent pas.',
+  happened: {
+    title: 'Arrêts et défauts', emergency_stop: 'Arrêt d’urgence', stop: 'Arrêt', fault: 'Défaut', controls_lost: 'Commandes perdues', missing: 'Cycles manquants', missed: 'Périodes sautées', limited: 'Effort à sa limite',
+    at: 'à {times}', more: '{times} et {n} autres', ticks: '{n} cycles', lost: '{n} cycles, {s} s', unreadable: 'À partir de {time}, le fichier est illisible.', unreadableEnd: 'La fin du fichier est illisible.',
+    written: 'L’enregistrement était encore en cours.', truncated: 'Il s’est passé plus que cette page ne contient.',
+  },
+  picture: { caption: 'Contact le plus fort : {n} N à {time}', last: 'À la fin, {time}', none: 'Pas d’image : ce navigateur n’a pas WebGL. Tout le reste fonctionne.', noScene: 'Pas d’image : {why}', drawing: 'L’image se dessine …' },
+  drinks: { title: 'Boissons', drink: 'Boisson', poured: 'Versé / demandé, ml', off: 'Écart, ml', score: 'Points', done: 'Terminée à', none: 'Aucune boisson n’a été terminée.' },
+  bodies: { title: 'Ce qui a été tenu', body: 'Objet', first: 'D’abord à', touches: 'Contacts', longest: 'Le plus long, s', held: 'Tenu, s', force: 'Force, N', way: 'Déplacé, cm', nothing: 'La main n’a rien touché.', noBodies: 'Il n’y avait rien à toucher.', more: 'et {n} autres', note: 'Tenu : doigts d’un côté, pouce ou paume de l’autre, ou une prise que l’exercice compte.' },
+  charts: {
+    grip: 'Force de prise', goal: 'demandé', contact: 'Force de contact', limits: 'Limites d’effort en vigueur', effortHand: 'Effort, main', effortArm: 'Effort, bras', phi: 'Amortissement adaptatif φ', alpha: 'Paroi de l’exercice α',
+    handPosition: 'Position, main', armPosition: 'Position, bras', palm: 'Paume à l’objet le plus proche', count: 'Points de contact', times: 'Temps par cycle', timesCpu: 'Temps de calcul par cycle', ticks: 'cycles', click: 'Cliquer un graphique : revoir cet instant.', touches: 'Ombré : la main touche quelque chose.',
+  },
+  stages: {
+    title: 'Temps de calcul d’un cycle, µs', stage: 'Étape', max: 'max.', whole: 'cycle entier',
+    names: { device_read: 'lecture', observe: 'observation', dynamics: 'dynamique', control: 'commande', exercise: 'exercice', safety: 'sécurité', device_write: 'écriture', physics_step: 'pas physique', contacts: 'contacts' },
+  },
+  faults: { title: 'Défauts par cycles', fault: 'Défaut', ticks: 'Cycles', axis: 'Surtout sur' },
+  settings: {
+    title: 'Réglages', scene: 'Scène', rendering: 'Rendu', engine: 'Moteur physique', rate: 'Cadence', simulatedClock: 'horloge simulée', realTime: 'temps réel', gains: 'Gains', accepted: 'acceptés', uncertified: 'NON certifiés', paper: 'loi de l’article',
+    passport: 'Passeport', seed: 'Graine', deadlines: 'Échéances manquées', damped: 'Amortissement φ au-dessus de 0,5', share: '{n} % du temps', coupling: 'Plus grande erreur de couplage', limits: 'Limites de l’appareil',
+  },
+  problems: {
+    template: 'Cette page ne contient pas d’enregistrement. Un rapport se fait avec : wholehand replay --report rapport.html ENREGISTREMENT.h5', old: 'Ce navigateur est trop ancien pour cette page. L’ouvrir avec un navigateur de 2023 ou plus récent.',
+    broken: 'Les données de cette page sont illisibles. Refaire le rapport.', says: 'Raison :',
+  },
+};

@@ -1,0 +1,81 @@
+import { SmallBar } from '../console/bar_view';
+import { fixed } from '../console/format';
+import { fill } from '../shared/i18n';
+import { h, setText } from '../shared/dom';
+import { timeOfState, readState } from '../replay/messages';
+import { texts } from './i18n';
+import type { ReportData } from './report_data';
+import { shortTime } from './sheet';
+
+/** The hand is still being made, and the glow of a contact fades in: pictures go on for so long after it is whole [ms]. */
+const SETTLES_MS = 700;
+/** Without a whole hand by then, what there is is kept [ms]. */
+const PATIENCE_MS = 60_000;
+
+/** The state that is shown: that of the strongest contact, or the last one. */
+export function shownState({ states, therapy }: Pick<ReportData, 'states' | 'therapy'>): Uint8Array | undefined {
+  if (!(therapy.largest_force_n > 0)) return states.at(-1);
+  const off = (message: Uint8Array): number => Math.abs(timeOfState(message) - therapy.largest_force_s);
+  return states.reduce<Uint8Array | undefined>((best, message) => (best && off(best) <= off(message) ? best : message), undefined);
+}
+
+/** The hand at its strongest moment, as a picture that can be printed. */
+export function pictureFrame(data: ReportData): HTMLElement {
+  const t = texts().picture;
+  const words = h('figcaption', { role: 'status' }, t.drawing);
+  const place = h('div', { class: 'place' });
+  const figure = h('figure', { class: 'picture', 'data-testid': 'picture' }, place, words);
+  const shown = shownState(data);
+  if (!data.scene || !shown) {
+    setText(words, fill(t.noScene, { why: data.about.no_picture_because || texts().facts.unknown }));
+    figure.classList.add('without');
+    return figure;
+  }
+  const time = shortTime(timeOfState(shown));
+  const caption = data.therapy.largest_force_n > 0 ? fill(t.caption, { n: fixed(data.therapy.largest_force_n, 1), time }) : fill(t.last, { time });
+  pictureOf(data, shown, place).then((image) => {
+    image.alt = caption;
+    place.replaceChildren(image);
+    setText(words, caption);
+  }).catch((problem: unknown) => {
+    console.warn('The 3D view cannot be drawn here:', problem);
+    setText(words, t.none);
+    figure.classList.add('without');
+  });
+  return figure;
+}
+
+let made: Promise<HTMLImageElement> | undefined;
+
+/** Once for a page: another language has the same picture. */
+async function pictureOf(data: ReportData, shown: Uint8Array, place: HTMLElement): Promise<HTMLImageElement> {
+  made ??= draw(data, shown, place);
+  return (await made).cloneNode() as HTMLImageElement;
+}
+
+async function draw(data: ReportData, shown: Uint8Array, place: HTMLElement): Promise<HTMLImageElement> {
+  const bar = await SmallBar.load({ forces: true });
+  const holder = h('div', { class: 'drawing' }, bar.canvas);
+  place.ownerDocument.body.append(holder);
+  try {
+    bar.setScene(data.scene!);
+    bar.show('skin');
+    bar.resize();
+    const state = readState(shown);
+    const begun_ms = performance.now();
+    let whole_ms = Infinity;
+    for (;;) {
+      const now_ms = performance.now();
+      bar.draw(state, now_ms, true);
+      if (bar.drawnIn !== 'none') whole_ms = Math.min(whole_ms, now_ms);
+      if (now_ms - whole_ms > SETTLES_MS || now_ms - begun_ms > PATIENCE_MS) break;
+      await new Promise((next) => setTimeout(next, 50));
+    }
+    // In the same turn as it was drawn: later the browser may have cleared it.
+    const image = h('img', { src: bar.canvas.toDataURL('image/png') });
+    return image;
+  } finally {
+    holder.remove();
+    bar.close();
+  }
+}

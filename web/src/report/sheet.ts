@@ -1,0 +1,96 @@
+// What both sheets of a report are made of.
+import { h } from '../shared/dom';
+import { asWords, duration, fixed } from '../console/format';
+import { texts as consoleTexts } from '../console/i18n';
+import type { SceneT } from '../protocol';
+import type { About } from '../replay/about';
+import { clockTime } from '../replay/clock';
+import { dateWords } from '../replay/facts_panel';
+import { Moments, plotMark, type Names } from '../replay/moments';
+import { texts as replayTexts } from '../replay/i18n';
+import { ExercisePanel } from '../shared/exercise_panel';
+import { fill, language, nameOf } from '../shared/i18n';
+import { WindowSamples } from '../replay/window_samples';
+import type { ChartBand, ChartMark } from './chart';
+import { texts } from './i18n';
+import type { ReportData } from './report_data';
+import { exerciseJson } from './therapy';
+
+/** What a file says of itself is of any language and direction. */
+export const told = (text: string): HTMLElement => h('bdi', { title: text }, text);
+
+export interface SheetContext {
+  readonly data: ReportData;
+  /** Of the file; where it has none, names as far as the file tells them. */
+  readonly scene: SceneT;
+  readonly samples: WindowSamples;
+  readonly marks: readonly ChartMark[];
+  readonly touches: readonly ChartBand[];
+  /** A moment is to be looked at. */
+  readonly look: (time_s: number) => void;
+}
+
+export function sheetContext(data: ReportData, scene: SceneT, look: (time_s: number) => void): SheetContext {
+  const { series, about } = data;
+  const width_s = (series.to_s - series.from_s) / series.columns;
+  const moments = new Moments();
+  moments.add(series);
+  const panel = ExercisePanel.of(data.scene ?? null);
+  const names: Names = { eventNames: scene.eventNames, ownWords: (type) => panel?.event(type) ?? '' };
+  return {
+    data, scene, look, samples: new WindowSamples([{ piece: series, from: 0, to: series.columns, width_s }], moments.gaps, about.period_s),
+    marks: moments.list.filter(({ kind }) => kind !== 'armed' && kind !== 'neutral').map((moment) => {
+      const { time_s, label, bad } = plotMark(moment, names, replayTexts(), consoleTexts());
+      return { at: time_s, label, bad };
+    }).filter(({ label, bad }) => bad || label !== ''),
+    touches: data.therapy.touches.map(({ from_s, to_s }) => ({ from: from_s, to: to_s, color: '#F4EEE3' })),
+  };
+}
+
+export function exerciseWords(about: About): string {
+  const c = consoleTexts();
+  if (about.exercise === '') return texts().facts.noExercise;
+  return `${c.exercises[about.exercise] ?? asWords(about.exercise)}${about.level > 0 ? `, ${fill(c.level, { n: about.level })}` : ''}`;
+}
+
+/** A body as people call it: a dispenser of the bar by its liquid. */
+export function bodyWords(name: string, scene: SceneT | undefined): string {
+  try {
+    const { dispensers } = JSON.parse(exerciseJson(scene)) as { dispensers?: { body?: unknown; liquid?: unknown }[] };
+    const found = Array.isArray(dispensers) ? dispensers.find(({ body }) => body === name) : undefined;
+    if (typeof found?.liquid === 'string') return nameOf('liquid', found.liquid);
+  } catch { /* the exercise has none */ }
+  return asWords(name);
+}
+
+export const shortTime = (time_s: number): string => clockTime(time_s, 1);
+
+/** An axis of time, named as far as its steps need. */
+export const timeName = (x: number): string => clockTime(x, Number.isInteger(x) ? 0 : Number.isInteger(Number((10 * x).toFixed(6))) ? 1 : 2);
+
+export function header(data: ReportData, page: string): HTMLElement {
+  const t = texts();
+  const c = consoleTexts();
+  const { about } = data;
+  const item = (name: string, value: string): HTMLElement => h('div', {}, h('dt', {}, name), h('dd', {}, told(value === '' ? t.facts.unknown : value)));
+  return h('header', {},
+    h('div', { class: 'called' }, h('p', {}, `Wholehand · ${page}`), h('h1', {}, told(about.title || about.name))),
+    h('dl', {},
+      item(t.facts.patient, c.patients[about.patient] ?? about.patient), item(t.facts.hand, c.hands[about.hand] ?? about.hand),
+      item(t.facts.device, [about.device, about.simulated_device ? t.facts.simulated : ''].filter(Boolean).join(', ')), item(t.facts.exercise, exerciseWords(about)),
+      item(t.facts.date, dateWords(about.created_utc, language())), item(t.facts.length, duration(about.to_s - about.from_s))));
+}
+
+export function footer(data: ReportData, page: number): HTMLElement {
+  const t = texts();
+  return h('footer', {}, h('span', {}, fill(t.program, { version: data.about.program_version })), h('span', {}, told(data.about.name)),
+    h('span', {}, t.notDiagnosis), h('span', {}, fill(t.pageOf, { n: page, m: 2 })));
+}
+
+/** A table: its heads, then rows; the first column is text. */
+export function table(heads: readonly string[], rows: readonly (readonly (string | Node)[])[]): HTMLElement {
+  return h('table', {}, h('thead', {}, h('tr', {}, ...heads.map((head) => h('th', { scope: 'col' }, head)))),
+    h('tbody', {}, ...rows.map((cells) => h('tr', {}, ...cells.map((cell) => h('td', {}, cell))))));
+}
+
+export const litres = (value: number): string => fixed(1000 * value, 0);

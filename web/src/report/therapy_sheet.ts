@@ -1,0 +1,160 @@
+import { fixed, grouped } from '../console/format';
+import { shownUnits } from '../console/history';
+import { texts as consoleTexts } from '../console/i18n';
+import { lookOf } from '../console/plot_specs';
+import { inLanguage } from '../shared/exercise_panel';
+import { faultWord, fill, nameOf } from '../shared/i18n';
+import { h } from '../shared/dom';
+import { channelKey } from '../replay/series_piece';
+import { chart, type ChartLine } from './chart';
+import { texts } from './i18n';
+import { stepTimes, valueAt } from './limits';
+import { pictureFrame } from './picture';
+import { bodyWords, footer, header, litres, shortTime, table, timeName, told, type SheetContext } from './sheet';
+import { drinksOf, exerciseJson, gripFigures, lastState, lastValue, meanOf, reachTimes, whatHappened } from './therapy';
+
+const MOST_ROWS = 4, MOST_TIMES = 3, MOST_TILES = 7;
+
+/** Page 1: what the person did, and what befell them. */
+export function therapySheet(context: SheetContext): HTMLElement {
+  const t = texts();
+  const { data } = context;
+  return h('article', { class: 'sheet', 'data-testid': 'therapy' }, header(data, t.therapy), tiles(context),
+    h('div', { class: 'two' }, pictureFrame(data), h('div', {}, happened(context), drinks(context))),
+    h('div', { class: 'charts' }, ...gripChart(context), limitsChart(context)),
+    bodies(context),
+    h('p', { class: 'note' }, [data.therapy.touches.length > 0 ? t.charts.touches : '', data.therapy.has_grip_force ? t.steadinessNote : ''].filter(Boolean).join(' ')),
+    footer(data, 1));
+}
+
+const tile = (figure: string, unit: string, words: string): HTMLElement => h('div', {}, h('b', {}, figure, unit === '' ? '' : h('small', {}, ` ${unit}`)), h('span', {}, told(words)));
+
+function tiles({ data, scene }: SheetContext): HTMLElement {
+  const t = texts().tiles;
+  const { about, series, therapy, engineering } = data;
+  const last = lastState(data);
+  const value = (name: string): number | undefined => lastValue(data, last, name);
+  const out: HTMLElement[] = [];
+  const done = series.events.filter(({ type }) => about.event_names[type] === 'drink_done').length;
+  const all = value('drinks');
+  if (all !== undefined) out.push(tile(String(done), fill(t.of, { n: all }), t.drinks));
+  for (const { name, label, value: shown, unit } of about.result) {
+    const words = data.scene?.panel?.values.find((told) => String(told.name) === name)?.label;
+    out.push(tile(shown, unit, inLanguage(words) || label));
+  }
+  const reaches = reachTimes(series.events, about.event_names, about.from_s);
+  if (reaches.length > 0) out.push(tile(fixed(meanOf(reaches), 1), 's', t.reach));
+  const grip = gripFigures(therapy.grips);
+  if (grip) out.push(tile(fixed(grip.mean_n, 1), 'N', t.grip), tile(fixed(100 * grip.variation, 0), '%', t.steadiness));
+  const stars = value('stars');
+  if (stars !== undefined) out.push(tile('★'.repeat(Math.max(0, Math.min(5, Math.round(stars)))) || '–', '', t.stars));
+  if (out.length < 4) {
+    out.push(tile(String(therapy.bodies.length), fill(t.of, { n: therapy.bodies_in_scene }), t.touched),
+      tile(fixed(therapy.bodies.reduce((sum, { held_s }) => sum + held_s, 0), 1), 's', t.held), tile(fixed(therapy.largest_force_n, 1), 'N', t.force));
+    const most = largestEffort(scene.axes, engineering.largest_effort);
+    if (most) out.push(most);
+  }
+  return h('section', { class: 'tiles' }, ...out.slice(0, MOST_TILES + 1));
+}
+
+function largestEffort(axes: SheetContext['scene']['axes'], efforts: readonly number[]): HTMLElement | undefined {
+  const shown = axes.map((axis, i) => ({ axis, effort: (efforts[i] ?? NaN) * shownUnits(axis).effort })).filter(({ axis, effort }) => shownUnits(axis).effortUnit === 'N' && Number.isFinite(effort));
+  if (shown.length === 0) return undefined;
+  const most = shown.reduce((a, b) => (b.effort > a.effort ? b : a));
+  const name = String(most.axis.name);
+  return tile(fixed(most.effort, 1), 'N', fill(texts().tiles.effort, { axis: consoleTexts().axesLong[name] ?? name }));
+}
+
+/** Every kind is told, also where nothing of it happened. */
+function happened({ data }: SheetContext): HTMLElement {
+  const t = texts();
+  const { about, series, engineering } = data;
+  const row = (kind: string, count: number, what: string): HTMLElement => h('tr', { class: count > 0 ? 'bad' : undefined, 'data-kind': kind },
+    h('td', {}, t.happened[kind as keyof typeof t.happened]), h('td', {}, count > 0 ? told(what) : t.none));
+  const rows = whatHappened(series).map(({ kind, marks }) => row(kind, marks.length, timesOf(marks.map(({ time_s, text, axis }) => {
+    const why = [text.split(', ').filter(Boolean).map(faultWord).join(', '), consoleTexts().axesLong[axis] ?? axis].filter(Boolean).join(', ');
+    return kind === 'fault' && why !== '' ? `${shortTime(time_s)} (${why})` : shortTime(time_s);
+  }))));
+  const limited = engineering.faults.find(({ name }) => name === 'effort limited')?.ticks ?? 0;
+  rows.push(
+    row('missing', about.ticks_missing, `${fill(t.happened.lost, { n: grouped(about.ticks_missing), s: fixed(about.ticks_missing * about.period_s, 2) })}; ${timesOf(series.gaps.map(({ from_s }) => shortTime(from_s)))}`),
+    row('missed', engineering.missed_deadlines, fill(t.happened.ticks, { n: grouped(engineering.missed_deadlines) })),
+    row('limited', limited, fill(t.happened.ticks, { n: grouped(limited) })));
+  const notes = [
+    about.whole ? '' : about.unreadable_from_s === undefined ? t.happened.unreadableEnd : fill(t.happened.unreadable, { time: shortTime(about.unreadable_from_s) }),
+    ...series.unreadable.slice(0, 1).map(({ from_s }) => (about.whole ? fill(t.happened.unreadable, { time: shortTime(from_s) }) : '')),
+    about.still_written ? t.happened.written : '', series.truncated && series.unreadable.length === 0 ? t.happened.truncated : '',
+  ].filter(Boolean);
+  return h('section', { class: 'happened' }, h('h2', {}, t.happened.title), h('table', {}, h('tbody', {}, ...rows)), ...notes.map((words) => h('p', { class: 'warn' }, words)));
+}
+
+function timesOf(times: readonly string[]): string {
+  const t = texts().happened;
+  const first = times.slice(0, MOST_TIMES).join(', ');
+  return fill(t.at, { times: times.length > MOST_TIMES ? fill(t.more, { times: first, n: times.length - MOST_TIMES }) : first });
+}
+
+function drinks({ data }: SheetContext): HTMLElement | null {
+  const t = texts().drinks;
+  if (!data.about.event_names.includes('drink_done')) return null;
+  const made = drinksOf(data.series.events, data.about.event_names, exerciseJson(data.scene));
+  const rows = made.slice(0, MOST_ROWS).map(({ name, steps, score, done_s }) => {
+    const [poured, asked] = [steps.reduce((sum, step) => sum + step.poured_l, 0), steps.reduce((sum, step) => sum + step.asked_l, 0)];
+    const off = steps.reduce((sum, step) => sum + Math.abs(step.poured_l - step.asked_l), 0);
+    return [told(nameOf('drink', name)), `${litres(poured)} / ${litres(asked)}`, fixed(1000 * off, 1), fixed(score, 0), shortTime(done_s)];
+  });
+  return h('section', {}, h('h2', {}, t.title), rows.length === 0 ? h('p', { class: 'none' }, t.none) : table([t.drink, t.poured, t.off, t.score, t.done], rows),
+    made.length > MOST_ROWS ? h('p', { class: 'none' }, fill(texts().bodies.more, { n: made.length - MOST_ROWS })) : null);
+}
+
+/** The force of the grip with what was asked for, where the exercise knows it; else all contact forces. */
+function gripChart({ data, samples, marks, touches, look }: SheetContext): HTMLElement[] {
+  const t = texts().charts;
+  const of = (name: string): ArrayLike<number> | undefined => {
+    const index = data.about.value_names.indexOf(name);
+    return index < 0 ? undefined : samples.values(channelKey('value', index), 1);
+  };
+  const shared = { unit: 'N', x: samples.times, range_x: [data.series.from_s, data.series.to_s] as const, bands: touches, marks, pick: look };
+  const contact = chart({ ...shared, title: t.contact, height_px: 60, lines: [{ name: '', color: '#1E1A17', values: samples.values('contact_force_n/0', 1) }], holds: [0, 1] });
+  const grip = of('squeeze_n');
+  if (!grip) return [contact];
+  const [low, high] = [of('squeeze_low_n') ?? of('goal_low_n'), of('squeeze_high_n') ?? of('goal_high_n')];
+  // Where nothing is asked for both are zero.
+  const asked = (values: ArrayLike<number>): number[] => Array.from(values, (value, i) => (high && high[i] > 0 ? value : NaN));
+  const goal = low && high ? [asked(low), asked(high)] : [];
+  const goals = goal.map((values, i): ChartLine => ({ name: i === 0 ? t.goal : '', color: '#0B6B58', dash: [4, 3], width: 1, values }));
+  return [chart({ ...shared, title: t.grip, height_px: 100, lines: [{ name: '', color: '#8A5A00', width: 1.6, values: grip }, ...goals], goal: goals.length === 2 ? [1, 2] : undefined, holds: [0, 1] }), contact];
+}
+
+/** The limits of each axis over time; what changes together is one line. */
+function limitsChart({ data, scene, marks, look }: SheetContext): HTMLElement | null {
+  const { from_s, to_s } = data.series;
+  const axes = scene.axes.map((axis, i) => ({ axis, changes: data.therapy.limits[i] ?? [], ...shownUnits(axis) })).filter(({ changes }) => changes.length > 0);
+  if (axes.length === 0) return null;
+  const x = stepTimes(axes.map(({ changes }) => changes), to_s);
+  const lines = new Map<string, { names: string[]; line: ChartLine }>();
+  for (const { axis, changes, effort, effortUnit } of axes) {
+    const name = String(axis.name);
+    const scaled = effortUnit === 'N' ? effort : effort * 10;
+    const values = x.map((time_s, i) => valueAt(changes, time_s, x[i + 1] === time_s) * scaled);
+    const key = values.map((value) => value.toPrecision(6)).join();
+    const word = `${consoleTexts().axes[name] ?? name}${effortUnit === 'N' ? '' : ' (0.1 Nm)'}`;
+    const same = lines.get(key);
+    if (same) same.names.push(word);
+    else lines.set(key, { names: [word], line: { name: '', color: `var(${lookOf(axis)[0]})`, values } });
+  }
+  return chart({
+    title: texts().charts.limits, unit: 'N', height_px: 40, x, range_x: [from_s, to_s], marks: marks.filter(({ bad }) => bad), nameOfX: timeName, pick: look, holds: [0, 1],
+    lines: [...lines.values()].map(({ names, line }) => ({ ...line, name: names.join(', ') })),
+  });
+}
+
+function bodies({ data: { therapy, scene } }: SheetContext): HTMLElement {
+  const t = texts().bodies;
+  if (therapy.bodies.length === 0) return h('section', {}, h('h2', {}, t.title), h('p', { class: 'none' }, therapy.bodies_in_scene === 0 ? t.noBodies : t.nothing));
+  const sorted = [...therapy.bodies].sort((a, b) => b.held_s + b.longest_s - a.held_s - a.longest_s);
+  return h('section', {}, h('h2', {}, t.title),
+    table([t.body, t.first, t.touches, t.longest, t.held, t.force, t.way], sorted.slice(0, MOST_ROWS).map((b) => [
+      told(bodyWords(b.name, scene)), shortTime(b.first_s), grouped(b.touches), fixed(b.longest_s, 1), fixed(b.held_s, 1), fixed(b.largest_force_n, 1), fixed(100 * b.travelled_m, 1)])),
+    h('p', { class: 'note' }, sorted.length > MOST_ROWS ? `${fill(t.more, { n: sorted.length - MOST_ROWS })}. ` : '', t.note));
+}

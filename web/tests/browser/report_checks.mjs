@@ -1,0 +1,118 @@
+// A report of the program, opened as the file that it is: from the disk, without the program.
+import { readFileSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { pathToFileURL } from 'node:url';
+import { accessibilityFaults, openPage, until } from './browser.mjs';
+import { expect } from './checks.mjs';
+import { letProgram } from './program.mjs';
+import { recording } from './replay_checks.mjs';
+
+const PATIENT_MS = 120_000;
+
+async function report(recorded) {
+  const path = join(recorded.folder, 'report.html');
+  await letProgram({ ...recorded, args: ['replay', await recording(recorded), '--report', path] });
+  return path;
+}
+
+const address = (path, hash = '') => `${pathToFileURL(path).href}?lang=en&theme=light${hash}`;
+
+async function open(browser, path, state = 'shown', hash = '') {
+  const page = await openPage(browser, 'about:blank');
+  const asked = [];
+  page.on('request', (request) => { if (!/^(data|blob):/.test(request.url())) asked.push(request.url()); });
+  await page.goto(address(path, hash), { waitUntil: 'commit', timeout: PATIENT_MS });
+  await until(`the page is ${state}`, () => page.evaluate((wanted) => document.body.dataset.state === wanted, state), { within_ms: PATIENT_MS });
+  return { page, asked };
+}
+
+const words = (page, selector) => page.locator(selector).innerText();
+
+/** Without 3D and the network: therapy, engineering, three languages, two sheets of paper, and the viewer. */
+export async function reportIsOneFile(plain, recorded, picture) {
+  const { page, asked } = await open(plain, await report(recorded));
+  await until('it says that there is no 3D', async () => /no WebGL/.test(await words(page, '[data-testid=picture]')));
+  const therapy = await words(page, '[data-testid=therapy]');
+  for (const text of ['Relaxed adult', 'Cocktail bar, Level 1', 'drinks finished', 'Poured', 'grip force', 'Lemonade', 'Effort limits in force', 'Lemon']) {
+    expect(therapy.includes(text), `the therapy says ${text}: ${therapy}`);
+  }
+  const kinds = await page.locator('.happened tr').evaluateAll((rows) => rows.map((row) => row.dataset.kind));
+  for (const kind of ['stop', 'emergency_stop', 'fault', 'controls_lost', 'missing']) expect(kinds.includes(kind), `${kind} has a line, whether or not it happened`);
+  await until('charts are drawn', async () => (await page.locator('.chart canvas').count()) >= 9);
+  const faults = await accessibilityFaults(page);
+  expect(faults.length === 0, faults.join('; '));
+  const sheets = (await page.pdf({ preferCSSPageSize: true })).toString('latin1').match(/\/Type\s*\/Page\b/g) ?? [];
+  expect(sheets.length === 2, `${sheets.length} sheets of paper`);
+  await nothingIsCutOnPaper(page);
+  for (const [language, title] of [['de', 'Stopps und Fehler'], ['fr', 'Arrêts et défauts']]) {
+    await page.selectOption('[data-testid=language]', language);
+    await until(`it speaks ${language}`, async () => (await words(page, '.happened h2')) === title);
+    if (picture) await picture(page, `report-${language}`);
+  }
+  await viewerShows(page);
+  expect(asked.length === 1, `it asked for nothing but itself: ${asked.join(' ')}`);
+  expect(page.faults.length === 0, page.faults.join('; '));
+  await page.context().close();
+}
+
+/** All of a sheet fits on its paper, beside its other sheet. */
+async function nothingIsCutOnPaper(page) {
+  const { width, height } = page.viewportSize();
+  await page.emulateMedia({ media: 'print' });
+  await page.setViewportSize({ width: 794, height: 1123 });
+  const cut = await page.locator('.sheet').evaluateAll((all) => all.map((sheet) => sheet.scrollHeight - sheet.clientHeight));
+  expect(cut.every((px) => px <= 1), `cut off on paper: ${cut.join(' and ')} px`);
+  await page.emulateMedia({ media: 'screen' });
+  await page.setViewportSize({ width, height });
+}
+
+/** The viewer in it goes to a moment, steps through the states that there are, and back to the sheets. */
+async function viewerShows(page) {
+  await page.locator('#report [data-testid=replay]').click();
+  const now = (what, look) => until(what, async () => {
+    const replay = await page.evaluate(() => window.wholehandReplay);
+    return replay && replay.exact && look(replay) ? replay : undefined;
+  }, { within_ms: PATIENT_MS });
+  const { rows: [first] } = await now('the first state', () => true);
+  await page.evaluate(() => { location.hash = 'replay=3'; });
+  // The states of 12 s are no further apart than 1500 of them would be, with room for what is larger.
+  const { rows: [third] } = await now('the state at 3 s', ({ time_s, rows }) => time_s === 3 && Math.abs(rows[0] - 3000) < 50);
+  await page.keyboard.press('ArrowRight');
+  await now('the next state', ({ rows }) => rows[0] > third);
+  expect(third > first, `row ${third} after ${first}`);
+  await page.locator('#app [data-testid=report]').click();
+  await until('the sheets again', () => page.locator('[data-testid=therapy]').isVisible());
+}
+
+/** With 3D the strongest moment is a picture, which paper can have. */
+export async function reportHasItsPicture(drawing, recorded, picture) {
+  const { page } = await open(drawing, await report(recorded));
+  await until('the picture is drawn', async () => (await page.locator('[data-testid=picture] img').count()) === 1, { within_ms: PATIENT_MS });
+  const caption = await words(page, '[data-testid=picture] figcaption');
+  expect(/Strongest contact: [\d.]+ N at 0:\d\d/.test(caption), caption);
+  if (picture) await picture(page, 'report');
+  expect(page.faults.length === 0, page.faults.join('; '));
+  await page.context().close();
+}
+
+/** A template, a file that was cut, data of another version: said, and nothing stuck. */
+export async function badReportsAreSaid(plain, recorded) {
+  const whole = readFileSync(await report(recorded), 'utf8');
+  const at = whole.indexOf('id="page-data">');
+  const end = whole.indexOf('</script>', at);
+  const cases = [
+    ['template', `${whole.slice(0, at)}id="page-data">"none"${whole.slice(end)}`, 'carries no recording'],
+    ['cut', whole.slice(0, at + (end - at) / 2), 'is cut, or damaged'],
+    ['newer', whole.replace(/"version":1(?=[,}])/, '"version":9'), 'data of version 9'],
+    ['spoiled', whole.replace(/("series":")[\w+/]{400}/, `$1${'A'.repeat(400)}`), 'damaged'],
+  ];
+  for (const [name, text, says] of cases) {
+    const path = join(recorded.folder, `report-${name}.html`);
+    writeFileSync(path, text);
+    const { page } = await open(plain, path, 'problem');
+    const said = await words(page, '[data-testid=problem]');
+    expect(said.includes(says), `${name}: ${said}`);
+    expect(page.faults.length === 0, `${name}: ${page.faults.join('; ')}`);
+    await page.context().close();
+  }
+}

@@ -1,0 +1,168 @@
+// The data of a report: what the page reads of it, and what it says of the therapy.
+import { deflateSync } from 'node:zlib';
+import { describe, expect, it } from 'vitest';
+import { pageData, unpackBytes, type Json } from '../src/embedded/page_data';
+import { FakeRecordings } from '../src/net/fake_recordings';
+import { ReplaySide } from '../src/replay/side';
+import { asProblem } from '../src/replay/problem';
+import { rangeOf } from '../src/report/chart_range';
+import { EmbeddedRecording, EmbeddedStates } from '../src/report/embedded_recording';
+import { de } from '../src/report/i18n/de';
+import { en } from '../src/report/i18n/en';
+import { fr } from '../src/report/i18n/fr';
+import { stepTimes, valueAt } from '../src/report/limits';
+import { readReport } from '../src/report/report_data';
+import { drinksOf, gripFigures, lastValue, reachTimes, whatHappened } from '../src/report/therapy';
+
+const packed = (bytes: Uint8Array): string => Buffer.from(deflateSync(bytes)).toString('base64');
+
+/** As src/replay/recording_report.cpp writes it, of the stand-in's recording. */
+async function carried(options = '', changes: Record<string, unknown> = {}): Promise<Json> {
+  const fake = new FakeRecordings(new URLSearchParams(`length=6&${options}`));
+  const ask = async (what: string): Promise<Response> => fake.answer(`/api/recordings/a.h5/replay/${what}`);
+  const rows = [0, 100, 200, 300, fake.rows - 1];
+  const states: Uint8Array[] = [];
+  for (const row of rows) states.push(new Uint8Array(await (await ask(`states?tick=${row}&count=1&step=1`)).arrayBuffer()));
+  const scene = await ask('scene');
+  return {
+    page: 'report', version: 1, about: await (await ask('about')).json(),
+    series: packed(new Uint8Array(await (await ask('series?from_s=-0.0005&to_s=5.9995&columns=300')).arrayBuffer())),
+    ...(scene.ok ? { scene: packed(new Uint8Array(await scene.arrayBuffer())), states: { rows, messages: packed(Buffer.concat(states)) } } : {}),
+    therapy: { bodies: [], bodies_in_scene: 0, touches: [], grips: [], has_grip_force: true, limits: [[[0, 20]]], largest_force_n: 0, largest_force_s: 0 },
+    engineering: { times: { counts: [1, 2] }, settings: { engine: 'bullet' } },
+    ...changes,
+  };
+}
+
+const kindOf = async (data: Json): Promise<string> => readReport(data).then(() => 'none', (thrown: unknown) => asProblem(thrown).kind);
+
+describe('the data in a page', () => {
+  const page = (text: string | null): Document => ({ querySelector: () => (text === null ? null : { textContent: text }) }) as unknown as Document;
+
+  it('is an object; a template has none; a file that was cut is told apart', () => {
+    expect(pageData(page('{"page":"report"}'))).toEqual({ page: 'report' });
+    for (const text of ['"wholehand-page-data"', '[]', 'null']) expect(pageData(page(text))).toBeNull();
+    for (const text of ['{"page":"rep', '', null]) expect(() => pageData(page(text))).toThrow(SyntaxError);
+  });
+
+  it('holds bytes as packBytes() packs them', async () => {
+    // python3 -c "import zlib, base64; print(base64.b64encode(zlib.compress(b'wholehand', 9)))", as in page_file_test.cpp
+    expect(new TextDecoder().decode(await unpackBytes('eNorz8jPSc1IzEsBABMFA7s='))).toBe('wholehand');
+  });
+});
+
+describe('a report', () => {
+  it('is the recording that the program answered from', async () => {
+    const data = await readReport(await carried());
+    const fake = new FakeRecordings(new URLSearchParams('length=6'));
+    expect(data.about).toMatchObject({ name: 'a.h5', ticks: 6000, exercise: 'cocktail-bar' });
+    expect(data.scene?.axes).toHaveLength(fake.scene.axes.length);
+    expect([data.states.length, data.series.columns, data.therapy.limits[0]]).toEqual([5, 300, [[0, 20]]]);
+  });
+
+  it('shows the nearest state that it holds, and says which', async () => {
+    const fake = new FakeRecordings(new URLSearchParams('length=6'));
+    const side = await ReplaySide.open(new EmbeddedRecording(await readReport(await carried())));
+    expect(side.seek(0.13, { from_s: 0, to_s: 6 }, false, 1)).toBe(true);
+    expect([side.wanted, side.shown]).toEqual([100, 100]);
+    expect(side.state?.qM[3]).toBeCloseTo(fake.state(100).qM[3], 6);
+    expect(side.seek(0.19, { from_s: 0, to_s: 6 }, false, 1)).toBe(true);
+    expect(side.shown).toBe(200);
+    side.look({ from_s: 0, to_s: 6 });
+    expect(side.series.overview()).toHaveLength(1);
+  });
+
+  it('without a scene has no picture, and is shown', async () => {
+    const data = await readReport(await carried('nopicture'));
+    expect([data.scene, data.states]).toEqual([undefined, []]);
+    const side = await ReplaySide.open(new EmbeddedRecording(data));
+    expect([side.hasScene, side.seek(1, { from_s: 0, to_s: 6 }, false, 1)]).toEqual([false, false]);
+  });
+
+  it.each<[string, Record<string, unknown>]>([
+    ['of another page', { page: 'certificate' }], ['of a newer program', { version: 2 }], ['without what it is', { about: null }], ['without series', { series: undefined }],
+    ['with bytes that are none', { series: '###' }], ['with bytes that are cut', { series: packed(new Uint8Array([1, 2])) }],
+    ['with states of other rows', { states: { rows: [1], messages: packed(new Uint8Array(0)) } }], ['with a scene that is none', { scene: packed(new Uint8Array(40)) }],
+  ])('%s is refused', async (_what, changes) => { expect(await kindOf(await carried('', changes))).toBe('nonsense'); });
+
+  it('whose figures are missing has none, and is shown', async () => {
+    const data = await readReport(await carried('', { therapy: undefined, engineering: 'x' }));
+    expect([data.therapy.bodies, data.engineering.faults, data.engineering.times.counts]).toEqual([[], [], []]);
+  });
+});
+
+describe('states that a page holds', () => {
+  const states = new EmbeddedStates([0, 10, 20, 35], [new Uint8Array(0), new Uint8Array(0), new Uint8Array(0), new Uint8Array(0)]);
+
+  it.each([[-5, 0], [4, 0], [5, 0], [6, 10], [27, 20], [28, 35], [1000, 35]])('at row %d the nearest is %d', (row, nearest) => { expect(states.existing(row)).toBe(nearest); });
+  it('are stepped through one by one, to the ends', () => {
+    expect([states.stepped(10, 1), states.stepped(10, -1), states.stepped(35, 1), states.stepped(0, -100)]).toEqual([20, 0, 35, 0]);
+  });
+});
+
+describe('the therapy', () => {
+  const names = ['engaged', 'disengaged', 'step_done', 'drink_done', 'restarted', 'spilt'];
+  const event = (time_s: number, name: string, index = -1, value = 0): { time_s: number; type: number; index: number; value: number } => ({ time_s, type: names.indexOf(name), index, value });
+
+  it('counts a reach from when the hand is free until it grasps', () => {
+    const events = [event(1.5, 'engaged'), event(2, 'engaged'), event(5, 'step_done'), event(6, 'disengaged'), event(8, 'engaged'), event(9, 'disengaged')];
+    expect(reachTimes(events, names, 0)).toEqual([1.5, 2]);   // the last one came to nothing
+  });
+
+  it('weighs each grip by how long it lasted', () => {
+    // By hand: (4 N · 1 s + 2 N · 3 s) / 4 s, and (0.25 · 1 s + 0.05 · 3 s) / 4 s.
+    const grips = [{ from_s: 0, to_s: 1, mean_n: 4, deviation_n: 1, largest_n: 5 }, { from_s: 2, to_s: 5, mean_n: 2, deviation_n: 0.1, largest_n: 3 }];
+    expect(gripFigures(grips)?.mean_n).toBeCloseTo(2.5, 12);
+    expect(gripFigures(grips)?.variation).toBeCloseTo(0.1, 12);
+    expect(gripFigures([])).toBeUndefined();
+  });
+
+  it('tells each drink with what was poured for its steps', () => {
+    const told = JSON.stringify({ drinks: [{ name: 'blush', steps: [{ liquid: 'lemon', amount_l: 0.04 }, { liquid: 'cherry', amount_l: 0.02 }] }] });
+    const events = [event(3, 'step_done', 0, 0.041), event(5, 'restarted'), event(8, 'step_done', 0, 0.039), event(9, 'step_done', 1, 0.02), event(9.5, 'drink_done', 0, 97)];
+    expect(drinksOf(events, names, told)).toEqual([{
+      name: 'blush', done_s: 9.5, score: 97, steps: [{ liquid: 'lemon', poured_l: 0.039, asked_l: 0.04 }, { liquid: 'cherry', poured_l: 0.02, asked_l: 0.02 }],
+    }]);
+    for (const json of ['', '{', 'null', '{"drinks":7}', '{"drinks":[]}']) expect(drinksOf(events, names, json)[0].name).toBe('1');
+  });
+
+  it('tells every stop, fault and loss of the controls, and that there was none', () => {
+    const mark = (kind: 'stop' | 'fault' | 'controls_lost' | 'armed') => ({ time_s: 1, kind, text: '', axis: '' });
+    const happened = whatHappened({ marks: [mark('armed'), mark('stop'), mark('fault'), mark('fault'), mark('controls_lost')] });
+    expect(happened.map(({ kind, marks }) => [kind, marks.length])).toEqual([['stop', 1], ['emergency_stop', 0], ['fault', 2], ['controls_lost', 1]]);
+  });
+
+  it('takes what counts from the last state, or from the end of the series', async () => {
+    const data = await readReport(await carried());
+    const fake = new FakeRecordings(new URLSearchParams('length=6'));
+    const spilt = data.about.value_names.indexOf('spilt_l');
+    expect(lastValue(data, undefined, 'spilt_l')).toBeCloseTo(fake.state(5999).values[spilt], 5);
+    expect(lastValue(data, undefined, 'nothing')).toBeUndefined();
+  });
+});
+
+describe('charts', () => {
+  it('hold all values, and what they are told to hold', () => {
+    const line = { name: '', color: '', values: [2, NaN, 4] };
+    const [low, high] = rangeOf([line], [0, 1]);
+    expect([low, high > 4, high < 5]).toEqual([0, true, true]);
+    expect(rangeOf([{ ...line, values: [NaN] }])).toEqual([0, 1]);
+  });
+
+  it('draw a limit as steps: what held until a change, and what held from it on', () => {
+    const limit = [[0, 20], [2, 8]] as const;
+    const times = stepTimes([limit, [[0, 5]]], 10);
+    expect(times).toEqual([0, 2, 2, 10]);
+    expect(times.map((time_s, i) => valueAt(limit, time_s, times[i + 1] === time_s))).toEqual([20, 20, 8, 8]);
+  });
+});
+
+describe('its words', () => {
+  const keys = (texts: object, path = ''): string[] => Object.entries(texts).flatMap(([key, value]) => (typeof value === 'object' ? keys(value as object, `${path}${key}.`) : [`${path}${key}`]));
+  const places = (texts: object): string[] => Object.values(texts).flatMap((value) => (typeof value === 'object' ? places(value as object) : [(String(value).match(/\{\w+\}/g) ?? []).sort().join()]));
+
+  it.each([['German', de], ['French', fr]])('are all there in %s, with the same places for values', (_name, texts) => {
+    expect(keys(texts)).toEqual(keys(en));
+    expect(places(texts)).toEqual(places(en));
+  });
+});

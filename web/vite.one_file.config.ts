@@ -1,0 +1,23 @@
+// A page that stands in one file, without the network: vite build --config vite.one_file.config.ts --mode NAME
+// makes dist/NAME.html, the template that the program writes its data into (src/page).
+import { resolve } from 'node:path';
+import { defineConfig, type Plugin } from 'vite';
+import { viteSingleFile } from 'vite-plugin-singlefile';
+import { BUNDLED, licenceTexts } from './tools/licences';
+
+/** The licence texts of what is bundled, inside the page: it goes alone. */
+function licences(): Plugin {
+  return {
+    name: 'wholehand-licences-inside',
+    transformIndexHtml: () => [{ tag: 'script', attrs: { type: 'text/plain', id: 'licences' }, children: licenceTexts(BUNDLED), injectTo: 'body' }],
+  };
+}
+
+export default defineConfig(({ mode }) => ({
+  plugins: [licences(), viteSingleFile({ removeViteModuleLoader: true })],
+  publicDir: false,
+  // A worker has no file of its own here.
+  resolve: { alias: [{ find: /^\.\/start_skin_worker$/, replacement: resolve(__dirname, 'src/hand/start_skin_worker_inline.ts') }] },
+  worker: { format: 'iife' },
+  build: { target: 'es2022', outDir: 'dist', emptyOutDir: false, chunkSizeWarningLimit: 2000, rollupOptions: { input: `${mode}.html` } },
+}));
