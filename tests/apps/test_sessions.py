@@ -1,6 +1,7 @@
 """Several sessions in one run, and recordings that the disk had no room for: told, and named alike."""
 import calendar
 import json
+import re
 import signal
 import socket
 import time
@@ -9,6 +10,9 @@ import urllib.request
 
 import client
 from app import FULL, INTERRUPTED, AppTest, limit_file_size, read_recording
+
+TICK, RUN_STATE = 1, 4  # fields of WorldState
+RENDERING = 1           # RunState
 
 
 class Running(AppTest):
@@ -20,10 +24,13 @@ class Running(AppTest):
         self.endings = 1  # nothing rendered yet: that is the first ending
         return run
 
-    def session(self, seconds):
+    def session(self, run, seconds, until=lambda: True):
+        """Until the loop has rendered for so long, by its own ticks, and longer until that is true."""
         accepted, reason = self.page.arm(self.endings)
         self.assertTrue(accepted, reason)
-        time.sleep(seconds)
+        self.wait_until(run, lambda: self.page.state is not None and self.page.state.number(RUN_STATE, "b") == RENDERING
+                        and self.page.state.number(TICK, "Q") >= 1000 * seconds)
+        self.wait_until(run, until)
         self.assertTrue(self.page.answer(self.page.say(client.EMERGENCY_STOP))[0])
         self.endings += 2  # the stop, and the end of the session
         self.page.wait_for_endings(self.endings)
@@ -39,12 +46,17 @@ class Running(AppTest):
         self.assertEqual(run.returncode, INTERRUPTED, out + err)
         return out
 
+    def dropped(self):
+        metrics = urllib.request.urlopen(self.url + "metrics", timeout=20).read().decode()
+        return int(re.search(r"dropped_records_total (\d+)", metrics)[1])
+
 
 class Sessions(Running):
     def test_each_session_has_its_recording_summary_and_report_under_one_number(self):
         run = self.start("--record", "run.h5", "--json", "run.json", "--report", "report")
-        self.session(0.5)
-        self.session(1.0)
+        self.session(run, 0.5)
+        ticks = self.page.state.number(TICK, "Q")
+        self.session(run, 1.0 + 1e-3 * ticks)
         said = self.end(run)
         self.assertEqual([n for n in self.names_in(self.folder) if not n.startswith(("report", "out"))],
                          ["run-2.h5", "run-2.json", "run-2.wbb", "run.h5", "run.json", "run.wbb"])  # stops leave a box
@@ -68,7 +80,7 @@ class Sessions(Running):
     def test_recording_for_which_the_disk_had_no_room_says_so_while_it_runs_and_in_the_list(self):
         run = self.start(preexec_fn=limit_file_size(2_500_000))
         began = int(time.time())
-        self.session(4.0)
+        self.session(run, 4.0, lambda: self.dropped() > 100)
         ended = time.time()
         entry, = self.listed()
         metrics = urllib.request.urlopen(self.url + "metrics", timeout=20).read().decode()

@@ -66,7 +66,7 @@ async function show(): Promise<void> {
   document.body.dataset.view = wanted ? 'replay' : 'sheets';
   if (!wanted || !data) return;
   if (!page) {
-    page = new ReplayPage(viewer, [await ReplaySide.open(new EmbeddedRecording(data))]);
+    page = new ReplayPage(viewer, [await ReplaySide.open(new EmbeddedRecording(data))], []);
     const frame = (now_ms: number): void => {
       requestAnimationFrame(frame);
       if (document.body.dataset.view === 'replay') page?.frame(now_ms);
