@@ -69,7 +69,8 @@ function largestEffort(axes: SheetContext['scene']['axes'], efforts: readonly nu
 function happened({ data }: SheetContext): HTMLElement {
   const t = texts();
   const { about, series, engineering } = data;
-  const row = (kind: string, count: number, what: string): HTMLElement => h('tr', { class: count > 0 ? 'bad' : undefined, 'data-kind': kind },
+  // A plain stop is how a session ends; nobody need be alarmed.
+  const row = (kind: string, count: number, what: string): HTMLElement => h('tr', { class: count > 0 && kind !== 'stop' ? 'bad' : undefined, 'data-kind': kind },
     h('td', {}, t.happened[kind as keyof typeof t.happened]), h('td', {}, count > 0 ? told(what) : t.none));
   const rows = whatHappened(series).map(({ kind, marks }) => row(kind, marks.length, timesOf(marks.map(({ time_s, text, axis }) => {
     const why = [text.split(', ').filter(Boolean).map(faultWord).join(', '), consoleTexts().axesLong[axis] ?? axis].filter(Boolean).join(', ');
