@@ -17,7 +17,7 @@ namespace wholehand {
 /// done to the motion on the way.
 [[nodiscard]] Intention intentionOf(const Models& models, std::vector<std::string>* sentences);
 
-/// The same as a player: who plays where an exercise brings nobody.
+/// A player that follows intentionOf(), for exercises without a player of their own.
 [[nodiscard]] std::unique_ptr<Player> restingOrPlaying(const Models& models);
 
 }  // namespace wholehand

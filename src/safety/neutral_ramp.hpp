@@ -12,9 +12,8 @@ struct NeutralRampConfig {
   double engage_s = 0.2;  ///< authority rises from 0 to 1 at the start. Range [0.02, 5]. Ours.
   double ramp_s = 0.08;   ///< from a fault to neutral. Range (0, 0.1]. 100 ms, less slack.
   double gap_s = 0.005;   ///< a stall longer than this engages anew from the effort it held. Ours.
-  /// How long that takes. An old effort that is held for long takes no part in what the person
-  /// does: at 0.2 s a stall of 6 ms every 0.1 s kept a certified loop swinging, at 0.03 s none
-  /// does.
+  /// Duration of that engagement. The effort that is held meanwhile does not react to the person: at
+  /// 0.2 s a stall of 6 ms every 0.1 s kept a certified loop swinging, at 0.03 s none does.
   double reengage_s = 0.03;
 };
 
@@ -24,8 +23,8 @@ enum class RampPhase {
   kNeutral     ///< the end: only a new start leaves it
 };
 
-/// Stands between what is rendered and what is sent: a bare zero may drop a patient's arm, and a
-/// step at the start may frighten one.
+/// State of the blend between the rendered effort and the neutral effort. A sudden zero may drop a
+/// patient's arm; a step at the start may frighten a patient.
 struct NeutralRampState {
   RampPhase phase = RampPhase::kNeutral;
   double authority = 0.0;  ///< share of the rendered effort that is sent, 0 .. 1

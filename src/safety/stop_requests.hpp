@@ -8,8 +8,8 @@
 
 namespace wholehand {
 
-/// Stops that somebody asks for. They are counted: one that nobody has acted on yet is not lost,
-/// whatever comes in between. Lock-free.
+/// Counts the stops that were requested. A request stays pending until a tick or an arming has seen
+/// it. Lock-free.
 class StopRequests {
  public:
   /// Any thread, also a signal handler; real-time safe.

@@ -38,7 +38,7 @@ struct Finding {
   int axis = -1;
 };
 
-/// Of more than 5 ms in any second; one more stops.
+/// Gaps of more than 5 ms that are allowed within one second; one more stops the loop.
 inline constexpr int kMostGaps = 3;
 
 /// What the watch of the device remembers from tick to tick.

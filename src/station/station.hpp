@@ -48,7 +48,7 @@ struct StationConfig {
   std::function<Expected<std::unique_ptr<HapticDevice>>(const DeviceModel&)> make_device;
   /// What the real device says of itself, for clients. Any thread; null: nothing is told.
   std::function<DeviceStatus()> device_status;
-  /// Who plays where the exercise brings nobody. Needed.
+  /// Makes the player of a simulated device where the exercise has none of its own. Required.
   std::function<std::unique_ptr<Player>(const Models&)> make_player;
   /// Makes a report page of a recording, in a process of its own: HDF5 may be writing in this one.
   std::function<Expected<Done>(const std::string& recording, const std::string& folder)>
