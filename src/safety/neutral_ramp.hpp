@@ -12,8 +12,8 @@ struct NeutralRampConfig {
   double engage_s = 0.2;  ///< authority rises from 0 to 1 at the start. Range [0.02, 5]. Ours.
   double ramp_s = 0.08;   ///< from a fault to neutral. Range (0, 0.1]. 100 ms, less slack.
   double gap_s = 0.005;   ///< a stall longer than this engages anew from the effort it held. Ours.
-  /// Duration of that engagement. The effort that is held meanwhile does not react to the person: at
-  /// 0.2 s a stall of 6 ms every 0.1 s kept a certified loop swinging, at 0.03 s none does.
+  /// Duration of that engagement. The effort that is held meanwhile does not react to the person:
+  /// at 0.2 s a stall of 6 ms every 0.1 s kept a certified loop swinging, at 0.03 s none does.
   double reengage_s = 0.03;
 };
 
