@@ -8,10 +8,8 @@ import { factsPanel } from './facts_panel';
 import { texts } from './i18n';
 import { MomentsPanel } from './moments_panel';
 import { ReplayPlots, type PlotMaker } from './plots';
+import { Settling } from './settling';
 import type { ReplaySide } from './side';
-
-/** So long after the last change the glow of a contact has settled [ms]. */
-const SETTLES_MS = 600;
 
 export interface ColumnHands extends PlotHands {
   look(look: HandLook): void;
@@ -26,10 +24,10 @@ export class Column {
   readonly exercise: ExercisePanelView;
   readonly facts: HTMLElement;
   readonly moments: MomentsPanel;
-  private changed_ms = -Infinity;
+  private readonly settling = new Settling();
 
   constructor(readonly side: ReplaySide, maker: PlotMaker, look: HandLook, hands: ColumnHands) {
-    this.view = new ViewPanel(side, look, (chosen) => { hands.look(chosen); this.changed_ms = performance.now(); });
+    this.view = new ViewPanel(side, look, (chosen) => { hands.look(chosen); this.settling.begin(performance.now()); });
     this.plots = new ReplayPlots(side, maker, hands, () => hands.choice());
     this.exercise = new ExercisePanelView({ get scene() { return side.hasScene ? side.scene : null; }, get state() { return side.state; } });
     this.facts = factsPanel(side.about, side.about.ticks_missing);
@@ -51,13 +49,13 @@ export class Column {
 
   /** Another state is shown. */
   drawState(now_ms: number, playing: boolean): void {
-    this.changed_ms = now_ms;
+    this.settling.begin(now_ms);
     this.view.draw(!playing);
   }
 
   /** Contacts fade in, the hand is still being made: pictures go on for a moment. @param whole all of it can be drawn */
   settle(now_ms: number, whole: boolean): void {
-    if (!whole || now_ms - this.changed_ms < SETTLES_MS) this.view.draw();
+    if (this.settling.isDue(now_ms, whole)) this.view.draw();
   }
 
   refresh(): void {
