@@ -1,7 +1,9 @@
 """What the end-to-end tests share: running the real program in a folder of their own."""
+import json
 import os
 import pathlib
 import random
+import re
 import resource
 import shutil
 import subprocess
@@ -174,6 +176,12 @@ def loop_sleeps(pid):
 def read_recording(path):
     """Opens a recording as docs/recording.md says."""
     return Recording(path)
+
+
+def report_data(page):
+    """What a report's page shows: the one place of data in it."""
+    data, = re.findall(r'<script type="application/json" id="page-data">(.*?)</script>', page.read_text(), re.S)
+    return json.loads(data)
 
 
 def limit_file_size(size_bytes):

@@ -13,10 +13,9 @@ import zlib
 import h5py
 import numpy
 
-from app import BINARY, DONE, FREE_RUN, SOURCE, AppTest, read_recording
+from app import BINARY, DONE, FREE_RUN, SOURCE, AppTest, read_recording, report_data
 
 MOST_BYTES = 2_000_000
-DATA = re.compile(r'<script type="application/json" id="page-data">(.*?)</script>', re.S)
 
 
 def unpacked(text):
@@ -40,10 +39,8 @@ class ReportTest(AppTest):
         return self.data_in(self.folder / name)
 
     def data_in(self, page):
-        text = page.read_text()
         self.assertLessEqual(page.stat().st_size, MOST_BYTES)
-        (data,) = DATA.findall(text)
-        return json.loads(data)
+        return report_data(page)
 
 
 class OneFile(ReportTest):
