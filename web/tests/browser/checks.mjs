@@ -47,6 +47,9 @@ async function handAtRest(watcher, words) {
   }, { within_ms: PATIENT_MS });
 }
 
+/** Nearer to the person than this the cursor chooses the lane (guide.ts): a fifth of the way to the row [m along x]. */
+const DRAWN_BACK_M = -0.06;
+
 export async function mouseMovesTheHand(game, watcher) {
   await watcher.until('rendering', (now) => now.runState === RENDERING);
   const { width, height } = game.viewportSize();
@@ -59,26 +62,31 @@ export async function mouseMovesTheHand(game, watcher) {
   // Left in the picture is left of the person, y positive; what the cursor is on is what the palm goes in front of.
   await to(0.5);
   await watcher.until('the person steering', (now) => now.steering === 1, { within_ms: PATIENT_MS });
-  await new Promise((resolve) => setTimeout(resolve, 2000));   // it sets out
-  const right = await handAtRest(watcher, 'the hand at rest before the cursor');
-  await to(0.3);
-  await watcher.until('the hand farther left, as the cursor', (now) => axis(now, 'y') > axis(right, 'y') + 0.02, { within_ms: PATIENT_MS });
-  // A hand that was taken over has been drawn back: away first, then near again. The wheel counts from where it is.
-  const before = await handAtRest(watcher, 'the hand at rest farther left');
-  // A page that lost the controls meanwhile begins anew where the hand is: whoever plays turns the wheel again.
-  const turnUntil = (what, by_px, reached) => {
+  // The wheel counts from where the hand is. Taken over, the hand may stand at a bottle, which it leaves towards the
+  // person only; and a page that lost the controls begins anew: whoever plays moves and turns again.
+  const turnUntil = (what, part, by_px, reached) => {
     let due_ms = 0;
     return watcher.until(what, async (now) => {
       if (reached(now)) return true;
       if (Date.now() >= due_ms) {
         due_ms = Date.now() + 5000;
+        await to(part);
         for (let k = 0; k < 2; k += 1) await game.mouse.wheel(0, by_px);
       }
       return false;
     }, { within_ms: PATIENT_MS });
   };
-  const away = await turnUntil('the device farther from the person after the wheel', -100, (now) => axis(now, 'x') > axis(before, 'x') + 0.01);
-  await turnUntil('the device nearer to the person after the wheel', 100, (now) => axis(now, 'x') < axis(away, 'x') - 0.005);
+  // The virtual patient may have finished the level before the page was there: the therapist begins it anew.
+  await watcher.page.click('[data-testid=restart]', { timeout: PATIENT_MS });
+  await watcher.until('the level begun anew', (now) => now.values.score === 0, { within_ms: PATIENT_MS });
+  await new Promise((resolve) => setTimeout(resolve, 2000));   // it sets out
+  await turnUntil('the hand drawn back from the row', 0.5, 100, (now) => axis(now, 'x') < DRAWN_BACK_M);
+  const right = await handAtRest(watcher, 'the hand at rest before the cursor');
+  await to(0.3);
+  await watcher.until('the hand farther left, as the cursor', (now) => axis(now, 'y') > axis(right, 'y') + 0.02, { within_ms: PATIENT_MS });
+  const before = await handAtRest(watcher, 'the hand at rest farther left');
+  const away = await turnUntil('the device farther from the person after the wheel', 0.3, -100, (now) => axis(now, 'x') > axis(before, 'x') + 0.01);
+  await turnUntil('the device nearer to the person after the wheel', 0.3, 100, (now) => axis(now, 'x') < axis(away, 'x') - 0.005);
   return `the hand followed the cursor to the left, steered by ${before.steering === 1 ? 'the person' : 'nobody'}`;
 }
 
