@@ -1,10 +1,9 @@
-import type { WorldStateT } from '../protocol';
 import { BoundedCache } from './bounded_cache';
 import { Loader } from './loader';
-import { readState, timeOfState } from './messages';
 import type { Problem } from './problem';
 import type { RecordingSource } from './recording_source';
 import type { States } from './source';
+import { StateMessages } from './state_messages';
 
 /** Rows that one request brings. */
 export const BLOCK = 64;
@@ -23,13 +22,13 @@ export function stepFor(rows: number): number {
 }
 
 /** States of a recording: blocks of rows as they are wanted, the last used kept. */
-export class StateStore implements States {
+export class StateStore extends StateMessages implements States {
   private readonly blocks = new BoundedCache<Block>(MOST_BYTES);
   private readonly loader: Loader<Uint8Array[]>;
-  private read: { row: number; state: WorldStateT } | undefined;
 
   /** @param changed is called when states came */
   constructor(private readonly source: Pick<RecordingSource, 'readStates'>, private ticks: number, changed: () => void, tell: (problem: Problem | undefined) => void) {
+    super();
     this.loader = new Loader((key) => {
       const [step, index] = key.split(':').map(Number);
       return this.source.readStates(index * BLOCK * step, this.rowsIn(step, index), step);
@@ -81,21 +80,6 @@ export class StateStore implements States {
     return found;
   }
 
-  /** Time of a row, as its state tells it; undefined where that is not known. */
-  time_s(row: number): number | undefined {
-    const message = this.messageOf(row);
-    return message && timeOfState(message);
-  }
-
-  /** The state of a known row; throws a Problem where its message cannot be read. */
-  state(row: number): WorldStateT | undefined {
-    if (this.read?.row === row) return this.read.state;
-    const message = this.messageOf(row);
-    if (!message) return undefined;
-    this.read = { row, state: readState(message) };
-    return this.read.state;
-  }
-
   get bytes(): number {
     return this.blocks.size;
   }
@@ -109,7 +93,7 @@ export class StateStore implements States {
     this.blocks.clear();
   }
 
-  private messageOf(row: number): Uint8Array | undefined {
+  protected messageOf(row: number): Uint8Array | undefined {
     const exact = this.blocks.use(keyOf(1, Math.floor(row / BLOCK)))?.messages[row % BLOCK];
     if (exact) return exact;
     for (const [, { value: { first, step, messages } }] of this.blocks.entries()) {

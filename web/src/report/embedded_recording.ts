@@ -1,20 +1,20 @@
 // The recording that the page carries, as the viewer asks for it: nothing comes later, and nothing is finer than what is here.
 import type { Span } from '../console/plot_source';
-import type { SceneT, WorldStateT } from '../protocol';
+import type { SceneT } from '../protocol';
 import type { About } from '../replay/about';
-import { readState, timeOfState } from '../replay/messages';
 import { Problem } from '../replay/problem';
 import type { SeriesPiece } from '../replay/series_piece';
 import type { Run } from '../replay/series_store';
 import type { Series, Source, States } from '../replay/source';
+import { StateMessages } from '../replay/state_messages';
 import type { ReportData } from './report_data';
 
 /** States at some rows of the recording. */
-export class EmbeddedStates implements States {
-  private read: { row: number; state: WorldStateT } | undefined;
-
+export class EmbeddedStates extends StateMessages implements States {
   /** @param rows ascending, one for each message */
-  constructor(private readonly rows: readonly number[], private readonly messages: readonly Uint8Array[]) {}
+  constructor(private readonly rows: readonly number[], private readonly messages: readonly Uint8Array[]) {
+    super();
+  }
 
   wantAround(): void {}
   wantFrom(): void {}
@@ -32,19 +32,6 @@ export class EmbeddedStates implements States {
     return this.rows[this.indexOf(row)];
   }
 
-  time_s(row: number): number | undefined {
-    const message = this.messageOf(row);
-    return message && timeOfState(message);
-  }
-
-  state(row: number): WorldStateT | undefined {
-    if (this.read?.row === row) return this.read.state;
-    const message = this.messageOf(row);
-    if (!message) return undefined;
-    this.read = { row, state: readState(message) };
-    return this.read.state;
-  }
-
   grow(): void {}
   retry(): void {}
   close(): void {}
@@ -60,7 +47,7 @@ export class EmbeddedStates implements States {
     return low > 0 && row - this.rows[low - 1] <= this.rows[low] - row ? low - 1 : low;
   }
 
-  private messageOf(row: number): Uint8Array | undefined {
+  protected messageOf(row: number): Uint8Array | undefined {
     const at = this.indexOf(row);
     return this.rows[at] === row ? this.messages[at] : undefined;
   }
