@@ -58,6 +58,8 @@ std::string StatusLine::text(const TickSummary& s, double rate_hz) const {
 }
 
 void StatusLine::update(const TickSummary& summary, double rate_hz) {
+  if (summary.time_s < last_run_s_) next_run_s_ = 0.0;  // another session has begun
+  last_run_s_ = summary.time_s;
   if (summary.time_s < kFirst_s) return;
   const double now_s = static_cast<double>(monotonicNow_ns()) * 1e-9;
   if (terminal_) {

@@ -16,7 +16,7 @@ class StatusLine {
  public:
   explicit StatusLine(const DeviceModel& device);
 
-  /// Shows the state; on a terminal at most 5 times a second, else every 5 s of the run's time.
+  /// Shows the state; on a terminal at most 5 times a second, else every 5 s of a session.
   void update(const TickSummary& summary, double rate_hz);
   /// Ends the line.
   void finish();
@@ -28,7 +28,7 @@ class StatusLine {
   bool terminal_;
   bool drawn_ = false;
   double next_wall_s_ = 0.0;
-  double next_run_s_ = 0.0;
+  double next_run_s_ = 0.0, last_run_s_ = 0.0;
 };
 
 /// The one line on the terminal, written by whoever keeps the loop, and what others have to say

@@ -54,7 +54,7 @@ class Running(AppTest):
 class Sessions(Running):
     def test_each_session_has_its_recording_summary_and_report_under_one_number(self):
         run = self.start("--record", "run.h5", "--json", "run.json", "--report", "report")
-        self.session(run, 0.5)
+        self.session(run, 1.0)
         ticks = self.page.state.number(TICK, "Q")
         self.session(run, 1.0 + 1e-3 * ticks)
         said = self.end(run)
@@ -70,6 +70,8 @@ class Sessions(Running):
         self.assertGreater(ticks[1], ticks[0])
         for text in ("session 1: ", "session 2: ", "recorded run.h5", "recorded run-2.h5", "report   report-2/"):
             self.assertIn(text, said)
+        lines = re.findall(r"^ +([\d.]+) s .* tick \d+/\d+/\d+ µs", said, re.MULTILINE)
+        self.assertEqual([float(s) < 1.0 for s in lines], [True, True], said)  # how each goes, soon after it began
 
     def test_run_that_nobody_arms_leaves_nothing_and_says_so(self):
         run = self.start("--record", "run.h5", "--report", "report")

@@ -36,6 +36,7 @@ export async function startProgram({ file, port = 0, args = [], folder, command 
   return {
     url,
     port: Number(new URL(url).port),
+    pid: child.pid,
     said,
     ended,
     /** Freezes it, or lets it go on. */

@@ -12,6 +12,7 @@ import * as cameras from './camera_checks.mjs';
 import * as checks from './checks.mjs';
 import { commissionedThroughThePage } from './commission_checks.mjs';
 import { drinksByEveryWay } from './drink_checks.mjs';
+import { hourOfPlayIsFlat } from './hour_checks.mjs';
 import * as panels from './panel_checks.mjs';
 import { lostPictureIsSaid } from './picture_checks.mjs';
 import * as presence from './presence_checks.mjs';
@@ -172,6 +173,7 @@ try {
   // Minutes where pages are drawn in software; the same ways play on the simulated clock in tests/steered_hand.test.ts.
   if (process.env.WHOLEHAND_FULL === '1') await test('drinks by one button, mouse, touch and pad', () => drinksByEveryWay(drawing, program.url, watcher));
   if (process.env.WHOLEHAND_FULL === '1') await test('keys fill a glass without help', () => checks.keysFillAGlassAlone(drawing, program.url, watcher));
+  if (process.env.WHOLEHAND_FULL === '1') await test('an hour of play leaves nothing behind', () => waiting((_, program) => hourOfPlayIsFlat(plain, drawing, program, OUTPUT)));
   await test('pause after a stop starts nothing', () => waiting((url) => stops.pauseAfterAStopStartsNothing(plain, url)));
   await test('any exercise shows its panel', () => waiting((url) => panels.anyExerciseShowsItsPanel(plain, url), () => startProgram({ file: FILE, folder, args: ['--exercise', 'squeeze-to-level'] })));
   await test('profiles are kept', () => waiting((url) => panels.profilesAreKept(plain, url, picture)));

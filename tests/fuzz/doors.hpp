@@ -1,0 +1,32 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+/// The doors at which bytes of strangers come in: what the test `fuzz` sends damaged inputs
+/// through, and libFuzzer inputs of its own making (`./check --fuzz`).
+namespace wholehand::test {
+
+struct Door {
+  std::string name;
+  std::vector<std::string> good;  ///< inputs that are taken
+  /// Gives it these bytes. Empty: they were taken, or refused in words; otherwise what was wrong.
+  std::function<std::string(const std::string& bytes)> enter;
+  int full = 10'000;  ///< inputs under WHOLEHAND_FULL=1
+  int sampled = 60;   ///< inputs otherwise
+};
+
+[[nodiscard]] std::vector<Door> fileDoors();       ///< TOML of every kind, CSV, URDF
+[[nodiscard]] std::vector<Door> messageDoors();    ///< WebSocket, UDP, HTTP, the reader of meshes
+[[nodiscard]] std::vector<Door> recordingDoors();  ///< black box, values of a recording
+
+[[nodiscard]] inline std::vector<Door> allDoors() {
+  std::vector<Door> all = fileDoors();
+  for (const auto& more : {messageDoors(), recordingDoors()}) {
+    all.insert(all.end(), more.begin(), more.end());
+  }
+  return all;
+}
+
+}  // namespace wholehand::test

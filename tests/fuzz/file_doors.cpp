@@ -1,0 +1,158 @@
+#include "commissioning/passport.hpp"
+#include "commissioning/sealed_file.hpp"
+#include "doors.hpp"
+#include "exercise/load_exercise.hpp"
+#include "model/device_model.hpp"
+#include "model/hand_file.hpp"
+#include "model/patient_config.hpp"
+#include "model/rendering_config.hpp"
+#include "model/scene_model.hpp"
+#include "model/urdf.hpp"
+#include "patient/motion.hpp"
+#include "station/profiles.hpp"
+#include "support/folder.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+
+namespace wholehand::test {
+namespace {
+
+constexpr std::size_t kMostFaults = 20;  // of one file; one line more says how many more there are
+
+const std::string kSource = WHOLEHAND_SOURCE_DIR;
+
+std::string bytesOf(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+using Load = std::function<Diagnostics(const std::string& path)>;
+
+template <class T>
+Diagnostics faultsOf(const Expected<T>& loaded) {
+  return loaded ? Diagnostics{} : loaded.errors();
+}
+
+std::string wrongWith(const Diagnostics& faults) {
+  if (faults.size() > kMostFaults + 1) return "lists " + std::to_string(faults.size()) + " faults";
+  for (const Diagnostic& fault : faults) {
+    if (fault.problem.empty()) return "a refusal without a problem";
+    if (fault.remedy.empty()) return "a refusal without a remedy: " + format(fault);
+  }
+  return "";
+}
+
+/// A door whose bytes are a file of this name, with the shipped scenes beside its folder.
+Door fileDoor(const std::string& door, const std::vector<std::string>& good,
+              const std::string& file, const Load& load) {
+  const auto folder = std::make_shared<Folder>();
+  const std::string path = folder->file(file);
+  std::filesystem::create_directories(std::filesystem::path(path).parent_path());
+  std::filesystem::create_symlink(kSource + "/config/scenes", folder->file("scenes"));
+  return {door, good, [folder, path, load](const std::string& bytes) {
+            std::ofstream(path, std::ios::binary) << bytes;
+            return wrongWith(load(path));
+          }};
+}
+
+Door tomlDoor(const std::string& kind, const std::string& file, const Load& load) {
+  return fileDoor("toml-" + kind, {bytesOf(kSource + "/config/" + file)}, "a.toml", load);
+}
+
+const DeviceModel& device() {
+  static const DeviceModel model =
+      loadDeviceFile(kSource + "/config/devices/lambda-pride.toml").value();
+  return model;
+}
+
+const HandModel& hand() {
+  static const HandModel model =
+      assembleHand(loadHandFile(kSource + "/config/hands/adult-median-right.toml").value(),
+                   device())
+          .value();
+  return model;
+}
+
+/// What commissioning wrote and somebody changed who can compute a seal.
+Door passportDoor() {
+  Passport passport;
+  passport.identity = {"S-1", "1.0", "7"};
+  passport.driver = "test";
+  passport.device = device().name;
+  passport.device_sha256 = std::string(64, 'a');
+  passport.operator_name = "A. \"B\"";
+  passport.measured_on = Day{std::chrono::days{20'000}};
+  for (const DeviceAxis& axis : device().axes) {
+    PassportAxis measured;
+    measured.name = axis.name;
+    measured.kind = axis.kind;
+    measured.mass = {0.98 * axis.mass, 1.02 * axis.mass};
+    measured.damping = {0.95 * axis.damping, 1.05 * axis.damping};
+    passport.axes.push_back(measured);
+  }
+  const std::string sealed = passportText(passport);
+  return fileDoor("toml-passport", {sealed.substr(0, sealed.find("[seal]"))}, "a.toml",
+                  [](const std::string& path) {
+                    const std::string text = bytesOf(path);
+                    std::ofstream(path, std::ios::binary) << seal(text);
+                    return faultsOf(readPassport(path));
+                  });
+}
+
+Door profileDoor() {
+  const std::string good =
+      "kind = \"profile\"\nversion = 1\nname = \"old\"\ndevice = \"lambda-pride\"\n"
+      "side = \"right\"\nhand = \"man-p50-right\"\nexercise = \"cocktail-bar\"\nlevel = 3\n"
+      "help = \"some\"\n\n[parameters]\nlead_in_m = 0.004\n";
+  return fileDoor("toml-profile", {good}, "old.toml", [](const std::string& path) {
+    return faultsOf(Profiles(std::filesystem::path(path).parent_path()).load("old"));
+  });
+}
+
+Door exerciseDoor() {
+  std::vector<std::string> good;
+  for (const char* name : {"cocktail-bar", "squeeze-to-level", "free-grasping"}) {
+    good.push_back(bytesOf(kSource + "/config/exercises/" + name + ".toml"));
+  }
+  return fileDoor("toml-exercise", good, "exercises/a.toml", [](const std::string& path) {
+    return faultsOf(loadExercise(path, 1, device(), hand()));
+  });
+}
+
+std::string firstLines(const std::string& text, std::size_t bytes) {
+  return text.substr(0, text.rfind('\n', std::min(text.size() - 1, bytes)) + 1);
+}
+
+}  // namespace
+
+std::vector<Door> fileDoors() {
+  std::vector<Door> doors = {
+      tomlDoor("device", "devices/lambda-pride.toml",
+               [](const std::string& p) { return faultsOf(loadDeviceFile(p)); }),
+      tomlDoor("hand", "hands/adult-median-right.toml",
+               [](const std::string& p) { return faultsOf(loadHandFile(p)); }),
+      tomlDoor("rendering", "rendering/lambda-pride.toml",
+               [](const std::string& p) { return faultsOf(loadRenderingFile(p, device())); }),
+      tomlDoor("patient", "patients/spastic-fist.toml",
+               [](const std::string& p) { return faultsOf(loadPatientFile(p, device())); }),
+      tomlDoor("scene", "scenes/cocktail-bar.toml",
+               [](const std::string& p) { return faultsOf(loadSceneFile(p)); }),
+      exerciseDoor(),
+      profileDoor(),
+      passportDoor(),
+      fileDoor("csv",
+               {firstLines(bytesOf(kSource + "/data/human-motion/reach-grasp-00.csv"), 4096)},
+               "a.csv", [](const std::string& p) { return faultsOf(loadMotionFile(p)); }),
+      fileDoor("urdf", {bytesOf(kSource + "/config/scenes/assets/mug.urdf")}, "a.urdf",
+               [](const std::string& p) { return faultsOf(loadUrdf(p)); })};
+  for (Door& door : doors) {
+    if (door.name.starts_with("toml-")) door.full = 20'000;
+  }
+  return doors;
+}
+
+}  // namespace wholehand::test

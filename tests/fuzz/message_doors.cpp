@@ -1,0 +1,156 @@
+#include "doors.hpp"
+#include "model/mesh_surface.hpp"
+#include "server/client_words.hpp"
+#include "server/http_text.hpp"
+#include "server/site.hpp"
+#include "server/udp_datagram.hpp"
+#include "server/wire.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <zlib.h>
+
+namespace wholehand::test {
+namespace {
+
+std::string text(const std::vector<std::uint8_t>& bytes) {
+  return {bytes.begin(), bytes.end()};
+}
+
+/// Never beyond the bytes, never an order with a number that is not one.
+std::string enterWebSocket(const std::string& bytes) {
+  const wire::Bytes exact(bytes.begin(), bytes.end());  // of its very size: one byte more is seen
+  const auto message = wire::decode(exact);
+  if (!message) return message.errors().front().problem.empty() ? "refused without a reason" : "";
+  if (!std::isfinite(message->order.value)) return "a value that is no number";
+  if (!allFinite(message->order.aim)) return "an aim that is no number";
+  if (message->order.aim.size() > kMaxAxes) return "an aim of too many axes";
+  if (std::strlen(wire::nameOf(*message)) == 0) return "a message without a name";
+  return "";
+}
+
+constexpr std::size_t kChecksumAt = 32;  // docs/udp.md
+
+std::string withRightChecksum(std::string datagram) {
+  if (datagram.size() < udp::kHeaderSize) return datagram;
+  const auto* const bytes = reinterpret_cast<const Bytef*>(datagram.data());
+  uLong crc = ::crc32(0, bytes, kChecksumAt);
+  crc =
+      ::crc32(crc, bytes + udp::kHeaderSize, static_cast<uInt>(datagram.size() - udp::kHeaderSize));
+  const auto little_endian = static_cast<std::uint32_t>(crc);
+  std::memcpy(datagram.data() + kChecksumAt, &little_endian, sizeof little_endian);
+  return datagram;
+}
+
+/// Datagrams of a sender who can compute a checksum, one after another: each 2 bytes of length,
+/// then itself.
+std::string enterUdp(const std::string& bytes) {
+  constexpr std::size_t kLargestMessage = 100'000;
+  udp::Reassembler reassembler(kLargestMessage);
+  udp::ReplayWindow window;
+  for (std::size_t at = 0; at + 2 <= bytes.size();) {
+    const std::size_t length =
+        static_cast<std::uint8_t>(bytes[at]) + 256U * static_cast<std::uint8_t>(bytes[at + 1]);
+    const std::string datagram = withRightChecksum(bytes.substr(at + 2, length));
+    at += 2 + length;
+    const std::vector<std::uint8_t> exact(datagram.begin(), datagram.end());
+    const udp::Received got = udp::read(exact);
+    if (got.flaw != udp::Flaw::kNone) {
+      if (!got.payload.empty()) return "a payload of a bad datagram";
+      continue;
+    }
+    if (window.isNew(got.header.sequence)) window.accept(got.header.sequence);
+    if (window.isNew(got.header.sequence)) return "a sequence number that is new twice";
+    udp::Hello hello;
+    if (udp::readHello(got.payload, hello) &&
+        (hello.rate_hz > udp::kHighestRate_hz || hello.token.size() > udp::kLongestToken)) {
+      return "a hello beyond its limits";
+    }
+    if (reassembler.add(got.header, got.payload) == udp::Reassembler::Result::kComplete) {
+      if (reassembler.message().size() > kLargestMessage) return "a message that is too large";
+      const std::string wrong =
+          enterWebSocket({reassembler.message().begin(), reassembler.message().end()});
+      if (!wrong.empty()) return wrong;
+    }
+  }
+  return "";
+}
+
+std::string behindItsLength(const std::vector<std::uint8_t>& datagram) {
+  std::string out = {static_cast<char>(datagram.size() & 0xFFU),
+                     static_cast<char>(datagram.size() >> 8U)};
+  return out + text(datagram);
+}
+
+std::vector<std::string> goodDatagrams() {
+  std::vector<std::string> good;
+  udp::Header header;
+  header.kind = udp::Kind::kMessage;
+  for (const wire::Bytes& message : words::oneOfEach()) {
+    ++header.sequence;
+    std::string all;
+    udp::forEachFragment(header, message, [&all](std::span<const std::uint8_t> datagram) {
+      all += behindItsLength({datagram.begin(), datagram.end()});
+    });
+    good.push_back(all);
+  }
+  udp::Hello hello;
+  hello.rate_hz = 1000;
+  udp::Datagram datagram;
+  header.kind = udp::Kind::kHello;
+  const std::size_t size = udp::write(datagram, header, udp::writeHello(hello));
+  good.push_back(behindItsLength({datagram.begin(), datagram.begin() + size}));
+  return good;
+}
+
+std::string enterHttp(const std::string& target) {
+  HttpRequest request;
+  request.target = target;
+  (void)Site::needsOf(request);
+  (void)request.credentials();
+  (void)queryValue(request.query(), "token");
+  const auto path = decodedPath(request.path());
+  if (!path) return "";
+  if (path->find("/../") != std::string::npos || path->ends_with("/..")) return "leaves the folder";
+  if (path->find('\0') != std::string::npos) return "a path with a zero byte";
+  if (path->find('\\') != std::string::npos) return "a path with a backslash";
+  return "";
+}
+
+std::string enterMeshHandOver(const std::string& bytes) {
+  const Expected<MeshSurface> mesh = decodeMesh(bytes);
+  if (!mesh) return "";
+  for (const Eigen::Vector3i& t : mesh->triangles) {
+    if (t.minCoeff() < 0 || t.maxCoeff() >= static_cast<int>(mesh->points.size())) {
+      return "a corner that is no point";
+    }
+  }
+  return "";
+}
+
+std::vector<std::string> goodMeshes() {
+  MeshSurface mesh;
+  mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  return {encodeMesh(mesh), encodeMesh(Diagnostic{"", 0, "", "", "is broken", "mend it"})};
+}
+
+}  // namespace
+
+std::vector<Door> messageDoors() {
+  std::vector<std::string> messages;
+  for (const wire::Bytes& message : words::oneOfEach()) messages.push_back(text(message));
+  constexpr int kFull = 10'000'000, kSampled = 20'000;
+  return {{"websocket", messages, enterWebSocket, kFull, 5 * kSampled},
+          {"udp", goodDatagrams(), enterUdp, kFull, kSampled},
+          {"http-target",
+           {"/recordings/night%20shift.h5?token=a-long-secret&x=1", "/assets/../%2e%2e/etc/passwd",
+            "/report/a/%c3%bc.html", "/..%2f..%2f%5c%00?token"},
+           enterHttp,
+           kFull,
+           kSampled},
+          {"mesh-hand-over", goodMeshes(), enterMeshHandOver, kFull, kSampled}};
+}
+
+}  // namespace wholehand::test

@@ -1,0 +1,88 @@
+// An hour of play with pages open: a game and a console with 3D, a level change a minute. What the program, the pages
+// and the graphics card hold stays flat. WHOLEHAND_HOUR_MIN: other minutes than 60.
+import { readdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { openPage, pageUrl } from './browser.mjs';
+import { expect } from './checks.mjs';
+import { armFrom } from './stop_checks.mjs';
+import { openWatcher } from './watcher.mjs';
+
+const MINUTES = Number(process.env.WHOLEHAND_HOUR_MIN ?? 60);
+const LEVELS = 4;
+const RENDERING = 1;
+const PATIENT_MS = 120_000;
+// Growth from the first round of levels after warming up to the last, beyond which it is no noise.
+const MAY_GROW = { rss_mb: 16, threads: 0, descriptors: 2, heap_mb: 3, nodes: 200, listeners: 20, buffers: 0, textures: 0 };
+const LAST_MIN = 10;
+const TICK_RATIO = 1.2;
+
+const status = (pid, key) => Number(readFileSync(`/proc/${pid}/status`, 'utf8').match(new RegExp(`^${key}:\\s+(\\d+)`, 'm'))[1]);
+
+function heldByProgram(pid) {
+  return { rss_mb: status(pid, 'VmRSS') / 1024, threads: status(pid, 'Threads'), descriptors: readdirSync(`/proc/${pid}/fd`).length };
+}
+
+/** After the garbage has been collected. */
+async function heldByPage(page) {
+  const devtools = await page.context().newCDPSession(page);
+  await devtools.send('Performance.enable');
+  for (let k = 0; k < 3; k += 1) await devtools.send('HeapProfiler.collectGarbage');  // what one round frees holds more
+  const { metrics } = await devtools.send('Performance.getMetrics');
+  await devtools.detach();
+  const of = Object.fromEntries(metrics.map(({ name, value }) => [name, value]));
+  const card = await page.evaluate(() => ({ ...window.wholehandStats?.card }));
+  return { heap_mb: of.JSHeapUsedSize / 2 ** 20, nodes: of.Nodes, listeners: of.JSEventListeners, ...card };
+}
+
+const median = (numbers) => [...numbers].sort((a, b) => a - b)[Math.floor(numbers.length / 2)];
+
+/** What of `later` exceeds `earlier` by more than noise, in words. Both: samples of the same levels. */
+export function growthOf(who, earlier, later) {
+  return Object.keys(earlier[0]).flatMap((key) => {
+    const before = median(earlier.map((sample) => sample[key]));
+    const after = median(later.map((sample) => sample[key]));
+    return after - before > (MAY_GROW[key] ?? Infinity) ? [`${who}: ${key} ${before.toFixed(1)} → ${after.toFixed(1)}`] : [];
+  });
+}
+
+async function loadLevel(therapist, level) {
+  await therapist.page.selectOption('[data-testid=level]', String(level));
+  await therapist.page.click('[data-testid=load]');
+  await therapist.until(`level ${level}, and rendering`, (now) => now.level === level && now.runState === RENDERING, { within_ms: PATIENT_MS });
+}
+
+/** p99.9 of the tick [µs of processor], each from a status line of the program. */
+const ticksIn = (said) => [...said.join('').matchAll(/tick \d+\/\d+\/(\d+) µs/g)].map(([, p999]) => Number(p999));
+
+export async function hourOfPlayIsFlat(plain, drawing, program, output) {
+  const therapist = await openWatcher(plain, program.url);
+  await armFrom(therapist);
+  await therapist.until('rendering', (now) => now.runState === RENDERING, { within_ms: PATIENT_MS });
+  const game = await openPage(drawing, pageUrl(program.url, '/', { lang: 'en', quality: 'low', watch: '1' }));
+  const console3d = await openPage(drawing, pageUrl(program.url, '/console', { lang: 'en', role: 'watcher' }));
+  const pages = { game, console: console3d, therapist: therapist.page };
+  const samples = [];
+  for (let minute = 0; minute < MINUTES; minute += 1) {
+    const until_ms = Date.now() + 60_000;
+    const level = 1 + minute % LEVELS;
+    await loadLevel(therapist, level);
+    await new Promise((resolve) => setTimeout(resolve, Math.max(until_ms - Date.now(), 0)));
+    const sample = { minute, level, program: heldByProgram(program.pid), tick_us: median(ticksIn(program.said.splice(0))) };
+    for (const [name, page] of Object.entries(pages)) sample[name] = await heldByPage(page);
+    samples.push(sample);
+    writeFileSync(join(output, 'hour.json'), `${JSON.stringify(samples, null, 1)}\n`);
+    if (minute % 5 === 0) console.log(`      minute ${minute}: ${JSON.stringify(sample)}`);
+  }
+  // The first round of levels fills caches.
+  const first = samples.slice(LEVELS, 2 * LEVELS);
+  const last = samples.slice(-LEVELS);
+  const grown = ['program', ...Object.keys(pages)].flatMap((who) => growthOf(who, first.map((s) => s[who]), last.map((s) => s[who])));
+  expect(grown.length === 0, grown.join('; '));
+  const tick = (part) => median(part.map(({ tick_us }) => tick_us));
+  const ratio = tick(samples.slice(-LAST_MIN)) / tick(samples.slice(0, LAST_MIN));
+  expect(ratio <= TICK_RATIO, `p99.9 of the tick in the last ${LAST_MIN} minutes: ${ratio.toFixed(2)} × the first`);
+  for (const [name, page] of Object.entries(pages)) expect(page.faults.length === 0, `${name}: ${page.faults.join('\n')}`);
+  for (const page of Object.values(pages)) await page.context().close();
+  const held = last.at(-1);
+  return `${MINUTES} minutes: program ${held.program.rss_mb.toFixed(0)} MB, ${held.program.threads} threads, ${held.program.descriptors} descriptors; heap of the game ${held.game.heap_mb.toFixed(1)} MB; p99.9 of the tick ${ratio.toFixed(2)} × the first ten minutes`;
+}
