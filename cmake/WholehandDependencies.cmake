@@ -48,7 +48,15 @@ target_link_options(wholehand_options INTERFACE
 set(tick_modules core dynamics control safety patient exercise physics physics/bullet physics/analytic
     device device/plugin device/host device/simulated device/replay device/faulty renderer realtime
     realtime/allocation_counter realtime/lock_counter realtime/system_call_counter runtime)
+# AddressSanitizer's build is libFuzzer's, too: it counts which branches of what reads strangers' bytes
+# an input takes.
+if(CMAKE_BUILD_TYPE STREQUAL Debug AND CMAKE_CXX_FLAGS_DEBUG MATCHES "-fsanitize=address")
+  set(WHOLEHAND_SANITIZED_ADDRESSES ON)
+endif()
 function(wholehand_checked target)
+  if(WHOLEHAND_SANITIZED_ADDRESSES)
+    target_compile_options(${target} PRIVATE -fsanitize-coverage=inline-8bit-counters,indirect-calls,trace-cmp,pc-table)
+  endif()
   target_compile_definitions(${target} PRIVATE $<$<CONFIG:Release>:_GLIBCXX_ASSERTIONS>)
 endfunction()
 

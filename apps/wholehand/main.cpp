@@ -21,6 +21,7 @@
 #include <cstring>
 #include <exception>
 #include <new>
+#include <system_error>
 
 namespace {
 
@@ -205,6 +206,14 @@ int main(int argc, char** argv) {
     return flushOutput(runProgram(argc, argv));
   } catch (const std::bad_alloc&) {
     std::fputs("wholehand: there is not enough memory\n", stderr);
+  } catch (const std::system_error& error) {
+    const bool thread = error.code() == std::errc::resource_unavailable_try_again;
+    std::fprintf(
+        stderr,
+        thread ? "wholehand: a thread could not be started: %s; end other programs, or raise what "
+                 "`ulimit -a` shows of memory, stack and processes\n"
+               : "wholehand: failed: %s\n",
+        error.what());
   } catch (const std::exception& error) {
     std::fprintf(stderr, "wholehand: failed: %s\n", error.what());
   }

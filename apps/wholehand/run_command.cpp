@@ -200,6 +200,7 @@ int runCommand(RunOptions options) {
   terminal.begin(models->device);
   plan.status = [&](const TickSummary& now, double rate_hz) { terminal.update(now, rate_hz); };
   AsyncLog async_log([&terminal](const std::string& line) { terminal.say(line); });
+  plan.notice = [&async_log](const std::string& sentence) { async_log.write(sentence); };
   SafetyLog log(models->device, rig_options.period_s,
                 [&async_log](const SafetyTransition& t) { async_log.write(describe(t)); });
   plan.sinks.emplace_back([&log](const TickRecord& record) { log.add(record); });

@@ -5,6 +5,8 @@
 #include "realtime/monotonic_clock.hpp"
 #include "runtime/interrupt_scope.hpp"
 
+#include <fmt/core.h>
+
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -151,19 +153,30 @@ RunOutcome Run::outcome() const {
   return outcome;
 }
 
+std::string lossNotice(double time_s, const std::string& record) {
+  return fmt::format("the disk takes no more: from {:.1f} s on ticks are missing in {}", time_s,
+                     record);
+}
+
 Expected<RunOutcome> runAndRecord(Rig& rig, RunPlan plan) {
   const WaitingFor end("the run to end");
   const bool simulated_clock = plan.simulated_clock;
   const auto status = plan.status;
+  const auto notice = plan.notice;
+  const std::string record = plan.record;
   const std::int64_t began_ns = monotonicNow_ns();
   Run* running = nullptr;
+  bool told_of_loss = false;
   const auto tell = [&] {
     const TickSummary now = running->summary();
-    status(now, rateOf(now, began_ns));
+    if (status) status(now, rateOf(now, began_ns));
+    if (!notice || record.empty() || told_of_loss || running->droppedRecords() == 0) return;
+    told_of_loss = true;
+    notice(lossNotice(now.time_s, record));
   };
-  if (status && simulated_clock) {
-    plan.sinks.emplace_back([&](const TickRecord& record) {
-      if (record.tick % kStatusTicks == 0) tell();
+  if (simulated_clock) {
+    plan.sinks.emplace_back([&](const TickRecord& tick) {
+      if (tick.tick % kStatusTicks == 0) tell();
     });
   }
   auto run = Run::prepare({std::shared_ptr<Rig>(), &rig}, std::move(plan));
@@ -175,7 +188,7 @@ Expected<RunOutcome> runAndRecord(Rig& rig, RunPlan plan) {
     if (auto begun = running->begin(); !begun) return begun.errors();
     while (running->running()) {
       std::this_thread::sleep_for(kStatusEvery);
-      if (status) tell();
+      tell();
     }
   }
   running->finish();

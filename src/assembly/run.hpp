@@ -34,6 +34,8 @@ struct RunPlan {
   std::uint64_t (*count_allocations)() noexcept = nullptr;
   /// runAndRecord() tells it how it goes, often; may be null.
   std::function<void(const TickSummary&, double rate_hz)> status;
+  /// runAndRecord() tells it, while it runs, what a person should know; may be null.
+  std::function<void(const std::string& sentence)> notice;
 };
 
 /// What came of it.
@@ -119,6 +121,9 @@ class Run {
   std::vector<std::string> failures_;
   bool finished_ = false;
 };
+
+/// That the disk refuses a recording, from this time of the run on.
+[[nodiscard]] std::string lossNotice(double time_s, const std::string& record);
 
 /// A summary of records with what the real-time side has counted itself: a full queue drops
 /// records, never a count.

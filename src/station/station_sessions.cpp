@@ -237,8 +237,7 @@ void Station::Core::refreshStatus() {
     state = status_.run_state;
   }
   if (dropped > 0 && !std::exchange(told_of_loss_, true) && !record_path_.empty()) {
-    say(fmt::format("the disk takes no more: from {:.1f} s on ticks are missing in {}",
-                    summary.time_s, record_path_));
+    say(lossNotice(summary.time_s, record_path_));
   }
   if (config_.status) config_.status(state, summary);
 }

@@ -83,24 +83,6 @@ TEST(MeshHandOver, IndexOfNoPoint_IsRefused) {
   EXPECT_TRUE(decodeMesh(encodeMesh(mesh)));
 }
 
-TEST(MeshHandOver, RandomDamage_IsRefusedOrGivesSoundIndices) {
-  auto random = test::seededRandom(271);
-  MeshSurface mesh;
-  mesh.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
-  const Diagnostic why{"", 0, "", "", "is broken", "mend it"};
-  for (const std::string& text : {encodeMesh(mesh), encodeMesh(why)}) {
-    for (int i = 0; i < test::damagedCases(5000); ++i) {
-      const Expected<MeshSurface> read = decodeMesh(test::mutated(text, random));
-      if (!read) continue;
-      for (const Eigen::Vector3i& t : read->triangles) {
-        ASSERT_GE(t.minCoeff(), 0);
-        ASSERT_LT(t.maxCoeff(), static_cast<int>(read->points.size()));
-      }
-    }
-  }
-}
-
 TEST(MeshFile, RandomDamage_IsReadOrRefusedAndEndsNothing) {
   auto random = test::seededRandom(272);
   const TempFolder folder;

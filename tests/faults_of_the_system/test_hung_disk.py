@@ -1,4 +1,4 @@
-"""Stops wait for nothing: every door, while a disk hangs. stall.cpp makes it hang, as a share whose server is gone.
+"""Stops wait for nothing: every door, while a disk hangs. disk_faults.cpp makes it hang, as a share whose server is gone.
 
 Measured is the time from sending to the loop's first tick of the fade or the ramp. When that tick was due is known
 from its number: ticks are a period apart, and the earliest that states ever came says when tick 0 was, so that
@@ -7,12 +7,9 @@ fails all three."""
 import fcntl
 import http.client
 import itertools
-import mmap
 import os
 import pathlib
-import shutil
 import signal
-import struct
 import subprocess
 import threading
 import time
@@ -20,10 +17,10 @@ import unittest
 import urllib.error
 import urllib.request
 
+from faulty_disk import CALLS, LIBRARY, FaultyDisk
 import client
 from app import DONE, FREE_RUN, FULL, INTERRUPTED, SOURCE, STOP_REQUESTED, AppTest, read_recording
 
-STALL = os.environ.get("WHOLEHAND_STALL")  # libstall.so, built beside the program
 EMERGENCY, OWNER_SILENT = 1 << 11, 1 << 20  # docs/recording.md, bits of `faults`
 BEGUN = STOP_REQUESTED | EMERGENCY | OWNER_SILENT
 
@@ -31,7 +28,6 @@ WITHIN_S = 0.050
 FADE_S, RAMP_S = 0.35, 0.100  # docs/safety.md: a plain stop fades the exercise out, then ramps
 TRIES = 3
 
-CALLS = ("open", "read", "pwrite", "stat", "fsync", "fallocate")  # in the order of stall.cpp
 PLACES = ("recording", "download", "report", "page", "log")
 DOORS = ("emergency stop of a page", "stop of a page", "emergency stop of a game", "stop of a game", "SIGINT",
          "SIGTERM", "page that is closed", "page that falls silent")
@@ -43,55 +39,27 @@ def listen_to_ctrl_c():
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
-class Stall:
-    """What stall.cpp is told."""
-
-    def __init__(self, folder, ms):
-        self.path = folder / "stall"
-        self.path.write_bytes(bytes(4096))
-        with open(self.path, "r+b") as file:
-            self.memory = mmap.mmap(file.fileno(), 4096)
-        library = shutil.copy(STALL, folder)  # LD_PRELOAD names no path with a space in it
-        self.environment = {"LD_PRELOAD": library, "STALL_CONTROL": str(self.path), "STALL_MS": str(ms)}
-
-    def hang(self, *calls):
-        struct.pack_into("<I", self.memory, 0, sum(1 << CALLS.index(c) for c in calls))
-
-    @property
-    def hanging(self):
-        return struct.unpack_from("<I", self.memory, 4)[0]
-
-    @property
-    def ever(self):
-        return struct.unpack_from("<I", self.memory, 8)[0]
-
-    @property
-    def loaded(self):
-        """How many processes the library is in."""
-        return struct.unpack_from("<I", self.memory, 12)[0]
-
-
-@unittest.skipUnless(STALL, "without the library that makes a disk hang")
+@unittest.skipUnless(LIBRARY, "without the library that makes a disk hang")
 class Stops(AppTest):
     def start(self, *arguments, ms=5000, place="recording", report=False):
-        self.stall = Stall(self.folder, ms)
+        self.disk = FaultyDisk(self.folder, ms)
         kept = self.folder / "out/recordings"
         kept.mkdir(parents=True, exist_ok=True)
         folders = {"recording": [self.folder / "rec"], "log": [self.folder / "rec"],
                    "page": [SOURCE / "web/dist"]}.get(place, [kept])
         (self.folder / "rec").mkdir(exist_ok=True)
-        environment = dict(os.environ, **self.stall.environment, STALL_FOLDERS=":".join(map(str, folders)))
+        environment = self.disk.environment(*folders)
         if place in ("download", "report") and not (kept / "old.h5").exists():
             os.replace(self.record("old.h5", duration=0.3), kept / "old.h5")
         # What a program that hangs still holds is not written over.
         (self.folder / "rec/run.h5").unlink(missing_ok=True)
         run = self.start_app("run", "--port", 0, "--udp", 0, "--record", "rec/run.h5", "--duration", 600,
                              "--no-rehearsal", *arguments, env=environment, preexec_fn=listen_to_ctrl_c)
-        self.addCleanup(self.stall.hang)
+        self.addCleanup(self.disk.hang)
         self.port = int(run.stdout.readline().split(":")[2].rstrip("/\n"))
         while "udp " not in (line := run.stdout.readline()):
             self.assertIsNone(run.poll(), line)
-        self.assertGreater(self.stall.loaded, 0, "the disk cannot hang: stall.cpp is not in the program")
+        self.assertGreater(self.disk.loaded, 0, "the disk cannot hang: disk_faults.cpp is not in the program")
         self.game = client.Game(int(line.split(":")[1]), RATE_HZ)
         self.addCleanup(self.game.close)
         # Rendering, blended in.
@@ -139,13 +107,13 @@ class Stops(AppTest):
         if place == "log":
             self.fill_log(run)
             self.browse("/none/%00")  # is refused, and said so
-        self.stall.hang(call)
+        self.disk.hang(call)
         paths = {"download": ["/api/recordings", "/api/recordings/old.h5"],
                  "report": ["/api/recordings/old.h5/report/"], "page": ["/", "/console"]}.get(place, [])
         self.statuses = [self.browse(path) for path in paths for _ in range(2)]
         # The recorder claims room every few seconds; what the program never calls never hangs.
         until = time.monotonic() + (0.6 if place != "recording" else 8.0 if call == "fallocate" else 1.2)
-        while not self.stall.hanging and time.monotonic() < until:
+        while not self.disk.hanging and time.monotonic() < until:
             time.sleep(0.005)
         time.sleep(self.random.uniform(0.02, 0.1))
 
@@ -197,7 +165,7 @@ class Stops(AppTest):
         self.prepare(door)
         self.assertIsNone(self.first(0.0, BEGUN), "it stopped by itself")
         self.busy_with(run, place, call)
-        hung = self.stall.hanging
+        hung = self.disk.hanging
         since, grace = self.send(run, door)
         until = time.monotonic() + ms / 1e3 + 3.0
         while self.first(since, BEGUN) is None and time.monotonic() < until:
@@ -211,7 +179,7 @@ class Stops(AppTest):
             ramp = self.first(since, STOP_REQUESTED)
             self.assertIsNotNone(ramp, "it faded, and never ramped")
         run.kill()
-        self.stall.hang()
+        self.disk.hang()
         return delay - grace, ramp, hung
 
     def check(self, door, place, call, ms):
@@ -242,7 +210,7 @@ class Stops(AppTest):
     def test_second_ctrl_c_says_what_is_waited_for_and_the_third_ends_it(self):
         run = self.start(ms=20000)
         self.busy_with(run, "recording", "pwrite")
-        self.assertGreater(self.stall.hanging, 0)
+        self.assertGreater(self.disk.hanging, 0)
         run.send_signal(signal.SIGINT)
         self.wait_until(run, lambda: self.game.states[-1][3] == 0.0)
         time.sleep(1.0)
@@ -258,10 +226,10 @@ class Stops(AppTest):
             self.assertGreater(len(recording["ticks/tick"]), 100)
 
     def test_a_run_without_pages_stops_and_says_the_same(self):
-        self.stall = Stall(self.folder, 20000)
-        self.addCleanup(self.stall.hang)
+        self.disk = FaultyDisk(self.folder, 20000)
+        self.addCleanup(self.disk.hang)
         run = self.start_app(*FREE_RUN, "--duration", 600, "--record", "rec/run.h5", "--no-rehearsal",
-                             env=dict(os.environ, **self.stall.environment, STALL_FOLDERS=str(self.folder / "rec")), preexec_fn=listen_to_ctrl_c)
+                             env=self.disk.environment(self.folder / "rec"), preexec_fn=listen_to_ctrl_c)
         self.wait_until_it_renders(run)
         self.busy_with(run, "recording", "pwrite")
         for _ in range(2):
@@ -275,7 +243,7 @@ class Stops(AppTest):
     def test_disk_that_comes_back_loses_nothing_but_what_it_had_no_room_for(self):
         run = self.start(ms=1500)
         self.busy_with(run, "recording", "pwrite")
-        self.stall.hang()
+        self.disk.hang()
         run.send_signal(signal.SIGINT)
         said, complained = run.communicate(timeout=60)
         self.assertEqual(run.returncode, INTERRUPTED, said + complained)
@@ -286,7 +254,7 @@ class Stops(AppTest):
 
     def test_requests_that_a_hung_disk_keeps_are_refused_and_the_pages_still_come(self):
         run = self.start(place="download", ms=4000)
-        self.stall.hang("read", "open", "stat")
+        self.disk.hang("read", "open", "stat")
         asked = [self.browse("/api/recordings/old.h5") for _ in range(24)]
         time.sleep(1.0)
         self.assertEqual([s for s in asked if s == [503]], [[503]] * 8)  # 16 wait at most
@@ -295,7 +263,7 @@ class Stops(AppTest):
         page = self.browse("/")
         self.wait_until(run, lambda: page)
         self.assertIn(page[0], (200, 503))  # 503 where the pages are not built; here and now
-        self.stall.hang()
+        self.disk.hang()
 
     def test_stop_among_200_other_commands(self):
         for flood in (200, 2000):
@@ -318,9 +286,9 @@ class Stops(AppTest):
 
     def test_report_under_way_never_keeps_the_program_from_ending(self):
         run = self.start(place="report", ms=20000)
-        self.stall.hang("read")
+        self.disk.hang("read")
         report = self.browse("/api/recordings/old.h5/report/")
-        self.wait_until(run, lambda: self.stall.hanging > 0)
+        self.wait_until(run, lambda: self.disk.hanging > 0)
         children = subprocess.run(["ps", "-o", "pid=,ni=", "--ppid", str(run.pid)], capture_output=True, text=True, check=True)
         nice = [int(line.split()[1]) for line in children.stdout.splitlines()]
         self.assertIn(19, nice, children.stdout)

@@ -1,13 +1,14 @@
-// Loaded into the program by LD_PRELOAD: calls that touch files below given folders hang, as on a
-// share whose server is gone. The thread that called sleeps uninterruptibly (it waits for a child
-// that vfork made), so that no signal reaches it either.
+// Loaded into the program by LD_PRELOAD: calls that touch files below given folders fail, or hang
+// as on a share whose server is gone. The thread of a call that hangs sleeps uninterruptibly (it
+// waits for a child that vfork made), so that no signal reaches it either.
 //
-//   STALL_FOLDERS   folders, separated by ':'
-//   STALL_CONTROL   a file of four 32-bit numbers that is shared with the test:
-//                   [0] which calls hang, a bit each, in the order of `Call`
-//                   [1] how many hang at present   [2] how many ever did
-//                   [3] how many processes have loaded this
-//   STALL_MS        for how long each hangs
+//   DISK_FOLDERS   folders, separated by ':'
+//   DISK_CONTROL   a file of five 32-bit numbers that is shared with the test:
+//                  [0] which calls are hit, a bit each, in the order of `Call`
+//                  [1] how many hang at present   [2] how many were ever hit
+//                  [3] how many processes have loaded this
+//                  [4] the errno with which they fail; 0: they hang
+//   DISK_MS        for how long each hangs
 #include <climits>
 
 #include <algorithm>
@@ -25,6 +26,7 @@
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
+#include <type_traits>
 #include <unistd.h>
 
 namespace {
@@ -36,9 +38,9 @@ char g_folders[4096];  // no constructor may run before begin()
 long g_ms = 5000;
 
 __attribute__((constructor)) void begin() {
-  const char* folders = std::getenv("STALL_FOLDERS");
-  const char* control = std::getenv("STALL_CONTROL");
-  const char* ms = std::getenv("STALL_MS");
+  const char* folders = std::getenv("DISK_FOLDERS");
+  const char* control = std::getenv("DISK_CONTROL");
+  const char* ms = std::getenv("DISK_MS");
   if (folders == nullptr || control == nullptr) return;
   std::snprintf(g_folders, sizeof g_folders, "%s", folders);
   if (ms != nullptr) g_ms = std::atol(ms);
@@ -69,7 +71,6 @@ bool isBelow(std::string_view path) {
 void hang() {
   const int saved = errno;
   ++g_control[1];
-  ++g_control[2];
   const pid_t child = ::vfork();  // NOLINT: the point of it
   if (child == 0) {
     timespec left{g_ms / 1000, g_ms % 1000 * 1'000'000};
@@ -82,6 +83,14 @@ void hang() {
   errno = saved;
 }
 
+/// Hangs, or says with which errno the call fails.
+int hit() {
+  ++g_control[2];
+  const auto error = static_cast<int>(g_control[4].load());
+  if (error == 0) hang();
+  return error;
+}
+
 // Length of what /proc/self/<link> names; 0 where that is nothing.
 std::size_t follow(const char* link, char* whole, std::size_t size) {
   const long n = ::syscall(SYS_readlinkat, AT_FDCWD, link, whole, size - 1);
@@ -90,24 +99,36 @@ std::size_t follow(const char* link, char* whole, std::size_t size) {
   return static_cast<std::size_t>(n);
 }
 
-void touchPath(Call call, int folder, const char* name) {
-  if (!isOn(call) || name == nullptr) return;
+/// The errno with which a call that touches this path fails; 0: it does not.
+int touchPath(Call call, int folder, const char* name) {
+  if (!isOn(call) || name == nullptr) return 0;
   char link[64] = "/proc/self/cwd";
   char whole[2 * PATH_MAX] = "";
   if (name[0] != '/') {
     if (folder != AT_FDCWD) std::snprintf(link, sizeof link, "/proc/self/fd/%d", folder);
     const std::size_t n = follow(link, whole, sizeof whole);
-    if (n == 0) return;
+    if (n == 0) return 0;
     std::snprintf(whole + n, sizeof whole - n, "/%s", name);
   }
-  if (isBelow(name[0] == '/' ? name : whole)) hang();
+  return isBelow(name[0] == '/' ? name : whole) ? hit() : 0;
 }
 
-void touchFile(Call call, int fd) {
-  if (!isOn(call)) return;
+int touchFile(Call call, int fd) {
+  if (!isOn(call)) return 0;
   char link[64], whole[PATH_MAX];
   std::snprintf(link, sizeof link, "/proc/self/fd/%d", fd);
-  if (follow(link, whole, sizeof whole) > 0 && isBelow(whole)) hang();
+  return follow(link, whole, sizeof whole) > 0 && isBelow(whole) ? hit() : 0;
+}
+
+/// What a call that fails returns.
+template <class Result>
+Result failWith(int error) {
+  errno = error;
+  if constexpr (std::is_pointer_v<Result>) {
+    return nullptr;
+  } else {
+    return -1;
+  }
 }
 
 /// The function that this library stands in front of.
@@ -126,41 +147,47 @@ int reallyOpen(int folder, const char* path, int flags, va_list more) {
 
 extern "C" {
 
-#define OPENS(name)                                             \
-  int name(const char* path, int flags, ...) {                  \
-    va_list more;                                               \
-    va_start(more, flags);                                      \
-    touchPath(Call::kOpen, AT_FDCWD, path);                     \
-    const int result = reallyOpen(AT_FDCWD, path, flags, more); \
-    va_end(more);                                               \
-    return result;                                              \
+#define OPENS(name)                                                             \
+  int name(const char* path, int flags, ...) {                                  \
+    va_list more;                                                               \
+    va_start(more, flags);                                                      \
+    if (const int error = touchPath(Call::kOpen, AT_FDCWD, path); error != 0) { \
+      return failWith<int>(error);                                              \
+    }                                                                           \
+    const int result = reallyOpen(AT_FDCWD, path, flags, more);                 \
+    va_end(more);                                                               \
+    return result;                                                              \
   }
 OPENS(open)
 OPENS(open64)
 
-#define OPENS_AT(name)                                        \
-  int name(int folder, const char* path, int flags, ...) {    \
-    va_list more;                                             \
-    va_start(more, flags);                                    \
-    touchPath(Call::kOpen, folder, path);                     \
-    const int result = reallyOpen(folder, path, flags, more); \
-    va_end(more);                                             \
-    return result;                                            \
+#define OPENS_AT(name)                                                        \
+  int name(int folder, const char* path, int flags, ...) {                    \
+    va_list more;                                                             \
+    va_start(more, flags);                                                    \
+    if (const int error = touchPath(Call::kOpen, folder, path); error != 0) { \
+      return failWith<int>(error);                                            \
+    }                                                                         \
+    const int result = reallyOpen(folder, path, flags, more);                 \
+    va_end(more);                                                             \
+    return result;                                                            \
   }
 OPENS_AT(openat)
 OPENS_AT(openat64)
 
-#define ON_PATH(call, result, name, folder, declared, ...)    \
-  result name declared {                                      \
-    static auto* const real = behind<result declared>(#name); \
-    touchPath(call, folder, path);                            \
-    return real(__VA_ARGS__);                                 \
+#define ON_PATH(call, result, name, folder, declared, ...)             \
+  result name declared {                                               \
+    static auto* const real = behind<result declared>(#name);          \
+    if (const int error = touchPath(call, folder, path); error != 0) { \
+      return failWith<result>(error);                                  \
+    }                                                                  \
+    return real(__VA_ARGS__);                                          \
   }
-#define ON_FILE(call, result, name, declared, ...)            \
-  result name declared {                                      \
-    static auto* const real = behind<result declared>(#name); \
-    touchFile(call, fd);                                      \
-    return real(__VA_ARGS__);                                 \
+#define ON_FILE(call, result, name, declared, ...)                                         \
+  result name declared {                                                                   \
+    static auto* const real = behind<result declared>(#name);                              \
+    if (const int error = touchFile(call, fd); error != 0) return failWith<result>(error); \
+    return real(__VA_ARGS__);                                                              \
   }
 ON_PATH(Call::kOpen, FILE*, fopen, AT_FDCWD, (const char* path, const char* how), path, how)
 ON_PATH(Call::kOpen, FILE*, fopen64, AT_FDCWD, (const char* path, const char* how), path, how)

@@ -1,0 +1,66 @@
+"""A program that stands still in the middle of a contact, and one whose processors others use: no effort jumps, nothing
+stops for that on a simulated device, and a stop is obeyed."""
+import os
+import signal
+import subprocess
+import sys
+import time
+import unittest
+
+import numpy
+
+import faulty_disk  # noqa: F401  the way to what follows
+from app import DONE, INTERRUPTED, AppTest, read_recording
+
+SLEW_PER_MS = 0.25  # of the effort limit: docs/safety.md, kEffortSlew
+ROUNDING = 1e-9
+
+
+class Standstill(AppTest):
+    def start_bar(self, duration_s):
+        run = self.start_app("run", "--no-web", "--no-rehearsal", "--duration", duration_s, "--record", "run.h5")
+        self.wait_until_it_renders(run)
+        return run
+
+    def expect_no_jump(self):
+        """Of what was sent, from each tick to the next one that ran; the contacts at each."""
+        with read_recording(self.folder / "run.h5") as recording:
+            sent = numpy.asarray(recording["ticks/sent"])
+            limits = numpy.asarray(recording["meta"].attrs["effort_limits"])
+            contacts = numpy.asarray(recording["ticks/contact_count"])
+            ticks = numpy.asarray(recording["ticks/tick"]).astype(numpy.int64)
+        share = numpy.abs(numpy.diff(sent, axis=0)) / limits
+        self.assertLessEqual(share.max(), SLEW_PER_MS * (1 + ROUNDING))
+        return contacts, numpy.diff(ticks)
+
+    def test_stopped_and_continued_in_contact_no_effort_jumps(self):
+        run = self.start_bar(14)
+        while run.poll() is None:
+            time.sleep(self.random.uniform(0.4, 0.8))
+            run.send_signal(signal.SIGSTOP)
+            time.sleep(self.random.uniform(0.02, 0.3))
+            run.send_signal(signal.SIGCONT)
+        out, err = run.communicate(timeout=100)
+        self.assertEqual(run.returncode, DONE, out + err)
+        self.assertIn("faults   none", out)
+        contacts, gaps = self.expect_no_jump()
+        stalled = gaps > 20
+        self.assertGreater(stalled.sum(), 5)
+        self.assertGreater((stalled & (contacts[:-1] > 0)).sum(), 0, "no stall met a contact")
+
+    def test_beside_programs_that_use_every_processor_it_goes_on_and_stops_when_asked(self):
+        busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(2 * os.cpu_count())]
+        for program in busy:
+            self.addCleanup(program.wait)
+            self.addCleanup(program.kill)
+        run = self.start_bar(600)
+        time.sleep(4.0)
+        run.send_signal(signal.SIGTERM)
+        out, err = run.communicate(timeout=100)
+        self.assertEqual(run.returncode, INTERRUPTED, out + err)
+        self.assertIn("faults   none", out)
+        self.expect_no_jump()
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

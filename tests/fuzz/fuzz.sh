@@ -1,0 +1,15 @@
+#!/usr/bin/env bash
+# fuzz.sh PROGRAM DOOR FOLDER: libFuzzer at one door for WHOLEHAND_FUZZ_S seconds (2), from the kept corpus on.
+# FOLDER keeps what it found; an input that fails is named there, and runs again with
+#   PROGRAM --door=DOOR FILE
+set -euo pipefail
+program=$1 door=$2 folder=$3/$2 seconds=${WHOLEHAND_FUZZ_S:-2}
+kept=$(cd "$(dirname "$0")" && pwd)/corpus/$door
+mkdir -p "$folder/found" "$folder/good"
+corpora=("$folder/found" "$folder/good")
+if [[ -d $kept ]]; then corpora+=("$kept"); fi
+# A second and 256 MB an input; a machine that stands still is given ten.
+export ASAN_OPTIONS=${ASAN_OPTIONS:-}:quarantine_size_mb=16:detect_leaks=0
+exec "$program" "--door=$door" "--good=$folder/good" -seed="$((${WHOLEHAND_SEED:-1} % 2147483647 + 1))" \
+  -max_total_time="$seconds" -timeout=10 -report_slow_units=1 -malloc_limit_mb=256 -rss_limit_mb=1024 \
+  -print_final_stats=1 -verbosity=0 -artifact_prefix="$folder/" "${corpora[@]}"
