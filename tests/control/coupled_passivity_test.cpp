@@ -4,6 +4,7 @@
 
 #include "control/avatar_loop.hpp"
 #include "control/passivity.hpp"
+#include "device/simulated/matrix_exponential.hpp"
 #include "support/figure.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
@@ -15,7 +16,6 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
-#include <unsupported/Eigen/MatrixFunctions>
 
 namespace wholehand::test {
 namespace {
@@ -209,7 +209,7 @@ Matrix loopWith(const CoupledCase& c, const Terminations& t, double phi, const A
   rate.block(n, 0, n, n) = -inverse * t.stiffness;
   rate.block(n, n, n, n) = -inverse * damping;
   rate.block(n, 2 * n, n, n) = inverse;
-  const Matrix held = Matrix(rate * kPeriod_s).exp();
+  const Matrix held = matrixExponential(rate * kPeriod_s);
   const AxisRatio own = avatarDamping(c.inertias[0], stiffnessOf(c), kPeriod_s);
   const double h = kPeriod_s;
   const Matrix implicit =

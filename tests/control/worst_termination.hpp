@@ -1,13 +1,13 @@
 #pragma once
 
 #include "control/stability.hpp"
+#include "device/simulated/matrix_exponential.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <limits>
 #include <numbers>
-#include <unsupported/Eigen/MatrixFunctions>
 #include <vector>
 
 /// The passive person and the passive object that need the most damping of all, built from the
@@ -192,7 +192,7 @@ class TerminatedAxis {
       rate(at + 1, 0) = squared;
       rate(at + 1, at) = -squared;
     }
-    held_ = (loop.period_s * rate).exp().topRows(moving_);
+    held_ = matrixExponential(loop.period_s * rate).topRows(moving_);
   }
 
   [[nodiscard]] Eigen::Index size() const { return moving_ + 5 + l_.delay_ticks; }

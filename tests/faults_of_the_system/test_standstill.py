@@ -34,9 +34,9 @@ class Standstill(AppTest):
         return contacts, numpy.diff(ticks)
 
     def test_stopped_and_continued_in_contact_no_effort_jumps(self):
-        run = self.start_bar(14)
+        run = self.start_bar(9)
         while run.poll() is None:
-            time.sleep(self.random.uniform(0.4, 0.8))
+            time.sleep(self.random.uniform(0.25, 0.5))
             run.send_signal(signal.SIGSTOP)
             time.sleep(self.random.uniform(0.02, 0.3))
             run.send_signal(signal.SIGCONT)

@@ -1,10 +1,11 @@
 #include "device/simulated/axis_dynamics.hpp"
 
+#include "device/simulated/matrix_exponential.hpp"
+
 #include <Eigen/Core>
 
 #include <algorithm>
 #include <bit>
-#include <unsupported/Eigen/MatrixFunctions>
 
 namespace wholehand {
 
@@ -18,7 +19,7 @@ AxisDynamics::AxisDynamics(const AxisPlant& plant, double period_s)
     generator.row(0) << 0.0, 1.0, 0.0, 0.0;
     generator.row(1) << -plant.stiffness * h * h / m, -plant.damping * h / m, 1.0, 0.0;
     generator.row(2) << 0.0, 0.0, 0.0, 1.0;
-    const Eigen::Matrix4d e = generator.exp();
+    const Eigen::Matrix4d e = matrixExponential(generator);
     const double accel = h * h / m;
     transitions_[level].position = {e(0, 0), e(0, 1) * h, e(0, 2) * accel, e(0, 3) * accel * h};
     transitions_[level].velocity = {e(1, 0) / h, e(1, 1), e(1, 2) * h / m, e(1, 3) * accel};

@@ -1,12 +1,13 @@
 #include "device/simulated/linked_dynamics.hpp"
 
+#include "device/simulated/matrix_exponential.hpp"
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <unsupported/Eigen/MatrixFunctions>
 
 namespace wholehand {
 namespace {
@@ -45,7 +46,7 @@ LinkedDynamics::LinkedDynamics(const LinkedPlant& plant, double period_s)
   generator.block(n, n, n, n) = -h * inverse * plant.damping;
   generator.block(n, 2 * n, n, n).setIdentity();
   generator.block(2 * n, 3 * n, n, n).setIdentity();
-  const Eigen::MatrixXd e = generator.exp();
+  const Eigen::MatrixXd e = matrixExponential(generator);
   const auto part = [&](int row, int column) {
     return Eigen::MatrixXd(e.block(row * n, column * n, n, n));
   };

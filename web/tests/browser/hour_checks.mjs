@@ -48,7 +48,12 @@ export function growthOf(who, earlier, later) {
 async function loadLevel(therapist, level) {
   await therapist.page.selectOption('[data-testid=level]', String(level));
   await therapist.page.click('[data-testid=load]');
-  await therapist.until(`level ${level}, and rendering`, (now) => now.level === level && now.runState === RENDERING, { within_ms: PATIENT_MS });
+  try {
+    await therapist.until(`level ${level}, and rendering`, (now) => now.level === level && now.runState === RENDERING, { within_ms: PATIENT_MS });
+  } catch (error) {
+    const shown = await therapist.page.evaluate(() => document.body.innerText.replace(/\s+/g, ' ').slice(0, 600));
+    throw new Error(`${error.message}; the console says: ${shown}`, { cause: error });
+  }
 }
 
 /** p99.9 of the tick [µs of processor], each from a status line of the program. */

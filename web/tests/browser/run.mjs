@@ -173,7 +173,7 @@ try {
   // Minutes where pages are drawn in software; the same ways play on the simulated clock in tests/steered_hand.test.ts.
   if (process.env.WHOLEHAND_FULL === '1') await test('drinks by one button, mouse, touch and pad', () => drinksByEveryWay(drawing, program.url, watcher));
   if (process.env.WHOLEHAND_FULL === '1') await test('keys fill a glass without help', () => checks.keysFillAGlassAlone(drawing, program.url, watcher));
-  if (process.env.WHOLEHAND_FULL === '1') await test('an hour of play leaves nothing behind', () => waiting((_, program) => hourOfPlayIsFlat(plain, drawing, program, OUTPUT)));
+  if (process.env.WHOLEHAND_FULL === '1') await test('an hour of play leaves nothing behind', () => waiting((_, program) => hourOfPlayIsFlat(plain, drawing, program, OUTPUT), startWaiting, '--no-rehearsal'));
   await test('pause after a stop starts nothing', () => waiting((url) => stops.pauseAfterAStopStartsNothing(plain, url)));
   await test('any exercise shows its panel', () => waiting((url) => panels.anyExerciseShowsItsPanel(plain, url), () => startProgram({ file: FILE, folder, args: ['--exercise', 'squeeze-to-level'] })));
   await test('profiles are kept', () => waiting((url) => panels.profilesAreKept(plain, url, picture)));
