@@ -4,12 +4,11 @@
 #   PROGRAM --door=DOOR FILE
 set -euo pipefail
 program=$1 door=$2 folder=$3/$2 seconds=${WHOLEHAND_FUZZ_S:-2}
-kept=$(cd "$(dirname "$0")" && pwd)/corpus/$door
-mkdir -p "$folder/found" "$folder/good"
-corpora=("$folder/found" "$folder/good")
-if [[ -d $kept ]]; then corpora+=("$kept"); fi
+corpus=$(cd "$(dirname "$0")" && pwd)/corpus/$door.tar.xz
+mkdir -p "$folder/found" "$folder/good" "$folder/kept"
+if [[ -f $corpus ]]; then tar -xJf "$corpus" -C "$folder/kept"; fi
 # A second and 256 MB an input; a machine that stands still is given ten.
 export ASAN_OPTIONS=${ASAN_OPTIONS:-}:quarantine_size_mb=16:detect_leaks=0
 exec "$program" "--door=$door" "--good=$folder/good" -seed="$((${WHOLEHAND_SEED:-1} % 2147483647 + 1))" \
   -max_total_time="$seconds" -timeout=10 -report_slow_units=1 -malloc_limit_mb=256 -rss_limit_mb=1024 \
-  -print_final_stats=1 -verbosity=0 -artifact_prefix="$folder/" "${corpora[@]}"
+  -print_final_stats=1 -verbosity=0 -artifact_prefix="$folder/" "$folder/found" "$folder/good" "$folder/kept"
