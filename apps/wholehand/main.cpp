@@ -47,8 +47,8 @@ void addCertify(CLI::App& app, CertifyOptions& o, int& code) {
       "--passport", o.passport,
       "Passport of the device: judge the worst corner of what was measured of it");
   certify->add_option("--json", o.json, "Write the certificate to this file");
-  certify->add_option("--svg", o.svg,
-                      "Draw each axis's Z-width (or felt impedance) into this file");
+  certify->add_option("--charts", o.charts,
+                      "Draw each axis's Z-width (or felt impedance) into this HTML file");
   CLI::Option* impedance =
       certify->add_flag("--impedance", o.impedance,
                         "Predict and measure what the person feels on every axis, instead");

@@ -218,7 +218,8 @@ TEST(ReplayedRecording, About_SaysWhatTheFileHolds) {
   EXPECT_EQ(about["simulated_device"], true);
   EXPECT_FALSE(about.contains("no_picture_because"));
   ASSERT_FALSE(about["result"].empty());
-  EXPECT_TRUE(about["result"][0]["value"].is_string()) << "as the report writes it";
+  EXPECT_TRUE(about["result"][0]["value"].is_number());
+  EXPECT_TRUE(about["result"][0]["decimals"].is_number());
 }
 
 TEST(ReplayedRecording, StatesInSteps_AreTheRowsAskedForAndFewerAtTheEnd) {

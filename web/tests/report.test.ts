@@ -5,7 +5,7 @@ import { pageData, unpackBytes, type Json } from '../src/embedded/page_data';
 import { FakeRecordings } from '../src/net/fake_recordings';
 import { ReplaySide } from '../src/replay/side';
 import { asProblem } from '../src/replay/problem';
-import { rangeOf } from '../src/report/chart_range';
+import { rangeOf } from '../src/charts/chart_range';
 import { EmbeddedRecording, EmbeddedStates } from '../src/report/embedded_recording';
 import { de } from '../src/report/i18n/de';
 import { en } from '../src/report/i18n/en';

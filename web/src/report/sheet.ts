@@ -11,7 +11,7 @@ import { texts as replayTexts } from '../replay/i18n';
 import { ExercisePanel } from '../shared/exercise_panel';
 import { fill, language, nameOf } from '../shared/i18n';
 import { WindowSamples } from '../replay/window_samples';
-import type { ChartBand, ChartMark } from './chart';
+import type { ChartBand, ChartMark } from '../charts/chart';
 import { texts } from './i18n';
 import type { ReportData } from './report_data';
 import { exerciseJson } from './therapy';

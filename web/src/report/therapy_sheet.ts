@@ -6,7 +6,7 @@ import { inLanguage } from '../shared/exercise_panel';
 import { faultWord, fill, nameOf } from '../shared/i18n';
 import { h } from '../shared/dom';
 import { channelKey } from '../replay/series_piece';
-import { chart, type ChartLine } from './chart';
+import { chart, type ChartLine } from '../charts/chart';
 import { texts } from './i18n';
 import { stepTimes, valueAt } from './limits';
 import { pictureFrame } from './picture';
