@@ -82,11 +82,15 @@ void addReplay(CLI::App& app, ReplayOptions& o, int& code) {
                            ->capture_default_str();
   CLI::Option* web = r->add_flag("--web", o.web, "Show it in the browser, until Ctrl-C");
   web->excludes(again)->excludes(extract)->excludes(speed);
-  r->add_option("--report", o.report, "Write it as one HTML page that needs nothing else")
-      ->excludes(again)
-      ->excludes(extract)
-      ->excludes(speed)
-      ->excludes(web);
+  CLI::Option* report =
+      r->add_option("--report", o.report, "Write it as one HTML page that needs nothing else")
+          ->excludes(again)
+          ->excludes(extract)
+          ->excludes(speed)
+          ->excludes(web);
+  r->add_option("--before", o.before,
+                "Recording of the session before: the report tells what is better")
+      ->needs(report);
   r->add_option("--beside", o.beside, "HDF5 file to show beside it in the browser")->needs(web);
   r->add_option("--port", o.port, "Port of the pages; 0: any that is free")
       ->check(finiteBetween(0, 65535, ""))
@@ -102,7 +106,11 @@ void addOthers(CLI::App& app, ReportOptions& report, ExperimentOptions& experime
       app.add_subcommand("report", "Make a page of a recording: one HTML file, index.html");
   p->add_option("recording", report.recording, "HDF5 file, or black box (.wbb)")->required();
   p->add_option("--out", report.page, "Folder to write into")->required();
-  p->callback([&] { code = reportCommand({report.recording, pageIn(report.page)}); });
+  p->add_option("--before", report.before,
+                "Recording of the session before: the page tells what is better");
+  p->callback([&] {
+    code = reportCommand({report.recording, pageIn(report.page), report.before});
+  });
 
   CLI::App* e = app.add_subcommand("experiment", "Repeat the paper's experiments");
   e->require_subcommand(1);

@@ -76,6 +76,34 @@ class OneFile(ReportTest):
                 self.assertNotIn("alert(1)</script>", (self.folder / "page.html").read_text())
 
 
+class SessionBefore(ReportTest):
+    def test_its_figures_stand_beside_those_of_the_recording(self):
+        before = self.record("before.h5", "--exercise", "cocktail-bar", "--seed", "2", duration=12)
+        now = self.record("now.h5", "--exercise", "cocktail-bar", duration=2)
+        own = self.report(before, "own.html")
+        self.expect(self.run_app("replay", now, "--report", "page.html", "--before", before), DONE)
+        data = self.data_in(self.folder / "page.html")
+        self.assertEqual((data["about"]["name"], data["before"]["about"]["name"]), ("now.h5", "before.h5"))
+        for part in ("about", "therapy", "engineering"):
+            self.assertEqual(data["before"][part], own[part])
+        events, own_events = (Series(unpacked(page["series"])).header["events"] for page in (data["before"], own))
+        self.assertEqual(events, own_events)
+        self.assertIn("drink_done", [own["about"]["event_names"][event["type"]] for event in events])
+        self.assertEqual(data["before"]["states"]["rows"][-1], own["states"]["rows"][-1])  # whence the stars come
+        self.expect(self.run_app("report", now, "--out", "folder", "--before", before), DONE)
+        self.assertEqual((self.folder / "folder/index.html").read_bytes(), (self.folder / "page.html").read_bytes())
+
+    def test_that_is_none_is_refused_and_nothing_is_written(self):
+        now = self.record("now.h5", duration=0.3)
+        (self.folder / "link.h5").symlink_to(now)
+        self.write("text.h5", "no recording")
+        for name, says in (("link.h5", "is the recording of the report itself"), ("text.h5", "text.h5"), ("none.h5", "none.h5")):
+            with self.subTest(name):
+                self.expect_refused(self.run_app("replay", now, "--report", "page.html", "--before", name), name, says)
+                self.assertFalse((self.folder / "page.html").exists())
+        self.expect_refused(self.run_app("replay", now, "--before", now), "--before")
+
+
 class WhatIsInIt(ReportTest):
     def test_extremes_are_those_of_the_recording(self):
         path = self.record("bar.h5", "--exercise", "cocktail-bar", duration=12)

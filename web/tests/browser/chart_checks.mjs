@@ -16,10 +16,10 @@ async function open(browser, path, hash = '?lang=en&theme=dark') {
   return { page, asked };
 }
 
-/** How bright the chart's ground and the words on it are: the mean of what is not transparent. */
+/** How bright the numbers beside the first chart are, 0 to 255. */
 const inkOf = (page) => page.evaluate(() => {
   const canvas = document.querySelector('.chart canvas');
-  const { data } = canvas.getContext('2d').getImageData(0, 0, 80, canvas.height);
+  const { data } = canvas.getContext('2d').getImageData(0, 0, 60, canvas.height);
   let [sum, count] = [0, 0];
   for (let i = 0; i < data.length; i += 4) if (data[i + 3] > 200) { sum += data[i]; count += 1; }
   return sum / count;
