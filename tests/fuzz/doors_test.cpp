@@ -1,6 +1,7 @@
 // Damaged inputs at the doors: files of every kind, targets of HTTP, black boxes whose checksums
 // are right. Each ends in a value or in a refusal with a remedy, within a second of processor. 10^5
 // TOML files and 10^4 of every other kind under WHOLEHAND_FULL=1.
+#include "core/crc32.hpp"
 #include "model/device_model.hpp"
 #include "model/hand_file.hpp"
 #include "model/patient_config.hpp"
@@ -16,7 +17,6 @@
 #include "telemetry/black_box.hpp"
 #include "telemetry/black_box_layout.hpp"
 #include "telemetry/black_box_reader.hpp"
-#include "telemetry/crc32.hpp"
 #include "telemetry/synthetic_recording.hpp"
 
 #include <gtest/gtest.h>

@@ -123,7 +123,7 @@ function options(spec: ChartSpec, colors: Colors, width: number, height: number)
     },
     axes: [
       { ...axis, size: (spec.nameOfX ? NAMES_PX : 5) * FINER, gap: 5 * FINER, space: (spec.logarithmic_x ? 30 : 70) * FINER, ...splitsOf(spec.logarithmic_x, spec.range_x), values: (_plot, splits) => namesOfX(spec, splits) },
-      { ...axis, size: 38 * FINER, gap: 4 * FINER, space: 22 * FINER, ...splitsOf(spec.logarithmic_y, range_y, spec.numbers_y), values: (_plot, splits) => splits.map((value) => (value === null ? '' : numberOf(value))) },
+      { ...axis, size: 38 * FINER, gap: 4 * FINER, space: 17 * FINER, ...splitsOf(spec.logarithmic_y, range_y, spec.numbers_y), values: (_plot, splits) => splits.map((value) => (value === null ? '' : numberOf(value))) },
     ],
     series: [{}, ...spec.lines.map(seriesOf)],
     bands: spec.goal ? [{ series: [spec.goal[1] + 1, spec.goal[0] + 1], fill: '#0B6B5822' }] : undefined,

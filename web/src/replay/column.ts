@@ -1,5 +1,5 @@
 import { titleWords } from '../console/title_words';
-import { SmallBar, type HandLook } from '../console/bar_view';
+import { SmallBar, type HandLook } from '../console/small_bar';
 import { h } from '../console/dom';
 import { ExercisePanelView } from '../console/exercise_panel';
 import { ViewPanel } from '../console/view';
