@@ -10,7 +10,7 @@ export type { ChartLine };
 /** Dots of the canvas to one of the sheet, beside those of the screen: 192 dots to an inch on paper. */
 const FINER = 2;
 const SIGNS = '"DejaVu Sans", "Segoe UI Symbol", "Apple Symbols", sans-serif';
-const FONT = '"Atkinson Hyperlegible Next Variable", Verdana, sans-serif';
+export const FONT = '"Atkinson Hyperlegible Next Variable", Verdana, sans-serif';
 
 export interface ChartMark { readonly at: number; readonly label: string; readonly bad: boolean }
 export interface ChartBand { readonly from: number; readonly to: number; readonly color: string }

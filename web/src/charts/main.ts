@@ -10,7 +10,7 @@ import { headerButtons } from '../replay/header';
 import { asProblem, Problem } from '../replay/problem';
 import { onLanguage, startLanguage } from '../shared/i18n';
 import { answerPresses } from '../shared/pressed';
-import { redrawCharts } from './chart';
+import { FONT, redrawCharts } from './chart';
 import { readChartPage, type ChartPageData } from './chart_page_data';
 import { texts } from './i18n';
 import { chartSheet } from './sheet';
@@ -63,10 +63,10 @@ async function allDrawn(): Promise<void> {
   while (root.querySelector('.chart:not(:has(canvas))')) await new Promise(requestAnimationFrame);
 }
 
-/** Fonts have no width before they are loaded: what is drawn with them waits. */
+/** What is drawn on a canvas does not change when its font comes: the charts wait for it. */
 async function open(): Promise<void> {
   read();
-  await document.fonts.ready;
+  await document.fonts.load(`11px ${FONT}`);
   build();
   await allDrawn();
   document.body.dataset.state = refused ? 'problem' : 'shown';
