@@ -20,7 +20,7 @@ struct DoctorFinding {
   std::string remedy;  ///< empty where good
   // For the one sentence at the end; empty: it says nothing there.
   std::string reason{};  ///< "the kernel is not PREEMPT_RT"
-  std::string cure{};     ///< "start a kernel with PREEMPT_RT"
+  std::string cure{};    ///< "start a kernel with PREEMPT_RT"
 };
 using Findings = std::vector<DoctorFinding>;
 
