@@ -139,11 +139,11 @@ npm_install() {
 
 # True where the built pages are newer than everything that they are made of.
 pages_are_current() {
-  [[ -f $root/web/dist/index.html && -f $root/web/dist/report.html ]] || return 1
-  local newer  # than the report, which is built last
+  [[ -f $root/web/dist/index.html && -f $root/web/dist/charts.html ]] || return 1
+  local newer  # than the charts, which are built last
   newer=$(cd "$root" && find web protocol \( -path web/node_modules -o -path web/dist -o -path web/tests \
     -o -path web/test-output -o -path web/src/protocol/generated \) -prune \
-    -o -type f -newer web/dist/report.html -print -quit) && [[ -z $newer ]]
+    -o -type f -newer web/dist/charts.html -print -quit) && [[ -z $newer ]]
 }
 
 # build_web: the pages into web/dist, when a source is newer than they are.

@@ -2,6 +2,7 @@
 """Measures what docs/results.toml lists, and writes docs/results.json and the pages made of it.
 
 usage: results.py measure [NAME ...]   runs the commands (all, or those named) and writes the pages
+       results.py pictures [NAME ...]  runs what a picture of docs/images needs, and draws its page
        results.py write                writes docs/results.md and README.md's table from results.json
        results.py check                exit code 1 where a page says another thing than results.json
 
@@ -92,6 +93,23 @@ def measure_all(names):
         print(f"  {len(data['measured'][name]['figures'])} figures in {data['measured'][name]['took_s']} s")
 
 
+def draw_pictures(names):
+    """A command writes a page of charts; a browser without a screen draws it."""
+    listed = tomllib.loads(LIST.read_text(encoding="utf-8"))["picture"]
+    unknown = set(names) - set(listed)
+    if unknown:
+        sys.exit(f"{LIST.name} lists no picture {', '.join(sorted(unknown))}; it lists {', '.join(listed)}")
+    for name in names or listed:
+        with tempfile.TemporaryDirectory(prefix="wholehand-pictures-") as folder:
+            page = Path(folder) / "page.html"
+            command = [word.format(page=page, out=folder) for word in shlex.split(listed[name]["run"])]
+            print(f"{name}: {listed[name]['run']} ...", flush=True)
+            subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+            shot = f"{name}={page.as_uri()}?lang=en&theme=light state:shown only:.paper"
+            subprocess.run(["node", "tools/shot.mjs", str(ROOT / "docs/images"), shot], cwd=ROOT / "web", check=True,
+                           env=dict(os.environ, SCALE="1.5", SETTLE="0"))
+
+
 def command_of(measured):
     environment = " ".join(f"{key}={value}" for key, value in measured["environment"].items())
     words = measured["run"].replace("{json}", "F.json").replace("{out}", "DIR")
@@ -144,8 +162,10 @@ def pages():
 
 def main():
     what, names = (sys.argv[1:2] or [""])[0], sys.argv[2:]
-    if what not in ("measure", "write", "check") or (names and what != "measure"):
+    if what not in ("measure", "pictures", "write", "check") or (names and what not in ("measure", "pictures")):
         sys.exit(__doc__)
+    if what == "pictures":
+        return draw_pictures(names)
     if what == "measure":
         measure_all(names)
     different = [file for file, text in pages().items()

@@ -67,7 +67,7 @@ void addBarExperiments(CLI::App& experiment, BarExperimentOptions& options, int&
       ->capture_default_str();
   exercise->add_option("--json", e.json, "Write the results to this file");
   exercise->add_option("--record", e.record, "Write every tick to this HDF5 file");
-  exercise->add_option("--svg", e.svg, "Draw the figure into this file");
+  exercise->add_option("--charts", e.charts, "Draw the figure into this HTML file");
   exercise->add_option("--out", e.folder, "Folder for what is not named")->capture_default_str();
   addFiles(*exercise, e.files);
   exercise->footer("On the simulated clock; opens no port.");

@@ -27,7 +27,7 @@ struct ExerciseOptions {
   BarFiles files;
   std::uint64_t seed = 1;
   std::string folder = "out/experiment";  ///< for what is not named
-  std::string json, record, svg;
+  std::string json, record, charts;
 };
 
 struct BarExperimentOptions {

@@ -2,8 +2,9 @@
 
 #include "assembly/sampled_inertia.hpp"
 #include "assembly/text_file.hpp"
-#include "certification/certificate_chart.hpp"
+#include "certificate_chart.hpp"
 #include "certification/certificate_text.hpp"
+#include "chart_file.hpp"
 #include "commissioning/passport.hpp"
 #include "core/printable.hpp"
 #include "exercise/load_exercise.hpp"
@@ -113,9 +114,11 @@ int certifyCommand(const CertifyOptions& options) {
   if (!models) return refuse(models.errors());
   if (options.impedance) {
     return impedanceCommand(*models, {1.0 / options.rate_hz, options.contact_stiffness_n_m},
-                            options.json, options.svg);
+                            options.json, options.charts);
   }
-  if (auto ready = prepareFiles({options.json, options.svg}); !ready) return refuse(ready.errors());
+  if (auto ready = prepareCharts(options.charts, {options.json}); !ready) {
+    return refuse(ready.errors());
+  }
   const auto devices = judgedDevices(options, models->device);
   if (!devices) return refuse(devices.errors());
   const AdvisedCertificate judged = judgeWorst(*models, *devices, options);
@@ -124,8 +127,8 @@ int certifyCommand(const CertifyOptions& options) {
     const auto done = writeText(options.json, certificateJson(judged).dump(2) + "\n");
     if (!done) return refuse(done.errors());
   }
-  if (!options.svg.empty()) {
-    const auto done = writeText(options.svg, certificateChart(judged));
+  if (!options.charts.empty()) {
+    const auto done = writeCharts(certificateChart(judged), options.charts);
     if (!done) return refuse(done.errors());
   }
   return judged.certificate.certified ? kExitDone : kExitNotCertified;

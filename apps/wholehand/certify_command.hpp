@@ -11,7 +11,7 @@ struct CertifyOptions {
   double rate_hz = 1000.0;
   std::string passport = {};  ///< of the device: its worst corner is judged; empty: none
   std::string json = {};      ///< empty: none
-  std::string svg = {};       ///< empty: none
+  std::string charts = {};    ///< empty: none
   bool impedance = false;  ///< what the person feels, predicted and measured, in place of stability
   double contact_stiffness_n_m = 1000.0;  ///< of the spring in which it is felt, too
 };

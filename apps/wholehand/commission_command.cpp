@@ -2,6 +2,7 @@
 
 #include "assembly/commissioning_record.hpp"
 #include "assembly/text_file.hpp"
+#include "chart_file.hpp"
 #include "commissioning/commissioning.hpp"
 #include "commissioning/console/console_operator.hpp"
 #include "commissioning/lead.hpp"
@@ -57,6 +58,7 @@ CommissioningPlan planOf(const CommissionOptions& options) {
   plan.operator_name = options.operator_name;
   plan.day = today();
   plan.write = writeText;
+  plan.draw = writeCharts;
   return plan;
 }
 

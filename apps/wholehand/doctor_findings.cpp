@@ -188,16 +188,16 @@ DoctorFinding grantedOrNot(const SetupLine& line) {
                         ""};
   if (remedy < line.sentence.size()) finding.remedy = line.sentence.substr(remedy + mark.size());
   if (line.what == "real-time priority") {
-    finding.because = line.granted ? "real-time priority is granted" : kNoPriority;
+    finding.reason = line.granted ? "real-time priority is granted" : kNoPriority;
     finding.cure = kGrantPriority;
   } else if (line.what == "locked memory") {
-    finding.because = line.granted ? "its memory is locked" : kNoMemory;
+    finding.reason = line.granted ? "its memory is locked" : kNoMemory;
     finding.cure = kGrantMemory;
   } else if (line.what == "own core") {
-    finding.because = line.granted ? "" : kNoCore;
+    finding.reason = line.granted ? "" : kNoCore;
     finding.cure = kGrantCore;
   } else if (!line.granted) {
-    finding.because = "it refuses the loop: " + line.what;
+    finding.reason = "it refuses the loop: " + line.what;
     finding.cure = "see the line '" + line.what + "'";
   }
   return finding;
@@ -289,8 +289,8 @@ Verdict verdictOf(const Findings& findings) {
     if (!text.empty() && std::find(to.begin(), to.end(), text) == to.end()) to.push_back(text);
   };
   for (const DoctorFinding& f : findings) {
-    if (f.blocks == Blocks::kNothing || f.good != fit || f.because.empty()) continue;
-    add(reasons, f.because);
+    if (f.blocks == Blocks::kNothing || f.good != fit || f.reason.empty()) continue;
+    add(reasons, f.reason);
     if (!fit) add(cures, f.cure);
   }
   if (fit) {

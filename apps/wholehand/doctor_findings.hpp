@@ -19,8 +19,8 @@ struct DoctorFinding {
   std::string fact;
   std::string remedy;  ///< empty where good
   // For the one sentence at the end; empty: it says nothing there.
-  std::string because{};  ///< "the kernel is not PREEMPT_RT"
-  std::string cure{};     ///< "start a kernel with PREEMPT_RT"
+  std::string reason{};  ///< "the kernel is not PREEMPT_RT"
+  std::string cure{};    ///< "start a kernel with PREEMPT_RT"
 };
 using Findings = std::vector<DoctorFinding>;
 

@@ -1,5 +1,6 @@
 #include "assembly/text_file.hpp"
 #include "bar_experiments.hpp"
+#include "chart_file.hpp"
 #include "exercise_figure.hpp"
 #include "exit_code.hpp"
 #include "experiments/exercise_script.hpp"
@@ -72,9 +73,9 @@ int exerciseCommand(const ExerciseOptions& options) {
     return path.empty() ? options.folder + "/" + name : path;
   };
   const std::string json_path = named(options.json, "exercise.json");
-  const std::string svg_path = named(options.svg, "exercise.svg");
+  const std::string chart_path = named(options.charts, "exercise.html");
   const std::string record_path = named(options.record, "exercise.h5");
-  if (auto ready = prepareFiles({json_path, svg_path, record_path}); !ready) {
+  if (auto ready = prepareCharts(chart_path, {json_path, record_path}); !ready) {
     return refuse(ready.errors());
   }
   ExercisePlan plan;
@@ -91,11 +92,11 @@ int exerciseCommand(const ExerciseOptions& options) {
   if (auto done = writeText(json_path, resultJson(*result, options.seed).dump(2) + "\n"); !done) {
     return refuse(done.errors());
   }
-  if (auto done = writeText(svg_path, exerciseFigure(*result)); !done) {
+  if (auto done = writeCharts(exerciseFigure(*result), chart_path); !done) {
     return refuse(done.errors());
   }
   print(*result);
-  std::printf("%s\n%s\n%s\n", json_path.c_str(), svg_path.c_str(), record_path.c_str());
+  std::printf("%s\n%s\n%s\n", json_path.c_str(), chart_path.c_str(), record_path.c_str());
   return endOf(result->faulted, false);
 }
 

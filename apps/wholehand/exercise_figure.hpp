@@ -1,13 +1,12 @@
 #pragma once
 
 #include "experiments/exercise_trial.hpp"
-
-#include <string>
+#include "page/chart_page.hpp"
 
 namespace wholehand {
 
-/// The paper's Fig. 7 as one SVG that needs nothing else: efforts of fingers, thumb and arm, Φ, α,
-/// flow and fill over time, with the phases shaded and numbered.
-[[nodiscard]] std::string exerciseFigure(const ExerciseResult& result);
+/// The paper's Fig. 7: efforts of fingers, thumb and arm, Φ, α, flow and fill over time, with the
+/// phases shaded and named.
+[[nodiscard]] ChartPage exerciseFigure(const ExerciseResult& result);
 
 }  // namespace wholehand

@@ -1,10 +1,10 @@
 #include "assembly/run.hpp"
 #include "assembly/text_file.hpp"
+#include "chart_file.hpp"
 #include "core/plural.hpp"
 #include "exit_code.hpp"
 #include "experiment_command.hpp"
 #include "experiments/grasp_trial.hpp"
-#include "report/svg_plot.hpp"
 #include "runtime/interrupt_scope.hpp"
 #include "shipped_files.hpp"
 
@@ -18,6 +18,7 @@ namespace wholehand {
 namespace {
 
 constexpr double kSlipAsked_m = 0.5e-3;
+constexpr double kLeastSlip_mm = 1e-4, kMostSlip_mm = 100.0;  // of the chart
 
 ModelFiles shippedModels() {
   ModelFiles files;
@@ -60,41 +61,41 @@ void printTrial(const GraspResult& r) {
   std::fflush(stdout);
 }
 
-// Slip of all trials, sorted, on a logarithmic axis: how many stay below what is asked.
-std::string slipPlot(const std::vector<GraspResult>& tuned,
-                     const std::vector<GraspResult>& jittered) {
-  LinePlot plot;
-  plot.title = "Slip during a 10 s hold, mm: share of the trials that slip no further";
-  plot.width_px = 760;
-  plot.height_px = 260;
-  plot.log_x = true;
-  plot.x_min = 1e-4;
-  plot.x_max = 100.0;
-  plot.y_min = 0.0;
-  plot.y_max = 1.0;
-  plot.x_unit = "mm";
-  plot.marks = {{kSlipAsked_m * 1e3, "asked: 0.5 mm"}};
-  const auto line = [](const char* name, const char* color, const char* dash,
-                       const std::vector<GraspResult>& results) {
-    std::vector<double> slips;
-    for (const GraspResult& r : results) slips.push_back(std::max(r.slip_m * 1e3, 1e-4));
-    std::sort(slips.begin(), slips.end());
-    PlotLine out;
-    out.name = name;
-    out.color = color;
-    out.dash = dash;
-    out.points.push_back({1e-4, 0.0});
-    for (std::size_t i = 0; i < slips.size(); ++i) {
-      const double n = static_cast<double>(slips.size());
-      out.points.push_back({slips[i], static_cast<double>(i) / n});
-      out.points.push_back({slips[i], static_cast<double>(i + 1) / n});
-    }
-    out.points.push_back({100.0, 1.0});
-    return out;
-  };
-  if (!tuned.empty()) plot.lines.push_back(line("tuned", "#006A94", "", tuned));
-  if (!jittered.empty()) plot.lines.push_back(line("jittered", "#8A5A00", "6 3", jittered));
-  return linePlot(plot);
+/// The share of the trials that slip no further, over the slip.
+ChartLine slipLine(const char* name, const char* color, std::vector<int> dash_px,
+                   const std::vector<GraspResult>& results) {
+  std::vector<double> slips_mm;
+  for (const GraspResult& r : results) {
+    slips_mm.push_back(std::clamp(r.slip_m * 1e3, kLeastSlip_mm, kMostSlip_mm));
+  }
+  std::sort(slips_mm.begin(), slips_mm.end());
+  ChartLine line{sentence(name), color, std::move(dash_px)};
+  line.stepped = true;
+  line.points = {{kLeastSlip_mm, 0.0}};
+  for (std::size_t i = 0; i < slips_mm.size(); ++i) {
+    line.points.push_back(
+        {slips_mm[i], static_cast<double>(i + 1) / static_cast<double>(slips_mm.size())});
+  }
+  line.points.push_back({kMostSlip_mm, 1.0});
+  return line;
+}
+
+ChartPage slipPage(const std::vector<GraspResult>& tuned,
+                   const std::vector<GraspResult>& jittered) {
+  Chart chart;
+  chart.title = sentence("grasping.chart");
+  chart.height_px = 260;
+  chart.x = {"mm", kLeastSlip_mm, kMostSlip_mm, true};
+  chart.y = {"", 0.0, 1.15, false, {0.0, 0.25, 0.5, 0.75, 1.0}};
+  chart.marks = {{kSlipAsked_m * 1e3, sentence("grasping.asked")}};
+  if (!tuned.empty()) chart.lines.push_back(slipLine("grasping.tuned", "--ax-t", {}, tuned));
+  if (!jittered.empty()) {
+    chart.lines.push_back(slipLine("grasping.jittered", "--ax-f", {6, 3}, jittered));
+  }
+  ChartPage page;
+  page.title = sentence("grasping.title");
+  page.charts = {std::move(chart)};
+  return page;
 }
 
 struct Sweep {
@@ -168,9 +169,8 @@ int graspingCommand(const ExperimentOptions& options) {
   if (trials.empty()) return refuse({unknownTrial(options.only)});
   const std::string json_path =
       options.json.empty() ? options.folder + "/grasping.json" : options.json;
-  if (auto ready = prepareFiles({options.folder + "/grasping.svg", json_path}); !ready) {
-    return refuse(ready.errors());
-  }
+  const std::string chart_path = options.folder + "/grasping.html";
+  if (auto ready = prepareCharts(chart_path, {json_path}); !ready) return refuse(ready.errors());
   std::printf("Grasp, carry 20 cm, hold 10 s; postures tuned, without and with gravity\n");
   printHeader();
   const Sweep tuned = runAll(trials, options, true);
@@ -202,16 +202,14 @@ int graspingCommand(const ExperimentOptions& options) {
       {"trials", jittered.results.size()}, {"dropped", dropped},   {"slip_over_half_mm", slipped},
       {"force_noise_max_n", noise},        {"seed", options.seed}, {"each", each}};
   if (auto done = writeText(json_path, json.dump(2) + "\n"); !done) return refuse(done.errors());
-  const std::string plot = options.folder + "/grasping.svg";
-  if (auto done = writeText(plot, slipPlot(tuned.results, jittered.results)); !done) {
-    return refuse(done.errors());
-  }
+  const ChartPage charts = slipPage(tuned.results, jittered.results);
+  if (auto done = writeCharts(charts, chart_path); !done) return refuse(done.errors());
   std::printf("\n");
   if (!jittered.results.empty()) {
     std::printf("jittered: %zu trial%s, %d dropped, %d slipped over 0.5 mm, noise at most %.4f N\n",
                 jittered.results.size(), plural(jittered.results.size()), dropped, slipped, noise);
   }
-  std::printf("%s\n%s\nrecordings and scenes in %s\n", json_path.c_str(), plot.c_str(),
+  std::printf("%s\n%s\nrecordings and scenes in %s\n", json_path.c_str(), chart_path.c_str(),
               options.folder.c_str());
   const auto faulted = tuned.faulted() + jittered.faulted();
   if (faulted > 0) std::printf("FAULT    trials stopped by a fault: %td\n", faulted);

@@ -1,12 +1,9 @@
 #include "impedance_chart.hpp"
 
 #include "impedance_text.hpp"
-#include "report/svg_plot.hpp"
-#include "report/svg_text.hpp"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -15,16 +12,13 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr int kColumns = 3;
-constexpr int kWidth_px = 420, kMagnitude_px = 220, kPhase_px = 130, kHeader_px = 86, kGap_px = 18;
-constexpr int kCell_px = kMagnitude_px + kPhase_px;
-constexpr double kDot_px = 2.2;
+constexpr double kDot_px = 4.0;
 constexpr std::size_t kDotEvery = 2;
-constexpr const char* kDashed = "5 3";
+const std::vector<int> kDashed_px = {5, 3};
 
 const char* colorOf(ContactCase contact) {
-  if (contact == ContactCase::kFree) return "#1F5FC4";
-  return contact == ContactCase::kRigid ? "#8E0B4E" : "#00725C";
+  if (contact == ContactCase::kFree) return "--ax-x";
+  return contact == ContactCase::kRigid ? "--ax-c" : "--ax-z";
 }
 
 double decibel(const Complex& z) {
@@ -35,12 +29,10 @@ double degrees(const Complex& z) {
 }
 
 /// A prediction as a line and its measurement as dots.
-void addCurve(const ImpedanceCurve& curve, double (*value)(const Complex&), LinePlot& plot) {
-  PlotLine line;
-  line.color = colorOf(curve.contact);
-  line.dash = curve.phi > 0.0 ? kDashed : "";
-  line.width_px = 1.4;
-  PlotLine dots = line;
+void addCurve(const ImpedanceCurve& curve, double (*value)(const Complex&), Chart& chart) {
+  ChartLine line{nullptr, colorOf(curve.contact), {}, 1.4};
+  if (curve.phi > 0.0) line.dash_px = kDashed_px;
+  ChartLine dots = line;
   dots.dot_px = curve.phi > 0.0 ? 0.7 * kDot_px : kDot_px;
   for (const auto& [frequency_hz, z] : curve.line) {
     line.points.push_back({frequency_hz, value(z)});
@@ -49,99 +41,73 @@ void addCurve(const ImpedanceCurve& curve, double (*value)(const Complex&), Line
     const ImpedancePoint& point = curve.points[i];
     dots.points.push_back({point.frequency_hz, value(point.measured.felt)});
   }
-  plot.lines.push_back(std::move(line));
-  plot.lines.push_back(std::move(dots));
+  chart.lines.push_back(std::move(line));
+  chart.lines.push_back(std::move(dots));
 }
 
-LinePlot emptyPlot(int height_px) {
-  LinePlot plot;
-  plot.width_px = kWidth_px;
-  plot.height_px = height_px;
-  plot.left_px = 40;
-  plot.right_px = 14;
-  plot.log_x = true;
-  plot.with_zero = false;
-  plot.bands = {{kComparedFrom_hz, kComparedTo_hz}};
-  return plot;
+/// Magnitude or phase of one axis.
+Chart bodeChart(const AxisImpedance& axis, double (*value)(const Complex&), int height_px) {
+  Chart chart;
+  chart.height_px = height_px;
+  chart.x.logarithmic = true;
+  chart.bands = {{kComparedFrom_hz, kComparedTo_hz}};
+  for (const ImpedanceCurve& curve : axis.curves) addCurve(curve, value, chart);
+  return chart;
 }
 
-std::string axisPlots(const AxisImpedance& axis) {
-  LinePlot magnitude = emptyPlot(kMagnitude_px), phase = emptyPlot(kPhase_px);
-  magnitude.title = fmt::format("{}: |Z| in dB of 1 {}", axis.axis.name, impedanceUnit(axis.axis));
-  magnitude.x_numbers = false;
-  phase.title = "phase in degrees";
-  phase.x_unit = "Hz";
-  phase.y_ticks = {-90.0, 0.0, 90.0};
-  phase.y_min = -105.0;
-  phase.y_max = 105.0;
-  for (const ImpedanceCurve& curve : axis.curves) {
-    addCurve(curve, decibel, magnitude);
-    addCurve(curve, degrees, phase);
-  }
-  for (const PlotLine& line : phase.lines) {
-    for (const PlotPoint& p : line.points) {
-      phase.y_min = std::min(phase.y_min, p.y - 5.0);
-      phase.y_max = std::max(phase.y_max, p.y + 5.0);
+Chart magnitudeChart(const AxisImpedance& axis) {
+  Chart magnitude = bodeChart(axis, decibel, 150);
+  magnitude.title = sentence("impedance.magnitude",
+                             {{"axes", axis.axis.name}, {"unit", impedanceUnit(axis.axis)}});
+  magnitude.names_x = false;
+  return magnitude;
+}
+
+Chart phaseChart(const AxisImpedance& axis) {
+  Chart phase = bodeChart(axis, degrees, 76);
+  phase.below_previous = true;
+  phase.title = sentence("impedance.phase");
+  phase.x.unit = "Hz";
+  phase.y.numbers_at = {-90.0, 0.0, 90.0};
+  phase.y.from = -105.0;
+  phase.y.to = 105.0;
+  for (const ChartLine& line : phase.lines) {
+    for (const auto& [frequency_hz, angle_deg] : line.points) {
+      phase.y.from = std::min(phase.y.from, angle_deg - 5.0);
+      phase.y.to = std::max(phase.y.to, angle_deg + 5.0);
     }
   }
-  return linePlot(magnitude) + fmt::format("<g transform=\"translate(0 {})\">", kMagnitude_px) +
-         linePlot(phase) + "</g>";
+  return phase;
 }
 
-std::string legend(const ImpedanceReport& report) {
-  constexpr double kY_px = 66.0, kSample_px = 26.0;
-  double x = kGap_px;
-  std::string out;
-  const auto entry = [&](const std::string& sample, const std::string& word) {
-    out += sample + svg::words(x + kSample_px + 6.0, kY_px + 4.0, word, "start", kPlotInk2);
-    x += kSample_px + 28.0 + 0.52 * svg::kFontPx * static_cast<double>(word.size());
-  };
-  const auto line = [&](const char* color, const char* dash) {
-    return svg::segment(x, kY_px, x + kSample_px, kY_px, color, 2.0, dash);
-  };
-  entry(line(colorOf(ContactCase::kFree), ""), "free");
-  entry(line(colorOf(ContactCase::kObject), ""),
-        fmt::format("spring of {:.4g} N/m at the hand", report.contact_stiffness_n_m));
-  entry(line(colorOf(ContactCase::kRigid), ""), "rigid stop");
-  entry(line(kPlotInk2, ""), "Φ = 0: no adaptive damping");
-  entry(line(kPlotInk2, kDashed), "Φ = 1: all of it");
-  const auto dot = [&](double radius, double share) {
-    return "<circle cx=\"" + svg::px(x + share * kSample_px) + "\" cy=\"" + svg::px(kY_px) +
-           "\" r=\"" + svg::px(radius) + "\"" + svg::attribute("fill", kPlotInk2) + "/>";
-  };
-  entry(dot(kDot_px, 0.35) + dot(0.7 * kDot_px, 0.75), "measured (lines: predicted)");
-  return out;
+std::vector<ChartLine> legend(const ImpedanceReport& report) {
+  const std::string stiffness = fmt::format("{:.4g}", report.contact_stiffness_n_m);
+  ChartLine dots{sentence("impedance.measured"), "--ink-2"};
+  dots.dot_px = kDot_px;
+  return {{sentence("impedance.free"), colorOf(ContactCase::kFree)},
+          {sentence("impedance.spring", {{"stiffness", stiffness}}), colorOf(ContactCase::kObject)},
+          {sentence("impedance.rigid"), colorOf(ContactCase::kRigid)},
+          {sentence("impedance.undamped"), "--ink-2"},
+          {sentence("impedance.damped"), "--ink-2", kDashed_px},
+          dots};
 }
 
 }  // namespace
 
-std::string impedanceChart(const ImpedanceReport& report) {
-  const int count = static_cast<int>(report.axes.size());
-  const int columns = std::min(kColumns, count), rows = (count + columns - 1) / columns;
-  // Wide enough for the legend, however few axes there are.
-  const int width = std::max(columns * (kWidth_px + kGap_px) + kGap_px, 900);
-  const int height = kHeader_px + rows * (kCell_px + kGap_px);
-  const std::string title = fmt::format("What the person feels: {} with {} and {}", report.device,
-                                        report.rendering, report.hand);
-  std::string out = svg::opening(width, height, title) +
-                    "<rect width=\"100%\" height=\"100%\" fill=\"#FFFFFF\"/>";
-  out += svg::words(kGap_px, 24, title, "start", kPlotInk, 700, 16.0);
-  out += svg::words(
-      kGap_px, 44,
-      fmt::format(
-          "Impedance Z, effort over velocity, at {:.4g} Hz: rising 20 dB a decade with +90° "
-          "like a mass, falling with −90° like a spring, level at 0° like a damper. Shaded: "
-          "where prediction and measurement are compared.",
-          1.0 / report.period_s),
-      "start", kPlotInk2);
-  out += legend(report);
-  for (int i = 0; i < count; ++i) {
-    out += fmt::format("<g transform=\"translate({} {})\">",
-                       kGap_px + i % columns * (kWidth_px + kGap_px),
-                       kHeader_px + i / columns * (kCell_px + kGap_px));
-    out += axisPlots(report.axes[static_cast<std::size_t>(i)]) + "</g>";
+ChartPage impedanceChart(const ImpedanceReport& report) {
+  ChartPage page;
+  page.title =
+      sentence("impedance.title",
+               {{"device", report.device}, {"rendering", report.rendering}, {"hand", report.hand}});
+  page.notes = {
+      sentence("impedance.note", {{"rate", fmt::format("{:.4g}", 1.0 / report.period_s)}})};
+  page.legend = legend(report);
+  page.columns = 2;
+  for (const AxisImpedance& axis : report.axes) {
+    page.charts.push_back(magnitudeChart(axis));
+    page.charts.push_back(phaseChart(axis));
   }
-  return out + "</svg>\n";
+  return page;
 }
 
 }  // namespace wholehand

@@ -1,13 +1,12 @@
 #pragma once
 
 #include "impedance/impedance_measurement.hpp"
-
-#include <string>
+#include "page/chart_page.hpp"
 
 namespace wholehand {
 
-/// A Bode plot for every axis in one SVG: magnitude above phase, predictions as lines, measurements
-/// as dots; free, on the spring and against the rigid stop, Φ = 0 and 1.
-[[nodiscard]] std::string impedanceChart(const ImpedanceReport& report);
+/// A Bode plot for every axis: magnitude above phase, predictions as lines, measurements as dots;
+/// free, on the spring and against the rigid stop, Φ = 0 and 1.
+[[nodiscard]] ChartPage impedanceChart(const ImpedanceReport& report);
 
 }  // namespace wholehand

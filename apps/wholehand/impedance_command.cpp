@@ -1,6 +1,7 @@
 #include "impedance_command.hpp"
 
 #include "assembly/text_file.hpp"
+#include "chart_file.hpp"
 #include "exit_code.hpp"
 #include "impedance_chart.hpp"
 #include "impedance_text.hpp"
@@ -24,8 +25,8 @@ void endProgress() {
 }  // namespace
 
 int impedanceCommand(const Models& models, const ImpedanceOptions& options, const std::string& json,
-                     const std::string& svg) {
-  if (auto ready = prepareFiles({json, svg}); !ready) return refuse(ready.errors());
+                     const std::string& charts) {
+  if (auto ready = prepareCharts(charts, {json}); !ready) return refuse(ready.errors());
   const auto report = measureImpedance(models, options, showProgress);
   endProgress();
   if (!report) return refuse(report.errors());
@@ -39,8 +40,9 @@ int impedanceCommand(const Models& models, const ImpedanceOptions& options, cons
     all["impedance"] = impedanceJson(*report);
     if (auto done = writeText(json, all.dump(1) + "\n"); !done) return refuse(done.errors());
   }
-  if (!svg.empty()) {
-    if (auto done = writeText(svg, impedanceChart(*report)); !done) return refuse(done.errors());
+  if (!charts.empty()) {
+    const auto done = writeCharts(impedanceChart(*report), charts);
+    if (!done) return refuse(done.errors());
   }
   return report->asPredicted() ? kExitDone : kExitNotCertified;
 }

@@ -10,6 +10,6 @@ namespace wholehand {
 /// where asked. Returns the program's exit code: kExitDone where all is as predicted,
 /// kExitNotCertified where not, kExitBadInput where the files do not go together.
 int impedanceCommand(const Models& models, const ImpedanceOptions& options, const std::string& json,
-                     const std::string& svg);
+                     const std::string& charts);
 
 }  // namespace wholehand

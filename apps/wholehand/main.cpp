@@ -48,8 +48,8 @@ void addCertify(CLI::App& app, CertifyOptions& o, int& code) {
       "--passport", o.passport,
       "Passport of the device: judge the worst corner of what was measured of it");
   certify->add_option("--json", o.json, "Write the certificate to this file");
-  certify->add_option("--svg", o.svg,
-                      "Draw each axis's Z-width (or felt impedance) into this file");
+  certify->add_option("--charts", o.charts,
+                      "Draw each axis's Z-width (or felt impedance) into this HTML file");
   CLI::Option* impedance =
       certify->add_flag("--impedance", o.impedance,
                         "Predict and measure what the person feels on every axis, instead");
@@ -83,11 +83,15 @@ void addReplay(CLI::App& app, ReplayOptions& o, int& code) {
                            ->capture_default_str();
   CLI::Option* web = r->add_flag("--web", o.web, "Show it in the browser, until Ctrl-C");
   web->excludes(again)->excludes(extract)->excludes(speed);
-  r->add_option("--report", o.report, "Write it as one HTML page that needs nothing else")
-      ->excludes(again)
-      ->excludes(extract)
-      ->excludes(speed)
-      ->excludes(web);
+  CLI::Option* report =
+      r->add_option("--report", o.report, "Write it as one HTML page that needs nothing else")
+          ->excludes(again)
+          ->excludes(extract)
+          ->excludes(speed)
+          ->excludes(web);
+  r->add_option("--before", o.before,
+                "Recording of the session before: the report tells what is better")
+      ->needs(report);
   r->add_option("--beside", o.beside, "HDF5 file to show beside it in the browser")->needs(web);
   r->add_option("--port", o.port, "Port of the pages; 0: any that is free")
       ->check(finiteBetween(0, 65535, ""))
@@ -103,7 +107,11 @@ void addOthers(CLI::App& app, ReportOptions& report, ExperimentOptions& experime
       app.add_subcommand("report", "Make a page of a recording: one HTML file, index.html");
   p->add_option("recording", report.recording, "HDF5 file, or black box (.wbb)")->required();
   p->add_option("--out", report.page, "Folder to write into")->required();
-  p->callback([&] { code = reportCommand({report.recording, pageIn(report.page)}); });
+  p->add_option("--before", report.before,
+                "Recording of the session before: the page tells what is better");
+  p->callback([&] {
+    code = reportCommand({report.recording, pageIn(report.page), report.before});
+  });
 
   CLI::App* e = app.add_subcommand("experiment", "Repeat the paper's experiments");
   e->require_subcommand(1);

@@ -204,7 +204,7 @@ class SessionResults {
     if (!outcome.last) return endOf(false, outcome.interrupted);
     const WaitingFor report("the report");
     for (const auto& [recording, folder] : reports_) {
-      if (auto done = makeReport(recording, pageIn(folder)); !done) {
+      if (auto done = makeReport({recording, pageIn(folder)}); !done) {
         refuse(done.errors());
         failed_ = true;
       }

@@ -155,7 +155,8 @@ int replayCommand(const ReplayOptions& options) {
     answerQuestions(options.recording);
     return kExitDone;
   }
-  if (!options.report.empty()) return reportCommand({options.recording, options.report});
+  if (!options.report.empty())
+    return reportCommand({options.recording, options.report, options.before});
   if (options.web) return replayWebCommand(options);
   if (BlackBoxReader::isBox(options.recording)) return replayBox(options);
   auto recording = RecordingReader::open(options.recording);

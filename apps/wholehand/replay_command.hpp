@@ -9,6 +9,7 @@ struct ReplayOptions {
   bool resimulate = false;
   std::string extract;  ///< HDF5 file to write the ticks of a black box to
   std::string report;   ///< HTML file to write instead of playing it
+  std::string before;   ///< with a report: recording of the session before
   double speed = 1.0;   ///< of playing back; 1 is real time
   bool web = false;     ///< in the browser
   std::string beside;   ///< HDF5 file to show beside it in the browser

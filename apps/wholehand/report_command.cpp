@@ -53,18 +53,19 @@ Expected<Done> checkReportTemplate() {
   return Done{};
 }
 
-Expected<Done> makeReport(const std::string& recording, const std::string& page) {
+Expected<Done> makeReport(const ReportOptions& options) {
   // The template first: a recording of an hour is not read for nothing.
   const auto page_template = reportTemplate();
   if (!page_template) return page_template.errors();
   ReadingLine line;
-  const auto data = reportData(recording, [&line](double share) { line.show(share); });
+  const auto data =
+      reportData(options.recording, options.before, [&line](double share) { line.show(share); });
   if (!data) return data.errors();
-  return writePage(*page_template, *data, page);
+  return writePage(*page_template, *data, options.page);
 }
 
 int reportCommand(const ReportOptions& options) {
-  if (auto done = makeReport(options.recording, options.page); !done) return refuse(done.errors());
+  if (auto done = makeReport(options); !done) return refuse(done.errors());
   std::printf("%s\n", printable(options.page).c_str());
   return kExitDone;
 }

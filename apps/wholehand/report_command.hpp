@@ -8,7 +8,8 @@ namespace wholehand {
 
 struct ReportOptions {
   std::string recording;
-  std::string page;  ///< HTML file
+  std::string page;         ///< HTML file
+  std::string before = {};  ///< recording of the session before; empty: none
 };
 
 /// The page of a report in its folder.
@@ -18,7 +19,7 @@ struct ReportOptions {
 [[nodiscard]] Expected<Done> checkReportTemplate();
 
 /// Makes a page of a recording: one HTML file. Says on a terminal how far it is.
-[[nodiscard]] Expected<Done> makeReport(const std::string& recording, const std::string& page);
+[[nodiscard]] Expected<Done> makeReport(const ReportOptions& options);
 
 /// `wholehand report` and `wholehand replay --report`. Returns the program's exit code.
 int reportCommand(const ReportOptions& options);

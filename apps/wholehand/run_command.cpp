@@ -220,7 +220,7 @@ int runCommand(RunOptions options) {
       return refuse(done.errors());
   }
   if (!options.report.empty()) {
-    if (auto done = makeReport(options.record, pageIn(options.report)); !done)
+    if (auto done = makeReport({options.record, pageIn(options.report)}); !done)
       return refuse(done.errors());
   }
   printSummary(options, *models, *outcome, safety);

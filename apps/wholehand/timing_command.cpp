@@ -1,10 +1,10 @@
 #include "assembly/text_file.hpp"
+#include "chart_file.hpp"
 #include "core/plural.hpp"
 #include "exit_code.hpp"
 #include "experiment_command.hpp"
 #include "experiments/timing_trial.hpp"
 #include "realtime/allocation_counter.hpp"
-#include "report/svg_plot.hpp"
 #include "runtime/interrupt_scope.hpp"
 #include "shipped_files.hpp"
 #include "status_line.hpp"
@@ -19,21 +19,54 @@
 namespace wholehand {
 namespace {
 
-std::string timePlot(const std::vector<std::uint64_t>& counts, const Percentiles& p,
-                     const std::string& title) {
-  HistogramPlot plot;
-  plot.title = title;
-  plot.width_px = 760;
-  plot.height_px = 300;
-  plot.x_min = 0.0;
-  plot.x_max = kTimingBin_us * kTimingBins;
-  plot.counts = counts;
-  plot.x_unit = "µs";
-  plot.marks = {{p.p50_ns / 1e3, fmt::format("p50 {:.0f} µs", p.p50_ns / 1e3)},
-                {p.p999_ns / 1e3, fmt::format("p99.9 {:.0f} µs", p.p999_ns / 1e3)}};
-  plot.deadline = 1000.0;
-  plot.deadline_label = "deadline 1 ms";
-  return histogramPlot(plot);
+constexpr double kNoTick = 0.8;  // where a logarithm has no zero
+
+ChartMark percentileMark(const char* name, double time_ns) {
+  const std::string us = fmt::format("{:.0f}", time_ns / 1e3);
+  return {time_ns / 1e3, sentence("timing.mark", {{"name", name}, {"us", us}})};
+}
+
+std::vector<PageText> timesRow(const PageText& name, const Percentiles& p) {
+  std::vector<PageText> row = {name};
+  for (const double time_ns : {p.p50_ns, p.p99_ns, p.p999_ns, p.max_ns}) {
+    row.push_back(fmt::format("{:.1f}", time_ns / 1e3));
+  }
+  return row;
+}
+
+ChartPage timePage(const TimingResult& r) {
+  const TickSummary& s = r.outcome.summary;
+  Chart chart;
+  chart.title = sentence("timing.chart");
+  chart.height_px = 300;
+  chart.x = {"µs", 0.0, kTimingBin_us * kTimingBins};
+  chart.y.logarithmic = true;
+  ChartLine counts{nullptr, "--ax-z"};
+  counts.stepped = counts.filled = true;
+  for (std::size_t i = 0; i < r.wall_counts.size(); ++i) {
+    const auto count = static_cast<double>(r.wall_counts[i]);
+    counts.points.push_back({kTimingBin_us * static_cast<double>(i), std::max(count, kNoTick)});
+    chart.y.to = std::max(chart.y.to >= 0.0 ? chart.y.to : 10.0, 2.0 * count);
+  }
+  chart.y.from = kNoTick;
+  chart.lines = {std::move(counts)};
+  chart.marks = {percentileMark("p50", s.wall.p50_ns),
+                 percentileMark("p99.9", s.wall.p999_ns),
+                 {1000.0, sentence("timing.deadline"), true}};
+  ChartTable table{
+      sentence("timing.table"),
+      {sentence("timing.what"), "p50", "p99", "p99.9", sentence("timing.most")},
+      {timesRow(sentence("timing.cpu"), s.cpu), timesRow(sentence("timing.wall"), s.wall)}};
+  for (int i = 0; i < kStages; ++i) {
+    const char* name = stageName(static_cast<Stage>(i));
+    table.rows.push_back(
+        timesRow(sentence("stage", {{"stage", name}}), s.stage_cpu[static_cast<std::size_t>(i)]));
+  }
+  ChartPage page;
+  page.title = sentence("timing.title", {{"ticks", std::to_string(s.records)}});
+  page.charts = {std::move(chart)};
+  page.tables = {std::move(table)};
+  return page;
 }
 
 double share(std::uint64_t part, std::uint64_t whole) {
@@ -106,9 +139,8 @@ ModelFiles filesFor(const ExperimentOptions& options) {
 int timingCommand(const ExperimentOptions& options) {
   const std::string json_path =
       options.json.empty() ? options.folder + "/timing.json" : options.json;
-  if (auto ready = prepareFiles({options.folder + "/timing.svg", json_path}); !ready) {
-    return refuse(ready.errors());
-  }
+  const std::string chart_path = options.folder + "/timing.html";
+  if (auto ready = prepareCharts(chart_path, {json_path}); !ready) return refuse(ready.errors());
   TimingPlan plan;
   plan.files = filesFor(options);
   auto device = loadDeviceFile(plan.files.device);
@@ -126,16 +158,10 @@ int timingCommand(const ExperimentOptions& options) {
   if (auto done = writeText(json_path, timingJson(*result).dump(2) + "\n"); !done) {
     return refuse(done.errors());
   }
-  const std::string plot = options.folder + "/timing.svg";
-  const std::string title =
-      fmt::format("Time per tick on the wall clock, {} ticks", result->outcome.summary.records);
-  if (auto done =
-          writeText(plot, timePlot(result->wall_counts, result->outcome.summary.wall, title));
-      !done) {
-    return refuse(done.errors());
-  }
+  if (auto done = writeCharts(timePage(*result), chart_path); !done) return refuse(done.errors());
   print(*result);
-  std::printf("%s\n%s\n%s/timing.h5\n", json_path.c_str(), plot.c_str(), options.folder.c_str());
+  std::printf("%s\n%s\n%s/timing.h5\n", json_path.c_str(), chart_path.c_str(),
+              options.folder.c_str());
   return endOf(result->outcome.faulted, result->outcome.interrupted);
 }
 

@@ -201,13 +201,14 @@ Expected<Done> Commissioning::write() {
   const auto file = readWhole(bench_.model().path);
   if (!file) return file.errors();
   passport_.device_sha256 = sha256(*file);
-  const std::string chart = std::filesystem::path(path_).replace_extension(".svg").string();
-  if (auto drawn = plan_.write(chart, passportChart(passport_, bench_.model())); !drawn) {
-    return drawn;
-  }
   if (auto kept = plan_.write(path_, passportText(passport_)); !kept) return kept;
   tell("The passport is written: " + path_);
-  tell("What was measured, drawn: " + chart);
+  const std::string charts = std::filesystem::path(path_).replace_extension(".html").string();
+  if (auto drawn = plan_.draw(passportChart(passport_, bench_.model()), charts); drawn) {
+    tell("What was measured, drawn: " + charts);
+  } else {
+    tell("The passport holds, but is not drawn: " + format(drawn.errors()));
+  }
   tell("It lasts 30 days. Before each day's first use: wholehand device commission --daily");
   return Done{};
 }

@@ -3,6 +3,7 @@
 #include "commissioning/bench.hpp"
 #include "commissioning/daily_check.hpp"
 #include "commissioning/passport.hpp"
+#include "page/chart_page.hpp"
 
 #include <array>
 #include <functional>
@@ -35,6 +36,8 @@ struct CommissioningPlan {
   double measure_s = 20.0;  ///< of each axis's mass, friction and delay
   /// Keeps the passport; tests keep it elsewhere.
   std::function<Expected<Done>(const std::string& path, const std::string& text)> write;
+  /// Draws the passport.
+  std::function<Expected<Done>(const ChartPage& charts, const std::string& path)> draw;
 };
 
 /// Leads a device through its commissioning (docs/commissioning.md). Each step tells the person

@@ -5,7 +5,7 @@
 
 namespace wholehand {
 
-/// Makes any text safe inside HTML and SVG, in content and in quoted attributes; control
+/// Makes any text safe inside HTML, in content and in quoted attributes; control
 /// characters, which no page may hold, become spaces.
 [[nodiscard]] std::string escapeHtml(std::string_view text);
 

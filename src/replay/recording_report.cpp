@@ -36,6 +36,9 @@ constexpr std::size_t kMostStates_bytes = 1'500'000, kMostPacked_bytes = 500'000
 constexpr std::size_t kMostSeries_bytes = 360'000;
 constexpr int kMostColumns = 800, kFewestColumns = 100;
 
+/// All that a page shows, or the figures alone, for another page to be compared with.
+enum class Detail { kAll, kFigures };
+
 Expected<ViewedRecording> openAny(const std::string& path) {
   if (!BlackBoxReader::isBox(path)) return viewRecording(path, kChunksAtOnce);
   auto box = BlackBoxReader::openBox(path);
@@ -49,8 +52,10 @@ Expected<ViewedRecording> openAny(const std::string& path) {
 /// Every n-th state of a recording and its last one, as the viewer takes them.
 class StateSample {
  public:
-  StateSample(std::shared_ptr<const SceneFacts> facts, std::uint64_t size)
-      : encoder_(std::move(facts)), last_(size - 1), step_(1 + (size - 1) / kMostStates) {}
+  StateSample(std::shared_ptr<const SceneFacts> facts, std::uint64_t size, Detail detail)
+      : encoder_(std::move(facts)),
+        last_(size - 1),
+        step_(detail == Detail::kAll ? 1 + (size - 1) / kMostStates : size) {}
 
   void add(std::uint64_t row, const TickRecord& record) {
     if (row % step_ != 0 && row != last_) return;
@@ -102,7 +107,7 @@ class StateSample {
 };
 
 /// Columns as wide as the whole of the recording allows; their edges lie between two ticks.
-SeriesQuestion wholeOf(const ViewedRecording& viewed) {
+SeriesQuestion wholeOf(const ViewedRecording& viewed, Detail detail) {
   const RecordingMeta& meta = viewed.reader->meta();
   const auto time_s = [&](std::uint64_t tick) {
     return (static_cast<double>(tick) - 0.5) * meta.period_s;
@@ -114,6 +119,7 @@ SeriesQuestion wholeOf(const ViewedRecording& viewed) {
   whole.to_s = time_s(viewed.last_tick + 1);
   const double ticks = (whole.to_s - whole.from_s) / meta.period_s;
   whole.columns = std::clamp(fitting, kFewestColumns, kMostColumns);
+  if (detail == Detail::kFigures) whole.columns = 1;
   if (ticks < whole.columns) whole.columns = std::max(1, static_cast<int>(std::lround(ticks)));
   return whole;
 }
@@ -121,10 +127,11 @@ SeriesQuestion wholeOf(const ViewedRecording& viewed) {
 /// Takes the ticks of a recording in their order.
 class ReportCollector {
  public:
-  explicit ReportCollector(const ViewedRecording& viewed, std::shared_ptr<const SceneFacts> facts)
+  ReportCollector(const ViewedRecording& viewed, std::shared_ptr<const SceneFacts> facts,
+                  Detail detail)
       : meta_(viewed.reader->meta()),
-        series_(meta_, wholeOf(viewed)),
-        states_(std::move(facts), viewed.reader->size()),
+        series_(meta_, wholeOf(viewed, detail)),
+        states_(std::move(facts), viewed.reader->size(), detail),
         therapy_(meta_),
         engineering_(meta_) {}
 
@@ -177,10 +184,8 @@ void collect(RecordingReader& reader, ReportCollector& collector, bool has_scene
   }
 }
 
-}  // namespace
-
-Expected<Json> reportData(const std::string& recording_path,
-                          const std::function<void(double)>& progress) {
+Expected<Json> dataOf(const std::string& recording_path, Detail detail,
+                      const std::function<void(double)>& progress) {
   const auto viewed = openAny(recording_path);
   if (!viewed) return viewed.errors();
   RecordingReader& reader = *viewed->reader;
@@ -190,16 +195,41 @@ Expected<Json> reportData(const std::string& recording_path,
   }
   const auto scene = recordedScene(reader.meta(), recording_path);
   const auto facts = std::make_shared<const SceneFacts>(scene ? *scene : SceneFacts{});
-  ReportCollector collector(*viewed, facts);
+  ReportCollector collector(*viewed, facts, detail);
   collect(reader, collector, scene.ok(), progress);
   Json data = collector.json(scene.ok());
   const std::string name = std::filesystem::path(recording_path).filename().string();
   data["about"] =
       Json::parse(replayAbout(*viewed, name, false, *facts, scene ? "" : format(scene.errors())));
-  if (scene) {
+  if (scene && detail == Detail::kAll) {
     const wire::Bytes message = wire::sceneMessage(*facts);
     data["scene"] = packBytes({reinterpret_cast<const char*>(message.data()), message.size()});
   }
+  return data;
+}
+
+}  // namespace
+
+Expected<Json> reportData(const std::string& recording_path, const std::string& before_path,
+                          const std::function<void(double)>& progress) {
+  std::error_code missing;
+  if (!before_path.empty() && std::filesystem::equivalent(recording_path, before_path, missing)) {
+    return Diagnostic{before_path,
+                      0,
+                      "--before",
+                      "",
+                      "is the recording of the report itself",
+                      "name the recording of the session before"};
+  }
+  // The one before first: where it is refused, the long one is not read for nothing.
+  Json before;
+  if (!before_path.empty()) {
+    auto figures = dataOf(before_path, Detail::kFigures, progress);
+    if (!figures) return figures.errors();
+    before = std::move(*figures);
+  }
+  auto data = dataOf(recording_path, Detail::kAll, progress);
+  if (data && !before_path.empty()) (*data)["before"] = std::move(before);
   return data;
 }
 

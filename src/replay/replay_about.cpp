@@ -1,7 +1,6 @@
 #include "replay/replay_about.hpp"
 
 #include "replay/embedded_name.hpp"
-#include "report/html_text.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -24,7 +23,7 @@ Json axesOf(const RecordingMeta& meta) {
   return axes;
 }
 
-// As the report shows them: those of the last tick.
+// Of the last tick.
 Json resultsOf(RecordingReader& recording) {
   const RecordingMeta& meta = recording.meta();
   Json results = Json::array();
@@ -37,11 +36,11 @@ Json resultsOf(RecordingReader& recording) {
     if (at >= last.exercise.value_count) continue;
     const double shown =
         last.exercise.values[static_cast<std::size_t>(at)] * meta.result_factors[i];
-    const auto decimals = static_cast<int>(std::clamp(meta.result_decimals[i], 0.0, 6.0));
     results.push_back({{"name", meta.result_names[i]},
                        {"label", meta.result_labels[i]},
                        {"unit", meta.result_units[i]},
-                       {"value", formatNumber(shown, decimals)}});
+                       {"value", shown},
+                       {"decimals", std::clamp(meta.result_decimals[i], 0.0, 6.0)}});
   }
   return results;
 }

@@ -1,5 +1,7 @@
 #include "server/udp_datagram.hpp"
 
+#include "core/crc32.hpp"
+
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -18,16 +20,6 @@ constexpr std::size_t kVersionAt = 4, kKindAt = 6, kFlagsAt = 7, kSessionAt = 8,
 /// Bits of ReplayWindow::seen_.
 constexpr std::int32_t kReplayWindow = 64;
 
-constexpr auto kCrcTable = [] {
-  std::array<std::uint32_t, 256> table{};
-  for (std::uint32_t i = 0; i < 256; ++i) {
-    std::uint32_t c = i;
-    for (int bit = 0; bit < 8; ++bit) c = (c & 1U) != 0 ? 0xEDB88320U ^ (c >> 1U) : c >> 1U;
-    table[i] = c;
-  }
-  return table;
-}();
-
 template <class T>
 void put(std::uint8_t* at, T value) noexcept {
   std::memcpy(at, &value, sizeof value);
@@ -42,7 +34,8 @@ T get(const std::uint8_t* at) noexcept {
 
 /// Of everything but the checksum itself.
 std::uint32_t checksum(std::span<const std::uint8_t> datagram) noexcept {
-  return crc32(datagram.subspan(kHeaderSize), crc32(datagram.first(kChecksumAt)));
+  const auto bytes = std::as_bytes(datagram), payload = bytes.subspan(kHeaderSize);
+  return crc32(crc32(0, bytes.data(), kChecksumAt), payload.data(), payload.size());
 }
 
 bool isKnown(std::uint8_t kind) noexcept {
@@ -50,12 +43,6 @@ bool isKnown(std::uint8_t kind) noexcept {
 }
 
 }  // namespace
-
-std::uint32_t crc32(std::span<const std::uint8_t> bytes, std::uint32_t before) noexcept {
-  std::uint32_t c = ~before;
-  for (const std::uint8_t b : bytes) c = kCrcTable[(c ^ b) & 0xFFU] ^ (c >> 8U);
-  return ~c;
-}
 
 std::size_t write(Datagram& datagram, Header header,
                   std::span<const std::uint8_t> payload) noexcept {

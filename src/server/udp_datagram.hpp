@@ -60,10 +60,6 @@ enum class Flaw {
   kBadHeader
 };
 
-/// CRC-32 of IEEE 802.3, of zlib, and of everybody; continues from `before`.
-[[nodiscard]] std::uint32_t crc32(std::span<const std::uint8_t> bytes,
-                                  std::uint32_t before = 0) noexcept;
-
 using Datagram = std::array<std::uint8_t, kLargestDatagram>;
 
 /// Writes header and payload; the size of the datagram. Does not allocate.

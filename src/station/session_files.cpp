@@ -91,8 +91,20 @@ std::vector<RecordingEntry> SessionFiles::list(const std::string& being_written)
     std::error_code unknown;
     entry.bytes = fs::file_size(path, unknown);
     if (unknown) continue;
-    entry.being_written = entry.name == being_written;
+    std::error_code elsewhere;
+    entry.being_written = fs::equivalent(path, being_written, elsewhere);
     if (!entry.being_written) readNote(path, entry);
+    entries.push_back(std::move(entry));
+  }
+  const fs::path outside = outsidePath(being_written);
+  std::error_code unknown;
+  if (const auto bytes = outside.empty() ? 0 : fs::file_size(outside, unknown);
+      !outside.empty() && !unknown) {
+    RecordingEntry entry;
+    entry.name = outside.filename().string();
+    entry.title = outside.stem().string();
+    entry.bytes = bytes;
+    entry.being_written = true;
     entries.push_back(std::move(entry));
   }
   std::sort(entries.begin(), entries.end(),
@@ -100,14 +112,23 @@ std::vector<RecordingEntry> SessionFiles::list(const std::string& being_written)
   return entries;
 }
 
-std::string SessionFiles::path(const std::string& name) const {
+std::string SessionFiles::outsidePath(const std::string& being_written) const {
+  const fs::path file(being_written);
+  std::error_code error;
+  const bool inside = fs::exists(fs::path(folder_) / file.filename(), error);
+  return inside || file.extension() != kExtension ? std::string() : being_written;
+}
+
+std::string SessionFiles::path(const std::string& name, const std::string& being_written) const {
   const fs::path file(name);
   if (!kept() || name.empty() || file.filename() != file || file.extension() != kExtension) {
     return {};
   }
   std::error_code error;
   const fs::path path = fs::path(folder_) / file;
-  return fs::is_regular_file(fs::symlink_status(path, error)) ? path.string() : std::string();
+  if (fs::is_regular_file(fs::symlink_status(path, error))) return path.string();
+  const std::string outside = outsidePath(being_written);
+  return fs::path(outside).filename() == file ? outside : std::string();
 }
 
 }  // namespace wholehand

@@ -28,11 +28,18 @@ class SessionFiles {
   void note(const std::string& path, const std::string& title, const std::string& began_utc,
             double duration_s, std::uint64_t ticks_missing) const;
   /// Newest first; those that nobody noted with what their file tells.
+  /// @param being_written path of the recording that is being written, which is listed wherever it
+  /// lies; empty: none
   [[nodiscard]] std::vector<RecordingEntry> list(const std::string& being_written) const;
-  /// Path of a recording in the folder; empty for any name that is none.
-  [[nodiscard]] std::string path(const std::string& name) const;
+  /// Path of a recording in the folder, or of the one that is being written; empty for any name
+  /// that is none.
+  [[nodiscard]] std::string path(const std::string& name, const std::string& being_written) const;
 
  private:
+  /// Where it lies outside the folder; empty where it does not, or where one in the folder has its
+  /// name.
+  [[nodiscard]] std::string outsidePath(const std::string& being_written) const;
+
   std::string folder_;
 };
 

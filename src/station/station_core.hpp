@@ -43,16 +43,20 @@ class Station::Core {
     return scene_;
   }
   [[nodiscard]] std::vector<RecordingEntry> recordings() const {
-    return files_.kept() ? files_.list(scene()->recording) : std::vector<RecordingEntry>{};
+    return files_.kept() ? files_.list(recordingBeingWritten()) : std::vector<RecordingEntry>{};
   }
   [[nodiscard]] std::string recordingPath(const std::string& name) const {
-    return files_.path(name);
+    return files_.path(name, recordingBeingWritten());
   }
 
   [[nodiscard]] const Models& models() const { return models_; }  // main thread
   void addSink(std::function<void(const TickRecord&)> sink) { sinks_.push_back(std::move(sink)); }
 
  private:
+  [[nodiscard]] std::string recordingBeingWritten() const {
+    const std::lock_guard lock(mutex_);
+    return being_written_;
+  }
   /// Number of the order by which run() arms at once: a stop that came before run() undoes it.
   static constexpr std::uint64_t kFirstArming = 1;
   /// Orders that take time and wait. Whoever floods the station with them keeps others from arming
@@ -137,6 +141,7 @@ class Station::Core {
   std::optional<Rehearsal> rehearsed_;  ///< of what is loaded
   std::uint64_t arming_ = 0;
   std::string record_path_, began_utc_;  ///< of the session that runs
+  std::string being_written_;            ///< the recording that scene_ names; under mutex_
   bool told_of_loss_ = false;            ///< that its recording misses ticks
   StationClock::time_point status_at_;
   std::optional<StationClock::time_point> ends_at_;  ///< of a run that has an end

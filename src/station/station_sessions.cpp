@@ -67,6 +67,7 @@ void Station::Core::publishScene(const std::string& recording) {
   const std::lock_guard lock(mutex_);
   facts->session = status_.session;
   scene_ = std::move(facts);
+  being_written_ = recording;
 }
 
 std::unique_ptr<Player> Station::Core::makePlayer(const Models& models) const {

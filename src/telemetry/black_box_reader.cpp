@@ -1,7 +1,7 @@
 #include "telemetry/black_box_reader.hpp"
 
+#include "core/crc32.hpp"
 #include "telemetry/black_box_layout.hpp"
-#include "telemetry/crc32.hpp"
 #include "telemetry/record_packing.hpp"
 #include "telemetry/recording_bounds.hpp"
 #include "telemetry/recording_layout.hpp"

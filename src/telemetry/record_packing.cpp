@@ -1,6 +1,6 @@
 #include "telemetry/record_packing.hpp"
 
-#include "telemetry/crc32.hpp"
+#include "core/crc32.hpp"
 
 #include <algorithm>
 #include <array>

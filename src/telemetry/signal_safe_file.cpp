@@ -1,6 +1,6 @@
 #include "telemetry/signal_safe_file.hpp"
 
-#include "telemetry/crc32.hpp"
+#include "core/crc32.hpp"
 
 #include <algorithm>
 #include <cerrno>

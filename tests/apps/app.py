@@ -179,9 +179,29 @@ def read_recording(path):
 
 
 def report_data(page):
-    """What a report's page shows: the one place of data in it."""
+    """What a page in one file shows: the one place of data in it."""
     data, = re.findall(r'<script type="application/json" id="page-data">(.*?)</script>', page.read_text(), re.S)
     return json.loads(data)
+
+
+def sentences_of(data):
+    """The sentences that a page of charts says, by their names, with the places that are filled."""
+    if isinstance(data, list):
+        return {name: places for part in data for name, places in sentences_of(part).items()}
+    if not isinstance(data, dict):
+        return {}
+    if "sentence" in data:
+        return {data["sentence"]: set(data["with"])}
+    return sentences_of(list(data.values()))
+
+
+def expect_known_sentences(test, page):
+    """Every sentence of a page of charts is in the texts of web/src/charts, with the same places."""
+    known = {name or plain: set(re.findall(r"\{(\w+)\}", text)) for name, plain, text in re.findall(
+        r"(?:'([\w.]+)'|\b(\w+)): '([^']*)'", (SOURCE / "web/src/charts/i18n/en.ts").read_text())}
+    for name, places in sentences_of(page).items():
+        test.assertIn(name, known)
+        test.assertEqual(places, known[name], name)
 
 
 def limit_file_size(size_bytes):

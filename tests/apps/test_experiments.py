@@ -4,9 +4,8 @@ import os
 import signal
 import time
 import unittest
-import xml.etree.ElementTree
 
-from app import CONFIG, DONE, INTERRUPTED, AppTest
+from app import CONFIG, DONE, INTERRUPTED, AppTest, expect_known_sentences, report_data
 
 
 class Grasping(AppTest):
@@ -28,9 +27,14 @@ class Grasping(AppTest):
             self.assertLessEqual(results["jittered"][key], most)
         self.assertEqual(results["jittered"]["trials"], 2)
         self.assertEqual(self.names_in(self.folder / "out"),
-                         ["grasping.svg"] + sorted(
+                         ["grasping.html"] + sorted(
                              f"pinch-sphere-{how}.{what}" for how in ("floating", "under-gravity")
                              for what in ("h5", "toml")))
+        page = report_data(self.folder / "out/grasping.html")
+        expect_known_sentences(self, page)
+        tuned = page["charts"][0]["lines"][0]  # the share that slips no further: from none to all
+        self.assertEqual(tuned["x"][1:-1], sorted(float(f"{1e3 * t['slip_m']:.7g}") for t in results["trials"]))
+        self.assertEqual(tuned["y"], [0, 0.5, 1, 1])
         # A trial's recording is a recording as any other.
         self.expect_same_when_run_again(self.folder / "out/pinch-sphere-floating.h5")
 
@@ -72,7 +76,11 @@ class Timing(AppTest):
             self.assertLessEqual(times["p99"], times["p999"])
             self.assertLessEqual(times["p999"], times["max"])
         self.assertGreater(results["stages_cpu_us"]["exercise"]["p50"], 0.0)
-        self.assertIn("<svg", (self.folder / "out/timing.svg").read_text())
+        page = report_data(self.folder / "out/timing.html")
+        expect_known_sentences(self, page)
+        counts = [count for count in page["charts"][0]["lines"][0]["y"] if count >= 1]
+        self.assertLessEqual(sum(counts), results["ticks"])
+        self.assertGreater(sum(counts), 0.9 * results["ticks"])
         for row in ("tick, CPU", "physics_step"):
             self.assertIn(row, result.out)
         self.expect_same_when_run_again(self.folder / "out/timing.h5")
@@ -98,7 +106,7 @@ class Timing(AppTest):
 
 class Exercise(AppTest):
     def test_keys_of_the_results(self):
-        self.expect(self.run_app("experiment", "exercise", "--json", "e.json", "--svg", "e.svg",
+        self.expect(self.run_app("experiment", "exercise", "--json", "e.json", "--charts", "e.html",
                                  "--record", "e.h5", "--out", "out"), DONE, "completed")
         results = json.loads((self.folder / "e.json").read_text())
         self.assertIs(results["completed"], True)
@@ -110,10 +118,13 @@ class Exercise(AppTest):
         self.assertEqual(results["alpha_max"], 1.0)
         self.assertEqual(results["wall_pull_max_n"], 0.0)  # the wall never pulls
         self.assertLessEqual(results["volume_error_l"], 1e-9)  # asked of the pouring
-        figure = (self.folder / "e.svg").read_text()
-        for word in ("squeezes", "Adaptive damping", "Flow, ml/s", "In the glass"):
-            self.assertIn(word, figure)
-        xml.etree.ElementTree.fromstring(figure)  # well formed
+        page = report_data(self.folder / "e.html")
+        expect_known_sentences(self, page)
+        for mark, phase in zip(page["charts"][0]["marks"], results["phases"], strict=True):
+            self.assertAlmostEqual(mark["at"], phase["start_s"], places=6)
+        (poured, asked) = page["charts"][-1]["lines"]
+        self.assertAlmostEqual(poured["y"][-1], 1e3 * results["poured_l"], places=3)
+        self.assertAlmostEqual(asked["y"][0], 1e3 * results["asked_l"], places=3)
         self.expect_same_when_run_again(self.folder / "e.h5")
 
     def test_bad_input_is_refused(self):

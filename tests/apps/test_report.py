@@ -75,6 +75,41 @@ class OneFile(ReportTest):
                 self.assertEqual(data["about"]["title"], name)
                 self.assertNotIn("alert(1)</script>", (self.folder / "page.html").read_text())
 
+    def test_name_of_10_kb_is_refused_and_named(self):
+        path = self.record(duration=0.3)
+        with h5py.File(path, "r+", libver="latest") as f:
+            f["meta"].attrs["title"] = numpy.bytes_(b"x" * 10_000)
+        self.expect_refused(self.run_app("replay", path, "--report", "page.html"), "run.h5", "texts that cannot be shown")
+        self.assertFalse((self.folder / "page.html").exists())
+
+
+class SessionBefore(ReportTest):
+    def test_its_figures_stand_beside_those_of_the_recording(self):
+        before = self.record("before.h5", "--exercise", "cocktail-bar", "--seed", "2", duration=12)
+        now = self.record("now.h5", "--exercise", "cocktail-bar", duration=2)
+        own = self.report(before, "own.html")
+        self.expect(self.run_app("replay", now, "--report", "page.html", "--before", before), DONE)
+        data = self.data_in(self.folder / "page.html")
+        self.assertEqual((data["about"]["name"], data["before"]["about"]["name"]), ("now.h5", "before.h5"))
+        for part in ("about", "therapy", "engineering"):
+            self.assertEqual(data["before"][part], own[part])
+        events, own_events = (Series(unpacked(page["series"])).header["events"] for page in (data["before"], own))
+        self.assertEqual(events, own_events)
+        self.assertIn("drink_done", [own["about"]["event_names"][event["type"]] for event in events])
+        self.assertEqual(data["before"]["states"]["rows"][-1], own["states"]["rows"][-1])  # whence the stars come
+        self.expect(self.run_app("report", now, "--out", "folder", "--before", before), DONE)
+        self.assertEqual((self.folder / "folder/index.html").read_bytes(), (self.folder / "page.html").read_bytes())
+
+    def test_that_is_none_is_refused_and_nothing_is_written(self):
+        now = self.record("now.h5", duration=0.3)
+        (self.folder / "link.h5").symlink_to(now)
+        self.write("text.h5", "no recording")
+        for name, says in (("link.h5", "is the recording of the report itself"), ("text.h5", "text.h5"), ("none.h5", "none.h5")):
+            with self.subTest(name):
+                self.expect_refused(self.run_app("replay", now, "--report", "page.html", "--before", name), name, says)
+                self.assertFalse((self.folder / "page.html").exists())
+        self.expect_refused(self.run_app("replay", now, "--before", now), "--before")
+
 
 class WhatIsInIt(ReportTest):
     def test_extremes_are_those_of_the_recording(self):
@@ -83,15 +118,20 @@ class WhatIsInIt(ReportTest):
         series = Series(unpacked(data["series"]))
         begin, end, columns = (series.header[key] for key in ("from_s", "to_s", "columns"))
         with read_recording(path) as f:
-            time, sent, values = f["ticks/time_s"][:], f["ticks/sent"][:], f["ticks/exercise_values"][:]
+            time = f["ticks/time_s"][:]
+            recorded = {name: f[f"ticks/{name}"][:] for name in ("sent", "q_m", "q_s", "phi", "damping")}
+            recorded["value"] = f["ticks/exercise_values"][:]
         column = numpy.minimum(columns - 1, ((time - begin) / (end - begin) * columns).astype(int))
-        squeeze = data["about"]["value_names"].index("squeeze_n")
-        for (name, axis), column_of in ((("sent", 3), sent[:, 3]), (("sent", 0), sent[:, 0]),
-                                        (("value", squeeze), values[:, squeeze])):
-            low, high = series.extremes[name, axis]
+        compared = 0
+        for (name, axis), (low, high) in series.extremes.items():
+            if name not in recorded:
+                continue
+            compared += 1
+            own = recorded[name][:, axis].astype(numpy.float32)
             for at in range(columns):
-                own = column_of[column == at].astype(numpy.float32)
-                self.assertEqual((low[at], high[at]), (own.min(), own.max()), (name, axis, at))
+                there = own[column == at]
+                self.assertEqual((low[at], high[at]), (there.min(), there.max()), (name, axis, at))
+        self.assertEqual(compared, 5 * 6 + len(data["about"]["value_names"]))
         # What the exercise counts, as the summary says it.
         self.assertEqual([line["name"] for line in data["about"]["result"]], ["poured_total_l", "spilt_l", "score"])
         self.assertIn("drink_done", [data["about"]["event_names"][e["type"]] for e in series.header["events"]])

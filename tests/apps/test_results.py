@@ -23,8 +23,8 @@ class Results(AppTest):
         self.assertEqual(told["results"]["bands_done"], 3)
         self.assertGreater(told["results"]["score"], 50)
         shown = report_data(self.folder / "page/index.html")["about"]["result"]
-        self.assertEqual([(r["label"], r["value"]) for r in shown],
-                         [("Levels done", "3"), ("Score", f"{told['results']['score']:.0f}")])
+        self.assertEqual([(r["label"], r["value"], r["decimals"]) for r in shown],
+                         [("Levels done", 3, 0), ("Score", told["results"]["score"], 0)])
 
     def test_of_the_bar_have_their_units(self):
         result = self.run_app("run", "--simulated-clock", "--duration", 2, "--json", "b.json")

@@ -54,7 +54,10 @@ class Running(AppTest):
 class Sessions(Running):
     def test_each_session_has_its_recording_summary_and_report_under_one_number(self):
         run = self.start("--record", "run.h5", "--json", "run.json", "--report", "report")
-        self.session(run, 1.0)
+        listed = []
+        self.session(run, 1.0, until=lambda: listed.extend(self.listed()) or True)
+        self.assertEqual([(entry["name"], entry["being_written"]) for entry in listed], [("run.h5", True)])
+        self.assertEqual(self.listed(), [])  # it lies where it was asked for
         ticks = self.page.state.number(TICK, "Q")
         self.session(run, 1.0 + 1e-3 * ticks)
         said = self.end(run)

@@ -16,7 +16,7 @@ OPTIONS = {
     "experiment grasping": ["--json", "--out", "--jittered", "--only", "--seed"],
     "experiment timing": ["--json", "--out", "--ticks", "--scene", "--simulated-clock"],
     "validate": ["files"],
-    "certify": ["--device", "--rendering", "--hand", "--rate-hz", "--json", "--svg"],
+    "certify": ["--device", "--rendering", "--hand", "--rate-hz", "--json", "--charts"],
     "device-host": ["--name", "--driver", "--device", "--device-at", "--driver-settings", "--rate-hz"],
     "device": ["commission"],
     "device commission": ["--driver", "--host", "--device", "--operator", "--device-at", "--driver-settings",
@@ -176,7 +176,8 @@ def deployed_tree(test):
         shutil.copytree(CONFIG, tree / "config")
         shutil.copytree(SOURCE / "data", tree / "data")
         (tree / "web/dist").mkdir(parents=True)
-        shutil.copy(SOURCE / "web/dist/report.html", tree / "web/dist")
+        for page in ("report.html", "charts.html"):
+            shutil.copy(SOURCE / "web/dist" / page, tree / "web/dist")
         for path in [test.folder, tree, *tree.rglob("*")]:
             path.chmod(0o755)
     return tree

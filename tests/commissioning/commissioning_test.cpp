@@ -34,6 +34,7 @@ struct Session {
       writeFile(to, text);
       return Done{};
     };
+    plan.draw = [this](const ChartPage& page, const std::string& to) { return draw(page, to); };
     commissioning.emplace(*bench, plan);
   }
   Expected<Done> upTo(Step last) {
@@ -49,8 +50,18 @@ struct Session {
     return orThrow(loadDeviceFile(to));
   }
 
+  Expected<Done> draw(const ChartPage& page, const std::string& to) {
+    if (!can_draw) return Diagnostic{to, 0, "", "", "the pages are not built", "build them"};
+    drawn = chartPageJson(page);
+    drawn_to = to;
+    return Done{};
+  }
+
   Folder folder;
   std::string path;
+  bool can_draw = true;
+  nlohmann::json drawn;
+  std::string drawn_to;
   DeviceModel model;
   FakeDevice device;
   ScriptedOperator person{device, model};
@@ -76,7 +87,8 @@ TEST(Commissioning, OfSixAxes_TakesFiveMinutesAnd25ActionsAndClearsTheDevice) {
   EXPECT_LE(actions, 25);
   EXPECT_LE(s.bench->largestShare(), 0.2 + 1e-12);
   const Passport passport = orThrow(readPassport(s.commissioning->path()));
-  EXPECT_TRUE(std::filesystem::exists(s.folder.file("mine.F-1.passport.svg")));
+  EXPECT_EQ(s.drawn_to, s.folder.file("mine.F-1.passport.html"));
+  EXPECT_EQ(s.drawn["tables"].size(), s.model.axes.size());
   for (std::size_t i = 0; i < s.model.axes.size(); ++i) {
     const DeviceAxis& truth = s.model.axes[i];  // the fake device is what its file says
     EXPECT_TRUE(passport.axes[i].mass.contains(truth.mass)) << truth.name;
@@ -89,6 +101,15 @@ TEST(Commissioning, OfSixAxes_TakesFiveMinutesAnd25ActionsAndClearsTheDevice) {
   const auto checked = s.commissioning->checkToday();
   ASSERT_TRUE(checked.ok()) << said(checked);
   EXPECT_TRUE(clearToArm(s.device.identity(), s.model, day).ok());
+}
+
+TEST(Commissioning, WithoutBuiltPages_WritesThePassportAndSaysThatItIsNotDrawn) {
+  Session s("desktop-3axis");
+  s.can_draw = false;
+  const auto done = s.upTo(Step::kPassport);
+  ASSERT_TRUE(done.ok()) << said(done) << s.person.said;
+  EXPECT_TRUE(readPassport(s.commissioning->path()).ok());
+  EXPECT_NE(s.person.said.find("not drawn: "), std::string::npos) << s.person.said;
 }
 
 TEST(Commissioning, StepsOutOfOrder_AreRefusedByName) {

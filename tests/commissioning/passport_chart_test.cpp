@@ -5,21 +5,18 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
-#include <regex>
 #include <vector>
 
 namespace wholehand::test {
 namespace {
 
-// Where the thick lines begin and end [px], in their order: axis by axis, mass, damping, dry
-// friction, delay.
-std::vector<std::array<double, 2>> bars(const std::string& svg) {
-  static const std::regex kBar(
-      R"re(<path d="M([0-9.]+) [0-9.]+L([0-9.]+) [0-9.]+" stroke="[^"]*" stroke-width="6.0"/>)re");
-  std::vector<std::array<double, 2>> out;
-  for (std::sregex_iterator it(svg.begin(), svg.end(), kBar), end; it != end; ++it) {
-    out.push_back({std::stod((*it)[1]), std::stod((*it)[2])});
+// The bars, axis by axis: mass, damping, dry friction, delay; null where there is none.
+std::vector<nlohmann::json> bars(const ChartPage& page) {
+  std::vector<nlohmann::json> out;
+  for (const ChartTable& table : page.tables) {
+    for (const auto& row : table.rows) {
+      out.push_back(row[1].is_object() ? row[1]["interval"] : nlohmann::json());
+    }
   }
   return out;
 }
@@ -30,16 +27,14 @@ TEST(PassportChart, OfIntervals_SpansThemAsSharesOfTheFile) {
     const DeviceAxis& axis = f.model.axes[i];
     f.passport.axes[i].mass = {0.5 * axis.mass, 1.0 * axis.mass};
     f.passport.axes[i].damping = {1.0 * axis.damping, 1.5 * axis.damping};
-    f.passport.axes[i].coulomb = {0.0, 5.0 * axis.coulomb};  // beyond the scale: to its end
+    f.passport.axes[i].coulomb = {0.0, 5.0 * axis.coulomb};
   }
   const auto drawn = bars(passportChart(f.passport, f.model));
   ASSERT_EQ(drawn.size(), 4 * f.model.axes.size());
-  const double zero = drawn[2][0], two = drawn[2][1], half = (two - zero) / 4.0;
   for (std::size_t i = 0; i < f.model.axes.size(); ++i) {
-    EXPECT_NEAR(drawn[4 * i][0], zero + 1 * half, 0.1);
-    EXPECT_NEAR(drawn[4 * i][1], zero + 2 * half, 0.1);
-    EXPECT_NEAR(drawn[4 * i + 1][0], zero + 2 * half, 0.1);
-    EXPECT_NEAR(drawn[4 * i + 1][1], zero + 3 * half, 0.1);
+    EXPECT_EQ(drawn[4 * i], nlohmann::json({0.5, 1.0}));
+    EXPECT_EQ(drawn[4 * i + 1], nlohmann::json({1.0, 1.5}));
+    EXPECT_EQ(drawn[4 * i + 2], nlohmann::json({0.0, 5.0}));
   }
 }
 
@@ -47,15 +42,11 @@ TEST(PassportChart, OfAFileThatStatesZero_HasNoBarButTheWords) {
   PassportFolder f;
   f.model.axes[0].coulomb = 0.0;
   f.passport.axes[0].coulomb = {0.0125, 0.25};
-  const std::string svg = passportChart(f.passport, f.model);
-  EXPECT_EQ(bars(svg).size(), 4 * f.model.axes.size() - 1);
-  EXPECT_NE(svg.find("0.0125 to 0.25 N; file 0"), std::string::npos);
-}
-
-TEST(PassportChart, OfAnOperatorWithMarkup_IsEscaped) {
-  PassportFolder f;
-  f.passport.operator_name = "<script>";
-  EXPECT_EQ(passportChart(f.passport, f.model).find("<script>"), std::string::npos);
+  const ChartPage page = passportChart(f.passport, f.model);
+  EXPECT_EQ(bars(page)[2], nullptr);
+  const auto& row = page.tables[0].rows[2];
+  EXPECT_EQ(row[2]["with"], nlohmann::json({{"low", "0.0125"}, {"high", "0.25"}, {"unit", "N"}}));
+  EXPECT_EQ(row[3], "0");
 }
 
 }  // namespace

@@ -74,14 +74,14 @@ case $1 in true) ;; *) exec "$@" ;; esac
 EOF
 touch -d 2020-01-01 "$repo/web/package.json" "$repo/web/package-lock.json" "$repo/web/src/main.ts" \
   "$repo/protocol/messages.fbs"
-dist=$repo/web/dist/report.html  # what is built last
+dist=$repo/web/dist/charts.html  # what is built last
 node() { stand_in node <<<"echo $1"; }
 npm_works() {
   cat <<EOF
 #!/bin/bash
 case \$1 in
   ci) mkdir -p node_modules && touch node_modules/.package-lock.json ;;
-  run) mkdir -p dist && echo built | tee dist/index.html >dist/report.html ;;
+  run) mkdir -p dist && echo built | tee dist/index.html >dist/charts.html ;;
 esac
 EOF
 }

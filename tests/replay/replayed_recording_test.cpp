@@ -3,6 +3,7 @@
 #include "replay/replayed_recording.hpp"
 
 #include "assembly/run.hpp"
+#include "replay/recording_report.hpp"
 #include "replay/series_reader.hpp"
 #include "station/scene_facts.hpp"
 #include "support/folder.hpp"
@@ -15,8 +16,11 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 
 namespace wholehand::test {
 namespace {
@@ -37,19 +41,37 @@ const fb::WorldState& stateIn(const std::string& bytes) {
   return *state;
 }
 
-/// The messages of an answer of states.
-std::vector<std::string> messagesIn(const ReplayAnswer& answer) {
-  EXPECT_EQ(answer.status, 200) << answer.body;
-  EXPECT_EQ(answer.content_type, "application/octet-stream");
+/// Messages, each after its length in four bytes.
+std::vector<std::string> splitMessages(const std::string& body) {
   std::vector<std::string> messages;
-  for (std::size_t at = 0; at < answer.body.size();) {
+  for (std::size_t at = 0; at < body.size();) {
     std::uint32_t bytes = 0;
-    std::memcpy(&bytes, answer.body.data() + at, sizeof bytes);
-    messages.push_back(answer.body.substr(at + sizeof bytes, bytes));
+    std::memcpy(&bytes, body.data() + at, sizeof bytes);
+    messages.push_back(body.substr(at + sizeof bytes, bytes));
     EXPECT_EQ(messages.back().size(), bytes);
     at += sizeof bytes + bytes;
   }
   return messages;
+}
+
+/// The messages of an answer of states.
+std::vector<std::string> messagesIn(const ReplayAnswer& answer) {
+  EXPECT_EQ(answer.status, 200) << answer.body;
+  EXPECT_EQ(answer.content_type, "application/octet-stream");
+  return splitMessages(answer.body);
+}
+
+/// What packBytes() packed, by Python's own base64 and zlib.
+std::string unpacked(const std::string& text) {
+  const Folder folder;
+  const std::string packed = folder.file("packed"), bytes = folder.file("bytes");
+  std::ofstream(packed) << text;
+  EXPECT_EQ(
+      python("import base64, zlib\nopen('" + bytes +
+             "', 'wb').write(zlib.decompress(base64.b64decode(open('" + packed + "').read())))"),
+      "");
+  std::ifstream in(bytes, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 ReplayAnswer ask(ReplayedRecording& recording, const std::string& question) {
@@ -181,6 +203,25 @@ TEST(ReplayedRecording, ThousandTicksAtRandom_AreThoseOfTheFileAndOfTheLiveProgr
   EXPECT_GT(with_contacts, 0) << "the bar was never touched: nothing of contacts was compared";
 }
 
+TEST(RecordingReport, EveryStateInIt_IsThatOfTheFile) {
+  const Json data = orThrow(reportData(bar().path(), ""));
+  const auto rows = data["states"]["rows"].get<std::vector<std::uint64_t>>();
+  const auto messages = splitMessages(unpacked(data["states"]["messages"]));
+  ASSERT_EQ(messages.size(), rows.size());
+  EXPECT_GE(rows.size(), 500U);
+  EXPECT_TRUE(std::is_sorted(rows.begin(), rows.end()));
+  const auto file = orThrow(RecordingReader::open(bar().path()));
+  EXPECT_EQ(rows.front(), 0U);
+  EXPECT_EQ(rows.back(), file->size() - 1);
+  TickRecord row;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    SCOPED_TRACE(testing::Message() << "row " << rows[i]);
+    ASSERT_TRUE(file->read(rows[i], row));
+    expectAsInFile(stateIn(messages[i]), row);
+    if (testing::Test::HasFailure()) return;
+  }
+}
+
 TEST(ReplayedRecording, Scene_IsTheLiveOneButForWhatOnlyAProgramHas) {
   const auto recording = opened(bar().path());
   const ReplayAnswer answer = ask(*recording, "scene");
@@ -218,7 +259,8 @@ TEST(ReplayedRecording, About_SaysWhatTheFileHolds) {
   EXPECT_EQ(about["simulated_device"], true);
   EXPECT_FALSE(about.contains("no_picture_because"));
   ASSERT_FALSE(about["result"].empty());
-  EXPECT_TRUE(about["result"][0]["value"].is_string()) << "as the report writes it";
+  EXPECT_TRUE(about["result"][0]["value"].is_number());
+  EXPECT_TRUE(about["result"][0]["decimals"].is_number());
 }
 
 TEST(ReplayedRecording, StatesInSteps_AreTheRowsAskedForAndFewerAtTheEnd) {

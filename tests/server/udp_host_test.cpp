@@ -1,3 +1,4 @@
+#include "core/crc32.hpp"
 #include "server/udp_host_fixture.hpp"
 
 // Who may speak, and what is ignored.
@@ -36,8 +37,8 @@ TEST_F(UdpHost, BadDatagrams_AreCountedByReasonAndNeverAnswered) {
   const auto changed = [&](std::size_t at, std::uint8_t value) {
     TestGame::Bytes bytes = good;
     bytes[at] = value;
-    const std::span<const std::uint8_t> d = bytes;
-    const std::uint32_t crc = crc32(d.subspan(kHeaderSize), crc32(d.first(32)));
+    const auto all = std::as_bytes(std::span(bytes)), payload = all.subspan(kHeaderSize);
+    const std::uint32_t crc = crc32(crc32(0, all.data(), 32), payload.data(), payload.size());
     for (int i = 0; i < 4; ++i) bytes[32 + i] = static_cast<std::uint8_t>(crc >> (8 * i));
     return bytes;
   };

@@ -66,5 +66,29 @@ TEST(SessionFiles, NamesThatAreTaken_AreNotGivenAgain) {
   EXPECT_EQ(files.list("").size(), 20U);
 }
 
+// Asked for by --record: in a folder of its own.
+TEST(SessionFiles, RecordingElsewhere_IsListedAndFoundWhileItIsWritten) {
+  const Folder folder, other;
+  const SessionFiles files(folder.path());
+  const std::string kept = folder.path() + "/kept.h5", mine = other.path() + "/mine.h5";
+  std::ofstream(kept) << "kept";
+  std::ofstream(mine) << "mine!";
+  const auto listed = files.list(mine);
+  ASSERT_EQ(listed.size(), 2U);
+  EXPECT_EQ(listed[0].name, "mine.h5");
+  EXPECT_TRUE(listed[0].being_written);
+  EXPECT_EQ(listed[0].bytes, 5U);
+  EXPECT_FALSE(listed[1].being_written);
+  EXPECT_EQ(files.path("mine.h5", mine), mine);
+  EXPECT_EQ(files.path("mine.h5", ""), "") << "of what is over";
+  EXPECT_EQ(files.path("../mine.h5", mine), "");
+  EXPECT_EQ(files.path("kept.h5", mine), kept);
+  // The one in the folder has the name.
+  std::ofstream(folder.path() + "/mine.h5") << "older";
+  EXPECT_EQ(files.path("mine.h5", mine), folder.path() + "/mine.h5");
+  EXPECT_EQ(files.list(mine).size(), 2U);
+  EXPECT_TRUE(files.list(kept).back().being_written || files.list(kept).front().being_written);
+}
+
 }  // namespace
 }  // namespace wholehand

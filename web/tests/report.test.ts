@@ -5,8 +5,10 @@ import { pageData, unpackBytes, type Json } from '../src/embedded/page_data';
 import { FakeRecordings } from '../src/net/fake_recordings';
 import { ReplaySide } from '../src/replay/side';
 import { asProblem } from '../src/replay/problem';
-import { rangeOf } from '../src/report/chart_range';
+import { titleWords } from '../src/console/title_words';
+import { rangeOf } from '../src/charts/chart_range';
 import { EmbeddedRecording, EmbeddedStates } from '../src/report/embedded_recording';
+import { comparedWith, differencesFrom, figuresOf, type Figure } from '../src/report/figures';
 import { de } from '../src/report/i18n/de';
 import { en } from '../src/report/i18n/en';
 import { fr } from '../src/report/i18n/fr';
@@ -164,5 +166,43 @@ describe('its words', () => {
   it.each([['German', de], ['French', fr]])('are all there in %s, with the same places for values', (_name, texts) => {
     expect(keys(texts)).toEqual(keys(en));
     expect(places(texts)).toEqual(places(en));
+  });
+});
+
+describe('the session before', () => {
+  const figure = (key: string, value: number, better?: 'more' | 'less', shown = String(value)): Figure => ({ key, value, shown, unit: '', words: '', better });
+
+  it('is read with its own figures, and no further back', async () => {
+    const before = await carried('', { scene: undefined, before: await carried() });
+    const data = await readReport(await carried('', { before }));
+    expect(data.before?.about.name).toBe('a.h5');
+    expect([data.before?.scene, data.before?.before]).toEqual([undefined, undefined]);
+    expect(figuresOf(data.before!).find(({ key }) => key === 'result/')).toMatchObject({ shown: '87', value: 87 });
+    expect((await readReport(await carried())).before).toBeUndefined();
+  });
+
+  it('tells what became better, what worse, and what is shown alike', () => {
+    const became = (now: Figure, ...before: Figure[]): string | undefined => comparedWith(now, before)?.became;
+    expect(became(figure('drinks', 3, 'more'), figure('drinks', 2, 'more'))).toBe('better');
+    expect(became(figure('reach', 3, 'less'), figure('reach', 2, 'less'))).toBe('worse');
+    expect(became(figure('grip', 3), figure('grip', 2))).toBe('other');
+    expect(became(figure('reach', 1.04, 'less', '1.0'), figure('reach', 0.96, 'less', '1.0'))).toBe('same');
+    expect(became(figure('reach', 1, 'less'), figure('grip', 1))).toBeUndefined();
+  });
+
+  it('is told apart where it was another patient, hand, device, exercise or level', async () => {
+    const { about } = await readReport(await carried());
+    const other = (changes: Partial<typeof about>): string[] => differencesFrom({ about }, { about: { ...about, ...changes } });
+    expect([other({}), other({ patient: 'x', hand: 'y' }), other({ exercise: 'z' }), other({ level: about.level + 1 })])
+      .toEqual([[], ['patient', 'hand'], ['exercise'], ['exercise']]);
+  });
+});
+
+describe('titles of recordings', () => {
+  it('of an exercise are told in words, all others as they are', () => {
+    expect(titleWords('cocktail-bar, level 1 of 4', 'f.h5')).toBe('Cocktail bar, Level 1');
+    expect(titleWords('squeeze-to-level, level 2', 'f.h5')).toBe('Squeeze to a level, Level 2');
+    for (const own of ['my-exercise, level 1', 'محمد علي', '<b>x</b>', 'x'.repeat(10_000)]) expect(titleWords(own, 'f.h5')).toBe(own);
+    expect(titleWords('', 'f.h5')).toBe('f.h5');
   });
 });

@@ -1,3 +1,4 @@
+import { titleWords } from './title_words';
 import { fill } from '../shared/i18n';
 import { h, say } from './dom';
 import { texts } from './i18n';
@@ -94,10 +95,10 @@ export class NoticesPanel implements Panel {
     if (!recording) return;
     const t = this.t;
     const { name, title } = recording;
-    const link = h('a', { href: recordingUrl(name, true, tokenOf(location)), target: '_blank', rel: 'noopener', 'aria-label': fill(t.recordings.reportOf, { name: title || name }) }, t.recordings.report);
+    const link = h('a', { href: recordingUrl(name, true, tokenOf(location)), target: '_blank', rel: 'noopener', 'aria-label': fill(t.recordings.reportOf, { name: titleWords(title ?? '', name) }) }, t.recordings.report);
     const close = h('button', { type: 'button', class: 'b small' }, t.notices.close);
     close.addEventListener('click', () => { this.model.saved = undefined; this.refresh(); });
-    this.kept.replaceChildren(h('span', { title: name }, fill(t.notices.saved, { name: title || name, figures: figuresOf(recording) })),
+    this.kept.replaceChildren(h('span', { title: name }, fill(t.notices.saved, { name: titleWords(title ?? '', name), figures: figuresOf(recording) })),
       ...(recording.report ? [link] : []), close);
   }
 

@@ -1,5 +1,5 @@
 import type { Connection } from '../net/connection';
-import { SmallBar, type HandLook } from './bar_view';
+import { SmallBar, type HandLook } from './small_bar';
 import type { SceneT } from '../protocol';
 import { answerPresses } from '../shared/pressed';
 import { h, setAttribute } from './dom';

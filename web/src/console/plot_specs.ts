@@ -42,9 +42,8 @@ export function isArm(axis: Pick<AxisT, 'name'>): boolean {
 }
 
 /** Colour and dash of an axis. */
-export function lookOf(axis: AxisT): readonly [string, readonly number[]] {
-  return LOOKS[String(axis.name)] ?? ['--ax-x', []];
-}
+export const lookOf = (axis: AxisT): readonly [string, readonly number[]] => lookOfName(String(axis.name));
+export const lookOfName = (name: string): readonly [string, readonly number[]] => LOOKS[name] ?? ['--ax-x', []];
 
 /** Efforts of one part of the device; a unit other than the plot's is said at the series. */
 function efforts(id: 'hand' | 'arm', scene: Axes, columns: PlotColumns, t: ConsoleTexts): PlotSpec {

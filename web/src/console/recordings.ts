@@ -1,3 +1,4 @@
+import { titleWords } from './title_words';
 import { tokenOf } from '../net/open_connection';
 import { fill, language } from '../shared/i18n';
 import { h, say } from './dom';
@@ -173,7 +174,7 @@ export class RecordingsPanel implements Panel {
     const { name, title } = recording;
     const can = offered(recording);
     const when = whenMade(recording.created_utc, new Date(), language());
-    const called = title || name;
+    const called = titleWords(title ?? '', name);
     const reportLink = can.report ? h('a', { href: recordingUrl(name, true, token), target: '_blank', rel: 'noopener', 'aria-label': fill(t.reportOf, { name: called }) }, t.report) : null;
     const replayLink = h('a', { href: replayUrl([name], token), target: '_blank', rel: 'noopener', 'aria-label': fill(t.replayOf, { name: called }), 'data-testid': 'replay' }, t.replay);
     const downloadLink = can.download ? h('a', { href: recordingUrl(name, false, token), download: name, 'aria-label': fill(t.downloadOf, { name: called }) }, t.download) : null;

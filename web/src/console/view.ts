@@ -1,5 +1,5 @@
 import { fill, nameOf } from '../shared/i18n';
-import type { HandLook, SmallBar } from './bar_view';
+import type { HandLook, SmallBar } from './small_bar';
 import { choice, h, say } from './dom';
 import { fixed } from './format';
 import { texts } from './i18n';

@@ -100,7 +100,7 @@ export class FakeRecordings {
       ...(damaged ? { unreadable_from_s: 0.9 * this.ticks * PERIOD_S } : {}), run_again: true, picture: !this.options.has('nopicture'), no_picture_because: '',
       axes: this.scene.axes.map(({ name, unit, effortLimit, leverArmM }) => ({ name, unit, effort_limit: effortLimit, lever_arm_m: leverArmM })),
       value_names: this.scene.valueNames, event_names: this.scene.eventNames,
-      result: [{ label: 'Score', unit: '', value: '87' }, { label: 'Spilt', unit: 'ml', value: '3.2' }],
+      result: [{ label: 'Score', unit: '', value: 87, decimals: 0 }, { label: 'Spilt', unit: 'ml', value: 3.2, decimals: 1 }],
     };
   }
 

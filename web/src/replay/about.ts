@@ -1,3 +1,4 @@
+import { fixed } from '../console/format';
 import { Problem } from './problem';
 
 export interface Result { /** Of the exercise's value; empty in older answers. */ readonly name: string; readonly label: string; readonly value: string; readonly unit: string }
@@ -72,7 +73,7 @@ export function readAbout(json: unknown): About {
     value_names: namesOf(json, 'value_names'), event_names: namesOf(json, 'event_names'),
     result: Array.isArray(json.result) ? json.result.filter(isSaid).map((line) => ({
       name: textOf(line, 'name'), label: textOf(line, 'label'), unit: textOf(line, 'unit'),
-      value: typeof line.value === 'number' ? String(line.value) : textOf(line, 'value'),
+      value: fixed(numberOf(line, 'value'), orZero(numberOf(line, 'decimals'))),
     })) : [],
   };
 }

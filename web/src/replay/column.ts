@@ -1,4 +1,5 @@
-import { SmallBar, type HandLook } from '../console/bar_view';
+import { titleWords } from '../console/title_words';
+import { SmallBar, type HandLook } from '../console/small_bar';
 import { h } from '../console/dom';
 import { ExercisePanelView } from '../console/exercise_panel';
 import { ViewPanel } from '../console/view';
@@ -80,7 +81,7 @@ export function arranged(columns: readonly Column[]): HTMLElement {
   const t = texts().sides;
   return h('main', { class: 'replay beside' }, ...columns.map(({ side, view, exercise, plots, moments, facts }, i) => {
     const letter = i === 0 ? t.a : t.b;
-    const called = side.about.title || side.about.name || side.source.name;
+    const called = titleWords(side.about.title, side.about.name || side.source.name);
     return h('div', { class: 'col' }, h('h2', { class: 'called' }, h('b', {}, letter), h('bdi', { title: called }, called)),
       view.element, plots.element, hint(), exercise.element, moments.element, facts);   // plots at the same height
   }));

@@ -1,4 +1,4 @@
-import { SmallBar, type HandLook } from '../console/bar_view';
+import { SmallBar, type HandLook } from '../console/small_bar';
 import { h, setAttribute } from '../console/dom';
 import { grouped } from '../console/format';
 import type { Span } from '../console/plot_source';

@@ -6,7 +6,7 @@ import type { AxisT } from '../protocol';
 import { channelKey } from '../replay/series_piece';
 import { faultWord, fill } from '../shared/i18n';
 import { h } from '../shared/dom';
-import { chart, type ChartLine } from './chart';
+import { chart, type ChartLine } from '../charts/chart';
 import { texts } from './i18n';
 import type { Percentiles } from './report_data';
 import { footer, header, table, timeName, told, type SheetContext } from './sheet';
@@ -61,9 +61,9 @@ function timesChart({ data: { engineering: { times, records }, about } }: SheetC
   const step = times.step_s * us;
   const mark = (at_s: number, name: string, bad = false): { at: number; label: string; bad: boolean } => ({ at: at_s * us, label: `${name} ${fixed(at_s * us, 0)}`, bad });
   return chart({
-    title: times.is_cpu ? t.timesCpu : t.times, unit: `µs, ${grouped(records)} ${t.ticks}`, height_px: 96, logarithmic: true, filled: true,
+    title: times.is_cpu ? t.timesCpu : t.times, unit: `µs, ${grouped(records)} ${t.ticks}`, height_px: 96, logarithmic_y: true, range_y: [0.8, Math.max(10, 2 * Math.max(...times.counts))],
     x: Array.from({ length: steps }, (_, i) => i * step), range_x: [0, steps * step],
-    lines: [{ name: '', color: '#0B6B58', values: Array.from({ length: steps }, (_, i) => (times.counts[i] > 0 ? times.counts[i] : 0.8)) }],
+    lines: [{ name: '', color: '#0B6B58', stepped: true, filled: true, values: Array.from({ length: steps }, (_, i) => (times.counts[i] > 0 ? times.counts[i] : 0.8)) }],
     marks: [mark(times.tick.p50_s, 'p50'), mark(times.tick.p999_s, 'p99.9'), mark(about.period_s, consoleTexts().timing.deadline.replace('{t}', '').trim(), true)],
     nameOfX: (x) => fixed(x, 0),
   });

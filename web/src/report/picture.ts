@@ -1,4 +1,4 @@
-import { SmallBar } from '../console/bar_view';
+import { SmallBar } from '../console/small_bar';
 import { fixed } from '../console/format';
 import { fill } from '../shared/i18n';
 import { h, setText } from '../shared/dom';

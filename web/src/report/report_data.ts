@@ -41,6 +41,8 @@ export interface ReportData {
   readonly series: SeriesPiece;
   readonly therapy: Therapy;
   readonly engineering: Engineering;
+  /** The session before, with the figures alone; undefined where none was given. */
+  readonly before: ReportData | undefined;
 }
 
 const asJson = (value: unknown): Json => (typeof value === 'object' && value !== null && !Array.isArray(value) ? (value as Json) : {});
@@ -63,6 +65,7 @@ export async function readReport(data: Json): Promise<ReportData> {
     return {
       about, scene, rows, states: messages, series: readPiece(await unpackBytes(text0(data.series))),
       therapy: readTherapy(asJson(data.therapy)), engineering: readEngineering(asJson(data.engineering)),
+      before: asJson(data.before).page === undefined ? undefined : await readReport({ ...asJson(data.before), before: undefined }),
     };
   } catch (thrown) {
     throw thrown instanceof Problem ? thrown : new Problem('nonsense', 'a part of the page is damaged');

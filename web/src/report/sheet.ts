@@ -2,6 +2,7 @@
 import { h } from '../shared/dom';
 import { asWords, duration, fixed } from '../console/format';
 import { texts as consoleTexts } from '../console/i18n';
+import { titleWords } from '../console/title_words';
 import type { SceneT } from '../protocol';
 import type { About } from '../replay/about';
 import { clockTime } from '../replay/clock';
@@ -11,7 +12,7 @@ import { texts as replayTexts } from '../replay/i18n';
 import { ExercisePanel } from '../shared/exercise_panel';
 import { fill, language, nameOf } from '../shared/i18n';
 import { WindowSamples } from '../replay/window_samples';
-import type { ChartBand, ChartMark } from './chart';
+import type { ChartBand, ChartMark } from '../charts/chart';
 import { texts } from './i18n';
 import type { ReportData } from './report_data';
 import { exerciseJson } from './therapy';
@@ -74,7 +75,7 @@ export function header(data: ReportData, page: string): HTMLElement {
   const { about } = data;
   const item = (name: string, value: string): HTMLElement => h('div', {}, h('dt', {}, name), h('dd', {}, told(value === '' ? t.facts.unknown : value)));
   return h('header', {},
-    h('div', { class: 'called' }, h('p', {}, `Wholehand · ${page}`), h('h1', {}, told(about.title || about.name))),
+    h('div', { class: 'called' }, h('p', {}, `Wholehand · ${page}`), h('h1', {}, told(titleWords(about.title, about.name)))),
     h('dl', {},
       item(t.facts.patient, c.patients[about.patient] ?? about.patient), item(t.facts.hand, c.hands[about.hand] ?? about.hand),
       item(t.facts.device, [about.device, about.simulated_device ? t.facts.simulated : ''].filter(Boolean).join(', ')), item(t.facts.exercise, exerciseWords(about)),

@@ -2,16 +2,18 @@ import { fixed, grouped } from '../console/format';
 import { shownUnits } from '../console/history';
 import { texts as consoleTexts } from '../console/i18n';
 import { lookOf } from '../console/plot_specs';
-import { inLanguage } from '../shared/exercise_panel';
-import { faultWord, fill, nameOf } from '../shared/i18n';
+import { titleWords } from '../console/title_words';
+import { dateWords } from '../replay/facts_panel';
+import { faultWord, fill, language, nameOf } from '../shared/i18n';
 import { h } from '../shared/dom';
 import { channelKey } from '../replay/series_piece';
-import { chart, type ChartLine } from './chart';
+import { chart, type ChartLine } from '../charts/chart';
+import { comparedWith, differencesFrom, figuresOf, type Figure } from './figures';
 import { texts } from './i18n';
 import { stepTimes, valueAt } from './limits';
 import { pictureFrame } from './picture';
 import { bodyWords, footer, header, litres, shortTime, table, timeName, told, type SheetContext } from './sheet';
-import { drinksOf, exerciseJson, gripFigures, lastState, lastValue, meanOf, reachTimes, whatHappened } from './therapy';
+import { drinksOf, exerciseJson, whatHappened } from './therapy';
 
 const MOST_ROWS = 4, MOST_TIMES = 3, MOST_TILES = 7;
 
@@ -19,7 +21,7 @@ const MOST_ROWS = 4, MOST_TIMES = 3, MOST_TILES = 7;
 export function therapySheet(context: SheetContext): HTMLElement {
   const t = texts();
   const { data } = context;
-  return h('article', { class: 'sheet', 'data-testid': 'therapy' }, header(data, t.therapy), tiles(context),
+  return h('article', { class: 'sheet', 'data-testid': 'therapy' }, header(data, t.therapy), tiles(context), sessionBefore(context),
     h('div', { class: 'two' }, pictureFrame(data), h('div', {}, happened(context), drinks(context))),
     h('div', { class: 'charts' }, ...gripChart(context), limitsChart(context)),
     bodies(context),
@@ -27,27 +29,22 @@ export function therapySheet(context: SheetContext): HTMLElement {
     footer(data, 1));
 }
 
-const tile = (figure: string, unit: string, words: string): HTMLElement => h('div', {}, h('b', {}, figure, unit === '' ? '' : h('small', {}, ` ${unit}`)), h('span', {}, told(words)));
+const tile = (figure: string, unit: string, words: string, before?: HTMLElement | null): HTMLElement => h('div', {}, h('b', {}, figure, unit === '' ? '' : h('small', {}, ` ${unit}`)), h('span', {}, told(words)), before ?? null);
+
+/** What it was in the session before, and whether this is better. */
+function beforeLine(figure: Figure, before: readonly Figure[]): HTMLElement | null {
+  const t = texts().before;
+  const compared = comparedWith(figure, before);
+  if (!compared) return null;
+  const { before: { shown, unit }, became } = compared;
+  return h('em', { 'data-became': became }, `${fill(t.was, { x: `${shown} ${unit}`.trim() })}${became === 'better' ? `, ${t.better}` : ''}`);
+}
 
 function tiles({ data, scene }: SheetContext): HTMLElement {
   const t = texts().tiles;
-  const { about, series, therapy, engineering } = data;
-  const last = lastState(data);
-  const value = (name: string): number | undefined => lastValue(data, last, name);
-  const out: HTMLElement[] = [];
-  const done = series.events.filter(({ type }) => about.event_names[type] === 'drink_done').length;
-  const all = value('drinks');
-  if (all !== undefined) out.push(tile(String(done), fill(t.of, { n: all }), t.drinks));
-  for (const { name, label, value: shown, unit } of about.result) {
-    const words = data.scene?.panel?.values.find((told) => String(told.name) === name)?.label;
-    out.push(tile(shown, unit, inLanguage(words) || label));
-  }
-  const reaches = reachTimes(series.events, about.event_names, about.from_s);
-  if (reaches.length > 0) out.push(tile(fixed(meanOf(reaches), 1), 's', t.reach));
-  const grip = gripFigures(therapy.grips);
-  if (grip) out.push(tile(fixed(grip.mean_n, 1), 'N', t.grip), tile(fixed(100 * grip.variation, 0), '%', t.steadiness));
-  const stars = value('stars');
-  if (stars !== undefined) out.push(tile('★'.repeat(Math.max(0, Math.min(5, Math.round(stars)))) || '–', '', t.stars));
+  const { therapy, engineering } = data;
+  const before = data.before ? figuresOf(data.before) : [];
+  const out = figuresOf(data).map((figure) => tile(figure.shown, figure.unit, figure.words, beforeLine(figure, before)));
   if (out.length < 4) {
     out.push(tile(String(therapy.bodies.length), fill(t.of, { n: therapy.bodies_in_scene }), t.touched),
       tile(fixed(therapy.bodies.reduce((sum, { held_s }) => sum + held_s, 0), 1), 's', t.held), tile(fixed(therapy.largest_force_n, 1), 'N', t.force));
@@ -55,6 +52,16 @@ function tiles({ data, scene }: SheetContext): HTMLElement {
     if (most) out.push(most);
   }
   return h('section', { class: 'tiles' }, ...out.slice(0, MOST_TILES + 1));
+}
+
+/** With which session this one is compared, and what speaks against it. */
+function sessionBefore({ data }: SheetContext): HTMLElement | null {
+  const { before } = data;
+  if (!before) return null;
+  const t = texts();
+  const words = fill(t.before.compared, { name: titleWords(before.about.title, before.about.name), date: dateWords(before.about.created_utc, language()) });
+  const other = differencesFrom(data, before).map((what) => t.facts[what]);
+  return h('p', { class: 'before', 'data-testid': 'before' }, told(words), other.length === 0 ? '' : h('b', {}, ` ${fill(t.before.other, { what: other.join(', ') })}`));
 }
 
 function largestEffort(axes: SheetContext['scene']['axes'], efforts: readonly number[]): HTMLElement | undefined {

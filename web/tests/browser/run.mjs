@@ -9,6 +9,7 @@ import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
 import { openBrowser } from './browser.mjs';
 import * as cameras from './camera_checks.mjs';
+import { chartsAreOneFile } from './chart_checks.mjs';
 import * as checks from './checks.mjs';
 import { commissionedThroughThePage } from './commission_checks.mjs';
 import { drinksByEveryWay } from './drink_checks.mjs';
@@ -186,6 +187,7 @@ try {
   await test('report is one file', () => reports.reportIsOneFile(plain, recorded, picture));
   await test('report has its picture', () => reports.reportHasItsPicture(drawing, recorded, picture));
   await test('report says what is wrong with it', () => reports.badReportsAreSaid(plain, recorded));
+  await test('charts are one file', () => chartsAreOneFile(plain, recorded, picture));
   await test('stops at random moments are followed by nothing', () => stopsAtRandomMoments(plain, () => startWaiting()));
   await test('no fault was logged by the pages', async () => {
     const faults = [...game.faults, ...watcher.page.faults];

@@ -9,6 +9,7 @@ export const de: ReportTexts = {
     drinks: 'Getränke fertig', of: 'von {n}', reach: 'bis zum Greifen, im Mittel', reaches: '{n} Griffe', grip: 'Griffkraft, im Mittel', steadiness: 'Griff schwankt um', stars: 'Sterne',
     touched: 'Gegenstände berührt', held: 'insgesamt gehalten', force: 'größte Kontaktkraft', effort: 'größte Kraft, {axis}',
   },
+  before: { was: 'vorher: {x}', better: 'besser', compared: 'Vorher: {name}, {date}.', other: 'Anders war: {what}.' },
   steadinessNote: 'Griff: mindestens 1 N für mindestens 1 s. Er schwankt um seine Standardabweichung, als Anteil des Mittels; die ersten und letzten 0,25 s jedes Griffs zählen nicht.',
   happened: {
     title: 'Stopps und Fehler', emergency_stop: 'Notstopp', stop: 'Stopp', fault: 'Fehler', controls_lost: 'Steuerung verloren', missing: 'Fehlende Takte', missed: 'Übersprungene Perioden', limited: 'Kraft an der Grenze',

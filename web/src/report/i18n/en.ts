@@ -8,6 +8,7 @@ export const en = {
     drinks: 'drinks finished', of: 'of {n}', reach: 'to reach, on average', reaches: '{n} reaches', grip: 'grip force, on average', steadiness: 'grip varies by', stars: 'stars',
     touched: 'objects touched', held: 'held in all', force: 'largest contact force', effort: 'largest effort, {axis}',
   },
+  before: { was: 'before: {x}', better: 'better', compared: 'Before: {name}, {date}.', other: 'It differs in: {what}.' },
   steadinessNote: 'Grip: force of at least 1 N for at least 1 s. It varies by its standard deviation, as a share of its mean; the first and last 0.25 s of each grip do not count.',
   happened: {
     title: 'Stops and faults', emergency_stop: 'Emergency stop', stop: 'Stop', fault: 'Fault', controls_lost: 'Controls lost', missing: 'Missing ticks', missed: 'Skipped periods', limited: 'Effort at its limit',

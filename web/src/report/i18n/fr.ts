@@ -9,6 +9,7 @@ export const fr: ReportTexts = {
     drinks: 'boissons terminées', of: 'sur {n}', reach: 'pour saisir, en moyenne', reaches: '{n} saisies', grip: 'force de prise, en moyenne', steadiness: 'variation de la prise', stars: 'étoiles',
     touched: 'objets touchés', held: 'tenu en tout', force: 'plus grande force de contact', effort: 'plus grand effort, {axis}',
   },
+  before: { was: 'avant : {x}', better: 'mieux', compared: 'Avant : {name}, {date}.', other: 'Ce qui diffère : {what}.' },
   steadinessNote: 'Prise : au moins 1 N pendant au moins 1 s. Sa variation est son écart type rapporté à sa moyenne ; les premières et dernières 0,25 s de chaque prise ne comptent pas.',
   happened: {
     title: 'Arrêts et défauts', emergency_stop: 'Arrêt d’urgence', stop: 'Arrêt', fault: 'Défaut', controls_lost: 'Commandes perdues', missing: 'Cycles manquants', missed: 'Périodes sautées', limited: 'Effort à sa limite',

@@ -1,4 +1,4 @@
-#include "telemetry/crc32.hpp"
+#include "core/crc32.hpp"
 
 #include <array>
 

@@ -1,0 +1,36 @@
+import type { ChartTexts } from './en';
+
+export const de: ChartTexts = {
+  charts: 'Diagramme', print: 'Drucken',
+  sentences: {
+    axis: '{axes}', stage: '{stage}',
+    'certificate.certified': '{device} mit {rendering}, {hand}: zertifiziert',
+    'certificate.notCertified': '{device} mit {rendering}, {hand}: NICHT zertifiziert',
+    'certificate.walls': 'Mit den Wänden von {exercise}.',
+    'certificate.note': 'Z-Breite: grösste Steifigkeit (logarithmisch) über der adaptiven Dämpfung Φ K_dm bei {rate} Hz. Dick: wo die Achse arbeitet, Φ von 0 bis 1. Sie muss unter jeder Linie bleiben.',
+    'certificate.chart': '{axes}: K_pm in {unit}',
+    'certificate.rigid': 'starrer Anschlag', 'certificate.passive': 'jede Person', 'certificate.quantisation': 'Quantisierung', 'certificate.wall': 'in der Wand',
+    'certificate.working': 'diese Achse', 'certificate.fails': 'BESTEHT NICHT',
+    'impedance.title': 'Was die Person spürt: {device} mit {rendering} und {hand}',
+    'impedance.note': 'Impedanz Z, Kraft durch Geschwindigkeit, bei {rate} Hz. Sie steigt um 20 dB je Dekade mit +90° wie eine Masse, fällt mit −90° wie eine Feder und ist flach bei 0° wie ein Dämpfer. Getönt: wo Vorhersage und Messung verglichen werden.',
+    'impedance.magnitude': '{axes}: |Z| in dB von 1 {unit}', 'impedance.phase': 'Phase in Grad',
+    'impedance.free': 'frei', 'impedance.spring': 'Feder von {stiffness} N/m an der Hand', 'impedance.rigid': 'starrer Anschlag',
+    'impedance.undamped': 'Φ = 0: keine adaptive Dämpfung', 'impedance.damped': 'Φ = 1: die ganze', 'impedance.measured': 'gemessen (Linien: vorhergesagt)',
+    'exercise.title': 'Was die Hand an der Cocktailbar spürte',
+    'exercise.bumps': '① stösst an', 'exercise.approaches': '② nähert sich', 'exercise.squeezes': '③ drückt', 'exercise.letsGo': '④ lässt los, zieht zurück',
+    'exercise.fingers': 'Finger, N an den Spitzen', 'exercise.thumb': 'Daumen, N an der Spitze (Drehung in 0,1 Nm)', 'exercise.arm': 'Arm, N', 'exercise.phi': 'Adaptive Dämpfung φ',
+    'exercise.alpha': 'Übergang α der Haptik der Übung', 'exercise.flow': 'Fluss, ml/s', 'exercise.glass': 'Im Glas, ml', 'exercise.wall': 'Wand', 'exercise.asked': 'verlangt: {ml}',
+    'grasping.title': 'Greifen, 20 cm tragen, 10 s halten', 'grasping.chart': 'Rutschen beim Halten: Anteil der Versuche, die nicht weiter rutschen',
+    'grasping.asked': 'verlangt: 0,5 mm', 'grasping.tuned': 'abgestimmt', 'grasping.jittered': 'gestört',
+    'timing.title': 'Zeit je Takt, {ticks} Takte', 'timing.chart': 'Takte nach ihrer Zeit auf der Wanduhr', 'timing.mark': '{name}: {us} µs', 'timing.deadline': 'Frist: 1 ms',
+    'timing.table': 'Zeiten, µs', 'timing.what': 'Was', 'timing.most': 'grösste', 'timing.cpu': 'Takt, Prozessor', 'timing.wall': 'Takt, Wanduhr',
+    'passport.title': '{device}, Seriennummer {serial}', 'passport.measured': 'Gemessen am {day} von {operator}.',
+    'passport.note': 'Balken: wo der Wert liegt, als Anteil der Zahl in der Gerätedatei, die am Strich steht. Die Skala endet beim Doppelten dieser Zahl.',
+    'passport.figure': 'Grösse', 'passport.share': 'Anteil der Zahl der Datei', 'passport.interval': 'Gemessen', 'passport.file': 'Datei', 'passport.between': '{low} bis {high} {unit}',
+    'passport.mass': 'Masse', 'passport.inertia': 'Trägheit', 'passport.damping': 'Dämpfung', 'passport.friction': 'trockene Reibung', 'passport.delay': 'Verzögerung',
+  },
+  problems: {
+    template: 'Diese Seite enthält keine Diagramme. Das Programm schreibt sie, zum Beispiel: wholehand certify --charts diagramme.html',
+    broken: 'Die Daten dieser Seite sind nicht lesbar. Bitte die Seite neu machen.', says: 'Grund:',
+  },
+};

@@ -1,0 +1,36 @@
+import type { ChartTexts } from './en';
+
+export const fr: ChartTexts = {
+  charts: 'Graphiques', print: 'Imprimer',
+  sentences: {
+    axis: '{axes}', stage: '{stage}',
+    'certificate.certified': '{device} avec {rendering}, {hand} : certifié',
+    'certificate.notCertified': '{device} avec {rendering}, {hand} : NON certifié',
+    'certificate.walls': 'Avec les parois de {exercise}.',
+    'certificate.note': 'Largeur Z : raideur maximale (logarithmique) selon l’amortissement adaptatif Φ K_dm à {rate} Hz. Trait épais : là où l’axe travaille, Φ de 0 à 1. Il doit rester sous toutes les lignes.',
+    'certificate.chart': '{axes} : K_pm en {unit}',
+    'certificate.rigid': 'butée rigide', 'certificate.passive': 'toute personne', 'certificate.quantisation': 'quantification', 'certificate.wall': 'dans la paroi',
+    'certificate.working': 'cet axe', 'certificate.fails': 'ÉCHOUE',
+    'impedance.title': 'Ce que la personne ressent : {device} avec {rendering} et {hand}',
+    'impedance.note': 'Impédance Z, effort sur vitesse, à {rate} Hz. Elle monte de 20 dB par décade avec +90° comme une masse, descend avec −90° comme un ressort, et reste plate à 0° comme un amortisseur. Teinté : là où prédiction et mesure sont comparées.',
+    'impedance.magnitude': '{axes} : |Z| en dB de 1 {unit}', 'impedance.phase': 'phase en degrés',
+    'impedance.free': 'libre', 'impedance.spring': 'ressort de {stiffness} N/m à la main', 'impedance.rigid': 'butée rigide',
+    'impedance.undamped': 'Φ = 0 : sans amortissement adaptatif', 'impedance.damped': 'Φ = 1 : en entier', 'impedance.measured': 'mesuré (lignes : prédit)',
+    'exercise.title': 'Ce que la main a senti au bar à cocktails',
+    'exercise.bumps': '① heurte', 'exercise.approaches': '② approche', 'exercise.squeezes': '③ presse', 'exercise.letsGo': '④ lâche, se retire',
+    'exercise.fingers': 'Doigts, N aux extrémités', 'exercise.thumb': 'Pouce, N à l’extrémité (rotation en 0,1 Nm)', 'exercise.arm': 'Bras, N', 'exercise.phi': 'Amortissement adaptatif φ',
+    'exercise.alpha': 'Transition α de l’haptique de l’exercice', 'exercise.flow': 'Débit, ml/s', 'exercise.glass': 'Dans le verre, ml', 'exercise.wall': 'paroi', 'exercise.asked': 'demandé : {ml}',
+    'grasping.title': 'Saisir, porter sur 20 cm, tenir 10 s', 'grasping.chart': 'Glissement pendant la tenue : part des essais qui ne glissent pas davantage',
+    'grasping.asked': 'demandé : 0,5 mm', 'grasping.tuned': 'réglés', 'grasping.jittered': 'perturbés',
+    'timing.title': 'Durée par cycle, {ticks} cycles', 'timing.chart': 'Cycles selon leur durée à l’horloge', 'timing.mark': '{name} : {us} µs', 'timing.deadline': 'délai : 1 ms',
+    'timing.table': 'Durées, µs', 'timing.what': 'Quoi', 'timing.most': 'la plus longue', 'timing.cpu': 'cycle, processeur', 'timing.wall': 'cycle, horloge',
+    'passport.title': '{device}, numéro de série {serial}', 'passport.measured': 'Mesuré le {day} par {operator}.',
+    'passport.note': 'Barre : où se trouve la grandeur, en part du nombre du fichier de l’appareil, qui est au trait. L’échelle finit au double de ce nombre.',
+    'passport.figure': 'Grandeur', 'passport.share': 'Part du nombre du fichier', 'passport.interval': 'Mesuré', 'passport.file': 'Fichier', 'passport.between': '{low} à {high} {unit}',
+    'passport.mass': 'masse', 'passport.inertia': 'inertie', 'passport.damping': 'amortissement', 'passport.friction': 'frottement sec', 'passport.delay': 'retard',
+  },
+  problems: {
+    template: 'Cette page ne contient pas de graphiques. Le programme les écrit, par exemple : wholehand certify --charts graphiques.html',
+    broken: 'Les données de cette page ne sont pas lisibles. Veuillez refaire la page.', says: 'Raison :',
+  },
+};
