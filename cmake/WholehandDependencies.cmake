@@ -48,6 +48,9 @@ target_link_options(wholehand_options INTERFACE
 set(tick_modules core dynamics control safety patient exercise physics physics/bullet physics/analytic
     device device/plugin device/host device/simulated device/replay device/faulty renderer realtime
     realtime/allocation_counter realtime/lock_counter realtime/system_call_counter runtime)
+# Products of small matrices and little else: at -O3 they are inlined, to the same bits. Without
+# precompiled headers, which would bring their own -O2 along.
+set(arithmetic_modules dynamics)
 function(wholehand_checked target)
   target_compile_definitions(${target} PRIVATE $<$<CONFIG:Release>:_GLIBCXX_ASSERTIONS>)
 endfunction()
