@@ -48,6 +48,9 @@ target_link_options(wholehand_options INTERFACE
 set(tick_modules core dynamics control safety patient exercise physics physics/bullet physics/analytic
     device device/plugin device/host device/simulated device/replay device/faulty renderer realtime
     realtime/allocation_counter realtime/lock_counter realtime/system_call_counter runtime)
+# Products of small matrices and little else: at -O3 they are inlined, to the same bits. Without
+# precompiled headers, which would bring their own -O2 along.
+set(arithmetic_modules dynamics)
 # AddressSanitizer's build is libFuzzer's, too: it counts which branches of what reads strangers' bytes
 # an input takes.
 if(CMAKE_BUILD_TYPE STREQUAL Debug AND CMAKE_CXX_FLAGS_DEBUG MATCHES "-fsanitize=address")

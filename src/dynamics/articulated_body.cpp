@@ -22,6 +22,27 @@ Eigen::Matrix3d rotationAbout(const Eigen::Vector3d& axis, double angle_rad) noe
   return r;
 }
 
+/// turn * rotationAbout(axis, angle_rad) for an axis of the frame itself:
+/// most of a hand's joints. To the bits of the general product, whose other terms are zero.
+void turnAbout(int along, double way, double angle_rad, Eigen::Matrix3d& turn) noexcept {
+  const double c = std::cos(angle_rad);
+  const double s = std::sin(angle_rad) * way;
+  const int i = (along + 1) % 3, j = (along + 2) % 3;
+  const double rest = c + (1.0 - c) * way * way;
+  for (int r = 0; r < 3; ++r) {
+    const double a = turn(r, i), b = turn(r, j);
+    turn(r, i) = a * c + b * s;
+    turn(r, j) = b * c - a * s;
+    turn(r, along) *= rest;
+  }
+}
+
+/// Written out: Eigen's own goes through calls at -O2.
+Eigen::Vector3d product(const Eigen::Matrix3d& a, const Eigen::Vector3d& v) noexcept {
+  const auto row = [&](int r) { return a(r, 0) * v[0] + a(r, 1) * v[1] + a(r, 2) * v[2]; };
+  return {row(0), row(1), row(2)};
+}
+
 /// Inertia of a point mass, of unit mass, at `r_m` about the origin.
 Eigen::Matrix3d steiner(const Eigen::Vector3d& r_m) {
   return r_m.squaredNorm() * Eigen::Matrix3d::Identity() - r_m * r_m.transpose();
@@ -64,7 +85,11 @@ void ArticulatedBody::addBody(int link, int parent, const Pose& parent_to_body) 
   b.joint = l.joint;
   b.revolute = l.type == JointType::kRevolute;
   b.axis = l.axis;
+  for (int k = 0; k < 3; ++k) {
+    if (std::abs(l.axis[k]) == 1.0) b.along = k;
+  }
   b.parent_to_body = parent_to_body;
+  b.turned = parent_to_body.rotation != Eigen::Matrix3d::Identity();
   addMass(b, l, Pose{});
   b.first_term = term_count_;
   for (int a = 0; a < hand_->axis_count; ++a) {
@@ -89,21 +114,35 @@ void ArticulatedBody::addMass(Body& body, const HandLink& link, const Pose& body
   body.com_m = joint_com_m;
 }
 
-void ArticulatedBody::updateKinematics(const JointPosition& theta) noexcept {
-  for (int i = 0; i < body_count_; ++i) {
-    const Body& b = body_[i];
-    Pose& pose = pose_[b.link];
-    pose = b.parent < 0 ? b.parent_to_body : pose_[body_[b.parent].link] * b.parent_to_body;
-    if (b.revolute) {
-      pose.rotation = (pose.rotation * rotationAbout(b.axis, theta[b.joint])).eval();
-      const Eigen::Vector3d axis = pose.rotation * b.axis;
-      screw_[i] = {axis, cross(pose.translation_m, axis)};
-    } else {
-      const Eigen::Vector3d axis = pose.rotation * b.axis;
-      pose.translation_m += theta[b.joint] * axis;
-      screw_[i] = {Eigen::Vector3d::Zero(), axis};
-    }
+void ArticulatedBody::placeBody(int i, double position) noexcept {
+  const Body& b = body_[i];
+  Pose& pose = pose_[b.link];
+  if (b.parent < 0) {
+    pose = b.parent_to_body;
+  } else {
+    const Pose& parent = pose_[body_[b.parent].link];
+    pose.rotation = parent.rotation;
+    if (b.turned) pose.rotation = parent.rotation * b.parent_to_body.rotation;
+    pose.translation_m =
+        product(parent.rotation, b.parent_to_body.translation_m) + parent.translation_m;
   }
+  if (!b.revolute) {
+    const Eigen::Vector3d axis = product(pose.rotation, b.axis);
+    pose.translation_m += position * axis;
+    screw_[i] = {Eigen::Vector3d::Zero(), axis};
+    return;
+  }
+  if (b.along >= 0) {
+    turnAbout(b.along, b.axis[b.along], position, pose.rotation);
+  } else {
+    pose.rotation = (pose.rotation * rotationAbout(b.axis, position)).eval();
+  }
+  const Eigen::Vector3d axis = product(pose.rotation, b.axis);
+  screw_[i] = {axis, cross(pose.translation_m, axis)};
+}
+
+void ArticulatedBody::updateKinematics(const JointPosition& theta) noexcept {
+  for (int i = 0; i < body_count_; ++i) placeBody(i, theta[body_[i].joint]);
   for (int i = 0; i < weld_count_; ++i) {
     const Weld& w = weld_[i];
     pose_[w.link] = w.body < 0 ? w.body_to_link : pose_[body_[w.body].link] * w.body_to_link;

@@ -72,7 +72,9 @@ class ArticulatedBody {
     int joint = 0;
     bool revolute = false;
     Eigen::Vector3d axis;  ///< body frame
+    int along = -1;        ///< the frame's axis that it lies on, either way; -1: on none
     Pose parent_to_body;   ///< at joint position zero; for parent -1 in the world
+    bool turned = false;   ///< whether parent_to_body turns
     double mass_kg = 0.0;
     Eigen::Vector3d com_m = Eigen::Vector3d::Zero();
     Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();  ///< about com_m
@@ -90,6 +92,7 @@ class ArticulatedBody {
     double ratio = 0.0;
   };
 
+  void placeBody(int i, double position) noexcept;
   void addBody(int link, int parent, const Pose& parent_to_body);
   static void addMass(Body& body, const HandLink& link, const Pose& body_to_link);
   void sweepForward(const JointVelocity& theta_dot, const Eigen::Vector3d& gravity_m_s2) noexcept;

@@ -12,6 +12,8 @@ using Eigen::Vector3d;
 
 constexpr double kExact_m = 1e-7;
 constexpr int kMostSteps = 12;
+constexpr double kContactExact_m = 1e-13;
+constexpr int kMostContactSteps = 40;
 
 /// Distance of a point from a surface and where it grows; in the shape's own frame.
 struct PointDistance {
@@ -78,8 +80,11 @@ SegmentDistance found(const Probe& p, double least_m, double radius_m) {
   return {p.distance_m - radius_m, least_m - radius_m, p.along, p.normal};
 }
 
+/// The search, in the shape's own frame. @param enough whether a gap between the bound and the
+/// least distance seen so far may stay, and that bound
+template <class Enough>
 SegmentDistance nearest(const Shape& shape, const Vector3d& a_m, const Vector3d& b_m,
-                        double radius_m, double share) {
+                        double radius_m, int most_steps, const Enough& enough) {
   const Vector3d way_m = b_m - a_m;
   const auto probe = [&](double along) -> Probe {
     const PointDistance at = pointDistance(shape, a_m + along * way_m);
@@ -90,7 +95,7 @@ SegmentDistance nearest(const Shape& shape, const Vector3d& a_m, const Vector3d&
   Probe right = probe(1.0);
   if (right.slope_m <= 0.0) return found(right, right.distance_m, radius_m);
   double least_m = 0.0;
-  for (int i = 0; i < kMostSteps; ++i) {
+  for (int i = 0; i < most_steps; ++i) {
     const double across = right.along - left.along;
     // Where the two tangents meet nothing lies below them; where the slope would be zero if it grew
     // evenly is the better guess on round shapes.
@@ -98,7 +103,7 @@ SegmentDistance nearest(const Shape& shape, const Vector3d& a_m, const Vector3d&
                         (left.slope_m - right.slope_m);
     least_m = left.distance_m + left.slope_m * meet;
     const double gap_m = std::min(left.distance_m, right.distance_m) - least_m;
-    if (gap_m <= kExact_m + share * std::max(least_m - radius_m, 0.0)) break;
+    if (enough(gap_m, least_m)) break;
     const double even = across * left.slope_m / (left.slope_m - right.slope_m);
     const double step = std::clamp(i % 2 == 0 ? even : meet, 1e-3 * across, 0.999 * across);
     const Probe middle = probe(left.along + step);
@@ -114,11 +119,22 @@ SegmentDistance segmentDistance(const Shape& shape, const Vector3d& a_m, const V
   const Eigen::Matrix3d& turn = shape.in_body.rotation;
   const Vector3d a = turn.transpose() * (a_m - shape.in_body.translation_m);
   const Vector3d b = turn.transpose() * (b_m - shape.in_body.translation_m);
+  const auto enough = [&](double gap_m, double least_m) {
+    return gap_m <= kExact_m + share * std::max(least_m - radius_m, 0.0);
+  };
   SegmentDistance result = shape.type == ShapeType::kConvexMesh
                                ? hullDistance(shape.points_m, a, b, radius_m)
-                               : nearest(shape, a, b, radius_m, share);
+                               : nearest(shape, a, b, radius_m, kMostSteps, enough);
   result.normal = turn * result.normal;
   return result;
+}
+
+SegmentDistance contactDistance(const Shape& shape, const Vector3d& a_m, const Vector3d& b_m,
+                                double radius_m, double far_m) noexcept {
+  const auto enough = [&](double gap_m, double least_m) {
+    return gap_m <= kContactExact_m || least_m - radius_m > far_m;
+  };
+  return nearest(shape, a_m, b_m, radius_m, kMostContactSteps, enough);
 }
 
 }  // namespace wholehand

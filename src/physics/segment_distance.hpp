@@ -26,4 +26,12 @@ struct SegmentDistance {
                                                            const Eigen::Vector3d& b_m,
                                                            double radius_m, double share) noexcept;
 
+/// The same where a contact's point and depth are asked for: exact to rounding, but given up as
+/// soon as least_m is more than far_m. @param a_m, b_m in the shape's own frame. Real-time safe.
+/// @pre the shape is no convex mesh
+[[nodiscard]] WHOLEHAND_RT SegmentDistance contactDistance(const Shape& shape,
+                                                           const Eigen::Vector3d& a_m,
+                                                           const Eigen::Vector3d& b_m,
+                                                           double radius_m, double far_m) noexcept;
+
 }  // namespace wholehand

@@ -62,8 +62,8 @@ std::unique_ptr<btCollisionShape> makeShape(const Shape& shape) {
 
 }  // namespace
 
-BulletBody::BulletBody(const SceneBody& body, int index)
-    : no_shape_(new btEmptyShape), index_(index) {
+BulletBody::BulletBody(const SceneBody& body, int index, double reach_m)
+    : no_shape_(new btEmptyShape), index_(index), reach_m_(reach_m) {
   btVector3 moments(0, 0, 0);
   from_body_ = principalFrame(body, moments);
   start_ = toBt(body.pose * from_body_);
@@ -72,7 +72,6 @@ BulletBody::BulletBody(const SceneBody& body, int index)
   rigid_ = std::make_unique<btRigidBody>(
       btRigidBody::btRigidBodyConstructionInfo(mass, nullptr, no_shape_.get(), moments));
   rigid_->setDamping(body.linear_damping_per_s, 0.0);
-  rigid_->setActivationState(DISABLE_DEACTIVATION);
   for (const Shape& shape : body.shapes) {
     if (body.soft_m > 0.0) {
       addCollider(body, shape, Meets::kAllButDigits);
@@ -99,13 +98,7 @@ void BulletBody::addCollider(const SceneBody& body, const Shape& shape, Meets me
   object.setUserPointer(&collider->tag);
   // Bullet multiplies the two coefficients of a pair; the roots make equal pairs come out true.
   object.setFriction(std::sqrt(body.friction));
-  object.setActivationState(DISABLE_DEACTIVATION);
-  object.setCollisionFlags(btCollisionObject::CF_HAS_FRICTION_ANCHOR |
-                           (body.fixed ? btCollisionObject::CF_STATIC_OBJECT : 0));
-  for (const auto& sibling : colliders_) {
-    object.setIgnoreCollisionCheck(sibling->object.get(), true);
-    sibling->object->setIgnoreCollisionCheck(&object, true);
-  }
+  object.setCollisionFlags(btCollisionObject::CF_HAS_FRICTION_ANCHOR);
   colliders_.push_back(std::move(collider));
 }
 
@@ -113,7 +106,10 @@ void BulletBody::placeColliders() noexcept {
   for (const auto& collider : colliders_) {
     const btTransform at = rigid_->getWorldTransform() * collider->in_rigid;
     collider->object->setWorldTransform(at);
-    collider->object->setInterpolationWorldTransform(at);
+    btVector3 low, high;
+    collider->shape->getAabb(at, low, high);
+    collider->box.low_m = toEigen(low).array() - reach_m_;
+    collider->box.high_m = toEigen(high).array() + reach_m_;
   }
 }
 
@@ -133,7 +129,6 @@ bool BulletBody::place(const BodyPlacement& placement) noexcept {
       (at.getOrigin() - before.getOrigin()).length() > kFarthestSlide_m ||
       std::abs(at.getRotation().dot(before.getRotation())) < std::cos(kFarthestTurn_rad / 2.0);
   put(at, toBt(velocity_m_s));
-  rigid_->updateInertiaTensor();
   placed_ = true;
   return elsewhere;
 }
@@ -156,6 +151,7 @@ void BulletBody::put(const btTransform& at, const btVector3& velocity) noexcept 
   rigid_->setInterpolationLinearVelocity(velocity);
   rigid_->setInterpolationAngularVelocity(none);
   rigid_->clearForces();
+  rigid_->updateInertiaTensor();
   placeColliders();
 }
 

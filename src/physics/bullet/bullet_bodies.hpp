@@ -3,6 +3,7 @@
 #include "core/tick_record.hpp"
 #include "model/scene_model.hpp"
 #include "physics/bullet/collider_tag.hpp"
+#include "physics/bullet/world_box.hpp"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
@@ -15,10 +16,13 @@ namespace wholehand::bullet {
 /// touch. Bullet's body frame is the principal frame of inertia at the centre of mass.
 class BulletBody {
  public:
-  /// At its starting pose. @param index in the scene
-  BulletBody(const SceneBody& body, int index);
+  /// At its starting pose. @param index in the scene @param reach_m by which the colliders' boxes
+  /// are larger than they are
+  BulletBody(const SceneBody& body, int index, double reach_m);
 
   [[nodiscard]] btRigidBody& rigid() { return *rigid_; }
+  /// Whether forces move it; a fixed one is only placed.
+  [[nodiscard]] bool moves() const { return !rigid_->isStaticObject(); }
   /// What a collider collides with: of a soft body the digits meet the core, all else the shape.
   enum class Meets { kAll, kAllButDigits, kDigits };
   struct Collider {
@@ -28,6 +32,7 @@ class BulletBody {
     std::unique_ptr<btCollisionShape> shape;
     std::unique_ptr<btCollisionObject> object;
     btTransform in_rigid;
+    WorldBox box;
   };
   [[nodiscard]] const std::vector<std::unique_ptr<Collider>>& colliders() const {
     return colliders_;
@@ -55,6 +60,7 @@ class BulletBody {
   std::unique_ptr<btCollisionShape> no_shape_;
   std::unique_ptr<btRigidBody> rigid_;
   int index_;
+  double reach_m_;
   bool placed_ = false;
   std::vector<std::unique_ptr<Collider>> colliders_;  ///< tags are pointed to: addresses stay
 };

@@ -2,34 +2,12 @@
 
 #include "physics/bullet/bullet_types.hpp"
 
-#include <BulletCollision/CollisionDispatch/btSimulationIslandManager.h>
-#include <BulletCollision/CollisionShapes/btSphereShape.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <memory>
 
 namespace wholehand::bullet {
 namespace {
-
-// Collision groups: the hand meets bodies, never itself.
-constexpr int kBodyGroup = 1;
-constexpr int kPalmGroup = 2;
-constexpr int kRehearsalGroup = 4;
-constexpr int kDigitGroup = 8;
-constexpr int kNoGroup = 0;
-
-int maskOf(BulletBody::Meets meets) {
-  switch (meets) {
-    case BulletBody::Meets::kAll:
-      return kBodyGroup | kPalmGroup | kDigitGroup;
-    case BulletBody::Meets::kAllButDigits:
-      return kBodyGroup | kPalmGroup;
-    case BulletBody::Meets::kDigits:
-      return kDigitGroup;
-  }
-  return kNoGroup;
-}
 
 // More than this many pairs touch at once only in scenes far too large for the tick.
 constexpr std::size_t kRehearsedManifolds = 1024;
@@ -44,6 +22,17 @@ double contactThreshold() {
 // Deeper than this at the start, the solver would throw the body away.
 constexpr double kAllowedOverlap_m = 2e-4;
 
+std::vector<BulletBody> makeBodies(const SceneModel& scene) {
+  std::vector<BulletBody> bodies;
+  bodies.reserve(scene.bodies.size());
+  for (const SceneBody& body : scene.bodies) {
+    BulletBody& added =
+        bodies.emplace_back(body, static_cast<int>(bodies.size()), contactThreshold());
+    added.rigid().setGravity(toBt(scene.gravity_m_s2));
+  }
+  return bodies;
+}
+
 }  // namespace
 
 BulletEngine::BulletEngine(const HandModel& hand_in, const SceneModel& scene,
@@ -52,105 +41,78 @@ BulletEngine::BulletEngine(const HandModel& hand_in, const SceneModel& scene,
       synergy(hand_in),
       kinematics(hand_in),
       scene_path(scene.path),
-      dispatcher(&configuration, contactThreshold()),
+      dispatcher(&configuration),
       rows(hand_in, scene.hand_friction, settings),
       solver(hand_in, kinematics, rows, settings),
-      world(&dispatcher, &broadphase, &solver, &configuration),
       hand(hand_in, scene.hand_friction),
+      bodies(makeBodies(scene)),
+      pairs(dispatcher, hand, bodies, contactThreshold()),
       q_s(hand_in.axis_count),
       qd_s(hand_in.axis_count),
       theta_dot(hand_in.joint_count) {
-  configure(scene, settings);
-  for (std::size_t i = 0; i < hand.capsules().size(); ++i) {
-    const bool palm = hand_in.capsules[i].part == HandPart::kPalm;
-    world.addCollisionObject(hand.capsules()[i].get(), palm ? kPalmGroup : kDigitGroup, kBodyGroup);
+  configure(settings);
+  for (const SceneBody& body : scene.bodies) body_names.push_back(body.name);
+  for (BulletBody& body : bodies) {
+    if (!body.moves()) continue;
+    moving_.push_back(&body.rigid());
+    moving_objects_.push_back(&body.rigid());
   }
-  bodies.reserve(scene.bodies.size());
-  for (const SceneBody& body : scene.bodies) {
-    BulletBody& added = bodies.emplace_back(body, static_cast<int>(bodies.size()));
-    body_names.push_back(body.name);
-    world.addRigidBody(&added.rigid(), kNoGroup, kNoGroup);
-    for (const auto& collider : added.colliders()) {
-      world.addCollisionObject(collider->object.get(), kBodyGroup, maskOf(collider->meets));
-    }
-  }
-  rehearsePairs();
+  setHand(q_s, qd_s);
   rehearseManifolds();
   rehearseStep();
 }
 
-BulletEngine::~BulletEngine() {
-  for (auto& body : bodies) {
-    for (const auto& collider : body.colliders())
-      world.removeCollisionObject(collider->object.get());
-    world.removeRigidBody(&body.rigid());
-  }
-  for (const auto& capsule : hand.capsules()) world.removeCollisionObject(capsule.get());
-}
-
 // Each setting that differs from stock is explained in ADR 3.
-void BulletEngine::configure(const SceneModel& scene, const SolverSettings& settings) {
-  world.setGravity(toBt(scene.gravity_m_s2));
+void BulletEngine::configure(const SolverSettings& settings) {
   dispatcher.setDispatcherFlags(dispatcher.getDispatcherFlags() &
                                 ~btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD);
-  world.setForceUpdateAllAabbs(true);
-  // One solver call for the whole world: the hand's reduced velocities are one set of unknowns.
-  world.getSimulationIslandManager()->setSplitIslands(false);
-  btContactSolverInfo& info = world.getSolverInfo();
-  info.m_numIterations = settings.iterations;
-  info.m_leastSquaresResidualThreshold = 0.0;
-  info.m_splitImpulse = 0;
-  info.m_erp2 = settings.contact_erp;
-  info.m_frictionERP = settings.friction_anchor_erp;
-  info.m_linearSlop = settings.penetration_slop_m;
-  info.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
+  solver_info_.m_numIterations = settings.iterations;
+  solver_info_.m_leastSquaresResidualThreshold = 0.0;
+  solver_info_.m_splitImpulse = 0;
+  solver_info_.m_erp2 = settings.contact_erp;
+  solver_info_.m_frictionERP = settings.friction_anchor_erp;
+  solver_info_.m_linearSlop = settings.penetration_slop_m;
+  solver_info_.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
 }
 
-// Bullet's arrays grow when they first need to. Every capsule near every body at once is the worst
-// that can happen, so it happens here, before anybody is attached.
-void BulletEngine::rehearsePairs() {
-  btSphereShape shape(0.01);
-  const std::size_t count = std::min<std::size_t>(64, colliders().size());
-  std::vector<std::unique_ptr<btCollisionObject>> crowd;
-  for (std::size_t i = 0; i < count; ++i) {
-    crowd.push_back(std::make_unique<btCollisionObject>());
-    crowd.back()->setCollisionShape(&shape);
-    crowd.back()->setWorldTransform(toBt(Pose{Eigen::Matrix3d::Identity(), {0, 0, 1e3}}));
-    world.addCollisionObject(crowd.back().get(), kRehearsalGroup, kRehearsalGroup);
-  }
-  world.updateAabbs();
-  broadphase.calculateOverlappingPairs(&dispatcher);
-  for (auto& object : crowd) world.removeCollisionObject(object.get());
-}
-
+// The list of manifolds grows when it first needs to. More at once than in any scene that a tick
+// has time for happen here, before anybody is attached.
 void BulletEngine::rehearseManifolds() {
-  const std::vector<btCollisionObject*> all = colliders();
+  const btCollisionObject none;
   std::vector<btPersistentManifold*> manifolds;
-  for (std::size_t a = 0; a < all.size() && manifolds.size() < kRehearsedManifolds; ++a) {
-    for (std::size_t b = a + 1; b < all.size() && manifolds.size() < kRehearsedManifolds; ++b) {
-      manifolds.push_back(dispatcher.getNewManifold(all[a], all[b]));
-    }
+  while (manifolds.size() < kRehearsedManifolds) {
+    manifolds.push_back(dispatcher.getNewManifold(&none, &none));
   }
   for (btPersistentManifold* manifold : manifolds) dispatcher.releaseManifold(manifold);
-}
-
-std::vector<btCollisionObject*> BulletEngine::colliders() const {
-  std::vector<btCollisionObject*> all;
-  for (const auto& capsule : hand.capsules()) all.push_back(capsule.get());
-  for (const auto& body : bodies) {
-    for (const auto& collider : body.colliders()) all.push_back(collider->object.get());
-  }
-  return all;
 }
 
 // One step of a microsecond, then everything is put back as it was.
 void BulletEngine::rehearseStep() {
   AxisMatrix no_motion = AxisMatrix::Zero(hand_model.axis_count, hand_model.axis_count);
   solver.beginStep(no_motion, qd_s);
-  world.stepSimulation(1e-6, 0);
+  advance(1e-6);
   solver.forgetStep();
   for (BulletBody& body : bodies) body.putAtStart();
   forgetContacts();
+}
+
+void BulletEngine::advance(double step_s) noexcept {
+  for (btRigidBody* body : moving_) {
+    body->applyGravity();
+    body->applyDamping(step_s);
+  }
+  pairs.find();
+  solver_info_.m_timeStep = step_s;
+  // One call for the whole world: the hand's reduced velocities are one set of unknowns.
+  solver.solveGroup(moving_objects_.data(), static_cast<int>(moving_objects_.size()),
+                    dispatcher.getInternalManifoldPointer(), dispatcher.getNumManifolds(), nullptr,
+                    0, solver_info_, nullptr, &dispatcher);
+  for (btRigidBody* body : moving_) {
+    btTransform moved;
+    body->predictIntegratedTransform(step_s, moved);
+    body->proceedToTransform(moved);
+    body->clearForces();
+  }
 }
 
 void BulletEngine::forgetContacts(int body) noexcept {
@@ -173,6 +135,7 @@ void BulletEngine::setHand(const AxisPosition& position, const AxisVelocity& vel
 
 // The deepest overlap of each body with the hand.
 Diagnostics BulletEngine::overlaps() {
+  pairs.find();
   struct Deepest {
     double depth_m = kAllowedOverlap_m;
     int capsule = -1;

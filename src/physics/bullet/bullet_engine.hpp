@@ -5,33 +5,34 @@
 #include "model/scene_model.hpp"
 #include "physics/bullet/bullet_bodies.hpp"
 #include "physics/bullet/bullet_hand.hpp"
-#include "physics/bullet/near_filter.hpp"
+#include "physics/bullet/collider_pairs.hpp"
 #include "physics/bullet/reduced_contact_solver.hpp"
 
-#include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
+#include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>
-#include <BulletDynamics/Dynamics/btDiscreteDynamicsWorld.h>
 
 #include <string>
 #include <vector>
 
 namespace wholehand::bullet {
 
-/// All that Bullet needs for one world: built, rehearsed and taken apart here; BulletWorld steps
-/// it.
+/// What a world is made of: Bullet's shapes, contact points and solver, with the hand and the
+/// scene's bodies in them. Built and rehearsed here; BulletWorld steps it.
 struct BulletEngine {
   /// Builds everything, then rehearses: no later step allocates. @pre hand outlives this
   BulletEngine(const HandModel& hand, const SceneModel& scene, const SolverSettings& settings);
-  ~BulletEngine();
   BulletEngine(const BulletEngine&) = delete;
   BulletEngine& operator=(const BulletEngine&) = delete;
 
+  /// One step of the bodies, and of the hand's reduced velocities by its contacts.
+  /// @pre the solver was told of the step. Real-time safe.
+  void advance(double step_s) noexcept;
   /// Puts the hand there: joints and capsules follow. Real-time safe.
   void setHand(const AxisPosition& position, const AxisVelocity& velocity) noexcept;
   /// Drops every contact point with the impulses it remembers, of one body or of all (-1).
   /// Real-time safe.
   void forgetContacts(int body = -1) noexcept;
-  /// The deepest overlap of each body with the hand, after collision detection.
+  /// The deepest overlap of each body with the hand, where all are now.
   [[nodiscard]] Diagnostics overlaps();
 
   const HandModel& hand_model;
@@ -40,13 +41,12 @@ struct BulletEngine {
   std::string scene_path;
   std::vector<std::string> body_names;
   btDefaultCollisionConfiguration configuration;
-  NearFilter dispatcher;
-  btDbvtBroadphase broadphase;
+  btCollisionDispatcher dispatcher;
   HandRows rows;
   ReducedContactSolver solver;
-  btDiscreteDynamicsWorld world;
   BulletHand hand;
   std::vector<BulletBody> bodies;
+  ColliderPairs pairs;
   AxisPosition q_s;  ///< where setHand() last put the hand
   AxisVelocity qd_s;
   JointPosition theta;
@@ -54,11 +54,13 @@ struct BulletEngine {
   double period_s = 1e-3;
 
  private:
-  void configure(const SceneModel& scene, const SolverSettings& settings);
-  void rehearsePairs();
+  void configure(const SolverSettings& settings);
   void rehearseManifolds();
   void rehearseStep();
-  [[nodiscard]] std::vector<btCollisionObject*> colliders() const;
+
+  btContactSolverInfo solver_info_;
+  std::vector<btRigidBody*> moving_;                ///< bodies that forces move
+  std::vector<btCollisionObject*> moving_objects_;  ///< the same, as the solver takes them
 };
 
 }  // namespace wholehand::bullet

@@ -35,7 +35,6 @@ Expected<Done> BulletWorld::placeHand(const AxisPosition& q_s) {
   e.setHand(q_s, AxisVelocity(e.hand_model.axis_count));
   e.rows.reset(e.kinematics, q_s);
   e.solver.forgetStep();
-  e.world.performDiscreteCollisionDetection();
   Diagnostics found = e.overlaps();
   if (!found.empty()) return found;
   return Done{};
@@ -84,14 +83,16 @@ Fault BulletWorld::step(const HandDrive& drive, double period_s) noexcept {
   e.solver.beginStep(*drive.reduced_inertia_inverse, qd_s);
   e.rows.beginStep(e.kinematics, e.q_s);
   for (bullet::BulletBody& body : e.bodies) body.beginStep();
-  e.world.stepSimulation(period_s, 0);
+  e.advance(period_s);
 
   qd_s = e.solver.velocity();
   AxisPosition q_s = e.q_s;
   for (int a = 0; a < qd_s.size(); ++a) q_s[a] += period_s * qd_s[a];
   if (!allFinite(q_s) || !allFinite(qd_s)) return Fault::kNonFiniteState;
   e.setHand(q_s, qd_s);
-  for (bullet::BulletBody& body : e.bodies) body.placeColliders();
+  for (bullet::BulletBody& body : e.bodies) {
+    if (body.moves()) body.placeColliders();
+  }
   return Fault::kNone;
 }
 

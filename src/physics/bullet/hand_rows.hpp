@@ -59,6 +59,8 @@ class HandRows {
             Lean& lean, bool one_sided) const noexcept;
   /// After the contacts have started: the impulses of the last step. `change` is Δq̇_s.
   void start(double* change) noexcept;
+  /// Whether there are joint ends that contacts may lean on.
+  [[nodiscard]] bool leaning() const noexcept { return leaning_count_ > 0; }
   /// Impulses of the ends that contacts lean on; a row that leans adds its share.
   [[nodiscard]] Lean& leaningImpulse() noexcept { return leaning_impulse_; }
   /// One sweep. Width as in ReducedContactSolver. @return the largest squared change of an impulse

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace wholehand::bullet {
 namespace {
@@ -20,6 +19,21 @@ constexpr double kNoLimit = 1e30;
 // More points than a record shows: what is not shown still pushes.
 constexpr int kMostContacts = 4 * kMaxContacts;
 constexpr int kNarrow = 8;  // axes that most devices do not exceed
+
+// Four numbers at once. A vector of Bullet has a fourth, which is zero.
+static_assert(kMaxLeaning == 4 && kMaxAxes % 4 == 0 && sizeof(btVector3) == 4 * sizeof(double));
+Eigen::Map<Eigen::Vector4d> four(double* first) {
+  return Eigen::Map<Eigen::Vector4d>(first);
+}
+Eigen::Map<const Eigen::Vector4d> four(const double* first) {
+  return Eigen::Map<const Eigen::Vector4d>(first);
+}
+Eigen::Map<Eigen::Vector4d> four(btVector3& v) {
+  return four(v.m_floats);
+}
+Eigen::Map<const Eigen::Vector4d> four(const btVector3& v) {
+  return four(v.m_floats);
+}
 
 // True when friction is at its limit, or there is none because nothing presses.
 bool slides(const HandContact& contact) {
@@ -46,14 +60,15 @@ ReducedContactSolver::ReducedContactSolver(const HandModel& hand, const Articula
       settings_(settings),
       kinematics_(kinematics),
       rows_(rows),
+      inverse_(AxisMatrix::Zero(axes_ <= kNarrow ? kNarrow : kMaxAxes,
+                                axes_ <= kNarrow ? kNarrow : kMaxAxes)),
       contacts_(kMostContacts) {
   reserve();
 }
 
 void ReducedContactSolver::beginStep(const AxisMatrix& inverse, const AxisVelocity& velocity) {
   forgetStep();
-  rows_wait_ = true;
-  inverse_ = &inverse;
+  inverse_.topLeftCorner(axes_, axes_) = inverse;
   std::copy_n(velocity.data(), axes_, velocity_.data());
   change_.fill(0.0);
 }
@@ -80,10 +95,8 @@ void ReducedContactSolver::reserve() {
 
 void ReducedContactSolver::convertContacts(btPersistentManifold** manifolds, int count,
                                            const btContactSolverInfo& info) {
-  first_contact_ = contact_count_;
-  for (int a = 0; a < axes_; ++a) velocity_[a] += std::exchange(change_[a], 0.0);
-  rows_solved_ = std::exchange(rows_wait_, false);
-  if (rows_solved_) rows_.setUp(kinematics_, *inverse_, velocity_.data(), info.m_timeStep);
+  rows_.setUp(kinematics_, inverse_, velocity_.data(), info.m_timeStep);
+  leans_ = rows_.leaning();
   for (int i = 0; i < count; ++i) {
     const ColliderTag& a = *tagOf(manifolds[i]->getBody0());
     const ColliderTag& b = *tagOf(manifolds[i]->getBody1());
@@ -95,7 +108,7 @@ void ReducedContactSolver::convertContacts(btPersistentManifold** manifolds, int
       convertHandManifold(*manifolds[i], b, a, false, info);
     }
   }
-  if (rows_solved_) rows_.start(change_.data());
+  rows_.start(change_.data());
 }
 
 // The base class moves what a manifold names: for this call that is the bodies, not their
@@ -175,29 +188,42 @@ void ReducedContactSolver::setUpContact(HandContact& contact, const ColliderTag&
 
 void ReducedContactSolver::finishRow(ReducedRow& row, const btSolverBody& body, bool angular,
                                      double goal_velocity, bool one_sided) const {
+  if (axes_ <= kNarrow) {
+    respond<kNarrow>(row);
+  } else {
+    respond<kMaxAxes>(row);
+  }
+  if (leans_) rows_.lean(row.jacobian, row.response, row.lean, one_sided);
   double inverse_mass = 0.0;
   double velocity = 0.0;
   for (int a = 0; a < axes_; ++a) {
-    double y = 0.0;
-    for (int b = 0; b < axes_; ++b) y += (*inverse_)(a, b) * row.jacobian[b];
-    row.response[a] = y;
     velocity += row.jacobian[a] * velocity_[a];
+    inverse_mass += row.response[a] * row.jacobian[a];
   }
-  rows_.lean(row.jacobian, row.response, row.lean, one_sided);
-  for (int a = 0; a < axes_; ++a) inverse_mass += row.response[a] * row.jacobian[a];
   const btRigidBody* rigid = body.m_originalBody;
-  row.inverse_mass = 0.0;
+  row.linear_response.setZero();
   row.angular_response.setZero();
   if (rigid != nullptr) {
-    row.inverse_mass = angular ? 0.0 : rigid->getInvMass();
+    if (!angular) row.linear_response = row.linear * rigid->getInvMass();
     row.angular_response = rigid->getInvInertiaTensorWorld() * row.angular;
-    inverse_mass += row.inverse_mass + row.angular_response.dot(row.angular);
+    inverse_mass += row.linear_response.dot(row.linear) + row.angular_response.dot(row.angular);
     velocity += row.linear.dot(body.m_linearVelocity + body.m_externalForceImpulse) +
                 row.angular.dot(body.m_angularVelocity + body.m_externalTorqueImpulse);
   }
   row.effective_mass = inverse_mass > kLeastInverseMass ? 1.0 / inverse_mass : 0.0;
   row.target = (goal_velocity - velocity) * row.effective_mass;
   row.impulse = 0.0;
+}
+
+/// M_r⁻¹ j
+template <int Width>
+void ReducedContactSolver::respond(ReducedRow& row) const {
+  using Axes = Eigen::Matrix<double, Width, 1>;
+  Axes response = Axes::Zero();
+  for (int a = 0; a < axes_; ++a) {
+    response += row.jacobian[a] * Eigen::Map<const Axes>(inverse_.data() + a * Width);
+  }
+  Eigen::Map<Axes>(row.response.data()) = response;
 }
 
 // The point keeps its impulses and tangents from the step before; tangents may have turned.
@@ -215,11 +241,12 @@ void ReducedContactSolver::warmStart(HandContact& contact) {
 
 template <int Width>
 double ReducedContactSolver::wanted(const ReducedRow& row, const btSolverBody& body) const {
-  using Axes = Eigen::Map<const Eigen::Matrix<double, Width, 1>>;
-  const double velocity = row.linear.dot(body.m_deltaLinearVelocity) +
-                          row.angular.dot(body.m_deltaAngularVelocity) +
-                          Axes(row.jacobian.data()).dot(Axes(change_.data()));
-  return row.impulse + row.target - velocity * row.effective_mass;
+  Eigen::Vector4d velocity = four(row.linear).cwiseProduct(four(body.m_deltaLinearVelocity)) +
+                             four(row.angular).cwiseProduct(four(body.m_deltaAngularVelocity));
+  for (int a = 0; a < Width; a += 4) {
+    velocity += four(&row.jacobian[a]).cwiseProduct(four(&change_[a]));
+  }
+  return row.impulse + row.target - velocity.sum() * row.effective_mass;
 }
 
 template <int Width>
@@ -228,15 +255,10 @@ void ReducedContactSolver::apply(ReducedRow& row, btSolverBody& body, double imp
   if (row.effective_mass == 0.0 || change == 0.0) return;
   row.impulse = impulse;
   residual_ = std::max(residual_, change * change);
-  if (body.m_originalBody != nullptr) {
-    body.m_deltaLinearVelocity += row.linear * (row.inverse_mass * change);
-    body.m_deltaAngularVelocity += row.angular_response * change;
-  }
-  using Axes = Eigen::Matrix<double, Width, 1>;
-  Eigen::Map<Axes>(change_.data()) += change * Eigen::Map<const Axes>(row.response.data());
-  using Ends = Eigen::Matrix<double, kMaxLeaning, 1>;
-  Eigen::Map<Ends>(rows_.leaningImpulse().data()) +=
-      change * Eigen::Map<const Ends>(row.lean.data());
+  four(body.m_deltaLinearVelocity) += change * four(row.linear_response);
+  four(body.m_deltaAngularVelocity) += change * four(row.angular_response);
+  for (int a = 0; a < Width; a += 4) four(&change_[a]) += change * four(&row.response[a]);
+  if (leans_) four(rows_.leaningImpulse().data()) += change * four(row.lean.data());
 }
 
 template <int Width>
@@ -267,14 +289,14 @@ void ReducedContactSolver::solveFriction(HandContact& contact) {
 
 template <int Width>
 void ReducedContactSolver::iterate() {
-  for (int i = first_contact_; i < contact_count_; ++i) {
+  for (int i = 0; i < contact_count_; ++i) {
     HandContact& contact = contacts_[i];
     btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
     apply<Width>(contact.normal_row, body,
                  std::clamp(wanted<Width>(contact.normal_row, body), 0.0, kNoLimit));
   }
-  for (int i = first_contact_; i < contact_count_; ++i) solveFriction<Width>(contacts_[i]);
-  if (rows_solved_) residual_ = std::max(residual_, rows_.iterate<Width>(change_.data()));
+  for (int i = 0; i < contact_count_; ++i) solveFriction<Width>(contacts_[i]);
+  residual_ = std::max(residual_, rows_.iterate<Width>(change_.data()));
 }
 
 btScalar ReducedContactSolver::solveSingleIteration(
@@ -297,8 +319,8 @@ btScalar ReducedContactSolver::solveSingleIteration(
 btScalar ReducedContactSolver::solveGroupCacheFriendlyFinish(btCollisionObject** bodies,
                                                              int body_count,
                                                              const btContactSolverInfo& info) {
-  if (rows_solved_) rows_.finish();
-  for (int i = first_contact_; i < contact_count_; ++i) {
+  rows_.finish();
+  for (int i = 0; i < contact_count_; ++i) {
     const HandContact& contact = contacts_[i];
     btManifoldPoint& point = *contact.point;
     point.m_appliedImpulse = contact.normal_row.impulse;

@@ -19,9 +19,9 @@ struct ReducedRow {
   std::array<double, kMaxAxes> jacobian{};  ///< j = Gᵀ Jᵀ d
   std::array<double, kMaxAxes> response{};  ///< M_r⁻¹ j
   btVector3 linear, angular;                ///< on the body
-  btVector3 angular_response;               ///< I⁻¹ angular
+  btVector3 linear_response;                ///< linear / m; 0 on a fixed body
+  btVector3 angular_response;               ///< I⁻¹ angular; 0 on a fixed body
   Lean lean{};                              ///< on joint ends
-  double inverse_mass = 0.0;                ///< of the body along `linear`
   double effective_mass = 0.0;              ///< 1 / (j·M_r⁻¹ j + body); 0 switches the row off
   double target = 0.0;                      ///< impulse that alone would reach the goal velocity
   double impulse = 0.0;                     ///< accumulated [N·s or N·m·s]
@@ -52,8 +52,7 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   ReducedContactSolver(const HandModel& hand, const ArticulatedBody& kinematics, HandRows& rows,
                        const SolverSettings& settings);
 
-  /// Forgets the contacts of the last step. Bullet calls the solver more than once a step; each
-  /// call adds its own. @param inverse M_r⁻¹; outlives the step
+  /// Forgets the contacts of the last step. @param inverse M_r⁻¹
   /// @param velocity q̇_s at its end if nothing were touched
   void beginStep(const AxisMatrix& inverse, const AxisVelocity& velocity);
   /// Forgets the contacts of the last step.
@@ -92,6 +91,8 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   template <int Width>
   void iterate();
   template <int Width>
+  void respond(ReducedRow& row) const;
+  template <int Width>
   [[nodiscard]] double wanted(const ReducedRow& row, const btSolverBody& body) const;
   template <int Width>
   void apply(ReducedRow& row, btSolverBody& body, double impulse);
@@ -101,15 +102,13 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   const int axes_;
   const SolverSettings settings_;
   const ArticulatedBody& kinematics_;
-  HandRows& rows_;  ///< of the hand with itself; solved in the first call of a step
-  const AxisMatrix* inverse_ = nullptr;
-  bool rows_wait_ = false;             ///< for that call
-  bool rows_solved_ = false;           ///< in the present call
+  HandRows& rows_;      ///< of the hand with itself
+  bool leans_ = false;  ///< whether any row leans on a joint end in this step
+  AxisMatrix inverse_;  ///< M_r⁻¹, as large as the loop is wide; what lies beyond the axes is zero
   std::vector<HandContact> contacts_;  ///< fixed size; the first contact_count_ are in use
-  int first_contact_ = 0;              ///< of the present call
   int contact_count_ = 0;
   int dropped_ = 0;
-  std::array<double, kMaxAxes> velocity_{};  ///< q̇_s before the contacts of the present call
+  std::array<double, kMaxAxes> velocity_{};  ///< q̇_s before the contacts
   std::array<double, kMaxAxes> change_{};    ///< Δq̇_s by them
   double residual_ = 0.0;
 };

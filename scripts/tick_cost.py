@@ -1,0 +1,149 @@
+#!/usr/bin/env python3
+"""Counts the instructions of a tick, stage by stage, and compares them with a baseline.
+
+usage: tick_cost.py show [SCENE ...]   counts, and prints each scene's ratio to the baseline
+       tick_cost.py write              counts every scene, keeps the counts and writes docs/performance.md
+       tick_cost.py baseline           the same, and makes these counts the baseline
+
+Needs Debian's valgrind and build/release/measure_tick (bench/CMakeLists.txt says how to build it).
+Instructions are counted, not time: they are the same on a busy machine.
+"""
+import json
+import re
+import subprocess
+import sys
+import tempfile
+from collections import Counter
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+PROGRAM = ROOT / "build/release/measure_tick"
+DATA, PAGE = ROOT / "bench/tick_cost.json", ROOT / "docs/performance.md"
+TICKS = 1000
+SCENES = {
+    "near": "hand at rest among four bodies, nothing touched",
+    "approach": "the bar, first second: the hand comes",
+    "squeeze": "the bar, a dispenser squeezed through its walls",
+    "hold-cube": "a cube grasped, lifted and held",
+    "hold-cylinder": "a cylinder grasped, lifted and held",
+}
+# What the tick calls, and the stage that it belongs to. The first that matches counts.
+STAGES = [
+    ("device", r"readDevice|writeDevice|Device::(read|write)|judgeReading|judgeWrite"),
+    ("observe", r"observeWorld|::observe\(|judgeWorld"),
+    ("dynamics", r"ArticulatedBody::update\("),
+    ("palm, closure", r"probeHand|HandProbe::|PalmDistance|AxisClosure"),
+    ("control", r"couple\(|estimateVelocity|avatar(Damping|Effort)|couplingEffort|damp\(|adaptDamping"),
+    ("exercise", r"HapticRenderer::exercise|Exercise|::tick\("),
+    ("safety", r"SafetyChain|watchEnergy|limitEffort"),
+    ("physics step", r"stepWorld|::step\(|distribute|armatureEffort"),
+    ("contacts", r"readContacts|::contacts\("),
+]
+REST = "the tick itself"
+
+
+def stage_of(function):
+    return next((stage for stage, pattern in STAGES if re.search(pattern, function)), REST)
+
+
+def read_profile(path):
+    """Instructions within HapticRenderer::tick: by stage, from what it calls and its own."""
+    names, cost = {}, Counter()
+    function = callee = None
+    called = False
+
+    def name(text):
+        number, _, full = text.partition(" ")
+        return names.setdefault(number, full)
+
+    for line in path.read_text(encoding="utf-8").splitlines():
+        if line.startswith("fn="):
+            function = name(line[3:])
+        elif line.startswith("cfn="):
+            callee = name(line[4:])
+        elif line.startswith("calls="):
+            called = True
+        elif re.match(r"[\d+*-]", line):
+            words = line.split()
+            if function and function.startswith("wholehand::HapticRenderer::tick("):
+                cost[stage_of(callee) if called else REST] += int(words[1]) if len(words) > 1 else 0
+            called = False
+    return cost
+
+
+def count(scene):
+    with tempfile.TemporaryDirectory(prefix="wholehand-tick-cost-") as folder:
+        profile = Path(folder) / "profile"
+        command = ["valgrind", "--tool=callgrind", "--toggle-collect=wholehand::measuredTick*",
+                   f"--callgrind-out-file={profile}", str(PROGRAM), scene, str(TICKS)]
+        try:
+            done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True, check=False)
+        except FileNotFoundError:
+            sys.exit("valgrind is not installed: apt install valgrind")
+        if done.returncode != 0:
+            sys.exit(f"{' '.join(command)}: exit code {done.returncode}\n{done.stderr[-2000:]}\n"
+                     "if the program is missing: cmake --preset release -DWHOLEHAND_BUILD_BENCH=ON && "
+                     "ninja -C build/release measure_tick")
+        cost = read_profile(profile)
+    if not cost:
+        sys.exit(f"{scene}: the profile names no HapticRenderer::tick; build with symbols")
+    return {stage: round(cost[stage] / TICKS) for stage in [*(s for s, _ in STAGES), REST]}
+
+
+def total(counts):
+    return sum(counts.values())
+
+
+def load():
+    return json.loads(DATA.read_text(encoding="utf-8")) if DATA.exists() else {"baseline": {}, "counts": {}}
+
+
+def show(scenes):
+    baseline = load()["baseline"]
+    for scene in scenes:
+        now, before = count(scene), baseline.get(scene)
+        against = f", {total(now) / total(before):.2f} x the baseline" if before else ", no baseline"
+        print(f"{scene}: {total(now):,} instructions a tick{against}")
+        for stage, instructions in now.items():
+            was = f" (baseline {before[stage]:,})" if before else ""
+            print(f"  {stage:16} {instructions:9,}{was}", flush=True)
+
+
+def page(data):
+    lines = ["# What a tick costs", "",
+             "Written by `scripts/tick_cost.py write`; do not edit. Instructions of one tick, mean over "
+             f"{TICKS:,} ticks, counted by Callgrind on the build `release`. Times depend on the machine: "
+             "`build/release/measure_tick SCENE` and `wholehand experiment timing` print them.", "",
+             "| scene | baseline | now | ratio |", "|---|---:|---:|---:|"]
+    for scene, text in SCENES.items():
+        before, now = total(data["baseline"][scene]), total(data["counts"][scene])
+        lines.append(f"| `{scene}`: {text} | {before:,} | {now:,} | {now / before:.2f} |")
+    lines += ["", "## By stage, now", "",
+              "| stage | " + " | ".join(f"`{s}`" for s in SCENES) + " |", "|---|" + "---:|" * len(SCENES)]
+    for stage in [*(s for s, _ in STAGES), REST]:
+        lines.append(f"| {stage} | " + " | ".join(f"{data['counts'][s][stage]:,}" for s in SCENES) + " |")
+    PAGE.write_text("\n".join([*lines, "", data.get("note", ""), ""]).rstrip() + "\n", encoding="utf-8")
+
+
+def write(as_baseline):
+    data = load()
+    data["counts"] = {scene: count(scene) for scene in SCENES}
+    if as_baseline:
+        data["baseline"] = data["counts"]
+    DATA.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
+    page(data)
+
+
+def main():
+    command, scenes = (sys.argv[1] if len(sys.argv) > 1 else ""), sys.argv[2:]
+    unknown = [scene for scene in scenes if scene not in SCENES]
+    if command not in ("show", "write", "baseline") or unknown:
+        sys.exit(__doc__ + "\nScenes: " + ", ".join(SCENES))
+    if command == "show":
+        show(scenes or SCENES)
+    else:
+        write(command == "baseline")
+
+
+if __name__ == "__main__":
+    main()
