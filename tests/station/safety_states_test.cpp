@@ -146,7 +146,7 @@ TEST_F(SafetyStates, Fault_IsToldWithItsAxisAndHowMuchAndNothingPushesUntilArmed
   EXPECT_TRUE(says("faulted -> armed")) << log();
 }
 
-// 400 boxes in one body: what is loaded is refused, what renders goes on.
+// 3000 boxes in one body: what is loaded is refused, what renders goes on.
 TEST_F(SafetyStates, LoadingWhatIsTooHeavy_IsRefusedAndTheOldOneGoesOn) {
   StationConfig config = grasping();
   config.config_folder = folder_ + "/config";
@@ -155,8 +155,8 @@ TEST_F(SafetyStates, LoadingWhatIsTooHeavy_IsRefusedAndTheOldOneGoesOn) {
   std::ofstream urdf(folder_ + "/pile.urdf");
   urdf << "<robot name=\"pile\"><link name=\"body\"><inertial><mass value=\"1\"/><inertia "
           "ixx=\"1e-2\" iyy=\"1e-2\" izz=\"1e-2\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial>";
-  for (int i = 0; i < 400; ++i) {
-    urdf << "<collision><origin xyz=\"0 0 " << 1e-4 * i
+  for (int i = 0; i < 3000; ++i) {
+    urdf << "<collision><origin xyz=\"0 0 " << 1e-5 * i
          << "\"/><geometry><box size=\"0.05 0.05 0.05\"/></geometry></collision>";
   }
   urdf << "</link></robot>";
@@ -178,7 +178,7 @@ TEST_F(SafetyStates, LoadingWhatIsTooHeavy_IsRefusedAndTheOldOneGoesOn) {
   const OrderReply reply = ask(order);
   ASSERT_FALSE(reply.accepted);
   EXPECT_NE(reply.reason.find("\"pile\""), std::string::npos) << reply.reason;
-  EXPECT_NE(reply.reason.find("fewer than 400 shapes"), std::string::npos) << reply.reason;
+  EXPECT_NE(reply.reason.find("fewer than 3000 shapes"), std::string::npos) << reply.reason;
   EXPECT_EQ(reply.refusal, Refusal::kRehearsalFailed);
   EXPECT_EQ(station_->scene()->exercise_name, "free-grasping");
   EXPECT_EQ(station_->status().session, 1U);
