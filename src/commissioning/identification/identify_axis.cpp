@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
+#include <numbers>
 #include <vector>
 
 namespace wholehand {
@@ -135,6 +136,21 @@ Diagnostics refusals(const IdentifiedAxis& found, const std::string& axis, doubl
   return out;
 }
 
+// The figures from a band that reaches beyond the corner b/m: below it a larger mass looks like a
+// longer delay. The encoder's steps forbid a wider band for every axis.
+AxisFigures sharpened(const AxisTrace& trace, const IdentifiedAxis& found) {
+  constexpr double kLeast_hz = 6.0, kCorners = 1.5;
+  RegressionConfig config;
+  const double corner_hz = found.figures.damping / found.figures.mass / (2.0 * std::numbers::pi);
+  config.low_pass_hz = std::max(kLeast_hz, kCorners * corner_hz);
+  const Regression band(trace, config);
+  const AxisFigures f = band.fit(band.all(), kPlain);
+  const auto within = [](const Interval& i, double x) { return std::clamp(x, i.lower, i.upper); };
+  return {within(found.mass, f.mass), within(found.damping, f.damping),
+          within(found.coulomb, f.coulomb), within(found.gravity, f.gravity),
+          within(found.delay_s, f.delay_s)};
+}
+
 }  // namespace
 
 Expected<IdentifiedAxis> identifyAxis(const AxisTrace& trace, const std::string& axis) {
@@ -174,6 +190,7 @@ Expected<IdentifiedAxis> identifyAxis(const AxisTrace& trace, const std::string&
   out.gravity = found[kGravity];
   out.delay_s = found[kDelay];
   if (Diagnostics no = refusals(out, axis, t, effort); !no.empty()) return no;
+  out.figures = sharpened(trace, out);
   return out;
 }
 

@@ -47,7 +47,7 @@ class ColliderPairs {
 
   void findOfHand(Target& target) noexcept;
   void touch(int capsule, Collider& collider, Pair& pair) noexcept;
-  void ask(Pair& pair, btCollisionObject& a, btCollisionObject& b) noexcept;
+  void ask(Pair& pair, btCollisionObject& first, btCollisionObject& second) noexcept;
   void drop(Pair& pair) noexcept;
 
   btCollisionDispatcher& dispatcher_;
