@@ -116,7 +116,7 @@ function options(spec: ChartSpec, colors: Colors, width: number, height: number)
   const range_y = spec.range_y ?? rangeOf(spec.lines, spec.holds);
   const axis: uPlot.Axis = { stroke: colors.words, font: `${11 * FINER}px ${FONT}`, grid: { stroke: colors.grid, width: FINER * 0.75 }, ticks: { show: false } };
   return {
-    width, height, legend: { show: false }, cursor: { show: false }, padding: [6 * FINER, 10 * FINER, 0, 0],
+    width, height, legend: { show: false }, cursor: { show: false }, padding: [6 * FINER, 15 * FINER, 0, 0],
     scales: {
       x: { time: false, distr: spec.logarithmic_x ? 3 : 1, range: () => [...spec.range_x] },
       y: { distr: spec.logarithmic_y ? 3 : 1, range: () => [...range_y] },
