@@ -168,6 +168,7 @@ Expected<RunOutcome> runAndRecord(Rig& rig, RunPlan plan) {
   Run* running = nullptr;
   bool told_of_loss = false;
   const auto tell = [&] {
+    if (!status && !notice) return;
     const TickSummary now = running->summary();
     if (status) status(now, rateOf(now, began_ns));
     if (!notice || record.empty() || told_of_loss || running->droppedRecords() == 0) return;
