@@ -123,6 +123,7 @@ export async function consolesShowTheLimitThatHolds(browser, programUrl) {
 export async function halfTypedNumberStays(browser, programUrl) {
   const therapist = await openWatcher(browser, programUrl);
   const { page } = therapist;
+  await page.waitForSelector('[data-testid=arm]:enabled', { timeout: PATIENT_MS });  // a click on a disabled button is lost
   await page.locator(FINGERS).fill('4.');
   await page.evaluate(() => document.querySelector('[data-testid=arm]').click());
   await rendering(therapist);  // a new session, and a recording: the scene is told anew
