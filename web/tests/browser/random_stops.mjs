@@ -1,5 +1,5 @@
 // Stops at random moments of what people press at the pages. Nothing renders after one, until somebody presses
-// who was shown it. WHOLEHAND_FULL tries 1,000 moments, WHOLEHAND_SEED repeats them.
+// who was shown it. WHOLEHAND_FULL tries 1,000 moments, WHOLEHAND_MOMENTS a slice of them, WHOLEHAND_SEED repeats them.
 import { openPage, pageUrl, until } from './browser.mjs';
 import { expect } from './checks.mjs';
 import { armFrom, keepRunStates, runStates, sleep } from './stop_checks.mjs';
@@ -10,7 +10,7 @@ const STOPPED = 3;
 const PATIENT_MS = 60_000;
 // What was on its way when the stop came has been answered by then.
 const NOTHING_FOR_MS = 2000;
-const MOMENTS = process.env.WHOLEHAND_FULL ? 1000 : 6;
+const MOMENTS = Number(process.env.WHOLEHAND_MOMENTS ?? (process.env.WHOLEHAND_FULL ? 1000 : 6));
 
 /** Draws of 0 to 1, the same ones for the same seed (mulberry32). */
 function draws(seed) {
