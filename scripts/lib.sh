@@ -296,3 +296,17 @@ build() {
   fi
   if grep -q '\] Building ' "$log"; then say "Built in $(duration $((SECONDS - start)))."; fi
 }
+
+# make_packages: build/packages/*.deb of the release build and its pages, as lintian wants them.
+make_packages() {
+  local log="$root/build/logs/cpack.log"
+  rm -rf "$root/build/packages"
+  make_log "$log"
+  if ! { python3 "$root/packaging/write_papers.py" "$root/build/release" &&
+    cpack --config "$root/build/release/CPackConfig.cmake" -B "$root/build/packages"; } >"$log" 2>&1; then
+    tail -n 20 "$log"
+    fail "No packages were made; full log: $log"
+  fi
+  rm -rf "$root/build/packages/_CPack_Packages"
+  lintian --no-cfg --fail-on error,warning --tag-display-limit 0 "$root"/build/packages/*.deb
+}

@@ -129,6 +129,8 @@ std::vector<std::string> installedPackages() {
 }
 
 void lookAtPackages(const std::filesystem::path& file, Findings& findings) {
+  // A program that was installed as a package has no list: dpkg has seen to it.
+  if (!std::filesystem::exists(file)) return;
   const std::vector<std::string> wanted = packagesToRun(file);
   const std::vector<std::string> installed = installedPackages();
   if (wanted.empty() || installed.empty()) {

@@ -12,7 +12,9 @@ std::string shippedFile(const std::string& relative) {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   for (fs::path folder = program.parent_path(); !folder.empty(); folder = folder.parent_path()) {
-    if (const fs::path file = folder / relative; fs::exists(file, error)) {
+    for (const fs::path& share : {folder, folder / "share" / "wholehand"}) {
+      const fs::path file = share / relative;
+      if (!fs::exists(file, error)) continue;
       // Where it is the same, what people read is short.
       return fs::equivalent(relative, file, error) ? relative : file.string();
     }

@@ -10,7 +10,7 @@ fail() {
   echo "$*"
   exit 1
 }
-cmake --install "$build" --component embedding --prefix "$tree/prefix" >"$tree/log" ||
+cmake --install "$build" --prefix "$tree/prefix" >"$tree/log" ||
   fail "$(cat "$tree/log")"
 # Moved: nothing in the package may remember where it was installed, or built.
 mv "$tree/prefix" "$tree/moved"

@@ -1,0 +1,94 @@
+"""The Debian packages: made, judged by lintian, and unpacked in a folder where the program runs without its sources."""
+import json
+import pathlib
+import subprocess
+import tempfile
+import unittest
+
+from app import AppTest, BINARY, DONE, SOURCE, read_recording
+
+BUILD = BINARY.parent
+
+
+def said(*command, **how):
+    done = subprocess.run(command, capture_output=True, text=True, **how)
+    if done.returncode != 0:
+        raise AssertionError(f"{' '.join(map(str, command))} ended with {done.returncode}:\n{done.stdout}{done.stderr}")
+    return done.stdout
+
+
+class Packages(AppTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.made = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.made.cleanup)
+        folder = pathlib.Path(cls.made.name)
+        said("/usr/bin/python3", "-B", SOURCE / "packaging/write_papers.py", BUILD)
+        said("cpack", "--config", BUILD / "CPackConfig.cmake", "-B", folder)
+        cls.packages = sorted(folder.glob("*.deb"))
+        cls.root = folder / "root"
+        for package in cls.packages:
+            said("dpkg-deb", "-x", package, cls.root)
+        cls.program = cls.root / "usr/bin/wholehand"
+
+    def test_there_are_three_and_lintian_finds_nothing(self):
+        self.assertEqual([p.name.partition("_")[0] for p in self.packages],
+                         ["libwholehand-dev", "python3-wholehand", "wholehand"])
+        found = said("lintian", "--no-cfg", "--fail-on", "error,warning", *self.packages)
+        self.assertNotRegex(found, "(?m)^[EW]:")
+
+    def test_the_program_runs_without_its_sources(self):
+        result = self.run_app("run", "--motion", self.root / "usr/share/wholehand/data/human-motion/reach-grasp-00.csv",
+                              "--simulated-clock", "--duration", "1", "--record", "run.h5", "--report", "page",
+                              binary=self.program)
+        self.expect(result, DONE)
+        self.assertNotIn(str(SOURCE), result.out + result.err)
+        recorded = read_recording(self.folder / "run.h5")
+        self.assertGreater(len(recorded["ticks/q_s"]), 900)  # a second at 1 kHz
+        self.assertGreater((self.folder / "page/index.html").stat().st_size, 1_000_000)
+
+    def test_the_drivers_and_the_reader_of_meshes_are_found(self):
+        self.expect(self.run_app("device", "list", binary=self.program), DONE, "moteus", "force_dimension", "frame")
+
+    def test_every_subcommand_has_a_man_page_that_names_its_options(self):
+        pages = self.root / "usr/share/man/man1"
+        self.assertTrue((pages / "wholehand-device-commission.1.gz").is_file())
+        page = said("zcat", pages / "wholehand-run.1.gz")
+        options = self.run_app("run", "--help", binary=self.program).out
+        for option in ("record", "simulated\\-clock", "exercise"):
+            self.assertIn("\\-\\-" + option, page)
+            self.assertIn("--" + option.replace("\\", ""), options)
+
+    def test_completion_offers_subcommands_and_options(self):
+        script = self.root / "usr/share/bash-completion/completions/wholehand"
+
+        def offered(*words):
+            line = " ".join(f"'{word}'" for word in words)
+            return said("bash", "-c", f"source '{script}'; COMP_WORDS=({line}); COMP_CWORD={len(words) - 1}; "
+                        "_wholehand; printf '%s\\n' \"${COMPREPLY[@]}\"").split()
+
+        self.assertEqual(offered(self.program, "dev"), ["device-host", "device"])
+        self.assertEqual(offered(self.program, "device", "comm"), ["commission"])
+        self.assertEqual(offered(self.program, "run", "--simul"), ["--simulated-clock"])
+
+    def test_the_bill_of_materials_names_what_is_linked_and_what_is_in_the_pages(self):
+        bill = json.loads((self.root / "usr/share/doc/wholehand/sbom.spdx.json").read_text())
+        self.assertEqual(bill["spdxVersion"], "SPDX-2.3")
+        versions = {p["name"]: p["versionInfo"] for p in bill["packages"]}
+        self.assertEqual(versions["libbullet-dev"], said("dpkg-query", "-W", "-f=${Version}", "libbullet-dev"))
+        lock = json.loads((SOURCE / "web/package-lock.json").read_text())["packages"]
+        self.assertEqual(versions["three"], lock["node_modules/three"]["version"])
+        self.assertNotIn("vitest", versions)
+        named = {p["SPDXID"] for p in bill["packages"]} | {bill["SPDXID"]}
+        for relation in bill["relationships"]:
+            self.assertLessEqual({relation["spdxElementId"], relation["relatedSpdxElement"]}, named)
+
+    def test_the_service_is_sound_and_hardened(self):
+        unit = self.root / "usr/lib/systemd/system/wholehand.service"
+        judged = said("systemd-analyze", "security", "--offline=true", "--threshold=30", unit)
+        self.assertIn("OK", judged.splitlines()[-1])
+
+
+if __name__ == "__main__":
+    unittest.main()
