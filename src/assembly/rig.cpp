@@ -9,8 +9,12 @@
 #include "patient/scripted_player.hpp"
 #include "physics/bullet/bullet_world.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <mutex>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -102,6 +106,24 @@ Expected<std::unique_ptr<Rig>> buildAround(Models models, std::unique_ptr<Haptic
   return rig;
 }
 
+/// refuseUncertified(). What passed once in this process is not judged again: sessions, rehearsals
+/// and levels ask the same, and the answer takes most of the time of building a rig.
+Diagnostics refuseUnlessPassed(const CertificateInput& input) {
+  constexpr std::size_t kMost = 1000;
+  static std::mutex mutex;
+  static std::set<std::string> passed;
+  std::string key = fmt::format("{:.17g}", input.period_s);
+  for (const FingerprintPart& part : fingerprintOf(input).parts) key += " " + part.hash;
+  {
+    const std::lock_guard lock(mutex);
+    if (passed.contains(key)) return {};
+  }
+  Diagnostics refused = refuseUncertified(input);
+  const std::lock_guard lock(mutex);
+  if (refused.empty() && passed.size() < kMost) passed.insert(key);
+  return refused;
+}
+
 }  // namespace
 
 Rig::~Rig() {
@@ -117,12 +139,12 @@ Expected<CheckedGains> checkGains(const Models& models, double period_s,
   CheckedGains out;
   out.gains = *gains;
   out.refused = refuseHeavyArmature(models, *gains, period_s);
-  for (Diagnostic& refused : refuseUncertified(input)) out.refused.push_back(std::move(refused));
+  for (Diagnostic& refused : refuseUnlessPassed(input)) out.refused.push_back(std::move(refused));
   out.fingerprint = fingerprintOf(input);
   for (const DeviceModel& corner : measured) {
     CertificateInput at_corner = input;
     at_corner.device = corner;
-    for (Diagnostic& refused : refuseUncertified(at_corner)) {
+    for (Diagnostic& refused : refuseUnlessPassed(at_corner)) {
       refused.problem = "at the worst corner of the passport: " + refused.problem;
       out.refused.push_back(std::move(refused));
     }

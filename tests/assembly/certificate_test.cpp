@@ -143,5 +143,26 @@ TEST(Certificate, NamedInOptions_MustFitTheModels) {
             "is for the hand adult-median-right, this run uses woman-p05-right");
 }
 
+/// What passed once in a process is not judged again, but only the same numbers are the same.
+TEST(CheckedGains, ThatPassedOnce_AreRefusedWithAnyOtherNumber) {
+  const ModelFiles files = shippedFiles("desktop-3axis", "empty", "adult-median-right");
+  const auto passes = [](const Models& m, double period_s = 1e-3) {
+    const Expected<CheckedGains> checked = checkGains(m, period_s);
+    return checked && checked->refused.empty();
+  };
+  const Models shipped = load(files);
+  EXPECT_TRUE(passes(shipped));
+  const auto refused = [&](const auto& change) {
+    Models changed = load(files);
+    change(changed);
+    return !passes(changed);
+  };
+  // Each by the condition K < b / (T (1/2 + n)): stiffer, less damped, slower.
+  EXPECT_TRUE(refused([](Models& m) { m.rendering.axes[0].k_pm *= 50.0; }));
+  EXPECT_TRUE(refused([](Models& m) { m.device.axes[1].damping *= 0.01; }));
+  EXPECT_FALSE(passes(shipped, 50e-3));
+  EXPECT_TRUE(passes(shipped));
+}
+
 }  // namespace
 }  // namespace wholehand::test

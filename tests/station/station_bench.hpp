@@ -144,6 +144,7 @@ class Bar : public testing::Test {
   }
   /// Long enough for an arming that must not happen: it takes less than a second.
   void staysAt(RunState state) {
+    EXPECT_TRUE(becomes(state));
     std::this_thread::sleep_for(1500ms);
     EXPECT_EQ(station_->status().run_state, state);
     TickRecord record;
