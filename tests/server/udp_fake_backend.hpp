@@ -159,6 +159,7 @@ class FakeBackend : public ServerBackend {
       case OrderType::kLoadProfile:
       case OrderType::kAnswer:
       case OrderType::kHoldToMove:
+      case OrderType::kSetHelp:
         return {true, ""};
     }
     return {false, "is not known"};
