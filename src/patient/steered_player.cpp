@@ -1,9 +1,16 @@
 #include "patient/steered_player.hpp"
 
+#include <cmath>
 #include <limits>
 #include <utility>
 
 namespace wholehand {
+namespace {
+
+// Faster than an aim by this much, an axis runs away: what a person pushed against has given way.
+constexpr double kRunsAway = 1.2;
+
+}  // namespace
 
 SteeredPlayer::SteeredPlayer(std::unique_ptr<Player> virtual_patient, const DeviceModel& device,
                              const SteeringConfig& config)
@@ -26,6 +33,7 @@ void SteeredPlayer::reset() {
   apart_ = {};
   q_ = virtual_patient_->start();
   qd_ = AxisVelocity(axes_);
+  seen_ = {};
 }
 
 void SteeredPlayer::takeOver() noexcept {
@@ -52,6 +60,7 @@ void SteeredPlayer::command(const Command& command) noexcept {
 }
 
 void SteeredPlayer::advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept {
+  period_s_ = period_s;
   if (steering_ == Steering::kPerson) {
     for (int i = 0; i < axes_; ++i) {
       const auto k = static_cast<std::size_t>(i);
@@ -82,6 +91,19 @@ void SteeredPlayer::advance(double period_s, AxisPosition& q, AxisVelocity& qd) 
 
 void SteeredPlayer::see(const TickRecord& record) noexcept {
   virtual_patient_->see(record);
+  if (record.q_m.size() != axes_) return;
+  if (steering_ == Steering::kPerson && seen_.size() == axes_) holdBack(record.q_m);
+  seen_ = record.q_m;
+}
+
+void SteeredPlayer::holdBack(const AxisPosition& q_m) noexcept {
+  for (int i = 0; i < axes_; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const double fastest = person_limits_[k].speed;
+    const double moved = q_m[i] - seen_[i];
+    if (!(std::abs(moved) > kRunsAway * fastest * period_s_)) continue;
+    person_[k] = movingFollower(q_m[i], std::copysign(fastest, moved), person_limits_[k]);
+  }
 }
 
 }  // namespace wholehand

@@ -24,6 +24,10 @@ struct SteeringConfig {
 /// both directions: the person begins where the hand is and as fast as it moves; of the virtual
 /// patient's own aim the distance to it fades in the same way. Where aims stop coming, the last one
 /// is held.
+///
+/// A person who pushes against something that gives way holds back: where an axis of the device
+/// moves clearly faster than any aim, the intention goes on from where the axis is. Without that a
+/// squeezing hand that slips off a bottle would pass the device's speed limit.
 class SteeredPlayer final : public Player {
  public:
   /// @pre virtual_patient has the device's axes and is not null
@@ -46,6 +50,7 @@ class SteeredPlayer final : public Player {
   using Followers = std::array<FollowerState, kMaxAxes>;
   using Limits = std::array<FollowerLimits, kMaxAxes>;
   void takeOver() noexcept;
+  void holdBack(const AxisPosition& q_m) noexcept;
 
   std::unique_ptr<Player> virtual_patient_;
   int axes_;
@@ -55,6 +60,8 @@ class SteeredPlayer final : public Player {
   Followers person_{};        // where the person steers the hand
   Followers apart_{};         // the hand less the virtual patient's aim
   AxisPosition aim_;          // of the person
+  AxisPosition seen_;         // of the device, in the last tick; no axes before the first
+  double period_s_ = 0.0;     // the last that advance() was given
   AxisPosition q_;            // the last that advance() gave
   AxisVelocity qd_;
 };
