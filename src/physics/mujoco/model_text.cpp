@@ -17,6 +17,7 @@ constexpr double kBeyondRange_rad = 0.1;
 /// Nearer to its end than this a joint is watched: 50 rad/s at 1 kHz.
 constexpr double kNearEnd_rad = 0.05;
 constexpr int kRowsPerContact = 4;
+constexpr long kLeastStack = 100'000;
 
 class Writer {
  public:
@@ -61,17 +62,26 @@ class Writer {
     out_ << "/>\n";
   }
 
+  /// Numbers that a step needs at most, twice over: the solver's matrices, and vectors of rows.
+  [[nodiscard]] long stackSize(long rows) const {
+    const long bodies = std::count_if(scene_.bodies.begin(), scene_.bodies.end(),
+                                      [](const SceneBody& body) { return !body.fixed; });
+    const long dofs = hand_.joint_count + 6 * bodies;
+    return 2 * dofs * (4 * dofs + rows) + 80 * rows + kLeastStack;
+  }
+
   void writeOptions() {
+    const long rows = kRowsPerContact * settings_.most_contacts + 2 * hand_.joint_count;
     out_ << "<compiler angle='radian' autolimits='false' inertiafromgeom='false'/>\n<option";
     vector("gravity", scene_.gravity_m_s2);
     out_ << " integrator='Euler' cone='elliptic' solver='Newton' jacobian='dense' iterations='"
          << settings_.iterations << "' tolerance='" << settings_.tolerance << "' impratio='"
          << settings_.friction_ratio << "'/>\n<size nconmax='" << settings_.most_contacts
-         << "' njmax='" << kRowsPerContact * settings_.most_contacts + 2 * hand_.joint_count
-         << "' nstack='" << settings_.stack_doubles << "'/>\n<default><geom condim='3' margin='"
-         << settings_.foresight_m << "' solimp='" << settings_.impedance << ' '
-         << settings_.impedance << " 0.001'/><joint solimplimit='" << settings_.impedance << ' '
-         << settings_.impedance << " 0.001' margin='" << kNearEnd_rad << "'/></default>\n";
+         << "' njmax='" << rows << "' nstack='" << stackSize(rows)
+         << "'/>\n<default><geom condim='3' margin='" << settings_.foresight_m << "' solimp='"
+         << settings_.impedance << ' ' << settings_.impedance << " 0.001'/><joint solimplimit='"
+         << settings_.impedance << ' ' << settings_.impedance << " 0.001' margin='" << kNearEnd_rad
+         << "'/></default>\n";
   }
 
   void writeMeshes() {
