@@ -31,7 +31,7 @@ class EveryEngine(AppTest):
     def test_the_bar_is_played_and_run_again_bit_by_bit(self):
         for engine in ENGINES:
             with self.subTest(engine):
-                self.run_with(engine, "run", "--exercise", "cocktail-bar", "--no-web", "--duration", "20")
+                self.run_with(engine, "run", "--exercise", "cocktail-bar", "--no-web", "--duration", "8")
                 self.expect_same_when_run_again("run.h5")
 
     def test_one_grasp_is_held(self):

@@ -1,5 +1,6 @@
 // What every engine says of scenes that it cannot take, and of itself: same bits, no allocation.
 #include "physics/engine_bench.hpp"
+#include "realtime/allocation_counter.hpp"
 #include "support/tolerance.hpp"
 
 #include <cmath>
@@ -77,6 +78,19 @@ TEST_P(BadScene, DriveThatIsNoNumber_IsAFaultAndMovesNothing) {
   WorldState after;
   EXPECT_EQ(bench.world->observe(after), Fault::kNone);
   EXPECT_EQ(0, std::memcmp(&before.q_s, &after.q_s, sizeof before.q_s));
+}
+
+TEST_P(BadScene, WithAsManyBodiesAsMayBe_StepsWithoutAllocating) {
+  if (!allocationCountingAvailable()) GTEST_SKIP() << "malloc is not ours to count";
+  std::vector<SceneBody> bodies;
+  for (int i = 0; i < kMaxBodies; ++i) {
+    bodies.push_back(ball({0.3 + 0.05 * (i % 8), 0.3 + 0.05 * (i / 8), 0.0}, 0.02, 0.1));
+  }
+  Bench bench(GetParam(), weightless(bodies));
+  ASSERT_TRUE(bench.world->placeHand(AxisPosition(6)));
+  const AllocationScope scope;
+  for (int k = 0; k < 50; ++k) bench.step(AxisPosition(6), AxisVelocity(6));
+  EXPECT_EQ(scope.allocations(), 0U);
 }
 
 TEST_P(BadScene, ThirtyWallsAtOnePlace_CarryWhatOneWould) {

@@ -18,6 +18,10 @@ using Eigen::Vector3d;
 using Vector3dMap = Eigen::Map<Vector3d>;
 using ConstVector3dMap = Eigen::Map<const Vector3d>;
 
+// MuJoCo sorts two entries of 8 bytes a body in every step, and the C library's sort allocates from
+// 1024 bytes on.
+constexpr int kMostBodies = 63;
+
 int overflows(const mjData& data) {
   return data.warning[mjWARN_CONTACTFULL].number + data.warning[mjWARN_CNSTRFULL].number;
 }
@@ -45,6 +49,18 @@ Expected<std::unique_ptr<MujocoEngine>> MujocoEngine::build(const HandModel& han
                       "mujoco",
                       std::string("does not accept hand or scene: ") + error.data(),
                       "change what it names, or use --engine bullet"};
+  }
+  if (model->nbody > kMostBodies) {
+    const std::string all = std::to_string(model->nbody - 1);
+    mj_deleteModel(model);
+    return Diagnostic{scene.path,
+                      0,
+                      "bodies",
+                      all,
+                      "links of the hand and bodies are more than the engine mujoco sorts without "
+                      "asking for memory in a tick",
+                      "at most " + std::to_string(kMostBodies - 1) +
+                          " together: remove bodies, or use --engine bullet"};
   }
   std::unique_ptr<MujocoEngine> engine(new MujocoEngine(hand, scene, settings, model));
   if (!engine->data_) {
