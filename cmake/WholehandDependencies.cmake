@@ -6,6 +6,20 @@ find_package(PkgConfig REQUIRED)
 # Bullet in double precision only: in float the articulated-body algorithm freezes light links.
 # Its CMake config has relative include paths, hence pkg-config.
 pkg_check_modules(bullet REQUIRED IMPORTED_TARGET bullet-float64)
+# Folders of src/ that hold a physics engine (docs/engines.md).
+set(engine_modules physics/bullet)
+option(WHOLEHAND_MUJOCO "Build the engine mujoco in" ON)
+if(WHOLEHAND_MUJOCO)
+  # Not by its CMake config: Debian's names a folder of headers that no package has.
+  find_library(mujoco_library mujoco)
+  find_path(mujoco_headers mujoco/mujoco.h)
+  if(NOT mujoco_library OR NOT mujoco_headers)
+    message(FATAL_ERROR "MuJoCo is not installed: apt-get install libmujoco-dev (./start does), "
+                        "or configure with -DWHOLEHAND_MUJOCO=OFF for a program without it")
+  endif()
+  mark_as_advanced(mujoco_library mujoco_headers)
+  list(APPEND engine_modules physics/mujoco)
+endif()
 pkg_check_modules(hdf5 REQUIRED IMPORTED_TARGET hdf5-serial)
 pkg_check_modules(assimp REQUIRED IMPORTED_TARGET assimp)
 pkg_check_modules(tinyxml2 REQUIRED IMPORTED_TARGET tinyxml2)
@@ -45,7 +59,7 @@ target_link_options(wholehand_options INTERFACE
 
 # The standard library checks indices and iterators, but in what the tick runs: there a slip must not
 # end the program while a device holds its last effort.
-set(tick_modules core dynamics control safety patient exercise physics physics/bullet physics/analytic
+set(tick_modules core dynamics control safety patient exercise physics ${engine_modules} physics/analytic
     device device/plugin device/host device/simulated device/replay device/faulty renderer realtime
     realtime/allocation_counter realtime/lock_counter realtime/system_call_counter runtime)
 # Products of small matrices and little else: at -O3 they are inlined, to the same bits. Without

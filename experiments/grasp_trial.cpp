@@ -5,7 +5,6 @@
 #include "core/units.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "experiments/grasp_script.hpp"
-#include "physics/bullet/bullet_world.hpp"
 #include "runtime/interrupt_scope.hpp"
 
 #include <algorithm>
@@ -136,10 +135,8 @@ class GraspObserver {
 
   // Fingers that meet and joints at their ends bear their share.
   void addSelfForces(std::array<double, kMaxAxes>& felt) {
-    const auto* world = dynamic_cast<const BulletWorld*>(rig_.world.get());
-    if (world == nullptr) return;
     SelfForces own;
-    world->selfForces(own);
+    rig_.world->selfForces(own);
     std::array<double, kMaxAxes> row{};
     for (int i = 0; i < own.count; ++i) {
       const SelfForce& touch = own.touches[static_cast<std::size_t>(i)];

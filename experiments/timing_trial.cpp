@@ -85,7 +85,8 @@ Expected<TimingResult> runTiming(const TimingPlan& plan) {
   }
   TimingResult result;
   result.gripped = models->scene.bodies[static_cast<std::size_t>(target.body)].name;
-  const RigOptions options;
+  RigOptions options;
+  options.engine = plan.engine;
   Intention intention = squeezeAgainAndAgain(models->device, target.grip_m,
                                              static_cast<double>(plan.ticks) * options.period_s);
   auto rig = buildRig(std::move(*models), std::move(intention), options);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "assembly/engines.hpp"
 #include "assembly/models.hpp"
 #include "assembly/run.hpp"
 
@@ -13,6 +14,7 @@ namespace wholehand {
 struct TimingPlan {
   ModelFiles
       files;  ///< with an exercise its first dispenser is gripped, else the scene's first body
+  std::string engine = defaultEngine();
   std::uint64_t ticks = 100000;
   bool simulated_clock = false;  ///< as fast as it goes: CPU time alone
   std::string folder;            ///< for the recording

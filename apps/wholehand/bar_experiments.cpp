@@ -1,5 +1,6 @@
 #include "bar_experiments.hpp"
 
+#include "engine_option.hpp"
 #include "number_option.hpp"
 #include "shipped_files.hpp"
 
@@ -55,6 +56,7 @@ void addBarExperiments(CLI::App& experiment, BarExperimentOptions& options, int&
   bar->add_option("--processes", c.processes, "That play at a time (default: one a core)")
       ->check(finiteBetween(1, 256, ""));
   bar->add_option("--json", c.json, "Write the results to this file");
+  addEngine(*bar, c.engine);
   addFiles(*bar, c.files);
   bar->footer("On the simulated clock, faster than real time; opens no port.");
   bar->callback([&] { code = cocktailCommand(options.cocktail); });
@@ -69,6 +71,7 @@ void addBarExperiments(CLI::App& experiment, BarExperimentOptions& options, int&
   exercise->add_option("--record", e.record, "Write every tick to this HDF5 file");
   exercise->add_option("--charts", e.charts, "Draw the figure into this HTML file");
   exercise->add_option("--out", e.folder, "Folder for what is not named")->capture_default_str();
+  addEngine(*exercise, e.engine);
   addFiles(*exercise, e.files);
   exercise->footer("On the simulated clock; opens no port.");
   exercise->callback([&] { code = exerciseCommand(options.exercise); });

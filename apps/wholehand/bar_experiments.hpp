@@ -1,5 +1,6 @@
 #pragma once
 
+#include "assembly/engines.hpp"
 #include "assembly/models.hpp"
 
 #include <CLI/CLI.hpp>
@@ -16,6 +17,7 @@ struct BarFiles {
 
 struct CocktailOptions {
   BarFiles files;
+  std::string engine = defaultEngine();
   int seeds = 100;
   std::uint64_t first_seed = 1;
   int level = 0;      ///< 0: all
@@ -25,6 +27,7 @@ struct CocktailOptions {
 
 struct ExerciseOptions {
   BarFiles files;
+  std::string engine = defaultEngine();
   std::uint64_t seed = 1;
   std::string folder = "out/experiment";  ///< for what is not named
   std::string json, record, charts;

@@ -113,7 +113,8 @@ int certifyCommand(const CertifyOptions& options) {
   const auto models = loadFiles(options);
   if (!models) return refuse(models.errors());
   if (options.impedance) {
-    return impedanceCommand(*models, {1.0 / options.rate_hz, options.contact_stiffness_n_m},
+    return impedanceCommand(*models,
+                            {1.0 / options.rate_hz, options.contact_stiffness_n_m, options.engine},
                             options.json, options.charts);
   }
   if (auto ready = prepareCharts(options.charts, {options.json}); !ready) {

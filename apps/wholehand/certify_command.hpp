@@ -1,5 +1,7 @@
 #pragma once
 
+#include "assembly/engines.hpp"
+
 #include <string>
 
 namespace wholehand {
@@ -13,6 +15,7 @@ struct CertifyOptions {
   std::string json = {};      ///< empty: none
   std::string charts = {};    ///< empty: none
   bool impedance = false;  ///< what the person feels, predicted and measured, in place of stability
+  std::string engine = defaultEngine();   ///< that free motion is felt in
   double contact_stiffness_n_m = 1000.0;  ///< of the spring in which it is felt, too
 };
 

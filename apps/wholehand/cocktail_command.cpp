@@ -155,6 +155,7 @@ Played play(const CocktailOptions& options, const ModelFiles& files, int level) 
   const auto work = [&](int job) -> std::string {
     CocktailPlan plan;
     plan.files = files;
+    plan.rig.engine = options.engine;
     plan.files.level = level;
     plan.seed = options.first_seed + static_cast<std::uint64_t>(job);
     if (InterruptScope::interrupted()) return Json{{"stopped", true}}.dump();
@@ -202,6 +203,7 @@ int cocktailCommand(const CocktailOptions& options) {
   printHeader();
   Json json;
   json["exercise"] = files->exercise;
+  json["engine"] = options.engine;
   json["first_seed"] = options.first_seed;
   json["levels"] = Json::array();
   bool faulted = false;

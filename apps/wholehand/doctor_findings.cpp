@@ -1,5 +1,7 @@
 #include "doctor_findings.hpp"
 
+#include "assembly/engines.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -179,8 +181,12 @@ void lookAtBuild(Findings& findings) {
                       "Use build/release/wholehand, which ./start builds.",
                       optimised ? "" : "this program is not an optimised build",
                       "use build/release/wholehand"});
-  findings.push_back({"engine", true, Blocks::kNothing,
-                      "Bullet in double precision (the build accepts no other)", ""});
+  std::string built;
+  for (const Engine& engine : engines()) {
+    if (engine.build)
+      built += (built.empty() ? "" : "; ") + engine.name + ": " + engine.description;
+  }
+  findings.push_back({"engine", true, Blocks::kNothing, built, ""});
 }
 
 DoctorFinding grantedOrNot(const SetupLine& line) {

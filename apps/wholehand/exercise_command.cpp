@@ -17,8 +17,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json resultJson(const ExerciseResult& r, std::uint64_t seed) {
+Json resultJson(const ExerciseResult& r, const ExerciseOptions& options) {
   Json json;
+  json["engine"] = options.engine;
   json["completed"] = r.completed;
   json["phases"] = Json::array();
   for (const ExercisePhase& p : r.phases) {
@@ -42,7 +43,7 @@ Json resultJson(const ExerciseResult& r, std::uint64_t seed) {
     json["bumps"].push_back(
         {{"start_s", b.start_s}, {"end_s", b.end_s}, {"contact_max_n", b.contact_n}});
   }
-  json["seed"] = seed;
+  json["seed"] = options.seed;
   return json;
 }
 
@@ -80,6 +81,7 @@ int exerciseCommand(const ExerciseOptions& options) {
   }
   ExercisePlan plan;
   plan.files = *files;
+  plan.rig.engine = options.engine;
   plan.seed = options.seed;
   plan.record = record_path;
   const InterruptScope interrupts;
@@ -89,7 +91,7 @@ int exerciseCommand(const ExerciseOptions& options) {
     std::printf("\nInterrupted: no results were written\n");
     return kExitInterrupted;
   }
-  if (auto done = writeText(json_path, resultJson(*result, options.seed).dump(2) + "\n"); !done) {
+  if (auto done = writeText(json_path, resultJson(*result, options).dump(2) + "\n"); !done) {
     return refuse(done.errors());
   }
   if (auto done = writeCharts(exerciseFigure(*result), chart_path); !done) {

@@ -1,11 +1,14 @@
 #pragma once
 
+#include "assembly/engines.hpp"
+
 #include <cstdint>
 #include <string>
 
 namespace wholehand {
 
 struct ExperimentOptions {
+  std::string engine = defaultEngine();
   std::string folder = "out/experiment";  ///< plots, pictures, recordings, scenes
   std::string json;                       ///< results; empty: only in the folder
   int jittered = 72;                      ///< grasping: jittered trials

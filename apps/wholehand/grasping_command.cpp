@@ -139,6 +139,7 @@ Sweep runAll(const std::vector<GraspTrial>& trials, const ExperimentOptions& opt
   for (const GraspTrial& trial : trials) {
     GraspPlan plan;
     plan.folder = options.folder;
+    plan.rig.engine = options.engine;
     plan.record = keep_recordings;
     auto result = runGrasp(trial, shippedModels(), plan);
     if (!result) {
@@ -187,6 +188,7 @@ int graspingCommand(const ExperimentOptions& options) {
   if (jittered.interrupted) return interrupted();
 
   nlohmann::ordered_json json;
+  json["engine"] = options.engine;
   json["trials"] = nlohmann::ordered_json::array();
   for (const GraspResult& r : tuned.results) json["trials"].push_back(trialJson(r));
   int dropped = 0, slipped = 0;

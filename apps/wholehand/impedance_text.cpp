@@ -159,7 +159,9 @@ std::string impedanceText(const ImpedanceReport& report) {
   }
   return out +
          "\nMeasured on the running renderer with a push of many sines, one axis at a time,\n"
-         "the others held; free motion in Bullet, contact in the analytic world; the\n"
+         "the others held; free motion in " +
+         report.engine +
+         ", contact in the analytic world; the\n"
          "device's dry friction and encoder steps, which are not linear, left out.\n" +
          asBuiltTable(report) + "\n" + verdict(report);
 }

@@ -3,6 +3,7 @@
 #include "device_command.hpp"
 #include "device_host_command.hpp"
 #include "doctor.hpp"
+#include "engine_option.hpp"
 #include "exit_code.hpp"
 #include "experiment_command.hpp"
 #include "git_version.hpp"
@@ -54,6 +55,7 @@ void addCertify(CLI::App& app, CertifyOptions& o, int& code) {
       certify->add_flag("--impedance", o.impedance,
                         "Predict and measure what the person feels on every axis, instead");
   impedance->excludes(exercise)->excludes(passport);
+  addEngine(*certify, o.engine)->needs(impedance);
   certify
       ->add_option("--contact-stiffness", o.contact_stiffness_n_m,
                    "With --impedance: the spring that the simulated hand meets [N/m]")
@@ -119,6 +121,7 @@ void addOthers(CLI::App& app, ReportOptions& report, ExperimentOptions& experime
   CLI::App* timing =
       e->add_subcommand("timing", "Fig. 6: time of 100,000 ticks while grasping in the bar");
   for (CLI::App* sub : {grasping, timing}) {
+    addEngine(*sub, experiment.engine);
     sub->add_option("--json", experiment.json, "Write the results to this file");
     sub->add_option("--out", experiment.folder, "Folder for plots, pictures and recordings")
         ->capture_default_str();

@@ -1,5 +1,6 @@
 #include "run_line.hpp"
 
+#include "engine_option.hpp"
 #include "exit_code.hpp"
 #include "number_option.hpp"
 #include "play_command.hpp"
@@ -126,9 +127,7 @@ void addRun(CLI::App& app, RunOptions& options, int& code) {
   run->add_option("--patient", o.files.patient, "Virtual patient")->capture_default_str();
   run->add_option("--motion", o.files.motion, "Recorded motion to play in the scene, CSV")
       ->capture_default_str();
-  run->add_option("--engine", o.engine, "Physics engine")
-      ->check(CLI::IsMember({"bullet"}))
-      ->capture_default_str();
+  addEngine(*run, o.engine);
   run->add_option("--rate-hz", o.rate_hz, "Ticks a second")
       ->check(finiteBetween(100.0, 16000.0, "Hz"))
       ->capture_default_str();

@@ -13,7 +13,7 @@ namespace wholehand {
 /// What `wholehand run` was asked for.
 struct RunOptions {
   ModelFiles files;
-  std::string engine = "bullet";
+  std::string engine = defaultEngine();
   double rate_hz = 1000.0;
   double duration_s = 0.0;        ///< 0: until the motion has been played
   std::string record;             ///< HDF5 file; empty: none

@@ -46,6 +46,7 @@ nlohmann::ordered_json summaryJson(const DeviceModel& device, const RunOutcome& 
                                    const RunSafety& safety) {
   const TickSummary& s = outcome.summary;
   nlohmann::ordered_json json;
+  json["engine"] = outcome.engine;
   json["ticks"] = s.ticks;
   json["missed_deadlines"] = s.missed_deadlines;
   json["faults"] = s.stopping_faults;

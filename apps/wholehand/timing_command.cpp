@@ -76,6 +76,7 @@ double share(std::uint64_t part, std::uint64_t whole) {
 nlohmann::ordered_json timingJson(const TimingResult& r) {
   const TickSummary& s = r.outcome.summary;
   nlohmann::ordered_json json;
+  json["engine"] = r.outcome.engine;
   json["gripped"] = r.gripped;
   json["ticks"] = s.ticks;
   json["missed_deadlines"] = s.missed_deadlines;
@@ -143,6 +144,7 @@ int timingCommand(const ExperimentOptions& options) {
   if (auto ready = prepareCharts(chart_path, {json_path}); !ready) return refuse(ready.errors());
   TimingPlan plan;
   plan.files = filesFor(options);
+  plan.engine = options.engine;
   auto device = loadDeviceFile(plan.files.device);
   if (!device) return refuse(device.errors());
   StatusLine status(*device);

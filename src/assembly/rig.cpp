@@ -7,7 +7,6 @@
 #include "device/simulated/simulated_device.hpp"
 #include "patient/listening_player.hpp"
 #include "patient/scripted_player.hpp"
-#include "physics/bullet/bullet_world.hpp"
 
 #include <fmt/format.h>
 
@@ -70,11 +69,6 @@ RendererConfig rendererConfig(const Models& models, const CouplingGains& gains,
   return config;
 }
 
-std::unique_ptr<PhysicsWorld> makeWorld(const Models& models, const std::string& engine) {
-  if (engine == "bullet") return std::make_unique<BulletWorld>(models.hand, models.scene);
-  return nullptr;
-}
-
 // Whom it moves decides what arm() asks for.
 enum class Moves { kMaybeAPerson, kNobody };
 
@@ -92,10 +86,9 @@ Expected<std::unique_ptr<Rig>> buildAround(Models models, std::unique_ptr<Haptic
   rig->gains = checked->gains;
   rig->refused = checked->refused;
   rig->device = std::move(device);
-  rig->world = makeWorld(rig->models, options.engine);
-  if (!rig->world) {
-    return Diagnostic{"", 0, "--engine", options.engine, "is not a known engine", "use bullet"};
-  }
+  auto world = buildWorld(options.engine, rig->models.hand, rig->models.scene);
+  if (!world) return world.errors();
+  rig->world = std::move(*world);
   RendererConfig config =
       rendererConfig(rig->models, rig->gains, options, rig->device->simulated());
   config.rehearsal = rehearsalFingerprint(rig->models, options, checked->fingerprint);

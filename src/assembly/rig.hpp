@@ -1,5 +1,6 @@
 #pragma once
 
+#include "assembly/engines.hpp"
 #include "assembly/models.hpp"
 #include "control/certificate_fingerprint.hpp"
 #include "control/coupling_gains.hpp"
@@ -19,7 +20,7 @@ namespace wholehand {
 
 struct RigOptions {
   double period_s = 1e-3;
-  std::string engine = "bullet";
+  std::string engine = defaultEngine();
   bool uncertified = false;  ///< allow gains that are not certified; where nobody is moved
   /// What the run was certified as: it then renders nothing else. Without one it certifies itself.
   struct NamedCertificate {

@@ -147,6 +147,7 @@ RunOutcome Run::outcome() const {
   outcome.failures = failures_;
   outcome.setup = setup_;
   outcome.black_box = black_box_said_;
+  outcome.engine = rig_->options.engine;
   outcome.uncertified = !rig_->refused.empty();
   outcome.interrupted = plan_.interrupts != nullptr && plan_.interrupts->asked.load() > 0;
   outcome.faulted = any(outcome.counters.latched);

@@ -52,6 +52,7 @@ struct RunOutcome {
   /// Consumers that threw and were switched off, and a recording that was removed, in words.
   std::vector<std::string> failures;
   std::string black_box;     ///< what to do with it, in one line; empty: none was needed
+  std::string engine;        ///< that the world was of
   bool uncertified = false;  ///< gains that the stability check refused were allowed
   bool interrupted = false;  ///< by a signal
   bool faulted = false;

@@ -2,6 +2,7 @@
 
 #include "assembly/rig.hpp"
 #include "control/impedance.hpp"
+#include "impedance/impedance_measurement.hpp"
 #include "impedance/impedance_multisine.hpp"
 
 #include <memory>
@@ -12,7 +13,7 @@ namespace wholehand {
 /// held: all of the renderer.
 struct ImpedanceBench {
   Models models;
-  std::unique_ptr<Rig> rig;  ///< with the Bullet world and nothing in it
+  std::unique_ptr<Rig> rig;  ///< in a world with nothing in it
   AxisPosition rest;         ///< the middle of every axis
   AxisMatrix inertia;        ///< of the avatar there
   LineGrid grid;
@@ -24,7 +25,8 @@ enum class BenchDevice { kLinear, kAsBuilt };
 
 /// @param phi 0 or 1  @pre device, rendering and hand of the models are loaded
 [[nodiscard]] Expected<ImpedanceBench> makeImpedanceBench(const Models& models, double phi,
-                                                          double period_s, BenchDevice device);
+                                                          const ImpedanceOptions& options,
+                                                          BenchDevice device);
 
 /// The middle of every axis's range.
 [[nodiscard]] AxisPosition middleOf(const DeviceModel& device);

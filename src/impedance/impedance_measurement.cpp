@@ -137,7 +137,7 @@ Expected<Done> measure(const ImpedanceBench& bench, int axis, ImpedanceCurve& cu
   const bool free = curve.contact == ContactCase::kFree;
   const std::unique_ptr<PhysicsWorld> met =
       free ? nullptr : contactWorld(bench, axis, curve.contact, curve.stiffness);
-  curve.engine = free ? "bullet" : "analytic";
+  curve.engine = free ? bench.rig->options.engine : "analytic";
   const auto heard = run(bench, axis, arm, pushOf(bench, axis, arm, curve),
                          free ? *bench.rig->world : *met, settle_s);
   if (!heard) return heard.errors();
@@ -210,8 +210,13 @@ bool ImpedanceReport::asPredicted() const {
 
 Expected<ImpedanceReport> measureImpedance(const Models& models, const ImpedanceOptions& options,
                                            const ImpedanceProgress& progress) {
-  ImpedanceReport report{models.device.name, models.rendering.name,         models.hand.name,
-                         options.period_s,   options.contact_stiffness_n_m, {}};
+  ImpedanceReport report{models.device.name,
+                         models.rendering.name,
+                         models.hand.name,
+                         options.period_s,
+                         options.contact_stiffness_n_m,
+                         options.engine,
+                         {}};
   const AxisPosition rest = middleOf(models.device);
   for (int a = 0; a < models.device.axisCount(); ++a) {
     report.axes.push_back({models.device.axes[static_cast<std::size_t>(a)], rest[a], {}, {}});
@@ -219,7 +224,7 @@ Expected<ImpedanceReport> measureImpedance(const Models& models, const Impedance
   const int all = 7 * models.device.axisCount();
   int done = 0;
   for (const double phi : {0.0, 1.0}) {
-    auto bench = makeImpedanceBench(models, phi, options.period_s, BenchDevice::kLinear);
+    auto bench = makeImpedanceBench(models, phi, options, BenchDevice::kLinear);
     if (!bench) return bench.errors();
     for (int a = 0; a < models.device.axisCount(); ++a) {
       AxisImpedance& axis = report.axes[static_cast<std::size_t>(a)];
@@ -236,7 +241,7 @@ Expected<ImpedanceReport> measureImpedance(const Models& models, const Impedance
       }
     }
   }
-  auto bench = makeImpedanceBench(models, 0.0, options.period_s, BenchDevice::kAsBuilt);
+  auto bench = makeImpedanceBench(models, 0.0, options, BenchDevice::kAsBuilt);
   if (!bench) return bench.errors();
   bench->grid = oneLine(kUsual_hz, options.period_s);
   for (int a = 0; a < models.device.axisCount(); ++a) {

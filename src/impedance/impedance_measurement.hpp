@@ -1,5 +1,6 @@
 #pragma once
 
+#include "assembly/engines.hpp"
 #include "assembly/models.hpp"
 #include "control/impedance.hpp"
 
@@ -34,7 +35,7 @@ struct ImpedanceCurve {
   ContactCase contact = ContactCase::kFree;
   double phi = 0.0;
   double stiffness = 0.0;    ///< kObject: of the spring [N/m or N·m/rad]
-  const char* engine = "";   ///< of the world in which it was measured
+  std::string engine;        ///< of the world in which it was measured
   std::string not_measured;  ///< why there are no measurements; empty: there are
   std::vector<ImpedancePoint> points;
   /// The prediction between the points, too: frequency [Hz] and Z.
@@ -62,6 +63,7 @@ struct ImpedanceReport {
   std::string device, rendering, hand;
   double period_s = 1e-3;
   double contact_stiffness_n_m = 0.0;
+  std::string engine;  ///< of free motion
   std::vector<AxisImpedance> axes;
 
   /// Every curve was measured and is as predicted.
@@ -72,6 +74,7 @@ struct ImpedanceOptions {
   double period_s = 1e-3;
   /// At the avatar; on a rotation times the square of its lever arm (0.08 m where it has none).
   double contact_stiffness_n_m = 1000.0;
+  std::string engine = defaultEngine();  ///< of free motion
 };
 
 /// Told what is measured next and how many curves of how many are done.
@@ -79,8 +82,9 @@ using ImpedanceProgress = std::function<void(const std::string& what, int done, 
 
 /// Predicts and measures what the person feels on every axis: free, on a spring, against a rigid
 /// stop, at Φ = 0 and 1. Measured is the running renderer on the simulated clock with the simulated
-/// device, under an effort of many sines at once; free motion in Bullet, contact in the analytic
-/// world. Dry friction and encoder steps are left out but in `as_built`: they are not linear.
+/// device, under an effort of many sines at once; free motion in the engine that was asked for,
+/// contact in the analytic world. Dry friction and encoder steps are left out but in `as_built`:
+/// they are not linear.
 /// @pre device, rendering and hand of the models are loaded; the rest is not looked at
 [[nodiscard]] Expected<ImpedanceReport> measureImpedance(const Models& models,
                                                          const ImpedanceOptions& options,

@@ -34,7 +34,7 @@ struct SceneBody {
   Pose pose;                          ///< body frame in the world at the start
   std::vector<Shape> shapes;          ///< at least one
   double friction = 0.8;              ///< Coulomb coefficient against the hand
-  double linear_damping_per_s = 0.0;  ///< share of velocity lost per second, 0 .. 1 (Bullet's)
+  double linear_damping_per_s = 0.0;  ///< share of velocity lost per second, 0 .. 1
   /// Fingers and thumb sink in so far from the side before they meet a firm core, without a force
   /// of the engine; the palm and other bodies meet the shape itself. An upright cylinder's only
   /// [m].

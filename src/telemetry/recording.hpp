@@ -35,7 +35,7 @@ struct RecordingMeta {
   std::string git_version;  ///< of the program
   std::uint64_t seed = 0;
   double period_s = 1e-3;
-  std::string engine;  ///< "bullet"
+  std::string engine;  ///< name of the physics engine
   bool simulated_clock = false;
   bool uncertified = false;  ///< gains that the stability check refused were allowed
   bool paper = false;

@@ -11,7 +11,7 @@ SHIPPED = ["composite", "force_dimension", "frame", "moteus"]
 PROGRAMS = [BINARY, BUILD / "wholehand-read-mesh", *(BUILD / "drivers" / f"{name}.so" for name in SHIPPED)]
 ASSERTION = re.compile(r"__glibcxx_assert_fail|__replacement_assert")
 # Libraries that the tick runs and nothing else does.
-TICK = ["control", "dynamics", "safety", "physics_bullet", "renderer"]
+TICK = ["control", "dynamics", "safety", "physics_bullet", "physics_mujoco", "renderer"]
 
 
 def said(*command):

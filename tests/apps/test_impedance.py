@@ -125,7 +125,7 @@ class ShippedRobot(AppTest):
             self.assertAlmostEqual(more.real / (4 * friction / (math.pi * speed)), 1, delta=0.1, msg=name)
 
     def test_table_says_every_axis_the_worst_deviation_and_what_was_left_out(self):
-        for word in ("x ", "thumb_circumduction", "spring", "rigid", "within 1 dB and 5°", "Bullet", "analytic",
+        for word in ("x ", "thumb_circumduction", "spring", "rigid", "within 1 dB and 5°", "in bullet", "analytic",
                      "dry friction", "encoder"):
             self.assertIn(word, self.done.stdout)
         self.assertEqual(self.done.stderr, "")  # progress is for terminals

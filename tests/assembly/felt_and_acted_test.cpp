@@ -2,7 +2,6 @@
 // axis.
 #include "assembly/ball_clearance.hpp"
 #include "dynamics/articulated_body.hpp"
-#include "physics/bullet/bullet_world.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
 #include "support/shipped.hpp"
@@ -32,6 +31,7 @@ class StandingWorld final : public PhysicsWorld {
     return Fault::kNone;
   }
   void contacts(ContactList& contacts) const noexcept override { world_.contacts(contacts); }
+  void selfForces(SelfForces& forces) const noexcept override { world_.selfForces(forces); }
   [[nodiscard]] const HandDrive& drive() const { return drive_; }
 
  private:
@@ -157,7 +157,7 @@ std::vector<SceneBody> ballsAbout(const HandModel& hand, const AxisPosition& q, 
 /// What the hand does to itself, and the ends of its joints, per axis.
 AxisEffort workOfTheHandItself(const Rig& rig, const AxisPosition& q_s) {
   SelfForces own;
-  dynamic_cast<const BulletWorld&>(*rig.world).selfForces(own);
+  rig.world->selfForces(own);
   TickRecord both;  // as contacts with a body, of either side
   for (int i = 0; i < own.count; ++i) {
     const SelfForce& touch = own.touches[static_cast<std::size_t>(i)];

@@ -1,6 +1,6 @@
 // An upright bottle that stands fixed, taken in the power grasp as at the bar, through the whole
 // renderer: what the squeeze, the thumb, the fingers' backs and the first touch are like.
-#include "physics/bullet_bench.hpp"
+#include "physics/engine_bench.hpp"
 #include "support/tolerance.hpp"
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // Joint ends: a joint of the hand file goes no further than its range, and that is felt.
-#include "physics/bullet/bullet_world.hpp"
+#include "physics/self_forces.hpp"
 #include "support/rig_tools.hpp"
 #include "support/tolerance.hpp"
 
@@ -38,7 +38,7 @@ TEST(JointEnd, PressedAgainst_HoldsAndIsFeltAsTheSpring) {
     off_rad = std::max(off_rad, std::abs(last->q_s[end.axis] - end.at));
     off_share = std::max(off_share, std::abs(last->coupling[end.axis] - felt) / std::abs(felt));
     SelfForces forces;
-    dynamic_cast<const BulletWorld&>(*rig->world).selfForces(forces);
+    rig->world->selfForces(forces);
     EXPECT_NEAR(forces.joint_ends[end.axis], felt, tolerance(1e-3) * std::abs(felt));
     for (int a = 0; a < 6; ++a) {
       if (a == end.axis) continue;
@@ -69,7 +69,7 @@ TEST(JointEnd, ThatABallPressesAFingerAgainst_BearsItAndTheArmIsHeld) {
   ASSERT_TRUE(rig->renderer->arm());
   const auto last = runTicks(*rig->renderer, 3000);
   SelfForces forces;
-  dynamic_cast<const BulletWorld&>(*rig->world).selfForces(forces);
+  rig->world->selfForces(forces);
   EXPECT_GT(forces.joint_ends[3], 0.01) << "the fingers' ends bear something";
   EXPECT_NEAR(last->q_s[3], 0.0, tolerance(1e-4));
   EXPECT_LT(last->coupling[1], -1.0) << "the arm is held";

@@ -39,7 +39,7 @@ std::unique_ptr<Rig> closingRig(const Closing& c, const std::string& hand = "adu
 
 SelfForces forcesOf(const Rig& rig) {
   SelfForces forces;
-  dynamic_cast<const BulletWorld&>(*rig.world).selfForces(forces);
+  rig.world->selfForces(forces);
   return forces;
 }
 

@@ -1,7 +1,7 @@
 // Where the capsules of a hand are near each other: closed form, and the search that skips.
 #include "model/capsule_gap.hpp"
 #include "model/separation.hpp"
-#include "physics/bullet_bench.hpp"
+#include "physics/engine_bench.hpp"
 #include "physics/self_contact_search.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
@@ -136,10 +136,10 @@ double leastCost_s(Bench& bench, double closes_to) {
 }
 
 TEST(SelfContact, InFreeMotion_CostsLittleOfATick) {
-  Bench with(weightless({})), without(weightless({}));
+  Bench with(defaultEngine(), weightless({})), without(defaultEngine(), weightless({}));
   without.models.hand.self_contacts.clear();
   for (HandLink& link : without.models.hand.links) link.lower = -10.0, link.upper = 10.0;
-  without.world = std::make_unique<BulletWorld>(without.models.hand, without.scene);
+  without.world = orThrow(buildWorld(defaultEngine(), without.models.hand, without.scene));
   for (const double closes_to : {1.2, 2.4}) {  // 2.4: into a pinch and out of it
     const double most = closes_to < 2.0 ? 1.05 : 1.25;
     double with_s = 1e9, without_s = 1e9;

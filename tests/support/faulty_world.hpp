@@ -70,6 +70,8 @@ class FaultyWorld final : public PhysicsWorld {
 
   void contacts(ContactList& contacts) const noexcept override { world_.contacts(contacts); }
 
+  void selfForces(SelfForces& forces) const noexcept override { world_.selfForces(forces); }
+
   /// Nothing goes wrong from now on.
   void clear() noexcept { fault_.tick = std::numeric_limits<int>::max(); }
   /// How often the world behind was stepped since the hand was placed.

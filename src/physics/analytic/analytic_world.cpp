@@ -144,4 +144,9 @@ void AnalyticWorld::contacts(ContactList& contacts) const noexcept {
   }
 }
 
+void AnalyticWorld::selfForces(SelfForces& forces) const noexcept {
+  forces.count = 0;
+  forces.joint_ends = AxisEffort(hand_->axis_count);
+}
+
 }  // namespace wholehand

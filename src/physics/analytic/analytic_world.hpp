@@ -39,6 +39,8 @@ class AnalyticWorld final : public PhysicsWorld {
   WHOLEHAND_RT void placeBodies(const BodyPlacements& placements) noexcept override;
   [[nodiscard]] WHOLEHAND_RT Fault step(const HandDrive& drive, double period_s) noexcept override;
   WHOLEHAND_RT void contacts(ContactList& contacts) const noexcept override;
+  /// The hand meets itself nowhere.
+  WHOLEHAND_RT void selfForces(SelfForces& forces) const noexcept override;
 
   /// What the stops did to the hand in the last step [N or N·m].
   [[nodiscard]] const AxisEffort& stopEffort() const noexcept { return stop_effort_; }

@@ -1,5 +1,6 @@
 #include "physics/bullet/bullet_bodies.hpp"
 
+#include "physics/body_checks.hpp"
 #include "physics/bullet/bullet_types.hpp"
 
 #include <BulletCollision/CollisionShapes/btBoxShape.h>
@@ -114,21 +115,16 @@ void BulletBody::placeColliders() noexcept {
 }
 
 bool BulletBody::place(const BodyPlacement& placement) noexcept {
-  const Eigen::Vector3d position_m = placement.position_m.eigen();
-  const Eigen::Vector3d velocity_m_s = placement.velocity_m_s.eigen();
-  const Eigen::Quaterniond orientation = placement.orientation_xyzw.eigen();
-  const bool is_pose = position_m.allFinite() && velocity_m_s.allFinite() &&
-                       std::abs(orientation.squaredNorm() - 1.0) < 0.1;
-  if (!is_pose) return false;
+  if (!isPose(placement)) return false;
   const Eigen::Quaterniond turned =
-      orientation.normalized() * Eigen::Quaterniond(from_body_.rotation);
+      placement.orientation_xyzw.eigen().normalized() * Eigen::Quaterniond(from_body_.rotation);
   const btTransform at(btQuaternion(turned.x(), turned.y(), turned.z(), turned.w()),
-                       toBt(position_m));
+                       toBt(placement.position_m.eigen()));
   const btTransform& before = rigid_->getWorldTransform();
   const bool elsewhere =
       (at.getOrigin() - before.getOrigin()).length() > kFarthestSlide_m ||
       std::abs(at.getRotation().dot(before.getRotation())) < std::cos(kFarthestTurn_rad / 2.0);
-  put(at, toBt(velocity_m_s));
+  put(at, toBt(placement.velocity_m_s.eigen()));
   placed_ = true;
   return elsewhere;
 }

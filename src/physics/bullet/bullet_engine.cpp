@@ -1,9 +1,9 @@
 #include "physics/bullet/bullet_engine.hpp"
 
 #include "physics/bullet/bullet_types.hpp"
+#include "physics/hand_overlaps.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <memory>
 
 namespace wholehand::bullet {
@@ -18,9 +18,6 @@ double contactThreshold() {
   static const double kThreshold_m = gContactBreakingThreshold = 5e-4;
   return kThreshold_m;
 }
-
-// Deeper than this at the start, the solver would throw the body away.
-constexpr double kAllowedOverlap_m = 2e-4;
 
 std::vector<BulletBody> makeBodies(const SceneModel& scene) {
   std::vector<BulletBody> bodies;
@@ -136,35 +133,18 @@ void BulletEngine::setHand(const AxisPosition& position, const AxisVelocity& vel
 // The deepest overlap of each body with the hand.
 Diagnostics BulletEngine::overlaps() {
   pairs.find();
-  struct Deepest {
-    double depth_m = kAllowedOverlap_m;
-    int capsule = -1;
-  };
-  std::vector<Deepest> deepest(bodies.size());
+  HandOverlaps found(bodies.size());
   for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
     const btPersistentManifold& manifold = *dispatcher.getManifoldByIndexInternal(m);
     const ColliderTag* a = tagOf(manifold.getBody0());
     const ColliderTag* b = tagOf(manifold.getBody1());
     if (a->ofHand() == b->ofHand()) continue;
     const int capsule = (a->ofHand() ? a : b)->capsule;
-    Deepest& found = deepest[(a->ofHand() ? b : a)->body];
     for (int k = 0; k < manifold.getNumContacts(); ++k) {
-      const double depth_m = -manifold.getContactPoint(k).getDistance();
-      if (depth_m > found.depth_m) found = {depth_m, capsule};
+      found.add((a->ofHand() ? b : a)->body, capsule, -manifold.getContactPoint(k).getDistance());
     }
   }
-  Diagnostics errors;
-  for (std::size_t i = 0; i < deepest.size(); ++i) {
-    if (deepest[i].capsule < 0) continue;
-    Diagnostic d{scene_path, 0, "bodies." + body_names[i], "", "", ""};
-    char problem[160];
-    std::snprintf(problem, sizeof problem, "starts %.1f mm inside the hand (its %s)",
-                  deepest[i].depth_m * 1e3, hand_model.capsules[deepest[i].capsule].name.c_str());
-    d.problem = problem;
-    d.remedy = "move the body, or let the motion start elsewhere";
-    errors.push_back(std::move(d));
-  }
-  return errors;
+  return found.refuse(hand_model, scene_path, body_names);
 }
 
 }  // namespace wholehand::bullet

@@ -1,21 +1,12 @@
 #include "physics/bullet/bullet_world.hpp"
 
+#include "physics/body_checks.hpp"
 #include "physics/bullet/bullet_engine.hpp"
 #include "physics/bullet/bullet_types.hpp"
 
 namespace wholehand {
 
 using bullet::toVec3;
-
-namespace {
-
-bool allFinite(const BodyState& body) {
-  return body.position_m.eigen().allFinite() && body.velocity_m_s.eigen().allFinite() &&
-         body.angular_velocity_rad_s.eigen().allFinite() &&
-         body.orientation_xyzw.eigen().coeffs().allFinite();
-}
-
-}  // namespace
 
 BulletWorld::BulletWorld(const HandModel& hand, const SceneModel& scene,
                          const BulletSettings& settings)
@@ -27,9 +18,7 @@ Expected<Done> BulletWorld::placeHand(const AxisPosition& q_s) {
   bullet::BulletEngine& e = *engine_;
   for (std::size_t i = 0; i < e.bodies.size(); ++i) {
     if (allFinite(e.bodies[i].state())) continue;
-    return Diagnostic{
-        e.scene_path,          0, "bodies." + e.body_names[i], "", "is nowhere after a fault",
-        "build the scene anew"};
+    return nowhere(e.scene_path, e.body_names[i]);
   }
   e.forgetContacts();
   e.setHand(q_s, AxisVelocity(e.hand_model.axis_count));

@@ -4,7 +4,6 @@
 #include "model/scene_model.hpp"
 #include "physics/bullet/solver_settings.hpp"
 #include "physics/physics_world.hpp"
-#include "physics/self_forces.hpp"
 
 #include <memory>
 
@@ -30,9 +29,7 @@ class BulletWorld final : public PhysicsWorld {
   void placeBodies(const BodyPlacements& placements) noexcept override;
   [[nodiscard]] Fault step(const HandDrive& drive, double period_s) noexcept override;
   void contacts(ContactList& contacts) const noexcept override;
-  /// What the hand did to itself in the last step. It acts on q_s and so on what is felt; no record
-  /// holds it. Real-time safe.
-  void selfForces(SelfForces& forces) const noexcept;
+  void selfForces(SelfForces& forces) const noexcept override;
 
  private:
   std::unique_ptr<bullet::BulletEngine> engine_;

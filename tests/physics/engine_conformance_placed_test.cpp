@@ -1,5 +1,5 @@
-// Bodies that an exercise puts somewhere while the hand is about, and what it asks of the world.
-#include "physics/bullet_bench.hpp"
+// Bodies that an exercise puts somewhere while the hand is about: what every engine does then.
+#include "physics/engine_bench.hpp"
 #include "realtime/allocation_counter.hpp"
 #include "support/tolerance.hpp"
 
@@ -23,6 +23,11 @@ BodyPlacements place(int body, const Eigen::Vector3d& at_m,
   return placements;
 }
 
+class PlacedBody : public EngineTest {};
+WHOLEHAND_ENGINES(PlacedBody);
+class SlidingFixedBody : public EngineTest {};
+WHOLEHAND_ENGINES(SlidingFixedBody);
+
 /// A body whose principal axes are not its own: a bar along (1, 1, 0).
 SceneBody slantedBar(bool fixed) {
   SceneBody bar = fixedBox({0.3, 0.3, 0.3}, {0.02, 0.02, 0.2});
@@ -33,11 +38,11 @@ SceneBody slantedBar(bool fixed) {
   return bar;
 }
 
-TEST(PlacedBody, FixedOrFree_IsWhereItWasPut) {
+TEST_P(PlacedBody, FixedOrFree_IsWhereItWasPut) {
   const Eigen::Quaterniond turned = Eigen::Quaterniond(0.8, 0.3, -0.4, 0.2).normalized();
   const Eigen::Vector3d at_m(0.4, 0.2, 0.3), velocity_m_s(0.1, 0.0, -0.2);
   for (const bool fixed : {true, false}) {
-    Bench bench(weightless({slantedBar(fixed)}));
+    Bench bench(GetParam(), weightless({slantedBar(fixed)}));
     ASSERT_TRUE(bench.world->placeHand(AxisPosition(6)));
     bench.world->placeBodies(place(0, at_m, velocity_m_s, turned));
     const BodyState there = look(*bench.world).bodies[0];
@@ -56,9 +61,9 @@ TEST(PlacedBody, FixedOrFree_IsWhereItWasPut) {
   }
 }
 
-TEST(PlacedBody, ThatTurned_StopsTurning) {
+TEST_P(PlacedBody, ThatTurned_StopsTurning) {
   // The hand hits it and sets it spinning.
-  Bench bench(weightless({ball({0.09, 0.075, 0.0}, 0.03, 0.1)}));
+  Bench bench(GetParam(), weightless({ball({0.09, 0.075, 0.0}, 0.03, 0.1)}));
   AxisPosition q(6);
   ASSERT_TRUE(bench.world->placeHand(q));
   for (int k = 0; k < 300; ++k) {
@@ -72,8 +77,8 @@ TEST(PlacedBody, ThatTurned_StopsTurning) {
   EXPECT_EQ(there.velocity_m_s.eigen().norm(), 0.0);
 }
 
-TEST(PlacedBody, WhereThePlacementIsNoPose_Stays) {
-  Bench bench(weightless({ball({0.3, 0.3, 0.3}, 0.03, 0.0)}));
+TEST_P(PlacedBody, WhereThePlacementIsNoPose_Stays) {
+  Bench bench(GetParam(), weightless({ball({0.3, 0.3, 0.3}, 0.03, 0.0)}));
   ASSERT_TRUE(bench.world->placeHand(AxisPosition(6)));
   const double nan = std::numeric_limits<double>::quiet_NaN();
   BodyPlacements bad = place(0, {nan, 0.0, 0.0});
@@ -89,17 +94,17 @@ TEST(PlacedBody, WhereThePlacementIsNoPose_Stays) {
 struct Slide {
   double face_m;
   Bench bench;
-  explicit Slide(double gap_m)
+  Slide(const std::string& engine, double gap_m)
       : face_m(reach(load(shippedFiles()).hand, AxisPosition(6), Eigen::Vector3d::UnitY()) + gap_m),
-        bench(weightless({wall(Eigen::Vector3d::UnitY(), face_m)})) {}
+        bench(engine, weightless({wall(Eigen::Vector3d::UnitY(), face_m)})) {}
   /// The wall's face at `face_m`, moving.
   void put(double face_now_m, const Eigen::Vector3d& velocity_m_s, double along_m = 0.0) {
     bench.world->placeBodies(place(0, {along_m, face_now_m + 0.05, 0.0}, velocity_m_s));
   }
 };
 
-TEST(SlidingFixedBody, ThatMeetsTheHand_PushesItAtItsOwnSpeed) {
-  Slide slide(0.01);
+TEST_P(SlidingFixedBody, ThatMeetsTheHand_PushesItAtItsOwnSpeed) {
+  Slide slide(GetParam(), 0.01);
   ASSERT_TRUE(slide.bench.world->placeHand(AxisPosition(6)));
   const double speed_m_s = 0.2;
   double deepest_m = 0.0, last_gap_m = 0.0, peak_n = 0.0, settled_n = 0.0;
@@ -135,8 +140,8 @@ TEST(SlidingFixedBody, ThatMeetsTheHand_PushesItAtItsOwnSpeed) {
   EXPECT_LT(peak_n, 0.25 * speed_m_s / 1e-3 + settled_n);
 }
 
-TEST(SlidingFixedBody, PressedByTheHand_CarriesItAlong) {
-  Slide slide(0.0);
+TEST_P(SlidingFixedBody, PressedByTheHand_CarriesItAlong) {
+  Slide slide(GetParam(), 0.0);
   AxisPosition free(6), pressed(6);
   free[1] = -0.002;
   pressed[1] = 0.01;
@@ -164,7 +169,7 @@ TEST(SlidingFixedBody, PressedByTheHand_CarriesItAlong) {
   EXPECT_NEAR(slide.bench.after.qd_s[0], 0.0, tolerance(1e-3));
 }
 
-TEST(PlacedBody, PutToTheOtherSideOfAFinger_LetsGoWithoutAKick) {
+TEST_P(PlacedBody, PutToTheOtherSideOfAFinger_LetsGoWithoutAKick) {
   const Models m = load(shippedFiles());
   AxisPosition free(6), pressed(6);
   free[1] = -0.002;
@@ -175,13 +180,14 @@ TEST(PlacedBody, PutToTheOtherSideOfAFinger_LetsGoWithoutAKick) {
   const double radius_m = 0.01;
   const Eigen::Vector3d middle_m = at.linkPose(bone.link) * (0.5 * (bone.a_m + bone.b_m));
   const double away_m = bone.radius_m + radius_m;
-  Bench bench(weightless({ball(middle_m + away_m * Eigen::Vector3d::UnitY(), radius_m, 0.0)}));
+  Bench bench(GetParam(),
+              weightless({ball(middle_m + away_m * Eigen::Vector3d::UnitY(), radius_m, 0.0)}));
   ASSERT_TRUE(bench.world->placeHand(free));
   for (int k = 0; k < 300; ++k) ASSERT_NO_FATAL_FAILURE(bench.step(pressed, AxisVelocity(6)));
   ASSERT_EQ(bench.touching.count, 1);
   const Contact before = bench.touching.points[0];
   const AxisPosition held = bench.after.q_s;
-  // So near that Bullet goes on comparing the two; the old point is now 4 cm deep in its normal.
+  // So near that an engine goes on comparing the two; an old point is now 4 cm deep in its normal.
   const double across_m = 2.0 * m.hand.capsules[before.capsule].radius_m + radius_m + 6e-4;
   bench.world->placeBodies(place(0, before.point_m.eigen() + across_m * before.normal.eigen()));
   ASSERT_NO_FATAL_FAILURE(bench.step(held, AxisVelocity(6)));
@@ -189,14 +195,14 @@ TEST(PlacedBody, PutToTheOtherSideOfAFinger_LetsGoWithoutAKick) {
   EXPECT_LT((bench.after.q_s.vec() - held.vec()).norm(), 1e-4);
 }
 
-TEST(PlacedBody, AgainAndAgainWithQuestions_NeverAllocates) {
+TEST_P(PlacedBody, AgainAndAgainWithQuestions_NeverAllocates) {
   if (!allocationCountingAvailable()) GTEST_SKIP() << "malloc is not ours to count";
   Models m = load(shippedFiles());
   SceneBody bottle = ball({0.1, 0.06, 0.0}, 0.025, 0.0);
   bottle.name = "bottle";
   SceneBody free = ball({0.3, 0.3, 0.0}, 0.025, 0.1);
   SceneModel scene = weightless({bottle, free, fixedBox({0.3, 0.3, -0.05}, {0.2, 0.2, 0.05})});
-  Bench bench(scene);
+  Bench bench(GetParam(), scene);
   bench.query = {0b011, 0};
   AxisPosition q(6);
   ASSERT_TRUE(bench.world->placeHand(q));
@@ -219,9 +225,9 @@ TEST(PlacedBody, AgainAndAgainWithQuestions_NeverAllocates) {
   EXPECT_EQ(scope.allocations(), 0U);
 }
 
-TEST(PlacedBody, InTwoWorldsAlike_GivesTheSameBits) {
-  const auto run = [] {
-    Slide slide(0.01);
+TEST_P(PlacedBody, InTwoWorldsAlike_GivesTheSameBits) {
+  const auto run = [&] {
+    Slide slide(GetParam(), 0.01);
     slide.bench.query = {1, 0};
     EXPECT_TRUE(slide.bench.world->placeHand(AxisPosition(6)));
     for (int k = 0; k < 150; ++k) {
@@ -233,28 +239,6 @@ TEST(PlacedBody, InTwoWorldsAlike_GivesTheSameBits) {
   const TickRecord a = run(), b = run();
   EXPECT_EQ(0, std::memcmp(a.theta.data(), b.theta.data(), sizeof(double) * 19));
   EXPECT_EQ(0, std::memcmp(a.closure.data(), b.closure.data(), sizeof(double) * 6));
-}
-
-TEST(PalmTarget, IsTheNearestOfThoseAskedFor) {
-  Bench bench(weightless({ball({0.1, 0.09, 0.0}, 0.02, 0.0), ball({0.1, 0.2, 0.0}, 0.02, 0.0),
-                          ball({0.1, 0.15, 0.05}, 0.02, 0.0)}));
-  ASSERT_TRUE(bench.world->placeHand(AxisPosition(6)));
-  std::array<double, 3> alone_m{};
-  for (int b = 0; b < 3; ++b) {
-    const TickRecord s = bench.ask({1U << b, -1});
-    EXPECT_EQ(s.palm_body, b);
-    alone_m[static_cast<std::size_t>(b)] = s.palm_target_distance_m;
-    EXPECT_EQ(s.palm_distance_m, bench.ask({}).palm_distance_m);
-  }
-  EXPECT_EQ(alone_m[0], bench.ask({}).palm_distance_m);  // the nearest of all
-  const TickRecord far_two = bench.ask({0b110, -1});
-  const int nearer = alone_m[1] < alone_m[2] ? 1 : 2;
-  EXPECT_EQ(far_two.palm_body, nearer);
-  EXPECT_EQ(far_two.palm_target_distance_m, std::min(alone_m[1], alone_m[2]));
-  EXPECT_EQ(far_two.palm_distance_m, alone_m[0]);
-  const TickRecord none = bench.ask({});
-  EXPECT_EQ(none.palm_body, -1);
-  EXPECT_EQ(none.palm_target_distance_m, std::numeric_limits<double>::infinity());
 }
 
 }  // namespace

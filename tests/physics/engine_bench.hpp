@@ -1,10 +1,10 @@
 #pragma once
 
-#include "physics/bullet/bullet_world.hpp"
+#include "assembly/engines.hpp"
 #include "physics/hand_probe.hpp"
 #include "support/rig_tools.hpp"
 
-/// A Bullet world with the shipped hand, stepped without device or renderer.
+/// A world of any engine with the shipped hand, stepped without device or renderer.
 namespace wholehand::test {
 
 inline constexpr double kPeriod_s = 1e-3;
@@ -17,9 +17,10 @@ inline WorldState look(PhysicsWorld& world) {
 
 /// A hand, driven by Eq. (2) towards a moving target, in a scene made in place.
 struct Bench {
-  explicit Bench(SceneModel scene_in, const std::string& hand = "adult-median-right")
+  Bench(const std::string& engine, SceneModel scene_in,
+        const std::string& hand = "adult-median-right")
       : models(load(shippedFiles("lambda-pride", "empty", hand))), scene(std::move(scene_in)) {
-    world = std::make_unique<BulletWorld>(models.hand, scene);
+    world = orThrow(buildWorld(engine, models.hand, scene));
   }
   /// One step towards q_m with the velocity qd_m.
   void step(const AxisPosition& q_m, const AxisVelocity& qd_m) {
@@ -30,6 +31,7 @@ struct Bench {
       f_s[a] = body.reducedInertia()(a, a) *
                (4e3 * (q_m[a] - state.q_s[a]) + 120.0 * (qd_m[a] - state.qd_s[a]));
     }
+    asked = f_s;
     HandDrive drive;
     drive.effort = f_s;
     body.distribute(f_s, drive.torque);
@@ -53,12 +55,13 @@ struct Bench {
   Models models;
   SceneModel scene;
   WorldQuery query;
-  std::unique_ptr<BulletWorld> world;
+  std::unique_ptr<PhysicsWorld> world;
   ArticulatedBody body{models.hand}, kinematics{models.hand};
   HandProbe probe{models.hand, scene};
   TickRecord probed;
   WorldState state, after;
   ContactList touching;
+  AxisEffort asked;  ///< f_s of the last step
 };
 
 inline SceneModel weightless(std::vector<SceneBody> bodies) {
@@ -68,4 +71,26 @@ inline SceneModel weightless(std::vector<SceneBody> bodies) {
   return scene;
 }
 
+/// The engines that this program is built with.
+inline std::vector<std::string> builtEngines() {
+  std::vector<std::string> names;
+  for (const Engine& engine : engines()) {
+    if (engine.build) names.push_back(engine.name);
+  }
+  return names;
+}
+
+inline RigOptions with(const std::string& engine) {
+  RigOptions options;
+  options.engine = engine;
+  return options;
+}
+
+/// A law that every engine keeps: its parameter is the engine's name.
+class EngineTest : public testing::TestWithParam<std::string> {};
+
 }  // namespace wholehand::test
+
+#define WHOLEHAND_ENGINES(suite)                                              \
+  INSTANTIATE_TEST_SUITE_P(Engines, suite, testing::ValuesIn(builtEngines()), \
+                           [](const auto& one) { return one.param; })

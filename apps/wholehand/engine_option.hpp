@@ -1,0 +1,18 @@
+#pragma once
+
+#include "assembly/engines.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+
+namespace wholehand {
+
+/// `--engine NAME` of a command that builds a world.
+inline CLI::Option* addEngine(CLI::App& command, std::string& engine) {
+  return command.add_option("--engine", engine, "Physics engine (docs/engines.md)")
+      ->check(CLI::IsMember(engineNames()))
+      ->capture_default_str();
+}
+
+}  // namespace wholehand

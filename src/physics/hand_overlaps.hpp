@@ -1,0 +1,31 @@
+#pragma once
+
+#include "core/expected.hpp"
+#include "model/hand_model.hpp"
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace wholehand {
+
+/// Collects where a hand that is placed overlaps bodies, and says so: an engine would throw such a
+/// body away. Not real-time safe.
+class HandOverlaps {
+ public:
+  explicit HandOverlaps(std::size_t bodies) : deepest_(bodies) {}
+
+  void add(int body, int capsule, double depth_m);
+  /// One error a body, for its deepest overlap; up to 0.2 mm is allowed.
+  [[nodiscard]] Diagnostics refuse(const HandModel& hand, const std::string& scene_path,
+                                   const std::vector<std::string>& body_names) const;
+
+ private:
+  struct Deepest {
+    double depth_m = 2e-4;
+    int capsule = -1;
+  };
+  std::vector<Deepest> deepest_;
+};
+
+}  // namespace wholehand

@@ -1,0 +1,297 @@
+#include "physics/mujoco/mujoco_engine.hpp"
+
+#include "physics/body_checks.hpp"
+#include "physics/hand_overlaps.hpp"
+#include "physics/mujoco/engine_errors.hpp"
+#include "physics/mujoco/model_text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+namespace wholehand::mujoco {
+namespace {
+
+using Eigen::Vector3d;
+using Vector3dMap = Eigen::Map<Vector3d>;
+using ConstVector3dMap = Eigen::Map<const Vector3d>;
+
+// MuJoCo sorts two entries of 8 bytes a body in every step, and the C library's sort allocates from
+// 1024 bytes on.
+constexpr int kMostBodies = 63;
+
+int overflows(const mjData& data) {
+  return data.warning[mjWARN_CONTACTFULL].number + data.warning[mjWARN_CNSTRFULL].number;
+}
+
+}  // namespace
+
+Expected<std::unique_ptr<MujocoEngine>> MujocoEngine::build(const HandModel& hand,
+                                                            const SceneModel& scene,
+                                                            const SolverSettings& settings) {
+  takeErrors();
+  const std::string text = modelText(hand, scene, settings);
+  const auto files = std::make_unique<mjVFS>();
+  mj_defaultVFS(files.get());
+  const char* name = "wholehand.xml";
+  mj_makeEmptyFileVFS(files.get(), name, static_cast<int>(text.size()));
+  std::memcpy(files->filedata[0], text.data(), text.size());
+  std::array<char, 500> error{};
+  mjModel* model = mj_loadXML(name, files.get(), error.data(), static_cast<int>(error.size()));
+  mj_deleteVFS(files.get());
+  mj_freeLastXML();
+  if (model == nullptr) {
+    return Diagnostic{scene.path,
+                      0,
+                      "--engine",
+                      "mujoco",
+                      std::string("does not accept hand or scene: ") + error.data(),
+                      "change what it names, or use --engine bullet"};
+  }
+  if (model->nbody > kMostBodies) {
+    const std::string all = std::to_string(model->nbody - 1);
+    mj_deleteModel(model);
+    return Diagnostic{scene.path,
+                      0,
+                      "bodies",
+                      all,
+                      "links of the hand and bodies are more than the engine mujoco sorts without "
+                      "asking for memory in a tick",
+                      "at most " + std::to_string(kMostBodies - 1) +
+                          " together: remove bodies, or use --engine bullet"};
+  }
+  std::unique_ptr<MujocoEngine> engine(new MujocoEngine(hand, scene, settings, model));
+  if (!engine->data_) {
+    return Diagnostic{scene.path,
+                      0,
+                      "--engine",
+                      "mujoco",
+                      "has no memory for hand and scene",
+                      "close other programs, or use --engine bullet"};
+  }
+  if (Diagnostics refused = engine->map_.refuse(); !refused.empty()) return refused;
+  return engine;
+}
+
+MujocoEngine::MujocoEngine(const HandModel& hand, const SceneModel& scene,
+                           const SolverSettings& settings, mjModel* model)
+    : q_s(hand.axis_count),
+      qd_s(hand.axis_count),
+      model_(model),
+      map_(hand, *model),
+      constraints_(map_, *model, settings),
+      settings_(settings),
+      scene_path_(scene.path),
+      let_go_(hand.self_contacts.size(), 0),
+      still_deep_(hand.self_contacts.size(), 0),
+      surface_velocity_(3 * static_cast<std::size_t>(model->nconmax), 0.0) {
+  mjData* data = nullptr;
+  if (!endsWell([&] { data = mj_makeData(model); }) || data == nullptr) return;
+  data_.reset(data);
+  // Memory that a step would otherwise ask the system for.
+  std::fill_n(data->stack, data->nstack, 0.0);
+  listBodies(scene);
+  listGeoms(scene);
+  pairSelf();
+  map_.put(*data_, q_s, qd_s);
+}
+
+void MujocoEngine::listBodies(const SceneModel& scene) {
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const SceneBody& body = scene.bodies[i];
+    Body& added = bodies_.emplace_back();
+    body_names_.push_back(body.name);
+    added.id = mj_name2id(model_.get(), mjOBJ_BODY, bodyName(static_cast<int>(i)).c_str());
+    added.mocap = model_->body_mocapid[added.id];
+    added.mass_kg = body.mass_kg;
+    added.damping_per_s = body.linear_damping_per_s;
+    if (body.fixed) continue;
+    const int joint = model_->body_jntadr[added.id];
+    added.position = model_->jnt_qposadr[joint];
+    added.dof = model_->jnt_dofadr[joint];
+  }
+}
+
+void MujocoEngine::listGeoms(const SceneModel& scene) {
+  owners_.resize(static_cast<std::size_t>(model_->ngeom));
+  for (int c = 0; c < static_cast<int>(map_.hand().capsules.size()); ++c) {
+    const int geom = mj_name2id(model_.get(), mjOBJ_GEOM, capsuleName(c).c_str());
+    owners_[static_cast<std::size_t>(geom)] = {c, -1, scene.hand_friction};
+  }
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    const int first = model_->body_geomadr[bodies_[i].id];
+    for (int k = 0; k < model_->body_geomnum[bodies_[i].id]; ++k) {
+      owners_[static_cast<std::size_t>(first + k)] = {-1, static_cast<int>(i),
+                                                      scene.bodies[i].friction};
+    }
+  }
+}
+
+void MujocoEngine::pairSelf() {
+  const HandModel& hand = map_.hand();
+  const std::size_t count = hand.capsules.size();
+  self_pair_.assign(count * count, -1);
+  for (std::size_t i = 0; i < hand.self_contacts.size(); ++i) {
+    const std::size_t a = hand.self_contacts[i].capsule_a, b = hand.self_contacts[i].capsule_b;
+    self_pair_[a * count + b] = self_pair_[b * count + a] = static_cast<int>(i);
+  }
+}
+
+Diagnostics MujocoEngine::placeHand(const AxisPosition& position) {
+  q_s = position;
+  qd_s = AxisVelocity(map_.hand().axis_count);
+  map_.put(*data_, q_s, qd_s);
+  std::fill_n(data_->qacc_warmstart, model_->nv, 0.0);
+  std::fill(let_go_.begin(), let_go_.end(), 0);
+  overflows_ = 0;
+  HandOverlaps overlaps(bodies_.size());
+  const bool found = endsWell([&] {
+    mj_kinematics(model_.get(), data_.get());
+    mj_comPos(model_.get(), data_.get());
+    mj_collision(model_.get(), data_.get());
+  });
+  data_->nefc = 0;
+  if (!found) {
+    return {{scene_path_, 0, "--engine", "mujoco", "cannot place the hand", "use --engine bullet"}};
+  }
+  const std::size_t count = map_.hand().capsules.size();
+  for (int i = 0; i < data_->ncon; ++i) {
+    const mjContact& contact = data_->contact[i];
+    const Owner &a = owner(contact.geom1), &b = owner(contact.geom2);
+    if (a.capsule >= 0 && b.capsule >= 0) {
+      const int pair = self_pair_[static_cast<std::size_t>(a.capsule) * count +
+                                  static_cast<std::size_t>(b.capsule)];
+      if (contact.dist < 0.0) let_go_[static_cast<std::size_t>(pair)] = 1;
+    } else if (a.capsule >= 0 || b.capsule >= 0) {
+      overlaps.add(std::max(a.body, b.body), std::max(a.capsule, b.capsule), -contact.dist);
+    }
+  }
+  data_->ncon = 0;  // nothing was touched in a step yet
+  return overlaps.refuse(map_.hand(), scene_path_, body_names_);
+}
+
+void MujocoEngine::place(const BodyPlacement& placement) noexcept {
+  if (placement.body < 0 || placement.body >= bodyCount() || !isPose(placement)) return;
+  Body& body = bodies_[static_cast<std::size_t>(placement.body)];
+  const Eigen::Quaterniond turned = placement.orientation_xyzw.eigen().normalized();
+  double* position =
+      body.mocap >= 0 ? data_->mocap_pos + 3 * body.mocap : data_->qpos + body.position;
+  double* orientation = body.mocap >= 0 ? data_->mocap_quat + 4 * body.mocap : position + 3;
+  Vector3dMap{position} = placement.position_m.eigen();
+  orientation[0] = turned.w();
+  Vector3dMap{orientation + 1} = turned.vec();
+  if (body.mocap >= 0) {
+    body.velocity_m_s = placement.velocity_m_s.eigen();
+  } else {
+    Vector3dMap{data_->qvel + body.dof} = placement.velocity_m_s.eigen();
+    std::fill_n(data_->qvel + body.dof + 3, 3, 0.0);
+  }
+}
+
+BodyState MujocoEngine::body(int index) const noexcept {
+  const Body& body = bodies_[static_cast<std::size_t>(index)];
+  const bool fixed = body.mocap >= 0;
+  const double* position = fixed ? data_->mocap_pos + 3 * body.mocap : data_->qpos + body.position;
+  const double* q = fixed ? data_->mocap_quat + 4 * body.mocap : position + 3;
+  BodyState state;
+  state.position_m = Vec3::from(ConstVector3dMap(position));
+  state.orientation_xyzw = {q[1], q[2], q[3], q[0]};
+  if (fixed) {
+    state.velocity_m_s = Vec3::from(body.velocity_m_s);
+    return state;
+  }
+  // MuJoCo's angular velocity is in the body's own axes.
+  const Eigen::Quaterniond turned(q[0], q[1], q[2], q[3]);
+  state.velocity_m_s = Vec3::from(ConstVector3dMap(data_->qvel + body.dof));
+  state.angular_velocity_rad_s =
+      Vec3::from(turned.normalized() * Vector3d(ConstVector3dMap(data_->qvel + body.dof + 3)));
+  return state;
+}
+
+/// MuJoCo has no damping of a share per second: the force that takes it away in this step.
+void MujocoEngine::dampBodies(double period_s) noexcept {
+  for (const Body& body : bodies_) {
+    if (body.dof < 0 || body.damping_per_s == 0.0) continue;
+    const double lost = 1.0 - std::pow(1.0 - body.damping_per_s, period_s);
+    for (int k = body.dof; k < body.dof + 3; ++k) {
+      data_->qfrc_applied[k] = -body.mass_kg * lost / period_s * data_->qvel[k];
+    }
+  }
+}
+
+/// Friction of the pair, and who is let go.
+void MujocoEngine::judge(int index) noexcept {
+  mjContact& contact = data_->contact[index];
+  const Owner &a = owner(contact.geom1), &b = owner(contact.geom2);
+  contact.friction[0] = contact.friction[1] = std::sqrt(a.friction * b.friction);
+  contact.friction[2] = settings_.spinning_friction_m;
+  if (contact.friction[0] == 0.0) contact.dim = 1;
+  Vector3d speed = Vector3d::Zero();
+  if (b.body >= 0) speed += bodies_[static_cast<std::size_t>(b.body)].velocity_m_s;
+  if (a.body >= 0) speed -= bodies_[static_cast<std::size_t>(a.body)].velocity_m_s;
+  Vector3dMap{&surface_velocity_[3 * static_cast<std::size_t>(index)]} = speed;
+  if (a.capsule < 0 || b.capsule < 0) return;
+  const std::size_t count = map_.hand().capsules.size();
+  const int pair =
+      self_pair_[static_cast<std::size_t>(a.capsule) * count + static_cast<std::size_t>(b.capsule)];
+  if (let_go_[static_cast<std::size_t>(pair)] == 0) return;
+  contact.exclude = 1;
+  if (contact.dist < 0.0) still_deep_[static_cast<std::size_t>(pair)] = 1;
+}
+
+void MujocoEngine::findContacts() noexcept {
+  const int before = overflows(*data_);
+  mj_kinematics(model_.get(), data_.get());
+  mj_comPos(model_.get(), data_.get());
+  mj_collision(model_.get(), data_.get());
+  std::fill(still_deep_.begin(), still_deep_.end(), 0);
+  for (int i = 0; i < data_->ncon; ++i) judge(i);
+  let_go_ = still_deep_;
+  mj_crb(model_.get(), data_.get());
+  mj_factorM(model_.get(), data_.get());
+  mj_makeConstraint(model_.get(), data_.get());
+  overflows_ = overflows(*data_) - before;
+}
+
+bool MujocoEngine::step(const HandDrive& drive, double period_s) noexcept {
+  bool advanced = false;
+  const bool ended = endsWell([&] {
+    map_.drive(*model_, *data_, drive);
+    dampBodies(period_s);
+    advanced = advance(period_s);
+  });
+  for (Body& body : bodies_) {
+    if (body.mocap >= 0) body.velocity_m_s.setZero();
+  }
+  return ended && advanced;
+}
+
+/// mj_step() in its parts, with the hand's constraints made its own in between.
+bool MujocoEngine::advance(double period_s) noexcept {
+  model_->opt.timestep = period_s;
+  findContacts();
+  if (!constraints_.project(*model_, *data_)) return false;
+  mj_fwdVelocity(model_.get(), data_.get());
+  constraints_.aim(*data_, surface_velocity_.data(), period_s);
+  mj_fwdActuation(model_.get(), data_.get());
+  mj_fwdAcceleration(model_.get(), data_.get());
+  mj_fwdConstraint(model_.get(), data_.get());
+  return integrate();
+}
+
+bool MujocoEngine::integrate() noexcept {
+  // The solver ends near M q̈ = f; from the forces that are told the motion follows exactly.
+  mj_solveM(model_.get(), data_.get(), data_->qacc, data_->qfrc_constraint, 1);
+  for (int i = 0; i < model_->nv; ++i) {
+    data_->qacc[i] += data_->qacc_smooth[i];
+    if (!std::isfinite(data_->qacc[i])) return false;
+  }
+  mj_Euler(model_.get(), data_.get());
+  coupling_error_rad = map_.take(*data_, q_s, qd_s);
+  map_.put(*data_, q_s, qd_s);
+  return true;
+}
+
+}  // namespace wholehand::mujoco

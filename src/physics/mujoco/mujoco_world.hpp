@@ -1,0 +1,44 @@
+#pragma once
+
+#include "dynamics/synergy.hpp"
+#include "model/hand_model.hpp"
+#include "model/scene_model.hpp"
+#include "physics/mujoco/solver_settings.hpp"
+#include "physics/physics_world.hpp"
+
+#include <memory>
+
+namespace wholehand {
+
+namespace mujoco {
+class MujocoEngine;
+}
+
+using MujocoSettings = mujoco::SolverSettings;
+
+/// MuJoCo, in process: the hand as an articulated body whose constraints are projected on to its
+/// synergy, the scene's bodies as free or placed bodies. Settings and their reasons: ADR 39.
+class MujocoWorld final : public PhysicsWorld {
+ public:
+  /// Compiles the model and takes all memory, so that no step allocates. An error names what MuJoCo
+  /// does not accept. @pre hand outlives it. Not real-time safe.
+  [[nodiscard]] static Expected<std::unique_ptr<PhysicsWorld>> build(
+      const HandModel& hand, const SceneModel& scene, const MujocoSettings& settings = {});
+  ~MujocoWorld() override;
+
+  [[nodiscard]] Expected<Done> placeHand(const AxisPosition& q_s) override;
+  [[nodiscard]] Fault observe(WorldState& state) noexcept override;
+  void placeBodies(const BodyPlacements& placements) noexcept override;
+  [[nodiscard]] Fault step(const HandDrive& drive, double period_s) noexcept override;
+  void contacts(ContactList& contacts) const noexcept override;
+  void selfForces(SelfForces& forces) const noexcept override;
+
+ private:
+  explicit MujocoWorld(const HandModel& hand, std::unique_ptr<mujoco::MujocoEngine> engine);
+
+  const HandModel* hand_;
+  Synergy synergy_;
+  std::unique_ptr<mujoco::MujocoEngine> engine_;
+};
+
+}  // namespace wholehand

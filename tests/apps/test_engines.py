@@ -1,0 +1,51 @@
+"""`--engine`: every engine runs scenes and exercises, is named in what is written, and is run again."""
+import json
+import unittest
+
+from app import CONFIG, DONE, FREE_RUN, AppTest, read_recording
+
+ENGINES = ("bullet", "mujoco")
+
+
+class EveryEngine(AppTest):
+    def run_with(self, engine, *arguments):
+        self.expect(self.run_app(*arguments, "--engine", engine, "--simulated-clock", "--json", "run.json",
+                                 "--record", "run.h5"), DONE)
+        with open(self.folder / "run.json", encoding="utf-8") as file:
+            summary = json.load(file)
+        self.assertEqual(summary["engine"], engine)
+        self.assertFalse(summary["faulted"])
+        with read_recording(self.folder / "run.h5") as file:
+            self.assertEqual(file["meta"].attrs["engine"].decode(), engine)
+        return summary
+
+    def test_a_motion_touches_the_table_and_is_run_again_bit_by_bit(self):
+        for engine in ENGINES:
+            with self.subTest(engine):
+                summary = self.run_with(engine, *FREE_RUN, "--scene", CONFIG / "scenes/table.toml")
+                self.assertGreater(summary["contacts_max"], 0)
+                # θ = θ₀ + G q_s: what rounding leaves, before it is removed.
+                self.assertLess(summary["max_coupling_error_rad"], 1e-9)
+                self.expect_same_when_run_again("run.h5")
+
+    def test_the_bar_is_played_and_run_again_bit_by_bit(self):
+        for engine in ENGINES:
+            with self.subTest(engine):
+                self.run_with(engine, "run", "--exercise", "cocktail-bar", "--no-web", "--duration", "8")
+                self.expect_same_when_run_again("run.h5")
+
+    def test_one_grasp_is_held(self):
+        for engine in ENGINES:
+            with self.subTest(engine):
+                self.expect(self.run_app("experiment", "grasping", "--engine", engine, "--only", "pinch sphere",
+                                         "--jittered", "0", "--out", "grasp", "--json", "grasp.json"), DONE)
+                with open(self.folder / "grasp.json", encoding="utf-8") as file:
+                    results = json.load(file)
+                self.assertEqual(results["engine"], engine)
+                self.assertTrue(results["trials"])
+                for trial in results["trials"]:
+                    self.assertFalse(trial["dropped"], trial)
+
+
+if __name__ == "__main__":
+    unittest.main()
