@@ -36,11 +36,14 @@ constexpr std::size_t kMostStates_bytes = 1'500'000, kMostPacked_bytes = 500'000
 constexpr std::size_t kMostSeries_bytes = 360'000;
 constexpr int kMostColumns = 800, kFewestColumns = 100;
 
+/// Nothing of a report comes from these.
+const LeftOut kLeftOut = {{"patient_effort", "tank", "closure", "wall", "wall_active"}, {}};
+
 /// All that a page shows, or the figures alone, for another page to be compared with.
 enum class Detail { kAll, kFigures };
 
 Expected<ViewedRecording> openAny(const std::string& path) {
-  if (!BlackBoxReader::isBox(path)) return viewRecording(path, kChunksAtOnce);
+  if (!BlackBoxReader::isBox(path)) return viewRecording(path, kChunksAtOnce, kLeftOut);
   auto box = BlackBoxReader::openBox(path);
   if (!box) return box.errors();
   ViewedRecording viewed;

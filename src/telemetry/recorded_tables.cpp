@@ -169,6 +169,7 @@ bool RecordedTables::load(std::uint64_t row, std::uint64_t rows) {
 // A damaged chunk spoils no other, and is not tried again with each of its rows.
 bool RecordedTables::loadAround(std::uint64_t row) {
   if (row / block_ == unreadable_block_) return false;
+  hdf5::beginHdf5();
   if (chunks_at_once_ > 1 && load(row, chunks_at_once_ * block_)) return true;
   if (load(row, block_)) return true;
   unreadable_block_ = row / block_;
