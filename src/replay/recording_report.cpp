@@ -29,7 +29,7 @@ using Json = nlohmann::json;
 
 /// Counts changes of the data that an older page cannot read.
 constexpr int kVersion = 1;
-constexpr std::uint64_t kChunksAtOnce = 16, kTicksBetweenProgress = 10'000;
+constexpr std::uint64_t kChunksAtOnce = 4, kTicksBetweenProgress = 10'000;
 /// A page of at most 2 MB has room for so much: before it is packed, and of states afterwards.
 constexpr std::uint64_t kMostStates = 1'500;
 constexpr std::size_t kMostStates_bytes = 1'500'000, kMostPacked_bytes = 500'000;

@@ -1,6 +1,7 @@
 #include "telemetry/recorded_tables.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <numeric>
 
 namespace wholehand::recording {
@@ -207,7 +208,7 @@ bool RecordedTables::read(std::uint64_t index, TickRecord& record) {
   if (index >= rows_.size()) return false;
   const std::uint64_t i = rows_[index];
   if (!holds(i) && !loadAround(i)) return false;
-  record = TickRecord{};
+  std::construct_at(&record);  // an assignment would copy all of an empty one
   ticks_.get(i, record);
   // An index that says something else than the rows.
   if (record.tick != outline_.numbers[index] || !isWhole(i, record)) return false;
