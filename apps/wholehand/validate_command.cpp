@@ -5,7 +5,7 @@
 #include "core/printable.hpp"
 #include "exit_code.hpp"
 #include "model/hand_file.hpp"
-#include "model/toml_file.hpp"
+#include "model/toml/toml_file.hpp"
 #include "shipped_files.hpp"
 
 #include <fmt/format.h>

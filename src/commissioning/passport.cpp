@@ -2,7 +2,7 @@
 
 #include "commissioning/sealed_file.hpp"
 #include "commissioning/sha256.hpp"
-#include "model/toml_file.hpp"
+#include "model/toml/toml_file.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/expected.hpp"
-#include "model/toml_file.hpp"
+#include "model/toml/toml_file.hpp"
 
 #include <chrono>
 #include <string>

@@ -7,7 +7,7 @@
 #include "model/exercise_panel.hpp"
 #include "model/hand_model.hpp"
 #include "model/scene_model.hpp"
-#include "model/toml_file.hpp"
+#include "model/toml/toml_file.hpp"
 
 #include <memory>
 #include <string>

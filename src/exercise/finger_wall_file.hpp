@@ -4,7 +4,7 @@
 #include "exercise/exercise_wall.hpp"
 #include "exercise/finger_walls.hpp"
 #include "model/device_model.hpp"
-#include "model/toml_file.hpp"
+#include "model/toml/toml_file.hpp"
 
 #include <vector>
 

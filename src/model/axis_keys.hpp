@@ -1,7 +1,7 @@
 #pragma once
 
 #include "model/device_model.hpp"
-#include "model/toml_file.hpp"
+#include "model/toml/toml_file.hpp"
 
 #include <array>
 #include <optional>

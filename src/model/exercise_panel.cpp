@@ -1,6 +1,6 @@
 #include "model/exercise_panel.hpp"
 
-#include "model/toml_file.hpp"
+#include "model/toml/toml_file.hpp"
 
 #include <algorithm>
 #include <array>

@@ -2,7 +2,7 @@
 
 #include "model/anthropometry.hpp"
 #include "model/self_contacts.hpp"
-#include "model/toml_file.hpp"
+#include "model/toml/toml_file.hpp"
 
 #include <algorithm>
 #include <cmath>

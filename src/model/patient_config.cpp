@@ -3,7 +3,7 @@
 #include "model/axis_keys.hpp"
 #include "model/patient_keys.hpp"
 #include "model/patient_links.hpp"
-#include "model/toml_file.hpp"
+#include "model/toml/toml_file.hpp"
 
 #include <algorithm>
 

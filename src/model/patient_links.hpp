@@ -3,7 +3,7 @@
 #include "model/axis_keys.hpp"
 #include "model/device_model.hpp"
 #include "model/patient_config.hpp"
-#include "model/toml_file.hpp"
+#include "model/toml/toml_file.hpp"
 
 #include <optional>
 #include <string>

@@ -1,7 +1,7 @@
 #include "model/rendering_config.hpp"
 
 #include "model/axis_keys.hpp"
-#include "model/toml_file.hpp"
+#include "model/toml/toml_file.hpp"
 
 #include <string>
 #include <vector>

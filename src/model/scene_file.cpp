@@ -4,8 +4,8 @@
 #include "model/rotation.hpp"
 #include "model/scene_model.hpp"
 #include "model/separation.hpp"
-#include "model/toml_file.hpp"
-#include "model/urdf.hpp"
+#include "model/toml/toml_file.hpp"
+#include "model/urdf/urdf.hpp"
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>

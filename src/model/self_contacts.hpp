@@ -2,7 +2,7 @@
 
 #include "core/expected.hpp"
 #include "model/hand_file.hpp"
-#include "model/toml_file.hpp"
+#include "model/toml/toml_file.hpp"
 
 namespace wholehand {
 

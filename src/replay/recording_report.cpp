@@ -29,18 +29,21 @@ using Json = nlohmann::json;
 
 /// Counts changes of the data that an older page cannot read.
 constexpr int kVersion = 1;
-constexpr std::uint64_t kChunksAtOnce = 16, kTicksBetweenProgress = 10'000;
+constexpr std::uint64_t kChunksAtOnce = 4, kTicksBetweenProgress = 10'000;
 /// A page of at most 2 MB has room for so much: before it is packed, and of states afterwards.
 constexpr std::uint64_t kMostStates = 1'500;
 constexpr std::size_t kMostStates_bytes = 1'500'000, kMostPacked_bytes = 500'000;
 constexpr std::size_t kMostSeries_bytes = 360'000;
 constexpr int kMostColumns = 800, kFewestColumns = 100;
 
+/// Nothing of a report comes from these.
+const LeftOut kLeftOut = {{"patient_effort", "tank", "closure", "wall", "wall_active"}, {}};
+
 /// All that a page shows, or the figures alone, for another page to be compared with.
 enum class Detail { kAll, kFigures };
 
 Expected<ViewedRecording> openAny(const std::string& path) {
-  if (!BlackBoxReader::isBox(path)) return viewRecording(path, kChunksAtOnce);
+  if (!BlackBoxReader::isBox(path)) return viewRecording(path, kChunksAtOnce, kLeftOut);
   auto box = BlackBoxReader::openBox(path);
   if (!box) return box.errors();
   ViewedRecording viewed;

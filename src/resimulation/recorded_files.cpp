@@ -2,7 +2,7 @@
 
 #include "assembly/recording_description.hpp"
 #include "commissioning/passport.hpp"
-#include "model/toml_file.hpp"
+#include "model/toml/toml_file.hpp"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #include "station/profiles.hpp"
 
 #include "assembly/text_file.hpp"
-#include "model/toml_file.hpp"
+#include "model/toml/toml_file.hpp"
 
 #include <fmt/format.h>
 

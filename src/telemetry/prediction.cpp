@@ -10,7 +10,11 @@
 namespace wholehand::recording {
 namespace {
 
-using Rule = std::function<double(const RowWindow&, std::size_t)>;
+// The bits of a NaN that arithmetic made depend on the processor: then the row before stands in.
+std::uint64_t bitsOf(double expected, const RowWindow& window, std::size_t column, std::size_t i) {
+  if (!std::isnan(expected)) return std::bit_cast<std::uint64_t>(expected);
+  return window.past() > 0 ? window.number<std::uint64_t>(column, i, 1) : 0;
+}
 
 /// Finds columns by name and collects their rules.
 class Rules {
@@ -23,10 +27,16 @@ class Rules {
     return static_cast<std::size_t>(std::find_if(columns_.begin(), columns_.end(), is_it) -
                                     columns_.begin());
   }
+  /// @param rule (const RowWindow&, i) -> double
+  template <class Rule>
   void add(const std::string& name, Rule rule) {
     if (!has(name)) return;  // a recording without bodies, joints or parameters
-    const std::size_t c = column(name);
-    all_.push_back({c, columns_[c].rowBytes() / sizeof(double), std::move(rule)});
+    const std::size_t c = column(name), width = columns_[c].rowBytes() / sizeof(double);
+    all_.push_back({c, width, [=](const RowWindow& w, std::uint64_t* expected) {
+                      for (std::size_t i = 0; i < width; ++i) {
+                        expected[i] = bitsOf(rule(w, i), w, c, i);
+                      }
+                    }});
   }
   [[nodiscard]] std::vector<Prediction> take() { return std::move(all_); }
 
@@ -35,23 +45,32 @@ class Rules {
   std::vector<Prediction> all_;
 };
 
-/// Goes on as the polynomial through the last `order` rows: v + Δv + Δ²v + ... A number that stays
-/// the same is met exactly.
-Rule extrapolated(std::size_t column, std::size_t order) {
-  return [column, order](const RowWindow& w, std::size_t i) {
-    constexpr std::size_t kMost = 6;
-    std::array<double, kMost> difference{};
-    const std::size_t n = std::min<std::size_t>({w.past(), order, kMost});
-    if (n == 0) return 0.0;
-    for (std::size_t k = 0; k < n; ++k) difference[k] = w.number(column, i, k + 1);
+/// Goes on as the polynomial through the last `Order` rows: v + Δv + Δ²v + ..., of fewer where the
+/// chunk has no more. A number that stays the same is met exactly.
+template <std::size_t Order>
+double extrapolate(const RowWindow& w, std::size_t column, std::size_t i) {
+  if constexpr (Order == 0) {
+    return 0.0;
+  } else {
+    if (w.past() < Order) return extrapolate<Order - 1>(w, column, i);
+    std::array<double, Order> difference;
+    for (std::size_t k = 0; k < Order; ++k) difference[k] = w.number(column, i, k + 1);
     const double last = difference[0];
     double next = last;
-    for (std::size_t level = 1; level < n; ++level) {
-      for (std::size_t k = 0; k + level < n; ++k) difference[k] -= difference[k + 1];
+    for (std::size_t level = 1; level < Order; ++level) {
+      for (std::size_t k = 0; k + level < Order; ++k) difference[k] -= difference[k + 1];
       next += difference[0];
     }
     return std::isfinite(next) ? next : last;
-  };
+  }
+}
+
+template <std::size_t Order>
+void addExtrapolated(Rules& rules, const char* name) {
+  const std::size_t column = rules.column(name);
+  rules.add(name, [column](const RowWindow& w, std::size_t i) {
+    return extrapolate<Order>(w, column, i);
+  });
 }
 
 void addMotion(Rules& rules, const RecordingMeta& meta) {
@@ -61,7 +80,7 @@ void addMotion(Rules& rules, const RecordingMeta& meta) {
   rules.add("time_s", [=](const RowWindow& w, std::size_t) {
     return static_cast<double>(w.number<std::uint64_t>(tick, 0)) * period_s;
   });
-  rules.add("qd_s", extrapolated(qd_s, 5));
+  addExtrapolated<5>(rules, "qd_s");
   rules.add("q_s", [=](const RowWindow& w, std::size_t i) {  // symplectic Euler
     if (w.past() == 0) return 0.0;
     return w.number(q_s, i, 1) + period_s * w.number(qd_s, i);
@@ -182,13 +201,6 @@ class PlainArithmetic {
   std::fenv_t before_{};
 };
 
-// The bits of a NaN that arithmetic made depend on the processor: then the row before stands in.
-std::uint64_t expectedBits(const Prediction& prediction, const RowWindow& window, std::size_t i) {
-  const double expected = prediction.at(window, i);
-  if (!std::isnan(expected)) return std::bit_cast<std::uint64_t>(expected);
-  return window.past() > 0 ? window.number<std::uint64_t>(prediction.column, i, 1) : 0;
-}
-
 // 0, -1, 1, -2 ... as 0, 1, 2, 3 ...: a small difference has small bytes.
 std::uint64_t folded(std::uint64_t difference) {
   return (difference << 1U) ^ (std::uint64_t{0} - (difference >> 63U));
@@ -210,15 +222,14 @@ std::vector<Prediction> predictions(const std::vector<ColumnShape>& columns,
   }
   addEfforts(rules, meta);
   if (meta.law.k_pm.empty()) {
-    rules.add("tank", extrapolated(rules.column("tank"), 2));
+    addExtrapolated<2>(rules, "tank");
   } else {
     addTank(rules, meta);
   }
-  const std::pair<const char*, std::size_t> smooth[] = {
-      {"intention", 6}, {"patient_effort", 5},  {"palm_distance_m", 5},
-      {"bodies", 1},    {"exercise_values", 1}, {"parameters", 1}};
-  for (const auto& [name, order] : smooth) {
-    rules.add(name, extrapolated(rules.column(name), order));
+  addExtrapolated<6>(rules, "intention");
+  for (const char* name : {"patient_effort", "palm_distance_m"}) addExtrapolated<5>(rules, name);
+  for (const char* name : {"bodies", "exercise_values", "parameters"}) {
+    addExtrapolated<1>(rules, name);
   }
   const std::size_t palm = rules.column("palm_distance_m");
   rules.add("palm_target_distance_m",
@@ -231,15 +242,18 @@ void packRows(const std::vector<Prediction>& predictions, const RowBytes& column
               std::uint64_t begin, std::uint64_t end, RowBytes& packed) {
   const PlainArithmetic plain;
   RowWindow window(columns, row_bytes);
+  std::vector<std::uint64_t> expected;
   for (const Prediction& p : predictions) {
+    expected.resize(p.width);
     std::vector<std::byte>& out = packed[p.column];
     out.resize((end - begin) * row_bytes[p.column]);
     std::byte* to = out.data();
     for (std::uint64_t row = begin; row < end; ++row) {
       window.moveTo(row, row % chunk_rows);
+      p.expect(window, expected.data());
       for (std::size_t i = 0; i < p.width; ++i, to += sizeof(std::uint64_t)) {
         const auto bits = window.number<std::uint64_t>(p.column, i);
-        const std::uint64_t number = folded(bits - expectedBits(p, window, i));
+        const std::uint64_t number = folded(bits - expected[i]);
         std::memcpy(to, &number, sizeof number);
       }
     }
@@ -251,13 +265,17 @@ void unpackRows(const std::vector<Prediction>& predictions, RowBytes& columns,
                 std::uint64_t rows) {
   const PlainArithmetic plain;
   RowWindow window(columns, row_bytes);
+  std::vector<std::uint64_t> expected;
   for (const Prediction& p : predictions) {
+    expected.resize(p.width);
     std::byte* at = columns[p.column].data();
     for (std::uint64_t row = 0; row < rows; ++row) {
       window.moveTo(row, row % chunk_rows);
+      p.expect(window, expected.data());
       for (std::size_t i = 0; i < p.width; ++i, at += sizeof(std::uint64_t)) {
-        const std::uint64_t bits =
-            unfolded(window.number<std::uint64_t>(p.column, i)) + expectedBits(p, window, i);
+        std::uint64_t bits = 0;
+        std::memcpy(&bits, at, sizeof bits);
+        bits = unfolded(bits) + expected[i];
         std::memcpy(at, &bits, sizeof bits);
       }
     }

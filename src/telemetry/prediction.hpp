@@ -46,7 +46,9 @@ class RowWindow {
 struct Prediction {
   std::size_t column = 0;
   std::size_t width = 1;  ///< numbers in a row
-  std::function<double(const RowWindow&, std::size_t i)> at;
+  /// Writes the bits that are expected of each number of the window's row. A row at a time: asked
+  /// for each number, the calls would cost more than the rules.
+  std::function<void(const RowWindow&, std::uint64_t* expected)> expect;
 };
 
 /// The rules of the columns that a file of that description packs. Each uses of its own row only
@@ -67,7 +69,7 @@ void unpackRows(const std::vector<Prediction>& predictions, RowBytes& columns,
                 std::uint64_t rows);
 
 template <class T>
-T RowWindow::number(std::size_t column, std::size_t i, std::uint64_t back) const noexcept {
+inline T RowWindow::number(std::size_t column, std::size_t i, std::uint64_t back) const noexcept {
   T value;
   const std::size_t at = (row_ - back) * row_bytes_[column] + i * sizeof(T);
   std::memcpy(&value, columns_[column].data() + at, sizeof(T));

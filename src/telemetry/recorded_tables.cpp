@@ -1,6 +1,7 @@
 #include "telemetry/recorded_tables.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <numeric>
 
 namespace wholehand::recording {
@@ -169,6 +170,7 @@ bool RecordedTables::load(std::uint64_t row, std::uint64_t rows) {
 // A damaged chunk spoils no other, and is not tried again with each of its rows.
 bool RecordedTables::loadAround(std::uint64_t row) {
   if (row / block_ == unreadable_block_) return false;
+  hdf5::beginHdf5();
   if (chunks_at_once_ > 1 && load(row, chunks_at_once_ * block_)) return true;
   if (load(row, block_)) return true;
   unreadable_block_ = row / block_;
@@ -206,7 +208,7 @@ bool RecordedTables::read(std::uint64_t index, TickRecord& record) {
   if (index >= rows_.size()) return false;
   const std::uint64_t i = rows_[index];
   if (!holds(i) && !loadAround(i)) return false;
-  record = TickRecord{};
+  std::construct_at(&record);  // an assignment would copy all of an empty one
   ticks_.get(i, record);
   // An index that says something else than the rows.
   if (record.tick != outline_.numbers[index] || !isWhole(i, record)) return false;

@@ -80,16 +80,16 @@ Column<Row> perAxis(const char* name, At at, const Texts& units, const Texts& la
     }
   };
   c.load = [at, width](const std::byte* in, Row& row) {
-    int size = 0;
-    std::array<double, Array::capacity()> values{};
-    for (; size < width; ++size) {
-      const std::size_t i = static_cast<std::size_t>(size);
-      std::memcpy(&values[i], in + i * sizeof(double), sizeof(double));
-      if (std::bit_cast<std::uint64_t>(values[i]) == kAbsent) break;
-    }
-    Array array(size);
-    std::copy_n(values.begin(), size, array.data());
-    at(row) = array;
+    Array values(width);
+    std::memcpy(values.data(), in, static_cast<std::size_t>(width) * sizeof(double));
+    const double* absent = std::find_if(values.begin(), values.end(), [](double v) {
+      return std::bit_cast<std::uint64_t>(v) == kAbsent;
+    });
+    Array& array = at(row);
+    array = values;
+    if (absent == values.end()) return;
+    array = Array(static_cast<int>(absent - values.begin()));
+    std::copy(values.begin(), absent, array.data());
   };
   return c;
 }

@@ -72,10 +72,7 @@ class Hdf5Reader final : public RecordingReader {
   [[nodiscard]] const RecordingMeta& meta() const override { return meta_; }
   [[nodiscard]] std::uint64_t size() const override { return tables_->size(); }
   [[nodiscard]] const RecordingOutline& outline() const override { return tables_->outline(); }
-  bool read(std::uint64_t i, TickRecord& record) override {
-    hdf5::beginHdf5();
-    return tables_->read(i, record);
-  }
+  bool read(std::uint64_t i, TickRecord& record) override { return tables_->read(i, record); }
 
  private:
   Expected<Done> readDescription(const std::string& path);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "telemetry/chunk_reader.hpp"
 #include "telemetry/hdf5_handle.hpp"
 #include "telemetry/prediction.hpp"
 #include "telemetry/recording_layout.hpp"
@@ -12,13 +13,19 @@
 
 namespace wholehand::recording {
 
-/// Opens a dataset and checks that its type and its rows have the expected form; `rows` becomes its
-/// length. What is wrong, or nothing.
-std::string openDataset(hid_t group, const ColumnShape& column, hdf5::Handle& dataset,
-                        std::uint64_t& rows);
+/// A dataset that is open.
+struct Dataset {
+  hdf5::Handle handle;
+  std::uint64_t rows = 0;
+  std::uint64_t chunk_rows = 0;  ///< ChunkReader::chunkRows()
+};
+
+/// Opens a dataset and checks that its type and its rows have the expected form. What is wrong, or
+/// nothing.
+std::string openDataset(hid_t group, const ColumnShape& column, Dataset& dataset);
 /// Reads `count` rows from row `first` on into `rows`.
-bool readRows(hid_t dataset, const ColumnShape& column, std::uint64_t first, std::uint64_t count,
-              std::vector<std::byte>& rows);
+bool readRows(const Dataset& dataset, const ColumnShape& column, std::uint64_t first,
+              std::uint64_t count, ChunkReader& chunks, std::vector<std::byte>& rows);
 
 /// Reads the datasets that a TableWriter wrote, a block at a time. Not for the tick.
 template <class Row>
@@ -54,8 +61,7 @@ class TableReader {
   /// `count` rows of the dataset of that name. False where they cannot be read. @pre a number of
   /// type T per row, not packed; first + count <= rows()
   template <class T>
-  bool read(const std::string& name, std::uint64_t first, std::uint64_t count,
-            std::vector<T>& out) const;
+  bool read(const std::string& name, std::uint64_t first, std::uint64_t count, std::vector<T>& out);
   /// The loaded rows of the dataset of that name. @pre as read()
   template <class T>
   bool loaded(const std::string& name, std::vector<T>& out) const;
@@ -67,7 +73,8 @@ class TableReader {
   std::vector<Prediction> predictions_;
   std::uint64_t chunk_rows_ = 1;
   RowBytes buffers_;
-  std::vector<hdf5::Handle> datasets_;
+  std::vector<Dataset> datasets_;
+  ChunkReader chunks_;
   std::uint64_t rows_ = 0, first_ = 0, count_ = 0;
 };
 
@@ -75,11 +82,10 @@ template <class Row>
 std::string TableReader<Row>::open(hid_t group) {
   rows_ = UINT64_MAX;
   for (const Column<Row>& column : columns_) {
-    std::uint64_t rows = 0;
-    datasets_.emplace_back();
-    std::string problem = openDataset(group, column, datasets_.back(), rows);
+    Dataset& dataset = datasets_.emplace_back();
+    std::string problem = openDataset(group, column, dataset);
     if (!problem.empty()) return problem;
-    rows_ = std::min(rows_, rows);
+    rows_ = std::min(rows_, dataset.rows);
   }
   return {};
 }
@@ -98,7 +104,7 @@ bool TableReader<Row>::load(std::uint64_t first, std::uint64_t count) {
   for (std::size_t i = 0; i < columns_.size(); ++i) {
     if (left_out_[i]) {
       buffers_[i].resize(count * row_bytes_[i]);
-    } else if (!readRows(datasets_[i].get(), columns_[i], first, count, buffers_[i])) {
+    } else if (!readRows(datasets_[i], columns_[i], first, count, chunks_, buffers_[i])) {
       return false;
     }
   }
@@ -125,11 +131,11 @@ void copyNumbers(const std::vector<std::byte>& bytes, std::vector<T>& out) {
 template <class Row>
 template <class T>
 bool TableReader<Row>::read(const std::string& name, std::uint64_t first, std::uint64_t count,
-                            std::vector<T>& out) const {
+                            std::vector<T>& out) {
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     if (columns_[c].name != name) continue;
     std::vector<std::byte> bytes;
-    if (!readRows(datasets_[c].get(), columns_[c], first, count, bytes)) return false;
+    if (!readRows(datasets_[c], columns_[c], first, count, chunks_, bytes)) return false;
     copyNumbers(bytes, out);
     return true;
   }

@@ -100,6 +100,16 @@ class SessionBefore(ReportTest):
         self.expect(self.run_app("report", now, "--out", "folder", "--before", before), DONE)
         self.assertEqual((self.folder / "folder/index.html").read_bytes(), (self.folder / "page.html").read_bytes())
 
+    def test_of_another_hand_device_and_exercise_is_told_as_it_was(self):
+        before = self.record("before.h5", "--device", str(SOURCE / "config/devices/desktop-3axis.toml"),
+                             "--hand", str(SOURCE / "config/hands/woman-p05-left.toml"), duration=0.5)
+        now = self.record("now.h5", "--exercise", "cocktail-bar", duration=0.5)
+        self.expect(self.run_app("replay", now, "--report", "page.html", "--before", before), DONE)
+        data = self.data_in(self.folder / "page.html")
+        for what in ("hand", "device", "exercise"):
+            self.assertNotEqual(data["about"][what], data["before"]["about"][what])
+        self.assertEqual([len(page["therapy"]["limits"]) for page in (data, data["before"])], [6, 3])
+
     def test_that_is_none_is_refused_and_nothing_is_written(self):
         now = self.record("now.h5", duration=0.3)
         (self.folder / "link.h5").symlink_to(now)

@@ -7,7 +7,7 @@
 #include "model/patient_config.hpp"
 #include "model/rendering_config.hpp"
 #include "model/scene_model.hpp"
-#include "model/urdf.hpp"
+#include "model/urdf/urdf.hpp"
 #include "patient/motion.hpp"
 #include "station/profiles.hpp"
 #include "support/folder.hpp"

@@ -3,7 +3,7 @@
 #include "model/patient_config.hpp"
 #include "model/rendering_config.hpp"
 #include "model/temp_folder.hpp"
-#include "model/toml_file.hpp"
+#include "model/toml/toml_file.hpp"
 #include "support/seed.hpp"
 
 #include <gtest/gtest.h>

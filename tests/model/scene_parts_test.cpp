@@ -2,7 +2,7 @@
 #include "model/mass_properties.hpp"
 #include "model/mesh_samples.hpp"
 #include "model/temp_folder.hpp"
-#include "model/urdf.hpp"
+#include "model/urdf/urdf.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 #include "model/hand_file.hpp"
 #include "model/patient_config.hpp"
 #include "model/rendering_config.hpp"
-#include "model/toml_file.hpp"
+#include "model/toml/toml_file.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,9 @@
-// How soon an hour can be looked at. Run with WHOLEHAND_FULL=1 for the hour; else it is a minute.
+// How soon an hour can be looked at, and what its report costs. Run with WHOLEHAND_FULL=1 for the
+// hour; else it is a minute.
 #include "assembly/recording_description.hpp"
 #include "assembly/run.hpp"
 #include "realtime/monotonic_clock.hpp"
+#include "replay/recording_report.hpp"
 #include "replay/replayed_recording.hpp"
 #include "support/folder.hpp"
 #include "support/rig_tools.hpp"
@@ -9,6 +11,7 @@
 #include "telemetry/recording.hpp"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cstdlib>
@@ -19,9 +22,13 @@
 namespace wholehand::test {
 namespace {
 
-std::uint64_t ticksToWrite() {
+bool isFull() {
   const char* full = std::getenv("WHOLEHAND_FULL");
-  return full != nullptr && std::string(full) == "1" ? 3'600'000U : 60'000U;
+  return full != nullptr && std::string(full) == "1";
+}
+
+std::uint64_t ticksToWrite() {
+  return isFull() ? 3'600'000U : 60'000U;
 }
 
 /// Two seconds of the bar, again and again, as one recording.
@@ -75,7 +82,19 @@ void tell(const std::string& name, const Cost& cost) {
   figure((name + "_cpu").c_str(), 1e3 * cost.cpu_s, "ms");
 }
 
-TEST(ReplayFigures, AnHour_OpensAndScrubs) {
+Cost report(const std::string& path) {
+  const std::int64_t wall_ns = monotonicNow_ns(), cpu_ns = threadCpuNow_ns();
+  double last = -1.0;
+  EXPECT_TRUE(reportData(path, "", [&last](double share) {
+                EXPECT_GT(share, last);
+                last = share;
+              }).ok());
+  EXPECT_GT(last, 0.8) << "progress is told to the end";
+  return {1e-9 * static_cast<double>(monotonicNow_ns() - wall_ns),
+          1e-9 * static_cast<double>(threadCpuNow_ns() - cpu_ns)};
+}
+
+TEST(ReplayFigures, AnHour_OpensScrubsAndIsReported) {
   auto random = seededRandom(93);
   const Folder folder;
   const std::string path = folder.file("hour.h5");
@@ -109,6 +128,11 @@ TEST(ReplayFigures, AnHour_OpensAndScrubs) {
   }
   tell("replay_series_of_a_minute", median(pieces));
   EXPECT_LT(median(states).cpu_s, 0.05) << "scrubbing answers within 50 ms";
+
+  const Cost reported = report(path);
+  tell("replay_report", reported);
+  // Of an hour with pauses 20 s are asked for; the hand of this one never rests, which packs badly.
+  EXPECT_LT(reported.cpu_s, isFull() ? 40.0 : 2.0) << "a report costs twice what it did";
 }
 
 }  // namespace

@@ -10,7 +10,7 @@ import { de } from '../src/replay/i18n/de';
 import { en } from '../src/replay/i18n/en';
 import { fr } from '../src/replay/i18n/fr';
 import { isBad, lastAt, Moments, plotMark, rowsAround, wordsOf, type Names } from '../src/replay/moments';
-import { lineOfFailed, linesOf } from '../src/replay/notices';
+import { lineOfFailed, linesOfSecond, linesOf } from '../src/replay/notices';
 import { openSides } from '../src/replay/opened';
 import { allAxes } from '../src/replay/plots';
 import { Player } from '../src/replay/player';
@@ -180,6 +180,14 @@ describe('two recordings of different devices', () => {
     const keys = (name: string) => scenes.map((scene) => channelOf({ of: 'q_m', name }, scene)?.key);
     expect([keys('x'), keys('finger_flexion'), keys('yaw')]).toEqual([['q_m/0', undefined], ['q_m/1', 'q_m/0'], [undefined, 'q_m/1']]);
     expect(scenes.map((scene) => channelOf({ of: 'value', name: 'score' }, scene)?.key)).toEqual(['value/0', 'value/1']);
+  });
+
+  it('are told apart, with the axes that only one has', () => {
+    const about = { patient: 'p', hand: 'h', device: 'lambda', exercise: 'cocktail-bar', level: 1 };
+    const side = (i: number, changes = {}): ReplaySide => ({ scene: scenes[i], about: { ...about, ...changes } }) as unknown as ReplaySide;
+    expect(linesOfSecond(side(0), side(1, { device: 'desktop', hand: 'left' })).map(({ text }) => text)).toEqual([
+      'Differs from A in: Hand, Device.', 'Axes of one recording only: x, away; Yaw.']);
+    expect(linesOfSecond(side(0), side(0))).toEqual([]);
   });
 
   it('are shown in the units that people read', () => {

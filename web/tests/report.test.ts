@@ -8,7 +8,8 @@ import { asProblem } from '../src/replay/problem';
 import { titleWords } from '../src/console/title_words';
 import { rangeOf } from '../src/charts/chart_range';
 import { EmbeddedRecording, EmbeddedStates } from '../src/report/embedded_recording';
-import { comparedWith, differencesFrom, figuresOf, type Figure } from '../src/report/figures';
+import { comparedWith, compareWithBefore, figuresOf, type Figure } from '../src/report/figures';
+import { axesOfOne, differencesBetween } from '../src/replay/differences';
 import { de } from '../src/report/i18n/de';
 import { en } from '../src/report/i18n/en';
 import { fr } from '../src/report/i18n/fr';
@@ -170,19 +171,19 @@ describe('its words', () => {
 });
 
 describe('the session before', () => {
-  const figure = (key: string, value: number, better?: 'more' | 'less', shown = String(value)): Figure => ({ key, value, shown, unit: '', words: '', better });
+  const figure = (key: string, value: number, better?: 'more' | 'less', shown = String(value)): Figure => ({ key, value, shown, unit: '', words: '', better, of: key === 'grip' ? 'grip' : 'exercise' });
 
   it('is read with its own figures, and no further back', async () => {
     const before = await carried('', { scene: undefined, before: await carried() });
     const data = await readReport(await carried('', { before }));
     expect(data.before?.about.name).toBe('a.h5');
     expect([data.before?.scene, data.before?.before]).toEqual([undefined, undefined]);
-    expect(figuresOf(data.before!).find(({ key }) => key === 'result/')).toMatchObject({ shown: '87', value: 87 });
+    expect(figuresOf(data.before!).find(({ key }) => key === 'result/Score')).toMatchObject({ shown: '87', value: 87 });
     expect((await readReport(await carried())).before).toBeUndefined();
   });
 
   it('tells what became better, what worse, and what is shown alike', () => {
-    const became = (now: Figure, ...before: Figure[]): string | undefined => comparedWith(now, before)?.became;
+    const became = (now: Figure, ...before: Figure[]): string | undefined => comparedWith(now, before, [])?.became;
     expect(became(figure('drinks', 3, 'more'), figure('drinks', 2, 'more'))).toBe('better');
     expect(became(figure('reach', 3, 'less'), figure('reach', 2, 'less'))).toBe('worse');
     expect(became(figure('grip', 3), figure('grip', 2))).toBe('other');
@@ -192,9 +193,35 @@ describe('the session before', () => {
 
   it('is told apart where it was another patient, hand, device, exercise or level', async () => {
     const { about } = await readReport(await carried());
-    const other = (changes: Partial<typeof about>): string[] => differencesFrom({ about }, { about: { ...about, ...changes } });
-    expect([other({}), other({ patient: 'x', hand: 'y' }), other({ exercise: 'z' }), other({ level: about.level + 1 })])
-      .toEqual([[], ['patient', 'hand'], ['exercise'], ['exercise']]);
+    const other = (changes: Partial<typeof about>): string[] => differencesBetween(about, { ...about, ...changes });
+    expect([other({}), other({ patient: 'x', hand: 'y' }), other({ exercise: 'z' }), other({ level: about.level + 1 }), other({ exercise: 'z', level: 0 })])
+      .toEqual([[], ['patient', 'hand'], ['exercise'], ['exercise'], ['exercise']]);
+  });
+
+  it('compares what was measured alike: results of one exercise, the grip of one hand at one device, and nobody with somebody else', () => {
+    const [score, grip] = [figure('result/score', 90, 'more'), figure('grip', 3, 'more')];
+    const became = (...differences: Parameters<typeof comparedWith>[2]): (string | undefined)[] =>
+      [score, grip].map((now) => comparedWith(now, [figure('result/score', 80), figure('grip', 2)], differences)?.became);
+    expect(became()).toEqual(['better', 'better']);
+    expect(became('exercise')).toEqual([undefined, 'better']);
+    expect(became('hand')).toEqual(['better', undefined]);
+    expect(became('device')).toEqual(['better', undefined]);
+    expect(became('patient')).toEqual(['other', 'other']);
+    expect(became('exercise', 'device')).toEqual([undefined, undefined]);
+  });
+
+  it('leaves no figure of another exercise beside one of this', async () => {
+    const data = await readReport(await carried('', { before: await carried() }));
+    expect(compareWithBefore(data).figures.map(({ compared }) => compared?.became)).toEqual(['same', 'same', 'same', 'same', 'same']);
+    const other = { ...data, before: { ...data.before!, about: { ...data.about, exercise: 'squeeze-to-level' } } };
+    expect(compareWithBefore(other).differences).toEqual(['exercise']);
+    expect(compareWithBefore(other).figures.filter(({ of, compared }) => of === 'exercise' && compared)).toEqual([]);
+  });
+
+  it('knows which axes only one device has', () => {
+    const axes = (...names: string[]): { name: string }[] => names.map((name) => ({ name }));
+    expect(axesOfOne(axes('x', 'y'), axes('y', 'yaw'))).toEqual(['x', 'yaw']);
+    expect(axesOfOne(axes('x'), axes('x'))).toEqual([]);
   });
 });
 

@@ -2,7 +2,7 @@
 
 #include "exercise/cocktail_bar/bar.hpp"
 #include "model/device_model.hpp"
-#include "model/toml_file.hpp"
+#include "model/toml/toml_file.hpp"
 
 #include <string>
 #include <vector>

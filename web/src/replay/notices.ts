@@ -1,7 +1,9 @@
 import { h } from '../console/dom';
 import { grouped } from '../console/format';
 import { fill } from '../shared/i18n';
+import { texts as consoleTexts } from '../console/i18n';
 import { clockTime } from './clock';
+import { axesOfOne, differencesBetween } from './differences';
 import { texts } from './i18n';
 import type { Failed } from './opened';
 import type { ReplaySide } from './side';
@@ -15,7 +17,8 @@ export class ReplayNotices {
   constructor(private readonly sides: readonly ReplaySide[], private readonly failed: readonly Failed[], private readonly readOn: (side: ReplaySide) => void) {}
 
   refresh(): void {
-    const lines = this.sides.map((side, i) => [...(i === 0 ? this.failed.map(lineOfFailed) : []), ...linesOf(side)]);
+    const [first] = this.sides;
+    const lines = this.sides.map((side, i) => [...(i === 0 ? this.failed.map(lineOfFailed) : linesOfSecond(first, side)), ...linesOf(side)]);
     const key = JSON.stringify(lines);
     if (key === this.shown) return;
     this.shown = key;
@@ -39,6 +42,18 @@ interface Line { readonly kind: string; readonly text: string; readonly act?: 'r
 export function lineOfFailed({ name, problem }: Failed): Line {
   const why = [texts().problems[problem.kind], problem.text].filter((words) => words !== '').join(' ');
   return { kind: 'bad', text: fill(texts().notices.failed, { name, why }), act: 'reload' };
+}
+
+/** In what the second recording cannot be compared with the first. */
+export function linesOfSecond(first: Pick<ReplaySide, 'about' | 'scene'>, second: Pick<ReplaySide, 'about' | 'scene'>): Line[] {
+  const { notices: t, facts } = texts();
+  const names = consoleTexts().axesLong;
+  const different = differencesBetween(first.about, second.about).map((what) => facts[what]);
+  const axes = axesOfOne(first.scene.axes, second.scene.axes).map((name) => names[name] ?? name);
+  return [
+    ...(different.length > 0 ? [{ kind: '', text: fill(t.differs, { what: different.join(', ') }) }] : []),
+    ...(axes.length > 0 ? [{ kind: '', text: fill(t.axesOfOne, { axes: axes.join('; ') }) }] : []),
+  ];
 }
 
 export function linesOf(side: ReplaySide): Line[] {

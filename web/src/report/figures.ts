@@ -1,5 +1,6 @@
 // What a session came to, in numbers that can be compared with those of the session before. No elements.
 import { fixed } from '../console/format';
+import { differencesBetween, type Difference } from '../replay/differences';
 import { fill } from '../shared/i18n';
 import { inLanguage } from '../shared/exercise_panel';
 import { texts } from './i18n';
@@ -14,7 +15,12 @@ export interface Figure {
   readonly words: string;
   /** What is better; where it is undefined, neither is. */
   readonly better?: 'more' | 'less';
+  /** What it measures: how the exercise went, or the grip of the hand. */
+  readonly of: 'exercise' | 'grip';
 }
+
+/** What has to be the same in two sessions for a figure to be compared. */
+const NEEDED: Readonly<Record<Figure['of'], readonly Difference[]>> = { exercise: ['exercise'], grip: ['hand', 'device'] };
 
 /** Of the results that exercises name. */
 const BETTER: Readonly<Record<string, 'more' | 'less'>> = { score: 'more', bands_done: 'more', spilt_l: 'less' };
@@ -27,38 +33,42 @@ export function figuresOf(data: Pick<ReportData, 'about' | 'series' | 'therapy' 
   const all = lastValue(data, last, 'drinks');
   if (all !== undefined) {
     const done = series.events.filter(({ type }) => about.event_names[type] === 'drink_done').length;
-    out.push({ key: 'drinks', value: done, shown: String(done), unit: fill(t.of, { n: all }), words: t.drinks, better: 'more' });
+    out.push({ key: 'drinks', value: done, shown: String(done), unit: fill(t.of, { n: all }), words: t.drinks, better: 'more', of: 'exercise' });
   }
   for (const { name, label, value: shown, unit } of about.result) {
     const words = inLanguage(data.scene?.panel?.values.find((told) => String(told.name) === name)?.label) || label;
-    out.push({ key: `result/${name}`, value: Number(shown.replace('−', '-')), shown, unit, words, better: BETTER[name] });
+    out.push({ key: `result/${name || label}`, value: Number(shown.replace('−', '-')), shown, unit, words, better: BETTER[name], of: 'exercise' });
   }
   const reaches = reachTimes(series.events, about.event_names, about.from_s);
-  const add = (key: string, value: number, decimals: number, unit: string, words: string, better?: 'more' | 'less'): void => { out.push({ key, value, shown: fixed(value, decimals), unit, words, better }); };
-  if (reaches.length > 0) add('reach', meanOf(reaches), 1, 's', t.reach, 'less');
+  if (reaches.length > 0) out.push({ key: 'reach', value: meanOf(reaches), shown: fixed(meanOf(reaches), 1), unit: 's', words: t.reach, better: 'less', of: 'exercise' });
   const grip = gripFigures(therapy.grips);
   if (grip) {
-    add('grip', grip.mean_n, 1, 'N', t.grip);
-    add('steadiness', 100 * grip.variation, 0, '%', t.steadiness, 'less');
+    out.push({ key: 'grip', value: grip.mean_n, shown: fixed(grip.mean_n, 1), unit: 'N', words: t.grip, of: 'grip' },
+      { key: 'steadiness', value: 100 * grip.variation, shown: fixed(100 * grip.variation, 0), unit: '%', words: t.steadiness, better: 'less', of: 'grip' });
   }
   const stars = lastValue(data, last, 'stars');
-  if (stars !== undefined) out.push({ key: 'stars', value: stars, shown: '★'.repeat(Math.max(0, Math.min(5, Math.round(stars)))) || '–', unit: '', words: t.stars, better: 'more' });
+  if (stars !== undefined) out.push({ key: 'stars', value: stars, shown: '★'.repeat(Math.max(0, Math.min(5, Math.round(stars)))) || '–', unit: '', words: t.stars, better: 'more', of: 'exercise' });
   return out;
 }
 
 export interface Compared { readonly before: Figure; readonly became: 'better' | 'worse' | 'other' | 'same' }
 
-/** A figure beside that of the session before; undefined where that one has none. What is shown alike is the same. */
-export function comparedWith(now: Figure, figures: readonly Figure[]): Compared | undefined {
+/** A figure beside that of the session before; undefined where that one has none, or what it measures was another. What is shown alike is the same. */
+export function comparedWith(now: Figure, figures: readonly Figure[], differences: readonly Difference[]): Compared | undefined {
   const before = figures.find(({ key }) => key === now.key);
-  if (!before) return undefined;
+  if (!before || NEEDED[now.of].some((needed) => differences.includes(needed))) return undefined;
   if (before.shown === now.shown) return { before, became: 'same' };
-  if (!now.better) return { before, became: 'other' };
+  // Nobody is better than somebody else.
+  if (!now.better || differences.includes('patient')) return { before, became: 'other' };
   return { before, became: now.value > before.value === (now.better === 'more') ? 'better' : 'worse' };
 }
 
-/** In what the session before differs, so that the two can hardly be compared. */
-export function differencesFrom({ about: now }: Pick<ReportData, 'about'>, { about: before }: Pick<ReportData, 'about'>): ('patient' | 'hand' | 'device' | 'exercise')[] {
-  const keys = (['patient', 'hand', 'device', 'exercise'] as const).filter((key) => now[key] !== before[key]);
-  return now.exercise === before.exercise && now.level !== before.level ? [...keys, 'exercise'] : keys;
+/** A session and the one before: what differs, and which figures have nothing beside them. */
+export interface Comparison { readonly differences: readonly Difference[]; readonly figures: readonly (Figure & { readonly compared?: Compared })[] }
+
+export function compareWithBefore(data: ReportData): Comparison {
+  const { before } = data;
+  const differences = before ? differencesBetween(data.about, before.about) : [];
+  const known = before ? figuresOf(before) : [];
+  return { differences, figures: figuresOf(data).map((figure) => ({ ...figure, compared: comparedWith(figure, known, differences) })) };
 }

@@ -8,7 +8,7 @@ import { faultWord, fill, language, nameOf } from '../shared/i18n';
 import { h } from '../shared/dom';
 import { channelKey } from '../replay/series_piece';
 import { chart, type ChartLine } from '../charts/chart';
-import { comparedWith, differencesFrom, figuresOf, type Figure } from './figures';
+import { compareWithBefore, type Compared, type Comparison } from './figures';
 import { texts } from './i18n';
 import { stepTimes, valueAt } from './limits';
 import { pictureFrame } from './picture';
@@ -21,7 +21,8 @@ const MOST_ROWS = 4, MOST_TIMES = 3, MOST_TILES = 7;
 export function therapySheet(context: SheetContext): HTMLElement {
   const t = texts();
   const { data } = context;
-  return h('article', { class: 'sheet', 'data-testid': 'therapy' }, header(data, t.therapy), tiles(context), sessionBefore(context),
+  const comparison = compareWithBefore(data);
+  return h('article', { class: 'sheet', 'data-testid': 'therapy' }, header(data, t.therapy), tiles(context, comparison), sessionBefore(context, comparison),
     h('div', { class: 'two' }, pictureFrame(data), h('div', {}, happened(context), drinks(context))),
     h('div', { class: 'charts' }, ...gripChart(context), limitsChart(context)),
     bodies(context),
@@ -29,22 +30,18 @@ export function therapySheet(context: SheetContext): HTMLElement {
     footer(data, 1));
 }
 
-const tile = (figure: string, unit: string, words: string, before?: HTMLElement | null): HTMLElement => h('div', {}, h('b', {}, figure, unit === '' ? '' : h('small', {}, ` ${unit}`)), h('span', {}, told(words)), before ?? null);
+const tile = (figure: string, unit: string, words: string, before?: HTMLElement): HTMLElement => h('div', {}, h('b', {}, figure, unit === '' ? '' : h('small', {}, ` ${unit}`)), h('span', {}, told(words)), before ?? null);
 
 /** What it was in the session before, and whether this is better. */
-function beforeLine(figure: Figure, before: readonly Figure[]): HTMLElement | null {
+function beforeLine({ before: { shown, unit }, became }: Compared): HTMLElement {
   const t = texts().before;
-  const compared = comparedWith(figure, before);
-  if (!compared) return null;
-  const { before: { shown, unit }, became } = compared;
   return h('em', { 'data-became': became }, `${fill(t.was, { x: `${shown} ${unit}`.trim() })}${became === 'better' ? `, ${t.better}` : ''}`);
 }
 
-function tiles({ data, scene }: SheetContext): HTMLElement {
+function tiles({ data, scene }: SheetContext, { figures }: Comparison): HTMLElement {
   const t = texts().tiles;
   const { therapy, engineering } = data;
-  const before = data.before ? figuresOf(data.before) : [];
-  const out = figuresOf(data).map((figure) => tile(figure.shown, figure.unit, figure.words, beforeLine(figure, before)));
+  const out = figures.map(({ shown, unit, words, compared }) => tile(shown, unit, words, compared && beforeLine(compared)));
   if (out.length < 4) {
     out.push(tile(String(therapy.bodies.length), fill(t.of, { n: therapy.bodies_in_scene }), t.touched),
       tile(fixed(therapy.bodies.reduce((sum, { held_s }) => sum + held_s, 0), 1), 's', t.held), tile(fixed(therapy.largest_force_n, 1), 'N', t.force));
@@ -54,14 +51,15 @@ function tiles({ data, scene }: SheetContext): HTMLElement {
   return h('section', { class: 'tiles' }, ...out.slice(0, MOST_TILES + 1));
 }
 
-/** With which session this one is compared, and what speaks against it. */
-function sessionBefore({ data }: SheetContext): HTMLElement | null {
-  const { before } = data;
+/** With which session this one is compared, what was different in it, and what is not compared. */
+function sessionBefore({ data: { before } }: SheetContext, { differences, figures }: Comparison): HTMLElement | null {
   if (!before) return null;
   const t = texts();
   const words = fill(t.before.compared, { name: titleWords(before.about.title, before.about.name), date: dateWords(before.about.created_utc, language()) });
-  const other = differencesFrom(data, before).map((what) => t.facts[what]);
-  return h('p', { class: 'before', 'data-testid': 'before' }, told(words), other.length === 0 ? '' : h('b', {}, ` ${fill(t.before.other, { what: other.join(', ') })}`));
+  const alone = figures.filter(({ compared }) => !compared).map((figure) => figure.words);
+  const other = differences.length === 0 ? '' : fill(t.before.other, { what: differences.map((what) => t.facts[what]).join(', ') });
+  const not = alone.length === figures.length ? t.before.nothing : alone.length > 0 ? fill(t.before.not, { what: alone.join(', ') }) : '';
+  return h('p', { class: 'before', 'data-testid': 'before' }, told(words), other === '' ? '' : h('b', {}, ` ${other}`), not === '' ? '' : ` ${not}`);
 }
 
 function largestEffort(axes: SheetContext['scene']['axes'], efforts: readonly number[]): HTMLElement | undefined {

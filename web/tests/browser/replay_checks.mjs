@@ -143,6 +143,8 @@ export async function twoAreReplayed(browser, recorded, picture) {
   return replay(recorded, paths, async (url) => {
     const page = await openPage(browser, withQuery(url, { lang: 'en' }));
     await still(page, 'both at their beginning', (now) => now.rows.length === 2 && now.rows.every((row) => row === 0));
+    const notices = await page.locator('.replay-notices').innerText();
+    expect(notices.includes('Differs from A in: Exercise.'), notices);
     await page.keyboard.press('Shift+ArrowRight');
     const now = await still(page, 'a tenth of a second in both', ({ rows }) => rows.every((row) => row === 100));
     const plots = await page.locator('.plots').evaluateAll((all) => all.map((one) => one.querySelectorAll('.plot').length));

@@ -9,9 +9,10 @@ import { recording } from './replay_checks.mjs';
 
 const PATIENT_MS = 120_000;
 
-async function report(recorded) {
+/** A report; with `before` beside the session before it. */
+async function report(recorded, before) {
   const path = join(recorded.folder, 'report.html');
-  await letProgram({ ...recorded, args: ['replay', await recording(recorded), '--report', path] });
+  await letProgram({ ...recorded, args: ['replay', await recording(recorded), '--report', path, ...(before ? ['--before', before] : [])] });
   return path;
 }
 
@@ -28,9 +29,10 @@ async function open(browser, path, state = 'shown', hash = '') {
 
 const words = (page, selector) => page.locator(selector).innerText();
 
-/** Without 3D and the network: therapy, engineering, three languages, two sheets of paper, and the viewer. */
+/** Without 3D and the network: therapy, engineering, three languages, two sheets of paper, and the viewer; beside a session of another exercise. */
 export async function reportIsOneFile(plain, recorded, picture) {
-  const { page, asked } = await open(plain, await report(recorded));
+  const before = await recording(recorded, 'grasping.h5', 'free-grasping');
+  const { page, asked } = await open(plain, await report(recorded, before));
   await until('it says that there is no 3D', async () => /no WebGL/.test(await words(page, '[data-testid=picture]')));
   const therapy = await words(page, '[data-testid=therapy]');
   for (const text of ['Relaxed adult', 'Cocktail bar, Level 1', 'drinks finished', 'Poured', 'grip force', 'Lemonade', 'Effort limits in force', 'Lemon']) {
@@ -44,9 +46,14 @@ export async function reportIsOneFile(plain, recorded, picture) {
   const sheets = (await page.pdf({ preferCSSPageSize: true })).toString('latin1').match(/\/Type\s*\/Page\b/g) ?? [];
   expect(sheets.length === 2, `${sheets.length} sheets of paper`);
   await nothingIsCutOnPaper(page);
-  for (const [language, title] of [['de', 'Stopps und Fehler'], ['fr', 'Arrêts et défauts']]) {
+  const compared = await words(page, '[data-testid=before]');
+  expect(/^Before: .*It differs in: Exercise\. No figure can be compared\.$/.test(compared), compared);
+  expect((await page.locator('.tiles em').count()) === 0, 'no figure of another exercise is beside one of this');
+  for (const [language, title, differs] of [['de', 'Stopps und Fehler', 'Anders war: Übung. Keine der Zahlen ist vergleichbar.'], ['fr', 'Arrêts et défauts', 'Ce qui diffère : Exercice. Aucun chiffre n’est comparable.']]) {
     await page.selectOption('[data-testid=language]', language);
     await until(`it speaks ${language}`, async () => (await words(page, '.happened h2')) === title);
+    const said = await words(page, '[data-testid=before]');
+    expect(said.includes(differs), said);
     if (picture) await picture(page, `report-${language}`);
   }
   await viewerShows(page);

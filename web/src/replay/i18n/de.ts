@@ -39,6 +39,7 @@ export const de: ReplayTexts = {
     },
   },
   notices: {
+    differs: 'Unterschied zu A: {what}.', axesOfOne: 'Achsen nur einer Aufzeichnung: {axes}.',
     failed: '{name} wird nicht gezeigt. {why}',
     written: 'Diese Aufzeichnung wird noch geschrieben.', readOn: 'Weiterlesen',
     damaged: 'Ab {time} ist die Datei nicht lesbar.', damagedEnd: 'Das Ende der Datei ist nicht lesbar.', holes: '{n} Takte fehlen: auf der Zeitleiste bezeichnet.',

@@ -38,6 +38,7 @@ export const en = {
     } as Record<string, string>,
   },
   notices: {
+    differs: 'Differs from A in: {what}.', axesOfOne: 'Axes of one recording only: {axes}.',
     failed: '{name} is not shown. {why}',
     written: 'This recording is still being written.', readOn: 'Read on',
     damaged: 'From {time} on the file cannot be read.', damagedEnd: 'The end of the file cannot be read.', holes: '{n} ticks are missing: marked on the time line.',

@@ -39,6 +39,7 @@ export const fr: ReplayTexts = {
     },
   },
   notices: {
+    differs: 'Ce qui diffère de A : {what}.', axesOfOne: 'Axes d’un seul enregistrement : {axes}.',
     failed: '{name} n’est pas affiché. {why}',
     written: 'Cet enregistrement est encore en cours d’écriture.', readOn: 'Lire la suite',
     damaged: 'À partir de {time}, le fichier est illisible.', damagedEnd: 'La fin du fichier est illisible.', holes: '{n} pas manquent : marqués sur la ligne du temps.',

@@ -9,7 +9,7 @@ export const de: ReportTexts = {
     drinks: 'Getränke fertig', of: 'von {n}', reach: 'bis zum Greifen, im Mittel', reaches: '{n} Griffe', grip: 'Griffkraft, im Mittel', steadiness: 'Griff schwankt um', stars: 'Sterne',
     touched: 'Gegenstände berührt', held: 'insgesamt gehalten', force: 'größte Kontaktkraft', effort: 'größte Kraft, {axis}',
   },
-  before: { was: 'vorher: {x}', better: 'besser', compared: 'Vorher: {name}, {date}.', other: 'Anders war: {what}.' },
+  before: { was: 'vorher: {x}', better: 'besser', compared: 'Vorher: {name}, {date}.', other: 'Anders war: {what}.', not: 'Nicht verglichen: {what}.', nothing: 'Keine der Zahlen ist vergleichbar.' },
   steadinessNote: 'Griff: mindestens 1 N für mindestens 1 s. Er schwankt um seine Standardabweichung, als Anteil des Mittels; die ersten und letzten 0,25 s jedes Griffs zählen nicht.',
   happened: {
     title: 'Stopps und Fehler', emergency_stop: 'Notstopp', stop: 'Stopp', fault: 'Fehler', controls_lost: 'Steuerung verloren', missing: 'Fehlende Takte', missed: 'Übersprungene Perioden', limited: 'Kraft an der Grenze',
@@ -18,7 +18,7 @@ export const de: ReportTexts = {
   },
   picture: { caption: 'Stärkster Kontakt: {n} N bei {time}', last: 'Am Ende, {time}', none: 'Kein Bild: Dieser Browser hat kein WebGL. Alles andere geht.', noScene: 'Kein Bild: {why}', drawing: 'Das Bild wird gezeichnet …' },
   drinks: { title: 'Getränke', drink: 'Getränk', poured: 'Eingeschenkt / verlangt, ml', off: 'Daneben, ml', score: 'Punkte', done: 'Fertig bei', none: 'Kein Getränk wurde fertig.' },
-  bodies: { title: 'Was gehalten wurde', body: 'Gegenstand', first: 'Zuerst bei', touches: 'Berührungen', longest: 'Längste, s', held: 'Gehalten, s', force: 'Kraft, N', way: 'Bewegt, cm', nothing: 'Die Hand berührte nichts.', noBodies: 'Es gab nichts zu berühren.', more: 'und {n} weitere', note: 'Gehalten: Finger auf einer Seite, Daumen oder Handfläche auf der anderen, oder ein Griff, den die Übung zählt.' },
+  bodies: { title: 'Was gehalten wurde', body: 'Gegenstand', first: 'Zuerst bei', touches: 'Berührungen', longest: 'Längste, s', held: 'Gehalten, s', force: 'Kraft, N', way: 'Bewegt, cm', nothing: 'Keine der Zahlen ist vergleichbar.', noBodies: 'Es gab nichts zu berühren.', more: 'und {n} weitere', note: 'Gehalten: Finger auf einer Seite, Daumen oder Handfläche auf der anderen, oder ein Griff, den die Übung zählt.' },
   charts: {
     grip: 'Griffkraft', goal: 'verlangt', contact: 'Kontaktkraft', limits: 'Geltende Kraftgrenzen', effortHand: 'Kraft, Hand', effortArm: 'Kraft, Arm', phi: 'Adaptive Dämpfung φ', alpha: 'Wand der Übung α',
     handPosition: 'Stellung, Hand', armPosition: 'Stellung, Arm', palm: 'Handfläche zum nächsten Gegenstand', count: 'Kontaktpunkte', times: 'Zeit je Takt', timesCpu: 'Rechenzeit je Takt', ticks: 'Takte', click: 'Klick in ein Diagramm: diesen Augenblick ansehen.', touches: 'Getönt: Die Hand berührt etwas.',

@@ -8,7 +8,7 @@ export const en = {
     drinks: 'drinks finished', of: 'of {n}', reach: 'to reach, on average', reaches: '{n} reaches', grip: 'grip force, on average', steadiness: 'grip varies by', stars: 'stars',
     touched: 'objects touched', held: 'held in all', force: 'largest contact force', effort: 'largest effort, {axis}',
   },
-  before: { was: 'before: {x}', better: 'better', compared: 'Before: {name}, {date}.', other: 'It differs in: {what}.' },
+  before: { was: 'before: {x}', better: 'better', compared: 'Before: {name}, {date}.', other: 'It differs in: {what}.', not: 'Not compared: {what}.', nothing: 'No figure can be compared.' },
   steadinessNote: 'Grip: force of at least 1 N for at least 1 s. It varies by its standard deviation, as a share of its mean; the first and last 0.25 s of each grip do not count.',
   happened: {
     title: 'Stops and faults', emergency_stop: 'Emergency stop', stop: 'Stop', fault: 'Fault', controls_lost: 'Controls lost', missing: 'Missing ticks', missed: 'Skipped periods', limited: 'Effort at its limit',
@@ -17,7 +17,7 @@ export const en = {
   },
   picture: { caption: 'Strongest contact: {n} N at {time}', last: 'At the end, {time}', none: 'No picture: this browser has no WebGL. Everything else works.', noScene: 'No picture: {why}', drawing: 'The picture is being drawn …' },
   drinks: { title: 'Drinks', drink: 'Drink', poured: 'Poured / asked, ml', off: 'Off, ml', score: 'Score', done: 'Done at', none: 'No drink was finished.' },
-  bodies: { title: 'What was held', body: 'Object', first: 'First at', touches: 'Touches', longest: 'Longest, s', held: 'Held, s', force: 'Force, N', way: 'Moved, cm', nothing: 'The hand touched nothing.', noBodies: 'There was nothing to touch.', more: 'and {n} more', note: 'Held: fingers on one side, thumb or palm on the other, or a grip that the exercise counts.' },
+  bodies: { title: 'What was held', body: 'Object', first: 'First at', touches: 'Touches', longest: 'Longest, s', held: 'Held, s', force: 'Force, N', way: 'Moved, cm', nothing: 'No figure can be compared.', noBodies: 'There was nothing to touch.', more: 'and {n} more', note: 'Held: fingers on one side, thumb or palm on the other, or a grip that the exercise counts.' },
   charts: {
     grip: 'Grip force', goal: 'asked for', contact: 'Contact force', limits: 'Effort limits in force', effortHand: 'Effort, hand', effortArm: 'Effort, arm', phi: 'Adaptive damping φ', alpha: 'Wall of the exercise α',
     handPosition: 'Position, hand', armPosition: 'Position, arm', palm: 'Palm to the nearest object', count: 'Contact points', times: 'Time per tick', timesCpu: 'CPU time per tick', ticks: 'ticks', click: 'Click a chart: look at that moment.', touches: 'Shaded: the hand touches something.',

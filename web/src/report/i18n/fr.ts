@@ -9,7 +9,7 @@ export const fr: ReportTexts = {
     drinks: 'boissons terminées', of: 'sur {n}', reach: 'pour saisir, en moyenne', reaches: '{n} saisies', grip: 'force de prise, en moyenne', steadiness: 'variation de la prise', stars: 'étoiles',
     touched: 'objets touchés', held: 'tenu en tout', force: 'plus grande force de contact', effort: 'plus grand effort, {axis}',
   },
-  before: { was: 'avant : {x}', better: 'mieux', compared: 'Avant : {name}, {date}.', other: 'Ce qui diffère : {what}.' },
+  before: { was: 'avant : {x}', better: 'mieux', compared: 'Avant : {name}, {date}.', other: 'Ce qui diffère : {what}.', not: 'Non comparés : {what}.', nothing: 'Aucun chiffre n’est comparable.' },
   steadinessNote: 'Prise : au moins 1 N pendant au moins 1 s. Sa variation est son écart type rapporté à sa moyenne ; les premières et dernières 0,25 s de chaque prise ne comptent pas.',
   happened: {
     title: 'Arrêts et défauts', emergency_stop: 'Arrêt d’urgence', stop: 'Arrêt', fault: 'Défaut', controls_lost: 'Commandes perdues', missing: 'Cycles manquants', missed: 'Périodes sautées', limited: 'Effort à sa limite',
@@ -18,7 +18,7 @@ export const fr: ReportTexts = {
   },
   picture: { caption: 'Contact le plus fort : {n} N à {time}', last: 'À la fin, {time}', none: 'Pas d’image : ce navigateur n’a pas WebGL. Tout le reste fonctionne.', noScene: 'Pas d’image : {why}', drawing: 'L’image se dessine …' },
   drinks: { title: 'Boissons', drink: 'Boisson', poured: 'Versé / demandé, ml', off: 'Écart, ml', score: 'Points', done: 'Terminée à', none: 'Aucune boisson n’a été terminée.' },
-  bodies: { title: 'Ce qui a été tenu', body: 'Objet', first: 'D’abord à', touches: 'Contacts', longest: 'Le plus long, s', held: 'Tenu, s', force: 'Force, N', way: 'Déplacé, cm', nothing: 'La main n’a rien touché.', noBodies: 'Il n’y avait rien à toucher.', more: 'et {n} autres', note: 'Tenu : doigts d’un côté, pouce ou paume de l’autre, ou une prise que l’exercice compte.' },
+  bodies: { title: 'Ce qui a été tenu', body: 'Objet', first: 'D’abord à', touches: 'Contacts', longest: 'Le plus long, s', held: 'Tenu, s', force: 'Force, N', way: 'Déplacé, cm', nothing: 'Aucun chiffre n’est comparable.', noBodies: 'Il n’y avait rien à toucher.', more: 'et {n} autres', note: 'Tenu : doigts d’un côté, pouce ou paume de l’autre, ou une prise que l’exercice compte.' },
   charts: {
     grip: 'Force de prise', goal: 'demandé', contact: 'Force de contact', limits: 'Limites d’effort en vigueur', effortHand: 'Effort, main', effortArm: 'Effort, bras', phi: 'Amortissement adaptatif φ', alpha: 'Paroi de l’exercice α',
     handPosition: 'Position, main', armPosition: 'Position, bras', palm: 'Paume à l’objet le plus proche', count: 'Points de contact', times: 'Temps par cycle', timesCpu: 'Temps de calcul par cycle', ticks: 'cycles', click: 'Cliquer un graphique : revoir cet instant.', touches: 'Ombré : la main touche quelque chose.',

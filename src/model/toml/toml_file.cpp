@@ -1,7 +1,7 @@
-#include "model/toml_file.hpp"
+#include "model/toml/toml_file.hpp"
 
-#include "model/toml_bounds.hpp"
-#include "model/toml_state.hpp"
+#include "model/toml/toml_bounds.hpp"
+#include "model/toml/toml_state.hpp"
 
 #include <algorithm>
 #include <array>

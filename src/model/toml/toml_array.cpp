@@ -1,4 +1,4 @@
-#include "model/toml_state.hpp"
+#include "model/toml/toml_state.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "model/urdf_collision.hpp"
+#include "model/urdf/urdf_collision.hpp"
 
 #include "model/convex_mesh.hpp"
 

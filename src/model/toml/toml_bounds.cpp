@@ -1,4 +1,4 @@
-#include "model/toml_bounds.hpp"
+#include "model/toml/toml_bounds.hpp"
 
 #include <algorithm>
 

@@ -1,5 +1,5 @@
 #include "core/printable.hpp"
-#include "model/toml_state.hpp"
+#include "model/toml/toml_state.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "model/scene_model.hpp"
-#include "model/urdf_xml.hpp"
+#include "model/urdf/urdf_xml.hpp"
 
 #include <optional>
 #include <string>

@@ -2,7 +2,7 @@
 
 // Private to toml_*.cpp: the only place that sees toml++.
 
-#include "model/toml_file.hpp"
+#include "model/toml/toml_file.hpp"
 
 #include <toml++/toml.h>
 

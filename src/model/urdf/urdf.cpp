@@ -1,7 +1,7 @@
-#include "model/urdf.hpp"
+#include "model/urdf/urdf.hpp"
 
-#include "model/urdf_collision.hpp"
-#include "model/urdf_xml.hpp"
+#include "model/urdf/urdf_collision.hpp"
+#include "model/urdf/urdf_xml.hpp"
 
 #include <fmt/format.h>
 

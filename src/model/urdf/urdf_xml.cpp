@@ -1,4 +1,4 @@
-#include "model/urdf_xml.hpp"
+#include "model/urdf/urdf_xml.hpp"
 
 #include "model/rotation.hpp"
 

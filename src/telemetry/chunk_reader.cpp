@@ -1,0 +1,80 @@
+#include "telemetry/chunk_reader.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <zlib.h>
+
+namespace wholehand::recording {
+namespace {
+
+using hdf5::Handle;
+
+static_assert(std::endian::native == std::endian::little, "chunks hold little-endian numbers");
+
+H5Z_filter_t filterAt(hid_t properties, unsigned index) {
+  unsigned flags = 0, config = 0;
+  std::size_t values = 0;
+  return H5Pget_filter2(properties, index, &flags, &values, nullptr, 0, nullptr, &config);
+}
+
+/// Undoes the filter "shuffle": the first bytes of all numbers stand first, then their second
+/// bytes, and so on. Most planes hold nothing but zeros: what was predicted well differs in its low
+/// bytes alone.
+void unshuffle(const std::vector<std::byte>& planes, std::size_t number_bytes, std::byte* out) {
+  const std::size_t numbers = planes.size() / number_bytes;
+  std::fill_n(out, planes.size(), std::byte{0});
+  for (std::size_t b = 0; b < number_bytes; ++b) {
+    const std::byte* plane = planes.data() + b * numbers;
+    const bool is_zero =
+        plane[0] == std::byte{0} && std::equal(plane, plane + numbers - 1, plane + 1);
+    if (is_zero) continue;
+    for (std::size_t i = 0; i < numbers; ++i) out[i * number_bytes + b] = plane[i];
+  }
+}
+
+}  // namespace
+
+std::uint64_t ChunkReader::chunkRows(hid_t dataset, const ColumnShape& column) {
+  const Handle properties(H5Dget_create_plist(dataset), H5Pclose);
+  const int rank = static_cast<int>(column.shape.size()) + 1;
+  std::vector<hsize_t> chunk(column.shape.size() + 1);
+  if (!properties.ok() || H5Pget_layout(properties.get()) != H5D_CHUNKED ||
+      H5Pget_chunk(properties.get(), rank, chunk.data()) != rank ||
+      !std::equal(column.shape.begin(), column.shape.end(), chunk.begin() + 1) ||
+      H5Pget_nfilters(properties.get()) != 2 ||
+      filterAt(properties.get(), 0) != H5Z_FILTER_SHUFFLE ||
+      filterAt(properties.get(), 1) != H5Z_FILTER_DEFLATE) {
+    return 0;
+  }
+  return chunk.front();
+}
+
+bool ChunkReader::read(hid_t dataset, const ColumnShape& column, std::uint64_t first,
+                       std::uint64_t chunk_rows, std::byte* rows) {
+  const std::size_t bytes = chunk_rows * column.rowBytes();
+  std::vector<hsize_t> offset(column.shape.size() + 1, 0);
+  offset.front() = first;
+  hsize_t stored = 0;
+  // A chunk that was never written has no bytes; one of a damaged file may claim terabytes.
+  if (H5Dget_chunk_storage_size(dataset, offset.data(), &stored) < 0 || stored == 0 ||
+      stored > compressBound(bytes)) {
+    return false;
+  }
+  packed_.resize(stored);
+  planes_.resize(bytes);
+  std::uint32_t left_out_filters = 0;
+  if (H5Dread_chunk(dataset, H5P_DEFAULT, offset.data(), &left_out_filters, packed_.data()) < 0 ||
+      left_out_filters != 0) {
+    return false;
+  }
+  uLongf length = bytes;
+  if (uncompress(reinterpret_cast<Bytef*>(planes_.data()), &length,
+                 reinterpret_cast<const Bytef*>(packed_.data()), stored) != Z_OK ||
+      length != bytes) {
+    return false;
+  }
+  unshuffle(planes_, hdf5::byteSize(column.fileType()), rows);
+  return true;
+}
+
+}  // namespace wholehand::recording
