@@ -150,7 +150,9 @@ TEST(SimulatedSession, AskedToStopGently_FadesThenRampsByItself) {
     Command owner;
     owner.type = CommandType::kOwner;
     owner.value = 1.0;
-    if (r.tick == 150) EXPECT_TRUE(rail.session->tryCommand(owner));
+    if (r.tick == 150) {
+      EXPECT_TRUE(rail.session->tryCommand(owner));
+    }
     if (r.tick == 160) rail.session->setOwnerAlive(true);
   });
   EXPECT_EQ(firstWith(records, Fault::kOwnerSilent), 100);
