@@ -36,8 +36,8 @@ Engine mujocoEngine() {
 }  // namespace
 
 const std::vector<Engine>& engines() {
-  static const std::vector<Engine> all{bulletEngine(), mujocoEngine()};
-  return all;
+  static const std::vector<Engine> kAll{bulletEngine(), mujocoEngine()};
+  return kAll;
 }
 
 const std::string& defaultEngine() {

@@ -29,7 +29,7 @@ class MujocoEngine {
   MujocoEngine& operator=(const MujocoEngine&) = delete;
 
   /// Puts the hand there, at rest. @return what it overlaps
-  [[nodiscard]] Diagnostics placeHand(const AxisPosition& q_s);
+  [[nodiscard]] Diagnostics placeHand(const AxisPosition& position);
   WHOLEHAND_RT void place(const BodyPlacement& placement) noexcept;
   [[nodiscard]] WHOLEHAND_RT BodyState body(int index) const noexcept;
   /// One step. False where MuJoCo cannot.
@@ -67,7 +67,7 @@ class MujocoEngine {
   void listBodies(const SceneModel& scene);
   void pairSelf();
   WHOLEHAND_RT void findContacts() noexcept;
-  WHOLEHAND_RT void judge(int contact) noexcept;
+  WHOLEHAND_RT void judge(int index) noexcept;
   WHOLEHAND_RT void dampBodies(double period_s) noexcept;
   [[nodiscard]] WHOLEHAND_RT bool advance(double period_s) noexcept;
   [[nodiscard]] WHOLEHAND_RT bool integrate() noexcept;
