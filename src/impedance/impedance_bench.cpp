@@ -125,18 +125,18 @@ std::unique_ptr<PhysicsWorld> contactWorld(const ImpedanceBench& bench, int axis
 }
 
 Expected<ImpedanceBench> makeImpedanceBench(const Models& models, double phi,
-                                            const ImpedanceOptions& options, BenchDevice device) {
+                                            const ImpedanceOptions& how, BenchDevice device) {
   ImpedanceBench bench;
   bench.phi = phi;
   bench.models = modelsFor(models, phi, device);
-  bench.grid = lineGrid(options.period_s);
+  bench.grid = lineGrid(how.period_s);
   bench.rest = middleOf(bench.models.device);
   bench.inertia = inertiaAt(bench.models.hand, bench.rest);
   Models own = bench.models;
   own.patient = armFor(own.device, 0, bench.grid.frequency_hz(0));
   RigOptions options;
-  options.period_s = options.period_s;
-  options.engine = options.engine;
+  options.period_s = how.period_s;
+  options.engine = how.engine;
   options.uncertified = true;  // nobody is moved
   auto player = std::make_unique<MultisinePlayer>(
       bench.rest, 0, bench.grid, std::vector<double>(bench.grid.lines.size(), 0.0), 1.0);

@@ -25,7 +25,7 @@ enum class BenchDevice { kLinear, kAsBuilt };
 
 /// @param phi 0 or 1  @pre device, rendering and hand of the models are loaded
 [[nodiscard]] Expected<ImpedanceBench> makeImpedanceBench(const Models& models, double phi,
-                                                          const ImpedanceOptions& options,
+                                                          const ImpedanceOptions& how,
                                                           BenchDevice device);
 
 /// The middle of every axis's range.
