@@ -5,7 +5,8 @@ usage: write_papers.py BUILD_FOLDER      into BUILD_FOLDER/papers
 
 Man pages come from the program's own --help (help2man). The bill of materials is SPDX 2.3: the Debian
 packages that the program was built with, as dpkg knows them, and the npm packages of web/package-lock.json
-that are in the built pages. The date is that of the newest commit: the same sources give the same files.
+that are in the built pages. The date is that of the newest commit, or of CHANGELOG.md where there is none:
+the same sources give the same files.
 """
 import gzip
 import hashlib
@@ -29,6 +30,14 @@ def printed_by(*command, **more):
 def write_gzip(path, text):
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_bytes(gzip.compress(text.encode(), 9, mtime=0))
+
+
+def date_of_sources():
+    said = subprocess.run(["git", "-c", f"safe.directory={ROOT}", "log", "-1", "--format=%ct"],
+                          capture_output=True, text=True, cwd=ROOT)
+    is_known = said.returncode == 0 and said.stdout.strip() != ""
+    seconds = int(said.stdout) if is_known else int((ROOT / "CHANGELOG.md").stat().st_mtime)
+    return datetime.fromtimestamp(seconds, timezone.utc)
 
 
 def subcommands_of(help_text):
@@ -111,7 +120,7 @@ def main():
     papers = build / "papers"
     program = build / "wholehand"
     version = printed_by(program, "--version").split()[1]
-    date = datetime.fromtimestamp(int(printed_by("git", "log", "-1", "--format=%ct")), timezone.utc)
+    date = date_of_sources()
     write_man_pages(program, papers / "man", version, date)
     write_gzip(papers / "changelog.gz", f"wholehand ({version}) unstable; urgency=medium\n\n"
                "  * Built from the sources; what changed is in their CHANGELOG.md.\n\n"
