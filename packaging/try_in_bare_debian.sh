@@ -26,12 +26,12 @@ if [[ -d /usr/share/keyrings ]]; then cp -rn /usr/share/keyrings "$bare/usr/shar
 if [[ -d /etc/ssl/certs ]]; then mkdir -p "$bare/etc/ssl" && cp -r /etc/ssl/certs "$bare/etc/ssl/"; fi
 cp /etc/resolv.conf "$bare/etc/resolv.conf"
 mount -t proc proc "$bare/proc"
-cp "$packages"/*.deb "$bare/root/"
+cp "$packages"/*.deb "$bare/tmp/"
 
 inside() { chroot "$bare" env -i HOME=/root LC_ALL=C.UTF-8 PATH=/usr/sbin:/usr/bin:/sbin:/bin bash -euc "$1"; }
 inside 'export DEBIAN_FRONTEND=noninteractive
   apt-get -q update >/dev/null
-  apt-get -q install -y --no-install-recommends /root/wholehand_*.deb >/root/log 2>&1 || { tail /root/log; exit 1; }'
+  apt-get -q install -y --no-install-recommends /tmp/wholehand_*.deb >/tmp/log 2>&1 || { tail /tmp/log; exit 1; }'
 echo "Installed: $(inside 'dpkg -s wholehand | sed -n "s/^Version: //p"')"
 inside 'mkdir /tmp/try; cd /tmp/try
   wholehand --version
@@ -40,13 +40,13 @@ inside 'mkdir /tmp/try; cd /tmp/try
   test -s page/index.html
   getent group realtime >/dev/null'
 inside 'export DEBIAN_FRONTEND=noninteractive
-  apt-get -q install -y --no-install-recommends /root/python3-wholehand_*.deb /root/libwholehand-dev_*.deb g++ cmake ninja-build \
-    >/root/log 2>&1 || { tail /root/log; exit 1; }
+  apt-get -q install -y --no-install-recommends /tmp/python3-wholehand_*.deb /tmp/libwholehand-dev_*.deb g++ cmake ninja-build \
+    >/tmp/log 2>&1 || { tail /tmp/log; exit 1; }
   cd /tmp/try
   python3 -c "from wholehand_recording import Recording; print(len(Recording(\"run.h5\")[\"ticks/q_s\"]), \"ticks read by Python\")"'
 mkdir "$bare/tmp/consumer"
 cp "$(dirname "$0")"/../tests/examples/consumer/* "$(dirname "$0")"/../examples/06_serve_a_driver.cpp "$bare/tmp/consumer/"
-inside 'cd /tmp/consumer && cmake -G Ninja -B out . >/root/log && ninja -C out consumer >/root/log && ./out/consumer'
-inside 'apt-get -q purge -y wholehand >/root/log 2>&1
+inside 'cd /tmp/consumer && cmake -G Ninja -B out . >/tmp/log && ninja -C out consumer >/tmp/log && ./out/consumer'
+inside 'apt-get -q purge -y wholehand >/tmp/log 2>&1
   test ! -e /usr/share/wholehand && test ! -e /etc/security/limits.d/wholehand.conf'
 echo "Removed again: nothing is left."

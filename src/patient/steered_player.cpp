@@ -92,16 +92,18 @@ void SteeredPlayer::advance(double period_s, AxisPosition& q, AxisVelocity& qd) 
 void SteeredPlayer::see(const TickRecord& record) noexcept {
   virtual_patient_->see(record);
   if (record.q_m.size() != axes_) return;
-  if (steering_ == Steering::kPerson && seen_.size() == axes_) holdBack(record.q_m);
+  if (steering_ == Steering::kPerson && seen_.size() == axes_) {
+    holdBack(record.q_m, record.elapsed_periods * period_s_);
+  }
   seen_ = record.q_m;
 }
 
-void SteeredPlayer::holdBack(const AxisPosition& q_m) noexcept {
+void SteeredPlayer::holdBack(const AxisPosition& q_m, double elapsed_s) noexcept {
   for (int i = 0; i < axes_; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const double fastest = person_limits_[k].speed;
     const double moved = q_m[i] - seen_[i];
-    if (!(std::abs(moved) > kRunsAway * fastest * period_s_)) continue;
+    if (!(std::abs(moved) > kRunsAway * fastest * elapsed_s)) continue;
     person_[k] = movingFollower(q_m[i], std::copysign(fastest, moved), person_limits_[k]);
   }
 }

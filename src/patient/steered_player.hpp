@@ -50,7 +50,7 @@ class SteeredPlayer final : public Player {
   using Followers = std::array<FollowerState, kMaxAxes>;
   using Limits = std::array<FollowerLimits, kMaxAxes>;
   void takeOver() noexcept;
-  void holdBack(const AxisPosition& q_m) noexcept;
+  void holdBack(const AxisPosition& q_m, double elapsed_s) noexcept;
 
   std::unique_ptr<Player> virtual_patient_;
   int axes_;

@@ -70,5 +70,43 @@ TEST(SteeredPerson, WhatItPushedAgainstGivesWay_StaysBelowTheSpeedLimit) {
   EXPECT_LT(letGo("x", -0.07, 0.07).fastest, 1.5);
 }
 
+// Ticks that come late see the axis further on. It is no faster for that.
+TEST(SteeredPerson, LateTicks_LeaveTheIntentionAlone) {
+  constexpr int kLate = 4;
+  DeviceModel device;
+  DeviceAxis axis;
+  axis.lower = -1.0, axis.upper = 1.0, axis.speed_limit = 1.5;
+  device.axes = {axis};
+  const auto player = [&] {
+    auto made = std::make_unique<SteeredPlayer>(
+        std::make_unique<ScriptedPlayer>(
+            Intention::throughWaypoints({{0.0, AxisPosition(1, 0.0)}})),
+        device);
+    Command command;
+    command.type = CommandType::kSteer;
+    command.index = static_cast<std::int32_t>(Steering::kPerson);
+    made->command(command);
+    command.type = CommandType::kAim;
+    command.aim = AxisPosition(1, 0.9);
+    made->command(command);
+    return made;
+  };
+  const auto watched = player(), alone = player();
+  AxisPosition q, q_alone;
+  AxisVelocity qd;
+  for (int tick = 0; tick < 500; ++tick) {
+    for (int period = 0; period < kLate; ++period) {
+      watched->advance(1e-3, q, qd);
+      alone->advance(1e-3, q_alone, qd);
+    }
+    ASSERT_EQ(q[0], q_alone[0]) << "tick " << tick;
+    TickRecord seen;
+    seen.elapsed_periods = kLate;
+    seen.q_m = q;
+    watched->see(seen);
+  }
+  EXPECT_NEAR(q[0], 0.9, 1e-6);
+}
+
 }  // namespace
 }  // namespace wholehand
