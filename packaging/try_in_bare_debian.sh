@@ -26,12 +26,13 @@ if [[ -d /usr/share/keyrings ]]; then cp -rn /usr/share/keyrings "$bare/usr/shar
 if [[ -d /etc/ssl/certs ]]; then mkdir -p "$bare/etc/ssl" && cp -r /etc/ssl/certs "$bare/etc/ssl/"; fi
 cp /etc/resolv.conf "$bare/etc/resolv.conf"
 mount -t proc proc "$bare/proc"
-cp "$packages"/*.deb "$bare/tmp/"
+mkdir "$bare/tmp/packages"
+cp "$packages"/*.deb "$bare/tmp/packages/"
 
 inside() { chroot "$bare" env -i HOME=/root LC_ALL=C.UTF-8 PATH=/usr/sbin:/usr/bin:/sbin:/bin bash -euc "$1"; }
 inside 'export DEBIAN_FRONTEND=noninteractive
   apt-get -q update >/dev/null
-  apt-get -q install -y --no-install-recommends /tmp/wholehand_*.deb >/tmp/log 2>&1 || { tail /tmp/log; exit 1; }'
+  apt-get -q install -y --no-install-recommends /tmp/packages/wholehand_*.deb >/tmp/log 2>&1 || { tail /tmp/log; exit 1; }'
 echo "Installed: $(inside 'dpkg -s wholehand | sed -n "s/^Version: //p"')"
 inside 'mkdir /tmp/try; cd /tmp/try
   wholehand --version
@@ -40,7 +41,7 @@ inside 'mkdir /tmp/try; cd /tmp/try
   test -s page/index.html
   getent group realtime >/dev/null'
 inside 'export DEBIAN_FRONTEND=noninteractive
-  apt-get -q install -y --no-install-recommends /tmp/python3-wholehand_*.deb /tmp/libwholehand-dev_*.deb g++ cmake ninja-build \
+  apt-get -q install -y --no-install-recommends /tmp/packages/python3-wholehand_*.deb /tmp/packages/libwholehand-dev_*.deb g++ cmake ninja-build \
     >/tmp/log 2>&1 || { tail /tmp/log; exit 1; }
   cd /tmp/try
   python3 -c "from wholehand_recording import Recording; print(len(Recording(\"run.h5\")[\"ticks/q_s\"]), \"ticks read by Python\")"'
