@@ -16,7 +16,8 @@ constexpr int kAxesThatFitDatagram = 9;
 
 /// The arrays of a state, made before the table that names them.
 struct Arrays {
-  VectorOffset<float> q_m, q_s, theta, intention, coupling, exercise_effort, damping, sent, phi;
+  VectorOffset<float> q_m, q_s, qd_s, theta, intention, coupling, exercise_effort, damping, sent,
+      phi;
   VectorOffset<float> parameters;
   VectorOffset<double> values;
   VectorOffset<const fb::Pose*> links, bodies;
@@ -87,6 +88,7 @@ Arrays makeArrays(Builder& b, const TickRecord& r, const LoopStatus& status, Det
     if (status.device) a.device = deviceToWire(b, *status.device);
   }
   if (detail != Detail::kCompact) {
+    a.qd_s = floats(b, r.qd_s);
     a.parameters = floats(b, status.parameters);
     a.bodies = bodies(b, r);
     a.contacts = contacts(b, r);
@@ -97,6 +99,7 @@ Arrays makeArrays(Builder& b, const TickRecord& r, const LoopStatus& status, Det
 void addArrays(fb::WorldStateBuilder& out, const Arrays& a) {
   out.add_q_m(a.q_m);
   out.add_q_s(a.q_s);
+  out.add_qd_s(a.qd_s);
   out.add_theta(a.theta);
   out.add_intention(a.intention);  // nothing is added for an array that was not made
   out.add_coupling(a.coupling);

@@ -52,6 +52,15 @@ Offset<fb::Capsule> capsuleToWire(Builder& b, const Capsule& capsule) {
                            static_cast<float>(capsule.radius_m));
 }
 
+Offset<fb::Link> linkToWire(Builder& b, const HandLink& link) {
+  const auto name = b.CreateString(link.name);
+  const fb::Vec3 axis = toWire(link.axis);
+  const fb::Pose at_zero = toWire(link.parent_to_link);
+  return fb::CreateLink(b, name, static_cast<std::int16_t>(link.parent),
+                        static_cast<std::int16_t>(link.joint),
+                        static_cast<fb::JointType>(link.type), &axis, &at_zero);
+}
+
 Offset<fb::Axis> axisToWire(Builder& b, const DeviceAxis& axis) {
   const auto name = b.CreateString(axis.name);
   const auto unit = b.CreateString(axis.positionUnit());
@@ -127,6 +136,7 @@ struct SceneParts {
   Offset<flatbuffers::String> exercise_name, exercise_json, recording;
   VectorOffset<Offset<fb::Axis>> axes;
   VectorOffset<Offset<fb::Capsule>> capsules;
+  VectorOffset<Offset<fb::Link>> links;
   VectorOffset<Offset<fb::Body>> bodies;
   VectorOffset<Offset<fb::Parameter>> parameters;
   Offset<fb::Panel> panel;
@@ -148,6 +158,7 @@ SceneParts makeParts(Builder& b, const SceneFacts& s) {
   p.panel = panelToWire(b, s);
   p.axes = tables(b, s.device.axes, axisToWire);
   p.capsules = tables(b, s.hand.capsules, capsuleToWire);
+  p.links = tables(b, s.hand.links, linkToWire);
   p.bodies = tables(b, s.scene.bodies, bodyToWire);
   p.parameters = tables(b, s.parameters, parameterToWire);
   p.joint_names = strings(b, s.hand.joint_names);
@@ -195,6 +206,7 @@ Bytes sceneMessage(const SceneFacts& s) {
   if (!p.panel.IsNull()) out.add_panel(p.panel);
   out.add_profiles(p.profiles);
   out.add_profile(p.profile);
+  out.add_links(p.links);
   finish(b, out.Finish(), kSchemaVersion);
   return {b.GetBufferPointer(), b.GetBufferPointer() + b.GetSize()};
 }

@@ -132,33 +132,41 @@ OrderReply Station::Core::startSession(std::unique_ptr<Player> player, std::uint
   }
   publishScene(record);
   const std::vector<double> parameters = parametersAtStart();
-  auto live = prepareRun(std::move(player), parameters, std::move(plan));
+  auto prepared = prepareRun(std::move(player), parameters, std::move(plan));
   ++arming_;
-  Diagnostics errors;
-  if (live) {
-    // A stop reaches it from here on, before its first tick.
-    OrderReply reply = armedNow(std::move(*live), asked, parameters, place);
-    auto begun = live_->begin();
-    if (begun) return sessionRuns(std::move(reply), record);
-    errors = begun.errors();
+  std::unique_ptr<Run> unused;
+  OrderReply reply;
+  if (prepared) {
+    unused = std::move(*prepared);
+    reply = adopt(unused, asked, parameters, place);
+    if (reply.accepted) {
+      auto begun = live_->begin();
+      if (begun) return sessionRuns(std::move(reply), record);
+      reply = refused(Refusal::kCannotStart, format(begun.errors()));
+    }
   } else {
-    errors = live.errors();
+    reply = refused(Refusal::kCannotStart, format(prepared.errors()));
   }
-  std::unique_ptr<Run> none;
+  showAgain(std::move(before), asked, had_latest, std::move(unused));
+  return reply;
+}
+
+// What was shown before a session that never began, whose run is taken down.
+void Station::Core::showAgain(LoopStatus before, std::uint64_t asked, bool had_latest,
+                              std::unique_ptr<Run> unused) {
   {
     const std::lock_guard lock(mutex_);
-    none = std::move(live_);
+    if (live_) unused = std::move(live_);
     before.endings = status_.endings;
     if (stop_asked_ > asked && before.run_state == RunState::kDisarmed) {
       before.run_state = RunState::kStopped;
     }
     status_ = before;
   }
-  none.reset();  // closes its recording: who asks for something meanwhile does not wait for that
+  unused.reset();  // closes its recording: who asks for something meanwhile does not wait for that
   publishScene("");
   const std::lock_guard lock(latest_mutex_);
   has_latest_ = had_latest;
-  return refused(Refusal::kCannotStart, format(errors));
 }
 
 OrderReply Station::Core::sessionRuns(OrderReply reply, const std::string& record) {
@@ -172,21 +180,18 @@ OrderReply Station::Core::sessionRuns(OrderReply reply, const std::string& recor
   return reply;
 }
 
-OrderReply Station::Core::armedNow(std::unique_ptr<Run> live, std::uint64_t asked,
-                                   const std::vector<double>& parameters,
-                                   std::optional<double> place) {
+// A stop reaches it from here on, before its first tick. One that came while it was being built has
+// ended it: it is left where it is, and nothing of it is shown.
+OrderReply Station::Core::adopt(std::unique_ptr<Run>& run, std::uint64_t asked,
+                                const std::vector<double>& parameters,
+                                std::optional<double> place) {
   const std::lock_guard lock(mutex_);
-  live_ = std::move(live);
+  if (stop_asked_ > asked) return stopCame();
+  live_ = std::move(run);
   armed_by_ = asked;
   status_.latched = Fault::kNone;
   status_.steering = Steering::kVirtualPatient;
   unsent_steer_.reset();
-  if (stop_asked_ > asked) {  // it came while this was being built
-    if (emergency_) live_->requestEmergencyStop();
-    live_->requestStop();
-    status_.run_state = RunState::kRampingDown;
-    return stopCame();
-  }
   status_.run_state = RunState::kRendering;
   rest_ending_ = 0;
   catchUp(parameters, place);

@@ -80,8 +80,10 @@ class Station::Core {
   [[nodiscard]] Expected<std::unique_ptr<Run>> prepareRun(std::unique_ptr<Player> player,
                                                           const std::vector<double>& parameters,
                                                           RunPlan plan) const;
-  OrderReply armedNow(std::unique_ptr<Run> live, std::uint64_t asked,
-                      const std::vector<double>& parameters, std::optional<double> place);
+  OrderReply adopt(std::unique_ptr<Run>& run, std::uint64_t asked,
+                   const std::vector<double>& parameters, std::optional<double> place);
+  void showAgain(LoopStatus before, std::uint64_t asked, bool had_latest,
+                 std::unique_ptr<Run> unused);
   OrderReply sessionRuns(OrderReply reply, const std::string& record);
   [[nodiscard]] std::uint64_t ticksLeft() const;
   [[nodiscard]] Expected<Rehearsal> rehearsalOf(const Models& models, const AxisPosition& start,
@@ -155,7 +157,6 @@ class Station::Core {
   // arming has got to, and a session that was armed before a stop is never armed again by a load.
   std::uint64_t orders_ = kFirstArming;
   std::uint64_t stop_asked_ = 0;
-  bool emergency_ = false;         ///< that stop was one
   std::uint32_t rest_ending_ = 0;  ///< the newest ending of a rest; 0: none since the last arming
   std::uint64_t armed_by_ = 0;
   bool armed_for_client_ = false;  ///< else by run(): it goes on for as long as that was asked to

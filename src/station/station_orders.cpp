@@ -119,7 +119,6 @@ bool Station::Core::rested() const {
 // Holds and is shown whether or not something renders: an order to arm may be on its way.
 void Station::Core::takeStop(std::uint64_t asked, bool emergency, bool rest) {
   stop_asked_ = asked;
-  emergency_ = emergency;
   // Of what renders, or of a rest: a stop that somebody else asked for stays one.
   const bool rests = rest && (rested() || status_.run_state == RunState::kRendering);
   ++status_.endings;

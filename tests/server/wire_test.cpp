@@ -69,6 +69,7 @@ TickRecord fullRecord(int axes, int joints, int values) {
   r.time_s = 123456.789;
   r.faults = Fault::kLateTick;
   r.q_m = r.intention = r.q_s = AxisPosition(axes, 0.25);
+  r.qd_s = AxisVelocity(axes, -0.75);
   r.theta = JointPosition(joints, 0.5);
   r.coupling = r.damping = r.sent = r.exercise.effort = AxisEffort(axes, -1.5);
   r.phi = AxisRatio(axes, 0.75);
@@ -133,6 +134,7 @@ TEST(WireState, FullRecord_ArrivesAsItWas) {
   EXPECT_EQ(s->fault_value(), 1.625F);
   EXPECT_EQ(s->fault_limit(), 1.5F);
   EXPECT_EQ(s->q_m()->Get(1), 0.25F);
+  EXPECT_EQ(s->qd_s()->Get(1), -0.75F);
   EXPECT_EQ(s->sent()->Get(0), -1.5F);
   EXPECT_EQ(s->phi()->Get(0), 0.75F);
   EXPECT_EQ(s->palm_body(), 1);
@@ -244,6 +246,58 @@ TEST(WireScene, ShippedHand_EveryNameAndCapsule) {
   EXPECT_EQ(s->fault_names()->size(), static_cast<unsigned>(kFaultBits));
   EXPECT_EQ(s->fault_names()->Get(7)->str(), "late tick");
   EXPECT_EQ(s->levels(), 4);
+}
+
+Eigen::Isometry3d placed(const fb::Pose& pose) {
+  const auto& p = pose.position_m();
+  const auto& q = pose.orientation_xyzw();
+  return Eigen::Translation3d(p.x(), p.y(), p.z()) * Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z());
+}
+
+/// Where a client that knows Scene.links and WorldState.theta draws each link, by the rule in the
+/// schema.
+std::vector<Eigen::Isometry3d> drawn(const fb::Scene& scene, const fb::WorldState& state) {
+  std::vector<Eigen::Isometry3d> poses;
+  for (const fb::Link* link : *scene.links()) {
+    double theta = 0.0;
+    if (link->joint() >= 0) theta = state.theta()->Get(static_cast<unsigned>(link->joint()));
+    const Eigen::Vector3d axis(link->axis()->x(), link->axis()->y(), link->axis()->z());
+    Eigen::Isometry3d pose = link->parent() < 0 ? Eigen::Isometry3d::Identity()
+                                                : poses[static_cast<std::size_t>(link->parent())];
+    pose = pose * placed(*link->at_zero());
+    if (link->type() == fb::JointType::Prismatic) pose.translate(theta * axis);
+    if (link->type() == fb::JointType::Revolute) pose.rotate(Eigen::AngleAxisd(theta, axis));
+    poses.push_back(pose);
+  }
+  return poses;
+}
+
+// WorldState.links comes from the loop's own kinematics: the tree that a client is told has to lead
+// there. Single precision over 20 links: some 1e-6.
+TEST(WireScene, Links_LeadToWhereTheStateSaysTheyAre) {
+  for (const char* device : {"lambda-pride", "wrist-9axis"}) {
+    const Models models = test::load(test::shippedFiles(device, "four-shapes"));
+    auto facts = std::make_shared<SceneFacts>();
+    facts->hand = models.hand;
+    facts->device = models.device;
+    facts->scene = models.scene;
+    const wire::Bytes message = wire::sceneMessage(*facts);
+    const fb::Scene& scene = *verified(message).payload_as_Scene();
+    ASSERT_EQ(scene.links()->size(), models.hand.links.size());
+    wire::StateEncoder encoder(facts);
+    TickRecord r = fullRecord(models.hand.axis_count, models.hand.joint_count, 0);
+    for (int j = 0; j < models.hand.joint_count; ++j) r.theta[j] = std::sin(3.0 * j + 1.0);
+    const fb::WorldState& state =
+        *verified(encoder.encode(r, LoopStatus{}, wire::Detail::kFull, 0)).payload_as_WorldState();
+    const auto poses = drawn(scene, state);
+    for (unsigned i = 0; i < poses.size(); ++i) {
+      EXPECT_EQ(scene.links()->Get(i)->name()->str(), scene.link_names()->Get(i)->str());
+      const Eigen::Isometry3d said = placed(*state.links()->Get(i));
+      EXPECT_LE((poses[i].translation() - said.translation()).norm(), 2e-6)
+          << device << ", link " << i;
+      EXPECT_LE((poses[i].rotation() - said.rotation()).norm(), 4e-6) << device << ", link " << i;
+    }
+  }
 }
 
 // WorldState.bodies says where the centre of mass is: a shape 0.058 above the body's frame, with

@@ -2,6 +2,8 @@
 #include "station/station_bench.hpp"
 #include "telemetry/recording.hpp"
 
+#include <set>
+
 namespace wholehand::test {
 namespace {
 
@@ -202,6 +204,33 @@ TEST_F(Bar, StopWhileArming_NothingPushes) {
     }
   }
   ASSERT_TRUE(ask(OrderType::kArm).accepted);  // somebody arms again
+  EXPECT_TRUE(rendersOn());
+}
+
+// A stop that comes while the world is being built: "stopped" is shown at once, and nothing else
+// after it.
+TEST_F(Bar, StopWhileArming_IsShownOnceAndForAll) {
+  run(false);
+  for (const OrderType stop : {OrderType::kStop, OrderType::kEmergencyStop}) {
+    const std::uint32_t session = station_->status().session;
+    auto answered = std::make_shared<std::promise<OrderReply>>();
+    auto answer = answered->get_future();
+    station_->order(of(OrderType::kArm),
+                    [answered](const OrderReply& reply) { answered->set_value(reply); });
+    ASSERT_TRUE(becomes([&] { return station_->status().session > session; })) << "being built";
+    ASSERT_TRUE(ask(stop).accepted);
+    std::set<RunState> shown;
+    while (answer.wait_for(1ms) != std::future_status::ready) {
+      shown.insert(station_->status().run_state);
+    }
+    EXPECT_EQ(answer.get().refusal, Refusal::kStopCame);
+    for (int i = 0; i < 300; ++i, std::this_thread::sleep_for(1ms)) {
+      shown.insert(station_->status().run_state);
+    }
+    EXPECT_EQ(shown, std::set<RunState>{RunState::kStopped});
+    EXPECT_TRUE(fs::is_empty(folder_ + "/recordings")) << "nothing was recorded";
+  }
+  ASSERT_TRUE(ask(OrderType::kArm).accepted);
   EXPECT_TRUE(rendersOn());
 }
 
