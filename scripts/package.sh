@@ -17,7 +17,7 @@ one_at_a_time
 install_packages run package
 pages_are_current || { install_node && build_web; }
 [[ -f build/release/build.ninja ]] || configure release -DWHOLEHAND_BUILD_TESTS=OFF
-build release wholehand
+build release wholehand wholehand_python
 make_packages
 for package in build/packages/*.deb; do
   say "$package $(($(stat -c %s "$package") / 1000)) kB"

@@ -13,10 +13,10 @@ import time
 import unittest
 
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(SOURCE / "clients/python"))
-from wholehand_recording import Recording  # noqa: E402
-
 BINARY = pathlib.Path(os.environ.get("WHOLEHAND_BINARY", SOURCE / "build/release/wholehand")).resolve()
+sys.path.insert(0, str(BINARY.parent / "python"))  # as built: with what flatc makes of the schema
+from wholehand.recording import Recording  # noqa: E402
+
 FULL = os.environ.get("WHOLEHAND_FULL") == "1"
 SEED = int(os.environ.get("WHOLEHAND_SEED", "1"))
 CONFIG = SOURCE / "config"

@@ -1,8 +1,8 @@
 """Reads recordings of Wholehand with h5py: numbers as they were recorded, to the bit.
 
-    from wholehand_recording import Recording
-    f = Recording("run.h5")
+    f = wholehand.open("run.h5")
     time_s, sent = f["ticks/time_s"][:], f["ticks/sent"][:]
+    frame, data = f.to_pandas("q_m", "sent"), f.to_xarray("bodies")
 
 From schema version 5 on, most datasets of /ticks are packed: they hold how far each number is from what
 the rest of its row and the rows before it let expect (docs/recording.md, "Packed datasets"). A `Recording`
@@ -10,6 +10,8 @@ is used as the h5py file it wraps, and gives packed datasets unpacked.
 """
 import h5py
 import numpy
+
+from wholehand import tables
 
 FIRST_PACKED_SCHEMA = 5
 POLYNOMIALS = {"intention": 6, "patient_effort": 5, "palm_distance_m": 5, "bodies": 1,
@@ -63,6 +65,14 @@ class Recording:
             return dataset
         values = self._block(column).reshape(-1, *dataset.shape[1:])
         return Column(values[:self._rows], dataset.attrs)
+
+    def to_pandas(self, *names):
+        """A DataFrame of datasets of /ticks, all where none is named: see tables.to_pandas."""
+        return tables.to_pandas(self, *names)
+
+    def to_xarray(self, *names):
+        """A Dataset of datasets of /ticks, all where none is named: see tables.to_xarray."""
+        return tables.to_xarray(self, *names)
 
     def __getattr__(self, name):  # keys, attrs, close ...
         return getattr(self.file, name)

@@ -1,0 +1,102 @@
+"""A connection to a running program, without asyncio: docs/protocol.md.
+
+    with Client("127.0.0.1:8080", role="therapist") as program:
+        program.take_controls()
+        program.arm()
+        state = program.next_state()
+"""
+import asyncio
+import threading
+import time
+
+from wholehand.connection import Connection, Lost, connect
+
+# A thread that holds the controls and asks for nothing so long is taken for hung: the heartbeat ends, and the
+# program takes the controls back. The pages have the same rule.
+HUNG_AFTER_S = 3.0
+
+
+class Client:
+    """Runs a Connection in a thread of its own. All of it may be called from one thread; every call shows that the
+    caller is alive."""
+
+    def __init__(self, address="127.0.0.1:8080", role=None, token=None):
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
+        self._thread.start()
+        self._open = connect(address, role, token)
+        self._called_s = time.monotonic()
+        try:
+            self._program: Connection = self._call(self._open.__aenter__())
+        except BaseException:
+            self._end_thread()
+            raise
+        self._program.silence = lambda: time.monotonic() - self._called_s > HUNG_AFTER_S
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    @property
+    def scene(self):
+        return self._program.scene
+
+    @property
+    def state(self):
+        """The newest; None where none has come yet."""
+        return self._program.state
+
+    @property
+    def controls(self):
+        return self._program.controls
+
+    @property
+    def welcome(self):
+        return self._program.welcome
+
+    def order(self, order, timeout_s=None, **fields):
+        """Asks for something and waits for the answer: one of the schema's Order. Raises Refused, Lost."""
+        self._call(self._program.order(order, **fields), timeout_s)
+
+    def take_controls(self, token=""):
+        self._call(self._program.take_controls(token))
+
+    def release_controls(self):
+        self._call(self._program.release_controls())
+
+    def arm(self, endings_seen=None):
+        self._call(self._program.arm(endings_seen))
+
+    def stop(self):
+        self._call(self._program.stop())
+
+    def emergency_stop(self):
+        self._call(self._program.emergency_stop())
+
+    def next_state(self, timeout_s=None):
+        """The next WorldState that comes."""
+        return self._call(self._program.next_state(), timeout_s)
+
+    def close(self):
+        if self._thread.is_alive():
+            self._call(self._open.__aexit__(None, None, None))
+            self._end_thread()
+
+    def _call(self, coroutine, timeout_s=None):
+        if not self._thread.is_alive():
+            coroutine.close()
+            raise Lost("this client is closed")
+        self._called_s = time.monotonic()
+        asked = asyncio.run_coroutine_threadsafe(coroutine, self._loop)
+        try:
+            return asked.result(timeout_s)
+        finally:
+            asked.cancel()
+            self._called_s = time.monotonic()
+
+    def _end_thread(self):
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join()
+        self._loop.close()

@@ -1,0 +1,197 @@
+"""A connection to a running program, for asyncio: docs/protocol.md.
+
+    async with connect("127.0.0.1:8080", role="therapist") as program:
+        await program.take_controls()
+        await program.arm()
+        await program.order("Steer", by=PERSON)
+        while True:
+            state = await program.next_state()
+            await program.order("Aim", q=where_to_go(state))
+"""
+import asyncio
+import contextlib
+
+import websockets
+
+from wholehand.messages import REFUSALS, MessageError, decode, encode
+
+VIRTUAL_PATIENT, PERSON = 0, 1          # Steer.by
+NEXT, RESTART, PAUSE, RESUME = range(4)  # Action.act
+
+HEARTBEAT_S = 0.05          # the program takes the controls away after 0.2 s of silence
+REPEAT_STOP_S = 0.3
+
+
+class Refused(Exception):
+    """The program refused an order. `code` is a name of the schema's Refusal."""
+
+    def __init__(self, order, reply):
+        self.order, self.reason = order, reply.reason
+        self.code = REFUSALS.get(reply.refusal, "Other")
+        super().__init__(f"{order}: {self.reason} ({self.code})")
+
+
+class Lost(ConnectionError):
+    """The connection ended, or the program cannot be reached."""
+
+
+@contextlib.asynccontextmanager
+async def connect(address="127.0.0.1:8080", role=None, token=None):
+    """@param address host:port @param role therapist, player or watcher; None: says none @param token of another machine"""
+    where = f"ws://{address}/ws" + (f"?role={role}" if role else "")
+    headers = {"Authorization": f"Bearer {token}"} if token else {}
+    try:
+        socket = await websockets.connect(where, max_size=None, ping_interval=None, extra_headers=headers)
+    except (OSError, websockets.WebSocketException, ValueError) as error:
+        raise Lost(f"no program answers at {where}: {error}; start one with `wholehand run`") from error
+    program = Connection(socket)
+    listening = asyncio.create_task(program._listen())
+    try:
+        await program._wait(lambda: program.scene is not None or program.commissioning is not None)
+        yield program
+    finally:
+        program._beat_stops()
+        listening.cancel()
+        await socket.close()
+
+
+class Connection:
+    """What the program says, newest of each: `welcome`, `scene`, `controls`, `state`, `commissioning` (Tables), and
+    orders to it. `silence` is asked before every heartbeat; while it says True none is sent."""
+
+    def __init__(self, socket):
+        self._socket = socket
+        self._number = 0
+        self._replies = {}
+        self._event_queues = set()
+        self._news = asyncio.Event()
+        self._lost = None
+        self._beat = None
+        self.silence = lambda: False
+        self.welcome = self.scene = self.controls = self.state = self.commissioning = None
+
+    async def order(self, order, **fields):
+        """Asks for something and waits for the answer: one of the schema's Order. Raises Refused, Lost."""
+        number, answer = await self._send(order, fields)
+        try:
+            reply = await answer
+        finally:
+            self._replies.pop(number, None)
+        if not reply.accepted:
+            raise Refused(order, reply)
+
+    async def take_controls(self, token=""):
+        """Holds them by a heartbeat until release_controls() or the end of the connection."""
+        await self.order("TakeControls", token=token)
+        self._beat_stops()
+        self._beat = asyncio.create_task(self._keep_beating())
+
+    async def release_controls(self):
+        self._beat_stops()
+        await self.order("ReleaseControls")
+
+    async def arm(self, endings_seen=None):
+        """Starts rendering. @param endings_seen of the state that the person was shown when asking; None: the newest"""
+        if endings_seen is None:
+            await self._wait(lambda: self.state is not None)
+            endings_seen = self.state.endings
+        await self.order("Arm", endings_seen=endings_seen)
+
+    async def stop(self):
+        await self.order("Stop")
+
+    async def emergency_stop(self):
+        """Sends it until it is answered. Any client may."""
+        while True:
+            _, answer = await self._send("EmergencyStop", {})
+            with contextlib.suppress(asyncio.TimeoutError):
+                await asyncio.wait_for(answer, REPEAT_STOP_S)
+                return
+
+    async def next_state(self):
+        """The next WorldState that comes."""
+        before = self.state
+        await self._wait(lambda: self.state is not before)
+        return self.state
+
+    async def events(self):
+        """(name, event) of everything that happens from now on; `event` has tick, type, index and value."""
+        queue = asyncio.Queue()
+        self._event_queues.add(queue)
+        try:
+            while True:
+                event = await queue.get()
+                if event is None:
+                    raise self._lost
+                yield self.scene.event_names[event["type"]], event
+        finally:
+            self._event_queues.discard(queue)
+
+    async def _send(self, order, fields):
+        if self._lost:
+            raise self._lost
+        self._number += 1
+        number = self._number
+        answer = asyncio.get_running_loop().create_future()
+        self._replies[number] = answer
+        try:
+            await self._socket.send(encode(number, order, **fields))
+        except websockets.ConnectionClosed as error:
+            self._replies.pop(number)
+            raise self._ended(error) from error
+        return number, answer
+
+    async def _keep_beating(self):
+        while not self._lost:
+            if not self.silence():
+                with contextlib.suppress(websockets.ConnectionClosed):
+                    await self._socket.send(encode(0, "Heartbeat"))
+            await asyncio.sleep(HEARTBEAT_S)
+
+    def _beat_stops(self):
+        if self._beat:
+            self._beat.cancel()
+            self._beat = None
+
+    async def _wait(self, holds):
+        while not holds():
+            if self._lost:
+                raise self._lost
+            self._news.clear()
+            await self._news.wait()
+
+    async def _listen(self):
+        try:
+            async for data in self._socket:
+                self._hear(decode(data))
+                self._news.set()
+            self._ended("it was closed")
+        except (websockets.WebSocketException, OSError, MessageError) as error:
+            self._ended(error)
+
+    def _hear(self, message):
+        names = {"WorldState": "state", "Scene": "scene", "Welcome": "welcome", "Controls": "controls",
+                 "Commissioning": "commissioning"}
+        if message.kind in names:
+            setattr(self, names[message.kind], message)
+        elif message.kind == "Reply":
+            answer = self._replies.get(message.command)
+            if answer and not answer.done():
+                answer.set_result(message)
+        elif message.kind == "Events":
+            for queue in self._event_queues:
+                for event in message.events:
+                    queue.put_nowait(event)
+
+    def _ended(self, why):
+        """All that waits learns that the connection is lost."""
+        if self._lost is None:
+            self._lost = Lost(f"the connection to the program ended: {why}")
+        for answer in self._replies.values():
+            if not answer.done():
+                answer.set_exception(self._lost)
+        for queue in self._event_queues:
+            queue.put_nowait(None)
+        self._beat_stops()
+        self._news.set()
+        return self._lost

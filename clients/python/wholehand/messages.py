@@ -1,0 +1,191 @@
+"""Messages of the protocol as Python values; protocol/wholehand.fbs explains every field."""
+import importlib
+import re
+import struct
+
+import flatbuffers
+import numpy
+
+SCHEMA_VERSION = 1
+IDENTIFIER = b"WHND"
+
+VEC3 = numpy.dtype(("<f4", 3))
+POSE = numpy.dtype([("position_m", "<f4", 3), ("orientation_xyzw", "<f4", 4)])
+CONTACT = numpy.dtype([("capsule", "<i2"), ("body", "<i2"), ("point_m", "<f4", 3), ("force_n", "<f4", 3)])
+EVENT = numpy.dtype([("tick", "<u8"), ("type", "<u2"), ("index", "<i2"), ("value", "<f4")])
+STATISTICS = numpy.dtype([("ticks", "<u8"), ("missed_deadlines", "<u8"), ("dropped_records", "<u8"),
+                          ("cpu_p50_us", "<f4"), ("cpu_p99_us", "<f4"), ("cpu_p999_us", "<f4"),
+                          ("cpu_max_us", "<f4")])
+STRUCTS = {"Vec3": VEC3, "Pose": POSE, "ContactPoint": CONTACT, "Event": EVENT, "Statistics": STATISTICS}
+VECTORS_OF_STRUCTS = {("WorldState", "links"): POSE, ("WorldState", "bodies"): POSE,
+                      ("WorldState", "contacts"): CONTACT, ("Events", "events"): EVENT, ("Shape", "points_m"): VEC3}
+
+# What flatbuffers raises where bytes are no message.
+UNREADABLE = (struct.error, IndexError, ValueError, TypeError, OverflowError)
+
+
+class MessageError(ValueError):
+    """Bytes that are no message of this protocol."""
+
+
+def _generated(name):
+    """What flatc has made of a table, an enum or a union."""
+    return importlib.import_module(f"wholehand.protocol.{name}")
+
+
+def _names(enum):
+    """Number -> name."""
+    members = vars(getattr(_generated(enum), enum))
+    return {number: name for name, number in members.items() if not name.startswith("_")}
+
+
+PAYLOADS = _names("Payload")
+ORDERS = {name: number for number, name in _names("Order").items() if number > 0}
+REFUSALS = _names("Refusal")
+RUN_STATES = _names("RunState")
+
+
+class Table:
+    """A table of a message. Its fields have the names of the schema: `state.q_s`, `scene.axes[0].name`.
+
+    A vector of numbers is a numpy array, one of structs a structured array, one of tables a list. An absent vector is
+    empty, an absent table or string None. Arrays are views of the message: copy what is changed.
+    """
+    __slots__ = ("_generated", "kind")
+
+    def __init__(self, generated):
+        self._generated = generated
+        self.kind = type(generated).__name__
+
+    def __getattr__(self, name):
+        read = _reader(type(self._generated), name)
+        try:
+            return read(self._generated)
+        except UNREADABLE as error:
+            raise MessageError(f"{self.kind}.{name} cannot be read: {error}") from error
+
+    def __dir__(self):
+        return ["kind", *field_names(type(self._generated))]
+
+    def __repr__(self):
+        return f"<{self.kind}>"
+
+
+def _camel(name):
+    return "".join(part[:1].upper() + part[1:] for part in name.split("_"))
+
+
+_readers = {}
+
+
+def _reader(table, name):
+    """The function that reads a field of a generated class."""
+    read = _readers.get((table, name))
+    if read is None:
+        if name.startswith("_") or not hasattr(table, _camel(name)):
+            raise AttributeError(f"{table.__name__} has no field {name!r}; it has {', '.join(field_names(table))}")
+        read = _readers[table, name] = _make_reader(table, name)
+    return read
+
+
+def _make_reader(table, name):
+    get = getattr(table, _camel(name))
+    if hasattr(table, _camel(name) + "AsNumpy"):
+        numbers = getattr(table, _camel(name) + "AsNumpy")
+        return lambda t: _numbers(numbers(t))
+    if not hasattr(table, _camel(name) + "Length"):
+        return lambda t: _value(get(t))
+    length = getattr(table, _camel(name) + "Length")
+    structs = VECTORS_OF_STRUCTS.get((table.__name__, name))
+    if structs is not None:
+        return lambda t: _structs(structs, get(t, 0)._tab, length(t)) if length(t) else numpy.empty(0, structs)
+    return lambda t: [_value(get(t, i)) for i in range(_believable(length(t), t))]
+
+
+def _numbers(array):
+    return array if isinstance(array, numpy.ndarray) else numpy.empty(0)  # absent: 0
+
+
+def _structs(dtype, first, count):
+    return numpy.frombuffer(first.Bytes, dtype, count, first.Pos)
+
+
+def _believable(count, table):
+    """No vector has more elements than its message has room for."""
+    if 4 * count > len(table._tab.Bytes):
+        raise ValueError(f"{count} elements do not fit into {len(table._tab.Bytes)} bytes")
+    return count
+
+
+def _value(value):
+    if isinstance(value, bytes):
+        return value.decode()
+    if not hasattr(value, "_tab"):
+        return value
+    dtype = STRUCTS.get(type(value).__name__)
+    return Table(value) if dtype is None else _structs(dtype, value._tab, 1)[0]
+
+
+def field_names(table):
+    """Of a generated class: its accessors, which flatc names in camel case."""
+    own = [name for name in vars(table) if name[0].isupper() and name != "Init" and not name.startswith("GetRootAs")]
+    helpers = ("AsNumpy", "Length", "IsNone", "BufferHasIdentifier")
+    return [re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower() for name in own if not name.endswith(helpers)]
+
+
+def decode(data):
+    """The table that a message of the program carries. Raises MessageError."""
+    data = bytes(data)
+    if len(data) < 8 or data[4:8] != IDENTIFIER:
+        raise MessageError("not a message of Wholehand's")
+    try:
+        message = _generated("Message").Message.GetRootAs(data, 0)
+        version, kind, payload = message.SchemaVersion(), message.PayloadType(), message.Payload()
+    except UNREADABLE as error:
+        raise MessageError(f"not a message: {error}") from error
+    if version != SCHEMA_VERSION:
+        raise MessageError(f"schema_version = {version}; this client reads {SCHEMA_VERSION}: "
+                           "bring program and client to the same version")
+    name = PAYLOADS.get(kind)
+    if payload is None or kind == 0 or name is None:
+        raise MessageError(f"payload {kind} is not known to this client")
+    table = getattr(_generated(name), name)()
+    table.Init(payload.Bytes, payload.Pos)
+    return Table(table)
+
+
+def encode(number, order, **fields):
+    """A Command. @param number rises with every command @param fields of the order's table, as in the schema"""
+    if order not in ORDERS:
+        raise ValueError(f"there is no order {order!r}; there are {', '.join(ORDERS)}")
+    builder = flatbuffers.Builder(256)
+    module = _generated(order)
+    for name in fields:
+        if not hasattr(module, f"{order}Add{_camel(name)}"):
+            raise ValueError(f"{order} has no field {name!r}")
+    values = {name: _put(builder, value) for name, value in fields.items()}
+    getattr(module, f"{order}Start")(builder)
+    for name, value in values.items():
+        getattr(module, f"{order}Add{_camel(name)}")(builder, value)
+    table = getattr(module, f"{order}End")(builder)
+    command = _generated("Command")
+    command.CommandStart(builder)
+    command.CommandAddId(builder, number)
+    command.CommandAddOrderType(builder, ORDERS[order])
+    command.CommandAddOrder(builder, table)
+    command_end = command.CommandEnd(builder)
+    message = _generated("Message")
+    message.MessageStart(builder)
+    message.MessageAddSchemaVersion(builder, SCHEMA_VERSION)
+    message.MessageAddPayloadType(builder, _generated("Payload").Payload.Command)
+    message.MessageAddPayload(builder, command_end)
+    builder.Finish(message.MessageEnd(builder), IDENTIFIER)
+    return bytes(builder.Output())
+
+
+def _put(builder, value):
+    if isinstance(value, str):
+        return builder.CreateString(value)
+    if isinstance(value, (list, tuple, numpy.ndarray)):
+        return builder.CreateNumpyVector(numpy.asarray(value, "<f4"))
+    return value

@@ -1,0 +1,233 @@
+"""The Python package as its users call it: a client of the running program, the hand's kinematics, recordings."""
+import asyncio
+import importlib
+import pathlib
+import pkgutil
+import random
+import time
+import unittest
+
+import numpy
+from app import FULL, SEED, AppTest
+
+import wholehand
+import wholehand.protocol
+from wholehand import messages
+from wholehand.client import Client
+from wholehand.connection import NEXT, PERSON, Lost, Refused, connect
+from wholehand.kinematics import Hand, matrices
+
+MUTATIONS = 100_000 if FULL else 3_000
+RENDERING, STOPPED = 1, 3
+
+
+class Connected(AppTest):
+    """The bar, waiting to be armed."""
+
+    def setUp(self):
+        super().setUp()
+        self.run = self.start_app("run", "--port", 0, "--wait", "--no-rehearsal")
+        self.address = self.run.stdout.readline().strip().split("//")[1].rstrip("/")
+        self.program = Client(self.address, role="therapist")
+        self.addCleanup(self.program.close)
+
+    def states_until(self, so):
+        until = time.monotonic() + 100.0
+        while not so(self.program.next_state(timeout_s=60.0)):
+            self.assertLess(time.monotonic(), until)
+        return self.program.state
+
+    def play(self):
+        self.program.take_controls()
+        self.program.arm()
+        self.states_until(lambda state: state.run_state == RENDERING)
+
+
+class ClientTest(Connected):
+    def test_scene_and_states_have_the_names_of_the_schema(self):
+        scene = self.program.scene
+        self.assertEqual([axis.name for axis in scene.axes][:4], ["x", "y", "z", "finger_flexion"])
+        self.assertEqual(scene.axes[0].unit, "m")
+        self.assertEqual(scene.exercise_name, "cocktail-bar")
+        self.play()
+        state = self.program.state
+        self.assertEqual(state.q_s.shape, (6,))
+        self.assertEqual(state.qd_s.shape, (6,))
+        self.assertEqual(len(state.bodies), len(scene.bodies))
+        self.assertEqual(state.bodies["position_m"].shape, (len(scene.bodies), 3))
+        self.assertEqual(len(state.theta), len(scene.joint_names))
+        with self.assertRaisesRegex(AttributeError, "WorldState has no field 'q_ss'.*theta"):
+            state.q_ss  # noqa: B018
+
+    def test_links_and_joints_lead_to_the_poses_that_the_program_draws(self):
+        self.play()
+        hand = Hand(self.program.scene)
+        self.assertEqual(hand.names, self.program.scene.link_names)
+        states = [self.program.next_state(timeout_s=60.0) for _ in range(60)]
+        poses = hand.link_poses(numpy.array([state.theta for state in states]))
+        said = numpy.array([matrices(state.links) for state in states])
+        self.assertEqual(poses.shape, said.shape)
+        # Single precision through a chain of links: some 1e-6 m and rad.
+        self.assertLess(abs(poses - said).max(), 5e-6)
+        self.assertGreater(abs(said[0] - said[-1]).max(), 1e-4, "the virtual patient moves the hand")
+        with self.assertRaisesRegex(ValueError, "theta has 2 joints; this hand has 19"):
+            hand.link_poses([0.0, 1.0])
+
+    def test_a_person_steers_the_hand(self):
+        self.play()
+        self.program.order("Steer", by=PERSON)
+        aim = self.program.state.q_s.copy()
+        aim[1] += 0.03
+        before = self.program.state.q_s[1]
+
+        def there(state):
+            self.program.order("Aim", q=aim)
+            return abs(state.q_s[1] - before - 0.03) < 0.01
+        self.states_until(there)
+
+    def test_an_order_that_is_refused_says_why(self):
+        with Client(self.address, role="watcher") as watcher, self.assertRaises(Refused) as refused:
+            watcher.take_controls()
+        self.assertEqual(refused.exception.code, "OnlyWatches")
+        self.program.take_controls()
+        for code, order, fields in (("UnknownParameter", "SetParameter", {"name": "no_such", "value": 1.0}),
+                                    ("UnknownExercise", "LoadExercise", {"exercise": "chess"}),
+                                    ("NothingArmed", "Action", {"act": NEXT}),
+                                    ("StopNotSeen", "Arm", {"endings_seen": 7})):
+            with self.assertRaises(Refused) as refused:
+                self.program.order(order, **fields)
+            self.assertEqual(refused.exception.code, code)
+            self.assertIn(order, str(refused.exception))
+        with self.assertRaisesRegex(ValueError, "there is no order 'Jump'; there are Arm"):
+            self.program.order("Jump")
+        with self.assertRaisesRegex(ValueError, "Arm has no field 'height'"):
+            self.program.order("Arm", height=1)
+
+    def test_an_emergency_stop_needs_no_controls(self):
+        self.play()
+        with Client(self.address, role="watcher") as watcher:
+            watcher.emergency_stop()
+            state = self.states_until(lambda state: state.run_state == STOPPED)
+        self.assertTrue((state.sent == 0).all())
+
+    def test_a_caller_that_hangs_loses_the_controls(self):
+        self.play()
+        self.program._called_s = float("-inf")  # as after 3 s without a call
+        with Client(self.address, role="watcher") as watcher:
+            until = time.monotonic() + 100.0
+            while watcher.controls.held:
+                self.assertLess(time.monotonic(), until)
+                watcher.next_state(timeout_s=60.0)
+
+    def test_a_program_that_ends_is_told_at_the_next_call(self):
+        self.run.kill()
+        self.run.wait()
+        with self.assertRaisesRegex(Lost, "the connection to the program ended"):
+            while True:
+                self.program.next_state(timeout_s=60.0)
+
+    def test_no_program_is_told_with_the_remedy(self):
+        with self.assertRaisesRegex(Lost, "no program answers at ws://127.0.0.1:1/ws.*wholehand run"):
+            Client("127.0.0.1:1")
+        with self.assertRaisesRegex(Lost, "400"):
+            Client(self.address, role="dancer")
+
+    def test_asyncio_hears_events_by_name(self):
+        async def play():
+            async with connect(self.address, role="therapist") as program:
+                await program.take_controls()
+                await program.arm()
+                async for name, event in program.events():
+                    return name, event, program.scene.event_names
+        name, event, names = asyncio.run(asyncio.wait_for(play(), 100))
+        self.assertIn(name, names)
+        self.assertEqual(names[event["type"]], name)
+
+    def test_messages_that_were_changed_on_the_way_are_values_or_message_errors(self):
+        self.play()
+        seen = [bytes(table._generated._tab.Bytes) for table in (self.program.state, self.program.scene)]
+        draws = random.Random(SEED)
+        unreadable = 0
+        for _ in range(MUTATIONS):
+            data = bytearray(draws.choice(seen))
+            for _ in range(draws.randint(1, 8)):
+                data[draws.randrange(len(data))] = draws.randrange(256)
+            if draws.random() < 0.2:
+                del data[draws.randrange(len(data)):]
+            unreadable += not readable(bytes(data))
+        self.assertTrue(readable(seen[0]) and readable(seen[1]))
+        self.assertGreater(unreadable, MUTATIONS // 100)
+
+
+def readable(data):
+    """Whether all of it can be read; anything but a MessageError is raised."""
+    try:
+        message = messages.decode(data)
+        for name in messages.field_names(type(message._generated)):
+            value = getattr(message, name)
+            if isinstance(value, list) and value and isinstance(value[0], messages.Table):
+                for field in messages.field_names(type(value[0]._generated)):
+                    getattr(value[0], field)
+        return True
+    except messages.MessageError:
+        return False
+
+
+class Messages(unittest.TestCase):
+    def test_structs_are_as_large_as_flatc_makes_them(self):
+        for name, dtype in messages.STRUCTS.items():
+            generated = getattr(importlib.import_module(f"wholehand.protocol.{name}"), name)
+            self.assertEqual(generated.SizeOf(), dtype.itemsize, name)
+
+    def test_every_field_of_the_schema_can_be_asked_for(self):
+        schema = (pathlib.Path(__file__).resolve().parents[2] / "protocol/wholehand.fbs").read_text()
+        tables = 0
+        for module in pkgutil.iter_modules(wholehand.protocol.__path__):
+            generated = getattr(importlib.import_module(f"wholehand.protocol.{module.name}"), module.name)
+            _, found, after = schema.partition(f"table {module.name} {{")
+            if not found:
+                continue
+            tables += 1
+            lines = (line.partition("//")[0] for line in after.partition("}")[0].splitlines())
+            names = [part.partition(":")[0].strip() for line in lines for part in line.split(";") if ":" in part]
+            for name in names:
+                if (module.name, name) not in (("Message", "payload"), ("Command", "order")):
+                    self.assertIn(name, messages.field_names(generated), module.name)
+                    messages._reader(generated, name)
+        self.assertGreater(tables, 30)
+
+    def test_bytes_of_others_are_refused_with_the_reason(self):
+        heartbeat = messages.encode(1, "Heartbeat")
+        self.assertEqual(messages.decode(heartbeat).kind, "Command")
+        for data, why in ((b"", "not a message of Wholehand's"), (b"\0\0\0\0ABCD", "not a message of Wholehand's"),
+                          (heartbeat[:9], "not a message")):
+            with self.assertRaisesRegex(messages.MessageError, why):
+                messages.decode(data)
+        version = messages.SCHEMA_VERSION
+        try:
+            messages.SCHEMA_VERSION = 9
+            other = messages.encode(1, "Heartbeat")
+        finally:
+            messages.SCHEMA_VERSION = version
+        with self.assertRaisesRegex(messages.MessageError, "schema_version = 9; this client reads 1"):
+            messages.decode(other)
+
+
+class Recordings(AppTest):
+    def test_datasets_become_tables_with_names_and_units(self):
+        with wholehand.open(self.record(duration=0.5)) as run:
+            frame, data = run.to_pandas("q_m", "bodies"), run.to_xarray("q_m", "sent", "bodies")
+            numbers = run["ticks/q_m"][:]
+            with self.assertRaisesRegex(KeyError, "speed: there is no such dataset in /ticks; there are alpha"):
+                run.to_pandas("speed")
+        self.assertTrue((frame["q_m"]["finger_flexion"].to_numpy() == numbers[:, 3]).all())
+        self.assertEqual(frame.attrs["units"]["q_m", "finger_flexion"], "rad")
+        self.assertIn(("bodies", "cube px"), frame.columns)
+        self.assertTrue((data["q_m"].sel(axis="x").to_numpy() == numbers[:, 0]).all())
+        self.assertEqual(data["bodies"].dims, ("time_s", "body", "bodies_columns"))
+        self.assertEqual(data["sent"].attrs["units"][0], "N")
+        self.assertAlmostEqual(float(data["time_s"][-1]), 1e-3 * (len(numbers) - 1))
+
+
+if __name__ == "__main__":
+    unittest.main()
