@@ -13,7 +13,7 @@ from app import FULL, SEED, AppTest
 import wholehand
 import wholehand.protocol
 from wholehand import messages
-from wholehand.client import Client
+from wholehand.client import HUNG_AFTER_S, Client
 from wholehand.connection import NEXT, PERSON, Lost, Refused, connect
 from wholehand.kinematics import Hand, matrices
 
@@ -112,6 +112,9 @@ class ClientTest(Connected):
 
     def test_a_caller_that_hangs_loses_the_controls(self):
         self.play()
+        # A call that takes long is no hang: as of an arming whose rehearsal takes 4 s.
+        self.program._call(asyncio.sleep(HUNG_AFTER_S + 1.0))
+        self.assertTrue(self.program.controls.held_by_you)
         self.program._called_s = float("-inf")  # as after 3 s without a call
         with Client(self.address, role="watcher") as watcher:
             until = time.monotonic() + 100.0

@@ -17,21 +17,21 @@ HUNG_AFTER_S = 3.0
 
 
 class Client:
-    """Runs a Connection in a thread of its own. All of it may be called from one thread; every call shows that the
-    caller is alive."""
+    """Runs a Connection in a thread of its own. All of it is called from one thread; every call shows that the caller
+    is alive."""
 
     def __init__(self, address="127.0.0.1:8080", role=None, token=None):
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
         self._thread.start()
         self._open = connect(address, role, token)
-        self._called_s = time.monotonic()
+        self._in_call, self._called_s = False, time.monotonic()
         try:
             self._program: Connection = self._call(self._open.__aenter__())
         except BaseException:
             self._end_thread()
             raise
-        self._program.silence = lambda: time.monotonic() - self._called_s > HUNG_AFTER_S
+        self._program.silence = lambda: not self._in_call and time.monotonic() - self._called_s > HUNG_AFTER_S
 
     def __enter__(self):
         return self
@@ -88,13 +88,13 @@ class Client:
         if not self._thread.is_alive():
             coroutine.close()
             raise Lost("this client is closed")
-        self._called_s = time.monotonic()
+        self._in_call = True
         asked = asyncio.run_coroutine_threadsafe(coroutine, self._loop)
         try:
             return asked.result(timeout_s)
         finally:
             asked.cancel()
-            self._called_s = time.monotonic()
+            self._in_call, self._called_s = False, time.monotonic()
 
     def _end_thread(self):
         self._loop.call_soon_threadsafe(self._loop.stop)
