@@ -1,14 +1,18 @@
 """The Python package as its users call it: a client of the running program, the hand's kinematics, recordings."""
 import asyncio
 import importlib
+import os
 import pathlib
 import pkgutil
 import random
+import re
+import subprocess
+import sys
 import time
 import unittest
 
 import numpy
-from app import FULL, SEED, AppTest
+from app import BINARY, FULL, SEED, SOURCE, AppTest
 
 import wholehand
 import wholehand.protocol
@@ -230,6 +234,28 @@ class Recordings(AppTest):
         self.assertEqual(data["bodies"].dims, ("time_s", "body", "bodies_columns"))
         self.assertEqual(data["sent"].attrs["units"][0], "N")
         self.assertAlmostEqual(float(data["time_s"][-1]), 1e-3 * (len(numbers) - 1))
+
+
+class Examples(AppTest):
+    def said(self, name, *arguments):
+        done = subprocess.run([sys.executable, "-B", SOURCE / "clients/python/examples" / name, *map(str, arguments)],
+                              cwd=SOURCE, capture_output=True, text=True, timeout=100,
+                              env={**os.environ, "PYTHONPATH": str(BINARY.parent / "python")})
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout
+
+    def test_a_recording_is_looked_at(self):
+        said = self.said("look_at_a_recording.py", self.record(duration=0.5))
+        self.assertRegex(said, r"Four shapes, reach-grasp-00: \d+ ticks, 0\.5\d s, touching for 0\.00 s")
+        self.assertRegex(said, r"finger_flexion +[\d.]+ rad +[\d.]+ N·m")
+
+    # Untouched, the coupling's spring only accelerates the hand: twice as stiff, about half the lag.
+    def test_a_stiffer_coupling_lags_less_until_it_is_refused(self):
+        said = self.said("sweep_a_gain.py", "--program", BINARY, "--stiffness", 400, 800, 4000, "--seconds", 1.5)
+        lags_mm = [float(lag) for lag in re.findall(r"N/m +([\d.]+) mm", said)]
+        self.assertEqual(len(lags_mm), 2, said)
+        self.assertTrue(1.5 < lags_mm[0] / lags_mm[1] < 2.5, said)
+        self.assertRegex(said, "4000 N/m   refused: .*not certified.*largest allowed k_pm_n_m")
 
 
 if __name__ == "__main__":
