@@ -73,6 +73,7 @@ int main(int argc, char** argv) {
   options.port = static_cast<std::uint16_t>(std::atoi(port.c_str() + (closed ? 7 : 0)));
   if (argc > 2) options.token = argv[2];
   options.udp = &bridge;
+  options.log = [](const std::string& line) { std::fprintf(stderr, "server: %s\n", line.c_str()); };
   if (!closed) {
     if (const auto started = bridge.start({{0x7F000001, 0}}); !started) {
       std::fprintf(stderr, "%s\n", wholehand::format(started.errors()).c_str());

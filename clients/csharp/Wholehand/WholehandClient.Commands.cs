@@ -1,5 +1,6 @@
 using System;
 using System.Collections.Generic;
+using System.Linq;
 using System.Threading.Tasks;
 using FlatBuffers;
 using wholehand.protocol;
@@ -136,6 +137,8 @@ namespace Wholehand
         private void Answer(uint id, CommandReply reply)
         {
             if (id == stopId) stopMessage = null;
+            // 0 answers what the program could not read: which one, it does not say.
+            if (id == 0) id = asked.Keys.Where(asking => asking != stopId).DefaultIfEmpty().Min();
             TaskCompletionSource<CommandReply> answer;
             if (!asked.TryGetValue(id, out answer)) return;
             asked.Remove(id);

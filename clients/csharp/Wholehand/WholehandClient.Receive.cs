@@ -1,5 +1,6 @@
 using System;
 using System.IO;
+using System.Net;
 using System.Net.Sockets;
 using System.Net.WebSockets;
 using System.Threading;
@@ -67,7 +68,7 @@ namespace Wholehand
                 }
                 catch (Exception e) when (IsOfTheLine(e))
                 {
-                    return connected ? "the program is not heard any more" : InWords(e);
+                    return connected ? "the connection is lost: " + e.Message : InWords(e);
                 }
             }
         }
@@ -78,12 +79,25 @@ namespace Wholehand
                 || e is ObjectDisposedException || e is OperationCanceledException || e is InvalidOperationException;
         }
 
+        // A WebSocket does not tell why it was refused: a plain request does.
         private string InWords(Exception e)
         {
-            string why = e.Message;
-            return why.Contains("401")
-                ? "the program asks for another token"
-                : "no connection to " + options.Host + ":" + options.Port + ": " + why;
+            try
+            {
+                var asking = (HttpWebRequest)WebRequest.Create(new UriBuilder("http", options.Host, options.Port, "ws").Uri);
+                asking.Timeout = ConnectPatienceMs;
+                asking.Headers["Authorization"] = "Bearer " + options.Token;
+                asking.GetResponse().Close();
+            }
+            catch (WebException refused)
+            {
+                var answer = refused.Response as HttpWebResponse;
+                if (answer != null && answer.StatusCode == HttpStatusCode.Unauthorized)
+                {
+                    return "the program asks for another token";
+                }
+            }
+            return "no connection to " + options.Host + ":" + options.Port + ": " + e.Message;
         }
 
         private byte[] incoming = new byte[64 * 1024];
@@ -98,7 +112,7 @@ namespace Wholehand
                 var room = new ArraySegment<byte>(incoming, length, incoming.Length - length);
                 Task<WebSocketReceiveResult> receiving = socket.ReceiveAsync(room, CancellationToken.None);
                 Task.WaitAny(receiving, end);
-                if (end.IsCompleted) throw new IOException("nothing came for long, or the client was closed");
+                if (end.IsCompleted) throw new IOException("the program is not heard any more");
                 WebSocketReceiveResult part = receiving.GetAwaiter().GetResult();
                 if (part.MessageType == WebSocketMessageType.Close) throw new IOException("the program has ended");
                 length += part.Count;

@@ -43,6 +43,9 @@ internal sealed class MadeUpProgram : IDisposable
     /// <summary>Takes the next connection and welcomes it.</summary>
     public void Welcome()
     {
+        // What an earlier conversation said.
+        EndPoint from = new IPEndPoint(IPAddress.Any, 0);
+        while (Socket.Available > 0) Socket.ReceiveFrom(buffer, ref from);
         line = listener.AcceptTcpClient();
         Stream stream = line.GetStream();
         var head = new StringBuilder();
