@@ -81,9 +81,8 @@ ServerOptions serverOptions(const RunOptions& options,
 // Names the option that a fault of the bridge came from.
 Diagnostics ofOption(Diagnostics errors, const char* option, const std::string& value) {
   for (Diagnostic& error : errors) {
-    const bool token = error.key.find("token") != std::string::npos;
-    error.key = token ? "--token" : option;
-    error.value = token ? "" : value;
+    error.key = option;
+    error.value = value;
   }
   return errors;
 }
@@ -91,15 +90,14 @@ Diagnostics ofOption(Diagnostics errors, const char* option, const std::string& 
 // "8091" is a port of this machine, "10.0.0.2:8091" one that others reach.
 Expected<UdpOptions> udpOptions(const RunOptions& options) {
   UdpOptions udp;
-  udp.token = roleTokens(options.tokens).therapist;
   const bool bare = options.udp.find_first_not_of("0123456789") == std::string::npos;
   auto local = parseUdpEndpoint(bare ? "127.0.0.1:" + options.udp : options.udp);
   if (!local) return ofOption(local.errors(), "--udp", options.udp);
   udp.local = *local;
-  for (const std::string& text : options.udp_peers) {
-    auto peer = parseUdpEndpoint(text);
-    if (!peer) return ofOption(peer.errors(), "--udp-peer", text);
-    udp.peers.push_back(*peer);
+  if (!options.udp_key.empty()) {
+    const auto key = parseUdpKey(options.udp_key);
+    if (!key) return ofOption(key.errors(), "--udp-key", options.udp_key);
+    udp.key = *key;
   }
   return udp;
 }
@@ -268,16 +266,17 @@ int playCommand(RunOptions options) {
     return replays.answer(path, question);
   };
   server_options.more_metrics = [&udp] { return udpMetricsText(udp.counters()); };
-  auto server = Server::open(station, server_options, controls);
-  if (!server) return refuse(server.errors());
   if (!options.udp.empty()) {
     auto udp_options = udpOptions(options);
     if (!udp_options) return refuse(udp_options.errors());
     if (auto started = udp.start(*udp_options); !started) {
       return refuse(ofOption(started.errors(), "--udp", options.udp));
     }
-    station.addSink([&udp](const TickRecord& record) { udp.publish(record); });
+    server_options.udp = &udp;
   }
+  auto server = Server::open(station, server_options, controls);
+  if (!server) return refuse(server.errors());
+  station.addSink([&udp](const TickRecord& record) { udp.publish(record); });
   if (auto ready = prepareFiles({options.record, options.json}); !ready) {
     return refuse(ready.errors());
   }

@@ -32,7 +32,7 @@ Diagnostics mismatched(const CLI::App& run, const RunOptions& o, bool scene, boo
                       "belongs to an exercise, not to a scene", "leave one of them out"});
   }
   for (const char* door :
-       {"--port", "--address", "--token", "--origin", "--udp", "--udp-peer", "--wait"}) {
+       {"--port", "--address", "--token", "--origin", "--udp", "--udp-key", "--wait"}) {
     if (pages || run.count(door) == 0) continue;
     faults.push_back({"", 0, door, "", "is about pages and games, and this run opens no port",
                       scene && !o.no_web && !o.simulated_clock
@@ -59,9 +59,8 @@ Diagnostics mismatched(const CLI::App& run, const RunOptions& o, bool scene, boo
                       "needs the console: a person arms and stops",
                       "leave out --no-web, --scene and --motion"});
   }
-  if (run.count("--udp-peer") > 0 && run.count("--udp") == 0) {
-    faults.push_back(
-        {"", 0, "--udp-peer", "", "needs the port that it is served from", "give --udp, too"});
+  if (run.count("--udp-key") > 0 && run.count("--udp") == 0) {
+    faults.push_back({"", 0, "--udp-key", "", "needs the port that it opens", "give --udp, too"});
   }
   return faults;
 }
@@ -78,7 +77,8 @@ void addPages(CLI::App& run, RunOptions& o) {
   run.add_option("--origin", o.origins, "Pages of other origins that may connect");
   run.add_option("--udp", o.udp,
                  "Port for game engines, or address:port; 0: any port (default: closed)");
-  run.add_option("--udp-peer", o.udp_peers, "Game on another machine: host or host:port");
+  run.add_option("--udp-key", o.udp_key,
+                 "Key of a game or microcontroller that speaks UDP only: 16 hexadecimal digits");
   run.add_flag("--no-web", o.no_web, "Open no port");
   run.add_flag("--wait", o.wait, "Arm only when a client asks for it");
 }

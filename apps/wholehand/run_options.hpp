@@ -33,10 +33,10 @@ struct RunOptions {
   int port = 8080;                    ///< 0: any that is free
   /// What clients on other machines must show: the therapist's, or "player=..." and the like.
   std::vector<std::string> tokens;
-  std::vector<std::string> origins;    ///< allowed besides our own pages
-  std::string udp;                     ///< "port" or "address:port" for game engines; empty: closed
-  std::vector<std::string> udp_peers;  ///< games on other machines, "host" or "host:port"
-  bool wait = false;                   ///< arm only when a client asks for it
+  std::vector<std::string> origins;  ///< allowed besides our own pages
+  std::string udp;                   ///< "port" or "address:port" for game engines; empty: closed
+  std::string udp_key;               ///< of a game without a WebSocket; empty: there is none
+  bool wait = false;                 ///< arm only when a client asks for it
 };
 
 /// A person holds the device.

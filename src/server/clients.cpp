@@ -38,13 +38,14 @@ bool sameState(const LoopStatus& a, const LoopStatus& b) {
 
 Clients::Clients(ServerBackend& backend, EventMailbox& mailbox, Traffic& traffic,
                  RateLimitedLog& log, ControlsArbiter& controls, Access access, Post post,
-                 Commissioning commissioning)
+                 Commissioning commissioning, UdpBridge* udp)
     : backend_(backend),
       mailbox_(mailbox),
       traffic_(traffic),
       log_(log),
       access_(std::move(access)),
       post_(std::move(post)),
+      udp_(udp),
       controls_(controls),
       desk_(controls),
       commissioning_(std::move(commissioning)),
@@ -58,7 +59,8 @@ std::uint32_t Clients::join(std::shared_ptr<ClientLine> line, Role role, std::in
   client.role = role;
   client.allowance_ns = now_ns;
   const std::string version = scene_ ? scene_->program_version : std::string();
-  client.line->deliver(share(wire::welcomeMessage(number, false, version)));
+  const UdpBridge::Door door = udp_ != nullptr ? udp_->admit(number) : UdpBridge::Door{};
+  client.line->deliver(share(wire::welcomeMessage(number, false, version, {door.port, door.key})));
   if (scene_message_) client.line->deliver(scene_message_);
   if (commissioning_message_) client.line->deliver(commissioning_message_);
   const auto entry = clients_.emplace(number, std::move(client)).first;
@@ -67,7 +69,7 @@ std::uint32_t Clients::join(std::shared_ptr<ClientLine> line, Role role, std::in
   } else {
     entry->second.line->deliver(controlsFor(number, role));
   }
-  traffic_.clients = clients_.size();
+  traffic_.clients = count();
   ++traffic_.clients_seen;
   return number;
 }
@@ -75,7 +77,8 @@ std::uint32_t Clients::join(std::shared_ptr<ClientLine> line, Role role, std::in
 void Clients::leave(std::uint32_t client, std::int64_t now_ns) {
   const bool led_before = led();
   if (clients_.erase(client) == 0) return;
-  traffic_.clients = clients_.size();
+  if (udp_ != nullptr) udp_->dismiss(client);
+  traffic_.clients = count();
   if (desk_.holds(client)) {
     log_.write(fmt::format("client {} left while it held the controls", client), now_ns);
   }
@@ -92,7 +95,8 @@ bool Clients::makeRoom(const std::string& newcomer, std::int64_t now_ns) {
     if (count > places[crowded]) crowded = address;
   }
   const auto first = std::find_if(clients_.begin(), clients_.end(), [&](const auto& entry) {
-    return !desk_.holds(entry.first) && entry.second.line->address() == crowded;
+    return !desk_.holds(entry.first) && entry.first != standalone_ &&
+           entry.second.line->address() == crowded;
   });
   if (first == clients_.end()) return false;
   const std::uint32_t number = first->first;
@@ -142,9 +146,6 @@ void Clients::heard(std::uint32_t client, std::span<const std::uint8_t> message,
   } else if (!decoded) {
     refuse(entry, 0, counterOf(decoded.errors()),
            refused(wire::refusalOf(decoded.errors()), format(decoded.errors())), now_ns);
-  } else if (decoded->type == wire::ClientMessageType::kAcknowledge) {
-    refuse(entry, 0, "malformed",
-           refused(Refusal::kUnreadable, "nothing is acknowledged over WebSocket"), now_ns);
   } else if (decoded->id <= entry->second.last_command && !emergency && !beat) {
     refuse(entry, decoded->id, "replayed",
            refused(Refusal::kReplayed,

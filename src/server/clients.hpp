@@ -7,6 +7,7 @@
 #include "server/rate_limited_log.hpp"
 #include "server/roles.hpp"
 #include "server/traffic.hpp"
+#include "server/udp_bridge.hpp"
 #include "server/wire.hpp"
 
 #include <cstdint>
@@ -55,10 +56,13 @@ class Clients : public std::enable_shared_from_this<Clients> {
   using Commissioning = std::function<std::shared_ptr<const CommissioningFacts>()>;
 
   Clients(ServerBackend& backend, EventMailbox& mailbox, Traffic& traffic, RateLimitedLog& log,
-          ControlsArbiter& controls, Access access, Post post, Commissioning commissioning = {});
+          ControlsArbiter& controls, Access access, Post post, Commissioning commissioning = {},
+          UdpBridge* udp = nullptr);
 
   /// Greets a new client; its number.
   std::uint32_t join(std::shared_ptr<ClientLine> line, Role role, std::int64_t now_ns);
+  /// A game that speaks by datagrams alone, where one is awaited: it is there for good.
+  void joinStandalone();
   /// Its connection ended.
   void leave(std::uint32_t client, std::int64_t now_ns);
   /// Cuts a client off where all places are taken, so that nobody is shut out for good: of the
@@ -68,12 +72,14 @@ class Clients : public std::enable_shared_from_this<Clients> {
   /// It said something.
   void heard(std::uint32_t client, std::span<const std::uint8_t> message, bool text,
              std::int64_t now_ns);
+  /// It said something by datagram, whose key and order were found right.
+  void heardDatagram(std::uint32_t client, const wire::ClientMessage& message, std::int64_t now_ns);
   /// It said more than kLargestClientMessage; its connection is being closed.
   void saidTooMuch(std::uint32_t client, std::int64_t now_ns);
   /// 60 times a second: scene, events, state, controls, clients that do not follow.
   void tick(std::int64_t now_ns);
 
-  [[nodiscard]] std::size_t count() const { return clients_.size(); }
+  [[nodiscard]] std::size_t count() const { return clients_.size() - (standalone_ != 0 ? 1 : 0); }
 
  private:
   struct Client {
@@ -83,7 +89,8 @@ class Clients : public std::enable_shared_from_this<Clients> {
     double allowance = kMessagesPerSecond;  ///< messages it may send now
     std::int64_t allowance_ns = 0;          ///< when that was so
     std::int64_t last_rate_reply_ns = 0;
-    std::uint64_t state = 0;  ///< number of the newest state it has
+    std::uint64_t state = 0;   ///< number of the newest state it has
+    bool aim_refused = false;  ///< by datagram; it is told once, until one is accepted
   };
   using Entry = std::map<std::uint32_t, Client>::iterator;
 
@@ -102,6 +109,8 @@ class Clients : public std::enable_shared_from_this<Clients> {
   [[nodiscard]] Role roleOf(std::uint32_t client) const;
   void forward(std::uint32_t client, std::uint32_t command, Order order);
   void answer(std::uint32_t client, std::uint32_t command, const OrderReply& reply);
+  void aim(Entry entry, const wire::ClientMessage& message, std::int64_t now_ns);
+  void aimed(std::uint32_t client, std::uint32_t command, const OrderReply& reply);
   void orderQuietly(const Order& order);
   void followControls(std::int64_t now_ns);
   void tellControls();
@@ -120,6 +129,9 @@ class Clients : public std::enable_shared_from_this<Clients> {
   RateLimitedLog& log_;
   Access access_;
   Post post_;
+
+  UdpBridge* udp_;
+  std::uint32_t standalone_ = 0;  ///< the client that has no WebSocket; 0: there is none
 
   std::map<std::uint32_t, Client> clients_;
   ControlsArbiter& controls_;

@@ -8,6 +8,7 @@
 #include "server/http_connection.hpp"
 #include "server/network_thread.hpp"
 #include "server/site.hpp"
+#include "server/udp_bridge.hpp"
 
 #include <fmt/format.h>
 
@@ -46,7 +47,8 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
         [weak = weak_from_this()](std::function<void()> task) {
           if (const auto self = weak.lock()) self->network_.post(std::move(task));
         },
-        options_.commissioning);
+        options_.commissioning, options_.udp);
+    if (options_.udp != nullptr) hearDatagrams(*options_.udp);
     Site::Figures figures;
     figures.health = [this] {
       const Pulse p = pulse();
@@ -74,6 +76,7 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
   }
 
   void stop() {
+    if (options_.udp != nullptr) options_.udp->setListener({});
     network_.stop();
     pages_.stop();
     recordings_.stop();
@@ -92,6 +95,19 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
   }
 
  private:
+  void hearDatagrams(UdpBridge& udp) {
+    clients_->joinStandalone();
+    udp.setListener(
+        [weak = weak_from_this()](UdpBridge::Client client, const wire::ClientMessage& m) {
+          const auto self = weak.lock();
+          if (!self) return;
+          self->network_.post([weak_clients = std::weak_ptr<Clients>(self->clients_), client, m] {
+            const auto clients = weak_clients.lock();
+            if (clients) clients->heardDatagram(client, m, monotonicNow_ns());
+          });
+        });
+  }
+
   void welcome(std::unique_ptr<HttpLine> line) {
     if (context_->connections >= kMostConnections) {
       ++traffic_.refused["connections"];

@@ -16,6 +16,8 @@
 
 namespace wholehand {
 
+class UdpBridge;
+
 /// How the program shows itself. Safe as it stands: this machine only.
 struct ServerOptions {
   std::string address = "127.0.0.1";  ///< IP address to listen at, or "localhost"
@@ -31,6 +33,9 @@ struct ServerOptions {
   std::chrono::milliseconds disk_patience{10'000}, report_patience{150'000};
   /// Prometheus text that follows our own at /metrics: what else the program counts. Any thread.
   std::function<std::string()> more_metrics;
+  /// Carries states and aims of clients that want them faster; null: nothing does. Started before
+  /// the server, and outlives it.
+  UdpBridge* udp = nullptr;
   /// What is said of a device's commissioning, where the program leads through one. Any thread.
   std::function<std::shared_ptr<const CommissioningFacts>()> commissioning;
   /// Answers what a page asks of a recording that it looks at again; empty: nobody does. From

@@ -1,74 +1,70 @@
 #include "server/udp_bridge.hpp"
 
 #include "realtime/monotonic_clock.hpp"
-#include "server/server.hpp"
 #include "server/udp_host.hpp"
 
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <charconv>
 #include <exception>
 #include <mutex>
 #include <random>
 #include <thread>
+#include <utility>
 
 namespace wholehand {
 
 namespace {
 
-/// How often repetitions, heartbeats and silence are looked at.
+/// How often silence is looked at.
 constexpr int kPace_ms = 10;
 /// Age at which figures beside the record are asked for again.
 constexpr std::int64_t kStatusAge_ns = 20'000'000;
 /// Without records for so long, the newest one is sent again.
 constexpr std::int64_t kIdle_ns = 100'000'000;
+constexpr std::size_t kKeyDigits = 16;
 
-Diagnostic refusal(const char* key, std::string value, std::string problem, std::string remedy) {
-  return {"", 0, key, std::move(value), std::move(problem), std::move(remedy)};
-}
-
-Diagnostics faultsOf(const UdpOptions& options) {
-  Diagnostics faults;
-  if (!options.local.isLoopback() && options.token.size() < kShortestToken) {
-    faults.push_back(refusal("UDP token", "",
-                             "is shorter than " + std::to_string(kShortestToken) + " characters",
-                             "games on other machines need one; or bind to 127.0.0.1"));
-  }
-  if (options.token.size() > udp::kLongestToken) {
-    faults.push_back(refusal("UDP token", "", "is too long", "must be at most 256 bytes"));
-  }
-  for (const UdpEndpoint& peer : options.peers) {
-    if (peer.isLoopback() || !options.local.isLoopback()) continue;
-    faults.push_back(refusal("UDP peer", format(peer),
-                             "cannot be reached from " + format(options.local),
-                             "bind to an address of this machine that it can reach"));
-  }
-  return faults;
+/// From the system's own source: nobody guesses it from the last one.
+std::uint64_t newKey() {
+  std::random_device random;
+  std::uint64_t key = 0;
+  while (key == 0) key = std::uint64_t{random()} << 32U | random();
+  return key;
 }
 
 }  // namespace
 
+Expected<std::uint64_t> parseUdpKey(const std::string& text) {
+  std::uint64_t key = 0;
+  const char* end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, key, 16);
+  if (error == std::errc() && rest == end && text.size() == kKeyDigits && key != 0) return key;
+  return Diagnostic{"",   0,           "UDP key",
+                    text, "is no key", "must be 16 hexadecimal digits, not all of them 0"};
+}
+
 struct UdpBridge::Core {
-  Core(const UdpOptions& options, ControlsArbiter& controls, UdpCounters& counters)
-      : host(
-            {options.peers, options.token, options.most_peers}, controls, counters,
-            [this](const UdpEndpoint& to, std::span<const std::uint8_t> bytes) {
-              return socket.send(to, bytes);
-            },
-            (std::uint64_t{std::random_device{}()} << 32U) ^ std::random_device{}()),
-        tally(counters) {}
+  Core(ServerBackend& program, ControlsArbiter& controls, UdpCounters& counters)
+      : backend(program),
+        tally(counters),
+        host(controls, counters, [this](const UdpEndpoint& to, std::span<const std::uint8_t> d) {
+          return socket.send(to, d);
+        }) {}
 
-  void run(ServerBackend& backend, const std::shared_ptr<Core>& self);
-  void goRound(ServerBackend& backend, const std::shared_ptr<Core>& self);
+  void run();
+  void goRound();
   void receiveAll();
-  void sendIdle(ServerBackend& backend);
-  void carryOut(ServerBackend& backend, const std::shared_ptr<Core>& self);
+  void handOver(const udp::Said& said);
+  void sendIdle();
 
+  ServerBackend& backend;
+  UdpCounters& tally;
   UdpSocket socket;
-  std::mutex mutex;  ///< guards host and open; nothing of the backend is called while it is held
+  std::mutex mutex;  ///< guards host and listener; nothing else is called while it is held
   udp::Host host;
-  UdpCounters& tally;  ///< while the thread runs
-  bool open = true;    ///< false: the bridge is gone, and with it the counters
+  Listener listener;
+  std::uint64_t standalone_key = 0;
   std::atomic<bool> stopping{false};
   std::atomic<std::int64_t> published_ns{0};
   std::thread thread;
@@ -80,13 +76,19 @@ struct UdpBridge::Core {
 UdpBridge::UdpBridge(ServerBackend& backend, ControlsArbiter& controls)
     : backend_(backend), controls_(controls) {}
 
+UdpBridge::~UdpBridge() {
+  stop();
+}
+
 Expected<Done> UdpBridge::start(const UdpOptions& options) {
-  if (core_ != nullptr) return refusal("UDP", "", "has been started already", "start it once");
-  if (Diagnostics faults = faultsOf(options); !faults.empty()) return faults;
-  auto core = std::make_shared<Core>(options, controls_, counters_);
+  if (core_ != nullptr) {
+    return Diagnostic{"", 0, "UDP", "", "has been started already", "start it once"};
+  }
+  auto core = std::make_unique<Core>(backend_, controls_, counters_);
   if (auto opened = core->socket.open(options.local); !opened) return opened.errors();
-  core_ = core;
-  core_->thread = std::thread([this, core] { core->run(backend_, core); });
+  core->standalone_key = options.key;
+  core_ = std::move(core);
+  core_->thread = std::thread([&core = *core_] { core.run(); });
   return Done{};
 }
 
@@ -94,23 +96,45 @@ void UdpBridge::stop() {
   if (core_ == nullptr || core_->stopping.exchange(true)) return;
   core_->socket.wake();
   core_->thread.join();
-  std::vector<udp::PendingOrder> last;
-  {
-    const std::lock_guard lock(core_->mutex);
-    core_->host.sayGoodbye(monotonicNow_ns());
-    core_->open = false;
-    last = core_->host.takeOrders();
-  }
-  for (const udp::PendingOrder& pending : last)
-    backend_.order(pending.order, [](const OrderReply&) {});
+  setListener({});
 }
 
 UdpEndpoint UdpBridge::local() const noexcept {
   return core_ == nullptr ? UdpEndpoint{} : core_->socket.local();
 }
 
-void UdpBridge::publish(const TickRecord& record) {
+UdpBridge::Door UdpBridge::admit(Client client) {
+  if (core_ == nullptr) return {};
+  const Door door{core_->socket.local().port, newKey()};
+  const std::lock_guard lock(core_->mutex);
+  core_->host.admit(door.key, client, false);
+  return door;
+}
+
+bool UdpBridge::awaitsStandalone() const noexcept {
+  return core_ != nullptr && core_->standalone_key != 0;
+}
+
+void UdpBridge::admitStandalone(Client client) {
+  if (!awaitsStandalone()) return;
+  const std::lock_guard lock(core_->mutex);
+  core_->host.admit(core_->standalone_key, client, true);
+}
+
+void UdpBridge::dismiss(Client client) {
   if (core_ == nullptr) return;
+  const std::lock_guard lock(core_->mutex);
+  core_->host.dismiss(client);
+}
+
+void UdpBridge::setListener(Listener listener) {
+  if (core_ == nullptr) return;
+  const std::lock_guard lock(core_->mutex);
+  core_->listener = std::move(listener);
+}
+
+void UdpBridge::publish(const TickRecord& record) {
+  if (core_ == nullptr || core_->stopping) return;
   Core& core = *core_;
   const std::int64_t now_ns = monotonicNow_ns();
   core.published_ns = now_ns;
@@ -122,31 +146,39 @@ void UdpBridge::publish(const TickRecord& record) {
   // The scene is the other thread's to look at: states do not depend on it, and asked for by two
   // threads an old one could come back.
   const std::lock_guard lock(core.mutex);
-  if (core.open) core.host.publish(record, core.status, now_ns);
+  core.host.publish(record, core.status, now_ns);
 }
 
 // An exception here must end neither the process nor the loop in it: all else goes on.
-void UdpBridge::Core::run(ServerBackend& backend, const std::shared_ptr<Core>& self) {
+void UdpBridge::Core::run() {
   while (!stopping) {
     socket.wait(kPace_ms);
     try {
-      goRound(backend, self);
+      goRound();
     } catch (const std::exception&) {
       ++tally.exceptions;
     }
   }
 }
 
-void UdpBridge::Core::goRound(ServerBackend& backend, const std::shared_ptr<Core>& self) {
+void UdpBridge::Core::goRound() {
   auto scene = backend.scene();
+  std::vector<udp::Said> heard;
   {
     const std::lock_guard lock(mutex);
-    host.setScene(std::move(scene), monotonicNow_ns());
+    host.setScene(std::move(scene));
     receiveAll();
     host.advance(monotonicNow_ns());
+    heard = host.takeSaid();
   }
-  carryOut(backend, self);
-  sendIdle(backend);
+  for (const udp::Said& said : heard) {
+    try {
+      handOver(said);
+    } catch (const std::exception&) {  // the next one may be an emergency stop
+      ++tally.exceptions;
+    }
+  }
+  sendIdle();
 }
 
 void UdpBridge::Core::receiveAll() {
@@ -162,29 +194,21 @@ void UdpBridge::Core::receiveAll() {
   }
 }
 
-void UdpBridge::Core::carryOut(ServerBackend& backend, const std::shared_ptr<Core>& self) {
-  std::vector<udp::PendingOrder> orders;
+// A stop waits for no other thread; the server judges all else.
+void UdpBridge::Core::handOver(const udp::Said& said) {
+  if (said.message.stops() && said.message.order.type == OrderType::kEmergencyStop) {
+    ++tally.stops;
+    return backend.order(said.message.order, [](const OrderReply&) {});
+  }
+  Listener hears;
   {
     const std::lock_guard lock(mutex);
-    orders = host.takeOrders();
+    hears = listener;
   }
-  for (const udp::PendingOrder& pending : orders) {
-    const auto answer = [weak = std::weak_ptr<Core>(self), pending](const OrderReply& reply) {
-      const auto core = weak.lock();
-      if (core == nullptr) return;
-      const std::lock_guard lock(core->mutex);
-      if (core->open) core->host.answer(pending, reply, monotonicNow_ns());
-    };
-    try {
-      backend.order(pending.order, answer);
-    } catch (const std::exception& error) {  // the next one may be an emergency stop
-      ++tally.exceptions;
-      answer(refused(Refusal::kFailed, std::string("failed: ") + error.what()));
-    }
-  }
+  if (hears) hears(said.client, said.message);
 }
 
-void UdpBridge::Core::sendIdle(ServerBackend& backend) {
+void UdpBridge::Core::sendIdle() {
   const std::int64_t now_ns = monotonicNow_ns();
   if (now_ns - published_ns < kIdle_ns) return;
   published_ns = now_ns;

@@ -6,9 +6,8 @@ namespace wholehand {
 
 const char* udpIgnoredName(UdpIgnored reason) noexcept {
   static constexpr std::array<const char*, static_cast<std::size_t>(UdpIgnored::kCount)> kNames = {
-      "too_short", "too_long",     "magic",   "version", "length", "checksum",
-      "header",    "unknown_peer", "token",   "schema",  "hello",  "session",
-      "replayed",  "fragment",     "message", "command", "rate"};
+      "too_short", "too_long", "magic", "version", "checksum",
+      "header",    "key",      "stale", "message", "rate"};
   const auto i = static_cast<std::size_t>(reason);
   return i < kNames.size() ? kNames[i] : "";
 }
@@ -20,23 +19,16 @@ std::string udpMetricsText(const UdpCounters& c) {
         "# HELP wholehand_udp_{0} {1}\n# TYPE wholehand_udp_{0} {2}\nwholehand_udp_{0} {3}\n", name,
         help, type, value);
   };
-  add("games", "gauge", "Games connected over UDP.", c.peers);
+  add("games", "gauge", "Games that are heard over UDP.", c.peers);
   add("received_total", "counter", "Datagrams received.", c.received);
   add("states_total", "counter", "States sent.", c.states_sent);
-  add("reliable_total", "counter", "Scenes, events and replies sent, each counted once.",
-      c.reliable_sent);
-  add("repeated_total", "counter", "Of these, sent again for want of an acknowledgement.",
-      c.repeated);
   add("dropped_total", "counter", "Datagrams dropped since the socket was full.", c.dropped_full);
   add("send_errors_total", "counter", "Datagrams that the system refused to send.", c.send_errors);
-  add("commands_accepted_total", "counter", "Commands carried out.", c.commands_accepted);
-  add("commands_refused_total", "counter", "Commands refused.", c.commands_refused);
-  add("silences_total", "counter", "Games that lost the controls as they were silent for 200 ms.",
-      c.silences);
+  add("stops_total", "counter", "Emergency stops obeyed.", c.stops);
   add("exceptions_total", "counter", "Orders and rounds that the program gave up.", c.exceptions);
-  add("games_lost_total", "counter", "Games removed for silence.", c.peers_lost);
+  add("games_lost_total", "counter", "Games that were not heard for a second.", c.peers_lost);
   out +=
-      "# HELP wholehand_udp_ignored_total Datagrams and commands ignored, by reason.\n"
+      "# HELP wholehand_udp_ignored_total Datagrams ignored, by reason.\n"
       "# TYPE wholehand_udp_ignored_total counter\n";
   for (int i = 0; i < static_cast<int>(UdpIgnored::kCount); ++i) {
     const auto reason = static_cast<UdpIgnored>(i);

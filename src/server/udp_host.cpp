@@ -1,6 +1,7 @@
 #include "server/udp_host.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace wholehand::udp {
@@ -17,8 +18,6 @@ UdpIgnored reasonOf(Flaw flaw) noexcept {
       return UdpIgnored::kMagic;
     case Flaw::kWrongVersion:
       return UdpIgnored::kVersion;
-    case Flaw::kWrongLength:
-      return UdpIgnored::kLength;
     case Flaw::kWrongChecksum:
       return UdpIgnored::kChecksum;
     case Flaw::kBadHeader:
@@ -28,23 +27,51 @@ UdpIgnored reasonOf(Flaw flaw) noexcept {
   return UdpIgnored::kHeader;
 }
 
-}  // namespace
-
-Host::Host(Admission admission, ControlsArbiter& controls, UdpCounters& counters, Send send,
-           std::uint64_t seed)
-    : admission_(std::move(admission)),
-      controls_(controls),
-      counters_(counters),
-      send_(std::move(send)),
-      random_(seed) {}
-
-std::vector<PendingOrder> Host::takeOrders() {
-  return std::exchange(orders_, {});
+bool isEmergencyStop(const wire::ClientMessage& m) noexcept {
+  return m.type == wire::ClientMessageType::kOrder && m.order.type == OrderType::kEmergencyStop;
 }
 
-Peer* Host::find(const UdpEndpoint& endpoint) {
-  const auto it = std::find_if(peers_.begin(), peers_.end(),
-                               [&](const Peer& p) { return p.endpoint == endpoint; });
+/// Only what the next one corrects, or what may be said again until the state shows it, goes by
+/// datagram. A game with a WebSocket says the latter there.
+bool mayBeDatagram(const wire::ClientMessage& m, bool standalone) noexcept {
+  if (m.type == wire::ClientMessageType::kTakeControls ||
+      m.type == wire::ClientMessageType::kReleaseControls) {
+    return standalone;
+  }
+  if (m.type == wire::ClientMessageType::kHeartbeat) return true;
+  const OrderType order = m.order.type;
+  return order == OrderType::kAim || order == OrderType::kEmergencyStop ||
+         (standalone && (order == OrderType::kSteer || order == OrderType::kStop));
+}
+
+bool isNewer(std::uint32_t sequence, std::uint32_t newest) noexcept {
+  return static_cast<std::int32_t>(sequence - newest) > 0;  // numbers may wrap
+}
+
+}  // namespace
+
+Host::Host(ControlsArbiter& controls, UdpCounters& counters, Send send)
+    : controls_(controls), counters_(counters), send_(std::move(send)) {}
+
+void Host::admit(std::uint64_t key, ControlsArbiter::Client client, bool standalone) {
+  Peer& peer = peers_.emplace_back();
+  peer.key = key;
+  peer.client = client;
+  peer.standalone = standalone;
+}
+
+void Host::dismiss(ControlsArbiter::Client client) {
+  std::erase_if(peers_, [client](const Peer& p) { return p.client == client; });
+  countGames();
+}
+
+std::vector<Said> Host::takeSaid() {
+  return std::exchange(said_, {});
+}
+
+Peer* Host::find(std::uint64_t key) {
+  const auto it =
+      std::find_if(peers_.begin(), peers_.end(), [key](const Peer& p) { return p.key == key; });
   return it == peers_.end() ? nullptr : &*it;
 }
 
@@ -53,165 +80,142 @@ void Host::receive(const UdpEndpoint& from, std::span<const std::uint8_t> bytes,
   ++counters_.received;
   const Received datagram = read(bytes);
   if (datagram.flaw != Flaw::kNone) return counters_.ignore(reasonOf(datagram.flaw));
-  if (datagram.header.kind == Kind::kHello) return receiveHello(from, datagram.payload, now_ns);
-  Peer* peer = find(from);
-  if (peer == nullptr) return counters_.ignore(UdpIgnored::kUnknownPeer);
-  receiveFrom(*peer, datagram, now_ns);
-}
-
-void Host::receiveFrom(Peer& peer, const Received& datagram, std::int64_t now_ns) {
   const Header& header = datagram.header;
-  if (header.session != peer.session) return counters_.ignore(UdpIgnored::kSession);
-  if (header.kind > Kind::kGoodbye) return counters_.ignore(UdpIgnored::kHeader);
-  if (!peer.answered && !begin(peer, now_ns)) return;
-  if (!peer.window.isNew(header.sequence)) return counters_.ignore(UdpIgnored::kReplayed);
-  const Reassembler::Result result = peer.reassembler.add(header, datagram.payload);
-  if (result == Reassembler::Result::kRefused) return counters_.ignore(UdpIgnored::kFragment);
-  if (result == Reassembler::Result::kRepeated) return counters_.ignore(UdpIgnored::kReplayed);
+  if (header.kind > Kind::kAlive) return counters_.ignore(UdpIgnored::kHeader);
+  Peer* peer = find(header.key);
+  if (peer == nullptr) return counters_.ignore(UdpIgnored::kKey);
+
+  wire::ClientMessage message;
+  if (header.kind == Kind::kCommand) {
+    auto decoded = wire::decode(datagram.payload);
+    if (!decoded || !mayBeDatagram(*decoded, peer->standalone)) {
+      return counters_.ignore(UdpIgnored::kMessage);
+    }
+    message = std::move(*decoded);
+  }
+  // However late, and from wherever: a stop too many does no harm.
+  if (isEmergencyStop(message)) stop(*peer, message);
+  // Who has no WebSocket may begin anew, from 1, once it was gone.
+  if ((peer->open || !peer->standalone) && !isNewer(header.sequence, peer->newest)) {
+    return counters_.ignore(UdpIgnored::kStale);
+  }
+  if (!peer->open || peer->endpoint != from) begin(*peer, from);
+  follow(*peer, header, now_ns);
+  if (!isEmergencyStop(message)) obey(*peer, message, now_ns);
+  // One answer for each datagram, and no longer than it, until the address has proved itself.
+  if (!peer->proved) send(*peer, Kind::kPresent, {}, now_ns);
+}
+
+void Host::begin(Peer& peer, const UdpEndpoint& from) {
+  peer.open = true;
+  peer.endpoint = from;
+  peer.proved = false;
+  peer.told_ns.fill(0);
+  countGames();
+}
+
+void Host::follow(Peer& peer, const Header& header, std::int64_t now_ns) {
+  peer.newest = header.sequence;
+  peer.their_ns = header.sent_ns;
   peer.heard_ns = now_ns;
-  if (result == Reassembler::Result::kIncomplete) return;
-  peer.window.accept(header.sequence);
-  if (header.kind == Kind::kHeartbeat) return void(peer.alive_ns = now_ns);
-  if (header.kind == Kind::kMessage)
-    return receiveMessage(peer, peer.reassembler.message(), now_ns);
-  if (header.kind == Kind::kGoodbye) {
-    const std::uint32_t session = peer.session;
-    remove([&](const Peer& p) { return p.session == session; }, now_ns);
+  const auto& told = peer.told_ns;
+  if (header.echo_ns != 0 && std::find(told.begin(), told.end(), header.echo_ns) != told.end()) {
+    peer.proved = true;
   }
+  if (header.rate_or_stop == peer.rate_hz) return;
+  peer.rate_hz = header.rate_or_stop;
+  peer.decimator = Decimator(peer.rate_hz, tick_rate_hz_);
 }
 
-void Host::receiveMessage(Peer& peer, std::span<const std::uint8_t> message, std::int64_t now_ns) {
-  const Expected<wire::ClientMessage> decoded = wire::decode(message);
-  if (!decoded) {
-    counters_.ignore(UdpIgnored::kMessage);
-    return reply(peer, 0, refused(wire::refusalOf(decoded.errors()), format(decoded.errors())),
-                 now_ns);
-  }
-  if (decoded->type == wire::ClientMessageType::kAcknowledge) {
-    return peer.outbox.acknowledge(decoded->id);
-  }
-  peer.alive_ns = now_ns;
-  receiveCommand(peer, *decoded, now_ns);
+void Host::stop(Peer& peer, const wire::ClientMessage& message) {
+  if (message.id == peer.last_stop && peer.last_stop != 0) return;  // repeated until it is seen
+  peer.last_stop = message.id;
+  said_.push_back({peer.client, message});
 }
 
-void Host::receiveCommand(Peer& peer, const wire::ClientMessage& message, std::int64_t now_ns) {
-  const bool order = message.type == wire::ClientMessageType::kOrder;
-  const bool aim = order && message.order.type == OrderType::kAim;
-  const bool emergency = order && message.order.type == OrderType::kEmergencyStop;
-  std::uint32_t& last = aim ? peer.last_aim : emergency ? peer.last_emergency : peer.last_order;
-  // A late Arm must not undo the stop that overtook it; the stop itself never comes too late, under
-  // whatever number: it is passed over only where it is the very one that was carried out.
-  const bool over = emergency ? message.id == last && last != 0 : message.id <= last;
-  if (over) return counters_.ignore(UdpIgnored::kCommand);
-  if (!message.stops() && tooMany(peer, now_ns)) return refuseForRate(peer, message, now_ns);
-  last = message.id;
-  if (emergency) peer.last_order = std::max(peer.last_order, message.id);
-  switch (message.type) {
-    case wire::ClientMessageType::kOrder:
-      return receiveOrder(peer, message, now_ns);
-    case wire::ClientMessageType::kTakeControls:
-      return takeControls(peer, message.id, now_ns);
-    case wire::ClientMessageType::kReleaseControls:
-      return releaseControls(peer, message.id, now_ns);
-    case wire::ClientMessageType::kHeartbeat:
-    case wire::ClientMessageType::kAcknowledge:
-      return;  // to have been heard is all
-  }
-}
-
-bool Host::tooMany(Peer& peer, std::int64_t now_ns) {
+void Host::obey(Peer& peer, const wire::ClientMessage& message, std::int64_t now_ns) {
   constexpr std::int64_t kSecond_ns = 1'000'000'000;
+  if (!peer.proved) return;
   if (now_ns - peer.second_ns >= kSecond_ns) {
     peer.second_ns = now_ns;
     peer.commands = 0;
   }
-  return ++peer.commands > kMostCommands;
-}
-
-void Host::receiveOrder(Peer& peer, const wire::ClientMessage& message, std::int64_t now_ns) {
-  const bool aim = message.order.type == OrderType::kAim;
-  if (message.order.type != OrderType::kEmergencyStop && !controls_.heldBy(peer.client)) {
-    if (aim && std::exchange(peer.aim_refused, true)) return void(++counters_.commands_refused);
-    return reply(
-        peer, message.id,
-        refused(Refusal::kNotHolder, controls_.holder() == 0 ? "take the controls first"
-                                                             : "another client holds the controls"),
-        now_ns);
+  if (++peer.commands > kMostCommands && !message.stops()) {
+    return counters_.ignore(UdpIgnored::kRate);
   }
-  PendingOrder& pending =
-      orders_.emplace_back(PendingOrder{peer.session, message.id, message.order});
-  if (controls_.heldBy(peer.client)) pending.order.claim = peer.claim;
+  said_.push_back({peer.client, message});
 }
 
-void Host::takeControls(Peer& peer, std::uint32_t command, std::int64_t now_ns) {
-  const ControlsArbiter::Taken taken = controls_.take(peer.client);
-  if (!taken) {
-    return reply(peer, command,
-                 refused(Refusal::kControlsHeld, "another client holds the controls"), now_ns);
-  }
-  // Whoever takes over says anew who steers: the aim of the one who is gone must not go on.
-  lost_ns_.reset();
-  peer.claim = taken.claim;
-  if (taken.orphaned) giveBack(peer.claim);
-  peer.aim_refused = false;
-  order(OrderType::kOwnerAlive, 1.0, peer.claim);
-  reply(peer, command, {true, ""}, now_ns);
-  tellControls(peer, now_ns);
+void Host::setScene(std::shared_ptr<const SceneFacts> scene) {
+  if (scene == scene_ || scene == nullptr) return;
+  scene_ = std::move(scene);
+  encoder_ = std::make_unique<wire::StateEncoder>(scene_);
+  tick_rate_hz_ = scene_->period_s > 0.0
+                      ? static_cast<std::uint32_t>(std::lround(1.0 / scene_->period_s))
+                      : 1000U;
+  for (Peer& peer : peers_) peer.decimator = Decimator(peer.rate_hz, tick_rate_hz_);
 }
 
-void Host::releaseControls(Peer& peer, std::uint32_t command, std::int64_t now_ns) {
-  if (!controls_.release(peer.client, true)) {
-    return reply(peer, command, refused(Refusal::kNotHolder, "the game does not hold the controls"),
-                 now_ns);
-  }
-  giveBack(peer.claim);
-  reply(peer, command, {true, ""}, now_ns);
-  tellControls(peer, now_ns);
-}
-
-void Host::answer(const PendingOrder& pending, const OrderReply& given, std::int64_t now_ns) {
-  if (pending.command == 0) return;
-  const auto it = std::find_if(peers_.begin(), peers_.end(),
-                               [&](const Peer& p) { return p.session == pending.session; });
-  if (it == peers_.end()) return;
-  if (pending.order.type == OrderType::kAim) {
-    // Aims come by the hundred: only the first that is refused is answered.
-    if (given.accepted) {
-      it->aim_refused = false;
-      return void(++counters_.commands_accepted);
-    }
-    if (std::exchange(it->aim_refused, true)) return void(++counters_.commands_refused);
-  }
-  reply(*it, pending.command, given, now_ns);
-}
-
-void Host::order(OrderType type, double value, std::uint32_t claim) {
-  PendingOrder pending;
-  pending.order.type = type;
-  pending.order.value = value;
-  pending.order.claim = claim;
-  orders_.push_back(std::move(pending));
-}
-
-void Host::giveBack(std::uint32_t claim) {
-  order(OrderType::kSteer, 0.0, claim);  // to the virtual patient
-}
-
-void Host::leave(Peer& peer, std::int64_t now_ns) {
-  if (!controls_.release(peer.client)) return;
-  // Nobody shows the exercise any more: its effort fades out until somebody takes the controls.
-  order(OrderType::kOwnerAlive, 0.0, peer.claim);
-  lost_ns_ = now_ns;
-  lost_claim_ = peer.claim;
-}
-
-std::size_t Host::remove(const std::function<bool(const Peer&)>& which, std::int64_t now_ns) {
+void Host::publish(const TickRecord& record, const LoopStatus& status, std::int64_t now_ns) {
+  if (encoder_ == nullptr) return;
+  std::span<const std::uint8_t> state;
   for (Peer& peer : peers_) {
-    if (which(peer)) leave(peer, now_ns);
+    if (!peer.proved || now_ns - peer.heard_ns > kGone_ns) continue;
+    if (!peer.decimator.due(record.tick)) continue;
+    if (state.empty()) {
+      state = encoder_->encode(record, status, wire::Detail::kCompact, now_ns);
+    }
+    ++counters_.states_sent;
+    send(peer, Kind::kState, state, now_ns);
   }
-  const std::size_t removed = std::erase_if(peers_, which);
-  counters_.peers = static_cast<std::uint32_t>(games());
-  return removed;
+}
+
+void Host::publishIdle(const TickRecord& record, const LoopStatus& status, std::int64_t now_ns) {
+  if (encoder_ == nullptr || counters_.peers == 0) return;
+  const auto state = encoder_->encode(record, status, wire::Detail::kCompact, now_ns);
+  for (Peer& peer : peers_) {
+    if (!peer.proved || peer.rate_hz == 0 || now_ns - peer.heard_ns > kGone_ns) continue;
+    ++counters_.states_sent;
+    send(peer, Kind::kState, state, now_ns);
+  }
+}
+
+void Host::advance(std::int64_t now_ns) {
+  for (Peer& peer : peers_) {
+    if (!peer.open) continue;
+    if (now_ns - peer.heard_ns > kGone_ns) {
+      peer.open = peer.proved = false;
+      if (peer.standalone) peer.last_stop = 0;  // it may count its commands from 1 again
+      ++counters_.peers_lost;
+      countGames();
+    } else if (peer.proved && now_ns - peer.sent_ns >= kPresent_ns) {
+      send(peer, Kind::kPresent, {}, now_ns);
+    }
+  }
+}
+
+void Host::countGames() {
+  counters_.peers = static_cast<std::uint32_t>(
+      std::count_if(peers_.begin(), peers_.end(), [](const Peer& p) { return p.open; }));
+}
+
+void Host::send(Peer& peer, Kind kind, std::span<const std::uint8_t> message, std::int64_t now_ns) {
+  if (message.size() > kLargestPayload) return void(++counters_.send_errors);
+  Header header;
+  header.kind = kind;
+  header.holds_controls = controls_.heldBy(peer.client);
+  header.key = peer.key;
+  header.sequence = ++peer.sequence;
+  header.rate_or_stop = peer.last_stop;
+  header.sent_ns = peer.sent_ns = now_ns;
+  header.echo_ns = peer.their_ns;
+  header.echo_age_us = static_cast<std::uint32_t>((now_ns - peer.heard_ns) / 1000);
+  if (!peer.proved) peer.told_ns[peer.told++ % peer.told_ns.size()] = now_ns;
+  Datagram datagram;
+  const std::size_t size = write(datagram, header, message);
+  const UdpSent sent = send_(peer.endpoint, {datagram.data(), size});
+  if (sent == UdpSent::kFull) ++counters_.dropped_full;
+  if (sent == UdpSent::kFailed) ++counters_.send_errors;
 }
 
 }  // namespace wholehand::udp

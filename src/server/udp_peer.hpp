@@ -1,14 +1,11 @@
 #pragma once
 
 #include "server/controls_arbiter.hpp"
-#include "server/udp_datagram.hpp"
 #include "server/udp_socket.hpp"
-#include "server/wire.hpp"
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
-#include <deque>
-#include <functional>
-#include <memory>
 
 // What the program remembers of one game. Pure: no socket, no clock.
 namespace wholehand::udp {
@@ -31,66 +28,33 @@ class Decimator {
   std::uint64_t last_ = 0;
 };
 
-/// Messages that are sent again until they are acknowledged: at once, then after 50 ms, twice as
-/// long after each further time, at most every 500 ms. At most kMostUnderway are on the way.
-class ReliableOutbox {
- public:
-  using Message = std::shared_ptr<const wire::Bytes>;
-  using Send = std::function<void(std::uint32_t sequence, const wire::Bytes& message, bool again)>;
-
-  static constexpr std::size_t kMostUnderway = 32;
-  static constexpr std::size_t kMostWaiting = 512;
-  static constexpr std::int64_t kFirstPause_ns = 50'000'000;
-  static constexpr std::int64_t kLongestPause_ns = 500'000'000;
-
-  /// False where too many wait: the game acknowledges nothing.
-  [[nodiscard]] bool add(Message message);
-  void acknowledge(std::uint32_t sequence);
-  void sendDue(std::int64_t now_ns, const Send& send);
-  [[nodiscard]] std::size_t size() const noexcept { return waiting_.size(); }
-
- private:
-  struct Waiting {
-    std::uint32_t sequence = 0;
-    Message message;
-    std::int64_t due_ns = 0;
-    std::int64_t pause_ns = kFirstPause_ns;
-    bool sent = false;
-  };
-
-  std::uint32_t last_sequence_ = 0;
-  std::deque<Waiting> waiting_;
-};
-
+/// A game that has a key.
 struct Peer {
-  UdpEndpoint endpoint;
-  std::uint32_t session = 0;
-  std::uint64_t nonce = 0;  ///< of its Hello
-  /// Its address has sent something that names the session, hence got the Welcome. Until then it
-  /// gets nothing else: a Hello may carry anybody's address.
-  bool answered = false;
+  std::uint64_t key = 0;
   ControlsArbiter::Client client = 0;
-  std::uint32_t claim = 0;  ///< of its last holding of the controls
-  std::uint16_t rate_hz = 0;
+  bool standalone = false;  ///< it has no WebSocket: the key was given at the start
+
+  // Since its first datagram, until it is silent for a second.
+  bool open = false;
+  UdpEndpoint endpoint;
+  std::uint32_t newest = 0;     ///< sequence number of its newest datagram; it counts from 1
+  std::int64_t their_ns = 0;    ///< sent_ns of that one
+  std::int64_t heard_ns = 0;    ///< when that one came
+  std::uint32_t last_stop = 0;  ///< Command.id of the emergency stop that was obeyed last; 0: none
+  std::uint32_t rate_hz = 0;
   Decimator decimator;
+  std::int64_t second_ns = 0;  ///< when commands were last counted from 0
+  int commands = 0;            ///< since then
 
-  ReplayWindow window;
-  Reassembler reassembler{wire::kLargestClientMessage};
-  std::int64_t heard_ns = 0;  ///< anything
-  std::int64_t alive_ns = 0;  ///< a heartbeat or a command: the game itself, not its network code
+  /// Somebody at the endpoint has told a time that was sent there. Until then it gets one header
+  /// for each that it sends, and may only stop: a datagram may carry anybody's address, or be one
+  /// of an earlier conversation.
+  bool proved = false;
+  std::array<std::int64_t, 8> told_ns{};  ///< times that were sent there lately; 0: none
+  std::size_t told = 0;
 
-  std::uint32_t last_order = 0;      ///< ids below are carried out or overtaken
-  std::uint32_t last_aim = 0;        ///< aims are not repeated, hence counted by themselves
-  std::uint32_t last_emergency = 0;  ///< a late emergency stop is obeyed all the same
-  std::int64_t second_ns = 0;        ///< when commands were last counted from 0
-  int commands = 0;                  ///< since then
-  bool aim_refused = false;          ///< told once, until one is accepted or the controls change
-
-  std::uint32_t state_sequence = 0;
-  std::uint32_t other_sequence = 0;
-  std::int64_t sent_ns = 0;
-  ReliableOutbox outbox;
-  bool told_mine = false, told_held = false;  ///< what it knows of the controls
+  std::uint32_t sequence = 0;  ///< of the program's last datagram
+  std::int64_t sent_ns = 0;    ///< of that one
 };
 
 }  // namespace wholehand::udp

@@ -201,10 +201,12 @@ Bytes eventsMessage(std::span<const NumberedEvent> events) {
   return take(b);
 }
 
-Bytes welcomeMessage(std::uint32_t client, bool controls, const std::string& program_version) {
+Bytes welcomeMessage(std::uint32_t client, bool controls, const std::string& program_version,
+                     const DatagramDoor& door) {
   Builder b;
   const auto version = b.CreateString(program_version);
-  finish(b, fb::CreateWelcome(b, kSchemaVersion, client, controls, version), kSchemaVersion);
+  finish(b, fb::CreateWelcome(b, kSchemaVersion, client, controls, version, door.port, door.key),
+         kSchemaVersion);
   return take(b);
 }
 
@@ -237,8 +239,6 @@ const char* nameOf(const ClientMessage& message) noexcept {
       return "ReleaseControls";
     case ClientMessageType::kHeartbeat:
       return "Heartbeat";
-    case ClientMessageType::kAcknowledge:
-      return "Acknowledge";
     case ClientMessageType::kOrder:
       break;
   }

@@ -56,8 +56,14 @@ struct NumberedEvent {
 
 [[nodiscard]] Bytes sceneMessage(const SceneFacts& scene);
 [[nodiscard]] Bytes eventsMessage(std::span<const NumberedEvent> events);
+/// Where a client may send datagrams, and the key to them; port 0: nowhere.
+struct DatagramDoor {
+  std::uint16_t port = 0;
+  std::uint64_t key = 0;
+};
 [[nodiscard]] Bytes welcomeMessage(std::uint32_t client, bool controls,
-                                   const std::string& program_version);
+                                   const std::string& program_version,
+                                   const DatagramDoor& door = {});
 /// Who has the controls, as one client is told.
 struct ControlsFacts {
   bool held_by_you = false, held = false;
@@ -69,11 +75,11 @@ struct ControlsFacts {
 [[nodiscard]] Bytes replyMessage(std::uint32_t command, const OrderReply& reply);
 
 /// What a client may say.
-enum class ClientMessageType { kOrder, kTakeControls, kReleaseControls, kHeartbeat, kAcknowledge };
+enum class ClientMessageType { kOrder, kTakeControls, kReleaseControls, kHeartbeat };
 
 struct ClientMessage {
   ClientMessageType type = ClientMessageType::kHeartbeat;
-  std::uint32_t id = 0;  ///< Command.id, or the sequence acknowledged
+  std::uint32_t id = 0;  ///< Command.id
   Order order;
   std::string token;  ///< kTakeControls
 

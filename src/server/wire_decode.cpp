@@ -166,12 +166,6 @@ Expected<ClientMessage> decodePayload(const fb::Message& message) {
     }
     return decodeCommand(*command);
   }
-  if (const fb::Acknowledge* acknowledge = message.payload_as_Acknowledge()) {
-    ClientMessage m;
-    m.type = ClientMessageType::kAcknowledge;
-    m.id = acknowledge->sequence();
-    return m;
-  }
   return refusal("payload", std::to_string(static_cast<int>(message.payload_type())),
                  "is nothing that a client says", "");
 }

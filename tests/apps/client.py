@@ -204,33 +204,36 @@ class Page:
 
 
 class Game:
-    """A game over UDP, which sees the states of the loop as they come: (when, tick, faults, authority)."""
+    """A game that speaks UDP only, with the program's --udp-key, and sees the states of the loop as they come:
+    (when, tick, faults, authority)."""
+
+    KEY = "0123456789abcdef"
 
     def __init__(self, port, rate_hz):
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.socket.connect(("127.0.0.1", port))
         self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
         self.socket.settimeout(0.05)
-        self.session, self.sequence, self.last, self.version = 0, 0, 0, 1
+        self.rate_hz, self.sequence, self.echo_ns, self.last, self.version = rate_hz, 0, 0, 0, 1
         self.lock = threading.Lock()
         self.states = []
+        self.holds_controls = False
         self.open = True
-        self._send(1, struct.pack("<HHQ", rate_hz, self.version, int.from_bytes(os.urandom(8), "little")))
         self.thread = threading.Thread(target=self._listen, daemon=True)
         self.thread.start()
 
     def _send(self, kind, payload=b""):
         with self.lock:
             self.sequence += 1
-            head = struct.pack("<4sHBBIIqHHHH", b"WHUD", 1, kind, 0, self.session, self.sequence,
-                               time.monotonic_ns(), 0, 1, len(payload), 0)
+            head = struct.pack("<4sHBBQIIqqI", b"WHUD", 2, kind, 0, int(self.KEY, 16), self.sequence, self.rate_hz,
+                               time.monotonic_ns(), self.echo_ns, 0)
             self.socket.send(head + struct.pack("<I", zlib.crc32(head + payload)) + payload)
 
     def _listen(self):
         beat = 0.0
         while self.open:
-            if self.session and time.monotonic() > beat:
-                self._send(3)
+            if time.monotonic() > beat:
+                self._send(2)
                 beat = time.monotonic() + 0.05
             try:
                 datagram = self.socket.recv(2048)
@@ -238,19 +241,16 @@ class Game:
                 continue
             except OSError:
                 return
-            kind, session, sequence = datagram[6], *struct.unpack_from("<II", datagram, 8)
-            if kind == 16 and not self.session:
-                self.session = session
-            elif kind == 17:
-                _, state = decode(datagram[36:])
+            self.holds_controls = datagram[7] == 1
+            self.echo_ns = struct.unpack_from("<q", datagram, 24)[0]
+            if datagram[6] == 16:
+                _, state = decode(datagram[48:])
                 self.states.append((time.monotonic(), state.number(1, "Q"), state.number(6, "I"),
                                     state.number(8, "f")))
-            elif kind == 18:
-                self._send(2, encode([("H", self.version), ("B", 8), [("I", sequence)]]))  # Acknowledge
 
     def say(self, order, *fields):
         self.last += 1
-        self._send(2, command(self.version, self.last, order, fields))
+        self._send(1, command(self.version, self.last, order, fields))
 
     def close(self):
         self.open = False

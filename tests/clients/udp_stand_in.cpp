@@ -1,9 +1,10 @@
-// Plays the program to a game: a UdpBridge whose records come at 1 kHz from a fake backend, as
-// telemetry hands them over. udp_stand_in [port] [token] prints its port, then runs until its
-// standard input ends, and prints how late it was itself: a client on a busy machine is judged by
-// that.
+// Plays the program to a game: a server and a UdpBridge whose records come at 1 kHz from a fake
+// backend, as telemetry hands them over. udp_stand_in [port] [token] prints the port of its pages,
+// then runs until its standard input ends, and prints how late it was itself: a client on a busy
+// machine is judged by that. Port "closed:N": pages at N, and no datagrams.
 
 #include "realtime/monotonic_clock.hpp"
+#include "server/server.hpp"
 #include "server/udp_bridge.hpp"
 #include "server/udp_fake_backend.hpp"
 
@@ -28,10 +29,19 @@ void sleepUntil(std::int64_t at_ns) {
   clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &t, nullptr);
 }
 
+/// The newest record is the one that was made last.
+class Program : public wholehand::test::FakeBackend {
+ public:
+  [[nodiscard]] bool latest(wholehand::TickRecord& out) const override {
+    out = record(tick);
+    return true;
+  }
+  std::atomic<std::uint64_t> tick{0};
+};
+
 /// Publishes every tick that is due, in batches where it is late, as telemetry does.
-std::vector<std::int64_t> publish(wholehand::UdpBridge& bridge,
-                                  wholehand::test::FakeBackend& backend,
-                                  const std::atomic<bool>& stopping) {
+std::vector<std::int64_t> publish(wholehand::UdpBridge& bridge, wholehand::Server& server,
+                                  Program& backend, const std::atomic<bool>& stopping) {
   std::vector<std::int64_t> lateness_ns;
   lateness_ns.reserve(200'000);
   const std::int64_t start_ns = wholehand::monotonicNow_ns();
@@ -43,7 +53,9 @@ std::vector<std::int64_t> publish(wholehand::UdpBridge& bridge,
       record.exercise.event_count = 1;
       record.exercise.events[0] = {1, 2, static_cast<double>(tick / kTicksBetweenEvents)};
     }
+    backend.tick = tick;
     bridge.publish(record);
+    server.publish(record);
     lateness_ns.push_back(wholehand::monotonicNow_ns() - due_ns);
   }
   return lateness_ns;
@@ -52,22 +64,33 @@ std::vector<std::int64_t> publish(wholehand::UdpBridge& bridge,
 }  // namespace
 
 int main(int argc, char** argv) {
-  wholehand::UdpOptions options;
-  options.local.port = static_cast<std::uint16_t>(argc > 1 ? std::atoi(argv[1]) : 0);
-  if (argc > 2) options.token = argv[2];
-  wholehand::test::FakeBackend backend;
+  const std::string port = argc > 1 ? argv[1] : "0";
+  const bool closed = port.starts_with("closed:");
+  Program backend;
   wholehand::ControlsArbiter controls;
   wholehand::UdpBridge bridge(backend, controls);
-  if (const auto started = bridge.start(options); !started) {
-    std::fprintf(stderr, "%s\n", wholehand::format(started.errors()).c_str());
+  wholehand::ServerOptions options;
+  options.port = static_cast<std::uint16_t>(std::atoi(port.c_str() + (closed ? 7 : 0)));
+  if (argc > 2) options.token = argv[2];
+  options.udp = &bridge;
+  options.log = [](const std::string& line) { std::fprintf(stderr, "server: %s\n", line.c_str()); };
+  if (!closed) {
+    if (const auto started = bridge.start({{0x7F000001, 0}}); !started) {
+      std::fprintf(stderr, "%s\n", wholehand::format(started.errors()).c_str());
+      return 2;
+    }
+  }
+  auto server = wholehand::Server::open(backend, options, controls);
+  if (!server) {
+    std::fprintf(stderr, "%s\n", wholehand::format(server.errors()).c_str());
     return 2;
   }
-  std::printf("port %u\n", unsigned{bridge.local().port});
+  std::printf("port %u\n", unsigned{(*server)->port()});
   std::fflush(stdout);
 
   std::atomic<bool> stopping{false};
   std::vector<std::int64_t> lateness_ns;
-  std::thread telemetry([&] { lateness_ns = publish(bridge, backend, stopping); });
+  std::thread telemetry([&] { lateness_ns = publish(bridge, **server, backend, stopping); });
   while (std::getchar() != EOF) {
   }
   stopping = true;
@@ -75,11 +98,10 @@ int main(int argc, char** argv) {
   bridge.stop();
   std::sort(lateness_ns.begin(), lateness_ns.end());
   const auto& c = bridge.counters();
-  std::printf(
-      "late p99 %.3f ms, max %.3f ms; states %llu, repeated %llu, full %llu, silences %llu\n",
-      static_cast<double>(lateness_ns[lateness_ns.size() * 99 / 100]) * 1e-6,
-      static_cast<double>(lateness_ns.back()) * 1e-6,
-      static_cast<unsigned long long>(c.states_sent), static_cast<unsigned long long>(c.repeated),
-      static_cast<unsigned long long>(c.dropped_full), static_cast<unsigned long long>(c.silences));
+  std::printf("late p99 %.3f ms, max %.3f ms; states %llu, full %llu\n",
+              static_cast<double>(lateness_ns[lateness_ns.size() * 99 / 100]) * 1e-6,
+              static_cast<double>(lateness_ns.back()) * 1e-6,
+              static_cast<unsigned long long>(c.states_sent),
+              static_cast<unsigned long long>(c.dropped_full));
   return 0;
 }

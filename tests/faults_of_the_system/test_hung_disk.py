@@ -53,7 +53,7 @@ class Stops(AppTest):
             os.replace(self.record("old.h5", duration=0.3), kept / "old.h5")
         # What a program that hangs still holds is not written over.
         (self.folder / "rec/run.h5").unlink(missing_ok=True)
-        run = self.start_app("run", "--port", 0, "--udp", 0, "--record", "rec/run.h5", "--duration", 600,
+        run = self.start_app("run", "--port", 0, "--udp", 0, "--udp-key", client.Game.KEY, "--record", "rec/run.h5", "--duration", 600,
                              "--no-rehearsal", *arguments, env=environment, preexec_fn=listen_to_ctrl_c)
         self.addCleanup(self.disk.hang)
         self.port = int(run.stdout.readline().split(":")[2].rstrip("/\n"))
@@ -119,14 +119,11 @@ class Stops(AppTest):
 
     def prepare(self, door):
         """Whoever is to stop is there, and holds the controls where that needs them."""
-        if door.endswith("of a game"):
-            self.player = client.Game(self.game.socket.getpeername()[1], 0)
-            self.addCleanup(self.player.close)
+        if door == "stop of a game":
+            self.game.say(client.TAKE_CONTROLS)
             until = time.monotonic() + 30
-            while not self.player.session and time.monotonic() < until:
+            while not self.game.holds_controls and time.monotonic() < until:
                 time.sleep(0.005)
-            if door == "stop of a game":
-                self.player.say(client.TAKE_CONTROLS)
         if "page" in door:
             self.page = client.Page(self.port)
             self.addCleanup(self.page.socket.close)
@@ -142,9 +139,9 @@ class Stops(AppTest):
         elif door == "stop of a page":
             self.page.say(client.STOP)
         elif door == "emergency stop of a game":
-            self.player.say(client.EMERGENCY_STOP)
+            self.game.say(client.EMERGENCY_STOP)
         elif door == "stop of a game":
-            self.player.say(client.STOP)
+            self.game.say(client.STOP)
         elif door.startswith("SIG"):
             run.send_signal(getattr(signal, door))
         elif door == "page that is closed":

@@ -92,7 +92,7 @@ class Watchers {
       });
     }
     threads_.emplace_back([this, http] { browse(http); });
-    threads_.emplace_back([this, udp] { play(udp); });
+    threads_.emplace_back([this, http, udp] { play(http, udp); });
   }
   ~Watchers() {
     leaving_ = true;
@@ -114,20 +114,23 @@ class Watchers {
     } catch (const std::runtime_error&) {  // the program has ended
     }
   }
-  void play(const UdpEndpoint& udp) {
+  void play(std::uint16_t http, const UdpEndpoint& udp) {
+    WebSocket line(http);
+    const auto frame = replies::next(line, fb::Payload::Welcome);
     UdpSocket socket;
-    if (!socket.open({0x7F000001, 0})) return;
+    if (!frame || !socket.open({0x7F000001, 0})) return;
     TestGame game([&](const TestGame::Bytes& d) { (void)socket.send(udp, d); });
-    game.hello(100);
+    game.key = replies::message(*frame).payload_as_Welcome()->udp_key();
+    game.rate_hz = 100;
     std::array<std::uint8_t, 2000> buffer{};
     UdpEndpoint from;
-    while (!leaving_) {
+    while (!leaving_ && !line.closed()) {
       for (long n; (n = socket.receive(from, buffer)) >= 0;) {
         game.hear({buffer.data(), static_cast<std::size_t>(n)});
       }
       states = static_cast<int>(game.state_ticks.size());
-      if (game.session != 0) game.say(udp::Kind::kHeartbeat);
-      socket.wait(20);
+      game.say();
+      (void)line.hear(20ms);
     }
   }
 
@@ -144,10 +147,9 @@ struct Program {
     options.port = 0;
     options.log = [](const std::string& line) { std::printf("server: %s\n", line.c_str()); };
     options.more_metrics = [this] { return udpMetricsText(bridge.counters()); };
+    (void)orThrow(bridge.start({{0x7F000001, 0}}));
+    options.udp = &bridge;
     server = orThrow(Server::open(station, options, controls));
-    UdpOptions udp;
-    udp.local = {0x7F000001, 0};
-    (void)orThrow(bridge.start(udp));
     station.addSink([this](const TickRecord& record) { bridge.publish(record); });
     station.addSink([this](const TickRecord& record) { server->publish(record); });
     station.addSink([this](const TickRecord&) { ++records; });

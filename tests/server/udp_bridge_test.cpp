@@ -1,37 +1,41 @@
 #include "server/udp_bridge.hpp"
 
 #include "realtime/monotonic_clock.hpp"
+#include "server/fake_program.hpp"
+#include "server/server.hpp"
 #include "server/udp_fake_backend.hpp"
 #include "server/udp_test_game.hpp"
+#include "support/figure.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <thread>
 
-// The bridge on real sockets. Nothing here depends on how fast the machine is: what is late is
-// waited for.
+// WebSocket and datagrams together, on real sockets. Nothing here depends on how fast the machine
+// is: what is late is waited for.
 namespace wholehand {
 namespace {
 
 using test::FakeBackend;
 using test::TestGame;
+using test::WebSocket;
+namespace fb = wholehand::protocol;
 namespace words = test::words;
+namespace replies = test::replies;
 
 constexpr UdpEndpoint kAnyPort{0x7F000001, 0};
+constexpr std::uint64_t kKeyOfTheStart = 0xFEDCBA9876543210;
 
-void rest(int ms) {
-  std::this_thread::sleep_for(std::chrono::milliseconds(ms));
-}
-
-/// A game with a socket.
+/// Datagrams of a game, through a socket of its own.
 struct SocketGame {
-  explicit SocketGame(const UdpEndpoint& program) : to(program) {
+  SocketGame(const UdpEndpoint& program, std::uint64_t key, std::uint32_t rate_hz) : to(program) {
     if (!socket.open(kAnyPort)) throw std::runtime_error("no socket");
+    game.key = key;
+    game.rate_hz = rate_hz;
   }
-  /// Hears all that waits; true when the condition comes true within 20 s.
+  /// Shows that it is there and hears all that waits; true when the condition comes true in 20 s.
   template <class Condition>
   bool until(Condition condition) {
     std::array<std::uint8_t, 2000> buffer;
@@ -41,120 +45,150 @@ struct SocketGame {
         game.hear({buffer.data(), static_cast<std::size_t>(n)});
       }
       if (condition()) return true;
+      game.say();
       socket.wait(5);
     }
     return false;
   }
-  bool connect(std::uint16_t rate_hz) {
-    game.hello(rate_hz);
-    return until([&] { return game.session != 0 && !game.reliable.empty(); });
+  /// As above, saying the same again and again: what is lost is made up for.
+  template <class Condition>
+  bool sayUntil(const std::function<TestGame::Bytes()>& message, Condition condition) {
+    return until([&] {
+      if (condition()) return true;
+      game.say(message());
+      return false;
+    });
   }
 
   UdpEndpoint to;
   UdpSocket socket;
-  TestGame game{[this](const TestGame::Bytes& d) {
-    if (socket.send(to, d) != UdpSent::kSent) throw std::runtime_error("not sent");
-  }};
+  TestGame game{[this](const TestGame::Bytes& d) { (void)socket.send(to, d); }};
+};
+
+/// A game as it should be: a WebSocket, and datagrams with the key of its Welcome.
+struct WholeGame {
+  WholeGame(Server& server, const UdpBridge& bridge, std::uint32_t rate_hz)
+      : socket(server.port()) {
+    const auto frame = replies::next(socket, fb::Payload::Welcome);
+    if (!frame) throw std::runtime_error("no welcome");
+    const auto* welcome = replies::message(*frame).payload_as_Welcome();
+    EXPECT_EQ(welcome->udp_port(), bridge.local().port);
+    fast = std::make_unique<SocketGame>(bridge.local(), welcome->udp_key(), rate_hz);
+  }
+  replies::Answer says(const wire::Bytes& message) {
+    socket.say(message);
+    return replies::answer(socket);
+  }
+
+  WebSocket socket;
+  std::unique_ptr<SocketGame> fast;
 };
 
 class UdpBridgeOnLoopback : public ::testing::Test {
  protected:
-  UdpBridgeOnLoopback() : bridge(backend, controls) {
-    UdpOptions options;
-    options.local = kAnyPort;
-    const auto started = bridge.start(options);
-    if (!started) throw std::runtime_error(format(started.errors()));
+  explicit UdpBridgeOnLoopback(std::uint64_t key = 0) : bridge(backend, controls) {
+    (void)test::orThrow(bridge.start({kAnyPort, key}));
+    ServerOptions options;
+    options.port = 0;
+    options.udp = &bridge;
+    server = test::orThrow(Server::open(backend, options, controls));
   }
   FakeBackend backend;
   ControlsArbiter controls;
   UdpBridge bridge;
+  std::unique_ptr<Server> server;
 };
 
 TEST_F(UdpBridgeOnLoopback, EveryTick_ReachesTheGameInOrder) {
-  SocketGame g(bridge.local());
-  ASSERT_TRUE(g.connect(1000));
+  const WholeGame g(*server, bridge, 1000);
+  TestGame& game = g.fast->game;
+  ASSERT_TRUE(g.fast->until([&] { return !game.state_ticks.empty(); }));
   for (std::uint64_t tick = 1; tick <= 3000; ++tick) {
     bridge.publish(backend.record(tick));
     // The game's buffer holds some hundred: it reads before it is full, however slow this goes.
     if (tick % 50 == 0) {
-      // On a busy machine one that says how the loop was before its first record may come last.
-      const auto& told = g.game.state_ticks;
-      ASSERT_TRUE(g.until([&] { return std::find(told.begin(), told.end(), tick) != told.end(); }));
+      const auto& told = game.state_ticks;
+      ASSERT_TRUE(
+          g.fast->until([&] { return std::find(told.begin(), told.end(), tick) != told.end(); }));
     }
   }
-  std::erase(g.game.state_ticks, 0U);  // how the loop was before its first record
-  ASSERT_EQ(g.game.state_ticks.size(), 3000U);
-  for (std::uint64_t i = 0; i < 3000; ++i) ASSERT_EQ(g.game.state_ticks[i], i + 1);
+  std::erase(game.state_ticks, 0U);  // how the loop was before its first record
+  ASSERT_EQ(game.state_ticks.size(), 3000U);
+  for (std::uint64_t i = 0; i < 3000; ++i) ASSERT_EQ(game.state_ticks[i], i + 1);
   EXPECT_EQ(bridge.counters().dropped_full, 0U);
 }
 
-// A game that is to start the loop has to know what ended before.
-TEST_F(UdpBridgeOnLoopback, BeforeTheFirstRecord_StatesSayHowTheLoopIs) {
-  SocketGame g(bridge.local());
-  ASSERT_TRUE(g.connect(60));
-  ASSERT_TRUE(g.until([&] { return g.game.state_ticks.size() >= 2; }));
-  g.game.command(words::takeControls(1));
-  g.game.command(words::emergencyStop(2));
-  ASSERT_TRUE(g.until([&] { return g.game.replies().count(2) != 0; }));
-  g.game.command(words::armHavingSeen(1, 3));
-  g.game.command(words::armHavingSeen(2, 4));
-  ASSERT_TRUE(g.until([&] { return g.game.replies().count(4) != 0; }));
-  EXPECT_FALSE(g.game.replies().at(3).first) << "it was pressed before the stop was shown";
-  EXPECT_TRUE(g.game.replies().at(4).first);
+TEST_F(UdpBridgeOnLoopback, ControlsByWebSocketAndAimsByDatagram_MoveTheHand) {
+  WholeGame g(*server, bridge, 60);
+  ASSERT_TRUE(g.says(words::takeControls(1)).accepted);
+  ASSERT_TRUE(g.says(words::arm(2)).accepted);
+  const std::vector<float> aim(9, 0.03F);
+  std::uint32_t id = 2;
+  ASSERT_TRUE(
+      g.fast->sayUntil([&] { return words::aim(++id, aim); }, [&] { return backend.aims() > 10; }));
+  EXPECT_FLOAT_EQ(static_cast<float>(backend.record(0).exercise.values[3]), 0.03F);
+  ASSERT_TRUE(g.fast->until([&] { return g.fast->game.last.holds_controls; }));
+}
+
+TEST_F(UdpBridgeOnLoopback, SignsOfLifeByDatagram_KeepTheControls) {
+  WholeGame g(*server, bridge, 60);
+  ASSERT_TRUE(g.says(words::takeControls(1)).accepted);
+  // Three times the silence that loses them, by the program's own count of what it sent.
+  ASSERT_TRUE(g.fast->until([&] { return bridge.counters().states_sent >= 6; }));
+  EXPECT_EQ(backend.ownerAlive(), 1.0);
+  while (backend.ownerAlive() == 1.0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  EXPECT_EQ(controls.holder(), 0U) << "silent, it loses them";
+}
+
+TEST_F(UdpBridgeOnLoopback, AimWithoutTheControls_IsRefusedOnceByWebSocket) {
+  WholeGame g(*server, bridge, 0);
+  std::uint32_t id = 0;
+  const auto before = bridge.counters().received.load();
+  ASSERT_TRUE(g.fast->sayUntil([&] { return words::aim(++id, {0.1F}); },
+                               [&] { return bridge.counters().received > before + 20; }));
+  EXPECT_EQ(replies::answer(g.socket).refusal, fb::Refusal::NotHolder);
+  g.socket.say(words::setHelp(id + 1, fb::Help::Some));
+  EXPECT_EQ(replies::answer(g.socket).command, id + 1) << "no aim was refused a second time";
+  EXPECT_EQ(backend.aims(), 0);
+}
+
+TEST_F(UdpBridgeOnLoopback, EmergencyStop_IsObeyedWithoutTheControlsAndSeen) {
+  const WholeGame holder(*server, bridge, 0);
+  const WholeGame g(*server, bridge, 1000);
+  ASSERT_TRUE(g.fast->sayUntil([] { return words::emergencyStop(77); },
+                               [&] { return g.fast->game.last.rate_or_stop == 77; }));
+  EXPECT_EQ(backend.status().run_state, RunState::kStopped);
+  EXPECT_EQ(backend.status().endings, 2U) << "however often it was repeated";
+}
+
+TEST_F(UdpBridgeOnLoopback, EndOfTheWebSocket_EndsTheDatagrams) {
+  std::unique_ptr<SocketGame> fast;
+  {
+    WholeGame g(*server, bridge, 1000);
+    ASSERT_TRUE(g.fast->until([&] { return !g.fast->game.state_ticks.empty(); }));
+    fast = std::move(g.fast);
+  }
+  ASSERT_TRUE(fast->until([&] { return bridge.counters().ignoredFor(UdpIgnored::kKey) > 0; }));
+  EXPECT_EQ(bridge.counters().peers, 0U);
 }
 
 TEST_F(UdpBridgeOnLoopback, GameThatNeverReads_DoesNotHoldUpPublish) {
-  SocketGame g(bridge.local());
-  ASSERT_TRUE(g.connect(1000));
+  const WholeGame g(*server, bridge, 1000);
+  ASSERT_TRUE(g.fast->until([&] { return !g.fast->game.state_ticks.empty(); }));
+  const auto before = bridge.counters().states_sent.load();
   // Forty times what its buffer holds; a send that blocks would never come back.
   for (std::uint64_t tick = 1; tick <= 20'000; ++tick) {
     bridge.publish(backend.record(tick));
-    if (tick % 1000 == 0) g.game.say(udp::Kind::kHeartbeat);
+    if (tick % 1000 == 0) g.fast->game.say();
   }
-  EXPECT_GE(bridge.counters().states_sent, 20'000U);  // and some before the first record
-}
-
-TEST_F(UdpBridgeOnLoopback, Commands_ReachTheBackendAndAreAnswered) {
-  SocketGame g(bridge.local());
-  ASSERT_TRUE(g.connect(0));
-  g.game.command(words::takeControls(1));
-  ASSERT_TRUE(g.until([&] { return g.game.replies().count(1) != 0; }));
-  g.game.command(words::setParameter(2, "lead_in_m", 0.012));
-  ASSERT_TRUE(g.until([&] { return g.game.replies().count(2) != 0; }));
-  EXPECT_TRUE(g.game.replies().at(2).first);
-  EXPECT_EQ(backend.record(0).exercise.values[0], 0.012);
-}
-
-TEST_F(UdpBridgeOnLoopback, SilentGame_FadesTheExerciseOutUntilItTakesTheControlsAnew) {
-  SocketGame g(bridge.local());
-  ASSERT_TRUE(g.connect(0));
-  g.game.command(words::takeControls(1));
-  ASSERT_TRUE(g.until([&] { return g.game.replies().count(1) != 0; }));
-  ASSERT_TRUE(g.until([&] { return backend.ownerAlive() == 0.0; }));
-  g.game.say(udp::Kind::kHeartbeat);
-  g.game.command(words::takeControls(2));
-  ASSERT_TRUE(g.until([&] { return backend.ownerAlive() == 1.0; }));
-}
-
-TEST_F(UdpBridgeOnLoopback, ProgramThatThrows_LosesNobodyAndNoEmergencyStop) {
-  SocketGame g(bridge.local());
-  ASSERT_TRUE(g.connect(0));
-  g.game.command(words::takeControls(1));
-  ASSERT_TRUE(g.until([&] { return g.game.replies().count(1) != 0; }));
-  g.game.command(words::setParameter(2, "throw", 0.5));
-  g.game.command(words::emergencyStop(3));
-  ASSERT_TRUE(g.until([&] { return g.game.replies().count(2) + g.game.replies().count(3) == 2; }));
-  EXPECT_FALSE(g.game.replies().at(2).first);
-  EXPECT_TRUE(g.game.replies().at(3).first);
-  EXPECT_EQ(backend.status().run_state, RunState::kStopped);
-  EXPECT_EQ(bridge.counters().exceptions, 1U);
+  EXPECT_GE(bridge.counters().states_sent, before + 1000);
 }
 
 TEST_F(UdpBridgeOnLoopback, OversizedDatagram_IsCounted) {
-  SocketGame g(bridge.local());
-  const TestGame::Bytes large(3000, 1);
-  ASSERT_EQ(g.socket.send(g.to, large), UdpSent::kSent);
+  SocketGame g(bridge.local(), 1, 0);
+  ASSERT_EQ(g.socket.send(g.to, TestGame::Bytes(3000, 1)), UdpSent::kSent);
   ASSERT_TRUE(g.until([&] { return bridge.counters().ignoredFor(UdpIgnored::kTooLong) == 1; }));
+  EXPECT_EQ(g.game.heard, 0);
 }
 
 TEST_F(UdpBridgeOnLoopback, ManyGamesAtOnceWhileRecordsCome_NothingIsMixedUp) {
@@ -162,21 +196,19 @@ TEST_F(UdpBridgeOnLoopback, ManyGamesAtOnceWhileRecordsCome_NothingIsMixedUp) {
   std::thread telemetry([&] {
     for (std::uint64_t tick = 1; !stopping; ++tick) {
       bridge.publish(backend.record(tick));
-      rest(1);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
   });
   std::vector<std::thread> games;
   std::atomic<int> done{0};
   for (int i = 0; i < 4; ++i) {
-    games.emplace_back([&, i] {
-      SocketGame g(bridge.local());
-      g.game.hello(100, "", 100U + static_cast<unsigned>(i));
-      const bool all = g.until([&] {
-        g.game.say(udp::Kind::kHeartbeat);
-        return g.game.state_ticks.size() >= 20;
-      });
-      g.game.say(udp::Kind::kGoodbye);
-      if (all && std::is_sorted(g.game.state_ticks.begin(), g.game.state_ticks.end())) ++done;
+    games.emplace_back([&] {
+      const WholeGame g(*server, bridge, 100);
+      auto& told = g.fast->game.state_ticks;
+      if (g.fast->until([&] { return told.size() >= 20; }) &&
+          std::is_sorted(told.begin(), told.end())) {
+        ++done;
+      }
     });
   }
   for (auto& t : games) t.join();
@@ -187,66 +219,53 @@ TEST_F(UdpBridgeOnLoopback, ManyGamesAtOnceWhileRecordsCome_NothingIsMixedUp) {
   bridge.publish(backend.record(1));  // after the end: nothing happens
 }
 
-/// A backend that answers when it is asked to, from another thread.
-class LateBackend : public FakeBackend {
- public:
-  void order(const Order& order, std::function<void(OrderReply)> done) override {
-    if (order.type != OrderType::kArm) return FakeBackend::order(order, done);
-    const std::lock_guard lock(mutex);
-    waiting.push_back(std::move(done));
-  }
-  bool answerAll() {
-    const std::lock_guard lock(mutex);
-    for (auto& done : waiting) std::thread([&] { done({true, ""}); }).join();
-    return !std::exchange(waiting, {}).empty();
-  }
-  std::mutex mutex;
-  std::vector<std::function<void(OrderReply)>> waiting;
+class UdpBridgeWithAKey : public UdpBridgeOnLoopback {
+ protected:
+  UdpBridgeWithAKey() : UdpBridgeOnLoopback(kKeyOfTheStart) {}
 };
 
-TEST(UdpBridgeOrders, AnsweredLate_ReachTheGameAndNobodyAfterTheEnd) {
-  LateBackend backend;
-  ControlsArbiter controls;
-  auto bridge = std::make_unique<UdpBridge>(backend, controls);
-  UdpOptions options;
-  options.local = kAnyPort;
-  ASSERT_TRUE(bridge->start(options).ok());
-  SocketGame g(bridge->local());
-  ASSERT_TRUE(g.connect(0));
-  g.game.command(words::takeControls(1));
-  g.game.command(words::arm(2));
-  ASSERT_TRUE(g.until([&] { return g.game.replies().count(1) != 0 && backend.answerAll(); }));
-  ASSERT_TRUE(g.until([&] { return g.game.replies().count(2) != 0; }));
-  EXPECT_TRUE(g.game.replies().at(2).first);
-  g.game.command(words::arm(3));
-  ASSERT_TRUE(g.until([&] {
-    const std::lock_guard lock(backend.mutex);
-    return !backend.waiting.empty();
-  }));
-  bridge = nullptr;
-  EXPECT_TRUE(backend.answerAll());  // must find nobody, and nothing that is gone
+TEST_F(UdpBridgeWithAKey, GameWithoutWebSocket_TakesTheControlsAimsAndStops) {
+  SocketGame g(bridge.local(), kKeyOfTheStart, 200);
+  std::uint32_t id = 0;
+  ASSERT_TRUE(g.sayUntil([&] { return words::takeControls(++id); },
+                         [&] { return g.game.last.holds_controls; }));
+  ASSERT_TRUE(g.sayUntil([&] { return words::steer(++id, fb::Steering::Person); },
+                         [&] {
+                           return !g.game.last_state.empty() &&
+                                  g.game.state().steering() == fb::Steering::Person;
+                         }));
+  const std::vector<float> aim(9, 0.02F);
+  ASSERT_TRUE(
+      g.sayUntil([&] { return words::aim(++id, aim); }, [&] { return backend.aims() > 10; }));
+  const std::uint32_t stop = ++id;
+  ASSERT_TRUE(g.sayUntil([&] { return words::emergencyStop(stop); },
+                         [&] { return g.game.last.rate_or_stop == stop; }));
+  EXPECT_EQ(backend.status().run_state, RunState::kStopped);
+  // It falls silent, and loses the controls as everybody.
+  while (controls.holder() != 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  while (backend.ownerAlive() == 1.0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
 }
 
-TEST(UdpBridgeOptions, ThatCannotBe_AreRefusedInWords) {
+TEST(UdpBridgeOptions, PortThatIsTaken_IsRefusedInWords) {
   FakeBackend backend;
   ControlsArbiter controls;
-  UdpBridge first(backend, controls), second(backend, controls), third(backend, controls);
-  UdpOptions options;
-  options.local = kAnyPort;
-  ASSERT_TRUE(first.start(options).ok());
-  options.local = first.local();
-  const auto taken = second.start(options);
+  UdpBridge first(backend, controls), second(backend, controls);
+  ASSERT_TRUE(first.start({kAnyPort}).ok());
+  const auto taken = second.start({first.local()});
   ASSERT_FALSE(taken.ok());
   EXPECT_NE(format(taken.errors()).find("cannot be listened to"), std::string::npos);
+}
 
-  options.local = {0, 0};  // every address of this machine
-  options.token = "short";
-  const auto open = third.start(options);
-  ASSERT_FALSE(open.ok());
-  EXPECT_NE(format(open.errors()).find("token"), std::string::npos);
-  options.local = kAnyPort;
-  options.peers = {{0x0A000005, 9000}};
-  EXPECT_NE(format(third.start(options).errors()).find("10.0.0.5:9000"), std::string::npos);
+TEST(UdpKeyText, GoodAndBad) {
+  const auto good = parseUdpKey("fedcba9876543210");
+  ASSERT_TRUE(good.ok());
+  EXPECT_EQ(*good, kKeyOfTheStart);
+  for (const char* bad : {"", "0", "0000000000000000", "fedcba987654321", "fedcba98765432100",
+                          "0xdcba9876543210", "fedcba987654321g", " edcba9876543210"}) {
+    const auto refused = parseUdpKey(bad);
+    ASSERT_FALSE(refused.ok()) << bad;
+    EXPECT_NE(format(refused.errors()).find("16 hexadecimal digits"), std::string::npos);
+  }
 }
 
 TEST(UdpMetrics, Text_NamesEveryReasonOnce) {

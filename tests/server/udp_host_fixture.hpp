@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 /// The conversation with games, on a clock and a network that the tests make up.
 namespace wholehand::udp {
 
@@ -17,46 +19,41 @@ namespace words = test::words;
 inline constexpr std::int64_t kMillisecond_ns = 1'000'000;
 inline constexpr UdpEndpoint kGame{0x7F000001, 5001}, kOther{0x7F000001, 5002},
     kElsewhere{0x0A000005, 5003};
+inline constexpr std::uint64_t kGameKey = 0x1122334455667788, kOtherKey = 0x99AABBCCDDEEFF00;
 
 class UdpHost : public ::testing::Test {
  protected:
-  explicit UdpHost(const Admission& admission = {})
-      : host(
-            admission, controls, counters,
-            [this](const UdpEndpoint& to, std::span<const std::uint8_t> d) { return leave(to, d); },
-            7) {
-    host.setScene(backend.scene(), now_ns);
+  UdpHost()
+      : host(controls, counters, [this](const UdpEndpoint& to, std::span<const std::uint8_t> d) {
+          return leave(to, d);
+        }) {
+    host.setScene(backend.scene());
+    game.key = kGameKey;
+    other.key = kOtherKey;
+    client = controls.newClient();
+    host.admit(kGameKey, client, false);
+    host.admit(kOtherKey, controls.newClient(), false);
   }
 
   TestGame makeGame(const UdpEndpoint& at) {
-    return TestGame([this, at](const TestGame::Bytes& d) {
-      if (!lost()) arriving.push_back({at, d});
-    });
+    return TestGame([this, at](const TestGame::Bytes& d) { arriving.push_back({at, d}); });
   }
   UdpSent leave(const UdpEndpoint& to, std::span<const std::uint8_t> d) {
-    if (full) return UdpSent::kFull;
-    if (!lost()) leaving.push_back({to, {d.begin(), d.end()}});
+    sent_bytes += d.size();
+    leaving.push_back({to, {d.begin(), d.end()}});
     return UdpSent::kSent;
   }
-  bool lost() { return static_cast<double>(random() % 1000) < 1000.0 * loss; }
-
-  /// Everything on the way arrives, orders are carried out, as the bridge does it.
+  void arrive(const UdpEndpoint& from, const TestGame::Bytes& d) { host.receive(from, d, now_ns); }
+  /// Everything on the way arrives.
   void settle() {
     do {
-      for (const auto& [from, d] : std::exchange(arriving, {})) host.receive(from, d, now_ns);
-      carryOut();
+      for (const auto& [from, d] : std::exchange(arriving, {})) arrive(from, d);
       for (const auto& [to, d] : std::exchange(leaving, {})) {
         if (to == kGame) game.hear(d);
         if (to == kOther) other.hear(d);
-        if (to == kElsewhere) elsewhere.hear(d);
       }
     } while (!arriving.empty() || !leaving.empty());
-  }
-  void carryOut() {
-    for (const PendingOrder& pending : host.takeOrders()) {
-      backend.order(pending.order,
-                    [&](const OrderReply& reply) { host.answer(pending, reply, now_ns); });
-    }
+    for (auto& s : host.takeSaid()) said.push_back(std::move(s));
   }
   void pass(int ms) {
     for (int i = 0; i < ms; ++i) {
@@ -65,37 +62,40 @@ class UdpHost : public ::testing::Test {
       settle();
     }
   }
-  std::uint64_t ignored(UdpIgnored reason) const { return counters.ignoredFor(reason); }
-  /// Says hello and is welcomed.
-  void connect(TestGame& who, std::uint16_t rate_hz = 1000, std::uint64_t nonce = 1) {
-    who.hello(rate_hz, "", nonce);
-    settle();
-    ASSERT_NE(who.session, 0U);
-  }
-  void takeControls(TestGame& who, std::uint32_t id) {
-    who.command(words::takeControls(id));
-    settle();
-    ASSERT_TRUE(who.replies().at(id).first) << who.replies().at(id).second;
+  /// Says that it is there, is answered, and shows that it heard the answer.
+  void connect(TestGame& who, std::uint32_t rate_hz = 1000) {
+    who.rate_hz = rate_hz;
+    for (int i = 0; i < 2; ++i) {
+      who.say();
+      settle();
+    }
   }
   void publish(std::uint64_t tick) {
     host.publish(backend.record(tick), backend.status(), now_ns);
     settle();
+  }
+  std::uint64_t ignored(UdpIgnored reason) const { return counters.ignoredFor(reason); }
+  int saidOf(OrderType type) const {
+    return static_cast<int>(std::count_if(said.begin(), said.end(), [type](const Said& s) {
+      return s.message.type == wire::ClientMessageType::kOrder && s.message.order.type == type;
+    }));
   }
 
   FakeBackend backend;
   ControlsArbiter controls;
   UdpCounters counters;
   std::int64_t now_ns = 1'000'000'000'000;
-  double loss = 0.0;
-  bool full = false;
   std::mt19937_64 random = test::seededRandom(411);
   struct OnTheWay {
     UdpEndpoint where;
     TestGame::Bytes bytes;
   };
   std::vector<OnTheWay> arriving, leaving;
+  std::size_t sent_bytes = 0;  ///< by the program
+  std::vector<Said> said;
   Host host;
-  TestGame game = makeGame(kGame), other = makeGame(kOther), elsewhere = makeGame(kElsewhere);
+  ControlsArbiter::Client client = 0;
+  TestGame game = makeGame(kGame), other = makeGame(kOther);
 };
 
 }  // namespace wholehand::udp

@@ -1,324 +1,275 @@
-#include "core/crc32.hpp"
 #include "server/udp_host_fixture.hpp"
 
-// Who may speak, and what is ignored.
+// Who is heard, who is answered, and what is ignored.
 namespace wholehand::udp {
 namespace {
 
-TEST_F(UdpHost, Hello_IsWelcomedAndGetsTheSceneOnce) {
-  connect(game);
-  EXPECT_EQ(game.heard[Kind::kWelcome], 1);
-  ASSERT_EQ(game.messages().size(), 1U);
-  const auto* scene = game.messages()[0]->payload_as_Scene();
-  ASSERT_NE(scene, nullptr);
-  EXPECT_EQ(scene->capsules()->size(), 40U);
-  EXPECT_GT(game.heard[Kind::kReliable], 1) << "this scene is meant to need several datagrams";
-  EXPECT_LE(game.largest, kLargestDatagram);
-  pass(1000);
-  EXPECT_EQ(counters.repeated, 0U);
-  backend.changeScene();
-  host.setScene(backend.scene(), now_ns);
+TEST_F(UdpHost, WithoutAKey_NothingIsAnsweredAndItIsCounted) {
+  TestGame stranger = makeGame(kElsewhere);
+  stranger.key = kGameKey + 1;
+  for (int i = 0; i < 100; ++i) {
+    stranger.say();
+    stranger.say(words::emergencyStop(1));
+  }
   settle();
-  ASSERT_EQ(game.messages().size(), 2U);
-  EXPECT_EQ(game.messages()[1]->payload_as_Scene()->session(), 2U);
+  EXPECT_EQ(sent_bytes, 0U);
+  EXPECT_TRUE(said.empty()) << "not even a stop";
+  EXPECT_EQ(ignored(UdpIgnored::kKey), 200U);
 }
 
 TEST_F(UdpHost, BadDatagrams_AreCountedByReasonAndNeverAnswered) {
-  connect(game);
-  takeControls(game, 1);
-  const std::uint64_t before = counters.received;
-  leaving.clear();
-  game.say(Kind::kHeartbeat);
-  const TestGame::Bytes good = std::exchange(arriving, {})[0].bytes;
-  struct Bad {
-    UdpIgnored reason;
-    TestGame::Bytes bytes;
+  const auto bad = [&](UdpIgnored reason, TestGame::Bytes d) {
+    const auto before = ignored(reason);
+    arrive(kGame, d);
+    EXPECT_EQ(ignored(reason), before + 1) << udpIgnoredName(reason);
   };
-  const auto changed = [&](std::size_t at, std::uint8_t value) {
-    TestGame::Bytes bytes = good;
-    bytes[at] = value;
-    const auto all = std::as_bytes(std::span(bytes)), payload = all.subspan(kHeaderSize);
-    const std::uint32_t crc = crc32(crc32(0, all.data(), 32), payload.data(), payload.size());
-    for (int i = 0; i < 4; ++i) bytes[32 + i] = static_cast<std::uint8_t>(crc >> (8 * i));
-    return bytes;
-  };
-  TestGame::Bytes damaged = good;
-  damaged[16] ^= 1U;
-  TestGame::Bytes longer = good;
-  longer.push_back(0);
-  const std::vector<Bad> all = {
-      {UdpIgnored::kTooShort, {}},
-      {UdpIgnored::kTooShort, {good.begin(), good.end() - 1}},
-      {UdpIgnored::kTooLong, TestGame::Bytes(kLargestDatagram + 1)},
-      {UdpIgnored::kMagic, changed(0, 'w')},
-      {UdpIgnored::kVersion, changed(4, 9)},
-      {UdpIgnored::kLength, longer},
-      {UdpIgnored::kChecksum, damaged},
-      {UdpIgnored::kHeader, changed(6, 99)},
-      {UdpIgnored::kHeader, changed(6, static_cast<std::uint8_t>(Kind::kState))},
-      {UdpIgnored::kSession, changed(8, static_cast<std::uint8_t>(good[8] ^ 1U))},
-      {UdpIgnored::kFragment, changed(26, 2)},  // the first of two, but not full
-  };
-  std::map<UdpIgnored, std::uint64_t> expected;
-  for (const Bad& bad : all) {
-    host.receive(kGame, bad.bytes, now_ns);
-    EXPECT_EQ(ignored(bad.reason), ++expected[bad.reason]) << udpIgnoredName(bad.reason);
+  const TestGame::Bytes good = game.datagram(words::aim(1, {0.1F}));
+  bad(UdpIgnored::kTooShort, {});
+  bad(UdpIgnored::kTooShort, TestGame::Bytes(good.begin(), good.begin() + 47));
+  bad(UdpIgnored::kTooLong, TestGame::Bytes(1201, 1));
+  bad(UdpIgnored::kChecksum, TestGame::Bytes(good.begin(), good.end() - 1));
+  bad(UdpIgnored::kMagic, TestGame::Bytes(100, 1));
+  TestGame::Bytes changed = good;
+  changed[4] = 1;
+  bad(UdpIgnored::kVersion, changed);
+  for (std::size_t at = 6; at < good.size(); ++at) {
+    changed = good;
+    changed[at] ^= 0x10;
+    bad(UdpIgnored::kChecksum, changed);
   }
-  EXPECT_EQ(counters.received, before + all.size());
-  EXPECT_TRUE(leaving.empty());
-  EXPECT_TRUE(host.takeOrders().empty());
-  host.receive(kGame, good, now_ns);  // the window is as it was
-  host.receive(kGame, good, now_ns);
-  EXPECT_EQ(ignored(UdpIgnored::kReplayed), 1U);
+  Header header;
+  header.key = kGameKey;
+  header.kind = Kind::kPresent;  // what only the program says
+  Datagram d;
+  bad(UdpIgnored::kHeader, {d.begin(), d.begin() + write(d, header, {})});
+  bad(UdpIgnored::kMessage, game.datagram({1, 2, 3}));
+  EXPECT_EQ(sent_bytes, 0U);
 }
 
-TEST_F(UdpHost, RandomBytesFromAGame_ChangeNothing) {
+TEST_F(UdpHost, WhatMustArrive_IsNotTakenByDatagram) {
   connect(game);
-  takeControls(game, 1);
-  const auto orders = backend.orders().size();
-  for (int i = 0; i < 20'000; ++i) {
-    TestGame::Bytes bytes(random() % 300);
-    for (auto& b : bytes) b = static_cast<std::uint8_t>(random());
-    if (i % 2 == 0)
-      game.command(bytes);  // in a sound datagram
-    else
-      host.receive(kGame, bytes, now_ns);
-    if (i % 100 == 0) settle();
+  said.clear();
+  const auto all = words::oneOfEach();
+  for (const auto& message : all) game.say(message);
+  settle();
+  ASSERT_EQ(said.size(), 3U) << "an emergency stop, an aim and a heartbeat";
+  EXPECT_EQ(saidOf(OrderType::kEmergencyStop), 1);
+  EXPECT_EQ(saidOf(OrderType::kAim), 1);
+  EXPECT_EQ(ignored(UdpIgnored::kMessage), all.size() - 3);
+}
+
+TEST_F(UdpHost, GameWithoutWebSocket_MayAlsoTakeTheControlsSteerAndStop) {
+  TestGame board = makeGame(kGame);
+  board.key = 0xABCDEF;
+  host.admit(board.key, controls.newClient(), true);
+  for (int i = 0; i < 2; ++i) {
+    board.say();
+    for (const auto& [from, d] : std::exchange(arriving, {})) arrive(from, d);
+    for (const auto& [to, d] : std::exchange(leaving, {})) board.hear(d);
   }
-  settle();
-  EXPECT_EQ(backend.orders().size(), orders);
-  EXPECT_GE(ignored(UdpIgnored::kMessage), 9'900U);
+  (void)host.takeSaid();
+  for (const auto& message : words::oneOfEach()) arrive(kGame, board.datagram(message));
+  std::vector<std::string> names;
+  for (const Said& s : host.takeSaid()) names.emplace_back(wire::nameOf(s.message));
+  EXPECT_EQ(names,
+            (std::vector<std::string>{"Stop", "EmergencyStop", "Aim", "Steer", "TakeControls",
+                                      "ReleaseControls", "Heartbeat", "Rest"}));
 }
 
-TEST_F(UdpHost, UnreadableMessage_IsAnsweredWithTheReason) {
+TEST_F(UdpHost, AddressThatHearsNothing_GetsNoMoreThanWasSent) {
+  game.echoes = false;  // somebody with the key, and a foreign address
+  std::size_t got = 0;
+  for (std::uint64_t tick = 1; tick <= 3000; ++tick) {
+    if (tick % 20 == 0) {
+      game.say(tick % 40 == 0 ? words::aim(static_cast<std::uint32_t>(tick), {0.1F})
+                              : TestGame::Bytes{});
+      got += game.last_said.size();
+    }
+    publish(tick);
+    pass(1);
+    ASSERT_LE(sent_bytes, got) << "tick " << tick;
+  }
+  EXPECT_EQ(counters.states_sent, 0U);
+  EXPECT_EQ(saidOf(OrderType::kAim), 0) << "it may only stop";
+  game.say(words::emergencyStop(9999));
+  settle();
+  EXPECT_EQ(saidOf(OrderType::kEmergencyStop), 1);
+}
+
+TEST_F(UdpHost, OneSilentDatagram_BringsOneHeader) {
+  game.say();
+  settle();
+  for (std::uint64_t tick = 1; tick <= 3000; ++tick) {
+    publish(tick);
+    pass(1);
+  }
+  EXPECT_EQ(sent_bytes, kHeaderSize);
+}
+
+TEST_F(UdpHost, GameThatMoves_ProvesItsNewAddress) {
   connect(game);
-  game.command({1, 2, 3});
-  settle();
-  EXPECT_FALSE(game.replies().at(0).first);
-  EXPECT_NE(game.replies().at(0).second, "");
+  const std::size_t before = sent_bytes;
+  arrive(kElsewhere, game.datagram());
+  EXPECT_EQ(leaving.size(), 1U);
+  EXPECT_EQ(leaving.at(0).where, kElsewhere);
+  publish(1);
+  EXPECT_EQ(sent_bytes, before + kHeaderSize) << "no state for an address that may be anybody's";
 }
 
-TEST_F(UdpHost, UnknownPeers_AreIgnoredAndCounted) {
-  other.say(Kind::kHeartbeat);
-  other.command(words::emergencyStop(1));
-  elsewhere.hello(1000);
+TEST_F(UdpHost, StatesEnd_ASecondAfterTheLastSignOfLife) {
+  connect(game);
+  const std::int64_t last_ns = now_ns;
+  std::int64_t last_sent_ns = 0;
+  for (std::uint64_t tick = 1; tick <= 3000; ++tick) {
+    now_ns += kMillisecond_ns;
+    const std::size_t before = sent_bytes;
+    publish(tick);
+    host.advance(now_ns);
+    if (sent_bytes != before) last_sent_ns = now_ns;
+  }
+  EXPECT_EQ(last_sent_ns - last_ns, 1'000'000'000);
+  EXPECT_EQ(counters.peers, 0U);
+  EXPECT_EQ(counters.peers_lost, 1U);
+}
+
+TEST_F(UdpHost, EndOfTheWebSocket_EndsTheDatagrams) {
+  connect(game);
+  host.dismiss(client);
+  const std::size_t before = sent_bytes;
+  game.say(words::aim(1, {0.1F}));
   settle();
-  EXPECT_EQ(ignored(UdpIgnored::kUnknownPeer), 3U);
-  EXPECT_TRUE(backend.orders().empty());
-  EXPECT_TRUE(elsewhere.heard.empty());
+  publish(1);
+  pass(200);
+  EXPECT_EQ(sent_bytes, before);
+  EXPECT_EQ(ignored(UdpIgnored::kKey), 1U);
   EXPECT_EQ(counters.peers, 0U);
 }
 
-TEST_F(UdpHost, HelloWithAnotherSchema_IsRefusedInWords) {
-  game.hello(1000, "", 1, wire::kSchemaVersion + 1);
-  settle();
-  EXPECT_EQ(game.session, 0U);
-  EXPECT_NE(game.refusal.find("wholehand.fbs"), std::string::npos) << game.refusal;
-  EXPECT_EQ(ignored(UdpIgnored::kSchema), 1U);
-}
-
-TEST_F(UdpHost, OneGameTooMany_IsRefusedInWords) {
-  for (std::uint16_t i = 0; i < 4; ++i) {
-    TestGame more = makeGame({0x7F000001, static_cast<std::uint16_t>(6000 + i)});
-    more.hello(10, "", 100U + i);
-    for (const auto& [from, d] : std::exchange(arriving, {})) host.receive(from, d, now_ns);
-    for (const auto& [to, d] : std::exchange(leaving, {})) more.hear(d);
-    settle();  // it answers
-  }
-  EXPECT_EQ(counters.peers, 4U);
-  game.hello(1000);
-  settle();
-  EXPECT_EQ(game.session, 0U);
-  EXPECT_NE(game.refusal, "");
-}
-
-class UdpHostWithToken : public UdpHost {
- protected:
-  UdpHostWithToken() : UdpHost({{{kElsewhere.address, 0}}, "a long secret", 4}) {}
-};
-
-TEST_F(UdpHostWithToken, Hello_NeedsIt) {
-  for (const char* wrong :
-       {"", "a long secre", "a long secret.", "A long secret", "a long secreta long secret"}) {
-    game.hello(1000, wrong);
-    settle();
-    EXPECT_EQ(game.session, 0U) << wrong;
-    EXPECT_NE(game.refusal, "");
-  }
-  EXPECT_EQ(ignored(UdpIgnored::kToken), 5U);
-  game.hello(1000, "a long secret");
-  settle();
-  EXPECT_NE(game.session, 0U);
-}
-
-TEST_F(UdpHostWithToken, ListedHost_MaySayHelloFromAnyPort) {
-  elsewhere.hello(1000, "a long secret");
-  settle();
-  EXPECT_NE(elsewhere.session, 0U);
-}
-
-TEST_F(UdpHost, HelloRepeated_IsWelcomedAgainAndBeginsNothing) {
+TEST_F(UdpHost, DatagramPlayedBack_ActsOnce) {
   connect(game);
-  const std::uint32_t session = game.session;
-  takeControls(game, 1);
-  game.hello(1000);  // its Welcome may have been lost
+  game.say(words::aim(1, {0.1F}));
+  const TestGame::Bytes first = game.last_said;
   settle();
-  EXPECT_EQ(game.heard[Kind::kWelcome], 2);
-  EXPECT_EQ(game.session, session);
-  EXPECT_NE(controls.holder(), 0U);
+  game.say(words::aim(2, {0.2F}));
+  settle();
+  for (int i = 0; i < 10; ++i) arrive(kGame, first);
+  arrive(kElsewhere, first);
+  settle();
+  EXPECT_EQ(saidOf(OrderType::kAim), 2);
+  EXPECT_EQ(ignored(UdpIgnored::kStale), 11U);
+  EXPECT_TRUE(host.peers().front().endpoint == kGame) << "nobody moves a game by an old datagram";
+  pass(1100);  // nor when it is gone
+  arrive(kElsewhere, first);
+  settle();
+  EXPECT_EQ(saidOf(OrderType::kAim), 2);
 }
 
-TEST_F(UdpHost, HelloPlayedBack_DoesNotEndTheConversation) {
-  game.hello(1000, "", 11);
-  settle();
-  const TestGame::Bytes old_hello = game.last_said;
-  // last_said is the last acknowledgement by now: the Hello itself was the first to be said.
-  TestGame again = makeGame(kGame);
-  again.hello(1000, "", 11);
-  const TestGame::Bytes recorded = std::exchange(arriving, {})[0].bytes;
-  connect(game, 1000, 12);
-  const std::uint32_t session = host.peers()[0].session;
-  host.receive(kGame, recorded, now_ns);
-  EXPECT_EQ(host.peers()[0].session, session);
-  EXPECT_EQ(ignored(UdpIgnored::kReplayed), 1U);
-}
-
-TEST_F(UdpHost, CommandPlayedBack_IsCarriedOutOnce) {
-  connect(game);
-  takeControls(game, 1);
-  game.command(words::setParameter(2, "lead_in_m", 0.01));
-  const TestGame::Bytes recorded = arriving.back().bytes;
-  settle();
-  const auto carried_out = backend.orders().size();
-  for (int i = 0; i < 100; ++i) {
-    host.receive(kGame, recorded, now_ns);
-    game.say(Kind::kHeartbeat);  // also when it has left the window
-    settle();
+TEST_F(UdpHost, ConversationPlayedBackToAKeyOfTheStart_MovesNothing) {
+  TestGame board = makeGame(kGame);
+  board.key = 0xABCDEF;
+  host.admit(board.key, controls.newClient(), true);
+  std::vector<TestGame::Bytes> overheard;
+  for (int i = 0; i < 20; ++i) {
+    now_ns += kMillisecond_ns;
+    overheard.push_back(board.datagram(words::aim(static_cast<std::uint32_t>(i) + 1, {0.1F})));
+    arrive(kGame, overheard.back());
+    for (const auto& [to, d] : std::exchange(leaving, {})) board.hear(d);
   }
-  EXPECT_EQ(backend.orders().size(), carried_out);
-  EXPECT_EQ(ignored(UdpIgnored::kReplayed), 100U);
-  // In a new datagram, as a game repeats it whose answer was lost.
-  game.command(words::setParameter(2, "lead_in_m", 0.01));
-  settle();
-  EXPECT_EQ(backend.orders().size(), carried_out);
-  EXPECT_EQ(ignored(UdpIgnored::kCommand), 1U);
-}
-
-TEST_F(UdpHost, LateArm_DoesNotUndoTheStopThatOvertookIt) {
-  connect(game);
-  takeControls(game, 1);
-  game.command(words::arm(2));
-  auto late = std::exchange(arriving, {});
-  game.command(words::emergencyStop(3));
-  settle();
-  arriving = late;
-  settle();
-  EXPECT_EQ(backend.orders().back().type, OrderType::kEmergencyStop);
-  EXPECT_EQ(backend.status().run_state, RunState::kStopped);
+  EXPECT_EQ(host.takeSaid().size(), 19U) << "all but the one before it was known to listen";
+  now_ns += Host::kGone_ns + kMillisecond_ns;
+  host.advance(now_ns);
+  for (const auto& d : overheard) arrive(kElsewhere, d);
+  EXPECT_TRUE(host.takeSaid().empty());
 }
 
 TEST_F(UdpHost, LateEmergencyStop_IsObeyedAllTheSameAndOnce) {
   connect(game);
-  takeControls(game, 1);
-  game.command(words::emergencyStop(2));
-  const auto late = std::exchange(arriving, {});
-  game.command(words::arm(3));
+  const TestGame::Bytes late = game.datagram(words::emergencyStop(5));
+  game.say(words::aim(6, {0.1F}));
   settle();
-  ASSERT_EQ(backend.status().run_state, RunState::kRendering);
-  arriving = late;
+  arrive(kGame, late);
+  arrive(kGame, late);
+  game.say(words::emergencyStop(5));  // repeated until it is seen
   settle();
-  EXPECT_EQ(backend.status().run_state, RunState::kStopped);
-  const auto orders = backend.orders().size();
-  game.command(words::emergencyStop(2));  // repeated: its answer may have been lost
-  settle();
-  EXPECT_EQ(backend.orders().size(), orders);
+  EXPECT_EQ(saidOf(OrderType::kEmergencyStop), 1);
+  pass(200);
+  EXPECT_EQ(game.last.rate_or_stop, 5U) << "the game is shown that it was obeyed";
 }
 
-// A game that began to count anew, or never counted: better twice than not at all.
 TEST_F(UdpHost, EmergencyStopUnderAnyNumber_IsObeyed) {
   connect(game);
-  takeControls(game, 1);
-  std::uint32_t armed = 100;
-  for (const std::uint32_t id : {0U, 90U, 50U, 0U}) {
-    game.command(words::armHavingSeen(backend.status().endings, ++armed));
-    settle();
-    ASSERT_EQ(backend.status().run_state, RunState::kRendering);
-    game.command(words::emergencyStop(id));
-    settle();
-    EXPECT_EQ(backend.status().run_state, RunState::kStopped) << id;
+  for (const std::uint32_t id : {7U, 3U, 0U, 4'000'000'000U, 7U}) {
+    game.say(words::emergencyStop(id));
   }
-}
-
-// A Hello may carry anybody's address: whoever gets the answers must not be flooded by it.
-TEST_F(UdpHost, HelloThatNobodyAnswers_BringsItsAddressLessThanThreeTimesItsBytes) {
-  game.answers = false;
-  game.hello(1000);
-  const std::size_t said = arriving.at(0).bytes.size();
-  std::size_t got = 0;
-  const auto send = [&] {
-    for (const auto& [from, d] : std::exchange(arriving, {})) host.receive(from, d, now_ns);
-    for (const auto& [to, d] : std::exchange(leaving, {})) got += d.size();
-  };
-  send();
-  EXPECT_GT(got, 0U);
-  for (std::uint64_t tick = 1; tick <= 1500; ++tick) {
-    now_ns += kMillisecond_ns;
-    host.publish(backend.record(tick), backend.status(), now_ns);
-    if (tick % 100 == 0) host.publishIdle(backend.record(tick), backend.status(), now_ns);
-    if (tick == 500) backend.changeScene();
-    host.setScene(backend.scene(), now_ns);
-    host.advance(now_ns);
-    send();
-  }
-  host.sayGoodbye(now_ns);
-  send();
-  std::printf("figure: a Hello of %zu bytes that nobody answers brings %zu\n", said, got);
-  EXPECT_LE(got, 3 * said);
-}
-
-TEST_F(UdpHost, SilentHellosFromAnyNumberOfAddresses_KeepNoGameOut) {
-  for (std::uint16_t i = 0; i < 200; ++i) {
-    TestGame silent = makeGame({0x7F000001, static_cast<std::uint16_t>(6000 + i)});
-    silent.hello(1000, "", 100U + i);
-    settle();
-  }
-  EXPECT_EQ(host.peers().size(), Host::kMostUnanswered);
-  EXPECT_EQ(counters.peers, 0U);
-  connect(game);
-  EXPECT_EQ(counters.peers, 1U);
-  EXPECT_EQ(game.messages().size(), 1U);
-}
-
-TEST_F(UdpHost, SilentHello_IsForgottenAfterASecondAndMayComeAgain) {
-  game.answers = false;
-  game.hello(1000);
   settle();
-  game.hello(1000);  // repeated: it keeps its place no longer
-  settle();
-  EXPECT_EQ(game.heard[Kind::kWelcome], 2);
-  pass(999);
-  EXPECT_EQ(host.peers().size(), 1U);
-  pass(2);
-  EXPECT_TRUE(host.peers().empty());
-  game.answers = true;
-  connect(game);
+  EXPECT_EQ(saidOf(OrderType::kEmergencyStop), 5);
 }
 
-TEST_F(UdpHost, MoreGamesThanPlacesThatAnswerAtOnce_TheLastIsRefused) {
-  std::vector<TestGame> games;
-  for (std::uint16_t i = 0; i < 5; ++i) {
-    games.push_back(makeGame({0x7F000001, static_cast<std::uint16_t>(6000 + i)}));
-    games.back().answers = false;
-    games.back().hello(0, "", 100U + i);
+TEST_F(UdpHost, MoreCommandsThanTicks_AreIgnoredButStops) {
+  connect(game);
+  for (std::uint32_t id = 1; id <= 2000; ++id) game.say(words::aim(id, {0.1F}));
+  game.say(words::emergencyStop(3000));
+  settle();
+  EXPECT_EQ(saidOf(OrderType::kEmergencyStop), 1);
+  // What connecting cost counts, too: two signs of life.
+  EXPECT_GE(saidOf(OrderType::kAim), Host::kMostCommands - 2);
+  EXPECT_LE(saidOf(OrderType::kAim), Host::kMostCommands);
+  EXPECT_EQ(ignored(UdpIgnored::kRate), 2000U - saidOf(OrderType::kAim));
+}
+
+TEST_F(UdpHost, RandomBytesFromAGame_ChangeNothing) {
+  connect(game);
+  said.clear();
+  for (int i = 0; i < 5000; ++i) {
+    TestGame::Bytes message(1 + random() % 300);
+    for (auto& b : message) b = static_cast<std::uint8_t>(random());
+    if (message.size() > 8) std::copy_n("WHND", 4, message.begin() + 4);
+    game.say(message);
+    settle();
   }
-  for (const auto& [from, d] : std::exchange(arriving, {})) host.receive(from, d, now_ns);
-  for (const auto& [to, d] : std::exchange(leaving, {})) games.at(to.port - 6000U).hear(d);
-  for (TestGame& g : games) g.say(Kind::kHeartbeat);
-  for (const auto& [from, d] : std::exchange(arriving, {})) host.receive(from, d, now_ns);
-  for (const auto& [to, d] : std::exchange(leaving, {})) games.at(to.port - 6000U).hear(d);
-  for (int i = 0; i < 4; ++i) EXPECT_EQ(games[static_cast<std::size_t>(i)].refusal, "");
-  EXPECT_EQ(games[4].refusal, "4 games are connected already");
-  EXPECT_EQ(host.peers().size(), 4U);
+  EXPECT_TRUE(said.empty());
+}
+
+TEST_F(UdpHost, States_ComeAtTheRateOfEachGame) {
+  connect(game, 1000);
+  connect(other, 60);
+  for (std::uint64_t tick = 1; tick <= 2000; ++tick) {
+    publish(tick);
+    pass(1);
+    if (tick % 50 != 0) continue;
+    game.say();
+    other.say();
+  }
+  EXPECT_EQ(game.state_ticks.size(), 2000U);
+  EXPECT_NEAR(static_cast<double>(other.state_ticks.size()), 120.0, 1.0);
+  EXPECT_LE(game.largest, kLargestDatagram);
+}
+
+TEST_F(UdpHost, States_SayWhoHoldsTheControls) {
+  connect(game);
+  publish(1);
+  EXPECT_FALSE(game.last.holds_controls);
+  ASSERT_TRUE(controls.take(client));
+  publish(2);
+  EXPECT_TRUE(game.last.holds_controls);
+}
+
+TEST_F(UdpHost, Echo_TellsWhatCameLastAndHowLongAgo) {
+  connect(game);
+  now_ns += 7'654'000;
+  publish(1);
+  EXPECT_EQ(game.last.echo_ns, game.sent_ns);
+  EXPECT_EQ(game.last.echo_age_us, 7654U);
+}
+
+TEST_F(UdpHost, WithoutRecords_TheProgramSaysThatItIsThere) {
+  connect(game, 0);
+  const int before = game.heard;
+  for (int i = 0; i < 10; ++i) {
+    game.say();
+    pass(100);
+  }
+  EXPECT_EQ(game.heard - before, 10);
 }
 
 }  // namespace

@@ -4,9 +4,11 @@ namespace Wholehand
     public sealed class ClientOptions
     {
         public string Host = "127.0.0.1";
-        public int Port = 8091;
 
-        /// <summary>States a second, 1 to 1000; 0: none.</summary>
+        /// <summary>Of the program's pages. Where its datagrams go, the program says.</summary>
+        public int Port = 8080;
+
+        /// <summary>States a second by datagram, 0 to 1000. Without datagrams 60 come by WebSocket.</summary>
         public int RateHz = 1000;
 
         /// <summary>What the program asks for; empty where it asks for none.</summary>

@@ -13,15 +13,15 @@ namespace Wholehand
         private readonly object gate = new object();
         private uint newest;
         private bool any;
-        private long received, lost, outOfOrder, ignored, maxNs;
+        private long received, lost, outOfOrder, ignored, maxNs, roundTripNs;
 
         /// <summary>States that came in order.</summary>
         public long Received { get { lock (gate) return received; } }
 
-        /// <summary>States that were sent and did not come before a later one did.</summary>
+        /// <summary>Datagrams that were sent and did not come before a later one did.</summary>
         public long Lost { get { lock (gate) return lost; } }
 
-        /// <summary>States that came after a later one, or twice; they are not shown.</summary>
+        /// <summary>Datagrams that came after a later one, or twice; they are not shown.</summary>
         public long OutOfOrder { get { lock (gate) return outOfOrder; } }
 
         /// <summary>Datagrams that were damaged, malformed, or of another conversation.</summary>
@@ -32,6 +32,9 @@ namespace Wholehand
         {
             get { lock (gate) return received + lost == 0 ? 1.0 : received / (double)(received + lost); }
         }
+
+        /// <summary>To the program and back by datagram, at last; 0: not known yet.</summary>
+        public double RoundTripMs { get { lock (gate) return roundTripNs * 1e-6; } }
 
         public double MaxLatencyMs { get { lock (gate) return maxNs * 1e-6; } }
 
@@ -64,29 +67,37 @@ namespace Wholehand
             }
         }
 
-        /// <summary>False, and counted, for a state that came after a later one, or twice.</summary>
+        /// <summary>False, and counted, for a datagram that came after a later one, or twice.</summary>
         internal bool IsNewer(uint sequence)
         {
             lock (gate)
             {
-                if (!any || unchecked((int)(sequence - newest)) > 0) return true;
+                if (!any || unchecked((int)(sequence - newest)) > 0)
+                {
+                    if (any) lost += unchecked((int)(sequence - newest)) - 1;
+                    any = true;
+                    newest = sequence;
+                    return true;
+                }
                 ++outOfOrder;
                 return false;
             }
         }
 
-        /// <summary>A state that is newer than all before is complete.</summary>
-        internal void Count(uint sequence, long latencyNs)
+        /// <summary>A state that is newer than all before.</summary>
+        internal void CountState(long latencyNs)
         {
             lock (gate)
             {
-                if (any) lost += unchecked((int)(sequence - newest)) - 1;
-                any = true;
-                newest = sequence;
                 ++received;
                 ++latency[Math.Max(0, Math.Min(latencyNs / BinNs, Bins))];
                 maxNs = Math.Max(maxNs, latencyNs);
             }
+        }
+
+        internal void CountRoundTrip(long ns)
+        {
+            lock (gate) roundTripNs = ns;
         }
 
         internal void CountIgnored()
@@ -94,7 +105,7 @@ namespace Wholehand
             lock (gate) ++ignored;
         }
 
-        /// <summary>A new conversation numbers its states from 1.</summary>
+        /// <summary>A new conversation numbers its datagrams from 1.</summary>
         internal void BeginConversation()
         {
             lock (gate)

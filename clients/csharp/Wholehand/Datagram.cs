@@ -5,25 +5,20 @@ namespace Wholehand
     /// <summary>What a datagram is; docs/udp.md.</summary>
     public enum DatagramKind : byte
     {
-        Hello = 1,
-        Message = 2,
-        Heartbeat = 3,
-        Goodbye = 4,
-        Welcome = 16,
-        State = 17,
-        Reliable = 18,
-        Refused = 19
+        Command = 1,
+        Alive = 2,
+        State = 16,
+        Present = 17
     }
 
     /// <summary>Why a datagram is no good, in the order in which it is looked at.</summary>
     public enum DatagramFlaw
     {
         None,
-        TooLong,
         TooShort,
+        TooLong,
         Magic,
         Version,
-        Length,
         Checksum,
         Header
     }
@@ -32,44 +27,43 @@ namespace Wholehand
     public struct DatagramHeader
     {
         public DatagramKind Kind;
-        public uint Session;         // of the conversation; 0 in a Hello
-        public uint Sequence;        // of the message; its fragments share it
-        public long MonotonicNs;     // the sender's clock
-        public ushort FragmentIndex;
-        public ushort FragmentCount;
-        public ushort PayloadLength;
+        public bool HoldsControls;   // the program: this game does
+        public ulong Key;            // of the conversation
+        public uint Sequence;        // rises with every datagram of the sender
+        public uint RateOrStop;      // a game: states a second; the program: emergency stop obeyed last
+        public long SentNs;          // the sender's clock
+        public long EchoNs;          // SentNs of the newest datagram of the other side; 0: none
+        public uint EchoAgeUs;       // since that one came
     }
 
-    /// <summary>Writes and checks datagrams: 36 bytes of header, little-endian, and a payload. Allocates
+    /// <summary>Writes and checks datagrams: 48 bytes of header, little-endian, and a payload. Allocates
     /// nothing.</summary>
     public static class Datagram
     {
         public const int LargestSize = 1200;
-        public const int HeaderSize = 36;
+        public const int HeaderSize = 48;
         public const int LargestPayload = LargestSize - HeaderSize;
-        public const int MostFragments = 1024;
         public const uint Magic = 0x44554857; // "WHUD"
-        public const ushort Version = 1;
+        public const ushort Version = 2;
 
-        private const int ChecksumAt = 32;
+        private const int ChecksumAt = 44;
 
         /// <summary>Writes one datagram; its size.</summary>
         public static int Write(byte[] datagram, DatagramHeader header, byte[] payload, int offset, int length)
         {
             if (length > LargestPayload) throw new ArgumentException("the payload is too large", "length");
-            LittleEndian.Put(datagram, 0, Magic);
-            LittleEndian.Put(datagram, 4, Version);
-            datagram[6] = (byte)header.Kind;
-            datagram[7] = 0;
-            LittleEndian.Put(datagram, 8, header.Session);
-            LittleEndian.Put(datagram, 12, header.Sequence);
-            LittleEndian.Put(datagram, 16, (ulong)header.MonotonicNs);
-            LittleEndian.Put(datagram, 24, header.FragmentIndex);
-            LittleEndian.Put(datagram, 26, header.FragmentCount);
-            LittleEndian.Put(datagram, 28, (ushort)length);
-            LittleEndian.Put(datagram, 30, (ushort)0);
+            Put(datagram, 0, Magic, 4);
+            Put(datagram, 4, Version, 2);
+            Put(datagram, 6, (byte)header.Kind, 1);
+            Put(datagram, 7, header.HoldsControls ? 1u : 0u, 1);
+            Put(datagram, 8, header.Key, 8);
+            Put(datagram, 16, header.Sequence, 4);
+            Put(datagram, 20, header.RateOrStop, 4);
+            Put(datagram, 24, (ulong)header.SentNs, 8);
+            Put(datagram, 32, (ulong)header.EchoNs, 8);
+            Put(datagram, 40, header.EchoAgeUs, 4);
             if (length > 0) Buffer.BlockCopy(payload, offset, datagram, HeaderSize, length);
-            LittleEndian.Put(datagram, ChecksumAt, Checksum(datagram, HeaderSize + length));
+            Put(datagram, ChecksumAt, Checksum(datagram, HeaderSize + length), 4);
             return HeaderSize + length;
         }
 
@@ -78,28 +72,32 @@ namespace Wholehand
         public static DatagramFlaw Read(byte[] bytes, int size, out DatagramHeader header)
         {
             header = new DatagramHeader();
-            if (size > LargestSize) return DatagramFlaw.TooLong;
             if (size < HeaderSize) return DatagramFlaw.TooShort;
-            if (LittleEndian.U32(bytes, 0) != Magic) return DatagramFlaw.Magic;
-            if (LittleEndian.U16(bytes, 4) != Version) return DatagramFlaw.Version;
-            header.PayloadLength = LittleEndian.U16(bytes, 28);
-            if (header.PayloadLength != size - HeaderSize) return DatagramFlaw.Length;
-            if (LittleEndian.U32(bytes, ChecksumAt) != Checksum(bytes, size)) return DatagramFlaw.Checksum;
+            if (size > LargestSize) return DatagramFlaw.TooLong;
+            if (Get(bytes, 0, 4) != Magic) return DatagramFlaw.Magic;
+            if (Get(bytes, 4, 2) != Version) return DatagramFlaw.Version;
+            if (Get(bytes, ChecksumAt, 4) != Checksum(bytes, size)) return DatagramFlaw.Checksum;
             header.Kind = (DatagramKind)bytes[6];
-            header.Session = LittleEndian.U32(bytes, 8);
-            header.Sequence = LittleEndian.U32(bytes, 12);
-            header.MonotonicNs = (long)LittleEndian.U64(bytes, 16);
-            header.FragmentIndex = LittleEndian.U16(bytes, 24);
-            header.FragmentCount = LittleEndian.U16(bytes, 26);
-            bool sound = IsKnown(bytes[6]) && bytes[7] == 0 && LittleEndian.U16(bytes, 30) == 0
-                && header.FragmentCount >= 1 && header.FragmentCount <= MostFragments
-                && header.FragmentIndex < header.FragmentCount;
-            return sound ? DatagramFlaw.None : DatagramFlaw.Header;
+            header.HoldsControls = bytes[7] == 1;
+            header.Key = Get(bytes, 8, 8);
+            header.Sequence = (uint)Get(bytes, 16, 4);
+            header.RateOrStop = (uint)Get(bytes, 20, 4);
+            header.SentNs = (long)Get(bytes, 24, 8);
+            header.EchoNs = (long)Get(bytes, 32, 8);
+            header.EchoAgeUs = (uint)Get(bytes, 40, 4);
+            return IsSound(header.Kind, bytes[7], size - HeaderSize) ? DatagramFlaw.None : DatagramFlaw.Header;
         }
 
-        private static bool IsKnown(byte kind)
+        private static bool IsSound(DatagramKind kind, byte flags, int payload)
         {
-            return (kind >= 1 && kind <= 4) || (kind >= 16 && kind <= 19);
+            switch (kind)
+            {
+                case DatagramKind.Command: return flags == 0 && payload > 0;
+                case DatagramKind.Alive: return flags == 0 && payload == 0;
+                case DatagramKind.State: return flags <= 1 && payload > 0;
+                case DatagramKind.Present: return flags <= 1 && payload == 0;
+                default: return false;
+            }
         }
 
         // Of everything but the checksum itself.
@@ -107,41 +105,17 @@ namespace Wholehand
         {
             return Crc32.Of(datagram, HeaderSize, size - HeaderSize, Crc32.Of(datagram, 0, ChecksumAt));
         }
-    }
 
-    internal static class LittleEndian
-    {
-        public static ushort U16(byte[] b, int i)
+        private static ulong Get(byte[] bytes, int at, int count)
         {
-            return (ushort)(b[i] | b[i + 1] << 8);
+            ulong value = 0;
+            for (int i = count - 1; i >= 0; --i) value = value << 8 | bytes[at + i];
+            return value;
         }
 
-        public static uint U32(byte[] b, int i)
+        private static void Put(byte[] bytes, int at, ulong value, int count)
         {
-            return U16(b, i) | (uint)U16(b, i + 2) << 16;
-        }
-
-        public static ulong U64(byte[] b, int i)
-        {
-            return U32(b, i) | (ulong)U32(b, i + 4) << 32;
-        }
-
-        public static void Put(byte[] b, int i, ushort value)
-        {
-            b[i] = (byte)value;
-            b[i + 1] = (byte)(value >> 8);
-        }
-
-        public static void Put(byte[] b, int i, uint value)
-        {
-            Put(b, i, (ushort)value);
-            Put(b, i + 2, (ushort)(value >> 16));
-        }
-
-        public static void Put(byte[] b, int i, ulong value)
-        {
-            Put(b, i, (uint)value);
-            Put(b, i + 4, (uint)(value >> 32));
+            for (int i = 0; i < count; ++i) bytes[at + i] = (byte)(value >> (8 * i));
         }
     }
 }

@@ -1,4 +1,6 @@
 using System;
+using System.Collections.Generic;
+using System.Linq;
 using System.Threading.Tasks;
 using FlatBuffers;
 using wholehand.protocol;
@@ -41,15 +43,23 @@ namespace Wholehand
             });
         }
 
-        /// <summary>Ramps to neutral at once; without the controls, too. Commands that still wait are
-        /// dropped.</summary>
+        /// <summary>Ramps to neutral at once; without the controls, too. It goes by WebSocket, and by
+        /// datagram until the program shows that it has obeyed.</summary>
         public Task<CommandReply> EmergencyStop()
         {
-            return Ask(Order.EmergencyStop, b =>
+            lock (gate)
             {
-                wholehand.protocol.EmergencyStop.StartEmergencyStop(b);
-                return wholehand.protocol.EmergencyStop.EndEmergencyStop(b).Value;
-            });
+                Task<CommandReply> answer = Ask(Order.EmergencyStop, b =>
+                {
+                    wholehand.protocol.EmergencyStop.StartEmergencyStop(b);
+                    return wholehand.protocol.EmergencyStop.EndEmergencyStop(b).Value;
+                });
+                if (!connected) return answer;
+                stopId = command;
+                stopMessage = builder.SizedByteArray();
+                SendDatagram(DatagramKind.Command, stopMessage);
+                return answer;
+            }
         }
 
         /// <summary>Empty texts and level 0: as it is.</summary>
@@ -87,7 +97,7 @@ namespace Wholehand
         }
 
         /// <summary>Where the person wants the hand to be, per axis; sent once and at once, since the next
-        /// one corrects it. Only the first that is refused is answered, through ReplyReceived. Throws
+        /// one corrects it. Only one that is refused is answered, through ReplyReceived. Throws
         /// ArgumentException for a posture without axes or with a number that is not finite.</summary>
         public void Aim(float[] position)
         {
@@ -98,11 +108,13 @@ namespace Wholehand
             }
             lock (gate)
             {
-                if (session == 0) return;
+                if (!connected) return;
                 builder.Clear();
                 VectorOffset q = wholehand.protocol.Aim.CreateQVector(builder, position);
                 int aim = wholehand.protocol.Aim.CreateAim(builder, q).Value;
-                Send(DatagramKind.Message, Words.Command(builder, ++command, Order.Aim, aim));
+                byte[] message = Words.Command(builder, ++command, Order.Aim, aim);
+                if (DatagramsCome(MonotonicClock.NowNs())) SendDatagram(DatagramKind.Command, message);
+                else SendMessage(message);
             }
         }
 
@@ -110,14 +122,38 @@ namespace Wholehand
         {
             lock (gate)
             {
-                if (session == 0) return Task.FromResult(new CommandReply(false, "not connected"));
+                if (!connected) return Task.FromResult(new CommandReply(false, "not connected"));
                 builder.Clear();
                 int order = make(builder);
                 byte[] message = Words.Command(builder, ++command, type, order);
-                Task<CommandReply> answer = commands.Add(command, message, type == Order.EmergencyStop);
-                SendWhatIsDue(MonotonicClock.NowNs());
-                return answer;
+                var answer = new TaskCompletionSource<CommandReply>(TaskCreationOptions.RunContinuationsAsynchronously);
+                asked.Add(command, answer);
+                SendMessage(message);
+                return answer.Task;
             }
+        }
+
+        // The answer to a command; gate is held.
+        private void Answer(uint id, CommandReply reply)
+        {
+            if (id == stopId) stopMessage = null;
+            // 0 answers what the program could not read: which one, it does not say.
+            if (id == 0) id = asked.Keys.Where(asking => asking != stopId).DefaultIfEmpty().Min();
+            TaskCompletionSource<CommandReply> answer;
+            if (!asked.TryGetValue(id, out answer)) return;
+            asked.Remove(id);
+            answer.TrySetResult(reply);
+        }
+
+        // No answer comes any more; gate is held.
+        private void DropCommands(string why)
+        {
+            stopMessage = null;
+            foreach (TaskCompletionSource<CommandReply> answer in asked.Values)
+            {
+                answer.TrySetResult(new CommandReply(false, why));
+            }
+            asked.Clear();
         }
     }
 }

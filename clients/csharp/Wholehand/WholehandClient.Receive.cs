@@ -1,59 +1,128 @@
 using System;
+using System.IO;
+using System.Net;
 using System.Net.Sockets;
-using System.Text;
+using System.Net.WebSockets;
 using System.Threading;
+using System.Threading.Tasks;
+using FlatBuffers;
 using wholehand.protocol;
 
 namespace Wholehand
 {
-    // The thread that receives.
+    // What the program says: messages on a thread of their own, and datagrams on another.
     public sealed partial class WholehandClient
     {
-        private void ReceiveLoop()
+        private const int RetryPauseMs = 250;
+        private const int ConnectPatienceMs = 2000;
+        private const int LargestMessage = 4 * 1024 * 1024;
+
+        private void Listen()
         {
-            // One byte more than is allowed tells what is too long.
-            var bytes = new byte[Datagram.LargestSize + 1];
-            while (!closed)
+            do
             {
-                int size;
+                string why = Converse();
+                bool was;
+                lock (gate)
+                {
+                    was = connected;
+                    EndConversation(why);
+                    if (closed) return;
+                    if (!was && refusal == why) continue;
+                    refusal = was ? "" : why;
+                }
+                RaiseConnection(false, why);
+            }
+            while (!closing.WaitOne(RetryPauseMs));
+        }
+
+        // From connecting to the end; in words why it ended.
+        private string Converse()
+        {
+            using (var socket = new ClientWebSocket())
+            {
+                var end = new TaskCompletionSource<bool>();
+                lock (gate)
+                {
+                    if (closed) return "the client was closed";
+                    ended = end;
+                }
                 try
                 {
-                    size = socket.Receive(bytes);
-                }
-                catch (SocketException e)
-                {
-                    if (closed) return;
-                    if (e.SocketErrorCode == SocketError.MessageSize) Statistics.CountIgnored();
-                    // Nobody listens there at present: the system says so at once, again and again.
-                    else if (e.SocketErrorCode != SocketError.TimedOut && e.SocketErrorCode != SocketError.WouldBlock)
+                    if (!string.IsNullOrEmpty(options.Token))
                     {
-                        Thread.Sleep(10);
+                        socket.Options.SetRequestHeader("Authorization", "Bearer " + options.Token);
                     }
-                    continue;
+                    var address = new UriBuilder("ws", options.Host, options.Port, "ws").Uri;
+                    Task connecting = socket.ConnectAsync(address, CancellationToken.None);
+                    int first = Task.WaitAny(new[] { connecting, end.Task }, ConnectPatienceMs);
+                    if (first != 0) throw new IOException("no answer");
+                    connecting.GetAwaiter().GetResult();
+                    lock (gate)
+                    {
+                        if (closed) return "the client was closed";
+                        heardNs = MonotonicClock.NowNs();
+                        webSocket = socket;
+                    }
+                    while (true) ReceiveMessage(socket, end.Task);
                 }
-                catch (ObjectDisposedException)
+                catch (Exception e) when (IsOfTheLine(e))
                 {
-                    return;
+                    return connected ? "the connection is lost: " + e.Message : InWords(e);
                 }
-                Receive(bytes, size, MonotonicClock.NowNs());
             }
         }
 
-        // Any bytes of the connected address. Tests call it, too.
-        internal void Receive(byte[] bytes, int size, long nowNs)
+        private static bool IsOfTheLine(Exception e)
         {
-            DatagramHeader header;
-            if (Datagram.Read(bytes, size, out header) != DatagramFlaw.None)
-            {
-                Statistics.CountIgnored();
-                return;
-            }
+            return e is WebSocketException || e is SocketException || e is IOException
+                || e is ObjectDisposedException || e is OperationCanceledException || e is InvalidOperationException;
+        }
+
+        // A WebSocket does not tell why it was refused: a plain request does.
+        private string InWords(Exception e)
+        {
             try
             {
-                if (header.Kind == DatagramKind.Welcome) ReceiveWelcome(header, bytes, nowNs);
-                else if (header.Kind == DatagramKind.Refused) ReceiveRefusal(header, bytes);
-                else if (header.Session == 0 || header.Session != CurrentSession()) Statistics.CountIgnored();
-                else ReceiveInConversation(header, bytes, nowNs);
+                var asking = (HttpWebRequest)WebRequest.Create(new UriBuilder("http", options.Host, options.Port, "ws").Uri);
+                asking.Timeout = ConnectPatienceMs;
+                asking.Headers["Authorization"] = "Bearer " + options.Token;
+                asking.GetResponse().Close();
+            }
+            catch (WebException refused)
+            {
+                var answer = refused.Response as HttpWebResponse;
+                if (answer != null && answer.StatusCode == HttpStatusCode.Unauthorized)
+                {
+                    return "the program asks for another token";
+                }
+            }
+            return "no connection to " + options.Host + ":" + options.Port + ": " + e.Message;
+        }
+
+        private byte[] incoming = new byte[64 * 1024];
+
+        private void ReceiveMessage(ClientWebSocket socket, Task end)
+        {
+            int length = 0;
+            while (true)
+            {
+                if (length == incoming.Length) Array.Resize(ref incoming, 2 * length);
+                if (length > LargestMessage) throw new IOException("a message that is too large");
+                var room = new ArraySegment<byte>(incoming, length, incoming.Length - length);
+                Task<WebSocketReceiveResult> receiving = socket.ReceiveAsync(room, CancellationToken.None);
+                Task.WaitAny(receiving, end);
+                if (end.IsCompleted) throw new IOException("the program is not heard any more");
+                WebSocketReceiveResult part = receiving.GetAwaiter().GetResult();
+                if (part.MessageType == WebSocketMessageType.Close) throw new IOException("the program has ended");
+                length += part.Count;
+                if (part.EndOfMessage) break;
+            }
+            long nowNs = MonotonicClock.NowNs();
+            lock (gate) heardNs = nowNs;
+            try
+            {
+                Hear(incoming, length, nowNs);
             }
             catch (Exception e) when (IsOfRubbish(e))
             {
@@ -68,129 +137,32 @@ namespace Wholehand
                 || e is OverflowException;
         }
 
-        private uint CurrentSession()
+        private void Hear(byte[] bytes, int length, long nowNs)
         {
-            lock (gate) return session;
-        }
-
-        private void ReceiveInConversation(DatagramHeader header, byte[] bytes, long nowNs)
-        {
-            lock (gate) heardNs = nowNs;
-            switch (header.Kind)
-            {
-                case DatagramKind.State:
-                    ReceiveState(header, bytes, nowNs);
-                    break;
-                case DatagramKind.Reliable:
-                    ReceiveReliable(header, bytes);
-                    break;
-                case DatagramKind.Goodbye:
-                    lock (gate) EndConversation("the program has ended");
-                    RaiseConnection(false, "the program has ended");
-                    break;
-                case DatagramKind.Heartbeat:
-                    break;
-                default:
-                    Statistics.CountIgnored();
-                    break;
-            }
-        }
-
-        private static bool IsMessage(MessageAssembler message, Payload type)
-        {
-            if (message.Length < 8 || !Message.MessageBufferHasIdentifier(message.Bytes)) return false;
-            Message m = Message.GetRootAsMessage(message.Bytes);
-            return m.SchemaVersion == Words.SchemaVersion && (type == Payload.NONE || m.PayloadType == type)
-                && Words.HasPayload(message.Bytes);
-        }
-
-        private void ReceiveWelcome(DatagramHeader header, byte[] bytes, long nowNs)
-        {
-            var message = new MessageAssembler(Datagram.LargestPayload, Datagram.LargestPayload);
-            if (header.Session == 0 || message.Add(header, bytes) != MessageAssembler.Result.Complete
-                || !IsMessage(message, Payload.Welcome))
+            var inPlace = new ByteBuffer(bytes);
+            if (!Words.IsMessage(inPlace, length))
             {
                 Statistics.CountIgnored();
                 return;
             }
-            Welcome welcome = Message.GetRootAsMessage(message.Bytes).PayloadAsWelcome();
-            lock (gate)
+            if (Message.GetRootAsMessage(inPlace).PayloadType == Payload.WorldState)
             {
-                if (session != 0) return; // of a Hello that was repeated
-                session = header.Session;
-                refusal = "";
-                heardNs = nowNs;
-                inbox = new ReliableInbox();
-                Statistics.BeginConversation();
-                holdsControls = welcome.Controls;
-                SendWhatIsDue(nowNs);
-            }
-            RaiseConnection(true, "connected to Wholehand " + welcome.ProgramVersion);
-        }
-
-        private void ReceiveRefusal(DatagramHeader header, byte[] bytes)
-        {
-            string why = Encoding.UTF8.GetString(bytes, Datagram.HeaderSize, header.PayloadLength);
-            lock (gate)
-            {
-                if (session != 0 || refusal == why) return;
-                refusal = why;
-            }
-            RaiseConnection(false, why);
-        }
-
-        private void ReceiveState(DatagramHeader header, byte[] bytes, long nowNs)
-        {
-            if (!Statistics.IsNewer(header.Sequence)) return;
-            MessageAssembler.Result result = filling.Add(header, bytes);
-            if (result == MessageAssembler.Result.Incomplete) return;
-            if (result != MessageAssembler.Result.Complete || !IsMessage(filling, Payload.WorldState))
-            {
-                Statistics.CountIgnored();
+                if (!DatagramsCome(nowNs)) Show(bytes, 0, length);
                 return;
             }
-            Statistics.Count(header.Sequence, nowNs - header.MonotonicNs);
-            lock (gate)
-            {
-                MessageAssembler old = newest;
-                newest = filling;
-                filling = old;
-                haveState = true;
-            }
-            var received = StateReceived;
-            if (received == null || options.Polled) return;
-            try
-            {
-                // Nobody but this thread writes to it, and not before the next state but one.
-                received(Words.StateOf(newest.Bytes));
-            }
-            catch (Exception e)
-            {
-                Guard(() => { throw e; });
-            }
-        }
-
-        private void ReceiveReliable(DatagramHeader header, byte[] bytes)
-        {
-            lock (gate)
-            {
-                if (!inbox.Add(header, bytes)) return;
-                Send(DatagramKind.Message, Words.Acknowledge(builder, header.Sequence));
-            }
-            while (true)
-            {
-                MessageAssembler message;
-                lock (gate) message = inbox.Take();
-                if (message == null) return;
-                if (IsMessage(message, Payload.NONE)) Deliver(Message.GetRootAsMessage(message.Bytes));
-                else Statistics.CountIgnored();
-            }
+            // Handlers may keep what they are given.
+            var own = new byte[length];
+            Buffer.BlockCopy(bytes, 0, own, 0, length);
+            Deliver(Message.GetRootAsMessage(new ByteBuffer(own)));
         }
 
         private void Deliver(Message message)
         {
             switch (message.PayloadType)
             {
+                case Payload.Welcome:
+                    Begin(message.PayloadAsWelcome());
+                    break;
                 case Payload.Scene:
                     Scene newScene = message.PayloadAsScene();
                     lock (gate) scene = newScene;
@@ -206,16 +178,146 @@ namespace Wholehand
                     break;
                 case Payload.Reply:
                     Reply reply = message.PayloadAsReply();
-                    lock (gate)
-                    {
-                        commands.Answer(reply.Command, new CommandReply(reply.Accepted, reply.Reason));
-                        SendWhatIsDue(MonotonicClock.NowNs());
-                    }
+                    lock (gate) Answer(reply.Command, new CommandReply(reply.Accepted, reply.Reason));
                     Raise(ReplyReceived, reply);
                     break;
+                case Payload.Commissioning:
+                    break; // a program that leads through one moves no hand
                 default:
                     Statistics.CountIgnored();
                     break;
+            }
+        }
+
+        private void Begin(Welcome welcome)
+        {
+            lock (gate)
+            {
+                if (closed) return;
+                refusal = "";
+                command = sequence = stopId = 0;
+                datagramNs = datagramSentNs = 0;
+                key = welcome.UdpKey;
+                holdsControls = welcome.Controls;
+                Statistics.BeginConversation();
+                if (welcome.UdpPort != 0) OpenDatagrams(welcome.UdpPort);
+                connected = true;
+                Keep(MonotonicClock.NowNs());
+            }
+            RaiseConnection(true, "connected to Wholehand " + welcome.ProgramVersion);
+        }
+
+        // ---- datagrams ----
+
+        private void OpenDatagrams(int port)
+        {
+            var socket = new Socket(AddressFamily.InterNetwork, SocketType.Dgram, ProtocolType.Udp);
+            // Room for what comes while this process is held up, for a second or more.
+            socket.ReceiveBufferSize = 4 * 1024 * 1024;
+            socket.ReceiveTimeout = 200;
+            // Connected, the system drops what others send; and receiving allocates nothing.
+            socket.Connect(options.Host, port);
+            datagrams = socket;
+            new Thread(() => ReceiveDatagrams(socket)) { IsBackground = true, Name = "Wholehand datagrams" }.Start();
+        }
+
+        private void ReceiveDatagrams(Socket socket)
+        {
+            // One byte more than is allowed tells what is too long.
+            var bytes = new byte[Datagram.LargestSize + 1];
+            while (!closed && socket == datagrams)
+            {
+                try
+                {
+                    Receive(bytes, socket.Receive(bytes), MonotonicClock.NowNs());
+                }
+                catch (SocketException e)
+                {
+                    if (e.SocketErrorCode == SocketError.MessageSize) Statistics.CountIgnored();
+                    // Nobody listens there at present: the system says so at once, again and again.
+                    else if (e.SocketErrorCode != SocketError.TimedOut && e.SocketErrorCode != SocketError.WouldBlock)
+                    {
+                        Thread.Sleep(PaceMs);
+                    }
+                }
+                catch (ObjectDisposedException)
+                {
+                    return;
+                }
+            }
+        }
+
+        // Any bytes of the connected address. Tests call it, too.
+        internal void Receive(byte[] bytes, int size, long nowNs)
+        {
+            DatagramHeader header;
+            if (Datagram.Read(bytes, size, out header) != DatagramFlaw.None || header.Key != key
+                || (header.Kind != DatagramKind.State && header.Kind != DatagramKind.Present))
+            {
+                Statistics.CountIgnored();
+                return;
+            }
+            if (!Statistics.IsNewer(header.Sequence)) return;
+            lock (gate)
+            {
+                datagramNs = nowNs;
+                datagramSentNs = header.SentNs;
+                if (stopMessage != null && header.RateOrStop == stopId) Answer(stopId, new CommandReply(true, ""));
+            }
+            if (header.EchoNs != 0) Statistics.CountRoundTrip(nowNs - header.EchoNs - header.EchoAgeUs * 1000L);
+            if (header.Kind != DatagramKind.State) return;
+            try
+            {
+                if (Show(bytes, Datagram.HeaderSize, size - Datagram.HeaderSize))
+                {
+                    Statistics.CountState(nowNs - header.SentNs);
+                }
+            }
+            catch (Exception e) when (IsOfRubbish(e))
+            {
+                Statistics.CountIgnored();
+            }
+        }
+
+        private bool DatagramsCome(long nowNs)
+        {
+            lock (gate) return datagrams != null && datagramNs != 0 && nowNs - datagramNs < DatagramsGoneNs;
+        }
+
+        // ---- states ----
+
+        private readonly object showing = new object(); // of two threads, one at a time
+
+        private bool Show(byte[] bytes, int offset, int length)
+        {
+            lock (showing)
+            {
+                filling.CopyFrom(bytes, offset, length);
+                if (!Words.IsMessage(filling.Bytes, length)
+                    || Message.GetRootAsMessage(filling.Bytes).PayloadType != Payload.WorldState)
+                {
+                    Statistics.CountIgnored();
+                    return false;
+                }
+                lock (gate)
+                {
+                    MessageBuffer old = newest;
+                    newest = filling;
+                    filling = old;
+                    haveState = true;
+                }
+                var received = StateReceived;
+                if (received == null || options.Polled) return true;
+                try
+                {
+                    // Nobody writes to it before the next state but one.
+                    received(Words.StateOf(newest.Bytes));
+                }
+                catch (Exception e)
+                {
+                    Guard(() => { throw e; });
+                }
+                return true;
             }
         }
 

@@ -1,46 +1,52 @@
 using System;
 using System.Collections.Concurrent;
-using System.Net;
+using System.Collections.Generic;
 using System.Net.Sockets;
-using System.Text;
+using System.Net.WebSockets;
 using System.Threading;
+using System.Threading.Tasks;
 using FlatBuffers;
 using wholehand.protocol;
 
 namespace Wholehand
 {
-    /// <summary>A game's connection to a running Wholehand over UDP: hand coordinates up to 1000 times a
-    /// second, scenes, events and answers in order and complete, commands. It connects by itself, and
-    /// again after the program was gone. Docs: docs/udp.md.</summary>
+    /// <summary>A game's connection to a running Wholehand: scenes, events, commands and answers by
+    /// WebSocket, in order and complete; hand coordinates up to 1000 times a second and aims by datagram,
+    /// where only the newest counts. It connects by itself, and again after the program was gone. Docs:
+    /// docs/udp.md.</summary>
     public sealed partial class WholehandClient : IDisposable
     {
-        private const long HelloPauseNs = 250000000;
-        private const long GoneNs = 1000000000;
+        private const long GoneNs = 2000000000;
+        private const long DatagramsGoneNs = 500000000;
         private const long PollNs = 100000000;
-        private const int PaceMs = 20;
+        private const int PaceMs = 10;
         private const long HeartbeatPauseNs = 40000000;
-        private const int LargestState = 64 * 1024;
         private static readonly byte[] Empty = new byte[0];
 
         private readonly ClientOptions options;
-        private readonly Socket socket;
-        private readonly Thread receiver, keeper;
+        private readonly Thread listener, keeper;
         private readonly ManualResetEvent closing = new ManualResetEvent(false);
         private readonly ConcurrentQueue<System.Action> toRaise = new ConcurrentQueue<System.Action>();
-        private volatile bool closed, holdsControls;
+        private volatile bool closed, connected, holdsControls;
 
-        // gate guards what both threads and the game's use.
+        // gate guards what the threads and the game's use.
         private readonly object gate = new object();
         private readonly byte[] outgoing = new byte[Datagram.LargestSize];
         private readonly FlatBufferBuilder builder = new FlatBufferBuilder(256);
-        private readonly CommandQueue commands = new CommandQueue();
-        private MessageAssembler newest = new MessageAssembler(LargestState);
-        private MessageAssembler filling = new MessageAssembler(LargestState);
+        private readonly Dictionary<uint, TaskCompletionSource<CommandReply>> asked =
+            new Dictionary<uint, TaskCompletionSource<CommandReply>>();
+        private readonly Queue<byte[]> toSend = new Queue<byte[]>();
+        private Task sending;
+        private ClientWebSocket webSocket;
+        // Of the conversation: neither Abort() nor a token wakes who waits for a WebSocket of mono.
+        private TaskCompletionSource<bool> ended = new TaskCompletionSource<bool>();
+        private Socket datagrams;   // null: the program takes none
+        private ulong key;
+        private MessageBuffer newest = new MessageBuffer(), filling = new MessageBuffer();
         private Scene? scene;
-        private ReliableInbox inbox = new ReliableInbox();
-        private uint session, sequence, command;
-        private ulong nonce;
-        private long heardNs, helloNs = long.MinValue / 2, heartbeatNs, polledNs;
+        private uint sequence, command, stopId;
+        private byte[] stopMessage; // of an emergency stop that the program has not shown yet
+        private long heardNs, heartbeatNs, polledNs, datagramNs, datagramSentNs;
         private bool haveState;
         private string refusal = "";
 
@@ -52,28 +58,22 @@ namespace Wholehand
             {
                 throw new ArgumentException("the rate must be 0 to 1000 Hz", "options");
             }
-            if (Encoding.UTF8.GetByteCount(options.Token ?? "") > 256)
+            if ((options.Token ?? "").IndexOfAny(new[] { '\r', '\n', '\0' }) >= 0)
             {
-                throw new ArgumentException("the token is longer than 256 bytes", "options");
+                throw new ArgumentException("the token has a line break", "options");
             }
             this.options = options;
             Statistics = new ClientStatistics();
-            socket = new Socket(AddressFamily.InterNetwork, SocketType.Dgram, ProtocolType.Udp);
-            // Room for what comes while this process is held up, for a second or more.
-            socket.ReceiveBufferSize = 4 * 1024 * 1024;
-            socket.ReceiveTimeout = 200;
-            receiver = new Thread(ReceiveLoop) { IsBackground = true, Name = "Wholehand receive" };
+            listener = new Thread(Listen) { IsBackground = true, Name = "Wholehand messages" };
             keeper = new Thread(KeepLoop) { IsBackground = true, Name = "Wholehand heartbeat" };
         }
 
         /// <summary>Begins to connect; ConnectionChanged tells when it is done. Subscribe to events before;
-        /// to be called once. Throws SocketException for an unknown host.</summary>
+        /// to be called once.</summary>
         public void Connect()
         {
-            // Connected, the system drops what others send; and receiving allocates nothing.
-            socket.Connect(options.Host, options.Port);
             polledNs = MonotonicClock.NowNs();
-            receiver.Start();
+            listener.Start();
             keeper.Start();
         }
 
@@ -97,7 +97,7 @@ namespace Wholehand
 
         public ClientStatistics Statistics { get; private set; }
 
-        public bool Connected { get { lock (gate) return session != 0; } }
+        public bool Connected { get { return connected; } }
 
         /// <summary>Whether this client may command.</summary>
         public bool HoldsControls { get { return holdsControls; } }
@@ -145,20 +145,17 @@ namespace Wholehand
             while (toRaise.TryDequeue(out raise)) Guard(raise);
         }
 
-        /// <summary>Says goodbye and ends both threads.</summary>
+        /// <summary>Ends the connection and the threads.</summary>
         public void Dispose()
         {
             lock (gate)
             {
                 if (closed) return;
                 closed = true;
-                if (session != 0) SendEmpty(DatagramKind.Goodbye);
-                session = 0;
-                commands.Drop("the client was closed");
+                EndConversation("the client was closed");
             }
             closing.Set();
-            socket.Close();
-            foreach (Thread thread in new[] { receiver, keeper })
+            foreach (Thread thread in new[] { listener, keeper })
             {
                 if (thread.IsAlive && thread != Thread.CurrentThread) thread.Join();
             }
@@ -186,112 +183,96 @@ namespace Wholehand
 
         // ---- sending; gate is held ----
 
-        private void Send(DatagramKind kind, byte[] payload)
+        private void SendMessage(byte[] message)
         {
-            var header = new DatagramHeader { Kind = kind, Session = session, Sequence = ++sequence };
-            int count = Math.Max(1, (payload.Length + Datagram.LargestPayload - 1) / Datagram.LargestPayload);
-            header.FragmentCount = (ushort)count;
-            for (int i = 0; i < count; ++i)
-            {
-                int from = i * Datagram.LargestPayload;
-                header.FragmentIndex = (ushort)i;
-                header.MonotonicNs = MonotonicClock.NowNs();
-                int size = Datagram.Write(outgoing, header, payload, from,
-                    Math.Min(Datagram.LargestPayload, payload.Length - from));
-                SendBytes(size);
-            }
+            toSend.Enqueue(message);
+            SendNext();
         }
 
-        private void SendEmpty(DatagramKind kind)
+        // A WebSocket takes one message at a time.
+        private void SendNext()
         {
-            Send(kind, Empty);
-        }
-
-        private void SendBytes(int size)
-        {
+            if (webSocket == null || toSend.Count == 0 || (sending != null && !sending.IsCompleted)) return;
             try
             {
-                socket.Send(outgoing, size, SocketFlags.None);
+                sending = webSocket.SendAsync(new ArraySegment<byte>(toSend.Dequeue()),
+                    WebSocketMessageType.Binary, true, CancellationToken.None);
+                sending.ContinueWith(sent =>
+                {
+                    // Where it failed, the thread that listens finds out, too.
+                    if (sent.Exception == null) lock (gate) SendNext();
+                });
             }
-            catch (SocketException)
-            {
-                // Nobody listens there at present, or the buffer is full: everything that matters is repeated.
-            }
-            catch (ObjectDisposedException)
+            catch (Exception e) when (IsOfTheLine(e))
             {
             }
         }
 
-        private void SayHello(long nowNs)
+        private void SendDatagram(DatagramKind kind, byte[] payload)
         {
-            if (nonce == 0) nonce = BitConverter.ToUInt64(Guid.NewGuid().ToByteArray(), 0) | 1;
-            byte[] token = Encoding.UTF8.GetBytes(options.Token ?? "");
-            var payload = new byte[12 + token.Length];
-            LittleEndian.Put(payload, 0, (ushort)options.RateHz);
-            LittleEndian.Put(payload, 2, Words.SchemaVersion);
-            LittleEndian.Put(payload, 4, nonce);
-            Buffer.BlockCopy(token, 0, payload, 12, token.Length);
-            helloNs = nowNs;
-            Send(DatagramKind.Hello, payload);
+            if (datagrams == null) return;
+            long nowNs = MonotonicClock.NowNs();
+            var header = new DatagramHeader
+            {
+                Kind = kind, Key = key, Sequence = ++sequence, RateOrStop = (uint)options.RateHz, SentNs = nowNs,
+                EchoNs = datagramSentNs, EchoAgeUs = (uint)Math.Min(uint.MaxValue, (nowNs - datagramNs) / 1000)
+            };
+            int size = Datagram.Write(outgoing, header, payload, 0, payload.Length);
+            try
+            {
+                datagrams.Send(outgoing, size, SocketFlags.None);
+            }
+            catch (Exception e) when (IsOfTheLine(e))
+            {
+                // Nobody listens there at present, or the buffer is full: the next one corrects it.
+            }
         }
 
         // ---- the thread that keeps the conversation alive ----
 
         private void KeepLoop()
         {
-            while (!closing.WaitOne(PaceMs)) Keep(MonotonicClock.NowNs());
+            while (!closing.WaitOne(PaceMs))
+            {
+                lock (gate) Keep(MonotonicClock.NowNs());
+            }
         }
 
         private void Keep(long nowNs)
         {
-            bool lost = false;
-            lock (gate)
+            if (webSocket == null) return;
+            if (nowNs - heardNs > GoneNs)
             {
-                if (closed) return;
-                if (session != 0 && nowNs - heardNs > GoneNs)
-                {
-                    lost = true;
-                    EndConversation("the program is not heard any more");
-                }
-                if (session == 0)
-                {
-                    if (nowNs - helloNs >= HelloPauseNs) SayHello(nowNs);
-                }
-                else
-                {
-                    SendWhatIsDue(nowNs);
-                }
+                ended.TrySetResult(true); // the thread that listens goes on from there
+                return;
             }
-            if (lost) RaiseConnection(false, "the program is not heard any more");
-        }
-
-        private void SendWhatIsDue(long nowNs)
-        {
+            if (!connected) return;
+            if (stopMessage != null) SendDatagram(DatagramKind.Command, stopMessage);
             bool alive = !options.Polled || nowNs - polledNs < PollNs;
-            if (alive && nowNs - heartbeatNs >= HeartbeatPauseNs)
-            {
-                heartbeatNs = nowNs;
-                SendEmpty(DatagramKind.Heartbeat);
-            }
-            byte[] due = commands.Due(nowNs);
-            if (due != null) Send(DatagramKind.Message, due);
+            if (!alive || nowNs - heartbeatNs < HeartbeatPauseNs) return;
+            heartbeatNs = nowNs;
+            SendDatagram(DatagramKind.Alive, Empty);
+            if (toSend.Count == 0) SendMessage(Words.Heartbeat(builder));
         }
 
         private void EndConversation(string why)
         {
-            session = 0;
-            nonce = 0;
-            haveState = false;
-            holdsControls = false;
-            commands.Drop(why);
+            connected = haveState = holdsControls = false;
+            toSend.Clear();
+            DropCommands(why);
+            if (datagrams != null) datagrams.Close();
+            ended.TrySetResult(true);
+            datagrams = null;
+            webSocket = null;
+            sending = null;
         }
 
-        private void RaiseConnection(bool connected, string why)
+        private void RaiseConnection(bool isConnected, string why)
         {
             Raise(() =>
             {
                 var changed = ConnectionChanged;
-                if (changed != null) changed(connected, why);
+                if (changed != null) changed(isConnected, why);
             });
         }
     }

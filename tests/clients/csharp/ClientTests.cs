@@ -14,6 +14,7 @@ public static class ClientTests
         client.Connect();
         program.Welcome();
         Check.Until(() => client.Connected, "connected");
+        if (!polled) program.HearAlive();
         return client;
     }
 
@@ -22,21 +23,54 @@ public static class ClientTests
         using (var program = new MadeUpProgram())
         using (WholehandClient client = Connected(program))
         {
+            Check.Equal(1000u, program.Rate, "the rate that it asks for");
             var state = new HandState();
             Check.True(!client.TryGetState(state), "there is none yet");
-            program.SayState(41);
+            program.Say(DatagramKind.State, 1, MadeUpProgram.StateMessage(41));
             Check.Until(() => client.TryGetState(state), "a state");
             Check.Equal(41UL, state.Tick, "tick");
             Check.Equal(2, state.HandPosition.Length, "axes");
             Check.Equal(-0.25f, state.HandPosition[1], "second axis");
             Check.True(!client.TryGetState(state), "no newer one");
-            program.States += 3;
-            program.SayState(45);
+            program.Say(DatagramKind.Present, 2, new byte[0]);
+            program.Say(DatagramKind.State, 6, MadeUpProgram.StateMessage(45));
             Check.Until(() => client.TryGetState(state), "another");
             Check.Equal(3L, client.Statistics.Lost, "lost");
-            program.Say(DatagramKind.State, 2, MadeUpProgram.StateMessage(42));
-            Check.Until(() => client.Statistics.OutOfOrder == 1, "an old one");
-            Check.True(!client.TryGetState(state), "an old one is not shown");
+            program.Say(DatagramKind.State, 5, MadeUpProgram.StateMessage(42));
+            program.Say(DatagramKind.State, 6, MadeUpProgram.StateMessage(45));
+            Check.Until(() => client.Statistics.OutOfOrder == 2, "an old one, and one that came twice");
+            Check.True(!client.TryGetState(state), "are not shown");
+        }
+    }
+
+    public static void Datagrams_EchoWhatTheProgramSaidLast()
+    {
+        using (var program = new MadeUpProgram())
+        using (WholehandClient client = Connected(program))
+        {
+            byte[] said = MadeUpProgram.Written(DatagramKind.Present, MadeUpProgram.Key, 1, new byte[0]);
+            program.SayBytes(said);
+            long sent = DatagramTests.HeaderOf(said).SentNs;
+            Check.Until(() => program.HearAlive().EchoNs == sent, "echoed");
+        }
+    }
+
+    public static void WithoutDatagrams_StatesAndAimsGoByWebSocket()
+    {
+        using (var program = new MadeUpProgram())
+        using (WholehandClient client = Connected(program))
+        {
+            var state = new HandState();
+            program.Tell(MadeUpProgram.StateMessage(7));
+            Check.Until(() => client.TryGetState(state) && state.Tick == 7, "a state");
+            client.Aim(new[] { 0.5f });
+            Check.Equal(Order.Aim, program.HearCommand().OrderType, "an aim");
+            program.Say(DatagramKind.State, 1, MadeUpProgram.StateMessage(8));
+            Check.Until(() => client.TryGetState(state) && state.Tick == 8, "a state by datagram");
+            client.Aim(new[] { 0.5f });
+            Command command;
+            program.HearA(DatagramKind.Command, out command);
+            Check.Equal(Order.Aim, command.OrderType, "an aim by datagram");
         }
     }
 
@@ -50,7 +84,8 @@ public static class ClientTests
             client.SceneReceived += s => ++handled;
             client.EventsReceived += e => ++handled;
             client.StateReceived += s => ++handled;
-            byte[] good = MadeUpProgram.Datagrams(DatagramKind.State, 77, 1000, MadeUpProgram.StateMessage(1));
+            byte[] good = MadeUpProgram.Written(DatagramKind.State, MadeUpProgram.Key, 1000,
+                MadeUpProgram.StateMessage(1));
             long expected = 0;
             Action<byte[]> bad = bytes =>
             {
@@ -66,13 +101,14 @@ public static class ClientTests
             damaged[60] ^= 4;
             bad(damaged);
             // Sound datagrams with what no program says.
-            bad(MadeUpProgram.Datagrams(DatagramKind.State, 78, 1000, MadeUpProgram.StateMessage(1))); // another session
-            bad(MadeUpProgram.Datagrams(DatagramKind.Hello, 77, 1000, new byte[0]));
-            bad(MadeUpProgram.Datagrams(DatagramKind.State, 77, 1000, new byte[3]));
-            bad(MadeUpProgram.Datagrams(DatagramKind.State, 77, 1001, new byte[100])); // no identifier
-            var scene = new FlatBufferBuilder(64);
-            bad(MadeUpProgram.Datagrams(DatagramKind.State, 77, 1002, // another schema
-                MadeUpProgram.Finished(scene, Payload.Acknowledge, Acknowledge.CreateAcknowledge(scene, 1).Value, 2)));
+            byte[] state = MadeUpProgram.StateMessage(1);
+            bad(MadeUpProgram.Written(DatagramKind.State, MadeUpProgram.Key + 1, 1000, state));
+            bad(MadeUpProgram.Written(DatagramKind.Alive, MadeUpProgram.Key, 1000, new byte[0]));
+            bad(MadeUpProgram.Written(DatagramKind.State, MadeUpProgram.Key, 1000, new byte[3]));
+            bad(MadeUpProgram.Written(DatagramKind.State, MadeUpProgram.Key, 1001, new byte[100])); // no identifier
+            var b = new FlatBufferBuilder(64);
+            bad(MadeUpProgram.Written(DatagramKind.State, MadeUpProgram.Key, 1002, // another schema
+                MadeUpProgram.Finished(b, Payload.Controls, Controls.CreateControls(b).Value, 2)));
             for (int i = 0; i < 300; ++i)
             {
                 // The identifier is right, the rest is not: offsets lead anywhere.
@@ -82,12 +118,12 @@ public static class ClientTests
                 rubbish[5] = (byte)'H';
                 rubbish[6] = (byte)'N';
                 rubbish[7] = (byte)'D';
-                program.Say(i % 2 == 0 ? DatagramKind.State : DatagramKind.Reliable,
-                    i % 2 == 0 ? 2000u + (uint)i : ++program.Reliables, rubbish);
+                if (i % 2 == 0) program.Say(DatagramKind.State, 2000u + (uint)i, rubbish);
+                else program.Tell(rubbish);
             }
             program.Say(DatagramKind.State, 9000, MadeUpProgram.StateMessage(7));
-            var state = new HandState();
-            Check.Until(() => client.TryGetState(state) && state.Tick == 7, "the client goes on");
+            var shown = new HandState();
+            Check.Until(() => client.TryGetState(shown) && shown.Tick == 7, "the client goes on");
             Check.True(client.Connected, "connected");
             Check.Equal(1, handled, "nothing but the state was told");
         }
@@ -98,9 +134,10 @@ public static class ClientTests
         using (var program = new MadeUpProgram())
         using (WholehandClient client = Connected(program))
         {
-            byte[] datagram = MadeUpProgram.Datagrams(DatagramKind.State, 77, 1, MadeUpProgram.StateMessage(1));
-            var header = DatagramTests.HeaderOf(datagram);
-            var payload = new byte[header.PayloadLength];
+            program.FallSilent(); // what its WebSocket says costs memory
+            byte[] datagram = MadeUpProgram.Written(DatagramKind.State, MadeUpProgram.Key, 1, MadeUpProgram.StateMessage(1));
+            DatagramHeader header = DatagramTests.HeaderOf(datagram);
+            var payload = new byte[datagram.Length - Datagram.HeaderSize];
             Buffer.BlockCopy(datagram, Datagram.HeaderSize, payload, 0, payload.Length);
             var state = new HandState();
             const int States = 200000;
@@ -108,7 +145,6 @@ public static class ClientTests
             for (uint i = 1; i <= States + 1000; ++i)
             {
                 header.Sequence = i;
-                header.MonotonicNs = i; // another state than before
                 int size = Datagram.Write(datagram, header, payload, 0, payload.Length);
                 client.Receive(datagram, size, MonotonicClock.NowNs());
                 client.TryGetState(state);
@@ -123,8 +159,8 @@ public static class ClientTests
     public static void PolledClient_RaisesEventsInPollAndLivesOnlyByIt()
     {
         using (var program = new MadeUpProgram())
+        using (var client = new WholehandClient(new ClientOptions { Port = program.Port, Polled = true }))
         {
-            var client = new WholehandClient(new ClientOptions { Port = program.Port, Polled = true });
             int thread = 0;
             string version = "";
             client.ConnectionChanged += (connected, why) =>
@@ -138,44 +174,47 @@ public static class ClientTests
             Check.Equal("", version, "nothing is raised before Poll");
             Check.Until(() => { client.Poll(); return version != ""; }, "raised by Poll");
             Check.Equal(Thread.CurrentThread.ManagedThreadId, thread, "thread");
-            program.HearA(DatagramKind.Heartbeat);
-            Thread.Sleep(300); // the game hangs; what was said before is read away
-            while (program.Socket.Available > 0) program.Hear();
-            Thread.Sleep(200);
-            Check.Equal(0, program.Socket.Available, "bytes of heartbeats while nobody polls");
             client.Poll();
-            program.HearA(DatagramKind.Heartbeat);
-            client.Dispose();
-            program.HearA(DatagramKind.Goodbye);
+            Check.Until(() => { client.Poll(); return program.Socket.Available > 0; }, "it lives");
+            program.HearAlive();
+            // The game hangs: 100 ms after its last poll it says nothing more. Until it has, read it away.
+            Check.Until(() =>
+            {
+                int before = program.Heartbeats;
+                while (program.Socket.Available > 0) program.HearAlive();
+                Thread.Sleep(200); // five times the pause between two
+                return program.Socket.Available == 0 && program.Heartbeats == before;
+            }, "no sign of life while nobody polls");
+            Check.True(client.Connected, "connected all the same");
+            Check.Until(() => { client.Poll(); return program.Socket.Available > 0; }, "it lives again");
         }
     }
 
-    public static void UnansweredCommand_IsRepeatedThenGivenUp()
+    public static void EmergencyStop_GoesBothWaysUntilItIsSeen()
     {
         using (var program = new MadeUpProgram())
         using (WholehandClient client = Connected(program))
         {
             var arm = client.Arm(1);
-            var steer = client.Steer(Steering.Person);
-            for (int i = 0; i < 5; ++i) program.HearA(DatagramKind.Message);
-            Check.True(!arm.IsCompleted, "it waits");
+            Check.Equal(Order.Arm, program.HearCommand().OrderType, "by WebSocket");
             var stop = client.EmergencyStop();
-            Check.Until(() => arm.IsCompleted && steer.IsCompleted, "dropped by the emergency stop");
-            Check.True(!arm.Result.Accepted && arm.Result.Reason != "", "in words");
-            var b = new FlatBufferBuilder(64);
-            int unreadable = Reply.CreateReply(b, 0, false, b.CreateString("is not finite")).Value;
-            program.Say(DatagramKind.Reliable, 1, MadeUpProgram.Finished(b, Payload.Reply, unreadable));
-            for (int i = 0; i < 5; ++i) program.HearA(DatagramKind.Message);
-            Check.True(!stop.IsCompleted, "the emergency stop goes on, whatever else was unreadable");
-            b = new FlatBufferBuilder(64);
-            int reply = Reply.CreateReply(b, 3, true, b.CreateString("")).Value;
-            program.Say(DatagramKind.Reliable, 2, MadeUpProgram.Finished(b, Payload.Reply, reply));
-            Check.Until(() => stop.IsCompleted, "answered");
+            Command first = program.HearCommand(), repeated;
+            Check.Equal(Order.EmergencyStop, first.OrderType, "by WebSocket");
+            for (int i = 0; i < 5; ++i)
+            {
+                program.HearA(DatagramKind.Command, out repeated);
+                Check.Equal(Order.EmergencyStop, repeated.OrderType, "by datagram, again and again");
+                Check.Equal(first.Id, repeated.Id, "under the same number");
+            }
+            Check.True(!stop.IsCompleted, "nobody has seen it");
+            program.StopSeen = first.Id;
+            program.Say(DatagramKind.Present, 1, new byte[0]);
+            Check.Until(() => stop.IsCompleted, "seen");
             Check.True(stop.Result.Accepted, "accepted");
-            program.HearA(DatagramKind.Message); // the acknowledgement, or a repetition before it
-            var again = client.Arm(1);
-            Check.Until(() => again.IsCompleted, "given up: the program is there, but never answers");
-            Check.True(!again.Result.Accepted && again.Result.Reason.Contains("answer"), again.Result.Reason);
+            Check.True(!arm.IsCompleted, "the other waits for its own answer");
+            program.TellReply(1, false, "stopped");
+            Check.Until(() => arm.IsCompleted, "answered");
+            Check.Equal("stopped", arm.Result.Reason, "in words");
         }
     }
 
@@ -184,16 +223,18 @@ public static class ClientTests
         using (var program = new MadeUpProgram())
         using (WholehandClient client = Connected(program))
         {
-            program.Alive = false;
-            Check.Until(() => !client.Connected, "lost after a second");
+            var arm = client.Arm(1);
+            program.FallSilent();
+            Check.Until(() => !client.Connected, "lost after two seconds");
+            Check.Until(() => arm.IsCompleted && !arm.Result.Accepted, "what waits is given up");
             Check.True(!client.Arm(1).Result.Accepted, "commands are refused meanwhile");
-            program.Session = 78;
+            program.Sequence = 0;
             program.Welcome();
             Check.Until(() => client.Connected, "found again");
-            program.States = 0;
-            program.SayState(5);
+            program.HearAlive();
+            program.Say(DatagramKind.State, 1, MadeUpProgram.StateMessage(5));
             var state = new HandState();
-            Check.Until(() => client.TryGetState(state), "a state of the new conversation");
+            Check.Until(() => client.TryGetState(state) && state.Tick == 5, "a state of the new conversation");
         }
     }
 
@@ -205,9 +246,9 @@ public static class ClientTests
             string told = "";
             client.HandlerThrew += e => told = e.Message;
             client.StateReceived += s => { throw new InvalidOperationException("of the game"); };
-            program.SayState(1);
+            program.Say(DatagramKind.State, 1, MadeUpProgram.StateMessage(1));
             Check.Until(() => told == "of the game", "told");
-            program.SayState(2);
+            program.Say(DatagramKind.State, 2, MadeUpProgram.StateMessage(2));
             Check.Until(() => client.Statistics.Received == 2, "goes on");
             Check.Equal(0L, client.Statistics.Ignored, "the program is not blamed");
         }
@@ -218,7 +259,7 @@ public static class ClientTests
         foreach (ClientOptions options in new[]
         {
             new ClientOptions { RateHz = -1 }, new ClientOptions { RateHz = 1001 },
-            new ClientOptions { Token = new string('x', 257) }
+            new ClientOptions { Token = "two\r\nlines" }
         })
         {
             try

@@ -7,8 +7,8 @@ using System.Threading.Tasks;
 using Wholehand;
 using wholehand.protocol;
 
-/// <summary>The client against a running process: udp_stand_in, which is the program's own UDP bridge
-/// with records at 1 kHz. What its values mean: tests/server/udp_fake_backend.hpp.</summary>
+/// <summary>The client against a running process: udp_stand_in, which is the program's own server and
+/// UDP bridge with records at 1 kHz. What its values mean: tests/server/udp_fake_backend.hpp.</summary>
 [Tests]
 public static class LiveTests
 {
@@ -18,7 +18,7 @@ public static class LiveTests
     {
         private readonly Process process;
 
-        public Program(int port = 0, string token = "")
+        public Program(string port = "0", string token = "")
         {
             process = Process.Start(new ProcessStartInfo(Runner.StandIn, port + " " + token)
             {
@@ -137,6 +137,22 @@ public static class LiveTests
         }
     }
 
+    public static void ProgramWithoutDatagrams_IsPlayedByWebSocketAlone()
+    {
+        using (var program = new Program("closed:0"))
+        using (WholehandClient client = Connect(program))
+        {
+            Shows(client, s => s.Values[OwnerAlive] == 1.0, "states");
+            Accepted(client.TakeControls());
+            Accepted(client.Steer(Steering.Person));
+            client.Aim(new[] { 0.03f, 0, 0, 0, 0, 0, 0, 0, 0 });
+            Shows(client, s => s.Values[Aims] == 1 && s.Steering == Steering.Person, "the aim");
+            Accepted(client.EmergencyStop());
+            Shows(client, s => s.RunState == RunState.Stopped, "stopped");
+            Check.Equal(0L, client.Statistics.Received, "datagrams");
+        }
+    }
+
     public static void LowRate_IsWhatWasAskedFor()
     {
         using (var program = new Program())
@@ -251,7 +267,7 @@ public static class LiveTests
                 Thread.Sleep(10);
             }
             Shows(watcher, s => s.Values[OwnerAlive] == 1.0, "alive");
-            // Its main thread hangs; its network thread goes on acknowledging events.
+            // Its main thread hangs; its other threads go on receiving.
             Shows(watcher, s => s.Values[OwnerAlive] == 0.0, "silent");
             Check.True(game.Connected, "it is connected all the same");
             for (int i = 0; i < 30; ++i)
@@ -292,7 +308,7 @@ public static class LiveTests
             Shows(client, s => true, "states");
             program.Kill(); // without a goodbye
             Check.Until(() => !client.Connected, "lost");
-            using (var second = new Program(program.Port))
+            using (var second = new Program(program.Port.ToString(CultureInfo.InvariantCulture)))
             {
                 Check.Until(() => client.Connected, "found again");
                 Shows(client, s => true, "states again");
@@ -303,9 +319,9 @@ public static class LiveTests
 
     public static void WrongToken_IsRefusedInWordsAndTheRightOneIsNot()
     {
-        using (var program = new Program(0, "a-long-secret"))
+        using (var program = new Program("0", "a-rather-long-secret"))
         using (WholehandClient wrong = Connect(program, token: "a-wrong-one"))
-        using (WholehandClient right = Connect(program, token: "a-long-secret"))
+        using (WholehandClient right = Connect(program, token: "a-rather-long-secret"))
         {
             Check.Until(() => wrong.Refusal.Contains("token"), "refused in words");
             Check.Until(() => right.Connected, "connected");

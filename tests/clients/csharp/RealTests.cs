@@ -43,7 +43,7 @@ public static class RealTests
             string line;
             while ((line = process.StandardOutput.ReadLine()) != null)
             {
-                Match port = Regex.Match(line, @"^\s*udp\s.*:(\d+)\s*$");
+                Match port = Regex.Match(line, @"^http://[^/]*:(\d+)/$");
                 if (port.Success) Port = int.Parse(port.Groups[1].Value, CultureInfo.InvariantCulture);
             }
         }

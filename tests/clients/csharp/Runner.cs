@@ -68,6 +68,7 @@ public static class Latency
 public static class Runner
 {
     public static string StandIn, Program;
+    public static string Filter = Environment.GetEnvironmentVariable("WHOLEHAND_ONLY"); // part of a test's name
     public static bool Full = Environment.GetEnvironmentVariable("WHOLEHAND_FULL") == "1";
 
     public static int Seed
@@ -94,6 +95,7 @@ public static class Runner
                 BindingFlags.Public | BindingFlags.Static | BindingFlags.DeclaredOnly))
             {
                 if (method.GetParameters().Length != 0) continue;
+                if (Filter != null && !(type.Name + "." + method.Name).Contains(Filter)) continue;
                 if (Run(type, method)) ++passed;
                 else ++failed;
             }
