@@ -13,50 +13,6 @@ using wholehand.protocol;
 [Tests]
 public static class RealTests
 {
-    private sealed class RealProgram : IDisposable
-    {
-        private readonly Process process;
-
-        public RealProgram()
-        {
-            // setpriv: it ends with this process, whatever becomes of the test.
-            process = Process.Start(new ProcessStartInfo("setpriv",
-                "--pdeathsig KILL \"" + Runner.Program + "\" run --udp 0 --port 0")
-            {
-                UseShellExecute = false, RedirectStandardOutput = true, RedirectStandardInput = true
-            });
-            new Thread(ReadAll) { IsBackground = true }.Start();
-            try
-            {
-                Check.Until(() => Port != 0, "the program opens its port");
-            }
-            catch (Failure)
-            {
-                Dispose();
-                throw;
-            }
-        }
-
-        // To the end: what it prints must not fill the pipe.
-        private void ReadAll()
-        {
-            string line;
-            while ((line = process.StandardOutput.ReadLine()) != null)
-            {
-                Match port = Regex.Match(line, @"^http://[^/]*:(\d+)/$");
-                if (port.Success) Port = int.Parse(port.Groups[1].Value, CultureInfo.InvariantCulture);
-            }
-        }
-
-        public int Port { get; private set; }
-
-        public void Dispose()
-        {
-            if (!process.HasExited) process.Kill();
-            process.WaitForExit();
-        }
-    }
-
     /// <summary>How late this machine wakes a thread that does nothing, p99 in ms: what a busy machine
     /// adds to every latency.</summary>
     private sealed class Jitter

@@ -1,0 +1,50 @@
+using System;
+using System.Diagnostics;
+using System.Globalization;
+using System.Text.RegularExpressions;
+using System.Threading;
+
+/// <summary>`wholehand run`, played by its virtual patient; it ends with this process, whatever becomes of
+/// the test.</summary>
+public sealed class RealProgram : IDisposable
+{
+    private readonly Process process;
+
+    public RealProgram(string arguments = "--udp 0 --port 0")
+    {
+        process = Process.Start(new ProcessStartInfo("setpriv",
+            "--pdeathsig KILL \"" + Runner.Program + "\" run " + arguments)
+        {
+            UseShellExecute = false, RedirectStandardOutput = true, RedirectStandardInput = true
+        });
+        new Thread(ReadAll) { IsBackground = true }.Start();
+        try
+        {
+            Check.Until(() => Port != 0, "the program opens its port");
+        }
+        catch (Failure)
+        {
+            Dispose();
+            throw;
+        }
+    }
+
+    // To the end: what it prints must not fill the pipe.
+    private void ReadAll()
+    {
+        string line;
+        while ((line = process.StandardOutput.ReadLine()) != null)
+        {
+            Match port = Regex.Match(line, @"^http://[^/]*:(\d+)/$");
+            if (port.Success) Port = int.Parse(port.Groups[1].Value, CultureInfo.InvariantCulture);
+        }
+    }
+
+    public int Port { get; private set; }
+
+    public void Dispose()
+    {
+        if (!process.HasExited) process.Kill();
+        process.WaitForExit();
+    }
+}
