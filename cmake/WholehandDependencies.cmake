@@ -7,7 +7,7 @@ find_package(PkgConfig REQUIRED)
 # Its CMake config has relative include paths, hence pkg-config.
 pkg_check_modules(bullet REQUIRED IMPORTED_TARGET bullet-float64)
 # Folders of src/ that hold a physics engine (docs/engines.md).
-set(engine_modules physics/bullet)
+set(engine_modules physics/bullet physics/bullet_paper)
 option(WHOLEHAND_MUJOCO "Build the engine mujoco in" ON)
 if(WHOLEHAND_MUJOCO)
   # Not by its CMake config: Debian's names a folder of headers that no package has.

@@ -39,6 +39,7 @@ struct GraspResult {
   double contact_residual = 0.0;  ///< |Σ Jᵀ f + f_s| at rest, means over the last 2 s, worst axis,
                                   ///< as a share of the largest of |f_s|, a tenth of the largest
                                   ///< f_s in the same unit, 0.1 N or 0.01 N·m
+  double felt_error = 0.0;            ///< |Σ Jᵀ f − f_coupling|, the same of f_coupling
   double contact_force_n = 0.0;       ///< sum of |f| at the end
   double tip_force_max_n = 0.0;       ///< largest effort sent, hand axes, at the tip
   std::uint64_t saturated_ticks = 0;  ///< ticks in which a limit clamped the effort

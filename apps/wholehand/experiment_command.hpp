@@ -17,11 +17,14 @@ struct ExperimentOptions {
   std::uint64_t ticks = 100000;           ///< timing
   std::string scene;                      ///< timing: instead of the bar; its first body is gripped
   bool simulated_clock = false;           ///< timing: as fast as it goes
+  double hold_s = 2.0;                    ///< engines: how long is held and rested
 };
 
 /// The paper's Fig. 5. Returns the program's exit code.
 int graspingCommand(const ExperimentOptions& options);
 /// The paper's Fig. 6.
 int timingCommand(const ExperimentOptions& options);
+/// Every engine that is built in, in the same scenes (docs/engines.md).
+int enginesCommand(const ExperimentOptions& options);
 
 }  // namespace wholehand

@@ -103,25 +103,17 @@ void addReplay(CLI::App& app, ReplayOptions& o, int& code) {
   r->callback([&o, &code] { code = replayCommand(o); });
 }
 
-void addOthers(CLI::App& app, ReportOptions& report, ExperimentOptions& experiment,
-               BarExperimentOptions& bar, std::vector<std::string>& files, int& code) {
-  CLI::App* p =
-      app.add_subcommand("report", "Make a page of a recording: one HTML file, index.html");
-  p->add_option("recording", report.recording, "HDF5 file, or black box (.wbb)")->required();
-  p->add_option("--out", report.page, "Folder to write into")->required();
-  p->add_option("--before", report.before,
-                "Recording of the session before: the page tells what is better");
-  p->callback([&] {
-    code = reportCommand({report.recording, pageIn(report.page), report.before});
-  });
-
+void addExperiments(CLI::App& app, ExperimentOptions& experiment, BarExperimentOptions& bar,
+                    int& code) {
   CLI::App* e = app.add_subcommand("experiment", "Repeat the paper's experiments");
   e->require_subcommand(1);
   CLI::App* grasping = e->add_subcommand("grasping", "Fig. 5: grasp, carry and hold four shapes");
   CLI::App* timing =
       e->add_subcommand("timing", "Fig. 6: time of 100,000 ticks while grasping in the bar");
-  for (CLI::App* sub : {grasping, timing}) {
-    addEngine(*sub, experiment.engine);
+  CLI::App* compared =
+      e->add_subcommand("engines", "Compare every engine built in: time, slip, forces, noise");
+  for (CLI::App* sub : {grasping, timing}) addEngine(*sub, experiment.engine);
+  for (CLI::App* sub : {grasping, timing, compared}) {
     sub->add_option("--json", experiment.json, "Write the results to this file");
     sub->add_option("--out", experiment.folder, "Folder for plots, pictures and recordings")
         ->capture_default_str();
@@ -139,9 +131,25 @@ void addOthers(CLI::App& app, ReportOptions& report, ExperimentOptions& experime
   timing->add_option("--scene", experiment.scene,
                      "Grasp the first movable body of this scene, without an exercise");
   timing->add_flag("--simulated-clock", experiment.simulated_clock, "As fast as it goes");
+  compared->add_option("--hold", experiment.hold_s, "How long the cylinder is held")
+      ->check(finiteBetween(0.1, 60, "seconds"))
+      ->capture_default_str();
+  compared->callback([&] { code = enginesCommand(experiment); });
   grasping->callback([&] { code = graspingCommand(experiment); });
   timing->callback([&] { code = timingCommand(experiment); });
   addBarExperiments(*e, bar, code);
+}
+
+void addOthers(CLI::App& app, ReportOptions& report, std::vector<std::string>& files, int& code) {
+  CLI::App* p =
+      app.add_subcommand("report", "Make a page of a recording: one HTML file, index.html");
+  p->add_option("recording", report.recording, "HDF5 file, or black box (.wbb)")->required();
+  p->add_option("--out", report.page, "Folder to write into")->required();
+  p->add_option("--before", report.before,
+                "Recording of the session before: the page tells what is better");
+  p->callback([&] {
+    code = reportCommand({report.recording, pageIn(report.page), report.before});
+  });
 
   CLI::App* v =
       app.add_subcommand("validate", "Every fault of every file, with its place and remedy");
@@ -182,7 +190,8 @@ int runProgram(int argc, char** argv) {
                          shippedFile("config/hands/adult-median-right.toml")};
   addCertify(app, certify, code);
   addReplay(app, replay, code);
-  addOthers(app, report, experiment, bar, files, code);
+  addExperiments(app, experiment, bar, code);
+  addOthers(app, report, files, code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -95,6 +95,7 @@ DeviceStatus statusOf(const ObservedDriver& driver, const HostedDriver* host) {
 Expected<std::shared_ptr<DeviceDriver>> useDriver(RunOptions& options, StationConfig& config,
                                                   Terminal& terminal) {
   if (!isRealDevice(options)) return std::shared_ptr<DeviceDriver>();
+  if (Diagnostics refused = refuseForPersons(options.engine); !refused.empty()) return refused;
   options.wait = true;
   auto plugged = plugIn(options, terminal);
   if (!plugged) return plugged.errors();

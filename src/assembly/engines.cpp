@@ -1,6 +1,7 @@
 #include "assembly/engines.hpp"
 
 #include "physics/bullet/bullet_world.hpp"
+#include "physics/bullet_paper/bullet_paper_world.hpp"
 #ifdef WHOLEHAND_MUJOCO
 #include "physics/mujoco/mujoco_world.hpp"
 #endif
@@ -17,14 +18,23 @@ Engine bulletEngine() {
           [](const HandModel& hand, const SceneModel& scene) -> World {
             return std::unique_ptr<PhysicsWorld>(std::make_unique<BulletWorld>(hand, scene));
           },
-          ""};
+          "", ""};
+}
+
+Engine bulletPaperEngine() {
+  return {"bullet-paper", "stock Bullet with pose resets, the paper's own way; for comparisons",
+          [](const HandModel& hand, const SceneModel& scene) {
+            return BulletPaperWorld::build(hand, scene);
+          },
+          "", "its contact forces do not do the virtual work of what is felt"};
 }
 
 Engine mujocoEngine() {
   Engine engine{"mujoco",
                 "MuJoCo, Newton's method and elliptic cones",
                 {},
-                "install libmujoco-dev and configure with -DWHOLEHAND_MUJOCO=ON, or use bullet"};
+                "install libmujoco-dev and configure with -DWHOLEHAND_MUJOCO=ON, or use bullet",
+                ""};
 #ifdef WHOLEHAND_MUJOCO
   engine.build = [](const HandModel& hand, const SceneModel& scene) {
     return MujocoWorld::build(hand, scene);
@@ -36,7 +46,7 @@ Engine mujocoEngine() {
 }  // namespace
 
 const std::vector<Engine>& engines() {
-  static const std::vector<Engine> kAll{bulletEngine(), mujocoEngine()};
+  static const std::vector<Engine> kAll{bulletEngine(), mujocoEngine(), bulletPaperEngine()};
   return kAll;
 }
 
@@ -48,6 +58,15 @@ std::vector<std::string> engineNames() {
   std::vector<std::string> names;
   for (const Engine& engine : engines()) names.push_back(engine.name);
   return names;
+}
+
+Diagnostics refuseForPersons(const std::string& engine, const std::vector<Engine>& among) {
+  for (const Engine& e : among) {
+    if (e.name != engine || e.moves_nobody_because.empty()) continue;
+    return {{"", 0, "--engine", engine, "is not for real devices: " + e.moves_nobody_because,
+             "use --engine " + among.front().name}};
+  }
+  return {};
 }
 
 Expected<std::unique_ptr<PhysicsWorld>> buildWorld(const std::string& engine, const HandModel& hand,

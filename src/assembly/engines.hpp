@@ -18,7 +18,8 @@ struct Engine {
   std::string description;  ///< what it is, for a person
   /// Empty where this program was built without it. @pre the hand outlives the world
   std::function<Expected<std::unique_ptr<PhysicsWorld>>(const HandModel&, const SceneModel&)> build;
-  std::string remedy;  ///< how a program is built with it
+  std::string remedy;                ///< how a program is built with it
+  std::string moves_nobody_because;  ///< why no person may be attached to it; empty: they may
 };
 
 /// Every engine there is, the default first: the one place that names them.
@@ -27,6 +28,10 @@ struct Engine {
 [[nodiscard]] const std::string& defaultEngine();
 /// Names of all, those that are not built in included.
 [[nodiscard]] std::vector<std::string> engineNames();
+
+/// Why no person may be attached to that engine; empty: they may, or there is none of that name.
+[[nodiscard]] Diagnostics refuseForPersons(const std::string& engine,
+                                           const std::vector<Engine>& among = engines());
 
 /// A world of the engine of that name. An error says which names there are, or how to build it in.
 [[nodiscard]] Expected<std::unique_ptr<PhysicsWorld>> buildWorld(

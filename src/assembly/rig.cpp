@@ -79,6 +79,9 @@ Expected<std::unique_ptr<Rig>> buildAround(Models models, std::unique_ptr<Haptic
   Expected<CheckedGains> checked = checkGains(models, options.period_s, options.measured);
   if (!checked) return checked.errors();
   if (Diagnostics refused = refuseToRender(*checked, options); !refused.empty()) return refused;
+  if (moves == Moves::kMaybeAPerson && !device->simulated()) {
+    if (Diagnostics refused = refuseForPersons(options.engine); !refused.empty()) return refused;
+  }
 
   auto rig = std::make_unique<Rig>();
   rig->models = std::move(models);

@@ -11,4 +11,15 @@ Synergy::Synergy(const HandModel& hand) : theta0_(hand.theta0), joints_(hand.joi
   }
 }
 
+int leadingJoint(const HandModel& hand, int axis) {
+  for (int j = 0; j < hand.joint_count; ++j) {
+    bool alone = hand.synergy(j, axis) != 0.0;
+    for (int b = 0; b < hand.axis_count; ++b) {
+      alone = alone && (b == axis || hand.synergy(j, b) == 0.0);
+    }
+    if (alone) return j;
+  }
+  return -1;
+}
+
 }  // namespace wholehand

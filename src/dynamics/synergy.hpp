@@ -44,4 +44,7 @@ class Synergy {
   int forward_count_ = 0;
 };
 
+/// The first joint that this axis drives and no other; -1: there is none.
+[[nodiscard]] int leadingJoint(const HandModel& hand, int axis);
+
 }  // namespace wholehand

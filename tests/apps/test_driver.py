@@ -88,6 +88,8 @@ class Driver(DeviceTest):
                 ((*spoiled, *device, "--no-rehearsal"), ("--no-rehearsal", "simulated")),
                 ((*spoiled, *device, "--uncertified"), ("--uncertified", "simulated")),
                 ((*spoiled, *device, "--simulated-clock"), ("--simulated-clock", "simulated")),
+                ((*spoiled, *device, "--engine", "bullet-paper"),
+                 ("--engine = bullet-paper: is not for real devices", "use --engine bullet")),
                 ((*spoiled, *device, "--no-web"), ("--driver", "console"))):
             with self.subTest(arguments=arguments):
                 self.expect_refused(self.run_app(*HARDWARE[:-2], *arguments, "--without-passport"), *words)

@@ -4,7 +4,10 @@ import unittest
 
 from app import CONFIG, DONE, FREE_RUN, AppTest, read_recording
 
-ENGINES = ("bullet", "mujoco")
+ENGINES = ("bullet", "mujoco", "bullet-paper")
+# θ = θ₀ + G q_s: what a step may leave of it before correction. Rounding; the paper's own way lets
+# contacts bend single joints, and puts them back.
+COUPLING_RAD = {"bullet": 1e-9, "mujoco": 1e-9, "bullet-paper": 0.1}
 
 
 class EveryEngine(AppTest):
@@ -24,8 +27,7 @@ class EveryEngine(AppTest):
             with self.subTest(engine):
                 summary = self.run_with(engine, *FREE_RUN, "--scene", CONFIG / "scenes/table.toml")
                 self.assertGreater(summary["contacts_max"], 0)
-                # θ = θ₀ + G q_s: what rounding leaves, before it is removed.
-                self.assertLess(summary["max_coupling_error_rad"], 1e-9)
+                self.assertLess(summary["max_coupling_error_rad"], COUPLING_RAD[engine])
                 self.expect_same_when_run_again("run.h5")
 
     def test_the_bar_is_played_and_run_again_bit_by_bit(self):
@@ -35,7 +37,7 @@ class EveryEngine(AppTest):
                 self.expect_same_when_run_again("run.h5")
 
     def test_one_grasp_is_held(self):
-        for engine in ENGINES:
+        for engine in ("bullet", "mujoco"):  # bullet-paper slips: docs/engines.md
             with self.subTest(engine):
                 self.expect(self.run_app("experiment", "grasping", "--engine", engine, "--only", "pinch sphere",
                                          "--jittered", "0", "--out", "grasp", "--json", "grasp.json"), DONE)

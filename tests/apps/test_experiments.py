@@ -1,4 +1,4 @@
-"""`wholehand experiment grasping|timing|exercise|cocktail-bar`: what they write, how they are stopped."""
+"""`wholehand experiment grasping|timing|engines|exercise|cocktail-bar`: what they write, how they are stopped."""
 import json
 import os
 import signal
@@ -102,6 +102,44 @@ class Timing(AppTest):
         run.send_signal(signal.SIGINT)
         said, complained = run.communicate(timeout=100)
         self.assertEqual(run.returncode, INTERRUPTED, said + complained)
+
+
+class Engines(AppTest):
+    def test_keys_of_the_results(self):
+        self.expect(self.run_app("experiment", "engines", "--hold", "0.2", "--json", "e.json", "--out", "out"),
+                    DONE, "bullet's tick over bullet-paper's")
+        results = json.loads((self.folder / "e.json").read_text())
+        engines = {engine["engine"]: engine for engine in results["engines"]}
+        self.assertEqual(next(iter(engines)), "bullet")
+        self.assertIn("bullet-paper", engines)
+        for name, engine in engines.items():
+            self.assertIs(engine["faulted"], False, name)
+            for scene in ("free", "fixed", "held", "resting"):
+                cost = engine["cpu_us"][scene]
+                self.assertGreater(cost["p50"], 0.0)
+                self.assertLessEqual(cost["p50"], cost["p999"])
+        bullet, paper = engines["bullet"], engines["bullet-paper"]
+        for name in set(engines) - {"bullet-paper"}:  # what docs/engines.md says of engines for persons
+            self.assertIs(engines[name]["held"], True, name)
+            self.assertLessEqual(engines[name]["virtual_work_error"], 0.01, name)
+            self.assertLessEqual(engines[name]["felt_error"], 0.01, name)
+            self.assertLessEqual(engines[name]["coupling_error_rad"], 1e-9, name)
+        # The paper's own way leaves the synergy under contact, and its forces are not those that are felt.
+        self.assertGreater(paper["coupling_error_rad"], 1e-4)
+        self.assertGreater(paper["virtual_work_error"], 10 * bullet["virtual_work_error"])
+        ratios = results["default_over_paper"]
+        for scene, ratio in ratios.items():
+            self.assertAlmostEqual(ratio, bullet["cpu_us"][scene]["p50"] / paper["cpu_us"][scene]["p50"], places=9)
+        self.assertLess(ratios["held"], 1.0)  # CPU times, tick by tick in turn
+        page = report_data(self.folder / "out/engines.html")
+        expect_known_sentences(self, page)
+        self.assertEqual(len(page["charts"]), 4)
+        for chart in page["charts"]:
+            self.assertEqual([line["name"] for line in chart["lines"]], list(engines))
+
+    def test_bad_input_is_refused(self):
+        self.expect_refused(self.run_app("experiment", "engines", "--hold", "0"), "--hold")
+        self.expect_refused(self.run_app("experiment", "engines", "--out", "/proc/e"), "/proc")
 
 
 class Exercise(AppTest):

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "assembly/engines.hpp"
+#include "physics/engine_bounds.hpp"
 #include "physics/hand_probe.hpp"
 #include "support/rig_tools.hpp"
 
@@ -86,6 +87,12 @@ inline RigOptions with(const std::string& engine) {
   return options;
 }
 
+/// As a test may be called.
+inline std::string testName(std::string engine) {
+  std::replace(engine.begin(), engine.end(), '-', '_');
+  return engine;
+}
+
 /// A law that every engine keeps: its parameter is the engine's name.
 class EngineTest : public testing::TestWithParam<std::string> {};
 
@@ -93,4 +100,4 @@ class EngineTest : public testing::TestWithParam<std::string> {};
 
 #define WHOLEHAND_ENGINES(suite)                                              \
   INSTANTIATE_TEST_SUITE_P(Engines, suite, testing::ValuesIn(builtEngines()), \
-                           [](const auto& one) { return one.param; })
+                           [](const auto& one) { return testName(one.param); })

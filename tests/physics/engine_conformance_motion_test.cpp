@@ -50,7 +50,7 @@ TEST_P(FreeHand, UnderRandomEffort_FollowsItsReducedInertia) {
                       (next.q_s.vec() - place).cwiseAbs().maxCoeff()});
   }
   figure("free hand against M_r^-1 f_s, worst change of velocity", worst, "m/s or rad/s");
-  EXPECT_LE(worst, tolerance(1e-9));
+  EXPECT_LE(worst, tolerance(boundsOf(GetParam()).free_motion));
 }
 
 /// The world's mirror image in y, in the device's coordinates.
@@ -93,7 +93,7 @@ TEST_P(FreeBodies, PushedByTheHand_ChangeTheirMomentumByMinusTheContactForces) {
   EXPECT_GT(touched, 20);
   EXPECT_GT(bench.after.bodies[1].velocity_m_s.eigen().norm(), 0.01);  // the second was hit
   figure("momentum of pushed balls against the contact forces", worst, "N s");
-  EXPECT_LE(worst, tolerance(1e-12));
+  EXPECT_LE(worst, tolerance(boundsOf(GetParam()).momentum_ns));
 }
 
 /// A block on a fixed slab, gravity tilted by a slope. Its speed down the slope after 0.5 s [m/s].
@@ -118,7 +118,8 @@ TEST_P(BodiesOnASlab, SlideAndStayByCoulombsFriction) {
   EXPECT_NEAR(slidingSpeed(GetParam(), std::atan(0.7)), 0.0, tolerance(1e-4));
   const double steep = std::atan(1.2);
   const double expected = 0.5 * 9.81 * (std::sin(steep) - 0.8 * std::cos(steep));
-  EXPECT_NEAR(slidingSpeed(GetParam(), steep), expected, tolerance(0.01) * expected);
+  EXPECT_NEAR(slidingSpeed(GetParam(), steep), expected,
+              tolerance(boundsOf(GetParam()).sliding_share) * expected);
 }
 
 TEST_P(TableScene, LeftAlone_StandsStill) {
@@ -140,8 +141,9 @@ TEST_P(TableScene, LeftAlone_StandsStill) {
                           a.orientation_xyzw.eigen().angularDistance(b.orientation_xyzw.eigen()));
   }
   figure("largest move of a body left alone for 1.5 s", moved_m * 1e3, "mm");
-  EXPECT_LE(moved_m, tolerance(2e-4));
-  EXPECT_LE(turned_rad, tolerance(5e-3));
+  const Bounds& bounds = boundsOf(GetParam());
+  EXPECT_LE(moved_m, tolerance(bounds.moved_at_rest_m));
+  EXPECT_LE(turned_rad, tolerance(bounds.turned_at_rest_rad));
 }
 
 TEST_P(LeftHand, InTheMirroredScene_DoesTheMirrorImage) {
@@ -165,8 +167,8 @@ TEST_P(LeftHand, InTheMirroredScene_DoesTheMirrorImage) {
   }
   EXPECT_GT(touched, 20);
   figure("left hand against the mirror image of the right", std::max(hand, body), "m or rad");
-  EXPECT_LE(hand, tolerance(1e-7));
-  EXPECT_LE(body, tolerance(1e-7));
+  EXPECT_LE(hand, tolerance(boundsOf(GetParam()).mirror));
+  EXPECT_LE(body, tolerance(boundsOf(GetParam()).mirror));
 }
 
 }  // namespace

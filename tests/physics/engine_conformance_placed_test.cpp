@@ -128,14 +128,15 @@ TEST_P(SlidingFixedBody, ThatMeetsTheHand_PushesItAtItsOwnSpeed) {
   }
   figure("sliding wall, deepest in the hand", deepest_m * 1e3, "mm");
   figure("sliding wall, peak push", peak_n, "N");
-  EXPECT_LE(deepest_m, tolerance(3e-5));
-  EXPECT_NEAR(last_gap_m, 0.0, tolerance(3e-5));
+  const Bounds& bounds = boundsOf(GetParam());
+  EXPECT_LE(deepest_m, tolerance(bounds.sliding_wall_m));
+  EXPECT_NEAR(last_gap_m, 0.0, tolerance(bounds.sliding_wall_m));
   // At rest the wall carries what the coupling on y asks for, and holds what it pushed away.
   Bench& bench = slide.bench;
   EXPECT_LT(bench.after.qd_s.vec().norm(), 1e-4);
   const double asked_n = bench.body.reducedInertia()(1, 1) * 4e3 * -bench.after.q_s[1];
   EXPECT_GT(asked_n, 0.3);
-  EXPECT_NEAR(settled_n, asked_n, tolerance(1e-3) * asked_n);
+  EXPECT_NEAR(settled_n, asked_n, tolerance(bounds.carried_share) * asked_n);
   // The hand's 0.25 kg reach 0.2 m/s within a few periods, not with a bang of one.
   EXPECT_LT(peak_n, 0.25 * speed_m_s / 1e-3 + settled_n);
 }
@@ -192,7 +193,7 @@ TEST_P(PlacedBody, PutToTheOtherSideOfAFinger_LetsGoWithoutAKick) {
   bench.world->placeBodies(place(0, before.point_m.eigen() + across_m * before.normal.eigen()));
   ASSERT_NO_FATAL_FAILURE(bench.step(held, AxisVelocity(6)));
   EXPECT_EQ(bench.touching.count, 0);
-  EXPECT_LT((bench.after.q_s.vec() - held.vec()).norm(), 1e-4);
+  EXPECT_LT((bench.after.q_s.vec() - held.vec()).norm(), boundsOf(GetParam()).let_go_m);
 }
 
 TEST_P(PlacedBody, AgainAndAgainWithQuestions_NeverAllocates) {

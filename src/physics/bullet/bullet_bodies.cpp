@@ -1,15 +1,11 @@
 #include "physics/bullet/bullet_bodies.hpp"
 
 #include "physics/body_checks.hpp"
+#include "physics/bullet/bullet_shapes.hpp"
 #include "physics/bullet/bullet_types.hpp"
 
-#include <BulletCollision/CollisionShapes/btBoxShape.h>
-#include <BulletCollision/CollisionShapes/btCapsuleShape.h>
-#include <BulletCollision/CollisionShapes/btConvexHullShape.h>
-#include <BulletCollision/CollisionShapes/btCylinderShape.h>
 #include <BulletCollision/CollisionShapes/btEmptyShape.h>
-#include <BulletCollision/CollisionShapes/btSphereShape.h>
-#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 
 #include <cmath>
 
@@ -20,46 +16,6 @@ namespace {
 // of points that part, but one towards whose normal the body was put would stay, as an overlap.
 constexpr double kFarthestSlide_m = 2e-3;
 constexpr double kFarthestTurn_rad = 0.05;
-
-// Frame in which Bullet sees the body: centre of mass, principal axes. Where the inertia is
-// diagonal already the axes stay, so that a box is a box and not a box turned by 90 degrees.
-Pose principalFrame(const SceneBody& body, btVector3& moments) {
-  const Eigen::Matrix3d& inertia = body.inertia_kg_m2;
-  const double off_diagonal =
-      std::abs(inertia(0, 1)) + std::abs(inertia(0, 2)) + std::abs(inertia(1, 2));
-  if (body.fixed || off_diagonal <= 1e-12 * inertia.trace()) {
-    moments.setValue(inertia(0, 0), inertia(1, 1), inertia(2, 2));
-    return {Eigen::Matrix3d::Identity(), body.com_m};
-  }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia);
-  Eigen::Matrix3d axes = solver.eigenvectors();
-  if (axes.determinant() < 0.0) axes.col(2) = -axes.col(2);
-  moments = toBt(Eigen::Vector3d(solver.eigenvalues()));
-  return {axes, body.com_m};
-}
-
-std::unique_ptr<btCollisionShape> makeShape(const Shape& shape) {
-  switch (shape.type) {
-    case ShapeType::kBox:
-      return std::make_unique<btBoxShape>(toBt(shape.half_extents_m));
-    case ShapeType::kSphere:
-      return std::make_unique<btSphereShape>(shape.radius_m);
-    case ShapeType::kCylinder:
-      return std::make_unique<btCylinderShapeZ>(
-          btVector3(shape.radius_m, shape.radius_m, shape.length_m / 2.0));
-    case ShapeType::kCapsule:
-      return std::make_unique<btCapsuleShapeZ>(shape.radius_m, shape.length_m);
-    case ShapeType::kConvexMesh: {
-      auto hull = std::make_unique<btConvexHullShape>();
-      for (const Eigen::Vector3d& p : shape.points_m) hull->addPoint(toBt(p), false);
-      hull->recalcLocalAabb();
-      // The default margin would swell the mesh by 4 cm; the capsules bring a margin of their own.
-      hull->setMargin(0.0);
-      return hull;
-    }
-  }
-  return nullptr;
-}
 
 }  // namespace
 

@@ -1,5 +1,6 @@
 #include "physics/bullet/bullet_engine.hpp"
 
+#include "physics/bullet/bullet_shapes.hpp"
 #include "physics/bullet/bullet_types.hpp"
 #include "physics/hand_overlaps.hpp"
 
@@ -11,13 +12,6 @@ namespace {
 
 // More than this many pairs touch at once only in scenes far too large for the tick.
 constexpr std::size_t kRehearsedManifolds = 1024;
-
-// Surfaces nearer than this are a contact point; boxes are padded by as much. Bullet keeps it in
-// one variable of the process, so it is one constant, set once.
-double contactThreshold() {
-  static const double kThreshold_m = gContactBreakingThreshold = 5e-4;
-  return kThreshold_m;
-}
 
 std::vector<BulletBody> makeBodies(const SceneModel& scene) {
   std::vector<BulletBody> bodies;

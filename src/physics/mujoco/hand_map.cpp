@@ -8,21 +8,6 @@
 #include <cmath>
 
 namespace wholehand::mujoco {
-namespace {
-
-/// A joint that this axis drives and no other; -1: there is none.
-int aloneOn(const HandModel& hand, int axis) {
-  for (int j = 0; j < hand.joint_count; ++j) {
-    bool alone = hand.synergy(j, axis) != 0.0;
-    for (int b = 0; b < hand.axis_count; ++b) {
-      alone = alone && (b == axis || hand.synergy(j, b) == 0.0);
-    }
-    if (alone) return j;
-  }
-  return -1;
-}
-
-}  // namespace
 
 HandMap::HandMap(const HandModel& hand, const mjModel& model) : hand_(&hand), synergy_(hand) {
   for (int j = 0; j < hand.joint_count; ++j) {
@@ -30,7 +15,7 @@ HandMap::HandMap(const HandModel& hand, const mjModel& model) : hand_(&hand), sy
     position_[static_cast<std::size_t>(j)] = model.jnt_qposadr[id];
     dof_[static_cast<std::size_t>(j)] = model.jnt_dofadr[id];
   }
-  for (int a = 0; a < hand.axis_count; ++a) alone_.push_back(aloneOn(hand, a));
+  for (int a = 0; a < hand.axis_count; ++a) alone_.push_back(leadingJoint(hand, a));
   const Eigen::MatrixXd g = hand.synergy;
   back_ = (g.transpose() * g).ldlt().solve(g.transpose());
 }

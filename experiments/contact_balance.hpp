@@ -1,0 +1,36 @@
+#pragma once
+
+#include "assembly/rig.hpp"
+#include "core/tick_record.hpp"
+#include "dynamics/articulated_body.hpp"
+
+namespace wholehand {
+
+/// Whether contact forces do the virtual work of what drives the hand, and are what the person
+/// feels: means over the ticks of a hand at rest, on the person's axes.
+class ContactBalance {
+ public:
+  /// @pre rig outlives this
+  explicit ContactBalance(const Rig& rig);
+
+  /// A tick whose record came from that rig just now. @pre kinematics are at r.theta
+  void add(const TickRecord& r, const ArticulatedBody& kinematics);
+
+  /// |Σ Gᵀ Jᵀ f + f_s|, worst axis, as a share of the largest of |f_s|, a tenth of the largest f_s
+  /// in the same unit, 0.1 N or 0.01 N·m. 1 where nothing was added.
+  [[nodiscard]] double driveError() const;
+  /// |Σ Gᵀ Jᵀ f − f_coupling|, the same share of f_coupling.
+  [[nodiscard]] double feltError() const;
+
+ private:
+  [[nodiscard]] AxisEffort acted(const TickRecord& r, const ArticulatedBody& kinematics) const;
+  void addSelfForces(const ArticulatedBody& kinematics, AxisEffort& sum) const;
+  [[nodiscard]] double share(const AxisEffort& unbalanced, const AxisEffort& reference) const;
+  [[nodiscard]] double leastScale(int axis, const AxisEffort& reference) const;
+
+  const Rig& rig_;
+  AxisEffort acted_, driving_, felt_;  ///< sums
+  double count_ = 0.0;
+};
+
+}  // namespace wholehand

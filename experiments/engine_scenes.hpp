@@ -1,0 +1,19 @@
+#pragma once
+
+#include "assembly/rig.hpp"
+#include "experiments/engine_trial.hpp"
+#include "experiments/grasp_trial.hpp"
+
+#include <cstdint>
+#include <memory>
+
+namespace wholehand {
+
+/// The grasp that all but the resting scene are made of.
+[[nodiscard]] GraspTrial comparedGrasp();
+[[nodiscard]] std::uint64_t ticksOf(EngineScene scene, double hold_s, double period_s);
+/// An armed rig in that scene.
+[[nodiscard]] Expected<std::unique_ptr<Rig>> buildScene(EngineScene scene, const EnginePlan& plan,
+                                                        const std::string& engine);
+
+}  // namespace wholehand

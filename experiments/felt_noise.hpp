@@ -1,0 +1,57 @@
+#pragma once
+
+#include "core/tick_record.hpp"
+#include "model/device_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace wholehand {
+
+/// Rms about the mean of what the person feels of the coupling, axis by axis; rotations in newtons
+/// at the tip.
+class FeltNoise {
+ public:
+  /// @pre device outlives this
+  explicit FeltNoise(const DeviceModel& device) : device_(device), axes_(device.axes.size()) {}
+
+  void add(const TickRecord& r) {
+    for (std::size_t a = 0; a < axes_.size(); ++a) {
+      const DeviceAxis& axis = device_.axes[a];
+      double newton = r.coupling[static_cast<int>(a)];
+      if (axis.kind == AxisKind::kRotation)
+        newton /= axis.lever_arm_m > 0.0 ? axis.lever_arm_m : kTipArm_m;
+      axes_[a].add(newton);
+    }
+  }
+  /// Of the worst axis [N].
+  [[nodiscard]] double worst() const {
+    double worst_n = 0.0;
+    for (const Spread& axis : axes_) worst_n = std::max(worst_n, axis.rms());
+    return worst_n;
+  }
+
+ private:
+  static constexpr double kTipArm_m = 0.08;  // an axis without a tip counts at a finger's lever arm
+
+  // Mean and spread without storing the samples (Welford).
+  class Spread {
+   public:
+    void add(double x) {
+      ++count_;
+      const double d = x - mean_;
+      mean_ += d / count_;
+      squares_ += d * (x - mean_);
+    }
+    [[nodiscard]] double rms() const { return count_ > 0 ? std::sqrt(squares_ / count_) : 0.0; }
+
+   private:
+    double count_ = 0.0, mean_ = 0.0, squares_ = 0.0;
+  };
+
+  const DeviceModel& device_;
+  std::vector<Spread> axes_;
+};
+
+}  // namespace wholehand

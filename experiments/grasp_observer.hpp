@@ -1,0 +1,34 @@
+#pragma once
+
+#include "assembly/rig.hpp"
+#include "experiments/contact_balance.hpp"
+#include "experiments/felt_noise.hpp"
+#include "experiments/grasp_trial.hpp"
+
+namespace wholehand {
+
+/// Watches the records of a grasp and keeps what its result needs.
+class GraspObserver {
+ public:
+  /// @pre rig outlives this, and its first body is the object
+  GraspObserver(const GraspTrial& trial, const Rig& rig, double hold_s);
+
+  void operator()(const TickRecord& r);
+  [[nodiscard]] GraspResult finish(const TickRecord& last);
+
+ private:
+  void trackTipForce(const TickRecord& r);
+  void trackHold(const TickRecord& r, const Pose& held);
+
+  const Rig& rig_;
+  ArticulatedBody body_;
+  ContactBalance balance_;  ///< of the last 2 s
+  FeltNoise noise_;         ///< of the same
+  double end_s_;
+  GraspResult result_;
+  Pose at_lift_, at_hold_;
+  Eigen::Vector3d world_at_lift_ = Eigen::Vector3d::Zero();
+  bool lifting_ = false, holding_ = false;
+};
+
+}  // namespace wholehand

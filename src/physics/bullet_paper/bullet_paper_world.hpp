@@ -1,0 +1,39 @@
+#pragma once
+
+#include "model/hand_model.hpp"
+#include "model/scene_model.hpp"
+#include "physics/physics_world.hpp"
+
+#include <memory>
+
+namespace wholehand {
+
+namespace bullet_paper {
+struct PaperEngine;
+}
+
+/// The paper's own way, as a baseline: a stock btMultiBody under joint torques, Bullet's own
+/// collision and solver, and the coupled joints put back on the synergy after each step. Contacts
+/// do not do the virtual work of f_s, so that nobody is attached to it (docs/engines.md).
+class BulletPaperWorld final : public PhysicsWorld {
+ public:
+  /// An error names what stock Bullet has no way for. @pre hand outlives the world. Not real-time
+  /// safe.
+  [[nodiscard]] static Expected<std::unique_ptr<PhysicsWorld>> build(const HandModel& hand,
+                                                                     const SceneModel& scene);
+  ~BulletPaperWorld() override;
+
+  [[nodiscard]] Expected<Done> placeHand(const AxisPosition& q_s) override;
+  [[nodiscard]] Fault observe(WorldState& state) noexcept override;
+  void placeBodies(const BodyPlacements& placements) noexcept override;
+  [[nodiscard]] Fault step(const HandDrive& drive, double period_s) noexcept override;
+  void contacts(ContactList& contacts) const noexcept override;
+  void selfForces(SelfForces& forces) const noexcept override;
+
+ private:
+  explicit BulletPaperWorld(std::unique_ptr<bullet_paper::PaperEngine> engine);
+
+  std::unique_ptr<bullet_paper::PaperEngine> engine_;
+};
+
+}  // namespace wholehand

@@ -1,0 +1,63 @@
+#pragma once
+
+#include "core/real_time.hpp"
+#include "core/tick_record.hpp"
+#include "core/world_query.hpp"
+#include "model/scene_model.hpp"
+#include "physics/bullet/collider_tag.hpp"
+
+#include <BulletCollision/CollisionShapes/btCollisionShape.h>
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include <memory>
+#include <vector>
+
+namespace wholehand::bullet_paper {
+
+/// A body of the scene as Bullet has it: a rigid body with its shape. A fixed one is a kinematic
+/// body for each of its shapes.
+class PaperBody {
+ public:
+  /// At its starting pose. @param index in the scene
+  PaperBody(const SceneBody& body, int index);
+
+  struct Part {
+    int group = 0;
+    btTransform in_frame;
+    btCollisionShape* shape = nullptr;
+    std::unique_ptr<btRigidBody> rigid;
+  };
+  [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
+
+  /// Puts it there; it no longer turns. A placement that is no pose is ignored. Gives whether its
+  /// contacts are lost.
+  WHOLEHAND_RT bool place(const BodyPlacement& placement) noexcept;
+  /// Before a step: Bullet takes a kinematic body's velocity from the way it went.
+  WHOLEHAND_RT void beginStep(double period_s) noexcept;
+  /// After a step: what is fixed stands until it is placed again.
+  WHOLEHAND_RT void endStep() noexcept;
+  /// Back to the starting pose, at rest.
+  void putAtStart() noexcept;
+  /// Anywhere at all, for rehearsals.
+  void putAt(const btVector3& origin) noexcept;
+  WHOLEHAND_RT [[nodiscard]] BodyState state() const noexcept;
+
+ private:
+  void addFixedParts(const SceneBody& body);
+  void addFreePart(const SceneBody& body, const btVector3& moments);
+  void addPart(int group, const btTransform& in_frame, btCollisionShape* shape, double mass_kg,
+               const btVector3& moments, double friction);
+  btCollisionShape* keep(std::unique_ptr<btCollisionShape> shape);
+  void put(const btTransform& at, const btVector3& velocity) noexcept;
+  [[nodiscard]] const btTransform& frame() const noexcept;
+
+  bool fixed_;
+  bullet::ColliderTag tag_;  ///< pointed to: a body stays where it was made
+  Pose from_body_;           ///< Bullet's frame in the scene's body frame
+  btTransform start_, frame_;
+  btVector3 velocity_{0, 0, 0};  ///< of a fixed body's surface in the next step
+  std::vector<std::unique_ptr<btCollisionShape>> shapes_;
+  std::vector<Part> parts_;
+};
+
+}  // namespace wholehand::bullet_paper

@@ -1,0 +1,68 @@
+#pragma once
+
+#include "physics/bullet_paper/paper_body.hpp"
+#include "physics/bullet_paper/paper_hand.hpp"
+
+#include <BulletCollision/BroadphaseCollision/btDbvtBroadphase.h>
+#include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
+#include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>
+#include <BulletDynamics/Featherstone/btMultiBodyConstraintSolver.h>
+#include <BulletDynamics/Featherstone/btMultiBodyDynamicsWorld.h>
+
+#include <deque>
+#include <string>
+#include <vector>
+
+namespace wholehand::bullet_paper {
+
+/// Bullet's dispatcher with stock contact thresholds, whatever another engine has put into the
+/// variable of the process that Bullet keeps them in.
+class PaperDispatcher final : public btCollisionDispatcher {
+ public:
+  using btCollisionDispatcher::btCollisionDispatcher;
+  btPersistentManifold* getNewManifold(const btCollisionObject* a,
+                                       const btCollisionObject* b) override;
+};
+
+/// Bullet's solver with arrays that need not grow.
+class PaperSolver final : public btMultiBodyConstraintSolver {
+ public:
+  explicit PaperSolver(int dofs);
+};
+
+/// All that one stock world of Bullet needs: built, rehearsed and taken apart here.
+struct PaperEngine {
+  /// @pre hand outlives this
+  PaperEngine(const HandModel& hand, const SceneModel& scene);
+  ~PaperEngine();
+  PaperEngine(const PaperEngine&) = delete;
+  PaperEngine& operator=(const PaperEngine&) = delete;
+
+  WHOLEHAND_RT void setHand(const AxisPosition& position, const AxisVelocity& velocity) noexcept;
+  /// Drops every contact point, of one body or of all (-1).
+  WHOLEHAND_RT void forgetContacts(int body = -1) noexcept;
+  /// The deepest overlap of each body with the hand, where all are now.
+  [[nodiscard]] Diagnostics overlaps();
+
+  const HandModel& hand_model;
+  Synergy synergy;
+  std::string scene_path;
+  std::vector<std::string> body_names;
+  std::deque<PaperBody> bodies;  ///< their tags are pointed to: addresses stay
+  PaperHand hand;
+  btDefaultCollisionConfiguration configuration;
+  PaperDispatcher dispatcher;
+  btDbvtBroadphase broadphase;
+  PaperSolver solver;
+  btMultiBodyDynamicsWorld world;
+  AxisPosition q_s;  ///< where setHand() last put the hand
+  AxisVelocity qd_s;
+  double coupling_error_rad = 0.0;
+  double period_s = 1e-3;
+
+ private:
+  void configure(const SceneModel& scene);
+  void rehearse();
+};
+
+}  // namespace wholehand::bullet_paper

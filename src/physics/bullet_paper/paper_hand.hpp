@@ -1,0 +1,65 @@
+#pragma once
+
+#include "core/real_time.hpp"
+#include "dynamics/articulated_body.hpp"
+#include "dynamics/synergy.hpp"
+#include "physics/bullet/collider_tag.hpp"
+#include "physics/physics_world.hpp"
+
+#include <BulletCollision/CollisionShapes/btCapsuleShape.h>
+#include <BulletDynamics/Featherstone/btMultiBody.h>
+#include <BulletDynamics/Featherstone/btMultiBodyJointMotor.h>
+#include <BulletDynamics/Featherstone/btMultiBodyLinkCollider.h>
+
+#include <array>
+#include <memory>
+#include <vector>
+
+namespace wholehand::bullet_paper {
+
+/// The hand as Bullet's own articulated body. Of each axis one joint leads and takes torque. The
+/// others have the motor that Bullet's server gives every joint, and after a step are put where
+/// θ₀ + G q_s wants them. Real-time safe but for construction.
+class PaperHand {
+ public:
+  /// @pre hand outlives this
+  PaperHand(const HandModel& hand, double friction);
+
+  /// Axes that no joint follows alone: no joint of theirs can lead.
+  [[nodiscard]] static Diagnostics refuse(const HandModel& hand);
+
+  [[nodiscard]] btMultiBody& body() { return *body_; }
+  [[nodiscard]] const std::vector<std::unique_ptr<btMultiBodyJointMotor>>& motors() const {
+    return motors_;
+  }
+  [[nodiscard]] const std::vector<std::unique_ptr<btMultiBodyLinkCollider>>& capsules() const {
+    return capsules_;
+  }
+  [[nodiscard]] bool isPalm(int capsule) const;
+
+  /// All joints on the synergy, capsules on their links.
+  WHOLEHAND_RT void put(const AxisPosition& q_s, const AxisVelocity& qd_s) noexcept;
+  /// Where the leading joints are. Gives the largest |θ − (θ₀ + G q_s)|.
+  WHOLEHAND_RT double take(AxisPosition& q_s, AxisVelocity& qd_s) const noexcept;
+  /// For the next step. @param qd_s that the untouched hand would have after it
+  WHOLEHAND_RT void drive(const JointEffort& torque, const AxisVelocity& qd_s) noexcept;
+
+ private:
+  void addCapsules(double friction);
+  void addMotors();
+
+  const HandModel* hand_;
+  Synergy synergy_;
+  ArticulatedBody kinematics_;
+  std::unique_ptr<btMultiBody> body_;
+  std::array<int, kMaxJoints> link_of_joint_{};
+  std::array<int, kMaxAxes> leading_{};
+  std::vector<std::unique_ptr<btMultiBodyJointMotor>> motors_;
+  std::vector<int> following_;  ///< joints, as the motors
+  std::vector<bullet::ColliderTag> tags_;
+  std::vector<std::unique_ptr<btCapsuleShapeZ>> shapes_;
+  std::vector<std::unique_ptr<btMultiBodyLinkCollider>> capsules_;
+  std::vector<Pose> capsule_in_link_;
+};
+
+}  // namespace wholehand::bullet_paper
