@@ -13,8 +13,10 @@ namespace {
 
 class FixedContact : public EngineTest {};
 WHOLEHAND_ENGINES(FixedContact);
+class PressedContact : public EngineTest {};
+WHOLEHAND_ENGINES_FOR_PERSONS(PressedContact);
 class Grasp : public EngineTest {};
-WHOLEHAND_ENGINES(Grasp);
+WHOLEHAND_ENGINES_FOR_PERSONS(Grasp);
 class FrictionCone : public EngineTest {};
 WHOLEHAND_ENGINES(FrictionCone);
 
@@ -128,7 +130,7 @@ TEST_P(FixedContact, HeldByAClosedHand_DoesTheVirtualWorkOfTheDrive) {
   EXPECT_LE(coupling_rad, tolerance(bounds.synergy_rad));
 }
 
-TEST_P(FixedContact, PressedUpon_CarriesWhatIsAskedAtItsSurface) {
+TEST_P(PressedContact, OfAFixedWall_CarriesWhatIsAskedAtItsSurface) {
   // The face of a wall 1 cm from the hand, which wants to be 1 cm behind it.
   const Models m = load(shippedFiles());
   const double face_m = reach(m.hand, AxisPosition(6), Eigen::Vector3d::UnitY()) + 0.01;
@@ -229,11 +231,13 @@ TEST_P(Slam, IntoAFixedBoxAtTheSpeedLimit_DoesNotEnterIt) {
   EXPECT_LE(deepest_m, bounds.slam_strides * stride_m);
   EXPECT_LT(depth_m, bounds.slammed_m);
 }
-INSTANTIATE_TEST_SUITE_P(
-    Engines, Slam, testing::Combine(testing::ValuesIn(builtEngines()), testing::Values(0, 1, 2)),
-    [](const auto& one) {
-      return testName(std::get<0>(one.param)) + "_" + std::to_string(std::get<1>(one.param));
-    });
+INSTANTIATE_TEST_SUITE_P(Engines, Slam,
+                         testing::Combine(testing::ValuesIn(builtEngines(true)),
+                                          testing::Values(0, 1, 2)),
+                         [](const auto& one) {
+                           return testName(std::get<0>(one.param)) + "_" +
+                                  std::to_string(std::get<1>(one.param));
+                         });
 
 }  // namespace
 }  // namespace wholehand::test

@@ -25,8 +25,12 @@ BodyPlacements place(int body, const Eigen::Vector3d& at_m,
 
 class PlacedBody : public EngineTest {};
 WHOLEHAND_ENGINES(PlacedBody);
+class PressedBody : public EngineTest {};
+WHOLEHAND_ENGINES_FOR_PERSONS(PressedBody);
 class SlidingFixedBody : public EngineTest {};
 WHOLEHAND_ENGINES(SlidingFixedBody);
+class SlidingWall : public EngineTest {};
+WHOLEHAND_ENGINES_FOR_PERSONS(SlidingWall);
 
 /// A body whose principal axes are not its own: a bar along (1, 1, 0).
 SceneBody slantedBar(bool fixed) {
@@ -103,7 +107,7 @@ struct Slide {
   }
 };
 
-TEST_P(SlidingFixedBody, ThatMeetsTheHand_PushesItAtItsOwnSpeed) {
+TEST_P(SlidingWall, ThatMeetsTheHand_PushesItAtItsOwnSpeed) {
   Slide slide(GetParam(), 0.01);
   ASSERT_TRUE(slide.bench.world->placeHand(AxisPosition(6)));
   const double speed_m_s = 0.2;
@@ -170,7 +174,7 @@ TEST_P(SlidingFixedBody, PressedByTheHand_CarriesItAlong) {
   EXPECT_NEAR(slide.bench.after.qd_s[0], 0.0, tolerance(1e-3));
 }
 
-TEST_P(PlacedBody, PutToTheOtherSideOfAFinger_LetsGoWithoutAKick) {
+TEST_P(PressedBody, PutToTheOtherSideOfAFinger_LetsGoWithoutAKick) {
   const Models m = load(shippedFiles());
   AxisPosition free(6), pressed(6);
   free[1] = -0.002;

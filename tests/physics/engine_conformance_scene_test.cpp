@@ -14,6 +14,8 @@ class Determinism : public EngineTest {};
 WHOLEHAND_ENGINES(Determinism);
 class BadScene : public EngineTest {};
 WHOLEHAND_ENGINES(BadScene);
+class ManyWalls : public EngineTest {};
+WHOLEHAND_ENGINES_FOR_PERSONS(ManyWalls);
 class PlaceHand : public EngineTest {};
 WHOLEHAND_ENGINES(PlaceHand);
 
@@ -93,7 +95,7 @@ TEST_P(BadScene, WithAsManyBodiesAsMayBe_StepsWithoutAllocating) {
   EXPECT_EQ(scope.allocations(), 0U);
 }
 
-TEST_P(BadScene, ThirtyWallsAtOnePlace_CarryWhatOneWould) {
+TEST_P(ManyWalls, ThirtyAtOnePlace_CarryWhatOneWould) {
   const Models m = load(shippedFiles());
   const Eigen::Vector3d aside = -Eigen::Vector3d::UnitY();
   const double face_m = reach(m.hand, AxisPosition(6), aside) + 1e-3;
