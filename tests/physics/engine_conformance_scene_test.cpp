@@ -126,7 +126,7 @@ TEST(Engines, OfAnUnknownName_AreRefusedWithTheNamesThereAre) {
 
 TEST(Engines, ThatAreNotBuiltIn_AreRefusedWithTheWayToBuildThem) {
   const Models m = load(shippedFiles());
-  const std::vector<Engine> known{{"absent", "", {}, "install libabsent-dev"}};
+  const std::vector<Engine> known{{"absent", "", {}, "install libabsent-dev", ""}};
   const auto world = buildWorld("absent", m.hand, m.scene, known);
   ASSERT_FALSE(world);
   EXPECT_EQ(format(world.errors()),

@@ -44,7 +44,7 @@ PaperEngine::PaperEngine(const HandModel& hand_in, const SceneModel& scene)
       world(&dispatcher, &broadphase, &solver, &configuration),
       q_s(hand_in.axis_count),
       qd_s(hand_in.axis_count) {
-  bullet::contactThreshold();  // one value for the process, whichever engine comes first
+  (void)bullet::contactThreshold();  // one value for the process, whichever engine comes first
   for (const SceneBody& body : scene.bodies) {
     body_names.push_back(body.name);
     bodies.emplace_back(body, static_cast<int>(bodies.size()));
