@@ -475,7 +475,7 @@ TEST(Recording, DocumentedPythonLines_ReadWhatWasWritten) {
   }
   w->close();
   const std::string lines = documentedPython();
-  ASSERT_NE(lines.find("Recording("), std::string::npos);
+  ASSERT_NE(lines.find("wholehand.open("), std::string::npos);
   const std::string out = python(
       "import os, sys\nsys.path.insert(0, '" WHOLEHAND_SOURCE_DIR "/clients/python')\nos.chdir('" +
       folder.path() + "')\n" + lines +
