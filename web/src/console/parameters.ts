@@ -47,7 +47,9 @@ class ParameterRow {
     this.slider.addEventListener('input', () => { this.number.value = fixed(slid(), view.decimals); });
     this.slider.addEventListener('change', () => void this.ask(slid() / view.factor));
     this.number.addEventListener('input', () => { this.typing = true; });
-    this.number.addEventListener('change', () => this.typed());
+    this.number.addEventListener('change', () => { if (this.typing) this.typed(); });
+    // A text that was kept from the panel before is no change to the browser.
+    this.number.addEventListener('keydown', (event) => { if (event.key === 'Enter' && this.typing) this.typed(); });
     this.refresh(true);
     if (kept?.typed === undefined) return;
     this.number.value = kept.typed;

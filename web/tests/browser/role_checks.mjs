@@ -128,8 +128,10 @@ export async function halfTypedNumberStays(browser, programUrl) {
   await page.evaluate(() => document.querySelector('[data-testid=arm]').click());
   await rendering(therapist);  // a new session, and a recording: the scene is told anew
   expect((await page.inputValue(FINGERS)) === '4.', `"${await page.inputValue(FINGERS)}" was left of "4."`);
+  await page.locator(FINGERS).press('Enter');
+  await limitIs(therapist, 4);
   await page.context().close();
-  return '"4." stood while a session and its recording began';
+  return '"4." stood while a session and its recording began, and was asked for by Enter';
 }
 
 /** A token leaves the address, opens its own role, and says in words what it does not open. */
