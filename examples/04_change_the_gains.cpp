@@ -21,13 +21,13 @@ int main(int argc, char** argv) {
   if (!models) return std::fprintf(stderr, "%s\n", format(models.errors()).c_str()), 2;
   const int x = models->device.axisIndex("x");
   // As of a device that may change its effort faster: its slew limit, too, bounds the stiffness.
-  models->device.axes[static_cast<std::size_t>(x)].effort_slew_limit = 20000.0;
+  models->device.axes[x].effort_slew_limit = 20000.0;
 
   for (const double rate_hz : {1000.0, 2000.0}) {
     std::printf("\n%.0f Hz\n%12s %8s %8s   %s\n", rate_hz, "K_pm N/m", "felt kg", "armature",
                 "verdict");
     for (const double k_pm : {1000.0, 1500.0, 2000.0, 4000.0, 16000.0}) {
-      models->rendering.axes[static_cast<std::size_t>(x)].k_pm = k_pm;
+      models->rendering.axes[x].k_pm = k_pm;
       const Expected<CheckedGains> checked = checkGains(*models, 1.0 / rate_hz);
       if (!checked) {
         std::printf("%12.0f %8s %8s   %s\n", k_pm, "-", "-", format(checked.errors()).c_str());

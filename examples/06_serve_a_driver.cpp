@@ -26,7 +26,7 @@ StationConfig configOf(const std::string& config, const std::shared_ptr<PluginDr
                config + "/exercises/free-grasping.toml", 1};
   out.rig.period_s = kPeriod_s;
   out.config_folder = config;
-  out.make_player = restingOrPlaying;
+  out.make_player = makeMotionPlayer;
   out.make_device = [driver](const DeviceModel& model) {
     return PluginDevice::make(driver, model, kPeriod_s);
   };

@@ -27,19 +27,19 @@ class BarFigures {
     kStartTotal,
     kCount
   };
-  /// What "stage" is when the level is done.
+  /// Value of "stage" when the level is done.
   static constexpr double kLevelDone = 5.0;
 
   explicit BarFigures(const ExerciseDescription& description);
 
-  /// False where the exercise is none that has these figures: nothing else may be asked then.
+  /// False when the exercise lacks these figures; then call nothing else.
   [[nodiscard]] bool known() const;
   [[nodiscard]] double operator()(Figure figure, const ExerciseRecord& record) const {
-    return record.values[static_cast<std::size_t>(indices_[figure])];
+    return record.values[indices_[static_cast<std::size_t>(figure)]];
   }
   /// |poured into glasses + spilt + left - at the start| [l]
   [[nodiscard]] double volumeError_l(const ExerciseRecord& record) const;
-  /// Type of the event of that name; -1: there is none.
+  /// Type of an event by name; -1: none.
   [[nodiscard]] int event(const std::string& name) const;
 
  private:

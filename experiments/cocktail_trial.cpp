@@ -24,7 +24,7 @@ class BarObserver {
 
   void operator()(const TickRecord& r) {
     const ExerciseRecord& e = r.exercise;
-    for (int i = 0; i < e.event_count; ++i) take(e.events[static_cast<std::size_t>(i)]);
+    for (int i = 0; i < e.event_count; ++i) take(e.events[i]);
     asked_l_ = figures_(BarFigures::kAsked, e);
     tolerance_l_ = figures_(BarFigures::kTolerance, e);
     result_.score = figures_(BarFigures::kScore, e);

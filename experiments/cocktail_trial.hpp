@@ -9,27 +9,27 @@
 
 namespace wholehand {
 
-/// A level of the cocktail bar, played once by a virtual patient.
+/// One level of the cocktail bar, played by a virtual patient.
 struct CocktailPlan {
   ModelFiles files;        ///< with exercise and level
   std::uint64_t seed = 1;  ///< of the patient's start, aim and strength
-  double most_s = 600.0;   ///< simulated; not completed by then: failed
+  double most_s = 600.0;   ///< time limit, simulated; a longer trial has failed
   std::string record;      ///< HDF5 file; empty: none
   RigOptions rig;
 };
 
-/// How it went. The figures are those of the exercise's last record.
+/// Result of a trial. The figures are those of the exercise's last record.
 struct CocktailResult {
   int level = 1;
   std::uint64_t seed = 1;
-  bool ended = false;      ///< the level was played to its end, however well
+  bool ended = false;      ///< the level was played to its end, with any result
   bool completed = false;  ///< every drink of the level served within tolerance, no fault
   double score = 0.0;      ///< 0 .. 100
   double spilt_l = 0.0;
-  double amount_error_max_l = 0.0;  ///< of all steps: |poured - asked|
-  int steps = 0;                    ///< that were done
+  double amount_error_max_l = 0.0;  ///< largest |poured - asked| of all steps
+  int steps = 0;                    ///< completed steps
   int steps_in_tolerance = 0;
-  int wrong_dispenser = 0;  ///< times that another one was engaged
+  int wrong_dispenser = 0;  ///< times that a wrong dispenser was engaged
   int knocked_over = 0;
   double volume_error_l = 0.0;  ///< largest |in glasses + spilt + left - start|
   double time_s = 0.0;          ///< simulated
@@ -38,8 +38,8 @@ struct CocktailResult {
   bool interrupted = false;
 };
 
-/// Plays it on the simulated clock, without any port. Refused where the exercise is not one with
-/// drinks, or has no virtual patient.
+/// Plays the level on the simulated clock, without opening a port. Refused for an exercise without
+/// drinks or without a virtual patient.
 [[nodiscard]] Expected<CocktailResult> runCocktail(const CocktailPlan& plan);
 
 }  // namespace wholehand

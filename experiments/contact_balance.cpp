@@ -9,7 +9,7 @@ namespace wholehand {
 namespace {
 
 void add(AxisEffort& sum, const std::array<double, kMaxAxes>& row, double sign = 1.0) {
-  for (int a = 0; a < sum.size(); ++a) sum[a] += sign * row[static_cast<std::size_t>(a)];
+  for (int a = 0; a < sum.size(); ++a) sum[a] += sign * row[a];
 }
 
 }  // namespace
@@ -34,7 +34,7 @@ AxisEffort ContactBalance::acted(const TickRecord& r, const ArticulatedBody& kin
   AxisEffort sum(acted_.size());
   std::array<double, kMaxAxes> row{};
   for (int i = 0; i < r.contact_count; ++i) {
-    const Contact& c = r.contacts[static_cast<std::size_t>(i)];
+    const Contact& c = r.contacts[i];
     kinematics.reducedPointRow(c.link, c.point_m.eigen(), c.force_n.eigen(), row.data());
     wholehand::add(sum, row);
     kinematics.reducedAngularRow(c.link, c.torque_nm.eigen(), row.data());
@@ -50,9 +50,9 @@ void ContactBalance::addSelfForces(const ArticulatedBody& kinematics, AxisEffort
   rig_.world->selfForces(own);
   std::array<double, kMaxAxes> row{};
   for (int i = 0; i < own.count; ++i) {
-    const SelfForce& touch = own.touches[static_cast<std::size_t>(i)];
+    const SelfForce& touch = own.touches[i];
     for (const auto& [capsule, sign] : {std::pair{touch.capsule_a, 1.0}, {touch.capsule_b, -1.0}}) {
-      const int link = rig_.models.hand.capsules[static_cast<std::size_t>(capsule)].link;
+      const int link = rig_.models.hand.capsules[capsule].link;
       kinematics.reducedPointRow(link, touch.point_m.eigen(), touch.force_n.eigen(), row.data());
       wholehand::add(sum, row, sign);
     }
@@ -85,10 +85,10 @@ double ContactBalance::share(const AxisEffort& unbalanced, const AxisEffort& ref
 // An axis that carries next to nothing is judged by what its kind carries.
 double ContactBalance::leastScale(int axis, const AxisEffort& reference) const {
   const auto& axes = rig_.models.device.axes;
-  const AxisKind kind = axes[static_cast<std::size_t>(axis)].kind;
+  const AxisKind kind = axes[axis].kind;
   double largest = 0.0;
   for (int b = 0; b < reference.size(); ++b) {
-    if (axes[static_cast<std::size_t>(b)].kind != kind) continue;
+    if (axes[b].kind != kind) continue;
     largest = std::max(largest, std::abs(reference[b]) / count_);
   }
   return std::max(0.1 * largest, kind == AxisKind::kTranslation ? 0.1 : 0.01);

@@ -6,18 +6,18 @@
 
 namespace wholehand {
 
-/// Whether contact forces do the virtual work of what drives the hand, and are what the person
-/// feels: means over the ticks of a hand at rest, on the person's axes.
+/// Checks that contact forces do the virtual work of the driving effort and equal the felt effort:
+/// means over the ticks of a hand at rest, on the person's axes.
 class ContactBalance {
  public:
   /// @pre rig outlives this
   explicit ContactBalance(const Rig& rig);
 
-  /// A tick whose record came from that rig just now. @pre kinematics are at r.theta
+  /// Adds a tick that the rig has just run. @pre kinematics are at r.theta
   void add(const TickRecord& r, const ArticulatedBody& kinematics);
 
   /// |Σ Gᵀ Jᵀ f + f_s|, worst axis, as a share of the largest of |f_s|, a tenth of the largest f_s
-  /// in the same unit, 0.1 N or 0.01 N·m. 1 where nothing was added.
+  /// in the same unit, 0.1 N or 0.01 N·m. 1 without ticks.
   [[nodiscard]] double driveError() const;
   /// |Σ Gᵀ Jᵀ f − f_coupling|, the same share of f_coupling.
   [[nodiscard]] double feltError() const;

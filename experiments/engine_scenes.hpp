@@ -9,10 +9,10 @@
 
 namespace wholehand {
 
-/// The grasp that all but the resting scene are made of.
+/// The grasp of all scenes except the resting one.
 [[nodiscard]] GraspTrial comparedGrasp();
 [[nodiscard]] std::uint64_t ticksOf(EngineScene scene, double hold_s, double period_s);
-/// An armed rig in that scene.
+/// Builds and arms a rig in a scene.
 [[nodiscard]] Expected<std::unique_ptr<Rig>> buildScene(EngineScene scene, const EnginePlan& plan,
                                                         const std::string& engine);
 

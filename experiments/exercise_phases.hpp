@@ -9,8 +9,8 @@
 
 namespace wholehand {
 
-/// A tick of the exercise, as far as its phases and its figure need it. Contact forces are normal
-/// forces between the hand and the dispenser.
+/// Data of a tick for phases and figure. Contact forces are normal forces between hand and
+/// dispenser.
 struct ExerciseSample {
   double time_s = 0.0;
   AxisEffort sent;
@@ -21,7 +21,7 @@ struct ExerciseSample {
   double fingers_n = 0.0;  ///< on the four fingers, all sides
   double thumb_n = 0.0;
   double palm_n = 0.0;
-  double palm_m = 0.0;  ///< palm to the dispenser
+  double palm_m = 0.0;  ///< distance from palm to dispenser
   double squeeze_n = 0.0, flow_l_s = 0.0, glass_l = 0.0;
 };
 
@@ -30,26 +30,25 @@ struct ExercisePhase {
   double start_s = 0.0, end_s = 0.0;
 };
 
-/// The four phases of the paper's Fig. 7 as the data show them:
-/// 1 bump: from the first to the last touch with the back of the fingers, before the approach;
-/// 2 approach: from where the palm comes near until the fingers close on the dispenser, α rising;
-/// 3 squeeze: from the touch of the fingers that leads to a flow until it flows no more;
-/// 4 release: from there until nothing touches and α is zero again.
-/// None where one of them is not in the data.
+/// The four phases of the paper's Fig. 7 as the data show them: 1 bump: from the first to the last
+/// touch with the back of the fingers, before the approach; 2 approach: from where the palm comes
+/// near until the fingers close on the dispenser, α rising; 3 squeeze: from the touch of the
+/// fingers that leads to a flow until it flows no more; 4 release: from there until nothing touches
+/// and α is zero again. Empty when a phase is missing.
 [[nodiscard]] std::optional<std::array<ExercisePhase, 4>> findPhases(
     const std::vector<ExerciseSample>& samples);
 
-/// A touch with the back of the fingers.
+/// A contact with the back of the fingers.
 struct ExerciseBump {
   double start_s = 0.0, end_s = 0.0;
   double contact_n = 0.0;  ///< largest
 };
-/// Those of the first phase; touches less than 0.2 s apart are one.
+/// Bumps of the first phase; contacts less than 0.2 s apart are one.
 [[nodiscard]] std::vector<ExerciseBump> findBumps(const std::vector<ExerciseSample>& samples,
                                                   const ExercisePhase& phase);
 
-/// The time constant with which Φ of an axis fades after the hardest bump, from the touch's end
-/// until it rises again; 0 where it never fades for 0.1 s. [s]
+/// Time constant of an axis's Φ after the hardest bump, fitted from the end of contact until Φ
+/// rises again [s]; 0 when it never decays for 0.1 s.
 [[nodiscard]] double fadingTime_s(const std::vector<ExerciseSample>& samples,
                                   const std::vector<ExerciseBump>& bumps, int axis);
 

@@ -51,7 +51,7 @@ class Way {
   void set(AxisPosition& q, const char* name, double value) const {
     const int a = device_.axisIndex(name);
     if (a < 0) return;
-    const DeviceAxis& axis = device_.axes[static_cast<std::size_t>(a)];
+    const DeviceAxis& axis = device_.axes[a];
     q[a] = std::clamp(value, axis.lower, axis.upper);
   }
 

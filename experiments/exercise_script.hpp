@@ -9,14 +9,14 @@
 
 namespace wholehand {
 
-/// When the parts of the paper's Fig. 7 are meant to happen [s].
+/// Planned times of the parts of the paper's Fig. 7 [s].
 namespace exercise_times {
-inline constexpr double kServed = 1.0;     ///< until then the hand rests: the glass slides in place
+inline constexpr double kServed = 1.0;     ///< the hand rests before: the glass slides into place
 inline constexpr double kBeside = 1.8;     ///< left of the dispenser, fingers stretched
 inline constexpr double kHardBump = 2.15;  ///< furthest into it, with the back of the fingers
 inline constexpr double kOffAgain = 2.5;
 inline constexpr double kSoftBump = 3.6;
-inline constexpr double kBumped = 4.1;  ///< off again
+inline constexpr double kBumped = 4.1;  ///< moved away again
 inline constexpr double kDrawnBack = 4.9;
 inline constexpr double kAligned = 5.7;  ///< right of the dispenser, drawn back
 inline constexpr double kEntered = 6.6;
@@ -31,15 +31,15 @@ inline constexpr double kAway = 15.45;
 inline constexpr double kEnd = 16.35;
 }  // namespace exercise_times
 
-/// The person's aim over time: bumps into the dispenser twice with the back of the fingers, draws
-/// back, comes from the other side, lays the palm on, squeezes, lets go and retrieves the hand, the
-/// fingers grazing the dispenser. The seed moves start and aim by millimetres.
-/// @param home_m where the dispenser is gripped (world)
+/// The person's intended motion over time: bumps into the dispenser twice with the back of the
+/// fingers, draws back, approaches from the other side, lays the palm on, squeezes, releases and
+/// retracts the hand while the fingers graze the dispenser. The seed shifts start and target by
+/// millimetres.
+/// @param home_m grip position at the dispenser (world)
 [[nodiscard]] Intention exerciseIntention(const DeviceModel& device, const Eigen::Vector3d& home_m,
                                           std::uint64_t seed);
 
-/// The same approach from the side, grip, squeeze and retreat, again and again: the aim of the
-/// paper's Fig. 6.
+/// Repeats approach from the side, grip, squeeze and retreat: the motion of the paper's Fig. 6.
 [[nodiscard]] Intention squeezeAgainAndAgain(const DeviceModel& device,
                                              const Eigen::Vector3d& home_m, double duration_s);
 

@@ -53,9 +53,9 @@ class ExerciseObserver {
   void sortContacts(const TickRecord& r, ExerciseSample& s) {
     body_.updateKinematics(r.theta);
     for (int i = 0; i < r.contact_count; ++i) {
-      const Contact& c = r.contacts[static_cast<std::size_t>(i)];
+      const Contact& c = r.contacts[i];
       if (c.body != dispenser_) continue;
-      const HandPart part = rig_.models.hand.capsules[static_cast<std::size_t>(c.capsule)].part;
+      const HandPart part = rig_.models.hand.capsules[c.capsule].part;
       const double normal_n = c.force_n.eigen().dot(c.normal.eigen());
       const bool palm = part == HandPart::kPalm, thumb = part == HandPart::kThumb;
       (palm ? s.palm_n : thumb ? s.thumb_n : s.fingers_n) += normal_n;
@@ -69,7 +69,7 @@ class ExerciseObserver {
   void keep(const TickRecord& r, const ExerciseSample& s) {
     for (int a = 0; a < r.phi.size(); ++a) {
       result_.phi_peak[a] = std::max(result_.phi_peak[a], r.phi[a]);
-      const double arm_m = result_.lever_arms_m[static_cast<std::size_t>(a)];
+      const double arm_m = result_.lever_arms_m[a];
       const double effort = r.exercise.effort[a] / (arm_m > 0.0 ? arm_m : 1.0);
       // Closing raises the coordinate.
       result_.wall_pull_max_n = std::max(result_.wall_pull_max_n, effort);
@@ -80,7 +80,7 @@ class ExerciseObserver {
     result_.spilt_l = figures_(BarFigures::kSpilt, r.exercise);
     result_.volume_error_l = std::max(result_.volume_error_l, figures_.volumeError_l(r.exercise));
     for (int i = 0; i < r.exercise.event_count; ++i) {
-      const ExerciseEvent& event = r.exercise.events[static_cast<std::size_t>(i)];
+      const ExerciseEvent& event = r.exercise.events[i];
       if (event.type != step_done_ || served_) continue;
       served_ = true;
       result_.poured_l = event.value;

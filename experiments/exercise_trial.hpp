@@ -11,34 +11,34 @@
 namespace wholehand {
 
 struct ExercisePlan {
-  ModelFiles files;  ///< with exercise; level 1 is played
+  ModelFiles files;  ///< with exercise; plays level 1
   std::uint64_t seed = 1;
   std::string record;  ///< HDF5 file; empty: none
   RigOptions rig;
 };
 
-/// The paper's Fig. 7: what a person felt who bumped into the dispenser, laid the hand on it,
-/// squeezed it, let go and retrieved the hand.
+/// Result of the paper's Fig. 7: felt efforts while bumping into the dispenser, laying the hand on
+/// it, squeezing, releasing and retracting.
 struct ExerciseResult {
   bool completed = false;  ///< all phases found, the drink served within tolerance, nothing spilt
-  std::vector<ExercisePhase> phases;  ///< empty where they were not found
+  std::vector<ExercisePhase> phases;  ///< empty when not found
   std::vector<ExerciseBump> bumps;
   std::vector<std::string> axis_names;
-  std::vector<double> lever_arms_m;  ///< 0 where an axis has no tip
+  std::vector<double> lever_arms_m;  ///< per axis; 0: no tip
   AxisRatio phi_peak;
-  std::vector<double> fading_s;  ///< time constant of Φ after the hardest bump, per axis; 0: none
+  std::vector<double> fading_s;  ///< per axis: time constant of Φ after the hardest bump; 0: none
   double alpha_max = 0.0;
   double wall_pull_max_n = 0.0;  ///< largest exercise effort in the closing direction, at the tip
-  double wall_push_max_n = 0.0;  ///< largest against it
+  double wall_push_max_n = 0.0;  ///< largest in the opening direction
   double volume_error_l = 0.0;   ///< largest |in the glass + spilt + left - start|
   double asked_l = 0.0, tolerance_l = 0.0, poured_l = 0.0, spilt_l = 0.0;
   double squeeze_max_n = 0.0;
   bool faulted = false, interrupted = false;
-  std::vector<ExerciseSample> samples;  ///< one a tick
+  std::vector<ExerciseSample> samples;  ///< one per tick
 };
 
-/// Runs it on the simulated clock. Refused where the exercise has no dispensers, or the device no
-/// fingers.
+/// Runs the trial on the simulated clock. Refused for an exercise without dispensers or a device
+/// without fingers.
 [[nodiscard]] Expected<ExerciseResult> runExercise(const ExercisePlan& plan);
 
 }  // namespace wholehand

@@ -9,8 +9,7 @@
 
 namespace wholehand {
 
-/// Rms about the mean of what the person feels of the coupling, axis by axis; rotations in newtons
-/// at the tip.
+/// Rms about the mean of the felt coupling effort, per axis; rotations in newtons at the tip.
 class FeltNoise {
  public:
   /// @pre device outlives this
@@ -25,7 +24,7 @@ class FeltNoise {
       axes_[a].add(newton);
     }
   }
-  /// Of the worst axis [N].
+  /// Value of the worst axis [N].
   [[nodiscard]] double worst() const {
     double worst_n = 0.0;
     for (const Spread& axis : axes_) worst_n = std::max(worst_n, axis.rms());
@@ -33,9 +32,9 @@ class FeltNoise {
   }
 
  private:
-  static constexpr double kTipArm_m = 0.08;  // an axis without a tip counts at a finger's lever arm
+  static constexpr double kTipArm_m = 0.08;  // lever arm for axes without a tip: a finger's
 
-  // Mean and spread without storing the samples (Welford).
+  // Mean and variance without storing the samples (Welford).
   class Spread {
    public:
     void add(double x) {

@@ -49,7 +49,7 @@ GraspResult GraspObserver::finish(const TickRecord& last) {
   result_.contact_residual = balance_.driveError();
   result_.felt_error = balance_.feltError();
   for (int i = 0; i < last.contact_count; ++i) {
-    result_.contact_force_n += last.contacts[static_cast<std::size_t>(i)].force_n.eigen().norm();
+    result_.contact_force_n += last.contacts[i].force_n.eigen().norm();
   }
   const bool carried = std::abs(result_.object_travel_m - kLift_m) < 0.1 * kLift_m;
   const bool stayed = result_.carry_shift_m < kDropped_m;  // false for NaN, too
@@ -59,7 +59,7 @@ GraspResult GraspObserver::finish(const TickRecord& last) {
 
 void GraspObserver::trackTipForce(const TickRecord& r) {
   for (int a = 0; a < r.sent.size(); ++a) {
-    const double arm = rig_.models.device.axes[static_cast<std::size_t>(a)].lever_arm_m;
+    const double arm = rig_.models.device.axes[a].lever_arm_m;
     if (arm > 0.0) {
       result_.tip_force_max_n = std::max(result_.tip_force_max_n, std::abs(r.sent[a]) / arm);
     }

@@ -7,7 +7,7 @@
 
 namespace wholehand {
 
-/// Watches the records of a grasp and keeps what its result needs.
+/// Collects the result of a grasp from its records.
 class GraspObserver {
  public:
   /// @pre rig outlives this, and its first body is the object
@@ -22,8 +22,8 @@ class GraspObserver {
 
   const Rig& rig_;
   ArticulatedBody body_;
-  ContactBalance balance_;  ///< of the last 2 s
-  FeltNoise noise_;         ///< of the same
+  ContactBalance balance_;  ///< over the last 2 s
+  FeltNoise noise_;         ///< over the last 2 s
   double end_s_;
   GraspResult result_;
   Pose at_lift_, at_hold_;

@@ -8,7 +8,7 @@
 
 namespace wholehand {
 
-/// When the parts of a grasp happen [s].
+/// Planned times of a grasp [s].
 namespace grasp_times {
 inline constexpr double kApproached = 1.0;
 inline constexpr double kOpposed = 1.6;
@@ -20,10 +20,10 @@ inline constexpr double kHoldBegins = 5.3;
 
 inline constexpr double kLift_m = 0.2;
 
-/// The person's aim over time for this trial.
+/// The person's intended motion over time in a trial.
 [[nodiscard]] Intention graspIntention(const GraspTrial& trial, const Models& models);
 
-/// A scene file with the trial's object where the hand will close, on a pedestal under gravity.
+/// A scene file with the trial's object where the hand will close; under gravity, on a pedestal.
 [[nodiscard]] std::string graspScene(const GraspTrial& trial, const Models& models);
 
 }  // namespace wholehand

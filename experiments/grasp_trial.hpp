@@ -11,60 +11,61 @@
 
 namespace wholehand {
 
-/// One grasp of the paper's Fig. 5: where the object is in the palm's frame when the hand closes,
-/// and what the person commands. Palm frame: x distal, y radial, z dorsal.
+/// One grasp of the paper's Fig. 5: position of the object in the palm's frame when the hand
+/// closes, and the person's commands. Palm frame: x distal, y radial, z dorsal.
 struct GraspTrial {
   std::string shape;                  ///< "cube", "sphere", "cylinder", "disk"
   std::string grasp;                  ///< "power", "pinch"
   bool gravity = false;               ///< off: free-floating with the paper's damping of 0.7
   Eigen::Vector3d center_m{0, 0, 0};  ///< object's centre in the palm's frame
-  double circumduction_rad = 0.0;     ///< thumb opposed this far before closing
+  double circumduction_rad = 0.0;     ///< circumduction of the thumb before closing
   double fingers_open_rad = 0.35, fingers_closed_rad = 0.0;  ///< commanded
   double thumb_closed_rad = 0.0;                             ///< commanded
 
   [[nodiscard]] std::string name() const;
 };
 
-/// How one grasp went.
+/// Result of one grasp.
 struct GraspResult {
   GraspTrial trial;
   bool dropped = false;
   double carry_shift_m =
       0.0;                    ///< largest shift of its centre in the palm's frame, from the lift on
-  double slip_m = 0.0;        ///< the same during the hold alone; turning is in rotation_rad
-  double rotation_rad = 0.0;  ///< turn in the palm's frame over the hold
-  double coupling_error_rad = 0.0;  ///< largest before any correction, over the whole trial
-  double object_travel_m = 0.0;     ///< how far it was carried
+  double slip_m = 0.0;        ///< shift during the hold only; rotation is in rotation_rad
+  double rotation_rad = 0.0;  ///< rotation in the palm's frame during the hold
+  double coupling_error_rad = 0.0;  ///< largest before correction, over the whole trial
+  double object_travel_m = 0.0;     ///< carried distance
   double force_noise_n = 0.0;       ///< rms about the mean over the last 2 s, worst axis, tips in N
   double contact_residual = 0.0;  ///< |Σ Jᵀ f + f_s| at rest, means over the last 2 s, worst axis,
                                   ///< as a share of the largest of |f_s|, a tenth of the largest
                                   ///< f_s in the same unit, 0.1 N or 0.01 N·m
-  double felt_error = 0.0;            ///< |Σ Jᵀ f − f_coupling|, the same of f_coupling
-  double contact_force_n = 0.0;       ///< sum of |f| at the end
-  double tip_force_max_n = 0.0;       ///< largest effort sent, hand axes, at the tip
-  std::uint64_t saturated_ticks = 0;  ///< ticks in which a limit clamped the effort
+  double felt_error = 0.0;       ///< |Σ Jᵀ f − f_coupling|, relative as contact_residual, of
+                                 ///< f_coupling
+  double contact_force_n = 0.0;  ///< sum of |f| at the end
+  double tip_force_max_n = 0.0;  ///< largest effort sent, hand axes, at the tip
+  std::uint64_t saturated_ticks = 0;  ///< ticks with an effort at its limit
   double cpu_p50_us = 0.0, cpu_p999_us = 0.0;
-  bool faulted = false;      ///< a fault stopped it; it counts as dropped, too
-  bool interrupted = false;  ///< by Ctrl-C: the figures above are of a part of the trial
+  bool faulted = false;      ///< stopped by a fault; also counts as dropped
+  bool interrupted = false;  ///< by Ctrl-C: the results are partial
 };
 
-/// The tuned trials: four shapes by power grasp, cube and sphere by pinch, without and with
+/// The tuned trials: four shapes by power grasp, cube and sphere by pinch, each with and without
 /// gravity.
 [[nodiscard]] std::vector<GraspTrial> tunedTrials();
 
 /// The tuned trials with jittered positions (±3 mm) and commands (±4° circumduction, ±6° others);
-/// deterministic in the seed.
+/// deterministic for a seed.
 [[nodiscard]] std::vector<GraspTrial> jitteredTrials(int count, std::uint64_t seed);
 
 struct GraspPlan {
-  std::string folder;  ///< the scene file is written here, and the recording if asked for
+  std::string folder;  ///< for the scene file, and the recording if requested
   bool record = false;
   double hold_s = 10.0;
   RigOptions rig;
 };
 
-/// Runs one trial through device, patient and renderer on the simulated clock: approach, close,
-/// carry 20 cm, hold.
+/// Runs a trial through device, patient and renderer on the simulated clock: approach, close, carry
+/// 20 cm, hold.
 [[nodiscard]] Expected<GraspResult> runGrasp(const GraspTrial& trial, const ModelFiles& files,
                                              const GraspPlan& plan);
 

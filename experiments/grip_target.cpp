@@ -16,7 +16,7 @@ GripTarget firstDispenser(const Models& models) {
   GripTarget out;
   out.body = models.scene.bodyIndex(item.value("body", ""));
   if (out.body < 0) return {};
-  const SceneBody& body = models.scene.bodies[static_cast<std::size_t>(out.body)];
+  const SceneBody& body = models.scene.bodies[out.body];
   const auto grip = item.value("grip_m", std::vector<double>{0.0, 0.0, 0.0});
   out.grip_m = body.pose * (body.com_m + Eigen::Vector3d(grip.at(0), grip.at(1), grip.at(2)));
   return out;

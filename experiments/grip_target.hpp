@@ -6,16 +6,16 @@
 
 namespace wholehand {
 
-/// A body to grip, and where.
+/// A body to grip, and the grip position.
 struct GripTarget {
-  int body = -1;                                     ///< of the scene; -1: there is none
+  int body = -1;                                     ///< scene body; -1: none
   Eigen::Vector3d grip_m = Eigen::Vector3d::Zero();  ///< world
 };
 
-/// The first dispenser that the exercise tells of.
+/// The exercise's first dispenser.
 [[nodiscard]] GripTarget firstDispenser(const Models& models);
 
-/// The first body of the scene that can be moved, or the first of all; at its centre of mass.
+/// The scene's first movable body, else its first body; gripped at its centre of mass.
 [[nodiscard]] GripTarget firstBody(const Models& models);
 
 }  // namespace wholehand

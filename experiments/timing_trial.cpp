@@ -31,7 +31,7 @@ class TimingObserver {
     ++result_.cpu_counts[bin(r.cpu_ns)];
     double grip_n = 0.0;
     for (int i = 0; i < r.contact_count; ++i) {
-      const Contact& c = r.contacts[static_cast<std::size_t>(i)];
+      const Contact& c = r.contacts[i];
       if (c.body == body_) grip_n += c.force_n.eigen().norm();
     }
     if (!holding_ && grip_n > kHolding_n) {
@@ -44,9 +44,8 @@ class TimingObserver {
     if (holding_) ++result_.held_ticks;
     if (r.exercise.alpha > 0.0) ++result_.wall_ticks;
     for (int j = 0; j < r.theta.size(); ++j) {
-      const auto k = static_cast<std::size_t>(j);
-      lowest_[k] = std::min(lowest_[k], r.theta[j]);
-      highest_[k] = std::max(highest_[k], r.theta[j]);
+      lowest_[j] = std::min(lowest_[j], r.theta[j]);
+      highest_[j] = std::max(highest_[j], r.theta[j]);
     }
   }
 
@@ -84,7 +83,7 @@ Expected<TimingResult> runTiming(const TimingPlan& plan) {
                       bar ? "give the file of a cocktail bar" : "give a scene with a body in it"};
   }
   TimingResult result;
-  result.gripped = models->scene.bodies[static_cast<std::size_t>(target.body)].name;
+  result.gripped = models->scene.bodies[target.body].name;
   RigOptions options;
   options.engine = plan.engine;
   Intention intention = squeezeAgainAndAgain(models->device, target.grip_m,

@@ -5,10 +5,10 @@
 
 namespace wholehand {
 
-/// Does `jobs` pieces of work in that many processes of their own (each with the engine's globals
-/// to itself, so that results do not depend on how many there are), and tells the result of each as
-/// it comes, in the calling process. False where a worker died or was stopped before its work was
-/// done; what was told until then stands. Call it before any thread has been started.
+/// Runs `jobs` jobs in a number of child processes and passes each result, as it arrives, to the
+/// calling process. Each child has its own engine globals, so results do not depend on the number
+/// of processes. False when a worker died or was stopped early; results passed before remain valid.
+/// Call before any thread is started.
 /// @param work  in a worker: job -> one line of text
 /// @param done  in the calling process: job and its line, in any order
 [[nodiscard]] bool workInProcesses(

@@ -1,6 +1,6 @@
-// wholehand-read-mesh FILE: hands the triangles of a mesh file to the program that started it
-// (src/model/mesh_surface.hpp). Its limits are set by that program.
-#include "model/mesh_surface.hpp"
+// wholehand-read-mesh FILE: sends the triangles of a mesh file to the program that started it
+// (src/model/mesh/mesh_surface.hpp), which also sets its limits.
+#include "model/mesh/mesh_surface.hpp"
 
 #include <cstdio>
 #include <exception>
@@ -15,7 +15,7 @@ int main(int argc, char** argv) {
     const std::string mesh = wholehand::encodeMesh(wholehand::readMeshHere(argv[1]));
     const bool done = std::fwrite(mesh.data(), 1, mesh.size(), stdout) == mesh.size();
     return done && std::fflush(stdout) == 0 ? 0 : 1;
-  } catch (const std::exception&) {  // no memory
+  } catch (const std::exception&) {  // out of memory
     return 1;
   }
 }

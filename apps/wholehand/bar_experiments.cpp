@@ -25,7 +25,7 @@ std::string orShipped(const std::string& named, const char* shipped) {
 
 Expected<ModelFiles> barModelFiles(const BarFiles& files) {
   ModelFiles out;
-  out.scene.clear();  // the exercise names it
+  out.scene.clear();  // the exercise names its scene
   out.exercise = files.exercise.empty() ? "cocktail-bar" : files.exercise;
   if (out.exercise.find('/') == std::string::npos && !out.exercise.ends_with(".toml")) {
     out.exercise = shippedFile("config/exercises/" + out.exercise + ".toml");

@@ -10,7 +10,7 @@
 
 namespace wholehand {
 
-/// Files that both experiments of the bar can be asked to use; empty: the shipped ones.
+/// Files of both cocktail bar experiments; empty: the shipped ones.
 struct BarFiles {
   std::string exercise, hand, device, rendering, patient;
 };
@@ -21,7 +21,7 @@ struct CocktailOptions {
   int seeds = 100;
   std::uint64_t first_seed = 1;
   int level = 0;      ///< 0: all
-  int processes = 0;  ///< 0: one a core
+  int processes = 0;  ///< 0: one per core
   std::string json;   ///< empty: none
 };
 
@@ -29,7 +29,7 @@ struct ExerciseOptions {
   BarFiles files;
   std::string engine = defaultEngine();
   std::uint64_t seed = 1;
-  std::string folder = "out/experiment";  ///< for what is not named
+  std::string folder = "out/experiment";  ///< for outputs without an explicit path
   std::string json, record, charts;
 };
 
@@ -38,15 +38,15 @@ struct BarExperimentOptions {
   ExerciseOptions exercise;
 };
 
-/// The levels of the cocktail bar, each played by many virtual patients. Returns the exit code.
+/// Plays the levels of the cocktail bar with many virtual patients. Returns the exit code.
 int cocktailCommand(const CocktailOptions& options);
-/// The paper's Fig. 7.
+/// Reproduces the paper's Fig. 7.
 int exerciseCommand(const ExerciseOptions& options);
 
-/// Adds both to `wholehand experiment`. @pre options outlive the parsing
+/// Adds both commands to `wholehand experiment`. @pre options outlive the parsing
 void addBarExperiments(CLI::App& experiment, BarExperimentOptions& options, int& code);
 
-/// The files of a run of the bar, those that are not named as shipped.
+/// Files of a cocktail bar run; unnamed ones are the shipped ones.
 [[nodiscard]] Expected<ModelFiles> barModelFiles(const BarFiles& files);
 
 }  // namespace wholehand

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kPoints = 25;
 
-/// Axes of one kind, by the first of them.
+/// Axes of one kind, represented by the first.
 struct Group {
   std::size_t first = 0;
   std::string names;
@@ -50,7 +50,7 @@ ChartLine workingLine() {
   return {sentence("certificate.working"), "--ax-x", {}, 5.0};
 }
 
-/// Lines for the limits of one axis; where nothing is allowed they end.
+/// Lines for the limits of one axis; they end where no stiffness is allowed.
 std::vector<ChartLine> limitLines(const AxisCertificate& a) {
   ChartLine rigid = rigidLine(), passive = passiveLine(), wall = wallLine();
   const auto allowed = [](double stiffness) {

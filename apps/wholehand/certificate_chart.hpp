@@ -5,8 +5,8 @@
 
 namespace wholehand {
 
-/// The Z-width of every axis: largest stiffness against adaptive damping, and where the axis works.
-/// Axes that nothing but their names tells apart share a chart.
+/// The Z-width of every axis: largest stable stiffness against adaptive damping, and the operating
+/// point. Axes that differ only in their names share a chart.
 [[nodiscard]] ChartPage certificateChart(const AdvisedCertificate& judged);
 
 }  // namespace wholehand

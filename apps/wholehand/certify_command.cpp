@@ -10,7 +10,7 @@
 #include "exercise/load_exercise.hpp"
 #include "exit_code.hpp"
 #include "impedance_command.hpp"
-#include "model/hand_file.hpp"
+#include "model/hand/hand_file.hpp"
 
 #include <fmt/format.h>
 
@@ -31,8 +31,8 @@ void takeWalls(LoadedExercise loaded, Models& models) {
   models.exercise_walls = std::move(loaded.walls);
 }
 
-/// Device, gains, hand and exercise; every fault of every file. Unstable gains are no fault of the
-/// file.
+/// Loads device, gains, hand and exercise; reports every fault of every file. Unstable gains are
+/// not a fault of the file.
 Expected<Models> loadFiles(const CertifyOptions& o) {
   Diagnostics errors;
   Models models;
@@ -66,7 +66,7 @@ AdvisedCertificate judge(CertificateInput input) {
   out.certificate = certify(out.input);
   for (std::size_t i = 0; i < out.certificate.axes.size(); ++i) {
     const AxisCase& c = out.certificate.axes[i].of;
-    std::size_t twin = 0;  // x, y and z are often alike
+    std::size_t twin = 0;  // x, y and z are often equal
     while (twin < i && !sameCase(out.certificate.axes[twin].of, c)) ++twin;
     out.advice.push_back(twin < i ? out.advice[twin] : advise(c));
   }
@@ -74,13 +74,13 @@ AdvisedCertificate judge(CertificateInput input) {
   return out;
 }
 
-// What is judged: the device of the file, or that of its passport at both ends of its masses.
+// Devices to judge: the one of the file, or the passport's at both ends of its mass intervals.
 Expected<std::vector<DeviceModel>> judgedDevices(const CertifyOptions& o,
                                                  const DeviceModel& device) {
   if (o.passport.empty()) return std::vector<DeviceModel>{device};
   const auto passport = readPassport(o.passport);
   if (!passport) return passport.errors();
-  // Which device is plugged in is not known here: `run` asks it.
+  // The connected device is unknown here: `run` checks it.
   if (auto fits = checkPassport(*passport, passport->identity, device, today()); !fits) {
     return fits.errors();
   }

@@ -8,20 +8,20 @@ namespace wholehand {
 
 struct CertifyOptions {
   std::string device, rendering, hand;
-  std::string exercise = {};  ///< whose walls are borne, too; empty: none
+  std::string exercise = {};  ///< includes its walls; empty: none
   int level = 1;              ///< of the exercise
   double rate_hz = 1000.0;
-  std::string passport = {};  ///< of the device: its worst corner is judged; empty: none
+  std::string passport = {};  ///< of the device, judged at its worst corner; empty: none
   std::string json = {};      ///< empty: none
   std::string charts = {};    ///< empty: none
-  bool impedance = false;  ///< what the person feels, predicted and measured, in place of stability
-  std::string engine = defaultEngine();   ///< that free motion is felt in
-  double contact_stiffness_n_m = 1000.0;  ///< of the spring in which it is felt, too
+  bool impedance = false;     ///< predict and measure the felt impedance instead of stability
+  std::string engine = defaultEngine();   ///< physics engine of the free-motion measurement
+  double contact_stiffness_n_m = 1000.0;  ///< spring of the contact measurement
 };
 
-/// Judges whether device, gains and hand make a stable loop with any passive person and object, and
-/// says so as a table and one sentence. Returns the program's exit code: kExitDone where they do,
-/// kExitNotCertified where not, kExitBadInput where a file is not well formed.
+/// Judges whether device, gains and hand form a stable loop with any passive person and object;
+/// prints a table and one sentence. Returns the exit code: kExitDone if stable, kExitNotCertified
+/// if not, kExitBadInput for an invalid file.
 int certifyCommand(const CertifyOptions& options);
 
 }  // namespace wholehand

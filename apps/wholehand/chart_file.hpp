@@ -8,12 +8,12 @@
 
 namespace wholehand {
 
-/// prepareFiles() of a command that also writes a page of charts: refuses, before anything is
-/// measured, where its template is missing. Empty paths are passed over.
+/// prepareFiles() of a command that also writes a page of charts. Refuses before any measurement if
+/// the page's template is missing. Skips empty paths.
 [[nodiscard]] Expected<Done> prepareCharts(const std::string& charts_path,
                                            std::vector<std::string> other_paths);
 
-/// Writes the page as one HTML file that needs nothing else.
+/// Writes the page as a self-contained HTML file.
 [[nodiscard]] Expected<Done> writeCharts(const ChartPage& charts, const std::string& path);
 
 }  // namespace wholehand

@@ -20,7 +20,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A result as a worker sends it to the process that counts.
+// Result of a worker as a line for the parent process.
 std::string lineOf(const CocktailResult& r) {
   return Json{{"completed", r.completed},
               {"score", r.score},
@@ -129,7 +129,7 @@ void printLevel(const Json& j) {
   std::fflush(stdout);
 }
 
-// Which levels; everything that the files say wrong is said here, once, and not by the workers.
+// Requested levels. Reports the files' faults here, once, instead of in every worker.
 Expected<std::vector<int>> levelsAsked(const CocktailOptions& options, ModelFiles files) {
   files.level = std::max(options.level, 1);
   auto models = loadModels(files);
@@ -145,7 +145,7 @@ Expected<std::vector<int>> levelsAsked(const CocktailOptions& options, ModelFile
 struct Played {
   Results results;
   std::string refused;
-  bool complete = false;  ///< every worker did its work
+  bool complete = false;  ///< every worker finished
 };
 
 Played play(const CocktailOptions& options, const ModelFiles& files, int level) {
@@ -170,11 +170,11 @@ Played play(const CocktailOptions& options, const ModelFiles& files, int level) 
       played.refused = json["refused"];
       return;
     }
-    CocktailResult& result = played.results[static_cast<std::size_t>(job)];
+    CocktailResult& result = played.results[job];
     result = resultOf(json);
     result.level = level;
     result.seed = options.first_seed + static_cast<std::uint64_t>(job);
-    known[static_cast<std::size_t>(job)] = true;
+    known[job] = true;
     completed += result.completed ? 1 : 0;
     if (++told % 10 == 0) {
       std::fprintf(stderr, "level %d: %d of %d, %d completed\n", level, told, options.seeds,
@@ -231,7 +231,7 @@ int cocktailCommand(const CocktailOptions& options) {
     std::printf("%s\n", options.json.c_str());
   }
   if (faulted) std::printf("FAULT    patients stopped by a fault\n");
-  return endOf(faulted, false);
+  return exitCodeOf(faulted, false);
 }
 
 }  // namespace wholehand

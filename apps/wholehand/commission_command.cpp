@@ -72,7 +72,7 @@ int sayNotFinished(const CommissionOptions& options) {
   return kExitNotFit;
 }
 
-// Every effort is kept, by the recorder of every run.
+// The recorder of each run keeps every effort.
 Expected<std::unique_ptr<CommissioningRecord>> beginRecord(const CommissionOptions& options,
                                                            const DeviceModel& model) {
   auto text = readWhole(model.path);
@@ -97,7 +97,7 @@ CommissioningRecord::Tick kept(const Bench::Tick& tick, const std::vector<std::s
   out.position = AxisPosition(axes);
   out.sent = AxisEffort(axes);
   for (int i = 0; i < axes; ++i) {
-    const std::size_t at = places[static_cast<std::size_t>(i)];
+    const std::size_t at = places[i];
     out.position[i] = tick.sample.position[at];
     out.sent[i] = tick.command.effort[at];
   }
@@ -107,7 +107,7 @@ CommissioningRecord::Tick kept(const Bench::Tick& tick, const std::vector<std::s
   return out;
 }
 
-// A bench whose every effort is recorded, and the steps on it.
+// A bench with recording, and the steps on it.
 struct Kept {
   CommissioningRecord& record;
   Bench bench;
@@ -124,7 +124,7 @@ struct Kept {
   Kept& operator=(const Kept&) = delete;
 };
 
-// The check of a day is for a passport. What its steps find wrong they tell by themselves.
+// A daily check needs a passport. Its steps report their own findings.
 std::optional<int> refuseWithoutPassport(const CommissionOptions& options,
                                          const Commissioning& commissioning) {
   if (!options.daily) return std::nullopt;
@@ -146,7 +146,7 @@ int leadAtTerminal(const CommissionOptions& options, DeviceDriver& driver, const
   return leadCommissioning(commissioning, person) ? kExitDone : sayNotFinished(options);
 }
 
-// Which steps a page shows.
+// Steps that a page lists.
 std::vector<int> stepsOf(bool daily) {
   std::vector<int> steps;
   for (int i = 0; i < kCommissioningSteps; ++i) {

@@ -9,25 +9,24 @@
 
 namespace wholehand {
 
-/// What `wholehand device commission` was asked for.
+/// Options of `wholehand device commission`.
 struct CommissionOptions {
-  DriverLocation driver;  ///< no path: a host's
+  DriverLocation driver;  ///< empty path: a host's driver
   std::string host;
-  std::string device;  ///< file
+  std::string device;  ///< device file
   std::string operator_name;
   double rate_hz = 1000.0;
   bool daily = false;
-  std::string record;  ///< file of the recording; empty: named by the time
+  std::string record;  ///< file of the recording; empty: named after the time
   bool web = false;
   PageOptions pages;  ///< of --web
 };
 
-/// Leads through the commissioning of a device, in the terminal or at a page. Returns the program's
-/// exit code.
+/// Guides the commissioning of a device, in the terminal or at a page. Returns the exit code.
 int commissionCommand(const CommissionOptions& options);
 
-/// `wholehand device commission`.
-/// @param options outlives the parsing, as `code` does
+/// Adds `wholehand device commission`.
+/// @param options outlives the parsing, like `code`
 void addCommission(CLI::App& app, CommissionOptions& options, int& code);
 
 }  // namespace wholehand

@@ -115,10 +115,10 @@ int deviceListCommand(const DeviceOptions& options) {
   std::printf("hosts of this machine\n");
   for (const HostFacts& host : listHosts()) json["hosts"].push_back(listOneHost(host));
   if (json["hosts"].empty()) std::printf("  none\n");
-  return keepJson(options.json, json.dump(2));
+  return writeJson(options.json, json.dump(2));
 }
 
-int keepJson(const std::string& path, const std::string& text) {
+int writeJson(const std::string& path, const std::string& text) {
   if (path.empty()) return kExitDone;
   const auto written = writeText(path, text + "\n");
   return written ? kExitDone : refuse(written.errors());

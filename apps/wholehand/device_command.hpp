@@ -10,24 +10,25 @@
 
 namespace wholehand {
 
-/// What `wholehand device` was asked for.
+/// Options of `wholehand device`.
 struct DeviceOptions {
   DriverLocation driver;
-  std::string device;  ///< device file to hold the driver against; empty: none
+  std::string device;  ///< device file to check the driver against; empty: none
   std::string json;
   ConformanceOptions conformance;
   CommissionOptions commission;
 };
 
-/// Drivers beside the program and hosts of this machine; opens no device. Returns the exit code.
+/// Lists the drivers beside the program and the hosts of this machine; opens no device. Returns the
+/// exit code.
 int deviceListCommand(const DeviceOptions& options);
-/// Axes and one sample of a device, which stays disabled.
+/// Prints the axes and one sample of a device, which stays disabled.
 int deviceInspectCommand(const DeviceOptions& options);
-/// The conformance suite; kExitNotFit where a check fails.
+/// Runs the conformance suite; kExitNotFit when a check fails.
 int deviceConformCommand(const DeviceOptions& options);
 
-/// Writes JSON where `path` is not empty. Returns the exit code.
-int keepJson(const std::string& path, const std::string& text);
+/// Writes JSON if `path` is not empty. Returns the exit code.
+int writeJson(const std::string& path, const std::string& text);
 
 /// Adds `wholehand device list | inspect | conform | commission`. @pre options outlive the parsing
 void addDevice(CLI::App& app, DeviceOptions& options, int& code);

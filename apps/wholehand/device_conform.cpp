@@ -18,7 +18,7 @@ const char* word(Outcome outcome) {
       return "passed";
     case Outcome::kFailed:
       return "failed";
-    case Outcome::kNotRun:
+    case Outcome::kSkipped:
       return "not run";
   }
   return "";
@@ -32,12 +32,12 @@ Counts count(const std::vector<CheckResult>& results) {
   for (const CheckResult& r : results) {
     if (r.finding.outcome == Outcome::kPassed) ++out.passed;
     if (r.finding.outcome == Outcome::kFailed) ++out.failed;
-    if (r.finding.outcome == Outcome::kNotRun) ++out.not_run;
+    if (r.finding.outcome == Outcome::kSkipped) ++out.not_run;
   }
   return out;
 }
 
-// Not by leave of the person: said once, not for each.
+// Checks that need the person's permission and did not get it; reported once for all.
 bool isLeftOut(const Check& check, const ConformanceOptions& asked) {
   return (check.does != Does::kLooks && !asked.allow_effort) ||
          (check.does == Does::kOverreaches && !asked.allow_beyond_limit);
@@ -108,7 +108,7 @@ int deviceConformCommand(const DeviceOptions& options) {
   const Counts counts = count(results);
   std::printf("%zu checks: %d passed, %d failed, %d not run\n", results.size(), counts.passed,
               counts.failed, counts.not_run);
-  if (const int code = keepJson(options.json, jsonOf(options, results).dump(2));
+  if (const int code = writeJson(options.json, jsonOf(options, results).dump(2));
       code != kExitDone) {
     return code;
   }

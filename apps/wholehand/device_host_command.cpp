@@ -27,7 +27,7 @@ constexpr std::chrono::milliseconds kLookEvery{5};
 constexpr int kHostPriority = 85;  // the loop's is 80
 constexpr double kAnyDelay_s = 1.0;
 
-// A line for what has happened; empty: nothing that a person need know.
+// Line for an event; empty: not worth reporting.
 std::string sentence(const HostEvent& event) {
   const double silent_ms = static_cast<double>(event.silent_ns) * 1e-6;
   const double gap_ms = static_cast<double>(event.longest_gap_ns) * 1e-6;
@@ -58,7 +58,7 @@ std::string sentence(const HostEvent& event) {
   return {};
 }
 
-// Cycles until it has ended by itself or a signal has ended it.
+// Cycles until the host ends by itself or by a signal.
 Expected<Done> hold(DeviceHost& host, const DeviceHostOptions& options) {
   Interrupts& interrupts = InterruptScope::shared();
   PeriodicThreadConfig config;
@@ -108,7 +108,7 @@ int deviceHostCommand(const DeviceHostOptions& options) {
   };
   auto driver = PluginDriver::load(options.driver, say, CalledBy::kHost);
   if (!driver) return refuse(driver.errors());
-  // The loop judges the delay: it knows its own period.
+  // The delay is judged by the loop, which knows its period.
   auto fits = PluginDevice::make(*driver, *model, kAnyDelay_s);
   if (!fits) return refuse(fits.errors());
   auto segment = HostSegment::create(**lock);

@@ -8,15 +8,15 @@
 
 namespace wholehand {
 
-/// What `wholehand device-host` was asked for.
+/// Options of `wholehand device-host`.
 struct DeviceHostOptions {
-  std::string name;       ///< by which `run --host` finds it
+  std::string name;       ///< name for `run --host`
   std::string device;     ///< device file
-  DriverLocation driver;  ///< may wait
+  DriverLocation driver;  ///< calls may block
   double rate_hz = 4000.0;
 };
 
-/// Holds a device for the loop of another process, until a signal. Returns the program's exit code.
+/// Holds a device for the loop of another process until a signal. Returns the exit code.
 int deviceHostCommand(const DeviceHostOptions& options);
 
 /// Adds `wholehand device-host`. @pre options outlive the parsing

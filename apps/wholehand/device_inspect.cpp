@@ -1,4 +1,4 @@
-// wholehand device inspect: what a driver says of its device.
+// wholehand device inspect: what a driver reports of its device.
 #include "device/plugin/plugin_device.hpp"
 #include "device_command.hpp"
 #include "exit_code.hpp"
@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kPeriod_s = 1e-3;  // of `run` where nothing is said
+constexpr double kPeriod_s = 1e-3;  // default of `run`
 
 const char* effortName(std::uint32_t meaning) {
   switch (meaning) {
@@ -44,7 +44,7 @@ std::string statusText(const wh_sample& sample) {
   return words.empty() ? "not enabled, not homed" : fmt::format("{}", fmt::join(words, ", "));
 }
 
-// Not known: null, as JSON has no NaN.
+// NaN becomes null, since JSON has no NaN.
 Json numberOrNull(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
@@ -86,7 +86,7 @@ void printAxes(const std::vector<wh_axis>& axes, const wh_sample& sample) {
   }
 }
 
-// The refusals of `run`.
+// What `run` would refuse.
 Diagnostics misfits(const std::shared_ptr<PluginDriver>& driver, const std::string& device_file) {
   if (device_file.empty()) return {};
   const auto model = loadDeviceFile(device_file);
@@ -124,7 +124,7 @@ int deviceInspectCommand(const DeviceOptions& options) {
     json["axes"].push_back(axisJson(driver.axes()[i], sample, i));
   }
   for (const Diagnostic& error : errors) json["refused"].push_back(format(error));
-  if (const int code = keepJson(options.json, json.dump(2)); code != kExitDone) return code;
+  if (const int code = writeJson(options.json, json.dump(2)); code != kExitDone) return code;
   if (!errors.empty()) return refuse(errors);
   if (!options.device.empty()) std::printf("fits %s\n", options.device.c_str());
   return kExitDone;

@@ -14,7 +14,7 @@
 namespace wholehand {
 namespace {
 
-/// How the report looks: colours or none, and where lines end.
+/// Output format: colours and line width.
 class Printer {
  public:
   Printer() {
@@ -42,7 +42,7 @@ class Printer {
     }
   }
 
-  /// Lateness: one line a class, as far as there are any.
+  /// Lateness: one line per bin, without empty bins at the end.
   void histogram(const WakeUpStatistics& s) const {
     const std::uint64_t most = *std::max_element(s.classes.begin(), s.classes.end());
     constexpr double kBar = 50.0;
@@ -99,7 +99,7 @@ class Printer {
   std::size_t width_ = kWidest;
 };
 
-/// Counts the seconds on a terminal, where somebody waits; elsewhere it says nothing.
+/// Counts the seconds on a terminal; silent elsewhere.
 void showProgress(std::size_t done) {
   if (isatty(STDOUT_FILENO) != 1) return;
   std::printf("\r  %.1f of %.0f s", static_cast<double>(done) * 1e-9 * kDoctorPeriod_ns,
@@ -138,7 +138,7 @@ int runDoctor(const std::filesystem::path& packages_file) {
     printer.heading("Serial adapters");
     show(adapters);
   }
-  // Last: it takes its time, and what stands above can be read meanwhile.
+  // Last, since it takes time and the lines above can be read meanwhile.
   printer.heading("Loop, woken 1000 times a second for 3 seconds");
   std::fflush(stdout);
   show(tryLoop(printer));

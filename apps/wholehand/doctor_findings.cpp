@@ -20,7 +20,7 @@ const char* const kLimitsRemedy =
     "Put the line '@realtime - %s' into /etc/security/limits.d/realtime.conf, add yourself to the "
     "group realtime (groupadd -f realtime; usermod -aG realtime <you>) and log in again.";
 
-// What a limit says and what becomes of it are one reason in the sentence.
+// A limit and its effect are one reason in the final sentence.
 const char* const kNoPriority = "real-time priority is not granted";
 const char* const kGrantPriority = "grant rtprio 99";
 const char* const kNoCore = "the loop has no core of its own";
@@ -89,7 +89,7 @@ void lookAtLimits(const MachineFacts& m, bool root, Findings& findings) {
        limitsRemedy("memlock unlimited"), memory ? "" : kNoMemory, kGrantMemory});
 }
 
-/// The names under [run] in the list; one a line, the rest of a line after # is a comment.
+/// Packages under [run] in the list: one per line; # begins a comment.
 std::vector<std::string> packagesToRun(const std::filesystem::path& file) {
   std::vector<std::string> packages;
   std::ifstream stream(file);
@@ -109,7 +109,7 @@ std::vector<std::string> packagesToRun(const std::filesystem::path& file) {
   return packages;
 }
 
-/// What dpkg knows as installed, one package a line; empty where there is no dpkg.
+/// dpkg's installed packages, one per line; empty without dpkg.
 std::vector<std::string> installedPackages() {
   std::vector<std::string> installed;
   FILE* pipe = popen("dpkg-query -W -f='${db:Status-Status} ${Package}\\n' 2>/dev/null", "re");
@@ -131,7 +131,7 @@ std::vector<std::string> installedPackages() {
 }
 
 void lookAtPackages(const std::filesystem::path& file, Findings& findings) {
-  // A program that was installed as a package has no list: dpkg has seen to it.
+  // A packaged program has no list: dpkg checks its dependencies.
   if (!std::filesystem::exists(file)) return;
   const std::vector<std::string> wanted = packagesToRun(file);
   const std::vector<std::string> installed = installedPackages();
@@ -211,7 +211,7 @@ DoctorFinding grantedOrNot(const SetupLine& line) {
   return finding;
 }
 
-// Half a period: later than that, and a tick that takes its usual time may miss its deadline.
+// Limit: half a period. A later wake-up may make a tick of usual length miss its deadline.
 DoctorFinding wakeUpFinding(const WakeUpStatistics& s, std::int64_t period_ns) {
   const auto us = [](std::int64_t ns) { return decimal(static_cast<double>(ns) * 1e-3, 0); };
   const bool good = s.max_ns < period_ns / 2 && s.skipped_periods == 0;

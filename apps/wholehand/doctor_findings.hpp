@@ -9,35 +9,35 @@
 
 namespace wholehand {
 
-/// What a finding stands in the way of.
+/// What a finding prevents.
 enum class Blocks { kNothing, kDevice, kEverything };
 
 struct DoctorFinding {
   std::string what;
   bool good = false;
-  Blocks blocks = Blocks::kNothing;  ///< while it is not good
+  Blocks blocks = Blocks::kNothing;  ///< unless it is good
   std::string fact;
-  std::string remedy;  ///< empty where good
-  // For the one sentence at the end; empty: it says nothing there.
+  std::string remedy;  ///< empty if good
+  // Parts of the final sentence; empty: not mentioned.
   std::string reason{};  ///< "the kernel is not PREEMPT_RT"
   std::string cure{};    ///< "start a kernel with PREEMPT_RT"
 };
 using Findings = std::vector<DoctorFinding>;
 
-/// How often the loop is woken, and how long that is tried.
+/// Period and duration of the wake-up test.
 inline constexpr std::int64_t kDoctorPeriod_ns = 1'000'000;
 inline constexpr std::size_t kDoctorWakeUps = 3000;
 
-/// Kernel, cores, governor and limits. @param root whoever asks may exceed the limits
+/// Findings on kernel, cores, governor and limits. @param root the user may exceed the limits
 [[nodiscard]] Findings findingsAboutMachine(const MachineFacts& machine, bool root);
-/// How this program was built, the packages of the list, the free disk.
+/// Findings on this program's build, the listed packages and the free disk space.
 [[nodiscard]] Findings findingsAboutSoftware(const std::filesystem::path& packages_file);
-/// Serial adapters that keep what a device says for longer than they must. FTDI's wait for more
-/// bytes, 16 ms where nobody has changed it. @param folder /sys/bus/usb-serial/devices
+/// Findings on serial adapters that delay received data. FTDI's wait for more bytes, 16 ms by
+/// default. @param folder /sys/bus/usb-serial/devices
 [[nodiscard]] Findings findingsAboutAdapters(const std::filesystem::path& folder);
-/// What a loop's thread is granted and how late it woke up.
+/// Findings on the loop thread's settings and its wake-up lateness.
 [[nodiscard]] Findings findingsAboutLoop(const WakeUpProbe& probe, std::int64_t period_ns);
-/// That there is no loop at all.
+/// Finding that the loop could not be run.
 [[nodiscard]] Findings findingsAboutNoLoop(const Diagnostics& why);
 
 struct Verdict {

@@ -8,7 +8,7 @@
 
 namespace wholehand {
 
-/// `--engine NAME` of a command that builds a world.
+/// Adds `--engine NAME` to a command that builds a world.
 inline CLI::Option* addEngine(CLI::App& command, std::string& engine) {
   return command.add_option("--engine", engine, "Physics engine (docs/engines.md)")
       ->check(CLI::IsMember(engineNames()))

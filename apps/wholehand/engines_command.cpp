@@ -72,7 +72,7 @@ nlohmann::ordered_json comparisonJson(const EngineComparison& all) {
   return json;
 }
 
-/// The share of the ticks that take no longer, over the time.
+/// Cumulative distribution of tick times.
 Chart costChart(const EngineComparison& all, int scene) {
   constexpr std::size_t kPoints = 200;
   Chart chart;
@@ -199,7 +199,7 @@ int enginesCommand(const ExperimentOptions& options) {
   }
   print(*all);
   std::printf("%s\n%s\n", json_path.c_str(), chart_path.c_str());
-  return endOf(false, false);
+  return exitCodeOf(false, false);
 }
 
 }  // namespace wholehand

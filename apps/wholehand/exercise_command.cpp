@@ -99,7 +99,7 @@ int exerciseCommand(const ExerciseOptions& options) {
   }
   print(*result);
   std::printf("%s\n%s\n%s\n", json_path.c_str(), chart_path.c_str(), record_path.c_str());
-  return endOf(result->faulted, false);
+  return exitCodeOf(result->faulted, false);
 }
 
 }  // namespace wholehand

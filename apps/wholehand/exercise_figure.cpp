@@ -9,14 +9,14 @@
 namespace wholehand {
 namespace {
 
-constexpr double kTipScale_n = 7.5;  // fingers and thumb can be compared
-constexpr double kStep_s = 0.02;     // of the lines; in between, the largest and the smallest
+constexpr double kTipScale_n = 7.5;  // makes fingers and thumb comparable
+constexpr double kStep_s = 0.02;     // line step; each one shows its minimum and maximum
 constexpr std::array<const char*, 4> kHeadings = {"exercise.bumps", "exercise.approaches",
                                                   "exercise.squeezes", "exercise.letsGo"};
 
 using Value = std::function<double(const ExerciseSample&)>;
 
-/// Every stretch of kStep_s becomes its extremes, in their order: no spike is lost.
+/// Reduces every interval of kStep_s to its extremes, in order: no spike is lost.
 std::vector<std::array<double, 2>> points(const ExerciseResult& result, const Value& value) {
   std::vector<std::array<double, 2>> out;
   const auto& samples = result.samples;
@@ -42,7 +42,7 @@ int axisOf(const ExerciseResult& result, const std::string& name) {
 
 ChartLine lineOf(const ExerciseResult& result, int axis, const Value& value) {
   ChartLine line;
-  line.axis = result.axis_names[static_cast<std::size_t>(axis)];
+  line.axis = result.axis_names[axis];
   line.points = points(result, value);
   return line;
 }
@@ -61,13 +61,13 @@ Chart panel(const ExerciseResult& result, const char* title, int height_px) {
   return chart;
 }
 
-/// Efforts sent to these axes: N at the tip where there is one; circumduction, which has none worth
-/// the name, in 0.1 N·m so that it can be seen.
+/// Efforts sent to these axes: N at the tip if there is one; circumduction, which has none, in 0.1
+/// N·m for visibility.
 void addEfforts(Chart& chart, const ExerciseResult& result, const std::vector<const char*>& names) {
   for (const char* name : names) {
     const int a = axisOf(result, name);
     if (a < 0) continue;
-    const double arm_m = result.lever_arms_m[static_cast<std::size_t>(a)];
+    const double arm_m = result.lever_arms_m[a];
     const bool turn = std::string(name) == "thumb_circumduction";
     const double unit = turn ? 0.1 : arm_m > 0.0 ? arm_m : 1.0;
     chart.lines.push_back(
@@ -99,10 +99,10 @@ Chart onePanel(const ExerciseResult& result, const char* title, int height_px, c
   return chart;
 }
 
-/// What of an axis's effort is the exercise's, thin beside the whole.
+/// The exercise's share of an axis's effort, as a thin line.
 void addWall(Chart& chart, const ExerciseResult& result, const char* name) {
   const int a = axisOf(result, name);
-  const double arm_m = a < 0 ? 0.0 : result.lever_arms_m[static_cast<std::size_t>(a)];
+  const double arm_m = a < 0 ? 0.0 : result.lever_arms_m[a];
   if (!(arm_m > 0.0)) return;
   ChartLine line{sentence("exercise.wall"), "--ink-2", {2, 2}, 1.2};
   line.points = points(result, [a, arm_m](const ExerciseSample& s) { return s.wall[a] / arm_m; });

@@ -6,7 +6,7 @@
 namespace wholehand {
 
 /// The paper's Fig. 7: efforts of fingers, thumb and arm, Φ, α, flow and fill over time, with the
-/// phases shaded and named.
+/// phases shaded and labelled.
 [[nodiscard]] ChartPage exerciseFigure(const ExerciseResult& result);
 
 }  // namespace wholehand

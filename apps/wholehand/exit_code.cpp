@@ -4,7 +4,7 @@
 
 namespace wholehand {
 
-int endOf(bool faulted, bool interrupted) {
+int exitCodeOf(bool faulted, bool interrupted) {
   if (faulted) return kExitFault;
   return interrupted ? kExitInterrupted : kExitDone;
 }

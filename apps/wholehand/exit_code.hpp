@@ -4,22 +4,22 @@
 
 namespace wholehand {
 
-/// What the program tells the shell.
+/// Exit codes of the program.
 enum ExitCode : int {
   kExitDone = 0,
   kExitDifferent = 1,     ///< replay --resimulate found a difference
-  kExitNotCertified = 1,  ///< certify says no
-  kExitNotFit = 1,        ///< doctor: this machine may not drive a device; device conform
+  kExitNotCertified = 1,  ///< certify: not certified
+  kExitNotFit = 1,        ///< doctor, device conform, validate --admit: not fit
   kExitBadInput = 2,      ///< bad usage or a bad file
   kExitFault = 3,         ///< a fault stopped the run
-  kExitFailed = 4,        ///< the program itself: no memory, a folder that was taken away
+  kExitFailed = 4,        ///< internal failure: no memory, a folder that was removed
   kExitInterrupted = 130
 };
 
-/// How a run that took place ended; a fault weighs more than Ctrl-C.
-[[nodiscard]] int endOf(bool faulted, bool interrupted);
+/// Exit code of a run that took place; a fault takes precedence over Ctrl-C.
+[[nodiscard]] int exitCodeOf(bool faulted, bool interrupted);
 
-/// Prints every fault to standard error, one a line, and returns kExitBadInput.
+/// Prints every error to standard error, one per line, and returns kExitBadInput.
 int refuse(const Diagnostics& errors);
 
 }  // namespace wholehand

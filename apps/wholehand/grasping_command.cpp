@@ -61,7 +61,7 @@ void printTrial(const GraspResult& r) {
   std::fflush(stdout);
 }
 
-/// The share of the trials that slip no further, over the slip.
+/// Cumulative distribution of slip.
 ChartLine slipLine(const char* name, const char* color, std::vector<int> dash_px,
                    const std::vector<GraspResult>& results) {
   std::vector<double> slips_mm;
@@ -116,8 +116,8 @@ std::vector<GraspTrial> onlyThose(const std::vector<GraspTrial>& trials, const s
   return chosen;
 }
 
-// As many jittered trials as asked for, of the chosen ones: they come round in the tuned ones'
-// order.
+// The requested number of jittered trials, repeating the chosen ones in the order of the tuned
+// trials.
 std::vector<GraspTrial> chosenJitter(const ExperimentOptions& options) {
   const int rounds = options.only.empty() ? 1 : static_cast<int>(tunedTrials().size());
   auto chosen = onlyThose(jitteredTrials(options.jittered * rounds, options.seed), options.only);
@@ -151,7 +151,7 @@ Sweep runAll(const std::vector<GraspTrial>& trials, const ExperimentOptions& opt
       return sweep;
     }
     sweep.results.push_back(*result);
-    if (!keep_recordings) std::printf("%3zu ", sweep.results.size());  // they share their names
+    if (!keep_recordings) std::printf("%3zu ", sweep.results.size());  // names repeat
     printTrial(*result);
   }
   return sweep;
@@ -215,7 +215,7 @@ int graspingCommand(const ExperimentOptions& options) {
               options.folder.c_str());
   const auto faulted = tuned.faulted() + jittered.faulted();
   if (faulted > 0) std::printf("FAULT    trials stopped by a fault: %td\n", faulted);
-  return endOf(faulted > 0, false);
+  return exitCodeOf(faulted > 0, false);
 }
 
 }  // namespace wholehand

@@ -12,7 +12,7 @@
 namespace wholehand {
 namespace {
 
-/// Rewritten in place on a terminal; elsewhere nothing.
+/// Progress line, rewritten in place on a terminal; silent elsewhere.
 void showProgress(const std::string& what, int done, int all) {
   if (isatty(STDERR_FILENO) == 0) return;
   std::fprintf(stderr, "\r\033[Kmeasuring %s (%d of %d)", what.c_str(), done + 1, all);

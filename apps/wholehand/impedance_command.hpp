@@ -6,9 +6,9 @@
 
 namespace wholehand {
 
-/// Predicts and measures what the person feels, says it as a table, and writes JSON and a Bode plot
-/// where asked. Returns the program's exit code: kExitDone where all is as predicted,
-/// kExitNotCertified where not, kExitBadInput where the files do not go together.
+/// Predicts and measures the felt impedance, prints it as a table, and writes JSON and a Bode plot
+/// on request. Returns the exit code: kExitDone if all is as predicted, kExitNotCertified if not,
+/// kExitBadInput for incompatible files.
 int impedanceCommand(const Models& models, const ImpedanceOptions& options, const std::string& json,
                      const std::string& charts);
 

@@ -20,7 +20,7 @@ const ImpedancePoint& nearest(const ImpedanceCurve& curve, double frequency_hz) 
                            });
 }
 
-/// At the lowest frequency: what is moved along, or what is pressed.
+/// Felt impedance at the lowest frequency.
 std::string feltSlowly(const AxisImpedance& axis, const ImpedanceCurve& curve) {
   const ImpedancePoint& point = curve.points.front();
   const double omega_rad_s = 2.0 * std::numbers::pi * point.frequency_hz;
@@ -35,7 +35,7 @@ std::string polar(const std::complex<double>& z) {
   return fmt::format("{:.3g} ∠{:.0f}°", std::abs(z), std::arg(z) * 180.0 / std::numbers::pi);
 }
 
-/// Columns are counted in letters, not bytes.
+/// Pads by characters instead of bytes.
 std::string padded(const std::string& text, std::size_t width) {
   const auto letters = static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
@@ -43,7 +43,7 @@ std::string padded(const std::string& text, std::size_t width) {
   return text + std::string(width > letters ? width - letters : 0, ' ');
 }
 
-// Of one axis; no line is wider than 80 letters, which a terminal would break.
+// Row of one axis; at most 80 characters, so that a terminal does not break it.
 std::string row(const AxisImpedance& axis, const ImpedanceCurve& curve) {
   std::string out = "  " + padded(contactKey(curve.contact), 7) +
                     padded(fmt::format("{:g}", curve.phi), 3) + padded(feltSlowly(axis, curve), 15);
@@ -56,7 +56,7 @@ std::string row(const AxisImpedance& axis, const ImpedanceCurve& curve) {
                            curve.felt.within() ? "" : "\n    DIFFERS");
 }
 
-/// With all that the linear model leaves out.
+/// As built: includes everything that the linear model neglects.
 std::string asBuiltTable(const ImpedanceReport& report) {
   std::string out =
       "\nWith the device's dry friction and encoder steps, free, Φ = 0, a sine of 1 Hz:\n";

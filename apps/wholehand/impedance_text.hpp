@@ -15,14 +15,14 @@ namespace wholehand {
 [[nodiscard]] std::string stiffnessUnit(const DeviceAxis& axis);
 [[nodiscard]] std::string impedanceUnit(const DeviceAxis& axis);
 
-/// The measured points, or, where there are none, the predicted ones.
+/// The measured points; without any, the predicted ones.
 [[nodiscard]] const std::complex<double>& best(const ImpedanceCurve& curve,
                                                const ImpedancePoint& point);
 
-/// A table with a line for each curve, what it was measured on, and the worst deviation.
+/// A table with a row per curve, the measurement conditions, and the largest deviation.
 [[nodiscard]] std::string impedanceText(const ImpedanceReport& report);
 
-/// What stands under "impedance" (docs/impedance.md).
+/// The JSON under "impedance" (docs/impedance.md).
 [[nodiscard]] nlohmann::ordered_json impedanceJson(const ImpedanceReport& report);
 
 }  // namespace wholehand

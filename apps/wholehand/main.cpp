@@ -1,3 +1,4 @@
+#include "admit_command.hpp"
 #include "bar_experiments.hpp"
 #include "certify_command.hpp"
 #include "device_command.hpp"
@@ -99,8 +100,21 @@ void addReplay(CLI::App& app, ReplayOptions& o, int& code) {
       ->check(finiteBetween(0, 65535, ""))
       ->capture_default_str()
       ->needs(web);
-  r->add_flag("--answer", o.answer)->group("");  // of our own processes: not shown
+  r->add_flag("--answer", o.answer)->group("");  // for our own child processes; hidden from --help
   r->callback([&o, &code] { code = replayCommand(o); });
+}
+
+void addComplexity(CLI::App& larger, ExperimentOptions& o) {
+  larger.add_option("--only", o.only,
+                    "Only what contains this: pile, stacks, apart, far, vertices, contacts");
+  larger.add_option("--ticks", o.scene_ticks, "Ticks of each scene")
+      ->check(finiteBetween(100, 1e6, "ticks"))
+      ->capture_default_str();
+  larger
+      .add_option("--passes", o.passes,
+                  "Runs of each scene: the same bits, so that each tick counts with its shortest")
+      ->check(finiteBetween(1, 100, "runs"))
+      ->capture_default_str();
 }
 
 void addExperiments(CLI::App& app, ExperimentOptions& experiment, BarExperimentOptions& bar,
@@ -112,8 +126,10 @@ void addExperiments(CLI::App& app, ExperimentOptions& experiment, BarExperimentO
       e->add_subcommand("timing", "Fig. 6: time of 100,000 ticks while grasping in the bar");
   CLI::App* compared =
       e->add_subcommand("engines", "Compare every engine built in: time, slip, forces, noise");
-  for (CLI::App* sub : {grasping, timing}) addEngine(*sub, experiment.engine);
-  for (CLI::App* sub : {grasping, timing, compared}) {
+  CLI::App* larger =
+      e->add_subcommand("complexity", "What a tick takes in larger and larger scenes");
+  for (CLI::App* sub : {grasping, timing, larger}) addEngine(*sub, experiment.engine);
+  for (CLI::App* sub : {grasping, timing, compared, larger}) {
     sub->add_option("--json", experiment.json, "Write the results to this file");
     sub->add_option("--out", experiment.folder, "Folder for plots, pictures and recordings")
         ->capture_default_str();
@@ -134,13 +150,47 @@ void addExperiments(CLI::App& app, ExperimentOptions& experiment, BarExperimentO
   compared->add_option("--hold", experiment.hold_s, "How long the cylinder is held")
       ->check(finiteBetween(0.1, 60, "seconds"))
       ->capture_default_str();
+  addComplexity(*larger, experiment);
+  larger->callback([&] { code = complexityCommand(experiment); });
   compared->callback([&] { code = enginesCommand(experiment); });
   grasping->callback([&] { code = graspingCommand(experiment); });
   timing->callback([&] { code = timingCommand(experiment); });
   addBarExperiments(*e, bar, code);
 }
 
-void addOthers(CLI::App& app, ReportOptions& report, std::vector<std::string>& files, int& code) {
+void addValidate(CLI::App& app, std::vector<std::string>& files, AdmitOptions& o, int& code) {
+  CLI::App* v =
+      app.add_subcommand("validate", "Every fault of every file, with its place and remedy");
+  CLI::Option* all = v->add_option("files", files, "TOML files, or a motion's CSV");
+  CLI::Option* admit =
+      v->add_option("--admit", o.scene,
+                    "Instead: measure this scene's tick here, and say whether the rate admits it")
+          ->excludes(all);
+  v->add_option("--rate-hz", o.rate_hz, "Ticks a second")
+      ->check(finiteBetween(100.0, 16000.0, "Hz"))
+      ->capture_default_str()
+      ->needs(admit);
+  addEngine(*v, o.engine)->needs(admit);
+  v->add_option("--hand", o.hand, "Hand file")->capture_default_str()->needs(admit);
+  v->add_option("--device", o.device, "Device file")->capture_default_str()->needs(admit);
+  v->add_option("--rendering", o.rendering,
+                "Gains that go with the device (default: the file of the device's name)")
+      ->needs(admit);
+  v->footer("Exit code 0: no fault, admitted; 1: not admitted; 2: a fault.");
+  v->callback([&files, &o, v, &code] {
+    if (!o.scene.empty()) {
+      if (v->count("--rendering") > 0 || findGains(o.device, o.rendering, code)) {
+        code = admitCommand(o);
+      }
+    } else if (files.empty()) {
+      throw CLI::RequiredError("files");
+    } else {
+      code = validateCommand(files);
+    }
+  });
+}
+
+void addOthers(CLI::App& app, ReportOptions& report, int& code) {
   CLI::App* p =
       app.add_subcommand("report", "Make a page of a recording: one HTML file, index.html");
   p->add_option("recording", report.recording, "HDF5 file, or black box (.wbb)")->required();
@@ -151,16 +201,11 @@ void addOthers(CLI::App& app, ReportOptions& report, std::vector<std::string>& f
     code = reportCommand({report.recording, pageIn(report.page), report.before});
   });
 
-  CLI::App* v =
-      app.add_subcommand("validate", "Every fault of every file, with its place and remedy");
-  v->add_option("files", files, "TOML files, or a motion's CSV")->required();
-  v->callback([&] { code = validateCommand(files); });
-
   CLI::App* d = app.add_subcommand("doctor", "Is this machine fit to drive a device?");
   d->callback([&] { code = runDoctor(shippedFile("scripts/packages.txt")); });
 }
 
-// What of the command line nobody knew; CLI11 would only say that something else is missing.
+// The first unknown word of the command line; CLI11 alone would report a missing option.
 std::string unknownWord(const CLI::App& app, const CLI::ParseError& error) {
   if (dynamic_cast<const CLI::RequiredError*>(&error) == nullptr) return {};
   const std::vector<std::string> rest = app.remaining(true);
@@ -191,7 +236,11 @@ int runProgram(int argc, char** argv) {
   addCertify(app, certify, code);
   addReplay(app, replay, code);
   addExperiments(app, experiment, bar, code);
-  addOthers(app, report, files, code);
+  AdmitOptions admit;
+  admit.hand = certify.hand;
+  admit.device = certify.device;
+  addValidate(app, files, admit, code);
+  addOthers(app, report, code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -202,13 +251,13 @@ int runProgram(int argc, char** argv) {
           word.c_str());
       return kExitBadInput;
     }
-    // CLI11 has a code of its own for every mistake; the shell gets one.
+    // CLI11 has an exit code for every mistake; the shell gets one.
     return app.exit(error) == 0 ? kExitDone : kExitBadInput;
   }
   return code;
 }
 
-// What was printed is on its way, or it is said that it is not.
+// Flushes standard output, and reports a failure.
 int flushOutput(int code) {
   const bool lost = std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
   if (!lost || code != kExitDone || errno == EPIPE) return code;
@@ -220,8 +269,9 @@ int flushOutput(int code) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::signal(SIGPIPE, SIG_IGN);  // where nobody reads on, a run still ends with its ramp
-  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // in order with standard error, also into a file
+  std::signal(SIGPIPE, SIG_IGN);  // a run whose output nobody reads still ends with its ramp
+  std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // keeps the order with standard error, also in a
+                                                  // file
   try {
     return flushOutput(runProgram(argc, argv));
   } catch (const std::bad_alloc&) {

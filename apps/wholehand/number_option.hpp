@@ -10,7 +10,7 @@
 
 namespace wholehand {
 
-/// A check for CLI11 that lets only finite numbers of a range pass (CLI11's own lets nan pass).
+/// CLI11 validator that accepts only finite numbers of a range (CLI11's own accepts nan).
 inline CLI::Validator finiteBetween(double low, double high, const std::string& unit) {
   const std::string range = "[" + CLI::detail::to_string(low) + ", " +
                             CLI::detail::to_string(high) + "]" + (unit.empty() ? "" : " " + unit);
@@ -26,8 +26,8 @@ inline CLI::Validator finiteBetween(double low, double high, const std::string& 
       "number in " + range);
 }
 
-/// A check for CLI11 that lets only whole numbers of 64 bits pass (CLI11 itself turns -1 into the
-/// largest one, and what is larger into that, too).
+/// CLI11 validator that accepts only unsigned 64-bit integers (CLI11 itself converts -1, and larger
+/// numbers, to the largest one).
 inline CLI::Validator wholeNumber() {
   return CLI::Validator(
       [](std::string& text) -> std::string {

@@ -9,24 +9,24 @@
 
 namespace wholehand {
 
-/// Where a command shows its pages, and to whom.
+/// Address, port and tokens of a command's pages.
 struct PageOptions {
   std::string address = "127.0.0.1";
-  int port = 8080;  ///< 0: any that is free
-  /// What clients on other machines must show: the therapist's, or "player=..." and the like.
+  int port = 8080;  ///< 0: any free port
+  /// Tokens for clients on other machines: the therapist's, or "player=..." and the like.
   std::vector<std::string> tokens;
 };
 
-/// The tokens of --token by role.
+/// Tokens by role.
 struct RoleTokens {
   std::string therapist, player, watcher;
   Diagnostics faults;
 };
 
-/// "player=..." is the player's, one without a name the therapist's.
+/// Parses --token: "player=..." is the player's, one without a name is the therapist's.
 [[nodiscard]] RoleTokens roleTokens(const std::vector<std::string>& given);
 
-/// What the server needs for the shipped pages; faults of the tokens are roleTokens()' to tell.
+/// Server options for the shipped pages; roleTokens() reports faults of the tokens.
 [[nodiscard]] ServerOptions serverOptions(const PageOptions& options,
                                           std::function<void(const std::string&)> log);
 

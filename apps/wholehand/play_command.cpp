@@ -47,7 +47,7 @@ StationConfig stationConfig(const RunOptions& options, Terminal& terminal, Repor
   config.profiles_folder = kProfiles;
   config.record = options.record;
   config.program_version = WHOLEHAND_VERSION;
-  config.make_player = restingOrPlaying;
+  config.make_player = makeMotionPlayer;
   config.make_report = [&reports](const std::string& recording, const std::string& folder) {
     return reports.make(recording, folder);
   };
@@ -62,7 +62,7 @@ StationConfig stationConfig(const RunOptions& options, Terminal& terminal, Repor
 
 using MakeDevice = decltype(StationConfig::make_device);
 
-// What does not fit is said before any page opens.
+// Reports an unsuitable device before any page opens.
 Expected<Done> checkDevice(const MakeDevice& make_device, const DeviceModel& model) {
   if (!make_device) return Done{};
   auto fits = make_device(model);
@@ -78,7 +78,7 @@ ServerOptions serverOptions(const RunOptions& options,
   return server;
 }
 
-// Names the option that a fault of the bridge came from.
+// Adds the option's name to a fault of the bridge.
 Diagnostics ofOption(Diagnostics errors, const char* option, const std::string& value) {
   for (Diagnostic& error : errors) {
     error.key = option;
@@ -87,7 +87,7 @@ Diagnostics ofOption(Diagnostics errors, const char* option, const std::string& 
   return errors;
 }
 
-// "8091" is a port of this machine, "10.0.0.2:8091" one that others reach.
+// "8091" is a port for this machine only; "10.0.0.2:8091" is reachable by others.
 Expected<UdpOptions> udpOptions(const RunOptions& options) {
   UdpOptions udp;
   const bool bare = options.udp.find_first_not_of("0123456789") == std::string::npos;
@@ -108,7 +108,7 @@ bool isAddress(const std::string& text) {
          inet_pton(AF_INET6, text.c_str(), bytes.data()) == 1;
 }
 
-// Of "http://localhost:5173": pages that this machine serves itself, as while they are written.
+// True for "http://localhost:5173" and the like: pages that this machine serves, as in development.
 bool isOfThisMachine(const std::string& origin) {
   std::string host = origin.substr(std::min(origin.size(), origin.find("://") + 3));
   host =
@@ -116,7 +116,7 @@ bool isOfThisMachine(const std::string& origin) {
   return host == "localhost" || host == "[::1]" || (host.starts_with("127.") && isAddress(host));
 }
 
-// Before anything is opened or made.
+// Checks before anything is opened or created.
 Diagnostics faultsOf(const RunOptions& options) {
   Diagnostics faults;
   if (!isAddress(options.address)) {
@@ -147,7 +147,7 @@ Diagnostics faultsOf(const RunOptions& options) {
 
 void printDoors(const RunOptions& options, const Server& server, const UdpBridge& udp) {
   const std::string url = server.url();
-  std::printf("%s\n", url.c_str());  // the first line: programs read it
+  std::printf("%s\n", url.c_str());  // first line, for programs to parse
   const RoleTokens tokens = roleTokens(options.tokens);
   const bool guarded = !tokens.therapist.empty();
   const char* therapist = guarded ? "?token=<token>" : "";
@@ -171,13 +171,13 @@ void printInvitation(const RunOptions& options, const Models& models) {
   }
 }
 
-// What is kept of each session, under one number: recording, summary and report.
+// The files of each session, under one number: recording, summary and report.
 class SessionResults {
  public:
   SessionResults(const RunOptions& options, Terminal& terminal)
       : options_(options), terminal_(terminal) {}
 
-  // While the next session may begin.
+  // Runs while the next session may begin.
   void add(const EndedSession& session, const DeviceModel& device) {
     const std::string json = pathOfSession(options_.json, session.number);
     if (!json.empty()) {
@@ -197,9 +197,9 @@ class SessionResults {
                               session.outcome.written > 0 ? ", recorded " + session.record : ""));
   }
 
-  // The summary of the last one, and the reports of all. @return the program's exit code
+  // Writes the summary of the last session and the reports of all. @return the program's exit code
   int conclude(const Models& models, const StationOutcome& outcome) {
-    if (!outcome.last) return endOf(false, outcome.interrupted);
+    if (!outcome.last) return exitCodeOf(false, outcome.interrupted);
     const WaitingFor report("the report");
     for (const auto& [recording, folder] : reports_) {
       if (auto done = makeReport({recording, pageIn(folder)}); !done) {
@@ -214,7 +214,7 @@ class SessionResults {
     ended.interrupted = outcome.interrupted;
     printSummary(last, models, ended, {outcome.last->transitions, outcome.last->rehearsal});
     if (failed_ && !outcome.faulted) return kExitBadInput;
-    return endOf(outcome.faulted, outcome.interrupted);
+    return exitCodeOf(outcome.faulted, outcome.interrupted);
   }
 
  private:
@@ -239,7 +239,7 @@ int playCommand(RunOptions options) {
   }
   auto certificate = certificateOf(options);
   if (!certificate) return refuse(certificate.errors());
-  const InterruptScope interrupts;  // from the address on, Ctrl-C ends gently
+  const InterruptScope interrupts;  // once the address is printed, Ctrl-C ends gently
   Terminal terminal;
   ReportChild reports;
   ReplayChildren replays(ReplayChildren::Options{});

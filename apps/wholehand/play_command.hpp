@@ -5,7 +5,7 @@
 namespace wholehand {
 
 /// `wholehand run` with pages: serves the game and the console, and lets a virtual patient play
-/// until somebody takes over. Returns the program's exit code.
+/// until somebody takes over. Returns the exit code.
 int playCommand(RunOptions options);
 
 }  // namespace wholehand

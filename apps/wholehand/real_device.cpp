@@ -11,7 +11,7 @@
 namespace wholehand {
 namespace {
 
-// Below 0: nothing has come yet.
+// Below 0: none yet.
 double age_s(std::int64_t at_ns) {
   return at_ns == 0 ? -1.0 : static_cast<double>(monotonicNow_ns() - at_ns) * 1e-9;
 }
@@ -27,13 +27,13 @@ DeviceStatus statusOf(const ObservedDriver& driver) {
   return out;
 }
 
-static_assert(static_cast<int>(LetGo::kNeverCommanded) ==
+static_assert(static_cast<int>(ReleaseReason::kNeverCommanded) ==
               static_cast<int>(HostReason::kNeverCommanded));
 
-// What stands in a recording for a passport that a device has not.
+// Passport entry of a recording without a passport.
 constexpr const char* kWithout = "without";
 
-// The certificate of a real device rests on its passport, which must hold at every arming.
+// The certificate of a real device is based on its passport, which must be valid at every arming.
 Expected<Done> usePassport(const RunOptions& options, const DeviceDriver& driver,
                            StationConfig& config) {
   if (options.without_passport) {
@@ -63,7 +63,7 @@ Expected<Done> stillCleared(const DeviceDriver& driver, const DeviceModel& model
       "start the program again"};
 }
 
-// What may be plugged in: the driver as it is, and the host that holds it, where one does.
+// The connection to a device: its driver, and the host that holds it, if any.
 struct Plugged {
   std::shared_ptr<DeviceDriver> driver;
   std::shared_ptr<HostedDriver> host;  ///< null: the loop calls the driver itself
@@ -86,7 +86,7 @@ DeviceStatus statusOf(const ObservedDriver& driver, const HostedDriver* host) {
   if (host == nullptr) return status;
   status.hosted = true;
   status.host_age_s = age_s(host->cycleNs());
-  status.let_go = static_cast<LetGo>(host->reason());
+  status.let_go = static_cast<ReleaseReason>(host->reason());
   return status;
 }
 

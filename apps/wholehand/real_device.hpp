@@ -9,14 +9,14 @@
 
 namespace wholehand {
 
-/// Where the options name a driver or a host: loads it, asks for its passport, and lets the station
-/// take its device at every arming. A person holds it, so a person asks for the first force:
-/// options.wait becomes true. Null where they name none.
+/// Loads the driver or host that the options name, reads its passport, and makes the station open
+/// its device at every arming. Since a person holds the device, a person must ask for the first
+/// force: options.wait becomes true. Null when the options name none.
 [[nodiscard]] Expected<std::shared_ptr<DeviceDriver>> useDriver(RunOptions& options,
                                                                 StationConfig& config,
                                                                 Terminal& terminal);
 
-/// Loudly, where nothing of the device was measured.
+/// Prints a prominent warning: the device was not measured.
 void warnOfNoPassport(Terminal& terminal);
 
 }  // namespace wholehand

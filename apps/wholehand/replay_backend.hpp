@@ -9,13 +9,13 @@
 
 namespace wholehand {
 
-/// What a server without a loop shows: some recordings. Nothing can be ordered of it.
+/// Backend of a server without a loop: shows recordings, refuses every order.
 class ReplayBackend final : public ServerBackend {
  public:
-  /// @param paths of the recordings; of two with one file name the later is listed as "2-<name>"
+  /// @param paths of the recordings; the second of two equal file names is listed as "2-<name>"
   explicit ReplayBackend(const std::vector<std::string>& paths);
 
-  /// As /api/recordings names it.
+  /// Name of a recording in /api/recordings.
   [[nodiscard]] const std::string& nameOf(std::size_t i) const { return files_[i].first; }
 
   void order(const Order& order, std::function<void(OrderReply)> done) override;

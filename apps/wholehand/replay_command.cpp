@@ -24,7 +24,7 @@
 namespace wholehand {
 namespace {
 
-// A difference between two versions of the program is no fault of either.
+// A difference between program versions is not an error.
 std::string versions(const RecordingMeta& meta) {
   if (meta.git_version == WHOLEHAND_VERSION) return {};
   return " (recorded by " + meta.git_version + ", this is " + WHOLEHAND_VERSION + ")";
@@ -55,9 +55,8 @@ int tell(const Expected<Resimulation>& result, const RecordingMeta& meta, const 
 std::string lineOf(const TickRecord& r, const RecordingMeta& meta) {
   std::string line = fmt::format("{:8.2f} s ", r.time_s);
   for (int a = 0; a < r.sent.size(); ++a) {
-    const double arm = meta.lever_arms_m[static_cast<std::size_t>(a)];
-    line += fmt::format(" {} {:+.2f}", meta.axis_names[static_cast<std::size_t>(a)],
-                        arm > 0.0 ? r.sent[a] / arm : r.sent[a]);
+    const double arm = meta.lever_arms_m[a];
+    line += fmt::format(" {} {:+.2f}", meta.axis_names[a], arm > 0.0 ? r.sent[a] / arm : r.sent[a]);
   }
   return line + fmt::format("  contacts {}", r.contact_count);
 }
@@ -83,13 +82,13 @@ int play(RecordingReader& recording, const std::string& path, double speed) {
     before = record.tick;
     if (i % step != 0) continue;
     std::printf("%s\n", lineOf(record, meta).c_str());
-    if (std::fflush(stdout) != 0) break;  // nobody reads on
+    if (std::fflush(stdout) != 0) break;  // the reader of the output is gone
     std::this_thread::sleep_for(std::chrono::duration<double>(kFrame_s / speed));
   }
   return kExitDone;
 }
 
-// "SIGSEGV within a tick", "speed limit exceeded on axis x in tick 1234".
+// E.g. "SIGSEGV within a tick", "speed limit exceeded on axis x in tick 1234".
 std::string causeOf(const BlackBoxCause& cause, const RecordingMeta& meta) {
   std::string text;
   if (cause.signal != 0) {
@@ -115,7 +114,7 @@ void introduce(const BlackBoxReader& box) {
               box.inputsWhole() ? "all of them" : "and none after: it cannot be run again");
 }
 
-// Every number as it is, for readers that know of no packing.
+// Writes unpacked numbers, for readers without support for packing.
 int extract(RecordingReader& box, const ReplayOptions& options) {
   RecordingMeta plain = box.meta();
   plain.schema = std::min(plain.schema, kPackedSchema - 1);

@@ -21,7 +21,7 @@ namespace {
 
 constexpr auto kLook = std::chrono::milliseconds(50);
 
-// Only what concerns the path: the page tells what is wrong inside a file.
+// Checks the paths only; the page reports faults inside a file.
 Diagnostics faultsOf(const std::vector<std::string>& paths) {
   Diagnostics faults;
   for (const std::string& path : paths) {

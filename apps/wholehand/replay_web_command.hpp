@@ -4,8 +4,8 @@
 
 namespace wholehand {
 
-/// Shows one recording, or two side by side, in the browser until Ctrl-C: pages without a loop or a
-/// device. Returns the program's exit code.
+/// Serves pages with one recording, or two side by side, until Ctrl-C, without a loop or a device.
+/// Returns the exit code.
 int replayWebCommand(const ReplayOptions& options);
 
 }  // namespace wholehand

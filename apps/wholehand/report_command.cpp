@@ -54,7 +54,7 @@ Expected<Done> checkReportTemplate() {
 }
 
 Expected<Done> makeReport(const ReportOptions& options) {
-  // The template first: a recording of an hour is not read for nothing.
+  // Checks the template first, so that an hour's recording is not read in vain.
   const auto page_template = reportTemplate();
   if (!page_template) return page_template.errors();
   ReadingLine line;

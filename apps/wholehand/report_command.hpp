@@ -9,19 +9,19 @@ namespace wholehand {
 struct ReportOptions {
   std::string recording;
   std::string page;         ///< HTML file
-  std::string before = {};  ///< recording of the session before; empty: none
+  std::string before = {};  ///< recording of the previous session; empty: none
 };
 
-/// The page of a report in its folder.
+/// Path of the report page in a folder.
 [[nodiscard]] std::string pageIn(const std::string& folder);
 
-/// Where there is no template of a report: how it is built. Asked before a run begins.
+/// Fails, with the way to build it, when the report's template is missing. Call before a run.
 [[nodiscard]] Expected<Done> checkReportTemplate();
 
-/// Makes a page of a recording: one HTML file. Says on a terminal how far it is.
+/// Makes the report of a recording: one HTML file. Shows its progress on a terminal.
 [[nodiscard]] Expected<Done> makeReport(const ReportOptions& options);
 
-/// `wholehand report` and `wholehand replay --report`. Returns the program's exit code.
+/// `wholehand report` and `wholehand replay --report`. Returns the exit code.
 int reportCommand(const ReportOptions& options);
 
 }  // namespace wholehand

@@ -37,11 +37,11 @@ constexpr double kRestWithoutMotion_s = 10.0;
 constexpr double kExercise_s = 60.0;
 constexpr std::chrono::seconds kLogWithin{1};
 
-// Made at once, so that of two runs in one second each has its own.
+// Creates the folder at once, so that two runs within one second get separate ones.
 std::string folderOfItsOwn() {
   const std::string stem =
       fmt::format("out/run-{:%Y%m%d-%H%M%S}", fmt::localtime(std::chrono::system_clock::now()));
-  std::error_code error;  // prepareFiles says what is wrong
+  std::error_code error;  // prepareFiles reports the reason
   fs::create_directories("out", error);
   std::string folder = stem;
   for (int i = 2; !fs::create_directory(folder, error) && !error; ++i) {
@@ -50,14 +50,14 @@ std::string folderOfItsOwn() {
   return folder;
 }
 
-// What a run writes. Checked before the device is armed and made afterwards: a run that is refused
-// leaves nothing behind.
+// Output files of a run. Checked before the device is armed and created afterwards, so that a
+// refused run leaves nothing behind.
 class Outputs {
  public:
   explicit Outputs(RunOptions& options)
       : options_(options),
         own_folder_(options.record.empty() && options.report.empty() && options.json.empty()) {
-    if (own_folder_) keepAllIn("out/run");  // the name is final when it is made
+    if (own_folder_) keepAllIn("out/run");  // the name is final once the folder is created
     if (!options.report.empty() && options.record.empty()) {
       options.record = options.report + "/recording.h5";
     }
@@ -66,7 +66,7 @@ class Outputs {
   [[nodiscard]] Expected<Done> check() {
     if (auto pages = checkReportTemplate(); !pages && !options_.report.empty()) {
       if (!own_folder_) return pages;
-      wants_report_ = false;  // nobody asked for it by name
+      wants_report_ = false;  // not explicitly requested
       options_.report.clear();
       std::fprintf(stderr, "No report: %s\n", format(pages.errors()).c_str());
     }
@@ -81,7 +81,7 @@ class Outputs {
     return prepareFiles(files());
   }
 
-  // For a run that could not begin.
+  // Removes the folder of a run that could not begin.
   void unmake() const {
     std::error_code ignored;
     if (!folder_.empty()) fs::remove_all(folder_, ignored);
@@ -98,15 +98,15 @@ class Outputs {
   }
 
   RunOptions& options_;
-  bool own_folder_;  ///< no output was asked for: everything is kept in a folder of its own
+  bool own_folder_;  ///< no output was requested: everything goes into the run's own folder
   bool wants_report_ = true;
   std::string folder_;
 };
 
-// Who moves the hand: the exercise's virtual patient, or the motion, told of in sentences.
+// Who moves the hand: the exercise's virtual patient, or the motion; with a description.
 struct Mover {
   std::unique_ptr<Player> player;
-  double length_s = 0.0;  // of the run, where nobody says
+  double length_s = 0.0;  // default duration of the run
 };
 
 Mover moverOf(const Models& models, std::uint64_t seed) {
@@ -224,7 +224,7 @@ int runCommand(RunOptions options) {
       return refuse(done.errors());
   }
   printSummary(options, *models, *outcome, safety);
-  return endOf(outcome->faulted, outcome->interrupted);
+  return exitCodeOf(outcome->faulted, outcome->interrupted);
 }
 
 }  // namespace wholehand

@@ -9,7 +9,7 @@
 namespace wholehand {
 namespace {
 
-// The bar where none is named.
+// Chooses the bar if no exercise is named.
 void chooseExercise(RunOptions& o) {
   o.files.motion.clear();
   o.files.exercise = exerciseFile(o.files.exercise.empty() ? "cocktail-bar" : o.files.exercise);
@@ -19,7 +19,7 @@ const char* deviceOption(const RunOptions& o) {
   return o.host.empty() ? "--driver" : "--host";
 }
 
-// Options that would be passed over in silence.
+// Options that would have no effect.
 Diagnostics mismatched(const CLI::App& run, const RunOptions& o, bool scene, bool pages) {
   Diagnostics faults;
   if (scene && run.count("--exercise") > 0) {

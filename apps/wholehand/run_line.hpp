@@ -6,12 +6,12 @@
 
 namespace wholehand {
 
-/// What `wholehand run` does when it is told nothing: the shipped files.
+/// Default options of `wholehand run`: the shipped files.
 [[nodiscard]] RunOptions shippedRun();
 
-/// `wholehand run` and all that it may be told on the command line.
-/// @param options as shippedRun() has them; outlives the parsing, as `code` does
-/// @param code the program's exit code, once it has run
+/// Adds `wholehand run` with all its options.
+/// @param options initialised by shippedRun(); outlives the parsing, like `code`
+/// @param code exit code of the run
 void addRun(CLI::App& app, RunOptions& options, int& code);
 
 }  // namespace wholehand

@@ -12,10 +12,13 @@ namespace wholehand {
 /// "cocktail-bar, level 1 of 4"; "Four shapes, reach-grasp-00"
 [[nodiscard]] std::string titleOf(const Models& models);
 
-/// What is going to run: device, patient, hand, scene.
+/// Prints what is about to run: device, patient, hand, scene.
 void printOpening(const Models& models, bool real_device = false);
 
-/// What came of it, and where it was written.
+/// A sentence that recordings and pages do not show all bodies of the scene; empty if they do.
+[[nodiscard]] std::string untoldBodies(const SceneModel& scene);
+
+/// Prints the results, and the files written.
 void printSummary(const RunOptions& options, const Models& models, const RunOutcome& outcome,
                   const RunSafety& safety);
 

@@ -15,7 +15,7 @@ std::string shippedFile(const std::string& relative) {
     for (const fs::path& share : {folder, folder / "share" / "wholehand"}) {
       const fs::path file = share / relative;
       if (!fs::exists(file, error)) continue;
-      // Where it is the same, what people read is short.
+      // The same file: the short path is easier to read.
       return fs::equivalent(relative, file, error) ? relative : file.string();
     }
     if (folder == folder.root_path()) break;
@@ -30,9 +30,9 @@ Expected<std::string> renderingFor(const std::string& device_file) {
   if (fs::exists(beside, error)) return beside.string();
   const std::string shipped =
       shippedFile((fs::path("config/rendering") / device.filename()).string());
-  // Where the device is not there either, that is what the person must hear.
+  // Without the device file, its absence is the error to report.
   if (fs::exists(shipped, error) || !fs::exists(device, error)) return shipped;
-  // Nor can gains be found for a file that describes no device.
+  // No gains exist for a file that is not a valid device.
   if (auto described = loadDeviceFile(device_file); !described) return described.errors();
   return Diagnostic{device_file,
                     0,

@@ -17,9 +17,9 @@ namespace {
 constexpr double kTerminalPeriod_s = 0.2;
 constexpr double kLogPeriod_s = 5.0;
 constexpr std::size_t kLongestLine = 1000;
-constexpr double kFirst_s = 0.5;  // of the run; before it the rate and the percentiles mean nothing
+constexpr double kFirst_s = 0.5;  // of the run; before it, rate and percentiles are meaningless
 
-// False while a terminal stands still (Ctrl-S) or a pipe is full: who writes then waits.
+// False while a write would block: a stopped terminal (Ctrl-S) or a full pipe.
 bool takesOutput() {
   pollfd out{STDOUT_FILENO, POLLOUT, 0};
   return ::poll(&out, 1, 0) == 1 && (out.revents & POLLOUT) != 0;
@@ -58,7 +58,7 @@ std::string StatusLine::text(const TickSummary& s, double rate_hz) const {
 }
 
 void StatusLine::update(const TickSummary& summary, double rate_hz) {
-  if (summary.time_s < last_run_s_) next_run_s_ = 0.0;  // another session has begun
+  if (summary.time_s < last_run_s_) next_run_s_ = 0.0;  // a new session
   last_run_s_ = summary.time_s;
   if (summary.time_s < kFirst_s) return;
   const double now_s = static_cast<double>(monotonicNow_ns()) * 1e-9;

@@ -10,15 +10,14 @@
 
 namespace wholehand {
 
-/// One line that says how a run goes, rewritten in place on a terminal, printed now and then
-/// elsewhere.
+/// A status line of a run: rewritten in place on a terminal, else printed at intervals.
 class StatusLine {
  public:
   explicit StatusLine(const DeviceModel& device);
 
-  /// Shows the state; on a terminal at most 5 times a second, else every 5 s of a session.
+  /// Updates the line; on a terminal at most 5 times a second, else every 5 s of a session.
   void update(const TickSummary& summary, double rate_hz);
-  /// Ends the line.
+  /// Completes the line.
   void finish();
 
  private:
@@ -31,16 +30,15 @@ class StatusLine {
   double next_run_s_ = 0.0, last_run_s_ = 0.0;
 };
 
-/// The one line on the terminal, written by whoever keeps the loop, and what others have to say
-/// while it stands there. Any thread.
+/// The terminal: the status line of the thread that keeps the loop, and messages of other threads
+/// in between. Any thread.
 class Terminal {
  public:
   /// @pre device outlives end()
   void begin(const DeviceModel& device);
   void end();
   void say(const std::string& text);
-  /// Left out where the terminal does not take it at once: who keeps the loop waits for no
-  /// terminal.
+  /// Dropped if the terminal would block: the thread that keeps the loop never waits for it.
   void update(const TickSummary& now, double rate_hz);
 
  private:
@@ -48,8 +46,7 @@ class Terminal {
   std::unique_ptr<StatusLine> line_;
 };
 
-/// The effort that uses the largest share of its limit, in words: "finger_flexion 7.31 N at the
-/// tip".
+/// The effort with the largest fraction of its limit, as text: "finger_flexion 7.31 N at the tip".
 [[nodiscard]] std::string largestEffort(const DeviceModel& device, const AxisEffort& effort);
 
 }  // namespace wholehand

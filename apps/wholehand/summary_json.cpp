@@ -12,7 +12,7 @@ nlohmann::ordered_json transitionJson(const DeviceModel& device, const SafetyTra
   for (const FaultFacts& fault : kFaultTable) {
     if (any(t.faults & fault.bit)) json["reasons"].push_back(fault.name);
   }
-  if (t.axis >= 0) json["axis"] = device.axes[static_cast<std::size_t>(t.axis)].name;
+  if (t.axis >= 0) json["axis"] = device.axes[t.axis].name;
   if (t.limit != 0.0) {
     json["value"] = t.value;
     json["limit"] = t.limit;

@@ -15,13 +15,13 @@ namespace wholehand {
 /// {"p50":..,"p99":..,"p999":..,"max":..} in microseconds.
 [[nodiscard]] nlohmann::ordered_json microseconds(const Percentiles& p);
 
-/// What a run went through beside its ticks.
+/// Safety events of a run.
 struct RunSafety {
   std::vector<SafetyTransition> transitions;
   std::optional<Rehearsal> rehearsal;  ///< none on the simulated clock
 };
 
-/// What `run --json` writes; efforts in the axis's unit.
+/// JSON of `run --json`; efforts in the axis's unit.
 [[nodiscard]] nlohmann::ordered_json summaryJson(const DeviceModel& device,
                                                  const RunOutcome& outcome,
                                                  const RunSafety& safety);

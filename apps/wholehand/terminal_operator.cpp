@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kLook_ms = 5;
 
-// What can be read within that time; nothing: the end of the input.
+// Reads what arrives within that time; empty optional: end of the input.
 std::optional<std::string> readWithin(int milliseconds) {
   pollfd in{STDIN_FILENO, POLLIN, 0};
   if (::poll(&in, 1, milliseconds) <= 0) return std::string();
@@ -85,7 +85,7 @@ std::optional<std::string> TerminalOperator::ask(const Question& question,
   while (!InterruptScope::interrupted()) {
     meanwhile();
     if (const std::size_t end = typed_.find('\n'); end != std::string::npos) {
-      const std::string line = trimmed(typed_.substr(0, end));  // the key's spaces stand before it
+      const std::string line = trimmed(typed_.substr(0, end));  // the key adds leading spaces
       typed_.erase(0, end + 1);
       return line;
     }

@@ -11,15 +11,16 @@
 
 namespace wholehand {
 
-/// The person at this terminal. The key is the space bar: a terminal tells no release, but a held
-/// key repeats; it counts as let go when no repetition came for kRelease_ns (the first one takes
-/// longer). Ctrl-C lets go and gives up; needs an InterruptScope. At a terminal a question takes
-/// only what is typed after it is shown; from a pipe, also what was there before.
+/// The operator at this terminal. The hold-to-move key is the space bar. A terminal reports no key
+/// release, but a held key repeats: the key counts as released after kRelease_ns without a
+/// repetition (the first one takes longer). Ctrl-C releases and cancels; needs an InterruptScope.
+/// At a terminal, a question accepts only what is typed after it is shown; from a pipe, also
+/// earlier input.
 class TerminalOperator final : public Operator {
  public:
   static constexpr std::int64_t kFirstRepeat_ns = 700'000'000;
   static constexpr std::int64_t kRelease_ns = 250'000'000;
-  /// After a longer pause between two looks, what waits in the terminal is of unknown age.
+  /// After a longer pause between two polls, the age of waiting input is unknown.
   static constexpr std::int64_t kLookedAway_ns = 100'000'000;
 
   TerminalOperator();
@@ -38,12 +39,12 @@ class TerminalOperator final : public Operator {
  private:
   void setRaw(bool raw);
   termios former_{};
-  std::string typed_;  ///< and not yet taken as an answer
+  std::string typed_;  ///< input not yet used as an answer
   bool is_terminal_ = false, raw_ = false, repeats_ = false, closed_ = false;
   std::int64_t last_space_ns_ = 0, last_look_ns_ = 0;
 };
 
-/// 1,000 times a second by CLOCK_MONOTONIC. Where a tick was missed the next one follows at once.
+/// Ticks 1,000 times a second by CLOCK_MONOTONIC. After a missed tick the next one follows at once.
 class RealTicks final : public TickClock {
  public:
   explicit RealTicks(double period_s);

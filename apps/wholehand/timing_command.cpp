@@ -19,7 +19,7 @@
 namespace wholehand {
 namespace {
 
-constexpr double kNoTick = 0.8;  // where a logarithm has no zero
+constexpr double kNoTick = 0.8;  // a logarithmic axis has no zero
 
 ChartMark percentileMark(const char* name, double time_ns) {
   const std::string us = fmt::format("{:.0f}", time_ns / 1e3);
@@ -59,8 +59,7 @@ ChartPage timePage(const TimingResult& r) {
       {timesRow(sentence("timing.cpu"), s.cpu), timesRow(sentence("timing.wall"), s.wall)}};
   for (int i = 0; i < kStages; ++i) {
     const char* name = stageName(static_cast<Stage>(i));
-    table.rows.push_back(
-        timesRow(sentence("stage", {{"stage", name}}), s.stage_cpu[static_cast<std::size_t>(i)]));
+    table.rows.push_back(timesRow(sentence("stage", {{"stage", name}}), s.stage_cpu[i]));
   }
   ChartPage page;
   page.title = sentence("timing.title", {{"ticks", std::to_string(s.records)}});
@@ -85,8 +84,7 @@ nlohmann::ordered_json timingJson(const TimingResult& r) {
   json["cpu_us"] = microseconds(s.cpu);
   json["wall_us"] = microseconds(s.wall);
   for (int i = 0; i < kStages; ++i) {
-    json["stages_cpu_us"][stageName(static_cast<Stage>(i))] =
-        microseconds(s.stage_cpu[static_cast<std::size_t>(i)]);
+    json["stages_cpu_us"][stageName(static_cast<Stage>(i))] = microseconds(s.stage_cpu[i]);
   }
   json["lateness_us"] = microseconds(s.lateness);
   json["grasps"] = r.grasps;
@@ -118,7 +116,7 @@ void print(const TimingResult& r) {
   row("tick, CPU", s.cpu);
   row("tick, wall", s.wall);
   for (int i = 0; i < kStages; ++i) {
-    row(stageName(static_cast<Stage>(i)), s.stage_cpu[static_cast<std::size_t>(i)]);
+    row(stageName(static_cast<Stage>(i)), s.stage_cpu[i]);
   }
   for (const SetupLine& line : r.outcome.setup) {
     if (!line.granted) std::printf("machine: %s: %s\n", line.what.c_str(), line.sentence.c_str());
@@ -130,7 +128,7 @@ ModelFiles filesFor(const ExperimentOptions& options) {
   for (std::string* file : {&files.hand, &files.device, &files.rendering, &files.patient}) {
     *file = shippedFile(*file);
   }
-  files.scene = options.scene;  // an exercise names it
+  files.scene = options.scene;  // an exercise names its own scene
   if (options.scene.empty()) files.exercise = exerciseFile("cocktail-bar");
   return files;
 }
@@ -164,7 +162,7 @@ int timingCommand(const ExperimentOptions& options) {
   print(*result);
   std::printf("%s\n%s\n%s/timing.h5\n", json_path.c_str(), chart_path.c_str(),
               options.folder.c_str());
-  return endOf(result->outcome.faulted, result->outcome.interrupted);
+  return exitCodeOf(result->outcome.faulted, result->outcome.interrupted);
 }
 
 }  // namespace wholehand

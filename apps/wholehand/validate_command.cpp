@@ -4,8 +4,9 @@
 #include "commissioning/daily_check.hpp"
 #include "core/printable.hpp"
 #include "exit_code.hpp"
-#include "model/hand_file.hpp"
+#include "model/hand/hand_file.hpp"
 #include "model/toml/toml_file.hpp"
+#include "run_text.hpp"
 #include "shipped_files.hpp"
 
 #include <fmt/format.h>
@@ -19,7 +20,7 @@ namespace wholehand {
 namespace fs = std::filesystem;
 namespace {
 
-// The files to check, by kind, and what they are checked against.
+// Files to check, by kind, and what to check them against.
 class Validation {
  public:
   explicit Validation(const std::vector<std::string>& files) {
@@ -43,7 +44,7 @@ class Validation {
       if (kind == "hand") checkHand(file);
       if (kind == "rendering") remark = checkRendering(file);
       if (kind == "patient") checkWithDevice(file, loadPatientFile);
-      if (kind == "scene") add(loadSceneFile(file));
+      if (kind == "scene") remark = checkScene(file);
       if (kind == "exercise") remark = checkExercise(file);
       if (kind == "passport") remark = checkPassportFile(file);
       if (kind == "device-check") add(readDailyCheck(file));
@@ -61,7 +62,7 @@ class Validation {
   [[nodiscard]] const Diagnostics& errors() const { return errors_; }
 
  private:
-  // A device's faults come up again with every file that is checked against it: told once.
+  // Reports a device's faults once, although they recur with every file checked against it.
   void add(const Diagnostics& errors) {
     faulty_ = faulty_ || !errors.empty();
     for (const Diagnostic& error : errors) {
@@ -74,7 +75,7 @@ class Validation {
     return loaded.ok();
   }
 
-  // The device a file is meant for: of the same name among the arguments or beside it, else the
+  // Device that a file is meant for: of the same name among the arguments or beside it, else the
   // only device among the arguments, else the shipped six-axis one.
   [[nodiscard]] std::string deviceFor(const std::string& file) const {
     const fs::path name = fs::path(file).filename();
@@ -108,12 +109,12 @@ class Validation {
     }
     return count == 1 ? only : shippedFile(shipped);
   }
-  // The hand a device is meant for.
+  // Hand that a device is meant for.
   [[nodiscard]] std::string handFor() const {
     return onlyOr("hand", "config/hands/adult-median-right.toml");
   }
 
-  // An axis of a name that no hand knows drives nothing.
+  // Reports axes with non-standard names, which drive nothing.
   void checkDevice(const std::string& file) {
     auto device = loadDeviceFile(file);
     auto hand = loadHandFile(handFor());
@@ -126,7 +127,7 @@ class Validation {
     toml.root().choice("kind", {"hand", "device", "rendering", "patient", "scene", "exercise",
                                 "passport", "device-check"});
     if (toml.root().good("kind")) return;
-    toml.root().skipRest();
+    toml.root().ignoreUnknownKeys();
     add(toml.finish());
   }
 
@@ -136,7 +137,7 @@ class Validation {
     if (device) addOfAxes(file, load(file, *device));
   }
 
-  // A file checked against a device that nobody named may be right for another.
+  // Notes which device was assumed: a file may be correct for another one.
   template <class T>
   bool addOfAxes(const std::string& file, const Expected<T>& loaded) {
     if (loaded.ok()) return true;
@@ -162,7 +163,14 @@ class Validation {
     if (add(hand) && device) add(assembleHand(*hand, *device));
   }
 
-  // Gains are right only where the loop they close is stable, at 1 kHz.
+  std::string checkScene(const std::string& file) {
+    const auto scene = loadSceneFile(file);
+    if (!add(scene)) return {};
+    const std::string untold = untoldBodies(*scene);
+    return untold.empty() ? untold : "    " + untold + "\n";
+  }
+
+  // Gains are valid only if the loop is stable, at 1 kHz.
   std::string checkRendering(const std::string& file) {
     Models models;
     auto device = loadDeviceFor(file);
@@ -180,9 +188,9 @@ class Validation {
     return gainTable(models, checked->gains);
   }
 
-  // Every level, with the device among the arguments (else the shipped one) and its gains.
+  // Checks every level, with the device among the arguments (else the shipped one) and its gains.
   std::string checkExercise(const std::string& file) {
-    // Of several devices not each needs to have the axes that an exercise is felt on.
+    // Of several devices, some may lack the axes that the exercise needs.
     const std::string device_file = onlyOr("device", "config/devices/lambda-pride.toml");
     auto rendering = renderingFor(device_file);
     if (!add(rendering)) return {};
@@ -206,8 +214,8 @@ class Validation {
                        device_file);
   }
 
-  // By itself, and against the only device file among the arguments. Which device is plugged in is
-  // not known here.
+  // Checks the passport itself, and against the only device file among the arguments. The connected
+  // device is unknown here.
   std::string checkPassportFile(const std::string& file) {
     const auto passport = readPassport(file);
     if (!add(passport)) return {};
@@ -232,7 +240,7 @@ class Validation {
     std::string table = fmt::format("    {:<20} {:>8} {:>10} {:>10} {:>10} {:>9}\n", "axis", "K_pm",
                                     "armature", "inertia", "felt", "at tip, g");
     for (int a = 0; a < gains.axes; ++a) {
-      const DeviceAxis& axis = models.device.axes[static_cast<std::size_t>(a)];
+      const DeviceAxis& axis = models.device.axes[a];
       const double felt = feltInertia(gains, a, 1e-3);
       const double lever_m = axis.lever_arm_m;
       const std::string tip =
@@ -251,7 +259,7 @@ class Validation {
   Diagnostics errors_;
   std::set<std::string> told_;
   bool faulty_ = false;        // the file at hand
-  std::string faulty_device_;  // that keeps the file at hand from being checked
+  std::string faulty_device_;  // prevents checking the current file
 };
 
 }  // namespace

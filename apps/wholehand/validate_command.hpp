@@ -5,9 +5,9 @@
 
 namespace wholehand {
 
-/// Checks every file and prints every fault of every file. A rendering or patient file is checked
-/// against the device file of the same name where there is one, else against the shipped device it
-/// fits. Returns the program's exit code.
+/// Checks files and prints every fault of each. A rendering or patient file is checked against the
+/// device file of the same name, else against the shipped device that it fits. Returns the exit
+/// code.
 int validateCommand(const std::vector<std::string>& files);
 
 }  // namespace wholehand

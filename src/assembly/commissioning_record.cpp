@@ -26,7 +26,7 @@ RecordingMeta describe(const DeviceModel& model, const CommissioningRecord::Plan
   meta.git_version = WHOLEHAND_VERSION;
   meta.period_s = plan.period_s;
   meta.simulated_device = false;
-  meta.models_changed = true;  // nothing was rendered: it cannot be run again
+  meta.models_changed = true;  // nothing was rendered, so it cannot be re-simulated
   meta.title = plan.title;
   for (const DeviceAxis& axis : model.axes) {
     meta.axis_names.push_back(axis.name);
@@ -40,7 +40,7 @@ RecordingMeta describe(const DeviceModel& model, const CommissioningRecord::Plan
   return meta;
 }
 
-// Folders that a file needs and that are not there yet, the innermost first.
+// Missing folders of a file's path, innermost first.
 std::vector<std::filesystem::path> missingFolders(const std::filesystem::path& file) {
   std::vector<std::filesystem::path> missing;
   std::error_code unknown;
@@ -90,13 +90,14 @@ CommissioningRecord::~CommissioningRecord() {
   std::error_code unknown;
   if (kept_ > 0) return;
   std::filesystem::remove(plan_.path, unknown);
-  for (const auto& folder : made_folders_) std::filesystem::remove(folder, unknown);  // when empty
+  for (const auto& folder : made_folders_) std::filesystem::remove(folder, unknown);  // if empty
 }
 
 void CommissioningRecord::keep(const Tick& tick) noexcept {
   const auto period_ns = static_cast<double>(std::llround(1e9 * plan_.period_s));
   if (kept_ == 0) began_ns_ = tick.monotonic_ns;
-  // By the clock: between two moves nothing is sent, and a recording's numbers tell how long.
+  // Ticks are numbered by the clock. Nothing is sent between two moves, and the tick numbers show
+  // how long.
   const auto at = static_cast<std::uint64_t>(
       std::llround(static_cast<double>(tick.monotonic_ns - began_ns_) / period_ns));
   const std::uint64_t number = kept_ == 0 ? 0 : std::max(record_.tick + 1, at);
@@ -118,7 +119,7 @@ void CommissioningRecord::keep(const Tick& tick) noexcept {
   ++kept_;
   black_box_->beforeTick(record_);
   black_box_->afterTick(record_);
-  (void)queue_.try_push(record_);  // a full queue counts what it drops
+  (void)queue_.try_push(record_);  // a full queue counts dropped records
 }
 
 }  // namespace wholehand

@@ -62,8 +62,8 @@ std::vector<std::string> engineNames() {
 
 Diagnostics refuseForPersons(const std::string& engine, const std::vector<Engine>& among) {
   for (const Engine& e : among) {
-    if (e.name != engine || e.moves_nobody_because.empty()) continue;
-    return {{"", 0, "--engine", engine, "is not for real devices: " + e.moves_nobody_because,
+    if (e.name != engine || e.persons_refused_because.empty()) continue;
+    return {{"", 0, "--engine", engine, "is not for real devices: " + e.persons_refused_because,
              "use --engine " + among.front().name}};
   }
   return {};

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/expected.hpp"
-#include "model/hand_model.hpp"
-#include "model/scene_model.hpp"
+#include "model/hand/hand_model.hpp"
+#include "model/scene/scene_model.hpp"
 #include "physics/physics_world.hpp"
 
 #include <functional>
@@ -12,28 +12,30 @@
 
 namespace wholehand {
 
-/// A physics engine that a rig can be built with.
+/// A physics engine available to rigs.
 struct Engine {
-  std::string name;         ///< as `--engine` takes it and recordings keep it
-  std::string description;  ///< what it is, for a person
-  /// Empty where this program was built without it. @pre the hand outlives the world
+  std::string name;         ///< name in `--engine` and recordings
+  std::string description;  ///< description for people
+  /// Builds a world; an empty function where this program was built without the engine. @pre the
+  /// hand outlives the world
   std::function<Expected<std::unique_ptr<PhysicsWorld>>(const HandModel&, const SceneModel&)> build;
-  std::string remedy;                ///< how a program is built with it
-  std::string moves_nobody_because;  ///< why no person may be attached to it; empty: they may
+  std::string remedy;                   ///< how to build the program with it
+  std::string persons_refused_because;  ///< why no person may be attached; empty: allowed
 };
 
-/// Every engine there is, the default first: the one place that names them.
+/// All engines, the default first. The only place that names them.
 [[nodiscard]] const std::vector<Engine>& engines();
-/// The one that runs where nobody chose.
+/// Name of the default engine.
 [[nodiscard]] const std::string& defaultEngine();
-/// Names of all, those that are not built in included.
+/// Names of all engines, including those not built in.
 [[nodiscard]] std::vector<std::string> engineNames();
 
-/// Why no person may be attached to that engine; empty: they may, or there is none of that name.
+/// Why no person may be attached to that engine; empty: allowed, or no such engine.
 [[nodiscard]] Diagnostics refuseForPersons(const std::string& engine,
                                            const std::vector<Engine>& among = engines());
 
-/// A world of the engine of that name. An error says which names there are, or how to build it in.
+/// Builds a world of the named engine. The error lists the names, or says how to build the engine
+/// in.
 [[nodiscard]] Expected<std::unique_ptr<PhysicsWorld>> buildWorld(
     const std::string& engine, const HandModel& hand, const SceneModel& scene,
     const std::vector<Engine>& among = engines());

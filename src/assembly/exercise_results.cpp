@@ -13,7 +13,7 @@ std::vector<ResultValue> exerciseResults(const Models& models, const TickSummary
   for (const PanelValue& told : models.exercise_panel.values) {
     const auto at = std::find(names.begin(), names.end(), told.name) - names.begin();
     if (!told.result || at >= summary.value_count) continue;
-    const double value = summary.values[static_cast<std::size_t>(at)];
+    const double value = summary.values[at];
     std::string shown =
         fmt::format("{} {:.{}f}", told.label.en, value * told.factor, told.decimals);
     if (!told.unit.empty()) shown += " " + told.unit;

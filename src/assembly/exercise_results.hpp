@@ -8,14 +8,14 @@
 
 namespace wholehand {
 
-/// A value of the exercise that counts at the end.
+/// A result of the exercise.
 struct ResultValue {
-  std::string name;    ///< of the value, with its unit
-  double value = 0.0;  ///< in that unit, in the last tick that the exercise saw
+  std::string name;    ///< name of the value, with its unit
+  double value = 0.0;  ///< in that unit, from the exercise's last tick
   std::string shown;   ///< for a person: "Spilt 2 ml"
 };
 
-/// The results that the exercise's panel names; empty where no tick had values. Not for the tick.
+/// Results named by the exercise's panel; empty where no tick had values. Not real-time safe.
 [[nodiscard]] std::vector<ResultValue> exerciseResults(const Models& models,
                                                        const TickSummary& summary);
 

@@ -39,7 +39,7 @@ Expected<std::unique_ptr<BlackBox>> armBlackBox(const Rig& rig, const RecordingM
   return BlackBox::arm(meta, plan);
 }
 
-std::string keepBlackBox(BlackBox& box) {
+std::string writeBlackBoxIfNeeded(BlackBox& box) {
   if (!box.wanted()) return {};
   if (auto written = box.write(); !written) return format(written.errors());
   return fmt::format("the last seconds and what led to them: wholehand replay {} --resimulate",

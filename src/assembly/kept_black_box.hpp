@@ -10,18 +10,19 @@
 
 namespace wholehand {
 
-/// Where the black box of a run goes: beside its recording ("run.h5" → "run.wbb"), or, without one,
-/// out/blackbox/<time>.wbb, in the folder for temporary files where nothing can be written here.
+/// Path of a run's black box: beside its recording ("run.h5" → "run.wbb"); without one
+/// out/blackbox/<time>.wbb, or the folder for temporary files if the working directory is not
+/// writable.
 [[nodiscard]] std::string blackBoxPath(const std::string& recording);
 
-/// Arms the black box of a rig that is armed itself.
+/// Arms the black box of an armed rig.
 [[nodiscard]] Expected<std::unique_ptr<BlackBox>> armBlackBox(const Rig& rig,
                                                               const RecordingMeta& meta,
                                                               const std::string& path,
                                                               std::uint64_t most_ticks);
 
-/// Writes the box where a stopping fault or an emergency stop calls for it; what there is to say
-/// of it in one line, nothing where it was not needed. After the run.
-[[nodiscard]] std::string keepBlackBox(BlackBox& box);
+/// Writes the box after a stopping fault or an emergency stop. Returns one line about it, or
+/// nothing where it was not needed. Call after the run.
+[[nodiscard]] std::string writeBlackBoxIfNeeded(BlackBox& box);
 
 }  // namespace wholehand

@@ -1,7 +1,7 @@
 #include "assembly/models.hpp"
 
 #include "exercise/load_exercise.hpp"
-#include "model/hand_file.hpp"
+#include "model/hand/hand_file.hpp"
 
 #include <filesystem>
 #include <fstream>
@@ -12,7 +12,7 @@ namespace wholehand {
 namespace fs = std::filesystem;
 namespace {
 
-// Moves the value out, or the errors into the common list.
+// Moves the value into `into`, or the errors into the common list.
 template <class T>
 bool take(Expected<T> from, T& into, Diagnostics& errors) {
   if (from) {

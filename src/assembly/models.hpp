@@ -5,10 +5,10 @@
 #include "exercise/exercise_wall.hpp"
 #include "model/device_model.hpp"
 #include "model/exercise_panel.hpp"
-#include "model/hand_model.hpp"
-#include "model/patient_config.hpp"
+#include "model/hand/hand_model.hpp"
+#include "model/patient/patient_config.hpp"
 #include "model/rendering_config.hpp"
-#include "model/scene_model.hpp"
+#include "model/scene/scene_model.hpp"
 #include "patient/motion.hpp"
 
 #include <map>
@@ -20,7 +20,7 @@
 
 namespace wholehand {
 
-/// Which files a run is made of. An empty motion means that the patient rests.
+/// Files of a run. Without a motion the patient rests.
 struct ModelFiles {
   std::string scene = "config/scenes/four-shapes.toml";
   std::string hand = "config/hands/adult-median-right.toml";
@@ -28,38 +28,38 @@ struct ModelFiles {
   std::string rendering = "config/rendering/lambda-pride.toml";
   std::string patient = "config/patients/relaxed-adult.toml";
   std::string motion;
-  std::string exercise;  ///< names its scene itself; empty: just the scene
+  std::string exercise;  ///< names its own scene; empty: only the scene above
   int level = 1;         ///< of the exercise
 
-  /// All paths; those that name nothing are empty.
+  /// All paths; unused ones are empty.
   [[nodiscard]] std::vector<std::string> all() const {
     return {scene, hand, device, rendering, patient, motion, exercise};
   }
 };
 
-/// Everything the files say, checked against each other.
+/// Contents of all files, checked against each other.
 struct Models {
   ModelFiles files;
   DeviceModel device;
   HandModel hand;
-  std::string mirrored_hand;  ///< file of which the hand's is the mirror image; empty: of none
+  std::string mirrored_hand;  ///< file that the hand file mirrors; empty: none
   RenderingConfig rendering;
   PatientConfig patient;
   SceneModel scene;
   std::optional<MotionFile> motion;
-  /// Null where none was asked for. It has a state: copies of these models share it, so that only
-  /// one rig at a time may use them.
+  /// Null without an exercise. It is stateful and shared by copies of these models, so only one rig
+  /// at a time may use them.
   std::shared_ptr<Exercise> exercise;
   std::vector<std::string> exercise_files;   ///< exercise and scene
-  std::vector<ExerciseWall> exercise_walls;  ///< what the certificate has to bear
-  ExercisePanel exercise_panel;              ///< what is shown of it
+  std::vector<ExerciseWall> exercise_walls;  ///< walls that the certificate must cover
+  ExercisePanel exercise_panel;              ///< panel of the exercise
 };
 
 /// Loads all files; every fault of every file is reported at once.
 [[nodiscard]] Expected<Models> loadModels(const ModelFiles& files);
 
-/// Name and text of each file, of the meshes and URDFs of the scene too, so that a recording stands
-/// alone. Names are relative to the deepest folder that holds them all.
+/// Name and text of each file, including meshes and URDFs of the scene, so that a recording is
+/// self-contained. Names are relative to the deepest common folder.
 [[nodiscard]] Expected<std::vector<std::pair<std::string, std::string>>> readFileTexts(
     const Models& models);
 

@@ -17,7 +17,7 @@
 namespace wholehand {
 namespace {
 
-/// Whether the files, as they are now, say what the rig renders.
+/// Whether the files, in their present state, match what the rig renders.
 bool sayWhatIsRendered(const ModelFiles& files, const Rig& rig) {
   const auto again = loadModels(files);
   if (!again) return false;
@@ -70,7 +70,9 @@ Expected<RecordingMeta> describeRecording(const Rig& rig, const std::string& tit
   for (double q : rig.renderer->armedPosition()) meta.armed_position.push_back(q);
   meta.law = lawOf(rig.renderer->config().gains, rig.models.hand, rig.models.device);
   meta.joint_names = rig.models.hand.joint_names;
-  for (const SceneBody& body : rig.models.scene.bodies) meta.body_names.push_back(body.name);
+  for (const SceneBody& body : rig.models.scene.bodies) {
+    if (meta.body_names.size() < kMaxBodies) meta.body_names.push_back(body.name);
+  }
   for (const Capsule& capsule : rig.models.hand.capsules)
     meta.capsule_names.push_back(capsule.name);
   for (const LiveParameter& parameter : rig.renderer->liveParameters()) {

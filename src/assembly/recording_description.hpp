@@ -8,10 +8,10 @@
 
 namespace wholehand {
 
-/// Under which name a recording carries the passport of the device that it was made with.
+/// Name of the device passport within a recording.
 inline constexpr const char* kRecordedPassport = "passport/passport.toml";
 
-/// What a recording of this rig says of itself.
+/// Metadata of a recording of this rig.
 [[nodiscard]] Expected<RecordingMeta> describeRecording(const Rig& rig, const std::string& title,
                                                         std::uint64_t seed, bool simulated_clock);
 

@@ -18,28 +18,28 @@
 namespace wholehand {
 namespace {
 
-constexpr int kHold_ticks = 100;      // pressed on after the last movement
-constexpr int kBlocked_ticks = 60;    // the fingers stand still so long: they close no further
-constexpr int kFirst_ticks = 20;      // of an attempt: caches are cold, which is what it is for
-constexpr int kNeutral_ticks = 1000;  // more than any ramp to neutral
-constexpr int kHopeless_ticks = 100;  // so many too slow ones, and no noise explains it ...
-constexpr double kHopeless_ns = 1e9;  // ... nor all this time in them
+constexpr double kHold_s = 0.1;       // pressing goes on after the last movement
+constexpr double kBlocked_s = 0.06;   // fingers at rest this long count as closed
+constexpr int kFirst_ticks = 20;      // first ticks of an attempt, with cold caches
+constexpr double kNeutral_s = 1.0;    // longer than any ramp to neutral
+constexpr int kHopeless_ticks = 100;  // slow ticks that noise does not explain ...
+constexpr double kHopeless_ns = 1e9;  // ... or total time in them
 constexpr double kStill_rad_s = 0.2;
 
-/// The world may break under a scene; what the device does is the rehearsal's own doing.
+/// Faults of the world, caused by the scene. Faults of the device's motion are the rehearsal's own.
 constexpr Fault kOfTheScene = Fault::kNonFiniteEffort | Fault::kNonFiniteState |
                               Fault::kPhysicsStep | Fault::kSingularInertia |
                               Fault::kBodiesExploded;
 
-/// A tick, for finding out what the slow ones have in common.
+/// Cost of a tick, to find what slow ticks have in common.
 struct TickCost {
   std::int64_t cpu_ns = 0;
   std::array<std::int32_t, kStages> stage_ns{};
-  int body = -1;  // most touched, else the one that the hand goes to
+  int body = -1;  // most touched body, else the target of the move
   int contacts = 0;
 };
 
-// Somebody strong who does as told, whoever the patient is: nobody else makes the worst contacts.
+// A strong, compliant person instead of the patient, who makes the worst contacts.
 PatientConfig strongPerson(const DeviceModel& device) {
   PatientConfig person;
   person.name = "rehearsal";
@@ -67,7 +67,9 @@ class Attempt {
   [[nodiscard]] Expected<Done> run() {
     const auto bodies = static_cast<int>(rig_.models.scene.bodies.size());
     touched_.assign(static_cast<std::size_t>(bodies), false);
-    for (int body = 0; body < bodies && !hopeless(); ++body) {
+    // A subset is spread evenly over the bodies.
+    const int step = std::max(1, (bodies + options_.most_bodies - 1) / options_.most_bodies);
+    for (int body = 0; body < bodies && !hopeless(); body += step) {
       for (const RehearsalMove& move : plan_.movesFor(body, ticks_ > 0 ? &record_ : nullptr)) {
         if (!armAtStartOf(move)) continue;
         if (Expected<Done> done = perform(move); !done) return done;
@@ -92,7 +94,7 @@ class Attempt {
     return out;
   }
 
-  /// Where the session itself would begin: a scene without anything to touch has ticks, too.
+  /// Sets the session's initial pose. A scene without anything in reach is rehearsed there.
   void setHome(const AxisPosition& home) { home_ = home; }
 
  private:
@@ -101,7 +103,7 @@ class Attempt {
       player_.begin(start, move.goal);
       if (rig_.renderer->arm()) return true;
     }
-    player_.begin(home_, move.goal);  // from afar, then
+    player_.begin(home_, move.goal);  // from the initial pose instead
     return rig_.renderer->arm().ok();
   }
 
@@ -113,17 +115,18 @@ class Attempt {
     return perform(rest);
   }
 
-  // The fingers close until they cannot further, then the arm presses as far as it can.
+  // Closes the fingers as far as possible, then presses with the arm.
   [[nodiscard]] Expected<Done> perform(const RehearsalMove& move) {
+    const int hold = ticksIn(kHold_s), still_for = ticksIn(kBlocked_s);
     int held = 0, blocked = 0;
-    while (held < kHold_ticks && !hopeless()) {
+    while (held < hold && !hopeless()) {
       if (options_.cancelled && options_.cancelled()) {
         return Diagnostic{"", 0, "", "", "the rehearsal was stopped", ""};
       }
       tick(move);
       if (any(record_.faults & kStopping)) return recover(move);
       blocked = record_.contact_count > 0 && still() ? blocked + 1 : 0;
-      if (!player_.pressing() && (player_.arrived() || blocked > kBlocked_ticks)) player_.press();
+      if (!player_.pressing() && (player_.arrived() || blocked > still_for)) player_.press();
       if (player_.pressing() && player_.arrived()) ++held;
     }
     return Done{};
@@ -145,13 +148,13 @@ class Attempt {
     cost.cpu_ns = record_.cpu_ns;
     cost.stage_ns = record_.stage_cpu_ns;
     cost.body = move.body;
-    std::array<int, kMaxBodies> contacts{};
+    std::array<int, kMaxSceneBodies> contacts{};
     for (int i = 0; i < record_.contact_count; ++i) {
-      const int body = record_.contacts[static_cast<std::size_t>(i)].body;
-      if (body < 0 || body >= kMaxBodies) continue;
-      const int of_it = ++contacts[static_cast<std::size_t>(body)];
+      const int body = record_.contacts[i].body;
+      if (body < 0 || body >= kMaxSceneBodies) continue;
+      const int of_it = ++contacts[body];
       if (static_cast<std::size_t>(body) < touched_.size()) {
-        touched_[static_cast<std::size_t>(body)] = true;
+        touched_[body] = true;
       }
       if (of_it <= cost.contacts) continue;
       cost.contacts = of_it;
@@ -163,6 +166,10 @@ class Attempt {
     slow_ns_ += static_cast<double>(cost.cpu_ns);
   }
 
+  [[nodiscard]] int ticksIn(double time_s) const {
+    return static_cast<int>(std::lround(time_s / rig_.options.period_s));
+  }
+
   [[nodiscard]] bool still() const {
     for (int i = 0; i < record_.qd_mf.size(); ++i) {
       if (std::abs(record_.qd_mf[i]) > kStill_rad_s) return false;
@@ -170,11 +177,11 @@ class Attempt {
     return true;
   }
 
-  // A fault of the device's motion ends the move; one of the world is the scene's.
+  // A fault of the device's motion ends the move. A fault of the world refuses the scene.
   [[nodiscard]] Expected<Done> recover(const RehearsalMove& move) {
     const Fault fault = record_.faults & kOfTheScene;
     if (any(fault)) return broken(fault, move);
-    for (int i = 0; i < kNeutral_ticks && !rig_.renderer->atNeutral(); ++i) tick(move);
+    for (int i = 0; i < ticksIn(kNeutral_s) && !rig_.renderer->atNeutral(); ++i) tick(move);
     return Done{};
   }
 
@@ -190,7 +197,7 @@ class Attempt {
             "mend or remove what lies there: its mass, or what it overlaps"};
   }
 
-  // What takes the time of the slowest hundredth, and which body.
+  // Finds the stage and the body behind the slowest hundredth of the ticks.
   void explainSlowTicks(Rehearsal& out) const {
     std::vector<TickCost> slow = costs_;
     const std::size_t count =
@@ -199,14 +206,13 @@ class Attempt {
                       [](const TickCost& a, const TickCost& b) { return a.cpu_ns > b.cpu_ns; });
     slow.resize(count);
     std::array<std::int64_t, kStages> stages{};
-    std::array<int, kMaxBodies> most{};
-    std::array<std::int64_t, kMaxBodies> contacts{};
+    std::array<int, kMaxSceneBodies> most{};
+    std::array<std::int64_t, kMaxSceneBodies> contacts{};
     for (const TickCost& tick : slow) {
       for (std::size_t s = 0; s < stages.size(); ++s) stages[s] += tick.stage_ns[s];
       if (tick.body < 0) continue;
-      const auto body = static_cast<std::size_t>(tick.body);
-      most[body] = std::max(most[body], tick.contacts);
-      contacts[body] += 1 + tick.contacts;
+      most[tick.body] = std::max(most[tick.body], tick.contacts);
+      contacts[tick.body] += 1 + tick.contacts;
     }
     out.slowest =
         static_cast<Stage>(std::max_element(stages.begin(), stages.end()) - stages.begin());
@@ -264,7 +270,8 @@ Expected<Rehearsal> rehearse(const Models& models, const AxisPosition& start,
     if (!best || now.summary.cpu.p999_ns < best->summary.cpu.p999_ns) best = std::move(now);
     best->attempts = attempt;
     if (1e-3 * best->summary.cpu.p999_ns <= best->limit_us) {
-      if (options.most_of_period <= mostOfPeriod()) {
+      const auto bodies = static_cast<int>(models.scene.bodies.size());
+      if (options.most_of_period <= mostOfPeriod() && options.most_bodies >= bodies) {
         best->passed = RehearsalPassed((*rig)->renderer->config().rehearsal);
       }
       return *best;

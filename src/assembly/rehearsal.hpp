@@ -11,40 +11,42 @@
 
 namespace wholehand {
 
-/// The share of a period that the 99.9th percentile of a tick's CPU time may take: half. A library
-/// that was built unoptimised or with a sanitizer is for finding mistakes, and takes what it takes.
+/// Share of a period allowed for the 99.9th percentile of a tick's CPU time: half. Unlimited in
+/// unoptimised and sanitizer builds, which are for debugging.
 [[nodiscard]] double mostOfPeriod() noexcept;
 
-/// How a scene is rehearsed.
+/// Options of a rehearsal.
 struct RehearsalOptions {
-  /// A larger 99.9th percentile of a tick's CPU time is refused. More than mostOfPeriod() is for
-  /// finding out: nothing is armed with such a rehearsal.
+  /// Limit on the 99.9th percentile of a tick's CPU time. With more than mostOfPeriod() the
+  /// rehearsal only informs: it does not permit arming.
   double most_of_period = mostOfPeriod();
-  int attempts = 3;                 ///< CPU time is noisy: the best counts
-  std::function<bool()> cancelled;  ///< asked before every tick; may be null
+  int attempts = 3;  ///< CPU time is noisy; the best attempt counts
+  /// Most bodies that the hand visits. A rehearsal of fewer bodies than the scene has only informs:
+  /// it does not permit arming.
+  int most_bodies = kMaxSceneBodies;
+  std::function<bool()> cancelled;  ///< called before every tick; may be null
 };
 
-/// What a rehearsal came to.
+/// Result of a rehearsal.
 struct Rehearsal {
-  TickSummary summary;    ///< of the best attempt; CPU time per tick and stage, contacts
-  double limit_us = 0.0;  ///< what the 99.9th percentile was held to
-  Stage slowest = Stage::kPhysicsStep;  ///< takes most of the slow ticks
-  std::string heaviest;                 ///< the body most touched in them; empty: none was touched
-  int heaviest_contacts = 0;            ///< at most at once, of that body
+  TickSummary summary;    ///< of the best attempt: CPU time per tick and stage, contacts
+  double limit_us = 0.0;  ///< limit on the 99.9th percentile
+  Stage slowest = Stage::kPhysicsStep;  ///< stage that takes most of the slow ticks
+  std::string heaviest;                 ///< body most touched in them; empty: none
+  int heaviest_contacts = 0;            ///< largest simultaneous number of its contacts
   int bodies = 0, bodies_touched = 0;
   int attempts = 0;
-  std::optional<RehearsalPassed> passed;  ///< what arm() asks for
+  std::optional<RehearsalPassed> passed;  ///< permission for arm()
 };
 
-/// Runs the worst contacts of a scene against a simulated device on this machine, as fast as it
-/// goes, in the calling thread: the palm against every body that the device brings the hand to
-/// while all fingers close, and the back of the fingers. Allocates, warms caches and measures each
-/// tick's CPU time per stage before anybody feels a force. Refused where the 99.9th percentile is
-/// above half the period, with the stage that takes it and what to remove; where the world broke;
-/// where it was cancelled.
-/// It leaves nothing behind: the exercise, which the models share, is reset by the next arm().
-/// Not real-time safe.
-/// @param start where the session's hand begins
+/// Rehearses a scene: runs its worst contacts against a simulated device on this machine, as fast
+/// as possible, in the calling thread. The palm presses against every body within reach while all
+/// fingers close, then the back of the fingers does. This allocates memory, warms caches and
+/// measures each tick's CPU time per stage before any person feels a force. Refused where the
+/// 99.9th percentile exceeds the limit (the error names the stage and what to remove), where the
+/// world became invalid, or where it was cancelled.
+/// No state remains: the next arm() resets the exercise that the models share. Not real-time safe.
+/// @param start initial pose of the session's hand
 /// @pre no rig that uses these models' exercise is ticking
 [[nodiscard]] Expected<Rehearsal> rehearse(const Models& models, const AxisPosition& start,
                                            const RigOptions& rig,

@@ -22,7 +22,7 @@ void add(std::string& text, const Pose& pose) {
   add(text, pose.translation_m);
 }
 
-// What a certificate does not ask for.
+// Adds device properties that the certificate's fingerprint lacks.
 void addDevice(std::string& text, const DeviceModel& device) {
   add(text, {device.mount_roll_rad, device.mount_pitch_rad, device.mount_yaw_rad});
   for (const DeviceAxis& axis : device.axes) {

@@ -7,9 +7,9 @@
 
 namespace wholehand {
 
-/// Of the numbers that decide what the worst contacts are and what a tick of them costs: device,
-/// hand, gains, scene, exercise, engine and rate; not of the patient. Two rigs with the same one
-/// rehearse the same.
+/// Fingerprint of everything that determines the worst contacts and their cost: device, hand,
+/// gains, scene, exercise, engine and rate; not the patient. Rigs with equal fingerprints have
+/// equal rehearsals.
 [[nodiscard]] std::string rehearsalFingerprint(const Models& models, const RigOptions& options,
                                                const CertificateFingerprint& certified);
 

@@ -12,12 +12,12 @@
 namespace wholehand {
 namespace {
 
-constexpr double kSpeedShare = 0.7;      // of each axis's limit, at the fastest moment of a move
-constexpr double kPeakOfMean = 1.875;    // of a minimum-jerk movement
+constexpr double kSpeedShare = 0.7;      // share of each axis's limit, at peak speed
+constexpr double kPeakOfMean = 1.875;    // peak over mean speed of a minimum-jerk movement
 constexpr double kPush_m = 0.04;         // beyond the first touch
-constexpr double kWithinReach_m = 0.06;  // from the nearest that the device brings the hand
-constexpr double kGraspable_m = 0.12;    // wider bodies are pressed where they are nearest
-constexpr double kBackAway_m = 0.05;     // the back of the fingers begins so far from the middle
+constexpr double kWithinReach_m = 0.06;  // distance from the hand's nearest pose
+constexpr double kGraspable_m = 0.12;    // wider bodies are pressed at their nearest point
+constexpr double kBackAway_m = 0.05;     // start of the back of the fingers, from the body's middle
 constexpr std::array kFurther_m{0.0, 0.02, 0.04, 0.06, 0.08};
 constexpr std::array kLift_m{0.0, 0.03, 0.06, 0.09};
 
@@ -25,7 +25,7 @@ Eigen::Vector3d middle(const Capsule& capsule, const ArticulatedBody& hand) {
   return hand.linkPose(capsule.link) * (0.5 * (capsule.a_m + capsule.b_m));
 }
 
-// Half the size of a body's box about its own axes, and the box's middle.
+// Bounding box of a body about its own axes.
 struct Box {
   Eigen::Vector3d lower = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Vector3d upper = -lower;
@@ -57,7 +57,7 @@ Box boxOf(const SceneBody& body) {
   return box;
 }
 
-// Where to touch a body: in the middle of what a hand goes around, where it is nearest otherwise.
+// Point of a body to touch: the middle of a graspable dimension, the nearest point otherwise.
 Eigen::Vector3d target(const Box& box, const Eigen::Vector3d& from_m) {
   Eigen::Vector3d at = 0.5 * (box.lower + box.upper);
   for (int i = 0; i < 3; ++i) {
@@ -71,7 +71,7 @@ Eigen::Vector3d target(const Box& box, const Eigen::Vector3d& from_m) {
 
 Pose poseNow(const SceneBody& body, int index, const TickRecord* observed) {
   if (observed == nullptr || index >= observed->body_count) return body.pose;
-  const BodyState& state = observed->bodies[static_cast<std::size_t>(index)];
+  const BodyState& state = observed->bodies[index];
   Pose pose;
   pose.rotation = state.orientation_xyzw.eigen().toRotationMatrix();
   pose.translation_m = state.position_m.eigen() - pose.rotation * body.com_m;
@@ -111,7 +111,7 @@ RehearsalPlan::RehearsalPlan(const HandModel& hand, const DeviceModel& device,
     return Eigen::Vector3d(count > 0 ? Eigen::Vector3d(sum / count) : sum);
   };
   at(0.5);
-  // Palm, fingers and thumb lie around it.
+  // Palm, fingers and thumb surround it.
   pocket_m_ = (mean_of([](const Capsule& c) { return c.part == HandPart::kPalm; }) +
                mean_of([](const Capsule& c) { return c.part == HandPart::kThumb; }) +
                2.0 * mean_of([](const Capsule& c) {
@@ -127,7 +127,7 @@ RehearsalPlan::RehearsalPlan(const HandModel& hand, const DeviceModel& device,
 AxisPosition RehearsalPlan::posture(double closed) const {
   AxisPosition q = start_;
   for (int i = 0; i < q.size(); ++i) {
-    const DeviceAxis& axis = device_.axes[static_cast<std::size_t>(i)];
+    const DeviceAxis& axis = device_.axes[i];
     if (axis.group == AxisGroup::kHand) q[i] = axis.lower + closed * (axis.upper - axis.lower);
   }
   return q;
@@ -142,13 +142,13 @@ Eigen::Vector3d RehearsalPlan::moveBy(const AxisPosition& q) const {
   return at;
 }
 
-// As far as the device goes.
+// The pose moved by `by_m`, clamped to the device's range.
 AxisPosition RehearsalPlan::moved(const AxisPosition& q, const Eigen::Vector3d& by_m) const {
   AxisPosition out = q;
   for (int i = 0; i < 3; ++i) {
     const int index = device_.axisIndex(std::string(1, "xyz"[i]));
     if (index < 0) continue;
-    const DeviceAxis& axis = device_.axes[static_cast<std::size_t>(index)];
+    const DeviceAxis& axis = device_.axes[index];
     out[index] = std::clamp(q[index] + by_m[i], axis.lower, axis.upper);
   }
   return out;
@@ -161,7 +161,7 @@ RehearsalMove RehearsalPlan::move(int body, const Eigen::Vector3d& target_m,
   const Eigen::Vector3d there = target_m - point_m - moveBy(open);
   RehearsalMove move;
   move.body = body;
-  for (const double lift_m : kLift_m) {  // what lies on a table is reached from above
+  for (const double lift_m : kLift_m) {  // bodies on a table are reached from above
     for (const double further_m : kFurther_m) {
       const Eigen::Vector3d by_m = there - further_m * push + lift_m * Eigen::Vector3d::UnitZ();
       move.starts.push_back(moved(open, by_m));
@@ -172,7 +172,7 @@ RehearsalMove RehearsalPlan::move(int body, const Eigen::Vector3d& target_m,
 }
 
 std::vector<RehearsalMove> RehearsalPlan::movesFor(int index, const TickRecord* observed) const {
-  const SceneBody& body = scene_.bodies[static_cast<std::size_t>(index)];
+  const SceneBody& body = scene_.bodies[index];
   const Pose pose = poseNow(body, index, observed);
   const Box box = boxOf(body);
   std::vector<RehearsalMove> moves;
@@ -201,7 +201,7 @@ void Rehearser::reset() {
   pressing_ = false;
   AxisPosition posture = from_;
   for (int i = 0; i < posture.size(); ++i) {
-    if (device_.axes[static_cast<std::size_t>(i)].group == AxisGroup::kHand) posture[i] = goal_[i];
+    if (device_.axes[i].group == AxisGroup::kHand) posture[i] = goal_[i];
   }
   reachFor(posture);
 }
@@ -215,14 +215,14 @@ void Rehearser::reachFor(const AxisPosition& goal) noexcept {
   std::array<double, kMaxAxes> needs_s{};
   double longest_s = 1e-3;
   for (int i = 0; i < goal.size(); ++i) {
-    const double speed = kSpeedShare * device_.axes[static_cast<std::size_t>(i)].speed_limit;
+    const double speed = kSpeedShare * device_.axes[i].speed_limit;
     const double need_s = kPeakOfMean * std::abs(goal[i] - q_[i]) / speed;
-    needs_s[static_cast<std::size_t>(i)] = need_s;
+    needs_s[i] = need_s;
     longest_s = std::max(longest_s, need_s);
   }
   reach_.begin(q_, qd_, goal, longest_s);
   for (int i = 0; i < goal.size(); ++i) {
-    const double share = needs_s[static_cast<std::size_t>(i)] / longest_s;
+    const double share = needs_s[i] / longest_s;
     reach_.during(i, 0.0, std::clamp(share, 1e-3, 1.0));
   }
 }

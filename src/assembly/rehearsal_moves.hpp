@@ -2,8 +2,8 @@
 
 #include "core/tick_record.hpp"
 #include "model/device_model.hpp"
-#include "model/hand_model.hpp"
-#include "model/scene_model.hpp"
+#include "model/hand/hand_model.hpp"
+#include "model/scene/scene_model.hpp"
 #include "patient/player.hpp"
 #include "patient/reach.hpp"
 
@@ -13,24 +13,23 @@
 
 namespace wholehand {
 
-/// One contact of a rehearsal: from where the hand touches nothing to where it cannot go further.
+/// One contact of a rehearsal, from free space to full press.
 struct RehearsalMove {
   int body = -1;                     ///< index into SceneModel::bodies
-  std::vector<AxisPosition> starts;  ///< the first that the hand fits at is taken
-  AxisPosition goal;                 ///< the arm's inside the body, the hand closed or straight
+  std::vector<AxisPosition> starts;  ///< start poses; the first one without contact is used
+  AxisPosition goal;                 ///< arm inside the body, hand closed or straight
 };
 
-/// Where a hand must go to touch bodies as hard as it can: the palm against them while all fingers
-/// close, and the back of the fingers. Plans only; not real-time safe.
+/// Plans the moves that press a hand against bodies as hard as possible: the palm while all fingers
+/// close, and the back of the fingers. Not real-time safe.
 class RehearsalPlan {
  public:
-  /// @param start where the session's hand begins: its base rotations are kept
+  /// @param start initial pose of the session's hand; its base rotations are kept
   RehearsalPlan(const HandModel& hand, const DeviceModel& device, const SceneModel& scene,
                 const AxisPosition& start);
 
-  /// The moves that reach the body of that index where it is now; none where the device cannot
-  /// bring the hand to it. @param observed the newest record; null: bodies are where the scene has
-  /// them
+  /// Moves that reach the body at its present place; none where it is out of the device's reach.
+  /// @param observed the newest record; null: bodies are at their places in the scene
   [[nodiscard]] std::vector<RehearsalMove> movesFor(int index, const TickRecord* observed) const;
 
  private:
@@ -45,17 +44,17 @@ class RehearsalPlan {
   const SceneModel& scene_;
   AxisPosition start_;
   // In the world, with the base translations at 0.
-  Eigen::Vector3d palmar_;    ///< out of the palm, unit
-  Eigen::Vector3d pocket_m_;  ///< what a half closed hand holds is here
-  Eigen::Vector3d back_m_;    ///< of the fingers, straight
+  Eigen::Vector3d palmar_;    ///< outward normal of the palm, unit
+  Eigen::Vector3d pocket_m_;  ///< centre of the space in a half-closed hand
+  Eigen::Vector3d back_m_;    ///< back of the straight fingers
 };
 
-/// Does one move at a time, at a part of the device's speed: the hand takes its posture where it
-/// starts, then the arm presses.
+/// Player of one move at a time, at a share of the device's speed: the hand takes its posture at
+/// the start, then the arm presses.
 class Rehearser final : public Player {
  public:
   explicit Rehearser(const DeviceModel& device) : device_(device) {}
-  /// What open() of the device begins. Not real-time safe.
+  /// Sets the move that begins with the device's open(). Not real-time safe.
   void begin(const AxisPosition& from, const AxisPosition& goal);
   void press() noexcept;
   [[nodiscard]] bool pressing() const noexcept { return pressing_; }

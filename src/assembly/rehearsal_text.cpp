@@ -16,7 +16,7 @@ std::string remedyFor(const Rehearsal& r, const Models& models) {
     return "a simpler exercise, a slower rate, or a faster machine";
   const int index = models.scene.bodyIndex(r.heaviest);
   if (index >= 0) {
-    const SceneBody& body = models.scene.bodies[static_cast<std::size_t>(index)];
+    const SceneBody& body = models.scene.bodies[index];
     if (body.shapes.size() > 1) {
       return fmt::format("make \"{}\" of fewer than {} shapes, or remove it", body.name,
                          body.shapes.size());

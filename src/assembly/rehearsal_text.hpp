@@ -4,7 +4,7 @@
 
 namespace wholehand {
 
-/// Why a scene is refused whose ticks take too long: how long, which stage, and what to remove.
+/// Diagnostic of a scene whose ticks take too long: the time, the stage, and what to remove.
 [[nodiscard]] Diagnostic tooSlow(const Rehearsal& rehearsal, const Models& models);
 
 }  // namespace wholehand

@@ -7,7 +7,7 @@ namespace wholehand {
 AxisPosition restPose(const Models& models) {
   AxisPosition rest(models.device.axisCount());
   for (int a = 0; a < rest.size(); ++a) {
-    const DeviceAxis& axis = models.device.axes[static_cast<std::size_t>(a)];
+    const DeviceAxis& axis = models.device.axes[a];
     const bool centered = axis.kind == AxisKind::kTranslation || axis.lower < 0.0;
     rest[a] = centered ? 0.5 * (axis.lower + axis.upper) : models.hand.reference[a];
   }
@@ -21,7 +21,7 @@ Intention intentionOf(const Models& models, std::vector<std::string>* sentences)
                                sentences);
 }
 
-std::unique_ptr<Player> restingOrPlaying(const Models& models) {
+std::unique_ptr<Player> makeMotionPlayer(const Models& models) {
   return std::make_unique<ScriptedPlayer>(intentionOf(models, nullptr));
 }
 

@@ -9,15 +9,14 @@
 
 namespace wholehand {
 
-/// Where the hand is when nobody moves it: the middle of the arm's ranges, the posture of
-/// reference.
+/// Rest pose of the hand: the middle of the arm's ranges and the reference posture.
 [[nodiscard]] AxisPosition restPose(const Models& models);
 
-/// The motion of the models, or rest where there is none. `sentences` (may be null) tell what was
-/// done to the motion on the way.
+/// The motion of the models, or rest without one. `sentences` (may be null) receives a description
+/// of the changes made to the motion.
 [[nodiscard]] Intention intentionOf(const Models& models, std::vector<std::string>* sentences);
 
 /// A player that follows intentionOf(), for exercises without a player of their own.
-[[nodiscard]] std::unique_ptr<Player> restingOrPlaying(const Models& models);
+[[nodiscard]] std::unique_ptr<Player> makeMotionPlayer(const Models& models);
 
 }  // namespace wholehand

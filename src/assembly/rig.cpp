@@ -3,7 +3,7 @@
 #include "assembly/rehearsal_fingerprint.hpp"
 #include "assembly/rig_checks.hpp"
 #include "assembly/sampled_inertia.hpp"
-#include "control/certificate_refusal.hpp"
+#include "control/certificate/certificate_refusal.hpp"
 #include "device/simulated/simulated_device.hpp"
 #include "patient/listening_player.hpp"
 #include "patient/scripted_player.hpp"
@@ -20,12 +20,12 @@
 namespace wholehand {
 namespace {
 
-// What avatar and bodies can hold: their motion at the device's speed limits, and the weight of the
-// bodies over the way of the arm [J].
-double heldByWorld(const Models& models, const CouplingGains& gains) {
+// Energy that avatar and bodies can store: their motion at the device's speed limits, and the
+// weight of the bodies over the arm's travel [J].
+double storableEnergy(const Models& models, const CouplingGains& gains) {
   double held_j = 0.0, speed_sq = 0.0, way_sq = 0.0;
   for (int a = 0; a < models.device.axisCount(); ++a) {
-    const DeviceAxis& axis = models.device.axes[static_cast<std::size_t>(a)];
+    const DeviceAxis& axis = models.device.axes[a];
     held_j += 0.5 * gains.inertia[a] * axis.speed_limit * axis.speed_limit;
     if (axis.kind != AxisKind::kTranslation) continue;
     speed_sq += axis.speed_limit * axis.speed_limit;
@@ -39,7 +39,7 @@ double heldByWorld(const Models& models, const CouplingGains& gains) {
   return held_j;
 }
 
-// With the damping that is proven: the least that the file and every measured corner state.
+// The device with its proven damping: the least of the file and every measured corner.
 DeviceModel provenDevice(DeviceModel device, const std::vector<DeviceModel>& measured) {
   for (const DeviceModel& corner : measured) {
     for (std::size_t i = 0; i < device.axes.size(); ++i) {
@@ -63,13 +63,13 @@ RendererConfig rendererConfig(const Models& models, const CouplingGains& gains,
   }
   config.gravity_m_s2 = models.scene.gravity_m_s2;
   config.safety.tank = makeEnergyTank(provenDevice(models.device, options.measured), period_s,
-                                      heldByWorld(models, gains));
+                                      storableEnergy(models, gains));
   config.safety.supervisor = makeSupervisor(models.device, period_s, simulated);
   config.live = LiveSettings(models.device, config.damping);
   return config;
 }
 
-// Whom it moves decides what arm() asks for.
+// Whether the device moves a person. It decides what arm() requires.
 enum class Moves { kMaybeAPerson, kNobody };
 
 Expected<std::unique_ptr<Rig>> buildAround(Models models, std::unique_ptr<HapticDevice> device,
@@ -102,8 +102,8 @@ Expected<std::unique_ptr<Rig>> buildAround(Models models, std::unique_ptr<Haptic
   return rig;
 }
 
-/// refuseUncertified(). What passed once in this process is not judged again: sessions, rehearsals
-/// and levels ask the same, and the answer takes most of the time of building a rig.
+/// refuseUncertified() with a cache of inputs that passed in this process. Sessions, rehearsals and
+/// levels ask for the same certificate, which takes most of the time of building a rig.
 Diagnostics refuseUnlessPassed(const CertificateInput& input) {
   constexpr std::size_t kMost = 1000;
   static std::mutex mutex;
@@ -170,7 +170,7 @@ Expected<std::unique_ptr<Rig>> buildRig(Models models, std::unique_ptr<Player> p
   auto listener = std::make_unique<ListeningPlayer>(*player);
   auto device = std::make_unique<SimulatedDevice>(models.device, models.patient, std::move(player),
                                                   options.period_s);
-  auto rig = buildRigThatMovesNobody(std::move(models), std::move(device), options);
+  auto rig = buildRigWithoutPerson(std::move(models), std::move(device), options);
   if (rig) (*rig)->listener = std::move(listener);
   return rig;
 }
@@ -188,9 +188,9 @@ Expected<std::unique_ptr<Rig>> buildRig(Models models, std::unique_ptr<HapticDev
   return buildAround(std::move(models), std::move(device), options, Moves::kMaybeAPerson);
 }
 
-Expected<std::unique_ptr<Rig>> buildRigThatMovesNobody(Models models,
-                                                       std::unique_ptr<HapticDevice> device,
-                                                       const RigOptions& options) {
+Expected<std::unique_ptr<Rig>> buildRigWithoutPerson(Models models,
+                                                     std::unique_ptr<HapticDevice> device,
+                                                     const RigOptions& options) {
   return buildAround(std::move(models), std::move(device), options, Moves::kNobody);
 }
 

@@ -2,7 +2,7 @@
 
 #include "assembly/engines.hpp"
 #include "assembly/models.hpp"
-#include "control/certificate_fingerprint.hpp"
+#include "control/certificate/certificate_fingerprint.hpp"
 #include "control/coupling_gains.hpp"
 #include "core/tick_listener.hpp"
 #include "device/haptic_device.hpp"
@@ -21,27 +21,28 @@ namespace wholehand {
 struct RigOptions {
   double period_s = 1e-3;
   std::string engine = defaultEngine();
-  bool uncertified = false;  ///< allow gains that are not certified; where nobody is moved
-  /// What the run was certified as: it then renders nothing else. Without one it certifies itself.
+  bool uncertified = false;  ///< allow uncertified gains; only where nobody is moved
+  /// Certificate that the run must match; nothing else is rendered. Without one the run certifies
+  /// itself.
   struct NamedCertificate {
     std::string path;
     CertificateFingerprint fingerprint;
   };
   std::optional<NamedCertificate> certificate = std::nullopt;
-  /// The device at the worst corners of what was measured of it (commissioning/passport.hpp): the
-  /// gains must be certified with each of them, too, and the energy tank counts on the least
-  /// damping of all. Empty: nothing was measured.
+  /// The device at the worst corners of its passport (commissioning/passport.hpp). The gains must
+  /// be certified at each of them too, and the energy tank uses the least damping of all. Empty:
+  /// not measured.
   std::vector<DeviceModel> measured = {};
   /// Digest of the passport that a real device was armed with, or why it had none; empty on a
-  /// simulated or replayed device. Kept in recordings.
+  /// simulated or replayed device. Stored in recordings.
   std::string passport = {};
-  /// What that passport says, so that a recording can carry it; empty where there is none.
+  /// Text of that passport, stored in recordings; empty without one.
   std::string passport_text = {};
 };
 
-/// A renderer with everything it needs, built from models: the device (simulated unless one is
-/// given), the world, the gains. Owns all of it; addresses stay fixed. Closes the device at its
-/// end.
+/// A renderer and everything it needs, built from models: the device (simulated unless one is
+/// given), the world, the gains. Owns all parts at fixed addresses. Closes the device on
+/// destruction.
 struct Rig {
   Rig() = default;
   ~Rig();
@@ -51,48 +52,48 @@ struct Rig {
   Models models;
   RigOptions options;
   CouplingGains gains;
-  Diagnostics refused;  ///< why they are not certified; not empty only with `uncertified`
+  Diagnostics refused;  ///< why the gains are not certified; non-empty only with `uncertified`
   std::unique_ptr<HapticDevice> device;
-  std::unique_ptr<TickListener> listener;  ///< tells a simulated device's player; null on others
+  std::unique_ptr<TickListener> listener;  ///< for the player of a simulated device; null otherwise
   std::unique_ptr<PhysicsWorld> world;
   std::unique_ptr<HapticRenderer> renderer;
 };
 
-// All three refuse models that are larger than what a tick has room for.
+// All of these refuse models larger than a tick has room for.
 
 /// Builds a rig around a simulated device whose patient follows `intention`.
 [[nodiscard]] Expected<std::unique_ptr<Rig>> buildRig(Models models, Intention intention,
                                                       const RigOptions& options);
 
-/// The same where the patient does what a player wants.
+/// The same with a patient who follows a player.
 [[nodiscard]] Expected<std::unique_ptr<Rig>> buildRig(Models models, std::unique_ptr<Player> player,
                                                       const RigOptions& options);
 
-/// The same around any device. It may hold a person: `uncertified` is refused, and where it is not
-/// simulated() arm() asks for a passed rehearsal (assembly/rehearsal.hpp).
+/// The same around any device. It may hold a person: `uncertified` is refused, and unless the
+/// device is simulated(), arm() requires a passed rehearsal (assembly/rehearsal.hpp).
 [[nodiscard]] Expected<std::unique_ptr<Rig>> buildRig(Models models,
                                                       std::unique_ptr<HapticDevice> device,
                                                       const RigOptions& options);
 
-/// The same around a device that moves nobody, `uncertified` or not: a replayed or scripted one.
-/// arm() asks for no rehearsal.
-/// @pre whatever is written to the device, no person feels it
-[[nodiscard]] Expected<std::unique_ptr<Rig>> buildRigThatMovesNobody(
+/// The same around a device that moves nobody, such as a replayed or scripted one. `uncertified` is
+/// allowed, and arm() requires no rehearsal.
+/// @pre no person feels what is written to the device
+[[nodiscard]] Expected<std::unique_ptr<Rig>> buildRigWithoutPerson(
     Models models, std::unique_ptr<HapticDevice> device, const RigOptions& options);
 
-/// The coupling gains and why they are not certified (docs/certificate.md), with this hand and the
+/// The coupling gains, and why they are not certified (docs/certificate.md) with this hand and the
 /// walls of this exercise.
 struct CheckedGains {
   CouplingGains gains;
   Diagnostics refused;  ///< empty: certified
   CertificateFingerprint fingerprint;
 };
-/// @param measured the device at the corners of its passport; why one is refused says so
+/// @param measured the device at the corners of its passport; a refusal names the corner
 [[nodiscard]] Expected<CheckedGains> checkGains(const Models& models, double period_s,
                                                 const std::vector<DeviceModel>& measured = {});
 
-/// Why gains may not be rendered under these options: they are not certified, or the options name a
-/// certificate of others. Empty: they may.
+/// Why gains may not be rendered under these options: not certified, or the certificate of the
+/// options is for other gains. Empty: allowed.
 [[nodiscard]] Diagnostics refuseToRender(const CheckedGains& checked, const RigOptions& options);
 
 }  // namespace wholehand

@@ -20,12 +20,13 @@ void refuseAbove(int most, std::size_t count, const char* key, const char* what,
                      std::string("at most ") + std::to_string(most) + " " + what});
 }
 
-// From one limit to the other at the ramp's steepest: slower, neutral would come too late.
+// Slew from one limit to the other at the ramp's steepest. With less, neutral would be reached too
+// late.
 double leastSlew(const DeviceAxis& axis) {
   return 2.0 * axis.effort_limit * 1.5 / NeutralRampConfig{}.ramp_s;
 }
 
-// A limit of 0 renders nothing, one that is no number holds nothing.
+// A limit of 0 renders nothing; a NaN limits nothing.
 bool isLimit(double value) {
   return std::isfinite(value) && value > 0.0;
 }
@@ -34,7 +35,7 @@ bool isLimit(double value) {
 
 Diagnostics refuseTooLarge(const Models& m) {
   Diagnostics refused;
-  refuseAbove(kMaxBodies, m.scene.bodies.size(), "bodies", "bodies in a scene", refused);
+  refuseAbove(kMaxSceneBodies, m.scene.bodies.size(), "bodies", "bodies in a scene", refused);
   refuseAbove(kMaxLinks, m.hand.links.size(), "links", "links in a hand", refused);
   refuseAbove(kMaxJoints, static_cast<std::size_t>(std::max(m.hand.joint_count, 0)), "joints",
               "joints in a hand", refused);
@@ -80,7 +81,7 @@ Diagnostics refuseImpossibleLimits(const DeviceModel& device) {
              "the device could not carry its own weight");
     }
   }
-  if (!(device.power_limit_w > 0.0)) {  // infinity: none is held
+  if (!(device.power_limit_w > 0.0)) {  // infinity: no limit
     refuse("", "power_limit_w", device.power_limit_w, "limits nothing", "must be > 0");
   }
   return refused;
@@ -89,8 +90,8 @@ Diagnostics refuseImpossibleLimits(const DeviceModel& device) {
 Diagnostics refuseHeavyArmature(const Models& models, const CouplingGains& gains, double period_s) {
   Diagnostics refused;
   for (int a = 0; a < gains.axes; ++a) {
-    const DeviceAxis& axis = models.device.axes[static_cast<std::size_t>(a)];
-    const AxisRendering& rendering = models.rendering.axes[static_cast<std::size_t>(a)];
+    const DeviceAxis& axis = models.device.axes[a];
+    const AxisRendering& rendering = models.rendering.axes[a];
     const double felt = feltInertia(gains, a, period_s);
     if (!rendering.armature || felt <= axis.mass) continue;
     const bool translation = axis.kind == AxisKind::kTranslation;

@@ -18,7 +18,7 @@ namespace wholehand {
 namespace {
 
 constexpr std::chrono::milliseconds kStatusEvery{20};
-constexpr std::uint64_t kStatusTicks = 256;  // on the simulated clock
+constexpr std::uint64_t kStatusTicks = 256;  // interval on the simulated clock
 
 double rateOf(const TickSummary& summary, std::int64_t began_ns) {
   const double elapsed_s = static_cast<double>(monotonicNow_ns() - began_ns) * 1e-9;
@@ -39,7 +39,7 @@ TickSummary corrected(TickSummary summary, const SessionCounters& counted, doubl
 Expected<std::unique_ptr<Run>> Run::prepare(std::shared_ptr<Rig> rig, RunPlan plan) {
   std::unique_ptr<Run> run(new Run(std::move(rig), std::move(plan)));
   if (Expected<Done> kept = run->keepTrack(); !kept) {
-    run->rig_->renderer->disarm();  // the next arming finds nothing of this one
+    run->rig_->renderer->disarm();  // leaves no state for the next arming
     run->finish();
     return kept.errors();
   }
@@ -113,8 +113,8 @@ void Run::finish() {
   rig_->device->close();
   const WaitingFor disk("the disk: " +
                         (plan_.record.empty() ? "black box" : "recording " + plan_.record));
-  if (black_box_) black_box_said_ = keepBlackBox(*black_box_);
-  black_box_.reset();  // its memory, and its watch for crashes
+  if (black_box_) black_box_said_ = writeBlackBoxIfNeeded(*black_box_);
+  black_box_.reset();  // releases its memory and its crash handler
   if (hub_) {
     hub_->stop();
     failures_ = hub_->failures();

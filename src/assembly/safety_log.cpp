@@ -76,7 +76,7 @@ void SafetyLog::nameFault(const TickRecord& record, SafetyTransition& out) const
   const bool of_axis = record.fault_axis >= 0 && record.fault_axis < device_.axisCount();
   if (of_axis) {
     out.axis = record.fault_axis;
-    out.cause += " on " + device_.axes[static_cast<std::size_t>(out.axis)].name;
+    out.cause += " on " + device_.axes[out.axis].name;
   }
   if (!known_ && any(out.faults & Fault::kSpeedLimit)) out.cause += " since it was armed";
   measure(record, out);
@@ -85,7 +85,7 @@ void SafetyLog::nameFault(const TickRecord& record, SafetyTransition& out) const
   }
 }
 
-// What exceeded which limit, where a record tells it.
+// Fills in the value and its limit, where the record contains them.
 void SafetyLog::measure(const TickRecord& record, SafetyTransition& out) const {
   const double elapsed_s = static_cast<double>(record.elapsed_periods) * period_s_;
   if (any(out.faults & Fault::kLongGap)) {
@@ -94,7 +94,7 @@ void SafetyLog::measure(const TickRecord& record, SafetyTransition& out) const {
     out.unit = "s";
   }
   if (out.axis < 0 || out.axis >= record.q_m.size()) return;
-  const DeviceAxis& axis = device_.axes[static_cast<std::size_t>(out.axis)];
+  const DeviceAxis& axis = device_.axes[out.axis];
   const bool follows = known_ && last_tick_ + record.elapsed_periods == record.tick &&
                        last_q_m_.size() == record.q_m.size();
   if (any(out.faults & Fault::kWorkspace)) {

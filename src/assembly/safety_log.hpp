@@ -11,39 +11,39 @@
 
 namespace wholehand {
 
-/// The supervisor went from one state to the next.
+/// A state transition of the safety supervisor.
 struct SafetyTransition {
   std::uint64_t tick = 0;
   double time_s = 0.0;
   SafetyState from = SafetyState::kDisarmed, to = SafetyState::kDisarmed;
-  Fault faults = Fault::kNone;  ///< that stopped rendering; of a stop: who asked
-  int axis = -1;                ///< that a limit was exceeded on; -1: none
-  double value = 0.0;           ///< what exceeded it, in `unit`
-  double limit = 0.0;           ///< 0: none is known
+  Fault faults = Fault::kNone;  ///< faults that stopped rendering; for a stop, its origin
+  int axis = -1;                ///< axis that exceeded a limit; -1: none
+  double value = 0.0;           ///< value that exceeded the limit, in `unit`
+  double limit = 0.0;           ///< 0: unknown
   std::string unit;
-  std::string cause;  ///< in words
+  std::string cause;  ///< cause in words
 };
 
 /// "   1.250 s  rendering -> faulted: speed limit exceeded on x, 1.72 m/s of 1.5"
 [[nodiscard]] std::string describe(const SafetyTransition& transition);
 
-/// Reads the transitions of the safety supervisor, with their time and cause, off the stream of
-/// records: a run on the simulated clock tells them as well. Records in order, from one thread at a
-/// time; the rest from any. Locks: not for the tick.
+/// Extracts the transitions of the safety supervisor, with time and cause, from the stream of
+/// records; also on the simulated clock. Records in order, one thread at a time; other functions
+/// from any thread. Locks: not real-time safe.
 class SafetyLog {
  public:
-  /// @param told of every transition, in the thread that adds; may be null
+  /// @param told called for every transition, in the thread that adds; may be null
   SafetyLog(DeviceModel device, double period_s,
             std::function<void(const SafetyTransition&)> told = nullptr);
 
-  /// A tick that is not after the last one begins a session: what the last one went through is
-  /// forgotten, but not in which state it ended.
+  /// Adds a record. A tick number that does not increase begins a new session: its list is empty,
+  /// but the last state is kept.
   void add(const TickRecord& record);
 
   [[nodiscard]] SafetyState state() const;
-  /// Of the session.
+  /// Transitions of the session.
   [[nodiscard]] std::vector<SafetyTransition> transitions() const;
-  /// The one to kFaulted, with `to` kDisarmed where there was none in this session.
+  /// The transition to kFaulted; `to` is kDisarmed where the session had none.
   [[nodiscard]] SafetyTransition fault() const;
 
  private:
@@ -57,8 +57,8 @@ class SafetyLog {
 
   void beginSession();
 
-  // Of the thread that adds.
-  bool known_ = false;  ///< there was a record before, of the same session
+  // Used by the thread that adds.
+  bool known_ = false;  ///< a record of this session was added
   std::uint64_t last_tick_ = 0;
   AxisPosition last_q_m_;
   double stop_asked_s_ = -1.0;

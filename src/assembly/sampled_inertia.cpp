@@ -17,11 +17,11 @@ AxisMatrix reducedInertiaAt(const HandModel& hand, ArticulatedBody& body, const 
   return body.reducedInertia();
 }
 
-// A posture as one of three places on every axis: lower end, middle, upper end.
+// A posture: lower end, middle or upper end on every axis.
 using Places = std::vector<int>;
 
-// Every combination where the axes are few. Three to the power of many is too many: then as many as
-// for six axes, drawn at random, the same each time.
+// All combinations for few axes. For more, as many as for six axes, drawn at random but the same
+// each time.
 std::vector<Places> choosePlaces(std::size_t axes) {
   constexpr std::size_t kFew = 6;
   constexpr int kMost = 729;  // 3^6
@@ -37,7 +37,7 @@ std::vector<Places> choosePlaces(std::size_t axes) {
     return chosen;
   }
   for (int place = 0; place < 3; ++place) chosen.emplace_back(axes, place);
-  std::mt19937_64 random(1);  // NOLINT(cert-msc51-cpp): the same postures at every run
+  std::mt19937_64 random(1);  // same postures in every run
   while (chosen.size() < kMost) {
     Places places;
     while (places.size() < axes) places.push_back(static_cast<int>(random() % 3));
@@ -54,12 +54,12 @@ SampledInertia sampleInertia(const HandModel& hand, const DeviceModel& device) {
   out.at_reference = reducedInertiaAt(hand, body, hand.reference);
   std::vector<int> moving;
   for (int a = 0; a < device.axisCount(); ++a) {
-    if (device.axes[static_cast<std::size_t>(a)].kind == AxisKind::kRotation) moving.push_back(a);
+    if (device.axes[a].kind == AxisKind::kRotation) moving.push_back(a);
   }
   for (const Places& places : choosePlaces(moving.size())) {
     AxisPosition q_s(device.axisCount());
     for (std::size_t i = 0; i < moving.size(); ++i) {
-      const DeviceAxis& axis = device.axes[static_cast<std::size_t>(moving[i])];
+      const DeviceAxis& axis = device.axes[moving[i]];
       q_s[moving[i]] = axis.lower + 0.5 * places[i] * (axis.upper - axis.lower);
     }
     out.samples.push_back(reducedInertiaAt(hand, body, q_s));

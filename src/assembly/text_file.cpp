@@ -24,7 +24,7 @@ Expected<Done> checkWritable(const std::string& path) {
   std::error_code error;
   const fs::file_status there = fs::symlink_status(path, error);
   if (fs::is_directory(there)) return unwritable(path, "it is a folder");
-  // A new file takes its place: that must not happen to /dev/null or /dev/stdout.
+  // The file is replaced by a new one, which must not happen to /dev/null or /dev/stdout.
   if (fs::exists(there) && !fs::is_regular_file(there)) {
     return unwritable(path, "what is there is no ordinary file");
   }
@@ -57,7 +57,7 @@ Expected<Done> writeText(const std::string& path, const std::string& text) {
   return Done{};
 }
 
-// One file by whatever names, also where it is not there yet.
+// Whether two paths name one file, even if it does not exist yet.
 bool isSameFile(const std::string& a, const std::string& b) {
   std::error_code error;
   if (fs::equivalent(a, b, error)) return true;

@@ -45,7 +45,7 @@ void seal(Json& certificate, const CertificateFingerprint& about) {
     json[kFingerprintParts[i]] = {{"name", about.parts[i].name}, {"hash", about.parts[i].hash}};
   }
   certificate["fingerprint"] = json;
-  // As it is read back: what has no number (an infinite limit) is null in the file.
+  // Digest of the text as read back: infinite limits are null in the file.
   certificate["digest"] = digestOf(Json::parse(certificate.dump()));
 }
 

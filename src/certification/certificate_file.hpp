@@ -1,14 +1,14 @@
 #pragma once
 
-#include "control/certificate_fingerprint.hpp"
+#include "control/certificate/certificate_fingerprint.hpp"
 #include "core/expected.hpp"
 
 #include <string>
 
 namespace wholehand {
 
-/// What a certificate file (`certify --json`) is about, where it is whole and says certified; else
-/// why not. For RigOptions::certificate.
+/// Reads the fingerprint of a certificate file (`certify --json`). Refused unless the file is
+/// intact and certified. For RigOptions::certificate.
 [[nodiscard]] Expected<CertificateFingerprint> readCertificate(const std::string& path);
 
 }  // namespace wholehand

@@ -1,6 +1,6 @@
 #include "certification/certificate_seal.hpp"
 #include "certification/certificate_text.hpp"
-#include "control/certificate_refusal.hpp"
+#include "control/certificate/certificate_refusal.hpp"
 
 #include <fmt/format.h>
 

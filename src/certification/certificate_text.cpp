@@ -1,6 +1,6 @@
 #include "certification/certificate_text.hpp"
 
-#include "control/certificate_refusal.hpp"
+#include "control/certificate/certificate_refusal.hpp"
 #include "core/plural.hpp"
 
 #include <fmt/format.h>
@@ -12,7 +12,7 @@
 namespace wholehand {
 namespace {
 
-/// "1.27"; "-" where there is nothing to bear or no limit is stated.
+/// "1.27"; "-" where there is no wall or no limit.
 std::string marginWord(double margin) {
   return margin > 0.0 && std::isfinite(margin) ? fmt::format("{:.3g}", margin) : "-";
 }
@@ -23,12 +23,12 @@ std::string limitWord(double limit) {
   return limit < 1e4 ? fmt::format("{:.4g}", limit) : fmt::format("{:.0f}", limit);
 }
 
-/// "at 124 Hz"; what is slower than anybody moves is "at rest".
+/// "at 124 Hz"; "at rest" below 0.1 Hz.
 std::string frequencyWord(double frequency_hz) {
   return frequency_hz < 0.1 ? "at rest" : fmt::format("at {:.3g} Hz", frequency_hz);
 }
 
-// No table is wider than 80 letters: a terminal would break its lines.
+// Tables are at most 80 characters wide, so that terminals do not wrap them.
 
 std::string contactTable(const Certificate& c) {
   std::string out = fmt::format("{:>47}  worst spectral radius\n", "rigid");
@@ -82,7 +82,7 @@ std::string admittedTable(const AdvisedCertificate& judged) {
                            1.0 / judged.certificate.period_s);
 }
 
-/// What must change on one axis: "k_pm_n_m = 478, k_ps_per_s2 = 2910"; empty where nothing.
+/// Changes on one axis, e.g. "k_pm_n_m = 478"; empty where none.
 std::string change(const AxisCertificate& a, const NearestGains& to) {
   std::string out;
   const auto set = [&](const std::string& key, double present, double value) {
@@ -94,7 +94,7 @@ std::string change(const AxisCertificate& a, const NearestGains& to) {
   return out;
 }
 
-/// What to type into the rendering file; axes of one change together.
+/// Changes to type into the rendering file; axes with equal changes are listed together.
 std::string remedy(const AdvisedCertificate& judged) {
   if (!judged.nearest) {
     std::string out =
@@ -106,7 +106,7 @@ std::string remedy(const AdvisedCertificate& judged) {
     }
     return out;
   }
-  std::vector<std::pair<std::string, std::string>> changes;  // what, on which axes
+  std::vector<std::pair<std::string, std::string>> changes;  // change, axes
   for (std::size_t i = 0; i < judged.nearest->size(); ++i) {
     const AxisCertificate& a = judged.certificate.axes[i];
     const std::string what = change(a, (*judged.nearest)[i]);
@@ -132,7 +132,7 @@ std::string verdict(const AdvisedCertificate& judged) {
       fmt::format("in posture {} of {}", c.avatar.posture + 1, c.avatar.postures);
   std::string what;
   if (c.binding_axis >= 0) {
-    const AxisCertificate& a = c.axes[static_cast<std::size_t>(c.binding_axis)];
+    const AxisCertificate& a = c.axes[c.binding_axis];
     what = a.of.axis.name + ": " + finding(a);
   } else if (c.binding_criterion == Criterion::kCoupled) {
     what = fmt::format(

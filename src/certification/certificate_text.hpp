@@ -1,6 +1,6 @@
 #pragma once
 
-#include "control/certificate_advice.hpp"
+#include "control/certificate/certificate_advice.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -10,19 +10,19 @@
 
 namespace wholehand {
 
-/// A certificate with what follows from it.
+/// A certificate with its advice.
 struct AdvisedCertificate {
   CertificateInput input;
   Certificate certificate;
-  std::vector<AxisAdvice> advice;                    ///< one for each axis
-  std::optional<std::vector<NearestGains>> nearest;  ///< only where not certified
-  std::string corner;  ///< "the worst corner of the passport ...": input.device; empty: the file's
+  std::vector<AxisAdvice> advice;                    ///< one per axis
+  std::optional<std::vector<NearestGains>> nearest;  ///< only if not certified
+  std::string corner;  ///< "the worst corner of the passport ..."; empty: the device file
 };
 
-/// The tables and the sentence that `certify` prints.
+/// Tables and conclusion that `certify` prints.
 [[nodiscard]] std::string certificateText(const AdvisedCertificate& judged);
 
-/// What `certify --json` writes (docs/certificate.md); what has no limit is null.
+/// JSON of `certify --json` (docs/certificate.md); infinite limits are null.
 [[nodiscard]] nlohmann::ordered_json certificateJson(const AdvisedCertificate& judged);
 
 }  // namespace wholehand

@@ -14,9 +14,9 @@ namespace wholehand {
 namespace {
 
 constexpr double kKeyWithin_s = 60.0;
-constexpr double kKeySeen_s = 1.0;  // until a held key is seen again: the longest first repeat
+constexpr double kKeySeen_s = 1.0;  // longest delay of a key's first repeat
 
-// Tells the person that a motion is over, however it ends.
+// Tells the person when a motion is over, however it ends.
 class MotionEnd {
  public:
   MotionEnd(Operator& person, const Motion& motion) : person_(person), motion_(motion) {}
@@ -109,7 +109,7 @@ Expected<Done> Bench::awaitKey(const Motion& motion) {
   return Done{};
 }
 
-// Enabling may have taken long: a key that was pressed before it says nothing of now.
+// Enabling may take long, so a key press from before it no longer counts.
 Expected<Done> Bench::keyStillHeld() {
   for (double waited_s = 0.0; !person_->holdsKey(); waited_s += config_.period_s) {
     if (waited_s > kKeySeen_s || person_->gaveUp()) {
@@ -126,7 +126,7 @@ Expected<Done> Bench::enable() {
     return no("", "nobody has confirmed that nobody is attached", "do the step `home` first");
   }
   if (auto done = driver_->control(WH_ENABLE, 0.0); !done) {
-    (void)driver_->control(WH_DISABLE, 0.0);  // it may be half enabled
+    (void)driver_->control(WH_DISABLE, 0.0);  // it may be partly enabled
     return done;
   }
   guard_ = beginSession(++sessions_, clock_->now_ns(), config_);
@@ -143,7 +143,7 @@ Expected<Done> Bench::send(const std::vector<double>& effort, HostReason let_go)
   guard_ = advanceGuard(guard_, &command, let_go, 1, clock_->now_ns(), config_);
   ++command_.sequence;
   for (int i = 0; i < config_.neutral.size(); ++i) {
-    command_.effort[static_cast<std::size_t>(i)] = guard_.ramp.sent[i];
+    command_.effort[i] = guard_.ramp.sent[i];
   }
   for (std::size_t i = 0; i < place_.size(); ++i) {
     largest_share_ = std::max(largest_share_,
@@ -239,7 +239,7 @@ Expected<Done> Bench::home() {
   if (auto held = awaitKey(motion); !held) return held;
   Expected<Done> homed = driver_->control(WH_HOME, 0.0);
   const auto has_no_way = [](const Diagnostic& d) {
-    return d.problem.find(kHasNoWay) != std::string::npos;
+    return d.problem.find(kUnsupportedPrefix) != std::string::npos;
   };
   if (!homed && !std::all_of(homed.errors().begin(), homed.errors().end(), has_no_way)) {
     return homed;
@@ -268,7 +268,7 @@ Expected<double> Bench::dropWatchdog(double longest_s) {
     return no("", "the driver cannot drop its watchdog, and behind a host silence is the host's",
               "let the driver know WH_DROP_WATCHDOG, or commission it with --driver");
   }
-  // Where the driver cannot stop feeding by itself, silence does the same.
+  // Where the driver cannot stop feeding the watchdog, sending nothing has the same effect.
   (void)send(neutral(), HostReason::kNone);
   const std::int64_t began_ns = clock_->now_ns();
   double passed_s = 0.0;
@@ -279,7 +279,7 @@ Expected<double> Bench::dropWatchdog(double longest_s) {
     wh_sample now{};
     if (driver_->read(now) < 0) break;
     newest_ = now;
-    // By the clock: this machine may be late, and a silence must not pass for a shorter one.
+    // By the clock, because this machine may be late: the measured silence must not be too short.
     passed_s = static_cast<double>(clock_->now_ns() - began_ns) * 1e-9;
     let_go = (now.status & WH_SILENCED) != 0 || (now.status & WH_ENABLED) == 0;
   }

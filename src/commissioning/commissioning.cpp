@@ -103,7 +103,7 @@ Expected<Done> Commissioning::carryOut(CommissioningStep step) {
       &Commissioning::scaleAndTravel, &Commissioning::gravity,  &Commissioning::massFrictionDelay,
       &Commissioning::knownWeight,    &Commissioning::watchdog, &Commissioning::emergencyStop,
       &Commissioning::rangeStops,     &Commissioning::write};
-  done_.back() = false;  // whatever is measured anew, the passport speaks of the former
+  done_.back() = false;  // a new measurement makes the passport outdated
   Expected<Done> result = told(step, [&] { return (this->*kMethods.at(at))(); });
   done_.at(at) = result.ok();
   return result;
@@ -132,7 +132,7 @@ Expected<Done> Commissioning::identify() {
         "the driver says no serial number: a passport could not be told to be its own",
         "let the driver fill in wh_plugin.identify"};
   }
-  (void)bench_.driver().control(WH_IDENTIFY, 0.0);  // where it cannot, its label must do
+  (void)bench_.driver().control(WH_IDENTIFY, 0.0);  // optional: the device also has a label
   const auto is_this =
       askYes({Question::About::kThisDevice,
               fmt::format("Is this the device with serial number {} (firmware {}, {})? yes or no",

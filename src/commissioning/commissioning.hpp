@@ -12,7 +12,7 @@
 
 namespace wholehand {
 
-/// The steps of commissioning, in their order.
+/// Steps of commissioning, in order.
 enum class CommissioningStep {
   kIdentify,
   kHome,
@@ -33,16 +33,16 @@ inline constexpr int kCommissioningSteps = 11;
 struct CommissioningPlan {
   std::string operator_name;
   Day day{};
-  double measure_s = 20.0;  ///< of each axis's mass, friction and delay
-  /// Keeps the passport; tests keep it elsewhere.
+  double measure_s = 20.0;  ///< duration of the measurement of an axis
+  /// Writes the passport; tests write it elsewhere.
   std::function<Expected<Done>(const std::string& path, const std::string& text)> write;
-  /// Draws the passport.
+  /// Writes the passport's chart page.
   std::function<Expected<Done>(const ChartPage& charts, const std::string& path)> draw;
 };
 
 /// Leads a device through its commissioning (docs/commissioning.md). Each step tells the person
-/// what to do and what was found, can be repeated, and is refused by name where one before it is
-/// missing. A step that fails is not done any more. Not for the tick.
+/// what to do and what was found, can be repeated, and is refused by name when an earlier step is
+/// missing. A failed step counts as not done. Not real-time safe.
 class Commissioning {
  public:
   /// @pre bench outlives it
@@ -52,16 +52,16 @@ class Commissioning {
   [[nodiscard]] bool done(CommissioningStep step) const;
   /// The first step that is not done; kPassport where all are.
   [[nodiscard]] CommissioningStep next() const;
-  /// Number of the step under way; -1: none.
+  /// Number of the current step; -1: none.
   [[nodiscard]] int stepUnderWay() const { return step_under_way_; }
-  /// All that was found; complete once kPassport is done.
+  /// The findings so far; complete once kPassport is done.
   [[nodiscard]] const Passport& passport() const { return passport_; }
   [[nodiscard]] const std::string& path() const { return path_; }
 
-  /// The passport that the check of a day is for: refused where there is none, or it is no good.
+  /// The passport for the daily check. Refused where there is none or it is invalid.
   [[nodiscard]] Expected<Passport> passportInForce() const;
-  /// The two-minute check of a device that has a passport: zero, signs, watchdog, emergency stop.
-  /// Writes its file where all passed.
+  /// Runs the daily check of a device with a passport: zero, signs, watchdog, emergency stop.
+  /// Writes its file if all pass.
   [[nodiscard]] Expected<Done> checkToday();
 
  private:
@@ -88,14 +88,14 @@ class Commissioning {
   [[nodiscard]] Diagnostic no(std::size_t i, const std::string& problem,
                               const std::string& remedy) const;
   using Look = std::function<void(const std::vector<double>& position)>;
-  /// Asks, the device disabled, until the answer is yes or no.
+  /// Asks with the device disabled until the answer is yes or no.
   [[nodiscard]] Expected<bool> askYes(const Question& question);
-  /// Asks, the device disabled, until the answer is a number above 0.
+  /// Asks with the device disabled until the answer is a number above 0.
   [[nodiscard]] Expected<double> askNumber(const Question& question, const Look& look);
   void tell(const std::string& line, const std::vector<FoundFigure>& findings = {}) {
     bench_.person().tell(line, findings);
   }
-  /// One step, or a part of the daily check, told of from its beginning to its end.
+  /// Runs one step or part of the daily check and reports its beginning and end.
   [[nodiscard]] Expected<Done> told(CommissioningStep step,
                                     const std::function<Expected<Done>()>& do_it);
   [[nodiscard]] Expected<Done> atItsMark(const Passport& kept);
@@ -105,7 +105,7 @@ class Commissioning {
   CommissioningPlan plan_;
   Passport passport_;
   std::string path_;
-  std::vector<double> offset_;  ///< effort that carries each axis [N or N·m]
+  std::vector<double> offset_;  ///< effort that balances the gravity of each axis [N or N·m]
   std::array<bool, kCommissioningSteps> done_{};
   int step_under_way_ = -1;
 };

@@ -1,4 +1,4 @@
-// The steps that try what ends an effort where this program cannot: watchdog and emergency stop.
+// Steps that test the watchdog and the emergency stop, which act when this program cannot.
 #include "commissioning/commissioning.hpp"
 
 #include <fmt/format.h>
@@ -11,11 +11,11 @@ namespace {
 
 constexpr double kWatchdogSlack_s = 0.05;
 
-// What was seen of the device while its emergency stop was to be pressed.
+// What the samples showed while the emergency stop was to be pressed.
 struct StopSeen {
   enum What { kNever, kEnabled, kCut, kWatchdog } what = kNever;
   std::uint64_t sequence = 0;
-  int still = 0;  // looks without a new sample
+  int still = 0;  // consecutive reads without a new sample
 };
 constexpr int kSilentLooks = 20;
 
@@ -28,7 +28,7 @@ StopSeen lookAtStop(StopSeen seen, int result, const wh_sample& sample) {
   const bool enabled = (sample.status & WH_ENABLED) != 0;
   const bool fault = (sample.status & WH_DRIVE_FAULT) != 0;
   if (seen.what == StopSeen::kEnabled && (!enabled || fault)) {
-    // A drive that its watchdog has let go may say that it is not enabled, without any stop.
+    // A drive whose watchdog let go may report disabled without an emergency stop.
     const bool silenced = (sample.status & WH_SILENCED) != 0;
     seen.what = silenced && !fault ? StopSeen::kWatchdog : StopSeen::kCut;
   }

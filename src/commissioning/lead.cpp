@@ -13,7 +13,7 @@ Question nextStep(const std::string& text) {
   return {Question::About::kNextStep, text, "", "", 0.0, 0.0};
 }
 
-// The step that the person wants now; nothing: to end.
+// The step that the person chooses; nothing: to end.
 std::optional<CommissioningStep> chooseNext(Commissioning& commissioning, Operator& person) {
   const CommissioningStep next = commissioning.next();
   for (;;) {
@@ -38,7 +38,7 @@ bool leadCommissioning(Commissioning& commissioning, Operator& person) {
   while (step) {
     const auto done = commissioning.carryOut(*step);
     if (commissioning.done(CommissioningStep::kPassport)) return true;
-    // What went well leads on by itself.
+    // After success the next step follows automatically.
     step = done ? std::optional(commissioning.next()) : chooseNext(commissioning, person);
   }
   return false;

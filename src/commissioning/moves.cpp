@@ -13,16 +13,16 @@ namespace wholehand {
 namespace {
 
 constexpr double kDampingRatio = 0.7;
-constexpr double kFilter_s = 0.004;  // of the speed
-constexpr double kPush_s = 1.5;      // from nothing to the share that may be used
-constexpr double kMoved = 0.02;      // of the range: it has moved
-constexpr double kSweep = 0.04;      // of the range, to either side
+constexpr double kFilter_s = 0.004;  // time constant of the speed filter
+constexpr double kPush_s = 1.5;      // from zero to the allowed share
+constexpr double kMoved = 0.02;      // share of the range that counts as motion
+constexpr double kSweep = 0.04;      // amplitude, share of the range
 constexpr double kSweep_s = 1.2;     // each way
-constexpr double kDrive_s = 2.5;     // over the whole range
+constexpr double kDrive_s = 2.5;     // duration over the whole range
 constexpr double kArrived = 0.02;    // of the range
-constexpr double kArrive_s = 3.0;    // patience at the end
+constexpr double kArrive_s = 3.0;    // timeout at the end
 constexpr double kIntegral_per_s = 3.0;
-constexpr double kSmooth = 0.1;  // of the speed, each tick
+constexpr double kSmooth = 0.1;  // filter share per tick
 
 double rangeOf(const DeviceAxis& axis) {
   return axis.upper - axis.lower;
@@ -100,7 +100,7 @@ Expected<double> carryingEffort(Bench& bench, std::size_t axis, const std::vecto
         if (now.time_s == 0.0) {
           centre = std::clamp(now.position[axis], a.lower + 2.0 * reach, a.upper - 2.0 * reach);
         }
-        // Settle, up, down, up, down: the later half of each leg counts.
+        // Settle, up, down, up, down; the second half of each leg is evaluated.
         const double legs = now.time_s / kSweep_s - 1.0;
         if (legs >= 4.0) return false;
         const int leg = static_cast<int>(std::floor(legs));
@@ -109,7 +109,7 @@ Expected<double> carryingEffort(Bench& bench, std::size_t axis, const std::vecto
         const double goal =
             centre + (leg < 0 ? -reach : (up ? 2.0 * part - 1.0 : 1.0 - 2.0 * part) * reach);
         const double wanted_speed = leg < 0 ? 0.0 : (up ? 2.0 : -2.0) * reach / kSweep_s;
-        // From where it is, without a jump.
+        // Starts at the present position, without a jump.
         hold.target[axis] += (goal - hold.target[axis]) * std::min(1.0, bench.period_s() / 0.05);
         const double w = 2.0 * std::numbers::pi * kSpring_hz;
         integral += kIntegral_per_s * a.mass * w * w * (hold.target[axis] - now.position[axis]) *
@@ -182,7 +182,7 @@ Expected<Excited> excite(Bench& bench, std::size_t axis, const std::vector<doubl
         out.trace.position.push_back(now.position[axis]);
         out.taken_s.push_back(now.taken_s);
         if (before.empty()) before = now.position;
-        // By acceleration: what inertia links shows where it changes fast.
+        // Uses acceleration, where inertial coupling is visible.
         for (std::size_t i = 0; i < axes; ++i) {
           const double change = kSmooth * (now.position[i] - before[i] - filtered[i]);
           filtered[i] += change;

@@ -6,19 +6,19 @@
 #include <cstddef>
 #include <vector>
 
-/// What the steps let a device do. Every move holds the other axes where they are by soft springs.
+/// Moves of the commissioning steps. Every move holds the other axes in place by soft springs.
 namespace wholehand {
 
-/// Natural frequency of those springs, with the mass of the device file.
+/// Natural frequency of those springs, by the mass of the device file.
 inline constexpr double kSpring_hz = 2.0;
 
-/// Where axes are held: their efforts come from springs about these positions.
+/// Holds axes by springs about their target positions.
 class SoftHold {
  public:
-  /// @param offset effort that carries each axis [N or N·m]
+  /// @param offset effort that balances gravity on each axis [N or N·m]
   SoftHold(const Bench& bench, std::vector<double> offset);
 
-  /// Where each axis is to be; taken from the first call where it was not set [m or rad].
+  /// Target of each axis [m or rad]; initialised by the first hold() unless set.
   std::vector<double> target;
   /// Sets the effort of every axis.
   void hold(Bench::Now& now);
@@ -29,33 +29,33 @@ class SoftHold {
   std::vector<double> offset_, speed_, last_, position_;
 };
 
-/// How a slow push ended.
+/// Result of a slow push.
 struct Push {
-  std::size_t axis = 0;  ///< that moved most, of its range
-  double moved = 0.0;    ///< of its range, with its sign; 0: nothing moved
-  double share = 0.0;    ///< of the axis's effort limit that it took
+  std::size_t axis = 0;  ///< axis that moved most, relative to its range
+  double moved = 0.0;    ///< signed share of its range; 0: nothing moved
+  double share = 0.0;    ///< share of the effort limit that was needed
 };
 
-/// Raises the effort of one axis, in the direction of `sign`, until something moves by 2 % of its
-/// range; `moved` is 0 where nothing does at kCommissioningShare. No spring holds anything:
-/// signs are not known.
+/// Raises the effort of one axis in the direction of `sign` until something moves by 2 % of its
+/// range; `moved` is 0 where nothing does at kCommissioningShare. No springs hold the axes, because
+/// the signs are not known yet.
 [[nodiscard]] Expected<Push> pushSlowly(Bench& bench, std::size_t axis, double sign);
 
-/// The effort that carries an axis where it is: sweeps slowly to and fro and takes the middle of
-/// both directions, so that dry friction falls out [N or N·m].
+/// Effort that balances an axis where it is [N or N·m]: sweeps slowly to and fro and takes the mean
+/// of both directions, which cancels dry friction.
 [[nodiscard]] Expected<double> carryingEffort(Bench& bench, std::size_t axis,
                                               const std::vector<double>& offset);
 
-/// Drives one axis slowly to a position. Refused: it does not get there.
+/// Drives one axis slowly to a position. Refused: it does not arrive.
 [[nodiscard]] Expected<Done> driveTo(Bench& bench, std::size_t axis, double position,
                                      const std::vector<double>& offset);
 
-/// Excites one axis (identification/excitation.hpp).
+/// Result of the excitation of one axis (identification/excitation.hpp).
 struct Excited {
   AxisTrace trace;
-  std::vector<double> taken_s;  ///< when each of its ticks really came
-  /// Response of every axis to it: acceleration times the root of its mass, over that of the
-  /// excited one; 1 for itself. Two axes that an inertia c links respond with c / √(m₁ m₂).
+  std::vector<double> taken_s;  ///< actual time of each tick
+  /// Response of every axis: acceleration times the root of its mass, relative to the excited axis
+  /// (1). Two axes coupled by an inertia c respond with c / √(m₁ m₂).
   std::vector<double> response;
 };
 [[nodiscard]] Expected<Excited> excite(Bench& bench, std::size_t axis,

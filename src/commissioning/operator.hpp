@@ -10,76 +10,79 @@
 
 namespace wholehand {
 
-/// What the person is asked. A terminal prints the text; a page words it in its own language.
+/// A question to the person. A terminal prints the text; a page uses its own words and language.
 struct Question {
   enum class About : std::uint8_t {
     kThisDevice,      ///< yes or no
     kNobodyAttached,  ///< yes or no
-    kPushAway,        ///< an axis, by hand; answered when it is done
-    kTravel,          ///< of an axis between its stops: a number in `unit`
-    kKnownForce,      ///< that pulls an axis: a number in `unit`
-    kEmergencyStop,   ///< is to be pressed; answered when it is done
-    kNextStep         ///< empty: go on; the name of a step; "quit"
+    kPushAway,        ///< move an axis by hand; answered when done
+    kTravel,          ///< travel of an axis between its stops: a number in `unit`
+    kKnownForce,      ///< known force on an axis: a number in `unit`
+    kEmergencyStop,   ///< press the emergency stop; answered when done
+    kNextStep         ///< answer: empty for the next step, the name of a step, or "quit"
   };
   About about = About::kNextStep;
-  std::string text;  ///< in English, with how a terminal takes the answer
+  std::string text;  ///< in English, with the answers that a terminal accepts
   std::string axis, unit;
-  double lower = 0.0, upper = 0.0;  ///< where a good answer lies, in `unit`; both 0: not known
+  double lower = 0.0, upper = 0.0;  ///< plausible range in `unit`; both 0: unknown
 };
 
-/// What was found of an axis (of the device: no axis), for a person to read.
+/// A finding for people, of an axis or (no axis) of the device.
 struct FoundFigure {
   std::string axis;
   std::string quantity;  ///< "mass", "delay", "travel", ...
   std::string unit;
-  double lower = 0.0, upper = 0.0;  ///< equal: a number, not an interval
+  double lower = 0.0, upper = 0.0;  ///< equal for a single number
 };
 
-/// A move for which the key has to be held.
+/// A move during which the key must be held.
 struct Motion {
   enum class What : std::uint8_t { kHoming, kPush, kCarry, kDrive, kMeasure, kWatchdog };
   What what = What::kPush;
   std::string text;  ///< in English: "axis x is pushed in + direction"
   std::string axis;
-  double duration_s = 0.0;  ///< 0: not known
+  double duration_s = 0.0;  ///< 0: unknown
 };
 enum class MotionState : std::uint8_t { kAwaitsKey, kMoves, kOver };
 
-/// What became of a step.
+/// Progress of a step.
 struct StepNews {
   enum class What : std::uint8_t { kBegins, kDone, kFailed };
-  int step = 0;  ///< of CommissioningStep
+  int step = 0;  ///< number of a CommissioningStep
   What what = What::kBegins;
-  Diagnostics why;  ///< kFailed
+  Diagnostics why;  ///< for kFailed
 };
 
-/// The person who commissions a device: at a terminal, at a page, or a script in tests.
+/// Interface to the person who commissions a device: at a terminal, at a page, or a script in
+/// tests.
 class Operator {
  public:
   virtual ~Operator() = default;
-  /// One line, for reading, and what it says of the device in numbers.
+  /// Shows one line of text, and its findings as numbers.
   virtual void tell(const std::string& line, const std::vector<FoundFigure>& findings) = 0;
   virtual void tellStep(const StepNews& news) = 0;
-  /// kAwaitsKey: the person is to hold the key. Then kMoves, where the key was held; at last kOver.
+  /// Reports the state of a motion. kAwaitsKey: the person is to hold the key; then kMoves, if the
+  /// key was held; finally kOver.
   virtual void tellMotion(const Motion& motion, MotionState state) = 0;
-  /// Asks and waits; nothing: the person gave up.
-  /// @param meanwhile is called again and again until there is an answer, some 100 times a second
+  /// Asks and waits for the answer; nothing: the person gave up.
+  /// @param meanwhile called about 100 times a second until there is an answer
   [[nodiscard]] virtual std::optional<std::string> ask(const Question& question,
                                                        const std::function<void()>& meanwhile) = 0;
-  /// Whether the key is held without which nothing moves. Does not wait. What was pressed while
-  /// nobody looked does not count: after a pause it takes a moment until a held key is seen again.
+  /// Whether the dead-man key is held. Does not block. Presses during a pause between calls do not
+  /// count; after one it takes a moment until a held key is seen again.
   [[nodiscard]] virtual bool holdsKey() = 0;
-  /// The person has ended it, or the terminal is gone: neither a key nor an answer will come.
+  /// True once the person has ended the commissioning or the terminal is gone. No key or answer
+  /// will follow.
   [[nodiscard]] virtual bool gaveUp() = 0;
 };
 
-/// The time of commissioning: real, or simulated.
+/// Clock of the commissioning: real or simulated.
 class TickClock {
  public:
   virtual ~TickClock() = default;
-  /// Until the next tick begins; the first call begins the first one.
+  /// Waits for the next tick; the first call begins the first one.
   virtual void waitForTick() = 0;
-  /// CLOCK_MONOTONIC, or simulated [ns].
+  /// Time, CLOCK_MONOTONIC or simulated [ns].
   [[nodiscard]] virtual std::int64_t now_ns() const = 0;
 };
 

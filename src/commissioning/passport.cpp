@@ -16,9 +16,9 @@ namespace wholehand {
 namespace {
 
 constexpr const char* kRemedy = "measure the device again: wholehand device commission";
-constexpr double kDelaySlack = 0.1;  // of a period
+constexpr double kDelaySlack = 0.1;  // share of a period
 
-// The figures of an axis with their keys by kind.
+// A figure of an axis, with its keys by kind of axis.
 struct Figure {
   Interval PassportAxis::*of;
   const char* translation;

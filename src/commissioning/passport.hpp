@@ -10,60 +10,60 @@
 #include <string>
 #include <vector>
 
-/// What was measured of one device, kept beside its device file. Not for the tick.
+/// Measurements of one device, stored beside its device file. Not real-time safe.
 namespace wholehand {
 
 inline constexpr std::chrono::days kPassportLasts{30};
 
-/// One axis as measured: where each figure lies. SI; per radian for a rotation.
+/// Measured intervals of one axis. SI; per radian for a rotation.
 struct PassportAxis {
   std::string name;
   AxisKind kind = AxisKind::kTranslation;
   Interval mass;            ///< [kg or kg·m²]
   Interval damping;         ///< viscous [N·s/m or N·m·s/rad]
   Interval coulomb;         ///< dry friction [N or N·m]
-  Interval gravity;         ///< effort that holds it in the middle of its travel [N or N·m]
+  Interval gravity;         ///< effort that holds the axis in mid-range [N or N·m]
   Interval delay_s;         ///< from a command to its effect
-  double resolution = 0.0;  ///< smallest change of position that was read [m or rad]
-  double mark = 0.0;        ///< where it stood on the device's mark [m or rad]
+  double resolution = 0.0;  ///< smallest change of position read [m or rad]
+  double mark = 0.0;        ///< its position at the device's mark [m or rad]
 };
 
 struct Passport {
-  std::string path;  ///< where it was read; empty for one that was not
+  std::string path;  ///< file it was read from; empty if none
   DriverIdentity identity;
-  std::string driver;         ///< what it calls itself
+  std::string driver;         ///< name that the driver gives itself
   std::string device;         ///< name in the device file
   std::string device_sha256;  ///< of the device file's bytes
   std::string operator_name;
   Day measured_on{};
-  double rate_hz = 1000.0;  ///< ticks a second while it was measured
+  double rate_hz = 1000.0;  ///< tick rate of the measurement
   std::vector<PassportAxis> axes;
-  std::string sha256;  ///< its own digest; empty for one that was not read
+  std::string sha256;  ///< digest of the passport itself; empty if not read from a file
 };
 
-/// Where the passport of this device belongs: mine.toml and serial S-1 make mine.S-1.passport.toml.
-/// What a file's name should not hold becomes a dash.
+/// Path of the passport of a device: mine.toml and serial S-1 give mine.S-1.passport.toml.
+/// Characters unfit for a file name become dashes.
 [[nodiscard]] std::string passportPath(const std::string& device_file, const std::string& serial);
 
-/// The file's text, sealed.
+/// Text of the file, with its seal.
 [[nodiscard]] std::string passportText(const Passport& passport);
 
-/// Refused: a file that cannot be read, is truncated, was changed, is of another kind, or says what
-/// cannot be.
+/// Reads a passport. Refused: a file that cannot be read, is truncated, was changed, is of another
+/// kind, or contains impossible values.
 [[nodiscard]] Expected<Passport> readPassport(const std::string& path);
 
-/// Whether it has the axes of this device, in their order and kind.
+/// True if the passport has the axes of this device, in order and kind.
 [[nodiscard]] bool sameAxes(const Passport& passport, const DeviceModel& model);
 
-/// Whether the passport speaks of this device and file, today. Refused, each by name: another
-/// serial, firmware or SDK (foreign), a device file that was changed since, axes that differ, one
-/// older than kPassportLasts or from the future.
+/// Verifies that the passport is valid for this device and file today. Refused, each by name:
+/// another serial, firmware or SDK, a device file changed since, differing axes, a passport older
+/// than kPassportLasts or from the future.
 [[nodiscard]] Expected<Done> checkPassport(const Passport& passport, const DriverIdentity& identity,
                                            const DeviceModel& model, Day day);
 
-/// The device at the worst corners of what was measured, for the certificate: least damping and
-/// dry friction, largest delay and coarsest position, with every mass at its lower and at its upper
-/// end. A figure of the file stands where it is worse. Delays are whole periods, rounded up where
+/// The device at the worst corners of the measurement, for the certificate: least damping and dry
+/// friction, longest delay and coarsest position, with every mass at its lower and at its upper
+/// end. A value of the file is kept where it is worse. Delays are whole periods, rounded up where
 /// they exceed one by more than a tenth.
 /// @pre sameAxes()
 [[nodiscard]] std::vector<DeviceModel> worstCorners(const DeviceModel& model,

@@ -7,12 +7,12 @@
 namespace wholehand {
 namespace {
 
-constexpr double kMost = 2.0;  // shares of the file's number from 0 to this are drawn
+constexpr double kMost = 2.0;  // upper end of the scale, relative to the file's value
 
 struct Row {
   const char* figure;
   Interval measured;
-  double stated;  ///< by the device file
+  double stated;  ///< value of the device file
   std::string unit;
 };
 

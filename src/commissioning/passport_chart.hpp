@@ -6,9 +6,9 @@
 
 namespace wholehand {
 
-/// What was measured against what the device file states: for each axis and figure its interval, as
-/// a share of the file's number, which stands at 1. A figure that the file states as 0 has its
-/// interval in words only. Not for the tick.
+/// Chart of the measurement against the device file: for each axis and figure its interval relative
+/// to the file's value, which lies at 1. Where the file states 0, the interval is given in words
+/// only. Not real-time safe.
 /// @pre sameAxes()
 [[nodiscard]] ChartPage passportChart(const Passport& passport, const DeviceModel& device);
 

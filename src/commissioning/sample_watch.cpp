@@ -11,7 +11,7 @@
 namespace wholehand {
 namespace {
 
-constexpr double kSpeedOver_s = 0.01;  // a speed is judged over so long
+constexpr double kSpeedOver_s = 0.01;  // window of the speed check
 constexpr std::uint32_t kNeeded = WH_ENABLED | WH_HOMED;
 
 }  // namespace
@@ -57,7 +57,7 @@ Expected<Done> SampleWatch::judgeStatus(const wh_sample& sample) const {
   return Done{};
 }
 
-// In ticks, not in time: where this machine stood still, the device need not have.
+// Counts ticks, not time: a stall of this machine is no stall of the device.
 Expected<Done> SampleWatch::judgeAge(const wh_sample& sample) {
   const bool first = tick_ == 0;
   const bool backwards = !first && (sample.sequence < sequence_ || sample.monotonic_ns < taken_ns_);
@@ -75,7 +75,7 @@ Expected<Done> SampleWatch::judgeMotion(const std::vector<double>& now) {
   std::vector<double>& before = seen_[tick_ % seen_.size()];
   for (std::size_t i = 0; i < now.size(); ++i) {
     const DeviceAxis& axis = model_->axes[i];
-    // A person may have left it at a stop: from there it may come back.
+    // A person may have left the axis at a stop; it may return from there.
     const double lower = std::min(axis.lower, start_[i]), upper = std::max(axis.upper, start_[i]);
     if (std::max(now[i] - upper, lower - now[i]) > axis.workspace_margin) {
       return no(axis.name, "is beyond its range", "bring it back by hand, and repeat the step");

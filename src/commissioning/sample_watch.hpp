@@ -11,21 +11,22 @@
 
 namespace wholehand {
 
-/// Judges every sample of a device that is moved under supervision, from the beginning of a move
-/// to its end. Axes are in the order of the device file.
+/// Checks every sample of a device that is moved under supervision, from the beginning of a move to
+/// its end. Axes are in the order of the device file.
 class SampleWatch {
  public:
   /// @param place axis of the file → axis of the driver
   /// @param period_s between two samples
   SampleWatch(const DeviceModel& model, std::vector<std::size_t> place, double period_s);
 
-  /// A move begins: what was seen before is forgotten.
+  /// Begins a move and clears the history.
   void begin();
-  /// Refused, by name: an axis without a finite position.
+  /// Positions of a sample. Refused: an axis without a finite position.
   [[nodiscard]] Expected<std::vector<double>> positions(const wh_sample& sample) const;
-  /// Refused, by name: a drive in fault, not enabled or homed, a watchdog that let go, samples that
-  /// stand still for longer than longestStill_s() or run backwards, an axis without a position,
-  /// beyond its range or faster than its speed limit. The positions, else.
+  /// Checks a sample and returns its positions. Refused, each with its own message: a drive in
+  /// fault, not enabled or not homed, a triggered watchdog, samples that stand still for longer
+  /// than longestStill_s() or go back in time, an axis without a position, beyond its range or
+  /// faster than its speed limit.
   [[nodiscard]] Expected<std::vector<double>> judge(const wh_sample& sample);
 
  private:
@@ -38,8 +39,8 @@ class SampleWatch {
   const DeviceModel* model_;
   std::vector<std::size_t> place_;
   double period_s_;
-  std::vector<double> start_;              ///< where the move began
-  std::vector<std::vector<double>> seen_;  ///< a ring: positions of the last kSpeedOver_s
+  std::vector<double> start_;              ///< position at the beginning of the move
+  std::vector<std::vector<double>> seen_;  ///< ring buffer: positions of the last kSpeedOver_s
   std::size_t tick_ = 0, still_ = 0;
   std::uint64_t sequence_ = 0;
   std::int64_t taken_ns_ = 0;

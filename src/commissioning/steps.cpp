@@ -1,4 +1,4 @@
-// What is measured and tried in each step of Commissioning.
+// Measurements and tests of each step of Commissioning.
 #include "commissioning/commissioning.hpp"
 #include "commissioning/identification/even_trace.hpp"
 #include "commissioning/identification/identify_axis.hpp"
@@ -12,16 +12,16 @@
 namespace wholehand {
 namespace {
 
-constexpr double kByHand = 0.05;  // of the range: moved by hand
-constexpr double kOthers = 0.5;   // of what the pushed axis moved
+constexpr double kByHand = 0.05;  // share of the range that counts as moved by hand
+constexpr double kOthers = 0.5;   // share of the pushed axis's motion
 constexpr double kScaleWithin = 0.05;
-constexpr double kWrapped = 0.25;     // of the range between two samples
-constexpr double kStopWithin = 0.02;  // of the range
+constexpr double kWrapped = 0.25;     // share of the range between two samples
+constexpr double kStopWithin = 0.02;  // share of the range
 constexpr double kWeightWithin = 0.1;
 constexpr double kCross = 0.1;
-constexpr int kMostDelay_ticks = 8;  // of a device file
+constexpr int kMostDelay_ticks = 8;  // largest value of a device file
 
-// Where + leads, for a person in front of the device.
+// Meaning of the + direction for a person in front of the device.
 std::string plus(const DeviceAxis& axis) {
   if (axis.name == "x") return "away from you";
   if (axis.name == "y") return "to your left";
@@ -80,7 +80,7 @@ Expected<Done> Commissioning::pushAway(std::size_t i) {
   return Done{};
 }
 
-// Whether the axis follows its effort; false: nothing moves, as where it stands at a stop.
+// Whether the axis follows its effort; false: nothing moves, as at a stop.
 Expected<bool> Commissioning::movesWith(std::size_t i, double sign) {
   const auto push = pushSlowly(bench_, i, sign);
   if (!push) return push.errors();
@@ -107,7 +107,8 @@ Expected<bool> Commissioning::movesWith(std::size_t i, double sign) {
   return true;
 }
 
-// Both ways: an axis that its own weight moves would follow one of them whatever its motor does.
+// Pushes both ways: an axis driven by its own weight would follow one of them whatever its motor
+// does.
 Expected<Done> Commissioning::motorSign(std::size_t i) {
   const auto up = movesWith(i, 1.0);
   if (!up) return up.errors();
@@ -183,7 +184,7 @@ Expected<Done> Commissioning::scaleAndTravel() {
 }
 
 Expected<Done> Commissioning::measure(std::size_t i) {
-  // Between ends that have a place for the whole motion.
+  // Starts between ends that leave room for the whole motion.
   const double middle = 0.5 * (axis(i).lower + axis(i).upper);
   if (auto there = driveTo(bench_, i, middle, offset_); !there) return there;
   const auto excited = excite(bench_, i, offset_, plan_.measure_s);

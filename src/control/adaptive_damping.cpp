@@ -7,8 +7,7 @@ namespace wholehand {
 
 namespace {
 
-/// ρ of Algorithm 1 with the dead band. Comparisons are written so that NaN falls on the side of
-/// more damping.
+/// ρ of Algorithm 1 with the dead band. The comparisons let NaN lead to more damping.
 double activation(double effort, double effort_dead, double effort_full) noexcept {
   if (!std::isfinite(effort)) return 1.0;
   const double magnitude = std::abs(effort);
@@ -24,21 +23,21 @@ double activate(double phi, double effort, double effort_dead, double effort_ful
   const double elapsed_s = std::max(elapsed_periods, 1) * period_s;
   const double kept = decay_s > 0.0 ? std::exp(-elapsed_s / decay_s) : 0.0;
   const double decayed = kept * phi;
-  return decayed > rho ? std::min(decayed, 1.0) : rho;  // a NaN φ is forgotten
+  return decayed > rho ? std::min(decayed, 1.0) : rho;  // a NaN φ is discarded
 }
 
 AdaptiveDampingConfig makeAdaptiveDamping(const DeviceModel& device,
                                           const RenderingConfig& rendering) {
   const int n = device.axisCount();
-  AdaptiveDampingConfig config{
-      n, AxisEffort(n), AxisEffort(n), AxisRatio(n), AxisRatio(n), AxisRatio(n)};
+  AdaptiveDampingConfig config{n,           AxisEffort(n), AxisEffort(n),
+                               AxisTime(n), AxisFlag(n),   AxisFlag(n)};
   for (int i = 0; i < n; ++i) {
     const AxisRendering& axis = rendering.axes[i];
     config.effort_dead[i] = axis.effort_dead;
     config.effort_full[i] = axis.effort_full;
     config.decay_s[i] = axis.decay_s;
-    config.hand_axis[i] = device.axes[i].group == AxisGroup::kHand ? 1.0 : 0.0;
-    config.palm_contact[i] = axis.palm_contact ? 1.0 : 0.0;
+    config.hand_axis[i] = device.axes[i].group == AxisGroup::kHand;
+    config.palm_contact[i] = axis.palm_contact;
   }
   return config;
 }
@@ -53,16 +52,16 @@ AdaptiveDampingState adaptDamping(const AdaptiveDampingState& state, const AxisE
     const double before = i < state.own.size() ? state.own[i] : 0.0;
     next.own[i] = activate(before, effort[i], config.effort_dead[i], config.effort_full[i],
                            config.decay_s[i], elapsed_periods, period_s);
-    if (config.hand_axis[i] != 0.0) {
+    if (config.hand_axis[i]) {
       any_hand_axis = true;
       hand_phi = std::max(hand_phi, next.own[i]);
     }
   }
   for (int i = 0; i < config.axes; ++i) {
-    if (config.hand_axis[i] != 0.0 || !any_hand_axis) {
+    if (config.hand_axis[i] || !any_hand_axis) {
       next.phi[i] = next.own[i];
     } else {
-      next.phi[i] = config.palm_contact[i] != 0.0 ? std::max(hand_phi, next.own[i]) : hand_phi;
+      next.phi[i] = config.palm_contact[i] ? std::max(hand_phi, next.own[i]) : hand_phi;
     }
   }
   return next;

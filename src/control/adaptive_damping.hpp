@@ -9,9 +9,9 @@
 
 namespace wholehand {
 
-/// Algorithm 1 for one axis as a one-state recursion: φ ← max(ρ, e^{−kT/τ} φ),
-/// ρ = clamp((|f| − f_d)/(f₀ − f_d), 0, 1). A non-finite effort counts as ρ = 1 (more damping, the
-/// safe side); f₀ ≤ f_d makes ρ a step at f_d; τ ≤ 0 decays at once. Pure, real-time safe.
+/// Algorithm 1 for one axis as a one-state recursion: φ ← max(ρ, e^{−kT/τ} φ), ρ = clamp((|f| −
+/// f_d)/(f₀ − f_d), 0, 1). A non-finite effort counts as ρ = 1 (more damping is the safe side).
+/// With f₀ ≤ f_d, ρ is a step at f_d. With τ ≤ 0, φ decays at once. Pure, real-time safe.
 /// @param elapsed_periods k = 1 + skipped ticks.
 [[nodiscard]] WHOLEHAND_RT double activate(double phi, double effort, double effort_dead,
                                            double effort_full, double decay_s, int elapsed_periods,
@@ -22,9 +22,9 @@ struct AdaptiveDampingConfig {
   int axes = 0;
   AxisEffort effort_dead;  ///< f_d
   AxisEffort effort_full;  ///< f₀
-  AxisRatio decay_s;       ///< τ_dec [s]
-  AxisRatio hand_axis;     ///< 1: drives the hand's joints, 0: carries the hand
-  AxisRatio palm_contact;  ///< 1: the base axis also has its own φ
+  AxisTime decay_s;        ///< τ_dec
+  AxisFlag hand_axis;      ///< true: drives joints of the hand; false: base axis
+  AxisFlag palm_contact;   ///< the base axis also has its own φ
 };
 [[nodiscard]] AdaptiveDampingConfig makeAdaptiveDamping(const DeviceModel& device,
                                                         const RenderingConfig& rendering);
@@ -34,10 +34,10 @@ struct AdaptiveDampingState {
   AxisRatio phi;  ///< diagonal of Φ, Eq. (5)
 };
 
-/// Algorithm 1 on every axis, then Eq. (5): a hand axis has its own φ; a base axis the largest φ of
-/// the hand axes, or its own where the device has no hand axes, or the larger of both where
-/// palm_contact is set. Pure, real-time safe.
-/// @param effort f_coupling + f_e, without the damping term (else φ would feed itself).
+/// Algorithm 1 on every axis, then Eq. (5). A hand axis uses its own φ. A base axis uses the
+/// largest φ of the hand axes; its own without hand axes; the larger of both where palm_contact is
+/// set. Pure, real-time safe.
+/// @param effort f_coupling + f_e, without the damping term (φ must not feed back on itself).
 [[nodiscard]] WHOLEHAND_RT AdaptiveDampingState adaptDamping(const AdaptiveDampingState& state,
                                                              const AxisEffort& effort,
                                                              const AdaptiveDampingConfig& config,

@@ -1,7 +1,7 @@
 #include "control/avatar_loop.hpp"
 
+#include "control/certificate/gain_search.hpp"
 #include "control/coupling_gains.hpp"
-#include "control/gain_search.hpp"
 #include "control/stability.hpp"
 
 #include <Eigen/Cholesky>
@@ -10,16 +10,16 @@
 
 namespace wholehand {
 
-Eigen::MatrixXd avatarLoopMatrix(const AxisMatrix& reduced_inertia, const AxisRatio& k_pm,
+Eigen::MatrixXd avatarLoopMatrix(const AxisMatrix& reduced_inertia, const AxisStiffness& k_pm,
                                  double period_s) {
   const Eigen::Index n = reduced_inertia.rows();
   const Eigen::MatrixXd m = reduced_inertia;
   const Eigen::LLT<Eigen::MatrixXd> cholesky(m);
-  if (cholesky.info() != Eigen::Success) {  // singular: nothing moves such a hand in order
+  if (cholesky.info() != Eigen::Success) {  // singular: such a hand has no valid dynamics
     return Eigen::MatrixXd::Constant(2 * n, 2 * n, std::numeric_limits<double>::infinity());
   }
   const Eigen::MatrixXd inverse = cholesky.solve(Eigen::MatrixXd::Identity(n, n));
-  const AxisRatio damping = avatarDamping(reduced_inertia, k_pm, period_s);
+  const AxisDamping damping = avatarDamping(reduced_inertia, k_pm, period_s);
   Eigen::MatrixXd out = Eigen::MatrixXd::Identity(2 * n, 2 * n);
   auto velocity = out.bottomRows(n);
   velocity.leftCols(n) = -period_s * inverse * k_pm.vec().asDiagonal();
@@ -28,9 +28,9 @@ Eigen::MatrixXd avatarLoopMatrix(const AxisMatrix& reduced_inertia, const AxisRa
   return out;
 }
 
-ShakingPosture worstPosture(const std::vector<AxisMatrix>& inertias, const AxisRatio& k_pm,
-                            double period_s) {
-  ShakingPosture worst;
+WorstPosture worstPosture(const std::vector<AxisMatrix>& inertias, const AxisStiffness& k_pm,
+                          double period_s) {
+  WorstPosture worst;
   for (std::size_t p = 0; p < inertias.size(); ++p) {
     const double radius = spectralRadius(avatarLoopMatrix(inertias[p], k_pm, period_s));
     if (!(radius <= worst.radius)) worst = {radius, p};
@@ -38,18 +38,18 @@ ShakingPosture worstPosture(const std::vector<AxisMatrix>& inertias, const AxisR
   return worst;
 }
 
-double allowedFactor(const std::vector<AxisMatrix>& inertias, const AxisRatio& k_pm,
-                     double period_s, double most) {
+double largestStableFactor(const std::vector<AxisMatrix>& inertias, const AxisStiffness& k_pm,
+                           double period_s, double most) {
   const auto times = [&k_pm](double factor) {
-    AxisRatio out = k_pm;
+    AxisStiffness out = k_pm;
     out.vec() *= factor;
     return out;
   };
-  // Bisects in the worst posture alone, then looks at all again: a search over all at once would
+  // Bisects in the worst posture only, then checks all postures again. Searching all at once would
   // take seconds.
   double factor = most;
-  ShakingPosture worst = worstPosture(inertias, times(factor), period_s);
-  // Each round takes another posture for the worst one.
+  WorstPosture worst = worstPosture(inertias, times(factor), period_s);
+  // Each round finds another worst posture.
   for (std::size_t i = 0; i < inertias.size() && factor > 0.0 && worst.radius >= 1.0; ++i) {
     factor = roundedDown(largestAllowed(factor, [&](double f) {
       return spectralRadius(avatarLoopMatrix(inertias[worst.posture], times(f), period_s)) < 1.0;

@@ -3,7 +3,7 @@
 namespace wholehand {
 
 AxisEffort avatarEffort(const AxisPosition& q_m, const AxisVelocity& qd_mf, const AxisPosition& q_s,
-                        const AxisVelocity& qd_s, const AxisRatio& avatar_damping,
+                        const AxisVelocity& qd_s, const AxisDamping& avatar_damping,
                         const CouplingGains& gains) noexcept {
   AxisEffort f_s(gains.axes);
   for (int i = 0; i < gains.axes; ++i) {
@@ -14,7 +14,7 @@ AxisEffort avatarEffort(const AxisPosition& q_m, const AxisVelocity& qd_mf, cons
 
 AxisEffort couplingEffort(const AxisPosition& q_m, const AxisVelocity& qd_mf,
                           const AxisPosition& q_s, const AxisVelocity& qd_s,
-                          const AxisRatio& avatar_damping, const CouplingGains& gains) noexcept {
+                          const AxisDamping& avatar_damping, const CouplingGains& gains) noexcept {
   AxisEffort f(gains.axes);
   for (int i = 0; i < gains.axes; ++i) {
     f[i] = gains.k_pm[i] * (q_s[i] - q_m[i]) +

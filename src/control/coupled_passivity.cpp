@@ -19,8 +19,8 @@ using ComplexMatrix = Eigen::MatrixXcd;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kLowest_rad = 2e-5;
-/// Frequencies of a sweep in every posture, and of one in the posture that needs most.
-constexpr double kEven_rad = 0.06;
+constexpr double kEven_rad = 0.06;  // spacing: logarithmic below, even above
+/// Frequencies of the coarse sweep in every posture, and of the fine one in the worst posture.
 constexpr int kCoarse = 32, kFine = 400;
 constexpr double kGolden = 0.6180339887498949;
 
@@ -39,8 +39,7 @@ struct Point {
   bool drives = false;      ///< Re R is positive definite
 };
 
-/// Re A₀ is affine in Φ and α: a corner is the least. Stiffness and damping of several walls are
-/// taken at their largest, each in turn.
+/// Least Re A₀. It is affine in Φ and in the α of each wall, so the minimum lies at a corner.
 double leastFree(const AxisCase& c, Complex hold, Complex derivative, double felt_damping) {
   const double spring = hold.real(), damper = (hold * derivative).real();
   double least =
@@ -57,13 +56,13 @@ Point look(const CoupledCase& c, const AxisMatrix& inertia, double angle_rad) {
   const auto n = static_cast<Eigen::Index>(c.axes.size());
   const Complex z = std::polar(1.0, angle_rad), late = std::polar(1.0, -c.delay_ticks * angle_rad);
   const Complex held = t / (z - 1.0);
-  AxisRatio k_pm(static_cast<int>(n));
-  for (int i = 0; i < k_pm.size(); ++i) k_pm[i] = c.axes[static_cast<std::size_t>(i)].gains.k_pm;
-  const AxisRatio damping = avatarDamping(inertia, k_pm, t);
+  AxisStiffness k_pm(static_cast<int>(n));
+  for (int i = 0; i < k_pm.size(); ++i) k_pm[i] = c.axes[i].gains.k_pm;
+  const AxisDamping damping = avatarDamping(inertia, k_pm, t);
   Point out;
   Eigen::MatrixXd real = inertia * ((1.0 - std::cos(angle_rad)) / t);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const AxisCase& axis = c.axes[static_cast<std::size_t>(i)];
+    const AxisCase& axis = c.axes[i];
     const int a = static_cast<int>(i);
     const double tau_s = 1.0 / (2.0 * std::numbers::pi * axis.gains.velocity_filter_hz);
     const Complex derivative = (z - 1.0) / ((tau_s + t) * z - tau_s);
@@ -82,7 +81,7 @@ Point look(const CoupledCase& c, const AxisMatrix& inertia, double angle_rad) {
   return out;
 }
 
-/// b^-½ (E (4 λ Re R)⁻¹ Eᴴ − Re A₀) b^-½: its largest eigenvalue is the share of b that is needed.
+/// b^-½ (E (4 λ Re R)⁻¹ Eᴴ − Re A₀) b^-½. Its largest eigenvalue is the required share of b.
 ComplexMatrix needed(const Point& at, double lambda) {
   const auto n = static_cast<Eigen::Index>(at.ports.size());
   ComplexMatrix out(n, n);
@@ -92,10 +91,9 @@ ComplexMatrix needed(const Point& at, double lambda) {
   }
   for (Eigen::Index i = 0; i < n; ++i) {
     for (Eigen::Index k = 0; k < n; ++k) {
-      out(i, k) = e[static_cast<std::size_t>(i)] * at.inverse(i, k) *
-                  std::conj(e[static_cast<std::size_t>(k)]) / (4.0 * lambda);
+      out(i, k) = e[i] * at.inverse(i, k) * std::conj(e[k]) / (4.0 * lambda);
     }
-    const Port& p = at.ports[static_cast<std::size_t>(i)];
+    const Port& p = at.ports[i];
     out(i, i) -= p.free / p.b;
   }
   return out;
@@ -107,7 +105,7 @@ double shareAt(const Point& at, double lambda) {
   return solver.info() == Eigen::Success ? solver.eigenvalues().maxCoeff() : kInfinite;
 }
 
-/// The same as if the avatar's inertia coupled nothing.
+/// The same with an inertia that couples no axes.
 double shareOfAxes(const Point& at, double lambda) {
   double most = -kInfinite;
   for (std::size_t i = 0; i < at.ports.size(); ++i) {
@@ -120,9 +118,9 @@ double shareOfAxes(const Point& at, double lambda) {
   return most;
 }
 
-/// The best λ, by golden section on its logarithm: what passes is an interval (the condition is
-/// affine in λ and a matrix), so there is one valley. It lies among the axes' own best,
-/// |Q_m|/|Q_s|.
+/// The best λ, by golden section on its logarithm. The condition is affine in λ and a matrix, so
+/// the passing values form an interval and the minimum is unique. It lies among the axes' own best
+/// values, |Q_m|/|Q_s|.
 template <class Share>
 double bestLambda(const Point& at, Share share, int steps) {
   double low = kInfinite, high = -kInfinite;
@@ -154,7 +152,7 @@ double bestLambda(const Point& at, Share share, int steps) {
   return std::exp(0.5 * (low + high));
 }
 
-/// A quarter of them on the logarithm towards rest, the others evenly to Nyquist.
+/// A quarter of the angles is logarithmic towards zero; the others are even up to Nyquist.
 double angleAt(int i, int count) {
   const int slow = count / 4;
   if (i <= slow) {
@@ -163,8 +161,8 @@ double angleAt(int i, int count) {
   return kEven_rad + (std::numbers::pi - kEven_rad) * (i - slow) / (count - slow);
 }
 
-/// @param worst so far: what needs less is not looked at closely
-CoupledNeed needAt(const CoupledCase& c, std::size_t posture, double angle_rad, double worst) {
+/// @param worst share so far; points that need less are not refined
+RequiredShare needAt(const CoupledCase& c, std::size_t posture, double angle_rad, double worst) {
   const double frequency_hz = angle_rad / (2.0 * std::numbers::pi * c.period_s);
   const Point at = look(c, c.inertias[posture], angle_rad);
   if (!at.drives) return {kInfinite, frequency_hz, 1.0, posture};
@@ -183,7 +181,7 @@ CoupledCase coupledCase(const CertificateInput& input) {
   CoupledCase c;
   c.delay_ticks = input.device.output_delay_ticks;
   c.period_s = input.period_s;
-  AxisRatio armature(input.device.axisCount());
+  AxisInertia armature(input.device.axisCount());
   for (int i = 0; i < input.device.axisCount(); ++i) {
     c.axes.push_back(axisCase(input, i));
     armature[i] = c.axes.back().armature();
@@ -193,11 +191,11 @@ CoupledCase coupledCase(const CertificateInput& input) {
   return c;
 }
 
-CoupledNeed requiredShare(const CoupledCase& c) {
-  CoupledNeed worst{-kInfinite, 0.0, 1.0, 0};
+RequiredShare requiredShare(const CoupledCase& c) {
+  RequiredShare worst{-kInfinite, 0.0, 1.0, 0};
   const auto sweep = [&](std::size_t posture, int count) {
     for (int i = 0; i <= count && worst.share < kInfinite; ++i) {
-      const CoupledNeed found = needAt(c, posture, angleAt(i, count), worst.share);
+      const RequiredShare found = needAt(c, posture, angleAt(i, count), worst.share);
       if (found.share > worst.share) worst = found;
     }
   };

@@ -12,8 +12,9 @@ namespace wholehand {
 
 namespace {
 
-/// k_p up to which no armature is added: beyond it a lighter avatar gains little, since the
-/// velocity filter's lag rules the felt mass, and at 1 kHz the tick would resolve it less and less.
+/// k_p up to which no armature is added. A lighter avatar gains little beyond it, because the lag
+/// of the velocity filter dominates the felt mass, and at 1 kHz the tick would resolve it less and
+/// less.
 constexpr double kLargestWithoutArmaturePerS2 = 5e4;
 
 Diagnostic fault(const RenderingConfig& rendering, std::string key, std::string value,
@@ -56,15 +57,15 @@ double armatureOf(const AxisRendering& axis, double inertia) noexcept {
   return axis.armature.value_or(ruleArmature(axis.k_pm, inertia));
 }
 
-AxisMatrix withArmature(const AxisMatrix& reduced_inertia, const AxisRatio& armature) {
+AxisMatrix withArmature(const AxisMatrix& reduced_inertia, const AxisInertia& armature) {
   AxisMatrix out = reduced_inertia;
   for (int i = 0; i < armature.size(); ++i) out(i, i) += armature[i];
   return out;
 }
 
-AxisRatio avatarDamping(const AxisMatrix& reduced_inertia, const AxisRatio& k_pm,
-                        double period_s) noexcept {
-  AxisRatio out(k_pm.size());
+AxisDamping avatarDamping(const AxisMatrix& reduced_inertia, const AxisStiffness& k_pm,
+                          double period_s) noexcept {
+  AxisDamping out(k_pm.size());
   for (int i = 0; i < k_pm.size(); ++i) {
     const double inertia = reduced_inertia(i, i);
     out[i] = inertia * criticalDamping(k_pm[i] / inertia, period_s);
@@ -85,8 +86,9 @@ Expected<CouplingGains> resolveGains(const RenderingConfig& rendering,
   if (!errors.empty()) return errors;
 
   const int n = static_cast<int>(rendering.axes.size());
-  const AxisRatio none(n);
-  CouplingGains g{n, none, none, none, none, none, none};
+  CouplingGains g{
+      n,          AxisStiffness(n), AxisDamping(n), AxisRatio(n), AxisInertia(n), AxisInertia(n),
+      AxisTime(n)};
   const double largest_per_s2 = 1.0 / (period_s * period_s);
   for (int i = 0; i < n; ++i) {
     const AxisRendering& axis = rendering.axes[i];

@@ -10,9 +10,9 @@ constexpr double kPush_m = 5e-3, kPush_rad = 0.05;
 constexpr int kRing = kMostDelayTicks + 2;
 constexpr double kFilter_s = 2e-3;
 constexpr double kMostDamping = 0.4;  // of m / ((1 + n) T + kFilter_s)
-constexpr double kCountShare = 0.02;  // of f̂, for one count of the encoder
+constexpr double kCountShare = 0.02;  // of f̂, per encoder count
 
-// What the coupling's spring holds when its effort is held to the limit.
+// Energy stored in the coupling's spring when its effort is clamped to the limit.
 double storedIn(double stiffness, double stretch, double limit) noexcept {
   const double e = std::abs(stretch);
   if (stiffness * e < limit) return 0.5 * stiffness * e * e;
@@ -31,12 +31,12 @@ double mostDamping(const DeviceAxis& axis, int delay_ticks, double period_s) noe
                   kCountShare * axis.effort_limit * (kFilter_s + period_s) / axis.encoder_step);
 }
 
-// α of a debt: what takes it back within this tick, up to what an axis bears.
+// Damping that repays a debt within this tick, at most `most`.
 double dampingFor(double debt_j, double speed_sq, double elapsed_s, double most) noexcept {
   return std::min(debt_j / (speed_sq * elapsed_s), most);
 }
 
-// The hand's debt is taken back by all axes, each to the same share of what it bears.
+// Repays the hand's debt by all axes, each with the same share of its largest damping.
 void dampHand(const EnergyTankState& state, const EnergyTankConfig& config, double elapsed_s,
               AxisEffort& effort) noexcept {
   double power_w = 0.0;
@@ -59,10 +59,10 @@ EnergyTankConfig makeEnergyTank(const DeviceModel& device, double period_s, doub
   config.axes = device.axisCount();
   config.delay_ticks = std::clamp(device.output_delay_ticks, 0, kMostDelayTicks);
   config.capacity = AxisEnergy(config.axes);
-  config.device_damping = config.most_damping = AxisRatio(config.axes);
+  config.device_damping = config.most_damping = AxisDamping(config.axes);
   config.encoder_step = AxisPosition(config.axes);
   for (int i = 0; i < config.axes; ++i) {
-    const DeviceAxis& axis = device.axes[static_cast<std::size_t>(i)];
+    const DeviceAxis& axis = device.axes[i];
     config.capacity[i] = 0.5 * axis.effort_limit * pushOf(axis);
     config.device_damping[i] = axis.damping;
     config.most_damping[i] = mostDamping(axis, device.output_delay_ticks, period_s);
@@ -92,7 +92,7 @@ EnergyTankStep advanceTank(const EnergyTankState& state, const AxisPosition& q_m
   EnergyTankStep out{state, AxisEffort(config.axes)};
   const double elapsed_s = elapsed_periods * period_s;
   const auto sent = [&state](int ticks_ago) -> const AxisEffort& {
-    return state.sent[static_cast<std::size_t>((state.newest + kRing - ticks_ago) % kRing)];
+    return state.sent[(state.newest + kRing - ticks_ago) % kRing];
   };
   const AxisEffort& acted = sent(config.delay_ticks);
   const AxisEffort& before = sent(config.delay_ticks + 1);
@@ -127,11 +127,12 @@ EnergyTankStep advanceTank(const EnergyTankState& state, const AxisPosition& q_m
   return out;
 }
 
-EnergyTankState noteSent(const EnergyTankState& state, const AxisEffort& sent,
-                         const AxisEffort& avatar_effort, const AxisEffort& effort_limit) noexcept {
+EnergyTankState recordSent(const EnergyTankState& state, const AxisEffort& sent,
+                           const AxisEffort& avatar_effort,
+                           const AxisEffort& effort_limit) noexcept {
   EnergyTankState out = state;
   out.newest = (state.newest + 1) % kRing;
-  out.sent[static_cast<std::size_t>(out.newest)] = sent;
+  out.sent[out.newest] = sent;
   for (int i = 0; i < sent.size(); ++i) {
     out.avatar[i] = std::clamp(avatar_effort[i], -effort_limit[i], effort_limit[i]);
   }

@@ -13,8 +13,8 @@ using Complex = std::complex<double>;
 using ComplexMatrix = Eigen::MatrixXcd;
 using ComplexVector = Eigen::VectorXcd;
 
-/// φ_k(x) = Σ xⁱ / (i + k)!: the integrals of the exponential that an effort which is constant,
-/// linear .. over a period leads to.
+/// φ_k(x) = Σ xⁱ / (i + k)!: integrals of the exponential under an effort that is constant (k = 1),
+/// linear (k = 2) and so on over a period.
 double phiFunction(int k, double x) {
   double factorial = 1.0;
   for (int i = 2; i <= k; ++i) factorial *= i;
@@ -30,8 +30,8 @@ double phiFunction(int k, double x) {
   return (phiFunction(k - 1, x) - k / factorial) / x;  // φ_{k−1} − 1/(k−1)!
 }
 
-/// m ẍ + b ẋ = f over one period, at z: position over an effort that is held, or that runs straight
-/// from sample to sample.
+/// Position over effort of m ẍ + b ẋ = f sampled at z, for an effort that is held and one that is
+/// linear between samples.
 struct SampledDevice {
   Complex held, joined;
 };
@@ -51,7 +51,7 @@ Complex continuousDevice(const AxisLoop& l, double omega_rad_s) {
   return {l.damping, omega_rad_s * l.mass};
 }
 
-/// What the avatar does on the axis when the device moves by 1.
+/// Response of the avatar on the axis to a unit motion of the device.
 struct Follower {
   Complex position = 0.0, velocity = 0.0;
 };
@@ -85,7 +85,7 @@ Complex effort(const FeltLoop& felt, ContactCase contact, Complex z) {
   const AxisLoop& l = felt.loop;
   const Complex derivative = (z - 1.0) / ((l.filter_tau_s + l.period_s) * z - l.filter_tau_s);
   const Follower avatar = follow(felt, contact, z, derivative);
-  // D as the person would feel all of it: of an axis by itself, which weighs 1, in felt units.
+  // D of the axis in felt units. The loop of an axis alone has unit inertia.
   const double b = l.k_pm * felt.avatar_damping[felt.axis] / felt.k_pm[felt.axis];
   return l.k_pm * (avatar.position - 1.0) + l.gamma * b * (avatar.velocity - derivative) -
          (l.phi_k_dm + l.wall_damping) * derivative - l.wall_stiffness;
@@ -93,12 +93,12 @@ Complex effort(const FeltLoop& felt, ContactCase contact, Complex z) {
 
 }  // namespace
 
-FeltLoop feltAlone(const AxisLoop& loop) {
+FeltLoop feltUncoupled(const AxisLoop& loop) {
   FeltLoop felt;
   felt.loop = loop;
   felt.inertia = AxisMatrix::Identity(1, 1);
-  felt.k_pm = AxisRatio(1, loop.k_ps_per_s2);
-  felt.avatar_damping = AxisRatio(1, loop.k_ds_per_s);
+  felt.k_pm = AxisStiffness(1, loop.k_ps_per_s2);
+  felt.avatar_damping = AxisDamping(1, loop.k_ds_per_s);
   return felt;
 }
 

@@ -12,7 +12,8 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// Of a logarithmic sweep: the worst frequency lies near zero or near Nyquist, rarely between.
+/// Lower end of the logarithmic sweep. The worst frequency lies near zero or near Nyquist, rarely
+/// between.
 constexpr double kLowest_rad = 2e-5;
 
 /// Re q + |q| without cancellation where Re q < 0.
@@ -37,7 +38,7 @@ double requiredAt(const AxisLoop& l, double angle_rad) {
   return -felt.real() + realPlusModulus(round_trip) / (2.0 * avatar);
 }
 
-/// The limit for φ → 0, where the sweep would lose its digits.
+/// The limit φ → 0, where the sweep would lose precision.
 double requiredAtRest(const AxisLoop& l) {
   const double t = l.period_s, drive = l.k_ds_per_s - 0.5 * l.k_ps_per_s2 * t;
   if (!(drive > 0.0)) return std::numeric_limits<double>::infinity();
@@ -47,7 +48,7 @@ double requiredAtRest(const AxisLoop& l) {
          l.wall_damping + l.k_pm * lag * lag / (4.0 * l.k_ps_per_s2 * drive);
 }
 
-/// The largest between two angles that have one peak between them, by thirds.
+/// Maximum between two angles that enclose one peak, by ternary search.
 double largestBetween(const AxisLoop& l, double low_rad, double high_rad) {
   for (int i = 0; i < 40; ++i) {
     const double third = (high_rad - low_rad) / 3.0;
@@ -76,7 +77,7 @@ double requiredDamping(const AxisLoop& loop, int frequencies) {
       at = i;
     }
   }
-  // Between the frequencies of the sweep it may be a little more.
+  // The maximum may lie between the sweep points.
   return std::max(
       {worst, largestBetween(loop, angle(at - 1), angle(at + 1)), requiredAtRest(loop)});
 }

@@ -11,7 +11,7 @@ namespace wholehand {
 
 namespace {
 
-/// State of the sampled loop; f holds the efforts on their way to the device, oldest first.
+/// State of the sampled loop. The efforts f are in transit to the device, oldest first.
 enum Index : int { kXm, kVm, kXmPrevious, kVf, kXs, kVs, kFirstEffort };
 
 /// Exact zero-order-hold solution of m ẍ = f − b ẋ − k x over one period:
@@ -24,7 +24,7 @@ struct HeldDevice {
 HeldDevice holdWithoutSpring(double mass, double damping, double period_s) {
   const double rate_per_s = damping / mass;
   const double decay = rate_per_s * period_s;
-  if (decay < 1e-5) {  // series: the closed form loses digits by cancellation
+  if (decay < 1e-5) {  // series: the closed form cancels
     const double travel_s = period_s * (1.0 - decay / 2.0 + decay * decay / 6.0);
     return {travel_s, std::exp(-decay), period_s * period_s / mass * (0.5 - decay / 6.0),
             travel_s / mass};
@@ -33,8 +33,8 @@ HeldDevice holdWithoutSpring(double mass, double damping, double period_s) {
   return {travel_s, std::exp(-decay), (period_s - travel_s) / damping, travel_s / mass};
 }
 
-/// The matrix exponential by its series, on a share of the period that is small against every time
-/// constant, then squared back.
+/// Matrix exponential by its series on a fraction of the period that is short against every time
+/// constant, then by squaring.
 HeldDevice holdWithSpring(double mass, double damping, double stiffness, double period_s) {
   const double fastest = period_s * (damping / mass + std::sqrt(stiffness / mass));
   int halvings = 0;
@@ -65,7 +65,7 @@ Eigen::VectorXd stepLoop(const AxisLoop& loop, ContactCase contact, const HeldDe
   const double vf =
       (loop.filter_tau_s * s[kVf] + (s[kXm] - s[kXmPrevious])) / (loop.filter_tau_s + t);
   const double b = loop.k_ps_per_s2 > 0.0 ? loop.k_pm * loop.k_ds_per_s / loop.k_ps_per_s2 : 0.0;
-  // The pairing of the tick: the avatar's state before its step.
+  // As in the tick: the avatar's state before its step.
   const double effort = loop.k_pm * (s[kXs] - s[kXm]) + loop.gamma * b * (s[kVs] - vf) -
                         loop.phi_k_dm * vf - loop.wall_stiffness * s[kXm] - loop.wall_damping * vf;
   Eigen::VectorXd next = s;
@@ -84,7 +84,7 @@ Eigen::VectorXd stepLoop(const AxisLoop& loop, ContactCase contact, const HeldDe
   } else {
     const double acceleration =
         loop.k_ps_per_s2 * (s[kXm] - s[kXs]) + loop.k_ds_per_s * (vf - s[kVs]);
-    if (contact == ContactCase::kObject) {  // implicit, as an engine solves contacts: passive
+    if (contact == ContactCase::kObject) {  // implicit, like the contacts of an engine: passive
       const double mass = 1.0 + loop.held_mass;
       next[kVs] = (mass * s[kVs] + t * (acceleration - loop.spring_per_s2 * s[kXs])) /
                   (mass + t * t * loop.spring_per_s2);
@@ -96,8 +96,8 @@ Eigen::VectorXd stepLoop(const AxisLoop& loop, ContactCase contact, const HeldDe
   return next;
 }
 
-/// Scales states (by powers of two, exactly) until rows and columns weigh alike: a stiffness of 1e3
-/// beside a period of 1e-3 would cost the eigenvalues their last digits.
+/// Balances the matrix by exact powers of two until rows and columns have similar norms. A
+/// stiffness of 1e3 beside a period of 1e-3 would otherwise cost the eigenvalues precision.
 Eigen::MatrixXd balanced(Eigen::MatrixXd m) {
   const Eigen::Index n = m.rows();
   for (int sweep = 0; sweep < 30; ++sweep) {

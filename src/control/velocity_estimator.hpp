@@ -6,7 +6,7 @@
 
 namespace wholehand {
 
-/// Memory of the velocity estimator.
+/// State of the velocity estimator.
 struct VelocityState {
   AxisPosition previous;
   AxisVelocity filtered;  ///< q̇_m,f

@@ -10,12 +10,12 @@ struct VirtualWall {
   double closing = 1.0;     ///< s: +1 where closing raises the coordinate, -1 where it lowers it
   double stiffness = 0.0;   ///< k
   double damping = 0.0;     ///< d
-  double effort_cap = 0.0;  ///< most of max(0, k p + d ṗ) that is used [N or N·m]
+  double effort_cap = 0.0;  ///< upper limit of max(0, k p + d ṗ) [N or N·m]
 };
 
-/// Eq. (15) with its signs mended (docs/equations.md): with p = s (θ − θ_wall),
+/// Eq. (15) with corrected signs (docs/equations.md): with p = s (θ − θ_wall),
 ///   f_e = −s α min(cap, max(0, k p + d ṗ_f)) where p > 0, else 0.
-/// The wall never pulls: s f_e <= 0 whatever is put in; what is not finite gives 0.
+/// The wall never pulls: s f_e <= 0 for any input. Non-finite input gives 0.
 /// @param position device coordinate θ @param velocity its filtered velocity
 /// @param alpha of the transition, 0 .. 1. Pure, real-time safe.
 [[nodiscard]] WHOLEHAND_RT double wallEffort(const VirtualWall& wall, double position,

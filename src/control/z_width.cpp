@@ -1,6 +1,6 @@
 #include "control/z_width.hpp"
 
-#include "control/gain_search.hpp"
+#include "control/certificate/gain_search.hpp"
 #include "control/passivity.hpp"
 
 #include <algorithm>
@@ -17,7 +17,7 @@ std::vector<ZWidthPoint> zWidth(const AxisCase& c, int points) {
       at.gains.k_pm = k_pm;
       return at.loop(1.0);
     };
-    // Far above every curve: the search walks down to it.
+    // Far above every curve; the search steps down to it.
     const double most = 20.0 * std::max(2.0 * c.axis.damping / c.period_s, c.gains.k_pm);
     ZWidthPoint point{at.gains.k_dm, 0.0, 0.0, 0.0};
     point.rigid = largestAllowed(most, [&](double k_pm) {

@@ -9,39 +9,40 @@
 
 namespace wholehand {
 
-/// The most axes a device may have.
+/// Most axes of a device.
 inline constexpr int kMaxAxes = 16;
-/// The most driven joints a hand may have (base translations and rotations included).
+/// Most driven joints of a hand, base translations and rotations included.
 inline constexpr int kMaxJoints = 32;
 
-/// One number per axis (or per joint), with a tag that tells positions, velocities and efforts
-/// apart so that mixing them does not compile. Fixed capacity, no heap, trivially copyable; Eigen
-/// sees it through `vec()`. Real-time safe.
-template <class Tag, int Capacity>
+/// One number per axis or per joint. The tag names the quantity, so that mixing two quantities does
+/// not compile. Fixed capacity, no heap, trivially copyable; `vec()` is its view for Eigen.
+/// Real-time safe.
+template <class Tag, int Capacity, class Number = double>
 class TaggedArray {
  public:
-  using View = Eigen::Map<Eigen::VectorXd>;
-  using ConstView = Eigen::Map<const Eigen::VectorXd>;
+  using Value = Number;
+  using View = Eigen::Map<Eigen::VectorX<Number>>;
+  using ConstView = Eigen::Map<const Eigen::VectorX<Number>>;
 
   TaggedArray() noexcept = default;
   /// @pre 0 <= size <= Capacity
-  explicit TaggedArray(int size, double value = 0.0) noexcept : size_(size) {
+  explicit TaggedArray(int size, Number value = {}) noexcept : size_(size) {
     for (int i = 0; i < size; ++i) values_[i] = value;
   }
 
   [[nodiscard]] static constexpr int capacity() noexcept { return Capacity; }
   [[nodiscard]] int size() const noexcept { return static_cast<int>(size_); }
-  double& operator[](int i) noexcept { return values_[i]; }
-  double operator[](int i) const noexcept { return values_[i]; }
-  [[nodiscard]] const double* begin() const noexcept { return values_.data(); }
-  [[nodiscard]] const double* end() const noexcept { return values_.data() + size_; }
-  [[nodiscard]] double* data() noexcept { return values_.data(); }
-  [[nodiscard]] const double* data() const noexcept { return values_.data(); }
+  Number& operator[](int i) noexcept { return values_[i]; }
+  Number operator[](int i) const noexcept { return values_[i]; }
+  [[nodiscard]] const Number* begin() const noexcept { return values_.data(); }
+  [[nodiscard]] const Number* end() const noexcept { return values_.data() + size_; }
+  [[nodiscard]] Number* data() noexcept { return values_.data(); }
+  [[nodiscard]] const Number* data() const noexcept { return values_.data(); }
   [[nodiscard]] View vec() noexcept { return View(values_.data(), size_); }
   [[nodiscard]] ConstView vec() const noexcept { return ConstView(values_.data(), size_); }
 
  private:
-  std::array<double, Capacity> values_{};
+  std::array<Number, Capacity> values_{};
   std::int64_t size_ = 0;
 };
 
@@ -54,12 +55,18 @@ template <class Tag, int Capacity>
   return true;
 }
 
-// Per axis, in the axis's own unit (m or rad and what follows from it).
-using AxisPosition = TaggedArray<struct PositionTag, kMaxAxes>;  ///< [m or rad]
-using AxisVelocity = TaggedArray<struct VelocityTag, kMaxAxes>;  ///< [m/s or rad/s]
-using AxisEffort = TaggedArray<struct EffortTag, kMaxAxes>;      ///< [N or N·m]
-using AxisRatio = TaggedArray<struct RatioTag, kMaxAxes>;        ///< [1]
-using AxisEnergy = TaggedArray<struct EnergyTag, kMaxAxes>;      ///< [J]
+// Per axis, in the axis's own unit (m or rad, and units derived from it).
+using AxisPosition = TaggedArray<struct PositionTag, kMaxAxes>;    ///< [m or rad]
+using AxisVelocity = TaggedArray<struct VelocityTag, kMaxAxes>;    ///< [m/s or rad/s]
+using AxisEffort = TaggedArray<struct EffortTag, kMaxAxes>;        ///< [N or N·m]
+using AxisStiffness = TaggedArray<struct StiffnessTag, kMaxAxes>;  ///< [N/m or N·m/rad]
+using AxisDamping = TaggedArray<struct DampingTag, kMaxAxes>;      ///< [N·s/m or N·m·s/rad]
+using AxisInertia = TaggedArray<struct InertiaTag, kMaxAxes>;      ///< [kg or kg·m²]
+using AxisEnergy = TaggedArray<struct EnergyTag, kMaxAxes>;        ///< [J]
+using AxisLength = TaggedArray<struct LengthTag, kMaxAxes>;        ///< [m]
+using AxisTime = TaggedArray<struct TimeTag, kMaxAxes>;            ///< [s]
+using AxisRatio = TaggedArray<struct RatioTag, kMaxAxes>;          ///< [1]
+using AxisFlag = TaggedArray<struct FlagTag, kMaxAxes, bool>;
 
 // Per driven joint of the simulated hand.
 using JointPosition = TaggedArray<struct PositionTag, kMaxJoints>;  ///< [m or rad]

@@ -9,10 +9,10 @@ namespace wholehand {
 
 enum class CommandType : std::int32_t {
   kNone,
-  kParameter,  ///< index: into the live parameters; value: where its ramp goes
+  kParameter,  ///< index: live parameter; value: target of its ramp
   kAction,     ///< index: an ExerciseAction
-  kOwner,      ///< value: 1 while whoever shows the exercise is alive, 0 when it went silent
-  kAim,        ///< aim: where the person at the screen wants the hand to be
+  kOwner,      ///< value: 1 while the client that shows the exercise is alive, 0 when it is silent
+  kAim,        ///< aim: target pose of the person at the screen
   kSteer       ///< index: a Steering
 };
 
@@ -21,14 +21,15 @@ enum class ExerciseAction : std::int32_t {
   kRestart,
   kPause,
   kResume,
-  kBeginAt  ///< value: where in its level the exercise goes on after a rest; no client sends it
+  kBeginAt  ///< value: place in the level to resume from; no client sends it
+            ///< clients
 };
 
-/// Who says where the virtual patient wants to be.
+/// Who steers the simulated hand.
 enum class Steering : std::int32_t { kVirtualPatient, kPerson };
 
-/// What other threads ask of the loop: drained by the session before a tick, at most kMaxCommands a
-/// tick, and kept in its record, so that a replay asks the same.
+/// A request of another thread to the loop. The session takes at most kMaxCommands before a tick
+/// and stores them in its record, so that a re-simulation repeats them.
 struct Command {
   CommandType type = CommandType::kNone;
   std::int32_t index = 0;
@@ -36,7 +37,7 @@ struct Command {
   AxisPosition aim;
 };
 
-/// The most commands that one tick takes.
+/// Most commands taken by one tick.
 inline constexpr int kMaxCommands = 8;
 
 static_assert(std::is_trivially_copyable_v<Command>);

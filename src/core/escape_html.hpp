@@ -5,8 +5,8 @@
 
 namespace wholehand {
 
-/// Makes any text safe inside HTML, in content and in quoted attributes; control
-/// characters, which no page may hold, become spaces.
+/// Escapes text for HTML content and quoted attributes. Control characters, which HTML does not
+/// allow, become spaces.
 [[nodiscard]] std::string escapeHtml(std::string_view text);
 
 }  // namespace wholehand

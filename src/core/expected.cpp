@@ -9,7 +9,7 @@ namespace wholehand {
 
 namespace {
 
-// Sentences of ours may hold several lines; what they quote of a stranger may not.
+// Our own sentences may have several lines. Text quoted from input may not.
 std::string lines(const std::string& text) {
   constexpr std::size_t kLongest = 4000;
   std::string out;

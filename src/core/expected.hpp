@@ -7,14 +7,14 @@
 
 namespace wholehand {
 
-/// One fault of one file (or of the command line), told so that a person can mend it.
+/// One fault of one file or of the command line, with a remedy.
 struct Diagnostic {
-  std::string file;     ///< path as the person gave it; empty when no file is concerned
+  std::string file;     ///< path as given by the user; empty when no file is concerned
   int line = 0;         ///< 1-based; 0 when unknown
   std::string key;      ///< e.g. "axes[2].effort_limit_n"; empty when no key is concerned
-  std::string value;    ///< what stands there; empty when nothing does
+  std::string value;    ///< the value found; empty when there is none
   std::string problem;  ///< what is wrong: "is not finite"
-  std::string remedy;   ///< the allowed range or what to do: "must be in [0.1, 50] N"
+  std::string remedy;   ///< allowed range or what to do: "must be in [0.1, 50] N"
 };
 using Diagnostics = std::vector<Diagnostic>;
 
@@ -23,7 +23,7 @@ using Diagnostics = std::vector<Diagnostic>;
 /// One line per diagnostic.
 [[nodiscard]] std::string format(const Diagnostics& ds);
 
-/// A value, or every reason why there is none. Not for the tick.
+/// A value, or every reason why there is none. Not real-time safe.
 template <class T>
 class [[nodiscard]] Expected {
  public:
@@ -47,7 +47,7 @@ class [[nodiscard]] Expected {
   std::variant<T, Diagnostics> state_;
 };
 
-/// The value of an operation that only may fail.
+/// The value of an operation that can fail but returns nothing.
 struct Done {};
 
 }  // namespace wholehand

@@ -5,7 +5,7 @@
 namespace wholehand {
 namespace {
 
-// Counters are indexed by the bit's number.
+// Counters are indexed by bit number, so the table must be in the order of the bits.
 constexpr bool areInOrder() {
   for (unsigned bit = 0; bit < kFaultBits; ++bit) {
     if (kFaultTable[bit].bit != static_cast<Fault>(1U << bit)) return false;
@@ -17,7 +17,7 @@ static_assert(areInOrder());
 }  // namespace
 
 const char* faultName(int bit) noexcept {
-  return bit >= 0 && bit < kFaultBits ? kFaultTable[static_cast<std::size_t>(bit)].name : "unknown";
+  return bit >= 0 && bit < kFaultBits ? kFaultTable[bit].name : "unknown";
 }
 
 std::string faultNames(Fault faults) {

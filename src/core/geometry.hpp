@@ -7,7 +7,7 @@
 
 namespace wholehand {
 
-/// A vector that may cross a thread or a file (Eigen's own is not trivially copyable).
+/// A vector that may cross a thread or a file (Eigen's is not trivially copyable).
 struct Vec3 {
   double x = 0.0, y = 0.0, z = 0.0;
 
@@ -27,7 +27,7 @@ struct QuatXyzw {
   }
 };
 
-/// A rigid placement: p_outer = rotation * p_inner + translation_m.
+/// A rigid transform: p_outer = rotation * p_inner + translation_m.
 struct Pose {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();

@@ -4,7 +4,7 @@
 
 namespace wholehand {
 
-/// What a count asks of its noun: "1 tick", "2 ticks".
+/// Plural ending of a count's noun: "1 tick", "2 ticks".
 [[nodiscard]] constexpr const char* plural(std::integral auto count) {
   return count == 1 ? "" : "s";
 }

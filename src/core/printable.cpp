@@ -5,10 +5,10 @@ namespace {
 
 struct Character {
   char32_t code = 0;
-  std::size_t bytes = 0;  ///< 0: no UTF-8
+  std::size_t bytes = 0;  ///< 0: not UTF-8
 };
 
-// By RFC 3629: the shortest form, no surrogates, nothing beyond U+10FFFF.
+// Decodes by RFC 3629: shortest form, no surrogates, at most U+10FFFF.
 Character characterAt(std::string_view text, std::size_t at) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char first = byte(at);

@@ -6,11 +6,11 @@
 
 namespace wholehand {
 
-/// Fit for a terminal, a log or a list: control characters (C0, DEL, C1), marks that turn the
-/// direction of writing, and bytes that are no UTF-8 are shown as \xNN or \u{NNNN}; cut, with
-/// "...", after `longest` characters. Not for the tick.
+/// Text for a terminal, a log or a list. Control characters (C0, DEL, C1), bidirectional marks,
+/// line separators and bytes that are not UTF-8 are shown as \xNN or \u{NNNN}. Cut with "..." after
+/// `longest` characters. Not real-time safe.
 [[nodiscard]] std::string printable(std::string_view text, std::size_t longest = 200);
-/// True where printable() shows the text as it stands.
+/// True when printable() leaves the text unchanged.
 [[nodiscard]] bool isPrintable(std::string_view text, std::size_t longest = 200);
 
 }  // namespace wholehand

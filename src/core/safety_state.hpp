@@ -4,13 +4,13 @@
 
 namespace wholehand {
 
-/// Where the safety supervisor is (docs/safety.md). Every record says it; a transition is a change
-/// from one record to the next, its cause the faults of that record.
+/// State of the safety supervisor (docs/safety.md), in every record. A transition is a change from
+/// one record to the next; its cause are the faults of that record.
 ///
-///   Disarmed → Armed       a person arms: the checks of arm() passed
-///   Armed → Rendering      the effort has been blended in
-///   Armed, Rendering → Disarmed   a stop was asked for, and the device is at its neutral effort
-///   Armed, Rendering → Faulted    a fault of kStopping: the ramp to neutral begins in that tick
+///   Disarmed → Armed       a person arms and the checks of arm() pass
+///   Armed → Rendering      the effort is fully blended in
+///   Armed, Rendering → Disarmed   a stop was requested and the device is at its neutral effort
+///   Armed, Rendering → Faulted    a fault of kStopping; the ramp to neutral begins in that tick
 ///   Faulted → Armed        a person arms again
 enum class SafetyState : std::int32_t { kDisarmed, kArmed, kRendering, kFaulted };
 

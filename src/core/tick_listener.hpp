@@ -5,14 +5,14 @@
 
 namespace wholehand {
 
-/// Told of every tick, in the thread that ticks: the virtual patient who plays an exercise, the
-/// black box. Real-time safe.
+/// Called before and after every tick, in the thread that ticks: by the virtual patient who plays
+/// an exercise and by the black box. Real-time safe.
 class TickListener {
  public:
   virtual ~TickListener() = default;
-  /// Before the tick, with the commands it takes.
+  /// Called before the tick, with its commands.
   WHOLEHAND_RT virtual void beforeTick(const TickRecord& record) noexcept = 0;
-  /// After it, with all that came of it.
+  /// Called after the tick, with the complete record.
   WHOLEHAND_RT virtual void afterTick(const TickRecord& record) noexcept = 0;
 };
 

@@ -1,5 +1,9 @@
 #include "core/tick_record.hpp"
 
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+
 namespace wholehand {
 
 const char* stageName(Stage s) noexcept {
@@ -26,6 +30,21 @@ const char* stageName(Stage s) noexcept {
       break;
   }
   return "unknown";
+}
+
+void copyUsed(const TickRecord& from, TickRecord& to) noexcept {
+  const auto copy = [&](std::size_t begin, std::size_t end) noexcept {
+    std::memcpy(reinterpret_cast<std::byte*>(&to) + begin,
+                reinterpret_cast<const std::byte*>(&from) + begin, end - begin);
+  };
+  const auto items = [](std::int32_t count, int most, std::size_t item_bytes) noexcept {
+    return static_cast<std::size_t>(std::clamp(count, 0, most)) * item_bytes;
+  };
+  constexpr std::size_t kBodies = offsetof(TickRecord, bodies);
+  constexpr std::size_t kContacts = offsetof(TickRecord, contacts);
+  copy(0, kBodies + items(from.body_count, kMaxBodies, sizeof(BodyState)));
+  copy(kBodies + sizeof from.bodies,
+       kContacts + items(from.contact_count, kMaxContacts, sizeof(Contact)));
 }
 
 }  // namespace wholehand

@@ -15,13 +15,11 @@
 
 namespace wholehand {
 
-/// The most contact points one record holds; further ones act but are only counted
+/// Most contact points of a record. Further ones act but are only counted
 /// (Fault::kContactsDropped).
-inline constexpr int kMaxContacts = 64;
-/// The most bodies (fixed ones included) a scene may have.
-inline constexpr int kMaxBodies = 32;
+inline constexpr int kMaxContacts = 128;
 
-/// One point where the hand touches a body, after the step. World frame.
+/// Contact point of the hand and a body, after the step. World frame.
 struct Contact {
   std::int32_t capsule = -1;  ///< index into HandModel::capsules
   std::int32_t link = -1;     ///< index into HandModel::links
@@ -29,12 +27,12 @@ struct Contact {
   std::int32_t reserved = 0;
   Vec3 point_m;             ///< on the hand's surface
   Vec3 normal;              ///< unit, from the body to the hand
-  Vec3 force_n;             ///< on the hand, normal and friction together
-  Vec3 torque_nm;           ///< on the hand, spinning friction about the normal
+  Vec3 force_n;             ///< on the hand, normal force plus friction
+  Vec3 torque_nm;           ///< on the hand, torsional friction about the normal
   double distance_m = 0.0;  ///< negative when the surfaces overlap
 };
 
-/// Where a body of the scene is and how it moves (centre of mass, world frame).
+/// State of a body of the scene (centre of mass, world frame).
 struct BodyState {
   Vec3 position_m;
   QuatXyzw orientation_xyzw;
@@ -48,7 +46,7 @@ enum class Stage : std::int32_t {
   kObserve,
   kDynamics,
   kControl,
-  kExercise,  ///< the exercise, and the damping that counts its effort
+  kExercise,  ///< the exercise and the adaptive damping, which depends on its effort
   kSafety,
   kDeviceWrite,
   kPhysicsStep,
@@ -59,8 +57,8 @@ inline constexpr int kStages = static_cast<int>(Stage::kCount);
 /// snake_case name of a stage, as written to JSON and recordings.
 [[nodiscard]] const char* stageName(Stage s) noexcept;
 
-/// All that one tick read, computed and sent, grouped by writer. The only thing that leaves the
-/// real-time side. Efforts are power-conjugate to their coordinate: N on m, N·m on rad.
+/// Everything that one tick read, computed and sent, grouped by writer. Records are the only output
+/// of the real-time side. Efforts are power-conjugate to their coordinate: N on m, N·m on rad.
 struct TickRecord {
   // written by: session
   std::uint64_t tick = 0;             ///< periods since rendering started, skipped ones included
@@ -73,19 +71,18 @@ struct TickRecord {
   std::array<std::int32_t, kStages> stage_cpu_ns{};  ///< CPU time per stage; not re-simulated
 
   std::int32_t command_count = 0;
-  std::int32_t parameter_count = 0;                   ///< of the live settings
+  std::int32_t parameter_count = 0;                   ///< number of live parameters
   SafetyState safety_state = SafetyState::kDisarmed;  ///< at the end of the tick
-  std::int32_t fault_axis = -1;  ///< the first axis that a limit was exceeded on; -1: none
+  std::int32_t fault_axis = -1;                  ///< first axis that exceeded a limit; -1: none
   std::array<Command, kMaxCommands> commands{};  ///< taken before this tick
 
   // written by: live settings
-  std::array<double, kMaxLiveParameters> parameters{};  ///< in force now: the renderer's, then
-                                                        ///< the exercise's
+  std::array<double, kMaxLiveParameters> parameters{};  ///< in force: renderer's, then exercise's
 
   // written by: device.read
   AxisPosition q_m;           ///< device position
-  AxisPosition intention;     ///< where the virtual patient wants to be (simulated device only)
-  AxisEffort patient_effort;  ///< what the virtual patient applies (simulated device only)
+  AxisPosition intention;     ///< target position of the virtual patient (simulated device only)
+  AxisEffort patient_effort;  ///< effort of the virtual patient (simulated device only)
 
   // written by: velocity_estimator
   AxisVelocity qd_mf;  ///< filtered device velocity
@@ -95,15 +92,15 @@ struct TickRecord {
   AxisVelocity qd_s;    ///< avatar velocity
   JointPosition theta;  ///< joint positions of the avatar
   double coupling_error_rad =
-      0.0;  ///< largest |θ - (θ₀ + G q_s)| the last step left, before correction
-  double palm_distance_m = 0.0;         ///< palm surface to the nearest body; +inf without bodies
-  double palm_target_distance_m = 0.0;  ///< to palm_body, < 0 unless before the palm; +inf without
-  /// Where each hand axis, closed kinematically from where it is open, first touches the exercise's
-  /// closure body; NaN where it never does, on base axes, and where nothing was asked; −inf where
-  /// they overlap when it is open.
+      0.0;  ///< largest |θ - (θ₀ + G q_s)| after the last step, before correction
+  double palm_distance_m = 0.0;  ///< palm surface to the nearest body [m]; +inf without bodies
+  double palm_target_distance_m = 0.0;  ///< to palm_body, < 0: not before the palm; +inf: none
+  /// Position of each hand axis at its first touch of the exercise's closure body, closing
+  /// kinematically from the open hand. NaN: no touch, a base axis, or no query. −inf: overlap with
+  /// the open hand.
   AxisPosition closure;
   std::int32_t body_count = 0;
-  std::int32_t palm_body = -1;  ///< nearest of the exercise's targets; -1: none
+  std::int32_t palm_body = -1;  ///< nearest target of the exercise; -1: none
   std::array<BodyState, kMaxBodies> bodies{};
 
   // written by: bilateral_coupling
@@ -112,21 +109,21 @@ struct TickRecord {
 
   // written by: exercise
   ExerciseRecord exercise;
-  BodyPlacements placements;  ///< bodies that the exercise puts somewhere before the step
+  BodyPlacements placements;  ///< bodies placed by the exercise before the step
 
   // written by: adaptive_damping
   AxisRatio phi;       ///< Φ, Eq. (5)
   AxisEffort damping;  ///< -Φ K_dm q̇_mf
 
   // written by: energy tank
-  AxisEnergy tank;         ///< what each axis may still give [J]
-  AxisEffort tank_effort;  ///< damping of an empty tank, part of rendered
+  AxisEnergy tank;         ///< energy left in the tank of each axis [J]
+  AxisEffort tank_effort;  ///< damping of an empty tank, included in rendered
 
   // written by: safety
   AxisEffort rendered;      ///< f_m before limits: coupling + exercise + damping + tank
   double authority = 1.0;   ///< 1 while rendering, falls to 0 while ramping to neutral
   AxisEffort sent;          ///< what the device received
-  AxisEffort effort_limit;  ///< in force: the device's, or less where a therapist set less
+  AxisEffort effort_limit;  ///< in force: the device's limit, or a lower one set by a therapist
 
   // written by: world.step
   std::int32_t contact_count = 0;
@@ -135,5 +132,9 @@ struct TickRecord {
 };
 
 static_assert(std::is_trivially_copyable_v<TickRecord>);
+
+/// Copies the used part of a record: its bodies and contacts up to their counts. Elements of `to`
+/// beyond the counts keep their values. Real-time safe.
+void copyUsed(const TickRecord& from, TickRecord& to) noexcept;
 
 }  // namespace wholehand

@@ -9,7 +9,7 @@ namespace wholehand {
 
 namespace {
 
-/// Rodrigues: the turn by `angle_rad` about the unit vector `axis`.
+/// Rotation by `angle_rad` about the unit vector `axis` (Rodrigues).
 Eigen::Matrix3d rotationAbout(const Eigen::Vector3d& axis, double angle_rad) noexcept {
   const double c = std::cos(angle_rad);
   const double s = std::sin(angle_rad);
@@ -22,8 +22,8 @@ Eigen::Matrix3d rotationAbout(const Eigen::Vector3d& axis, double angle_rad) noe
   return r;
 }
 
-/// turn * rotationAbout(axis, angle_rad) for an axis of the frame itself:
-/// most of a hand's joints. To the bits of the general product, whose other terms are zero.
+/// turn * rotationAbout(axis, angle_rad) for a coordinate axis, as most joints of a hand have.
+/// Bit-identical to the general product, whose other terms are zero.
 void turnAbout(int along, double way, double angle_rad, Eigen::Matrix3d& turn) noexcept {
   const double c = std::cos(angle_rad);
   const double s = std::sin(angle_rad) * way;
@@ -37,20 +37,20 @@ void turnAbout(int along, double way, double angle_rad, Eigen::Matrix3d& turn) n
   }
 }
 
-/// Written out: Eigen's own goes through calls at -O2.
+/// Product by components. Eigen's own goes through calls at -O2.
 Eigen::Vector3d product(const Eigen::Matrix3d& a, const Eigen::Vector3d& v) noexcept {
   const auto row = [&](int r) { return a(r, 0) * v[0] + a(r, 1) * v[1] + a(r, 2) * v[2]; };
   return {row(0), row(1), row(2)};
 }
 
-/// Inertia of a point mass, of unit mass, at `r_m` about the origin.
+/// Inertia of a unit point mass at `r_m` about the origin.
 Eigen::Matrix3d steiner(const Eigen::Vector3d& r_m) {
   return r_m.squaredNorm() * Eigen::Matrix3d::Identity() - r_m * r_m.transpose();
 }
 
 }  // namespace
 
-ArticulatedBody::ArticulatedBody(const HandModel& hand, const AxisRatio& armature)
+ArticulatedBody::ArticulatedBody(const HandModel& hand, const AxisInertia& armature)
     : hand_(&hand), armature_(armature) {
   assert(hand.links.size() <= kMaxLinks && hand.joint_count <= kMaxJoints);
   std::array<Pose, kMaxLinks> in_body;  // every link in the frame of the body that carries it
@@ -158,8 +158,8 @@ bool ArticulatedBody::update(const JointPosition& theta, const JointVelocity& th
   return invertPositiveDefinite(reduced_inertia_, reduced_inertia_inverse_);
 }
 
-// Outward recursion of Newton-Euler: velocities, accelerations at θ̈ = 0 and the wrench each body
-// needs. Gravity enters as an upward acceleration of the world.
+// Outward Newton-Euler recursion: velocities, accelerations at θ̈ = 0, and the wrench on each body.
+// Gravity is an upward acceleration of the world.
 void ArticulatedBody::sweepForward(const JointVelocity& theta_dot,
                                    const Eigen::Vector3d& gravity_m_s2) noexcept {
   const SpatialVector world_velocity;
@@ -180,8 +180,8 @@ void ArticulatedBody::sweepForward(const JointVelocity& theta_dot,
   }
 }
 
-// Inward recursion: h collects the wrenches, M the composite inertias (an element only for a joint
-// and its ancestors; all others are structurally zero).
+// Inward recursion: h sums the wrenches, M the composite inertias. M is structurally zero except
+// between a joint and its ancestors.
 void ArticulatedBody::sweepBackward() noexcept {
   for (int i = body_count_ - 1; i >= 0; --i) {
     const Body& b = body_[i];
@@ -220,7 +220,7 @@ void ArticulatedBody::reduce() noexcept {
       }
     }
   }
-  // Only the lower triangle was summed: mirrored, M_r is symmetric to the last bit.
+  // Only the lower triangle was summed. Mirroring it makes M_r exactly symmetric.
   for (int a = 0; a < hand_->axis_count; ++a) {
     for (int c = 0; c < a; ++c) reduced_inertia_(c, a) = reduced_inertia_(a, c);
   }
@@ -232,7 +232,7 @@ void ArticulatedBody::distribute(const AxisEffort& f_s, JointEffort& torque) con
   for (int a = 0; a < hand_->axis_count; ++a) {
     double acceleration = 0.0;
     for (int c = 0; c < hand_->axis_count; ++c) {
-      acceleration += reduced_inertia_inverse_(c, a) * f_s[c];  // symmetric: walks down a column
+      acceleration += reduced_inertia_inverse_(c, a) * f_s[c];  // symmetric: reads down a column
     }
     for (int j = 0; j < hand_->joint_count; ++j) {
       torque[j] += inertia_synergy_(j, a) * acceleration;

@@ -3,7 +3,7 @@
 #include "core/axis_array.hpp"
 #include "core/real_time.hpp"
 #include "dynamics/spatial_algebra.hpp"
-#include "model/hand_model.hpp"
+#include "model/hand/hand_model.hpp"
 
 #include <Eigen/Core>
 
@@ -11,38 +11,38 @@
 
 namespace wholehand {
 
-/// The most links a hand may have, locked joints included.
+/// Most links of a hand, locked joints included.
 inline constexpr int kMaxLinks = 40;
 
-/// Joint-space dynamics of the hand, and the same reduced by the synergy map G.
+/// Joint-space dynamics of the hand, and their reduction by the synergy map G.
 ///
 ///   M(θ) θ̈ + h(θ, θ̇) = τ          (paper Eq. 1)
 ///   M_r = Gᵀ M G + A,  h_r = Gᵀ h   (G constant)
 ///
-/// A is armature: reflected inertia, diagonal, on the reduced coordinates. It takes part in every
-/// acceleration and in every contact, and has no weight.
+/// A is the armature: reflected inertia, diagonal, on the reduced coordinates. It contributes to
+/// every acceleration and contact and has no weight.
 ///
 /// h by the recursive Newton-Euler algorithm, M by the composite-rigid-body algorithm, both in
 /// world axes about the world origin. Storage is fixed; nothing allocates after construction.
 class ArticulatedBody {
  public:
   /// @pre hand outlives this; links <= kMaxLinks
-  /// @param armature A [kg or kg·m²], of every axis; empty: none
-  explicit ArticulatedBody(const HandModel& hand, const AxisRatio& armature = {});
+  /// @param armature A of every axis [kg or kg·m²]; empty: none
+  explicit ArticulatedBody(const HandModel& hand, const AxisInertia& armature = {});
 
-  /// Link frames only: pose of every link, joint axes and origins in the world. Real-time safe.
+  /// Updates link frames only: pose of every link, joint axes and origins in the world. Real-time
+  /// safe.
   WHOLEHAND_RT void updateKinematics(const JointPosition& theta) noexcept;
 
-  /// Kinematics, h, M, M_r, h_r and M_r⁻¹ (Cholesky). Returns false when M_r is not positive
-  /// definite (the inverse is then zero). Real-time safe.
+  /// Updates kinematics, h, M, M_r, h_r and M_r⁻¹ (Cholesky). Returns false when M_r is not
+  /// positive definite; the inverse is then zero. Real-time safe.
   [[nodiscard]] WHOLEHAND_RT bool update(const JointPosition& theta, const JointVelocity& theta_dot,
                                          const Eigen::Vector3d& gravity_m_s2) noexcept;
 
-  /// τ = M G a + h with a = M_r⁻¹ f_s: the joint torques whose reduced force is f_s + h_r less what
-  /// accelerates the armature (A a), and under which the synergy θ = θ₀ + G q_s keeps itself.
-  /// Real-time safe.
+  /// Computes the joint torques τ = M G a + h with a = M_r⁻¹ f_s. Their reduced force is f_s + h_r
+  /// − A a, and they preserve the synergy θ = θ₀ + G q_s. Real-time safe.
   WHOLEHAND_RT void distribute(const AxisEffort& f_s, JointEffort& torque) const noexcept;
-  /// A a: the part of f_s that accelerates the armature. Real-time safe.
+  /// A a, the part of f_s that accelerates the armature. Real-time safe.
   [[nodiscard]] WHOLEHAND_RT AxisEffort armatureEffort(const AxisEffort& f_s) const noexcept;
 
   /// Row of the reduced Jacobian: velocity per axis of the link's material point at `point_m`
@@ -72,18 +72,18 @@ class ArticulatedBody {
     int joint = 0;
     bool revolute = false;
     Eigen::Vector3d axis;  ///< body frame
-    int along = -1;        ///< the frame's axis that it lies on, either way; -1: on none
+    int along = -1;        ///< coordinate axis parallel to `axis`, either sense; -1: none
     Pose parent_to_body;   ///< at joint position zero; for parent -1 in the world
-    bool turned = false;   ///< whether parent_to_body turns
+    bool turned = false;   ///< parent_to_body has a rotation
     double mass_kg = 0.0;
     Eigen::Vector3d com_m = Eigen::Vector3d::Zero();
     Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();  ///< about com_m
     int first_term = 0, end_term = 0;                         ///< its row of G in terms_
   };
-  /// A link that does not move against its body.
+  /// A link fixed to a body.
   struct Weld {
     int link = 0;
-    int body = -1;  ///< -1: stands in the world
+    int body = -1;  ///< -1: fixed in the world
     Pose body_to_link;
   };
   /// One non-zero element of G.
@@ -100,7 +100,7 @@ class ArticulatedBody {
   void reduce() noexcept;
 
   const HandModel* hand_;
-  AxisRatio armature_;
+  AxisInertia armature_;
   int body_count_ = 0, weld_count_ = 0, term_count_ = 0;
   std::array<Body, kMaxJoints> body_;
   std::array<Weld, kMaxLinks> weld_;

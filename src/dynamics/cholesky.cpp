@@ -42,7 +42,7 @@ void invertFactor(Factor& l, int n) noexcept {
 bool invertPositiveDefinite(const AxisMatrix& matrix, AxisMatrix& inverse) noexcept {
   const int n = static_cast<int>(matrix.rows());
   inverse.resize(n, n);
-  Factor l;  // only the lower triangle is ever written and read
+  Factor l;  // only the lower triangle is written and read
   if (!factor(matrix, l)) {
     inverse.setZero();
     return false;

@@ -6,8 +6,8 @@
 
 namespace wholehand {
 
-/// A spatial vector in world axes about the world origin: twist (angular velocity, velocity of the
-/// point of the body at the origin) or wrench (moment about the origin, force).
+/// A spatial vector in world axes about the world origin: a twist (angular velocity, velocity of
+/// the body point at the origin) or a wrench (moment about the origin, force).
 struct SpatialVector {
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();
   Eigen::Vector3d linear = Eigen::Vector3d::Zero();
@@ -24,7 +24,7 @@ struct SpatialVector {
   return a.angular.dot(b.angular) + a.linear.dot(b.linear);
 }
 
-/// Cross product of written-out components: Eigen's own goes through temporaries at -O2.
+/// Cross product by components. Eigen's own goes through temporaries at -O2.
 [[nodiscard]] inline Eigen::Vector3d cross(const Eigen::Vector3d& a,
                                            const Eigen::Vector3d& b) noexcept {
   return {a.y() * b.z() - a.z() * b.y(), a.z() * b.x() - a.x() * b.z(),
@@ -43,8 +43,8 @@ struct SpatialVector {
   return {cross(v.angular, f.angular) + cross(v.linear, f.linear), cross(v.angular, f.linear)};
 }
 
-/// Inertia of a rigid body (or of several, welded) in world axes about the world origin. Inertias
-/// in one frame add, which is what makes the composite-rigid-body algorithm short.
+/// Inertia of a rigid body, or of several welded ones, in world axes about the world origin.
+/// Inertias in one frame add; the composite-rigid-body algorithm relies on it.
 struct SpatialInertia {
   double mass_kg = 0.0;
   Eigen::Vector3d first_moment = Eigen::Vector3d::Zero();  ///< mass * centre of mass [kg·m]
@@ -72,8 +72,8 @@ struct SpatialInertia {
   }
 };
 
-/// A body of the given mass, centre and inertia (about the centre, body axes), seen from the world.
-/// Real-time safe.
+/// World-frame inertia of a body of the given mass, centre and inertia (about the centre, body
+/// axes). Real-time safe.
 [[nodiscard]] inline SpatialInertia inertiaInWorld(double mass_kg, const Eigen::Vector3d& com_m,
                                                    const Eigen::Matrix3d& inertia_kg_m2,
                                                    const Pose& body) noexcept {

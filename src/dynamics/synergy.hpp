@@ -2,7 +2,7 @@
 
 #include "core/axis_array.hpp"
 #include "core/real_time.hpp"
-#include "model/hand_model.hpp"
+#include "model/hand/hand_model.hpp"
 
 #include <algorithm>
 #include <array>
@@ -10,11 +10,11 @@
 
 namespace wholehand {
 
-/// The synergy map between the few coordinates a person drives and the many joints of the hand,
-/// θ = θ₀ + G q_s. Real-time safe but for construction.
+/// The synergy map from the coordinates that a person drives to the joints of the hand, θ = θ₀ + G
+/// q_s. Real-time safe except the constructor.
 class Synergy {
  public:
-  /// @pre every axis drives a joint (assembleHand() sees to it)
+  /// @pre every axis drives a joint (assembleHand() checks it)
   explicit Synergy(const HandModel& hand);
 
   /// θ = θ₀ + G q_s
@@ -44,7 +44,7 @@ class Synergy {
   int forward_count_ = 0;
 };
 
-/// The first joint that this axis drives and no other; -1: there is none.
+/// First joint driven by this axis alone; -1: none.
 [[nodiscard]] int leadingJoint(const HandModel& hand, int axis);
 
 }  // namespace wholehand

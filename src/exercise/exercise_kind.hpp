@@ -5,8 +5,8 @@
 #include "exercise/exercise_wall.hpp"
 #include "model/device_model.hpp"
 #include "model/exercise_panel.hpp"
-#include "model/hand_model.hpp"
-#include "model/scene_model.hpp"
+#include "model/hand/hand_model.hpp"
+#include "model/scene/scene_model.hpp"
 #include "model/toml/toml_file.hpp"
 
 #include <memory>
@@ -15,30 +15,30 @@
 
 namespace wholehand {
 
-/// An exercise and the scene it is played in.
+/// An exercise and its scene.
 struct LoadedExercise {
   std::unique_ptr<Exercise> exercise;
-  SceneModel scene;                 ///< of the level; body indices of the exercise are its
-  std::vector<std::string> files;   ///< paths of exercise and scene file
-  std::vector<ExerciseWall> walls;  ///< empty where it never pushes
-  ExercisePanel panel;              ///< loadExercise() reads it, whatever the kind
+  SceneModel scene;                 ///< scene of the level; the exercise's body indices refer to it
+  std::vector<std::string> files;   ///< paths of the exercise file and the scene file
+  std::vector<ExerciseWall> walls;  ///< empty for an exercise without effort
+  ExercisePanel panel;              ///< read by loadExercise() for any kind
 };
 
-/// What a kind of exercise is loaded from.
+/// Input of an exercise kind's loader.
 struct ExerciseSource {
   std::string path;  ///< of the exercise file
-  std::string name;  ///< the exercise's own
-  int level = 1;     ///< asked for; the kind checks it against the file
+  std::string name;  ///< name of the exercise
+  int level = 1;     ///< requested level; the kind checks it against the file
   const DeviceModel* device = nullptr;
   const HandModel* hand = nullptr;
-  std::string scene_path;  ///< from the working folder; empty where a fault of it is told
+  std::string scene_path;  ///< relative to the working directory; empty if invalid
 };
 
-/// One kind of exercise: a folder of src/exercise, whose header declares `load`.
+/// A kind of exercise: a folder of src/exercise, whose header declares `load`.
 struct ExerciseKind {
   const char* name;
-  /// Reads the rest of the file ("kind", "version", "exercise", "name" and "scene" are read) and
-  /// ends with its finish(): every fault of file and scene at once.
+  /// Reads the rest of the file ("kind", "version", "exercise", "name" and "scene" are already
+  /// read) and ends with its finish(). Reports every fault of file and scene at once.
   Expected<LoadedExercise> (*load)(TomlFile& file, const ExerciseSource& source);
 };
 

@@ -2,8 +2,8 @@
 
 namespace wholehand {
 
-/// The stiffest wall that an exercise may put on an axis, its live parameters at their upper ends:
-/// what the certificate has to bear.
+/// Stiffest wall of an exercise on an axis, with its live parameters at their upper ends. Covered
+/// by the certificate.
 struct ExerciseWall {
   int axis = 0;            ///< index into DeviceModel::axes
   double stiffness = 0.0;  ///< [N/m or N·m/rad]

@@ -12,14 +12,14 @@ constexpr AxisQuantity kStiffness{
     "stiffness_n_m", "stiffness_nm_rad", "stiffness_tip_n_m", 2, 0.0, 1e5};
 constexpr AxisQuantity kDamping{
     "damping_n_s_m", "damping_nm_s_rad", "damping_tip_n_s_m", 2, 0.0, 1e3};
-/// Of an axis's effort limit: what a wall may take of it.
+/// Share of an axis's effort limit available to a wall.
 constexpr double kCapShare = 0.9;
 
 void readWallAxis(NamedAxis& named, const DeviceModel& device, FingerWallConfig& walls) {
   const int i = device.axisIndex(named.name);
   if (i < 0) {
     const std::optional<AxisKind> kind = knownAxisKind(named.name);
-    if (kind) {  // what the fingers feel needs it; its keys are checked all the same
+    if (kind) {  // known, but not an axis of this device; its keys are checked too
       named.table.fail("name", "the device " + device.path + " has no such axis",
                        "take a device that has it; without an exercise any plays a motion: "
                        "--scene F --motion F");
@@ -28,15 +28,15 @@ void readWallAxis(NamedAxis& named, const DeviceModel& device, FingerWallConfig&
     } else {
       named.table.fail("name", "is no axis of the device " + device.path + " nor any known one",
                        "remove it, or write the name of a hand axis");
-      named.table.skipRest();
+      named.table.ignoreUnknownKeys();
     }
     return;
   }
-  const DeviceAxis& axis = device.axes[static_cast<std::size_t>(i)];
+  const DeviceAxis& axis = device.axes[i];
   if (axis.group != AxisGroup::kHand) {
     named.table.fail("name", "carries the hand and closes on to nothing",
                      "write the name of an axis that moves the hand's joints");
-    named.table.skipRest();
+    named.table.ignoreUnknownKeys();
     return;
   }
   walls.stiffness[i] = readAxisQuantity(named.table, kStiffness, axis.kind, axis.lever_arm_m);
@@ -54,16 +54,17 @@ FingerWallFile readFingerWalls(TomlTable& wall, const DeviceModel& device) {
   if (wall.good("engage_m") && wall.good("release_m") && t.release_m < t.engage_m) {
     wall.fail("release_m", "is nearer than engage_m", "must be at least engage_m");
   }
-  // In 0.3 s the largest effort of a wall, 10 N at the tip, comes and goes by 0.05 N a tick.
+  // Over 0.3 s the largest effort of a wall, 10 N at the tip, changes by 0.05 N a tick.
   t.engage_s = wall.number("engage_s", between(0.3, 10.0, "s"), t.engage_s);
   t.release_s = wall.number("release_s", between(0.3, 5.0, "s"), t.release_s);
   const int n = device.axisCount();
   out.walls.axes = n;
-  out.walls.lever_arm_m = AxisRatio(n, 1.0);
-  out.walls.stiffness = out.walls.damping = AxisRatio(n);
+  out.walls.lever_arm_m = AxisLength(n, 1.0);
+  out.walls.stiffness = AxisStiffness(n);
+  out.walls.damping = AxisDamping(n);
   out.walls.effort_cap = out.effort_limit = AxisEffort(n);
   for (int i = 0; i < n; ++i) {
-    const DeviceAxis& axis = device.axes[static_cast<std::size_t>(i)];
+    const DeviceAxis& axis = device.axes[i];
     if (axis.lever_arm_m > 0.0) out.walls.lever_arm_m[i] = axis.lever_arm_m;
     out.effort_limit[i] = axis.effort_limit;
     out.walls.effort_cap[i] = kCapShare * axis.effort_limit;

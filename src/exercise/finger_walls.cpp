@@ -8,57 +8,56 @@
 namespace wholehand {
 namespace {
 
-/// A finger farther past its first touch than this has come there on another way [m of path].
+/// A finger farther past its first touch than this did not pass through it [m of path].
 constexpr double kPast_m = 1e-3;
-/// How a wall lets go: at least so fast [m/s at the tip], the stiffest of the shipped ones by 0.04
-/// N a tick, and a deep one by this share of its depth a second: by less than 0.05 N from 9 N on.
+/// Release speed of a wall: at least this [m/s at the tip], 0.04 N a tick for the stiffest shipped
+/// one, and at least this share of its depth per second, less than 0.05 N a tick from 9 N on.
 constexpr double kLetGo_m_s = 0.15;
 constexpr double kLetGo_per_s = 5.0;
 
-/// One wall, lengths in units of its axis.
+/// A wall, lengths in units of its axis.
 struct Wall {
   bool known;
   double position;
 };
 struct Finger {
-  double now, before;  ///< device position
+  double now, before;  ///< device position, now and a tick before
   bool touches;
 };
 
-/// How much shallower a wall gets in a tick that lets go.
+/// Decrease of a wall's depth in a tick of release.
 struct Step {
-  double least;  ///< by this at least ...
-  double share;  ///< ... and by this share of its depth
+  double least;  ///< at least this ...
+  double share;  ///< ... and this share of its depth
 };
 
-/// The wall where the finger is no deeper in it than it was, less the step.
-double givenWay(double wall, const Finger& finger, const Step& step) noexcept {
+/// Wall position such that the finger is no deeper than before, less the step.
+double yieldedPosition(double wall, const Finger& finger, const Step& step) noexcept {
   const double depth = finger.before - wall;
   return std::max(wall,
                   finger.now - std::max(0.0, depth - std::max(step.least, step.share * depth)));
 }
 
-/// Where the finger has no touch before it: the wall is there only as long as it is felt.
+/// Releases the wall of a finger without a touch ahead. It exists only as long as it is felt.
 Wall letGo(const Wall& wall, const Finger& finger, const Step& step) noexcept {
-  const double position = givenWay(wall.position, finger, step);
+  const double position = yieldedPosition(wall.position, finger, step);
   return {finger.now > position, position};
 }
 
-/// The wall on its way to the target. @param soft one that nothing is in goes there at once: a
-/// finger closes on a soft side to 40 mm of path, and a wall that comes while it does would push
-/// it.
+/// Moves the wall towards its target. @param soft a soft shell's wall with no finger in it jumps
+/// there: a finger closes on a shell by up to 40 mm of path, and a moving wall would push it.
 double follow(double wall, double target, const Finger& finger, double reach, const Step& step,
               bool soft) noexcept {
   if (soft && finger.now <= wall) return std::max(target, finger.now);
   if (target > wall) {
     const double further = wall + reach;
-    return std::min(target,
-                    finger.touches ? further : std::max(further, givenWay(wall, finger, step)));
+    return std::min(
+        target, finger.touches ? further : std::max(further, yieldedPosition(wall, finger, step)));
   }
   return std::max({target, wall - reach, finger.touches ? target : std::min(wall, finger.now)});
 }
 
-/// Whether an axis moves the link against the palm.
+/// Whether an axis moves the link relative to the palm.
 bool moves(const HandModel& hand, int link, int axis) {
   for (int i = link; i >= 0 && i != hand.palm_link; i = hand.links[i].parent) {
     const int joint = hand.links[i].joint;
@@ -84,9 +83,9 @@ std::uint32_t touchingAxes(const TickRecord& record, int body,
                            const std::vector<std::uint32_t>& axes_of_capsule) noexcept {
   std::uint32_t axes = 0;
   for (int i = 0; i < record.contact_count; ++i) {
-    const Contact& c = record.contacts[static_cast<std::size_t>(i)];
+    const Contact& c = record.contacts[i];
     const bool bears = c.force_n.eigen().dot(c.normal.eigen()) > 0.0;
-    const auto capsule = static_cast<std::size_t>(c.capsule);  // -1 is beyond the end
+    const auto capsule = static_cast<std::size_t>(c.capsule);  // -1 is out of range
     if (bears && c.body == body && capsule < axes_of_capsule.size()) {
       axes |= axes_of_capsule[capsule];
     }
@@ -94,15 +93,15 @@ std::uint32_t touchingAxes(const TickRecord& record, int body,
   return axes;
 }
 
-FingerWallState followClosure(const FingerWallState& state, const FingerSight& seen,
+FingerWallState followClosure(const FingerWallState& state, const FingerWallInput& seen,
                               double lead_in_m, double alpha, const FingerWallConfig& config,
                               double elapsed_s) noexcept {
-  FingerWallState next{AxisPosition(config.axes), AxisRatio(config.axes), seen.q_m};
+  FingerWallState next{AxisPosition(config.axes), AxisFlag(config.axes), seen.q_m};
   for (int i = 0; i < config.axes; ++i) {
     if (!(config.stiffness[i] > 0.0) && !(config.damping[i] > 0.0)) continue;
     const double per_m = 1.0 / config.lever_arm_m[i];
-    const bool felt = i < state.known.size() && state.known[i] > 0.0 && alpha > 0.0;
-    // What has the touch before it is not behind the surface, whatever a model of the hand says.
+    const bool felt = i < state.known.size() && state.known[i] && alpha > 0.0;
+    // A finger before its first touch is not inside, even if the hand model says so.
     const bool inside =
         (seen.inside >> i & 1U) != 0U && i < seen.closure.size() && seen.q_s[i] >= seen.closure[i];
     const bool ahead = i < seen.closure.size() && std::isfinite(seen.closure[i]) &&
@@ -111,15 +110,15 @@ FingerWallState followClosure(const FingerWallState& state, const FingerSight& s
                         inside || (seen.touching >> i & 1U) != 0U};
     const Step step{kLetGo_m_s * per_m * elapsed_s, std::min(1.0, kLetGo_per_s * elapsed_s)};
     Wall wall{felt, felt ? state.position[i] : 0.0};
-    // Touched near the open end, the first touch wavers between there and nowhere.
+    // Near the open end the first touch flickers.
     const bool holds = finger.touches && (inside || seen.q_m[i] > seen.q_s[i]) &&
                        i < seen.closure.size() && seen.closure[i] == -HUGE_VAL;
     if (felt && holds) {
-      // The wall stays: what closes on the target is held back by it.
+      // The wall stays and holds back a digit that closes on the target.
     } else if (ahead) {
       double target = seen.closure[i] - lead_in_m * per_m;
-      // A wall that came under a digit would lift it. One that stays is a spring: it gives back
-      // what it took.
+      // A wall moving under a digit would lift it. One that stays is a spring and returns its
+      // energy.
       if (inside && felt) target = std::max(target, wall.position);
       const double reach = config.follow_m_s * per_m * elapsed_s;
       wall = {true, felt ? follow(wall.position, target, finger, reach, step, config.soft_m > 0.0)
@@ -127,7 +126,7 @@ FingerWallState followClosure(const FingerWallState& state, const FingerSight& s
     } else if (felt) {
       wall = letGo(wall, finger, step);
     }
-    next.known[i] = wall.known ? 1.0 : 0.0;
+    next.known[i] = wall.known;
     next.position[i] = wall.known ? wall.position : 0.0;
   }
   return next;
@@ -138,7 +137,7 @@ AxisEffort fingerWallEffort(const FingerWallState& state, const AxisPosition& q_
                             const FingerWallConfig& config) noexcept {
   AxisEffort effort(config.axes);
   for (int i = 0; i < config.axes; ++i) {
-    if (!(state.known[i] > 0.0)) continue;
+    if (!state.known[i]) continue;
     const VirtualWall wall{state.position[i], 1.0, ratios.stiffness * config.stiffness[i],
                            ratios.damping * config.damping[i], config.effort_cap[i]};
     effort[i] = wallEffort(wall, q_m[i], qd_mf[i], alpha);

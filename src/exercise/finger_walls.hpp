@@ -3,26 +3,26 @@
 #include "core/axis_array.hpp"
 #include "core/real_time.hpp"
 #include "core/tick_record.hpp"
-#include "model/hand_model.hpp"
+#include "model/hand/hand_model.hpp"
 
 #include <cstdint>
 #include <vector>
 
 namespace wholehand {
 
-/// The walls of an exercise: one on each hand axis that has a stiffness here. Fingers close towards
-/// larger coordinates.
+/// Walls of an exercise: one on each hand axis with a stiffness here. Fingers close towards larger
+/// coordinates.
 struct FingerWallConfig {
   int axes = 0;
-  AxisRatio lever_arm_m;     ///< of the axis; 1 where it has none
-  AxisRatio stiffness;       ///< k of the softest target [N/m or N·m/rad]; 0: no wall on the axis
-  AxisRatio damping;         ///< d of the thinnest target [N·s/m or N·m·s/rad]
+  AxisLength lever_arm_m;    ///< lever arm of the axis; 1 without one
+  AxisStiffness stiffness;   ///< k of the softest target; 0: no wall on the axis
+  AxisDamping damping;       ///< d of the thinnest target
   AxisEffort effort_cap;     ///< below the device's limit [N or N·m]
-  double soft_m = 0.0;       ///< depth of the targets' soft sides
-  double follow_m_s = 0.04;  ///< fastest that a wall moves while α > 0, at the tip
+  double soft_m = 0.0;       ///< depth of the targets' soft shells
+  double follow_m_s = 0.04;  ///< largest speed of a wall while α > 0, at the tip
 };
 
-/// How much of the configured gains is wanted.
+/// Factors on the configured gains.
 struct WallRatios {
   double stiffness = 1.0;
   double damping = 1.0;
@@ -30,48 +30,47 @@ struct WallRatios {
 
 struct FingerWallState {
   AxisPosition position;  ///< θ_wall
-  AxisRatio known;        ///< 1: there is a wall
+  AxisFlag known;         ///< the axis has a wall
   AxisPosition finger;    ///< q_m of that tick
 };
 
-/// What the walls look at in a tick.
-struct FingerSight {
-  AxisPosition closure;        ///< first touch per axis; not finite where there is none
+/// Input of the walls in a tick.
+struct FingerWallInput {
+  AxisPosition closure;        ///< first touch per axis; not finite without one
   AxisPosition q_m;            ///< device
   AxisPosition q_s;            ///< avatar
-  std::uint32_t touching = 0;  ///< bit a: what axis a moves touches the target
-  std::uint32_t inside = 0;    ///< bit a: it is in the target's soft side, and closing presses on
+  std::uint32_t touching = 0;  ///< bit a: a link moved by axis a touches the target
+  std::uint32_t inside = 0;    ///< bit a: in the target's soft shell, closing presses deeper
 };
 
-/// Per capsule of the hand: bit a where axis a moves it against the palm.
+/// For each capsule of the hand: bit a where axis a moves it relative to the palm.
 [[nodiscard]] std::vector<std::uint32_t> axesOfCapsules(const HandModel& hand);
 
-/// Which axes move something that touches the body, as FingerSight::touching. Real-time safe.
-/// @param axes_of_capsule as axesOfCapsules() gives it
+/// Axes that move a link in contact with the body, as in FingerWallInput::touching. Real-time safe.
+/// @param axes_of_capsule from axesOfCapsules()
 [[nodiscard]] WHOLEHAND_RT std::uint32_t touchingAxes(
     const TickRecord& record, int body, const std::vector<std::uint32_t>& axes_of_capsule) noexcept;
 
-/// Keeps each wall lead_in_m of fingertip path before the first touch that the world found, for
-/// fingers that have this touch before them or press into the soft side behind it. A wall begins at
-/// the target or, where the finger is past that, at the finger. From then on (α > 0) θ_wall is
-/// continuous, but for a soft side's that nothing is in, which goes to the target at once:
-/// - towards the closed hand it follows at follow_m_s, but gives way at once to a digit that
-///   touches nothing: that digit's effort only falls;
-/// - towards the open hand it follows at follow_m_s, but into the finger only while the digit
-///   touches the target, and never while it is in a soft side: there the wall is a spring that
-///   gives back what it took.
-/// So a digit that touches nothing gets no effort but by its own closing on the lead-in. Where the
-/// finger is past the touch or there is none, no wall begins, and one that is felt lets go; but it
-/// stays where it is while the digit is pressed against the target that meets it at the open end
-/// already (closure −∞): the first touch wavers there, and the effort would come and go.
-/// Pure, real-time safe.
+/// Updates the walls. Each wall's target lies lead_in_m of fingertip path before the first touch,
+/// for fingers that have not reached this touch or press into the soft shell behind it. A new wall
+/// begins at its target or, if the finger is past that, at the finger. From then on (α > 0) θ_wall
+/// is continuous, except for a soft shell's wall with no finger in it, which jumps to its target:
+/// - towards the closed hand it moves at follow_m_s. It yields at once to a digit without contact,
+///   whose effort can therefore only fall;
+/// - towards the open hand it moves at follow_m_s. It moves into the finger only while the digit
+///   touches the target, and never while the digit is in a soft shell: there the wall is a spring
+///   that returns the energy it stored.
+/// A digit without contact is thus loaded only by closing onto the lead-in itself. A finger past
+/// the touch, or without one, gets no new wall, and releases one that it feels. The wall stays
+/// fixed while the digit is pressed against a target that touches it at the open end (closure −∞).
+/// The first touch is unsteady there, and the effort would come and go. Pure, real-time safe.
 [[nodiscard]] WHOLEHAND_RT FingerWallState followClosure(const FingerWallState& state,
-                                                         const FingerSight& seen, double lead_in_m,
-                                                         double alpha,
+                                                         const FingerWallInput& seen,
+                                                         double lead_in_m, double alpha,
                                                          const FingerWallConfig& config,
                                                          double elapsed_s) noexcept;
 
-/// Eq. (15) and (17): f_e on every axis. Pure, real-time safe.
+/// Effort f_e of the walls on every axis, Eq. (15) and (17). Pure, real-time safe.
 [[nodiscard]] WHOLEHAND_RT AxisEffort fingerWallEffort(const FingerWallState& state,
                                                        const AxisPosition& q_m,
                                                        const AxisVelocity& qd_mf, double alpha,

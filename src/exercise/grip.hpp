@@ -7,27 +7,26 @@
 
 namespace wholehand {
 
-/// What of the contacts on a body is a grip [N]: normal forces of palmar contacts that oppose each
-/// other. Their sum, at most five times what the weaker of two opposite sides bears. Real-time
-/// safe.
+/// Grip force on a body [N]: the sum of the normal forces of palmar contacts, at most five times
+/// the weaker of two opposing sides. Real-time safe.
 [[nodiscard]] WHOLEHAND_RT double gripForce_n(const TickRecord& record, int body,
                                               const HandPosture& posture) noexcept;
 
-/// What the digits feel of a body.
+/// Loads on the digits from a body.
 struct FeltBody {
   int body = -1;        ///< index in the scene
-  AxisEffort wall;      ///< the exercise's effort on every axis, of this body's walls; size 0: none
-  SoftTouches touches;  ///< of its soft side
+  AxisEffort wall;      ///< effort of this body's walls on every axis; size 0: none
+  SoftTouches touches;  ///< touches of its soft shell
 };
 
-/// The squeeze of a body: what is felt of it at the fingertips [N].
+/// Squeeze of a body: its force felt at the fingertips [N].
 ///
 ///   S = min( Σ_a min(w_a + c_a, f_max,a) / l_a ,  5 · weaker side )
 ///
-/// over the axes with a wall: w_a the wall's effort where the axis has a palmar touch in the soft
-/// side, c_a = -j_aᵀ f of the palmar contacts on the body, f_max,a the device's limit, l_a the
-/// lever arm. Sides as in gripForce_n, where a digit in the soft side bears w_a / l_a along its
-/// normal. The palm feels no squeeze; it is what the digits press against. Real-time safe.
+/// over the axes with a wall: w_a the wall's effort if the axis has a palmar touch in the soft
+/// shell, c_a = -j_aᵀ f of the palmar contacts on the body, f_max,a the device's limit, l_a the
+/// lever arm. Sides as in gripForce_n; a digit in the soft shell counts with w_a / l_a along its
+/// normal. The palm adds no squeeze; the digits press against it. Real-time safe.
 [[nodiscard]] WHOLEHAND_RT double feltSqueeze_n(const TickRecord& record, const FeltBody& felt,
                                                 const HandPosture& posture,
                                                 const FingerWallConfig& walls,

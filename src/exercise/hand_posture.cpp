@@ -9,27 +9,27 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Cosine of the angle between the surface's outward direction and the palmar one, at least.
+/// Least cosine between the outward normal and the palmar direction of a palmar contact.
 constexpr double kPalmar = 0.5;
-/// Closing an axis presses a point in where it moves it against the normal by this [m per rad].
+/// Closing an axis presses a point deeper where it moves it against the normal by this [m per rad].
 constexpr double kPressing_m = 5e-3;
-/// Where a digit's link bends to, and where the palm faces. Flexion turns fingers about +y and the
-/// thumb about -z of its link; a left hand is the mirror image in y.
+/// Palmar direction of a capsule's link. Flexion turns fingers about +y and the thumb about -z of
+/// its link; a left hand is the mirror image in y.
 Vector3d palmarOf(const Capsule& capsule, Side side) {
   if (capsule.part != HandPart::kThumb) return -Vector3d::UnitZ();
   const Vector3d axis = side == Side::kLeft ? Vector3d::UnitZ() : Vector3d(-Vector3d::UnitZ());
   return axis.cross(capsule.b_m - capsule.a_m).normalized();
 }
 
-/// The shortest way from the upright segment of half length `half_m` about the origin to the
-/// segment a b (Ericson, Real-Time Collision Detection, 5.1.9), and where on a b it ends.
+/// Shortest vector from the upright segment of half length `half_m` about the origin to the segment
+/// a b (Ericson, Real-Time Collision Detection, 5.1.9), and its end on a b.
 struct Way {
   Vector3d way, end;
 };
 Way wayFromUpright(const Vector3d& a, const Vector3d& b, double half_m) noexcept {
   const Vector3d along_ab = b - a;
   const double length2 = along_ab.squaredNorm();
-  const double across2 = length2 - along_ab.z() * along_ab.z();  // squared, seen from above
+  const double across2 = length2 - along_ab.z() * along_ab.z();  // squared horizontal length
   double along = 0.0;
   if (across2 > 1e-12) {
     along = std::clamp(-a.head<2>().dot(along_ab.head<2>()) / across2, 0.0, 1.0);
@@ -66,7 +66,7 @@ double HandPosture::opposes(int axis, int capsule, const Vector3d& point_m,
   if (!known_ || at >= palmar_.size() || axis >= hand_.axis_count) return 0.0;
   std::array<double, kMaxAxes> row{};
   body_.reducedPointRow(hand_.capsules[at].link, point_m, force_n, row.data());
-  return -row[static_cast<std::size_t>(axis)];
+  return -row[axis];
 }
 
 SoftTouches HandPosture::softTouches(
@@ -91,7 +91,7 @@ SoftTouches HandPosture::softTouches(
     for (int a = 0; a < hand_.axis_count; ++a) {
       if ((axes_of_capsule[i] >> a & 1U) == 0U) continue;
       if (!(opposes(a, capsule, point_m, normal) > kPressing_m)) continue;
-      SoftTouch& touch = out[static_cast<std::size_t>(a)];
+      SoftTouch& touch = out[a];
       touch.presses = true;
       if (!isPalmar(capsule, normal) || depth_m <= touch.palmar_depth_m) continue;
       touch.palmar_depth_m = depth_m;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kLongestName = 100;
 
-/// Where the scene is that the file names; empty, and told, where it is not.
+/// Path of the scene that the file names; reports a missing one and returns an empty path.
 std::string readScene(TomlTable& root, const std::string& exercise_path) {
   const std::string named = root.text("scene");
   if (!root.good("scene")) return {};
@@ -26,8 +26,7 @@ std::string readScene(TomlTable& root, const std::string& exercise_path) {
   return {};
 }
 
-/// The table [panel] of any kind of exercise, and afterwards its names against those that the
-/// exercise has.
+/// Loads the exercise and its table [panel], common to all kinds, and checks the panel's names.
 Expected<LoadedExercise> loadWithPanel(TomlFile& file, const ExerciseKind& kind,
                                        const ExerciseSource& source) {
   std::optional<TomlTable> table = file.root().optionalTable("panel");
@@ -41,7 +40,7 @@ Expected<LoadedExercise> loadWithPanel(TomlFile& file, const ExerciseKind& kind,
   return loaded;
 }
 
-/// Where there is no such file: which exercises its folder has.
+/// Adds the exercises of the folder to the error of a missing file.
 Diagnostics namingOthers(Diagnostics faults, const std::string& path) {
   std::error_code error;
   if (fs::exists(path, error)) return faults;
@@ -77,7 +76,7 @@ Expected<LoadedExercise> loadExercise(const std::string& path, int level, const 
   source.hand = &hand;
   source.scene_path = readScene(root, path);
   if (!root.good("exercise")) {
-    root.skipRest();  // which keys belong here is not known
+    root.ignoreUnknownKeys();  // the valid keys of an unknown kind are unknown
     return file.finish();
   }
   const auto at = std::find(names.begin(), names.end(), wanted) - names.begin();

@@ -7,20 +7,20 @@
 
 namespace wholehand {
 
-/// Reads an exercise file (kind = "exercise") and the scene it names (relative to it), for a device
-/// and a hand. Every fault of both files is reported at once. Not real-time safe.
-/// @param level 1 .. the exercise's levels
+/// Reads an exercise file (kind = "exercise") and its scene (path relative to the file), for a
+/// device and a hand. Reports every fault of both files at once. Not real-time safe.
+/// @param level 1 .. number of levels
 [[nodiscard]] Expected<LoadedExercise> loadExercise(const std::string& path, int level,
                                                     const DeviceModel& device,
                                                     const HandModel& hand);
 
-/// An exercise file of a folder.
+/// An exercise file in a folder.
 struct ExerciseFile {
-  std::string name;  ///< of the file, without .toml: what LoadExercise and --exercise accept
+  std::string name;  ///< file name without .toml, as LoadExercise and --exercise accept
   std::string path;
 };
-/// The exercise files (*.toml) of a folder by name; those of another kind are left out. Empty where
-/// there is no such folder.
+/// Exercise files (*.toml) of a folder by name, without files of another kind. Empty where there is
+/// no such folder.
 [[nodiscard]] std::vector<ExerciseFile> listExercises(const std::string& folder);
 
 }  // namespace wholehand

@@ -14,7 +14,7 @@ namespace {
 constexpr double kLeastSettle_s = 1.5, kMostSettle_s = 60.0;
 constexpr double kLeftOfTransient = 1e-7;
 
-/// Φ held at 0 or 1 by thresholds that no effort, or every effort, passes.
+/// Fixes Φ at 0 or 1 by thresholds that no effort, or every effort, exceeds.
 void holdDamping(RenderingConfig& rendering, double phi) {
   for (AxisRendering& axis : rendering.axes) {
     axis.effort_dead = phi > 0.0 ? 0.0 : 1e9;
@@ -51,7 +51,7 @@ AxisMatrix inertiaAt(const HandModel& hand, const AxisPosition& q) {
 AxisPosition middleOf(const DeviceModel& device) {
   AxisPosition q(device.axisCount());
   for (int a = 0; a < q.size(); ++a) {
-    const DeviceAxis& axis = device.axes[static_cast<std::size_t>(a)];
+    const DeviceAxis& axis = device.axes[a];
     q[a] = 0.5 * (axis.lower + axis.upper);
   }
   return q;
@@ -64,12 +64,11 @@ PatientConfig armFor(const DeviceModel& device, int axis, double lowest_hz) {
     arm.axes.push_back(
         {d.name, 0.0, 2.0 * d.mass * kVice_rad_s, d.mass * kVice_rad_s * kVice_rad_s});
   }
-  // A millionth of what the device's mass does at the lowest line.
+  // A millionth of the device's inertial effort at the lowest line.
   const double lowest_rad_s = 2.0 * std::numbers::pi * lowest_hz;
-  PatientAxis& pushed = arm.axes[static_cast<std::size_t>(axis)];
+  PatientAxis& pushed = arm.axes[axis];
   pushed.damping = 0.0;
-  pushed.stiffness =
-      1e-6 * device.axes[static_cast<std::size_t>(axis)].mass * lowest_rad_s * lowest_rad_s;
+  pushed.stiffness = 1e-6 * device.axes[axis].mass * lowest_rad_s * lowest_rad_s;
   return arm;
 }
 
@@ -90,7 +89,7 @@ double settleTime(const AxisLoop& loop, ContactCase contact) {
   const Eigen::VectorXcd found = poles(closedLoopMatrix(loop, contact));
   if (found.size() == 0) return -1.0;
   double slowest = 0.0;
-  // A drift of device and hand together (eigenvalue 1) is a constant, which no line sees.
+  // A joint drift of device and hand (eigenvalue 1) is a constant, which no line contains.
   bool drift = contact != ContactCase::kFree;
   for (const std::complex<double>& pole : found) {
     if (!drift && std::abs(pole - 1.0) < 1e-9) {
@@ -109,13 +108,13 @@ std::unique_ptr<PhysicsWorld> contactWorld(const ImpedanceBench& bench, int axis
   AnalyticScene scene;
   scene.gravity_m_s2 = bench.rig->renderer->config().gravity_m_s2;
   scene.axes.resize(static_cast<std::size_t>(bench.rest.size()));
-  AnalyticAxis& met = scene.axes[static_cast<std::size_t>(axis)];
+  AnalyticAxis& met = scene.axes[axis];
   const double period_s = bench.grid.period_s;
   if (contact == ContactCase::kRigid) {
     met.lower_stop = met.upper_stop = bench.rest[axis];
   } else {
     // Engines solve contacts after the step: M (v⁺ − v) = T (f − k (q + T v⁺)). In a world that
-    // takes its springs before the step that is a mass T²k and a damping T k more.
+    // applies springs before the step this equals an added mass T²k and damping T k.
     met.stiffness = stiffness;
     met.damping = period_s * stiffness;
     met.added_mass = period_s * period_s * stiffness;
@@ -137,7 +136,7 @@ Expected<ImpedanceBench> makeImpedanceBench(const Models& models, double phi,
   RigOptions options;
   options.period_s = how.period_s;
   options.engine = how.engine;
-  options.uncertified = true;  // nobody is moved
+  options.uncertified = true;  // no person is moved
   auto player = std::make_unique<MultisinePlayer>(
       bench.rest, 0, bench.grid, std::vector<double>(bench.grid.lines.size(), 0.0), 1.0);
   auto rig = buildRig(std::move(own), std::move(player), options);

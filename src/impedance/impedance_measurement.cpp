@@ -14,17 +14,17 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// Each line alone moves the device at this speed: small enough that nothing saturates and that the
-// hand's posture does not change, large against rounding.
+// Speed of the device per line: small enough to avoid saturation and changes of posture, large
+// compared with rounding.
 constexpr double kLineSpeed_m_s = 1e-4, kLineSpeed_rad_s = 1e-3;
-constexpr double kUsualLeverArm_m = 0.08;  // as in the certificate, where a rotation has no tip
-constexpr int kFinePoints = 300;           // of a predicted line, which has sharp bends
-// With dry friction: a speed of everyday, once a second.
+constexpr double kUsualLeverArm_m = 0.08;  // as in the certificate for a rotation without a tip
+constexpr int kFinePoints = 300;           // points of a predicted line, which has sharp bends
+// Measurement with dry friction: an everyday speed at 1 Hz.
 constexpr double kUsualSpeed_m_s = 0.1, kUsualSpeed_rad_s = 1.0, kUsual_hz = 1.0;
 
 constexpr const char* kNeverSettles = "the loop does not settle by itself";
 
-/// What kept the tick from being linear on the axis; empty: nothing.
+/// Why the tick was not linear on the axis; empty: it was.
 std::string interference(const TickRecord& record, const AxisEffort& neutral, int axis,
                          double phi) {
   if (any(record.faults & kStopping)) return "a fault stopped the loop";
@@ -44,7 +44,7 @@ struct Phasors {
   std::vector<Complex> effort, position;
 };
 
-/// Lets the renderer run: first until it has settled, then for one window.
+/// Runs the renderer until it has settled, then for one window.
 Phasors listen(HapticRenderer& renderer, const ImpedanceBench& bench, int axis, double settle_s) {
   Phasors out;
   LineTransform effort(bench.grid), position(bench.grid);
@@ -70,22 +70,21 @@ Phasors listen(HapticRenderer& renderer, const ImpedanceBench& bench, int axis, 
 
 std::unique_ptr<Player> pushOf(const ImpedanceBench& bench, int axis, const PatientConfig& arm,
                                const ImpedanceCurve& curve) {
-  const bool along =
-      bench.models.device.axes[static_cast<std::size_t>(axis)].kind == AxisKind::kTranslation;
+  const bool along = bench.models.device.axes[axis].kind == AxisKind::kTranslation;
   std::vector<double> amplitude;
   for (const ImpedancePoint& point : curve.points) {
     amplitude.push_back((along ? kLineSpeed_m_s : kLineSpeed_rad_s) *
                         std::abs(point.predicted.felt));
   }
   return std::make_unique<MultisinePlayer>(bench.rest, axis, bench.grid, amplitude,
-                                           arm.axes[static_cast<std::size_t>(axis)].stiffness);
+                                           arm.axes[axis].stiffness);
 }
 
 void fill(const Phasors& heard, const AxisLoop& loop, ImpedanceCurve& curve) {
   for (std::size_t i = 0; i < curve.points.size(); ++i) {
     ImpedancePoint& point = curve.points[i];
     const double omega_rad_s = 2.0 * std::numbers::pi * point.frequency_hz;
-    // The push ran straight from sample to sample: this is the sine that moves the device alike.
+    // The push is linear between samples. This is the sine with the same effect on the device.
     const Complex push = heard.effort[i] * linearHoldGain(loop, point.frequency_hz);
     point.measured.felt = push / (Complex(0.0, omega_rad_s) * heard.position[i]);
     point.measured.rendered = point.measured.felt - Complex(loop.damping, omega_rad_s * loop.mass);
@@ -95,7 +94,7 @@ void fill(const Phasors& heard, const AxisLoop& loop, ImpedanceCurve& curve) {
 }
 
 void predict(const FeltLoop& felt, const LineGrid& grid, ImpedanceCurve& curve) {
-  const FeltLoop alone = feltAlone(felt.loop);
+  const FeltLoop alone = feltUncoupled(felt.loop);
   const double lowest_hz = grid.frequency_hz(0);
   const double span = grid.frequency_hz(grid.lines.size() - 1) / lowest_hz;
   for (int i = 0; i < kFinePoints; ++i) {
@@ -113,7 +112,7 @@ void predict(const FeltLoop& felt, const LineGrid& grid, ImpedanceCurve& curve) 
   }
 }
 
-/// A renderer of its own for one push in one world.
+/// Measures one push in one world with a new renderer.
 Expected<Phasors> run(const ImpedanceBench& bench, int axis, const PatientConfig& arm,
                       std::unique_ptr<Player> push, PhysicsWorld& world, double settle_s) {
   SimulatedDevice device(bench.models.device, arm, std::move(push), bench.grid.period_s);
@@ -146,9 +145,9 @@ Expected<Done> measure(const ImpedanceBench& bench, int axis, ImpedanceCurve& cu
   return Done{};
 }
 
-/// Dry friction takes 4 f_c / π more of the effort's amplitude.
+/// Measures with dry friction, which adds 4 f_c / π to the effort's amplitude.
 Expected<Done> measureAsBuilt(const ImpedanceBench& bench, int axis, ImpedanceAsBuilt& out) {
-  const DeviceAxis& built = bench.models.device.axes[static_cast<std::size_t>(axis)];
+  const DeviceAxis& built = bench.models.device.axes[axis];
   const FeltLoop felt = feltLoop(bench, axis, 0.0);
   out.frequency_hz = bench.grid.frequency_hz(0);
   out.speed = built.kind == AxisKind::kTranslation ? kUsualSpeed_m_s : kUsualSpeed_rad_s;
@@ -162,7 +161,7 @@ Expected<Done> measureAsBuilt(const ImpedanceBench& bench, int axis, ImpedanceAs
   const PatientConfig arm = armFor(bench.models.device, axis, out.frequency_hz);
   auto push = std::make_unique<MultisinePlayer>(
       bench.rest, axis, bench.grid, std::vector{out.speed * std::abs(out.linear + friction)},
-      arm.axes[static_cast<std::size_t>(axis)].stiffness);
+      arm.axes[axis].stiffness);
   const auto heard = run(bench, axis, arm, std::move(push), *bench.rig->world, settle_s);
   if (!heard) return heard.errors();
   out.not_measured = heard->interference;
@@ -179,7 +178,7 @@ std::string caseName(const ImpedanceCurve& curve) {
   return fmt::format("{}, Φ = {:g}", where, curve.phi);
 }
 
-/// Of the contact, in the axis's own units.
+/// Stiffness of the contact in the axis's units.
 double springOf(const DeviceAxis& axis, double contact_stiffness_n_m) {
   if (axis.kind == AxisKind::kTranslation) return contact_stiffness_n_m;
   const double arm_m = axis.lever_arm_m > 0.0 ? axis.lever_arm_m : kUsualLeverArm_m;
@@ -195,7 +194,7 @@ void ImpedanceDeviation::include(std::complex<double> measured, std::complex<dou
 }
 
 void ImpedanceDeviation::include(const ImpedanceDeviation& other) {
-  if (!(other.decibel <= decibel)) decibel = other.decibel;  // not a number is the worst
+  if (!(other.decibel <= decibel)) decibel = other.decibel;  // NaN is the worst
   if (!(other.degrees <= degrees)) degrees = other.degrees;
 }
 
@@ -219,7 +218,7 @@ Expected<ImpedanceReport> measureImpedance(const Models& models, const Impedance
                          {}};
   const AxisPosition rest = middleOf(models.device);
   for (int a = 0; a < models.device.axisCount(); ++a) {
-    report.axes.push_back({models.device.axes[static_cast<std::size_t>(a)], rest[a], {}, {}});
+    report.axes.push_back({models.device.axes[a], rest[a], {}, {}});
   }
   const int all = 7 * models.device.axisCount();
   int done = 0;
@@ -227,7 +226,7 @@ Expected<ImpedanceReport> measureImpedance(const Models& models, const Impedance
     auto bench = makeImpedanceBench(models, phi, options, BenchDevice::kLinear);
     if (!bench) return bench.errors();
     for (int a = 0; a < models.device.axisCount(); ++a) {
-      AxisImpedance& axis = report.axes[static_cast<std::size_t>(a)];
+      AxisImpedance& axis = report.axes[a];
       for (const ContactCase c : {ContactCase::kFree, ContactCase::kObject, ContactCase::kRigid}) {
         ImpedanceCurve curve;
         curve.contact = c;
@@ -245,7 +244,7 @@ Expected<ImpedanceReport> measureImpedance(const Models& models, const Impedance
   if (!bench) return bench.errors();
   bench->grid = oneLine(kUsual_hz, options.period_s);
   for (int a = 0; a < models.device.axisCount(); ++a) {
-    AxisImpedance& axis = report.axes[static_cast<std::size_t>(a)];
+    AxisImpedance& axis = report.axes[a];
     progress(axis.axis.name + " with its dry friction", done++, all);
     if (auto ok = measureAsBuilt(*bench, a, axis.as_built); !ok) return ok.errors();
   }

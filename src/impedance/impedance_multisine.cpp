@@ -7,9 +7,9 @@
 namespace wholehand {
 namespace {
 
-constexpr double kWindow_s = 10.0;  // one turn of the lowest line
+constexpr double kWindow_s = 10.0;  // one period of the lowest line
 constexpr double kLinesPerDecade = 14.0;
-constexpr double kFade_s = 0.5;  // a push that sets in softly leaves less to die away
+constexpr double kFade_s = 0.5;  // a gradual onset leaves a smaller transient
 
 }  // namespace
 
@@ -55,7 +55,7 @@ MultisinePlayer::MultisinePlayer(AxisPosition rest, int axis, const LineGrid& gr
     : rest_(rest), axis_(axis), aim_(static_cast<std::size_t>(grid.window)) {
   const auto count = static_cast<double>(grid.lines.size());
   for (std::size_t i = 0; i < grid.lines.size(); ++i) {
-    // Schroeder's phases keep the peaks of the sum low.
+    // Schroeder phases keep the peaks of the sum low.
     const auto n = static_cast<double>(i);
     const double phase = -std::numbers::pi * n * (n + 1.0) / count;
     for (std::size_t k = 0; k < aim_.size(); ++k) {

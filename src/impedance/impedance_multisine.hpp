@@ -7,8 +7,8 @@
 
 namespace wholehand {
 
-/// Frequencies that fit into a window of whole periods, so that a Fourier transform tells them
-/// apart exactly: line i turns lines[i] times in `window` ticks.
+/// Frequencies with whole periods in a window, which a Fourier transform separates exactly: line i
+/// has lines[i] periods in `window` ticks.
 struct LineGrid {
   int window = 0;
   double period_s = 1e-3;
@@ -18,17 +18,17 @@ struct LineGrid {
   }
 };
 
-/// Evenly on a logarithmic scale from 0.1 Hz to just below half the rate.
+/// Logarithmically spaced lines from 0.1 Hz to just below half the rate.
 [[nodiscard]] LineGrid lineGrid(double period_s);
-/// One line alone, four turns of it. @param frequency_hz about that
+/// A single line of four periods. @param frequency_hz approximate
 [[nodiscard]] LineGrid oneLine(double frequency_hz, double period_s);
 
-/// Phasors of the lines from samples that come one by one, over the windows since the start.
+/// Phasors of the lines from successive samples, over the windows since the start.
 class LineTransform {
  public:
   explicit LineTransform(const LineGrid& grid);
   void add(double sample);
-  /// Peak amplitude and phase. @pre a whole number of windows was added
+  /// Amplitude (peak) and phase. @pre a whole number of windows was added
   [[nodiscard]] std::complex<double> phasor(std::size_t line) const;
 
  private:
@@ -37,8 +37,8 @@ class LineTransform {
   int added_ = 0;
 };
 
-/// A person who pushes one axis with a sum of sines and holds the others where they are. The push
-/// is asked for through an arm so soft that the place it aims at is all that counts.
+/// A person who pushes one axis with a sum of sines and holds the others. The push acts through an
+/// arm so soft that only its target matters.
 class MultisinePlayer final : public Player {
  public:
   /// @param amplitude effort per line of the grid  @param stiffness of the arm on the axis
@@ -53,7 +53,7 @@ class MultisinePlayer final : public Player {
  private:
   AxisPosition rest_;
   int axis_;
-  std::vector<double> aim_;  ///< over one window, then again
+  std::vector<double> aim_;  ///< target over one window, repeated
   std::size_t periods_ = 0;
 };
 

@@ -42,7 +42,7 @@ NumberRule ruleFor(const AxisQuantity& quantity, std::string_view key) {
   return {quantity.lower, quantity.upper, quantity.open_lower, unitOfKey(key)};
 }
 
-/// The tip key, where it stands and may be used; otherwise says why it may not.
+/// Reads the tip key if present and allowed; otherwise reports why not.
 bool usesTip(TomlTable& table, const AxisQuantity& quantity, AxisKind kind, double lever_arm_m,
              std::string_view key) {
   if (quantity.tip_key.empty() || !table.has(quantity.tip_key)) return false;
@@ -95,7 +95,7 @@ std::vector<NamedAxis> readAxisNames(TomlTable& root) {
   for (TomlTable& table : root.tables("axes", 1)) {
     std::string name = table.text("name");
     if (!table.good("name") || !checkNewName(table, name, names)) {
-      table.skipRest();
+      table.ignoreUnknownKeys();
       continue;
     }
     names.push_back(name);

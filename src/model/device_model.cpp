@@ -11,7 +11,7 @@
 namespace wholehand {
 namespace {
 
-// Bounds are far outside what a device for a hand can be: they catch slipped units, not taste.
+// Bounds are far beyond any device for a hand: they detect wrong units.
 constexpr AxisQuantity kEffortLimit{
     "effort_limit_n", "effort_limit_nm", "effort_limit_tip_n", 1, 0.0, 1000.0, true};
 constexpr AxisQuantity kEffortSlew{
@@ -26,12 +26,12 @@ constexpr AxisQuantity kEncoderStep{"encoder_step_m", "encoder_step_rad", {}, 1,
 constexpr AxisQuantity kNeutral{
     "neutral_effort_n", "neutral_effort_nm", "neutral_effort_tip_n", 1, -1000.0, 1000.0};
 
-// What a file may leave out.
+// Defaults of optional keys.
 constexpr double kSlewOfLimit_per_s = 250.0;  // zero to the effort limit in 4 ms
 constexpr double kMarginOfRange = 0.02;
 constexpr WatchLimits kWatch{5, 0.02, 1.0};
-// Smoothstep over 80 ms from +limit to -limit, its steepest slope with some slack: a slower device
-// could not follow the ramp to neutral.
+// Steepest slope, with some margin, of a smoothstep over 80 ms from +limit to -limit: a slower
+// device could not follow the ramp to neutral.
 constexpr double kLeastSlewOfLimit_per_s = 40.0;
 
 bool isAxisName(const std::string& name) {
@@ -40,7 +40,7 @@ bool isAxisName(const std::string& name) {
   });
 }
 
-/// A base axis carries the hand: its name says how, and whether it moves or turns.
+/// Checks a base axis, which carries the hand: its name determines direction and kind.
 void checkBaseAxis(TomlTable& table, const DeviceAxis& axis) {
   const std::vector<std::string> translations = {"x", "y", "z"};
   const std::vector<std::string> rotations = {"roll", "pitch", "yaw"};
@@ -75,7 +75,7 @@ void checkSlew(TomlTable& table, const DeviceAxis& axis) {
     return table.good(quantity.translation_key) || table.good(quantity.rotation_key) ||
            table.good(quantity.tip_key);
   };
-  if (!good(kEffortLimit) || !good(kEffortSlew)) return;  // said already, or left out
+  if (!good(kEffortLimit) || !good(kEffortSlew)) return;  // already reported, or absent
   if (axis.effort_slew_limit >= kLeastSlewOfLimit_per_s * axis.effort_limit) return;
   const std::string_view key = table.has(kEffortSlew.translation_key) ? kEffortSlew.translation_key
                                : table.has(kEffortSlew.rotation_key)  ? kEffortSlew.rotation_key
@@ -95,7 +95,7 @@ DeviceAxis readAxis(TomlTable& table, const std::vector<std::string>& earlier) {
   const bool typed = table.good("type");
   readName(table, axis, earlier);
   if (!typed) {  // no key has a known unit: further messages would mislead
-    table.skipRest();
+    table.ignoreUnknownKeys();
     return axis;
   }
   const bool turns = axis.kind == AxisKind::kRotation;
@@ -141,7 +141,7 @@ WatchLimits readWatch(TomlTable table) {
 
 int DeviceModel::axisIndex(const std::string& axis_name) const {
   for (int i = 0; i < axisCount(); ++i) {
-    if (axes[static_cast<std::size_t>(i)].name == axis_name) return i;
+    if (axes[i].name == axis_name) return i;
   }
   return -1;
 }
@@ -149,7 +149,7 @@ int DeviceModel::axisIndex(const std::string& axis_name) const {
 AxisEffort DeviceModel::neutral() const {
   AxisEffort effort(axisCount());
   for (int i = 0; i < axisCount(); ++i) {
-    effort[i] = axes[static_cast<std::size_t>(i)].neutral_effort;
+    effort[i] = axes[i].neutral_effort;
   }
   return effort;
 }

@@ -12,7 +12,7 @@ namespace wholehand {
 enum class AxisKind { kTranslation, kRotation };
 enum class AxisGroup { kBase, kHand };  ///< carries the hand, or moves its joints
 
-/// One named axis of a device. SI; a value per radian for a rotation.
+/// A named axis of a device. SI units; per radian for a rotation.
 struct DeviceAxis {
   std::string name;  ///< "x", "finger_flexion", ...
   AxisKind kind = AxisKind::kTranslation;
@@ -20,13 +20,14 @@ struct DeviceAxis {
   double lower = 0.0, upper = 0.0;  ///< range [m or rad]
   double effort_limit = 0.0;        ///< [N or N·m], > 0
   double effort_slew_limit = 0.0;   ///< fastest change of effort [N/s or N·m/s], > 0
-  double speed_limit = 0.0;         ///< [m/s or rad/s], > 0; beyond it rendering stops
-  double workspace_margin = 0.0;    ///< beyond the range by more, rendering stops [m or rad], > 0
+  double speed_limit = 0.0;         ///< [m/s or rad/s], > 0; a higher speed stops rendering
+  double workspace_margin = 0.0;    ///< a larger excursion beyond the range stops rendering [m or
+                                    ///< rad], > 0
   double mass = 0.0;                ///< moving mass [kg or kg·m²], > 0
   double damping = 0.0;             ///< viscous friction [N·s/m or N·m·s/rad], >= 0
   double coulomb = 0.0;             ///< dry friction [N or N·m], >= 0
   double encoder_step = 0.0;        ///< [m or rad], >= 0; 0: ideal
-  double lever_arm_m = 0.0;         ///< joint torque / tip force; 0 where there is no tip
+  double lever_arm_m = 0.0;         ///< joint torque / tip force; 0: no tip
   double neutral_effort = 0.0;      ///< carries the axis's own weight [N or N·m]
 
   /// "N" or "N·m"
@@ -39,20 +40,20 @@ struct DeviceAxis {
   }
 };
 
-/// When the loop is too late, and when an encoder must have moved. 0: counted only.
+/// Limits of lateness and of a stuck encoder that stop rendering. 0: only counted.
 struct WatchLimits {
-  int late_in_a_row = 0;         ///< more late ticks one after another stop rendering
+  int late_in_a_row = 0;         ///< a longer run of late ticks stops rendering
   double longest_gap_s = 0.0;    ///< a longer time between two ticks stops rendering
-  double stuck_encoder_s = 0.0;  ///< an axis that stands still for so long while the hand moves
+  double stuck_encoder_s = 0.0;  ///< longest standstill of an axis while the hand moves
 };
 
-/// A device: N named axes and how the hand is strapped to it. Nothing knows the number six.
+/// A device: N named axes and the hand's mounting. No code assumes six axes.
 struct DeviceModel {
   std::string path;
   std::string name;              ///< "lambda-pride"
   std::vector<DeviceAxis> axes;  ///< 1 .. kMaxAxes
   int output_delay_ticks = 0;    ///< whole samples between write and effect, 0 .. 8
-  /// Most that all axes together may give [W], > 0; +inf where the file states none.
+  /// Limit of the power that all axes together deliver [W], > 0; +inf: none stated.
   double power_limit_w = std::numeric_limits<double>::infinity();
   WatchLimits watch;
   /// Orientation of a right hand's palm frame in the world when all base rotations are zero
@@ -60,9 +61,9 @@ struct DeviceModel {
   double mount_roll_rad = 0.0, mount_pitch_rad = 0.0, mount_yaw_rad = 0.0;
 
   [[nodiscard]] int axisCount() const { return static_cast<int>(axes.size()); }
-  /// Index of the axis of that name, -1 when there is none.
+  /// Index of an axis by name; -1: none.
   [[nodiscard]] int axisIndex(const std::string& axis_name) const;
-  /// The effort that holds the device's own weight, per axis.
+  /// Effort per axis that holds the device's own weight.
   [[nodiscard]] AxisEffort neutral() const;
 };
 

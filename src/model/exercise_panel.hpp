@@ -13,38 +13,38 @@ struct Words {
   std::string en, fr, de;
 };
 
-/// How a value of an exercise is shown to people. Bounds are in the value's own unit.
+/// How an exercise's value is displayed. Bounds are in the value's own unit.
 struct PanelValue {
   std::string name;     ///< of ExerciseDescription::value_names
   Words label;          ///< "Your squeeze"
-  std::string unit;     ///< as shown: "N", "ml"; empty: a plain number
+  std::string unit;     ///< as shown: "N", "ml"; empty: dimensionless
   double factor = 1.0;  ///< shown number = value · factor
   int decimals = 0;     ///< of the shown number
   double lower = 0.0, upper = 1.0;
-  /// Names of the values that bound the goal band now; empty: it has none.
+  /// Names of the values that give the current goal band; empty: none.
   std::string goal_lower, goal_upper;
-  bool result = false;  ///< what it is at the end counts: summary, --json and report tell it
+  bool result = false;  ///< its final value is a result, shown in summary, --json and report
 };
 
-/// How an event of an exercise is told to people.
+/// How an event of an exercise is displayed.
 struct PanelEvent {
   std::string name;  ///< of ExerciseDescription::event_names
   Words words;
 };
 
-/// What pages and reports show of an exercise: the table [panel] of its file (docs/exercises.md).
-/// Empty where the file has none.
+/// Display of an exercise in pages and reports: the table [panel] of its file (docs/exercises.md).
+/// Empty when the file has none.
 struct ExercisePanel {
   Words title, lead;
-  std::vector<Words> instructions;  ///< the value kInstructionValue says which one holds
+  std::vector<Words> instructions;  ///< kInstructionValue is the index of the current one
   std::vector<PanelValue> values;
   std::vector<PanelEvent> events;
 };
 
-/// The values that pages know by these names, where an exercise has them.
+/// Reserved names of values that pages interpret, if an exercise has them.
 inline constexpr std::string_view kInstructionValue = "instruction";  ///< index, -1: none
 inline constexpr std::string_view kScoreValue = "score";              ///< 0 .. 100
-inline constexpr std::string_view kDoneValue = "done";                ///< 1: nothing is left to do
+inline constexpr std::string_view kDoneValue = "done";                ///< 1: finished
 
 /// Reads the table [panel]. Not for the tick.
 [[nodiscard]] ExercisePanel readExercisePanel(TomlTable& panel);

@@ -22,7 +22,7 @@ MassProperties combined(const MassProperties& a, const MassProperties& b) {
   MassProperties sum;
   sum.mass_kg = mass_kg;
   sum.com_m = (a.mass_kg * a.com_m + b.mass_kg * b.com_m) / mass_kg;
-  // Two point masses turn about their common centre like one reduced mass at their distance.
+  // Two point masses about their common centre equal one reduced mass at their distance.
   const Eigen::Vector3d between = b.com_m - a.com_m;
   const double reduced_kg = a.mass_kg * b.mass_kg / mass_kg;
   const Eigen::Matrix3d points =
@@ -43,7 +43,7 @@ std::string inertiaFault(const Eigen::Matrix3d& inertia_kg_m2) {
   const std::string moments = fmt::format("(principal moments {:.4g}, {:.4g}, {:.4g} kg·m²)",
                                           principal[0], principal[1], principal[2]);
   if (!(principal[0] > 0.0)) return "is not positive definite " + moments;
-  // A flat plate meets the bound exactly: let rounded figures pass.
+  // A flat plate meets the bound exactly: tolerates rounding.
   if (principal[2] > (principal[0] + principal[1]) * (1.0 + 1e-6)) {
     return "breaks the triangle inequality " + moments;
   }

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/geometry.hpp"
-#include "model/scene_model.hpp"
+#include "model/scene/scene_model.hpp"
 
 #include <Eigen/Core>
 
@@ -17,18 +17,18 @@ struct MassProperties {
   Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();  ///< about the centre of mass
 };
 
-/// Of the shapes at one uniform density that gives them this mass together [kg]. Where shapes of
-/// one body overlap, the common part counts once for each.
+/// Mass properties of shapes with a common density and this total mass [kg]. Overlapping volume
+/// counts once per shape.
 [[nodiscard]] MassProperties uniformDensity(const std::vector<Shape>& shapes, double mass_kg);
 
-/// Of two bodies welded together (parallel axes); both in the same frame.
+/// Mass properties of two rigidly joined bodies (parallel axes); both in the same frame.
 [[nodiscard]] MassProperties combined(const MassProperties& a, const MassProperties& b);
 
-/// The same body seen from an outer frame: `inner_in_outer` places its frame there.
+/// Transforms mass properties into an outer frame: `inner_in_outer` is the pose of the inner one.
 [[nodiscard]] MassProperties moved(const MassProperties& m, const Pose& inner_in_outer);
 
-/// Why no rigid body has this inertia about its centre of mass; empty when one can. Its principal
-/// moments must be positive and none larger than the sum of the other two.
+/// Reason why an inertia about the centre of mass is impossible, or empty. Principal moments must
+/// be positive, and none larger than the sum of the other two.
 [[nodiscard]] std::string inertiaFault(const Eigen::Matrix3d& inertia_kg_m2);
 
 }  // namespace wholehand

@@ -16,14 +16,14 @@ constexpr AxisQuantity kEffortFull{
     "effort_full_n", "effort_full_nm", "effort_full_tip_n", 1, 0.0, 1000.0, true};
 constexpr AxisQuantity kEffortDead{"effort_dead_n", "effort_dead_nm", "effort_dead_tip_n", 1, 0.0,
                                    1000.0};
-/// f_d where the file says nothing: large enough that slow free motion does not raise Φ.
+/// Default of f_d: large enough that slow free motion does not raise Φ.
 constexpr double kDeadShare = 0.1;
 
 const NumberRule kGamma = between(0.0, 1.0);
 const NumberRule kFilter = above(0.0, 10000.0, "Hz");
 const NumberRule kDecay = between(0.01, 5.0, "s");
 
-/// Values that axes share unless they state their own.
+/// Defaults for all axes.
 struct Common {
   double gamma = AxisRendering{}.gamma;
   double velocity_filter_hz = AxisRendering{}.velocity_filter_hz;
@@ -73,8 +73,8 @@ std::string listed(const std::vector<std::string>& names) {
   return out;
 }
 
-/// Reports an axis that the device does not have. The axis without gains that it probably stands
-/// for is named as the remedy and taken out of `without_gains`: one mistake, one message.
+/// Reports an axis that the device does not have. Names the axis without gains that was probably
+/// meant as the remedy, and removes it from `without_gains`: one mistake, one message.
 void refuseAxis(NamedAxis& axis, const DeviceModel& device, bool only_one,
                 std::vector<std::string>& without_gains) {
   std::string meant = nearestWord(axis.name, without_gains);
@@ -82,7 +82,7 @@ void refuseAxis(NamedAxis& axis, const DeviceModel& device, bool only_one,
   std::erase(without_gains, meant);
   axis.table.fail("name", "is not an axis of the device " + device.path,
                   meant.empty() ? "remove it" : "did you mean " + meant + "?");
-  axis.table.skipRest();
+  axis.table.ignoreUnknownKeys();
 }
 
 void readAxes(TomlTable& root, const DeviceModel& device, const Common& common,
@@ -98,13 +98,12 @@ void readAxes(TomlTable& root, const DeviceModel& device, const Common& common,
       continue;
     }
     std::erase(without_gains, axis.name);
-    const auto at = static_cast<std::size_t>(i);
-    config.axes[at] = readAxis(axis.table, device.axes[at], common, config.paper);
+    config.axes[i] = readAxis(axis.table, device.axes[i], common, config.paper);
   }
   for (NamedAxis& axis : strangers) {
     refuseAxis(axis, device, strangers.size() == 1, without_gains);
   }
-  // Without any readable [[axes]] that was said already.
+  // An unreadable [[axes]] was reported already.
   if (root.good("axes") && !without_gains.empty()) {
     root.fail("axes",
               "have no gains for " + listed(without_gains) + " of the device " + device.path,

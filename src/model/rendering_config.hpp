@@ -22,7 +22,8 @@ struct AxisRendering {
   double effort_full = 5.0;   ///< f₀: effort at which φ = 1 [N or N·m]
   double effort_dead = 0.5;   ///< f_d: effort below which φ = 0, < f₀
   double decay_s = 0.3;       ///< τ_dec of Algorithm 1
-  bool palm_contact = false;  ///< base axes: own φ beside the hand's largest (Eq. 5, mended)
+  bool palm_contact = false;  ///< base axes: own φ in addition to the hand's largest (Eq. 5,
+                              ///< corrected)
 };
 
 /// A rendering file: the gains that go with a device.
@@ -33,8 +34,8 @@ struct RenderingConfig {
   std::vector<AxisRendering> axes;  ///< in the device's order, one for each of its axes
 };
 
-/// Reads a rendering file and matches it to a device: every axis of the device must have gains, no
-/// other may. Tip values are multiplied by the device's lever arm; `paper = true` sets γ and f_d.
+/// Reads a rendering file for a device: every axis of the device must have gains, and no other axis
+/// may. Tip values are multiplied by the device's lever arm; `paper = true` sets γ and f_d.
 [[nodiscard]] Expected<RenderingConfig> loadRenderingFile(const std::string& path,
                                                           const DeviceModel& device);
 

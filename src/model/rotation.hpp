@@ -5,7 +5,7 @@
 
 namespace wholehand {
 
-/// Turned about x, then y, then z of the fixed frame [rad]: R = Rz(yaw) Ry(pitch) Rx(roll).
+/// Rotation about x, then y, then z of the fixed frame [rad]: R = Rz(yaw) Ry(pitch) Rx(roll).
 [[nodiscard]] inline Eigen::Matrix3d rotationFromRpy(double roll_rad, double pitch_rad,
                                                      double yaw_rad) {
   using Eigen::AngleAxisd;

@@ -10,10 +10,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Counts changes of the data that an older page cannot read.
+/// Version of the data format; raised when older pages cannot read it.
 constexpr int kVersion = 1;
 
-/// As many digits as a chart can show; null where it is not finite.
+/// The value with as many digits as a chart can show; null if not finite.
 Json shown(double value) {
   if (!std::isfinite(value)) return nullptr;
   return std::strtod(fmt::format("{:.7g}", value).c_str(), nullptr);

@@ -5,8 +5,8 @@
 
 namespace wholehand {
 
-/// Bytes as text for JSON: compressed by zlib (RFC 1950), then base 64 (RFC 4648).
-/// unpackBytes() of web/src/embedded reads it.
+/// Packs bytes as text for JSON: zlib (RFC 1950), then base 64 (RFC 4648). Read by unpackBytes() of
+/// web/src/embedded.
 [[nodiscard]] std::string packBytes(std::string_view bytes);
 
 }  // namespace wholehand

@@ -21,7 +21,7 @@ Diagnostic refusal(const std::string& file, std::string problem, std::string rem
   return {file, 0, "", "", std::move(problem), std::move(remedy)};
 }
 
-/// Writes all of it under a temporary name and renames it. @return an errno, or 0
+/// Writes the text under a temporary name and renames it. @return an errno, or 0
 int writeWhole(const std::filesystem::path& path, std::string_view text) {
   const std::string temporary = path.string() + ".part";
   std::FILE* out = std::fopen(temporary.c_str(), "wb");
@@ -43,7 +43,7 @@ std::string embeddedJson(const nlohmann::json& data) {
   out.reserve(json.size());
   for (const char c : json) {
     if (c == '<') {
-      out += "\\u003c";  // no text of a file ends the element, or begins a comment
+      out += "\\u003c";  // data cannot end the element or begin a comment
     } else {
       out += c;
     }

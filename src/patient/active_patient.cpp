@@ -8,7 +8,7 @@
 namespace wholehand {
 namespace {
 
-constexpr double kStillShare = 0.01;  // of the device's speed limit: slower feels like rest
+constexpr double kStillShare = 0.01;  // share of the device's speed limit that counts as rest
 
 }  // namespace
 
@@ -24,14 +24,14 @@ ActivePatient::ActivePatient(const PatientConfig& patient, const DeviceModel& de
       reaction_(patient.fight_reaction_s, period_s) {
   std::mt19937_64 random(patient.tremor.phase_seed);
   for (int i = 0; i < limit_.size(); ++i) {
-    limit_[i] = device.axes[static_cast<std::size_t>(i)].effort_limit;
-    still_[i] = kStillShare * device.axes[static_cast<std::size_t>(i)].speed_limit;
+    limit_[i] = device.axes[i].effort_limit;
+    still_[i] = kStillShare * device.axes[i].speed_limit;
     phase_rad_[i] =
-        2.0 * std::numbers::pi * static_cast<double>(random() >> 11U) * 0x1.0p-53;  // any library
+        2.0 * std::numbers::pi * static_cast<double>(random() >> 11U) * 0x1.0p-53;  // portable
   }
   along_phase_rad_ = 2.0 * std::numbers::pi * static_cast<double>(random() >> 11U) * 0x1.0p-53;
   if (slam_axis_ >= 0) {
-    plan_ = planSlam(patient.slam, device.axes[static_cast<std::size_t>(slam_axis_)]);
+    plan_ = planSlam(patient.slam, device.axes[slam_axis_]);
   }
   reset();
 }
@@ -42,7 +42,7 @@ bool ActivePatient::mayLetGo() const noexcept {
 }
 
 double ActivePatient::atTime(int axis, double time_s) const noexcept {
-  const double amplitude = patient_.axes[static_cast<std::size_t>(axis)].tremor;
+  const double amplitude = patient_.axes[axis].tremor;
   const TremorRhythm& tremor = patient_.tremor;
   double effort = 0.0;
   if (amplitude != 0.0) {
@@ -54,11 +54,11 @@ double ActivePatient::atTime(int axis, double time_s) const noexcept {
   return effort;
 }
 
-/// How far the fastest axis is beyond its threshold, where all catch together [rad/s].
+/// Excess of the fastest axis over its threshold, where all catch together [rad/s].
 double ActivePatient::fastestOpening(const AxisVelocity& qd_delayed) const noexcept {
   double most = 0.0;
   for (int i = 0; i < limit_.size(); ++i) {
-    const StretchReflex& reflex = patient_.axes[static_cast<std::size_t>(i)].reflex;
+    const StretchReflex& reflex = patient_.axes[i].reflex;
     if (reflex.gain_nm_s_rad2 > 0.0) {
       most = std::max(most, openedTooFast(reflex, qd_delayed[i]));
     }
@@ -79,7 +79,7 @@ void ActivePatient::reset() noexcept {
     begin_[i] = end_[i] = std::clamp(atTime(i, 0.0), -limit_[i], limit_[i]);
 }
 
-bool ActivePatient::letsGo(const FeltByPatient& felt) const noexcept {
+bool ActivePatient::letsGo(const PatientInput& felt) const noexcept {
   const LettingGo& go = patient_.letting_go;
   const double time_s = static_cast<double>(periods_) * period_s_;
   if (slam_.phase == SlamPhase::kLetGo || time_s >= go.after_s - 0.5 * period_s_) return true;
@@ -89,7 +89,7 @@ bool ActivePatient::letsGo(const FeltByPatient& felt) const noexcept {
   return false;
 }
 
-void ActivePatient::advance(const FeltByPatient& felt) noexcept {
+void ActivePatient::advance(const PatientInput& felt) noexcept {
   if (slam_axis_ >= 0) {
     slam_ = advanceSlam(slam_, plan_, felt.q[slam_axis_], felt.qd[slam_axis_], period_s_);
   }
@@ -104,12 +104,12 @@ void ActivePatient::advance(const FeltByPatient& felt) noexcept {
   }
   const double fastest = patient_.reflex.together ? fastestOpening(qd_delayed) : 0.0;
   for (int i = 0; i < limit_.size(); ++i) {
-    const PatientAxis& axis = patient_.axes[static_cast<std::size_t>(i)];
+    const PatientAxis& axis = patient_.axes[i];
     const double pulled = muscle_[i];
     if (axis.reflex.gain_nm_s_rad2 > 0.0) {
       const double too_fast =
           patient_.reflex.together ? fastest : openedTooFast(axis.reflex, qd_delayed[i]);
-      const double drive = std::min(drivenBy(axis.reflex, felt.q[i], too_fast), limit_[i]);
+      const double drive = std::min(reflexDriveFrom(axis.reflex, felt.q[i], too_fast), limit_[i]);
       muscle_[i] = muscleEffort(pulled, drive, patient_.reflex.muscle_lag_s, period_s_);
     }
     const double fight = axis.fight > 0.0

@@ -3,7 +3,7 @@
 #include "core/axis_array.hpp"
 #include "core/real_time.hpp"
 #include "model/device_model.hpp"
-#include "model/patient_config.hpp"
+#include "model/patient/patient_config.hpp"
 #include "patient/delay_line.hpp"
 #include "patient/habits.hpp"
 
@@ -12,54 +12,55 @@
 
 namespace wholehand {
 
-/// What the person knows when a period begins.
-struct FeltByPatient {
+/// State that the person perceives at the beginning of a period.
+struct PatientInput {
   AxisPosition q;        ///< true position of the device [m or rad]
   AxisVelocity qd;       ///< true velocity [m/s or rad/s]
-  AxisEffort rendered;   ///< what the device did over the last period, its weight not counted
-  AxisEffort impedance;  ///< of the person, now
+  AxisEffort rendered;   ///< effort of the device over the last period, without its weight
+  AxisEffort impedance;  ///< effort of the person's impedance, now
 };
 
-/// What a person does of their own accord, period by period: tremor, spastic catch, fight, slam,
-/// and letting go. All of it together is held to the device's effort limit on each axis, but for a
-/// slam: an arm is stronger than a device. The impedance is the device's business, and no more
-/// where holds() says so. Deterministic by the seed.
+/// Active behaviour of a person, period by period: tremor, spastic catch, fight, slam and letting
+/// go. The sum is limited to the device's effort limit on each axis, except for a slam, because an
+/// arm is stronger than a device. The device adds the person's impedance as far as holds() says.
+/// Deterministic by the seed.
 class ActivePatient {
  public:
   /// @pre the patient has the device's axes. Not real-time safe.
   ActivePatient(const PatientConfig& patient, const DeviceModel& device, double period_s);
 
-  /// Back to the beginning: holds the device, nothing felt yet. Real-time safe.
+  /// Resets to the start: holds the device, nothing perceived yet. Real-time safe.
   WHOLEHAND_RT void reset() noexcept;
 
-  /// One period. Real-time safe.
-  WHOLEHAND_RT void advance(const FeltByPatient& felt) noexcept;
+  /// Advances one period. Real-time safe.
+  WHOLEHAND_RT void advance(const PatientInput& felt) noexcept;
 
-  /// The efforts at the beginning and end of the period, linear between them.
+  /// Efforts at the beginning and end of the period, linear between.
   [[nodiscard]] const AxisEffort& begin() const noexcept { return begin_; }
   [[nodiscard]] const AxisEffort& end() const noexcept { return end_; }
 
-  /// Whether the person's impedance is on that axis: not after letting go, nor where they push.
+  /// Whether the person's impedance acts on that axis: not after letting go, nor on an axis during
+  /// a slam.
   [[nodiscard]] bool holds(int axis) const noexcept {
     return !let_go_ && (axis != slam_axis_ || slam_.phase == SlamPhase::kWaits);
   }
   [[nodiscard]] bool hasLetGo() const noexcept { return let_go_; }
-  /// The axis that is slammed; -1: none.
+  /// The slammed axis; -1: none.
   [[nodiscard]] int slamAxis() const noexcept { return slam_axis_; }
-  /// False where holds() is true whatever happens.
+  /// False if holds() is always true.
   [[nodiscard]] bool mayLetGo() const noexcept;
 
  private:
-  [[nodiscard]] bool letsGo(const FeltByPatient& felt) const noexcept;
+  [[nodiscard]] bool letsGo(const PatientInput& felt) const noexcept;
   [[nodiscard]] double atTime(int axis, double time_s) const noexcept;
   [[nodiscard]] double fastestOpening(const AxisVelocity& qd_delayed) const noexcept;
 
   PatientConfig patient_;
   double period_s_;
   AxisEffort limit_;
-  AxisVelocity still_;  ///< slower feels like rest
+  AxisVelocity still_;  ///< speeds below this count as rest
   AxisPosition phase_rad_;
-  double along_phase_rad_ = 0.0;  ///< of the tremor along a direction
+  double along_phase_rad_ = 0.0;  ///< phase of the tremor along a direction
   int slam_axis_ = -1;
   SlamPlan plan_;
   DelayLine<AxisVelocity> nerve_;

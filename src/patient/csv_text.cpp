@@ -5,7 +5,7 @@
 namespace wholehand {
 namespace {
 
-/// Bytes of the UTF-8 character at the start; 0 where there is none.
+/// Bytes of the first UTF-8 character; 0 if it is invalid.
 std::size_t characterBytes(std::string_view text) {
   const auto lead = static_cast<unsigned char>(text.front());
   const std::size_t bytes = lead < 0x80   ? 1

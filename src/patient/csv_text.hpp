@@ -5,19 +5,19 @@
 #include <string_view>
 #include <vector>
 
-// Texts of a CSV file and of the messages about it. Private to patient. Not for the tick.
+// Text helpers for CSV files and the messages about them. Private to patient. Not real-time safe.
 namespace wholehand {
 
-/// Without blanks at both ends.
+/// The text without blanks at both ends.
 [[nodiscard]] std::string_view trimmed(std::string_view text);
 
-/// The values of a line, divided by commas, each trimmed.
+/// Comma-separated values of a line, each trimmed.
 [[nodiscard]] std::vector<std::string_view> cells(std::string_view line);
 
-/// True where there are bytes that no text holds: the file is something else (or UTF-16).
+/// True if the text has control bytes: the file is not text, or UTF-16.
 [[nodiscard]] bool holdsControl(std::string_view text);
 
-/// A value for a message: not too long, and nothing in it that a terminal would choke on.
+/// A value for a message: shortened, and safe for terminals.
 [[nodiscard]] std::string shown(std::string_view value);
 
 /// "1 value", "2 values"

@@ -37,12 +37,12 @@ double openedTooFast(const StretchReflex& reflex, double qd_delayed) noexcept {
   return std::max(-qd_delayed - reflex.from_speed_rad_s, 0.0);
 }
 
-double drivenBy(const StretchReflex& reflex, double q, double too_fast) noexcept {
+double reflexDriveFrom(const StretchReflex& reflex, double q, double too_fast) noexcept {
   return reflex.gain_nm_s_rad2 * too_fast * std::max(reflex.below_rad - q, 0.0);
 }
 
 double reflexDrive(const StretchReflex& reflex, double q, double qd_delayed) noexcept {
-  return drivenBy(reflex, q, openedTooFast(reflex, qd_delayed));
+  return reflexDriveFrom(reflex, q, openedTooFast(reflex, qd_delayed));
 }
 
 double muscleEffort(double effort, double drive, double lag_s, double period_s) noexcept {

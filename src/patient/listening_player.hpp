@@ -8,14 +8,14 @@
 
 namespace wholehand {
 
-/// Tells a player what is asked of every tick and what it came to, in the thread that ticks.
+/// Passes the commands and the record of every tick to a player, in the thread that ticks.
 class ListeningPlayer final : public TickListener {
  public:
   /// @pre player outlives this
   explicit ListeningPlayer(Player& player) : player_(player) {}
   WHOLEHAND_RT void beforeTick(const TickRecord& record) noexcept override {
     for (int i = 0; i < record.command_count; ++i) {
-      player_.command(record.commands[static_cast<std::size_t>(i)]);
+      player_.command(record.commands[i]);
     }
   }
   WHOLEHAND_RT void afterTick(const TickRecord& record) noexcept override { player_.see(record); }

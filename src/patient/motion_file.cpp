@@ -15,12 +15,12 @@ namespace wholehand {
 namespace {
 
 constexpr std::size_t kMostFaults = 20;
-constexpr double kLargestValue = 1000.0;  // m or rad: beyond it no hand moves
+constexpr double kLargestValue = 1000.0;  // m or rad: beyond any hand motion
 constexpr double kLongest_s = 3600.0;
 constexpr const char* kGiveMotion =
     "give a CSV file whose first line names the columns: time_s, x_m, ...";
 
-/// Why a first line cannot name columns of a motion; empty where it can.
+/// Why a first line is no header of a motion; empty if it is one.
 std::string noHeader(const std::vector<std::string_view>& names) {
   const bool any = std::any_of(names.begin(), names.end(), [](std::string_view name) {
     return name == "time_s" || name.ends_with("_m") || name.ends_with("_rad");
@@ -31,7 +31,7 @@ std::string noHeader(const std::vector<std::string_view>& names) {
   return any ? "" : "is not a motion: its first line names no columns";
 }
 
-/// The device's axis of that name, else the usual one.
+/// Kind of the device's axis of that name, else of the usual one.
 std::optional<AxisKind> kindOf(std::string_view name, const DeviceModel* device) {
   if (device != nullptr) {
     for (const DeviceAxis& axis : device->axes) {
@@ -54,7 +54,7 @@ std::string axisNames(const DeviceModel* device) {
   return names;
 }
 
-/// Reads one file line by line and gathers every fault.
+/// Reads one file line by line and collects every fault.
 class Reader {
  public:
   Reader(const std::string& path, const DeviceModel* device) : device_(device) {
@@ -64,7 +64,7 @@ class Reader {
   Expected<MotionFile> read();
 
  private:
-  /// False when the file is something else, and reading on would only make noise.
+  /// False when the file is not a motion and further faults would be noise.
   bool line(std::string_view text);
   bool header(std::string_view line);
   void column(std::string_view name, std::size_t place);
@@ -157,7 +157,7 @@ bool Reader::line(std::string_view text) {
 std::optional<double> Reader::number(std::string_view cell, std::size_t place) {
   const std::string& key = header_[place];
   double value = 0.0;
-  // from_chars takes no leading plus and, unlike strtod, does not depend on the locale.
+  // from_chars accepts no leading plus; unlike strtod it ignores the locale.
   const std::string_view digits = cell.starts_with('+') ? cell.substr(1) : cell;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (cell.empty()) {
@@ -229,7 +229,7 @@ Expected<MotionFile> Reader::read() {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(motion_.path, error);
   if (std::filesystem::is_character_file(status) || std::filesystem::is_block_file(status)) {
-    fault("", "", "is not a file", kGiveMotion);  // /dev/zero has no end
+    fault("", "", "is not a file", kGiveMotion);  // /dev/zero never ends
     return faults_;
   }
   std::ifstream file(motion_.path);

@@ -12,10 +12,10 @@ namespace wholehand {
 namespace {
 
 constexpr double kGrid_s = 0.01;     // 100 Hz: human motion ends well below 50 Hz
-constexpr double kEase_s = 0.2;      // the playing rate rises from 0 to 1 in it
-constexpr double kKneeShare = 0.05;  // of the allowed range, bent at each end
+constexpr double kEase_s = 0.2;      // the playing rate rises from 0 to 1 over this time
+constexpr double kKneeShare = 0.05;  // share of the allowed range that is compressed at each end
 
-/// One axis of the device along the recording, on the uniform grid.
+/// Positions of one axis along the recording, on the uniform grid.
 using Track = std::vector<double>;
 
 struct Range {
@@ -44,8 +44,8 @@ Range allowedRange(const DeviceAxis& axis, double margin) {
   return {axis.lower + kept_free, axis.upper - kept_free};
 }
 
-/// The instants of the recording that are played, one every kGrid_s. The rate follows
-/// 3u² - 2u³ while easing, whose integral u³ - u⁴/2 uses up half the easing time.
+/// Recording times that are played, one per kGrid_s. While easing, the rate follows 3u² - 2u³,
+/// whose integral u³ - u⁴/2 covers half the easing time.
 std::vector<double> playedInstants(double first_s, double last_s) {
   const double length_s = last_s - first_s;
   const double ease_s = std::min(kEase_s, length_s);
@@ -59,14 +59,14 @@ std::vector<double> playedInstants(double first_s, double last_s) {
   instants.reserve(static_cast<std::size_t>(steps) + 1);
   for (int i = 0; i <= steps; ++i) {
     const double t_s = played_s * i / steps;
-    // The end mirrors the start.
+    // Easing out mirrors easing in.
     const double gone_s = 2.0 * t_s < played_s ? eased(t_s) : length_s - eased(played_s - t_s);
     instants.push_back(first_s + gone_s);
   }
   return instants;
 }
 
-/// Linear between the samples of one column.
+/// Linear interpolation of one column.
 Track resampled(const MotionFile& motion, std::size_t column, const std::vector<double>& at_s) {
   Track track;
   track.reserve(at_s.size() + 4);
@@ -81,7 +81,7 @@ Track resampled(const MotionFile& motion, std::size_t column, const std::vector<
   return track;
 }
 
-/// Taps (1 2 1)/4, which shift nothing in time; both ends stay where they are.
+/// Zero-phase taps (1 2 1)/4; both ends stay fixed.
 Track smoothed(const Track& raw) {
   Track smooth = raw;
   for (std::size_t i = 1; i + 1 < raw.size(); ++i) {
@@ -90,7 +90,7 @@ Track smoothed(const Track& raw) {
   return smooth;
 }
 
-/// The identity but for the last twentieth of the range at each end, where it bends so as to stay
+/// Identity except for the last twentieth of the range at each end, where it compresses to stay
 /// inside. Slope in [0, 1] and continuous: velocities neither jump nor grow.
 double bent(double value, Range allowed) {
   const double knee = kKneeShare * allowed.span();
@@ -100,14 +100,14 @@ double bent(double value, Range allowed) {
   return value;
 }
 
-/// The largest factor that keeps `moved` inside `allowed`, about its own middle or about zero.
+/// Largest factor that keeps `moved` inside `allowed`, about its own middle or about zero.
 double largestScale(Range moved, Range allowed, bool center) {
   constexpr double kAny = std::numeric_limits<double>::infinity();
   if (center) return moved.span() > 0.0 ? allowed.span() / moved.span() : kAny;
   const double up = moved.upper > 0.0 ? allowed.upper / moved.upper : kAny;
   const double down = moved.lower < 0.0 ? allowed.lower / moved.lower : kAny;
   const double scale = std::min(up, down);
-  return scale > 0.0 ? scale : kAny;  // zero lies outside the workspace: bending must do
+  return scale > 0.0 ? scale : kAny;  // zero lies outside the workspace: compression applies
 }
 
 /// Turns a recorded motion into control points of a spline in the device's coordinates.
@@ -132,7 +132,7 @@ class Mapper {
   const MotionFile& motion_;
   const MotionMapping& mapping_;
   const DeviceModel& device_;
-  std::vector<Track> tracks_;  // one a device axis
+  std::vector<Track> tracks_;  // one per device axis
   std::vector<bool> moves_;    // the file has the axis
 };
 
@@ -200,7 +200,7 @@ void Mapper::bendIntoRange() {
     const DeviceAxis& axis = device_.axes[i];
     const Range allowed = allowedRange(axis, mapping_.margin);
     const Range moved = rangeOf(tracks_[i]);
-    const double rounding = 1e-9 * allowed.span();  // scaled to fit: the ends touch the bounds
+    const double rounding = 1e-9 * allowed.span();  // tolerance for ends scaled onto the bounds
     if (moved.lower >= allowed.lower - rounding && moved.upper <= allowed.upper + rounding) {
       for (double& v : tracks_[i]) v = std::clamp(v, allowed.lower, allowed.upper);
       continue;
@@ -217,7 +217,7 @@ std::vector<Track> Mapper::map(const AxisPosition& rest) {
   tellUnused();
   placeTranslations();
   bendIntoRange();
-  // Each end three times: the spline then starts and ends there, at rest.
+  // Repeats each end three times, so that the spline starts and ends there at rest.
   for (Track& track : tracks_) {
     track.insert(track.begin(), 2, track.front());
     track.insert(track.end(), 2, track.back());
@@ -225,8 +225,8 @@ std::vector<Track> Mapper::map(const AxisPosition& rest) {
   return std::move(tracks_);
 }
 
-/// The largest |velocity| of a uniform cubic B-spline: its velocity is a quadratic B-spline of the
-/// control points' differences, extreme at a knot or inside a span where the velocity turns.
+/// Largest |velocity| of a uniform cubic B-spline. Its velocity is a quadratic B-spline of the
+/// control points' differences, extreme at a knot or inside a span where it turns.
 double peakSpeed(const Track& points, double step_s) {
   double peak = 0.0;
   for (std::size_t i = 0; i + 3 < points.size(); ++i) {
@@ -243,7 +243,8 @@ double peakSpeed(const Track& points, double step_s) {
   return peak / step_s;
 }
 
-/// How much slower than the recording the motion must be played; says which axis asks for it.
+/// Factor by which the motion is played more slowly than recorded; reports the axis that demands
+/// it.
 double slowDown(const std::vector<Track>& tracks, const MotionMapping& mapping,
                 const DeviceModel& device, double step_s, std::vector<std::string>& report) {
   double factor = 1.0;
@@ -270,7 +271,7 @@ Intention Intention::fromMotion(const MotionFile& motion, const MotionMapping& m
   Mapper mapper(motion, mapping, device);
   const std::vector<Track> tracks = mapper.map(rest);
   const std::size_t knots = tracks.front().size() - 2;
-  // The two repeated points lengthen the motion by two steps: a part of the easing.
+  // The two repeated points lengthen the motion by two steps, which belong to the easing.
   const double length_s = motion.time_s.back() - motion.time_s.front();
   const auto instants = static_cast<double>(knots - 3);
   const double recorded_step_s = (length_s + std::min(kEase_s, length_s)) / instants;
@@ -283,7 +284,7 @@ Intention Intention::fromMotion(const MotionFile& motion, const MotionMapping& m
     Waypoint knot{step_s * static_cast<double>(i), AxisPosition(axes)};
     AxisVelocity velocity(axes);
     for (int k = 0; k < axes; ++k) {
-      const Track& c = tracks[static_cast<std::size_t>(k)];
+      const Track& c = tracks[k];
       knot.q[k] = (c[i] + 4.0 * c[i + 1] + c[i + 2]) / 6.0;
       velocity[k] = (c[i + 2] - c[i]) / (2.0 * step_s);
     }

@@ -6,28 +6,28 @@
 
 namespace wholehand {
 
-/// Where somebody wants the hand to be, decided tick by tick: a script, a virtual patient who does
-/// an exercise, a person at the screen. Deterministic but for commands.
+/// Source of the hand's target, tick by tick: a script, a virtual patient who does an exercise, or
+/// a person at the screen. Deterministic except for commands.
 class Player {
  public:
   virtual ~Player() = default;
 
-  /// Where the hand is before anything happens. Called before the device is opened.
+  /// Initial pose of the hand. Called before the device is opened.
   [[nodiscard]] virtual AxisPosition start() const = 0;
 
-  /// Back to the start. Not real-time safe.
+  /// Resets to the start. Not real-time safe.
   virtual void reset() = 0;
 
-  /// The aim one period later: position and velocity, continuous.
+  /// Target one period later: position and velocity, continuous.
   WHOLEHAND_RT virtual void advance(double period_s, AxisPosition& q,
                                     AxisVelocity& qd) noexcept = 0;
 
-  /// What somebody asks of the loop, before the tick that takes it. In the thread that ticks.
+  /// Receives a command before the tick that takes it, in the thread that ticks.
   WHOLEHAND_RT virtual void command(const Command&) noexcept {}
 
-  /// What a tick came to; called after each. A player that was not asked to advance() since the
-  /// last one does not steer: somebody else has the hand where `record.intention` says, and a
-  /// player that decides by what it sees goes on from there.
+  /// Receives the record after each tick. A player whose advance() was not called since the last
+  /// record does not steer. The hand then follows `record.intention` of someone else, and a player
+  /// that decides by what it sees continues from there.
   WHOLEHAND_RT virtual void see(const TickRecord& record) noexcept = 0;
 };
 

@@ -16,7 +16,7 @@ void Reach::begin(const AxisPosition& q, const AxisVelocity& qd, const AxisPosit
 
 void Reach::during(int axis, double from, double to) noexcept {
   const double begin = start_speed_[axis] == 0.0 ? from : 0.0;
-  windows_[static_cast<std::size_t>(axis)] = {begin * duration_s_, to * duration_s_};
+  windows_[axis] = {begin * duration_s_, to * duration_s_};
 }
 
 void Reach::advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept {
@@ -24,7 +24,7 @@ void Reach::advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept
   q = goal_;
   qd = AxisVelocity(goal_.size());
   for (int i = 0; i < goal_.size(); ++i) {
-    const Window& window = windows_[static_cast<std::size_t>(i)];
+    const Window& window = windows_[i];
     const double span_s = window.to_s - window.from_s;
     const double u = std::max((time_s_ - window.from_s) / span_s, 0.0);
     if (u >= 1.0) continue;

@@ -7,20 +7,21 @@
 
 namespace wholehand {
 
-/// A movement of the hand from wherever it is, however fast, to rest at a goal: per axis the
-/// polynomial of fifth degree that begins with its position and speed and no acceleration. From
-/// rest that is minimum jerk (Flash and Hogan 1985). Axes may move in a part of the time only.
+/// A reaching movement from any position and speed to rest at a goal: per axis a fifth-order
+/// polynomial that begins at its position and speed with zero acceleration. From rest it is minimum
+/// jerk (Flash and Hogan 1985). An axis may move during part of the time only.
 class Reach {
  public:
-  /// All axes over the whole duration. @pre arrays of one size, duration_s > 0. Real-time safe.
+  /// Begins a movement of all axes over the whole duration. @pre arrays of one size, duration_s >
+  /// 0. Real-time safe.
   WHOLEHAND_RT void begin(const AxisPosition& q, const AxisVelocity& qd, const AxisPosition& goal,
                           double duration_s) noexcept;
 
-  /// This axis moves from `from` to `to` alone, as shares of the duration. One that moves already
-  /// cannot wait: it begins at once. @pre 0 <= from < to <= 1. Real-time safe.
+  /// Restricts an axis to the part `from` .. `to` of the duration. An axis already in motion begins
+  /// at once. @pre 0 <= from < to <= 1. Real-time safe.
   WHOLEHAND_RT void during(int axis, double from, double to) noexcept;
 
-  /// One period later. Real-time safe.
+  /// Advances one period. Real-time safe.
   WHOLEHAND_RT void advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept;
 
   [[nodiscard]] bool done() const noexcept { return time_s_ >= duration_s_; }

@@ -7,8 +7,8 @@
 
 namespace wholehand {
 
-/// Plays an intention by the clock, whatever happens to the hand. Time is counted in periods, so
-/// that a period skipped and one waited for lead to the same bits.
+/// Plays an intention by time, regardless of the hand. Time is counted in periods, so that a
+/// skipped and a waited period give the same bits.
 class ScriptedPlayer final : public Player {
  public:
   explicit ScriptedPlayer(Intention intention);

@@ -7,7 +7,7 @@
 namespace wholehand {
 namespace {
 
-// Faster than an aim by this much, an axis runs away: what a person pushed against has given way.
+// An axis faster than a target by this factor runs away: the resistance has yielded.
 constexpr double kRunsAway = 1.2;
 
 }  // namespace
@@ -17,11 +17,10 @@ SteeredPlayer::SteeredPlayer(std::unique_ptr<Player> virtual_patient, const Devi
     : virtual_patient_(std::move(virtual_patient)), axes_(device.axisCount()) {
   constexpr double kAny = std::numeric_limits<double>::infinity();
   for (int i = 0; i < axes_; ++i) {
-    const DeviceAxis& axis = device.axes[static_cast<std::size_t>(i)];
+    const DeviceAxis& axis = device.axes[i];
     const double speed = config.speed_share * axis.speed_limit;
-    const auto k = static_cast<std::size_t>(i);
-    person_limits_[k] = {axis.lower, axis.upper, speed, config.rate_rad_s};
-    blend_limits_[k] = {-kAny, kAny, speed, config.blend_rad_s};
+    person_limits_[i] = {axis.lower, axis.upper, speed, config.rate_rad_s};
+    blend_limits_[i] = {-kAny, kAny, speed, config.blend_rad_s};
   }
   SteeredPlayer::reset();
 }
@@ -30,7 +29,7 @@ void SteeredPlayer::reset() {
   virtual_patient_->reset();
   steering_ = Steering::kVirtualPatient;
   handed_back_ = false;
-  apart_ = {};
+  offset_ = {};
   q_ = virtual_patient_->start();
   qd_ = AxisVelocity(axes_);
   seen_ = {};
@@ -39,9 +38,8 @@ void SteeredPlayer::reset() {
 void SteeredPlayer::takeOver() noexcept {
   aim_ = q_;
   for (int i = 0; i < axes_; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    person_[k] = movingFollower(q_[i], qd_[i], person_limits_[k]);
-    aim_[i] = person_[k].goal;  // comes to rest there unless the person says otherwise
+    person_[i] = movingFollower(q_[i], qd_[i], person_limits_[i]);
+    aim_[i] = person_[i].goal;  // comes to rest there without further targets
   }
 }
 
@@ -63,25 +61,23 @@ void SteeredPlayer::advance(double period_s, AxisPosition& q, AxisVelocity& qd) 
   period_s_ = period_s;
   if (steering_ == Steering::kPerson) {
     for (int i = 0; i < axes_; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      person_[k] = follow(person_[k], aim_[i], person_limits_[k], period_s);
-      q_[i] = person_[k].position;
-      qd_[i] = person_[k].velocity;
+      person_[i] = follow(person_[i], aim_[i], person_limits_[i], period_s);
+      q_[i] = person_[i].position;
+      qd_[i] = person_[i].velocity;
     }
   } else {
     AxisPosition wanted;
     AxisVelocity wanted_speed;
     virtual_patient_->advance(period_s, wanted, wanted_speed);
     for (int i = 0; i < axes_; ++i) {
-      const auto k = static_cast<std::size_t>(i);
       if (handed_back_) {
-        // Where the hand would have gone by itself and where it is asked to be, a period ago.
+        // Offset between the steered hand and the virtual patient's target one period ago.
         const double before = wanted[i] - period_s * wanted_speed[i];
-        apart_[k] = movingFollower(q_[i] - before, qd_[i] - wanted_speed[i], blend_limits_[k]);
+        offset_[i] = movingFollower(q_[i] - before, qd_[i] - wanted_speed[i], blend_limits_[i]);
       }
-      apart_[k] = follow(apart_[k], 0.0, blend_limits_[k], period_s);
-      q_[i] = wanted[i] + apart_[k].position;
-      qd_[i] = wanted_speed[i] + apart_[k].velocity;
+      offset_[i] = follow(offset_[i], 0.0, blend_limits_[i], period_s);
+      q_[i] = wanted[i] + offset_[i].position;
+      qd_[i] = wanted_speed[i] + offset_[i].velocity;
     }
     handed_back_ = false;
   }
@@ -100,11 +96,10 @@ void SteeredPlayer::see(const TickRecord& record) noexcept {
 
 void SteeredPlayer::holdBack(const AxisPosition& q_m, double elapsed_s) noexcept {
   for (int i = 0; i < axes_; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    const double fastest = person_limits_[k].speed;
+    const double fastest = person_limits_[i].speed;
     const double moved = q_m[i] - seen_[i];
     if (!(std::abs(moved) > kRunsAway * fastest * elapsed_s)) continue;
-    person_[k] = movingFollower(q_m[i], std::copysign(fastest, moved), person_limits_[k]);
+    person_[i] = movingFollower(q_m[i], std::copysign(fastest, moved), person_limits_[i]);
   }
 }
 

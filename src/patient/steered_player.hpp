@@ -11,23 +11,22 @@
 namespace wholehand {
 
 struct SteeringConfig {
-  double rate_rad_s = 20.0;  ///< of the filter a person's aim goes through: 0.1 s behind
-  double speed_share = 0.5;  ///< of the device's speed limits, (0, 1]
-  double blend_rad_s = 8.0;  ///< how soon the virtual patient is where it wants to be again
+  double rate_rad_s = 20.0;  ///< bandwidth of the filter on a person's target: lag 0.1 s
+  double speed_share = 0.5;  ///< share of the device's speed limits, (0, 1]
+  double blend_rad_s = 8.0;  ///< rate of return to the virtual patient's own target
 };
 
-/// A virtual patient whose hand a person at a screen may take over, and give back.
+/// A virtual patient whose hand a person at a screen may steer and return.
 ///
-/// The person's aims go through a critically damped filter of second order, held inside the
-/// device's ranges and at a share of its speed limits, so that a mouse that jumps moves nobody's
-/// arm faster than that. Position and velocity are continuous when the steering changes hands, in
-/// both directions: the person begins where the hand is and as fast as it moves; of the virtual
-/// patient's own aim the distance to it fades in the same way. Where aims stop coming, the last one
-/// is held.
+/// The person's targets pass a critically damped second-order filter, clamped to the device's
+/// ranges and to a share of its speed limits. A mouse that jumps therefore moves no arm faster than
+/// that. Position and velocity are continuous when the steering changes, in both directions: the
+/// person begins at the hand's position and velocity; afterwards the offset to the virtual
+/// patient's own target fades in the same way. When targets stop coming, the last one is held.
 ///
-/// A person who pushes against something that gives way holds back: where an axis of the device
-/// moves clearly faster than any aim, the intention goes on from where the axis is. Without that a
-/// squeezing hand that slips off a bottle would pass the device's speed limit.
+/// A person who pushes against something that yields holds back. Where an axis of the device moves
+/// clearly faster than any target, the intention continues from the axis's position. Otherwise a
+/// squeezing hand that slips off a bottle would exceed the device's speed limit.
 class SteeredPlayer final : public Player {
  public:
   /// @pre virtual_patient has the device's axes and is not null
@@ -35,13 +34,13 @@ class SteeredPlayer final : public Player {
                 const SteeringConfig& config = {});
 
   [[nodiscard]] AxisPosition start() const override { return virtual_patient_->start(); }
-  /// The virtual patient steers again, from the start.
+  /// Returns the steering to the virtual patient, from the start.
   void reset() override;
   WHOLEHAND_RT void advance(double period_s, AxisPosition& q, AxisVelocity& qd) noexcept override;
   WHOLEHAND_RT void see(const TickRecord& record) noexcept override;
 
-  /// Takes kSteer and kAim, nothing else. An aim counts while a person steers; one that has not the
-  /// device's axes or is not finite is ignored. In the thread that ticks, before the tick.
+  /// Handles kSteer and kAim, nothing else. A target counts while a person steers; a non-finite
+  /// one, or one without the device's axes, is ignored. In the thread that ticks, before the tick.
   WHOLEHAND_RT void command(const Command& command) noexcept override;
 
   [[nodiscard]] Steering steering() const noexcept { return steering_; }
@@ -56,13 +55,13 @@ class SteeredPlayer final : public Player {
   int axes_;
   Limits person_limits_{}, blend_limits_{};
   Steering steering_ = Steering::kVirtualPatient;
-  bool handed_back_ = false;  // the virtual patient has not advanced since
-  Followers person_{};        // where the person steers the hand
-  Followers apart_{};         // the hand less the virtual patient's aim
-  AxisPosition aim_;          // of the person
-  AxisPosition seen_;         // of the device, in the last tick; no axes before the first
-  double period_s_ = 0.0;     // the last that advance() was given
-  AxisPosition q_;            // the last that advance() gave
+  bool handed_back_ = false;  // the virtual patient has not advanced since the return
+  Followers person_{};        // hand steered by the person
+  Followers offset_{};        // offset of the hand from the virtual patient's target
+  AxisPosition aim_;          // target of the person
+  AxisPosition seen_;         // device position of the last tick; no axes before the first
+  double period_s_ = 0.0;     // last argument of advance()
+  AxisPosition q_;            // last result of advance()
   AxisVelocity qd_;
 };
 

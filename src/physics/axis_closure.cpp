@@ -57,11 +57,11 @@ void AxisClosure::reset() noexcept {
 void AxisClosure::update(const Pose* links, const JointPosition& theta, const AxisPosition& q_s,
                          int body, const BodyState* bodies, AxisPosition& closure) noexcept {
   closure = AxisPosition(axis_count_, kNaN);
-  const bool asked = body >= 0 && body < static_cast<int>(bodies_.size()) && !axes_.empty() &&
-                     !bodies_[static_cast<std::size_t>(body)].shapes.empty();
+  const bool asked = body >= 0 && body < std::min(static_cast<int>(bodies_.size()), kMaxBodies) &&
+                     !axes_.empty() && !bodies_[body].shapes.empty();
   if (!asked || body != body_) reset();
   if (!asked) return;
-  const SceneBody& model = bodies_[static_cast<std::size_t>(body)];
+  const SceneBody& model = bodies_[body];
   const Eigen::Matrix3d turn = bodies[body].orientation_xyzw.eigen().toRotationMatrix();
   const Pose in_world{turn, bodies[body].position_m.eigen() - turn * model.com_m};
   const Scene scene{links, &theta, &q_s, &model, in_world.inverse()};
@@ -94,12 +94,12 @@ bool AxisClosure::jumped(const Scene& scene) noexcept {
 
 void AxisClosure::measure(const Scene& scene, const Axis& axis, Pair pair, double q, double share,
                           Gap& gap) noexcept {
-  const ClosingChain& chain = axis.chains[static_cast<std::size_t>(pair.chain)];
+  const ClosingChain& chain = axis.chains[pair.chain];
   const Pose root =
       chain.rootLink() < 0 ? scene.from_world : scene.from_world * scene.links[chain.rootLink()];
   chain.place(root, *scene.theta, (*scene.q_s)[axis.index], q, gap.at);
-  gap.is = segmentDistance(scene.body->shapes[static_cast<std::size_t>(pair.shape)], gap.at.a_m,
-                           gap.at.b_m, chain.radius_m(), share);
+  gap.is = segmentDistance(scene.body->shapes[pair.shape], gap.at.a_m, gap.at.b_m, chain.radius_m(),
+                           share);
   const Eigen::Vector3d nearest_m = gap.at.a_m + gap.is.along * (gap.at.b_m - gap.at.a_m);
   gap.slope = gap.is.normal.dot(gap.at.rate(chain, nearest_m));
 }
@@ -112,7 +112,7 @@ double AxisClosure::clearFor(const ClosingChain& chain, const Gap& gap) noexcept
   const double slow = gap.is.least_m / chain.fastest();
   const Eigen::Vector3d way_m = gap.at.b_m - gap.at.a_m;
   const double rise_m = gap.is.normal.dot(way_m);
-  const double bend = chain.sharpest();
+  const double bend = chain.maxAcceleration();
   double least = std::numeric_limits<double>::infinity();
   for (const double end : {0.0, 1.0}) {
     const double d = gap.is.distance_m + (end - gap.is.along) * rise_m + kTouching_m;
@@ -127,7 +127,7 @@ double AxisClosure::clearFor(const ClosingChain& chain, const Gap& gap) noexcept
 
 void AxisClosure::follow(const Scene& scene, Axis& axis) noexcept {
   if (!axis.follows) return;
-  const double fastest = axis.chains[static_cast<std::size_t>(axis.pair.chain)].fastest();
+  const double fastest = axis.chains[axis.pair.chain].fastest();
   Gap now;
   measure(scene, axis, axis.pair, axis.touch, 0.0, now);
   const double gap_m = now.is.distance_m;
@@ -143,7 +143,7 @@ void AxisClosure::follow(const Scene& scene, Axis& axis) noexcept {
 }
 
 void AxisClosure::beginSearch() noexcept {
-  std::fill(clear_.begin(), clear_.end(), axes_[static_cast<std::size_t>(searched_)].lower);
+  std::fill(clear_.begin(), clear_.end(), axes_[searched_].lower);
 }
 
 /// The search: always the pair that is known to be clear least far. The first that touches is then
@@ -152,7 +152,7 @@ void AxisClosure::search(const Scene& scene) noexcept {
   const auto shapes = static_cast<int>(scene.body->shapes.size());
   auto axes_left = axes_.size();  // where all overlap at their open ends nothing is left to do
   for (int left = kDistancesPerTick; left > 0 && axes_left > 0;) {
-    Axis& axis = axes_[static_cast<std::size_t>(searched_)];
+    Axis& axis = axes_[searched_];
     const auto pairs = static_cast<std::ptrdiff_t>(axis.chains.size()) * shapes;
     const auto least = std::min_element(clear_.begin(), clear_.begin() + pairs);
     const auto at = static_cast<int>(least - clear_.begin());
@@ -171,7 +171,7 @@ void AxisClosure::search(const Scene& scene) noexcept {
 
 /// Takes a pair further, from where it is known to be clear. Gives how many distances it took.
 int AxisClosure::look(const Scene& scene, Axis& axis, Pair pair, double& clear) noexcept {
-  const ClosingChain& chain = axis.chains[static_cast<std::size_t>(pair.chain)];
+  const ClosingChain& chain = axis.chains[pair.chain];
   Gap here;
   measure(scene, axis, pair, clear, kShare, here);
   const double gap_m = here.is.distance_m;
@@ -206,7 +206,7 @@ void AxisClosure::meet(Axis& axis, Pair pair, double touch) noexcept {
 /// Newton's method from a small gap on; leaves q as it is where nothing touches. Gives how many
 /// distances it took.
 int AxisClosure::refine(const Scene& scene, const Axis& axis, Pair pair, double& q) noexcept {
-  const double fastest = axis.chains[static_cast<std::size_t>(pair.chain)].fastest();
+  const double fastest = axis.chains[pair.chain].fastest();
   double touch = q;
   for (int i = 1; i <= kNewtonSteps; ++i) {
     Gap now;

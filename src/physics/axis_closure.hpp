@@ -3,7 +3,7 @@
 #include "core/axis_array.hpp"
 #include "core/real_time.hpp"
 #include "core/tick_record.hpp"
-#include "model/scene_model.hpp"
+#include "model/scene/scene_model.hpp"
 #include "physics/closing_chain.hpp"
 #include "physics/segment_distance.hpp"
 
@@ -11,60 +11,59 @@
 
 namespace wholehand {
 
-/// First touch of each hand axis with a body: with the base and the other axes where the avatar has
-/// them, the axis is moved alone from its lower end, where the hand is open, to its upper one;
-/// first touch is the least position at which the surface of a capsule that the axis moves meets
-/// the body's. Minus infinity where they overlap at the lower end already: a hand that is more
-/// closed did not come there by closing on to the body. NaN where they never meet, on axes that
-/// carry the palm, and until it is found.
+/// First touch of each hand axis with a body. With the base and the other axes at the avatar's
+/// position, the axis alone is moved from its lower end, where the hand is open, to its upper one;
+/// first touch is the smallest position at which the surface of a capsule that the axis moves meets
+/// the body. It is minus infinity when they overlap at the lower end already: a hand that is more
+/// closed did not reach the body by closing. It is NaN when they never meet, on axes that carry the
+/// palm, and until it is found.
 ///
-/// A touch once found is followed with one Newton step a tick. Beside that the whole travel is
-/// searched again and again, a few distances a tick, by conservative advancement: a convex body
-/// lies behind the plane through its nearest point, and a capsule whose gap to that is d cannot
-/// touch before it has gone d towards it. So an earlier touch is seen and a
-/// lost one replaced within one search, and as long keeps its last value; capsules that pass by
-/// are no touch however near. For a hand that stays, all axes are right to 0.1 mm of path within
-/// 50 ms. What it gives is a function of the calls since reset() and what they were told, nothing
-/// else.
+/// A found touch is tracked with one Newton step a tick. In addition, the whole range is searched
+/// continuously, a few distances a tick, by conservative advancement: a convex body lies behind the
+/// plane through its nearest point, so a capsule at distance d from it cannot touch before it has
+/// moved by d towards it. An earlier touch is thus found, and a lost one replaced, within one
+/// search; until then the last value holds. Capsules that pass by without contact do not count. For
+/// a hand at rest, all axes are accurate to 0.1 mm of path within 50 ms. The result depends only on
+/// the calls since reset() and their arguments.
 class AxisClosure {
  public:
   AxisClosure(const HandModel& hand, const SceneModel& scene);
 
-  /// Forgets what was found. Real-time safe.
+  /// Clears the search and its results. Real-time safe.
   WHOLEHAND_RT void reset() noexcept;
 
   /// One tick. @param links poses of the hand's links at theta @param body index in the scene, -1:
-  /// not asked
+  /// none
   /// @param closure first touch per axis. Real-time safe.
   WHOLEHAND_RT void update(const Pose* links, const JointPosition& theta, const AxisPosition& q_s,
                            int body, const BodyState* bodies, AxisPosition& closure) noexcept;
 
  private:
-  /// A capsule that an axis moves and a shape of the body.
+  /// A capsule that an axis moves, and a shape of the body.
   struct Pair {
     int chain = -1, shape = -1;
   };
   struct Axis {
-    int index = -1;  ///< of the device
+    int index = -1;  ///< device axis
     double lower = 0.0, upper = 0.0;
     std::vector<ClosingChain> chains;
-    bool follows = false;  ///< touch is one, of `pair`; otherwise it is an old one or NaN
+    bool follows = false;  ///< true: touch is a current touch, of `pair`; false: an old one or NaN
     double touch = 0.0;
     Pair pair;
   };
-  /// What a tick looks at.
+  /// Input of a tick.
   struct Scene {
     const Pose* links;
     const JointPosition* theta;
     const AxisPosition* q_s;
     const SceneBody* body;
-    Pose from_world;  ///< into the body's frame
+    Pose from_world;  ///< transform into the body's frame
   };
-  /// Where a pair is, with the axis somewhere.
+  /// Distance of a pair at a position of the axis.
   struct Gap {
     ClosingChain::Placed at;
     SegmentDistance is;
-    double slope;  ///< change of the distance per unit of the axis
+    double slope;  ///< derivative of the distance by the axis
   };
 
   [[nodiscard]] bool jumped(const Scene& scene) noexcept;
@@ -80,16 +79,16 @@ class AxisClosure {
                       Gap& gap) noexcept;
 
   std::vector<SceneBody> bodies_;
-  std::vector<Axis> axes_;  ///< of the hand, those that move capsules
+  std::vector<Axis> axes_;  ///< hand axes that move capsules
   int axis_count_ = 0;
   int palm_link_ = 0;
   int body_ = -1;
 
-  Pose palm_in_body_;  ///< one tick ago
+  Pose palm_in_body_;  ///< at the previous tick
   AxisPosition q_s_;
 
-  int searched_ = 0;           ///< of axes_
-  std::vector<double> clear_;  ///< per pair: no touch below this
+  int searched_ = 0;           ///< index into axes_
+  std::vector<double> clear_;  ///< per pair: no touch below this position
 };
 
 }  // namespace wholehand

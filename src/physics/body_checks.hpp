@@ -7,7 +7,7 @@
 #include <cmath>
 #include <string>
 
-/// What every engine asks of the bodies of a scene.
+/// Checks of scene bodies for all engines.
 namespace wholehand {
 
 /// Real-time safe.
@@ -17,14 +17,15 @@ namespace wholehand {
          body.orientation_xyzw.eigen().coeffs().allFinite();
 }
 
-/// Whether a body can be put there. Real-time safe.
+/// True when a body can be placed there. Real-time safe.
 [[nodiscard]] inline bool isPose(const BodyPlacement& placement) noexcept {
   return placement.position_m.eigen().allFinite() && placement.velocity_m_s.eigen().allFinite() &&
          std::abs(placement.orientation_xyzw.eigen().squaredNorm() - 1.0) < 0.1;
 }
 
-/// Why no hand can be placed where this body is.
-[[nodiscard]] inline Diagnostic nowhere(const std::string& scene_path, const std::string& body) {
+/// Error for placing a hand while a body's state is not finite.
+[[nodiscard]] inline Diagnostic nonFiniteBodyError(const std::string& scene_path,
+                                                   const std::string& body) {
   return {scene_path, 0, "bodies." + body, "", "is nowhere after a fault", "build the scene anew"};
 }
 

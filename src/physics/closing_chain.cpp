@@ -91,7 +91,7 @@ Eigen::Vector3d ClosingChain::Placed::rate(const ClosingChain& chain,
                                            const Eigen::Vector3d& at_m) const {
   Eigen::Vector3d rate = Eigen::Vector3d::Zero();
   for (int k = 0; k < joints; ++k) {
-    const Joint& joint = chain.joints_[static_cast<std::size_t>(k)];
+    const Joint& joint = chain.joints_[k];
     rate += joint.ratio *
             (joint.revolute ? Eigen::Vector3d(screw[k].cross(at_m - origin_m[k])) : screw[k]);
   }
@@ -105,7 +105,7 @@ std::vector<std::vector<ClosingChain>> ClosingChain::ofAxes(const HandModel& han
     if (!has_travel || !movedLinks(hand, hand.palm_link, axis).empty()) continue;
     for (std::size_t c = 0; c < hand.capsules.size(); ++c) {
       if (movedLinks(hand, hand.capsules[c].link, axis).empty()) continue;
-      chains[static_cast<std::size_t>(axis)].emplace_back(hand, axis, static_cast<int>(c));
+      chains[axis].emplace_back(hand, axis, static_cast<int>(c));
     }
   }
   return chains;

@@ -16,7 +16,7 @@ std::string millimetres(double length_m) {
 }  // namespace
 
 void HandOverlaps::add(int body, int capsule, double depth_m) {
-  Deepest& found = deepest_[static_cast<std::size_t>(body)];
+  Deepest& found = deepest_[body];
   if (depth_m > found.depth_m) found = {depth_m, capsule};
 }
 
@@ -25,7 +25,7 @@ Diagnostics HandOverlaps::refuse(const HandModel& hand, const std::string& scene
   Diagnostics errors;
   for (std::size_t i = 0; i < deepest_.size(); ++i) {
     if (deepest_[i].capsule < 0) continue;
-    const Capsule& capsule = hand.capsules[static_cast<std::size_t>(deepest_[i].capsule)];
+    const Capsule& capsule = hand.capsules[deepest_[i].capsule];
     errors.push_back({scene_path, 0, "bodies." + body_names[i], "",
                       "starts " + millimetres(deepest_[i].depth_m) + " mm inside the hand (its " +
                           capsule.name + ")",

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/expected.hpp"
-#include "model/hand_model.hpp"
+#include "model/hand/hand_model.hpp"
 
 #include <cstddef>
 #include <string>
@@ -9,14 +9,14 @@
 
 namespace wholehand {
 
-/// Collects where a hand that is placed overlaps bodies, and says so: an engine would throw such a
+/// Collects overlaps of a placed hand with bodies, and reports them: an engine would fling such a
 /// body away. Not real-time safe.
 class HandOverlaps {
  public:
   explicit HandOverlaps(std::size_t bodies) : deepest_(bodies) {}
 
   void add(int body, int capsule, double depth_m);
-  /// One error a body, for its deepest overlap; up to 0.2 mm is allowed.
+  /// One error per body, for its deepest overlap; up to 0.2 mm is allowed.
   [[nodiscard]] Diagnostics refuse(const HandModel& hand, const std::string& scene_path,
                                    const std::vector<std::string>& body_names) const;
 

@@ -20,7 +20,7 @@ void HandProbe::look(const Pose* links, const WorldQuery& query, TickRecord& rec
                        record.closure);
 }
 
-void HandProbe::lookAway(TickRecord& record) const noexcept {
+void HandProbe::clearMeasurements(TickRecord& record) const noexcept {
   record.palm_distance_m = record.palm_target_distance_m = std::numeric_limits<double>::infinity();
   record.palm_body = -1;
   record.closure = AxisPosition(axis_count_, std::numeric_limits<double>::quiet_NaN());

@@ -54,7 +54,7 @@ bool solve(int n, const std::array<Vector3d, 3>& edges, const Vector3d& base,
 /// nearest to the origin: eight cases at most. False where none is nearer than before.
 bool reduce(Simplex& simplex) {
   const int newest = simplex.size - 1;
-  const Corner tip = simplex.corners[static_cast<std::size_t>(newest)];
+  const Corner tip = simplex.corners[newest];
   double best_m2 = simplex.nearest_m.squaredNorm();
   Simplex best;
   for (unsigned mask = 0; mask < (1U << newest); ++mask) {
@@ -63,27 +63,26 @@ bool reduce(Simplex& simplex) {
     std::array<double, 3> w{};
     for (int i = 0; i < newest; ++i) {
       if (((mask >> i) & 1U) == 0) continue;
-      const Corner& corner = simplex.corners[static_cast<std::size_t>(i)];
-      edges[static_cast<std::size_t>(part.size)] = corner.at_m - tip.at_m;
-      part.corners[static_cast<std::size_t>(part.size++)] = corner;
+      const Corner& corner = simplex.corners[i];
+      edges[part.size] = corner.at_m - tip.at_m;
+      part.corners[part.size++] = corner;
     }
     if (part.size > 0 && !solve(part.size, edges, tip.at_m, w)) continue;
     double rest = 1.0;
     part.nearest_m = tip.at_m;
     bool inside = true;
     for (int i = 0; i < part.size; ++i) {
-      const auto k = static_cast<std::size_t>(i);
-      inside = inside && w[k] >= 0.0;
-      rest -= w[k];
-      part.nearest_m += w[k] * edges[k];
-      part.weights[k] = w[k];
+      inside = inside && w[i] >= 0.0;
+      rest -= w[i];
+      part.nearest_m += w[i] * edges[i];
+      part.weights[i] = w[i];
     }
     if (!inside || rest < 0.0) continue;
     const double m2 = part.size == 3 ? 0.0 : part.nearest_m.squaredNorm();
     if (!(m2 < best_m2)) continue;
     best_m2 = m2;
-    part.corners[static_cast<std::size_t>(part.size)] = tip;
-    part.weights[static_cast<std::size_t>(part.size++)] = rest;
+    part.corners[part.size] = tip;
+    part.weights[part.size++] = rest;
     best = part;
   }
   if (best.size == 0) return false;
@@ -116,7 +115,7 @@ SegmentDistance hullDistance(const std::vector<Vector3d>& points_m, const Vector
     const Corner corner = support(simplex.nearest_m);
     least_m = std::max(least_m, corner.at_m.dot(simplex.nearest_m) / away_m);
     if (away_m - least_m <= kExact_m) break;
-    simplex.corners[static_cast<std::size_t>(simplex.size++)] = corner;
+    simplex.corners[simplex.size++] = corner;
     if (!reduce(simplex)) {
       --simplex.size;
       break;  // rounding: no progress left
@@ -126,8 +125,7 @@ SegmentDistance hullDistance(const std::vector<Vector3d>& points_m, const Vector
   if (away_m <= kTiny_m) return {-radius_m, -radius_m, 0.5, Vector3d::Zero()};
   double along = 0.0;
   for (int i = 0; i < simplex.size; ++i) {
-    const auto k = static_cast<std::size_t>(i);
-    along += simplex.weights[k] * simplex.corners[k].along;
+    along += simplex.weights[i] * simplex.corners[i].along;
   }
   return {away_m - radius_m, least_m - radius_m, along, simplex.nearest_m / away_m};
 }

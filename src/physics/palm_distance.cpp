@@ -46,7 +46,11 @@ double signedBySide(double distance_m, bool before_palm) noexcept {
 
 }  // namespace
 
-PalmDistance::PalmDistance(const HandModel& hand, const SceneModel& scene) : bodies_(scene.bodies) {
+PalmDistance::PalmDistance(const HandModel& hand, const SceneModel& scene)
+    : bodies_(scene.bodies.begin(),
+              scene.bodies.begin() +
+                  std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(scene.bodies.size()),
+                                           kMaxBodies)) {
   const auto hollow = std::find_if(hand.capsules.begin(), hand.capsules.end(),
                                    [](const Capsule& c) { return c.name == "hollow"; });
   const auto any = std::find_if(hand.capsules.begin(), hand.capsules.end(),
@@ -60,14 +64,14 @@ PalmDistance::PalmDistance(const HandModel& hand, const SceneModel& scene) : bod
 }
 
 PalmDistance::Result PalmDistance::operator()(const Pose& palm, const BodyState* bodies,
-                                              std::uint32_t targets) const noexcept {
+                                              const BodySet& targets) const noexcept {
   const Eigen::Vector3d a = palm * palm_.a_m;
   const Eigen::Vector3d b = palm * palm_.b_m;
   Result nearest{kInfinity, -1, kInfinity};
   double target_m = kInfinity;  // on whichever side
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const Eigen::Vector3d com = bodies[i].position_m.eigen();
-    const bool target = ((targets >> i) & 1U) != 0;
+    const bool target = targets[i];
     const double best = target ? std::max(nearest.any_m, target_m) : nearest.any_m;
     const double reach = (b - a).norm() / 2.0 + bounding_radius_m_[i] + palm_.radius_m;
     if ((com - 0.5 * (a + b)).norm() - reach > best) continue;

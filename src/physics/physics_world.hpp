@@ -11,75 +11,75 @@
 
 namespace wholehand {
 
-/// What the world looks like before a step.
+/// State of the world before a step.
 struct WorldState {
   AxisPosition q_s;  ///< reduced coordinates of the hand
   AxisVelocity qd_s;
   JointPosition theta;  ///< joint coordinates, θ = θ₀ + G q_s
   JointVelocity theta_dot;
-  double coupling_error_rad = 0.0;  ///< what the last step left of |θ - (θ₀ + G q_s)|, uncorrected
-  int body_count = 0;
+  double coupling_error_rad = 0.0;  ///< |θ - (θ₀ + G q_s)| after the last step, before correction
+  int body_count = 0;               ///< bodies of the scene, at most kMaxBodies
   std::array<BodyState, kMaxBodies> bodies{};
 };
 
-/// What drives the hand through one step, computed at the state that observe() gave.
+/// Input that drives the hand through a step, computed at the state that observe() returned.
 struct HandDrive {
-  AxisEffort effort;   ///< f_s, for engines that integrate q_s [N or N·m]
-  JointEffort torque;  ///< τ = M G M_r⁻¹ f_s + h, for engines that integrate θ [N or N·m]
-  AxisRatio armature;  ///< A [kg or kg·m²]; size 0: none
+  AxisEffort effort;     ///< f_s, for engines that integrate q_s [N or N·m]
+  JointEffort torque;    ///< τ = M G M_r⁻¹ f_s + h, for engines that integrate θ [N or N·m]
+  AxisInertia armature;  ///< A; size 0: none
   AxisEffort armature_effort;                           ///< A M_r⁻¹ f_s, of the same size
   const AxisMatrix* reduced_inertia_inverse = nullptr;  ///< M_r⁻¹, armature included; without it an
                                                         ///< engine may refuse
 };
 
-/// The touching points of the last step.
+/// Contact points of the last step.
 struct ContactList {
   int count = 0;
   int dropped = 0;
   std::array<Contact, kMaxContacts> points{};
 };
 
-/// A physics engine with one hand and the bodies of one scene in it. The engine is a plug: nothing
-/// of it shows here. SI units, radians, the world's axes (docs/equations.md). What every engine
-/// keeps, and tests/physics/engine_conformance holds it to:
+/// A physics engine with one hand and the bodies of one scene in it. The interface exposes nothing
+/// of the engine. SI units, radians, world frame (docs/equations.md). Every engine guarantees the
+/// following, which tests/physics/engine_conformance verifies:
 ///
 /// - A step, and whatever is marked so, allocates nothing, takes no lock, throws nothing, prints
 ///   nothing and never ends the program: what it cannot do is a Fault.
-/// - Two worlds built alike and asked alike give the same bits.
+/// - Two worlds built alike and called alike give bit-identical results.
 /// - The joints keep θ = θ₀ + G q_s, also under contact, and contact forces do the virtual work of
 ///   f_s: with the hand at rest, f_s = -Σ Gᵀ Jᵀ force.
-/// - Untouched the hand moves by q̈_s = M_r⁻¹ f_s: h carries gravity and velocity terms.
+/// - Without contact the hand moves by q̈_s = M_r⁻¹ f_s: h carries gravity and velocity terms.
 /// - Contacts never pull, and stay in the friction cone of μ = √(μ_hand μ_body).
 class PhysicsWorld {
  public:
   virtual ~PhysicsWorld() = default;
 
-  /// Puts the hand at q_s, at rest, without stepping; bodies stay where they are, and contacts of
-  /// before are forgotten. An error names what it would overlap by more than 0.2 mm. Not real-time
+  /// Places the hand at q_s, at rest, without stepping. Bodies stay, and earlier contacts are
+  /// cleared. An error names the bodies that it would overlap by more than 0.2 mm. Not real-time
   /// safe.
   [[nodiscard]] virtual Expected<Done> placeHand(const AxisPosition& q_s) = 0;
 
-  /// The state before the next step. A body's position is that of its centre of mass, its
+  /// Returns the state before the next step. A body's position is that of its centre of mass, its
   /// orientation that of the scene's body frame.
   [[nodiscard]] WHOLEHAND_RT virtual Fault observe(WorldState& state) noexcept = 0;
 
-  /// Puts bodies where an exercise wants them, before a step; observe() shows it at once. A free
-  /// body flies on from there with the velocity given and no longer turns. A fixed one stays there:
-  /// its velocity is that of its surface in the next step only, and moves it no further. A
-  /// placement that is no pose, or of no body, is ignored.
+  /// Places bodies for an exercise, before a step; observe() shows it at once. A free body
+  /// continues with the given velocity and without rotation. A fixed body stays there: its velocity
+  /// is that of its surface in the next step only, and does not move it. An invalid placement is
+  /// ignored.
   WHOLEHAND_RT virtual void placeBodies(const BodyPlacements& placements) noexcept = 0;
 
-  /// Advances by exactly one step of period_s. After a fault other than kNone nothing is promised
-  /// but that observe() tells the truth.
+  /// Advances by exactly one step of period_s. After a fault only observe() is guaranteed to be
+  /// correct.
   [[nodiscard]] WHOLEHAND_RT virtual Fault step(const HandDrive& drive,
                                                 double period_s) noexcept = 0;
 
-  /// Where the hand touched bodies in the last step, with the forces of that step; points and
-  /// distances as they were before it.
+  /// Contacts of the hand with bodies in the last step: forces of that step; points and distances
+  /// from before it.
   WHOLEHAND_RT virtual void contacts(ContactList& contacts) const noexcept = 0;
 
-  /// What the hand did to itself in the last step. It acts on q_s and so on what is felt; no record
-  /// holds it.
+  /// Self-contact forces of the last step. They act on q_s and so on the felt effort; no record
+  /// holds them.
   WHOLEHAND_RT virtual void selfForces(SelfForces& forces) const noexcept = 0;
 };
 

@@ -24,8 +24,7 @@ SelfContactSearch::SelfContactSearch(const HandModel& hand)
       near_(hand.self_contacts.size()),
       q_s_(hand.axis_count) {
   for (const SelfPair& pair : hand.self_contacts) {
-    pairs_.push_back({&hand.capsules[static_cast<std::size_t>(pair.capsule_a)],
-                      &hand.capsules[static_cast<std::size_t>(pair.capsule_b)]});
+    pairs_.push_back({&hand.capsules[pair.capsule_a], &hand.capsules[pair.capsule_b]});
   }
   const std::vector<std::vector<ClosingChain>> chains = ClosingChain::ofAxes(hand);
   for (std::size_t axis = 0; axis < fastest_.size(); ++axis) {
@@ -53,7 +52,7 @@ void SelfContactSearch::reset(const Pose* links, const AxisPosition& q_s) noexce
 
 void SelfContactSearch::update(const Pose* links, const AxisPosition& q_s) noexcept {
   for (int a = 0; a < q_s.size(); ++a) {
-    path_m_ += fastest_[static_cast<std::size_t>(a)] * std::abs(q_s[a] - q_s_[a]);
+    path_m_ += fastest_[a] * std::abs(q_s[a] - q_s_[a]);
   }
   q_s_ = q_s;
   count_ = 0;
@@ -70,7 +69,7 @@ void SelfContactSearch::look(const Pose* links) noexcept {
       pair.let_go = pair.let_go && gap.distance_m < 0.0;
       pair.due_m = path_m_ + std::max(0.0, gap.distance_m - kNear_m);
       if (gap.distance_m < kNear_m && !pair.let_go) {
-        near_[static_cast<std::size_t>(count_++)] = {static_cast<int>(i), gap};
+        near_[count_++] = {static_cast<int>(i), gap};
       }
     }
     due_m_ = std::min(due_m_, pair.due_m);

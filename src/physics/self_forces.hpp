@@ -7,23 +7,23 @@
 
 namespace wholehand {
 
-/// The most touches of a hand with itself that are told; further ones act but are not shown.
+/// Limit of reported self-contacts; further ones act, but are not reported.
 inline constexpr int kMaxSelfForces = 64;
 
-/// A point where two capsules of the hand touch, after a step. World frame.
+/// Self-contact point of two capsules after a step. World frame.
 struct SelfForce {
   int capsule_a = -1, capsule_b = -1;  ///< indices into HandModel::capsules
   Vec3 point_m;
   Vec3 normal;              ///< unit, from b to a
-  Vec3 force_n;             ///< on a, normal and friction together; b feels the opposite
+  Vec3 force_n;             ///< on a, normal and friction; b gets the opposite
   double distance_m = 0.0;  ///< before the step; negative when the surfaces overlap
 };
 
-/// What the hand did to itself in the last step.
+/// Self-contact forces of the last step.
 struct SelfForces {
   int count = 0;
   std::array<SelfForce, kMaxSelfForces> touches{};
-  AxisEffort joint_ends;  ///< of joints at an end of their range, on every axis [N or N·m]
+  AxisEffort joint_ends;  ///< efforts of joints at the end of their range, per axis [N or N·m]
 };
 
 }  // namespace wholehand

@@ -40,7 +40,7 @@ class Pipe {
   std::array<int, 2> ends_ = {-1, -1};
 };
 
-/// Waits at most kLook for output and takes what is there. False once there will be none.
+/// Waits at most kLook for output and reads it. False at the end of the output.
 bool takeOutput(int from, std::string& output) {
   pollfd ready{from, POLLIN, 0};
   if (::poll(&ready, 1, static_cast<int>(kLook.count())) <= 0) return true;

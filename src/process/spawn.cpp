@@ -21,17 +21,17 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kLookAtEnd = std::chrono::milliseconds(1);
-/// A process that was killed and waits for a disk stays; it is left to itself.
+/// A killed process in uninterruptible disk sleep remains; it is abandoned after this time.
 constexpr auto kGoneWithin = std::chrono::milliseconds(500);
 constexpr int kNicest = 19;
-// linux/ioprio.h, which not every system has: of one process, the class "idle".
+// From linux/ioprio.h, which not every system has: scope "process", class "idle".
 constexpr int kOfProcess = 1, kIdle = 3 << 13;
 
 }  // namespace
 
 void limit(pid_t child, std::uint64_t memory_bytes, bool idle) {
   const rlimit memory{memory_bytes, memory_bytes}, no_core{0, 0};
-  // A sanitizer's shadow alone is larger than any limit.
+  // A sanitizer's shadow memory exceeds any limit.
   if (WHOLEHAND_SANITIZED == 0) (void)::prlimit(child, RLIMIT_AS, &memory, nullptr);
   (void)::prlimit(child, RLIMIT_CORE, &no_core, nullptr);
   if (!idle) return;
@@ -52,7 +52,7 @@ int spawn(const std::string& program, std::vector<std::string> arguments, int in
   posix_spawn_file_actions_addclosefrom_np(&actions, 3);  // neither sockets nor the recording
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
-  sigset_t none;  // our threads keep signals from themselves (InterruptScope)
+  sigset_t none;  // our threads block signals (InterruptScope)
   sigemptyset(&none);
   posix_spawnattr_setsigmask(&attributes, &none);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);

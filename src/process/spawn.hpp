@@ -5,20 +5,21 @@
 #include <sys/types.h>
 #include <vector>
 
-// How a child process begins and ends. Private to process.
+// Starting and ending child processes. Private to process.
 namespace wholehand::process {
 
-/// Starts a program with no file but the standard ones, and with no blocked signals. posix_spawn,
-/// no fork: the pages of a running loop are not marked for copying. 0 or an errno.
-/// @param input, output descriptors that become its standard input and output; -1: this process's
+/// Starts a program without file descriptors other than the standard ones and without blocked
+/// signals. Uses posix_spawn instead of fork, so that the pages of a running loop are not marked
+/// copy-on-write. Returns 0 or an errno.
+/// @param input, output descriptors of its standard input and output; -1: inherited
 [[nodiscard]] int spawn(const std::string& program, std::vector<std::string> arguments, int input,
                         int output, pid_t& child);
-/// What a child may use from now on; it leaves no core.
-/// @param idle lowest priority of CPU and disk
+/// Limits a running child's resources and disables its core dump.
+/// @param idle lowest CPU and disk priority
 void limit(pid_t child, std::uint64_t memory_bytes, bool idle);
-/// True where it has ended; its status is taken.
+/// True when the child has ended; reaps it.
 [[nodiscard]] bool isOver(pid_t child, int& status);
-/// Kills it and takes its status. Where it waits for a disk it is left to itself after 0.5 s.
+/// Kills the child and reaps it. A child that hangs in disk I/O is abandoned after 0.5 s.
 void kill(pid_t child);
 
 }  // namespace wholehand::process

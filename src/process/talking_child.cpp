@@ -17,7 +17,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int kLook_ms = 20;
-/// From the moment that it closed its socket, as its end does.
+/// Time limit for the child's exit after it closed its socket.
 constexpr auto kEndsWithin = std::chrono::seconds(10);
 constexpr std::size_t kPiece_bytes = 1 << 16;
 

@@ -15,30 +15,31 @@
 
 namespace wholehand {
 
-/// A process of our own that is asked again and again: its standard input and output are one socket
-/// to this process, and it ends where that closes. Otherwise as runChild(). One thread at a time.
+/// A child process that answers repeated requests. One socket to this process is its standard input
+/// and output, and it ends when that closes. Otherwise as runChild(). One thread at a time.
 class TalkingChild {
  public:
   struct Limits {
-    std::uint64_t memory_bytes = 1ULL << 30;  ///< of address space; not under a sanitizer
-    bool idle = false;                        ///< lowest priority of CPU and disk
+    std::uint64_t memory_bytes = 1ULL << 30;  ///< address space; not enforced under a sanitizer
+    bool idle = false;                        ///< lowest CPU and disk priority
   };
 
-  /// Null where it cannot be started; errno says why.
+  /// Starts the child; null with errno when that fails.
   [[nodiscard]] static std::unique_ptr<TalkingChild> start(
       const std::string& program, const std::vector<std::string>& arguments, const Limits& limits);
-  /// Kills it.
+  /// Kills the child.
   ~TalkingChild();
   TalkingChild(const TalkingChild&) = delete;
   TalkingChild& operator=(const TalkingChild&) = delete;
 
-  /// Sends all of a text; false where the child has ended.
+  /// Sends a whole text; false when the child has ended.
   [[nodiscard]] bool send(std::string_view text);
-  /// So many bytes that it says; fewer where it ended, said nothing in time, or `stop` is true.
-  /// @param stop asked every 20 ms; empty: never
+  /// Receives a number of bytes; fewer when the child ended, the timeout expired, or `stop`
+  /// returned true.
+  /// @param stop polled every 20 ms; empty: never
   [[nodiscard]] std::string receive(std::size_t bytes, std::chrono::steady_clock::time_point until,
                                     const std::function<bool()>& stop = {});
-  /// The signal that ended it, after send() or receive() failed; 0: none did.
+  /// Signal that ended the child, after send() or receive() failed; 0: none.
   [[nodiscard]] int signal();
 
  private:
@@ -46,8 +47,8 @@ class TalkingChild {
 
   pid_t child_;
   int socket_;
-  bool hung_up_ = false;  ///< its end of the socket is closed
-  bool over_ = false;     ///< its status has been taken
+  bool hung_up_ = false;  ///< the child closed its end of the socket
+  bool over_ = false;     ///< the child was reaped
   int status_ = 0;
 };
 

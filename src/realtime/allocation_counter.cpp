@@ -1,5 +1,5 @@
-// Linking this file replaces the program's malloc family by one that counts and hands on to the
-// C library's own. For programs that measure and for tests; the library itself does not link it.
+// Linking this file replaces the program's malloc family by functions that count and call the C
+// library's own. For programs that measure and for tests; the library itself does not link it.
 #include "realtime/allocation_counter.hpp"
 
 #include "realtime/sanitized.hpp"
@@ -15,7 +15,7 @@
 
 namespace wholehand {
 namespace {
-// constinit: malloc runs before any initialiser could.
+// constinit: malloc runs before any initialiser.
 constinit thread_local std::uint64_t allocation_count = 0;
 constinit thread_local std::uint64_t release_count = 0;
 }  // namespace
@@ -34,7 +34,7 @@ std::uint64_t threadReleases() noexcept {
 
 #if WHOLEHAND_COUNTS_ALLOCATIONS
 
-// The names are the C library's, and so is the missing documentation of the inner ones.
+// The names are the C library's; its internal functions are undocumented.
 // NOLINTBEGIN(readability-identifier-naming)
 extern "C" {
 void* __libc_malloc(std::size_t size);
@@ -69,7 +69,7 @@ int posix_memalign(void** block, std::size_t alignment, std::size_t size) {
     return EINVAL;
   }
   ++wholehand::allocation_count;
-  // Unlike the others, this one reports by its value and leaves errno alone.
+  // Unlike the others, this function returns its error and leaves errno unchanged.
   const int errno_before = errno;
   void* given = __libc_memalign(alignment, size);
   errno = errno_before;

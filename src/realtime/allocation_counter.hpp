@@ -4,16 +4,16 @@
 
 namespace wholehand {
 
-/// False where a sanitizer owns malloc: every count is then 0 and proves nothing.
+/// False when a sanitizer owns malloc. Every count is then 0 and proves nothing.
 [[nodiscard]] bool allocationCountingAvailable() noexcept;
 
-/// Calls of malloc, calloc, realloc and their aligned kin by this thread since it began, whoever
-/// made them (operator new, the physics engine, a library). Real-time safe.
+/// Calls of malloc, calloc, realloc and their aligned variants by this thread since it started,
+/// including those of operator new, the physics engine and libraries. Real-time safe.
 [[nodiscard]] std::uint64_t threadAllocations() noexcept;
-/// Calls of free with a block by this thread since it began. Real-time safe.
+/// Calls of free with a non-null pointer by this thread since it started. Real-time safe.
 [[nodiscard]] std::uint64_t threadReleases() noexcept;
 
-/// Counts what this thread allocates and releases while the scope lives.
+/// Counts this thread's allocations and releases during the scope's lifetime.
 class AllocationScope {
  public:
   AllocationScope() noexcept

@@ -1,5 +1,5 @@
-// Linking this file puts functions that count before the C library's locks, and hands on to those.
-// For programs that measure and for tests; the library itself does not link it.
+// Linking this file puts counting functions in front of the C library's lock functions. For
+// programs that measure and for tests; the library itself does not link it.
 #include "realtime/lock_counter.hpp"
 
 #include "realtime/sanitized.hpp"
@@ -19,18 +19,18 @@
 namespace wholehand {
 namespace {
 
-// constinit: locks are taken before any initialiser could run.
+// constinit: locks are taken before any initialiser runs.
 constinit thread_local LockCalls calls;
 
 #if WHOLEHAND_COUNTS_LOCKS
 
-/// The C library's own function, looked up where it is called first: two threads that meet there
-/// find the same.
+/// The C library's own function, looked up at the first call. Concurrent look-ups find the same
+/// function.
 template <class... Arguments>
 class Original {
  public:
-  /// @param version of the symbol, where more than one goes by the name; a machine that never had
-  ///   the old one has no such version
+  /// @param version of the symbol, if it has more than one; a machine that never had the old one
+  /// has no such version
   constexpr explicit Original(const char* name, const char* version = nullptr)
       : name_(name), version_(version) {}
   int operator()(Arguments... arguments) {
@@ -50,7 +50,7 @@ class Original {
   std::atomic<void*> found_{nullptr};
 };
 
-// Since then condition variables have the layout of today.
+// Symbol version since which condition variables have today's layout.
 constexpr const char* kNewConditions = "GLIBC_2.3.2";
 
 #endif

@@ -4,21 +4,21 @@
 
 namespace wholehand {
 
-/// Calls with which a thread may wait for another, or wake one up: each is a kernel call as soon as
-/// two threads meet there.
+/// Calls that may block a thread or wake another one. Each becomes a system call when two threads
+/// contend.
 struct LockCalls {
-  std::uint64_t locks = 0;  ///< mutexes, spin locks, read-write locks; also tries
+  std::uint64_t locks = 0;  ///< mutexes, spin locks, read-write locks; try-locks included
   std::uint64_t waits = 0;  ///< condition variables and semaphores
   std::uint64_t wakes = 0;  ///< condition variables and semaphores
 };
 
-/// False where a sanitizer owns these calls: every count is then 0 and proves nothing.
+/// False when a sanitizer owns these calls. Every count is then 0 and proves nothing.
 [[nodiscard]] bool lockCountingAvailable() noexcept;
 
-/// What this thread has called since it began, whoever called it (std::mutex, the physics engine, a
-/// library). Not the C library's own: what it takes inside malloc() or printf() never shows itself;
-/// malloc is counted by allocation_counter.hpp, and whatever waits in the kernel by
-/// system_call_counter.hpp. Real-time safe.
+/// Calls by this thread since it started, including those of std::mutex, the physics engine and
+/// libraries. Locks inside the C library (malloc(), printf()) are not visible here:
+/// allocation_counter.hpp counts malloc, and system_call_counter.hpp counts everything that waits
+/// in the kernel. Real-time safe.
 [[nodiscard]] LockCalls threadLockCalls() noexcept;
 
 }  // namespace wholehand

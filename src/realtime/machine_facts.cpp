@@ -51,7 +51,7 @@ MachineFacts machineFacts(const std::string& sys) {
   facts.cpus_allowed = allowedCpus();
   facts.cpus_online = static_cast<int>(sysconf(_SC_NPROCESSORS_ONLN));
   facts.isolated = isolatedCpus();
-  // Cores may differ: that of the loop counts.
+  // Governors may differ between cores; the loop's core counts.
   facts.governor = firstLine(sys + "/devices/system/cpu/cpu" +
                              std::to_string(std::max(0, lastCore())) + "/cpufreq/scaling_governor");
   facts.rtprio_limit = limitOf(RLIMIT_RTPRIO);

@@ -45,7 +45,7 @@ Diagnostic noThread(int error) {
 
 PeriodicThread::PeriodicThread(const PeriodicThreadConfig& config, Tick tick)
     : config_(config), tick_(std::move(tick)) {
-  // Beyond half the stack the loop's own frames would have no room.
+  // More than half the stack would leave no room for the loop's own frames.
   if (config_.setup.stack_bytes > config_.stack_bytes / 2) {
     config_.setup.stack_bytes = config_.stack_bytes / 2;
   }

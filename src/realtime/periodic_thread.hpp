@@ -11,18 +11,18 @@
 
 namespace wholehand {
 
-/// The period of a loop that a wake-up falls into.
+/// The loop period that a wake-up belongs to.
 struct Slot {
-  std::int64_t start_ns = 0;          ///< its scheduled instant, in phase with all others
+  std::int64_t start_ns = 0;          ///< its scheduled instant, on the loop's phase
   std::uint32_t elapsed_periods = 1;  ///< since the last tick's slot: 1 + skipped periods
 };
 
-/// The overrun policy: keep the phase, never burst, count. A wake-up at `now_ns` belongs to the
-/// latest slot that has begun, but always to a later one than the last tick's, so that a slot
-/// never holds two ticks and a stall of many periods is answered by one tick that says so.
-/// Pure. Real-time safe.
-/// @param now_ns    when the thread woke up (any clock)
-/// @param last_ns   the scheduled instant of the last tick's slot, same clock
+/// Overrun policy: keep the phase, never burst, count. A wake-up at `now_ns` belongs to the latest
+/// slot that has begun, and always to a later one than the last tick's. A slot therefore never
+/// holds two ticks, and a stall of many periods results in a single tick that reports it. Pure.
+/// Real-time safe.
+/// @param now_ns    time of the wake-up (any clock)
+/// @param last_ns   scheduled instant of the last tick's slot, same clock
 /// @param period_ns > 0
 [[nodiscard]] constexpr Slot slotAt(std::int64_t now_ns, std::int64_t last_ns,
                                     std::int64_t period_ns) noexcept {
@@ -39,24 +39,24 @@ struct PeriodicThreadConfig {
   ThreadSetupConfig setup;
 };
 
-/// Calls a function at absolute instants of the monotonic clock, from a thread of its own that is
-/// set up for real time as far as this machine grants it.
+/// Calls a function at absolute instants of the monotonic clock, on its own thread, which gets
+/// real-time settings as far as the machine grants them.
 class PeriodicThread {
  public:
-  /// One tick; false ends the loop. It must not throw: an exception here ends the program.
+  /// One tick; false ends the loop. It must not throw: an exception here terminates the program.
   /// @param elapsed_periods 1 + periods skipped since the last tick
-  /// @param lateness_ns     wake-up after the instant that was due next; ≥ one period after a skip
+  /// @param lateness_ns     wake-up time minus the due instant; ≥ one period after a skip
   using Tick = std::function<bool(std::uint32_t elapsed_periods, std::int64_t lateness_ns)>;
 
   PeriodicThread(const PeriodicThreadConfig& config, Tick tick);
-  /// Stops the loop after the tick that runs (a tick that ramps down should have returned false
-  /// before) and joins.
+  /// Stops the loop after the current tick and joins the thread. A tick that ramps down should have
+  /// returned false before.
   ~PeriodicThread();
   PeriodicThread(const PeriodicThread&) = delete;
   PeriodicThread& operator=(const PeriodicThread&) = delete;
 
-  /// Creates the thread and returns once it is set up: the first tick is one period away. To be
-  /// called once. Fails for a bad config or where the system gives no thread.
+  /// Creates the thread and returns once it is set up; the first tick is one period away. Call
+  /// once. Fails for an invalid config, or when the system cannot create a thread.
   [[nodiscard]] Expected<SetupReport> start();
   /// Waits for the loop to end.
   void join() noexcept;

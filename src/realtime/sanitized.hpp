@@ -1,7 +1,6 @@
 #pragma once
 
-/// 1 where a sanitizer puts itself between the program and the C library, as the counters do: then
-/// these stand back.
+/// 1 when a sanitizer intercepts the C library, as the counters do. The counters are then disabled.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define WHOLEHAND_SANITIZED 1
 #elif defined(__has_feature)

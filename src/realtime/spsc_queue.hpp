@@ -9,8 +9,14 @@
 
 namespace wholehand {
 
-/// A ring between exactly one producer thread and one consumer thread. Neither side ever waits: a
-/// full ring refuses the record and counts it. All storage is allocated at construction.
+/// Copies a record into the ring and out of it. A record type that is rarely full overloads this.
+template <class Record>
+void copyUsed(const Record& from, Record& to) noexcept {
+  to = from;
+}
+
+/// Lock-free ring buffer between one producer thread and one consumer thread. Neither side ever
+/// waits: a full ring drops the record and counts it. All storage is allocated at construction.
 ///
 /// Memory order: a record is written before the release store of `tail_` that publishes it, and
 /// read before the release store of `head_` that gives its slot back; each side acquires the
@@ -27,23 +33,23 @@ class SpscQueue {
   SpscQueue(const SpscQueue&) = delete;
   SpscQueue& operator=(const SpscQueue&) = delete;
 
-  /// Producer only. Real-time safe. False where the ring is full: the record is dropped, counted.
+  /// Producer only. Real-time safe. False when the ring is full: the record is dropped and counted.
   [[nodiscard]] bool try_push(const Record& record) noexcept {
     const std::uint64_t tail = tail_.load(std::memory_order_relaxed);
     if (tail - known_head_ == slots_.size()) {
       known_head_ = head_.load(std::memory_order_acquire);
       if (tail - known_head_ == slots_.size()) {
-        // A plain increment would do for the one producer, but anyone may read the counter.
+        // A plain increment would do for the one producer, but any thread may read the counter.
         dropped_.fetch_add(1, std::memory_order_relaxed);
         return false;
       }
     }
-    slots_[tail & mask_] = record;
+    copyUsed(record, slots_[tail & mask_]);
     tail_.store(tail + 1, std::memory_order_release);
     return true;
   }
 
-  /// Consumer only. Real-time safe. False where the ring is empty; `record` is then untouched.
+  /// Consumer only. Real-time safe. False when the ring is empty; `record` is then unchanged.
   [[nodiscard]] bool try_pop(Record& record) noexcept {
     const std::uint64_t head = head_.load(std::memory_order_relaxed);
     if (head == known_tail_) {
@@ -52,16 +58,16 @@ class SpscQueue {
         return false;
       }
     }
-    record = slots_[head & mask_];
+    copyUsed(slots_[head & mask_], record);
     head_.store(head + 1, std::memory_order_release);
     return true;
   }
 
-  /// Records refused since construction. Any thread.
+  /// Records dropped since construction. Any thread.
   [[nodiscard]] std::uint64_t dropped() const noexcept {
     return dropped_.load(std::memory_order_relaxed);
   }
-  /// Records waiting; a snapshot that may be old when it is read. Any thread.
+  /// Number of queued records; a snapshot. Any thread.
   [[nodiscard]] std::size_t size() const noexcept {
     // head first: the other order could see a head beyond the tail.
     const std::uint64_t head = head_.load(std::memory_order_acquire);
@@ -71,7 +77,7 @@ class SpscQueue {
   [[nodiscard]] std::size_t capacity() const noexcept { return slots_.size(); }
 
  private:
-  // Two threads that write the same cache line slow each other down.
+  // Avoids false sharing: the two threads must not write the same cache line.
   static constexpr std::size_t kCacheLine_bytes = 64;
 
   std::vector<Record> slots_;

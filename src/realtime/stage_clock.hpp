@@ -8,18 +8,18 @@
 
 namespace wholehand {
 
-/// What a tick cost. The stages sum to at most cpu_ns; the rest ran after the last lap or is the
-/// cost of the clock itself.
+/// Cost of a tick. The stages sum to at most cpu_ns; the rest ran after the last lap or is the cost
+/// of the clock itself.
 struct StageTimes {
   std::int64_t wall_ns = 0;  ///< from start() to finish() on the wall clock
-  std::int64_t cpu_ns = 0;   ///< CPU time the thread used in between
+  std::int64_t cpu_ns = 0;   ///< CPU time that the thread used meanwhile
   std::array<std::int32_t, kStages> stage_cpu_ns{};
 };
 
-/// Takes what the wall clock shows beyond the CPU time (`excess_ns`: the thread was preempted) off
-/// the laps, longest first, until the laps are CPU times. A preemption falls into one stage, and
-/// one that is worth correcting makes that stage the longest; scaling all laps alike would rob the
-/// others. Pure. Real-time safe.
+/// Subtracts preemption (`excess_ns`: wall time beyond the CPU time) from the laps, longest first,
+/// until the laps are CPU times. A preemption falls into one stage, and one that is worth
+/// correcting makes that stage the longest; scaling all laps would take time from the others. Pure.
+/// Real-time safe.
 inline void removePreemption(std::array<std::int64_t, kStages>& laps_ns,
                              std::int64_t excess_ns) noexcept {
   for (int round = 0; round < kStages && excess_ns > 0; ++round) {
@@ -41,7 +41,7 @@ inline void removePreemption(std::array<std::int64_t, kStages>& laps_ns,
 /// Use from one thread. Real-time safe.
 class StageClock {
  public:
-  /// Begins a tick: forgets all laps.
+  /// Begins a tick and clears all laps.
   void start() noexcept {
     laps_ns_.fill(0);
     cpu_start_ns_ = threadCpuNow_ns();
@@ -49,14 +49,14 @@ class StageClock {
     last_ns_ = wall_start_ns_;
   }
 
-  /// Everything since start() or the last lap belonged to `stage`; laps of one stage add up.
+  /// Assigns the time since start() or the last lap to `stage`; laps of one stage add up.
   void lap(Stage stage) noexcept {
     const std::int64_t now_ns = monotonicNow_ns();
     laps_ns_[static_cast<std::size_t>(stage)] += now_ns - last_ns_;
     last_ns_ = now_ns;
   }
 
-  /// Ends the tick. What ran after the last lap is in wall_ns and cpu_ns, and in no stage.
+  /// Ends the tick. Time after the last lap counts in wall_ns and cpu_ns, but in no stage.
   [[nodiscard]] StageTimes finish() noexcept {
     StageTimes times;
     times.wall_ns = monotonicNow_ns() - wall_start_ns_;

@@ -1,5 +1,5 @@
-// Linux's syscall user dispatch: while a byte of this thread says so, each of its system calls
-// becomes a signal, whose handler counts it, makes it and hands the result back.
+// Linux's syscall user dispatch: while a selector byte of this thread is set, each of its system
+// calls becomes a signal, whose handler counts the call, makes it and returns the result.
 #include "realtime/system_call_counter.hpp"
 
 #include "realtime/sanitized.hpp"
@@ -33,7 +33,7 @@ constinit thread_local std::uint64_t total = 0;
 #if WHOLEHAND_COUNTS_SYSTEM_CALLS
 
 constinit thread_local bool watched = false;
-// What the kernel reads at every system call of this thread.
+// Selector that the kernel reads at every system call of this thread.
 constinit thread_local volatile char selector = SYSCALL_DISPATCH_FILTER_ALLOW;
 
 void onSystemCall(int /*signal*/, siginfo_t* info, void* context) noexcept {
@@ -50,11 +50,11 @@ void onSystemCall(int /*signal*/, siginfo_t* info, void* context) noexcept {
   selector = SYSCALL_DISPATCH_FILTER_BLOCK;
 }
 
-/// As the kernel keeps it.
+/// The kernel's layout.
 struct KernelAction {
   void* handler;
   unsigned long flags;
-  void* restorer;  ///< where a handler returns to: it makes a system call of its own
+  void* restorer;  ///< return address of a handler; it makes a system call of its own
   unsigned long mask;
 };
 constexpr std::size_t kRestorer_bytes = 32;

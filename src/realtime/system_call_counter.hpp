@@ -5,19 +5,20 @@
 
 namespace wholehand {
 
-/// Lets the kernel hand the calling thread's system calls to a counter, whoever makes them: nothing
-/// that sleeps, waits, reads, writes or grows memory can hide from it. Clocks that the kernel
-/// serves without a call are none. Once a thread, before it counts; takes the process's SIGSYS.
-/// Needs Linux 5.11 on x86-64, and no sanitizer.
-/// @return empty; else why it cannot be had here
+/// Makes the kernel report the calling thread's system calls to a counter, whoever makes them.
+/// Every call that sleeps, waits, reads, writes or grows memory is seen; clocks that the vDSO
+/// serves are not system calls. Call once per thread before counting; takes over the process's
+/// SIGSYS. Needs Linux 5.11 on x86-64, and no sanitizer.
+/// @return empty; else the reason why counting is not available
 [[nodiscard]] std::string watchSystemCalls();
 
-/// From here on, or no longer, this thread's system calls are counted; each then takes some
-/// microseconds. Nothing where it is not watched. Do not start a thread or a process while they
-/// are. Real-time safe.
+/// Switches the counting of this thread's system calls on or off. A counted call takes some
+/// microseconds. No effect in a thread that is not watched. Do not start a thread or a process
+/// while counting. Real-time safe.
 void countSystemCalls(bool on) noexcept;
 
-/// What was counted in this thread: all, or those of one number of <sys/syscall.h>. Real-time safe.
+/// System calls counted in this thread: all, or those of one number of <sys/syscall.h>. Real-time
+/// safe.
 [[nodiscard]] std::uint64_t threadSystemCalls() noexcept;
 [[nodiscard]] std::uint64_t threadSystemCalls(int number) noexcept;
 

@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t kPage_bytes = 4096;
 
-/// Touches the stack below the caller so that its pages exist before the loop needs them.
+/// Touches the stack below the caller to prefault its pages.
 [[gnu::noinline]] void touchStack(std::size_t bytes) noexcept {
   auto* stack = static_cast<volatile unsigned char*>(__builtin_alloca(bytes));
   for (std::size_t i = 0; i < bytes; i += kPage_bytes) {
@@ -29,8 +29,8 @@ constexpr std::size_t kPage_bytes = 4096;
   }
 }
 
-/// Freed memory stays with the process and large blocks come from the heap: pages that exist and
-/// are locked are used again instead of being mapped anew.
+/// Keeps freed memory in the process and serves large blocks from the heap, so that mapped and
+/// locked pages are reused instead of being mapped again.
 SetupLine keepHeap() {
   const bool kept = mallopt(M_TRIM_THRESHOLD, -1) == 1 && mallopt(M_MMAP_MAX, 0) == 1;
   return {"heap", kept,
@@ -135,7 +135,7 @@ SetupReport setUpThread(const ThreadSetupConfig& config) {
     report.push_back(requestLastCore(config.cores_before_last));
   }
   report.push_back(denormals());
-  // Last: from here on nothing of normal priority gets in between.
+  // Last: from here on no thread of normal priority preempts this one.
   if (config.fifo_priority > 0) {
     report.push_back(requestFifoPriority(config.fifo_priority));
   }

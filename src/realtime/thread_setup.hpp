@@ -8,16 +8,16 @@
 
 namespace wholehand {
 
-/// What to ask of the machine for a real-time thread.
+/// Settings to request for a real-time thread.
 struct ThreadSetupConfig {
-  int fifo_priority = 80;   ///< SCHED_FIFO priority, range [1, 99]; 0 leaves the scheduling alone.
-  bool lock_memory = true;  ///< Lock the process's pages and keep the heap from shrinking.
-  bool pin_to_last_core = true;  ///< The last isolated core, else the last one allowed.
-  int cores_before_last = 0;     ///< For a thread beside such a one: so many cores before that.
-  std::size_t stack_bytes = std::size_t{512} << 10U;  ///< Stack to touch beforehand.
+  int fifo_priority = 80;   ///< SCHED_FIFO priority, range [1, 99]; 0 keeps the scheduling policy
+  bool lock_memory = true;  ///< lock the process's pages and keep the heap from shrinking
+  bool pin_to_last_core = true;  ///< the last isolated core, else the last allowed one
+  int cores_before_last = 0;     ///< offset from that core, for a thread that runs beside the loop
+  std::size_t stack_bytes = std::size_t{512} << 10U;  ///< stack to prefault
 };
 
-/// What became of one request.
+/// Result of one request.
 struct SetupLine {
   std::string what;  ///< "real-time priority"
   bool granted = false;
@@ -25,17 +25,17 @@ struct SetupLine {
 };
 using SetupReport = std::vector<SetupLine>;
 
-/// Asks for everything in `config` for the calling thread (memory: for the whole process). Never
-/// fails: what the machine refuses is told in the report. Not for the tick; call it once before.
+/// Requests everything in `config` for the calling thread (memory: for the whole process). Never
+/// fails: the report says what the machine refused. Not for the tick; call once before it.
 [[nodiscard]] SetupReport setUpThread(const ThreadSetupConfig& config);
 
-/// From now on this thread's results and operands below 2.2e-308 count as 0: they cost about a
-/// hundred cycles each and are far below anything felt. A replay that must match bit by bit needs
-/// it in its thread as well. False where the processor is not known. Real-time safe.
+/// Flushes denormal operands and results (below 2.2e-308) of this thread to 0 from now on. They
+/// cost about a hundred cycles each and are far below anything that can be felt. A replay that must
+/// match bit by bit needs the same setting. False on an unknown processor. Real-time safe.
 bool flushDenormals() noexcept;
 
-/// flushDenormals() while it lives, then this thread's rounding and denormals as they were: for
-/// ticks on a thread that belongs to somebody else. Not for the tick.
+/// Applies flushDenormals() during its lifetime, then restores this thread's floating-point mode:
+/// for ticks on a thread that others own. Not for the tick.
 class DenormalsFlushed {
  public:
   DenormalsFlushed() noexcept {
@@ -50,21 +50,21 @@ class DenormalsFlushed {
   std::fenv_t before_{};
 };
 
-/// SCHED_FIFO for the calling thread. @pre 1 <= priority <= 99
+/// Requests SCHED_FIFO for the calling thread. @pre 1 <= priority <= 99
 [[nodiscard]] SetupLine requestFifoPriority(int priority);
-/// MCL_CURRENT always; MCL_FUTURE only where RLIMIT_MEMLOCK is unlimited, since below a limit it
-/// is granted and then the next large allocation fails.
+/// Locks memory: MCL_CURRENT always, MCL_FUTURE only when RLIMIT_MEMLOCK is unlimited. Below a
+/// limit MCL_FUTURE is granted, and then the next large allocation fails.
 [[nodiscard]] SetupLine requestLockedMemory();
-/// The last isolated core, else the last one that this process may use, or one so many before it.
-/// -1 where there is but one.
+/// The last isolated core, else the last one that this process may use, minus an offset. -1 when
+/// there is only one core.
 [[nodiscard]] int lastCore(int cores_before_last = 0);
-/// Pins the calling thread to the last isolated core, else to the last core it may use; or to one
-/// of those before it, where there are as many.
+/// Pins the calling thread to the last isolated core, else to the last one it may use, minus an
+/// offset as far as there are such cores.
 [[nodiscard]] SetupLine requestLastCore(int cores_before_last = 0);
 
-/// "0-2,5" as the kernel writes it → {0, 1, 2, 5}; parts that are no numbers are left out.
+/// Parses the kernel's list "0-2,5" → {0, 1, 2, 5}; skips parts that are not numbers.
 [[nodiscard]] std::vector<int> parseCpuList(std::string_view list);
-/// The cores the kernel keeps free of other work (isolcpus); usually none.
+/// The isolated cores (isolcpus); usually none.
 [[nodiscard]] std::vector<int> isolatedCpus();
 
 }  // namespace wholehand

@@ -5,15 +5,15 @@
 
 namespace wholehand {
 
-/// What the kernel has counted for a thread since it began.
+/// The kernel's counters of a thread since it started.
 struct ThreadUsage {
-  std::int64_t minor_faults = 0;          ///< pages that were in memory, but not yet in its reach
-  std::int64_t major_faults = 0;          ///< pages that came from a disk
-  std::int64_t voluntary_switches = 0;    ///< it waited for something
-  std::int64_t involuntary_switches = 0;  ///< another was let run: the machine's doing
+  std::int64_t minor_faults = 0;          ///< pages that were in memory but not mapped
+  std::int64_t major_faults = 0;          ///< pages read from disk
+  std::int64_t voluntary_switches = 0;    ///< it waited
+  std::int64_t involuntary_switches = 0;  ///< it was preempted
 };
 
-/// Of the calling thread. Always a system call, below 1 µs. Real-time safe.
+/// Counters of the calling thread. Always a system call, below 1 µs. Real-time safe.
 [[nodiscard]] inline ThreadUsage threadUsage() noexcept {
   rusage usage{};
   getrusage(RUSAGE_THREAD, &usage);

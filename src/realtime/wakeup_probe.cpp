@@ -27,7 +27,7 @@ WakeUpStatistics wakeUpStatistics(std::span<std::int64_t> lateness_ns) {
   for (const std::int64_t late_ns : lateness_ns) {
     const auto* above =
         std::upper_bound(kLatenessClass_ns.begin(), kLatenessClass_ns.end(), late_ns);
-    ++statistics.classes[static_cast<std::size_t>(above - kLatenessClass_ns.begin())];
+    ++statistics.classes[above - kLatenessClass_ns.begin()];
   }
   return statistics;
 }
@@ -40,7 +40,7 @@ Expected<WakeUpProbe> probeWakeUps(const PeriodicThreadConfig& config, std::size
   std::uint64_t skipped = 0;
   std::atomic<std::size_t> done{0};
   PeriodicThread thread(config, [&](std::uint32_t elapsed_periods, std::int64_t late_ns) {
-    lateness_ns.push_back(late_ns);  // within what is reserved
+    lateness_ns.push_back(late_ns);  // within the reserved capacity
     skipped += elapsed_periods - 1;
     return done.fetch_add(1, std::memory_order_relaxed) + 1 < wake_ups;
   });

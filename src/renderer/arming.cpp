@@ -1,4 +1,4 @@
-// How a renderer is armed.
+// Arming of a renderer.
 #include "physics/hand_probe.hpp"
 #include "renderer/haptic_renderer.hpp"
 
@@ -8,14 +8,14 @@
 namespace wholehand {
 namespace {
 
-// Why not, where no file and no value is to blame.
+// Diagnostic of a refusal that concerns no file and no value.
 Diagnostic armingProblem(const char* problem, const char* remedy) {
   return {"", 0, "", "", problem, remedy};
 }
 
 }  // namespace
 
-// Before the device is touched.
+// Checks before the device is opened.
 Expected<Done> HapticRenderer::mayArm(const std::optional<RehearsalPassed>& rehearsed) const {
   if (!safety_.rendering() && !finished()) {
     return armingProblem("the device is still on its way to neutral", "arm again then");
@@ -36,7 +36,7 @@ Expected<Done> HapticRenderer::mayArm(const std::optional<RehearsalPassed>& rehe
   return Done{};
 }
 
-// What was read lies within the workspace.
+// Checks that the reading is within the workspace.
 Expected<Done> HapticRenderer::withinWorkspace() const {
   const SupervisorConfig& limits = config_.safety.supervisor;
   const Finding finding = safety_.judgeAtRest(reading_.q_m);
@@ -46,22 +46,22 @@ Expected<Done> HapticRenderer::withinWorkspace() const {
       "[" + std::to_string(limits.lower[a]) + ", " + std::to_string(limits.upper[a]) + "]";
   return Diagnostic{"",
                     0,
-                    axis_names_[static_cast<std::size_t>(a)],
+                    axis_names_[a],
                     std::to_string(reading_.q_m[a]),
                     "is outside the device's workspace " + range,
                     "move it back by hand, or calibrate the device"};
 }
 
 Expected<Done> HapticRenderer::arm(const std::optional<RehearsalPassed>& rehearsed) {
-  // A stop that no tick has seen is a person's: it is never forgotten in silence.
-  if (safety_.stops().takeUnseen()) {
+  // A person requested this stop: it must not be lost.
+  if (safety_.stops().consumeUnseen()) {
     return armingProblem("a stop was asked for", "arm again if it is over");
   }
   if (Expected<Done> may = mayArm(rehearsed); !may) return may;
   if (Expected<Done> opened = device_.open(); !opened) return opened;
   const bool was_open = std::exchange(device_open_, true);
   const auto refused = [this, was_open](Diagnostics why) {
-    // Nobody will tick it; one that was open before carries its weight on.
+    // Nobody will tick it. A device that was open before keeps carrying its weight.
     if (!was_open) device_.close();
     device_open_ = was_open;
     return Expected<Done>(std::move(why));

@@ -60,7 +60,7 @@ void HapticRenderer::tick(std::uint32_t periods, TickRecord& record,
   const auto lap = [stages](Stage stage) noexcept {
     if (stages != nullptr) stages->lap(stage);
   };
-  // The laws count in int: a machine that was asleep for days must not come back in the past.
+  // The laws count in int: time must not run backwards after a machine slept for days.
   record.elapsed_periods = std::clamp<std::uint32_t>(periods, 1, INT_MAX);
   record.faults = record.elapsed_periods > 1 ? Fault::kLateTick : Fault::kNone;
   record.fault_axis = -1;
@@ -83,7 +83,7 @@ void HapticRenderer::tick(std::uint32_t periods, TickRecord& record,
       sum(sum(sum(record.coupling, record.exercise.effort), record.damping), record.tank_effort);
   safety_.limitEffort(record);
   lap(Stage::kSafety);
-  writeDevice(record);  // the device hears before the solver runs: its time is not a delay (ADR 2)
+  writeDevice(record);  // before the solver, whose time would be a delay (ADR 2)
   lap(Stage::kDeviceWrite);
   stepWorld(record);
   lap(Stage::kPhysicsStep);
@@ -94,7 +94,7 @@ void HapticRenderer::tick(std::uint32_t periods, TickRecord& record,
 
 void HapticRenderer::takeCommands(TickRecord& record) noexcept {
   for (int i = 0; i < record.command_count; ++i) {
-    const Command& command = record.commands[static_cast<std::size_t>(i)];
+    const Command& command = record.commands[i];
     if (command.type == CommandType::kParameter) parameters_.ask(command.index, command.value);
     if (command.type == CommandType::kOwner) owner_alive_ = command.value != 0.0;
   }
@@ -134,7 +134,7 @@ void HapticRenderer::updateDynamics(TickRecord& record) noexcept {
 
 void HapticRenderer::probeHand(TickRecord& record) noexcept {
   if (any(record.faults & kStopping)) {
-    probe_->lookAway(record);
+    probe_->clearMeasurements(record);
   } else {
     probe_->look(&dynamics_.linkPose(0), query_, record);
   }
@@ -142,7 +142,7 @@ void HapticRenderer::probeHand(TickRecord& record) noexcept {
 
 void HapticRenderer::couple(TickRecord& record) noexcept {
   const CouplingGains& gains = config_.gains;
-  if (any(record.faults & kStopping)) {  // what was read cannot be trusted: nothing new is computed
+  if (any(record.faults & kStopping)) {  // the reading cannot be trusted: nothing new is computed
     record.qd_mf = velocity_.filtered;
     record.f_s = AxisEffort(gains.axes);
     record.coupling = AxisEffort(gains.axes);
@@ -163,9 +163,9 @@ void HapticRenderer::exercise(TickRecord& record) noexcept {
   record.exercise.effort = AxisEffort(axes);
   record.exercise.event_count = 0;
   record.placements.count = 0;
-  if (any(record.faults & kStopping)) {  // no effort: then no transition and no wall either
+  if (any(record.faults & kStopping)) {  // no effort, so no transition and no wall either
     record.exercise.alpha = 0.0;
-    record.exercise.wall_active = AxisRatio(axes);
+    record.exercise.wall_active = AxisFlag(axes);
     return;
   }
   if (exercise_ == nullptr) return;
@@ -198,7 +198,7 @@ void HapticRenderer::writeDevice(TickRecord& record) noexcept {
 }
 
 void HapticRenderer::stepWorld(TickRecord& record) noexcept {
-  if (any(safety_.latched())) return;  // after a fault the world stands still
+  if (any(safety_.latched())) return;  // the world stops after a fault
   if (record.placements.count > 0) {
     world_.placeBodies(record.placements);
     safety_.notePlaced(record.placements);

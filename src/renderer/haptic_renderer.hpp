@@ -9,8 +9,8 @@
 #include "device/haptic_device.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "exercise/exercise.hpp"
-#include "model/hand_model.hpp"
-#include "model/scene_model.hpp"
+#include "model/hand/hand_model.hpp"
+#include "model/scene/scene_model.hpp"
 #include "physics/physics_world.hpp"
 #include "renderer/live_settings.hpp"
 #include "renderer/parameter_ramps.hpp"
@@ -30,20 +30,22 @@ namespace wholehand {
 
 class HandProbe;
 
-/// What the tick needs to know, resolved before arming and immutable from then on.
+/// Configuration of the tick; resolved before arming and immutable afterwards.
 struct RendererConfig {
   double period_s = 1e-3;  ///< T
   CouplingGains gains;
   AdaptiveDampingConfig damping;
   SafetyConfig safety;
   Eigen::Vector3d gravity_m_s2{0.0, 0.0, -9.81};
-  LiveSettings live;          ///< what may be changed while it runs; nothing unless given
-  std::string rehearsal;      ///< what a rehearsal of this is of (RehearsalPassed::of())
-  bool moves_nobody = false;  ///< whatever is sent, no person feels it: needs no rehearsal
+  LiveSettings live;          ///< parameters that may change while it runs; default: none
+  std::string rehearsal;      ///< fingerprint that a rehearsal of this rig carries
+                              ///< (RehearsalPassed::of())
+  bool moves_nobody = false;  ///< no person feels the effort: needs no rehearsal
 };
 
-/// Whole-hand haptic rendering: one tick reads the device, lets the simulated hand follow it in the
-/// physics world, and sends back what holds it. Knows neither threads nor sockets nor clocks.
+/// Whole-hand haptic rendering. A tick reads the device, lets the simulated hand (the avatar)
+/// follow it in the physics world, and sends the coupling's reaction back. Knows no threads,
+/// sockets or clocks.
 class HapticRenderer {
  public:
   /// @param scene the bodies of the world, in its order @param exercise adds its effort to the
@@ -56,53 +58,53 @@ class HapticRenderer {
   HapticRenderer(const HapticRenderer&) = delete;
   HapticRenderer& operator=(const HapticRenderer&) = delete;
 
-  /// Opens the device, reads it and puts the simulated hand there. Refused where the device is not
-  /// ready (not calibrated, or moving), outside its workspace, still on its way to neutral, armed
-  /// already (unless simulated), or the hand would be inside a body; and where a stop is asked for
-  /// meanwhile. The device is closed again then and nothing else has changed. Clears what was
-  /// latched: a person must have asked for it. Not real-time safe.
-  /// @param rehearsed Rehearsal::passed, of this very rig: without it a device that moves a person
+  /// Opens the device, reads it and places the simulated hand there. Refused when the device is not
+  /// ready (uncalibrated or moving), is outside its workspace, still ramps to neutral or is armed
+  /// already (unless simulated); when the hand would be inside a body; and when a stop is requested
+  /// meanwhile. A refusal closes the device again and changes nothing else. Clears latched faults:
+  /// call it only on a person's request. Not real-time safe.
+  /// @param rehearsed Rehearsal::passed of this very rig; without it a device that moves a person
   /// (neither simulated() nor moves_nobody) is refused
   [[nodiscard]] Expected<Done> arm(const std::optional<RehearsalPassed>& rehearsed = std::nullopt);
 
-  /// One tick; fills the record but for what the session writes, and takes the record's commands.
-  /// Real-time safe.
+  /// One tick; fills the record except the fields that the session writes, and obeys the record's
+  /// commands. Real-time safe.
   /// @param periods 1 + those skipped since the last tick; 0 counts as 1
   /// @param stages told when each stage ends; may be null
   WHOLEHAND_RT void tick(std::uint32_t periods, TickRecord& record,
                          StageListener* stages = nullptr) noexcept;
 
-  /// Takes an arming back that no tick has followed. The device stays open. Not real-time safe.
+  /// Takes back an arming before its first tick. The device stays open. Not real-time safe.
   void disarm() noexcept { safety_.disarm(); }
 
-  /// Lets the next tick begin the ramp to neutral. Before that, an arm() is refused once. Any
-  /// thread, also a signal handler; real-time safe.
+  /// Makes the next tick begin the ramp to neutral. Before arming, makes the next arm() refuse,
+  /// once. Any thread, also a signal handler; real-time safe.
   void requestStop() noexcept { safety_.stops().ask(); }
-  /// The same, and the records say that it was an emergency stop.
+  /// As requestStop(); the records mark it as an emergency stop.
   void requestEmergencyStop() noexcept { safety_.stops().askInEmergency(); }
 
-  /// True once the device is at its neutral effort after a stop or a fault.
+  /// True when the device is at its neutral effort after a stop or a fault.
   [[nodiscard]] bool atNeutral() const noexcept { return safety_.atNeutral(); }
-  /// The same, or the device has taken no effort for a second after it should have been neutral:
-  /// nothing more can be done for it from here. Real-time safe.
+  /// True when atNeutral(), or when the device has accepted no effort for a second after it should
+  /// have been neutral: nothing more can be done from here. Real-time safe.
   [[nodiscard]] bool finished() const noexcept { return safety_.finished(); }
 
-  /// The stopping faults of this run so far; kNone again once armed. For the thread that ticks, or
+  /// Stopping faults of this run, latched until the next arming. For the thread that ticks, or
   /// after its end. Real-time safe.
   [[nodiscard]] Fault latched() const noexcept { return safety_.latched(); }
   /// For the thread that ticks, or after its end. Real-time safe.
   [[nodiscard]] SafetyState safetyState() const noexcept { return safety_.state(); }
 
   [[nodiscard]] const RendererConfig& config() const noexcept { return config_; }
-  /// The live parameters, in the order of TickRecord::parameters: the renderer's, then the
+  /// The live parameters in the order of TickRecord::parameters: the renderer's, then the
   /// exercise's.
   [[nodiscard]] std::vector<LiveParameter> liveParameters() const;
-  /// Where the live parameters are when the loop is armed, in the same order, instead of their own
-  /// values: what a therapist has set stays. Before arm(); values out of range change nothing.
+  /// Sets the live parameters' values at arming, in the same order, instead of their defaults: a
+  /// therapist's settings persist. Before arm(); values out of range are ignored.
   void startParametersAt(const std::vector<double>& values) noexcept;
-  /// Where they are at the next arming.
+  /// Values of the live parameters at the next arming.
   [[nodiscard]] std::vector<double> parametersAtStart() const;
-  /// The device's position at which arm() put the hand.
+  /// Device position at which arm() placed the hand.
   [[nodiscard]] const AxisPosition& armedPosition() const noexcept { return armed_position_; }
 
  private:
@@ -130,7 +132,7 @@ class HapticRenderer {
   AxisEffort effort_limit_;               ///< in force now
   AdaptiveDampingConfig damping_config_;  ///< in force now
   WorldQuery query_;
-  bool owner_alive_ = true;  ///< whoever shows the exercise is there
+  bool owner_alive_ = true;  ///< the program or game that shows the exercise is connected
   std::vector<std::string> axis_names_;
   ArticulatedBody dynamics_;
   std::unique_ptr<HandProbe> probe_;
@@ -139,7 +141,7 @@ class HapticRenderer {
   WorldState state_;
   ContactList contacts_;
   VelocityState velocity_;
-  AxisRatio avatar_damping_;  ///< D in the present posture
+  AxisDamping avatar_damping_;  ///< D in the current posture
   AdaptiveDampingState damping_;
   bool device_open_ = false;
 };

@@ -5,7 +5,7 @@
 namespace wholehand {
 namespace {
 
-constexpr double kLeastShare = 0.1;  // of a limit: less would render nothing that can be felt
+constexpr double kLeastShare = 0.1;  // of a limit: less cannot be felt
 constexpr double kRamp_s = 1.0;      // over the whole range
 
 LiveParameter between(const char* name, const char* unit, double lower, double upper,
@@ -25,9 +25,9 @@ LiveSettings::LiveSettings(const DeviceModel& device, const AdaptiveDampingConfi
     : hand_axis_(device.axisCount()), in_unit_(device.axisCount()) {
   double tip_n = 0.0, arm_n = 0.0, full_n = 0.0;
   for (int i = 0; i < device.axisCount(); ++i) {
-    const DeviceAxis& axis = device.axes[static_cast<std::size_t>(i)];
+    const DeviceAxis& axis = device.axes[i];
     const bool hand = axis.group == AxisGroup::kHand;
-    hand_axis_[i] = hand ? 1.0 : 0.0;
+    hand_axis_[i] = hand;
     if (axis.kind == AxisKind::kTranslation) in_unit_[i] = 1.0;
     if (hand && axis.kind == AxisKind::kRotation) in_unit_[i] = axis.lever_arm_m;
     if (in_unit_[i] > 0.0) {
@@ -69,8 +69,8 @@ void LiveSettings::apply(const double* values, const AxisEffort& device_limit,
       switch (roles_[p]) {
         case Role::kHandLimit:
         case Role::kArmLimit: {
-          if ((hand_axis_[i] > 0.0) != (roles_[p] == Role::kHandLimit)) break;
-          if (value >= parameter.upper) break;  // the device's own
+          if (hand_axis_[i] != (roles_[p] == Role::kHandLimit)) break;
+          if (value >= parameter.upper) break;  // the device's own limit
           const double asked =
               in_unit_[i] > 0.0 ? value * in_unit_[i] : device_limit[i] * value / parameter.upper;
           limit[i] = std::min(device_limit[i], asked);

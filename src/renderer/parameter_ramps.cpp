@@ -17,8 +17,7 @@ ParameterRamps::ParameterRamps(const std::vector<LiveParameter>& parameters)
 
 void ParameterRamps::startAt(int index, double value) noexcept {
   if (index < 0 || index >= count_) return;
-  const auto i = static_cast<std::size_t>(index);
-  if (value >= lower_[i] && value <= upper_[i]) initial_[i] = value;  // false for NaN
+  if (value >= lower_[index] && value <= upper_[index]) initial_[index] = value;  // false for NaN
 }
 
 void ParameterRamps::reset() noexcept {
@@ -27,8 +26,7 @@ void ParameterRamps::reset() noexcept {
 
 void ParameterRamps::ask(int index, double value) noexcept {
   if (index < 0 || index >= count_) return;
-  const auto i = static_cast<std::size_t>(index);
-  if (value >= lower_[i] && value <= upper_[i]) wanted_[i] = value;  // false for NaN
+  if (value >= lower_[index] && value <= upper_[index]) wanted_[index] = value;  // false for NaN
 }
 
 void ParameterRamps::advance(int elapsed_periods, double period_s) noexcept {

@@ -8,21 +8,21 @@
 
 namespace wholehand {
 
-/// Live parameters on their way to where somebody wants them: each moves by at most its rate.
+/// Live parameters that ramp towards their targets, each at most at its rate.
 class ParameterRamps {
  public:
   /// @pre at most kMaxLiveParameters; rates > 0
   explicit ParameterRamps(const std::vector<LiveParameter>& parameters);
 
-  /// Where a parameter is after reset(), instead of its own value. Unknown indices, values out of
-  /// range and values that are no numbers change nothing.
+  /// Sets a parameter's value at reset() instead of its default. Ignores unknown indices, NaN and
+  /// values out of range.
   void startAt(int index, double value) noexcept;
-  /// Back to the values at the start.
+  /// Sets every parameter to its start value.
   void reset() noexcept;
-  /// Lets a parameter go towards a value. Unknown indices, values out of range and values that are
-  /// no numbers change nothing. Real-time safe.
+  /// Sets a parameter's target. Ignores unknown indices, NaN and values out of range. Real-time
+  /// safe.
   WHOLEHAND_RT void ask(int index, double value) noexcept;
-  /// One tick. Real-time safe.
+  /// Advances the ramps by one tick. Real-time safe.
   WHOLEHAND_RT void advance(int elapsed_periods, double period_s) noexcept;
 
   [[nodiscard]] int count() const noexcept { return count_; }

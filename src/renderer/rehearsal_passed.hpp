@@ -13,11 +13,11 @@ struct Rehearsal;
 struct RehearsalOptions;
 struct RigOptions;
 
-/// Says that the worst contacts of a rig were rehearsed on this machine, in this process, and
-/// passed: what a device that moves a person is armed with. Only rehearse() makes one.
+/// Proof that a rig's worst contacts were rehearsed on this machine, in this process, and passed.
+/// Arming a device that moves a person requires it. Only rehearse() creates one.
 class RehearsalPassed {
  public:
-  /// Fingerprint of what was rehearsed: device, hand, gains, scene, exercise and rate.
+  /// Fingerprint of the rehearsed rig: device, hand, gains, scene, exercise and rate.
   [[nodiscard]] const std::string& of() const noexcept { return of_; }
 
  private:

@@ -5,7 +5,8 @@
 
 namespace wholehand {
 
-/// Told when a stage of the tick ends. The renderer knows no clock; whoever times it brings one.
+/// Notified when a stage of the tick ends. The renderer knows no clock; the listener brings its
+/// own.
 class StageListener {
  public:
   virtual ~StageListener() = default;

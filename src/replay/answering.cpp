@@ -47,7 +47,7 @@ ReplayAnswer answerOne(ReplayedRecording& recording, const std::string& words) {
 }  // namespace
 
 void answerQuestions(const std::string& recording_path) {
-  // Where memory runs out the kernel ends this process, and not the loop that it is beside.
+  // When memory runs out, the kernel kills this process first instead of the one with the loop.
   std::ofstream("/proc/self/oom_score_adj") << 1000;
   ReplayedRecording recording(recording_path);
   for (std::string words; std::getline(std::cin, words);) {

@@ -6,7 +6,7 @@
 namespace wholehand {
 namespace {
 
-/// The value of `key = "value"` at the start of a line of a TOML text; empty when there is none.
+/// Value of a line `key = "value"` in a TOML text; empty when there is none.
 std::string tomlText(const std::string& text, const std::string& key) {
   std::istringstream in(text);
   for (std::string line; std::getline(in, line);) {

@@ -6,8 +6,8 @@
 
 namespace wholehand {
 
-/// "lambda-pride" from the embedded file of that kind ("device", "hand", "scene" ...); empty when
-/// there is none.
+/// Name stated in the embedded file of a kind ("device", "hand", "scene" ...), e.g. "lambda-pride";
+/// empty when there is none.
 [[nodiscard]] std::string embeddedName(const RecordingMeta& meta, const std::string& kind);
 
 }  // namespace wholehand

@@ -10,7 +10,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Of the period, up to three periods and one for all beyond.
+/// Bin width as a fraction of the period; up to three periods and one overflow bin.
 constexpr double kStep = 0.01;
 constexpr std::size_t kSteps = 301;
 
@@ -21,7 +21,7 @@ Json percentilesJson(const Percentiles& p) {
           {"max_s", 1e-9 * p.max_ns}};
 }
 
-/// What occurred, with the axis where it did most often.
+/// Faults that occurred, with their most frequent axis.
 Json faultsJson(const TickSummary& summary, const RecordingMeta& meta) {
   Json faults = Json::array();
   for (std::size_t bit = 0; bit < kFaultTable.size(); ++bit) {
@@ -46,7 +46,7 @@ Json settingsJson(const RecordingMeta& meta) {
           {"paper", meta.paper},
           {"uncertified", meta.uncertified},
           {"passport", meta.passport},
-          {"seed", std::to_string(meta.seed)}};  // 64 bits are more than a number of a page holds
+          {"seed", std::to_string(meta.seed)}};  // as text: JavaScript numbers cannot hold 64 bits
 }
 
 }  // namespace
@@ -72,7 +72,7 @@ Json EngineeringFacts::timesJson(const TickSummary& summary) const {
   const bool is_cpu = meta_.simulated_clock || summary.wall.max_ns <= 0.0;
   Json stages = Json::array();
   for (int i = 0; i < kStages; ++i) {
-    Json stage = percentilesJson(summary.stage_cpu[static_cast<std::size_t>(i)]);
+    Json stage = percentilesJson(summary.stage_cpu[i]);
     stage["name"] = stageName(static_cast<Stage>(i));
     stages.push_back(std::move(stage));
   }

@@ -11,14 +11,14 @@
 
 namespace wholehand {
 
-/// How the loop went, and with which settings, from every tick of a recording.
+/// Timing, faults and settings of the loop, from every tick of a recording.
 class EngineeringFacts {
  public:
   /// @pre meta outlives it
   explicit EngineeringFacts(const RecordingMeta& meta);
 
   void add(const TickRecord& record);
-  /// As web/src/report/report_data.ts reads it.
+  /// The facts as web/src/report/report_data.ts reads them.
   [[nodiscard]] nlohmann::json json() const;
 
  private:
@@ -27,7 +27,7 @@ class EngineeringFacts {
   const RecordingMeta& meta_;
   TickStatistics statistics_;
   std::vector<std::uint64_t> wall_,
-      cpu_;  ///< ticks in steps of 1 % of the period; the last: beyond
+      cpu_;  ///< histogram of ticks in steps of 1 % of the period; the last bin: beyond
   std::uint64_t records_ = 0, damped_ = 0;
 };
 

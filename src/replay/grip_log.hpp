@@ -5,14 +5,14 @@
 
 namespace wholehand {
 
-/// A hand that grips with less only touches.
+/// A smaller grip force counts as a touch only.
 inline constexpr double kLeastGrip_n = 1.0;
 
-/// A stretch of time in which the hand gripped with at least kLeastGrip_n, for at least a second.
+/// An interval of at least one second in which the grip force was at least kLeastGrip_n.
 struct Grip {
   double from_s = 0.0, to_s = 0.0;
-  /// Mean and standard deviation of the grip force, without the first and the last quarter of a
-  /// second, in which it rises and falls.
+  /// Mean and standard deviation of the grip force, without the first and last quarter of a second,
+  /// in which it rises and falls.
   double mean_n = 0.0, deviation_n = 0.0;
   double largest_n = 0.0;
 };
@@ -20,11 +20,11 @@ struct Grip {
 /// Finds the grips in a recording.
 class GripLog {
  public:
-  /// One tick.
+  /// Adds a tick.
   void add(double time_s, double force_n);
-  /// Where ticks are missing a grip ends: nothing is known there.
+  /// Ends the current grip, where ticks are missing.
   void end();
-  /// Those that have ended.
+  /// Grips that have ended.
   [[nodiscard]] const std::vector<Grip>& grips() const { return grips_; }
 
  private:
@@ -34,10 +34,10 @@ class GripLog {
   void count(double force_n);
 
   std::vector<Grip> grips_;
-  std::deque<Sample> waiting_;  ///< of the last quarter of a second
+  std::deque<Sample> waiting_;  ///< samples of the last quarter of a second
   Grip grip_;
   bool gripping_ = false;
-  double count_ = 0.0, mean_n_ = 0.0, squares_n2_ = 0.0;  ///< of the samples that count (Welford)
+  double count_ = 0.0, mean_n_ = 0.0, squares_n2_ = 0.0;  ///< of accepted samples (Welford)
 };
 
 }  // namespace wholehand

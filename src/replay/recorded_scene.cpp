@@ -3,6 +3,7 @@
 #include "resimulation/recorded_files.hpp"
 #include "station/scene_facts.hpp"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -16,12 +17,14 @@ std::vector<std::string> namesOf(const std::vector<Item>& items) {
   return names;
 }
 
-// Poses of one hand on the links of another would be a lie.
+// Poses of one hand must not be shown on the links of another.
 std::string differenceFrom(const RecordingMeta& meta, const SceneFacts& facts) {
   if (meta.axis_names != namesOf(facts.device.axes)) return "axes";
   if (meta.joint_names != facts.hand.joint_names) return "joints";
   if (meta.capsule_names != namesOf(facts.hand.capsules)) return "capsules";
-  if (meta.body_names != namesOf(facts.scene.bodies)) return "bodies";
+  std::vector<std::string> bodies = namesOf(facts.scene.bodies);
+  bodies.resize(std::min<std::size_t>(bodies.size(), kMaxBodies));
+  if (meta.body_names != bodies) return "bodies";
   if (meta.value_names != facts.value_names) return "values of the exercise";
   return {};
 }

@@ -8,15 +8,15 @@
 
 namespace wholehand {
 
-/// The session that every replayed state and its scene belong to.
+/// Session number of all replayed states and their scene.
 inline constexpr std::uint32_t kReplayedSession = 1;
 
-/// What clients were told of the models that a recording was made with, from the files in it.
-/// Refused where these cannot be read, or are not those that the ticks were rendered with.
+/// Scene facts of a recording, rebuilt from the model files that it carries. Refused when these
+/// cannot be read, or differ from the models that were rendered.
 [[nodiscard]] Expected<SceneFacts> recordedScene(const RecordingMeta& meta,
                                                  const std::string& recording_path);
 
-/// What a client was shown beside a tick, as far as the record tells.
+/// Loop status of a tick, as far as the record tells.
 [[nodiscard]] LoopStatus recordedStatus(const TickRecord& record);
 
 }  // namespace wholehand

@@ -8,16 +8,16 @@
 
 namespace wholehand {
 
-/// A moment of a recording that a person looks for.
+/// A notable moment of a recording.
 struct RecordingMark {
   double time_s = 0.0;
   std::string kind;  ///< stop, emergency_stop, fault, controls_lost, armed, neutral
-  std::string text;  ///< the faults' names; empty: the kind says it
-  std::string axis;  ///< that a limit was exceeded on; empty: none
+  std::string text;  ///< names of the faults; empty for other kinds
+  std::string axis;  ///< axis whose limit was exceeded; empty: none
 };
 
-/// What began in a tick.
-/// @param before the tick before it in the recording; null where it is the first
+/// The marks that begin in a tick.
+/// @param before the previous tick of the recording; null for the first
 [[nodiscard]] std::vector<RecordingMark> marksOf(const TickRecord& record, const TickRecord* before,
                                                  const RecordingMeta& meta);
 

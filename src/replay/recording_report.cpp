@@ -27,19 +27,19 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Counts changes of the data that an older page cannot read.
+/// Version of the data; counts incompatible changes.
 constexpr int kVersion = 1;
 constexpr std::uint64_t kChunksAtOnce = 4, kTicksBetweenProgress = 10'000;
-/// A page of at most 2 MB has room for so much: before it is packed, and of states afterwards.
+/// Limits that keep a page below 2 MB: states before packing, and afterwards.
 constexpr std::uint64_t kMostStates = 1'500;
 constexpr std::size_t kMostStates_bytes = 1'500'000, kMostPacked_bytes = 500'000;
 constexpr std::size_t kMostSeries_bytes = 360'000;
 constexpr int kMostColumns = 800, kFewestColumns = 100;
 
-/// Nothing of a report comes from these.
+/// Datasets that a report does not need.
 const LeftOut kLeftOut = {{"patient_effort", "tank", "closure", "wall", "wall_active"}, {}};
 
-/// All that a page shows, or the figures alone, for another page to be compared with.
+/// All data of a page, or only the figures for comparison with another session.
 enum class Detail { kAll, kFigures };
 
 Expected<ViewedRecording> openAny(const std::string& path) {
@@ -52,7 +52,7 @@ Expected<ViewedRecording> openAny(const std::string& path) {
   return viewed;
 }
 
-/// Every n-th state of a recording and its last one, as the viewer takes them.
+/// Samples every n-th state of a recording and its last one, as the viewer expects.
 class StateSample {
  public:
   StateSample(std::shared_ptr<const SceneFacts> facts, std::uint64_t size, Detail detail)
@@ -109,7 +109,7 @@ class StateSample {
   std::size_t bytes_ = 0;
 };
 
-/// Columns as wide as the whole of the recording allows; their edges lie between two ticks.
+/// Column width from the length of the whole recording; edges lie between two ticks.
 SeriesQuestion wholeOf(const ViewedRecording& viewed, Detail detail) {
   const RecordingMeta& meta = viewed.reader->meta();
   const auto time_s = [&](std::uint64_t tick) {
@@ -138,7 +138,7 @@ class ReportCollector {
         therapy_(meta_),
         engineering_(meta_) {}
 
-  /// @param before the tick before it; null where that is not known
+  /// @param before the previous tick; null when unknown
   void add(std::uint64_t row, const TickRecord& record, const TickRecord* before, bool has_scene) {
     series_.add(record, before);
     therapy_.add(record, before != nullptr && missingBetween(before->tick, record.tick,
@@ -224,7 +224,7 @@ Expected<Json> reportData(const std::string& recording_path, const std::string& 
                       "is the recording of the report itself",
                       "name the recording of the session before"};
   }
-  // The one before first: where it is refused, the long one is not read for nothing.
+  // The previous session first: if it is refused, the long one is not read in vain.
   Json before;
   if (!before_path.empty()) {
     auto figures = dataOf(before_path, Detail::kFigures, progress);

@@ -8,11 +8,11 @@
 
 namespace wholehand {
 
-/// The extremes of every channel in each column of a stretch of time, and what happened in it, as
-/// docs/protocol.md lays them out. Ticks that cannot be read are left out, and told.
+/// Extremes of every channel in each column of a time interval, and its events, in the layout of
+/// docs/protocol.md. Unreadable ticks are skipped and reported.
 [[nodiscard]] std::string seriesMessage(RecordingReader& recording, const SeriesQuestion& question);
 
-/// The first of the recording's ticks at or after a time.
+/// Index of the recording's first tick at or after a time.
 [[nodiscard]] std::uint64_t firstTickAt(const RecordingReader& recording, double time_s);
 
 }  // namespace wholehand

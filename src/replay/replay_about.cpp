@@ -23,7 +23,7 @@ Json axesOf(const RecordingMeta& meta) {
   return axes;
 }
 
-// Of the last tick.
+// Results in the last tick.
 Json resultsOf(RecordingReader& recording) {
   const RecordingMeta& meta = recording.meta();
   Json results = Json::array();
@@ -34,8 +34,7 @@ Json resultsOf(RecordingReader& recording) {
         std::find(meta.value_names.begin(), meta.value_names.end(), meta.result_names[i]) -
         meta.value_names.begin();
     if (at >= last.exercise.value_count) continue;
-    const double shown =
-        last.exercise.values[static_cast<std::size_t>(at)] * meta.result_factors[i];
+    const double shown = last.exercise.values[at] * meta.result_factors[i];
     results.push_back({{"name", meta.result_names[i]},
                        {"label", meta.result_labels[i]},
                        {"unit", meta.result_units[i]},
@@ -45,7 +44,7 @@ Json resultsOf(RecordingReader& recording) {
   return results;
 }
 
-// As resimulate() judges it before it begins.
+// The checks that resimulate() makes first.
 bool canRunAgain(const RecordingReader& recording) {
   const RecordingMeta& meta = recording.meta();
   const RecordingOutline& outline = recording.outline();

@@ -7,10 +7,10 @@
 
 namespace wholehand {
 
-/// What a page is told of a recording first, as JSON: docs/protocol.md.
-/// @param facts of its scene; those that are not known are empty
-/// @param no_picture_because empty: there is a picture
-/// @pre it holds ticks
+/// Description of a recording, which a page requests first, as JSON: docs/protocol.md.
+/// @param facts of its scene; unknown ones are empty
+/// @param no_picture_because reason; empty: there is a picture
+/// @pre the recording holds ticks
 [[nodiscard]] std::string replayAbout(const ViewedRecording& viewed, const std::string& name,
                                       bool still_written, const SceneFacts& facts,
                                       const std::string& no_picture_because);

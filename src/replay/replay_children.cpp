@@ -14,12 +14,12 @@
 namespace wholehand {
 namespace {
 
-/// A recording may claim texts of 2 GB.
+/// A recording may claim texts of up to 2 GB.
 constexpr std::uint64_t kMemory_bytes = 3ULL << 30;
-/// The largest answer is a scene of many meshes.
+/// Largest answer: a scene with many meshes.
 constexpr std::uint64_t kLargest_bytes = 512ULL << 20;
 
-/// Ctrl-C in a terminal reaches the readers, too, and says nothing of the file.
+/// Ctrl-C in a terminal also reaches the children; it does not indicate a bad file.
 bool isCrash(int signal) {
   constexpr std::array<int, 5> kCrashes = {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL};
   return std::find(kCrashes.begin(), kCrashes.end(), signal) != kCrashes.end();
@@ -34,11 +34,11 @@ ReplayChildren::Stamp ReplayChildren::stampOf(const std::string& path) {
           status.st_mtim.tv_sec * 1'000'000'000 + status.st_mtim.tv_nsec};
 }
 
-// A recording is looked at as it was when a page asked about it: only that question looks anew
-// where the file has changed since.
+// A recording is shown in its state at the page's "about" question; only that question checks
+// whether the file has changed.
 std::shared_ptr<ReplayChildren::Reader> ReplayChildren::readerOf(const std::string& path,
                                                                  const ReplayQuestion& question) {
-  Readers gone;  // ended where nobody waits for the list
+  Readers gone;  // destroyed outside the lock
   const bool plots = question.what == ReplayQuestion::What::kSeries;
   const bool looks = question.what == ReplayQuestion::What::kAbout;
   const Stamp stamp = stampOf(path);

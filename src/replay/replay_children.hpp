@@ -15,29 +15,30 @@
 
 namespace wholehand {
 
-/// Answers what pages ask of recordings, each file read in processes of its own: HDF5 may be
-/// writing in this one, and a stranger's file may end its reader. A recording has two, so that a
-/// state need not wait for a stretch of the plots. They stay for the next question, at most so
-/// many; the one that was asked longest ago goes first. Any thread.
+/// Answers pages' questions about recordings in child processes: HDF5 may be writing in this
+/// process, and an untrusted file may crash its reader. Each recording has two children, so that a
+/// request for a state does not wait for one for plot data. A limited number of children stay for
+/// further questions; the least recently used one is ended first. Any thread.
 class ReplayChildren {
  public:
   struct Options {
     std::string program = "/proc/self/exe";  ///< run as `program replay RECORDING --answer`
-    bool idle = true;                        ///< beside a loop they have the lowest priority
-    std::size_t most = 8;                    ///< that stay: four recordings
-    std::chrono::milliseconds patience = std::chrono::seconds(60);  ///< for an answer
+    bool idle = true;                        ///< lowest priority, for use beside a running loop
+    std::size_t most = 8;                    ///< limit of idle children: two for each of four
+                                             ///< recordings
+    std::chrono::milliseconds patience = std::chrono::seconds(60);  ///< timeout of an answer
   };
 
   explicit ReplayChildren(Options options) : options_(std::move(options)) {}
 
-  /// Waits for the answer, or for what ends it: the patience, end(), the end of the reader. For
-  /// ReplayService.
+  /// Waits for the answer, or until the timeout, end(), or the end of the child. For ReplayService.
   [[nodiscard]] ReplayAnswer answer(const std::string& path, const std::string& question);
-  /// Ends the waiting that is under way; nothing is asked any more.
+  /// Cancels the waiting calls; refuses later questions.
   void end() noexcept { ending_.store(true); }
 
  private:
-  /// The file that a child has open, and how long it was: what was added later it does not see.
+  /// File that a child has open, and its size at that time: the child does not see data that was
+  /// added later.
   struct Stamp {
     std::uint64_t device = 0, inode = 0, bytes = 0;
     std::int64_t changed_ns = 0;
@@ -47,7 +48,7 @@ class ReplayChildren {
     std::string path;
     bool plots = false;
     Stamp stamp;
-    std::mutex mutex;  ///< of the child: one question at a time
+    std::mutex mutex;  ///< guards the child: one question at a time
     std::unique_ptr<TalkingChild> child;
   };
   using Readers = std::list<std::shared_ptr<Reader>>;
@@ -60,8 +61,8 @@ class ReplayChildren {
 
   const Options options_;
   std::atomic<bool> ending_{false};
-  std::mutex mutex_;  ///< of the list
-  Readers readers_;   ///< the one asked last first
+  std::mutex mutex_;  ///< guards the list
+  Readers readers_;   ///< most recently used first
 };
 
 }  // namespace wholehand

@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint64_t kMostRows = 1'000'000'000'000;
 constexpr double kLongestTime_s = 1e9;
 
-/// Reads the numbers of a query; keeps what is wrong with them.
+/// Reads a query's numbers and collects errors.
 class Numbers {
  public:
   explicit Numbers(std::string_view query) : query_(query) {}

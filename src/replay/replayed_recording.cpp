@@ -18,7 +18,7 @@ namespace {
 
 constexpr const char* kBytes = "application/octet-stream";
 constexpr int kCannotBeRead = 422;
-/// So many quarters of a second at once cost fewer calls of HDF5.
+/// Reading this many quarters of a second at once needs fewer HDF5 calls.
 constexpr std::uint64_t kChunksOfPlots = 16;
 
 Diagnostic refusal(const std::string& path, std::string problem, std::string remedy) {
@@ -75,7 +75,7 @@ void ReplayedRecording::prepareScene(const RecordingMeta& meta) {
 
 ReplayAnswer ReplayedRecording::about(const ViewedRecording& viewed) const {
   const std::string name = std::filesystem::path(path_).filename().string();
-  // Its writer may have ended since, or may have been killed.
+  // Its writer may have finished or been killed since.
   const bool still_written =
       viewed.reader->outline().being_written && DiskReserve::isOpenElsewhere(path_);
   return {200, "application/json",

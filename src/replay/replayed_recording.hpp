@@ -14,18 +14,18 @@
 
 namespace wholehand {
 
-/// A recording that answers what a page asks of it. Opened with the first question, and again no
-/// more: what is added to the file later it does not see. One thread.
+/// A recording that answers a page's questions. Opened at the first question and not reopened: data
+/// added to the file later is not seen. One thread.
 class ReplayedRecording {
  public:
   explicit ReplayedRecording(std::string path) : path_(std::move(path)) {}
 
-  /// 422 with the reason where the file is refused: by RecordingReader, as a black box, or for want
-  /// of ticks. Does not throw but for want of memory.
+  /// Answers a question. Status 422 with the reason when the file is refused: by RecordingReader,
+  /// because it is a black box, or because it has no ticks. Throws only std::bad_alloc.
   [[nodiscard]] ReplayAnswer answer(const ReplayQuestion& question);
 
  private:
-  /// Opened once, when it is needed first.
+  /// Opened once, at first use.
   using Opened = std::optional<Expected<ViewedRecording>>;
   [[nodiscard]] const Expected<ViewedRecording>& open(Opened& as, std::uint64_t chunks_at_once,
                                                       const LeftOut& left_out) const;
@@ -38,13 +38,13 @@ class ReplayedRecording {
   [[nodiscard]] ReplayAnswer states(RecordingReader& reader, const StatesQuestion& question) const;
 
   const std::string path_;
-  Opened shown_, plotted_;                   ///< for moments, and for stretches of plots
-  std::shared_ptr<const SceneFacts> facts_;  ///< null: not prepared
-  std::string no_picture_because_;           ///< empty: the facts are whole
+  Opened shown_, plotted_;                   ///< one for single states, one for plot intervals
+  std::shared_ptr<const SceneFacts> facts_;  ///< null: not prepared yet
+  std::string no_picture_because_;           ///< reason; empty: the facts are complete
   std::unique_ptr<wire::StateEncoder> encoder_;
 };
 
-/// The answer that says what is wrong.
+/// An answer with an error status and its reason.
 [[nodiscard]] ReplayAnswer replayRefusal(int status, const std::string& why);
 
 }  // namespace wholehand

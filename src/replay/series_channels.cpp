@@ -12,12 +12,12 @@ constexpr double kNothing = std::numeric_limits<double>::quiet_NaN();
 double contactForce_n(const TickRecord& record) {
   double sum_n = 0.0;
   for (int i = 0; i < record.contact_count; ++i) {
-    sum_n += record.contacts[static_cast<std::size_t>(i)].force_n.eigen().norm();
+    sum_n += record.contacts[i].force_n.eigen().norm();
   }
   return sum_n;
 }
 
-/// On the wall clock where there was one, else of the CPU.
+/// Wall-clock time; on a simulated clock, CPU time.
 double duration_s(const TickRecord& record, const RecordingMeta& meta) {
   const bool wall = !meta.simulated_clock && record.wall_ns > 0;
   const std::int64_t duration_ns = wall ? record.wall_ns : record.cpu_ns;

@@ -9,22 +9,22 @@
 
 namespace wholehand {
 
-/// A line of a plot.
+/// One line of a plot.
 struct SeriesChannel {
   std::string name;
-  int axis = 0;  ///< of the device; of the exercise's values where the name is "value"
+  int axis = 0;  ///< device axis; for the name "value", index of the exercise's value
 };
 
-/// What is drawn of a recording, in order.
+/// The plotted channels of a recording, in order.
 [[nodiscard]] std::vector<SeriesChannel> seriesChannels(const RecordingMeta& meta);
 
-/// The channels' values in a tick, in SI units; NaN where it has none.
+/// Fills the channels' values of a tick, in SI units; NaN where a tick has none.
 /// @pre values has one element for each of seriesChannels(meta)
 void fillSeriesValues(const TickRecord& record, const RecordingMeta& meta,
                       std::vector<double>& values);
 
-/// What of a recording neither a channel nor a mark is made of, and no other dataset is packed by:
-/// most of the work of reading it.
+/// Datasets that no channel, mark or other dataset's prediction needs. Reading them is most of the
+/// work of reading a recording.
 [[nodiscard]] LeftOut leftOutOfSeries();
 
 }  // namespace wholehand

@@ -16,7 +16,7 @@ using Json = nlohmann::json;
 
 static_assert(std::endian::native == std::endian::little);
 
-/// Of a stretch: a page draws no more, and a flood of them fills no memory.
+/// Limits per interval: a page draws no more, and a flood cannot exhaust memory.
 constexpr std::size_t kMostEvents = 20'000, kMostMarks = 5'000, kMostGaps = 5'000;
 
 }  // namespace
@@ -66,7 +66,7 @@ void SeriesCollector::add(const TickRecord& record, const TickRecord* before) {
   const std::size_t column = columnOf(record.time_s);
   for (std::size_t c = 0; c < values_.size(); ++c) extremes_.add(c, column, values_[c]);
   for (int e = 0; e < record.exercise.event_count; ++e) {
-    const ExerciseEvent& event = record.exercise.events[static_cast<std::size_t>(e)];
+    const ExerciseEvent& event = record.exercise.events[e];
     put(events_, kMostEvents,
         {{"time_s", record.time_s},
          {"type", event.type},
@@ -112,7 +112,7 @@ std::string SeriesCollector::message(std::uint64_t first_tick) const {
                        {"unreadable", unreadable_},
                        {"truncated", truncated_}};
   std::string text = header.dump(-1, ' ', false, Json::error_handler_t::replace);
-  text.append((4 - text.size() % 4) % 4, ' ');  // the numbers lie where floats may
+  text.append((4 - text.size() % 4) % 4, ' ');  // aligns the following floats
   const auto bytes = static_cast<std::uint32_t>(text.size());
   std::string out(sizeof bytes, '\0');
   std::memcpy(out.data(), &bytes, sizeof bytes);

@@ -14,7 +14,7 @@
 
 namespace wholehand {
 
-/// Smallest and largest value of every channel in every column.
+/// Minimum and maximum of every channel in every column.
 class Extremes {
  public:
   Extremes(std::size_t channels, std::size_t columns);
@@ -24,19 +24,19 @@ class Extremes {
 
  private:
   std::size_t columns_;
-  std::vector<float> values_;  ///< of each channel: low of every column, then high
+  std::vector<float> values_;  ///< per channel: the minima of all columns, then the maxima
 };
 
-/// Collects the ticks of a stretch of time, in order, into what a page draws of it.
+/// Collects the ticks of a time interval, in order, into the data of a plot.
 class SeriesCollector {
  public:
   /// @pre meta outlives it
   SeriesCollector(const RecordingMeta& meta, const SeriesQuestion& question);
 
-  /// @param before the tick before it; null where that is not known
+  /// @param before the previous tick; null when unknown
   void add(const TickRecord& record, const TickRecord* before);
   void skipUnreadable(double time_s);
-  /// As docs/protocol.md lays it out.
+  /// The message in the layout of docs/protocol.md.
   [[nodiscard]] std::string message(std::uint64_t first_tick) const;
 
  private:

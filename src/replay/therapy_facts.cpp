@@ -11,9 +11,9 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// The value of an exercise that is the force of its grip [N].
+/// Exercise value that is the grip force [N].
 constexpr const char* kSqueeze = "squeeze_n";
-/// Limits ramp over many ticks: fewer changes say the same.
+/// Interval of recorded changes: a limit ramps over many ticks.
 constexpr double kBetweenChanges_s = 0.1;
 constexpr std::size_t kMostChanges = 2'000, kMostTouches = 1'000;
 
@@ -27,7 +27,7 @@ int gripSideOf(const std::string& capsule) {
   return kPalm;
 }
 
-/// What one tick's contacts with one body come to.
+/// Sum of one tick's contacts with one body.
 struct Grasp {
   bool touching = false;
   double force_n = 0.0;
@@ -51,9 +51,8 @@ TherapyFacts::TherapyFacts(const RecordingMeta& meta)
 
 void TherapyFacts::add(const TickRecord& record, bool follows) {
   const bool has_grip = squeeze_value_ >= 0 && squeeze_value_ < record.exercise.value_count;
-  const double grip_n =
-      has_grip ? record.exercise.values[static_cast<std::size_t>(squeeze_value_)] : 0.0;
-  // The wall of an exercise holds the fingers off the body: then its grip force tells.
+  const double grip_n = has_grip ? record.exercise.values[squeeze_value_] : 0.0;
+  // An exercise's wall may hold the fingers off the body: then its grip force counts as contact.
   addContacts(record, grip_n >= kLeastGrip_n);
   addLimits(record);
   if (!follows) grips_.end();
@@ -64,16 +63,16 @@ void TherapyFacts::addContacts(const TickRecord& record, bool grips) {
   std::array<Grasp, kMaxBodies> grasps{};
   double sum_n = 0.0;
   for (int c = 0; c < record.contact_count; ++c) {
-    const Contact& contact = record.contacts[static_cast<std::size_t>(c)];
+    const Contact& contact = record.contacts[c];
     const double force_n = contact.force_n.eigen().norm();
     sum_n += force_n;
     if (contact.body < 0 || contact.body >= kMaxBodies) continue;
-    Grasp& grasp = grasps[static_cast<std::size_t>(contact.body)];
+    Grasp& grasp = grasps[contact.body];
     grasp.touching = true;
     grasp.force_n += force_n;
     const auto capsule = static_cast<std::size_t>(std::max(contact.capsule, 0));
     const int side = capsule < grip_sides_.size() ? grip_sides_[capsule] : kPalm;
-    grasp.sides[static_cast<std::size_t>(side)] = true;
+    grasp.sides[side] = true;
   }
   if (sum_n > largest_force_n_) {
     largest_force_n_ = sum_n;

@@ -11,20 +11,20 @@
 
 namespace wholehand {
 
-/// What the hand held, how hard and how steadily, and within which limits, from every tick of a
+/// What the hand held, how hard and how steadily, and the limits in force, from every tick of a
 /// recording.
 class TherapyFacts {
  public:
   /// @pre meta outlives it
   explicit TherapyFacts(const RecordingMeta& meta);
 
-  /// @param follows false where ticks are missing before this one
+  /// @param follows false when ticks are missing before this one
   void add(const TickRecord& record, bool follows);
-  /// As web/src/report/report_data.ts reads it. Ends what is under way.
+  /// The facts as web/src/report/report_data.ts reads them. Ends grips and touches in progress.
   [[nodiscard]] nlohmann::json json();
 
  private:
-  /// A value where it changed.
+  /// A value and the time of its change.
   struct Change {
     double time_s, value;
   };
@@ -36,10 +36,10 @@ class TherapyFacts {
 
   const RecordingMeta& meta_;
   std::vector<TouchLog> bodies_;
-  std::vector<int> grip_sides_;  ///< of each capsule: fingers, thumb or palm
-  int squeeze_value_ = -1;       ///< among the exercise's values; -1: it has no grip force
+  std::vector<int> grip_sides_;  ///< side of each capsule: fingers, thumb or palm
+  int squeeze_value_ = -1;       ///< index among the exercise's values; -1: no grip force
   GripLog grips_;
-  std::vector<std::vector<Change>> limits_;  ///< per axis, in force [N or N·m]
+  std::vector<std::vector<Change>> limits_;  ///< limits in force, per axis [N or N·m]
   double largest_force_n_ = 0.0, largest_force_s_ = 0.0;
 };
 

@@ -7,7 +7,7 @@
 
 namespace wholehand {
 
-/// A stretch of time in which the hand touched a body; breaks shorter than 0.2 s are bridged.
+/// An interval in which the hand touched a body; gaps shorter than 0.2 s are bridged.
 struct Touch {
   int body = 0;
   double from_s = 0.0, to_s = 0.0;
@@ -15,7 +15,7 @@ struct Touch {
   double held_s = 0.0;           ///< time with fingers on one side and thumb or palm on the other
 };
 
-/// What the hand did with one body.
+/// The hand's interaction with one body.
 struct BodyStory {
   std::string name;
   std::vector<Touch> touches;
@@ -31,9 +31,9 @@ class TouchLog {
  public:
   TouchLog(int body, std::string name) : body_(body) { story_.name = std::move(name); }
 
-  /// One tick: how hard the hand touches the body (no contact: touching = false).
+  /// Adds the contact of a tick (no contact: touching = false).
   void contact(double time_s, double period_s, bool touching, double force_n, bool held);
-  /// Where the body is in this tick.
+  /// Adds the body's position of a tick.
   void position(const Eigen::Vector3d& position_m);
   [[nodiscard]] const BodyStory& story() const { return story_; }
 

@@ -16,7 +16,7 @@ namespace wholehand {
 namespace fs = std::filesystem;
 namespace {
 
-// A folder that goes away with its owner.
+// A temporary folder, removed by its destructor.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -37,7 +37,7 @@ class TemporaryFolder {
 };
 
 Expected<Done> write(const fs::path& path, const std::string& text) {
-  std::error_code ignored;  // the file says whether it could be written
+  std::error_code ignored;  // the stream's state shows whether it was written
   fs::create_directories(path.parent_path(), ignored);
   std::ofstream out(path, std::ios::binary);
   out << text;
@@ -51,13 +51,13 @@ Expected<Done> write(const fs::path& path, const std::string& text) {
                     "make room in the folder for temporary files, or set TMPDIR to another"};
 }
 
-// Of two hand files the one that mirrors the other is the hand. The other may not be there yet.
+// Of two hand files, the mirroring one is the hand. The other may not be unpacked yet.
 bool mirrorsAnother(const fs::path& path) {
   TomlFile file(path.string(), "hand");
   return file.readable() && file.root().has("mirror_of");
 }
 
-// Lays the recorded files out as they lay when they were recorded; which is which their kind says.
+// Restores the recorded files in their folder structure; their kinds tell which is which.
 Expected<ModelFiles> unpack(const RecordingMeta& meta, const fs::path& folder) {
   ModelFiles files{"", "", "", "", "", "", "", meta.level};
   for (const auto& [name, text] : meta.files) {
@@ -98,7 +98,7 @@ Expected<ModelFiles> unpack(const RecordingMeta& meta, const fs::path& folder) {
   return files;
 }
 
-// Names faults as the person knows the files: not by a temporary folder, but by the recording.
+// Names the recording instead of the temporary folder in faults.
 Diagnostics named(Diagnostics errors, const fs::path& folder, const std::string& recording) {
   for (Diagnostic& error : errors) {
     const std::string prefix = folder.string() + "/";

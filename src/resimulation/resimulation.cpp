@@ -11,13 +11,13 @@
 namespace wholehand {
 namespace {
 
-// What is run again, tick by tick.
+// Source of recorded inputs and ticks.
 class RecordedTicks {
  public:
   virtual ~RecordedTicks() = default;
-  // What the next tick took. False at the end.
+  // Reads the next tick's inputs. False at the end.
   virtual Expected<bool> next(TickInput& input) = 0;
-  // That tick as it was, where it is known. Its number is the tick's.
+  // Reads that tick as it was recorded, if available, by its number.
   virtual bool recorded(std::uint64_t tick, TickRecord& record) = 0;
 };
 
@@ -80,7 +80,7 @@ class TicksOfBox final : public RecordedTicks {
   bool known_ = false;
 };
 
-// Is where it was when it was recorded, whatever is written to it.
+// Returns the recorded positions; ignores what is written to it.
 class FedDevice final : public HapticDevice {
  public:
   explicit FedDevice(const RecordingMeta& meta) : simulated_(meta.simulated_device) {
@@ -109,19 +109,18 @@ class FedDevice final : public HapticDevice {
   Fault faults_ = Fault::kNone;
 };
 
-// The recorded renderer once more, armed as it was.
+// Rebuilds the recorded renderer, armed as it was.
 Expected<std::unique_ptr<Rig>> armedRig(const RecordingMeta& meta, const std::string& path) {
   auto models = recordedModels(meta, path);
   if (!models) return models.errors();
   RigOptions options;
   options.period_s = meta.period_s;
   options.engine = meta.engine;
-  options.uncertified = true;  // nobody is moved, whatever is certified today
+  options.uncertified = true;  // no person is moved, so today's certificate does not matter
   auto corners = recordedCorners(meta, models->device, path);
   if (!corners) return corners.errors();
   options.measured = std::move(*corners);
-  auto rig =
-      buildRigThatMovesNobody(std::move(*models), std::make_unique<FedDevice>(meta), options);
+  auto rig = buildRigWithoutPerson(std::move(*models), std::make_unique<FedDevice>(meta), options);
   if (!rig) return rig;
   (*rig)->renderer->startParametersAt(meta.parameter_values);
   if (auto armed = (*rig)->renderer->arm(); !armed) return armed.errors();

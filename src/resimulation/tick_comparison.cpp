@@ -8,7 +8,7 @@
 namespace wholehand {
 namespace {
 
-// Not ==: a NaN equals itself here, and 0 is not -0.
+// Not ==: NaN must equal itself, and 0 must differ from -0.
 bool sameBits(double a, double b) {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }

@@ -6,14 +6,14 @@
 
 namespace wholehand {
 
-/// Where two ticks differ first.
+/// First difference between two ticks.
 struct TickDifference {
-  std::string field;         ///< "coupling[3]"; empty: they are the same
-  std::string first, again;  ///< the two values, to the last digit
+  std::string field;         ///< "coupling[3]"; empty: identical
+  std::string first, again;  ///< the two values, in full precision
 };
 
-/// Compares bit by bit all that is a function of a tick's recorded inputs; times on the clock are
-/// not.
+/// Compares bit by bit every field that is a function of the tick's recorded inputs; clock times
+/// are not.
 [[nodiscard]] TickDifference firstDifference(const TickRecord& first, const TickRecord& again);
 
 }  // namespace wholehand

@@ -20,8 +20,7 @@ namespace {
 Interrupts g_interrupts;
 sem_t g_signal;  // posted with every signal, and at the end of the outermost scope
 
-// What ends or freezes a process that does nothing about it, while the device holds its last
-// effort.
+// Signals that by default would end or freeze the process while the device holds its last effort.
 struct Signal {
   enum class Then { kStop, kStopUnlessHandled, kIgnoreUnlessHandled };
   int number;
@@ -41,10 +40,9 @@ constexpr std::array kSignals{
     Signal{SIGVTALRM, Then::kStopUnlessHandled},
     Signal{SIGPROF, Then::kStopUnlessHandled},
     Signal{SIGPWR, Then::kStopUnlessHandled},
-    Signal{SIGPIPE, Then::kIgnoreUnlessHandled},  // nobody reads what is said
-    Signal{SIGXFSZ,
-           Then::kIgnoreUnlessHandled},  // a file as large as it may be: a write that fails
-    Signal{SIGTTOU, Then::kIgnoreUnlessHandled},  // said in the background
+    Signal{SIGPIPE, Then::kIgnoreUnlessHandled},  // the reader of the output is gone
+    Signal{SIGXFSZ, Then::kIgnoreUnlessHandled},  // file size limit: the write fails instead
+    Signal{SIGTTOU, Then::kIgnoreUnlessHandled},  // output from the background
     Signal{SIGTTIN, Then::kIgnoreUnlessHandled}};
 constexpr int kExitInterrupted = 130;
 constexpr std::chrono::milliseconds kSaidWithin{100};
@@ -59,7 +57,7 @@ std::thread g_thread;
 std::mutex g_waiting_mutex;
 std::vector<std::pair<const WaitingFor*, std::string>> g_waiting;
 
-// Async-signal-safe. What a person presses again counts; a timer that goes off again does not.
+// Async-signal-safe. Repeated key presses count; repeated timer signals do not.
 void onInterrupt(int number) {
   const int saved = errno;
   const bool pressed = std::any_of(kSignals.begin(), kSignals.end(), [&](const Signal& s) {
@@ -81,8 +79,8 @@ bool isToBeTaken(const Signal& signal, const struct sigaction& before) {
   return signal.then == Then::kStop || before.sa_handler == SIG_DFL;
 }
 
-// Where nobody reads standard error, or it lies on the very disk that hangs, only a thread without
-// any other task waits; it is sent no signal.
+// Writing may block, when nobody reads standard error or its disk hangs. Only this thread, which
+// has no other task and gets no signal, then waits.
 void say(const std::string& line) {
   sigset_t all, before;
   sigfillset(&all);
@@ -92,7 +90,7 @@ void say(const std::string& line) {
       const ssize_t ignored = ::write(STDERR_FILENO, text.data(), text.size());
       (void)ignored;
     }).detach();
-  } catch (const std::system_error&) {  // NOLINT(bugprone-empty-catch): the system gives no thread
+  } catch (const std::system_error&) {  // NOLINT(bugprone-empty-catch): no thread available
   }
   ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
 }
@@ -110,7 +108,7 @@ void answerAgain(int asked) {
   ::_exit(kExitInterrupted);
 }
 
-// The loops look at the counter themselves: nothing here is needed for a stop.
+// The loops check the counter themselves; a stop needs nothing from this thread.
 void serveSignals() {
   for (int told = 1;;) {
     while (::sem_wait(&g_signal) != 0) {
@@ -123,13 +121,13 @@ void serveSignals() {
   }
 }
 
-// A child that a fork makes has no thread that takes its signals.
+// A forked child has no thread that takes its signals.
 void takeSignalsInChild() {
   if (g_scopes > 0) ::pthread_sigmask(SIG_SETMASK, &g_mask_before, nullptr);
 }
 
 void begin() {
-  static const int kOnce = ::sem_init(&g_signal, 0, 0);  // for good: a handler may still post
+  static const int kOnce = ::sem_init(&g_signal, 0, 0);  // stays: a handler may still post
   static const int kForks = ::pthread_atfork(nullptr, nullptr, takeSignalsInChild);
   (void)kOnce;
   (void)kForks;
@@ -150,7 +148,7 @@ void begin() {
     sigaction(signal.number, &action, nullptr);
     if (signal.then != Then::kIgnoreUnlessHandled) sigaddset(&ours, signal.number);
   }
-  ::pthread_sigmask(SIG_UNBLOCK, &ours, &g_mask_before);  // for the thread that takes them
+  ::pthread_sigmask(SIG_UNBLOCK, &ours, &g_mask_before);  // unblocked in the thread that takes them
   g_thread = std::thread(serveSignals);
   ::pthread_setname_np(g_thread.native_handle(), "wholehand-stop");
   ::pthread_sigmask(SIG_BLOCK, &ours, nullptr);
@@ -163,7 +161,8 @@ void end() {
   for (std::size_t i = 0; i < kSignals.size(); ++i) {
     if (g_taken[i]) sigaction(kSignals[i].number, &g_before[i], nullptr);
   }
-  g_interrupts.asked.store(0);  // what runs without a scope is stopped by no former one's signal
+  g_interrupts.asked.store(0);  // a run without a scope must not be stopped by an earlier scope's
+                                // signal
   ::pthread_sigmask(SIG_SETMASK, &g_mask_before, nullptr);
 }
 

@@ -6,34 +6,33 @@
 
 namespace wholehand {
 
-/// While one lives, Ctrl-C, a polite kill, a terminal that is closed and Ctrl-Z (which would freeze
-/// the loop while the device holds its last effort) are remembered, and end the run that is going
-/// on gently; so do, where the program does not handle them itself, SIGUSR1, SIGUSR2, SIGXCPU,
-/// SIGPWR and the timers' signals. SIGPIPE, SIGXFSZ, SIGTTOU and SIGTTIN are ignored then, for they
-/// would end or freeze it just as well. What was ignored already (nohup) stays ignored.
+/// Handles signals during its lifetime. Ctrl-C, SIGTERM, SIGHUP and Ctrl-Z (which would freeze the
+/// loop while the device holds its last effort) request a gentle stop of the current run. So do
+/// SIGUSR1, SIGUSR2, SIGXCPU, SIGPWR and the timers' signals, unless the program handles them
+/// itself. SIGPIPE, SIGXFSZ, SIGTTOU and SIGTTIN are ignored, since they would end or freeze the
+/// loop as well. Signals that were ignored before (nohup) stay ignored.
 ///
-/// The signals are taken by a thread of their own and kept from the calling one, and from those
-/// that it starts: a thread that waits for a disk is sent none of them, and none interrupts the
-/// loop. Sessions that shared() is given to stop by themselves. The second Ctrl-C (SIGTERM, SIGHUP,
-/// SIGQUIT, Ctrl-Z count as one) says what the program waits for, by WaitingFor; a third ends the
-/// process at once, where no loop ticks any more: the device is at neutral, what was not written
-/// is lost.
+/// A separate thread takes the signals. They are blocked in the calling thread and in those that it
+/// starts, so none interrupts the loop or a thread that waits for a disk. Sessions that use
+/// shared() stop on their own. The second Ctrl-C (SIGTERM, SIGHUP, SIGQUIT and Ctrl-Z count as one)
+/// prints what the program waits for (WaitingFor). The third ends the process at once if no loop
+/// ticks any more: the device is at neutral, and unwritten data is lost.
 ///
-/// A program that runs a loop has one, around all that it runs. Scopes may nest, in one thread.
+/// A program that runs a loop has one, around everything it runs. Scopes may nest, in one thread.
 class InterruptScope {
  public:
   InterruptScope();
   ~InterruptScope();
   InterruptScope(const InterruptScope&) = delete;
   InterruptScope& operator=(const InterruptScope&) = delete;
-  /// True once it happened, since the outermost scope began. Any thread.
+  /// True once a signal was received since the outermost scope began. Any thread.
   [[nodiscard]] static bool interrupted() noexcept { return shared().asked.load() > 0; }
-  /// For RunPlan::interrupts and SessionConfig::interrupts.
+  /// Shared state for RunPlan::interrupts and SessionConfig::interrupts.
   [[nodiscard]] static Interrupts& shared() noexcept;
 };
 
-/// What a second Ctrl-C says while one lives: "waiting for the disk: recording run.h5". The newest
-/// counts. Any thread; not for the tick.
+/// Text that a second Ctrl-C prints during its lifetime: "waiting for the disk: recording run.h5".
+/// The newest one counts. Any thread; not for the tick.
 class WaitingFor {
  public:
   explicit WaitingFor(std::string what);

@@ -17,7 +17,7 @@ Session::Session(HapticRenderer& renderer, const SessionConfig& config)
       commands_(config.queue_commands) {}
 
 Session::~Session() {
-  // Only a loop that runs: a renderer that another session will tick must not find a stop request.
+  // Only for a running loop: the next session's renderer must not find a stop request.
   if (running()) requestStop();
   join();
 }
@@ -57,7 +57,7 @@ void Session::join() {
 }
 
 void Session::runSimulated(const std::function<void(const TickRecord&)>& sink) {
-  const DenormalsFlushed scope;  // as the real-time thread does: the same bits on both clocks
+  const DenormalsFlushed scope;  // as in the real-time thread: the same bits on both clocks
   bool more = true;
   while (more) {
     more = tickOnce(1, 0);
@@ -72,7 +72,7 @@ std::uint64_t Session::allocationsSoFar() const noexcept {
 bool Session::tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) noexcept {
   const std::uint64_t allocated = allocationsSoFar();
   timer_.start();
-  // The first period starts rendering; what was skipped before it never counted.
+  // The first period starts rendering; periods skipped before it do not count.
   record_.tick = counters_.ticks_run == 0 ? 0 : next_tick_ + elapsed_periods - 1;
   record_.time_s = static_cast<double>(record_.tick) * renderer_.config().period_s;
   record_.lateness_ns = lateness_ns;
@@ -92,7 +92,7 @@ bool Session::tickOnce(std::uint32_t elapsed_periods, std::int64_t lateness_ns) 
   return !renderer_.finished();
 }
 
-// Nothing outside the loop is needed from the moment that a stop was asked for.
+// From the request on, a stop needs nothing outside the loop.
 void Session::followStops() noexcept {
   const bool asked = gentle_stop_.load() ||
                      (config_.interrupts != nullptr && config_.interrupts->asked.load() > 0);
@@ -117,9 +117,9 @@ void Session::takeCommands() noexcept {
     owner_told_alive_ = alive;
   }
   while (record_.command_count < kMaxCommands) {
-    Command& command = record_.commands[static_cast<std::size_t>(record_.command_count)];
+    Command& command = record_.commands[record_.command_count];
     if (!commands_.try_pop(command)) break;
-    // Once a stop has begun to fade the exercise out, nothing brings it back.
+    // A stop that fades the exercise out cannot be reversed.
     if (fading_ && command.type == CommandType::kOwner) command.value = 0.0;
     ++record_.command_count;
   }

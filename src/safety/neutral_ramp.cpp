@@ -7,14 +7,14 @@ namespace wholehand {
 
 namespace {
 
-/// 3u² − 2u³ of u = elapsed / duration, 0 .. 1; at once 1 where the duration is no time at all.
+/// 3u² − 2u³ of u = elapsed / duration, 0 .. 1; 1 when the duration is 0.
 double smoothstep(double elapsed_s, double duration_s) noexcept {
   if (!(elapsed_s < duration_s)) return 1.0;
   const double u = elapsed_s / duration_s;
   return std::min(u * u * (3.0 - 2.0 * u), 1.0);
 }
 
-/// std::lerp is exact at both ends and monotone, which a + s (b − a) is not.
+/// lerp is exact at both ends and monotonic; a + s (b − a) is not.
 AxisEffort blend(const AxisEffort& neutral, const AxisEffort& effort, double share) noexcept {
   AxisEffort out(neutral.size());
   for (int i = 0; i < neutral.size(); ++i) out[i] = std::lerp(neutral[i], effort[i], share);

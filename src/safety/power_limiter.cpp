@@ -7,14 +7,15 @@ namespace {
 
 using Powers = std::array<double, kMaxAxes>;
 
-// The share p̂: what the axes below an equal part leave is the others', until nobody is below it.
+// The share p̂: axes below an equal share leave the rest to the others, iterated until no axis is
+// below it.
 double shareOf(const Powers& power_w, int axes, double limit_w) noexcept {
   double share_w = limit_w / axes;
   for (int round = 0; round < axes; ++round) {
     double small_w = 0.0;
     int large = 0;
     for (int i = 0; i < axes; ++i) {
-      const double p = power_w[static_cast<std::size_t>(i)];
+      const double p = power_w[i];
       if (p > share_w) {
         ++large;
       } else {
@@ -39,13 +40,13 @@ LimitedEffort limitPower(const AxisEffort& effort, const AxisEffort& neutral,
   for (int i = 0; i < effort.size(); ++i) {
     const double p = (effort[i] - neutral[i]) * qd[i];
     if (!(p > 0.0)) continue;
-    power_w[static_cast<std::size_t>(i)] = p;
+    power_w[i] = p;
     given_w += p;
   }
   if (!(given_w > limit_w)) return out;
   const double share_w = shareOf(power_w, effort.size(), limit_w);
   for (int i = 0; i < effort.size(); ++i) {
-    const double p = power_w[static_cast<std::size_t>(i)];
+    const double p = power_w[i];
     if (!(p > share_w)) continue;
     out.effort[i] = neutral[i] + (effort[i] - neutral[i]) * (share_w / p);
     if (out.axis < 0) out.axis = i;

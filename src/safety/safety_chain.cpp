@@ -12,7 +12,7 @@
 namespace wholehand {
 namespace {
 
-// For so long a device that takes no effort is asked to take its neutral one.
+// Time for which a device that accepts no effort is asked to take its neutral one.
 constexpr double kNeutralWithin_s = 1.0;
 
 AxisEffort noteLimit(const LimitedEffort& limited, TickRecord& record) noexcept {
@@ -20,7 +20,7 @@ AxisEffort noteLimit(const LimitedEffort& limited, TickRecord& record) noexcept 
   return limited.effort;
 }
 
-// What is rendered, within the limits that are tighter than the device's.
+// Clamps the rendered effort to limits tighter than the device's.
 AxisEffort clampRendered(const AxisEffort& limit, const AxisEffort& device_limit,
                          TickRecord& record) noexcept {
   AxisEffort out = record.rendered;
@@ -32,13 +32,13 @@ AxisEffort clampRendered(const AxisEffort& limit, const AxisEffort& device_limit
   return out;
 }
 
-// What the walls of an exercise hold: half their effort times the depth in them, with a bounded
-// part of the damping's that comes and goes with the motion.
+// Energy stored in an exercise's walls: half their effort times the penetration, plus a bounded
+// part of the damping's, which comes and goes with the motion.
 AxisEnergy wallStored(const TickRecord& record) noexcept {
   const ExerciseRecord& exercise = record.exercise;
   AxisEnergy out(exercise.wall_active.size());
   for (int i = 0; i < out.size(); ++i) {
-    if (exercise.wall_active[i] == 0.0) continue;
+    if (!exercise.wall_active[i]) continue;
     out[i] = 0.5 * std::abs(exercise.effort[i] * (record.q_m[i] - exercise.wall[i]));
   }
   return out;
@@ -52,7 +52,7 @@ int elapsedOf(const TickRecord& record) noexcept {
 
 SafetyChain::SafetyChain(const SafetyConfig& config, const CouplingGains& gains, double period_s)
     : config_(config), gains_(gains), period_s_(period_s), slew_(config.supervisor.slew_ticks) {
-  ramp_.sent = acknowledged_ = config.neutral;  // what a device holds that nobody has armed
+  ramp_.sent = acknowledged_ = config.neutral;  // effort that an unarmed device holds
 }
 
 Finding SafetyChain::judgeAtRest(const AxisPosition& q_m) const noexcept {
@@ -69,19 +69,19 @@ void SafetyChain::arm(const AxisPosition& q_m) noexcept {
   world_watch_ = WorldWatchState{};
   state_ = SafetyState::kArmed;
   latched_ = Fault::kNone;
-  acknowledged_ = config_.neutral;  // as open() leaves it
+  acknowledged_ = config_.neutral;  // set by open()
   unconfirmed_s_ = 0.0;
 }
 
 void SafetyChain::disarm() noexcept {
   ramp_.phase = RampPhase::kNeutral;
-  ramp_.sent = acknowledged_;  // neutral, unless ticks have followed: then they let it down
+  ramp_.sent = acknowledged_;  // neutral; if ticks have run, they ramp it down
   state_ = any(latched_) ? SafetyState::kFaulted : SafetyState::kDisarmed;
 }
 
 void SafetyChain::judgeReading(Fault read, TickRecord& record) noexcept {
   record.faults |= read;
-  if (record.q_m.size() != gains_.axes) {  // a missing axis would read as 0 and be pulled
+  if (record.q_m.size() != gains_.axes) {  // a missing axis would read as 0 and be pulled there
     record.faults |= Fault::kDeviceRead;
     record.q_m = AxisPosition(gains_.axes, std::numeric_limits<double>::quiet_NaN());
   } else if (!any(read & kStopping) && !allFinite(record.q_m)) {
@@ -90,7 +90,8 @@ void SafetyChain::judgeReading(Fault read, TickRecord& record) noexcept {
       if (!std::isfinite(record.q_m[i])) record.fault_axis = i;
     }
   }
-  // Once it falls to neutral, motion is not judged: who pressed springs forward when it lets go.
+  // During the ramp to neutral, motion is not judged: a released device is pushed by compressed
+  // springs.
   if (any(record.faults & kStopping) || !rendering()) return;
   const Finding finding =
       watchDevice(device_watch_, record.q_m, ramp_.sent, elapsedOf(record), config_.supervisor);
@@ -111,7 +112,7 @@ void SafetyChain::watchEnergy(TickRecord& record) noexcept {
                   record.effort_limit, elapsedOf(record), period_s_);
   tank_ = step.state;
   record.tank = tank_.energy;
-  // While an effort is blended in, the springs hold what nobody was given yet: nothing to judge.
+  // During engagement, the springs hold energy that nobody was given yet.
   if (ramp_.authority < 1.0) return;
   record.tank_effort = step.effort;
   for (int i = 0; i < step.effort.size(); ++i) {
@@ -128,7 +129,7 @@ void SafetyChain::limitEffort(TickRecord& record) noexcept {
   ramp_ = advanceRamp(ramp_, wanted, config_.neutral, any(latched_) || any(asked),
                       elapsedOf(record), period_s_, config_.ramp);
   const SupervisorConfig& supervisor = config_.supervisor;
-  if (rendering()) {  // a ramp only ever falls, and knows no good velocity
+  if (rendering()) {  // the ramp only falls, and its velocity may be invalid
     ramp_.sent = noteLimit(
         limitPower(ramp_.sent, config_.neutral, record.qd_mf, supervisor.power_limit_w), record);
   }
@@ -140,8 +141,8 @@ void SafetyChain::limitEffort(TickRecord& record) noexcept {
   if (config_.tank.axes > 0) noteSentInTank(record);
 }
 
-// A therapist's limit is on what is rendered; the device's own on all that is sent, the effort that
-// carries its weight with it.
+// A therapist's limit applies to the rendered effort; the device's own limit to the sent effort,
+// which includes the one that carries its weight.
 AxisEffort SafetyChain::withinLimits(TickRecord& record) const noexcept {
   const AxisEffort held = clampRendered(record.effort_limit, config_.effort_limit, record);
   return noteLimit(wholehand::limitEffort(sum(held, config_.neutral), config_.effort_limit),
@@ -150,7 +151,7 @@ AxisEffort SafetyChain::withinLimits(TickRecord& record) const noexcept {
 
 void SafetyChain::noteSentInTank(const TickRecord& record) noexcept {
   tank_ =
-      noteSent(tank_, difference(record.sent, config_.neutral), record.f_s, record.effort_limit);
+      recordSent(tank_, difference(record.sent, config_.neutral), record.f_s, record.effort_limit);
   if (ramp_.authority < 1.0) {
     tank_.energy = config_.tank.capacity;
     tank_.hand = config_.tank.hand_capacity;
@@ -164,7 +165,7 @@ void SafetyChain::judgeWrite(Fault written, TickRecord& record) noexcept {
     acknowledged_ = record.sent;
     return;
   }
-  // It goes on with what it holds: the ramp, the slew limit and the record go by that.
+  // The device keeps its effort: ramp, slew limit and record continue from there.
   ramp_.sent = record.sent = acknowledged_;
   if (ramp_.phase == RampPhase::kNeutral) unconfirmed_s_ += period_s_;
 }
@@ -186,7 +187,7 @@ bool SafetyChain::finished() const noexcept {
 bool SafetyChain::atNeutral() const noexcept {
   if (ramp_.phase != RampPhase::kNeutral) return false;
   for (int i = 0; i < gains_.axes; ++i) {
-    if (ramp_.sent[i] != config_.neutral[i]) return false;  // held back by the slew limit
+    if (ramp_.sent[i] != config_.neutral[i]) return false;  // still held back by the slew limit
   }
   return true;
 }

@@ -14,17 +14,17 @@
 
 namespace wholehand {
 
-/// What the chain holds a device to.
+/// Configuration of the safety chain.
 struct SafetyConfig {
   AxisEffort effort_limit;  ///< of the device file [N or N·m]
   AxisEffort neutral;       ///< carries the device's own weight [N or N·m]
   NeutralRampConfig ramp;
-  EnergyTankConfig tank;        ///< none unless given
-  SupervisorConfig supervisor;  ///< none unless given
+  EnergyTankConfig tank;        ///< default: no energy tank
+  SupervisorConfig supervisor;  ///< default: nothing is supervised
 };
 
-/// Everything in a tick that judges, limits and stops, in the order of docs/safety.md. Between the
-/// steps the tick computes what is to be felt; the record carries it from one step to the next.
+/// All checks, limits and stops of a tick, in the order of docs/safety.md. The tick computes the
+/// rendered effort between the steps; the record carries the data from step to step.
 class SafetyChain {
  public:
   /// @param gains the springs that the energy tank counts @param period_s T
@@ -32,49 +32,51 @@ class SafetyChain {
 
   // Outside the tick.
 
-  /// A workspace or number fault of a device at rest there.
+  /// Workspace or number fault of a device at rest at this position.
   [[nodiscard]] Finding judgeAtRest(const AxisPosition& q_m) const noexcept;
-  /// Ready for the first tick. Clears what was latched.
-  /// @param q_m where the device is @pre it holds its neutral effort, and StopRequests::arm()
+  /// Prepares the first tick. Clears latched faults.
+  /// @param q_m position of the device @pre it holds its neutral effort, and StopRequests::arm()
   void arm(const AxisPosition& q_m) noexcept;
-  /// Takes an arming back that no tick has followed.
+  /// Takes back an arming before its first tick.
   void disarm() noexcept;
   [[nodiscard]] StopRequests& stops() noexcept { return stops_; }
 
-  // In the tick, each once, in this order; all are real-time safe. record.elapsed_periods and, from
+  // In the tick: each once, in this order; all are real-time safe. record.elapsed_periods and, from
   // the start, record.faults are the tick's.
 
-  /// 1. record.q_m, as it was read: finite, complete, and what watchDevice() says.
-  /// @param read what the device said
+  /// 1. Checks record.q_m as it was read: finite, complete, and watchDevice().
+  /// @param read the device's status of the read
   WHOLEHAND_RT void judgeReading(Fault read, TickRecord& record) noexcept;
-  /// 2. The world's state in the record: watchWorld().
+  /// 2. Checks the world's state in the record: watchWorld().
   WHOLEHAND_RT void judgeWorld(TickRecord& record) noexcept;
-  /// 3. The energy tank; record.tank_effort is its damping, to be added to what is rendered.
+  /// 3. The energy tank; record.tank_effort is its damping, to be added to the rendered effort.
   WHOLEHAND_RT void watchEnergy(TickRecord& record) noexcept;
   /// 4. to 7. From record.rendered to record.sent: the therapist's limits (record.effort_limit) and
-  /// the device's, authority, power, slew. A stop that was asked for and every stopping fault of
-  /// the tick begin the ramp to neutral here.
+  /// the device's, authority, power, slew. A requested stop, and every stopping fault of the tick,
+  /// begins the ramp to neutral here.
   WHOLEHAND_RT void limitEffort(TickRecord& record) noexcept;
-  /// 8. What the device said to record.sent. Where it refused, the record says what it holds.
+  /// 8. Checks the device's answer to record.sent. If it refused, record.sent becomes the effort
+  /// that the device holds.
   WHOLEHAND_RT void judgeWrite(Fault written, TickRecord& record) noexcept;
-  /// Bodies that are put somewhere before the step: their new velocity is no fault.
+  /// Notes bodies that are placed before the step: their velocity jump is not a fault.
   WHOLEHAND_RT void notePlaced(const BodyPlacements& placements) noexcept {
     wholehand::notePlaced(world_watch_, placements);
   }
-  /// What the world said to its step.
+  /// Checks the world's status of the step.
   WHOLEHAND_RT void judgeStep(Fault stepped, TickRecord& record) noexcept;
-  /// Last in the tick: the state, in record.safety_state.
+  /// Last in the tick: updates record.safety_state.
   WHOLEHAND_RT void conclude(TickRecord& record) noexcept;
 
-  // Of the thread that ticks, or after its end; real-time safe.
+  // For the thread that ticks, or after its end; real-time safe.
 
   /// True until the ramp to neutral begins.
   [[nodiscard]] bool rendering() const noexcept { return ramp_.phase == RampPhase::kRendering; }
-  /// True once the device is at its neutral effort after a stop or a fault.
+  /// True when the device is at its neutral effort after a stop or a fault.
   [[nodiscard]] bool atNeutral() const noexcept;
-  /// The same, or the device has taken no effort for a second after it should have been neutral.
+  /// True when atNeutral(), or when the device has accepted no effort for a second after it should
+  /// have been neutral.
   [[nodiscard]] bool finished() const noexcept;
-  /// The stopping faults of this run so far; kNone again once armed.
+  /// Stopping faults of this run, latched until the next arming.
   [[nodiscard]] Fault latched() const noexcept { return latched_; }
   [[nodiscard]] SafetyState state() const noexcept { return state_; }
 
@@ -90,11 +92,11 @@ class SafetyChain {
   WorldWatchState world_watch_;
   EnergyTankState tank_;
   NeutralRampState ramp_;
-  SlewWindow slew_;  ///< what was sent in the last millisecond
+  SlewWindow slew_;  ///< efforts sent in the last millisecond
   SafetyState state_ = SafetyState::kDisarmed;
-  Fault latched_ = Fault::kNone;  ///< a stopping fault stays until armed again
-  AxisEffort acknowledged_;       ///< the last effort that the device took
-  double unconfirmed_s_ = 0.0;    ///< since it should have been neutral and would not say so
+  Fault latched_ = Fault::kNone;  ///< stopping faults, kept until armed again
+  AxisEffort acknowledged_;       ///< last effort that the device accepted
+  double unconfirmed_s_ = 0.0;    ///< time since it should have been neutral without confirming it
 };
 
 }  // namespace wholehand

@@ -11,14 +11,14 @@ int slewTicks(double period_s) noexcept {
 
 void SlewWindow::note(const AxisEffort& sent) noexcept {
   newest_ = (newest_ + 1) % ticks_;
-  sent_[static_cast<std::size_t>(newest_)] = sent;
+  sent_[newest_] = sent;
   count_ = std::min(count_ + 1, ticks_);
 }
 
 double SlewWindow::least(int axis) const noexcept {
   double least = newest(axis);
   for (int k = 1; k < count_; ++k) {
-    least = std::min(least, sent_[static_cast<std::size_t>((newest_ + ticks_ - k) % ticks_)][axis]);
+    least = std::min(least, sent_[(newest_ + ticks_ - k) % ticks_][axis]);
   }
   return least;
 }
@@ -26,7 +26,7 @@ double SlewWindow::least(int axis) const noexcept {
 double SlewWindow::most(int axis) const noexcept {
   double most = newest(axis);
   for (int k = 1; k < count_; ++k) {
-    most = std::max(most, sent_[static_cast<std::size_t>((newest_ + ticks_ - k) % ticks_)][axis]);
+    most = std::max(most, sent_[(newest_ + ticks_ - k) % ticks_][axis]);
   }
   return most;
 }
@@ -35,7 +35,7 @@ LimitedEffort limitSlew(const AxisEffort& effort, const SlewWindow& last,
                         const AxisEffort& most_change) noexcept {
   LimitedEffort out{effort};
   for (int i = 0; i < effort.size(); ++i) {
-    // What a device that refused efforts held instead may lie further apart than the limit.
+    // A device that refused efforts may have held one further away than the limit.
     const double low = std::min(last.most(i) - most_change[i], last.newest(i));
     const double high = std::max(last.least(i) + most_change[i], last.newest(i));
     out.effort[i] = std::clamp(effort[i], low, high);

@@ -8,38 +8,36 @@
 
 namespace wholehand {
 
-/// Counts the stops that were requested. A request stays pending until a tick or an arming has seen
-/// it. Lock-free.
+/// Counts stop requests. A request stays pending until a tick or an arming has seen it. Lock-free.
 class StopRequests {
  public:
-  /// Any thread, also a signal handler; real-time safe.
+  /// Requests a stop. Any thread, also a signal handler; real-time safe.
   void ask() noexcept { stops_.fetch_add(1, std::memory_order_seq_cst); }
-  /// The same, as an emergency stop. It counts as a stop first, so that none is seen without one.
+  /// Requests an emergency stop. Counts as a stop first, so that a reader never sees an emergency
+  /// without a stop.
   void askInEmergency() noexcept {
     ask();
     emergencies_.fetch_add(1, std::memory_order_seq_cst);
   }
 
-  /// Before arming: true, once, where a stop was asked for that neither a tick nor an arming has
-  /// seen.
-  [[nodiscard]] bool takeUnseen() noexcept {
+  /// Before arming: true, once, if a stop was requested that neither a tick nor an arming has seen.
+  [[nodiscard]] bool consumeUnseen() noexcept {
     const std::uint32_t now = stops_.load(std::memory_order_seq_cst);
     const bool unseen = seen_ != now;
     seen_ = now;
     return unseen;
   }
-  /// The last of arming: what is asked for from here on stops the ticks. False, once, where a stop
-  /// was asked for since takeUnseen(); then nothing is armed.
+  /// Last step of arming: later requests stop the ticks. False, once, if a stop was requested since
+  /// consumeUnseen(); then nothing is armed.
   [[nodiscard]] bool arm() noexcept {
-    // The emergencies first, so that none is taken for an old one.
+    // Reads the emergencies first, so that a new one is not mistaken for an old one.
     const std::uint32_t emergencies = emergencies_.load(std::memory_order_seq_cst);
-    if (takeUnseen()) return false;
+    if (consumeUnseen()) return false;
     armed_at_ = seen_;
     emergencies_armed_at_ = emergencies;
     return true;
   }
-  /// In a tick: kStopRequested and kEmergencyStop, where they were asked for since arm(). Real-time
-  /// safe.
+  /// In a tick: kStopRequested and kEmergencyStop if requested since arm(). Real-time safe.
   [[nodiscard]] WHOLEHAND_RT Fault asked() noexcept {
     const bool emergency = emergencies_.load(std::memory_order_seq_cst) != emergencies_armed_at_;
     seen_ = stops_.load(std::memory_order_seq_cst);
@@ -49,7 +47,7 @@ class StopRequests {
 
  private:
   std::atomic<std::uint32_t> stops_{0}, emergencies_{0};
-  std::uint32_t seen_ = 0, armed_at_ = 0, emergencies_armed_at_ = 0;  ///< of who arms and ticks
+  std::uint32_t seen_ = 0, armed_at_ = 0, emergencies_armed_at_ = 0;  ///< arming, ticking thread
 };
 
 }  // namespace wholehand

@@ -8,18 +8,19 @@
 namespace wholehand {
 namespace {
 
-constexpr double kJump = 3.0;           // times the speed limit
-constexpr double kCounts = 2.0;         // of the encoder, between two readings of one motion
-constexpr double kStillCounts = 1.5;    // a broken encoder may flicker between two
-constexpr double kTravel = 5.0;         // ranges that the others travel while an encoder is stuck
-constexpr double kEffortOfLimit = 0.2;  // that its own effort changes meanwhile
+constexpr double kJump = 3.0;           // of the speed limit
+constexpr double kCounts = 2.0;         // encoder counts between two readings of one motion
+constexpr double kStillCounts = 1.5;    // encoder counts: a broken encoder may flicker between two
+constexpr double kTravel = 5.0;         // ranges of travel of the other axes while an encoder is
+                                        // stuck
+constexpr double kEffortOfLimit = 0.2;  // change of the axis's own effort meanwhile
 constexpr double kBodySpeedChange_m_s = 10.0;
 constexpr double kBodySpinChange_rad_s = 500.0;
-constexpr double kAvatarSpeed = 10.0;   // times the device's speed limit
-constexpr int kFastTicks = 2;           // beyond the speed limit, one after another
-constexpr double kMovedOfRange = 0.05;  // between arming and the first tick
-constexpr double kGap_s = 0.005;        // after which the effort is blended anew
-constexpr double kGapsWithin_s = 1.0;   // are counted together
+constexpr double kAvatarSpeed = 10.0;   // of the device's speed limit
+constexpr int kFastTicks = 2;           // consecutive ticks beyond the speed limit
+constexpr double kMovedOfRange = 0.05;  // motion between arming and the first tick
+constexpr double kGap_s = 0.005;        // longer gaps blend the effort in again
+constexpr double kGapsWithin_s = 1.0;   // window for counting gaps
 constexpr std::uint32_t kStall_periods = 5;
 constexpr double kCatchUp_s = 0.2;
 
@@ -58,7 +59,7 @@ void watchMotion(DeviceWatchState& state, const AxisPosition& q_m, double elapse
   for (int i = 0; i < config.axes; ++i) {
     const double moved = std::abs(q_m[i] - state.q[i]) - kCounts * config.encoder_step[i];
     const double allowed = config.speed_limit[i] * elapsed_s;
-    int& fast = state.fast_ticks[static_cast<std::size_t>(i)];
+    int& fast = state.fast_ticks[i];
     fast = moved <= allowed ? 0 : fast + 1;
     if (!(moved <= kJump * allowed)) {
       add(finding, Fault::kEncoderJump, i);
@@ -68,7 +69,7 @@ void watchMotion(DeviceWatchState& state, const AxisPosition& q_m, double elapse
   }
 }
 
-// The simulated hand stands where the device was armed, and only there nothing was in its way.
+// The simulated hand is placed where the device was armed; only there it was checked for obstacles.
 void watchArmed(const AxisPosition& armed, const AxisPosition& q_m, const SupervisorConfig& config,
                 Finding& finding) noexcept {
   for (int i = 0; i < armed.size(); ++i) {
@@ -87,27 +88,26 @@ bool atStop(double q, int axis, const SupervisorConfig& config) noexcept {
 void watchStuck(DeviceWatchState& state, const AxisPosition& q_m, const AxisEffort& sent,
                 double elapsed_s, const SupervisorConfig& config, Finding& finding) noexcept {
   for (int i = 0; i < config.axes; ++i) {
-    if (config.carries[i] == 0.0) continue;
+    if (!config.carries[i]) continue;
     state.travelled += std::abs(q_m[i] - state.q[i]) / (config.upper[i] - config.lower[i]);
   }
   for (int i = 0; i < config.axes; ++i) {
-    const auto at = static_cast<std::size_t>(i);
     const double moved = std::abs(q_m[i] - state.still_at[i]);
     if (moved > kStillCounts * config.encoder_step[i] || atStop(q_m[i], i, config)) {
       state.still_at[i] = q_m[i];
-      state.still_s[at] = 0.0;
-      state.travelled_before[at] = state.travelled;
+      state.still_s[i] = 0.0;
+      state.travelled_before[i] = state.travelled;
       state.least[i] = state.most[i] = sent[i];
       continue;
     }
-    state.still_s[at] += elapsed_s;
+    state.still_s[i] += elapsed_s;
     state.least[i] = std::min(state.least[i], sent[i]);
     state.most[i] = std::max(state.most[i], sent[i]);
     const bool arm_moved =
-        config.carries[i] != 0.0 && state.travelled - state.travelled_before[at] > kTravel;
+        config.carries[i] && state.travelled - state.travelled_before[i] > kTravel;
     const bool should_move =
         arm_moved || state.most[i] - state.least[i] > kEffortOfLimit * config.effort_limit[i];
-    if (state.still_s[at] >= config.watch.stuck_encoder_s && should_move) {
+    if (state.still_s[i] >= config.watch.stuck_encoder_s && should_move) {
       add(finding, Fault::kEncoderStuck, i);
     }
   }
@@ -122,17 +122,17 @@ SupervisorConfig makeSupervisor(const DeviceModel& device, double period_s, bool
   config.power_limit_w = device.power_limit_w;
   if (!simulated) config.watch = device.watch;
   config.lower = config.upper = config.margin = config.encoder_step = AxisPosition(config.axes);
-  config.carries = AxisRatio(config.axes);
+  config.carries = AxisFlag(config.axes);
   config.speed_limit = AxisVelocity(config.axes);
   config.slew_ticks = slewTicks(period_s);
   config.effort_limit = config.most_change = AxisEffort(config.axes);
   for (int i = 0; i < config.axes; ++i) {
-    const DeviceAxis& axis = device.axes[static_cast<std::size_t>(i)];
+    const DeviceAxis& axis = device.axes[i];
     config.lower[i] = axis.lower;
     config.upper[i] = axis.upper;
     config.margin[i] = axis.workspace_margin;
     config.encoder_step[i] = axis.encoder_step;
-    config.carries[i] = axis.group == AxisGroup::kBase ? 1.0 : 0.0;
+    config.carries[i] = axis.group == AxisGroup::kBase;
     config.speed_limit[i] = axis.speed_limit;
     config.effort_limit[i] = axis.effort_limit;
     config.most_change[i] = axis.effort_slew_limit * config.slew_ticks * period_s;
@@ -173,7 +173,7 @@ Fault watchWorld(WorldWatchState& state, const TickRecord& observed,
   if (config.axes == 0) return Fault::kNone;
   const bool stalled =
       config.watch.longest_gap_s <= 0.0 && observed.elapsed_periods > kStall_periods;
-  state.catches_up_s = stalled ? kCatchUp_s : state.catches_up_s - config.period_s;
+  state.catch_up_left_s = stalled ? kCatchUp_s : state.catch_up_left_s - config.period_s;
   Fault fault = Fault::kNone;
   for (int i = 0; i < config.axes; ++i) {
     if (!(std::abs(observed.qd_s[i]) <= kAvatarSpeed * config.speed_limit[i])) {
@@ -183,26 +183,24 @@ Fault watchWorld(WorldWatchState& state, const TickRecord& observed,
   const bool known = state.body_count == observed.body_count;
   state.body_count = observed.body_count;
   for (int i = 0; i < observed.body_count; ++i) {
-    const auto at = static_cast<std::size_t>(i);
-    const BodyState& body = observed.bodies[at];
-    if (known && (farther(body.velocity_m_s, state.velocity_m_s[at], kBodySpeedChange_m_s) ||
-                  farther(body.angular_velocity_rad_s, state.angular_velocity_rad_s[at],
+    const BodyState& body = observed.bodies[i];
+    if (known && (farther(body.velocity_m_s, state.velocity_m_s[i], kBodySpeedChange_m_s) ||
+                  farther(body.angular_velocity_rad_s, state.angular_velocity_rad_s[i],
                           kBodySpinChange_rad_s))) {
       fault = Fault::kBodiesExploded;
     }
-    state.velocity_m_s[at] = body.velocity_m_s;
-    state.angular_velocity_rad_s[at] = body.angular_velocity_rad_s;
+    state.velocity_m_s[i] = body.velocity_m_s;
+    state.angular_velocity_rad_s[i] = body.angular_velocity_rad_s;
   }
-  return state.catches_up_s > 0.0 ? Fault::kNone : fault;
+  return state.catch_up_left_s > 0.0 ? Fault::kNone : fault;
 }
 
 void notePlaced(WorldWatchState& state, const BodyPlacements& placements) noexcept {
   for (int i = 0; i < placements.count; ++i) {
-    const BodyPlacement& placed = placements.items[static_cast<std::size_t>(i)];
+    const BodyPlacement& placed = placements.items[i];
     if (placed.body < 0 || placed.body >= kMaxBodies) continue;
-    const auto body = static_cast<std::size_t>(placed.body);
-    state.velocity_m_s[body] = placed.velocity_m_s;
-    state.angular_velocity_rad_s[body] = Vec3{};
+    state.velocity_m_s[placed.body] = placed.velocity_m_s;
+    state.angular_velocity_rad_s[placed.body] = Vec3{};
   }
 }
 

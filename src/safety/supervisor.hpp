@@ -12,51 +12,51 @@
 
 namespace wholehand {
 
-/// What the supervisor holds a device to, from its file (docs/safety.md).
+/// Limits that the supervisor enforces, from the device file (docs/safety.md).
 struct SupervisorConfig {
-  int axes = 0;  ///< 0: nothing is watched
+  int axes = 0;  ///< 0: no supervision
   double period_s = 1e-3;
   AxisPosition lower, upper;  ///< end of travel
-  AxisPosition margin;        ///< beyond it by more: kWorkspace
+  AxisPosition margin;        ///< a larger excursion beyond the range: kWorkspace
   AxisPosition encoder_step;
-  AxisRatio carries;  ///< 1: a base axis, which moves with the arm
+  AxisFlag carries;  ///< a base axis, which moves with the arm
   AxisVelocity speed_limit;
   AxisEffort effort_limit;
-  AxisEffort most_change;  ///< of an effort within slew_ticks: the slew limit
+  AxisEffort most_change;  ///< largest change of effort within slew_ticks: the slew limit
   int slew_ticks = 1;      ///< periods in a millisecond, one at least (safety/slew_limiter.hpp)
   double power_limit_w = std::numeric_limits<double>::infinity();
   WatchLimits watch;  ///< 0: not watched
 };
 
-/// @param simulated lateness and encoders that stand still are not watched
+/// @param simulated late ticks and stuck encoders are not watched
 [[nodiscard]] SupervisorConfig makeSupervisor(const DeviceModel& device, double period_s,
                                               bool simulated);
 
-/// What was wrong, and on which axis (-1: none in particular).
+/// A fault and its axis (-1: no particular axis).
 struct Finding {
   Fault faults = Fault::kNone;
   int axis = -1;
 };
 
-/// Gaps of more than 5 ms that are allowed within one second; one more stops the loop.
+/// Gaps of more than 5 ms that are allowed in one second; one more stops the loop.
 inline constexpr int kMostGaps = 3;
 
-/// What the watch of the device remembers from tick to tick.
+/// State of the device watch from tick to tick.
 struct DeviceWatchState {
-  bool fresh = true;  ///< nothing is known of the tick before
+  bool fresh = true;  ///< no tick came before
   int late_in_a_row = 0;
-  std::array<double, kMostGaps> since_gap_s{9.0, 9.0, 9.0};  ///< the latest first; 9 s: none yet
-  std::array<int, kMaxAxes> fast_ticks{};  ///< beyond the speed limit, one after another
-  AxisPosition q;         ///< at the last tick; before the first, when it was armed
-  AxisPosition still_at;  ///< where an axis stands still, if it does
-  std::array<double, kMaxAxes> still_s{};           ///< for so long
-  std::array<double, kMaxAxes> travelled_before{};  ///< `travelled` when that began
-  AxisEffort least, most;                           ///< effort sent since then
-  double travelled = 0.0;  ///< way of all base axes together, in shares of their ranges
+  std::array<double, kMostGaps> since_gap_s{9.0, 9.0, 9.0};  ///< newest first; 9 s: none yet
+  std::array<int, kMaxAxes> fast_ticks{};  ///< consecutive ticks beyond the speed limit
+  AxisPosition q;         ///< position at the last tick; before the first tick, at arming
+  AxisPosition still_at;  ///< position at which an axis has stood still
+  std::array<double, kMaxAxes> still_s{};           ///< for how long
+  std::array<double, kMaxAxes> travelled_before{};  ///< `travelled` when the standstill began
+  AxisEffort least, most;                           ///< smallest and largest effort sent since then
+  double travelled = 0.0;  ///< sum of all base axes' travel, in fractions of their ranges
 };
 
-/// Judges what was read, before anything is computed from it:
-///   kSpeedLimit    |Δq| > q̇_max kT + 2δ, in two ticks one after another: a reading may be late,
+/// Checks the device's reading, before anything is computed from it:
+///   kSpeedLimit    |Δq| > q̇_max kT + 2δ, in two consecutive ticks: a reading may be late,
 ///                  and the next is early then. In the first tick: more than a twentieth of the
 ///                  range from where it was armed, at rest
 ///   kEncoderJump   |Δq| > 3 q̇_max kT + 2δ: no hand moves so
@@ -74,26 +74,26 @@ struct DeviceWatchState {
                                                const AxisEffort& sent, int elapsed_periods,
                                                const SupervisorConfig& config) noexcept;
 
-/// Velocities of the bodies at the last tick.
+/// State of the world watch from tick to tick.
 struct WorldWatchState {
-  int body_count = -1;  ///< -1: nothing is known of the tick before
+  int body_count = -1;  ///< bodies at the last tick; -1: no tick came before
   std::array<Vec3, kMaxBodies> velocity_m_s{}, angular_velocity_rad_s{};
-  double catches_up_s = 0.0;  ///< the hand still does, after a stall
+  double catch_up_left_s = 0.0;  ///< the hand still catches up after a stall
 };
 
-/// kBodiesExploded where a body's velocity changed by more than 10 m/s or 500 rad/s within one
-/// step, or the simulated hand is ten times as fast as the device may be: ten times what the touch
-/// of a hand within its limits gives. A body that falls for long is no explosion. Where gaps are
-/// only counted, nothing is said for 0.2 s after one of more than 5 periods: the simulated hand
-/// flies after the device then. Real-time safe.
+/// kBodiesExploded when a body's velocity changes by more than 10 m/s or 500 rad/s within one step,
+/// or when the simulated hand is ten times as fast as the device may be. That is ten times what
+/// contact with a hand within its limits can cause. A long fall is not an explosion. When gaps are
+/// only counted, the check pauses for 0.2 s after a gap of more than 5 periods, in which the
+/// simulated hand catches up with the device. Real-time safe.
 [[nodiscard]] WHOLEHAND_RT Fault watchWorld(WorldWatchState& state, const TickRecord& observed,
                                             const SupervisorConfig& config) noexcept;
 
-/// Bodies that are put somewhere before the step: their new velocity is no explosion. Real-time
+/// Notes bodies that are placed before the step: their velocity jump is not an explosion. Real-time
 /// safe.
 WHOLEHAND_RT void notePlaced(WorldWatchState& state, const BodyPlacements& placements) noexcept;
 
-/// The state after a tick. Real-time safe.
+/// Computes the state after a tick. Real-time safe.
 /// @param latched stopping faults of this run so far @param at_neutral after a stop or a fault
 [[nodiscard]] WHOLEHAND_RT SafetyState nextSafetyState(SafetyState state, Fault latched,
                                                        bool at_neutral, double authority) noexcept;

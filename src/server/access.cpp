@@ -54,7 +54,7 @@ Diagnostics faultsOfToken(const char* key, const std::string& token) {
   return faults;
 }
 
-// One token opens one role.
+// Two roles must not share a token.
 Diagnostics faultsOfTokens(const ServerOptions& o) {
   Diagnostics faults = faultsOfToken("token", o.token);
   const std::array<std::pair<const char*, const std::string*>, 2> more = {
@@ -94,7 +94,7 @@ Diagnostics validate(const ServerOptions& o) {
         {"", 0, "address", o.address, "can be reached by other machines",
          "needs a token of at least " + std::to_string(kShortestToken) + " characters"});
   }
-  // A token that is too short is said once.
+  // Reports a token that is too short only once.
   const bool said = !faults.empty();
   for (Diagnostic& fault : faultsOfTokens(o)) {
     const bool again = said && fault.key == "token" && fault.problem == "is too short";
@@ -144,7 +144,7 @@ bool Access::originAllowed(std::string_view origin, std::string_view host) const
 std::optional<Role> Access::roleOf(std::string_view token) const {
   std::optional<Role> role;
   for (const Key& key : keys_) {
-    // Every character is looked at, whether an earlier one differs or not.
+    // Compares every character, whether an earlier one differs or not.
     unsigned differences = token.size() == key.token.size() ? 0U : 1U;
     for (std::size_t i = 0; i < key.token.size(); ++i) {
       const char theirs = token.empty() ? '\0' : token[i % token.size()];
@@ -177,7 +177,7 @@ std::optional<Role> Access::roleOf(const Credentials& c) const {
   if (!claimed) return std::nullopt;
   if (!guarded()) return *claimed;
   const Role by_token = roleOf(shownToken(c)).value_or(Role::kWatcher);
-  // The one token of a program without roles: whoever has it may all, as before there were any.
+  // Without roles, the single token grants everything, as before roles were introduced.
   if (*claimed == Role::kUnsaid && by_token == Role::kTherapist) return Role::kUnsaid;
   return grantedRole(*claimed, by_token);
 }

@@ -1,7 +1,7 @@
 #pragma once
 
-// Boost.Asio under short names. Only sources that hold a socket include it, or Boost.Beast: every
-// file that does takes long to compile.
+// Short names for Boost.Asio. Only sources that hold a socket include this file or Boost.Beast,
+// since both are slow to compile.
 #include <boost/asio/ip/tcp.hpp>
 
 namespace wholehand {

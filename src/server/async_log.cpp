@@ -55,11 +55,11 @@ void AsyncLog::run() {
   }
 }
 
-// A log that fails must not end the process, and with it the loop.
+// A failing log must not end the process, and with it the loop.
 void AsyncLog::deliver(const std::string& line) noexcept {
   try {
     sink_(line);
-  } catch (...) {  // NOLINT(bugprone-empty-catch): there is nobody left to tell
+  } catch (...) {  // NOLINT(bugprone-empty-catch): cannot be reported
   }
 }
 

@@ -11,9 +11,9 @@
 
 namespace wholehand {
 
-/// Writes lines on a thread of its own: a terminal that stands still (Ctrl-S) or a full pipe holds
-/// up nobody who logs, least of all a thread that an emergency stop goes through. What finds no
-/// room is counted and told later. Any thread; not for the tick.
+/// Writes log lines on its own thread, so that a stopped terminal (Ctrl-S) or a full pipe never
+/// blocks the caller. Emergency stops pass through such callers. Lines that find the queue full are
+/// dropped; their count is logged later. Any thread; not for the tick.
 class AsyncLog {
  public:
   using Sink = std::function<void(const std::string&)>;
@@ -21,14 +21,14 @@ class AsyncLog {
 
   /// @param sink called by one thread at a time; null: nothing is written
   explicit AsyncLog(Sink sink);
-  /// Writes what waits: waits itself where the sink does.
+  /// Writes the queued lines. Blocks while the sink blocks.
   ~AsyncLog();
   AsyncLog(const AsyncLog&) = delete;
   AsyncLog& operator=(const AsyncLog&) = delete;
 
   /// Never waits for the sink.
   void write(std::string line);
-  /// Waits until all is written, or the time is over.
+  /// Waits until every line is written, or until the time is over.
   void flush(std::chrono::milliseconds within);
 
  private:
@@ -41,7 +41,7 @@ class AsyncLog {
   std::deque<std::string> waiting_;
   std::uint64_t left_out_ = 0;
   bool writing_ = false, closing_ = false;
-  std::thread thread_;  ///< last: uses all others
+  std::thread thread_;  ///< last member: it uses all others
 };
 
 }  // namespace wholehand

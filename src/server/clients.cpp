@@ -11,16 +11,16 @@ namespace wholehand {
 
 namespace {
 
-/// A state is sent this often even when nothing changes, so that clients see that the line lives.
+/// Interval of states when nothing changes, so that clients see that the connection is alive.
 constexpr std::int64_t kRepeat_ns = 500'000'000;
-/// A client that sends too much is told so this often.
+/// Interval of rate limit replies to a client.
 constexpr std::int64_t kRateReply_ns = 1'000'000'000;
 
 SharedBytes share(wire::Bytes bytes) {
   return std::make_shared<const wire::Bytes>(std::move(bytes));
 }
 
-/// Which counter a message that cannot be read belongs to.
+/// Counter for a message that cannot be read.
 const char* counterOf(const Diagnostics& errors) {
   const std::string& key = errors.front().key;
   if (key == "size") return "oversized";
@@ -65,7 +65,7 @@ std::uint32_t Clients::join(std::shared_ptr<ClientLine> line, Role role, std::in
   if (commissioning_message_) client.line->deliver(commissioning_message_);
   const auto entry = clients_.emplace(number, std::move(client)).first;
   if (role == Role::kTherapist) {
-    tellControls();  // that one leads now
+    tellControls();  // the new client may be a therapist
   } else {
     entry->second.line->deliver(controlsFor(number, role));
   }
@@ -132,11 +132,10 @@ void Clients::heard(std::uint32_t client, std::span<const std::uint8_t> message,
   if (entry == clients_.end()) return;
   const bool within_rate = withinRate(entry, now_ns);
   const auto decoded = text ? Expected<wire::ClientMessage>(Diagnostic{}) : wire::decode(message);
-  // Whoever asks for a stop gets it, however much else came; for an emergency stop, under whatever
-  // number.
+  // Stops are exempt from the rate limit; emergency stops also from the order of command numbers.
   const bool stops = decoded && decoded->stops();
   const bool emergency = stops && decoded->order.type == OrderType::kEmergencyStop;
-  // A page beats beside its orders, from another thread: the number of a beat says nothing.
+  // A page sends heartbeats from another thread than its orders: their numbers are unordered.
   const bool beat = decoded && decoded->type == wire::ClientMessageType::kHeartbeat;
   if (!within_rate && !stops) {
     refuseForRate(entry, decoded ? &*decoded : nullptr, now_ns);
@@ -159,8 +158,8 @@ void Clients::heard(std::uint32_t client, std::span<const std::uint8_t> message,
   followControls(now_ns);
 }
 
-// Whoever waits for an answer gets one, and reads which command it is about; a flood of what nobody
-// waits for, and one whose answers nobody reads, is told once a second.
+// A client that waits for an answer gets one, with the command's number. For messages without
+// answers, and for a client that does not read, one reply per second is enough.
 void Clients::refuseForRate(Entry entry, const wire::ClientMessage* message, std::int64_t now_ns) {
   Client& client = entry->second;
   const bool waits =
@@ -174,7 +173,7 @@ void Clients::refuseForRate(Entry entry, const wire::ClientMessage* message, std
          now_ns, reply);
 }
 
-void Clients::saidTooMuch(std::uint32_t client, std::int64_t now_ns) {
+void Clients::refuseOversized(std::uint32_t client, std::int64_t now_ns) {
   const Entry entry = clients_.find(client);
   if (entry == clients_.end()) return;
   ++traffic_.dropped["oversized"];
@@ -233,9 +232,9 @@ void Clients::followControls(std::int64_t now_ns) {
     alive.claim = advice.claim;
     orderQuietly(alive);
   }
-  if (advice.left_alone) {
+  if (advice.unattended) {
     Order alone;
-    alone.type = OrderType::kLeftAlone;
+    alone.type = OrderType::kUnattended;
     orderQuietly(alone);
   }
   if (advice.silent_client != 0) {
@@ -278,7 +277,7 @@ void Clients::followScene() {
   scene_ = std::move(scene);
   encoder_ = std::make_unique<wire::StateEncoder>(scene_);
   scene_message_ = share(wire::sceneMessage(*scene_));
-  shown_ns_ = 0;  // what was shown belongs to the scene before
+  shown_ns_ = 0;  // the shown state belongs to the previous scene
   deliverToAll(scene_message_);
 }
 
@@ -308,7 +307,7 @@ void Clients::sendState(std::int64_t now_ns) {
     state_ = share({bytes.begin(), bytes.end()});
     ++state_number_;
     shown_ = std::move(status);
-    // An age says how long a record took, not how long the loop has stood still.
+    // An age measures the delivery of a record, not how long the loop has stood still.
     if (record_->tick == shown_tick_) state_arrived_ns_ = 0;
     shown_tick_ = record_->tick;
     shown_ns_ = now_ns;
@@ -321,7 +320,7 @@ void Clients::sendState(std::int64_t now_ns) {
       ++traffic_.states_skipped;
     }
   }
-  // After the state that shows the ending: a page tells a stop from a loss by it.
+  // After the state that shows the ending: a page uses it to tell a stop from a loss of controls.
   followEndings(shown_, now_ns);
 }
 

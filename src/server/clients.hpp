@@ -22,27 +22,27 @@ namespace wholehand {
 
 using SharedBytes = std::shared_ptr<const wire::Bytes>;
 
-/// A connected client, as a line to write to. No call blocks or calls back.
+/// The outgoing side of a client's connection. No call blocks or calls back.
 class ClientLine {
  public:
   virtual ~ClientLine() = default;
 
-  /// Must arrive, in order: waits while earlier ones are written.
+  /// Sends a message reliably and in order; it is queued while earlier ones are written.
   virtual void deliver(SharedBytes message) = 0;
-  /// Worth something only when it is new: false where earlier writing goes on.
+  /// Sends a state if the line is idle. Returns false while an earlier message is being written.
   [[nodiscard]] virtual bool offer(SharedBytes state, std::int64_t arrived_ns) = 0;
-  /// Messages that wait beside the one being written.
+  /// Number of queued messages, without the one being written.
   [[nodiscard]] virtual std::size_t waiting() const = 0;
-  /// Since when the one being written is; 0: nothing is.
+  /// Time at which the current write began; 0: no write under way.
   [[nodiscard]] virtual std::int64_t writingSince_ns() const = 0;
-  /// Of the other end, without its port.
+  /// Address of the peer, without its port.
   [[nodiscard]] virtual std::string address() const = 0;
   /// Ends the connection at once.
   virtual void cut() = 0;
 };
 
-/// All WebSocket clients: what they are told, and what they may order. Knows no sockets; one
-/// thread, time is an argument.
+/// All WebSocket clients: sends them states and replies, and judges their orders. Knows no sockets.
+/// One thread; time is an argument.
 class Clients : public std::enable_shared_from_this<Clients> {
  public:
   static constexpr std::int64_t kDrainWithin_ns = 2'000'000'000;
@@ -52,31 +52,32 @@ class Clients : public std::enable_shared_from_this<Clients> {
   /// Runs a task on the server's thread; called from any thread.
   using Post = std::function<void(std::function<void()>)>;
 
-  /// What a program that leads through a commissioning says of it; empty: it does not.
+  /// Returns the facts of a commissioning; empty: the program runs none.
   using Commissioning = std::function<std::shared_ptr<const CommissioningFacts>()>;
 
   Clients(ServerBackend& backend, EventMailbox& mailbox, Traffic& traffic, RateLimitedLog& log,
           ControlsArbiter& controls, Access access, Post post, Commissioning commissioning = {},
           UdpBridge* udp = nullptr);
 
-  /// Greets a new client; its number.
+  /// Greets a new client; returns its number.
   std::uint32_t join(std::shared_ptr<ClientLine> line, Role role, std::int64_t now_ns);
-  /// A game that speaks by datagrams alone, where one is awaited: it is there for good.
+  /// Adds the game that uses datagrams only, if one is expected. It never leaves.
   void joinStandalone();
-  /// Its connection ended.
+  /// Removes a client whose connection ended.
   void leave(std::uint32_t client, std::int64_t now_ns);
-  /// Cuts a client off where all places are taken, so that nobody is shut out for good: of the
-  /// address that has most of them, the newcomer counted, the one that came first. Never who holds
-  /// the controls. False where there is nobody else.
+  /// Disconnects a client when all places are taken, so that nobody is locked out for good: the
+  /// oldest client of the address that has the most, counting the newcomer. Never the holder of the
+  /// controls. False when there is no other client.
   [[nodiscard]] bool makeRoom(const std::string& newcomer, std::int64_t now_ns);
-  /// It said something.
+  /// Handles a WebSocket message.
   void heard(std::uint32_t client, std::span<const std::uint8_t> message, bool text,
              std::int64_t now_ns);
-  /// It said something by datagram, whose key and order were found right.
+  /// Handles a datagram whose key and sequence number were verified.
   void heardDatagram(std::uint32_t client, const wire::ClientMessage& message, std::int64_t now_ns);
-  /// It said more than kLargestClientMessage; its connection is being closed.
-  void saidTooMuch(std::uint32_t client, std::int64_t now_ns);
-  /// 60 times a second: scene, events, state, controls, clients that do not follow.
+  /// Refuses a message larger than kLargestClientMessage; its connection is being closed.
+  void refuseOversized(std::uint32_t client, std::int64_t now_ns);
+  /// Called 60 times a second: sends scene, events, state and controls, and disconnects clients
+  /// that do not keep up.
   void tick(std::int64_t now_ns);
 
   [[nodiscard]] std::size_t count() const { return clients_.size() - (standalone_ != 0 ? 1 : 0); }
@@ -86,11 +87,12 @@ class Clients : public std::enable_shared_from_this<Clients> {
     std::shared_ptr<ClientLine> line;
     Role role = Role::kUnsaid;
     std::uint32_t last_command = 0;
-    double allowance = kMessagesPerSecond;  ///< messages it may send now
-    std::int64_t allowance_ns = 0;          ///< when that was so
+    double allowance = kMessagesPerSecond;  ///< messages it may send now (token bucket)
+    std::int64_t allowance_ns = 0;          ///< time of `allowance`
     std::int64_t last_rate_reply_ns = 0;
-    std::uint64_t state = 0;   ///< number of the newest state it has
-    bool aim_refused = false;  ///< by datagram; it is told once, until one is accepted
+    std::uint64_t state = 0;   ///< number of the newest state sent to it
+    bool aim_refused = false;  ///< an aim by datagram was refused; reported once, until one is
+                               ///< accepted
   };
   using Entry = std::map<std::uint32_t, Client>::iterator;
 
@@ -131,19 +133,19 @@ class Clients : public std::enable_shared_from_this<Clients> {
   Post post_;
 
   UdpBridge* udp_;
-  std::uint32_t standalone_ = 0;  ///< the client that has no WebSocket; 0: there is none
+  std::uint32_t standalone_ = 0;  ///< client without a WebSocket; 0: none
 
   std::map<std::uint32_t, Client> clients_;
   ControlsArbiter& controls_;
   ControlDesk desk_;
-  std::uint32_t resting_ = 0;      ///< the player who asked for the newest rest; 0: nobody
-  bool therapist_paused_ = false;  ///< the exercise, and has not let it go on
-  std::uint32_t endings_ = 0;      ///< of the program, as last looked at; 0: not yet
+  std::uint32_t resting_ = 0;      ///< player who asked for the newest rest; 0: none
+  bool therapist_paused_ = false;  ///< a therapist paused the exercise and has not resumed it
+  std::uint32_t endings_ = 0;      ///< endings of the program at the last look; 0: not looked yet
 
   Commissioning commissioning_;
   std::shared_ptr<const CommissioningFacts> commissioning_shown_;
   SharedBytes commissioning_message_;
-  std::int64_t commissioning_ns_ = 0;  ///< when it was last sent
+  std::int64_t commissioning_ns_ = 0;  ///< time of the last commissioning message
 
   std::shared_ptr<const SceneFacts> scene_;
   SharedBytes scene_message_;
@@ -152,7 +154,7 @@ class Clients : public std::enable_shared_from_this<Clients> {
   std::unique_ptr<TickRecord> record_;
   LoopStatus shown_;  ///< status of the newest state
   std::uint64_t shown_tick_ = 0;
-  std::int64_t shown_ns_ = 0;  ///< when it was made
+  std::int64_t shown_ns_ = 0;  ///< when that state was made
   std::uint64_t state_number_ = 0;
   SharedBytes state_;
   std::int64_t state_arrived_ns_ = 0;

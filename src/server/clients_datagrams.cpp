@@ -1,4 +1,4 @@
-// What clients say by datagram: docs/udp.md.
+// Clients' messages by datagram: docs/udp.md.
 #include "realtime/monotonic_clock.hpp"
 #include "server/clients.hpp"
 
@@ -8,7 +8,7 @@ namespace wholehand {
 
 namespace {
 
-/// Of a game that has no WebSocket: it sees in the states what became of what it said.
+/// Line of a game without a WebSocket: it sees the results of its orders in the states.
 class SilentLine final : public ClientLine {
  public:
   void deliver(SharedBytes) override {}
@@ -41,7 +41,7 @@ void Clients::heardDatagram(std::uint32_t client, const wire::ClientMessage& m,
   followControls(now_ns);
 }
 
-// Aims come a thousand times a second: only the first that is refused is answered.
+// Aims arrive up to a thousand times a second: only the first refused one is answered.
 void Clients::aim(Entry entry, const wire::ClientMessage& m, std::int64_t now_ns) {
   const std::uint32_t client = entry->first;
   const OrderReply may = mayOrder(entry->second.role, m.order, Standing{desk_.holds(client)});

@@ -1,4 +1,4 @@
-// Who may order what, and who moves the hand.
+// Permission of orders, and steering.
 #include "server/clients.hpp"
 
 #include <fmt/format.h>
@@ -31,7 +31,7 @@ Standing Clients::standingOf(std::uint32_t client, const Order& order) const {
 
 void Clients::obeyOrder(Entry entry, const wire::ClientMessage& m, std::int64_t now_ns) {
   const std::uint32_t client = entry->first;
-  // A cursor and a stick aim by the hundred: what they are judged by is here already.
+  // Aims of a cursor or stick are frequent; all they need for judging is at hand.
   const bool aim = m.order.type == OrderType::kAim;
   const OrderReply may =
       mayOrder(entry->second.role, m.order,
@@ -57,9 +57,8 @@ void Clients::noteOrder(Entry entry, const Order& order, std::int64_t now_ns) {
     log_.write(fmt::format("client {} rests", entry->first), now_ns);
   }
   if (order.type != OrderType::kArm && order.type != OrderType::kLoadExercise) return;
-  therapist_paused_ = false;  // what is loaded begins anew
-  // Whoever starts it says that it goes on: the effort that faded with a lost holder is there
-  // again.
+  therapist_paused_ = false;  // a load restarts the exercise
+  // The one who starts it declares it alive: the effort that faded with a lost holder returns.
   if (order.type != OrderType::kArm || !therapist || desk_.held()) return;
   if (desk_.take(entry->first, now_ns).empty()) (void)desk_.release(entry->first);
   followControls(now_ns);
@@ -78,7 +77,7 @@ void Clients::changeHands(Entry entry, const wire::ClientMessage& m, std::int64_
     return refuse(entry, m.id, "role", refused(Refusal::kOnlyWatches, "this client only watches"),
                   now_ns);
   }
-  // Who connects has shown the token already; a wrong one beside it is a mistake to be told.
+  // A connected client has shown its token already; a wrong one here is an error to report.
   if (take && !m.token.empty() && !access_.tokenMatches(m.token)) {
     refuse(entry, m.id, "token", refused(Refusal::kWrongToken, "this is not the token"), now_ns);
     return;
@@ -96,7 +95,8 @@ void Clients::changeHands(Entry entry, const wire::ClientMessage& m, std::int64_
       std::make_shared<const wire::Bytes>(wire::replyMessage(m.id, {true, ""})));
 }
 
-// A player steers what renders: at a stop its hand is off, and it takes the controls by a press.
+// A player steers only while the loop renders: at a stop it loses the controls, and takes them
+// again by a press.
 void Clients::followEndings(const LoopStatus& status, std::int64_t now_ns) {
   const bool ended = endings_ != 0 && status.endings != endings_;
   endings_ = status.endings;

@@ -6,8 +6,8 @@
 
 namespace wholehand {
 
-/// What a client is told of a device's commissioning (protocol Commissioning, enums in its order).
-/// Immutable once published; a new one with every change.
+/// State of a device's commissioning as clients see it (protocol Commissioning, enums in its
+/// order). Immutable once published; every change publishes a new one.
 struct CommissioningFacts {
   enum class StepState : std::uint8_t { kWaiting, kUnderWay, kDone, kFailed };
   enum class Asked : std::uint8_t {
@@ -37,20 +37,20 @@ struct CommissioningFacts {
   std::string device, driver, serial, firmware, operator_name;
   std::vector<Step> steps;
 
-  std::uint32_t question = 0;  ///< counts from 1
+  std::uint32_t question = 0;  ///< number of the question, from 1
   Asked asked = Asked::kNothing;
-  std::string axis, unit;  ///< of the question, or of the motion
+  std::string axis, unit;  ///< of the question or of the motion
   double lower = 0.0, upper = 0.0;
-  std::string next;  ///< step that kNextStep leads to
-  std::string note;  ///< what was wrong with the last answer
+  std::string next;  ///< step that follows kNextStep
+  std::string note;  ///< why the last answer was refused
 
   Motion motion = Motion::kHoming;
   MotionState motion_state = MotionState::kOver;
-  double motion_s = 0.0;  ///< 0: not known
+  double motion_s = 0.0;  ///< 0: unknown
 
-  std::string passport;   ///< file; empty: not yet
+  std::string passport;   ///< file; empty: none yet
   std::string recording;  ///< file; empty: none
-  bool daily = false;     ///< a day's check
+  bool daily = false;     ///< a daily check
 };
 
 }  // namespace wholehand

@@ -15,14 +15,14 @@ void ControlDesk::takeOver(Client client, std::int64_t now_ns) {
 
 void ControlDesk::holdsNow(Client client, const ControlsArbiter::Taken& taken,
                            std::int64_t now_ns) {
-  // Whoever takes over says anew who steers: the aim of the one who is gone must not go on.
-  if (taken.orphaned) give_back_ = true;
-  // Another server's clients held them in between. What that server has told the program since may
-  // come too late to count.
+  // A new holder must choose the steering again: the lost holder's aim must not continue.
+  if (taken.predecessor_lost) give_back_ = true;
+  // Another server's clients held the controls in between; its reports since then may arrive too
+  // late to count.
   if (taken.claim > own_claim_ + 1) told_alive_.reset();
   lost_ns_.reset();
   abandoned_ = false;
-  mine_ = client;
+  own_holder_ = client;
   claim_ = own_claim_ = taken.claim;
   heard_ns_ = now_ns;
 }
@@ -30,7 +30,7 @@ void ControlDesk::holdsNow(Client client, const ControlsArbiter::Taken& taken,
 std::string ControlDesk::release(Client client) {
   if (!holds(client)) return "this client does not hold the controls";
   arbiter_.release(client, true);
-  mine_ = 0;
+  own_holder_ = 0;
   give_back_ = true;
   return {};
 }
@@ -42,17 +42,17 @@ void ControlDesk::heard(Client client, std::int64_t now_ns) {
 void ControlDesk::left(Client client, std::int64_t now_ns) {
   if (!holds(client)) return;
   arbiter_.release(client);
-  mine_ = 0;
+  own_holder_ = 0;
   lost_ns_ = now_ns;
   abandoned_ = true;
 }
 
 void ControlDesk::followOthers(std::int64_t now_ns) {
-  const std::uint32_t claim = arbiter_.claim();  // before the holder
+  const std::uint32_t claim = arbiter_.claim();  // read before the holder
   const Client holder = arbiter_.holder();
-  const bool other_holds = holder != 0 && holder != mine_;
+  const bool other_holds = holder != 0 && holder != own_holder_;
   if (other_holds) {
-    // Its own server says whether it is alive, and it says who steers.
+    // The other server reports whether its client is alive, and that client chooses the steering.
     lost_ns_.reset();
     abandoned_ = false;
     told_alive_ = true;
@@ -71,9 +71,9 @@ void ControlDesk::followOthers(std::int64_t now_ns) {
 ControlDesk::Advice ControlDesk::advance(std::int64_t now_ns) {
   Advice advice;
   followOthers(now_ns);
-  if (mine_ != 0 && now_ns - heard_ns_ > kSilent_ns) {
-    advice.silent_client = mine_;
-    left(mine_, now_ns);
+  if (own_holder_ != 0 && now_ns - heard_ns_ > kSilent_ns) {
+    advice.silent_client = own_holder_;
+    left(own_holder_, now_ns);
   }
   if (lost_ns_ && now_ns - *lost_ns_ > kLost_ns) {
     lost_ns_.reset();
@@ -86,8 +86,8 @@ ControlDesk::Advice ControlDesk::advance(std::int64_t now_ns) {
   give_back_ = false;
   const Client holder = arbiter_.holder();
   if (holder != 0 || !free_ns_) free_ns_ = now_ns;
-  advice.left_alone = now_ns - *free_ns_ > kLeftAlone_ns;
-  if (advice.left_alone) free_ns_ = now_ns;
+  advice.unattended = now_ns - *free_ns_ > kUnattended_ns;
+  if (advice.unattended) free_ns_ = now_ns;
   advice.holder_changed = holder != told_;
   told_ = holder;
   return advice;

@@ -8,8 +8,8 @@ ControlsArbiter::Taken ControlsArbiter::take(Client client) noexcept {
   if (!holder_.compare_exchange_strong(before, client)) {
     return before == client ? Taken{claims_.load(), false} : Taken{};
   }
-  const bool orphaned = !handed_back_.exchange(true);
-  return {claims_.fetch_add(1) + 1, orphaned};
+  const bool predecessor_lost = !handed_back_.exchange(true);
+  return {claims_.fetch_add(1) + 1, predecessor_lost};
 }
 
 ControlsArbiter::Taken ControlsArbiter::takeOver(Client client) noexcept {
@@ -22,7 +22,8 @@ ControlsArbiter::Taken ControlsArbiter::takeOver(Client client) noexcept {
 
 bool ControlsArbiter::release(Client client, bool handed_back) noexcept {
   if (client == 0 || holder() != client) return false;
-  handed_back_ = handed_back;  // before the holder: whoever sees nobody sees why
+  handed_back_ = handed_back;  // before the holder: a reader that sees no holder then sees the
+                               // reason
   Client before = client;
   return holder_.compare_exchange_strong(before, 0);
 }

@@ -5,38 +5,39 @@
 
 namespace wholehand {
 
-/// Who may command: one client at a time, whether it speaks WebSocket or UDP. Shared by all
-/// servers of the program. Thread-safe, never waits.
+/// Grants command to one client at a time, over WebSocket or UDP. Shared by all servers of the
+/// program. Thread-safe; never waits.
 class ControlsArbiter {
  public:
-  /// Number of a client; 0 is nobody.
+  /// Client number; 0: none.
   using Client = std::uint32_t;
 
-  /// A number that no client had before.
+  /// Returns an unused number.
   [[nodiscard]] Client newClient() noexcept { return ++clients_; }
 
-  /// What came of taking the controls; false where another client holds them.
+  /// Result of taking the controls; false when another client holds them.
   struct Taken {
-    std::uint32_t claim = 0;  ///< counts from 1 with every new holder
-    bool orphaned = false;    ///< who held them before vanished or was overruled: nothing of it is
-                              ///< to go on
+    std::uint32_t claim = 0;        ///< number of the holder's claim, from 1
+    bool predecessor_lost = false;  ///< the holder before vanished or was overruled: its commands
+                                    ///< end here
     explicit operator bool() const noexcept { return claim != 0; }
   };
   [[nodiscard]] Taken take(Client client) noexcept;
-  /// From whoever has them: the therapist's way. Always succeeds, but for nobody (0).
+  /// Takes the controls from any holder, as a therapist may. Fails only for client 0.
   [[nodiscard]] Taken takeOver(Client client) noexcept;
-  /// True when the client held them; nobody does now.
-  /// @param handed_back it gave them back; else it was lost, and the next one begins anew
+  /// Releases the controls. True when the client held them; nobody does afterwards.
+  /// @param handed_back the client gave them back; else it was lost, and its successor starts
+  /// afresh
   bool release(Client client, bool handed_back = false) noexcept;
-  /// 0: nobody.
+  /// Current holder; 0: none.
   [[nodiscard]] Client holder() const noexcept { return holder_.load(); }
-  /// Of the newest holder, also when it holds them no more. Read before holder(), it is never of a
-  /// later one.
+  /// Claim of the newest holder, which may have released it. When read before holder(), it is never
+  /// newer than the holder.
   [[nodiscard]] std::uint32_t claim() const noexcept { return claims_.load(); }
   [[nodiscard]] bool heldBy(Client client) const noexcept {
     return client != 0 && holder() == client;
   }
-  /// False from when a holder vanished until the next one takes them.
+  /// False from the loss of a holder until the next one takes the controls.
   [[nodiscard]] bool handedBack() const noexcept { return handed_back_.load(); }
 
  private:

@@ -10,22 +10,22 @@
 
 namespace wholehand {
 
-/// Carries the events of every record from the telemetry thread to the server's, and when the
-/// newest records came. Bounded: events that nobody fetches are dropped and counted.
+/// Carries the events of every record, and the arrival times of the newest records, from the
+/// telemetry thread to the server's. Bounded: when it is full, events are dropped and counted.
 class EventMailbox {
  public:
-  static constexpr std::size_t kCapacity = 4096;  ///< events that wait
+  static constexpr std::size_t kCapacity = 4096;  ///< most events that wait
 
   EventMailbox() { waiting_.reserve(kCapacity); }
 
-  /// From the telemetry thread; allocates nothing.
+  /// Adds a record's events. Telemetry thread; does not allocate.
   void put(const TickRecord& record, std::int64_t now_ns);
-  /// All that wait, into `events` (emptied first).
+  /// Moves all waiting events into `events`, which is emptied first.
   void fetch(std::vector<wire::NumberedEvent>& events);
 
-  /// When the record of that tick came; when it is not known, the newest record's time.
+  /// Arrival time of the record of a tick; of the newest record when that time is no longer known.
   [[nodiscard]] std::int64_t arrivalOf(std::uint64_t tick) const;
-  /// When the newest record came; 0: none yet.
+  /// Arrival time of the newest record; 0: none yet.
   [[nodiscard]] std::int64_t newest_ns() const;
   [[nodiscard]] std::uint64_t dropped() const;
 

@@ -6,24 +6,24 @@
 
 namespace wholehand {
 
-/// A regular file that is read in pieces. Whatever it does waits for the disk, closing included: it
-/// belongs on a worker (FileWorkers), never on the thread of stops.
+/// Reads a regular file in pieces. Every call, closing included, may wait for the disk: use it on a
+/// worker (FileWorkers), never on the thread that handles stops.
 class FileReader {
  public:
-  /// The most bytes of one piece.
+  /// Largest piece [bytes].
   static constexpr std::size_t kPiece = 64 * 1024;
 
-  /// Null where there is no such file.
+  /// Opens a file; null when there is none.
   [[nodiscard]] static std::unique_ptr<FileReader> open(const std::string& path);
   ~FileReader();
   FileReader(const FileReader&) = delete;
   FileReader& operator=(const FileReader&) = delete;
 
-  /// Of the file when it was opened.
+  /// Size of the file when it was opened [bytes].
   [[nodiscard]] std::uint64_t size() const noexcept { return size_; }
-  /// Not read yet.
+  /// Bytes not read yet.
   [[nodiscard]] std::uint64_t left() const noexcept { return left_; }
-  /// The next piece; empty where all are read, or the file has become shorter or cannot be read.
+  /// Reads the next piece. Empty at the end, or when the file was shortened or cannot be read.
   [[nodiscard]] std::string next();
 
  private:

@@ -53,7 +53,7 @@ void FileWorkers::work() {
     lock.unlock();
     const bool is_job = task.job != nullptr;
     if (is_job) task.job();
-    task = Task{};  // what it held goes here, where nobody waits for the lock
+    task = Task{};  // destroys the job outside the lock
     lock.lock();
     if (is_job) --jobs_;
   }

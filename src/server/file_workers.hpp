@@ -13,26 +13,27 @@
 
 namespace wholehand {
 
-/// Threads that own all work with files: while a disk hangs, they wait for it, and nobody else. So
-/// much may wait for them; what is beyond is refused. post() and close() from any thread: neither
-/// waits for a job.
+/// Worker threads that do all file access, so that only they wait for a hanging disk. Their queue
+/// is bounded and refuses further jobs. post() and close() may be called from any thread and never
+/// wait for a job.
 class FileWorkers {
  public:
-  /// A job must not throw.
+  /// A unit of work; must not throw.
   using Job = std::function<void()>;
 
-  /// @param most_jobs that wait or are under way
+  /// @param most_jobs queued and running
   FileWorkers(unsigned threads, std::size_t most_jobs);
   ~FileWorkers();
   FileWorkers(const FileWorkers&) = delete;
   FileWorkers& operator=(const FileWorkers&) = delete;
 
-  /// Runs a job on a worker; false where too many wait already.
+  /// Queues a job for a worker; false when too many wait already.
   [[nodiscard]] bool post(Job job);
-  /// Closes a file that nobody reads on.
+  /// Closes a file on a worker.
   void close(std::unique_ptr<FileReader> file);
 
-  /// Ends the threads: waits for what is under way, drops what waits. Not from a job.
+  /// Stops the threads. Waits for running jobs and drops queued ones. Must not be called from a
+  /// job.
   void stop();
 
  private:
@@ -45,10 +46,10 @@ class FileWorkers {
   void work();
 
   const std::size_t most_jobs_;
-  std::mutex mutex_;  ///< of the next three
+  std::mutex mutex_;  ///< guards the next three
   std::condition_variable more_;
   std::deque<Task> tasks_;
-  std::size_t jobs_ = 0;  ///< that wait or are under way
+  std::size_t jobs_ = 0;  ///< queued and running
   bool stopped_ = false;
   std::vector<std::thread> threads_;
 };

@@ -26,7 +26,8 @@ HttpConnection::~HttpConnection() {
 
 void HttpConnection::read() {
   place_ = context_.idle.insert(context_.idle.end(), this);
-  line_->read([self = shared_from_this()](HttpHeard heard) { self->haveRead(std::move(heard)); });
+  line_->read(
+      [self = shared_from_this()](ReceivedRequest heard) { self->haveRead(std::move(heard)); });
 }
 
 void HttpConnection::hangUpIdle() {
@@ -52,13 +53,13 @@ FileWorkers& HttpConnection::workers() {
   return needs_ == Site::Needs::kReplay ? context_.replays : context_.recordings;
 }
 
-void HttpConnection::haveRead(HttpHeard heard) {
+void HttpConnection::haveRead(ReceivedRequest heard) {
   stopWaiting();
   request_ = std::move(heard.request);
   ++context_.traffic.http_requests;
   needs_ = Site::needsOf(request_);
-  if (heard.what != HttpHeard::What::kRequest) {
-    const int status = heard.what == HttpHeard::What::kHasBody ? 413 : 400;
+  if (heard.what != ReceivedRequest::What::kRequest) {
+    const int status = heard.what == ReceivedRequest::What::kHasBody ? 413 : 400;
     answer(plainRefusal(status, "malformed_http", "This is not a request that can be answered."));
   } else if (heard.upgrade && request_.path() == "/ws") {
     upgrade();
@@ -92,8 +93,8 @@ void HttpConnection::upgrade() {
   }
 }
 
-// What a worker does touches this connection only through its thread: it may be gone by then, and
-// the worker must not be the last to know it.
+// A worker's job reaches this connection only through the connection's thread: the connection may
+// be gone by then, and must not be destroyed on the worker.
 bool HttpConnection::letWork(const std::shared_ptr<Work>& work, std::function<void(Work&)> job,
                              void (HttpConnection::*then)(Work&)) {
   work_ = work;
@@ -113,7 +114,7 @@ bool HttpConnection::letWork(const std::shared_ptr<Work>& work, std::function<vo
     work_.reset();
     return false;
   }
-  // A report is drawn, and an hour's recording opened, by a process of its own with limits of time.
+  // A child process with time limits draws reports and opens recordings.
   const bool works = needs_ == Site::Needs::kReport || needs_ == Site::Needs::kReplay;
   line_->setAlarm(works ? context_.report_patience : context_.disk_patience,
                   [self = shared_from_this(), work] { self->giveUp(work); });
@@ -143,14 +144,14 @@ void HttpConnection::answerByWorker() {
 void HttpConnection::haveMade(Work& work) {
   if (work.answer.file.empty()) {
     answer(std::move(work.answer));
-  } else if (!work.file) {  // deleted since it was found
+  } else if (!work.file) {  // deleted meanwhile
     answer(plainRefusal(404, "vanished", "This file is not there any more."));
   } else {
     sendHeader(work);
   }
 }
 
-// The disk does not answer. The worker goes on waiting for it; its work is thrown away.
+// The disk does not respond. The worker keeps waiting; its result is discarded.
 void HttpConnection::giveUp(const std::shared_ptr<Work>& work) {
   if (work_ != work) return;
   work_->given_up = true;
@@ -173,7 +174,7 @@ void HttpConnection::answer(HttpAnswer a) {
   line_->send(std::move(a), next(&HttpConnection::haveAnswered));
 }
 
-// The header, then the file in pieces, so that patience is counted anew with each that was taken.
+// Sends the header, then the file in pieces, so that the timeout restarts with each piece taken.
 void HttpConnection::sendHeader(Work& work) {
   file_ = std::move(work.file);
   sending_ = true;
@@ -195,12 +196,12 @@ void HttpConnection::readPiece() {
   const auto job = [](Work& w) { w.piece = w.file->next(); };
   if (!letWork(work, job, &HttpConnection::havePiece)) {
     file_ = std::move(work->file);
-    line_->close();  // what was promised cannot be sent
+    line_->close();  // the announced length cannot be sent
   }
 }
 
 void HttpConnection::havePiece(Work& work) {
-  if (work.piece.empty()) return line_->close();  // the file has become shorter
+  if (work.piece.empty()) return line_->close();  // the file was shortened
   file_ = std::move(work.file);
   sendPiece(std::move(work.piece));
 }

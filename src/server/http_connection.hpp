@@ -15,9 +15,9 @@
 
 namespace wholehand {
 
-/// Answers one browser over HTTP, request after request, until it becomes a WebSocket or ends: who
-/// makes the answer, and how long that may take. The server's thread only; it touches no file:
-/// workers do, and hand over what they have read. Lives while an operation of its line does.
+/// Answers one browser over HTTP until the connection ends or becomes a WebSocket. Chooses who
+/// makes each answer, and limits how long that may take. Server's thread only. It touches no file:
+/// workers read files and hand over the data. Lives while an operation of its line is pending.
 class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
  public:
   /// @pre the context outlives it
@@ -26,19 +26,19 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   HttpConnection(const HttpConnection&) = delete;
   HttpConnection& operator=(const HttpConnection&) = delete;
 
-  /// Waits for a request, and answers it.
+  /// Waits for a request and answers it.
   void read();
-  /// Ends it while it waits for a request.
+  /// Closes the connection while it waits for a request.
   void hangUpIdle();
 
  private:
-  /// What a worker does for it. Both threads have it in turns.
+  /// Work that a worker does for this connection. Only one thread owns it at a time.
   struct Work {
     HttpRequest request;
     bool head = false;
     HttpAnswer answer;
     std::unique_ptr<FileReader> file;  ///< being sent
-    std::string piece;                 ///< of it
+    std::string piece;                 ///< piece of that file
     std::atomic<bool> given_up{false};
   };
   using Then = void (HttpConnection::*)();
@@ -48,7 +48,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   [[nodiscard]] HttpLine::Then next(Then then);
   [[nodiscard]] FileWorkers& workers();
 
-  void haveRead(HttpHeard heard);
+  void haveRead(ReceivedRequest heard);
   void upgrade();
   [[nodiscard]] bool letWork(const std::shared_ptr<Work>& work, std::function<void(Work&)> job,
                              void (HttpConnection::*then)(Work&));
@@ -67,10 +67,10 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   ConnectionContext& context_;
   HttpRequest request_;
   Site::Needs needs_ = Site::Needs::kNoFile;
-  std::optional<std::list<HttpConnection*>::iterator> place_;  ///< while it waits
-  std::shared_ptr<Work> work_;                                 ///< while a worker has it
+  std::optional<std::list<HttpConnection*>::iterator> place_;  ///< set while it waits for a request
+  std::shared_ptr<Work> work_;                                 ///< set while a worker owns it
   std::unique_ptr<FileReader> file_;                           ///< being sent
-  bool sending_ = false;                                       ///< the header of a file has gone
+  bool sending_ = false;                                       ///< the header of a file was sent
 };
 
 }  // namespace wholehand

@@ -21,7 +21,7 @@ namespace {
 namespace beast = boost::beast;
 namespace http = boost::beast::http;
 
-/// For the next request, or for a piece of an answer to be taken.
+/// Timeout for the next request, or for a piece of an answer to be taken.
 constexpr std::chrono::seconds kPatience{30};
 constexpr std::uint32_t kLargestHeader_bytes = 16 * 1024;
 constexpr unsigned kVersion = 11;  ///< 1.1
@@ -31,10 +31,10 @@ class HttpSocket final : public HttpLine {
   explicit HttpSocket(Tcp::socket socket)
       : stream_(std::move(socket)), alarm_(stream_.get_executor()) {}
 
-  void read(std::function<void(HttpHeard)> then) override {
+  void read(std::function<void(ReceivedRequest)> then) override {
     parser_.emplace();
     parser_->header_limit(kLargestHeader_bytes);
-    parser_->body_limit(std::uint64_t{0});  // nobody has anything to upload
+    parser_->body_limit(std::uint64_t{0});  // no uploads
     stream_.expires_after(kPatience);
     http::async_read(stream_, buffer_, *parser_,
                      [this, then = std::move(then)](ErrorCode error, std::size_t) {
@@ -100,15 +100,15 @@ class HttpSocket final : public HttpLine {
            error != http::error::end_of_stream;
   }
 
-  HttpHeard heard(ErrorCode error, bool malformed) {
+  ReceivedRequest heard(ErrorCode error, bool malformed) {
     const auto& header = parser_->get();
     keep_alive_ = !error && header.keep_alive();
     head_ = header.method() == http::verb::head;
     version_ = malformed ? kVersion : header.version();
-    HttpHeard h;
+    ReceivedRequest h;
     if (malformed) {
-      h.what = error == http::error::body_limit ? HttpHeard::What::kHasBody
-                                                : HttpHeard::What::kMalformed;
+      h.what = error == http::error::body_limit ? ReceivedRequest::What::kHasBody
+                                                : ReceivedRequest::What::kMalformed;
     }
     h.upgrade = boost::beast::websocket::is_upgrade(header);
     h.request.get = head_ || header.method() == http::verb::get;
@@ -151,7 +151,7 @@ class HttpSocket final : public HttpLine {
   net::steady_timer alarm_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::empty_body>> parser_;
-  std::string header_, body_;  ///< being written
+  std::string header_, body_;  ///< being sent
   bool keep_alive_ = false, head_ = false;
   unsigned version_ = kVersion;
 };

@@ -7,7 +7,7 @@
 
 namespace wholehand {
 
-/// The line over a connected socket, on the socket's thread.
+/// Opens an HTTP line over a connected socket, on the socket's thread.
 [[nodiscard]] std::unique_ptr<HttpLine> openHttpLine(Tcp::socket socket);
 
 }  // namespace wholehand

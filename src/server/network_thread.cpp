@@ -61,8 +61,8 @@ class NetworkThread::Machinery {
   }
 
  private:
-  // An exception here must end neither the process nor the loop in it: whoever caused it has lost
-  // its connection, all others go on.
+  // An exception here must end neither the process nor the loop in it: the connection that caused
+  // it is closed, all others continue.
   void run() noexcept {
     while (true) {
       try {
@@ -77,7 +77,7 @@ class NetworkThread::Machinery {
   void acceptNext() {
     acceptor_.async_accept([this](ErrorCode error, Tcp::socket socket) {
       if (error == net::error::operation_aborted) return;
-      if (error) {  // no file handles left: later perhaps
+      if (error) {  // out of file handles: retried later
         retry_.expires_after(kRetry);
         retry_.async_wait([this](ErrorCode) { acceptNext(); });
         return;
@@ -90,7 +90,7 @@ class NetworkThread::Machinery {
   void frameNext() {
     frames_.async_wait([this](ErrorCode error) {
       if (error) return;
-      // Frames that were missed are not made up for.
+      // Missed frames are not made up for.
       const auto now = net::steady_timer::clock_type::now();
       frames_.expires_at(std::max(frames_.expiry() + kFrame, now));
       frameNext();
@@ -98,7 +98,7 @@ class NetworkThread::Machinery {
     });
   }
 
-  // The order matters: every socket and timer goes before io_.
+  // Destruction order: every socket and timer before io_.
   Calls calls_;
   std::uint16_t port_ = 0;
   net::io_context io_{1};

@@ -9,32 +9,33 @@
 
 namespace wholehand {
 
-/// The thread of all input and output with clients. It touches no file: orders to stop come through
-/// it. Every line lives on it.
+/// The thread of all input and output with clients. Every line lives on it. It touches no file,
+/// since stop orders pass through it.
 class NetworkThread {
  public:
-  /// Called from the thread. What one of them throws is told to `failed`; then the thread goes on.
+  /// Callbacks on the thread. An exception from one is reported to `failed`; then the thread
+  /// continues.
   struct Calls {
-    std::function<void(std::unique_ptr<HttpLine>)> connected;  ///< a browser
+    std::function<void(std::unique_ptr<HttpLine>)> connected;  ///< a browser connected
     std::function<void()> frame;                               ///< 60 times a second
     std::function<void(const char* why)> failed;               ///< must not throw
   };
 
   NetworkThread();
-  /// Stops. Drops every line, and so whatever their operations keep alive.
+  /// Stops the thread. Destroys every line, and whatever its operations keep alive.
   ~NetworkThread();
   NetworkThread(const NetworkThread&) = delete;
   NetworkThread& operator=(const NetworkThread&) = delete;
 
-  /// Why the port cannot be had; empty: it listens. Port 0: any that is free.
+  /// Opens the port. Returns the reason if that fails; empty: it listens. Port 0: any free one.
   [[nodiscard]] std::string listen(const std::string& address, std::uint16_t port);
-  /// The port it listens at; any thread after listen().
+  /// Port that it listens at. Any thread, after listen().
   [[nodiscard]] std::uint16_t port() const noexcept;
-  /// @pre it listens; once
+  /// Starts the thread. @pre it listens; call once
   void start(Calls calls);
-  /// Runs a task on the thread, later; dropped where it has stopped. Any thread, never waits.
+  /// Queues a task for the thread; dropped after it has stopped. Any thread; never waits.
   void post(std::function<void()> task);
-  /// Ends the thread: waits for the call under way. Not from the thread.
+  /// Stops the thread after the current callback. Must not be called from the thread.
   void stop();
 
  private:

@@ -6,8 +6,8 @@
 
 namespace wholehand {
 
-/// A log that a hostile client cannot flood: at most kBurst lines at once and kPerSecond in the
-/// long run; what is left out is counted and told. One thread.
+/// Log that a hostile client cannot flood: kBurst lines at once, kPerSecond in the long run.
+/// Suppressed lines are counted and reported. One thread.
 class RateLimitedLog {
  public:
   static constexpr double kBurst = 20.0, kPerSecond = 2.0;

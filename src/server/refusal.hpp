@@ -6,46 +6,46 @@
 
 namespace wholehand {
 
-/// Why an order was refused, so that a client can say it in its person's language (protocol
-/// Refusal, in its order; new ones at the end).
+/// Why an order was refused, for clients to translate. Same order as protocol Refusal; new ones go
+/// at the end.
 enum class Refusal : std::uint8_t {
   kNone,          ///< accepted
-  kOther,         ///< the reason says it
-  kUnreadable,    ///< no message, too large, or nothing that a client says
-  kOtherVersion,  ///< of the schema
-  kReplayed,      ///< its number did not rise
-  kTooMany,       ///< more than the program takes at once
-  kControlsHeld,  ///< by another client
+  kOther,         ///< see the reason
+  kUnreadable,    ///< not a message, too large, or not one that a client may send
+  kOtherVersion,  ///< another schema version
+  kReplayed,      ///< command number did not increase
+  kTooMany,       ///< rate or queue limit exceeded
+  kControlsHeld,  ///< another client holds the controls
   kNotHolder,     ///< this client does not hold the controls
   kWrongToken,
   kNothingArmed,
   kArmedAlready,
-  kStillStopping,  ///< on the way to neutral
-  kStopCame,       ///< while it was being armed
+  kStillStopping,  ///< still ramping to neutral
+  kStopCame,       ///< a stop came during arming
   kUnknownParameter,
   kOutOfRange,
-  kNotAPosture,  ///< an aim with other axes, or no numbers
+  kNotAPosture,  ///< an aim with other axes, or with NaN
   kUnknownExercise,
   kUnknownHand,
-  kCannotLoad,  ///< a file's faults are in the reason
-  kNotStable,   ///< the certificate says no
+  kCannotLoad,  ///< the reason lists the faults of the file
+  kNotStable,   ///< the stability certificate fails
   kRehearsalFailed,
-  kCannotStart,      ///< the device is not ready, or a recording cannot be written
-  kFailed,           ///< nobody foresaw it
-  kEnding,           ///< the program ends
-  kStopNotSeen,      ///< something ended since what an order to arm has seen
-  kTherapistOnly,    ///< a player asked for it
-  kTherapistPaused,  ///< the exercise, and only the therapist lets it go on
-  kOnlyWatches,      ///< a watcher asked for it
+  kCannotStart,      ///< device not ready, or recording cannot be written
+  kFailed,           ///< unexpected failure
+  kEnding,           ///< the program is ending
+  kStopNotSeen,      ///< a stop or fault followed the state that the order to arm was based on
+  kTherapistOnly,    ///< a player asked
+  kTherapistPaused,  ///< a therapist paused the exercise and must resume it
+  kOnlyWatches,      ///< a watcher asked
   kUnknownProfile,
-  kOtherProfile,  ///< for another device or hand
-  kNotHere,       ///< a device is commissioned here, or none is
-  kNotAsked       ///< an answer to another question than the one that is asked
+  kOtherProfile,  ///< made for another device or hand
+  kNotHere,       ///< commissioning order without a commissioning, or the reverse
+  kNotAsked       ///< answers a question that is not the current one
 };
 
 struct OrderReply {
   bool accepted = false;
-  std::string reason;  ///< for a person, in English; empty when accepted
+  std::string reason;  ///< for people, in English; empty when accepted
   Refusal refusal = accepted ? Refusal::kNone : Refusal::kOther;
 };
 

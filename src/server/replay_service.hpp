@@ -5,7 +5,7 @@
 
 namespace wholehand {
 
-/// What a page is answered that looks at a recording again.
+/// Answer to a page that replays a recording.
 struct ReplayAnswer {
   int status = 200;
   std::string content_type = "application/json";
@@ -13,7 +13,7 @@ struct ReplayAnswer {
 };
 
 /// Answers a question ("about", "scene", "states?tick=0&count=1&step=1", "series?...") about the
-/// recording at a path. Waits for the disk. Several threads at a time; must not throw.
+/// recording at a path. Waits for the disk. Called from several threads at a time; must not throw.
 using ReplayService =
     std::function<ReplayAnswer(const std::string& path, const std::string& question)>;
 

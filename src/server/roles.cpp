@@ -19,7 +19,7 @@ OrderReply therapistOnly(const char* what) {
   return refused(Refusal::kTherapistOnly, std::string(what) + " is the therapist's");
 }
 
-// Whoever plays alone, on a simulated device, begins by itself: the demo, and practice at home.
+// A player who is alone with a simulated device may begin: the demo, and practice at home.
 OrderReply playerMayBegin(const Order& order, const Standing& now) {
   const bool arms = order.type == OrderType::kArm;
   if (arms && now.own_rest) return needsControls(now);
@@ -43,7 +43,8 @@ bool isCommissioning(const Order& order) {
 
 OrderReply playerMay(const Order& order, const Standing& now) {
   switch (order.type) {
-    case OrderType::kStop:  // rest or stop: gentler than the emergency stop that everybody has
+    case OrderType::kStop:  // rest or stop: gentler than the emergency stop, which everybody may
+                            // order
       return {true, ""};
     case OrderType::kArm:
     case OrderType::kLoadExercise:

@@ -21,9 +21,9 @@ namespace {
 
 constexpr std::size_t kMostConnections = 128;  ///< over plain HTTP
 constexpr unsigned kPageWorkers = 1, kRecordingWorkers = 2;
-/// Two pieces of plots, of recordings side by side, and a moment of each at the same time.
+/// For two recordings side by side: a plot request and a state request of each at the same time.
 constexpr unsigned kReplayWorkers = 4;
-/// That wait for a worker, or for a disk that hangs. Of pages: those of every connection.
+/// Limits of jobs that wait for a worker or a hanging disk. Pages: one per connection.
 constexpr std::size_t kMostPages = kMostConnections, kMostRecordings = 16, kMostReplays = 64;
 
 }  // namespace
@@ -37,7 +37,7 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
         async_log_(options_.log),
         log_([this](const std::string& line) { async_log_.write(line); }) {}
 
-  /// Why the port cannot be had; empty: it listens.
+  /// Opens the port. Returns the reason if that fails; empty: it listens.
   std::string listen() { return network_.listen(options_.address, options_.port); }
 
   void start() {
@@ -51,7 +51,7 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
     if (options_.udp != nullptr) hearDatagrams(*options_.udp);
     Site::Figures figures;
     figures.health = [this] {
-      const Pulse p = pulse();
+      const LoopHealth p = pulse();
       return std::make_pair(healthy(p), healthJson(p));
     };
     figures.metrics = [this] {
@@ -86,7 +86,7 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
   void publish(const TickRecord& record) { mailbox_.put(record, monotonicNow_ns()); }
   std::uint16_t port() const noexcept { return network_.port(); }
   std::string url() const {
-    // "Every address" is none that a browser can go to.
+    // A browser cannot open the wildcard address.
     const bool every = options_.address == "0.0.0.0" || options_.address == "::";
     const std::string address = !every                     ? options_.address
                                 : options_.address == "::" ? "::1"
@@ -112,14 +112,14 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
     if (context_->connections >= kMostConnections) {
       ++traffic_.refused["connections"];
       if (context_->idle.empty()) return;
-      // Whoever holds connections open and asks for nothing keeps nobody out.
+      // Closes the longest idle connection, so that idle connections keep nobody out.
       context_->idle.front()->hangUpIdle();
     }
     std::make_shared<HttpConnection>(std::move(line), *context_)->read();
   }
 
-  Pulse pulse() const {
-    Pulse p;
+  LoopHealth pulse() const {
+    LoopHealth p;
     p.status = backend_.status();
     const std::int64_t newest_ns = mailbox_.newest_ns();
     if (newest_ns != 0) {
@@ -129,14 +129,13 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
     return p;
   }
 
-  // The order matters: what was made last goes first. Connections end with network_.
+  // Destruction order: the reverse of construction. Connections end with network_.
   ServerBackend& backend_;
   ServerOptions options_;
   ControlsArbiter& controls_;
   Traffic traffic_;
   EventMailbox mailbox_;
-  std::optional<ConnectionContext>
-      context_;  ///< connections count themselves out there at their end
+  std::optional<ConnectionContext> context_;  ///< connections deregister from it when they end
   FileWorkers pages_{kPageWorkers, kMostPages};
   FileWorkers recordings_{kRecordingWorkers, kMostRecordings};
   FileWorkers replays_{kReplayWorkers, kMostReplays};

@@ -16,13 +16,13 @@ namespace {
 
 constexpr std::string_view kRecordings = "/api/recordings";
 constexpr std::string_view kReplay = "/replay/";  ///< after a recording's name
-// Hand tracking compiles WebAssembly and starts from blobs; plots and the scene set styles.
+// Hand tracking compiles WebAssembly and starts from blobs; plots and the 3D scene set styles.
 constexpr const char* kPagePolicy =
     "default-src 'self'; script-src 'self' 'wasm-unsafe-eval' blob:; worker-src 'self' blob:; "
     "style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; media-src 'self' blob:; "
     "connect-src 'self' data: blob:; object-src 'none'; base-uri 'none'; form-action 'none'; "
     "frame-ancestors 'none'";
-// A report carries its scripts, styles, fonts and data inside, and asks nobody for anything.
+// A report contains its scripts, styles, fonts and data, and loads nothing.
 constexpr const char* kReportPolicy =
     "default-src 'none'; script-src 'unsafe-inline'; worker-src blob:; style-src 'unsafe-inline'; "
     "img-src data: blob:; font-src data:; base-uri 'none'; form-action 'none'; "
@@ -112,7 +112,7 @@ Site::Site(ServerBackend& backend, std::string web_folder, Access access, Figure
       replay_(std::move(replay)) {}
 
 Site::Needs Site::needsOf(const HttpRequest& request) {
-  // As answer() reads it: an odd spelling of the same path needs the same.
+  // Decodes as answer() does: a differently encoded path needs the same.
   const std::optional<std::string> path = decodedPath(request.path());
   if (!path || *path == "/healthz" || *path == "/metrics" || *path == "/ws") return Needs::kNoFile;
   if (!path->starts_with(kRecordings)) return Needs::kPage;

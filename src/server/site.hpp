@@ -12,7 +12,7 @@
 
 namespace wholehand {
 
-/// What a request asks for, as far as the site looks at it.
+/// The parts of a request that the site uses.
 struct HttpRequest {
   bool get = true;  ///< GET or HEAD
   std::string target;
@@ -23,40 +23,41 @@ struct HttpRequest {
   [[nodiscard]] Credentials credentials() const;
 };
 
-/// What is answered: a text, or a file.
+/// An answer: a text or a file.
 struct HttpAnswer {
   int status = 200;
   std::string content_type;
   std::string body;
-  std::string file;  ///< full path; sent instead of the body where it is not empty
+  std::string file;  ///< full path; when not empty, sent instead of the body
   std::vector<std::pair<std::string, std::string>> headers;
-  std::string refused;  ///< why, for the counters; empty: it was not
+  std::string refused;  ///< reason, for the counters; empty: not refused
 };
 
-/// All that is served over plain HTTP: pages, recordings, reports, health and figures.
+/// Routes of plain HTTP: pages, recordings, reports, health and metrics.
 class Site {
  public:
-  /// What only the server's thread knows.
+  /// Data that only the server's thread can read.
   struct Figures {
     std::function<std::pair<bool, std::string>()> health;  ///< healthy, its JSON
     std::function<std::string()> metrics;
   };
 
-  /// @param replay empty: recordings are not looked at again
+  /// @param replay empty: no replay
   Site(ServerBackend& backend, std::string web_folder, Access access, Figures figures,
        ReplayService replay = {});
 
-  /// What the answer is made of, and so who may make it: the server's thread touches no file.
+  /// What making the answer requires, and so on which thread it is made: the server's thread
+  /// touches no file.
   enum class Needs { kNoFile, kPage, kRecording, kReport, kReplay };
   [[nodiscard]] static Needs needsOf(const HttpRequest& request);
-  /// The answer with all its headers: from the server's thread where it needs no file, else from
-  /// any other, for it waits for the disk.
+  /// Makes the answer with all its headers. On the server's thread when it needs no file; on any
+  /// other thread when it does, since it waits for the disk.
   [[nodiscard]] HttpAnswer answer(const HttpRequest& request) const;
-  /// Refusal of a request for a WebSocket; status 200 where it may have one.
+  /// Judges a request for a WebSocket: its refusal, or status 200.
   [[nodiscard]] HttpAnswer mayConnect(const HttpRequest& request) const;
-  /// Of a client that may have a WebSocket.
+  /// Role granted to a request that may open a WebSocket.
   [[nodiscard]] Role roleOf(const HttpRequest& request) const;
-  /// Set-Cookie for who showed the token in the query, else empty.
+  /// Set-Cookie header for a request that carries the token in its query, else empty.
   [[nodiscard]] std::string cookieFor(const HttpRequest& request) const;
 
  private:
@@ -76,9 +77,9 @@ class Site {
   ReplayService replay_;
 };
 
-/// Says why not, on a small page; counted as `reason`.
+/// Makes a small page that says why a request was refused; counted as `reason`.
 [[nodiscard]] HttpAnswer plainRefusal(int status, const char* reason, const char* why);
-/// A small page of ours that needs no other file.
+/// Makes a small page that needs no other file.
 [[nodiscard]] std::string plainPage(std::string_view title, std::string_view body_html);
 
 }  // namespace wholehand

@@ -13,7 +13,7 @@ HttpAnswer plainRefusal(int status, const char* reason, const char* why) {
   return a;
 }
 
-// The colours and type of the game's own pages, so that an error looks like a part of the house.
+// Uses the colours and fonts of the game's pages.
 std::string plainPage(std::string_view title, std::string_view body_html) {
   return fmt::format(R"(<!doctype html>
 <html lang="en"><head><meta charset="utf-8">

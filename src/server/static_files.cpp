@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kBinary = "application/octet-stream";
-/// Length of the hash that Vite puts before a name's ending.
+/// Length of the hash that Vite puts before a file extension.
 constexpr std::size_t kHash = 8;
 
 std::string_view extension(std::string_view path) {
@@ -50,7 +50,7 @@ const char* mimeType(std::string_view path) {
       {"wav", "audio/wav"},
       {"glb", "model/gltf-binary"},
       {"h5", "application/x-hdf5"},
-  }};  // tflite, binarypb and data are bytes that only their reader knows
+  }};  // tflite, binarypb and data are opaque bytes
   const std::string_view ending = extension(path);
   const auto* found = std::find_if(kTypes.begin(), kTypes.end(),
                                    [&](const auto& type) { return type.first == ending; });

@@ -6,20 +6,20 @@
 
 namespace wholehand {
 
-/// By the name's ending; "application/octet-stream" where it is not known.
+/// MIME type by file extension; "application/octet-stream" when unknown.
 [[nodiscard]] const char* mimeType(std::string_view path);
 
-/// Whether the bundler put a hash of the content into the name ("assets/main-B2xk9_aQ.js"): such a
-/// file never changes.
+/// True when the bundler put a content hash into the name ("assets/main-B2xk9_aQ.js"). Such a file
+/// never changes.
 [[nodiscard]] bool nameHasHash(std::string_view path);
 
-/// A file of a folder, by a decoded path ("/assets/a.js"; a folder stands for its index.html).
-/// Nothing where there is none, where a segment begins with a dot, or where it lies outside the
-/// folder (a link out of it).
+/// Full path of a file within a folder, from a decoded path ("/assets/a.js"; a folder stands for
+/// its index.html). Empty when there is none, when a segment begins with a dot, or when a symbolic
+/// link leads out of the folder.
 [[nodiscard]] std::optional<std::string> fileWithin(const std::string& folder,
                                                     std::string_view path);
 
-/// Changes when the file does: from its size and time.
+/// Entity tag from the file's size and modification time.
 [[nodiscard]] std::string entityTag(const std::string& file);
 
 }  // namespace wholehand

@@ -63,7 +63,7 @@ void safetyMetrics(std::string& out, const LoopStatus& s) {
   }
 }
 
-void loopMetrics(std::string& out, const Pulse& p) {
+void loopMetrics(std::string& out, const LoopHealth& p) {
   const LoopStatus& s = p.status;
   metric(out, "ticks_total", "counter", "Ticks since the session began.",
          static_cast<double>(s.ticks));
@@ -123,12 +123,12 @@ const char* runStateName(RunState state) {
   return i < kNames.size() ? kNames[i] : "unknown";
 }
 
-bool healthy(const Pulse& p) {
+bool healthy(const LoopHealth& p) {
   if (p.status.run_state == RunState::kFaulted) return false;
   return p.status.run_state != RunState::kRendering || p.record_age_s <= kStale_s;
 }
 
-std::string healthJson(const Pulse& p) {
+std::string healthJson(const LoopHealth& p) {
   nlohmann::json json = {{"healthy", healthy(p)},
                          {"run_state", runStateName(p.status.run_state)},
                          {"safety_state", safetyStateName(p.status.safety_state)},
@@ -139,7 +139,7 @@ std::string healthJson(const Pulse& p) {
   return json.dump() + "\n";
 }
 
-std::string metricsText(const Pulse& pulse, const Traffic& t) {
+std::string metricsText(const LoopHealth& pulse, const Traffic& t) {
   std::string out;
   loopMetrics(out, pulse);
   metric(out, "clients", "gauge", "WebSocket clients now.", static_cast<double>(t.clients));

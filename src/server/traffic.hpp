@@ -10,19 +10,19 @@
 
 namespace wholehand {
 
-/// What the server counts of itself. One thread.
+/// Statistics of the server. One thread.
 struct Traffic {
   std::size_t clients = 0;           ///< WebSocket clients now
   std::uint64_t clients_seen = 0;    ///< since the start
   std::uint64_t bytes_sent = 0;      ///< over WebSocket
-  std::uint64_t states_skipped = 0;  ///< states that a busy client did not get
+  std::uint64_t states_skipped = 0;  ///< states not sent because the client was busy
   std::uint64_t http_requests = 0;
-  std::map<std::string, std::uint64_t> dropped;  ///< clients cut off, by reason
-  std::map<std::string, std::uint64_t> refused;  ///< messages and requests, by reason
+  std::map<std::string, std::uint64_t> dropped;  ///< disconnected clients, by reason
+  std::map<std::string, std::uint64_t> refused;  ///< refused messages and requests, by reason
 
-  /// Time from a record's arrival to the end of its write to a client.
+  /// Adds the time from a record's arrival to the end of its write to a client.
   void addAge(std::int64_t age_ns);
-  /// Of the last 4096 ages [s]; 0 without any.
+  /// Quantile of the last 4096 ages [s]; 0 without any.
   [[nodiscard]] double ageQuantile_s(double share) const;
 
  private:
@@ -33,17 +33,17 @@ struct Traffic {
 /// "rendering", "faulted", ...
 [[nodiscard]] const char* runStateName(RunState state);
 
-/// What /healthz and /metrics say beside the loop's status.
-struct Pulse {
+/// Input of /healthz and /metrics beside the loop's status.
+struct LoopHealth {
   LoopStatus status;
-  double record_age_s = -1.0;  ///< of the newest record; negative: none yet
+  double record_age_s = -1.0;  ///< age of the newest record; negative: none yet
   std::uint64_t events_dropped = 0;
 };
 
-/// Whether the loop does what it says it does: not faulted, and while it renders its records come.
-[[nodiscard]] bool healthy(const Pulse& pulse);
-[[nodiscard]] std::string healthJson(const Pulse& pulse);
-/// Prometheus text format 0.0.4.
-[[nodiscard]] std::string metricsText(const Pulse& pulse, const Traffic& traffic);
+/// True when the loop is not faulted and, while it renders, records arrive.
+[[nodiscard]] bool healthy(const LoopHealth& pulse);
+[[nodiscard]] std::string healthJson(const LoopHealth& pulse);
+/// Returns Prometheus text, format 0.0.4.
+[[nodiscard]] std::string metricsText(const LoopHealth& pulse, const Traffic& traffic);
 
 }  // namespace wholehand

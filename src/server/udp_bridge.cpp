@@ -17,15 +17,15 @@ namespace wholehand {
 
 namespace {
 
-/// How often silence is looked at.
+/// Interval of checking for silent games.
 constexpr int kPace_ms = 10;
-/// Age at which figures beside the record are asked for again.
+/// Maximum age of the cached loop status.
 constexpr std::int64_t kStatusAge_ns = 20'000'000;
-/// Without records for so long, the newest one is sent again.
+/// Interval without records after which the newest one is sent again.
 constexpr std::int64_t kIdle_ns = 100'000'000;
 constexpr std::size_t kKeyDigits = 16;
 
-/// From the system's own source: nobody guesses it from the last one.
+/// From the system's random source, so that keys cannot be predicted.
 std::uint64_t newKey() {
   std::random_device random;
   std::uint64_t key = 0;
@@ -55,20 +55,21 @@ struct UdpBridge::Core {
   void run();
   void goRound();
   void receiveAll();
-  void handOver(const udp::Said& said);
+  void handOver(const udp::ReceivedCommand& said);
+  void obeyStop(const udp::ReceivedCommand& stop);
   void sendIdle();
 
   ServerBackend& backend;
   UdpCounters& tally;
   UdpSocket socket;
-  std::mutex mutex;  ///< guards host and listener; nothing else is called while it is held
+  std::mutex mutex;  ///< guards host and listener; no other function is called while it is held
   udp::Host host;
   Listener listener;
   std::uint64_t standalone_key = 0;
   std::atomic<bool> stopping{false};
   std::atomic<std::int64_t> published_ns{0};
   std::thread thread;
-  // publish() only:
+  // used by publish() only
   LoopStatus status;
   std::int64_t status_ns = 0;
 };
@@ -143,13 +144,13 @@ void UdpBridge::publish(const TickRecord& record) {
     core.status = backend_.status();
     core.status_ns = now_ns;
   }
-  // The scene is the other thread's to look at: states do not depend on it, and asked for by two
-  // threads an old one could come back.
+  // Only the other thread updates the scene. States do not depend on it, and with two threads an
+  // older scene could overwrite a newer one.
   const std::lock_guard lock(core.mutex);
   core.host.publish(record, core.status, now_ns);
 }
 
-// An exception here must end neither the process nor the loop in it: all else goes on.
+// An exception here must end neither the process nor the loop in it: everything else continues.
 void UdpBridge::Core::run() {
   while (!stopping) {
     socket.wait(kPace_ms);
@@ -163,15 +164,15 @@ void UdpBridge::Core::run() {
 
 void UdpBridge::Core::goRound() {
   auto scene = backend.scene();
-  std::vector<udp::Said> heard;
+  std::vector<udp::ReceivedCommand> heard;
   {
     const std::lock_guard lock(mutex);
     host.setScene(std::move(scene));
     receiveAll();
     host.advance(monotonicNow_ns());
-    heard = host.takeSaid();
+    heard = host.takeCommands();
   }
-  for (const udp::Said& said : heard) {
+  for (const udp::ReceivedCommand& said : heard) {
     try {
       handOver(said);
     } catch (const std::exception&) {  // the next one may be an emergency stop
@@ -182,10 +183,10 @@ void UdpBridge::Core::goRound() {
 }
 
 void UdpBridge::Core::receiveAll() {
-  // One byte more than is allowed tells what is too long.
+  // One byte more than allowed, to detect datagrams that are too long.
   std::array<std::uint8_t, udp::kLargestDatagram + 1> buffer;
   UdpEndpoint from;
-  // Whoever floods this socket must not keep publish() out for long.
+  // Bounded, so that a flood of this socket cannot keep publish() out for long.
   for (int i = 0; i < 64; ++i) {
     const long n = socket.receive(from, buffer);
     if (n < 0) return;
@@ -194,11 +195,10 @@ void UdpBridge::Core::receiveAll() {
   }
 }
 
-// A stop waits for no other thread; the server judges all else.
-void UdpBridge::Core::handOver(const udp::Said& said) {
+// A stop waits for no other thread; the server judges all other messages.
+void UdpBridge::Core::handOver(const udp::ReceivedCommand& said) {
   if (said.message.stops() && said.message.order.type == OrderType::kEmergencyStop) {
-    ++tally.stops;
-    return backend.order(said.message.order, [](const OrderReply&) {});
+    return obeyStop(said);
   }
   Listener hears;
   {
@@ -208,11 +208,27 @@ void UdpBridge::Core::handOver(const udp::Said& said) {
   if (hears) hears(said.client, said.message);
 }
 
+void UdpBridge::Core::obeyStop(const udp::ReceivedCommand& stop) {
+  const auto finish = [&](bool obeyed) {
+    const std::lock_guard lock(mutex);
+    host.finishStop(stop, obeyed);
+  };
+  ++tally.stops;
+  try {
+    backend.order(stop.message.order, [](const OrderReply&) {});
+  } catch (const std::exception&) {
+    finish(false);
+    throw;
+  }
+  finish(true);
+}
+
 void UdpBridge::Core::sendIdle() {
   const std::int64_t now_ns = monotonicNow_ns();
   if (now_ns - published_ns < kIdle_ns) return;
   published_ns = now_ns;
-  TickRecord record;  // before the first one a state says how the loop is, and nothing of the hand
+  TickRecord record;  // empty before the first record: states then have the loop's status and no
+                      // hand
   (void)backend.latest(record);
   const LoopStatus now = backend.status();
   const std::lock_guard lock(mutex);

@@ -18,25 +18,24 @@ namespace wire {
 struct ClientMessage;
 }
 
-/// How games are spoken to.
+/// Options of the UDP side.
 struct UdpOptions {
   UdpEndpoint local{0x7F000001, kDefaultPort};  ///< 127.0.0.1; port 0: the system chooses
-  std::uint64_t key = 0;  ///< of a game that has no WebSocket; 0: there is none
+  std::uint64_t key = 0;                        ///< of a game without a WebSocket; 0: none expected
 
   static constexpr std::uint16_t kDefaultPort = 8091;
 };
 
-/// Reads a key as it stands behind --udp-key: 16 hexadecimal digits, not all of them 0.
+/// Reads the key of --udp-key: 16 hexadecimal digits, not all of them 0.
 [[nodiscard]] Expected<std::uint64_t> parseUdpKey(const std::string& text);
 
-/// What only the newest of counts, between the program and games: states to them, aims from them,
-/// and emergency stops (docs/udp.md). All else goes by WebSocket, through the server. It has a
-/// thread of its own for what it receives; publish() sends from its caller's. Neither waits, and
-/// neither touches the loop.
+/// Exchanges data of which only the newest matters with games: states to them, aims and emergency
+/// stops from them (docs/udp.md). Everything else goes over the server's WebSocket. It receives on
+/// its own thread; publish() sends from its caller's. Neither waits, and neither touches the loop.
 class UdpBridge {
  public:
   using Client = ControlsArbiter::Client;
-  /// Takes what a client said, but emergency stops; called from the bridge's thread.
+  /// Takes a client's messages, except emergency stops; called on the bridge's thread.
   using Listener = std::function<void(Client, const wire::ClientMessage&)>;
 
   /// Both must outlive the bridge.
@@ -45,34 +44,35 @@ class UdpBridge {
   UdpBridge(const UdpBridge&) = delete;
   UdpBridge& operator=(const UdpBridge&) = delete;
 
-  /// Binds and starts to listen; to be called once, before a server that uses it. Fails for an
-  /// address that cannot be bound.
+  /// Binds the socket and starts to receive. Call once, before a server uses the bridge. Fails when
+  /// the address cannot be bound.
   [[nodiscard]] Expected<Done> start(const UdpOptions& options);
   /// Ends the thread. Idempotent.
   void stop();
 
-  /// Every record of the loop, in order; one thread at a time (telemetry's). Never waits for the
-  /// network: what does not fit into the socket is dropped and counted.
+  /// Sends a record to the games. Call for every record, in order, from one thread at a time
+  /// (telemetry's). Never waits for the network: datagrams that do not fit into the socket buffer
+  /// are dropped and counted.
   void publish(const TickRecord& record);
 
-  /// Where a client sends its datagrams, and what opens them; port 0: nowhere.
+  /// Port and key for a client's datagrams; port 0: none.
   struct Door {
     std::uint16_t port = 0;
     std::uint64_t key = 0;
   };
-  /// A new key for that client. Any thread, as the following.
+  /// Makes a new key for a client. Any thread, as the functions below.
   [[nodiscard]] Door admit(Client client);
-  /// Whether a game without a WebSocket may come.
+  /// True when a game without a WebSocket is expected.
   [[nodiscard]] bool awaitsStandalone() const noexcept;
-  /// It is that client from now on.
+  /// Registers that game as a client.
   void admitStandalone(Client client);
-  /// The client's connection ended, and with it its datagrams.
+  /// Invalidates a client's key when its connection ended.
   void dismiss(Client client);
-  /// Empty: nobody listens any more.
+  /// Sets the listener; empty: none.
   void setListener(Listener listener);
 
   [[nodiscard]] const UdpCounters& counters() const noexcept { return counters_; }
-  /// Where it listens. @pre start() succeeded
+  /// Address it is bound to. @pre start() succeeded
   [[nodiscard]] UdpEndpoint local() const noexcept;
 
  private:

@@ -27,7 +27,7 @@ T get(const std::uint8_t* at) noexcept {
   return value;
 }
 
-/// Of everything but the checksum itself.
+/// CRC-32 of everything except the checksum itself.
 std::uint32_t checksum(std::span<const std::uint8_t> datagram) noexcept {
   const auto bytes = std::as_bytes(datagram), payload = bytes.subspan(kHeaderSize);
   return crc32(crc32(0, bytes.data(), kChecksumAt), payload.data(), payload.size());

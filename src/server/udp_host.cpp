@@ -31,8 +31,8 @@ bool isEmergencyStop(const wire::ClientMessage& m) noexcept {
   return m.type == wire::ClientMessageType::kOrder && m.order.type == OrderType::kEmergencyStop;
 }
 
-/// Only what the next one corrects, or what may be said again until the state shows it, goes by
-/// datagram. A game with a WebSocket says the latter there.
+/// Datagrams carry only messages that the next one supersedes, or that the game repeats until the
+/// state shows their effect. A game with a WebSocket sends the latter over it.
 bool mayBeDatagram(const wire::ClientMessage& m, bool standalone) noexcept {
   if (m.type == wire::ClientMessageType::kTakeControls ||
       m.type == wire::ClientMessageType::kReleaseControls) {
@@ -65,7 +65,7 @@ void Host::dismiss(ControlsArbiter::Client client) {
   countGames();
 }
 
-std::vector<Said> Host::takeSaid() {
+std::vector<ReceivedCommand> Host::takeCommands() {
   return std::exchange(said_, {});
 }
 
@@ -93,24 +93,24 @@ void Host::receive(const UdpEndpoint& from, std::span<const std::uint8_t> bytes,
     }
     message = std::move(*decoded);
   }
-  // However late, and from wherever: a stop too many does no harm.
+  // A late emergency stop, from any address, is obeyed: an unnecessary stop does no harm.
   if (isEmergencyStop(message)) stop(*peer, message);
-  // Who has no WebSocket may begin anew, from 1, once it was gone.
+  // A game without a WebSocket may restart its numbers from 1 after it was gone.
   if ((peer->open || !peer->standalone) && !isNewer(header.sequence, peer->newest)) {
     return counters_.ignore(UdpIgnored::kStale);
   }
   if (!peer->open || peer->endpoint != from) begin(*peer, from);
   follow(*peer, header, now_ns);
   if (!isEmergencyStop(message)) obey(*peer, message, now_ns);
-  // One answer for each datagram, and no longer than it, until the address has proved itself.
-  if (!peer->proved) send(*peer, Kind::kPresent, {}, now_ns);
+  // Until the address is verified, at most one answer per datagram, no longer than it.
+  if (!peer->address_verified) send(*peer, Kind::kPresent, {}, now_ns);
 }
 
 void Host::begin(Peer& peer, const UdpEndpoint& from) {
   peer.open = true;
   peer.endpoint = from;
-  peer.proved = false;
-  peer.told_ns.fill(0);
+  peer.address_verified = false;
+  peer.sent_times_ns.fill(0);
   countGames();
 }
 
@@ -118,9 +118,9 @@ void Host::follow(Peer& peer, const Header& header, std::int64_t now_ns) {
   peer.newest = header.sequence;
   peer.their_ns = header.sent_ns;
   peer.heard_ns = now_ns;
-  const auto& told = peer.told_ns;
+  const auto& told = peer.sent_times_ns;
   if (header.echo_ns != 0 && std::find(told.begin(), told.end(), header.echo_ns) != told.end()) {
-    peer.proved = true;
+    peer.address_verified = true;
   }
   if (header.rate_or_stop == peer.rate_hz) return;
   peer.rate_hz = header.rate_or_stop;
@@ -128,14 +128,22 @@ void Host::follow(Peer& peer, const Header& header, std::int64_t now_ns) {
 }
 
 void Host::stop(Peer& peer, const wire::ClientMessage& message) {
-  if (message.id == peer.last_stop && peer.last_stop != 0) return;  // repeated until it is seen
-  peer.last_stop = message.id;
+  if (message.id == peer.taken_stop && peer.taken_stop != 0) return;  // repeated until acknowledged
   said_.push_back({peer.client, message});
+  peer.taken_stop = message.id;
+}
+
+void Host::finishStop(const ReceivedCommand& stop, bool obeyed) {
+  for (Peer& peer : peers_) {
+    if (peer.client != stop.client) continue;
+    if (obeyed) peer.obeyed_stop = stop.message.id;
+    if (!obeyed && peer.taken_stop == stop.message.id) peer.taken_stop = 0;
+  }
 }
 
 void Host::obey(Peer& peer, const wire::ClientMessage& message, std::int64_t now_ns) {
   constexpr std::int64_t kSecond_ns = 1'000'000'000;
-  if (!peer.proved) return;
+  if (!peer.address_verified) return;
   if (now_ns - peer.second_ns >= kSecond_ns) {
     peer.second_ns = now_ns;
     peer.commands = 0;
@@ -160,7 +168,7 @@ void Host::publish(const TickRecord& record, const LoopStatus& status, std::int6
   if (encoder_ == nullptr) return;
   std::span<const std::uint8_t> state;
   for (Peer& peer : peers_) {
-    if (!peer.proved || now_ns - peer.heard_ns > kGone_ns) continue;
+    if (!peer.address_verified || now_ns - peer.heard_ns > kGone_ns) continue;
     if (!peer.decimator.due(record.tick)) continue;
     if (state.empty()) {
       state = encoder_->encode(record, status, wire::Detail::kCompact, now_ns);
@@ -174,7 +182,7 @@ void Host::publishIdle(const TickRecord& record, const LoopStatus& status, std::
   if (encoder_ == nullptr || counters_.peers == 0) return;
   const auto state = encoder_->encode(record, status, wire::Detail::kCompact, now_ns);
   for (Peer& peer : peers_) {
-    if (!peer.proved || peer.rate_hz == 0 || now_ns - peer.heard_ns > kGone_ns) continue;
+    if (!peer.address_verified || peer.rate_hz == 0 || now_ns - peer.heard_ns > kGone_ns) continue;
     ++counters_.states_sent;
     send(peer, Kind::kState, state, now_ns);
   }
@@ -184,11 +192,12 @@ void Host::advance(std::int64_t now_ns) {
   for (Peer& peer : peers_) {
     if (!peer.open) continue;
     if (now_ns - peer.heard_ns > kGone_ns) {
-      peer.open = peer.proved = false;
-      if (peer.standalone) peer.last_stop = 0;  // it may count its commands from 1 again
+      peer.open = peer.address_verified = false;
+      // A game without a WebSocket may count its commands from 1 again.
+      if (peer.standalone) peer.taken_stop = peer.obeyed_stop = 0;
       ++counters_.peers_lost;
       countGames();
-    } else if (peer.proved && now_ns - peer.sent_ns >= kPresent_ns) {
+    } else if (peer.address_verified && now_ns - peer.sent_ns >= kPresent_ns) {
       send(peer, Kind::kPresent, {}, now_ns);
     }
   }
@@ -206,11 +215,11 @@ void Host::send(Peer& peer, Kind kind, std::span<const std::uint8_t> message, st
   header.holds_controls = controls_.heldBy(peer.client);
   header.key = peer.key;
   header.sequence = ++peer.sequence;
-  header.rate_or_stop = peer.last_stop;
+  header.rate_or_stop = peer.obeyed_stop;
   header.sent_ns = peer.sent_ns = now_ns;
   header.echo_ns = peer.their_ns;
   header.echo_age_us = static_cast<std::uint32_t>((now_ns - peer.heard_ns) / 1000);
-  if (!peer.proved) peer.told_ns[peer.told++ % peer.told_ns.size()] = now_ns;
+  if (!peer.address_verified) peer.sent_times_ns[peer.told++ % peer.sent_times_ns.size()] = now_ns;
   Datagram datagram;
   const std::size_t size = write(datagram, header, message);
   const UdpSent sent = send_(peer.endpoint, {datagram.data(), size});

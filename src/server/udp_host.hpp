@@ -16,46 +16,49 @@
 
 namespace wholehand::udp {
 
-/// What a game said.
-struct Said {
+/// A message from a game.
+struct ReceivedCommand {
   ControlsArbiter::Client client = 0;
   wire::ClientMessage message;
 };
 
-/// The program's side of the conversation with all games: docs/udp.md. Pure of sockets, clocks and
-/// threads: time is an argument, datagrams leave through a function, what games say waits to be
-/// taken. One thread at a time.
+/// The program's side of the conversation with all games: docs/udp.md. Knows no sockets, clocks or
+/// threads: time is an argument, datagrams leave through a function, and the games' messages wait
+/// for takeCommands(). One thread at a time.
 class Host {
  public:
   using Send = std::function<UdpSent(const UdpEndpoint&, std::span<const std::uint8_t>)>;
 
-  /// A game that is silent for longer gets nothing any more.
+  /// Timeout of a silent game; then nothing is sent to it.
   static constexpr std::int64_t kGone_ns = 1'000'000'000;
-  /// Commands of one game in a second: an aim at every tick, and some. Stops pass.
+  /// Limit of a game's commands per second: one aim a tick and a reserve. Stops are exempt.
   static constexpr int kMostCommands = 1200;
-  /// The program says so often at least that it is there.
+  /// Longest interval between two datagrams of the program.
   static constexpr std::int64_t kPresent_ns = 100'000'000;
 
   Host(ControlsArbiter& controls, UdpCounters& counters, Send send);
 
-  /// Who shows the key from now on is that client.
-  /// @param standalone it has no WebSocket
+  /// Assigns a key to a client.
+  /// @param standalone the client has no WebSocket
   void admit(std::uint64_t key, ControlsArbiter::Client client, bool standalone);
-  /// Its key opens nothing any more.
+  /// Invalidates the client's key.
   void dismiss(ControlsArbiter::Client client);
 
-  /// What states of now on belong to.
+  /// Sets the scene of the states that follow.
   void setScene(std::shared_ptr<const SceneFacts> scene);
-  /// A record: its state to whom it is due.
+  /// Sends a record's state to every game that is due for one.
   void publish(const TickRecord& record, const LoopStatus& status, std::int64_t now_ns);
-  /// The newest record once more while none come: games see the run state.
+  /// Repeats the newest record while no new ones arrive, so that games see the run state.
   void publishIdle(const TickRecord& record, const LoopStatus& status, std::int64_t now_ns);
-  /// Any bytes from anybody.
+  /// Handles a datagram: any bytes from any sender.
   void receive(const UdpEndpoint& from, std::span<const std::uint8_t> bytes, std::int64_t now_ns);
-  /// Who is gone, and who has not heard of the program for long. Every ≤ 10 ms.
+  /// Removes silent games and sends the keep-alives that are due. Call at least every 10 ms.
   void advance(std::int64_t now_ns);
-  /// Since the last call, in order: emergency stops, and what the server judges.
-  [[nodiscard]] std::vector<Said> takeSaid();
+  /// Messages since the last call, in order: emergency stops, and orders that the server judges.
+  [[nodiscard]] std::vector<ReceivedCommand> takeCommands();
+  /// Reports the outcome of an emergency stop that takeCommands() returned. Only a stop that was
+  /// obeyed is acknowledged to the game; one that failed is handed on again when it is repeated.
+  void finishStop(const ReceivedCommand& stop, bool obeyed);
 
   [[nodiscard]] const std::vector<Peer>& peers() const noexcept { return peers_; }
 
@@ -72,7 +75,7 @@ class Host {
   UdpCounters& counters_;
   Send send_;
   std::vector<Peer> peers_;
-  std::vector<Said> said_;
+  std::vector<ReceivedCommand> said_;
   std::shared_ptr<const SceneFacts> scene_;
   std::unique_ptr<wire::StateEncoder> encoder_;
   std::uint32_t tick_rate_hz_ = 1000;

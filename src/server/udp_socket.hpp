@@ -20,12 +20,12 @@ struct UdpEndpoint {
 
 /// "127.0.0.1:8090"
 [[nodiscard]] std::string format(const UdpEndpoint& endpoint);
-/// Reads "host:port", or "host" (port 0: any); names are looked up.
+/// Parses "host:port", or "host" (port 0: any). Resolves names.
 [[nodiscard]] Expected<UdpEndpoint> parseUdpEndpoint(const std::string& text);
 
 enum class UdpSent { kSent, kFull, kFailed };
 
-/// A bound socket that never waits to send. One thread may receive while another one sends.
+/// Bound socket whose send never waits. One thread may receive while another sends.
 class UdpSocket {
  public:
   UdpSocket() = default;
@@ -33,16 +33,16 @@ class UdpSocket {
   UdpSocket(const UdpSocket&) = delete;
   UdpSocket& operator=(const UdpSocket&) = delete;
 
-  /// Port 0: the system chooses one.
+  /// Creates and binds the socket. Port 0: the system chooses one.
   [[nodiscard]] Expected<Done> open(const UdpEndpoint& local);
   [[nodiscard]] UdpSent send(const UdpEndpoint& to, std::span<const std::uint8_t> bytes) noexcept;
-  /// The next datagram's length, which may be more than fits into the buffer; -1: none waits.
+  /// Receives a datagram. Returns its length, which may exceed the buffer; -1: none waits.
   [[nodiscard]] long receive(UdpEndpoint& from, std::span<std::uint8_t> buffer) noexcept;
-  /// Waits until a datagram is there, wake() is called, or the time is over.
+  /// Waits until a datagram arrives, wake() is called, or the timeout expires.
   void wait(int timeout_ms) noexcept;
-  /// Ends a wait, also the next one. Any thread.
+  /// Ends the current wait, or the next one. Any thread.
   void wake() noexcept;
-  /// Where it is bound. @pre open() succeeded
+  /// Address it is bound to. @pre open() succeeded
   [[nodiscard]] UdpEndpoint local() const noexcept;
 
  private:

@@ -17,7 +17,7 @@ namespace websocket = boost::beast::websocket;
 void acceptWebSocket(Tcp::socket socket, const UpgradeRequest& request, std::string cookie,
                      std::size_t largest_bytes,
                      std::function<void(std::unique_ptr<WebSocketStream>)> then) {
-  // A small buffer of the kernel: a client that does not read is noticed within seconds.
+  // A small kernel buffer, so that a client that does not read is noticed within seconds.
   constexpr int kSendBuffer_bytes = 64 * 1024;
   ErrorCode ignored;
   socket.set_option(net::socket_base::send_buffer_size(kSendBuffer_bytes), ignored);

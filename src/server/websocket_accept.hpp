@@ -15,11 +15,11 @@ namespace wholehand {
 
 using UpgradeRequest = boost::beast::http::request<boost::beast::http::empty_body>;
 
-/// Answers a request for a WebSocket over its socket, on the socket's thread; does not block.
-/// @param request may go when this returns
+/// Performs the WebSocket handshake on a socket, on the socket's thread; does not block.
+/// @param request may be destroyed after the call
 /// @param cookie to set; empty: none
-/// @param largest_bytes of a message of the client; the connection ends where it sends more
-/// @param then called later, once; with null where it failed
+/// @param largest_bytes limit for a client's message; a larger one ends the connection
+/// @param then called later, once; with null on failure
 void acceptWebSocket(Tcp::socket socket, const UpgradeRequest& request, std::string cookie,
                      std::size_t largest_bytes,
                      std::function<void(std::unique_ptr<WebSocketStream>)> then);

@@ -32,13 +32,13 @@ bool WebSocketLine::offer(SharedBytes state, std::int64_t arrived_ns) {
 
 void WebSocketLine::read() {
   stream_->read(
-      [self = shared_from_this()](const WebSocketHeard& heard) { self->haveRead(heard); });
+      [self = shared_from_this()](const ReceivedMessage& heard) { self->haveRead(heard); });
 }
 
-void WebSocketLine::haveRead(const WebSocketHeard& heard) {
+void WebSocketLine::haveRead(const ReceivedMessage& heard) {
   const std::int64_t now_ns = monotonicNow_ns();
-  if (heard.what == WebSocketHeard::What::kTooLarge) clients_.saidTooMuch(number_, now_ns);
-  if (heard.what != WebSocketHeard::What::kMessage) {
+  if (heard.what == ReceivedMessage::What::kTooLarge) clients_.refuseOversized(number_, now_ns);
+  if (heard.what != ReceivedMessage::What::kMessage) {
     clients_.leave(number_, now_ns);
     return;
   }

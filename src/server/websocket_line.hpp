@@ -12,15 +12,15 @@
 
 namespace wholehand {
 
-/// A client over WebSocket. Lives while one of its operations does, or while `clients` knows it.
-/// The server's thread only.
+/// A client's WebSocket connection. Lives while one of its operations is pending, or while
+/// `clients` holds it. Server's thread only.
 class WebSocketLine final : public ClientLine, public std::enable_shared_from_this<WebSocketLine> {
  public:
   /// @pre clients and traffic outlive every operation
   WebSocketLine(std::unique_ptr<WebSocketStream> stream, std::string address, Clients& clients,
                 Traffic& traffic);
 
-  /// Joins the clients, and listens.
+  /// Joins the clients and starts to read.
   void join(Role role);
 
   void deliver(SharedBytes message) override;
@@ -32,7 +32,7 @@ class WebSocketLine final : public ClientLine, public std::enable_shared_from_th
 
  private:
   void read();
-  void haveRead(const WebSocketHeard& heard);
+  void haveRead(const ReceivedMessage& heard);
   void writeNext();
   void write(SharedBytes message);
   void haveWritten(bool sent);
@@ -44,8 +44,8 @@ class WebSocketLine final : public ClientLine, public std::enable_shared_from_th
   std::uint32_t number_ = 0;
   std::deque<SharedBytes> queue_;
   SharedBytes writing_;
-  std::int64_t since_ns_ = 0;    ///< when writing_ was begun
-  std::int64_t arrived_ns_ = 0;  ///< of the state in writing_; 0: it is something else
+  std::int64_t since_ns_ = 0;    ///< start of the current write
+  std::int64_t arrived_ns_ = 0;  ///< arrival of the state in writing_; 0: not a state
 };
 
 }  // namespace wholehand

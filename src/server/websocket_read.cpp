@@ -4,12 +4,12 @@
 
 namespace wholehand {
 
-void WebSocketStream::read(std::function<void(const WebSocketHeard&)> then) {
+void WebSocketStream::read(std::function<void(const ReceivedMessage&)> then) {
   socket_->buffer.clear();
   socket_->stream.async_read(
       socket_->buffer, [this, then = std::move(then)](ErrorCode error, std::size_t) {
-        using What = WebSocketHeard::What;
-        WebSocketHeard heard;
+        using What = ReceivedMessage::What;
+        ReceivedMessage heard;
         if (error == boost::beast::websocket::error::message_too_big) {
           heard.what = What::kTooLarge;
         } else if (!error) {

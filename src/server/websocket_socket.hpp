@@ -8,8 +8,8 @@
 
 namespace wholehand {
 
-/// For the websocket_*.cpp only. Accepting, reading and writing are sources of their own: each
-/// takes seconds to compile. Without compression: it was never offered, and takes as long again.
+/// For websocket_*.cpp only. Accepting, reading and writing are separate sources, since each takes
+/// seconds to compile. Compression is not offered; it would double that time.
 class WebSocketStream::Socket {
  public:
   explicit Socket(Tcp::socket connected);
@@ -18,7 +18,7 @@ class WebSocketStream::Socket {
   Socket& operator=(const Socket&) = delete;
 
   boost::beast::websocket::stream<Tcp::socket, false> stream;
-  boost::beast::flat_buffer buffer;  ///< the message that was read last
+  boost::beast::flat_buffer buffer;  ///< the last message read
 };
 
 }  // namespace wholehand

@@ -7,33 +7,33 @@
 
 namespace wholehand {
 
-/// A message that came over a WebSocket, or why none comes any more.
-struct WebSocketHeard {
+/// A received WebSocket message, or why reading ended.
+struct ReceivedMessage {
   enum class What { kMessage, kTooLarge, kEnd };
   What what = What::kEnd;
   std::span<const std::uint8_t> bytes = {};  ///< valid until the next read
   bool text = false;
 };
 
-/// One accepted WebSocket: whole messages in, whole messages out; it pings, and ends itself where
-/// the client is silent for 20 s. The server's thread only. No call blocks.
+/// An accepted WebSocket that reads and writes whole messages. It sends pings, and closes when the
+/// client is silent for 20 s. Server's thread only. No call blocks.
 ///
 /// `then` is called later from the same thread, once. One read and one write at a time.
 /// @pre `then` keeps the stream alive.
 class WebSocketStream {
  public:
-  class Socket;  ///< Beast's
+  class Socket;  ///< wraps Beast's stream
 
   explicit WebSocketStream(std::unique_ptr<Socket> socket);
   ~WebSocketStream();
   WebSocketStream(const WebSocketStream&) = delete;
   WebSocketStream& operator=(const WebSocketStream&) = delete;
 
-  void read(std::function<void(const WebSocketHeard&)> then);
-  /// @param message stays as it is until `then`
-  /// @param then is told whether all of it was sent; if not, the connection has ended
+  void read(std::function<void(const ReceivedMessage&)> then);
+  /// @param message must stay valid until `then`
+  /// @param then gets true when all was sent; false when the connection has ended
   void write(std::span<const std::uint8_t> message, std::function<void(bool sent)> then);
-  /// Ends the connection at once.
+  /// Closes the connection at once.
   void cut();
 
  private:

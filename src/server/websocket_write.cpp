@@ -4,7 +4,8 @@
 
 namespace wholehand {
 
-// Here, not in the class: else every operation that holds a socket compiles its end anew.
+// Defined here: inline in the class, every operation that holds a socket would compile the
+// destructor again.
 WebSocketStream::Socket::Socket(Tcp::socket connected) : stream(std::move(connected)) {}
 
 WebSocketStream::Socket::~Socket() = default;

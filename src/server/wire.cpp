@@ -10,11 +10,11 @@ namespace wholehand::wire {
 
 namespace {
 
-/// More axes than this, and a compact state leaves out what a game can do without, so that it
-/// always fits into a datagram.
+/// With more axes than this, a compact state omits what a game can do without, so that it always
+/// fits into a datagram.
 constexpr int kAxesThatFitDatagram = 9;
 
-/// The arrays of a state, made before the table that names them.
+/// The arrays of a state; FlatBuffers needs them before the table that refers to them.
 struct Arrays {
   VectorOffset<float> q_m, q_s, qd_s, theta, intention, coupling, exercise_effort, damping, sent,
       phi;
@@ -101,7 +101,7 @@ void addArrays(fb::WorldStateBuilder& out, const Arrays& a) {
   out.add_q_s(a.q_s);
   out.add_qd_s(a.qd_s);
   out.add_theta(a.theta);
-  out.add_intention(a.intention);  // nothing is added for an array that was not made
+  out.add_intention(a.intention);  // add_* ignores an array that was not made
   out.add_coupling(a.coupling);
   out.add_exercise_effort(a.exercise_effort);
   out.add_damping(a.damping);
@@ -131,7 +131,7 @@ Offset<fb::WorldState> makeState(Builder& b, const TickRecord& r, const LoopStat
                                  std::int64_t sent_monotonic_ns) {
   const fb::Statistics statistics = statisticsToWire(status);
   fb::WorldStateBuilder out(b);
-  // The large ones first: no bytes are lost to alignment between them.
+  // Large fields first: no padding between them.
   out.add_tick(r.tick);
   out.add_time_s(r.time_s);
   out.add_sent_monotonic_ns(sent_monotonic_ns);
@@ -178,7 +178,7 @@ std::span<const std::uint8_t> StateEncoder::encode(const TickRecord& record,
   Builder& b = buffer_->builder;
   b.Clear();
   Arrays arrays = makeArrays(b, record, status, detail);
-  // A record from before the scene was changed may have other joints: then there are no links.
+  // A record from before a scene change may have other joints: then without links.
   const HandModel& hand = scene_->hand;
   if (detail != Detail::kCompact && hand.joint_count > 0 &&
       record.theta.size() == hand.joint_count) {
@@ -202,7 +202,7 @@ Bytes eventsMessage(std::span<const NumberedEvent> events) {
 }
 
 Bytes welcomeMessage(std::uint32_t client, bool controls, const std::string& program_version,
-                     const DatagramDoor& door) {
+                     const UdpAccess& door) {
   Builder b;
   const auto version = b.CreateString(program_version);
   finish(b, fb::CreateWelcome(b, kSchemaVersion, client, controls, version, door.port, door.key),

@@ -13,21 +13,21 @@
 #include <string>
 #include <vector>
 
-// Messages of protocol/wholehand.fbs: the only place that knows FlatBuffers.
+// Encoding and decoding of protocol/wholehand.fbs. Only this code knows FlatBuffers.
 namespace wholehand::wire {
 
-/// Counts changes of the schema that older clients cannot read.
+/// Version of the schema; counts incompatible changes.
 inline constexpr std::uint16_t kSchemaVersion = 1;
 
 /// How much of a record a WorldState carries.
 enum class Detail {
-  kFull,     ///< all of it: the browser
-  kCompact,  ///< hand coordinates, joints, efforts, values; no links, bodies, contacts: fits a
-             ///< datagram
-  kRecorded  ///< all that a record holds, without what the loop says of itself beside it: a replay
+  kFull,     ///< everything: for the browser
+  kCompact,  ///< hand coordinates, joints, efforts, values; without links, bodies and contacts.
+             ///< Fits into a datagram
+  kRecorded  ///< everything in the record, without the loop's status: for a replay
 };
 
-/// Encodes one scene's states. Allocates only while its buffer grows. One thread.
+/// Encodes the states of one scene. Allocates only while its buffer grows. One thread.
 class StateEncoder {
  public:
   explicit StateEncoder(std::shared_ptr<const SceneFacts> scene);
@@ -35,7 +35,7 @@ class StateEncoder {
   StateEncoder(const StateEncoder&) = delete;
   StateEncoder& operator=(const StateEncoder&) = delete;
 
-  /// The message; valid until the next call.
+  /// Encodes a state; the bytes are valid until the next call.
   [[nodiscard]] std::span<const std::uint8_t> encode(const TickRecord& record,
                                                      const LoopStatus& status, Detail detail,
                                                      std::int64_t sent_monotonic_ns);
@@ -56,15 +56,14 @@ struct NumberedEvent {
 
 [[nodiscard]] Bytes sceneMessage(const SceneFacts& scene);
 [[nodiscard]] Bytes eventsMessage(std::span<const NumberedEvent> events);
-/// Where a client may send datagrams, and the key to them; port 0: nowhere.
-struct DatagramDoor {
+/// Port and key for a client's datagrams; port 0: none.
+struct UdpAccess {
   std::uint16_t port = 0;
   std::uint64_t key = 0;
 };
 [[nodiscard]] Bytes welcomeMessage(std::uint32_t client, bool controls,
-                                   const std::string& program_version,
-                                   const DatagramDoor& door = {});
-/// Who has the controls, as one client is told.
+                                   const std::string& program_version, const UdpAccess& door = {});
+/// Holder of the controls, as told to one client.
 struct ControlsFacts {
   bool held_by_you = false, held = false;
   Role your_role = Role::kUnsaid, holder_role = Role::kUnsaid;
@@ -74,7 +73,7 @@ struct ControlsFacts {
 [[nodiscard]] Bytes commissioningMessage(const CommissioningFacts& facts);
 [[nodiscard]] Bytes replyMessage(std::uint32_t command, const OrderReply& reply);
 
-/// What a client may say.
+/// Messages that a client may send.
 enum class ClientMessageType { kOrder, kTakeControls, kReleaseControls, kHeartbeat };
 
 struct ClientMessage {
@@ -83,12 +82,12 @@ struct ClientMessage {
   Order order;
   std::string token;  ///< kTakeControls
 
-  /// A stop of either kind: whatever else a client sends, it is heard.
+  /// True for a stop of either kind, which is accepted from every client at any time.
   [[nodiscard]] bool stops() const noexcept {
     return type == ClientMessageType::kOrder &&
            (order.type == OrderType::kStop || order.type == OrderType::kEmergencyStop);
   }
-  /// Comes by the hundred, and the next one corrects it: nobody waits for its answer.
+  /// True for messages that repeat at a high rate, so that no client waits for a reply.
   [[nodiscard]] bool streams() const noexcept {
     return type == ClientMessageType::kHeartbeat ||
            (type == ClientMessageType::kOrder &&
@@ -96,18 +95,18 @@ struct ClientMessage {
   }
 };
 
-/// By the schema's name: "EmergencyStop".
+/// Name in the schema, e.g. "EmergencyStop".
 [[nodiscard]] const char* nameOf(const ClientMessage& message) noexcept;
 
-/// The largest message a client may send [bytes].
+/// Limit for a client's message [bytes].
 inline constexpr std::size_t kLargestClientMessage = 4096;
 
-/// Verifies and decodes; the reason where it is refused: too large, not a message, another schema
-/// version, not for the program, unknown enum, a number that is not finite, more axes than there
-/// can be.
+/// Verifies and decodes a message. Refuses one that is too large, malformed, of another schema
+/// version or direction, has an unknown enum or a number that is not finite, or more axes than
+/// possible.
 [[nodiscard]] Expected<ClientMessage> decode(std::span<const std::uint8_t> message);
 
-/// What decode() refused, as clients are told.
+/// Refusal code for clients, from the errors of decode().
 [[nodiscard]] Refusal refusalOf(const Diagnostics& errors);
 
 }  // namespace wholehand::wire

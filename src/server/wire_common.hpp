@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-// What the files of the wire share. FlatBuffers shows here, hence for src/server/wire*.cpp only.
+// Helpers shared by src/server/wire*.cpp. It exposes FlatBuffers, so nothing else may include it.
 namespace wholehand::wire {
 
 namespace fb = wholehand::protocol;
@@ -37,8 +37,8 @@ inline fb::Pose toWire(const Pose& pose) {
   return {toWire(pose.translation_m), toWire(QuatXyzw::from(Eigen::Quaterniond(pose.rotation)))};
 }
 
-/// A vector of floats from any range of doubles with data() and size(), without other memory than
-/// the builder's.
+/// Writes doubles from a range with data() and size() as a vector of floats, within the builder's
+/// memory.
 template <class Range>
 VectorOffset<float> floats(Builder& b, const Range& values) {
   float* out = nullptr;
@@ -51,7 +51,7 @@ VectorOffset<float> floats(Builder& b, const Range& values) {
   return offset;
 }
 
-/// The finished message around a payload.
+/// Finishes a message around a payload.
 template <class T>
 void finish(Builder& b, Offset<T> payload, std::uint16_t schema_version) {
   b.Finish(fb::CreateMessage(b, schema_version, fb::PayloadTraits<T>::enum_value, payload.Union()),

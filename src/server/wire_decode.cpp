@@ -9,9 +9,9 @@ namespace wholehand::wire {
 
 namespace {
 
-/// Deepest nesting and most tables of what a client may say: Message, Command, its order.
+/// Limits of nesting depth and number of tables of a client message: Message, Command, its order.
 constexpr flatbuffers::uoffset_t kDepth = 8, kTables = 8;
-/// The smallest thing that can be looked at: root offset and identifier.
+/// Smallest message: root offset and identifier.
 constexpr std::size_t kSmallestMessage = 8;
 constexpr const char* kVersionKey = "schema_version";
 
@@ -159,7 +159,7 @@ Expected<ClientMessage> decodePayload(const fb::Message& message) {
                        ": reload the page, or bring "
                        "client and program to the same version");
   }
-  // Both null checks are needed: an absent union verifies as well.
+  // Both null checks are needed: an absent union passes verification.
   if (const fb::Command* command = message.payload_as_Command()) {
     if (command->order_type() != fb::Order::NONE && command->order() == nullptr) {
       return refusal("order", "", "is missing", "");
@@ -177,7 +177,7 @@ Expected<ClientMessage> decode(std::span<const std::uint8_t> message) {
     return refusal("size", std::to_string(message.size()) + " bytes", "is too large",
                    "must be at most " + std::to_string(kLargestClientMessage) + " bytes");
   }
-  // Numbers are read in place: they lie as the format aligns them only in memory of ours.
+  // Numbers are read in place, and are aligned as in the format only in our own buffer.
   alignas(16) std::array<std::uint8_t, kLargestClientMessage> bytes;
   if (!message.empty()) std::memcpy(bytes.data(), message.data(), message.size());
   if (message.size() < kSmallestMessage || !fb::MessageBufferHasIdentifier(bytes.data())) {

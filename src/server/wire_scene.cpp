@@ -26,7 +26,7 @@ Offset<fb::Shape> shapeToWire(Builder& b, const Shape& shape, const Eigen::Vecto
     }
     triangles = b.CreateVector(t);
   }
-  // A state says where the centre of mass is: shapes are placed about it.
+  // A state gives the position of the centre of mass, so shapes are placed relative to it.
   Pose about_com = shape.in_body;
   about_com.translation_m -= com_m;
   const fb::Vec3 half = toWire(shape.half_extents_m);
@@ -130,7 +130,7 @@ std::vector<std::string> faultNames() {
   return names;
 }
 
-/// Offsets of all that a Scene is made of; a table is begun only when its parts are finished.
+/// Offsets of a Scene's parts; FlatBuffers needs them before its table is begun.
 struct SceneParts {
   Offset<flatbuffers::String> program_version, scene_name, hand_name, device_name, patient_name;
   Offset<flatbuffers::String> exercise_name, exercise_json, recording;

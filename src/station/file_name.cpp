@@ -5,7 +5,7 @@
 namespace wholehand {
 namespace {
 
-/// Bytes from 0x80 on are parts of characters: printable() lets no others through.
+/// Bytes from 0x80 on are parts of characters; printable() has removed all invalid ones.
 bool stays(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
          static_cast<unsigned char>(c) >= 0x80;

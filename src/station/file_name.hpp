@@ -6,9 +6,9 @@
 
 namespace wholehand {
 
-/// A part of a file's name that every file system takes: letters (of any script), digits and _
-/// stay, each run of other characters becomes one -, and at most `most_bytes` bytes of whole
-/// characters are kept. Empty where nothing of the text can stay.
+/// Makes a part of a file name that every file system accepts: letters (of any script), digits and
+/// _ stay, each run of other characters becomes one -, and at most `most_bytes` bytes of whole
+/// characters are kept. Empty when no character of the text can stay.
 [[nodiscard]] std::string fileNamePart(std::string_view text, std::size_t most_bytes = 60);
 
 }  // namespace wholehand

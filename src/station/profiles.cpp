@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kLongestName = 60;
-const std::vector<std::string> kHelps = {"full", "some", "none"};  // from Help::kFull on
+const std::vector<std::string> kHelps = {"full", "some", "none"};  // from Help::kFull
 
 bool isNamePart(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
@@ -35,7 +35,7 @@ std::string helpLine(Help help) {
   return "help = \"" + kHelps.at(index) + "\"\n";
 }
 
-// Profiles from before have none.
+// Older profiles have no such key.
 Help readHelp(TomlTable& root) {
   if (!root.has("help")) return Help::kUnsaid;
   const auto found = std::find(kHelps.begin(), kHelps.end(), root.choice("help", kHelps));

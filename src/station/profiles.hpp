@@ -10,30 +10,31 @@
 
 namespace wholehand {
 
-/// What a therapist has set for one patient.
+/// A therapist's settings for one patient.
 struct Profile {
-  std::string name;      ///< of the patient, as its file: letters, digits, '-' and '_'
-  std::string device;    ///< of the device file
+  std::string name;      ///< name of the patient and of the file: letters, digits, '-' and '_'
+  std::string device;    ///< name in the device file
   std::string side;      ///< "right" or "left"
-  std::string hand;      ///< file of the hands folder, without .toml: side and size
+  std::string hand;      ///< file of the hands folder without .toml; gives side and size
   std::string exercise;  ///< file of the exercises folder, without .toml
   int level = 1;
-  Help help = Help::kUnsaid;                 ///< what pages do for the player; kUnsaid: no such key
-  std::map<std::string, double> parameters;  ///< live ones, by name, in their own units
+  Help help = Help::kUnsaid;                 ///< help of the pages for the player; kUnsaid: no such
+                                             ///< key
+  std::map<std::string, double> parameters;  ///< live parameters by name, in their own units
 };
 
-/// A folder of profiles, one TOML file each, which a person may read and mend. Not real-time safe.
+/// A folder of profiles, one TOML file each, which people may read and edit. Not real-time safe.
 class Profiles {
  public:
-  /// @param folder made when the first profile is; empty: none are kept
+  /// @param folder created with the first profile; empty: no profiles are kept
   explicit Profiles(std::string folder) : folder_(std::move(folder)) {}
 
   [[nodiscard]] bool kept() const { return !folder_.empty(); }
-  /// Names, sorted. Files of another kind are left out.
+  /// Names, sorted; other files are skipped.
   [[nodiscard]] std::vector<std::string> list() const;
-  /// Replaces the one of this name; nothing half-written.
+  /// Writes or replaces the profile of this name, atomically.
   [[nodiscard]] Expected<Done> save(const Profile& profile) const;
-  /// Every fault of the file at once.
+  /// Reads a profile, or returns every fault of the file.
   [[nodiscard]] Expected<Profile> load(const std::string& name) const;
 
  private:
@@ -41,7 +42,7 @@ class Profiles {
   std::string folder_;
 };
 
-/// Whether it may be the name of a profile: 1 to 60 letters, digits, '-' and '_'.
+/// True for a valid profile name: 1 to 60 letters, digits, '-' and '_'.
 [[nodiscard]] bool isProfileName(const std::string& name);
 
 }  // namespace wholehand

@@ -8,7 +8,7 @@
 namespace wholehand {
 namespace {
 
-/// A recording may claim texts of 2 GB.
+/// A recording may claim texts of up to 2 GB.
 constexpr std::uint64_t kMemory_bytes = 2ULL << 30;
 
 }  // namespace

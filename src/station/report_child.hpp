@@ -8,20 +8,20 @@
 
 namespace wholehand {
 
-/// Makes report pages in a process of its own: HDF5 may be writing in this one, and a page takes
-/// seconds of a core, and a stranger's file may end its reader. That process runs at the lowest
-/// priority of CPU and disk, within limits of time and memory, and never keeps this program from
-/// ending. Any thread.
+/// Makes report pages in a child process: HDF5 may be writing in this one, a page takes seconds of
+/// CPU time, and a malicious file may crash its reader. The child runs at the lowest CPU and disk
+/// priority, within limits of time and memory, and never keeps this program from exiting. Any
+/// thread.
 class ReportChild {
  public:
-  /// @param program that is run as `program report RECORDING --out FOLDER`; empty: this one
+  /// @param program run as `program report RECORDING --out FOLDER`; empty: this program
   explicit ReportChild(std::string program = {},
                        std::chrono::milliseconds longest = std::chrono::minutes(2))
       : program_(std::move(program)), longest_(longest) {}
 
-  /// Waits for the page, or for what ends its making: the time limit, end(), Ctrl-C.
+  /// Waits for the page, or until the time limit, end() or Ctrl-C ends the child.
   [[nodiscard]] Expected<Done> make(const std::string& recording, const std::string& folder);
-  /// Ends the processes under way; none is begun any more.
+  /// Ends the running children; no new one is started.
   void end() noexcept { ending_.store(true); }
 
  private:

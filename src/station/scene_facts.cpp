@@ -9,7 +9,7 @@
 namespace wholehand {
 namespace {
 
-/// What an exercise has to know of the person's own arm and hand stands with the person's.
+/// Parameters of the person's arm and hand are shown in the person's group.
 LiveParameterGroup groupOf(const std::string& name, LiveParameterGroup usual) {
   if (name.starts_with("reach_")) return LiveParameterGroup::kPatient;
   return name.starts_with("fingers_") ? LiveParameterGroup::kHand : usual;
@@ -32,7 +32,7 @@ SceneFacts sceneFacts(const Models& models, double period_s) {
   facts.scene = models.scene;
   facts.patient_name = models.patient.name;
   facts.period_s = period_s;
-  // The renderer's own come first, as in TickRecord::parameters.
+  // The renderer's own parameters come first, as in TickRecord::parameters.
   publish(LiveSettings(models.device, makeAdaptiveDamping(models.device, models.rendering))
               .parameters(),
           LiveParameterGroup::kPatient, facts);

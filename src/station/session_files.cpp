@@ -17,13 +17,13 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kExtension = ".h5";
-constexpr std::uintmax_t kLargestNote_bytes = 65536;  // ours have some 200
+constexpr std::uintmax_t kLargestNote_bytes = 65536;  // ours are about 200 bytes
 
 std::string notePath(const fs::path& recording) {
   return recording.string() + ".json";
 }
 
-// What was noted of it; a note that is missing or damaged leaves the entry as it is.
+// Reads a recording's JSON file; a missing or damaged one leaves the entry unchanged.
 void readNote(const fs::path& recording, RecordingEntry& entry) {
   std::error_code error;
   if (fs::file_size(notePath(recording), error) > kLargestNote_bytes || error) return;
@@ -74,7 +74,7 @@ void SessionFiles::note(const std::string& path, const std::string& title,
                                {"created_utc", began_utc},
                                {"duration_s", duration_s},
                                {"ticks_missing", ticks_missing}};
-  (void)writeText(notePath(path), note.dump(2) + "\n");  // the list then shows the file alone
+  (void)writeText(notePath(path), note.dump(2) + "\n");  // else the list shows the file alone
 }
 
 std::vector<RecordingEntry> SessionFiles::list(const std::string& being_written) const {
@@ -83,7 +83,7 @@ std::vector<RecordingEntry> SessionFiles::list(const std::string& being_written)
   for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
     const fs::path& path = it->path();
     if (path.extension() != kExtension) continue;
-    std::error_code gone;  // and links, which path() gives nobody
+    std::error_code gone;  // skips symbolic links too, which path() refuses
     if (!fs::is_regular_file(it->symlink_status(gone))) continue;
     RecordingEntry entry;
     entry.name = path.filename().string();

@@ -8,36 +8,35 @@
 
 namespace wholehand {
 
-/// ISO 8601, to the second.
+/// Current UTC time, ISO 8601, to the second.
 [[nodiscard]] std::string utcNow();
 
-/// The folder in which a station keeps its recordings. Beside each a small JSON file says what a
-/// list shows of it, so that a list opens no HDF5 file while another is being written.
+/// The folder in which a station keeps its recordings. A small JSON file beside each holds what
+/// lists show, so that listing opens no HDF5 file while another is being written.
 class SessionFiles {
  public:
-  /// @param folder made when the first recording is; empty: nothing is kept
+  /// @param folder created with the first recording; empty: no recordings are kept
   explicit SessionFiles(std::string folder) : folder_(std::move(folder)) {}
 
   [[nodiscard]] bool kept() const { return !folder_.empty(); }
-  /// A path for a new recording: "<folder>/20261120-093812-p-014-cocktail-bar-level-1.h5", time
-  /// first, so that a list by name is one by time. Makes the folder; empty where it cannot.
-  /// @param person the profile that is loaded; empty: none is
+  /// Path for a new recording: "<folder>/20261120-093812-p-014-cocktail-bar-level-1.h5". The time
+  /// comes first, so that sorting by name sorts by time. Creates the folder; empty when that fails.
+  /// @param person the loaded profile; empty: none
   [[nodiscard]] std::string nameNew(const std::string& person, const std::string& exercise,
                                     int level) const;
-  /// Notes what a finished recording holds; nothing of one that lies elsewhere.
+  /// Writes the JSON file of a finished recording; does nothing for one outside the folder.
   void note(const std::string& path, const std::string& title, const std::string& began_utc,
             double duration_s, std::uint64_t ticks_missing) const;
-  /// Newest first; those that nobody noted with what their file tells.
-  /// @param being_written path of the recording that is being written, which is listed wherever it
-  /// lies; empty: none
+  /// Recordings, newest first. Those without a JSON file are described from their HDF5 file.
+  /// @param being_written path of the recording in progress, which is listed wherever it is; empty:
+  /// none
   [[nodiscard]] std::vector<RecordingEntry> list(const std::string& being_written) const;
-  /// Path of a recording in the folder, or of the one that is being written; empty for any name
-  /// that is none.
+  /// Path of a recording in the folder, or of the one in progress; empty for any other name.
   [[nodiscard]] std::string path(const std::string& name, const std::string& being_written) const;
 
  private:
-  /// Where it lies outside the folder; empty where it does not, or where one in the folder has its
-  /// name.
+  /// Path of the recording in progress if it is outside the folder and no recording in the folder
+  /// has its name; else empty.
   [[nodiscard]] std::string outsidePath(const std::string& being_written) const;
 
   std::string folder_;

@@ -1,4 +1,4 @@
-// From an order to arm to a loop that runs: all on the thread that runs the station.
+// From an order to arm to a running loop: all on the station's main thread.
 #include "assembly/kept_black_box.hpp"
 #include "patient/steered_player.hpp"
 #include "runtime/interrupt_scope.hpp"
@@ -20,7 +20,7 @@ OrderReply stopCame() {
 
 }  // namespace
 
-// What a therapist has set, where it is still in range; their own values otherwise.
+// A therapist's values that are in range, and the defaults of the others.
 std::vector<double> Station::Core::parametersAtStart() {
   const std::lock_guard lock(mutex_);
   std::vector<double> values;
@@ -36,7 +36,7 @@ bool Station::Core::stoppedSince(std::uint64_t asked) const {
   return stop_asked_ > asked || quit_ || InterruptScope::interrupted();
 }
 
-// Before the first force of what was loaded. One order after `asked` that stops ends it.
+// Rehearses the loaded models before their first force. A stop ordered after `asked` cancels it.
 Expected<Rehearsal> Station::Core::rehearsalOf(const Models& models, const AxisPosition& start,
                                                std::uint64_t asked) const {
   RehearsalOptions options = config_.rehearsal;
@@ -46,7 +46,8 @@ Expected<Rehearsal> Station::Core::rehearsalOf(const Models& models, const AxisP
   return rehearsal;
 }
 
-// What is to be loaded while something renders; a stop that comes lets it be loaded unrehearsed.
+// Rehearses the next models while the loop renders; a stop cancels it, and they are loaded
+// unrehearsed.
 OrderReply Station::Core::rehearseNext(const Models& models, std::optional<Rehearsal>& passed) {
   const std::uint64_t asked = [this] {
     const std::lock_guard lock(mutex_);
@@ -74,12 +75,12 @@ OrderReply Station::Core::arm(std::uint64_t asked, const std::string& record,
     auto rehearsal = rehearsalOf(models_, player->start(), asked);
     if (stoppedSince(asked)) return stopCame();
     if (!rehearsal) return refused(Refusal::kRehearsalFailed, format(rehearsal.errors()));
-    rehearsed_ = std::move(*rehearsal);  // until something else is loaded
+    rehearsed_ = std::move(*rehearsal);  // valid until something else is loaded
   }
   return startSession(std::move(player), asked, record, duration_ticks, for_client);
 }
 
-// A person holds the device, or a virtual patient moves a simulated one whom a person may steer.
+// A real device, which a person holds, or a simulated one, moved by a virtual patient or a client.
 Expected<std::unique_ptr<Rig>> Station::Core::makeRig(std::unique_ptr<Player> player) const {
   if (!config_.make_device) {
     auto steered = std::make_unique<SteeredPlayer>(std::move(player), models_.device);
@@ -90,7 +91,7 @@ Expected<std::unique_ptr<Rig>> Station::Core::makeRig(std::unique_ptr<Player> pl
   return buildRig(models_, std::move(*device), config_.rig);
 }
 
-// Armed; nothing ticks yet.
+// Armed, but not ticking yet.
 Expected<std::unique_ptr<Run>> Station::Core::prepareRun(std::unique_ptr<Player> player,
                                                          const std::vector<double>& parameters,
                                                          RunPlan plan) const {
@@ -108,7 +109,8 @@ Expected<std::unique_ptr<Run>> Station::Core::prepareRun(std::unique_ptr<Player>
   return Run::prepare(std::move(*rig), std::move(plan));
 }
 
-// Shows the new session before its first record comes; where there is none, the last one again.
+// Publishes the new session before its first record; if it cannot start, publishes the last one
+// again.
 OrderReply Station::Core::startSession(std::unique_ptr<Player> player, std::uint64_t asked,
                                        const std::string& record, std::uint64_t duration_ticks,
                                        bool for_client) {
@@ -147,13 +149,13 @@ OrderReply Station::Core::startSession(std::unique_ptr<Player> player, std::uint
   } else {
     reply = refused(Refusal::kCannotStart, format(prepared.errors()));
   }
-  showAgain(std::move(before), asked, had_latest, std::move(unused));
+  restoreStatus(std::move(before), asked, had_latest, std::move(unused));
   return reply;
 }
 
-// What was shown before a session that never began, whose run is taken down.
-void Station::Core::showAgain(LoopStatus before, std::uint64_t asked, bool had_latest,
-                              std::unique_ptr<Run> unused) {
+// Restores the published state after a session that never began, and destroys its run.
+void Station::Core::restoreStatus(LoopStatus before, std::uint64_t asked, bool had_latest,
+                                  std::unique_ptr<Run> unused) {
   {
     const std::lock_guard lock(mutex_);
     if (live_) unused = std::move(live_);
@@ -163,7 +165,7 @@ void Station::Core::showAgain(LoopStatus before, std::uint64_t asked, bool had_l
     }
     status_ = before;
   }
-  unused.reset();  // closes its recording: who asks for something meanwhile does not wait for that
+  unused.reset();  // closes its recording outside the lock, so that no client waits for it
   publishScene("");
   const std::lock_guard lock(latest_mutex_);
   has_latest_ = had_latest;
@@ -180,8 +182,8 @@ OrderReply Station::Core::sessionRuns(OrderReply reply, const std::string& recor
   return reply;
 }
 
-// A stop reaches it from here on, before its first tick. One that came while it was being built has
-// ended it: it is left where it is, and nothing of it is shown.
+// From here on, a stop reaches the session, also before its first tick. A stop during its
+// construction has ended it: it is discarded and not published.
 OrderReply Station::Core::adopt(std::unique_ptr<Run>& run, std::uint64_t asked,
                                 const std::vector<double>& parameters,
                                 std::optional<double> place) {
@@ -198,7 +200,7 @@ OrderReply Station::Core::adopt(std::unique_ptr<Run>& run, std::uint64_t asked,
   return {true, ""};
 }
 
-// What a session has to be told that was being built while it was said.
+// Sends the session what was ordered during its construction.
 void Station::Core::catchUp(const std::vector<double>& parameters, std::optional<double> place) {
   live_->setOwnerAlive(owner_alive_);
   if (place) {
@@ -206,7 +208,7 @@ void Station::Core::catchUp(const std::vector<double>& parameters, std::optional
     begin.type = CommandType::kAction;
     begin.index = static_cast<std::int32_t>(ExerciseAction::kBeginAt);
     begin.value = *place;
-    (void)push(begin);  // its queue is empty yet
+    (void)push(begin);  // its queue is still empty
   }
   for (std::size_t i = 0; i < std::min(parameters.size(), scene_->parameters.size()); ++i) {
     const auto asked = asked_parameters_.find(scene_->parameters[i].name);
@@ -227,17 +229,17 @@ std::optional<double> Station::Core::placeOfRest() const {
   }
   const std::lock_guard lock(latest_mutex_);
   if (!has_latest_ || value >= latest_.exercise.value_count) return std::nullopt;
-  return latest_.exercise.values[static_cast<std::size_t>(value)];
+  return latest_.exercise.values[value];
 }
 
-// Of a run that has an end; 0: there is none.
+// Remaining ticks of a run with an end; 0: no end.
 std::uint64_t Station::Core::ticksLeft() const {
   if (!ends_at_) return 0;
   const double left_s = std::chrono::duration<double>(*ends_at_ - StationClock::now()).count();
   return static_cast<std::uint64_t>(std::max(1.0, std::round(left_s / config_.rig.period_s)));
 }
 
-// What ended while the order waited undoes it, too.
+// An ending while the order waited cancels it.
 OrderReply Station::Core::armForPerson(std::uint64_t asked, std::uint32_t seen) {
   {
     const std::lock_guard lock(mutex_);

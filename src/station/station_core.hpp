@@ -21,7 +21,7 @@ namespace wholehand {
 
 using StationClock = std::chrono::steady_clock;
 
-/// What a Station is inside: who may call what from which thread is said here.
+/// Implementation of Station. Says which thread may call what.
 class Station::Core {
  public:
   explicit Core(StationConfig config)
@@ -57,13 +57,12 @@ class Station::Core {
     const std::lock_guard lock(mutex_);
     return being_written_;
   }
-  /// Number of the order by which run() arms at once: a stop that came before run() undoes it.
+  /// Number of the order by which run() arms at once; a stop before run() cancels it.
   static constexpr std::uint64_t kFirstArming = 1;
-  /// Orders that take time and wait. Whoever floods the station with them keeps others from arming
-  /// no longer than these take.
+  /// Limit of queued tasks. It bounds how long a client that floods the station can delay others.
   static constexpr std::size_t kMostTasks = 8;
 
-  /// Something for the main thread, and whom to tell.
+  /// Work for the main thread, and the reply's receiver.
   struct Task {
     std::function<OrderReply()> work;
     std::function<void(OrderReply)> done;
@@ -82,8 +81,8 @@ class Station::Core {
                                                           RunPlan plan) const;
   OrderReply adopt(std::unique_ptr<Run>& run, std::uint64_t asked,
                    const std::vector<double>& parameters, std::optional<double> place);
-  void showAgain(LoopStatus before, std::uint64_t asked, bool had_latest,
-                 std::unique_ptr<Run> unused);
+  void restoreStatus(LoopStatus before, std::uint64_t asked, bool had_latest,
+                     std::unique_ptr<Run> unused);
   OrderReply sessionRuns(OrderReply reply, const std::string& record);
   [[nodiscard]] std::uint64_t ticksLeft() const;
   [[nodiscard]] Expected<Rehearsal> rehearsalOf(const Models& models, const AxisPosition& start,
@@ -96,7 +95,7 @@ class Station::Core {
   OrderReply loadProfile(const Order& order);
   [[nodiscard]] OrderReply refuseParameters(const Profile& profile, const Models& models) const;
   void stopGently(bool goes_on = false);
-  /// @param goes_on a load goes on with what rendered: nothing ended that a person must have seen
+  /// @param goes_on a load continues the rendering: no ending that a person must see
   void finishSession(bool goes_on = false);
   void refreshStatus();
   void publishScene(const std::string& recording);
@@ -107,13 +106,12 @@ class Station::Core {
   [[nodiscard]] std::unique_ptr<Player> makePlayer(const Models& models) const;
   [[nodiscard]] std::string title() const;
   bool forgetLatest();
-  /// Where in its level the exercise was when its player began to rest; none: it begins at the
-  /// start.
+  /// Position in the level at which the player began to rest; empty: start at the beginning.
   [[nodiscard]] std::optional<double> placeOfRest() const;
   // Any thread.
   [[nodiscard]] bool stoppedSince(std::uint64_t asked) const;  ///< or the station ends
   // Any thread, mutex_ held.
-  [[nodiscard]] bool overtaken(const Order& order);
+  [[nodiscard]] bool superseded(const Order& order);
   [[nodiscard]] OrderReply refuseUnseen(std::uint32_t seen) const;
   void takeStop(std::uint64_t asked, bool emergency, bool rest = false);
   [[nodiscard]] bool rested() const;
@@ -129,7 +127,7 @@ class Station::Core {
 
   void keepLatest(const TickRecord& record);
   void nameSafety(LoopStatus& status) const;
-  void playAgain();
+  void restartLevel();
   void say(const std::string& line) const { log_.write(line); }
 
   StationConfig config_;
@@ -137,46 +135,46 @@ class Station::Core {
   std::vector<std::function<void(const TickRecord&)>> sinks_;
   SessionFiles files_;
   Profiles profiles_;
-  std::string profile_;  ///< loaded or saved last, while it holds; empty: none
+  std::string profile_;  ///< last profile loaded or saved, while it applies; empty: none
   mutable AsyncLog log_;
-  std::unique_ptr<SafetyLog> safety_;   ///< once loaded
-  std::optional<Rehearsal> rehearsed_;  ///< of what is loaded
+  std::unique_ptr<SafetyLog> safety_;   ///< set by load()
+  std::optional<Rehearsal> rehearsed_;  ///< rehearsal of the loaded rig
   std::uint64_t arming_ = 0;
-  std::string record_path_, began_utc_;  ///< of the session that runs
-  std::string being_written_;            ///< the recording that scene_ names; under mutex_
-  bool told_of_loss_ = false;            ///< that its recording misses ticks
+  std::string record_path_, began_utc_;  ///< of the running session
+  std::string being_written_;            ///< recording that scene_ names; guarded by mutex_
+  bool told_of_loss_ = false;            ///< its loss of ticks was reported
   StationClock::time_point status_at_;
-  std::optional<StationClock::time_point> ends_at_;  ///< of a run that has an end
+  std::optional<StationClock::time_point> ends_at_;  ///< end of a run with a duration
   StationOutcome outcome_;
 
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<Task> tasks_;
   bool quit_ = false;
-  // Orders are counted as they come: a stop that came after an order to arm undoes it, wherever the
-  // arming has got to, and a session that was armed before a stop is never armed again by a load.
+  // Orders are numbered as they arrive. A stop that follows an order to arm cancels it, however far
+  // the arming has got. A load never re-arms a session that was armed before a stop.
   std::uint64_t orders_ = kFirstArming;
   std::uint64_t stop_asked_ = 0;
-  std::uint32_t rest_ending_ = 0;  ///< the newest ending of a rest; 0: none since the last arming
+  std::uint32_t rest_ending_ = 0;  ///< ending of the newest rest; 0: none since the last arming
   std::uint64_t armed_by_ = 0;
-  bool armed_for_client_ = false;  ///< else by run(): it goes on for as long as that was asked to
-  std::uint32_t claim_ = 0;        ///< newest holder of the controls that was heard of
-  bool over_ = false;              ///< nothing is carried out any more
-  bool owner_alive_ = true;        ///< as last heard; a session that begins is told
-  std::optional<Command> unsent_steer_;  ///< for which there was no room
+  bool armed_for_client_ = false;        ///< else armed by run(), which gave its duration
+  std::uint32_t claim_ = 0;              ///< newest claim on the controls
+  bool over_ = false;                    ///< no more orders are carried out
+  bool owner_alive_ = true;              ///< latest value; passed to a session that begins
+  std::optional<Command> unsent_steer_;  ///< the command queue was full
   std::shared_ptr<const SceneFacts> scene_;
   LoopStatus status_;
-  Help help_ = Help::kUnsaid;                       ///< what pages do for the player
-  std::map<std::string, double> asked_parameters_;  ///< what a therapist has set stays set
+  Help help_ = Help::kUnsaid;                       ///< help that pages give the player
+  std::map<std::string, double> asked_parameters_;  ///< a therapist's settings persist
 
   std::mutex report_mutex_;
   mutable std::mutex latest_mutex_;
   TickRecord latest_;
   int level_done_ = -1;  ///< index of that event in the loaded exercise; -1: none
   std::optional<StationClock::time_point> level_done_at_;
-  bool has_latest_ = false;  ///< of this session
+  bool has_latest_ = false;  ///< latest_ is of this session
 
-  std::unique_ptr<Run> live_;  ///< last: its threads use the members above
+  std::unique_ptr<Run> live_;  ///< last member: its threads use the members above
 };
 
 }  // namespace wholehand

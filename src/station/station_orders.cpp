@@ -1,4 +1,4 @@
-// What clients ask and are told: from any thread.
+// Orders and queries of clients: any thread.
 #include "runtime/interrupt_scope.hpp"
 #include "station/station_core.hpp"
 
@@ -14,7 +14,7 @@ namespace {
 
 using Clock = StationClock;
 
-/// Such orders wait for the main thread.
+/// Orders that are queued for the main thread.
 bool takesTime(OrderType type) {
   return type == OrderType::kArm || type == OrderType::kLoadExercise ||
          type == OrderType::kSaveProfile || type == OrderType::kLoadProfile;
@@ -46,7 +46,7 @@ OrderReply Station::Core::push(const Command& command) {
   return {true, ""};
 }
 
-// Who steers must reach the loop, whoever fills its queue with aims: the newest word is tried again
+// Steering must reach the loop even when its queue is full of aims: the latest request is retried
 // with every record.
 OrderReply Station::Core::steer(Steering by) {
   if (!live_) return refused(Refusal::kNothingArmed, "nothing is armed");
@@ -83,19 +83,19 @@ OrderReply Station::Core::setParameter(const Order& order) {
     command.value = order.value;
     if (OrderReply pushed = push(command); !pushed.accepted) return pushed;
   }
-  asked_parameters_[order.name] = order.value;  // the next session begins with it
+  asked_parameters_[order.name] = order.value;  // also applies to the next session
   return {true, ""};
 }
 
-// What a former holder of the controls asked for must not come after what the present one did.
-bool Station::Core::overtaken(const Order& order) {
+// An earlier holder's order must not take effect after one of the current holder.
+bool Station::Core::superseded(const Order& order) {
   const bool stops = order.type == OrderType::kStop || order.type == OrderType::kEmergencyStop;
   if (!stops && order.claim != 0 && order.claim < claim_) return true;
   claim_ = std::max(claim_, order.claim);
   return false;
 }
 
-// An order to arm holds for what its person was shown: whatever has ended since undoes it.
+// An order to arm is valid for the state that its person saw: any ending since then cancels it.
 OrderReply Station::Core::refuseUnseen(std::uint32_t seen) const {
   if (seen == status_.endings) return {true, ""};
   if (seen == 0) {
@@ -109,17 +109,17 @@ OrderReply Station::Core::refuseUnseen(std::uint32_t seen) const {
                              status_.endings, seen));
 }
 
-// Whether what ended last is a rest, and its end.
+// Whether the last ending is a rest, and which one.
 bool Station::Core::rested() const {
   const RunState now = status_.run_state;
   return status_.endings == rest_ending_ &&
          (now == RunState::kRampingDown || now == RunState::kStopped);
 }
 
-// Holds and is shown whether or not something renders: an order to arm may be on its way.
+// Takes effect and is published even when nothing renders: an order to arm may be under way.
 void Station::Core::takeStop(std::uint64_t asked, bool emergency, bool rest) {
   stop_asked_ = asked;
-  // Of what renders, or of a rest: a stop that somebody else asked for stays one.
+  // A rest applies to a rendering loop, or continues a rest; it does not replace another stop.
   const bool rests = rest && (rested() || status_.run_state == RunState::kRendering);
   ++status_.endings;
   rest_ending_ = rests ? status_.endings : 0;
@@ -139,7 +139,7 @@ void Station::Core::order(const Order& order, const std::function<void(OrderRepl
     const std::lock_guard lock(mutex_);
     const std::uint64_t asked = ++orders_;
     const bool takes_time = takesTime(order.type);
-    if (overtaken(order)) {
+    if (superseded(order)) {
       reply = refused(Refusal::kNotHolder, "another client holds the controls by now");
     } else if (!takes_time) {
       reply = carryOut(order, asked);
@@ -199,7 +199,7 @@ OrderReply Station::Core::carryOut(const Order& order, std::uint64_t asked) {
       if (!live_) return refused(Refusal::kNothingArmed, "nothing is armed");
       live_->setOwnerAlive(owner_alive_);
       break;
-    case OrderType::kLeftAlone:
+    case OrderType::kUnattended:
       if (!live_ || !armed_for_client_ || status_.run_state != RunState::kRendering) break;
       say("nobody has held the controls for long: the session ends");
       takeStop(asked, false);
@@ -211,7 +211,7 @@ OrderReply Station::Core::carryOut(const Order& order, std::uint64_t asked) {
     case OrderType::kLoadExercise:
     case OrderType::kSaveProfile:
     case OrderType::kLoadProfile:
-      break;  // tasks
+      break;  // a queued task
   }
   return {true, ""};
 }
@@ -234,7 +234,7 @@ LoopStatus Station::Core::status() const {
   nameSafety(status);
   if (config_.device_status) status.device = config_.device_status();
   const std::lock_guard lock(latest_mutex_);
-  // Where nothing runs, what the next session begins with is what holds.
+  // While nothing runs, the published values are those of the next session.
   if (has_latest_ && live) {
     const auto count =
         std::min(static_cast<std::size_t>(latest_.parameter_count), status.parameters.size());
@@ -243,16 +243,16 @@ LoopStatus Station::Core::status() const {
   return status;
 }
 
-// The supervisor is ahead of the thread that waits for a session's end.
+// The supervisor's state is ahead of the thread that waits for a session's end.
 void Station::Core::nameSafety(LoopStatus& status) const {
   if (!safety_) return;
   status.safety_state = safety_->state();
-  // So is the loop, which stops by itself when a signal came.
+  // Likewise the loop, which stops by itself after a signal.
   if (InterruptScope::interrupted() && status.run_state == RunState::kRendering) {
     status.run_state = RunState::kRampingDown;
   }
   {
-    // Until its first record comes, what is known is of the session before.
+    // Before the session's first record, the newest one is of the session before.
     const std::lock_guard lock(latest_mutex_);
     if (!has_latest_ && status.run_state == RunState::kRendering) return;
   }
@@ -265,7 +265,7 @@ void Station::Core::nameSafety(LoopStatus& status) const {
   if (status.run_state == RunState::kRendering) status.run_state = RunState::kRampingDown;
 }
 
-// On the telemetry thread.
+// Telemetry thread.
 void Station::Core::keepLatest(const TickRecord& record) {
   safety_->add(record);
   {
@@ -276,7 +276,7 @@ void Station::Core::keepLatest(const TickRecord& record) {
   latest_ = record;
   has_latest_ = true;
   for (int i = 0; i < record.exercise.event_count; ++i) {
-    const ExerciseEvent& event = record.exercise.events[static_cast<std::size_t>(i)];
+    const ExerciseEvent& event = record.exercise.events[i];
     if (event.type == level_done_) level_done_at_ = Clock::now();
   }
 }
@@ -288,7 +288,7 @@ bool Station::Core::latest(TickRecord& record) const {
 }
 
 std::string Station::Core::reportFolder(const std::string& name, std::string& why) {
-  const std::lock_guard lock(report_mutex_);  // two who ask at once get the same one
+  const std::lock_guard lock(report_mutex_);  // two concurrent requests share one result
   const std::string recording = recordingPath(name);
   if (recording.empty()) {
     why = "there is no recording of that name";

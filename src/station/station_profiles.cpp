@@ -1,4 +1,4 @@
-// What a therapist has set for a patient, kept over restarts: on the thread that runs the station.
+// A therapist's settings per patient, kept across restarts: on the station's main thread.
 #include "runtime/interrupt_scope.hpp"
 #include "station/scene_facts.hpp"
 #include "station/station_core.hpp"
@@ -52,7 +52,7 @@ OrderReply Station::Core::saveProfile(const Order& order) {
   return {true, ""};
 }
 
-// Only while nothing is armed: limits of somebody else must not come under a person's hand.
+// Only while disarmed: a person must not suddenly feel another person's limits.
 OrderReply Station::Core::loadProfile(const Order& order) {
   if (live_) return refused(Refusal::kArmedAlready, "it is armed: stop, then load the profile");
   const WaitingFor disk("the disk: a profile");
@@ -97,7 +97,7 @@ OrderReply Station::Core::loadProfile(const Order& order) {
 OrderReply Station::Core::refuseParameters(const Profile& profile, const Models& models) const {
   const SceneFacts facts = sceneFacts(models, config_.rig.period_s);
   for (const auto& parameter : profile.parameters) {
-    const std::string& name = parameter.first;  // clang 14 captures no structured binding
+    const std::string& name = parameter.first;  // clang 14 cannot capture structured bindings
     const double value = parameter.second;
     const auto known = std::find_if(facts.parameters.begin(), facts.parameters.end(),
                                     [&](const PublishedParameter& p) { return p.name == name; });

@@ -1,4 +1,4 @@
-// The life of sessions: all on the thread that runs the station.
+// Lifecycle of sessions: all on the station's main thread.
 #include "exercise/load_exercise.hpp"
 #include "runtime/interrupt_scope.hpp"
 #include "station/scene_facts.hpp"
@@ -18,11 +18,11 @@ namespace {
 
 constexpr auto kPoll = std::chrono::milliseconds(20);
 constexpr auto kStatusEvery = std::chrono::milliseconds(200);
-/// How long a level that the virtual patient has finished is shown before it begins again.
+/// How long a finished level is shown before the virtual patient plays it again.
 constexpr auto kEncoreAfter = std::chrono::seconds(8);
-constexpr const char* kLevelDone = "level_done";  // the event that ends a level, docs/exercises.md
+constexpr const char* kLevelDone = "level_done";  // event that ends a level (docs/exercises.md)
 constexpr auto kStopWithin = std::chrono::seconds(10);
-constexpr double kLongestRun_s = 1e9;  // what a clock can count
+constexpr double kLongestRun_s = 1e9;  // limit of the clock's range
 constexpr auto kLogWithin = std::chrono::seconds(1);
 
 using Clock = StationClock;
@@ -82,7 +82,7 @@ std::string Station::Core::title() const {
   return fmt::format("{}, level {}", models_.exercise->description().name, models_.files.level);
 }
 
-// What was shown belongs to another session; true where something was.
+// Forgets the record of the previous session; true if there was one.
 bool Station::Core::forgetLatest() {
   const auto names =
       models_.exercise ? models_.exercise->description().event_names : std::vector<std::string>{};
@@ -101,7 +101,7 @@ void Station::Core::finishSession(bool goes_on) {
     say(failure + "; it was switched off, the loop ran on");
   }
   if (!ended.black_box.empty()) say("black box: " + ended.black_box);
-  ended.black_box.clear();  // it is said
+  ended.black_box.clear();  // already reported
   refreshStatus();
   const std::uint64_t missing =
       record_path_.empty() ? 0 : ended.dropped_records + ended.dropped_writes;
@@ -112,16 +112,16 @@ void Station::Core::finishSession(bool goes_on) {
   files_.note(record_path_, title(), began_utc_,
               static_cast<double>(ended.summary.ticks) * config_.rig.period_s, missing);
   outcome_.faulted = outcome_.faulted || ended.faulted;
-  // Who is told of the end finds the recording in the list.
+  // Clients that are told of the end find the recording in the list.
   if (!record_path_.empty()) publishScene("");
   {
-    // Its world is taken down outside: an order waits for nobody.
+    // Its world is destroyed outside the lock, so that no order waits for it.
     const std::lock_guard lock(mutex_);
     status_.run_state = ended.faulted ? RunState::kFaulted : RunState::kStopped;
     status_.latched = ended.counters.latched;
     const bool rest = status_.endings == rest_ending_ && !ended.faulted;
     if (!goes_on) ++status_.endings;
-    rest_ending_ = rest ? status_.endings : 0;  // the end of a session that rests belongs to it
+    rest_ending_ = rest ? status_.endings : 0;  // ending of a session that rests
     over = std::move(live_);
   }
   over.reset();
@@ -144,7 +144,7 @@ void Station::Core::stopGently(bool goes_on) {
   finishSession(goes_on);
 }
 
-// Which files an order names; nothing is read of them.
+// Resolves the files that an order names, without reading them.
 OrderReply Station::Core::filesOf(const Order& order, ModelFiles& files) const {
   files = models_.files;
   if (!order.name.empty()) {
@@ -182,7 +182,7 @@ OrderReply Station::Core::loadExercise(const Order& order) {
   const bool had_session = live_ != nullptr;
   const bool rendered = had_session && live_->running();
   std::optional<Rehearsal> rehearsal;
-  if (config_.rehearse && rendered) {  // what cannot be rendered stops nothing
+  if (config_.rehearse && rendered) {  // a load that cannot be rendered stops nothing
     OrderReply passed = rehearseNext(*models, rehearsal);
     if (!passed.accepted) return passed;
   }
@@ -195,7 +195,8 @@ OrderReply Station::Core::loadExercise(const Order& order) {
   bool again = false;
   std::uint64_t armed_by = 0;
   {
-    // Only what rendered until now and nobody stopped goes on; a stop or a fault stays one.
+    // Rendering continues only if it was on until now and nobody stopped it; a stop or a fault
+    // remains.
     const std::lock_guard lock(mutex_);
     armed_by = armed_by_;
     again = rendered && stop_asked_ <= armed_by_ && !any(status_.latched);
@@ -254,7 +255,7 @@ void Station::Core::runTasks() {
     OrderReply reply;
     try {
       reply = task.work();
-    } catch (const std::exception& error) {  // the loop, if it runs, runs on
+    } catch (const std::exception& error) {  // a running loop continues
       reply = refused(Refusal::kFailed, std::string("failed: ") + error.what());
       say("an order " + reply.reason);
     }
@@ -262,7 +263,7 @@ void Station::Core::runTasks() {
   }
 }
 
-// Nobody waits for an answer that never comes.
+// Answers every waiting task, so that no client waits for ever.
 void Station::Core::endTasks() {
   std::deque<Task> tasks;
   {
@@ -273,8 +274,8 @@ void Station::Core::endTasks() {
   for (const Task& task : tasks) task.done(refused(Refusal::kEnding, "the program is ending"));
 }
 
-// Where nobody steers, the virtual patient plays a finished level once more.
-void Station::Core::playAgain() {
+// If nobody steers, the virtual patient plays a finished level again.
+void Station::Core::restartLevel() {
   if (config_.make_device) return;
   {
     const std::lock_guard lock(latest_mutex_);
@@ -295,7 +296,7 @@ void Station::Core::watchSession() {
     finishSession();
     return;
   }
-  playAgain();
+  restartLevel();
   if (Clock::now() < status_at_) return;
   refreshStatus();
   status_at_ = Clock::now() + kStatusEvery;
@@ -307,7 +308,7 @@ Expected<StationOutcome> Station::Core::run(bool arm_at_once, double duration_s)
       std::llround(std::clamp(duration_s, 0.0, kLongestRun_s) / config_.rig.period_s));
   if (arm_at_once && !InterruptScope::interrupted()) {
     const OrderReply reply = arm(kFirstArming, config_.record, duration_ticks, false);
-    const bool stopped = reply.refusal == Refusal::kStopCame;  // whoever did may arm
+    const bool stopped = reply.refusal == Refusal::kStopCame;  // whoever stopped may arm
     if (!reply.accepted && !stopped && !InterruptScope::interrupted()) {
       return Diagnostic{"", 0, "", "", "the loop could not be armed: " + reply.reason, ""};
     }

@@ -14,12 +14,12 @@ using black_box::Entry;
 using black_box::Header;
 
 constexpr Fault kWanting = kStopping | Fault::kEmergencyStop;
-/// What a run goes on for after its time: the ramp to neutral, with room to spare.
+/// Time after a run's end for the ramp to neutral, with a margin.
 constexpr double kRamp_s = 1.0;
-/// Kept beyond what is asked for: so much may be overwritten while a crash is written down.
+/// Kept beyond the requested time: this much may be overwritten while a crash is written.
 constexpr double kMargin = 1.1;
 
-/// Every folder on the way to a file, the outermost first.
+/// Every parent folder of a file, outermost first.
 std::vector<std::string> foldersOf(const std::string& path) {
   std::vector<std::string> folders;
   for (std::size_t at = path.find('/', 1); at != std::string::npos; at = path.find('/', at + 1)) {
@@ -40,7 +40,7 @@ MappedBox::Sizes MappedBox::sizesOf(const RecordingMeta& meta, const BlackBoxPla
                                       count(meta.body_names), values, kMaxContacts));
   Sizes sizes;
   sizes.entries = static_cast<std::size_t>(kept) + kSpareEntries;
-  // One more, since the last of a lap may not fit; and commands.
+  // One more tick, since the last of a lap may not fit; and commands.
   sizes.data = std::min(static_cast<std::size_t>(kept * tick_bytes), plan.most_tick_bytes) +
                2 * kMostPackedBytes;
   const double axes_bytes = 10.0 + static_cast<double>(sizeof(double)) * count(meta.axis_names);
@@ -114,8 +114,9 @@ void MappedBox::keepWhole(const TickRecord& record) noexcept {
   std::uint64_t begin = data_done_.load(std::memory_order_relaxed);
   const std::uint64_t n = entries_done_.load(std::memory_order_relaxed);
   const std::uint64_t at = begin % sizes_.data;
-  if (at + kMostPackedBytes > sizes_.data) begin += sizes_.data - at;  // it lies in one piece
-  // Said before it is overwritten: who reads meanwhile sees afterwards what he cannot trust.
+  if (at + kMostPackedBytes > sizes_.data) begin += sizes_.data - at;  // ticks are contiguous
+  // Announced before it is overwritten, so that a concurrent reader can tell afterwards which data
+  // is invalid.
   entries_begun_.store(n + 1, std::memory_order_relaxed);
   data_begun_.store(begin + kMostPackedBytes, std::memory_order_relaxed);
   std::atomic_thread_fence(std::memory_order_release);

@@ -14,39 +14,39 @@
 namespace wholehand {
 
 struct BlackBoxPlan {
-  std::string path;                  ///< of the file; its last folders are made when it is written
-  std::vector<double> encoder_step;  ///< per axis [m or rad]; 0: it has none
-  std::uint64_t most_ticks = std::numeric_limits<std::uint64_t>::max();  ///< a run has
-  /// Called first of all when the process crashes: lets the loop, if it still runs, ramp the device
-  /// to neutral; the end of the process waits for that. Async-signal-safe; may be null.
+  std::string path;                  ///< the file; its missing parent folders are created when it
+                                     ///< is written
+  std::vector<double> encoder_step;  ///< per axis [m or rad]; 0: none
+  std::uint64_t most_ticks = std::numeric_limits<std::uint64_t>::max();  ///< longest possible run
+  /// First call of the crash handler: lets a running loop ramp the device to neutral; the process
+  /// ends only after it. Async-signal-safe; may be null.
   void (*stop)(void*) noexcept = nullptr;
   void* stop_whom = nullptr;
-  double keep_s = 5.0;                                    ///< of whole ticks
-  std::size_t input_bytes = std::size_t{64} << 20U;       ///< for the inputs since arming
-  std::size_t most_tick_bytes = std::size_t{256} << 20U;  ///< for the whole ticks
+  double keep_s = 5.0;                                    ///< duration of complete ticks
+  std::size_t input_bytes = std::size_t{64} << 20U;       ///< memory for the inputs since arming
+  std::size_t most_tick_bytes = std::size_t{256} << 20U;  ///< memory limit for complete ticks
 };
 
-/// The last seconds of ticks, and what every tick since arming took from outside, always in memory:
-/// written to a file on a stopping fault or an emergency stop, and by the process itself when it
-/// crashes (SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL). With the inputs the run can be repeated from
-/// its arming on, bit by bit. docs/recording.md tells people of it.
+/// Keeps the last seconds of ticks, and the inputs of every tick since arming, in memory. It is
+/// written to a file on a stopping fault or an emergency stop, and by the crash handler (SIGSEGV,
+/// SIGABRT, SIGBUS, SIGFPE, SIGILL). From the inputs, the run can be repeated bit by bit since its
+/// arming. docs/recording.md.
 ///
-/// Told of every tick it copies into memory that is there already: no allocation, no lock, and no
-/// system call but in the first tick of a thread (which gives it a stack for its signals).
+/// Each tick is copied into preallocated memory: no allocation, no lock, and no system call except
+/// in a thread's first tick, which installs its signal stack.
 class BlackBox : public TickListener {
  public:
-  /// Takes all the memory it will need and stands by for crashes until it is destroyed. Refused
-  /// where there is no memory, or four of them are armed already.
+  /// Allocates all memory and installs the crash handlers until destruction. Refused when memory is
+  /// short, or when four boxes are armed already.
   [[nodiscard]] static Expected<std::unique_ptr<BlackBox>> arm(const RecordingMeta& meta,
                                                                const BlackBoxPlan& plan);
 
-  /// A stopping fault or an emergency stop came. After the run.
+  /// True after a stopping fault or an emergency stop. After the run.
   [[nodiscard]] virtual bool wanted() const noexcept = 0;
-  /// Writes the file, whole or not at all; nothing to do where a crash's handler does. Not
-  /// real-time safe.
+  /// Writes the file, atomically. Does nothing if a crash handler writes it. Not real-time safe.
   [[nodiscard]] virtual Expected<Done> write() = 0;
   [[nodiscard]] virtual const std::string& path() const noexcept = 0;
-  /// What the inputs take so far, and whether none is missing. After the run.
+  /// Bytes of the inputs so far, and whether they are complete. After the run.
   [[nodiscard]] virtual std::uint64_t inputBytes() const noexcept = 0;
   [[nodiscard]] virtual bool inputsWhole() const noexcept = 0;
 };

@@ -13,7 +13,7 @@ using black_box::Part;
 
 namespace {
 
-/// The longest ramp to neutral, with slack for a loop that is late.
+/// Longest ramp to neutral, with a margin for a late loop.
 constexpr long kNeutralWithin_ns = 130'000'000;
 
 }  // namespace
@@ -26,11 +26,11 @@ void MappedBox::describe(int signal) noexcept {
   header_.ticks_done = ticks_done_.load(std::memory_order_acquire);
   header_.ticks_begun = ticks_begun_.load(std::memory_order_acquire);
   header_.end_entry = entries_done_.load(std::memory_order_acquire);
-  // The loop may be writing over the oldest ones: where the data begins is not read from these.
+  // The loop may overwrite the oldest entries: they must not be used to find the start of the data.
   header_.first_entry = firstKept(header_.end_entry, sizes_.entries);
   header_.data_end = data_done_.load(std::memory_order_acquire);
   header_.data_begin = header_.end_entry > 0 ? entryAt(header_.first_entry)->begin : 0;
-  // Of a ring that is too small for its entries the oldest are gone.
+  // If the ring was too small for its entries, the oldest are lost.
   if (header_.data_end - header_.data_begin > sizes_.data) {
     header_.data_begin = header_.data_end - sizes_.data;
   }
@@ -46,7 +46,7 @@ void MappedBox::putPart(Part part, std::uint64_t bytes) noexcept {
 void MappedBox::endPart() noexcept {
   const std::uint32_t crc = file_.takeCrc();
   file_.put(&crc, sizeof crc);
-  (void)file_.takeCrc();  // the next part's begins with its head
+  (void)file_.takeCrc();  // resets the CRC: the next part's begins with its head
 }
 
 void MappedBox::putEntries() noexcept {
@@ -68,7 +68,8 @@ int MappedBox::writeFile(int signal) noexcept {
   for (const std::string& folder : folders_) ::mkdir(folder.c_str(), 0777);
   if (const int error = file_.create(temporary_.c_str(), path_.c_str()); error != 0) return error;
   describe(signal);
-  // After the whole ticks were counted: each of them then has its inputs, though the loop runs on.
+  // Read after counting the complete ticks, so that each has its inputs, even if the loop
+  // continues.
   const std::uint64_t input_bytes = input_bytes_.load(std::memory_order_acquire);
   file_.put(&header_, offsetof(black_box::Header, crc));
   endPart();
@@ -93,8 +94,8 @@ int MappedBox::writeFile(int signal) noexcept {
   return file_.close();
 }
 
-// A loop in another thread than the one that crashed ramps down meanwhile. One that crashed itself
-// leaves the device to its own watchdog.
+// A loop in another thread than the crashed one ramps down meanwhile. If the loop's own thread
+// crashed, the device depends on its own watchdog.
 void MappedBox::waitForNeutral(const timespec& since) const noexcept {
   const int ticking = ticking_thread_.load(std::memory_order_relaxed);
   if (stop_ == nullptr || ticking == 0 || ticking == callingThread()) return;
@@ -108,8 +109,8 @@ void MappedBox::waitForNeutral(const timespec& since) const noexcept {
   }
 }
 
-// While another thread writes it nobody else does: a loop that a crash has stopped ends meanwhile,
-// and its run would keep the box once more, without the signal.
+// Only one thread writes. A loop stopped by a crash ends meanwhile, and its run would write the box
+// again without the signal.
 bool MappedBox::mayWrite() noexcept {
   int nobody = 0;
   return writing_thread_.compare_exchange_strong(nobody, callingThread()) ||

@@ -5,7 +5,7 @@
 namespace wholehand::black_box {
 namespace {
 
-/// Takes values one after the other to the end of a row of bytes.
+/// Appends values to a byte array.
 class Packer {
  public:
   bool operator()(const std::string& text) {
@@ -39,7 +39,7 @@ class Packer {
   }
 };
 
-/// Takes them back; each call says whether they were there.
+/// Reads them back; each call says whether the value was present.
 class Unpacker {
  public:
   Unpacker(const std::byte* at, std::size_t bytes) : at_(at), left_(bytes) {}
@@ -72,7 +72,7 @@ class Unpacker {
   template <class T>
   bool operator()(std::vector<T>& list) {
     std::uint64_t size = 0;
-    if (!(*this)(size) || size > left_) return false;  // an item takes a byte at least
+    if (!(*this)(size) || size > left_) return false;  // an item has at least one byte
     list.clear();
     for (std::uint64_t i = 0; i < size; ++i) {
       if (!(*this)(list.emplace_back())) return false;
@@ -90,7 +90,7 @@ class Unpacker {
   std::size_t left_;
 };
 
-/// Every field, in the order of the file.
+/// Every field in file order.
 template <class Archive, class Meta, class Steps>
 bool visit(Archive& a, Meta& m, Steps& encoder_step) {
   return a(m.created_utc) && a(m.git_version) && a(m.seed) && a(m.period_s) && a(m.engine) &&
@@ -116,7 +116,7 @@ bool unpackMeta(const std::byte* in, std::size_t bytes, RecordingMeta& meta,
                 std::vector<double>& encoder_step) {
   Unpacker unpacker(in, bytes);
   if (!visit(unpacker, meta, encoder_step)) return false;
-  if (unpacker.atEnd()) return true;  // older: the rest was not said
+  if (unpacker.atEnd()) return true;  // an older file ends here
   if (!unpacker(meta.models_changed)) return false;
   return unpacker.atEnd() || (unpacker(meta.passport) && unpacker.atEnd());
 }

@@ -70,7 +70,7 @@ class MemoryReader final : public BlackBoxReader {
 
  private:
   Expected<Done> checkHeader(const std::string& path);
-  /// Finds the parts. What is wrong, or nothing.
+  /// Finds the parts. Returns the error, or an empty text.
   std::string findParts();
   std::string readMeta();
   std::string readEntries();
@@ -84,7 +84,7 @@ class MemoryReader final : public BlackBoxReader {
   std::array<Bytes, static_cast<std::size_t>(Part::kCount)> parts_{};
   RecordingMeta meta_;
   std::vector<double> encoder_step_;
-  std::vector<Entry> entries_;  ///< those that were not overwritten meanwhile
+  std::vector<Entry> entries_;  ///< entries that were not overwritten meanwhile
   RecordingOutline outline_;
   InputLogState log_;
   std::size_t next_input_ = 0;  ///< where in its part
@@ -151,7 +151,7 @@ std::string MemoryReader::readEntries() {
   const auto end = copyOf<black_box::End>(part(Part::kEnd));
   for (std::uint64_t i = 0; i < count; ++i) {
     const auto entry = copyOf<Entry>(bytes, i * sizeof(Entry));
-    // The loop ran on while this was written: where it has been since, nothing can be trusted.
+    // The loop continued while this was written: ring data that it reached since is invalid.
     const bool kept = header_.first_entry + i + header_.entry_slots >= end.entries_begun &&
                       entry.begin + header_.data_capacity >= end.data_begun &&
                       entry.begin >= header_.data_begin;

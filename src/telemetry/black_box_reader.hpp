@@ -11,31 +11,29 @@ namespace wholehand {
 
 /// Why and when a black box was written.
 struct BlackBoxCause {
-  int signal = 0;                ///< that ended the process; 0: none
-  Fault faults = Fault::kNone;   ///< that stopped the run, with kEmergencyStop
-  std::uint64_t fault_tick = 0;  ///< of the first of them, and on which axis
+  int signal = 0;                ///< signal that ended the process; 0: none
+  Fault faults = Fault::kNone;   ///< faults that stopped the run, with kEmergencyStop
+  std::uint64_t fault_tick = 0;  ///< tick of the first of them; then its axis
   int fault_axis = -1;
   std::int64_t unix_ns = 0;
-  bool within_tick = false;  ///< a tick had begun that had not ended
+  bool within_tick = false;  ///< the process ended within a tick
 };
 
-/// A black box as it was written: the recording of its last seconds, and what every tick since
-/// arming took from outside.
+/// Reads a black box: the recording of its last seconds, and the inputs of every tick since arming.
 class BlackBoxReader : public RecordingReader {
  public:
-  /// Refuses a file that is foreign, damaged, cut off, or of a program that lays its ticks out
-  /// differently.
+  /// Refuses a file that is not a black box, is damaged or truncated, or was written by a program
+  /// with another tick layout.
   [[nodiscard]] static Expected<std::unique_ptr<BlackBoxReader>> openBox(const std::string& path);
-  /// True for a file that begins as a black box does, whatever follows.
+  /// True for a file with the signature of a black box, whatever follows.
   [[nodiscard]] static bool isBox(const std::string& path);
 
   [[nodiscard]] virtual const BlackBoxCause& cause() const = 0;
-  /// False where the run was longer than the memory for inputs: the box shows, and cannot be run
-  /// again.
+  /// False when the run exceeded the memory for inputs: the box can be shown, but not run again.
   [[nodiscard]] virtual bool inputsWhole() const = 0;
-  /// What the next tick took, from the first one on. False at the end.
+  /// Reads the next tick's inputs, from the first tick on. False at the end.
   [[nodiscard]] virtual bool nextInput(TickInput& input) = 0;
-  /// Ticks since arming whose inputs are kept.
+  /// Number of ticks since arming with recorded inputs.
   [[nodiscard]] virtual std::uint64_t inputTicks() const = 0;
 };
 

@@ -45,7 +45,7 @@ std::vector<Column<BlockRow>> indexColumns() {
 
 std::optional<BlockRow> BlockIndexer::add(const TickRecord& record, const BlockRow& after) {
   const bool begins = rows_ % chunk_rows_ == 0;
-  // Numbers that do not rise tell nothing of the rows between them.
+  // Non-increasing numbers do not identify the rows between them.
   if (rows_ > 0 && record.tick <= last_tick_) stopped_ = true;
   if (stopped_) return std::nullopt;
   const std::uint64_t missing =

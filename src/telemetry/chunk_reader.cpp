@@ -17,9 +17,9 @@ H5Z_filter_t filterAt(hid_t properties, unsigned index) {
   return H5Pget_filter2(properties, index, &flags, &values, nullptr, 0, nullptr, &config);
 }
 
-/// Undoes the filter "shuffle": the first bytes of all numbers stand first, then their second
-/// bytes, and so on. Most planes hold nothing but zeros: what was predicted well differs in its low
-/// bytes alone.
+/// Undoes the "shuffle" filter, which stores the first bytes of all numbers, then their second
+/// bytes, and so on. Most planes are all zeros, since well-predicted numbers differ in their low
+/// bytes only.
 void unshuffle(const std::vector<std::byte>& planes, std::size_t number_bytes, std::byte* out) {
   const std::size_t numbers = planes.size() / number_bytes;
   std::fill_n(out, planes.size(), std::byte{0});
@@ -55,7 +55,7 @@ bool ChunkReader::read(hid_t dataset, const ColumnShape& column, std::uint64_t f
   std::vector<hsize_t> offset(column.shape.size() + 1, 0);
   offset.front() = first;
   hsize_t stored = 0;
-  // A chunk that was never written has no bytes; one of a damaged file may claim terabytes.
+  // An unwritten chunk has no bytes; a damaged file may claim terabytes.
   if (H5Dget_chunk_storage_size(dataset, offset.data(), &stored) < 0 || stored == 0 ||
       stored > compressBound(bytes)) {
     return false;

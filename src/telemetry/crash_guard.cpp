@@ -14,11 +14,11 @@ namespace {
 
 constexpr std::array kSignals{SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL};
 
-std::array<std::atomic<CrashWitness*>, kMostWitnesses> g_witnesses{};
-static_assert(std::atomic<CrashWitness*>::is_always_lock_free, "read in a signal handler");
+std::array<std::atomic<CrashHandler*>, kMostWitnesses> g_witnesses{};
+static_assert(std::atomic<CrashHandler*>::is_always_lock_free, "read in a signal handler");
 std::atomic<int> g_crashed_thread{0};
 
-std::mutex g_mutex;  // of the two below, outside handlers
+std::mutex g_mutex;  // guards the two below, outside handlers
 int g_guards = 0;
 std::array<struct sigaction, kSignals.size()> g_before{};
 
@@ -26,7 +26,7 @@ void restore() noexcept {
   for (std::size_t i = 0; i < kSignals.size(); ++i) ::sigaction(kSignals[i], &g_before[i], nullptr);
 }
 
-// The thread that crashed first ends the process; the others see to it that it can.
+// The thread that crashed first ends the process; others wait for it.
 void waitForTheEnd() noexcept {
   const timespec a_while{0, 10'000'000};
   for (int i = 0; i < 1000; ++i) ::nanosleep(&a_while, nullptr);
@@ -37,14 +37,14 @@ void onCrash(int signal, siginfo_t* info, void* /*context*/) {
   int nobody = 0;
   if (g_crashed_thread.compare_exchange_strong(nobody, callingThread())) {
     for (auto& witness : g_witnesses) {
-      if (CrashWitness* w = witness.load()) w->crashed(signal);
+      if (CrashHandler* w = witness.load()) w->crashed(signal);
     }
   } else if (nobody != callingThread()) {
     waitForTheEnd();
   }
   restore();
-  // What the processor raised happens again on return, and a core dump shows the place; what was
-  // sent does not.
+  // A processor exception recurs on return, so that a core dump shows its place; a sent signal must
+  // be raised again.
   if (info->si_code <= 0) ::raise(signal);
   errno = saved;
 }
@@ -53,7 +53,7 @@ void install() {
   struct sigaction action {};
   action.sa_sigaction = onCrash;
   action.sa_flags = SA_SIGINFO | SA_ONSTACK;
-  sigfillset(&action.sa_mask);  // a crash in the handler then ends the process: no loop
+  sigfillset(&action.sa_mask);  // a crash in the handler ends the process instead of recursing
   for (std::size_t i = 0; i < kSignals.size(); ++i) {
     ::sigaction(kSignals[i], &action, &g_before[i]);
   }
@@ -65,11 +65,11 @@ int callingThread() noexcept {
   return static_cast<int>(::syscall(SYS_gettid));
 }
 
-CrashGuard::CrashGuard(CrashWitness& witness) {
+CrashGuard::CrashGuard(CrashHandler& witness) {
   const std::lock_guard lock(g_mutex);
   for (int i = 0; i < kMostWitnesses; ++i) {
-    CrashWitness* free = nullptr;
-    if (!g_witnesses[static_cast<std::size_t>(i)].compare_exchange_strong(free, &witness)) continue;
+    CrashHandler* free = nullptr;
+    if (!g_witnesses[i].compare_exchange_strong(free, &witness)) continue;
     slot_ = i;
     if (g_guards++ == 0) install();
     return;
@@ -78,9 +78,9 @@ CrashGuard::CrashGuard(CrashWitness& witness) {
 
 CrashGuard::~CrashGuard() {
   if (slot_ < 0) return;
-  g_witnesses[static_cast<std::size_t>(slot_)].store(nullptr);
+  g_witnesses[slot_].store(nullptr);
   const int crashed = g_crashed_thread.load();
-  if (crashed != 0 && crashed != callingThread()) waitForTheEnd();  // it may still be told
+  if (crashed != 0 && crashed != callingThread()) waitForTheEnd();  // witness in use
   const std::lock_guard lock(g_mutex);
   if (--g_guards == 0) restore();
 }

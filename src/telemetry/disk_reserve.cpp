@@ -10,7 +10,7 @@
 
 namespace wholehand {
 namespace {
-/// Claimed ahead in one go, so that a claim is a rare system call.
+/// Step of allocation, so that system calls are rare.
 constexpr std::uint64_t kStep = std::uint64_t{2} << 20U;
 }  // namespace
 
@@ -40,7 +40,7 @@ bool DiskReserve::allocate(std::uint64_t end) {
     result = ::fallocate(fd_, FALLOC_FL_KEEP_SIZE, from, length);
   } while (result != 0 && errno == EINTR);
   if (result != 0 && (errno == EOPNOTSUPP || errno == ENOSYS)) {
-    // This file system cannot promise room; the next best is to see that there is plenty now.
+    // This file system cannot reserve space; checks that plenty is free now.
     struct statvfs room {};
     if (::fstatvfs(fd_, &room) != 0) return false;
     const auto free_bytes = static_cast<std::uint64_t>(room.f_bavail) * room.f_frsize;
@@ -56,7 +56,7 @@ bool DiskReserve::hasName() const {
 }
 
 void DiskReserve::mark() const {
-  (void)::flock(fd_, LOCK_SH | LOCK_NB);  // not every file system can
+  (void)::flock(fd_, LOCK_SH | LOCK_NB);  // not supported by every file system
 }
 
 bool DiskReserve::isOpenElsewhere(const std::string& path) {

@@ -5,9 +5,9 @@
 
 namespace wholehand {
 
-/// Claims disk space for a file before it is written. HDF5 cannot mend a file after a write that
-/// failed for want of space, so no write may fail: space is claimed first, and where there is none
-/// the writer waits. Not for the tick.
+/// Allocates disk space for a file before it is written. HDF5 cannot recover a file after a write
+/// failed for lack of space, so no write may fail: space is allocated first, and without it the
+/// writer waits. Not for the tick.
 class DiskReserve {
  public:
   DiskReserve() = default;
@@ -15,19 +15,19 @@ class DiskReserve {
   DiskReserve(const DiskReserve&) = delete;
   DiskReserve& operator=(const DiskReserve&) = delete;
 
-  /// Opens (creates, empties) the file. 0 or an errno.
+  /// Creates or truncates the file. Returns 0 or an errno.
   [[nodiscard]] int create(const std::string& path);
-  /// True when the bytes 0 .. end-1 of the file are sure to find room, by disk, quota and
+  /// True when the bytes 0 .. end-1 of the file are guaranteed space by disk, quota and
   /// RLIMIT_FSIZE.
   [[nodiscard]] bool claim(std::uint64_t end);
-  /// False once the file was removed: what is written to it then is lost when it is closed.
+  /// False once the file was unlinked: data written afterwards is lost when it is closed.
   [[nodiscard]] bool hasName() const;
-  /// Marks the file as being written, until release() (flock, shared: HDF5's readers take the
-  /// same). For isOpenElsewhere() of others.
+  /// Marks the file as being written, until release() (shared flock, like HDF5's readers). Others
+  /// see it in isOpenElsewhere().
   void mark() const;
-  /// True where a program writes or reads that file as HDF5 does.
+  /// True when a program has the file open for writing or reading as HDF5 does.
   [[nodiscard]] static bool isOpenElsewhere(const std::string& path);
-  /// Gives back what was claimed behind the file's end.
+  /// Releases the space allocated beyond the file's end.
   void release();
 
  private:

@@ -11,9 +11,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of a tick in the file. Measured: 190 in the cocktail bar. More where a hand holds many bodies.
+/// Bytes per tick in the file. Measured: 190 in the cocktail bar; more when a hand holds many
+/// bodies.
 constexpr double kBytesPerTick = 300.0;
-/// Description and tables, and what DiskReserve claims ahead.
+/// Description, tables and DiskReserve's reservation.
 constexpr double kBesideTicks_bytes = 4e6;
 
 std::string about(double length_s) {
@@ -39,7 +40,7 @@ std::string roomNotice(const std::string& recording, double period_s, double len
     folder = folder.parent_path();
   }
   const fs::space_info space = fs::space(folder, error);
-  if (error || space.capacity == 0) return {};  // a file system that says nothing
+  if (error || space.capacity == 0) return {};  // a file system that reports no capacity
   return roomSentence(recording, space.available, period_s, length_s);
 }
 

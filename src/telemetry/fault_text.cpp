@@ -8,7 +8,7 @@
 namespace wholehand {
 namespace {
 
-// " (x 10, finger_flexion 2)": on which axes, where that is known.
+// E.g. " (x 10, finger_flexion 2)": the axes, if known.
 std::string axesText(const TickSummary& summary, std::size_t bit,
                      const std::vector<DeviceAxis>& axes) {
   std::string text;
@@ -21,7 +21,7 @@ std::string axesText(const TickSummary& summary, std::size_t bit,
   return text.empty() ? text : text + ")";
 }
 
-// "late tick in 2 ticks, effort limited in 1 tick (x)", of these bits; "none".
+// Text for these bits, e.g. "late tick in 2 ticks, effort limited in 1 tick (x)"; "none".
 std::string countText(const TickSummary& summary, Fault bits, const std::vector<DeviceAxis>& axes) {
   std::string text;
   for (std::size_t at = 0; at < kFaultTable.size(); ++at) {
@@ -41,7 +41,7 @@ std::string faultText(const TickSummary& summary, const std::vector<DeviceAxis>&
 }
 
 std::string noticeText(const TickSummary& summary, const std::vector<DeviceAxis>& axes) {
-  return countText(summary, faultsThat(FaultReaction::kGoesOn), axes);
+  return countText(summary, faultsWith(FaultReaction::kCounted), axes);
 }
 
 }  // namespace wholehand

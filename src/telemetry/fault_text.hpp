@@ -9,12 +9,12 @@
 
 namespace wholehand {
 
-/// What stopped a run, in words: "device read failed in 1 tick"; "none".
-/// @param axes the device's: a fault of an axis then names it
+/// Text of what stopped a run: "device read failed in 1 tick"; "none".
+/// @param axes names of the device's axes, for faults of an axis
 [[nodiscard]] std::string faultText(const TickSummary& summary,
                                     const std::vector<DeviceAxis>& axes = {});
-/// What was noticed and stopped nothing: "effort limited in 12 ticks (x 10, finger_flexion 2)";
-/// "none".
+/// Text of what was limited or noticed without stopping: "effort limited in 12 ticks (x 10,
+/// finger_flexion 2)"; "none".
 [[nodiscard]] std::string noticeText(const TickSummary& summary,
                                      const std::vector<DeviceAxis>& axes = {});
 

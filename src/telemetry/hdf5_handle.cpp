@@ -6,14 +6,14 @@
 namespace wholehand::hdf5 {
 namespace {
 
-/// Larger than any text a recording holds; a damaged file must not make us ask for terabytes.
+/// Larger than any text in a recording; a damaged file must not cause huge allocations.
 constexpr std::uint64_t kLargestText = std::uint64_t{1} << 31U;
 /// Larger than any list of names.
 constexpr std::uint64_t kLargestList = std::uint64_t{1} << 24U;
 constexpr hssize_t kLongestList = 100000;
 
-/// UTF-8 of a fixed number of bytes, zeros behind shorter texts. Never of variable length: HDF5
-/// keeps such texts apart, in a heap without checksums, and falls over when that is damaged.
+/// Fixed-length UTF-8, zero-padded. Never variable-length: HDF5 stores such texts in a heap without
+/// checksums, and crashes when that is damaged.
 Handle textType(std::size_t bytes) {
   Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
   H5Tset_size(type.get(), std::max<std::size_t>(bytes, 1));
@@ -34,7 +34,7 @@ bool writeRaw(hid_t object, const char* name, hid_t file_type, hid_t memory_type
   return attribute.ok() && H5Awrite(attribute.get(), memory_type, data) >= 0;
 }
 
-/// Opens an attribute of the wanted class and tells how many elements it has.
+/// Opens an attribute of the given class and returns its number of elements.
 Handle openAttribute(hid_t object, const char* name, H5T_class_t wanted, hssize_t& count) {
   if (H5Aexists(object, name) <= 0) return {};
   Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
@@ -188,7 +188,7 @@ bool readAttribute(hid_t object, const char* name, std::uint64_t& value) {
 
 bool writeText(hid_t group, const char* name, const std::string& attribute_name,
                const std::string& text) {
-  // A string of fixed length keeps bytes of every kind (a mesh may be binary), zeros included.
+  // A fixed-length string stores any bytes (a mesh may be binary), zeros included.
   const Handle type = textType(text.size());
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
   const Handle dataset(

@@ -8,11 +8,11 @@
 #include <utility>
 #include <vector>
 
-/// The little of HDF5 that recordings need, with owners for its identifiers. Private to telemetry:
-/// no header that others include shows HDF5.
+/// Wrappers for the part of HDF5 that recordings need, with owning handles. Private to telemetry:
+/// no header that others include exposes HDF5.
 namespace wholehand::hdf5 {
 
-/// What every HDF5 file begins with (format specification, superblock).
+/// Signature of every HDF5 file (format specification, superblock).
 inline constexpr std::array<char, 8> kSignature = {'\x89', 'H', 'D', 'F', '\r', '\n', '\x1a', '\n'};
 
 /// Owns one HDF5 identifier. Not for the tick.
@@ -47,19 +47,19 @@ class Handle {
   Closer closer_ = nullptr;
 };
 
-/// Every public function of the recorder calls it first. HDF5 prints no error stack for the calling
-/// thread: faults are told as Diagnostic or counted instead. HDF5 closes nothing at the program's
-/// end: a file whose writing a disk refused cannot be closed, and HDF5 1.10 crashes when it tries.
+/// Initialises HDF5; every public function of the recorder calls it first. Disables HDF5's error
+/// output for the calling thread: errors become a Diagnostic or are counted. Disables HDF5's
+/// closing of files at exit: HDF5 1.10 crashes on a file whose writes the disk refused.
 void beginHdf5() noexcept;
 
-/// The type of a number in the file (little-endian) and in memory.
+/// Type of a number in the file (little-endian) and in memory.
 enum class NumberType { kFloat64, kUint64, kInt64, kUint32, kInt32 };
 [[nodiscard]] hid_t fileType(NumberType type) noexcept;
 [[nodiscard]] hid_t memoryType(NumberType type) noexcept;
 [[nodiscard]] std::size_t byteSize(NumberType type) noexcept;
 
-// Attributes. Writers and readers return false on any failure; texts are UTF-8 of fixed length (the
-// longest of a list sets it), filled up with zeros; lists are one-dimensional.
+// Attributes. Functions return false on any failure. Texts are UTF-8 of fixed length, zero-padded
+// to the longest of a list; lists are one-dimensional.
 bool writeAttribute(hid_t object, const char* name, const std::string& text);
 bool writeAttribute(hid_t object, const char* name, const std::vector<std::string>& texts);
 bool writeAttribute(hid_t object, const char* name, const std::vector<double>& values);
@@ -70,13 +70,13 @@ bool readAttribute(hid_t object, const char* name, std::vector<std::string>& tex
 bool readAttribute(hid_t object, const char* name, std::vector<double>& values);
 bool readAttribute(hid_t object, const char* name, double& value);
 bool readAttribute(hid_t object, const char* name, std::uint64_t& value);
-/// True when an attribute of the object is a text of variable length, which is not read.
+/// True when an attribute of the object is a variable-length text, which is not supported.
 [[nodiscard]] bool hasVariableText(hid_t object);
 
-/// A scalar dataset holding a whole text (or any bytes), exactly.
+/// Writes a scalar dataset that holds a whole text (or any bytes), exactly.
 bool writeText(hid_t group, const char* name, const std::string& attribute_name,
                const std::string& text);
-/// Reads what writeText wrote.
+/// Reads a dataset of writeText().
 bool readText(hid_t group, const char* name, std::string& attribute_name, std::string& text);
 
 }  // namespace wholehand::hdf5

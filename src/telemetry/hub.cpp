@@ -13,8 +13,8 @@ using Clock = std::chrono::steady_clock;
 
 namespace {
 constexpr auto kPause = std::chrono::milliseconds(1);
-constexpr auto kRecorderPause = std::chrono::milliseconds(5);  // nobody watches the file so closely
-/// Without ticks (paused, late) the recorder cannot see time pass; the hub flushes it instead.
+constexpr auto kRecorderPause = std::chrono::milliseconds(5);  // latency is irrelevant here
+/// Flush interval without ticks (paused, late), when the recorder does not notice time passing.
 constexpr auto kFlushAfter = std::chrono::milliseconds(400);
 }  // namespace
 
@@ -62,7 +62,7 @@ bool TelemetryHub::holds(const char* consumer, std::size_t number, Call&& call) 
 
 void TelemetryHub::noteFailure(const char* consumer, std::size_t number, const char* why) noexcept {
   const std::lock_guard lock(failures_mutex_);
-  if (failures_.size() == failures_.capacity()) return;  // cannot be: each fails once
+  if (failures_.size() == failures_.capacity()) return;  // cannot happen: each fails once
   Failure& failure = failures_.emplace_back();
   failure.consumer = consumer;
   failure.number = number;
@@ -80,7 +80,7 @@ void TelemetryHub::hand(const TickRecord& record) noexcept {
 }
 
 void TelemetryHub::write(const TickRecord& record) noexcept {
-  // The writer counts its own drops; the record at which it throws is lost.
+  // The writer counts its own drops; the record during which it throws is lost.
   if (writer_ != nullptr && holds("the recorder", 0, [&] { writer_->append(record); })) return;
   writer_ = nullptr;
   ++unrecorded_;
@@ -123,7 +123,7 @@ void TelemetryHub::follow(const std::atomic<bool>& stopping, std::chrono::millis
   Clock::time_point last_record = Clock::now();
   bool paused = true;
   while (true) {
-    // Read before draining: what was pushed before stop() is then taken for sure.
+    // Read before draining, so that records pushed before stop() are not missed.
     const bool last_round = stopping;
     if (drain()) {
       last_record = Clock::now();

@@ -8,16 +8,16 @@
 namespace wholehand {
 namespace {
 
-// What follows the first byte of a tick, in this order.
+// Fields after the first byte of a tick, in this order.
 enum : unsigned {
-  kElapsed = 1U,   // elapsed_periods, where it is not 1
+  kElapsed = 1U,   // elapsed_periods, if not 1
   kFaults = 2U,    // of kInputFaults
-  kCommands = 4U,  // their number, and they
-  kRaw = 8U,       // a bit for each axis that is at no whole count
+  kCommands = 4U,  // their number, then the commands
+  kRaw = 8U,       // a bit for each axis that is not at a whole count
   kMoved = 16U     // per axis: eight bytes, or the change in counts
 };
 
-/// Beyond it not every whole number is a double.
+/// Beyond it, not every integer is a double.
 constexpr double kMostCounts = 4503599627370496.0;  // 2^52
 
 std::uint64_t zigzag(std::int64_t n) noexcept {
@@ -91,7 +91,7 @@ double atCounts(std::int64_t counts, double step) noexcept {
   return step * static_cast<double>(counts);
 }
 
-/// True where the position is a whole number of counts, to the last bit.
+/// True when the position is exactly a whole number of counts.
 bool inCounts(double q, double step, std::int64_t& counts) noexcept {
   if (!(step > 0.0)) return false;
   const double n = std::round(q / step);
@@ -104,7 +104,7 @@ void logCommands(const TickRecord& record, Out& out) noexcept {
   const int count = std::min(record.command_count, kMaxCommands);
   out.number(static_cast<std::uint64_t>(count));
   for (int i = 0; i < count; ++i) {
-    const Command& c = record.commands[static_cast<std::size_t>(i)];
+    const Command& c = record.commands[i];
     out.number(zigzag(static_cast<std::int64_t>(c.type)));
     out.number(zigzag(c.index));
     out.real(c.value);
@@ -116,7 +116,7 @@ void logCommands(const TickRecord& record, Out& out) noexcept {
 void readCommands(In& in, TickInput& input) {
   input.command_count = static_cast<std::int32_t>(in.upTo(kMaxCommands));
   for (int i = 0; i < input.command_count; ++i) {
-    Command& c = input.commands[static_cast<std::size_t>(i)];
+    Command& c = input.commands[i];
     c.type = static_cast<CommandType>(in.small());
     c.index = in.small();
     c.value = in.real();
@@ -125,7 +125,7 @@ void readCommands(In& in, TickInput& input) {
   }
 }
 
-/// Which axes moved, by how many counts, and which are at none.
+/// Which axes moved, by how many counts, and which are not at a whole count.
 struct Motion {
   std::array<std::int64_t, kMaxAxes> delta{};
   std::uint32_t raw = 0;
@@ -135,15 +135,14 @@ struct Motion {
 Motion motionOf(InputLogState& state, const AxisPosition& q_m) noexcept {
   Motion m;
   for (int i = 0; i < state.encoder_step.size(); ++i) {
-    const auto at = static_cast<std::size_t>(i);
     std::int64_t counts = 0;
     if (!inCounts(q_m[i], state.encoder_step[i], counts)) {
       m.raw |= 1U << static_cast<unsigned>(i);
       continue;
     }
-    m.delta[at] = counts - state.counts[at];
-    m.moved = m.moved || m.delta[at] != 0;
-    state.counts[at] = counts;
+    m.delta[i] = counts - state.counts[i];
+    m.moved = m.moved || m.delta[i] != 0;
+    state.counts[i] = counts;
   }
   m.moved = m.moved || m.raw != 0;
   return m;
@@ -171,7 +170,7 @@ std::size_t logInput(InputLogState& state, const TickRecord& record, std::byte* 
       if ((motion.raw >> static_cast<unsigned>(i) & 1U) != 0) {
         to.real(record.q_m[i]);
       } else {
-        to.number(zigzag(motion.delta[static_cast<std::size_t>(i)]));
+        to.number(zigzag(motion.delta[i]));
       }
     }
   }
@@ -192,12 +191,12 @@ std::size_t readInput(InputLogState& state, const std::byte* in, std::size_t byt
   const std::uint64_t raw = (what & kRaw) != 0 ? from.upTo(UINT32_MAX) : 0;
   input.q_m = AxisPosition(state.encoder_step.size());
   for (int i = 0; i < input.q_m.size(); ++i) {
-    std::int64_t& counts = state.counts[static_cast<std::size_t>(i)];
+    std::int64_t& counts = state.counts[i];
     if ((raw >> static_cast<unsigned>(i) & 1U) != 0) {
       input.q_m[i] = from.real();
       continue;
     }
-    if ((what & kMoved) != 0) {  // by way of unsigned: damaged counts may overflow
+    if ((what & kMoved) != 0) {  // unsigned arithmetic: damaged counts may overflow
       counts = static_cast<std::int64_t>(static_cast<std::uint64_t>(counts) +
                                          static_cast<std::uint64_t>(zagzig(from.number())));
     }

@@ -18,21 +18,21 @@
 
 namespace wholehand {
 
-/// More than the loop can begin while a box is described.
+/// More ticks than the loop can begin while a box's header is filled in.
 inline constexpr std::size_t kSpareEntries = 8;
-/// The first entry that a box holds of a ring of `slots` in which `end` were finished: the slots
-/// that the loop writes next are none of the box's.
+/// Index of the first entry that a box contains, of a ring of `slots` with `end` finished entries.
+/// Slots that the loop writes next are excluded.
 [[nodiscard]] constexpr std::uint64_t firstKept(std::uint64_t end, std::uint64_t slots) noexcept {
   return end - std::min<std::uint64_t>(end, slots - kSpareEntries);
 }
 
-/// The black box in memory that is there from the start: black_box.cpp keeps the ticks in it,
-/// black_box_crash.cpp writes it down, in a signal's handler if need be.
-class MappedBox final : public BlackBox, public CrashWitness {
+/// The black box in preallocated memory. black_box.cpp fills it; black_box_crash.cpp writes it to a
+/// file, in a signal handler if needed.
+class MappedBox final : public BlackBox, public CrashHandler {
  public:
   MappedBox(const RecordingMeta& meta, const BlackBoxPlan& plan);
   ~MappedBox() override { leaveSignalStack(arming_stack_.data()); }
-  /// What went wrong, or nothing.
+  /// Takes all memory. Returns the error, or an empty text.
   std::string takeMemory();
 
   void beforeTick(const TickRecord& record) noexcept override;
@@ -57,7 +57,7 @@ class MappedBox final : public BlackBox, public CrashWitness {
   [[nodiscard]] black_box::Entry* entryAt(std::uint64_t n) const noexcept {
     return entries_.as<black_box::Entry>() + n % sizes_.entries;
   }
-  // What follows is async-signal-safe.
+  // The following functions are async-signal-safe.
   [[nodiscard]] bool mayWrite() noexcept;
   [[nodiscard]] int writeFile(int signal) noexcept;
   void describe(int signal) noexcept;
@@ -78,7 +78,8 @@ class MappedBox final : public BlackBox, public CrashWitness {
   PrefaultedMemory entries_, data_, inputs_, arming_stack_, ticking_stack_;
   bool first_tick_ = true;
 
-  // Written by the thread that ticks, read by a handler in any: what lies before a number is whole.
+  // Written by the thread that ticks, read by a handler in any thread: everything before these
+  // counts is complete.
   std::atomic<std::uint64_t> ticks_begun_{0}, ticks_done_{0};
   std::atomic<int> ticking_thread_{0};
   std::atomic<int> writing_thread_{0};
@@ -86,9 +87,11 @@ class MappedBox final : public BlackBox, public CrashWitness {
   std::atomic<bool> inputs_whole_{true};
   std::atomic<std::uint64_t> entries_begun_{0}, entries_done_{0};
   std::atomic<std::uint64_t> data_begun_{0}, data_done_{0};
-  black_box::Header header_;  ///< its faults are noted in the tick, the rest when it is written
+  black_box::Header header_;  ///< the tick notes its faults; the rest is filled in when it is
+                              ///< written
   SignalSafeFile file_;
-  std::unique_ptr<CrashGuard> guard_;  ///< last: gone before what a handler would read
+  std::unique_ptr<CrashGuard> guard_;  ///< last member: destroyed before the data that a handler
+                                       ///< reads
 };
 
 }  // namespace wholehand

@@ -10,7 +10,7 @@
 namespace wholehand::recording {
 namespace {
 
-// The bits of a NaN that arithmetic made depend on the processor: then the row before stands in.
+// The bits of a computed NaN depend on the processor: the previous row is used instead.
 std::uint64_t bitsOf(double expected, const RowWindow& window, std::size_t column, std::size_t i) {
   if (!std::isnan(expected)) return std::bit_cast<std::uint64_t>(expected);
   return window.past() > 0 ? window.number<std::uint64_t>(column, i, 1) : 0;
@@ -30,7 +30,7 @@ class Rules {
   /// @param rule (const RowWindow&, i) -> double
   template <class Rule>
   void add(const std::string& name, Rule rule) {
-    if (!has(name)) return;  // a recording without bodies, joints or parameters
+    if (!has(name)) return;  // e.g. a recording without bodies, joints or parameters
     const std::size_t c = column(name), width = columns_[c].rowBytes() / sizeof(double);
     all_.push_back({c, width, [=](const RowWindow& w, std::uint64_t* expected) {
                       for (std::size_t i = 0; i < width; ++i) {
@@ -45,8 +45,8 @@ class Rules {
   std::vector<Prediction> all_;
 };
 
-/// Goes on as the polynomial through the last `Order` rows: v + Δv + Δ²v + ..., of fewer where the
-/// chunk has no more. A number that stays the same is met exactly.
+/// Extrapolates the polynomial through the last `Order` rows: v + Δv + Δ²v + ..., with fewer rows
+/// at the start of a chunk. A constant is predicted exactly.
 template <std::size_t Order>
 double extrapolate(const RowWindow& w, std::size_t column, std::size_t i) {
   if constexpr (Order == 0) {
@@ -110,7 +110,7 @@ void addKinematics(Rules& rules, const RecordingMeta& meta) {
   });
 }
 
-// Eq. (2) with the damping D that the row before tells, then Eq. (3) with the D of this row.
+// Eq. (2) with the previous row's damping D, then Eq. (3) with this row's D.
 void addCoupling(Rules& rules, const RecordingMeta& meta) {
   const std::size_t q_m = rules.column("q_m"), q_s = rules.column("q_s");
   const std::size_t qd_mf = rules.column("qd_mf"), qd_s = rules.column("qd_s");
@@ -140,7 +140,7 @@ void addEfforts(Rules& rules, const RecordingMeta& meta) {
   const std::size_t coupling = rules.column("coupling"), damping = rules.column("damping");
   const std::size_t exercise = rules.column("exercise_effort");
   const std::size_t tank_effort = rules.column("tank_effort"), rendered = rules.column("rendered");
-  rules.add("phi", [=](const RowWindow& w, std::size_t i) {  // decays by the same share
+  rules.add("phi", [=](const RowWindow& w, std::size_t i) {  // decays by a constant factor
     if (w.past() == 0) return 0.0;
     const double last = w.number(phi, i, 1);
     if (w.past() == 1 || last == 0.0 || w.number(phi, i, 2) == 0.0) return last;
@@ -156,8 +156,9 @@ void addEfforts(Rules& rules, const RecordingMeta& meta) {
   rules.add("sent", [=](const RowWindow& w, std::size_t i) { return w.number(rendered, i); });
 }
 
-// The tank's own account, without what the device's damping takes: from what acted on the device,
-// what the coupling's spring stores, what an encoder's step hides and what the avatar took.
+// Energy balance of the tank without the device's damping: from the effort that acted on the
+// device, the energy stored in the coupling's spring, an encoder step's uncertainty, and the
+// avatar's share.
 void addTank(Rules& rules, const RecordingMeta& meta) {
   const std::size_t tank = rules.column("tank"), sent = rules.column("sent");
   const std::size_t q_m = rules.column("q_m"), q_s = rules.column("q_s");
@@ -186,7 +187,7 @@ void addTank(Rules& rules, const RecordingMeta& meta) {
   });
 }
 
-/// Computes as every machine does: denormal numbers are kept, results are rounded to the nearest.
+/// Reproducible arithmetic on every machine: denormals are kept, rounding is to nearest.
 class PlainArithmetic {
  public:
   PlainArithmetic() noexcept {
@@ -201,7 +202,7 @@ class PlainArithmetic {
   std::fenv_t before_{};
 };
 
-// 0, -1, 1, -2 ... as 0, 1, 2, 3 ...: a small difference has small bytes.
+// 0, -1, 1, -2 ... becomes 0, 1, 2, 3 ...: small differences have small bytes.
 std::uint64_t folded(std::uint64_t difference) {
   return (difference << 1U) ^ (std::uint64_t{0} - (difference >> 63U));
 }

@@ -4,7 +4,8 @@
 
 namespace wholehand {
 
-/// Memory whose pages exist from the start: whoever writes to it in the tick meets no page fault.
+/// Memory whose pages are mapped in advance, so that writing to it in the tick causes no page
+/// fault.
 class PrefaultedMemory {
  public:
   PrefaultedMemory() = default;
@@ -12,10 +13,10 @@ class PrefaultedMemory {
   PrefaultedMemory(const PrefaultedMemory&) = delete;
   PrefaultedMemory& operator=(const PrefaultedMemory&) = delete;
 
-  /// False, with errno, where the system has none. @pre not taken yet; bytes > 0
+  /// Allocates the memory; false with errno on failure. @pre not taken yet; bytes > 0
   [[nodiscard]] bool take(std::size_t bytes) noexcept;
   [[nodiscard]] std::byte* data() const noexcept { return data_; }
-  /// The same as an array; zero at first.
+  /// The memory as an array; initially zero.
   template <class T>
   [[nodiscard]] T* as() const noexcept {
     return reinterpret_cast<T*>(data_);

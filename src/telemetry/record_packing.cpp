@@ -9,8 +9,8 @@
 namespace wholehand {
 namespace {
 
-/// A stretch of a record: bytes that are always kept; an array per axis or joint, of which its size
-/// is; or items of which as many are as a count, kept before them, says.
+/// A part of a record: bytes that are always kept; an axis or joint array, kept to its size; or
+/// items, kept as many as a preceding count says.
 struct Piece {
   enum class Kind : std::uint8_t { kBytes, kArray, kItems };
   Kind kind;
@@ -29,9 +29,9 @@ constexpr Piece bytesBetween(std::size_t first, std::size_t end) {
   return {Piece::Kind::kBytes, static_cast<std::uint32_t>(first),
           static_cast<std::uint32_t>(end - first), 1, 0};
 }
-constexpr Piece arrayAt(std::size_t offset, int capacity) {
-  return {Piece::Kind::kArray, static_cast<std::uint32_t>(offset), sizeof(double),
-          static_cast<std::uint32_t>(capacity), 0};
+constexpr Piece arrayAt(std::size_t offset, int capacity, std::size_t item_bytes = sizeof(double)) {
+  return {Piece::Kind::kArray, static_cast<std::uint32_t>(offset),
+          static_cast<std::uint32_t>(item_bytes), static_cast<std::uint32_t>(capacity), 0};
 }
 constexpr Piece itemsAt(std::size_t offset, std::size_t item_bytes, int capacity,
                         std::size_t count_offset) {
@@ -66,7 +66,7 @@ constexpr std::array kPieces{
     arrayAt(kExercise + offsetof(ExerciseRecord, effort), kMaxAxes),
     bytesBetween(kExercise + offsetof(ExerciseRecord, alpha),
                  kExercise + offsetof(ExerciseRecord, alpha) + sizeof(double)),
-    arrayAt(kExercise + offsetof(ExerciseRecord, wall_active), kMaxAxes),
+    arrayAt(kExercise + offsetof(ExerciseRecord, wall_active), kMaxAxes, sizeof(AxisFlag::Value)),
     arrayAt(kExercise + offsetof(ExerciseRecord, wall), kMaxAxes),
     bytesBetween(kExercise + offsetof(ExerciseRecord, value_count),
                  kExercise + offsetof(ExerciseRecord, event_count) + sizeof(std::int32_t)),
@@ -90,7 +90,7 @@ constexpr std::array kPieces{
     itemsAt(offsetof(R, contacts), sizeof(Contact), kMaxContacts, offsetof(R, contact_count)),
 };
 
-/// No field is left out: the pieces lie end to end but for padding, which is less than a double.
+/// Every field is covered: the pieces are contiguous except for padding smaller than a double.
 constexpr bool covered() {
   std::uint32_t end = 0;
   for (const Piece& p : kPieces) {
@@ -101,6 +101,7 @@ constexpr bool covered() {
 }
 static_assert(covered(), "a field of TickRecord is missing in kPieces");
 static_assert(sizeof(AxisPosition) == kMaxAxes * sizeof(double) + sizeof(std::int64_t));
+static_assert(sizeof(AxisFlag) == kMaxAxes * sizeof(AxisFlag::Value) + sizeof(std::int64_t));
 static_assert(kMaxJoints <= 255, "a size is kept in one byte");
 
 std::int64_t sizeOf(const Piece& p, const std::byte* record) noexcept {

@@ -8,21 +8,22 @@
 
 namespace wholehand {
 
-/// No packed record is larger.
+/// Size limit of a packed record [bytes].
 inline constexpr std::size_t kMostPackedBytes = sizeof(TickRecord);
 
-/// Lays what a record uses (its axes, bodies, contacts, commands) end to end; the bytes it takes.
-/// For the same program on the same machine: the black box. Real-time safe, async-signal-safe.
+/// Packs the used part of a record (its axes, bodies, contacts, commands) without gaps; returns its
+/// size. Readable only by the same program on the same machine: for the black box. Real-time safe,
+/// async-signal-safe.
 /// @pre out has room for kMostPackedBytes
 WHOLEHAND_RT std::size_t packRecord(const TickRecord& record, std::byte* out) noexcept;
 
-/// The record that was packed, zero where nothing was used. False where the bytes are none.
+/// Unpacks a record; unused parts are zero. False when the bytes are invalid.
 [[nodiscard]] bool unpackRecord(const std::byte* packed, std::size_t bytes, TickRecord& record);
 
-/// Changes whenever the layout of a record does.
+/// Hash of the record's layout.
 [[nodiscard]] std::uint32_t recordLayout() noexcept;
 
-/// The bytes of a packed record with so many axes, joints, bodies, values and contacts.
+/// Size of a packed record with these numbers of axes, joints, bodies, values and contacts.
 [[nodiscard]] std::size_t packedBytes(int axes, int joints, int bodies, int values,
                                       int contacts) noexcept;
 

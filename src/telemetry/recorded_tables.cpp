@@ -9,7 +9,7 @@ namespace {
 
 using hdf5::Handle;
 
-/// Far above what a file of a byte can hold: a damaged file must not make us ask for terabytes.
+/// Far more rows than a byte of a file can hold; a damaged file must not cause huge allocations.
 constexpr std::uint64_t kMostRowsPerByte = 10;
 
 }  // namespace
@@ -59,7 +59,7 @@ bool RecordedTables::findTicks(hid_t file) {
   return findRowsFrom(described) && countMissingFrom(described);
 }
 
-// Of a file without an index, or with a damaged one: no blocks.
+// No blocks when the index is missing or damaged.
 std::vector<BlockRow> RecordedTables::readIndex(hid_t file) const {
   if (H5Lexists(file, "index", H5P_DEFAULT) <= 0) return {};
   const Handle group(H5Gopen2(file, "index", H5P_DEFAULT), H5Gclose);
@@ -74,7 +74,7 @@ std::vector<BlockRow> RecordedTables::readIndex(hid_t file) const {
   return blocks;
 }
 
-// Takes over what the index says, as far as it holds: the rows that it describes.
+// Uses the index as far as it is valid; returns the rows that it describes.
 std::uint64_t RecordedTables::takeBlocks(const std::vector<BlockRow>& blocks) {
   const auto skips = [this](const BlockRow& b) { return b.last_tick - b.first_tick != block_ - 1; };
   std::size_t taken = 0;
@@ -95,7 +95,7 @@ std::uint64_t RecordedTables::takeBlocks(const std::vector<BlockRow>& blocks) {
   return rows_.size();
 }
 
-// Where a block skips ticks, /ticks says which.
+// If a block skips ticks, reads their numbers from /ticks.
 bool RecordedTables::takeNumbers(const std::vector<BlockRow>& blocks, std::size_t begin,
                                  std::size_t end) {
   const std::uint64_t rows = (end - begin) * block_;
@@ -116,8 +116,8 @@ bool RecordedTables::takeNumbers(const std::vector<BlockRow>& blocks, std::size_
   return true;
 }
 
-// A row whose number, contacts, events or commands never reached the disk is a hole: what follows
-// it is read all the same, and the ticks' numbers tell of it.
+// A row whose number, contacts, events or commands never reached the disk is a hole: later rows are
+// read nevertheless, and the gap in tick numbers shows it.
 bool RecordedTables::findRowsFrom(std::uint64_t first_row) {
   const std::uint64_t end = ticks_.rows(), rows = end - first_row;
   std::vector<std::uint64_t> numbers;
@@ -142,7 +142,7 @@ bool RecordedTables::findRowsFrom(std::uint64_t first_row) {
   return true;
 }
 
-// Reads no column of an hour for a recording in which every tick follows the one before.
+// Reads no whole column when the ticks are consecutive.
 bool RecordedTables::countMissingFrom(std::uint64_t first_row) {
   const auto begin = static_cast<std::size_t>(
       std::lower_bound(rows_.begin(), rows_.end(), first_row) - rows_.begin());
@@ -167,7 +167,7 @@ bool RecordedTables::load(std::uint64_t row, std::uint64_t rows) {
          events_.load(first, end, block_) && commands_.load(first, end, block_);
 }
 
-// A damaged chunk spoils no other, and is not tried again with each of its rows.
+// A damaged chunk affects no other one, and is not retried for each of its rows.
 bool RecordedTables::loadAround(std::uint64_t row) {
   if (row / block_ == unreadable_block_) return false;
   hdf5::beginHdf5();
@@ -208,25 +208,25 @@ bool RecordedTables::read(std::uint64_t index, TickRecord& record) {
   if (index >= rows_.size()) return false;
   const std::uint64_t i = rows_[index];
   if (!holds(i) && !loadAround(i)) return false;
-  std::construct_at(&record);  // an assignment would copy all of an empty one
+  std::construct_at(&record);  // assignment would copy a whole empty record
   ticks_.get(i, record);
-  // An index that says something else than the rows.
+  // The index contradicts the rows.
   if (record.tick != outline_.numbers[index] || !isWhole(i, record)) return false;
   record.body_count =
       std::clamp(record.body_count, 0, static_cast<std::int32_t>(meta_.body_names.size()));
   record.contact_count = contacts_.count(i);
   for (std::int32_t c = 0; c < record.contact_count; ++c) {
-    record.contacts[static_cast<std::size_t>(c)] = contacts_.row(i, c).contact;
+    record.contacts[c] = contacts_.row(i, c).contact;
   }
   record.parameter_count = static_cast<std::int32_t>(meta_.parameter_names.size());
   record.exercise.value_count = static_cast<std::int32_t>(meta_.value_names.size());
   record.exercise.event_count = events_.count(i);
   for (std::int32_t c = 0; c < record.exercise.event_count; ++c) {
-    record.exercise.events[static_cast<std::size_t>(c)] = events_.row(i, c).event;
+    record.exercise.events[c] = events_.row(i, c).event;
   }
   record.command_count = commands_.count(i);
   for (std::int32_t c = 0; c < record.command_count; ++c) {
-    record.commands[static_cast<std::size_t>(c)] = commands_.row(i, c).command;
+    record.commands[c] = commands_.row(i, c).command;
   }
   return true;
 }

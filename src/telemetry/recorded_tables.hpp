@@ -15,22 +15,22 @@
 
 namespace wholehand::recording {
 
-/// The ticks of an open file: which of them are whole, and what they hold. Private to telemetry.
+/// The ticks of an open file: finds the complete ones and reads them. Private to telemetry.
 class RecordedTables {
  public:
-  /// @param chunks_at_once that are read around a tick
+  /// @param chunks_at_once number of chunks read around a tick
   RecordedTables(const RecordingMeta& meta, std::uint64_t chunks_at_once, const LeftOut& left_out);
 
-  /// Opens the tables and finds the ticks that are whole. What is wrong, or nothing.
+  /// Opens the tables and finds the complete ticks. Returns the error, or an empty text.
   std::string open(hid_t file, bool being_written);
   [[nodiscard]] std::uint64_t size() const noexcept { return rows_.size(); }
-  /// Of the ticks that are whole.
+  /// Outline of the complete ticks.
   [[nodiscard]] const RecordingOutline& outline() const noexcept { return outline_; }
-  /// False where the last whole tick cannot be read.
+  /// False when the last complete tick cannot be read.
   [[nodiscard]] bool endsWhole();
-  /// Leaves out the last ticks where they cannot be read: the number of the first of these.
+  /// Drops unreadable ticks at the end; returns the number of the first of them.
   std::optional<std::uint64_t> leaveOutDamagedEnd();
-  /// The i-th whole tick. False past the end, and where the file is damaged there.
+  /// Reads the i-th complete tick. False past the end, and where the file is damaged.
   bool read(std::uint64_t i, TickRecord& record);
 
  private:
@@ -42,7 +42,7 @@ class RecordedTables {
   bool takeNumbers(const std::vector<BlockRow>& blocks, std::size_t begin, std::size_t end);
   bool findRowsFrom(std::uint64_t first_row);
   bool countMissingFrom(std::uint64_t first_row);
-  // Of a row of the file.
+  // The functions below take a row of the file.
   bool loadAround(std::uint64_t row);
   bool load(std::uint64_t row, std::uint64_t rows);
   [[nodiscard]] bool holds(std::uint64_t row) const;
@@ -53,11 +53,11 @@ class RecordedTables {
   SideTable<ContactRow> contacts_;
   SideTable<EventRow> events_;
   SideTable<CommandRow> commands_;
-  std::vector<std::uint64_t> rows_;  ///< of the file, that hold a whole tick
+  std::vector<std::uint64_t> rows_;  ///< file rows that hold a complete tick
   RecordingOutline outline_;
-  const std::uint64_t block_;  ///< rows of a chunk
+  const std::uint64_t block_;  ///< rows per chunk
   const std::uint64_t chunks_at_once_;
-  std::uint64_t unreadable_block_ = UINT64_MAX;  ///< the one that was tried last
+  std::uint64_t unreadable_block_ = UINT64_MAX;  ///< block whose reading failed last
 };
 
 }  // namespace wholehand::recording

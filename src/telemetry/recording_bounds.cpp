@@ -12,10 +12,10 @@
 namespace wholehand::recording {
 namespace {
 
-// Far outside what a loop runs at: a file that says so is damaged.
+// Far beyond any loop's rate: a file with such a period is damaged.
 constexpr double kLeastPeriod_s = 1e-6, kMostPeriod_s = 1.0;
 
-// Packed numbers cannot be restored without each of them.
+// Packed numbers can be restored only with all of these.
 bool isWhole(const RecordedLaw& law, std::size_t axes, std::size_t joints) {
   constexpr std::uint64_t kMostDelayTicks = 1000;
   if (law.output_delay_ticks > kMostDelayTicks) return false;
@@ -80,7 +80,7 @@ bool fits(const TickRecord& record, const RecordingMeta& meta) {
   };
   const auto commands = within(record.command_count, kMaxCommands);
   for (std::int32_t i = 0; commands && i < record.command_count; ++i) {
-    if (!or_none(record.commands[static_cast<std::size_t>(i)].aim)) return false;
+    if (!or_none(record.commands[i].aim)) return false;
   }
   return commands && record.q_m.size() == axes && record.sent.size() == axes &&
          or_none(record.intention) && or_none(record.patient_effort) && or_none(record.qd_mf) &&

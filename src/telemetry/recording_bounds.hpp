@@ -5,13 +5,14 @@
 
 #include <string>
 
-/// What a description and a tick of a file may hold: checked where a file is opened, and at every
-/// tick that is read. Private to telemetry.
+/// Limits of a file's description and ticks: checked when it is opened, and for every tick read.
+/// Private to telemetry.
 namespace wholehand::recording {
 
-/// Says why this meta cannot describe a TickRecord (too many axes, joints, bodies ...), or nothing.
+/// Reason why this meta cannot describe a TickRecord (too many axes, joints, bodies ...), or an
+/// empty text.
 [[nodiscard]] std::string unusable(const RecordingMeta& meta);
-/// True where every array and count of the tick is as that description says.
+/// True when every array and count of the tick matches the description.
 [[nodiscard]] bool fits(const TickRecord& record, const RecordingMeta& meta);
 
 }  // namespace wholehand::recording

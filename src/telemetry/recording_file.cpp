@@ -13,7 +13,7 @@ namespace {
 
 using hdf5::Handle;
 
-/// What HDF5's own tables may grow by in one write, beside the rows.
+/// Growth limit of HDF5's own structures per write, beside the rows.
 constexpr std::uint64_t kTablesBytes = std::uint64_t{1} << 20U;
 
 std::uint64_t metaBytes(const RecordingMeta& meta) {
@@ -52,9 +52,9 @@ std::string RecordingFile::createAt(const std::string& path, const RecordingMeta
   if (error != 0) return std::string("cannot be created: ") + std::strerror(error);
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_libver_bounds(access.get(), H5F_LIBVER_V110, H5F_LIBVER_V110);
-  H5Pset_file_locking(access.get(), true, true);  // not every file system can lock
+  H5Pset_file_locking(access.get(), true, true);  // not every file system supports locking
   file_ = Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose);
-  // After H5Fcreate: it empties the file, which would give the claimed space back.
+  // After H5Fcreate, which truncates the file and would release the reserved space.
   if (!reserve_.claim(metaBytes(meta))) return "cannot be created: the disk is full";
   if (!file_.ok() || !writeMeta(file_.get(), meta)) return "cannot be written by HDF5";
   const auto make_table = [this](const char* name, auto& table) {
@@ -67,7 +67,7 @@ std::string RecordingFile::createAt(const std::string& path, const RecordingMeta
       !make_table("index", index_)) {
     return "cannot be written by HDF5";
   }
-  // From here on a reader may follow along, and a kill leaves a readable file.
+  // From here on, readers may follow, and a kill leaves a readable file.
   if (H5Fstart_swmr_write(file_.get()) < 0) return "cannot be opened to readers (SWMR)";
   reserve_.mark();
   noteBytes();
@@ -82,13 +82,13 @@ void RecordingFile::push(const TickRecord& record) {
   const std::uint64_t row = ticks_.written() + ticks_.pending();
   ticks_.push(record);
   for (int i = 0; i < std::min<int>(record.contact_count, kMaxContacts); ++i) {
-    contacts_.push({row, record.contacts[static_cast<std::size_t>(i)]});
+    contacts_.push({row, record.contacts[i]});
   }
   for (int i = 0; i < std::min<int>(record.exercise.event_count, kMaxExerciseEvents); ++i) {
-    events_.push({row, record.exercise.events[static_cast<std::size_t>(i)]});
+    events_.push({row, record.exercise.events[i]});
   }
   for (int i = 0; i < std::min<int>(record.command_count, kMaxCommands); ++i) {
-    commands_.push({row, record.commands[static_cast<std::size_t>(i)]});
+    commands_.push({row, record.commands[i]});
   }
   index(record);
 }
@@ -102,7 +102,7 @@ void RecordingFile::index(const TickRecord& record) {
 bool RecordingFile::claimRoom() {
   hsize_t end = 0;
   if (H5Fget_filesize(file_.get(), &end) < 0) return false;
-  // A chunk may be written anew as a whole, hence twice the rows.
+  // A chunk may be rewritten as a whole, hence twice the rows.
   const std::uint64_t rows = ticks_.pendingBytes() + contacts_.pendingBytes() +
                              events_.pendingBytes() + commands_.pendingBytes() +
                              index_.pendingBytes();
@@ -111,7 +111,7 @@ bool RecordingFile::claimRoom() {
 
 RecordingFile::Written RecordingFile::write() {
   if (!claimRoom()) return Written::kNoRoom;
-  // Ticks last: a tick on the disk then has its contacts, events and commands there too.
+  // Ticks last: a tick on disk then has its contacts, events and commands on disk as well.
   if (!contacts_.write() || !events_.write() || !commands_.write() || !ticks_.write() ||
       H5Fflush(file_.get(), H5F_SCOPE_GLOBAL) < 0) {
     return Written::kRefused;
@@ -121,7 +121,7 @@ RecordingFile::Written RecordingFile::write() {
   commands_.commit();
   ticks_.commit();
   noteBytes();
-  // Behind the rows that it describes, and chunk by chunk: one that grew would be written anew.
+  // After the rows that it describes, and in whole chunks: a growing chunk would be rewritten.
   if (index_.pending() >= kIndexChunkRows) {
     if (!index_.write()) return Written::kRefused;
     index_.commit();

@@ -13,32 +13,31 @@
 
 namespace wholehand::recording {
 
-/// One HDF5 file of a recording, with the rows that are not in it yet. Not for the tick. Private to
-/// telemetry.
+/// One HDF5 file of a recording, with its buffered rows. Not for the tick. Private to telemetry.
 class RecordingFile {
  public:
   enum class Written { kAll, kNoRoom, kRefused };
 
   explicit RecordingFile(const RecordingMeta& meta);
 
-  /// Creates the file with everything but ticks; it takes the place of an older one only when that
-  /// is done. What went wrong, or nothing.
+  /// Creates the file with everything except ticks, then replaces an older one. Returns the error,
+  /// or an empty text.
   std::string create(const std::string& path, const RecordingMeta& meta);
-  /// Keeps a tick until the next write().
+  /// Buffers a tick until the next write().
   void push(const TickRecord& record);
-  /// Brings the kept rows to the disk, or keeps them. After kRefused nothing that HDF5 holds of
-  /// this file can be relied on: another has to go on.
+  /// Writes the buffered rows to disk, or keeps them. After kRefused, HDF5's state of this file is
+  /// unreliable: another file must continue.
   [[nodiscard]] Written write();
-  /// Takes the rows that `before` keeps, as the first of this one.
+  /// Takes over the buffered rows of `before` as the first rows of this file.
   void takeRowsOf(RecordingFile& before);
-  /// Closes the file; rows that are kept still are lost.
+  /// Closes the file; buffered rows are lost.
   void end();
 
   [[nodiscard]] std::uint64_t written() const noexcept { return ticks_.written(); }
   [[nodiscard]] std::uint64_t pending() const noexcept { return ticks_.pending(); }
   [[nodiscard]] bool atChunkEnd() const noexcept { return ticks_.atChunkEnd(); }
   [[nodiscard]] std::uint64_t bytes() const noexcept { return bytes_; }
-  /// False where it was removed meanwhile.
+  /// False when the file was removed meanwhile.
   [[nodiscard]] bool hasName() const { return reserve_.hasName(); }
 
  private:

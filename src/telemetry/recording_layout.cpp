@@ -11,8 +11,8 @@ namespace {
 using hdf5::NumberType;
 using Texts = std::vector<std::string>;
 
-/// Stands where a tick had no value: an axis array shorter than the device (no virtual patient).
-/// A quiet NaN with a payload of its own, so that a computed NaN is kept as such.
+/// Marks a missing value: an axis array shorter than the device (no virtual patient). A quiet NaN
+/// with its own payload, so that a computed NaN stays distinguishable.
 constexpr std::uint64_t kAbsent = 0x7FFC'5748'0000'0001ULL;
 
 template <class T>
@@ -75,21 +75,23 @@ Column<Row> perAxis(const char* name, At at, const Texts& units, const Texts& la
   c.store = [at, width](const Row& row, std::byte* out) {
     const Array& values = at(const_cast<Row&>(row));
     for (int i = 0; i < width; ++i) {
-      const double v = i < values.size() ? values[i] : std::bit_cast<double>(kAbsent);
+      const double v =
+          i < values.size() ? static_cast<double>(values[i]) : std::bit_cast<double>(kAbsent);
       std::memcpy(out + static_cast<std::size_t>(i) * sizeof v, &v, sizeof v);
     }
   };
   c.load = [at, width](const std::byte* in, Row& row) {
     Array values(width);
-    std::memcpy(values.data(), in, static_cast<std::size_t>(width) * sizeof(double));
-    const double* absent = std::find_if(values.begin(), values.end(), [](double v) {
-      return std::bit_cast<std::uint64_t>(v) == kAbsent;
-    });
+    int size = 0;
+    for (; size < width; ++size) {
+      double v = 0.0;
+      std::memcpy(&v, in + static_cast<std::size_t>(size) * sizeof v, sizeof v);
+      if (std::bit_cast<std::uint64_t>(v) == kAbsent) break;
+      values[size] = static_cast<typename Array::Value>(v);
+    }
     Array& array = at(row);
-    array = values;
-    if (absent == values.end()) return;
-    array = Array(static_cast<int>(absent - values.begin()));
-    std::copy(values.begin(), absent, array.data());
+    array = Array(size);
+    std::copy_n(values.data(), size, array.data());
   };
   return c;
 }

@@ -20,7 +20,7 @@ std::string partPath(const std::string& path, int part) {
   return (first.parent_path() / (name + first.extension().string())).string();
 }
 
-std::string irreplaceable(const std::string& path) {
+std::string reasonNotToReplace(const std::string& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0) return {};
   if (!S_ISREG(status.st_mode)) return "is no regular file";
@@ -35,7 +35,7 @@ std::string irreplaceable(const std::string& path) {
 
 void removeParts(const std::string& path) {
   for (const std::string& part : recordingParts(path)) {
-    if (irreplaceable(part).empty()) ::unlink(part.c_str());
+    if (reasonNotToReplace(part).empty()) ::unlink(part.c_str());
   }
 }
 

@@ -2,19 +2,19 @@
 
 #include <string>
 
-// Names and fate of the files of a recording. Private to telemetry.
+// File names of a recording's parts. Private to telemetry.
 namespace wholehand::recording {
 
-/// A disk that refuses writes again and again does not fill a folder with files.
+/// Limit of parts, so that a failing disk does not fill a folder with files.
 inline constexpr int kMostParts = 99;
 
 /// "a/run.h5", 2: "a/run.part2.h5".
 [[nodiscard]] std::string partPath(const std::string& path, int part);
 
-/// Why what is there may not give way to a new recording; empty where it may.
-[[nodiscard]] std::string irreplaceable(const std::string& path);
+/// Reason why an existing file must not be replaced by a new recording; empty: it may be.
+[[nodiscard]] std::string reasonNotToReplace(const std::string& path);
 
-/// Removes the parts after the first, but what may not give way.
+/// Removes the parts after the first, except those with a reasonNotToReplace().
 void removeParts(const std::string& path);
 
 }  // namespace wholehand::recording

@@ -105,7 +105,8 @@ bool Hdf5Writer::beginPart() {
   if (part_ >= recording::kMostParts) return false;
   const std::string path = recording::partPath(path_, part_ + 1);
   auto part = std::make_unique<RecordingFile>(meta_);
-  if (!recording::irreplaceable(path).empty() || !part->create(path, meta_).empty()) return false;
+  if (!recording::reasonNotToReplace(path).empty() || !part->create(path, meta_).empty())
+    return false;
   part->takeRowsOf(*file_);
   endFile();
   file_ = std::move(part);
@@ -152,7 +153,7 @@ Expected<std::unique_ptr<RecordingWriter>> RecordingWriter::create(const std::st
   if (const std::string reason = recording::unusable(meta); !reason.empty()) {
     return refuse("cannot be recorded: the description " + reason);
   }
-  if (const std::string why = recording::irreplaceable(path); !why.empty()) return refuse(why);
+  if (const std::string why = recording::reasonNotToReplace(path); !why.empty()) return refuse(why);
   auto writer = std::make_unique<Hdf5Writer>(path, meta);
   if (std::string problem = writer->create(); !problem.empty()) return refuse(std::move(problem));
   recording::removeParts(path);  // of the recording whose place this one has taken

@@ -8,19 +8,19 @@
 
 namespace wholehand::recording {
 
-/// A table with any number of rows for a tick: its reader, and which rows belong to which tick.
+/// A table with any number of rows per tick: its reader, and the assignment of rows to ticks.
 template <class Row>
 class SideTable {
  public:
   explicit SideTable(std::vector<Column<Row>> columns) : table(std::move(columns)) {}
 
-  /// The rows of the next block end here: the index says so.
+  /// Adds a block from the index, which ends at this row.
   void addBlock(std::uint64_t end) {
     blocks_.push_back({blocks_.empty() ? 0 : blocks_.back().end(), 0});
     blocks_.back().count = end - blocks_.back().first;
   }
-  /// Finds the rows of the blocks behind these, which end with row `ticks` of /ticks. Until the
-  /// next load() it is known which of them belong to which tick.
+  /// Finds the rows of the following blocks up to row `ticks` of /ticks. Until the next load(),
+  /// their assignment to ticks is known.
   bool findBlocks(std::uint64_t ticks, std::uint64_t block_rows) {
     std::vector<std::uint64_t> owners;
     const std::uint64_t first_row = blocks_.empty() ? 0 : blocks_.back().end();
@@ -31,11 +31,11 @@ class SideTable {
     }
     return true;
   }
-  /// True where all rows of that tick are there. @pre it was found or loaded
+  /// True when all rows of that tick are present. @pre it was found or loaded
   [[nodiscard]] bool isWhole(std::uint64_t tick, std::int32_t count, int most) const {
     return countOf(tick) == static_cast<std::uint64_t>(std::clamp(count, 0, most));
   }
-  /// Makes the rows of these ticks ready; `tick` is the first of a block.
+  /// Loads the rows of these ticks; `tick` is the first of a block.
   bool load(std::uint64_t tick, std::uint64_t end_tick, std::uint64_t block_rows) {
     of_tick_.clear();
     std::uint64_t begin = UINT64_MAX, end = 0;
@@ -51,7 +51,7 @@ class SideTable {
     assign(owners, begin, tick, end_tick);
     return true;
   }
-  /// Of a damaged file the ticks may have been read and these rows not.
+  /// False when these rows could not be read although the tick could, in a damaged file.
   [[nodiscard]] bool holds(std::uint64_t tick) const {
     return tick >= first_tick_ && tick - first_tick_ < of_tick_.size();
   }
@@ -72,8 +72,8 @@ class SideTable {
     [[nodiscard]] std::uint64_t end() const noexcept { return first + count; }
   };
 
-  /// Rows that never reached the disk belong to no tick: they hold UINT64_MAX, or in older files 0
-  /// behind those of later ticks.
+  /// Assigns rows to ticks. Rows that never reached the disk belong to no tick: they hold
+  /// UINT64_MAX, or in older files 0 after rows of later ticks.
   void assign(const std::vector<std::uint64_t>& owners, std::uint64_t first_row,
               std::uint64_t first_tick, std::uint64_t end_tick) {
     first_tick_ = first_tick;
@@ -95,7 +95,7 @@ class SideTable {
       begin = std::min(begin, rows.first);
       end = std::max(end, rows.end());
     }
-    // An empty one lies where the one before it ends.
+    // An empty range lies at the end of the one before it.
     if (begin < end) return {begin, end - begin};
     return {blocks_.empty() ? 0 : blocks_.back().end(), 0};
   }
@@ -103,8 +103,8 @@ class SideTable {
     return of_tick_[tick - first_tick_].count;
   }
 
-  std::vector<Rows> blocks_;   ///< of each chunk of /ticks
-  std::vector<Rows> of_tick_;  ///< of the ticks from first_tick_ on
+  std::vector<Rows> blocks_;   ///< per chunk of /ticks
+  std::vector<Rows> of_tick_;  ///< per tick from first_tick_ on
   std::uint64_t first_tick_ = 0;
 };
 

@@ -6,20 +6,20 @@
 
 namespace wholehand {
 
-/// Writes a file by way of a temporary one beside it, with a CRC-32 of what was put since it was
-/// last taken. All of it async-signal-safe: only open, write, fsync, close, rename and unlink, and
-/// no memory but its own. What it is given may change while it is written: what is written and what
-/// is summed up are one copy.
+/// Writes a file through a temporary one beside it, with a CRC-32 of the data written since the
+/// last takeCrc(). Async-signal-safe: uses only open, write, fsync, close, rename and unlink, and
+/// no memory but its own. The data may change during writing: file and CRC are computed from one
+/// copy.
 class SignalSafeFile {
  public:
-  /// @param temporary is renamed to `path` in the end @pre both live on, ended by a zero
-  /// 0, or the errno with which it could not be created.
+  /// Creates the temporary file. Returns 0 or an errno.
+  /// @param temporary renamed to `path` by close() @pre both are zero-terminated and outlive this
   [[nodiscard]] int create(const char* temporary, const char* path) noexcept;
-  /// After a failure nothing is written any more, and close() tells of it.
+  /// Writes data. After a failure nothing more is written, and close() reports it.
   void put(const void* bytes, std::size_t count) noexcept;
-  /// The CRC-32 of what was put since the last call.
+  /// CRC-32 of the data since the last call.
   [[nodiscard]] std::uint32_t takeCrc() noexcept;
-  /// Brings it to the disk under its name. 0, or an errno; then there is no file.
+  /// Syncs the file to disk and gives it its name. Returns 0, or an errno; then there is no file.
   [[nodiscard]] int close() noexcept;
 
  private:

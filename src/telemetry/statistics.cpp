@@ -35,7 +35,7 @@ void countAxis(TickSummary& totals, const TickRecord& r) {
                                          [&r](Fault fault) { return any(r.faults & fault); });
   if (first == kOfAnAxis.end()) return;
   const int bit = std::countr_zero(static_cast<std::uint32_t>(*first));
-  ++totals.fault_axes[static_cast<std::size_t>(bit)][static_cast<std::size_t>(r.fault_axis)];
+  ++totals.fault_axes[bit][r.fault_axis];
 }
 
 }  // namespace
@@ -78,7 +78,7 @@ void TickStatistics::add(const TickRecord& r) {
   t.missed_deadlines += std::max<std::uint32_t>(r.elapsed_periods, 1) - 1;
   for (int bit = 0; bit < kFaultBits; ++bit) {
     const bool set = (static_cast<std::uint32_t>(r.faults) >> static_cast<unsigned>(bit) & 1U) != 0;
-    t.faults[static_cast<std::size_t>(bit)] += set ? 1 : 0;
+    t.faults[bit] += set ? 1 : 0;
   }
   countAxis(t, r);
   if (any(r.faults & kStopping)) ++t.stopping_faults;

@@ -9,20 +9,21 @@
 
 namespace wholehand {
 
-/// p50, p99, p99.9 and the largest of many durations [ns]; all zero when there were none.
+/// p50, p99, p99.9 and maximum of many durations [ns]; all zero when there are none.
 struct Percentiles {
   double p50_ns = 0.0, p99_ns = 0.0, p999_ns = 0.0, max_ns = 0.0;
 };
 
-/// Counts durations in bins of equal ratio, so that a percentile is within 0.5 % of the exact one
-/// whatever their number, in constant memory. Range 10 ns .. 1000 s; beyond, the end bins count.
+/// Histogram of durations with bins of equal ratio: percentiles are within 0.5 % of the exact ones
+/// for any number of durations, in constant memory. Range 10 ns .. 1000 s; the end bins count what
+/// is beyond.
 class DurationHistogram {
  public:
   DurationHistogram();
 
   void add(std::int64_t duration_ns);
-  /// The smallest duration that at least `share` (0 .. 1) of all do not exceed (nearest rank),
-  /// within 0.5 %; never above the largest one. 0 without durations.
+  /// Smallest duration that at least `share` (0 .. 1) of all durations do not exceed (nearest
+  /// rank), within 0.5 %; never above the maximum. 0 without durations.
   [[nodiscard]] double quantile(double share) const;
   [[nodiscard]] Percentiles percentiles() const;
   [[nodiscard]] std::uint64_t count() const noexcept { return count_; }
@@ -35,31 +36,31 @@ class DurationHistogram {
   std::int64_t max_ns_ = 0, min_ns_ = INT64_MAX;
 };
 
-/// What a run came to so far.
+/// Summary of a run so far.
 struct TickSummary {
-  std::uint64_t ticks = 0;    ///< periods, skipped ones included: the sum of elapsed_periods
+  std::uint64_t ticks = 0;    ///< periods, including skipped ones: the sum of elapsed_periods
   std::uint64_t records = 0;  ///< ticks that ran
-  std::uint64_t missed_deadlines = 0;              ///< periods skipped
+  std::uint64_t missed_deadlines = 0;              ///< skipped periods
   std::array<std::uint64_t, kFaultBits> faults{};  ///< ticks in which each bit was set
-  /// Of the records that were seen: ticks in which it was this axis, by their fault_axis. A record
-  /// names one, the first axis of the first of its faults; the others of that tick count nowhere.
+  /// Faulty ticks by fault and axis (fault_axis), of the records seen. A record names only the
+  /// first axis of its first fault; other axes of that tick are not counted.
   std::array<std::array<std::uint64_t, kMaxAxes>, kFaultBits> fault_axes{};
   std::uint64_t stopping_faults = 0;  ///< ticks with a fault that stops rendering
   AxisEffort max_effort;              ///< largest |sent| per axis [N or N·m]
-  std::int32_t contacts_max = 0;      ///< in one tick
+  std::int32_t contacts_max = 0;      ///< most in one tick
   double max_coupling_error_rad = 0.0;
   Percentiles cpu, wall, lateness;
   std::array<Percentiles, kStages> stage_cpu{};
   double time_s = 0.0;        ///< of the last tick
   std::int32_t contacts = 0;  ///< in the last tick
   AxisEffort sent;            ///< in the last tick
-  /// The exercise's values in the last tick that had any, in the order of its names.
+  /// Exercise values of the last tick that had any, in the order of its names.
   std::int32_t value_count = 0;
   std::array<double, kMaxExerciseValues> values{};
 };
 
-/// Running statistics over records, without storing them. Any thread may ask for a snapshot while
-/// another adds. Locks: not for the tick.
+/// Running statistics of records, without storing them. Any thread may take a snapshot while
+/// another one adds. Uses a lock: not for the tick.
 class TickStatistics {
  public:
   void add(const TickRecord& record);
@@ -67,7 +68,7 @@ class TickStatistics {
 
  private:
   mutable std::mutex mutex_;
-  TickSummary totals_;  ///< all but the percentiles
+  TickSummary totals_;  ///< without the percentiles
   DurationHistogram cpu_, wall_, lateness_;
   std::array<DurationHistogram, kStages> stages_;
 };

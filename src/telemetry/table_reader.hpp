@@ -13,21 +13,20 @@
 
 namespace wholehand::recording {
 
-/// A dataset that is open.
+/// An open dataset.
 struct Dataset {
   hdf5::Handle handle;
   std::uint64_t rows = 0;
   std::uint64_t chunk_rows = 0;  ///< ChunkReader::chunkRows()
 };
 
-/// Opens a dataset and checks that its type and its rows have the expected form. What is wrong, or
-/// nothing.
+/// Opens a dataset and checks the type and shape of its rows. Returns the error, or an empty text.
 std::string openDataset(hid_t group, const ColumnShape& column, Dataset& dataset);
-/// Reads `count` rows from row `first` on into `rows`.
+/// Reads `count` rows from row `first` into `rows`.
 bool readRows(const Dataset& dataset, const ColumnShape& column, std::uint64_t first,
               std::uint64_t count, ChunkReader& chunks, std::vector<std::byte>& rows);
 
-/// Reads the datasets that a TableWriter wrote, a block at a time. Not for the tick.
+/// Reads the datasets of a TableWriter, block by block. Not for the tick.
 template <class Row>
 class TableReader {
  public:
@@ -35,34 +34,34 @@ class TableReader {
       : columns_(std::move(columns)), left_out_(columns_.size()), buffers_(columns_.size()) {
     for (const ColumnShape& c : columns_) row_bytes_.push_back(c.rowBytes());
   }
-  /// These columns are packed, each chunk for itself. To be told before open().
+  /// Unpacks these columns, chunk by chunk. Before open().
   void unpack(std::vector<Prediction> predictions, std::uint64_t chunk_rows) {
     predictions_ = std::move(predictions);
     chunk_rows_ = chunk_rows;
     for (const Prediction& p : predictions_) columns_[p.column].packed = true;
   }
 
-  /// These columns are not read: their numbers are zero. To be told before load(). A column by
-  /// which a read one is packed must not be among them.
+  /// Skips these columns: their numbers are zero. Before load(). A column that the prediction of a
+  /// read column uses must not be among them.
   void leaveOut(const std::vector<std::string>& names);
 
-  /// Opens every dataset of the table. What is wrong, or nothing.
+  /// Opens every dataset of the table. Returns the error, or an empty text.
   std::string open(hid_t group);
-  /// The rows that every dataset has: a killed writer may leave some a little longer.
+  /// Number of rows that every dataset has: after a killed writer some are a little longer.
   [[nodiscard]] std::uint64_t rows() const noexcept { return rows_; }
-  /// Makes the rows first .. first+count-1 ready for get(). @pre where columns are packed, first is
-  /// the first row of a chunk
+  /// Loads the rows first .. first+count-1 for get(). @pre when columns are packed, first is the
+  /// first row of a chunk
   bool load(std::uint64_t first, std::uint64_t count);
-  /// The i-th row of the file. @pre it was loaded.
+  /// Copies the i-th row of the file. @pre it is loaded
   void get(std::uint64_t i, Row& row) const;
   [[nodiscard]] bool holds(std::uint64_t i) const noexcept {
     return i >= first_ && i < first_ + count_;
   }
-  /// `count` rows of the dataset of that name. False where they cannot be read. @pre a number of
+  /// Reads `count` rows of a dataset by name. False when they cannot be read. @pre one number of
   /// type T per row, not packed; first + count <= rows()
   template <class T>
   bool read(const std::string& name, std::uint64_t first, std::uint64_t count, std::vector<T>& out);
-  /// The loaded rows of the dataset of that name. @pre as read()
+  /// The loaded rows of a dataset by name. @pre as read()
   template <class T>
   bool loaded(const std::string& name, std::vector<T>& out) const;
 

@@ -12,7 +12,7 @@
 
 namespace wholehand::recording {
 
-/// Growing datasets of equal length, with the rows that are not on the disk yet. Not for the tick.
+/// Growing datasets of equal length with their buffered rows. Not for the tick.
 template <class Row>
 class TableWriter {
  public:
@@ -23,7 +23,7 @@ class TableWriter {
         packed_(columns_.size()) {
     for (const ColumnShape& c : columns_) row_bytes_.push_back(c.rowBytes());
   }
-  /// Packs these columns.
+  /// Packs these columns from now on.
   void pack(std::vector<Prediction> predictions) {
     predictions_ = std::move(predictions);
     for (const Prediction& p : predictions_) columns_[p.column].packed = true;
@@ -31,22 +31,22 @@ class TableWriter {
 
   /// Creates the datasets with their attributes in `group`.
   bool create(hid_t group);
-  /// Keeps a row until the next write().
+  /// Buffers a row until the next write().
   void push(const Row& row);
-  /// Writes the kept rows behind the committed ones. They are kept still: when a later step fails,
-  /// the same rows are written to the same place once more.
+  /// Writes the buffered rows after the committed ones, and keeps them: if a later step fails, the
+  /// same rows are written to the same place again.
   bool write();
-  /// The written rows are safe: forgets them and goes on behind them.
+  /// Marks the written rows as safe on disk: drops them from the buffer and continues after them.
   void commit();
-  /// Takes the rows that another keeps. Those of a side table name their tick by its row: it loses
-  /// the `ticks` that the other's file had.
+  /// Takes over the buffered rows of another table. In a side table, subtracts `ticks`, the number
+  /// of tick rows in the other's file, from the tick row numbers.
   void takeRowsOf(TableWriter& other, std::uint64_t ticks);
   /// Closes the datasets.
   void close() { datasets_.clear(); }
 
   [[nodiscard]] std::uint64_t written() const noexcept { return written_; }
   [[nodiscard]] std::uint64_t pending() const noexcept { return pending_; }
-  /// True when the kept rows reach the end of a chunk: the moment at which writing is cheapest.
+  /// True when the buffered rows complete a chunk: the cheapest time to write.
   [[nodiscard]] bool atChunkEnd() const noexcept {
     return pending_ > 0 && (written_ + pending_) % chunk_rows_ == 0;
   }
@@ -59,16 +59,16 @@ class TableWriter {
   std::uint64_t chunk_rows_;
   std::vector<std::size_t> row_bytes_;
   std::vector<Prediction> predictions_;
-  RowBytes buffers_;  ///< the committed rows of the chunk that was begun, and the kept ones
-  RowBytes packed_;   ///< the kept rows of packed columns
+  RowBytes buffers_;  ///< committed rows of the current chunk, then the buffered rows
+  RowBytes packed_;   ///< buffered rows of packed columns
   std::vector<hdf5::Handle> datasets_;
   std::uint64_t written_ = 0, pending_ = 0;
   std::uint64_t begun_ = 0;  ///< committed rows in the buffers
 };
 
-/// Creates one dataset, chunked and compressed, without rows.
+/// Creates an empty dataset, chunked and compressed.
 hdf5::Handle createDataset(hid_t group, const ColumnShape& column, std::uint64_t chunk_rows);
-/// Writes `count` rows at row `first` of a dataset, which grows when needed.
+/// Writes `count` rows at row `first` of a dataset, which grows if needed.
 bool writeRows(hid_t dataset, const ColumnShape& column, std::uint64_t first, std::uint64_t count,
                const std::byte* rows);
 

@@ -23,7 +23,7 @@ double uniform(Random& random, double low, double high) {
 double wayTime(const DeviceModel& device, const AxisPosition& from, const AxisPosition& to) {
   double time_s = 0.1;
   for (int a = 0; a < from.size(); ++a) {
-    const double limit = device.axes[static_cast<std::size_t>(a)].speed_limit;
+    const double limit = device.axes[a].speed_limit;
     time_s = std::max(time_s, 1.875 * std::abs(to[a] - from[a]) / (0.5 * limit));
   }
   return time_s;
@@ -33,7 +33,7 @@ double wayTime(const DeviceModel& device, const AxisPosition& from, const AxisPo
 AxisPosition clearOf(const DeviceModel& device, double aside) {
   AxisPosition q(device.axisCount());
   for (int a = 0; a < q.size(); ++a) {
-    const DeviceAxis& axis = device.axes[static_cast<std::size_t>(a)];
+    const DeviceAxis& axis = device.axes[a];
     if (axis.name == "x") q[a] = 0.95 * axis.lower;
     if (axis.name == "y") q[a] = aside * axis.upper;
     if (axis.name == "z") q[a] = 0.95 * axis.upper;
@@ -46,7 +46,7 @@ void reachFor(const SceneBody& body, const DeviceModel& device, AxisPosition& q)
   const Eigen::Vector3d base_m = body.pose.translation_m - Eigen::Vector3d(0.049, 0.041, 0.004);
   for (int i = 0; i < 3; ++i) {
     const int a = device.axisIndex(std::string(1, "xyz"[i]));
-    const DeviceAxis& axis = device.axes[static_cast<std::size_t>(a)];
+    const DeviceAxis& axis = device.axes[a];
     q[a] = std::clamp(base_m[i], axis.lower, axis.upper);
   }
 }
@@ -59,7 +59,7 @@ Intention graspAndFight(const Models& m, double aside, Random& random) {
   };
   const auto shape = [&](AxisPosition& q, double low, double high, bool fingers) {
     for (int a = 0; a < q.size(); ++a) {
-      const DeviceAxis& axis = m.device.axes[static_cast<std::size_t>(a)];
+      const DeviceAxis& axis = m.device.axes[a];
       if ((axis.group == AxisGroup::kHand) != fingers) continue;
       q[a] = axis.lower + uniform(random, low, high) * (axis.upper - axis.lower);
     }

@@ -37,11 +37,11 @@ std::string notFinite(const TickRecord& r) {
   check(allFinite(r.rendered), "rendered");
   check(allFinite(r.sent), "sent");
   for (int i = 0; i < r.body_count; ++i) {
-    const BodyState& body = r.bodies[static_cast<std::size_t>(i)];
+    const BodyState& body = r.bodies[i];
     check(finite(body.position_m) && finite(body.velocity_m_s), "bodies");
   }
   for (int i = 0; i < r.contact_count; ++i) {
-    check(finite(r.contacts[static_cast<std::size_t>(i)].force_n), "contacts");
+    check(finite(r.contacts[i].force_n), "contacts");
   }
   return out;
 }
@@ -54,7 +54,7 @@ bool isNeutral(const AxisEffort& sent, const AxisEffort& neutral) {
 std::string beyondLimit(const TickRecord& r, const AxisEffort& before, const DeviceModel& device,
                         double& hardest) {
   for (int a = 0; a < r.sent.size(); ++a) {
-    const DeviceAxis& axis = device.axes[static_cast<std::size_t>(a)];
+    const DeviceAxis& axis = device.axes[a];
     hardest = std::max(hardest, std::abs(r.sent[a]) / axis.effort_limit);
     if (std::abs(r.sent[a]) > axis.effort_limit + 1e-9) return axis.name + " beyond its limit";
     if (std::abs(r.sent[a] - before[a]) > axis.effort_slew_limit * kPeriod_s + 1e-9) {
@@ -72,14 +72,14 @@ Eigen::Vector3d inBody(const BodyState& state, const SceneBody& body, const Eige
 
 double Bones::deepest(const TickRecord& record) {
   for (int i = 0; i < record.placements.count; ++i) {
-    placed_ |= 1U << record.placements.items[static_cast<std::size_t>(i)].body;
+    placed_ |= 1U << record.placements.items[i].body;
   }
   hand_.updateKinematics(record.theta);
   double deepest_m = -1.0;
   for (int b = 0; b < record.body_count; ++b) {
     if ((placed_ >> b & 1U) != 0) continue;
-    const BodyState& state = record.bodies[static_cast<std::size_t>(b)];
-    const SceneBody& body = rig_.models.scene.bodies[static_cast<std::size_t>(b)];
+    const BodyState& state = record.bodies[b];
+    const SceneBody& body = rig_.models.scene.bodies[b];
     for (const Capsule& c : rig_.models.hand.capsules) {
       const Pose& at = hand_.linkPose(c.link);
       for (const Eigen::Vector3d& point : {c.a_m, Eigen::Vector3d(0.5 * (c.a_m + c.b_m)), c.b_m}) {

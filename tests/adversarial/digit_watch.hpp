@@ -71,11 +71,10 @@ class DigitWatch {
   /// It bears on something, or is inside the surface that is drawn of a soft body.
   bool touches(const Digit& digit, const TickRecord& r) const {
     return insideSoftBody(digit, r) ||
-           std::any_of(r.contacts.begin(), r.contacts.begin() + r.contact_count,
-                       [&](const Contact& c) {
-                         return digit.capsules[static_cast<std::size_t>(c.capsule)] &&
-                                c.force_n.eigen().dot(c.normal.eigen()) > 0.0;
-                       });
+           std::any_of(
+               r.contacts.begin(), r.contacts.begin() + r.contact_count, [&](const Contact& c) {
+                 return digit.capsules[c.capsule] && c.force_n.eigen().dot(c.normal.eigen()) > 0.0;
+               });
   }
 
   bool insideSoftBody(const Digit& digit, const TickRecord& r) const {
@@ -100,7 +99,7 @@ class DigitWatch {
 
   void look(Digit& digit, const TickRecord& r) {
     const int a = digit.wall.axis;
-    const DeviceAxis& axis = rig_.models.device.axes[static_cast<std::size_t>(a)];
+    const DeviceAxis& axis = rig_.models.device.axes[a];
     const double limit = axis.effort_limit;
     const double push = -r.exercise.effort[a];  // closing raises the coordinate
     const double damped = digit.wall.damping * std::max(0.0, r.qd_mf[a]);

@@ -160,7 +160,9 @@ TEST(EveryPatient, OnEveryDeviceHandAndExercise_IsPushedWithinLimitsAndLetDownGe
   print(tally);
   figure("cases of all", static_cast<double>(tried.size()) / static_cast<double>(all.size()), "");
   figure("CPU time", static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC, "s");
-  if (kCountsTell) EXPECT_GT(tally.touched, tally.runs / 4);
+  if (kCountsTell) {
+    EXPECT_GT(tally.touched, tally.runs / 4);
+  }
 }
 
 /// Nobody would notice if it saw nothing.

@@ -14,7 +14,7 @@ constexpr double kGap_m = 5e-4;  // between the hand, as it is let go, and the w
 AxisPosition startOf(const Throw& how, const DeviceModel& device) {
   AxisPosition q(device.axisCount());
   for (int a = 0; a < q.size(); ++a) {
-    const DeviceAxis& axis = device.axes[static_cast<std::size_t>(a)];
+    const DeviceAxis& axis = device.axes[a];
     if (axis.name == how.axis) q[a] = how.towards_upper ? axis.lower : axis.upper;
     if (axis.name == "finger_flexion") q[a] = how.fingers_rad;
     if (axis.name == "thumb_circumduction") q[a] = how.circumduction_rad;
@@ -78,7 +78,7 @@ Models thrown(const Throw& how) {
 }
 
 const DeviceAxis& flungAxis(const Models& m, const Throw& how) {
-  return m.device.axes[static_cast<std::size_t>(m.device.axisIndex(how.axis))];
+  return m.device.axes[m.device.axisIndex(how.axis)];
 }
 
 Bounce slammed(const Throw& how) {

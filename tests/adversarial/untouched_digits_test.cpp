@@ -124,12 +124,12 @@ class Stages {
 Intention approach(const Models& m, const SceneBody& body, Random& random) {
   const double side = m.hand.side == Side::kLeft ? -1.0 : 1.0;
   const auto held = [&](double value, int a) {
-    const DeviceAxis& axis = m.device.axes[static_cast<std::size_t>(a)];
+    const DeviceAxis& axis = m.device.axes[a];
     return std::clamp(value, axis.lower, axis.upper);
   };
   const auto posture = [&](AxisPosition& q, double most) {
     for (int a = 3; a < 6; ++a) {
-      const DeviceAxis& axis = m.device.axes[static_cast<std::size_t>(a)];
+      const DeviceAxis& axis = m.device.axes[a];
       const std::array<double, 4> kinds{0.0, 1.0, 0.8, uniform(random, 0.0, 1.0)};
       q[a] = axis.lower + most * kinds[random() % kinds.size()] * (axis.upper - axis.lower);
     }
@@ -153,7 +153,7 @@ Intention approach(const Models& m, const SceneBody& body, Random& random) {
     double time_s = 0.05;
     const double share = uniform(random, 0.3, 0.85);  // of the speed limits
     for (int a = 0; a < 6; ++a) {
-      const double limit = m.device.axes[static_cast<std::size_t>(a)].speed_limit;
+      const double limit = m.device.axes[a].speed_limit;
       time_s = std::max(time_s, 1.875 * std::abs(q[a] - way.back().q[a]) / (share * limit));
     }
     way.push_back({way.back().time_s + time_s, q});
@@ -220,11 +220,10 @@ void tryOne(Stages& stages, std::uint32_t number, Tally& tally) {
   models.hand = orThrow(assembleHand(hand, models.device));
   std::vector<int> targets;
   for (std::size_t i = 0; i < models.scene.bodies.size(); ++i) {
-    if (models.exercise->query().targets >> i & 1U) targets.push_back(static_cast<int>(i));
+    if (models.exercise->query().targets[i]) targets.push_back(static_cast<int>(i));
   }
   const int target = targets[random() % targets.size()];
-  const Intention way =
-      approach(models, models.scene.bodies[static_cast<std::size_t>(target)], random);
+  const Intention way = approach(models, models.scene.bodies[target], random);
   auto device = std::make_unique<SimulatedDevice>(models.device, models.patient,
                                                   std::make_unique<ScriptedPlayer>(way), 1e-3);
   RigOptions options;

@@ -104,6 +104,52 @@ class Timing(AppTest):
         self.assertEqual(run.returncode, INTERRUPTED, said + complained)
 
 
+class Complexity(AppTest):
+    def test_keys_of_the_results(self):
+        self.expect(self.run_app("experiment", "complexity", "--only", "vertices", "--ticks", "100", "--passes", "1",
+                                 "--json", "c.json", "--out", "out"), DONE, "admitted at 1 kHz")
+        results = json.loads((self.folder / "c.json").read_text())
+        [curve] = results["curves"]
+        self.assertEqual(curve["of"], "vertices")
+        self.assertEqual([each["rate_hz"] for each in curve["admitted"]], [1000, 2000, 4000, 8000])
+        counts = [each["count"] for each in curve["admitted"]]
+        self.assertEqual(counts, sorted(counts, reverse=True))  # a faster loop admits no more
+        for point in curve["points"]:
+            self.assertFalse(point["faulted"])
+            self.assertGreater(point["contacts"], 0)
+            self.assertLessEqual(point["p50_us"], point["p999_us"])
+        page = report_data(self.folder / "out/complexity.html")
+        expect_known_sentences(self, page)
+        self.assertEqual(len(page["charts"]), 1)
+
+    def test_bad_input_is_refused(self):
+        self.expect_refused(self.run_app("experiment", "complexity", "--only", "tower"), "--only", "pile")
+
+
+class Admission(AppTest):
+    def test_small_scene_is_admitted(self):
+        self.expect(self.run_app("validate", "--admit", CONFIG / "scenes/four-shapes.toml"),
+                    DONE, ": admitted at 1000 Hz")
+
+    def test_large_one_is_not_and_what_to_remove_is_named(self):
+        # 24 boxes in stacks side by side have some 200 contacts: more than a tick of 62 µs solves.
+        text = 'kind = "scene"\nversion = 1\nname = "stacks"\ngravity_m_s2 = [0, 0, -9.81]\n'
+        text += '[[bodies]]\nname = "floor"\nshape = "box"\nsize_m = [0.4, 0.4, 0.02]\nfixed = true\n' \
+                'position_m = [0.1, 0, -0.11]\n'
+        for i in range(24):
+            x, y, z = i // 4 % 5 * 0.0302, i // 20 * 0.0302 - 0.06, i % 4 * 0.03 - 0.085
+            text += f'[[bodies]]\nname = "box-{i}"\nshape = "box"\nsize_m = [0.03, 0.03, 0.03]\nmass_kg = 0.02\n' \
+                    f'position_m = [{0.04 + x:.4f}, {y:.4f}, {z:.4f}]\n'
+        (self.folder / "stacks.toml").write_text(text)
+        refused = self.run_app("validate", "--admit", "stacks.toml", "--rate-hz", "8000", timeout=600)
+        self.assertEqual(refused.code, 1, refused)
+        self.assertRegex(refused.out, r"not admitted at 8000 Hz(.|\n)*(Remove \d+ bod|No body that could be removed)")
+
+    def test_bad_input_is_refused(self):
+        self.expect_refused(self.run_app("validate", "--admit", "no-such.toml"), "no-such.toml")
+        self.expect_refused(self.run_app("validate"), "files")
+
+
 class Engines(AppTest):
     def test_keys_of_the_results(self):
         self.expect(self.run_app("experiment", "engines", "--hold", "0.2", "--json", "e.json", "--out", "out"),

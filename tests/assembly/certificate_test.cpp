@@ -1,6 +1,6 @@
 // Every shipped rendering on its device with every shipped hand and exercise, as shipped.
 #include "assembly/sampled_inertia.hpp"
-#include "control/certificate_refusal.hpp"
+#include "control/certificate/certificate_refusal.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
 #include "support/shipped.hpp"

@@ -70,7 +70,9 @@ TEST_P(EveryFile, OnThisDevice_BuildsArmsAndRunsASecond) {
       touching += touched > 0 ? 1 : 0;
     }
   }
-  if (kCountsTell) EXPECT_GT(touching, 0);
+  if (kCountsTell) {
+    EXPECT_GT(touching, 0);
+  }
 }
 INSTANTIATE_TEST_SUITE_P(Devices, EveryFile, testing::ValuesIn(shipped("devices")),
                          [](const auto& tested) {

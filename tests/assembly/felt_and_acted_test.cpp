@@ -54,7 +54,7 @@ class Draw {
   AxisPosition posture(const DeviceModel& device) {
     AxisPosition q(device.axisCount());
     for (int a = 0; a < q.size(); ++a) {
-      const DeviceAxis& axis = device.axes[static_cast<std::size_t>(a)];
+      const DeviceAxis& axis = device.axes[a];
       const double edge = 0.05 * (axis.upper - axis.lower);
       q[a] = between(axis.lower + edge, axis.upper - edge);
     }
@@ -96,9 +96,8 @@ double worstShare(const ModelFiles& files, Draw& draw) {
   const AxisPosition at = draw.posture(m.device);
   AxisPosition off = at;
   for (int a = 0; a < at.size(); ++a) {
-    const double most = 0.3 * m.device.axes[static_cast<std::size_t>(a)].effort_limit /
-                        m.rendering.axes[static_cast<std::size_t>(a)].k_pm;
-    const DeviceAxis& axis = m.device.axes[static_cast<std::size_t>(a)];
+    const double most = 0.3 * m.device.axes[a].effort_limit / m.rendering.axes[a].k_pm;
+    const DeviceAxis& axis = m.device.axes[a];
     const bool up = at[a] < 0.5 * (axis.lower + axis.upper);  // inwards: the range is the device's
     const double way = std::min(most, 0.5 * (axis.upper - axis.lower));
     off[a] += (up ? 1.0 : -1.0) * draw.between(0.3, 1.0) * way;
@@ -160,11 +159,11 @@ AxisEffort workOfTheHandItself(const Rig& rig, const AxisPosition& q_s) {
   rig.world->selfForces(own);
   TickRecord both;  // as contacts with a body, of either side
   for (int i = 0; i < own.count; ++i) {
-    const SelfForce& touch = own.touches[static_cast<std::size_t>(i)];
+    const SelfForce& touch = own.touches[i];
     for (const int side : {1, -1}) {
-      Contact& c = both.contacts[static_cast<std::size_t>(both.contact_count++)];
+      Contact& c = both.contacts[both.contact_count++];
       const int capsule = side > 0 ? touch.capsule_a : touch.capsule_b;
-      c.link = rig.models.hand.capsules[static_cast<std::size_t>(capsule)].link;
+      c.link = rig.models.hand.capsules[capsule].link;
       c.point_m = touch.point_m;
       c.force_n = touch.force_n;
       c.force_n.x *= side, c.force_n.y *= side, c.force_n.z *= side;
@@ -188,9 +187,8 @@ Hold hold(const ModelFiles& files, Draw& draw) {
   const AxisPosition at = draw.posture(m.device);
   AxisPosition off = at;
   for (int a = 0; a < at.size(); ++a) {
-    const DeviceAxis& axis = m.device.axes[static_cast<std::size_t>(a)];
-    const double most =
-        0.5 * axis.effort_limit / m.rendering.axes[static_cast<std::size_t>(a)].k_pm;
+    const DeviceAxis& axis = m.device.axes[a];
+    const double most = 0.5 * axis.effort_limit / m.rendering.axes[a].k_pm;
     off[a] = std::clamp(at[a] + draw.between(-most, most), axis.lower, axis.upper);
   }
   m.scene.bodies = ballsAbout(m.hand, at, draw);

@@ -92,10 +92,10 @@ SceneBody stopOf(const Models& m, int sign) {
     for (const Eigen::Vector3d& end : {c.a_m, c.b_m}) {
       const Eigen::Vector3d p = here.linkPose(c.link) * end;
       const Eigen::Vector3d way = there.linkPose(c.link) * end - p;
-      const Eigen::Vector3d at = p + (c.radius_m + kBall_m + kGap_m) * way.normalized();
-      if (way.norm() <= furthest_m || clearance_m(here, at, kBall_m) < 0.9 * kGap_m) continue;
+      const Eigen::Vector3d ball_m = p + (c.radius_m + kBall_m + kGap_m) * way.normalized();
+      if (way.norm() <= furthest_m || clearance_m(here, ball_m, kBall_m) < 0.9 * kGap_m) continue;
       furthest_m = way.norm();
-      center = at;
+      center = ball_m;
     }
   }
   return ball(center, kBall_m, 0.0);
@@ -134,7 +134,8 @@ TEST_P(FeltStop, OfTheRealEngine_FeelsAsPredictedForARigidStop) {
     const double f_hz = kLines[i];
     const Complex measured = effort[i] * linearHoldGain(loop, f_hz) /
                              (Complex(0.0, 2.0 * std::numbers::pi * f_hz) * position[i]);
-    const Complex ratio = measured / feltImpedance(feltAlone(loop), ContactCase::kRigid, f_hz).felt;
+    const Complex ratio =
+        measured / feltImpedance(feltUncoupled(loop), ContactCase::kRigid, f_hz).felt;
     worst_db = std::max(worst_db, std::abs(20.0 * std::log10(std::abs(ratio))));
     worst_deg = std::max(worst_deg, std::abs(std::arg(ratio)) * 180.0 / std::numbers::pi);
   }

@@ -1,7 +1,7 @@
 // A glove with an axis for every finger joint: twelve rotations, no base. 3^12 postures would take
 // minutes; the gate must stay quick and still see the corners.
 #include "assembly/sampled_inertia.hpp"
-#include "model/hand_file.hpp"
+#include "model/hand/hand_file.hpp"
 
 #include <gtest/gtest.h>
 

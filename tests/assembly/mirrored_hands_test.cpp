@@ -54,9 +54,7 @@ TEST(LeftHandOfEverySize, InTheMirroredScene_FeelsTheMirroredEffort) {
     EXPECT_GT(most, 0.05) << size << ": the fingers met the ball";  // N m
     runTicks(*left->renderer, 1200, [&](const TickRecord& r) {
       const AxisEffort image = mirrored(r.sent);
-      apart_n = std::max(
-          apart_n,
-          (image.vec() - felt[static_cast<std::size_t>(r.tick)].vec()).cwiseAbs().maxCoeff());
+      apart_n = std::max(apart_n, (image.vec() - felt[r.tick].vec()).cwiseAbs().maxCoeff());
     });
   }
   figure("left hands' effort against the mirror image of the right ones'", apart_n, "N or N m");

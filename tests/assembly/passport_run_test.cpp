@@ -55,10 +55,9 @@ TEST(MeasuredDevice, TankCountsOnTheLowerEndOfItsDamping) {
   const auto rig = measuredRig(passportOf(models.device));
   const EnergyTankConfig& tank = rig->renderer->config().safety.tank;
   for (int i = 0; i < tank.axes; ++i) {
-    const double stated = models.device.axes[static_cast<std::size_t>(i)].damping;
+    const double stated = models.device.axes[i].damping;
     EXPECT_DOUBLE_EQ(tank.device_damping[i], kProven * stated);
-    EXPECT_EQ(rig->models.device.axes[static_cast<std::size_t>(i)].damping, stated)
-        << "the file is as it was";
+    EXPECT_EQ(rig->models.device.axes[i].damping, stated) << "the file is as it was";
   }
 }
 

@@ -21,8 +21,8 @@ TEST(BuildRig, UncertifiedAroundADeviceThatMayHoldAPerson_IsRefused) {
       buildRig(load(shippedFiles(kDevice)), std::make_unique<WatchedDevice>(story), options);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.errors().front().key, "uncertified");
-  EXPECT_TRUE(buildRigThatMovesNobody(load(shippedFiles(kDevice)),
-                                      std::make_unique<WatchedDevice>(story), options));
+  EXPECT_TRUE(buildRigWithoutPerson(load(shippedFiles(kDevice)),
+                                    std::make_unique<WatchedDevice>(story), options));
   Models models = load(shippedFiles(kDevice));
   EXPECT_TRUE(buildRig(models, Intention::throughWaypoints({{0.0, AxisPosition(3)}}), options));
 }
@@ -30,8 +30,8 @@ TEST(BuildRig, UncertifiedAroundADeviceThatMayHoldAPerson_IsRefused) {
 TEST(CheckGains, ArmatureThatIsFeltAsAWeight_IsRefusedWithTheWeight) {
   Models models = load(shippedFiles("lambda-pride"));
   const int finger = models.device.axisIndex("finger_flexion");
-  AxisRendering& rendering = models.rendering.axes[static_cast<std::size_t>(finger)];
-  const DeviceAxis& axis = models.device.axes[static_cast<std::size_t>(finger)];
+  AxisRendering& rendering = models.rendering.axes[finger];
+  const DeviceAxis& axis = models.device.axes[finger];
   rendering.armature = 0.05;
   const CheckedGains checked = orThrow(checkGains(models, 1e-3));
   ASSERT_FALSE(checked.refused.empty());
@@ -68,18 +68,20 @@ void expectTooLarge(const Models& models, const std::string& key, const std::str
   }
 }
 
-// The rooms are those of core/tick_record.hpp, core/axis_array.hpp, dynamics/articulated_body.hpp.
+// The capacities are those of core/world_query.hpp, core/axis_array.hpp and
+// dynamics/articulated_body.hpp.
 TEST(BuildRig, ModelsPushedBeyondTheTicksRoom_AreRefused) {
   Models full = load(shippedFiles(kDevice));
-  for (int i = 0; i < 32; ++i) {
-    full.scene.bodies.push_back(ball({0.3, -0.8 + 0.05 * i, 0.5}, 0.01, 0.0));
+  for (int i = 0; i < 1024; ++i) {
+    full.scene.bodies.push_back(
+        ball({0.3 + 0.03 * (i / 64), -0.9 + 0.03 * (i % 64), 0.5}, 0.01, 0.0));
   }
   Story story;
   EXPECT_TRUE(buildRig(full, std::make_unique<WatchedDevice>(story), {}));  // just fits
 
   Models bodies = full;
   bodies.scene.bodies.push_back(bodies.scene.bodies.back());
-  expectTooLarge(bodies, "bodies", "33");
+  expectTooLarge(bodies, "bodies", "1025");
   Models links = load(shippedFiles(kDevice));
   links.hand.links.resize(41);
   expectTooLarge(links, "links", "41");

@@ -16,7 +16,7 @@ std::string config(const std::string& name) {
 /// As `run` and the station begin: its virtual patient, or a hand at rest where it has none.
 void expectBegins(Models models, std::uint64_t seed) {
   std::unique_ptr<Player> player = models.exercise->makePlayer(seed);
-  if (!player) player = restingOrPlaying(models);
+  if (!player) player = makeMotionPlayer(models);
   const auto rig = orThrow(buildRig(std::move(models), std::move(player), {}));
   const auto armed = rig->renderer->arm();
   ASSERT_TRUE(armed.ok()) << format(armed.errors());
@@ -73,8 +73,7 @@ TEST(ShippedExercises, FreeGrasping_EveryBodyIsWithinReachOfAGrasp) {
     const Eigen::Vector3d base_m = body.pose.translation_m - held_m;
     for (int i = 0; i < 3; ++i) {
       const DeviceAxis& axis =
-          models.device
-              .axes[static_cast<std::size_t>(models.device.axisIndex(std::string(1, "xyz"[i])))];
+          models.device.axes[models.device.axisIndex(std::string(1, "xyz"[i]))];
       EXPECT_GE(base_m[i], axis.lower) << body.name << " along " << axis.name;
       EXPECT_LE(base_m[i], axis.upper) << body.name << " along " << axis.name;
     }

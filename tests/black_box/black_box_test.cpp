@@ -325,8 +325,7 @@ TEST(BlackBox, TickInTheBar_CostsFarLessThanATick) {
   const std::uint64_t bytes_before = box.inputBytes();
   const double began_ns = threadCpu_ns();
   for (int i = 0; i < kTicks; ++i) {
-    for (int a = 0; a < 6; ++a)
-      record.q_m[a] = plan.encoder_step[static_cast<std::size_t>(a)] * (i / 2);
+    for (int a = 0; a < 6; ++a) record.q_m[a] = plan.encoder_step[a] * (i / 2);
     giveTick(box, record);
   }
   const double per_tick_ns = (threadCpu_ns() - began_ns) / kTicks;

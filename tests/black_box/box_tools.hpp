@@ -36,12 +36,12 @@ inline TickRecord tickAt(std::uint64_t tick, std::mt19937_64& random) {
   r.elapsed_periods = 1;
   const std::vector<double> steps = encoderSteps();
   for (int i = 0; i < 6; ++i) {
-    const double step = steps[static_cast<std::size_t>(i)];
+    const double step = steps[i];
     if (step > 0.0) r.q_m[i] = step * std::round(r.q_m[i] / step);
   }
   r.placements.count = static_cast<std::int32_t>(tick % 3);
   for (std::int32_t i = 0; i < r.placements.count; ++i) {
-    BodyPlacement& p = r.placements.items[static_cast<std::size_t>(i)];
+    BodyPlacement& p = r.placements.items[i];
     p.body = i;
     p.position_m = {0.1 * static_cast<double>(tick), 2.0, -3.0};
   }

@@ -58,7 +58,7 @@ class Logging final : public TickListener {
 /// Told of the crash after the black box: what that waits for the loop is over. However little of
 /// the machine the loop gets, it comes to neutral before the process ends, and its run would return
 /// in the half second after that.
-class HoldingTheEnd final : public CrashWitness {
+class HoldingTheEnd final : public CrashHandler {
  public:
   explicit HoldingTheEnd(Told& told) : told_(told) {}
   void crashed(int) noexcept override {
@@ -125,9 +125,7 @@ class CrashBesideTheLoop : public testing::Test {
     return std::abs(told_->log[tick].sent[a] - told_->log[tick - 1].sent[a]);
   }
   [[nodiscard]] int axes() const { return rig_->models.device.axisCount(); }
-  [[nodiscard]] const DeviceAxis& axis(int a) const {
-    return rig_->models.device.axes[static_cast<std::size_t>(a)];
-  }
+  [[nodiscard]] const DeviceAxis& axis(int a) const { return rig_->models.device.axes[a]; }
 
   Told* told_ = nullptr;
 

@@ -131,7 +131,7 @@ TEST(CrashedProcess, ManyThreadsAtOnce_LeaveOneWholeBox) {
 }
 
 /// Crashes once more while a crash is being dealt with.
-class CrashingWitness final : public CrashWitness {
+class CrashingWitness final : public CrashHandler {
  public:
   void crashed(int) noexcept override { writeToNowhere(); }
 };

@@ -88,7 +88,7 @@ class InputLog : public testing::Test {
     for (InputLogState* state : {&writing_, &reading_}) {
       state->encoder_step = AxisPosition(6);
       for (int i = 0; i < 6; ++i) {
-        state->encoder_step[i] = encoderSteps()[static_cast<std::size_t>(i)];
+        state->encoder_step[i] = encoderSteps()[i];
       }
     }
   }
@@ -107,8 +107,8 @@ class InputLog : public testing::Test {
     }
     EXPECT_EQ(input.command_count, record.command_count);
     for (int i = 0; i < record.command_count; ++i) {
-      const Command& want = record.commands[static_cast<std::size_t>(i)];
-      const Command& got = input.commands[static_cast<std::size_t>(i)];
+      const Command& want = record.commands[i];
+      const Command& got = input.commands[i];
       EXPECT_EQ(got.type, want.type);
       EXPECT_EQ(got.index, want.index);
       EXPECT_TRUE(sameBits(got.value, want.value));

@@ -29,7 +29,7 @@ inline Intention sweeping(const DeviceModel& device, double share = 0.1) {
   for (int k = 0; k < 9; ++k) {
     AxisPosition q(device.axisCount());
     for (int a = 0; a < q.size(); ++a) {
-      const DeviceAxis& axis = device.axes[static_cast<std::size_t>(a)];
+      const DeviceAxis& axis = device.axes[a];
       q[a] = std::lerp(axis.lower, axis.upper, 0.5 + (k % 2 == 0 ? -0.5 : 0.5) * share);
     }
     points.push_back({1.0 * k, q});

@@ -76,12 +76,9 @@ class OneAxisTick {
         tank_config_(tankOf(loop_)),
         tank_(fullTank(tank_config_)),
         ramp_(engageFrom(neutral)) {
-    damping_config_ = {1,
-                       AxisEffort(1, 0.5),
-                       AxisEffort(1, 5.0),
-                       AxisRatio(1, 0.3),
-                       AxisRatio(1, 1.0),
-                       AxisRatio(1, 0.0)};
+    damping_config_ = {
+        1,          AxisEffort(1, 0.5), AxisEffort(1, 5.0), AxisTime(1, 0.3), AxisFlag(1, true),
+        AxisFlag(1)};
     damping_ = {AxisRatio(1), AxisRatio(1)};
   }
 
@@ -105,9 +102,9 @@ class OneAxisTick {
     slew_.note(ramp_.sent);
     ramp_ = advanceRamp(ramp_, limited.effort, neutral, stop, 1, kPeriod_s, {});
     ramp_.sent = limitSlew(ramp_.sent, slew_, most_change).effort;
-    tank_ =
-        noteSent(step.state, AxisEffort(1, ramp_.sent[0] - neutral[0]),
-                 avatarEffort(q_m, velocity_.filtered, q_s, qd_s, dampingOf(loop_), gains_), limit);
+    tank_ = recordSent(step.state, AxisEffort(1, ramp_.sent[0] - neutral[0]),
+                       avatarEffort(q_m, velocity_.filtered, q_s, qd_s, dampingOf(loop_), gains_),
+                       limit);
     drive_per_s2 = loop_.k_ps_per_s2 * (x - xs) + loop_.k_ds_per_s * (vf - vs);
     return ramp_.sent[0];
   }

@@ -124,10 +124,10 @@ TEST(AdaptiveDamping, UnitOfEffort_DoesNotChangeActivation) {
 
 /// Axes: two of the base (the second with palm contact), two of the hand.
 AdaptiveDampingConfig fourAxes() {
-  AdaptiveDampingConfig c{
-      4, AxisEffort(4, 0.0), AxisEffort(4, 10.0), AxisRatio(4, 0.3), AxisRatio(4), AxisRatio(4)};
-  c.palm_contact[1] = 1.0;
-  c.hand_axis[2] = c.hand_axis[3] = 1.0;
+  AdaptiveDampingConfig c{4,           AxisEffort(4, 0.0), AxisEffort(4, 10.0), AxisTime(4, 0.3),
+                          AxisFlag(4), AxisFlag(4)};
+  c.palm_contact[1] = true;
+  c.hand_axis[2] = c.hand_axis[3] = true;
   return c;
 }
 
@@ -156,8 +156,8 @@ TEST(AdaptiveDamping, PalmContact_RaisesItsOwnAxis) {
 
 TEST(AdaptiveDamping, DeviceWithoutHandAxes_DampsEachAxisByItsOwn) {
   AdaptiveDampingConfig c = fourAxes();
-  c.hand_axis = AxisRatio(4, 0.0);
-  c.palm_contact = AxisRatio(4, 0.0);
+  c.hand_axis = AxisFlag(4);
+  c.palm_contact = AxisFlag(4);
   const auto s = adaptDamping({}, efforts(9.0, 3.0, 2.0, -5.0), c, 1, kPeriod_s);
   EXPECT_DOUBLE_EQ(s.phi[0], 0.9);
   EXPECT_DOUBLE_EQ(s.phi[1], 0.3);
@@ -187,10 +187,10 @@ TEST(AdaptiveDamping, FilesOfDeviceAndGains_AreMatchedAxisByAxis) {
   rendering.axes[1].decay_s = 0.7;
   const AdaptiveDampingConfig c = makeAdaptiveDamping(device, rendering);
   EXPECT_EQ(c.axes, 2);
-  EXPECT_EQ(c.hand_axis[0], 0.0);
-  EXPECT_EQ(c.hand_axis[1], 1.0);
-  EXPECT_EQ(c.palm_contact[0], 1.0);
-  EXPECT_EQ(c.palm_contact[1], 0.0);
+  EXPECT_FALSE(c.hand_axis[0]);
+  EXPECT_TRUE(c.hand_axis[1]);
+  EXPECT_TRUE(c.palm_contact[0]);
+  EXPECT_FALSE(c.palm_contact[1]);
   EXPECT_EQ(c.effort_full[1], 0.4);
   EXPECT_EQ(c.effort_dead[1], 0.04);
   EXPECT_EQ(c.decay_s[1], 0.7);

@@ -1,4 +1,4 @@
-#include "control/certificate_advice.hpp"
+#include "control/certificate/certificate_advice.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "control/certificate.hpp"
+#include "control/certificate/certificate.hpp"
 
 #include "control/critical_damping.hpp"
 #include "control/passivity.hpp"

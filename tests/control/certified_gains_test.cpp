@@ -114,7 +114,7 @@ Balance balanceOf(AxisSimulation axis, const Push& push, bool with_tank) {
     axis.tick(effort, pushed);
     if (with_tank) {
       tank =
-          noteSent(tank, AxisEffort(1, axis.sent()), AxisEffort(1, axis.avatarDrive()), no_limit);
+          recordSent(tank, AxisEffort(1, axis.sent()), AxisEffort(1, axis.avatarDrive()), no_limit);
     }
     const double on_device = axis.felt() * (axis.x - x);
     const double taken = share * (on_device + pushed * (axis.x - x) - (moving() - before));

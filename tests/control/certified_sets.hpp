@@ -1,6 +1,6 @@
 #pragma once
 
-#include "control/certificate_advice.hpp"
+#include "control/certificate/certificate_advice.hpp"
 #include "control/coupling_gains.hpp"
 #include "control/energy_tank.hpp"
 #include "support/seed.hpp"
@@ -84,18 +84,18 @@ inline const std::vector<CertifiedSet>& certifiedSets() {
 inline CouplingGains gainsOf(const AxisLoop& l) {
   CouplingGains g;
   g.axes = 1;
-  g.k_pm = AxisRatio(1, l.k_pm);
-  g.k_dm = AxisRatio(1, l.phi_k_dm);
+  g.k_pm = AxisStiffness(1, l.k_pm);
+  g.k_dm = AxisDamping(1, l.phi_k_dm);
   g.gamma = AxisRatio(1, l.gamma);
-  g.armature = AxisRatio(1, 0.0);
-  g.inertia = AxisRatio(1, l.k_pm / l.k_ps_per_s2);
-  g.filter_tau_s = AxisRatio(1, l.filter_tau_s);
+  g.armature = AxisInertia(1, 0.0);
+  g.inertia = AxisInertia(1, l.k_pm / l.k_ps_per_s2);
+  g.filter_tau_s = AxisTime(1, l.filter_tau_s);
   return g;
 }
 
 /// D of the loop.
-inline AxisRatio dampingOf(const AxisLoop& l) {
-  return AxisRatio(1, l.k_pm * l.k_ds_per_s / l.k_ps_per_s2);
+inline AxisDamping dampingOf(const AxisLoop& l) {
+  return AxisDamping(1, l.k_pm * l.k_ds_per_s / l.k_ps_per_s2);
 }
 
 /// The shipped tank of a translation.

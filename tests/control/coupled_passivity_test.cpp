@@ -61,7 +61,7 @@ CoupledCase drawCase(Draw& draw, int n) {
     c.axes.push_back(a);
   }
   AxisMatrix inertia = AxisMatrix::Zero(n, n);
-  for (int i = 0; i < n; ++i) inertia(i, i) = c.axes[static_cast<std::size_t>(i)].inertia;
+  for (int i = 0; i < n; ++i) inertia(i, i) = c.axes[i].inertia;
   for (int i = 0; i < n; ++i) {
     for (int k = 0; k < i; ++k) {
       inertia(i, k) = inertia(k, i) =
@@ -72,9 +72,9 @@ CoupledCase drawCase(Draw& draw, int n) {
   return c;
 }
 
-AxisRatio stiffnessOf(const CoupledCase& c) {
-  AxisRatio out(static_cast<int>(c.axes.size()));
-  for (int i = 0; i < out.size(); ++i) out[i] = c.axes[static_cast<std::size_t>(i)].gains.k_pm;
+AxisStiffness stiffnessOf(const CoupledCase& c) {
+  AxisStiffness out(static_cast<int>(c.axes.size()));
+  for (int i = 0; i < out.size(); ++i) out[i] = c.axes[i].gains.k_pm;
   return out;
 }
 
@@ -121,11 +121,11 @@ Terms termsOf(const CoupledCase& c, double angle_rad, double phi) {
   const auto n = static_cast<Eigen::Index>(c.axes.size());
   const Complex z = std::polar(1.0, angle_rad);
   const Complex late = std::pow(z, -c.delay_ticks);
-  const AxisRatio damping = avatarDamping(c.inertias[0], stiffnessOf(c), kPeriod_s);
+  const AxisDamping damping = avatarDamping(c.inertias[0], stiffnessOf(c), kPeriod_s);
   Terms t{Eigen::VectorXcd(n), Eigen::VectorXcd(n), Eigen::VectorXcd(n),
           Matrix(c.inertias[0]).cast<Complex>() * (1.0 - 1.0 / z) / kPeriod_s};
   for (Eigen::Index i = 0; i < n; ++i) {
-    const AxisRendering& g = c.axes[static_cast<std::size_t>(i)].gains;
+    const AxisRendering& g = c.axes[i].gains;
     const double d = damping[static_cast<int>(i)];
     const double tau_s = 1.0 / (2.0 * std::numbers::pi * g.velocity_filter_hz);
     const Complex slope = (z - 1.0) / ((tau_s + kPeriod_s) * z - tau_s);
@@ -147,7 +147,7 @@ TEST(CoupledPassivity, WorstPersonAndObject_ExistAtTheDampingThatIsNeeded) {
   for (int trial = 0; trial < cases(40); ++trial) {
     CoupledCase c = drawCase(draw, 2 + trial % 3);
     for (AxisCase& a : c.axes) a.gains.k_dm = 0.0;
-    const CoupledNeed need = requiredShare(c);
+    const RequiredShare need = requiredShare(c);
     if (!std::isfinite(need.share)) continue;
     const Terms t = termsOf(c, 2.0 * std::numbers::pi * need.frequency_hz * kPeriod_s, 0.0);
     const Matrix real = t.avatar.real();
@@ -200,8 +200,8 @@ Matrix loopWith(const CoupledCase& c, const Terminations& t, double phi, const A
   const Eigen::Index delay = c.delay_ticks, size = n * (6 + delay);
   Matrix mass = t.mass, damping = t.damping;
   for (Eigen::Index i = 0; i < n; ++i) {
-    mass(i, i) += c.axes[static_cast<std::size_t>(i)].axis.mass;
-    damping(i, i) += c.axes[static_cast<std::size_t>(i)].axis.damping;
+    mass(i, i) += c.axes[i].axis.mass;
+    damping(i, i) += c.axes[i].axis.damping;
   }
   Matrix rate = Matrix::Zero(3 * n, 3 * n);
   rate.block(0, n, n, n).setIdentity();
@@ -210,7 +210,7 @@ Matrix loopWith(const CoupledCase& c, const Terminations& t, double phi, const A
   rate.block(n, n, n, n) = -inverse * damping;
   rate.block(n, 2 * n, n, n) = inverse;
   const Matrix held = matrixExponential(rate * kPeriod_s);
-  const AxisRatio own = avatarDamping(c.inertias[0], stiffnessOf(c), kPeriod_s);
+  const AxisDamping own = avatarDamping(c.inertias[0], stiffnessOf(c), kPeriod_s);
   const double h = kPeriod_s;
   const Matrix implicit =
       Matrix(c.inertias[0]) + t.held_mass + h * t.held_damping + h * h * t.spring;
@@ -227,7 +227,7 @@ Matrix loopWith(const CoupledCase& c, const Terminations& t, double phi, const A
                  filtered = s.segment(3 * n, n), xs = s.segment(4 * n, n), vs = s.segment(5 * n, n);
     Vector vf(n), f(n), drive(n);
     for (Eigen::Index i = 0; i < n; ++i) {
-      const AxisRendering& g = c.axes[static_cast<std::size_t>(i)].gains;
+      const AxisRendering& g = c.axes[i].gains;
       const double tau_s = 1.0 / (2.0 * std::numbers::pi * g.velocity_filter_hz);
       const double d = own[static_cast<int>(i)];
       vf[i] = (tau_s * filtered[i] + x[i] - before[i]) / (tau_s + h);

@@ -59,7 +59,7 @@ TEST(ResolveGains, AxisThatIsHeavyEnough_TakesNoArmature) {
   EXPECT_DOUBLE_EQ(gains->inertia[0], 0.25);
   EXPECT_DOUBLE_EQ(gains->filter_tau_s[0], 1.0 / (2.0 * std::numbers::pi * 30.0));
   // M k_d of Eq. (14) at k_p = K_pm / M = 4000 1/s²
-  const AxisRatio damping = avatarDamping(AxisMatrix::Constant(1, 1, 0.25), gains->k_pm, 1e-3);
+  const AxisDamping damping = avatarDamping(AxisMatrix::Constant(1, 1, 0.25), gains->k_pm, 1e-3);
   EXPECT_NEAR(damping[0], 0.25 * (2.0 * std::sqrt(4000.0) - 4.0), tolerance(1e-12));
 }
 
@@ -79,7 +79,7 @@ TEST(ResolveGains, StatedArmature_IsTaken) {
   ASSERT_TRUE(gains.ok());
   EXPECT_EQ(gains->armature[0], 1e-4);
   AxisMatrix two = AxisMatrix::Constant(2, 2, 1.0);
-  AxisRatio armature(2);
+  AxisInertia armature(2);
   armature[1] = 0.5;
   const AxisMatrix heavier = withArmature(two, armature);
   EXPECT_EQ(heavier(0, 0), 1.0);
@@ -214,7 +214,7 @@ TEST(BilateralCoupling, PowerOfTheCoupling_HasTheSignGammaGivesIt) {
     RC_PRE(std::isfinite(vf) && std::isfinite(vs));
     const auto dissipated = [&](double gamma) {
       CouplingGains g = oneAxisGains(1000.0, 2500.0, gamma);
-      const AxisRatio damping = dampingOf(g);
+      const AxisDamping damping = dampingOf(g);
       const AxisPosition q(1, 0.0);
       const AxisVelocity rate_f(1, vf), rate_s(1, vs);
       const double on_person = couplingEffort(q, rate_f, q, rate_s, damping, g)[0];
@@ -261,19 +261,19 @@ TEST(BilateralCoupling, UnitOfLength_DoesNotChangeThePhysics) {
 TEST(BilateralCoupling, SpringOfThePerson_IsTheSpringOfTheAvatar) {
   // At rest what is felt is what acts, on every axis and in every posture: σ = 1.
   CouplingGains g{2,
-                  AxisRatio(2, 10.0),
-                  AxisRatio(2),
+                  AxisStiffness(2, 10.0),
+                  AxisDamping(2),
                   AxisRatio(2, 0.5),
-                  AxisRatio(2),
-                  AxisRatio(2, 1.0),
-                  AxisRatio(2, 0.005)};
+                  AxisInertia(2),
+                  AxisInertia(2, 1.0),
+                  AxisTime(2, 0.005)};
   g.k_pm[1] = 3.0;
   AxisPosition q_m(2), q_s(2);
   q_m[0] = 0.7, q_m[1] = 1.0, q_s[1] = 0.25;
   const AxisVelocity still(2);
   AxisMatrix inertia(2, 2);
   inertia << 1.0, 0.5, 0.5, 2.0;
-  const AxisRatio damping = avatarDamping(inertia, g.k_pm, 1e-3);
+  const AxisDamping damping = avatarDamping(inertia, g.k_pm, 1e-3);
   const AxisEffort f_s = avatarEffort(q_m, still, q_s, still, damping, g);
   const AxisEffort f = couplingEffort(q_m, still, q_s, still, damping, g);
   EXPECT_EQ(f_s[0], 7.0);
@@ -286,7 +286,7 @@ TEST(ControlLaws, InTheTick_DoNotAllocate) {
   const CouplingGains gains = oneAxisGains(1000.0, 2500.0, 0.3);
   const AxisMatrix inertia = AxisMatrix::Identity(1, 1);
   const AllocationScope scope;
-  const AxisRatio damping = avatarDamping(inertia, gains.k_pm, 1e-3);
+  const AxisDamping damping = avatarDamping(inertia, gains.k_pm, 1e-3);
   VelocityState v = estimateVelocity({}, AxisPosition(1, 0.1), gains, 1, 1e-3);
   v = estimateVelocity(v, AxisPosition(1, 0.2), gains, 1, 1e-3);
   const AxisPosition q(1, 0.2);

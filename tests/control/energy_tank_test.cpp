@@ -82,19 +82,16 @@ Outcome simulate(const Loop& loop, bool with_tank, double wall_m, double start_m
     const double without = std::clamp(coupling, -kLimit, kLimit);
     const AxisEffort f_s =
         avatarEffort(reading.q_m, velocity.filtered, q_s, qd_s, test::dampingOf(gains), gains);
-    tank = noteSent(step.state, AxisEffort(1, f), f_s, AxisEffort(1, kLimit));
+    tank = recordSent(step.state, AxisEffort(1, f), f_s, AxisEffort(1, kLimit));
     out.effort_change_rms += (f - without) * (f - without);
     out.largest_effort = std::max(out.largest_effort, std::abs(f));
     // Avatar, symplectic Euler, against the rigid wall.
     v_s += kPeriod_s * f_s[0] / gains.inertia[0];
     if (x_s + kPeriod_s * v_s > wall_m) v_s = x_s >= wall_m ? 0.0 : (wall_m - x_s) / kPeriod_s;
     x_s += kPeriod_s * v_s;
-    for (int i = 8; i > 0; --i)
-      sent[static_cast<std::size_t>(i)] = sent[static_cast<std::size_t>(i - 1)];
+    for (int i = 8; i > 0; --i) sent[i] = sent[i - 1];
     sent[0] = f;
-    EXPECT_EQ(simulated.write(
-                  AxisEffort(1, sent[static_cast<std::size_t>(loop.delay)] + push(k * kPeriod_s))),
-              Fault::kNone);
+    EXPECT_EQ(simulated.write(AxisEffort(1, sent[loop.delay] + push(k * kPeriod_s))), Fault::kNone);
     if (k > ticks - 2000) {
       out.speed_rms += simulated.velocity()[0] * simulated.velocity()[0];
       ++counted;
@@ -161,8 +158,8 @@ TEST(EnergyTank, LowerLimitInForce_DoesNotEmptyIt) {
     const double x = 0.0125 * (1.0 - std::cos(2.0 * std::numbers::pi * k / 1000.0));
     // The work of the held spring along the step, exactly: the mean effort.
     const auto held = [&](double e) { return -std::min(1500.0 * e, 8.0); };
-    tank = noteSent(tank, AxisEffort(1, 0.5 * (held(before) + held(x))), AxisEffort(1),
-                    AxisEffort(1, 8.0));
+    tank = recordSent(tank, AxisEffort(1, 0.5 * (held(before) + held(x))), AxisEffort(1),
+                      AxisEffort(1, 8.0));
     const EnergyTankStep step = advanceTank(tank, AxisPosition(1, x), AxisPosition(1, 0.0), {},
                                             gains, config, AxisEffort(1, 8.0), 1, kPeriod_s);
     EXPECT_EQ(step.effort[0], 0.0) << k;
@@ -176,8 +173,8 @@ TEST(EnergyTank, SpringAlone_KeepsItsEnergy) {
   EnergyTankConfig config;
   config.axes = 1;
   config.capacity = AxisEnergy(1, 10.0);
-  config.device_damping = AxisRatio(1, 0.0);
-  config.most_damping = AxisRatio(1, 100.0);
+  config.device_damping = AxisDamping(1, 0.0);
+  config.most_damping = AxisDamping(1, 100.0);
   config.encoder_step = AxisPosition(1, 0.0);
   Loop loop;
   loop.delay = 0;
@@ -190,8 +187,8 @@ TEST(EnergyTank, SpringAlone_KeepsItsEnergy) {
              .state;
   for (int k = 1; k <= 4000; ++k) {
     const double next = 0.01 * std::sin(2.0 * std::numbers::pi * k / 1000.0);
-    tank = noteSent(tank, AxisEffort(1, -loop.k_pm * 0.5 * (x + next)), AxisEffort(1),
-                    AxisEffort(1, 1e9));
+    tank = recordSent(tank, AxisEffort(1, -loop.k_pm * 0.5 * (x + next)), AxisEffort(1),
+                      AxisEffort(1, 1e9));
     tank = advanceTank(tank, AxisPosition(1, next), AxisPosition(1, 0.0), {}, gains, config,
                        AxisEffort(1, 1e9), 1, kPeriod_s)
                .state;
@@ -216,7 +213,7 @@ TEST(EnergyTank, EffortThatDrivesTheHand_IsPaidThenTakenBack) {
         advanceTank(tank, q, q, {}, gains, config, AxisEffort(1, 20.0), 1, kPeriod_s);
     effort = step.effort[0];
     if (effort != 0.0 && empty_s == 0.0) empty_s = k * kPeriod_s;
-    tank = noteSent(step.state, AxisEffort(1, 2.0 + effort), AxisEffort(1), AxisEffort(1, 20.0));
+    tank = recordSent(step.state, AxisEffort(1, 2.0 + effort), AxisEffort(1), AxisEffort(1, 20.0));
   }
   EXPECT_NEAR(empty_s, 0.25, 0.002);
   EXPECT_NEAR(effort, -2.0, 0.01);
@@ -267,12 +264,12 @@ Circled circle(const HeldPair& pair, int turns) {
   config.axes = 2;
   config.capacity = AxisEnergy(2, 0.05);
   config.hand_capacity = 0.1;
-  config.device_damping = AxisRatio(2);
-  config.most_damping = AxisRatio(2, 100.0);
+  config.device_damping = AxisDamping(2);
+  config.most_damping = AxisDamping(2, 100.0);
   config.encoder_step = AxisPosition(2);
   CouplingGains gains;
   gains.axes = 2;
-  gains.k_pm = AxisRatio(2, 1000.0);
+  gains.k_pm = AxisStiffness(2, 1000.0);
   EnergyTankState tank = fullTank(config);
   const AxisEffort no_limit(2, 1e9);
   const auto at = [](double turn) {
@@ -294,7 +291,7 @@ Circled circle(const HeldPair& pair, int turns) {
       f[i] = -1000.0 * e;
       drive[i] = 1000.0 * e;  // as felt: what the account of an axis goes by
     }
-    tank = noteSent(tank, f, drive, no_limit);
+    tank = recordSent(tank, f, drive, no_limit);
     const EnergyTankStep step =
         advanceTank(tank, b, b_s, {}, gains, config, no_limit, 1, kPeriod_s);
     tank = step.state;

@@ -32,7 +32,7 @@ AxisLoop robot() {
 }
 
 Complex felt(const AxisLoop& loop, ContactCase contact, double frequency_hz) {
-  return feltImpedance(feltAlone(loop), contact, frequency_hz).felt;
+  return feltImpedance(feltUncoupled(loop), contact, frequency_hz).felt;
 }
 
 /// Mass that is felt: what a slow acceleration meets.
@@ -95,7 +95,7 @@ TEST(FeltImpedance, SlowMotionWithAHeldMass_AddsItTimesSigma) {
 TEST(FeltImpedance, DeviceAlone_IsMassAndDamping) {
   AxisLoop l = robot();
   l.k_pm = 0.0;
-  const FeltImpedance z = feltImpedance(feltAlone(l), ContactCase::kFree, 40.0);
+  const FeltImpedance z = feltImpedance(feltUncoupled(l), ContactCase::kFree, 40.0);
   EXPECT_NEAR(std::abs(z.felt - Complex(6.0, 0.8 * omega(40.0))), 0.0, tolerance(1e-9));
   EXPECT_EQ(std::abs(z.rendered), 0.0);
 }
@@ -145,12 +145,15 @@ TEST(FeltImpedance, AnyLoop_AgreesWithTheClosedLoopMatrix) {
 }
 
 TEST(FeltImpedance, AxesThatInertiaDoesNotCouple_AreFeltAlone) {
-  FeltLoop three = feltAlone(robot());
+  FeltLoop three = feltUncoupled(robot());
   three.inertia = AxisMatrix::Zero(3, 3);
   three.inertia.diagonal() << 0.1, 0.25, 0.3;
   three.axis = 1;
   for (int a = 0; a < 3; ++a) {
-    if (a == 0) three.k_pm = three.avatar_damping = AxisRatio(3);
+    if (a == 0) {
+      three.k_pm = AxisStiffness(3);
+      three.avatar_damping = AxisDamping(3);
+    }
     three.k_pm[a] = three.inertia(a, a) * robot().k_ps_per_s2;
     three.avatar_damping[a] = three.inertia(a, a) * robot().k_ds_per_s;
   }

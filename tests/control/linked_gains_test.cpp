@@ -84,9 +84,9 @@ class LinkedLoop {
               AxisEffort(n_),
               AxisPosition(n_, -1e3),
               AxisPosition(n_, 1e3)};
-    AxisRatio k_pm(n_);
+    AxisStiffness k_pm(n_);
     for (int i = 0; i < n_; ++i) {
-      const AxisCase& a = c.axes[static_cast<std::size_t>(i)];
+      const AxisCase& a = c.axes[i];
       plant_.mass(i, i) += a.axis.mass;
       plant_.damping(i, i) += a.axis.damping;
       if (draw.chance(0.3)) plant_.coulomb[i] = spread(draw, 0.0, 0.3);
@@ -116,7 +116,7 @@ class LinkedLoop {
     AxisEffort f(n_);
     Vector drive(n_);
     for (int i = 0; i < n_; ++i) {
-      const AxisCase& a = c_.axes[static_cast<std::size_t>(i)];
+      const AxisCase& a = c_.axes[i];
       const double tau_s = 1.0 / (2.0 * std::numbers::pi * a.gains.velocity_filter_hz);
       const double d = damping_[i];
       filtered_[i] = (tau_s * filtered_[i] + x_[i] - before_[i]) / (tau_s + kPeriod_s);
@@ -145,7 +145,7 @@ class LinkedLoop {
     double sum = v_.dot(plant_.mass * v_) + x_.dot(plant_.stiffness * x_) +
                  vs_.dot(inertia_ * vs_) + xs_.dot(spring_ * xs_);
     for (int i = 0; i < n_; ++i) {
-      const AxisCase& a = c_.axes[static_cast<std::size_t>(i)];
+      const AxisCase& a = c_.axes[i];
       sum += a.gains.k_pm * (x_[i] - xs_[i]) * (x_[i] - xs_[i]);
       if (const double depth = depthOf(i); depth > 0.0) {
         sum += a.walls.front().stiffness * depth * depth;
@@ -156,7 +156,7 @@ class LinkedLoop {
 
  private:
   [[nodiscard]] double depthOf(int i) const {
-    return c_.axes[static_cast<std::size_t>(i)].walls.empty() ? 0.0 : x_[i] - wall_at_[i];
+    return c_.axes[i].walls.empty() ? 0.0 : x_[i] - wall_at_[i];
   }
 
   CoupledCase c_;
@@ -164,7 +164,7 @@ class LinkedLoop {
   double phi_;
   LinkedPlant plant_;
   std::optional<LinkedDynamics> person_;
-  AxisRatio damping_;
+  AxisDamping damping_;
   Matrix inertia_, spring_, free_;
   Vector x_, v_, xs_, vs_, before_, filtered_, wall_at_;
   std::deque<AxisEffort> queue_;

@@ -1,6 +1,6 @@
-#include "control/certificate_refusal.hpp"
+#include "control/certificate/certificate_refusal.hpp"
 #include "dynamics/articulated_body.hpp"
-#include "model/hand_file.hpp"
+#include "model/hand/hand_file.hpp"
 
 #include <gtest/gtest.h>
 

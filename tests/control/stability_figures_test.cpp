@@ -3,7 +3,7 @@
 // independent program (series for the matrix exponential, repeated squaring for the radius).
 #include "axis_loop.hpp"
 #include "axis_simulation.hpp"
-#include "control/certificate.hpp"
+#include "control/certificate/certificate.hpp"
 #include "control/passivity.hpp"
 #include "support/figure.hpp"
 #include "support/seed.hpp"

@@ -163,8 +163,8 @@ TEST(ClosedLoop, PowersOfTheMatrix_EqualTheTicksOwnFunctions) {
 
 TEST(AvatarLoop, OneAxis_IsStableUpToTwiceTheFrequencyOfThePeriod) {
   for (const double w : {1.98, 2.02}) {  // w = T √(K/M); Jury: K/M < 4/T²
-    const double r = spectralRadius(
-        avatarLoopMatrix(AxisMatrix::Constant(1, 1, 0.3), AxisRatio(1, 0.3 * w * w * 1e6), 1e-3));
+    const double r = spectralRadius(avatarLoopMatrix(AxisMatrix::Constant(1, 1, 0.3),
+                                                     AxisStiffness(1, 0.3 * w * w * 1e6), 1e-3));
     EXPECT_EQ(r < 1.0, w < 2.0) << r;
   }
 }
@@ -180,10 +180,10 @@ TEST(AvatarLoop, CoupledAxes_AreStableWhereTheMatrixConditionHolds) {
     const int n = 2 + trial % 6;
     Eigen::MatrixXd a = Eigen::MatrixXd::NullaryExpr(n, n, [&] { return normal(rng); });
     const AxisMatrix inertia = a * a.transpose() + 0.05 * Eigen::MatrixXd::Identity(n, n);
-    AxisRatio shape(n);
+    AxisStiffness shape(n);
     for (int i = 0; i < n; ++i) shape[i] = inertia(i, i);  // one k_p for all: D and K are alike
     const auto least = [&](double factor) {
-      AxisRatio k_pm = shape;
+      AxisStiffness k_pm = shape;
       k_pm.vec() *= factor;
       const Eigen::MatrixXd left =
           4.0 * Eigen::MatrixXd(inertia) -
@@ -195,7 +195,7 @@ TEST(AvatarLoop, CoupledAxes_AreStableWhereTheMatrixConditionHolds) {
     for (int i = 0; i < 60; ++i)
       (least(0.5 * (low + high)) > 0.0 ? low : high) = 0.5 * (low + high);
     for (const double side : {0.98, 1.02}) {
-      AxisRatio k_pm = shape;
+      AxisStiffness k_pm = shape;
       k_pm.vec() *= side * low;
       EXPECT_EQ(spectralRadius(avatarLoopMatrix(inertia, k_pm, 1e-3)) < 1.0, side < 1.0);
     }

@@ -107,23 +107,23 @@ inline void buildPerson(Termination& t, double device_mass, double reactance, do
   Eigen::MatrixXd m(n, n);
   Eigen::VectorXd rest(n);
   for (Eigen::Index i = 1; i < n; ++i) {  // each below its image, well above the one before
-    const double w = at[static_cast<std::size_t>(i)];
-    const double gap = w - at[static_cast<std::size_t>(i - 1)];
+    const double w = at[i];
+    const double gap = w - at[i - 1];
     t.hung.push_back({0.0, w - std::min(0.03 * w, 0.3 * gap)});
   }
   for (Eigen::Index i = 0; i < n; ++i) {
-    const double w = at[static_cast<std::size_t>(i)];
+    const double w = at[i];
     m(i, 0) = -1.0 / w;
     for (Eigen::Index k = 1; k < n; ++k) {
-      const double own = t.hung[static_cast<std::size_t>(k - 1)].rate_per_s;
+      const double own = t.hung[k - 1].rate_per_s;
       m(i, k) = w / (own * own - w * w);
     }
-    rest[i] = wanted[static_cast<std::size_t>(i)] - t.mass * w;
+    rest[i] = wanted[i] - t.mass * w;
   }
   const Eigen::VectorXd solved = m.partialPivLu().solve(rest);
   t.stiffness = solved[0];
   for (Eigen::Index i = 1; i < n; ++i) {
-    t.hung[static_cast<std::size_t>(i - 1)].stiffness = solved[i];
+    t.hung[i - 1].stiffness = solved[i];
   }
 }
 
@@ -148,9 +148,8 @@ inline Termination worstTermination(const AxisLoop& l, World world, int images =
   auto at = static_cast<int>(std::max_element(needed.begin(), needed.end()) - needed.begin());
   Termination t;
   t.world = world;
-  t.most = needed[static_cast<std::size_t>(at)];
-  while (angle(at) < kSlow_rad &&
-         needed[static_cast<std::size_t>(at + 1)] > (1.0 - kWaiting) * t.most) {
+  t.most = needed[at];
+  while (angle(at) < kSlow_rad && needed[at + 1] > (1.0 - kWaiting) * t.most) {
     ++at;
   }
   t.angle_rad = angle(at);

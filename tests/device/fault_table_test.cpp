@@ -1,7 +1,7 @@
 // Every kind of fault of a device, behind every adapter that ships, at random ticks: the ramp
 // begins at most a tick after the sample that says so. What a sample says is read here by device.h
 // alone, beside PluginDevice; that a stopping fault begins the ramp in its own tick, for a whole
-// rig: FailingDevice.InATick_IsToldAndRampsToNeutral in test_plugin_device.cpp.
+// rig: FailingDevice.InATick_IsToldAndRampsToNeutral in plugin_device_test.cpp.
 #include "device/fault_table_adapters.hpp"
 #include "support/figure.hpp"
 #include "support/seed.hpp"

@@ -108,7 +108,7 @@ TEST_P(LostPart, RampsBothToNeutralWithin100ms) {
   AxisEffort limit(3, 8.0);
   models.exercise = std::make_unique<PushingExercise>(limit, Push::kWell, 0, 0);
   auto device = orThrow(PluginDevice::make(driver, models.device, 1e-3));
-  auto rig = orThrow(buildRigThatMovesNobody(std::move(models), std::move(device), {}));
+  auto rig = orThrow(buildRigWithoutPerson(std::move(models), std::move(device), {}));
   ASSERT_TRUE(rig->renderer->arm());
   TickRecord record;
   int fault = -1, neutral = -1;
@@ -122,7 +122,7 @@ TEST_P(LostPart, RampsBothToNeutralWithin100ms) {
     if (fault < 0 && any(record.faults & kStopping)) fault = tick;
     for (int a = 0; a < 3; ++a) {
       const double now = record.sent[a];
-      const double was = std::exchange(before[static_cast<std::size_t>(a)], now);
+      const double was = std::exchange(before[a], now);
       if (fault < 0) pushed = std::max(pushed, std::abs(now));
       if (fault >= 0 && tick > fault) {
         EXPECT_LE(std::abs(now), std::abs(was) + 1e-12);

@@ -26,7 +26,7 @@ class PatientBoard : public BenchBoard {
       : BenchBoard(models.device.axisCount()),
         device(models.device, models.patient, intention, kPeriod_s) {
     for (int a = 0; a < models.device.axisCount(); ++a) {
-      const DeviceAxis& has = models.device.axes[static_cast<std::size_t>(a)];
+      const DeviceAxis& has = models.device.axes[a];
       wf_axis& axis = board.axis[a];
       axis = {};
       has.name.copy(axis.name, WF_NAME - 1);
@@ -122,7 +122,7 @@ TEST(FramePath, OfOnePatient_IsThatOfTheBuiltInDeviceWithinOneStep) {
   const AxisPosition rest = restPose(models);
   AxisPosition ahead = rest;
   for (int i = 1; i < ahead.size(); ++i) {
-    const DeviceAxis& axis = models.device.axes[static_cast<std::size_t>(i)];
+    const DeviceAxis& axis = models.device.axes[i];
     ahead[i] += 0.2 * (axis.upper - rest[i]);
   }
   ahead[0] += 0.08;
@@ -132,7 +132,7 @@ TEST(FramePath, OfOnePatient_IsThatOfTheBuiltInDeviceWithinOneStep) {
       Intention::throughWaypoints({{0.5, rest}, {1.5, ahead}, {2.5, ahead}, {3.5, rest}});
   auto built_in = orThrow(buildRig(models, intention, {}));
   auto framed =
-      orThrow(buildRigThatMovesNobody(models, std::make_unique<LockStep>(models, intention), {}));
+      orThrow(buildRigWithoutPerson(models, std::make_unique<LockStep>(models, intention), {}));
   ASSERT_TRUE(built_in->renderer->arm());
   ASSERT_TRUE(framed->renderer->arm());
   TickRecord a, b;
@@ -150,7 +150,7 @@ TEST(FramePath, OfOnePatient_IsThatOfTheBuiltInDeviceWithinOneStep) {
     ASSERT_EQ(b.faults & kStopping, Fault::kNone) << tick;
     if (tick == 0) start = a.q_m;
     for (int i = 0; i < a.q_m.size(); ++i) {
-      const DeviceAxis& axis = models.device.axes[static_cast<std::size_t>(i)];
+      const DeviceAxis& axis = models.device.axes[i];
       q_steps = std::max(q_steps, std::abs(a.q_m[i] - b.q_m[i]) / axis.encoder_step);
       moved_steps = std::max(moved_steps, std::abs(a.q_m[i] - start[i]) / axis.encoder_step);
       effort_steps = std::max(effort_steps,

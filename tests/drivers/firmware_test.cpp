@@ -295,7 +295,7 @@ TEST_F(Firmware, RandomFramesAndPauses_NeverPushBeyondTheLimitAndEndAtNeutral) {
     if (random() % 4 == 0) bench_.wires->to_device.push_back(static_cast<std::uint8_t>(random()));
     bench_.pass(random() % 50 == 0 ? 25 : 1);
     for (int i = 0; i < 3; ++i) {
-      const float given = bench_.given[static_cast<std::size_t>(i)];
+      const float given = bench_.given[i];
       ASSERT_TRUE(std::isfinite(given));
       ASSERT_LE(std::abs(given), 8.0F);
     }

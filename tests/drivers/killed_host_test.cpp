@@ -42,7 +42,7 @@ class KilledHost : public testing::TestWithParam<int> {};
 
 TEST_P(KilledHost, FirmwareIsAtNeutralWithinItsSilenceAndTheRamp) {
   const int losses = std::getenv("WHOLEHAND_FULL") != nullptr ? 334 : 8;
-  const std::string where = everyCarrier()[static_cast<std::size_t>(GetParam())];
+  const std::string where = everyCarrier()[GetParam()];
   FirmwareProcess firmware(where);
   auto random = seededRandom(1231);
   double latest_ms = 0.0, longest_gap_ms = 0.0;

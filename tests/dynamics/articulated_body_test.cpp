@@ -1,7 +1,7 @@
 #include "dynamics/articulated_body.hpp"
 
 #include "bullet_twin.hpp"
-#include "model/hand_file.hpp"
+#include "model/hand/hand_file.hpp"
 #include "random_tree.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"

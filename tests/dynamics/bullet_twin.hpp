@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/axis_array.hpp"
-#include "model/hand_model.hpp"
+#include "model/hand/hand_model.hpp"
 
 #include <memory>
 

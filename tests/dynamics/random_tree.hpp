@@ -1,6 +1,6 @@
 #pragma once
 
-#include "model/hand_model.hpp"
+#include "model/hand/hand_model.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
 

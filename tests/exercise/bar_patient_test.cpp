@@ -1,7 +1,6 @@
 // What a therapist sets for one patient at the bar: tolerance, fade, reach. No physics.
-#include "exercise/cocktail_bar/bar_patient.hpp"
-
 #include "exercise/bar_table.hpp"
+#include "exercise/cocktail_bar/bar_parameters.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -24,8 +23,7 @@ void set(BarTable& bar, const std::string& name, double value) {
   const LiveParameter& p = described(bar, name);
   ASSERT_GE(value, p.lower) << name;
   ASSERT_LE(value, p.upper) << name;
-  bar.parameters[static_cast<std::size_t>(&p - bar.exercise->description().parameters.data())] =
-      value;
+  bar.parameters[&p - bar.exercise->description().parameters.data()] = value;
 }
 
 // ---------------------------------------------------------------- tolerance
@@ -102,16 +100,16 @@ TEST(BarFade, ThatChangesMidway_GoesOnFromWhereItIs) {
 constexpr double kMeasured_m = 1e-4;
 Eigen::Vector3d gripOf(const BarTable& bar) {
   const int target = static_cast<int>(bar.value("target_dispenser"));
-  const BodyState& body = bar.record.bodies[static_cast<std::size_t>(bar.bodyOf(target))];
+  const BodyState& body = bar.record.bodies[bar.bodyOf(target)];
   return body.position_m.eigen() - Eigen::Vector3d(0.049, 0.016 + 0.025, 0.004);
 }
 
 TEST(BarReach, AsFarAsTheDevice_LeavesTheRowWhereTheSceneHasIt) {
   for (int level = 1; level <= 4; ++level) {
     BarTable bar(level);
-    const Vec3 before = bar.record.bodies[static_cast<std::size_t>(bar.bodyOf(0))].position_m;
+    const Vec3 before = bar.record.bodies[bar.bodyOf(0)].position_m;
     bar.run(2.0);
-    const Vec3 after = bar.record.bodies[static_cast<std::size_t>(bar.bodyOf(0))].position_m;
+    const Vec3 after = bar.record.bodies[bar.bodyOf(0)].position_m;
     EXPECT_EQ(before.x, after.x);
     EXPECT_EQ(before.y, after.y);
   }
@@ -145,7 +143,7 @@ TEST(BarReach, ShortForward_BringsRowRailAndGlassNearer) {
   BarTable bar(2);
   bar.run(2.0);
   const auto x_m = [&](const char* body) {
-    return bar.record.bodies[static_cast<std::size_t>(bar.scene.bodyIndex(body))].position_m.x;
+    return bar.record.bodies[bar.scene.bodyIndex(body)].position_m.x;
   };
   const double row_m = x_m("dispenser_lemon"), rail_m = x_m("rail"), glass_m = x_m("glass");
   set(bar, "reach_forward_m", 0.06);
@@ -165,9 +163,7 @@ TEST(BarReach, ThatChangesWhileTheHandIsAtADispenser_MovesNothingUntilItIsDrawnB
   bar.run(2.0);
   bar.hold(0, 1.5);
   bar.run(0.5);
-  const auto at = [&] {
-    return bar.record.bodies[static_cast<std::size_t>(bar.bodyOf(0))].position_m;
-  };
+  const auto at = [&] { return bar.record.bodies[bar.bodyOf(0)].position_m; };
   const Vec3 before = at();
   set(bar, "reach_right_m", 0.03);
   set(bar, "reach_forward_m", 0.06);
@@ -187,8 +183,8 @@ TEST(BarReach, OfALeftHand_IsTheMirrorImage) {
   bar.dispensers[0].home_m = {0.119, 0.04, 0.004};
   bar.dispensers[0].grip_m = Eigen::Vector3d::Zero();
   bar.drinks = {{"one", {{0, 0.04, 0.005}}}};
-  BarView right = makeBarView(bar, shippedDevice(), &shippedHand());
-  BarView left = right;
+  BarLayout right = makeBarLayout(bar, shippedDevice(), &shippedHand());
+  BarLayout left = right;
   left.beside = -1.0;
   left.grip_m.y() = -right.grip_m.y();
   Bar mirrored = bar;

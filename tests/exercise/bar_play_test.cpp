@@ -113,7 +113,7 @@ TEST(CocktailBar, WrongDispenser_IsToldAndSpilt) {
 TEST(CocktailBar, GlassAside_FlowIsSpilt) {
   BarTable bar(1);
   bar.tick();
-  BodyState& glass = bar.record.bodies[static_cast<std::size_t>(bar.scene.bodyIndex("glass"))];
+  BodyState& glass = bar.record.bodies[bar.scene.bodyIndex("glass")];
   glass.position_m.y += 0.031;  // inner radius 0.03
   bar.hold(0, 2.0);
   bar.run(1.0);
@@ -262,10 +262,9 @@ TEST(CocktailBar, EveryLevel_PlayedRight_EndsWithThreeStars) {
       while (bar.value("stage") == kDrawBack || bar.value("stage") == kDrinkDone) bar.tick();
       bar.tick();
       if (bar.value("stage") == kLevelDone || bar.value("stage") != kReach) continue;
-      const double y_m = bar.record
-                             .bodies[static_cast<std::size_t>(
-                                 bar.bodyOf(static_cast<int>(bar.value("target_dispenser"))))]
-                             .position_m.y;
+      const double y_m =
+          bar.record.bodies[bar.bodyOf(static_cast<int>(bar.value("target_dispenser")))]
+              .position_m.y;
       EXPECT_GE(y_m, -0.023 - 1e-9);  // within reach_y_m
       EXPECT_LE(y_m, 0.105 + 1e-9);
       pour(bar, bar.value("asked_l"), 1.17);
@@ -322,8 +321,7 @@ TEST(CocktailBar, RowHasToSlide_OnlyWhileTheHandIsAway) {
   // Blueberry, the third of a row 0.128 apart, at the upper end of reach_y_m.
   EXPECT_NEAR(last_m, 0.105 - 2 * 0.128, 1e-9);
   EXPECT_LE(fastest_m_s, 0.15 + 1e-6);
-  const BodyState& glass =
-      bar.record.bodies[static_cast<std::size_t>(bar.scene.bodyIndex("glass"))];
+  const BodyState& glass = bar.record.bodies[bar.scene.bodyIndex("glass")];
   EXPECT_NEAR(glass.position_m.y, 0.105, 1e-9);
   EXPECT_EQ(glass.velocity_m_s.y, 0.0);
 }
@@ -380,7 +378,7 @@ TEST(CocktailBar, FreeDispenserOverTheGlass_PoursAndOffItSpills) {
   bar.squeeze(0, 3.0);  // held, but not squeezed: threshold 6 N
   bar.run(1.0);
   const double spilt_l = bar.value("spilt_l");
-  BodyState& body = bar.record.bodies[static_cast<std::size_t>(bar.bodyOf(0))];
+  BodyState& body = bar.record.bodies[bar.bodyOf(0)];
   body.position_m = {0.02, 0.041, 0.02};  // the glass stands at (0.02, 0.041)
   bar.squeeze(0, 8.0);
   bar.run(1.0);
@@ -392,7 +390,7 @@ TEST(CocktailBar, FreeDispenserOverTheGlass_PoursAndOffItSpills) {
 TEST(CocktailBar, FreeDispenserKnockedOver_LeaksUntilItIsStoodUpAgain) {
   BarTable bar(2, kFree);
   bar.tick();
-  BodyState& body = bar.record.bodies[static_cast<std::size_t>(bar.bodyOf(1))];
+  BodyState& body = bar.record.bodies[bar.bodyOf(1)];
   const double s = std::sqrt(0.5);
   body.orientation_xyzw = {s, 0.0, 0.0, s};  // on its side
   body.position_m = {0.16, 0.2, -0.071};
@@ -416,7 +414,7 @@ TEST(CocktailBar, FreeDispenserKnockedOver_LeaksUntilItIsStoodUpAgain) {
 TEST(CocktailBar, DispenserSpiltEmpty_EndsTheStepWithWhatThereIs) {
   BarTable bar(1);
   bar.tick();
-  BodyState& glass = bar.record.bodies[static_cast<std::size_t>(bar.scene.bodyIndex("glass"))];
+  BodyState& glass = bar.record.bodies[bar.scene.bodyIndex("glass")];
   glass.position_m.y += 0.1;
   bar.hold(0, 100.0);
   bar.run(20.0);  // 0.35 l at 0.02 l/s
@@ -474,7 +472,7 @@ TEST(CocktailBar, SameInputsTwice_SameBits) {
 TEST(CocktailBar, Reset_StartsAnewWithTheBodiesWhereTheyAre) {
   BarTable bar(3);
   for (std::size_t i = 0; i < 3; ++i) {
-    bar.record.bodies[static_cast<std::size_t>(bar.bodyOf(static_cast<int>(i)))].position_m.y -=
+    bar.record.bodies[bar.bodyOf(static_cast<int>(i))].position_m.y -=
         0.128;  // a session ended with the row aside: lemon out of reach
   }
   bar.exercise->reset();

@@ -10,10 +10,10 @@ const std::string kFree = config("exercises/cocktail-bar-free.toml");
 const Eigen::Vector3d kLemonHome(0.119, -0.023, 0.004), kCherryHome(0.119, 0.105, 0.004);
 
 BodyState& lemon(BarTable& bar) {
-  return bar.record.bodies[static_cast<std::size_t>(bar.bodyOf(0))];
+  return bar.record.bodies[bar.bodyOf(0)];
 }
 double fromHome_m(BarTable& bar, int dispenser) {
-  const BodyState& body = bar.record.bodies[static_cast<std::size_t>(bar.bodyOf(dispenser))];
+  const BodyState& body = bar.record.bodies[bar.bodyOf(dispenser)];
   return (body.position_m.eigen() - (dispenser == 0 ? kLemonHome : kCherryHome)).norm();
 }
 void layAside(BarTable& bar) {
@@ -88,7 +88,7 @@ TEST(FreeBar, HandThatIsDrawnBackWithStretchedFingers_KeepsHomeFree) {
 TEST(Bar, RowThatWouldSlideIntoTheFingers_WaitsUntilTheyAreDrawnIn) {
   BarTable bar(3);
   for (int i = 0; i < 3; ++i) {
-    bar.record.bodies[static_cast<std::size_t>(bar.bodyOf(i))].position_m.y -= 0.128;
+    bar.record.bodies[bar.bodyOf(i)].position_m.y -= 0.128;
   }
   bar.exercise->reset();
   bar.record.q_s[0] = -0.071;
@@ -106,7 +106,7 @@ TEST(FreeBar, Restarted_BringsHomeWhatStandsElsewhere) {
   BarTable bar(2, kFree);
   bar.tick();
   // Each where the other one belongs.
-  BodyState& cherry = bar.record.bodies[static_cast<std::size_t>(bar.bodyOf(1))];
+  BodyState& cherry = bar.record.bodies[bar.bodyOf(1)];
   std::swap(lemon(bar).position_m, cherry.position_m);
   bar.run(3.0);
   EXPECT_GT(fromHome_m(bar, 0), 0.1);
@@ -136,7 +136,7 @@ TEST(Bar, Restarted_SlidesTheRowHome) {
   BarTable bar(3);
   bar.run(0.01);
   for (int i = 0; i < 3; ++i) {  // as in the second drink: moved on, the lemon still within reach
-    bar.record.bodies[static_cast<std::size_t>(bar.bodyOf(i))].position_m.y += 0.06;
+    bar.record.bodies[bar.bodyOf(i)].position_m.y += 0.06;
   }
   bar.exercise->reset();
   bar.run(1.0);

@@ -3,7 +3,7 @@
 #include "core/tick_record.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "exercise/load_exercise.hpp"
-#include "model/hand_file.hpp"
+#include "model/hand/hand_file.hpp"
 
 #include <gtest/gtest.h>
 
@@ -106,8 +106,7 @@ class BarTable {
     closed[3] = 3.14;
     ArticulatedBody body(shippedHand());
     body.updateKinematics(postureOf(shippedHand(), closed));
-    const Capsule& end =
-        shippedHand().capsules[static_cast<std::size_t>(capsuleOf("middle_distal"))];
+    const Capsule& end = shippedHand().capsules[capsuleOf("middle_distal")];
     const Eigen::Vector3d at = body.linkPose(end.link) * Eigen::Vector3d(0.5 * (end.a_m + end.b_m));
     const auto moves = [&](const Eigen::Vector3d& along) {
       std::array<double, kMaxAxes> row{};
@@ -152,17 +151,15 @@ class BarTable {
     exercise->tick(input, out, placements);
     record.command_count = 0;
     for (int i = 0; i < placements.count; ++i) {
-      const BodyPlacement& p = placements.items[static_cast<std::size_t>(i)];
-      BodyState& body = record.bodies[static_cast<std::size_t>(p.body)];
+      const BodyPlacement& p = placements.items[i];
+      BodyState& body = record.bodies[p.body];
       body.position_m = p.position_m;
       body.orientation_xyzw = p.orientation_xyzw;
       body.velocity_m_s = p.velocity_m_s;
     }
     for (int i = 0; i < out.event_count; ++i) {
-      const ExerciseEvent& e = out.events[static_cast<std::size_t>(i)];
-      told.push_back({record.tick,
-                      exercise->description().event_names[static_cast<std::size_t>(e.type)],
-                      e.index, e.value});
+      const ExerciseEvent& e = out.events[i];
+      told.push_back({record.tick, exercise->description().event_names[e.type], e.index, e.value});
     }
     ++record.tick;
   }
@@ -178,7 +175,7 @@ class BarTable {
     ADD_FAILURE() << name << " never became " << wanted << ", it is " << value(name);
   }
   void act(ExerciseAction action, double value = 0.0) {
-    Command& c = record.commands[static_cast<std::size_t>(record.command_count++)];
+    Command& c = record.commands[record.command_count++];
     c = Command{};
     c.type = CommandType::kAction;
     c.index = static_cast<std::int32_t>(action);
@@ -189,7 +186,7 @@ class BarTable {
     const auto& names = exercise->description().value_names;
     const auto found = std::find(names.begin(), names.end(), name);
     if (found == names.end()) ADD_FAILURE() << "no value " << name;
-    return out.values[static_cast<std::size_t>(found - names.begin())];
+    return out.values[found - names.begin()];
   }
   [[nodiscard]] int count(const std::string& event) const {
     return static_cast<int>(

@@ -21,9 +21,9 @@ constexpr double kPeriod_s = 1e-3;
 FingerWallConfig oneFinger() {
   FingerWallConfig config;
   config.axes = 1;
-  config.lever_arm_m = AxisRatio(1, 0.08);
-  config.stiffness = AxisRatio(1, 1.5);
-  config.damping = AxisRatio(1, 0.006);
+  config.lever_arm_m = AxisLength(1, 0.08);
+  config.stiffness = AxisStiffness(1, 1.5);
+  config.damping = AxisDamping(1, 0.006);
   config.effort_cap = AxisEffort(1, 0.72);
   config.follow_m_s = 0.04;
   return config;
@@ -34,9 +34,9 @@ constexpr double kLeadIn_m = 0.004;  // 0.05 rad of this axis
 /// One tick. What touches nothing has its avatar where the device is.
 FingerWallState follow(const FingerWallState& state, double closure, double finger, double alpha,
                        bool touches = false) {
-  const FingerSight seen{AxisPosition(1, closure), AxisPosition(1, finger),
-                         AxisPosition(1, touches ? std::min(finger, closure) : finger),
-                         touches ? 1U : 0U};
+  const FingerWallInput seen{AxisPosition(1, closure), AxisPosition(1, finger),
+                             AxisPosition(1, touches ? std::min(finger, closure) : finger),
+                             touches ? 1U : 0U};
   return followClosure(state, seen, kLeadIn_m, alpha, oneFinger(), kPeriod_s);
 }
 
@@ -47,7 +47,7 @@ double effortAt(const FingerWallState& state, double finger, double speed = 0.0)
 
 TEST(FingerWalls, TargetFound_StandTheLeadInBeforeTheTouch) {
   const FingerWallState state = follow({}, 2.0, 0.0, 0.0);
-  EXPECT_EQ(state.known[0], 1.0);
+  EXPECT_TRUE(state.known[0]);
   // 4 mm of fingertip path at 8 cm are 0.05 rad.
   EXPECT_NEAR(state.position[0], 1.95, tolerance(1e-12));
 }
@@ -56,7 +56,7 @@ TEST(FingerWalls, NeverATouchOrOneAtTheOpenEnd_NoWall) {
   for (const double closure : {kNan, -kInfinity, kInfinity}) {
     for (const double alpha : {0.0, 1.0}) {
       const FingerWallState state = follow({}, closure, 3.0, alpha);
-      EXPECT_EQ(state.known[0], 0.0);
+      EXPECT_FALSE(state.known[0]);
       EXPECT_EQ(effortAt(state, 3.0), 0.0);
     }
   }
@@ -68,8 +68,8 @@ TEST(FingerWalls, TouchWaversAtTheOpenEnd_EffortOfAPressedFingerDoesNot) {
   double before = 0.0;
   for (int i = 0; i < 400; ++i) {
     const bool overlaps = i % 60 > 30;
-    const FingerSight seen{AxisPosition(1, overlaps ? -kInfinity : 0.0002), AxisPosition(1, 0.05),
-                           AxisPosition(1, 0.0004), 1U};
+    const FingerWallInput seen{AxisPosition(1, overlaps ? -kInfinity : 0.0002),
+                               AxisPosition(1, 0.05), AxisPosition(1, 0.0004), 1U};
     state = followClosure(state, seen, kLeadIn_m, 1.0, oneFinger(), kPeriod_s);
     const double effort = effortAt(state, 0.05);
     EXPECT_LE(effort, before + 1e-12) << i;  // it grows to what the target gives, and stays
@@ -78,8 +78,8 @@ TEST(FingerWalls, TouchWaversAtTheOpenEnd_EffortOfAPressedFingerDoesNot) {
   // Eq. (15): the lead-in of 0.05 rad and 0.0498 rad past the touch, 1.5 N·m/rad.
   EXPECT_NEAR(before, -1.5 * (0.05 + 0.0498), tolerance(1e-12));
   // A back that is pushed by the target opens: nothing holds it.
-  const FingerSight pushed{AxisPosition(1, -kInfinity), AxisPosition(1, 0.05),
-                           AxisPosition(1, 0.06), 1U};
+  const FingerWallInput pushed{AxisPosition(1, -kInfinity), AxisPosition(1, 0.05),
+                               AxisPosition(1, 0.06), 1U};
   EXPECT_GT(followClosure(state, pushed, kLeadIn_m, 1.0, oneFinger(), kPeriod_s).position[0],
             state.position[0]);
 }
@@ -107,7 +107,7 @@ TEST(FingerWalls, FingerInTheLeadInAsATransitionBegins_BeginAtTheFinger) {
 
 TEST(FingerWalls, TouchFoundLateWithTheFingerInTheLeadIn_BeginAtTheFinger) {
   const FingerWallState state = follow({}, 2.0, 1.98, 1.0);
-  EXPECT_EQ(state.known[0], 1.0);
+  EXPECT_TRUE(state.known[0]);
   EXPECT_EQ(state.position[0], 1.98);
   EXPECT_EQ(effortAt(state, 1.98), 0.0);
 }
@@ -152,7 +152,7 @@ TEST(FingerWalls, TouchGone_LetGoWhateverTheFingerDoes) {
         before = effort;
       }
       EXPECT_EQ(before, 0.0);
-      EXPECT_EQ(state.known[0], 0.0);
+      EXPECT_FALSE(state.known[0]);
     }
   }
 }
@@ -218,8 +218,8 @@ FingerWallState squeezeSoft(const FingerWallState& state, double closure, double
                             double alpha) {
   FingerWallConfig config = oneFinger();
   config.soft_m = 0.01;
-  const FingerSight seen{AxisPosition(1, closure), AxisPosition(1, finger), AxisPosition(1, finger),
-                         0U, 1U};
+  const FingerWallInput seen{AxisPosition(1, closure), AxisPosition(1, finger),
+                             AxisPosition(1, finger), 0U, 1U};
   return followClosure(state, seen, 0.0, alpha, config, kPeriod_s);
 }
 
@@ -259,11 +259,12 @@ TEST(FingerWalls, WallOfASoftSideThatNothingIsIn_IsWhereTheTouchIs) {
   // Nothing is felt of it: the finger is before the touch.
   FingerWallConfig config = oneFinger();
   config.soft_m = 0.01;
-  const FingerSight seen{AxisPosition(1, 1.5), AxisPosition(1, 1.2), AxisPosition(1, 1.2), 0U, 0U};
+  const FingerWallInput seen{AxisPosition(1, 1.5), AxisPosition(1, 1.2), AxisPosition(1, 1.2), 0U,
+                             0U};
   state = followClosure(state, seen, 0.0, 0.5, config, kPeriod_s);
   EXPECT_EQ(state.position[0], 1.5);
-  const FingerSight nearer{AxisPosition(1, 1.1), AxisPosition(1, 1.2), AxisPosition(1, 1.1), 0U,
-                           0U};
+  const FingerWallInput nearer{AxisPosition(1, 1.1), AxisPosition(1, 1.2), AxisPosition(1, 1.1), 0U,
+                               0U};
   state = followClosure(state, nearer, 0.0, 0.5, config, kPeriod_s);
   EXPECT_EQ(state.position[0], 1.2) << "it came to a finger that touches nothing";
 }

@@ -34,7 +34,7 @@ double grip_n(Side side, double fingers_rad, double turn_rad, double thumb_rad,
   posture.update(postureOf(hand(side), q_s));
   TickRecord record;
   for (const Touch& t : touches) {
-    Contact& c = record.contacts[static_cast<std::size_t>(record.contact_count++)];
+    Contact& c = record.contacts[record.contact_count++];
     c.body = 3;
     c.capsule = BarTable::capsuleOf(t.capsule);
     const double flip = side == Side::kLeft ? -1.0 : 1.0;
@@ -124,7 +124,7 @@ double heldBack(const HandModel& model, const AxisPosition& q_s, int axis, const
     q[axis] += step;
     at.updateKinematics(postureOf(model, q_s));
     moved.updateKinematics(postureOf(model, q));
-    const int link = model.capsules[static_cast<std::size_t>(c.capsule)].link;
+    const int link = model.capsules[c.capsule].link;
     const Eigen::Vector3d local = at.linkPose(link).inverse() * c.point_m.eigen();
     return c.force_n.eigen().dot(moved.linkPose(link) * local);
   };
@@ -134,8 +134,9 @@ double heldBack(const HandModel& model, const AxisPosition& q_s, int axis, const
 FingerWallConfig wallsOf(const DeviceModel& device) {
   FingerWallConfig walls;
   walls.axes = device.axisCount();
-  walls.lever_arm_m = AxisRatio(walls.axes, 1.0);
-  walls.stiffness = walls.damping = AxisRatio(walls.axes);
+  walls.lever_arm_m = AxisLength(walls.axes, 1.0);
+  walls.stiffness = AxisStiffness(walls.axes);
+  walls.damping = AxisDamping(walls.axes);
   for (const int a : {3, 5}) walls.stiffness[a] = 0.64, walls.lever_arm_m[a] = 0.08;
   return walls;
 }
@@ -158,10 +159,10 @@ struct Held {
   void add(const std::string& capsule, const Eigen::Vector3d& normal, double force_n) {
     ArticulatedBody at(shippedHand());
     at.updateKinematics(postureOf(shippedHand(), q_s));
-    Contact& c = record.contacts[static_cast<std::size_t>(record.contact_count++)];
+    Contact& c = record.contacts[record.contact_count++];
     c.body = 3;
     c.capsule = BarTable::capsuleOf(capsule);
-    const Capsule& its = shippedHand().capsules[static_cast<std::size_t>(c.capsule)];
+    const Capsule& its = shippedHand().capsules[c.capsule];
     c.point_m = Vec3::from(at.linkPose(its.link) * its.b_m);
     c.normal = Vec3::from(normal.normalized());
     c.force_n = Vec3::from(force_n * normal.normalized() + Eigen::Vector3d(0.0, 0.0, 0.4));

@@ -100,7 +100,7 @@ TEST(ShippedExercises, LeftHand_HasTheMirrorImageOfTheReach) {
     const auto loaded = loadExercise(config("exercises/") + file, 2, shippedDevice(), hand);
     EXPECT_TRUE(loaded.ok()) << format(loaded.errors());
     const SceneModel& scene = loaded->scene;
-    return scene.bodies[static_cast<std::size_t>(scene.bodyIndex(body))].pose.translation_m.y();
+    return scene.bodies[scene.bodyIndex(body)].pose.translation_m.y();
   };
   // reach_y_m = [-0.023, 0.105] for a right hand.
   EXPECT_NEAR(y_m("cocktail-bar.toml", shippedHand(), "dispenser_lemon"), -0.023, 1e-12);

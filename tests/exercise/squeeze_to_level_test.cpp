@@ -7,7 +7,7 @@
 namespace wholehand::test {
 namespace {
 
-using squeeze_to_level::BandNews;
+using squeeze_to_level::BandChange;
 using squeeze_to_level::BandRules;
 using squeeze_to_level::BandSteps;
 using squeeze_to_level::Instruction;
@@ -61,7 +61,7 @@ TEST(BandSteps, NotLetGo_TheNextBandDoesNotBegin) {
 
 TEST(BandSteps, AtHalfTheLevel_HalfTheForceDoes) {
   BandSteps steps(kRules);
-  BandNews news;
+  BandChange news;
   for (int i = 0; i < 501 && news.held < 0; ++i) news = steps.tick(0.75, true, 0.5, kTick_s);
   EXPECT_EQ(news.held, 0);
 }

@@ -70,13 +70,13 @@ TEST(EveryHandAtTheBar, VirtualPatient_PlaysTheLevelToItsEnd) {
       static_cast<int>(plays.size()),
       static_cast<int>(std::max(1U, std::thread::hardware_concurrency())),
       [&](int job) {
-        const auto r = runCocktail(planOf(plays[static_cast<std::size_t>(job)]));
+        const auto r = runCocktail(planOf(plays[job]));
         if (!r) return format(r.errors());
         return fmt::format("{:d} {:d} {:d} {} {} {}", r->ended, r->completed, r->faulted,
                            r->volume_error_l, r->time_s, r->score);
       },
       [&](int job, const std::string& line) {
-        const std::string name = nameOf(plays[static_cast<std::size_t>(job)]);
+        const std::string name = nameOf(plays[job]);
         std::istringstream in(line);
         bool ended = false, done = false, faulted = true;
         double error_l = 1.0, time_s = 0.0, score = 0.0;

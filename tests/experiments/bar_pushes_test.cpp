@@ -90,8 +90,7 @@ Felt feel(const Push& push) {
   files.level = push.level;
   Models models = load(files);
   const int body = models.scene.bodyIndex("dispenser_lemon");
-  const Eigen::Vector3d at_m =
-      models.scene.bodies[static_cast<std::size_t>(body)].pose.translation_m;
+  const Eigen::Vector3d at_m = models.scene.bodies[body].pose.translation_m;
   const double side = models.hand.side == Side::kLeft ? -1.0 : 1.0;
   const BarFigures figures(models.exercise->description());
   auto player = std::make_unique<ScriptedPlayer>(motionOf(push, at_m, side, models.device));
@@ -106,7 +105,7 @@ Felt feel(const Push& push) {
     rig->renderer->tick(1, record);
     double pressed_n = 0.0;
     for (int i = 0; i < record.contact_count; ++i) {
-      const Contact& c = record.contacts[static_cast<std::size_t>(i)];
+      const Contact& c = record.contacts[i];
       if (c.body == body) pressed_n += c.force_n.eigen().dot(c.normal.eigen());
     }
     felt.pressed_n = std::max(felt.pressed_n, pressed_n);

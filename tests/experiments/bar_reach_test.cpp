@@ -33,7 +33,7 @@ TEST(BarWithShortReach, DrinkOfEitherHand_IsMixedWithinIt) {
       const auto at = std::find_if(all.begin(), all.end(),
                                    [&](const LiveParameter& p) { return p.name == parameter; });
       ASSERT_NE(at, all.end()) << parameter;
-      values[static_cast<std::size_t>(at - all.begin())] = value;
+      values[at - all.begin()] = value;
     };
     set("reach_left_m", 0.04);
     set("reach_right_m", 0.04);
@@ -47,7 +47,7 @@ TEST(BarWithShortReach, DrinkOfEitherHand_IsMixedWithinIt) {
       player->see(record);
       ASSERT_EQ(record.faults & kStopping, Fault::kNone) << "tick " << k;
       poured_l = figures(BarFigures::kPouredTotal, record.exercise);
-      nearest_m = std::min(nearest_m, record.bodies[static_cast<std::size_t>(lemon)].position_m.x);
+      nearest_m = std::min(nearest_m, record.bodies[lemon].position_m.x);
     }
     EXPECT_GE(poured_l, 0.043);
     EXPECT_LT(nearest_m, 0.119 - 0.005);  // of the scene: 0.119

@@ -73,9 +73,8 @@ struct Squeeze {
 /// The hand about the dispenser, palm against it, closes one axis at a speed of the fingertip.
 Squeeze squeeze(Models models, int axis, double speed_m_s) {
   const int body = models.scene.bodyIndex("dispenser_lemon");
-  const Eigen::Vector3d at_m =
-      models.scene.bodies[static_cast<std::size_t>(body)].pose.translation_m;
-  const DeviceAxis device = models.device.axes[static_cast<std::size_t>(axis)];
+  const Eigen::Vector3d at_m = models.scene.bodies[body].pose.translation_m;
+  const DeviceAxis device = models.device.axes[axis];
   const double lever_m = device.lever_arm_m;
   const auto pose = [&](double x, double y, double fingers, double turn, double thumb) {
     AxisPosition q(6);

@@ -49,10 +49,10 @@ json seen(const TickRecord& r, const Vec3& palm_m) {
               {"palm", vec(palm_m)},
               {"contacts", json::array()}};
   for (int i = 0; i < r.body_count; ++i) {
-    out["bodies"].push_back(vec(r.bodies[static_cast<std::size_t>(i)].position_m));
+    out["bodies"].push_back(vec(r.bodies[i].position_m));
   }
   for (int i = 0; i < r.contact_count; ++i) {
-    const Contact& c = r.contacts[static_cast<std::size_t>(i)];
+    const Contact& c = r.contacts[i];
     out["contacts"].push_back({c.body, c.capsule, vec(c.force_n)});
   }
   const auto& e = r.exercise;

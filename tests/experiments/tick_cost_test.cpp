@@ -46,9 +46,7 @@ class Calibration {
 
   /// Cholesky of a matrix with 2 on and 1/(1 + |i - j|) off the diagonal.
   void factorise() {
-    const auto at = [this](int i, int j) -> double& {
-      return matrix_[static_cast<std::size_t>(kSize * i + j)];
-    };
+    const auto at = [this](int i, int j) -> double& { return matrix_[kSize * i + j]; };
     for (int i = 0; i < kSize; ++i) {
       for (int j = 0; j <= i; ++j) at(i, j) = i == j ? 2.0 : 1.0 / (1.0 + i - j);
     }

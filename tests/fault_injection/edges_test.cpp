@@ -26,7 +26,7 @@ TEST(MovedSinceArming, BeyondATwentiethOfTheRange_IsFaultedAndNothingEverPushes)
   const RendererConfig& config = workbench().config();
   std::mt19937_64 random = seededRandom(31);
   for (int axis = 0; axis < workbench().axes(); ++axis) {
-    const DeviceAxis& of = workbench().models().device.axes[static_cast<std::size_t>(axis)];
+    const DeviceAxis& of = workbench().models().device.axes[axis];
     for (const double sign : {1.0, -1.0}) {
       Bench bench(workbench(), movedBy(axis, sign * 0.06 * (of.upper - of.lower)), random, config);
       ASSERT_TRUE(bench.renderer.arm());
@@ -49,7 +49,7 @@ TEST(MovedSinceArming, ByLess_IsBlendedIn) {
   const RendererConfig& config = workbench().config();
   std::mt19937_64 random = seededRandom(32);
   for (int axis = 0; axis < workbench().axes(); ++axis) {
-    const DeviceAxis& of = workbench().models().device.axes[static_cast<std::size_t>(axis)];
+    const DeviceAxis& of = workbench().models().device.axes[axis];
     Bench bench(workbench(), movedBy(axis, 0.04 * (of.upper - of.lower)), random, config);
     ASSERT_TRUE(bench.renderer.arm());
     Witness witness(config);

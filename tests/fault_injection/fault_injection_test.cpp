@@ -103,7 +103,7 @@ class Oracle {
   bool stuck(const TickRecord& r, const AxisEffort& sent) {
     const double q = r.q_m[axis_];
     for (int a = 0; a < s_.axes && r.tick > 0; ++a) {
-      if (s_.carries[a] > 0.0) {
+      if (s_.carries[a]) {
         travel_ += std::abs(r.q_m[a] - before_[a]) / (s_.upper[a] - s_.lower[a]);
       }
     }
@@ -116,7 +116,7 @@ class Oracle {
     }
     least_ = std::min(least_, sent[axis_]);
     most_ = std::max(most_, sent[axis_]);
-    const bool arm_moved = s_.carries[axis_] > 0.0 && travel_ > 5.0;
+    const bool arm_moved = s_.carries[axis_] && travel_ > 5.0;
     return (static_cast<int>(r.tick) - since_) * s_.period_s >= s_.watch.stuck_encoder_s - 1e-9 &&
            (arm_moved || most_ - least_ > 0.2 * s_.effort_limit[axis_]);
   }

@@ -64,7 +64,9 @@ TEST_P(Limited, EffortOnEveryAxis_IsHeldAndToldAndRenderingGoesOn) {
       if (HasFailure()) return;
     }
   }
-  if (kCountsTell) EXPECT_GT(seen_runs, runs / 2);
+  if (kCountsTell) {
+    EXPECT_GT(seen_runs, runs / 2);
+  }
 }
 INSTANTIATE_TEST_SUITE_P(Kinds, Limited,
                          ::testing::Values(Limit{"EffortLimit", Push::kTooHard,
@@ -97,7 +99,9 @@ TEST(PowerLimit, ExerciseThatPushesAlongEveryMotion_GivesNoMoreThanTheLimit) {
     }
     EXPECT_EQ(witness.problem(), "");
   }
-  if (kCountsTell) EXPECT_GT(limited, ticks / 20);
+  if (kCountsTell) {
+    EXPECT_GT(limited, ticks / 20);
+  }
   std::printf("power: held in %d of %d ticks, slew limit in %d; at most %.2f of the limit\n",
               limited, ticks, slewed, largest_w);
 }

@@ -44,8 +44,8 @@ TEST_P(EveryDoor, RandomDamage_IsTakenOrRefusedWithinASecond) {
   std::printf("figure: %s: %d inputs, at most %.3f s\n", door.name.c_str(), count, longest_s);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, EveryDoor, testing::ValuesIn(allDoors()), [](const auto& info) {
-  std::string name = info.param.name;
+INSTANTIATE_TEST_SUITE_P(All, EveryDoor, testing::ValuesIn(allDoors()), [](const auto& tested) {
+  std::string name = tested.param.name;
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
 });

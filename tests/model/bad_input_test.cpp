@@ -1,6 +1,6 @@
 #include "model/device_model.hpp"
-#include "model/hand_file.hpp"
-#include "model/patient_config.hpp"
+#include "model/hand/hand_file.hpp"
+#include "model/patient/patient_config.hpp"
 #include "model/rendering_config.hpp"
 #include "model/temp_folder.hpp"
 #include "model/toml/toml_file.hpp"

@@ -1,6 +1,6 @@
-#include "model/anthropometry.hpp"
-#include "model/hand_file.hpp"
-#include "model/hand_mass.hpp"
+#include "model/hand/anthropometry.hpp"
+#include "model/hand/hand_file.hpp"
+#include "model/hand/hand_mass.hpp"
 #include "temp_folder.hpp"
 
 #include <Eigen/Geometry>
@@ -55,7 +55,7 @@ std::vector<Pose> linkPoses(const HandModel& model, const AxisPosition& q) {
     } else if (link.type == JointType::kPrismatic) {
       moved.translation_m = theta * link.axis;
     }
-    const Pose parent = link.parent < 0 ? Pose{} : poses[static_cast<std::size_t>(link.parent)];
+    const Pose parent = link.parent < 0 ? Pose{} : poses[link.parent];
     poses.push_back(parent * link.parent_to_link * moved);
   }
   return poses;
@@ -78,15 +78,14 @@ const Capsule& capsule(const HandModel& model, const std::string& name) {
 
 /// Pose of a link in the palm frame.
 Pose inPalm(const HandModel& model, const std::vector<Pose>& poses, int link) {
-  return poses[static_cast<std::size_t>(model.palm_link)].inverse() *
-         poses[static_cast<std::size_t>(link)];
+  return poses[model.palm_link].inverse() * poses[link];
 }
 
 /// Device position with the hand's coordinates set, base axes at zero.
 AxisPosition posture(const HandModel& model, double fingers, double circumduction, double thumb) {
   AxisPosition q(model.axis_count);
   for (int i = 0; i < model.axis_count; ++i) {
-    const std::string& name = model.axis_names[static_cast<std::size_t>(i)];
+    const std::string& name = model.axis_names[i];
     if (name == "finger_flexion") q[i] = fingers;
     if (name == "thumb_circumduction") q[i] = circumduction;
     if (name == "thumb_flexion") q[i] = thumb;
@@ -156,7 +155,7 @@ TEST(Hand, LambdaPride_Drives19JointsAndCarries41Capsules) {
   const HandModel model = medianHand();
   EXPECT_EQ(model.joint_count, 19);  // 3 translations, 4 x 3 fingers, 1 + 3 thumb
   EXPECT_EQ(model.capsules.size(), 41U);
-  EXPECT_EQ(model.links[static_cast<std::size_t>(model.palm_link)].name, "z");
+  EXPECT_EQ(model.links[model.palm_link].name, "z");
   for (std::size_t i = 0; i < model.links.size(); ++i) {
     EXPECT_LT(model.links[i].parent, static_cast<int>(i));
     EXPECT_NEAR(model.links[i].axis.norm(), 1.0, 1e-12);
@@ -182,8 +181,7 @@ TEST(Hand, FingerFlexion_IsTheAngleOfEveryFingertipAgainstItsMetacarpal) {
     const auto bent = linkPoses(model, posture(model, theta, 0, 0));
     for (const char* name : {"index", "middle", "ring", "little"}) {
       const int link = linkIndex(model, std::string(name) + "_dip_flexion");
-      const Matrix3d turn = open[static_cast<std::size_t>(link)].rotation.transpose() *
-                            bent[static_cast<std::size_t>(link)].rotation;
+      const Matrix3d turn = open[link].rotation.transpose() * bent[link].rotation;
       // The three joints of a finger turn about parallel axes, so their angles add up.
       EXPECT_NEAR(Eigen::AngleAxisd(turn).angle(), theta, 1e-9) << name;
     }
@@ -211,14 +209,14 @@ TEST(Hand, PositiveCoordinates_CloseTheHand) {
 TEST(Hand, Handshake_HasTheThumbUpAndTheBackToTheRight) {
   const HandModel model = medianHand();
   const auto poses = linkPoses(model, posture(model, 0, 0, 0));
-  const Matrix3d palm = poses[static_cast<std::size_t>(model.palm_link)].rotation;
+  const Matrix3d palm = poses[model.palm_link].rotation;
   EXPECT_TRUE((palm * Vector3d::UnitX()).isApprox(Vector3d::UnitX(), 1e-12));   // away
   EXPECT_TRUE((palm * Vector3d::UnitY()).isApprox(Vector3d::UnitZ(), 1e-12));   // radial is up
   EXPECT_TRUE((palm * Vector3d::UnitZ()).isApprox(-Vector3d::UnitY(), 1e-12));  // dorsal is right
   // A translation moves the palm along the world, however the hand is mounted.
   AxisPosition q = posture(model, 0, 0, 0);
   q[0] = 0.01, q[1] = 0.02, q[2] = 0.03;
-  EXPECT_TRUE(linkPoses(model, q)[static_cast<std::size_t>(model.palm_link)].translation_m.isApprox(
+  EXPECT_TRUE(linkPoses(model, q)[model.palm_link].translation_m.isApprox(
       Vector3d(0.01, 0.02, 0.03), 1e-12));
 }
 
@@ -231,7 +229,7 @@ TEST(Hand, Wrist_TurnsInSeriesAboutTheHandsOwnAxes) {
       (Eigen::AngleAxisd(kPi / 2, Vector3d::UnitX()) * Eigen::AngleAxisd(roll, Vector3d::UnitX()) *
        Eigen::AngleAxisd(pitch, Vector3d::UnitY()) * Eigen::AngleAxisd(yaw, Vector3d::UnitZ()))
           .toRotationMatrix();
-  const Pose palm = linkPoses(model, q)[static_cast<std::size_t>(model.palm_link)];
+  const Pose palm = linkPoses(model, q)[model.palm_link];
   EXPECT_TRUE(palm.rotation.isApprox(expected, 1e-12));
   EXPECT_LT(palm.translation_m.norm(), 1e-15);  // through the palm frame's origin
 }
@@ -250,7 +248,7 @@ TEST(Hand, LeftHandOfEverySize_IsTheMirrorImageInEveryPosture) {
     AxisPosition q(on.axisCount());
     AxisPosition mirrored(on.axisCount());
     for (int i = 0; i < on.axisCount(); ++i) {
-      const DeviceAxis& axis = on.axes[static_cast<std::size_t>(i)];
+      const DeviceAxis& axis = on.axes[i];
       q[i] = axis.lower + (0.23 + 0.07 * i) * (axis.upper - axis.lower);
       // Mirrored in the plane y = 0, y and the turns about x and z change sign.
       const bool turns_round = axis.name == "y" || axis.name == "roll" || axis.name == "yaw";
@@ -263,8 +261,8 @@ TEST(Hand, LeftHandOfEverySize_IsTheMirrorImageInEveryPosture) {
     for (std::size_t i = 0; i < right.capsules.size(); ++i) {
       const Capsule& r = right.capsules[i];
       const Capsule& l = left.capsules[i];
-      const Vector3d at = right_poses[static_cast<std::size_t>(r.link)] * r.b_m;
-      const Vector3d image = left_poses[static_cast<std::size_t>(l.link)] * l.b_m;
+      const Vector3d at = right_poses[r.link] * r.b_m;
+      const Vector3d image = left_poses[l.link] * l.b_m;
       EXPECT_LT((image - flip.cwiseProduct(at)).norm(), 1e-12) << r.name;
     }
     for (std::size_t i = 0; i < right.links.size(); ++i) {
@@ -318,7 +316,7 @@ TEST(Hand, JointsThatNoAxisDrives_AreLockedAtRest) {
     if (joint.joint.starts_with("middle_")) rest += joint.rest_rad;
   }
   const int tip = linkIndex(model, "middle_dip_flexion");
-  EXPECT_EQ(model.links[static_cast<std::size_t>(tip)].type, JointType::kFixed);
+  EXPECT_EQ(model.links[tip].type, JointType::kFixed);
   const Vector3d direction = inPalm(model, poses, tip).rotation * Vector3d::UnitX();
   EXPECT_NEAR(std::atan2(-direction.z(), direction.x()), rest, 1e-12);  // middle: no abduction
 }
@@ -328,7 +326,7 @@ TEST(Hand, Glove_NeedsNothingThatCarriesIt) {
   glove.axes.erase(glove.axes.begin(), glove.axes.begin() + 3);
   const HandModel model = hand("adult-median-right", glove);
   EXPECT_EQ(model.joint_count, 16);
-  EXPECT_EQ(model.links[static_cast<std::size_t>(model.palm_link)].type, JointType::kFixed);
+  EXPECT_EQ(model.links[model.palm_link].type, JointType::kFixed);
   EXPECT_NEAR(model.reference[0], kPi / 2, 1e-12);  // mid-grasp, of the hand file
 }
 
@@ -348,9 +346,7 @@ TEST(Hand, EveryHandOnEveryDevice_WeighsWhatItsFileSays) {
 
 TEST(Hand, Phalanges_ShareTheMassByTheirVolumes) {
   const HandModel model = medianHand();
-  const auto mass = [&](const char* link) {
-    return model.links[static_cast<std::size_t>(linkIndex(model, link))].mass_kg;
-  };
+  const auto mass = [&](const char* link) { return model.links[linkIndex(model, link)].mass_kg; };
   // Volumes of the capsules: r² (l + 4r/3).
   const double proximal = 81.0 * (42.6 + 12.0);
   const double middle = 64.0 * (25.1 + 32.0 / 3.0);
@@ -410,8 +406,8 @@ TEST(Hand, NeighbouringFingers_StaySideBySideFromOpenToFist) {
           for (const Capsule& b : model.capsules) {
             if (!a.name.starts_with(names[f] + "_")) continue;
             if (!b.name.starts_with(names[f + 1] + "_")) continue;
-            const Pose& pa = poses[static_cast<std::size_t>(a.link)];
-            const Pose& pb = poses[static_cast<std::size_t>(b.link)];
+            const Pose& pa = poses[a.link];
+            const Pose& pb = poses[b.link];
             const double gap = segmentDistance(pa * a.a_m, pa * a.b_m, pb * b.a_m, pb * b.b_m) -
                                a.radius_m - b.radius_m;
             // Ring and little touch where the web joins them; flesh gives way by a millimetre.

@@ -1,7 +1,7 @@
 // Meshes are read in a process of their own (docs/adr/0027-children-read-strangers-files.md).
-#include "model/convex_mesh.hpp"
+#include "model/mesh/convex_mesh.hpp"
+#include "model/mesh/mesh_surface.hpp"
 #include "model/mesh_samples.hpp"
-#include "model/mesh_surface.hpp"
 #include "model/temp_folder.hpp"
 #include "support/mutation.hpp"
 #include "support/seed.hpp"

@@ -1,6 +1,6 @@
 #include "core/tick_record.hpp"
-#include "model/scene_model.hpp"
-#include "model/separation.hpp"
+#include "model/scene/scene_model.hpp"
+#include "model/scene/separation.hpp"
 #include "model/temp_folder.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -21,10 +21,10 @@ using test::TempFolder;
 const std::string kHead =
     "kind = \"scene\"\nversion = 1\nname = \"s\"\ngravity_m_s2 = [0, 0, -9.81]\n";  // 4 lines
 
-std::string ball(const std::string& name, double x_m) {
+std::string ball(const std::string& name, double x_m, double y_m = 0.0) {
   return "[[bodies]]\nname = \"" + name +
          "\"\nshape = \"sphere\"\nradius_m = 0.02\nmass_kg = 0.1\nposition_m = [" +
-         std::to_string(x_m) + ", 0, 0]\n";
+         std::to_string(x_m) + ", " + std::to_string(y_m) + ", 0]\n";
 }
 
 TEST(SceneFile, EveryShippedScene_LoadsAndNothingOverlaps) {
@@ -234,12 +234,14 @@ TEST(SceneFile, UnknownShape_IsTheOnlyFault) {
 TEST(SceneFile, TooManyBodies_AreRefused) {
   const TempFolder folder;
   std::string text = kHead;
-  for (int i = 0; i < kMaxBodies; ++i) text += ball("b" + std::to_string(i), 0.05 * i);
+  for (int i = 0; i < kMaxSceneBodies; ++i)
+    text += ball("b" + std::to_string(i), 0.05 * (i % 64), 0.05 * (i / 64));
   EXPECT_TRUE(loadSceneFile(folder.write("full.toml", text)).ok());
   const Expected<SceneModel> scene =
-      loadSceneFile(folder.write("over.toml", text + ball("x", 9.0)));
+      loadSceneFile(folder.write("over.toml", text + ball("x", -9.0)));
   ASSERT_FALSE(scene.ok());
-  EXPECT_NE(format(scene.errors()).find("33 bodies"), std::string::npos) << format(scene.errors());
+  EXPECT_NE(format(scene.errors()).find("1025 bodies"), std::string::npos)
+      << format(scene.errors());
 }
 
 }  // namespace

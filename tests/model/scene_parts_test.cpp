@@ -1,5 +1,5 @@
-#include "model/convex_mesh.hpp"
 #include "model/mass_properties.hpp"
+#include "model/mesh/convex_mesh.hpp"
 #include "model/mesh_samples.hpp"
 #include "model/temp_folder.hpp"
 #include "model/urdf/urdf.hpp"

@@ -1,6 +1,6 @@
 #include "model/device_model.hpp"
-#include "model/hand_file.hpp"
-#include "model/patient_config.hpp"
+#include "model/hand/hand_file.hpp"
+#include "model/patient/patient_config.hpp"
 #include "model/rendering_config.hpp"
 #include "model/toml/toml_file.hpp"
 
@@ -92,7 +92,7 @@ TEST(ShippedFiles, LambdaPride_HasTheDocumentedDefaults) {
   EXPECT_EQ(x.mass, 0.8);
   EXPECT_EQ(x.encoder_step, 1e-5);
   EXPECT_EQ(device.output_delay_ticks, 1);
-  const auto& fingers = device.axes[static_cast<std::size_t>(device.axisIndex("finger_flexion"))];
+  const auto& fingers = device.axes[device.axisIndex("finger_flexion")];
   EXPECT_EQ(fingers.group, AxisGroup::kHand);
   EXPECT_NEAR(fingers.upper, 3.14159265358979, 1e-12);    // 180 degrees
   EXPECT_NEAR(fingers.effort_limit, 10.0 * 0.08, 1e-15);  // 10 N at the tip, lever arm 0.08 m

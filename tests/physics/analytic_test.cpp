@@ -1,6 +1,6 @@
 #include "control/bilateral_coupling.hpp"
 #include "control/critical_damping.hpp"
-#include "model/hand_file.hpp"
+#include "model/hand/hand_file.hpp"
 #include "physics/analytic/analytic_world.hpp"
 #include "realtime/allocation_counter.hpp"
 #include "support/tolerance.hpp"
@@ -184,7 +184,7 @@ class AnalyticHand : public testing::Test {
   void drive(AnalyticWorld& world, const AxisPosition& target, int ticks) {
     ArticulatedBody body(*hand_);
     gains_.axes = hand_->axis_count;
-    gains_.k_pm = AxisRatio(gains_.axes);
+    gains_.k_pm = AxisStiffness(gains_.axes);
     for (int k = 0; k < ticks; ++k) {
       ASSERT_EQ(world.observe(state_), Fault::kNone);
       ASSERT_TRUE(body.update(state_.theta, state_.theta_dot, {0.0, 0.0, -9.81}));

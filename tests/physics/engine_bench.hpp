@@ -77,7 +77,7 @@ inline SceneModel weightless(std::vector<SceneBody> bodies) {
 inline std::vector<std::string> builtEngines(bool for_persons = false) {
   std::vector<std::string> names;
   for (const Engine& engine : engines()) {
-    const bool asked = !for_persons || engine.moves_nobody_because.empty();
+    const bool asked = !for_persons || engine.persons_refused_because.empty();
     if (engine.build && asked) names.push_back(engine.name);
   }
   return names;

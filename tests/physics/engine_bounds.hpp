@@ -26,6 +26,7 @@ struct Bounds {
   double grasp_residual = 0.01;      ///< contact forces against the drive, of those
   double sliding_wall_m = 3e-5;      ///< overlap with a wall that slides into the hand
   double let_go_m = 1e-4;            ///< what a hand moves when its contact is taken away
+  int bodies = 1024;                 ///< of the largest scene: what a scene file may have
 };
 
 [[nodiscard]] const Bounds& boundsOf(const std::string& engine);

@@ -59,21 +59,21 @@ AxisEffort acting(Bench& bench) {
   std::array<double, kMaxAxes> row{};
   const auto add = [&](int link, const Vec3& at_m, const Vec3& force_n, double sign) {
     bench.body.reducedPointRow(link, at_m.eigen(), force_n.eigen(), row.data());
-    for (int a = 0; a < sum.size(); ++a) sum[a] += sign * row[static_cast<std::size_t>(a)];
+    for (int a = 0; a < sum.size(); ++a) sum[a] += sign * row[a];
   };
   for (int i = 0; i < bench.touching.count; ++i) {
-    const Contact& c = bench.touching.points[static_cast<std::size_t>(i)];
+    const Contact& c = bench.touching.points[i];
     add(c.link, c.point_m, c.force_n, 1.0);
     bench.body.reducedAngularRow(c.link, c.torque_nm.eigen(), row.data());
-    for (int a = 0; a < sum.size(); ++a) sum[a] += row[static_cast<std::size_t>(a)];
+    for (int a = 0; a < sum.size(); ++a) sum[a] += row[a];
   }
   SelfForces own;
   bench.world->selfForces(own);
   const std::vector<Capsule>& capsules = bench.models.hand.capsules;
   for (int i = 0; i < own.count; ++i) {
-    const SelfForce& touch = own.touches[static_cast<std::size_t>(i)];
-    add(capsules[static_cast<std::size_t>(touch.capsule_a)].link, touch.point_m, touch.force_n, 1);
-    add(capsules[static_cast<std::size_t>(touch.capsule_b)].link, touch.point_m, touch.force_n, -1);
+    const SelfForce& touch = own.touches[i];
+    add(capsules[touch.capsule_a].link, touch.point_m, touch.force_n, 1);
+    add(capsules[touch.capsule_b].link, touch.point_m, touch.force_n, -1);
   }
   for (int a = 0; a < own.joint_ends.size(); ++a) sum[a] += own.joint_ends[a];
   return sum;
@@ -112,7 +112,7 @@ TEST_P(FixedContact, HeldByAClosedHand_DoesTheVirtualWorkOfTheDrive) {
     // An engine may let the force act in the middle of an overlap, half of it from the surface.
     double lever_nm = 0.0;
     for (int i = 0; i < bench.touching.count; ++i) {
-      const Contact& c = bench.touching.points[static_cast<std::size_t>(i)];
+      const Contact& c = bench.touching.points[i];
       lever_nm += 0.5 * std::abs(c.distance_m) * c.force_n.eigen().norm();
     }
     torque_nm = std::max(torque_nm, left.tail<3>().cwiseAbs().maxCoeff() - lever_nm);
@@ -143,11 +143,11 @@ TEST_P(PressedContact, OfAFixedWall_CarriesWhatIsAskedAtItsSurface) {
   }
   double push_n = 0.0;
   for (int i = 0; i < bench.touching.count; ++i) {
-    const Contact& c = bench.touching.points[static_cast<std::size_t>(i)];
+    const Contact& c = bench.touching.points[i];
     push_n -= c.force_n.y;
     EXPECT_LT(c.normal.y, -0.99) << "from the body to the hand";
     EXPECT_EQ(c.body, 0);
-    EXPECT_EQ(c.link, m.hand.capsules[static_cast<std::size_t>(c.capsule)].link);
+    EXPECT_EQ(c.link, m.hand.capsules[c.capsule].link);
     EXPECT_NEAR(c.point_m.y, face_m, 1e-4) << "on the hand's surface, which is at the wall's";
   }
   // M_yy 4000 s⁻² 1 cm, with the hand at rest.

@@ -85,8 +85,8 @@ TEST_P(BadScene, DriveThatIsNoNumber_IsAFaultAndMovesNothing) {
 TEST_P(BadScene, WithAsManyBodiesAsMayBe_StepsWithoutAllocating) {
   if (!allocationCountingAvailable()) GTEST_SKIP() << "malloc is not ours to count";
   std::vector<SceneBody> bodies;
-  for (int i = 0; i < kMaxBodies; ++i) {
-    bodies.push_back(ball({0.3 + 0.05 * (i % 8), 0.3 + 0.05 * (i / 8), 0.0}, 0.02, 0.1));
+  for (int i = 0; i < boundsOf(GetParam()).bodies; ++i) {
+    bodies.push_back(ball({0.3 + 0.05 * (i % 32), 0.3 + 0.05 * (i / 32), 0.0}, 0.02, 0.1));
   }
   Bench bench(GetParam(), weightless(bodies));
   ASSERT_TRUE(bench.world->placeHand(AxisPosition(6)));
@@ -109,7 +109,7 @@ TEST_P(ManyWalls, ThirtyAtOnePlace_CarryWhatOneWould) {
   }
   double push_n = 0.0;
   for (int i = 0; i < bench.touching.count; ++i) {
-    push_n += bench.touching.points[static_cast<std::size_t>(i)].force_n.y;
+    push_n += bench.touching.points[i].force_n.y;
   }
   const double asked_n = bench.body.reducedInertia()(1, 1) * 4e3 * (bench.after.q_s[1] - q[1]);
   EXPECT_GT(asked_n, 5.0);

@@ -110,9 +110,15 @@ TEST_P(FirstTouch, OfAHandThatStays_IsFoundWithin50TicksAndIsTheFirst) {
       "figure: %s: %d touches, %d never, %d open ends; slowest %d ticks, worst gap %.2g um\n",
       GetParam().name, touches, misses, open_ends, slowest, worst_gap_m * 1e6);
   EXPECT_LT(slowest, 50);
-  if (kCountsTell) EXPECT_GT(touches, hands * 3 / 10);
-  if (kCountsTell) EXPECT_GT(misses, hands / 10);
-  if (kCountsTell) EXPECT_GT(open_ends, 0);
+  if (kCountsTell) {
+    EXPECT_GT(touches, hands * 3 / 10);
+  }
+  if (kCountsTell) {
+    EXPECT_GT(misses, hands / 10);
+  }
+  if (kCountsTell) {
+    EXPECT_GT(open_ends, 0);
+  }
 }
 INSTANTIATE_TEST_SUITE_P(Shapes, FirstTouch,
                          testing::Values(Named{"bottle", cylinder(0.025, 0.2)},

@@ -78,7 +78,7 @@ TEST(JointEnd, ThatABallPressesAFingerAgainst_BearsItAndTheArmIsHeld) {
   double worst = 0.0;
   std::array<double, kMaxAxes> acted{};
   for (int i = 0; i < last->contact_count; ++i) {
-    const Contact& c = last->contacts[static_cast<std::size_t>(i)];
+    const Contact& c = last->contacts[i];
     std::array<double, kMaxAxes> force{}, torque{};
     body.reducedPointRow(c.link, c.point_m.eigen(), c.force_n.eigen(), force.data());
     body.reducedAngularRow(c.link, c.torque_nm.eigen(), torque.data());
@@ -123,8 +123,8 @@ TEST(BaseEnd, ThatABarTurnsTheHandAgainst_KeepsItWhereItIsCertified) {
   const Eigen::Vector3d at_m = handAt(m.hand, open).linkPose(tip.link) * tip.b_m;
   m.scene.bodies = {
       fixedBox(at_m - Eigen::Vector3d(0.0, 0.0, tip.radius_m + 0.022), {0.04, 1.0, 0.04})};
-  const double lower = m.device.axes[static_cast<std::size_t>(pitch)].lower;
-  const double upper = m.device.axes[static_cast<std::size_t>(pitch)].upper;
+  const double lower = m.device.axes[pitch].lower;
+  const double upper = m.device.axes[pitch].upper;
   const auto rig = buildScripted(std::move(m), [&](int read) {
     AxisPosition q = open;
     q[z] = 0.08 - 0.16 * std::min(1.0, read / 800.0);

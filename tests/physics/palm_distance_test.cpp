@@ -104,7 +104,7 @@ TEST(PalmTarget, IsTheNearestOfThoseAskedFor) {
   for (int b = 0; b < 3; ++b) {
     const TickRecord s = bench.ask({1U << b, -1});
     EXPECT_EQ(s.palm_body, b);
-    alone_m[static_cast<std::size_t>(b)] = s.palm_target_distance_m;
+    alone_m[b] = s.palm_target_distance_m;
     EXPECT_EQ(s.palm_distance_m, bench.ask({}).palm_distance_m);
   }
   EXPECT_EQ(alone_m[0], bench.ask({}).palm_distance_m);  // the nearest of all

@@ -52,13 +52,13 @@ double virtualWork(const HandModel& hand, const AxisPosition& q_s, const SelfFor
   up[axis] += kStep, down[axis] -= kStep;
   const ArticulatedBody above = handAt(hand, up), below = handAt(hand, down);
   const auto moved = [&](int capsule, const Eigen::Vector3d& point_m) -> Eigen::Vector3d {
-    const int link = hand.capsules[static_cast<std::size_t>(capsule)].link;
+    const int link = hand.capsules[capsule].link;
     const Eigen::Vector3d local = here.linkPose(link).inverse() * point_m;
     return above.linkPose(link) * local - below.linkPose(link) * local;
   };
   double work = 0.0;
   for (int i = 0; i < forces.count; ++i) {
-    const SelfForce& f = forces.touches[static_cast<std::size_t>(i)];
+    const SelfForce& f = forces.touches[i];
     const Eigen::Vector3d apart =
         moved(f.capsule_a, f.point_m.eigen()) - moved(f.capsule_b, f.point_m.eigen());
     work += f.force_n.eigen().dot(apart) / (2.0 * kStep);
@@ -75,7 +75,7 @@ TEST(SelfContact, HeldClosed_IsFeltAsTheVirtualWorkOfItsForcesAndPushesNoArm) {
     const auto last = runTicks(*rig->renderer, 4000, [&](const TickRecord&) {
       const SelfForces now = forcesOf(*rig);
       for (int i = 0; i < now.count; ++i) {
-        deepest_m = std::max(deepest_m, -now.touches[static_cast<std::size_t>(i)].distance_m);
+        deepest_m = std::max(deepest_m, -now.touches[i].distance_m);
       }
     });
     const SelfForces forces = forcesOf(*rig);
@@ -115,8 +115,8 @@ TEST(SelfContact, RowsOfTheBase_AreExactlyZero) {
   const ArticulatedBody body = handAt(m.hand, q);
   ASSERT_FALSE(m.hand.self_contacts.empty());
   for (const SelfPair& pair : m.hand.self_contacts) {
-    const int a = m.hand.capsules[static_cast<std::size_t>(pair.capsule_a)].link;
-    const int b = m.hand.capsules[static_cast<std::size_t>(pair.capsule_b)].link;
+    const int a = m.hand.capsules[pair.capsule_a].link;
+    const int b = m.hand.capsules[pair.capsule_b].link;
     const Eigen::Vector3d at(0.05, 0.02, -0.03), n = Eigen::Vector3d(0.3, -0.8, 0.52).normalized();
     std::array<double, kMaxAxes> of_a{}, of_b{};
     body.reducedPointRow(a, at, n, of_a.data());
@@ -140,7 +140,7 @@ TEST(SelfContact, AtTheSpeedLimit_NeitherOverlapsNorIsPassedThrough) {
       const SelfForces now = forcesOf(*rig);
       touching += now.count > 0 ? 1 : 0;
       for (int i = 0; i < now.count; ++i) {
-        deepest_m = std::max(deepest_m, -now.touches[static_cast<std::size_t>(i)].distance_m);
+        deepest_m = std::max(deepest_m, -now.touches[i].distance_m);
       }
     });
     EXPECT_GT(touching, 500);

@@ -1,6 +1,6 @@
 // Where the capsules of a hand are near each other: closed form, and the search that skips.
-#include "model/capsule_gap.hpp"
-#include "model/separation.hpp"
+#include "model/hand/capsule_gap.hpp"
+#include "model/scene/separation.hpp"
 #include "physics/engine_bench.hpp"
 #include "physics/self_contact_search.hpp"
 #include "support/seed.hpp"
@@ -95,7 +95,7 @@ TEST(SelfContactSearch, AlongAnyMotion_TellsEveryPairThatIsNear) {
         int i = 0;
         for (std::size_t p = 0; p < hand.self_contacts.size(); ++p) {
           const auto placed = [&](int capsule) -> PlacedSegment {
-            const Capsule& c = hand.capsules[static_cast<std::size_t>(capsule)];
+            const Capsule& c = hand.capsules[capsule];
             return {body.linkPose(c.link) * c.a_m, body.linkPose(c.link) * c.b_m, c.radius_m};
           };
           const CapsuleGap gap = capsuleGap(placed(hand.self_contacts[p].capsule_a),

@@ -3,8 +3,8 @@
 #include "dynamics/articulated_body.hpp"
 #include "dynamics/synergy.hpp"
 #include "model/device_model.hpp"
-#include "model/hand_file.hpp"
-#include "model/separation.hpp"
+#include "model/hand/hand_file.hpp"
+#include "model/scene/separation.hpp"
 #include "physics/axis_closure.hpp"
 #include "support/capsule_shape.hpp"
 

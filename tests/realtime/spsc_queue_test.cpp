@@ -64,11 +64,13 @@ TEST(SpscQueue, HoldsWholeTickRecords) {
   SpscQueue<TickRecord> queue(2);
   TickRecord in;
   in.tick = 7;
+  in.contact_count = kMaxContacts;
   in.contacts.back().distance_m = -0.25;
   ASSERT_TRUE(queue.try_push(in));
   TickRecord out;
   ASSERT_TRUE(queue.try_pop(out));
   EXPECT_EQ(out.tick, 7U);
+  EXPECT_EQ(out.contact_count, kMaxContacts);
   EXPECT_EQ(out.contacts.back().distance_m, -0.25);
 }
 

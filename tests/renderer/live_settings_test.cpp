@@ -40,7 +40,7 @@ struct Therapy {
         live(device, damping),
         device_limit(device.axisCount()) {
     for (int i = 0; i < device.axisCount(); ++i) {
-      device_limit[i] = device.axes[static_cast<std::size_t>(i)].effort_limit;
+      device_limit[i] = device.axes[i].effort_limit;
     }
   }
 
@@ -77,8 +77,8 @@ Therapy madeOf(std::vector<DeviceAxis> axes) {
   const int n = static_cast<int>(axes.size());
   DeviceModel device;
   device.axes = std::move(axes);
-  return Therapy(std::move(device), {n, AxisEffort(n, 0.03), AxisEffort(n, 0.3), AxisRatio(n, 0.3),
-                                     AxisRatio(n), AxisRatio(n)});
+  return Therapy(std::move(device), {n, AxisEffort(n, 0.03), AxisEffort(n, 0.3), AxisTime(n, 0.3),
+                                     AxisFlag(n), AxisFlag(n)});
 }
 
 std::vector<std::string> namesOf(const LiveSettings& live) {
@@ -278,8 +278,8 @@ TEST(LiveSettings, DecayOfTheFileOutsideTheUsualRange_CanBeHadAgain) {
   for (const double decay_s : {0.01, 4.0}) {
     DeviceModel device;
     device.axes = {axisOf("x", AxisKind::kTranslation, AxisGroup::kBase, 20.0, 0.0)};
-    const Therapy t(device, {1, AxisEffort(1, 0.5), AxisEffort(1, 5.0), AxisRatio(1, decay_s),
-                             AxisRatio(1), AxisRatio(1)});
+    const Therapy t(device, {1, AxisEffort(1, 0.5), AxisEffort(1, 5.0), AxisTime(1, decay_s),
+                             AxisFlag(1), AxisFlag(1)});
     const LiveParameter& p = t.live.parameters().at(t.index("damping_decay_s"));
     EXPECT_LE(p.lower, decay_s);
     EXPECT_GE(p.upper, decay_s);

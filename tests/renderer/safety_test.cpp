@@ -100,7 +100,9 @@ TEST_P(InjectedFailure, AtARandomTick_RampsToNeutralAndStaysThereUntilArmed) {
     EXPECT_GT(again.back().authority, 0.0);
     EXPECT_LT(again.front().authority, 1e-3);
   }
-  if (kCountsTell) EXPECT_GE(armed_again, 1);  // refusing always would be no rearming at all
+  if (kCountsTell) {
+    EXPECT_GE(armed_again, 1);  // refusing always would be no rearming at all
+  }
 }
 INSTANTIATE_TEST_SUITE_P(
     Kinds, InjectedFailure,

@@ -29,7 +29,7 @@ FailingWorldRig failingWorldRig(InjectedWorldFault fault, std::mt19937_64& rando
   const Models& models = out.rig->models;
   AnalyticScene scene;
   scene.axes.resize(static_cast<std::size_t>(models.hand.axis_count));
-  scene.axes[static_cast<std::size_t>(models.device.axisIndex("x"))].upper_stop = 0.0;
+  scene.axes[models.device.axisIndex("x")].upper_stop = 0.0;
   out.world = std::make_unique<AnalyticWorld>(models.hand, std::move(scene));
   out.faulty = std::make_unique<FaultyWorld>(*out.world, fault);
   out.renderer = std::make_unique<HapticRenderer>(*out.rig->device, *out.faulty, models.hand,
@@ -211,7 +211,7 @@ double swingAgainstAWall(Stalls stalls, double reengage_s) {
   const Models& models = rig->models;
   AnalyticScene scene;
   scene.axes.resize(static_cast<std::size_t>(models.hand.axis_count));
-  scene.axes[static_cast<std::size_t>(x)].upper_stop = 0.0;
+  scene.axes[x].upper_stop = 0.0;
   AnalyticWorld world(models.hand, std::move(scene));
   RendererConfig config = rig->renderer->config();
   config.safety.ramp.reengage_s = reengage_s;

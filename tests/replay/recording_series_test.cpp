@@ -62,7 +62,7 @@ Series seriesOf(RecordingReader& reader, double from_s, double to_s, int columns
 double forceSum_n(const TickRecord& r) {
   double sum = 0.0;
   for (int c = 0; c < r.contact_count; ++c) {
-    const Vec3& f = r.contacts[static_cast<std::size_t>(c)].force_n;
+    const Vec3& f = r.contacts[c].force_n;
     sum += std::sqrt(f.x * f.x + f.y * f.y + f.z * f.z);
   }
   return sum;

@@ -101,7 +101,7 @@ TEST(TherapyFacts, ForceOnABody_IsToldByItsName) {
     TickRecord record = restingTick(i);
     record.contact_count = i >= 1000 ? 2 : 0;
     for (int c = 0; c < record.contact_count; ++c) {
-      Contact& contact = record.contacts[static_cast<std::size_t>(c)];
+      Contact& contact = record.contacts[c];
       contact.body = 2;
       contact.capsule = 1 + c;  // a finger and the thumb
       contact.force_n = Vec3{0.0, 3.0, 4.0};

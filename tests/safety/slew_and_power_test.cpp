@@ -185,8 +185,8 @@ TEST(PowerLimiter, WhateverComes_GivesTheLimitByOneCapAndTurnsNothingRound) {
     AxisEffort wanted(6);
     AxisVelocity qd(6);
     for (int a = 0; a < 6; ++a) {
-      wanted[a] = raw[static_cast<std::size_t>(a)][0] * 1e-3;
-      qd[a] = raw[static_cast<std::size_t>(a)][1] * 1e-3;
+      wanted[a] = raw[a][0] * 1e-3;
+      qd[a] = raw[a][1] * 1e-3;
     }
     const double limit_w = 0.01 + 0.1 * watt;
     const double wanted_w = givenWith(wanted, qd, 1e9);

@@ -8,7 +8,7 @@ namespace {
 
 TEST(StopRequests, NobodyAsked_NothingIsSaid) {
   StopRequests stops;
-  EXPECT_FALSE(stops.takeUnseen());
+  EXPECT_FALSE(stops.consumeUnseen());
   EXPECT_TRUE(stops.arm());
   EXPECT_EQ(stops.asked(), Fault::kNone);
 }
@@ -16,18 +16,18 @@ TEST(StopRequests, NobodyAsked_NothingIsSaid) {
 TEST(StopRequests, AskedBeforeArming_IsSeenOnce) {
   StopRequests stops;
   stops.ask();
-  EXPECT_TRUE(stops.takeUnseen());
-  EXPECT_FALSE(stops.takeUnseen());
+  EXPECT_TRUE(stops.consumeUnseen());
+  EXPECT_FALSE(stops.consumeUnseen());
   ASSERT_TRUE(stops.arm());
   EXPECT_EQ(stops.asked(), Fault::kNone) << "an old stop ended a new session";
 }
 
 TEST(StopRequests, AskedWhileArming_RefusesThatArmingOnly) {
   StopRequests stops;
-  EXPECT_FALSE(stops.takeUnseen());
+  EXPECT_FALSE(stops.consumeUnseen());
   stops.askInEmergency();
   EXPECT_FALSE(stops.arm());
-  EXPECT_FALSE(stops.takeUnseen()) << "it was told already";
+  EXPECT_FALSE(stops.consumeUnseen()) << "it was told already";
   EXPECT_TRUE(stops.arm());
   EXPECT_EQ(stops.asked(), Fault::kNone);
 }
@@ -47,7 +47,7 @@ TEST(StopRequests, SeenByATick_DoesNotRefuseTheNextArming) {
   ASSERT_TRUE(stops.arm());
   stops.askInEmergency();
   EXPECT_TRUE(any(stops.asked()));
-  EXPECT_FALSE(stops.takeUnseen());
+  EXPECT_FALSE(stops.consumeUnseen());
   ASSERT_TRUE(stops.arm());
   EXPECT_EQ(stops.asked(), Fault::kNone);
 }
@@ -57,7 +57,7 @@ TEST(StopRequests, AskedAfterTheLastTick_RefusesTheNextArming) {
   ASSERT_TRUE(stops.arm());
   EXPECT_EQ(stops.asked(), Fault::kNone);
   stops.ask();
-  EXPECT_TRUE(stops.takeUnseen());
+  EXPECT_TRUE(stops.consumeUnseen());
 }
 
 }  // namespace

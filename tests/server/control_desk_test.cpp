@@ -150,18 +150,18 @@ TEST_F(ControlDeskTest, GameElsewhere_HoldsAndLosesThem) {
 
 TEST_F(ControlDeskTest, LeftAloneFor15Minutes_IsSaidOnceInAsLong) {
   constexpr std::int64_t kQuarter = 15 * 60 * 1000;
-  EXPECT_FALSE(after(0).left_alone);
+  EXPECT_FALSE(after(0).unattended);
   annaTakes();
   for (int i = 0; i < 12'000; ++i) {  // she watches, for 20 minutes
     desk.heard(anna, now);
-    ASSERT_FALSE(after(100).left_alone) << i;
+    ASSERT_FALSE(after(100).unattended) << i;
   }
   EXPECT_EQ(desk.release(anna), "");
-  EXPECT_FALSE(after(0).left_alone);
-  EXPECT_FALSE(after(kQuarter).left_alone);
-  EXPECT_TRUE(after(1).left_alone);
-  EXPECT_FALSE(after(kQuarter).left_alone);
-  EXPECT_TRUE(after(1).left_alone);
+  EXPECT_FALSE(after(0).unattended);
+  EXPECT_FALSE(after(kQuarter).unattended);
+  EXPECT_TRUE(after(1).unattended);
+  EXPECT_FALSE(after(kQuarter).unattended);
+  EXPECT_TRUE(after(1).unattended);
 }
 
 // The game's own server has told the program that nobody is alive; this desk has told it nothing.

@@ -154,7 +154,7 @@ class FakeBackend : public ServerBackend {
         scene_ = makeScene(scene_->session + 1);
         return {true, ""};
       case OrderType::kAction:
-      case OrderType::kLeftAlone:
+      case OrderType::kUnattended:
       case OrderType::kSaveProfile:
       case OrderType::kLoadProfile:
       case OrderType::kAnswer:

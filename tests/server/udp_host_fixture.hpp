@@ -53,7 +53,14 @@ class UdpHost : public ::testing::Test {
         if (to == kOther) other.hear(d);
       }
     } while (!arriving.empty() || !leaving.empty());
-    for (auto& s : host.takeSaid()) said.push_back(std::move(s));
+    takeCommands();
+  }
+  /// Takes what games said, and obeys it.
+  void takeCommands() {
+    for (auto& s : host.takeCommands()) {
+      if (s.message.order.type == OrderType::kEmergencyStop) host.finishStop(s, true);
+      said.push_back(std::move(s));
+    }
   }
   void pass(int ms) {
     for (int i = 0; i < ms; ++i) {
@@ -76,9 +83,10 @@ class UdpHost : public ::testing::Test {
   }
   std::uint64_t ignored(UdpIgnored reason) const { return counters.ignoredFor(reason); }
   int saidOf(OrderType type) const {
-    return static_cast<int>(std::count_if(said.begin(), said.end(), [type](const Said& s) {
-      return s.message.type == wire::ClientMessageType::kOrder && s.message.order.type == type;
-    }));
+    return static_cast<int>(
+        std::count_if(said.begin(), said.end(), [type](const ReceivedCommand& s) {
+          return s.message.type == wire::ClientMessageType::kOrder && s.message.order.type == type;
+        }));
   }
 
   FakeBackend backend;
@@ -92,7 +100,7 @@ class UdpHost : public ::testing::Test {
   };
   std::vector<OnTheWay> arriving, leaving;
   std::size_t sent_bytes = 0;  ///< by the program
-  std::vector<Said> said;
+  std::vector<ReceivedCommand> said;
   Host host;
   ControlsArbiter::Client client = 0;
   TestGame game = makeGame(kGame), other = makeGame(kOther);

@@ -67,10 +67,10 @@ TEST_F(UdpHost, GameWithoutWebSocket_MayAlsoTakeTheControlsSteerAndStop) {
     for (const auto& [from, d] : std::exchange(arriving, {})) arrive(from, d);
     for (const auto& [to, d] : std::exchange(leaving, {})) board.hear(d);
   }
-  (void)host.takeSaid();
+  (void)host.takeCommands();
   for (const auto& message : words::oneOfEach()) arrive(kGame, board.datagram(message));
   std::vector<std::string> names;
-  for (const Said& s : host.takeSaid()) names.emplace_back(wire::nameOf(s.message));
+  for (const ReceivedCommand& s : host.takeCommands()) names.emplace_back(wire::nameOf(s.message));
   EXPECT_EQ(names,
             (std::vector<std::string>{"Stop", "EmergencyStop", "Aim", "Steer", "TakeControls",
                                       "ReleaseControls", "Heartbeat", "Rest"}));
@@ -175,11 +175,11 @@ TEST_F(UdpHost, ConversationPlayedBackToAKeyOfTheStart_MovesNothing) {
     arrive(kGame, overheard.back());
     for (const auto& [to, d] : std::exchange(leaving, {})) board.hear(d);
   }
-  EXPECT_EQ(host.takeSaid().size(), 19U) << "all but the one before it was known to listen";
+  EXPECT_EQ(host.takeCommands().size(), 19U) << "all but the one before it was known to listen";
   now_ns += Host::kGone_ns + kMillisecond_ns;
   host.advance(now_ns);
   for (const auto& d : overheard) arrive(kElsewhere, d);
-  EXPECT_TRUE(host.takeSaid().empty());
+  EXPECT_TRUE(host.takeCommands().empty());
 }
 
 TEST_F(UdpHost, LateEmergencyStop_IsObeyedAllTheSameAndOnce) {
@@ -194,6 +194,30 @@ TEST_F(UdpHost, LateEmergencyStop_IsObeyedAllTheSameAndOnce) {
   EXPECT_EQ(saidOf(OrderType::kEmergencyStop), 1);
   pass(200);
   EXPECT_EQ(game.last.rate_or_stop, 5U) << "the game is shown that it was obeyed";
+}
+
+TEST_F(UdpHost, EmergencyStop_IsAcknowledgedOnceObeyedAndHandedOnAgainIfThatFailed) {
+  connect(game);
+  const auto repeat = [&] {
+    game.say(words::emergencyStop(5));
+    for (const auto& [from, d] : std::exchange(arriving, {})) arrive(from, d);
+    auto stops = host.takeCommands();
+    now_ns += Host::kPresent_ns;
+    host.advance(now_ns);
+    for (const auto& [to, d] : std::exchange(leaving, {})) game.hear(d);
+    return stops;
+  };
+  const auto first = repeat();
+  ASSERT_EQ(first.size(), 1U);
+  EXPECT_EQ(game.last.rate_or_stop, 0U) << "taken, not yet obeyed";
+  EXPECT_TRUE(repeat().empty()) << "it is being obeyed";
+  host.finishStop(first.front(), false);
+  const auto again = repeat();
+  ASSERT_EQ(again.size(), 1U);
+  EXPECT_EQ(game.last.rate_or_stop, 0U);
+  host.finishStop(again.front(), true);
+  EXPECT_TRUE(repeat().empty());
+  EXPECT_EQ(game.last.rate_or_stop, 5U);
 }
 
 TEST_F(UdpHost, EmergencyStopUnderAnyNumber_IsObeyed) {

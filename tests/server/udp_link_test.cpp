@@ -37,7 +37,7 @@ class UdpLink : public UdpHost {
     host.advance(now_ns);
     for (const auto& [to, d] : std::exchange(leaving, {})) enter(to_game, d);
     leaveWay(to_game, [&](const TestGame::Bytes& d) { game.hear(d); });
-    for (auto& s : host.takeSaid()) said.push_back(std::move(s));
+    takeCommands();
   }
 
   std::multimap<std::int64_t, TestGame::Bytes> to_program, to_game;

@@ -49,7 +49,7 @@ TEST_F(WebSocketTest, NewClient_IsGreetedThenShownTheWorld) {
   EXPECT_FALSE(message(*controls_message).payload_as_Controls()->held());
   const auto state = socket.hear();
   ASSERT_TRUE(state);
-  EXPECT_EQ(message(*state).payload_as_WorldState()->contacts()->size(), 64U);
+  EXPECT_EQ(message(*state).payload_as_WorldState()->contacts()->size(), std::size_t{kMaxContacts});
 }
 
 TEST_F(WebSocketTest, StandingLoop_ShowsChangesAndSignsOfLife) {

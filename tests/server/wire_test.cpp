@@ -141,10 +141,10 @@ TEST(WireState, FullRecord_ArrivesAsItWas) {
   EXPECT_EQ(s->palm_distance_m(), 0.125F);
   EXPECT_EQ(s->values()->size(), 48U);
   EXPECT_EQ(s->values()->Get(47), 47.1);  // a double: exact
-  EXPECT_EQ(s->contacts()->size(), 64U);
+  EXPECT_EQ(s->contacts()->size(), std::size_t{kMaxContacts});
   EXPECT_EQ(s->contacts()->Get(63)->capsule(), 63);
   EXPECT_EQ(s->contacts()->Get(0)->force_n().z(), 2.0F);
-  EXPECT_EQ(s->bodies()->size(), 32U);
+  EXPECT_EQ(s->bodies()->size(), std::size_t{kMaxBodies});
   EXPECT_EQ(s->parameters()->size(), 8U);
   EXPECT_EQ(s->statistics()->dropped_records(), 9U);
   EXPECT_EQ(s->statistics()->cpu_p999_us(), 42.5F);
@@ -171,7 +171,7 @@ TEST(WireState, RealDevice_SaysWhatItIsLike) {
   status.device->enabled = status.device->hosted = true;
   status.device->sample_age_s = 0.5;
   status.device->host_age_s = 0.25;
-  status.device->let_go = LetGo::kNeverCommanded;
+  status.device->let_go = ReleaseReason::kNeverCommanded;
   const auto* device = encoded(wire::Detail::kFull);
   ASSERT_NE(device, nullptr);
   EXPECT_TRUE(device->enabled());
@@ -262,8 +262,8 @@ std::vector<Eigen::Isometry3d> drawn(const fb::Scene& scene, const fb::WorldStat
     double theta = 0.0;
     if (link->joint() >= 0) theta = state.theta()->Get(static_cast<unsigned>(link->joint()));
     const Eigen::Vector3d axis(link->axis()->x(), link->axis()->y(), link->axis()->z());
-    Eigen::Isometry3d pose = link->parent() < 0 ? Eigen::Isometry3d::Identity()
-                                                : poses[static_cast<std::size_t>(link->parent())];
+    Eigen::Isometry3d pose =
+        link->parent() < 0 ? Eigen::Isometry3d::Identity() : poses[link->parent()];
     pose = pose * placed(*link->at_zero());
     if (link->type() == fb::JointType::Prismatic) pose.translate(theta * axis);
     if (link->type() == fb::JointType::Revolute) pose.rotate(Eigen::AngleAxisd(theta, axis));

@@ -140,14 +140,14 @@ TEST_F(HostileOrders, LimitLoweredWhileArming_HoldsInThatSession) {
 TEST_F(HostileOrders, SessionLeftAlone_EndsWhereAClientArmedIt) {
   run(true);
   ASSERT_TRUE(rendersOn());
-  ASSERT_TRUE(ask(OrderType::kLeftAlone).accepted);
+  ASSERT_TRUE(ask(OrderType::kUnattended).accepted);
   EXPECT_TRUE(rendersOn()) << "the demo goes on";
   EXPECT_EQ(station_->status().run_state, RunState::kRendering);
   ASSERT_TRUE(ask(OrderType::kStop).accepted);
   ASSERT_TRUE(becomes(RunState::kStopped));
   ASSERT_TRUE(ask(OrderType::kArm).accepted);
   ASSERT_TRUE(rendersOn());
-  ASSERT_TRUE(ask(OrderType::kLeftAlone).accepted);
+  ASSERT_TRUE(ask(OrderType::kUnattended).accepted);
   EXPECT_TRUE(becomes(RunState::kStopped)) << "it would be recorded for ever";
 }
 
@@ -173,7 +173,7 @@ TEST_F(HostileOrders, MutatedMessages_NeverPushBeyondTheLimitsNorPastAnEmergency
   station_->addSink([&beyond, device](const TickRecord& record) {
     bool sound = allFinite(record.sent) && allFinite(record.q_m) && record.authority <= 1.0;
     for (int i = 0; sound && i < record.sent.size(); ++i) {
-      const double limit = device.axes[static_cast<std::size_t>(i)].effort_limit;
+      const double limit = device.axes[i].effort_limit;
       sound = std::abs(record.sent[i]) <= limit + 1e-9;
     }
     if (!sound) ++beyond;

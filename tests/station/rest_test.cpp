@@ -74,7 +74,7 @@ class RestInALevel : public RestOfAPlayer {
     const auto found = std::find(names.begin(), names.end(), name);
     TickRecord record;
     if (found == names.end() || !station_->latest(record)) return std::nan("");
-    return record.exercise.values[static_cast<std::size_t>(found - names.begin())];
+    return record.exercise.values[found - names.begin()];
   }
   /// Level 2 has two drinks; the virtual patient is in its second one.
   void playToTheSecondDrink() {

@@ -4,7 +4,7 @@
 #include "assembly/rig.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "dynamics/synergy.hpp"
-#include "model/hand_file.hpp"
+#include "model/hand/hand_file.hpp"
 #include "support/figure.hpp"
 
 #include <gtest/gtest.h>
@@ -132,7 +132,7 @@ class ScriptedDevice final : public HapticDevice {
 
 inline std::unique_ptr<Rig> build(Models models, std::unique_ptr<HapticDevice> device,
                                   const RigOptions& options = {}) {
-  return orThrow(buildRigThatMovesNobody(std::move(models), std::move(device), options));
+  return orThrow(buildRigWithoutPerson(std::move(models), std::move(device), options));
 }
 inline std::unique_ptr<Rig> buildScripted(Models models, ScriptedDevice::Script script,
                                           const RigOptions& options = {}) {
@@ -178,7 +178,7 @@ inline AxisEffort virtualWork(const HandModel& hand, const AxisPosition& q_s,
     behind[a] -= kStep;
     const ArticulatedBody plus = handAt(hand, ahead), minus = handAt(hand, behind);
     for (int i = 0; i < record.contact_count; ++i) {
-      const Contact& c = record.contacts[static_cast<std::size_t>(i)];
+      const Contact& c = record.contacts[i];
       const Eigen::Vector3d local = at.linkPose(c.link).inverse() * c.point_m.eigen();
       const Pose &p = plus.linkPose(c.link), &m = minus.linkPose(c.link);
       const Eigen::AngleAxisd turn(Eigen::Matrix3d(p.rotation * m.rotation.transpose()));

@@ -59,7 +59,7 @@ class LawfulTicks {
     for (int j = 0; j < r.theta.size(); ++j) {
       r.theta[j] = 0.1;
       for (int a = 0; a < 6; ++a) {
-        if (law.synergy[static_cast<std::size_t>(6 * j + a)] != 0.0) r.theta[j] += 0.5 * r.q_s[a];
+        if (law.synergy[6 * j + a] != 0.0) r.theta[j] += 0.5 * r.q_s[a];
       }
     }
     ++tick_;

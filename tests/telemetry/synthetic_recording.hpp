@@ -102,7 +102,7 @@ inline TickRecord noisy(std::uint64_t tick, std::mt19937_64& random) {
   r.contact_count = tick % 5 == 0 ? 0 : whole(9);
   r.contacts_dropped = whole(2);
   for (std::int32_t c = 0; c < r.contact_count; ++c) {
-    Contact& k = r.contacts[static_cast<std::size_t>(c)];
+    Contact& k = r.contacts[c];
     k.capsule = whole(40);
     k.link = whole(20);
     k.body = whole(4);
@@ -125,18 +125,19 @@ inline TickRecord noisy(std::uint64_t tick, std::mt19937_64& random) {
   for (std::size_t i = 0; i < 2; ++i) r.parameters[i] = n(random);
   r.command_count = tick % 20 == 0 ? whole(kMaxCommands + 1) : 0;
   for (std::int32_t c = 0; c < r.command_count; ++c) {
-    r.commands[static_cast<std::size_t>(c)] = {static_cast<CommandType>(whole(6)), whole(9),
-                                               n(random), randomArray<AxisPosition>(6, random)};
+    r.commands[c] = {static_cast<CommandType>(whole(6)), whole(9), n(random),
+                     randomArray<AxisPosition>(6, random)};
   }
   r.exercise.effort = randomArray<AxisEffort>(6, random);
   r.exercise.alpha = n(random);
-  r.exercise.wall_active = randomArray<AxisRatio>(6, random);
+  r.exercise.wall_active = AxisFlag(6);
+  for (int a = 0; a < 6; ++a) r.exercise.wall_active[a] = whole(2) == 1;
   r.exercise.wall = randomArray<AxisPosition>(6, random);
   r.exercise.value_count = 3;
   for (std::size_t i = 0; i < 3; ++i) r.exercise.values[i] = n(random);
   r.exercise.event_count = tick % 9 == 0 ? whole(kMaxExerciseEvents + 1) : 0;
   for (std::int32_t c = 0; c < r.exercise.event_count; ++c) {
-    r.exercise.events[static_cast<std::size_t>(c)] = {whole(2), whole(4) - 1, n(random)};
+    r.exercise.events[c] = {whole(2), whole(4) - 1, n(random)};
   }
   return r;
 }

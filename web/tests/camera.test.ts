@@ -3,10 +3,10 @@
 import { PerspectiveCamera, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
 import { placeCamera, turnOf } from '../src/scene/camera';
-import { freeAcross } from '../src/scene/guest';
+import { freeAcross } from '../src/exercises/cocktail_bar/guest';
 import { COUNTER, WALL } from '../src/scene/stage';
-import { outlineOf } from '../src/scene/outline';
-import type { Bar } from '../src/scene/exercise';
+import { outlineOf } from '../src/exercises/cocktail_bar/outline';
+import type { Bar } from '../src/exercises/cocktail_bar/bar';
 
 /** The bar of config/scenes/cocktail-bar.toml: dispensers 128 mm apart, from the right; the row slides by as much as three of them. */
 const COUNTER_M = -0.253, RAIL_M = 0.128, ROW_M = 0.119, FIRST_M = -0.023, APART_M = 0.128;

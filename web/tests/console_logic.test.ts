@@ -1,6 +1,6 @@
 import { readdirSync } from 'node:fs';
 import { describe, expect, it } from 'vitest';
-import { asWords, bytes, duration, fixed, grouped } from '../src/console/format';
+import { asWords, bytes, duration, fixed, grouped } from '../src/shared/format';
 import { deviceLines, type ToldDevice } from '../src/console/device_status';
 import { History, shownUnits, WINDOW_S } from '../src/console/history';
 import { de } from '../src/console/i18n/de';

@@ -1,26 +1,26 @@
 // Praise that is true: only what was measured is said.
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
-import { effortText } from '../src/game/dialogs';
-import { EffortMeter, farthestStep, gripWord } from '../src/game/effort';
+import { EffortMeter, effortText, farthestStep, gripWord } from '../src/exercises/cocktail_bar/effort';
 import { Memory } from '../src/game/memory';
-import type { Recipe, Script } from '../src/game/script';
+import type { BarDrink } from '../src/exercises/cocktail_bar/bar';
+import { ExerciseValues } from '../src/exercises/values';
 import { addStars, starsOf } from '../src/game/stars';
 import type { WorldStateT } from '../src/protocol';
 
 const NAMES = ['flow_l_s', 'engaged_dispenser', 'target_dispenser', 'squeeze_n', 'squeeze_low_n', 'squeeze_high_n'];
-const script = { place: new Map(NAMES.map((name, i) => [name, i])) } as unknown as Script;
+const values = new ExerciseValues(NAMES);
 const state = (flow: number, engaged: number, squeeze_n: number) => ({ values: [flow, engaged, 1, squeeze_n, 1, 2] }) as unknown as WorldStateT;
 
 /** Pours for so long at 60 states a second. */
 function poured(long_s: number, squeeze: (t_s: number) => number, engaged = 1, flow = 0.01) {
   const meter = new EffortMeter();
-  for (let i = 0; i <= 60 * long_s; i++) meter.look(script, state(flow, engaged, squeeze(i / 60)), i / 60);
+  for (let i = 0; i <= 60 * long_s; i++) meter.look(values, state(flow, engaged, squeeze(i / 60)), i / 60);
   return meter.grip();
 }
 
 const step = (liquid: string, amount_l: number) => ({ liquid, amount_l, tolerance_l: 0.004 });
-const one: Recipe = { name: 'lemonade', steps: [step('lemon', 0.04)] };
-const two: Recipe = { name: 'blush', steps: [step('lemon', 0.04), step('cherry', 0.03)] };
+const one: BarDrink = { name: 'lemonade', steps: [step('lemon', 0.04)] };
+const two: BarDrink = { name: 'blush', steps: [step('lemon', 0.04), step('cherry', 0.03)] };
 
 describe('the grip', () => {
   it('that is the same all the time is steady and just right', () => {

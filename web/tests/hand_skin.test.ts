@@ -1,7 +1,7 @@
 import { afterEach, describe, expect, it, vi } from 'vitest';
 import { colliderField, skinField, smoothMin } from '../src/hand/field';
 import { SKIN_STEP_M } from '../src/hand/hand_view';
-import { measureSkin } from '../src/hand/measure';
+import { measureSkin } from './measure_skin';
 import { handShape } from '../src/hand/shape';
 import { madeSkin, type SkinOrder } from '../src/hand/skin_maker';
 import { skinMesh, type SkinMesh } from '../src/hand/skin_mesh';
@@ -116,11 +116,11 @@ describe('skin', () => {
   });
 
   it('is meshed quickly enough not to hold up the page', () => {
-    const start = performance.now();
+    const start = process.cpuUsage();
     built(HANDS[0], 1.5 * MM);
-    const took = performance.now() - start;
-    console.log(`meshing: ${took.toFixed(0)} ms`);
-    expect(took).toBeLessThan(3000);   // printed; a busy machine is slow
+    const took_ms = process.cpuUsage(start).user / 1000;   // of this process: a busy machine lets it wait
+    console.log(`figure: meshing a hand at 1.5 mm: ${took_ms.toFixed(0)} ms of the processor`);
+    expect(took_ms).toBeLessThan(3000);
   });
 });
 

@@ -3,6 +3,9 @@ import { expect, test } from 'vitest';
 import { de as consoleDe } from '../src/console/i18n/de';
 import { en as consoleEn } from '../src/console/i18n/en';
 import { fr as consoleFr } from '../src/console/i18n/fr';
+import { de as barDe } from '../src/exercises/cocktail_bar/i18n/de';
+import { en as barEn } from '../src/exercises/cocktail_bar/i18n/en';
+import { fr as barFr } from '../src/exercises/cocktail_bar/i18n/fr';
 import { chooseLanguage, fill } from '../src/shared/i18n';
 import { de } from '../src/shared/i18n/de';
 import { en } from '../src/shared/i18n/en';
@@ -10,9 +13,9 @@ import { fr } from '../src/shared/i18n/fr';
 
 const places = (text: string) => (text.match(/\{\w+\}/g) ?? []).sort();
 
-test.each([['de', de], ['fr', fr]])('Texts_In_%s_HaveTheKeysAndPlacesOfEnglish', (_name, texts) => {
-  expect(Object.keys(texts).sort()).toEqual(Object.keys(en).sort());
-  for (const [key, value] of Object.entries(en)) {
+test.each([['de', de, en], ['fr', fr, en], ['de, of the bar', barDe, barEn], ['fr, of the bar', barFr, barEn]])('Texts_In_%s_HaveTheKeysAndPlacesOfEnglish', (_name, texts, english) => {
+  expect(Object.keys(texts).sort()).toEqual(Object.keys(english).sort());
+  for (const [key, value] of Object.entries(english)) {
     const translated = (texts as Record<string, string>)[key];
     expect(translated.trim(), key).not.toBe('');
     expect(places(translated), key).toEqual(places(value));
@@ -20,7 +23,7 @@ test.each([['de', de], ['fr', fr]])('Texts_In_%s_HaveTheKeysAndPlacesOfEnglish',
 });
 
 test('Texts_InGerman_AreSpeltTheSwissWay', () => {
-  for (const [key, value] of Object.entries(de)) expect(value, key).not.toContain('ß');
+  for (const [key, value] of Object.entries({ ...de, ...barDe })) expect(value, key).not.toContain('ß');
 });
 
 /** The names of an enum of the schema, in its order. */
@@ -58,7 +61,7 @@ test('Texts_NameEveryLiquidAndDrinkOfTheShippedExercises', () => {
   const names = readdirSync(folder).flatMap((file) => [...readFileSync(new URL(file, folder), 'utf8')
     .matchAll(/\[\[(liquid|drink)s\]\]\s+name = "([^"]+)"/g)].map(([, kind, name]) => `${kind}.${name}`));
   expect(names.length).toBeGreaterThanOrEqual(9);   // four liquids, five drinks
-  expect(names.filter((name) => !(name in en))).toEqual([]);
+  expect(names.filter((name) => !(name in barEn))).toEqual([]);
 });
 
 // WCAG 2.5.3: who speaks to the page says what stands on a button.

@@ -1,7 +1,9 @@
 import { PerspectiveCamera, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
 import { placeCamera, pointInRow } from '../src/scene/camera';
-import { AimModel, placeOnAxis, type Perception } from '../src/input/aim_model';
+import { AimModel } from '../src/input/aim_model';
+import type { Perception } from '../src/input/perceiver';
+import { placeOnAxis } from '../src/input/axis_range';
 import { nearestGrip } from '../src/input/guide';
 import { limitsOf } from '../src/input/limits';
 import { postureOf, squeezeOfFingers } from '../src/input/posture';

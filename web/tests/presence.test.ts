@@ -1,6 +1,7 @@
 // What a page that is left, not heard or not answered does: the controls, the beat, the emergency stop.
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
-import { Connection, type Line } from '../src/net/connection';
+import { Connection } from '../src/net/connection';
+import type { Line } from '../src/net/line';
 import type { FromLine, ToLine } from '../src/net/worker_line';
 import { ControlsT, Order, Payload, ReplyT } from '../src/protocol';
 import { TestLine } from './test_line';

@@ -1,10 +1,11 @@
-// Start, after watching and after a stop: whose glass is on the bar.
+// Start, after watching and after a stop: who goes on with what was begun.
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import { Presses } from '../src/game/presses';
 import type { Memory } from '../src/game/memory';
 import type { Sound } from '../src/game/sound';
 import type { Controls } from '../src/input/controls';
-import type { Answer, Connection } from '../src/net/connection';
+import type { Connection } from '../src/net/connection';
+import type { Answer } from '../src/net/pending_answers';
 import { Act, RunState, Steering } from '../src/protocol';
 
 const YES: Answer = { accepted: true, reason: '' };
@@ -22,7 +23,7 @@ function playing() {
     steer: async (to: Steering) => { state.steering = to; return YES; },
     act: async (what: Act) => { acts.push(what); return YES; },
   };
-  const memory = { wish: 'undecided', isTheirs: true, way: 'mouse', level: 1, endingsShown: 4, press: null, notice: '', known: () => ({ script: { place: new Map() }, hardware: false }) };
+  const memory = { wish: 'undecided', isTheirs: true, way: 'mouse', level: 1, endingsShown: 4, press: null, notice: '', known: () => ({ play: { phase: () => 'reach' }, hardware: false }) };
   const controls = { stopWebcam: () => {} }, sound = { unlock: () => {} };
   const presses = new Presses(connection as unknown as Connection, controls as unknown as Controls, memory as unknown as Memory, sound as Sound);
   const start = async (): Promise<Act | undefined> => {
@@ -33,19 +34,19 @@ function playing() {
   return { presses, memory, start };
 }
 
-test('Start_OfANewPerson_BeginsWithAnEmptyGlass', async () => {
+test('Start_OfANewPerson_BeginsAnew', async () => {
   const { memory, start } = playing();
   expect(await start()).toBe(Act.Restart);
   expect(memory.wish).toBe('play');
 });
 
-test('Start_AfterWatching_BeginsWithAnEmptyGlass', async () => {
+test('Start_AfterWatching_BeginsAnew', async () => {
   const { presses, start } = playing();
   await presses.watch();
   expect(await start()).toBe(Act.Restart);
 });
 
-test('Start_OfWhoeverPlayedBefore_GoesOnWithTheirGlass', async () => {
+test('Start_OfWhoeverPlayedBefore_GoesOn', async () => {
   const { memory, start } = playing();
   await start();
   memory.wish = 'watch';   // as a lost line leaves it

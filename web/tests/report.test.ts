@@ -14,8 +14,10 @@ import { de } from '../src/report/i18n/de';
 import { en } from '../src/report/i18n/en';
 import { fr } from '../src/report/i18n/fr';
 import { stepTimes, valueAt } from '../src/report/limits';
+import { barOf } from '../src/exercises/cocktail_bar/bar';
+import { drinksOf } from '../src/exercises/cocktail_bar/report';
 import { readReport } from '../src/report/report_data';
-import { drinksOf, gripFigures, lastValue, reachTimes, whatHappened } from '../src/report/therapy';
+import { gripFigures, lastValue, reachTimes, whatHappened } from '../src/report/therapy';
 
 const packed = (bytes: Uint8Array): string => Buffer.from(deflateSync(bytes)).toString('base64');
 
@@ -121,12 +123,13 @@ describe('the therapy', () => {
   });
 
   it('tells each drink with what was poured for its steps', () => {
-    const told = JSON.stringify({ drinks: [{ name: 'blush', steps: [{ liquid: 'lemon', amount_l: 0.04 }, { liquid: 'cherry', amount_l: 0.02 }] }] });
+    const told = JSON.stringify({ kind: 'cocktail_bar', dispensers: [], drinks: [{ name: 'blush', steps: [{ liquid: 'lemon', amount_l: 0.04 }, { liquid: 'cherry', amount_l: 0.02 }] }] });
     const events = [event(3, 'step_done', 0, 0.041), event(5, 'restarted'), event(8, 'step_done', 0, 0.039), event(9, 'step_done', 1, 0.02), event(9.5, 'drink_done', 0, 97)];
-    expect(drinksOf(events, names, told)).toEqual([{
+    expect(drinksOf(events, names, barOf({ exerciseJson: told }))).toEqual([{
       name: 'blush', done_s: 9.5, score: 97, steps: [{ liquid: 'lemon', poured_l: 0.039, asked_l: 0.04 }, { liquid: 'cherry', poured_l: 0.02, asked_l: 0.02 }],
     }]);
-    for (const json of ['', '{', 'null', '{"drinks":7}', '{"drinks":[]}']) expect(drinksOf(events, names, json)[0].name).toBe('1');
+    const broken = (drinks: string): string => `{"kind":"cocktail_bar","dispensers":[],"drinks":${drinks}}`;
+    for (const json of ['', '{', 'null', broken('7'), broken('[]'), broken('[7]'), broken('[{"steps":"x"}]')]) expect(drinksOf(events, names, barOf({ exerciseJson: json }))[0].name).toBe('1');
   });
 
   it('tells every stop, fault and loss of the controls, and that there was none', () => {

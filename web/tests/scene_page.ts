@@ -8,7 +8,7 @@ import '../src/shared/tokens.css';
 import { FakeProgram } from '../src/net/fake_program';
 import type { SceneT, WorldStateT } from '../src/protocol';
 import { checkOnCard } from './scene_gpu_check';
-import { BarScene } from '../src/scene/bar_scene';
+import { SceneView } from '../src/scene/scene_view';
 import type { Quality } from '../src/scene/quality';
 
 const options = new URLSearchParams(location.search);
@@ -16,13 +16,12 @@ const program = new FakeProgram(options) as unknown as { advance(dt: number): vo
 const quality = (options.get('quality') ?? 'high') as Quality;
 
 await document.fonts.load('700 40px "Atkinson Hyperlegible Next Variable"');
-const scene = new BarScene(document.getElementById('scene') as HTMLCanvasElement, {
+const scene = new SceneView(document.getElementById('scene') as HTMLCanvasElement, {
   quality, tone: options.get('tone') ?? 'honey', view: options.get('view') === 'console' ? 'console' : 'game' });
 const told = program.scene();
 if (options.has('plain')) told.exerciseJson = '';
 scene.setScene(told);
-scene.setLook({ ghostHand: options.has('ghost'), grey: options.has('ghost'), showColliders: options.has('colliders'),
-                names: { lemon: 'Lemon', cherry: 'Cherry', blueberry: 'Blueberry', coconut: 'Coconut' } });
+scene.setLook({ ghostHand: options.has('ghost'), grey: options.has('ghost'), showColliders: options.has('colliders') });
 
 if (options.has('zoom')) {   // x, y of the middle in px of 1280 × 800, and how much larger
   const [x, y, more] = options.get('zoom')!.split(',').map(Number);
@@ -35,7 +34,7 @@ if (options.has('zoom')) {   // x, y of the middle in px of 1280 × 800, and how
   scene.resize();
 }
 
-const page = window as unknown as { scene: BarScene; ready: number; check?: ReturnType<typeof checkOnCard> };
+const page = window as unknown as { scene: SceneView; ready: number; check?: ReturnType<typeof checkOnCard> };
 if (options.has('check')) page.check = checkOnCard(told, program.state(), 2e-3);
 page.scene = scene;
 page.ready = 0;

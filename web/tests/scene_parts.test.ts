@@ -2,12 +2,12 @@ import { CylinderGeometry, Matrix3, Matrix4, Quaternion, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
 import type { ContactPointT } from '../src/protocol';
 import { ContactFilter } from '../src/scene/contacts';
-import { Dent, depthIn } from '../src/scene/dent';
-import { ExerciseValues, barOf } from '../src/scene/exercise';
+import { Dent, depthIn } from '../src/exercises/cocktail_bar/dent';
+import { barOf } from '../src/exercises/cocktail_bar/bar';
 import { arrowsOf } from '../src/scene/force_arrows';
 import { FrameClock } from '../src/scene/frame_clock';
 import { programFrame, quaternionToThree, toThree } from '../src/scene/frames';
-import { layersOf, lineHeight, surfaceHeight } from '../src/scene/layers';
+import { layersOf, lineHeight, surfaceHeight } from '../src/exercises/cocktail_bar/layers';
 import { QualityChooser } from '../src/scene/quality';
 
 describe('frames', () => {
@@ -65,14 +65,6 @@ describe('exercise', () => {
   it('of another kind, or none, or broken, is no bar', () => {
     for (const exerciseJson of [null, '', '{', '{"kind":"free_grasping"}', '{"kind":"cocktail_bar"}'])
       expect(barOf({ exerciseJson })).toBeUndefined();
-  });
-
-  it('finds its values by name, in any order', () => {
-    const values = new ExerciseValues(['layer_l/1', 'stage', 'layer_l/0']);
-    const state = { values: [0.02, 3, 0.01] };
-    expect(values.get(state, 'stage')).toBe(3);
-    expect(values.get(state, 'unheard_of')).toBe(0);
-    expect(values.poured(state).slice(0, 3)).toEqual([0.01, 0.02, 0]);
   });
 });
 

@@ -3,8 +3,12 @@
 import { afterEach, beforeEach, expect, it, vi } from 'vitest';
 import { cueTowards } from '../src/game/cues';
 import { Hints, type HintLevel } from '../src/game/hints';
-import { readScript, type Script } from '../src/game/script';
-import { taskOf, wrongBottle, type PageState } from '../src/game/view';
+import { targetsOf } from '../src/exercises';
+import { barOf } from '../src/exercises/cocktail_bar/bar';
+import { en as bar } from '../src/exercises/cocktail_bar/i18n/en';
+import { BarPlay } from '../src/exercises/cocktail_bar/play';
+import type { GraspTargets } from '../src/exercises/exercise';
+import type { PageState } from '../src/game/page_state';
 import { besideOf, playWords } from '../src/game/words';
 import { AimModel } from '../src/input/aim_model';
 import { Keys } from '../src/input/keys';
@@ -23,7 +27,6 @@ const AGAIN_S = 6;
 /** The page's own: how long after a move of the aim somebody is still at it [s], and what a move is. */
 const MOVING_S = 0.5;
 const MOVES = 0.01;
-const BY_STAGE: readonly PageState[] = ['reach', 'squeeze', 'pour', 'letgo', 'success', 'success', 'drawback'];
 
 const WINDOW = new EventTarget();
 beforeEach(() => {
@@ -44,38 +47,39 @@ class Page {
   sign: '' | 'left' | 'right' = '';
   readonly keys = new Keys();
   readonly model: AimModel;
-  private readonly script: Script;
+  private readonly play: BarPlay;
+  private readonly targets: GraspTargets;
   private readonly scene: SceneT;
   private readonly hints = new Hints();
   private hint: HintLevel = 0;
-  private wrong = -1;
   private still_s = 0;
 
   constructor(readonly hand: SteeredHand, private readonly help: Help) {
     this.scene = Object.assign(hand.scene, { level: 1, faultNames: [] });
-    this.script = readScript(this.scene)!;
+    this.play = new BarPlay(barOf(this.scene)!, this.scene);
+    this.targets = targetsOf(this.scene);
     this.model = new AimModel(hand.axes, { help });
     this.model.begin(hand.now.q_m);
     this.keys.enable();
   }
 
-  get now(): PageState { return BY_STAGE[this.hand.value('stage')]!; }
+  get now(): PageState { return this.play.phase(this.hand.state); }
 
   frame(dt_s: number): void {
-    const { hand: { state, perceiver }, model, script, scene, now } = this;
+    const { hand: { state, perceiver }, model, play, targets, scene, now } = this;
     const before = [...model.aim];
     model.advance(this.keys.wish(), perceiver.see(state), dt_s);
     this.still_s = model.aim.some((q, i) => Math.abs(q - before[i]!) > MOVES * dt_s) ? 0 : this.still_s + dt_s;
-    this.wrong = wrongBottle(script, state, this.wrong);
+    play.follow(state);
     const palm = scene.capsules[0]!.link;
-    const hint = this.hints.look(model.onItsWay || this.still_s < MOVING_S ? '' : taskOf(now, script, state), Math.min(0.25, dt_s));
+    const hint = this.hints.look(model.onItsWay || this.still_s < MOVING_S ? '' : play.todo(state), Math.min(0.25, dt_s));
     if (hint === 3 && this.hint < 3) model.show();
     this.hint = hint;
-    const said = playWords(script, state, {
-      now, help: this.help, hint, wrong: this.wrong, oneButton: true, onItsWay: model.onItsWay, outOfReach: model.outOfReach, closing: model.squeeze > 0, beside: besideOf(script, scene, state, palm),
+    const said = playWords(play, state, {
+      now, help: this.help, hint, oneButton: true, onItsWay: model.onItsWay, outOfReach: model.outOfReach, closing: model.squeeze > 0, beside: besideOf(targets, true, state, palm),
     });
-    this.title = en[said.title];
-    this.more = en[said.more];
+    this.title = said.title;
+    this.more = said.more;
     const bottle = state.bodies[this.hand.bodyOf(this.hand.value('target_dispenser'))]?.positionM;
     const cue = now === 'reach' && bottle ? cueTowards(state.links[palm]!.positionM!.y, bottle.y, true, { x_px: 0, y_px: 0 }, 1) : null;
     this.sign = cue ? (cue.left ? 'left' : 'right') : '';
@@ -84,15 +88,15 @@ class Page {
 
 /** Which keys the words on the screen ask for: held, or `press`ed once; "a little" is a `nudge`. */
 function told({ title, more, sign }: Page): { hold?: string; press?: string; nudge?: string } {
-  if (title === en['game.letGo'] || title === en['game.drawBack'] || title.startsWith(en['game.wrong'].replace('{x}', ''))) return { hold: 'ArrowDown' };
+  if (title === bar.letGo || title === bar.drawBack || title.startsWith(bar.wrong.replace('{x}', ''))) return { hold: 'ArrowDown' };
   if ([en['hint.press'], en['hint.again']].includes(more as never)) return { press: 'Space' };
   if (more === en['game.onItsWay'] || more === en['game.closing'] || more === en['hint.shows']) return {};
-  if (title === en['game.squeeze']) return { hold: 'Space' };
+  if (title === bar.squeeze) return { hold: 'Space' };
   if (more === en['hint.back']) return { hold: 'ArrowDown' };
   if (sign !== '') return { hold: sign === 'left' ? 'ArrowLeft' : 'ArrowRight' };
   if (more === en['hint.left']) return { nudge: 'ArrowLeft' };
   if (more === en['hint.right']) return { nudge: 'ArrowRight' };
-  if (more === en['hint.forward'] || more === en['game.reachMore']) return { hold: 'ArrowUp' };
+  if (more === en['hint.forward'] || more === bar.reachMore) return { hold: 'ArrowUp' };
   return {};
 }
 

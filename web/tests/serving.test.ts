@@ -1,6 +1,6 @@
 // What a person sees of the glass once a drink is done.
 import { describe, expect, it } from 'vitest';
-import { servingAt, ServingClock } from '../src/scene/serving';
+import { servingAt, ServingClock } from '../src/exercises/cocktail_bar/serving';
 
 const TICK_S = 1 / 60;
 

@@ -8,10 +8,8 @@ afterEach(() => { vi.unstubAllGlobals(); });
 function playAll(): void {
   const sound = new Sound();
   sound.unlock();
-  sound.pour(0.01, 0.5);
-  sound.line();
-  sound.step();
-  sound.done();
+  sound.flow(0.8, 0.5);
+  for (const chime of ['line', 'step', 'done'] as const) sound.chime(chime);
   const on = sound.on;
   expect(sound.toggle()).toBe(!on);
   expect(sound.toggle()).toBe(on);

@@ -67,7 +67,7 @@ describe('music', () => {
   it('without a sound device is a setting without effect, and throws nothing', () => {
     vi.stubGlobal('AudioContext', class { constructor() { throw new Error('no device'); } });
     const sound = new Sound();
-    expect(() => { sound.setMusic('loud'); sound.line(); sound.pour(0.01, 0.5); sound.toggle(); }).not.toThrow();
+    expect(() => { sound.setMusic('loud'); sound.chime('line'); sound.flow(0.8, 0.5); sound.toggle(); }).not.toThrow();
     expect(sound.musicVolume).toBe('loud');
   });
 });

@@ -2,7 +2,8 @@
 // WHOLEHAND_FULL=1: 10,000 random aims; WHOLEHAND_ROUNDS: a slice of them. WHOLEHAND_SEED repeats a run.
 import { PerspectiveCamera } from 'three';
 import { afterEach, expect, it, vi } from 'vitest';
-import { AimModel, partOfAxis } from '../src/input/aim_model';
+import { AimModel } from '../src/input/aim_model';
+import { partOfAxis } from '../src/input/axis_range';
 import { clamp } from '../src/input/posture';
 import { Keys } from '../src/input/keys';
 import { Mouse, type Pointed } from '../src/input/mouse';
@@ -45,7 +46,7 @@ function pointed(hand: SteeredHand, across: number, down: number): Pick<Wish, 'p
   const at = pointInRow(hand.scene.rightHand ? rightCamera : leftCamera, -0.119, across, down)!;
   const palm = hand.perceiver.palmAt(hand.state, at)!;
   const part = (name: 'y' | 'z'): number => clamp(partOfAxis(hand.axes.find((axis) => axis.name === name)!, palm[name]), -1, 1);
-  return { place: { y: part('y'), z: part('z') }, pointed: hand.perceiver.bottleAt(hand.state, at.y_m) };
+  return { place: { y: part('y'), z: part('z') }, pointed: hand.perceiver.targetAt(hand.state, at.y_m) };
 }
 
 const open: SteeredHand[] = [];
@@ -208,12 +209,12 @@ it('keys, mouse, touch and pad each mix a drink: pressed once where the screen s
   const hand = await start(1);
   const { page, window } = stubbedPage();
   const element = page as unknown as HTMLElement;
-  const bottleAt = (x_px: number, y_px: number): Pointed => {
-    const { place, pointed: bottle } = pointed(hand, x_px / WIDTH_PX, y_px / HEIGHT_PX);
-    return { y: place.y!, z: place.z!, bottle };
+  const pointedAt = (x_px: number, y_px: number): Pointed => {
+    const { place, pointed: target } = pointed(hand, x_px / WIDTH_PX, y_px / HEIGHT_PX);
+    return { y: place.y!, z: place.z!, target };
   };
   const at = { clientX: 700, clientY: 300 };
-  const touch = new Touch(element, () => ({ x: 0, y: 0 }), () => ({ squeeze: '', higher: '', lower: '' }), (x, y) => bottleAt(x, y).bottle, () => true);
+  const touch = new Touch(element, () => ({ x: 0, y: 0 }), () => ({ squeeze: '', higher: '', lower: '' }), (x, y) => pointedAt(x, y).target, () => true);
   Object.assign(touch, { buttons: { remove: () => {} } });
   let pad = false;
   const pads = new PadWatch();
@@ -221,7 +222,7 @@ it('keys, mouse, touch and pad each mix a drink: pressed once where the screen s
   const padWish = (): Wish => pads.look([{ index: 0, mapping: 'standard', axes: [0, 0, 0, 0], buttons: [button(pad)] }]).wish ?? restingWish();
   const ways: [string, Pick<InputWay, 'wish'> & Partial<InputWay>, (down: boolean) => void][] = [
     ['keys', new Keys(), (down) => window.dispatchEvent(Object.assign(new Event(down ? 'keydown' : 'keyup'), { code: 'Space' }))],
-    ['mouse', new Mouse(element, () => 0, bottleAt), (down) => (down ? page : window).dispatchEvent(told(down ? 'pointerdown' : 'pointerup', { pointerType: 'mouse', ...at }))],
+    ['mouse', new Mouse(element, () => 0, pointedAt), (down) => (down ? page : window).dispatchEvent(told(down ? 'pointerdown' : 'pointerup', { pointerType: 'mouse', ...at }))],
     ['touch', touch, (down) => (down ? page : window).dispatchEvent(told(down ? 'pointerdown' : 'pointerup', { pointerType: 'touch', ...at }))],
     ['pad', { wish: padWish }, (down) => { pad = down; }],
   ];

@@ -3,7 +3,8 @@ import { spawn, type ChildProcessWithoutNullStreams } from 'node:child_process';
 import { existsSync } from 'node:fs';
 import { resolve } from 'node:path';
 import { createInterface } from 'node:readline';
-import { Perceiver } from '../src/input/perception';
+import { targetsOf } from '../src/exercises';
+import { Perceiver } from '../src/input/perceiver';
 import type { AimAxis } from '../src/input/aim_model';
 import { HandPart, type SceneT, type WorldStateT } from '../src/protocol';
 
@@ -47,7 +48,7 @@ export class SteeredHand {
       axes: told.axes, bodies: told.bodies.map((name) => ({ name })), valueNames: told.values, exerciseJson: told.exercise,
       rightHand: told.right_hand, capsules: [{ part: HandPart.Palm, link: told.palm_link }],
     } as unknown as SceneT;
-    out.perceiver = new Perceiver(out.scene);
+    out.perceiver = new Perceiver(out.scene, targetsOf(out.scene));
     out.take(await out.line());
     return out;
   }

@@ -1,10 +1,11 @@
 import { expect, test, vi } from 'vitest';
 import { changeLevel, letProgramPlay, Press, takeOver, type Known } from '../src/game/takeover';
-import type { Answer, Connection } from '../src/net/connection';
+import type { Connection } from '../src/net/connection';
+import type { Answer } from '../src/net/pending_answers';
 import { RunState } from '../src/protocol';
 
 const YES: Answer = { accepted: true, reason: '' };
-const known = (): Known => ({ script: null, hardware: false });
+const known = (): Known => ({ play: null, hardware: false });
 const wishes = { way: 'mouse', level: 2, fresh: true };
 
 /** A program that waits, with a load that takes until the test says so. */
@@ -66,7 +67,7 @@ test('Press_OnAPictureFromBeforeAStop_HoldsNoMore', async () => {
 test('ChangeLevel_WhenStopIsPressedWhileItLoads_DoesNotSteer', async () => {
   const { asked, connection, asConnection, finishLoading } = waitingProgram();
   const press = new Press(asConnection, connection.endings);
-  const changed = changeLevel(asConnection, () => ({ script: {} as Known['script'], hardware: false }), press, 2);
+  const changed = changeLevel(asConnection, () => ({ play: {} as Known['play'], hardware: false }), press, 2);
   press.cancel();
   connection.scene.level = 2;
   finishLoading();

@@ -1,6 +1,6 @@
 import * as flatbuffers from 'flatbuffers';
 import { expect } from 'vitest';
-import type { Line } from '../src/net/connection';
+import type { Line } from '../src/net/line';
 import { Command, Message, MessageT, Order, Payload, SCHEMA_VERSION, WelcomeT } from '../src/protocol';
 
 /** A line whose other end is the test. */

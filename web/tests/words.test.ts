@@ -1,12 +1,12 @@
-// What the strip says to somebody whom nothing helps: which way to the bottle. Numbers of the program's row: the hand
-// drawn back is 150 mm before a bottle's grip, its stretched fingers go in beside it.
+// What the strip says to somebody whom nothing helps: which way to the target. Numbers of the program's row: the hand
+// drawn back is 150 mm before a target's grip, its stretched fingers go in beside it.
 import { expect, it } from 'vitest';
 import { wayTo } from '../src/game/words';
 
 const MIRRORED = { 'hint.left': 'hint.right', 'hint.right': 'hint.left' } as Record<string, string>;
 
 it.each([
-  ['in front, to the left of the bottle', 0.15, 0.043, 'hint.right'],
+  ['in front, to the left of the target', 0.15, 0.043, 'hint.right'],
   ['in front, far to its right', 0.15, -0.06, 'hint.left'],
   ['in front, where the fingers pass beside it', 0.15, -0.015, 'hint.forward'],
   ['in the row, behind its other side: sideways it would be pressed against it', 0.08, 0.05, 'hint.back'],

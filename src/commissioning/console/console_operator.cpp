@@ -29,7 +29,7 @@ std::vector<int> placesOf(const std::vector<int>& steps) {
   return places;
 }
 
-// Where the person is led by default: the first step that is not done.
+// The next step by default: the first one that is not done.
 std::string nextOf(const Facts& facts) {
   const auto next = std::find_if(facts.steps.begin(), facts.steps.end(), [](const Facts::Step& s) {
     return s.state != Facts::StepState::kDone;
@@ -65,13 +65,13 @@ void ConsoleOperator::finish(const std::string& file) {
   publish([&](Facts& f) { f.passport = file; });
 }
 
-// A line without a finding says what was wrong with an answer, or which file was written.
+// A line without findings is an error in an answer, or the name of a written file.
 void ConsoleOperator::tell(const std::string& line, const std::vector<FoundFigure>& findings) {
   const std::lock_guard lock(mutex_);
   publish([&](Facts& f) {
     if (findings.empty()) f.note = line;
     if (step_ < 0) return;
-    auto& shown = f.steps[static_cast<std::size_t>(step_)].findings;
+    auto& shown = f.steps[step_].findings;
     for (const FoundFigure& found : findings) {
       shown.push_back({found.axis, found.quantity, found.unit, found.lower, found.upper});
     }
@@ -83,7 +83,7 @@ void ConsoleOperator::tellStep(const StepNews& news) {
   const int place = places_.at(static_cast<std::size_t>(news.step));
   if (place < 0) return;
   publish([&](Facts& f) {
-    Facts::Step& step = f.steps[static_cast<std::size_t>(place)];
+    Facts::Step& step = f.steps[place];
     f.note.clear();
     if (news.what == StepNews::What::kBegins) {
       step = {step.name, Facts::StepState::kUnderWay, {}, {}, {}};
@@ -114,7 +114,7 @@ void ConsoleOperator::tellMotion(const Motion& motion, MotionState state) {
 std::optional<std::string> ConsoleOperator::ask(const Question& question,
                                                 const std::function<void()>& meanwhile) {
   std::unique_lock lock(mutex_);
-  switch_.end();  // what was held for a move before is not held for the one after the answer
+  switch_.end();  // a hold before a question does not count for the move after it
   answer_.reset();
   publish([&](Facts& f) {
     ++f.question;
@@ -167,10 +167,10 @@ OrderReply ConsoleOperator::obey(const Order& order) {
     case OrderType::kOwnerAlive:
       if (order.value == 0.0) switch_.end();
       return {true, ""};
-    case OrderType::kSteer:  // who gives the controls back, or is overruled
+    case OrderType::kSteer:  // the controls were released or taken over
       switch_.end();
       return {true, ""};
-    case OrderType::kLeftAlone:
+    case OrderType::kUnattended:
       return {true, ""};
     default:
       return refused(Refusal::kNotHere, "a device is being commissioned here");
@@ -190,8 +190,8 @@ OrderReply ConsoleOperator::takeAnswer(const Order& order) {
   return {true, ""};
 }
 
-// Where no motion wants it, nothing is held: a button that stays down after a question moves
-// nothing until it is pressed anew.
+// A hold counts only while a motion waits for it. A button kept down after a question must be
+// pressed again.
 void ConsoleOperator::hold(const Order& order) {
   switch_.beat(order.claim, order.number, now_ns_());
   if (!order.held || facts_->asked != Facts::Asked::kNothing) switch_.end();

@@ -14,24 +14,24 @@
 
 namespace wholehand {
 
-/// The person who commissions a device at a page of the console. One thread asks and waits as an
-/// Operator; the server's thread brings answers and the held button as orders. The roles have
-/// judged those already: only the therapist who holds the controls answers and holds
-/// (server/roles.hpp). Every stop, from anybody, and a lost or changed leader end a motion.
+/// The person who commissions a device at a page of the console. One thread asks and waits through
+/// Operator. The server's thread delivers answers and the held button as orders, already
+/// authorised: only the therapist who holds the controls answers and holds (server/roles.hpp). Any
+/// stop, and a lost or changed holder of the controls, ends a motion.
 class ConsoleOperator final : public Operator, public ServerBackend {
  public:
-  /// @param about device and identity; the steps are those of `steps`, in their order
+  /// @param about device and identity; its steps are those of `steps`, in order
   /// @param now_ns CLOCK_MONOTONIC, or simulated
-  /// @param ended the program is to end: nobody will answer any more
+  /// @param ended true once the program is to end and no answer will come
   ConsoleOperator(CommissioningFacts about, const std::vector<int>& steps,
                   std::function<std::int64_t()> now_ns, std::function<bool()> ended);
 
   /// For ServerOptions::commissioning. Any thread.
   [[nodiscard]] std::shared_ptr<const CommissioningFacts> facts() const;
-  /// The passport or check is written; clients are told.
+  /// Reports to clients that the passport or check was written.
   void finish(const std::string& file);
 
-  // Operator, in the thread of the commissioning.
+  // Operator, called in the thread of the commissioning.
   void tell(const std::string& line, const std::vector<FoundFigure>& findings) override;
   void tellStep(const StepNews& news) override;
   void tellMotion(const Motion& motion, MotionState state) override;
@@ -40,7 +40,7 @@ class ConsoleOperator final : public Operator, public ServerBackend {
   [[nodiscard]] bool holdsKey() override;
   [[nodiscard]] bool gaveUp() override { return ended_(); }
 
-  // ServerBackend, in any thread.
+  // ServerBackend, called in any thread.
   void order(const Order& order, std::function<void(OrderReply)> done) override;
   [[nodiscard]] std::shared_ptr<const SceneFacts> scene() const override { return nullptr; }
   [[nodiscard]] LoopStatus status() const override { return {}; }
@@ -56,7 +56,7 @@ class ConsoleOperator final : public Operator, public ServerBackend {
   [[nodiscard]] OrderReply takeAnswer(const Order& order);
   void hold(const Order& order);
 
-  const std::vector<int> places_;  ///< number of a CommissioningStep → place in the facts' steps
+  const std::vector<int> places_;  ///< number of a CommissioningStep → index in the facts' steps
   const std::function<std::int64_t()> now_ns_;
   const std::function<bool()> ended_;
 
@@ -65,7 +65,7 @@ class ConsoleOperator final : public Operator, public ServerBackend {
   std::shared_ptr<const CommissioningFacts> facts_;
   HoldSwitch switch_;
   std::optional<std::string> answer_;
-  int step_ = -1;  ///< place of the step under way
+  int step_ = -1;  ///< index of the current step
 };
 
 }  // namespace wholehand

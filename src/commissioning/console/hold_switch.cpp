@@ -17,7 +17,7 @@ void HoldSwitch::beat(std::uint32_t claim, std::uint32_t press, std::int64_t now
   if (alive_) beat_ns_ = now_ns;
 }
 
-// Once silent it stays so: a beat that comes after all belongs to a press that has ended.
+// A timeout is final: later beats belong to a press that has ended.
 void HoldSwitch::judge(std::int64_t now_ns) noexcept {
   if (now_ns - beat_ns_ > kSilent_ns) alive_ = false;
 }

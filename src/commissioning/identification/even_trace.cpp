@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kLongestGap_periods = 5.0;
 constexpr double kOff_periods = 0.5;
-constexpr double kMostOff = 0.05;  // of the ticks
+constexpr double kMostOff = 0.05;  // share of the ticks
 constexpr double kOnTime_periods = 1e-6;
 
 Expected<Done> judge(const std::vector<double>& taken_s, double period_s, const std::string& axis) {
@@ -34,8 +34,8 @@ Expected<Done> judge(const std::vector<double>& taken_s, double period_s, const 
                     axis, text.data(), "let nothing else run on this machine, and repeat the step"};
 }
 
-// The mean from `from` to `to` of efforts that are each held until the next; `at` is the tick that
-// held at `from`.
+// Mean effort from `from_s` to `to_s`, each effort held until the next; `at` is the tick whose
+// effort holds at `from_s`.
 double meanEffort(const AxisTrace& ticks, const std::vector<double>& taken_s, std::size_t at,
                   double from_s, double to_s) {
   double sum = 0.0, since_s = from_s;

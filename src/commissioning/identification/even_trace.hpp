@@ -8,13 +8,12 @@
 
 namespace wholehand {
 
-/// A trace whose ticks came at these times, as one of even periods: positions on the straight line
-/// between two readings, efforts as the mean of what was held over each period. The same trace, to
-/// the bit, where every tick was on time.
+/// Resamples a trace to even periods. Positions are interpolated linearly between readings; efforts
+/// are the mean of those held over each period. A trace that was on time is returned bit-identical.
 ///
-/// Refused, by the name of the axis: two ticks further apart than five periods, or more than a
-/// twentieth of them half a period off: the line between readings says too little then.
-/// @param taken_s when each position was read and its effort sent, from 0 on, rising
+/// Refused, with the name of the axis: two ticks more than five periods apart, or more than a
+/// twentieth of the ticks half a period off. Interpolation is then too inaccurate.
+/// @param taken_s time at which each position was read and its effort sent, from 0 on, increasing
 [[nodiscard]] Expected<AxisTrace> evenTrace(const AxisTrace& ticks,
                                             const std::vector<double>& taken_s,
                                             const std::string& axis);

@@ -8,20 +8,20 @@ namespace wholehand {
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
-constexpr double kSpring_hz = 1.5;         // natural frequency of the soft spring
-constexpr double kSpringRatio = 0.7;       // of critical damping
-constexpr double kSweepShare = 0.4;        // of each posture's time
-constexpr double kFilter_s = 0.004;        // of the velocity
-constexpr double kArrive_s = 0.5;          // from one posture's centre to the next
-constexpr double kEffortShare = 0.35;      // of the limit: amplitude of the multisine of efforts
-constexpr double kReferenceEffort = 0.45;  // of the limit: what the reference may ask for
-constexpr double kTravelShare = 0.2;       // of the travel: amplitude about a posture's centre
+constexpr double kSpring_hz = 1.5;     // natural frequency of the soft spring
+constexpr double kSpringRatio = 0.7;   // damping ratio of the spring
+constexpr double kSweepShare = 0.4;    // share of each posture's time for the sweep
+constexpr double kFilter_s = 0.004;    // time constant of the velocity filter
+constexpr double kArrive_s = 0.5;      // time from one posture's centre to the next
+constexpr double kEffortShare = 0.35;  // share of the limit: amplitude of the multisine of efforts
+constexpr double kReferenceEffort = 0.45;  // share of the limit: largest effort of the reference
+constexpr double kTravelShare = 0.2;  // share of the travel: amplitude about a posture's centre
 
 constexpr std::array<double, 7> kSlow_hz = {0.31, 0.67, 1.13, 1.79, 2.57, 3.61, 4.73};
 constexpr std::array<double, 10> kFast_hz = {6.1,  8.3,  10.9, 13.7, 16.9,
                                              20.3, 24.7, 29.3, 34.1, 39.7};
 
-// Phases after Schroeder (1970): a low crest.
+// Phases after Schroeder (1970), for a low crest factor.
 double phase(std::size_t i, std::size_t count) {
   return -std::numbers::pi * static_cast<double>(i * i) / static_cast<double>(count);
 }
@@ -49,7 +49,7 @@ Excitation::Wanted Excitation::reference(double time_s, double centre) const {
   const double sweep_s = kSweepShare * length_s;
   Wanted out{centre, 0.0};
   if (time_s < kArrive_s) return out;
-  if (time_s < sweep_s) {  // to and fro once, at constant speed
+  if (time_s < sweep_s) {  // once to and fro at constant speed
     const double part = (time_s - kArrive_s) / (sweep_s - kArrive_s);
     const double leg = 4.0 * part;
     const double at = leg < 1.0 ? leg : leg < 3.0 ? 2.0 - leg : leg - 4.0;
@@ -82,7 +82,7 @@ double Excitation::next(double position) {
   const double centre =
       middle + kTravelShare * (plan_.upper - plan_.lower) * static_cast<double>(posture() - 1);
   const Wanted wanted = reference(time_s, centre);
-  // Every jump of the reference is taken in over a tenth of a second.
+  // Smooths jumps of the reference over a tenth of a second.
   wanted_ += (wanted.position - wanted_) * std::min(1.0, t / 0.05);
   double effort =
       plan_.offset + stiffness_ * (wanted_ - position) + damping_ * (wanted.velocity - velocity_);

@@ -14,29 +14,29 @@ namespace wholehand {
 namespace {
 
 constexpr double kShortest_s = 6.0;
-constexpr double kStudent = 3.0;  // times the standard deviation: 99.5 % with some 15 blocks
-// How far a figure goes on where a part of the data leads away from the whole: no part is free of
-// what disturbs the whole.
-constexpr double kBeyond = 2.0;
-// Of the effort that no model explains, the share that may hide in mass and delay (play does so).
+constexpr double kStudent = 3.0;  // standard deviations: 99.5 % with some 15 blocks
+// Extrapolation of the difference between a part of the data and the whole, because every part
+// contains some of the disturbance of the whole.
+constexpr double kExtrapolation = 2.0;
+// Share of the unexplained effort that may hide in mass and delay (as with play).
 constexpr double kHidden = 0.8;
-// Never narrower than what the method was tested to keep on ideal axes.
+// Smallest half widths: those that the method was tested to keep on ideal axes.
 constexpr double kLeastMass = 0.02, kLeastFriction = 0.05, kLeastDelay_periods = 0.1;
-// Half of an interval over its middle: beyond these a certificate says nothing.
+// Largest half width over the middle. A certificate cannot use wider intervals.
 constexpr double kMassWithin = 0.2, kDampingWithin = 0.35, kCoulombWithin = 0.5;
 constexpr double kDelayWithin_periods = 2.5;
-constexpr double kCoulombOfEffort = 0.05;  // dry friction less than this share is as good as none
+constexpr double kCoulombOfEffort = 0.05;  // smaller dry friction is negligible
 
 using Figures = std::array<double, 5>;  // mass, damping, coulomb, gravity, delay
-constexpr double kSlowShare = 0.15;     // of the speeds: where friction may fall
-constexpr double kExplains = 0.8;       // of what is left without it
+constexpr double kSlowShare = 0.15;     // least Stribeck speed that counts, share of the RMS speed
+constexpr double kExplains = 0.8;       // share of the residual without it
 enum : std::size_t { kMass, kDamping, kCoulomb, kGravity, kDelay };
 
 Figures listed(const AxisFigures& f) {
   return {f.mass, f.damping, f.coulomb, f.gravity, f.delay_s};
 }
 
-// Standard deviations of the figures of all blocks, from fits that leave one out (jackknife).
+// Standard deviations of the figures, from fits that leave out one block each (jackknife).
 Figures scatterOf(const Regression& regression) {
   std::vector<Figures> without;
   for (const Regression::Sums& block : regression.blocks()) {
@@ -54,8 +54,8 @@ Figures scatterOf(const Regression& regression) {
   return out;
 }
 
-// What parts of the data and other models of friction say of the same figures.
-std::vector<Figures> opinions(const AxisTrace& trace, const Regression& whole) {
+// Estimates of the same figures from parts of the data and from other friction models.
+std::vector<Figures> partialEstimates(const AxisTrace& trace, const Regression& whole) {
   std::vector<Figures> out;
   for (std::size_t i = 0; i < kStribeckSpeeds.size(); ++i) {
     out.push_back(listed(whole.fit(whole.all(), static_cast<FrictionModel>(i))));
@@ -81,14 +81,14 @@ std::array<Interval, 5> intervals(const Figures& middle, const Figures& scatter,
     const double wide = std::max(kStudent * scatter.at(i), least.at(i));
     out.at(i) = {middle.at(i) - wide, middle.at(i) + wide};
     for (const Figures& other : others) {
-      const double there = middle.at(i) + kBeyond * (other.at(i) - middle.at(i));
+      const double there = middle.at(i) + kExtrapolation * (other.at(i) - middle.at(i));
       out.at(i) = hull(out.at(i), {there, there});
     }
   }
   return out;
 }
 
-// Whether friction that falls with speed over a good part of the speeds explains much more.
+// Whether friction that falls with speed over a good part of the speeds fits much better.
 bool fallsWithSpeed(const Regression& whole) {
   const double plain = whole.left(whole.all(), kPlain);
   double least = plain;
@@ -106,7 +106,7 @@ std::string percent(double share) {
   return text.data();
 }
 
-// Why no certificate can rest on these; nothing where one can.
+// Why a certificate cannot use these intervals; empty where it can.
 Diagnostics refusals(const IdentifiedAxis& found, const std::string& axis, double period_s,
                      double effort) {
   Diagnostics out;
@@ -136,9 +136,9 @@ Diagnostics refusals(const IdentifiedAxis& found, const std::string& axis, doubl
   return out;
 }
 
-// The figures from a band that reaches beyond the corner b/m: below it a larger mass looks like a
-// longer delay. The encoder's steps forbid a wider band for every axis.
-AxisFigures sharpened(const AxisTrace& trace, const IdentifiedAxis& found) {
+// Figures from a band that reaches beyond the corner b/m: below it a larger mass resembles a longer
+// delay. The encoder's steps forbid a wider band for every axis.
+AxisFigures refined(const AxisTrace& trace, const IdentifiedAxis& found) {
   constexpr double kLeast_hz = 6.0, kCorners = 1.5;
   RegressionConfig config;
   const double corner_hz = found.figures.damping / found.figures.mass / (2.0 * std::numbers::pi);
@@ -183,14 +183,14 @@ Expected<IdentifiedAxis> identifyAxis(const AxisTrace& trace, const std::string&
                          kLeastFriction * std::abs(middle[kDamping]),
                          kLeastFriction * std::abs(middle[kCoulomb]), 0.01 * effort,
                          std::max(kLeastDelay_periods * t, kHidden * hidden.delay_s)};
-  const auto found = intervals(middle, scatterOf(whole), opinions(trace, whole), least);
+  const auto found = intervals(middle, scatterOf(whole), partialEstimates(trace, whole), least);
   out.mass = found[kMass];
   out.damping = found[kDamping];
   out.coulomb = found[kCoulomb];
   out.gravity = found[kGravity];
   out.delay_s = found[kDelay];
   if (Diagnostics no = refusals(out, axis, t, effort); !no.empty()) return no;
-  out.figures = sharpened(trace, out);
+  out.figures = refined(trace, out);
   return out;
 }
 

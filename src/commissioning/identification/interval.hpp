@@ -4,7 +4,7 @@
 
 namespace wholehand {
 
-/// Where a measured figure lies, in its own unit.
+/// Interval of a measured figure, in its own unit.
 struct Interval {
   double lower = 0.0, upper = 0.0;
 

@@ -12,15 +12,15 @@ namespace wholehand {
 namespace {
 
 constexpr double kBlock_s = 1.0;
-constexpr double kSettle_s = 0.3;  // of the filter
+constexpr double kSettle_s = 0.3;  // settling time of the filter
 constexpr double kSlowest =
     0.02;                        // of the root mean square speed: below, the direction is not known
-constexpr double kCounts = 4.0;  // times the noise that counts make of the velocity
+constexpr double kCounts = 4.0;  // times the velocity noise of encoder counts
 constexpr double kDelayStep = 0.25;
 
 using Row = Eigen::Matrix<double, Regression::kColumns, 1>;
 
-// Velocity by a Gaussian's derivative, which shifts no phase; 0 at both ends.
+// Velocity by the derivative of a Gaussian, which is free of phase shift; 0 at both ends.
 std::vector<double> smoothVelocity(const AxisTrace& trace, double sigma_s) {
   const auto reach = static_cast<std::size_t>(std::ceil(4.0 * sigma_s / trace.period_s));
   std::vector<double> kernel(reach + 1, 0.0);
@@ -39,7 +39,7 @@ std::vector<double> smoothVelocity(const AxisTrace& trace, double sigma_s) {
   return out;
 }
 
-// Share of the equation at each tick: 0 where the axis about stands still, 1 away from there.
+// Weight of the equation at each tick: 0 near standstill, 1 elsewhere.
 std::vector<double> shares(const std::vector<double>& velocity, double least, int fade) {
   const std::size_t n = velocity.size();
   std::vector<int> away(n, 0);
@@ -56,9 +56,8 @@ std::vector<double> shares(const std::vector<double>& velocity, double least, in
   return out;
 }
 
-// Weights of the efforts of k - n, k - n - 1, k - n - 2 in the second difference of positions at
-// k, for a delay of n + φ periods: a hat of two periods over efforts that are held. Exact for a
-// mass.
+// Weights of the efforts of k - n, k - n - 1, k - n - 2 in the second difference of positions at k,
+// for a delay of n + φ periods: a triangle of two periods over held efforts. Exact for a mass.
 std::array<double, 3> weights(double phi) {
   return {0.5 * (1.0 - phi) * (1.0 - phi), 0.5 + phi * (1.0 - phi), 0.5 * phi * phi};
 }
@@ -82,7 +81,7 @@ struct Normal {
   }
 
   [[nodiscard]] Eigen::VectorXd solve() const {
-    // Terms of very different size: scaled to ones on the diagonal.
+    // Scales the terms, of very different size, to a unit diagonal.
     const Eigen::VectorXd scale = xx.diagonal().cwiseSqrt().cwiseMax(1e-200).cwiseInverse();
     const Eigen::MatrixXd scaled = scale.asDiagonal() * xx * scale.asDiagonal();
     const Eigen::VectorXd right = scale.cwiseProduct(xy);
@@ -91,7 +90,7 @@ struct Normal {
   [[nodiscard]] double left() const { return yy - xy.dot(solve()); }
 };
 
-// Sum of squares of the difference of the efforts at two delays.
+// Sum of squares of the effort difference at two delays.
 double effortsApart(const Regression::Sums& sums, double one, double other) {
   Eigen::VectorXd weight = Eigen::VectorXd::Zero(Regression::kEfforts);
   const auto add = [&weight](double delay, double sign) {
@@ -182,7 +181,7 @@ Regression::Regression(const AxisTrace& trace, const RegressionConfig& config)
     if (k < settled) continue;
     const Sums outer = twice * twice.transpose();
     blocks_[k / per_block] += outer;
-    postures_[static_cast<std::size_t>(trace.posture[k])] += outer;
+    postures_[trace.posture[k]] += outer;
     (pace < 1.0 ? slow_ : fast_) += outer;
     all_ += outer;
   }
@@ -198,7 +197,7 @@ AxisFigures Regression::hidden(const Sums& sums, const AxisFigures& fitted,
   const double delay = std::clamp(fitted.delay_s / period_s_, kStep, kEfforts - 3.0 - kStep);
   const Normal before(sums, model, delay - kStep), at(sums, model, delay),
       after(sums, model, delay + kStep);
-  // The delay as one more regressor: how the efforts change with it.
+  // The delay as an additional regressor: the derivative of the efforts by it.
   const Eigen::Index n = at.xx.rows();
   Eigen::MatrixXd xx(n + 1, n + 1);
   xx.topLeftCorner(n, n) = at.xx;

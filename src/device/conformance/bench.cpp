@@ -71,7 +71,7 @@ std::string DriverBench::reach(DriverStage stage) {
 
 std::string DriverBench::load() {
   if (library_ != nullptr) return {};
-  // A name without a slash would be looked for where libraries of the system are.
+  // Without a slash dlopen would search the system's library folders.
   const bool bare = location_.path.find('/') == std::string::npos;
   const std::string path = bare ? "./" + location_.path : location_.path;
   library_ = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);

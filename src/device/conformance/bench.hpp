@@ -12,27 +12,28 @@
 
 namespace wholehand {
 
-/// How far a driver was brought.
+/// Stage that a driver has reached.
 enum class DriverStage {
   kFile,     ///< nothing is loaded
   kLoaded,   ///< the shared object is loaded
-  kPlugin,   ///< its wh_plugin can be used
+  kPlugin,   ///< its wh_plugin is usable
   kOpen,     ///< the device is open and not enabled
-  kEnabled,  ///< enabled anew, at neutral, no command yet
+  kEnabled,  ///< freshly enabled, at neutral, no command yet
 };
 
-/// Most of an axis's effort limit that a check sends (but for Does::kOverreaches).
+/// Largest share of an axis's effort limit that a check sends (except Does::kOverreaches).
 inline constexpr double kEffortShare = 0.2;
 
-/// A sample with room behind it, and what read returned.
+/// A sample, and the result of its read.
 struct Sampled {
   int result = WH_FAILED;
   std::int64_t read_ns = 0;  ///< CLOCK_MONOTONIC, after read returned
   wh_sample sample{};
 };
 
-/// One driver, called through the bare C functions of device.h: what PluginDriver would refuse or
-/// mend shows here. For the process of one group; one thread. Not real-time safe.
+/// One driver, called through the bare C functions of device.h, so that faults which PluginDriver
+/// would refuse or correct are visible. Lives in the process of one group; one thread. Not
+/// real-time safe.
 class DriverBench {
  public:
   explicit DriverBench(DriverLocation location);
@@ -40,13 +41,13 @@ class DriverBench {
   DriverBench(const DriverBench&) = delete;
   DriverBench& operator=(const DriverBench&) = delete;
 
-  /// Brings the driver to a stage. Empty: done; else why it cannot be had.
+  /// Brings the driver to a stage. Returns why that fails; empty: done.
   [[nodiscard]] std::string reach(DriverStage stage);
-  /// Neutral and disabled, where it was enabled.
+  /// Sends neutral and disables, if enabled.
   void calm();
 
   [[nodiscard]] const DriverLocation& location() const noexcept { return location_; }
-  /// From DriverStage::kLoaded on; null without the symbol.
+  /// From DriverStage::kLoaded on; null where the symbol is missing.
   [[nodiscard]] auto symbol() const noexcept { return symbol_; }
   [[nodiscard]] const std::string& whyNotLoaded() const noexcept { return why_not_loaded_; }
   /// From DriverStage::kPlugin on.
@@ -57,32 +58,33 @@ class DriverBench {
   [[nodiscard]] wh_device* device() const noexcept { return device_; }
   [[nodiscard]] const std::vector<wh_axis>& axes() const noexcept { return axes_; }
 
-  /// Another device of the same driver. @return its result
+  /// Opens another device of the same driver. @return its result
   [[nodiscard]] int openAnother(const char* locator, wh_device** device) const;
-  /// Closes the device as it is, also enabled, and opens it again. Empty: done.
+  /// Closes the device, even if enabled, and opens it again. Returns why that fails; empty: done.
   [[nodiscard]] std::string reopen();
 
   [[nodiscard]] int control(std::uint32_t verb) const;
-  /// Effort and temperature are NaN before, as for a driver that does not know them.
+  /// Reads a sample. Effort and temperature are preset to NaN, for drivers that do not measure
+  /// them.
   [[nodiscard]] Sampled read() const;
-  /// With the next sequence. `axes` 0: as many as there are.
+  /// Writes with the next sequence number. `axes` 0: the number of axes.
   int write(const std::array<double, WH_MAX_AXES>& effort, std::uint32_t axes = 0);
   int writeNeutral();
-  /// `share` of the limit on one axis, 0 on the others. @pre |share| <= kEffortShare, or the check
-  /// overreaches
+  /// Writes `share` of the limit on one axis, 0 on the others. @pre |share| <= kEffortShare, or the
+  /// check overreaches
   int writeShare(std::size_t axis, double share);
   [[nodiscard]] std::uint64_t sequence() const noexcept { return sequence_; }
-  /// Since it was enabled, more than half of the watchdog's time has passed between two commands: a
-  /// finding may be this machine's.
+  /// Whether more than half of the watchdog's timeout passed between two commands since enabling. A
+  /// failed check may then be this machine's fault.
   [[nodiscard]] bool stalled() const noexcept;
   void startSequenceAt(std::uint64_t value) noexcept { sequence_ = value; }
 
-  /// Reads once a millisecond. Read once for all the checks of a group.
+  /// Samples read once a millisecond; taken once for all checks of a group.
   [[nodiscard]] const std::vector<Sampled>& samples();
-  /// Writes neutral and reads once a millisecond for that long.
+  /// Reads once a millisecond for that long, and writes neutral if `writing`.
   [[nodiscard]] std::vector<Sampled> idle(int milliseconds, bool writing);
 
-  /// What the driver has said, one string a call.
+  /// Log lines of the driver, one string a call.
   [[nodiscard]] const std::vector<std::string>& said() const noexcept { return said_; }
 
  private:
@@ -107,9 +109,9 @@ class DriverBench {
   bool enabled_ = false;
 };
 
-/// Once a millisecond of CLOCK_MONOTONIC, until `seconds` are over or it returns false.
+/// Calls `step` once a millisecond of CLOCK_MONOTONIC, for `seconds` or until it returns false.
 void everyMillisecond(double seconds, const std::function<bool()>& step);
-/// printf's %.6g.
+/// The value in printf's %.6g.
 [[nodiscard]] std::string number(double value);
 
 }  // namespace wholehand

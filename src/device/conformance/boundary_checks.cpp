@@ -1,4 +1,4 @@
-// What can be seen of the shared object, and who writes beyond whose structures.
+// Checks of the shared object, and of writes beyond the ends of structures.
 #include "device/conformance/check.hpp"
 
 #include <algorithm>
@@ -11,7 +11,7 @@ namespace {
 
 constexpr unsigned char kMark = 0xA5;
 constexpr std::uint32_t kFlags = WH_NEVER_WAITS;
-constexpr std::size_t kLongestName = 63;  // that a host hands on
+constexpr std::size_t kLongestName = 63;  // longest name that a host passes on
 
 CheckFinding loads(DriverBench& bench) {
   return unless(bench.reach(DriverStage::kLoaded));
@@ -28,7 +28,7 @@ CheckFinding same(DriverBench& bench) {
   return first == bench.symbol()() ? passed() : failed("gives another structure at every call");
 }
 
-// Null where there is none to look at.
+// The driver's wh_plugin; null where there is none.
 const wh_plugin* given(DriverBench& bench) {
   return bench.symbol() != nullptr ? bench.symbol()() : nullptr;
 }
@@ -90,7 +90,7 @@ CheckFinding name(DriverBench& bench) {
   return plain ? passed(name) : failed("has control characters");
 }
 
-// The place of the first byte from `from` on that is not the mark any more; -1: none.
+// Index of the first byte from `from` on that lost its mark; -1: none.
 long firstWritten(const unsigned char* bytes, std::size_t from, std::size_t size) {
   for (std::size_t i = from; i < size; ++i) {
     if (bytes[i] != kMark) return static_cast<long>(i);
@@ -98,7 +98,7 @@ long firstWritten(const unsigned char* bytes, std::size_t from, std::size_t size
   return -1;
 }
 
-// Reads into a sample that says it is `says` bytes long, with marks behind them.
+// Reads into a sample whose size field is `says`, followed by marks.
 CheckFinding readInto(DriverBench& bench, std::size_t says) {
   alignas(wh_sample) std::array<unsigned char, sizeof(wh_sample) + 256> bytes{};
   bytes.fill(kMark);

@@ -7,20 +7,20 @@
 
 namespace wholehand {
 
-/// What a check does to the device.
+/// Effect of a check on the device.
 enum class Does {
-  kLooks,       ///< nothing moves and nothing is enabled
-  kMoves,       ///< enables it, sends up to kEffortShare of its limit: nobody may be attached
-  kOverreaches  ///< asks for more than the limit for 5 ms, which the drive has to clip
+  kLooks,       ///< nothing moves or is enabled
+  kMoves,       ///< enables it, sends up to kEffortShare of its limit: no person may be attached
+  kOverreaches  ///< commands more than the limit for 5 ms, which the drive has to clip
 };
 
 /// One requirement of device.h.
 struct Check {
   const char* id;      ///< "samples.sequence"
-  const char* asks;    ///< one line: what must hold
-  const char* remedy;  ///< what the driver's author does about it
+  const char* asks;    ///< the requirement, one line
+  const char* remedy;  ///< advice to the driver's author
   Does does;
-  DriverStage before;  ///< how far the driver is brought before it
+  DriverStage before;  ///< stage that the driver is brought to first
   CheckFinding (*look)(DriverBench&);
 };
 
@@ -30,10 +30,10 @@ struct CheckGroup {
   std::span<const Check> checks;
 };
 
-/// All groups, in the order in which they run. They are data; nothing is registered at run time.
+/// All groups, in the order in which they run. Static data, no registration at run time.
 [[nodiscard]] std::span<const CheckGroup> checkGroups();
 
-// One table a file.
+// One table per file.
 [[nodiscard]] std::span<const Check> boundaryChecks();
 [[nodiscard]] std::span<const Check> descriptionChecks();
 [[nodiscard]] std::span<const Check> lifecycleChecks();

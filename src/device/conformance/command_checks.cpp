@@ -1,5 +1,5 @@
-// Commands to an enabled device that nobody holds. Efforts stay below kEffortShare of the limit,
-// but for commands.beyond_limit.
+// Checks of commands to an enabled device that nobody holds. Efforts stay below kEffortShare of the
+// limit, except in commands.beyond_limit.
 #include "device/conformance/check.hpp"
 
 #include <cmath>
@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kPulse_s = 0.02;
 constexpr double kSoon_s = 0.1;
-constexpr double kBeyond = 1.5, kBeyond_s = 0.005;  // asked for, of the limit; for so long
+constexpr double kBeyond = 1.5, kBeyond_s = 0.005;  // share of the limit, and duration
 constexpr double kClipped = 1.05;
 
 CheckFinding accepted(int result, const char* what) {
@@ -55,7 +55,7 @@ CheckFinding longerCommand(DriverBench& bench) {
   return accepted(bench.plugin().write(bench.device(), &longer.command), "a longer command");
 }
 
-// A command that must not be carried out: what it asks of axis 0 is `effort`.
+// Sends a command that must be refused; `effort` is its effort on axis 0.
 CheckFinding refused(DriverBench& bench, double effort, std::uint32_t axes, const char* what) {
   (void)bench.writeNeutral();
   std::array<double, WH_MAX_AXES> efforts{};
@@ -119,7 +119,7 @@ CheckFinding pulses(DriverBench& bench) {
   return passed("±" + number(50.0 * kEffortShare) + " % of each limit");
 }
 
-// The effort measured on an axis while one is asked for, as soon as it is not zero.
+// The effort measured on an axis while one is commanded, as soon as it is not zero.
 double answerTo(DriverBench& bench, std::size_t axis, double share) {
   double measured = 0.0;
   everyMillisecond(kSoon_s, [&] {

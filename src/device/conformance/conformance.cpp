@@ -7,7 +7,7 @@
 namespace wholehand {
 namespace {
 
-// Empty: it may run.
+// Why a check is left out; empty: it runs.
 std::string whyLeftOut(const Check& check, const ConformanceOptions& options) {
   if (check.does == Does::kLooks) return {};
   if (!options.allow_effort) return "moves the device: --allow-effort, with nobody attached";

@@ -10,10 +10,10 @@ namespace wholehand {
 
 struct ConformanceOptions {
   DriverLocation driver;
-  std::string only;                 ///< ids that begin with this; empty: all
-  bool allow_effort = false;        ///< nobody is attached: Does::kMoves may run
-  bool allow_beyond_limit = false;  ///< Does::kOverreaches may, too
-  double longest_check_s = 15.0;    ///< a check that takes longer hangs
+  std::string only;                 ///< only checks whose id begins with this; empty: all
+  bool allow_effort = false;        ///< nobody is attached: allows Does::kMoves
+  bool allow_beyond_limit = false;  ///< also allows Does::kOverreaches
+  double longest_check_s = 15.0;    ///< timeout of a check
 };
 
 struct CheckResult {
@@ -21,9 +21,9 @@ struct CheckResult {
   CheckFinding finding;
 };
 
-/// Holds a driver against device.h, every check of every group. Each group runs in a process of its
-/// own, forked from this one: a driver that crashes, hangs or ends the process fails the check that
-/// was under way, and the rest of its group is not run.
+/// Runs every check of device.h against a driver. Each group runs in its own process, forked from
+/// this one. A driver that crashes, hangs or ends the process fails the current check; the rest of
+/// its group is not run.
 /// @pre this process has one thread. Not real-time safe.
 [[nodiscard]] std::vector<CheckResult> conform(const ConformanceOptions& options);
 

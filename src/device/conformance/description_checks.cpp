@@ -1,5 +1,5 @@
-// What the driver says of its axes. The limits of plausibility find a wrong unit, not a wrong
-// device.
+// Checks of the driver's description of its axes. The plausibility limits find wrong units, not
+// wrong devices.
 #include "device/conformance/check.hpp"
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace wholehand {
 namespace {
 
-constexpr double kMostTravel_m = 3.0, kMostTravel_rad = 20.0;  // 3 m; three turns
+constexpr double kMostTravel_m = 3.0, kMostTravel_rad = 20.0;  // 3 m; about three turns
 constexpr double kLeastTravel_m = 1e-3, kLeastTravel_rad = 0.02;
 constexpr double kMostEffort_n = 500.0, kMostEffort_nm = 200.0;
 constexpr double kLeastEffort_n = 0.01, kLeastEffort_nm = 1e-4;
@@ -24,7 +24,7 @@ bool turns(const wh_axis& axis) {
   return axis.kind == WH_ROTATION;
 }
 
-// The first axis of which `wrong` says something, with that.
+// Fails with the first axis for which `wrong` returns a text.
 template <class Wrong>
 CheckFinding eachAxis(DriverBench& bench, Wrong wrong) {
   if (bench.axes().empty()) return skipped("has no axes");
@@ -40,7 +40,7 @@ std::string outside(double value, double least, double most, const char* unit) {
   return number(value) + " " + unit + " is not from " + number(least) + " to " + number(most);
 }
 
-// As describe fills them, with how many it says.
+// Result of a call of describe.
 struct Described {
   int result = WH_FAILED;
   std::uint32_t count = 0;

@@ -1,4 +1,4 @@
-// Whether a person learns what is wrong.
+// Checks that faults are reported to a person.
 #include "device/conformance/check.hpp"
 
 #include <algorithm>
@@ -45,7 +45,7 @@ CheckFinding coolAtRest(DriverBench& bench) {
                                                            : failed("is hot before it was enabled");
 }
 
-// What open does where there is no device of that name. A driver may pass over the name.
+// Opens a device with a name that does not exist. A driver may ignore the name.
 CheckFinding failedOpenGivesNothing(DriverBench& bench) {
   wh_device* device = nullptr;
   const int result = bench.openAnother(kNowhere, &device);

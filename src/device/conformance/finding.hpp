@@ -4,16 +4,16 @@
 
 namespace wholehand {
 
-/// What came of a check of a driver.
+/// Outcome of a check.
 enum class Outcome {
   kPassed,
   kFailed,
-  kNotRun  ///< not allowed, or nothing to judge by: the finding says which
+  kSkipped  ///< not allowed or not possible; the finding says why
 };
 
 struct CheckFinding {
-  Outcome outcome = Outcome::kNotRun;
-  std::string text;  ///< what was seen; may be empty where a check has passed
+  Outcome outcome = Outcome::kSkipped;
+  std::string text;  ///< observation; may be empty for a passed check
 };
 
 [[nodiscard]] inline CheckFinding passed(std::string text = {}) {
@@ -23,9 +23,9 @@ struct CheckFinding {
   return {Outcome::kFailed, std::move(text)};
 }
 [[nodiscard]] inline CheckFinding skipped(std::string text) {
-  return {Outcome::kNotRun, std::move(text)};
+  return {Outcome::kSkipped, std::move(text)};
 }
-/// Passed where nothing is wrong: `wrong` is empty.
+/// Passed if `wrong` is empty, else failed with that text.
 [[nodiscard]] inline CheckFinding unless(std::string wrong) {
   return wrong.empty() ? passed() : failed(std::move(wrong));
 }

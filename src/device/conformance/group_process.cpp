@@ -24,19 +24,19 @@ namespace {
 constexpr rlim_t kMostMemory_bytes = rlim_t{16} << 30U;
 constexpr int kLookEvery_ms = 20;
 constexpr int kAttempts = 3;
-constexpr int kReady = 99;  // exit code of a child that has done all
+constexpr int kReady = 99;  // exit code of a child that has run all checks
 
-/// What the child tells; shorter than PIPE_BUF, so that it arrives whole.
+/// Message of the child; shorter than PIPE_BUF, so that it is written atomically.
 struct Message {
   std::uint32_t check;
-  std::uint32_t begins;  ///< 1: the check is under way; 0: this is its finding
+  std::uint32_t begins;  ///< 1: the check begins; 0: this is its finding
   std::uint32_t outcome;
   char text[500];
 };
 static_assert(sizeof(Message) <= 4096);
 
 void send(int pipe, pid_t self, const Message& message) {
-  if (::getpid() != self) ::_exit(1);  // a copy that the driver has forked
+  if (::getpid() != self) ::_exit(1);  // a child process forked by the driver
   if (::write(pipe, &message, sizeof(message)) != sizeof(message)) ::_exit(1);
 }
 
@@ -45,8 +45,8 @@ void limit(int what, rlim_t value) {
   (void)::setrlimit(what, &both);
 }
 
-// A machine that stands still between two commands wakes the watchdog: what fails then is tried
-// again.
+// A stall of this machine between two commands triggers the watchdog. A check that failed then is
+// repeated.
 CheckFinding lookAt(DriverBench& bench, const Check& check) {
   CheckFinding finding;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
@@ -64,13 +64,13 @@ CheckFinding lookAt(DriverBench& bench, const Check& check) {
   const pid_t self = ::getpid();
   (void)::setpgid(0, 0);
   (void)::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  // Handlers of this program, for crashes too, are not for a driver's.
+  // The driver runs without this program's signal handlers, crash handlers included.
   for (const int signal : {SIGPIPE, SIGINT, SIGTERM, SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL}) {
     std::signal(signal, SIG_DFL);
   }
   limit(RLIMIT_CORE, 0);
-  if (!WHOLEHAND_SANITIZED) limit(RLIMIT_AS, kMostMemory_bytes);  // a sanitizer reserves far more
-  (void)::dup2(STDERR_FILENO, STDOUT_FILENO);  // a driver's printf is no result of ours
+  if (!WHOLEHAND_SANITIZED) limit(RLIMIT_AS, kMostMemory_bytes);  // sanitizers reserve far more
+  (void)::dup2(STDERR_FILENO, STDOUT_FILENO);  // keeps the driver's printf out of our results
   {
     DriverBench bench(driver);
     for (std::size_t i = 0; i < checks.size(); ++i) {
@@ -108,14 +108,14 @@ class GroupProcess {
         end = stop();
       }
     }
-    (void)::kill(-child_, SIGKILL);  // what the driver has forked
+    (void)::kill(-child_, SIGKILL);  // and the driver's child processes
     ::close(pipe_);
     if (end != "done") blame(end);
     return std::move(findings_);
   }
 
  private:
-  // True: something came.
+  // Reads the pending messages; true if there were any.
   bool drain() {
     bool any = false;
     pollfd readable{pipe_, POLLIN, 0};
@@ -150,7 +150,7 @@ class GroupProcess {
     }
     return "the driver ended the process with exit code " + std::to_string(WEXITSTATUS(status));
   }
-  // A driver that dies when the device is closed at the end fails the last check.
+  // A driver that dies when the device is finally closed fails the last check.
   void blame(const std::string& end) {
     const std::size_t at = under_way_.value_or(reached_);
     findings_[at] = failed(under_way_ ? end : end + ", when the device was closed at the end");
@@ -178,14 +178,14 @@ std::vector<CheckFinding> runInProcess(const DriverLocation& driver,
                                      skipped(std::string(what) + ": " + std::strerror(errno)));
   };
   if (::pipe2(ends.data(), O_CLOEXEC) != 0) return impossible("no pipe");
-  std::fflush(nullptr);  // or the child would print it again
+  std::fflush(nullptr);  // otherwise the child prints it again
   const pid_t child = ::fork();
   if (child < 0) return impossible("no process");
   if (child == 0) {
     ::close(ends[0]);
     carryOut(driver, checks, ends[1]);
   }
-  (void)::setpgid(child, child);  // whoever of the two is first
+  (void)::setpgid(child, child);  // in parent and child, whichever runs first
   ::close(ends[1]);
   return GroupProcess(child, ends[0], checks.size(), longest_check_s).follow();
 }

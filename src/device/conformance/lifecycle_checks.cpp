@@ -1,4 +1,4 @@
-// Opening, enabling, disabling, closing, in every order that a program may come to.
+// Checks of opening, enabling, disabling and closing, in every order that a program may use.
 #include "device/conformance/check.hpp"
 
 #include <cmath>
@@ -14,7 +14,7 @@ bool says(const Sampled& s, std::uint32_t bits) {
   return s.result >= 0 && (s.sample.status & bits) == bits;
 }
 
-// True as soon as a sample has the bit, or has it no more.
+// Waits until a sample has the bit set or cleared; false on timeout.
 bool comesToSay(const DriverBench& bench, std::uint32_t bit, bool set) {
   bool reached = false;
   everyMillisecond(kSoon_s, [&] {

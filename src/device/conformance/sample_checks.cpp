@@ -1,4 +1,4 @@
-// Samples of a device that nobody commands, 1,000 a second for 0.25 s. A person may move it.
+// Checks of samples without commands, 1,000 a second for 0.25 s. A person may move the device.
 #include "device/conformance/check.hpp"
 
 #include <algorithm>
@@ -10,15 +10,15 @@ namespace {
 
 constexpr std::uint32_t kStatus =
     WH_ENABLED | WH_HOMED | WH_SATURATED | WH_DRIVE_FAULT | WH_HOT | WH_DERATING | WH_SILENCED;
-constexpr std::int64_t kStill_ns = 20'000'000;  // watch.longest_gap_s where a file says nothing
+constexpr std::int64_t kStill_ns = 20'000'000;  // default of watch.longest_gap_s
 constexpr std::int64_t kAhead_ns = 1'000'000;
 constexpr std::int64_t kOtherClock_ns = 1'000'000'000;
-constexpr double kMargin = 0.02;  // of the travel, as in a device file that says nothing
+constexpr double kMargin = 0.02;  // of the travel, default of a device file
 constexpr double kMostEffort = 2.0;
 constexpr double kColdest_c = -40.0, kHottest_c = 200.0;
 constexpr std::size_t kEnoughSteps = 20;
 
-// The first sample of which `wrong` says something, with that.
+// Fails with the first sample for which `wrong` returns a text.
 template <class Wrong>
 CheckFinding eachSample(DriverBench& bench, Wrong wrong) {
   const auto& samples = bench.samples();
@@ -30,7 +30,7 @@ CheckFinding eachSample(DriverBench& bench, Wrong wrong) {
   return passed();
 }
 
-// As above, for a sample and the one before it.
+// The same for a sample and its predecessor.
 template <class Wrong>
 CheckFinding eachPair(DriverBench& bench, Wrong wrong) {
   const auto& samples = bench.samples();
@@ -185,7 +185,7 @@ CheckFinding positionInTravel(DriverBench& bench) {
   });
 }
 
-// Steps that are all multiples of the smallest one, and that coarser than stated: the encoder's.
+// Finds an encoder step coarser than stated: all position steps are multiples of the smallest one.
 std::string coarse(const wh_axis& axis, const std::set<double>& places) {
   std::vector<double> steps;
   for (auto at = places.begin(), next = at; at != places.end() && ++next != places.end();

@@ -1,4 +1,4 @@
-// What read and write cost. CPU time and counts: how busy the machine is does not matter.
+// Checks of the cost of read and write, by CPU time and counts, independent of the machine's load.
 #include "device/conformance/check.hpp"
 #include "realtime/allocation_counter.hpp"
 #include "realtime/monotonic_clock.hpp"
@@ -45,7 +45,7 @@ CheckFinding cpuTime(DriverBench& bench, Call call) {
   return typical_us <= kMostCpu_us ? passed(text) : failed("takes " + text);
 }
 
-// A driver for hosts may wait, but not for so long that its samples are stale.
+// A driver for hosts may block, but not until its samples are stale.
 CheckFinding wallTime(DriverBench& bench, Call call) {
   std::vector<double> times_ms;
   for (int i = 0; i < kFewCalls; ++i) {
@@ -64,12 +64,12 @@ long waitsOfThread() {
   return use.ru_nvcsw;
 }
 
-// A thread that waits gives up its core; one that is only preempted does not.
+// Counts voluntary context switches: a thread that blocks makes one, a preempted thread does not.
 CheckFinding waits(DriverBench& bench, Call call) {
   if (!bench.neverWaits()) return skipped("does not say WH_NEVER_WAITS");
   long least = kCalls;
   for (int attempt = 0; attempt < kAttempts && least > 0;
-       ++attempt) {  // a page may be fetched once
+       ++attempt) {  // the first attempt may fault a page in
     const long before = waitsOfThread();
     for (int i = 0; i < kCalls / 5; ++i) (void)call(bench);
     least = std::min(least, waitsOfThread() - before);
@@ -90,7 +90,7 @@ CheckFinding allocations(DriverBench& bench, Call call) {
                 std::to_string(kCalls) + " calls");
 }
 
-// Calls that may block for as long as somebody else likes.
+// Counts system calls that may block indefinitely.
 CheckFinding systemCalls(DriverBench& bench, Call call) {
   if (!bench.neverWaits()) return skipped("does not say WH_NEVER_WAITS");
   if (const std::string why = watchSystemCalls(); !why.empty()) return skipped(why);
@@ -118,7 +118,7 @@ CheckFinding systemCalls(DriverBench& bench, Call call) {
   return passed();
 }
 
-// Of any thread of this process.
+// Child processes of this process's main thread.
 std::string children() {
   std::string all;
   std::ifstream file("/proc/self/task/" + std::to_string(::getpid()) + "/children");

@@ -1,4 +1,4 @@
-// What the drive does when nobody commands it any more.
+// Checks of the drive's watchdog.
 #include "device/conformance/check.hpp"
 #include "realtime/monotonic_clock.hpp"
 
@@ -9,11 +9,11 @@ namespace wholehand {
 namespace {
 
 constexpr double kBeforeFirst_s = 1.0;
-constexpr double kLatest = 1.5, kLatestMore_s = 0.02;  // silence_s, its clock and one sample
+constexpr double kLatest = 1.5, kLatestMore_s = 0.02;  // on silence_s; for clock and one sample
 constexpr double kGiveUp_s = 10.0;
 constexpr double kFed_s = 0.2;
 
-// The longest of all axes: from then on nothing may be given.
+// Longest watchdog timeout of all axes; no effort may remain after it.
 double silence_s(const DriverBench& bench) {
   double longest = 0.0;
   for (const wh_axis& axis : bench.axes()) {
@@ -27,8 +27,9 @@ bool letGo(const Sampled& s) {
          ((s.sample.status & WH_SILENCED) != 0 || (s.sample.status & WH_ENABLED) == 0);
 }
 
-// Empty: it let go in time, after commands that end now. Only a sample that was asked for too late
-// and says nothing counts: a machine that stands still meanwhile changes nothing.
+// Why the drive did not let go in time after commands end now; empty: it did. Only a sample that
+// was requested too late and shows no release counts, so that a stall of this machine has no
+// effect.
 std::string lateSilence(DriverBench& bench, bool writing) {
   const double latest_s = kLatest * silence_s(bench) + kLatestMore_s;
   const std::int64_t last_ns = monotonicNow_ns();

@@ -12,7 +12,7 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// How far a reading is off in a tick of the fault. One that ran away stays away.
+// Offset of a reading in a tick. The offset of a drift remains after its last tick.
 double offset(const InjectedFault& fault, int tick) noexcept {
   switch (fault.kind) {
     case InjectedKind::kEncoderJump:
@@ -51,18 +51,17 @@ bool hasAxis(InjectedKind kind) noexcept {
 
 InjectedFault faultBeyond(const DeviceModel& device, double period_s, InjectedKind kind, int axis,
                           int first_tick, int last_tick) {
-  const double way =
-      device.axes[static_cast<std::size_t>(axis)].speed_limit * period_s;  // in a period, at most
+  const double way = device.axes[axis].speed_limit * period_s;  // largest motion in a period
   InjectedFault fault{kind, first_tick, last_tick, axis, 0.0};
   switch (kind) {
     case InjectedKind::kEncoderJump:
-      fault.size = 4.0 * way + 4.0 * device.axes[static_cast<std::size_t>(axis)].encoder_step;
+      fault.size = 4.0 * way + 4.0 * device.axes[axis].encoder_step;
       break;
     case InjectedKind::kOverSpeed:
       fault.size = 2.0 * way;
       break;
     case InjectedKind::kLeavesWorkspace:
-      fault.size = 0.25 * way;  // on top of the person's own motion
+      fault.size = 0.25 * way;  // added to the person's motion
       break;
     case InjectedKind::kLateTicks:
       fault.size = 1.0;

@@ -8,53 +8,53 @@
 
 namespace wholehand {
 
-/// What goes wrong between a device and the loop.
+/// Faults between a device and the loop.
 enum class InjectedKind {
   kReadFails,
   kWriteFails,  ///< the effort does not reach the device
   kNanPosition,
   kInfinitePosition,
   kNegativeInfinitePosition,
-  kShortReading,     ///< one axis less
-  kEncoderJump,      ///< the reading is off by `size`
-  kEncoderStuck,     ///< the reading stays what it was
-  kOverSpeed,        ///< the reading runs away, `size` further in every tick
-  kLeavesWorkspace,  ///< the same, slowly
-  kLateTicks,        ///< the loop comes `size` periods late, tick after tick
-  kLongGap,          ///< once
-  kNotReady,         ///< at arming, as are the next two
+  kShortReading,     ///< one axis is missing
+  kEncoderJump,      ///< the reading has an offset of `size`
+  kEncoderStuck,     ///< the reading stays constant
+  kOverSpeed,        ///< the reading drifts by `size` every tick
+  kLeavesWorkspace,  ///< the same, more slowly
+  kLateTicks,        ///< the loop is `size` periods late in every tick
+  kLongGap,          ///< the loop is `size` periods late once
+  kNotReady,         ///< at arming, like the next two
   kNotCalibrated,
   kMoving,
 };
 
-/// One fault, from its first to its last tick.
+/// One fault from its first to its last tick.
 struct InjectedFault {
   InjectedKind kind = InjectedKind::kReadFails;
-  int first_tick = 0;  ///< counted by reads since open(), from 0: arming makes the first one
+  int first_tick = 0;  ///< counted in reads since open(), from 0; arming makes the first
   int last_tick = 0;   ///< inclusive
-  int axis = 0;        ///< of the faults that have one
+  int axis = 0;        ///< for faults of an axis
   double size = 0.0;   ///< [m or rad], or periods
 };
 
-/// True where a fault of that kind is one of an axis.
+/// True if a fault of that kind belongs to an axis.
 [[nodiscard]] bool hasAxis(InjectedKind kind) noexcept;
 
-/// A fault just large enough to be one by the limits of the device's file: a jump of four times
-/// what the fastest motion makes in a period, twice the speed limit, a quarter of it out of the
-/// workspace, one period late, a gap half as long again as is allowed.
+/// A fault just beyond the limits of the device file: a jump of four times the fastest motion in a
+/// period, twice the speed limit, a drift out of the workspace at a quarter of it, one period late,
+/// a gap 1.5 times the one allowed.
 [[nodiscard]] InjectedFault faultBeyond(const DeviceModel& device, double period_s,
                                         InjectedKind kind, int axis, int first_tick, int last_tick);
 
-/// The same on an axis and from a tick on that the seed draws, both alike likely.
+/// The same on a random axis and from a random tick, uniformly drawn by the seed.
 [[nodiscard]] InjectedFault faultAtRandom(const DeviceModel& device, double period_s,
                                           InjectedKind kind, int first_tick, int last_tick,
                                           int lasts_ticks, std::uint64_t seed);
 
-/// Passes everything on to another device, but for the faults it injects. A failed read leaves the
-/// reading as it was, yet time passes in the device behind. Real-time safe where a device is.
+/// Forwards to another device and injects faults. A failed read leaves the reading unchanged, but
+/// time passes in the device behind. Real-time safe if that device is.
 class FaultInjector final : public HapticDevice {
  public:
-  /// @param simulated what it says of itself: false has everything watched, as on a real device
+  /// @param simulated value of simulated(); false enables every watchdog, as on a real device
   /// @pre device outlives this
   FaultInjector(HapticDevice& device, std::vector<InjectedFault> faults, bool simulated = false);
 
@@ -65,14 +65,14 @@ class FaultInjector final : public HapticDevice {
   [[nodiscard]] Fault write(const AxisEffort& effort) noexcept override;
   void close() noexcept override { device_.close(); }
 
-  /// What the loop is to say to the next tick, 1 + the periods it is late: a device cannot make its
-  /// loop late by itself.
+  /// Elapsed periods that the loop must pass to the next tick: 1 + the periods it is late. A device
+  /// cannot delay its own loop.
   [[nodiscard]] std::uint32_t nextElapsedPeriods() const noexcept;
-  /// The last effort somebody tried to write.
+  /// The last effort passed to write().
   [[nodiscard]] const AxisEffort& written() const noexcept { return written_; }
-  /// The reads since open, less one.
+  /// Number of reads since open(), minus one.
   [[nodiscard]] int tick() const noexcept { return tick_; }
-  /// Nothing goes wrong from now on: repaired.
+  /// Removes all faults.
   void clear() noexcept { faults_.clear(); }
 
  private:

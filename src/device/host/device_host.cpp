@@ -46,9 +46,9 @@ GuardConfig guardConfig(const DeviceDriver& driver, const DeviceModel& model, do
   config.most_change = AxisEffort(axes);
   const double window_s = slewTicks(period_s) * period_s;
   for (int i = 0; i < axes; ++i) {
-    const int at = model.axisIndex(driver.axes()[static_cast<std::size_t>(i)].name);
+    const int at = model.axisIndex(driver.axes()[i].name);
     if (at < 0) continue;
-    const DeviceAxis& axis = model.axes[static_cast<std::size_t>(at)];
+    const DeviceAxis& axis = model.axes[at];
     config.neutral[i] = axis.neutral_effort;
     config.limit[i] = axis.effort_limit;
     config.most_change[i] = axis.effort_slew_limit * window_s;
@@ -69,7 +69,7 @@ void describeDevice(SharedFrame& frame, const DeviceDriver& driver, const GuardC
   copyText(frame.identity.sdk, driver.identity().sdk);
   for (std::size_t i = 0; i < driver.axes().size(); ++i) {
     frame.axes[i] = driver.axes()[i];
-    // A sample waits up to a cycle for the loop, and a command up to a cycle for the device.
+    // A sample waits up to one cycle for the loop, and a command up to one cycle for the device.
     frame.axes[i].delay_s += 2.0 * config.period_s;
     frame.neutral[i] = config.neutral[static_cast<int>(i)];
   }
@@ -86,7 +86,7 @@ DeviceHost::DeviceHost(DeviceDriver& driver, SharedFrame& frame, const GuardConf
 
 bool DeviceHost::cycle(int elapsed_periods) noexcept {
   const int read_result = driver_.read(sample_.sample);
-  const std::int64_t now_ns = now_ns_();  // a driver may have waited
+  const std::int64_t now_ns = now_ns_();  // taken late: a driver may have blocked
   if (last_cycle_ns_ != 0) longest_gap_ns_ = std::max(longest_gap_ns_, now_ns - last_cycle_ns_);
   last_cycle_ns_ = now_ns;
 
@@ -98,8 +98,8 @@ bool DeviceHost::cycle(int elapsed_periods) noexcept {
   if (ending) let_go = HostReason::kHostEnds;
   commanded_ = frame_.command.take(command_) || commanded_;
   if (asked && request_.verb == WH_DISABLE) {
-    // The loop's last command came before its end, also where both came between two cycles.
-    if (commanded_ && isUnheard(command_)) {
+    // The loop sent its last command before its end request. Both may arrive between two cycles.
+    if (commanded_ && isNew(command_)) {
       asked = false;
     } else {
       let_go = HostReason::kLoopEnded;
@@ -110,7 +110,7 @@ bool DeviceHost::cycle(int elapsed_periods) noexcept {
   if (guard_.phase != HostPhase::kIdle) {
     ++out_.sequence;
     for (int i = 0; i < config_.neutral.size(); ++i) {
-      out_.effort[static_cast<std::size_t>(i)] = guard_.ramp.sent[i];
+      out_.effort[i] = guard_.ramp.sent[i];
     }
     sample_.write_result = driver_.write(out_);
   }
@@ -141,14 +141,14 @@ void DeviceHost::tell(HostPhase before, std::int64_t now_ns) noexcept {
   event.reason = guard_.reason;
   event.session = guard_.session;
   event.at_ns = now_ns;
-  event.silent_ns = now_ns - guard_.alive_ns;
+  event.silent_ns = now_ns - guard_.last_command_ns;
   event.longest_gap_ns = longest_gap_ns_;
   event.loop_pid = request_.pid;
   longest_gap_ns_ = 0;
   (void)events_.try_push(event);
 }
 
-bool DeviceHost::isUnheard(const HostCommand& command) const noexcept {
+bool DeviceHost::isNew(const HostCommand& command) const noexcept {
   const bool hears = guard_.phase == HostPhase::kWaiting || guard_.phase == HostPhase::kRendering;
   return hears && command.session == guard_.session && command.sequence > guard_.sequence;
 }
@@ -157,7 +157,7 @@ bool DeviceHost::isRendering() const noexcept {
   return guard_.phase == HostPhase::kRendering || guard_.phase == HostPhase::kRamping;
 }
 
-// Takes as long as the driver does: nothing is rendered meanwhile.
+// Takes as long as the driver needs; nothing is rendered meanwhile.
 void DeviceHost::serve() {
   HostAnswer answer{};
   answer.number = request_.number;
@@ -168,7 +168,7 @@ void DeviceHost::serve() {
     copyText(answer.text, error.what());
   }
   answered_ = request_.number;
-  last_cycle_ns_ = 0;  // how long a verb takes is no gap
+  last_cycle_ns_ = 0;  // the duration of a verb is not a gap
   frame_.answer.publish(answer);
 }
 

@@ -11,7 +11,7 @@ bool isNeutral(const AxisEffort& effort, const AxisEffort& neutral) noexcept {
   return std::equal(effort.begin(), effort.end(), neutral.begin(), neutral.end());
 }
 
-// What the command asks for; size 0: nothing that could be sent.
+// Effort of the command, clamped; size 0 when the command is invalid.
 AxisEffort effortOf(const HostCommand& command, const GuardConfig& config) noexcept {
   const int axes = config.neutral.size();
   if (command.axes != static_cast<std::uint64_t>(axes)) return AxisEffort(0);
@@ -21,14 +21,14 @@ AxisEffort effortOf(const HostCommand& command, const GuardConfig& config) noexc
   return limitEffort(asked, config.limit).effort;
 }
 
-// Takes the command where it is new: why the loop must be let go of; kNone: it need not.
+// Accepts the command if it is new. Returns why the loop must be let go; kNone otherwise.
 HostReason hear(GuardState& s, const HostCommand* command, std::int64_t now_ns,
                 const GuardConfig& config, AxisEffort& wanted) noexcept {
   if (command == nullptr || command->session != s.session || command->sequence <= s.sequence) {
     return HostReason::kNone;
   }
   s.sequence = command->sequence;
-  s.alive_ns = std::min(command->monotonic_ns, now_ns);
+  s.last_command_ns = std::min(command->monotonic_ns, now_ns);
   s.phase = HostPhase::kRendering;
   wanted = effortOf(*command, config);
   return wanted.size() == 0 ? HostReason::kBadCommand : HostReason::kNone;
@@ -37,7 +37,7 @@ HostReason hear(GuardState& s, const HostCommand* command, std::int64_t now_ns,
 HostReason judgeSilence(const GuardState& s, std::int64_t now_ns) noexcept {
   const bool waits = s.phase == HostPhase::kWaiting;
   const std::int64_t patience_ns = waits ? kFirstCommand_ns : kLoopSilence_ns;
-  if (now_ns - s.alive_ns <= patience_ns) return HostReason::kNone;
+  if (now_ns - s.last_command_ns <= patience_ns) return HostReason::kNone;
   return waits ? HostReason::kNeverCommanded : HostReason::kLoopSilent;
 }
 
@@ -45,7 +45,7 @@ void letGo(GuardState& s, HostReason why, const GuardConfig& config) noexcept {
   const bool neutral = isNeutral(s.ramp.sent, config.neutral);
   s.reason = why;
   if (neutral && why == HostReason::kLoopSilent) s.reason = HostReason::kSilentAtNeutral;
-  // As it should; a host that was late has yet to bring the device there.
+  // A loop that ended at neutral ended well, even if a late host has yet to bring the device there.
   const bool ended_well = why == HostReason::kLoopEnded && isNeutral(s.wanted, config.neutral);
   if (ended_well) s.reason = HostReason::kNone;
   s.phase = neutral ? HostPhase::kLatched : HostPhase::kRamping;
@@ -58,10 +58,10 @@ GuardState beginSession(std::uint64_t session, std::int64_t now_ns,
   GuardState s;
   s.phase = HostPhase::kWaiting;
   s.session = session;
-  s.alive_ns = now_ns;
+  s.last_command_ns = now_ns;
   s.wanted = config.neutral;
   s.ramp = engageFrom(config.neutral);
-  s.ramp.again = true;  // engaged wholly: the loop blends in by itself
+  s.ramp.again = true;  // fully engaged: the loop blends in by itself
   s.ramp.authority = 1.0;
   s.ramp.elapsed_s = config.ramp.reengage_s;
   s.given = SlewWindow(slewTicks(config.period_s));
@@ -87,7 +87,7 @@ GuardState advanceGuard(const GuardState& state, const HostCommand* command, Hos
     why = let_go;
     if (why == HostReason::kNone) why = hear(next, command, now_ns, config, wanted);
     if (why == HostReason::kNone) why = judgeSilence(next, now_ns);
-    // What the device holds is where the ramp begins: not a command that came too late.
+    // The ramp begins at the effort that the device holds, not at a command that came too late.
     if (why == HostReason::kNone) {
       next.wanted = wanted;
     } else {

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 constexpr const char* kPrefix = "wholehand-";
 constexpr const char* kLock = ".lock";
 
-// An open file, mapped for reading where it is of this version's size.
+// An open file, mapped for reading if it has this version's size.
 class Mapped {
  public:
   explicit Mapped(const std::string& path) : fd_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
@@ -43,7 +43,7 @@ class Mapped {
 
   [[nodiscard]] const std::string& problem() const { return problem_; }
   [[nodiscard]] const SharedFrame& frame() const { return *static_cast<const SharedFrame*>(at_); }
-  // A loop holds a lock on all of it (HostSegment::attach).
+  // A connected loop holds a lock on the whole file (HostSegment::attach).
   [[nodiscard]] bool isLocked() const {
     struct flock lock {};
     lock.l_type = F_WRLCK;

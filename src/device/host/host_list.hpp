@@ -8,24 +8,25 @@
 
 namespace wholehand {
 
-/// What a host says of itself in its shared memory; nobody's loop is touched.
+/// State that a host publishes in its shared memory. Reading it does not disturb a loop.
 struct HostFacts {
-  std::string name;         ///< of --name
-  std::string problem;      ///< why nothing below is known; empty: it is
-  std::string driver;       ///< what the driver calls itself
+  std::string name;         ///< the host's --name
+  std::string problem;      ///< why the rest is unknown; empty: it is known
+  std::string driver;       ///< name that the driver gives itself
   std::int64_t pid = 0;     ///< of the host
-  bool lives = false;       ///< its process is there
-  bool in_use = false;      ///< a loop has it
-  double sample_age_s = 0;  ///< since its last cycle; below 0: no cycle yet
+  bool lives = false;       ///< its process exists
+  bool in_use = false;      ///< a loop is connected
+  double sample_age_s = 0;  ///< time since its last cycle; < 0: no cycle yet
   HostPhase phase = HostPhase::kIdle;
   HostReason reason = HostReason::kNone;
   std::vector<wh_axis> axes;
 };
 
-/// The hosts whose memory stands in /dev/shm, by name; also those that are gone. Not for the tick.
+/// Hosts whose shared memory is in /dev/shm, sorted by name; also of ended processes. Not real-time
+/// safe.
 [[nodiscard]] std::vector<HostFacts> listHosts(const std::string& folder = "/dev/shm");
 
-/// "rendering": what a person is told of a phase.
+/// Name of a phase for people: "rendering".
 [[nodiscard]] const char* describe(HostPhase phase) noexcept;
 
 }  // namespace wholehand

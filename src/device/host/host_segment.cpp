@@ -47,7 +47,7 @@ struct flock wholeFile() {
   return lock;
 }
 
-// Closes unless it is taken.
+// File descriptor, closed unless released.
 class Descriptor {
  public:
   explicit Descriptor(int fd) : fd_(fd) {}
@@ -92,7 +92,7 @@ bool processLives(std::int64_t pid) {
   std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
   std::string text;
   if (!std::getline(file, text)) return false;
-  const std::size_t name_end = text.rfind(')');  // the name may hold anything
+  const std::size_t name_end = text.rfind(')');  // the process name may contain any character
   const char state = name_end + 2 < text.size() ? text[name_end + 2] : 'X';
   return state != 'Z' && state != 'X';
 }
@@ -104,7 +104,7 @@ Expected<std::unique_ptr<HostLock>> HostLock::take(const std::string& name) {
   if (fd.get() < 0) {
     return no(name, withErrno("cannot be locked"), "does it belong to another user? See /dev/shm");
   }
-  // A lock of the process: what it forks does not hold it.
+  // A lock of the process, which its children do not inherit.
   struct flock lock = wholeFile();
   if (::fcntl(fd.get(), F_SETLK, &lock) == 0) {
     return std::unique_ptr<HostLock>(new HostLock(name, fd.take()));
@@ -156,7 +156,7 @@ Expected<std::unique_ptr<HostSegment>> HostSegment::attach(const std::string& na
     return no(name, why, "run the same version as the host");
   }
   if (!segment->hostLives()) return no(name, "is gone", kStartHost);
-  // Of this open file: a second loop is refused, in this process, too.
+  // A lock of the open file description: it also refuses a second loop in this process.
   struct flock lock = wholeFile();
   if (::fcntl(segment->fd_, F_OFD_SETLK, &lock) != 0) {
     HostRequest last{};
@@ -166,7 +166,7 @@ Expected<std::unique_ptr<HostSegment>> HostSegment::attach(const std::string& na
                   (known ? ", process " + std::to_string(last.pid) : std::string()),
               "end that one first");
   }
-  if (!segment->hasPulse()) return no(name, "stands still", "end it and start it again");
+  if (!segment->publishesSamples()) return no(name, "stands still", "end it and start it again");
   return segment;
 }
 
@@ -180,7 +180,7 @@ bool HostSegment::hostLives() const {
   return processLives(frame_->host_pid);
 }
 
-bool HostSegment::hasPulse() const {
+bool HostSegment::publishesSamples() const {
   HostSample first{}, later{};
   const bool had = frame_->sample.take(first);
   for (auto waited = kPulseEvery; waited < kPulseWithin; waited += kPulseEvery) {

@@ -9,18 +9,18 @@
 
 namespace wholehand {
 
-/// Why shared memory is not that of a host of this version; empty: it is.
+/// Why shared memory does not belong to a host of this version; empty: it does.
 [[nodiscard]] std::string whyForeign(const SharedFrame& frame);
 
-/// False also for a process that has ended and that its parent has not waited for.
+/// Whether a process lives. False for a zombie.
 [[nodiscard]] bool processLives(std::int64_t pid);
 
-/// One host per name: held from construction to destruction, and never longer than this process
-/// lives. A process that a driver forks does not hold it.
+/// Lock that allows one host per name, held until destruction or until the process ends. Child
+/// processes forked by a driver do not inherit it.
 class HostLock {
  public:
-  /// Refused: a name that is not 1 to 32 of a-z, 0-9 and -, and one whose host runs, by its
-  /// process.
+  /// Refused: a name that is not 1 to 32 of a-z, 0-9 and -, and a name whose host runs, with its
+  /// process id.
   [[nodiscard]] static Expected<std::unique_ptr<HostLock>> take(const std::string& name);
   ~HostLock();
   HostLock(const HostLock&) = delete;
@@ -33,26 +33,29 @@ class HostLock {
   int fd_;
 };
 
-/// The memory that a host and a loop share, of this user alone (mode 0600). Not for the tick.
+/// Shared memory of a host and a loop, accessible to this user only (mode 0600). Not real-time
+/// safe.
 class HostSegment {
  public:
-  /// The host's: new and empty. What a host of the same name left when it died is removed; a loop
-  /// that still has it mapped reaches nobody. A process that a driver forks does not have it.
+  /// Creates the host's segment, empty. Removes the segment of a dead host of the same name; a loop
+  /// that still maps it reaches nobody. Child processes forked by a driver do not inherit the
+  /// mapping.
   /// @pre lock outlives the segment
   [[nodiscard]] static Expected<std::unique_ptr<HostSegment>> create(const HostLock& lock);
-  /// The loop's. Refused, by name: no such host, one of another user, another version or size of
-  /// the memory, impossible axes, a host that is gone or stands still, one that another loop uses.
+  /// Attaches a loop to a host's segment. Refused, each with its own message: no such host, a host
+  /// of another user, another version or size of the memory, impossible axes, a host that is gone
+  /// or stalled, one that another loop uses.
   [[nodiscard]] static Expected<std::unique_ptr<HostSegment>> attach(const std::string& name);
-  /// The host's is removed.
+  /// Removes the segment if the host owns it.
   ~HostSegment();
   HostSegment(const HostSegment&) = delete;
   HostSegment& operator=(const HostSegment&) = delete;
 
   [[nodiscard]] SharedFrame& frame() noexcept { return *frame_; }
-  /// The process of the host is there. It may be stopped.
+  /// Whether the process of the host exists. It may be stopped.
   [[nodiscard]] bool hostLives() const;
-  /// The host's samples go on: seen within a second, usually in a millisecond.
-  [[nodiscard]] bool hasPulse() const;
+  /// Whether the host publishes samples. Waits up to a second, usually a millisecond.
+  [[nodiscard]] bool publishesSamples() const;
 
  private:
   HostSegment(std::string path, int fd, SharedFrame* frame, bool owned)
@@ -60,7 +63,7 @@ class HostSegment {
   std::string path_;
   int fd_;
   SharedFrame* frame_;
-  bool owned_;  ///< by the host
+  bool owned_;  ///< true in the host
 };
 
 }  // namespace wholehand

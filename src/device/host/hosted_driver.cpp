@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kAnswerEvery{1};
 constexpr std::int64_t kAnswerWithin_ns = 120'000'000'000;  // homing moves the device
-constexpr std::int64_t kEndWithin_ns = 3'000'000'000;       // a run that ends waits for it
+constexpr std::int64_t kEndWithin_ns = 3'000'000'000;       // a run waits this long at its end
 constexpr std::int64_t kSampleWithin_ns = 2'000'000'000;
 
 std::vector<wh_axis> axesOf(const SharedFrame& frame) {
@@ -68,7 +68,7 @@ Diagnostics HostedDriver::differences(const DeviceModel& model) const {
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     const int at = model.axisIndex(axes_[i].name);
     const double host = segment_->frame().neutral[i];
-    const double loop = at < 0 ? 0.0 : model.axes[static_cast<std::size_t>(at)].neutral_effort;
+    const double loop = at < 0 ? 0.0 : model.axes[at].neutral_effort;
     if (std::abs(host - loop) <= 1e-9) continue;
     out.push_back({model.path, 0, "axes", axes_[i].name,
                    where() + " ramps to another neutral effort",
@@ -105,7 +105,7 @@ Expected<HostAnswer> HostedDriver::ask(std::uint32_t verb, double argument) {
   return answer;
 }
 
-// The samples from before still say that the device is not enabled.
+// Waits for samples of the new session. Earlier ones still say that the device is not enabled.
 Expected<Done> HostedDriver::awaitSession() {
   const std::int64_t until_ns = monotonicNow_ns() + kSampleWithin_ns;
   HostSample sample{};
@@ -122,7 +122,7 @@ Expected<Done> HostedDriver::control(std::uint32_t verb, double argument) {
   if (verb == WH_ENABLE && !segment_->hostLives()) {
     if (auto again = connectAnew(); !again) return again;
   }
-  if (verb != WH_DISABLE && !segment_->hasPulse()) {
+  if (verb != WH_DISABLE && !segment_->publishesSamples()) {
     return no("stands still", "end it and start it again");
   }
   (void)segment_->frame().sample.take(last_);

@@ -13,23 +13,24 @@
 
 namespace wholehand {
 
-/// A driver that runs in a host (`wholehand device-host`). Reads and writes are copies in shared
-/// memory: no system call. Where the host dies or stands still its samples do, which is
-/// Fault::kStaleSample in PluginDevice.
+/// A driver that runs in a host process (`wholehand device-host`). Reads and writes copy shared
+/// memory without a system call. When the host dies or stalls, its samples stand still;
+/// PluginDevice reports Fault::kStaleSample.
 class HostedDriver final : public DeviceDriver {
  public:
-  /// Refused as HostSegment::attach().
+  /// Refused like HostSegment::attach().
   [[nodiscard]] static Expected<std::shared_ptr<HostedDriver>> connect(const std::string& name);
 
-  /// The host ramps to the neutral effort of its device file: it must be that of the loop's.
+  /// Differences between the loop's device file and the host's. The host ramps to the neutral
+  /// effort of its own file, so the files must agree.
   [[nodiscard]] Diagnostics differences(const DeviceModel& model) const;
 
-  /// When the host's newest cycle was that the loop has read, CLOCK_MONOTONIC [ns]; 0: none. Any
-  /// thread.
+  /// Time of the newest cycle of the host that the loop has read, CLOCK_MONOTONIC [ns]; 0: none.
+  /// Any thread.
   [[nodiscard]] std::int64_t cycleNs() const noexcept {
     return cycle_ns_.load(std::memory_order_relaxed);
   }
-  /// Why the host let go in this session, as far as the loop has read. Any thread.
+  /// Why the host let go in this session, as read by the loop. Any thread.
   [[nodiscard]] HostReason reason() const noexcept {
     return reason_.load(std::memory_order_relaxed);
   }
@@ -37,9 +38,10 @@ class HostedDriver final : public DeviceDriver {
   [[nodiscard]] std::string where() const override { return "the host " + name_; }
   [[nodiscard]] std::string name() const override;
   [[nodiscard]] const std::vector<wh_axis>& axes() const noexcept override { return axes_; }
-  /// WH_ENABLE begins a session of the host, and connects anew where the host was started again.
+  /// Carries out a verb. WH_ENABLE begins a session of the host and reconnects if the host was
+  /// restarted.
   [[nodiscard]] Expected<Done> control(std::uint32_t verb, double argument) override;
-  /// WH_SILENCED from the cycle on in which the host let go.
+  /// Reads the newest sample. It has WH_SILENCED from the cycle in which the host let go.
   [[nodiscard]] WHOLEHAND_RT int read(wh_sample& sample) noexcept override;
   [[nodiscard]] WHOLEHAND_RT int write(const wh_command& command) noexcept override;
 

@@ -10,33 +10,33 @@
 
 namespace wholehand {
 
-/// Which device it is, by the driver's words; empty where they are not known.
+/// Identity of the device in the driver's words; empty where unknown.
 struct DriverIdentity {
   std::string serial, firmware, sdk;
 };
 
-/// What control() says of a verb that the device does not know begins so.
-inline constexpr const char* kHasNoWay = "the device has no way to ";
+/// Prefix of control()'s error for a verb that the device does not support.
+inline constexpr const char* kUnsupportedPrefix = "the device has no way to ";
 
-/// A driver by the boundary of device.h, wherever it runs: in this process, or in that of a host.
-/// One thread at a time: control() is not called while a loop reads and writes.
+/// A driver behind the interface of device.h, in this process or in a host. One thread at a time:
+/// control() is not called while a loop reads and writes.
 class DeviceDriver {
  public:
   virtual ~DeviceDriver() = default;
 
-  /// For messages: "the driver ./rails.so", "the host desk".
+  /// Where the driver runs, for messages: "the driver ./rails.so", "the host desk".
   [[nodiscard]] virtual std::string where() const = 0;
-  /// What the driver calls itself.
+  /// Name that the driver gives itself.
   [[nodiscard]] virtual std::string name() const = 0;
-  /// In the order of positions and efforts; they do not change.
+  /// Axes in the order of positions and efforts; constant.
   [[nodiscard]] virtual const std::vector<wh_axis>& axes() const noexcept = 0;
-  /// One of the verbs of device.h; returns when it is done. Not real-time safe.
+  /// Carries out a verb of device.h; returns when it is done. Not real-time safe.
   [[nodiscard]] virtual Expected<Done> control(std::uint32_t verb, double argument) = 0;
-  /// As wh_plugin.read and wh_plugin.write: 0 and more is success.
+  /// As wh_plugin.read and wh_plugin.write: >= 0 is success.
   [[nodiscard]] WHOLEHAND_RT virtual int read(wh_sample& sample) noexcept = 0;
   [[nodiscard]] WHOLEHAND_RT virtual int write(const wh_command& command) noexcept = 0;
 
-  /// Known once the device is open; does not change.
+  /// Identity of the device, known once it is open; constant.
   [[nodiscard]] const DriverIdentity& identity() const noexcept { return identity_; }
 
  protected:

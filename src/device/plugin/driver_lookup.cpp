@@ -35,7 +35,7 @@ std::vector<std::string> shippedDriverFolders() {
 
 Expected<std::string> findDriver(const std::string& name, const std::vector<std::string>& folders) {
   if (name.find('/') != std::string::npos) return name;
-  // dlopen would look for it where libraries of the system are.
+  // Without a slash dlopen would search the system's library folders.
   if (name.ends_with(kEnding)) return std::string("./").append(name);
   for (const std::string& folder : folders) {
     const fs::path path = fs::path(folder) / (name + kEnding);

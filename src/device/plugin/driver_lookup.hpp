@@ -7,13 +7,13 @@
 
 namespace wholehand {
 
-/// Where drivers that ship with this program are: `drivers` beside it (a build), and
-/// `../lib/wholehand/drivers` (an installation).
+/// Folders of the drivers shipped with this program: `drivers` beside it (build tree), and
+/// `../lib/wholehand/drivers` (installation).
 [[nodiscard]] std::vector<std::string> shippedDriverFolders();
 
-/// The path of a driver. What has a slash or ends in .so is a path already, that of the working
-/// directory where it has no slash; any other name is looked up in the folders, in their order.
-/// Refused: a name that is in none of them, with those that are.
+/// The path of a driver. A name with a slash or the ending .so is a path; without a slash it is
+/// relative to the working directory. Any other name is looked up in the folders in order. Refused:
+/// a name in none of them; the error lists the available ones.
 [[nodiscard]] Expected<std::string> findDriver(const std::string& name,
                                                const std::vector<std::string>& folders);
 

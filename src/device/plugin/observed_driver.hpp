@@ -12,20 +12,21 @@
 
 namespace wholehand {
 
-/// What a person is shown of a device beside its positions.
+/// State of a device for display, beside its positions.
 struct DeviceFacts {
   bool enabled = false, homed = false, silenced = false;
-  /// Highest of all axes; NaN: not known.
+  /// Highest of all axes; NaN: unknown.
   double temperature_c = std::numeric_limits<double>::quiet_NaN();
-  std::int64_t sampled_ns = 0;  ///< when the newest sample was taken; CLOCK_MONOTONIC, 0: none yet
+  std::int64_t sampled_ns = 0;  ///< time of the newest sample, CLOCK_MONOTONIC; 0: none yet
 };
 
-/// A driver that keeps what its newest sample says for other threads. The tick pays a few stores.
+/// A driver that publishes its newest sample's state to other threads, at the cost of a few stores
+/// per tick.
 class ObservedDriver final : public DeviceDriver {
  public:
   explicit ObservedDriver(std::shared_ptr<DeviceDriver> driver) : driver_(std::move(driver)) {}
 
-  /// Any thread; each figure by itself is of the newest sample.
+  /// Any thread. Each field is of the newest sample; the fields are not read atomically together.
   [[nodiscard]] DeviceFacts facts() const noexcept;
 
   [[nodiscard]] std::string where() const override { return driver_->where(); }

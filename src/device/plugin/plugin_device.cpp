@@ -9,7 +9,7 @@
 namespace wholehand {
 namespace {
 
-constexpr double kTolerance = 1e-6;  // of a figure that the file states
+constexpr double kTolerance = 1e-6;  // relative to the file's value
 constexpr std::uint32_t kNeeded = WH_ENABLED | WH_HOMED;
 
 class Comparison {
@@ -20,7 +20,7 @@ class Comparison {
   void refuse(const DeviceAxis& axis, const std::string& why, const std::string& remedy) {
     out_.push_back({model_.path, 0, "axes", axis.name, driver_.where() + " " + why, remedy});
   }
-  // The file must not promise what the device does not have.
+  // The file must not state more than the device has.
   void atLeast(const DeviceAxis& axis, const char* what, double has, double stated) {
     if (has >= stated - kTolerance * std::max(1.0, std::abs(stated))) return;
     refuse(axis,
@@ -61,14 +61,14 @@ Expected<std::unique_ptr<HapticDevice>> PluginDevice::make(
       driver, model.axisCount(), static_cast<int>(std::ceil(longestStill_s(model) / period_s))));
   const std::vector<wh_axis>& offered = driver->axes();
   for (int a = 0; a < model.axisCount(); ++a) {
-    const DeviceAxis& axis = model.axes[static_cast<std::size_t>(a)];
+    const DeviceAxis& axis = model.axes[a];
     const auto found = std::find_if(offered.begin(), offered.end(),
                                     [&](const wh_axis& has) { return axis.name == has.name; });
     if (found == offered.end()) {
       compare.refuse(axis, "has no such axis", "name the axes as the driver does");
       continue;
     }
-    device->place_[static_cast<std::size_t>(a)] = static_cast<int>(found - offered.begin());
+    device->place_[a] = static_cast<int>(found - offered.begin());
     const bool turns = axis.kind == AxisKind::kRotation;
     if ((found->kind == WH_ROTATION) != turns) {
       compare.refuse(axis, turns ? "has a translation" : "has a rotation",
@@ -143,7 +143,7 @@ Fault PluginDevice::read(DeviceReading& reading, int elapsed_periods) noexcept {
   if (!enabled_ || driver_->read(sample) < 0) return Fault::kDeviceRead;
   if (reading.q_m.size() != axes_) reading.q_m = AxisPosition(axes_);
   for (int a = 0; a < axes_; ++a) {
-    const auto from = static_cast<std::size_t>(place_[static_cast<std::size_t>(a)]);
+    const auto from = static_cast<std::size_t>(place_[a]);
     if ((sample.valid >> from & 1U) == 0) return Fault::kDeviceRead;
     reading.q_m[a] = sample.position[from];
   }
@@ -157,7 +157,7 @@ Fault PluginDevice::write(const AxisEffort& effort) noexcept {
   if (!enabled_) return Fault::kDeviceWrite;
   ++command_.sequence;
   for (int a = 0; a < axes_; ++a) {
-    command_.effort[static_cast<std::size_t>(place_[static_cast<std::size_t>(a)])] = effort[a];
+    command_.effort[place_[a]] = effort[a];
   }
   return driver_->write(command_) < 0 ? Fault::kDeviceWrite : Fault::kNone;
 }

@@ -10,30 +10,31 @@
 
 namespace wholehand {
 
-/// How long the samples of a device may stand still: the file's `longest_gap_s`, or 20 ms [s].
+/// Longest time that the samples of a device may stand still: the file's `longest_gap_s`, or 20 ms
+/// [s].
 [[nodiscard]] double longestStill_s(const DeviceModel& model);
 
-/// A real device behind a driver. Axes are matched by their names; the driver may have more
-/// than the device file, and in any order: the others get no effort.
+/// A real device behind a driver. Axes are matched by name. The driver may have more axes than the
+/// device file, in any order; those get no effort.
 class PluginDevice final : public HapticDevice {
  public:
-  /// Holds the device file against what the driver says of each axis. Refused, all at once: an axis
-  /// that the driver has not, of another kind, with less travel or a smaller effort than the file
-  /// states, with a coarser encoder or a longer delay than the certificate assumes, to which an
-  /// effort is something else, and a drive that never goes to neutral by itself.
+  /// Checks the device file against the driver's description. Refused, all at once: an axis that
+  /// the driver lacks, of another kind, with less travel or effort than the file states, with a
+  /// coarser encoder or longer delay than the certificate assumes, with another meaning of effort,
+  /// and a drive without a watchdog.
   /// @param period_s T, for the delay
   [[nodiscard]] static Expected<std::unique_ptr<HapticDevice>> make(
       const std::shared_ptr<DeviceDriver>& driver, const DeviceModel& model, double period_s);
 
   /// Enables the device.
   [[nodiscard]] Expected<Done> open() override;
-  /// Enabled, homed, and no drive in fault.
+  /// Whether the device is enabled and homed, and no drive is in fault.
   [[nodiscard]] Expected<Done> ready() override;
-  /// kDeviceRead where the driver fails or an axis is missing; kDriveFault, kEnableLost, kDriveHot
-  /// as the device says; kStaleSample where samples stand still or run backwards.
+  /// Sets kDeviceRead where the driver fails or an axis is missing; kDriveFault, kEnableLost and
+  /// kDriveHot as the device reports; kStaleSample where samples stand still or go back in time.
   [[nodiscard]] Fault read(DeviceReading& reading, int elapsed_periods) noexcept override;
   [[nodiscard]] Fault write(const AxisEffort& effort) noexcept override;
-  /// Disables it; the driver stays open.
+  /// Disables the device; the driver stays open.
   void close() noexcept override;
 
  private:

@@ -16,12 +16,12 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr const char* kSymbol = "wh_plugin_v1";
-// Where the functions that every driver has end, and where those of 1.1 do.
+// End of the functions that every driver has, and of those of version 1.1.
 constexpr std::size_t kSixFunctions = offsetof(wh_plugin, close) + sizeof(wh_plugin::close);
 constexpr std::size_t kIdentifies = offsetof(wh_plugin, identify) + sizeof(wh_plugin::identify);
 constexpr const char* kRemedy = "build it with this version's wholehand/device.h";
 
-// Empty: it may be used.
+// Why the driver cannot be used; empty: it can.
 std::string whyNot(const wh_plugin* plugin, CalledBy called_by) {
   if (plugin == nullptr) return "gives no driver";
   if (plugin->size < offsetof(wh_plugin, open)) return "gives a structure that is too short";
@@ -41,12 +41,12 @@ std::string whyNot(const wh_plugin* plugin, CalledBy called_by) {
   return {};
 }
 
-// The code stays loaded: a driver's own threads may still be in it.
+// The code stays loaded because the driver's own threads may still run in it.
 Expected<const wh_plugin*> findPlugin(const std::string& path, CalledBy called_by) {
   const auto no = [&path](const std::string& why, const char* remedy) {
     return Diagnostic{path, 0, "", "", why, remedy};
   };
-  // A name without a slash would be looked for where libraries of the system are.
+  // Without a slash dlopen would search the system's library folders.
   const bool bare = path.find('/') == std::string::npos;
   void* const library =
       ::dlopen((bare ? "./" + path : path).c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
@@ -99,7 +99,7 @@ Expected<std::shared_ptr<PluginDriver>> PluginDriver::load(
   std::shared_ptr<PluginDriver> driver(new PluginDriver(location, std::move(say)));
   driver->plugin_ = *plugin;
   if (Expected<Done> opened = driver->open(); !opened) return opened.errors();
-  // A driver that opens others knows only now whether all of them never wait.
+  // A driver that opens others knows only after opening whether all of them never block.
   if (const std::string why = whyNot(driver->plugin_, called_by); !why.empty()) {
     return Diagnostic{location.path, 0, "", "", why, "let a host hold it"};
   }
@@ -136,7 +136,7 @@ Expected<Done> PluginDriver::describe() {
   return Done{};
 }
 
-// What is not known stays empty: a device may be used without, but gets no passport.
+// Unknown fields stay empty. Such a device may be used, but gets no passport.
 void PluginDriver::identify() {
   if (plugin_->size < kIdentifies || plugin_->identify == nullptr) return;
   wh_identity said{};
@@ -163,13 +163,14 @@ Expected<Done> PluginDriver::control(std::uint32_t verb, double argument) {
   const int result = plugin_->control(device_, verb, argument);
   if (result >= 0) return Done{};
   const std::string what = verb < kVerbs.size() ? kVerbs.at(verb) : "do that";
-  return failed(std::string(result == WH_UNSUPPORTED ? kHasNoWay : "the device did not ") + what,
-                "look at the device");
+  return failed(
+      std::string(result == WH_UNSUPPORTED ? kUnsupportedPrefix : "the device did not ") + what,
+      "look at the device");
 }
 
 int PluginDriver::read(wh_sample& sample) noexcept {
   sample.size = sizeof(sample);
-  // What a driver leaves out is not known.
+  // Fields that the driver leaves out are unknown.
   std::fill(std::begin(sample.effort), std::end(sample.effort), kNan);
   std::fill(std::begin(sample.temperature_c), std::end(sample.temperature_c), kNan);
   return plugin_->read(device_, &sample);

@@ -9,47 +9,48 @@
 
 namespace wholehand {
 
-/// Where a driver is and what it is told.
+/// Location and settings of a driver.
 struct DriverLocation {
-  std::string path;      ///< of the shared object, or the name of one that ships (findDriver)
-  std::string locator;   ///< which device: a port, a serial number; the driver's own words
-  std::string settings;  ///< the driver's own words
+  std::string path;      ///< of the shared object, or the name of a shipped driver (findDriver)
+  std::string locator;   ///< which device: a port, a serial number; format of the driver
+  std::string settings;  ///< format of the driver
 };
 
-/// Who calls read and write of a driver.
+/// Caller of a driver's read and write.
 enum class CalledBy {
-  kLoop,  ///< the tick: a driver that may wait is refused
+  kLoop,  ///< the tick: drivers that may block are refused
   kHost   ///< a process of its own (device/host)
 };
 
-/// What a shared object says before any device is opened.
+/// Description of a shared object before any device is opened.
 struct PluginFacts {
   std::string name;  ///< for a person
   int major = 0, minor = 0;
   bool never_waits = false;
 };
 
-/// Loads the object and looks. Refused as PluginDriver::load(), but for what needs a device.
+/// Loads the shared object and describes it. Refused like PluginDriver::load(), except for errors
+/// of a device.
 [[nodiscard]] Expected<PluginFacts> pluginFacts(const std::string& path);
 
-/// A driver that was loaded from a shared object (include/wholehand/device.h), with its device open
-/// but not enabled. It stays so from one arming to the next: a device is found and homed once.
+/// A driver loaded from a shared object (include/wholehand/device.h), with its device open but not
+/// enabled. The device stays open between armings: it is found and homed once.
 class PluginDriver final : public DeviceDriver {
  public:
-  /// Loads the driver, opens its device and asks for its axes. Refused, each by name: no such file,
-  /// no `wh_plugin_v1`, another major version, a structure that ends before a function, a driver
-  /// that may wait where the loop calls it, a device that is not found.
-  /// @param say takes the driver's lines; may be null
+  /// Loads the driver, opens its device and reads its axes. Refused, each with its own message: no
+  /// such file, no `wh_plugin_v1`, another major version, a structure that ends before a required
+  /// function, a driver that may block where the loop calls it, a device that is not found.
+  /// @param say receives the driver's log lines; may be null
   [[nodiscard]] static Expected<std::shared_ptr<PluginDriver>> load(
       const DriverLocation& location, std::function<void(const std::string&)> say = nullptr,
       CalledBy called_by = CalledBy::kLoop);
-  /// Closes the device. The code stays loaded: a driver's own threads may still be in it.
+  /// Closes the device. The code stays loaded because the driver's own threads may still run in it.
   ~PluginDriver() override;
   PluginDriver(const PluginDriver&) = delete;
   PluginDriver& operator=(const PluginDriver&) = delete;
 
   [[nodiscard]] const DriverLocation& location() const noexcept { return location_; }
-  /// Whether read and write never wait (WH_NEVER_WAITS).
+  /// Whether read and write never block (WH_NEVER_WAITS).
   [[nodiscard]] bool neverWaits() const noexcept { return never_waits_; }
   [[nodiscard]] std::string where() const override { return "the driver " + location_.path; }
   [[nodiscard]] std::string name() const override;
@@ -68,7 +69,7 @@ class PluginDriver final : public DeviceDriver {
 
   DriverLocation location_;
   std::function<void(const std::string&)> say_;
-  std::string last_line_;  ///< that the driver said
+  std::string last_line_;  ///< last log line of the driver
   wh_host host_{};
   const wh_plugin* plugin_ = nullptr;
   wh_device* device_ = nullptr;

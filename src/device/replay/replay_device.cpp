@@ -28,7 +28,7 @@ Fault ReplayDevice::read(DeviceReading& reading, int /*elapsed_periods*/) noexce
 
 Fault ReplayDevice::write(const AxisEffort& /*effort*/) noexcept {
   if (!open_) return Fault::kDeviceWrite;
-  // The tick that writes is the one that was read last.
+  // A write belongs to the tick that was read last.
   return next_ == 0 ? Fault::kNone : ticks_[next_ - 1].faults & Fault::kDeviceWrite;
 }
 

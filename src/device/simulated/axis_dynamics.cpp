@@ -44,12 +44,12 @@ AxisDynamics::State AxisDynamics::after(int level, int grain, double direction) 
           v[0] * q_ + v[1] * qd_ + v[2] * effort + v[3] * slope};
 }
 
-/// Without dry friction only a stop can hold the axis.
+/// Whether the axis can stick. Without dry friction only a stop can hold it.
 bool AxisDynamics::canHold() const noexcept {
   return plant_.coulomb > 0.0 || q_ >= plant_.upper || q_ <= plant_.lower;
 }
 
-/// Whether an axis at rest stays so: dry friction holds it on both sides, a stop on one.
+/// Whether an axis at rest stays at rest. Dry friction holds in both directions, a stop in one.
 bool AxisDynamics::held(int grain) const noexcept {
   const double effort = effortAt(grain) - plant_.stiffness * q_;
   const bool from_rising = effort <= plant_.coulomb || q_ >= plant_.upper;
@@ -57,8 +57,8 @@ bool AxisDynamics::held(int grain) const noexcept {
   return from_rising && from_falling;
 }
 
-/// The grain at which an axis at rest starts to move. The efforts that hold it form an interval and
-/// the effort is linear, so that it leaves at most once.
+/// The grain at which an axis at rest starts to move. The holding efforts form an interval and the
+/// effort is linear, so it leaves the interval at most once.
 int AxisDynamics::stickUntil(int grain) const noexcept {
   if (held(kGrains)) return kGrains;
   int stuck = grain, moving = kGrains;
@@ -69,7 +69,7 @@ int AxisDynamics::stickUntil(int grain) const noexcept {
   return moving;
 }
 
-/// Moves until the velocity vanishes, a stop is met or the period ends; returns the grain reached.
+/// Moves until zero velocity, a stop or the end of the period; returns the grain reached.
 int AxisDynamics::slide(int grain, double direction) noexcept {
   const auto largest = [](int g) { return g == 0 ? kLevels : std::countr_zero(unsigned(g)); };
   int level = largest(grain);

@@ -6,11 +6,11 @@
 
 namespace wholehand {
 
-/// What moves along one axis. SI; per radian for a rotation.
+/// Mechanical model of one axis. SI; per radian for a rotation.
 struct AxisPlant {
   double mass = 1.0;                ///< [kg or kg·m²], > 0
   double damping = 0.0;             ///< viscous, device and person [N·s/m or N·m·s/rad], >= 0
-  double stiffness = 0.0;           ///< of the person, towards position 0 [N/m or N·m/rad], >= 0
+  double stiffness = 0.0;           ///< of the person, to position 0 [N/m or N·m/rad], >= 0
   double coulomb = 0.0;             ///< dry friction [N or N·m], >= 0
   double lower = 0.0, upper = 0.0;  ///< stops [m or rad]
 };
@@ -23,18 +23,18 @@ struct EffortRamp {
 /// One axis: m q̈ + b q̇ + k q + f_c sign(q̇) = f(t) between two inelastic stops.
 ///
 /// The linear part is advanced by its exact solution for an effort that is linear over the period,
-/// whatever the period. Within a period the instants at which the velocity vanishes or a stop is
-/// met are found to one part in 2^20 by halving the step; the axis then sticks while the other
-/// efforts do not exceed f_c, and breaks away at the instant they do.
+/// for any period. Within a period the instants of zero velocity or of impact on a stop are found
+/// to one part in 2^20 by halving the step. The axis then sticks until the other efforts exceed
+/// f_c, and breaks away at that instant.
 class AxisDynamics {
  public:
   /// Not real-time safe.
   AxisDynamics(const AxisPlant& plant, double period_s);
 
-  /// Lets one period pass. Real-time safe.
+  /// Advances by one period. Real-time safe.
   WHOLEHAND_RT void advance(EffortRamp effort) noexcept;
 
-  /// Puts the axis somewhere, held inside its stops. Real-time safe.
+  /// Sets the state, clamped to the stops. Real-time safe.
   WHOLEHAND_RT void place(double position, double velocity) noexcept;
 
   [[nodiscard]] double position() const noexcept { return q_; }
@@ -51,7 +51,8 @@ class AxisDynamics {
   /// A period is 2^kLevels grains; transitions_[j] spans 2^j of them.
   static constexpr int kLevels = 20;
   static constexpr int kGrains = 1 << kLevels;
-  /// Changes between sticking and sliding in one period, after which it sticks until the next.
+  /// Most changes between sticking and sliding in one period; after them the axis sticks until the
+  /// next.
   static constexpr int kMostEvents = 32;
 
   [[nodiscard]] double effortAt(int grain) const noexcept;

@@ -8,39 +8,39 @@
 namespace wholehand {
 namespace {
 
-constexpr double kRounding = 1e-13;  // of the terms that a number is the sum of
-constexpr int kBlockTries = 3;       // without fewer axes at fault, before single pivots
-constexpr int kMostPivots = 2000;    // a few as a rule
+constexpr double kRounding = 1e-13;  // relative to the terms of a sum
+constexpr int kBlockTries = 3;       // attempts without progress before single pivots
+constexpr int kMostPivots = 2000;    // usually a few
 
-/// λ where the ends are taken as given; false where G has no factors there.
+/// λ with the axes at an end fixed there; false where G has no factorisation.
 bool solveBetween(const AxisMatrix& g, const AxisColumn& w, const AxisColumn& lower,
                   const AxisColumn& upper, const RangeParts& parts, AxisColumn& lambda) noexcept {
   std::array<Eigen::Index, kMaxAxes> between{};
   Eigen::Index count = 0;
   for (Eigen::Index i = 0; i < w.size(); ++i) {
-    const RangePart part = parts[static_cast<std::size_t>(i)];
+    const RangePart part = parts[i];
     lambda[i] = part == RangePart::kLow ? lower[i] : part == RangePart::kHigh ? upper[i] : 0.0;
-    if (part == RangePart::kBetween) between[static_cast<std::size_t>(count++)] = i;
+    if (part == RangePart::kBetween) between[count++] = i;
   }
   if (count == 0) return true;
   AxisMatrix block(count, count);
   AxisColumn wanted(count);
   for (Eigen::Index a = 0; a < count; ++a) {
-    const Eigen::Index i = between[static_cast<std::size_t>(a)];
+    const Eigen::Index i = between[a];
     wanted[a] = -w[i];
     for (Eigen::Index k = 0; k < w.size(); ++k) wanted[a] -= g(i, k) * lambda[k];
     for (Eigen::Index b = 0; b < count; ++b) {
-      block(a, b) = g(i, between[static_cast<std::size_t>(b)]);
+      block(a, b) = g(i, between[b]);
     }
   }
   const Eigen::LLT<AxisMatrix> cholesky(block);
   if (cholesky.info() != Eigen::Success) return false;
   cholesky.solveInPlace(wanted);
-  for (Eigen::Index a = 0; a < count; ++a) lambda[between[static_cast<std::size_t>(a)]] = wanted[a];
+  for (Eigen::Index a = 0; a < count; ++a) lambda[between[a]] = wanted[a];
   return true;
 }
 
-/// Where an axis must go that is not where it should be; else where it is.
+/// Range part that an axis must change to; the same if it is consistent.
 RangePart better(RangePart part, double lambda, double lower, double upper, double v,
                  double v_size) noexcept {
   if (part == RangePart::kBetween) {
@@ -63,7 +63,7 @@ bool solveBox(const AxisMatrix& g, const AxisColumn& w, const AxisColumn& lower,
   const Eigen::Index n = w.size();
   lambda.resize(n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    RangePart& part = parts[static_cast<std::size_t>(i)];
+    RangePart& part = parts[i];
     if (lower[i] == upper[i]) part = RangePart::kLow;
     if (part == RangePart::kLow && !std::isfinite(lower[i])) part = RangePart::kBetween;
     if (part == RangePart::kHigh && !std::isfinite(upper[i])) part = RangePart::kBetween;
@@ -80,9 +80,8 @@ bool solveBox(const AxisMatrix& g, const AxisColumn& w, const AxisColumn& lower,
         v += g(i, k) * lambda[k];
         size += std::abs(g(i, k) * lambda[k]);
       }
-      const auto at = static_cast<std::size_t>(i);
-      next[at] = better(parts[at], lambda[i], lower[i], upper[i], v, size);
-      if (next[at] == parts[at]) continue;
+      next[i] = better(parts[i], lambda[i], lower[i], upper[i], v, size);
+      if (next[i] == parts[i]) continue;
       ++faulty;
       last = i;
     }
@@ -91,8 +90,8 @@ bool solveBox(const AxisMatrix& g, const AxisColumn& w, const AxisColumn& lower,
     fewest = std::min(fewest, faulty);
     if (tries >= 0) {
       parts = next;
-    } else {  // Murty: the last one only
-      parts[static_cast<std::size_t>(last)] = next[static_cast<std::size_t>(last)];
+    } else {  // Murty: only the last axis
+      parts[last] = next[last];
     }
   }
   return false;

@@ -14,14 +14,15 @@ namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kLongestStep_s = 1.0 / 16e3;
-constexpr double kStepsPerRadian = 16.0;  // of the fastest swing
+constexpr double kStepsPerRadian = 16.0;  // of the fastest mode
 constexpr int kFewestSteps = 4, kMostSteps = 4096;
 
 AxisMatrix symmetric(const AxisMatrix& m) {
   return 0.5 * (m + m.transpose());
 }
 
-/// So many that no step is too long, nor a large part of the fastest swing.
+/// Number of steps per period, such that none is too long or a large part of the fastest mode's
+/// cycle.
 int stepsOf(const LinkedPlant& plant, double period_s) {
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(
       plant.stiffness, plant.mass, Eigen::EigenvaluesOnly);
@@ -66,15 +67,16 @@ void LinkedDynamics::place(const AxisPosition& position, const AxisVelocity& vel
   }
 }
 
-/// Friction of an axis that turns round within a step, which no friction can hold: against the way
-/// that it came until it rests, against the other from then on, by a speed that changes evenly; on
-/// average still against the way. @param before, after speeds, of unlike sign
+/// Mean friction over a step of an axis that reverses within it and that friction cannot hold.
+/// Friction opposes the old direction until the axis rests and the new one from then on; the speed
+/// changes linearly. The mean opposes the net motion, so it still dissipates. @param before, after
+/// speeds of opposite sign
 double turning(double before, double after, double friction) noexcept {
   const double rests_at = before / (before - after);  // of the step
   return (before > 0.0 ? friction : -friction) * (1.0 - 2.0 * rests_at);
 }
 
-/// Adds what dry friction and stops do over a step to where it would lead without them.
+/// Adds the effect of dry friction and stops over a step.
 void LinkedDynamics::hold(AxisColumn& position, AxisColumn& velocity) noexcept {
   const Eigen::Index n = q_.size();
   AxisColumn lower(n), upper(n), lambda(n);
@@ -82,14 +84,15 @@ void LinkedDynamics::hold(AxisColumn& position, AxisColumn& velocity) noexcept {
   for (Eigen::Index i = 0; i < n; ++i) {
     const int a = static_cast<int>(i);
     const double friction = plant_.coulomb[a];
-    // Against the way: an axis that turns round within the step is let off until it has.
+    // Friction opposes the motion. An axis that reverses within the step has none until it has
+    // reversed.
     lower[i] = qd_[i] < 0.0 ? 0.0 : -friction;
     upper[i] = qd_[i] > 0.0 ? 0.0 : friction;
     if (q_[i] >= plant_.upper[a]) lower[i] = -kInfinite;
     if (q_[i] <= plant_.lower[a]) upper[i] = kInfinite;
-    parts[static_cast<std::size_t>(i)] = qd_[i] > 0.0   ? RangePart::kLow
-                                         : qd_[i] < 0.0 ? RangePart::kHigh
-                                                        : RangePart::kBetween;
+    parts[i] = qd_[i] > 0.0   ? RangePart::kLow
+               : qd_[i] < 0.0 ? RangePart::kHigh
+                              : RangePart::kBetween;
   }
   if ((lower.array() == upper.array()).all()) return;
   const AxisColumn free = velocity;
@@ -108,15 +111,15 @@ void LinkedDynamics::hold(AxisColumn& position, AxisColumn& velocity) noexcept {
   position.noalias() += to_position_.effort * lambda;
   velocity.noalias() += to_velocity_.effort * lambda;
   for (Eigen::Index i = 0; i < n; ++i) {
-    if (parts[static_cast<std::size_t>(i)] != RangePart::kBetween) continue;
+    if (parts[i] != RangePart::kBetween) continue;
     velocity[i] = 0.0;
-    // What is held does not move. The effort that is held over the step would let it go to and fro
-    // by f_c h² / 12 m and do work on the way.
+    // A held axis does not move. The effort that is constant over the step would otherwise move it
+    // to and fro by f_c h² / 12 m and do work.
     if (qd_[i] == 0.0) position[i] = q_[i];
   }
 }
 
-/// Axes beyond a stop are put back to it; their speed towards it is taken by impulses.
+/// Puts axes beyond a stop back to it; impulses remove their speed towards it.
 void LinkedDynamics::meetStops() noexcept {
   const Eigen::Index n = q_.size();
   AxisColumn lower = AxisColumn::Zero(n), upper = AxisColumn::Zero(n), impulse(n);
@@ -135,13 +138,13 @@ void LinkedDynamics::meetStops() noexcept {
     } else {
       continue;
     }
-    parts[static_cast<std::size_t>(i)] = RangePart::kBetween;
+    parts[i] = RangePart::kBetween;
   }
   if (!met) return;
   (void)solveBox(inverse_mass_, qd_, lower, upper, parts, impulse);
   qd_ += inverse_mass_ * impulse;
   for (Eigen::Index i = 0; i < n; ++i) {
-    if (parts[static_cast<std::size_t>(i)] == RangePart::kBetween) qd_[i] = 0.0;
+    if (parts[i] == RangePart::kBetween) qd_[i] = 0.0;
   }
 }
 

@@ -21,15 +21,15 @@ LinkedPlant plantOf(const DeviceModel& device, const PatientConfig& patient,
   LinkedPlant plant{AxisMatrix(n, n), AxisMatrix(n, n), AxisMatrix(n, n),
                     AxisEffort(n),    AxisPosition(n),  AxisPosition(n)};
   for (int i = 0; i < n; ++i) {
-    const int at = axes[static_cast<std::size_t>(i)];
+    const int at = axes[i];
     for (int k = 0; k < n; ++k) {
-      const int other = axes[static_cast<std::size_t>(k)];
+      const int other = axes[k];
       plant.mass(i, k) = patient.links.mass(at, other);
       plant.damping(i, k) = patient.links.damping(at, other);
       plant.stiffness(i, k) = patient.links.stiffness(at, other);
     }
-    const DeviceAxis& axis = device.axes[static_cast<std::size_t>(at)];
-    const PatientAxis& person = patient.axes[static_cast<std::size_t>(at)];
+    const DeviceAxis& axis = device.axes[at];
+    const PatientAxis& person = patient.axes[at];
     plant.mass(i, i) = axis.mass + person.mass;
     plant.damping(i, i) = axis.damping + person.damping;
     plant.stiffness(i, i) = person.stiffness;
@@ -55,13 +55,13 @@ void LinkedPerson::enter(int group, const AxisPosition& q, const AxisVelocity& q
   now_ = group;
   moved_.fill(false);
   if (group < 0) return;
-  Group& g = groups_[static_cast<std::size_t>(group)];
+  Group& g = groups_[group];
   const auto n = static_cast<int>(g.axes.size());
   AxisPosition position(n);
   AxisVelocity velocity(n);
   for (int i = 0; i < n; ++i) {
-    const int axis = g.axes[static_cast<std::size_t>(i)];
-    moved_[static_cast<std::size_t>(axis)] = true;
+    const int axis = g.axes[i];
+    moved_[axis] = true;
     position[i] = q[axis];
     velocity[i] = qd[axis];
   }
@@ -75,8 +75,7 @@ void LinkedPerson::place(const AxisPosition& q, const AxisVelocity& qd) noexcept
 void LinkedPerson::hold(const std::array<bool, kMaxAxes>& held, const AxisPosition& q,
                         const AxisVelocity& qd) noexcept {
   const auto all_held = [&](const Group& group) {
-    return std::all_of(group.axes.begin(), group.axes.end(),
-                       [&](int axis) { return held[static_cast<std::size_t>(axis)]; });
+    return std::all_of(group.axes.begin(), group.axes.end(), [&](int axis) { return held[axis]; });
   };
   const auto found = std::find_if(groups_.begin(), groups_.end(), all_held);
   const int group = found == groups_.end() ? -1 : static_cast<int>(found - groups_.begin());
@@ -86,16 +85,16 @@ void LinkedPerson::hold(const std::array<bool, kMaxAxes>& held, const AxisPositi
 void LinkedPerson::advance(const AxisEffort& begin, const AxisEffort& end, AxisPosition& q,
                            AxisVelocity& qd) noexcept {
   if (now_ < 0) return;
-  Group& g = groups_[static_cast<std::size_t>(now_)];
+  Group& g = groups_[now_];
   const auto n = static_cast<int>(g.axes.size());
   AxisEffort first(n), last(n);
   for (int i = 0; i < n; ++i) {
-    first[i] = begin[g.axes[static_cast<std::size_t>(i)]];
-    last[i] = end[g.axes[static_cast<std::size_t>(i)]];
+    first[i] = begin[g.axes[i]];
+    last[i] = end[g.axes[i]];
   }
   g.dynamics.advance(first, last);
   for (int i = 0; i < n; ++i) {
-    const int axis = g.axes[static_cast<std::size_t>(i)];
+    const int axis = g.axes[i];
     q[axis] = g.dynamics.position(i);
     qd[axis] = g.dynamics.velocity(i);
   }

@@ -69,7 +69,7 @@ void SimulatedDevice::shiftDelayLine() noexcept {
 }
 
 AxisEffort SimulatedDevice::impedance() const noexcept {
-  // An axis that is let go is where it is meant to be, whatever pulls the others.
+  // A released axis has no position error, so that it does not pull the linked ones.
   AxisPosition q_meant = q_intended_;
   AxisVelocity qd_meant = qd_intended_;
   for (int i = 0; i < q_.size(); ++i) {
@@ -89,7 +89,8 @@ void SimulatedDevice::letPersonAct() noexcept {
   for (int i = 0; i < rendered.size(); ++i) rendered[i] -= neutral_[i];
   person_.advance({q_, qd_, rendered, impedance()});
   for (int i = 0; i < q_.size(); ++i) {
-    // What moved with the person moves on without: the person's mass takes its momentum along.
+    // On release the bare mechanism keeps its velocity; the person's mass takes its own momentum
+    // along.
     if (std::exchange(held_[i], person_.holds(i)) && !held_[i]) bare_[i].place(q_[i], qd_[i]);
   }
   linked_.hold(held_, q_, qd_);
@@ -104,7 +105,8 @@ void SimulatedDevice::moveAxes(const AxisPosition& aim, const AxisVelocity& aim_
   AxisEffort begin(q_.size()), end(q_.size());
   for (int i = 0; i < q_.size(); ++i) {
     const PatientAxis& person = patient_.axes[i];
-    // The plant holds the person's K and B towards zero; what remains is the pull of the aim.
+    // The plant contains the person's K and B towards zero. The rest of the impedance is the pull
+    // of the target.
     EffortRamp effort;
     if (held_[i]) {
       effort.begin = impedanceEffort(person, 0.0, 0.0, from[i], from_speed[i]);

@@ -4,7 +4,7 @@
 #include "device/simulated/axis_dynamics.hpp"
 #include "device/simulated/linked_person.hpp"
 #include "model/device_model.hpp"
-#include "model/patient_config.hpp"
+#include "model/patient/patient_config.hpp"
 #include "patient/active_patient.hpp"
 #include "patient/motion.hpp"
 #include "patient/player.hpp"
@@ -15,45 +15,45 @@
 
 namespace wholehand {
 
-/// A device that exists only as its file: per axis mass, viscous and Coulomb friction, encoder
-/// step, output delay in samples, saturation at the effort limit, stops at the ends of the range;
-/// with a virtual patient strapped to it, who may link its axes. Right at any rate: the linear part
-/// is advanced by its exact solution for a held effort and efforts of the person that are linear
-/// over the period, Coulomb friction with true sticking. A person who lets go leaves the bare
-/// mechanism behind.
+/// A simulated device, from its file: per axis mass, viscous and Coulomb friction, encoder step,
+/// output delay in samples, saturation at the effort limit, stops at the ends of the range; with a
+/// virtual patient attached, who may link its axes. Valid at any rate: the linear part is advanced
+/// by its exact solution for a held effort and for efforts of the person that are linear over the
+/// period; Coulomb friction sticks. When the person lets go, the bare mechanism remains.
 ///
-/// The axis's own weight pulls with minus its neutral effort, so that sending neutral balances it.
+/// The axis's weight pulls with minus its neutral effort, so that sending neutral balances it.
 /// Deterministic: the same calls give the same bits.
 class SimulatedDevice final : public HapticDevice {
  public:
-  /// The device starts at rest at the player's start, held inside its range, and is pulled to where
-  /// the player wants to be.
+  /// The device starts at rest at the player's start, clamped to its range, and follows the
+  /// player's target.
   /// @pre the patient and the player have the device's axes; the person's mass, damping and
-  /// stiffness, links included, are positive semidefinite  @param period_s the loop's period
+  /// stiffness, links included, are positive semidefinite
+  /// @param period_s the loop's period
   SimulatedDevice(const DeviceModel& device, const PatientConfig& patient,
                   std::unique_ptr<Player> player, double period_s);
   /// The same with a ScriptedPlayer.
   SimulatedDevice(const DeviceModel& device, const PatientConfig& patient, Intention intention,
                   double period_s);
 
-  /// Puts the device at its start, time at 0. Never fails.
+  /// Resets the device to its start, time to 0. Never fails.
   [[nodiscard]] Expected<Done> open() override;
-  /// It is: open() puts it at rest.
+  /// Always ready: open() puts the device at rest.
   [[nodiscard]] Expected<Done> ready() override { return Done{}; }
   [[nodiscard]] bool simulated() const noexcept override { return true; }
-  /// The first read after open() says the start and lets no time pass. kDeviceRead unless open.
+  /// The first read after open() returns the start and advances no time. kDeviceRead unless open.
   [[nodiscard]] Fault read(DeviceReading& reading, int elapsed_periods) noexcept override;
-  /// Clamps to the effort limit; kDeviceWrite, and the last effort stays, unless open and the
-  /// effort is finite and has the device's number of axes.
+  /// Clamps to the effort limit. kDeviceWrite, and the last effort stays, unless the device is open
+  /// and the effort is finite with the device's number of axes.
   [[nodiscard]] Fault write(const AxisEffort& effort) noexcept override;
   void close() noexcept override;
 
   /// True (unquantised) state, for tests.
   [[nodiscard]] const AxisPosition& position() const noexcept { return q_; }
   [[nodiscard]] const AxisVelocity& velocity() const noexcept { return qd_; }
-  /// What acts on the mechanism now: the last effort that came through the output delay.
+  /// Effort that acts on the mechanism now: the last one that passed the output delay.
   [[nodiscard]] const AxisEffort& acting() const noexcept { return acting_; }
-  /// Who holds it.
+  /// The person attached.
   [[nodiscard]] const ActivePatient& person() const noexcept { return person_; }
 
  private:
@@ -72,15 +72,15 @@ class SimulatedDevice final : public HapticDevice {
   ActivePatient person_;
   AxisEffort neutral_;
   std::vector<AxisDynamics> axes_;  ///< with the person's mass and impedance
-  std::vector<AxisDynamics> bare_;  ///< without; empty where the person never lets go
-  LinkedPerson linked_;             ///< the axes that the person links: these move here instead
+  std::vector<AxisDynamics> bare_;  ///< without the person; empty where the person never lets go
+  LinkedPerson linked_;             ///< linked axes; they move here instead
 
   bool open_ = false;
-  bool fresh_ = false;                 // opened, not yet read
-  std::array<bool, kMaxAxes> held_{};  // by the person; else the bare mechanism moves
-  AxisEffort commanded_;               // the last write, repeated every period until the next
+  bool fresh_ = false;                 // open and not yet read
+  std::array<bool, kMaxAxes> held_{};  // held by the person; otherwise the bare mechanism moves
+  AxisEffort commanded_;               // last write, held until the next one
   AxisEffort acting_;
-  std::array<AxisEffort, kMostDelay> delayed_{};  // a ring: sent, not yet acting
+  std::array<AxisEffort, kMostDelay> delayed_{};  // ring buffer: sent, not yet acting
   int oldest_ = 0;
   AxisPosition q_, q_intended_;
   AxisVelocity qd_, qd_intended_;

@@ -3,24 +3,23 @@
 #include "control/transition.hpp"
 #include "exercise/finger_wall_file.hpp"
 #include "exercise/finger_walls.hpp"
-#include "model/scene_model.hpp"
+#include "model/scene/scene_model.hpp"
 
 #include <Eigen/Core>
 
 #include <string>
 #include <vector>
 
-/// The cocktail bar as its file and scene say it, for one level. Plain data, immutable while
-/// played.
+/// Cocktail bar of one level, from its file and scene. Plain data, immutable during play.
 namespace wholehand {
 
-inline constexpr int kMaxDispensers = 6;  ///< of a level
-inline constexpr int kMaxSteps = 8;       ///< of a drink
+inline constexpr int kMaxDispensers = 6;  ///< most dispensers of a level
+inline constexpr int kMaxSteps = 8;       ///< most steps of a drink
 
 struct BarLiquid {
   std::string name, color, pattern, symbol;
-  double viscosity = 1.0;  ///< times the thinnest
-  double stiffness = 1.0;  ///< times the softest
+  double viscosity = 1.0;  ///< relative to the thinnest liquid
+  double stiffness = 1.0;  ///< relative to the softest liquid
 };
 
 struct BarDispenser {
@@ -28,11 +27,11 @@ struct BarDispenser {
   int body_index = -1;                    ///< in the level's scene
   int liquid = 0;                         ///< index into Bar::liquids
   bool free = false;                      ///< may be carried
-  double radius_m = 0.0, height_m = 0.0;  ///< as drawn
-  double soft_m = 0.0;                    ///< how far digits sink in before they meet the core
-  double start_l = 0.0;                   ///< what is in it
-  Eigen::Vector3d nozzle_m, grip_m;       ///< from the centre of mass, body axes
-  Eigen::Vector3d home_m;                 ///< its centre of mass at the start
+  double radius_m = 0.0, height_m = 0.0;  ///< of the drawn body
+  double soft_m = 0.0;                    ///< thickness of the soft shell around the core
+  double start_l = 0.0;                   ///< initial volume
+  Eigen::Vector3d nozzle_m, grip_m;       ///< from the centre of mass, body frame
+  Eigen::Vector3d home_m;                 ///< initial centre of mass
 };
 
 struct BarStep {
@@ -48,22 +47,22 @@ struct BarDrink {
 struct BarGlass {
   std::string body;
   int body_index = -1;
-  double radius_m = 0.0, height_m = 0.0;  ///< outside
+  double radius_m = 0.0, height_m = 0.0;  ///< outer dimensions
   double inner_radius_m = 0.0;
-  double m_per_l = 0.0;  ///< height of a litre
+  double m_per_l = 0.0;  ///< height per litre
   double capacity_l = 0.0;
   double slide_s = 0.0;
 };
 
-/// How the row of dispensers comes within reach.
+/// Placement of the row of dispensers.
 struct BarRow {
   bool slides = false;
   double spacing_m = 0.0;
-  double reach_lower_m = 0.0, reach_upper_m = 0.0;  ///< y of dispensers that can be reached
+  double reach_lower_m = 0.0, reach_upper_m = 0.0;  ///< y range of reachable dispensers
   double speed_m_s = 0.0;
 };
 
-/// Where a dispenser's centre of mass must be for the palm to come to it.
+/// Range of a dispenser's centre of mass within reach of the palm.
 struct BarReach {
   Eigen::Vector3d lower_m = Eigen::Vector3d::Constant(-1e3);
   Eigen::Vector3d upper_m = Eigen::Vector3d::Constant(1e3);
@@ -73,13 +72,13 @@ struct BarReach {
   }
 };
 
-/// When the hand is drawn back: bodies may slide, and be stood up.
+/// Condition for a withdrawn hand. Bodies may then slide or be put upright.
 struct BarDrawnBack {
   double x_m = 0.0;     ///< the hand's x is less ...
   double palm_m = 0.0;  ///< ... and the palm at least this far from every dispenser
 };
 
-/// Squeeze: what the digits that grip a dispenser feel of it, low-passed [N at the fingertips].
+/// Squeeze: force on the digits that grip a dispenser, low-passed [N at the fingertips].
 struct BarSqueeze {
   double filter_hz = 5.0;
   double threshold_n = 0.0, low_n = 0.0, high_n = 0.0, full_n = 0.0;
@@ -87,16 +86,16 @@ struct BarSqueeze {
 };
 
 struct BarFlow {
-  double l_per_s_n = 0.0;  ///< of the thinnest, over the threshold
-  double max_l_s = 0.0;    ///< of the thinnest
+  double l_per_s_n = 0.0;  ///< flow per force above the threshold, thinnest liquid
+  double max_l_s = 0.0;    ///< largest flow, thinnest liquid
 };
 
-/// A free dispenser that was knocked over, or pushed out of reach.
-struct BarUpset {
-  double tilt_rad = 0.9;    ///< leaning more than this, held by nobody
-  double leak_l_s = 0.0;    ///< what then runs out, of the thinnest
-  double stand_up_s = 3.0;  ///< lying this long with the hand away: stood up again
-  double dropped_m = 0.05;  ///< this much lower than at the start: stood up again too
+/// A free dispenser that was knocked over or pushed out of reach.
+struct BarTipOver {
+  double tilt_rad = 0.9;    ///< knocked over: tilt beyond this, held by nobody
+  double leak_l_s = 0.0;    ///< leak of a lying dispenser, thinnest liquid
+  double stand_up_s = 3.0;  ///< put upright after lying this long with the hand withdrawn
+  double dropped_m = 0.05;  ///< also put upright this far below its start
 };
 
 struct BarScoring {
@@ -111,23 +110,23 @@ struct Bar {
   std::vector<std::string> level_names;
   double lead_in_m = 0.0;
   TransitionConfig transition;
-  FingerWallConfig walls;   ///< of the softest and thinnest liquid
-  AxisEffort effort_limit;  ///< the device's
+  FingerWallConfig walls;   ///< for the softest and thinnest liquid
+  AxisEffort effort_limit;  ///< limit of the device
   BarSqueeze squeeze;
   BarFlow flow;
   BarGlass glass;
   BarRow row;
   BarDrawnBack drawn_back;
-  BarUpset upset;
+  BarTipOver upset;
   BarReach reach;
   BarScoring scoring;
-  double counter_z_m = 0.0, rail_z_m = 0.0;  ///< top of the counter, lower side of the rail
+  double counter_z_m = 0.0, rail_z_m = 0.0;  ///< top of the counter, underside of the rail
   int rail_index = -1;                       ///< in the level's scene
-  Eigen::Vector3d rail_home_m;               ///< its centre of mass
-  int x_axis = -1;                           ///< of the device; -1: it has none
+  Eigen::Vector3d rail_home_m;               ///< centre of mass of the rail
+  int x_axis = -1;                           ///< x axis of the device; -1: none
   std::vector<BarLiquid> liquids;
-  std::vector<BarDispenser> dispensers;  ///< of the level, in a row
-  std::vector<BarDrink> drinks;          ///< of the level
+  std::vector<BarDispenser> dispensers;  ///< dispensers of the level, in row order
+  std::vector<BarDrink> drinks;          ///< drinks of the level
 };
 
 }  // namespace wholehand

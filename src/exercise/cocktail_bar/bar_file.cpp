@@ -12,7 +12,7 @@
 namespace wholehand {
 namespace {
 
-/// The tables of the file that stand by themselves.
+/// Reads the tables of the file that are independent of others.
 void readPlain(TomlTable& root, const DeviceModel& device, Bar& bar) {
   TomlTable wall = root.table("wall");
   readWall(wall, device, bar);

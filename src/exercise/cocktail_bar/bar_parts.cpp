@@ -47,7 +47,7 @@ void readDrawnBack(TomlTable& table, BarDrawnBack& drawn_back) {
   drawn_back.palm_m = table.number("palm_m", between(0.0, 1.0, "m"));
 }
 
-void readUpset(TomlTable& table, BarUpset& upset) {
+void readUpset(TomlTable& table, BarTipOver& upset) {
   upset.tilt_rad = table.number("tilt_rad", between(0.1, std::numbers::pi, "rad"));
   upset.leak_l_s = table.number("leak_l_s", between(0.0, 1.0, "l/s"));
   upset.stand_up_s = table.number("stand_up_s", between(0.1, 60.0, "s"));

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-/// The tables of a bar's file. Private to bar_*.cpp.
+/// Tables of a bar's file. Private to bar_*.cpp.
 namespace wholehand {
 
-/// A step as the file has it: which dispenser it is depends on the level.
+/// A step as in the file; its dispenser depends on the level.
 struct StepPart {
   int liquid = -1;
   double amount_l = 0.0;
@@ -18,7 +18,7 @@ struct StepPart {
 struct DrinkPart {
   std::string name;
   std::vector<StepPart> steps;
-  bool sound = true;  ///< nothing was reported about its steps
+  bool sound = true;  ///< no faults in its steps
 };
 struct LevelPart {
   std::string name;
@@ -29,17 +29,17 @@ struct LevelPart {
 };
 struct BarParts {
   std::vector<BarLiquid> liquids;
-  std::vector<BarDispenser> dispensers;  ///< of all levels
+  std::vector<BarDispenser> dispensers;  ///< dispensers of all levels
   std::vector<DrinkPart> drinks;
   std::vector<LevelPart> levels;
 };
 
-// Each reports what is wrong with its table to the file and returns something harmless.
+// Each function reports faults of its table to the file and returns valid defaults.
 void readWall(TomlTable& wall, const DeviceModel& device, Bar& bar);
 void readGlass(TomlTable& table, BarGlass& glass);
 void readRow(TomlTable& table, BarRow& row);
 void readDrawnBack(TomlTable& table, BarDrawnBack& drawn_back);
-void readUpset(TomlTable& table, BarUpset& upset);
+void readUpset(TomlTable& table, BarTipOver& upset);
 void readScoring(TomlTable& table, BarScoring& scoring);
 [[nodiscard]] std::vector<BarLiquid> readLiquids(TomlTable& root);
 [[nodiscard]] std::vector<BarDispenser> readDispensers(TomlTable& root,
@@ -48,10 +48,10 @@ void readScoring(TomlTable& table, BarScoring& scoring);
                                                 const std::vector<BarLiquid>& liquids);
 [[nodiscard]] std::vector<LevelPart> readLevels(TomlTable& root, const BarParts& parts);
 
-/// What tables ask of each other: every drink of a level can be poured with what the level has.
+/// Cross-checks tables: every drink of a level can be poured with the level's dispensers.
 void checkLevels(TomlTable& root, const BarParts& parts, const Bar& bar);
 
-/// Fills in what the level says. @pre nothing was reported, bar.level is one of the levels
+/// Applies the level to the bar. @pre no faults were reported, bar.level is one of the levels
 void takeLevel(const BarParts& parts, Bar& bar);
 
 }  // namespace wholehand

@@ -9,7 +9,7 @@
 namespace wholehand {
 namespace {
 
-/// Index of a name that another table gives; -1, and told, where there is none.
+/// Index of a name that another table refers to; reports an unknown one and returns -1.
 int indexOf(TomlTable& table, std::string_view key, const std::string& name,
             const std::vector<std::string>& names, const std::string& what) {
   const auto found = std::find(names.begin(), names.end(), name);
@@ -33,7 +33,7 @@ Eigen::Vector3d pointOf(TomlTable& table, std::string_view key) {
   return {p[0], p[1], p[2]};
 }
 
-/// Every name of a list, as indices.
+/// Indices of the names of a list.
 std::vector<int> indicesOf(TomlTable& table, std::string_view key,
                            const std::vector<std::string>& names, const std::string& what) {
   std::vector<int> out;
@@ -120,10 +120,10 @@ std::vector<LevelPart> readLevels(TomlTable& root, const BarParts& parts) {
 
 namespace {
 
-/// The dispenser of the level that holds a liquid, as an index into its list; -1: none.
+/// The level's dispenser of a liquid, as an index into its list; -1: none.
 int dispenserWith(int liquid, const LevelPart& level, const BarParts& parts) {
   for (std::size_t i = 0; i < level.dispensers.size(); ++i) {
-    const auto at = static_cast<std::size_t>(level.dispensers[i]);
+    const int at = level.dispensers[i];
     if (parts.dispensers[at].liquid == liquid) return static_cast<int>(i);
   }
   return -1;
@@ -131,7 +131,7 @@ int dispenserWith(int liquid, const LevelPart& level, const BarParts& parts) {
 
 void checkDispensers(TomlTable& t, const LevelPart& level, const BarParts& parts) {
   for (std::size_t i = 0; i < level.dispensers.size(); ++i) {
-    const auto at = static_cast<std::size_t>(level.dispensers[i]);
+    const int at = level.dispensers[i];
     const int first = dispenserWith(parts.dispensers[at].liquid, level, parts);
     if (parts.dispensers[at].liquid >= 0 && first != static_cast<int>(i)) {
       t.fail("dispensers", "two of them hold the same liquid", "a recipe could mean either");
@@ -139,18 +139,18 @@ void checkDispensers(TomlTable& t, const LevelPart& level, const BarParts& parts
   }
 }
 
-/// A level's drinks against its dispensers and the glass.
+/// Checks a level's drinks against its dispensers and the glass.
 void checkDrinks(TomlTable& t, const LevelPart& level, const BarParts& parts, const Bar& bar) {
-  std::map<int, double> asked_l;  // of each liquid, in the whole level
+  std::map<int, double> asked_l;  // required volume of each liquid in the level
   for (const int index : level.drinks) {
-    const DrinkPart& drink = parts.drinks[static_cast<std::size_t>(index)];
+    const DrinkPart& drink = parts.drinks[index];
     if (!drink.sound) continue;
     double full_l = 0.0;
     for (const StepPart& step : drink.steps) {
       full_l += step.amount_l + level.tolerance_l;
       asked_l[step.liquid] += step.amount_l + level.tolerance_l;
       if (dispenserWith(step.liquid, level, parts) < 0) {
-        const auto liquid = static_cast<std::size_t>(step.liquid);
+        const int liquid = step.liquid;
         t.fail("drinks",
                "no dispenser of the level holds the " + parts.liquids[liquid].name + " of '" +
                    drink.name + "'",
@@ -169,7 +169,7 @@ void checkDrinks(TomlTable& t, const LevelPart& level, const BarParts& parts, co
   for (const auto& [liquid, volume_l] : asked_l) {
     const int at = dispenserWith(liquid, level, parts);
     if (at < 0) continue;
-    const auto d = static_cast<std::size_t>(level.dispensers[static_cast<std::size_t>(at)]);
+    const int d = level.dispensers[at];
     if (parts.dispensers[d].start_l < volume_l) {
       t.fail("drinks", "need more than start_l of " + parts.dispensers[d].body + " holds",
              fmt::format("it must hold {} l at least", formatNumber(volume_l)));
@@ -183,9 +183,7 @@ void checkLevels(TomlTable& root, const BarParts& parts, const Bar& bar) {
   if (!root.good("levels")) return;
   std::vector<TomlTable> tables = root.tables("levels", 1);
   for (std::size_t i = 0; i < tables.size() && i < parts.levels.size(); ++i) {
-    const auto unknown = [&parts](int d) {
-      return parts.dispensers[static_cast<std::size_t>(d)].liquid < 0;
-    };
+    const auto unknown = [&parts](int d) { return parts.dispensers[d].liquid < 0; };
     const std::vector<int>& have = parts.levels[i].dispensers;
     if (!tables[i].good("dispensers") || !tables[i].good("drinks") ||
         !tables[i].good("tolerance_l") || std::any_of(have.begin(), have.end(), unknown)) {
@@ -197,16 +195,16 @@ void checkLevels(TomlTable& root, const BarParts& parts, const Bar& bar) {
 }
 
 void takeLevel(const BarParts& parts, Bar& bar) {
-  const LevelPart& level = parts.levels[static_cast<std::size_t>(bar.level - 1)];
+  const LevelPart& level = parts.levels[bar.level - 1];
   bar.squeeze.threshold_n = level.threshold_n;
   bar.squeeze.low_n = level.low_n;
   bar.squeeze.high_n = level.high_n;
   bar.liquids = parts.liquids;
   for (const int i : level.dispensers) {
-    bar.dispensers.push_back(parts.dispensers[static_cast<std::size_t>(i)]);
+    bar.dispensers.push_back(parts.dispensers[i]);
   }
   for (const int i : level.drinks) {
-    const DrinkPart& part = parts.drinks[static_cast<std::size_t>(i)];
+    const DrinkPart& part = parts.drinks[i];
     BarDrink drink{part.name, {}};
     for (const StepPart& step : part.steps) {
       drink.steps.push_back(

@@ -6,14 +6,14 @@
 namespace wholehand {
 namespace {
 
-/// The body of that name where it is one upright cylinder; null, and told, where it is not.
+/// The named body if it is one upright cylinder; otherwise reports it and returns null.
 const SceneBody* cylinderOf(TomlTable& table, const std::string& name, const SceneModel& scene) {
   const int i = scene.bodyIndex(name);
   if (i < 0) {
     table.fail("body", "the scene " + scene.path + " has no such body", "write the name of one");
     return nullptr;
   }
-  const SceneBody& body = scene.bodies[static_cast<std::size_t>(i)];
+  const SceneBody& body = scene.bodies[i];
   const bool cylinder = body.shapes.size() == 1 && body.shapes[0].type == ShapeType::kCylinder;
   if (!cylinder || !body.pose.rotation.isIdentity(1e-9)) {
     table.fail("body", "is no upright cylinder in the scene " + scene.path,
@@ -27,7 +27,7 @@ const SceneBody* cylinderOf(TomlTable& table, const std::string& name, const Sce
 double sideOf(TomlTable& root, const std::string& name, double side, const SceneModel& scene) {
   const int i = scene.bodyIndex(name);
   if (i >= 0) {
-    const SceneBody& body = scene.bodies[static_cast<std::size_t>(i)];
+    const SceneBody& body = scene.bodies[i];
     if (body.shapes.size() == 1 && body.shapes[0].type == ShapeType::kBox) {
       return body.pose.translation_m.z() + side * body.shapes[0].half_extents_m.z();
     }
@@ -70,7 +70,7 @@ void readBodies(TomlTable& root, const SceneModel& scene, BarParts& parts, Bar& 
     bar.walls.soft_m = std::max(bar.walls.soft_m, d.soft_m);
     d.free = !body->fixed;
     const bool narrow = bar.row.slides && bar.row.spacing_m < 2.0 * d.radius_m;
-    if (narrow && root.table("row").good("spacing_m")) {  // told once
+    if (narrow && root.table("row").good("spacing_m")) {  // reported once
       root.table("row").fail("spacing_m", "is less than " + d.body + " is wide", "must be more");
     }
     if (d.free && bar.row.slides) {
@@ -93,7 +93,7 @@ void keepBodies(const BarParts& parts, Side side, Bar& bar, SceneModel& scene) {
     if (wanted || !any) kept.push_back(std::move(body));
   }
   scene.bodies = std::move(kept);
-  // One alone hangs in the middle of the reach, more of them from its lower end on.
+  // A single dispenser hangs in the middle of the reach; several start at its lower end.
   const BarRow& row = bar.row;
   const double first_y_m = bar.dispensers.size() == 1
                                ? 0.5 * (row.reach_lower_m + row.reach_upper_m)
@@ -101,18 +101,16 @@ void keepBodies(const BarParts& parts, Side side, Bar& bar, SceneModel& scene) {
   for (std::size_t i = 0; i < bar.dispensers.size(); ++i) {
     BarDispenser& d = bar.dispensers[i];
     d.body_index = scene.bodyIndex(d.body);
-    SceneBody& body = scene.bodies[static_cast<std::size_t>(d.body_index)];
+    SceneBody& body = scene.bodies[d.body_index];
     double& y_m = body.pose.translation_m.y();
     y_m = row.slides ? first_y_m + static_cast<double>(i) * row.spacing_m : mirror * y_m;
     d.home_m = body.pose.translation_m;
   }
   bar.rail_index = scene.bodyIndex("rail");
-  bar.rail_home_m = scene.bodies[static_cast<std::size_t>(bar.rail_index)].pose.translation_m;
+  bar.rail_home_m = scene.bodies[bar.rail_index].pose.translation_m;
   bar.glass.body_index = scene.bodyIndex(bar.glass.body);
-  const BarDispenser& first =
-      bar.dispensers[static_cast<std::size_t>(bar.drinks[0].steps[0].dispenser)];
-  Eigen::Vector3d& glass_m =
-      scene.bodies[static_cast<std::size_t>(bar.glass.body_index)].pose.translation_m;
+  const BarDispenser& first = bar.dispensers[bar.drinks[0].steps[0].dispenser];
+  Eigen::Vector3d& glass_m = scene.bodies[bar.glass.body_index].pose.translation_m;
   glass_m.y() *= mirror;
   if (!first.free) glass_m.head<2>() = (first.home_m + first.nozzle_m).head<2>();
 }

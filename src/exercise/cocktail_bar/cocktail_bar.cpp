@@ -1,10 +1,10 @@
 #include "exercise/cocktail_bar/cocktail_bar.hpp"
 
-#include "exercise/cocktail_bar/bar_events.hpp"
 #include "exercise/cocktail_bar/bar_file.hpp"
-#include "exercise/cocktail_bar/bar_patient.hpp"
+#include "exercise/cocktail_bar/bar_json.hpp"
+#include "exercise/cocktail_bar/bar_parameters.hpp"
 #include "exercise/cocktail_bar/bar_player.hpp"
-#include "exercise/cocktail_bar/bar_values.hpp"
+#include "exercise/cocktail_bar/bar_record.hpp"
 #include "exercise/cocktail_bar/pouring.hpp"
 #include "exercise/cocktail_bar/recipe.hpp"
 #include "exercise/cocktail_bar/serving.hpp"
@@ -20,7 +20,8 @@ namespace wholehand::cocktail_bar {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-/// Palm nearer than the engaging distance by this: the walls are asked for, the approach is told.
+/// Margin on the engaging distance within which the closure is queried and the approach is
+/// reported.
 constexpr double kApproach_m = 0.05;
 
 class CocktailBar final : public Exercise {
@@ -30,7 +31,7 @@ class CocktailBar final : public Exercise {
         device_(device),
         hand_(hand),
         axes_of_capsule_(axesOfCapsules(hand)),
-        parameters_(bar_, makeBarView(bar_, device_, &hand_)),
+        parameters_(bar_, makeBarLayout(bar_, device_, &hand_)),
         posture_(hand_),
         serving_(bar_),
         pouring_(bar_),
@@ -44,7 +45,8 @@ class CocktailBar final : public Exercise {
     description_.event_names.assign(kBarEventNames.begin(), kBarEventNames.end());
     description_.resume_value = static_cast<int>(BarValue::kResumeDrink);
     description_.json = barJson(bar_);
-    for (const BarDispenser& d : bar_.dispensers) targets_ |= 1U << d.body_index;
+    for (const BarDispenser& d : bar_.dispensers)
+      targets_.set(static_cast<std::size_t>(d.body_index));
     reset();
   }
   CocktailBar(const CocktailBar&) = delete;
@@ -69,7 +71,7 @@ class CocktailBar final : public Exercise {
   }
 
   [[nodiscard]] WorldQuery query() const noexcept override {
-    return {targets_, near_ < 0 ? -1 : bar_.dispensers[static_cast<std::size_t>(near_)].body_index};
+    return {targets_, near_ < 0 ? -1 : bar_.dispensers[near_].body_index};
   }
 
   void tick(const ExerciseInput& input, ExerciseRecord& out,
@@ -78,8 +80,8 @@ class CocktailBar final : public Exercise {
     const int closed_on_to = near_;
     out = ExerciseRecord{};
     posture_.update(seen.theta);
-    BarSenses senses = senseBar(bar_, seen, posture_, input.period_s);
-    recipe_.tolerate(parameters_.tolerance_l(input.parameters));
+    BarObservation senses = observeBar(bar_, seen, posture_, input.period_s);
+    recipe_.setTolerance(parameters_.tolerance_l(input.parameters));
     takeActions(seen, out);
     tellTouches(senses, out);
     engage(senses, input, out);
@@ -101,12 +103,12 @@ class CocktailBar final : public Exercise {
   }
 
  private:
-  /// The dispenser that the palm holds, -1: none.
+  /// The dispenser held by the palm; -1: none.
   [[nodiscard]] int held() const noexcept { return transition_.engaged ? at_ : -1; }
 
   void takeActions(const TickRecord& seen, ExerciseRecord& out) noexcept {
     for (int i = 0; i < seen.command_count; ++i) {
-      const Command& c = seen.commands[static_cast<std::size_t>(i)];
+      const Command& c = seen.commands[i];
       if (c.type == CommandType::kAction) act(c, out);
     }
   }
@@ -114,7 +116,7 @@ class CocktailBar final : public Exercise {
   void act(const Command& command, ExerciseRecord& out) noexcept {
     const auto action = static_cast<ExerciseAction>(command.index);
     if (action == ExerciseAction::kNext && recipe_.stage() != BarStage::kLevelDone) {
-      recipe_.hurry();
+      recipe_.endRest();
     } else if (action == ExerciseAction::kRestart || action == ExerciseAction::kNext) {
       pouring_.reset();
       recipe_.reset();
@@ -132,8 +134,8 @@ class CocktailBar final : public Exercise {
     }
   }
 
-  void tellTouches(const BarSenses& senses, ExerciseRecord& out) noexcept {
-    constexpr double kAgain_s = 0.2;  // contacts come and go for some ticks
+  void tellTouches(const BarObservation& senses, ExerciseRecord& out) noexcept {
+    constexpr double kAgain_s = 0.2;  // debounce: contacts flicker for some ticks
     for (std::size_t i = 0; i < bar_.dispensers.size(); ++i) {
       if (senses.touched[i] && untouched_s_[i] > kAgain_s) {
         addEvent(out, BarEvent::kTouched, static_cast<int>(i), senses.force_n[i]);
@@ -148,9 +150,10 @@ class CocktailBar final : public Exercise {
     if (close || senses.palm_m > bar_.transition.release_m + kApproach_m) approached_ = approached;
   }
 
-  /// The transition, Eq. (16), of one dispenser at a time: which one changes only at α = 0, so that
-  /// the walls' gains do.
-  void engage(const BarSenses& senses, const ExerciseInput& input, ExerciseRecord& out) noexcept {
+  /// Advances the transition, Eq. (16), of one dispenser at a time. The dispenser, and with it the
+  /// walls' gains, changes only at α = 0.
+  void engage(const BarObservation& senses, const ExerciseInput& input,
+              ExerciseRecord& out) noexcept {
     if (!(transition_.u > 0.0)) at_ = senses.nearest;
     const bool was_engaged = transition_.engaged;
     const double distance_m = at_ >= 0 && senses.nearest == at_ ? senses.palm_m : kInfinite;
@@ -172,23 +175,23 @@ class CocktailBar final : public Exercise {
     }
   }
 
-  /// f_e, Eq. (15) to (17). @param closed_on_to the dispenser that the closure was asked of
-  void push(const BarSenses& senses, const ExerciseInput& input, int closed_on_to,
+  /// Computes f_e, Eq. (15) to (17). @param closed_on_to the dispenser of the queried closure
+  void push(const BarObservation& senses, const ExerciseInput& input, int closed_on_to,
             ExerciseRecord& out) noexcept {
     const TickRecord& seen = *input.observed;
     const double alpha = transitionAlpha(transition_);
-    FingerSight sight{{}, seen.q_m, seen.q_s, 0, 0};
+    FingerWallInput sight{{}, seen.q_m, seen.q_s, 0, 0};
     soft_touches_ = SoftTouches{};
     if (at_ >= 0 && closed_on_to == at_) {
-      const BarDispenser& d = bar_.dispensers[static_cast<std::size_t>(at_)];
+      const BarDispenser& d = bar_.dispensers[at_];
       sight.closure = seen.closure;
       sight.touching = touchingAxes(seen, d.body_index, axes_of_capsule_);
       if (d.soft_m > 0.0) {
-        const BodyState& body = seen.bodies[static_cast<std::size_t>(d.body_index)];
+        const BodyState& body = seen.bodies[d.body_index];
         soft_touches_ = posture_.softTouches(body, d.radius_m, d.height_m, axes_of_capsule_);
       }
       for (int a = 0; a < bar_.walls.axes; ++a) {
-        if (soft_touches_[static_cast<std::size_t>(a)].presses) sight.inside |= 1U << a;
+        if (soft_touches_[a].presses) sight.inside |= 1U << a;
       }
     }
     walls_ = followClosure(walls_, sight, parameters_.leadIn_m(input.parameters), alpha, bar_.walls,
@@ -196,8 +199,7 @@ class CocktailBar final : public Exercise {
     WallRatios ratios{parameters_.stiffness(input.parameters),
                       parameters_.damping(input.parameters)};
     if (at_ >= 0) {
-      const BarLiquid& liquid = bar_.liquids[static_cast<std::size_t>(
-          bar_.dispensers[static_cast<std::size_t>(at_)].liquid)];
+      const BarLiquid& liquid = bar_.liquids[bar_.dispensers[at_].liquid];
       ratios.stiffness *= liquid.stiffness;
       ratios.damping *= liquid.viscosity;
     }
@@ -207,9 +209,9 @@ class CocktailBar final : public Exercise {
     out.wall_active = walls_.known;
   }
 
-  /// What the hand feels of every dispenser at the fingertips: contacts, and of one the walls.
+  /// Squeeze of every dispenser at the fingertips: contacts, and the walls of one.
   void feelSqueeze(const TickRecord& seen, const AxisEffort& wall,
-                   BarSenses& senses) const noexcept {
+                   BarObservation& senses) const noexcept {
     for (std::size_t i = 0; i < bar_.dispensers.size(); ++i) {
       FeltBody felt;
       felt.body = bar_.dispensers[i].body_index;
@@ -231,31 +233,31 @@ class CocktailBar final : public Exercise {
     }
   }
 
-  void show(const BarSenses& senses, const ExerciseInput& input,
+  void show(const BarObservation& senses, const ExerciseInput& input,
             ExerciseRecord& out) const noexcept;
 
   const Bar bar_;
-  const DeviceModel device_;  ///< these two for the player
+  const DeviceModel device_;  ///< device and hand serve makePlayer()
   const HandModel hand_;
   const std::vector<std::uint32_t> axes_of_capsule_;
   const BarParameters parameters_;
   HandPosture posture_;
   ExerciseDescription description_;
-  std::uint32_t targets_ = 0;
+  BodySet targets_;
   Serving serving_;
   Pouring pouring_;
   Recipe recipe_;
   TransitionState transition_;
   FingerWallState walls_;
-  SoftTouches soft_touches_;  ///< of the dispenser whose walls these are
-  int at_ = -1;               ///< whose walls these are; changes only at α = 0
-  int near_ = -1;             ///< whom the fingers are closed on to in the next observation
-  int approached_ = -1;       ///< told already
+  SoftTouches soft_touches_;  ///< of the dispenser with the walls
+  int at_ = -1;               ///< dispenser with the walls; changes only at α = 0
+  int near_ = -1;             ///< dispenser of the next closure query
+  int approached_ = -1;       ///< last approach reported
   std::array<double, kMaxDispensers> untouched_s_{};
   bool paused_ = false;
 };
 
-void CocktailBar::show(const BarSenses& senses, const ExerciseInput& input,
+void CocktailBar::show(const BarObservation& senses, const ExerciseInput& input,
                        ExerciseRecord& out) const noexcept {
   const auto set = [&out](BarValue value, double number) noexcept {
     out.values[static_cast<std::size_t>(value)] = number;
@@ -304,8 +306,8 @@ void CocktailBar::show(const BarSenses& senses, const ExerciseInput& input,
 std::vector<ExerciseWall> stiffestWalls(const Bar& bar) {
   double stiffest = 0.0, thickest = 0.0;
   for (const BarDispenser& d : bar.dispensers) {
-    stiffest = std::max(stiffest, bar.liquids[static_cast<std::size_t>(d.liquid)].stiffness);
-    thickest = std::max(thickest, bar.liquids[static_cast<std::size_t>(d.liquid)].viscosity);
+    stiffest = std::max(stiffest, bar.liquids[d.liquid].stiffness);
+    thickest = std::max(thickest, bar.liquids[d.liquid].viscosity);
   }
   return stiffestWalls(bar.walls, stiffest, thickest);
 }
@@ -318,7 +320,7 @@ Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
   LoadedExercise out;
   out.files = {source.path, loaded->scene.path};
   out.walls = stiffestWalls(loaded->bar);
-  loaded->bar.reach = reachOf(makeBarView(loaded->bar, *source.device, source.hand),
+  loaded->bar.reach = reachOf(makeBarLayout(loaded->bar, *source.device, source.hand),
                               loaded->bar.transition.engage_m);
   out.exercise =
       std::make_unique<CocktailBar>(std::move(loaded->bar), *source.device, *source.hand);

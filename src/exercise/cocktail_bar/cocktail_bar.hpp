@@ -2,8 +2,8 @@
 
 #include "exercise/exercise_kind.hpp"
 
-/// The paper's game (§II-F): reach the dispenser of the liquid that the recipe names, grasp it and
-/// squeeze until the glass is filled to the line. docs/exercises.md tells its rules.
+/// The paper's game (§II-F): reach the dispenser of the liquid in the recipe, grasp it and squeeze
+/// until the glass is filled to the line. Rules: docs/exercises.md.
 namespace wholehand::cocktail_bar {
 
 [[nodiscard]] Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source);

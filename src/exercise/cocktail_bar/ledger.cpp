@@ -9,7 +9,7 @@ namespace {
 constexpr double kPerLitre = 1e12;
 
 std::int64_t picolitres(double volume_l) noexcept {
-  return volume_l > 0.0 ? std::llround(std::min(volume_l, 1e3) * kPerLitre) : 0;  // NaN: none
+  return volume_l > 0.0 ? std::llround(std::min(volume_l, 1e3) * kPerLitre) : 0;  // NaN: 0
 }
 
 double litres(std::int64_t volume_pl) noexcept {
@@ -27,7 +27,7 @@ void Ledger::fill(const std::vector<BarDispenser>& dispensers) noexcept {
 }
 
 Ledger::Picolitres Ledger::take(int dispenser, double volume_l) noexcept {
-  Picolitres& left = left_[static_cast<std::size_t>(dispenser)];
+  Picolitres& left = left_[dispenser];
   const Picolitres taken = std::min(left, picolitres(volume_l));
   left -= taken;
   return taken;
@@ -39,7 +39,7 @@ double Ledger::pour(int dispenser, double volume_l, int step, double room_l,
   const Picolitres room =
       std::min(picolitres(room_l), std::max<Picolitres>(picolitres(capacity_l) - glass_, 0));
   const Picolitres into = std::min(taken, room);
-  layer_[static_cast<std::size_t>(step)] += into;
+  layer_[step] += into;
   glass_ += into;
   poured_ += into;
   spilt_ += taken - into;
@@ -58,10 +58,10 @@ void Ledger::newGlass() noexcept {
 }
 
 double Ledger::left_l(int dispenser) const noexcept {
-  return litres(left_[static_cast<std::size_t>(dispenser)]);
+  return litres(left_[dispenser]);
 }
 double Ledger::layer_l(int step) const noexcept {
-  return litres(layer_[static_cast<std::size_t>(step)]);
+  return litres(layer_[step]);
 }
 double Ledger::glass_l() const noexcept {
   return litres(glass_);

@@ -8,26 +8,27 @@
 
 namespace wholehand {
 
-/// Where every drop is. Counts whole picolitres (10⁻¹² l), so that poured + spilt + left is what
-/// there was at the start, exactly, however long the play.
+/// Balance of all liquid. Counts whole picolitres (10⁻¹² l), so that poured + spilt + left equals
+/// the initial volume exactly, however long the play.
 class Ledger {
  public:
-  /// All back in the dispensers.
+  /// Refills the dispensers and resets the balance.
   void fill(const std::vector<BarDispenser>& dispensers) noexcept;
 
-  /// Takes up to `volume_l` out of a dispenser: into the glass as layer `step`, as far as the glass
-  /// and `room_l` (of the step) take it, the rest is spilt. @return what left the dispenser [l]
+  /// Takes up to `volume_l` out of a dispenser. It goes into the glass as layer `step`, as far as
+  /// the glass and `room_l` of the step allow; the rest is spilt. @return volume that left the
+  /// dispenser [l]
   WHOLEHAND_RT double pour(int dispenser, double volume_l, int step, double room_l,
                            double capacity_l) noexcept;
-  /// Takes up to `volume_l` out of a dispenser and spills it. @return what left it [l]
+  /// Takes up to `volume_l` out of a dispenser and spills it. @return volume that left it [l]
   WHOLEHAND_RT double spill(int dispenser, double volume_l) noexcept;
-  /// A new glass: the old one is drunk, what was poured into it stays poured.
+  /// Replaces the glass. Its content still counts as poured.
   WHOLEHAND_RT void newGlass() noexcept;
 
   [[nodiscard]] double left_l(int dispenser) const noexcept;
   [[nodiscard]] double layer_l(int step) const noexcept;
   [[nodiscard]] double glass_l() const noexcept;
-  [[nodiscard]] double poured_l() const noexcept;  ///< into all glasses
+  [[nodiscard]] double poured_l() const noexcept;  ///< in all glasses
   [[nodiscard]] double spilt_l() const noexcept;
   [[nodiscard]] double start_l() const noexcept;
 

@@ -1,6 +1,6 @@
 #include "exercise/cocktail_bar/pouring.hpp"
 
-#include "exercise/cocktail_bar/bar_events.hpp"
+#include "exercise/cocktail_bar/bar_record.hpp"
 
 #include <algorithm>
 #include <numbers>
@@ -16,7 +16,7 @@ void Pouring::reset() noexcept {
 }
 
 double Pouring::squeeze_n(int dispenser) const noexcept {
-  return dispenser < 0 ? 0.0 : squeeze_n_[static_cast<std::size_t>(dispenser)];
+  return dispenser < 0 ? 0.0 : squeeze_n_[dispenser];
 }
 
 bool Pouring::letGo(int dispenser) const noexcept {
@@ -25,14 +25,15 @@ bool Pouring::letGo(int dispenser) const noexcept {
 }
 
 double Pouring::wanted_l_s(int dispenser, double threshold_ratio) const noexcept {
-  const BarDispenser& d = bar_.dispensers[static_cast<std::size_t>(dispenser)];
+  const BarDispenser& d = bar_.dispensers[dispenser];
   const double over_n = squeeze_n(dispenser) - threshold_ratio * bar_.squeeze.threshold_n;
   const double thinnest_l_s = std::clamp(bar_.flow.l_per_s_n * over_n, 0.0, bar_.flow.max_l_s);
-  return thinnest_l_s / bar_.liquids[static_cast<std::size_t>(d.liquid)].viscosity;
+  return thinnest_l_s / bar_.liquids[d.liquid].viscosity;
 }
 
-void Pouring::tick(const BarSenses& senses, const PourOrder& order, int engaged, unsigned leaking,
-                   double threshold_ratio, bool running, ExerciseRecord& out) noexcept {
+void Pouring::tick(const BarObservation& senses, const PourOrder& order, int engaged,
+                   unsigned leaking, double threshold_ratio, bool running,
+                   ExerciseRecord& out) noexcept {
   const double tau_s = 1.0 / (2.0 * std::numbers::pi * bar_.squeeze.filter_hz);
   for (std::size_t i = 0; i < bar_.dispensers.size(); ++i) {
     squeeze_n_[i] = (tau_s * squeeze_n_[i] + senses.elapsed_s * senses.squeeze_n[i]) /
@@ -56,7 +57,7 @@ void Pouring::tick(const BarSenses& senses, const PourOrder& order, int engaged,
     if (had && empty(engaged)) addEvent(out, BarEvent::kEmpty, engaged);
   }
   for (std::size_t i = 0; running && i < bar_.dispensers.size(); ++i) {
-    const BarLiquid& liquid = bar_.liquids[static_cast<std::size_t>(bar_.dispensers[i].liquid)];
+    const BarLiquid& liquid = bar_.liquids[bar_.dispensers[i].liquid];
     if ((leaking >> i & 1U) == 0U) continue;
     (void)ledger_.spill(static_cast<int>(i),
                         bar_.upset.leak_l_s / liquid.viscosity * senses.elapsed_s);

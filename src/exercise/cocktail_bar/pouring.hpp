@@ -3,25 +3,25 @@
 #include "core/exercise_record.hpp"
 #include "core/real_time.hpp"
 #include "exercise/cocktail_bar/bar.hpp"
-#include "exercise/cocktail_bar/bar_senses.hpp"
+#include "exercise/cocktail_bar/bar_observation.hpp"
 #include "exercise/cocktail_bar/ledger.hpp"
 
 #include <array>
 
 namespace wholehand {
 
-/// What is to be poured now.
+/// The present pouring task.
 struct PourOrder {
-  int dispenser = -1;  ///< whose turn it is; -1: nothing is asked for, whatever flows is spilt
+  int dispenser = -1;  ///< target; -1: none, any flow is spilt
   int step = 0;
   double amount_l = 0.0, tolerance_l = 0.0;
 };
 
-/// Squeeze, flow and where it goes. Flow of the dispenser that is held, thinnest liquid:
+/// Squeeze, flow and its destination. Flow of the held dispenser:
 ///   clamp(l_per_s_n · (squeeze − threshold), 0, max_l_s) / viscosity,
-/// squeeze what is felt of it at the fingertips (feltSqueeze_n), low-passed. Into the glass when it
-/// is asked for and the nozzle is over the glass, as far as tolerance and glass take it; spilt
-/// otherwise.
+/// squeeze the low-passed force felt at the fingertips (feltSqueeze_n). The flow goes into the
+/// glass if the dispenser is the target and its nozzle is over the glass, as far as tolerance and
+/// glass allow; otherwise it is spilt.
 class Pouring {
  public:
   explicit Pouring(const Bar& bar) : bar_(bar) { reset(); }
@@ -29,22 +29,21 @@ class Pouring {
   void reset() noexcept;
   void newGlass() noexcept { ledger_.newGlass(); }
 
-  /// @param engaged the dispenser that is held, -1: none @param leaking those that lie and leak:
-  /// bits
-  /// @param threshold_ratio of the squeeze's thresholds @param running false: nothing flows
-  WHOLEHAND_RT void tick(const BarSenses& senses, const PourOrder& order, int engaged,
+  /// @param engaged the held dispenser, -1: none @param leaking bits of lying, leaking dispensers
+  /// @param threshold_ratio factor on the squeeze's thresholds @param running false: nothing flows
+  WHOLEHAND_RT void tick(const BarObservation& senses, const PourOrder& order, int engaged,
                          unsigned leaking, double threshold_ratio, bool running,
                          ExerciseRecord& out) noexcept;
 
   [[nodiscard]] const Ledger& ledger() const noexcept { return ledger_; }
   [[nodiscard]] double squeeze_n(int dispenser) const noexcept;
-  /// Of the dispenser that is held, wherever it goes.
+  /// Flow of the held dispenser, to any destination.
   [[nodiscard]] double flow_l_s() const noexcept { return flow_l_s_; }
   [[nodiscard]] bool intoGlass() const noexcept { return into_glass_; }
   [[nodiscard]] bool empty(int dispenser) const noexcept {
     return !(ledger_.left_l(dispenser) > 0.0);
   }
-  /// Nothing flows from the dispenser and the hand does not press it.
+  /// The dispenser does not flow and the hand does not press it.
   [[nodiscard]] bool letGo(int dispenser) const noexcept;
 
  private:
@@ -55,7 +54,7 @@ class Pouring {
   const Bar& bar_;
   Ledger ledger_;
   std::array<double, kMaxDispensers> squeeze_n_{};
-  int flowing_ = -1;  ///< dispenser that flow_l_s_ is of
+  int flowing_ = -1;  ///< dispenser of flow_l_s_
   double flow_l_s_ = 0.0;
   bool into_glass_ = false;
   bool spilling_ = false;

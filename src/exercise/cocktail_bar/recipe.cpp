@@ -1,6 +1,6 @@
 #include "exercise/cocktail_bar/recipe.hpp"
 
-#include "exercise/cocktail_bar/bar_events.hpp"
+#include "exercise/cocktail_bar/bar_record.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -40,14 +40,13 @@ int Recipe::resumeDrink() const noexcept {
 }
 
 int Recipe::steps() const noexcept {
-  return static_cast<int>(bar_.drinks[static_cast<std::size_t>(drink_)].steps.size());
+  return static_cast<int>(bar_.drinks[drink_].steps.size());
 }
 
 PourOrder Recipe::order() const noexcept {
-  const BarStep& s =
-      bar_.drinks[static_cast<std::size_t>(drink_)].steps[static_cast<std::size_t>(step_)];
+  const BarStep& s = bar_.drinks[drink_].steps[step_];
   const bool over = stage_ == BarStage::kDrinkDone || stage_ == BarStage::kLevelDone;
-  constexpr double kMostShare = 0.9;  // of what is asked for
+  constexpr double kMostShare = 0.9;  // share of the requested amount
   const double tolerance_l =
       tolerance_l_ > 0.0 ? std::min(tolerance_l_, kMostShare * s.amount_l) : s.tolerance_l;
   return {over ? -1 : s.dispenser, step_, s.amount_l, tolerance_l};

@@ -3,46 +3,46 @@
 #include "core/exercise_record.hpp"
 #include "core/real_time.hpp"
 #include "exercise/cocktail_bar/bar.hpp"
-#include "exercise/cocktail_bar/bar_stage.hpp"
+#include "exercise/cocktail_bar/bar_record.hpp"
 #include "exercise/cocktail_bar/pouring.hpp"
 
 #include <cstdint>
 
 namespace wholehand {
 
-/// Share of accuracy: 1 at the asked amount, 0.8 at the tolerance's edge, 0 from three tolerances
-/// on.
+/// Accuracy, 0 .. 1: 1 at the requested amount, 0.8 at the tolerance's edge, 0 from three
+/// tolerances on.
 [[nodiscard]] WHOLEHAND_RT double pourAccuracy(double poured_l, double asked_l,
                                                double tolerance_l) noexcept;
 
-/// Score of a drink, 0 .. 100: (100 − time_points) · accuracy + time_points, these in full up to
-/// par and none from twice par on, less what spills cost.
+/// Score of a drink, 0 .. 100: (100 − time_points) · accuracy + time_points, minus the cost of
+/// spills. The time points are full up to par and zero from twice par on.
 [[nodiscard]] WHOLEHAND_RT double drinkScore(const BarScoring& scoring, double accuracy,
                                              double spilt_l, double time_s, int steps) noexcept;
 
-/// Goes through drinks and steps of a level and counts.
+/// Steps through the drinks of a level and scores them.
 class Recipe {
  public:
   explicit Recipe(const Bar& bar) : bar_(bar) {}
 
   void reset() noexcept;
-  /// As reset(), but from that drink on. A level that has no such drink begins with its first.
-  /// @pre nothing was poured yet. Real-time safe.
+  /// Like reset(), but begins at that drink; an invalid number begins at the first. @pre nothing
+  /// was poured yet. Real-time safe.
   WHOLEHAND_RT void beginAt(double drink) noexcept;
-  /// Of every step from now on, instead of the level's; a step's tolerance is less than what it
-  /// asks for. Real-time safe.
-  WHOLEHAND_RT void tolerate(double tolerance_l) noexcept { tolerance_l_ = tolerance_l; }
-  /// Ends the rest after a drink. Real-time safe.
-  WHOLEHAND_RT void hurry() noexcept { rest_left_s_ = 0.0; }
+  /// Overrides the level's tolerance from now on; the tolerance of a step stays below its amount.
+  /// Real-time safe.
+  WHOLEHAND_RT void setTolerance(double tolerance_l) noexcept { tolerance_l_ = tolerance_l; }
+  /// Ends the pause after a drink. Real-time safe.
+  WHOLEHAND_RT void endRest() noexcept { rest_left_s_ = 0.0; }
 
-  /// @param held the dispenser that is held, -1: none @param pending the target is not yet served
+  /// @param held the held dispenser, -1: none @param pending the target is not in place yet
   WHOLEHAND_RT void tick(double elapsed_s, int held, bool pending, Pouring& pouring,
                          ExerciseRecord& out) noexcept;
 
   [[nodiscard]] PourOrder order() const noexcept;
   [[nodiscard]] BarStage stage() const noexcept { return stage_; }
   [[nodiscard]] int drink() const noexcept { return drink_; }
-  /// The drink to begin with after a rest: this one, or the next where it is done.
+  /// The drink to resume with after a rest: this one, or the next if it is done.
   [[nodiscard]] WHOLEHAND_RT int resumeDrink() const noexcept;
   [[nodiscard]] int step() const noexcept { return step_; }
   [[nodiscard]] int steps() const noexcept;
@@ -60,11 +60,11 @@ class Recipe {
   const Bar& bar_;
   BarStage stage_ = BarStage::kReach;
   int drink_ = 0, step_ = 0;
-  double tolerance_l_ = 0.0;   ///< 0: the level's
-  double accuracy_sum_ = 0.0;  ///< of this drink's steps
+  double tolerance_l_ = 0.0;   ///< 0: the level's tolerance applies
+  double accuracy_sum_ = 0.0;  ///< sum over this drink's steps
   double spilt_before_l_ = 0.0;
   double time_s_ = 0.0;
-  double score_sum_ = 0.0;  ///< of the drinks that are done
+  double score_sum_ = 0.0;  ///< sum over completed drinks
   int drinks_done_ = 0;
   int stars_ = 0;
   double rest_left_s_ = 0.0;

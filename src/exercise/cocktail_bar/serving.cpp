@@ -6,17 +6,17 @@
 namespace wholehand {
 namespace {
 
-/// Nearer than this to where it belongs, a body is there.
+/// A body nearer than this to its place has arrived.
 constexpr double kThere_m = 1e-6;
-/// A free dispenser that stands this near to its home is there; one that leans less stands.
+/// A free dispenser within this distance of its place is home; within this tilt it stands.
 constexpr double kHome_m = 2e-3, kUpright_rad = 0.02;
-/// What is placed keeps this far from the hand.
+/// Clearance between placed bodies and the hand.
 constexpr double kClear_m = 0.02;
 
 void place(BodyPlacements& placements, int body, const Eigen::Vector3d& at_m,
            const Eigen::Vector3d& velocity_m_s) noexcept {
   if (placements.count >= kMaxPlacements) return;
-  BodyPlacement& out = placements.items[static_cast<std::size_t>(placements.count++)];
+  BodyPlacement& out = placements.items[placements.count++];
   out = BodyPlacement{body, 0, Vec3::from(at_m), QuatXyzw{}, Vec3::from(velocity_m_s)};
 }
 
@@ -37,12 +37,12 @@ void Serving::bringHome() noexcept {
   for (std::size_t i = 0; i < bar_.dispensers.size(); ++i) called_[i] = bar_.dispensers[i].free;
 }
 
-void Serving::tick(const BarSenses& senses, const HandPosture& hand, int target,
+void Serving::tick(const BarObservation& senses, const HandPosture& hand, int target,
                    const RowReach& reach, bool running, BodyPlacements& placements) noexcept {
   placements.count = 0;
   reach_ = reach;
   knocked_over_ = stood_up_ = 0;
-  if (!placed_) {  // the world says where they are: it may have been left mid-slide
+  if (!placed_) {  // read from the world: a slide may have been interrupted
     row_y_m_ = row_to_m_ = senses.at_m[0].y();
     nearer_m_ = nearer_to_m_ = bar_.dispensers[0].home_m.x() - senses.at_m[0].x();
     glass_m_ = glass_to_m_ = senses.glass_m;
@@ -63,7 +63,7 @@ double Serving::wantedRowY_m(int target) const noexcept {
   return std::clamp(from_m + offset_m, reach_.lower_m, reach_.upper_m) - offset_m;
 }
 
-/// Begins to slide where the row is not where the target needs it.
+/// Begins a slide if the row is not where the target needs it.
 void Serving::startRow(int target) noexcept {
   const double to_m = wantedRowY_m(target);
   const double way_m = std::hypot(to_m - row_y_m_, reach_.nearer_m - nearer_m_);
@@ -78,7 +78,7 @@ void Serving::startRow(int target) noexcept {
   row_ = Slide{kMinimumJerkPeak * way_m / bar_.row.speed_m_s};
 }
 
-void Serving::slideRow(const BarSenses& senses, int target, bool may_move,
+void Serving::slideRow(const BarObservation& senses, int target, bool may_move,
                        BodyPlacements& placements) noexcept {
   if (!bar_.row.slides) return;
   if (!row_.active() && target >= 0) startRow(target);
@@ -96,17 +96,17 @@ void Serving::slideRow(const BarSenses& senses, int target, bool may_move,
     place(placements, bar_.dispensers[i].body_index, at_m, velocity_m_s);
   }
   if (nearer_m == 0.0) return;
-  // What they hang from comes with them.
+  // The rail moves with the dispensers.
   const Eigen::Vector3d rail_m = bar_.rail_home_m - nearer_m_ * Eigen::Vector3d::UnitX();
   place(placements, bar_.rail_index, rail_m, velocity_m_s.x() * Eigen::Vector3d::UnitX());
 }
 
-void Serving::slideGlass(const BarSenses& senses, int target, bool may_move,
+void Serving::slideGlass(const BarObservation& senses, int target, bool may_move,
                          BodyPlacements& placements) noexcept {
   if (!glass_.active()) {
     if (target < 0) return;
-    const BarDispenser& d = bar_.dispensers[static_cast<std::size_t>(target)];
-    if (d.free) return;  // it is carried to the glass
+    const BarDispenser& d = bar_.dispensers[target];
+    if (d.free) return;  // the person carries it to the glass
     Eigen::Vector3d to_m = d.home_m + d.nozzle_m;
     if (bar_.row.slides) {
       const double row_y_m = row_.active() ? row_to_m_ : row_y_m_;
@@ -126,12 +126,12 @@ void Serving::slideGlass(const BarSenses& senses, int target, bool may_move,
   place(placements, bar_.glass.body_index, glass_m_, glass_.rate_per_s() * way_m);
 }
 
-bool Serving::atHome(const BarSenses& senses, std::size_t dispenser) const noexcept {
+bool Serving::atHome(const BarObservation& senses, std::size_t dispenser) const noexcept {
   return (senses.at_m[dispenser] - bar_.dispensers[dispenser].home_m).norm() < kHome_m &&
          senses.tilt_rad[dispenser] < kUpright_rad;
 }
 
-bool Serving::isNear(const HandPosture& hand, const BarSenses& senses) const noexcept {
+bool Serving::isNear(const HandPosture& hand, const BarObservation& senses) const noexcept {
   const BarGlass& glass = bar_.glass;
   bool near = hand.clearance_m(senses.glass_m, glass.radius_m, glass.height_m) < kClear_m;
   for (std::size_t i = 0; i < bar_.dispensers.size(); ++i) {
@@ -141,26 +141,26 @@ bool Serving::isNear(const HandPosture& hand, const BarSenses& senses) const noe
   return near;
 }
 
-/// Whether a dispenser stands or lies where another one belongs.
-bool Serving::blocksHome(const BarSenses& senses, std::size_t other,
+/// Whether a dispenser occupies the place of another.
+bool Serving::blocksHome(const BarObservation& senses, std::size_t other,
                          std::size_t dispenser) const noexcept {
   const BarDispenser& own = bar_.dispensers[dispenser];
   const BarDispenser& d = bar_.dispensers[other];
   const Eigen::Vector3d apart_m = senses.at_m[other] - own.home_m;
-  // A body that lies needs its length in every direction.
+  // A lying body needs its length in every direction.
   const double needs_m = own.radius_m + (lying_[other] ? 0.5 * d.height_m : 0.0) + d.radius_m;
   return other != dispenser && apart_m.head<2>().norm() < needs_m &&
          std::abs(apart_m.z()) < 0.5 * (own.height_m + d.height_m);
 }
 
-/// Whether a free dispenser is to be brought home, and whether it leaks.
-void Serving::noteLying(const BarSenses& senses, std::size_t i, bool may_move) noexcept {
+/// Updates whether a free dispenser must return home, and whether it leaks.
+void Serving::noteLying(const BarObservation& senses, std::size_t i, bool may_move) noexcept {
   const BarDispenser& d = bar_.dispensers[i];
   const bool dropped = senses.at_m[i].z() < d.home_m.z() - bar_.upset.dropped_m;
   const bool leans = senses.tilt_rad[i] > bar_.upset.tilt_rad;
   const bool upset = leans || dropped || !bar_.reach.contains(senses.at_m[i]);
   const unsigned bit = 1U << i;
-  // What lies against a hand that is drawn back and grips nothing is not held.
+  // A dispenser against a withdrawn hand that grips nothing is not held.
   if (senses.touched[i] && !may_move) {
     lying_[i] = lying_[i] && upset;  // picked up
   } else if (!lying_[i] && upset) {
@@ -169,11 +169,11 @@ void Serving::noteLying(const BarSenses& senses, std::size_t i, bool may_move) n
     knocked_over_ |= bit;
   }
   if (!lying_[i]) leaking_ &= ~bit;
-  if (lying_[i] && leans) leaking_ |= bit;  // and goes on, however it tumbles
+  if (lying_[i] && leans) leaking_ |= bit;  // continues in any orientation
   called_[i] = called_[i] && !atHome(senses, i);
 }
 
-void Serving::standUp(const BarSenses& senses, const HandPosture& hand, bool may_move,
+void Serving::standUp(const BarObservation& senses, const HandPosture& hand, bool may_move,
                       BodyPlacements& placements) noexcept {
   std::array<bool, kMaxDispensers> goes{};
   const std::size_t count = bar_.dispensers.size();
@@ -185,7 +185,8 @@ void Serving::standUp(const BarSenses& senses, const HandPosture& hand, bool may
     goes[i] = may_move && (called_[i] || (lying_[i] && away_s_[i] >= bar_.upset.stand_up_s)) &&
               hand.clearance_m(d.home_m, d.radius_m, d.height_m) >= kClear_m;
   }
-  // One goes home where whatever stands in its place goes, too: drops who is in somebody's way.
+  // A dispenser can return only if those in its place return too. Each round removes the blocked
+  // ones.
   for (std::size_t round = 0; round < count; ++round) {
     for (std::size_t i = 0; i < count; ++i) {
       for (std::size_t k = 0; k < count; ++k) {

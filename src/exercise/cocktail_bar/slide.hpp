@@ -6,11 +6,10 @@
 
 namespace wholehand {
 
-/// A straight slide from 0 to 1 with minimum jerk, that may be frozen on the way: it stops at once
-/// and starts again gently.
+/// A minimum-jerk slide from 0 to 1 that can be frozen: it stops at once and restarts smoothly.
 struct Slide {
-  double duration_s = 0.0;  ///< 0: none under way
-  double time_s = 0.0;      ///< along it, standing still while frozen
+  double duration_s = 0.0;  ///< 0: no slide
+  double time_s = 0.0;      ///< time along the slide, stopped while frozen
   double pace = 0.0;        ///< 0 frozen, 1 as planned
 
   [[nodiscard]] bool active() const noexcept { return duration_s > 0.0 && time_s < duration_s; }
@@ -19,7 +18,7 @@ struct Slide {
     const double u = duration_s > 0.0 ? std::clamp(time_s / duration_s, 0.0, 1.0) : 1.0;
     return u * u * u * (10.0 + u * (6.0 * u - 15.0));
   }
-  /// Slope of share() as it goes now [1/s].
+  /// Present rate of share() [1/s].
   [[nodiscard]] WHOLEHAND_RT double rate_per_s() const noexcept {
     if (!active()) return 0.0;
     const double u = time_s / duration_s;
@@ -32,7 +31,7 @@ struct Slide {
   }
 };
 
-/// Peak speed of a minimum-jerk slide over its mean speed.
+/// Peak over mean speed of a minimum-jerk slide.
 inline constexpr double kMinimumJerkPeak = 1.875;
 
 }  // namespace wholehand

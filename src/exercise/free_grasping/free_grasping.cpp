@@ -1,5 +1,6 @@
 #include "exercise/free_grasping/free_grasping.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <utility>
@@ -9,11 +10,11 @@ namespace {
 
 enum Value : std::int32_t { kPalmBody, kPalmDistance, kHeldForce, kValues };
 
-/// Sum of the normal forces of the hand's contacts, whatever they touch [N].
+/// Sum of the hand's normal contact forces on all bodies [N].
 double normalForce(const TickRecord& record) noexcept {
   double sum_n = 0.0;
   for (int i = 0; i < record.contact_count; ++i) {
-    const Contact& c = record.contacts[static_cast<std::size_t>(i)];
+    const Contact& c = record.contacts[i];
     sum_n += c.force_n.x * c.normal.x + c.force_n.y * c.normal.y + c.force_n.z * c.normal.z;
   }
   return sum_n;
@@ -26,7 +27,8 @@ class FreeGrasping final : public Exercise {
     description_.name = name;
     description_.value_names = {"palm_body", "palm_distance_m", "squeeze_n"};
     description_.json = R"({"kind":"free_grasping"})";
-    for (std::size_t i = 0; i < scene.bodies.size(); ++i) query_.targets |= 1U << i;
+    const std::size_t shown = std::min(scene.bodies.size(), query_.targets.size());
+    for (std::size_t i = 0; i < shown; ++i) query_.targets.set(i);
   }
 
   [[nodiscard]] const ExerciseDescription& description() const noexcept override {
@@ -40,7 +42,7 @@ class FreeGrasping final : public Exercise {
     out = ExerciseRecord{};
     placements.count = 0;
     out.effort = AxisEffort(axes_);
-    out.wall_active = AxisRatio(axes_);
+    out.wall_active = AxisFlag(axes_);
     out.wall = AxisPosition(axes_);
     out.value_count = kValues;
     out.values[kPalmBody] = input.observed->palm_body;
@@ -49,7 +51,7 @@ class FreeGrasping final : public Exercise {
   }
 
   [[nodiscard]] std::unique_ptr<Player> makePlayer(std::uint64_t) const override {
-    return nullptr;  // what a free hand wants, a motion or a person says
+    return nullptr;  // the motion or the person steers a free hand
   }
 
  private:

@@ -14,7 +14,7 @@ void BandSteps::reset() noexcept {
 
 Band BandSteps::goal(double ratio) const noexcept {
   if (lettingGo() || done()) return {0.0, rules_.let_go_n};
-  const Band& band = rules_.bands[static_cast<std::size_t>(band_)];
+  const Band& band = rules_.bands[band_];
   return {ratio * band.low_n, ratio * band.high_n};
 }
 
@@ -22,22 +22,23 @@ double BandSteps::score() const noexcept {
   return 100.0 * earned_ / static_cast<double>(rules_.bands.size());
 }
 
-BandNews BandSteps::tick(double squeeze_n, bool near, double ratio, double elapsed_s) noexcept {
+BandChange BandSteps::tick(double squeeze_n, bool near, double ratio, double elapsed_s) noexcept {
   if (done()) return {};
   if (!lettingGo()) return hold(squeeze_n, near, goal(ratio), elapsed_s);
   if (squeeze_n >= rules_.let_go_n) return {};
-  BandNews news;
+  BandChange news;
   ++band_;
   held_s_ = 0.0;
   since_entered_s_ = -1.0;
   news.done = band_ == static_cast<int>(rules_.bands.size());
-  if (news.done) --band_;  // the last one stays named
+  if (news.done) --band_;  // the last band stays selected
   instruction_ = news.done ? Instruction::kDone : Instruction::kMore;
   return news;
 }
 
-BandNews BandSteps::hold(double squeeze_n, bool near, const Band& goal, double elapsed_s) noexcept {
-  BandNews news;
+BandChange BandSteps::hold(double squeeze_n, bool near, const Band& goal,
+                           double elapsed_s) noexcept {
+  BandChange news;
   const bool inside = squeeze_n >= goal.low_n && squeeze_n <= goal.high_n;
   news.entered = inside && since_entered_s_ < 0.0;
   if (news.entered) since_entered_s_ = 0.0;

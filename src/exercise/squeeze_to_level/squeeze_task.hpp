@@ -2,7 +2,7 @@
 
 #include "exercise/finger_wall_file.hpp"
 #include "exercise/squeeze_to_level/band_steps.hpp"
-#include "model/scene_model.hpp"
+#include "model/scene/scene_model.hpp"
 
 #include <cstdint>
 #include <iterator>
@@ -10,17 +10,17 @@
 
 namespace wholehand::squeeze_to_level {
 
-/// The exercise as its file and scene say it. Plain data, immutable while played.
+/// Data of the exercise, from its file and scene. Immutable during play.
 struct SqueezeTask {
   std::string name;
-  int body = -1;  ///< what is squeezed: index into the scene's bodies
+  int body = -1;  ///< body to squeeze: index in the scene
   double radius_m = 0.0, height_m = 0.0, soft_m = 0.0;
   double filter_hz = 5.0;  ///< low-pass of the squeeze
   BandRules rules;
   FingerWallFile wall;
 };
 
-/// Where ExerciseRecord::values has what; kValueNames are their names.
+/// Indices of ExerciseRecord::values; kValueNames are their names.
 enum Value : std::int32_t {
   kInstruction,
   kScore,

@@ -16,7 +16,7 @@ namespace {
 enum Parameter : std::int32_t { kWallStiffness, kWallDamping, kLeadIn, kLevelRatio };
 enum Event : std::int32_t { kEntered, kBandHeld, kLevelDone, kRestarted };
 
-/// The palm nearer than release_m by this: the fingers are closed on to the object.
+/// The fingers' closure on the object is queried when the palm is nearer than release_m plus this.
 constexpr double kApproach_m = 0.05;
 
 class SqueezeToLevel final : public Exercise {
@@ -74,23 +74,23 @@ class SqueezeToLevel final : public Exercise {
   }
 
   [[nodiscard]] std::unique_ptr<Player> makePlayer(std::uint64_t seed) const override {
-    Bar one;  // the object as the one dispenser of a bar
+    Bar one;  // the object as a bar's only dispenser
     BarDispenser& object = one.dispensers.emplace_back();
     object.body_index = task_.body;
     object.radius_m = task_.radius_m;
     object.nozzle_m = object.grip_m = Eigen::Vector3d::Zero();
-    return std::make_unique<SqueezePlayer>(makeBarView(one, device_, &hand_), seed);
+    return std::make_unique<SqueezePlayer>(makeBarLayout(one, device_, &hand_), seed);
   }
 
  private:
   static void tell(ExerciseRecord& out, Event type, int index, double value) noexcept {
     if (out.event_count >= kMaxExerciseEvents) return;
-    out.events[static_cast<std::size_t>(out.event_count++)] = {type, index, value};
+    out.events[out.event_count++] = {type, index, value};
   }
 
   void takeActions(const TickRecord& seen, ExerciseRecord& out) noexcept {
     for (int i = 0; i < seen.command_count; ++i) {
-      const Command& c = seen.commands[static_cast<std::size_t>(i)];
+      const Command& c = seen.commands[i];
       if (c.type != CommandType::kAction) continue;
       const auto action = static_cast<ExerciseAction>(c.index);
       if (action == ExerciseAction::kPause || action == ExerciseAction::kResume) {
@@ -103,7 +103,7 @@ class SqueezeToLevel final : public Exercise {
     }
   }
 
-  /// f_e, Eq. (15) to (17): a wall on every axis of the file, faded in where the palm is near.
+  /// Computes f_e, Eq. (15) to (17): a wall on every axis of the file, faded in near the object.
   void push(const ExerciseInput& input, double elapsed_s, ExerciseRecord& out) noexcept {
     const TickRecord& seen = *input.observed;
     const double to_palm_m = seen.palm_target_distance_m;
@@ -113,15 +113,15 @@ class SqueezeToLevel final : public Exercise {
     transition_ = advanceTransition(transition_, distance_m, input.may_push && !paused_,
                                     task_.wall.transition, static_cast<int>(seen.elapsed_periods),
                                     input.period_s);
-    FingerSight sight{{}, seen.q_m, seen.q_s, 0, 0};
+    FingerWallInput sight{{}, seen.q_m, seen.q_s, 0, 0};
     touches_ = SoftTouches{};
-    if (near_) {  // the closure is this object's
+    if (near_) {  // the closure is valid for this object
       sight.closure = seen.closure;
       sight.touching = touchingAxes(seen, task_.body, axes_of_capsule_);
-      touches_ = posture_.softTouches(seen.bodies[static_cast<std::size_t>(task_.body)],
-                                      task_.radius_m, task_.height_m, axes_of_capsule_);
+      touches_ = posture_.softTouches(seen.bodies[task_.body], task_.radius_m, task_.height_m,
+                                      axes_of_capsule_);
       for (int a = 0; a < task_.wall.walls.axes; ++a) {
-        const bool soft = task_.soft_m > 0.0 && touches_[static_cast<std::size_t>(a)].presses;
+        const bool soft = task_.soft_m > 0.0 && touches_[a].presses;
         if (soft) sight.inside |= 1U << static_cast<unsigned>(a);
       }
     }
@@ -136,7 +136,7 @@ class SqueezeToLevel final : public Exercise {
     out.wall_active = walls_.known;
   }
 
-  /// The squeeze at the fingertips, low-passed (docs/exercises.md).
+  /// Low-passes the squeeze at the fingertips (docs/exercises.md).
   void feel(const TickRecord& seen, const ExerciseRecord& out, double elapsed_s) noexcept {
     const FeltBody felt{task_.body, out.effort, touches_};
     const double now_n =
@@ -147,7 +147,7 @@ class SqueezeToLevel final : public Exercise {
 
   void advanceSteps(double ratio, double elapsed_s, ExerciseRecord& out) noexcept {
     const int band = steps_.band();
-    const BandNews news = steps_.tick(squeeze_n_, transition_.engaged, ratio, elapsed_s);
+    const BandChange news = steps_.tick(squeeze_n_, transition_.engaged, ratio, elapsed_s);
     if (news.entered) tell(out, kEntered, band, squeeze_n_);
     if (news.held >= 0) tell(out, kBandHeld, news.held, steps_.score());
     if (news.done) tell(out, kLevelDone, -1, steps_.score());
@@ -169,7 +169,7 @@ class SqueezeToLevel final : public Exercise {
   }
 
   const SqueezeTask task_;
-  const DeviceModel device_;  ///< these two for the player
+  const DeviceModel device_;  ///< device and hand serve makePlayer()
   const HandModel hand_;
   const std::vector<std::uint32_t> axes_of_capsule_;
   HandPosture posture_;
@@ -179,7 +179,7 @@ class SqueezeToLevel final : public Exercise {
   FingerWallState walls_;
   SoftTouches touches_{};
   double squeeze_n_ = 0.0;
-  bool near_ = false;  ///< the fingers are closed on to the object in the next observation
+  bool near_ = false;  ///< the next observation includes the closure on the object
   bool paused_ = false;
 };
 
@@ -200,7 +200,7 @@ void readBands(TomlTable& root, BandRules& rules) {
   }
 }
 
-/// The object in the scene; places it for the hand's side.
+/// Finds the object in the scene and places it for the hand's side.
 void findObject(TomlTable& root, const std::string& name, Side side, SceneModel& scene,
                 SqueezeTask& task) {
   task.body = scene.bodyIndex(name);
@@ -208,7 +208,7 @@ void findObject(TomlTable& root, const std::string& name, Side side, SceneModel&
     root.fail("object", "the scene " + scene.path + " has no such body", "write the name of one");
     return;
   }
-  SceneBody& body = scene.bodies[static_cast<std::size_t>(task.body)];
+  SceneBody& body = scene.bodies[task.body];
   const bool cylinder = body.shapes.size() == 1 && body.shapes[0].type == ShapeType::kCylinder;
   if (!cylinder || !body.pose.rotation.isIdentity(1e-9) || !body.fixed) {
     root.fail("object", "is no fixed upright cylinder in the scene " + scene.path,

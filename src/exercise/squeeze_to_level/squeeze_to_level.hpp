@@ -2,8 +2,8 @@
 
 #include "exercise/exercise_kind.hpp"
 
-/// Squeezing one object to a level: bands of force, each to be held for a while, letting go
-/// between. The template of new exercises (docs/exercises.md).
+/// Exercise: squeeze one object to a level. Bands of force, each to hold for a while, with releases
+/// between. Template for new exercises (docs/exercises.md).
 namespace wholehand::squeeze_to_level {
 
 [[nodiscard]] Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source);

@@ -8,9 +8,9 @@
 
 namespace wholehand {
 
-/// Why a text is no configuration that a person wrote, before it is parsed: too many keys, tables
-/// or levels within each other. The parser recurses for each level, and what reads its tables looks
-/// through all their keys for each. Nothing where it is within bounds.
+/// Rejects, before parsing, a text with too many keys, tables or nesting levels: the parser
+/// recurses for each level, and each look-up searches all keys of a table. Empty when within
+/// bounds.
 [[nodiscard]] std::optional<Diagnostic> beyondBounds(std::string_view toml,
                                                      const std::string& path);
 

@@ -17,12 +17,13 @@
 namespace wholehand {
 namespace {
 
-/// A configuration is text that a person writes; anything larger was given by mistake.
+/// A configuration is written by a person; a larger file was given by mistake.
 constexpr std::uintmax_t kLargestFile_bytes = 4U << 20U;
-/// That are listed of one file.
+/// Limit of reported faults per file.
 constexpr std::size_t kMostFaults = 20;
 
-/// Unit endings of keys, longest first, so that range_m and range_rad are seen to be one quantity.
+/// Unit endings of keys, longest first, so that range_m and range_rad are recognised as one
+/// quantity.
 constexpr std::array<std::string_view, 37> kUnitEndings = {
     "_nm_s_rad", "_n_s_m", "_rad_s2",  "_kg_m2", "_deg_s",  "_rad_s", "_mm_s",    "_nm_rad",
     "_n_rad",    "_kg_m3", "_tip_n",   "_n_deg", "_per_s2", "_per_s", "_m_s2",    "_n_mm",
@@ -55,7 +56,7 @@ std::size_t editDistance(std::string_view a, std::string_view b) {
   return row[b.size()];
 }
 
-/// Reads the whole file; on failure says why in words.
+/// Reads the whole file; on failure `fault` says why.
 std::optional<std::string> readText(const std::string& path, Diagnostic& fault) {
   fault.file = path;
   std::error_code error;
@@ -66,7 +67,7 @@ std::optional<std::string> readText(const std::string& path, Diagnostic& fault) 
     return std::nullopt;
   }
   if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
-      !std::filesystem::is_fifo(status)) {  // /dev/zero has no end
+      !std::filesystem::is_fifo(status)) {  // /dev/zero is endless
     fault.problem = "is not a file";
     fault.remedy = "name a .toml file";
     return std::nullopt;
@@ -81,7 +82,7 @@ std::optional<std::string> readText(const std::string& path, Diagnostic& fault) 
   std::string text;
   for (std::istreambuf_iterator<char> c(stream), end; c != end && text.size() <= kLargestFile_bytes;
        ++c) {
-    text += *c;  // of a pipe nobody knows the size
+    text += *c;  // the size of a pipe is unknown
   }
   if (text.size() > kLargestFile_bytes) {
     fault.problem = "is larger than 4 MB";
@@ -118,13 +119,13 @@ std::optional<toml::table> parseFile(const std::string& path, Diagnostics& fault
   }
 }
 
-/// What an unknown key was probably meant to be.
+/// Probable meaning of an unknown key.
 struct Meant {
   std::string key;
-  bool unit = false;  ///< same quantity, other unit
+  bool unit = false;  ///< same quantity in another unit
 };
 
-/// @param used keys that stand in the table already
+/// @param used keys present in the table
 Meant meantKey(std::string_view unknown, const std::vector<std::string>& known,
                const std::vector<std::string>& used) {
   for (const std::string& candidate : known) {
@@ -180,7 +181,7 @@ TomlFile::TomlFile(const std::string& path, std::string_view kind)
   root_ = TomlTable(state);
   readable_ = true;
 
-  // A file of another kind or of another version has other keys: more messages would be noise.
+  // A file of another kind or version has other keys: further messages would mislead.
   const std::string found = root_->text("kind", kind);
   if (!root_->has("kind")) {
     state->missing.push_back({"kind", "write kind = \"" + std::string(kind) + "\""});

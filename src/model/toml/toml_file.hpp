@@ -14,11 +14,11 @@
 
 namespace wholehand {
 
-/// Which numbers a key may hold. Non-finite numbers are refused whatever the rule.
+/// Allowed values of a number. Non-finite numbers are always refused.
 struct NumberRule {
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();
-  bool open_lower = false;  ///< the lower bound itself is not allowed
+  bool open_lower = false;  ///< the lower bound itself is excluded
   std::string unit;         ///< for messages: "N", "m", "rad"; may be empty
 
   [[nodiscard]] bool allows(double value) const noexcept;
@@ -30,20 +30,20 @@ struct NumberRule {
 /// lower < number <= upper
 [[nodiscard]] NumberRule above(double lower, double upper, std::string unit = {});
 
-/// One table of a TOML file under strict reading. A light handle: copies speak of the same table.
+/// One table of a TOML file under strict reading. A light handle: copies refer to the same table.
 ///
-/// Each getter marks its key as known, reports what is wrong with it (missing, wrong type, not
-/// finite, out of range) to the file, and returns something harmless in that case, so that reading
-/// goes on and every fault of the file is found. A getter with a fallback does not mind a missing
-/// key. Keys that no getter asked for are reported by TomlFile::finish(). Not for the tick.
+/// Each getter marks its key as known, reports any fault of it (missing, wrong type, not finite,
+/// out of range) to the file, and then returns a harmless value, so that reading continues and
+/// finds every fault. A getter with a fallback accepts a missing key. TomlFile::finish() reports
+/// keys that no getter requested. Not for the tick.
 class TomlTable {
  public:
   [[nodiscard]] bool has(std::string_view key) const;
-  /// True when the key is there and nothing was reported about it: guards checks across keys.
+  /// True when the key is present and has no reported fault: guards checks across keys.
   [[nodiscard]] bool good(std::string_view key) const;
-  /// Says that the key may stand here. @return whether it does
-  bool mayHave(std::string_view key);
-  /// The keys of a table in the order of the file, for tables whose keys are names (`[reference]`).
+  /// Marks a key as allowed. @return whether it is present
+  bool allowKey(std::string_view key);
+  /// Keys of a table in file order, for tables whose keys are names (`[reference]`).
   [[nodiscard]] std::vector<std::string> keys() const;
 
   double number(std::string_view key, const NumberRule& rule);
@@ -53,10 +53,10 @@ class TomlTable {
                        std::int64_t fallback);
   bool flag(std::string_view key);
   bool flag(std::string_view key, bool fallback);
-  /// A text that is not empty.
+  /// A non-empty text.
   std::string text(std::string_view key);
   std::string text(std::string_view key, std::string_view fallback);
-  /// One of the given words; the first one when the file is wrong.
+  /// One of the given words; the first one after a fault.
   std::string choice(std::string_view key, const std::vector<std::string>& words);
   std::string choice(std::string_view key, const std::vector<std::string>& words,
                      std::string_view fallback);
@@ -64,37 +64,36 @@ class TomlTable {
   std::vector<double> numbers(std::string_view key, std::size_t count, const NumberRule& rule);
   std::vector<double> numbers(std::string_view key, std::size_t count, const NumberRule& rule,
                               const std::vector<double>& fallback);
-  /// A square matrix as an array of `size` rows of `size` numbers, each within the rule; row by
-  /// row.
+  /// A square matrix: an array of `size` rows of `size` numbers, each within the rule. Row-major.
   std::vector<double> matrix(std::string_view key, std::size_t size, const NumberRule& rule);
   /// [lower, upper] with lower < upper, both within the rule.
   std::array<double, 2> interval(std::string_view key, const NumberRule& rule);
-  /// An array of texts that are not empty.
+  /// An array of non-empty texts.
   std::vector<std::string> texts(std::string_view key);
 
-  /// The table `[key]`, which must be there.
+  /// The table `[key]`; required.
   TomlTable table(std::string_view key);
-  /// The table `[key]` where there is one.
+  /// The table `[key]`, if present.
   std::optional<TomlTable> optionalTable(std::string_view key);
   /// Every `[[key]]`; at least `minimum` of them.
   std::vector<TomlTable> tables(std::string_view key, std::size_t minimum);
 
   /// Reports a fault of a key's value (or of the table, when the key is empty or absent).
   void fail(std::string_view key, std::string problem, std::string remedy);
-  /// When `wrong` stands in the table: says to write `right` instead, and why; `right` is then not
-  /// reported as missing as well. Keys that differ only in their unit (range_m, range_rad) are
-  /// recognised without this.
+  /// If the table has the key `wrong`, reports that it must be `right`, and why; `right` is then
+  /// not reported as missing. Keys that differ only in their unit (range_m, range_rad) need no such
+  /// call.
   void refuse(std::string_view wrong, std::string_view right, std::string reason);
 
-  /// Keys of this table that nobody asked for are not reported: after a fault that leaves open
-  /// which keys belong here.
-  void skipRest();
+  /// Suppresses reports of unknown keys of this table: after a fault that leaves open which keys
+  /// belong here.
+  void ignoreUnknownKeys();
 
-  /// Key path of the table ("axes[finger_flexion]"); empty for the file itself.
+  /// Key path of the table ("axes[finger_flexion]"); empty for the root.
   [[nodiscard]] std::string path() const;
-  /// 1-based line where the table starts; 0 when unknown.
+  /// 1-based line of the table's start; 0: unknown.
   [[nodiscard]] int line() const;
-  /// 1-based line of a key; that of the table where it has none.
+  /// 1-based line of a key; the table's line if the key is absent.
   [[nodiscard]] int lineOf(std::string_view key) const;
 
  private:
@@ -116,17 +115,17 @@ class TomlTable {
 ///     if (Diagnostics faults = file.finish(); !faults.empty()) return faults;
 class TomlFile {
  public:
-  /// The version every file must state.
+  /// Version that every file must state.
   static constexpr std::int64_t kVersion = 1;
 
   TomlFile(const std::string& path, std::string_view kind);
 
-  /// False when there is nothing to read: finish() says why.
+  /// False when the file cannot be read; finish() returns the reason.
   [[nodiscard]] bool readable() const noexcept { return readable_; }
   /// @pre readable()
   [[nodiscard]] TomlTable& root() { return *root_; }
-  /// Adds the keys that nobody asked for (with the nearest known key, or the key of the right unit)
-  /// and returns every fault, in the order of the file.
+  /// Adds the unknown keys (with the nearest known key, or the key of the right unit) and returns
+  /// every fault in file order.
   [[nodiscard]] Diagnostics finish();
 
  private:
@@ -137,20 +136,20 @@ class TomlFile {
   bool readable_ = false;
 };
 
-/// What kind of file this is ("hand", "device", "rendering", "patient", "scene", ...), as it says
-/// itself. Says nothing about whether the rest of it is right.
+/// The kind that a file states ("hand", "device", "rendering", "patient", "scene", ...). The rest
+/// of the file is not checked.
 [[nodiscard]] Expected<std::string> fileKind(const std::string& path);
 
-/// The word of `words` that is spelled most like `word`; empty when none is near.
+/// The most similar of `words`; empty when none is near.
 [[nodiscard]] std::string nearestWord(std::string_view word, const std::vector<std::string>& words);
 
-/// The same, of the words that are not in `used` where one of them is near: a misspelt name rarely
-/// stands for one that is there as well.
+/// As nearestWord(), but prefers words that are not in `used`: a misspelt name rarely stands for
+/// one that is present as well.
 [[nodiscard]] std::string nearestUnused(std::string_view word,
                                         const std::vector<std::string>& words,
                                         const std::vector<std::string>& used);
 
-/// A number for people: shortest form that reads back to the same double.
+/// Shortest text that reads back to the same double.
 [[nodiscard]] std::string formatNumber(double value);
 
 }  // namespace wholehand

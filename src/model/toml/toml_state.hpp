@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to toml_*.cpp: the only place that sees toml++.
+// Private to toml_*.cpp: only these use toml++.
 
 #include "model/toml/toml_file.hpp"
 
@@ -15,15 +15,15 @@
 
 namespace wholehand {
 
-/// What all tables of one file share.
+/// State shared by all tables of a file.
 struct TomlFile::Shared {
   std::string path;
   toml::table document;
   Diagnostics faults;
-  std::vector<std::shared_ptr<TomlTable::State>> tables;  ///< every table that was asked for
+  std::vector<std::shared_ptr<TomlTable::State>> tables;  ///< every table requested
 };
 
-/// What is known about one table while it is read.
+/// Reading state of one table.
 struct TomlTable::State {
   struct Missing {
     std::string key;
@@ -31,36 +31,36 @@ struct TomlTable::State {
   };
 
   TomlFile::Shared* file = nullptr;
-  const toml::table* table = nullptr;  ///< null for a required table that is not there
+  const toml::table* table = nullptr;  ///< null for a missing required table
   std::string path;
   int line = 0;
   bool rest_skipped = false;
   std::set<std::string, std::less<>> known;   ///< keys the program understands
-  std::set<std::string, std::less<>> faulty;  ///< keys something was reported about
-  std::vector<Missing> missing;  ///< reported at the end, when no misspelling explains them
+  std::set<std::string, std::less<>> faulty;  ///< keys with a reported fault
+  std::vector<Missing> missing;  ///< reported at the end unless a misspelling explains them
 
   [[nodiscard]] const toml::node* find(std::string_view key) const {
     return table == nullptr ? nullptr : table->get(key);
   }
   [[nodiscard]] std::string keyPath(std::string_view key) const;
-  /// Line of the key (or of the table when it has none).
+  /// Line of the key (of the table if the key is absent).
   [[nodiscard]] int lineOf(std::string_view key) const;
   void report(std::string_view key, std::string value, std::string problem, std::string remedy);
-  /// The node of a key that must be there; null (and noted) when it is not.
+  /// The node of a required key; null (and noted) when it is missing.
   const toml::node* require(std::string_view key, const std::string& remedy);
   std::shared_ptr<State> child(const toml::table* node, std::string child_path, int child_line);
 };
 
-/// Of a text that names something, in characters.
+/// Limit of a name's length [characters].
 inline constexpr std::size_t kLongestText = 200;
 
-/// What stands in a file, for a message: one line, not too long.
+/// The file's text of a value, for a message: one line, truncated.
 [[nodiscard]] std::string nodeText(const toml::node& node);
 /// "is a text", "is a table", ... for a message about a wrong type.
 [[nodiscard]] std::string typeProblem(const toml::node& node);
-/// The number of a node, whole or not; nothing for any other type.
+/// Number of a node, integer or float; empty for any other type.
 [[nodiscard]] std::optional<double> asNumber(const toml::node& node);
-/// Something the rule allows, to go on with after a fault.
+/// A value that the rule allows, to continue with after a fault.
 [[nodiscard]] double harmless(const NumberRule& rule);
 /// "is out of range" or "is not finite".
 [[nodiscard]] std::string numberProblem(double value);

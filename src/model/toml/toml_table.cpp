@@ -62,7 +62,7 @@ void TomlTable::State::report(std::string_view key, std::string value, std::stri
 const toml::node* TomlTable::State::require(std::string_view key, const std::string& remedy) {
   known.emplace(key);
   const toml::node* node = find(key);
-  // A table that is missing was reported itself; its keys need not be.
+  // A missing table was reported itself; its keys are not.
   const bool already_told =
       std::any_of(missing.begin(), missing.end(), [&](const Missing& m) { return m.key == key; });
   if (node == nullptr && table != nullptr && !faulty.contains(key) && !already_told) {
@@ -124,7 +124,7 @@ bool TomlTable::has(std::string_view key) const {
 bool TomlTable::good(std::string_view key) const {
   return has(key) && !state_->faulty.contains(key);
 }
-bool TomlTable::mayHave(std::string_view key) {
+bool TomlTable::allowKey(std::string_view key) {
   state_->known.emplace(key);
   return has(key);
 }
@@ -255,14 +255,14 @@ std::string TomlTable::choice(std::string_view key, const std::vector<std::strin
 
 void TomlTable::fail(std::string_view key, std::string problem, std::string remedy) {
   const toml::node* node = key.empty() ? nullptr : state_->find(key);
-  // Of a list of tables there is nothing to show.
+  // A list of tables has no value to show.
   if (node != nullptr && node->is_array_of_tables()) node = nullptr;
   state_->known.emplace(key);
   state_->report(key, node == nullptr ? "" : nodeText(*node), std::move(problem),
                  std::move(remedy));
 }
 
-void TomlTable::skipRest() {
+void TomlTable::ignoreUnknownKeys() {
   state_->rest_skipped = true;
 }
 
@@ -271,7 +271,7 @@ void TomlTable::refuse(std::string_view wrong, std::string_view right, std::stri
   const toml::node* node = state_->find(wrong);
   state_->known.emplace(wrong);
   state_->report(wrong, nodeText(*node), std::move(reason), "write " + std::string(right));
-  // The right key is spoken for: its absence is explained by this message.
+  // This message explains the absence of the right key.
   state_->faulty.emplace(right);
   std::erase_if(state_->missing, [&](const State::Missing& m) { return m.key == right; });
 }

@@ -89,7 +89,7 @@ class Reader {
     return false;
   }
 
-  /// Why the file is no XML, in words; the parser's own name for it goes into brackets.
+  /// Reports an XML error in words, with the parser's name for it in brackets.
   void addXmlFault() {
     using tinyxml2::XMLError;
     const XMLError code = document_.ErrorID();
@@ -158,7 +158,7 @@ class Reader {
     constexpr std::array<std::pair<int, int>, 6> kCells{
         {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}}};
     for (std::size_t i = 0; i < kNames.size(); ++i) {
-      if (i >= 3 && inertia->Attribute(kNames[i]) == nullptr) continue;  // a principal frame
+      if (i >= 3 && inertia->Attribute(kNames[i]) == nullptr) continue;  // products: optional
       const double value = faults_.numbers(*inertia, kNames[i], key + ".inertia", 1).front();
       const auto [row, column] = kCells[i];
       m.inertia_kg_m2(row, column) = m.inertia_kg_m2(column, row) = value;
@@ -223,7 +223,7 @@ class Reader {
       return;
     }
     for (const Link& link : links_) {
-      // A walk longer than there are links goes in a circle, apart from the root.
+      // A path longer than the number of links is a cycle without the root.
       std::size_t steps = 0;
       for (int i = linkIndex(link.name); i >= 0 && steps <= links_.size(); ++steps) {
         i = links_[i].parent;

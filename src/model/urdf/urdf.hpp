@@ -2,7 +2,7 @@
 
 #include "core/expected.hpp"
 #include "model/mass_properties.hpp"
-#include "model/scene_model.hpp"
+#include "model/scene/scene_model.hpp"
 
 #include <optional>
 #include <string>
@@ -14,16 +14,16 @@ namespace wholehand {
 struct UrdfBody {
   std::vector<Shape> shapes;               ///< every collision element of every link
   std::vector<std::string> mesh_files;     ///< paths of the meshes it names
-  std::optional<MassProperties> inertial;  ///< the sum of the inertials; none when no link has one
+  std::optional<MassProperties> inertial;  ///< sum of the inertials; empty when no link has one
 };
 
-/// Reads a URDF: every `<collision>` of every link (box, sphere, cylinder, capsule, convex mesh);
-/// links held by fixed joints become one rigid body. A capsule's length counts between the centres
+/// Reads every `<collision>` of every link of a URDF (box, sphere, cylinder, capsule, convex mesh).
+/// Links connected by fixed joints become one rigid body. A capsule's length is between the centres
 /// of its caps. Mesh names are relative to the URDF, absolute, "file://", or "package://name/...",
-/// which is looked for in the folders above the URDF.
+/// which is searched for in the folders above the URDF.
 ///
 /// @return every fault at once, with line and element: movable joints, links without a collider,
-/// inertials that no body can have, meshes that are no convex collider.
+/// impossible inertials, meshes that are not convex colliders.
 [[nodiscard]] Expected<UrdfBody> loadUrdf(const std::string& path);
 
 }  // namespace wholehand

@@ -1,6 +1,6 @@
 #include "model/urdf/urdf_collision.hpp"
 
-#include "model/convex_mesh.hpp"
+#include "model/mesh/convex_mesh.hpp"
 
 #include <fmt/format.h>
 
@@ -17,8 +17,8 @@ namespace {
 using tinyxml2::XMLElement;
 namespace fs = std::filesystem;
 
-/// The file that a URDF's mesh name means; the plain guess where nothing is found, so that the
-/// message of the mesh reader names it.
+/// Resolves a URDF's mesh name; the unresolved path if nothing is found, so that the mesh reader's
+/// message names it.
 fs::path meshPath(std::string_view name, const fs::path& urdf) {
   constexpr std::string_view kFile = "file://", kPackage = "package://";
   const fs::path folder = fs::absolute(urdf).parent_path();

@@ -17,7 +17,7 @@ using tinyxml2::XMLElement;
 
 constexpr const char* kBlanks = " \t\r\n";
 
-/// Independent of the locale, unlike tinyxml2's own queries; nothing when any word is no number.
+/// Independent of the locale, unlike tinyxml2's queries; empty when a word is not a number.
 std::optional<std::vector<double>> parseNumbers(const std::string& text) {
   std::vector<double> numbers;
   std::size_t begin = text.find_first_not_of(kBlanks);

@@ -12,7 +12,7 @@
 namespace wholehand {
 
 /// Strict reading of a URDF's elements: every fault is kept with its line and a key such as
-/// "link[cup].collision[1].geometry", and reading goes on with something harmless. Internal to the
+/// "link[cup].collision[1].geometry", and reading continues with a harmless value. Internal to the
 /// URDF reader.
 class UrdfFaults {
  public:
@@ -20,21 +20,21 @@ class UrdfFaults {
 
   void add(const tinyxml2::XMLElement* at, std::string key, std::string value, std::string problem,
            std::string remedy);
-  /// A fault of the whole file, or of a line (0 when unknown) that belongs to no element.
+  /// Adds a fault of the whole file, or of a line (0: unknown) outside any element.
   void addAtLine(int line, std::string problem, std::string remedy);
   [[nodiscard]] const Diagnostics& all() const { return all_; }
   [[nodiscard]] const std::string& file() const { return file_; }
 
-  /// An attribute's text; empty, and a fault, when it is missing or empty.
+  /// Text of an attribute; empty, with a fault, when it is missing or empty.
   std::string text(const tinyxml2::XMLElement& e, const char* attribute, const std::string& key);
-  /// Exactly `count` finite numbers divided by blanks; zeros, and a fault, otherwise.
+  /// Exactly `count` finite numbers separated by blanks; zeros, with a fault, otherwise.
   std::vector<double> numbers(const tinyxml2::XMLElement& e, const char* attribute,
                               const std::string& key, std::size_t count);
-  /// One finite number greater than zero; 1, and a fault, otherwise.
+  /// One finite number > 0; 1, with a fault, otherwise.
   double positive(const tinyxml2::XMLElement& e, const char* attribute, const std::string& key);
   /// A dimension in [0.001, 10] m.
   double length_m(const tinyxml2::XMLElement& e, const char* attribute, const std::string& key);
-  /// The `<origin xyz rpy>` of an element; identity without one.
+  /// Pose of an element's `<origin xyz rpy>`; identity without one.
   Pose origin(const tinyxml2::XMLElement& parent, const std::string& key);
 
  private:

@@ -9,7 +9,7 @@
 
 namespace wholehand {
 
-/// What the hand meets along one of its reduced coordinates. Units follow the axis.
+/// Environment of the hand along one reduced coordinate. Units follow the axis.
 struct AnalyticAxis {
   double lower_stop = -std::numeric_limits<double>::infinity();  ///< rigid [m or rad]
   double upper_stop = std::numeric_limits<double>::infinity();   ///< rigid [m or rad]
@@ -24,10 +24,10 @@ struct AnalyticScene {
   std::vector<AnalyticAxis> axes;  ///< in the device's order; missing ones are free
 };
 
-/// A world without bodies in which everything has a closed form: the hand in its reduced
-/// coordinates, M_r q̈_s = Gᵀτ − h_r + springs, advanced by symplectic Euler as the engines do, and
-/// rigid stops that act on velocities as a contact solver does: after a step no stop is passed, and
-/// the effort that this took is reported as one contact per stopped axis (capsule and body -1).
+/// A world without bodies and with closed-form dynamics. The hand in reduced coordinates, M_r q̈_s
+/// = Gᵀτ − h_r + springs, is integrated by symplectic Euler as in the engines. Rigid stops act on
+/// velocities like a contact solver: no stop is penetrated after a step, and the effort of each
+/// stop is reported as one contact (capsule and body -1).
 class AnalyticWorld final : public PhysicsWorld {
  public:
   /// @pre hand outlives this
@@ -35,18 +35,18 @@ class AnalyticWorld final : public PhysicsWorld {
 
   [[nodiscard]] Expected<Done> placeHand(const AxisPosition& q_s) override;
   [[nodiscard]] WHOLEHAND_RT Fault observe(WorldState& state) noexcept override;
-  /// There is nothing to place.
+  /// No bodies to place.
   WHOLEHAND_RT void placeBodies(const BodyPlacements& placements) noexcept override;
   [[nodiscard]] WHOLEHAND_RT Fault step(const HandDrive& drive, double period_s) noexcept override;
   WHOLEHAND_RT void contacts(ContactList& contacts) const noexcept override;
-  /// The hand meets itself nowhere.
+  /// No self-contact.
   WHOLEHAND_RT void selfForces(SelfForces& forces) const noexcept override;
 
-  /// What the stops did to the hand in the last step [N or N·m].
+  /// Effort of the stops on the hand in the last step [N or N·m].
   [[nodiscard]] const AxisEffort& stopEffort() const noexcept { return stop_effort_; }
 
  private:
-  /// A link that stands for an axis when its contact is told: the first one the axis drives.
+  /// Link that represents an axis in reported contacts: the first one that the axis drives.
   struct Carrier {
     int link = 0;
     bool rotates = false;
@@ -66,7 +66,7 @@ class AnalyticWorld final : public PhysicsWorld {
   JointPosition theta_;
   JointVelocity theta_dot_;
   AxisEffort stop_effort_;
-  AxisMatrix mobility_;  ///< inverse of M_r with the added masses
+  AxisMatrix mobility_;  ///< inverse of M_r with added masses
 };
 
 }  // namespace wholehand

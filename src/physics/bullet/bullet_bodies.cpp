@@ -90,6 +90,14 @@ void BulletBody::beginStep() noexcept {
   placed_ = false;
 }
 
+void BulletBody::stand() noexcept {
+  const btVector3 none(0, 0, 0);
+  rigid_->setLinearVelocity(none);
+  rigid_->setAngularVelocity(none);
+  rigid_->setInterpolationLinearVelocity(none);
+  rigid_->setInterpolationAngularVelocity(none);
+}
+
 void BulletBody::putAtStart() noexcept {
   put(start_, btVector3(0, 0, 0));
 }

@@ -11,7 +11,7 @@ namespace wholehand::bullet {
 namespace {
 
 // More than this many pairs touch at once only in scenes far too large for the tick.
-constexpr std::size_t kRehearsedManifolds = 1024;
+constexpr std::size_t kRehearsedManifolds = 4096;
 
 std::vector<BulletBody> makeBodies(const SceneModel& scene) {
   std::vector<BulletBody> bodies;
@@ -34,23 +34,26 @@ BulletEngine::BulletEngine(const HandModel& hand_in, const SceneModel& scene,
       scene_path(scene.path),
       dispatcher(&configuration),
       rows(hand_in, scene.hand_friction, settings),
-      solver(hand_in, kinematics, rows, settings),
+      solver(hand_in, kinematics, rows, settings, static_cast<int>(scene.bodies.size())),
       hand(hand_in, scene.hand_friction),
       bodies(makeBodies(scene)),
-      pairs(dispatcher, hand, bodies, contactThreshold()),
+      resting(bodies, scene.gravity_m_s2.norm()),
+      pairs(dispatcher, hand, bodies, resting, contactThreshold()),
       q_s(hand_in.axis_count),
       qd_s(hand_in.axis_count),
       theta_dot(hand_in.joint_count) {
   configure(settings);
   for (const SceneBody& body : scene.bodies) body_names.push_back(body.name);
-  for (BulletBody& body : bodies) {
-    if (!body.moves()) continue;
-    moving_.push_back(&body.rigid());
-    moving_objects_.push_back(&body.rigid());
+  for (int i = 0; i < static_cast<int>(bodies.size()); ++i) {
+    if (!bodies[i].moves()) fixed_.push_back(i);
   }
+  states_.resize(std::min<std::size_t>(bodies.size(), kMaxBodies));
+  moving_.reserve(bodies.size());
+  moving_objects_.reserve(bodies.size());
   setHand(q_s, qd_s);
   rehearseManifolds();
   rehearseStep();
+  layDownWhatStands();
 }
 
 // Each setting that differs from stock is explained in ADR 3.
@@ -70,6 +73,7 @@ void BulletEngine::configure(const SolverSettings& settings) {
 // has time for happen here, before anybody is attached.
 void BulletEngine::rehearseManifolds() {
   const btCollisionObject none;
+  manifolds_.reserve(kRehearsedManifolds);
   std::vector<btPersistentManifold*> manifolds;
   while (manifolds.size() < kRehearsedManifolds) {
     manifolds.push_back(dispatcher.getNewManifold(&none, &none));
@@ -87,23 +91,109 @@ void BulletEngine::rehearseStep() {
   forgetContacts();
 }
 
+// Bodies that are stable in their initial pose rest from the start. The engine simulates 20 ms
+// without the hand; bodies that have not moved are reset to their initial pose and rest.
+void BulletEngine::layDownWhatStands() {
+  constexpr int kSteps = 20;
+  constexpr double kStep_s = 1e-3;
+  constexpr double kStood_m = 2e-4;  // contacts give way by 10 µm, and stacks by the sum
+  constexpr double kStood_m_s = 5e-4;
+  std::vector<btVector3> start(bodies.size());
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    start[i] = bodies[i].rigid().getWorldTransform().getOrigin();
+  }
+  for (int k = 0; k < kSteps; ++k) {
+    solver.beginStep(AxisMatrix::Zero(hand_model.axis_count, hand_model.axis_count), qd_s);
+    pairs.findOfBodies();
+    moveBodies(kStep_s);
+  }
+  std::vector<bool> fell(bodies.size());
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const btRigidBody& rigid = bodies[i].rigid();
+    fell[i] = (rigid.getWorldTransform().getOrigin() - start[i]).length() > kStood_m ||
+              rigid.getLinearVelocity().length() > kStood_m_s;
+  }
+  resting.restAtOnce(pairs.near(), fell);
+  solver.forgetStep();
+  for (int i = 0; i < static_cast<int>(bodies.size()); ++i) {
+    bodies[i].putAtStart();
+    pairs.moved(i);
+    updateState(i);
+  }
+  forgetContacts();
+}
+
+// Rebuilds the lists only after a change of pairs or of resting bodies.
+void BulletEngine::listMoving() noexcept {
+  if (listed_ && pairs_listed_ == pairs.version() && resting_listed_ == resting.version()) return;
+  listed_ = true;
+  pairs_listed_ = pairs.version();
+  resting_listed_ = resting.version();
+  moving_.clear();
+  moving_objects_.clear();
+  for (const int body : resting.awakeBodies()) {
+    moving_.push_back(&bodies[body].rigid());
+    moving_objects_.push_back(&bodies[body].rigid());
+  }
+  manifolds_.clear();
+  unsolved_ = 0;
+  for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
+    btPersistentManifold* manifold = dispatcher.getManifoldByIndexInternal(m);
+    const ColliderTag* a = tagOf(manifold->getBody0());
+    const ColliderTag* b = tagOf(manifold->getBody1());
+    const bool stands =
+        !a->ofHand() && !b->ofHand() && !resting.awake(a->body) && !resting.awake(b->body);
+    if (stands) continue;
+    if (manifolds_.size() < manifolds_.capacity()) {
+      manifolds_.push_back(manifold);
+    } else {
+      ++unsolved_;
+    }
+  }
+}
+
+void BulletEngine::beginStep() noexcept {
+  for (const int body : fixed_) {
+    bodies[body].beginStep();
+    updateState(body);
+  }
+}
+
+const std::vector<BodyState>& BulletEngine::bodyStates() noexcept {
+  for (const int body : resting.awakeBodies()) updateState(body);
+  return states_;
+}
+
+void BulletEngine::updateState(int body) noexcept {
+  if (body < static_cast<int>(states_.size())) states_[body] = bodies[body].state();
+}
+
 void BulletEngine::advance(double step_s) noexcept {
+  pairs.find();
+  moveBodies(step_s);
+  if (!resting.watch(step_s)) return;
+  resting.layDown(pairs.near());
+  for (int i = 0; i < static_cast<int>(states_.size()); ++i) updateState(i);
+}
+
+void BulletEngine::moveBodies(double step_s) noexcept {
+  listMoving();
   for (btRigidBody* body : moving_) {
     body->applyGravity();
     body->applyDamping(step_s);
   }
-  pairs.find();
   solver_info_.m_timeStep = step_s;
   // One call for the whole world: the hand's reduced velocities are one set of unknowns.
   solver.solveGroup(moving_objects_.data(), static_cast<int>(moving_objects_.size()),
-                    dispatcher.getInternalManifoldPointer(), dispatcher.getNumManifolds(), nullptr,
-                    0, solver_info_, nullptr, &dispatcher);
+                    manifolds_.data(), static_cast<int>(manifolds_.size()), nullptr, 0,
+                    solver_info_, nullptr, &dispatcher);
   for (btRigidBody* body : moving_) {
     btTransform moved;
     body->predictIntegratedTransform(step_s, moved);
     body->proceedToTransform(moved);
     body->clearForces();
   }
+  for (const int body : resting.awakeBodies()) bodies[body].placeColliders();
 }
 
 void BulletEngine::forgetContacts(int body) noexcept {

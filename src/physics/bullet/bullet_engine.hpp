@@ -2,11 +2,12 @@
 
 #include "dynamics/articulated_body.hpp"
 #include "dynamics/synergy.hpp"
-#include "model/scene_model.hpp"
+#include "model/scene/scene_model.hpp"
 #include "physics/bullet/bullet_bodies.hpp"
 #include "physics/bullet/bullet_hand.hpp"
 #include "physics/bullet/collider_pairs.hpp"
 #include "physics/bullet/reduced_contact_solver.hpp"
+#include "physics/bullet/resting_bodies.hpp"
 
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 #include <BulletCollision/CollisionDispatch/btDefaultCollisionConfiguration.h>
@@ -16,23 +17,33 @@
 
 namespace wholehand::bullet {
 
-/// What a world is made of: Bullet's shapes, contact points and solver, with the hand and the
-/// scene's bodies in them. Built and rehearsed here; BulletWorld steps it.
+/// Contents of a world: Bullet's shapes, contact points and solver, the hand and the scene's
+/// bodies. Built and warmed up here; BulletWorld steps it.
 struct BulletEngine {
-  /// Builds everything, then rehearses: no later step allocates. @pre hand outlives this
+  /// Builds everything and runs warm-up steps, so that later steps do not allocate. @pre hand
+  /// outlives this
   BulletEngine(const HandModel& hand, const SceneModel& scene, const SolverSettings& settings);
   BulletEngine(const BulletEngine&) = delete;
   BulletEngine& operator=(const BulletEngine&) = delete;
 
-  /// One step of the bodies, and of the hand's reduced velocities by its contacts.
-  /// @pre the solver was told of the step. Real-time safe.
+  /// Advances the bodies, and applies contacts to the hand's reduced velocities, by one step.
+  /// @pre the solver's beginStep() was called. Real-time safe.
   void advance(double step_s) noexcept;
-  /// Puts the hand there: joints and capsules follow. Real-time safe.
+  /// Sets position and velocity of the hand; updates joints and capsules. Real-time safe.
   void setHand(const AxisPosition& position, const AxisVelocity& velocity) noexcept;
-  /// Drops every contact point with the impulses it remembers, of one body or of all (-1).
-  /// Real-time safe.
+  /// Deletes the contact points and their stored impulses of one body, or of all (-1). Real-time
+  /// safe.
   void forgetContacts(int body = -1) noexcept;
-  /// The deepest overlap of each body with the hand, where all are now.
+  /// Call before every step. Fixed bodies that were not placed since the last step get zero
+  /// velocity. Real-time safe.
+  void beginStep() noexcept;
+  /// States of the recorded bodies. Real-time safe.
+  [[nodiscard]] const std::vector<BodyState>& bodyStates() noexcept;
+  /// Updates the stored state of a body that was placed or begins to rest. Real-time safe.
+  void updateState(int body) noexcept;
+  /// Number of collider pairs of the last step that exceeded the capacity.
+  [[nodiscard]] int dropped() const noexcept { return pairs.dropped() + unsolved_; }
+  /// Deepest overlap of each body with the hand, at their current poses.
   [[nodiscard]] Diagnostics overlaps();
 
   const HandModel& hand_model;
@@ -46,8 +57,9 @@ struct BulletEngine {
   ReducedContactSolver solver;
   BulletHand hand;
   std::vector<BulletBody> bodies;
+  RestingBodies resting;
   ColliderPairs pairs;
-  AxisPosition q_s;  ///< where setHand() last put the hand
+  AxisPosition q_s;  ///< position last set by setHand()
   AxisVelocity qd_s;
   JointPosition theta;
   JointVelocity theta_dot;
@@ -57,10 +69,19 @@ struct BulletEngine {
   void configure(const SolverSettings& settings);
   void rehearseManifolds();
   void rehearseStep();
+  void layDownWhatStands();
+  void listMoving() noexcept;
+  void moveBodies(double step_s) noexcept;
 
   btContactSolverInfo solver_info_;
-  std::vector<btRigidBody*> moving_;                ///< bodies that forces move
-  std::vector<btCollisionObject*> moving_objects_;  ///< the same, as the solver takes them
+  std::vector<btRigidBody*> moving_;                ///< awake bodies
+  std::vector<btCollisionObject*> moving_objects_;  ///< the same, in the solver's type
+  std::vector<btPersistentManifold*> manifolds_;    ///< contacts of the hand or of an awake body
+  int unsolved_ = 0;
+  bool listed_ = false;  ///< the lists above match the two versions below
+  unsigned pairs_listed_ = 0, resting_listed_ = 0;
+  std::vector<int> fixed_;         ///< indices of fixed bodies
+  std::vector<BodyState> states_;  ///< recorded bodies; awake ones as of the last bodyStates()
 };
 
 }  // namespace wholehand::bullet

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "dynamics/articulated_body.hpp"
-#include "model/hand_model.hpp"
+#include "model/hand/hand_model.hpp"
 #include "physics/bullet/collider_tag.hpp"
 #include "physics/bullet/world_box.hpp"
 
@@ -13,28 +13,28 @@
 
 namespace wholehand::bullet {
 
-/// Where a capsule of the hand is.
+/// Pose of a capsule of the hand.
 struct PlacedCapsule {
   Eigen::Vector3d a_m, b_m;  ///< ends of its segment, world
   double radius_m = 0.0;
   WorldBox box;
 };
 
-/// The hand in Bullet: capsules that touch. They are plain collision objects placed by our own
-/// kinematics, so that a link may carry many; Bullet integrates none of them.
+/// The hand in Bullet: plain collision objects, placed by our own kinematics, so that a link may
+/// carry many capsules. Bullet does not integrate them.
 class BulletHand {
  public:
   BulletHand(const HandModel& hand, double friction);
 
   [[nodiscard]] int count() const { return static_cast<int>(objects_.size()); }
-  /// Moves every capsule to its link. Real-time safe. @pre kinematics outlives this
+  /// Updates every capsule from its link's pose. Real-time safe. @pre kinematics outlives this
   void placeCapsules(const ArticulatedBody& kinematics) noexcept;
   [[nodiscard]] const PlacedCapsule& placed(int capsule) const { return placed_[capsule]; }
   [[nodiscard]] bool isPalm(int capsule) const { return palm_[capsule]; }
-  /// Holds all capsules.
+  /// Bounding box of all capsules.
   [[nodiscard]] const WorldBox& box() const { return box_; }
-  /// A capsule as Bullet sees it, at its place. Most are near nothing, so that only who asks pays
-  /// for the frame. Real-time safe.
+  /// A capsule's collision object at its current pose. The pose is computed on demand, since most
+  /// capsules are near nothing. Real-time safe.
   [[nodiscard]] btCollisionObject& object(int capsule) noexcept;
 
  private:
@@ -45,7 +45,7 @@ class BulletHand {
   std::vector<Pose> capsule_in_link_;
   std::vector<PlacedCapsule> placed_;
   std::vector<bool> palm_;
-  std::vector<bool> has_frame_;  ///< since placeCapsules()
+  std::vector<bool> has_frame_;  ///< computed since placeCapsules()
   const ArticulatedBody* kinematics_ = nullptr;
   WorldBox box_;
 };

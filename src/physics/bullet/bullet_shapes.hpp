@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/geometry.hpp"
-#include "model/scene_model.hpp"
+#include "model/scene/scene_model.hpp"
 
 #include <BulletCollision/CollisionShapes/btCollisionShape.h>
 #include <LinearMath/btVector3.h>
@@ -10,16 +10,16 @@
 
 namespace wholehand::bullet {
 
-/// Surfaces nearer than this are a contact point; boxes are padded by as much [m]. Bullet keeps it
-/// in one variable of the process, so it is one constant, set by the first call.
+/// Contact threshold: surfaces nearer than this make a contact point; boxes are padded by it [m].
+/// Bullet keeps it in a global variable, so it is one constant, set by the first call.
 [[nodiscard]] double contactThreshold();
 
-/// Frame in which Bullet sees the body: centre of mass, principal axes. Where the inertia is
-/// diagonal already the axes stay, so that a box is a box and not a box turned by 90 degrees.
-/// @param moments about these axes; 0 of a fixed body
+/// Bullet's frame of a body: centre of mass, principal axes. A diagonal inertia keeps its axes, so
+/// that a box is not rotated by 90 degrees.
+/// @param moments of inertia about these axes; 0 for a fixed body
 [[nodiscard]] Pose principalFrame(const SceneBody& body, btVector3& moments);
 
-/// The shape in its own frame.
+/// Creates the shape in its own frame.
 [[nodiscard]] std::unique_ptr<btCollisionShape> makeShape(const Shape& shape);
 
 }  // namespace wholehand::bullet

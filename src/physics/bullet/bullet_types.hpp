@@ -10,7 +10,7 @@
 
 namespace wholehand::bullet {
 
-// Contacts are solved to micrometres: single precision is not enough.
+// Contacts are solved to micrometres, for which single precision is not enough.
 static_assert(sizeof(btScalar) == 8, "Bullet must be used in double precision");
 
 [[nodiscard]] inline btVector3 toBt(const Eigen::Vector3d& v) {

@@ -4,6 +4,8 @@
 #include "physics/bullet/bullet_engine.hpp"
 #include "physics/bullet/bullet_types.hpp"
 
+#include <algorithm>
+
 namespace wholehand {
 
 using bullet::toVec3;
@@ -18,7 +20,7 @@ Expected<Done> BulletWorld::placeHand(const AxisPosition& q_s) {
   bullet::BulletEngine& e = *engine_;
   for (std::size_t i = 0; i < e.bodies.size(); ++i) {
     if (allFinite(e.bodies[i].state())) continue;
-    return nowhere(e.scene_path, e.body_names[i]);
+    return nonFiniteBodyError(e.scene_path, e.body_names[i]);
   }
   e.forgetContacts();
   e.setHand(q_s, AxisVelocity(e.hand_model.axis_count));
@@ -36,11 +38,12 @@ Fault BulletWorld::observe(WorldState& state) noexcept {
   state.theta = e.theta;
   state.theta_dot = e.theta_dot;
   state.coupling_error_rad = 0.0;  // the joints are nothing but G q_s here
-  state.body_count = static_cast<int>(e.bodies.size());
+  state.body_count = std::min(static_cast<int>(e.bodies.size()), kMaxBodies);
   bool finite = allFinite(state.q_s) && allFinite(state.qd_s);
-  for (int i = 0; i < state.body_count; ++i) {
-    state.bodies[i] = e.bodies[i].state();
-    finite = finite && allFinite(state.bodies[i]);
+  const std::vector<BodyState>& bodies = e.bodyStates();
+  std::copy(bodies.begin(), bodies.end(), state.bodies.begin());
+  for (const int body : e.resting.awakeBodies()) {
+    finite = finite && allFinite(body < state.body_count ? bodies[body] : e.bodies[body].state());
   }
   return finite ? Fault::kNone : Fault::kNonFiniteState;
 }
@@ -52,6 +55,8 @@ void BulletWorld::placeBodies(const BodyPlacements& placements) noexcept {
     if (engine_->bodies[placement.body].place(placement)) {
       engine_->forgetContacts(placement.body);
     }
+    engine_->pairs.placed(placement.body);
+    engine_->updateState(placement.body);
   }
 }
 
@@ -71,7 +76,7 @@ Fault BulletWorld::step(const HandDrive& drive, double period_s) noexcept {
   }
   e.solver.beginStep(*drive.reduced_inertia_inverse, qd_s);
   e.rows.beginStep(e.kinematics, e.q_s);
-  for (bullet::BulletBody& body : e.bodies) body.beginStep();
+  e.beginStep();
   e.advance(period_s);
 
   qd_s = e.solver.velocity();
@@ -79,16 +84,13 @@ Fault BulletWorld::step(const HandDrive& drive, double period_s) noexcept {
   for (int a = 0; a < qd_s.size(); ++a) q_s[a] += period_s * qd_s[a];
   if (!allFinite(q_s) || !allFinite(qd_s)) return Fault::kNonFiniteState;
   e.setHand(q_s, qd_s);
-  for (bullet::BulletBody& body : e.bodies) {
-    if (body.moves()) body.placeColliders();
-  }
   return Fault::kNone;
 }
 
 void BulletWorld::contacts(ContactList& contacts) const noexcept {
   const bullet::BulletEngine& e = *engine_;
   contacts.count = 0;
-  contacts.dropped = e.solver.dropped();  // not even solved
+  contacts.dropped = e.solver.dropped() + e.dropped();  // not even solved
   for (int i = 0; i < e.solver.contactCount(); ++i) {
     const bullet::HandContact& c = e.solver.contact(i);
     if (c.normal_row.impulse <= 0.0) continue;
@@ -118,7 +120,7 @@ void BulletWorld::selfForces(SelfForces& forces) const noexcept {
   for (int i = 0; i < e.rows.touchCount() && forces.count < kMaxSelfForces; ++i) {
     const bullet::SelfTouch& touch = e.rows.touch(i);
     if (touch.normal_row.impulse <= 0.0) continue;
-    const SelfPair& pair = e.hand_model.self_contacts[static_cast<std::size_t>(touch.pair)];
+    const SelfPair& pair = e.hand_model.self_contacts[touch.pair];
     const Eigen::Vector3d impulse = touch.gap.normal * touch.normal_row.impulse +
                                     touch.tangent1 * touch.tangent1_row.impulse +
                                     touch.tangent2 * touch.tangent2_row.impulse;

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "model/hand_model.hpp"
-#include "model/scene_model.hpp"
+#include "model/hand/hand_model.hpp"
+#include "model/scene/scene_model.hpp"
 #include "physics/bullet/solver_settings.hpp"
 #include "physics/physics_world.hpp"
 
@@ -15,12 +15,12 @@ struct BulletEngine;
 
 using BulletSettings = bullet::SolverSettings;
 
-/// Bullet 3.24, double precision, in process: the hand as an articulated body whose contacts are
-/// solved in its reduced velocities, the scene's bodies as rigid bodies.
+/// Bullet 3.24, double precision, in process. The hand is an articulated body whose contacts are
+/// solved in its reduced velocities; the scene's bodies are rigid bodies.
 class BulletWorld final : public PhysicsWorld {
  public:
-  /// Builds the world, grows every array it may need and touches everything once, so that no step
-  /// allocates. @pre hand outlives this; scene as loaded. Not real-time safe.
+  /// Builds the world, reserves every array and runs warm-up steps, so that no step allocates. @pre
+  /// hand outlives this; scene as loaded. Not real-time safe.
   BulletWorld(const HandModel& hand, const SceneModel& scene, const BulletSettings& settings = {});
   ~BulletWorld() override;
 

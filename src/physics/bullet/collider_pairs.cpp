@@ -7,6 +7,9 @@
 #include <BulletCollision/CollisionDispatch/btCollisionObjectWrapper.h>
 #include <BulletCollision/CollisionDispatch/btManifoldResult.h>
 
+#include <algorithm>
+#include <utility>
+
 namespace wholehand::bullet {
 namespace {
 
@@ -18,8 +21,18 @@ bool meetsBodies(BulletBody::Meets meets) {
   return meets != BulletBody::Meets::kDigits;
 }
 
+/// Room for the pairs of bodies that overlap at once: all of a small scene, more than lie around
+/// one another in a large one.
+std::size_t mostPairs(std::size_t colliders) {
+  return std::min(colliders * colliders / 2, 32 * colliders + 1024);
+}
+
 bool keeps(const btPersistentManifold* manifold) {
   return manifold != nullptr && manifold->getNumContacts() > 0;
+}
+
+bool isBall(const BulletBody::Collider& collider) {
+  return collider.form.type == ShapeType::kSphere;
 }
 
 btCollisionObjectWrapper wrap(btCollisionObject& object) {
@@ -29,25 +42,29 @@ btCollisionObjectWrapper wrap(btCollisionObject& object) {
 }  // namespace
 
 ColliderPairs::ColliderPairs(btCollisionDispatcher& dispatcher, BulletHand& hand,
-                             std::vector<BulletBody>& bodies, double threshold_m)
-    : dispatcher_(dispatcher), hand_(hand), threshold_m_(threshold_m) {
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    for (const auto& collider : bodies[i].colliders()) {
+                             std::vector<BulletBody>& bodies, RestingBodies& resting,
+                             double threshold_m)
+    : dispatcher_(dispatcher), hand_(hand), threshold_m_(threshold_m), resting_(resting) {
+  for (const BulletBody& body : bodies) {
+    const auto first = static_cast<int>(targets_.size());
+    for (const auto& collider : body.colliders()) {
       Target& target = targets_.emplace_back();
       target.collider = collider.get();
       for (int c = 0; c < hand.count(); ++c) {
         if (meetsHand(collider->meets, hand.isPalm(c))) target.capsules.push_back(c);
       }
       target.pairs.resize(target.capsules.size());
-      if (!meetsBodies(collider->meets)) continue;
-      for (std::size_t k = i + 1; k < bodies.size(); ++k) {
-        if (!bodies[i].moves() && !bodies[k].moves()) continue;
-        for (const auto& other : bodies[k].colliders()) {
-          if (meetsBodies(other->meets)) body_pairs_.push_back({collider.get(), other.get(), {}});
-        }
-      }
+      boxes_.push_back(collider->box);
+      owner_.push_back(collider->tag.body);
+      meets_bodies_.push_back(meetsBodies(collider->meets));
     }
+    of_body_.emplace_back(first, static_cast<int>(targets_.size()));
   }
+  const std::size_t most = mostPairs(targets_.size());
+  for (std::vector<BodyPair>* list : {&body_pairs_, &before_}) list->reserve(most);
+  overlaps_.reserve(most);
+  near_.reserve(most);
+  awake_.reserve(targets_.size());
 }
 
 ColliderPairs::~ColliderPairs() {
@@ -57,17 +74,149 @@ ColliderPairs::~ColliderPairs() {
   for (BodyPair& pair : body_pairs_) drop(pair.pair);
 }
 
-void ColliderPairs::find() noexcept {
-  for (Target& target : targets_) {
-    if (target.kept > 0 || overlap(hand_.box(), target.collider->box)) findOfHand(target);
+bool ColliderPairs::awake(int collider) const noexcept {
+  return resting_.awake(owner_[collider]);
+}
+
+void ColliderPairs::moved(int body) noexcept {
+  for (int c = of_body_[body].first; c < of_body_[body].second; ++c) {
+    boxes_[c] = targets_[c].collider->box;
   }
-  for (BodyPair& both : body_pairs_) {
-    if (overlap(both.a->box, both.b->box)) {
-      ask(both.pair, *both.a->object, *both.b->object);
-    } else {
-      drop(both.pair);
+}
+
+void ColliderPairs::refreshBoxes() noexcept {
+  for (const int body : resting_.awakeBodies()) moved(body);
+}
+
+void ColliderPairs::find() noexcept {
+  refreshBoxes();
+  for (std::size_t i = 0; i < targets_.size(); ++i) {
+    if (targets_[i].kept > 0 || overlap(hand_.box(), boxes_[i])) findOfHand(targets_[i]);
+  }
+  findOfBodies();
+}
+
+void ColliderPairs::findOfBodies() noexcept {
+  refreshBoxes();
+  disturbNear();
+  listOverlaps();
+  follow();
+}
+
+void ColliderPairs::placed(int body) noexcept {
+  resting_.disturb(body);
+  for (const BodyPair& both : body_pairs_) {
+    const int a = owner_[both.a], b = owner_[both.b];
+    if (a == body) resting_.disturb(b);
+    if (b == body) resting_.disturb(a);
+  }
+  moved(body);
+  for (int c = of_body_[body].first; c < of_body_[body].second; ++c) {
+    if (!meets_bodies_[c]) continue;
+    for (std::size_t k = 0; k < boxes_.size(); ++k) {
+      if (meets_bodies_[k] && overlap(boxes_[c], boxes_[k])) {
+        resting_.disturb(owner_[k]);
+      }
     }
   }
+}
+
+/// Wakes resting bodies near awake ones.
+void ColliderPairs::disturbNear() noexcept {
+  if (resting_.awakeBodies().empty()) return;
+  WorldBox all;
+  for (const int body : resting_.awakeBodies()) {
+    for (int c = of_body_[body].first; c < of_body_[body].second; ++c) {
+      all.low_m = all.low_m.cwiseMin(boxes_[c].low_m);
+      all.high_m = all.high_m.cwiseMax(boxes_[c].high_m);
+    }
+  }
+  for (std::size_t k = 0; k < boxes_.size(); ++k) {
+    const int other = owner_[k];
+    if (!resting_.rests(other) || !meets_bodies_[k] || !overlap(all, boxes_[k])) continue;
+    bool near = false;
+    for (const int body : resting_.awakeBodies()) {
+      for (int c = of_body_[body].first; c < of_body_[body].second && !near; ++c) {
+        near = meets_bodies_[c] && overlap(boxes_[c], boxes_[k]);
+      }
+      if (near) break;
+    }
+    if (near) resting_.disturb(other);
+  }
+}
+
+void ColliderPairs::addOverlap(int a, int b) noexcept {
+  if (!overlap(boxes_[a], boxes_[b]) || owner_[a] == owner_[b]) return;
+  if (overlaps_.size() == overlaps_.capacity()) {
+    ++dropped_;
+    return;
+  }
+  overlaps_.emplace_back(a, b);
+}
+
+/// Lists overlapping pairs of which at least one collider is awake.
+void ColliderPairs::listOverlaps() noexcept {
+  dropped_ = 0;
+  overlaps_.clear();
+  awake_.clear();
+  for (const int body : resting_.awakeBodies()) {
+    for (int c = of_body_[body].first; c < of_body_[body].second; ++c) {
+      if (meets_bodies_[c]) awake_.push_back(c);
+    }
+  }
+  if (awake_.empty()) return;
+  std::size_t next = 0;  // the first awake collider after this one
+  for (int c = 0; c < static_cast<int>(boxes_.size()); ++c) {
+    while (next < awake_.size() && awake_[next] <= c) ++next;
+    if (!meets_bodies_[c] || resting_.rests(owner_[c])) continue;
+    if (!awake(c)) {
+      for (std::size_t k = next; k < awake_.size(); ++k) addOverlap(c, awake_[k]);
+      continue;
+    }
+    for (int k = c + 1; k < static_cast<int>(boxes_.size()); ++k) {
+      if (meets_bodies_[k]) addOverlap(c, k);
+    }
+  }
+}
+
+/// Updates the contact points of overlapping pairs and removes pairs that no longer overlap. Pairs
+/// of two resting bodies stay unchanged.
+void ColliderPairs::follow() noexcept {
+  if (overlaps_.empty() && resting_.awakeBodies().empty()) return;
+  std::swap(before_, body_pairs_);
+  body_pairs_.clear();
+  std::size_t now = 0;
+  const auto take = [&](Pair pair) noexcept {
+    const auto [a, b] = overlaps_[now++];
+    if (body_pairs_.size() == body_pairs_.capacity()) {
+      ++dropped_;
+      drop(pair);
+      return;
+    }
+    meet(*targets_[a].collider, *targets_[b].collider, pair);
+    body_pairs_.push_back({a, b, pair});
+  };
+  for (BodyPair& old : before_) {
+    const std::pair<int, int> both{old.a, old.b};
+    while (now < overlaps_.size() && overlaps_[now] < both) take({});
+    const bool still = now < overlaps_.size() && overlaps_[now] == both;
+    if (still) {
+      take(old.pair);
+    } else if (awake(old.a) || awake(old.b) || body_pairs_.size() == body_pairs_.capacity()) {
+      drop(old.pair);
+    } else {
+      body_pairs_.push_back(old);
+    }
+  }
+  while (now < overlaps_.size()) take({});
+}
+
+const std::vector<RestingBodies::Near>& ColliderPairs::near() noexcept {
+  near_.clear();
+  for (const BodyPair& both : body_pairs_) {
+    near_.emplace_back(owner_[both.a], owner_[both.b]);
+  }
+  return near_;
 }
 
 void ColliderPairs::findOfHand(Target& target) noexcept {
@@ -78,8 +227,15 @@ void ColliderPairs::findOfHand(Target& target) noexcept {
     Pair& pair = target.pairs[i];
     if (!overlap(hand_.placed(capsule).box, collider.box)) {
       drop(pair);
-    } else if (collider.tag.shape != nullptr) {
-      touch(capsule, collider, pair);
+      continue;
+    }
+    resting_.disturb(collider.tag.body);
+    if (collider.tag.shape != nullptr) {
+      const PlacedCapsule& placed = hand_.placed(capsule);
+      touch(
+          {placed.a_m, placed.b_m, placed.radius_m},
+          [this, capsule]() -> btCollisionObject& { return hand_.object(capsule); }, collider,
+          pair);
     } else {
       ask(pair, hand_.object(capsule), *collider.object);
     }
@@ -87,35 +243,51 @@ void ColliderPairs::findOfHand(Target& target) noexcept {
   }
 }
 
-/// A capsule of the hand and a shape whose distance is a closed form.
-void ColliderPairs::touch(int capsule, Collider& collider, Pair& pair) noexcept {
-  const PlacedCapsule& placed = hand_.placed(capsule);
+/// Contact of a sphere-swept segment (capsule of the hand, or ball) with a shape that has a
+/// closed-form distance. @param object returns Bullet's object of the segment
+template <class Object>
+void ColliderPairs::touch(const Round& round, const Object& object, Collider& collider,
+                          Pair& pair) noexcept {
   const btTransform& frame = collider.object->getWorldTransform();
   const SegmentDistance is =
-      contactDistance(*collider.tag.shape, toEigen(frame.invXform(toBt(placed.a_m))),
-                      toEigen(frame.invXform(toBt(placed.b_m))), placed.radius_m, threshold_m_);
+      contactDistance(*collider.tag.shape, toEigen(frame.invXform(toBt(round.a_m))),
+                      toEigen(frame.invXform(toBt(round.b_m))), round.radius_m, threshold_m_);
   const bool near = is.distance_m <= threshold_m_;
   if (!near && pair.manifold == nullptr) return;
-  btCollisionObject& object = hand_.object(capsule);
-  const btCollisionObjectWrapper a = wrap(object), b = wrap(*collider.object);
+  btCollisionObject& first = object();
+  const btCollisionObjectWrapper a = wrap(first), b = wrap(*collider.object);
   btManifoldResult points(&a, &b);
-  if (pair.manifold == nullptr)
-    pair.manifold = dispatcher_.getNewManifold(&object, collider.object.get());
+  if (pair.manifold == nullptr) {
+    pair.manifold = dispatcher_.getNewManifold(&first, collider.object.get());
+    ++version_;
+  }
   points.setPersistentManifold(pair.manifold);
   if (near) {
-    const Eigen::Vector3d on_axis_m = placed.a_m + is.along * (placed.b_m - placed.a_m);
+    const Eigen::Vector3d on_axis_m = round.a_m + is.along * (round.b_m - round.a_m);
     const btVector3 normal = frame.getBasis() * toBt(is.normal);
-    points.addContactPoint(normal, toBt(on_axis_m) - normal * (is.distance_m + placed.radius_m),
+    points.addContactPoint(normal, toBt(on_axis_m) - normal * (is.distance_m + round.radius_m),
                            is.distance_m);
   }
   points.refreshContactPoints();
   if (!near && !keeps(pair.manifold)) drop(pair);
 }
 
+void ColliderPairs::meet(Collider& a, Collider& b, Pair& pair) noexcept {
+  const bool closed_form = a.tag.shape != nullptr && b.tag.shape != nullptr;
+  const bool ball_a = isBall(a), ball_b = isBall(b);
+  if (!closed_form || ball_a == ball_b) return ask(pair, *a.object, *b.object);
+  Collider& ball = ball_a ? a : b;
+  const Eigen::Vector3d at_m = toEigen(ball.object->getWorldTransform().getOrigin());
+  touch(
+      {at_m, at_m, ball.form.radius_m}, [&ball]() -> btCollisionObject& { return *ball.object; },
+      ball_a ? b : a, pair);
+}
+
 /// Bullet's own narrow phase.
 void ColliderPairs::ask(Pair& pair, btCollisionObject& first, btCollisionObject& second) noexcept {
   const btCollisionObjectWrapper a = wrap(first), b = wrap(second);
   if (pair.algorithm == nullptr) {
+    ++version_;
     pair.algorithm = dispatcher_.findAlgorithm(&a, &b, nullptr, BT_CONTACT_POINT_ALGORITHMS);
   }
   btManifoldResult points(&a, &b);
@@ -123,6 +295,7 @@ void ColliderPairs::ask(Pair& pair, btCollisionObject& first, btCollisionObject&
 }
 
 void ColliderPairs::drop(Pair& pair) noexcept {
+  if (pair.manifold != nullptr || pair.algorithm != nullptr) ++version_;
   if (pair.manifold != nullptr) dispatcher_.releaseManifold(pair.manifold);
   if (pair.algorithm != nullptr) {
     pair.algorithm->~btCollisionAlgorithm();

@@ -2,6 +2,7 @@
 
 #include "physics/bullet/bullet_bodies.hpp"
 #include "physics/bullet/bullet_hand.hpp"
+#include "physics/bullet/resting_bodies.hpp"
 
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 
@@ -9,44 +10,71 @@
 
 namespace wholehand::bullet {
 
-/// Finds the contact points of all colliders. Which of them may ever meet is listed once; every
-/// step looks at their boxes, and compares those whose boxes overlap. A capsule of the hand and a
-/// box, sphere, cylinder or capsule have their nearest points from contactDistance(); a convex
-/// mesh, and two bodies, are Bullet's own narrow phase. Bullet keeps the points from step to step
-/// in either case. Real-time safe but for construction.
+/// Finds the contact points of all colliders. Each step tests bounding boxes, and compares pairs
+/// whose boxes overlap; of two bodies at least one must be awake. A resting body wakes when the
+/// hand or an awake body comes near. contactDistance() handles a capsule of the hand against a box,
+/// sphere, cylinder or capsule, and a sphere against a box, cylinder or capsule; Bullet's narrow
+/// phase handles convex meshes and all other pairs of bodies. In both cases Bullet keeps the
+/// contact points between steps. Real-time safe except for construction.
 class ColliderPairs {
  public:
-  /// @pre all outlive this @param threshold_m surfaces nearer than this are a contact point
+  /// @pre all outlive this @param threshold_m surfaces nearer than this make a contact point
   ColliderPairs(btCollisionDispatcher& dispatcher, BulletHand& hand,
-                std::vector<BulletBody>& bodies, double threshold_m);
+                std::vector<BulletBody>& bodies, RestingBodies& resting, double threshold_m);
   ~ColliderPairs();
   ColliderPairs(const ColliderPairs&) = delete;
   ColliderPairs& operator=(const ColliderPairs&) = delete;
 
-  /// Contact points where hand and bodies are now.
+  /// Updates the contact points for the current poses of hand and bodies.
   void find() noexcept;
+  /// As find(), for pairs of bodies only.
+  void findOfBodies() noexcept;
+  /// Call after a body was placed. Wakes the bodies near its former and its new pose.
+  void placed(int body) noexcept;
+  /// Updates the boxes of a body that was moved outside a step. Wakes no body.
+  void moved(int body) noexcept;
+  /// Pairs of bodies whose boxes overlap.
+  [[nodiscard]] const std::vector<RestingBodies::Near>& near() noexcept;
+  /// Changes with every pair that is added or removed.
+  [[nodiscard]] unsigned version() const noexcept { return version_; }
+  /// Number of pairs of the last step that exceeded the capacity.
+  [[nodiscard]] int dropped() const noexcept { return dropped_; }
 
  private:
   using Collider = BulletBody::Collider;
-  /// What is kept of two colliders while they are near.
+  /// Data kept for a pair while it is near.
   struct Pair {
-    btPersistentManifold* manifold = nullptr;  ///< of two whose nearest points are ours
+    btPersistentManifold* manifold = nullptr;  ///< of a pair handled by contactDistance()
     btCollisionAlgorithm* algorithm = nullptr;
   };
-  /// A collider of a body, and the hand's capsules that it may meet.
+  /// Sphere-swept segment, world frame.
+  struct Round {
+    Eigen::Vector3d a_m, b_m;
+    double radius_m = 0.0;
+  };
+  /// A collider of a body, and the hand's capsules that may touch it.
   struct Target {
     Collider* collider = nullptr;
     std::vector<int> capsules;
-    std::vector<Pair> pairs;  ///< one a capsule
-    int kept = 0;             ///< pairs that keep something
+    std::vector<Pair> pairs;  ///< one per capsule
+    int kept = 0;             ///< pairs with kept data
   };
+  /// Two colliders of bodies whose boxes overlap; the lower index first.
   struct BodyPair {
-    Collider *a = nullptr, *b = nullptr;
+    int a = -1, b = -1;
     Pair pair;
   };
 
+  void refreshBoxes() noexcept;
   void findOfHand(Target& target) noexcept;
-  void touch(int capsule, Collider& collider, Pair& pair) noexcept;
+  void disturbNear() noexcept;
+  void listOverlaps() noexcept;
+  void addOverlap(int a, int b) noexcept;
+  void follow() noexcept;
+  [[nodiscard]] bool awake(int collider) const noexcept;
+  template <class Object>
+  void touch(const Round& round, const Object& object, Collider& collider, Pair& pair) noexcept;
+  void meet(Collider& a, Collider& b, Pair& pair) noexcept;
   void ask(Pair& pair, btCollisionObject& first, btCollisionObject& second) noexcept;
   void drop(Pair& pair) noexcept;
 
@@ -54,8 +82,18 @@ class ColliderPairs {
   BulletHand& hand_;
   const double threshold_m_;
   btDispatcherInfo info_;
-  std::vector<Target> targets_;
-  std::vector<BodyPair> body_pairs_;
+  RestingBodies& resting_;
+  std::vector<Target> targets_;                ///< one per collider
+  std::vector<std::pair<int, int>> of_body_;   ///< its first collider and the one after its last
+  std::vector<WorldBox> boxes_;                ///< of every collider
+  std::vector<int> owner_;                     ///< body of every collider
+  std::vector<bool> meets_bodies_;             ///< of every collider
+  std::vector<int> awake_;                     ///< colliders of awake bodies that can touch bodies
+  std::vector<std::pair<int, int>> overlaps_;  ///< of this step, ascending
+  std::vector<BodyPair> body_pairs_, before_;  ///< kept pairs, ascending
+  std::vector<RestingBodies::Near> near_;
+  int dropped_ = 0;
+  unsigned version_ = 0;
 };
 
 }  // namespace wholehand::bullet

@@ -1,22 +1,22 @@
 #pragma once
 
-#include "model/scene_model.hpp"
+#include "model/scene/scene_model.hpp"
 
 #include <BulletCollision/CollisionDispatch/btCollisionObject.h>
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
 namespace wholehand::bullet {
 
-/// What a collision object belongs to; every collider carries one as its user pointer. Colliders
-/// are plain collision objects that we place ourselves: a link of the hand and a body of the scene
-/// may carry many, no compound shape is needed (it would allocate at every new pair), and the
-/// bodies that move have no shape of their own.
+/// Owner of a collision object; every collider's user pointer refers to one. Colliders are plain
+/// collision objects that we place ourselves: links and bodies may have many without a compound
+/// shape, which would allocate for every new pair, and moving bodies have no shape of their own.
 struct ColliderTag {
-  int capsule = -1;              ///< of the hand; -1 for a scene's body
-  int link = -1;                 ///< of the hand
-  int body = -1;                 ///< of the scene
-  btRigidBody* rigid = nullptr;  ///< what a scene's collider moves
-  const Shape* shape = nullptr;  ///< of a scene's collider, in its own frame; null: no closed form
+  int capsule = -1;              ///< capsule of the hand; -1: scene body
+  int link = -1;                 ///< link of the hand
+  int body = -1;                 ///< body of the scene
+  btRigidBody* rigid = nullptr;  ///< rigid body that a scene collider belongs to
+  const Shape* shape = nullptr;  ///< shape of a scene collider, in its own frame; null: no closed
+                                 ///< form
 
   [[nodiscard]] bool ofHand() const { return capsule >= 0; }
 };

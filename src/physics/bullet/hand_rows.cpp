@@ -55,7 +55,7 @@ HandRows::HandRows(const HandModel& hand, double friction, const SolverSettings&
 
 void HandRows::addEnds(const HandModel& hand) {
   for (int i = hand.palm_link + 1; i < static_cast<int>(hand.links.size()); ++i) {
-    const HandLink& link = hand.links[static_cast<std::size_t>(i)];
+    const HandLink& link = hand.links[i];
     if (link.joint < 0) continue;
     for (const double side : {1.0, -1.0}) {
       JointEnd end;
@@ -77,7 +77,7 @@ void HandRows::addEnds(const HandModel& hand) {
 
 void HandRows::addBaseEnds(const HandModel& hand) {
   for (int i = 0; i <= hand.palm_link; ++i) {
-    const HandLink& link = hand.links[static_cast<std::size_t>(i)];
+    const HandLink& link = hand.links[i];
     if (link.joint < 0 || link.type != JointType::kRevolute) continue;
     for (int a = 0; a < axes_; ++a) {
       if (hand.synergy(link.joint, a) == 0.0) continue;

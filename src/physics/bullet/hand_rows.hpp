@@ -11,23 +11,23 @@
 
 namespace wholehand::bullet {
 
-/// A row of the solver that acts on the hand's reduced velocities alone.
+/// A solver row that acts on the hand's reduced velocities only.
 struct AxisRow {
   std::array<double, kMaxAxes> jacobian{};  ///< j
   std::array<double, kMaxAxes> response{};  ///< M_r⁻¹ j
-  double effective_mass = 0.0;              ///< 1 / (j·M_r⁻¹ j); 0 switches the row off
-  double target = 0.0;                      ///< impulse that alone would reach the goal velocity
+  double effective_mass = 0.0;              ///< 1 / (j·M_r⁻¹ j); 0 disables the row
+  double target = 0.0;                      ///< impulse that alone would reach the target velocity
   double impulse = 0.0;                     ///< accumulated [N·s or N·m·s]
 };
 
-/// The most joint ends that contacts may lean on at once; further ones are solved beside them.
+/// Limit of joint ends solved together with contacts; further ones are solved separately.
 inline constexpr int kMaxLeaning = 4;
 
-/// What a unit of a row's impulse adds to the impulses of the ends that bear it.
+/// Change of the joint ends' impulses per unit of a row's impulse.
 using Lean = std::array<double, kMaxLeaning>;
 
-/// Two capsules that meet. The force on the first acts at the same point as its reaction on the
-/// second: j = Gᵀ (J_a − J_b)ᵀ d, and what carries both feels exactly nothing.
+/// Two capsules in contact. The force on the first and its reaction on the second act at the same
+/// point: j = Gᵀ (J_a − J_b)ᵀ d, so a link that carries both feels exactly nothing.
 struct SelfTouch {
   int pair = -1;  ///< index into HandModel::self_contacts
   CapsuleGap gap;
@@ -35,38 +35,38 @@ struct SelfTouch {
   AxisRow normal_row, tangent1_row, tangent2_row;
 };
 
-/// The rows of a hand with itself: capsules that stop each other, and joints at their ends.
-/// Everything acts in reduced velocities, as the contacts with bodies do, so nothing loads the
-/// coupling. Real-time safe but for construction.
+/// Rows of the hand's self-contacts and joint limits. They act in reduced velocities like the
+/// contacts with bodies, so nothing loads the coupling. Real-time safe except for construction.
 class HandRows {
  public:
   /// @pre hand outlives this @param friction between two parts of the hand
   HandRows(const HandModel& hand, double friction, const SolverSettings& settings);
 
-  /// The hand was put elsewhere, at rest.
+  /// Resets after the hand was placed elsewhere, at rest.
   void reset(const ArticulatedBody& at, const AxisPosition& q_s) noexcept;
-  /// What is near at the state before a step.
+  /// Finds near pairs and joint ends at the state before a step.
   void beginStep(const ArticulatedBody& at, const AxisPosition& q_s) noexcept;
-  /// Rows from what is near. @param velocity q̇_s without contacts; @param inverse M_r⁻¹
+  /// Builds the rows for what is near. @param velocity q̇_s without contacts; @param inverse M_r⁻¹
   void setUp(const ArticulatedBody& at, const AxisMatrix& inverse, const double* velocity,
              double step_s) noexcept;
-  /// A contact that presses a joint against its end moves what carries the hand, not the joint:
-  /// takes the joint out of the row's response M_r⁻¹ j, and says what of the row's impulse the end
-  /// bears. Solving contact and end in turns would take hundreds of sweeps: the tip of a digit is
-  /// much lighter than the arm.
+  /// Couples a contact row to a joint end. A contact that presses a joint against its end moves the
+  /// carrier of the hand, not the joint: this removes the joint from the row's response M_r⁻¹ j,
+  /// and returns the share of the row's impulse that the end bears. Alternating between contact and
+  /// end would need hundreds of sweeps, since the tip of a digit is much lighter than the arm.
   /// @param one_sided the impulse is never negative; only ends that it presses upon then bear it
   void lean(const std::array<double, kMaxAxes>& jacobian, std::array<double, kMaxAxes>& response,
             Lean& lean, bool one_sided) const noexcept;
-  /// After the contacts have started: the impulses of the last step. `change` is Δq̇_s.
+  /// Applies the impulses of the last step; call after the contacts have started. `change` is
+  /// Δq̇_s.
   void start(double* change) noexcept;
-  /// Whether there are joint ends that contacts may lean on.
+  /// True when contacts may lean on a joint end.
   [[nodiscard]] bool leaning() const noexcept { return leaning_count_ > 0; }
-  /// Impulses of the ends that contacts lean on; a row that leans adds its share.
+  /// Impulses of the ends that contacts lean on; a leaning row adds its share.
   [[nodiscard]] Lean& leaningImpulse() noexcept { return leaning_impulse_; }
   /// One sweep. Width as in ReducedContactSolver. @return the largest squared change of an impulse
   template <int Width>
   double iterate(double* change) noexcept;
-  /// Keeps the impulses for the next step.
+  /// Stores the impulses for the next step.
   void finish() noexcept;
 
   [[nodiscard]] int touchCount() const noexcept { return touch_count_; }
@@ -75,16 +75,16 @@ class HandRows {
   [[nodiscard]] AxisEffort endImpulse() const noexcept;
 
  private:
-  /// A joint's end. Joints that one axis drives alone share its nearest end.
+  /// A joint's end. Joints driven by one axis alone share its nearest end.
   struct JointEnd {
-    std::array<double, kMaxAxes> way{};  ///< room grows by this per unit of each axis
+    std::array<double, kMaxAxes> way{};  ///< change of the room per unit of each axis
     double room = 0.0;                   ///< at q_s = 0 [rad]
-    double left = 0.0;                   ///< at the present q_s; negative beyond the end
+    double left = 0.0;                   ///< room at the current q_s; negative beyond the end
     double kept_impulse = 0.0;
-    int leaning = -1;  ///< its place among those, or −1
+    int leaning = -1;  ///< index among the leaned-on ends, or −1
     AxisRow row;
   };
-  /// What a touch starts from.
+  /// Warm-start data of a touch.
   struct Kept {
     double normal = 0.0;
     Eigen::Vector3d tangent = Eigen::Vector3d::Zero();
@@ -103,14 +103,14 @@ class HandRows {
   const double friction_;
   const SolverSettings settings_;
   SelfContactSearch search_;
-  std::vector<SelfTouch> touches_;  ///< as many as pairs; the first touch_count_ are in use
+  std::vector<SelfTouch> touches_;  ///< one per pair; the first touch_count_ are in use
   int touch_count_ = 0;
-  std::vector<Kept> kept_;  ///< of every pair
+  std::vector<Kept> kept_;  ///< one per pair
   bool any_kept_ = false;
   std::vector<JointEnd> ends_;
   std::array<int, 2 * kMaxJoints> near_end_{};
   int near_end_count_ = 0;
-  std::array<int, kMaxLeaning> leaning_{};  ///< ends that were pressed upon in the last step
+  std::array<int, kMaxLeaning> leaning_{};  ///< ends that were pressed on in the last step
   int leaning_count_ = 0;
   Lean leaning_impulse_{};
 };

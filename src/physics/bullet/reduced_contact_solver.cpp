@@ -15,25 +15,8 @@ namespace {
 // A row whose effective inverse mass is below this moves nothing: the palm on a fixed body while
 // the spin row has no joint to turn. Dividing by it gave NaN.
 constexpr double kLeastInverseMass = 1e-12;
-constexpr double kNoLimit = 1e30;
 // More points than a record shows: what is not shown still pushes.
 constexpr int kMostContacts = 4 * kMaxContacts;
-constexpr int kNarrow = 8;  // axes that most devices do not exceed
-
-// Four numbers at once. A vector of Bullet has a fourth, which is zero.
-static_assert(kMaxLeaning == 4 && kMaxAxes % 4 == 0 && sizeof(btVector3) == 4 * sizeof(double));
-Eigen::Map<Eigen::Vector4d> four(double* first) {
-  return Eigen::Map<Eigen::Vector4d>(first);
-}
-Eigen::Map<const Eigen::Vector4d> four(const double* first) {
-  return Eigen::Map<const Eigen::Vector4d>(first);
-}
-Eigen::Map<Eigen::Vector4d> four(btVector3& v) {
-  return four(v.m_floats);
-}
-Eigen::Map<const Eigen::Vector4d> four(const btVector3& v) {
-  return four(v.m_floats);
-}
 
 // True when friction is at its limit, or there is none because nothing presses.
 bool slides(const HandContact& contact) {
@@ -55,7 +38,8 @@ void letGoOfAnchor(btManifoldPoint& point) {
 }  // namespace
 
 ReducedContactSolver::ReducedContactSolver(const HandModel& hand, const ArticulatedBody& kinematics,
-                                           HandRows& rows, const SolverSettings& settings)
+                                           HandRows& rows, const SolverSettings& settings,
+                                           int bodies)
     : axes_(hand.axis_count),
       settings_(settings),
       kinematics_(kinematics),
@@ -63,7 +47,7 @@ ReducedContactSolver::ReducedContactSolver(const HandModel& hand, const Articula
       inverse_(AxisMatrix::Zero(axes_ <= kNarrow ? kNarrow : kMaxAxes,
                                 axes_ <= kNarrow ? kNarrow : kMaxAxes)),
       contacts_(kMostContacts) {
-  reserve();
+  reserve(bodies);
 }
 
 void ReducedContactSolver::beginStep(const AxisMatrix& inverse, const AxisVelocity& velocity) {
@@ -80,17 +64,19 @@ AxisVelocity ReducedContactSolver::velocity() const {
 }
 
 // The base class grows these arrays at first contacts; growing them here keeps the tick free of
-// allocation. 512 rows are four times what a full scene of kMaxBodies was seen to need.
-void ReducedContactSolver::reserve() {
-  constexpr int kRows = 512;
-  m_tmpSolverBodyPool.reserve(4 * kMaxBodies);
-  m_tmpSolverContactConstraintPool.reserve(kRows);
-  m_tmpSolverContactFrictionConstraintPool.reserve(2 * kRows);
-  m_tmpSolverContactRollingFrictionConstraintPool.reserve(3 * kRows);
-  m_orderTmpConstraintPool.reserve(kRows);
-  m_orderNonContactConstraintPool.reserve(kRows);
-  m_orderFrictionConstraintPool.reserve(2 * kRows);
-  m_tmpConstraintSizesPool.reserve(kRows);
+// allocation. Boxes in stacks side by side were seen to need 10 rows each.
+void ReducedContactSolver::reserve(int bodies) {
+  const int rows = std::max(512, 16 * bodies);
+  m_tmpSolverBodyPool.reserve(std::max(128, 2 * bodies));
+  touched_.reserve(static_cast<std::size_t>(std::max(128, 2 * bodies)));
+  near_.reserve(static_cast<std::size_t>(rows));
+  m_tmpSolverContactConstraintPool.reserve(rows);
+  m_tmpSolverContactFrictionConstraintPool.reserve(2 * rows);
+  m_tmpSolverContactRollingFrictionConstraintPool.reserve(3 * rows);
+  m_orderTmpConstraintPool.reserve(rows);
+  m_orderNonContactConstraintPool.reserve(rows);
+  m_orderFrictionConstraintPool.reserve(2 * rows);
+  m_tmpConstraintSizesPool.reserve(rows);
 }
 
 void ReducedContactSolver::convertContacts(btPersistentManifold** manifolds, int count,
@@ -224,96 +210,6 @@ void ReducedContactSolver::respond(ReducedRow& row) const {
     response += row.jacobian[a] * Eigen::Map<const Axes>(inverse_.data() + a * Width);
   }
   Eigen::Map<Axes>(row.response.data()) = response;
-}
-
-// The point keeps its impulses and tangents from the step before; tangents may have turned.
-void ReducedContactSolver::warmStart(HandContact& contact) {
-  btManifoldPoint& point = *contact.point;
-  const btVector3 old = point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
-                        point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2;
-  const double share = settings_.warm_start;
-  btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
-  apply<kMaxAxes>(contact.normal_row, body, share * point.m_appliedImpulse);
-  apply<kMaxAxes>(contact.tangent1_row, body, share * old.dot(contact.tangent1));
-  apply<kMaxAxes>(contact.tangent2_row, body, share * old.dot(contact.tangent2));
-  apply<kMaxAxes>(contact.spin_row, body, share * point.m_prevRHS);
-}
-
-template <int Width>
-double ReducedContactSolver::wanted(const ReducedRow& row, const btSolverBody& body) const {
-  Eigen::Vector4d velocity = four(row.linear).cwiseProduct(four(body.m_deltaLinearVelocity)) +
-                             four(row.angular).cwiseProduct(four(body.m_deltaAngularVelocity));
-  for (int a = 0; a < Width; a += 4) {
-    velocity += four(&row.jacobian[a]).cwiseProduct(four(&change_[a]));
-  }
-  return row.impulse + row.target - velocity.sum() * row.effective_mass;
-}
-
-template <int Width>
-void ReducedContactSolver::apply(ReducedRow& row, btSolverBody& body, double impulse) {
-  const double change = impulse - row.impulse;
-  if (row.effective_mass == 0.0 || change == 0.0) return;
-  row.impulse = impulse;
-  residual_ = std::max(residual_, change * change);
-  four(body.m_deltaLinearVelocity) += change * four(row.linear_response);
-  four(body.m_deltaAngularVelocity) += change * four(row.angular_response);
-  for (int a = 0; a < Width; a += 4) four(&change_[a]) += change * four(&row.response[a]);
-  if (leans_) four(rows_.leaningImpulse().data()) += change * four(row.lean.data());
-}
-
-template <int Width>
-void ReducedContactSolver::solveFriction(HandContact& contact) {
-  btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
-  const double normal = contact.normal_row.impulse;
-  if (normal == 0.0) {  // nothing presses, nothing rubs
-    apply<Width>(contact.spin_row, body, 0.0);
-    apply<Width>(contact.tangent1_row, body, 0.0);
-    apply<Width>(contact.tangent2_row, body, 0.0);
-    return;
-  }
-  const double spin_limit = settings_.spinning_friction_m * normal;
-  apply<Width>(contact.spin_row, body,
-               std::clamp(wanted<Width>(contact.spin_row, body), -spin_limit, spin_limit));
-  // Both tangents at once, so that friction is a disc and not a square.
-  double t1 = wanted<Width>(contact.tangent1_row, body);
-  double t2 = wanted<Width>(contact.tangent2_row, body);
-  const double length = std::sqrt(t1 * t1 + t2 * t2);
-  const double limit = contact.friction * normal;
-  if (length > limit) {
-    t1 *= limit / length;
-    t2 *= limit / length;
-  }
-  apply<Width>(contact.tangent1_row, body, t1);
-  apply<Width>(contact.tangent2_row, body, t2);
-}
-
-template <int Width>
-void ReducedContactSolver::iterate() {
-  for (int i = 0; i < contact_count_; ++i) {
-    HandContact& contact = contacts_[i];
-    btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
-    apply<Width>(contact.normal_row, body,
-                 std::clamp(wanted<Width>(contact.normal_row, body), 0.0, kNoLimit));
-  }
-  for (int i = 0; i < contact_count_; ++i) solveFriction<Width>(contacts_[i]);
-  residual_ = std::max(residual_, rows_.iterate<Width>(change_.data()));
-}
-
-btScalar ReducedContactSolver::solveSingleIteration(
-    int iteration, btCollisionObject** bodies, int body_count, btPersistentManifold** manifolds,
-    int manifold_count, btTypedConstraint** constraints, int constraint_count,
-    const btContactSolverInfo& info, btIDebugDraw* drawer) {
-  const btScalar others = btSequentialImpulseConstraintSolver::solveSingleIteration(
-      iteration, bodies, body_count, manifolds, manifold_count, constraints, constraint_count, info,
-      drawer);
-  residual_ = 0.0;
-  if (axes_ <= kNarrow) {
-    iterate<kNarrow>();
-  } else {
-    iterate<kMaxAxes>();
-  }
-  // With 0 the base class would stop after its first iteration.
-  return std::max(others, btScalar(residual_));
 }
 
 btScalar ReducedContactSolver::solveGroupCacheFriendlyFinish(btCollisionObject** bodies,

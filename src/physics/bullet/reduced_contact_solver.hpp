@@ -13,8 +13,7 @@
 
 namespace wholehand::bullet {
 
-/// A row of the solver, written in the hand's reduced velocities on one side and a rigid body's
-/// velocities on the other.
+/// A solver row between the hand's reduced velocities and a rigid body's velocities.
 struct ReducedRow {
   std::array<double, kMaxAxes> jacobian{};  ///< j = Gᵀ Jᵀ d
   std::array<double, kMaxAxes> response{};  ///< M_r⁻¹ j
@@ -22,12 +21,12 @@ struct ReducedRow {
   btVector3 linear_response;                ///< linear / m; 0 on a fixed body
   btVector3 angular_response;               ///< I⁻¹ angular; 0 on a fixed body
   Lean lean{};                              ///< on joint ends
-  double effective_mass = 0.0;              ///< 1 / (j·M_r⁻¹ j + body); 0 switches the row off
-  double target = 0.0;                      ///< impulse that alone would reach the goal velocity
+  double effective_mass = 0.0;              ///< 1 / (j·M_r⁻¹ j + body); 0 disables the row
+  double target = 0.0;                      ///< impulse that alone would reach the target velocity
   double impulse = 0.0;                     ///< accumulated [N·s or N·m·s]
 };
 
-/// One point where a capsule of the hand meets a body, with its four rows.
+/// A contact point between a capsule of the hand and a body, with its four rows.
 struct HandContact {
   btManifoldPoint* point = nullptr;
   int capsule = -1;
@@ -40,29 +39,30 @@ struct HandContact {
   ReducedRow normal_row, tangent1_row, tangent2_row, spin_row;
 };
 
-/// Bullet's solver of rigid bodies, with the contacts of the hand. Those are solved in the hand's
-/// reduced velocities q̇_s, so that every impulse keeps θ = θ₀ + G q_s exactly: no gear rows that
-/// fight the contact rows, and six unknowns instead of nineteen joints.
+/// Bullet's rigid-body solver with the contacts of the hand. They are solved in the hand's reduced
+/// velocities q̇_s, so that every impulse keeps θ = θ₀ + G q_s exactly: no gear constraints that
+/// compete with the contact rows, and six unknowns instead of nineteen joints.
 ///
-/// What the hand does with itself (HandRows) is solved along. Everything between other bodies is
-/// left to the base class.
+/// Self-contacts and joint limits of the hand (HandRows) are solved together with them. The base
+/// class handles contacts between other bodies; those of bodies that the hand does not touch get
+/// fewer sweeps.
 class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
  public:
-  /// @pre kinematics and rows outlive this
+  /// @pre kinematics and rows outlive this @param bodies number of bodies in the scene
   ReducedContactSolver(const HandModel& hand, const ArticulatedBody& kinematics, HandRows& rows,
-                       const SolverSettings& settings);
+                       const SolverSettings& settings, int bodies);
 
-  /// Forgets the contacts of the last step. @param inverse M_r⁻¹
-  /// @param velocity q̇_s at its end if nothing were touched
+  /// Clears the contacts of the last step. @param inverse M_r⁻¹
+  /// @param velocity q̇_s at the end of the step without contacts
   void beginStep(const AxisMatrix& inverse, const AxisVelocity& velocity);
-  /// Forgets the contacts of the last step.
+  /// Clears the contacts of the last step.
   void forgetStep() { contact_count_ = dropped_ = 0; }
   /// q̇_s at the end of the step.
   [[nodiscard]] AxisVelocity velocity() const;
 
   [[nodiscard]] int contactCount() const { return contact_count_; }
   [[nodiscard]] const HandContact& contact(int i) const { return contacts_[i]; }
-  /// Contact points that did not fit in the last step.
+  /// Contact points dropped in the last step because the list was full.
   [[nodiscard]] int dropped() const { return dropped_; }
 
  protected:
@@ -76,7 +76,7 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
                                          const btContactSolverInfo& info) override;
 
  private:
-  void reserve();
+  void reserve(int bodies);
   void convertBodyManifold(btPersistentManifold& manifold, const btContactSolverInfo& info);
   void convertHandManifold(btPersistentManifold& manifold, const ColliderTag& hand,
                            const ColliderTag& body, bool hand_is_a,
@@ -86,8 +86,11 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   void finishRow(ReducedRow& row, const btSolverBody& body, bool angular, double goal_velocity,
                  bool one_sided = false) const;
   void warmStart(HandContact& contact);
-  // The inner loop. Width is a compile-time multiple of the processor's vectors, no less than the
-  // number of axes; what lies beyond the axes is zero.
+  void listNear();
+  double iterateNear();
+  static constexpr int kNarrow = 8;  // axes that most devices do not exceed
+  // The inner loop. Width is a compile-time multiple of the SIMD width and at least the number of
+  // axes; elements beyond the axes are zero.
   template <int Width>
   void iterate();
   template <int Width>
@@ -102,15 +105,17 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   const int axes_;
   const SolverSettings settings_;
   const ArticulatedBody& kinematics_;
-  HandRows& rows_;      ///< of the hand with itself
-  bool leans_ = false;  ///< whether any row leans on a joint end in this step
-  AxisMatrix inverse_;  ///< M_r⁻¹, as large as the loop is wide; what lies beyond the axes is zero
+  HandRows& rows_;                     ///< self-contacts and joint limits of the hand
+  bool leans_ = false;                 ///< a row leans on a joint end in this step
+  AxisMatrix inverse_;                 ///< M_r⁻¹, padded with zeros to the loop's width
   std::vector<HandContact> contacts_;  ///< fixed size; the first contact_count_ are in use
   int contact_count_ = 0;
   int dropped_ = 0;
   std::array<double, kMaxAxes> velocity_{};  ///< q̇_s before the contacts
-  std::array<double, kMaxAxes> change_{};    ///< Δq̇_s by them
+  std::array<double, kMaxAxes> change_{};    ///< Δq̇_s by the contacts
   double residual_ = 0.0;
+  std::vector<bool> touched_;  ///< per solver body: the hand touches it
+  std::vector<int> near_;      ///< contact rows of bodies that it touches
 };
 
 }  // namespace wholehand::bullet

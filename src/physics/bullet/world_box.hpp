@@ -6,7 +6,7 @@
 
 namespace wholehand::bullet {
 
-/// A box along the world's axes. Holds nothing at first.
+/// An axis-aligned box in the world frame. Initially empty.
 struct WorldBox {
   Eigen::Vector3d low_m = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Vector3d high_m = Eigen::Vector3d::Constant(-std::numeric_limits<double>::infinity());

@@ -4,6 +4,7 @@
 #include "physics/bullet/bullet_types.hpp"
 #include "physics/bullet_paper/paper_engine.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace wholehand {
@@ -61,7 +62,7 @@ BulletPaperWorld::~BulletPaperWorld() = default;
 Expected<Done> BulletPaperWorld::placeHand(const AxisPosition& q_s) {
   bullet_paper::PaperEngine& e = *engine_;
   for (std::size_t i = 0; i < e.bodies.size(); ++i) {
-    if (!allFinite(e.bodies[i].state())) return nowhere(e.scene_path, e.body_names[i]);
+    if (!allFinite(e.bodies[i].state())) return nonFiniteBodyError(e.scene_path, e.body_names[i]);
   }
   e.forgetContacts();
   e.setHand(q_s, AxisVelocity(e.hand_model.axis_count));
@@ -79,11 +80,11 @@ Fault BulletPaperWorld::observe(WorldState& state) noexcept {
   state.theta_dot = JointVelocity(e.hand_model.joint_count);
   e.synergy.expandRate(state.qd_s.data(), state.theta_dot.data());
   state.coupling_error_rad = e.coupling_error_rad;
-  state.body_count = static_cast<int>(e.bodies.size());
+  state.body_count = std::min(static_cast<int>(e.bodies.size()), kMaxBodies);
   bool finite = allFinite(state.q_s) && allFinite(state.qd_s);
   for (int i = 0; i < state.body_count; ++i) {
-    BodyState& body = state.bodies[static_cast<std::size_t>(i)];
-    body = e.bodies[static_cast<std::size_t>(i)].state();
+    BodyState& body = state.bodies[i];
+    body = e.bodies[i].state();
     finite = finite && allFinite(body);
   }
   return finite ? Fault::kNone : Fault::kNonFiniteState;
@@ -91,9 +92,9 @@ Fault BulletPaperWorld::observe(WorldState& state) noexcept {
 
 void BulletPaperWorld::placeBodies(const BodyPlacements& placements) noexcept {
   for (int i = 0; i < placements.count; ++i) {
-    const BodyPlacement& placement = placements.items[static_cast<std::size_t>(i)];
+    const BodyPlacement& placement = placements.items[i];
     if (placement.body < 0 || placement.body >= static_cast<int>(engine_->bodies.size())) continue;
-    if (engine_->bodies[static_cast<std::size_t>(placement.body)].place(placement)) {
+    if (engine_->bodies[placement.body].place(placement)) {
       engine_->forgetContacts(placement.body);
     }
   }
@@ -138,9 +139,9 @@ void BulletPaperWorld::contacts(ContactList& contacts) const noexcept {
         ++contacts.dropped;
         continue;
       }
-      contacts.points[static_cast<std::size_t>(contacts.count++)] =
-          a->ofHand() ? contactOf(point, *a, b->body, 1.0, e.period_s)
-                      : contactOf(point, *b, a->body, -1.0, e.period_s);
+      contacts.points[contacts.count++] = a->ofHand()
+                                              ? contactOf(point, *a, b->body, 1.0, e.period_s)
+                                              : contactOf(point, *b, a->body, -1.0, e.period_s);
     }
   }
 }

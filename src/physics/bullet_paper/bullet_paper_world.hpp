@@ -1,7 +1,7 @@
 #pragma once
 
-#include "model/hand_model.hpp"
-#include "model/scene_model.hpp"
+#include "model/hand/hand_model.hpp"
+#include "model/scene/scene_model.hpp"
 #include "physics/physics_world.hpp"
 
 #include <memory>
@@ -12,13 +12,14 @@ namespace bullet_paper {
 struct PaperEngine;
 }
 
-/// The paper's own way, as a baseline: a stock btMultiBody under joint torques, Bullet's own
-/// collision and solver, and the coupled joints put back on the synergy after each step. Contacts
-/// do not do the virtual work of f_s, so that nobody is attached to it (docs/engines.md).
+/// The paper's method, as a baseline: a stock btMultiBody driven by joint torques, Bullet's own
+/// collision detection and solver, and coupled joints reset to the synergy after each step.
+/// Contacts do not do the virtual work of f_s, so it must not be used with a person
+/// (docs/engines.md).
 class BulletPaperWorld final : public PhysicsWorld {
  public:
-  /// An error names what stock Bullet has no way for. @pre hand outlives the world. Not real-time
-  /// safe.
+  /// Builds the world. An error names what stock Bullet does not support. @pre hand outlives the
+  /// world. Not real-time safe.
   [[nodiscard]] static Expected<std::unique_ptr<PhysicsWorld>> build(const HandModel& hand,
                                                                      const SceneModel& scene);
   ~BulletPaperWorld() override;

@@ -2,8 +2,9 @@
 
 namespace wholehand::bullet_paper {
 
-// What collides with what, as Bullet's broad phase asks it. The hand never meets itself, fixed
-// bodies never meet each other; of a soft body the digits meet the core, all else the surface.
+// Collision groups for Bullet's broad phase. The hand does not collide with itself, nor do fixed
+// bodies with each other. In a soft body, the digits collide with the core and all else with the
+// surface.
 inline constexpr int kPalm = 1, kDigit = 2, kFree = 4, kFixed = 8, kSurface = 16, kCore = 32;
 
 [[nodiscard]] constexpr int meets(int group) {

@@ -3,7 +3,7 @@
 #include "core/real_time.hpp"
 #include "core/tick_record.hpp"
 #include "core/world_query.hpp"
-#include "model/scene_model.hpp"
+#include "model/scene/scene_model.hpp"
 #include "physics/bullet/collider_tag.hpp"
 
 #include <BulletCollision/CollisionShapes/btCollisionShape.h>
@@ -14,11 +14,10 @@
 
 namespace wholehand::bullet_paper {
 
-/// A body of the scene as Bullet has it: a rigid body with its shape. A fixed one is a kinematic
-/// body for each of its shapes.
+/// A scene body in Bullet: a rigid body with its shape. A fixed one is a kinematic body per shape.
 class PaperBody {
  public:
-  /// At its starting pose. @param index in the scene
+  /// Creates the body at its initial pose. @param index in the scene
   PaperBody(const SceneBody& body, int index);
 
   struct Part {
@@ -29,16 +28,16 @@ class PaperBody {
   };
   [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
 
-  /// Puts it there; it no longer turns. A placement that is no pose is ignored. Gives whether its
+  /// Places the body; stops its rotation. An invalid placement is ignored. Returns true when its
   /// contacts are lost.
   WHOLEHAND_RT bool place(const BodyPlacement& placement) noexcept;
-  /// Before a step: Bullet takes a kinematic body's velocity from the way it went.
+  /// Call before a step: Bullet derives a kinematic body's velocity from its displacement.
   WHOLEHAND_RT void beginStep(double period_s) noexcept;
-  /// After a step: what is fixed stands until it is placed again.
+  /// Call after a step: fixed bodies stand still until they are placed again.
   WHOLEHAND_RT void endStep() noexcept;
-  /// Back to the starting pose, at rest.
+  /// Resets to the initial pose, at rest.
   void putAtStart() noexcept;
-  /// Anywhere at all, for rehearsals.
+  /// Moves the body to any position, for warm-up.
   void putAt(const btVector3& origin) noexcept;
   WHOLEHAND_RT [[nodiscard]] BodyState state() const noexcept;
 
@@ -52,10 +51,10 @@ class PaperBody {
   [[nodiscard]] const btTransform& frame() const noexcept;
 
   bool fixed_;
-  bullet::ColliderTag tag_;  ///< pointed to: a body stays where it was made
+  bullet::ColliderTag tag_;  ///< Bullet points to it: the body must not move in memory
   Pose from_body_;           ///< Bullet's frame in the scene's body frame
   btTransform start_, frame_;
-  btVector3 velocity_{0, 0, 0};  ///< of a fixed body's surface in the next step
+  btVector3 velocity_{0, 0, 0};  ///< of a fixed body's surface, in the next step
   std::vector<std::unique_ptr<btCollisionShape>> shapes_;
   std::vector<Part> parts_;
 };

@@ -54,8 +54,7 @@ PaperEngine::PaperEngine(const HandModel& hand_in, const SceneModel& scene)
   for (const auto& motor : hand.motors()) world.addMultiBodyConstraint(motor.get());
   for (int i = 0; i < static_cast<int>(hand.capsules().size()); ++i) {
     const int group = hand.isPalm(i) ? kPalm : kDigit;
-    world.addCollisionObject(hand.capsules()[static_cast<std::size_t>(i)].get(), group,
-                             meets(group));
+    world.addCollisionObject(hand.capsules()[i].get(), group, meets(group));
   }
   for (const PaperBody& body : bodies) {
     for (const PaperBody::Part& part : body.parts()) {

@@ -15,8 +15,8 @@
 
 namespace wholehand::bullet_paper {
 
-/// Bullet's dispatcher with stock contact thresholds, whatever another engine has put into the
-/// variable of the process that Bullet keeps them in.
+/// Bullet's dispatcher with the stock contact threshold, whatever value another engine has set in
+/// Bullet's global variable.
 class PaperDispatcher final : public btCollisionDispatcher {
  public:
   using btCollisionDispatcher::btCollisionDispatcher;
@@ -24,13 +24,13 @@ class PaperDispatcher final : public btCollisionDispatcher {
                                        const btCollisionObject* b) override;
 };
 
-/// Bullet's solver with arrays that need not grow.
+/// Bullet's solver with preallocated arrays.
 class PaperSolver final : public btMultiBodyConstraintSolver {
  public:
   explicit PaperSolver(int dofs);
 };
 
-/// All that one stock world of Bullet needs: built, rehearsed and taken apart here.
+/// One complete stock Bullet world: built, warmed up and destroyed here.
 struct PaperEngine {
   /// @pre hand outlives this
   PaperEngine(const HandModel& hand, const SceneModel& scene);
@@ -39,23 +39,23 @@ struct PaperEngine {
   PaperEngine& operator=(const PaperEngine&) = delete;
 
   WHOLEHAND_RT void setHand(const AxisPosition& position, const AxisVelocity& velocity) noexcept;
-  /// Drops every contact point, of one body or of all (-1).
+  /// Deletes the contact points of one body, or of all (-1).
   WHOLEHAND_RT void forgetContacts(int body = -1) noexcept;
-  /// The deepest overlap of each body with the hand, where all are now.
+  /// Deepest overlap of each body with the hand, at their current poses.
   [[nodiscard]] Diagnostics overlaps();
 
   const HandModel& hand_model;
   Synergy synergy;
   std::string scene_path;
   std::vector<std::string> body_names;
-  std::deque<PaperBody> bodies;  ///< their tags are pointed to: addresses stay
+  std::deque<PaperBody> bodies;  ///< addresses must stay: Bullet points to their tags
   PaperHand hand;
   btDefaultCollisionConfiguration configuration;
   PaperDispatcher dispatcher;
   btDbvtBroadphase broadphase;
   PaperSolver solver;
   btMultiBodyDynamicsWorld world;
-  AxisPosition q_s;  ///< where setHand() last put the hand
+  AxisPosition q_s;  ///< position last set by setHand()
   AxisVelocity qd_s;
   double coupling_error_rad = 0.0;
   double period_s = 1e-3;

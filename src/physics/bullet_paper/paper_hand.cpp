@@ -31,12 +31,12 @@ btVector3 turned(const Eigen::Matrix3d& axes, const Eigen::Vector3d& v) {
 }
 
 void addLink(btMultiBody& body, const HandModel& hand, int index) {
-  const HandLink& link = hand.links[static_cast<std::size_t>(index)];
+  const HandLink& link = hand.links[index];
   const PrincipalAxes own = principalAxes(link);
   Eigen::Matrix3d parent_axes = Eigen::Matrix3d::Identity();
   Eigen::Vector3d parent_com = Eigen::Vector3d::Zero();
   if (link.parent >= 0) {
-    const HandLink& parent = hand.links[static_cast<std::size_t>(link.parent)];
+    const HandLink& parent = hand.links[link.parent];
     parent_axes = principalAxes(parent).in_link;
     parent_com = parent.com_m;
   }
@@ -74,11 +74,11 @@ std::unique_ptr<btMultiBody> makeBody(const HandModel& hand) {
 PaperHand::PaperHand(const HandModel& hand, double friction)
     : hand_(&hand), synergy_(hand), kinematics_(hand), body_(makeBody(hand)) {
   for (int i = 0; i < static_cast<int>(hand.links.size()); ++i) {
-    const int joint = hand.links[static_cast<std::size_t>(i)].joint;
-    if (joint >= 0) link_of_joint_[static_cast<std::size_t>(joint)] = i;
+    const int joint = hand.links[i].joint;
+    if (joint >= 0) link_of_joint_[joint] = i;
   }
   for (int a = 0; a < hand.axis_count; ++a) {
-    leading_[static_cast<std::size_t>(a)] = leadingJoint(hand, a);
+    leading_[a] = leadingJoint(hand, a);
   }
   addMotors();
   addCapsules(friction);
@@ -90,8 +90,8 @@ void PaperHand::addMotors() {
     const auto end = leading_.begin() + hand_->axis_count;
     if (std::find(leading_.begin(), end, j) != end) continue;
     following_.push_back(j);
-    motors_.push_back(std::make_unique<btMultiBodyJointMotor>(
-        body_.get(), link_of_joint_[static_cast<std::size_t>(j)], 0.0, kServersImpulse_nms));
+    motors_.push_back(std::make_unique<btMultiBodyJointMotor>(body_.get(), link_of_joint_[j], 0.0,
+                                                              kServersImpulse_nms));
     motors_.back()->finalizeMultiDof();
   }
 }
@@ -100,7 +100,7 @@ Diagnostics PaperHand::refuse(const HandModel& hand) {
   Diagnostics errors;
   for (int a = 0; a < hand.axis_count; ++a) {
     if (leadingJoint(hand, a) >= 0) continue;
-    errors.push_back({"", 0, "synergy." + hand.axis_names[static_cast<std::size_t>(a)], "",
+    errors.push_back({"", 0, "synergy." + hand.axis_names[a], "",
                       "drives no joint alone, and the engine bullet-paper lets such a joint lead",
                       "use --engine bullet, or let the axis drive a joint of its own"});
   }
@@ -135,7 +135,7 @@ void PaperHand::addCapsules(double friction) {
 }
 
 bool PaperHand::isPalm(int capsule) const {
-  return hand_->capsules[static_cast<std::size_t>(capsule)].part == HandPart::kPalm;
+  return hand_->capsules[capsule].part == HandPart::kPalm;
 }
 
 void PaperHand::put(const AxisPosition& q_s, const AxisVelocity& qd_s) noexcept {
@@ -144,7 +144,7 @@ void PaperHand::put(const AxisPosition& q_s, const AxisVelocity& qd_s) noexcept 
   synergy_.expand(q_s, theta);
   synergy_.expandRate(qd_s.data(), theta_dot.data());
   for (int j = 0; j < hand_->joint_count; ++j) {
-    const int link = link_of_joint_[static_cast<std::size_t>(j)];
+    const int link = link_of_joint_[j];
     body_->setJointPos(link, theta[j]);
     body_->setJointVel(link, theta_dot[j]);
   }
@@ -160,8 +160,8 @@ double PaperHand::take(AxisPosition& q_s, AxisVelocity& qd_s) const noexcept {
   q_s = AxisPosition(hand_->axis_count);
   qd_s = AxisVelocity(hand_->axis_count);
   for (int a = 0; a < hand_->axis_count; ++a) {
-    const int joint = leading_[static_cast<std::size_t>(a)];
-    const int link = link_of_joint_[static_cast<std::size_t>(joint)];
+    const int joint = leading_[a];
+    const int link = link_of_joint_[joint];
     const double ratio = hand_->synergy(joint, a);
     q_s[a] = (body_->getJointPos(link) - hand_->theta0[joint]) / ratio;
     qd_s[a] = body_->getJointVel(link) / ratio;
@@ -170,7 +170,7 @@ double PaperHand::take(AxisPosition& q_s, AxisVelocity& qd_s) const noexcept {
   synergy_.expand(q_s, theta);
   double error_rad = 0.0;
   for (int j = 0; j < hand_->joint_count; ++j) {
-    const int link = link_of_joint_[static_cast<std::size_t>(j)];
+    const int link = link_of_joint_[j];
     error_rad = std::max(error_rad, std::abs(body_->getJointPos(link) - theta[j]));
   }
   return error_rad;
@@ -178,7 +178,7 @@ double PaperHand::take(AxisPosition& q_s, AxisVelocity& qd_s) const noexcept {
 
 void PaperHand::drive(const JointEffort& torque, const AxisVelocity& qd_s) noexcept {
   for (int j = 0; j < hand_->joint_count; ++j) {
-    body_->addJointTorque(link_of_joint_[static_cast<std::size_t>(j)], torque[j]);
+    body_->addJointTorque(link_of_joint_[j], torque[j]);
   }
   JointVelocity theta_dot(hand_->joint_count);
   synergy_.expandRate(qd_s.data(), theta_dot.data());

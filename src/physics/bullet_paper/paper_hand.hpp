@@ -17,15 +17,15 @@
 
 namespace wholehand::bullet_paper {
 
-/// The hand as Bullet's own articulated body. Of each axis one joint leads and takes torque. The
-/// others have the motor that Bullet's server gives every joint, and after a step are put where
-/// θ₀ + G q_s wants them. Real-time safe but for construction.
+/// The hand as Bullet's articulated body. One joint per axis leads and takes torque. The others
+/// have the motor that Bullet's server gives every joint, and are reset to θ₀ + G q_s after each
+/// step. Real-time safe except for construction.
 class PaperHand {
  public:
   /// @pre hand outlives this
   PaperHand(const HandModel& hand, double friction);
 
-  /// Axes that no joint follows alone: no joint of theirs can lead.
+  /// Errors for axes that drive no joint alone, and so have no leading joint.
   [[nodiscard]] static Diagnostics refuse(const HandModel& hand);
 
   [[nodiscard]] btMultiBody& body() { return *body_; }
@@ -37,11 +37,11 @@ class PaperHand {
   }
   [[nodiscard]] bool isPalm(int capsule) const;
 
-  /// All joints on the synergy, capsules on their links.
+  /// Sets all joints to the synergy and the capsules to their links.
   WHOLEHAND_RT void put(const AxisPosition& q_s, const AxisVelocity& qd_s) noexcept;
-  /// Where the leading joints are. Gives the largest |θ − (θ₀ + G q_s)|.
+  /// Reads the leading joints. Returns the largest |θ − (θ₀ + G q_s)|.
   WHOLEHAND_RT double take(AxisPosition& q_s, AxisVelocity& qd_s) const noexcept;
-  /// For the next step. @param qd_s that the untouched hand would have after it
+  /// Sets torques and motors for the next step. @param qd_s of the hand after it without contacts
   WHOLEHAND_RT void drive(const JointEffort& torque, const AxisVelocity& qd_s) noexcept;
 
  private:
@@ -55,7 +55,7 @@ class PaperHand {
   std::array<int, kMaxJoints> link_of_joint_{};
   std::array<int, kMaxAxes> leading_{};
   std::vector<std::unique_ptr<btMultiBodyJointMotor>> motors_;
-  std::vector<int> following_;  ///< joints, as the motors
+  std::vector<int> following_;  ///< joints, in the order of the motors
   std::vector<bullet::ColliderTag> tags_;
   std::vector<std::unique_ptr<btCapsuleShapeZ>> shapes_;
   std::vector<std::unique_ptr<btMultiBodyLinkCollider>> capsules_;

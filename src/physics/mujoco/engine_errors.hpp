@@ -4,8 +4,8 @@
 
 namespace wholehand::mujoco {
 
-/// Where MuJoCo's errors go in this thread while one exists. MuJoCo ends the program at an error
-/// that nobody takes, prints, and writes a log; with this it does neither.
+/// Catches MuJoCo's errors in this thread during its lifetime. At an uncaught error MuJoCo prints,
+/// writes a log and ends the program.
 class ErrorTrap {
  public:
   ErrorTrap() noexcept;
@@ -13,18 +13,18 @@ class ErrorTrap {
   ErrorTrap(const ErrorTrap&) = delete;
   ErrorTrap& operator=(const ErrorTrap&) = delete;
 
-  std::jmp_buf jump;  ///< where an error goes on
+  std::jmp_buf jump;  ///< target of the jump at an error
 
  private:
   ErrorTrap* outer_;
 };
 
-/// Takes MuJoCo's errors and warnings of the whole process; later calls do nothing. A warning is
-/// only counted, in mjData::warning.
+/// Installs handlers for MuJoCo's errors and warnings in the whole process; later calls do nothing.
+/// Warnings are only counted, in mjData::warning.
 void takeErrors() noexcept;
 
-/// Whether `call` came to its end. Where MuJoCo met an error it is left at once: nothing that call
-/// creates may have a destructor. Real-time safe if call is.
+/// Runs `call`; false when MuJoCo reported an error. The error leaves `call` by longjmp: it must
+/// not create objects with destructors. Real-time safe if call is.
 template <class Call>
 [[nodiscard]] bool endsWell(const Call& call) noexcept {
   ErrorTrap trap;

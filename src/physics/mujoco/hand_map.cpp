@@ -12,8 +12,8 @@ namespace wholehand::mujoco {
 HandMap::HandMap(const HandModel& hand, const mjModel& model) : hand_(&hand), synergy_(hand) {
   for (int j = 0; j < hand.joint_count; ++j) {
     const int id = mj_name2id(&model, mjOBJ_JOINT, jointName(j).c_str());
-    position_[static_cast<std::size_t>(j)] = model.jnt_qposadr[id];
-    dof_[static_cast<std::size_t>(j)] = model.jnt_dofadr[id];
+    position_[j] = model.jnt_qposadr[id];
+    dof_[j] = model.jnt_dofadr[id];
   }
   for (int a = 0; a < hand.axis_count; ++a) alone_.push_back(leadingJoint(hand, a));
   const Eigen::MatrixXd g = hand.synergy;
@@ -23,8 +23,8 @@ HandMap::HandMap(const HandModel& hand, const mjModel& model) : hand_(&hand), sy
 Diagnostics HandMap::refuse() const {
   Diagnostics errors;
   for (int a = 0; a < hand_->axis_count; ++a) {
-    if (alone_[static_cast<std::size_t>(a)] >= 0) continue;
-    errors.push_back({"", 0, "synergy." + hand_->axis_names[static_cast<std::size_t>(a)], "",
+    if (alone_[a] >= 0) continue;
+    errors.push_back({"", 0, "synergy." + hand_->axis_names[a], "",
                       "drives no joint alone, and the engine mujoco has inertia on joints only",
                       "use --engine bullet, or let the axis drive a joint of its own"});
   }
@@ -37,7 +37,7 @@ void HandMap::put(mjData& data, const AxisPosition& q_s, const AxisVelocity& qd_
   synergy_.expand(q_s, theta);
   synergy_.expandRate(qd_s.data(), theta_dot.data());
   for (int j = 0; j < hand_->joint_count; ++j) {
-    data.qpos[position_[static_cast<std::size_t>(j)]] = theta[j];
+    data.qpos[position_[j]] = theta[j];
     data.qvel[dof(j)] = theta_dot[j];
   }
 }
@@ -46,7 +46,7 @@ double HandMap::take(const mjData& data, AxisPosition& q_s, AxisVelocity& qd_s) 
   q_s = AxisPosition(hand_->axis_count);
   qd_s = AxisVelocity(hand_->axis_count);
   for (int j = 0; j < hand_->joint_count; ++j) {
-    const double turned = data.qpos[position_[static_cast<std::size_t>(j)]] - hand_->theta0[j];
+    const double turned = data.qpos[position_[j]] - hand_->theta0[j];
     const double rate = data.qvel[dof(j)];
     for (int a = 0; a < hand_->axis_count; ++a) {
       q_s[a] += back_(a, j) * turned;
@@ -57,8 +57,7 @@ double HandMap::take(const mjData& data, AxisPosition& q_s, AxisVelocity& qd_s) 
   synergy_.expand(q_s, theta);
   double error_rad = 0.0;
   for (int j = 0; j < hand_->joint_count; ++j) {
-    error_rad =
-        std::max(error_rad, std::abs(data.qpos[position_[static_cast<std::size_t>(j)]] - theta[j]));
+    error_rad = std::max(error_rad, std::abs(data.qpos[position_[j]] - theta[j]));
   }
   return error_rad;
 }
@@ -66,7 +65,7 @@ double HandMap::take(const mjData& data, AxisPosition& q_s, AxisVelocity& qd_s) 
 void HandMap::drive(mjModel& model, mjData& data, const HandDrive& drive) const noexcept {
   for (int j = 0; j < hand_->joint_count; ++j) data.qfrc_applied[dof(j)] = drive.torque[j];
   for (int a = 0; a < drive.armature.size(); ++a) {
-    const int joint = alone_[static_cast<std::size_t>(a)];
+    const int joint = alone_[a];
     const double ratio = hand_->synergy(joint, a);
     model.dof_armature[dof(joint)] = drive.armature[a] / (ratio * ratio);
     data.qfrc_applied[dof(joint)] += drive.armature_effort[a] / ratio;

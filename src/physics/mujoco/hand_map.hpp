@@ -10,36 +10,38 @@
 
 namespace wholehand::mujoco {
 
-/// Between the hand's few coordinates q_s and the joints that MuJoCo integrates. Real-time safe
-/// but for construction.
+/// Maps between the hand's coordinates q_s and the joints that MuJoCo integrates. Real-time safe
+/// except for construction.
 class HandMap {
  public:
-  /// @pre hand outlives this; model holds it (model_text.hpp)
+  /// @pre hand outlives this; model contains it (model_text.hpp)
   HandMap(const HandModel& hand, const mjModel& model);
 
-  /// Axes that no joint follows alone: MuJoCo knows armature on joints only.
+  /// Errors for axes that drive no joint alone: MuJoCo has armature on joints only.
   [[nodiscard]] Diagnostics refuse() const;
 
-  /// Joints at θ₀ + G q_s, moving at G q̇_s.
+  /// Sets the joints to θ₀ + G q_s with velocities G q̇_s.
   WHOLEHAND_RT void put(mjData& data, const AxisPosition& q_s,
                         const AxisVelocity& qd_s) const noexcept;
-  /// The q_s and q̇_s whose joints are nearest to MuJoCo's. Gives the largest |θ − (θ₀ + G q_s)|.
+  /// Reads the q_s and q̇_s nearest to MuJoCo's joints (least squares). Returns the largest |θ −
+  /// (θ₀ + G q_s)|.
   WHOLEHAND_RT double take(const mjData& data, AxisPosition& q_s,
                            AxisVelocity& qd_s) const noexcept;
-  /// τ, and A on the joints that follow their axis alone.
+  /// Applies τ, and A on the joints driven by one axis alone.
   WHOLEHAND_RT void drive(mjModel& model, mjData& data, const HandDrive& drive) const noexcept;
 
   [[nodiscard]] const HandModel& hand() const noexcept { return *hand_; }
   [[nodiscard]] const Synergy& synergy() const noexcept { return synergy_; }
-  /// MuJoCo's velocity coordinate of a joint of the hand.
-  [[nodiscard]] int dof(int joint) const noexcept { return dof_[static_cast<std::size_t>(joint)]; }
+  /// Index of a joint's velocity coordinate in MuJoCo.
+  [[nodiscard]] int dof(int joint) const noexcept { return dof_[joint]; }
 
  private:
   const HandModel* hand_;
   Synergy synergy_;
-  std::array<int, kMaxJoints> position_{};  ///< of a joint in qpos
-  std::array<int, kMaxJoints> dof_{};       ///< of a joint in qvel
-  std::vector<int> alone_;                  ///< a joint that only this axis drives; -1: none
+  std::array<int, kMaxJoints> position_{};  ///< index of a joint in qpos
+  std::array<int, kMaxJoints> dof_{};       ///< index of a joint in qvel
+  std::vector<int> alone_;                  ///< per axis: a joint that only this axis drives; -1:
+                                            ///< none
   Eigen::MatrixXd back_;                    ///< (GᵀG)⁻¹ Gᵀ
 };
 

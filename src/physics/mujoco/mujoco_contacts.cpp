@@ -47,7 +47,7 @@ void MujocoEngine::contacts(ContactList& contacts) const noexcept {
     Contact& out = contacts.points[contacts.count++];
     out = Contact{};
     out.capsule = std::max(a.capsule, b.capsule);
-    out.link = map_.hand().capsules[static_cast<std::size_t>(out.capsule)].link;
+    out.link = map_.hand().capsules[out.capsule].link;
     out.body = std::max(a.body, b.body);
     out.point_m = Vec3::from(middle_m + 0.5 * found.dist * normal);
     out.normal = Vec3::from(normal);
@@ -66,10 +66,10 @@ void MujocoEngine::selfForces(SelfForces& forces) const noexcept {
     if (a.capsule < 0 || b.capsule < 0 || !acts(*data_, i)) continue;
     const int index = self_pair_[static_cast<std::size_t>(a.capsule) * count +
                                  static_cast<std::size_t>(b.capsule)];
-    const SelfPair& pair = map_.hand().self_contacts[static_cast<std::size_t>(index)];
+    const SelfPair& pair = map_.hand().self_contacts[index];
     const Wrench wrench = wrenchOf(*model_, *data_, i);
     const double sign = b.capsule == pair.capsule_a ? 1.0 : -1.0;
-    SelfForce& out = forces.touches[static_cast<std::size_t>(forces.count++)];
+    SelfForce& out = forces.touches[forces.count++];
     out.capsule_a = pair.capsule_a;
     out.capsule_b = pair.capsule_b;
     out.point_m = Vec3{found.pos[0], found.pos[1], found.pos[2]};

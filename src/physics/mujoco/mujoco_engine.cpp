@@ -118,13 +118,12 @@ void MujocoEngine::listGeoms(const SceneModel& scene) {
   owners_.resize(static_cast<std::size_t>(model_->ngeom));
   for (int c = 0; c < static_cast<int>(map_.hand().capsules.size()); ++c) {
     const int geom = mj_name2id(model_.get(), mjOBJ_GEOM, capsuleName(c).c_str());
-    owners_[static_cast<std::size_t>(geom)] = {c, -1, scene.hand_friction};
+    owners_[geom] = {c, -1, scene.hand_friction};
   }
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     const int first = model_->body_geomadr[bodies_[i].id];
     for (int k = 0; k < model_->body_geomnum[bodies_[i].id]; ++k) {
-      owners_[static_cast<std::size_t>(first + k)] = {-1, static_cast<int>(i),
-                                                      scene.bodies[i].friction};
+      owners_[first + k] = {-1, static_cast<int>(i), scene.bodies[i].friction};
     }
   }
 }
@@ -163,7 +162,7 @@ Diagnostics MujocoEngine::placeHand(const AxisPosition& position) {
     if (a.capsule >= 0 && b.capsule >= 0) {
       const int pair = self_pair_[static_cast<std::size_t>(a.capsule) * count +
                                   static_cast<std::size_t>(b.capsule)];
-      if (contact.dist < 0.0) let_go_[static_cast<std::size_t>(pair)] = 1;
+      if (contact.dist < 0.0) let_go_[pair] = 1;
     } else if (a.capsule >= 0 || b.capsule >= 0) {
       overlaps.add(std::max(a.body, b.body), std::max(a.capsule, b.capsule), -contact.dist);
     }
@@ -174,7 +173,7 @@ Diagnostics MujocoEngine::placeHand(const AxisPosition& position) {
 
 void MujocoEngine::place(const BodyPlacement& placement) noexcept {
   if (placement.body < 0 || placement.body >= bodyCount() || !isPose(placement)) return;
-  Body& body = bodies_[static_cast<std::size_t>(placement.body)];
+  Body& body = bodies_[placement.body];
   const Eigen::Quaterniond turned = placement.orientation_xyzw.eigen().normalized();
   double* position =
       body.mocap >= 0 ? data_->mocap_pos + 3 * body.mocap : data_->qpos + body.position;
@@ -191,7 +190,7 @@ void MujocoEngine::place(const BodyPlacement& placement) noexcept {
 }
 
 BodyState MujocoEngine::body(int index) const noexcept {
-  const Body& body = bodies_[static_cast<std::size_t>(index)];
+  const Body& body = bodies_[index];
   const bool fixed = body.mocap >= 0;
   const double* position = fixed ? data_->mocap_pos + 3 * body.mocap : data_->qpos + body.position;
   const double* q = fixed ? data_->mocap_quat + 4 * body.mocap : position + 3;
@@ -229,16 +228,16 @@ void MujocoEngine::judge(int index) noexcept {
   contact.friction[2] = settings_.spinning_friction_m;
   if (contact.friction[0] == 0.0) contact.dim = 1;
   Vector3d speed = Vector3d::Zero();
-  if (b.body >= 0) speed += bodies_[static_cast<std::size_t>(b.body)].velocity_m_s;
-  if (a.body >= 0) speed -= bodies_[static_cast<std::size_t>(a.body)].velocity_m_s;
+  if (b.body >= 0) speed += bodies_[b.body].velocity_m_s;
+  if (a.body >= 0) speed -= bodies_[a.body].velocity_m_s;
   Vector3dMap{&surface_velocity_[3 * static_cast<std::size_t>(index)]} = speed;
   if (a.capsule < 0 || b.capsule < 0) return;
   const std::size_t count = map_.hand().capsules.size();
   const int pair =
       self_pair_[static_cast<std::size_t>(a.capsule) * count + static_cast<std::size_t>(b.capsule)];
-  if (let_go_[static_cast<std::size_t>(pair)] == 0) return;
+  if (let_go_[pair] == 0) return;
   contact.exclude = 1;
-  if (contact.dist < 0.0) still_deep_[static_cast<std::size_t>(pair)] = 1;
+  if (contact.dist < 0.0) still_deep_[pair] = 1;
 }
 
 void MujocoEngine::findContacts() noexcept {

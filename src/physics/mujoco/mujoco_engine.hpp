@@ -1,6 +1,6 @@
 #pragma once
 
-#include "model/scene_model.hpp"
+#include "model/scene/scene_model.hpp"
 #include "physics/mujoco/hand_map.hpp"
 #include "physics/mujoco/reduced_constraints.hpp"
 #include "physics/self_forces.hpp"
@@ -20,7 +20,7 @@ struct Deleter {
 /// MuJoCo's model and data with the hand and the scene's bodies in them; MujocoWorld steps it.
 class MujocoEngine {
  public:
-  /// Compiles the model and takes all memory. An error names what MuJoCo does not accept.
+  /// Compiles the model and allocates all memory. An error names what MuJoCo does not accept.
   /// @pre hand outlives it
   [[nodiscard]] static Expected<std::unique_ptr<MujocoEngine>> build(
       const HandModel& hand, const SceneModel& scene, const SolverSettings& settings);
@@ -28,11 +28,11 @@ class MujocoEngine {
   MujocoEngine(const MujocoEngine&) = delete;
   MujocoEngine& operator=(const MujocoEngine&) = delete;
 
-  /// Puts the hand there, at rest. @return what it overlaps
+  /// Places the hand at rest. @return its overlaps
   [[nodiscard]] Diagnostics placeHand(const AxisPosition& position);
   WHOLEHAND_RT void place(const BodyPlacement& placement) noexcept;
   [[nodiscard]] WHOLEHAND_RT BodyState body(int index) const noexcept;
-  /// One step. False where MuJoCo cannot.
+  /// Advances by one step. False when MuJoCo reports an error.
   [[nodiscard]] WHOLEHAND_RT bool step(const HandDrive& drive, double period_s) noexcept;
   WHOLEHAND_RT void contacts(ContactList& contacts) const noexcept;
   WHOLEHAND_RT void selfForces(SelfForces& forces) const noexcept;
@@ -40,7 +40,7 @@ class MujocoEngine {
   [[nodiscard]] int bodyCount() const noexcept { return static_cast<int>(bodies_.size()); }
   [[nodiscard]] const std::vector<std::string>& bodyNames() const noexcept { return body_names_; }
   [[nodiscard]] const std::string& scenePath() const noexcept { return scene_path_; }
-  /// The hand before the next step.
+  /// Coordinates of the hand before the next step.
   AxisPosition q_s;
   AxisVelocity qd_s;
   double coupling_error_rad = 0.0;
@@ -49,18 +49,18 @@ class MujocoEngine {
   MujocoEngine(const HandModel& hand, const SceneModel& scene, const SolverSettings& settings,
                mjModel* model);
 
-  /// What a geom belongs to: a capsule of the hand or a body of the scene.
+  /// Owner of a geom: a capsule of the hand or a body of the scene.
   struct Owner {
     int capsule = -1, body = -1;
     double friction = 0.0;
   };
   struct Body {
     int position = -1, dof = -1;  ///< in qpos and qvel; -1: fixed
-    int mocap = -1;               ///< -1: it moves
+    int mocap = -1;               ///< -1: a free body
     int id = -1;
     double mass_kg = 0.0;
     double damping_per_s = 0.0;
-    Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();  ///< of a fixed one, one step
+    Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();  ///< of a fixed body, in one step
   };
 
   void listGeoms(const SceneModel& scene);
@@ -71,9 +71,7 @@ class MujocoEngine {
   WHOLEHAND_RT void dampBodies(double period_s) noexcept;
   [[nodiscard]] WHOLEHAND_RT bool advance(double period_s) noexcept;
   [[nodiscard]] WHOLEHAND_RT bool integrate() noexcept;
-  [[nodiscard]] const Owner& owner(int geom) const noexcept {
-    return owners_[static_cast<std::size_t>(geom)];
-  }
+  [[nodiscard]] const Owner& owner(int geom) const noexcept { return owners_[geom]; }
 
   std::unique_ptr<mjModel, Deleter> model_;
   std::unique_ptr<mjData, Deleter> data_;
@@ -84,11 +82,11 @@ class MujocoEngine {
   std::vector<std::string> body_names_;
   std::vector<Owner> owners_;
   std::vector<Body> bodies_;
-  std::vector<int> self_pair_;            ///< of two capsules, index into self_contacts; -1: none
-  std::vector<char> let_go_;              ///< a pair that overlapped where the hand was placed
-  std::vector<char> still_deep_;          ///< which of them overlap in this step
-  std::vector<double> surface_velocity_;  ///< 3 numbers a contact
-  int overflows_ = 0;                     ///< contacts that had no room in the last step, at least
+  std::vector<int> self_pair_;            ///< per two capsules, index into self_contacts; -1: none
+  std::vector<char> let_go_;              ///< pairs that overlapped when the hand was placed
+  std::vector<char> still_deep_;          ///< those that overlap in this step
+  std::vector<double> surface_velocity_;  ///< 3 numbers per contact
+  int overflows_ = 0;                     ///< contacts dropped in the last step, at least
 };
 
 }  // namespace wholehand::mujoco

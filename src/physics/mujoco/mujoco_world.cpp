@@ -3,6 +3,7 @@
 #include "physics/body_checks.hpp"
 #include "physics/mujoco/mujoco_engine.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace wholehand {
@@ -21,9 +22,9 @@ MujocoWorld::MujocoWorld(const HandModel& hand, std::unique_ptr<mujoco::MujocoEn
 MujocoWorld::~MujocoWorld() = default;
 
 Expected<Done> MujocoWorld::placeHand(const AxisPosition& q_s) {
-  for (int i = 0; i < engine_->bodyCount(); ++i) {
+  for (int i = 0; i < std::min(engine_->bodyCount(), kMaxBodies); ++i) {
     if (allFinite(engine_->body(i))) continue;
-    return nowhere(engine_->scenePath(), engine_->bodyNames()[static_cast<std::size_t>(i)]);
+    return nonFiniteBodyError(engine_->scenePath(), engine_->bodyNames()[i]);
   }
   Diagnostics found = engine_->placeHand(q_s);
   if (!found.empty()) return found;
@@ -40,7 +41,7 @@ Fault MujocoWorld::observe(WorldState& state) noexcept {
   state.body_count = engine_->bodyCount();
   bool finite = allFinite(state.q_s) && allFinite(state.qd_s);
   for (int i = 0; i < state.body_count; ++i) {
-    BodyState& body = state.bodies[static_cast<std::size_t>(i)];
+    BodyState& body = state.bodies[i];
     body = engine_->body(i);
     finite = finite && allFinite(body);
   }
@@ -49,7 +50,7 @@ Fault MujocoWorld::observe(WorldState& state) noexcept {
 
 void MujocoWorld::placeBodies(const BodyPlacements& placements) noexcept {
   for (int i = 0; i < placements.count; ++i) {
-    engine_->place(placements.items[static_cast<std::size_t>(i)]);
+    engine_->place(placements.items[i]);
   }
 }
 

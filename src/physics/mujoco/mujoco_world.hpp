@@ -1,8 +1,8 @@
 #pragma once
 
 #include "dynamics/synergy.hpp"
-#include "model/hand_model.hpp"
-#include "model/scene_model.hpp"
+#include "model/hand/hand_model.hpp"
+#include "model/scene/scene_model.hpp"
 #include "physics/mujoco/solver_settings.hpp"
 #include "physics/physics_world.hpp"
 
@@ -16,12 +16,12 @@ class MujocoEngine;
 
 using MujocoSettings = mujoco::SolverSettings;
 
-/// MuJoCo, in process: the hand as an articulated body whose constraints are projected on to its
-/// synergy, the scene's bodies as free or placed bodies. Settings and their reasons: ADR 39.
+/// MuJoCo, in process. The hand is an articulated body whose constraints are projected onto its
+/// synergy; the scene's bodies are free or placed. ADR 39 explains the settings.
 class MujocoWorld final : public PhysicsWorld {
  public:
-  /// Compiles the model and takes all memory, so that no step allocates. An error names what MuJoCo
-  /// does not accept. @pre hand outlives it. Not real-time safe.
+  /// Compiles the model and allocates all memory, so that no step allocates. An error names what
+  /// MuJoCo does not accept. @pre hand outlives it. Not real-time safe.
   [[nodiscard]] static Expected<std::unique_ptr<PhysicsWorld>> build(
       const HandModel& hand, const SceneModel& scene, const MujocoSettings& settings = {});
   ~MujocoWorld() override;

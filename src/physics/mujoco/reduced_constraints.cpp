@@ -34,11 +34,11 @@ bool ReducedConstraints::reduceInertia(const mjModel& model, mjData& data) noexc
   for (int a = 0; a < axes; ++a) {
     std::fill(column_.begin(), column_.end(), 0.0);
     for (int j = 0; j < joints; ++j) {
-      column_[static_cast<std::size_t>(map_->dof(j))] = hand.synergy(j, a);
+      column_[map_->dof(j)] = hand.synergy(j, a);
     }
     mj_mulM(&model, &data, momentum_.data(), column_.data());
     for (int j = 0; j < joints; ++j) {
-      moved(j, a) = momentum_[static_cast<std::size_t>(map_->dof(j))];
+      moved(j, a) = momentum_[map_->dof(j)];
     }
   }
   AxisMatrix inertia(axes, axes);
@@ -58,14 +58,14 @@ void ReducedConstraints::projectRow(double* row) const noexcept {
     if (here == 0.0) continue;
     moves = true;
     for (int a = 0; a < hand.axis_count; ++a) {
-      reduced[static_cast<std::size_t>(a)] += here * hand.synergy(j, a);
+      reduced[a] += here * hand.synergy(j, a);
     }
   }
   if (!moves) return;
   for (int j = 0; j < hand.joint_count; ++j) {
     double sum = 0.0;
     for (int a = 0; a < hand.axis_count; ++a) {
-      sum += projected_(j, a) * reduced[static_cast<std::size_t>(a)];
+      sum += projected_(j, a) * reduced[a];
     }
     row[map_->dof(j)] = sum;
   }

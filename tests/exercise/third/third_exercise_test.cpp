@@ -102,7 +102,7 @@ TEST(NewExercise, MadeByTheGuide_IsCertifiedAndPlayedToItsEnd) {
   for (int s = 0; s < 60 && !played; ++s) {
     runTicks(*(*rig)->renderer, 1000, [&](const TickRecord& r) {
       (*rig)->listener->afterTick(r);
-      played = r.exercise.values[static_cast<std::size_t>(done)] > 0.5;
+      played = r.exercise.values[done] > 0.5;
     });
   }
   EXPECT_TRUE(played);

@@ -23,7 +23,7 @@ function endsOf({ from, to }: { readonly from: number; readonly to: number }, va
   return [Number.isFinite(from) ? from : low, Number.isFinite(to) ? to : high];
 }
 
-export function figureOf({ title, height_px, x, y, names_x, lines, bands, marks }: PageChart): HTMLElement {
+function figureOf({ title, height_px, x, y, names_x, lines, bands, marks }: PageChart): HTMLElement {
   const drawn = lines.map(lineOf);
   const range_x = endsOf(x, lines.flatMap((line) => line.x));
   const given = Number.isFinite(y.from) && Number.isFinite(y.to);

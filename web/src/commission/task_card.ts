@@ -1,6 +1,7 @@
 import { h, say } from '../console/dom';
 import { texts as consoleTexts } from '../console/i18n';
-import type { Answer, Connection } from '../net/connection';
+import type { Connection } from '../net/connection';
+import type { Answer } from '../net/pending_answers';
 import { Asked, MotionKind, MotionState, Role, type CommissioningT } from '../protocol';
 import { fill } from '../shared/i18n';
 import { HoldButton } from './hold_button';

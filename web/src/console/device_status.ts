@@ -1,6 +1,6 @@
 import { LetGo, type DeviceStateT } from '../protocol';
 import { fill } from '../shared/i18n';
-import { fixed } from './format';
+import { fixed } from '../shared/format';
 import type { ConsoleTexts } from './i18n/en';
 
 /** What of a real device is shown. */

@@ -1,7 +1,7 @@
 import type { SceneT } from '../protocol';
 import { fill } from '../shared/i18n';
 import { h } from './dom';
-import { asWords, fixed } from './format';
+import { asWords, fixed } from '../shared/format';
 import { shownUnits } from './history';
 import { texts } from './i18n';
 import { isArm } from './plot_specs';

@@ -1,21 +1,24 @@
+import { infoOf, type ExerciseInfo } from '../exercises/info';
 import { Act } from '../protocol';
 import { fill, language, LANGUAGES, setLanguage, type Language } from '../shared/i18n';
 import { h, say, setAttribute, setClass } from './dom';
-import { asWords } from './format';
+import { asWords } from '../shared/format';
 import { texts } from './i18n';
 import { icon, type IconName } from './icons';
 import type { ConsoleModel, Panel } from './model';
 import { toggleTheme } from './theme';
+import { exerciseWords } from './title_words';
 
 const LANGUAGE_NAMES: Readonly<Record<Language, string>> = { de: 'Deutsch', fr: 'Français', en: 'English' };
 const PILL_ICON: Readonly<Record<string, IconName>> = {
   rendering: 'ok', disarmed: 'wait', connecting: 'wait', paused: 'wait', stopping: 'wait', stopped: 'wait', faulted: 'bad', lost: 'bad',
 };
 
-/** Who, what, which state; start, pause, and the emergency stop, each a button of its own and always in the same place. */
+/** Shows patient, exercise and state; start, pause and emergency stop are buttons that keep their places. */
 export class Header implements Panel {
   readonly element: HTMLElement;
   private readonly t = texts();
+  private readonly info: ExerciseInfo;
   private readonly who = pair();
   private readonly what = pair();
   private readonly pillName = h('b');
@@ -26,18 +29,19 @@ export class Header implements Panel {
   private readonly pause: HTMLButtonElement;
   private readonly resume: HTMLButtonElement;
   private readonly stop: HTMLButtonElement;
-  /** Ending that the page showed, with "Start" beside it; and when that was pressed. */
+  /** The newest ending that the page showed beside "Start", and the one at the moment when it was pressed. */
   private endingsShown = 0;
   private endingsPressed: number | undefined;
 
   constructor(private readonly model: ConsoleModel, private readonly rebuild: () => void) {
     const { t } = this;
+    this.info = infoOf(model.scene);
     this.pill = h('div', { class: 'pill', role: 'status', 'data-testid': 'state' },
       this.pillIcon, h('span', {}, this.pillName, this.pillCause));
     this.arm = h('button', { type: 'button', class: 'b go', 'data-testid': 'arm' }, icon('play'), t.arm);
     for (const press of ['pointerdown', 'keydown']) this.arm.addEventListener(press, () => { this.endingsPressed = this.endingsShown; });
     this.arm.addEventListener('click', () => this.start());
-    // Space pauses, wherever the focus is, and starts nothing.
+    // Space pauses, wherever the focus is, and never starts.
     this.arm.addEventListener('keyup', (event) => { if (event.code === 'Space') event.preventDefault(); });
     this.pause = h('button', { type: 'button', class: 'b', 'data-testid': 'pause' }, icon('pause'), t.pause, h('kbd', {}, t.space));
     this.pause.addEventListener('click', () => this.pauseNow());
@@ -52,7 +56,7 @@ export class Header implements Panel {
     this.refresh();
   }
 
-  /** Space, too: it never starts anything. */
+  /** Pauses, by the button or by Space; never starts. */
   pauseNow(): void {
     const { model, t } = this;
     if (!this.pause.hidden && !this.pause.disabled) void model.command(t.pause, () => model.connection.act(Act.Pause));
@@ -80,11 +84,10 @@ export class Header implements Panel {
     say(this.who.second, `${fill(t.session, { n: model.state?.session ?? scene.session })}, ${side}`);
     setAttribute(this.who.element, 'title', `${String(scene.deviceName ?? '')}, ${String(scene.handName ?? '')}`);
     const exercise = String(scene.exerciseName ?? '');
-    say(this.what.first, t.exercises[exercise] ?? (exercise === '' ? t.noExercise : asWords(exercise)));
-    const drinks = model.value('drinks') ?? 0;
-    const drink = Math.min((model.value('drink') ?? 0) + 1, drinks);
+    say(this.what.first, exercise === '' ? t.noExercise : exerciseWords(exercise));
     const level = scene.levels > 0 ? fill(t.level, { n: scene.level }) : '';
-    say(this.what.second, drinks > 0 ? `${level}, ${fill(t.drinkOf, { n: drink, m: drinks })}` : level);
+    const progress = this.info.progress((name) => model.value(name));
+    say(this.what.second, progress === '' ? level : `${level}, ${progress}`);
   }
 
   private refreshPill(): void {
@@ -110,7 +113,7 @@ export class Header implements Panel {
     const word = name === 'stopped' || name === 'faulted' ? t.armAgain : t.arm;
     if (this.arm.lastChild?.textContent !== word) this.arm.replaceChildren(icon('play'), word);
     this.pause.disabled = name !== 'rendering';
-    // Without a connection the browser cannot reach the robot: nothing is promised.
+    // Without a connection the browser cannot reach the robot, so the button promises nothing.
     this.stop.disabled = name === 'lost';
     const paused = name === 'paused';
     if (this.pause.hidden === paused) return;

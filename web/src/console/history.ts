@@ -2,18 +2,18 @@ import type { AxisT, WorldStateT } from '../protocol';
 import { extremesOf, KEPT, type Kept, type PlotSource, type Span, type TimeTick } from './plot_source';
 import { SampleWindow } from './sample_window';
 
-/** What the plots show [s]. */
+/** Length of the window that the plots show [s]. */
 export const WINDOW_S = 10;
 // Twice 60 messages a second, so that a hasty program still fills the window.
 const CAPACITY = 2 * 60 * WINDOW_S;
 /** Between two sessions on the plots' clock [s]: long enough that no speed is made of the jump. */
 const BETWEEN_SESSIONS_S = 0.6;
-/** Without a sample for so long, the line was lost or the page asleep [s]. */
+/** A longer time without a sample means that the line was lost or the page asleep [s]. */
 const GAP_S = 0.5;
-/** Where the time axis is named, before now [s]. */
+/** Labels of the time axis, before now [s]. */
 const TICKS_S = [10, 8, 6, 4, 2, 0];
 
-/** Torques become forces at the tip, radians degrees, metres millimetres: what people read. */
+/** Factors to the units that people read: forces at the tip for torques, degrees, millimetres. */
 export interface Shown {
   effort: number;
   coordinate: number;
@@ -22,7 +22,7 @@ export interface Shown {
 }
 
 export function shownUnits(axis: Pick<AxisT, 'unit' | 'leverArmM'>): Shown {
-  // A recording that does not tell its units is shown in its own.
+  // An axis without a unit is shown in the program's own.
   if (String(axis.unit ?? '') === '') return { effort: 1, coordinate: 1, effortUnit: '', coordinateUnit: '' };
   const turns = String(axis.unit) === 'rad';
   const tip = turns && axis.leverArmM > 0;
@@ -52,7 +52,7 @@ export class History implements PlotSource {
     this.row = new Float64Array(columns);
   }
 
-  /** Of the latest sample, on the plots' own clock [s]. */
+  /** Time of the latest sample, on the plots' own clock [s]. */
   get now_s(): number {
     return this.own_s;
   }
@@ -94,7 +94,7 @@ export class History implements PlotSource {
     return this.tick === undefined ? this.own_s : this.own_s - Number(this.tick - tick) * period_s;
   }
 
-  /** Takes a state in; false when it says nothing new. */
+  /** Adds a state; false when it has no new sample. */
   add(state: WorldStateT): boolean {
     if (this.tick === state.tick && this.session === state.session) return false;
     const step_s = state.timeS - this.program_s;
@@ -117,7 +117,7 @@ export class History implements PlotSource {
     return true;
   }
 
-  /** Nothing is known between here and the next sample: no line is drawn over it. */
+  /** Adds a gap: nothing is known until the next sample, and no line is drawn over it. */
   private addGap(): void {
     this.row.fill(NaN);
     this.row[0] = this.own_s;

@@ -1,3 +1,4 @@
+import { OWN_SIGNS } from '../exercises/info';
 import { RunState, type EventT } from '../protocol';
 import type { ConsoleTexts } from './i18n/en';
 
@@ -10,18 +11,14 @@ export interface Mark {
   bad: boolean;
 }
 
-const SIGNS: Readonly<Record<string, [string, keyof ConsoleTexts['phases']]>> = {
-  touched: ['①', 'bump'],
-  engaged: ['②', 'engaged'],
-  pour_began: ['③', 'pour'],
-  pour_ended: ['④', 'release'],
-};
+const SIGNS: Readonly<Record<string, [string, keyof ConsoleTexts['phases']]>> = { touched: ['①', 'bump'], engaged: ['②', 'engaged'] };
+
 /** The sign of an event's phase of a grasp; undefined where it begins none. */
 export function phaseSign(name: string): string | undefined {
-  return SIGNS[name]?.[0];
+  return SIGNS[name]?.[0] ?? OWN_SIGNS[name]?.sign;
 }
 
-/** The same sign again within this time is the same moment [s]. */
+/** A sign that comes again within this time belongs to the same moment [s]. */
 const SAME_MOMENT_S = 0.4;
 
 /** Moments of the last seconds: the phases of a grasp, stops and faults. */
@@ -29,15 +26,17 @@ export class Marks {
   list: Mark[] = [];
   private runState: RunState | undefined;
 
-  /** Events of the exercise, with where their ticks lie on the plots' clock. */
+  /** Adds events of the exercise. @param timeOf a tick on the plots' clock */
   addEvents(events: readonly EventT[], names: readonly string[], timeOf: (tick: bigint) => number, texts: ConsoleTexts): void {
     for (const event of events) {
-      const sign = SIGNS[names[event.type] ?? ''];
-      if (sign) this.add({ time_s: timeOf(event.tick), label: sign[0], meaning: texts.phases[sign[1]], bad: false });
+      const name = names[event.type] ?? '', label = phaseSign(name);
+      if (label === undefined) continue;
+      const meaning = OWN_SIGNS[name]?.meaning() ?? texts.phases[SIGNS[name]![1]];
+      this.add({ time_s: timeOf(event.tick), label, meaning, bad: false });
     }
   }
 
-  /** Leaving Rendering is a moment too. */
+  /** Adds a mark where rendering ends. */
   addRunState(runState: RunState, time_s: number, texts: ConsoleTexts, faulted = runState === RunState.Faulted): void {
     const left = this.runState === RunState.Rendering && runState !== RunState.Rendering;
     this.runState = runState;

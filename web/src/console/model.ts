@@ -1,4 +1,5 @@
-import type { Connection, Answer } from '../net/connection';
+import type { Connection } from '../net/connection';
+import type { Answer } from '../net/pending_answers';
 import { RunState, SafetyState, type EventT, type SceneT, type WorldStateT } from '../protocol';
 import { History, WINDOW_S } from './history';
 import { texts } from './i18n';
@@ -6,23 +7,23 @@ import { Marks } from './marks';
 import type { Recording } from './recordings';
 import { faultWords, statusOf, type Status } from './run_status';
 
-/** Something worth a line in the safety panel. */
+/** A line of the safety panel. */
 export interface Notice {
   at: Date;
   what: string;
 }
 
 /**
- * Faults that do not stop: worth a word. Bit 6: effort limited, 7: late tick, 8: contacts dropped, 14: power limited,
+ * Faults that do not stop, but are told. Bit 6: effort limited, 7: late tick, 8: contacts dropped, 14: power limited,
  * 20: owner silent, 22: the energy tank damped, 26: drive hot.
  */
 const INFORMATION = (1 << 6) | (1 << 7) | (1 << 8) | (1 << 14) | (1 << 20) | (1 << 22) | (1 << 26);
-/** For so long after rendering has ended nothing is started: who reaches for Pause must not find Start [ms]. */
+/** Nothing is started for this long after rendering has ended [ms]: whoever reaches for Pause must not press Start. */
 const DEAD_MS = 1000;
-/** A limit that held within this time is said in the header [s]. */
+/** The header tells a limit that held within this time [s]. */
 const LIMITED_FOR_S = 1;
 
-/** All that the console knows; panels read it and send orders through it. */
+/** The state of the console. Panels read it and send orders through it. */
 export class ConsoleModel {
   scene: SceneT | null = null;
   state: WorldStateT | null = null;
@@ -30,7 +31,7 @@ export class ConsoleModel {
   readonly marks = new Marks();
   paused = false;
   notice: Notice | undefined;
-  /** What was recorded last, until somebody closes the word of it or renders again. */
+  /** The recording that ended last, until its notice is closed or rendering begins. */
   saved: Recording | undefined;
   /** true when a sample came that is not drawn yet. */
   fresh = false;
@@ -77,8 +78,8 @@ export class ConsoleModel {
   }
 
   /**
-   * Sends an order. A therapist's needs no controls, but for `steers`: who moves the hand. A refusal is said
-   * to the therapist, unless `quietly`, and returned.
+   * Sends an order. A therapist needs the controls only for an order that `steers`, which sets who moves the hand. A
+   * refusal is told to the therapist, unless `quietly`, and returned.
    */
   async command(what: string, send: () => Promise<Answer>, { quietly = false, steers = false } = {}): Promise<Answer> {
     let answer: Answer = { accepted: true, reason: '' };
@@ -88,7 +89,7 @@ export class ConsoleModel {
     return answer;
   }
 
-  /** Asked of any client, at any time, without the controls. */
+  /** Stops at once. Any client may, at any time, without the controls. */
   async emergencyStop(): Promise<void> {
     await this.connection.emergencyStop();
   }
@@ -115,12 +116,12 @@ export class ConsoleModel {
     this.marks.forgetBefore(this.history.now_s - WINDOW_S);
   }
 
-  /** One tick in 17 is shown: what happened in the others stands in their counts. */
+  /** Takes the faults. One tick in 17 is sent; the counts tell what happened in the others. */
   private takeFaults({ session, faults, faultTicks }: WorldStateT): void {
     const before = this.faultTicks.session === session ? this.faultTicks.counts : [];
     let bits = faults & INFORMATION;
     faultTicks.forEach((count, bit) => { if (count > (before[bit] ?? 0)) bits |= INFORMATION & (1 << bit); });
-    // A page that is opened, or a session that it was not there for, begins to count.
+    // A page that is opened, or a new session, begins to count.
     const counted = this.faultTicks.counts.length > 0 || this.faultTicks.session !== 0;
     this.faultTicks = { session, counts: [...faultTicks] };
     if (!counted) bits = faults & INFORMATION;
@@ -144,10 +145,10 @@ export class ConsoleModel {
 /** A part of the page. */
 export interface Panel {
   readonly element: HTMLElement;
-  /** Every picture that shows new samples. */
+  /** Draws new samples, once a frame. */
   draw?(): void;
-  /** A few times a second. */
+  /** Updates words and numbers, a few times a second. */
   refresh?(): void;
-  /** When the page is built anew. */
+  /** Ends the panel before the page is built anew. */
   close?(): void;
 }

@@ -1,9 +1,9 @@
 import type { Connection } from '../net/connection';
-import { SmallBar, type HandLook } from './small_bar';
+import { PacedView, type HandLook } from '../scene/paced_view';
 import type { SceneT } from '../protocol';
 import { answerPresses } from '../shared/pressed';
 import { h, setAttribute } from './dom';
-import { ExercisePanelView } from './exercise_panel';
+import { ExercisePanelView } from './panel_view';
 import { Header } from './header';
 import { texts } from './i18n';
 import { ConsoleModel, type Panel } from './model';
@@ -14,17 +14,17 @@ import { RecordingsPanel, SavedWatch } from './recordings';
 import { SafetyPanel } from './safety';
 import { SetupPanel } from './setup';
 import { TimingPanel } from './timing';
-import { ViewPanel } from './view';
+import { ScenePanel } from './scene_panel';
 
-/** Words and numbers change this often: faster cannot be read [ms]. */
+/** Words and numbers are refreshed this often [ms]; faster cannot be read. */
 const REFRESH_MS = 200;
 
-/** Keys that mean something to what has the focus are left to it. */
+/** Whether the element with the focus uses the space bar itself. */
 function spaceIsTaken(target: EventTarget | null): boolean {
   return target instanceof Element && target.closest('input, select, textarea, button, a, summary, [role=tab]') !== null;
 }
 
-/** What of a scene panels are built from. */
+/** The parts of a scene that panels are built from. */
 function builtFrom(scene: SceneT | null): string {
   if (!scene) return '';
   const { axes, parameters, exercises, hands, levels, level, exerciseName, exerciseJson, handName, rightHand, valueNames, eventNames } = scene;
@@ -39,9 +39,9 @@ export class ConsolePage {
   private notices: NoticesPanel | undefined;
   private plots: PlotsPanel | undefined;
   private parameters: ParametersPanel | undefined;
-  private viewPanel: ViewPanel | undefined;
+  private viewPanel: ScenePanel | undefined;
   private exercise: ExercisePanelView | undefined;
-  private view: SmallBar | undefined;
+  private view: PacedView | undefined;
   private viewTried = false;
   private look: HandLook = 'skin';
   private readonly watch = new SavedWatch();
@@ -64,7 +64,7 @@ export class ConsolePage {
     this.build();
   }
 
-  /** Of the 3D view: "high", "low", or "none" without one. */
+  /** Quality of the 3D view: "high", "low", or "none" without one. */
   get quality(): string {
     return this.view?.drawnIn ?? 'none';
   }
@@ -81,7 +81,7 @@ export class ConsolePage {
     this.header = new Header(model, () => this.build());
     this.notices = new NoticesPanel(model);
     this.plots = new PlotsPanel(model, axis);
-    this.viewPanel = new ViewPanel(model, this.look, (look) => { this.look = look; });
+    this.viewPanel = new ScenePanel(model, this.look, (look) => { this.look = look; });
     this.exercise = new ExercisePanelView(model);
     const safety = new SafetyPanel(model);
     const timing = new TimingPanel(model);
@@ -101,7 +101,7 @@ export class ConsolePage {
   /** Builds the 3D view; without WebGL the page says so and goes on. */
   async loadView(): Promise<void> {
     try {
-      this.view = await SmallBar.load();
+      this.view = await PacedView.load();
       if (this.model.scene) this.view.setScene(this.model.scene);
     } catch (problem) {
       console.warn('The 3D view cannot be drawn here:', problem);
@@ -110,7 +110,7 @@ export class ConsolePage {
     this.viewPanel?.setView(this.view);
   }
 
-  /** One picture of the page. */
+  /** Draws a frame of the page. */
   frame(now_ms: number): void {
     if (now_ms - this.refreshed_ms >= REFRESH_MS) {
       this.refreshed_ms = now_ms;

@@ -1,5 +1,5 @@
 import type { ParameterT } from '../protocol';
-import { asWords } from './format';
+import { asWords } from '../shared/format';
 import { niceStep } from './scale';
 
 /**

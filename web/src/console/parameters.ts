@@ -1,7 +1,7 @@
 import { ParameterGroup, type ParameterT } from '../protocol';
 import { fill } from '../shared/i18n';
 import { h, say, setAttribute } from './dom';
-import { fixed } from './format';
+import { fixed } from '../shared/format';
 import { handFacts } from './hand_facts';
 import { texts } from './i18n';
 import type { ConsoleModel, Panel } from './model';
@@ -48,7 +48,7 @@ class ParameterRow {
     this.slider.addEventListener('change', () => void this.ask(slid() / view.factor));
     this.number.addEventListener('input', () => { this.typing = true; });
     this.number.addEventListener('change', () => { if (this.typing) this.typed(); });
-    // A text that was kept from the panel before is no change to the browser.
+    // The browser does not count a text that was kept from the earlier panel as a change.
     this.number.addEventListener('keydown', (event) => { if (event.key === 'Enter' && this.typing) this.typed(); });
     this.refresh(true);
     if (kept?.typed === undefined) return;
@@ -71,7 +71,7 @@ class ParameterRow {
     if (this.ramp.hidden === ramping) this.ramp.hidden = !ramping;
     // What holds and what is asked for, both: a slider that has moved is no limit yet.
     if (ramping) say(this.ramp, fill(this.t.ramp, { now: this.text(this.target.now), v: this.text(target) }));
-    // What is under the person's finger, and half typed, is left alone.
+    // A control that the person is using, or has half typed into, is left alone.
     const half = this.typing && document.activeElement === this.number;
     const touched = half || this.slider.matches(':active');
     if (touched && !always) return;

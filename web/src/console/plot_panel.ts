@@ -1,6 +1,6 @@
 import { fill } from '../shared/i18n';
 import { h, say, svg } from './dom';
-import { fixed } from './format';
+import { fixed } from '../shared/format';
 import type { ConsoleTexts } from './i18n';
 import type { Mark } from './marks';
 import type { PlotSource } from './plot_source';

@@ -1,3 +1,4 @@
+import { OWN_SIGNS } from '../exercises/info';
 import type { AxisT } from '../protocol';
 import { choice, h } from './dom';
 import { texts, type ConsoleTexts } from './i18n';
@@ -9,7 +10,7 @@ import { readTheme } from './theme';
 /** What the signs on the plots mean. */
 export function legend({ legend: t }: ConsoleTexts): HTMLElement {
   const { title, ...lines } = t;
-  return h('details', { class: 'legend', 'data-testid': 'legend' }, h('summary', { title, 'aria-label': title }, '?'), h('ul', {}, ...Object.values(lines).map((line) => h('li', {}, line))));
+  return h('details', { class: 'legend', 'data-testid': 'legend' }, h('summary', { title, 'aria-label': title }, '?'), h('ul', {}, ...[...Object.values(lines), ...Object.values(OWN_SIGNS).map((own) => own.legend())].map((line) => h('li', {}, line))));
 }
 
 /** Buttons for the axis whose coordinate is shown. */

@@ -4,7 +4,7 @@ import { h, say } from './dom';
 import { texts } from './i18n';
 import type { ConsoleModel } from './model';
 
-/** Whose settings hold; saves them under a name, and loads another person's before the start. */
+/** Shows whose settings hold, saves them under a name, and loads another person's before the start. */
 export class ProfileRow {
   readonly element: HTMLElement;
   private readonly t = texts().profile;

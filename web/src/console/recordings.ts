@@ -2,7 +2,7 @@ import { titleWords } from './title_words';
 import { tokenOf } from '../net/open_connection';
 import { fill, language } from '../shared/i18n';
 import { h, say } from './dom';
-import { bytes, duration } from './format';
+import { bytes, duration } from '../shared/format';
 import { texts } from './i18n';
 import type { ConsoleModel, Panel } from './model';
 
@@ -14,16 +14,16 @@ export interface Recording {
   created_utc?: string;
   duration_s?: number;
   bytes?: number;
-  /** For which the disk had no room. */
+  /** Ticks for which the disk had no room. */
   ticks_missing?: number;
-  /** By the program, now: it can be replayed as far as it goes. */
+  /** The program is writing it now; it can be replayed as far as it goes. */
   being_written?: boolean;
   title?: string;
   report?: boolean | string;
 }
 
-/** What /api/recordings said, as far as it can be believed; undefined: it is no such list. */
-export function readRecordings(json: unknown): { recordings: Recording[]; recording: string } | undefined {
+/** Reads the answer of /api/recordings, without entries that are malformed; undefined where it is no list. */
+function readRecordings(json: unknown): { recordings: Recording[]; recording: string } | undefined {
   if (typeof json !== 'object' || json === null || !Array.isArray((json as { recordings?: unknown }).recordings)) return undefined;
   const { recordings, recording } = json as { recordings: unknown[]; recording?: unknown };
   const good = recordings.filter((entry): entry is Recording =>
@@ -32,7 +32,7 @@ export function readRecordings(json: unknown): { recordings: Recording[]; record
 }
 
 /** When it was made: the time for today, else the day. */
-export function whenMade(created_utc: string | undefined, now: Date, locale: string): string {
+function whenMade(created_utc: string | undefined, now: Date, locale: string): string {
   const made = new Date(created_utc ?? '');
   if (Number.isNaN(made.getTime())) return '';
   const today = made.toDateString() === now.toDateString();
@@ -63,13 +63,13 @@ export function figuresOf(recording: Recording): string {
   ].join(', ');
 }
 
-/** What can be had of a recording: of one that is still written there is no report, and no whole file. */
+/** The links of a recording. One that is still written has neither a report nor a whole file. */
 export function offered({ being_written, report }: Recording): { report: boolean; download: boolean } {
   const finished = being_written !== true;
   return { report: finished && Boolean(report), download: finished };
 }
 
-/** Tells of each recording that was being written once, when it is in the list. */
+/** Reports each recording that has ended once, when it is in the list. */
 export class SavedWatch {
   private writing = '';
   private readonly ended = new Set<string>();
@@ -84,7 +84,7 @@ export class SavedWatch {
     return ended;
   }
 
-  /** Those of the list that have ended and were not told of. */
+  /** Those of the list that have ended and were not reported. */
   found(recordings: readonly Recording[]): Recording[] {
     return recordings.filter(({ name }) => this.ended.delete(name));
   }

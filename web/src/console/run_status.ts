@@ -10,7 +10,7 @@ export interface Status {
   /** 0 Disarmed, 1 Rendering, 2 Stopping, 3 Stopped or Faulted; undefined without a program. */
   step: number | undefined;
   bad: boolean;
-  /** One line: the state's cause. */
+  /** The state's cause, in one line. */
   cause: string;
   /** Which axis was beyond which limit, and by how much. */
   excess?: string;
@@ -39,7 +39,7 @@ const EMERGENCY_STOP = 'emergency stop';
 const OF_SPEED: readonly string[] = ['speed limit exceeded', 'encoder jumped'];
 const OF_TIME = 'gap too long';
 
-/** What of the state says why it stopped. */
+/** The part of the state that says why it stopped. */
 export type Told = Pick<WorldStateT, 'runState' | 'latchedFaults'>
   & Partial<Pick<WorldStateT, 'faults' | 'safetyState' | 'faultAxis' | 'faultValue' | 'faultLimit'>>;
 
@@ -54,8 +54,8 @@ function stoppingNames(bits: number, names: readonly string[]): string[] {
   return names.filter((name, bit) => ((bits >>> bit) & 1) === 1 && name !== 'stop requested' && name !== EMERGENCY_STOP);
 }
 
-/** Which axis, and how much of what is allowed: "x, away: 1.62 m/s, limit 1.5". Empty where nothing is known. */
-export function excessWords(state: Told, faults: readonly string[], axes: readonly NamedAxis[], texts: ConsoleTexts): string {
+/** The axis, its value and its limit: "x, away: 1.62 m/s, limit 1.5". Empty where nothing is known. */
+function excessWords(state: Told, faults: readonly string[], axes: readonly NamedAxis[], texts: ConsoleTexts): string {
   const axis = axes[state.faultAxis ?? -1];
   const limit = state.faultLimit ?? 0;
   const name = axis ? texts.axesLong[String(axis.name)] ?? String(axis.name) : '';

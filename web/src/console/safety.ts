@@ -1,6 +1,6 @@
 import { fill } from '../shared/i18n';
 import { h, say, setAttribute, setClass } from './dom';
-import { fixed } from './format';
+import { fixed } from '../shared/format';
 import { deviceLines } from './device_status';
 import { shownUnits } from './history';
 import { SafetyState } from '../protocol';
@@ -34,7 +34,7 @@ class PeakRow {
   }
 }
 
-/** Which state, why, what the system did, and how near to its limits it was. */
+/** Shows the state, its cause, what the system did, and how near to its limits it was. */
 export class SafetyPanel implements Panel {
   readonly element: HTMLElement;
   private readonly t = texts();
@@ -101,7 +101,7 @@ export class SafetyPanel implements Panel {
     say(this.todo, status.todo ?? '');
   }
 
-  /** A real device only. */
+  /** Lines of a real device. */
   private refreshDevice(): void {
     const lines = deviceLines(this.model.state?.device, this.t);
     this.device.hidden = lines === undefined;

@@ -1,12 +1,13 @@
 import { Act, Help, Role, RunState, Steering } from '../protocol';
-import { hasText, text } from '../shared/i18n';
+import { infoOf } from '../exercises/info';
 import { choice, h, say, setAttribute, setClass } from './dom';
-import { asWords } from './format';
+import { asWords } from '../shared/format';
 import { texts } from './i18n';
 import type { ConsoleModel, Panel } from './model';
 import { ProfileRow } from './profile_row';
+import { exerciseWords } from './title_words';
 
-/** Which exercise, level and hand; who plays; who holds the controls. */
+/** Chooses exercise, level and hand, and who plays; shows who holds the controls. */
 export class SetupPanel implements Panel {
   readonly element: HTMLElement;
   private readonly t = texts();
@@ -64,12 +65,12 @@ export class SetupPanel implements Panel {
     const { t } = this;
     const now = String(scene.exerciseName ?? '');
     const exercises = scene.exercises.length > 0 ? scene.exercises : [now];
-    this.exercise.append(...exercises.map((name) => h('option', { value: name, selected: name === now }, t.exercises[name] ?? asWords(name))));
+    this.exercise.append(...exercises.map((name) => h('option', { value: name, selected: name === now }, exerciseWords(name))));
     const hands = scene.hands.length > 0 ? scene.hands : [String(scene.handName)];
     this.hand.append(...hands.map((name) => h('option', { value: name, selected: name === scene.handName }, t.hands[name] ?? asWords(name))));
-    const names = levelNames(now, scene.exerciseJson);
+    const info = infoOf(scene);
     const levels = Array.from({ length: Math.max(1, scene.levels) }, (_, i) => i + 1);
-    this.level.append(...levels.map((n) => h('option', { value: n, selected: n === scene.level }, names[n] ? `${n} ${names[n]}` : String(n))));
+    this.level.append(...levels.map((n) => h('option', { value: n, selected: n === scene.level }, `${n} ${info.levelName(n)}`.trim())));
     this.level.disabled = scene.levels < 2;
   }
 
@@ -98,19 +99,4 @@ function button(name: string, id: string, onClick: () => void): HTMLButtonElemen
 
 function field(name: string, select: HTMLSelectElement): HTMLElement {
   return h('label', {}, h('span', {}, name), select);
-}
-
-/** Names of the levels, by number: the bar's in the page's language, else as the exercise tells them. */
-function levelNames(exercise: string, json: unknown): Record<number, string> {
-  try {
-    const { levels } = JSON.parse(String(json ?? '')) as { levels?: { level: number; name: string }[] };
-    return Object.fromEntries((levels ?? []).map(({ level, name }) => [level, levelName(exercise, level) ?? name]));
-  } catch {
-    return {};
-  }
-}
-
-function levelName(exercise: string, level: number): string | undefined {
-  const key = `level.${level}`;
-  return exercise === 'cocktail-bar' && hasText(key) ? text(key) : undefined;
 }

@@ -7,19 +7,19 @@ import type { PlotSpec } from './plot_specs';
 import { CalmRange, niceStep, ticksIn } from './scale';
 import type { Theme } from './theme';
 
-/** Half a letter's width: the word for now stands in the middle of the last tick [px]. */
+/** Half a letter's width [px]: the word for now is centred at the last tick. */
 const NOW_PX = 3.7;
 const FONT = '13px "Atkinson Hyperlegible Next Variable", Verdana, sans-serif';
 const FONT_BAD = '700 14px "Atkinson Hyperlegible Next Variable", Verdana, sans-serif';
 const FONT_SIGN = '15px "DejaVu Sans", "Segoe UI Symbol", "Apple Symbols", sans-serif';
-/** A limit is drawn when the data come this near to it. */
+/** A limit is drawn when the data reach this share of it. */
 const LIMIT_NEAR = 0.45;
 
 /** Of the canvas [px]. */
 interface Stretch { readonly left: number; readonly right: number }
 
 const NOTHING: Span = { from_s: 0, to_s: 1 };
-/** Shorter than this a pull is a click [px]. */
+/** A shorter pull is a click [px]. */
 const PULL_PX = 6;
 
 /** What a person does in a plot of a recording. */
@@ -170,7 +170,7 @@ export class TimePlot {
       const [lower, upper] = this.valueRange();
       return ticksIn(lower, upper, niceStep(upper - lower, 4));
     };
-    // The lowest one would stand in the way of the times below it.
+    // The lowest label would overlap the times below it.
     const named = (value: number): boolean => {
       const [lower, upper] = this.valueRange();
       return this.spec.range !== undefined || value - lower > 0.05 * (upper - lower);
@@ -244,7 +244,7 @@ export class TimePlot {
   }
 }
 
-/** Where nothing is known, no line: from a sample without a value to the next one [px of the canvas]. */
+/** Gaps in which no line is drawn: from a sample without a value to the next one [px of the canvas]. */
 function unknownSpans(plot: uPlot, series: number, first: number, last: number): uPlot.Series.Gaps {
   const [times, values] = [plot.data[0], plot.data[series]];
   const spans: uPlot.Series.Gaps = [];

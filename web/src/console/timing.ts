@@ -1,6 +1,6 @@
 import { fill } from '../shared/i18n';
 import { h, say, setAttribute, svg } from './dom';
-import { fixed, grouped } from './format';
+import { fixed, grouped } from '../shared/format';
 import { texts } from './i18n';
 import type { ConsoleModel, Panel } from './model';
 import { logHeight, logTicks, tail, timeEnd, type TickTimes } from './timing_model';
@@ -58,7 +58,7 @@ export class TimingPanel implements Panel {
     const last = points.at(-1);
     const area = last ? `${line}V${floor}H${LEFT_PX}Z` : '';
     const [p50, p99, p999, max] = values;
-    // On the side of the deadline where there is room.
+    // The label stands on the side of the deadline that has room.
     const side = x(deadline_us) > width / 2 ? { x: x(deadline_us) - 6, 'text-anchor': 'end' } : { x: x(deadline_us) + 6, 'text-anchor': 'start' };
     const picture = svg('svg', { width, height, role: 'img', 'aria-label': fill(this.t.timing.image, { p50, p99, p999, max }) },
       ...logTicks(times.ticks).flatMap(({ count, name }) => [

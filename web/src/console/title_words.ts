@@ -1,13 +1,21 @@
+import { ownTitle } from '../exercises/info';
+import { asWords } from '../shared/format';
 import { fill } from '../shared/i18n';
 import { texts } from './i18n';
 
-/** The program calls a recording after its exercise: "cocktail-bar, level 1 of 4". */
+/** The program calls a recording after its exercise: "free-grasping, level 1 of 4". */
 const OF_EXERCISE = /^([\w-]{1,80}), level (\d{1,4})(?: of (\d{1,4}))?$/;
+
+const knownTitle = (file: string): string | undefined => ownTitle(file) ?? texts().exercises[file];
+
+/** An exercise by the name of its file, with its level where it has one. */
+export function exerciseWords(file: string, level = 0): string {
+  return [knownTitle(file) ?? asWords(file), level > 0 ? fill(texts().level, { n: level }) : ''].filter(Boolean).join(', ');
+}
 
 /** The title of a recording in the language of now; one of its own as it is, and its file's name where it has none. */
 export function titleWords(title: string, file_name: string): string {
-  const t = texts();
   const [, exercise, level] = OF_EXERCISE.exec(title) ?? [];
-  const known = exercise === undefined ? undefined : t.exercises[exercise];
-  return known ? `${known}, ${fill(t.level, { n: level })}` : title || file_name;
+  const known = exercise === undefined ? undefined : knownTitle(exercise);
+  return known ? `${known}, ${fill(texts().level, { n: level })}` : title || file_name;
 }

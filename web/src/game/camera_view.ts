@@ -1,11 +1,11 @@
-// What the camera sees: large on a card until a hand was kept in its frame, then small in a corner while it plays.
+// Shows the camera's picture: large on a card until a hand was kept in its frame, then small in a corner during the play.
 import type { InputTexts } from '../input/i18n/en';
 import type { WebcamView } from '../input/webcam';
 import { h, setText } from '../shared/dom';
 
 export interface CameraActions { again(): void; otherWay(): void }
 
-/** Title and sentence of a step before the play. */
+/** Title and sentence of each step before the play. */
 function wordsOf({ step, seen }: WebcamView, texts: InputTexts['camera']): [string, string] {
   if (step === 'ask') return [texts.ask, texts.askMore];
   if (step === 'load') return [texts.load, texts.loadMore];
@@ -13,10 +13,10 @@ function wordsOf({ step, seen }: WebcamView, texts: InputTexts['camera']): [stri
 }
 
 export class CameraView {
-  /** The step before it steers, for the overlay. */
+  /** Card of the steps before the camera steers, for the overlay. */
   readonly card: HTMLElement;
   readonly otherWay: HTMLButtonElement;
-  /** The small one in the corner; hidden where there is nothing to say. */
+  /** The small picture in the corner; hidden where there is nothing to say. */
   readonly mirror: HTMLElement;
   private readonly title = h('h1', { id: 'camera-title', class: 't-l' });
   private readonly more = h('p', { class: 't-m soft' });
@@ -33,7 +33,7 @@ export class CameraView {
     this.mirror = h('div', { class: 'camera card', hidden: true, 'data-testid': 'camera' }, this.problem, this.again);
   }
 
-  /** `view`: undefined where it is off; `reason`: why, '' where the person turned it off. */
+  /** `view`: undefined where the camera is off; `reason`: why it is off, '' where the person turned it off. */
   show(view: WebcamView | undefined, reason: string, texts: InputTexts['camera']): void {
     const { card, mirror } = this;
     const plays = view?.step === 'play';

@@ -1,34 +1,29 @@
-// What lies over the play: welcome, praise, help, and what to say when something is in the way.
+// Builds the cards that lie over the play: welcome, praise, help, and messages when something prevents it.
 import { trapFocus } from '../shared/a11y';
+import { TONES, type ToneName as Tone } from '../hand/tones';
 import { HELPS, type Help } from '../input/wish';
 import { h } from '../shared/dom';
-import type { WorldStateT } from '../protocol';
-import type { ExercisePanel } from '../shared/exercise_panel';
-import { hasText, language, LANGUAGES, nameOf, text, type Language, type TextKey } from '../shared/i18n';
-import { farthestStep } from './effort';
-import { buttonPicture, cupPicture, octagonPicture, plugPicture, starPicture, stepPicture } from './pictures';
-import type { Recipe } from './script';
+import { FIRST } from '../exercises';
+import type { ExerciseWords, Praise } from '../exercises/exercise';
+import { language, LANGUAGES, text, type Language, type TextKey } from '../shared/i18n';
+import { buttonPicture, cupPicture, octagonPicture, plugPicture, starPicture } from './pictures';
 import { MUSIC_VOLUMES, type MusicVolume } from './sound';
-import { clock, type Praise } from './view';
 
-export type Tone = 'porcelain' | 'honey' | 'bronze' | 'umber' | 'glove';
-export const TONES: Readonly<Record<Tone, string>> = { porcelain: '#EBC3A6', honey: '#CF9F80', bronze: '#A86C46', umber: '#6E4430', glove: '#DCE5E6' };
-
-/** Of all but what must be read in play, which is always large (game.css). */
-export const TEXT_SIZES = ['normal', 'far'] as const;
+/** Sizes of the text. What must be read in play is always large (game.css). */
+const TEXT_SIZES = ['normal', 'far'] as const;
 export type TextSize = typeof TEXT_SIZES[number];
 
 export interface HelpSection { readonly way: string; readonly name: string; readonly lines: readonly { readonly keys: readonly string[]; readonly does: string }[] }
 
-/** One thing at a time lies over the play. It has the focus, but for what stays reachable beside it. */
+/** Holds the one card that lies over the play, and keeps the focus in it and in what stays reachable beside it. */
 export class Overlay {
   private release: (() => void) | null = null;
   private onEscape: (() => void) | null = null;
   private readonly element = h('div', { class: 'overlay', hidden: true });
 
   /**
-   * `beside`: the strip with Stop, which stays reachable from every dialog that does not cover it; `otherwise`: what
-   * Escape does where nothing is open that it closes.
+   * `beside`: the strip with Stop, which stays reachable from every card that does not cover it; `otherwise`: what
+   * Escape does where no card is open that it closes.
    */
   constructor(root: HTMLElement, private readonly beside: HTMLElement, otherwise: () => void) {
     root.append(this.element);
@@ -46,10 +41,10 @@ export class Overlay {
     this.release = trapFocus(options.alone ? [this.element] : [this.element, this.beside], options.first ?? card);
   }
 
-  /** Of a card that waits for the program. */
+  /** Shows how often the connection was tried, on a card that waits for the program. */
   showAttempts(attempts: number): void { showAttempts(this.element, attempts); }
 
-  /** The focus goes back, or to the play. */
+  /** Closes the card and moves the focus. */
   close(focus: HTMLElement): void {
     if (this.element.hidden) return;
     this.release?.();
@@ -63,8 +58,8 @@ export class Overlay {
 const pressable = (label: string, pressed: boolean, onclick: () => void, extra: Record<string, string> = {}): HTMLButtonElement =>
   h('button', { type: 'button', class: 'choice', 'aria-pressed': String(pressed), onclick, ...extra }, label);
 
-/** What the keys of a way do, as a list. */
-export function helpList(section: HelpSection): HTMLElement {
+/** A list of the keys of a way of playing, and what they do. */
+function helpList(section: HelpSection): HTMLElement {
   return h('ul', { class: 'help-list t-s' }, ...section.lines.map((line) =>
     h('li', {}, ...line.keys.map((key) => h('kbd', {}, key)), ` ${line.does}`)));
 }
@@ -78,7 +73,7 @@ export interface WelcomeContent {
   readonly tone: Tone;
   readonly help: Help | null;  // null: the therapist has set it
   readonly notice: string;
-  readonly panel: ExercisePanel | null;   // of another exercise than the bar
+  readonly words: ExerciseWords;
 }
 
 export interface WelcomeActions {
@@ -91,48 +86,38 @@ export interface WelcomeActions {
   help(wanted: Help): void;
 }
 
-export function levelName(level: number): string {
-  const key = `level.${level}`;
-  return hasText(key) ? text(key) : '';
-}
-
-/** Title, lead and steps: the bar's, or what another exercise says of itself. */
-function welcomeWords({ panel, tone }: WelcomeContent): { title: string; lead: string; steps: HTMLElement | null } {
-  if (panel) return { title: panel.title, lead: panel.lead, steps: null };
-  const steps = (['1', '2', '3'] as const).map((n, i) => h('li', { class: 'step' },
-    stepPicture(i as 0 | 1 | 2, TONES[tone]),
-    h('b', { class: 't-m' }, h('i', { 'aria-hidden': 'true' }, n), text(`welcome.step${n}`)),
-    h('span', { class: 't-s' }, text(`welcome.step${n}More`))));
-  return { title: text('welcome.title'), lead: text('welcome.lead'), steps: h('ol', { class: 'steps' }, ...steps) };
+/** The steps of the exercise with their pictures; null where it has none. */
+function stepList({ words, tone }: WelcomeContent): HTMLElement | null {
+  const steps = words.steps(TONES[tone].base).map(({ picture, title, more }, i) => h('li', { class: 'step' }, picture,
+    h('b', { class: 't-m' }, h('i', { 'aria-hidden': 'true' }, String(i + 1)), title), h('span', { class: 't-s' }, more)));
+  return steps.length > 0 ? h('ol', { class: 'steps' }, ...steps) : null;
 }
 
 export function welcomeCard(content: WelcomeContent, actions: WelcomeActions): { card: HTMLElement; start: HTMLButtonElement } {
   const start = h('button', { type: 'button', class: 'button go t-m', 'data-testid': 'start', onclick: actions.start }, text('welcome.start'));
-  const { title, lead, steps } = welcomeWords(content);
-  // The names are the bar's.
-  const nameOfLevel = (level: number): string => content.panel ? '' : levelName(level);
+  const { words } = content;
   const chosen = content.ways.find((section) => section.way === content.way);
   const ways = content.ways.map((section) => pressable(section.name, section.way === content.way, () => actions.way(section.way), { 'data-way': section.way }));
   if (content.robot) ways.unshift(pressable(text('welcome.robot'), content.way === 'robot', () => actions.way('robot'), { 'data-way': 'robot' }));
   const levels = Array.from({ length: content.levels }, (_, i) => i + 1).map((level) =>
-    pressable(String(level), level === content.level, () => actions.level(level), { 'aria-label': [`${text('welcome.level')} ${level}`, nameOfLevel(level)].filter(Boolean).join(', '), 'data-level': String(level) }));
+    pressable(String(level), level === content.level, () => actions.level(level), { 'aria-label': [`${text('welcome.level')} ${level}`, words.levelName(level)].filter(Boolean).join(', '), 'data-level': String(level) }));
   const helps = HELPS.map((help) => pressable(text(`help.${help}`), help === content.help, () => actions.help(help), { 'data-help': help }));
   const tones = (Object.keys(TONES) as Tone[]).map((tone) => {
     const button = h('button', { type: 'button', class: 'tone', 'aria-pressed': String(tone === content.tone), 'aria-label': text(`tone.${tone}`), 'data-tone': tone, onclick: () => actions.tone(tone) });
-    button.style.backgroundColor = TONES[tone];
+    button.style.backgroundColor = TONES[tone].base;
     return button;
   });
   const card = h('section', { class: 'card welcome', role: 'dialog', 'aria-labelledby': 'welcome-title', tabindex: -1, 'data-testid': 'welcome' },
     h('header', {},
-      h('div', {}, h('h1', { id: 'welcome-title', class: 't-xl' }, title), h('p', { class: 't-s soft' }, lead)),
+      h('div', {}, h('h1', { id: 'welcome-title', class: 't-xl' }, words.title()), h('p', { class: 't-s soft' }, words.lead())),
       h('div', { class: 'languages t-s', role: 'group', 'aria-label': 'Sprache · Langue · Language' },
         ...LANGUAGES.map((l) => h('button', { type: 'button', lang: l, 'aria-pressed': String(l === language()), 'data-lang': l, onclick: () => actions.language(l) }, l.toUpperCase())))),
-    steps,
+    stepList(content),
     h('div', { class: 'line how t-s', role: 'group', 'aria-labelledby': 'welcome-how' }, h('h2', { id: 'welcome-how', class: 't-m' }, text('welcome.how')), ...ways),
     h('div', { class: 'aid' }, chosen ? helpList(chosen) : h('p', { class: 'help-list t-s' }, text('welcome.robotHint')),
       content.help && h('div', { class: 'line t-s', role: 'group', 'aria-labelledby': 'welcome-help' }, h('h2', { id: 'welcome-help', class: 't-m' }, text('welcome.help')), ...helps)),
     h('div', { class: 'line t-s apart' },
-      content.levels < 2 ? null : h('div', { class: 'line', role: 'group', 'aria-labelledby': 'welcome-level' }, h('h2', { id: 'welcome-level', class: 't-m' }, text('welcome.level')), ...levels, h('span', { class: 'soft' }, nameOfLevel(content.level))),
+      content.levels < 2 ? null : h('div', { class: 'line', role: 'group', 'aria-labelledby': 'welcome-level' }, h('h2', { id: 'welcome-level', class: 't-m' }, text('welcome.level')), ...levels, h('span', { class: 'soft' }, words.levelName(content.level))),
       h('div', { class: 'line', role: 'group', 'aria-labelledby': 'welcome-tone' }, h('h2', { id: 'welcome-tone', class: 't-m' }, text('welcome.tone')), ...tones)),
     h('div', { class: 'actions' }, start,
       h('button', { type: 'button', class: 'button plain t-m', 'data-testid': 'watch', onclick: actions.watch }, text('welcome.watch')),
@@ -140,7 +125,7 @@ export function welcomeCard(content: WelcomeContent, actions: WelcomeActions): {
   return { card, start };
 }
 
-/** A large picture, a title, what happened, and what it means for the person. */
+/** A message: a large picture, a title, what happened, and what it means for the person. */
 function messageCard(picture: SVGElement, title: string, what: string, soft: string, ...more: (HTMLElement | null)[]): HTMLElement {
   return h('section', { class: 'card message', role: 'alertdialog', 'aria-labelledby': 'message-title', 'aria-describedby': 'message-what', tabindex: -1 },
     picture, h('div', {}, h('h1', { id: 'message-title', class: 't-xl' }, title), h('p', { id: 'message-what', class: 't-m' }, what), h('p', { class: 't-m soft' }, soft)),
@@ -161,7 +146,7 @@ export function showAttempts(within: ParentNode, attempts: number): void {
   within.querySelectorAll('.dots i').forEach((dot, i) => dot.classList.toggle('on', i < lit));
 }
 
-/** `hardware`: only then is there a button on the robot to speak of. */
+/** `hardware`: the device is real, and has a stop button that the card names. */
 export function lostCard(attempts: number, hardware: boolean): HTMLElement {
   return messageCard(plugPicture(), text('lost.title'), text('lost.what'), text('lost.soft'), dots(attempts),
     hardware ? h('p', { class: 'hardware t-s', 'data-testid': 'hardware' }, buttonPicture(), text('lost.button')) : null);
@@ -186,7 +171,7 @@ export function stoppedCard(cause: string): HTMLElement {
   return card;
 }
 
-/** `off`: the device lets go ("ing") or has; `notice`: why going on did not work. */
+/** `off`: the device is letting go, or has let go; `notice`: why going on did not work. */
 export function restCard(off: '' | 'letting' | 'let', notice: string, goOn: () => void): { card: HTMLElement; first: HTMLElement } {
   const first = h('button', { type: 'button', class: 'button go t-m', 'data-testid': 'go-on', disabled: off === 'letting', onclick: goOn }, text('game.back'));
   const card = messageCard(cupPicture(), text('rest.title'), text(off === 'letting' ? 'rest.letting' : 'rest.more'), off === 'let' ? text('rest.anew') : '',
@@ -194,7 +179,7 @@ export function restCard(off: '' | 'letting' | 'let', notice: string, goOn: () =
   return { card, first };
 }
 
-/** The controls are gone, and only a press takes them again. `notice`: why that did not work. */
+/** Says that the controls are gone; only a press takes them again. `notice`: why that did not work. */
 export function leftCard(loss: 'left' | 'unheard' | 'taken', notice: string, goOn: () => void): { card: HTMLElement; first: HTMLElement } {
   const first = h('button', { type: 'button', class: 'button go t-m', 'data-testid': 'take-again', onclick: goOn }, text('game.back'));
   const card = messageCard(cupPicture(), text(`${loss}.title`), text(`${loss}.what`), text('rest.more'), h('p', { class: 'links' }, first),
@@ -203,7 +188,7 @@ export function leftCard(loss: 'left' | 'unheard' | 'taken', notice: string, goO
   return { card, first };
 }
 
-/** The browser lost the picture, and the play waits until it is `back` and the person goes on. */
+/** Says that the browser lost the picture. The play waits until it is `back` and the person goes on. */
 export function unseenCard(back: boolean, goOn: () => void): { card: HTMLElement; first: HTMLElement } {
   const first = h('button', { type: 'button', class: 'button go t-m', 'data-testid': 'see-again', disabled: !back, onclick: goOn }, text('game.back'));
   const card = back ? messageCard(cupPicture(), text('webgl.backTitle'), text('rest.more'), '', h('p', { class: 'links' }, first))
@@ -214,48 +199,26 @@ export function unseenCard(back: boolean, goOn: () => void): { card: HTMLElement
 
 export interface PraiseActions { next(): void; nextLevel(): void; again(): void; rest(): void }
 
-/** What is true of the person's effort: how near the amounts are, and how the bottle was held. */
-export function effortText(recipe: Recipe, layers_l: readonly number[], grip: '' | 'steady' | 'right'): string {
-  const { liquid, off_ml } = farthestStep(recipe, layers_l);
-  const amount = Math.abs(off_ml) <= 1 ? text('effort.exact') : text(off_ml > 0 ? 'effort.over' : 'effort.under', { a: Math.abs(off_ml) });
-  const named = recipe.steps.length > 1 && Math.abs(off_ml) > 1 ? text('effort.of', { x: nameOf('liquid', liquid), y: amount }) : amount;
-  return `${[named, grip && text(`effort.${grip}`)].filter(Boolean).join(', ')}.`;
-}
-
-/** `more`: there is a level after this one; `effort`: of effortText(); `starsSoFar`: with this drink's. */
-export function praiseCard(praise: Praise, more: boolean, effort: string, starsSoFar: number, actions: PraiseActions): { card: HTMLElement; first: HTMLElement } {
-  const button = (kind: string, key: TextKey, testid: string, onclick: () => void) => h('button', { type: 'button', class: `button ${kind} t-m`, 'data-testid': testid, onclick }, text(key));
-  const first = !praise.levelDone ? button('go', 'success.next', 'next', actions.next)
-    : more ? button('go', 'success.nextLevel', 'next-level', actions.nextLevel) : button('go', 'success.again', 'again', actions.again);
-  const figures: [TextKey, string, string][] = [
-    ['success.filled', `${praise.filled_percent} %`, 'filled'],
-    ['success.spilt', text('game.ml', { a: praise.spilt_ml }), 'spilt'],
-    ['success.time', clock(praise.time_s), 'time'],
-  ];
-  const stars = [1, 2, 3].map((n) => { const star = starPicture(); star.classList.toggle('on', n <= praise.stars); return star; });
+/** `more`: there is a level after this one; `starsSoFar`: with those of this part. */
+export function praiseCard(praise: Praise, more: boolean, starsSoFar: number, actions: PraiseActions): { card: HTMLElement; first: HTMLElement } {
+  const button = (kind: string, words: string, testid: string, onclick: () => void) => h('button', { type: 'button', class: `button ${kind} t-m`, 'data-testid': testid, onclick }, words);
+  const first = !praise.levelDone ? button('go', praise.next, 'next', actions.next)
+    : more ? button('go', text('success.nextLevel'), 'next-level', actions.nextLevel) : button('go', text('success.again'), 'again', actions.again);
   const card = h('section', { class: 'card praise', role: 'dialog', 'aria-labelledby': 'praise-title', tabindex: -1, 'data-testid': 'success' },
-    h('header', {},
-      h('div', { class: 'stars', role: 'img', 'aria-label': text('success.stars', { a: praise.stars }) }, ...stars as unknown as HTMLElement[]),
-      h('p', { class: 'sofar t-s', 'data-testid': 'stars-so-far' }, text('success.starsSoFar', { a: starsSoFar }))),
+    praise.stars === undefined ? null : starsHeader(praise.stars, starsSoFar),
     h('h1', { id: 'praise-title', class: 't-xl' }, text('success.title')),
-    h('p', { class: 't-m soft' }, praise.levelDone ? text('success.level') : text('success.ready', { x: nameOf('drink', praise.drink) })),
-    h('p', { class: 't-s effort', 'data-testid': 'effort' }, effort),
-    h('dl', {}, ...figures.map(([key, value, testid]) => h('div', {}, h('dt', { class: 't-s' }, text(key)), h('dd', { class: 't-m', 'data-testid': testid }, value)))),
-    h('div', { class: 'actions' }, first, button('plain', 'success.rest', 'rest', actions.rest)));
+    h('p', { class: 't-m soft' }, praise.lead),
+    praise.effort ? h('p', { class: 't-s effort', 'data-testid': 'effort' }, praise.effort) : null,
+    h('dl', {}, ...praise.figures.map(({ key, label, shown }) => h('div', {}, h('dt', { class: 't-s' }, label), h('dd', { class: 't-m', 'data-testid': key }, shown)))),
+    h('div', { class: 'actions' }, first, button('plain', text('success.rest'), 'rest', actions.rest)));
   return { card, first };
 }
 
-/** The end of an exercise that has a panel: what counts of it. */
-export function panelPraiseCard(panel: ExercisePanel, state: WorldStateT, actions: Pick<PraiseActions, 'again' | 'rest'>): { card: HTMLElement; first: HTMLElement } {
-  const button = (kind: string, key: TextKey, testid: string, onclick: () => void) => h('button', { type: 'button', class: `button ${kind} t-m`, 'data-testid': testid, onclick }, text(key));
-  const first = button('go', 'success.again', 'again', actions.again);
-  const card = h('section', { class: 'card praise', role: 'dialog', 'aria-labelledby': 'praise-title', tabindex: -1, 'data-testid': 'success' },
-    h('h1', { id: 'praise-title', class: 't-xl' }, text('success.title')),
-    h('p', { class: 't-m soft' }, panel.instruction(state) || panel.title),
-    h('dl', {}, ...panel.values(state).filter(({ result }) => result).map(({ name, label, shown }) =>
-      h('div', {}, h('dt', { class: 't-s' }, label), h('dd', { class: 't-m', 'data-testid': `result-${name}` }, shown)))),
-    h('div', { class: 'actions' }, first, button('plain', 'success.rest', 'rest', actions.rest)));
-  return { card, first };
+function starsHeader(won: number, soFar: number): HTMLElement {
+  const stars = [1, 2, 3].map((n) => { const star = starPicture(); star.classList.toggle('on', n <= won); return star; });
+  return h('header', {},
+    h('div', { class: 'stars', role: 'img', 'aria-label': text('success.stars', { a: won }) }, ...stars),
+    h('p', { class: 'sofar t-s', 'data-testid': 'stars-so-far' }, text('success.starsSoFar', { a: soFar })));
 }
 
 export interface Settings {
@@ -268,7 +231,7 @@ export interface Settings {
 
 export interface SettingsActions { sounds(): void; music(wanted: MusicVolume): void; speech(): void; textSize(wanted: TextSize): void }
 
-/** Sound and text, kept by the browser. */
+/** The settings of sound and text, which the browser keeps. */
 function settingsSection(now: Settings, actions: SettingsActions): HTMLElement {
   const line = (id: string, key: TextKey, choices: HTMLElement[], note = '') => h('div', { class: 'line t-s', role: 'group', 'aria-labelledby': `settings-${id}` },
     h('h2', { id: `settings-${id}`, class: 't-m' }, text(key)), ...choices, note ? h('p', { class: 'notice', role: 'status', 'data-testid': `${id}-note` }, note) : null);
@@ -289,8 +252,8 @@ export function helpCard(ways: readonly HelpSection[], settings: Settings, actio
   return { card, first };
 }
 
-/** Said where the bar cannot be drawn; the words go on. */
+/** Said where the picture cannot be drawn; the words go on. */
 export function noPictureCard(why: 'none' | 'lost' = 'none'): HTMLElement {
-  const [title, what]: [TextKey, TextKey] = why === 'none' ? ['webgl.title', 'webgl.what'] : ['webgl.lostTitle', 'webgl.lostSoft'];
-  return h('section', { class: 'card nopicture', role: 'note', 'data-testid': 'nopicture' }, h('h2', { class: 't-l' }, text(title)), h('p', { class: 't-s' }, text(what)));
+  const [title, what] = why === 'none' ? [text('webgl.title'), FIRST.noPicture()] : [text('webgl.lostTitle'), text('webgl.lostSoft')];
+  return h('section', { class: 'card nopicture', role: 'note', 'data-testid': 'nopicture' }, h('h2', { class: 't-l' }, title), h('p', { class: 't-s' }, what));
 }

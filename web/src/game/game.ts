@@ -1,18 +1,18 @@
 // The game: joins what the program says with what the page remembers and shows.
+import type { Chime } from '../exercises/exercise';
 import type { Controls } from '../input/controls';
 import type { Connection } from '../net/connection';
 import { RunState, type EventT, type SceneT, type WorldStateT } from '../protocol';
-import type { Tone } from './dialogs';
+import type { ToneName as Tone } from '../hand/tones';
 import { Memory } from './memory';
 import type { Picture } from './picture';
 import { Presses } from './presses';
 import { Screen } from './screen';
-import { figure } from './script';
 import { Sound } from './sound';
-import { pageState } from './view';
+import { pageState } from './page_state';
 
-/** Of a full glass, for the sound of the pouring [l]. */
-const CAPACITY_L = 0.12;
+/** What events of any exercise sound like; others are the exercise's own. */
+const CHIMES: Readonly<Record<string, Chime>> = { step_done: 'step', level_done: 'done' };
 
 export class Game {
   private readonly memory = new Memory();
@@ -54,7 +54,7 @@ export class Game {
     const { latestState: state, status } = connection;
     memory.everOpen ||= status === 'open';
     if (state && state !== this.followed) this.takeState(state);
-    const now = pageState(memory.situation(connection), memory.script, state, memory.panel);
+    const now = pageState(memory.situation(connection), memory.play, state);
     if (memory.unseen === 'back' && now !== 'unseen') memory.unseen = 'no';
     this.screen.show(now, state);
     memory.endingsShown = connection.endings;
@@ -70,20 +70,17 @@ export class Game {
     this.memory.takeState(state);
     if (this.controls.help !== this.memory.help) this.controls.help = this.memory.help;
     this.screen.setState(state);
-    const { script } = this.memory;
-    if (!script) return;
-    const flow_l_s = state.runState === RunState.Rendering ? figure(script, state, 'flow_l_s') : 0;
-    this.sound.pour(flow_l_s, figure(script, state, 'glass_l') / CAPACITY_L);
+    const { rate, level } = this.memory.play?.flow(state) ?? { rate: 0, level: 0 };
+    this.sound.flow(state.runState === RunState.Rendering ? rate : 0, level);
   }
 
   private takeEvents(events: readonly EventT[]): void {
     for (const event of events) {
       const name = String(this.connection.scene?.eventNames[event.type] ?? '');
-      const words = this.memory.panel?.event(event.type);
+      const words = this.memory.play?.panel?.event(event.type);
       if (words) this.screen.hud.panel.tell(words, performance.now());
-      if (name === 'line_reached') this.sound.line();
-      if (name === 'step_done') this.sound.step();
-      if (name === 'drink_done' || name === 'level_done') this.sound.done();
+      const chime = CHIMES[name] ?? this.memory.play?.chimes[name];
+      if (chime) this.sound.chime(chime);
     }
   }
 }

@@ -1,7 +1,7 @@
-// Hints that rise while nothing happens: words, then a ring and a shadow, then the hand shows it.
+// Hints that rise while nothing happens: words, then a ring and a shadow, then the hand shows what to do.
 export type HintLevel = 0 | 1 | 2 | 3;
 
-/** From here on a hint is given, after so long with the same thing to do [s]. */
+/** Times after which the hints are given, while what to do stays the same [s]. */
 const RISE_S = [6, 12, 20] as const;
 
 export class Hints {

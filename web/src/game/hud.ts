@@ -1,9 +1,9 @@
-// The recipe card, the amount at the glass, and the strip with instruction, meter and buttons.
+// The card of the task, the amount at the goal, and the strip with instruction, meter and buttons.
+import type { GoalWords, Meter, TaskCard, TaskStep } from '../exercises/exercise';
 import { h, setAttribute, setText } from '../shared/dom';
-import { nameOf, text } from '../shared/i18n';
+import { text } from '../shared/i18n';
 import { PanelCard } from './panel_card';
-import { helpPicture, restPicture, stopPicture, swatch, tickPicture } from './pictures';
-import type { CallOut, Meter, RecipeRow, RecipeView } from './view';
+import { helpPicture, restPicture, stopPicture, tickPicture } from './pictures';
 
 export interface HudActions { help(): void; rest(): void; stop(): void; play(): void }
 export interface Point { readonly x_px: number; readonly y_px: number }
@@ -14,59 +14,58 @@ function moveTo(element: HTMLElement, point: Point | null): void {
   if (point) element.style.transform = `translate(${point.x_px.toFixed(1)}px, ${point.y_px.toFixed(1)}px)`;
 }
 
-class RecipeCard {
-  readonly element = h('section', { class: 'card recipe', 'data-testid': 'recipe', hidden: true });
+class StepsCard {
+  readonly element = h('section', { class: 'card task', 'data-testid': 'task', hidden: true });
   private shape = '';
-  private rows: { row: HTMLElement; ml: HTMLElement; bar: HTMLElement; fill: HTMLElement; tick: HTMLElement }[] = [];
+  private rows: { row: HTMLElement; name: HTMLElement; amount: HTMLElement; bar: HTMLElement; fill: HTMLElement; tick: HTMLElement }[] = [];
   private readonly count = h('p', { class: 't-s' });
-  private readonly name = h('h1', { class: 't-l' });
+  private readonly title = h('h1', { class: 't-l' });
   private readonly list = h('ol', { class: 'rows' });
 
-  constructor() { this.element.append(h('header', {}, this.count, this.name), this.list); }
+  constructor() { this.element.append(h('header', {}, this.count, this.title), this.list); }
 
-  /** The words change with the language, the rows with the drink. */
-  show(view: RecipeView | null): void {
-    this.element.hidden = view === null;
-    if (!view) return;
-    setAttribute(this.element, 'aria-label', text('game.recipe'));
-    setText(this.count, text('game.drinkOf', { n: view.drink, m: view.drinks }));
-    setText(this.name, nameOf('drink', view.name));
-    const shape = view.rows.map((row) => row.liquid).join();
-    if (shape !== this.shape) this.build(view.rows);
+  /** The words change with the language, the rows with the task. */
+  show(card: TaskCard | null): void {
+    this.element.hidden = card === null;
+    if (!card) return;
+    setAttribute(this.element, 'aria-label', card.label);
+    setText(this.count, card.count);
+    setText(this.title, card.title);
+    const shape = card.steps.map(({ key }) => key).join();
+    if (shape !== this.shape) this.build(card.steps);
     this.shape = shape;
-    view.rows.forEach((row, i) => this.update(i, row));
+    card.steps.forEach((step, i) => this.update(i, step));
   }
 
-  private build(rows: readonly RecipeRow[]): void {
-    this.rows = rows.map((row) => {
+  private build(steps: readonly TaskStep[]): void {
+    this.rows = steps.map((step) => {
       const fill = h('i');
       const bar = h('div', { class: 'bar', role: 'progressbar', 'aria-valuemin': 0 }, fill);
-      const ml = h('span', { class: 'ml t-s' });
+      const amount = h('span', { class: 'ml t-s' }), name = h('span', { class: 'name t-m' });
       const tick = h('span', { class: 'tick', role: 'img' }, tickPicture());
-      const line = h('li', { class: 'row' }, swatch(row.liquid), h('span', { class: 'name t-m' }), tick, ml, bar);
-      return { row: line, ml, bar, fill, tick };
+      const row = h('li', { class: 'row' }, step.picture(), name, tick, amount, bar);
+      return { row, name, amount, bar, fill, tick };
     });
     this.list.replaceChildren(...this.rows.map(({ row }) => row));
-    this.list.classList.toggle('many', rows.length > 3);
+    this.list.classList.toggle('many', steps.length > 3);
   }
 
-  private update(i: number, row: RecipeRow): void {
-    const { row: line, ml, bar, fill, tick } = this.rows[i];
-    const name = nameOf('liquid', row.liquid);
-    setText(line.querySelector('.name')!, name);
-    line.classList.toggle('now', row.is === 'now');
-    if (row.is === 'now') setAttribute(line, 'aria-current', 'step'); else line.removeAttribute('aria-current');
-    tick.hidden = row.is !== 'done';
+  private update(i: number, step: TaskStep): void {
+    const { row, name, amount, bar, fill, tick } = this.rows[i];
+    setText(name, step.name);
+    row.classList.toggle('now', step.is === 'now');
+    if (step.is === 'now') setAttribute(row, 'aria-current', 'step'); else row.removeAttribute('aria-current');
+    tick.hidden = step.is !== 'done';
     setAttribute(tick, 'aria-label', text('game.done'));
-    const pouring = row.is === 'now' && row.got_ml > 0;
-    bar.hidden = !pouring;
-    ml.hidden = pouring;
-    setText(ml, text('game.ml', { a: row.asked_ml }));
-    setAttribute(bar, 'aria-label', name);
-    setAttribute(bar, 'aria-valuenow', String(Math.min(row.got_ml, row.asked_ml)));
-    setAttribute(bar, 'aria-valuemax', String(row.asked_ml));
-    setAttribute(bar, 'aria-valuetext', text('game.amountOf', { a: row.got_ml, b: row.asked_ml }));
-    fill.style.transform = `scaleX(${Math.min(1, row.got_ml / Math.max(1, row.asked_ml))})`;
+    const begun = step.is === 'now' && step.done > 0;
+    bar.hidden = !begun;
+    amount.hidden = begun;
+    setText(amount, step.askedWords);
+    setAttribute(bar, 'aria-label', step.name);
+    setAttribute(bar, 'aria-valuenow', String(Math.min(step.done, step.asked)));
+    setAttribute(bar, 'aria-valuemax', String(step.asked));
+    setAttribute(bar, 'aria-valuetext', step.doneWords);
+    fill.style.transform = `scaleX(${Math.min(1, step.done / Math.max(1, step.asked))})`;
   }
 }
 
@@ -104,7 +103,7 @@ export class Hud {
   readonly stop: HTMLButtonElement;
   readonly rest: HTMLButtonElement;
   readonly play: HTMLButtonElement;
-  private readonly recipe = new RecipeCard();
+  private readonly task = new StepsCard();
   private readonly meter = new SqueezeMeter();
   readonly panel = new PanelCard();
   private readonly title = h('b', { class: 't-l', 'data-testid': 'instruction' });
@@ -129,7 +128,7 @@ export class Hud {
       h('div', { class: 'say', role: 'status', 'aria-live': 'polite' }, this.title, this.more),
       this.unconfirmed, this.meter.element, this.play, this.help, this.rest, this.stop);
     this.chevrons.append(...[0, 1, 2].map(() => h('i')));
-    root.append(this.ring, this.shadow, this.recipe.element, this.panel.element, this.chevrons, this.callOut, this.strip);
+    root.append(this.ring, this.shadow, this.task.element, this.panel.element, this.chevrons, this.callOut, this.strip);
   }
 
   words(): void {
@@ -153,25 +152,25 @@ export class Hud {
   }
 
   /** The parts of the play; null: there is nothing to show of it. */
-  show(recipe: RecipeView | null, meter: Meter | null, callOut: CallOut | null): void {
-    this.recipe.show(recipe);
+  show(card: TaskCard | null, meter: Meter | null, goal: GoalWords | null): void {
+    this.task.show(card);
     this.meter.show(meter);
-    this.callOut.dataset.shown = String(callOut?.shown ?? false);
-    if (!callOut?.shown) return;
-    setText(this.amount, text('game.amountOf', { a: callOut.got_ml, b: callOut.asked_ml }));
-    setText(this.amountMore, text('game.fillToHere'));
+    this.callOut.dataset.shown = String(goal !== null);
+    if (!goal) return;
+    setText(this.amount, goal.amount);
+    setText(this.amountMore, goal.more);
   }
 
-  /** A ring where the bottle stands on the counter, and the hand's shadow; null: no such hint. */
+  /** A ring where the target stands on the counter, and the hand's shadow; null: no such hint. */
   depth(marks: { ring: Point; shadow: Point } | null): void {
     moveTo(this.ring, marks?.ring ?? null);
     moveTo(this.shadow, marks?.shadow ?? null);
   }
 
-  /** Where the scene has the line on the glass and the target; null: it shows none. */
-  place(line: Point | null, soft: { at: Point; left: boolean } | null): void {
-    moveTo(this.callOut, this.callOut.dataset.shown === 'true' ? line : null);
-    moveTo(this.chevrons, soft?.at ?? null);
-    this.chevrons.classList.toggle('left', soft?.left ?? false);
+  /** Where the picture has the mark of the goal, and chevrons beside the target; null: it shows none. */
+  place(goal: Point | null, cue: { at: Point; left: boolean } | null): void {
+    moveTo(this.callOut, this.callOut.dataset.shown === 'true' ? goal : null);
+    moveTo(this.chevrons, cue?.at ?? null);
+    this.chevrons.classList.toggle('left', cue?.left ?? false);
   }
 }

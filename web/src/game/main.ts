@@ -1,10 +1,11 @@
 import '../shared/tokens.css';
 import './game.css';
+import { FIRST } from '../exercises';
 import { Controls } from '../input/controls';
 import { openConnection } from '../net/open_connection';
 import type { WorldStateT } from '../protocol';
 import { h } from '../shared/dom';
-import { onLanguage, startLanguage, text } from '../shared/i18n';
+import { onLanguage, startLanguage } from '../shared/i18n';
 import { noPictureCard } from './dialogs';
 import { ClockOffset, FrameStats, type WholehandStats } from './frame_stats';
 import { Game } from './game';
@@ -21,19 +22,19 @@ const stats = new FrameStats();
 const clock = new ClockOffset();
 
 startLanguage();
-document.title = text('game.title');
+document.title = FIRST.pageTitle();
 
 const canvas = document.querySelector<HTMLCanvasElement>('#picture')!;
 const page = document.querySelector<HTMLElement>('#page')!;
-const play = h('div', { id: 'play', tabindex: 0, role: 'img', 'aria-label': text('game.picture') });
+const play = h('div', { id: 'play', tabindex: 0, role: 'img', 'aria-label': FIRST.pictureLabel() });
 page.append(play);
 
 const connection = await openConnection('player');
 const controls = new Controls(connection, play);
 const game = new Game(page, play, connection, controls);
 onLanguage(() => {
-  document.title = text('game.title');
-  play.setAttribute('aria-label', text('game.picture'));
+  document.title = FIRST.pageTitle();
+  play.setAttribute('aria-label', FIRST.pictureLabel());
 });
 connection.on('state', (state) => clock.heard(Number(state.sentMonotonicNs) / 1e6, connection.latestStateAt_ms));
 
@@ -82,7 +83,7 @@ try {
   canvas.addEventListener('webglcontextlost', () => lost(true));
   canvas.addEventListener('webglcontextrestored', () => lost(false));
 } catch (problem) {
-  console.warn('The bar cannot be drawn here:', problem);
+  console.warn('The picture cannot be drawn here:', problem);
   document.body.classList.add('blind');
   canvas.hidden = true;
   game.setPicture(null);

@@ -1,14 +1,14 @@
 // What the page remembers: what the person chose and is about, and what the program told before.
+import { playOf } from '../exercises';
+import type { Play } from '../exercises/exercise';
 import type { Connection } from '../net/connection';
 import { HandPart, Help as HelpSet, RunState, type SceneT, type WorldStateT } from '../protocol';
-import { ExercisePanel } from '../shared/exercise_panel';
 import { store, stored } from '../shared/i18n';
-import { TONES, type TextSize, type Tone } from './dialogs';
-import { EffortMeter } from './effort';
-import { figure, readScript, type Script } from './script';
+import { TONES, type ToneName as Tone } from '../hand/tones';
+import type { TextSize } from './dialogs';
 import { addStars, starsOf } from './stars';
 import type { Known, Press } from './takeover';
-import { hasHardware, Stage, wrongBottle, type Resting, type Situation, type Unseen } from './view';
+import { hasHardware, type Resting, type Situation, type Unseen } from './page_state';
 import { HELPS, type Help } from '../input/wish';
 
 const STORED = { text: 'wholehand.text', tone: 'wholehand.tone', level: 'wholehand.level', way: 'wholehand.way', help: 'wholehand.help' } as const;
@@ -18,7 +18,7 @@ function storedTone(): Tone {
   return tone !== null && tone in TONES ? tone as Tone : 'honey';
 }
 
-/** As the therapist has set it; none: the player chooses. */
+/** The help that the therapist has set; without an entry the player chooses. */
 const SET: Partial<Record<HelpSet, Help>> = { [HelpSet.Full]: 'full', [HelpSet.Some]: 'some', [HelpSet.None]: 'none' };
 
 function storedHelp(): Help {
@@ -40,34 +40,29 @@ export class Memory {
   endingsShown = 0;            // of the program's endings, the last one that is on the screen
   resting: Resting = 'no';
   playedBeforeRest = false;
-  isTheirs = true;             // the glass on the bar: the program, or somebody else, fills it
+  isTheirs = true;             // the part that was begun: the program, or somebody else, plays it
   helpOpen = false;
   unseen: Unseen = 'no';
   framing = false;             // a hand is to be kept in the camera's frame, before it steers
   notice = '';                 // why something was refused
 
   // Told by the program.
-  script: Script | null = null;
-  panel: ExercisePanel | null = null;   // of an exercise without a script
+  play: Play | null = null;
   levels = 1;
   palmLink = 0;
   hardware = false;
   setHelp: Help | undefined;   // by the therapist
   everOpen = false;
-  wrong = -1;                  // the bottle that was squeezed though it is not asked for, until it is left
 
-  // The drink that is mixed.
-  drinkFollows = false;
-  praised = false;             // for the drink that is done now
-  spiltBefore_l = 0;
-  readonly effort = new EffortMeter();
+  // The part of the exercise that is played.
+  partFollows = false;         // another one comes after it
+  praised = false;             // for the part that is done now
   private profile = '';
-  private starsCounted = false;   // of this drink
-  private drinkSeen = -1;
+  private starsCounted = false;   // of this part
   private restSeen = false;    // the program has said that it rests
 
-  /** For orders, which change it while they are on their way. */
-  readonly known = (): Known => ({ script: this.script, panel: this.panel, hardware: this.hardware });
+  /** What orders ask again while they are on their way, because they change it. */
+  readonly known = (): Known => ({ play: this.play, hardware: this.hardware });
 
   situation({ status, problem, attempts, controls, loss }: Connection): Situation {
     const { everOpen, wish, resting, framing, unseen } = this;
@@ -86,35 +81,33 @@ export class Memory {
   /** Whether what is measured of the grip is the person's own: with full help the page squeezes. */
   get ownGrip(): boolean { return this.hardware || this.help !== 'full'; }
 
-  /** Of the patient whose profile is loaded; this drink's are added once. */
+  /** The stars of the patient whose profile is loaded, with those of this part, which are added once. */
   countStars(won: number): number {
     if (this.starsCounted) return starsOf(this.profile);
     this.starsCounted = true;
     return addStars(this.profile, won);
   }
 
-  /** What was begun must be begun again by the person: nothing takes the hand back by itself. */
+  /** Ends the play. Only the person begins it again: nothing takes the hand back by itself. */
   leavePlay(): void {
     if (this.wish === 'play') this.wish = 'watch';
     this.resting = 'no';
     this.helpOpen = false;
   }
 
-  /** The device is to let go: over when it renders again, or when something else ends. */
+  /** Begins a rest, in which the device lets go. It is over when the device renders again, or when something else ends. */
   beginRest(): void {
     this.resting = 'off';
     this.restSeen = false;
   }
 
   takeScene(scene: SceneT): void {
-    this.script = readScript(scene);
-    this.panel = this.script ? null : ExercisePanel.of(scene);
+    this.play = playOf(scene, this.play);
     this.levels = Math.max(1, scene.levels);
     this.profile = String(scene.profile ?? '');
     const wanted = Number(new URLSearchParams(location.search).get('level') ?? stored(STORED.level) ?? 0);
     this.level = this.wish === 'undecided' && wanted >= 1 && wanted <= this.levels ? wanted : Math.max(1, scene.level);
     this.palmLink = scene.capsules.find((capsule) => capsule.part === HandPart.Palm)?.link ?? 0;
-    this.drinkSeen = -1;
   }
 
   takeState(state: WorldStateT): void {
@@ -122,16 +115,6 @@ export class Memory {
     this.setHelp = SET[state.help];
     this.restSeen ||= state.rested;
     if (this.resting === 'off' && this.restSeen && state.runState === RunState.Rendering) this.resting = 'no';
-    if (!this.script) return;
-    this.wrong = wrongBottle(this.script, state, this.wrong);
-    this.effort.look(this.script, state, Number(state.sentMonotonicNs) / 1e9);
-    const drink = figure(this.script, state, 'drink');
-    const stage = figure(this.script, state, 'stage');
-    const begins = figure(this.script, state, 'step') === 0 && figure(this.script, state, 'poured_l') === 0;
-    if (drink === this.drinkSeen || (!begins && this.drinkSeen >= 0) || stage === Stage.DrinkDone || stage === Stage.LevelDone) return;
-    this.drinkSeen = drink;
-    this.effort.begin();
-    this.starsCounted = false;
-    this.spiltBefore_l = begins ? figure(this.script, state, 'spilt_l') : 0;
+    if (this.play?.follow(state)) this.starsCounted = false;
   }
 }

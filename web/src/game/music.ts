@@ -7,7 +7,7 @@ export const BAR_S = 4;
 const C4_HZ = 261.6256;
 /** Semitones over C4, four to a chord: C, A minor, F, G. */
 const CHORDS = [[-12, 0, 4, 7], [-15, -3, 0, 4], [-19, -7, 0, 5], [-17, -5, -1, 2]] as const;
-/** A melody's tone now and then, so that the turns differ: of the pentatonic scale. */
+/** Tones of a melody, of the pentatonic scale, so that the repetitions differ; null: none in that bar. */
 const MELODY = [12, 16, null, 14, null, 9, 7, null] as const;
 
 const frequency = (semitones: number): number => C4_HZ * 2 ** (semitones / 12);
@@ -21,7 +21,7 @@ export function barTones(bar: number): Tone[] {
   return tones;
 }
 
-/** How far ahead tones are given to the browser, and how often that is looked at [s]. */
+/** How far ahead tones are given to the browser [s], and how often [ms]. */
 const AHEAD_S = 1.5;
 const LOOK_MS = 500;
 
@@ -46,7 +46,7 @@ export class Music {
   }
 
   private look(): void {
-    // After a pause of the page nothing is made up for.
+    // Tones that a paused page has missed are not played later.
     this.next_s = Math.max(this.next_s, this.context.currentTime);
     while (this.next_s < this.context.currentTime + AHEAD_S) {
       for (const tone of barTones(this.bar)) this.sound(tone);

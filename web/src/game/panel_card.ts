@@ -1,6 +1,6 @@
 // The card of an exercise that has no picture of its own here: its values, each with its range and goal band.
 import { h, setAttribute, setText } from '../shared/dom';
-import type { ExercisePanel, PanelValueView } from '../shared/exercise_panel';
+import type { ExercisePanel, PanelValueView } from '../exercises/panel';
 import type { WorldStateT } from '../protocol';
 
 /** For this long the last event stays [ms]. */

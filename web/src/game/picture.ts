@@ -1,9 +1,9 @@
-// The picture behind the words: the bar scene where WebGL is there, in the quality that the machine can draw.
-import type { BarScene } from '../scene/bar_scene';
+// The picture behind the words, where WebGL is there, in the quality that the machine can draw.
+import type { SceneView } from '../scene/scene_view';
 import type { Quality, QualityChooser } from '../scene/quality';
-import type { Tone } from './dialogs';
+import type { ToneName as Tone } from '../hand/tones';
 
-export type Picture = BarScene;
+export type Picture = SceneView;
 
 /** Which quality is drawn in: asked for by ?quality=, or chosen from the machine and its frame time. */
 export class QualityWatch {
@@ -20,9 +20,9 @@ export class QualityWatch {
 
 /** Throws where there is no WebGL. Loaded apart from the words, which are there at once. */
 export async function loadPicture(canvas: HTMLCanvasElement, tone: Tone): Promise<{ picture: Picture; quality: QualityWatch }> {
-  const [{ BarScene }, { initialQuality, QualityChooser }] = await Promise.all([import('../scene/bar_scene'), import('../scene/quality')]);
+  const [{ SceneView }, { initialQuality, QualityChooser }] = await Promise.all([import('../scene/scene_view'), import('../scene/quality')]);
   const asked = new URLSearchParams(location.search).get('quality');
   const quality = asked === 'low' || asked === 'high' ? asked : initialQuality();
-  const picture = new BarScene(canvas, { quality, tone, view: 'game' });
+  const picture = new SceneView(canvas, { quality, tone, view: 'game' });
   return { picture, quality: new QualityWatch(quality, quality === asked ? null : new QualityChooser(quality)) };
 }

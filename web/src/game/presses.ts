@@ -1,4 +1,4 @@
-// What the person presses becomes orders.
+// Turns what the person presses into orders.
 import type { Controls } from '../input/controls';
 import type { Connection } from '../net/connection';
 import { Act, RunState } from '../protocol';
@@ -6,7 +6,7 @@ import { text } from '../shared/i18n';
 import type { Memory } from './memory';
 import type { Sound } from './sound';
 import { changeLevel, letProgramPlay, openCamera, Press, takeOver } from './takeover';
-import { isPlaying } from './view';
+import { isPlaying } from './page_state';
 
 export class Presses {
   constructor(
@@ -32,17 +32,17 @@ export class Presses {
     this.memory.notice = answer.reason;
   }
 
-  /** Praise stays as long as the person likes: the bar would go on to the next drink by itself. */
+  /** Pauses the exercise, which would go on by itself, for as long as the person looks at the praise. */
   hold(): void { void this.connection.act(Act.Pause); }
   again(): void { void this.connection.act(Act.Restart); }
 
-  /** Between two drinks: what was done stays done. */
+  /** Rests between two parts of the exercise: what was done stays done. */
   async restBetween(): Promise<void> {
     await this.connection.act(Act.Pause);
     this.memory.resting = 'between';
   }
 
-  /** At any time: the device lets go gently. It is shown at once, whatever the program does. */
+  /** Rests at any time: the device lets go gently. The page shows the rest before the program has answered. */
   async rest(): Promise<void> {
     const { connection, memory } = this;
     const starting = memory.press !== null;
@@ -62,11 +62,11 @@ export class Presses {
   async goOn(): Promise<void> {
     if (this.memory.resting === 'off') return this.endRest();
     await this.connection.act(Act.Resume);
-    if (this.memory.drinkFollows) await this.connection.act(Act.Next);
+    if (this.memory.partFollows) await this.connection.act(Act.Next);
     this.memory.resting = 'no';
   }
 
-  /** Whoever rested starts again, by this press alone: the order names the rest as its last ending (ADR 16). */
+  /** Starts again after a rest, by this press alone: the order names the rest as its last ending (ADR 16). */
   private async endRest(): Promise<void> {
     const { connection, memory } = this;
     if (!memory.playedBeforeRest) {
@@ -85,19 +85,19 @@ export class Presses {
     this.controls.stopWebcam();
   }
 
-  /** The picture that was lost is back, and the person goes on. */
+  /** Goes on after the picture was lost and is back. */
   seeAgain(): void {
     this.memory.unseen = 'no';
     void this.connection.act(Act.Resume);
   }
 
-  /** The camera, after it was gone: with its step before it steers, like the first time. */
+  /** Starts the camera again after it was gone. It steers after the same step as the first time. */
   cameraAgain(): void {
     this.memory.way = 'webcam';
     this.start();
   }
 
-  /** Not the camera after all: whoever played goes on by other ways. */
+  /** Closes the camera; the person goes on by another way. */
   otherWay(): void { this.controls.stopWebcam(); }
 
   help(): void {
@@ -110,7 +110,7 @@ export class Presses {
     const press = this.press();
     if (connection.status !== 'open' || !connection.latestState) { memory.notice = text('welcome.connecting'); return; }
     const camera = await openCamera(this.controls, memory.way);
-    // Stopped meanwhile, here or elsewhere: it has to be pressed again.
+    // After a stop meanwhile, here or elsewhere, the person has to press again.
     if (!press.holds) return;
     if (!camera.accepted) { memory.notice = camera.reason; return; }
     const wishes = { way: memory.way, level: memory.level, fresh: memory.isTheirs };
@@ -120,14 +120,14 @@ export class Presses {
       memory.wish = 'play';
       memory.isTheirs = false;
     }
-    // Somebody else plays: there is nothing to do about it here but to watch, and that is said.
+    // Another page plays: this one watches, and says so.
     if (outcome.is === 'another plays') memory.wish = 'watch';
   }
 
-  /** Of this moment, with what is on the screen. */
+  /** A press on what is on the screen now. */
   private press(): Press { return new Press(this.connection, this.memory.endingsShown); }
 
-  /** While orders are on their way: a run that is stopped to load a level is no stop to speak of. */
+  /** Marks that orders are on their way: a run that stops to load a level is not shown as stopped. */
   private async busy<Result>(press: Press, orders: (press: Press) => Promise<Result>): Promise<Result> {
     this.memory.press = press;
     try {

@@ -1,5 +1,6 @@
-// Gentle sounds, made here: a trickle while it pours, a bell at the line, three tones when a drink is done. Music too, once
-// a person turns it on.
+// Gentle sounds, made here: a trickle while something flows, bells for what is reached or done, and music once a person
+// turns it on.
+import type { Chime } from '../exercises/exercise';
 import { store, stored } from '../shared/i18n';
 import { Music } from './music';
 
@@ -12,6 +13,9 @@ export const MUSIC_VOLUMES = ['off', 'soft', 'medium', 'loud'] as const;
 export type MusicVolume = typeof MUSIC_VOLUMES[number];
 const MUSIC_GAIN: Readonly<Record<MusicVolume, number>> = { off: 0, soft: 0.03, medium: 0.06, loud: 0.12 };
 
+/** Tones one after the other [Hz], and how far apart [s]. */
+const CHIMES: Readonly<Record<Chime, readonly [readonly number[], number]>> = { line: [[880], 0.12], step: [[659, 880], 0.16], done: [[523, 659, 784], 0.18] };
+
 export class Sound {
   on = stored(STORED) !== 'off';
   musicVolume: MusicVolume = MUSIC_VOLUMES.find((volume) => volume === stored(STORED_MUSIC)) ?? 'off';
@@ -21,7 +25,7 @@ export class Sound {
   private music: Music | null = null;
   private trickle: { gain: GainNode; filter: BiquadFilterNode } | null = null;
 
-  /** Browsers let sound begin only after a gesture of the person: call it from one. */
+  /** Begins the sound. To be called from a gesture of the person: browsers allow no sound before one. */
   unlock(): void {
     if (this.context || typeof AudioContext === 'undefined') return;
     try {
@@ -53,17 +57,18 @@ export class Sound {
     if (volume === 'off') this.music.stop(); else this.music.play();
   }
 
-  /** While it flows [l/s]; the pitch rises with the level in the glass, 0 .. 1, as in a real one. */
-  pour(flow_l_s: number, level: number): void {
+  /** While something flows, 0 .. 1; the pitch rises with the level of what it fills, 0 .. 1. */
+  flow(rate: number, level: number): void {
     if (!this.context || !this.trickle) return;
     const now = this.context.currentTime;
-    this.trickle.gain.gain.setTargetAtTime(Math.min(1, flow_l_s / 0.012) * 0.8, now, 0.08);
+    this.trickle.gain.gain.setTargetAtTime(Math.min(1, rate) * 0.8, now, 0.08);
     this.trickle.filter.frequency.setTargetAtTime(500 + 900 * Math.min(1, Math.max(0, level)), now, 0.1);
   }
 
-  line(): void { this.bell([880], 0.12); }
-  step(): void { this.bell([659, 880], 0.16); }
-  done(): void { this.bell([523, 659, 784], 0.18); }
+  chime(chime: Chime): void {
+    const [tones_hz, apart_s] = CHIMES[chime];
+    this.bell(tones_hz, apart_s);
+  }
 
   private bell(tones_hz: readonly number[], apart_s: number): void {
     const { context, master } = this;
@@ -82,7 +87,7 @@ export class Sound {
     });
   }
 
-  /** Of its own volume, and dull, so that words and bells stand out. */
+  /** The music has its own volume, and a low-pass, so that words and bells stand out. */
   private makeMusic(context: AudioContext): void {
     const dull = context.createBiquadFilter();
     dull.type = 'lowpass';
@@ -92,7 +97,7 @@ export class Sound {
     dull.connect(this.musicGain).connect(context.destination);
     this.music = new Music(context, dull);
     if (this.musicVolume !== 'off') this.music.play();
-    // A page that is not seen is not heard.
+    // A hidden page is silent.
     document.addEventListener('visibilitychange', () => { void (document.hidden ? context.suspend() : context.resume()); });
   }
 

@@ -2,9 +2,9 @@
 import { language, store, stored, type Language } from '../shared/i18n';
 
 const STORED = 'wholehand.speech';
-/** Words that stand for less long are not said [ms]: they would be over before they are heard. */
+/** Words are spoken after they have stood for this long [ms]; shorter ones would be over before they are heard. */
 const STEADY_MS = 500;
-/** A little slower than usual. */
+/** Rate of the voice; 1 is the browser's usual one. */
 const RATE = 0.9;
 
 /** A voice of the language on this machine: the one of the person's country first. */
@@ -15,7 +15,7 @@ export function voiceOf(voices: readonly SpeechSynthesisVoice[], wanted: Languag
   return same ?? ours.find((voice) => voice.default) ?? ours[0] ?? null;
 }
 
-/** What of the words is new and has stood long enough to be said. */
+/** Decides which words are spoken: those that are new and have stood for long enough. */
 export class Announcer {
   private title = '';
   private more = '';
@@ -34,7 +34,7 @@ export class Announcer {
     return words;
   }
 
-  /** What is on the screen is said again. */
+  /** Forgets what was spoken, so that the words on the screen are spoken again. */
   forget(): void { this.saidTitle = this.saidMore = ''; }
 }
 
@@ -55,7 +55,7 @@ export class Speech {
     if (!this.on) this.synthesis?.cancel();
   }
 
-  /** What is on the screen; says it once it stands, and only what is new of it. */
+  /** Takes the words on the screen, and speaks what is new of them once they have stood. */
   tell(title: string, more: string, now_ms: number): void {
     if (!this.on) return;
     const words = this.announcer.look(title, more, now_ms);
@@ -66,7 +66,7 @@ export class Speech {
     return voiceOf(this.synthesis?.getVoices() ?? [], language(), navigator.languages);
   }
 
-  /** What was being said is out of date. */
+  /** Speaks at once: words that are still being spoken are out of date. */
   private say(words: string): void {
     const voice = this.voice();
     if (!voice || !this.synthesis) return;

@@ -4,7 +4,7 @@ import { store, stored } from '../shared/i18n';
 const STORED = 'wholehand.stars';
 const key = (profile: string): string => (profile === '' ? STORED : `${STORED}.${profile}`);
 
-/** Anything but a count counts as none. */
+/** A stored value that is not a count is taken as 0. */
 export function starsOf(profile: string): number {
   const count = Number(stored(key(profile)) ?? 0);
   return Number.isInteger(count) && count > 0 ? count : 0;

@@ -1,21 +1,22 @@
-// From watching to playing: every order that it takes, in turn, and why it did not work where it did not.
+// Takes a person from watching to playing: the orders in their sequence, and the reason where one is refused.
+import { FIRST } from '../exercises';
+import type { Play } from '../exercises/exercise';
 import type { Controls } from '../input/controls';
 import { isHandAxis, postureOf } from '../input/posture';
-import type { Answer, Connection } from '../net/connection';
+import type { Connection } from '../net/connection';
+import type { Answer } from '../net/pending_answers';
 import { Act, RunState, Steering } from '../protocol';
 import { text } from '../shared/i18n';
-import type { ExercisePanel } from '../shared/exercise_panel';
-import { figure, type Script } from './script';
-import { hasHardware, isFaded, Stage } from './view';
+import { hasHardware, isFaded } from './page_state';
 
 export interface Wishes {
   readonly way: string;      // of playing
   readonly level: number;
-  readonly fresh: boolean;   // a person who comes new begins a new glass
+  readonly fresh: boolean;   // a person who comes new begins anew
 }
 
-/** What the page knows; asked again after every order, as orders change it. */
-export interface Known { readonly script: Script | null; readonly panel?: ExercisePanel | null; readonly hardware: boolean }
+/** What the page knows. It is asked again after every order, because orders change it. */
+export interface Known { readonly play: Play | null; readonly hardware: boolean }
 
 export type Outcome = { readonly is: 'playing' | 'another plays' | 'stopped' } | { readonly is: 'refused'; readonly reason: string };
 
@@ -25,33 +26,32 @@ const TRIES_AFTER_REFUSAL = 20;
 
 const wait = (): Promise<void> => new Promise((go) => { setTimeout(go, EVERY_MS); });
 
-/** Until the program's states say so too, or for two seconds. */
+/** Waits until the program's states say so, for two seconds at most. */
 async function until(so: () => boolean, most = TRIES): Promise<void> {
   for (let tries = 0; tries < most && !so(); tries++) await wait();
 }
 
 /**
- * What a person has pressed. It holds for what they were shown: until they press Stop, or anything stops. What
- * is left of it then is not sent, and where it is on its way already the program refuses it.
+ * A press of a person. It holds until they press Stop, or anything stops. Orders of it that are not sent by then
+ * are not sent any more, and the program refuses those that are on their way.
  */
 export class Press {
   private cancelled = false;
 
-  /** `seen`: of the endings that the program counts, the last one that they were shown. */
+  /** `seen`: the newest ending, of those that the program counts, that the person was shown. */
   constructor(private readonly connection: Connection, readonly seen: number) {}
 
   cancel(): void { this.cancelled = true; }
   get holds(): boolean { return !this.cancelled && this.connection.endings === this.seen; }
 }
 
-/** Loads that level, or the bar where an exercise is on that shows nothing; nothing when it is there already. */
-export async function matchLevel(connection: Connection, known: () => Known, level: number): Promise<Answer> {
+/** Loads that level, or the first exercise where one is on that shows nothing; nothing when it is there already. */
+async function matchLevel(connection: Connection, known: () => Known, level: number): Promise<Answer> {
   const { scene } = connection;
-  const { script, panel } = known();
-  const shown = script ?? panel ?? null;
+  const shown = known().play !== null;
   if (!scene || (shown && scene.level === level)) return { accepted: true, reason: '' };
-  const answer = await connection.loadExercise(shown ? '' : 'cocktail-bar', level, '');
-  if (answer.accepted) await until(() => (known().script ?? known().panel ?? null) !== null && connection.scene?.level === level);
+  const answer = await connection.loadExercise(shown ? '' : FIRST.file, level, '');
+  if (answer.accepted) await until(() => known().play !== null && connection.scene?.level === level);
   return answer;
 }
 
@@ -122,19 +122,18 @@ async function takeHand(connection: Connection, known: () => Known, press: Press
   const steered = await steer(connection, known);
   if (!steered.accepted) return { is: 'refused', reason: steered.reason };
   if (!press.holds) return { is: 'stopped' };
-  await beginDrink(connection, known, wishes);
+  await begin(connection, known, wishes);
   return { is: 'playing' };
 }
 
-async function beginDrink(connection: Connection, known: () => Known, wishes: Wishes): Promise<void> {
+async function begin(connection: Connection, known: () => Known, wishes: Wishes): Promise<void> {
   const { scene, latestState } = connection;
   if (scene && latestState && !known().hardware) await connection.aim(openedHand(scene.axes.map(({ name }) => ({ name: String(name) })), latestState.qM));
-  const { script, panel } = known();
-  const stage = script && connection.latestState ? figure(script, connection.latestState, 'stage') : Stage.Reach;
-  const done = panel && connection.latestState ? panel.done(connection.latestState) : false;
-  const over = done || stage === Stage.DrinkDone || stage === Stage.LevelDone;
+  const { play } = known();
+  const isOver = (): boolean => play !== null && connection.latestState !== null && play.phase(connection.latestState) === 'success';
+  const over = isOver();
   await connection.act(wishes.fresh || over ? Act.Restart : Act.Resume);
-  if (over && script) await until(() => connection.latestState !== null && script !== null && figure(script, connection.latestState, 'stage') < Stage.DrinkDone);
+  if (over) await until(() => !isOver());
 }
 
 /** Where nothing runs or pushes and nobody commands, the wish to see it is enough to let the program play. */

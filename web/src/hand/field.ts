@@ -16,7 +16,7 @@ export function smoothMin(a: number, b: number, k: number): number {
   const h = Math.max(k - Math.abs(a - b), 0) / k;
   return Math.min(a, b) - h * h * k * 0.25;
 }
-export const smoothMax = (a: number, b: number, k: number): number => -smoothMin(-a, -b, k);
+const smoothMax = (a: number, b: number, k: number): number => -smoothMin(-a, -b, k);
 
 /** Share of the way from a to b of the point of the axis nearest to (x, y, z), 0 .. 1. */
 function along(c: HandCapsule, x: number, y: number, z: number): number {

@@ -12,7 +12,7 @@ import { toLink, toWorld, type Vec } from './vector';
 /** Capsules of other links that a vertex's shading looks at. */
 export const NEIGHBOURS = 8;
 /** In `neighbours`, where there is none. */
-export const NO_CAPSULE = 255;
+const NO_CAPSULE = 255;
 
 export interface SkinMesh {
   readonly positions: Float32Array;    // frame of the vertex's link [m]

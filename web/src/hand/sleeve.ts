@@ -1,5 +1,5 @@
 // Sleeve and cuff over the wrist, in a right palm's frame (x distal, y radial, z dorsal): the forearm goes
-// back to the guest and leaves the picture to the side of the back of the hand.
+// back to the far side and leaves the picture to the side of the back of the hand.
 
 import { BufferAttribute, BufferGeometry } from 'three';
 

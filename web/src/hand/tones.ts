@@ -2,7 +2,7 @@
 
 import type { SkinTone } from './skin_shader';
 
-export const TONE_NAMES = ['porcelain', 'honey', 'bronze', 'umber', 'glove'] as const;
+const TONE_NAMES = ['porcelain', 'honey', 'bronze', 'umber', 'glove'] as const;
 export type ToneName = (typeof TONE_NAMES)[number];
 
 export const TONES: Readonly<Record<ToneName, SkinTone>> = {

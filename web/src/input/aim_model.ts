@@ -1,35 +1,18 @@
 import { depthOf, guide, INSIDE, nearestGrip, ownGrip, type Guide } from './guide';
 import type { Limits } from './limits';
+import type { Perception } from './perceiver';
 import { Pilot } from './pilot';
+import { partOfAxis, placeOnAxis } from './axis_range';
 import { approach, clamp, isHandAxis, postureOf, squeezeOfFingers } from './posture';
+import { nextSqueeze } from './squeeze';
 import type { Help, Triple, Wish } from './wish';
-import { Yielding, type Touch } from './yielding';
+import { Yielding } from './yielding';
 
 /** An axis of the device as far as aiming needs it. */
 export interface AimAxis {
   name: string;
   lower: number;
   upper: number;
-}
-
-/** What the program says of the hand, as far as aiming looks at it. */
-export interface Perception {
-  /** Device coordinates, in the order of the axes. */
-  device: ArrayLike<number>;
-  /** Grip pose of every dispenser [m, device coordinates]. */
-  grips: readonly Triple[];
-  /** Which side of the hand a dispenser is gripped on: +1 left (a right hand), -1 right. */
-  beside: number;
-  /** Summed normal force on the grasped dispenser and the zone in which it pours well [N]. */
-  squeeze_n: number;
-  squeezeLow_n: number;
-  squeezeHigh_n: number;
-  /** The dispenser that the recipe asks for, an index of `grips`; -1: none. */
-  target: number;
-  /** Nothing is to be held now: the step has enough, the bar moves, or the drink is done. */
-  letGo: boolean;
-  /** What presses on the hand. */
-  touches: readonly Touch[];
 }
 
 export interface AimConfig {
@@ -46,7 +29,7 @@ export interface AimConfig {
   help: Help;
 }
 
-export const DEFAULT_AIM: Readonly<AimConfig> = {
+const DEFAULT_AIM: Readonly<AimConfig> = {
   speed_m_s: 0.18,
   leash_m: 0.05,
   close_per_s: 0.8,
@@ -56,22 +39,20 @@ export const DEFAULT_AIM: Readonly<AimConfig> = {
   help: 'some',
 };
 
-/** Hand axes are never asked to move faster [rad/s]. */
+/** Fastest move that is asked of a hand axis [rad/s]. */
 const FASTEST_RAD_S = 4;
-/** A wedged hand is drawn back so fast [m/s]. */
+/** Speed at which a wedged hand draws back [m/s]. */
 const WEDGED_M_S = 0.05;
-/** A hand that opens is asked for so much more than it is open [rad]. */
+/** A hand that opens is asked to be this much more open than it is [rad]. */
 const OPENING_LEASH_RAD = 0.4;
-/** A longer time is passed in steps [s]. */
+/** Longer times are divided into steps of this [s]. */
 const LONGEST_STEP_S = 0.02;
 /** A hand drawn back is this far from the end of x's range [m]. */
 const BACK_M = 0.008;
-/** What is this little beyond the reach is reached [m]. */
+/** A target this little beyond the reach counts as reachable [m]. */
 const EDGE_M = 0.005;
-/** A palm against a dispenser is no farther from the grip than this [m]. */
+/** A palm against a target is no farther from the grip than this [m]. */
 const ARRIVED_M = 0.02;
-/** Above this a dispenser is felt: closing turns into pressing [N]. */
-const TOUCH_N = 0.3;
 
 /** Where the hand is and is going. */
 interface Way {
@@ -82,14 +63,14 @@ interface Way {
   leaving: boolean;
 }
 
-/** The help, and at which dispenser; `wanted`: the hand is meant to touch it. */
+/** The help, and at which target; `wanted`: the hand is meant to touch it. */
 interface Near extends Guide {
   at?: number;
   wanted: boolean;
 }
 
 /**
- * Where the person wants the hand to be. Wishes come in, positions per device axis go out: never
+ * Turns wishes into the aim, one position per device axis: where the person wants the hand to be. It is never
  * outside the axes' ranges, never faster than `speed_m_s`, never farther ahead than `leash_m`.
  */
 export class AimModel {
@@ -131,12 +112,12 @@ export class AimModel {
     return this.overruledParts;
   }
 
-  /** A squeeze is asked for, and the hand is on its way to the dispenser first. */
+  /** A squeeze is asked for, and the hand is on its way to the target first. */
   get onItsWay(): boolean {
     return this.waits;
   }
 
-  /** The bottle that is asked for is out of reach. */
+  /** The target that is asked for is out of reach. */
   get outOfReach(): boolean {
     return this.tooFar;
   }
@@ -160,12 +141,12 @@ export class AimModel {
     this.pilot.show();
   }
 
-  /** Nobody presses anything any more: what a tap began ends. */
+  /** Ends what a tap began: nobody presses anything any more. */
   release(): void {
     this.pilot.release();
   }
 
-  /** Nobody closes the hand any more: it is open at once, where it is. The program makes it a gentle move. */
+  /** Opens the hand at once, where it is: nobody closes it any more. The program makes it a gentle move. */
   open(): void {
     this.pilot.release();
     this.squeezePart = 0;
@@ -175,8 +156,8 @@ export class AimModel {
   }
 
   /**
-   * The aim `dt_s` later, however long that was: what a page decides by must not hang on how often it draws. What
-   * is seen meanwhile stays the same.
+   * The aim `dt_s` later, however long that is, so that it does not depend on how often the page draws. What is
+   * seen stays the same meanwhile.
    */
   advance(asked: Wish, seen: Perception, dt_s: number): readonly number[] {
     const steps = Math.max(1, Math.ceil(dt_s / LONGEST_STEP_S));
@@ -195,7 +176,7 @@ export class AimModel {
     const help = this.guideFor(wish, seen, { hand, aim, back_m, goal, leaving });
     const wanted = typeof wish.squeeze === 'number' ? wish.squeeze > 0.05 : wish.squeeze;
     this.waits = wanted && this.config.help !== 'none' && !help.mayClose && this.squeezePart === 0;
-    this.squeezePart = this.nextSqueeze(this.waits ? false : wish.squeeze, seen, dt_s);
+    this.squeezePart = nextSqueeze(this.squeezePart, this.waits ? false : wish.squeeze, seen, this.config, this.config.help !== 'none', dt_s);
     this.stretch = help.stretch;
     this.yielding.look(seen.touches, wanted || help.wanted ? help.at : undefined, dt_s);
     this.axes.forEach((axis, i) => {
@@ -219,7 +200,7 @@ export class AimModel {
     const now = this.q[i] ?? 0;
     const next = approach(now, postureOf(name, part, stretch), FASTEST_RAD_S * dt_s);
     if (this.squeezePart > 0) return next;
-    // A finger whose back is held by a bottle would be strung, and snap when it comes free.
+    // A finger whose back is held by a target would be loaded like a spring, and snap when it comes free.
     const device = seen.device[i] ?? now;
     return clamp(next, device - this.yielding.handLeash(OPENING_LEASH_RAD), device + this.yielding.handLeash(FASTEST_RAD_S));
   }
@@ -254,13 +235,13 @@ export class AimModel {
       const place = asked.place[key];
       if (!axis || place === undefined || (help[key] === undefined && wish.place[key] !== undefined)) continue;
       const part = partOfAxis(axis, this.q[i] ?? 0);
-      // Drawing back from the dispenser is what the person decides, however slowly.
+      // Drawing back from the target is what the person decides, however slowly.
       if (key !== 'x' || place > part) parts[key] = part;
     }
     return parts;
   }
 
-  /** What the help near the row says; nothing of it but the fingers' stretch when it is off. */
+  /** The help near the row; without help the fingers' stretch alone. */
   private guideFor(wish: Wish, seen: Perception, { hand, aim, back_m, goal, leaving }: Way): Near {
     const own = ownGrip(seen.grips, hand.y, seen.beside);
     const front = nearestGrip(seen.grips, aim.y);
@@ -273,10 +254,10 @@ export class AimModel {
       return { pace: 1, stretch: clamp(4 * depthOf(aim.x, back_m, grip), 0, 1), mayClose: true, at, wanted: false };
     }
     const asked = { x: this.asked('x', wish, aim.x), y: this.asked('y', wish, aim.y) };
-    // A cursor that stays near the dispenser does not ask for another one.
+    // A cursor that stays near the target does not ask for another one.
     if (wish.place.y !== undefined && wish.velocity.y === 0 && (depthOf(aim.x, back_m, grip) > 0.2 || asked.x > 0)) asked.y = 0;
     const said = guide({ aim, hand, back_m, grip, beside: seen.beside }, asked, this.squeezePart > 0.02);
-    // Meant to touch it is an open hand that is at the grip, not one that something keeps from it.
+    // An open hand is meant to touch the target once it is at the grip, not while something keeps it away.
     const arrived = Math.hypot(hand.x - grip.x, hand.y - grip.y) <= ARRIVED_M;
     const wanted = asked.x >= 0 && said.x !== undefined && (arrived || this.squeezePart > 0);
     return { ...said, mayClose: goal === undefined ? said.mayClose : said.mayClose && said.channel !== undefined, at, wanted };
@@ -309,29 +290,4 @@ export class AimModel {
   private back_m(): number {
     return (this.axes.find((axis) => axis.name === 'x')?.lower ?? 0) + BACK_M;
   }
-
-  private nextSqueeze(asked: boolean | number, seen: Perception, dt_s: number): number {
-    const { close_per_s, press_per_s, open_per_s, help } = this.config;
-    const assist = help !== 'none';
-    const now = this.squeezePart;
-    if (typeof asked === 'number') return approach(now, clamp(asked, 0, 1), open_per_s * dt_s);
-    if (!asked) return approach(now, 0, open_per_s * dt_s);
-    if (seen.squeeze_n < TOUCH_N) return approach(now, 1, close_per_s * dt_s);
-    const middle_n = (seen.squeezeLow_n + seen.squeezeHigh_n) / 2;
-    // In the middle of the zone a person who finds it hard to stop is stopped; a firm grip softens.
-    if (assist && seen.squeeze_n > (middle_n + seen.squeezeHigh_n) / 2) return approach(now, 0, press_per_s * dt_s);
-    if (assist && middle_n > 0 && seen.squeeze_n >= middle_n) return now;
-    return approach(now, 1, press_per_s * dt_s);
-  }
-}
-
-/** How far along an axis's range a position is, -1 .. 1. */
-export function partOfAxis(axis: Pick<AimAxis, 'lower' | 'upper'>, q: number): number {
-  return (2 * q - axis.lower - axis.upper) / (axis.upper - axis.lower);
-}
-
-/** Position at a part -1 .. 1 of an axis's range. */
-export function placeOnAxis(axis: AimAxis, part: number): number {
-  const middle = (axis.lower + axis.upper) / 2;
-  return middle + (clamp(part, -1, 1) * (axis.upper - axis.lower)) / 2;
 }

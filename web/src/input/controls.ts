@@ -1,8 +1,10 @@
 import './input.css';
+import { targetsOf } from '../exercises';
 import type { Connection } from '../net/connection';
 import { RunState, Steering, type SceneT } from '../protocol';
 import { language, type Language } from '../shared/i18n';
-import { AimModel, partOfAxis, type AimConfig } from './aim_model';
+import { AimModel, type AimConfig } from './aim_model';
+import { partOfAxis } from './axis_range';
 import { GamepadWay } from './gamepad';
 import { de } from './i18n/de';
 import { en, type HelpLine, type InputTexts } from './i18n/en';
@@ -10,7 +12,7 @@ import { fr } from './i18n/fr';
 import { Keys } from './keys';
 import { limitsOf } from './limits';
 import { Mouse, type Pointed } from './mouse';
-import { Perceiver, type RowPoint } from './perception';
+import { Perceiver, type RowPoint } from './perceiver';
 import { clamp } from './posture';
 import { Touch } from './touch';
 import { Webcam, type WebcamProblem, type WebcamView } from './webcam';
@@ -86,7 +88,7 @@ export class Controls {
       new Keys(),
       new Mouse(element, () => this.part('x'), (x_px, y_px) => this.pointed(x_px, y_px)),
       new Touch(element, () => ({ x: this.part('x'), y: this.part('y') }), () => this.texts().touch,
-        (x_px, y_px) => this.pointed(x_px, y_px)?.bottle, () => this.helped === 'full'),
+        (x_px, y_px) => this.pointed(x_px, y_px)?.target, () => this.helped === 'full'),
       this.pad,
       this.webcam,
     ];
@@ -106,12 +108,12 @@ export class Controls {
     return this.began ? (this.model?.squeeze ?? 0) : 0;
   }
 
-  /** A squeeze is asked for, and the hand is on its way to the bottle first. */
+  /** A squeeze is asked for, and the hand is on its way to the target first. */
   get onItsWay(): boolean {
     return this.began && (this.model?.onItsWay ?? false);
   }
 
-  /** The bottle that is asked for is out of reach. */
+  /** The target that is asked for is out of reach. */
   get outOfReach(): boolean {
     return this.began && (this.model?.outOfReach ?? false);
   }
@@ -143,10 +145,14 @@ export class Controls {
     return () => { this.modeListeners.delete(callback); };
   }
 
-  /** What to press and what it does, in the language of the page. */
-  helpEntries(): HelpEntry[] {
+  /** What to press and what it does, in the language of the page. @param easy what one press does with full help */
+  helpEntries(easy: { readonly press: string; readonly point: string } | undefined): HelpEntry[] {
     const texts = this.texts();
-    return WAYS.map((way) => ({ way, name: texts.ways[way], lines: (this.helped === 'full' && texts.easy[way]) || texts.help[way] }));
+    return WAYS.map((way) => {
+      const key = this.helped === 'full' && easy ? texts.oneButton[way] : undefined;
+      const lines = key === undefined || !easy ? texts.help[way] : [{ keys: [key], does: way === 'mouse' || way === 'touch' ? easy.point : easy.press }];
+      return { way, name: texts.ways[way], lines };
+    });
   }
 
   /** Begins to listen. Whose hand it is already opens it and draws it back; nothing else is sent before the person does something. */
@@ -196,7 +202,7 @@ export class Controls {
   private onScene(scene: SceneT): void {
     const axes = scene.axes.map(({ name, lower, upper }) => ({ name: String(name), lower, upper }));
     this.model = new AimModel(axes, { ...this.options.aim, help: this.helped });
-    this.perceiver = new Perceiver(scene);
+    this.perceiver = new Perceiver(scene, targetsOf(scene));
     this.began = false;
   }
 
@@ -233,7 +239,7 @@ export class Controls {
       const axis = scene.axes.find((candidate) => String(candidate.name) === name);
       return axis ? clamp(partOfAxis(axis, palm[name]), -1, 1) : 0;
     };
-    return { y: part('y'), z: part('z'), bottle: perceiver?.bottleAt(state, at.y_m) };
+    return { y: part('y'), z: part('z'), target: perceiver?.targetAt(state, at.y_m) };
   }
 
   private use(way: InputWay | undefined): void {

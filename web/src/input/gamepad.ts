@@ -37,7 +37,7 @@ export function wishOfPad(pad: PadReading): Wish | undefined {
   return { ...restingWish(), velocity, squeeze: held ? true : trigger };
 }
 
-/** Noise, in parts of what is possible: a change by less is none. */
+/** A smaller change is noise; in parts of what is possible. */
 const CHANGE = 0.05;
 
 /** Speeds and squeeze of a wish, each in parts of what is possible. */
@@ -48,8 +48,8 @@ function partsOf(wish: Wish | undefined): readonly number[] {
 }
 
 /**
- * Which pads a person plays with. A pad counts once it was seen at rest: a worn stick that never is
- * steers nothing. It claims the steering when it changes: one that is stuck keeps nobody out.
+ * Finds the pads that a person plays with. A pad counts once it was seen at rest, so that a worn stick steers
+ * nothing. It claims the steering when it changes, so that a stuck one keeps nobody out.
  */
 export class PadWatch {
   private readonly rested = new Set<number>();
@@ -87,7 +87,7 @@ export class GamepadWay implements InputWay {
 
   enable(): void {
     this.enabled = true;
-    // Browsers go on telling the last reading of a pad to a page that is not in front.
+    // A page that is not in front goes on getting a pad's last reading.
     addEventListener('blur', this.letGo);
   }
 
@@ -98,10 +98,10 @@ export class GamepadWay implements InputWay {
     this.claimed_s = -Infinity;
   }
 
-  // What is held on a pad goes on being held: to be used again it is let go of first.
+  // A button that stays held on a pad has to be let go of before it counts again.
   yield(): void { this.letGo(); }
 
-  /** Pads are looked at here: browsers do not tell when a stick moves. */
+  /** Reads the pads: browsers do not tell when a stick moves. */
   poll(): void {
     if (!this.enabled) return;
     const { wish, claims } = this.watch.look((navigator.getGamepads?.() ?? []).map((pad) => (pad?.connected ? pad : null)));

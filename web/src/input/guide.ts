@@ -2,8 +2,8 @@ import { clamp } from './posture';
 import type { Triple } from './wish';
 
 /**
- * Help for people with low vision or weak control: how the hand comes to a dispenser and away from
- * it without knocking at the row. Stretched fingers go in beside the dispenser, the palm comes up to
+ * Help for people with low vision or weak control: how the hand comes to a target and away from
+ * it without knocking at the row. Stretched fingers go in beside the target, the palm comes up to
  * it there, and the hand leaves by the same way.
  */
 export interface Guide {
@@ -17,7 +17,7 @@ export interface Guide {
   pace: number;
   /** Stretched fingers 1, half bent 0. */
   stretch: number;
-  /** false: the palm is not at the dispenser yet, closing waits. */
+  /** false: the palm is not at the target yet, closing waits. */
   mayClose: boolean;
 }
 
@@ -27,7 +27,7 @@ export interface Asked {
   y: number;
 }
 
-/** Where the hand is and is aimed [m, device coordinates], and at which dispenser. */
+/** Where the hand is and is aimed [m, device coordinates], and at which target. */
 export interface Reaching {
   aim: Triple;
   hand: Triple;
@@ -42,20 +42,20 @@ export interface Reaching {
 const BESIDE_M = 0.024;
 /** Reaching this far of the way in counts as being inside the row. */
 export const INSIDE = 0.2;
-/** A dispenser farther sideways than this is none of the hand's business [m]. */
+/** A target farther sideways than this is none of the hand's business [m]. */
 const REACH_M = 0.2;
-/** The palm is at the dispenser [m]. */
+/** The palm is at the target [m]. */
 const AT_X_M = 0.01;
 const AT_Y_M = 0.006;
-/** A palm against a dispenser may be this far past its grip [m]: the hand is still at that one. */
+/** A palm against a target may be this far past its grip [m]: the hand is still at that one. */
 const PAST_M = 0.012;
 
-/** Where a hand goes in and out beside a dispenser [m, along y]. */
+/** Where a hand goes in and out beside a target [m, along y]. */
 export function laneOf(grip: Triple, beside: number): number {
   return grip.y - beside * BESIDE_M;
 }
 
-/** The dispenser that the palm of a hand at `y` looks at, an index; the nearest where it looks past all. */
+/** The target that the palm of a hand at `y` looks at, an index; the nearest where it looks past all. */
 export function ownGrip(grips: readonly Triple[], y: number, beside: number): number | undefined {
   let best: number | undefined;
   let least_m = Infinity;
@@ -68,7 +68,7 @@ export function ownGrip(grips: readonly Triple[], y: number, beside: number): nu
   return least_m <= REACH_M ? best : undefined;
 }
 
-/** The dispenser that the hand is in front of, an index. */
+/** The target that the hand is in front of, an index. */
 export function nearestGrip(grips: readonly Triple[], y: number): number | undefined {
   let best: number | undefined;
   grips.forEach((grip, i) => {
@@ -91,7 +91,7 @@ export function guide({ aim, hand, back_m, grip, beside }: Reaching, asked: Aske
   const touching = there && Math.abs(aim.y - grip.y) <= AT_Y_M;
   const channel = inside ? [Math.min(lane_y, grip.y), Math.max(lane_y, grip.y)] as const : undefined;
   const free: Guide = { pace: 1, stretch, mayClose: touching || depth < INSIDE, channel };
-  // A closed hand stays at its dispenser; whoever draws back meanwhile feels it.
+  // A closed hand stays at its target; whoever draws back meanwhile feels it.
   if (closing) return { ...free, x: there ? grip.x : undefined, y: there ? grip.y : undefined, z: grip.z };
   if (asked.y !== 0) return free;
   // How far from the lane the hand still is: at 20 mm it waits, at 5 mm it goes.

@@ -18,7 +18,7 @@ const KEYS: Readonly<Record<string, Move>> = {
 };
 
 /** True where a key belongs to what has the focus: typing, sliders, pressing a button. */
-export function keyBelongsTo(target: EventTarget | null, code: string): boolean {
+function keyBelongsTo(target: EventTarget | null, code: string): boolean {
   if (!(target instanceof Element)) return false;
   if (target.closest('input, select, textarea, [contenteditable], [role=slider]')) return true;
   return code === 'Space' && target.closest('button, a, summary, [role=button], [role=tab]') !== null;

@@ -14,7 +14,7 @@ const BOUNDS: Readonly<Record<string, Bound>> = {
   fingers_close_rad: { axis: 'finger_flexion', upper: true, of: (v) => v },
 };
 
-/** Nothing for an axis that the exercise does not limit. */
+/** The limits that hold now; without an entry for an axis that the exercise does not limit. */
 export function limitsOf(scene: SceneT, state: WorldStateT): Limits {
   const limits: Record<string, [number, number]> = {};
   scene.parameters.forEach(({ name }, i) => {

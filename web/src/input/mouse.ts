@@ -33,11 +33,11 @@ export function depthAfterWheel(depth: number, delta: number, deltaMode: number)
   return clamp(depth - (pixels / 100) * DEPTH_PER_NOTCH, -1, 1);
 }
 
-/** What a point of the picture stands for: a place along y and z, -1 .. 1, and the bottle that is there. */
+/** What a point of the picture stands for: a place along y and z, -1 .. 1, and the target that is there. */
 export interface Pointed {
   y: number;
   z: number;
-  bottle?: number;
+  target?: number;
 }
 
 /** The cursor is the hand's place in the picture; the wheel goes away and near; a button squeezes. */
@@ -111,7 +111,7 @@ export class Mouse implements InputWay {
     const seen = this.pointedAt(event.clientX, event.clientY);
     const { y, z } = seen ?? placeOfPointer(event.clientX, event.clientY, this.element.getBoundingClientRect());
     this.place = { ...this.place, y, z };
-    this.pointed = seen?.bottle;
+    this.pointed = seen?.target;
   }
 
   private readonly press = (event: PointerEvent): void => {

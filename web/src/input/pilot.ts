@@ -11,43 +11,43 @@ export interface Sight {
   /** x of the hand drawn back [m]. */
   back_m: number;
   grips: readonly Triple[];
-  /** Which side of the hand a bottle is gripped on: +1 left (a right hand), -1 right. */
+  /** Which side of the hand a target is gripped on: +1 left (a right hand), -1 right. */
   beside: number;
-  /** The bottle that the recipe asks for, an index of `grips`; -1: none. */
+  /** The target that is asked for, an index of `grips`; -1: none. */
   target: number;
   /** Which of `grips` the hand can come to. */
   reachable: (grip: Triple) => boolean;
   /** The hand is closed: it leaves when it has opened. */
   closed: boolean;
-  /** Nothing is to be held now: the step has enough, the bar moves, or the drink is done. */
+  /** Nothing is to be held now: the step has enough, the row moves, or the task is done. */
   letGo: boolean;
 }
 
 /** What the hand is to do now, as if a person had pressed keys for it. */
 export interface Course {
   wish: Wish;
-  /** The bottle that is meant, an index of the grips; undefined: none. */
+  /** The target that is meant, an index of the grips; undefined: none. */
   goal?: number;
   /** The hand is on its way out of the row by itself. */
   leaving: boolean;
-  /** The bottle that is asked for is out of reach. */
+  /** The target that is asked for is out of reach. */
   outOfReach?: boolean;
 }
 
 /** Speed at which the hand is taken along [m/s]. */
 const SPEED_M_S = 0.16;
-/** A cursor that stays on a bottle for this long asks for it [s]. */
+/** A cursor that stays on a target for this long asks for it [s]. */
 const DWELL_S = 0.8;
 /** Nearer than this to its lane the hand may go in [m]. */
 const LANE_M = 0.012;
-/** A hand this far sideways from a bottle's lane is near it [m]. */
+/** A hand this far sideways from a target's lane is near it [m]. */
 const NEAR_M = 0.045;
 /** Drawn back, to within this [m]. */
 const BACK_AT_M = 0.004;
 
 /**
- * "This bottle" is one intent. The pilot turns it into moves: out of the row where the hand is in
- * another lane, sideways in front of it, in, round the bottle, and out again. With full help it does all
+ * "This target" is one intent. The pilot turns it into moves: out of the row where the hand is in
+ * another lane, sideways in front of it, in, round the target, and out again. With full help it does all
  * of that, with some the last bit once a squeeze is asked for, with none nothing.
  */
 export class Pilot {
@@ -56,7 +56,7 @@ export class Pilot {
   private leaving = false;
   private cursor: number | undefined;
   private cursor_s = 0;
-  /** A bottle that the cursor was left on when its work was done: it is not asked for again by itself. */
+  /** A target that the cursor was left on when its work was done: it is not asked for again by itself. */
   private stale: number | undefined;
   private tooFar = false;
   private over = false;
@@ -69,7 +69,7 @@ export class Pilot {
     this.leaving = true;
   }
 
-  /** Shows what to do next, once: goes to the bottle, or leaves. Whoever moves or presses takes over. */
+  /** Shows what to do next, once: goes to the target, or leaves. Whoever moves or presses takes over. */
   show(): void {
     this.showing = true;
   }
@@ -117,7 +117,7 @@ export class Pilot {
     if (pointed !== this.stale) this.stale = undefined;
   }
 
-  /** Which bottle is meant now. Whoever moves the hand with keys decides it by hand. */
+  /** Which target is meant now. Whoever moves the hand with keys decides it by hand. */
   private choose(wish: Wish, sight: Sight, own: number, help: Help): void {
     const { x, y, z } = wish.velocity;
     const squeezes = typeof wish.squeeze === 'number' ? wish.squeeze > 0.05 : wish.squeeze;
@@ -145,7 +145,7 @@ export class Pilot {
     if (this.meant !== undefined) this.leaving = false;
   }
 
-  /** Out of the row if the hand is at another bottle, in front of the one that is meant, and in. */
+  /** Out of the row if the hand is at another target, in front of the one that is meant, and in. */
   private reach(wish: Wish, sight: Sight, own: number, inside: boolean, goal: number): Course {
     const move = (velocity: Partial<Triple>, more: Partial<Wish> = {}): Course => (
       { wish: { ...wish, place: {}, velocity: { x: 0, y: 0, z: 0, ...velocity }, ...more }, goal, leaving: false });
@@ -157,7 +157,7 @@ export class Pilot {
     return move({ y: Math.sign(aside_m) * Math.min(SPEED_M_S, 6 * Math.abs(aside_m)) });
   }
 
-  /** Inside the row a cursor on another bottle asks for the way out: sideways the hand would meet a bottle's side. */
+  /** Inside the row a cursor on another target asks for the way out: sideways the hand would meet a target's side. */
   private alone(wish: Wish, own: number, inside: boolean): Course {
     if (!inside || wish.place.y === undefined) return { wish, leaving: false };
     if (wish.pointed !== undefined && wish.pointed !== own) return { wish: { ...wish, velocity: { x: -SPEED_M_S, y: 0, z: 0 }, place: {} }, leaving: false };

@@ -1,13 +1,13 @@
 /**
- * What a squeeze means for the hand's axes. The numbers are those of the power grasp that the
- * physics holds (docs of the exercise): open while approaching, closed beyond the contact at about
- * 131° so that the virtual arm presses.
+ * Turns a squeeze into positions of the hand's axes. The numbers are those of the power grasp that the
+ * physics holds: open while approaching, closed beyond the contact at about 131°, so that the virtual
+ * arm presses.
  */
 const DEGREE = Math.PI / 180;
 
 /** Where a hand axis goes while a squeeze grows from 0 to 1. */
 interface HandAxisPosture {
-  /** In front of the row, beside a dispenser, and as closed as can be asked. */
+  /** In front of the row, beside a target, and as closed as can be asked. */
   open_rad: number;
   stretched_rad: number;
   closed_rad: number;
@@ -18,8 +18,8 @@ const POSTURES: Readonly<Record<string, HandAxisPosture>> = {
   thumb_circumduction: { open_rad: 20 * DEGREE, stretched_rad: 5 * DEGREE, closed_rad: 20 * DEGREE },
   thumb_flexion: { open_rad: 0, stretched_rad: 0, closed_rad: 61 * DEGREE },
 };
-/** The first part of a squeeze brings the hand round the dispenser, the rest closes it. */
-export const ROUND = 0.15;
+/** The first part of a squeeze brings the hand round the target, the rest closes it. */
+const ROUND = 0.15;
 
 /** True for axes that a squeeze moves. */
 export function isHandAxis(name: string): boolean {
@@ -28,7 +28,7 @@ export function isHandAxis(name: string): boolean {
 
 /**
  * Position of a hand axis [rad] at a squeeze of 0 (open) to 1 (as closed as can be asked).
- * @param stretch of an open hand: 1 stretched, to go in beside a dispenser, 0 half bent
+ * @param stretch of an open hand: 1 stretched, to go in beside a target, 0 half bent
  */
 export function postureOf(name: string, squeeze: number, stretch = 0): number {
   const posture = POSTURES[name];

@@ -77,8 +77,8 @@ export class Touch implements InputWay {
     private readonly element: HTMLElement,
     private readonly placeNow: () => DraggedPlace,
     private readonly words: () => TouchWords,
-    /** The bottle that is drawn at a point of the page. */
-    private readonly bottleAt: (x_px: number, y_px: number) => number | undefined = () => undefined,
+    /** The target that is drawn at a point of the page. */
+    private readonly targetAt: (x_px: number, y_px: number) => number | undefined = () => undefined,
     /** Whether a finger that stays where it came down presses; else it only drags. */
     private readonly presses: () => boolean = () => false,
   ) {}
@@ -119,7 +119,7 @@ export class Touch implements InputWay {
       ...restingWish(),
       velocity: { x: 0, y: 0, z: LIFT_M_S * lift },
       place: this.still || tapped ? {} : this.drag?.place ?? {},
-      // A finger that stays asks for a bottle; where it drags the hand, that is what is meant.
+      // A finger that stays asks for a target; where it drags the hand, that is what is meant.
       pointed: this.pointed,
       squeeze: this.others.size > 0 || this.held.has('squeeze') || this.still !== undefined || tapped,
     };
@@ -145,7 +145,7 @@ export class Touch implements InputWay {
     this.kind = event.pointerType;
     if (this.presses()) {
       this.still = { x_px: event.clientX, y_px: event.clientY };
-      this.pointed = this.bottleAt(event.clientX, event.clientY);
+      this.pointed = this.targetAt(event.clientX, event.clientY);
       this.tapped = true;
     }
     this.drag = new Drag(event.pointerId, event.clientX, event.clientY, this.drag?.place ?? this.placeNow());

@@ -8,7 +8,7 @@ import { now_s, restingWish } from './wish';
 /** Why there is no hand tracking, as a key of the texts; empty: there is. `cancelled`: the person wants it no more. */
 export type WebcamProblem = '' | 'insecure' | 'refused' | 'absent' | 'busy' | 'model' | 'ended' | 'cancelled';
 
-/** From the browser's question to the play: nothing steers before `play`. */
+/** The steps from the browser's question to the play. Nothing steers before `play`. */
 export type WebcamStep = 'ask' | 'load' | 'frame' | 'play';
 
 export interface WebcamView {
@@ -27,7 +27,7 @@ const LOST_LOOKS = 3;
 const SLOWEST_LOOK_S = 0.7;
 /** A hand is seen for this long before it steers [s]. */
 export const FRAME_S = 10;
-/** Of the step above, a look counts for this much at most: nobody was looking meanwhile [s]. */
+/** Longest time that one look counts for [s]: between two looks nothing was seen. */
 const LONGEST_LOOK_S = 1;
 
 const SMOOTHING = { minCutoff_hz: 1.2, beta: 2.5, speedCutoff_hz: 1 };
@@ -113,7 +113,7 @@ export class Webcam implements InputWay {
   private starting: Promise<WebcamProblem> | undefined;
   private settle: ((problem: WebcamProblem) => void) | undefined;
   private enabled = false;
-  private round = 0;           // of start() and stop(): what an earlier one was waiting for is nobody's any more
+  private round = 0;           // counts start() and stop(): what an earlier one was waiting for is dropped
 
   /** `onView`: what there is to see, often; undefined: the camera is off, for that reason. */
   constructor(
@@ -121,7 +121,7 @@ export class Webcam implements InputWay {
     private readonly makeTracker: () => Tracker = () => new HandTracker(),
   ) {}
 
-  // The camera is only ever opened by start() and closed by stop(): a pause does neither.
+  // Only start() opens the camera, and only stop() closes it.
   enable(): void {
     this.enabled = true;
   }
@@ -141,7 +141,7 @@ export class Webcam implements InputWay {
 
   /**
    * Opens the camera, loads the tracker, and waits until a hand was in the frame for FRAME_S; says in a word why not.
-   * Pressed twice it is one start.
+   * Two presses are one start.
    */
   start(): Promise<WebcamProblem> {
     if (this.step === 'play') return Promise.resolve('');
@@ -155,7 +155,7 @@ export class Webcam implements InputWay {
     this.end('cancelled');
   }
 
-  /** Over, whatever it was about: nothing of it steers any more. */
+  /** Closes the camera, in whatever step it is. */
   private end(problem: WebcamProblem): void {
     this.round += 1;
     this.step = 'off';
@@ -183,7 +183,7 @@ export class Webcam implements InputWay {
       const stream = await devices.getUserMedia({ video: { width: 640, height: 480, facingMode: 'user' }, audio: false });
       if (round !== this.round) { stream.getTracks().forEach((track) => track.stop()); return; }
       this.stream = stream;
-      // Unplugged, or taken away: nobody is seen any more.
+      // The camera is unplugged or taken away.
       for (const track of stream.getTracks()) track.addEventListener('ended', () => { if (round === this.round) this.end('ended'); });
       const video = await mirrorOf(stream);
       if (round !== this.round) return;
@@ -215,7 +215,7 @@ export class Webcam implements InputWay {
     while (round === this.round && this.video) {
       const began_s = now_s();
       try {
-        // The last picture of a camera that stands still says nothing of the hand now.
+        // The last picture of a camera that has stopped says nothing of the hand now.
         if (this.pictures.isNew(this.video)) {
           const looked = await tracker.look(await createImageBitmap(this.video));
           if (round !== this.round) return;

@@ -23,7 +23,7 @@ export interface Wish {
   place: Partial<Triple>;
   /** true: close more and more while held; a number 0 .. 1: close this far. */
   squeeze: boolean | number;
-  /** The bottle that the cursor is on, in the order of the grips; undefined: none, or no cursor. */
+  /** The target that the cursor is on, in the order of the grips; undefined: none, or no cursor. */
   pointed?: number;
   /** Thumb flexion on its own, 0 .. 1 (webcam); undefined: it goes with the squeeze. */
   thumb?: number;

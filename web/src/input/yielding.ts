@@ -1,26 +1,26 @@
 import type { Triple } from './wish';
 
-/** What presses on the hand: at which dispenser (an index of the grips, -1: something else), and how [N, on the hand]. */
+/** What presses on the hand: at which target (an index of the grips, -1: something else), and how [N, on the hand]. */
 export interface Touch {
   at: number;
   force_n: Triple;
 }
 
-/** Less than this is no hindrance [N]. */
+/** A smaller force does not hinder the hand [N]. */
 const PRESSES_N = 0.5;
-/** After this long the arm begins to yield, and this much later it has yielded [s]. */
+/** The arm begins to yield after the first time, and has yielded after the second one more [s]. */
 const BEARS_S = 0.8;
 const YIELDS_S = 0.7;
 /** An arm that has yielded leads by this at most [m]: with 300 N/m that is 0.6 N. */
 const LEAST_LEASH_M = 0.002;
 /** A wedged hand draws back and opens in turns of so long [s]. */
 const TURN_S = 1;
-/** The same of fingers that are hooked behind something [rad]. */
+/** Fingers that are hooked behind something lead by this at most [rad]. */
 const LEAST_LEASH_RAD = 0.05;
 
 /**
- * A hand that is held against something which is not meant to be touched stops pushing. Which way it
- * pushes counts: away from what holds it, it moves as ever.
+ * Stops a hand from pushing against something that it is not meant to touch. Away from what holds it, the hand
+ * moves as before.
  */
 export class Yielding {
   private held_s = 0;
@@ -32,7 +32,7 @@ export class Yielding {
     this.sum_n = { x: 0, y: 0, z: 0 };
   }
 
-  /** @param wanted the dispenser that is meant to be touched; undefined: none */
+  /** @param wanted the target that is meant to be touched; undefined: none */
   look(touches: readonly Touch[], wanted: number | undefined, dt_s: number): void {
     const sum = { x: 0, y: 0, z: 0 };
     for (const { at, force_n } of touches) {
@@ -45,18 +45,18 @@ export class Yielding {
     if (held) this.sum_n = sum;
   }
 
-  /** 1: as firm as ever, 0: it has yielded. */
+  /** How firm the arm is: 1 as usual, 0 it has yielded. */
   private get part(): number {
     return 1 - Math.max(0, this.held_s - BEARS_S) / YIELDS_S;
   }
 
-  /** Yielding was not enough: the hand is wedged, between a bottle and the end of the device's range perhaps. */
+  /** Whether yielding was not enough: the hand is wedged, for example between a target and the end of the device's range. */
   get wedged(): boolean { return this.wedged_s > 0; }
 
-  /** Pulled at, a fist between two bottles only jams: its arm rests for a while, so that the fingers can open. */
+  /** Whether a wedged hand opens now. Its arm rests meanwhile, because a fist that is pulled at only jams. */
   private get opens(): boolean { return Math.floor(this.wedged_s / TURN_S) % 2 === 1; }
 
-  /** A wedged hand draws back. */
+  /** Whether a wedged hand draws back now. */
   get drawsBack(): boolean { return this.wedged && !this.opens; }
 
   /** How far the aim of an open hand's axis may be from where the device is [rad]. */
@@ -68,9 +68,9 @@ export class Yielding {
   leash(key: keyof Triple, usual_m: number): [number, number] {
     const yielded_m = Math.max(LEAST_LEASH_M, usual_m * this.part);
     const force_n = this.sum_n[key];
-    // Friction holds a wedged hand on its way out, too.
+    // On its way out friction holds a wedged hand, too.
     if (key === 'x' && this.wedged) return [this.opens ? yielded_m : usual_m, yielded_m];
-    // Pushed up by what it meets: the hand presses down.
+    // A force upwards on the hand means that it presses down.
     return [force_n > 0.2 ? yielded_m : usual_m, force_n < -0.2 ? yielded_m : usual_m];
   }
 }

@@ -1,23 +1,21 @@
-// The page's only way to the program: messages in, orders out, by itself back after a loss.
-import * as flatbuffers from 'flatbuffers';
+// The page's only connection to the program. It brings messages, sends orders, and comes back by itself after a loss.
 import {
-  Act, ActionT, AimT, AnswerT, ArmT, Commissioning, Controls, EmergencyStopT, Events, HeartbeatT, type Help, HoldToMoveT, LoadExerciseT, LoadProfileT, Message, Payload, ReleaseControlsT, Reply, RestT,
-  RunState, SaveProfileT, Scene, SCHEMA_VERSION, SetHelpT, SetParameterT, Steering, SteerT, StopT, TakeControlsT, Welcome, WorldState,
+  ArmT, EmergencyStopT, HeartbeatT, LoadExerciseT, LoadProfileT, ReleaseControlsT, RestT, RunState, SCHEMA_VERSION, StopT, TakeControlsT,
   type CommissioningT, type ControlsT, type EventT, type SceneT, type WelcomeT, type WorldStateT,
 } from '../protocol';
 import { text } from '../shared/i18n';
 import { Holding, type Hands, type Loss } from './holding';
-import { encodeCommand, type AnyOrder } from './orders';
+import type { Line } from './line';
+import { encodeCommand, Orders, type AnyOrder } from './orders';
+import { PendingAnswers, type Answer } from './pending_answers';
 import { PendingStop } from './pending_stop';
+import { readMessage } from './read_message';
 import { refusalText } from './refusals';
 
 export type ConnectionStatus = 'connecting' | 'open' | 'lost';
 
-/** Why no connection can be: it is not tried again by itself. */
+/** The page and the program speak different versions: the connection is not tried again. */
 export interface VersionProblem { readonly theirs: number; readonly ours: number }
-
-/** `reason`: for the person, in the page's language; empty when accepted. */
-export interface Answer { readonly accepted: boolean; readonly reason: string }
 
 export interface ConnectionEvents {
   state: WorldStateT;
@@ -26,22 +24,10 @@ export interface ConnectionEvents {
   controls: ControlsT;
   status: ConnectionStatus;
   welcome: WelcomeT;
-  /** What a program that leads through a device's commissioning is at. */
+  /** The step of a device's commissioning, from a program that leads through one. */
   commissioning: CommissioningT;
-  /** The person leaves this page: the last moment to order something. */
+  /** The person leaves this page; this is the last moment to order something. */
   leaving: void;
-}
-
-/** The part of a WebSocket that is used; net/fake_program.ts is another one. */
-export interface Line {
-  binaryType: string;
-  onopen: ((event: Event) => void) | null;
-  onmessage: ((event: MessageEvent) => void) | null;
-  onclose: ((event: CloseEvent) => void) | null;
-  send(data: Uint8Array<ArrayBuffer>): void;
-  /** Sends this by itself, often, for as long as the page answers; null: no more. Without it the page does so. */
-  hold?(beat: Uint8Array<ArrayBuffer> | null): void;
-  close(): void;
 }
 
 export interface ConnectionOptions {
@@ -49,7 +35,7 @@ export interface ConnectionOptions {
   readonly url: string;
   /** Shown to the program by TakeControls; empty on this machine. */
   readonly token?: string;
-  /** Asks the program by HTTP why it takes no line: a browser tells a page nothing but that it failed. */
+  /** Asks the program by HTTP why it refused the connection: a browser tells a page only that it failed. */
   readonly why?: () => Promise<number>;
   /** Makes the line; a WebSocket unless told otherwise. */
   readonly open?: (url: string) => Line;
@@ -60,18 +46,17 @@ const FIRST_WAIT_MS = 250;
 const LONGEST_WAIT_MS = 2000;
 const HEARTBEAT_MS = 50;
 const ANSWER_WITHIN_MS = 3000;
-// Loading and arming stop a run gently, read files and build a world first.
+// Loading and arming take longer: they stop a run gently, read files and build a world first.
 const SLOW_ANSWER_WITHIN_MS = 20_000;
-// Of an open line that says nothing at all: the program sends 60 states a second.
+// An open line that is silent for this long is lost: the program sends 60 states a second.
 const SILENCE_MS = 3000;
 
-/** Sent by the line's own thread, between the page's orders: the number of a beat does not count. */
+/** The beat that the line's own thread sends between the page's orders; its number does not count. */
 const BEAT = encodeCommand(0, new HeartbeatT());
 
-interface Waiting { readonly settle: (answer: Answer) => void; readonly timer: ReturnType<typeof setTimeout> }
 type Listeners = { [Name in keyof ConnectionEvents]: Set<(value: ConnectionEvents[Name]) => void> };
 
-export class Connection {
+export class Connection extends Orders {
   status: ConnectionStatus = 'connecting';
   /** Set when the program speaks another version; then the page does not try again. */
   problem: VersionProblem | null = null;
@@ -94,7 +79,7 @@ export class Connection {
   private readonly listeners: Listeners = {
     state: new Set(), scene: new Set(), events: new Set(), controls: new Set(), status: new Set(), welcome: new Set(), commissioning: new Set(), leaving: new Set(),
   };
-  private readonly waiting = new Map<number, Waiting>();
+  private readonly pending = new PendingAnswers();
   private line: Line | null = null;
   private lastId = 0;
   private wait_ms = FIRST_WAIT_MS;
@@ -107,6 +92,7 @@ export class Connection {
   private readonly stopAsked = new PendingStop(() => this.order(new EmergencyStopT()), () => this.tell('status', this.status));
 
   constructor(private readonly options: ConnectionOptions) {
+    super();
     this.beatTimer = setInterval(() => this.beat(), HEARTBEAT_MS);
     this.connect();
   }
@@ -131,40 +117,15 @@ export class Connection {
     if (this.holding.away && !(order instanceof EmergencyStopT || order instanceof StopT || order instanceof RestT)) return Promise.resolve({ accepted: false, reason: text('line.away') });
     const id = ++this.lastId;
     const within_ms = order instanceof LoadExerciseT || order instanceof LoadProfileT || order instanceof ArmT ? SLOW_ANSWER_WITHIN_MS : ANSWER_WITHIN_MS;
-    return new Promise((settle) => {
-      const timer = setTimeout(() => this.settle(id, { accepted: false, reason: text('line.silent') }), within_ms);
-      this.waiting.set(id, { settle, timer });
-      line.send(encodeCommand(id, order));
-    });
+    const answer = this.pending.wait(id, within_ms, { accepted: false, reason: text('line.silent') });
+    line.send(encodeCommand(id, order));
+    return answer;
   }
 
-  /** `endingsSeen`: what `endings` was when the person was shown what they pressed on. */
-  arm(endingsSeen: number): Promise<Answer> { return this.order(new ArmT(endingsSeen)); }
-  stop(): Promise<Answer> { return this.order(new StopT()); }
-  /** A gentle stop that the same page may end by arming again. */
-  rest(): Promise<Answer> { return this.order(new RestT()); }
-  /** Sent until the program has confirmed it; answered then. */
+  /** Sends an emergency stop until the program has confirmed it, and then answers. */
   emergencyStop(): Promise<Answer> { return this.stopAsked.ask(); }
   /** An emergency stop was asked for, and the program has not said within 300 ms that it has it. */
   get stopUnconfirmed(): boolean { return this.stopAsked.unconfirmed; }
-  /** Empty names and level 0 leave that part as it is. */
-  loadExercise(exercise: string, level: number, hand: string): Promise<Answer> {
-    return this.order(new LoadExerciseT(exercise, level, hand));
-  }
-  /** Of a patient, by name: what is loaded and set now; or what was saved, while nothing is armed. */
-  saveProfile(name: string): Promise<Answer> { return this.order(new SaveProfileT(name)); }
-  loadProfile(name: string): Promise<Answer> { return this.order(new LoadProfileT(name)); }
-  /** What pages do for the player; Unsaid: the player chooses. */
-  setHelp(help: Help): Promise<Answer> { return this.order(new SetHelpT(help)); }
-  setParameter(name: string, value: number): Promise<Answer> { return this.order(new SetParameterT(name, value)); }
-  /** Where the person wants to be, one value per axis of the scene [m or rad]. */
-  aim(q: number[]): Promise<Answer> { return this.order(new AimT(q)); }
-  steer(by: Steering): Promise<Answer> { return this.order(new SteerT(by)); }
-  act(act: Act): Promise<Answer> { return this.order(new ActionT(act)); }
-  /** To a question of a commissioning, by its number. */
-  answer(question: number, words: string): Promise<Answer> { return this.order(new AnswerT(question, words)); }
-  /** A button is held, or let go, without which a commissioning moves nothing. */
-  holdToMove(press: number, held: boolean): Promise<Answer> { return this.order(new HoldToMoveT(press, held)); }
   async takeControls(): Promise<Answer> {
     this.holding.asks();
     const answer = await this.order(new TakeControlsT(this.options.token ?? ''));
@@ -176,14 +137,14 @@ export class Connection {
     return this.order(new ReleaseControlsT());
   }
 
-  /** The person leaves the page: it is silent from now on, and the program takes the controls back by itself. */
+  /** Takes note that the person leaves the page. It is silent from now on, and the program takes the controls back. */
   leave(): void {
     if (this.holding.away) return;
     this.tell('leaving', undefined);
     this.holding.leave(this.rendering);
   }
 
-  /** The person is here again. What was lost must be taken anew, by a press. */
+  /** Takes note that the person is back. Controls that were lost have to be taken anew, by a press. */
   comeBack(): void { this.holding.away = false; }
 
   /** Tries at once instead of after the wait. */
@@ -193,7 +154,7 @@ export class Connection {
     this.connect();
   }
 
-  /** Ends it for good. */
+  /** Closes the connection for good. */
   close(): void {
     this.closed = true;
     clearInterval(this.beatTimer);
@@ -234,7 +195,7 @@ export class Connection {
 
   private lost(): void {
     this.dropLine();
-    for (const id of [...this.waiting.keys()]) this.settle(id, { accepted: false, reason: text('line.lost') });
+    this.pending.settleAll({ accepted: false, reason: text('line.lost') });
     this.attempts += 1;
     this.setStatus('lost');
     void this.askWhy();
@@ -261,21 +222,13 @@ export class Connection {
     line.close();
   }
 
-  private settle(id: number, answer: Answer): void {
-    const waiting = this.waiting.get(id);
-    if (!waiting) return;
-    clearTimeout(waiting.timer);
-    this.waiting.delete(id);
-    waiting.settle(answer);
-  }
-
   private setStatus(status: ConnectionStatus): void {
     this.status = status;
     this.tell('status', status);
   }
 
   private beat(): void {
-    // A page that was busy or asleep has not read what came meanwhile: that is no silence of the program.
+    // A page that was busy or asleep has not read what came meanwhile, so the program counts as heard.
     const now_ms = performance.now();
     if (now_ms - this.beat_ms > 10 * HEARTBEAT_MS) this.heard_ms = now_ms;
     this.beat_ms = now_ms;
@@ -284,7 +237,7 @@ export class Connection {
       this.lost();
       return;
     }
-    // Not answered for: a beat whose answer is lost is followed by the next one.
+    // The answer to a beat is not waited for: the next beat follows.
     if (!this.line.hold && this.status === 'open' && this.holding.beats) this.line.send(encodeCommand(++this.lastId, new HeartbeatT()));
   }
 
@@ -297,88 +250,48 @@ export class Connection {
 
   private read(data: unknown): void {
     this.heard_ms = performance.now();
-    let message: Message;
-    try {
-      const buffer = new flatbuffers.ByteBuffer(new Uint8Array(data as ArrayBuffer));
-      if (!Message.bufferHasIdentifier(buffer)) throw new Error('not a Wholehand message');
-      message = Message.getRootAsMessage(buffer);
-      if (message.schemaVersion() !== SCHEMA_VERSION) {
-        this.problem = { theirs: message.schemaVersion(), ours: SCHEMA_VERSION };
-        this.lost();
-        return;
+    const message = readMessage(data);
+    switch (message.is) {
+      case 'state': return this.takeState(message.value);
+      case 'scene':
+        this.scene = message.value;
+        return this.tell('scene', message.value);
+      case 'events': return this.tell('events', message.value);
+      case 'welcome': return this.takeWelcome(message.value);
+      case 'controls': return this.takeControlsTold(message.value);
+      case 'commissioning':
+        this.commissioning = message.value;
+        return this.tell('commissioning', message.value);
+      case 'reply': {
+        const { command, accepted, refusal, reason } = message.value;
+        return this.pending.settle(command, { accepted, reason: accepted ? '' : refusalText(refusal, String(reason ?? '')) });
       }
-    } catch {
-      this.countUnreadable();
-      return;
+      case 'foreign':
+        this.problem = { theirs: message.version, ours: SCHEMA_VERSION };
+        return this.lost();
+      case 'unreadable': return this.countUnreadable();
     }
-    this.dispatch(message);
   }
 
-  // There is no verifier in this language: a WebSocket brings whole messages, and the program verifies its own.
-  private dispatch(message: Message): void {
-    const unpack = <Table extends { unpack(): unknown }>(table: Table): ReturnType<Table['unpack']> | null => {
-      try {
-        return (message.payload(table as never) as Table).unpack() as ReturnType<Table['unpack']>;
-      } catch {
-        this.countUnreadable();
-        return null;
-      }
-    };
-    switch (message.payloadType()) {
-      case Payload.WorldState: {
-        const state = unpack(new WorldState());
-        if (!state) return;
-        this.latestState = state;
-        if (state.endings !== this.endings) this.holding.ended();
-        this.endings = state.endings;
-        this.latestStateAt_ms = this.heard_ms;
-        this.tell('state', state);
-        return;
-      }
-      case Payload.Scene: {
-        const scene = unpack(new Scene());
-        if (!scene) return;
-        this.scene = scene;
-        this.tell('scene', scene);
-        return;
-      }
-      case Payload.Events: {
-        const events = unpack(new Events());
-        if (events) this.tell('events', events.events);
-        return;
-      }
-      case Payload.Welcome: {
-        const welcome = unpack(new Welcome());
-        if (!welcome) return;
-        this.welcome = welcome;
-        this.endings = 0;  // another run of the program counts anew
-        this.attempts = this.refusedWith = 0;
-        this.setStatus('open');
-        this.tell('welcome', welcome);
-        return;
-      }
-      case Payload.Controls: {
-        const controls = unpack(new Controls());
-        if (!controls) return;
-        this.holding.told({ heldByYou: controls.heldByYou, held: controls.held, role: controls.yourRole, holder: controls.holderRole, led: controls.led }, this.rendering);
-        this.tell('controls', controls);
-        return;
-      }
-      case Payload.Commissioning: {
-        const commissioning = unpack(new Commissioning());
-        if (!commissioning) return;
-        this.commissioning = commissioning;
-        this.tell('commissioning', commissioning);
-        return;
-      }
-      case Payload.Reply: {
-        const reply = unpack(new Reply());
-        if (reply) this.settle(reply.command, { accepted: reply.accepted, reason: reply.accepted ? '' : refusalText(reply.refusal, String(reply.reason ?? '')) });
-        return;
-      }
-      default:
-        this.countUnreadable();
-    }
+  private takeState(state: WorldStateT): void {
+    this.latestState = state;
+    if (state.endings !== this.endings) this.holding.ended();
+    this.endings = state.endings;
+    this.latestStateAt_ms = this.heard_ms;
+    this.tell('state', state);
+  }
+
+  private takeWelcome(welcome: WelcomeT): void {
+    this.welcome = welcome;
+    this.endings = 0;  // another run of the program counts anew
+    this.attempts = this.refusedWith = 0;
+    this.setStatus('open');
+    this.tell('welcome', welcome);
+  }
+
+  private takeControlsTold(controls: ControlsT): void {
+    this.holding.told({ heldByYou: controls.heldByYou, held: controls.held, role: controls.yourRole, holder: controls.holderRole, led: controls.led }, this.rendering);
+    this.tell('controls', controls);
   }
 
   private countUnreadable(): void {

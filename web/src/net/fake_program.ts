@@ -6,17 +6,18 @@
 //   fault=12      faults after a second with that bit of Scene.fault_names, on the first axis
 import * as flatbuffers from 'flatbuffers';
 import {
-  Act, Action, Aim, Arm, AxisT, BodyT, CapsuleT, Command, ContactPointT, ControlsT, DeviceStateT, EventsT, EventT, LetGo,
-  LoadExercise, Message, MessageT, Order, ParameterGroup, ParameterT, Payload, PoseT, QuatXyzwT, Refusal, ReplyT, RunState, SafetyState, SceneT,
-  SCHEMA_VERSION, SetParameter, ShapeT, ShapeType, StatisticsT, Steer, Steering, Vec3T, WelcomeT, WorldStateT,
+  Act, Action, Aim, Arm, AxisT, CapsuleT, Command, ControlsT, DeviceStateT, EventsT, EventT, LetGo, LoadExercise, Message, MessageT, Order,
+  ParameterGroup, ParameterT, Payload, Refusal, ReplyT, RunState, SafetyState, SceneT, SCHEMA_VERSION, SetParameter, StatisticsT, Steer, Steering,
+  WelcomeT, WorldStateT,
 } from '../protocol';
-import type { Line } from './connection';
-import { AXES, FakeBar, GEOMETRY, LEVEL_NAMES, SQUEEZE, Stage } from './fake_bar';
-import { HAND, type Quad, type Triple } from './fake_hand';
+import type { Line } from './line';
+import { BAR_FILE } from '../exercises/cocktail_bar/bar';
+import { AXES, FakeBar, LEVEL_NAMES } from '../exercises/cocktail_bar/fake_bar';
+import { describeBar, EVENT_NAMES, fillBar, playTo } from '../exercises/cocktail_bar/fake_messages';
+import { HAND, type Triple } from './fake_hand';
+import { pose, vec } from './fake_shapes';
 
 const PERIOD_MS = 1000 / 60;
-const EVENT_NAMES = ['approached', 'touched', 'engaged', 'disengaged', 'pour_began', 'pour_ended', 'line_reached', 'overfilled', 'spilt',
-  'wrong_dispenser', 'knocked_over', 'stood_up', 'step_done', 'drink_done', 'level_done', 'paused', 'resumed', 'restarted'];
 const FAULT_NAMES = ['device read failed', 'device write failed', 'non-finite device position', 'non-finite effort', 'non-finite state',
   'physics step failed', 'effort limited', 'late tick', 'contacts dropped', 'singular reduced inertia', 'stop requested', 'emergency stop',
   'speed limit exceeded', 'workspace left', 'power limited', 'effort slew limited', 'encoder jumped', 'encoder stuck', 'late ticks in a row',
@@ -36,12 +37,6 @@ const PARAMETERS = [
   ['lead_in_m', ParameterGroup.Exercise, 'm', 0.001, 0.01, 0.004, 0.002],
   ['squeeze_threshold_ratio', ParameterGroup.Exercise, '', 0.5, 2, 1, 0.25],
 ] as const;
-
-const vec = (v: Triple): Vec3T => new Vec3T(v[0], v[1], v[2]);
-const pose = (p: Triple, q: Quad = [0, 0, 0, 1]): PoseT => new PoseT(vec(p), new QuatXyzwT(q[0], q[1], q[2], q[3]));
-const box = (half: Triple): ShapeT => new ShapeT(ShapeType.Box, vec(half), 0, 0, [], [], pose([0, 0, 0]));
-const cylinder = (radius_m: number, length_m: number, q?: Quad): ShapeT =>
-  new ShapeT(ShapeType.Cylinder, vec([0, 0, 0]), radius_m, length_m, [], [], pose([0, 0, 0], q));
 
 export class FakeProgram {
   private bar: FakeBar;
@@ -64,11 +59,7 @@ export class FakeProgram {
     this.bar = new FakeBar(this.level(options.get('level')));
     this.version = Number(options.get('version') ?? SCHEMA_VERSION);
     this.breaksAt_ms = options.has('lost') ? this.started_ms + 1000 * Number(options.get('lost')) : Infinity;
-    const until: Record<string, number> = { reach: Stage.Reach, squeeze: Stage.Squeeze, pour: Stage.Pour, letgo: Stage.LetGo, success: Stage.DrinkDone, level: Stage.LevelDone, drawback: Stage.DrawBack };
-    const stage = until[options.get('at') ?? ''];
-    const drink = Number(options.get('drink') ?? 0), step = Number(options.get('step') ?? 0);
-    const there = () => this.bar.stage === stage && this.bar.drink >= drink && this.bar.step >= step;
-    for (let k = 0; stage !== undefined && k < 12000 && !there(); k++) this.bar.advance(1 / 60, true, true);
+    playTo(this.bar, options.get('at') ?? '', Number(options.get('drink') ?? 0), Number(options.get('step') ?? 0));
     const further_s = Number(options.get('further') ?? 0);
     for (let k = 0; k < 60 * further_s; k++) this.bar.advance(1 / 60, true, true);
   }
@@ -196,7 +187,7 @@ export class FakeProgram {
         const order = command.order(new LoadExercise()) as LoadExercise;
         const level = order.level() || this.bar.level;
         if (level > LEVEL_NAMES.length) return Refusal.CannotLoad;
-        if (order.exercise() && order.exercise() !== 'cocktail-bar') return Refusal.UnknownExercise;
+        if (order.exercise() && order.exercise() !== BAR_FILE) return Refusal.UnknownExercise;
         this.bar = new FakeBar(level);
         this.say(line, Payload.Scene, this.scene());
         return Refusal.None;
@@ -230,52 +221,24 @@ export class FakeProgram {
   }
 
   scene(): SceneT {
-    const g = GEOMETRY, bar = this.bar;
-    const s = new SceneT(this.session, '0.3.0 (stand-in)', 'cocktail-bar', HAND.name, true, this.options.has('hardware') ? 'lambda-pride' : 'simulated lambda-pride', 'relaxed-adult', 'cocktail-bar');
-    s.exerciseJson = JSON.stringify({
-      kind: 'cocktail_bar', level: bar.level, levels: LEVEL_NAMES.map((name, i) => ({ level: i + 1, name })), liquids: bar.liquids,
-      dispensers: bar.liquids.map((l) => ({ body: `dispenser_${l.name}`, liquid: l.name, free: false, radius_m: g.bottle_r, height_m: g.bottle_h, nozzle_m: [0, 0, g.nozzle_z], grip_m: [0, 0, 0] })),
-      glass: { body: 'glass', radius_m: g.glass_r, height_m: g.glass_h, m_per_l: g.m_per_l, capacity_l: g.capacity_l },
-      counter_z_m: g.counter_z, rail_z_m: g.rail_z, drinks: bar.drinks,
-    });
+    const s = new SceneT(this.session, '0.3.0 (stand-in)', BAR_FILE, HAND.name, true, this.options.has('hardware') ? 'lambda-pride' : 'simulated lambda-pride', 'relaxed-adult', BAR_FILE);
     s.periodS = 0.001;
     s.axes = AXES.map((a) => new AxisT(a.name, a.unit, a.lower, a.upper, a.limit, a.lever, a.speed));
     s.jointNames = HAND.joints;
     s.linkNames = HAND.links.map((l) => l.name);
     s.capsules = HAND.capsules.map((c) => new CapsuleT(c.name, c.part, c.link, vec(c.a as unknown as Triple), vec(c.b as unknown as Triple), c.r));
-    s.bodies = [
-      new BodyT('counter', true, '#765443', [box([0.25, 0.6, 0.02])]),
-      new BodyT('rail', true, '#D0A869', [cylinder(0.008, 1.2, [Math.SQRT1_2, 0, 0, Math.SQRT1_2])]),
-      new BodyT('glass', true, '#DDE8E8', [cylinder(g.glass_r, g.glass_h)]),
-      ...bar.liquids.map((l) => new BodyT(`dispenser_${l.name}`, true, l.color, [cylinder(g.bottle_r, g.bottle_h)])),
-    ];
-    s.valueNames = this.values().map(([name]) => name);
-    s.eventNames = EVENT_NAMES;
+    describeBar(s, this.bar);
     s.faultNames = FAULT_NAMES;
     s.parameters = PARAMETERS.map(([name, group, unit, lower, upper, initial, rate]) => new ParameterT(name, group, unit, lower, upper, initial, rate));
-    s.exercises = ['cocktail-bar', 'free-grasping'];
+    s.exercises = [BAR_FILE, 'free-grasping'];
     s.hands = [HAND.name, 'woman-p50-right'];
     s.levels = LEVEL_NAMES.length;
-    s.level = bar.level;
+    s.level = this.bar.level;
     return s;
   }
 
-  private values(): [string, number][] {
-    const bar = this.bar, asked = bar.steps[Math.min(bar.step, bar.steps.length - 1)];
-    return [
-      ['stage', bar.stage], ['drink', bar.drink], ['drinks', bar.drinks.length], ['step', bar.step], ['steps', bar.steps.length],
-      ['target_dispenser', bar.target], ['engaged_dispenser', bar.engaged], ['squeeze_n', bar.squeeze_n], ['squeeze_low_n', SQUEEZE.low_n],
-      ['squeeze_high_n', SQUEEZE.high_n], ['squeeze_full_n', SQUEEZE.full_n], ['flow_l_s', bar.flow_l_s],
-      ['over_glass', Number(bar.flow_l_s > 0 && bar.engaged === bar.target)], ['poured_l', bar.poured_l], ['asked_l', asked.amount_l],
-      ['tolerance_l', asked.tolerance_l], ['glass_l', bar.layers_l.reduce((a, b) => a + b, 0)], ['spilt_l', bar.spilt_l], ['score', bar.score],
-      ['stars', bar.stars], ['drink_time_s', bar.drinkTime_s], ['row_y_m', bar.row_y],
-      ...bar.liquids.map((l, i): [string, number] => [`left_l/${l.name}`, bar.left_l[i]]),
-      ...bar.layers_l.map((v, i): [string, number] => [`layer_l/${i}`, v]),
-    ];
-  }
-
   state(): WorldStateT {
-    const g = GEOMETRY, bar = this.bar, s = new WorldStateT();
+    const bar = this.bar, s = new WorldStateT();
     s.session = this.session;
     s.endings = this.endings;
     s.rested = this.rested && this.runState !== RunState.Rendering;
@@ -301,16 +264,8 @@ export class FakeProgram {
     s.damping = s.phi.map((phi, i) => -0.1 * phi * Math.sin(bar.time_s * 3 + i) * AXES[i].limit / 20);
     s.sent = s.coupling.map((c, i) => this.authority * (c + s.exerciseEffort[i] + s.damping[i]));
     s.alpha = bar.alpha;
-    const dispenser = 3;
-    s.palmBody = bar.palmDistance_m < 0.2 ? dispenser + Math.max(bar.engaged, bar.target) : -1;
-    s.palmDistanceM = bar.palmDistance_m;
     s.links = bar.links.map((l) => pose(l.p, l.q));
-    s.bodies = [
-      pose([0.2, 0, g.counter_z - 0.02]), pose([g.row_x, 0, g.rail_z]), pose([g.row_x, bar.glass_y, g.counter_z + g.glass_h / 2]),
-      ...bar.liquids.map((_, i) => pose([g.row_x, bar.dispenserY(i), g.bottle_z])),
-    ];
-    s.contacts = bar.contacts.map((c) => new ContactPointT(c.capsule, dispenser + c.dispenser, vec(c.point), vec(c.force)));
-    s.values = this.values().map(([, value]) => value);
+    fillBar(s, this.bar);
     s.parameters = this.parameters.map((p) => p.now);
     s.statistics = new StatisticsT(BigInt(this.tick), BigInt(2), BigInt(0), 148 + 4 * Math.random(), 236, 402, 890);
     s.recordingBytes = BigInt(this.tick * 400);

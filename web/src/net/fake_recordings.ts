@@ -14,7 +14,6 @@ const PERIOD_S = 1e-3;
 const MADE_HZ = 20;
 const MADE_S = 24;
 const GAP_TICKS = 200;
-const DISPENSER_FORCE = ['contact_force_n', 'contact_count'] as const;
 
 const PER_AXIS: Readonly<Record<string, (state: WorldStateT) => readonly number[]>> = {
   q_m: (s) => s.qM, q_s: (s) => s.qS, intention: (s) => s.intention, sent: (s) => s.sent, exercise_effort: (s) => s.exerciseEffort, damping: (s) => s.damping, phi: (s) => s.phi,
@@ -77,7 +76,7 @@ export class FakeRecordings {
     return [
       ...Object.entries(PER_AXIS).flatMap(([name, read]) => axes.map((axis) => ({ name, axis, of: (s: WorldStateT) => read(s)[axis] ?? NaN }))),
       { name: 'alpha', axis: 0, of: (s) => s.alpha }, { name: 'palm_distance_m', axis: 0, of: (s) => (s.palmBody < 0 ? NaN : s.palmDistanceM) },
-      { name: DISPENSER_FORCE[0], axis: 0, of: force }, { name: DISPENSER_FORCE[1], axis: 0, of: (s) => s.contacts.length },
+      { name: 'contact_force_n', axis: 0, of: force }, { name: 'contact_count', axis: 0, of: (s) => s.contacts.length },
       { name: 'duration_s', axis: 0, of: (s) => 1e-6 * (150 + Number(s.tick % 37n)) },
       ...this.scene.valueNames.map((_, i) => ({ name: 'value', axis: i, of: (s: WorldStateT) => s.values[i] ?? NaN })),
     ];
@@ -96,7 +95,7 @@ export class FakeRecordings {
     return {
       name, title: this.options.get('title') ?? 'Cocktail bar', created_utc: '2026-11-20T09:38:00Z', program_version: '0.3.0 (stand-in)', period_s: PERIOD_S,
       ticks: this.rows, ticks_missing: this.ticks - this.rows, from_s: 0, to_s: this.ticks * PERIOD_S, simulated_device: true, patient: 'relaxed-adult', device: 'lambda-pride', hand: 'adult-median-right',
-      exercise: this.options.has('noexercise') ? '' : 'cocktail-bar', level: 2, still_written: written, whole: !damaged,
+      exercise: this.options.has('noexercise') ? '' : String(this.scene.exerciseName), level: 2, still_written: written, whole: !damaged,
       ...(damaged ? { unreadable_from_s: 0.9 * this.ticks * PERIOD_S } : {}), run_again: true, picture: !this.options.has('nopicture'), no_picture_because: '',
       axes: this.scene.axes.map(({ name, unit, effortLimit, leverArmM }) => ({ name, unit, effort_limit: effortLimit, lever_arm_m: leverArmM })),
       value_names: this.scene.valueNames, event_names: this.scene.eventNames,

@@ -1,14 +1,14 @@
-// Whether this page has the controls, when it must show the program that it is there, and why it lost them.
+// Keeps whether this page has the controls, when it must beat, and why it lost the controls.
 import { Role } from '../protocol';
 
 /** Why this page lost the controls, which it did not give back: the person left it, the program did not hear it, or a therapist took them. */
 export type Loss = '' | 'left' | 'unheard' | 'taken';
 
-/** Who has the controls, and what this page is there for. */
+/** Who has the controls, and the role of this page. */
 export interface Hands {
   readonly heldByYou: boolean;
   readonly held: boolean;
-  /** As the program granted it; Unsaid by one that knows no roles. */
+  /** The role that the program granted; Unsaid from one that knows no roles. */
   readonly role: Role;
   readonly holder: Role;
   /** A therapist's page is open. */
@@ -19,13 +19,13 @@ const NOBODY: Hands = { heldByYou: false, held: false, role: Role.Unsaid, holder
 
 export class Holding {
   hands: Hands = NOBODY;
-  /** Until they are taken anew. */
+  /** Why the controls were lost, until they are taken anew. */
   loss: Loss = '';
   /** The person has left the page. */
   away = false;
   private taking = 0;        // orders without an answer yet
-  private giving = false;    // the controls back, at the person's wish
-  private beating = false;   // so the line was told
+  private giving = false;    // the controls are being given back, at the person's wish
+  private beating = false;   // what the line was told
 
   /** @param keep begins the beats that say that the page is there, or ends them */
   constructor(private readonly keep: (beats: boolean) => void) {}
@@ -58,7 +58,7 @@ export class Holding {
   /** The program says who has the controls. */
   told(hands: Hands, rendering: boolean): void {
     const lost = this.hands.heldByYou && !hands.heldByYou && !this.giving;
-    // At a stop a player's hand is taken off: that is no loss to speak of.
+    // A stop takes the controls from a player; that is not told as a loss.
     if (lost && this.away) this.loss = 'left';
     else if (lost && hands.held) this.loss = 'taken';
     else if (lost && (rendering || hands.role !== Role.Player)) this.loss = 'unheard';
@@ -67,12 +67,12 @@ export class Holding {
     this.tellLine();
   }
 
-  /** Rendering has ended: what looked like silence was the stop that took a player's hand off. */
+  /** Takes note that rendering has ended: what looked like silence was the stop that took the controls from a player. */
   ended(): void {
     if (this.loss === 'unheard' && this.hands.role === Role.Player) this.loss = '';
   }
 
-  /** There is no line any more that anything could be held over. */
+  /** Forgets the controls: there is no connection any more. */
   lineGone(): void {
     this.hands = NOBODY;
     this.giving = this.beating = false;

@@ -1,10 +1,10 @@
-// Beside the page's thread: the line to the program, and the beat that shows that the page lives. See worker_line.ts.
-// Browsers slow the timers of hidden pages down to 1 Hz and less, but not those of workers; and a page that draws for
-// 300 ms is no silent page.
+// Runs the line to the program in a worker, and sends the beat that shows that the page lives (see worker_line.ts).
+// Browsers slow the timers of hidden pages down to 1 Hz and less, but not those of workers. A page that draws for 300 ms
+// does not fall silent either.
 import type { FromLine, ToLine } from './worker_line';
 
 const BEAT_MS = 50;
-/** A page that has not answered for so long hangs, and is as silent as one that is gone. Building a picture takes less. */
+/** A page that has not answered for this long hangs, and its beat ends [ms]. Building a picture takes less. */
 const HANGS_MS = 3000;
 
 let socket: WebSocket | undefined;

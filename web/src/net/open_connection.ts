@@ -2,7 +2,7 @@ import { Connection } from './connection';
 import { followPresence } from './presence';
 import { WorkerLine } from './worker_line';
 
-/** What a page is there for: the game is the player's, the console the therapist's. */
+/** The role that a page asks for: the game the player's, the console the therapist's. */
 export type PageRole = 'player' | 'therapist';
 
 /** Token of the address, "?token=…" or "#token=…"; the second one is in no server's log. */
@@ -16,21 +16,21 @@ export function socketUrl(address: Pick<Location, 'protocol' | 'host' | 'search'
   const asked = development ? new URLSearchParams(address.search).get('server') : null;
   const host = asked && /^(localhost|127\.0\.0\.1)(:\d+)?$/.test(asked) ? asked : address.host;
   const scheme = address.protocol === 'https:' ? 'wss' : 'ws';
-  // Whoever only wants to look says so: "?role=watcher".
+  // "?role=watcher" asks only to look.
   const wanted = new URLSearchParams(address.search).get('role') === 'watcher' ? 'watcher' : role;
   return `${scheme}://${host}/ws?role=${wanted}${token ? `&token=${encodeURIComponent(token)}` : ''}`;
 }
 
 const STORED = 'wholehand.token';
 
-/** The token, taken out of the address: there it would be seen, bookmarked and shared. The tab keeps it over a reload. */
+/** Takes the token out of the address, where it would be seen, bookmarked and shared. The tab keeps it over a reload. */
 export function takeToken(): string {
   const shown = tokenOf(location);
   try {
     if (!shown) return sessionStorage.getItem(STORED) ?? '';
     sessionStorage.setItem(STORED, shown);
   } catch {
-    return shown;  // without storage a reload would lose it: it stays where it is
+    return shown;  // without storage a reload would lose it, so it stays in the address
   }
   const address = new URL(location.href);
   address.searchParams.delete('token');

@@ -1,7 +1,7 @@
-// An emergency stop until the program has answered it.
-import type { Answer } from './connection';
+// Repeats an emergency stop until the program has confirmed it.
+import type { Answer } from './pending_answers';
 
-/** Without an answer for so long it counts as not confirmed, and is sent again [ms]. */
+/** A stop without an answer for this long counts as not confirmed, and is sent again [ms]. */
 const CONFIRMED_WITHIN_MS = 300;
 
 /** Sends a stop again and again until the program says that it has it, over a new line, too. */
@@ -15,7 +15,7 @@ export class PendingStop {
   /** @param changed called when `unconfirmed` changed */
   constructor(private readonly send: () => Promise<Answer>, private readonly changed: () => void) {}
 
-  /** Answered when the program has confirmed it, however late. */
+  /** Asks for a stop. The answer comes when the program has confirmed it, however late. */
   ask(): Promise<Answer> {
     this.timer ??= setInterval(() => this.sendAgain(), CONFIRMED_WITHIN_MS);
     this.sendOnce();
@@ -33,7 +33,7 @@ export class PendingStop {
   }
 
   private sendAgain(): void {
-    // A page that was busy for long has not read yet what came meanwhile.
+    // A page that was busy for longer has not read the answers yet.
     if (performance.now() - this.sent_ms < 2 * CONFIRMED_WITHIN_MS) this.say(true);
     this.sendOnce();
   }

@@ -1,11 +1,11 @@
-// Whether a person can see this page: whoever has left it cannot see what the robot does.
+// Follows whether a person can see this page: whoever has left it cannot see what the robot does.
 import type { Connection } from './connection';
 
 export function followPresence(connection: Connection): void {
   const look = (): void => { if (document.hidden) connection.leave(); else connection.comeBack(); };
   document.addEventListener('visibilitychange', look);
   addEventListener('pageshow', look);
-  // Closed, left for another page, or put to sleep.
+  // The page is closed, left for another one, or put to sleep.
   addEventListener('pagehide', () => connection.leave());
   document.addEventListener('freeze', () => connection.leave());
   document.addEventListener('resume', look);

@@ -1,4 +1,4 @@
-// Why an order was refused, in the person's language.
+// Says why an order was refused, in the person's language.
 import { Refusal } from '../protocol';
 import { hasText, text } from '../shared/i18n';
 

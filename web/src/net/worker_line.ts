@@ -1,7 +1,7 @@
-// The line to the program in a thread of its own: neither a hidden page's slow timers nor a long picture make it silent.
-import type { Line } from './connection';
+// The line to the program in a worker: neither a hidden page's slow timers nor a long picture silence it.
+import type { Line } from './line';
 
-/** What the page tells line_worker.ts, and what it tells the page. */
+/** Messages from the page to line_worker.ts, and back. */
 export type ToLine =
   | { readonly is: 'open'; readonly url: string }
   | { readonly is: 'send'; readonly bytes: Uint8Array<ArrayBuffer> }
@@ -9,7 +9,7 @@ export type ToLine =
   | { readonly is: 'answer' } | { readonly is: 'close' };
 export type FromLine =
   | { readonly is: 'open' } | { readonly is: 'message'; readonly data: unknown }
-  /** Is the page alive? It answers from its message loop, which no browser slows down. */
+  /** Asks whether the page is alive. It answers from its message loop, which no browser slows down. */
   | { readonly is: 'ask' } | { readonly is: 'closed' };
 
 export class WorkerLine implements Line {
@@ -27,7 +27,7 @@ export class WorkerLine implements Line {
 
   send(bytes: Uint8Array<ArrayBuffer>): void { this.tell({ is: 'send', bytes }); }
   hold(beat: Uint8Array<ArrayBuffer> | null): void { this.tell({ is: 'hold', beat }); }
-  /** What was sent before still goes out. */
+  /** Closes the line after what was sent before has gone out. */
   close(): void { this.tell({ is: 'close' }); }
 
   private tell(order: ToLine): void { this.worker.postMessage(order); }

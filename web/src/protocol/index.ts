@@ -3,5 +3,3 @@ export * from './generated/wholehand_generated';
 
 /** What this page reads; a program that says another number is refused (Message.schema_version). */
 export const SCHEMA_VERSION = 1;
-/** Of every message, at its fourth byte. */
-export const FILE_IDENTIFIER = 'WHND';

@@ -1,4 +1,4 @@
-import { fixed } from '../console/format';
+import { fixed } from '../shared/format';
 import { Problem } from './problem';
 
 export interface Result { /** Of the exercise's value; empty in older answers. */ readonly name: string; readonly label: string; readonly value: string; readonly unit: string }

@@ -1,8 +1,8 @@
 import { titleWords } from '../console/title_words';
-import { SmallBar, type HandLook } from '../console/small_bar';
+import { PacedView, type HandLook } from '../scene/paced_view';
 import { h } from '../console/dom';
-import { ExercisePanelView } from '../console/exercise_panel';
-import { ViewPanel } from '../console/view';
+import { ExercisePanelView } from '../console/panel_view';
+import { ScenePanel } from '../console/scene_panel';
 import type { Span } from '../console/plot_source';
 import type { PlotHands } from '../console/time_plot';
 import { factsPanel } from './facts_panel';
@@ -20,7 +20,7 @@ export interface ColumnHands extends PlotHands {
 
 /** All that is shown of one recording. */
 export class Column {
-  readonly view: ViewPanel;
+  readonly view: ScenePanel;
   readonly plots: ReplayPlots;
   readonly exercise: ExercisePanelView;
   readonly facts: HTMLElement;
@@ -28,14 +28,14 @@ export class Column {
   private readonly settling = new Settling();
 
   constructor(readonly side: ReplaySide, maker: PlotMaker, look: HandLook, hands: ColumnHands) {
-    this.view = new ViewPanel(side, look, (chosen) => { hands.look(chosen); this.settling.begin(performance.now()); });
+    this.view = new ScenePanel(side, look, (chosen) => { hands.look(chosen); this.settling.begin(performance.now()); });
     this.plots = new ReplayPlots(side, maker, hands, () => hands.choice());
     this.exercise = new ExercisePanelView({ get scene() { return side.hasScene ? side.scene : null; }, get state() { return side.state; } });
     this.facts = factsPanel(side.about, side.about.ticks_missing);
     this.moments = new MomentsPanel(side, (time_s) => hands.seek(time_s));
   }
 
-  setView(bar: SmallBar | undefined): void {
+  setView(bar: PacedView | undefined): void {
     if (this.side.hasScene) this.view.setView(bar);
     else this.view.element.hidden = true;
   }

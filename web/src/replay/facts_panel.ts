@@ -1,5 +1,6 @@
 import { h } from '../console/dom';
-import { asWords, duration, grouped } from '../console/format';
+import { exerciseWords } from '../console/title_words';
+import { duration, grouped } from '../shared/format';
 import { texts as consoleTexts } from '../console/i18n';
 import { fill, language } from '../shared/i18n';
 import type { About } from './about';
@@ -18,7 +19,7 @@ const told = (text: string): HTMLElement => h('bdi', { title: text }, text);
 export function factsPanel(about: About, missing: number): HTMLElement {
   const { facts: t } = texts();
   const c = consoleTexts();
-  const exercise = about.exercise === '' ? t.noExercise : `${c.exercises[about.exercise] ?? asWords(about.exercise)}${about.level > 0 ? `, ${fill(c.level, { n: about.level })}` : ''}`;
+  const exercise = about.exercise === '' ? t.noExercise : exerciseWords(about.exercise, about.level);
   const rows: [string, string][] = [
     [t.when, dateWords(about.created_utc, language())], [t.exercise, exercise], [t.hand, c.hands[about.hand] ?? about.hand],
     [t.patient, c.patients[about.patient] ?? about.patient], [t.device, about.simulated_device ? [about.device, t.simulated].filter(Boolean).join(', ') : about.device],

@@ -1,7 +1,8 @@
 import type { Mark } from '../console/marks';
 import { phaseSign } from '../console/marks';
 import type { Span } from '../console/plot_source';
-import { asWords, grouped } from '../console/format';
+import { ownEventWords } from '../exercises/info';
+import { asWords, grouped } from '../shared/format';
 import type { ConsoleTexts } from '../console/i18n';
 import { faultWord, fill } from '../shared/i18n';
 import type { ReplayTexts } from './i18n';
@@ -86,7 +87,7 @@ export function wordsOf(moment: Moment, names: Names, t: ReplayTexts, ofConsole:
   if (gap) return fill(t.moments.gap, { n: grouped(gap.ticks) });
   if (event) {
     const name = names.eventNames[event.type] ?? '';
-    return names.ownWords(event.type) || (t.moments.events[name] ?? (name === '' ? `${event.type}` : asWords(name)));
+    return names.ownWords(event.type) || (t.moments.events[name] ?? ownEventWords(name) ?? (name === '' ? `${event.type}` : asWords(name)));
   }
   const kind = t.moments.kinds[moment.kind] ?? moment.kind;
   const why = (mark?.text ?? '').split(', ').filter((name) => name !== '').map(faultWord).join(', ');

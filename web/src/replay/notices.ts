@@ -1,5 +1,5 @@
 import { h } from '../console/dom';
-import { grouped } from '../console/format';
+import { grouped } from '../shared/format';
 import { fill } from '../shared/i18n';
 import { texts as consoleTexts } from '../console/i18n';
 import { clockTime } from './clock';

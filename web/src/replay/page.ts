@@ -1,6 +1,6 @@
-import { SmallBar, type HandLook } from '../console/small_bar';
+import { PacedView, type HandLook } from '../scene/paced_view';
 import { h, setAttribute } from '../console/dom';
-import { grouped } from '../console/format';
+import { grouped } from '../shared/format';
 import type { Span } from '../console/plot_source';
 import { fill } from '../shared/i18n';
 import { clockTime } from './clock';
@@ -42,7 +42,7 @@ export class ReplayPage implements TransportHands {
   private notices: ReplayNotices | undefined;
   private line: TimeLine | undefined;
   private transport: Transport | undefined;
-  private views: (SmallBar | undefined)[] = [];
+  private views: (PacedView | undefined)[] = [];
   private viewsTried = false;
   private look: HandLook = 'skin';
   private stale = true;         // the window, or what is known of it
@@ -89,7 +89,7 @@ export class ReplayPage implements TransportHands {
     for (const [i, side] of this.sides.entries()) {
       if (!side.hasScene) continue;
       try {
-        const view = await SmallBar.load({ forces: true });
+        const view = await PacedView.load({ forces: true });
         view.setScene(side.scene);
         this.views[i] = view;
       } catch (problem) {

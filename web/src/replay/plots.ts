@@ -1,5 +1,5 @@
 import { h } from '../console/dom';
-import { asWords } from '../console/format';
+import { asWords } from '../shared/format';
 import { texts as consoleTexts, type ConsoleTexts } from '../console/i18n';
 import { PlotPanel } from '../console/plot_panel';
 import { coordinateSpec, lookOf, plotSpecs, type PlotSpec, type SeriesSpec } from '../console/plot_specs';
@@ -8,7 +8,7 @@ import { shownUnits } from '../console/history';
 import { readTheme } from '../console/theme';
 import type { PlotHands } from '../console/time_plot';
 import type { AxisT } from '../protocol';
-import { inLanguage } from '../shared/exercise_panel';
+import { inLanguage } from '../exercises/panel';
 import { fill } from '../shared/i18n';
 import { ColumnList, type Column, type PerAxis } from './channels';
 import { texts } from './i18n';
@@ -28,7 +28,7 @@ export function allAxes(sides: readonly ReplaySide[]): AxisT[] {
 }
 
 /** Names of the exercise's values, of all recordings. */
-export function allValues(sides: readonly ReplaySide[]): string[] {
+function allValues(sides: readonly ReplaySide[]): string[] {
   return [...new Set(sides.flatMap(({ scene }) => scene.valueNames.map(String)))];
 }
 

@@ -3,7 +3,7 @@ import type { PlotsModel } from '../console/plot_panel';
 import type { Span } from '../console/plot_source';
 import { texts as consoleTexts } from '../console/i18n';
 import { AxisT, SceneT, type WorldStateT } from '../protocol';
-import { ExercisePanel } from '../shared/exercise_panel';
+import { ExercisePanel } from '../exercises/panel';
 import type { About } from './about';
 import { ColumnList } from './channels';
 import { texts } from './i18n';

@@ -1,4 +1,4 @@
-// The recording that the page carries, as the viewer asks for it: nothing comes later, and nothing is finer than what is here.
+// Serves the recording that the page carries to the viewer. Nothing is loaded later, and nothing is finer.
 import type { Span } from '../console/plot_source';
 import type { SceneT } from '../protocol';
 import type { About } from '../replay/about';

@@ -1,4 +1,4 @@
-import { fixed, grouped } from '../console/format';
+import { fixed, grouped } from '../shared/format';
 import { shownUnits } from '../console/history';
 import { texts as consoleTexts } from '../console/i18n';
 import { isArm, lookOf } from '../console/plot_specs';

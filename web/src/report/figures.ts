@@ -1,11 +1,12 @@
 // What a session came to, in numbers that can be compared with those of the session before. No elements.
-import { fixed } from '../console/format';
+import { fixed } from '../shared/format';
+import { REPORTS } from '../exercises/info';
 import { differencesBetween, type Difference } from '../replay/differences';
 import { fill } from '../shared/i18n';
-import { inLanguage } from '../shared/exercise_panel';
+import { inLanguage } from '../exercises/panel';
 import { texts } from './i18n';
 import type { ReportData } from './report_data';
-import { gripFigures, lastState, lastValue, meanOf, reachTimes } from './therapy';
+import { gripFigures, meanOf, reachTimes, recordedOf } from './therapy';
 
 export interface Figure {
   readonly key: string;
@@ -23,17 +24,16 @@ export interface Figure {
 const NEEDED: Readonly<Record<Figure['of'], readonly Difference[]>> = { exercise: ['exercise'], grip: ['hand', 'device'] };
 
 /** Of the results that exercises name. */
-const BETTER: Readonly<Record<string, 'more' | 'less'>> = { score: 'more', bands_done: 'more', spilt_l: 'less' };
+const BETTER: Readonly<Record<string, 'more' | 'less'>> = { score: 'more', bands_done: 'more', ...Object.assign({}, ...REPORTS.map(({ better }) => better)) };
 
 export function figuresOf(data: Pick<ReportData, 'about' | 'series' | 'therapy' | 'states' | 'scene'>): Figure[] {
   const t = texts().tiles;
   const { about, series, therapy } = data;
-  const last = lastState(data);
+  const recorded = recordedOf(data);
   const out: Figure[] = [];
-  const all = lastValue(data, last, 'drinks');
-  if (all !== undefined) {
-    const done = series.events.filter(({ type }) => about.event_names[type] === 'drink_done').length;
-    out.push({ key: 'drinks', value: done, shown: String(done), unit: fill(t.of, { n: all }), words: t.drinks, better: 'more', of: 'exercise' });
+  for (const { parts } of REPORTS) {
+    const told = parts(recorded);
+    if (told) out.push({ key: told.key, value: told.done, shown: String(told.done), unit: fill(t.of, { n: told.all }), words: told.words, better: 'more', of: 'exercise' });
   }
   for (const { name, label, value: shown, unit } of about.result) {
     const words = inLanguage(data.scene?.panel?.values.find((told) => String(told.name) === name)?.label) || label;
@@ -46,8 +46,10 @@ export function figuresOf(data: Pick<ReportData, 'about' | 'series' | 'therapy' 
     out.push({ key: 'grip', value: grip.mean_n, shown: fixed(grip.mean_n, 1), unit: 'N', words: t.grip, of: 'grip' },
       { key: 'steadiness', value: 100 * grip.variation, shown: fixed(100 * grip.variation, 0), unit: '%', words: t.steadiness, better: 'less', of: 'grip' });
   }
-  const stars = lastValue(data, last, 'stars');
-  if (stars !== undefined) out.push({ key: 'stars', value: stars, shown: '★'.repeat(Math.max(0, Math.min(5, Math.round(stars)))) || '–', unit: '', words: t.stars, better: 'more', of: 'exercise' });
+  for (const { stars } of REPORTS) {
+    const told = stars(recorded);
+    if (told) out.push({ key: 'stars', value: told.value, shown: '★'.repeat(Math.max(0, Math.min(5, Math.round(told.value)))) || '–', unit: '', words: told.words, better: 'more', of: 'exercise' });
+  }
   return out;
 }
 

@@ -1,5 +1,5 @@
-import { SmallBar } from '../console/small_bar';
-import { fixed } from '../console/format';
+import { PacedView } from '../scene/paced_view';
+import { fixed } from '../shared/format';
 import { fill } from '../shared/i18n';
 import { h, setText } from '../shared/dom';
 import { timeOfState, readState } from '../replay/messages';
@@ -13,7 +13,7 @@ const SETTLES_MS = 700;
 const PATIENCE_MS = 60_000;
 
 /** The state that is shown: that of the strongest contact, or the last one. */
-export function shownState({ states, therapy }: Pick<ReportData, 'states' | 'therapy'>): Uint8Array | undefined {
+function shownState({ states, therapy }: Pick<ReportData, 'states' | 'therapy'>): Uint8Array | undefined {
   if (!(therapy.largest_force_n > 0)) return states.at(-1);
   const off = (message: Uint8Array): number => Math.abs(timeOfState(message) - therapy.largest_force_s);
   return states.reduce<Uint8Array | undefined>((best, message) => (best && off(best) <= off(message) ? best : message), undefined);
@@ -54,7 +54,7 @@ async function pictureOf(data: ReportData, shown: Uint8Array, place: HTMLElement
 }
 
 async function draw(data: ReportData, shown: Uint8Array, place: HTMLElement): Promise<HTMLImageElement> {
-  const bar = await SmallBar.load({ forces: true });
+  const bar = await PacedView.load({ forces: true });
   const holder = h('div', { class: 'drawing' }, bar.canvas);
   place.ownerDocument.body.append(holder);
   try {

@@ -1,23 +1,22 @@
-// What both sheets of a report are made of.
+// Parts that both sheets of a report share.
 import { h } from '../shared/dom';
-import { asWords, duration, fixed } from '../console/format';
+import { asWords, duration } from '../shared/format';
 import { texts as consoleTexts } from '../console/i18n';
-import { titleWords } from '../console/title_words';
+import { exerciseWords, titleWords } from '../console/title_words';
+import { infoOf } from '../exercises/info';
 import type { SceneT } from '../protocol';
-import type { About } from '../replay/about';
 import { clockTime } from '../replay/clock';
 import { dateWords } from '../replay/facts_panel';
 import { Moments, plotMark, type Names } from '../replay/moments';
 import { texts as replayTexts } from '../replay/i18n';
-import { ExercisePanel } from '../shared/exercise_panel';
-import { fill, language, nameOf } from '../shared/i18n';
+import { ExercisePanel } from '../exercises/panel';
+import { fill, language } from '../shared/i18n';
 import { WindowSamples } from '../replay/window_samples';
 import type { ChartBand, ChartMark } from '../charts/chart';
 import { texts } from './i18n';
 import type { ReportData } from './report_data';
-import { exerciseJson } from './therapy';
 
-/** What a file says of itself is of any language and direction. */
+/** A text of the file, which may be of any language and direction. */
 export const told = (text: string): HTMLElement => h('bdi', { title: text }, text);
 
 export interface SheetContext {
@@ -48,20 +47,9 @@ export function sheetContext(data: ReportData, scene: SceneT, look: (time_s: num
   };
 }
 
-export function exerciseWords(about: About): string {
-  const c = consoleTexts();
-  if (about.exercise === '') return texts().facts.noExercise;
-  return `${c.exercises[about.exercise] ?? asWords(about.exercise)}${about.level > 0 ? `, ${fill(c.level, { n: about.level })}` : ''}`;
-}
-
-/** A body as people call it: a dispenser of the bar by its liquid. */
+/** A body as people call it. */
 export function bodyWords(name: string, scene: SceneT | undefined): string {
-  try {
-    const { dispensers } = JSON.parse(exerciseJson(scene)) as { dispensers?: { body?: unknown; liquid?: unknown }[] };
-    const found = Array.isArray(dispensers) ? dispensers.find(({ body }) => body === name) : undefined;
-    if (typeof found?.liquid === 'string') return nameOf('liquid', found.liquid);
-  } catch { /* the exercise has none */ }
-  return asWords(name);
+  return infoOf(scene).bodyName(name) ?? asWords(name);
 }
 
 export const shortTime = (time_s: number): string => clockTime(time_s, 1);
@@ -78,7 +66,7 @@ export function header(data: ReportData, page: string): HTMLElement {
     h('div', { class: 'called' }, h('p', {}, `Wholehand · ${page}`), h('h1', {}, told(titleWords(about.title, about.name)))),
     h('dl', {},
       item(t.facts.patient, c.patients[about.patient] ?? about.patient), item(t.facts.hand, c.hands[about.hand] ?? about.hand),
-      item(t.facts.device, [about.device, about.simulated_device ? t.facts.simulated : ''].filter(Boolean).join(', ')), item(t.facts.exercise, exerciseWords(about)),
+      item(t.facts.device, [about.device, about.simulated_device ? t.facts.simulated : ''].filter(Boolean).join(', ')), item(t.facts.exercise, about.exercise === '' ? t.facts.noExercise : exerciseWords(about.exercise, about.level)),
       item(t.facts.date, dateWords(about.created_utc, language())), item(t.facts.length, duration(about.to_s - about.from_s))));
 }
 
@@ -93,5 +81,3 @@ export function table(heads: readonly string[], rows: readonly (readonly (string
   return h('table', {}, h('thead', {}, h('tr', {}, ...heads.map((head) => h('th', { scope: 'col' }, head)))),
     h('tbody', {}, ...rows.map((cells) => h('tr', {}, ...cells.map((cell) => h('td', {}, cell))))));
 }
-
-export const litres = (value: number): string => fixed(1000 * value, 0);

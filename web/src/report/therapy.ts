@@ -1,11 +1,12 @@
 // What a recording says of the therapy, from what the page carries. No elements.
-import type { SceneT, WorldStateT } from '../protocol';
+import { REPORTS, type Recorded } from '../exercises/info';
+import type { WorldStateT } from '../protocol';
 import { readState } from '../replay/messages';
 import { channelKey, type ReplayEvent, type ReplayMark, type SeriesPiece } from '../replay/series_piece';
 import type { Grip, ReportData } from './report_data';
 
 /** Events of the exercises between which a hand reaches for something. */
-const REACHES_FROM: readonly string[] = ['disengaged', 'step_done', 'drink_done', 'band_held', 'resumed', 'restarted'];
+const REACHES_FROM: readonly string[] = ['disengaged', 'step_done', 'band_held', 'resumed', 'restarted', ...REPORTS.flatMap(({ freeAfter }) => freeAfter)];
 const REACHED_AT: readonly string[] = ['engaged', 'band_entered'];
 
 /** How long each reach took, from the moment at which the hand was free to go until it held what it should [s]. */
@@ -35,41 +36,6 @@ export function gripFigures(grips: readonly Grip[]): { mean_n: number; variation
   return { mean_n: weighted(({ mean_n }) => mean_n), variation: weighted(({ mean_n, deviation_n }) => deviation_n / mean_n) };
 }
 
-export interface DrinkStep { readonly liquid: string; readonly poured_l: number; readonly asked_l: number }
-/** A drink of the bar that was finished. */
-export interface Drink { readonly name: string; readonly done_s: number; readonly score: number; readonly steps: readonly DrinkStep[] }
-
-interface ToldStep { readonly liquid?: unknown; readonly amount_l?: unknown }
-interface ToldDrink { readonly name?: unknown; readonly steps?: readonly ToldStep[] }
-
-function toldDrinks(exercise_json: string): readonly ToldDrink[] {
-  try {
-    const told = JSON.parse(exercise_json) as { drinks?: unknown };
-    return Array.isArray(told.drinks) ? (told.drinks as ToldDrink[]) : [];
-  } catch {
-    return [];
-  }
-}
-
-/** The drinks that were finished, with what was poured for each of their steps. */
-export function drinksOf(events: readonly ReplayEvent[], names: readonly string[], exercise_json: string): Drink[] {
-  const told = toldDrinks(exercise_json);
-  const drinks: Drink[] = [];
-  let poured: { step: number; litres: number }[] = [];
-  for (const { time_s, type, index, value } of events) {
-    if (names[type] === 'restarted') poured = [];
-    if (names[type] === 'step_done') poured.push({ step: index, litres: value });
-    if (names[type] !== 'drink_done') continue;
-    const drink = told[index];
-    drinks.push({
-      name: String(drink?.name ?? index + 1), done_s: time_s, score: value,
-      steps: poured.map(({ step, litres }) => ({ liquid: String(drink?.steps?.[step]?.liquid ?? ''), poured_l: litres, asked_l: Number(drink?.steps?.[step]?.amount_l ?? NaN) })),
-    });
-    poured = [];
-  }
-  return drinks;
-}
-
 /** A value of the exercise at the end of the recording; undefined where it has none. */
 export function lastValue(data: Pick<ReportData, 'about' | 'series'>, last: WorldStateT | undefined, name: string): number | undefined {
   const index = data.about.value_names.indexOf(name);
@@ -80,9 +46,15 @@ export function lastValue(data: Pick<ReportData, 'about' | 'series'>, last: Worl
   return high && Array.from(high).filter((value) => !Number.isNaN(value)).at(-1);
 }
 
-export function lastState({ states }: Pick<ReportData, 'states'>): WorldStateT | undefined {
+function lastState({ states }: Pick<ReportData, 'states'>): WorldStateT | undefined {
   const message = states.at(-1);
   return message && readState(message);
+}
+
+/** What the page carries of the exercise. */
+export function recordedOf(data: Pick<ReportData, 'about' | 'series' | 'states' | 'scene'>): Recorded {
+  const last = lastState(data);
+  return { events: data.series.events, eventNames: data.about.event_names, scene: data.scene, value: (name) => lastValue(data, last, name) };
 }
 
 /** Marks of a kind, and how often. */
@@ -92,6 +64,3 @@ export interface Happened { readonly kind: 'stop' | 'emergency_stop' | 'fault' |
 export function whatHappened({ marks }: Pick<SeriesPiece, 'marks'>): Happened[] {
   return (['stop', 'emergency_stop', 'fault', 'controls_lost'] as const).map((kind) => ({ kind, marks: marks.filter((mark) => mark.kind === kind) }));
 }
-
-/** The exercise's own words for a scene; empty where it tells none. */
-export const exerciseJson = (scene: SceneT | undefined): string => String(scene?.exerciseJson ?? '');

@@ -1,10 +1,11 @@
-import { fixed, grouped } from '../console/format';
+import { fixed, grouped } from '../shared/format';
 import { shownUnits } from '../console/history';
 import { texts as consoleTexts } from '../console/i18n';
 import { lookOf } from '../console/plot_specs';
 import { titleWords } from '../console/title_words';
+import { REPORTS } from '../exercises/info';
 import { dateWords } from '../replay/facts_panel';
-import { faultWord, fill, language, nameOf } from '../shared/i18n';
+import { faultWord, fill, language } from '../shared/i18n';
 import { h } from '../shared/dom';
 import { channelKey } from '../replay/series_piece';
 import { chart, type ChartLine } from '../charts/chart';
@@ -12,8 +13,8 @@ import { compareWithBefore, type Compared, type Comparison } from './figures';
 import { texts } from './i18n';
 import { stepTimes, valueAt } from './limits';
 import { pictureFrame } from './picture';
-import { bodyWords, footer, header, litres, shortTime, table, timeName, told, type SheetContext } from './sheet';
-import { drinksOf, exerciseJson, whatHappened } from './therapy';
+import { bodyWords, footer, header, shortTime, table, timeName, told, type SheetContext } from './sheet';
+import { recordedOf, whatHappened } from './therapy';
 
 const MOST_ROWS = 4, MOST_TIMES = 3, MOST_TILES = 7;
 
@@ -23,7 +24,7 @@ export function therapySheet(context: SheetContext): HTMLElement {
   const { data } = context;
   const comparison = compareWithBefore(data);
   return h('article', { class: 'sheet', 'data-testid': 'therapy' }, header(data, t.therapy), tiles(context, comparison), sessionBefore(context, comparison),
-    h('div', { class: 'two' }, pictureFrame(data), h('div', {}, happened(context), drinks(context))),
+    h('div', { class: 'two' }, pictureFrame(data), h('div', {}, happened(context), ...partTables(context))),
     h('div', { class: 'charts' }, ...gripChart(context), limitsChart(context)),
     bodies(context),
     h('p', { class: 'note' }, [data.therapy.touches.length > 0 ? t.charts.touches : '', data.therapy.has_grip_force ? t.steadinessNote : ''].filter(Boolean).join(' ')),
@@ -100,17 +101,13 @@ function timesOf(times: readonly string[]): string {
   return fill(t.at, { times: times.length > MOST_TIMES ? fill(t.more, { times: first, n: times.length - MOST_TIMES }) : first });
 }
 
-function drinks({ data }: SheetContext): HTMLElement | null {
-  const t = texts().drinks;
-  if (!data.about.event_names.includes('drink_done')) return null;
-  const made = drinksOf(data.series.events, data.about.event_names, exerciseJson(data.scene));
-  const rows = made.slice(0, MOST_ROWS).map(({ name, steps, score, done_s }) => {
-    const [poured, asked] = [steps.reduce((sum, step) => sum + step.poured_l, 0), steps.reduce((sum, step) => sum + step.asked_l, 0)];
-    const off = steps.reduce((sum, step) => sum + Math.abs(step.poured_l - step.asked_l), 0);
-    return [told(nameOf('drink', name)), `${litres(poured)} / ${litres(asked)}`, fixed(1000 * off, 1), fixed(score, 0), shortTime(done_s)];
+/** What was done, part by part, where the exercise has parts. */
+function partTables({ data }: SheetContext): HTMLElement[] {
+  return REPORTS.flatMap((report) => report.table(recordedOf(data), shortTime) ?? []).map(({ title, none, head, rows }) => {
+    const shown = rows.slice(0, MOST_ROWS).map(([name, ...figures]) => [told(name), ...figures]);
+    return h('section', {}, h('h2', {}, title), shown.length === 0 ? h('p', { class: 'none' }, none) : table(head, shown),
+      rows.length > MOST_ROWS ? h('p', { class: 'none' }, fill(texts().bodies.more, { n: rows.length - MOST_ROWS })) : null);
   });
-  return h('section', {}, h('h2', {}, t.title), rows.length === 0 ? h('p', { class: 'none' }, t.none) : table([t.drink, t.poured, t.off, t.score, t.done], rows),
-    made.length > MOST_ROWS ? h('p', { class: 'none' }, fill(texts().bodies.more, { n: made.length - MOST_ROWS })) : null);
 }
 
 /** The force of the grip with what was asked for, where the exercise knows it; else all contact forces. */

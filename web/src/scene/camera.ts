@@ -1,40 +1,43 @@
-// Where the picture is taken from: fixed, so that seen and felt directions agree.
+// Places the camera. It stands still, so that seen and felt directions agree.
 //
 // The camera stands beside the hand, on the thumb's side of its palm, and somewhat above, where thumb,
-// fingers, bottle and glass are seen at once; a left hand has the mirror image. It is level, and turned
+// fingers and what is grasped are seen at once; a left hand has the mirror image. It is level, and turned
 // only part of the way back; the rest is a shift of the picture in its plane, as architects photograph
-// houses. So verticals stand upright, the row of dispensers is nearly level and of one size, and the
+// houses. So verticals stand upright, the row of things to grasp is nearly level and of one size, and the
 // hand's left and right are the picture's.
 
 import { PerspectiveCamera, Vector3 } from 'three';
 
 export type View = 'game' | 'console';
 
-/** Of the designed picture, with the recipe card on its left and the strip at its bottom. */
+/** Size and field of the designed picture, with the exercise's card on its left and the strip at its bottom. */
 const WIDTH_PX = 1280;
 const HEIGHT_PX = 800;
 const FIELD_RAD = 24.5 * Math.PI / 180;
 const FOCAL_PX = HEIGHT_PX / 2 / Math.tan(FIELD_RAD / 2);
-/** What is looked at, in the designed picture: in the game right of the card. */
+/** Where the designed picture has the point that is looked at; in the game right of the card. */
 const LOOK_PX = { game: { x: 762, y: 400 }, console: { x: 640, y: 400 } };
-/** Between things and the edge of what is free [designed px]. */
+/** Margin between things and the edge of the free part [designed px]. */
 const MARGIN_PX = 14;
 
-/** Of the camera, beside the straight line through what it looks at, and above it. */
+/** Direction of the camera as seen from the point that it looks at: sideways and up. */
 const AZIMUTH_RAD = -26 * Math.PI / 180;
 const ELEVATION_RAD = 14 * Math.PI / 180;
-/** How far it turns back. All of it would make the row slope, nothing of it would tilt the glass. The room turns with it: the counter's far edge is the picture's horizon. */
+/** How far it turns back. All of it would make the row slope, nothing of it would tilt what stands upright. The room turns with it: the counter's far edge is the picture's horizon. */
 const YAW_RAD = -17 * Math.PI / 180;
-/** Away from the row of dispensers [m]. */
+/** Distance of the camera from the row [m]. */
 const DEPTH_M = 1.12;
-/** What is in the middle: over the counter, and beside the device's middle, as grasps are [m]. */
+/** The point that is looked at: over the counter, and beside the device's middle, where grasps are [m]. */
 const LOOK_HEIGHT_M = 0.177;
 const LOOK_ASIDE_M = 0.03;
 
-/** The hand's side, and where the row of dispensers stands over the counter's top, three.js's frame [m]. */
+/** The hand's side, and where the row stands over the counter's top, three.js's frame [m]. */
 export interface CameraPlace { readonly right: boolean; readonly counter_y: number; readonly row_z: number }
 
-/** Of the camera, and of the room behind the row, about the upright [rad]. */
+/** Where the row stands when no exercise says so [m]. */
+export const DEFAULT_PLACE: CameraPlace = { right: true, counter_y: -0.253, row_z: -0.119 };
+
+/** Turn of the camera, and of the room behind the row, about the upright [rad]. */
 export function turnOf(right: boolean): number { return right ? YAW_RAD : -YAW_RAD; }
 
 interface Free { readonly x: number; readonly y: number; readonly width: number; readonly height: number; readonly scale: number }
@@ -59,7 +62,7 @@ function lookIn(view: View, free: Free): { x: number; y: number } {
   };
 }
 
-/** By how much a range must move to lie within [from, to], as far as it can. */
+/** Shift that brings a range into [from, to], as far as it fits. */
 function into(low: number, high: number, from: number, to: number): number {
   return high - low > to - from ? (from + to - low - high) / 2 : Math.max(0, from - low) - Math.max(0, high - to);
 }

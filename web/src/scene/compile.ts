@@ -1,5 +1,5 @@
-// The graphics card's programs, without waiting for them: their making may take seconds, and whoever
-// draws with one that is not there yet stands still until it is.
+// Compiles the graphics card's programs beside the page's work. Compiling may take seconds, and drawing with a program
+// that is not compiled yet would hold up the page.
 
 import type { Camera, Object3D, Scene, WebGLRenderer } from 'three';
 

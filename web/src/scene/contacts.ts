@@ -1,11 +1,11 @@
-// Where the hand touches: one glow per capsule and body, its size following the force.
+// Draws a glow for each capsule and body that touch; its size follows the force.
 
 import { Group, Sprite, SpriteMaterial, Vector3, type Camera, type Texture } from 'three';
 import type { ContactPointT } from '../protocol';
 import { toThree } from './frames';
-import { glowTexture } from './patterns';
+import { glowTexture } from './textures';
 
-/** Of the force that is shown: no flicker from a contact that comes and goes [Hz]. */
+/** Low-pass of the force that is shown, so that a contact that comes and goes does not flicker [Hz]. */
 const FOLLOW_HZ = 5;
 const DIAMETER_M = 0.019;
 const DIAMETER_PER_N = 0.0066;

@@ -1,4 +1,4 @@
-// Forces on the hand, an arrow each: from where it acts, in its direction, as long as it is strong. Program's frame.
+// Draws each force on the hand as an arrow from its point, in its direction, with a length by its size. Program's frame.
 
 import { ConeGeometry, CylinderGeometry, Group, InstancedMesh, Matrix4, Quaternion, Vector3, type BufferGeometry } from 'three';
 import type { ContactPointT } from '../protocol';
@@ -55,7 +55,7 @@ export class ForceArrows {
   }
 }
 
-/** Seen through the hand: forces act where it hides them. */
+/** Arrows are seen through the hand, which would hide them. */
 function instances(geometry: BufferGeometry): InstancedMesh {
   const mesh = new InstancedMesh(geometry, flat(COLOR, { depthTest: false, transparent: true, opacity: 0.9 }), MOST);
   mesh.renderOrder = 11;

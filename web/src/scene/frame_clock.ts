@@ -1,8 +1,8 @@
-// How long frames take: between two of them, and of the page's own script in each.
+// Measures the time from frame to frame, and the time of the page's own script in each.
 
-/** Frames that are looked at. */
+/** Number of frames that are kept. */
 const WINDOW = 90;
-/** Longer than this, the page was hidden [ms]. */
+/** A gap longer than this is a time in which the page was hidden [ms]. */
 const PAUSE_MS = 1000;
 
 function quantile(values: readonly number[], share: number): number {
@@ -26,8 +26,8 @@ export class FrameClock {
     if (this.script.length > WINDOW) this.script.shift();
   }
 
-  /** Of the last half second or so: the median [ms]. */
+  /** Median time between the last 15 frames [ms]. */
   get frame_ms(): number { return quantile(this.between.slice(-15), 0.5); }
-  /** 95th percentile over the window [ms]. */
+  /** 95th percentile of the script's time over the window [ms]. */
   get script_ms(): number { return quantile(this.script, 0.95); }
 }

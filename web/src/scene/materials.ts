@@ -1,4 +1,4 @@
-// One way to ask for a surface: physically based in high quality, plain in low.
+// Makes materials: physically based in high quality, plain in low.
 
 import {
   Color, LinearMipmapNearestFilter, MeshBasicMaterial, MeshLambertMaterial, MeshPhysicalMaterial, type Material,

@@ -1,4 +1,4 @@
-// Bodies as their shapes say, in their own colours: for every scene that is not the bar.
+// Draws bodies by their shapes and colours, where no exercise draws them itself.
 
 import {
   BoxGeometry, BufferAttribute, BufferGeometry, CapsuleGeometry, Color, CylinderGeometry, Group, Mesh, SphereGeometry,

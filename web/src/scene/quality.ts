@@ -4,15 +4,15 @@ export type Quality = 'high' | 'low';
 
 export interface FrameStats { readonly frame_ms: number; readonly script_ms: number; readonly triangles: number }
 
-/** Slower than this in high quality asks for low [ms]; 24 frames a second. */
+/** Longer frames in high quality ask for low [ms]; 24 frames a second. */
 const TOO_SLOW_MS = 42;
-/** For so long in a row [ms]. A page that has just opened, or a tab in the background, is slow for a moment. */
+/** Frames have to be slow for this long [ms]: a page that has just opened, or a tab in the background, is slow for a moment. */
 const FOR_MS = 1500;
 
 /** Names of renderers that draw on the processor. */
 const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
 
-/** What to begin with, from the name of the machine's renderer. */
+/** The quality to begin with, by the name of the machine's renderer. */
 export function initialQuality(): Quality {
   const gl = document.createElement('canvas').getContext('webgl2');
   if (!gl) return 'low';
@@ -23,7 +23,7 @@ export function initialQuality(): Quality {
 }
 
 /**
- * From high to low where the frame time asks for it, and never back by itself: a picture that changes
+ * Chooses low quality where the frame time asks for it, and never goes back by itself: a picture that changes
  * to and fro would be worse than a plain one.
  */
 export class QualityChooser {

@@ -1,5 +1,5 @@
 // The room: counter, fluted wall, brass rail, light. Its own frame: y up from the counter's top, the
-// row of dispensers over z = 0, the guest at +z.
+// row over z = 0, the far side of the counter at +z.
 
 import {
   BoxGeometry, Color, CylinderGeometry, DirectionalLight, DoubleSide, Group, HemisphereLight, InstancedMesh, Matrix4,
@@ -7,17 +7,17 @@ import {
   type WebGLRenderer, type WebGLRenderTarget,
 } from 'three';
 import { disposeTree, surface } from './materials';
-import { picture, woodTexture } from './patterns';
+import { picture, woodTexture } from './textures';
 import type { Quality } from './quality';
 
-/** What is seen where nothing is drawn. */
+/** Colour of the background. */
 export const ROOM = '#142726';
 const WALL_Z = -0.62;
 const FLUTE = 0.05;
-/** Wall and counter go on beyond every picture, upright and very wide ones too (camera.test.ts) [m]. */
+/** Size of wall and counter, which reach beyond every picture, upright and very wide ones too (camera.test.ts) [m]. */
 const WIDTH = 8.4;
 const HEIGHT = 4.2;
-/** Of what is painted on the wall: the middle of it. */
+/** Size of the painted middle of the wall. */
 const PAINTED = { width_m: 4.2, height_m: 2.1 } as const;
 export const WALL = { width_m: WIDTH, height_m: HEIGHT, front_z: WALL_Z + FLUTE * 0.8 } as const;
 /** The counter's near edge, and how far its front goes down [m]. */
@@ -118,7 +118,7 @@ function paintedWall(): Mesh {
       pen.fillRect(0, 0, 2048, 1024);
     }
   });
-  // Beside it the picture begins again, above it the flutes go on.
+  // Beside the painting it is repeated, above it the flutes go on.
   texture.wrapS = RepeatWrapping;
   const geometry = new PlaneGeometry(WIDTH, HEIGHT), uv = geometry.attributes.uv;
   for (let i = 0; i < uv.count; i++) uv.setXY(i, 0.5 + (uv.getX(i) - 0.5) * WIDTH / PAINTED.width_m, uv.getY(i) * HEIGHT / PAINTED.height_m);
@@ -153,7 +153,7 @@ function rail(quality: Quality, height: number): Mesh {
   return mesh;
 }
 
-/** @param railHeight of its underside over the counter [m]; undefined: no bar, a calm table alone */
+/** @param railHeight of its underside over the counter [m]; undefined: no rail */
 export function makeStage(renderer: WebGLRenderer, scene: Scene, quality: Quality, railHeight: number | undefined): Stage {
   const room = new Group(), railing = new Group(), light = new Group(), all = [room, railing, light];
   scene.background = new Color(ROOM);
@@ -179,7 +179,7 @@ export function makeStage(renderer: WebGLRenderer, scene: Scene, quality: Qualit
     dispose() {
       mirrored?.dispose();
       scene.environment = null;
-      // Its things are no part of the scene's tree any more when that is disposed of: they go here.
+      // The groups are taken out of the scene's tree, so they are disposed of here.
       for (const group of all) disposeTree(group);
       scene.remove(...all);
     },

@@ -2,7 +2,7 @@
 
 const FOCUSABLE = 'a[href], button:not(:disabled), input:not(:disabled), select:not(:disabled), textarea:not(:disabled), [tabindex]:not([tabindex="-1"])';
 
-export function focusable(root: ParentNode): HTMLElement[] {
+function focusable(root: ParentNode): HTMLElement[] {
   return [...root.querySelectorAll<HTMLElement>(FOCUSABLE)].filter((element) => element.getClientRects().length > 0);
 }
 
@@ -27,9 +27,4 @@ export function trapFocus(parts: readonly HTMLElement[], first?: HTMLElement | n
     document.removeEventListener('keydown', onKey, true);
     if (before?.isConnected) before.focus();
   };
-}
-
-/** Whether the person asked the system for less motion. */
-export function reducedMotion(): boolean {
-  return matchMedia('(prefers-reduced-motion: reduce)').matches;
 }

@@ -70,7 +70,7 @@ export async function cameraPlays(plain, openBrowserWith, programUrl, picture) {
     expect(first >= 5 && first <= 10, `the count begins at ${first}`);
     const faults = await accessibilityFaults(page);
     expect(faults.length === 0, faults.join('\n'));
-    await page.waitForSelector('body:is([data-state=reach], [data-state=squeeze], [data-state=pour], [data-state=drawback])', { timeout: PATIENT_MS });
+    await page.waitForSelector('body:is([data-state=reach], [data-state=squeeze], [data-state=hold], [data-state=drawback])', { timeout: PATIENT_MS });
     await page.waitForSelector('[data-testid=camera] video', { timeout: PATIENT_MS });
     await picture(page, 'camera-play');
     // Taken away, as by a cable.

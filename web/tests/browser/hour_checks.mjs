@@ -46,8 +46,8 @@ export function growthOf(who, earlier, later) {
 }
 
 async function loadLevel(therapist, level) {
-  await therapist.page.selectOption('[data-testid=level]', String(level));
-  await therapist.page.click('[data-testid=load]');
+  await therapist.page.selectOption('[data-testid=level]', String(level), { timeout: PATIENT_MS });
+  await therapist.page.click('[data-testid=load]', { timeout: PATIENT_MS });
   try {
     await therapist.until(`level ${level}, and rendering`, (now) => now.level === level && now.runState === RENDERING, { within_ms: PATIENT_MS });
   } catch (error) {

@@ -8,7 +8,7 @@ export async function lostPictureIsSaid(browser, programUrl, picture) {
   const page = await openGame(browser, programUrl, {}, { width: 800, height: 500, init: GOES_ON });
   try {
     await page.waitForFunction(() => window.wholehandStats?.quality === 'low', null, { timeout: PATIENT_MS });
-    await page.waitForSelector('body:is([data-state=reach], [data-state=squeeze], [data-state=pour], [data-state=drawback])', { timeout: PATIENT_MS });
+    await page.waitForSelector('body:is([data-state=reach], [data-state=squeeze], [data-state=hold], [data-state=drawback])', { timeout: PATIENT_MS });
     await page.evaluate(() => {
       window.lose = document.querySelector('#picture').getContext('webgl2').getExtension('WEBGL_lose_context');
       window.lose.loseContext();
@@ -21,7 +21,7 @@ export async function lostPictureIsSaid(browser, programUrl, picture) {
     await page.evaluate(() => window.lose.restoreContext());
     await page.waitForSelector('[data-testid=unseen] >> text=/The picture is back/', { timeout: PATIENT_MS });
     await page.click('[data-testid=see-again]');
-    await page.waitForSelector('body:is([data-state=reach], [data-state=squeeze], [data-state=pour], [data-state=drawback])', { timeout: PATIENT_MS });
+    await page.waitForSelector('body:is([data-state=reach], [data-state=squeeze], [data-state=hold], [data-state=drawback])', { timeout: PATIENT_MS });
     await new Promise((resolve) => setTimeout(resolve, 2000));
     await picture(page, 'picture-back');
     return 'gone, said; back, and the play goes on by a press';

@@ -27,7 +27,7 @@ class HoldStill final : public Exercise {
     out = ExerciseRecord{};
     placements.count = 0;
     out.effort = AxisEffort(axes_);
-    out.wall_active = AxisRatio(axes_);
+    out.wall_active = AxisFlag(axes_);
     out.wall = AxisPosition(axes_);
     const bool was_held = held_s_ >= hold_s_;
     const bool slow = std::abs(input.observed->qd_mf[0]) < slow_m_s_;

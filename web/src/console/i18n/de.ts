@@ -6,8 +6,7 @@ export const de: ConsoleTexts = {
   session: 'Sitzung {n}',
   level: 'Stufe {n}',
   levelOf: 'Stufe {n} von {m}',
-  drinkOf: 'Getränk {n} von {m}',
-  exercises: { 'cocktail-bar': 'Cocktailbar', 'free-grasping': 'Freies Greifen', 'squeeze-to-level': 'Kraft dosieren' },
+  exercises: { 'free-grasping': 'Freies Greifen', 'squeeze-to-level': 'Kraft dosieren' },
   hands: {
     'adult-median-right': 'Median, rechts', 'adult-median-left': 'Median, links',
     'woman-p05-right': 'Frau P5, rechts', 'woman-p50-right': 'Frau P50, rechts', 'woman-p95-right': 'Frau P95, rechts',
@@ -59,9 +58,9 @@ export const de: ConsoleTexts = {
     x: 'x', y: 'y', z: 'z', roll: 'ro', pitch: 'ni', yaw: 'gi',
     finger_flexion: 'f', thumb_circumduction: 'c', thumb_flexion: 't',
   },
-  phases: { bump: 'berührt', engaged: 'Griff, Wand blendet ein', pour: 'giesst', release: 'lässt los' },
+  phases: { bump: 'berührt', engaged: 'Griff, Wand blendet ein' },
 
-  legend: { title: 'Legende', phi: 'φ: adaptive Dämpfung einer Achse; 0 keine, 1 volle', alpha: 'α: wie weit die Wand der Übung eingeblendet ist; 0 aus, 1 ganz', m1: '① die Hand berührt einen Gegenstand', m2: '② gegriffen, die Wand blendet ein', m3: '③ es fliesst', m4: '④ die Hand lässt los' },
+  legend: { title: 'Legende', phi: 'φ: adaptive Dämpfung einer Achse; 0 keine, 1 volle', alpha: 'α: wie weit die Wand der Übung eingeblendet ist; 0 aus, 1 ganz', m1: '① die Hand berührt einen Gegenstand', m2: '② gegriffen, die Wand blendet ein' },
   profile: { profile: 'Person: {name}', noProfile: 'kein Profil', name: 'Name des Profils', save: 'Speichern', load: 'Öffnen', nameHint: 'Neuer Name', stopFirst: 'Zuerst anhalten: Ein Profil wird vor dem Start geöffnet.' },
   handFacts: { now: 'Hand', side: 'Seite', right: 'rechts', left: 'links', range: '{lo} bis {hi}', of: 'Bereich des Geräts' },
 
@@ -70,7 +69,6 @@ export const de: ConsoleTexts = {
     none: 'Keine 3D-Ansicht: Dieser Browser hat kein WebGL. Alles andere geht.',
     loading: 'Die 3D-Ansicht wird aufgebaut …',
   },
-  pouring: '{liquid}, {a} / {b} ml',
 
   exercise: { title: 'Übung' },
 

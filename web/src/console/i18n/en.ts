@@ -5,8 +5,7 @@ export const en = {
   session: 'Session {n}',
   level: 'Level {n}',
   levelOf: 'Level {n} of {m}',
-  drinkOf: 'drink {n} of {m}',
-  exercises: { 'cocktail-bar': 'Cocktail bar', 'free-grasping': 'Free grasping', 'squeeze-to-level': 'Squeeze to a level' } as Record<string, string>,
+  exercises: { 'free-grasping': 'Free grasping', 'squeeze-to-level': 'Squeeze to a level' } as Record<string, string>,
   hands: {
     'adult-median-right': 'Median, right', 'adult-median-left': 'Median, left',
     'woman-p05-right': 'Woman P5, right', 'woman-p50-right': 'Woman P50, right', 'woman-p95-right': 'Woman P95, right',
@@ -58,9 +57,9 @@ export const en = {
     x: 'x', y: 'y', z: 'z', roll: 'ro', pitch: 'pi', yaw: 'ya',
     finger_flexion: 'f', thumb_circumduction: 'c', thumb_flexion: 't',
   } as Record<string, string>,
-  phases: { bump: 'touched', engaged: 'grasp, wall fades in', pour: 'pours', release: 'lets go' },
+  phases: { bump: 'touched', engaged: 'grasp, wall fades in' },
 
-  legend: { title: 'Legend', phi: 'φ: adaptive damping of an axis; 0 none, 1 full', alpha: 'α: how far the exercise’s wall is faded in; 0 out, 1 in', m1: '① the hand touches an object', m2: '② grasped, the wall fades in', m3: '③ it pours', m4: '④ the hand lets go' },
+  legend: { title: 'Legend', phi: 'φ: adaptive damping of an axis; 0 none, 1 full', alpha: 'α: how far the exercise’s wall is faded in; 0 out, 1 in', m1: '① the hand touches an object', m2: '② grasped, the wall fades in' },
   profile: { profile: 'Patient: {name}', noProfile: 'no profile', name: 'Name of the patient’s profile', save: 'Save', load: 'Open', nameHint: 'New name', stopFirst: 'Stop first: a profile is opened before the start.' },
   handFacts: { now: 'Hand', side: 'Side', right: 'right', left: 'left', range: '{lo} to {hi}', of: 'Range of the device' },
 
@@ -69,7 +68,6 @@ export const en = {
     none: 'No 3D view: this browser has no WebGL. Everything else works.',
     loading: 'The 3D view is being built …',
   },
-  pouring: '{liquid}, {a} / {b} ml',
 
   exercise: { title: 'Exercise' },
 

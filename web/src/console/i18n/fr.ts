@@ -6,8 +6,7 @@ export const fr: ConsoleTexts = {
   session: 'Séance {n}',
   level: 'Niveau {n}',
   levelOf: 'Niveau {n} sur {m}',
-  drinkOf: 'boisson {n} sur {m}',
-  exercises: { 'cocktail-bar': 'Bar à cocktails', 'free-grasping': 'Saisie libre', 'squeeze-to-level': 'Doser sa force' },
+  exercises: { 'free-grasping': 'Saisie libre', 'squeeze-to-level': 'Doser sa force' },
   hands: {
     'adult-median-right': 'Médiane, droite', 'adult-median-left': 'Médiane, gauche',
     'woman-p05-right': 'Femme P5, droite', 'woman-p50-right': 'Femme P50, droite', 'woman-p95-right': 'Femme P95, droite',
@@ -59,9 +58,9 @@ export const fr: ConsoleTexts = {
     x: 'x', y: 'y', z: 'z', roll: 'ro', pitch: 'ta', yaw: 'la',
     finger_flexion: 'd', thumb_circumduction: 'r', thumb_flexion: 'p',
   },
-  phases: { bump: 'touche', engaged: 'prise, le mur apparaît', pour: 'verse', release: 'lâche' },
+  phases: { bump: 'touche', engaged: 'prise, le mur apparaît' },
 
-  legend: { title: 'Légende', phi: 'φ : amortissement adaptatif d’un axe ; 0 aucun, 1 plein', alpha: 'α : part du mur de l’exercice qui agit ; 0 rien, 1 tout', m1: '① la main touche un objet', m2: '② saisi, le mur apparaît', m3: '③ le liquide coule', m4: '④ la main lâche' },
+  legend: { title: 'Légende', phi: 'φ : amortissement adaptatif d’un axe ; 0 aucun, 1 plein', alpha: 'α : part du mur de l’exercice qui agit ; 0 rien, 1 tout', m1: '① la main touche un objet', m2: '② saisi, le mur apparaît' },
   profile: { profile: 'Patient : {name}', noProfile: 'aucun profil', name: 'Nom du profil', save: 'Enregistrer', load: 'Ouvrir', nameHint: 'Nouveau nom', stopFirst: 'Arrêtez d’abord : un profil s’ouvre avant le départ.' },
   handFacts: { now: 'Main', side: 'Côté', right: 'droite', left: 'gauche', range: '{lo} à {hi}', of: 'Course de l’appareil' },
 
@@ -70,7 +69,6 @@ export const fr: ConsoleTexts = {
     none: 'Pas de vue 3D : ce navigateur n’a pas WebGL. Tout le reste fonctionne.',
     loading: 'La vue 3D se prépare …',
   },
-  pouring: '{liquid}, {a} / {b} ml',
 
   exercise: { title: 'Exercice' },
 

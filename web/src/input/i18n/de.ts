@@ -29,12 +29,7 @@ export const de: InputTexts = {
       { keys: ['Faust'], does: 'Hand schliessen: drücken, Hand öffnen: loslassen' },
     ],
   },
-  easy: {
-    keys: [{ keys: ['Leertaste'], does: 'einmal drücken: Ihre Hand greift, drückt und lässt am Strich los' }],
-    mouse: [{ keys: ['Klick'], does: 'auf eine Flasche: Ihre Hand greift, drückt und lässt am Strich los' }],
-    touch: [{ keys: ['Tippen'], does: 'auf eine Flasche: Ihre Hand greift, drückt und lässt am Strich los' }],
-    gamepad: [{ keys: ['A'], does: 'einmal drücken: Ihre Hand greift, drückt und lässt am Strich los' }],
-  },
+  oneButton: { keys: 'Leertaste', mouse: 'Klick', touch: 'Tippen', gamepad: 'A' },
   touch: { squeeze: 'Drücken', higher: 'Höher', lower: 'Tiefer' },
   webcam: {
     insecure: 'Der Browser gibt hier keine Kamera frei. Öffnen Sie die Seite über https oder auf diesem Computer selbst.',

@@ -6,8 +6,8 @@ export interface HelpLine { keys: string[]; does: string }
 export interface InputTexts {
   ways: Record<Way, string>;
   help: Record<Way, HelpLine[]>;
-  /** With full help, where that needs less. */
-  easy: Partial<Record<Way, HelpLine[]>>;
+  /** What is pressed once where an exercise does the rest with full help. */
+  oneButton: Partial<Record<Way, string>>;
   touch: { squeeze: string; higher: string; lower: string };
   webcam: Record<'insecure' | 'refused' | 'absent' | 'busy' | 'model' | 'ended', string>;
   /** While the camera is on: what to do before it steers, and in the play. */
@@ -43,12 +43,7 @@ export const en: InputTexts = {
       { keys: ['Fist'], does: 'close your hand to squeeze, open it to let go' },
     ],
   },
-  easy: {
-    keys: [{ keys: ['Space'], does: 'press once: your hand reaches, squeezes and lets go at the line' }],
-    mouse: [{ keys: ['Click'], does: 'a bottle: your hand reaches, squeezes and lets go at the line' }],
-    touch: [{ keys: ['Tap'], does: 'a bottle: your hand reaches, squeezes and lets go at the line' }],
-    gamepad: [{ keys: ['A'], does: 'press once: your hand reaches, squeezes and lets go at the line' }],
-  },
+  oneButton: { keys: 'Space', mouse: 'Click', touch: 'Tap', gamepad: 'A' },
   touch: { squeeze: 'Squeeze', higher: 'Higher', lower: 'Lower' },
   webcam: {
     insecure: 'The browser gives no camera here. Open this page by https or on this computer itself.',

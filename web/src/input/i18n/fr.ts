@@ -29,12 +29,7 @@ export const fr: InputTexts = {
       { keys: ['Poing'], does: 'fermez la main pour presser, ouvrez-la pour lâcher' },
     ],
   },
-  easy: {
-    keys: [{ keys: ['Espace'], does: 'appuyez une fois : la main va, presse et lâche au trait' }],
-    mouse: [{ keys: ['Clic'], does: 'une bouteille : la main va, presse et lâche au trait' }],
-    touch: [{ keys: ['Toucher'], does: 'une bouteille : la main va, presse et lâche au trait' }],
-    gamepad: [{ keys: ['A'], does: 'appuyez une fois : la main va, presse et lâche au trait' }],
-  },
+  oneButton: { keys: 'Espace', mouse: 'Clic', touch: 'Toucher', gamepad: 'A' },
   touch: { squeeze: 'Presser', higher: 'Plus haut', lower: 'Plus bas' },
   webcam: {
     insecure: 'Le navigateur ne donne pas de caméra ici. Ouvrez cette page par https ou sur cet ordinateur même.',

@@ -33,9 +33,8 @@ export const de: ReplayTexts = {
     },
     short: { stop: 'Halt', emergency_stop: 'Not-Halt', fault: 'Störung', controls_lost: 'Steuerung verloren', armed: 'scharf', neutral: 'neutral', gap: 'Lücke' },
     events: {
-      approached: 'Nahe an einem Objekt', touched: 'Berührt', engaged: 'Gegriffen', disengaged: 'Losgelassen', pour_began: 'Giessen beginnt', pour_ended: 'Giessen endet',
-      line_reached: 'Linie erreicht', overfilled: 'Überfüllt', spilt: 'Verschüttet', wrong_dispenser: 'Falsche Flasche', knocked_over: 'Umgestossen', stood_up: 'Aufgestellt',
-      step_done: 'Schritt fertig', drink_done: 'Getränk fertig', level_done: 'Stufe fertig', paused: 'Pause', resumed: 'Weiter', restarted: 'Neu begonnen',
+      approached: 'Nahe an einem Objekt', touched: 'Berührt', engaged: 'Gegriffen', disengaged: 'Losgelassen',
+      level_done: 'Stufe fertig', paused: 'Pause', resumed: 'Weiter', restarted: 'Neu begonnen',
     },
   },
   notices: {

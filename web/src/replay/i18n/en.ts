@@ -32,9 +32,8 @@ export const en = {
     } as Record<string, string>,
     short: { stop: 'stop', emergency_stop: 'emergency stop', fault: 'fault', controls_lost: 'controls lost', armed: 'armed', neutral: 'neutral', gap: 'gap' } as Record<string, string>,
     events: {
-      approached: 'Near an object', touched: 'Touched', engaged: 'Grasped', disengaged: 'Let go', pour_began: 'Pouring begins', pour_ended: 'Pouring ends',
-      line_reached: 'Line reached', overfilled: 'Overfilled', spilt: 'Spilt', wrong_dispenser: 'Wrong bottle', knocked_over: 'Knocked over', stood_up: 'Stood up',
-      step_done: 'Step done', drink_done: 'Drink done', level_done: 'Level done', paused: 'Paused', resumed: 'Resumed', restarted: 'Restarted',
+      approached: 'Near an object', touched: 'Touched', engaged: 'Grasped', disengaged: 'Let go',
+      level_done: 'Level done', paused: 'Paused', resumed: 'Resumed', restarted: 'Restarted',
     } as Record<string, string>,
   },
   notices: {

@@ -33,9 +33,8 @@ export const fr: ReplayTexts = {
     },
     short: { stop: 'arrêt', emergency_stop: 'arrêt d’urgence', fault: 'défaut', controls_lost: 'commandes perdues', armed: 'armé', neutral: 'neutre', gap: 'trou' },
     events: {
-      approached: 'Près d’un objet', touched: 'Touché', engaged: 'Saisi', disengaged: 'Lâché', pour_began: 'Début du versement', pour_ended: 'Fin du versement',
-      line_reached: 'Trait atteint', overfilled: 'Trop plein', spilt: 'Renversé à côté', wrong_dispenser: 'Mauvaise bouteille', knocked_over: 'Renversée', stood_up: 'Redressée',
-      step_done: 'Étape finie', drink_done: 'Boisson finie', level_done: 'Niveau fini', paused: 'Pause', resumed: 'Reprise', restarted: 'Recommencé',
+      approached: 'Près d’un objet', touched: 'Touché', engaged: 'Saisi', disengaged: 'Lâché',
+      level_done: 'Niveau fini', paused: 'Pause', resumed: 'Reprise', restarted: 'Recommencé',
     },
   },
   notices: {

@@ -6,7 +6,7 @@ export const de: ReportTexts = {
   reading: 'Der Bericht wird gelesen …', none: 'keine', time: 'Zeit', seconds: 's',
   facts: { patient: 'Patient', hand: 'Hand', device: 'Gerät', exercise: 'Übung', date: 'Datum', length: 'Dauer', file: 'Datei', simulated: 'simuliert', noExercise: 'Keine Übung', unknown: 'nicht angegeben' },
   tiles: {
-    drinks: 'Getränke fertig', of: 'von {n}', reach: 'bis zum Greifen, im Mittel', reaches: '{n} Griffe', grip: 'Griffkraft, im Mittel', steadiness: 'Griff schwankt um', stars: 'Sterne',
+    of: 'von {n}', reach: 'bis zum Greifen, im Mittel', reaches: '{n} Griffe', grip: 'Griffkraft, im Mittel', steadiness: 'Griff schwankt um',
     touched: 'Gegenstände berührt', held: 'insgesamt gehalten', force: 'größte Kontaktkraft', effort: 'größte Kraft, {axis}',
   },
   before: { was: 'vorher: {x}', better: 'besser', compared: 'Vorher: {name}, {date}.', other: 'Anders war: {what}.', not: 'Nicht verglichen: {what}.', nothing: 'Keine der Zahlen ist vergleichbar.' },
@@ -17,7 +17,6 @@ export const de: ReportTexts = {
     written: 'Die Aufzeichnung wurde noch geschrieben.', truncated: 'Es geschah mehr, als diese Seite fasst.',
   },
   picture: { caption: 'Stärkster Kontakt: {n} N bei {time}', last: 'Am Ende, {time}', none: 'Kein Bild: Dieser Browser hat kein WebGL. Alles andere geht.', noScene: 'Kein Bild: {why}', drawing: 'Das Bild wird gezeichnet …' },
-  drinks: { title: 'Getränke', drink: 'Getränk', poured: 'Eingeschenkt / verlangt, ml', off: 'Daneben, ml', score: 'Punkte', done: 'Fertig bei', none: 'Kein Getränk wurde fertig.' },
   bodies: { title: 'Was gehalten wurde', body: 'Gegenstand', first: 'Zuerst bei', touches: 'Berührungen', longest: 'Längste, s', held: 'Gehalten, s', force: 'Kraft, N', way: 'Bewegt, cm', nothing: 'Keine der Zahlen ist vergleichbar.', noBodies: 'Es gab nichts zu berühren.', more: 'und {n} weitere', note: 'Gehalten: Finger auf einer Seite, Daumen oder Handfläche auf der anderen, oder ein Griff, den die Übung zählt.' },
   charts: {
     grip: 'Griffkraft', goal: 'verlangt', contact: 'Kontaktkraft', limits: 'Geltende Kraftgrenzen', effortHand: 'Kraft, Hand', effortArm: 'Kraft, Arm', phi: 'Adaptive Dämpfung φ', alpha: 'Wand der Übung α',

@@ -5,7 +5,7 @@ export const en = {
   reading: 'The report is being read …', none: 'none', time: 'Time', seconds: 's',
   facts: { patient: 'Patient', hand: 'Hand', device: 'Device', exercise: 'Exercise', date: 'Date', length: 'Length', file: 'File', simulated: 'simulated', noExercise: 'No exercise', unknown: 'not told' },
   tiles: {
-    drinks: 'drinks finished', of: 'of {n}', reach: 'to reach, on average', reaches: '{n} reaches', grip: 'grip force, on average', steadiness: 'grip varies by', stars: 'stars',
+    of: 'of {n}', reach: 'to reach, on average', reaches: '{n} reaches', grip: 'grip force, on average', steadiness: 'grip varies by',
     touched: 'objects touched', held: 'held in all', force: 'largest contact force', effort: 'largest effort, {axis}',
   },
   before: { was: 'before: {x}', better: 'better', compared: 'Before: {name}, {date}.', other: 'It differs in: {what}.', not: 'Not compared: {what}.', nothing: 'No figure can be compared.' },
@@ -16,7 +16,6 @@ export const en = {
     written: 'The recording was still being written.', truncated: 'More happened than this page holds.',
   },
   picture: { caption: 'Strongest contact: {n} N at {time}', last: 'At the end, {time}', none: 'No picture: this browser has no WebGL. Everything else works.', noScene: 'No picture: {why}', drawing: 'The picture is being drawn …' },
-  drinks: { title: 'Drinks', drink: 'Drink', poured: 'Poured / asked, ml', off: 'Off, ml', score: 'Score', done: 'Done at', none: 'No drink was finished.' },
   bodies: { title: 'What was held', body: 'Object', first: 'First at', touches: 'Touches', longest: 'Longest, s', held: 'Held, s', force: 'Force, N', way: 'Moved, cm', nothing: 'No figure can be compared.', noBodies: 'There was nothing to touch.', more: 'and {n} more', note: 'Held: fingers on one side, thumb or palm on the other, or a grip that the exercise counts.' },
   charts: {
     grip: 'Grip force', goal: 'asked for', contact: 'Contact force', limits: 'Effort limits in force', effortHand: 'Effort, hand', effortArm: 'Effort, arm', phi: 'Adaptive damping φ', alpha: 'Wall of the exercise α',

@@ -6,7 +6,7 @@ export const fr: ReportTexts = {
   reading: 'Lecture du rapport …', none: 'aucun', time: 'Temps', seconds: 's',
   facts: { patient: 'Patient', hand: 'Main', device: 'Appareil', exercise: 'Exercice', date: 'Date', length: 'Durée', file: 'Fichier', simulated: 'simulé', noExercise: 'Sans exercice', unknown: 'non précisé' },
   tiles: {
-    drinks: 'boissons terminées', of: 'sur {n}', reach: 'pour saisir, en moyenne', reaches: '{n} saisies', grip: 'force de prise, en moyenne', steadiness: 'variation de la prise', stars: 'étoiles',
+    of: 'sur {n}', reach: 'pour saisir, en moyenne', reaches: '{n} saisies', grip: 'force de prise, en moyenne', steadiness: 'variation de la prise',
     touched: 'objets touchés', held: 'tenu en tout', force: 'plus grande force de contact', effort: 'plus grand effort, {axis}',
   },
   before: { was: 'avant : {x}', better: 'mieux', compared: 'Avant : {name}, {date}.', other: 'Ce qui diffère : {what}.', not: 'Non comparés : {what}.', nothing: 'Aucun chiffre n’est comparable.' },
@@ -17,7 +17,6 @@ export const fr: ReportTexts = {
     written: 'L’enregistrement était encore en cours.', truncated: 'Il s’est passé plus que cette page ne contient.',
   },
   picture: { caption: 'Contact le plus fort : {n} N à {time}', last: 'À la fin, {time}', none: 'Pas d’image : ce navigateur n’a pas WebGL. Tout le reste fonctionne.', noScene: 'Pas d’image : {why}', drawing: 'L’image se dessine …' },
-  drinks: { title: 'Boissons', drink: 'Boisson', poured: 'Versé / demandé, ml', off: 'Écart, ml', score: 'Points', done: 'Terminée à', none: 'Aucune boisson n’a été terminée.' },
   bodies: { title: 'Ce qui a été tenu', body: 'Objet', first: 'D’abord à', touches: 'Contacts', longest: 'Le plus long, s', held: 'Tenu, s', force: 'Force, N', way: 'Déplacé, cm', nothing: 'Aucun chiffre n’est comparable.', noBodies: 'Il n’y avait rien à toucher.', more: 'et {n} autres', note: 'Tenu : doigts d’un côté, pouce ou paume de l’autre, ou une prise que l’exercice compte.' },
   charts: {
     grip: 'Force de prise', goal: 'demandé', contact: 'Force de contact', limits: 'Limites d’effort en vigueur', effortHand: 'Effort, main', effortArm: 'Effort, bras', phi: 'Amortissement adaptatif φ', alpha: 'Paroi de l’exercice α',

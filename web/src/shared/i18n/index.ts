@@ -70,15 +70,3 @@ export function faultWord(name: string): string {
   const key = `fault.${name}`;
   return hasText(key) ? text(key) : name;
 }
-
-/** A liquid as a sentence takes it, "le citron"; an unknown one by its name. */
-export function inSentence(liquid: string): string {
-  const key = `inSentence.${liquid}`;
-  return hasText(key) ? text(key) : nameOf('liquid', liquid);
-}
-
-/** The name of a liquid or drink that a file gave; an unknown one as it stands, with a capital. */
-export function nameOf(kind: 'liquid' | 'drink', name: string): string {
-  const key = `${kind}.${name}`;
-  return hasText(key) ? text(key) : name.charAt(0).toUpperCase() + name.slice(1).replace(/[-_]/g, ' ');
-}

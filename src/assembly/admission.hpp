@@ -1,0 +1,33 @@
+#pragma once
+
+#include "assembly/models.hpp"
+#include "assembly/rehearsal.hpp"
+#include "assembly/rig.hpp"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace wholehand {
+
+/// Result of an admission test of a scene on this machine.
+struct Admission {
+  bool admitted = false;
+  Rehearsal measured;               ///< of the whole scene
+  std::vector<std::string> remove;  ///< bodies to remove; empty if admitted, or if no removal helps
+  Rehearsal without;                ///< measured without those bodies
+};
+
+/// Most bodies that the hand visits in one measurement; limits the time for a large scene.
+inline constexpr int kAdmissionBodies = 12;
+
+/// Measures the scene's tick in a rehearsal, against the share of the period that arming requires.
+/// If it takes longer, searches for bodies to remove: first the body touched in the slow ticks,
+/// then the fewest moving bodies, from the top down, so that no body loses its support. Not
+/// real-time safe.
+/// @param status called before each measurement with its description; may be null
+[[nodiscard]] Expected<Admission> admit(const Models& models, const RigOptions& rig,
+                                        const RehearsalOptions& options = {},
+                                        const std::function<void(const std::string&)>& status = {});
+
+}  // namespace wholehand

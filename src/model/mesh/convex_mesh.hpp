@@ -1,0 +1,32 @@
+#pragma once
+
+#include "core/expected.hpp"
+#include "model/scene/scene_model.hpp"
+
+#include <Eigen/Core>
+
+#include <string>
+#include <vector>
+
+namespace wholehand {
+
+/// Limit of a convex mesh's vertices: engines search all of them in every contact.
+inline constexpr int kMaxMeshPoints = 1024;
+
+/// Makes a collider from triangles and verifies that it is closed and convex: vertices nearer than
+/// 1e-6 of the mesh's size are merged; it has volume; every vertex lies within 1e-4 of the size
+/// inside every face's plane; every edge joins two faces. Any winding is accepted and made outward.
+///
+/// @return the shape, or one Diagnostic with problem and remedy (file and key are the caller's).
+[[nodiscard]] Expected<Shape> convexMesh(const std::vector<Eigen::Vector3d>& points_m,
+                                         const std::vector<Eigen::Vector3i>& triangles);
+
+/// Reads a mesh file (STL, OBJ, DAE, GLB) and makes a collider of it. Coordinates times `scale` are
+/// metres; axes are taken as in the file (a DAE's up-axis tag is ignored). A child process
+/// (meshReaderProgram()) reads the file; without that program, this process does
+/// (docs/adr/0027-children-read-strangers-files.md).
+///
+/// @return as convexMesh(); also when the file is missing, unreadable or has no faces.
+[[nodiscard]] Expected<Shape> loadConvexMesh(const std::string& path, const Eigen::Vector3d& scale);
+
+}  // namespace wholehand

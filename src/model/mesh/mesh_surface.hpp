@@ -1,0 +1,40 @@
+#pragma once
+
+#include "core/expected.hpp"
+
+#include <Eigen/Core>
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace wholehand {
+
+/// The triangles of a mesh file, unchanged.
+struct MeshSurface {
+  std::vector<Eigen::Vector3d> points;     ///< in the file's own unit
+  std::vector<Eigen::Vector3i> triangles;  ///< indices into points
+};
+
+/// Reads a mesh file in this process with assimp, which a damaged file may crash.
+/// @return the surface, or one Diagnostic with problem and remedy (file and key are the caller's)
+[[nodiscard]] Expected<MeshSurface> readMeshHere(const std::string& path);
+
+/// Path of wholehand-read-mesh, the program that reads a mesh in a child process: beside this
+/// program, or in lib/wholehand of the parent folder. Empty: not found.
+[[nodiscard]] std::string meshReaderProgram();
+
+/// Runs `program FILE` with limits of 10 s and 1 GB, and reads its result. Survives a crash of that
+/// process.
+/// @return as readMeshHere()
+[[nodiscard]] Expected<MeshSurface> readMeshInChild(const std::string& program,
+                                                    const std::string& path);
+
+/// Encodes the result for that program's standard output: a surface or an error. For processes of
+/// the same build on the same machine.
+[[nodiscard]] std::string encodeMesh(const Expected<MeshSurface>& mesh);
+/// @param text any bytes
+/// @return the input of encodeMesh(). Every index is valid.
+[[nodiscard]] Expected<MeshSurface> decodeMesh(std::string_view text);
+
+}  // namespace wholehand

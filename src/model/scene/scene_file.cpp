@@ -1,0 +1,272 @@
+#include "core/tick_record.hpp"
+#include "model/mass_properties.hpp"
+#include "model/mesh/convex_mesh.hpp"
+#include "model/rotation.hpp"
+#include "model/scene/scene_model.hpp"
+#include "model/scene/separation.hpp"
+#include "model/toml/toml_file.hpp"
+#include "model/urdf/urdf.hpp"
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace wholehand {
+namespace {
+
+namespace fs = std::filesystem;
+using Eigen::Vector3d;
+using std::numbers::pi;
+
+constexpr double kTouch_m = 1e-4;  ///< allowed initial overlap of bodies: rounding in files
+
+constexpr double kThinnestCore_m = 1e-3;  ///< radius that a soft cylinder keeps
+
+NumberRule dimension() {
+  return between(0.001, 10.0, "m");
+}
+
+Vector3d vectorFrom(const std::vector<double>& v) {
+  return {v[0], v[1], v[2]};
+}
+
+bool isColor(const std::string& text) {
+  return text.size() == 7 && text[0] == '#' &&
+         std::all_of(text.begin() + 1, text.end(),
+                     [](unsigned char c) { return std::isxdigit(c) != 0; });
+}
+
+/// Reads one `[[bodies]]` table.
+class BodyReader {
+ public:
+  BodyReader(TomlTable table, fs::path folder) : t_(std::move(table)), folder_(std::move(folder)) {}
+
+  /// The body; without shapes after a fault in them.
+  SceneBody read() {
+    SceneBody body;
+    body.name = t_.text("name");
+    body.fixed = t_.flag("fixed", false);
+    body.friction = t_.number("friction", between(0.0, 2.0), body.friction);
+    body.linear_damping_per_s =
+        t_.number("linear_damping_per_s", between(0.0, 1.0, "1/s"), body.linear_damping_per_s);
+    body.color = t_.text("color", body.color);
+    if (t_.good("color") && !isColor(body.color)) {
+      t_.fail("color", "is not a colour", "must be \"#RRGGBB\", e.g. \"#3B6FD1\"");
+    }
+    readPose(body);
+    readShapes(body);
+    readSoft(body);
+    readMass(body);
+    return body;
+  }
+
+  /// True when position and orientation of the body are valid.
+  [[nodiscard]] bool placed() const {
+    return t_.good("position_m") &&
+           (!t_.has("orientation_rpy_rad") || t_.good("orientation_rpy_rad"));
+  }
+  [[nodiscard]] TomlTable& table() { return t_; }
+  /// Paths of the mesh or URDF, and of the URDF's meshes.
+  [[nodiscard]] const std::vector<std::string>& assets() const { return assets_; }
+  /// Faults inside the URDF, with lines of that file.
+  [[nodiscard]] const Diagnostics& urdfFaults() const { return urdf_faults_; }
+
+ private:
+  void readPose(SceneBody& body) {
+    body.pose.translation_m = vectorFrom(t_.numbers("position_m", 3, between(-10.0, 10.0, "m")));
+    const std::vector<double> rpy =
+        t_.numbers("orientation_rpy_rad", 3, between(-2.0 * pi, 2.0 * pi, "rad"), {0.0, 0.0, 0.0});
+    body.pose.rotation = rotationFromRpy(rpy[0], rpy[1], rpy[2]);
+  }
+
+  void readShapes(SceneBody& body) {
+    const std::string kind =
+        t_.choice("shape", {"box", "sphere", "cylinder", "disk", "capsule", "mesh", "urdf"});
+    if (!t_.good("shape")) {
+      ignoreDimensions();
+    } else if (kind == "urdf") {
+      readUrdf(body);
+    } else if (kind == "mesh") {
+      readMesh(body);
+    } else {
+      Shape shape = readPrimitive(kind);
+      if (!shape_wrong_) body.shapes.push_back(std::move(shape));
+    }
+  }
+
+  /// After an unknown shape, its dimensions are not reported as unknown keys.
+  void ignoreDimensions() {
+    (void)t_.numbers("size_m", 3, dimension(), {1.0, 1.0, 1.0});
+    for (const char* key : {"radius_m", "height_m", "length_m"})
+      (void)t_.number(key, dimension(), 1.0);
+    (void)t_.number("scale", above(0.0, 1e4), 1.0);
+    (void)t_.text("file", "none");
+  }
+
+  double length(const char* key) {
+    const double value = t_.number(key, dimension());
+    shape_wrong_ = shape_wrong_ || !t_.good(key);
+    return value;
+  }
+
+  Shape readPrimitive(const std::string& kind) {
+    Shape shape;
+    if (kind == "box") {
+      shape.half_extents_m = vectorFrom(t_.numbers("size_m", 3, dimension())) / 2.0;
+      shape_wrong_ = !t_.good("size_m");
+      return shape;
+    }
+    shape.type = kind == "sphere"    ? ShapeType::kSphere
+                 : kind == "capsule" ? ShapeType::kCapsule
+                                     : ShapeType::kCylinder;
+    shape.radius_m = length("radius_m");
+    if (shape.type == ShapeType::kCylinder) shape.length_m = length("height_m");
+    if (shape.type == ShapeType::kCapsule) shape.length_m = length("length_m");
+    return shape;
+  }
+
+  void readMesh(SceneBody& body) {
+    const double scale = t_.number("scale", above(0.0, 1e4), 1.0);
+    const std::string file = t_.text("file");
+    if (!t_.good("file")) return;
+    assets_.push_back((folder_ / file).string());
+    Expected<Shape> mesh = loadConvexMesh(assets_.back(), Vector3d::Constant(scale));
+    if (mesh) {
+      body.shapes.push_back(std::move(*mesh));
+    } else {
+      t_.fail("file", mesh.errors().front().problem, mesh.errors().front().remedy);
+    }
+  }
+
+  void readUrdf(SceneBody& body) {
+    urdf_wrong_ = true;
+    const std::string file = t_.text("file");
+    if (!t_.good("file")) return;
+    const fs::path path = folder_ / file;
+    std::error_code error;
+    if (!fs::is_regular_file(path, error)) {
+      t_.fail("file", "there is no such URDF file: " + path.string(),
+              "check the name; it is relative to the scene file");
+      return;
+    }
+    Expected<UrdfBody> urdf = loadUrdf(path.string());
+    if (!urdf) {
+      urdf_faults_ = urdf.errors();
+      return;
+    }
+    urdf_wrong_ = false;
+    assets_.push_back(path.string());
+    assets_.insert(assets_.end(), urdf->mesh_files.begin(), urdf->mesh_files.end());
+    body.shapes = std::move(urdf->shapes);
+    inertial_ = urdf->inertial;
+  }
+
+  void readSoft(SceneBody& body) {
+    if (!t_.has("soft_m")) return;
+    const bool cylinder = body.shapes.size() == 1 && body.shapes[0].type == ShapeType::kCylinder;
+    const double most_m = cylinder ? body.shapes[0].radius_m - kThinnestCore_m : 10.0;
+    body.soft_m = t_.number("soft_m", between(0.0, std::max(most_m, 0.0), "m"));
+    if (!cylinder && t_.good("shape") && !shape_wrong_) {
+      t_.fail("soft_m", "only a cylinder or a disk is soft", "take it out");
+    }
+  }
+
+  /// Mass and inertia: from the URDF's inertials, scaled to `mass_kg` if given, or from the shapes
+  /// at uniform density.
+  void readMass(SceneBody& body) {
+    if (body.fixed) {
+      if (t_.has("mass_kg")) {
+        t_.fail("mass_kg", "says nothing about a fixed body", "take it out, or set fixed = false");
+      }
+      return;
+    }
+    const NumberRule rule = between(1e-4, 1e3, "kg");
+    const bool from_urdf = inertial_.has_value() || urdf_wrong_;
+    body.mass_kg = from_urdf ? t_.number("mass_kg", rule, inertial_ ? inertial_->mass_kg : 1.0)
+                             : t_.number("mass_kg", rule);
+    if (body.shapes.empty()) return;
+    MassProperties m = inertial_.value_or(uniformDensity(body.shapes, body.mass_kg));
+    if (!rule.allows(m.mass_kg)) {
+      t_.fail("file", fmt::format("the URDF's masses add up to {} kg", formatNumber(m.mass_kg)),
+              rule.remedy());
+    }
+    body.com_m = m.com_m;
+    body.inertia_kg_m2 = body.mass_kg / m.mass_kg * m.inertia_kg_m2;
+  }
+
+  TomlTable t_;
+  fs::path folder_;
+  bool shape_wrong_ = false;
+  std::optional<MassProperties> inertial_;
+  Diagnostics urdf_faults_;
+  bool urdf_wrong_ = false;  ///< its mass is then unknown
+  std::vector<std::string> assets_;
+};
+
+void reportSameNames(const SceneModel& scene, std::vector<BodyReader>& readers) {
+  for (std::size_t i = 0; i < readers.size(); ++i) {
+    const std::string& name = scene.bodies[i].name;
+    if (readers[i].table().good("name") && scene.bodyIndex(name) < static_cast<int>(i)) {
+      readers[i].table().fail("name", "is the name of two bodies", "give every body its own name");
+    }
+  }
+}
+
+void reportOverlaps(const SceneModel& scene, std::vector<BodyReader>& readers) {
+  for (std::size_t j = 0; j < readers.size(); ++j) {
+    for (std::size_t i = 0; i < j; ++i) {
+      if (!readers[i].placed() || !readers[j].placed()) continue;
+      const SceneBody &a = scene.bodies[i], &b = scene.bodies[j];
+      const double depth_m = -separation(a, b);  // -inf when a body has no valid shape
+      if (!(depth_m > kTouch_m)) continue;
+      readers[j].table().fail(
+          "position_m",
+          fmt::format("'{}' starts {:.3g} mm inside '{}'", b.name, 1e3 * depth_m, a.name),
+          "move one of them; touching within 0.1 mm is allowed");
+    }
+  }
+}
+
+}  // namespace
+
+Expected<SceneModel> loadSceneFile(const std::string& path) {
+  TomlFile file(path, "scene");
+  if (!file.readable()) return file.finish();
+  TomlTable& root = file.root();
+  SceneModel scene;
+  scene.path = path;
+  scene.name = root.text("name");
+  scene.gravity_m_s2 = vectorFrom(root.numbers("gravity_m_s2", 3, between(-30.0, 30.0, "m/s^2")));
+  scene.hand_friction = root.number("hand_friction", between(0.0, 2.0), scene.hand_friction);
+
+  std::vector<BodyReader> readers;
+  for (const TomlTable& table : root.tables("bodies", 0)) {
+    readers.emplace_back(table, fs::path(path).parent_path());
+    scene.bodies.push_back(readers.back().read());
+  }
+  if (scene.bodies.size() > std::size_t{kMaxSceneBodies}) {
+    root.fail("bodies", fmt::format("there are {} bodies", scene.bodies.size()),
+              fmt::format("a scene may have {} at most", kMaxSceneBodies));
+  } else {
+    reportOverlaps(scene, readers);
+  }
+  reportSameNames(scene, readers);
+
+  Diagnostics faults = file.finish();
+  for (const BodyReader& reader : readers) {
+    faults.insert(faults.end(), reader.urdfFaults().begin(), reader.urdfFaults().end());
+    scene.assets.insert(scene.assets.end(), reader.assets().begin(), reader.assets().end());
+  }
+  if (!faults.empty()) return faults;
+  return scene;
+}
+
+}  // namespace wholehand

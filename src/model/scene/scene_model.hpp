@@ -1,0 +1,79 @@
+#pragma once
+
+#include "core/expected.hpp"
+#include "core/geometry.hpp"
+
+#include <Eigen/Core>
+
+#include <string>
+#include <vector>
+
+namespace wholehand {
+
+enum class ShapeType { kBox, kSphere, kCylinder, kCapsule, kConvexMesh };
+
+/// A collider in its body's frame. Cylinder and capsule lie along the shape frame's z. A disk of a
+/// scene file is a cylinder.
+struct Shape {
+  ShapeType type = ShapeType::kBox;
+  Eigen::Vector3d half_extents_m = Eigen::Vector3d::Zero();  ///< box
+  double radius_m = 0.0;                                     ///< sphere, cylinder, capsule
+  double length_m = 0.0;  ///< cylinder: height; capsule: between the centres of its caps
+  std::vector<Eigen::Vector3d> points_m;   ///< convex mesh: hull vertices
+  std::vector<Eigen::Vector3i> triangles;  ///< convex mesh: faces, outward
+  Pose in_body;
+};
+
+/// A body of the scene.
+struct SceneBody {
+  std::string name;
+  bool fixed = false;
+  double mass_kg = 0.0;                                     ///< > 0 unless fixed
+  Eigen::Vector3d com_m = Eigen::Vector3d::Zero();          ///< body frame
+  Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();  ///< about the com, body axes
+  Pose pose;                          ///< initial pose of the body frame in the world
+  std::vector<Shape> shapes;          ///< at least one
+  double friction = 0.8;              ///< Coulomb coefficient against the hand
+  double linear_damping_per_s = 0.0;  ///< fraction of velocity lost per second, 0 .. 1
+  /// Depth by which fingers and thumb sink into the side before they reach a rigid core, without
+  /// contact force; the palm and other bodies collide with the shape itself. Upright cylinders only
+  /// [m].
+  double soft_m = 0.0;
+  std::string color = "#3B6FD1";  ///< for pictures and pages, #RRGGBB
+};
+
+/// A scene: bodies, gravity, and where the hand starts.
+struct SceneModel {
+  std::string path;
+  std::string name;
+  Eigen::Vector3d gravity_m_s2{0.0, 0.0, -9.81};
+  std::vector<SceneBody> bodies;    ///< 0 .. kMaxSceneBodies; a record holds kMaxBodies
+  double hand_friction = 0.8;       ///< of the hand's capsules
+  std::vector<std::string> assets;  ///< paths of its meshes and URDFs
+
+  [[nodiscard]] int bodyIndex(const std::string& body_name) const;
+};
+
+/// Core that fingers and thumb collide with: the shape; for a cylinder, its radius minus the soft
+/// depth.
+[[nodiscard]] Shape coreOf(const SceneBody& body, const Shape& shape);
+
+/// Reads a scene file with its meshes (through assimp) and URDFs, relative to it. Reports every
+/// fault at once: unknown shapes, missing, empty or non-convex meshes, links without collider,
+/// bodies that overlap at the start.
+[[nodiscard]] Expected<SceneModel> loadSceneFile(const std::string& path);
+
+/// Moments of a shape at unit density: volume [m³], centre [m] and inertia about the centre [m⁵],
+/// in the body frame.
+struct ShapeMoments {
+  double volume_m3 = 0.0;
+  Eigen::Vector3d center_m = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d inertia_m5 = Eigen::Matrix3d::Zero();
+};
+[[nodiscard]] ShapeMoments moments(const Shape& shape);
+
+/// Distance from a point to the shape's surface, negative inside [m]; point in the body frame. For
+/// a convex mesh, the largest face distance (exact inside and at faces, a lower bound outside).
+[[nodiscard]] double signedDistance(const Shape& shape, const Eigen::Vector3d& point_m);
+
+}  // namespace wholehand

@@ -1,0 +1,173 @@
+#include "physics/bullet/bullet_types.hpp"
+#include "physics/bullet/reduced_contact_solver.hpp"
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+// The sweeps of projected Gauss-Seidel over the rows: the hot loop of the tick.
+
+namespace wholehand::bullet {
+namespace {
+
+constexpr double kNoLimit = 1e30;
+
+// Four numbers at once. A vector of Bullet has a fourth, which is zero.
+static_assert(kMaxLeaning == 4 && kMaxAxes % 4 == 0 && sizeof(btVector3) == 4 * sizeof(double));
+Eigen::Map<Eigen::Vector4d> four(double* first) {
+  return Eigen::Map<Eigen::Vector4d>(first);
+}
+Eigen::Map<const Eigen::Vector4d> four(const double* first) {
+  return Eigen::Map<const Eigen::Vector4d>(first);
+}
+Eigen::Map<Eigen::Vector4d> four(btVector3& v) {
+  return four(v.m_floats);
+}
+Eigen::Map<const Eigen::Vector4d> four(const btVector3& v) {
+  return four(v.m_floats);
+}
+
+}  // namespace
+
+template <int Width>
+double ReducedContactSolver::wanted(const ReducedRow& row, const btSolverBody& body) const {
+  Eigen::Vector4d velocity = four(row.linear).cwiseProduct(four(body.m_deltaLinearVelocity)) +
+                             four(row.angular).cwiseProduct(four(body.m_deltaAngularVelocity));
+  for (int a = 0; a < Width; a += 4) {
+    velocity += four(&row.jacobian[a]).cwiseProduct(four(&change_[a]));
+  }
+  return row.impulse + row.target - velocity.sum() * row.effective_mass;
+}
+
+template <int Width>
+void ReducedContactSolver::apply(ReducedRow& row, btSolverBody& body, double impulse) {
+  const double change = impulse - row.impulse;
+  if (row.effective_mass == 0.0 || change == 0.0) return;
+  row.impulse = impulse;
+  residual_ = std::max(residual_, change * change);
+  four(body.m_deltaLinearVelocity) += change * four(row.linear_response);
+  four(body.m_deltaAngularVelocity) += change * four(row.angular_response);
+  for (int a = 0; a < Width; a += 4) four(&change_[a]) += change * four(&row.response[a]);
+  if (leans_) four(rows_.leaningImpulse().data()) += change * four(row.lean.data());
+}
+
+// The point keeps its impulses and tangents from the step before; tangents may have turned.
+void ReducedContactSolver::warmStart(HandContact& contact) {
+  btManifoldPoint& point = *contact.point;
+  const btVector3 old = point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
+                        point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2;
+  const double share = settings_.warm_start;
+  btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
+  apply<kMaxAxes>(contact.normal_row, body, share * point.m_appliedImpulse);
+  apply<kMaxAxes>(contact.tangent1_row, body, share * old.dot(contact.tangent1));
+  apply<kMaxAxes>(contact.tangent2_row, body, share * old.dot(contact.tangent2));
+  apply<kMaxAxes>(contact.spin_row, body, share * point.m_prevRHS);
+}
+
+template <int Width>
+void ReducedContactSolver::solveFriction(HandContact& contact) {
+  btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
+  const double normal = contact.normal_row.impulse;
+  if (normal == 0.0) {  // nothing presses, nothing rubs
+    apply<Width>(contact.spin_row, body, 0.0);
+    apply<Width>(contact.tangent1_row, body, 0.0);
+    apply<Width>(contact.tangent2_row, body, 0.0);
+    return;
+  }
+  const double spin_limit = settings_.spinning_friction_m * normal;
+  apply<Width>(contact.spin_row, body,
+               std::clamp(wanted<Width>(contact.spin_row, body), -spin_limit, spin_limit));
+  // Both tangents at once, so that friction is a disc and not a square.
+  double t1 = wanted<Width>(contact.tangent1_row, body);
+  double t2 = wanted<Width>(contact.tangent2_row, body);
+  const double length = std::sqrt(t1 * t1 + t2 * t2);
+  const double limit = contact.friction * normal;
+  if (length > limit) {
+    t1 *= limit / length;
+    t2 *= limit / length;
+  }
+  apply<Width>(contact.tangent1_row, body, t1);
+  apply<Width>(contact.tangent2_row, body, t2);
+}
+
+template <int Width>
+void ReducedContactSolver::iterate() {
+  for (int i = 0; i < contact_count_; ++i) {
+    HandContact& contact = contacts_[i];
+    btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
+    apply<Width>(contact.normal_row, body,
+                 std::clamp(wanted<Width>(contact.normal_row, body), 0.0, kNoLimit));
+  }
+  for (int i = 0; i < contact_count_; ++i) solveFriction<Width>(contacts_[i]);
+  residual_ = std::max(residual_, rows_.iterate<Width>(change_.data()));
+}
+
+void ReducedContactSolver::listNear() {
+  touched_.assign(static_cast<std::size_t>(m_tmpSolverBodyPool.size()), false);
+  for (int i = 0; i < contact_count_; ++i) {
+    const int body = contacts_[i].solver_body;
+    touched_[body] = m_tmpSolverBodyPool[body].m_originalBody != nullptr;
+  }
+  near_.clear();
+  for (int i = 0; i < m_tmpSolverContactConstraintPool.size(); ++i) {
+    const btSolverConstraint& row = m_tmpSolverContactConstraintPool[i];
+    const bool near = touched_[row.m_solverBodyIdA] || touched_[row.m_solverBodyIdB];
+    if (near && near_.size() < near_.capacity()) near_.push_back(i);
+  }
+}
+
+// As the base class does with all of them: the normals, then two directions of friction each.
+double ReducedContactSolver::iterateNear() {
+  double residual = 0.0;
+  const auto bodies = [this](const btSolverConstraint& row) {
+    return std::pair<btSolverBody&, btSolverBody&>(m_tmpSolverBodyPool[row.m_solverBodyIdA],
+                                                   m_tmpSolverBodyPool[row.m_solverBodyIdB]);
+  };
+  for (const int i : near_) {
+    btSolverConstraint& row = m_tmpSolverContactConstraintPool[i];
+    const auto [a, b] = bodies(row);
+    const double change = resolveSingleConstraintRowLowerLimit(a, b, row);
+    residual = std::max(residual, change * change);
+  }
+  for (const int i : near_) {
+    const btSolverConstraint& normal = m_tmpSolverContactConstraintPool[i];
+    const double pressed = normal.m_appliedImpulse;
+    if (!(pressed > 0.0)) continue;
+    for (int k = normal.m_frictionIndex; k < normal.m_frictionIndex + 2; ++k) {
+      btSolverConstraint& row = m_tmpSolverContactFrictionConstraintPool[k];
+      row.m_upperLimit = row.m_friction * pressed;
+      row.m_lowerLimit = -row.m_upperLimit;
+      const auto [a, b] = bodies(row);
+      const double change = resolveSingleConstraintRowGeneric(a, b, row);
+      residual = std::max(residual, change * change);
+    }
+  }
+  return residual;
+}
+
+btScalar ReducedContactSolver::solveSingleIteration(
+    int iteration, btCollisionObject** bodies, int body_count, btPersistentManifold** manifolds,
+    int manifold_count, btTypedConstraint** constraints, int constraint_count,
+    const btContactSolverInfo& info, btIDebugDraw* drawer) {
+  double others = 0.0;
+  if (iteration < settings_.far_iterations) {
+    others = btSequentialImpulseConstraintSolver::solveSingleIteration(
+        iteration, bodies, body_count, manifolds, manifold_count, constraints, constraint_count,
+        info, drawer);
+  } else {
+    if (iteration == settings_.far_iterations) listNear();
+    others = iterateNear();
+  }
+  residual_ = 0.0;
+  if (axes_ <= kNarrow) {
+    iterate<kNarrow>();
+  } else {
+    iterate<kMaxAxes>();
+  }
+  // With 0 the base class would stop after its first iteration.
+  return std::max(others, residual_);
+}
+
+}  // namespace wholehand::bullet

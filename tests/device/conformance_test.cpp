@@ -1,0 +1,170 @@
+// Drivers that break one rule each, and drivers that break none.
+#include "device/conformance/conformance.hpp"
+
+#include "realtime/allocation_counter.hpp"
+#include "support/folder.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <string>
+
+namespace wholehand::test {
+namespace {
+
+DriverLocation built(const std::string& name, const std::string& settings = {}) {
+  return {std::string(WHOLEHAND_BINARY_DIR) + "/drivers/" + name + ".so", "", settings};
+}
+
+ConformanceOptions with(DriverLocation driver, const std::string& only,
+                        double longest_check_s = 3.0) {
+  ConformanceOptions options;
+  options.driver = std::move(driver);
+  options.only = only;
+  options.allow_effort = options.allow_beyond_limit = true;
+  options.longest_check_s = longest_check_s;
+  return options;
+}
+
+std::string failures(const std::vector<CheckResult>& results) {
+  std::string out;
+  for (const CheckResult& r : results) {
+    if (r.finding.outcome == Outcome::kFailed) {
+      out += std::string(r.check->id) + ": " + r.finding.text + "\n";
+    }
+  }
+  return out;
+}
+
+std::string groupOf(const std::string& id) {
+  return id.substr(0, id.find('.') + 1);
+}
+
+struct Broken {
+  const char* setting;
+  const char* check;
+};
+std::string nameOf(const testing::TestParamInfo<Broken>& info) {
+  return info.param.setting;
+}
+
+class OneRuleBroken : public testing::TestWithParam<Broken> {};
+
+TEST_P(OneRuleBroken, IsFoundByTheCheckThatIsMeantForIt) {
+  const std::string id = GetParam().check;
+  const auto results = conform(with(built("broken", GetParam().setting), id, 1.5));
+  const auto meant = std::find_if(results.begin(), results.end(),
+                                  [&](const CheckResult& r) { return id == r.check->id; });
+  ASSERT_NE(meant, results.end());
+  if (id == "time.read_allocations" && !allocationCountingAvailable()) {
+    EXPECT_EQ(meant->finding.outcome, Outcome::kSkipped) << "a sanitizer owns malloc";
+    return;
+  }
+  EXPECT_EQ(meant->finding.outcome, Outcome::kFailed) << failures(results);
+  EXPECT_FALSE(meant->finding.text.empty());
+}
+INSTANTIATE_TEST_SUITE_P(
+    Kinds, OneRuleBroken,
+    testing::Values(
+        Broken{"exits", "lifecycle.open"}, Broken{"mute", "faults.open_says"},
+        Broken{"shared", "lifecycle.open_twice"}, Broken{"eager", "lifecycle.open_disabled"},
+        Broken{"chatty", "faults.lines"}, Broken{"leaks", "lifecycle.files"},
+        Broken{"overfills", "boundary.capacity"}, Broken{"oversized", "boundary.older_sample"},
+        Broken{"twins", "description.names_unique"},
+        Broken{"millimetres", "description.travel_plausible"},
+        Broken{"inverted", "description.travel_ordered"},
+        Broken{"limitless", "description.effort_finite"},
+        Broken{"milliseconds", "description.delay_plausible"},
+        Broken{"unwatched", "description.watchdog"}, Broken{"strict", "lifecycle.disable_first"},
+        Broken{"obliging", "lifecycle.unknown_verb"}, Broken{"stuck", "lifecycle.disable"},
+        Broken{"willing", "lifecycle.write_disabled"}, Broken{"backwards", "samples.sequence"},
+        Broken{"frozen", "samples.moves_on"}, Broken{"clock", "samples.clock"},
+        Broken{"walltime", "samples.clock_monotonic"}, Broken{"stale", "samples.age"},
+        Broken{"nan", "samples.position_finite"}, Broken{"missing", "samples.valid"},
+        Broken{"ghosts", "samples.valid_described"}, Broken{"hollow", "samples.nothing_new"},
+        Broken{"beyond", "samples.travel"}, Broken{"coarse", "samples.resolution"},
+        Broken{"hot", "samples.temperature"}, Broken{"codeless", "faults.code"},
+        Broken{"remembers", "commands.enabled_neutral"},
+        Broken{"rigid", "commands.sequence_restarts"}, Broken{"countless", "commands.more_axes"},
+        Broken{"gullible", "commands.nan"}, Broken{"reversed", "commands.sign"},
+        Broken{"unclipped", "commands.beyond_limit"}, Broken{"blocks", "time.read_wall"},
+        Broken{"sleeps", "time.read_waits"}, Broken{"computes", "time.read_cpu"},
+        Broken{"allocates", "time.read_allocations"}, Broken{"talks", "time.read_says"},
+        Broken{"forks", "time.read_processes"}, Broken{"ponders", "time.write_waits"},
+        Broken{"sleepless", "watchdog.silenced"}, Broken{"tardy", "watchdog.silenced"},
+        Broken{"forgiving", "watchdog.latched"}, Broken{"impatient", "watchdog.before_first"},
+        Broken{"undroppable", "watchdog.dropped"}),
+    nameOf);
+
+// What is wrong with the shared object itself; spoiled_driver.c, built so.
+class WrongObject : public testing::TestWithParam<Broken> {};
+
+TEST_P(WrongObject, IsFoundByTheCheckThatIsMeantForIt) {
+  const auto results = conform(with(built(GetParam().setting), GetParam().check));
+  ASSERT_EQ(results.size(), 1U);
+  EXPECT_EQ(results[0].finding.outcome, Outcome::kFailed);
+}
+INSTANTIATE_TEST_SUITE_P(Kinds, WrongObject,
+                         testing::Values(Broken{"none", "boundary.loads"},
+                                         Broken{"no_symbol", "boundary.symbol"},
+                                         Broken{"other_major", "boundary.major"},
+                                         Broken{"too_short", "boundary.size"},
+                                         Broken{"without_write", "boundary.functions"}),
+                         nameOf);
+
+TEST(Conformance, DriverThatCrashes_FailsTheCheckUnderWayAndNoOtherGroup) {
+  const auto results = conform(with(built("broken", "crashes"), "samples."));
+  EXPECT_NE(failures(results).find("samples.succeed: the driver ended the process"),
+            std::string::npos)
+      << failures(results);
+  EXPECT_EQ(results.back().finding.outcome, Outcome::kSkipped);
+  EXPECT_EQ(failures(conform(with(built("broken", "crashes"), "description."))), "");
+}
+
+TEST(Conformance, DriverThatHangs_IsEndedAndToldOf) {
+  const auto results = conform(with(built("broken", "hangs"), "samples.", 0.5));
+  EXPECT_NE(failures(results).find("samples.succeed: the driver hangs"), std::string::npos)
+      << failures(results);
+}
+
+TEST(Conformance, GoodDrivers_FailNothing) {
+  EXPECT_EQ(failures(conform(with(built("broken", "moving"), ""))), "");
+  EXPECT_EQ(failures(conform(with(built("rails"), ""))), "");
+}
+
+// It may wait, has no watchdog of its own and moves by itself: what it does without effort.
+TEST(Conformance, DriverForHosts_FailsNothingThatLooks) {
+  const Folder folder;
+  ConformanceOptions options = with(built("pushed", folder.file("kept")), "");
+  options.allow_effort = false;
+  EXPECT_EQ(failures(conform(options)), "");
+}
+
+TEST(Conformance, WithoutLeave_EnablesNothing) {
+  ConformanceOptions options = with(built("broken"), "");
+  options.allow_effort = false;
+  for (const CheckResult& r : conform(options)) {
+    if (r.check->does == Does::kLooks) continue;
+    EXPECT_EQ(r.finding.outcome, Outcome::kSkipped) << r.check->id;
+    EXPECT_NE(r.finding.text.find("--allow-effort"), std::string::npos) << r.check->id;
+  }
+}
+
+// What a check sends moves a person's hand: only checks that say so may enable.
+TEST(Conformance, Checks_HaveNamesOfTheirOwnAndSayWhatTheyDo) {
+  std::set<std::string> ids;
+  for (const CheckGroup& group : checkGroups()) {
+    for (const Check& check : group.checks) {
+      EXPECT_TRUE(ids.insert(check.id).second) << check.id;
+      EXPECT_EQ(groupOf(check.id), std::string(group.name) + ".");
+      EXPECT_TRUE(check.before != DriverStage::kEnabled || check.does != Does::kLooks) << check.id;
+      EXPECT_GT(std::string(check.asks).size(), 10U) << check.id;
+      EXPECT_GT(std::string(check.remedy).size(), 3U) << check.id;
+    }
+  }
+  EXPECT_GE(ids.size(), 60U);
+}
+
+}  // namespace
+}  // namespace wholehand::test

@@ -1,0 +1,343 @@
+// The driver on a simulated clock, against drives that are not there.
+#include "moteus/moteus_device.hpp"
+
+#include "fake_drive.hpp"
+#include "hand_settings.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+namespace wholehand::moteus {
+namespace {
+
+constexpr double kTurn_rad = 2.0 * std::numbers::pi;
+
+class Hand : public testing::Test {
+ protected:
+  Hand() {
+    for (int id = 1; id <= 3; ++id) bus.drives.emplace_back(id);
+    device = std::make_unique<MoteusDevice>(
+        test::handSettings(), std::make_unique<test::FakeBus>(bus, time),
+        std::make_unique<test::SimulatedClock>(time),
+        [this](const std::string& line) { said += line + "\n"; });
+  }
+  void enable() {
+    const auto checked = device->check();
+    ASSERT_TRUE(checked) << format(checked.errors());
+    ASSERT_EQ(device->control(WH_ENABLE), WH_OK) << said;
+  }
+  // A period of the loop: read, write, 1 ms.
+  int tick(const std::array<double, 3>& effort_nm) {
+    const int read = device->read(sample);
+    wrote = write(effort_nm);
+    pass(1'000'000);
+    return read;
+  }
+  int write(const std::array<double, 3>& effort_nm) {
+    wh_command command{};
+    command.size = sizeof command;
+    command.axes = 3;
+    std::copy(effort_nm.begin(), effort_nm.end(), command.effort);
+    return device->write(command);
+  }
+  void pass(std::int64_t ns) {
+    for (const std::int64_t until_ns = time.now_ns + ns; time.now_ns < until_ns;) {
+      time.now_ns += 50'000;
+      bus.deliver(time.now_ns);
+    }
+  }
+  std::uint32_t statusAfter(int ticks) {
+    for (int i = 0; i < ticks; ++i) (void)tick({});
+    return sample.status;
+  }
+
+  test::SimulatedTime time;
+  test::FakeBusState bus;
+  std::unique_ptr<MoteusDevice> device;
+  std::string said;
+  wh_sample sample{};
+  int wrote = 0;
+};
+
+using MoteusDrives = Hand;
+
+// A passport holds for these drives in this order: another drive gives another number.
+TEST_F(MoteusDrives, Identity_IsThatOfAllDrivesTogether) {
+  const auto serialOf = [this] {
+    wh_identity identity{};
+    identity.size = sizeof identity;
+    device->identify(identity);
+    EXPECT_STREQ(identity.firmware, identity.serial[0] == 0 ? "" : "100");
+    return std::string(identity.serial);
+  };
+  const std::string first = serialOf();
+  EXPECT_EQ(first.rfind("3 drives ", 0), 0U) << first;
+  EXPECT_EQ(first.size(), std::string("3 drives ").size() + 16);
+  EXPECT_EQ(serialOf(), first);
+  bus.drives[1].serial_word = 99;
+  EXPECT_NE(serialOf(), first);
+  bus.drives[1].firmware = 0x0101;  // one that was updated alone is no longer what was measured
+  wh_identity identity{};
+  identity.size = sizeof identity;
+  device->identify(identity);
+  EXPECT_STREQ(identity.firmware, "100+101+100");
+  bus.drives[1].firmware = 0x0100;
+  bus.drives[1].answers = false;
+  EXPECT_EQ(serialOf(), "");
+}
+
+TEST_F(MoteusDrives, Axes_AreThoseOfTheSettings) {
+  std::array<wh_axis, WH_MAX_AXES> axes{};
+  std::uint32_t count = 0;
+  device->describe(axes.data(), WH_MAX_AXES, count);
+  ASSERT_EQ(count, 3U);
+  EXPECT_STREQ(axes[1].name, "thumb_circumduction");
+  EXPECT_EQ(axes[1].kind, WH_ROTATION);
+  EXPECT_NEAR(axes[1].resolution, 5e-5 / 1.5, 1e-12);
+  EXPECT_EQ(axes[2].effort_limit, 0.8);
+  EXPECT_EQ(axes[2].silence_s, 0.02);
+}
+
+struct Unsafe {
+  const char* name;
+  const char* setting;
+  const char* value;
+  const char* says;
+};
+class UnsafeDrive : public Hand, public testing::WithParamInterface<Unsafe> {};
+
+TEST_P(UnsafeDrive, WhenOpened_IsRefusedAndSaysHowToSetIt) {
+  bus.drives[1].conf[GetParam().setting] = GetParam().value;
+  const auto checked = device->check();
+  ASSERT_FALSE(checked);
+  ASSERT_EQ(checked.errors().size(), 1U) << format(checked.errors());
+  const std::string why = format(checked.errors());
+  for (const char* part : {"drive 2 (thumb base)", GetParam().setting, GetParam().says}) {
+    EXPECT_NE(why.find(part), std::string::npos) << why;
+  }
+}
+INSTANTIATE_TEST_SUITE_P(
+    Settings, UnsafeDrive,
+    testing::Values(
+        Unsafe{"timeout_off", "servo.default_timeout_s", "nan", "conf set"},
+        Unsafe{"timeout_long", "servo.default_timeout_s", "1.000000", "at most 0.1 s"},
+        Unsafe{"timeout_negative", "servo.default_timeout_s", "-1", "at most 0.1 s"},
+        Unsafe{"holds", "servo.timeout_mode", "10", "holds or brakes"},
+        Unsafe{"brakes", "servo.timeout_mode", "15", "holds or brakes"},
+        Unsafe{"factory_torque", "servo.timeout_max_torque_Nm", "5.000000", "above max_torque_nm"},
+        Unsafe{"unlimited_torque", "servo.timeout_max_torque_Nm", "nan", "above max_torque_nm"},
+        Unsafe{"voltage", "servo.fixed_voltage_mode", "1", "ignores torques"},
+        Unsafe{"inertia", "servo.inertia_feedforward", "0.010000", "adds to the torque"},
+        Unsafe{"garbled", "servo.timeout_mode", "ERR error reading", "is no number"}),
+    [](const auto& tested) { return tested.param.name; });
+
+TEST_F(MoteusDrives, SilentDrive_IsRefusedByNameAndTheOthersAreStillJudged) {
+  bus.drives[2].answers = false;
+  bus.drives[0].conf["servo.timeout_mode"] = "10";
+  const auto checked = device->check();
+  ASSERT_FALSE(checked);
+  const std::string why = format(checked.errors());
+  EXPECT_NE(why.find("drive 3 (thumb tip): does not answer"), std::string::npos) << why;
+  EXPECT_NE(why.find("drive 1 (fingers) servo.timeout_mode"), std::string::npos) << why;
+}
+
+TEST_F(MoteusDrives, Enabled_StandWithoutTorqueUntilTheFirstCommand) {
+  enable();
+  pass(1'000'000'000);  // the loop starts
+  ASSERT_GE(device->read(sample), 0);
+  pass(1'000'000);
+  ASSERT_EQ(device->read(sample), WH_OK);
+  EXPECT_EQ(sample.status, WH_ENABLED | WH_HOMED);
+  for (const auto& drive : bus.drives) EXPECT_EQ(drive.torque_nm(), 0.0);
+}
+
+TEST_F(MoteusDrives, NotHomed_AreNotEnabledAndSaidByName) {
+  bus.drives[1].home = 1;
+  EXPECT_EQ(device->control(WH_ENABLE), WH_FAILED);
+  EXPECT_EQ(device->control(WH_ENABLE), WH_FAILED);
+  EXPECT_NE(said.find("drive 2 (thumb base) is not homed"), std::string::npos) << said;
+  EXPECT_EQ(write({}), WH_FAILED);
+  for (const auto& drive : bus.drives) EXPECT_EQ(drive.mode, 0);
+}
+
+// By hand from the settings: fingers 1; base -(tau_c + 0.4 tau_f) / 1.5; tip 1.
+TEST_F(MoteusDrives, Efforts_ReachTheMotorsAndNothingElseDoes) {
+  enable();
+  for (int i = 0; i < 5; ++i) (void)tick({0.5, -0.3, 0.2});
+  EXPECT_NEAR(bus.drives[0].torque_nm(), 0.5, 1e-7);
+  EXPECT_NEAR(bus.drives[1].torque_nm(), -(-0.3 + 0.4 * 0.2) / 1.5, 1e-7);
+  EXPECT_NEAR(bus.drives[2].torque_nm(), 0.2, 1e-7);
+  EXPECT_NEAR(sample.effort[0], 0.5, 1e-6);
+  EXPECT_NEAR(sample.effort[1], -0.3, 1e-6);
+  EXPECT_NEAR(sample.effort[2], 0.2, 1e-6);
+}
+
+// By hand: (m + 1.5) / 1; -(m - 1) / 1.5; (m - 0.2) + 0.4 q_1.
+TEST_F(MoteusDrives, Positions_AreThoseOfTheAxes) {
+  bus.drives[0].position_rev = -0.1;
+  bus.drives[1].position_rev = 0.05;
+  bus.drives[2].position_rev = 0.125;
+  enable();
+  (void)tick({});
+  ASSERT_EQ(tick({}), WH_OK);
+  const double base = -(0.05 * kTurn_rad - 1.0) / 1.5;
+  EXPECT_NEAR(sample.position[0], -0.1 * kTurn_rad + 1.5, 1e-6);
+  EXPECT_NEAR(sample.position[1], base, 1e-6);
+  EXPECT_NEAR(sample.position[2], 0.125 * kTurn_rad - 0.2 + 0.4 * base, 1e-6);
+  EXPECT_EQ(sample.valid, 7U);
+  EXPECT_EQ(sample.temperature_c[0], 25.0);
+}
+
+TEST_F(MoteusDrives, PositionThatADriveDoesNotKnow_IsNotValid) {
+  enable();
+  bus.drives[1].position_rev = std::nan("");
+  for (int i = 0; i < 3; ++i) (void)tick({});
+  EXPECT_EQ(sample.valid, 1U) << "nor is that of the axis which it shifts";
+}
+
+TEST_F(MoteusDrives, LoopThatStops_IsLetGoByTheDrivesAndStaysSo) {
+  enable();
+  for (int i = 0; i < 5; ++i) (void)tick({0.5, 0.0, 0.0});
+  ASSERT_GT(bus.drives[0].torque_nm(), 0.4);
+  pass(18'000'000);
+  EXPECT_GT(bus.drives[0].torque_nm(), 0.4) << "20 ms after the last command, not earlier";
+  pass(3'000'000);
+  EXPECT_EQ(bus.drives[0].torque_nm(), 0.0);
+  EXPECT_NE(statusAfter(4) & WH_SILENCED, 0U);
+  EXPECT_EQ(sample.status & WH_ENABLED, 0U);
+  for (int i = 0; i < 50; ++i) (void)tick({0.5, 0.0, 0.0});
+  EXPECT_EQ(bus.drives[0].torque_nm(), 0.0) << "commands do not wake it";
+  ASSERT_EQ(device->control(WH_ENABLE), WH_OK);
+  EXPECT_NE(said.find("has let go"), std::string::npos);
+  EXPECT_EQ(statusAfter(3), WH_ENABLED | WH_HOMED);
+}
+
+TEST_F(MoteusDrives, DroppedWatchdog_LetsGoWhileTheLoopWrites) {
+  enable();
+  for (int i = 0; i < 5; ++i) (void)tick({0.5, 0.0, 0.0});
+  ASSERT_EQ(device->control(WH_DROP_WATCHDOG), WH_OK);
+  for (int i = 0; i < 25; ++i) {
+    (void)tick({0.5, 0.0, 0.0});
+    EXPECT_EQ(wrote, WH_OK);
+  }
+  EXPECT_NE(sample.status & WH_SILENCED, 0U);
+  EXPECT_EQ(bus.drives[0].torque_nm(), 0.0);
+}
+
+TEST_F(MoteusDrives, DriveFault_IsToldWithItsCodeAndItsReason) {
+  enable();
+  (void)statusAfter(3);
+  bus.drives[2].mode = 1;
+  bus.drives[2].fault = 38;
+  const std::uint32_t status = statusAfter(2);
+  EXPECT_NE(status & WH_DRIVE_FAULT, 0U);
+  EXPECT_EQ(status & WH_ENABLED, 0U);
+  EXPECT_EQ(sample.vendor_code, 38);
+  EXPECT_EQ(wrote, WH_OK) << "the others are ramped";
+  EXPECT_EQ(said, "") << "the tick says nothing";
+  ASSERT_EQ(device->control(WH_DISABLE), WH_OK);
+  EXPECT_NE(said.find("drive 3 (thumb tip) has stopped itself: fault 38, over temperature"),
+            std::string::npos)
+      << said;
+}
+
+TEST_F(MoteusDrives, LimitsOfADrive_AreInformation) {
+  enable();
+  bus.drives[0].fault = 99;
+  EXPECT_EQ(statusAfter(3), WH_ENABLED | WH_HOMED | WH_SATURATED);
+  EXPECT_EQ(sample.vendor_code, 99);
+  bus.drives[0].fault = 100;
+  EXPECT_EQ(statusAfter(3), WH_ENABLED | WH_HOMED | WH_DERATING);
+}
+
+TEST_F(MoteusDrives, DriveThatRestarts_IsNeitherHomedNorEnabled) {
+  enable();
+  (void)statusAfter(3);
+  bus.drives[1].restart();
+  EXPECT_EQ(statusAfter(2) & (WH_ENABLED | WH_HOMED), 0U);
+}
+
+TEST_F(MoteusDrives, AnswerOfAnotherDrive_IsIgnoredAndCounted) {
+  enable();
+  (void)statusAfter(3);
+  const double before = sample.position[0];
+  bus.inject(0x0700, {0x2c, 0x01, 0x01, 0x00, 0x00, 0x80, 0x3f}, time.now_ns);
+  bus.inject(0x8001, {0x50}, time.now_ns);
+  bus.inject(0x0100, {0x2c, 0x01, 0x01, 0x00}, time.now_ns);  // ours, cut off
+  EXPECT_EQ(statusAfter(3), WH_ENABLED | WH_HOMED);
+  EXPECT_EQ(sample.position[0], before);
+  EXPECT_EQ(device->round().foreign(), 2U);
+  EXPECT_EQ(device->round().malformed(), 1U);
+}
+
+TEST_F(MoteusDrives, DriveThatFallsSilent_LetsTheSamplesStandStill) {
+  enable();
+  (void)statusAfter(3);
+  bus.drives[0].answers = false;
+  (void)statusAfter(2);
+  const std::uint64_t sequence = sample.sequence;
+  for (int i = 0; i < 30; ++i) EXPECT_EQ(tick({}), WH_NOTHING_NEW);
+  EXPECT_EQ(sample.sequence, sequence);  // stale sample: PluginDevice
+  bus.drives[0].answers = true;
+  (void)statusAfter(5);
+  EXPECT_GT(sample.sequence, sequence);
+}
+
+TEST_F(MoteusDrives, CalledByAHostAtFourKilohertz_AskTheBusOnceARoundTrip) {
+  bus.latency_ns = 800'000;
+  enable();
+  const int before = bus.frames;
+  for (int i = 0; i < 4000; ++i) {
+    (void)device->read(sample);
+    ASSERT_EQ(write({0.1, 0.0, 0.0}), WH_OK);
+    pass(250'000);
+  }
+  EXPECT_LE(bus.frames - before, 3 * 1250) << "a round takes 0.8 ms";
+  EXPECT_GE(bus.frames - before, 3 * 900);
+  EXPECT_EQ(sample.status, WH_ENABLED | WH_HOMED);
+  EXPECT_NEAR(bus.drives[0].torque_nm(), 0.1, 1e-7);
+}
+
+TEST_F(MoteusDrives, ImpossibleCommands_AreRefusedOrHeldToTheLimit) {
+  enable();
+  EXPECT_EQ(write({std::nan(""), 0.0, 0.0}), WH_FAILED);
+  wh_command short_command{};
+  short_command.axes = 2;
+  EXPECT_EQ(device->write(short_command), WH_FAILED);
+  short_command.axes = 4;
+  EXPECT_EQ(device->write(short_command), WH_FAILED) << "nobody knows which axis is which";
+  for (int i = 0; i < 3; ++i) (void)tick({100.0, 0.0, 0.0});
+  EXPECT_NEAR(bus.drives[0].torque_nm(), 0.8, 1e-6);
+}
+
+TEST_F(MoteusDrives, Disabled_HaveNoTorqueAndTakeNone) {
+  enable();
+  for (int i = 0; i < 3; ++i) (void)tick({0.5, 0.0, 0.0});
+  ASSERT_EQ(device->control(WH_DISABLE), WH_OK);
+  EXPECT_EQ(bus.drives[0].mode, 0);
+  EXPECT_EQ(write({}), WH_FAILED);
+  EXPECT_EQ(device->control(WH_HOME), WH_UNSUPPORTED);
+}
+
+TEST_F(MoteusDrives, Closed_AreStopped) {
+  enable();
+  for (int i = 0; i < 3; ++i) (void)tick({0.5, 0.0, 0.0});
+  device.reset();
+  for (const auto& drive : bus.drives) EXPECT_EQ(drive.mode, 0);
+}
+
+TEST_F(MoteusDrives, AdapterThatIsGone_FailsReadsAndWrites) {
+  enable();
+  (void)statusAfter(3);
+  bus.unplugged = true;
+  EXPECT_EQ(tick({}), WH_FAILED);
+  EXPECT_EQ(wrote, WH_FAILED);
+  bus.unplugged = false;
+  EXPECT_EQ(tick({}), WH_FAILED) << "what was lost in between is not known";
+}
+
+}  // namespace
+}  // namespace wholehand::moteus

@@ -1,0 +1,226 @@
+// Drivers that are loaded from shared objects built by a C compiler against the public header.
+#include "device/plugin/plugin_device.hpp"
+
+#include "device/plugin/observed_driver.hpp"
+#include "device/plugin/plugin_driver.hpp"
+#include "realtime/allocation_counter.hpp"
+#include "support/rig_tools.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace wholehand::test {
+namespace {
+
+std::string built(const std::string& name) {
+  return std::string(WHOLEHAND_BINARY_DIR) + "/drivers/" + name + ".so";
+}
+
+DeviceModel desktop() {
+  return load(shippedFiles("desktop-3axis", "empty", "adult-median-right", "no-arm")).device;
+}
+
+Expected<std::shared_ptr<PluginDriver>> spoiled(const std::string& settings,
+                                                const std::string& locator = "") {
+  return PluginDriver::load({built("spoiled"), locator, settings});
+}
+
+std::unique_ptr<HapticDevice> deviceThat(const std::string& settings) {
+  return orThrow(PluginDevice::make(orThrow(spoiled(settings)), desktop(), 1e-3));
+}
+
+struct Named {
+  const char* name;
+  const char* says;
+};
+std::string nameOf(const testing::TestParamInfo<Named>& info) {
+  return info.param.name;
+}
+
+class BrokenDriver : public testing::TestWithParam<Named> {};
+
+TEST_P(BrokenDriver, IsRefusedByName) {
+  const auto driver = PluginDriver::load({built(GetParam().name), "", ""});
+  ASSERT_FALSE(driver);
+  const std::string said = format(driver.errors());
+  EXPECT_NE(said.find(GetParam().name), std::string::npos) << said;  // the file
+  EXPECT_NE(said.find(GetParam().says), std::string::npos) << said;
+}
+INSTANTIATE_TEST_SUITE_P(Kinds, BrokenDriver,
+                         testing::Values(Named{"no_symbol", "has no wh_plugin_v1()"},
+                                         Named{"other_major", "is built for version 2"},
+                                         Named{"too_short", "too short"},
+                                         Named{"without_write", "leaves out one of its six"},
+                                         Named{"may_wait", "WH_NEVER_WAITS"},
+                                         Named{"not_there", "cannot open shared object file"}),
+                         nameOf);
+
+TEST(PluginDriver, DeviceThatIsNotFound_SaysWhereAndWhatTheDriverSaid) {
+  const auto driver = spoiled("", "nowhere");
+  ASSERT_FALSE(driver);
+  EXPECT_NE(format(driver.errors()).find("no device was found at nowhere: nothing answers"),
+            std::string::npos)
+      << format(driver.errors());
+}
+
+TEST(PluginDriver, ThatKnowsItsDevice_SaysSerialFirmwareAndSdk) {
+  const auto driver = orThrow(spoiled(""));
+  EXPECT_EQ(driver->identity().serial, "S-1");
+  EXPECT_EQ(driver->identity().firmware, "1.0");
+  EXPECT_EQ(driver->identity().sdk, "7");
+  EXPECT_EQ(orThrow(spoiled("anonymous"))->identity().serial, "");
+}
+
+TEST(PluginDriver, BuiltWithTheHeaderOf1_0_WorksAndIsNotAskedWhoItIs) {
+  const auto driver = orThrow(PluginDriver::load({built("older"), "", ""}));
+  EXPECT_EQ(driver->identity().serial, "");
+  EXPECT_TRUE(PluginDevice::make(driver, desktop(), 1e-3).ok());
+}
+
+class OtherDevice : public testing::TestWithParam<Named> {};
+
+TEST_P(OtherDevice, ThanTheFileStates_IsRefusedWithTheAxis) {
+  auto driver = spoiled(GetParam().name);
+  Diagnostics said;
+  if (driver) {
+    auto device = PluginDevice::make(*driver, desktop(), 1e-3);
+    ASSERT_FALSE(device);
+    ASSERT_EQ(device.errors().size(), 1U) << format(device.errors());
+    EXPECT_EQ(device.errors().front().value, "x");
+    said = device.errors();
+  } else {
+    said = driver.errors();
+  }
+  EXPECT_NE(format(said).find(GetParam().says), std::string::npos) << format(said);
+}
+INSTANTIATE_TEST_SUITE_P(
+    Kinds, OtherDevice,
+    testing::Values(Named{"nameless", "has no such axis"}, Named{"turning", "has a rotation"},
+                    Named{"brake", "takes no effort there"}, Named{"short", "travel down to"},
+                    Named{"weak", "has an effort limit of 1, the file states 8"},
+                    Named{"coarse", "has steps of position of 0.001"},
+                    Named{"slow", "has a delay of 0.005, the file states 0.001"},
+                    Named{"deaf", "has no watchdog"}, Named{"many", "has 17 axes"},
+                    Named{"axisless", "has 0 axes"}),
+    nameOf);
+
+TEST(PluginDevice, AxesInAnotherOrder_ArePutWhereTheFileHasThem) {
+  const auto driver = orThrow(spoiled(""));
+  const auto device = orThrow(PluginDevice::make(driver, desktop(), 1e-3));
+  ASSERT_TRUE(device->open());
+  ASSERT_TRUE(device->ready());
+  DeviceReading reading;
+  ASSERT_EQ(device->read(reading, 1), Fault::kNone);
+  // The driver has z, roll, y, x at 1, 2, 3, 4 mm.
+  EXPECT_EQ(reading.q_m[0], 0.004);
+  EXPECT_EQ(reading.q_m[1], 0.003);
+  EXPECT_EQ(reading.q_m[2], 0.001);
+  AxisEffort effort(3);
+  effort[0] = 0.5, effort[1] = -0.25, effort[2] = 2.0;
+  ASSERT_EQ(device->write(effort), Fault::kNone);
+  wh_sample sample{};
+  ASSERT_GE(driver->read(sample), 0);
+  EXPECT_EQ(sample.effort[3], 0.5);
+  EXPECT_EQ(sample.effort[2], -0.25);
+  EXPECT_EQ(sample.effort[0], 2.0);
+  EXPECT_EQ(sample.effort[1], 0.0) << "an axis that the file does not name";
+  device->close();
+  ASSERT_GE(driver->read(sample), 0);
+  EXPECT_EQ(sample.effort[3], 0.0);
+  EXPECT_EQ(device->read(reading, 1), Fault::kDeviceRead) << "closed";
+}
+
+TEST(PluginDevice, ReadsAndWrites_AllocateNothing) {
+  const auto device = deviceThat("");
+  ASSERT_TRUE(device->open());
+  DeviceReading reading;
+  AxisEffort effort(3);
+  ASSERT_EQ(device->read(reading, 1), Fault::kNone);
+  const std::uint64_t before = threadAllocations();
+  for (int i = 0; i < 1000; ++i) {
+    (void)device->read(reading, 1);
+    (void)device->write(effort);
+  }
+  EXPECT_EQ(threadAllocations(), before);
+}
+
+TEST(PluginDevice, NotHomedOrLocked_IsNotArmed) {
+  for (const char* settings : {"unhomed", "drive", "enable", "unplug", "locked"}) {
+    const auto device = deviceThat(settings);
+    const bool may = device->open() && device->ready();
+    EXPECT_FALSE(may) << settings;
+  }
+}
+
+TEST(ObservedDriver, NewestSample_IsKeptForOtherThreads) {
+  const auto observed = std::make_shared<ObservedDriver>(orThrow(spoiled("silenced@3")));
+  const auto device = orThrow(PluginDevice::make(observed, desktop(), 1e-3));
+  EXPECT_EQ(observed->facts().sampled_ns, 0) << "nothing was read yet";
+  ASSERT_TRUE(device->open());
+  DeviceReading reading;
+  ASSERT_EQ(device->read(reading, 1), Fault::kNone);
+  EXPECT_TRUE(observed->facts().enabled);
+  EXPECT_TRUE(observed->facts().homed);
+  EXPECT_FALSE(observed->facts().silenced);
+  EXPECT_TRUE(std::isnan(observed->facts().temperature_c)) << "the driver does not say";
+  EXPECT_EQ(observed->facts().sampled_ns, 1'000'000) << "spoiled_driver.c: sample n is of n ms";
+  (void)device->read(reading, 1), (void)device->read(reading, 1);
+  EXPECT_TRUE(observed->facts().silenced);
+  device->close();
+  EXPECT_FALSE(observed->facts().enabled) << "nobody reads any more";
+}
+
+struct Failing {
+  const char* name;
+  Fault told;
+  int within = 0;  ///< ticks after the sample that says so
+};
+
+class FailingDevice : public testing::TestWithParam<Failing> {};
+
+// A whole rig: the ramp begins in the tick whose sample says so, and ends at neutral.
+TEST_P(FailingDevice, InATick_IsToldAndRampsToNeutral) {
+  constexpr int kAt = 60;  // samples: one by ready(), one by arm(), then one a tick
+  Models models = load(shippedFiles("desktop-3axis", "empty", "adult-median-right", "no-arm"));
+  auto device = deviceThat(std::string(GetParam().name) + "@" + std::to_string(kAt));
+  auto rig = orThrow(buildRigWithoutPerson(std::move(models), std::move(device), {}));
+  ASSERT_TRUE(rig->renderer->arm());
+  TickRecord record;
+  int first = -1, neutral = -1;
+  for (int tick = 0; tick < 300 && neutral < 0; ++tick) {
+    record.tick = static_cast<std::uint64_t>(tick);
+    record.command_count = 0;
+    rig->renderer->tick(1, record);
+    if (first < 0 && any(record.faults & GetParam().told)) first = tick;
+    if (first < 0) {
+      ASSERT_FALSE(any(record.faults & kStopping)) << "tick " << tick;
+    }
+    if (rig->renderer->finished()) neutral = tick;
+  }
+  ASSERT_GE(first, 0) << "never told";
+  EXPECT_EQ(first, kAt - 3 + GetParam().within);
+  if (any(GetParam().told & kStopping)) {
+    EXPECT_EQ(record.safety_state, SafetyState::kFaulted);
+    if (GetParam().told != Fault::kDeviceWrite) {
+      EXPECT_LE(neutral - first, 100);
+    }
+  } else {
+    EXPECT_EQ(neutral, -1) << "goes on";
+  }
+}
+INSTANTIATE_TEST_SUITE_P(
+    Kinds, FailingDevice,
+    // The sample after the first frozen one is 1 period old, and 20 ms are allowed.
+    testing::Values(Failing{"unplug", Fault::kDeviceRead}, Failing{"missing", Fault::kDeviceRead},
+                    Failing{"nan", Fault::kNonFinitePosition}, Failing{"drive", Fault::kDriveFault},
+                    Failing{"enable", Fault::kEnableLost}, Failing{"unhomed", Fault::kEnableLost},
+                    Failing{"silenced", Fault::kEnableLost}, Failing{"hot", Fault::kDriveHot},
+                    Failing{"backwards", Fault::kStaleSample},
+                    Failing{"clock", Fault::kStaleSample},
+                    Failing{"frozen", Fault::kStaleSample, 21},
+                    Failing{"refuse", Fault::kDeviceWrite}),
+    [](const auto& tested) { return tested.param.name; });
+
+}  // namespace
+}  // namespace wholehand::test

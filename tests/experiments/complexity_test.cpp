@@ -1,0 +1,81 @@
+// Larger and larger scenes: that they are what they are called, and what is made of the times.
+#include "experiments/complexity_trial.hpp"
+#include "model/scene/separation.hpp"
+#include "support/rig_tools.hpp"
+#include "support/tolerance.hpp"
+
+#include <cmath>
+
+namespace wholehand::test {
+namespace {
+
+ComplexityPlan shortPlan(const std::string& only) {
+  ComplexityPlan plan;
+  plan.files = shippedFiles();
+  plan.ticks = 200;
+  plan.passes = 1;
+  plan.only = only;
+  return plan;
+}
+
+TEST(ComplexityScenes, NothingOverlapsAtTheStart_AndInAPileEveryBallTouches) {
+  const Models models = load(shippedFiles());
+  for (int i = 0; i < kComplexityKinds; ++i) {
+    const auto kind = static_cast<ComplexityKind>(i);
+    if (kind == ComplexityKind::kContacts) continue;  // fixed balls may
+    const SceneModel scene = orThrow(complexityScene(kind, 50, models));
+    for (std::size_t a = 0; a < scene.bodies.size(); ++a) {
+      double nearest_m = 1.0;
+      for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+        if (a == b) continue;
+        const double apart_m = separation(scene.bodies[a], scene.bodies[b]);
+        EXPECT_GT(apart_m, -1e-4) << complexityName(kind) << ' ' << a << ' ' << b;
+        nearest_m = std::min(nearest_m, apart_m);
+      }
+      if (kind == ComplexityKind::kPile) {
+        EXPECT_LT(nearest_m, 1e-4) << a;
+      }
+    }
+  }
+}
+
+TEST(ComplexityTrial, OfAPile_TouchesItAndNothingBreaks) {
+  const ComplexityResult result = orThrow(measureComplexity(shortPlan("pile")));
+  ASSERT_EQ(result.curves.size(), 1U);
+  for (const ComplexityPoint& p : result.curves[0].points) {
+    EXPECT_FALSE(p.faulted) << p.count;
+    EXPECT_EQ(p.dropped, 0) << p.count;
+    EXPECT_EQ(p.bodies, p.count + 1);  // and the tray
+    if (p.count >= 16) {
+      EXPECT_GT(p.contacts, 0) << p.count;
+    }
+    EXPECT_GT(p.p50_us, 0.0);
+    EXPECT_LE(p.p50_us, p.p999_us);
+  }
+}
+
+TEST(ComplexityCurve, OfAPowerLaw_HasItsExponentAndItsCount) {
+  ComplexityCurve curve;
+  for (const int n : {0, 8, 16, 32, 64}) {
+    ComplexityPoint& p = curve.points.emplace_back();
+    p.count = n;
+    p.p50_us = 20.0 + 2.0 * std::pow(n, 1.5);
+    p.p999_us = 10.0 * n;
+  }
+  EXPECT_NEAR(curve.exponent(), 1.5, tolerance(1e-12));
+  bool all = false;
+  EXPECT_EQ(curve.admitted(500.0, all), 50.0);  // between 32 and 64: 10 n = 500
+  EXPECT_FALSE(all);
+  EXPECT_EQ(curve.admitted(1000.0, all), 64.0);
+  EXPECT_TRUE(all);
+  EXPECT_EQ(curve.admitted(-1.0, all), -1.0);
+}
+
+TEST(ComplexityTrial, OfWhatIsNothing_IsRefusedWithTheNames) {
+  const auto refused = measureComplexity(shortPlan("tower"));
+  ASSERT_FALSE(refused.ok());
+  EXPECT_NE(format(refused.errors()).find("pile"), std::string::npos) << format(refused.errors());
+}
+
+}  // namespace
+}  // namespace wholehand::test

@@ -1,0 +1,65 @@
+import { infoOf, type ExerciseInfo } from '../exercises/info';
+import type { HandLook, PacedView } from '../scene/paced_view';
+import { choice, h, say } from './dom';
+import { texts } from './i18n';
+import type { ConsoleModel, Panel } from './model';
+
+/** The part of a model that the panel shows, live or of a recording. */
+export type Shown = Pick<ConsoleModel, 'scene' | 'state' | 'value'>;
+
+/** The scene as it is now, small, with the hand as skin or as the capsules that collide. */
+export class ScenePanel implements Panel {
+  readonly element: HTMLElement;
+  private readonly t = texts();
+  private readonly info: ExerciseInfo;
+  private readonly caption = h('p', { class: 'cap' });
+  private readonly words = h('p', { class: 'none', role: 'status' }, this.t.view.loading);
+  private readonly look: ReturnType<typeof choice>;
+  private view: PacedView | undefined;
+  private readonly resized = new ResizeObserver(() => this.view?.resize());
+
+  constructor(private readonly model: Shown, private shown: HandLook, private readonly onLook: (look: HandLook) => void) {
+    const { t } = this;
+    this.info = infoOf(model.scene);
+    this.look = choice(t.view.choice, [{ key: 'skin', name: t.view.skin }, { key: 'colliders', name: t.view.colliders }], shown, (key) => this.showHand(key as HandLook));
+    this.look.element.hidden = true;
+    this.caption.hidden = true;
+    this.element = h('section', { class: 'panel view', 'aria-label': t.view.title }, this.words, this.look.element, this.caption);
+  }
+
+  /** Takes the picture; undefined where it cannot be drawn. */
+  setView(view: PacedView | undefined): void {
+    this.view = view;
+    say(this.words, view ? '' : this.t.view.none);
+    this.words.hidden = view !== undefined;
+    this.look.element.hidden = view === undefined;
+    if (!view) return;
+    this.element.prepend(view.canvas);
+    this.resized.observe(this.element);
+    view.show(this.shown);
+    view.resize();
+  }
+
+  /** @param atOnce draws now, even when the next picture is not due */
+  draw(atOnce = false): void {
+    const { state } = this.model;
+    if (state) this.view?.draw(state, performance.now(), atOnce);
+  }
+
+  refresh(): void {
+    const caption = this.info.caption((name) => this.model.value(name));
+    if (this.caption.hidden !== (caption === '')) this.caption.hidden = caption === '';
+    say(this.caption, caption);
+  }
+
+  close(): void {
+    this.resized.disconnect();
+  }
+
+  private showHand(look: HandLook): void {
+    this.shown = look;
+    this.look.choose(look);
+    this.view?.show(look);
+    this.onLook(look);
+  }
+}

@@ -1,0 +1,170 @@
+// The cocktail bar in the picture: dispensers, signs, glass, stream, guest.
+
+import { Group, Vector3, type PerspectiveCamera, type SpotLight } from 'three';
+import { RunState, type PoseT, type SceneT, type WorldStateT } from '../../protocol';
+import type { SkinUniforms } from '../../hand/skin_shader';
+import { DEFAULT_PLACE, type CameraPlace } from '../../scene/camera';
+import { quaternionToThree, toThree } from '../../scene/frames';
+import type { Quality } from '../../scene/quality';
+import type { Anchors, ExerciseView } from '../exercise_view';
+import { ExerciseValues } from '../values';
+import { Stage, type Bar } from './bar';
+import { Dent, pressingOn } from './dent';
+import { Sign, makeDispenser } from './dispenser';
+import { FLOOR_M, GlassView, innerRadius, rimHeight } from './glass';
+import { GuestView } from './guest';
+import { nameOf } from './i18n';
+import { layersOf, lineHeight, surfaceHeight } from './layers';
+import { bottlesOf, outlineOf } from './outline';
+import { ServingClock, type Serving } from './serving';
+import { StreamView } from './stream';
+
+/** Over the rail, and before it [m]. */
+const SIGN_OVER_M = 0.012;
+const SIGN_BEFORE_M = 0.014;
+/** The done glass: how far before the guest it is drunk from, and how far it slides out of the picture [m]. */
+const GLASS_BEFORE_GUEST_M = 0.2;
+const GLASS_AWAY_M = 0.8;
+
+interface Hung { readonly body: number; readonly root: Group; readonly dent: Dent | undefined; readonly sign: Sign; slot: Vector3 | undefined }
+
+/** Steps of a drink of which the program tells what they poured. */
+const STEPS = [0, 1, 2, 3, 4, 5, 6, 7] as const;
+
+export class BarView implements ExerciseView {
+  readonly root = new Group();
+  private readonly values: ExerciseValues;
+  private readonly hung: Hung[];
+  private readonly glass: GlassView;
+  private readonly stream: StreamView;
+  private readonly guest = new GuestView();
+  private readonly serving = new ServingClock();
+  private readonly still = matchMedia('(prefers-reduced-motion: reduce)');
+  private readonly glassBody: number;
+  private readonly railBody: number;
+  private row_y0: number | undefined;
+  private line_m: number | undefined;
+  private target = -1;
+  private bottles: Vector3[] = [];   // where they hang, three.js's frame
+
+  constructor(private readonly bar: Bar, private readonly scene: SceneT, quality: Quality) {
+    const bodyIndex = (name: string) => scene.bodies.findIndex((b) => String(b.name) === name);
+    this.values = new ExerciseValues(scene.valueNames);
+    this.glassBody = bodyIndex(bar.glass.body);
+    this.railBody = bodyIndex('rail');
+    this.glass = new GlassView(bar.glass, quality);
+    this.stream = new StreamView(quality);
+    this.root.add(this.glass.root, this.stream.root, this.guest.root);
+    this.hung = bar.dispensers.map((d) => {
+      const { root, wall } = makeDispenser(d, quality, bar.rail_z_m - d.grip_m[2]);
+      const sign = new Sign(d.liquid);
+      this.root.add(root, sign.root);
+      // Plain materials do without: a finger is at most a millimetre or two inside.
+      const dent = quality === 'high' ? new Dent(wall, d.radius_m) : undefined;
+      return { body: bodyIndex(d.body), root, dent, sign, slot: undefined };
+    });
+  }
+
+  get rail_m(): number { return this.bar.rail_z_m - this.bar.counter_z_m; }
+
+  owns(name: string): boolean {
+    return ['counter', 'rail', this.bar.glass.body].includes(name) || this.bar.dispensers.some((d) => d.body === name);
+  }
+
+  placement(state: WorldStateT | undefined): { place: CameraPlace; outline: Vector3[] } {
+    const { bar, scene } = this;
+    const row_x = state?.bodies[this.hung[0]?.body]?.positionM?.x ?? -DEFAULT_PLACE.row_z;
+    this.bottles = state ? bottlesOf(bar, scene, state) : [];
+    return { place: { right: scene.rightHand, counter_y: bar.counter_z_m, row_z: -row_x }, outline: state ? outlineOf(bar, scene, state) : [] };
+  }
+
+  yieldTo(skin: SkinUniforms): void {
+    this.hung.forEach((h, i) => h.dent?.update(pressingOn(h.root, skin, this.bar.dispensers[i].radius_m)));
+  }
+
+  update(state: WorldStateT, eye: Vector3, dt_s: number): void {
+    this.target = this.values.get(state, 'target_dispenser');
+    const stage = this.values.get(state, 'stage'), done = stage === Stage.DrinkDone || stage === Stage.LevelDone;
+    this.placeDispensers(state, eye, done);
+    const poured = STEPS.map((i) => this.values.get(state, `layer_l/${i}`)), drink = this.bar.drinks[this.values.get(state, 'drink')];
+    const rim = rimHeight(this.bar.glass), rise = this.bar.glass.m_per_l, step = this.values.get(state, 'step');
+    const liquids = drink?.steps.map((s) => s.liquid) ?? [];
+    this.line_m = done || !drink ? undefined : lineHeight(poured, step, this.values.get(state, 'asked_l'), rise, rim);
+    const serving = this.serving.look(done, stage === Stage.Squeeze || stage === Stage.Pour || stage === Stage.LetGo, dt_s, this.still.matches);
+    this.glass.update(serving.empty ? [] : layersOf(poured, liquids, rise, rim), this.line_m, done && !serving.empty);
+    const body = state.bodies[this.glassBody];
+    if (body) place(this.glass.root, body, -this.bar.glass.height_m / 2);
+    this.guest.update(this.scene.level * this.bar.drinks.length + this.values.get(state, 'drink'), serving.pose, dt_s);
+    this.serve(serving);
+    this.updateStream(state, surfaceHeight(poured, rise, rim), dt_s);
+  }
+
+  /** The line's right end, and the bottle that is wanted. */
+  anchors(camera: PerspectiveCamera): Anchors {
+    const right = new Vector3(1, 0, 0).applyQuaternion(camera.quaternion).setY(0).normalize();
+    const up = (h: number) => this.glass.root.position.clone().add(new Vector3(0, h, 0));
+    const line = this.line_m === undefined ? undefined
+      : up(this.line_m + FLOOR_M).addScaledVector(right, innerRadius(this.bar.glass, this.line_m + FLOOR_M) + 0.003);
+    return { goal: line, target: this.hung[this.target]?.root.position.clone() };
+  }
+
+  lightTarget(light: SpotLight, dt_s: number): void {
+    const at = this.hung[this.target]?.root.position;
+    if (!at) return;
+    const share = 1 - Math.exp(-dt_s / 0.15), x = light.target.position.x + (at.x - light.target.position.x) * share;
+    light.target.position.x = light.position.x = x;
+  }
+
+  placeBehind(camera: PerspectiveCamera, place: CameraPlace): void {
+    this.guest.place(camera, place, this.bottles);
+  }
+
+  /** The glass to the guest and away, as looks alone. */
+  private serve({ toMiddle, away, seen }: Serving): void {
+    const glass = this.glass.root, facing = new Vector3(0, 0, 1).applyQuaternion(this.guest.root.quaternion);
+    const middle = this.guest.root.position.clone().addScaledVector(facing, GLASS_BEFORE_GUEST_M).setY(glass.position.y);
+    glass.position.lerp(middle, toMiddle);
+    glass.position.addScaledVector(new Vector3(-1, 0, 0).applyQuaternion(this.guest.root.quaternion), GLASS_AWAY_M * away);
+    this.glass.fade(seen);
+  }
+
+  private placeDispensers(state: WorldStateT, eye: Vector3, done: boolean): void {
+    const row_y = this.values.get(state, 'row_y_m');
+    this.row_y0 ??= row_y;
+    this.hung.forEach((h, i) => {
+      const body = state.bodies[h.body], d = this.bar.dispensers[i];
+      if (!body) return;
+      place(h.root, body, 0);
+      h.slot ??= h.root.position.clone();
+      // A free dispenser leaves; its sign stays on the rail, and slides with the row.
+      const x = d.free ? h.slot.x - (row_y - (this.row_y0 ?? 0)) : h.root.position.x;
+      // On the rail, wherever that is, and over the dispenser as the eye sees it.
+      const z = (this.railZ(state) ?? h.slot.z) + SIGN_BEFORE_M, further = (eye.z - z) / (eye.z - h.slot.z);
+      h.sign.root.position.set(eye.x + (x - eye.x) * further, this.bar.rail_z_m + SIGN_OVER_M, z);
+      const running = state.runState === RunState.Rendering || state.runState === RunState.Disarmed;
+      h.sign.show(nameOf('liquid', d.liquid), i === this.target && !done && running);
+    });
+  }
+
+  railZ(state: WorldStateT): number | undefined {
+    const at = state.bodies[this.railBody]?.positionM;
+    return at ? toThree(at).z : undefined;
+  }
+
+  private updateStream(state: WorldStateT, surface_m: number, dt_s: number): void {
+    const flow = this.values.get(state, 'flow_l_s'), engaged = this.values.get(state, 'engaged_dispenser');
+    const which = engaged >= 0 ? engaged : this.target, h = this.hung[which], d = this.bar.dispensers[which];
+    if (!h || !d) return;
+    const tip = toThree({ x: d.nozzle_m[0], y: d.nozzle_m[1], z: d.nozzle_m[2] }).applyQuaternion(h.root.quaternion).add(h.root.position);
+    const over = this.values.get(state, 'over_glass') > 0.5;
+    const floor = over ? this.glass.root.position.y + FLOOR_M + surface_m : this.bar.counter_z_m;
+    this.stream.update(d.liquid, flow, tip, floor, over, this.bar.counter_z_m, this.values.get(state, 'spilt_l'), dt_s);
+  }
+}
+
+/** @param lift of the model's origin against the body's, along its own upright [m] */
+function place(root: Group, pose: PoseT, lift: number): void {
+  if (!pose.positionM || !pose.orientationXyzw) return;
+  quaternionToThree(pose.orientationXyzw, root.quaternion);
+  toThree(pose.positionM, root.position).add(new Vector3(0, lift, 0).applyQuaternion(root.quaternion));
+}

@@ -1,0 +1,69 @@
+// Squeezed plastic yields to the skin: where a finger is inside the bottle, the bottle's wall goes in
+// as far as the finger does. So the hand is never seen sunk into what it holds.
+
+import { Vector3, type BufferGeometry, type Object3D } from 'three';
+import type { SkinUniforms } from '../../hand/skin_shader';
+import { toThree } from '../../scene/frames';
+
+/** A capsule of the skin in the bottle's own frame, y along its axis [m]. */
+export interface Pressing { readonly a: Vector3; readonly b: Vector3; readonly radiusA: number; readonly radiusB: number }
+
+/** Vertices nearer to the axis than this share of the radius belong to the ends and stay. */
+const WALL_SHARE = 0.95;
+const STEPS = 3;
+
+/** How deep a point is in the nearest of them; 0 outside [m]. */
+export function depthIn(list: readonly Pressing[], x: number, y: number, z: number): number {
+  let depth = 0;
+  for (const { a, b, radiusA, radiusB } of list) {
+    const ux = b.x - a.x, uy = b.y - a.y, uz = b.z - a.z, px = x - a.x, py = y - a.y, pz = z - a.z;
+    const along = (px * ux + py * uy + pz * uz) / Math.max(ux * ux + uy * uy + uz * uz, 1e-12);
+    const h = along < 0 ? 0 : along > 1 ? 1 : along;
+    depth = Math.max(depth, radiusA + (radiusB - radiusA) * h - Math.hypot(px - ux * h, py - uy * h, pz - uz * h));
+  }
+  return depth;
+}
+
+/** The hand's capsules that reach into a cylinder round the object's y axis. */
+export function pressingOn(object: Object3D, skin: SkinUniforms, radius_m: number): Pressing[] {
+  object.updateMatrixWorld();
+  const inverse = object.matrixWorld.clone().invert(), out: Pressing[] = [];
+  skin.capsuleA.value.forEach((a, i) => {
+    const b = skin.capsuleB.value[i];
+    const p = { a: toThree(a).applyMatrix4(inverse), b: toThree(b).applyMatrix4(inverse), radiusA: Math.abs(a.w), radiusB: b.w };
+    // Nearest that the segment comes to the axis: quick, and never too far.
+    const dx = p.b.x - p.a.x, dz = p.b.z - p.a.z, h = Math.min(1, Math.max(0, -(p.a.x * dx + p.a.z * dz) / Math.max(dx * dx + dz * dz, 1e-12)));
+    if (Math.hypot(p.a.x + dx * h, p.a.z + dz * h) < radius_m + Math.max(p.radiusA, p.radiusB)) out.push(p);
+  });
+  return out;
+}
+
+export class Dent {
+  private readonly rest: Float32Array;
+  private pressed = false;
+
+  constructor(private readonly geometry: BufferGeometry, private readonly radius_m: number) {
+    this.rest = Float32Array.from(geometry.attributes.position.array);
+  }
+
+  update(list: readonly Pressing[]): void {
+    if (list.length === 0 && !this.pressed) return;
+    this.pressed = list.length > 0;
+    const at = this.geometry.attributes.position, to = at.array, { rest } = this;
+    for (let i = 0; i < rest.length; i += 3) {
+      let x = rest[i], z = rest[i + 2];
+      const y = rest[i + 1];
+      if (Math.hypot(x, z) > WALL_SHARE * this.radius_m)
+        for (let n = 0; n < STEPS; n++) {
+          const depth = depthIn(list, x, y, z);
+          if (depth <= 0) break;
+          const share = Math.max(0.5, 1 - depth / Math.hypot(x, z));
+          x *= share;
+          z *= share;
+        }
+      to[i] = x;
+      to[i + 2] = z;
+    }
+    at.needsUpdate = true;
+  }
+}

@@ -1,0 +1,124 @@
+// A squeeze bottle that hangs from the rail, nozzle down, and the sign over it.
+
+import {
+  BufferAttribute, Color, CylinderGeometry, Group, LatheGeometry, Mesh, PlaneGeometry, Vector2, type BufferGeometry, type Texture,
+} from 'three';
+import { liquidLook } from './liquids';
+import type { BarDispenser } from './bar';
+import { flat, surface } from '../../scene/materials';
+import { picture } from '../../scene/textures';
+import { drawSymbol, patternTexture } from './liquid_textures';
+import type { Quality } from '../../scene/quality';
+import { brass } from '../../scene/stage';
+
+/** Heights over the nozzle's tip: of the cap's end, and of the straight part's [m]. */
+const CAP_M = 0.0335;
+const STRAIGHT_M = 0.0525;
+/** Of the brass ring that holds the bottle [m]. */
+const RING_M = 0.013;
+const SIGN_WIDTH_M = 0.121;
+const SIGN_HEIGHT_M = 0.0369;
+
+const points = (list: readonly (readonly [number, number])[]) => list.map(([r, y]) => new Vector2(r, y));
+
+/** Straight wall in `rows` pieces: it yields where it is squeezed. */
+function bottleProfile(d: BarDispenser, rows: number): Vector2[] {
+  const r = d.radius_m, tip = d.nozzle_m[2], top = d.height_m / 2 - RING_M, low = tip + STRAIGHT_M;
+  const wall = Array.from({ length: rows }, (_, i) => [r, low + (top - 0.008 - low) * i / (rows - 1)] as const);
+  return points([
+    [0.54 * r, tip + 0.0315], [0.66 * r, tip + 0.0325], [0.84 * r, tip + 0.037], [0.968 * r, tip + 0.044], ...wall,
+    [0.94 * r, top - 0.0025], [0.76 * r, top], [1e-4, top],
+  ]);
+}
+
+function bottle(d: BarDispenser, quality: Quality): Mesh {
+  const profile = bottleProfile(d, quality === 'high' ? 40 : 2);
+  const geometry = new LatheGeometry(profile, quality === 'high' ? 96 : 32, Math.PI);
+  // The pattern by height, not by point of the profile, so that it is not stretched.
+  const uv = geometry.attributes.uv as BufferAttribute, at = geometry.attributes.position as BufferAttribute;
+  for (let i = 0; i < uv.count; i++) uv.setY(i, at.getY(i) / d.height_m + 0.5);
+  const around_m = 2 * Math.PI * d.radius_m;
+  const texture = patternTexture(d.liquid, 1024, Math.round(1024 * d.height_m / around_m), 1.3333);
+  const mesh = new Mesh(geometry, surface(quality, { map: texture, roughness: 0.36, clearcoat: 0.55, clearcoatRoughness: 0.22 }));
+  mesh.castShadow = mesh.receiveShadow = true;
+  return mesh;
+}
+
+function nozzle(d: BarDispenser, quality: Quality): Mesh {
+  const tip = d.nozzle_m[2];
+  const profile = points([
+    [1e-4, tip], [0.0042, tip], [0.0046, tip + 0.002], [0.0085, tip + 0.024], [0.0145, tip + 0.0255],
+    [0.015, tip + 0.027], [0.015, tip + CAP_M], [1e-4, tip + CAP_M],
+  ]);
+  const mesh = new Mesh(new LatheGeometry(profile, quality === 'high' ? 40 : 16), surface(quality, { color: new Color('#2a2320'), roughness: 0.45, clearcoat: 0.3 }));
+  mesh.castShadow = true;
+  return mesh;
+}
+
+/** The ring round the bottle's upper end, and the stem to the rail. */
+function holder(d: BarDispenser, quality: Quality, rail_m: number): Mesh[] {
+  const top = d.height_m / 2, metal = brass(quality);
+  const ring = new Mesh(new CylinderGeometry(0.82 * d.radius_m, 0.82 * d.radius_m, RING_M, quality === 'high' ? 40 : 20), metal);
+  ring.position.y = top - RING_M / 2;
+  ring.castShadow = true;
+  const reach = rail_m - top;
+  if (d.free || reach <= 0) return [ring];
+  const stem = new Mesh(new CylinderGeometry(0.004, 0.004, reach, 16), metal);
+  stem.position.y = top + reach / 2;
+  stem.castShadow = true;
+  return [ring, stem];
+}
+
+/** @param rail_m height of the rail over the body's origin */
+export function makeDispenser(d: BarDispenser, quality: Quality, rail_m: number): { root: Group; wall: BufferGeometry } {
+  const root = new Group(), body = bottle(d, quality);
+  root.add(body, nozzle(d, quality), ...holder(d, quality, rail_m));
+  return { root, wall: body.geometry };
+}
+
+function signTexture(liquid: string, name: string, lit: boolean): Texture {
+  const look = liquidLook(liquid);
+  return picture(944, 288, (pen) => {
+    pen.fillStyle = lit ? '#FFF4DC' : '#33251d';
+    pen.beginPath();
+    pen.roundRect(4, 4, 936, 280, 64);
+    pen.fill();
+    pen.lineWidth = lit ? 16 : 8;
+    pen.strokeStyle = lit ? '#FFB938' : '#8d6a3e';
+    pen.beginPath();
+    pen.roundRect(10, 10, 924, 268, 58);
+    pen.stroke();
+    const font = (px: number) => { pen.font = `700 ${px}px "Atkinson Hyperlegible Next Variable", Verdana, sans-serif`; };
+    font(150);
+    const wide = pen.measureText(name).width;
+    if (wide > 660) font(150 * 660 / wide);
+    const left = (944 - pen.measureText(name).width - 150) / 2;
+    pen.fillStyle = lit ? look.deep : look.color;
+    drawSymbol(pen, look.symbol, left + 58, 146, 58);
+    pen.fillStyle = lit ? '#1c1410' : '#FBEFD9';
+    pen.textBaseline = 'middle';
+    pen.fillText(name, left + 150, 152);
+  });
+}
+
+/** The sign on the rail: symbol and word, lit when this is the one to take. */
+export class Sign {
+  readonly root: Mesh;
+  private shown = '';
+
+  constructor(private readonly liquid: string) {
+    this.root = new Mesh(new PlaneGeometry(SIGN_WIDTH_M, SIGN_HEIGHT_M), flat('#ffffff', { transparent: true }));
+  }
+
+  /** Draws again only when something changed. @param name empty: no sign */
+  show(name: string, lit: boolean): void {
+    const key = `${name} ${lit}`;
+    this.root.visible = name !== '';
+    if (key === this.shown || name === '') return;
+    this.shown = key;
+    const material = this.root.material as ReturnType<typeof flat>;
+    material.map?.dispose();
+    material.map = signTexture(this.liquid, name, lit);
+    material.needsUpdate = true;
+  }
+}

@@ -1,0 +1,29 @@
+import { fill, language, type Language } from '../../../shared/i18n';
+import { de } from './de';
+import { en } from './en';
+import { fr } from './fr';
+
+export type BarTextKey = keyof typeof en;
+export type BarTexts = Readonly<Record<BarTextKey, string>>;
+
+const ALL: Readonly<Record<Language, BarTexts>> = { en, de, fr };
+
+/** A text of the bar in the chosen language. */
+export function text(key: BarTextKey, values?: Readonly<Record<string, string | number>>): string {
+  return fill(ALL[language()][key], values);
+}
+
+/** A text that may not be there; undefined then. */
+export function textOf(key: string): string | undefined {
+  return key in en ? text(key as BarTextKey) : undefined;
+}
+
+/** The name of a liquid or drink that a file gave; an unknown one as it stands, with a capital. */
+export function nameOf(kind: 'liquid' | 'drink', name: string): string {
+  return textOf(`${kind}.${name}`) ?? name.charAt(0).toUpperCase() + name.slice(1).replace(/[-_]/g, ' ');
+}
+
+/** A liquid as a sentence takes it, "le citron"; an unknown one by its name. */
+export function inSentence(liquid: string): string {
+  return textOf(`inSentence.${liquid}`) ?? nameOf('liquid', liquid);
+}

@@ -1,0 +1,36 @@
+// Which exercises have a folder here. Every other one is shown by its panel.
+import type { SceneT } from '../protocol';
+import { BAR_FILE, barOf } from './cocktail_bar/bar';
+import { BarPlay } from './cocktail_bar/play';
+import { barTargets } from './cocktail_bar/targets';
+import { barWords } from './cocktail_bar/words';
+import { text } from './cocktail_bar/i18n';
+import type { GraspTargets, Play } from './exercise';
+import { ExercisePanel } from './panel';
+import { PanelPlay } from './panel_play';
+
+const NO_TARGETS: GraspTargets = { grips: [], counter_z_m: undefined, wanted: () => -1, letGo: () => false };
+
+/** What may be grasped in a scene, as far as its exercise says. */
+export function targetsOf(scene: SceneT): GraspTargets {
+  const bar = barOf(scene);
+  return bar ? barTargets(bar, scene) : NO_TARGETS;
+}
+
+/** The exercise of a scene in the game; null where it shows nothing. @param before of an earlier scene, which may go on */
+export function playOf(scene: SceneT, before: Play | null): Play | null {
+  const bar = barOf(scene);
+  if (bar) return new BarPlay(bar, scene, before instanceof BarPlay ? before : undefined);
+  const panel = ExercisePanel.of(scene);
+  return panel && new PanelPlay(panel, scene);
+}
+
+/** The exercise that the game loads where none is on that can be shown, and speaks of before a scene has come. */
+export const FIRST = {
+  file: BAR_FILE,
+  words: barWords,
+  pageTitle: () => text('title'),
+  pictureLabel: () => text('picture'),
+  /** Said where the browser cannot draw. */
+  noPicture: () => text('noPicture'),
+} as const;

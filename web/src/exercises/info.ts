@@ -1,0 +1,65 @@
+// What console, replay and report say of an exercise beside its panel.
+import type { SceneT } from '../protocol';
+import { barOf } from './cocktail_bar/bar';
+import { textOf } from './cocktail_bar/i18n';
+import { BAR_SIGNS, barInfo, barTitle } from './cocktail_bar/info';
+import { barReport } from './cocktail_bar/report';
+
+/** A value of the exercise by its name; undefined where there is none. */
+export type Value = (name: string) => number | undefined;
+
+export interface ExerciseInfo {
+  /** Which part of the exercise is played; empty where it has none. */
+  progress(value: Value): string;
+  /** Under the picture; empty where there is nothing to say. */
+  caption(value: Value): string;
+  /** Empty where levels have no names. */
+  levelName(level: number): string;
+  /** A body of the scene as people call it; undefined where the exercise has no name for it. */
+  bodyName(body: string): string | undefined;
+}
+
+const NOTHING: ExerciseInfo = { progress: () => '', caption: () => '', levelName: () => '', bodyName: () => undefined };
+
+export function infoOf(scene: SceneT | null | undefined): ExerciseInfo {
+  const bar = barOf(scene);
+  return bar ? barInfo(bar, String(scene?.exerciseName ?? '')) : NOTHING;
+}
+
+/** The name of an exercise's file in the person's language; undefined where no folder has one. */
+export const ownTitle = (file: string): string | undefined => barTitle(file);
+
+/** An event of an exercise in the person's language; undefined where no folder has words for it. */
+export const ownEventWords = (name: string): string | undefined => textOf(`event.${name}`);
+
+/** Stands in the plots where an event begins a phase of a grasp. */
+export interface EventSign { readonly sign: string; meaning(): string; legend(): string }
+
+/** The signs of the exercises' own events, by the events' names. */
+export const OWN_SIGNS: Readonly<Record<string, EventSign>> = BAR_SIGNS;
+
+export interface ReportEvent { readonly time_s: number; readonly type: number; readonly index: number; readonly value: number }
+
+/** What a recording tells of its exercise. */
+export interface Recorded {
+  readonly events: readonly ReportEvent[];
+  readonly eventNames: readonly string[];
+  readonly scene: SceneT | undefined;
+  /** At its end. */
+  readonly value: Value;
+}
+
+export interface ExerciseReport {
+  /** Events after which the hand is free to reach for something. */
+  readonly freeAfter: readonly string[];
+  /** Of results, by their names. */
+  readonly better: Readonly<Record<string, 'more' | 'less'>>;
+  /** How many parts of the exercise were finished. */
+  parts(recorded: Recorded): { readonly key: string; readonly done: number; readonly all: number; readonly words: string } | undefined;
+  stars(recorded: Recorded): { readonly value: number; readonly words: string } | undefined;
+  /** What was done, part by part. */
+  table(recorded: Recorded, timeWords: (time_s: number) => string): { readonly title: string; readonly none: string; readonly head: readonly string[]; readonly rows: readonly (readonly string[])[] } | undefined;
+}
+
+/** Each says nothing of a recording that is not its own. */
+export const REPORTS: readonly ExerciseReport[] = [barReport];

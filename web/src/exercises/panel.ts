@@ -1,0 +1,72 @@
+// The panel of an exercise at one moment: Scene.panel and the values of a state (docs/exercises.md). No elements.
+import type { SceneT, WordsT, WorldStateT } from '../protocol';
+import { language } from '../shared/i18n';
+import { ExerciseValues } from './values';
+
+export interface Goal { readonly low: number; readonly high: number }   // 0 .. 1 of the range
+
+export interface PanelValueView {
+  readonly name: string;
+  readonly label: string;
+  readonly shown: string;        // "3.2 N"
+  readonly number: string;       // "3.2"
+  readonly unit: string;
+  readonly share: number;        // 0 .. 1 of its range
+  readonly goal: Goal | null;
+  readonly zone: '' | 'low' | 'right' | 'high';   // of the goal band; '' without one
+  readonly result: boolean;      // it counts at the end
+}
+
+/** A text in the page's language. */
+export function inLanguage(words: WordsT | null | undefined): string {
+  return String(words?.[language()] ?? words?.en ?? '');
+}
+
+/** The panel of a scene's exercise. */
+export class ExercisePanel {
+  private readonly figures: ExerciseValues;
+
+  private constructor(private readonly scene: SceneT) {
+    this.figures = new ExerciseValues(scene.valueNames);
+  }
+
+  /** Null where the exercise tells of none. */
+  static of(scene: SceneT | null): ExercisePanel | null {
+    return scene?.panel ? new ExercisePanel(scene) : null;
+  }
+
+  get title(): string { return inLanguage(this.scene.panel?.title); }
+  get lead(): string { return inLanguage(this.scene.panel?.lead); }
+
+  /** What the person is to do now; empty where the exercise does not say. */
+  instruction(state: WorldStateT): string {
+    return inLanguage(this.scene.panel?.instructions[this.figures.get(state, 'instruction', -1)]);
+  }
+
+  /** Nothing is left to do. */
+  done(state: WorldStateT): boolean { return this.figures.get(state, 'done') > 0.5; }
+
+  values(state: WorldStateT): PanelValueView[] {
+    const done = this.done(state);
+    return (this.scene.panel?.values ?? []).map((told) => {
+      const value = this.figures.get(state, String(told.name));
+      const share = (of: number): number => Math.min(1, Math.max(0, (of - told.lower) / (told.upper - told.lower)));
+      const low = this.figures.get(state, String(told.goalLower ?? ''), NaN);
+      const high = this.figures.get(state, String(told.goalUpper ?? ''), NaN);
+      const banded = !done && Number.isFinite(low) && Number.isFinite(high);
+      const number = (value * told.factor).toFixed(told.decimals);
+      const unit = String(told.unit ?? '');
+      return {
+        name: String(told.name), label: inLanguage(told.label), number, unit, shown: unit ? `${number} ${unit}` : number,
+        share: share(value), goal: banded ? { low: share(low), high: share(high) } : null,
+        zone: !banded ? '' : value < low ? 'low' : value > high ? 'high' : 'right',
+        result: told.result,
+      };
+    });
+  }
+
+  /** An event in words; empty where nothing is said of it. */
+  event(type: number): string {
+    return inLanguage(this.scene.panel?.events.find((event) => event.type === type)?.words);
+  }
+}

@@ -1,0 +1,83 @@
+// What the page shows at one moment, as a pure function of what it knows. No words of a language, no elements.
+import type { Phase, Play } from '../exercises/exercise';
+import type { ConnectionStatus, VersionProblem } from '../net/connection';
+import type { Hands, Loss } from '../net/holding';
+import { RunState, Steering, type SceneT, type WorldStateT } from '../protocol';
+import { faultWord } from '../shared/i18n';
+
+/** Bit of WorldState.faults; docs/safety.md. */
+const OWNER_SILENT = 1 << 20;
+
+/** The phase of the task while the person plays; otherwise what keeps them from it. */
+export type PageState =
+  | Phase | 'version' | 'absent' | 'lost' | 'loading' | 'stopped' | 'framing' | 'welcome' | 'left' | 'watching' | 'unseen' | 'rest';
+
+/** 'between': the exercise is paused between two parts. 'off': the device has let go at this person's wish. */
+export type Resting = 'no' | 'between' | 'off';
+
+/** 'lost': the browser lost the picture. 'back': it is there again, and the person has not gone on yet. */
+export type Unseen = 'no' | 'lost' | 'back';
+
+export interface Situation {
+  readonly status: ConnectionStatus;
+  readonly problem: VersionProblem | null;
+  readonly everOpen: boolean;      // the program has answered since the page was opened
+  readonly attempts: number;       // failed ones since it was last there
+  readonly wish: 'undecided' | 'play' | 'watch';
+  readonly loading: boolean;       // orders of ours are on their way that stop the run for a moment
+  readonly resting: Resting;
+  readonly framing: boolean;       // the camera is opened, and a hand to be kept in its frame
+  readonly unseen: Unseen;         // the picture that the person plays by
+  readonly loss: Loss;             // of the controls that this page had
+  readonly held: Pick<Hands, 'heldByYou' | 'held'>;
+}
+
+/** Whether the device is a real one. Only a simulated one tells what its virtual patient intends. */
+export function hasHardware(state: WorldStateT | null): boolean {
+  return state !== null && state.qM.length > 0 && !state.intention.some(Number.isFinite);
+}
+
+/** Whether the exercise's effort is faded out: the page that held the controls was lost, and nobody has taken them since. */
+export function isFaded(state: WorldStateT): boolean {
+  return (state.faults & OWNER_SILENT) !== 0;
+}
+
+/** Whether the person at this page moves the hand. */
+export function isPlaying(s: Situation, state: WorldStateT | null): boolean {
+  if (s.wish !== 'play' || !s.held.heldByYou || !state || state.runState !== RunState.Rendering) return false;
+  return state.steering === Steering.Person || hasHardware(state);
+}
+
+/** Whether the rest that this page asked for still holds: nothing else has ended the rendering. */
+function restHolds({ runState, rested }: Pick<WorldStateT, 'runState' | 'rested'>): boolean {
+  return runState === RunState.Rendering || (rested && (runState === RunState.Stopping || runState === RunState.Stopped));
+}
+
+/** The state that the page shows: the most serious one that applies. */
+export function pageState(s: Situation, play: Play | null, state: WorldStateT | null): PageState {
+  if (s.problem) return 'version';
+  if (!s.everOpen && s.attempts > 0) return 'absent';
+  if (s.everOpen && s.status !== 'open') return 'lost';
+  if (s.loading && state) return 'loading';
+  const run = state?.runState;
+  if (s.resting === 'off' && state && restHolds(state)) return 'rest';
+  if (run === RunState.Stopping || run === RunState.Stopped || run === RunState.Faulted) return 'stopped';
+  if (s.framing && state) return 'framing';
+  if (s.wish === 'undecided' || !state) return 'welcome';
+  if (s.loss !== '' && s.wish === 'play') return 'left';
+  if (s.resting === 'between') return 'rest';
+  if (!isPlaying(s, state)) return 'watching';
+  if (s.unseen !== 'no') return 'unseen';
+  return play?.phase(state) ?? 'free';
+}
+
+/** Names of the set bits. */
+export function faultsOf(names: readonly unknown[], bits: number): string[] {
+  return names.map(String).filter((_, bit) => ((bits >>> bit) & 1) === 1);
+}
+
+/** Why the run stopped by itself; empty after a stop that somebody asked for. */
+export function causeOf(scene: Pick<SceneT, 'faultNames'> | null, state: WorldStateT): string {
+  if (state.runState !== RunState.Faulted || !scene) return '';
+  return faultsOf(scene.faultNames, state.latchedFaults).filter((name) => name !== 'stop requested').map(faultWord).join(', ');
+}

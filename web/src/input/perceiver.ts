@@ -1,0 +1,104 @@
+import type { GraspTargets } from '../exercises/exercise';
+import { ExerciseValues } from '../exercises/values';
+import { HandPart, type SceneT, type WorldStateT } from '../protocol';
+import type { Triple } from './wish';
+import type { Touch } from './yielding';
+
+/**
+ * Axis of a grasped upright cylinder from the base of a right palm in a handshake [m]; the grasp the
+ * physics holds. A left hand takes the mirror image in y.
+ */
+export const GRIP_FROM_PALM: Readonly<Triple> = { x: 0.049, y: 0.041, z: 0.004 };
+
+/** A place in the plane in which the row of targets stands [m, world: y left, z up]. */
+export interface RowPoint { y_m: number; z_m: number }
+
+/** What the program says of the hand, as far as aiming looks at it. */
+export interface Perception {
+  /** Device coordinates, in the order of the axes. */
+  device: ArrayLike<number>;
+  /** Grip pose of every target [m, device coordinates]. */
+  grips: readonly Triple[];
+  /** Which side of the hand a target is gripped on: +1 left (a right hand), -1 right. */
+  beside: number;
+  /** Summed normal force on the grasped target and the zone in which it is held well [N]. */
+  squeeze_n: number;
+  squeezeLow_n: number;
+  squeezeHigh_n: number;
+  /** The target that is asked for, an index of `grips`; -1: none. */
+  target: number;
+  /** Nothing is to be held now: the step has enough, the row moves, or the task is done. */
+  letGo: boolean;
+  /** What presses on the hand. */
+  touches: readonly Touch[];
+}
+
+/** A cursor this far sideways from a target's axis is on it [m]. */
+const POINTED_M = 0.055;
+
+/** Finds in every state what aiming looks at. Made once for a scene. */
+export class Perceiver {
+  private readonly axes: Record<keyof Triple, number>;
+  private readonly values: ExerciseValues;
+  private readonly side: number;
+  private readonly palmLink: number;
+
+  constructor(scene: SceneT, private readonly targets: GraspTargets) {
+    const axis = (name: string): number => scene.axes.findIndex((a) => a.name === name);
+    this.axes = { x: axis('x'), y: axis('y'), z: axis('z') };
+    this.values = new ExerciseValues(scene.valueNames);
+    this.side = scene.rightHand ? 1 : -1;
+    // The link that carries the palm: every axis of the base moves it.
+    this.palmLink = scene.capsules.find((capsule) => capsule.part === HandPart.Palm)?.link ?? 0;
+  }
+
+  see(state: WorldStateT): Perception {
+    const { targets, values } = this;
+    return {
+      device: state.qM,
+      grips: this.gripsNow(state),
+      beside: this.side,
+      squeeze_n: values.get(state, 'squeeze_n'),
+      squeezeLow_n: values.get(state, 'squeeze_low_n'),
+      squeezeHigh_n: values.get(state, 'squeeze_high_n'),
+      target: targets.wanted(state),
+      letGo: targets.letGo(state),
+      touches: state.contacts.map(({ body, forceN }) => ({
+        at: targets.grips.findIndex((grip) => grip.body === body), force_n: forceN ?? { x: 0, y: 0, z: 0 },
+      })),
+    };
+  }
+
+  /** The target at a place of the row [m, world y]; undefined: none is near. */
+  targetAt(state: WorldStateT, y_m: number): number | undefined {
+    const off_m = this.targets.grips.map(({ body, at_m }) => Math.abs((state.bodies[body]?.positionM?.y ?? Infinity) + at_m.y - y_m));
+    const nearest = off_m.indexOf(Math.min(...off_m));
+    return nearest >= 0 && off_m[nearest]! <= POINTED_M ? nearest : undefined;
+  }
+
+  /** Device coordinates at which what the palm grips would be at a place of the row [m, world]. */
+  palmAt(state: WorldStateT, { y_m, z_m }: RowPoint): { y: number; z: number } | undefined {
+    const palm = state.links[this.palmLink]?.positionM;
+    if (!palm) return undefined;
+    return {
+      y: y_m - this.side * GRIP_FROM_PALM.y - (palm.y - (state.qS[this.axes.y] ?? 0)),
+      z: z_m - GRIP_FROM_PALM.z - (palm.z - (state.qS[this.axes.z] ?? 0)),
+    };
+  }
+
+  /** Device coordinates at which the palm grips each target. */
+  private gripsNow(state: WorldStateT): Triple[] {
+    const palm = state.links[this.palmLink]?.positionM;
+    if (!palm) return [];
+    return this.targets.grips.flatMap(({ body, at_m }) => {
+      const position = state.bodies[body]?.positionM;
+      if (!position) return [];
+      // The palm's place in the world against the avatar's coordinates: wherever the device stands.
+      const device = (key: keyof Triple, fromPalm: number): number =>
+        position[key] + at_m[key] - fromPalm - (palm[key] - (state.qS[this.axes[key]] ?? 0));
+      return [{
+        x: device('x', GRIP_FROM_PALM.x), y: device('y', this.side * GRIP_FROM_PALM.y), z: device('z', GRIP_FROM_PALM.z),
+      }];
+    });
+  }
+}

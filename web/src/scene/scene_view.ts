@@ -1,0 +1,292 @@
+// What the person sees: the room, the exercise's things, the hand. Fed with scenes and states as they
+// come from the program, drawn when the page says so.
+
+import { Group, NeutralToneMapping, NoToneMapping, PerspectiveCamera, Scene, Vector3, WebGLRenderer } from 'three';
+import { handShape, linkPoses } from '../hand/shape';
+import { HandView, SKIN_STEP_M } from '../hand/hand_view';
+import { madeSkin } from '../hand/skin_maker';
+import { viewOf, type ExerciseView } from '../exercises/exercise_view';
+import type { SceneT, WorldStateT } from '../protocol';
+import { Backdrop } from './backdrop';
+import { DEFAULT_PLACE, placeCamera, pointInRow, turnOf, type CameraPlace, type View } from './camera';
+import { ContactGlow } from './contacts';
+import { compiled } from './compile';
+import { ForceArrows } from './force_arrows';
+import { FrameClock } from './frame_clock';
+import { programFrame, toThree, type Triple } from './frames';
+import { disposeTree } from './materials';
+import { makeBody } from './plain_bodies';
+import type { FrameStats, Quality } from './quality';
+import { makeStage, ROOM, type Stage } from './stage';
+
+export interface SceneViewOptions {
+  quality: Quality; tone: string; view: View;
+  /** Each contact's force is an arrow. */
+  forces?: boolean;
+}
+
+export interface Look {
+  dimmed: boolean;          // behind a card
+  grey: boolean;            // stopped, or the connection is lost
+  ghostHand: boolean;       // the hand is not the person's at present
+  showColliders: boolean;
+  tone: string;
+}
+
+export interface Pixel { x_px: number; y_px: number }
+/** Points of the canvas at which the page puts words. */
+export interface Labels {
+  goal: Pixel | null;     // where the goal of the present step is marked
+  target: Pixel | null;   // the grip of what is to be grasped
+}
+
+/** Most pixels of a picture in low quality; most pixels for each one of the page in high quality. */
+const LOW_PIXELS = 450_000;
+const MOST_PIXELS = 2;
+/** Height of the rail in the empty room, before a scene has come [m]. */
+const EMPTY_RAIL_M = 0.381;
+
+export class SceneView {
+  private readonly renderer: WebGLRenderer;
+  private readonly scene = new Scene();
+  private readonly camera = new PerspectiveCamera();
+  private readonly clock = new FrameClock();
+  private readonly contacts = new ContactGlow();
+  private readonly forces: ForceArrows | undefined;
+  private quality: Quality;
+  private look: Look;
+  private told: SceneT | undefined;
+  private state: WorldStateT | undefined;
+  private exercise: ExerciseView | undefined;
+  private place: CameraPlace = DEFAULT_PLACE;
+  private outline: Vector3[] = [];   // of what must be seen at once
+  private stage: Stage | undefined;
+  private backdrop: Backdrop | undefined;
+  private hand: HandView | undefined;
+  private handBegun = false;
+  private builds = 0;           // what was begun for an earlier one is dropped
+  private compiled = false;     // until then nothing is drawn: the page would wait for the graphics card's programs
+  private bodies: (Group | undefined)[] = [];
+  private readonly plain = new Group();
+  private poses = new Float64Array(0);
+  private fresh = false;
+  private last_ms: number | undefined;
+  private stateScript_ms = 0;
+
+  constructor(private readonly canvas: HTMLCanvasElement, private readonly options: SceneViewOptions) {
+    this.quality = options.quality;
+    this.forces = options.forces ? new ForceArrows() : undefined;
+    this.look = { dimmed: false, grey: false, ghostHand: false, showColliders: false, tone: options.tone };
+    // The picture is opaque, so the browser need not blend it with the page.
+    const context = canvas.getContext('webgl2', { alpha: false, antialias: options.quality === 'high', powerPreference: 'high-performance' });
+    if (!context) throw new Error('WebGL 2 is not there');
+    this.renderer = new WebGLRenderer({ canvas, context });
+    this.renderer.setClearColor(ROOM);
+    this.plain.matrixAutoUpdate = false;
+    this.plain.matrix.copy(programFrame());
+    canvas.addEventListener('webglcontextrestored', () => this.resize());
+  }
+
+  /** Takes a scene: hand, exercise, level. The hand is made when its first state comes. */
+  setScene(scene: SceneT): void {
+    const same = this.told !== undefined && drawn(scene) === drawn(this.told);
+    this.told = scene;
+    if (same) return;
+    this.state = undefined;
+    this.build();
+  }
+
+  setState(state: WorldStateT): void {
+    const start = performance.now();
+    const first = this.state === undefined;
+    this.state = state;
+    this.fresh = true;
+    this.poses = linkPoses(state.links, this.poses) as Float64Array<ArrayBuffer>;
+    if (state.links.length > 0) void this.makeHand();
+    if (first) this.placeRow();
+    this.contacts.take(state.contacts);
+    this.forces?.take(state.contacts);
+    this.stateScript_ms += performance.now() - start;
+  }
+
+  setLook(look: Partial<Look>): void {
+    this.look = { ...this.look, ...look };
+    this.applyLook();
+    this.fresh = true;
+  }
+
+  setQuality(quality: Quality): void {
+    if (quality === this.quality) return;
+    this.quality = quality;
+    this.build();
+  }
+
+  /** What the graphics card keeps for this view. */
+  get memory(): { geometries: number; textures: number } {
+    const { geometries, textures } = this.renderer.info.memory;
+    return { geometries, textures };
+  }
+
+  /** Whether the whole picture is drawn. Room, things and hand are made beside the page's own work. */
+  get whole(): boolean { return this.compiled && (this.hand !== undefined || !this.handBegun); }
+
+  /** @param now_ms of requestAnimationFrame */
+  render(now_ms: number): void {
+    if (!this.stage) this.build();   // no scene has come: the room alone
+    if (!this.compiled) return;
+    const start = performance.now();
+    const dt_s = this.last_ms === undefined ? 0 : Math.min(0.25, Math.max(0, (now_ms - this.last_ms) / 1000));
+    this.last_ms = now_ms;
+    if (this.state) this.update(this.state, dt_s);
+    this.renderer.render(this.scene, this.camera);
+    this.clock.add(now_ms, performance.now() - start + this.stateScript_ms);
+    this.stateScript_ms = 0;
+  }
+
+  resize(): void {
+    const width = Math.max(1, this.canvas.clientWidth), height = Math.max(1, this.canvas.clientHeight);
+    const device = Math.min(MOST_PIXELS, window.devicePixelRatio || 1);
+    this.renderer.setPixelRatio(this.quality === 'high' ? device : Math.min(1, Math.sqrt(LOW_PIXELS / (width * height))));
+    this.renderer.setSize(width, height, false);
+    placeCamera(this.camera, this.options.view, this.place, this.outline, width, height);
+    this.exercise?.placeBehind(this.camera, this.place);
+    if (this.compiled) this.takeBackdrop();
+    else this.renderer.clear();
+  }
+
+  /** Where a point of the program's world is in the canvas. */
+  project(world_m: Triple): Pixel { return this.pixel(toThree(world_m)); }
+
+  /** Where in the row's plane a point of the page is [m, the program's world]; null: beside the picture. */
+  rowPoint(x_px: number, y_px: number): { y_m: number; z_m: number } | null {
+    const box = this.canvas.getBoundingClientRect();
+    return pointInRow(this.camera, this.place.row_z, (x_px - box.left) / box.width, (y_px - box.top) / box.height);
+  }
+
+  labels(): Labels {
+    if (this.fresh && this.state) this.update(this.state, 0);   // where things are, not where they were drawn last
+    const anchors = this.exercise?.anchors(this.camera);
+    return { goal: anchors?.goal ? this.pixel(anchors.goal) : null, target: anchors?.target ? this.pixel(anchors.target) : null };
+  }
+
+  stats(): FrameStats {
+    return { frame_ms: this.clock.frame_ms, script_ms: this.clock.script_ms, triangles: this.renderer.info.render.triangles };
+  }
+
+  dispose(): void {
+    this.clear();
+    this.contacts.root.clear();
+    this.renderer.dispose();
+  }
+
+  private pixel(p: Vector3): Pixel {
+    const v = p.clone().project(this.camera);
+    return { x_px: (v.x * 0.5 + 0.5) * this.canvas.clientWidth, y_px: (0.5 - v.y * 0.5) * this.canvas.clientHeight };
+  }
+
+  private clear(): void {
+    this.hand?.dispose();
+    this.stage?.dispose();
+    this.backdrop?.dispose();
+    disposeTree(this.scene);
+    this.scene.clear();
+    this.plain.clear();
+    this.hand = this.exercise = this.stage = this.backdrop = undefined;
+    this.bodies = [];
+    this.builds += 1;
+    this.compiled = this.handBegun = false;
+  }
+
+  /** Builds everything but the hand, from the scene and in the present quality. */
+  private build(): void {
+    this.clear();
+    this.renderer.toneMapping = this.quality === 'high' ? NeutralToneMapping : NoToneMapping;
+    this.exercise = this.told && viewOf(this.told, this.quality);
+    this.stage = makeStage(this.renderer, this.scene, this.quality, this.told ? this.exercise?.rail_m : EMPTY_RAIL_M);
+    if (this.quality === 'low') this.scene.add((this.backdrop = new Backdrop()).mesh);
+    if (this.exercise) this.scene.add(this.exercise.root);
+    this.bodies = this.told?.bodies.map((body) => {
+      if (this.exercise?.owns(String(body.name))) return undefined;
+      const group = makeBody(body, this.quality);
+      this.plain.add(group);
+      return group;
+    }) ?? [];
+    if (this.forces) this.plain.add(this.forces.root);
+    this.scene.add(this.plain, this.contacts.root);
+    this.placeRow();
+    void this.compile();
+    if (this.state) void this.makeHand();
+    this.fresh = true;
+  }
+
+  /** Places room and camera where the row stands. */
+  private placeRow(): void {
+    const placed = this.exercise?.placement(this.state);
+    this.place = placed?.place ?? { ...DEFAULT_PLACE, right: this.told?.rightHand ?? true };
+    this.outline = placed?.outline ?? [];
+    this.stage?.place(this.place.counter_y, this.place.row_z, turnOf(this.place.right));
+    this.resize();
+  }
+
+  private async compile(): Promise<void> {
+    const { builds } = this;
+    await compiled(this.renderer, this.scene, this.camera, this.scene);
+    if (builds !== this.builds) return;
+    this.compiled = true;
+    this.takeBackdrop();
+  }
+
+  private takeBackdrop(): void {
+    if (this.stage) this.backdrop?.take(this.renderer, this.scene, this.camera, this.stage.room, this.stage.light);
+  }
+
+  private async makeHand(): Promise<void> {
+    const { told, poses, quality, builds } = this;
+    if (this.handBegun || !told || told.capsules.length === 0) return;
+    this.handBegun = true;
+    const shape = handShape(told, poses);
+    const mesh = await madeSkin(shape, poses, SKIN_STEP_M[quality]);
+    if (builds !== this.builds) return;
+    const hand = new HandView(shape, mesh, quality);
+    this.applyLook(hand);
+    await compiled(this.renderer, hand.root, this.camera, this.scene);
+    if (builds !== this.builds) {
+      hand.dispose();
+      return;
+    }
+    this.hand = hand;
+    this.scene.add(hand.root);
+    this.applyLook();
+    this.fresh = true;
+  }
+
+  private applyLook(hand = this.hand): void {
+    const { dimmed, grey, ghostHand, showColliders, tone } = this.look;
+    hand?.look({ ghost: ghostHand, colliders: showColliders, tone });
+    const filters = [grey ? 'saturate(.22) brightness(.82)' : '', dimmed ? 'brightness(.85)' : ''].filter(Boolean);
+    this.canvas.style.filter = filters.join(' ');
+  }
+
+  private update(state: WorldStateT, dt_s: number): void {
+    if (this.fresh) this.hand?.pose(this.poses);
+    this.fresh = false;
+    this.exercise?.update(state, this.camera.position, dt_s);
+    if (this.hand) this.exercise?.yieldTo(this.hand.uniforms);
+    if (this.stage) this.stage.rail.position.z = this.exercise?.railZ(state) ?? this.place.row_z;
+    if (this.stage?.target) this.exercise?.lightTarget(this.stage.target, dt_s);
+    state.bodies.forEach((pose, i) => {
+      const p = pose.positionM, q = pose.orientationXyzw;
+      if (!p || !q || !this.bodies[i]) return;
+      this.bodies[i].position.set(p.x, p.y, p.z);
+      this.bodies[i].quaternion.set(q.x, q.y, q.z, q.w);
+    });
+    const spots = this.contacts.update(this.camera, dt_s);
+    this.contacts.root.visible = !this.look.ghostHand;
+    this.hand?.tint(this.look.ghostHand ? [] : spots);
+  }
+}
+
+/** The parts of a scene that are drawn. A new session or a recording that begins changes none of them. */
+function drawn({ exerciseJson, valueNames, capsules, bodies, rightHand, linkNames }: SceneT): string {
+  return JSON.stringify([exerciseJson, valueNames, capsules, bodies, rightHand, linkNames]);
+}

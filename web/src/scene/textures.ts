@@ -1,0 +1,55 @@
+// Pictures that materials wear: wood and the glow. Each is drawn once, on a canvas.
+
+import { CanvasTexture, RepeatWrapping, SRGBColorSpace, type Texture } from 'three';
+
+export type Pen = CanvasRenderingContext2D;
+
+export function picture(width: number, height: number, draw: (pen: Pen) => void): Texture {
+  const canvas = document.createElement('canvas');
+  canvas.width = width;
+  canvas.height = height;
+  const pen = canvas.getContext('2d');
+  if (pen) draw(pen);
+  const texture = new CanvasTexture(canvas);
+  texture.colorSpace = SRGBColorSpace;
+  return texture;
+}
+
+/** Numbers that look random and are the same every time. */
+function numbers(seed: number): () => number {
+  let state = seed;
+  return () => (state = (state * 16807) % 2147483647) / 2147483647;
+}
+
+export function woodTexture(): Texture {
+  const random = numbers(7), w = 1024, h = 512;
+  const texture = picture(w, h, (pen) => {
+    pen.fillStyle = '#765443';
+    pen.fillRect(0, 0, w, h);
+    for (let i = 0; i < 420; i++) {
+      const y = random() * h, phase = random() * 6, swing = 2 + random() * 5;
+      pen.strokeStyle = random() < 0.55 ? '#432c20' : '#a07c60';
+      pen.globalAlpha = 0.03 + random() * 0.09;
+      pen.lineWidth = 0.6 + random() * 2.6;
+      pen.beginPath();
+      for (let x = 0; x <= w; x += 32) pen.lineTo(x, y + Math.sin(x / 190 + phase) * swing + Math.sin(x / 71 + phase) * 1.2);
+      pen.stroke();
+    }
+  });
+  texture.wrapS = texture.wrapT = RepeatWrapping;
+  return texture;
+}
+
+/** A point of light: white core, amber halo. */
+export function glowTexture(): Texture {
+  return picture(128, 128, (pen) => {
+    const g = pen.createRadialGradient(64, 64, 0, 64, 64, 64);
+    g.addColorStop(0, 'rgba(255,255,255,1)');
+    g.addColorStop(0.16, 'rgba(255,246,214,.95)');
+    g.addColorStop(0.34, 'rgba(255,208,92,.55)');
+    g.addColorStop(0.62, 'rgba(255,186,60,.16)');
+    g.addColorStop(1, 'rgba(255,180,40,0)');
+    pen.fillStyle = g;
+    pen.fillRect(0, 0, 128, 128);
+  });
+}

@@ -1,0 +1,33 @@
+// What an exercise is called by stands in its folder: game, input, scene, console, replay and report know the interface alone.
+import { execFileSync } from 'node:child_process';
+import { readFileSync } from 'node:fs';
+import { resolve } from 'node:path';
+import { expect, it } from 'vitest';
+
+const WEB = resolve(__dirname, '..');
+
+/** Words of src/exercises/cocktail_bar, in code, comments and texts of the three languages. */
+const WORDS = /recipe|rezept|recette|bottle|flasche|bouteille|cocktail|\bglass(es)?\b|\bverre\b|drink|getränk|boisson|dispenser|liquid|lemon|cherry|juice|\bguest|\bpour(s|ed|ing|_)?\b|spil[lt]/i;
+const NAMES = /\bbar_|_bar\b/;
+
+/** Files that may name them, and why. */
+const MAY: readonly (readonly [file: RegExp, only: RegExp, why: string])[] = [
+  [/^src\/exercises\/(index|info|exercise_view)\.ts$/, /from '\.\/cocktail_bar\//, 'they join the folders: imports alone'],
+  [/^src\/net\/fake_(program|recordings)\.ts$/, /./, 'the stand-in program, of development and tests, plays the bar'],
+  [/^src\/charts\/i18n\//, /exercise\.|chart\.|figure\./, 'words of the charts that the program draws of the bar'],
+];
+
+/** "pour" is a word of French texts. */
+const isFrench = (file: string): boolean => file.endsWith('/fr.ts');
+
+it('no file outside of its folder names what is the bar\'s', () => {
+  const files = execFileSync('git', ['ls-files', 'src'], { cwd: WEB, encoding: 'utf8' }).split('\n')
+    .filter((file) => /\.(ts|css)$/.test(file) && !file.startsWith('src/exercises/cocktail_bar/'));
+  expect(files.length).toBeGreaterThan(100);
+  const named = files.flatMap((file) => readFileSync(resolve(WEB, file), 'utf8').split('\n').flatMap((line, i) => {
+    const told = isFrench(file) ? line.replace(/\bpour\b/gi, '') : line;
+    const may = MAY.some(([of, only]) => of.test(file) && only.test(line));
+    return (WORDS.test(told) || NAMES.test(told)) && !may ? [`${file}:${i + 1}: ${line.trim().slice(0, 120)}`] : [];
+  }));
+  expect(named).toEqual([]);
+});
