@@ -45,17 +45,24 @@ function(wholehand_compile_alone)
 endfunction()
 
 # wholehand_test(<name> SOURCES a.cpp ... USES core ... [LABEL unit] [TIMEOUT seconds] [SHARDS count]
-#                [THREADED])
+#                [THREADED] [COMPUTES])
 #
 # SHARDS: its tests wait more than they compute; so many of them run at once.
+# COMPUTES: its own sources do long arithmetic; sanitizers see them optimised.
 # THREADED: ./check runs it under ThreadSanitizer too. LABEL realtime: nothing runs beside it. LABEL
 # figure: it measures at length what other tests drive through the same code; no sanitizer sees it.
 function(wholehand_test name)
-  cmake_parse_arguments(arg "THREADED" "LABEL;TIMEOUT;SHARDS" "SOURCES;USES;VENDOR" ${ARGN})
+  cmake_parse_arguments(arg "THREADED;COMPUTES" "LABEL;TIMEOUT;SHARDS" "SOURCES;USES;VENDOR" ${ARGN})
   add_executable(test_${name} ${arg_SOURCES})
   target_link_libraries(test_${name} PRIVATE wholehand_options GTest::gtest GTest::gtest_main
                                              ${arg_VENDOR})
   target_include_directories(test_${name} PRIVATE ${PROJECT_SOURCE_DIR}/tests)
+  if(arg_COMPUTES AND WHOLEHAND_SANITIZED)
+    set(precompiled wholehand_precompiled_computing_tests)
+  else()
+    set(precompiled wholehand_precompiled_tests)
+    wholehand_unoptimised(test_${name})
+  endif()
   foreach(used IN LISTS arg_USES)
     string(REPLACE "/" "_" used ${used})
     target_link_libraries(test_${name} PRIVATE wholehand::${used})
@@ -63,7 +70,7 @@ function(wholehand_test name)
   target_compile_definitions(test_${name} PRIVATE WHOLEHAND_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                                                   WHOLEHAND_BINARY_DIR="${PROJECT_BINARY_DIR}")
   if(WHOLEHAND_PRECOMPILED)
-    target_precompile_headers(test_${name} REUSE_FROM wholehand_precompiled_tests)
+    target_precompile_headers(test_${name} REUSE_FROM ${precompiled})
   endif()
   if(NOT arg_LABEL)
     set(arg_LABEL unit)

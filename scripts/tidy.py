@@ -5,11 +5,13 @@ usage: tidy.py BUILD_FOLDER JOBS FOLDER ...      exit code 0: clean, 1: faults, 
 
 The build joins sources and precompiles headers: a source that forgets an #include is found here. A
 file that was clean is looked at again when it, a header of the repository that it reads, its
-arguments or the rules have changed (BUILD_FOLDER/clean.json).
+arguments or the rules have changed (BUILD_FOLDER/clean.json). What is clean is written there at
+once: a run that was ended is gone on with.
 
 Nearly all of clang-tidy's time goes into the headers of the language and of Eigen, which nearly
-every file includes. Hence one run looks at a batch: a file that includes up to a dozen sources. Two
-sources of which one uses a name of the other's anonymous namespace never share a batch. Of a batch
+every file includes. Hence one run looks at a batch: a file that includes some thirty sources. Two
+sources of which one uses a name of the other's anonymous namespace do not share a batch, and a source
+with a private type named as one of a header shares none. Of a batch
 that is not clean every source is looked at alone, and only that counts: what is said here is what
 clang-tidy says of each file by itself.
 """
@@ -20,18 +22,24 @@ import shlex
 import signal
 import subprocess
 import sys
+import threading
+import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 RULES = Path(__file__).resolve().parents[1] / ".clang-tidy"
-BATCH = 12
+BATCH = 32
 FILTER = r"/(src|apps|drivers|include|experiments)/.*\.[ch]pp$"
 ANONYMOUS = re.compile(r"^namespace \{$(.*?)^\}  // namespace$", re.MULTILINE | re.DOTALL)
 STATIC = re.compile(r"^(?:static|using) .*", re.MULTILINE)
-WORD = re.compile(r"\w+")
+NO_CODE = re.compile(r'//.*|"(?:[^"\\\n]|\\.)*"')
+# What another source's private name could be taken for: a function that is called, a type, a constant;
+# none of them a member.
+USED = re.compile(r"(?<![\w.:>])(?:([a-z]\w*)\s*(?=\()|([A-Zk]\w*))")
 MACRO = re.compile(r"^\s*#\s*define (\w+)", re.MULTILINE)
 # clang-format puts what a namespace declares at the start of a line.
 DECLARED = re.compile(r"^[A-Za-z][^\n({=;]*?\b([A-Za-z_]\w*)(?:\[\w*\])*\s*[({=;:]", re.MULTILINE)
+TYPE = re.compile(r"^(?:struct|class|union|enum(?: class)?) (\w+)|^using (\w+) =", re.MULTILINE)
 ALIAS = re.compile(r"^\s*namespace (\w+) = ", re.MULTILINE)
 
 
@@ -44,7 +52,11 @@ def private_names(text):
     """Names that a source keeps to itself: no other source of its batch may have one of them."""
     parts = ANONYMOUS.findall(text) + [line + ";" for line in STATIC.findall(text)]
     names = {name for part in parts for name in DECLARED.findall(part)}
-    return names.union(MACRO.findall(text)) - {"std"}
+    return names.union(MACRO.findall(text)) - {"std", "Eigen", "final"}
+
+
+def used_names(text):
+    return {name for names in USED.findall(NO_CODE.sub("", text)) for name in names if name}
 
 
 def read_commands(build, folders):
@@ -81,26 +93,41 @@ def together(commands):
     return [word for words in every for word in words]
 
 
-def make_batches(sources):
-    """Lists of sources that can stand in one file: their private names do not collide."""
-    batches = []
+def types_of_headers(folders):
+    found = (TYPE.findall(header.read_text()) for folder in folders for header in folder.rglob("*.hpp"))
+    return {name for names in found for pair in names for name in pair if name}
+
+
+def make_batches(sources, types):
+    """Lists of sources that can stand in one file, their private names do not collide; and sources
+    that share none.
+
+    types: names of the types of all headers."""
+    batches, alone, found = [], [], []
     for source in sorted(sources):
         text = source.read_text()
         header = source.with_suffix(".hpp")
-        seen = text + (header.read_text() if header.exists() else "")
-        names, words = private_names(text), set(WORD.findall(seen))
-        alone = 'extern "C"' in text  # what takes the place of malloc, say
+        names = private_names(text)
+        # extern "C": what takes the place of malloc, say.
+        if 'extern "C"' in text or "\nusing namespace" in text or names & types:
+            alone.append(source)
+            continue
+        used = used_names(text + (header.read_text() if header.exists() else ""))
+        found.append((source, names, names | used))
+    # Those with most private names are hardest to place, and come first.
+    for source, names, used in sorted(found, key=lambda entry: -len(entry[1])):
         for batch in batches:
-            if (not alone and len(batch["sources"]) < batch["room"]
-                    and not batch["names"] & words and not batch["words"] & names):
+            if (len(batch["sources"]) < BATCH and not batch["names"] & used
+                    and not batch["used"] & names):
                 break
         else:
-            batch = {"sources": [], "names": set(), "words": set(), "room": 1 if alone else BATCH}
+            batch = {"sources": [], "names": set(), "used": set()}
             batches.append(batch)
         batch["sources"].append(source)
         batch["names"] |= names
-        batch["words"] |= words
-    return [batch["sources"] for batch in batches]
+        batch["used"] |= used
+    alone += [batch["sources"][0] for batch in batches if len(batch["sources"]) == 1]
+    return [batch["sources"] for batch in batches if len(batch["sources"]) > 1], alone
 
 
 def words_of(done):
@@ -126,46 +153,54 @@ def tidy(database, source):
 
 
 class CleanFiles:
-    """Which sources were clean, and what they read then."""
+    """Which sources have compiled alone, which were clean, and what they read then."""
 
     def __init__(self, build, commands):
         self.file, self.dependencies = build / "clean.json", build / "dependencies"
         self.dependencies.mkdir(exist_ok=True)
-        self.commands, self.texts = commands, {}
+        self.commands, self.digests, self.lock = commands, {}, threading.Lock()
         try:
-            self.known = json.loads(self.file.read_text())
-        except (OSError, ValueError):
-            self.known = {}
+            known, names = json.loads(self.file.read_text()), {str(source) for source in commands}
+            self.known = {kind: {name: key for name, key in known[kind].items() if name in names}
+                          for kind in ("compiled", "clean")}
+        except (OSError, ValueError, KeyError, TypeError, AttributeError):
+            self.known = {"compiled": {}, "clean": {}}
 
     def depfile(self, source):
         name = hashlib.sha256(str(source).encode()).hexdigest()[:16]
         return self.dependencies / f"{name}.d"
 
-    def digest(self, path):
-        if path not in self.texts:
-            try:
-                self.texts[path] = hashlib.sha256(path.read_bytes()).hexdigest()
-            except OSError:
-                self.texts[path] = "gone"
-        return self.texts[path]
+    def digest(self, path, changed_ns):
+        if (path, changed_ns) not in self.digests:
+            self.digests[path, changed_ns] = hashlib.sha256(path.read_bytes()).hexdigest()
+        return self.digests[path, changed_ns]
 
-    def key(self, source):
-        """None where it was never compiled."""
+    def key(self, source, before=None):
+        """Of all that the source was compiled from. None where it was never compiled, or where a file
+        has changed since the time `before`."""
         try:
             words = self.depfile(source).read_text().replace("\\\n", " ").split()[1:]
+            read = sorted({Path(w) for w in words if not w.startswith("/usr/")} | {source, RULES})
+            changed_ns = {path: path.stat().st_mtime_ns for path in read}
+            if before is not None and max(changed_ns.values()) >= before * 1e9:
+                return None
+            parts = [*self.commands[source],
+                     *(f"{path}={self.digest(path, changed_ns[path])}" for path in read)]
         except OSError:
             return None
-        read = sorted({Path(w) for w in words if not w.startswith("/usr/")} | {source, RULES})
-        parts = [*self.commands[source], *(f"{path}={self.digest(path)}" for path in read)]
         return hashlib.sha256("\n".join(parts).encode()).hexdigest()
 
-    def has(self, source):
-        return self.known.get(str(source)) == self.key(source) is not None
+    def has(self, kind, source):
+        return self.known[kind].get(str(source)) == self.key(source) is not None
 
-    def keep(self, sources):
-        self.known = {str(s): self.known[str(s)] for s in self.commands if str(s) in self.known}
-        self.known.update({str(s): self.key(s) for s in sources})
-        self.file.write_text(json.dumps(self.known, indent=1))
+    def keep(self, kind, sources, before):
+        """What was found of these sources holds for the files as they were at the time `before`."""
+        keys = {str(source): self.key(source, before) for source in sources}
+        with self.lock:
+            self.known[kind].update(keys)
+            new = self.file.with_suffix(".new")
+            new.write_text(json.dumps(self.known, indent=1))
+            new.replace(self.file)
 
 
 class Alone:
@@ -213,30 +248,49 @@ class Alone:
 
     def compile(self, source):
         """What the compiler says of it; None where it is well."""
-        command = self.clean.commands[source]
+        if self.clean.has("compiled", source):
+            return None
+        command, started = self.clean.commands[source], time.time()
         shared = []
         if self.arguments_of(command) == self.fits and self.includes_eigen(source):
             shared = ["-include-pch", str(self.header)]
-        return words_of(run([*command, *shared, "-w", "-fsyntax-only", "-MD", "-MT", "x", "-MF",
-                             str(self.clean.depfile(source)), str(source)], self.build))
+        words = words_of(run([*command, *shared, "-w", "-fsyntax-only", "-MD", "-MT", "x", "-MF",
+                              str(self.clean.depfile(source)), str(source)], self.build))
+        if words is None:
+            self.clean.keep("compiled", [source], started)
+        return words
 
 
-def look_at(build, jobs, commands, every):
-    """{source: faults} of these commands; `every` holds all, whose arguments a batch takes."""
+def look_at(build, jobs, commands, clean, types):
+    """{source: faults} of these commands. A batch takes the arguments of all sources."""
     place, single = build / "tidy", build / "tidy" / "alone"
     place.mkdir(exist_ok=True)
-    batches = make_batches(commands)
+    batches, alone = make_batches(commands, types)
     files = [place / f"batch_{number}.cpp" for number in range(len(batches))]
     for file, sources in zip(files, batches):
         file.write_text("".join(f'#include "{source}"  // NOLINT\n' for source in sources))
-    write_database(place, build, dict.fromkeys(files, together(every.values())))
+    write_database(place, build, dict.fromkeys(files, together(clean.commands.values())))
     write_database(single, build, commands)
+
+    def tidy_batch(file, sources):
+        """The sources that have to be looked at alone."""
+        started = time.time()
+        said = tidy(place, file)
+        unclear = [source for source in sources if said or has_idle_alias(source.read_text())]
+        clean.keep("clean", set(sources) - set(unclear), started)
+        return unclear
+
+    def tidy_alone(source):
+        started = time.time()
+        said = tidy(single, source)
+        if said is None:
+            clean.keep("clean", [source], started)
+        return said
+
     with ThreadPoolExecutor(jobs) as pool:
-        said = list(pool.map(lambda file: tidy(place, file), files))
-        alone = [source for words, sources in zip(said, batches) for source in sources
-                 if words or has_idle_alias(source.read_text())]
-        told = pool.map(lambda source: tidy(single, source), alone)
-        faults = {source: words for source, words in zip(alone, told) if words}
+        for unclear in pool.map(tidy_batch, files, batches):
+            alone += unclear
+        faults = {source: words for source, words in zip(alone, pool.map(tidy_alone, alone)) if words}
     return faults, f"in {len(batches)} batches, {len(alone)} looked at alone"
 
 
@@ -251,15 +305,14 @@ def main():
         names = " ".join(str(file) for file in sorted(unknown)) or " ".join(sys.argv[3:])
         sys.exit(f"{build / 'compile_commands.json'} knows nothing of: {names}")
     clean = CleanFiles(build, every)
-    commands = {source: every[source] for source in every if not clean.has(source)}
+    commands = {source: every[source] for source in every if not clean.has("clean", source)}
     alone = Alone(build, clean)
     with ThreadPoolExecutor(jobs) as pool:
         said = pool.map(alone.compile, commands)
         faults = {source: words for source, words in zip(commands, said) if words}
     how = "not looked at by clang-tidy"
     if not faults:  # what does not compile cannot be read
-        faults, how = look_at(build, jobs, commands, every)
-    clean.keep(commands.keys() - faults.keys() if "batches" in how else [])
+        faults, how = look_at(build, jobs, commands, clean, types_of_headers(folders))
     for words in faults.values():
         print(words)
     print(f"{len(commands)} files {how}, {len(every) - len(commands)} clean before, "

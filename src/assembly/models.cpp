@@ -58,6 +58,13 @@ fs::path commonFolder(const std::vector<fs::path>& paths) {
 
 }  // namespace
 
+Models::Models() = default;
+Models::Models(const Models&) = default;
+Models::Models(Models&&) noexcept = default;
+Models& Models::operator=(const Models&) = default;
+Models& Models::operator=(Models&&) noexcept = default;
+Models::~Models() = default;
+
 Expected<Models> loadModels(const ModelFiles& files) {
   Models models;
   models.files = files;

@@ -39,6 +39,14 @@ struct ModelFiles {
 
 /// Contents of all files, checked against each other.
 struct Models {
+  // Out of line: inline, each is 3 KB of code in every source that copies models.
+  Models();
+  Models(const Models&);
+  Models(Models&&) noexcept;
+  Models& operator=(const Models&);
+  Models& operator=(Models&&) noexcept;
+  ~Models();
+
   ModelFiles files;
   DeviceModel device;
   HandModel hand;

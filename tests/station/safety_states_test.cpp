@@ -56,10 +56,12 @@ TEST_F(SafetyStates, HandInsideABody_RefusesToArmAndChangesNothing) {
   expectUntouched();
 }
 
-// Whenever the stop comes, and the first moments are the rehearsal's: nothing moves.
+// Nothing moves after the stop, whenever it comes; an order to arm that it overtakes is refused. On a
+// fast machine the rehearsal may have ended before the latest of these stops.
 TEST_F(SafetyStates, EmergencyStopWhileRehearsing_RefusesPromptly) {
   load(barConfig());
   run(false);
+  int overtaken = 0;
   for (const auto after : {0ms, 5ms, 20ms, 60ms, 120ms}) {
     const Order arm = of(OrderType::kArm);
     auto answered = std::make_shared<std::promise<OrderReply>>();
@@ -69,8 +71,10 @@ TEST_F(SafetyStates, EmergencyStopWhileRehearsing_RefusesPromptly) {
     ASSERT_TRUE(ask(OrderType::kEmergencyStop).accepted);
     ASSERT_EQ(answer.wait_for(30s), std::future_status::ready);
     const OrderReply reply = answer.get();
-    EXPECT_FALSE(reply.accepted);
-    EXPECT_EQ(reply.refusal, Refusal::kStopCame) << reply.reason;
+    if (!reply.accepted) {
+      ++overtaken;
+      EXPECT_EQ(reply.refusal, Refusal::kStopCame) << reply.reason;
+    }
     ASSERT_TRUE(becomes([&] { return station_->status().run_state != RunState::kRampingDown; }));
     EXPECT_NE(station_->status().run_state, RunState::kRendering);
     TickRecord record;
@@ -78,6 +82,7 @@ TEST_F(SafetyStates, EmergencyStopWhileRehearsing_RefusesPromptly) {
       EXPECT_EQ(largest(record.sent), 0.0);
     }
   }
+  EXPECT_GT(overtaken, 0);
   ASSERT_TRUE(ask(OrderType::kArm).accepted) << "when somebody wants it anew";
   EXPECT_TRUE(rendersOn());
 }
