@@ -14,4 +14,4 @@ done
 cd "$out"
 mcs -langversion:7 -debug -nologo -warn:4 -warnaserror -r:Wholehand.Protocol.dll \
   -r:Wholehand.Client.dll -out:WholehandTests.exe "$source"/tests/clients/csharp/*.cs
-mono --debug WholehandTests.exe "$@"
+WHOLEHAND_AXES_PAGE=$source/docs/axes.md mono --debug WholehandTests.exe "$@"

@@ -147,7 +147,13 @@ namespace Wholehand
             }
             if (Message.GetRootAsMessage(inPlace).PayloadType == Payload.WorldState)
             {
-                if (!DatagramsCome(nowNs)) Show(bytes, 0, length);
+                lock (gate)
+                {
+                    world.CopyFrom(bytes, 0, length);
+                    haveWorld = true;
+                }
+                // At 0 Hz datagrams bring no states.
+                if (options.RateHz == 0 || !DatagramsCome(nowNs)) Show(bytes, 0, length);
                 return;
             }
             // Handlers may keep what they are given.

@@ -43,11 +43,12 @@ namespace Wholehand
         private Socket datagrams;   // null: the program takes none
         private ulong key;
         private MessageBuffer newest = new MessageBuffer(), filling = new MessageBuffer();
+        private MessageBuffer world = new MessageBuffer(); // the newest state by WebSocket, with bodies
         private Scene? scene;
         private uint sequence, command, stopId;
         private byte[] stopMessage; // of an emergency stop that the program has not shown yet
         private long heardNs, heartbeatNs, polledNs, datagramNs, datagramSentNs;
-        private bool haveState;
+        private bool haveState, haveWorld;
         private string refusal = "";
 
         /// <summary>Nothing is sent before Connect(). Throws ArgumentException for impossible
@@ -130,6 +131,33 @@ namespace Wholehand
                 {
                     // Made by something else than Wholehand: its offsets lead nowhere.
                     haveState = false;
+                    Statistics.CountIgnored();
+                    return false;
+                }
+            }
+        }
+
+        /// <summary>Copies bodies and contacts of the newest state that came by WebSocket, 60 a second; false where
+        /// there is none, or none that is newer than <paramref name="into"/> already is. Any thread.</summary>
+        public bool TryGetWorld(WorldSnapshot into)
+        {
+            lock (gate)
+            {
+                if (!haveWorld) return false;
+                try
+                {
+                    WorldState state = Words.StateOf(world.Bytes);
+                    if (state.Tick == into.Tick && state.Session == into.Session
+                        && state.SentMonotonicNs == into.SentMonotonicNs)
+                    {
+                        return false;
+                    }
+                    into.CopyFrom(state);
+                    return true;
+                }
+                catch (Exception e) when (IsOfRubbish(e))
+                {
+                    haveWorld = false;
                     Statistics.CountIgnored();
                     return false;
                 }
@@ -257,7 +285,7 @@ namespace Wholehand
 
         private void EndConversation(string why)
         {
-            connected = haveState = holdsControls = false;
+            connected = haveState = haveWorld = holdsControls = false;
             toSend.Clear();
             DropCommands(why);
             if (datagrams != null) datagrams.Close();

@@ -173,6 +173,34 @@ public static class LiveTests
         }
     }
 
+    public static void BodiesAndContacts_ComeByWebSocketBesideTheDatagrams()
+    {
+        using (var program = new Program())
+        using (WholehandClient client = Connect(program))
+        {
+            var world = new WorldSnapshot();
+            Check.True(!client.TryGetWorld(world), "nothing has come");
+            Check.Until(() => client.Statistics.Received > 50 && client.LatestScene.HasValue
+                && client.TryGetWorld(world), "datagrams, a scene and a state by WebSocket");
+            Check.Equal(client.LatestScene.Value.BodiesLength, world.BodyCount, "bodies");
+            ulong first = world.Tick;
+            Check.Until(() => client.TryGetWorld(world), "the next one");
+            Check.True(world.Tick > first, "a later tick");
+        }
+    }
+
+    public static void RateZero_LeavesTheStatesToTheWebSocket()
+    {
+        using (var program = new Program())
+        using (WholehandClient client = Connect(program, rate: 0))
+        {
+            int count = 0;
+            client.StateReceived += s => ++count;
+            Check.Until(() => count > 120, "two seconds of states");
+            Check.Equal(0L, client.Statistics.Received, "states by datagram");
+        }
+    }
+
     public static void Commands_ChangeTheProgram()
     {
         using (var program = new Program())

@@ -1,0 +1,78 @@
+using System;
+using wholehand.protocol;
+
+namespace Wholehand
+{
+    /// <summary>A copy of the bodies and contacts of a WorldState that the game owns. Datagrams do not carry them:
+    /// they come by WebSocket, 60 times a second. Taking the next one into it allocates nothing unless there are more
+    /// bodies or contacts than ever before. SI, the program's frame (UnityAxes converts).</summary>
+    public sealed class WorldSnapshot
+    {
+        public uint Session;
+        public ulong Tick;
+        public double TimeS;
+        public long SentMonotonicNs;
+
+        /// <summary>Of the arrays below, how many bodies are valid; in the order of Scene.Bodies.</summary>
+        public int BodyCount;
+        public Vector[] BodyPositions = new Vector[0];    // centre of mass [m]
+        public Rotation[] BodyOrientations = new Rotation[0];
+
+        /// <summary>Of the arrays below, how many contacts are valid.</summary>
+        public int ContactCount;
+        public int[] ContactCapsules = new int[0];        // index into Scene.Capsules
+        public int[] ContactBodies = new int[0];          // index into Scene.Bodies
+        public Vector[] ContactPoints = new Vector[0];    // on the hand's surface [m]
+        public Vector[] ContactForces = new Vector[0];    // on the hand [N]
+
+        private const int MostBodies = 4096, MostContacts = 4096;
+
+        internal void CopyFrom(WorldState s)
+        {
+            int bodies = s.BodiesLength, contacts = s.ContactsLength;
+            if (bodies < 0 || bodies > MostBodies || contacts < 0 || contacts > MostContacts)
+            {
+                throw new InvalidOperationException("an array that no state has");
+            }
+            Session = s.Session;
+            Tick = s.Tick;
+            TimeS = s.TimeS;
+            SentMonotonicNs = s.SentMonotonicNs;
+            if (BodyPositions.Length < bodies)
+            {
+                BodyPositions = new Vector[bodies];
+                BodyOrientations = new Rotation[bodies];
+            }
+            for (int i = 0; i < bodies; ++i)
+            {
+                Pose pose = s.Bodies(i).Value;
+                QuatXyzw q = pose.OrientationXyzw;
+                BodyPositions[i] = Of(pose.PositionM);
+                BodyOrientations[i] = new Rotation(q.X, q.Y, q.Z, q.W);
+            }
+            BodyCount = bodies;
+            if (ContactPoints.Length < contacts)
+            {
+                int room = Math.Max(64, 2 * contacts); // their number changes with every tick
+                ContactCapsules = new int[room];
+                ContactBodies = new int[room];
+                ContactPoints = new Vector[room];
+                ContactForces = new Vector[room];
+            }
+            for (int i = 0; i < contacts; ++i)
+            {
+                ContactPoint contact = s.Contacts(i).Value;
+                ContactCapsules[i] = contact.Capsule;
+                ContactBodies[i] = contact.Body;
+                ContactPoints[i] = Of(contact.PointM);
+                ContactForces[i] = Of(contact.ForceN);
+            }
+            ContactCount = contacts;
+        }
+
+        private static Vector Of(Vec3 v)
+        {
+            return new Vector(v.X, v.Y, v.Z);
+        }
+    }
+}
