@@ -1,6 +1,5 @@
 using System;
 using System.Collections.Generic;
-using System.Diagnostics;
 using System.Globalization;
 using System.Threading;
 using System.Threading.Tasks;
@@ -14,46 +13,7 @@ public static class LiveTests
 {
     private const int LeadIn = 0, OwnerAlive = 1, Aims = 2, Aimed = 3;
 
-    private sealed class Program : IDisposable
-    {
-        private readonly Process process;
-
-        public Program(string port = "0", string token = "")
-        {
-            process = Process.Start(new ProcessStartInfo(Runner.StandIn, port + " " + token)
-            {
-                UseShellExecute = false, RedirectStandardInput = true, RedirectStandardOutput = true
-            });
-            string line = process.StandardOutput.ReadLine();
-            Check.True(line != null && line.StartsWith("port "), "the process says its port: " + line);
-            Port = int.Parse(line.Substring(5), CultureInfo.InvariantCulture);
-        }
-
-        public int Port { get; private set; }
-
-        /// <summary>Ends it; the lateness of its own ticks, p99 in ms.</summary>
-        public double End()
-        {
-            process.StandardInput.Close();
-            string line = process.StandardOutput.ReadLine();
-            Check.True(process.WaitForExit(10000) && process.ExitCode == 0, "ends by itself");
-            Console.WriteLine("       program: {0}", line);
-            return double.Parse(line.Split(' ')[2], CultureInfo.InvariantCulture);
-        }
-
-        public void Kill()
-        {
-            process.Kill();
-            process.WaitForExit();
-        }
-
-        public void Dispose()
-        {
-            if (!process.HasExited) Kill();
-        }
-    }
-
-    private static WholehandClient Connect(Program program, bool polled = false, string token = "", int rate = 1000)
+    private static WholehandClient Connect(StandIn program, bool polled = false, string token = "", int rate = 1000)
     {
         var client = new WholehandClient(new ClientOptions
         {
@@ -96,7 +56,7 @@ public static class LiveTests
     public static void AtOneKilohertz_StatesComeCompleteAndInOrder()
     {
         int seconds = Runner.Full ? 60 : 5;
-        using (var program = new Program())
+        using (var program = new StandIn())
         using (WholehandClient client = Connect(program))
         {
             ulong last = 0;
@@ -139,7 +99,7 @@ public static class LiveTests
 
     public static void ProgramWithoutDatagrams_IsPlayedByWebSocketAlone()
     {
-        using (var program = new Program("closed:0"))
+        using (var program = new StandIn("closed:0"))
         using (WholehandClient client = Connect(program))
         {
             Shows(client, s => s.Values[OwnerAlive] == 1.0, "states");
@@ -155,7 +115,7 @@ public static class LiveTests
 
     public static void LowRate_IsWhatWasAskedFor()
     {
-        using (var program = new Program())
+        using (var program = new StandIn())
         using (WholehandClient fast = Connect(program))
         using (WholehandClient slow = Connect(program, rate: 60))
         {
@@ -175,7 +135,7 @@ public static class LiveTests
 
     public static void BodiesAndContacts_ComeByWebSocketBesideTheDatagrams()
     {
-        using (var program = new Program())
+        using (var program = new StandIn())
         using (WholehandClient client = Connect(program))
         {
             var world = new WorldSnapshot();
@@ -191,7 +151,7 @@ public static class LiveTests
 
     public static void RateZero_LeavesTheStatesToTheWebSocket()
     {
-        using (var program = new Program())
+        using (var program = new StandIn())
         using (WholehandClient client = Connect(program, rate: 0))
         {
             int count = 0;
@@ -203,7 +163,7 @@ public static class LiveTests
 
     public static void Commands_ChangeTheProgram()
     {
-        using (var program = new Program())
+        using (var program = new StandIn())
         using (WholehandClient client = Connect(program))
         {
             Shows(client, s => s.RunState == RunState.Disarmed, "a state");
@@ -235,7 +195,7 @@ public static class LiveTests
 
     public static void BadCommands_AreRefusedWithTheReasonAndChangeNothing()
     {
-        using (var program = new Program())
+        using (var program = new StandIn())
         using (WholehandClient client = Connect(program))
         {
             Check.Until(() => client.Connected, "connected");
@@ -261,7 +221,7 @@ public static class LiveTests
 
     public static void SecondGame_WatchesAndMayStop()
     {
-        using (var program = new Program())
+        using (var program = new StandIn())
         using (WholehandClient first = Connect(program))
         using (WholehandClient second = Connect(program))
         {
@@ -280,7 +240,7 @@ public static class LiveTests
 
     public static void GameThatHangs_LosesTheControlsUntilItTakesThemAnew()
     {
-        using (var program = new Program())
+        using (var program = new StandIn())
         using (WholehandClient watcher = Connect(program))
         using (WholehandClient game = Connect(program, polled: true))
         {
@@ -313,7 +273,7 @@ public static class LiveTests
 
     public static void GameThatDies_FadesTheExerciseOutAndFreesTheControls()
     {
-        using (var program = new Program())
+        using (var program = new StandIn())
         using (WholehandClient watcher = Connect(program))
         {
             using (WholehandClient game = Connect(program))
@@ -330,13 +290,13 @@ public static class LiveTests
 
     public static void ProgramThatIsRestarted_IsFoundAgain()
     {
-        using (var program = new Program())
+        using (var program = new StandIn())
         using (WholehandClient client = Connect(program))
         {
             Shows(client, s => true, "states");
             program.Kill(); // without a goodbye
             Check.Until(() => !client.Connected, "lost");
-            using (var second = new Program(program.Port.ToString(CultureInfo.InvariantCulture)))
+            using (var second = new StandIn(program.Port.ToString(CultureInfo.InvariantCulture)))
             {
                 Check.Until(() => client.Connected, "found again");
                 Shows(client, s => true, "states again");
@@ -347,7 +307,7 @@ public static class LiveTests
 
     public static void WrongToken_IsRefusedInWordsAndTheRightOneIsNot()
     {
-        using (var program = new Program("0", "a-rather-long-secret"))
+        using (var program = new StandIn("0", "a-rather-long-secret"))
         using (WholehandClient wrong = Connect(program, token: "a-wrong-one"))
         using (WholehandClient right = Connect(program, token: "a-rather-long-secret"))
         {

@@ -1,0 +1,61 @@
+using UnityEngine;
+using UnityEngine.Rendering;
+
+namespace Wholehand.Unity
+{
+    /// <summary>Meshes in colour under any render pipeline.</summary>
+    internal static class Appearance
+    {
+        private static Material standard;
+
+        /// <summary>The pipeline's own default; of the built-in one, its shader Standard.</summary>
+        public static Material Default
+        {
+            get
+            {
+                RenderPipelineAsset pipeline = GraphicsSettings.currentRenderPipeline;
+                if (pipeline != null && pipeline.defaultMaterial != null) return pipeline.defaultMaterial;
+                if (!standard) standard = new Material(Shader.Find("Standard"));
+                return standard;
+            }
+        }
+
+        /// <param name="material">Null: the default.</param>
+        public static GameObject AddMesh(Transform parent, string name, Mesh mesh, Material material, Color color)
+        {
+            GameObject part = AddChild(parent, name);
+            part.AddComponent<MeshFilter>().sharedMesh = mesh;
+            var renderer = part.AddComponent<MeshRenderer>();
+            renderer.sharedMaterial = material ? material : Default;
+            var block = new MaterialPropertyBlock();
+            block.SetColor("_Color", color);     // the built-in pipeline's name
+            block.SetColor("_BaseColor", color); // that of URP and HDRP
+            renderer.SetPropertyBlock(block);
+            return part;
+        }
+
+        public static GameObject AddChild(Transform parent, string name)
+        {
+            var child = new GameObject(name);
+            child.transform.SetParent(parent, false);
+            child.layer = parent.gameObject.layer;
+            return child;
+        }
+
+        /// <summary>#RRGGBB of a scene.</summary>
+        public static Color ColorOf(string text)
+        {
+            Color color;
+            return ColorUtility.TryParseHtmlString(text ?? "", out color) ? color : Color.gray;
+        }
+
+        /// <summary>Of objects that are moved by hand, with colliders.</summary>
+        public static Rigidbody AddKinematicRigidbody(GameObject to)
+        {
+            var rigidbody = to.AddComponent<Rigidbody>();
+            rigidbody.isKinematic = true;
+            rigidbody.useGravity = false;
+            return rigidbody;
+        }
+    }
+}

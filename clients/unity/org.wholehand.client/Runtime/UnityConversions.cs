@@ -1,0 +1,43 @@
+using UnityEngine;
+using wholehand.protocol;
+
+namespace Wholehand.Unity
+{
+    /// <summary>Wholehand's vectors and rotations as Unity's: axes by UnityAxes, metres stay metres.</summary>
+    public static class UnityConversions
+    {
+        /// <summary>Positions, velocities, forces.</summary>
+        public static Vector3 ToVector3(this Vector v)
+        {
+            Vector u = UnityAxes.ToUnity(v);
+            return new Vector3(u.X, u.Y, u.Z);
+        }
+
+        public static Vector3 ToVector3(this Vec3 v)
+        {
+            return new Vector(v.X, v.Y, v.Z).ToVector3();
+        }
+
+        public static Quaternion ToQuaternion(this Rotation q)
+        {
+            Rotation u = UnityAxes.ToUnity(q);
+            return new Quaternion(u.X, u.Y, u.Z, u.W);
+        }
+
+        public static Quaternion ToQuaternion(this QuatXyzw q)
+        {
+            return new Rotation(q.X, q.Y, q.Z, q.W).ToQuaternion();
+        }
+
+        /// <summary>Positions, velocities, forces; for aims and game objects.</summary>
+        public static Vector ToWholehand(this Vector3 v)
+        {
+            return UnityAxes.FromUnity(new Vector(v.x, v.y, v.z));
+        }
+
+        public static Rotation ToWholehand(this Quaternion q)
+        {
+            return UnityAxes.FromUnity(new Rotation(q.x, q.y, q.z, q.w));
+        }
+    }
+}

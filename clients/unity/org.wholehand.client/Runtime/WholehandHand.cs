@@ -1,0 +1,202 @@
+using System;
+using UnityEngine;
+using wholehand.protocol;
+
+namespace Wholehand.Unity
+{
+    /// <summary>Draws the hand where the program has it, from Scene.Links and the joint angles of the newest state. Each
+    /// link is a child of this object: hang meshes of a game below Link("thumb_ip_flexion"). This object's own
+    /// transform places the program's world in the game's; leave its scale at 1.</summary>
+    [AddComponentMenu("Wholehand/Wholehand Hand")]
+    [DisallowMultipleComponent]
+    [DefaultExecutionOrder(-50)]
+    public sealed class WholehandHand : MonoBehaviour
+    {
+        [Tooltip("Empty: the one above this object.")]
+        [SerializeField] private WholehandConnection connection;
+
+        [Tooltip("Shows the capsules that touch.")]
+        [SerializeField] private bool drawCapsules = true;
+
+        [Tooltip("Gives Unity's physics a kinematic capsule for each of the program's: the hand pushes what only the "
+            + "game has. Nothing of it is felt.")]
+        [SerializeField] private bool kinematicCapsules;
+
+        [Tooltip("Empty: the render pipeline's default.")]
+        [SerializeField] private Material material;
+
+        [SerializeField] private Color color = new Color(0.85f, 0.68f, 0.56f);
+
+        private HandKinematics kinematics;
+        private Transform[] links = new Transform[0];
+        private Rigidbody[] bodies = new Rigidbody[0]; // of the links, for Unity's physics
+        private Transform linkRoot, bodyRoot;
+        private int builtScene, joints;
+
+        public WholehandConnection Connection { get { return connection; } set { connection = value; } }
+
+        /// <summary>Takes effect with the next scene, as do the three that follow.</summary>
+        public bool DrawCapsules { get { return drawCapsules; } set { drawCapsules = value; } }
+
+        public bool KinematicCapsules { get { return kinematicCapsules; } set { kinematicCapsules = value; } }
+
+        public Material Material { get { return material; } set { material = value; } }
+
+        public Color Color { get { return color; } set { color = value; } }
+
+        /// <summary>Raised when the links of a new scene stand.</summary>
+        public event Action<WholehandHand> Built;
+
+        /// <summary>0 before the first scene.</summary>
+        public int LinkCount { get { return links.Length; } }
+
+        /// <summary>Of the state that is drawn.</summary>
+        public ulong DrawnTick { get; private set; }
+
+        /// <summary>Session of the state that is drawn; 0: nothing has been drawn yet.</summary>
+        public uint DrawnSession { get; private set; }
+
+        /// <summary>Moves with link i of Scene.Links.</summary>
+        public Transform Link(int i)
+        {
+            return links[i];
+        }
+
+        /// <summary>Null where the hand has no such link.</summary>
+        public Transform Link(string link)
+        {
+            int i = kinematics == null ? -1 : kinematics.Find(link);
+            return i < 0 ? null : links[i];
+        }
+
+        /// <summary>Where link i of the newest state is, in this object's axes.</summary>
+        public Vector3 LinkPosition(int i)
+        {
+            return kinematics.Position(i).ToVector3();
+        }
+
+        public Quaternion LinkRotation(int i)
+        {
+            return kinematics.Orientation(i).ToQuaternion();
+        }
+
+        private void Start()
+        {
+            connection = WholehandConnection.Of(this, connection);
+            if (!connection) enabled = false;
+        }
+
+        private void FixedUpdate()
+        {
+            if (bodies.Length == 0 || !Compute()) return;
+            for (int i = 0; i < bodies.Length; ++i)
+            {
+                // The physics engine gives the body the speed that this step needs.
+                bodies[i].MovePosition(transform.TransformPoint(LinkPosition(i)));
+                bodies[i].MoveRotation(transform.rotation * LinkRotation(i));
+            }
+        }
+
+        private void Update()
+        {
+            if (connection.SceneNumber != builtScene)
+            {
+                builtScene = connection.SceneNumber;
+                Build(connection.Scene.Value);
+            }
+            if (!Compute()) return;
+            for (int i = 0; i < links.Length; ++i)
+            {
+                links[i].localPosition = LinkPosition(i);
+                links[i].localRotation = LinkRotation(i);
+            }
+            DrawnTick = connection.State.Tick;
+            DrawnSession = connection.State.Session;
+        }
+
+        // False where the newest state says nothing of this hand: before the first tick, and while a scene changes.
+        private bool Compute()
+        {
+            if (kinematics == null || !connection.HasState || connection.State.JointAngles.Length != joints) return false;
+            kinematics.Update(connection.State.JointAngles);
+            return true;
+        }
+
+        private void Build(Scene scene)
+        {
+            Clear();
+            try
+            {
+                kinematics = new HandKinematics(scene);
+                for (int i = 0; i < scene.LinksLength; ++i)
+                {
+                    if (scene.Links(i).Value.Joint >= scene.JointNamesLength)
+                    {
+                        throw new ArgumentException("link " + i + " moves with a joint that the scene does not have");
+                    }
+                }
+            }
+            catch (ArgumentException e)
+            {
+                kinematics = null;
+                Debug.LogError("Wholehand Hand on " + name + " is not drawn: " + e.Message
+                    + ". Bring the package and the program to the same version.", this);
+                return;
+            }
+            joints = scene.JointNamesLength;
+            linkRoot = Appearance.AddChild(transform, "Links").transform;
+            links = new Transform[scene.LinksLength];
+            for (int i = 0; i < links.Length; ++i) links[i] = Appearance.AddChild(linkRoot, scene.Links(i).Value.Name).transform;
+            if (kinematicCapsules) AddBodies(scene);
+            for (int i = 0; i < scene.CapsulesLength; ++i) AddCapsule(scene.Capsules(i).Value);
+            if (Built != null) Built(this);
+        }
+
+        private void AddBodies(Scene scene)
+        {
+            bodyRoot = Appearance.AddChild(transform, "Physics").transform;
+            bodies = new Rigidbody[links.Length];
+            for (int i = 0; i < bodies.Length; ++i)
+            {
+                bodies[i] = Appearance.AddKinematicRigidbody(Appearance.AddChild(bodyRoot, scene.Links(i).Value.Name));
+            }
+        }
+
+        private void AddCapsule(Capsule capsule)
+        {
+            if (capsule.Link < 0 || capsule.Link >= links.Length || !capsule.AM.HasValue || !capsule.BM.HasValue) return;
+            Vector3 a = capsule.AM.Value.ToVector3(), b = capsule.BM.Value.ToVector3();
+            float length = (b - a).magnitude;
+            Quaternion turn = length > 0.0f ? Quaternion.FromToRotation(Vector3.up, b - a) : Quaternion.identity;
+            if (drawCapsules)
+            {
+                Mesh mesh = ShapeMeshes.Capsule(capsule.RadiusM, length);
+                Place(Appearance.AddMesh(links[capsule.Link], capsule.Name, mesh, material, color), 0.5f * (a + b), turn);
+            }
+            if (bodies.Length == 0) return;
+            GameObject part = Appearance.AddChild(bodies[capsule.Link].transform, capsule.Name);
+            Place(part, 0.5f * (a + b), turn);
+            var collider = part.AddComponent<CapsuleCollider>();
+            collider.direction = 1; // along y
+            collider.radius = capsule.RadiusM;
+            collider.height = length + 2.0f * capsule.RadiusM;
+        }
+
+        private static void Place(GameObject part, Vector3 position, Quaternion rotation)
+        {
+            part.transform.localPosition = position;
+            part.transform.localRotation = rotation;
+        }
+
+        private void Clear()
+        {
+            if (linkRoot) Destroy(linkRoot.gameObject);
+            if (bodyRoot) Destroy(bodyRoot.gameObject);
+            linkRoot = bodyRoot = null;
+            links = new Transform[0];
+            bodies = new Rigidbody[0];
+            kinematics = null;
+            DrawnSession = 0;
+        }
+    }
+}
