@@ -1,0 +1,315 @@
+# The connection to a running Wholehand program, by WebSocket: 60 states a second. It connects by itself, and again
+# after the program was gone. It keeps the controls only while the game's frames run: a game that hangs for 200 ms loses
+# them, and the exercise fades out.
+extends Node
+
+# Connected or not, and in words why.
+signal connection_changed(connected, why)
+signal scene_changed(scene)
+signal state_changed(state)
+signal controls_changed(held_by_this_game)
+# The program's answer to the command of this number; `reason` is empty where it was accepted.
+signal replied(command, accepted, reason)
+# `type` is an index into scene.event_names; `index` which dispenser, liquid ..., -1 where it has none.
+signal event_happened(type, tick, index, value)
+
+const Protocol = preload("protocol.gd")
+const Reader = preload("reader.gd")
+const Writer = preload("writer.gd")
+const WholehandScene = preload("scene.gd")
+const WholehandState = preload("state.gd")
+
+const SCHEMA_VERSION = 1
+const HEARTBEAT_MS = 50
+const STOP_AGAIN_MS = 300
+const RETRY_MS = 250
+const GONE_MS = 2000
+const BUFFER_KB = 4096 # the largest scene
+
+export var host = "127.0.0.1"
+export var port = 8080
+# "therapist", "player", "watcher"; empty: none (docs/protocol.md of Wholehand).
+export var role = ""
+
+# What a program on another machine asks for. Not exported: a scene file is no place for a secret.
+var token = OS.get_environment("WHOLEHAND_TOKEN")
+var connected = false
+var holds_controls = false
+var message = "not connected yet"
+var scene = null # the newest; null before the first
+var state = null # the newest; null before the first and without a connection
+var ignored = 0  # messages that were damaged or not the program's
+
+var _socket: WebSocketClient = null
+var _reader = Reader.new()
+var _writer = Writer.new()
+var _why_closed = "" # empty: it is not
+var _command = 0
+var _heard_ms = 0
+var _heartbeat_ms = 0
+var _retry_ms = 0
+var _stop = 0       # emergency stop that is not answered yet; 0: none
+var _stop_ms = 0
+
+
+func _process(_delta: float) -> void:
+	var now_ms = OS.get_ticks_msec()
+	if _socket == null:
+		if now_ms >= _retry_ms:
+			_open(now_ms)
+		return
+	_socket.poll()
+	if _socket.get_connection_status() == NetworkedMultiplayerPeer.CONNECTION_CONNECTED:
+		_receive(now_ms)
+	if _why_closed == "" and now_ms - _heard_ms > GONE_MS:
+		_why_closed = "the program at %s:%d is not heard" % [host, port]
+	if _why_closed != "":
+		_end(_why_closed)
+	if connected:
+		_keep_alive(now_ms)
+
+
+func _exit_tree() -> void:
+	if _socket != null:
+		_end("the node left the tree")
+
+
+# ---- commands: each gives its number for `replied`, or 0 where it is not connected ----
+
+# Asks for the controls; refused while another client holds them.
+func take_controls() -> int:
+	return _order("TakeControls", [[Protocol.TakeControls.token, "text", token]])
+
+
+func release_controls() -> int:
+	return _order("ReleaseControls", [])
+
+
+# Starts rendering (again). `endings_shown` is state.endings as the person saw it when pressing.
+func arm(endings_shown: int) -> int:
+	return _order("Arm", [[Protocol.Arm.endings_seen, "u32", endings_shown]])
+
+
+# Fades the exercise out and ramps to neutral.
+func stop() -> int:
+	return _order("Stop", [])
+
+
+# Ramps to neutral at once; without the controls, too. Said again until it is answered.
+func emergency_stop() -> int:
+	_stop = _order("EmergencyStop", [])
+	_stop_ms = OS.get_ticks_msec()
+	return _stop
+
+
+# Empty texts and level 0: as it is.
+func load_exercise(exercise: String, level: int = 0, hand: String = "") -> int:
+	var f = Protocol.LoadExercise
+	return _order("LoadExercise", [[f.exercise, "text", exercise], [f.level, "u16", level], [f.hand, "text", hand]])
+
+
+# One of scene.parameters; the program ramps to the value.
+func set_parameter(parameter: String, value: float) -> int:
+	var f = Protocol.SetParameter
+	return _order("SetParameter", [[f.name, "text", parameter], [f.value, "f64", value]])
+
+
+# Protocol.Steering: who says where the hand wants to be.
+func steer(by: int) -> int:
+	return _order("Steer", [[Protocol.Steer.by, "u8", by]])
+
+
+# Protocol.Act: next, restart, pause, resume.
+func act(act: int) -> int:
+	return _order("Action", [[Protocol.Action.act, "u8", act]])
+
+
+# Where the person wants the hand to be, per axis of scene.axes.
+func aim(q: Array) -> int:
+	return _order("Aim", [[Protocol.Aim.q, "floats", q]])
+
+
+# ---- the connection ----
+
+func _open(now_ms: int) -> void:
+	_socket = WebSocketClient.new()
+	_socket.set_buffers(BUFFER_KB, 1024, 64, 1024)
+	_socket.connect("connection_error", self, "_on_closed", [false,
+			"no connection to %s:%d: no program is there, or it asks for another token" % [host, port]])
+	_socket.connect("connection_closed", self, "_on_closed", ["the connection is lost"])
+	var headers = PoolStringArray()
+	if token != "":
+		headers.append("Authorization: Bearer " + token)
+	var address = "ws://%s:%d/ws%s" % [host, port, "" if role == "" else "?role=" + role]
+	_heard_ms = now_ms
+	_why_closed = ""
+	if _socket.connect_to_url(address, PoolStringArray(), false, headers) != OK:
+		_end("%s is no address of a program; correct host and port" % address)
+
+
+# While the socket raises a signal it must not be freed.
+func _on_closed(_clean: bool, why: String) -> void:
+	_why_closed = why
+
+
+func _end(why: String) -> void:
+	var was = connected
+	var news = was or message != why
+	_socket.disconnect("connection_error", self, "_on_closed")
+	_socket.disconnect("connection_closed", self, "_on_closed")
+	_socket.disconnect_from_host()
+	_socket = null
+	_retry_ms = OS.get_ticks_msec() + RETRY_MS
+	connected = false
+	state = null
+	_stop = 0
+	message = why
+	_set_controls(false)
+	if news:
+		emit_signal("connection_changed", false, why)
+
+
+func _keep_alive(now_ms: int) -> void:
+	if now_ms - _heartbeat_ms >= HEARTBEAT_MS:
+		_heartbeat_ms = now_ms
+		_send(0, "Heartbeat", [])
+	if _stop != 0 and now_ms - _stop_ms >= STOP_AGAIN_MS:
+		emergency_stop()
+
+
+func _order(type: String, fields: Array) -> int:
+	if not connected:
+		return 0
+	_command += 1
+	_send(_command, type, fields)
+	return _command
+
+
+func _send(id: int, type: String, fields: Array) -> void:
+	var command = [
+		[Protocol.Command.id, "u32", id],
+		[Protocol.Command.order_type, "u8", Protocol.Order[type]],
+		[Protocol.Command.order, "table", fields],
+	]
+	var peer = _socket.get_peer(1)
+	peer.set_write_mode(WebSocketPeer.WRITE_MODE_BINARY)
+	peer.put_packet(_writer.write(Reader.IDENTIFIER, [
+		[Protocol.Message.schema_version, "u16", SCHEMA_VERSION],
+		[Protocol.Message.payload_type, "u8", Protocol.Payload.Command],
+		[Protocol.Message.payload, "table", command],
+	]))
+
+
+# ---- what the program says ----
+
+func _receive(now_ms: int) -> void:
+	var peer = _socket.get_peer(1)
+	var newest = null # of several states only the last is decoded
+	while peer.get_available_packet_count() > 0:
+		_heard_ms = now_ms
+		var packet = peer.get_packet()
+		_reader.open(packet)
+		if _payload_type() == Protocol.Payload.WorldState:
+			newest = packet
+		else:
+			_hear()
+	if newest != null:
+		_reader.open(newest)
+		_hear()
+
+
+func _payload_type() -> int:
+	return _reader.u8_of(_reader.root(), Protocol.Message.payload_type)
+
+
+func _hear() -> void:
+	var table = _reader.table(_reader.root(), Protocol.Message.payload)
+	var version = _reader.u16_of(_reader.root(), Protocol.Message.schema_version)
+	if _reader.broken or table == 0 or version != SCHEMA_VERSION:
+		ignored += 1
+		return
+	match _payload_type():
+		Protocol.Payload.WorldState:
+			_hear_state(table)
+		Protocol.Payload.Scene:
+			_hear_scene(table)
+		Protocol.Payload.Welcome:
+			_hear_welcome(table)
+		Protocol.Payload.Controls:
+			var held = _reader.u8_of(table, Protocol.Controls.held_by_you) != 0
+			if not _is_broken():
+				_set_controls(held)
+		Protocol.Payload.Reply:
+			_hear_reply(table)
+		Protocol.Payload.Events:
+			_hear_events(table)
+		Protocol.Payload.Commissioning:
+			pass # a program that leads through one moves no hand
+		_:
+			ignored += 1
+
+
+func _is_broken() -> bool:
+	if _reader.broken:
+		ignored += 1
+	return _reader.broken
+
+
+func _hear_state(table: int) -> void:
+	var read = WholehandState.new()
+	if not read.read(_reader, table):
+		ignored += 1
+		return
+	state = read
+	emit_signal("state_changed", state)
+
+
+func _hear_scene(table: int) -> void:
+	var read = WholehandScene.new()
+	if not read.read(_reader, table):
+		ignored += 1
+		return
+	scene = read
+	emit_signal("scene_changed", scene)
+
+
+func _hear_welcome(table: int) -> void:
+	var version = _reader.text_of(table, Protocol.Welcome.program_version)
+	if _is_broken():
+		return
+	connected = true
+	_command = 0
+	message = "connected to Wholehand " + version
+	emit_signal("connection_changed", true, message)
+
+
+func _hear_reply(table: int) -> void:
+	var command = _reader.u32_of(table, Protocol.Reply.command)
+	var accepted = _reader.u8_of(table, Protocol.Reply.accepted) != 0
+	var reason = _reader.text_of(table, Protocol.Reply.reason)
+	if _is_broken():
+		return
+	if _stop != 0 and command >= _stop:
+		_stop = 0
+	emit_signal("replied", command, accepted, reason)
+
+
+func _hear_events(table: int) -> void:
+	var f = Protocol.Event
+	var first = _reader.vector(table, Protocol.Events.events, f.SIZE)
+	var events = []
+	for i in range(_reader.count_of(first)):
+		var place = first + i * f.SIZE
+		events.append([_reader.u16(place + f.type), _reader.i64(place + f.tick), _reader.i16(place + f.index),
+				_reader.f32(place + f.value)])
+	if _is_broken():
+		return
+	for event in events:
+		emit_signal("event_happened", event[0], event[1], event[2], event[3])
+
+
+func _set_controls(held: bool) -> void:
+	if held == holds_controls:
+		return
+	holds_controls = held
+	emit_signal("controls_changed", held)

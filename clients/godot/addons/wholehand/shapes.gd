@@ -1,0 +1,97 @@
+# Meshes of the shapes of a scene, in Godot's axes [m].
+extends Reference
+
+const Axes = preload("axes.gd")
+const Protocol = preload("protocol.gd")
+
+const SEGMENTS = 16
+const RINGS = 3
+
+
+# Null for a shape that this addon does not know, or whose triangles name corners that it does not have.
+static func mesh_of(shape: Dictionary) -> Mesh:
+	match shape.type:
+		Protocol.ShapeType.Box:
+			var box = CubeMesh.new()
+			box.size = 2.0 * Axes.to_godot(shape.half_extents_m).abs()
+			return box
+		Protocol.ShapeType.Sphere:
+			var sphere = SphereMesh.new()
+			sphere.radial_segments = SEGMENTS
+			sphere.rings = 2 * RINGS + 1 # one of them at the equator
+			sphere.radius = shape.radius_m
+			sphere.height = 2.0 * shape.radius_m
+			return sphere
+		Protocol.ShapeType.Cylinder:
+			var cylinder = CylinderMesh.new()
+			cylinder.radial_segments = SEGMENTS
+			cylinder.top_radius = shape.radius_m
+			cylinder.bottom_radius = shape.radius_m
+			cylinder.height = shape.length_m
+			return cylinder
+		Protocol.ShapeType.Capsule:
+			return capsule(shape.radius_m, shape.length_m)
+		Protocol.ShapeType.ConvexMesh:
+			return _convex(shape)
+	return null
+
+
+# Along Godot's z; `length` is between the centres of the caps.
+static func capsule(radius: float, length: float) -> Mesh:
+	var mesh = CapsuleMesh.new()
+	# With Godot's 64 segments a hand takes a quarter of a second, and the program takes the controls from a game that
+	# is silent so long.
+	mesh.radial_segments = SEGMENTS
+	mesh.rings = RINGS
+	mesh.radius = radius
+	mesh.mid_height = length
+	return mesh
+
+
+# From a mesh's own axes to those of the shape: Wholehand's capsules lie along its z, which is Godot's y.
+static func turn_of(shape: Dictionary) -> Basis:
+	return along_z(Vector3.UP) if shape.type == Protocol.ShapeType.Capsule else Basis()
+
+
+# A rotation that leads z there.
+static func along_z(direction: Vector3) -> Basis:
+	if direction.length() < 1e-9:
+		return Basis()
+	var z = direction.normalized()
+	var x = z.cross(Vector3.UP if abs(z.y) < 0.9 else Vector3.RIGHT).normalized()
+	return Basis(x, z.cross(x), z)
+
+
+static func instance(mesh: Mesh, material: Material) -> MeshInstance:
+	var node = MeshInstance.new()
+	node.mesh = mesh
+	node.material_override = material
+	return node
+
+
+# The game's own, or one of this colour.
+static func material_of(material: Material, color: Color) -> Material:
+	if material != null:
+		return material
+	var made = SpatialMaterial.new()
+	made.albedo_color = color
+	return made
+
+
+# Edges are sharp: every triangle has corners of its own. Godot wants them clockwise, seen from outside.
+static func _convex(shape: Dictionary) -> Mesh:
+	var corners = PoolVector3Array()
+	for i in range(0, shape.triangles.size() - 2, 3):
+		for corner in [2, 1, 0]:
+			var point = shape.triangles[i + corner]
+			if point >= shape.points_m.size():
+				return null
+			corners.append(Axes.to_godot(shape.points_m[point]))
+	if corners.empty():
+		return null
+	var tool_of_mesh = SurfaceTool.new()
+	tool_of_mesh.begin(Mesh.PRIMITIVE_TRIANGLES)
+	for corner in corners:
+		tool_of_mesh.add_vertex(corner)
+	tool_of_mesh.generate_normals()
+	return tool_of_mesh.commit()

@@ -1,0 +1,447 @@
+# One test of test_godot.py, in the game's own frames: WHOLEHAND_TEST names it, WHOLEHAND_PORT is the program's.
+# Exit code 0: passed. Lines that begin with "figure:" are measurements.
+extends SceneTree
+
+const Axes = preload("res://addons/wholehand/axes.gd")
+const Connection = preload("res://addons/wholehand/connection.gd")
+const Hand = preload("res://addons/wholehand/hand.gd")
+const Protocol = preload("res://addons/wholehand/protocol.gd")
+const Reader = preload("res://addons/wholehand/reader.gd")
+const Scene = preload("res://addons/wholehand/scene.gd")
+const Shapes = preload("res://addons/wholehand/shapes.gd")
+const State = preload("res://addons/wholehand/state.gd")
+const World = preload("res://addons/wholehand/world.gd")
+
+const PATIENCE_MS = 20000
+
+# Godot's manual: Vector3.FORWARD is where a camera looks. Columns: away from the person, left, up.
+const FROM_PROGRAM = Basis(Vector3.FORWARD, Vector3.LEFT, Vector3.UP)
+
+var connection = Connection.new()
+var hand = Hand.new()
+var world = World.new()
+var failed = false
+var replies = {} # command -> [accepted, reason]
+var states = 0
+
+
+func _init():
+	call_deferred("_run")
+
+
+func _run():
+	connection.port = int(OS.get_environment("WHOLEHAND_PORT"))
+	connection.connect("replied", self, "_on_replied")
+	connection.connect("state_changed", self, "_count")
+	connection.add_child(hand)
+	connection.add_child(world)
+	# Where the program's world stands in the game's must not matter.
+	hand.transform = Transform(Basis(Vector3(1, 2, 3).normalized(), 0.7), Vector3(1, 2, -3))
+	var test = call(OS.get_environment("WHOLEHAND_TEST"))
+	if test is GDScriptFunctionState:
+		yield(test, "completed")
+	yield(self, "idle_frame") # a test may end inside a signal of the connection
+	connection.free()
+	quit(1 if failed else 0)
+
+
+func _on_replied(command, accepted, reason):
+	replies[command] = [accepted, reason]
+
+
+func _count(_state):
+	states += 1
+
+
+func check(condition, what):
+	if not condition:
+		print("FAILED: ", what)
+		failed = true
+	return condition
+
+
+# Frames until it is so; at most 20 s, however slow the machine.
+func until(method, what):
+	yield(self, "idle_frame")
+	var end = OS.get_ticks_msec() + PATIENCE_MS
+	while not call(method):
+		if OS.get_ticks_msec() > end:
+			check(false, "not within 20 s: " + what)
+			break
+		yield(self, "idle_frame")
+
+
+func start():
+	root.add_child(connection)
+	yield(until("_has_state", "a state"), "completed")
+
+
+func _is_drawn():
+	return hand.drawn_tick >= 0 and world.drawn_tick >= 0
+
+
+func _has_state():
+	return connection.state != null and connection.scene != null
+
+
+# ---- drawn against the program's own poses, which are in the same message ----
+
+var worst_link = 0.0
+var worst_body = 0.0
+var worst_turn = 0.0
+var compared = 0
+var compared_tick = -1
+var not_drawn = 0
+var lowest = Vector3(1e9, 1e9, 1e9)
+var highest = -Vector3(1e9, 1e9, 1e9)
+
+
+func drawn_where_the_program_says():
+	yield(start(), "completed")
+	yield(until("_has_compared", "200 states"), "completed")
+	check(hand.links.size() == connection.scene.links.size() and hand.links.size() == 19, "links of the hand")
+	check(world.bodies.size() == connection.scene.bodies.size() and world.bodies.size() == 4, "bodies of the bar")
+	check(not_drawn < 20, "states that are not drawn: %d" % not_drawn)
+	check(worst_link < 0.002, "links are off by %f m" % worst_link)
+	check(worst_body < 0.002, "bodies are off by %f m" % worst_body)
+	check(worst_turn < 1e-4, "turned by %f" % worst_turn)
+	var moved = (highest - lowest).length()
+	check(moved > 0.01, "the hand moves, %f m" % moved)
+	check(connection.ignored == 0, "messages were ignored")
+	print("figure: Godot 3.2.3 headless, the bar, %d states: links off by %.6f mm at worst, bodies by %.6f mm, directions by %.7f; the hand moved %.0f mm"
+			% [compared, 1e3 * worst_link, 1e3 * worst_body, worst_turn, 1e3 * moved])
+
+
+# A frame later: the connection's reader still has the message, where it was the last.
+func _has_compared():
+	if connection.state.tick != compared_tick and connection._payload_type() == Protocol.Payload.WorldState:
+		compared_tick = connection.state.tick
+		_compare()
+	return compared >= 200
+
+
+func _compare():
+	if hand.drawn_tick != compared_tick or world.drawn_tick != compared_tick:
+		not_drawn += 1 # while it is armed, the scene is of another session than the states
+		return
+	var reader = connection._reader
+	var table = reader.table(reader.root(), Protocol.Message.payload)
+	var first = reader.vector(table, Protocol.WorldState.links, Protocol.Pose.SIZE)
+	if reader.count_of(first) != hand.links.size():
+		return
+	for i in range(hand.links.size()):
+		worst_link = max(worst_link, _difference(reader, first + i * Protocol.Pose.SIZE, hand, hand.links[i]))
+	first = reader.vector(table, Protocol.WorldState.bodies, Protocol.Pose.SIZE)
+	for i in range(world.bodies.size()):
+		worst_body = max(worst_body, _difference(reader, first + i * Protocol.Pose.SIZE, world, world.bodies[i]))
+	var at = hand.links[3].transform.origin
+	lowest = Vector3(min(lowest.x, at.x), min(lowest.y, at.y), min(lowest.z, at.z))
+	highest = Vector3(max(highest.x, at.x), max(highest.y, at.y), max(highest.z, at.z))
+	compared += 1
+
+
+func _difference(reader, place, frame, node):
+	var at = FROM_PROGRAM.xform(reader.vector3(place))
+	var turn = FROM_PROGRAM * Basis(reader.quat(place + 12).normalized()) * FROM_PROGRAM.transposed()
+	var drawn = frame.global_transform.affine_inverse() * node.global_transform
+	for axis in range(3):
+		worst_turn = max(worst_turn, (drawn.basis[axis] - turn[axis]).length())
+	return (drawn.origin - at).length()
+
+
+# ---- commands ----
+
+func answered(command, what):
+	check(command != 0, what + " is sent")
+	var end = OS.get_ticks_msec() + PATIENCE_MS
+	while not replies.has(command) and OS.get_ticks_msec() < end:
+		yield(self, "idle_frame")
+	yield(self, "idle_frame")
+	if not replies.has(command):
+		check(false, what + " is not answered")
+		return [false, ""]
+	return replies[command]
+
+
+func accepted(command, what):
+	var answer = yield(answered(command, what), "completed")
+	check(answer[0], "%s: %s" % [what, answer[1]])
+
+
+func refused(command, what, text):
+	var answer = yield(answered(command, what), "completed")
+	check(not answer[0] and text in answer[1], "%s: refused with \"%s\"" % [what, answer[1]])
+
+
+func _renders():
+	return connection.state != null and connection.state.run_state == Protocol.RunState.Rendering
+
+
+func _is_stopped():
+	return connection.state != null and connection.state.run_state == Protocol.RunState.Stopped
+
+
+func _holds():
+	return connection.holds_controls
+
+
+func commands_are_obeyed_or_refused_with_the_reason():
+	check(connection.stop() == 0, "without a connection nothing is sent")
+	yield(start(), "completed")
+	yield(refused(connection.arm(connection.state.endings), "arm", "controls"), "completed")
+	yield(accepted(connection.take_controls(), "take the controls"), "completed")
+	yield(until("_holds", "the controls"), "completed")
+	yield(refused(connection.arm(connection.state.endings + 7), "arm after an unseen stop", "stopped after"), "completed")
+	yield(refused(connection.load_exercise("chess"), "load", "chess"), "completed")
+	yield(refused(connection.set_parameter("no_such", 1.0), "set", "no_such"), "completed")
+	yield(accepted(connection.arm(connection.state.endings), "arm"), "completed")
+	yield(until("_renders", "rendering"), "completed")
+	var parameter = connection.scene.parameters[0]
+	yield(accepted(connection.set_parameter(parameter.name, 0.5 * (parameter.lower + parameter.upper)), "set"), "completed")
+	yield(refused(connection.set_parameter(parameter.name, parameter.upper + 1e6), "set", parameter.name), "completed")
+	yield(accepted(connection.steer(Protocol.Steering.Person), "steer"), "completed")
+	yield(_aim_3_cm_to_the_left(), "completed")
+	yield(accepted(connection.act(Protocol.Act.Pause), "pause"), "completed")
+	yield(accepted(connection.stop(), "stop"), "completed")
+	yield(until("_is_stopped", "stopped"), "completed")
+	yield(accepted(connection.load_exercise("free-grasping", 1), "load"), "completed")
+	yield(accepted(connection.arm(connection.state.endings), "arm again"), "completed")
+	yield(until("_renders", "rendering"), "completed")
+	yield(accepted(connection.release_controls(), "release"), "completed")
+	yield(accepted(connection.emergency_stop(), "emergency stop without the controls"), "completed")
+	yield(until("_is_stopped", "stopped"), "completed")
+	check(world.body("glass") == null and world.bodies.size() == connection.scene.bodies.size(), "bodies of the new scene")
+	check(connection.ignored == 0, "messages were ignored")
+
+
+func _aim_3_cm_to_the_left():
+	var before = connection.state.q_s[1]
+	var q = Array(connection.state.q_s)
+	q[1] += 0.03
+	var end = OS.get_ticks_msec() + PATIENCE_MS
+	while abs(connection.state.q_s[1] - before - 0.03) > 0.01 and OS.get_ticks_msec() < end:
+		connection.aim(q)
+		yield(self, "idle_frame")
+	check(abs(connection.state.q_s[1] - before - 0.03) <= 0.01, "the hand goes where it is aimed")
+
+
+func a_game_that_hangs_loses_the_controls():
+	yield(start(), "completed")
+	yield(accepted(connection.take_controls(), "take the controls"), "completed")
+	yield(until("_holds", "the controls"), "completed")
+	var end = OS.get_ticks_msec() + 600
+	while OS.get_ticks_msec() < end:
+		yield(self, "idle_frame")
+	check(connection.holds_controls, "frames keep them")
+	OS.delay_msec(600)
+	yield(until("_has_lost", "the controls are lost"), "completed")
+	check(connection.connected, "it is connected all the same")
+	yield(accepted(connection.take_controls(), "take them anew"), "completed")
+
+
+func _has_lost():
+	return not connection.holds_controls
+
+
+# ---- a program that goes and comes ----
+
+var news = []
+
+
+func a_program_that_is_restarted_is_found_again():
+	connection.connect("connection_changed", self, "_on_connection_changed")
+	yield(start(), "completed")
+	print("connected") # test_godot.py ends the program now, and starts another
+	yield(until("_is_gone", "the program is gone"), "completed")
+	check(connection.state == null and not connection.holds_controls, "nothing is left of it")
+	yield(until("_has_state", "found again"), "completed")
+	check(news[0][0] and not news[1][0] and news[-1][0], "told: %s" % [news])
+	check("connected to Wholehand" in news[0][1] and "lost" in news[1][1], "in words: %s" % [news])
+
+
+func _is_gone():
+	return not connection.connected
+
+
+func _on_connection_changed(connected, why):
+	news.append([connected, why])
+
+
+func a_token_opens_the_program():
+	var right = connection.token
+	connection.token = "another-secret-of-24-bytes"
+	root.add_child(connection)
+	yield(until("_is_told", "refused"), "completed")
+	check("another token" in connection.message and not connection.connected, connection.message)
+	connection.token = right
+	yield(until("_has_state", "a state"), "completed")
+
+
+func _is_told():
+	return "no connection" in connection.message
+
+
+func nobody_there_is_told_once():
+	connection.connect("connection_changed", self, "_on_connection_changed")
+	root.add_child(connection)
+	var end = OS.get_ticks_msec() + 1500
+	while OS.get_ticks_msec() < end:
+		yield(self, "idle_frame")
+	check(news.size() == 1 and not news[0][0] and "no connection to 127.0.0.1" in news[0][1], "told: %s" % [news])
+
+
+# ---- rubbish ----
+
+func damaged_messages_are_ignored():
+	yield(start(), "completed")
+	yield(until("_is_drawn", "a whole state"), "completed")
+	var kept = [] # a whole scene and a whole state
+	for payload in [Protocol.Payload.WorldState, Protocol.Payload.Scene]:
+		kept.append(yield(_next_message(payload), "completed"))
+	seed(int(OS.get_environment("WHOLEHAND_SEED")))
+	var changed = connection.ignored
+	for i in range(int(OS.get_environment("WHOLEHAND_MUTATIONS"))):
+		var message = kept[1] if i % 20 == 0 else kept[0]
+		if i % 3 == 0:
+			message = message.subarray(0, randi() % message.size())
+		else:
+			message[randi() % message.size()] = randi() % 256
+		# Read, not shown: a changed number is still a number.
+		var reader = Reader.new()
+		reader.open(message)
+		var table = reader.table(reader.root(), Protocol.Message.payload)
+		var read = Scene.new() if i % 20 == 0 else State.new()
+		read.read(reader, table)
+		if i % 3 == 0 and message.size() < 40:
+			check(reader.broken, "a message of %d bytes is taken for whole" % message.size())
+		if reader.broken:
+			changed += 1
+	check(changed > 0, "some were found to be damaged")
+	print("figure: %d damaged messages, %d found so" % [int(OS.get_environment("WHOLEHAND_MUTATIONS")), changed])
+	# Those that reach the connection are counted.
+	connection._reader.open(PoolByteArray([1, 2, 3]))
+	connection._hear()
+	check(connection.ignored == 1, "counted")
+
+
+func _next_message(payload):
+	var reader = connection._reader
+	if payload == Protocol.Payload.Scene:
+		yield(accepted(connection.take_controls(), "take the controls"), "completed")
+		connection.load_exercise("free-grasping")
+		yield(connection, "scene_changed")
+	else:
+		yield(connection, "state_changed")
+	return reader._bytes.data_array
+
+
+# ---- what a scene looks like ----
+
+func every_shape_has_its_mesh():
+	var mine = Spatial.new()
+	mine.set_meta("wholehand_body", "mug")
+	world.add_child(mine)
+	yield(start(), "completed")
+	check(world.body("mug") == mine and mine.get_child_count() == 0, "the game's own mug is moved, and not drawn over")
+	check(world.body("nothing") == null, "no such body")
+	var types = {}
+	for described in connection.scene.bodies:
+		for i in range(described.shapes.size()):
+			var shape = described.shapes[i]
+			types[shape.type] = true
+			var mesh = Shapes.mesh_of(shape)
+			check(_extents_fit(shape, mesh, Shapes.turn_of(shape)), "%s: extents of shape %d" % [described.name, shape.type])
+	check(types.has(Protocol.ShapeType.ConvexMesh) and types.has(Protocol.ShapeType.Box)
+			and types.has(Protocol.ShapeType.Cylinder) and types.has(Protocol.ShapeType.Sphere), "shapes: %s" % [types.keys()])
+	var capsule = {"type": Protocol.ShapeType.Capsule, "radius_m": 0.02, "length_m": 0.1}
+	check(_extents_fit(capsule, Shapes.mesh_of(capsule), Shapes.turn_of(capsule)), "extents of a capsule")
+	for i in range(connection.scene.capsules.size()):
+		_check_capsule(connection.scene.capsules[i])
+	check(hand.link("thumb_ip_flexion") == hand.links[18] and hand.link("tail") == null, "links by name")
+
+
+# Half of what a shape takes up along the program's x, y, z; round shapes lie along z.
+func _half_extents(shape):
+	match shape.type:
+		Protocol.ShapeType.Box:
+			return shape.half_extents_m
+		Protocol.ShapeType.Sphere:
+			return Vector3(1, 1, 1) * shape.radius_m
+		Protocol.ShapeType.Cylinder:
+			return Vector3(shape.radius_m, shape.radius_m, 0.5 * shape.length_m)
+		Protocol.ShapeType.Capsule:
+			return Vector3(shape.radius_m, shape.radius_m, 0.5 * shape.length_m + shape.radius_m)
+	var lower = shape.points_m[0]
+	var upper = lower
+	for p in shape.points_m:
+		lower = Vector3(min(lower.x, p.x), min(lower.y, p.y), min(lower.z, p.z))
+		upper = Vector3(max(upper.x, p.x), max(upper.y, p.y), max(upper.z, p.z))
+	return 0.5 * (upper - lower)
+
+
+func _extents_fit(shape, mesh, turn):
+	if mesh == null:
+		return false
+	var expected = FROM_PROGRAM.xform(_half_extents(shape)).abs()
+	var box = Transform(turn, Vector3()).xform(mesh.get_aabb())
+	return (0.5 * box.size - expected).length() < 0.02 * expected.length() # round shapes have corners
+
+
+func _check_capsule(capsule):
+	for node in hand.links[capsule.link].get_children():
+		var half = 0.5 * node.mesh.mid_height * node.transform.basis.z
+		var off = (node.transform.origin - half - FROM_PROGRAM.xform(capsule.a_m)).length()
+		off = max(off, (node.transform.origin + half - FROM_PROGRAM.xform(capsule.b_m)).length())
+		if off < 1e-5 and abs(node.mesh.radius - capsule.radius_m) < 1e-6:
+			return
+	check(false, "capsule %s is not drawn" % capsule.name)
+
+
+# ---- axes ----
+
+func axes_are_godots():
+	check(load("res://addons/wholehand/plugin.gd") != null, "the plugin's script can be read")
+	check(Axes.to_godot(Vector3(1, 0, 0)) == Vector3.FORWARD and Axes.to_godot(Vector3(0, 1, 0)) == Vector3.LEFT
+			and Axes.to_godot(Vector3(0, 0, 1)) == Vector3.UP, "directions")
+	for i in range(200):
+		var v = Vector3(rand_range(-1, 1), rand_range(-1, 1), rand_range(-1, 1))
+		var q = Quat(rand_range(-1, 1), rand_range(-1, 1), rand_range(-1, 1), rand_range(0.1, 1)).normalized()
+		check((FROM_PROGRAM.xform(v) - Axes.to_godot(v)).length() < 1e-6, "a vector")
+		check((Axes.from_godot(Axes.to_godot(v)) - v).length() < 1e-6, "and back")
+		# What is turned and converted is what is converted and turned.
+		check((Axes.quat_to_godot(q).xform(Axes.to_godot(v)) - Axes.to_godot(q.xform(v))).length() < 1e-5, "a rotation")
+		check((Axes.quat_from_godot(Axes.quat_to_godot(q)).xform(v) - q.xform(v)).length() < 1e-5, "and back")
+
+
+# ---- cost ----
+
+func states_are_cheap():
+	yield(start(), "completed")
+	yield(until("_is_drawn", "a whole state"), "completed")
+	var built = OS.get_ticks_usec()
+	hand._build(connection.scene)
+	world._build(connection.scene)
+	built = (OS.get_ticks_usec() - built) * 1e-3
+	var message = yield(_next_message(Protocol.Payload.WorldState), "completed")
+	var reader = Reader.new()
+	var began = OS.get_ticks_usec()
+	for _i in range(500):
+		reader.open(message)
+		var read = State.new()
+		read.read(reader, reader.table(reader.root(), Protocol.Message.payload))
+		hand._draw_state(read)
+		world._draw_state(read)
+	var each_ms = (OS.get_ticks_usec() - began) / 500.0 * 1e-3
+	print("figure: Godot 3.2.3 headless, a state of %d bytes read, the hand and %d bodies drawn: %.2f ms; a scene built: %.0f ms"
+			% [message.size(), world.bodies.size(), each_ms, built])
+
+
+func a_hand_without_connection_says_what_to_do():
+	var lost = Hand.new()
+	lost.name = "LostHand"
+	root.add_child(lost)
+	var lost_world = World.new()
+	lost_world.name = "LostWorld"
+	root.add_child(lost_world)
+	lost.free()
+	lost_world.free()

@@ -1,0 +1,162 @@
+"""The Godot addon, run by Debian's godot3-server against the program itself (godot/run.gd).
+
+test_godot.py <wholehand> <folder to build in> [Class.test]. Exit code 77: godot3-server is not installed."""
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+import zipfile
+
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+SCRIPT = SOURCE / "scripts/godot_addon.py"
+PATIENCE_S = 100
+# What stands for a renderer in godot3-server looks again at a mesh that was freed with its instance.
+OF_THE_SERVER = r"ERROR: (getornull: Condition \"!id_map|mesh_get_\w+_count: Condition \"!m\")"
+MUTATIONS = 100_000 if os.environ.get("WHOLEHAND_FULL") == "1" else 2_000
+
+
+class Program:
+    """`wholehand run` with pages; killed at the end of a test at the latest."""
+
+    def __init__(self, test, *arguments, port=0):
+        self.process = subprocess.Popen([PROGRAM, "run", "--port", str(port), "--no-rehearsal", *arguments], text=True,
+                                        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+        test.addCleanup(self.end)
+        line = self.process.stdout.readline()
+        test.assertRegex(line, r"^http://.*:\d+/$")
+        self.port = int(re.search(r":(\d+)/", line).group(1))
+
+    def end(self):
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.communicate()
+
+
+def setUpModule():
+    made = subprocess.run([sys.executable, "-B", SCRIPT, "make", PROJECT], text=True, capture_output=True)
+    if made.returncode != 0:
+        raise AssertionError(made.stderr)
+    for file in (SOURCE / "tests/clients/godot").iterdir():
+        shutil.copyfile(file, PROJECT / file.name)
+
+
+class InGodot(unittest.TestCase):
+    def start(self, test, port, **more):
+        home = tempfile.mkdtemp(prefix="wholehand-test-")
+        self.addCleanup(shutil.rmtree, home)
+        os.makedirs(f"{home}/godot/app_userdata/Tests of the Wholehand addon/logs")
+        environment = {**os.environ, "HOME": home, "XDG_DATA_HOME": home, "XDG_CONFIG_HOME": home, "XDG_CACHE_HOME": home,
+                       "LANG": "en_US.UTF-8", "LC_ALL": "en_US.UTF-8", "WHOLEHAND_TEST": test, "WHOLEHAND_PORT": str(port),
+                       "WHOLEHAND_SEED": os.environ.get("WHOLEHAND_SEED", "1"), "WHOLEHAND_MUTATIONS": str(MUTATIONS), **more}
+        game = subprocess.Popen(["godot3-server", "--path", PROJECT, "-s", "res://run.gd"], env=environment, text=True,
+                                stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        self.addCleanup(game.communicate)
+        self.addCleanup(game.kill)
+        return game
+
+    def finish(self, game, expected=r"(?!)"):
+        """@param expected errors of the engine that are the test's own doing"""
+        said, _ = game.communicate(timeout=PATIENCE_S)
+        print("".join(line + "\n" for line in said.splitlines() if line.startswith("figure:")), end="")
+        self.assertEqual(game.returncode, 0, said)
+        # Faults of a script end the function they happen in, and nothing else: they must not pass.
+        errors = [line for line in said.splitlines() if ("ERROR" in line or line.startswith("FAILED"))
+                  and not re.match(OF_THE_SERVER, line)]
+        self.assertEqual([error for error in errors if not re.match(expected, error)], [], said)
+        return errors
+
+    def run_against(self, test, *arguments):
+        self.finish(self.start(test, Program(self, *arguments).port))
+
+
+class Drawn(InGodot):
+    def test_hand_and_bodies_are_drawn_where_the_program_says(self):
+        self.run_against("drawn_where_the_program_says")
+
+    def test_every_shape_has_its_mesh(self):
+        self.run_against("every_shape_has_its_mesh", "--scene", str(SOURCE / "config/scenes/table.toml"))
+
+    def test_axes_are_godots(self):
+        self.finish(self.start("axes_are_godots", 1))
+
+    def test_states_are_cheap(self):
+        self.run_against("states_are_cheap")
+
+    def test_nodes_without_connection_say_what_to_do(self):
+        errors = self.finish(self.start("a_hand_without_connection_says_what_to_do", 1), "ERROR: call: Wholehand ")
+        self.assertEqual(len(errors), 2, errors)
+        for error, node in zip(errors, ("hand LostHand", "world LostWorld")):
+            self.assertIn(f"Wholehand {node} has no connection: set connection_path", error)
+
+
+class Commands(InGodot):
+    def test_commands_are_obeyed_or_refused_with_the_reason(self):
+        self.run_against("commands_are_obeyed_or_refused_with_the_reason", "--wait")
+
+    def test_a_game_that_hangs_loses_the_controls(self):
+        self.run_against("a_game_that_hangs_loses_the_controls", "--wait")
+
+
+class Line(InGodot):
+    def test_a_program_that_is_restarted_is_found_again(self):
+        program = Program(self, "--wait")
+        game = self.start("a_program_that_is_restarted_is_found_again", program.port)
+        while (line := game.stdout.readline()) != "connected\n":
+            self.assertNotEqual(line, "", "the game ended")
+        program.end()
+        Program(self, "--wait", port=program.port)
+        self.finish(game)
+
+    def test_a_token_opens_the_program(self):
+        token = "a-rather-long-secret-1234"
+        program = Program(self, "--wait", "--token", token)
+        self.finish(self.start("a_token_opens_the_program", program.port, WHOLEHAND_TOKEN=token),
+                    "ERROR: (_verify_headers|_do_handshake): Invalid")
+
+    def test_nobody_there_is_told_once(self):
+        self.finish(self.start("nobody_there_is_told_once", 1))
+
+    def test_damaged_messages_are_ignored(self):
+        self.run_against("damaged_messages_are_ignored")
+
+
+class Addon(unittest.TestCase):
+    """scripts/godot_addon.py."""
+
+    def test_the_archive_is_the_addon(self):
+        archive, = PROJECT.glob("wholehand-godot-*.zip")
+        with zipfile.ZipFile(archive) as files:
+            names = set(files.namelist())
+        made = {path.relative_to(PROJECT).as_posix() for path in (PROJECT / "addons").rglob("*") if path.is_file()}
+        self.assertEqual(names, made)
+        self.assertLessEqual({f"addons/wholehand/{name}" for name in ("plugin.cfg", "protocol.gd", "LICENSE")}, names)
+
+    def test_another_version_than_the_projects_is_refused(self):
+        with tempfile.TemporaryDirectory(prefix="wholehand-test-") as folder:
+            tree = pathlib.Path(folder)
+            for name in ("scripts/godot_addon.py", "CMakeLists.txt"):
+                (tree / name).parent.mkdir(exist_ok=True)
+                shutil.copyfile(SOURCE / name, tree / name)
+            shutil.copytree(SOURCE / "clients/godot/addons", tree / "clients/godot/addons")
+            plugin = tree / "clients/godot/addons/wholehand/plugin.cfg"
+            plugin.write_text(re.sub('version=".*"', 'version="7.0"', plugin.read_text()))
+            checked = subprocess.run([sys.executable, "-B", tree / "scripts/godot_addon.py", "check"], text=True,
+                                     capture_output=True)
+        self.assertEqual(checked.returncode, 1)
+        self.assertRegex(checked.stderr, r"plugin.cfg: version is '7.0', that of the project '[\d.]+' \(CMakeLists.txt\)")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 3:
+        sys.exit(__doc__)
+    PROGRAM, PROJECT = sys.argv[1], pathlib.Path(sys.argv[2]).resolve()
+    if not shutil.which("godot3-server"):
+        print("skipped: godot3-server is not installed; install it: apt-get install godot3-server")
+        sys.exit(77)
+    shutil.rmtree(PROJECT, ignore_errors=True)
+    PROJECT.mkdir(parents=True)
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
