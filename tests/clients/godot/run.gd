@@ -22,7 +22,7 @@ var hand = Hand.new()
 var world = World.new()
 var failed = false
 var replies = {} # command -> [accepted, reason]
-var states = 0
+var ring
 
 
 func _init():
@@ -32,7 +32,6 @@ func _init():
 func _run():
 	connection.port = int(OS.get_environment("WHOLEHAND_PORT"))
 	connection.connect("replied", self, "_on_replied")
-	connection.connect("state_changed", self, "_count")
 	connection.add_child(hand)
 	connection.add_child(world)
 	# Where the program's world stands in the game's must not matter.
@@ -47,10 +46,6 @@ func _run():
 
 func _on_replied(command, accepted, reason):
 	replies[command] = [accepted, reason]
-
-
-func _count(_state):
-	states += 1
 
 
 func check(condition, what):
@@ -194,8 +189,13 @@ func commands_are_obeyed_or_refused_with_the_reason():
 	yield(refused(connection.arm(connection.state.endings + 7), "arm after an unseen stop", "stopped after"), "completed")
 	yield(refused(connection.load_exercise("chess"), "load", "chess"), "completed")
 	yield(refused(connection.set_parameter("no_such", 1.0), "set", "no_such"), "completed")
+	ring = Spatial.new()
+	hand.link("ring_pip_flexion").add_child(ring)
 	yield(accepted(connection.arm(connection.state.endings), "arm"), "completed")
 	yield(until("_renders", "rendering"), "completed")
+	yield(until("_is_drawn", "the new scene"), "completed")
+	check(is_instance_valid(ring) and ring.get_parent() == hand.link("ring_pip_flexion"), "what hangs on a link stays")
+	check(hand.link("ring_pip_flexion").get_child_count() == 2, "beside the one capsule of the new scene")
 	var parameter = connection.scene.parameters[0]
 	yield(accepted(connection.set_parameter(parameter.name, 0.5 * (parameter.lower + parameter.upper)), "set"), "completed")
 	yield(refused(connection.set_parameter(parameter.name, parameter.upper + 1e6), "set", parameter.name), "completed")

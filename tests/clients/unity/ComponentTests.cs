@@ -164,6 +164,7 @@ public static class ComponentTests
         {
             try
             {
+                int meshesBefore = Mesh.Alive;
                 var bar = new GameObject("Bar").AddComponent<Bar>();
                 bar.Port = program.Port;
                 WholehandConnection connection = bar.Connection;
@@ -172,7 +173,16 @@ public static class ComponentTests
                 Check.Equal(RunState.Disarmed, connection.State.RunState, "it waits");
                 Press("Arm", () => bar.Answer != "", "arming without the controls is refused with the reason");
                 Press("Take the controls", () => connection.Client.HoldsControls, "the controls");
+                var hand = connection.GetComponentsInChildren<WholehandHand>(true)[0];
+                var ring = new GameObject("ring");
+                ring.transform.SetParent(hand.Link("ring_pip_flexion"), false);
                 Press("Arm", () => connection.State.RunState == RunState.Rendering, "rendering");
+                Until(() => connection.Scene.Value.Session == 1 && hand.DrawnSession == 1, "its scene");
+                Check.True(ring && ring.transform.parent == hand.Link("ring_pip_flexion"), "what hangs on a link stays");
+                int shown = connection.GetComponentsInChildren<MeshFilter>(true).Length;
+                Check.Equal(connection.Scene.Value.CapsulesLength, hand.GetComponentsInChildren<MeshFilter>(true).Length,
+                    "capsules of the new scene only");
+                Check.Equal(shown, Mesh.Alive - meshesBefore, "meshes of scenes before are destroyed");
                 Press("Stop", () => connection.State.RunState == RunState.Stopped, "stopped");
                 Check.Equal("", bar.Answer, "nothing was refused");
                 WholehandBody glass = world.Body("glass");
@@ -187,6 +197,8 @@ public static class ComponentTests
                 Check.True((bool)world.Body(0), "bodies again");
                 Press("EMERGENCY STOP", () => connection.State.RunState == RunState.Stopped, "needs no controls");
                 Game.NoErrors();
+                Player.Quit();
+                Check.Equal(meshesBefore, Mesh.Alive, "meshes that are left");
             }
             finally
             {

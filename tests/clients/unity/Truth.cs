@@ -81,7 +81,7 @@ internal sealed class Truth : IDisposable
         }
     }
 
-    /// <summary>The two neighbours of a moment and how far it is between them; false where they are more than 34 ms
+    /// <summary>The two neighbours of a moment and how far it is between them; false where they are more than 25 ms
     /// apart, or there are none.</summary>
     public bool Around(Func<Place, long> clock, double ticksPerSecond, long moment, out Place before, out Place after,
         out float share)
@@ -93,7 +93,7 @@ internal sealed class Truth : IDisposable
             for (int i = 1; i < places.Count; ++i)
             {
                 long from = clock(places[i - 1]), to = clock(places[i]);
-                if (moment < from || moment > to || (to - from) / ticksPerSecond > 0.034) continue;
+                if (moment < from || moment > to || (to - from) / ticksPerSecond > 0.025) continue;
                 before = places[i - 1];
                 after = places[i];
                 share = to == from ? 0 : (moment - from) / (float)(to - from);

@@ -1,9 +1,9 @@
 # Draws the hand where the program has it, from scene.links and the joint angles of the newest state. Each link is a child:
-# hang meshes of a game below link("thumb_ip_flexion"). This node's own transform places the program's world in the
-# game's; leave its scale at 1.
+# hang meshes of a game below link("thumb_ip_flexion"). They stay there while scenes change, as long as the hand has a
+# link of that name. This node's own transform places the program's world in the game's; leave its scale at 1.
 extends Spatial
 
-# The links of a new scene stand.
+# The links of a new scene stand: with every arming, too.
 signal built
 
 const Axes = preload("axes.gd")
@@ -20,6 +20,7 @@ var connection = null
 var drawn_tick = -1 # of the state that is drawn; -1: nothing is
 var links = []      # Spatial, in the order of scene.links
 
+var _capsules = []  # MeshInstance, below the links
 var _names = []
 var _parents = []
 var _joints = []
@@ -66,11 +67,16 @@ func _draw_state(state) -> void:
 
 
 func _build(scene) -> void:
-	_clear()
 	var fault = _fault_of(scene)
 	if fault != "":
 		push_error("Wholehand hand %s is not drawn: %s. Bring the addon and the program to the same version" % [name, fault])
+		_joint_count = -1 # of no state
 		return
+	var before = {}
+	for i in range(links.size()):
+		if is_instance_valid(links[i]):
+			before[_names[i]] = links[i]
+	_clear()
 	_joint_count = scene.joint_names.size()
 	for described in scene.links:
 		_names.append(described.name)
@@ -79,14 +85,26 @@ func _build(scene) -> void:
 		_types.append(described.type)
 		_axes.append(Axes.to_godot(described.axis).normalized())
 		_at_zero.append(Axes.pose_to_godot(described.position_m, described.orientation))
-		var node = Spatial.new()
-		add_child(node)
-		links.append(node)
+		links.append(_link_of(described.name, before))
+	for left in before:
+		push_warning("Wholehand hand %s: this scene's hand has no link %s; what hangs below it is removed with it" % [name, left])
+		before[left].queue_free()
 	if draw_capsules:
 		var skin = Shapes.material_of(material, color)
 		for capsule in scene.capsules:
 			_add_capsule(capsule, skin)
 	emit_signal("built")
+
+
+# One of before stays, with what the game has hung below it.
+func _link_of(link_name: String, before: Dictionary) -> Spatial:
+	if before.has(link_name):
+		var kept = before[link_name]
+		before.erase(link_name)
+		return kept
+	var node = Spatial.new()
+	add_child(node)
+	return node
 
 
 func _fault_of(scene) -> String:
@@ -108,11 +126,15 @@ func _add_capsule(capsule: Dictionary, skin: Material) -> void:
 	var node = Shapes.instance(Shapes.capsule(capsule.radius_m, a.distance_to(b)), skin)
 	node.transform = Transform(Shapes.along_z(b - a), 0.5 * (a + b))
 	links[capsule.link].add_child(node)
+	_capsules.append(node)
 
 
 func _clear() -> void:
-	for node in links:
-		node.queue_free()
+	for node in _capsules:
+		if is_instance_valid(node):
+			node.get_parent().remove_child(node)
+			node.free()
+	_capsules = []
 	links = []
 	_names = []
 	_parents = []

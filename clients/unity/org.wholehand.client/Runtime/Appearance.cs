@@ -1,3 +1,4 @@
+using System.Collections.Generic;
 using UnityEngine;
 using UnityEngine.Rendering;
 
@@ -32,6 +33,13 @@ namespace Wholehand.Unity
             block.SetColor("_BaseColor", color); // that of URP and HDRP
             renderer.SetPropertyBlock(block);
             return part;
+        }
+
+        /// <summary>Unity keeps a mesh whose object is gone.</summary>
+        public static void DestroyAll(List<Mesh> meshes)
+        {
+            foreach (Mesh mesh in meshes) Object.Destroy(mesh);
+            meshes.Clear();
         }
 
         public static GameObject AddChild(Transform parent, string name)

@@ -1,3 +1,4 @@
+using System.Collections.Generic;
 using UnityEngine;
 using wholehand.protocol;
 
@@ -12,6 +13,7 @@ namespace Wholehand.Unity
         [Tooltip("Of the scene file of the program: \"cube\".")]
         [SerializeField] private string bodyName = "";
 
+        private readonly List<Mesh> meshes = new List<Mesh>(); // that this component made
         private Rigidbody forPhysics;
 
         public string BodyName { get { return bodyName; } set { bodyName = value; } }
@@ -49,6 +51,7 @@ namespace Wholehand.Unity
                         + shape.Type + " is unknown to this package, or its corners are damaged", this);
                     continue;
                 }
+                meshes.Add(mesh);
                 Place(Appearance.AddMesh(transform, mesh.name, mesh, material, color).transform, shape.InBody);
             }
         }
@@ -73,6 +76,12 @@ namespace Wholehand.Unity
             Index = -1;
             if (forPhysics) Destroy(forPhysics.gameObject);
             forPhysics = null;
+            Appearance.DestroyAll(meshes);
+        }
+
+        private void OnDestroy()
+        {
+            Appearance.DestroyAll(meshes);
         }
 
         private void AddCollider(Shape shape)
@@ -98,6 +107,7 @@ namespace Wholehand.Unity
             {
                 Mesh mesh = ShapeMeshes.Of(shape);
                 if (mesh == null) return;
+                meshes.Add(mesh);
                 var collider = part.AddComponent<MeshCollider>();
                 collider.convex = true;
                 collider.sharedMesh = mesh;

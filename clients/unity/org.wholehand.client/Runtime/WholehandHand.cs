@@ -1,12 +1,14 @@
 using System;
+using System.Collections.Generic;
 using UnityEngine;
 using wholehand.protocol;
 
 namespace Wholehand.Unity
 {
     /// <summary>Draws the hand where the program has it, from Scene.Links and the joint angles of the newest state. Each
-    /// link is a child of this object: hang meshes of a game below Link("thumb_ip_flexion"). This object's own
-    /// transform places the program's world in the game's; leave its scale at 1.</summary>
+    /// link is an object below this one: hang meshes of a game below Link("thumb_ip_flexion"). They stay there while
+    /// scenes change, as long as the hand has a link of that name. This object's own transform places the program's
+    /// world in the game's; leave its scale at 1.</summary>
     [AddComponentMenu("Wholehand/Wholehand Hand")]
     [DisallowMultipleComponent]
     [DefaultExecutionOrder(-50)]
@@ -28,6 +30,8 @@ namespace Wholehand.Unity
         [SerializeField] private Color color = new Color(0.85f, 0.68f, 0.56f);
 
         private HandKinematics kinematics;
+        private readonly List<GameObject> capsules = new List<GameObject>(); // drawn, below the links
+        private readonly List<Mesh> meshes = new List<Mesh>();
         private Transform[] links = new Transform[0];
         private Rigidbody[] bodies = new Rigidbody[0]; // of the links, for Unity's physics
         private Transform linkRoot, bodyRoot;
@@ -44,7 +48,7 @@ namespace Wholehand.Unity
 
         public Color Color { get { return color; } set { color = value; } }
 
-        /// <summary>Raised when the links of a new scene stand.</summary>
+        /// <summary>Raised when the links of a new scene stand: with every arming, too.</summary>
         public event Action<WholehandHand> Built;
 
         /// <summary>0 before the first scene.</summary>
@@ -114,6 +118,11 @@ namespace Wholehand.Unity
             DrawnSession = connection.State.Session;
         }
 
+        private void OnDestroy()
+        {
+            Appearance.DestroyAll(meshes);
+        }
+
         // False where the newest state says nothing of this hand: before the first tick, and while a scene changes.
         private bool Compute()
         {
@@ -144,12 +153,31 @@ namespace Wholehand.Unity
                 return;
             }
             joints = scene.JointNamesLength;
-            linkRoot = Appearance.AddChild(transform, "Links").transform;
-            links = new Transform[scene.LinksLength];
-            for (int i = 0; i < links.Length; ++i) links[i] = Appearance.AddChild(linkRoot, scene.Links(i).Value.Name).transform;
+            MakeLinks(scene);
             if (kinematicCapsules) AddBodies(scene);
             for (int i = 0; i < scene.CapsulesLength; ++i) AddCapsule(scene.Capsules(i).Value);
             if (Built != null) Built(this);
+        }
+
+        // Links of before stay, with what the game has hung below them.
+        private void MakeLinks(Scene scene)
+        {
+            if (!linkRoot) linkRoot = Appearance.AddChild(transform, "Links").transform;
+            Transform[] before = links;
+            links = new Transform[scene.LinksLength];
+            for (int i = 0; i < links.Length; ++i)
+            {
+                string link = scene.Links(i).Value.Name;
+                links[i] = Array.Find(before, l => l && l.name == link);
+                if (!links[i]) links[i] = Appearance.AddChild(linkRoot, link).transform;
+            }
+            foreach (Transform link in before)
+            {
+                if (!link || Array.IndexOf(links, link) >= 0) continue;
+                Debug.LogWarning("Wholehand Hand on " + name + ": this scene's hand has no link " + link.name
+                    + "; what hangs below it is removed with it", this);
+                Destroy(link.gameObject);
+            }
         }
 
         private void AddBodies(Scene scene)
@@ -171,7 +199,10 @@ namespace Wholehand.Unity
             if (drawCapsules)
             {
                 Mesh mesh = ShapeMeshes.Capsule(capsule.RadiusM, length);
-                Place(Appearance.AddMesh(links[capsule.Link], capsule.Name, mesh, material, color), 0.5f * (a + b), turn);
+                GameObject drawn = Appearance.AddMesh(links[capsule.Link], capsule.Name, mesh, material, color);
+                Place(drawn, 0.5f * (a + b), turn);
+                capsules.Add(drawn);
+                meshes.Add(mesh);
             }
             if (bodies.Length == 0) return;
             GameObject part = Appearance.AddChild(bodies[capsule.Link].transform, capsule.Name);
@@ -190,10 +221,11 @@ namespace Wholehand.Unity
 
         private void Clear()
         {
-            if (linkRoot) Destroy(linkRoot.gameObject);
+            foreach (GameObject capsule in capsules) if (capsule) Destroy(capsule);
+            capsules.Clear();
+            Appearance.DestroyAll(meshes);
             if (bodyRoot) Destroy(bodyRoot.gameObject);
-            linkRoot = bodyRoot = null;
-            links = new Transform[0];
+            bodyRoot = null;
             bodies = new Rigidbody[0];
             kinematics = null;
             DrawnSession = 0;

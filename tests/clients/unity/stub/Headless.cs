@@ -39,8 +39,7 @@ namespace UnityEngine.Headless
             for (int i = 0; i < scripts.Count; ++i) Invoke(scripts[i], scripts[i].LateUpdate);
             for (int i = 0; i < scripts.Count; ++i) Invoke(scripts[i], scripts[i].Gizmos);
             for (int i = 0; i < scripts.Count; ++i) Invoke(scripts[i], scripts[i].Gui);
-            for (int i = 0; i < dying.Count; ++i) End(dying[i]);
-            dying.Clear();
+            EndDying();
         }
 
         /// <summary>Ends everything, as a game that is closed.</summary>
@@ -48,10 +47,17 @@ namespace UnityEngine.Headless
         {
             foreach (Script script in scripts.ToArray()) End(script.Behaviour);
             foreach (Script script in added.ToArray()) End(script.Behaviour);
+            EndDying();
             scripts.Clear();
             added.Clear();
             Rigidbodies.Clear();
             Debug.Errors.Clear();
+        }
+
+        private static void EndDying()
+        {
+            for (int i = 0; i < dying.Count; ++i) End(dying[i]); // which may name more
+            dying.Clear();
         }
 
         internal static void Begin(MonoBehaviour behaviour)
@@ -136,9 +142,12 @@ namespace UnityEngine.Headless
 
         private static void End(Object o)
         {
-            if (o.Destroyed) return;
+            if (!o) return;
             var behaviour = o as MonoBehaviour;
             if (behaviour != null && behaviour.enabled) Call(behaviour, "OnDisable");
+            if (behaviour != null) Call(behaviour, "OnDestroy");
+            var mesh = o as Mesh;
+            if (!ReferenceEquals(mesh, null)) --Mesh.Alive;
             o.Destroyed = true;
             var holder = o as GameObject;
             if (!ReferenceEquals(holder, null))

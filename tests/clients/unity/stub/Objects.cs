@@ -152,6 +152,8 @@ namespace UnityEngine
 
     public sealed class Mesh : Object
     {
+        internal static int Alive; // Unity's collector takes no mesh: who makes one destroys it
+        public Mesh() { ++Alive; }
         public Vector3[] vertices { get; private set; }
         public int[] triangles { get; private set; }
         public void SetVertices(List<Vector3> v) { vertices = v.ToArray(); }
