@@ -16,6 +16,9 @@ import unittest
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 TESTS = SOURCE / "tests/clients"
 SCRIPT = SOURCE / "scripts/unity_package.py"
+sys.path.insert(0, str(SCRIPT.parent))
+import unity_package  # noqa: E402
+
 NAME = "org.wholehand.client"
 STUBS = {"UnityEngine.TestRunner", "UnityEditor.TestRunner"}  # in the stub of NUnit
 
@@ -50,11 +53,10 @@ class Package(unittest.TestCase):
         shutil.copytree(self.package, self.copy)
 
     def expect_refused(self, *texts):
-        checked = package_script("check", self.copy)
-        self.assertEqual(checked.returncode, 1, checked.stderr)
-        self.assertEqual(len(checked.stderr.splitlines()), 1, checked.stderr)
+        faults = unity_package.faults_of(self.copy, unity_package.project_version())
+        self.assertEqual(len(faults), 1, faults)
         for text in texts:
-            self.assertIn(text, checked.stderr)
+            self.assertIn(text, faults[0])
 
     def test_the_package_is_sound(self):
         for package in (self.package, SOURCE / "clients/unity" / NAME):
@@ -82,6 +84,9 @@ class Package(unittest.TestCase):
 
     def test_a_missing_meta_is_refused(self):
         (self.copy / "Runtime/WholehandHand.cs.meta").unlink()
+        checked = package_script("check", self.copy)
+        self.assertEqual(checked.returncode, 1)
+        self.assertEqual(len(checked.stderr.splitlines()), 1, checked.stderr)
         self.expect_refused("Runtime/WholehandHand.cs", "WholehandHand.cs.meta is missing", "unity_package.py meta")
 
     def test_a_meta_of_a_folder_counts_too(self):

@@ -68,6 +68,7 @@ namespace Wholehand
                 }
                 catch (Exception e) when (IsOfTheLine(e))
                 {
+                    if (closed) return "the client was closed";
                     return connected ? "the connection is lost: " + e.Message : InWords(e);
                 }
             }

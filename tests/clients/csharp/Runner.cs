@@ -108,10 +108,11 @@ public static class Runner
     private static bool Run(Type type, MethodInfo method)
     {
         string name = type.Name + "." + method.Name;
+        var clock = System.Diagnostics.Stopwatch.StartNew();
         try
         {
             method.Invoke(null, null);
-            Console.WriteLine("ok     {0}", name);
+            Console.WriteLine("ok     {0}, {1:0.0} s", name, clock.Elapsed.TotalSeconds);
             return true;
         }
         catch (TargetInvocationException e)

@@ -400,6 +400,15 @@ func _check_capsule(capsule):
 # ---- axes ----
 
 func axes_are_godots():
+	var faulty = Scene.new()
+	check("nothing of links" in hand._fault_of(faulty), "a scene without links")
+	faulty.joint_names = ["x"]
+	faulty.links = [{"parent": -1, "joint": 0}, {"parent": 1, "joint": -1}]
+	check("link 1 stands before its parent" in hand._fault_of(faulty), "a link that carries itself")
+	faulty.links[1] = {"parent": 0, "joint": 1}
+	check("link 1 moves with a joint" in hand._fault_of(faulty), "a joint that is not there")
+	faulty.links[1].joint = 0
+	check(hand._fault_of(faulty) == "", "a sound one")
 	check(load("res://addons/wholehand/plugin.gd") != null, "the plugin's script can be read")
 	check(Axes.to_godot(Vector3(1, 0, 0)) == Vector3.FORWARD and Axes.to_godot(Vector3(0, 1, 0)) == Vector3.LEFT
 			and Axes.to_godot(Vector3(0, 0, 1)) == Vector3.UP, "directions")

@@ -177,6 +177,7 @@ public static class ComponentTests
                 var ring = new GameObject("ring");
                 ring.transform.SetParent(hand.Link("ring_pip_flexion"), false);
                 Press("Arm", () => connection.State.RunState == RunState.Rendering, "rendering");
+                ExpectPanel(connection, "Poured: ", "Score: ");
                 Until(() => connection.Scene.Value.Session == 1 && hand.DrawnSession == 1, "its scene");
                 Check.True(ring && ring.transform.parent == hand.Link("ring_pip_flexion"), "what hangs on a link stays");
                 int shown = connection.GetComponentsInChildren<MeshFilter>(true).Length;
@@ -205,6 +206,17 @@ public static class ComponentTests
                 GUILayout.Press = "";
                 Player.Quit();
             }
+        }
+    }
+
+    // Labels of config/exercises/cocktail-bar.toml.
+    private static void ExpectPanel(WholehandConnection connection, params string[] labels)
+    {
+        Until(() => connection.State.Values.Length > 0, "values of the exercise");
+        foreach (string label in labels)
+        {
+            string shown = GUILayout.Labels.Find(l => l.StartsWith(label));
+            Check.True(shown != null && char.IsDigit(shown[label.Length]), label + " is " + shown);
         }
     }
 
@@ -277,6 +289,19 @@ public static class ComponentTests
         }
     }
 
+    public static void ComponentThatAHandlerDisables_EndsQuietly()
+    {
+        using (var program = new StandIn())
+        using (var game = new Game(program.Port))
+        {
+            game.Connection.SceneChanged += s => game.Connection.enabled = false;
+            game.FramesUntil(() => game.Connection.SceneNumber == 1, "a scene");
+            game.Frame();
+            Check.True(!game.Connection.enabled && game.Connection.Client == null, "disabled");
+            foreach (string error in Debug.Errors) Check.True(error.Contains("to the same version"), error); // no links
+        }
+    }
+
     public static void NoProgram_IsToldAndLooksForOne()
     {
         using (var game = new Game(1)) // nobody listens at port 1
@@ -298,7 +323,16 @@ public static class ComponentTests
                 Transform root = UnityEditor.Selection.activeGameObject.transform;
                 var connection = root.GetComponent<WholehandConnection>();
                 connection.Port = program.Port;
+                int events = 0, scenes = 0;
+                string told = "";
+                connection.EventsReceived += e => events += e.Events_Length;
+                connection.SceneChanged += s => ++scenes;
+                connection.ConnectionChanged += (connected, why) => told = why;
+                connection.ControlsChanged += c => told += c.HeldByYou ? ", held" : ", not held";
                 Until(() => connection.HasState, "a state");
+                Until(() => events > 1 && scenes == 1, "events and a scene");
+                connection.Client.TakeControls();
+                Until(() => told.StartsWith("connected to Wholehand") && told.EndsWith(", held"), "told of line and controls");
                 var inspector = new WholehandConnectionEditor { target = connection };
                 Until(() =>
                 {

@@ -40,10 +40,22 @@ namespace Wholehand.Unity
 
         public int RateHz { get { return rateHz; } set { rateHz = value; } }
 
+        /// <summary>Connected or not, and in words why. This event and the next three are raised on the main thread, in
+        /// Update.</summary>
+        public event Action<bool, string> ConnectionChanged;
+
+        public event Action<Scene> SceneChanged;
+
+        /// <summary>Of the exercise: Scene.EventNames.</summary>
+        public event Action<Events> EventsReceived;
+
+        /// <summary>Who holds the controls.</summary>
+        public event Action<Controls> ControlsChanged;
+
         /// <summary>Null: the environment variable WHOLEHAND_TOKEN, where there is one.</summary>
         public string Token { get; set; }
 
-        /// <summary>For commands, events and statistics. Null before the first frame and while the component is
+        /// <summary>For commands and statistics. Null before the first frame and while the component is
         /// disabled.</summary>
         public WholehandClient Client { get { return client; } }
 
@@ -94,6 +106,8 @@ namespace Wholehand.Unity
             }
             client.ConnectionChanged += OnConnectionChanged;
             client.SceneReceived += OnScene;
+            client.EventsReceived += events => { if (EventsReceived != null) EventsReceived(events); };
+            client.ControlsChanged += controls => { if (ControlsChanged != null) ControlsChanged(controls); };
             client.HandlerThrew += Debug.LogException;
             client.Connect();
             return true;
@@ -118,6 +132,7 @@ namespace Wholehand.Unity
         {
             if (!Open()) return;
             client.Poll();
+            if (client == null) return; // a handler has disabled this component
             TakeNewest();
             if (!client.Connected) HasState = false;
         }
@@ -137,12 +152,14 @@ namespace Wholehand.Unity
             Message = why;
             if (connected) Debug.Log("Wholehand: " + why, this);
             else Debug.LogWarning("Wholehand: " + why + ". Is the program running (wholehand run --udp 8091)?", this);
+            if (ConnectionChanged != null) ConnectionChanged(connected, why);
         }
 
         private void OnScene(Scene scene)
         {
             Scene = scene;
             ++SceneNumber;
+            if (SceneChanged != null) SceneChanged(scene);
         }
 
         /// <summary>The connection that a component uses: the one it names, or the one above it. Null, and an error

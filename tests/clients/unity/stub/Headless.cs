@@ -38,6 +38,7 @@ namespace UnityEngine.Headless
             for (int i = 0; i < scripts.Count; ++i) Invoke(scripts[i], scripts[i].Update);
             for (int i = 0; i < scripts.Count; ++i) Invoke(scripts[i], scripts[i].LateUpdate);
             for (int i = 0; i < scripts.Count; ++i) Invoke(scripts[i], scripts[i].Gizmos);
+            GUILayout.Labels.Clear();
             for (int i = 0; i < scripts.Count; ++i) Invoke(scripts[i], scripts[i].Gui);
             EndDying();
         }

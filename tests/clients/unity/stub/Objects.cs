@@ -265,7 +265,8 @@ namespace UnityEngine
     public static class GUILayout
     {
         internal static string Press = ""; // the button that a person presses
-        public static void Label(string text) { }
+        internal static readonly List<string> Labels = new List<string>(); // of the newest frame
+        public static void Label(string text) { Labels.Add(text); }
         public static bool Button(string text) { return text == Press; }
     }
 
