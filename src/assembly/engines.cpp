@@ -14,11 +14,14 @@ namespace {
 using World = Expected<std::unique_ptr<PhysicsWorld>>;
 
 Engine bulletEngine() {
-  return {"bullet", "Bullet 3.24, double precision",
+  return {"bullet",
+          "Bullet 3.24, double precision",
           [](const HandModel& hand, const SceneModel& scene) -> World {
             return std::unique_ptr<PhysicsWorld>(std::make_unique<BulletWorld>(hand, scene));
           },
-          "", ""};
+          "",
+          "",
+          true};
 }
 
 Engine bulletPaperEngine() {
@@ -81,6 +84,14 @@ Expected<std::unique_ptr<PhysicsWorld>> buildWorld(const std::string& engine, co
   }
   if (!found->build) {
     return Diagnostic{"", 0, "--engine", engine, "is not built into this program", found->remedy};
+  }
+  if (scene.game.slots > 0 && !found->takes_game_bodies) {
+    return Diagnostic{scene.path,
+                      0,
+                      "--engine",
+                      engine,
+                      "has no slots for the bodies of a game",
+                      "use --engine " + defaultEngine()};
   }
   return found->build(hand, scene);
 }

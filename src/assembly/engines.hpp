@@ -21,6 +21,7 @@ struct Engine {
   std::function<Expected<std::unique_ptr<PhysicsWorld>>(const HandModel&, const SceneModel&)> build;
   std::string remedy;                   ///< how to build the program with it
   std::string persons_refused_because;  ///< why no person may be attached; empty: allowed
+  bool takes_game_bodies = false;       ///< its world is a BodyPool
 };
 
 /// All engines, the default first. The only place that names them.

@@ -70,9 +70,8 @@ Expected<RecordingMeta> describeRecording(const Rig& rig, const std::string& tit
   for (double q : rig.renderer->armedPosition()) meta.armed_position.push_back(q);
   meta.law = lawOf(rig.renderer->config().gains, rig.models.hand, rig.models.device);
   meta.joint_names = rig.models.hand.joint_names;
-  for (const SceneBody& body : rig.models.scene.bodies) {
-    if (meta.body_names.size() < kMaxBodies) meta.body_names.push_back(body.name);
-  }
+  meta.body_names = rig.models.scene.recordedBodies();
+  meta.game_slots = static_cast<std::uint64_t>(rig.models.scene.game.slots);
   for (const Capsule& capsule : rig.models.hand.capsules)
     meta.capsule_names.push_back(capsule.name);
   for (const LiveParameter& parameter : rig.renderer->liveParameters()) {

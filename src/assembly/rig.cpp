@@ -36,6 +36,11 @@ double storableEnergy(const Models& models, const CouplingGains& gains) {
     held_j +=
         body.mass_kg * (0.5 * speed_sq + models.scene.gravity_m_s2.norm() * std::sqrt(way_sq));
   }
+  const GameBudget& game = models.scene.game;
+  if (game.slots > 0) {
+    held_j += game.awake * game.most_kg *
+              (0.5 * speed_sq + models.scene.gravity_m_s2.norm() * std::sqrt(way_sq));
+  }
   return held_j;
 }
 
@@ -80,6 +85,7 @@ Expected<std::unique_ptr<Rig>> buildAround(Models models, std::unique_ptr<Haptic
   if (!checked) return checked.errors();
   if (Diagnostics refused = refuseToRender(*checked, options); !refused.empty()) return refused;
   if (moves == Moves::kMaybeAPerson && !device->simulated()) {
+    if (Diagnostics refused = refuseUnrehearsed(models); !refused.empty()) return refused;
     if (Diagnostics refused = refuseForPersons(options.engine); !refused.empty()) return refused;
   }
 

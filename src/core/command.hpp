@@ -2,6 +2,7 @@
 
 #include "core/axis_array.hpp"
 
+#include <array>
 #include <cstdint>
 #include <type_traits>
 
@@ -13,8 +14,25 @@ enum class CommandType : std::int32_t {
   kAction,     ///< index: an ExerciseAction
   kOwner,      ///< value: 1 while the client that shows the exercise is alive, 0 when it is silent
   kAim,        ///< aim: target pose of the person at the screen
-  kSteer       ///< index: a Steering
+  kSteer,      ///< index: a Steering
+  // Orders of a game to its bodies; core/body_order.hpp makes and reads them.
+  kShapeSet,       ///< index: shape set; value: pieces
+  kShapePiece,     ///< index: shape set; value: piece
+  kShapeVertices,  ///< index: shape set; value: piece
+  kSpawn,          ///< index: slot; value: generation; so do the rest
+  kRemove,
+  kTeleport,
+  kSetOwner,
+  kBodyTarget
 };
+
+/// True for the orders of a game to its bodies, which use Command::numbers.
+[[nodiscard]] constexpr bool isBodyOrder(CommandType type) noexcept {
+  return type >= CommandType::kShapeSet && type <= CommandType::kBodyTarget;
+}
+
+/// Numbers of a body order.
+inline constexpr int kOrderNumbers = 16;
 
 enum class ExerciseAction : std::int32_t {
   kNext,
@@ -35,6 +53,7 @@ struct Command {
   std::int32_t index = 0;
   double value = 0.0;
   AxisPosition aim;
+  std::array<double, kOrderNumbers> numbers{};  ///< of a body order; 0 in all others
 };
 
 /// Most commands taken by one tick.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/body_order.hpp"
 #include "core/live_parameter.hpp"
 #include "core/real_time.hpp"
 #include "core/tick_record.hpp"
@@ -35,6 +36,7 @@ struct ExerciseInput {
   /// are those of the last step.
   const TickRecord* observed = nullptr;
   const double* parameters = nullptr;  ///< current values, in the description's order
+  const PoolReport* pool = nullptr;    ///< bodies of a game; null without slots for them
   bool may_push = true;                ///< false: owner silent or stop requested; f_e must fade out
 };
 

@@ -18,7 +18,7 @@ struct WorldState {
   JointPosition theta;  ///< joint coordinates, θ = θ₀ + G q_s
   JointVelocity theta_dot;
   double coupling_error_rad = 0.0;  ///< |θ - (θ₀ + G q_s)| after the last step, before correction
-  int body_count = 0;               ///< bodies of the scene, at most kMaxBodies
+  int body_count = 0;               ///< bodies of the scene and slots of a game, at most kMaxBodies
   std::array<BodyState, kMaxBodies> bodies{};
 };
 

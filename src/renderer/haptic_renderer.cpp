@@ -2,6 +2,7 @@
 
 #include "control/bilateral_coupling.hpp"
 #include "core/effort_sum.hpp"
+#include "physics/body_pool.hpp"
 #include "physics/hand_probe.hpp"
 
 #include <climits>
@@ -28,6 +29,7 @@ HapticRenderer::HapticRenderer(HapticDevice& device, PhysicsWorld& world, const 
                                Exercise* exercise)
     : device_(device),
       world_(world),
+      pool_(scene.game.slots > 0 ? dynamic_cast<BodyPool*>(&world) : nullptr),
       exercise_(exercise),
       config_(config),
       safety_(config.safety, config.gains, config.period_s),
@@ -123,6 +125,7 @@ void HapticRenderer::observeWorld(TickRecord& record) noexcept {
   record.coupling_error_rad = state_.coupling_error_rad;
   record.body_count = state_.body_count;
   std::copy_n(state_.bodies.begin(), state_.body_count, record.bodies.begin());
+  if (pool_ != nullptr) pool_->report(pool_report_);
   safety_.judgeWorld(record);
 }
 
@@ -174,6 +177,7 @@ void HapticRenderer::exercise(TickRecord& record) noexcept {
   input.period_s = config_.period_s;
   input.observed = &record;
   input.parameters = parameters_.values() + config_.live.parameters().size();
+  input.pool = pool_ != nullptr ? &pool_report_ : nullptr;
   input.may_push = owner_alive_ && safety_.rendering();
   exercise_->tick(input, record.exercise, record.placements);
   query_ = exercise_->query();
@@ -197,8 +201,15 @@ void HapticRenderer::writeDevice(TickRecord& record) noexcept {
   safety_.judgeWrite(device_.write(record.sent), record);
 }
 
+void HapticRenderer::orderBodies(const TickRecord& record) noexcept {
+  if (pool_ == nullptr) return;
+  pool_->setGameAlive(owner_alive_);
+  for (int i = 0; i < record.command_count; ++i) pool_->obey(record.commands[i]);
+}
+
 void HapticRenderer::stepWorld(TickRecord& record) noexcept {
   if (any(safety_.latched())) return;  // the world stops after a fault
+  orderBodies(record);
   if (record.placements.count > 0) {
     world_.placeBodies(record.placements);
     safety_.notePlaced(record.placements);

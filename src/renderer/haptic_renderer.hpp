@@ -3,6 +3,7 @@
 #include "control/adaptive_damping.hpp"
 #include "control/coupling_gains.hpp"
 #include "control/velocity_estimator.hpp"
+#include "core/body_order.hpp"
 #include "core/expected.hpp"
 #include "core/real_time.hpp"
 #include "core/tick_record.hpp"
@@ -28,6 +29,7 @@
 
 namespace wholehand {
 
+class BodyPool;
 class HandProbe;
 
 /// Configuration of the tick; resolved before arming and immutable afterwards.
@@ -118,6 +120,7 @@ class HapticRenderer {
   void damp(TickRecord& record) noexcept;
   void writeDevice(TickRecord& record) noexcept;
   void stepWorld(TickRecord& record) noexcept;
+  void orderBodies(const TickRecord& record) noexcept;
   void readContacts(TickRecord& record) noexcept;
   void showContacts(TickRecord& record) const noexcept;
   [[nodiscard]] Expected<Done> mayArm(const std::optional<RehearsalPassed>& rehearsed) const;
@@ -125,6 +128,7 @@ class HapticRenderer {
 
   HapticDevice& device_;
   PhysicsWorld& world_;
+  BodyPool* const pool_;  ///< bodies of a game in world_; null without
   Exercise* exercise_;
   const RendererConfig config_;
   SafetyChain safety_;
@@ -139,6 +143,7 @@ class HapticRenderer {
   AxisPosition armed_position_;
   DeviceReading reading_;
   WorldState state_;
+  PoolReport pool_report_;
   ContactList contacts_;
   VelocityState velocity_;
   AxisDamping avatar_damping_;  ///< D in the current posture

@@ -22,9 +22,7 @@ std::string differenceFrom(const RecordingMeta& meta, const SceneFacts& facts) {
   if (meta.axis_names != namesOf(facts.device.axes)) return "axes";
   if (meta.joint_names != facts.hand.joint_names) return "joints";
   if (meta.capsule_names != namesOf(facts.hand.capsules)) return "capsules";
-  std::vector<std::string> bodies = namesOf(facts.scene.bodies);
-  bodies.resize(std::min<std::size_t>(bodies.size(), kMaxBodies));
-  if (meta.body_names != bodies) return "bodies";
+  if (meta.body_names != facts.scene.recordedBodies()) return "bodies";
   if (meta.value_names != facts.value_names) return "values of the exercise";
   return {};
 }

@@ -110,6 +110,8 @@ void logCommands(const TickRecord& record, Out& out) noexcept {
     out.real(c.value);
     out.number(static_cast<std::uint64_t>(c.aim.size()));
     for (double q : c.aim) out.real(q);
+    if (!isBodyOrder(c.type)) continue;
+    for (double number : c.numbers) out.real(number);
   }
 }
 
@@ -122,6 +124,8 @@ void readCommands(In& in, TickInput& input) {
     c.value = in.real();
     c.aim = AxisPosition(static_cast<int>(in.upTo(kMaxAxes)));
     for (int a = 0; a < c.aim.size(); ++a) c.aim[a] = in.real();
+    if (!isBodyOrder(c.type)) continue;
+    for (double& number : c.numbers) number = in.real();
   }
 }
 

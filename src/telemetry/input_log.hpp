@@ -23,7 +23,7 @@ struct TickInput {
 };
 
 /// Largest entry of a tick in the log [bytes].
-inline constexpr std::size_t kMostInputBytes = 2048;
+inline constexpr std::size_t kMostInputBytes = 3072;
 
 /// State of both ends of the log: last position of each axis in encoder counts.
 struct InputLogState {

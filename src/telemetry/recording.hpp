@@ -54,6 +54,8 @@ struct RecordingMeta {
   std::vector<double> lever_arms_m;                 ///< per axis; 0: no tip
   std::vector<double> armed_position;               ///< device position at arming
   std::vector<std::string> joint_names, body_names, capsule_names;
+  /// Slots for the bodies of a game, the last of body_names. With 0 the commands have no numbers.
+  std::uint64_t game_slots = 0;
   std::string exercise;  ///< empty: none
   int level = 0;
   std::vector<std::string> parameter_names, value_names, event_names;

@@ -264,6 +264,10 @@ std::vector<Column<CommandRow>> commandColumns(const RecordingMeta& meta) {
   add(perAxis<R>(
       "aim", [](R & r) -> auto& { return r.command.aim; }, perUnit(meta.axis_units, "m", "rad"),
       meta.axis_names));
+  if (meta.game_slots > 0) {
+    add(block<R>("numbers", kOrderNumbers, {"see type"}, {},
+                 [](R& r) { return r.command.numbers.data(); }));
+  }
   return out;
 }
 

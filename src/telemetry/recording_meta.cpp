@@ -70,6 +70,7 @@ bool writeMeta(hid_t file, const RecordingMeta& meta) {
             writeAttribute(id, "joint_names", meta.joint_names) &&
             writeAttribute(id, "body_names", meta.body_names) &&
             writeAttribute(id, "capsule_names", meta.capsule_names) &&
+            writeAttribute(id, "game_slots", meta.game_slots) &&
             writeAttribute(id, "exercise", meta.exercise) &&
             writeAttribute(id, "level", static_cast<std::uint64_t>(std::max(meta.level, 0))) &&
             writeAttribute(id, "parameter_names", meta.parameter_names) &&
@@ -119,7 +120,8 @@ bool readMeta(hid_t file, hid_t id, RecordingMeta& meta) {
   const bool watched = meta.schema < 3 || readAttribute(id, "simulated_device", simulated);
   std::uint64_t changed = 0;  // not said in older ones
   meta.models_changed = readAttribute(id, "models_changed", changed) && changed != 0;
-  if (!readAttribute(id, "passport", meta.passport)) meta.passport.clear();  // the same
+  if (!readAttribute(id, "passport", meta.passport)) meta.passport.clear();    // the same
+  if (!readAttribute(id, "game_slots", meta.game_slots)) meta.game_slots = 0;  // the same
   const bool results = readAttribute(id, "result_names", meta.result_names) &&
                        readAttribute(id, "result_labels", meta.result_labels) &&
                        readAttribute(id, "result_units", meta.result_units) &&

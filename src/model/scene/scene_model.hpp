@@ -42,6 +42,17 @@ struct SceneBody {
   std::string color = "#3B6FD1";  ///< for pictures and pages, #RRGGBB
 };
 
+/// Room for the bodies that a game puts into the running world (core/body_order.hpp).
+struct GameBudget {
+  int slots = 0;       ///< bodies at once, 0 .. kMaxSlots; 0: the scene takes none
+  int awake = 0;       ///< of them simulated at once: more are not spawned; 1 .. slots
+  int shape_sets = 0;  ///< 1 .. kMaxShapeSets
+  int pieces = 0;      ///< convex pieces of a body, 1 .. kMaxSlotPieces
+  int vertices = 0;    ///< of a convex mesh, 4 .. kMaxPieceVertices
+  double least_kg = 0.0, most_kg = 0.0;  ///< mass of a body
+  double least_m = 0.0, most_m = 0.0;    ///< least and largest extent of a piece
+};
+
 /// A scene: bodies, gravity, and where the hand starts.
 struct SceneModel {
   std::string path;
@@ -50,7 +61,11 @@ struct SceneModel {
   std::vector<SceneBody> bodies;    ///< 0 .. kMaxSceneBodies; a record holds kMaxBodies
   double hand_friction = 0.8;       ///< of the hand's capsules
   std::vector<std::string> assets;  ///< paths of its meshes and URDFs
+  GameBudget game;                  ///< its slots follow `bodies` in the record
 
+  /// Names of the bodies of a record: the scene's, then a game's slots ("slot 0" ..); at most
+  /// kMaxBodies.
+  [[nodiscard]] std::vector<std::string> recordedBodies() const;
   [[nodiscard]] int bodyIndex(const std::string& body_name) const;
 };
 

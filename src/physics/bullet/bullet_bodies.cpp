@@ -59,12 +59,76 @@ void BulletBody::addCollider(const SceneBody& body, const Shape& shape, Meets me
   colliders_.push_back(std::move(collider));
 }
 
+BulletBody::BulletBody(int index, int pieces, double reach_m)
+    : start_(btTransform::getIdentity()),
+      no_shape_(new btEmptyShape),
+      index_(index),
+      reach_m_(reach_m) {
+  rigid_ = std::make_unique<btRigidBody>(
+      btRigidBody::btRigidBodyConstructionInfo(0.0, nullptr, no_shape_.get(), btVector3(0, 0, 0)));
+  for (int i = 0; i < pieces; ++i) addEmptyCollider();
+  putAtStart();
+}
+
+void BulletBody::addEmptyCollider() {
+  auto collider = std::make_unique<Collider>();
+  collider->used = false;
+  collider->tag = {-1, -1, index_, rigid_.get(), nullptr};
+  collider->in_rigid.setIdentity();
+  collider->object = std::make_unique<btCollisionObject>();
+  collider->object->setCollisionShape(no_shape_.get());
+  collider->object->setUserPointer(&collider->tag);
+  collider->object->setCollisionFlags(btCollisionObject::CF_HAS_FRICTION_ANCHOR);
+  colliders_.push_back(std::move(collider));
+}
+
+void BulletBody::setMass(double mass_kg, const btVector3& moments, double friction,
+                         const btVector3& gravity) noexcept {
+  rigid_->setMassProps(mass_kg, mass_kg * moments);
+  rigid_->setGravity(gravity);
+  rigid_->updateInertiaTensor();
+  for (const auto& collider : colliders_) collider->object->setFriction(std::sqrt(friction));
+}
+
+void BulletBody::setPieces(const SlotPiece* pieces, int count,
+                           const Eigen::Quaterniond& from_body) noexcept {
+  from_body_ = {from_body.toRotationMatrix(), Eigen::Vector3d::Zero()};
+  for (int i = 0; i < static_cast<int>(colliders_.size()); ++i) {
+    Collider& collider = *colliders_[i];
+    collider.used = i < count;
+    collider.object->setCollisionShape(no_shape_.get());
+    collider.tag.shape = nullptr;
+    collider.form.type = ShapeType::kConvexMesh;
+    if (!collider.used) {
+      collider.box = WorldBox{};
+      continue;
+    }
+    const SlotPiece& piece = pieces[i];
+    collider.form.type = piece.type;
+    collider.form.half_extents_m = piece.half_extents_m;
+    collider.form.radius_m = piece.radius_m;
+    collider.form.length_m = piece.length_m;
+    if (piece.type != ShapeType::kConvexMesh) collider.tag.shape = &collider.form;
+    collider.in_rigid = piece.in_rigid;
+    collider.object->setCollisionShape(collider.slot_shape.make(piece));
+  }
+}
+
+void BulletBody::putAt(const BodyPose& pose, const Vec3& velocity_m_s) noexcept {
+  const Eigen::Quaterniond turned =
+      pose.orientation_xyzw.eigen().normalized() * Eigen::Quaterniond(from_body_.rotation);
+  put(btTransform(btQuaternion(turned.x(), turned.y(), turned.z(), turned.w()),
+                  toBt(pose.position_m.eigen())),
+      toBt(velocity_m_s.eigen()));
+}
+
 void BulletBody::placeColliders() noexcept {
   for (const auto& collider : colliders_) {
+    if (!collider->used) continue;
     const btTransform at = rigid_->getWorldTransform() * collider->in_rigid;
     collider->object->setWorldTransform(at);
     btVector3 low, high;
-    collider->shape->getAabb(at, low, high);
+    collider->object->getCollisionShape()->getAabb(at, low, high);
     collider->box.low_m = toEigen(low).array() - reach_m_;
     collider->box.high_m = toEigen(high).array() + reach_m_;
   }

@@ -1,8 +1,10 @@
 #pragma once
 
+#include "core/body_order.hpp"
 #include "core/tick_record.hpp"
 #include "model/scene/scene_model.hpp"
 #include "physics/bullet/collider_tag.hpp"
+#include "physics/bullet/slot_shape.hpp"
 #include "physics/bullet/world_box.hpp"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
@@ -20,6 +22,10 @@ class BulletBody {
   /// colliders' boxes
   BulletBody(const SceneBody& body, int index, double reach_m);
 
+  /// Creates an empty slot for a body of a game: it stands still and has no shape.
+  /// @param pieces most colliders
+  BulletBody(int index, int pieces, double reach_m);
+
   [[nodiscard]] btRigidBody& rigid() { return *rigid_; }
   /// False for a fixed body, which is only placed.
   [[nodiscard]] bool moves() const { return !rigid_->isStaticObject(); }
@@ -30,14 +36,25 @@ class BulletBody {
     Meets meets = Meets::kAll;
     Shape form;  ///< in the collider's frame
     ColliderTag tag;
-    std::unique_ptr<btCollisionShape> shape;
+    std::unique_ptr<btCollisionShape> shape;  ///< of a scene body
+    SlotShape slot_shape;                     ///< of a slot
     std::unique_ptr<btCollisionObject> object;
+    bool used = true;  ///< false: a collider of a slot without piece; its box is empty
     btTransform in_rigid;
     WorldBox box;
   };
   [[nodiscard]] const std::vector<std::unique_ptr<Collider>>& colliders() const {
     return colliders_;
   }
+
+  /// Mass, inertia and friction of a slot's body; it stands still with mass 0. Real-time safe.
+  void setMass(double mass_kg, const btVector3& moments, double friction,
+               const btVector3& gravity) noexcept;
+  /// Shapes of a slot: `count` pieces, in the rigid body's frame. With 0 the slot is empty.
+  /// Real-time safe.
+  void setPieces(const SlotPiece* pieces, int count, const Eigen::Quaterniond& from_body) noexcept;
+  /// Places a slot's body at this pose; no contact survives. Real-time safe.
+  void putAt(const BodyPose& pose, const Vec3& velocity_m_s) noexcept;
 
   /// Moves the colliders to the rigid body's pose. Real-time safe.
   void placeColliders() noexcept;
@@ -58,6 +75,7 @@ class BulletBody {
  private:
   void put(const btTransform& at, const btVector3& velocity) noexcept;
   void addCollider(const SceneBody& body, const Shape& shape, Meets meets);
+  void addEmptyCollider();
 
   Pose from_body_;     ///< Bullet's frame in the scene's body frame
   btTransform start_;  ///< pose of Bullet's frame

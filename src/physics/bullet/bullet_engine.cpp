@@ -15,11 +15,14 @@ constexpr std::size_t kRehearsedManifolds = 4096;
 
 std::vector<BulletBody> makeBodies(const SceneModel& scene) {
   std::vector<BulletBody> bodies;
-  bodies.reserve(scene.bodies.size());
+  bodies.reserve(scene.bodies.size() + static_cast<std::size_t>(scene.game.slots));
   for (const SceneBody& body : scene.bodies) {
     BulletBody& added =
         bodies.emplace_back(body, static_cast<int>(bodies.size()), contactThreshold());
     added.rigid().setGravity(toBt(scene.gravity_m_s2));
+  }
+  for (int slot = 0; slot < scene.game.slots; ++slot) {
+    bodies.emplace_back(static_cast<int>(bodies.size()), scene.game.pieces, contactThreshold());
   }
   return bodies;
 }
@@ -34,17 +37,20 @@ BulletEngine::BulletEngine(const HandModel& hand_in, const SceneModel& scene,
       scene_path(scene.path),
       dispatcher(&configuration),
       rows(hand_in, scene.hand_friction, settings),
-      solver(hand_in, kinematics, rows, settings, static_cast<int>(scene.bodies.size())),
+      solver(hand_in, kinematics, rows, settings,
+             static_cast<int>(scene.bodies.size()) + scene.game.slots),
       hand(hand_in, scene.hand_friction),
       bodies(makeBodies(scene)),
       resting(bodies, scene.gravity_m_s2.norm()),
       pairs(dispatcher, hand, bodies, resting, contactThreshold()),
+      game(scene, bodies, resting, pairs, solver, dispatcher),
       q_s(hand_in.axis_count),
       qd_s(hand_in.axis_count),
       theta_dot(hand_in.joint_count) {
   configure(settings);
   for (const SceneBody& body : scene.bodies) body_names.push_back(body.name);
-  for (int i = 0; i < static_cast<int>(bodies.size()); ++i) {
+  for (int i = 0; i < game.count(); ++i) body_names.push_back("slot " + std::to_string(i));
+  for (int i = 0; i < game.firstBody(); ++i) {
     if (!bodies[i].moves()) fixed_.push_back(i);
   }
   states_.resize(std::min<std::size_t>(bodies.size(), kMaxBodies));
@@ -87,7 +93,7 @@ void BulletEngine::rehearseStep() {
   solver.beginStep(no_motion, qd_s);
   advance(1e-6);
   solver.forgetStep();
-  for (BulletBody& body : bodies) body.putAtStart();
+  for (int i = 0; i < game.firstBody(); ++i) bodies[i].putAtStart();
   forgetContacts();
 }
 
@@ -116,7 +122,7 @@ void BulletEngine::layDownWhatStands() {
   resting.restAtOnce(pairs.near(), fell);
   solver.forgetStep();
   for (int i = 0; i < static_cast<int>(bodies.size()); ++i) {
-    bodies[i].putAtStart();
+    if (i < game.firstBody()) bodies[i].putAtStart();
     pairs.moved(i);
     updateState(i);
   }
@@ -125,13 +131,18 @@ void BulletEngine::layDownWhatStands() {
 
 // Rebuilds the lists only after a change of pairs or of resting bodies.
 void BulletEngine::listMoving() noexcept {
-  if (listed_ && pairs_listed_ == pairs.version() && resting_listed_ == resting.version()) return;
+  if (listed_ && pairs_listed_ == pairs.version() && resting_listed_ == resting.version() &&
+      game_listed_ == game.version()) {
+    return;
+  }
   listed_ = true;
   pairs_listed_ = pairs.version();
   resting_listed_ = resting.version();
+  game_listed_ = game.version();
   moving_.clear();
   moving_objects_.clear();
   for (const int body : resting.awakeBodies()) {
+    if (game.isGhost(body)) continue;
     moving_.push_back(&bodies[body].rigid());
     moving_objects_.push_back(&bodies[body].rigid());
   }
@@ -143,7 +154,7 @@ void BulletEngine::listMoving() noexcept {
     const ColliderTag* b = tagOf(manifold->getBody1());
     const bool stands =
         !a->ofHand() && !b->ofHand() && !resting.awake(a->body) && !resting.awake(b->body);
-    if (stands) continue;
+    if (stands || game.isGhost(a->body) || game.isGhost(b->body)) continue;
     if (manifolds_.size() < manifolds_.capacity()) {
       manifolds_.push_back(manifold);
     } else {
@@ -161,6 +172,10 @@ void BulletEngine::beginStep() noexcept {
 
 const std::vector<BodyState>& BulletEngine::bodyStates() noexcept {
   for (const int body : resting.awakeBodies()) updateState(body);
+  if (game_shown_ != game.version()) {
+    game_shown_ = game.version();
+    for (int i = 0; i < game.count(); ++i) updateState(game.firstBody() + i);
+  }
   return states_;
 }
 
@@ -170,7 +185,10 @@ void BulletEngine::updateState(int body) noexcept {
 
 void BulletEngine::advance(double step_s) noexcept {
   pairs.find();
+  game.settle(step_s);
+  game.drive(step_s);
   moveBodies(step_s);
+  game.finish(step_s);
   if (!resting.watch(step_s)) return;
   resting.layDown(pairs.near());
   for (int i = 0; i < static_cast<int>(states_.size()); ++i) updateState(i);

@@ -6,6 +6,7 @@
 #include "physics/bullet/bullet_bodies.hpp"
 #include "physics/bullet/bullet_hand.hpp"
 #include "physics/bullet/collider_pairs.hpp"
+#include "physics/bullet/game_bodies.hpp"
 #include "physics/bullet/reduced_contact_solver.hpp"
 #include "physics/bullet/resting_bodies.hpp"
 
@@ -59,6 +60,7 @@ struct BulletEngine {
   std::vector<BulletBody> bodies;
   RestingBodies resting;
   ColliderPairs pairs;
+  GameBodies game;   ///< the last bodies
   AxisPosition q_s;  ///< position last set by setHand()
   AxisVelocity qd_s;
   JointPosition theta;
@@ -79,8 +81,9 @@ struct BulletEngine {
   std::vector<btPersistentManifold*> manifolds_;    ///< contacts of the hand or of an awake body
   int unsolved_ = 0;
   bool listed_ = false;  ///< the lists above match the two versions below
-  unsigned pairs_listed_ = 0, resting_listed_ = 0;
-  std::vector<int> fixed_;         ///< indices of fixed bodies
+  unsigned pairs_listed_ = 0, resting_listed_ = 0, game_listed_ = 0;
+  unsigned game_shown_ = 0;        ///< version of the game's bodies in states_
+  std::vector<int> fixed_;         ///< indices of the scene's fixed bodies
   std::vector<BodyState> states_;  ///< recorded bodies; awake ones as of the last bodyStates()
 };
 

@@ -87,6 +87,18 @@ Fault BulletWorld::step(const HandDrive& drive, double period_s) noexcept {
   return Fault::kNone;
 }
 
+void BulletWorld::obey(const Command& command) noexcept {
+  engine_->game.obey(command);
+}
+
+void BulletWorld::setGameAlive(bool alive) noexcept {
+  engine_->game.setGameAlive(alive);
+}
+
+void BulletWorld::report(PoolReport& report) noexcept {
+  engine_->game.report(report);
+}
+
 void BulletWorld::contacts(ContactList& contacts) const noexcept {
   const bullet::BulletEngine& e = *engine_;
   contacts.count = 0;

@@ -2,6 +2,7 @@
 
 #include "model/hand/hand_model.hpp"
 #include "model/scene/scene_model.hpp"
+#include "physics/body_pool.hpp"
 #include "physics/bullet/solver_settings.hpp"
 #include "physics/physics_world.hpp"
 
@@ -16,8 +17,8 @@ struct BulletEngine;
 using BulletSettings = bullet::SolverSettings;
 
 /// Bullet 3.24, double precision, in process. The hand is an articulated body whose contacts are
-/// solved in its reduced velocities; the scene's bodies are rigid bodies.
-class BulletWorld final : public PhysicsWorld {
+/// solved in its reduced velocities; the scene's bodies, and those of a game, are rigid bodies.
+class BulletWorld final : public PhysicsWorld, public BodyPool {
  public:
   /// Builds the world, reserves every array and runs warm-up steps, so that no step allocates. @pre
   /// hand outlives this; scene as loaded. Not real-time safe.
@@ -30,6 +31,10 @@ class BulletWorld final : public PhysicsWorld {
   [[nodiscard]] Fault step(const HandDrive& drive, double period_s) noexcept override;
   void contacts(ContactList& contacts) const noexcept override;
   void selfForces(SelfForces& forces) const noexcept override;
+
+  void obey(const Command& command) noexcept override;
+  void setGameAlive(bool alive) noexcept override;
+  void report(PoolReport& report) noexcept override;
 
  private:
   std::unique_ptr<bullet::BulletEngine> engine_;

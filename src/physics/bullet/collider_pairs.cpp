@@ -84,6 +84,19 @@ void ColliderPairs::moved(int body) noexcept {
   }
 }
 
+void ColliderPairs::forget(int body) noexcept {
+  for (int c = of_body_[body].first; c < of_body_[body].second; ++c) {
+    for (Pair& pair : targets_[c].pairs) drop(pair);
+    targets_[c].kept = 0;
+  }
+  std::erase_if(body_pairs_, [&](BodyPair& both) {
+    if (owner_[both.a] != body && owner_[both.b] != body) return false;
+    drop(both.pair);
+    return true;
+  });
+  moved(body);
+}
+
 void ColliderPairs::refreshBoxes() noexcept {
   for (const int body : resting_.awakeBodies()) moved(body);
 }

@@ -33,6 +33,9 @@ class ColliderPairs {
   void placed(int body) noexcept;
   /// Updates the boxes of a body that was moved outside a step. Wakes no body.
   void moved(int body) noexcept;
+  /// Removes everything kept of a body's pairs, and updates its boxes: it takes other shapes, or
+  /// leaves the world. Wakes no body.
+  void forget(int body) noexcept;
   /// Pairs of bodies whose boxes overlap.
   [[nodiscard]] const std::vector<RestingBodies::Near>& near() noexcept;
   /// Changes with every pair that is added or removed.

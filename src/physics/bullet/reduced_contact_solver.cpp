@@ -46,7 +46,9 @@ ReducedContactSolver::ReducedContactSolver(const HandModel& hand, const Articula
       rows_(rows),
       inverse_(AxisMatrix::Zero(axes_ <= kNarrow ? kNarrow : kMaxAxes,
                                 axes_ <= kNarrow ? kNarrow : kMaxAxes)),
-      contacts_(kMostContacts) {
+      contacts_(kMostContacts),
+      bounded_(static_cast<std::size_t>(bodies)),
+      bounds_(static_cast<std::size_t>(bodies)) {
   reserve(bodies);
 }
 
@@ -55,6 +57,14 @@ void ReducedContactSolver::beginStep(const AxisMatrix& inverse, const AxisVeloci
   inverse_.topLeftCorner(axes_, axes_) = inverse;
   std::copy_n(velocity.data(), axes_, velocity_.data());
   change_.fill(0.0);
+}
+
+double ReducedContactSolver::impulseOn(int body) const noexcept {
+  double sum_ns = 0.0;
+  for (int i = 0; i < contact_count_; ++i) {
+    if (contacts_[i].body == body) sum_ns += contacts_[i].normal_row.impulse;
+  }
+  return sum_ns;
 }
 
 AxisVelocity ReducedContactSolver::velocity() const {
@@ -81,6 +91,7 @@ void ReducedContactSolver::reserve(int bodies) {
 
 void ReducedContactSolver::convertContacts(btPersistentManifold** manifolds, int count,
                                            const btContactSolverInfo& info) {
+  for (ImpulseBound& bound : bounds_) bound.pressed = 0.0;
   rows_.setUp(kinematics_, inverse_, velocity_.data(), info.m_timeStep);
   leans_ = rows_.leaning();
   for (int i = 0; i < count; ++i) {
@@ -128,6 +139,7 @@ void ReducedContactSolver::convertHandManifold(btPersistentManifold& manifold,
     contact.normal = hand_is_a ? point.m_normalWorldOnB : -point.m_normalWorldOnB;
     contact.on_hand = hand_is_a ? point.getPositionWorldOnA() : point.getPositionWorldOnB();
     contact.distance_m = point.getDistance();
+    contact.bound = bounded_[body.body] ? &bounds_[body.body] : nullptr;
     setUpContact(contact, hand, *body.rigid,
                  hand_is_a ? point.getPositionWorldOnB() : point.getPositionWorldOnA(), info);
     warmStart(contact);

@@ -26,6 +26,12 @@ struct ReducedRow {
   double impulse = 0.0;                     ///< accumulated [N·s or N·m·s]
 };
 
+/// Bound of the normal impulses of all contacts of the hand with one body.
+struct ImpulseBound {
+  double most = 1e30;    ///< in this step [N·s]
+  double pressed = 0.0;  ///< sum of them so far
+};
+
 /// A contact point between a capsule of the hand and a body, with its four rows.
 struct HandContact {
   btManifoldPoint* point = nullptr;
@@ -36,6 +42,7 @@ struct HandContact {
   btVector3 normal, tangent1, tangent2;  ///< unit, world; the normal from the body to the hand
   btVector3 on_hand;                     ///< world [m]
   double distance_m = 0.0;
+  ImpulseBound* bound = nullptr;  ///< null: unbounded
   ReducedRow normal_row, tangent1_row, tangent2_row, spin_row;
 };
 
@@ -57,6 +64,16 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   void beginStep(const AxisMatrix& inverse, const AxisVelocity& velocity);
   /// Clears the contacts of the last step.
   void forgetStep() { contact_count_ = dropped_ = 0; }
+  /// Bounds the sum of the normal impulses between the hand and a body in the following steps; with
+  /// them friction is bounded too. Real-time safe.
+  void boundBody(int body, double most_ns) noexcept {
+    bounded_[body] = true;
+    bounds_[body].most = most_ns;
+  }
+  /// Real-time safe.
+  void unboundBody(int body) noexcept { bounded_[body] = false; }
+  /// Sum of the normal impulses between the hand and a body in the last step [N·s]. Real-time safe.
+  [[nodiscard]] double impulseOn(int body) const noexcept;
   /// q̇_s at the end of the step.
   [[nodiscard]] AxisVelocity velocity() const;
 
@@ -86,6 +103,8 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   void finishRow(ReducedRow& row, const btSolverBody& body, bool angular, double goal_velocity,
                  bool one_sided = false) const;
   void warmStart(HandContact& contact);
+  template <int Width>
+  void press(HandContact& contact, btSolverBody& body, double wanted);
   void listNear();
   double iterateNear();
   static constexpr int kNarrow = 8;  // axes that most devices do not exceed
@@ -109,6 +128,8 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   bool leans_ = false;                 ///< a row leans on a joint end in this step
   AxisMatrix inverse_;                 ///< M_r⁻¹, padded with zeros to the loop's width
   std::vector<HandContact> contacts_;  ///< fixed size; the first contact_count_ are in use
+  std::vector<bool> bounded_;          ///< per body of the scene
+  std::vector<ImpulseBound> bounds_;   ///< the same; valid where bounded_
   int contact_count_ = 0;
   int dropped_ = 0;
   std::array<double, kMaxAxes> velocity_{};  ///< q̇_s before the contacts

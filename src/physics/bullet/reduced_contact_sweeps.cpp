@@ -53,6 +53,20 @@ void ReducedContactSolver::apply(ReducedRow& row, btSolverBody& body, double imp
   if (leans_) four(rows_.leaningImpulse().data()) += change * four(row.lean.data());
 }
 
+// Sets the normal impulse, within the bound of its body.
+template <int Width>
+void ReducedContactSolver::press(HandContact& contact, btSolverBody& body, double wanted) {
+  if (contact.bound == nullptr) {
+    apply<Width>(contact.normal_row, body, std::clamp(wanted, 0.0, kNoLimit));
+    return;
+  }
+  ImpulseBound& bound = *contact.bound;
+  const double before = contact.normal_row.impulse;
+  const double most = std::max(0.0, bound.most - (bound.pressed - before));
+  apply<Width>(contact.normal_row, body, std::clamp(wanted, 0.0, most));
+  bound.pressed += contact.normal_row.impulse - before;
+}
+
 // The point keeps its impulses and tangents from the step before; tangents may have turned.
 void ReducedContactSolver::warmStart(HandContact& contact) {
   btManifoldPoint& point = *contact.point;
@@ -60,7 +74,7 @@ void ReducedContactSolver::warmStart(HandContact& contact) {
                         point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2;
   const double share = settings_.warm_start;
   btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
-  apply<kMaxAxes>(contact.normal_row, body, share * point.m_appliedImpulse);
+  press<kMaxAxes>(contact, body, share * point.m_appliedImpulse);
   apply<kMaxAxes>(contact.tangent1_row, body, share * old.dot(contact.tangent1));
   apply<kMaxAxes>(contact.tangent2_row, body, share * old.dot(contact.tangent2));
   apply<kMaxAxes>(contact.spin_row, body, share * point.m_prevRHS);
@@ -97,8 +111,7 @@ void ReducedContactSolver::iterate() {
   for (int i = 0; i < contact_count_; ++i) {
     HandContact& contact = contacts_[i];
     btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
-    apply<Width>(contact.normal_row, body,
-                 std::clamp(wanted<Width>(contact.normal_row, body), 0.0, kNoLimit));
+    press<Width>(contact, body, wanted<Width>(contact.normal_row, body));
   }
   for (int i = 0; i < contact_count_; ++i) solveFriction<Width>(contacts_[i]);
   residual_ = std::max(residual_, rows_.iterate<Width>(change_.data()));

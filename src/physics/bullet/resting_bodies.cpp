@@ -56,6 +56,13 @@ void RestingBodies::disturb(int body) noexcept {
   listAwake();
 }
 
+void RestingBodies::setMoves(int body, bool moves) noexcept {
+  disturb(body);
+  if (awake_[body] == moves) return;
+  awake_[body] = moves;
+  listAwake();
+}
+
 bool RestingBodies::watch(double step_s) noexcept {
   bool any = false;
   for (const int body : awake_bodies_) {

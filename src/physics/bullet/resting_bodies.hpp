@@ -31,6 +31,8 @@ class RestingBodies {
 
   /// Wakes a body and its group, and restarts their time of stillness.
   WHOLEHAND_RT void disturb(int body) noexcept;
+  /// Makes a body one that moves (awake) or one that does not; wakes the group that it rested in.
+  WHOLEHAND_RT void setMoves(int body, bool moves) noexcept;
   /// Call after each step. True when layDown() is due.
   [[nodiscard]] WHOLEHAND_RT bool watch(double step_s) noexcept;
   /// Puts groups to rest that have been still long enough. @param near all pairs

@@ -1,0 +1,111 @@
+#pragma once
+
+#include "core/command.hpp"
+#include "core/geometry.hpp"
+
+#include <array>
+#include <cstdint>
+#include <type_traits>
+
+/// Bodies that a game puts into the running world: limits, the commands that carry its orders, and
+/// what the pool of slots reports (docs/adr/0043-bodies-of-a-game.md). SI units, world frame.
+namespace wholehand {
+
+inline constexpr int kMaxSlots = 64;          ///< bodies of a game at once
+inline constexpr int kMaxShapeSets = 64;      ///< shape sets of a game at once
+inline constexpr int kMaxSlotPieces = 16;     ///< convex pieces of a body
+inline constexpr int kMaxPieceVertices = 64;  ///< vertices of a convex mesh
+
+/// Who moves a body.
+enum class BodyOwner : std::int32_t {
+  kLoop,  ///< simulated: free under gravity
+  kGame,  ///< pulled towards the game's target by a bounded force; weightless; yields
+  kFixed  ///< stands still
+};
+
+/// State of a slot.
+enum class SlotState : std::int32_t {
+  kParked,    ///< holds no body
+  kGhost,     ///< has a pose, but touches nothing until it overlaps nothing
+  kSolid,     ///< collides
+  kLettingGo  ///< its force on the hand fades; then the order that asked for it is carried out
+};
+
+/// Why the pool refused an order.
+enum class OrderRefusal : std::int32_t {
+  kNone,
+  kNoSuchSlot,       ///< slot out of range
+  kWrongGeneration,  ///< the slot holds another body, or none
+  kSlotTaken,        ///< spawn into a slot that holds a body
+  kNoSuchShapes,     ///< shape set out of range, or not complete
+  kShapesBusy,       ///< shape set of a body that is in the world
+  kBadShapes,        ///< a piece, vertex or moment is out of range or out of order
+  kBadPose,          ///< not finite, quaternion off by > 1e-3, out of the world, or too fast
+  kBadMass,          ///< mass or friction out of the budget's range
+  kOverlap,          ///< spawn with `refuse_overlap` where something is
+  kBudget,           ///< as many bodies move as the budget allows
+  kNotTheGames,      ///< target for a body whose owner is not the game
+  kBusy,             ///< the body is being let go
+  kSilent            ///< the game is silent, or the run stops
+};
+inline constexpr int kOrderRefusals = 14;
+/// snake_case name, as in events and docs/protocol.md.
+[[nodiscard]] const char* refusalName(OrderRefusal refusal) noexcept;
+
+/// What the pool says of a slot.
+struct SlotReport {
+  std::int32_t generation = 0;  ///< of the body; 0: parked
+  SlotState state = SlotState::kParked;
+  BodyOwner owner = BodyOwner::kLoop;
+};
+
+/// An order that was refused in this tick.
+struct RefusedOrder {
+  std::int32_t slot = -1;
+  OrderRefusal refusal = OrderRefusal::kNone;
+};
+
+/// What the pool says in a tick. A slot's body is body first_body + slot of the record.
+struct PoolReport {
+  std::int32_t count = 0;  ///< slots; 0: the world has no pool
+  std::int32_t first_body = 0;
+  std::int32_t refused_count = 0;
+  std::int32_t moving = 0;        ///< bodies that are simulated and do not rest
+  std::int32_t quarantined = -1;  ///< slot whose body was taken out in the last step; -1: none
+  std::array<SlotReport, kMaxSlots> slots{};
+  std::array<RefusedOrder, kMaxCommands> refused{};
+};
+static_assert(std::is_trivially_copyable_v<PoolReport>);
+
+/// Pose of a body: its centre of mass, and the orientation of the frame its shapes were given in.
+struct BodyPose {
+  Vec3 position_m;
+  QuatXyzw orientation_xyzw;
+};
+
+/// Order to put a body into an empty slot.
+struct SpawnOrder {
+  int slot = 0;
+  int generation = 1;  ///< > 0; names this body of the slot in all further orders
+  int shape_set = 0;
+  BodyOwner owner = BodyOwner::kLoop;
+  double mass_kg = 0.1;
+  double friction = 0.8;  ///< Coulomb coefficient against the hand
+  BodyPose pose;
+  Vec3 velocity_m_s;            ///< when it becomes solid; owner kLoop only
+  bool refuse_overlap = false;  ///< refused instead of a ghost where it overlaps something
+};
+
+// The commands of the orders. Real-time safe.
+[[nodiscard]] Command spawnCommand(const SpawnOrder& order) noexcept;
+[[nodiscard]] Command removeCommand(int slot, int generation) noexcept;
+[[nodiscard]] Command teleportCommand(int slot, int generation, const BodyPose& pose) noexcept;
+[[nodiscard]] Command setOwnerCommand(int slot, int generation, BodyOwner owner) noexcept;
+[[nodiscard]] Command bodyTargetCommand(int slot, int generation, const BodyPose& pose) noexcept;
+
+/// Numbers of a spawn, as they stand in Command::numbers.
+[[nodiscard]] SpawnOrder spawnOrderOf(const Command& command) noexcept;
+/// Pose of a teleport or a target.
+[[nodiscard]] BodyPose poseOf(const Command& command) noexcept;
+
+}  // namespace wholehand

@@ -1,0 +1,135 @@
+#include "exercise/game_scene/game_scene.hpp"
+
+#include "core/body_order.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstdint>
+#include <utility>
+
+namespace wholehand::game_scene {
+namespace {
+
+enum Value : std::int32_t { kBodies, kGhosts, kMoving, kValues };
+// index: the slot, −1 for shapes. value: the body's generation; of kRefused the OrderRefusal.
+enum Event : std::int32_t { kAppeared, kSolid, kLettingGo, kLeft, kQuarantined, kRefused };
+
+class GameScene final : public Exercise {
+ public:
+  GameScene(const std::string& name, const DeviceModel& device) : axes_(device.axisCount()) {
+    description_.name = name;
+    description_.value_names = {"bodies", "ghosts", "moving"};
+    description_.event_names = {"appeared", "solid",       "letting_go",
+                                "left",     "quarantined", "refused"};
+    description_.json = R"({"kind":"game_scene"})";
+  }
+
+  [[nodiscard]] const ExerciseDescription& description() const noexcept override {
+    return description_;
+  }
+  void reset() override { told_ = {}; }
+  [[nodiscard]] WorldQuery query() const noexcept override { return {}; }
+
+  void tick(const ExerciseInput& input, ExerciseRecord& out,
+            BodyPlacements& placements) noexcept override {
+    out = ExerciseRecord{};
+    placements.count = 0;
+    out.effort = AxisEffort(axes_);
+    out.wall_active = AxisFlag(axes_);
+    out.wall = AxisPosition(axes_);
+    out.value_count = kValues;
+    if (input.pool == nullptr) return;
+    for (int i = 0; i < input.pool->refused_count; ++i) {
+      const RefusedOrder& refused = input.pool->refused[i];
+      tell(out, kRefused, refused.slot, static_cast<double>(refused.refusal));
+    }
+    const int quarantined = input.pool->quarantined;
+    if (quarantined >= 0) tell(out, kQuarantined, quarantined, told_[quarantined].generation);
+    for (int slot = 0; slot < input.pool->count; ++slot) follow(slot, *input.pool, out);
+    out.values[kMoving] = input.pool->moving;
+  }
+
+  [[nodiscard]] std::unique_ptr<Player> makePlayer(std::uint64_t) const override {
+    return nullptr;  // the motion or the person steers a free hand
+  }
+
+ private:
+  /// False when the tick's events are full: told in a later tick.
+  static bool tell(ExerciseRecord& out, Event event, int slot, double value) noexcept {
+    if (out.event_count == kMaxExerciseEvents) return false;
+    out.events[out.event_count++] = {event, slot, value};
+    return true;
+  }
+
+  void follow(int slot, const PoolReport& pool, ExerciseRecord& out) noexcept {
+    const SlotReport& now = pool.slots[slot];
+    SlotReport& told = told_[slot];
+    if (now.state != SlotState::kParked) out.values[kBodies] += 1.0;
+    if (now.state == SlotState::kGhost) out.values[kGhosts] += 1.0;
+    if (told.generation != 0 && told.generation != now.generation) {
+      if (!tell(out, kLeft, slot, told.generation)) return;
+      told = SlotReport{};
+    }
+    if (now.state == SlotState::kParked) return;
+    if (told.generation != now.generation) {
+      if (!tell(out, kAppeared, slot, now.generation)) return;
+      told = now;
+      told.state = SlotState::kGhost;
+    }
+    if (told.state == now.state) return;
+    const bool ghost = now.state == SlotState::kGhost;
+    const Event event = ghost ? kAppeared : now.state == SlotState::kSolid ? kSolid : kLettingGo;
+    if (tell(out, event, slot, now.generation)) told.state = now.state;
+  }
+
+  int axes_;
+  ExerciseDescription description_;
+  std::array<SlotReport, kMaxSlots> told_{};  ///< what events have told of every slot
+};
+
+GameBudget readBudget(TomlTable table, std::size_t scene_bodies) {
+  GameBudget budget;
+  budget.slots = static_cast<int>(table.integer("slots", 1, kMaxSlots));
+  budget.awake = static_cast<int>(table.integer("awake", 1, kMaxSlots));
+  budget.shape_sets = static_cast<int>(table.integer("shape_sets", 1, kMaxShapeSets));
+  budget.pieces = static_cast<int>(table.integer("pieces", 1, kMaxSlotPieces));
+  budget.vertices = static_cast<int>(table.integer("vertices", 4, kMaxPieceVertices));
+  const auto mass = table.interval("mass_kg", between(0.01, 5.0, "kg"));
+  const auto size = table.interval("size_m", between(0.005, 0.5, "m"));
+  budget.least_kg = mass[0], budget.most_kg = mass[1];
+  budget.least_m = size[0], budget.most_m = size[1];
+  if (table.good("awake") && table.good("slots") && budget.awake > budget.slots) {
+    table.fail("awake", "is more than there are slots", "must be at most budget.slots");
+  }
+  if (scene_bodies + static_cast<std::size_t>(budget.slots) > std::size_t{kMaxBodies}) {
+    table.fail("slots",
+               fmt::format("and the {} bodies of the scene do not fit a record", scene_bodies),
+               fmt::format("together at most {}", kMaxBodies));
+  }
+  return budget;
+}
+
+}  // namespace
+
+Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
+  LoadedExercise out;
+  Diagnostics faults;
+  if (!source.scene_path.empty()) {
+    Expected<SceneModel> scene = loadSceneFile(source.scene_path);
+    if (!scene) faults = scene.errors();
+    if (scene) out.scene = std::move(*scene);
+  }
+  out.scene.game = readBudget(file.root().table("budget"), out.scene.bodies.size());
+  Diagnostics of_file = file.finish();
+  faults.insert(faults.begin(), of_file.begin(), of_file.end());
+  if (source.level != 1) {
+    faults.push_back({source.path, 0, "", "", "a game scene has one level", "ask for level 1"});
+  }
+  if (!faults.empty()) return faults;
+  out.exercise = std::make_unique<GameScene>(source.name, *source.device);
+  out.files = {source.path, out.scene.path};
+  return out;
+}
+
+}  // namespace wholehand::game_scene

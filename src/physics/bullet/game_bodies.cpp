@@ -1,0 +1,407 @@
+#include "physics/bullet/game_bodies.hpp"
+
+#include "physics/body_checks.hpp"
+#include "physics/bullet/bullet_types.hpp"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+
+namespace wholehand::bullet {
+namespace {
+
+// A driven body follows v = (ω/2) (target − x), at most kMostDrive_m_s, through a damper of 2 m ω:
+// near the target that is a critically damped spring of m ω².
+constexpr double kDriveRate_per_s = 20.0;
+constexpr double kMostDrive_m_s = 0.5;
+constexpr double kMostMomentum_ns = 0.05;  // a heavy body moves more slowly
+constexpr double kMostForce_n = 5.0;       // of pull and turn together
+constexpr double kTurnShare = 0.1;         // of kMostForce_n, at the body's outermost point
+constexpr double kTargetLives_s = 0.1;
+
+// The arm follows the fading force: at 300 N/m it moves at 0.05 m/s.
+constexpr double kLetGoRate_n_s = 15.0;
+constexpr double kLeastLetGo_s = 0.1;
+
+// A body that overlapped the hand is met with a bound that grows from kFirst_n by the factor e in
+// kGrow_s, until kFull_s.
+constexpr double kFirst_n = 0.5;
+constexpr double kGrow_s = 0.03;
+constexpr double kFull_s = 0.3;
+constexpr double kSilentFade_s = 0.2;
+constexpr double kLeaves_s = 5.0;
+
+constexpr double kWorld_m = 5.0;        // farther from the origin a body has left the world
+constexpr double kMostSpeed_m_s = 8.0;  // faster, it is taken out; the supervisor stops at a change
+                                        // of 10 m/s in one step
+constexpr double kMostSpawnSpeed_m_s = 2.0;
+constexpr double kMostFriction = 2.0;
+const Vec3 kParkedAt{0.0, 0.0, -10.0};
+
+bool isPose(const BodyPose& pose) noexcept {
+  return pose.position_m.eigen().norm() <= kWorld_m &&
+         std::abs(pose.orientation_xyzw.eigen().norm() - 1.0) <= 1e-3;
+}
+
+bool isOwner(BodyOwner owner) noexcept {
+  return owner == BodyOwner::kLoop || owner == BodyOwner::kGame || owner == BodyOwner::kFixed;
+}
+
+btVector3 atMost(const btVector3& v, double length) noexcept {
+  const double is = v.length();
+  return is > length ? v * (length / is) : v;
+}
+
+/// Rotation vector from one orientation to another, the short way.
+btVector3 turnBetween(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) noexcept {
+  Eigen::Quaterniond turn = to * from.conjugate();
+  if (turn.w() < 0.0) turn.coeffs() = -turn.coeffs();
+  const double sine = turn.vec().norm();
+  const double angle = 2.0 * std::atan2(sine, turn.w());
+  return toBt(Eigen::Vector3d(turn.vec() * (sine > 1e-12 ? angle / sine : 2.0)));
+}
+
+}  // namespace
+
+GameBodies::GameBodies(const SceneModel& scene, std::vector<BulletBody>& bodies,
+                       RestingBodies& resting, ColliderPairs& pairs, ReducedContactSolver& solver,
+                       btCollisionDispatcher& dispatcher)
+    : budget_(scene.game),
+      gravity_(toBt(scene.gravity_m_s2)),
+      bodies_(bodies),
+      resting_(resting),
+      pairs_(pairs),
+      solver_(solver),
+      dispatcher_(dispatcher),
+      first_(static_cast<int>(bodies.size()) - scene.game.slots),
+      sets_(scene.game),
+      slots_(static_cast<std::size_t>(scene.game.slots)) {
+  for (int slot = 0; slot < count(); ++slot) bodyOf(slot).putAt({kParkedAt, {}}, {});
+}
+
+void GameBodies::refuse(int slot, OrderRefusal refusal) noexcept {
+  if (refusal == OrderRefusal::kNone || refused_count_ == kMaxCommands) return;
+  refused_[refused_count_++] = {slot, refusal};
+}
+
+void GameBodies::obey(const Command& command) noexcept {
+  switch (command.type) {
+    case CommandType::kShapeSet:
+    case CommandType::kShapePiece:
+    case CommandType::kShapeVertices:
+      return refuse(-1, sets_.take(command));
+    case CommandType::kSpawn:
+      return spawn(spawnOrderOf(command));
+    case CommandType::kRemove:
+    case CommandType::kTeleport:
+    case CommandType::kSetOwner:
+    case CommandType::kBodyTarget:
+      return orderBody(command);
+    default:
+      return;
+  }
+}
+
+int GameBodies::movingCount() const noexcept {
+  int count = 0;
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    if (slots_[i].state != SlotState::kParked && slots_[i].owner != BodyOwner::kFixed &&
+        resting_.awake(first_ + static_cast<int>(i))) {
+      ++count;
+    }
+  }
+  return count;
+}
+
+void GameBodies::spawn(const SpawnOrder& order) noexcept {
+  if (order.slot < 0 || order.slot >= count()) return refuse(order.slot, OrderRefusal::kNoSuchSlot);
+  Slot& slot = slots_[order.slot];
+  const auto say = [&](OrderRefusal refusal) noexcept { refuse(order.slot, refusal); };
+  if (slot.state != SlotState::kParked) return say(OrderRefusal::kSlotTaken);
+  if (order.generation < 1) return say(OrderRefusal::kWrongGeneration);
+  if (!alive_) return say(OrderRefusal::kSilent);
+  const ShapeSets::Set* set = sets_.find(order.shape_set);
+  if (set == nullptr) return say(OrderRefusal::kNoSuchShapes);
+  if (!isPose(order.pose) || !isOwner(order.owner) ||
+      !(order.velocity_m_s.eigen().norm() <= kMostSpawnSpeed_m_s)) {
+    return say(OrderRefusal::kBadPose);
+  }
+  if (!(order.mass_kg >= budget_.least_kg && order.mass_kg <= budget_.most_kg) ||
+      !(order.friction >= 0.0 && order.friction <= kMostFriction)) {
+    return say(OrderRefusal::kBadMass);
+  }
+  if (order.owner != BodyOwner::kFixed && movingCount() >= budget_.awake) {
+    return say(OrderRefusal::kBudget);
+  }
+  slot = Slot{};
+  slot.generation = order.generation;
+  slot.owner = order.owner;
+  slot.shape_set = order.shape_set;
+  slot.mass_kg = order.mass_kg;
+  slot.friction = order.friction;
+  slot.radius_m = set->radius_m;
+  slot.velocity_m_s = order.velocity_m_s;
+  slot.refuse_overlap = order.refuse_overlap;
+  slot.target = order.pose;
+  sets_.acquire(order.shape_set);
+  ++used_;
+  bodyOf(order.slot).setPieces(sets_.piecesOf(order.shape_set), set->pieces, set->from_body);
+  slot.there = order.pose;
+  becomeGhost(order.slot);
+}
+
+void GameBodies::orderBody(const Command& command) noexcept {
+  const int index = command.index;
+  if (index < 0 || index >= count()) return refuse(index, OrderRefusal::kNoSuchSlot);
+  Slot& slot = slots_[index];
+  if (slot.state == SlotState::kParked || command.value != slot.generation) {
+    return refuse(index, OrderRefusal::kWrongGeneration);
+  }
+  if (command.type == CommandType::kRemove) return letGo(index, Then::kPark);
+  if (slot.state == SlotState::kLettingGo) return refuse(index, OrderRefusal::kBusy);
+  if (command.type == CommandType::kSetOwner) {
+    const BodyOwner owner = spawnOrderOf(command).owner;
+    if (!isOwner(owner)) return refuse(index, OrderRefusal::kBadPose);
+    if (owner == slot.owner) return;
+    slot.next_owner = owner;
+    return letGo(index, Then::kSetOwner);
+  }
+  const BodyPose pose = poseOf(command);
+  if (!isPose(pose)) return refuse(index, OrderRefusal::kBadPose);
+  if (command.type == CommandType::kTeleport) {
+    slot.there = pose;
+    return letGo(index, Then::kTeleport);
+  }
+  if (slot.owner != BodyOwner::kGame) return refuse(index, OrderRefusal::kNotTheGames);
+  slot.target = pose;
+  slot.target_age_s = 0.0;
+  resting_.disturb(first_ + index);
+}
+
+// At once when the hand does not press the body.
+void GameBodies::letGo(int index, Then then) noexcept {
+  Slot& slot = slots_[index];
+  slot.then = then;
+  if (slot.state == SlotState::kLettingGo) return;
+  const double pressed_ns =
+      slot.state == SlotState::kSolid ? solver_.impulseOn(first_ + index) : 0.0;
+  if (!(pressed_ns > 0.0)) return carryOut(index);
+  slot.state = SlotState::kLettingGo;
+  slot.lasts_s = slot.left_s = std::max(kLeastLetGo_s, pressed_ns / step_s_ / kLetGoRate_n_s);
+  slot.impulse_ns = pressed_ns;
+  slot.solid_s = kFull_s;
+  solver_.boundBody(first_ + index, pressed_ns);
+}
+
+void GameBodies::carryOut(int index) noexcept {
+  Slot& slot = slots_[index];
+  if (slot.then == Then::kPark) return park(index);
+  if (slot.then == Then::kSetOwner) {
+    slot.owner = slot.next_owner;
+    slot.there = poseNow(index);
+  }
+  slot.velocity_m_s = Vec3{};
+  slot.target = slot.there;
+  slot.target_age_s = 0.0;
+  becomeGhost(index);
+}
+
+BodyPose GameBodies::poseNow(int slot) const noexcept {
+  const BodyState state = bodies_[first_ + slot].state();
+  return {state.position_m, state.orientation_xyzw};
+}
+
+// At slot.there. Everything that rested on it, or where it appears, wakes.
+void GameBodies::becomeGhost(int index) noexcept {
+  Slot& slot = slots_[index];
+  const int body = first_ + index;
+  if (slot.state == SlotState::kGhost) --ghosts_;
+  slot.state = SlotState::kGhost;
+  ++ghosts_;
+  ++version_;
+  solver_.unboundBody(body);
+  const ShapeSets::Set& set = *sets_.find(slot.shape_set);
+  bodyOf(index).setMass(slot.owner == BodyOwner::kFixed ? 0.0 : slot.mass_kg, set.moments_per_kg,
+                        slot.friction,
+                        slot.owner == BodyOwner::kLoop ? gravity_ : btVector3(0, 0, 0));
+  resting_.setMoves(body, true);
+  bodyOf(index).putAt(slot.there, {});
+  pairs_.placed(body);
+  pairs_.forget(body);
+}
+
+void GameBodies::becomeSolid(int index) noexcept {
+  Slot& slot = slots_[index];
+  const int body = first_ + index;
+  slot.state = SlotState::kSolid;
+  slot.refuse_overlap = false;
+  slot.solid_s = slot.overlapped ? 0.0 : kFull_s;
+  slot.overlapped = false;
+  if (slot.solid_s < kFull_s) solver_.boundBody(body, kFirst_n * step_s_);
+  --ghosts_;
+  ++version_;
+  if (slot.owner == BodyOwner::kLoop) {
+    bodies_[body].rigid().setLinearVelocity(toBt(slot.velocity_m_s.eigen()));
+  }
+  pairs_.forget(body);  // its points were never solved
+  if (slot.owner == BodyOwner::kFixed) resting_.setMoves(body, false);
+}
+
+void GameBodies::park(int index) noexcept {
+  Slot& slot = slots_[index];
+  const int body = first_ + index;
+  if (slot.state == SlotState::kGhost) --ghosts_;
+  pairs_.placed(body);  // wakes what lies on it
+  resting_.setMoves(body, false);
+  solver_.unboundBody(body);
+  sets_.release(slot.shape_set);
+  BulletBody& parked = bodyOf(index);
+  parked.setPieces(nullptr, 0, Eigen::Quaterniond::Identity());
+  parked.setMass(0.0, btVector3(0, 0, 0), 0.0, btVector3(0, 0, 0));
+  parked.putAt({kParkedAt, {}}, {});
+  pairs_.forget(body);
+  slot = Slot{};
+  --used_;
+  ++version_;
+}
+
+// Of two ghosts the lower slot goes first, so that they do not wait for one another.
+void GameBodies::noteOverlap(const ColliderTag& of, const ColliderTag& with) noexcept {
+  if (of.ofHand() || !isGhost(of.body)) return;
+  if (!with.ofHand() && isGhost(with.body) && with.body > of.body) return;
+  overlaps_[of.body - first_] = true;
+}
+
+void GameBodies::findOverlaps() noexcept {
+  overlaps_.fill(false);
+  for (int m = 0; m < dispatcher_.getNumManifolds(); ++m) {
+    const btPersistentManifold& manifold = *dispatcher_.getManifoldByIndexInternal(m);
+    const ColliderTag& a = *tagOf(manifold.getBody0());
+    const ColliderTag& b = *tagOf(manifold.getBody1());
+    if (!(isGhost(a.body) || isGhost(b.body))) continue;
+    for (int k = 0; k < manifold.getNumContacts(); ++k) {
+      if (manifold.getContactPoint(k).getDistance() >= 0.0) continue;
+      noteOverlap(a, b);
+      noteOverlap(b, a);
+      break;
+    }
+  }
+}
+
+void GameBodies::settle(double step_s) noexcept {
+  step_s_ = step_s;
+  if (ghosts_ == 0) return;
+  findOverlaps();
+  for (int slot = 0; slot < count(); ++slot) {
+    if (slots_[slot].state != SlotState::kGhost) continue;
+    if (!overlaps_[slot]) {
+      becomeSolid(slot);
+    } else if (slots_[slot].refuse_overlap) {
+      refuse(slot, OrderRefusal::kOverlap);
+      park(slot);
+    } else {
+      slots_[slot].overlapped = true;
+    }
+  }
+}
+
+void GameBodies::drive(double step_s) noexcept {
+  if (used_ == 0) return;
+  for (int slot = 0; slot < count(); ++slot) {
+    const Slot& s = slots_[slot];
+    if (s.state == SlotState::kParked || s.owner != BodyOwner::kGame) continue;
+    if (resting_.awake(first_ + slot)) pull(slot, step_s);
+  }
+}
+
+void GameBodies::pull(int index, double step_s) noexcept {
+  const Slot& slot = slots_[index];
+  btRigidBody& rigid = bodyOf(index).rigid();
+  const BodyPose now = poseNow(index);
+  const double rate = kDriveRate_per_s;
+  const btVector3 to_target =
+      toBt(slot.target.position_m.eigen()) - rigid.getWorldTransform().getOrigin();
+  const btVector3 turn =
+      turnBetween(now.orientation_xyzw.eigen(), slot.target.orientation_xyzw.eigen().normalized());
+  const double most_m_s = std::min(kMostDrive_m_s, kMostMomentum_ns / slot.mass_kg);
+  const btVector3 velocity = atMost(0.5 * rate * to_target, most_m_s);
+  const btVector3 spin = atMost(0.5 * rate * turn, most_m_s / slot.radius_m);
+  if (slot.state == SlotState::kGhost) {  // nothing holds it back
+    btTransform moved;
+    rigid.setLinearVelocity(velocity);
+    rigid.setAngularVelocity(spin);
+    rigid.predictIntegratedTransform(step_s, moved);
+    rigid.proceedToTransform(moved);
+    return;
+  }
+  const double most_n = kMostForce_n * force_share_;
+  const double damper = 2.0 * rate;
+  rigid.applyCentralForce(atMost(slot.mass_kg * damper * (velocity - rigid.getLinearVelocity()),
+                                 (1.0 - kTurnShare) * most_n));
+  const btMatrix3x3 inertia = rigid.getInvInertiaTensorWorld().inverse();
+  rigid.applyTorque(atMost(inertia * (damper * (spin - rigid.getAngularVelocity())),
+                           kTurnShare * most_n * slot.radius_m));
+}
+
+void GameBodies::finish(double step_s) noexcept {
+  watchSilence(step_s);
+  if (used_ == 0) return;
+  for (int index = 0; index < count(); ++index) {
+    Slot& slot = slots_[index];
+    if (slot.state == SlotState::kParked) continue;
+    const bool fresh = slot.target_age_s <= kTargetLives_s;
+    slot.target_age_s += step_s;
+    if (fresh && slot.target_age_s > kTargetLives_s) slot.target = poseNow(index);
+    if (slot.state == SlotState::kLettingGo) {
+      slot.left_s -= step_s;
+      if (slot.left_s <= 0.5 * step_s) {
+        carryOut(index);
+      } else {
+        solver_.boundBody(first_ + index, slot.impulse_ns * slot.left_s / slot.lasts_s);
+      }
+      continue;
+    }
+    if (slot.state == SlotState::kSolid && slot.solid_s < kFull_s) firm(index, step_s);
+    const BodyState state = bodies_[first_ + index].state();
+    if (!allFinite(state)) continue;  // observe() says so, and the run stops
+    if (state.position_m.eigen().norm() > kWorld_m ||
+        state.velocity_m_s.eigen().norm() > kMostSpeed_m_s) {
+      quarantined_ = index;
+      letGo(index, Then::kPark);
+    }
+  }
+}
+
+void GameBodies::firm(int index, double step_s) noexcept {
+  Slot& slot = slots_[index];
+  slot.solid_s += step_s;
+  if (slot.solid_s >= kFull_s) return solver_.unboundBody(first_ + index);
+  solver_.boundBody(first_ + index, kFirst_n * std::exp(slot.solid_s / kGrow_s) * step_s);
+}
+
+void GameBodies::watchSilence(double step_s) noexcept {
+  silent_s_ = alive_ ? 0.0 : silent_s_ + step_s;
+  const double change = step_s / kSilentFade_s;
+  force_share_ = std::clamp(force_share_ + (alive_ ? change : -change), 0.0, 1.0);
+  if (silent_s_ <= kLeaves_s) return;
+  for (int slot = 0; slot < count(); ++slot) {
+    if (slots_[slot].state != SlotState::kParked) letGo(slot, Then::kPark);
+  }
+}
+
+void GameBodies::report(PoolReport& report) noexcept {
+  report.count = count();
+  report.first_body = first_;
+  report.refused_count = refused_count_;
+  report.refused = refused_;
+  report.quarantined = quarantined_;
+  report.moving = used_ > 0 ? movingCount() : 0;
+  for (int i = 0; i < count(); ++i) {
+    report.slots[i] = {slots_[i].generation, slots_[i].state, slots_[i].owner};
+  }
+  refused_count_ = 0;
+  quarantined_ = -1;
+}
+
+}  // namespace wholehand::bullet

@@ -1,0 +1,113 @@
+#pragma once
+
+#include "core/body_order.hpp"
+#include "core/real_time.hpp"
+#include "model/scene/scene_model.hpp"
+#include "physics/body_pool.hpp"
+#include "physics/bullet/bullet_bodies.hpp"
+#include "physics/bullet/collider_pairs.hpp"
+#include "physics/bullet/reduced_contact_solver.hpp"
+#include "physics/bullet/resting_bodies.hpp"
+#include "physics/bullet/shape_sets.hpp"
+
+#include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
+
+#include <array>
+#include <vector>
+
+namespace wholehand::bullet {
+
+/// The bodies of a game: slots after the scene's bodies. A slot's body is a ghost until it overlaps
+/// nothing: it has a pose and colliders, but no solver rows. An order that takes a body away from
+/// the hand that presses it lets the force on the hand fade first. Real-time safe except for
+/// construction.
+class GameBodies final : public BodyPool {
+ public:
+  /// @pre all outlive this; the last scene.game.slots bodies are empty slots
+  GameBodies(const SceneModel& scene, std::vector<BulletBody>& bodies, RestingBodies& resting,
+             ColliderPairs& pairs, ReducedContactSolver& solver, btCollisionDispatcher& dispatcher);
+
+  void obey(const Command& command) noexcept override;
+  void setGameAlive(bool alive) noexcept override { alive_ = alive; }
+  void report(PoolReport& report) noexcept override;
+
+  /// Call after the pairs of a step are found, before it is solved: ghosts that overlap nothing
+  /// become solid.
+  WHOLEHAND_RT void settle(double step_s) noexcept;
+  /// Call before a step is solved: pulls driven bodies to their targets, and moves driven ghosts.
+  WHOLEHAND_RT void drive(double step_s) noexcept;
+  /// Call after a step: lets go, parks what left the world, and counts the time of silence.
+  WHOLEHAND_RT void finish(double step_s) noexcept;
+
+  /// True for a body without solver rows.
+  [[nodiscard]] bool isGhost(int body) const noexcept {
+    return body >= first_ && slots_[body - first_].state == SlotState::kGhost;
+  }
+  /// Changes whenever a ghost appears or becomes solid, or a body is parked.
+  [[nodiscard]] unsigned version() const noexcept { return version_; }
+  [[nodiscard]] int firstBody() const noexcept { return first_; }
+  [[nodiscard]] int count() const noexcept { return static_cast<int>(slots_.size()); }
+
+ private:
+  /// What happens to a body when the hand has let go of it.
+  enum class Then { kPark, kTeleport, kSetOwner };
+  struct Slot {
+    int generation = 0;
+    SlotState state = SlotState::kParked;
+    BodyOwner owner = BodyOwner::kLoop;
+    int shape_set = -1;
+    double mass_kg = 0.0, friction = 0.0, radius_m = 0.0;
+    Vec3 velocity_m_s;            ///< when a ghost of the loop becomes solid
+    bool refuse_overlap = false;  ///< until the first step
+    BodyPose target;              ///< of a driven body
+    double target_age_s = 0.0;
+    // While it lets go.
+    Then then = Then::kPark;
+    BodyPose there;
+    BodyOwner next_owner = BodyOwner::kLoop;
+    double left_s = 0.0, lasts_s = 0.0, impulse_ns = 0.0;
+    // Of a ghost, and of what it becomes.
+    bool overlapped = false;  ///< something was where it is
+    double solid_s = 0.0;     ///< time since then, up to the end of the bound
+  };
+
+  void spawn(const SpawnOrder& order) noexcept;
+  void orderBody(const Command& command) noexcept;
+  void letGo(int slot, Then then) noexcept;
+  void carryOut(int slot) noexcept;
+  void becomeGhost(int slot) noexcept;
+  void becomeSolid(int slot) noexcept;
+  void park(int slot) noexcept;
+  void refuse(int slot, OrderRefusal refusal) noexcept;
+  [[nodiscard]] int movingCount() const noexcept;
+  [[nodiscard]] BodyPose poseNow(int slot) const noexcept;
+  void findOverlaps() noexcept;
+  void noteOverlap(const ColliderTag& of, const ColliderTag& with) noexcept;
+  void pull(int slot, double step_s) noexcept;
+  void firm(int slot, double step_s) noexcept;
+  void watchSilence(double step_s) noexcept;
+  BulletBody& bodyOf(int slot) noexcept { return bodies_[first_ + slot]; }
+
+  const GameBudget budget_;
+  const btVector3 gravity_;
+  std::vector<BulletBody>& bodies_;
+  RestingBodies& resting_;
+  ColliderPairs& pairs_;
+  ReducedContactSolver& solver_;
+  btCollisionDispatcher& dispatcher_;
+  const int first_;
+  ShapeSets sets_;
+  std::vector<Slot> slots_;
+  std::array<bool, kMaxSlots> overlaps_{};
+  int ghosts_ = 0, used_ = 0;
+  bool alive_ = true;
+  double step_s_ = 1e-3;  ///< of the last step
+  double silent_s_ = 0.0;
+  double force_share_ = 1.0;  ///< of the driven bodies' force: falls while the game is silent
+  unsigned version_ = 0;
+  std::array<RefusedOrder, kMaxCommands> refused_{};
+  int refused_count_ = 0;
+  int quarantined_ = -1;
+};
+
+}  // namespace wholehand::bullet

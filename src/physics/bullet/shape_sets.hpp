@@ -1,0 +1,56 @@
+#pragma once
+
+#include "core/body_order.hpp"
+#include "core/real_time.hpp"
+#include "model/scene/game_shapes.hpp"
+#include "physics/bullet/slot_shape.hpp"
+
+#include <Eigen/Geometry>
+
+#include <vector>
+
+namespace wholehand::bullet {
+
+/// Shape sets of a game, in memory that exists from the start. A set is handed over by several
+/// commands, in order, and can be used when it is complete. Real-time safe except for construction.
+class ShapeSets {
+ public:
+  struct Set {
+    int announced = 0;  ///< pieces; 0: empty
+    int pieces = 0;     ///< begun so far
+    int vertices = 0;   ///< of the last piece, so far
+    int users = 0;      ///< bodies that have these shapes
+    btVector3 moments_per_kg{0, 0, 0};
+    Eigen::Quaterniond from_body = Eigen::Quaterniond::Identity();
+    double radius_m = 0.0;  ///< of the sphere about the centre of mass that holds all pieces
+  };
+
+  explicit ShapeSets(const GameBudget& budget);
+
+  /// Takes a kShapeSet, kShapePiece or kShapeVertices; a command that is refused empties its set.
+  [[nodiscard]] OrderRefusal take(const Command& command) noexcept;
+  /// The complete set; null when there is none.
+  [[nodiscard]] Set* find(int set) noexcept;
+  [[nodiscard]] const SlotPiece* piecesOf(int set) const noexcept {
+    return pieces_.data() + static_cast<std::size_t>(set * most_pieces_);
+  }
+  void acquire(int set) noexcept { ++sets_[set].users; }
+  void release(int set) noexcept { --sets_[set].users; }
+
+ private:
+  [[nodiscard]] OrderRefusal begin(int set, const ShapeSetHead& head) noexcept;
+  [[nodiscard]] OrderRefusal addPiece(int set, const ShapePiece& piece) noexcept;
+  [[nodiscard]] OrderRefusal addVertices(int set, const ShapeVertices& vertices) noexcept;
+  [[nodiscard]] bool lastPieceIsWhole(int set) const noexcept;
+  [[nodiscard]] SlotPiece& piece(int set, int index) noexcept {
+    return pieces_[static_cast<std::size_t>(set * most_pieces_ + index)];
+  }
+
+  const int most_pieces_, most_vertices_;
+  const double most_m_;
+  std::vector<Set> sets_;
+  std::vector<SlotPiece> pieces_;
+  std::vector<btVector3> vertices_;
+};
+
+}  // namespace wholehand::bullet
