@@ -126,8 +126,6 @@ Wild runWild(std::mt19937_64& random, const std::string& device_name, int ticks,
   plan.count_allocations = threadAllocations;
   plan.sinks.push_back([&](const TickRecord& record) {
     if (record.contact_count > 0) ++out.touching;
-    if (any(record.faults & kStopping))
-      std::printf("FAULT %u tick %d\n", (unsigned)record.faults, (int)record.tick);
     for (int i = 0; i < record.exercise.event_count; ++i) {
       const int type = record.exercise.events[i].type;
       if (type == 0) ++out.ghosts;

@@ -32,9 +32,11 @@ constexpr double kFull_s = 0.3;
 constexpr double kSilentFade_s = 0.2;
 constexpr double kLeaves_s = 5.0;
 
-constexpr double kWorld_m = 5.0;        // farther from the origin a body has left the world
-constexpr double kMostSpeed_m_s = 8.0;  // faster, it is taken out; the supervisor stops at a change
-                                        // of 10 m/s in one step
+constexpr double kWorld_m = 5.0;  // farther from the origin a body has left the world
+// Faster, a body is held back and taken out: the supervisor stops the run when a body's velocity
+// changes by 10 m/s or 500 rad/s in one step.
+constexpr double kMostSpeed_m_s = 4.9;
+constexpr double kMostSpin_rad_s = 200.0;
 constexpr double kMostSpawnSpeed_m_s = 2.0;
 constexpr double kMostFriction = 2.0;
 const Vec3 kParkedAt{0.0, 0.0, -10.0};
@@ -353,24 +355,31 @@ void GameBodies::finish(double step_s) noexcept {
     const bool fresh = slot.target_age_s <= kTargetLives_s;
     slot.target_age_s += step_s;
     if (fresh && slot.target_age_s > kTargetLives_s) slot.target = poseNow(index);
-    if (slot.state == SlotState::kLettingGo) {
-      slot.left_s -= step_s;
-      if (slot.left_s <= 0.5 * step_s) {
-        carryOut(index);
-      } else {
-        solver_.boundBody(first_ + index, slot.impulse_ns * slot.left_s / slot.lasts_s);
-      }
-      continue;
-    }
+    if (slot.state != SlotState::kGhost) holdWithin(index);
+    if (slot.state == SlotState::kLettingGo) fade(index, step_s);
     if (slot.state == SlotState::kSolid && slot.solid_s < kFull_s) firm(index, step_s);
-    const BodyState state = bodies_[first_ + index].state();
-    if (!allFinite(state)) continue;  // observe() says so, and the run stops
-    if (state.position_m.eigen().norm() > kWorld_m ||
-        state.velocity_m_s.eigen().norm() > kMostSpeed_m_s) {
-      quarantined_ = index;
-      letGo(index, Then::kPark);
-    }
   }
+}
+
+// A state that is not finite is left to observe(), and the run stops.
+void GameBodies::holdWithin(int index) noexcept {
+  btRigidBody& rigid = bodyOf(index).rigid();
+  const double speed_m_s = rigid.getLinearVelocity().length();
+  const double spin_rad_s = rigid.getAngularVelocity().length();
+  const double far_m = rigid.getWorldTransform().getOrigin().length();
+  if (!std::isfinite(speed_m_s) || !std::isfinite(spin_rad_s) || !std::isfinite(far_m)) return;
+  rigid.setLinearVelocity(atMost(rigid.getLinearVelocity(), kMostSpeed_m_s));
+  rigid.setAngularVelocity(atMost(rigid.getAngularVelocity(), kMostSpin_rad_s));
+  if (speed_m_s <= kMostSpeed_m_s && far_m <= kWorld_m) return;
+  if (slots_[index].state == SlotState::kSolid) quarantined_ = index;
+  letGo(index, Then::kPark);
+}
+
+void GameBodies::fade(int index, double step_s) noexcept {
+  Slot& slot = slots_[index];
+  slot.left_s -= step_s;
+  if (slot.left_s <= 0.5 * step_s) return carryOut(index);
+  solver_.boundBody(first_ + index, slot.impulse_ns * slot.left_s / slot.lasts_s);
 }
 
 void GameBodies::firm(int index, double step_s) noexcept {

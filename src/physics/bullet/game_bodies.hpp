@@ -84,6 +84,8 @@ class GameBodies final : public BodyPool {
   void findOverlaps() noexcept;
   void noteOverlap(const ColliderTag& of, const ColliderTag& with) noexcept;
   void pull(int slot, double step_s) noexcept;
+  void holdWithin(int slot) noexcept;
+  void fade(int slot, double step_s) noexcept;
   void firm(int slot, double step_s) noexcept;
   void watchSilence(double step_s) noexcept;
   BulletBody& bodyOf(int slot) noexcept { return bodies_[first_ + slot]; }
