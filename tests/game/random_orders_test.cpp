@@ -100,7 +100,26 @@ class WildGame {
   std::array<int, kSlots> generation_{};
 };
 
+/// What stopped a run, for a person who has to find out.
+std::string storyOf(const TickRecord& before, const TickRecord& now) {
+  std::string story = "tick " + std::to_string(now.tick) + ", faults " +
+                      std::to_string(static_cast<std::uint32_t>(now.faults)) + ", axis " +
+                      std::to_string(now.fault_axis) + "; fastest axis " +
+                      std::to_string(now.qd_s.vec().cwiseAbs().maxCoeff());
+  for (int i = 0; i < now.body_count; ++i) {
+    const Eigen::Vector3d change =
+        now.bodies[i].velocity_m_s.eigen() - before.bodies[i].velocity_m_s.eigen();
+    const Eigen::Vector3d spin = now.bodies[i].angular_velocity_rad_s.eigen() -
+                                 before.bodies[i].angular_velocity_rad_s.eigen();
+    if (change.norm() < 2.0 && spin.norm() < 100.0) continue;
+    story += "; slot " + std::to_string(i) + " by " + std::to_string(change.norm()) + " m/s, " +
+             std::to_string(spin.norm()) + " rad/s";
+  }
+  return story;
+}
+
 struct Wild {
+  std::string stopped;  ///< what stopped it; empty: nothing
   RunOutcome outcome;
   std::uint64_t orders = 0, spawned = 0, ghosts = 0, solid = 0, refused = 0, touching = 0;
 };
@@ -117,6 +136,7 @@ Wild runWild(std::mt19937_64& random, const std::string& device_name, int ticks,
   if (!rig->renderer->arm()) throw std::runtime_error("not armed");
   Wild out;
   WildGame game(random, copy);
+  TickRecord before;
   std::unique_ptr<Run> run;
   RunPlan plan;
   plan.duration_ticks = static_cast<std::uint64_t>(ticks);
@@ -126,6 +146,9 @@ Wild runWild(std::mt19937_64& random, const std::string& device_name, int ticks,
   plan.count_allocations = threadAllocations;
   plan.sinks.push_back([&](const TickRecord& record) {
     if (record.contact_count > 0) ++out.touching;
+    if (any(record.faults & kStopping) && out.stopped.empty())
+      out.stopped = storyOf(before, record);
+    before = record;
     for (int i = 0; i < record.exercise.event_count; ++i) {
       const int type = record.exercise.events[i].type;
       if (type == 0) ++out.ghosts;
@@ -165,6 +188,7 @@ TEST(GameOrders, AtRandomNearAMovingHand_AllocateNothingStopNothingAndReplay) {
     SCOPED_TRACE(device);
     const TempFolder folder;
     const Wild wild = runWild(random, device, cases(4000), folder, {});
+    EXPECT_EQ(wild.stopped, "");
     EXPECT_FALSE(wild.outcome.faulted);
     EXPECT_EQ(wild.outcome.counters.stopping_faults, 0U);
     if (allocationCountingAvailable()) {

@@ -24,11 +24,13 @@ constexpr double kTargetLives_s = 0.1;
 constexpr double kLetGoRate_n_s = 15.0;
 constexpr double kLeastLetGo_s = 0.1;
 
-// A body that overlapped the hand is met with a bound that grows from kFirst_n by the factor e in
-// kGrow_s, until kFull_s.
+// Bound of the normal forces between the hand and a body together. Without it, a hand that wedges
+// between two fixed bodies was seen to be pressed with 33 kN from both sides. After an overlap the
+// bound begins with kFirst_n and grows by the factor e in kGrow_s.
+constexpr double kMostContact_n = 100.0;
 constexpr double kFirst_n = 0.5;
 constexpr double kGrow_s = 0.03;
-constexpr double kFull_s = 0.3;
+constexpr double kFull_s = 0.3;  // then the bound is kMostContact_n
 constexpr double kSilentFade_s = 0.2;
 constexpr double kLeaves_s = 5.0;
 
@@ -240,7 +242,7 @@ void GameBodies::becomeSolid(int index) noexcept {
   slot.refuse_overlap = false;
   slot.solid_s = slot.overlapped ? 0.0 : kFull_s;
   slot.overlapped = false;
-  if (slot.solid_s < kFull_s) solver_.boundBody(body, kFirst_n * step_s_);
+  solver_.boundBody(body, (slot.solid_s < kFull_s ? kFirst_n : kMostContact_n) * step_s_);
   --ghosts_;
   ++version_;
   if (slot.owner == BodyOwner::kLoop) {
@@ -385,8 +387,8 @@ void GameBodies::fade(int index, double step_s) noexcept {
 void GameBodies::firm(int index, double step_s) noexcept {
   Slot& slot = slots_[index];
   slot.solid_s += step_s;
-  if (slot.solid_s >= kFull_s) return solver_.unboundBody(first_ + index);
-  solver_.boundBody(first_ + index, kFirst_n * std::exp(slot.solid_s / kGrow_s) * step_s);
+  const double grown_n = kFirst_n * std::exp(slot.solid_s / kGrow_s);
+  solver_.boundBody(first_ + index, std::min(grown_n, kMostContact_n) * step_s);
 }
 
 void GameBodies::watchSilence(double step_s) noexcept {

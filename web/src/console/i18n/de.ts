@@ -6,7 +6,7 @@ export const de: ConsoleTexts = {
   session: 'Sitzung {n}',
   level: 'Stufe {n}',
   levelOf: 'Stufe {n} von {m}',
-  exercises: { 'free-grasping': 'Freies Greifen', 'squeeze-to-level': 'Kraft dosieren' },
+  exercises: { 'game-scene': 'Körper eines Spiels', 'free-grasping': 'Freies Greifen', 'squeeze-to-level': 'Kraft dosieren' },
   hands: {
     'adult-median-right': 'Median, rechts', 'adult-median-left': 'Median, links',
     'woman-p05-right': 'Frau P5, rechts', 'woman-p50-right': 'Frau P50, rechts', 'woman-p95-right': 'Frau P95, rechts',
