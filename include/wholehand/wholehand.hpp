@@ -18,9 +18,11 @@
 #include "assembly/rehearsal.hpp"              // rehearse(): by it what moves a person is armed
 #include "assembly/rig.hpp"                    // buildRig(), checkGains()
 #include "certification/certificate_file.hpp"  // readCertificate(), for RigOptions::certificate
+#include "core/body_order.hpp"                 // spawnCommand() ..: bodies of a game
 #include "core/expected.hpp"                   // Expected, Diagnostic
 #include "core/tick_record.hpp"          // TickRecord: all that one tick read, computed and sent
 #include "device/haptic_device.hpp"      // HapticDevice: implement it for a device of your own
+#include "model/scene/game_shapes.hpp"   // prepareShapes(), shapeCommands()
 #include "patient/motion.hpp"            // Intention: what the virtual patient wants
 #include "physics/physics_world.hpp"     // PhysicsWorld: the interface of an engine
 #include "renderer/haptic_renderer.hpp"  // HapticRenderer: arm(), tick()

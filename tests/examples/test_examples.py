@@ -49,6 +49,16 @@ class Examples(PacedTest):
         back_n = float(re.search(r"gives back (\S+) N", said)[1])
         self.assertAlmostEqual(back_n, 3.0, delta=0.003)
 
+    def test_bodies_of_a_game_press_with_a_bounded_force(self):
+        said = self.example("07_bodies_of_a_game").out
+        appeared, solid = (float(re.search(rf"(\S+) s  slot 0 {event}", said)[1])
+                           for event in ("appeared", "solid"))
+        self.assertGreater(solid, appeared + 0.01)  # it overlapped the palm first
+        pressed_n = [float(n) for n in re.findall(r"presses with (\S+) N", said)]
+        self.assertEqual(max(pressed_n[:6]), 0.0)  # away from the hand
+        self.assertGreater(pressed_n[-1], 0.5)
+        self.assertLess(pressed_n[-1], 5.0 * 1.1)
+
     def test_run_and_record_keeps_every_tick(self):
         said = self.example("05_run_and_record", "rails.h5", "1").out
         ticks, recorded = (int(n) for n in re.search(r"(\d+) ticks, (\d+) recorded", said).groups())
