@@ -43,7 +43,10 @@ MappedBox::Sizes MappedBox::sizesOf(const RecordingMeta& meta, const BlackBoxPla
   // One more tick, since the last of a lap may not fit; and commands.
   sizes.data = std::min(static_cast<std::size_t>(kept * tick_bytes), plan.most_tick_bytes) +
                2 * kMostPackedBytes;
-  const double axes_bytes = 10.0 + static_cast<double>(sizeof(double)) * count(meta.axis_names);
+  // A game that moves its bodies sends about two orders a tick, of seven numbers each.
+  const double orders_bytes = meta.game_slots > 0 ? 128.0 : 0.0;
+  const double axes_bytes =
+      orders_bytes + 10.0 + static_cast<double>(sizeof(double)) * count(meta.axis_names);
   sizes.inputs = static_cast<std::size_t>(
       std::min(run * axes_bytes + 64.0 * kMostInputBytes, static_cast<double>(plan.input_bytes)));
   return sizes;

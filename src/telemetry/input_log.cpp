@@ -100,6 +100,13 @@ bool inCounts(double q, double step, std::int64_t& counts) noexcept {
   return std::bit_cast<std::uint64_t>(atCounts(counts, step)) == std::bit_cast<std::uint64_t>(q);
 }
 
+/// Numbers of an order without the zeros at their end.
+int usedNumbers(const Command& c) noexcept {
+  int used = kOrderNumbers;
+  while (used > 0 && std::bit_cast<std::uint64_t>(c.numbers[used - 1]) == 0) --used;
+  return used;
+}
+
 void logCommands(const TickRecord& record, Out& out) noexcept {
   const int count = std::min(record.command_count, kMaxCommands);
   out.number(static_cast<std::uint64_t>(count));
@@ -111,7 +118,9 @@ void logCommands(const TickRecord& record, Out& out) noexcept {
     out.number(static_cast<std::uint64_t>(c.aim.size()));
     for (double q : c.aim) out.real(q);
     if (!isBodyOrder(c.type)) continue;
-    for (double number : c.numbers) out.real(number);
+    const int used = usedNumbers(c);
+    out.number(static_cast<std::uint64_t>(used));
+    for (int n = 0; n < used; ++n) out.real(c.numbers[n]);
   }
 }
 
@@ -125,7 +134,8 @@ void readCommands(In& in, TickInput& input) {
     c.aim = AxisPosition(static_cast<int>(in.upTo(kMaxAxes)));
     for (int a = 0; a < c.aim.size(); ++a) c.aim[a] = in.real();
     if (!isBodyOrder(c.type)) continue;
-    for (double& number : c.numbers) number = in.real();
+    const auto used = static_cast<int>(in.upTo(kOrderNumbers));
+    for (int n = 0; n < used; ++n) c.numbers[n] = in.real();
   }
 }
 

@@ -114,11 +114,33 @@ class InputLog : public testing::Test {
       EXPECT_TRUE(sameBits(got.value, want.value));
       EXPECT_EQ(got.aim.size(), want.aim.size());
       for (int a = 0; a < want.aim.size(); ++a) EXPECT_TRUE(sameBits(got.aim[a], want.aim[a]));
+      for (int n = 0; n < kOrderNumbers; ++n) {
+        EXPECT_TRUE(sameBits(got.numbers[n], want.numbers[n])) << "number " << n;
+      }
     }
     return written;
   }
   InputLogState writing_, reading_;
 };
+
+TEST_F(InputLog, OrdersToBodies_ComeBackBitForBitWithoutTheirLastZeros) {
+  TickRecord record;
+  record.elapsed_periods = 1;
+  record.q_m = AxisPosition(6);
+  const std::size_t nothing = expectComesBack(record);
+  record.command_count = kMaxCommands;
+  for (Command& c : record.commands) {
+    c.type = CommandType::kBodyTarget;
+    c.index = 63;
+    c.value = 1e6;
+    c.numbers = {0.1, -0.0, std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0, -0.0};
+  }
+  const std::size_t targets = expectComesBack(record);
+  // Six of sixteen numbers, and less than 16 bytes of type, slot, generation and sizes each.
+  EXPECT_LT(targets, nothing + kMaxCommands * (6 * sizeof(double) + 16));
+  for (Command& c : record.commands) c.numbers.fill(0.1);
+  EXPECT_GT(expectComesBack(record), kMaxCommands * kOrderNumbers * sizeof(double));
+}
 
 TEST_F(InputLog, AnyTick_ComesBackBitForBit) {
   auto random = seededRandom(4103);
