@@ -1,6 +1,8 @@
 // The budget of a game scene: what a file may say, which engines and devices take it, and shapes.
+#include "assembly/engines.hpp"
 #include "game/game_tools.hpp"
 #include "model/temp_folder.hpp"
+#include "physics/body_pool.hpp"
 
 #include <fstream>
 #include <sstream>
@@ -132,6 +134,45 @@ TEST(GameBudget, ParkedSlots_CostAlmostNothing) {
   figure("64 parked slots, p50 of a tick", difference_us[2000], "us");
   if (WHOLEHAND_SANITIZED == 0) {
     EXPECT_LE(difference_us[2000], tolerance(3.0));
+  }
+}
+
+// CPU time of an order among twenty bodies over the hand.
+TEST(GameBudget, AnOrder_TakesMicroseconds) {
+  const Models models = gameModels();
+  const auto world = orThrow(buildWorld(defaultEngine(), models.hand, models.scene));
+  auto* pool = dynamic_cast<BodyPool*>(world.get());
+  ASSERT_NE(pool, nullptr);
+  ASSERT_TRUE(world->placeHand(AxisPosition(6)));
+  for (const Command& c : shapeCommands(
+           0, orThrow(prepareShapes({boxShape({0.04, 0.04, 0.04})}, models.scene.game)))) {
+    pool->obey(c);
+  }
+  const AxisMatrix inverse = AxisMatrix::Identity(6, 6);
+  HandDrive drive;
+  drive.effort = AxisEffort(6);
+  drive.reduced_inertia_inverse = &inverse;
+  std::vector<double> times_us;
+  const auto obey = [&](const Command& command) {
+    const double before = cpuNow_s();
+    pool->obey(command);
+    times_us.push_back(1e6 * (cpuNow_s() - before));
+  };
+  for (int k = 0; k < 2000; ++k) {
+    const int slot = k % 20, generation = 1 + k / 20;
+    const BodyPose at = poseAt({0.02 * (slot % 5), 0.03 * (slot / 5) - 0.05, 0.0});
+    obey(removeCommand(slot, generation - 1));
+    SpawnOrder spawn = spawnOf(slot, 0, BodyOwner::kFixed, at);
+    spawn.generation = generation;
+    obey(spawnCommand(spawn));
+    obey(teleportCommand(slot, generation, at));
+    ASSERT_EQ(world->step(drive, 1e-3), Fault::kNone);
+  }
+  std::sort(times_us.begin(), times_us.end());
+  figure("an order, p50", times_us[times_us.size() / 2], "us");
+  figure("an order, p99.9", times_us[times_us.size() * 999 / 1000], "us");
+  if (WHOLEHAND_SANITIZED == 0) {
+    EXPECT_LE(times_us[times_us.size() / 2], tolerance(5.0));
   }
 }
 
