@@ -56,8 +56,8 @@ TEST_F(SafetyStates, HandInsideABody_RefusesToArmAndChangesNothing) {
   expectUntouched();
 }
 
-// Nothing moves after the stop, whenever it comes; an order to arm that it overtakes is refused. On a
-// fast machine the rehearsal may have ended before the latest of these stops.
+// Nothing moves after the stop, whenever it comes; an order to arm that it overtakes is refused. On
+// a fast machine the rehearsal may have ended before the latest of these stops.
 TEST_F(SafetyStates, EmergencyStopWhileRehearsing_RefusesPromptly) {
   load(barConfig());
   run(false);
