@@ -11,7 +11,7 @@ once: a run that was ended is gone on with.
 Nearly all of clang-tidy's time goes into the headers of the language and of Eigen, which nearly
 every file includes. Hence one run looks at a batch: a file that includes some thirty sources. Two
 sources of which one uses a name of the other's anonymous namespace do not share a batch, and a source
-with a private type named as one of a header shares none. Of a batch
+with a private type or constant named as one of a header shares none. Of a batch
 that is not clean every source is looked at alone, and only that counts: what is said here is what
 clang-tidy says of each file by itself.
 """
@@ -39,6 +39,8 @@ USED = re.compile(r"(?<![\w.:>])(?:([a-z]\w*)\s*(?=\()|([A-Zk]\w*))")
 MACRO = re.compile(r"^\s*#\s*define (\w+)", re.MULTILINE)
 # clang-format puts what a namespace declares at the start of a line.
 DECLARED = re.compile(r"^[A-Za-z][^\n({=;]*?\b([A-Za-z_]\w*)(?:\[\w*\])*\s*[({=;:]", re.MULTILINE)
+CONSTANT = re.compile(r"\b(k[A-Z]\w*)\s*(?=(?:\[\w*\]\s*)*(?:=[^=]|\{))")
+OF_NAMESPACE = re.compile(r"^(?:inline |static )*const.*", re.MULTILINE)
 TYPE = re.compile(r"^(?:struct|class|union|enum(?: class)?) (\w+)|^using (\w+) =", re.MULTILINE)
 ALIAS = re.compile(r"^\s*namespace (\w+) = ", re.MULTILINE)
 
@@ -51,7 +53,7 @@ def has_idle_alias(text):
 def private_names(text):
     """Names that a source keeps to itself: no other source of its batch may have one of them."""
     parts = ANONYMOUS.findall(text) + [line + ";" for line in STATIC.findall(text)]
-    names = {name for part in parts for name in DECLARED.findall(part)}
+    names = {name for part in parts for name in DECLARED.findall(part) + CONSTANT.findall(part)}
     return names.union(MACRO.findall(text)) - {"std", "Eigen", "final"}
 
 
@@ -93,23 +95,24 @@ def together(commands):
     return [word for words in every for word in words]
 
 
-def types_of_headers(folders):
-    found = (TYPE.findall(header.read_text()) for folder in folders for header in folder.rglob("*.hpp"))
-    return {name for names in found for pair in names for name in pair if name}
+def names_of_headers(folders):
+    """Names of the types and constants of all headers."""
+    texts = [header.read_text() for folder in folders for header in folder.rglob("*.hpp")]
+    types = {name for text in texts for pair in TYPE.findall(text) for name in pair if name}
+    constants = (line for text in texts for line in OF_NAMESPACE.findall(text))
+    return types.union(*(CONSTANT.findall(line) for line in constants))
 
 
-def make_batches(sources, types):
+def make_batches(sources, public):
     """Lists of sources that can stand in one file, their private names do not collide; and sources
-    that share none.
-
-    types: names of the types of all headers."""
+    that share none, since they have a name of `public` for themselves."""
     batches, alone, found = [], [], []
     for source in sorted(sources):
         text = source.read_text()
         header = source.with_suffix(".hpp")
         names = private_names(text)
         # extern "C": what takes the place of malloc, say.
-        if 'extern "C"' in text or "\nusing namespace" in text or names & types:
+        if 'extern "C"' in text or "\nusing namespace" in text or names & public:
             alone.append(source)
             continue
         used = used_names(text + (header.read_text() if header.exists() else ""))
@@ -261,11 +264,11 @@ class Alone:
         return words
 
 
-def look_at(build, jobs, commands, clean, types):
+def look_at(build, jobs, commands, clean, public):
     """{source: faults} of these commands. A batch takes the arguments of all sources."""
     place, single = build / "tidy", build / "tidy" / "alone"
     place.mkdir(exist_ok=True)
-    batches, alone = make_batches(commands, types)
+    batches, alone = make_batches(commands, public)
     files = [place / f"batch_{number}.cpp" for number in range(len(batches))]
     for file, sources in zip(files, batches):
         file.write_text("".join(f'#include "{source}"  // NOLINT\n' for source in sources))
@@ -312,7 +315,7 @@ def main():
         faults = {source: words for source, words in zip(commands, said) if words}
     how = "not looked at by clang-tidy"
     if not faults:  # what does not compile cannot be read
-        faults, how = look_at(build, jobs, commands, clean, types_of_headers(folders))
+        faults, how = look_at(build, jobs, commands, clean, names_of_headers(folders))
     for words in faults.values():
         print(words)
     print(f"{len(commands)} files {how}, {len(every) - len(commands)} clean before, "
