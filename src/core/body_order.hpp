@@ -97,7 +97,7 @@ struct SpawnOrder {
 };
 
 // The commands of the orders. Real-time safe.
-[[nodiscard]] Command spawnCommand(const SpawnOrder& order) noexcept;
+[[nodiscard]] Command spawnCommand(const SpawnOrder& spawn) noexcept;
 [[nodiscard]] Command removeCommand(int slot, int generation) noexcept;
 [[nodiscard]] Command teleportCommand(int slot, int generation, const BodyPose& pose) noexcept;
 [[nodiscard]] Command setOwnerCommand(int slot, int generation, BodyOwner owner) noexcept;

@@ -73,20 +73,20 @@ class GameBodies final : public BodyPool {
 
   void spawn(const SpawnOrder& order) noexcept;
   void orderBody(const Command& command) noexcept;
-  void letGo(int slot, Then then) noexcept;
-  void carryOut(int slot) noexcept;
-  void becomeGhost(int slot) noexcept;
-  void becomeSolid(int slot) noexcept;
-  void park(int slot) noexcept;
+  void letGo(int index, Then then) noexcept;
+  void carryOut(int index) noexcept;
+  void becomeGhost(int index) noexcept;
+  void becomeSolid(int index) noexcept;
+  void park(int index) noexcept;
   void refuse(int slot, OrderRefusal refusal) noexcept;
   [[nodiscard]] int movingCount() const noexcept;
   [[nodiscard]] BodyPose poseNow(int slot) const noexcept;
   void findOverlaps() noexcept;
   void noteOverlap(const ColliderTag& of, const ColliderTag& with) noexcept;
-  void pull(int slot, double step_s) noexcept;
-  void holdWithin(int slot) noexcept;
-  void fade(int slot, double step_s) noexcept;
-  void firm(int slot, double step_s) noexcept;
+  void pull(int index, double step_s) noexcept;
+  void holdWithin(int index) noexcept;
+  void fade(int index, double step_s) noexcept;
+  void firm(int index, double step_s) noexcept;
   void watchSilence(double step_s) noexcept;
   BulletBody& bodyOf(int slot) noexcept { return bodies_[first_ + slot]; }
 

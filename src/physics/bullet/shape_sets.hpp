@@ -39,8 +39,8 @@ class ShapeSets {
 
  private:
   [[nodiscard]] OrderRefusal begin(int set, const ShapeSetHead& head) noexcept;
-  [[nodiscard]] OrderRefusal addPiece(int set, const ShapePiece& piece) noexcept;
-  [[nodiscard]] OrderRefusal addVertices(int set, const ShapeVertices& vertices) noexcept;
+  [[nodiscard]] OrderRefusal addPiece(int set, const ShapePiece& in) noexcept;
+  [[nodiscard]] OrderRefusal addVertices(int set, const ShapeVertices& in) noexcept;
   [[nodiscard]] bool lastPieceIsWhole(int set) const noexcept;
   [[nodiscard]] SlotPiece& piece(int set, int index) noexcept {
     return pieces_[static_cast<std::size_t>(set * most_pieces_ + index)];
