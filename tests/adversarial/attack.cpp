@@ -76,7 +76,9 @@ double Bones::deepest(const TickRecord& record) {
   }
   hand_.updateKinematics(record.theta);
   double deepest_m = -1.0;
-  for (int b = 0; b < record.body_count; ++b) {
+  // The slots of a game, which come after the scene's bodies, are empty here.
+  const int bodies = static_cast<int>(rig_.models.scene.bodies.size());
+  for (int b = 0; b < std::min(record.body_count, bodies); ++b) {
     if ((placed_ >> b & 1U) != 0) continue;
     const BodyState& state = record.bodies[b];
     const SceneBody& body = rig_.models.scene.bodies[b];
