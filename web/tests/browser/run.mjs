@@ -60,10 +60,11 @@ async function test(name, run) {
   }
 }
 
-/** Share of all processors' time that is in use, over a few seconds. */
+/** Share of all processors' time that is in use, over a few seconds. What gives way to others (nice) is not counted. */
 async function busyShare() {
   const spent = () => cpus().map(({ times }) => times).reduce(
-    ({ idle, all }, t) => ({ idle: idle + t.idle, all: all + t.user + t.nice + t.sys + t.irq + t.idle }), { idle: 0, all: 0 });
+    ({ idle, all }, t) => ({ idle: idle + t.idle + t.nice, all: all + t.user + t.nice + t.sys + t.irq + t.idle }),
+    { idle: 0, all: 0 });
   const before = spent();
   await new Promise((resolve) => setTimeout(resolve, LOOK_MS));
   const after = spent();
