@@ -167,17 +167,17 @@ Wild runWild(std::mt19937_64& random, const std::string& device_name, int ticks,
   return out;
 }
 
-void expectSameAgain(const std::string& path) {
+void expectSameAgain(const std::string& path, int ticks) {
   if (path.ends_with(".h5")) {
     const auto reader = orThrow(RecordingReader::open(path));
     const auto again = orThrow(resimulate(*reader, path));
-    EXPECT_GT(again.compared, 1000U);
+    EXPECT_GE(again.compared, static_cast<std::uint64_t>(ticks));
     EXPECT_EQ(again.difference.field, "") << "tick " << again.different_tick;
     return;
   }
   const auto box = orThrow(BlackBoxReader::open(path));
   const auto again = orThrow(resimulate(*box, path));
-  EXPECT_GT(again.compared, 1000U);
+  EXPECT_GE(again.compared, static_cast<std::uint64_t>(ticks));
   EXPECT_EQ(again.difference.field, "") << "tick " << again.different_tick;
 }
 
@@ -187,14 +187,15 @@ TEST(GameOrders, AtRandomNearAMovingHand_AllocateNothingStopNothingAndReplay) {
   for (const std::string device : {"lambda-pride", "desktop-3axis", "wrist-9axis"}) {
     SCOPED_TRACE(device);
     const TempFolder folder;
-    const Wild wild = runWild(random, device, cases(4000), folder, {});
+    const int ticks = cases(4000);
+    const Wild wild = runWild(random, device, ticks, folder, {});
     EXPECT_EQ(wild.stopped, "");
     EXPECT_FALSE(wild.outcome.faulted);
     EXPECT_EQ(wild.outcome.counters.stopping_faults, 0U);
     if (allocationCountingAvailable()) {
       EXPECT_EQ(wild.outcome.counters.allocations, 0U);
     }
-    expectSameAgain(folder.path("run.h5"));
+    expectSameAgain(folder.path("run.h5"), ticks);
     all.orders += wild.orders, all.spawned += wild.spawned, all.solid += wild.solid;
     all.refused += wild.refused, all.touching += wild.touching, all.ghosts += wild.ghosts;
   }
@@ -203,9 +204,11 @@ TEST(GameOrders, AtRandomNearAMovingHand_AllocateNothingStopNothingAndReplay) {
   figure("became solid", static_cast<double>(all.solid), "1");
   figure("refused", static_cast<double>(all.refused), "1");
   figure("ticks with contact", static_cast<double>(all.touching), "1");
-  EXPECT_GT(all.solid, 100U);
-  EXPECT_GT(all.refused, 10U);
-  EXPECT_GT(all.touching, 100U);
+  if (kCountsTell) {
+    EXPECT_GT(all.solid, 100U);
+    EXPECT_GT(all.refused, 10U);
+    EXPECT_GT(all.touching, 100U);
+  }
 }
 
 TEST(GameOrders, ABlackBoxAfterAFault_Replays) {
@@ -216,8 +219,8 @@ TEST(GameOrders, ABlackBoxAfterAFault_Replays) {
       faultAtRandom(models.device, 1e-3, InjectedKind::kReadFails, 2500, 2600, 2000, random());
   const Wild wild = runWild(random, "lambda-pride", 4000, folder, {fault});
   ASSERT_TRUE(wild.outcome.faulted);
-  expectSameAgain(folder.path("run.wbb"));
-  expectSameAgain(folder.path("run.h5"));
+  expectSameAgain(folder.path("run.wbb"), 1000);
+  expectSameAgain(folder.path("run.h5"), 1000);
 }
 
 }  // namespace
