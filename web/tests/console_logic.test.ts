@@ -8,7 +8,7 @@ import { en } from '../src/console/i18n/en';
 import { fr } from '../src/console/i18n/fr';
 import { Marks } from '../src/console/marks';
 import { meantBySlider, parsed, ParameterTarget, viewOf } from '../src/console/parameter_model';
-import { figuresOf, offered, SavedWatch } from '../src/console/recordings';
+import { figuresOf, offered, SavedWatch, shownOf } from '../src/console/recordings';
 import { SampleWindow } from '../src/console/sample_window';
 import { faultWords, statusOf } from '../src/console/run_status';
 import { CalmRange, niceStep, ticksIn } from '../src/console/scale';
@@ -439,6 +439,12 @@ describe('what was saved', () => {
     expect(figuresOf(entry)).toContain(duration(63));
     expect(figuresOf(entry)).toContain(bytes(11_000_000));
     expect(figuresOf({ name: 'a.h5' })).toBe('');
+  });
+
+  it('of many the newest are shown at first, and whatever is being written or was chosen', () => {
+    const many = Array.from({ length: 1000 }, (_, k) => ({ name: `${k}.h5`, being_written: k === 900 }));
+    expect(shownOf(many, ['500.h5'], false).map(({ name }) => name)).toEqual(['0.h5', '1.h5', '2.h5', '3.h5', '4.h5', '5.h5', '500.h5', '900.h5']);
+    expect(shownOf(many, [], true)).toEqual(many);
   });
 
   it('of one that is still written says so, and offers neither report nor file', () => {

@@ -8,6 +8,8 @@ import type { ConsoleModel, Panel } from './model';
 
 /** How often the list is read [ms]. */
 const EVERY_MS = 5000;
+/** How many of the newest are shown at first. Years of recordings would only slow the page. */
+const NEWEST = 6;
 
 export interface Recording {
   name: string;
@@ -63,6 +65,11 @@ export function figuresOf(recording: Recording): string {
   ].join(', ');
 }
 
+/** What is shown of a list that has its newest first: the newest, what is being written and what was chosen; or all. */
+export function shownOf(recordings: readonly Recording[], chosen: readonly string[], all: boolean): Recording[] {
+  return recordings.filter(({ name, being_written }, k) => all || k < NEWEST || being_written === true || chosen.includes(name));
+}
+
 /** The links of a recording. One that is still written has neither a report nor a whole file. */
 export function offered({ being_written, report }: Recording): { report: boolean; download: boolean } {
   const finished = being_written !== true;
@@ -100,13 +107,17 @@ export class RecordingsPanel implements Panel {
   private readonly nowText = h('span', { class: 'num' });
   private readonly timer: ReturnType<typeof setInterval>;
   private readonly beside = h('a', { target: '_blank', rel: 'noopener', hidden: true, 'data-testid': 'replay-beside' }, this.t.beside);
+  private readonly more = h('button', { type: 'button', class: 'b small', hidden: true, 'data-testid': 'all-recordings' });
+  private recordings: readonly Recording[] = [];
   private chosen: string[] = [];
-  private shown = '';
+  private all = false;
 
   constructor(private readonly model: ConsoleModel, private readonly watch: SavedWatch) {
     this.now = h('span', { class: 'rec', hidden: true }, h('i'), `${this.t.now} `, this.nowText);
     this.element = h('section', { class: 'panel recordings', 'aria-label': this.t.title },
-      h('div', { class: 'hd' }, h('h2', {}, this.t.title), this.beside, this.now), this.words, this.list);
+      h('div', { class: 'hd' }, h('h2', {}, this.t.title), this.beside, this.now), this.words, this.list, this.more);
+    this.list.addEventListener('change', ({ target }) => { if (target instanceof HTMLInputElement) this.choose(target); });
+    this.more.addEventListener('click', () => { this.all = !this.all; this.show(); });
     this.timer = setInterval(() => void this.read(), EVERY_MS);
     void this.read();
   }
@@ -132,7 +143,7 @@ export class RecordingsPanel implements Panel {
       const answer = await fetch(`/api/recordings${token === '' ? '' : `?token=${encodeURIComponent(token)}`}`);
       const found = answer.ok ? readRecordings(await answer.json()) : undefined;
       if (!found) throw new Error('no list');
-      this.show(found.recordings, token);
+      this.take(found.recordings);
       const finished = found.recordings.filter(({ name }) => name !== found.recording);
       for (const recording of this.watch.found(finished)) this.model.saved = recording;
     } catch {
@@ -141,27 +152,29 @@ export class RecordingsPanel implements Panel {
     }
   }
 
-  private show(recordings: readonly Recording[], token: string): void {
+  private take(recordings: readonly Recording[]): void {
     this.words.hidden = recordings.length > 0;
     say(this.words, this.t.none);
-    const key = JSON.stringify(recordings);
-    if (key === this.shown) return;
-    this.shown = key;
+    if (JSON.stringify(recordings) === JSON.stringify(this.recordings)) return;
+    this.recordings = recordings;
     this.chosen = this.chosen.filter((name) => recordings.some((recording) => recording.name === name));
     this.showBeside();
-    this.list.replaceChildren(...recordings.map((recording) => this.row(recording, token)));
+    this.show();
+  }
+
+  private show(): void {
+    const shown = shownOf(this.recordings, this.chosen, this.all);
+    this.list.replaceChildren(...shown.map((recording) => this.row(recording, tokenOf(location))));
+    this.more.hidden = this.recordings.length <= NEWEST;
+    say(this.more, this.all ? this.t.newest : fill(this.t.all, { n: this.recordings.length.toLocaleString(language()) }));
   }
 
   /** Two that are chosen are replayed beside each other; a third one takes the place of the first. */
-  private besideBox(name: string, called: string): HTMLElement {
-    const box = h('input', { type: 'checkbox', 'aria-label': fill(this.t.besideOf, { name: called }) });
-    box.checked = this.chosen.includes(name);
-    box.addEventListener('change', () => {
-      this.chosen = box.checked ? [...this.chosen, name].slice(-2) : this.chosen.filter((other) => other !== name);
-      for (const row of this.list.children) (row.querySelector('input') as HTMLInputElement).checked = this.chosen.includes((row as HTMLElement).title);
-      this.showBeside();
-    });
-    return h('label', { class: 'pick' }, box);
+  private choose(box: HTMLInputElement): void {
+    const name = box.value;
+    this.chosen = box.checked ? [...this.chosen, name].slice(-2) : this.chosen.filter((other) => other !== name);
+    for (const each of this.list.querySelectorAll('input')) each.checked = this.chosen.includes(each.value);
+    this.showBeside();
   }
 
   private showBeside(): void {
@@ -178,7 +191,9 @@ export class RecordingsPanel implements Panel {
     const reportLink = can.report ? h('a', { href: recordingUrl(name, true, token), target: '_blank', rel: 'noopener', 'aria-label': fill(t.reportOf, { name: called }) }, t.report) : null;
     const replayLink = h('a', { href: replayUrl([name], token), target: '_blank', rel: 'noopener', 'aria-label': fill(t.replayOf, { name: called }), 'data-testid': 'replay' }, t.replay);
     const downloadLink = can.download ? h('a', { href: recordingUrl(name, false, token), download: name, 'aria-label': fill(t.downloadOf, { name: called }) }, t.download) : null;
-    return h('li', { title: name }, this.besideBox(name, called), h('span', {}, h('b', {}, when), ' ', h('bdi', {}, called), h('small', {}, figuresOf(recording))),
+    const box = h('input', { type: 'checkbox', value: name, 'aria-label': fill(t.besideOf, { name: called }) });
+    box.checked = this.chosen.includes(name);
+    return h('li', { title: name }, h('label', { class: 'pick' }, box), h('span', {}, h('b', {}, when), ' ', h('bdi', {}, called), h('small', {}, figuresOf(recording))),
       h('span', { class: 'links' }, replayLink, reportLink, downloadLink));
   }
 }

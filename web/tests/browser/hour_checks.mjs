@@ -12,7 +12,7 @@ const LEVELS = 4;
 const RENDERING = 1;
 const PATIENT_MS = 120_000;
 // Growth from the first round of levels after warming up to the last, beyond which it is no noise.
-const MAY_GROW = { rss_mb: 16, threads: 0, descriptors: 2, heap_mb: 3, nodes: 200, listeners: 20, buffers: 0, textures: 0 };
+const MAY_GROW = { rss_mb: 16, threads: 0, descriptors: 2, heap_mb: 3, nodes: 200, listeners: 20, geometries: 4, textures: 2 };
 const LAST_MIN = 10;
 const TICK_RATIO = 1.2;
 

@@ -159,6 +159,7 @@ export const de: ConsoleTexts = {
     title: 'Aufzeichnungen', none: 'Noch keine Aufzeichnungen.', failed: 'Die Liste liess sich nicht lesen. Neuer Versuch folgt.',
     replay: 'Wiedergabe', replayOf: 'Wiedergabe von {name}', beside: 'Beide wiedergeben', besideOf: 'Neben einer anderen: {name}', report: 'Bericht', download: 'Download', reportOf: 'Bericht von {name}', downloadOf: 'Download von {name}', missing: 'unvollständig: {ticks} Takte fehlen',
     beingWritten: 'wird noch aufgezeichnet',
+    all: 'Alle {n} zeigen', newest: 'Nur die neuesten zeigen',
     now: 'Aufnahme',
   },
 
