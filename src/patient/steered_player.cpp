@@ -22,6 +22,10 @@ SteeredPlayer::SteeredPlayer(std::unique_ptr<Player> virtual_patient, const Devi
     person_limits_[i] = {axis.lower, axis.upper, speed, config.rate_rad_s};
     blend_limits_[i] = {-kAny, kAny, speed, config.blend_rad_s};
   }
+  for (const char* name : {"finger_flexion", "thumb_flexion"}) {
+    if (const int i = device.axisIndex(name); i >= 0)
+      person_limits_[i].upper += config.grip_past_rad;
+  }
   SteeredPlayer::reset();
 }
 

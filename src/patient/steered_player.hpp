@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/command.hpp"
+#include "core/units.hpp"
 #include "model/device_model.hpp"
 #include "patient/limited_follower.hpp"
 #include "patient/player.hpp"
@@ -14,15 +15,19 @@ struct SteeringConfig {
   double rate_rad_s = 20.0;  ///< bandwidth of the filter on a person's target: lag 0.1 s
   double speed_share = 0.5;  ///< share of the device's speed limits, (0, 1]
   double blend_rad_s = 8.0;  ///< rate of return to the virtual patient's own target
+  /// Fingers and thumb may be aimed this far beyond the closed end of their range [rad]: a hand
+  /// that holds something firmly wants to close further than it can.
+  double grip_past_rad = 30.0 * kDeg;
 };
 
 /// A virtual patient whose hand a person at a screen may steer and return.
 ///
 /// The person's targets pass a critically damped second-order filter, clamped to the device's
-/// ranges and to a share of its speed limits. A mouse that jumps therefore moves no arm faster than
-/// that. Position and velocity are continuous when the steering changes, in both directions: the
-/// person begins at the hand's position and velocity; afterwards the offset to the virtual
-/// patient's own target fades in the same way. When targets stop coming, the last one is held.
+/// ranges (of fingers and thumb a little more) and to a share of its speed limits. A mouse that
+/// jumps therefore moves no arm faster than that. Position and velocity are continuous when the
+/// steering changes, in both directions: the person begins at the hand's position and velocity;
+/// afterwards the offset to the virtual patient's own target fades in the same way. When targets
+/// stop coming, the last one is held.
 ///
 /// A person who pushes against something that yields holds back. Where an axis of the device moves
 /// clearly faster than any target, the intention continues from the axis's position. Otherwise a

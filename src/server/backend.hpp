@@ -116,7 +116,8 @@ enum class OrderType {
   kSteer,
   kAction,
   kOwnerAlive,  ///< value 1: the game that holds the controls is alive; 0: it went silent
-  kUnattended,  ///< nobody has held the controls for long; a loop armed by a client is to stop
+  kUnattended,  ///< nobody has held the controls or ordered anything for long; a loop armed by a
+                ///< client is to stop
   kSaveProfile,
   kLoadProfile,
   kSetHelp,

@@ -48,6 +48,7 @@ void Clients::obeyOrder(Entry entry, const wire::ClientMessage& m, std::int64_t 
 }
 
 void Clients::noteOrder(Entry entry, const Order& order, std::int64_t now_ns) {
+  desk_.attend(now_ns);
   const bool therapist = entry->second.role == Role::kTherapist;
   if (order.type == OrderType::kAction) {
     therapist_paused_ = therapist && order.action == ExerciseAction::kPause;

@@ -17,7 +17,8 @@ namespace wholehand {
 ///                            the controls; after 5 s without a new holder the virtual patient
 ///                            steers
 ///   holder gives them back   the virtual patient plays again at once
-///   nobody for 15 min        a loop that a client armed is stopped: it would be recorded for ever
+///   nobody for 15 min, and   a loop that a client armed is stopped: it would be recorded for ever
+///   no order of anybody
 ///
 /// A holder that was silent and is heard again must take the controls anew. The effort therefore
 /// changes only once, whatever the timing of its messages.
@@ -36,7 +37,7 @@ class ControlDesk {
   struct Advice {
     std::optional<bool> owner_alive;  ///< set when it changed
     bool give_back = false;           ///< steering returns to the virtual patient
-    bool unattended = false;          ///< nobody has held the controls for kUnattended_ns
+    bool unattended = false;          ///< for kUnattended_ns nobody held the controls or ordered
     bool holder_changed = false;      ///< all clients must be told
     Client silent_client = 0;         ///< client that lost the controls by silence; 0: none
     std::uint32_t claim = 0;          ///< claim on the controls that this advice concerns
@@ -53,6 +54,8 @@ class ControlDesk {
   [[nodiscard]] std::string release(Client client);
   /// Notes a message of the client.
   void heard(Client client, std::int64_t now_ns);
+  /// Notes an order that was obeyed, of whomever: somebody attends to the session.
+  void attend(std::int64_t now_ns) { free_ns_ = now_ns; }
   /// Notes that the client's connection ended.
   void left(Client client, std::int64_t now_ns);
 
@@ -80,8 +83,8 @@ class ControlDesk {
   std::int64_t heard_ns_ = 0;            ///< time of the last message of own_holder_
   bool abandoned_ = false;               ///< the last holder was lost and has no successor
   std::optional<std::int64_t> lost_ns_;  ///< time of that loss, until the virtual patient steers
-  std::optional<std::int64_t> free_ns_;  ///< since when nobody has held them, until unattended is
-                                         ///< advised
+  std::optional<std::int64_t> free_ns_;  ///< since when nobody has held them or ordered anything,
+                                         ///< until unattended is advised
   bool give_back_ = false;
   std::optional<bool> told_alive_ = true;  ///< empty: another server has reported since
 };

@@ -50,6 +50,8 @@ json seen(const TickRecord& r, const Vec3& palm_m) {
               {"contacts", json::array()}};
   for (int i = 0; i < r.body_count; ++i) {
     out["bodies"].push_back(vec(r.bodies[i].position_m));
+    const auto& q = r.bodies[i].orientation_xyzw;
+    out["turns_xyzw"].push_back({q.x, q.y, q.z, q.w});
   }
   for (int i = 0; i < r.contact_count; ++i) {
     const Contact& c = r.contacts[i];

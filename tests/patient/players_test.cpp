@@ -1,3 +1,4 @@
+#include "core/units.hpp"
 #include "patient/scripted_player.hpp"
 #include "patient/steered_player.hpp"
 #include "support/seed.hpp"
@@ -100,6 +101,7 @@ TEST(SteeredPlayer, NobodyTookOver_IsTheVirtualPatientBitForBit) {
 TEST(SteeredPlayer, AimThatJumps_IsReachedWithinTheSpeedLimitAndWithoutOvershoot) {
   SteeringConfig config;
   config.speed_share = 0.2;  // 0.3 m/s
+  config.grip_past_rad = 0.0;
   SteeredPlayer player(
       std::make_unique<ScriptedPlayer>(Intention::throughWaypoints({{0.0, pose(0.0, 0.0)}})),
       twoAxes(), config);
@@ -122,6 +124,20 @@ TEST(SteeredPlayer, AimThatJumps_IsReachedWithinTheSpeedLimitAndWithoutOvershoot
     }
   }
   EXPECT_NEAR(before, 0.12, 1e-9);  // and held there while no aim comes
+}
+
+// A firm grip: fingers may be aimed past the end of their range, by as much as the bar's own player
+// does.
+TEST(SteeredPlayer, FingersAimedFarBeyondTheirRange_StopAtTheSameAngleAsAPlayerThatGrips) {
+  DeviceModel device = twoAxes();
+  SteeredPlayer player(
+      std::make_unique<ScriptedPlayer>(Intention::throughWaypoints({{0.0, pose(0.0, 0.0)}})),
+      device);
+  player.command(steer(Steering::kPerson));
+  player.command(aim(pose(9.0, 9.0)));
+  const Moved m = advanceOf(player, 20'000);
+  EXPECT_NEAR(m.q[0], device.axes[0].upper, 1e-9);
+  EXPECT_NEAR(m.q[1], device.axes[1].upper + 30.0 * kDeg, 1e-9);
 }
 
 TEST(SteeredPlayer, AimsThatAreNone_AreIgnored) {

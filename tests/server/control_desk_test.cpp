@@ -164,6 +164,18 @@ TEST_F(ControlDeskTest, LeftAloneFor15Minutes_IsSaidOnceInAsLong) {
   EXPECT_TRUE(after(1).unattended);
 }
 
+// A therapist loads levels and arms without holding the controls.
+TEST_F(ControlDeskTest, OrderOfSomebodyWithoutTheControls_BeginsThe15MinutesAnew) {
+  constexpr std::int64_t kQuarter = 15 * 60 * 1000;
+  EXPECT_FALSE(after(0).unattended);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_FALSE(after(kQuarter).unattended) << i;
+    desk.attend(now);
+  }
+  EXPECT_FALSE(after(kQuarter).unattended);
+  EXPECT_TRUE(after(1).unattended);
+}
+
 // The game's own server has told the program that nobody is alive; this desk has told it nothing.
 TEST_F(ControlDeskTest, GameVanishesBetweenTwoFrames_TheNextHolderIsAliveAndStartsAnew) {
   for (const bool seen : {true, false}) {

@@ -1,16 +1,14 @@
 // The pages' aim against the program's own hand and bar, on the simulated clock.
 // WHOLEHAND_FULL=1: 10,000 random aims; WHOLEHAND_ROUNDS: a slice of them. WHOLEHAND_SEED repeats a run.
 import { PerspectiveCamera } from 'three';
-import { afterEach, expect, it, vi } from 'vitest';
+import { afterEach, expect, it } from 'vitest';
 import { AimModel } from '../src/input/aim_model';
 import { partOfAxis } from '../src/input/axis_range';
 import { clamp } from '../src/input/posture';
-import { Keys } from '../src/input/keys';
-import { Mouse, type Pointed } from '../src/input/mouse';
-import { PadWatch } from '../src/input/gamepad';
-import { Drag, Touch } from '../src/input/touch';
-import { HELPS, restingWish, type Help, type InputWay, type Wish } from '../src/input/wish';
+import { Drag } from '../src/input/touch';
+import { HELPS, restingWish, type Wish } from '../src/input/wish';
 import { placeCamera, pointInRow } from '../src/scene/camera';
+import { HELD_S, HELD_N, Player } from './player';
 import { LOOK_S, SteeredHand } from './steered_hand';
 
 const FULL = process.env.WHOLEHAND_FULL === '1';
@@ -18,12 +16,6 @@ const FULL = process.env.WHOLEHAND_FULL === '1';
 const ROUNDS = process.env.WHOLEHAND_ROUNDS ? Number(process.env.WHOLEHAND_ROUNDS) : undefined;
 const SEED = Number(process.env.WHOLEHAND_SEED ?? 1 + Math.floor(Math.random() * 1e6));
 const [WIDTH_PX, HEIGHT_PX] = [1280, 800];
-/** An open hand that presses more than this is held, and longer than that is too long. */
-const HELD_N = 1.5;
-const HELD_S = 3;
-/** A hand is open, and the meter's low-pass through, this long after nobody squeezes any more. */
-const OPENED_S = 1.5;
-
 /** Mulberry32: the same numbers for the same seed. */
 function random(seed: number): () => number {
   let a = seed >>> 0;
@@ -55,31 +47,6 @@ async function start(level: number, file = 'adult-median-right'): Promise<Steere
   const hand = await SteeredHand.start(level, 'cocktail-bar', file);
   open.push(hand);
   return hand;
-}
-
-/** Plays on for a time; what an open hand bears, and for how long at most, is looked at all along. */
-class Player {
-  longest_s = 0;
-  private held_s = 0;
-  private open_s = 0;
-  readonly model: AimModel;
-
-  constructor(readonly hand: SteeredHand, help: Help) {
-    this.model = new AimModel(hand.axes, { help });
-    this.model.begin(hand.now.q_m);
-  }
-
-  async look(wish: Wish, restart = false): Promise<void> {
-    const { hand, model } = this;
-    await hand.aim([...model.step(wish, hand.perceiver.see(hand.state), LOOK_S)], restart);
-    expect(hand.now.faults, 'faults that stopped the loop').toBe(0);
-    this.open_s = model.squeeze === 0 ? this.open_s + LOOK_S : 0;
-    if (this.open_s > OPENED_S) expect(hand.value('flow_l_s'), 'an open hand pours').toBe(0);
-    const sum_n = hand.now.contacts.reduce((sum, [, , f]) => sum.map((v, i) => v + f[i]!), [0, 0, 0]);
-    const held = model.squeeze === 0 && Math.hypot(...sum_n) > HELD_N;
-    this.held_s = held ? this.held_s + LOOK_S : 0;
-    this.longest_s = Math.max(this.longest_s, this.held_s);
-  }
 }
 
 it(`random aims of mouse and touch never hold an open hand against anything (seed ${SEED})`, async () => {
@@ -193,58 +160,6 @@ it('one button that is tapped mixes a whole drink with full help', async () => {
   expect(hand.value('spilt_l')).toBeLessThan(0.001);
   expect(hand.value('stars')).toBe(3);
 }, 120_000);
-
-/** A page without a page: what ways of playing listen to. */
-function stubbedPage(): { page: EventTarget; window: EventTarget } {
-  const window = new EventTarget();
-  vi.stubGlobal('addEventListener', window.addEventListener.bind(window));
-  vi.stubGlobal('removeEventListener', window.removeEventListener.bind(window));
-  vi.stubGlobal('Element', class {});
-  const page = Object.assign(new EventTarget(), { style: {}, clientWidth: WIDTH_PX, clientHeight: HEIGHT_PX, setPointerCapture() {}, getBoundingClientRect: () => ({ left: 0, top: 0, width: WIDTH_PX, height: HEIGHT_PX }) });
-  return { page, window };
-}
-const told = (type: string, more: object): Event => Object.assign(new Event(type), { button: 0, buttons: 1, isPrimary: true, pointerId: 1, ...more });
-
-it('keys, mouse, touch and pad each mix a drink: pressed once where the screen says so', async () => {
-  const hand = await start(1);
-  const { page, window } = stubbedPage();
-  const element = page as unknown as HTMLElement;
-  const pointedAt = (x_px: number, y_px: number): Pointed => {
-    const { place, pointed: target } = pointed(hand, x_px / WIDTH_PX, y_px / HEIGHT_PX);
-    return { y: place.y!, z: place.z!, target };
-  };
-  const at = { clientX: 700, clientY: 300 };
-  const touch = new Touch(element, () => ({ x: 0, y: 0 }), () => ({ squeeze: '', higher: '', lower: '' }), (x, y) => pointedAt(x, y).target, () => true);
-  Object.assign(touch, { buttons: { remove: () => {} } });
-  let pad = false;
-  const pads = new PadWatch();
-  const button = (pressed: boolean): { value: number; pressed: boolean } => ({ value: Number(pressed), pressed });
-  const padWish = (): Wish => pads.look([{ index: 0, mapping: 'standard', axes: [0, 0, 0, 0], buttons: [button(pad)] }]).wish ?? restingWish();
-  const ways: [string, Pick<InputWay, 'wish'> & Partial<InputWay>, (down: boolean) => void][] = [
-    ['keys', new Keys(), (down) => window.dispatchEvent(Object.assign(new Event(down ? 'keydown' : 'keyup'), { code: 'Space' }))],
-    ['mouse', new Mouse(element, () => 0, pointedAt), (down) => (down ? page : window).dispatchEvent(told(down ? 'pointerdown' : 'pointerup', { pointerType: 'mouse', ...at }))],
-    ['touch', touch, (down) => (down ? page : window).dispatchEvent(told(down ? 'pointerdown' : 'pointerup', { pointerType: 'touch', ...at }))],
-    ['pad', { wish: padWish }, (down) => { pad = down; }],
-  ];
-  const took: string[] = [];
-  for (const [name, way, press] of ways) {
-    const player = new Player(hand, 'full');
-    way.enable?.();
-    let t = 0, reaching_s = 0;
-    for (; t < 60 && (hand.value('stage') < 4 || hand.value('stage') === 6 || t < 0.1); t += LOOK_S) {
-      reaching_s = hand.value('stage') === 0 ? reaching_s + LOOK_S : 0;
-      const down = reaching_s > 1 && reaching_s < 1.2;
-      if (down !== (reaching_s - LOOK_S > 1 && reaching_s - LOOK_S < 1.2)) press(down);
-      await player.look(way.wish(t), t === 0);
-    }
-    way.disable?.();
-    expect(t, `${name}: ${JSON.stringify(hand.now.q_m)} stage ${hand.value('stage')}`).toBeLessThan(60);
-    expect(hand.value('stars'), name).toBe(3);
-    took.push(`${name} ${t.toFixed(1)} s`);
-  }
-  console.log(`figure: a drink of level 1 with full help: ${took.join(', ')}`);
-  vi.unstubAllGlobals();
-}, 180_000);
 
 it('a hand that is handed over in somebody else’s grip opens and draws back before anything else', async () => {
   const hand = await start(1);

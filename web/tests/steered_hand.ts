@@ -17,7 +17,7 @@ type Vec = [number, number, number];
 export interface Seen {
   /** That stopped the loop. */
   q_m: number[]; q_s: number[]; palm: Vec; faults: number;
-  bodies: Vec[]; contacts: [body: number, capsule: number, force_n: Vec][]; values: number[];
+  bodies: Vec[]; turns_xyzw: [number, number, number, number][]; contacts: [body: number, capsule: number, force_n: Vec][]; values: number[];
 }
 
 const xyz = ([x, y, z]: Vec): { x: number; y: number; z: number } => ({ x, y, z });
@@ -73,7 +73,7 @@ export class SteeredHand {
     const links: unknown[] = [];
     links[this.told.palm_link] = { positionM: xyz(now.palm) };
     this.state = {
-      qM: now.q_m, qS: now.q_s, links, bodies: now.bodies.map((p) => ({ positionM: xyz(p) })), values: now.values,
+      qM: now.q_m, qS: now.q_s, links, bodies: now.bodies.map((p, i) => { const [x, y, z, w] = now.turns_xyzw[i]!; return { positionM: xyz(p), orientationXyzw: { x, y, z, w } }; }), values: now.values,
       contacts: now.contacts.map(([body, capsule, force]) => ({ body, capsule, forceN: xyz(force) })),
     } as unknown as WorldStateT;
   }

@@ -14,6 +14,8 @@ export interface GraspTargets {
   readonly counter_z_m: number | undefined;
   /** The target that is asked for, an index of `grips`; -1: none. */
   wanted(state: WorldStateT): number;
+  /** How far a target that is carried is from where it is squeezed [m]; undefined: it is squeezed where it is. */
+  awayFromUse?(state: WorldStateT, grip: number): Position | undefined;
   /** Whether nothing is to be held now. */
   letGo(state: WorldStateT): boolean;
 }

@@ -1,9 +1,10 @@
+import { holdZone, isInPlace } from './carry';
 import { depthOf, guide, INSIDE, nearestGrip, ownGrip, type Guide } from './guide';
 import type { Limits } from './limits';
 import type { Perception } from './perceiver';
 import { Pilot } from './pilot';
 import { partOfAxis, placeOnAxis } from './axis_range';
-import { approach, clamp, isHandAxis, postureOf, squeezeOfFingers } from './posture';
+import { approach, clamp, closedEnd, FIRMEST, isHandAxis, postureOf, squeezeOfFingers } from './posture';
 import { nextSqueeze } from './squeeze';
 import type { Help, Triple, Wish } from './wish';
 import { Yielding } from './yielding';
@@ -51,6 +52,8 @@ const LONGEST_STEP_S = 0.02;
 const BACK_M = 0.008;
 /** A target this little beyond the reach counts as reachable [m]. */
 const EDGE_M = 0.005;
+/** The thumb closes by this share while a target is carried: more would tip one that stands free. */
+const CARRYING_THUMB = 0.5;
 /** A palm against a target is no farther from the grip than this [m]. */
 const ARRIVED_M = 0.02;
 
@@ -85,6 +88,7 @@ export class AimModel {
   private readonly yielding = new Yielding();
   private waits = false;
   private tooFar = false;
+  private thumbShare = 1;
 
   constructor(
     private readonly axes: readonly AimAxis[],
@@ -101,7 +105,7 @@ export class AimModel {
 
   /** How far the hand is asked to close, 0 .. 1. */
   get squeeze(): number {
-    return this.squeezePart;
+    return Math.min(1, this.squeezePart);
   }
 
   /**
@@ -171,19 +175,23 @@ export class AimModel {
     const aim = this.triple((i) => this.q[i] ?? 0);
     const back_m = this.back_m();
     const sight = { ...seen, hand, aim, back_m, closed: this.squeezePart > 0.02, reachable: (grip: Triple) => this.reachable(grip) };
-    const { wish, goal, leaving, outOfReach = false } = this.pilot.steer(asked, sight, this.config.help, dt_s);
+    const { wish, goal, leaving, outOfReach = false, carries = false, holds } = this.pilot.steer(asked, sight, this.config.help, dt_s);
     this.tooFar = outOfReach;
-    const help = this.guideFor(wish, seen, { hand, aim, back_m, goal, leaving });
+    const help: Near = carries ? { pace: 1, stretch: 0, mayClose: true, at: goal, wanted: true } : this.guideFor(wish, seen, { hand, aim, back_m, goal, leaving });
     const wanted = typeof wish.squeeze === 'number' ? wish.squeeze > 0.05 : wish.squeeze;
     this.waits = wanted && this.config.help !== 'none' && !help.mayClose && this.squeezePart === 0;
-    this.squeezePart = nextSqueeze(this.squeezePart, this.waits ? false : wish.squeeze, seen, this.config, this.config.help !== 'none', dt_s);
+    const away = help.at === undefined ? undefined : seen.awayFromUse?.[help.at];
+    const carried = away !== undefined && (holds ?? !isInPlace(away));
+    const force = carried ? { ...seen, ...holdZone(seen.squeezeLow_n) } : seen;
+    this.thumbShare = approach(this.thumbShare, away ? CARRYING_THUMB : 1, dt_s);
+    this.squeezePart = nextSqueeze(this.squeezePart, this.waits ? false : wish.squeeze, force, this.config, this.config.help !== 'none', away ? FIRMEST : 1, dt_s);
     this.stretch = help.stretch;
     this.yielding.look(seen.touches, wanted || help.wanted ? help.at : undefined, dt_s);
     this.axes.forEach((axis, i) => {
       const next = isHandAxis(axis.name)
         ? this.handAxis(axis.name, wish, help.stretch, i, seen, dt_s)
         : this.armAxis(axis, wish, help, seen, i, dt_s);
-      this.q[i] = clamp(this.within(axis.name, next, i, dt_s), axis.lower, axis.upper);
+      this.q[i] = clamp(this.within(axis.name, next, i, dt_s), axis.lower, closedEnd(axis.name, axis.upper));
     });
     this.overruledParts = this.overruledBy(help, asked, wish);
     return this.q;
@@ -196,7 +204,7 @@ export class AimModel {
   }
 
   private handAxis(name: string, wish: Wish, stretch: number, i: number, seen: Perception, dt_s: number): number {
-    const part = name === 'thumb_flexion' && wish.thumb !== undefined ? wish.thumb : this.squeezePart;
+    const part = name === 'thumb_flexion' && wish.thumb !== undefined ? wish.thumb : this.squeezePart * (name === 'thumb_flexion' ? this.thumbShare : 1);
     const now = this.q[i] ?? 0;
     const next = approach(now, postureOf(name, part, stretch), FASTEST_RAD_S * dt_s);
     if (this.squeezePart > 0) return next;

@@ -19,6 +19,8 @@ export interface Perception {
   device: ArrayLike<number>;
   /** Grip pose of every target [m, device coordinates]. */
   grips: readonly Triple[];
+  /** How far each target that is carried is from where it is squeezed [m]; undefined: it is squeezed where it is. */
+  awayFromUse?: readonly (Triple | undefined)[];
   /** Which side of the hand a target is gripped on: +1 left (a right hand), -1 right. */
   beside: number;
   /** Summed normal force on the grasped target and the zone in which it is held well [N]. */
@@ -57,6 +59,7 @@ export class Perceiver {
     return {
       device: state.qM,
       grips: this.gripsNow(state),
+      awayFromUse: targets.grips.map((_, grip) => targets.awayFromUse?.(state, grip)),
       beside: this.side,
       squeeze_n: values.get(state, 'squeeze_n'),
       squeezeLow_n: values.get(state, 'squeeze_low_n'),

@@ -1,3 +1,4 @@
+import { Carry } from './carry';
 import { depthOf, INSIDE, laneOf, ownGrip } from './guide';
 import { Trigger } from './trigger';
 import type { Help, Triple, Wish } from './wish';
@@ -11,6 +12,10 @@ export interface Sight {
   /** x of the hand drawn back [m]. */
   back_m: number;
   grips: readonly Triple[];
+  /** How far each target that is carried is from where it is squeezed [m]. */
+  awayFromUse?: readonly (Triple | undefined)[];
+  squeeze_n: number;
+  squeezeLow_n: number;
   /** Which side of the hand a target is gripped on: +1 left (a right hand), -1 right. */
   beside: number;
   /** The target that is asked for, an index of `grips`; -1: none. */
@@ -32,7 +37,12 @@ export interface Course {
   leaving: boolean;
   /** The target that is asked for is out of reach. */
   outOfReach?: boolean;
+  /** The target is carried: it is where the hand is. It is only held, or squeezed. */
+  carries?: boolean;
+  holds?: boolean;
 }
+
+const isPressed = (squeeze: boolean | number): boolean => typeof squeeze === 'number' ? squeeze > 0.05 : squeeze;
 
 /** Speed at which the hand is taken along [m/s]. */
 const SPEED_M_S = 0.16;
@@ -62,6 +72,7 @@ export class Pilot {
   private over = false;
   private showing = false;
   private squeezed = false;
+  private carry: { readonly target: number; readonly carry: Carry } | undefined;
 
   /** A hand that is handed over opens and draws back, whatever it holds. */
   begin(): void {
@@ -81,6 +92,7 @@ export class Pilot {
   /** Nobody asks for anything any more. */
   release(): void {
     this.trigger.release();
+    this.carry = undefined;
     this.meant = this.cursor = this.stale = undefined;
     this.leaving = this.tooFar = this.over = this.squeezed = this.showing = false;
     this.cursor_s = 0;
@@ -91,6 +103,11 @@ export class Pilot {
     const own = ownGrip(sight.grips, sight.hand.y, sight.beside);
     if (own === undefined) return { wish: asked, leaving: false };
     const inside = depthOf(sight.hand.x, sight.back_m, sight.grips[own]!) > INSIDE;
+    if (this.carry) {
+      const carried = this.carryOn(this.carry, asked, sight, dt_s);
+      if (carried) return carried;
+      this.finish(asked, true);
+    }
     if (help === 'full' && sight.letGo && !this.over) this.finish(asked, inside);
     this.over = sight.letGo;
     const wish = { ...asked, squeeze: this.trigger.step(asked.squeeze, help === 'full', sight.closed, dt_s) };
@@ -99,8 +116,23 @@ export class Pilot {
     if (this.leaving) return this.leave(wish, sight);
     if (help === 'full' && sight.letGo) wish.squeeze = false;
     if (help === 'none') return { wish, leaving: false };
+    if (help === 'full' && this.meant !== undefined && sight.closed && isPressed(wish.squeeze) && sight.awayFromUse?.[this.meant]) {
+      this.carry = { target: this.meant, carry: new Carry() };
+    }
     if (this.tooFar) return { wish: { ...wish, squeeze: false }, leaving: false, outOfReach: true };
     return this.meant === undefined ? this.alone(wish, own, inside) : this.reach(wish, sight, own, inside, this.meant);
+  }
+
+  /** What is carried is put back before the hand lets go of it. Undefined: it is no longer carried. */
+  private carryOn({ target, carry }: { readonly target: number; readonly carry: Carry }, asked: Wish, sight: Sight, dt_s: number): Course | undefined {
+    this.over = sight.letGo;
+    const wants = this.trigger.step(asked.squeeze, true, sight.closed, dt_s);
+    const { x, y, z } = asked.velocity, isLed = x !== 0 || y !== 0 || z !== 0;
+    const away = sight.awayFromUse?.[target];
+    const move = away && carry.step({ ...sight, away, goesOn: isPressed(wants) && !sight.letGo }, dt_s);
+    if (move) return { wish: { ...asked, place: {}, velocity: isLed ? asked.velocity : move.velocity, squeeze: true }, goal: target, leaving: false, carries: true, holds: move.hold };
+    this.carry = undefined;
+    return undefined;
   }
 
   /** Enough is in: what is held is let go of, and the hand leaves. */
@@ -120,7 +152,7 @@ export class Pilot {
   /** Which target is meant now. Whoever moves the hand with keys decides it by hand. */
   private choose(wish: Wish, sight: Sight, own: number, help: Help): void {
     const { x, y, z } = wish.velocity;
-    const squeezes = typeof wish.squeeze === 'number' ? wish.squeeze > 0.05 : wish.squeeze;
+    const squeezes = isPressed(wish.squeeze);
     const before = this.squeezed;
     this.squeezed = squeezes && !sight.letGo;
     if (x !== 0 || y !== 0 || z !== 0) {

@@ -21,6 +21,16 @@ const POSTURES: Readonly<Record<string, HandAxisPosture>> = {
 /** The first part of a squeeze brings the hand round the target, the rest closes it. */
 const ROUND = 0.15;
 
+/** Fingers and thumb may be aimed this far beyond the closed end of their range: what is held firmly is closed on further than it gives way. The program takes no more. */
+const PAST_RANGE_RAD = 30 * DEGREE;
+/** The firmest squeeze: of what is carried. */
+export const FIRMEST = 1.38;
+
+/** Closed end of an axis [rad]. */
+export function closedEnd(name: string, upper: number): number {
+  return name === 'finger_flexion' || name === 'thumb_flexion' ? upper + PAST_RANGE_RAD : upper;
+}
+
 /** True for axes that a squeeze moves. */
 export function isHandAxis(name: string): boolean {
   return name in POSTURES;
@@ -37,7 +47,7 @@ export function postureOf(name: string, squeeze: number, stretch = 0): number {
   const turns = name === 'thumb_circumduction';
   const open = turns ? stretched_rad : open_rad + clamp(stretch, 0, 1) * (stretched_rad - open_rad);
   if (squeeze <= ROUND) return open + (clamp(squeeze, 0, ROUND) / ROUND) * (open_rad - open);
-  return open_rad + ((clamp(squeeze, ROUND, 1) - ROUND) / (1 - ROUND)) * (closed_rad - open_rad);
+  return open_rad + ((clamp(squeeze, ROUND, FIRMEST) - ROUND) / (1 - ROUND)) * (closed_rad - open_rad);
 }
 
 /** The squeeze at which the fingers stand at `rad`; beyond the ends it is held. */

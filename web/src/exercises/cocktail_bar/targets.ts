@@ -1,10 +1,13 @@
+import { Quaternion, Vector3 } from 'three';
 import type { SceneT, WorldStateT } from '../../protocol';
-import type { GraspTargets } from '../exercise';
+import type { GraspTargets, Position } from '../exercise';
 import { ExerciseValues } from '../values';
-import { Stage, type Bar } from './bar';
+import { Stage, type Bar, type BarDispenser } from './bar';
 
 /** The help goes on to so many tolerances before the line: a hand that opens lets some more run. */
 const BEFORE_LINE = 0.3;
+/** A carried dispenser is squeezed with its nozzle this far over the glass [m]. */
+const OVER_GLASS_M = 0.02;
 
 /** The dispensers, as what the hand grasps. */
 export function barTargets(bar: Bar, scene: SceneT): GraspTargets {
@@ -16,7 +19,21 @@ export function barTargets(bar: Bar, scene: SceneT): GraspTargets {
     grips, counter_z_m: bar.counter_z_m,
     wanted: (state) => grips.findIndex(({ dispenser }) => dispenser === values.get(state, 'target_dispenser', -1)),
     letGo: (state) => isToLetGo(values, state),
+    awayFromUse(state, grip) {
+      const dispenser = bar.dispensers[grips[grip]?.dispenser ?? -1];
+      return dispenser?.free ? nozzleToGlass(bar, dispenser, state.bodies[grips[grip]!.body], state.bodies[bodies.indexOf(bar.glass.body)]) : undefined;
+    },
   };
+}
+
+type Body = WorldStateT['bodies'][number] | undefined;
+
+/** From the nozzle of a dispenser to its place over the glass [m]. */
+function nozzleToGlass(bar: Bar, { nozzle_m }: BarDispenser, dispenser: Body, glass: Body): Position | undefined {
+  const at = dispenser?.positionM, turn = dispenser?.orientationXyzw, goal = glass?.positionM;
+  if (!at || !turn || !goal) return undefined;
+  const nozzle = new Vector3(...nozzle_m).applyQuaternion(new Quaternion(turn.x, turn.y, turn.z, turn.w)).add(at);
+  return { x: goal.x - nozzle.x, y: goal.y - nozzle.y, z: goal.z + bar.glass.height_m / 2 + OVER_GLASS_M - nozzle.z };
 }
 
 /** A step may end a tolerance early, and the help fills it further. After it nothing is held either. */

@@ -1,0 +1,36 @@
+// A person who plays the program's own hand through the pages' aim, on the simulated clock.
+import { expect } from 'vitest';
+import { AimModel } from '../src/input/aim_model';
+import type { Help, Wish } from '../src/input/wish';
+import { LOOK_S, type SteeredHand } from './steered_hand';
+
+/** An open hand that presses more than this is held, and longer than that is too long. */
+export const HELD_N = 1.5;
+export const HELD_S = 3;
+/** A hand is open, and the meter's low-pass through, this long after nobody squeezes any more. */
+const OPENED_S = 1.5;
+
+/** Plays on for a time; what an open hand bears, and for how long at most, is looked at all along. */
+export class Player {
+  longest_s = 0;
+  private held_s = 0;
+  private open_s = 0;
+  readonly model: AimModel;
+
+  constructor(readonly hand: SteeredHand, help: Help) {
+    this.model = new AimModel(hand.axes, { help });
+    this.model.begin(hand.now.q_m);
+  }
+
+  async look(wish: Wish, restart = false): Promise<void> {
+    const { hand, model } = this;
+    await hand.aim([...model.step(wish, hand.perceiver.see(hand.state), LOOK_S)], restart);
+    expect(hand.now.faults, 'faults that stopped the loop').toBe(0);
+    this.open_s = model.squeeze === 0 ? this.open_s + LOOK_S : 0;
+    if (this.open_s > OPENED_S) expect(hand.value('flow_l_s'), 'an open hand pours').toBe(0);
+    const sum_n = hand.now.contacts.reduce((sum, [, , f]) => sum.map((v, i) => v + f[i]!), [0, 0, 0]);
+    const held = model.squeeze === 0 && Math.hypot(...sum_n) > HELD_N;
+    this.held_s = held ? this.held_s + LOOK_S : 0;
+    this.longest_s = Math.max(this.longest_s, this.held_s);
+  }
+}
