@@ -19,16 +19,27 @@ const PAD = () => {
   }];
 };
 
-/** The page's own camera: where in the picture a point of the world is. */
-async function cameraOf({ width, height }) {
-  const file = join(dirname(fileURLToPath(import.meta.url)), '..', '..', 'src', 'scene', 'camera.ts');
-  const { outputFiles } = await build({ entryPoints: [file], bundle: true, format: 'esm', write: false, logLevel: 'error' });
-  const { placeCamera } = await import(`data:text/javascript;base64,${Buffer.from(outputFiles[0].text).toString('base64')}`);
-  const camera = new PerspectiveCamera();
-  placeCamera(camera, 'game', { right: true, counter_y: -0.253, row_z: -0.119 }, [], width, height);
+/** The page's own modules, for where in the picture a point of the world is. */
+async function pagesCamera() {
+  const sources = join(dirname(fileURLToPath(import.meta.url)), '..', '..', 'src');
+  const contents = `export { placeCamera } from './scene/camera'; export { toThree } from './scene/frames';
+    export { barOf } from './exercises/cocktail_bar/bar'; export { outlineOf } from './exercises/cocktail_bar/outline';
+    export { PerspectiveCamera } from 'three';`;
+  const { outputFiles } = await build({ stdin: { contents, resolveDir: sources, loader: 'ts' }, bundle: true, format: 'esm', write: false, logLevel: 'error' });
+  return import(`data:text/javascript;base64,${Buffer.from(outputFiles[0].text).toString('base64')}`);
+}
+
+/** Where in a picture of this size the bottle is drawn that is asked for [px]. The picture was placed by `first`. */
+async function bottleIn({ width, height }, first) {
+  const { placeCamera, toThree, barOf, outlineOf, PerspectiveCamera } = await pagesCamera();
+  const point = ([x, y, z]) => ({ x, y, z });
+  const bodies = Object.keys(first.bodies), bar = barOf(first), camera = new PerspectiveCamera();
+  const state = { bodies: bodies.map((name) => ({ positionM: point(first.bodies[name]) })) };
+  const row_z = -first.bodies[first.dispensers[0]][0];
+  placeCamera(camera, 'game', { right: first.rightHand, counter_y: bar.counter_z_m, row_z }, outlineOf(bar, { bodies: bodies.map((name) => ({ name })) }, state), width, height);
   camera.updateMatrixWorld(true);
-  return ([x, y, z]) => {
-    const at = new Vector3(-y, z, -x).project(camera);
+  return (now) => {
+    const at = toThree(point(now.bodies[now.dispensers[now.values.target_dispenser]])).project(camera);
     return { x: (at.x * 0.5 + 0.5) * width, y: (0.5 - at.y * 0.5) * height };
   };
 }
@@ -40,14 +51,17 @@ async function cameraOf({ width, height }) {
  */
 async function drink(page, watcher, press) {
   const began_ms = Date.now();
-  let pressed_ms = 0, said = [];
+  let pressed_ms = 0, before = '', said = [];
   for (;;) {
     const shown = await page.getAttribute('body', 'data-state');
     if (shown === 'success') break;
     expect(Date.now() - began_ms < 4 * 1000 * DRINK_S, `no drink: ${JSON.stringify((await watcher.now()).values)}; the screen said ${[...new Set(said)].join(' | ')}`);
     said.push(await page.textContent('[data-testid=instruction]'));
-    if ((shown === 'reach' || shown === 'squeeze') && Date.now() - pressed_ms > 20_000) {
+    const asksAnew = shown === 'reach' && before !== 'reach';
+    before = shown;
+    if (asksAnew || ((shown === 'reach' || shown === 'squeeze') && Date.now() - pressed_ms > 20_000)) {
       pressed_ms = Date.now();
+      await wait(500);
       await press(await watcher.now());
     }
     await wait(200);
@@ -57,10 +71,32 @@ async function drink(page, watcher, press) {
   return `${values.drink_time_s.toFixed(0)} s`;
 }
 
-/** One page: a switch, the mouse, a finger, a pad; each mixes the drink of level 1. */
-export async function drinksByEveryWay(browser, programUrl, watcher) {
-  await watcher.page.waitForSelector('[data-testid=holder]:has-text("free")', { timeout: PATIENT_MS });
-  const page = await openPage(browser, pageUrl(programUrl, '/', { lang: 'en', quality: 'low', level: '1' }), { hasTouch: true, init: PAD });
+/** Both hands, every level, four screens. Every combination is played on the simulated clock (tests/every_drink.test.ts). */
+const PLACES = [
+  { side: 'right', level: 1, width: 1280, height: 800 }, { side: 'left', level: 2, width: 820, height: 1180 },
+  { side: 'right', level: 3, width: 1920, height: 1080 }, { side: 'left', level: 4, width: 390, height: 844 },
+];
+
+/** A switch, the keys, the mouse, a finger and a pad each mix a drink. `start` starts a program with arguments, `watch` a watcher of it. */
+export async function drinksByEveryWay(browser, start, watch) {
+  const took = [];
+  for (const place of PLACES) {
+    const program = await start('--hand', `adult-median-${place.side}`, '--level', String(place.level));
+    try {
+      const watcher = await watch(program.url);
+      const words = await drinksAt(browser, program.url, watcher, place);
+      console.log(`figure drinks, ${place.side} hand, level ${place.level}, ${place.width} × ${place.height}: ${words}`);
+      took.push(words);
+      await watcher.page.context().close();
+    } finally {
+      await program.stop();
+    }
+  }
+  return `${took.length} places: ${took.join('; ')}`;
+}
+
+async function drinksAt(browser, programUrl, watcher, { level, width, height }) {
+  const page = await openPage(browser, pageUrl(programUrl, '/', { lang: 'en', quality: 'low', level: String(level) }), { width, height, hasTouch: true, init: PAD });
   // A starved machine loses the controls: a person presses "Go on".
   try {
     await page.evaluate(GOES_ON);
@@ -68,12 +104,12 @@ export async function drinksByEveryWay(browser, programUrl, watcher) {
     // Without the picture nobody points: it is loaded apart from the words.
     await page.waitForFunction(() => window.wholehandStats?.quality === 'low', null, { timeout: PATIENT_MS });
     await page.keyboard.press('Enter');
-    const pixel = await cameraOf(page.viewportSize());
-    const onBottle = (now) => pixel(now.bodies[now.dispensers[now.values.target_dispenser]]);
+    const bottle = await bottleIn({ width, height }, await watcher.now());
     const ways = {
       'one button': async () => { await page.keyboard.down('Space'); await wait(150); await page.keyboard.up('Space'); },
-      mouse: async (now) => { const { x, y } = onBottle(now); await page.mouse.move(x - 60, y + 40); await page.mouse.move(x, y, { steps: 4 }); await page.mouse.down(); await wait(150); await page.mouse.up(); },
-      touch: async (now) => { const { x, y } = onBottle(now); await page.touchscreen.tap(x, y); },
+      keys: async () => { await page.keyboard.up('Space'); await page.keyboard.down('Space'); },   // and holds it
+      mouse: async (now) => { const { x, y } = bottle(now); await page.mouse.move(x - 60, y + 40); await page.mouse.move(x, y, { steps: 4 }); await page.mouse.down(); await wait(150); await page.mouse.up(); },
+      touch: async (now) => { const { x, y } = bottle(now); await page.touchscreen.tap(x, y); },
       pad: async () => { await page.evaluate(() => { window.padDown = true; }); await wait(150); await page.evaluate(() => { window.padDown = false; }); },
     };
     const took = [];
@@ -81,6 +117,7 @@ export async function drinksByEveryWay(browser, programUrl, watcher) {
       await page.waitForSelector('body[data-state=reach]', { timeout: PATIENT_MS });
       await wait(500);
       took.push(`${name} ${await drink(page, watcher, press)}`);
+      await page.keyboard.up('Space');
       if (name !== 'pad') await page.keyboard.press('Enter');
     }
     return took.join(', ');

@@ -172,8 +172,8 @@ try {
   await test('tokens open their roles', () => waiting((url) => roles.tokensOpenTheirRoles(plain, url), startWaiting, ...roles.TOKEN_ARGS));
   await test('levels leave nothing on the card', () => waiting((url) => roles.levelsLeaveNothingOnTheCard(drawing, url)));
   await test('stop while a level is loaded starts nothing', () => waiting((url) => stops.stopWhileLoadingStartsNothing(plain, url)));
-  // Minutes where pages are drawn in software; the same ways play on the simulated clock in tests/steered_hand.test.ts.
-  if (process.env.WHOLEHAND_FULL === '1') await test('drinks by one button, mouse, touch and pad', () => drinksByEveryWay(drawing, program.url, watcher));
+  // Minutes where pages are drawn in software; every combination plays on the simulated clock in tests/every_drink.test.ts.
+  if (process.env.WHOLEHAND_FULL === '1') await test('drinks by every way', () => drinksByEveryWay(drawing, (...args) => startProgram({ file: FILE, folder, args }), (url) => openWatcher(plain, url)));
   if (process.env.WHOLEHAND_FULL === '1') await test('keys fill a glass without help', () => checks.keysFillAGlassAlone(drawing, program.url, watcher));
   if (process.env.WHOLEHAND_FULL === '1') await test('an hour of play leaves nothing behind', () => waiting((_, program) => hourOfPlayIsFlat(plain, drawing, program, OUTPUT), startWaiting, '--no-rehearsal'));
   await test('pause after a stop starts nothing', () => waiting((url) => stops.pauseAfterAStopStartsNothing(plain, url)));

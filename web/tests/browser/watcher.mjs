@@ -18,7 +18,7 @@ export async function openWatcher(browser, programUrl, query = {}) {
           return [body.name, p ? [p.x, p.y, p.z] : null];
         }));
         return {
-          values, bodies, dispensers: (bar.dispensers ?? []).map((d) => d.body),
+          values, bodies, dispensers: (bar.dispensers ?? []).map((d) => d.body), exerciseJson: scene.exerciseJson, rightHand: scene.rightHand,
           axes: scene.axes.map((axis) => axis.name),
           q: state.qM, sent: state.sent, runState: state.runState, steering: state.steering, session: state.session, level: scene.level,
           tick: Number(state.tick), shown: document.body.dataset.state,
