@@ -56,7 +56,7 @@ std::vector<ChartLine> limitLines(const AxisCertificate& a) {
   const auto allowed = [](double stiffness) {
     return stiffness > 0.0 ? stiffness : ChartScale::kFromData;
   };
-  for (const ZWidthPoint& point : zWidth(a.of, kPoints)) {
+  for (const ZWidthPoint& point : zWidth(a.axis_case, kPoints)) {
     rigid.points.push_back({point.damping, allowed(point.rigid)});
     passive.points.push_back({point.damping, allowed(point.passive)});
     if (!a.of.walls.empty()) wall.points.push_back({point.damping, allowed(point.walled)});
@@ -71,7 +71,7 @@ std::vector<ChartLine> limitLines(const AxisCertificate& a) {
 }
 
 Chart axisChart(const AxisCertificate& a, const std::string& names) {
-  const DeviceAxis& axis = a.of.axis;
+  const DeviceAxis& axis = a.axis_case.axis;
   Chart chart;
   chart.title = sentence(
       "certificate.chart",
@@ -83,9 +83,10 @@ Chart axisChart(const AxisCertificate& a, const std::string& names) {
   const double end = chart.lines.front().points.back()[0];
   ChartLine working = workingLine();
   if (!a.passes) working.color = "--bad";
-  working.points = {{0.0, a.of.gains.k_pm},
-                    {a.of.gains.k_dm > 0.0 ? a.of.gains.k_dm : 0.01 * end, a.of.gains.k_pm}};
-  double lowest = a.of.gains.k_pm, highest = lowest;
+  working.points = {
+      {0.0, a.axis_case.gains.k_pm},
+      {a.axis_case.gains.k_dm > 0.0 ? a.axis_case.gains.k_dm : 0.01 * end, a.axis_case.gains.k_pm}};
+  double lowest = a.axis_case.gains.k_pm, highest = lowest;
   for (ChartLine& line : chart.lines) {
     line.name = nullptr;  // the page's legend has it
     for (const auto& [damping, stiffness] : line.points) {

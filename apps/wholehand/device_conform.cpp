@@ -39,8 +39,8 @@ Counts count(const std::vector<CheckResult>& results) {
 
 // Checks that need the person's permission and did not get it; reported once for all.
 bool isLeftOut(const Check& check, const ConformanceOptions& asked) {
-  return (check.does != Does::kLooks && !asked.allow_effort) ||
-         (check.does == Does::kOverreaches && !asked.allow_beyond_limit);
+  return (check.effect != Effect::kLooks && !asked.allow_effort) ||
+         (check.effect == Effect::kOverreaches && !asked.allow_beyond_limit);
 }
 
 void print(const CheckResult& r) {

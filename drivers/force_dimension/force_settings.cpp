@@ -15,7 +15,7 @@ GripperSettings readGripper(TomlTable& table) {
   gripper.lever_m = table.number("lever_m", above(0.0, 0.5, "m"));
   gripper.force_limit_n = table.number("force_limit_n", above(0.0, 50.0, "N"));
   gripper.step_rad = table.number("step_rad", above(0.0, 0.1, "rad"));
-  if (table.good("open_rad") && table.good("closed_rad") &&
+  if (table.isGood("open_rad") && table.isGood("closed_rad") &&
       gripper.closed_rad >= gripper.open_rad) {
     table.fail("closed_rad", "is not below open_rad", "a gripper's angle falls as it closes");
   }

@@ -13,7 +13,7 @@ Motor readMotor(TomlTable& table) {
   motor.name = table.text("name");
   motor.id = static_cast<int>(table.integer("id", 1, 126));
   motor.sign = static_cast<double>(table.integer("sign", -1, 1));
-  if (table.good("sign") && motor.sign == 0.0) table.fail("sign", "is 0", "must be 1 or -1");
+  if (table.isGood("sign") && motor.sign == 0.0) table.fail("sign", "is 0", "must be 1 or -1");
   motor.gear_ratio = table.number("gear_ratio", between(0.01, 1000.0));
   motor.offset_rad = table.number("offset_rad", between(-100.0, 100.0, "rad"));
   motor.max_torque_nm = table.number("max_torque_nm", above(0.0, 100.0, "N·m"));
@@ -66,7 +66,7 @@ MotorAxis readAxis(TomlTable& table, const Settings& settings) {
   const std::string motor = table.text("motor");
   const std::size_t place = placeOf(settings.motors, motor);
   const bool known = place < settings.motors.size();
-  if (table.good("motor") && !known) {
+  if (table.isGood("motor") && !known) {
     table.fail("motor", "is no motor", "must be one of: " + listed(namesOf(settings.motors)));
   }
   axis.motor = known ? place : 0;

@@ -27,13 +27,14 @@ Json wallJson(const AxisCertificate& a) {
 
 Json axisJson(const AxisCertificate& a, const AxisAdvice& advice) {
   Json json;
-  json["name"] = a.of.axis.name;
-  json["unit"] = fmt::format("{}/{}", a.of.axis.effortUnit(), a.of.axis.positionUnit());
-  json["k_pm"] = a.of.gains.k_pm;
-  json["k_dm"] = a.of.gains.k_dm;
-  json["gamma"] = a.of.gains.gamma;
+  json["name"] = a.axis_case.axis.name;
+  json["unit"] =
+      fmt::format("{}/{}", a.axis_case.axis.effortUnit(), a.axis_case.axis.positionUnit());
+  json["k_pm"] = a.axis_case.gains.k_pm;
+  json["k_dm"] = a.axis_case.gains.k_dm;
+  json["gamma"] = a.axis_case.gains.gamma;
   json["armature"] = a.of.armature();
-  json["k_ps_per_s2"] = a.of.avatarStiffness();
+  json["k_ps_per_s2"] = a.axis_case.avatarStiffness();
   json["rigid_contact_limit"] = a.rigid_limit;
   json["rigid_contact_formula"] = a.rigid_formula;
   for (std::size_t i = 0; i < kContactKeys.size(); ++i) {
@@ -44,13 +45,13 @@ Json axisJson(const AxisCertificate& a, const AxisAdvice& advice) {
   }
   json["damping_required"] = a.damping_required;
   json["damping_required_phi"] = a.damping_required_phi;
-  json["damping_available"] = a.of.axis.damping;
+  json["damping_available"] = a.axis_case.axis.damping;
   json["quantisation_limit"] = a.quantisationLimit();
   json["viscous_limit"] = a.viscous_limit;
   json["coulomb_limit"] = a.coulomb_limit;
   json["wall"] = wallJson(a);
   json["slew_required"] = a.slew_required;
-  json["slew_available"] = a.of.axis.effort_slew_limit;
+  json["slew_available"] = a.axis_case.axis.effort_slew_limit;
   json["passes"] = a.passes;
   json["fails"] = failing(a);
   json["binding"] = criterionKey(a.binding);

@@ -35,8 +35,8 @@ std::string contactTable(const Certificate& c) {
   out += fmt::format("{:<20}{:>8} {:<9}{:>9}{:>8}{:>8}{:>8}{:>8}\n", "axis", "K_pm", "", "limit",
                      "free", "rigid", "mass", "spring");
   for (const AxisCertificate& a : c.axes) {
-    out += fmt::format("{:<20}{:>8.4g} {:<9}{:>9}", a.of.axis.name, a.of.gains.k_pm,
-                       perUnit(a.of.axis), limitWord(a.rigid_limit));
+    out += fmt::format("{:<20}{:>8.4g} {:<9}{:>9}", a.axis_case.axis.name, a.axis_case.gains.k_pm,
+                       perUnit(a.axis_case.axis), limitWord(a.rigid_limit));
     for (const WorstRadius& w : a.contacts) out += fmt::format("{:>8.5f}", w.radius);
     out += "\n";
   }
@@ -52,10 +52,10 @@ std::string marginTable(const Certificate& c) {
   out += fmt::format("{:<20}{:>8}{:>8}{:>13}{:>7}{:>7}{:>7}\n", "axis", "needs", "has", "limit",
                      "wall", "slew", "all");
   for (const AxisCertificate& a : c.axes) {
-    out += fmt::format("{:<20}{:>8.3g}{:>8.3g}{:>13}{:>7}{:>7}{:>7.3g}  {}\n", a.of.axis.name,
-                       a.damping_required, a.of.axis.damping, limitWord(a.quantisationLimit()),
-                       marginWord(a.wall.margin),
-                       marginWord(a.of.axis.effort_slew_limit / a.slew_required), a.margin,
+    out += fmt::format("{:<20}{:>8.3g}{:>8.3g}{:>13}{:>7}{:>7}{:>7.3g}  {}\n",
+                       a.axis_case.axis.name, a.damping_required, a.axis_case.axis.damping,
+                       limitWord(a.quantisationLimit()), marginWord(a.wall.margin),
+                       marginWord(a.axis_case.axis.effort_slew_limit / a.slew_required), a.margin,
                        a.passes ? "passes" : "FAILS");
     if (!a.passes) out += fmt::format("  fails: {}\n", fmt::join(failing(a), ", "));
   }
@@ -73,10 +73,10 @@ std::string admittedTable(const AdvisedCertificate& judged) {
   for (std::size_t i = 0; i < judged.advice.size(); ++i) {
     const AxisCertificate& a = judged.certificate.axes[i];
     const AxisAdvice& advice = judged.advice[i];
-    out += fmt::format("{:<20}", a.of.axis.name);
+    out += fmt::format("{:<20}", a.axis_case.axis.name);
     for (const double k_pm : advice.admitted_k_pm) out += fmt::format("{:>8.4g}", k_pm);
-    out += fmt::format(" {:<7}{:>6.2f}{:>7.2f}{:>7.4g}\n", perUnit(a.of.axis), a.of.gains.gamma,
-                       advice.best_gamma, advice.best_gamma_k_pm);
+    out += fmt::format(" {:<7}{:>6.2f}{:>7.2f}{:>7.4g}\n", perUnit(a.axis_case.axis),
+                       a.axis_case.gains.gamma, advice.best_gamma, advice.best_gamma_k_pm);
   }
   return out + fmt::format("(best γ: the one that admits the largest K_pm at {:.4g} Hz)\n",
                            1.0 / judged.certificate.period_s);
@@ -88,9 +88,10 @@ std::string change(const AxisCertificate& a, const NearestGains& to) {
   const auto set = [&](const std::string& key, double present, double value) {
     if (value != present) out += fmt::format("{}{} = {:.6g}", out.empty() ? "" : ", ", key, value);
   };
-  set(stiffnessKey(a.of.axis), a.of.gains.k_pm, to.k_pm);
-  set(dampingKey(a.of.axis), a.of.gains.k_dm, to.k_dm);
-  if (to.armature) set(armatureKey(a.of.axis), a.of.gains.armature.value_or(-1.0), *to.armature);
+  set(stiffnessKey(a.axis_case.axis), a.axis_case.gains.k_pm, to.k_pm);
+  set(dampingKey(a.axis_case.axis), a.axis_case.gains.k_dm, to.k_dm);
+  if (to.armature)
+    set(armatureKey(a.axis_case.axis), a.axis_case.gains.armature.value_or(-1.0), *to.armature);
   return out;
 }
 
@@ -101,8 +102,8 @@ std::string remedy(const AdvisedCertificate& judged) {
         "no smaller gains pass: the device needs more damping, less delay or a faster loop";
     for (const AxisCertificate& a : judged.certificate.axes) {
       if (a.wall.margin >= 1.0) continue;
-      out += fmt::format(", or the wall on {} softened to {:.2g} of itself", a.of.axis.name,
-                         bearableWallShare(a.of));
+      out += fmt::format(", or the wall on {} softened to {:.2g} of itself", a.axis_case.axis.name,
+                         bearableWallShare(a.axis_case));
     }
     return out;
   }
@@ -114,9 +115,9 @@ std::string remedy(const AdvisedCertificate& judged) {
     const auto same = std::find_if(changes.begin(), changes.end(),
                                    [&](const auto& known) { return known.first == what; });
     if (same == changes.end()) {
-      changes.emplace_back(what, a.of.axis.name);
+      changes.emplace_back(what, a.axis_case.axis.name);
     } else {
-      same->second += ", " + a.of.axis.name;
+      same->second += ", " + a.axis_case.axis.name;
     }
   }
   std::string out;
@@ -133,7 +134,7 @@ std::string verdict(const AdvisedCertificate& judged) {
   std::string what;
   if (c.binding_axis >= 0) {
     const AxisCertificate& a = c.axes[c.binding_axis];
-    what = a.of.axis.name + ": " + finding(a);
+    what = a.axis_case.axis.name + ": " + finding(a);
   } else if (c.binding_criterion == Criterion::kCoupled) {
     what = fmt::format(
         "all axes together: a passive person and object that link them need {:.3g} of the device's "

@@ -51,7 +51,7 @@ FingerWallFile readFingerWalls(TomlTable& wall, const DeviceModel& device) {
   TransitionConfig& t = out.transition;
   t.engage_m = wall.number("engage_m", above(0.0, 1.0, "m"));
   t.release_m = wall.number("release_m", above(0.0, 1.0, "m"));
-  if (wall.good("engage_m") && wall.good("release_m") && t.release_m < t.engage_m) {
+  if (wall.isGood("engage_m") && wall.isGood("release_m") && t.release_m < t.engage_m) {
     wall.fail("release_m", "is nearer than engage_m", "must be at least engage_m");
   }
   // Over 0.3 s the largest effort of a wall, 10 N at the tip, changes by 0.05 N a tick.

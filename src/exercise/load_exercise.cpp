@@ -17,7 +17,7 @@ constexpr std::size_t kLongestName = 100;
 /// Path of the scene that the file names; reports a missing one and returns an empty path.
 std::string readScene(TomlTable& root, const std::string& exercise_path) {
   const std::string named = root.text("scene");
-  if (!root.good("scene")) return {};
+  if (!root.isGood("scene")) return {};
   const fs::path path = (fs::path(exercise_path).parent_path() / named).lexically_normal();
   std::error_code error;
   if (fs::exists(path, error) && !fs::is_directory(path, error)) return path.string();
@@ -75,7 +75,7 @@ Expected<LoadedExercise> loadExercise(const std::string& path, int level, const 
   source.device = &device;
   source.hand = &hand;
   source.scene_path = readScene(root, path);
-  if (!root.good("exercise")) {
+  if (!root.isGood("exercise")) {
     root.ignoreUnknownKeys();  // the valid keys of an unknown kind are unknown
     return file.finish();
   }

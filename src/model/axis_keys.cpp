@@ -77,9 +77,9 @@ double readAxisQuantity(TomlTable& table, const AxisQuantity& quantity, AxisKind
 }
 
 bool hasAxisQuantity(const TomlTable& table, const AxisQuantity& quantity, AxisKind kind) {
-  if (kind == AxisKind::kTranslation) return table.good(quantity.translation_key);
-  return table.good(quantity.rotation_key) ||
-         (!quantity.tip_key.empty() && table.good(quantity.tip_key));
+  if (kind == AxisKind::kTranslation) return table.isGood(quantity.translation_key);
+  return table.isGood(quantity.rotation_key) ||
+         (!quantity.tip_key.empty() && table.isGood(quantity.tip_key));
 }
 
 std::optional<AxisKind> knownAxisKind(std::string_view name) noexcept {
@@ -94,7 +94,7 @@ std::vector<NamedAxis> readAxisNames(TomlTable& root) {
   std::vector<std::string> names;
   for (TomlTable& table : root.tables("axes", 1)) {
     std::string name = table.text("name");
-    if (!table.good("name") || !checkNewName(table, name, names)) {
+    if (!table.isGood("name") || !checkNewName(table, name, names)) {
       table.ignoreUnknownKeys();
       continue;
     }

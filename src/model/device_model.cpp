@@ -60,7 +60,7 @@ void checkBaseAxis(TomlTable& table, const DeviceAxis& axis) {
 
 void readName(TomlTable& table, DeviceAxis& axis, const std::vector<std::string>& earlier) {
   axis.name = table.text("name");
-  if (!table.good("name")) return;
+  if (!table.isGood("name")) return;
   if (!isAxisName(axis.name)) {
     table.fail("name", "is not a name", "use small letters, digits and underscores");
     return;
@@ -72,8 +72,8 @@ void readName(TomlTable& table, DeviceAxis& axis, const std::vector<std::string>
 
 void checkSlew(TomlTable& table, const DeviceAxis& axis) {
   const auto good = [&](const AxisQuantity& quantity) {
-    return table.good(quantity.translation_key) || table.good(quantity.rotation_key) ||
-           table.good(quantity.tip_key);
+    return table.isGood(quantity.translation_key) || table.isGood(quantity.rotation_key) ||
+           table.isGood(quantity.tip_key);
   };
   if (!good(kEffortLimit) || !good(kEffortSlew)) return;  // already reported, or absent
   if (axis.effort_slew_limit >= kLeastSlewOfLimit_per_s * axis.effort_limit) return;
@@ -92,7 +92,7 @@ DeviceAxis readAxis(TomlTable& table, const std::vector<std::string>& earlier) {
                   : AxisKind::kTranslation;
   axis.group =
       table.choice("group", {"base", "hand"}) == "hand" ? AxisGroup::kHand : AxisGroup::kBase;
-  const bool typed = table.good("type");
+  const bool typed = table.isGood("type");
   readName(table, axis, earlier);
   if (!typed) {  // no key has a known unit: further messages would mislead
     table.ignoreUnknownKeys();

@@ -34,7 +34,7 @@ PanelValue readValue(TomlTable& table) {
     if (goal.size() == 2) {
       out.goal_lower = goal[0];
       out.goal_upper = goal[1];
-    } else if (table.good("goal")) {
+    } else if (table.isGood("goal")) {
       table.fail("goal", "is no band",
                  "write the names of two values: [\"goal_low_n\", \"goal_high_n\"]");
     }

@@ -104,7 +104,7 @@ void readAxes(TomlTable& root, const DeviceModel& device, const Common& common,
     refuseAxis(axis, device, strangers.size() == 1, without_gains);
   }
   // An unreadable [[axes]] was reported already.
-  if (root.good("axes") && !without_gains.empty()) {
+  if (root.isGood("axes") && !without_gains.empty()) {
     root.fail("axes",
               "have no gains for " + listed(without_gains) + " of the device " + device.path,
               "add an [[axes]] with name = \"" + without_gains.front() + "\"" +

@@ -102,13 +102,14 @@ void ActivePatient::advance(const PatientInput& felt) noexcept {
     begin_ = end_ = AxisEffort(limit_.size());
     return;
   }
-  const double fastest = patient_.reflex.together ? fastestOpening(qd_delayed) : 0.0;
+  const double fastest = patient_.reflex.largest_triggers_all ? fastestOpening(qd_delayed) : 0.0;
   for (int i = 0; i < limit_.size(); ++i) {
     const PatientAxis& axis = patient_.axes[i];
     const double pulled = muscle_[i];
     if (axis.reflex.gain_nm_s_rad2 > 0.0) {
-      const double too_fast =
-          patient_.reflex.together ? fastest : openedTooFast(axis.reflex, qd_delayed[i]);
+      const double too_fast = patient_.reflex.largest_triggers_all
+                                  ? fastest
+                                  : openedTooFast(axis.reflex, qd_delayed[i]);
       const double drive = std::min(reflexDriveFrom(axis.reflex, felt.q[i], too_fast), limit_[i]);
       muscle_[i] = muscleEffort(pulled, drive, patient_.reflex.muscle_lag_s, period_s_);
     }

@@ -81,9 +81,9 @@ class HapticRenderer {
 
   /// Makes the next tick begin the ramp to neutral. Before arming, makes the next arm() refuse,
   /// once. Any thread, also a signal handler; real-time safe.
-  void requestStop() noexcept { safety_.stops().ask(); }
+  void requestStop() noexcept { safety_.stops().request(); }
   /// As requestStop(); the records mark it as an emergency stop.
-  void requestEmergencyStop() noexcept { safety_.stops().askInEmergency(); }
+  void requestEmergencyStop() noexcept { safety_.stops().requestEmergency(); }
 
   /// True when the device is at its neutral effort after a stop or a fault.
   [[nodiscard]] bool atNeutral() const noexcept { return safety_.atNeutral(); }

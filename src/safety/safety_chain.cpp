@@ -123,7 +123,7 @@ void SafetyChain::watchEnergy(TickRecord& record) noexcept {
 void SafetyChain::limitEffort(TickRecord& record) noexcept {
   const AxisEffort wanted = withinLimits(record);
   latched_ |= record.faults & kStopping;
-  const Fault asked = stops_.asked();
+  const Fault asked = stops_.pending();
   record.faults |= asked;
   slew_.note(ramp_.sent);
   ramp_ = advanceRamp(ramp_, wanted, config_.neutral, any(latched_) || any(asked),

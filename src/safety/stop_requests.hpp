@@ -12,11 +12,11 @@ namespace wholehand {
 class StopRequests {
  public:
   /// Requests a stop. Any thread, also a signal handler; real-time safe.
-  void ask() noexcept { stops_.fetch_add(1, std::memory_order_seq_cst); }
+  void request() noexcept { stops_.fetch_add(1, std::memory_order_seq_cst); }
   /// Requests an emergency stop. Counts as a stop first, so that a reader never sees an emergency
   /// without a stop.
-  void askInEmergency() noexcept {
-    ask();
+  void requestEmergency() noexcept {
+    request();
     emergencies_.fetch_add(1, std::memory_order_seq_cst);
   }
 
@@ -38,7 +38,7 @@ class StopRequests {
     return true;
   }
   /// In a tick: kStopRequested and kEmergencyStop if requested since arm(). Real-time safe.
-  [[nodiscard]] WHOLEHAND_RT Fault asked() noexcept {
+  [[nodiscard]] WHOLEHAND_RT Fault pending() noexcept {
     const bool emergency = emergencies_.load(std::memory_order_seq_cst) != emergencies_armed_at_;
     seen_ = stops_.load(std::memory_order_seq_cst);
     if (emergency) return Fault::kStopRequested | Fault::kEmergencyStop;

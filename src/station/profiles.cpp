@@ -89,7 +89,7 @@ Expected<Profile> Profiles::load(const std::string& name) const {
   TomlTable& root = file.root();
   Profile out;
   out.name = root.text("name");
-  if (root.good("name") && out.name != name) {
+  if (root.isGood("name") && out.name != name) {
     root.fail("name", "is not the name of its file", "write name = \"" + name + "\"");
   }
   out.device = root.text("device");

@@ -48,7 +48,7 @@ std::vector<std::string> TelemetryHub::failures() const {
 }
 
 template <class Call>
-bool TelemetryHub::holds(const char* consumer, std::size_t number, Call&& call) noexcept {
+bool TelemetryHub::succeeds(const char* consumer, std::size_t number, Call&& call) noexcept {
   try {
     call();
     return true;
@@ -69,25 +69,25 @@ void TelemetryHub::noteFailure(const char* consumer, std::size_t number, const c
   std::snprintf(failure.why.data(), failure.why.size(), "%s", why);
 }
 
-void TelemetryHub::hand(const TickRecord& record) noexcept {
+void TelemetryHub::deliver(const TickRecord& record) noexcept {
   if (to_recorder_ && !to_recorder_->try_push(record)) ++unrecorded_;
-  if (statistics_ != nullptr && !holds("the statistics", 0, [&] { statistics_->add(record); })) {
+  if (statistics_ != nullptr && !succeeds("the statistics", 0, [&] { statistics_->add(record); })) {
     statistics_ = nullptr;
   }
   for (std::size_t i = 0; i < sinks_.size(); ++i) {
-    if (sinks_[i] && !holds("sink", i + 1, [&] { sinks_[i](record); })) sinks_[i] = nullptr;
+    if (sinks_[i] && !succeeds("sink", i + 1, [&] { sinks_[i](record); })) sinks_[i] = nullptr;
   }
 }
 
 void TelemetryHub::write(const TickRecord& record) noexcept {
   // The writer counts its own drops; the record during which it throws is lost.
-  if (writer_ != nullptr && holds("the recorder", 0, [&] { writer_->append(record); })) return;
+  if (writer_ != nullptr && succeeds("the recorder", 0, [&] { writer_->append(record); })) return;
   writer_ = nullptr;
   ++unrecorded_;
 }
 
 void TelemetryHub::flush() noexcept {
-  if (writer_ == nullptr || holds("the recorder", 0, [&] { writer_->flush(); })) return;
+  if (writer_ == nullptr || succeeds("the recorder", 0, [&] { writer_->flush(); })) return;
   writer_ = nullptr;
 }
 
@@ -96,12 +96,12 @@ bool TelemetryHub::drain() noexcept {
   bool any_record = false;
   const auto next = [&] {
     bool more = false;
-    if (source_ && !holds("the source", 0, [&] { more = source_(record); })) source_ = nullptr;
+    if (source_ && !succeeds("the source", 0, [&] { more = source_(record); })) source_ = nullptr;
     return more;
   };
   while (next()) {
     any_record = true;
-    hand(record);
+    deliver(record);
     ++consumed_;
   }
   return any_record;
@@ -118,8 +118,8 @@ bool TelemetryHub::drainToRecorder() noexcept {
 }
 
 template <class Drain, class Idle>
-void TelemetryHub::follow(const std::atomic<bool>& stopping, std::chrono::milliseconds pause,
-                          Drain&& drain, Idle&& idle) noexcept {
+void TelemetryHub::poll(const std::atomic<bool>& stopping, std::chrono::milliseconds pause,
+                        Drain&& drain, Idle&& idle) noexcept {
   Clock::time_point last_record = Clock::now();
   bool paused = true;
   while (true) {
@@ -139,12 +139,12 @@ void TelemetryHub::follow(const std::atomic<bool>& stopping, std::chrono::millis
 }
 
 void TelemetryHub::run() noexcept {
-  follow(
+  poll(
       stopping_, kPause, [this] { return drain(); }, [] {});
 }
 
 void TelemetryHub::runRecorder() noexcept {
-  follow(
+  poll(
       recorder_stopping_, kRecorderPause, [this] { return drainToRecorder(); },
       [this] { flush(); });
   flush();

@@ -63,13 +63,13 @@ class TelemetryHub {
 
   /// Calls a consumer; false when it threw.
   template <class Call>
-  bool holds(const char* consumer, std::size_t number, Call&& call) noexcept;
+  bool succeeds(const char* consumer, std::size_t number, Call&& call) noexcept;
   void noteFailure(const char* consumer, std::size_t number, const char* why) noexcept;
   /// Calls `drain` until stop is requested, and once more after that; calls `idle` once per pause.
   template <class Drain, class Idle>
-  static void follow(const std::atomic<bool>& stopping, std::chrono::milliseconds pause,
-                     Drain&& drain, Idle&& idle) noexcept;
-  void hand(const TickRecord& record) noexcept;
+  static void poll(const std::atomic<bool>& stopping, std::chrono::milliseconds pause,
+                   Drain&& drain, Idle&& idle) noexcept;
+  void deliver(const TickRecord& record) noexcept;
   void write(const TickRecord& record) noexcept;
   void flush() noexcept;
   void run() noexcept;

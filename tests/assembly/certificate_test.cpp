@@ -21,7 +21,8 @@ TEST_P(ShippedCertificate, WithEveryHand_IsCertifiedAsShipped) {
     const Certificate c = certify(certificateInput(m, 1e-3));
     EXPECT_TRUE(c.certified) << hand << ": " << c.binding();
     ASSERT_EQ(static_cast<int>(c.axes.size()), m.device.axisCount());
-    for (const AxisCertificate& a : c.axes) EXPECT_TRUE(a.passes) << hand << " " << a.of.axis.name;
+    for (const AxisCertificate& a : c.axes)
+      EXPECT_TRUE(a.passes) << hand << " " << a.axis_case.axis.name;
     least = std::min(least, c.margin());
   }
   EXPECT_GE(least, 1.0);

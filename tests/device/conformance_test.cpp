@@ -145,7 +145,7 @@ TEST(Conformance, WithoutLeave_EnablesNothing) {
   ConformanceOptions options = with(built("broken"), "");
   options.allow_effort = false;
   for (const CheckResult& r : conform(options)) {
-    if (r.check->does == Does::kLooks) continue;
+    if (r.check->effect == Effect::kLooks) continue;
     EXPECT_EQ(r.finding.outcome, Outcome::kSkipped) << r.check->id;
     EXPECT_NE(r.finding.text.find("--allow-effort"), std::string::npos) << r.check->id;
   }
@@ -158,7 +158,8 @@ TEST(Conformance, Checks_HaveNamesOfTheirOwnAndSayWhatTheyDo) {
     for (const Check& check : group.checks) {
       EXPECT_TRUE(ids.insert(check.id).second) << check.id;
       EXPECT_EQ(groupOf(check.id), std::string(group.name) + ".");
-      EXPECT_TRUE(check.before != DriverStage::kEnabled || check.does != Does::kLooks) << check.id;
+      EXPECT_TRUE(check.before != DriverStage::kEnabled || check.effect != Effect::kLooks)
+          << check.id;
       EXPECT_GT(std::string(check.asks).size(), 10U) << check.id;
       EXPECT_GT(std::string(check.remedy).size(), 3U) << check.id;
     }

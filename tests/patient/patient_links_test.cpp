@@ -69,7 +69,7 @@ TEST(PatientLinks, FilesWithoutThem_LinkNothing) {
     const PatientConfig patient = shipped(name);
     EXPECT_EQ(patient.links.stiffness.size(), 0) << name;
     EXPECT_EQ(patient.tremor.along.size(), 0) << name;
-    EXPECT_FALSE(patient.reflex.together) << name;
+    EXPECT_FALSE(patient.reflex.largest_triggers_all) << name;
   }
 }
 
@@ -335,8 +335,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "40", "[-10, 10] N at the tip"},
         Mistake{"pill-rolling", "axes        = [\"x\",", "axes        = [\"w\",", "tremor.axes",
                 "w", "w is no axis of the device"},
-        Mistake{"spastic-fist", "together = true", "together = \"yes\"", "reflex.together", "yes",
-                "true or false"}));
+        Mistake{"spastic-fist", "together = true", "together = \"yes\"",
+                "reflex.largest_triggers_all", "yes", "true or false"}));
 
 /// The remedy is true: what is off the diagonal times the share that is named passes.
 TEST(WrongLinks, ShareThatIsNamed_Passes) {

@@ -10,53 +10,53 @@ TEST(StopRequests, NobodyAsked_NothingIsSaid) {
   StopRequests stops;
   EXPECT_FALSE(stops.consumeUnseen());
   EXPECT_TRUE(stops.arm());
-  EXPECT_EQ(stops.asked(), Fault::kNone);
+  EXPECT_EQ(stops.pending(), Fault::kNone);
 }
 
 TEST(StopRequests, AskedBeforeArming_IsSeenOnce) {
   StopRequests stops;
-  stops.ask();
+  stops.request();
   EXPECT_TRUE(stops.consumeUnseen());
   EXPECT_FALSE(stops.consumeUnseen());
   ASSERT_TRUE(stops.arm());
-  EXPECT_EQ(stops.asked(), Fault::kNone) << "an old stop ended a new session";
+  EXPECT_EQ(stops.pending(), Fault::kNone) << "an old stop ended a new session";
 }
 
 TEST(StopRequests, AskedWhileArming_RefusesThatArmingOnly) {
   StopRequests stops;
   EXPECT_FALSE(stops.consumeUnseen());
-  stops.askInEmergency();
+  stops.requestEmergency();
   EXPECT_FALSE(stops.arm());
   EXPECT_FALSE(stops.consumeUnseen()) << "it was told already";
   EXPECT_TRUE(stops.arm());
-  EXPECT_EQ(stops.asked(), Fault::kNone);
+  EXPECT_EQ(stops.pending(), Fault::kNone);
 }
 
 TEST(StopRequests, AskedOnceArmed_IsSaidInEveryTickFromThenOn) {
   StopRequests stops;
   ASSERT_TRUE(stops.arm());
-  stops.ask();
-  EXPECT_EQ(stops.asked(), Fault::kStopRequested);
-  EXPECT_EQ(stops.asked(), Fault::kStopRequested);
-  stops.askInEmergency();
-  EXPECT_EQ(stops.asked(), Fault::kStopRequested | Fault::kEmergencyStop);
+  stops.request();
+  EXPECT_EQ(stops.pending(), Fault::kStopRequested);
+  EXPECT_EQ(stops.pending(), Fault::kStopRequested);
+  stops.requestEmergency();
+  EXPECT_EQ(stops.pending(), Fault::kStopRequested | Fault::kEmergencyStop);
 }
 
 TEST(StopRequests, SeenByATick_DoesNotRefuseTheNextArming) {
   StopRequests stops;
   ASSERT_TRUE(stops.arm());
-  stops.askInEmergency();
-  EXPECT_TRUE(any(stops.asked()));
+  stops.requestEmergency();
+  EXPECT_TRUE(any(stops.pending()));
   EXPECT_FALSE(stops.consumeUnseen());
   ASSERT_TRUE(stops.arm());
-  EXPECT_EQ(stops.asked(), Fault::kNone);
+  EXPECT_EQ(stops.pending(), Fault::kNone);
 }
 
 TEST(StopRequests, AskedAfterTheLastTick_RefusesTheNextArming) {
   StopRequests stops;
   ASSERT_TRUE(stops.arm());
-  EXPECT_EQ(stops.asked(), Fault::kNone);
-  stops.ask();
+  EXPECT_EQ(stops.pending(), Fault::kNone);
+  stops.request();
   EXPECT_TRUE(stops.consumeUnseen());
 }
 

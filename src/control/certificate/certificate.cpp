@@ -72,28 +72,28 @@ double stiffnessLimit(const AxisCase& c, Criterion contact) {
 
 /// Margin of one criterion of an axis: allowed over present value.
 double marginOf(const AxisCertificate& a, Criterion criterion) {
-  const double k_pm = a.of.gains.k_pm;
+  const double k_pm = a.axis_case.gains.k_pm;
   switch (criterion) {
     case Criterion::kRigid:
       return a.rigid_limit / k_pm;
     case Criterion::kDamping:
-      return a.damping_required > 0.0 ? a.of.axis.damping / a.damping_required : kInfinite;
+      return a.damping_required > 0.0 ? a.axis_case.axis.damping / a.damping_required : kInfinite;
     case Criterion::kQuantisation:
       return a.quantisationLimit() / k_pm;
     case Criterion::kWall:
       return a.wall.margin;
     case Criterion::kSlew: {
-      const double limit = a.of.axis.effort_slew_limit;
+      const double limit = a.axis_case.axis.effort_slew_limit;
       return limit > 0.0 ? limit / a.slew_required : kInfinite;
     }
     case Criterion::kCoupled:
       return kInfinite;
     case Criterion::kAvatar: {  // 1/T²: above it the avatar rings
-      const double wt = a.of.avatarStiffness() * a.of.period_s * a.of.period_s;
+      const double wt = a.axis_case.avatarStiffness() * a.axis_case.period_s * a.axis_case.period_s;
       return wt <= 1.0 ? kInfinite : 1.0 / wt;
     }
     default:
-      return a.meets(criterion) ? kInfinite : stiffnessLimit(a.of, criterion) / k_pm;
+      return a.meets(criterion) ? kInfinite : stiffnessLimit(a.axis_case, criterion) / k_pm;
   }
 }
 
@@ -191,7 +191,7 @@ WorstRadius worstContact(const AxisCase& c, Criterion contact, const WallCase& w
 
 AxisCertificate certifyAxis(const AxisCase& c) {
   AxisCertificate a;
-  a.of = c;
+  a.axis_case = c;
   a.rigid_formula = c.axis.damping / (c.period_s * (0.5 + c.delay_ticks));
   a.rigid_limit = stiffnessLimit(c, Criterion::kRigid);
   for (int i = 0; i < kContactCriteria; ++i) {
@@ -232,7 +232,7 @@ double Certificate::margin() const {
 std::string Certificate::binding() const {
   if (binding_axis < 0) return criterionKey(binding_criterion);
   const AxisCertificate& a = axes[binding_axis];
-  return a.of.axis.name + "." + criterionKey(a.binding);
+  return a.axis_case.axis.name + "." + criterionKey(a.binding);
 }
 
 Certificate certify(const CertificateInput& input) {
@@ -242,7 +242,7 @@ Certificate certify(const CertificateInput& input) {
   AxisStiffness k_pm(n);
   for (int i = 0; i < n; ++i) {
     out.axes.push_back(certifyAxis(axisCase(input, i)));
-    k_pm[i] = out.axes.back().of.gains.k_pm;
+    k_pm[i] = out.axes.back().axis_case.gains.k_pm;
   }
   const CoupledCase together = coupledCase(input);
   const std::vector<AxisMatrix> sampled(together.inertias.begin() + 1, together.inertias.end());

@@ -81,7 +81,7 @@ struct WallCertificate {
 
 /// Certificate of one axis. Stiffness in [N/m or N·m/rad], damping in [N·s/m or N·m·s/rad].
 struct AxisCertificate {
-  AxisCase of;
+  AxisCase axis_case;
   double rigid_formula = 0.0;  ///< b / (T (½ + n)): γ = Φ = 0
   double rigid_limit = 0.0;    ///< largest K_pm against a rigid stop at every Φ, by eigenvalues
   std::array<WorstRadius, kContactCriteria> contacts;  ///< by Criterion

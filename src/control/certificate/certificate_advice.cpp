@@ -135,7 +135,7 @@ void raiseArmature(CertificateInput& input, const Certificate& judged) {
   double most = 100.0;
   for (double more = judged.avatar.radius < 1.0 ? 0.0 : 0.01; more < most; more *= 1.2) {
     for (std::size_t i = 0; i < judged.axes.size(); ++i) {
-      const AxisCase& c = judged.axes[i].of;
+      const AxisCase& c = judged.axes[i].axis_case;
       const double inertia = c.inertia + c.armature();
       const double wanted = std::max((1.0 + more) * inertia, c.gains.k_pm / ringing);
       if (wanted > inertia) input.rendering.axes[i].armature = roundedUp(wanted - c.inertia);
@@ -209,7 +209,7 @@ std::optional<std::vector<NearestGains>> nearestGains(const CertificateInput& in
   std::vector<NearestGains> nearest;
   for (int i = 0; i < tried.device.axisCount(); ++i) {
     const AxisCase c = axisCase(tried, i);
-    const AxisCase& before = judged.axes[i].of;
+    const AxisCase& before = judged.axes[i].axis_case;
     const bool untouched = c.gains.armature == before.gains.armature;
     if (untouched && judged.axes[i].passes) {
       nearest.push_back({c.gains.k_pm, c.gains.k_dm, c.gains.armature});

@@ -26,7 +26,7 @@ const char* contactWords(Criterion criterion) {
 }
 
 std::string findingInWall(const AxisCertificate& a) {
-  const DeviceAxis& axis = a.of.axis;
+  const DeviceAxis& axis = a.axis_case.axis;
   const WallCertificate& w = a.wall;
   const std::string where =
       fmt::format("in the exercise's wall of {:.4g} {} and {:.3g} {} ", w.wall.stiffness,
@@ -35,10 +35,10 @@ std::string findingInWall(const AxisCertificate& a) {
     return where + fmt::format("it is unstable at α = {:g}, Φ = {:g}: spectral radius {:.6g} > 1",
                                w.worst.alpha, w.worst.phi, w.worst.radius);
   }
-  if (quantisationLimit(a.of) <= w.margin * (a.of.gains.k_pm + w.wall.stiffness)) {
+  if (quantisationLimit(a.axis_case) <= w.margin * (a.axis_case.gains.k_pm + w.wall.stiffness)) {
     return where + fmt::format("quantisation allows {:.4g} {} in all, it is {:.4g}",
-                               quantisationLimit(a.of), perUnit(axis),
-                               a.of.gains.k_pm + w.wall.stiffness);
+                               quantisationLimit(a.axis_case), perUnit(axis),
+                               a.axis_case.gains.k_pm + w.wall.stiffness);
   }
   return where + fmt::format(
                      "any passive person and object need {:.3g} {} of device damping (at Φ = "
@@ -48,7 +48,7 @@ std::string findingInWall(const AxisCertificate& a) {
 
 /// "largest allowed k_pm_n_m: 1650 N/m (device damping 6 N·s/m, 1 tick of delay, 1000 Hz)"
 std::string remedy(const AxisCertificate& a) {
-  const AxisCase& c = a.of;
+  const AxisCase& c = a.axis_case;
   const NearestGains nearest = nearestOfAxis(c);
   const double share = a.binding == Criterion::kWall ? bearableWallShare(c) : 0.0;
   const std::string softer =
@@ -89,8 +89,8 @@ std::string instability(const AxisCertificate& a) {
 Diagnostic refusal(const AxisCertificate& a, const std::string& path) {
   Diagnostic d;
   d.file = path;
-  d.key = a.of.axis.name + "." + stiffnessKey(a.of.axis);
-  d.value = fmt::format("{:.6g} {}", a.of.gains.k_pm, perUnit(a.of.axis));
+  d.key = a.axis_case.axis.name + "." + stiffnessKey(a.axis_case.axis);
+  d.value = fmt::format("{:.6g} {}", a.axis_case.gains.k_pm, perUnit(a.axis_case.axis));
   d.problem = fmt::format("not certified ({}): {}", fmt::join(failing(a), ", "),
                           instability(a) + finding(a));
   d.remedy = remedy(a);
@@ -181,7 +181,7 @@ std::vector<std::string> failing(const AxisCertificate& a) {
 }
 
 std::string finding(const AxisCertificate& a) {
-  const DeviceAxis& axis = a.of.axis;
+  const DeviceAxis& axis = a.axis_case.axis;
   switch (a.binding) {
     case Criterion::kDamping:
       return fmt::format(
@@ -190,7 +190,7 @@ std::string finding(const AxisCertificate& a) {
           a.damping_required, perUnit(axis, "·s"), a.damping_required_phi, axis.damping);
     case Criterion::kQuantisation:
       return fmt::format("quantisation allows K_pm up to {:.4g} {}, it is {:.4g}",
-                         a.quantisationLimit(), perUnit(axis), a.of.gains.k_pm);
+                         a.quantisationLimit(), perUnit(axis), a.axis_case.gains.k_pm);
     case Criterion::kWall:
       return findingInWall(a);
     case Criterion::kSlew:
@@ -200,14 +200,14 @@ std::string finding(const AxisCertificate& a) {
           a.slew_required, axis.effortUnit(), axis.effort_slew_limit);
     case Criterion::kAvatar:
       return fmt::format("the avatar rings: K_pm over its inertia is {:.4g} 1/s², above 1/T²",
-                         a.of.avatarStiffness());
+                         a.axis_case.avatarStiffness());
     default:
       break;
   }
   const WorstRadius& worst = a.contacts[static_cast<std::size_t>(a.binding)];
   if (worst.stable()) {
     return fmt::format("a rigid stop allows K_pm up to {:.4g} {}, it is {:.4g}", a.rigid_limit,
-                       perUnit(axis), a.of.gains.k_pm);
+                       perUnit(axis), a.axis_case.gains.k_pm);
   }
   return fmt::format("unstable {} at Φ = {:g}: spectral radius {:.6g} > 1", contactWords(a.binding),
                      worst.phi, worst.radius);

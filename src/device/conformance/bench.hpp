@@ -21,7 +21,7 @@ enum class DriverStage {
   kEnabled,  ///< freshly enabled, at neutral, no command yet
 };
 
-/// Largest share of an axis's effort limit that a check sends (except Does::kOverreaches).
+/// Largest share of an axis's effort limit that a check sends (except Effect::kOverreaches).
 inline constexpr double kEffortShare = 0.2;
 
 /// A sample, and the result of its read.

@@ -156,7 +156,7 @@ CheckFinding axisSize(DriverBench& bench) {
 constexpr const char* kBuild = "build it with this version's wholehand/device.h";
 constexpr const char* kBeyond = "touch no field that lies beyond the size that the caller has set";
 using enum DriverStage;
-constexpr Does kLooks = Does::kLooks;
+constexpr Effect kLooks = Effect::kLooks;
 
 constexpr Check kChecks[] = {
     {"boundary.loads", "the shared object loads, and all its symbols are found",

@@ -8,7 +8,7 @@
 namespace wholehand {
 
 /// Effect of a check on the device.
-enum class Does {
+enum class Effect {
   kLooks,       ///< nothing moves or is enabled
   kMoves,       ///< enables it, sends up to kEffortShare of its limit: no person may be attached
   kOverreaches  ///< commands more than the limit for 5 ms, which the drive has to clip
@@ -19,7 +19,7 @@ struct Check {
   const char* id;      ///< "samples.sequence"
   const char* asks;    ///< the requirement, one line
   const char* remedy;  ///< advice to the driver's author
-  Does does;
+  Effect effect;
   DriverStage before;  ///< stage that the driver is brought to first
   CheckFinding (*look)(DriverBench&);
 };

@@ -199,7 +199,7 @@ CheckFinding beyondLimit(DriverBench& bench) {
 
 constexpr const char* kFinite = "return WH_FAILED from write for what is not finite";
 constexpr const char* kCount = "return WH_FAILED from write for another number of axes";
-constexpr Does kMoves = Does::kMoves;
+constexpr Effect kMoves = Effect::kMoves;
 constexpr DriverStage kEnabled = DriverStage::kEnabled;
 
 constexpr Check kChecks[] = {
@@ -233,7 +233,7 @@ constexpr Check kChecks[] = {
     {"commands.enabled_neutral", "WH_ENABLE begins at neutral", "forget the last command", kMoves,
      kEnabled, enabledIsNeutral},
     {"commands.beyond_limit", "1.5 times the limit is refused, or clipped with WH_SATURATED",
-     "clip to effort_limit and say so", Does::kOverreaches, kEnabled, beyondLimit},
+     "clip to effort_limit and say so", Effect::kOverreaches, kEnabled, beyondLimit},
 };
 
 }  // namespace

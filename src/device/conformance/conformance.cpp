@@ -9,9 +9,9 @@ namespace {
 
 // Why a check is left out; empty: it runs.
 std::string whyLeftOut(const Check& check, const ConformanceOptions& options) {
-  if (check.does == Does::kLooks) return {};
+  if (check.effect == Effect::kLooks) return {};
   if (!options.allow_effort) return "moves the device: --allow-effort, with nobody attached";
-  if (check.does == Does::kOverreaches && !options.allow_beyond_limit) {
+  if (check.effect == Effect::kOverreaches && !options.allow_beyond_limit) {
     return "asks for more than the limit: --allow-beyond-limit, with the device held or free";
   }
   return {};

@@ -11,8 +11,8 @@ namespace wholehand {
 struct ConformanceOptions {
   DriverLocation driver;
   std::string only;                 ///< only checks whose id begins with this; empty: all
-  bool allow_effort = false;        ///< nobody is attached: allows Does::kMoves
-  bool allow_beyond_limit = false;  ///< also allows Does::kOverreaches
+  bool allow_effort = false;        ///< nobody is attached: allows Effect::kMoves
+  bool allow_beyond_limit = false;  ///< also allows Effect::kOverreaches
   double longest_check_s = 15.0;    ///< timeout of a check
 };
 

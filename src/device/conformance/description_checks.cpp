@@ -226,7 +226,7 @@ CheckFinding silencePlausible(DriverBench& bench) {
 
 constexpr const char* kFill = "fill every field of every axis";
 constexpr const char* kUnits = "use m, N, s, rad and N·m";
-constexpr Does kLooks = Does::kLooks;
+constexpr Effect kLooks = Effect::kLooks;
 constexpr DriverStage kOpen = DriverStage::kOpen;
 
 constexpr Check kChecks[] = {

@@ -92,7 +92,7 @@ CheckFinding noneAfterUse(DriverBench& bench) {
   return passed();
 }
 
-constexpr Does kLooks = Does::kLooks;
+constexpr Effect kLooks = Effect::kLooks;
 using enum DriverStage;
 
 constexpr Check kChecks[] = {
@@ -114,7 +114,7 @@ constexpr Check kChecks[] = {
     {"faults.read_disabled", "samples come after WH_DISABLE", "only write needs WH_ENABLE", kLooks,
      kOpen, readsAfterDisable},
     {"faults.in_use", "neutral commands for 0.1 s bring no fault", "look at the drive's own log",
-     Does::kMoves, kEnabled, noneAfterUse},
+     Effect::kMoves, kEnabled, noneAfterUse},
 };
 
 }  // namespace

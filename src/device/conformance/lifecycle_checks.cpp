@@ -149,7 +149,7 @@ CheckFinding closeWhileEnabled(DriverBench& bench) {
                                         : passed();
 }
 
-constexpr Does kLooks = Does::kLooks, kMoves = Does::kMoves;
+constexpr Effect kLooks = Effect::kLooks, kMoves = Effect::kMoves;
 using enum DriverStage;
 
 constexpr Check kChecks[] = {

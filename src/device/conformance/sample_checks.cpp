@@ -237,7 +237,7 @@ CheckFinding temperatureKnown(DriverBench& bench) {
 constexpr const char* kSequence = "count samples, and never start anew while the device is open";
 constexpr const char* kClock = "take clock_gettime(CLOCK_MONOTONIC) when the sample arrives";
 constexpr const char* kNan = "NaN where the device does not know";
-constexpr Does kLooks = Does::kLooks;
+constexpr Effect kLooks = Effect::kLooks;
 constexpr DriverStage kOpen = DriverStage::kOpen;
 
 constexpr Check kChecks[] = {

@@ -147,7 +147,7 @@ constexpr const char* kThread =
     "talk to the bus in a thread of your own, hand over the newest value";
 constexpr const char* kBuffers = "allocate in open what read and write need";
 constexpr const char* kSay = "say is not for read and write: set vendor_code";
-constexpr Does kLooks = Does::kLooks, kMoves = Does::kMoves;
+constexpr Effect kLooks = Effect::kLooks, kMoves = Effect::kMoves;
 using enum DriverStage;
 
 constexpr Check kChecks[] = {

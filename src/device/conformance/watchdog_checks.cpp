@@ -123,7 +123,7 @@ CheckFinding dropped(DriverBench& bench) {
 }
 
 constexpr const char* kLatch = "stay silenced until WH_ENABLE: the person must arm again";
-constexpr Does kMoves = Does::kMoves;
+constexpr Effect kMoves = Effect::kMoves;
 constexpr DriverStage kEnabled = DriverStage::kEnabled;
 
 constexpr Check kChecks[] = {

@@ -61,7 +61,7 @@ void readScoring(TomlTable& table, BarScoring& scoring) {
   scoring.two_stars = table.number("two_stars", between(0.0, 100.0));
   scoring.three_stars = table.number("three_stars", between(0.0, 100.0));
   scoring.rest_s = table.number("rest_s", between(0.0, 600.0, "s"));
-  if (table.good("two_stars") && table.good("three_stars") &&
+  if (table.isGood("two_stars") && table.isGood("three_stars") &&
       scoring.three_stars < scoring.two_stars) {
     table.fail("three_stars", "is less than two_stars", "must be at least two_stars");
   }
@@ -75,7 +75,7 @@ std::vector<BarLiquid> readLiquids(TomlTable& root) {
     l.name = t.text("name");
     (void)checkNewName(t, l.name, names);
     l.color = t.text("color");
-    if (t.good("color") && !isColor(l.color)) {
+    if (t.isGood("color") && !isColor(l.color)) {
       t.fail("color", "is not a colour", "must be \"#RRGGBB\", e.g. \"#F6C636\"");
     }
     l.pattern = t.choice("pattern", {"stripes", "dots", "waves", "rings"});

@@ -25,7 +25,7 @@ int liquidOf(TomlTable& table, const std::vector<BarLiquid>& liquids) {
   std::vector<std::string> names;
   for (const BarLiquid& l : liquids) names.push_back(l.name);
   const std::string name = table.text("liquid");
-  return table.good("liquid") ? indexOf(table, "liquid", name, names, "liquid") : -1;
+  return table.isGood("liquid") ? indexOf(table, "liquid", name, names, "liquid") : -1;
 }
 
 Eigen::Vector3d pointOf(TomlTable& table, std::string_view key) {
@@ -41,7 +41,7 @@ std::vector<int> indicesOf(TomlTable& table, std::string_view key,
     const int i = indexOf(table, key, name, names, what);
     if (i >= 0) out.push_back(i);
   }
-  if (table.good(key) && out.empty()) table.fail(key, "is empty", "name one at least");
+  if (table.isGood(key) && out.empty()) table.fail(key, "is empty", "name one at least");
   return out;
 }
 
@@ -57,7 +57,7 @@ std::vector<BarDispenser> readDispensers(TomlTable& root, const std::vector<BarL
     d.nozzle_m = pointOf(t, "nozzle_m");
     d.grip_m = pointOf(t, "grip_m");
     for (const BarDispenser& other : dispensers) {
-      if (t.good("body") && other.body == d.body) {
+      if (t.isGood("body") && other.body == d.body) {
         t.fail("body", "is the body of two dispensers", "give every dispenser its own");
       }
     }
@@ -76,7 +76,7 @@ std::vector<DrinkPart> readDrinks(TomlTable& root, const std::vector<BarLiquid>&
     names.push_back(drink.name);
     for (TomlTable& s : t.tables("steps", 1)) {
       drink.steps.push_back({liquidOf(s, liquids), s.number("amount_l", above(0.0, 10.0, "l"))});
-      drink.sound = drink.sound && drink.steps.back().liquid >= 0 && s.good("amount_l");
+      drink.sound = drink.sound && drink.steps.back().liquid >= 0 && s.isGood("amount_l");
     }
     if (drink.steps.size() > std::size_t{kMaxSteps}) {
       t.fail("steps", fmt::format("there are {} steps", drink.steps.size()),
@@ -102,11 +102,11 @@ std::vector<LevelPart> readLevels(TomlTable& root, const BarParts& parts) {
     level.threshold_n = t.number("threshold_n", force);
     level.low_n = t.number("low_n", force);
     level.high_n = t.number("high_n", force);
-    if (t.good("threshold_n") && t.good("low_n") && level.low_n < level.threshold_n) {
+    if (t.isGood("threshold_n") && t.isGood("low_n") && level.low_n < level.threshold_n) {
       t.fail("low_n", "is below threshold_n: what is just right would not flow",
              "must be at least threshold_n");
     }
-    if (t.good("low_n") && t.good("high_n") && !(level.high_n > level.low_n)) {
+    if (t.isGood("low_n") && t.isGood("high_n") && !(level.high_n > level.low_n)) {
       t.fail("high_n", "is not above low_n", "must be more than low_n");
     }
     if (level.dispensers.size() > std::size_t{kMaxDispensers}) {
@@ -180,13 +180,13 @@ void checkDrinks(TomlTable& t, const LevelPart& level, const BarParts& parts, co
 }  // namespace
 
 void checkLevels(TomlTable& root, const BarParts& parts, const Bar& bar) {
-  if (!root.good("levels")) return;
+  if (!root.isGood("levels")) return;
   std::vector<TomlTable> tables = root.tables("levels", 1);
   for (std::size_t i = 0; i < tables.size() && i < parts.levels.size(); ++i) {
     const auto unknown = [&parts](int d) { return parts.dispensers[d].liquid < 0; };
     const std::vector<int>& have = parts.levels[i].dispensers;
-    if (!tables[i].good("dispensers") || !tables[i].good("drinks") ||
-        !tables[i].good("tolerance_l") || std::any_of(have.begin(), have.end(), unknown)) {
+    if (!tables[i].isGood("dispensers") || !tables[i].isGood("drinks") ||
+        !tables[i].isGood("tolerance_l") || std::any_of(have.begin(), have.end(), unknown)) {
       continue;
     }
     checkDispensers(tables[i], parts.levels[i], parts);

@@ -41,9 +41,9 @@ double sideOf(TomlTable& root, const std::string& name, double side, const Scene
 void readBodies(TomlTable& root, const SceneModel& scene, BarParts& parts, Bar& bar) {
   bar.counter_z_m = sideOf(root, "counter", 1.0, scene);
   bar.rail_z_m = sideOf(root, "rail", -1.0, scene);
-  if (!root.good("glass") || !root.good("dispensers")) return;
+  if (!root.isGood("glass") || !root.isGood("dispensers")) return;
   TomlTable glass = root.table("glass");
-  if (glass.good("body")) {
+  if (glass.isGood("body")) {
     if (const SceneBody* body = cylinderOf(glass, bar.glass.body, scene)) {
       bar.glass.radius_m = body->shapes[0].radius_m;
       bar.glass.height_m = body->shapes[0].length_m;
@@ -60,7 +60,7 @@ void readBodies(TomlTable& root, const SceneModel& scene, BarParts& parts, Bar& 
   }
   std::vector<TomlTable> tables = root.tables("dispensers", 1);
   for (std::size_t i = 0; i < tables.size() && i < parts.dispensers.size(); ++i) {
-    if (!tables[i].good("body")) continue;
+    if (!tables[i].isGood("body")) continue;
     BarDispenser& d = parts.dispensers[i];
     const SceneBody* body = cylinderOf(tables[i], d.body, scene);
     if (body == nullptr) continue;
@@ -70,7 +70,7 @@ void readBodies(TomlTable& root, const SceneModel& scene, BarParts& parts, Bar& 
     bar.walls.soft_m = std::max(bar.walls.soft_m, d.soft_m);
     d.free = !body->fixed;
     const bool narrow = bar.row.slides && bar.row.spacing_m < 2.0 * d.radius_m;
-    if (narrow && root.table("row").good("spacing_m")) {  // reported once
+    if (narrow && root.table("row").isGood("spacing_m")) {  // reported once
       root.table("row").fail("spacing_m", "is less than " + d.body + " is wide", "must be more");
     }
     if (d.free && bar.row.slides) {

@@ -99,7 +99,7 @@ GameBudget readBudget(TomlTable table, std::size_t scene_bodies) {
   const auto size = table.interval("size_m", between(0.005, 0.5, "m"));
   budget.least_kg = mass[0], budget.most_kg = mass[1];
   budget.least_m = size[0], budget.most_m = size[1];
-  if (table.good("awake") && table.good("slots") && budget.awake > budget.slots) {
+  if (table.isGood("awake") && table.isGood("slots") && budget.awake > budget.slots) {
     table.fail("awake", "is more than there are slots", "must be at most budget.slots");
   }
   if (scene_bodies + static_cast<std::size_t>(budget.slots) > std::size_t{kMaxBodies}) {

@@ -190,10 +190,10 @@ void readBands(TomlTable& root, BandRules& rules) {
     Band band;
     band.low_n = table.number("low_n", above(0.0, 40.0, "N"));
     band.high_n = table.number("high_n", above(0.0, 40.0, "N"));
-    if (table.good("low_n") && table.good("high_n") && band.high_n <= band.low_n) {
+    if (table.isGood("low_n") && table.isGood("high_n") && band.high_n <= band.low_n) {
       table.fail("high_n", "is not above low_n", "must be more than low_n");
     }
-    if (table.good("low_n") && root.good("let_go_n") && band.low_n <= rules.let_go_n) {
+    if (table.isGood("low_n") && root.isGood("let_go_n") && band.low_n <= rules.let_go_n) {
       table.fail("low_n", "is not above let_go_n", "must be more than let_go_n");
     }
     rules.bands.push_back(band);
@@ -241,7 +241,7 @@ Expected<LoadedExercise> load(TomlFile& file, const ExerciseSource& source) {
     Expected<SceneModel> scene = loadSceneFile(source.scene_path);
     if (scene) {
       out.scene = std::move(*scene);
-      if (root.good("object")) findObject(root, object, source.hand->side, out.scene, task);
+      if (root.isGood("object")) findObject(root, object, source.hand->side, out.scene, task);
     } else {
       scene_faults = scene.errors();
     }

@@ -28,7 +28,7 @@ void readJoints(TomlTable& root, HandFile& hand) {
     joint.rest_rad = table.number("rest_rad", kAngle);
     joint.offset_rad = table.number("offset_rad", kAngle, 0.0);
     const auto check = [&](const char* key, double value) {
-      if (!table.good("range_rad") || !table.good(key)) return;
+      if (!table.isGood("range_rad") || !table.isGood(key)) return;
       if (value < range[0] || value > range[1]) {
         table.fail(key, "is outside the joint's own range",
                    between(range[0], range[1], "rad").remedy());
@@ -57,7 +57,7 @@ void readSynergy(TomlTable& root, HandFile& hand) {
         const std::string near = nearestUnused(joint, known, used);
         terms.fail(joint, "is not a joint of a hand",
                    near.empty() ? "remove it" : "did you mean " + near + "?");
-      } else if (terms.good(joint) && ratio == 0.0) {
+      } else if (terms.isGood(joint) && ratio == 0.0) {
         terms.fail(joint, "drives nothing", "write a ratio other than 0, or remove it");
       }
       hand.synergy.push_back({joint, coordinate, ratio});
@@ -93,7 +93,7 @@ Expected<HandFile> loadMirrored(TomlFile& file, const std::string& path) {
   TomlTable& root = file.root();
   const std::string name = root.text("name");
   const std::string other = root.text("mirror_of");
-  if (root.good("mirror_of") && other.find_first_of("/\\") != std::string::npos) {
+  if (root.isGood("mirror_of") && other.find_first_of("/\\") != std::string::npos) {
     root.fail("mirror_of", "is no file of this folder", "write its name without folder and .toml");
   }
   if (Diagnostics faults = file.finish(); !faults.empty()) return faults;

@@ -89,7 +89,7 @@ AxisEffort readTremorAlong(TomlTable& table, const DeviceModel& device) {
   if (!axes) return along;
   const std::string_view key = linkedKey(table, *axes, kTremorAlong);
   if (key.empty()) {
-    if (table.good("axes")) {
+    if (table.isGood("axes")) {
       table.fail("axes", "tremble by nothing", "add along_n, along_nm or along_tip_n");
     }
     return along;
@@ -123,7 +123,7 @@ void readHabits(TomlTable& root, const std::vector<PatientAxis>& all, const Devi
     config.reflex.delay_s = t->number("delay_s", between(0.0, 0.2, "s"), config.reflex.delay_s);
     config.reflex.muscle_lag_s =
         t->number("muscle_lag_s", above(0.0, 0.5, "s"), config.reflex.muscle_lag_s);
-    config.reflex.together = t->flag("together", config.reflex.together);
+    config.reflex.largest_triggers_all = t->flag("together", config.reflex.largest_triggers_all);
   }
   if (auto t = habitTable(root, "fight", any([](const auto& a) { return a.fight > 0.0; }),
                           "fight_n, fight_nm or fight_tip_n")) {
@@ -149,7 +149,7 @@ Slam readSlam(TomlTable& root, const DeviceModel& device) {
   std::optional<TomlTable> table = root.optionalTable("slam");
   if (!table) return slam;
   slam.axis = table->text("axis");
-  if (table->good("axis") && device.axisIndex(slam.axis) < 0 && !knownAxisKind(slam.axis)) {
+  if (table->isGood("axis") && device.axisIndex(slam.axis) < 0 && !knownAxisKind(slam.axis)) {
     table->fail("axis", "is no axis of the device " + device.path + " nor any known one",
                 "name an axis, for instance x");
   }

@@ -55,7 +55,7 @@ void readLevers(TomlTable& table, LinkedAxes& axes) {
       levers->fail(name, "is no rotation of these axes", "remove it");
     } else {
       const double lever_m = levers->number(name, between(-1.0, 1.0, "m"));
-      axes.lever_m[i] = levers->good(name) ? lever_m : kAnyLever_m;
+      axes.lever_m[i] = levers->isGood(name) ? lever_m : kAnyLever_m;
     }
   }
 }
@@ -84,7 +84,7 @@ AxisMatrix readMatrix(TomlTable& table, const LinkedAxes& axes, const AxisQuanti
   const std::size_t n = axes.names.size();
   const NumberRule rule = between(-quantity.upper, quantity.upper, unitOfKey(key));
   const std::vector<double> values = table.matrix(key, n, rule);
-  if (!table.good(key)) return out;
+  if (!table.isGood(key)) return out;
   const std::vector<double> factors = linkedFactors(axes, quantity, key);
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t k = 0; k < n; ++k) {
@@ -155,7 +155,7 @@ void checkSum(Sum& sum, const DeviceModel& device) {
   auto worst =
       std::min_element(sum.parts.begin(), sum.parts.end(),
                        [&](const auto& a, const auto& b) { return part_of(a) < part_of(b); });
-  if (worst->table.good(worst->key)) {
+  if (worst->table.isGood(worst->key)) {
     worst->table.fail(worst->key, refusal->problem, refusal->remedy);
   }
 }
@@ -165,10 +165,10 @@ void checkSum(Sum& sum, const DeviceModel& device) {
 std::optional<LinkedAxes> readLinkedAxes(TomlTable& table, const DeviceModel& device) {
   LinkedAxes out;
   out.names = table.texts("axes");
-  if (table.good("axes") && out.names.size() < 2) {
+  if (table.isGood("axes") && out.names.size() < 2) {
     table.fail("axes", "links nothing", "name two axes or more");
   }
-  if (!table.good("axes") || !checkNames(table, out.names, device)) {
+  if (!table.isGood("axes") || !checkNames(table, out.names, device)) {
     table.ignoreUnknownKeys();
     return std::nullopt;
   }
@@ -237,7 +237,7 @@ void readLinks(TomlTable& root, const DeviceModel& device, PatientConfig& config
     for (Sum& sum : sums) {
       const std::string_view key = linkedKey(table, *axes, sum.quantity);
       tip = tip || key == sum.quantity.tip_key;
-      if (key.empty() || !table.good(key)) continue;
+      if (key.empty() || !table.isGood(key)) continue;
       any = true;
       const AxisMatrix part = readMatrix(table, *axes, sum.quantity, key, n);
       sum.parts.push_back({table, std::string(key), part});

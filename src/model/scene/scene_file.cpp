@@ -58,7 +58,7 @@ class BodyReader {
     body.linear_damping_per_s =
         t_.number("linear_damping_per_s", between(0.0, 1.0, "1/s"), body.linear_damping_per_s);
     body.color = t_.text("color", body.color);
-    if (t_.good("color") && !isColor(body.color)) {
+    if (t_.isGood("color") && !isColor(body.color)) {
       t_.fail("color", "is not a colour", "must be \"#RRGGBB\", e.g. \"#3B6FD1\"");
     }
     readPose(body);
@@ -70,8 +70,8 @@ class BodyReader {
 
   /// True when position and orientation of the body are valid.
   [[nodiscard]] bool placed() const {
-    return t_.good("position_m") &&
-           (!t_.has("orientation_rpy_rad") || t_.good("orientation_rpy_rad"));
+    return t_.isGood("position_m") &&
+           (!t_.has("orientation_rpy_rad") || t_.isGood("orientation_rpy_rad"));
   }
   [[nodiscard]] TomlTable& table() { return t_; }
   /// Paths of the mesh or URDF, and of the URDF's meshes.
@@ -90,7 +90,7 @@ class BodyReader {
   void readShapes(SceneBody& body) {
     const std::string kind =
         t_.choice("shape", {"box", "sphere", "cylinder", "disk", "capsule", "mesh", "urdf"});
-    if (!t_.good("shape")) {
+    if (!t_.isGood("shape")) {
       ignoreDimensions();
     } else if (kind == "urdf") {
       readUrdf(body);
@@ -113,7 +113,7 @@ class BodyReader {
 
   double length(const char* key) {
     const double value = t_.number(key, dimension());
-    shape_wrong_ = shape_wrong_ || !t_.good(key);
+    shape_wrong_ = shape_wrong_ || !t_.isGood(key);
     return value;
   }
 
@@ -121,7 +121,7 @@ class BodyReader {
     Shape shape;
     if (kind == "box") {
       shape.half_extents_m = vectorFrom(t_.numbers("size_m", 3, dimension())) / 2.0;
-      shape_wrong_ = !t_.good("size_m");
+      shape_wrong_ = !t_.isGood("size_m");
       return shape;
     }
     shape.type = kind == "sphere"    ? ShapeType::kSphere
@@ -136,7 +136,7 @@ class BodyReader {
   void readMesh(SceneBody& body) {
     const double scale = t_.number("scale", above(0.0, 1e4), 1.0);
     const std::string file = t_.text("file");
-    if (!t_.good("file")) return;
+    if (!t_.isGood("file")) return;
     assets_.push_back((folder_ / file).string());
     Expected<Shape> mesh = loadConvexMesh(assets_.back(), Vector3d::Constant(scale));
     if (mesh) {
@@ -149,7 +149,7 @@ class BodyReader {
   void readUrdf(SceneBody& body) {
     urdf_wrong_ = true;
     const std::string file = t_.text("file");
-    if (!t_.good("file")) return;
+    if (!t_.isGood("file")) return;
     const fs::path path = folder_ / file;
     std::error_code error;
     if (!fs::is_regular_file(path, error)) {
@@ -174,7 +174,7 @@ class BodyReader {
     const bool cylinder = body.shapes.size() == 1 && body.shapes[0].type == ShapeType::kCylinder;
     const double most_m = cylinder ? body.shapes[0].radius_m - kThinnestCore_m : 10.0;
     body.soft_m = t_.number("soft_m", between(0.0, std::max(most_m, 0.0), "m"));
-    if (!cylinder && t_.good("shape") && !shape_wrong_) {
+    if (!cylinder && t_.isGood("shape") && !shape_wrong_) {
       t_.fail("soft_m", "only a cylinder or a disk is soft", "take it out");
     }
   }
@@ -214,7 +214,7 @@ class BodyReader {
 void reportSameNames(const SceneModel& scene, std::vector<BodyReader>& readers) {
   for (std::size_t i = 0; i < readers.size(); ++i) {
     const std::string& name = scene.bodies[i].name;
-    if (readers[i].table().good("name") && scene.bodyIndex(name) < static_cast<int>(i)) {
+    if (readers[i].table().isGood("name") && scene.bodyIndex(name) < static_cast<int>(i)) {
       readers[i].table().fail("name", "is the name of two bodies", "give every body its own name");
     }
   }

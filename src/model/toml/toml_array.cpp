@@ -84,7 +84,7 @@ std::vector<double> TomlTable::matrix(std::string_view key, std::size_t size,
 
 std::array<double, 2> TomlTable::interval(std::string_view key, const NumberRule& rule) {
   const std::vector<double> ends = numbers(key, 2, rule);
-  if (good(key) && !(ends[0] < ends[1])) {
+  if (isGood(key) && !(ends[0] < ends[1])) {
     fail(key, "is not an interval", "write [lower, upper] with lower < upper");
   }
   return {ends[0], ends[1]};

@@ -185,7 +185,7 @@ TomlFile::TomlFile(const std::string& path, std::string_view kind)
   const std::string found = root_->text("kind", kind);
   if (!root_->has("kind")) {
     state->missing.push_back({"kind", "write kind = \"" + std::string(kind) + "\""});
-  } else if (root_->good("kind") && found != kind) {
+  } else if (root_->isGood("kind") && found != kind) {
     root_->fail("kind", "is another kind of file",
                 std::string(kind == "exercise" ? "an " : "a ") + std::string(kind) +
                     " file is wanted here");
@@ -193,7 +193,7 @@ TomlFile::TomlFile(const std::string& path, std::string_view kind)
   }
   const std::int64_t version = root_->integer("version", std::numeric_limits<std::int64_t>::min(),
                                               std::numeric_limits<std::int64_t>::max());
-  if (root_->good("version") && version != kVersion) {
+  if (root_->isGood("version") && version != kVersion) {
     root_->fail("version", "is not known to this program",
                 "write version = " + std::to_string(kVersion) + " and the keys that go with it");
     readable_ = false;

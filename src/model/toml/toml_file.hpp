@@ -40,7 +40,7 @@ class TomlTable {
  public:
   [[nodiscard]] bool has(std::string_view key) const;
   /// True when the key is present and has no reported fault: guards checks across keys.
-  [[nodiscard]] bool good(std::string_view key) const;
+  [[nodiscard]] bool isGood(std::string_view key) const;
   /// Marks a key as allowed. @return whether it is present
   bool allowKey(std::string_view key);
   /// Keys of a table in file order, for tables whose keys are names (`[reference]`).

@@ -121,7 +121,7 @@ TomlTable::TomlTable(std::shared_ptr<State> state) : state_(std::move(state)) {}
 bool TomlTable::has(std::string_view key) const {
   return state_->find(key) != nullptr;
 }
-bool TomlTable::good(std::string_view key) const {
+bool TomlTable::isGood(std::string_view key) const {
   return has(key) && !state_->faulty.contains(key);
 }
 bool TomlTable::allowKey(std::string_view key) {
@@ -239,7 +239,7 @@ std::string TomlTable::text(std::string_view key, std::string_view fallback) {
 std::string TomlTable::choice(std::string_view key, const std::vector<std::string>& words) {
   if (state_->require(key, "must be " + quotedList(words)) == nullptr) return words.front();
   std::string word = text(key);
-  if (!good(key)) return words.front();
+  if (!isGood(key)) return words.front();
   if (std::find(words.begin(), words.end(), word) != words.end()) return word;
   state_->report(key, "\"" + word + "\"", "is unknown", "must be " + quotedList(words));
   return words.front();

@@ -1,4 +1,4 @@
-import { holdZone, isInPlace } from './carry';
+import { holdZone, isInPlace, useZone } from './carry';
 import { depthOf, guide, INSIDE, nearestGrip, ownGrip, type Guide } from './guide';
 import type { Limits } from './limits';
 import type { Perception } from './perceiver';
@@ -43,7 +43,7 @@ const DEFAULT_AIM: Readonly<AimConfig> = {
 /** Fastest move that is asked of a hand axis [rad/s]. */
 const FASTEST_RAD_S = 4;
 /** Speed at which a wedged hand draws back [m/s]. */
-const WEDGED_M_S = 0.05;
+const WEDGED_M_S = 0.18;
 /** A hand that opens is asked to be this much more open than it is [rad]. */
 const OPENING_LEASH_RAD = 0.4;
 /** Longer times are divided into steps of this [s]. */
@@ -182,11 +182,12 @@ export class AimModel {
     this.waits = wanted && this.config.help !== 'none' && !help.mayClose && this.squeezePart === 0;
     const away = help.at === undefined ? undefined : seen.awayFromUse?.[help.at];
     const carried = away !== undefined && (holds ?? !isInPlace(away));
-    const force = carried ? { ...seen, ...holdZone(seen.squeezeLow_n) } : seen;
+    const force = !away ? seen : { ...seen, ...(carried ? holdZone(seen.squeezeLow_n) : useZone(seen.squeezeLow_n, seen.squeezeHigh_n)) };
     this.thumbShare = approach(this.thumbShare, away ? CARRYING_THUMB : 1, dt_s);
     this.squeezePart = nextSqueeze(this.squeezePart, this.waits ? false : wish.squeeze, force, this.config, this.config.help !== 'none', away ? FIRMEST : 1, dt_s);
     this.stretch = help.stretch;
-    this.yielding.look(seen.touches, wanted || help.wanted ? help.at : undefined, dt_s);
+    // On its way to the target an open hand is not meant to touch even that.
+    this.yielding.look(seen.touches, (wanted && !this.waits) || help.wanted ? help.at : undefined, dt_s);
     this.axes.forEach((axis, i) => {
       const next = isHandAxis(axis.name)
         ? this.handAxis(axis.name, wish, help.stretch, i, seen, dt_s)
@@ -206,7 +207,8 @@ export class AimModel {
   private handAxis(name: string, wish: Wish, stretch: number, i: number, seen: Perception, dt_s: number): number {
     const part = name === 'thumb_flexion' && wish.thumb !== undefined ? wish.thumb : this.squeezePart * (name === 'thumb_flexion' ? this.thumbShare : 1);
     const now = this.q[i] ?? 0;
-    const next = approach(now, postureOf(name, part, stretch), FASTEST_RAD_S * dt_s);
+    const posture = this.yielding.closes ? postureOf(name, 1) : postureOf(name, part, stretch);
+    const next = approach(now, posture, FASTEST_RAD_S * dt_s);
     if (this.squeezePart > 0) return next;
     // A finger whose back is held by a target would be loaded like a spring, and snap when it comes free.
     const device = seen.device[i] ?? now;

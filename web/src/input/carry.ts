@@ -15,12 +15,19 @@ const LOST_N = 0.3;
 const GIVES_UP_S = 8;
 /** Held without pouring: between these parts of the force from which on it is squeezed well. */
 const HOLD = [0.76, 0.86] as const;
+/** Squeezed in this part of the zone, from its lower end. */
+const GENTLE = 0.3;
 /** Nearer to its place than this it is squeezed [m]. */
 const OVER_M = 0.015;
 
 /** How firmly to hold what is carried, so that nothing is squeezed out of it on the way [N]. */
 export function holdZone(squeezeLow_n: number): { squeezeLow_n: number; squeezeHigh_n: number } {
   return { squeezeLow_n: HOLD[0] * squeezeLow_n, squeezeHigh_n: HOLD[1] * squeezeLow_n };
+}
+
+/** How firmly to squeeze it there [N]: what flows ends only when the grip has eased, so gently. */
+export function useZone(squeezeLow_n: number, squeezeHigh_n: number): { squeezeLow_n: number; squeezeHigh_n: number } {
+  return { squeezeLow_n, squeezeHigh_n: squeezeLow_n + GENTLE * (squeezeHigh_n - squeezeLow_n) };
 }
 
 /** Whether a target that is carried is where it is squeezed. */

@@ -92,7 +92,8 @@ export function guide({ aim, hand, back_m, grip, beside }: Reaching, asked: Aske
   const channel = inside ? [Math.min(lane_y, grip.y), Math.max(lane_y, grip.y)] as const : undefined;
   const free: Guide = { pace: 1, stretch, mayClose: touching || depth < INSIDE, channel };
   // A closed hand stays at its target; whoever draws back meanwhile feels it.
-  if (closing) return { ...free, x: there ? grip.x : undefined, y: there ? grip.y : undefined, z: grip.z };
+  // A fist goes no farther in, where it would jam between two targets.
+  if (closing) return { ...free, x: there ? grip.x : undefined, y: there ? grip.y : undefined, z: grip.z, pace: asked.x > 0 && !there ? 0 : 1 };
   if (asked.y !== 0) return free;
   // How far from the lane the hand still is: at 20 mm it waits, at 5 mm it goes.
   const gap_m = Math.max(Math.abs(aim.y - lane_y), Math.abs(hand.y - lane_y));

@@ -52,6 +52,8 @@ const DWELL_S = 0.8;
 const LANE_M = 0.012;
 /** A hand this far sideways from a target's lane is near it [m]. */
 const NEAR_M = 0.045;
+/** A hand that closes is no farther from the grip than this, away from the person [m]. */
+const AT_GRIP_M = 0.03;
 /** Drawn back, to within this [m]. */
 const BACK_AT_M = 0.004;
 
@@ -183,6 +185,8 @@ export class Pilot {
       { wish: { ...wish, place: {}, velocity: { x: 0, y: 0, z: 0, ...velocity }, ...more }, goal, leaving: false });
     const grip = sight.grips[goal];
     if (!grip) return { wish, leaving: false };
+    // A fist that goes in jams between two targets: it opens first.
+    if (sight.closed && own === goal && Math.abs(sight.hand.x - grip.x) > AT_GRIP_M) return move({}, { squeeze: false });
     if (inside && own !== goal) return { ...move({ x: sight.closed ? 0 : -SPEED_M_S }, { squeeze: false }), goal: undefined };
     const aside_m = laneOf(grip, sight.beside) - sight.aim.y;
     if (inside || Math.abs(aside_m) <= LANE_M) return move({ x: SPEED_M_S });
