@@ -13,7 +13,7 @@ constexpr std::array<const char*, kContactCriteria> kContactKeys = {"free", "rig
                                                                     "spring"};
 
 Json wallJson(const AxisCertificate& a) {
-  if (a.of.walls.empty()) return nullptr;
+  if (a.axis_case.walls.empty()) return nullptr;
   const WallCertificate& w = a.wall;
   return {
       {"stiffness", w.wall.stiffness},
@@ -33,7 +33,7 @@ Json axisJson(const AxisCertificate& a, const AxisAdvice& advice) {
   json["k_pm"] = a.axis_case.gains.k_pm;
   json["k_dm"] = a.axis_case.gains.k_dm;
   json["gamma"] = a.axis_case.gains.gamma;
-  json["armature"] = a.of.armature();
+  json["armature"] = a.axis_case.armature();
   json["k_ps_per_s2"] = a.axis_case.avatarStiffness();
   json["rigid_contact_limit"] = a.rigid_limit;
   json["rigid_contact_formula"] = a.rigid_formula;

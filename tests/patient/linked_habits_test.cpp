@@ -72,7 +72,7 @@ PatientConfig fist(bool together) {
   PatientConfig patient = calm();
   patient.axes[0].reflex = {0.3, 1.0, 2.0};
   patient.axes[2].reflex = {0.1, 2.0, 1.2};
-  patient.reflex = {.delay_s = 0.04, .muscle_lag_s = 0.03, .together = together};
+  patient.reflex = {.delay_s = 0.04, .muscle_lag_s = 0.03, .largest_triggers_all = together};
   return patient;
 }
 

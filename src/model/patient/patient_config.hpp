@@ -44,8 +44,8 @@ struct TremorRhythm {
 struct ReflexTiming {
   double delay_s = 0.04;       ///< neural delay, 0 .. 0.2
   double muscle_lag_s = 0.03;  ///< first-order time constant, (0, 0.5]
-  bool largest_triggers_all =
-      false;  ///< the axis with the largest excess speed triggers every reflex
+  /// The axis with the largest excess speed triggers every reflex.
+  bool largest_triggers_all = false;
 };
 
 /// Conditions on which the person releases the device for good: whichever comes first.
