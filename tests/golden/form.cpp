@@ -1,0 +1,266 @@
+#include "golden/form.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <stdexcept>
+#include <vector>
+
+namespace wholehand::golden {
+
+namespace {
+
+using reflection::BaseType;
+using reflection::Schema;
+
+constexpr const char* kPackage = "wholehand.protocol.";
+
+std::string shortName(const std::string& name) {
+  return name.starts_with(kPackage) ? name.substr(std::string(kPackage).size()) : name;
+}
+
+/// Name of a scalar type in the layout; nullptr: not a scalar.
+const char* scalarName(BaseType type) {
+  switch (type) {
+    case BaseType::Bool:
+      return "bool";
+    case BaseType::Byte:
+      return "i8";
+    case BaseType::UByte:
+    case BaseType::UType:
+      return "u8";
+    case BaseType::Short:
+      return "i16";
+    case BaseType::UShort:
+      return "u16";
+    case BaseType::Int:
+      return "i32";
+    case BaseType::UInt:
+      return "u32";
+    case BaseType::Long:
+      return "i64";
+    case BaseType::ULong:
+      return "u64";
+    case BaseType::Float:
+      return "f32";
+    case BaseType::Double:
+      return "f64";
+    default:
+      return nullptr;
+  }
+}
+
+/// 64-bit integers and floating-point numbers are written as their bits: JSON readers round them.
+std::string scalar(const std::uint8_t* at, BaseType type) {
+  using flatbuffers::ReadScalar;
+  switch (type) {
+    case BaseType::Bool:
+      return ReadScalar<std::uint8_t>(at) != 0 ? "true" : "false";
+    case BaseType::Byte:
+      return fmt::format("{}", static_cast<int>(ReadScalar<std::int8_t>(at)));
+    case BaseType::UByte:
+    case BaseType::UType:
+      return fmt::format("{}", static_cast<int>(ReadScalar<std::uint8_t>(at)));
+    case BaseType::Short:
+      return fmt::format("{}", ReadScalar<std::int16_t>(at));
+    case BaseType::UShort:
+      return fmt::format("{}", ReadScalar<std::uint16_t>(at));
+    case BaseType::Int:
+      return fmt::format("{}", ReadScalar<std::int32_t>(at));
+    case BaseType::UInt:
+      return fmt::format("{}", ReadScalar<std::uint32_t>(at));
+    case BaseType::Float:
+      return fmt::format("\"{:08x}\"", ReadScalar<std::uint32_t>(at));
+    default:
+      return fmt::format("\"{:016x}\"", ReadScalar<std::uint64_t>(at));
+  }
+}
+
+std::string defaultOf(const reflection::Field& field) {
+  const BaseType type = field.type()->base_type();
+  const std::int64_t integer = field.default_integer();
+  const auto as_float = static_cast<float>(field.default_real());
+  const double real = field.default_real();
+  const void* value = &integer;
+  if (type == BaseType::Float) value = &as_float;
+  if (type == BaseType::Double) value = &real;
+  return scalar(static_cast<const std::uint8_t*>(value), type);
+}
+
+/// In the order of their ids; reflection has them by name.
+std::vector<const reflection::Field*> fieldsOf(const reflection::Object& object) {
+  std::vector<const reflection::Field*> fields(object.fields()->begin(), object.fields()->end());
+  std::sort(fields.begin(), fields.end(),
+            [](const auto* a, const auto* b) { return a->id() < b->id(); });
+  return fields;
+}
+
+class Reader {
+ public:
+  explicit Reader(const Schema& schema) : schema_(schema) {}
+
+  std::string table(const flatbuffers::Table& table, const reflection::Object& object) const {
+    std::string members;
+    for (const auto* field : fieldsOf(object)) {
+      const std::string value = fieldOf(table, object, *field);
+      if (!value.empty()) append(members, quoted(field->name()->str()) + ":" + value);
+    }
+    return "{" + members + "}";
+  }
+
+ private:
+  static void append(std::string& list, const std::string& item) {
+    if (!list.empty()) list += ",";
+    list += item;
+  }
+
+  const reflection::Object& objectOf(const reflection::Type& type) const {
+    return *schema_.objects()->Get(static_cast<flatbuffers::uoffset_t>(type.index()));
+  }
+
+  /// Empty where the field is absent, empty or has its default.
+  std::string fieldOf(const flatbuffers::Table& table, const reflection::Object& object,
+                      const reflection::Field& field) const {
+    const std::uint8_t* at = table.GetAddressOf(field.offset());
+    const BaseType type = field.type()->base_type();
+    if (at == nullptr || type == BaseType::UType) return "";
+    if (scalarName(type) != nullptr) {
+      std::string value = scalar(at, type);
+      return value == defaultOf(field) ? "" : value;
+    }
+    if (type == BaseType::Union) return unionOf(table, object, field);
+    if (type == BaseType::Vector) return vector(target(at), *field.type());
+    if (type == BaseType::String) return string(at) == "\"\"" ? "" : string(at);
+    return element(at, BaseType::Obj, *field.type());
+  }
+
+  std::string unionOf(const flatbuffers::Table& table, const reflection::Object& object,
+                      const reflection::Field& field) const {
+    const auto* which = object.fields()->LookupByKey((field.name()->str() + "_type").c_str());
+    const auto value = table.GetField<std::uint8_t>(which->offset(), 0);
+    const auto* members =
+        schema_.enums()->Get(static_cast<flatbuffers::uoffset_t>(field.type()->index()));
+    const auto* member = members->values()->LookupByKey(value);
+    if (value == 0 || member == nullptr) return "";
+    const auto* object_of_member = &objectOf(*member->union_type());
+    return "{" + quoted(shortName(member->name()->str())) + ":" +
+           this->table(*flatbuffers::GetFieldT(table, field), *object_of_member) + "}";
+  }
+
+  static const std::uint8_t* target(const std::uint8_t* at) {
+    return at + flatbuffers::ReadScalar<flatbuffers::uoffset_t>(at);
+  }
+
+  static std::string string(const std::uint8_t* at) {
+    return quoted(reinterpret_cast<const flatbuffers::String*>(target(at))->str());
+  }
+
+  std::string vector(const std::uint8_t* at, const reflection::Type& type) const {
+    const auto count = flatbuffers::ReadScalar<flatbuffers::uoffset_t>(at);
+    const std::size_t size = flatbuffers::GetTypeSizeInline(type.element(), type.index(), schema_);
+    std::string items;
+    for (std::size_t i = 0; i < count; ++i) {
+      append(items, element(at + sizeof count + i * size, type.element(), type));
+    }
+    return count == 0 ? "" : "[" + items + "]";
+  }
+
+  std::string element(const std::uint8_t* at, BaseType type, const reflection::Type& of) const {
+    if (type == BaseType::String) return string(at);
+    if (type != BaseType::Obj) return scalar(at, type);
+    const auto& object = objectOf(of);
+    if (object.is_struct()) return structOf(at, object);
+    return table(*reinterpret_cast<const flatbuffers::Table*>(target(at)), object);
+  }
+
+  std::string structOf(const std::uint8_t* at, const reflection::Object& object) const {
+    std::string members;
+    for (const auto* field : fieldsOf(object)) {
+      append(members,
+             quoted(field->name()->str()) + ":" +
+                 element(at + field->offset(), field->type()->base_type(), *field->type()));
+    }
+    return "{" + members + "}";
+  }
+
+  const Schema& schema_;
+};
+
+std::string kindOf(const Schema& schema, BaseType type, int index) {
+  if (const char* name = scalarName(type)) return name;
+  if (type == BaseType::String) return "string";
+  if (type == BaseType::Union) return "union";
+  if (type == BaseType::Vector) return "vector";
+  if (type != BaseType::Obj) throw std::runtime_error("a type that the form does not have");
+  return schema.objects()->Get(static_cast<flatbuffers::uoffset_t>(index))->is_struct() ? "struct"
+                                                                                        : "table";
+}
+
+std::string fieldLayout(const Schema& schema, const reflection::Field& field) {
+  const auto& type = *field.type();
+  const auto index = static_cast<flatbuffers::uoffset_t>(std::max(type.index(), 0));
+  const bool vector = type.base_type() == BaseType::Vector;
+  const BaseType of = vector ? type.element() : type.base_type();
+  std::string out = fmt::format(R"({{"name":{},"id":{},"offset":{},"kind":"{}")",
+                                quoted(field.name()->str()), field.id(), field.offset(),
+                                type.base_type() == BaseType::UType
+                                    ? "utype"
+                                    : kindOf(schema, type.base_type(), type.index()));
+  if (vector) out += fmt::format(R"(,"element":"{}")", kindOf(schema, of, type.index()));
+  if (of == BaseType::Obj) {
+    out += ",\"of\":" + quoted(shortName(schema.objects()->Get(index)->name()->str()));
+  } else if (type.index() >= 0) {
+    out += ",\"of\":" + quoted(shortName(schema.enums()->Get(index)->name()->str()));
+  }
+  if (scalarName(type.base_type()) != nullptr) out += ",\"default\":" + defaultOf(field);
+  return out + "}";
+}
+
+}  // namespace
+
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') {
+      out += std::string("\\") + c;
+    } else if (static_cast<unsigned char>(c) < ' ') {
+      out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
+    } else {
+      out += c;
+    }
+  }
+  return out + "\"";
+}
+
+std::string layoutOf(const Schema& schema, int schema_version) {
+  std::string objects;
+  for (const auto* object : *schema.objects()) {
+    std::string fields;
+    for (const auto* field : fieldsOf(*object)) {
+      fields += (fields.empty() ? "" : ",\n  ") + fieldLayout(schema, *field);
+    }
+    objects += fmt::format("{}{}:{{\"struct\":{},\"size\":{},\"align\":{},\"fields\":[\n  {}]}}",
+                           objects.empty() ? "" : ",\n", quoted(shortName(object->name()->str())),
+                           object->is_struct(), object->bytesize(), object->minalign(), fields);
+  }
+  std::string enums;
+  for (const auto* e : *schema.enums()) {
+    std::string values;
+    for (const auto* value : *e->values()) {
+      values += fmt::format("{}{}:{}", values.empty() ? "" : ",",
+                            quoted(shortName(value->name()->str())), value->value());
+    }
+    enums += fmt::format("{}{}:{{\"union\":{},\"values\":{{{}}}}}", enums.empty() ? "" : ",\n",
+                         quoted(shortName(e->name()->str())), e->is_union(), values);
+  }
+  return fmt::format("{{\"schema_version\":{},\n\"objects\":{{\n", schema_version) + objects +
+         "},\n\"enums\":{\n" + enums + "}}\n";
+}
+
+std::string formOf(const Schema& schema, std::span<const std::uint8_t> message) {
+  return Reader(schema).table(*flatbuffers::GetRoot<flatbuffers::Table>(message.data()),
+                              *schema.root_table());
+}
+
+}  // namespace wholehand::golden

@@ -1,0 +1,116 @@
+#!/usr/bin/python3
+"""Makes golden messages (docs/protocol.md, "Golden messages").
+
+make.py TABLE...          examples of a payload or an order: TABLE.bin and .json, TABLE_full, TABLE_extreme
+make.py FILE.json...      NAME.bin of a form that you wrote: {"about": ..., "form": ...}
+make.py --missing         examples of every payload and order that has none
+make.py --special         sound and damaged messages of special.py that have no file yet
+make.py --program         messages of tests/golden/program_messages.cpp that have no file yet
+
+An existing .bin is never written again: it stands for programs and clients that are out there. --build names the
+folder of the build (build/release)."""
+import argparse
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE))
+import forms  # noqa: E402
+import special  # noqa: E402
+
+ROOT = HERE.parents[1]
+MESSAGES = ROOT / "protocol/golden/messages"
+
+
+def snake(name):
+    return re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower()
+
+
+class Maker:
+    def __init__(self, build):
+        self.judge, self.compiled = build / "golden_judge", build / "tests/golden/wholehand.bfbs"
+        if not self.judge.exists():
+            sys.exit(f"{self.judge} is missing; build it: ninja -C {build} golden_judge")
+        self.schema = forms.Schema(self.judge, self.compiled)
+
+    def judged(self, data):
+        with tempfile.NamedTemporaryFile(suffix=".bin") as file:
+            file.write(data)
+            file.flush()
+            done = subprocess.run([self.judge, "messages", self.compiled], input=file.name + "\n", text=True,
+                                  capture_output=True, check=True)
+        return json.loads(done.stdout)
+
+    def write(self, name, data, about, form=None):
+        binary = MESSAGES / f"{name}.bin"
+        if binary.exists():
+            sys.exit(f"{binary} exists and is not written again: give the new message another name")
+        judged = self.judged(data)
+        if form is not None and judged.get("form") != {"schema_version": self.schema.version, **form}:
+            sys.exit(f"{name}: the form is not canonical, or was not read back; the judge reads\n"
+                     f"{json.dumps(judged, indent=1, ensure_ascii=False)}")
+        golden = {"about": about, **{key: judged[key] for key in ("form", "refused") if key in judged}}
+        if "Command" in golden.get("form", {}).get("payload", {}) or "refused" in golden:
+            golden["program"] = judged["program"]
+        binary.write_bytes(data)
+        (MESSAGES / f"{name}.json").write_text(json.dumps(golden, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+        print(f"{name}: {len(data)} bytes" + (f", the program refuses it: {golden['program']['refused']}"
+                                              if "refused" in golden.get("program", {}) else ""))
+
+    def examples(self, table):
+        within = self.schema.payload_of(table)
+        seen = []
+        for variant, about in (("", f"{table} with every field absent"), ("_full", f"{table} with every field present"),
+                               ("_extreme", f"{table} with the ends of every type")):
+            form = within(self.schema.example(table, variant[1:]) if variant else {})
+            if form not in seen:
+                self.write(snake(table) + variant, self.schema.encode(form), about, form)
+            seen.append(form)
+
+    def missing(self):
+        tables = self.schema.members("Payload") + self.schema.members("Order")
+        return [table for table in tables if table != "Command" and not (MESSAGES / f"{snake(table)}.bin").exists()]
+
+    def program(self):
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run([self.judge, "say", folder], check=True)
+            for file in sorted(pathlib.Path(folder).iterdir()):
+                if not (MESSAGES / file.name).exists():
+                    self.write(file.stem, file.read_bytes(), "made by the program's own encoder")
+
+    def from_form(self, path):
+        golden = json.loads(path.read_text(encoding="utf-8"))
+        form = golden["form"]
+        form.pop("schema_version", None)
+        self.write(path.stem, self.schema.encode(form, golden.get("explicit_defaults", False)), golden["about"], form)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("what", nargs="*")
+    parser.add_argument("--missing", action="store_true")
+    parser.add_argument("--special", action="store_true")
+    parser.add_argument("--program", action="store_true")
+    parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")
+    arguments = parser.parse_args()
+    maker = Maker(arguments.build)
+    for what in arguments.what:
+        if what.endswith(".json"):
+            maker.from_form(pathlib.Path(what))
+        else:
+            maker.examples(what)
+    for table in maker.missing() if arguments.missing else []:
+        maker.examples(table)
+    for name, about, data in special.messages(maker.schema) if arguments.special else []:
+        if not (MESSAGES / f"{name}.bin").exists():
+            maker.write(name, data, about)
+    if arguments.program:
+        maker.program()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,254 @@
+"""Every client against the golden messages and datagrams of protocol/golden: docs/protocol.md, "Golden messages".
+
+run.py BUILD CLIENT       CLIENT: program, python, csharp, typescript, godot. Exit code 77: its tools are not installed."""
+import base64
+import json
+import pathlib
+import subprocess
+import sys
+import time
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE))
+import adapters  # noqa: E402
+import forms  # noqa: E402
+
+ROOT = HERE.parents[1]
+GOLDEN = ROOT / "protocol/golden"
+FEWEST_MESSAGES, FEWEST_DATAGRAMS = 60, 30
+MAKE = "python3 tests/golden/make.py"
+
+
+class Golden:
+    """A file's bytes and what is said of them."""
+
+    def __init__(self, path):
+        self.name, self.path = path.stem, path.with_suffix(".bin")
+        self.bytes = self.path.read_bytes()
+        self.told = json.loads(path.read_text(encoding="utf-8"))
+        self.form, self.flaw = self.told.get("form"), self.told.get("refused")
+
+    @property
+    def payload(self):
+        (kind, form), = self.form["payload"].items()
+        return kind, form
+
+    @property
+    def is_command(self):
+        """Said by a client."""
+        return self.form is not None and self.payload[0] == "Command"
+
+    @property
+    def has_order(self):
+        return self.is_command and "order" in self.payload[1]
+
+
+def goldens(folder):
+    names = {suffix: {path.stem for path in (GOLDEN / folder).glob(f"*.{suffix}")} for suffix in ("bin", "json")}
+    alone = names["bin"] ^ names["json"]
+    if alone:
+        raise AssertionError(f"protocol/golden/{folder}: {', '.join(sorted(alone))}: .bin and .json belong together")
+    return [Golden(GOLDEN / folder / f"{name}.json") for name in sorted(names["json"])]
+
+
+class Failures:
+    def __init__(self):
+        self.all = []
+
+    def check(self, condition, what):
+        if not condition:
+            self.all.append(what)
+        return condition
+
+    def equal(self, expected, got, what):
+        difference = forms.first_difference(expected, got)
+        return self.check(difference is None, f"{what}: {difference}")
+
+
+class Judge:
+    def __init__(self, build):
+        self.program, self.compiled = build / "golden_judge", build / "tests/golden/wholehand.bfbs"
+        self.schema = forms.Schema(self.program, self.compiled)
+
+    def _ask(self, arguments, lines):
+        done = subprocess.run([self.program, *arguments], input="".join(f"{line}\n" for line in lines), text=True,
+                              capture_output=True)
+        if done.returncode != 0:
+            raise AssertionError(f"golden_judge {arguments[0]} ended with {done.returncode}: {done.stderr}")
+        return [json.loads(line) for line in done.stdout.splitlines()]
+
+    def messages(self, paths):
+        return self._ask(["messages", self.compiled], paths)
+
+    def datagrams(self, conversations):
+        return self._ask(["datagrams"], [" ".join([key, *map(str, paths)]) for key, paths in conversations])
+
+    def say(self, folder):
+        self._ask(["say", folder], [])
+
+
+# ---- the files, by the judge and the program ----
+
+def of_another_version(golden, schema):
+    return golden.form is not None and golden.form["schema_version"] != schema.version
+
+
+def check_messages(judge, all_goldens, failures):
+    for golden, judged in zip(all_goldens, judge.messages([g.path for g in all_goldens])):
+        if of_another_version(golden, judge.schema):
+            # The version rose: what is out there is refused by name, and never misread.
+            failures.equal("version", judged.get("refused"), f"{golden.name}, of an older schema")
+            continue
+        if not failures.equal(golden.form, judged.get("form"), f"{golden.name}: what is out there is read otherwise today; "
+                              "undo the change of the schema, or raise schema_version"):
+            continue
+        failures.equal(golden.flaw, judged.get("refused"), f"{golden.name}: reason")
+        if "program" in golden.told:
+            failures.equal(golden.told["program"], judged["program"], f"{golden.name}: the program's own reading")
+        elif golden.flaw is None:
+            failures.check("refused" in judged["program"], f"{golden.name}: the program takes it for an order")
+
+
+def fields_in(form, schema, table, seen):
+    for field in schema.objects[table]["fields"]:
+        if field["name"] not in form:
+            continue
+        seen.add((table, field["name"]))
+        value = form[field["name"]]
+        if field["kind"] == "union":
+            (member, inner), = value.items()
+            fields_in(inner, schema, member, seen)
+        elif "of" in field and field["of"] in schema.objects:
+            for inner in value if field["kind"] == "vector" else [value]:
+                fields_in(inner, schema, field["of"], seen)
+
+
+def check_coverage(schema, all_goldens, failures):
+    seen, tables = set(), set()
+    for golden in all_goldens:
+        if golden.form is not None:
+            fields_in(golden.form, schema, "Message", seen)
+            kind, form = golden.payload
+            tables |= {kind, *form.get("order", {})}
+    for table in schema.members("Payload") + schema.members("Order"):
+        failures.check(table in tables, f"{table} has no golden message; make some: {MAKE} {table}")
+    for name, described in schema.objects.items():
+        for field in described["fields"]:
+            failures.check(field["kind"] == "utype" or (name, field["name"]) in seen,
+                           f"{name}.{field['name']} is in no golden message; add one that has it ({MAKE} FILE.json)")
+
+
+def check_program_says(judge, all_goldens, work, failures):
+    """The program's encoders say today what they said when the files were made, and maybe more."""
+    folder = work / "said"
+    folder.mkdir(parents=True, exist_ok=True)
+    judge.say(folder)
+    paths = sorted(folder.glob("*.bin"))
+    by_name = {golden.name: golden for golden in all_goldens}
+    for path, judged in zip(paths, judge.messages(paths)):
+        if failures.check(path.stem in by_name, f"{path.stem} has no file; make it: {MAKE} --program"):
+            difference = forms.first_difference(by_name[path.stem].form, judged.get("form"), part=True)
+            failures.check(difference is None, f"{path.stem}: the program says something else: {difference}")
+    return len(paths)
+
+
+def run_program(judge, all_goldens, work, failures):
+    check_messages(judge, all_goldens, failures)
+    check_coverage(judge.schema, all_goldens, failures)
+    said = check_program_says(judge, all_goldens, work, failures)
+    failures.check(len(all_goldens) >= FEWEST_MESSAGES, f"{len(all_goldens)} messages, at least {FEWEST_MESSAGES} are kept")
+    return f"{len(all_goldens)} messages read, {said} written"
+
+
+# ---- clients ----
+
+def expected_of(client, golden, schema):
+    """What the client must make of a message."""
+    if of_another_version(golden, schema):
+        return {"refused": "version"}
+    if golden.flaw:
+        return {"refused": golden.flaw}
+    return {"payload": golden.form["payload"]}
+
+
+def check_read(client, golden, got, schema, failures):
+    what = f"{client.name} reads {golden.name}"
+    expected = expected_of(client, golden, schema)
+    if "refused" in expected:
+        if golden.flaw == "damaged" and not client.checks_bounds:
+            return "survived"  # FlatBuffers has no verifier there: it must end, and it did
+        if failures.check("refused" in got, f"{what}: it is taken for a message, expected: refused ({expected['refused']})"):
+            if client.names_reasons:
+                failures.equal(expected["refused"], got["refused"], f"{what}: reason")
+        return "refused"
+    if got.get("unread"):
+        kind, _ = golden.payload
+        failures.check(kind not in client.reads, f"{what}: this client has to read {kind}")
+        return "unread"
+    difference = client.difference(expected.get("payload"), got.get("payload"))
+    failures.check("payload" in got and difference is None, f"{what}: {difference or got}")
+    return "read"
+
+
+def check_written(client, golden, written, judged, failures):
+    _, command = golden.payload
+    (order, _), = command["order"].items()
+    if written is None:
+        # What the program would refuse, a client may decline.
+        failures.check(order not in client.writes or "refused" in golden.told["program"], f"{client.name} has to write {order}")
+        return False
+    difference = forms.first_difference(golden.form, judged.get("form"))
+    failures.check(difference is None, f"{client.name} writes {golden.name}: {difference}")
+    failures.equal(golden.told["program"], judged["program"], f"{client.name} writes {golden.name}: the program's own reading")
+    return True
+
+
+def run_client(client, judge, all_goldens, work, failures):
+    commands = [g for g in all_goldens if g.has_order and not of_another_version(g, judge.schema)]
+    heard = [g for g in all_goldens if not g.is_command]
+    job = {"layout": judge.schema.layout,
+           "read": [{"name": g.name, "bytes": base64.b64encode(g.bytes).decode()} for g in heard],
+           "write": [{"name": g.name, "id": g.payload[1].get("id", 0), "order": next(iter(g.payload[1]["order"])),
+                      "fields": next(iter(g.payload[1]["order"].values()))} for g in commands]}
+    (work / "job.json").write_text(json.dumps(job), encoding="utf-8")
+    (work / "answer.json").unlink(missing_ok=True)
+    client.run(work, work / "job.json", work / "answer.json")
+    answer = json.loads((work / "answer.json").read_text(encoding="utf-8"))
+    counts = {}
+    for golden in heard:
+        if failures.check(golden.name in answer["read"], f"{client.name} says nothing of {golden.name}"):
+            outcome = check_read(client, golden, answer["read"][golden.name], judge.schema, failures)
+            counts[outcome] = counts.get(outcome, 0) + 1
+    paths = {}
+    for name, data in answer["write"].items():
+        if data is not None:
+            paths[name] = work / f"{name}.bin"
+            paths[name].write_bytes(base64.b64decode(data))
+    judged = dict(zip(paths, judge.messages(paths.values())))
+    counts["written"] = sum(check_written(client, golden, answer["write"].get(golden.name), judged.get(golden.name, {}), failures)
+                            for golden in commands)
+    return ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
+
+
+def main():
+    if len(sys.argv) != 3 or sys.argv[2] not in ("program", *adapters.CLIENTS):
+        sys.exit(__doc__)
+    build, name = pathlib.Path(sys.argv[1]).resolve(), sys.argv[2]
+    client = adapters.CLIENTS[name](ROOT, build) if name != "program" else None
+    if client and client.missing():
+        print(f"skipped: {client.missing()}")
+        sys.exit(77)
+    began = time.monotonic()
+    failures, judge, work = Failures(), Judge(build), build / "golden" / name
+    work.mkdir(parents=True, exist_ok=True)
+    all_goldens = goldens("messages")
+    done = (run_client(client, judge, all_goldens, work, failures) if client
+            else run_program(judge, all_goldens, work, failures))
+    for failure in failures.all[:40]:
+        print(f"FAILED: {failure}")
+    print(f"{name}: {done}; {len(failures.all)} failures, {time.monotonic() - began:.1f} s")
+    sys.exit(1 if failures.all else 0)
+
+
+if __name__ == "__main__":
+    main()
