@@ -5,6 +5,7 @@ make.py TABLE...          examples of a payload or an order: TABLE.bin and .json
 make.py FILE.json...      NAME.bin of a form that you wrote: {"about": ..., "form": ...}
 make.py --missing         examples of every payload and order that has none
 make.py --special         sound and damaged messages of special.py that have no file yet
+make.py --datagrams       datagrams of datagrams.py that have no file yet
 make.py --program         messages of tests/golden/program_messages.cpp that have no file yet
 
 An existing .bin is never written again: it stands for programs and clients that are out there. --build names the
@@ -19,15 +20,20 @@ import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
+import datagrams  # noqa: E402
 import forms  # noqa: E402
 import special  # noqa: E402
 
 ROOT = HERE.parents[1]
-MESSAGES = ROOT / "protocol/golden/messages"
+MESSAGES, DATAGRAMS = ROOT / "protocol/golden/messages", ROOT / "protocol/golden/datagrams"
 
 
 def snake(name):
     return re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower()
+
+
+def write_json(path, value):
+    path.write_text(json.dumps(value, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
 class Maker:
@@ -41,8 +47,10 @@ class Maker:
         with tempfile.NamedTemporaryFile(suffix=".bin") as file:
             file.write(data)
             file.flush()
-            done = subprocess.run([self.judge, "messages", self.compiled], input=file.name + "\n", text=True,
-                                  capture_output=True, check=True)
+            return self.ask(["messages", self.compiled], file.name + "\n")
+
+    def ask(self, arguments, line):
+        done = subprocess.run([self.judge, *arguments], input=line, text=True, capture_output=True, check=True)
         return json.loads(done.stdout)
 
     def write(self, name, data, about, form=None):
@@ -57,7 +65,7 @@ class Maker:
         if "Command" in golden.get("form", {}).get("payload", {}) or "refused" in golden:
             golden["program"] = judged["program"]
         binary.write_bytes(data)
-        (MESSAGES / f"{name}.json").write_text(json.dumps(golden, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+        write_json(MESSAGES / f"{name}.json", golden)
         print(f"{name}: {len(data)} bytes" + (f", the program refuses it: {golden['program']['refused']}"
                                               if "refused" in golden.get("program", {}) else ""))
 
@@ -82,6 +90,18 @@ class Maker:
                 if not (MESSAGES / file.name).exists():
                     self.write(file.stem, file.read_bytes(), "made by the program's own encoder")
 
+    def datagrams(self):
+        for name, about, sender, before, reason, data in datagrams.datagrams(self.schema):
+            binary = DATAGRAMS / f"{name}.bin"
+            if binary.exists():
+                continue
+            binary.write_bytes(data)
+            golden = {"about": about, "from": sender, "key": f"{datagrams.KEY:016x}", "after": before, "ignored": reason}
+            judged = self.ask(["datagrams"], f"{golden['key']} {binary}\n")
+            golden.update({key: judged[key] for key in ("header", "flaw") if key in judged})
+            write_json(DATAGRAMS / f"{name}.json", golden)
+            print(f"{name}: {len(data)} bytes" + (f", ignored: {reason}" if reason else ""))
+
     def from_form(self, path):
         golden = json.loads(path.read_text(encoding="utf-8"))
         form = golden["form"]
@@ -94,6 +114,7 @@ def main():
     parser.add_argument("what", nargs="*")
     parser.add_argument("--missing", action="store_true")
     parser.add_argument("--special", action="store_true")
+    parser.add_argument("--datagrams", action="store_true")
     parser.add_argument("--program", action="store_true")
     parser.add_argument("--build", type=pathlib.Path, default=ROOT / "build/release")
     arguments = parser.parse_args()
@@ -108,6 +129,8 @@ def main():
     for name, about, data in special.messages(maker.schema) if arguments.special else []:
         if not (MESSAGES / f"{name}.bin").exists():
             maker.write(name, data, about)
+    if arguments.datagrams:
+        maker.datagrams()
     if arguments.program:
         maker.program()
 

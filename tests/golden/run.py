@@ -152,12 +152,35 @@ def check_program_says(judge, all_goldens, work, failures):
     return len(paths)
 
 
-def run_program(judge, all_goldens, work, failures):
+def check_datagrams(judge, all_datagrams, failures):
+    judged = judge.datagrams([(d.told["key"], conversation_of(d)) for d in all_datagrams])
+    for datagram, got in zip(all_datagrams, judged):
+        check_datagram(datagram, got, failures, "the program")
+        if datagram.told["from"] == "game":
+            failures.equal(datagram.told["ignored"], got["ignored"], f"{datagram.name}: why the program ignores it")
+    failures.check(len(all_datagrams) >= FEWEST_DATAGRAMS,
+                   f"{len(all_datagrams)} datagrams, at least {FEWEST_DATAGRAMS} are kept")
+
+
+def conversation_of(datagram):
+    return [datagram.path.with_name(f"{name}.bin") for name in [*datagram.told["after"], datagram.name]]
+
+
+def check_datagram(datagram, got, failures, who):
+    """Its header or flaw, and that it is written byte for byte as it is."""
+    for what in ("flaw", "header"):
+        failures.equal(datagram.told.get(what), got.get(what), f"{who} reads {datagram.name}: {what}")
+    if "header" in got:
+        failures.check(got["written_the_same"], f"{who} writes {datagram.name} otherwise")
+
+
+def run_program(judge, all_goldens, all_datagrams, work, failures):
     check_messages(judge, all_goldens, failures)
     check_coverage(judge.schema, all_goldens, failures)
     said = check_program_says(judge, all_goldens, work, failures)
     failures.check(len(all_goldens) >= FEWEST_MESSAGES, f"{len(all_goldens)} messages, at least {FEWEST_MESSAGES} are kept")
-    return f"{len(all_goldens)} messages read, {said} written"
+    check_datagrams(judge, all_datagrams, failures)
+    return f"{len(all_goldens)} messages read, {said} written, {len(all_datagrams)} datagrams"
 
 
 # ---- clients ----
@@ -203,13 +226,25 @@ def check_written(client, golden, written, judged, failures):
     return True
 
 
-def run_client(client, judge, all_goldens, work, failures):
+def check_datagrams_of(client, heard, answer, failures):
+    for datagram in heard:
+        got = answer.get(datagram.name)
+        if failures.check(got is not None, f"{client.name} says nothing of {datagram.name}"):
+            check_datagram(datagram, got, failures, client.name)
+            reason = datagram.told["ignored"]
+            failures.equal(reason if reason in ("", "stale") else "ignored", got["taken"], f"{client.name} ignores {datagram.name}")
+
+
+def run_client(client, judge, all_goldens, all_datagrams, work, failures):
+    said = [d for d in all_datagrams if d.told["from"] == "program"] if client.has_datagrams else []
     commands = [g for g in all_goldens if g.has_order and not of_another_version(g, judge.schema)]
     heard = [g for g in all_goldens if not g.is_command]
     job = {"layout": judge.schema.layout,
            "read": [{"name": g.name, "bytes": base64.b64encode(g.bytes).decode()} for g in heard],
            "write": [{"name": g.name, "id": g.payload[1].get("id", 0), "order": next(iter(g.payload[1]["order"])),
-                      "fields": next(iter(g.payload[1]["order"].values()))} for g in commands]}
+                      "fields": next(iter(g.payload[1]["order"].values()))} for g in commands],
+           "datagrams": [{"name": d.name, "key": d.told["key"], "conversation": [
+               base64.b64encode(path.read_bytes()).decode() for path in conversation_of(d)]} for d in said]}
     (work / "job.json").write_text(json.dumps(job), encoding="utf-8")
     (work / "answer.json").unlink(missing_ok=True)
     client.run(work, work / "job.json", work / "answer.json")
@@ -227,6 +262,8 @@ def run_client(client, judge, all_goldens, work, failures):
     judged = dict(zip(paths, judge.messages(paths.values())))
     counts["written"] = sum(check_written(client, golden, answer["write"].get(golden.name), judged.get(golden.name, {}), failures)
                             for golden in commands)
+    check_datagrams_of(client, said, answer.get("datagrams", {}), failures)
+    counts["datagrams"] = len(said)
     return ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
 
 
@@ -241,9 +278,8 @@ def main():
     began = time.monotonic()
     failures, judge, work = Failures(), Judge(build), build / "golden" / name
     work.mkdir(parents=True, exist_ok=True)
-    all_goldens = goldens("messages")
-    done = (run_client(client, judge, all_goldens, work, failures) if client
-            else run_program(judge, all_goldens, work, failures))
+    files = goldens("messages"), goldens("datagrams")
+    done = run_client(client, judge, *files, work, failures) if client else run_program(judge, *files, work, failures)
     for failure in failures.all[:40]:
         print(f"FAILED: {failure}")
     print(f"{name}: {done}; {len(failures.all)} failures, {time.monotonic() - began:.1f} s")
