@@ -18,10 +18,11 @@ internal sealed class Form
         return ((List<object>)((Dictionary<string, object>)objects[table])["fields"]).Cast<Dictionary<string, object>>();
     }
 
-    /// <summary>As flatc names a field.</summary>
-    public static string Camel(string name)
+    // As flatc names a field; no member has the name of its class.
+    private static string Member(object table, string field)
     {
-        return string.Concat(name.Split('_').Where(part => part != "").Select(part => char.ToUpperInvariant(part[0]) + part.Substring(1)));
+        string name = string.Concat(field.Split('_').Select(part => char.ToUpperInvariant(part[0]) + part.Substring(1)));
+        return name == table.GetType().Name ? name + "_" : name;
     }
 
     public Dictionary<string, object> Table(string name, object table)
@@ -48,12 +49,12 @@ internal sealed class Form
 
     private static object Get(object table, string field)
     {
-        return table.GetType().GetProperty(Camel(field)).GetValue(table, null);
+        return table.GetType().GetProperty(Member(table, field)).GetValue(table, null);
     }
 
     private List<object> Vector(Dictionary<string, object> field, object table)
     {
-        string name = Camel((string)field["name"]);
+        string name = Member(table, (string)field["name"]);
         var count = (int)table.GetType().GetProperty(name + "Length").GetValue(table, null);
         var at = table.GetType().GetMethod(name, new[] { typeof(int) });
         // More than any message has room for: as a game would find out element by element.

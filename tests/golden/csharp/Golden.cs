@@ -106,7 +106,7 @@ public static class Golden
     private static Payload Unheard(byte[] bytes)
     {
         var message = new ByteBuffer(bytes);
-        if (!Words.IsMessage(message, bytes.Length)) return Payload.NONE;
+        if (!Wholehand.Words.IsMessage(message, bytes.Length)) return Payload.NONE;
         Payload kind = Message.GetRootAsMessage(message).PayloadType;
         return kind == Payload.Welcome || kind == Payload.Commissioning || kind == Payload.Acknowledge ? kind : Payload.NONE;
     }
