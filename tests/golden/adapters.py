@@ -10,12 +10,13 @@ import forms
 SAID_BY_THE_PROGRAM = {"WorldState", "Scene", "Events", "Welcome", "Controls", "Reply"}
 ORDERS_OF_A_GAME = {"Arm", "Stop", "EmergencyStop", "LoadExercise", "SetParameter", "Aim", "Steer", "Action", "TakeControls",
                     "ReleaseControls"}
+ORDERS_OF_A_PAGE = {"Heartbeat", "Rest", "SaveProfile", "LoadProfile", "SetHelp", "Answer", "HoldToMove"}
 PATIENCE_S = 120
 
 
 class Client:
     checks_bounds = False   # it finds every damaged message
-    names_reasons = True    # it says why it refuses a message
+    names_reasons = frozenset()  # those of the judge that it tells, too
     has_datagrams = False
     reads = SAID_BY_THE_PROGRAM
     writes = ORDERS_OF_A_GAME
@@ -39,6 +40,9 @@ class Client:
 
 class Python(Client):
     name = "python"
+    names_reasons = {"identifier", "version", "payload"}
+    reads = SAID_BY_THE_PROGRAM | {"Commissioning"}
+    writes = ORDERS_OF_A_GAME | ORDERS_OF_A_PAGE
 
     def run(self, work, job, answer):
         self.call([sys.executable, "-B", self.here / "adapter.py", job, answer],
@@ -47,7 +51,6 @@ class Python(Client):
 
 class CSharp(Client):
     name = "csharp"
-    names_reasons = False
     has_datagrams = True
 
     def missing(self):
@@ -63,4 +66,24 @@ class CSharp(Client):
         self.call(["mono", "--debug", library / "Golden.exe", job, answer])
 
 
-CLIENTS = {client.name: client for client in (Python, CSharp)}
+class TypeScript(Client):
+    """The pages."""
+    name = "typescript"
+    names_reasons = {"version"}
+    reads = SAID_BY_THE_PROGRAM | {"Commissioning"}
+    writes = ORDERS_OF_A_GAME | ORDERS_OF_A_PAGE
+
+    def missing(self):
+        if not shutil.which("node"):
+            return "node (nodejs)"
+        return "" if (self.root / "web/node_modules").exists() else "web/node_modules (npm ci in web/)"
+
+    def run(self, work, job, answer):
+        web = self.root / "web"
+        self.call(["npm", "run", "--silent", "protocol"], cwd=web)
+        self.call([web / "node_modules/.bin/esbuild", web / "tests/golden.ts", "--bundle", "--platform=node",
+                   f"--outfile={work}/golden.cjs", "--log-level=warning"])
+        self.call(["node", work / "golden.cjs", job, answer])
+
+
+CLIENTS = {client.name: client for client in (Python, CSharp, TypeScript)}
