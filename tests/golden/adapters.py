@@ -35,7 +35,7 @@ class Client:
         done = subprocess.run(command, text=True, capture_output=True, timeout=PATIENCE_S, **options)
         if done.returncode != 0:
             raise AssertionError(f"{command[0]} ended with {done.returncode}:\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
-        return done.stdout
+        return done.stdout + done.stderr
 
 
 class Python(Client):
@@ -86,4 +86,51 @@ class TypeScript(Client):
         self.call(["node", work / "golden.cjs", job, answer])
 
 
-CLIENTS = {client.name: client for client in (Python, CSharp, TypeScript)}
+def is_zero(value):
+    """What the addon gives for something absent; of an orientation, none."""
+    if isinstance(value, dict):
+        return all(is_zero(number) or (name == "w" and number == "3f800000") for name, number in value.items())
+    return value in (0, False, "", [], "0" * 8, "0" * 16)
+
+
+class Godot(Client):
+    """The addon keeps only some fields, and those are compared: every variable of its own objects."""
+    name = "godot"
+    checks_bounds = True
+    reads = SAID_BY_THE_PROGRAM
+
+    def missing(self):
+        return "" if shutil.which("godot3-server") else "godot3-server"
+
+    def run(self, work, job, answer):
+        project = work / "project"
+        shutil.rmtree(project, ignore_errors=True)
+        self.call([sys.executable, "-B", self.root / "scripts/godot_addon.py", "make", project])
+        shutil.copyfile(self.root / "tests/clients/godot/project.godot", project / "project.godot")
+        for script in (self.here / "godot").glob("*.gd"):
+            shutil.copyfile(script, project / script.name)
+        home = work / "home"
+        (home / "godot/app_userdata/Tests of the Wholehand addon/logs").mkdir(parents=True, exist_ok=True)
+        said = self.call(["godot3-server", "--path", project, "-s", "res://golden.gd"], env={
+            **os.environ, "WHOLEHAND_JOB": str(job), "WHOLEHAND_ANSWER": str(answer), "LC_ALL": "en_US.UTF-8",
+            **{name: str(home) for name in ("HOME", "XDG_DATA_HOME", "XDG_CONFIG_HOME", "XDG_CACHE_HOME")}})
+        errors = [line for line in said.splitlines() if "ERROR" in line]
+        if errors:
+            raise AssertionError(f"the addon's scripts fail: {errors[:5]}")
+
+    def difference(self, expected, got):
+        """Where what it gives differs; what it does not give is not compared."""
+        if isinstance(got, dict) and isinstance(expected, dict):
+            for name, value in got.items():
+                if name not in expected and not is_zero(value):
+                    return f"{name} is {value!r}, expected: absent"
+                found = self.difference(expected[name], value) if name in expected else None
+                if found:
+                    return f"{name}.{found}"
+            return None
+        if isinstance(got, list) and isinstance(expected, list) and len(got) == len(expected):
+            return next(filter(None, map(self.difference, expected, got)), None)
+        return None if got == expected else f"is {got!r}, expected {expected!r}"
+
+
+CLIENTS = {client.name: client for client in (Python, CSharp, TypeScript, Godot)}

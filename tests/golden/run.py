@@ -72,7 +72,7 @@ class Judge:
 
     def _ask(self, arguments, lines):
         done = subprocess.run([self.program, *arguments], input="".join(f"{line}\n" for line in lines), text=True,
-                              capture_output=True)
+                              capture_output=True, errors="backslashreplace")
         if done.returncode != 0:
             raise AssertionError(f"golden_judge {arguments[0]} ended with {done.returncode}: {done.stderr}")
         return [json.loads(line) for line in done.stdout.splitlines()]
@@ -244,7 +244,7 @@ def run_client(client, judge, all_goldens, all_datagrams, work, failures):
                       "fields": next(iter(g.payload[1]["order"].values()))} for g in commands],
            "datagrams": [{"name": d.name, "key": d.told["key"], "conversation": [
                base64.b64encode(path.read_bytes()).decode() for path in conversation_of(d)]} for d in said]}
-    (work / "job.json").write_text(json.dumps(job), encoding="utf-8")
+    (work / "job.json").write_text(json.dumps(job, ensure_ascii=False), encoding="utf-8")
     (work / "answer.json").unlink(missing_ok=True)
     client.run(work, work / "job.json", work / "answer.json")
     answer = json.loads((work / "answer.json").read_text(encoding="utf-8"))

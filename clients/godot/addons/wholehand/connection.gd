@@ -191,13 +191,17 @@ func _send(id: int, type: String, fields: Array) -> void:
 		[Protocol.Command.order_type, "u8", Protocol.Order[type]],
 		[Protocol.Command.order, "table", fields],
 	]
-	var peer = _socket.get_peer(1)
-	peer.set_write_mode(WebSocketPeer.WRITE_MODE_BINARY)
-	peer.put_packet(_writer.write(Reader.IDENTIFIER, [
+	_put(_writer.write(Reader.IDENTIFIER, [
 		[Protocol.Message.schema_version, "u16", SCHEMA_VERSION],
 		[Protocol.Message.payload_type, "u8", Protocol.Payload.Command],
 		[Protocol.Message.payload, "table", command],
 	]))
+
+
+func _put(message_bytes: PoolByteArray) -> void:
+	var peer = _socket.get_peer(1)
+	peer.set_write_mode(WebSocketPeer.WRITE_MODE_BINARY)
+	peer.put_packet(message_bytes)
 
 
 # ---- what the program says ----
