@@ -112,7 +112,7 @@ class Godot(Client):
         home = work / "home"
         (home / "godot/app_userdata/Tests of the Wholehand addon/logs").mkdir(parents=True, exist_ok=True)
         said = self.call(["godot3-server", "--path", project, "-s", "res://golden.gd"], env={
-            **os.environ, "WHOLEHAND_JOB": str(job), "WHOLEHAND_ANSWER": str(answer), "LC_ALL": "en_US.UTF-8",
+            **os.environ, "WHOLEHAND_JOB": str(job), "WHOLEHAND_ANSWER": str(answer), "LANG": "en_US.UTF-8", "LC_ALL": "en_US.UTF-8",
             **{name: str(home) for name in ("HOME", "XDG_DATA_HOME", "XDG_CONFIG_HOME", "XDG_CACHE_HOME")}})
         errors = [line for line in said.splitlines() if "ERROR" in line]
         if errors:
