@@ -141,16 +141,17 @@ def decode(data):
     try:
         message = _generated("Message").Message.GetRootAs(data, 0)
         version, kind, payload = message.SchemaVersion(), message.PayloadType(), message.Payload()
+        name = PAYLOADS.get(kind)
+        table = getattr(_generated(name), name)() if payload is not None and kind != 0 and name else None
+        if table is not None:
+            table.Init(payload.Bytes, payload.Pos)
     except UNREADABLE as error:
         raise MessageError(f"not a message: {error}") from error
     if version != SCHEMA_VERSION:
         raise MessageError(f"schema_version = {version}; this client reads {SCHEMA_VERSION}: "
                            "bring program and client to the same version")
-    name = PAYLOADS.get(kind)
-    if payload is None or kind == 0 or name is None:
+    if table is None:
         raise MessageError(f"payload {kind} is not known to this client")
-    table = getattr(_generated(name), name)()
-    table.Init(payload.Bytes, payload.Pos)
     return Table(table)
 
 
