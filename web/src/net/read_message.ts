@@ -1,10 +1,10 @@
 // Reads the program's bytes as a message. FlatBuffers has no verifier in this language: a WebSocket brings whole
-// messages, and the program verifies its own.
-import * as flatbuffers from 'flatbuffers';
+// messages, and the program verifies its own. Whatever the bytes are, reading ends and throws nothing.
 import {
   Commissioning, Controls, Events, Message, Payload, Reply, Scene, SCHEMA_VERSION, Welcome, WorldState,
   type CommissioningT, type ControlsT, type EventT, type ReplyT, type SceneT, type WelcomeT, type WorldStateT,
 } from '../protocol';
+import { BoundedBuffer } from './bounded_buffer';
 
 export type Incoming =
   | { readonly is: 'state'; readonly value: WorldStateT } | { readonly is: 'scene'; readonly value: SceneT }
@@ -17,7 +17,7 @@ export type Incoming =
 
 export function readMessage(data: unknown): Incoming {
   try {
-    const buffer = new flatbuffers.ByteBuffer(new Uint8Array(data as ArrayBuffer));
+    const buffer = new BoundedBuffer(new Uint8Array(data as ArrayBuffer));
     if (!Message.bufferHasIdentifier(buffer)) return { is: 'unreadable' };
     const message = Message.getRootAsMessage(buffer);
     return message.schemaVersion() === SCHEMA_VERSION ? unpacked(message) : { is: 'foreign', version: message.schemaVersion() };
