@@ -28,6 +28,13 @@ class Client:
         """What is to be installed first; empty: nothing."""
         return ""
 
+    def prepare(self, work):
+        """Builds the adapter."""
+
+    def run(self, work, job, answer):
+        """Has the client do the job."""
+        raise NotImplementedError
+
     def difference(self, expected, got):
         return forms.first_difference(expected, got)
 
@@ -57,13 +64,15 @@ class CSharp(Client):
         absent = [tool for tool in ("mcs", "mono", "flatc") if not shutil.which(tool)]
         return f"{', '.join(absent)} (mono-mcs, mono-runtime, flatbuffers-compiler)" if absent else ""
 
-    def run(self, work, job, answer):
+    def prepare(self, work):
         library = work / "library"
         self.call([self.root / "clients/csharp/build.sh", library])
         references = [f"-r:{library}/Wholehand.{name}.dll" for name in ("Protocol", "Client")]
         self.call(["mcs", "-langversion:7", "-debug", "-nologo", "-warn:4", "-warnaserror", *references,
                    f"-out:{library}/Golden.exe", *sorted((self.here / "csharp").glob("*.cs"))])
-        self.call(["mono", "--debug", library / "Golden.exe", job, answer])
+
+    def run(self, work, job, answer):
+        self.call(["mono", "--debug", work / "library/Golden.exe", job, answer])
 
 
 class TypeScript(Client):
@@ -78,11 +87,13 @@ class TypeScript(Client):
             return "node (nodejs)"
         return "" if (self.root / "web/node_modules").exists() else "web/node_modules (npm ci in web/)"
 
-    def run(self, work, job, answer):
+    def prepare(self, work):
         web = self.root / "web"
         self.call(["npm", "run", "--silent", "protocol"], cwd=web)
         self.call([web / "node_modules/.bin/esbuild", web / "tests/golden.ts", "--bundle", "--platform=node",
                    f"--outfile={work}/golden.cjs", "--log-level=warning"])
+
+    def run(self, work, job, answer):
         self.call(["node", work / "golden.cjs", job, answer])
 
 
@@ -102,16 +113,18 @@ class Godot(Client):
     def missing(self):
         return "" if shutil.which("godot3-server") else "godot3-server"
 
-    def run(self, work, job, answer):
+    def prepare(self, work):
         project = work / "project"
         shutil.rmtree(project, ignore_errors=True)
         self.call([sys.executable, "-B", self.root / "scripts/godot_addon.py", "make", project])
         shutil.copyfile(self.root / "tests/clients/godot/project.godot", project / "project.godot")
         for script in (self.here / "godot").glob("*.gd"):
             shutil.copyfile(script, project / script.name)
+        (work / "home/godot/app_userdata/Tests of the Wholehand addon/logs").mkdir(parents=True, exist_ok=True)
+
+    def run(self, work, job, answer):
         home = work / "home"
-        (home / "godot/app_userdata/Tests of the Wholehand addon/logs").mkdir(parents=True, exist_ok=True)
-        said = self.call(["godot3-server", "--path", project, "-s", "res://golden.gd"], env={
+        said = self.call(["godot3-server", "--path", work / "project", "-s", "res://golden.gd"], env={
             **os.environ, "WHOLEHAND_JOB": str(job), "WHOLEHAND_ANSWER": str(answer), "LANG": "en_US.UTF-8", "LC_ALL": "en_US.UTF-8",
             **{name: str(home) for name in ("HOME", "XDG_DATA_HOME", "XDG_CONFIG_HOME", "XDG_CACHE_HOME")}})
         errors = [line for line in said.splitlines() if "ERROR" in line]

@@ -55,6 +55,10 @@ std::string judged(const reflection::Schema& schema, const Bytes& bytes) {
   if (message->payload() == nullptr || message->payload_type() > fb::Payload::MAX) {
     return refused("payload");
   }
+  // The schema given may be another one than this program was compiled with.
+  if (!flatbuffers::Verify(schema, *schema.root_table(), bytes.data(), bytes.size())) {
+    return refused("damaged");
+  }
   return "{\"form\":" + formOf(schema, bytes);
 }
 

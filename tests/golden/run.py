@@ -3,10 +3,12 @@
 run.py BUILD CLIENT       CLIENT: program, python, csharp, typescript, godot. Exit code 77: its tools are not installed."""
 import base64
 import json
+import os
 import pathlib
 import subprocess
 import sys
 import time
+from random import Random
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
@@ -16,6 +18,8 @@ import forms  # noqa: E402
 ROOT = HERE.parents[1]
 GOLDEN = ROOT / "protocol/golden"
 FEWEST_MESSAGES, FEWEST_DATAGRAMS = 60, 30
+MUTATED = 1000
+MUTATED_ROUNDS = 100 if os.environ.get("WHOLEHAND_FULL") == "1" else 1
 MAKE = "python3 tests/golden/make.py"
 
 
@@ -234,6 +238,43 @@ def check_datagrams_of(client, heard, answer, failures):
             failures.equal(reason if reason in ("", "stale") else "ignored", got["taken"], f"{client.name} ignores {datagram.name}")
 
 
+def mutated(all_goldens, count, seed):
+    """Goldens with bytes changed, a number overwritten or the end cut off."""
+    random = Random(seed)
+    sound = [g for g in all_goldens if g.form is not None and not g.is_command]
+    for i in range(count):
+        data = bytearray(random.choice(sound).bytes)
+        how = random.randrange(3)
+        if how == 0:
+            for _ in range(random.randint(1, 3)):
+                data[random.randrange(len(data))] = random.randrange(256)
+        elif how == 1:
+            at = 4 * random.randrange(len(data) // 4)
+            data[at:at + 4] = random.choice([0, 1, 0xff, 0xffff, 0x10000, 0xffffff, 0x7fffffff, 0x80000000, 0xffffffff]).to_bytes(4, "little")
+        else:
+            del data[random.randrange(len(data)):]
+        yield f"mutated_{seed}_{i}", bytes(data)
+
+
+def survive(client, schema, all_goldens, work, failures):
+    """Damaged messages end: whatever is read of them, nothing escapes and nothing hangs."""
+    first = int(os.environ.get("WHOLEHAND_SEED", "1"))
+    for seed in range(first, first + MUTATED_ROUNDS):
+        rubbish = dict(mutated(all_goldens, MUTATED, seed))
+        answer = ask(client, {"layout": schema.layout, "write": [], "datagrams": [], "read": [
+            {"name": name, "bytes": base64.b64encode(data).decode()} for name, data in rubbish.items()]}, work)
+        failures.equal(set(rubbish), set(answer["read"]), f"{client.name}: mutated messages of seed {seed}")
+    return MUTATED * MUTATED_ROUNDS
+
+
+def ask(client, job, work):
+    (work / "job.json").write_text(json.dumps(job, ensure_ascii=False), encoding="utf-8")
+    (work / "answer.json").unlink(missing_ok=True)
+    client.run(work, work / "job.json", work / "answer.json")
+    # A text of a damaged message may be no UTF-8, and have any character.
+    return json.loads((work / "answer.json").read_text(encoding="utf-8", errors="replace"), strict=False)
+
+
 def run_client(client, judge, all_goldens, all_datagrams, work, failures):
     said = [d for d in all_datagrams if d.told["from"] == "program"] if client.has_datagrams else []
     commands = [g for g in all_goldens if g.has_order and not of_another_version(g, judge.schema)]
@@ -244,10 +285,8 @@ def run_client(client, judge, all_goldens, all_datagrams, work, failures):
                       "fields": next(iter(g.payload[1]["order"].values()))} for g in commands],
            "datagrams": [{"name": d.name, "key": d.told["key"], "conversation": [
                base64.b64encode(path.read_bytes()).decode() for path in conversation_of(d)]} for d in said]}
-    (work / "job.json").write_text(json.dumps(job, ensure_ascii=False), encoding="utf-8")
-    (work / "answer.json").unlink(missing_ok=True)
-    client.run(work, work / "job.json", work / "answer.json")
-    answer = json.loads((work / "answer.json").read_text(encoding="utf-8"))
+    client.prepare(work)
+    answer = ask(client, job, work)
     counts = {}
     for golden in heard:
         if failures.check(golden.name in answer["read"], f"{client.name} says nothing of {golden.name}"):
@@ -263,6 +302,7 @@ def run_client(client, judge, all_goldens, all_datagrams, work, failures):
                             for golden in commands)
     check_datagrams_of(client, said, answer.get("datagrams", {}), failures)
     counts["datagrams"] = len(said)
+    counts["mutated"] = survive(client, judge.schema, all_goldens, work, failures)
     return ", ".join(f"{count} {outcome}" for outcome, count in counts.items())
 
 

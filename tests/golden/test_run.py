@@ -1,0 +1,152 @@
+"""The runner itself: what it has to find, and that it takes what is new. test_run.py BUILD"""
+import copy
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+import adapters  # noqa: E402
+import forms  # noqa: E402
+import run  # noqa: E402
+
+SCHEMA = (run.ROOT / "protocol/wholehand.fbs").read_text(encoding="utf-8")
+
+
+class OfAnotherSchema(run.Judge):
+    """The judge, given a changed schema."""
+
+    def __init__(self, test, text):
+        folder = pathlib.Path(tempfile.mkdtemp(prefix="wholehand-test-"))
+        test.addCleanup(subprocess.run, ["rm", "-rf", folder])
+        (folder / "wholehand.fbs").write_text(text, encoding="utf-8")
+        subprocess.run(["flatc", "--binary", "--schema", "-o", folder, folder / "wholehand.fbs"], check=True)
+        self.folder, self.program, self.compiled = folder, BUILD / "golden_judge", folder / "wholehand.bfbs"
+        self.schema = forms.Schema(self.program, self.compiled)
+
+
+class Schemas(unittest.TestCase):
+    def failures_with(self, before, after):
+        self.assertIn(before, SCHEMA)
+        failures = run.Failures()
+        run.check_messages(OfAnotherSchema(self, SCHEMA.replace(before, after)), run.goldens("messages"), failures)
+        return failures.all
+
+    def test_a_field_that_is_moved_is_found(self):
+        failures = self.failures_with("missed_deadlines: ulong;\n  dropped_records: ulong;",
+                                      "dropped_records: ulong;\n  missed_deadlines: ulong;")
+        self.assertTrue(any("program_state: what is out there is read otherwise" in failure for failure in failures), failures)
+
+    def test_a_field_that_is_renumbered_is_found(self):
+        failures = self.failures_with("  accepted: bool;\n", "  new_one: bool;\n  accepted: bool;\n")
+        self.assertTrue(any(failure.startswith("program_reply:") for failure in failures), failures)
+
+    def test_a_field_at_the_end_is_allowed(self):
+        self.assertEqual(self.failures_with("  refusal: Refusal;\n", "  refusal: Refusal;\n  new_one: [string];\n"), [])
+
+    def test_a_new_table_takes_no_change_elsewhere(self):
+        text = SCHEMA.replace("union Order {", "struct Grip { at_m: Vec3; part: HandPart; since: long; }\n"
+                              "table Spawn { body: Body; grips: [Grip]; names: [string]; first: Grip; share: double = 0.5; }\n"
+                              "union Order {").replace("Answer, HoldToMove\n", "Answer, HoldToMove, Spawn\n")
+        judge = OfAnotherSchema(self, text)
+        for variant in ("full", "extreme"):
+            form = judge.schema.payload_of("Spawn")(judge.schema.example("Spawn", variant))
+            file = judge.folder / "spawn.bin"
+            file.write_bytes(judge.schema.encode(form))
+            judged, = judge.messages([file])
+            self.assertEqual(judged.get("form"), {"schema_version": 1, **form})
+        failures = run.Failures()
+        run.check_coverage(judge.schema, run.goldens("messages"), failures)
+        self.assertEqual([failure for failure in failures.all if "no golden message; make" in failure],
+                         ["Spawn has no golden message; make some: python3 tests/golden/make.py Spawn"])
+
+    def test_messages_of_an_older_version_are_to_be_refused(self):
+        class Risen:
+            schema = type("Schema", (), {"version": 2})
+
+            def messages(self, paths):
+                return [self.answer for _ in paths]
+
+        for answer, found in (({"refused": "version", "program": {}}, False), ({"form": {}, "program": {}}, True)):
+            judge, failures = Risen(), run.Failures()
+            judge.answer = answer
+            run.check_messages(judge, [g for g in run.goldens("messages") if g.form is not None], failures)
+            self.assertEqual(bool(failures.all), found)
+
+
+class Clients(unittest.TestCase):
+    """What a client gets wrong is found."""
+
+    def setUp(self):
+        self.schema = run.Judge(BUILD).schema
+        self.goldens = {golden.name: golden for golden in run.goldens("messages")}
+        self.failures = run.Failures()
+
+    def read(self, name, got, client=adapters.Python):
+        run.check_read(client(run.ROOT, BUILD), self.goldens[name], got, self.schema, self.failures)
+        return self.failures.all
+
+    def payload(self, name):
+        return copy.deepcopy(self.goldens[name].form["payload"])
+
+    def test_a_message_read_right_passes(self):
+        self.assertEqual(self.read("program_state", {"payload": self.payload("program_state")}), [])
+
+    def test_one_bit_is_found(self):
+        payload = self.payload("program_state")
+        payload["WorldState"]["values"][1] = "3e7ad7f29abcaf49"
+        self.assertRegex(self.read("program_state", {"payload": payload})[0], r"values\[1\] is '3e7ad7f29abcaf49'")
+
+    def test_a_field_too_few_is_found(self):
+        payload = self.payload("program_state")
+        del payload["WorldState"]["links"]
+        self.assertRegex(self.read("program_state", {"payload": payload})[0], "links is missing")
+
+    def test_a_field_of_part_of_a_message_is_found(self):
+        payload = self.payload("program_state")
+        del payload["WorldState"]["links"]  # the addon does not keep them
+        self.assertEqual(self.read("program_state", {"payload": payload}, adapters.Godot), [])
+        payload["WorldState"]["tick"] = "0000001cbe991a15"
+        self.assertRegex(self.read("program_state", {"payload": payload}, adapters.Godot)[0], "tick.is '0000001cbe991a15'")
+
+    def test_a_flaw_that_is_not_seen_is_found(self):
+        self.assertRegex(self.read("flaw_version_2", {"payload": {}})[0], "expected: refused .version")
+        self.assertRegex(self.read("flaw_cut_20", {"payload": {}}, adapters.Godot)[-1], "expected: refused .damaged")
+
+    def test_another_reason_is_found(self):
+        self.assertRegex(self.read("flaw_version_2", {"refused": "payload"})[0], "reason: .*'payload', expected 'version'")
+
+    def test_a_payload_that_is_not_read_any_more_is_found(self):
+        self.assertNotEqual(self.read("program_reply", {"unread": True}), [])
+
+    def test_an_order_that_is_not_written_any_more_is_found(self):
+        run.check_written(adapters.Python(run.ROOT, BUILD), self.goldens["arm_full"], None, {}, self.failures)
+        self.assertEqual(self.failures.all, ["python has to write Arm"])
+
+
+class Files(unittest.TestCase):
+    def test_a_file_that_exists_is_not_written_again(self):
+        kept = (run.GOLDEN / "messages/reply.bin").read_bytes()
+        made = subprocess.run([sys.executable, "-B", run.HERE / "make.py", "--build", BUILD, "Reply"], text=True,
+                              capture_output=True)
+        self.assertEqual(made.returncode, 1)
+        self.assertIn("reply.bin exists and is not written again: give the new message another name", made.stderr)
+        self.assertEqual((run.GOLDEN / "messages/reply.bin").read_bytes(), kept)
+
+    def test_a_form_that_is_not_canonical_is_refused(self):
+        with tempfile.TemporaryDirectory(prefix="wholehand-test-") as folder:
+            file = pathlib.Path(folder) / "not_canonical.json"
+            file.write_text(json.dumps({"about": "a default that is written", "form": {"payload": {"Reply": {"command": 0}}}}))
+            made = subprocess.run([sys.executable, "-B", run.HERE / "make.py", "--build", BUILD, file], text=True,
+                                  capture_output=True)
+        self.assertEqual(made.returncode, 1)
+        self.assertIn("not_canonical: the form is not canonical", made.stderr)
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
+    BUILD = pathlib.Path(sys.argv[1]).resolve()
+    unittest.main(argv=[sys.argv[0], *sys.argv[2:]])
