@@ -7,13 +7,9 @@ namespace Wholehand
     /// nothing unless a number of axes changes. SI, radians, the program's frame (UnityAxes converts);
     /// arrays per axis are in the order of Scene.Axes, joints in that of Scene.JointNames, values in that
     /// of Scene.ValueNames.</summary>
-    public sealed class HandState
+    public sealed class HandState : Snapshot
     {
-        public uint Session;           // counts from 1 with every arming
         public uint Endings;           // counts stops, faults and ends of sessions; Arm names the last one shown
-        public ulong Tick;
-        public double TimeS;
-        public long SentMonotonicNs;
         public RunState RunState;
         public Steering Steering;
         public uint Faults;
@@ -36,13 +32,9 @@ namespace Wholehand
         private const int MostNumbers = 1024;
 
         // Without captured variables: the compiler makes each of these once.
-        internal void CopyFrom(WorldState s)
+        internal override void CopyRest(WorldState s)
         {
-            Session = s.Session;
             Endings = s.Endings;
-            Tick = s.Tick;
-            TimeS = s.TimeS;
-            SentMonotonicNs = s.SentMonotonicNs;
             RunState = s.RunState;
             Steering = s.Steering;
             Faults = s.Faults;

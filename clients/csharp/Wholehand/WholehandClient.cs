@@ -113,51 +113,33 @@ namespace Wholehand
         /// <paramref name="into"/> already is. Any thread.</summary>
         public bool TryGetState(HandState into)
         {
-            lock (gate)
-            {
-                if (!haveState) return false;
-                try
-                {
-                    WorldState state = Words.StateOf(newest.Bytes);
-                    if (state.Tick == into.Tick && state.Session == into.Session
-                        && state.SentMonotonicNs == into.SentMonotonicNs)
-                    {
-                        return false;
-                    }
-                    into.CopyFrom(state);
-                    return true;
-                }
-                catch (Exception e) when (IsOfRubbish(e))
-                {
-                    // Made by something else than Wholehand: its offsets lead nowhere.
-                    haveState = false;
-                    Statistics.CountIgnored();
-                    return false;
-                }
-            }
+            return TryCopy(ref newest, ref haveState, into);
         }
 
         /// <summary>Copies bodies and contacts of the newest state that came by WebSocket, 60 a second; false where
         /// there is none, or none that is newer than <paramref name="into"/> already is. Any thread.</summary>
         public bool TryGetWorld(WorldSnapshot into)
         {
+            return TryCopy(ref world, ref haveWorld, into);
+        }
+
+        // By reference: another thread exchanges them while gate is free.
+        private bool TryCopy(ref MessageBuffer from, ref bool have, Snapshot into)
+        {
             lock (gate)
             {
-                if (!haveWorld) return false;
+                if (!have) return false;
                 try
                 {
-                    WorldState state = Words.StateOf(world.Bytes);
-                    if (state.Tick == into.Tick && state.Session == into.Session
-                        && state.SentMonotonicNs == into.SentMonotonicNs)
-                    {
-                        return false;
-                    }
+                    WorldState state = Words.StateOf(from.Bytes);
+                    if (into.IsOf(state)) return false;
                     into.CopyFrom(state);
                     return true;
                 }
                 catch (Exception e) when (IsOfRubbish(e))
                 {
-                    haveWorld = false;
+                    // Made by something else than Wholehand: its offsets lead nowhere.
+                    have = false;
                     Statistics.CountIgnored();
                     return false;
                 }

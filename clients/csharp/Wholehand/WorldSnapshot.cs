@@ -6,13 +6,8 @@ namespace Wholehand
     /// <summary>A copy of the bodies and contacts of a WorldState that the game owns. Datagrams do not carry them:
     /// they come by WebSocket, 60 times a second. Taking the next one into it allocates nothing unless there are more
     /// bodies or contacts than ever before. SI, the program's frame (UnityAxes converts).</summary>
-    public sealed class WorldSnapshot
+    public sealed class WorldSnapshot : Snapshot
     {
-        public uint Session;
-        public ulong Tick;
-        public double TimeS;
-        public long SentMonotonicNs;
-
         /// <summary>Of the arrays below, how many bodies are valid; in the order of Scene.Bodies.</summary>
         public int BodyCount;
         public Vector[] BodyPositions = new Vector[0];    // centre of mass [m]
@@ -27,17 +22,13 @@ namespace Wholehand
 
         private const int MostBodies = 4096, MostContacts = 4096;
 
-        internal void CopyFrom(WorldState s)
+        internal override void CopyRest(WorldState s)
         {
             int bodies = s.BodiesLength, contacts = s.ContactsLength;
             if (bodies < 0 || bodies > MostBodies || contacts < 0 || contacts > MostContacts)
             {
                 throw new InvalidOperationException("an array that no state has");
             }
-            Session = s.Session;
-            Tick = s.Tick;
-            TimeS = s.TimeS;
-            SentMonotonicNs = s.SentMonotonicNs;
             if (BodyPositions.Length < bodies)
             {
                 BodyPositions = new Vector[bodies];

@@ -1,0 +1,35 @@
+using wholehand.protocol;
+
+namespace Wholehand
+{
+    /// <summary>A copy of a WorldState that the game owns, or of a part of it. SI, the program's frame.</summary>
+    public abstract class Snapshot
+    {
+        public uint Session;           // counts from 1 with every arming
+        public ulong Tick;
+        public double TimeS;
+        public long SentMonotonicNs;
+
+        internal Snapshot()
+        {
+        }
+
+        /// <summary>Whether it is a copy of that state already.</summary>
+        internal bool IsOf(WorldState s)
+        {
+            return s.Tick == Tick && s.Session == Session && s.SentMonotonicNs == SentMonotonicNs;
+        }
+
+        /// <summary>Throws what FlatBuffers throws where the state is damaged; then it is no copy of it.</summary>
+        internal void CopyFrom(WorldState s)
+        {
+            CopyRest(s);
+            Session = s.Session;
+            Tick = s.Tick;
+            TimeS = s.TimeS;
+            SentMonotonicNs = s.SentMonotonicNs;
+        }
+
+        internal abstract void CopyRest(WorldState s);
+    }
+}
