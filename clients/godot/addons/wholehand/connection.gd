@@ -240,7 +240,7 @@ func _hear() -> void:
 		Protocol.Payload.Welcome:
 			_hear_welcome(table)
 		Protocol.Payload.Controls:
-			var held = _reader.u8_of(table, Protocol.Controls.held_by_you) != 0
+			var held = _reader.bool_of(table, Protocol.Controls.held_by_you)
 			if not _is_broken():
 				_set_controls(held)
 		Protocol.Payload.Reply:
@@ -289,7 +289,7 @@ func _hear_welcome(table: int) -> void:
 
 func _hear_reply(table: int) -> void:
 	var command = _reader.u32_of(table, Protocol.Reply.command)
-	var accepted = _reader.u8_of(table, Protocol.Reply.accepted) != 0
+	var accepted = _reader.bool_of(table, Protocol.Reply.accepted)
 	var reason = _reader.text_of(table, Protocol.Reply.reason)
 	if _is_broken():
 		return

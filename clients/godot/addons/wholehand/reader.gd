@@ -56,6 +56,10 @@ func u8_of(table: int, slot: int) -> int:
 	return 0 if place == 0 else u8(place)
 
 
+func bool_of(table: int, slot: int) -> bool:
+	return u8_of(table, slot) != 0
+
+
 func i16_of(table: int, slot: int, default: int = 0) -> int:
 	var place = field(table, slot)
 	return default if place == 0 else i16(place)
@@ -84,6 +88,10 @@ func float_of(table: int, slot: int) -> float:
 func double_of(table: int, slot: int) -> float:
 	var place = field(table, slot)
 	return 0.0 if place == 0 else f64(place)
+
+
+func vector3_of(table: int, slot: int) -> Vector3:
+	return vector3(field(table, slot))
 
 
 func text_of(table: int, slot: int) -> String:

@@ -20,25 +20,37 @@ var bodies = []          # {name, fixed, color, shapes}
 var parameters = []      # {name, unit, lower, upper, initial}
 
 
+# How each field is read: a function of reader.gd.
+const FIELDS = {"session": "u32_of", "program_version": "text_of", "scene_name": "text_of", "hand_name": "text_of",
+		"exercise_name": "text_of", "exercise_json": "text_of", "joint_names": "texts_of", "value_names": "texts_of",
+		"event_names": "texts_of", "fault_names": "texts_of"}
+const AXIS = {"name": "text_of", "unit": "text_of", "lower": "float_of", "upper": "float_of", "effort_limit": "float_of"}
+const LINK = {"name": "text_of", "parent": "i16_of", "joint": "i16_of", "type": "u8_of", "axis": "vector3_of"}
+const CAPSULE = {"name": "text_of", "link": "i16_of", "a_m": "vector3_of", "b_m": "vector3_of", "radius_m": "float_of"}
+const BODY = {"name": "text_of", "fixed": "bool_of", "color": "text_of"}
+const SHAPE = {"type": "u8_of", "half_extents_m": "vector3_of", "radius_m": "float_of", "length_m": "float_of"}
+const PARAMETER = {"name": "text_of", "unit": "text_of", "lower": "float_of", "upper": "float_of", "initial": "float_of"}
+
+
 # False where the message is damaged; then nothing of it is to be used.
 func read(reader, table: int) -> bool:
 	var f = Protocol.Scene
-	session = reader.u32_of(table, f.session)
-	program_version = reader.text_of(table, f.program_version)
-	scene_name = reader.text_of(table, f.scene_name)
-	hand_name = reader.text_of(table, f.hand_name)
-	exercise_name = reader.text_of(table, f.exercise_name)
-	exercise_json = reader.text_of(table, f.exercise_json)
-	joint_names = reader.texts_of(table, f.joint_names)
-	value_names = reader.texts_of(table, f.value_names)
-	event_names = reader.texts_of(table, f.event_names)
-	fault_names = reader.texts_of(table, f.fault_names)
+	var own = _fields(reader, table, f, FIELDS)
+	for name in own:
+		set(name, own[name])
 	axes = _read_all(reader, table, f.axes, "_read_axis")
 	links = _read_all(reader, table, f.links, "_read_link")
 	capsules = _read_all(reader, table, f.capsules, "_read_capsule")
 	bodies = _read_all(reader, table, f.bodies, "_read_body")
 	parameters = _read_all(reader, table, f.parameters, "_read_parameter")
 	return not reader.broken
+
+
+func _fields(reader, table: int, slots: Dictionary, how: Dictionary) -> Dictionary:
+	var values = {}
+	for name in how:
+		values[name] = reader.call(how[name], table, slots[name])
+	return values
 
 
 func _read_all(reader, table: int, slot: int, how: String) -> Array:
@@ -52,88 +64,45 @@ func _read_all(reader, table: int, slot: int, how: String) -> Array:
 
 
 func _read_axis(reader, table: int) -> Dictionary:
-	var f = Protocol.Axis
-	return {
-		"name": reader.text_of(table, f.name),
-		"unit": reader.text_of(table, f.unit),
-		"lower": reader.float_of(table, f.lower),
-		"upper": reader.float_of(table, f.upper),
-		"effort_limit": reader.float_of(table, f.effort_limit),
-	}
+	return _fields(reader, table, Protocol.Axis, AXIS)
 
 
 func _read_link(reader, table: int) -> Dictionary:
-	var f = Protocol.Link
-	var at_zero = reader.field(table, f.at_zero)
-	return {
-		"name": reader.text_of(table, f.name),
-		"parent": reader.i16_of(table, f.parent),
-		"joint": reader.i16_of(table, f.joint),
-		"type": reader.u8_of(table, f.type),
-		"axis": reader.vector3(reader.field(table, f.axis)),
-		"position_m": _position(reader, at_zero),
-		"orientation": _orientation(reader, at_zero),
-	}
+	var link = _fields(reader, table, Protocol.Link, LINK)
+	_add_pose(reader, reader.field(table, Protocol.Link.at_zero), link)
+	return link
 
 
 func _read_capsule(reader, table: int) -> Dictionary:
-	var f = Protocol.Capsule
-	return {
-		"name": reader.text_of(table, f.name),
-		"link": reader.i16_of(table, f.link),
-		"a_m": reader.vector3(reader.field(table, f.a_m)),
-		"b_m": reader.vector3(reader.field(table, f.b_m)),
-		"radius_m": reader.float_of(table, f.radius_m),
-	}
+	return _fields(reader, table, Protocol.Capsule, CAPSULE)
 
 
 func _read_body(reader, table: int) -> Dictionary:
-	var f = Protocol.Body
-	return {
-		"name": reader.text_of(table, f.name),
-		"fixed": reader.u8_of(table, f.fixed) != 0,
-		"color": reader.text_of(table, f.color),
-		"shapes": _read_all(reader, table, f.shapes, "_read_shape"),
-	}
+	var body = _fields(reader, table, Protocol.Body, BODY)
+	body["shapes"] = _read_all(reader, table, Protocol.Body.shapes, "_read_shape")
+	return body
 
 
 func _read_shape(reader, table: int) -> Dictionary:
 	var f = Protocol.Shape
-	var in_body = reader.field(table, f.in_body)
-	var points = []
+	var shape = _fields(reader, table, f, SHAPE)
+	shape["points_m"] = []
 	var first = reader.vector(table, f.points_m, Protocol.Vec3.SIZE)
 	for i in range(reader.count_of(first)):
-		points.append(reader.vector3(first + i * Protocol.Vec3.SIZE))
-	var triangles = []
+		shape["points_m"].append(reader.vector3(first + i * Protocol.Vec3.SIZE))
+	shape["triangles"] = []
 	first = reader.vector(table, f.triangles, 4)
 	for i in range(reader.count_of(first)):
-		triangles.append(reader.u32(first + 4 * i))
-	return {
-		"type": reader.u8_of(table, f.type),
-		"half_extents_m": reader.vector3(reader.field(table, f.half_extents_m)),
-		"radius_m": reader.float_of(table, f.radius_m),
-		"length_m": reader.float_of(table, f.length_m),
-		"points_m": points,
-		"triangles": triangles,
-		"position_m": _position(reader, in_body),
-		"orientation": _orientation(reader, in_body),
-	}
+		shape["triangles"].append(reader.u32(first + 4 * i))
+	_add_pose(reader, reader.field(table, f.in_body), shape)
+	return shape
 
 
 func _read_parameter(reader, table: int) -> Dictionary:
-	var f = Protocol.Parameter
-	return {
-		"name": reader.text_of(table, f.name),
-		"unit": reader.text_of(table, f.unit),
-		"lower": reader.float_of(table, f.lower),
-		"upper": reader.float_of(table, f.upper),
-		"initial": reader.float_of(table, f.initial),
-	}
+	return _fields(reader, table, Protocol.Parameter, PARAMETER)
 
 
-func _position(reader, pose: int) -> Vector3:
-	return Vector3() if pose == 0 else reader.vector3(pose + Protocol.Pose.position_m)
-
-
-func _orientation(reader, pose: int) -> Quat:
-	return Quat() if pose == 0 else reader.quat(pose + Protocol.Pose.orientation_xyzw)
+# `position_m` and `orientation` of a Pose, which may be absent: at the origin, not turned.
+func _add_pose(reader, pose: int, to: Dictionary) -> void:
+	to["position_m"] = Vector3() if pose == 0 else reader.vector3(pose + Protocol.Pose.position_m)
+	to["orientation"] = Quat() if pose == 0 else reader.quat(pose + Protocol.Pose.orientation_xyzw)
