@@ -3,6 +3,7 @@ import struct
 import zlib
 
 from forms import f32
+from special import place_of, put
 
 KEY, OTHER_KEY = 0x1122334455667788, 0x1122334455667789
 COMMAND, ALIVE, STATE, PRESENT = 1, 2, 16, 17
@@ -58,13 +59,13 @@ def datagrams(schema):
     yield "program_no_state", "a state that is a reply", "program", [], "message", datagram(
         STATE, message({"Reply": {"command": 7}}))
     yield "program_rubbish", "a state that is no message", "program", [], "message", datagram(STATE, b"rubbish, all of it")
-    yield "program_state_version_2", "a state of another schema", "program", [], "message", datagram(
-        STATE, state.replace(struct.pack("<H", schema.version), b"\2\0", 1))
+    yield "program_state_version_65535", "a state of another schema", "program", [], "message", datagram(
+        STATE, put(state, place_of(state, 4), "<H", 65535))
     flaws = {
         "empty": ("too_short", b""), "47_bytes": ("too_short", sound[:47]), "1201_bytes": ("too_long", sound + bytes(
             LARGEST + 1 - len(sound))),
         "magic": ("magic", datagram(STATE, state, magic=b"WHUE")), "version_1": ("version", datagram(STATE, state, version=1)),
-        "version_3": ("version", datagram(STATE, state, version=3)), "cut": ("checksum", sound[:-1]),
+        "version_65535": ("version", datagram(STATE, state, version=65535)), "cut": ("checksum", sound[:-1]),
         "longer": ("checksum", sound + b"\0"), "flipped_key": ("checksum", flipped(sound, 8)),
         "flipped_checksum": ("checksum", flipped(sound, 44)), "flipped_payload": ("checksum", flipped(sound, len(sound) - 1)),
         "kind_0": ("header", datagram(0, state)), "kind_3": ("header", datagram(3)), "kind_255": ("header", datagram(255, state)),

@@ -43,6 +43,10 @@ class Schema:
         self.version = self.layout["schema_version"]
         self.objects, self.enums = self.layout["objects"], self.layout["enums"]
 
+    def named(self, name):
+        """Of a golden message of this version; those of older ones keep their names."""
+        return name if self.version == 1 else f"{name}_v{self.version}"
+
     def members(self, union):
         return [name for name, value in self.enums[union]["values"].items() if value != 0]
 
@@ -54,6 +58,22 @@ class Schema:
             return lambda form: {"payload": {"Command": {"id": 7, "order": {table: form}}}}
         raise KeyError(f"{table} is neither a payload nor an order; payloads: {', '.join(self.members('Payload'))}; "
                        f"orders: {', '.join(self.members('Order'))}")
+
+    def fields_in(self, table, form):
+        """(table, field) of all that a form has."""
+        seen = set()
+        for field in self.objects[table]["fields"]:
+            if field["name"] not in form:
+                continue
+            seen.add((table, field["name"]))
+            value = form[field["name"]]
+            if field["kind"] == "union":
+                (member, inner), = value.items()
+                seen |= self.fields_in(member, inner)
+            elif field.get("of") in self.objects:
+                for inner in value if field["kind"] == "vector" else [value]:
+                    seen |= self.fields_in(field["of"], inner)
+        return seen
 
     # ---- examples ----
 

@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """Makes golden messages (docs/protocol.md, "Golden messages").
 
-make.py TABLE...          examples of a payload or an order: TABLE.bin and .json, TABLE_full, TABLE_extreme
+make.py --missing         examples of every payload and order that has none (TABLE, TABLE_full, TABLE_extreme), or that
+                          has fields that are in no message (TABLE_full_2)
 make.py FILE.json...      NAME.bin of a form that you wrote: {"about": ..., "form": ...}
-make.py --missing         examples of every payload and order that has none
 make.py --special         sound and damaged messages of special.py that have no file yet
 make.py --datagrams       datagrams of datagrams.py that have no file yet
 make.py --program         messages of tests/golden/program_messages.cpp that have no file yet
@@ -11,6 +11,7 @@ make.py --program         messages of tests/golden/program_messages.cpp that hav
 An existing .bin is never written again: it stands for programs and clients that are out there. --build names the
 folder of the build (build/release)."""
 import argparse
+import itertools
 import json
 import pathlib
 import re
@@ -53,8 +54,12 @@ class Maker:
         done = subprocess.run([self.judge, *arguments], input=line, text=True, capture_output=True, check=True)
         return json.loads(done.stdout)
 
+    def file(self, name):
+        return MESSAGES / f"{self.schema.named(name)}.bin"
+
     def write(self, name, data, about, form=None):
-        binary = MESSAGES / f"{name}.bin"
+        binary = self.file(name)
+        name = binary.stem
         if binary.exists():
             sys.exit(f"{binary} exists and is not written again: give the new message another name")
         judged = self.judged(data)
@@ -80,14 +85,26 @@ class Maker:
             seen.append(form)
 
     def missing(self):
-        tables = self.schema.members("Payload") + self.schema.members("Order")
-        return [table for table in tables if table != "Command" and not (MESSAGES / f"{snake(table)}.bin").exists()]
+        tables = [table for table in self.schema.members("Payload") + self.schema.members("Order") if table != "Command"]
+        for table in tables:
+            if not self.file(snake(table)).exists():
+                self.examples(table)
+        forms_there = [json.loads(path.read_text(encoding="utf-8")).get("form", {}) for path in MESSAGES.glob("*.json")]
+        seen = set().union(*(self.schema.fields_in("Message", form) for form in forms_there
+                             if form.get("schema_version") == self.schema.version))
+        for table in tables:
+            form = self.schema.payload_of(table)(self.schema.example(table, "full"))
+            if self.schema.fields_in("Message", form) <= seen:
+                continue
+            seen |= self.schema.fields_in("Message", form)
+            number = next(n for n in itertools.count(2) if not self.file(f"{snake(table)}_full_{n}").exists())
+            self.write(f"{snake(table)}_full_{number}", self.schema.encode(form), f"{table} with every field of its day", form)
 
     def program(self):
         with tempfile.TemporaryDirectory() as folder:
             subprocess.run([self.judge, "say", folder], check=True)
             for file in sorted(pathlib.Path(folder).iterdir()):
-                if not (MESSAGES / file.name).exists():
+                if not self.file(file.stem).exists():
                     self.write(file.stem, file.read_bytes(), "made by the program's own encoder")
 
     def datagrams(self):
@@ -111,7 +128,7 @@ class Maker:
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", nargs="*")
+    parser.add_argument("what", nargs="*", metavar="FILE.json")
     parser.add_argument("--missing", action="store_true")
     parser.add_argument("--special", action="store_true")
     parser.add_argument("--datagrams", action="store_true")
@@ -120,14 +137,11 @@ def main():
     arguments = parser.parse_args()
     maker = Maker(arguments.build)
     for what in arguments.what:
-        if what.endswith(".json"):
-            maker.from_form(pathlib.Path(what))
-        else:
-            maker.examples(what)
-    for table in maker.missing() if arguments.missing else []:
-        maker.examples(table)
+        maker.from_form(pathlib.Path(what))
+    if arguments.missing:
+        maker.missing()
     for name, about, data in special.messages(maker.schema) if arguments.special else []:
-        if not (MESSAGES / f"{name}.bin").exists():
+        if not maker.file(name).exists():
             maker.write(name, data, about)
     if arguments.datagrams:
         maker.datagrams()

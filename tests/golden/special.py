@@ -11,6 +11,13 @@ def put(data, at, form, value):
     return bytes(data)
 
 
+def place_of(data, slot):
+    """Where a field of the root table is. @param slot its place in the vtable [bytes]"""
+    root, = struct.unpack_from("<I", data)
+    vtable = root - struct.unpack_from("<i", data, root)[0]
+    return root + struct.unpack_from("<H", data, vtable + slot)[0]
+
+
 def messages(schema):
     """(name, what it is, bytes)"""
     def of(payload, **more):
@@ -23,7 +30,7 @@ def messages(schema):
                                "links": [schema.example("Pose", "full")], "fault_axis": 2}})
     reply = of({"Reply": {"command": 7, "reason": "because it is so"}})
     aim = command("Aim", {"q": [f32(0.1), f32(-0.2), f32(0.3)]})
-    root = struct.unpack_from("<I", state)[0]
+    root, = struct.unpack_from("<I", state)
     numbers = state.index(struct.pack("<ff", 0.25, -0.5)) - 4
     text = reply.index(b"because") - 4
     later = copy.copy(schema)
@@ -59,8 +66,8 @@ def messages(schema):
     yield "flaw_text", "a text", b"HTTP/1.1 200 OK\r\n\r\n"
     yield "flaw_identifier", "of another program", put(state, 4, "4s", b"ABCD")
     yield "flaw_zeros", "zeros behind the identifier", b"\0\0\0\0WHND" + bytes(64)
-    yield "flaw_version_0", "of no version", put(state, state.index(struct.pack("<H", schema.version), root), "<H", 0)
-    yield "flaw_version_2", "of another version", put(state, state.index(struct.pack("<H", schema.version), root), "<H", 2)
+    yield "flaw_version_0", "of no version", put(state, place_of(state, 4), "<H", 0)
+    yield "flaw_version_65535", "of another version", put(state, place_of(state, 4), "<H", 65535)
     for part in (12, 20, 40, len(state) // 2, len(state) - 1):
         yield f"flaw_cut_{part}", f"cut after {part} of {len(state)} bytes", state[:part]
     yield "flaw_cut_aim", "a client's message that is cut", aim[:-8]
@@ -70,8 +77,9 @@ def messages(schema):
     yield "flaw_vtable_before", "the table's fields are described before the beginning", put(state, root, "<i", root + 50)
     yield "flaw_vector_longer", "a vector of one number too many for the message", put(state, numbers, "<I", len(state))
     yield "flaw_vector_huge", "a vector of 2^32 - 1 numbers", put(state, numbers, "<I", 0xffffffff)
+    yield "flaw_vector_2_31", "a vector of 2^31 - 1 numbers", put(state, numbers, "<I", 0x7fffffff)
     yield "flaw_text_huge", "a text of 2 GB", put(reply, text, "<I", 0x7fffffff)
     yield "flaw_text_longer", "a text that goes on behind the end", put(reply, text, "<I", len(reply))
+    yield "flaw_payload_beyond", "the payload lies 4 GB away", put(reply, place_of(reply, 8), "<I", 0xfffffff0)
     yield "flaw_payload_none", "no payload", schema.encode({})
-    yield "flaw_payload_unknown", "a payload of a later schema", put(reply, reply.index(bytes([
-        schema.enums["Payload"]["values"]["Reply"]]), struct.unpack_from("<I", reply)[0] + 4), "<B", 200)
+    yield "flaw_payload_unknown", "a payload of a later schema", put(reply, place_of(reply, 6), "<B", 200)

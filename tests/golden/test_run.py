@@ -59,8 +59,8 @@ class Schemas(unittest.TestCase):
             self.assertEqual(judged.get("form"), {"schema_version": 1, **form})
         failures = run.Failures()
         run.check_coverage(judge.schema, run.goldens("messages"), failures)
-        self.assertEqual([failure for failure in failures.all if "no golden message; make" in failure],
-                         ["Spawn has no golden message; make some: python3 tests/golden/make.py Spawn"])
+        self.assertEqual([failure for failure in failures.all if "has no golden message" in failure],
+                         ["Spawn has no golden message; make some: /usr/bin/python3 tests/golden/make.py --missing"])
 
     def test_messages_of_an_older_version_are_to_be_refused(self):
         class Risen:
@@ -112,11 +112,11 @@ class Clients(unittest.TestCase):
         self.assertRegex(self.read("program_state", {"payload": payload}, adapters.Godot)[0], "tick.is '0000001cbe991a15'")
 
     def test_a_flaw_that_is_not_seen_is_found(self):
-        self.assertRegex(self.read("flaw_version_2", {"payload": {}})[0], "expected: refused .version")
+        self.assertRegex(self.read("flaw_version_65535", {"payload": {}})[0], "expected: refused .version")
         self.assertRegex(self.read("flaw_cut_20", {"payload": {}}, adapters.Godot)[-1], "expected: refused .damaged")
 
     def test_another_reason_is_found(self):
-        self.assertRegex(self.read("flaw_version_2", {"refused": "payload"})[0], "reason: .*'payload', expected 'version'")
+        self.assertRegex(self.read("flaw_version_65535", {"refused": "payload"})[0], "reason: .*'payload', expected 'version'")
 
     def test_a_payload_that_is_not_read_any_more_is_found(self):
         self.assertNotEqual(self.read("program_reply", {"unread": True}), [])
@@ -129,8 +129,8 @@ class Clients(unittest.TestCase):
 class Files(unittest.TestCase):
     def test_a_file_that_exists_is_not_written_again(self):
         kept = (run.GOLDEN / "messages/reply.bin").read_bytes()
-        made = subprocess.run([sys.executable, "-B", run.HERE / "make.py", "--build", BUILD, "Reply"], text=True,
-                              capture_output=True)
+        made = subprocess.run([sys.executable, "-B", run.HERE / "make.py", "--build", BUILD,
+                               run.GOLDEN / "messages/reply.json"], text=True, capture_output=True)
         self.assertEqual(made.returncode, 1)
         self.assertIn("reply.bin exists and is not written again: give the new message another name", made.stderr)
         self.assertEqual((run.GOLDEN / "messages/reply.bin").read_bytes(), kept)

@@ -24,7 +24,8 @@ func _init():
 	for told in job.write:
 		answer.write[told.name] = write(told)
 	file.open(OS.get_environment("WHOLEHAND_ANSWER"), File.WRITE)
-	file.store_string(to_json(answer))
+	# Godot writes a vertical tab, which damaged texts have, as no reader of JSON takes it.
+	file.store_string(to_json(answer).replace("\\v", "\\u000b"))
 	file.close()
 	quit()
 
