@@ -59,7 +59,7 @@ std::vector<ChartLine> limitLines(const AxisCertificate& a) {
   for (const ZWidthPoint& point : zWidth(a.axis_case, kPoints)) {
     rigid.points.push_back({point.damping, allowed(point.rigid)});
     passive.points.push_back({point.damping, allowed(point.passive)});
-    if (!a.of.walls.empty()) wall.points.push_back({point.damping, allowed(point.walled)});
+    if (!a.axis_case.walls.empty()) wall.points.push_back({point.damping, allowed(point.walled)});
   }
   const double end = rigid.points.back()[0];
   ChartLine quantisation = quantisationLine();
