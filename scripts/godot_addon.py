@@ -61,7 +61,7 @@ class Schema:
     def _add_struct(self, name, _base, body):
         offset, widest, offsets = 0, 1, {}
         for field, kind in self._fields(body):
-            size = self.structs[kind][1] if kind in self.structs else SIZES[kind]
+            size = self.structs[kind][1] if kind in self.structs else self.enums[kind][1] if kind in self.enums else SIZES[kind]
             alignment = self.structs[kind][2] if kind in self.structs else size
             offset += -offset % alignment
             offsets[field] = offset

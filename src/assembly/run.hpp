@@ -82,6 +82,7 @@ class Run {
 
   // Any thread, one at a time.
   [[nodiscard]] bool tryCommand(const Command& command) { return session_->tryCommand(command); }
+  [[nodiscard]] std::size_t waitingCommands() const { return session_->waitingCommands(); }
   // Any thread.
   void requestStop() noexcept { session_->requestStop(); }
   void requestGentleStop() noexcept { session_->requestGentleStop(); }

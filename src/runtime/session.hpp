@@ -21,7 +21,7 @@ namespace wholehand {
 struct SessionConfig {
   std::uint64_t duration_ticks = std::numeric_limits<std::uint64_t>::max();  ///< until the ramp
   std::size_t queue_ticks = 4096;     ///< capacity for records: four seconds at 1 kHz
-  std::size_t queue_commands = 256;   ///< capacity for commands; more are refused
+  std::size_t queue_commands = 512;   ///< capacity for commands; more are refused
   TickListener* listener = nullptr;   ///< outlives the session; may be null
   TickListener* black_box = nullptr;  ///< called last in every tick, when its times are known; may
                                       ///< be null
@@ -73,6 +73,10 @@ class Session {
   [[nodiscard]] bool tryCommand(const Command& command) noexcept {
     return commands_.try_push(command);
   }
+
+  /// Number of commands that wait for the loop; at most 8 are taken in a tick. To the thread that
+  /// queues commands it is an upper bound.
+  [[nodiscard]] std::size_t waitingCommands() const noexcept { return commands_.size(); }
 
   /// Begins the ramp to neutral; the session ends when that is done. Any thread, also a signal
   /// handler.

@@ -7,6 +7,7 @@
 #include "model/exercise_panel.hpp"
 #include "model/hand/hand_model.hpp"
 #include "model/scene/scene_model.hpp"
+#include "server/game_orders.hpp"
 #include "server/refusal.hpp"
 
 #include <array>
@@ -104,6 +105,7 @@ struct LoopStatus {
   bool rested = false;                 ///< the last session ended in a rest that a player asked for
   Help help = Help::kUnsaid;           ///< as set by the therapist
   std::vector<double> parameters;      ///< current values, in the order of SceneFacts::parameters
+  std::shared_ptr<const GameBodies> bodies;  ///< of a game; null: none. A change is a new object
 };
 
 enum class OrderType {
@@ -121,8 +123,10 @@ enum class OrderType {
   kSaveProfile,
   kLoadProfile,
   kSetHelp,
-  kAnswer,     ///< answers a question of a commissioning
-  kHoldToMove  ///< the hold-to-move key of a commissioning is pressed or released
+  kAnswer,         ///< answers a question of a commissioning
+  kHoldToMove,     ///< the hold-to-move key of a commissioning is pressed or released
+  kPrepareShapes,  ///< a game gives the shapes of bodies
+  kOrderBodies     ///< a game spawns, removes, teleports, hands over or moves bodies
 };
 
 /// An order from a client. Its form is verified (finite numbers, known enums); the backend checks
@@ -142,6 +146,7 @@ struct Order {
   bool held = false;               ///< kHoldToMove
   bool rest = false;               ///< kStop: the player rests, and may end the rest again
   std::uint32_t endings_seen = 0;  ///< kArm: LoopStatus::endings as the client saw it; 0: unknown
+  std::shared_ptr<const BodyOrders> bodies;  ///< kPrepareShapes, kOrderBodies; never null there
   /// Claim on the controls that the order belongs to (ControlsArbiter::claim). Two servers send
   /// orders independently, so an order or a loss of an earlier holder may arrive after an order of
   /// a later one. 0: no claim.

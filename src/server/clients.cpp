@@ -63,6 +63,7 @@ std::uint32_t Clients::join(std::shared_ptr<ClientLine> line, Role role, std::in
   client.line->deliver(share(wire::welcomeMessage(number, false, version, {door.port, door.key})));
   if (scene_message_) client.line->deliver(scene_message_);
   if (commissioning_message_) client.line->deliver(commissioning_message_);
+  if (bodies_shown_ && !bodies_shown_->empty()) client.line->deliver(bodiesMessage());
   const auto entry = clients_.emplace(number, std::move(client)).first;
   if (role == Role::kTherapist) {
     tellControls();  // the new client may be a therapist
@@ -116,13 +117,14 @@ void Clients::refuse(Entry client, std::uint32_t command, const char* counter,
   if (reply) client->second.line->deliver(share(wire::replyMessage(command, refusal)));
 }
 
-bool Clients::withinRate(Entry entry, std::int64_t now_ns) {
+bool Clients::withinRate(Entry entry, std::size_t bytes, std::int64_t now_ns) {
   Client& c = entry->second;
   const double elapsed_s = 1e-9 * static_cast<double>(now_ns - c.allowance_ns);
   c.allowance_ns = now_ns;
   c.allowance = std::min(kMessagesPerSecond, c.allowance + kMessagesPerSecond * elapsed_s);
-  if (c.allowance < 1.0) return false;
-  c.allowance -= 1.0;
+  const double price = 1.0 + static_cast<double>(bytes / (kMessageSize + 1));
+  if (c.allowance < price) return false;
+  c.allowance -= price;
   return true;
 }
 
@@ -130,7 +132,7 @@ void Clients::heard(std::uint32_t client, std::span<const std::uint8_t> message,
                     std::int64_t now_ns) {
   const Entry entry = clients_.find(client);
   if (entry == clients_.end()) return;
-  const bool within_rate = withinRate(entry, now_ns);
+  const bool within_rate = withinRate(entry, message.size(), now_ns);
   const auto decoded = text ? Expected<wire::ClientMessage>(Diagnostic{}) : wire::decode(message);
   // Stops are exempt from the rate limit; emergency stops also from the order of command numbers.
   const bool stops = decoded && decoded->stops();
@@ -299,6 +301,7 @@ void Clients::sendEvents() {
 void Clients::sendState(std::int64_t now_ns) {
   if (clients_.empty() || !encoder_) return;
   LoopStatus status = backend_.status();
+  followBodies(status);
   if (!backend_.latest(*record_)) *record_ = TickRecord{};
   if (shown_ns_ == 0 || record_->tick != shown_tick_ || !sameState(status, shown_) ||
       now_ns - shown_ns_ > kRepeat_ns) {

@@ -48,6 +48,8 @@ class Clients : public std::enable_shared_from_this<Clients> {
   static constexpr std::int64_t kDrainWithin_ns = 2'000'000'000;
   static constexpr std::size_t kMostWaiting = 64;
   static constexpr double kMessagesPerSecond = 400.0;
+  /// A message larger than this counts as several, one for each of its parts of this size.
+  static constexpr std::size_t kMessageSize = 4096;
 
   /// Runs a task on the server's thread; called from any thread.
   using Post = std::function<void(std::function<void()>)>;
@@ -99,7 +101,7 @@ class Clients : public std::enable_shared_from_this<Clients> {
   /// @param counter of wholehand_refused_total
   void refuse(Entry client, std::uint32_t command, const char* counter, const OrderReply& refusal,
               std::int64_t now_ns, bool reply = true);
-  [[nodiscard]] bool withinRate(Entry entry, std::int64_t now_ns);
+  [[nodiscard]] bool withinRate(Entry entry, std::size_t bytes, std::int64_t now_ns);
   void refuseForRate(Entry entry, const wire::ClientMessage* message, std::int64_t now_ns);
   void obey(Entry entry, const wire::ClientMessage& message, std::int64_t now_ns);
   [[nodiscard]] Standing standingOf(std::uint32_t client, const Order& order) const;
@@ -121,6 +123,9 @@ class Clients : public std::enable_shared_from_this<Clients> {
   void deliverToAll(const SharedBytes& message);
   void followScene();
   void followCommissioning(std::int64_t now_ns);
+  void followBodies(const LoopStatus& status);
+  /// @pre bodies_shown_
+  [[nodiscard]] SharedBytes bodiesMessage() const;
   void sendEvents();
   void sendState(std::int64_t now_ns);
   void dropSlow(std::int64_t now_ns);
@@ -146,6 +151,9 @@ class Clients : public std::enable_shared_from_this<Clients> {
   std::shared_ptr<const CommissioningFacts> commissioning_shown_;
   SharedBytes commissioning_message_;
   std::int64_t commissioning_ns_ = 0;  ///< time of the last commissioning message
+
+  std::shared_ptr<const GameBodies> bodies_shown_;  ///< as clients were told; null: none
+  std::uint32_t bodies_session_ = 0;                ///< session that they belong to
 
   std::shared_ptr<const SceneFacts> scene_;
   SharedBytes scene_message_;

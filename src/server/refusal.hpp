@@ -1,8 +1,11 @@
 #pragma once
 
+#include "core/body_order.hpp"
+
 #include <cstdint>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace wholehand {
 
@@ -38,19 +41,31 @@ enum class Refusal : std::uint8_t {
   kTherapistPaused,  ///< a therapist paused the exercise and must resume it
   kOnlyWatches,      ///< a watcher asked
   kUnknownProfile,
-  kOtherProfile,  ///< made for another device or hand
-  kNotHere,       ///< commissioning order without a commissioning, or the reverse
-  kNotAsked       ///< answers a question that is not the current one
+  kOtherProfile,   ///< made for another device or hand
+  kNotHere,        ///< commissioning order without a commissioning, or the reverse
+  kNotAsked,       ///< answers a question that is not the current one
+  kBodiesRefused,  ///< OrderReply::items names what was refused; the rest was handed to the loop
+  kBusy,           ///< no room in the loop's queue; nothing of the message was handed over
+  kNoBodies        ///< the scene takes no bodies of a game
+};
+
+/// An item of an order to bodies that was refused.
+struct RefusedItem {
+  int item = 0;   ///< index in the message
+  int slot = -1;  ///< -1: an item without one
+  OrderRefusal refusal = OrderRefusal::kNone;
+  std::string reason;  ///< for people, in English
 };
 
 struct OrderReply {
   bool accepted = false;
   std::string reason;  ///< for people, in English; empty when accepted
   Refusal refusal = accepted ? Refusal::kNone : Refusal::kOther;
+  std::vector<RefusedItem> items = {};  ///< of kBodiesRefused
 };
 
 inline OrderReply refused(Refusal refusal, std::string reason) {
-  return {false, std::move(reason), refusal};
+  return {false, std::move(reason), refusal, {}};
 }
 
 }  // namespace wholehand

@@ -37,6 +37,11 @@ OrderReply playerMayAct(const Order& order, const Standing& now) {
   return needsControls(now);
 }
 
+// Of the game that holds the controls.
+bool isGames(const Order& order) {
+  return order.type == OrderType::kPrepareShapes || order.type == OrderType::kOrderBodies;
+}
+
 bool isCommissioning(const Order& order) {
   return order.type == OrderType::kAnswer || order.type == OrderType::kHoldToMove;
 }
@@ -53,6 +58,8 @@ OrderReply playerMay(const Order& order, const Standing& now) {
       return playerMayAct(order, now);
     case OrderType::kAim:
     case OrderType::kSteer:
+    case OrderType::kPrepareShapes:
+    case OrderType::kOrderBodies:
       return needsControls(now);
     case OrderType::kSaveProfile:
     case OrderType::kLoadProfile:
@@ -93,7 +100,7 @@ OrderReply mayOrder(Role role, const Order& order, const Standing& now) {
       return playerMay(order, now);
     case Role::kTherapist: {
       const bool one_leads = order.type == OrderType::kAim || order.type == OrderType::kSteer ||
-                             isCommissioning(order);
+                             isGames(order) || isCommissioning(order);
       return one_leads ? needsControls(now) : OrderReply{true, ""};
     }
     case Role::kUnsaid:

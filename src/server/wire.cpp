@@ -221,15 +221,43 @@ Bytes controlsMessage(const ControlsFacts& f) {
   return take(b);
 }
 
-static_assert(static_cast<int>(Refusal::kNotAsked) == static_cast<int>(fb::Refusal::MAX));
+static_assert(static_cast<int>(Refusal::kNoBodies) == static_cast<int>(fb::Refusal::MAX));
+static_assert(kOrderRefusals - 1 == static_cast<int>(fb::BodyRefusal::MAX));
 
 Bytes replyMessage(std::uint32_t command, const OrderReply& reply) {
   Builder b;
   const auto reason = b.CreateString(reply.reason);
   const auto refusal = reply.accepted ? fb::Refusal::None : static_cast<fb::Refusal>(reply.refusal);
-  finish(b, fb::CreateReply(b, command, reply.accepted, reason, refusal), kSchemaVersion);
+  std::vector<Offset<fb::RefusedItem>> items;
+  for (const RefusedItem& item : reply.items) {
+    items.push_back(fb::CreateRefusedItemDirect(b, static_cast<std::uint16_t>(item.item), item.slot,
+                                                static_cast<fb::BodyRefusal>(item.refusal),
+                                                item.reason.c_str()));
+  }
+  VectorOffset<Offset<fb::RefusedItem>> list;
+  if (!items.empty()) list = b.CreateVector(items);
+  finish(b, fb::CreateReply(b, command, reply.accepted, reason, refusal, list), kSchemaVersion);
   return take(b);
 }
+
+namespace {
+
+const char* nameOfBodyOrder(const ClientMessage& message) noexcept {
+  switch (message.order.bodies->commands.front().type) {
+    case CommandType::kSpawn:
+      return "Spawn";
+    case CommandType::kRemove:
+      return "Remove";
+    case CommandType::kTeleport:
+      return "Teleport";
+    case CommandType::kSetOwner:
+      return "SetOwner";
+    default:
+      return "BodyTargets";
+  }
+}
+
+}  // namespace
 
 const char* nameOf(const ClientMessage& message) noexcept {
   switch (message.type) {
@@ -245,6 +273,8 @@ const char* nameOf(const ClientMessage& message) noexcept {
   if (message.order.rest) return "Rest";
   constexpr std::array<const char*, 8> kNames = {
       "Arm", "Stop", "EmergencyStop", "LoadExercise", "SetParameter", "Aim", "Steer", "Action"};
+  if (message.order.type == OrderType::kPrepareShapes) return "PrepareShapes";
+  if (message.order.type == OrderType::kOrderBodies) return nameOfBodyOrder(message);
   if (message.order.type == OrderType::kSaveProfile) return "SaveProfile";
   if (message.order.type == OrderType::kLoadProfile) return "LoadProfile";
   if (message.order.type == OrderType::kSetHelp) return "SetHelp";

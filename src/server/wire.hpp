@@ -71,6 +71,10 @@ struct ControlsFacts {
 };
 [[nodiscard]] Bytes controlsMessage(const ControlsFacts& facts);
 [[nodiscard]] Bytes commissioningMessage(const CommissioningFacts& facts);
+/// Bodies of a game, and those of their shapes that no body of the message before had.
+[[nodiscard]] Bytes gameBodiesMessage(
+    std::uint32_t session, const GameBodies& bodies,
+    const std::vector<std::shared_ptr<const GameShapes>>& new_shapes);
 [[nodiscard]] Bytes replyMessage(std::uint32_t command, const OrderReply& reply);
 
 /// Messages that a client may send.
@@ -91,15 +95,17 @@ struct ClientMessage {
   [[nodiscard]] bool streams() const noexcept {
     return type == ClientMessageType::kHeartbeat ||
            (type == ClientMessageType::kOrder &&
-            (order.type == OrderType::kAim || order.type == OrderType::kHoldToMove));
+            (order.type == OrderType::kAim || order.type == OrderType::kHoldToMove ||
+             (order.type == OrderType::kOrderBodies &&
+              order.bodies->commands.front().type == CommandType::kBodyTarget)));
   }
 };
 
 /// Name in the schema, e.g. "EmergencyStop".
 [[nodiscard]] const char* nameOf(const ClientMessage& message) noexcept;
 
-/// Limit for a client's message [bytes].
-inline constexpr std::size_t kLargestClientMessage = 4096;
+/// Limit for a client's message [bytes]: the shapes of a body with the most pieces and vertices.
+inline constexpr std::size_t kLargestClientMessage = 40 * 1024;
 
 /// Verifies and decodes a message. Refuses one that is too large, malformed, of another schema
 /// version or direction, has an unknown enum or a number that is not finite, or more axes than

@@ -2,6 +2,7 @@
 
 #include "core/axis_array.hpp"
 #include "core/geometry.hpp"
+#include "model/scene/scene_model.hpp"
 #include "wholehand_generated.h"
 
 #include <Eigen/Core>
@@ -50,6 +51,9 @@ VectorOffset<float> floats(Builder& b, const Range& values) {
   }
   return offset;
 }
+
+/// A shape of a body, placed relative to the body's centre of mass.
+Offset<fb::Shape> shapeToWire(Builder& b, const Shape& shape, const Eigen::Vector3d& com_m);
 
 /// Finishes a message around a payload.
 template <class T>

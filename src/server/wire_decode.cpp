@@ -1,4 +1,5 @@
 #include "server/wire.hpp"
+#include "server/wire_bodies.hpp"
 #include "server/wire_common.hpp"
 
 #include <array>
@@ -9,8 +10,9 @@ namespace wholehand::wire {
 
 namespace {
 
-/// Limits of nesting depth and number of tables of a client message: Message, Command, its order.
-constexpr flatbuffers::uoffset_t kDepth = 8, kTables = 8;
+/// Limits of nesting depth and number of tables of a client message: Message, Command, its order,
+/// and the items of that.
+constexpr flatbuffers::uoffset_t kDepth = 8, kTables = 8 + kMostBodyItems;
 /// Smallest message: root offset and identifier.
 constexpr std::size_t kSmallestMessage = 8;
 constexpr const char* kVersionKey = "schema_version";
@@ -146,6 +148,13 @@ Expected<ClientMessage> decodeCommand(const fb::Command& c) {
       m.order.number = c.order_as_HoldToMove()->press();
       m.order.held = c.order_as_HoldToMove()->held();
       return m;
+    case fb::Order::PrepareShapes:
+    case fb::Order::Spawn:
+    case fb::Order::Remove:
+    case fb::Order::Teleport:
+    case fb::Order::SetOwner:
+    case fb::Order::BodyTargets:
+      return decodeBodies(c, m);
     case fb::Order::NONE:
       break;
   }

@@ -5,14 +5,6 @@
 
 namespace wholehand::wire {
 
-namespace {
-
-using Strings = VectorOffset<flatbuffers::Offset<flatbuffers::String>>;
-
-Strings strings(Builder& b, const std::vector<std::string>& texts) {
-  return b.CreateVectorOfStrings(texts);
-}
-
 Offset<fb::Shape> shapeToWire(Builder& b, const Shape& shape, const Eigen::Vector3d& com_m) {
   VectorOffset<const fb::Vec3*> points;
   VectorOffset<std::uint32_t> triangles;
@@ -34,6 +26,14 @@ Offset<fb::Shape> shapeToWire(Builder& b, const Shape& shape, const Eigen::Vecto
   return fb::CreateShape(b, static_cast<fb::ShapeType>(shape.type), &half,
                          static_cast<float>(shape.radius_m), static_cast<float>(shape.length_m),
                          points, triangles, &pose);
+}
+
+namespace {
+
+using Strings = VectorOffset<flatbuffers::Offset<flatbuffers::String>>;
+
+Strings strings(Builder& b, const std::vector<std::string>& texts) {
+  return b.CreateVectorOfStrings(texts);
 }
 
 Offset<fb::Body> bodyToWire(Builder& b, const SceneBody& body) {
@@ -130,6 +130,16 @@ std::vector<std::string> faultNames() {
   return names;
 }
 
+/// Null where a game can bring no bodies.
+Offset<fb::BodyBudget> budgetToWire(Builder& b, const GameBudget& game) {
+  if (game.slots == 0) return {};
+  const auto count = [](int n) { return static_cast<std::uint16_t>(n); };
+  return fb::CreateBodyBudget(b, count(game.slots), count(game.awake), count(game.shape_sets),
+                              count(game.pieces), count(game.vertices),
+                              static_cast<float>(game.least_kg), static_cast<float>(game.most_kg),
+                              static_cast<float>(game.least_m), static_cast<float>(game.most_m));
+}
+
 /// Offsets of a Scene's parts; FlatBuffers needs them before its table is begun.
 struct SceneParts {
   Offset<flatbuffers::String> program_version, scene_name, hand_name, device_name, patient_name;
@@ -140,6 +150,7 @@ struct SceneParts {
   VectorOffset<Offset<fb::Body>> bodies;
   VectorOffset<Offset<fb::Parameter>> parameters;
   Offset<fb::Panel> panel;
+  Offset<fb::BodyBudget> budget;
   Offset<flatbuffers::String> profile;
   Strings profiles;
   Strings joint_names, link_names, value_names, event_names, fault_names, exercises, hands;
@@ -156,6 +167,7 @@ SceneParts makeParts(Builder& b, const SceneFacts& s) {
   p.exercise_json = b.CreateString(s.exercise_json);
   p.recording = b.CreateString(s.recording);
   p.panel = panelToWire(b, s);
+  p.budget = budgetToWire(b, s.scene.game);
   p.axes = tables(b, s.device.axes, axisToWire);
   p.capsules = tables(b, s.hand.capsules, capsuleToWire);
   p.links = tables(b, s.hand.links, linkToWire);
@@ -207,6 +219,7 @@ Bytes sceneMessage(const SceneFacts& s) {
   out.add_profiles(p.profiles);
   out.add_profile(p.profile);
   out.add_links(p.links);
+  if (!p.budget.IsNull()) out.add_budget(p.budget);
   finish(b, out.Finish(), kSchemaVersion);
   return {b.GetBufferPointer(), b.GetBufferPointer() + b.GetSize()};
 }

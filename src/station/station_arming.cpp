@@ -190,6 +190,9 @@ OrderReply Station::Core::adopt(std::unique_ptr<Run>& run, std::uint64_t asked,
   const std::lock_guard lock(mutex_);
   if (stop_asked_ > asked) return stopCame();
   live_ = std::move(run);
+  const bool takes_bodies = models_.scene.game.slots > 0;
+  tracker_.reset(takes_bodies ? models_.exercise->description().event_names
+                              : std::vector<std::string>{});
   armed_by_ = asked;
   status_.latched = Fault::kNone;
   status_.steering = Steering::kVirtualPatient;

@@ -2,6 +2,7 @@
 
 #include "assembly/run.hpp"
 #include "server/async_log.hpp"
+#include "station/game_body_tracker.hpp"
 #include "station/profiles.hpp"
 #include "station/session_files.hpp"
 #include "station/station.hpp"
@@ -110,6 +111,7 @@ class Station::Core {
   [[nodiscard]] std::optional<double> placeOfRest() const;
   // Any thread.
   [[nodiscard]] bool stoppedSince(std::uint64_t asked) const;  ///< or the station ends
+  OrderReply orderBodies(const Order& order);
   // Any thread, mutex_ held.
   [[nodiscard]] bool superseded(const Order& order);
   [[nodiscard]] OrderReply refuseUnseen(std::uint32_t seen) const;
@@ -122,6 +124,7 @@ class Station::Core {
   void sendUnsent();
   OrderReply setParameter(const Order& order);
   OrderReply push(const Command& command);
+  OrderReply handOver(CheckedOrders& checked);
   void beginStop(bool at_once);
   void showRehearsal();
 
@@ -164,6 +167,7 @@ class Station::Core {
   std::optional<Command> unsent_steer_;  ///< the command queue was full
   std::shared_ptr<const SceneFacts> scene_;
   LoopStatus status_;
+  GameBodyTracker tracker_;
   Help help_ = Help::kUnsaid;                       ///< help that pages give the player
   std::map<std::string, double> asked_parameters_;  ///< a therapist's settings persist
 

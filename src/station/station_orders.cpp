@@ -134,6 +134,7 @@ void Station::Core::enqueue(std::function<OrderReply()> work,
 }
 
 void Station::Core::order(const Order& order, const std::function<void(OrderReply)>& done) {
+  if (order.bodies) return done(orderBodies(order));
   OrderReply reply{true, ""};
   {
     const std::lock_guard lock(mutex_);
@@ -212,6 +213,9 @@ OrderReply Station::Core::carryOut(const Order& order, std::uint64_t asked) {
     case OrderType::kSaveProfile:
     case OrderType::kLoadProfile:
       break;  // a queued task
+    case OrderType::kPrepareShapes:
+    case OrderType::kOrderBodies:
+      break;  // orderBodies()
   }
   return {true, ""};
 }
@@ -232,6 +236,7 @@ LoopStatus Station::Core::status() const {
     }
   }
   nameSafety(status);
+  status.bodies = tracker_.bodies();
   if (config_.device_status) status.device = config_.device_status();
   const std::lock_guard lock(latest_mutex_);
   // While nothing runs, the published values are those of the next session.
@@ -268,6 +273,7 @@ void Station::Core::nameSafety(LoopStatus& status) const {
 // Telemetry thread.
 void Station::Core::keepLatest(const TickRecord& record) {
   safety_->add(record);
+  tracker_.see(record);
   {
     const std::lock_guard lock(mutex_);
     sendUnsent();

@@ -123,6 +123,7 @@ void Station::Core::finishSession(bool goes_on) {
     if (!goes_on) ++status_.endings;
     rest_ending_ = rest ? status_.endings : 0;  // ending of a session that rests
     over = std::move(live_);
+    tracker_.reset();
   }
   over.reset();
   outcome_.last = EndedSession{outcome_.sessions, std::move(ended), safety_->transitions(),

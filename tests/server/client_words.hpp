@@ -76,6 +76,72 @@ inline wire::Bytes heartbeat(std::uint32_t id) {
   return command(id, [](Builder& b) { return fb::CreateHeartbeat(b); });
 }
 
+// Of a game to its bodies.
+
+inline fb::Pose placed(float x, float y, float z, const fb::QuatXyzw& turn = {0, 0, 0, 1}) {
+  return {{x, y, z}, turn};
+}
+/// @param fill makes the pieces: a vector of offsets of fb::Shape
+template <class Fill>
+wire::Bytes prepareShapes(std::uint32_t id, std::uint16_t set, Fill fill) {
+  return command(id, [&](Builder& b) {
+    std::vector<flatbuffers::Offset<fb::Shape>> pieces = fill(b);
+    return fb::CreatePrepareShapesDirect(b, set, &pieces);
+  });
+}
+inline wire::Bytes prepareBall(std::uint32_t id, std::uint16_t set, float radius_m) {
+  return prepareShapes(id, set, [&](Builder& b) {
+    return std::vector{fb::CreateShape(b, fb::ShapeType::Sphere, nullptr, radius_m)};
+  });
+}
+inline wire::Bytes prepareBox(std::uint32_t id, std::uint16_t set, const fb::Vec3& half_m,
+                              const fb::Pose* in_body = nullptr) {
+  return prepareShapes(id, set, [&](Builder& b) {
+    return std::vector{fb::CreateShape(b, fb::ShapeType::Box, &half_m, 0.0F, 0.0F, 0, 0, in_body)};
+  });
+}
+inline wire::Bytes prepareMesh(std::uint32_t id, std::uint16_t set,
+                               const std::vector<fb::Vec3>& points,
+                               const std::vector<std::uint32_t>& triangles) {
+  return prepareShapes(id, set, [&](Builder& b) {
+    return std::vector{fb::CreateShapeDirect(b, fb::ShapeType::ConvexMesh, nullptr, 0.0F, 0.0F,
+                                             &points, &triangles)};
+  });
+}
+
+struct SpawnWords {
+  std::uint16_t slot = 0;
+  std::uint32_t generation = 1;
+  std::uint16_t shape_set = 0;
+  fb::BodyOwner owner = fb::BodyOwner::Loop;
+  float mass_kg = 0.1F, friction = 0.8F;
+  fb::Pose pose = placed(0.5F, 0.3F, 0.2F);
+  fb::Vec3 velocity_m_s{0, 0, 0};
+  bool refuse_overlap = false;
+};
+inline wire::Bytes spawn(std::uint32_t id, const std::vector<SpawnWords>& bodies) {
+  return command(id, [&](Builder& b) {
+    std::vector<flatbuffers::Offset<fb::SpawnBody>> out;
+    for (const SpawnWords& w : bodies) {
+      out.push_back(fb::CreateSpawnBody(b, w.slot, w.generation, w.shape_set, w.owner, w.mass_kg,
+                                        w.friction, &w.pose, &w.velocity_m_s, w.refuse_overlap));
+    }
+    return fb::CreateSpawnDirect(b, &out);
+  });
+}
+inline wire::Bytes remove(std::uint32_t id, const std::vector<fb::BodyName>& bodies) {
+  return command(id, [&](Builder& b) { return fb::CreateRemoveDirect(b, &bodies); });
+}
+inline wire::Bytes teleport(std::uint32_t id, const std::vector<fb::BodyPlace>& bodies) {
+  return command(id, [&](Builder& b) { return fb::CreateTeleportDirect(b, &bodies); });
+}
+inline wire::Bytes setOwner(std::uint32_t id, const std::vector<fb::BodyHandover>& bodies) {
+  return command(id, [&](Builder& b) { return fb::CreateSetOwnerDirect(b, &bodies); });
+}
+inline wire::Bytes bodyTargets(std::uint32_t id, const std::vector<fb::BodyPlace>& bodies) {
+  return command(id, [&](Builder& b) { return fb::CreateBodyTargetsDirect(b, &bodies); });
+}
+
 /// One of each, with ids from 1.
 inline std::vector<wire::Bytes> oneOfEach() {
   return {arm(1),
@@ -90,7 +156,13 @@ inline std::vector<wire::Bytes> oneOfEach() {
           releaseControls(10),
           heartbeat(11),
           rest(12),
-          setHelp(13, fb::Help::Some)};
+          setHelp(13, fb::Help::Some),
+          prepareBall(14, 0, 0.03F),
+          spawn(15, {{}}),
+          remove(16, {{0, 1}}),
+          teleport(17, {{0, 1, placed(0.4F, 0.0F, 0.1F)}}),
+          setOwner(18, {{0, 1, fb::BodyOwner::Fixed}}),
+          bodyTargets(19, {{0, 1, placed(0.4F, 0.0F, 0.1F)}})};
 }
 
 }  // namespace wholehand::test::words

@@ -340,6 +340,21 @@ TEST(WireDecode, EveryOrder_IsUnderstood) {
   EXPECT_EQ(m[12].order.type, OrderType::kSetHelp);
   EXPECT_EQ(m[12].order.help, Help::kSome);
   EXPECT_STREQ(wire::nameOf(m[12]), "SetHelp");
+  EXPECT_EQ(m[13].order.type, OrderType::kPrepareShapes);
+  EXPECT_EQ(m[13].order.bodies->shape_set, 0);
+  EXPECT_EQ(m[13].order.bodies->pieces.at(0).radius_m, static_cast<double>(0.03F));
+  const char* const names[] = {"PrepareShapes", "Spawn",    "Remove",
+                               "Teleport",      "SetOwner", "BodyTargets"};
+  for (std::size_t i = 0; i < std::size(names); ++i) {
+    EXPECT_STREQ(wire::nameOf(m[13 + i]), names[i]);
+    EXPECT_EQ(m[13 + i].streams(), i == 5) << names[i];
+  }
+  const SpawnOrder spawned = spawnOrderOf(m[14].order.bodies->commands.at(0));
+  EXPECT_EQ(spawned.generation, 1);
+  EXPECT_EQ(spawned.mass_kg, static_cast<double>(0.1F));
+  EXPECT_EQ(spawned.pose.position_m.y, static_cast<double>(0.3F));
+  EXPECT_EQ(poseOf(m[16].order.bodies->commands.at(0)).position_m.z, static_cast<double>(0.1F));
+  EXPECT_EQ(spawnOrderOf(m[17].order.bodies->commands.at(0)).owner, BodyOwner::kFixed);
 }
 
 TEST(WireDecode, BadMessages_AreRefusedWithTheReason) {
@@ -348,7 +363,8 @@ TEST(WireDecode, BadMessages_AreRefusedWithTheReason) {
   EXPECT_NE(refusalOf({}), "");
   EXPECT_NE(refusalOf({1, 2, 3}), "");
   EXPECT_NE(refusalOf(wire::Bytes(100, 0xFF)).find("not one of Wholehand's"), std::string::npos);
-  EXPECT_NE(refusalOf(wire::Bytes(4097, 0)).find("too large"), std::string::npos);
+  EXPECT_NE(refusalOf(wire::Bytes(wire::kLargestClientMessage + 1, 0)).find("too large"),
+            std::string::npos);
   EXPECT_NE(refusalOf(arm(1, 2)).find("schema_version = 2"), std::string::npos);
   EXPECT_NE(refusalOf(aim(1, {0.0F, nan})).find("finite"), std::string::npos);
   EXPECT_NE(refusalOf(aim(1, {inf})).find("finite"), std::string::npos);

@@ -1,5 +1,6 @@
 #include "physics/bullet/game_bodies.hpp"
 
+#include "core/body_limits.hpp"
 #include "physics/body_checks.hpp"
 #include "physics/bullet/bullet_types.hpp"
 
@@ -34,23 +35,11 @@ constexpr double kFull_s = 0.3;  // then the bound is kMostContact_n
 constexpr double kSilentFade_s = 0.2;
 constexpr double kLeaves_s = 5.0;
 
-constexpr double kWorld_m = 5.0;  // farther from the origin a body has left the world
 // Faster, a body is held back and taken out: the supervisor stops the run when a body's velocity
 // changes by 10 m/s or 500 rad/s in one step.
 constexpr double kMostSpeed_m_s = 4.9;
 constexpr double kMostSpin_rad_s = 200.0;
-constexpr double kMostSpawnSpeed_m_s = 2.0;
-constexpr double kMostFriction = 2.0;
 const Vec3 kParkedAt{0.0, 0.0, -10.0};
-
-bool isPose(const BodyPose& pose) noexcept {
-  return pose.position_m.eigen().norm() <= kWorld_m &&
-         std::abs(pose.orientation_xyzw.eigen().norm() - 1.0) <= 1e-3;
-}
-
-bool isOwner(BodyOwner owner) noexcept {
-  return owner == BodyOwner::kLoop || owner == BodyOwner::kGame || owner == BodyOwner::kFixed;
-}
 
 btVector3 atMost(const btVector3& v, double length) noexcept {
   const double is = v.length();
@@ -127,12 +116,12 @@ void GameBodies::spawn(const SpawnOrder& order) noexcept {
   if (!alive_) return say(OrderRefusal::kSilent);
   const ShapeSets::Set* set = sets_.find(order.shape_set);
   if (set == nullptr) return say(OrderRefusal::kNoSuchShapes);
-  if (!isPose(order.pose) || !isOwner(order.owner) ||
+  if (!isBodyPose(order.pose) || !isBodyOwner(order.owner) ||
       !(order.velocity_m_s.eigen().norm() <= kMostSpawnSpeed_m_s)) {
     return say(OrderRefusal::kBadPose);
   }
   if (!(order.mass_kg >= budget_.least_kg && order.mass_kg <= budget_.most_kg) ||
-      !(order.friction >= 0.0 && order.friction <= kMostFriction)) {
+      !(order.friction >= 0.0 && order.friction <= kMostBodyFriction)) {
     return say(OrderRefusal::kBadMass);
   }
   if (order.owner != BodyOwner::kFixed && movingCount() >= budget_.awake) {
@@ -166,13 +155,13 @@ void GameBodies::orderBody(const Command& command) noexcept {
   if (slot.state == SlotState::kLettingGo) return refuse(index, OrderRefusal::kBusy);
   if (command.type == CommandType::kSetOwner) {
     const BodyOwner owner = spawnOrderOf(command).owner;
-    if (!isOwner(owner)) return refuse(index, OrderRefusal::kBadPose);
+    if (!isBodyOwner(owner)) return refuse(index, OrderRefusal::kBadPose);
     if (owner == slot.owner) return;
     slot.next_owner = owner;
     return letGo(index, Then::kSetOwner);
   }
   const BodyPose pose = poseOf(command);
-  if (!isPose(pose)) return refuse(index, OrderRefusal::kBadPose);
+  if (!isBodyPose(pose)) return refuse(index, OrderRefusal::kBadPose);
   if (command.type == CommandType::kTeleport) {
     slot.there = pose;
     return letGo(index, Then::kTeleport);
@@ -372,7 +361,7 @@ void GameBodies::holdWithin(int index) noexcept {
   if (!std::isfinite(speed_m_s) || !std::isfinite(spin_rad_s) || !std::isfinite(far_m)) return;
   rigid.setLinearVelocity(atMost(rigid.getLinearVelocity(), kMostSpeed_m_s));
   rigid.setAngularVelocity(atMost(rigid.getAngularVelocity(), kMostSpin_rad_s));
-  if (speed_m_s <= kMostSpeed_m_s && far_m <= kWorld_m) return;
+  if (speed_m_s <= kMostSpeed_m_s && far_m <= kFarthest_m) return;
   if (slots_[index].state == SlotState::kSolid) quarantined_ = index;
   letGo(index, Then::kPark);
 }

@@ -1,0 +1,215 @@
+#include "station/body_orders.hpp"
+
+#include "core/body_limits.hpp"
+#include "model/mesh/convex_mesh.hpp"
+#include "model/scene/game_shapes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <charconv>
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace wholehand {
+namespace {
+
+using Why = std::pair<OrderRefusal, std::string>;
+const Why kGood{OrderRefusal::kNone, ""};
+
+Why poseFault(const BodyPose& pose) {
+  if (isBodyPose(pose)) return kGood;
+  const double far_m = pose.position_m.eigen().norm();
+  if (!(far_m <= kFarthest_m)) {
+    return {OrderRefusal::kBadPose,
+            fmt::format("position ({:.4g}, {:.4g}, {:.4g}) m: must be finite, and within {:.4g} m "
+                        "of the origin",
+                        pose.position_m.x, pose.position_m.y, pose.position_m.z, kFarthest_m)};
+  }
+  return {OrderRefusal::kBadPose,
+          fmt::format("orientation_xyzw has norm {:.6g}: must be 1, within {:.4g}",
+                      pose.orientation_xyzw.eigen().norm(), kMostNormFault)};
+}
+
+Why shapeSetFault(int set, const GameBudget& budget) {
+  if (set >= 0 && set < budget.shape_sets) return kGood;
+  return {OrderRefusal::kNoSuchShapes,
+          fmt::format("shape set {}: must be in [0, {}] (budget.shape_sets)", set,
+                      budget.shape_sets - 1)};
+}
+
+Why ownerFault(BodyOwner owner) {
+  if (isBodyOwner(owner)) return kGood;
+  return {OrderRefusal::kBadPose,
+          fmt::format("owner {}: must be Loop, Game or Fixed", static_cast<int>(owner))};
+}
+
+Why massFault(const SpawnOrder& spawn, const GameBudget& budget) {
+  if (!(spawn.mass_kg >= budget.least_kg && spawn.mass_kg <= budget.most_kg)) {
+    return {OrderRefusal::kBadMass,
+            fmt::format("mass_kg = {:.6g}: must be in [{:.4g}, {:.4g}] kg (budget.mass_kg)",
+                        spawn.mass_kg, budget.least_kg, budget.most_kg)};
+  }
+  if (!(spawn.friction >= 0.0 && spawn.friction <= kMostBodyFriction)) {
+    return {OrderRefusal::kBadMass, fmt::format("friction = {:.6g}: must be in [0, {:.4g}]",
+                                                spawn.friction, kMostBodyFriction)};
+  }
+  return kGood;
+}
+
+Why spawnFault(const SpawnOrder& spawn, const GameBudget& budget) {
+  if (Why why = shapeSetFault(spawn.shape_set, budget); why != kGood) return why;
+  if (Why why = poseFault(spawn.pose); why != kGood) return why;
+  if (Why why = ownerFault(spawn.owner); why != kGood) return why;
+  const double speed_m_s = spawn.velocity_m_s.eigen().norm();
+  if (!(speed_m_s <= kMostSpawnSpeed_m_s)) {
+    return {OrderRefusal::kBadPose, fmt::format("velocity_m_s has norm {:.4g}: at most {:.4g} m/s",
+                                                speed_m_s, kMostSpawnSpeed_m_s)};
+  }
+  return massFault(spawn, budget);
+}
+
+Why faultOf(const Command& command, const GameBudget& budget) {
+  if (command.index < 0 || command.index >= budget.slots) {
+    return {OrderRefusal::kNoSuchSlot, fmt::format("slot {}: must be in [0, {}] (budget.slots)",
+                                                   command.index, budget.slots - 1)};
+  }
+  if (!(command.value >= 1.0 && command.value <= kMostGeneration)) {
+    return {OrderRefusal::kWrongGeneration,
+            fmt::format("slot {}, generation {:.0f}: must be in [1, {}]", command.index,
+                        command.value, kMostGeneration)};
+  }
+  switch (command.type) {
+    case CommandType::kSpawn:
+      return spawnFault(spawnOrderOf(command), budget);
+    case CommandType::kTeleport:
+    case CommandType::kBodyTarget:
+      return poseFault(poseOf(command));
+    case CommandType::kSetOwner:
+      return ownerFault(spawnOrderOf(command).owner);
+    default:
+      return kGood;
+  }
+}
+
+/// Index of the piece that a key like "pieces[3]" names; 0 for all of them.
+int pieceOf(const std::string& key) {
+  int index = 0;
+  const std::size_t at = key.find('[');
+  if (at != std::string::npos) {
+    std::from_chars(key.data() + at + 1, key.data() + key.size(), index);
+  }
+  return index;
+}
+
+void refuseShapes(Diagnostics faults, std::vector<RefusedItem>& refused) {
+  for (Diagnostic& fault : faults) {
+    const int piece = pieceOf(fault.key);
+    refused.push_back({piece, -1, OrderRefusal::kBadShapes, format(fault)});
+  }
+}
+
+/// Faults that the loop would find in prepared pieces: they stand too far apart.
+std::vector<RefusedItem> spreadFaults(const PreparedShapes& shapes, const GameBudget& budget) {
+  std::vector<RefusedItem> faults;
+  const double most_m = 2.0 * budget.most_m, most_m2 = budget.most_m * budget.most_m;
+  for (std::size_t i = 0; i < shapes.pieces.size(); ++i) {
+    const Shape& piece = shapes.pieces[i];
+    double far_m = piece.in_body.translation_m.norm();
+    for (const Eigen::Vector3d& p : piece.points_m) far_m = std::max(far_m, p.norm());
+    if (far_m <= most_m) continue;
+    faults.push_back({static_cast<int>(i), -1, OrderRefusal::kBadShapes,
+                      fmt::format("pieces[{}]: is {:.4g} m off: must be within {:.4g} m of the "
+                                  "centre of mass, and its vertices of its own frame (twice "
+                                  "budget.size_m)",
+                                  i, far_m, most_m)});
+  }
+  const double widest_m2 = shapes.moments_per_kg.maxCoeff();
+  if (faults.empty() && widest_m2 > most_m2) {
+    faults.push_back({0, -1, OrderRefusal::kBadShapes,
+                      fmt::format("pieces: are spread too far, with {:.4g} m² of inertia for each "
+                                  "kg: at most {:.4g} m² (the square of budget.size_m)",
+                                  widest_m2, most_m2)});
+  }
+  return faults;
+}
+
+/// The pieces, with their meshes verified and wound outward.
+std::vector<Shape> verified(const std::vector<Shape>& pieces, std::vector<RefusedItem>& refused) {
+  std::vector<Shape> out;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    Shape shape = pieces[i];
+    if (shape.type == ShapeType::kConvexMesh) {
+      auto mesh = convexMesh(shape.points_m, shape.triangles);
+      if (!mesh) {
+        Diagnostics faults = mesh.errors();
+        for (Diagnostic& fault : faults) fault.key = fmt::format("pieces[{}]", i);
+        refuseShapes(std::move(faults), refused);
+        continue;
+      }
+      mesh->in_body = shape.in_body;
+      shape = std::move(*mesh);
+    }
+    out.push_back(std::move(shape));
+  }
+  return out;
+}
+
+CheckedOrders checkShapes(const BodyOrders& orders, const GameBudget& budget) {
+  static std::atomic<std::uint32_t> last_id{0};
+  CheckedOrders out;
+  out.refused = orders.faults;
+  if (Why why = shapeSetFault(orders.shape_set, budget); why != kGood) {
+    out.refused.push_back({0, -1, why.first, std::move(why.second)});
+  }
+  if (!out.refused.empty()) return out;
+  const std::vector<Shape> pieces = verified(orders.pieces, out.refused);
+  if (!out.refused.empty()) return out;
+  auto prepared = prepareShapes(pieces, budget);
+  if (!prepared) {
+    refuseShapes(prepared.errors(), out.refused);
+    return out;
+  }
+  out.refused = spreadFaults(*prepared, budget);
+  if (!out.refused.empty()) return out;
+  out.commands = shapeCommands(orders.shape_set, *prepared);
+  out.shape_set = orders.shape_set;
+  out.shapes = std::make_shared<const GameShapes>(GameShapes{++last_id, prepared->com_m, pieces});
+  return out;
+}
+
+}  // namespace
+
+CheckedOrders checkOrders(const BodyOrders& orders, const GameBudget& budget) {
+  if (orders.shape_set >= 0) return checkShapes(orders, budget);
+  CheckedOrders out;
+  std::array<bool, kMaxSlots> named{};
+  for (std::size_t i = 0; i < orders.commands.size(); ++i) {
+    const Command& command = orders.commands[i];
+    Why why = faultOf(command, budget);
+    if (why.first != OrderRefusal::kNoSuchSlot && std::exchange(named[command.index], true)) {
+      why = {OrderRefusal::kSlotTaken,
+             fmt::format("slot {} stands in this message before: name it once", command.index)};
+    }
+    if (why == kGood) {
+      out.item_of_slot[command.index] = static_cast<int>(i);
+      out.commands.push_back(command);
+    } else {
+      out.refused.push_back({static_cast<int>(i), command.index, why.first, std::move(why.second)});
+    }
+  }
+  return out;
+}
+
+OrderReply replyFor(std::vector<RefusedItem> refused) {
+  if (refused.empty()) return {true, ""};
+  std::string reason = fmt::format("{} ({}): {}", refusalName(refused.front().refusal),
+                                   refused.front().item, refused.front().reason);
+  if (refused.size() > 1) reason += fmt::format("; and {} more", refused.size() - 1);
+  return {false, std::move(reason), Refusal::kBodiesRefused, std::move(refused)};
+}
+
+}  // namespace wholehand

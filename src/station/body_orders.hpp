@@ -1,0 +1,27 @@
+#pragma once
+
+#include "server/game_orders.hpp"
+
+#include <array>
+#include <memory>
+#include <vector>
+
+namespace wholehand {
+
+/// What a message of a game comes to: commands for the loop, and the items that are refused.
+struct CheckedOrders {
+  std::vector<Command> commands;
+  std::vector<RefusedItem> refused;
+  std::array<int, kMaxSlots> item_of_slot{};  ///< index in the message, of slots with a command
+  int shape_set = -1;                         ///< of `shapes`
+  std::shared_ptr<const GameShapes> shapes;   ///< that the commands hand over; null: none
+};
+
+/// Checks every number of a message against the scene's budget, and prepares shapes. An item that
+/// is refused has no command; shapes are refused as a whole. Not real-time safe. Any thread.
+[[nodiscard]] CheckedOrders checkOrders(const BodyOrders& orders, const GameBudget& budget);
+
+/// Reply to a message some of whose items are refused; accepted when there are none.
+[[nodiscard]] OrderReply replyFor(std::vector<RefusedItem> refused);
+
+}  // namespace wholehand

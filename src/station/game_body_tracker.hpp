@@ -1,0 +1,64 @@
+#pragma once
+
+#include "core/tick_record.hpp"
+#include "server/game_orders.hpp"
+#include "station/body_orders.hpp"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace wholehand {
+
+/// Knows which bodies of a game are in the world, and their shapes: from the orders handed to the
+/// loop, and from what the events of its records say became of them. For pictures, and to refuse at
+/// the door what the loop would refuse; the loop itself does not depend on it. Any thread.
+class GameBodyTracker {
+ public:
+  GameBodyTracker() { reset(); }
+  /// Forgets everything: a session begins or ends.
+  /// @param event_names of the session's exercise; empty: it takes no bodies
+  void reset(const std::vector<std::string>& event_names = {});
+  /// Refuses what cannot be obeyed now: shapes that a body has, a spawn over another one under way.
+  /// Removes it from `orders`.
+  void refuseBusy(CheckedOrders& orders);
+  /// Notes commands that are about to be handed to the loop.
+  void note(const CheckedOrders& orders);
+  /// Takes a record, in order.
+  void see(const TickRecord& record);
+  /// Null when there are none. A change makes a new object.
+  [[nodiscard]] std::shared_ptr<const GameBodies> bodies() const;
+
+ private:
+  enum Event { kAppeared, kSolid, kLettingGo, kLeft, kRefused, kEvents };
+  struct Pending {
+    int generation = 0;  ///< of a spawn under way; 0: none
+    int shape_set = -1;
+    std::shared_ptr<const GameShapes> shapes;
+    std::uint64_t until_tick = 0;  ///< then it is taken for refused
+  };
+  struct Present {
+    int generation = 0;  ///< 0: none
+    int shape_set = -1;
+    GameBody body;
+  };
+
+  [[nodiscard]] bool inUse(int shape_set) const;
+  void take(const ExerciseEvent& event);
+  void takeState(Event what, int slot, int generation);
+  void publish();
+
+  mutable std::mutex mutex_;
+  std::array<int, kEvents> types_{};  ///< event types of the exercise; -1: it has none
+  std::uint64_t tick_ = 0;            ///< of the newest record
+  std::array<std::shared_ptr<const GameShapes>, kMaxShapeSets> sets_;
+  std::array<Pending, kMaxSlots> pending_;
+  std::array<Present, kMaxSlots> present_;
+  bool changed_ = false;
+  std::shared_ptr<const GameBodies> bodies_;
+};
+
+}  // namespace wholehand
