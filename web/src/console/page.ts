@@ -48,7 +48,7 @@ export class ConsolePage {
   private refreshed_ms = -Infinity;
   private builtFrom = '';
 
-  constructor(private readonly root: HTMLElement, connection: Connection) {
+  constructor(private readonly root: HTMLElement, private readonly connection: Connection) {
     this.model = new ConsoleModel(connection);
     this.model.onScene = () => {
       // A recording that begins, or a new session, changes nothing that is built: what is half typed stays.
@@ -58,6 +58,7 @@ export class ConsolePage {
       if (this.model.scene) this.view?.setScene(this.model.scene);
     };
     connection.on('events', (events) => this.exercise?.take(events));
+    connection.on('bodies', (bodies) => this.view?.setBodies(bodies));
     this.model.onRefused = (what, reason) => this.notices?.refuse(what, reason);
     addEventListener('keydown', (event) => this.onKey(event), true);
     answerPresses(document);
@@ -103,6 +104,7 @@ export class ConsolePage {
     try {
       this.view = await PacedView.load();
       if (this.model.scene) this.view.setScene(this.model.scene);
+      this.view.setBodies(this.connection.bodies);
     } catch (problem) {
       console.warn('The 3D view cannot be drawn here:', problem);
     }

@@ -26,6 +26,7 @@ export class Game {
     this.screen = new Screen(root, play, { connection, controls, memory, presses, sound });
     connection.on('scene', (scene) => this.takeScene(scene));
     connection.on('events', (events) => this.takeEvents(events));
+    connection.on('bodies', (bodies) => this.screen.setBodies(bodies));
     controls.onRefused = (reason) => { memory.notice = reason; };
     controls.onMode((way) => { if (way) memory.way = way; });
     controls.onWebcam = (view, reason) => this.screen.camera(view, reason);

@@ -2,6 +2,7 @@
 import { targetsOf } from '../exercises';
 import type { GraspTargets, Play } from '../exercises/exercise';
 import type { WebcamView } from '../input/webcam';
+import type { GameBodyShown } from '../net/game_bodies';
 import { RunState, type SceneT, type WorldStateT } from '../protocol';
 import { language, text } from '../shared/i18n';
 import { answerPresses, showPressed } from '../shared/pressed';
@@ -54,6 +55,7 @@ export class Screen {
     this.blind = picture === null;
     picture?.setLook({ tone: this.behind.memory.tone });
     if (picture && this.behind.connection.scene) picture.setScene(this.behind.connection.scene);
+    picture?.setBodies(this.behind.connection.bodies);
     this.shown = '';
   }
 
@@ -67,6 +69,8 @@ export class Screen {
     this.behind.memory.framing = view !== undefined && view.step !== 'play';
     this.cameraView.show(view, reason, this.behind.controls.cameraTexts());
   }
+
+  setBodies(bodies: readonly GameBodyShown[]): void { this.picture?.setBodies(bodies); }
 
   setState(state: WorldStateT): void { this.picture?.setState(state); }
 

@@ -4,6 +4,7 @@ import {
   type CommissioningT, type ControlsT, type EventT, type SceneT, type WelcomeT, type WorldStateT,
 } from '../protocol';
 import { text } from '../shared/i18n';
+import { GameBodyList, type GameBodyShown } from './game_bodies';
 import { Holding, type Hands, type Loss } from './holding';
 import type { Line } from './line';
 import { encodeCommand, Orders, type AnyOrder } from './orders';
@@ -26,6 +27,8 @@ export interface ConnectionEvents {
   welcome: WelcomeT;
   /** The step of a device's commissioning, from a program that leads through one. */
   commissioning: CommissioningT;
+  /** All bodies of a game in the world. */
+  bodies: readonly GameBodyShown[];
   /** The person leaves this page; this is the last moment to order something. */
   leaving: void;
 }
@@ -75,9 +78,10 @@ export class Connection extends Orders {
   /** performance.now() when latestState came [ms]. */
   latestStateAt_ms = 0;
 
+  private readonly gameBodies = new GameBodyList();
   private reading_ms = 0;
   private readonly listeners: Listeners = {
-    state: new Set(), scene: new Set(), events: new Set(), controls: new Set(), status: new Set(), welcome: new Set(), commissioning: new Set(), leaving: new Set(),
+    state: new Set(), scene: new Set(), events: new Set(), controls: new Set(), status: new Set(), welcome: new Set(), commissioning: new Set(), bodies: new Set(), leaving: new Set(),
   };
   private readonly pending = new PendingAnswers();
   private line: Line | null = null;
@@ -101,6 +105,9 @@ export class Connection extends Orders {
   get controls(): Hands { return this.holding.hands; }
   /** Why this page lost them, until they are taken anew. */
   get loss(): Loss { return this.holding.loss; }
+
+  /** Of a game, in the world. */
+  get bodies(): readonly GameBodyShown[] { return this.gameBodies.bodies; }
 
   /** Calls back with every later message of that kind; returns what ends it. */
   on<Name extends keyof ConnectionEvents>(name: Name, callback: (value: ConnectionEvents[Name]) => void): () => void {
@@ -262,6 +269,9 @@ export class Connection extends Orders {
       case 'commissioning':
         this.commissioning = message.value;
         return this.tell('commissioning', message.value);
+      case 'bodies':
+        this.gameBodies.take(message.value);
+        return this.tell('bodies', this.bodies);
       case 'reply': {
         const { command, accepted, refusal, reason } = message.value;
         return this.pending.settle(command, { accepted, reason: accepted ? '' : refusalText(refusal, String(reason ?? '')) });
@@ -283,6 +293,8 @@ export class Connection extends Orders {
 
   private takeWelcome(welcome: WelcomeT): void {
     this.welcome = welcome;
+    this.gameBodies.clear();
+    this.tell('bodies', this.bodies);
     this.endings = 0;  // another run of the program counts anew
     this.attempts = this.refusedWith = 0;
     this.setStatus('open');

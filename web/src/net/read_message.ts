@@ -1,8 +1,8 @@
 // Reads the program's bytes as a message. FlatBuffers has no verifier in this language: a WebSocket brings whole
 // messages, and the program verifies its own. Whatever the bytes are, reading ends and throws nothing.
 import {
-  Commissioning, Controls, Events, Message, Payload, Reply, Scene, SCHEMA_VERSION, Welcome, WorldState,
-  type CommissioningT, type ControlsT, type EventT, type ReplyT, type SceneT, type WelcomeT, type WorldStateT,
+  Commissioning, Controls, Events, GameBodies, Message, Payload, Reply, Scene, SCHEMA_VERSION, Welcome, WorldState,
+  type CommissioningT, type ControlsT, type EventT, type GameBodiesT, type ReplyT, type SceneT, type WelcomeT, type WorldStateT,
 } from '../protocol';
 import { BoundedBuffer } from './bounded_buffer';
 
@@ -10,7 +10,7 @@ export type Incoming =
   | { readonly is: 'state'; readonly value: WorldStateT } | { readonly is: 'scene'; readonly value: SceneT }
   | { readonly is: 'events'; readonly value: readonly EventT[] } | { readonly is: 'welcome'; readonly value: WelcomeT }
   | { readonly is: 'controls'; readonly value: ControlsT } | { readonly is: 'commissioning'; readonly value: CommissioningT }
-  | { readonly is: 'reply'; readonly value: ReplyT }
+  | { readonly is: 'reply'; readonly value: ReplyT } | { readonly is: 'bodies'; readonly value: GameBodiesT }
   /** A message of another version of the schema. */
   | { readonly is: 'foreign'; readonly version: number }
   | { readonly is: 'unreadable' };
@@ -36,6 +36,7 @@ function unpacked(message: Message): Incoming {
     case Payload.Welcome: return { is: 'welcome', value: unpack(new Welcome()) };
     case Payload.Controls: return { is: 'controls', value: unpack(new Controls()) };
     case Payload.Commissioning: return { is: 'commissioning', value: unpack(new Commissioning()) };
+    case Payload.GameBodies: return { is: 'bodies', value: unpack(new GameBodies()) };
     case Payload.Reply: return { is: 'reply', value: unpack(new Reply()) };
     default: return { is: 'unreadable' };
   }

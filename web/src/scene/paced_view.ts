@@ -1,3 +1,4 @@
+import type { GameBodyShown } from '../net/game_bodies';
 import type { SceneT, WorldStateT } from '../protocol';
 import type { SceneView } from './scene_view';
 import { QualityChooser, initialQuality, type Quality } from './quality';
@@ -39,6 +40,10 @@ export class PacedView {
 
   setScene(scene: SceneT): void {
     this.scene.setScene(scene);
+  }
+
+  setBodies(bodies: readonly GameBodyShown[]): void {
+    this.scene.setBodies(bodies);
   }
 
   show(look: HandLook): void {

@@ -6,6 +6,7 @@ import { handShape, linkPoses } from '../hand/shape';
 import { HandView, SKIN_STEP_M } from '../hand/hand_view';
 import { madeSkin } from '../hand/skin_maker';
 import { viewOf, type ExerciseView } from '../exercises/exercise_view';
+import type { GameBodyShown } from '../net/game_bodies';
 import type { SceneT, WorldStateT } from '../protocol';
 import { Backdrop } from './backdrop';
 import { DEFAULT_PLACE, placeCamera, pointInRow, turnOf, type CameraPlace, type View } from './camera';
@@ -15,6 +16,7 @@ import { ForceArrows } from './force_arrows';
 import { FrameClock } from './frame_clock';
 import { programFrame, toThree, type Triple } from './frames';
 import { disposeTree } from './materials';
+import { GameBodiesView } from './game_bodies_view';
 import { makeBody } from './plain_bodies';
 import type { FrameStats, Quality } from './quality';
 import { makeStage, ROOM, type Stage } from './stage';
@@ -67,6 +69,8 @@ export class SceneView {
   private builds = 0;           // what was begun for an earlier one is dropped
   private compiled = false;     // until then nothing is drawn: the page would wait for the graphics card's programs
   private bodies: (Group | undefined)[] = [];
+  private ofGame: readonly GameBodyShown[] = [];
+  private gameBodies: GameBodiesView | undefined;
   private readonly plain = new Group();
   private poses = new Float64Array(0);
   private fresh = false;
@@ -107,6 +111,13 @@ export class SceneView {
     this.contacts.take(state.contacts);
     this.forces?.take(state.contacts);
     this.stateScript_ms += performance.now() - start;
+  }
+
+  /** Takes all bodies that a game has put into the world. */
+  setBodies(bodies: readonly GameBodyShown[]): void {
+    this.ofGame = bodies;
+    this.gameBodies?.take(bodies);
+    this.fresh = true;
   }
 
   setLook(look: Partial<Look>): void {
@@ -211,6 +222,9 @@ export class SceneView {
       this.plain.add(group);
       return group;
     }) ?? [];
+    this.gameBodies = new GameBodiesView(this.quality);
+    this.gameBodies.take(this.ofGame);
+    this.plain.add(this.gameBodies.root);
     if (this.forces) this.plain.add(this.forces.root);
     this.scene.add(this.plain, this.contacts.root);
     this.placeRow();
@@ -280,6 +294,7 @@ export class SceneView {
       this.bodies[i].position.set(p.x, p.y, p.z);
       this.bodies[i].quaternion.set(q.x, q.y, q.z, q.w);
     });
+    this.gameBodies?.place(state.bodies, this.bodies.length);
     const spots = this.contacts.update(this.camera, dt_s);
     this.contacts.root.visible = !this.look.ghostHand;
     this.hand?.tint(this.look.ghostHand ? [] : spots);
