@@ -17,6 +17,7 @@ from app import BINARY, FULL, SEED, SOURCE, AppTest
 import wholehand
 import wholehand.protocol
 from wholehand import messages
+from wholehand.bodies import FIXED, GAME, Body, ball, box, mesh
 from wholehand.client import HUNG_AFTER_S, Client
 from wholehand.connection import NEXT, PERSON, Lost, Refused, connect
 from wholehand.kinematics import Hand, matrices
@@ -27,10 +28,11 @@ RENDERING, STOPPED = 1, 3
 
 class Connected(AppTest):
     """The bar, waiting to be armed."""
+    options = ()
 
     def setUp(self):
         super().setUp()
-        self.run = self.start_app("run", "--port", 0, "--wait", "--no-rehearsal")
+        self.run = self.start_app("run", "--port", 0, "--wait", "--no-rehearsal", *self.options)
         self.address = self.run.stdout.readline().strip().split("//")[1].rstrip("/")
         self.program = Client(self.address, role="therapist")
         self.addCleanup(self.program.close)
@@ -164,6 +166,76 @@ class ClientTest(Connected):
             unreadable += not readable(bytes(data))
         self.assertTrue(readable(seen[0]) and readable(seen[1]))
         self.assertGreater(unreadable, MUTATIONS // 100)
+
+
+class BodiesTest(Connected):
+    """A scene that takes bodies of a game, waiting to be armed."""
+    options = ("--exercise", SOURCE / "config/exercises/game-scene.toml")
+    ASIDE_M = numpy.array([0.5, 0.3, 0.2])
+
+    def becomes(self, name, slot=0):
+        while True:
+            event = self.program.next_body_event(timeout_s=60.0)
+            if (event.name, event.slot) == (name, slot):
+                return event
+
+    def test_a_body_is_spawned_moved_shown_and_removed(self):
+        self.play()
+        self.program.prepare_shapes(0, ball(0.03))
+        self.program.spawn(Body(slot=2, generation=7, shape_set=0, owner=GAME, position_m=self.ASIDE_M))
+        self.assertEqual(self.becomes("solid", 2).generation, 7)
+        index = len(self.program.scene.bodies) + 2
+        goal = self.ASIDE_M + (0.0, 0.05, 0.0)
+
+        def there(state):
+            self.program.body_targets((2, 7, goal))
+            return abs(state.bodies["position_m"][index] - goal).max() < 2e-3
+        self.states_until(there)
+        told = self.program.bodies
+        self.assertEqual([(b["slot"], b["generation"]) for b in told.bodies], [(2, 7)])
+        self.assertEqual(messages.SLOT_STATES[told.bodies[0]["state"]], "Solid")
+        self.program.set_owner((2, 7, FIXED))
+        self.program.teleport((2, 7, self.ASIDE_M))
+        self.states_until(lambda state: abs(state.bodies["position_m"][index] - self.ASIDE_M).max() < 1e-6)
+        self.program.remove((2, 7))
+        self.assertEqual(self.becomes("left", 2).generation, 7)
+        self.states_until(lambda _: len(self.program.bodies.bodies) == 0)
+
+    def test_what_is_refused_is_named(self):
+        self.program.take_controls()
+        with self.assertRaises(Refused) as refused:
+            self.program.prepare_shapes(0, ball(0.03))
+        self.assertEqual(refused.exception.code, "NothingArmed")
+        self.program.arm()
+        self.states_until(lambda state: state.run_state == RENDERING)
+        corners = [(0, 0, 0), (0.05, 0, 0), (0, 0.05, 0), (0, 0, 0.05)]
+        faces = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+        self.program.prepare_shapes(1, mesh(corners, faces), box((0.02, 0.03, 0.04), position_m=(0.1, 0, 0)))
+        with self.assertRaises(Refused) as refused:
+            self.program.prepare_shapes(0, mesh(corners, faces[1:]), ball(0.03))
+        self.assertEqual(refused.exception.code, "BodiesRefused")
+        self.assertEqual(refused.exception.items[0][:2], (0, "BadShapes"))
+        self.assertIn("watertight", refused.exception.items[0][2])
+        good = Body(slot=0, shape_set=1, position_m=self.ASIDE_M)
+        with self.assertRaises(Refused) as refused:
+            self.program.spawn(good, Body(slot=1, shape_set=1, position_m=(9, 0, 0)),
+                               Body(slot=64, shape_set=1, position_m=self.ASIDE_M))
+        self.assertEqual([item[:2] for item in refused.exception.items], [(1, "BadPose"), (2, "NoSuchSlot")])
+        self.becomes("solid")  # the good one
+        self.program.remove((0, 3))
+        self.assertEqual(self.becomes("refused").refusal, "WrongGeneration")
+        with Client(self.address) as other, self.assertRaises(Refused) as refused:
+            other.remove((0, 1))
+        self.assertEqual(refused.exception.code, "NotHolder")
+
+    def test_the_example_drops_a_ball_on_the_hand(self):
+        self.program.close()
+        done = subprocess.run([sys.executable, "-B", SOURCE / "clients/python/examples/drop_a_ball.py", "--address", self.address],
+                              cwd=SOURCE, capture_output=True, text=True, timeout=100,
+                              env={**os.environ, "PYTHONPATH": str(BINARY.parent / "python")})
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stdout, r"solid\nleft; it pressed with [\d.]+ N at most")
+        self.assertGreater(float(re.search(r"with ([\d.]+) N", done.stdout).group(1)), 0.1)
 
 
 def readable(data):

@@ -79,6 +79,32 @@ class Client:
         """The next WorldState that comes."""
         return self._call(self._program.next_state(), timeout_s)
 
+    @property
+    def bodies(self):
+        """The schema's GameBodies; None where none has come."""
+        return self._program.bodies
+
+    def prepare_shapes(self, shape_set, *shapes):
+        self._call(self._program.prepare_shapes(shape_set, *shapes))
+
+    def spawn(self, *bodies):
+        self._call(self._program.spawn(*bodies))
+
+    def remove(self, *bodies):
+        self._call(self._program.remove(*bodies))
+
+    def teleport(self, *bodies):
+        self._call(self._program.teleport(*bodies))
+
+    def set_owner(self, *bodies):
+        self._call(self._program.set_owner(*bodies))
+
+    def body_targets(self, *bodies):
+        self._call(self._program.body_targets(*bodies))
+
+    def next_body_event(self, timeout_s=None):
+        return self._call(self._program.next_body_event(), timeout_s)
+
     def close(self):
         if self._thread.is_alive():
             self._call(self._open.__aexit__(None, None, None))

@@ -9,25 +9,30 @@
             await program.order("Aim", q=where_to_go(state))
 """
 import asyncio
+import collections
 import contextlib
 
 import websockets
 
-from wholehand.messages import REFUSALS, MessageError, decode, encode
+from wholehand import bodies as make
+from wholehand.messages import BODY_REFUSALS, REFUSALS, MessageError, decode, encode
 
 VIRTUAL_PATIENT, PERSON = 0, 1          # Steer.by
 NEXT, RESTART, PAUSE, RESUME = range(4)  # Action.act
 
 HEARTBEAT_S = 0.05          # the program takes the controls away after 0.2 s of silence
 REPEAT_STOP_S = 0.3
+BODY_EVENTS = 4096          # most that wait for next_body_event(); older ones are dropped
 
 
 class Refused(Exception):
-    """The program refused an order. `code` is a name of the schema's Refusal."""
+    """The program refused an order. `code` is a name of the schema's Refusal. `items` are those of an order to bodies
+    that were refused, as (index, name of the schema's BodyRefusal, reason); all else of it was obeyed."""
 
     def __init__(self, order, reply):
         self.order, self.reason = order, reply.reason
         self.code = REFUSALS.get(reply.refusal, "Other")
+        self.items = [(item.item, BODY_REFUSALS.get(item.refusal, "Other"), item.reason) for item in reply.items]
         super().__init__(f"{order}: {self.reason} ({self.code})")
 
 
@@ -56,7 +61,8 @@ async def connect(address="127.0.0.1:8080", role=None, token=None):
 
 
 class Connection:
-    """What the program says, newest of each: `welcome`, `scene`, `controls`, `state`, `commissioning` (Tables), and
+    """What the program says, newest of each: `welcome`, `scene`, `controls`, `state`, `commissioning`, `bodies`
+    (Tables; `bodies` is the schema's GameBodies), and
     orders to it. `silence` is asked before every heartbeat; while it says True none is sent."""
 
     def __init__(self, socket):
@@ -67,8 +73,9 @@ class Connection:
         self._news = asyncio.Event()
         self._lost = None
         self._beat = None
+        self._event_names, self._body_events = [], collections.deque(maxlen=BODY_EVENTS)
         self.silence = lambda: False
-        self.welcome = self.scene = self.controls = self.state = self.commissioning = None
+        self.welcome = self.scene = self.controls = self.state = self.commissioning = self.bodies = None
 
     async def order(self, order, **fields):
         """Asks for something and waits for the answer: one of the schema's Order. Raises Refused, Lost."""
@@ -127,6 +134,42 @@ class Connection:
         finally:
             self._event_queues.discard(queue)
 
+    async def prepare_shapes(self, shape_set, *shapes):
+        """Shapes for bodies to come, in a frame whose axes are the body's. They last for the session."""
+        await self.order("PrepareShapes", set=shape_set, pieces=make.pieces(shapes))
+
+    async def spawn(self, *bodies):
+        """@param bodies wholehand.bodies.Body, ..."""
+        await self.order("Spawn", bodies=make.spawned(bodies))
+
+    async def remove(self, *bodies):
+        """@param bodies (slot, generation), ..."""
+        await self.order("Remove", bodies=make.named("Remove", bodies))
+
+    async def teleport(self, *bodies):
+        """@param bodies (slot, generation, position_m[, orientation_xyzw]), ..."""
+        await self.order("Teleport", bodies=make.placed("Teleport", bodies))
+
+    async def set_owner(self, *bodies):
+        """@param bodies (slot, generation, owner), ..."""
+        await self.order("SetOwner", bodies=make.handed_over("SetOwner", bodies))
+
+    async def body_targets(self, *bodies):
+        """Where bodies of owner GAME are pulled to; older than 0.1 s, a body halts.
+        @param bodies (slot, generation, position_m[, orientation_xyzw]), ..."""
+        await self.order("BodyTargets", bodies=make.placed("BodyTargets", bodies))
+
+    async def next_body_event(self):
+        """The next wholehand.bodies.BodyEvent; those that came since the connection began wait here."""
+        await self._wait(lambda: self._body_events)
+        return self._body_events.popleft()
+
+    def _keep_body_events(self, events):
+        for event in events:
+            name = self._event_names[event["type"]] if event["type"] < len(self._event_names) else ""
+            if name in make.EVENTS:
+                self._body_events.append(make.event_of(name, event, BODY_REFUSALS))
+
     async def _send(self, order, fields):
         if self._lost:
             raise self._lost
@@ -171,14 +214,17 @@ class Connection:
 
     def _hear(self, message):
         names = {"WorldState": "state", "Scene": "scene", "Welcome": "welcome", "Controls": "controls",
-                 "Commissioning": "commissioning"}
+                 "Commissioning": "commissioning", "GameBodies": "bodies"}
         if message.kind in names:
             setattr(self, names[message.kind], message)
+            if message.kind == "Scene":
+                self._event_names = message.event_names if message.budget else []
         elif message.kind == "Reply":
             answer = self._replies.get(message.command)
             if answer and not answer.done():
                 answer.set_result(message)
         elif message.kind == "Events":
+            self._keep_body_events(message.events)
             for queue in self._event_queues:
                 for event in message.events:
                     queue.put_nowait(event)

@@ -16,9 +16,13 @@ EVENT = numpy.dtype([("tick", "<u8"), ("type", "<u2"), ("index", "<i2"), ("value
 STATISTICS = numpy.dtype([("ticks", "<u8"), ("missed_deadlines", "<u8"), ("dropped_records", "<u8"),
                           ("cpu_p50_us", "<f4"), ("cpu_p99_us", "<f4"), ("cpu_p999_us", "<f4"),
                           ("cpu_max_us", "<f4")])
-STRUCTS = {"Vec3": VEC3, "Pose": POSE, "ContactPoint": CONTACT, "Event": EVENT, "Statistics": STATISTICS}
+GAME_BODY = numpy.dtype({"names": ["slot", "generation", "shapes", "state"], "formats": ["<u4", "<u4", "<u4", "u1"],
+                         "itemsize": 16})
+STRUCTS = {"Vec3": VEC3, "Pose": POSE, "ContactPoint": CONTACT, "Event": EVENT, "Statistics": STATISTICS,
+           "GameBody": GAME_BODY}
 VECTORS_OF_STRUCTS = {("WorldState", "links"): POSE, ("WorldState", "bodies"): POSE,
-                      ("WorldState", "contacts"): CONTACT, ("Events", "events"): EVENT, ("Shape", "points_m"): VEC3}
+                      ("WorldState", "contacts"): CONTACT, ("Events", "events"): EVENT, ("Shape", "points_m"): VEC3,
+                      ("GameBodies", "bodies"): GAME_BODY}
 
 # What flatbuffers raises where bytes are no message.
 UNREADABLE = (struct.error, IndexError, ValueError, TypeError, OverflowError)
@@ -42,6 +46,8 @@ def _names(enum):
 PAYLOADS = _names("Payload")
 ORDERS = {name: number for number, name in _names("Order").items() if number > 0}
 REFUSALS = _names("Refusal")
+BODY_REFUSALS = _names("BodyRefusal")
+SLOT_STATES = _names("SlotState")
 RUN_STATES = _names("RunState")
 
 
@@ -156,7 +162,8 @@ def decode(data):
 
 
 def encode(number, order, **fields):
-    """A Command. @param number rises with every command @param fields of the order's table, as in the schema"""
+    """A Command. @param number rises with every command @param fields of the order's table, as in the schema; of bodies
+    and pieces a function of wholehand.bodies"""
     if order not in ORDERS:
         raise ValueError(f"there is no order {order!r}; there are {', '.join(ORDERS)}")
     builder = flatbuffers.Builder(256)
@@ -185,6 +192,8 @@ def encode(number, order, **fields):
 
 
 def _put(builder, value):
+    if callable(value):
+        return value(builder)
     if isinstance(value, str):
         return builder.CreateString(value)
     if isinstance(value, (list, tuple, numpy.ndarray)):

@@ -1,0 +1,174 @@
+"""Bodies of a game: what its orders are made of (docs/protocol.md, "Bodies of a game").
+
+SI units. Positions are those of the centre of mass, in the world; quaternions are x, y, z, w.
+"""
+import dataclasses
+
+import numpy
+
+# Imported now: while an order is made, no heartbeat is sent.
+from wholehand.protocol import BodyHandover, BodyName, BodyPlace, BodyTargets, Pose, Remove, SetOwner, SpawnBody, Teleport, Vec3
+from wholehand.protocol import Shape as ShapeTable
+
+LOOP, GAME, FIXED = range(3)  # SpawnBody.owner
+BOX, SPHERE, CYLINDER, CAPSULE, CONVEX_MESH = range(5)
+UPRIGHT = (0.0, 0.0, 0.0, 1.0)
+EVENTS = ("appeared", "solid", "letting_go", "left", "quarantined", "refused")
+
+
+@dataclasses.dataclass(frozen=True)
+class Shape:
+    """A piece of a body; box(), ball(), cylinder(), capsule() and mesh() make one. Cylinder and capsule lie along z."""
+    type: int
+    half_extents_m: tuple = (0.0, 0.0, 0.0)
+    radius_m: float = 0.0
+    length_m: float = 0.0
+    points_m: tuple = ()
+    triangles: tuple = ()
+    position_m: tuple = (0.0, 0.0, 0.0)  # in the body's frame
+    orientation_xyzw: tuple = UPRIGHT
+
+
+def box(size_m, **place):
+    return Shape(BOX, half_extents_m=tuple(0.5 * numpy.asarray(size_m, float)), **place)
+
+
+def ball(radius_m, **place):
+    return Shape(SPHERE, radius_m=radius_m, **place)
+
+
+def cylinder(radius_m, height_m, **place):
+    return Shape(CYLINDER, radius_m=radius_m, length_m=height_m, **place)
+
+
+def capsule(radius_m, length_m, **place):
+    """@param length_m between the centres of its caps"""
+    return Shape(CAPSULE, radius_m=radius_m, length_m=length_m, **place)
+
+
+def mesh(points_m, triangles, **place):
+    """Convex and closed. @param points_m (n, 3) @param triangles (m, 3) indices of points"""
+    return Shape(CONVEX_MESH, points_m=points_m, triangles=triangles, **place)
+
+
+@dataclasses.dataclass(frozen=True)
+class Body:
+    """A body to spawn. `generation` names it among those that the slot holds one after another."""
+    slot: int
+    shape_set: int
+    position_m: tuple
+    orientation_xyzw: tuple = UPRIGHT
+    generation: int = 1
+    owner: int = LOOP
+    mass_kg: float = 0.1
+    friction: float = 0.8
+    velocity_m_s: tuple = (0.0, 0.0, 0.0)
+    refuse_overlap: bool = False
+
+
+@dataclasses.dataclass(frozen=True)
+class BodyEvent:
+    """What became of a body. `generation` is 0 where the name is "refused", which has a `refusal`."""
+    name: str
+    tick: int
+    slot: int
+    generation: int
+    refusal: str = ""
+
+
+def event_of(name, event, refusals):
+    """@param refusals names of the schema's BodyRefusal"""
+    refused = name == "refused"
+    value = int(event["value"])
+    return BodyEvent(name, int(event["tick"]), int(event["index"]), 0 if refused else value,
+                     refusals.get(value, str(value)) if refused else "")
+
+
+# Orders whose `bodies` are structs.
+ORDERS = {"Remove": Remove, "Teleport": Teleport, "SetOwner": SetOwner, "BodyTargets": BodyTargets}
+
+
+def _pose(builder, position_m, orientation_xyzw):
+    return Pose.CreatePose(builder, *map(float, position_m), *map(float, orientation_xyzw))
+
+
+def _vector(builder, order, items, put):
+    """A vector of structs: `put(item)` appends one."""
+    getattr(ORDERS[order], f"{order}StartBodiesVector")(builder, len(items))
+    for item in reversed(items):
+        put(item)
+    return builder.EndVector()
+
+
+def _table_vector(builder, tables):
+    builder.StartVector(4, len(tables), 4)
+    for table in reversed(tables):
+        builder.PrependUOffsetTRelative(table)
+    return builder.EndVector()
+
+
+def _shape(builder, shape):
+    made = ShapeTable
+    points = triangles = None
+    if len(shape.points_m):
+        corners = numpy.asarray(shape.points_m, float).reshape(-1, 3)
+        made.ShapeStartPointsMVector(builder, len(corners))
+        for corner in corners[::-1]:
+            Vec3.CreateVec3(builder, *map(float, corner))
+        points = builder.EndVector()
+        triangles = builder.CreateNumpyVector(numpy.asarray(shape.triangles, "<u4").reshape(-1))
+    made.ShapeStart(builder)
+    made.ShapeAddType(builder, shape.type)
+    made.ShapeAddHalfExtentsM(builder, Vec3.CreateVec3(builder, *map(float, shape.half_extents_m)))
+    made.ShapeAddRadiusM(builder, shape.radius_m)
+    made.ShapeAddLengthM(builder, shape.length_m)
+    if points is not None:
+        made.ShapeAddPointsM(builder, points)
+        made.ShapeAddTriangles(builder, triangles)
+    made.ShapeAddInBody(builder, _pose(builder, shape.position_m, shape.orientation_xyzw))
+    return made.ShapeEnd(builder)
+
+
+def _spawned(builder, body):
+    made = SpawnBody
+    made.SpawnBodyStart(builder)
+    made.SpawnBodyAddSlot(builder, body.slot)
+    made.SpawnBodyAddGeneration(builder, body.generation)
+    made.SpawnBodyAddShapeSet(builder, body.shape_set)
+    made.SpawnBodyAddOwner(builder, body.owner)
+    made.SpawnBodyAddMassKg(builder, body.mass_kg)
+    made.SpawnBodyAddFriction(builder, body.friction)
+    made.SpawnBodyAddPose(builder, _pose(builder, body.position_m, body.orientation_xyzw))
+    made.SpawnBodyAddVelocityMS(builder, Vec3.CreateVec3(builder, *map(float, body.velocity_m_s)))
+    made.SpawnBodyAddRefuseOverlap(builder, body.refuse_overlap)
+    return made.SpawnBodyEnd(builder)
+
+
+# Each of these makes a vector of an order, for messages.encode(): a function of the builder.
+
+
+def pieces(shapes):
+    return lambda builder: _table_vector(builder, [_shape(builder, shape) for shape in shapes])
+
+
+def spawned(bodies):
+    return lambda builder: _table_vector(builder, [_spawned(builder, body) for body in bodies])
+
+
+def named(order, bodies):
+    """@param bodies (slot, generation), ..."""
+    return lambda builder: _vector(
+        builder, order, bodies, lambda body: BodyName.CreateBodyName(builder, *body))
+
+
+def placed(order, bodies):
+    """@param bodies (slot, generation, position_m[, orientation_xyzw]), ..."""
+    def put(builder, slot, generation, position_m, orientation_xyzw=UPRIGHT):
+        BodyPlace.CreateBodyPlace(builder, slot, generation, *map(float, position_m), *map(float, orientation_xyzw))
+    return lambda builder: _vector(builder, order, bodies, lambda body: put(builder, *body))
+
+
+def handed_over(order, bodies):
+    """@param bodies (slot, generation, owner), ..."""
+    return lambda builder: _vector(
+        builder, order, bodies, lambda body: BodyHandover.CreateBodyHandover(builder, *body))
