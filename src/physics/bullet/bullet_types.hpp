@@ -23,6 +23,12 @@ static_assert(sizeof(btScalar) == 8, "Bullet must be used in double precision");
   return {v.x(), v.y(), v.z()};
 }
 
+/// The vector, shortened to this length where it is longer.
+[[nodiscard]] inline btVector3 atMost(const btVector3& v, double length) noexcept {
+  const double is = v.length();
+  return is > length ? v * (length / is) : v;
+}
+
 [[nodiscard]] inline btMatrix3x3 toBt(const Eigen::Matrix3d& m) {
   return {m(0, 0), m(0, 1), m(0, 2), m(1, 0), m(1, 1), m(1, 2), m(2, 0), m(2, 1), m(2, 2)};
 }

@@ -1,59 +1,14 @@
 #include "physics/bullet/game_bodies.hpp"
 
 #include "core/body_limits.hpp"
-#include "physics/body_checks.hpp"
 #include "physics/bullet/bullet_types.hpp"
 
 #include <Eigen/Geometry>
 
-#include <algorithm>
-#include <cmath>
-
 namespace wholehand::bullet {
 namespace {
 
-// A driven body follows v = (ω/2) (target − x), at most kMostDrive_m_s, through a damper of 2 m ω:
-// near the target that is a critically damped spring of m ω².
-constexpr double kDriveRate_per_s = 20.0;
-constexpr double kMostDrive_m_s = 0.5;
-constexpr double kMostMomentum_ns = 0.05;  // a heavy body moves more slowly
-constexpr double kMostForce_n = 5.0;       // of pull and turn together
-constexpr double kTurnShare = 0.1;         // of kMostForce_n, at the body's outermost point
-constexpr double kTargetLives_s = 0.1;
-
-// The arm follows the fading force: at 300 N/m it moves at 0.05 m/s.
-constexpr double kLetGoRate_n_s = 15.0;
-constexpr double kLeastLetGo_s = 0.1;
-
-// Bound of the normal forces between the hand and a body together. Without it, a hand that wedges
-// between two fixed bodies was seen to be pressed with 33 kN from both sides. After an overlap the
-// bound begins with kFirst_n and grows by the factor e in kGrow_s.
-constexpr double kMostContact_n = 100.0;
-constexpr double kFirst_n = 0.5;
-constexpr double kGrow_s = 0.03;
-constexpr double kFull_s = 0.3;  // then the bound is kMostContact_n
-constexpr double kSilentFade_s = 0.2;
-constexpr double kLeaves_s = 5.0;
-
-// Faster, a body is held back and taken out: the supervisor stops the run when a body's velocity
-// changes by 10 m/s or 500 rad/s in one step.
-constexpr double kMostSpeed_m_s = 4.9;
-constexpr double kMostSpin_rad_s = 200.0;
 const Vec3 kParkedAt{0.0, 0.0, -10.0};
-
-btVector3 atMost(const btVector3& v, double length) noexcept {
-  const double is = v.length();
-  return is > length ? v * (length / is) : v;
-}
-
-/// Rotation vector from one orientation to another, the short way.
-btVector3 turnBetween(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) noexcept {
-  Eigen::Quaterniond turn = to * from.conjugate();
-  if (turn.w() < 0.0) turn.coeffs() = -turn.coeffs();
-  const double sine = turn.vec().norm();
-  const double angle = 2.0 * std::atan2(sine, turn.w());
-  return toBt(Eigen::Vector3d(turn.vec() * (sine > 1e-12 ? angle / sine : 2.0)));
-}
 
 }  // namespace
 
@@ -172,75 +127,6 @@ void GameBodies::orderBody(const Command& command) noexcept {
   resting_.disturb(first_ + index);
 }
 
-// At once when the hand does not press the body.
-void GameBodies::letGo(int index, Then then) noexcept {
-  Slot& slot = slots_[index];
-  slot.then = then;
-  if (slot.state == SlotState::kLettingGo) return;
-  const double pressed_ns =
-      slot.state == SlotState::kSolid ? solver_.impulseOn(first_ + index) : 0.0;
-  if (!(pressed_ns > 0.0)) return carryOut(index);
-  slot.state = SlotState::kLettingGo;
-  slot.lasts_s = slot.left_s = std::max(kLeastLetGo_s, pressed_ns / step_s_ / kLetGoRate_n_s);
-  slot.impulse_ns = pressed_ns;
-  slot.solid_s = kFull_s;
-  solver_.boundBody(first_ + index, pressed_ns);
-}
-
-void GameBodies::carryOut(int index) noexcept {
-  Slot& slot = slots_[index];
-  if (slot.then == Then::kPark) return park(index);
-  if (slot.then == Then::kSetOwner) {
-    slot.owner = slot.next_owner;
-    slot.there = poseNow(index);
-  }
-  slot.velocity_m_s = Vec3{};
-  slot.target = slot.there;
-  slot.target_age_s = 0.0;
-  becomeGhost(index);
-}
-
-BodyPose GameBodies::poseNow(int slot) const noexcept {
-  const BodyState state = bodies_[first_ + slot].state();
-  return {state.position_m, state.orientation_xyzw};
-}
-
-// At slot.there. Everything that rested on it, or where it appears, wakes.
-void GameBodies::becomeGhost(int index) noexcept {
-  Slot& slot = slots_[index];
-  const int body = first_ + index;
-  if (slot.state == SlotState::kGhost) --ghosts_;
-  slot.state = SlotState::kGhost;
-  ++ghosts_;
-  ++version_;
-  solver_.unboundBody(body);
-  const ShapeSets::Set& set = *sets_.find(slot.shape_set);
-  bodyOf(index).setMass(slot.owner == BodyOwner::kFixed ? 0.0 : slot.mass_kg, set.moments_per_kg,
-                        slot.friction,
-                        slot.owner == BodyOwner::kLoop ? gravity_ : btVector3(0, 0, 0));
-  resting_.setMoves(body, true);
-  bodyOf(index).putAt(slot.there, {});
-  pairs_.placed(body);
-  pairs_.forget(body);
-}
-
-void GameBodies::becomeSolid(int index) noexcept {
-  Slot& slot = slots_[index];
-  const int body = first_ + index;
-  slot.state = SlotState::kSolid;
-  slot.refuse_overlap = false;
-  slot.solid_s = slot.overlapped ? 0.0 : kFull_s;
-  slot.overlapped = false;
-  solver_.boundBody(body, (slot.solid_s < kFull_s ? kFirst_n : kMostContact_n) * step_s_);
-  --ghosts_;
-  ++version_;
-  if (slot.owner == BodyOwner::kLoop) {
-    bodies_[body].rigid().setLinearVelocity(toBt(slot.velocity_m_s.eigen()));
-  }
-  pairs_.forget(body);  // its points were never solved
-  if (slot.owner == BodyOwner::kFixed) resting_.setMoves(body, false);
-}
-
 void GameBodies::park(int index) noexcept {
   Slot& slot = slots_[index];
   const int body = first_ + index;
@@ -259,135 +145,9 @@ void GameBodies::park(int index) noexcept {
   ++version_;
 }
 
-// Of two ghosts the lower slot goes first, so that they do not wait for one another.
-void GameBodies::noteOverlap(const ColliderTag& of, const ColliderTag& with) noexcept {
-  if (of.ofHand() || !isGhost(of.body)) return;
-  if (!with.ofHand() && isGhost(with.body) && with.body > of.body) return;
-  overlaps_[of.body - first_] = true;
-}
-
-void GameBodies::findOverlaps() noexcept {
-  overlaps_.fill(false);
-  for (int m = 0; m < dispatcher_.getNumManifolds(); ++m) {
-    const btPersistentManifold& manifold = *dispatcher_.getManifoldByIndexInternal(m);
-    const ColliderTag& a = *tagOf(manifold.getBody0());
-    const ColliderTag& b = *tagOf(manifold.getBody1());
-    if (!(isGhost(a.body) || isGhost(b.body))) continue;
-    for (int k = 0; k < manifold.getNumContacts(); ++k) {
-      if (manifold.getContactPoint(k).getDistance() >= 0.0) continue;
-      noteOverlap(a, b);
-      noteOverlap(b, a);
-      break;
-    }
-  }
-}
-
-void GameBodies::settle(double step_s) noexcept {
-  step_s_ = step_s;
-  if (ghosts_ == 0) return;
-  findOverlaps();
-  for (int slot = 0; slot < count(); ++slot) {
-    if (slots_[slot].state != SlotState::kGhost) continue;
-    if (!overlaps_[slot]) {
-      becomeSolid(slot);
-    } else if (slots_[slot].refuse_overlap) {
-      refuse(slot, OrderRefusal::kOverlap);
-      park(slot);
-    } else {
-      slots_[slot].overlapped = true;
-    }
-  }
-}
-
-void GameBodies::drive(double step_s) noexcept {
-  if (used_ == 0) return;
-  for (int slot = 0; slot < count(); ++slot) {
-    const Slot& s = slots_[slot];
-    if (s.state == SlotState::kParked || s.owner != BodyOwner::kGame) continue;
-    if (resting_.awake(first_ + slot)) pull(slot, step_s);
-  }
-}
-
-void GameBodies::pull(int index, double step_s) noexcept {
-  const Slot& slot = slots_[index];
-  btRigidBody& rigid = bodyOf(index).rigid();
-  const BodyPose now = poseNow(index);
-  const double rate = kDriveRate_per_s;
-  const btVector3 to_target =
-      toBt(slot.target.position_m.eigen()) - rigid.getWorldTransform().getOrigin();
-  const btVector3 turn =
-      turnBetween(now.orientation_xyzw.eigen(), slot.target.orientation_xyzw.eigen().normalized());
-  const double most_m_s = std::min(kMostDrive_m_s, kMostMomentum_ns / slot.mass_kg);
-  const btVector3 velocity = atMost(0.5 * rate * to_target, most_m_s);
-  const btVector3 spin = atMost(0.5 * rate * turn, most_m_s / slot.radius_m);
-  if (slot.state == SlotState::kGhost) {  // nothing holds it back
-    btTransform moved;
-    rigid.setLinearVelocity(velocity);
-    rigid.setAngularVelocity(spin);
-    rigid.predictIntegratedTransform(step_s, moved);
-    rigid.proceedToTransform(moved);
-    return;
-  }
-  const double most_n = kMostForce_n * force_share_;
-  const double damper = 2.0 * rate;
-  rigid.applyCentralForce(atMost(slot.mass_kg * damper * (velocity - rigid.getLinearVelocity()),
-                                 (1.0 - kTurnShare) * most_n));
-  const btMatrix3x3 inertia = rigid.getInvInertiaTensorWorld().inverse();
-  rigid.applyTorque(atMost(inertia * (damper * (spin - rigid.getAngularVelocity())),
-                           kTurnShare * most_n * slot.radius_m));
-}
-
-void GameBodies::finish(double step_s) noexcept {
-  watchSilence(step_s);
-  if (used_ == 0) return;
-  for (int index = 0; index < count(); ++index) {
-    Slot& slot = slots_[index];
-    if (slot.state == SlotState::kParked) continue;
-    const bool fresh = slot.target_age_s <= kTargetLives_s;
-    slot.target_age_s += step_s;
-    if (fresh && slot.target_age_s > kTargetLives_s) slot.target = poseNow(index);
-    if (slot.state != SlotState::kGhost) holdWithin(index);
-    if (slot.state == SlotState::kLettingGo) fade(index, step_s);
-    if (slot.state == SlotState::kSolid && slot.solid_s < kFull_s) firm(index, step_s);
-  }
-}
-
-// A state that is not finite is left to observe(), and the run stops.
-void GameBodies::holdWithin(int index) noexcept {
-  btRigidBody& rigid = bodyOf(index).rigid();
-  const double speed_m_s = rigid.getLinearVelocity().length();
-  const double spin_rad_s = rigid.getAngularVelocity().length();
-  const double far_m = rigid.getWorldTransform().getOrigin().length();
-  if (!std::isfinite(speed_m_s) || !std::isfinite(spin_rad_s) || !std::isfinite(far_m)) return;
-  rigid.setLinearVelocity(atMost(rigid.getLinearVelocity(), kMostSpeed_m_s));
-  rigid.setAngularVelocity(atMost(rigid.getAngularVelocity(), kMostSpin_rad_s));
-  if (speed_m_s <= kMostSpeed_m_s && far_m <= kFarthest_m) return;
-  if (slots_[index].state == SlotState::kSolid) quarantined_ = index;
-  letGo(index, Then::kPark);
-}
-
-void GameBodies::fade(int index, double step_s) noexcept {
-  Slot& slot = slots_[index];
-  slot.left_s -= step_s;
-  if (slot.left_s <= 0.5 * step_s) return carryOut(index);
-  solver_.boundBody(first_ + index, slot.impulse_ns * slot.left_s / slot.lasts_s);
-}
-
-void GameBodies::firm(int index, double step_s) noexcept {
-  Slot& slot = slots_[index];
-  slot.solid_s += step_s;
-  const double grown_n = kFirst_n * std::exp(slot.solid_s / kGrow_s);
-  solver_.boundBody(first_ + index, std::min(grown_n, kMostContact_n) * step_s);
-}
-
-void GameBodies::watchSilence(double step_s) noexcept {
-  silent_s_ = alive_ ? 0.0 : silent_s_ + step_s;
-  const double change = step_s / kSilentFade_s;
-  force_share_ = std::clamp(force_share_ + (alive_ ? change : -change), 0.0, 1.0);
-  if (silent_s_ <= kLeaves_s) return;
-  for (int slot = 0; slot < count(); ++slot) {
-    if (slots_[slot].state != SlotState::kParked) letGo(slot, Then::kPark);
-  }
+BodyPose GameBodies::poseNow(int slot) const noexcept {
+  const BodyState state = bodies_[first_ + slot].state();
+  return {state.position_m, state.orientation_xyzw};
 }
 
 void GameBodies::report(PoolReport& report) noexcept {

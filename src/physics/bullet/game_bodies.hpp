@@ -49,6 +49,9 @@ class GameBodies final : public BodyPool {
   [[nodiscard]] int count() const noexcept { return static_cast<int>(slots_.size()); }
 
  private:
+  /// Time after an overlap in which the bound of the contact force grows to its full value.
+  static constexpr double kFull_s = 0.3;
+
   /// What happens to a body when the hand has let go of it.
   enum class Then { kPark, kTeleport, kSetOwner };
   struct Slot {

@@ -1,0 +1,70 @@
+// Driven bodies are pulled to the game's targets.
+#include "physics/bullet/bullet_types.hpp"
+#include "physics/bullet/game_bodies.hpp"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+
+namespace wholehand::bullet {
+namespace {
+
+// A driven body follows v = (ω/2) (target − x), at most kMostDrive_m_s, through a damper of 2 m ω:
+// near the target that is a critically damped spring of m ω².
+constexpr double kDriveRate_per_s = 20.0;
+constexpr double kMostDrive_m_s = 0.5;
+constexpr double kMostMomentum_ns = 0.05;  // a heavy body moves more slowly
+constexpr double kMostForce_n = 5.0;       // of pull and turn together
+constexpr double kTurnShare = 0.1;         // of kMostForce_n, at the body's outermost point
+
+/// Rotation vector from one orientation to another, the short way.
+btVector3 turnBetween(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) noexcept {
+  Eigen::Quaterniond turn = to * from.conjugate();
+  if (turn.w() < 0.0) turn.coeffs() = -turn.coeffs();
+  const double sine = turn.vec().norm();
+  const double angle = 2.0 * std::atan2(sine, turn.w());
+  return toBt(Eigen::Vector3d(turn.vec() * (sine > 1e-12 ? angle / sine : 2.0)));
+}
+
+}  // namespace
+
+void GameBodies::drive(double step_s) noexcept {
+  if (used_ == 0) return;
+  for (int slot = 0; slot < count(); ++slot) {
+    const Slot& s = slots_[slot];
+    if (s.state == SlotState::kParked || s.owner != BodyOwner::kGame) continue;
+    if (resting_.awake(first_ + slot)) pull(slot, step_s);
+  }
+}
+
+void GameBodies::pull(int index, double step_s) noexcept {
+  const Slot& slot = slots_[index];
+  btRigidBody& rigid = bodyOf(index).rigid();
+  const BodyPose now = poseNow(index);
+  const double rate = kDriveRate_per_s;
+  const btVector3 to_target =
+      toBt(slot.target.position_m.eigen()) - rigid.getWorldTransform().getOrigin();
+  const btVector3 turn =
+      turnBetween(now.orientation_xyzw.eigen(), slot.target.orientation_xyzw.eigen().normalized());
+  const double most_m_s = std::min(kMostDrive_m_s, kMostMomentum_ns / slot.mass_kg);
+  const btVector3 velocity = atMost(0.5 * rate * to_target, most_m_s);
+  const btVector3 spin = atMost(0.5 * rate * turn, most_m_s / slot.radius_m);
+  if (slot.state == SlotState::kGhost) {  // nothing holds it back
+    btTransform moved;
+    rigid.setLinearVelocity(velocity);
+    rigid.setAngularVelocity(spin);
+    rigid.predictIntegratedTransform(step_s, moved);
+    rigid.proceedToTransform(moved);
+    return;
+  }
+  const double most_n = kMostForce_n * force_share_;
+  const double damper = 2.0 * rate;
+  rigid.applyCentralForce(atMost(slot.mass_kg * damper * (velocity - rigid.getLinearVelocity()),
+                                 (1.0 - kTurnShare) * most_n));
+  const btMatrix3x3 inertia = rigid.getInvInertiaTensorWorld().inverse();
+  rigid.applyTorque(atMost(inertia * (damper * (spin - rigid.getAngularVelocity())),
+                           kTurnShare * most_n * slot.radius_m));
+}
+
+}  // namespace wholehand::bullet
