@@ -36,9 +36,19 @@ VectorOffset<const fb::Pose*> links(Builder& b, const HandModel& hand,
   return b.CreateVectorOfStructs(poses.data(), n);
 }
 
-VectorOffset<const fb::Pose*> bodies(Builder& b, const TickRecord& r) {
+/// Bodies of a state: without the empty slots that follow the last one in use.
+int bodyCount(const SceneModel& scene, const TickRecord& r, const LoopStatus& status,
+              Detail detail) {
+  const int all = std::clamp(r.body_count, 0, kMaxBodies);
+  if (detail == Detail::kRecorded || scene.game.slots == 0) return all;
+  const bool in_use = status.bodies && !status.bodies->empty();
+  const int slots = in_use ? status.bodies->back().slot + 1 : 0;
+  return std::min(all, static_cast<int>(scene.bodies.size()) + slots);
+}
+
+VectorOffset<const fb::Pose*> bodies(Builder& b, const TickRecord& r, int count) {
   std::array<fb::Pose, kMaxBodies> poses;
-  const auto n = static_cast<std::size_t>(std::clamp(r.body_count, 0, kMaxBodies));
+  const auto n = static_cast<std::size_t>(count);
   for (std::size_t i = 0; i < n; ++i) {
     poses[i] = {toWire(r.bodies[i].position_m), toWire(r.bodies[i].orientation_xyzw)};
   }
@@ -64,7 +74,8 @@ Offset<fb::DeviceState> deviceToWire(Builder& b, const DeviceStatus& s) {
                                static_cast<float>(s.host_age_s), static_cast<fb::LetGo>(s.let_go));
 }
 
-Arrays makeArrays(Builder& b, const TickRecord& r, const LoopStatus& status, Detail detail) {
+Arrays makeArrays(Builder& b, const SceneModel& scene, const TickRecord& r,
+                  const LoopStatus& status, Detail detail) {
   Arrays a;
   a.q_m = floats(b, r.q_m);
   a.q_s = floats(b, r.q_s);
@@ -90,7 +101,7 @@ Arrays makeArrays(Builder& b, const TickRecord& r, const LoopStatus& status, Det
   if (detail != Detail::kCompact) {
     a.qd_s = floats(b, r.qd_s);
     a.parameters = floats(b, status.parameters);
-    a.bodies = bodies(b, r);
+    a.bodies = bodies(b, r, bodyCount(scene, r, status, detail));
     a.contacts = contacts(b, r);
   }
   return a;
@@ -177,7 +188,7 @@ std::span<const std::uint8_t> StateEncoder::encode(const TickRecord& record,
                                                    std::int64_t sent_monotonic_ns) {
   Builder& b = buffer_->builder;
   b.Clear();
-  Arrays arrays = makeArrays(b, record, status, detail);
+  Arrays arrays = makeArrays(b, scene_->scene, record, status, detail);
   // A record from before a scene change may have other joints: then without links.
   const HandModel& hand = scene_->hand;
   if (detail != Detail::kCompact && hand.joint_count > 0 &&

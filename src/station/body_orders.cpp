@@ -11,87 +11,93 @@
 #include <atomic>
 #include <charconv>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
 namespace wholehand {
 namespace {
 
-using Why = std::pair<OrderRefusal, std::string>;
-const Why kGood{OrderRefusal::kNone, ""};
+struct Problem {
+  OrderRefusal refusal = OrderRefusal::kNone;
+  std::string reason;
+};
 
-Why poseFault(const BodyPose& pose) {
-  if (isBodyPose(pose)) return kGood;
+std::optional<Problem> poseProblem(const BodyPose& pose) {
+  if (isBodyPose(pose)) return std::nullopt;
   const double far_m = pose.position_m.eigen().norm();
   if (!(far_m <= kFarthest_m)) {
-    return {OrderRefusal::kBadPose,
-            fmt::format("position ({:.4g}, {:.4g}, {:.4g}) m: must be finite, and within {:.4g} m "
-                        "of the origin",
-                        pose.position_m.x, pose.position_m.y, pose.position_m.z, kFarthest_m)};
+    return Problem{
+        OrderRefusal::kBadPose,
+        fmt::format("position ({:.4g}, {:.4g}, {:.4g}) m: must be finite, and within {:.4g} m "
+                    "of the origin",
+                    pose.position_m.x, pose.position_m.y, pose.position_m.z, kFarthest_m)};
   }
-  return {OrderRefusal::kBadPose,
-          fmt::format("orientation_xyzw has norm {:.6g}: must be 1, within {:.4g}",
-                      pose.orientation_xyzw.eigen().norm(), kMostNormFault)};
+  return Problem{OrderRefusal::kBadPose,
+                 fmt::format("orientation_xyzw has norm {:.6g}: must be 1, within {:.4g}",
+                             pose.orientation_xyzw.eigen().norm(), kMostNormFault)};
 }
 
-Why shapeSetFault(int set, const GameBudget& budget) {
-  if (set >= 0 && set < budget.shape_sets) return kGood;
-  return {OrderRefusal::kNoSuchShapes,
-          fmt::format("shape set {}: must be in [0, {}] (budget.shape_sets)", set,
-                      budget.shape_sets - 1)};
+std::optional<Problem> shapeSetProblem(int set, const GameBudget& budget) {
+  if (set >= 0 && set < budget.shape_sets) return std::nullopt;
+  return Problem{OrderRefusal::kNoSuchShapes,
+                 fmt::format("shape set {}: must be in [0, {}] (budget.shape_sets)", set,
+                             budget.shape_sets - 1)};
 }
 
-Why ownerFault(BodyOwner owner) {
-  if (isBodyOwner(owner)) return kGood;
-  return {OrderRefusal::kBadPose,
-          fmt::format("owner {}: must be Loop, Game or Fixed", static_cast<int>(owner))};
+std::optional<Problem> ownerProblem(BodyOwner owner) {
+  if (isBodyOwner(owner)) return std::nullopt;
+  return Problem{OrderRefusal::kBadPose,
+                 fmt::format("owner {}: must be Loop, Game or Fixed", static_cast<int>(owner))};
 }
 
-Why massFault(const SpawnOrder& spawn, const GameBudget& budget) {
+std::optional<Problem> massProblem(const SpawnOrder& spawn, const GameBudget& budget) {
   if (!(spawn.mass_kg >= budget.least_kg && spawn.mass_kg <= budget.most_kg)) {
-    return {OrderRefusal::kBadMass,
-            fmt::format("mass_kg = {:.6g}: must be in [{:.4g}, {:.4g}] kg (budget.mass_kg)",
-                        spawn.mass_kg, budget.least_kg, budget.most_kg)};
+    return Problem{OrderRefusal::kBadMass,
+                   fmt::format("mass_kg = {:.6g}: must be in [{:.4g}, {:.4g}] kg (budget.mass_kg)",
+                               spawn.mass_kg, budget.least_kg, budget.most_kg)};
   }
   if (!(spawn.friction >= 0.0 && spawn.friction <= kMostBodyFriction)) {
-    return {OrderRefusal::kBadMass, fmt::format("friction = {:.6g}: must be in [0, {:.4g}]",
-                                                spawn.friction, kMostBodyFriction)};
+    return Problem{OrderRefusal::kBadMass, fmt::format("friction = {:.6g}: must be in [0, {:.4g}]",
+                                                       spawn.friction, kMostBodyFriction)};
   }
-  return kGood;
+  return std::nullopt;
 }
 
-Why spawnFault(const SpawnOrder& spawn, const GameBudget& budget) {
-  if (Why why = shapeSetFault(spawn.shape_set, budget); why != kGood) return why;
-  if (Why why = poseFault(spawn.pose); why != kGood) return why;
-  if (Why why = ownerFault(spawn.owner); why != kGood) return why;
+std::optional<Problem> spawnProblem(const SpawnOrder& spawn, const GameBudget& budget) {
+  if (auto problem = shapeSetProblem(spawn.shape_set, budget)) return problem;
+  if (auto problem = poseProblem(spawn.pose)) return problem;
+  if (auto problem = ownerProblem(spawn.owner)) return problem;
   const double speed_m_s = spawn.velocity_m_s.eigen().norm();
   if (!(speed_m_s <= kMostSpawnSpeed_m_s)) {
-    return {OrderRefusal::kBadPose, fmt::format("velocity_m_s has norm {:.4g}: at most {:.4g} m/s",
-                                                speed_m_s, kMostSpawnSpeed_m_s)};
+    return Problem{OrderRefusal::kBadPose,
+                   fmt::format("velocity_m_s has norm {:.4g}: at most {:.4g} m/s", speed_m_s,
+                               kMostSpawnSpeed_m_s)};
   }
-  return massFault(spawn, budget);
+  return massProblem(spawn, budget);
 }
 
-Why faultOf(const Command& command, const GameBudget& budget) {
+std::optional<Problem> problemOf(const Command& command, const GameBudget& budget) {
   if (command.index < 0 || command.index >= budget.slots) {
-    return {OrderRefusal::kNoSuchSlot, fmt::format("slot {}: must be in [0, {}] (budget.slots)",
-                                                   command.index, budget.slots - 1)};
+    return Problem{
+        OrderRefusal::kNoSuchSlot,
+        fmt::format("slot {}: must be in [0, {}] (budget.slots)", command.index, budget.slots - 1)};
   }
   if (!(command.value >= 1.0 && command.value <= kMostGeneration)) {
-    return {OrderRefusal::kWrongGeneration,
-            fmt::format("slot {}, generation {:.0f}: must be in [1, {}]", command.index,
-                        command.value, kMostGeneration)};
+    return Problem{OrderRefusal::kWrongGeneration,
+                   fmt::format("slot {}, generation {:.0f}: must be in [1, {}]", command.index,
+                               command.value, kMostGeneration)};
   }
   switch (command.type) {
     case CommandType::kSpawn:
-      return spawnFault(spawnOrderOf(command), budget);
+      return spawnProblem(spawnOrderOf(command), budget);
     case CommandType::kTeleport:
     case CommandType::kBodyTarget:
-      return poseFault(poseOf(command));
+      return poseProblem(poseOf(command));
     case CommandType::kSetOwner:
-      return ownerFault(spawnOrderOf(command).owner);
+      return ownerProblem(spawnOrderOf(command).owner);
     default:
-      return kGood;
+      return std::nullopt;
   }
 }
 
@@ -162,8 +168,8 @@ CheckedOrders checkShapes(const BodyOrders& orders, const GameBudget& budget) {
   static std::atomic<std::uint32_t> last_id{0};
   CheckedOrders out;
   out.refused = orders.faults;
-  if (Why why = shapeSetFault(orders.shape_set, budget); why != kGood) {
-    out.refused.push_back({0, -1, why.first, std::move(why.second)});
+  if (auto problem = shapeSetProblem(orders.shape_set, budget)) {
+    out.refused.push_back({0, -1, problem->refusal, std::move(problem->reason)});
   }
   if (!out.refused.empty()) return out;
   const std::vector<Shape> pieces = verified(orders.pieces, out.refused);
@@ -189,17 +195,20 @@ CheckedOrders checkOrders(const BodyOrders& orders, const GameBudget& budget) {
   std::array<bool, kMaxSlots> named{};
   for (std::size_t i = 0; i < orders.commands.size(); ++i) {
     const Command& command = orders.commands[i];
-    Why why = faultOf(command, budget);
-    if (why.first != OrderRefusal::kNoSuchSlot && std::exchange(named[command.index], true)) {
-      why = {OrderRefusal::kSlotTaken,
-             fmt::format("slot {} stands in this message before: name it once", command.index)};
+    auto problem = problemOf(command, budget);
+    const bool slot_exists = !problem || problem->refusal != OrderRefusal::kNoSuchSlot;
+    if (slot_exists && std::exchange(named[command.index], true)) {
+      problem = Problem{
+          OrderRefusal::kSlotTaken,
+          fmt::format("slot {} stands in this message before: name it once", command.index)};
     }
-    if (why == kGood) {
-      out.item_of_slot[command.index] = static_cast<int>(i);
-      out.commands.push_back(command);
-    } else {
-      out.refused.push_back({static_cast<int>(i), command.index, why.first, std::move(why.second)});
+    if (problem) {
+      out.refused.push_back(
+          {static_cast<int>(i), command.index, problem->refusal, std::move(problem->reason)});
+      continue;
     }
+    out.item_of_slot[command.index] = static_cast<int>(i);
+    out.commands.push_back(command);
   }
   return out;
 }

@@ -4,12 +4,11 @@
 #include "device/faulty/fault_injector.hpp"
 #include "device/simulated/simulated_device.hpp"
 #include "game/game_tools.hpp"
+#include "game/same_again.hpp"
 #include "model/temp_folder.hpp"
 #include "patient/scripted_player.hpp"
 #include "realtime/allocation_counter.hpp"
-#include "resimulation/resimulation.hpp"
 #include "support/seed.hpp"
-#include "telemetry/black_box_reader.hpp"
 
 namespace wholehand::test {
 namespace {
@@ -165,20 +164,6 @@ Wild runWild(std::mt19937_64& random, const std::string& device_name, int ticks,
   run->finish();
   out.outcome = run->outcome();
   return out;
-}
-
-void expectSameAgain(const std::string& path, int ticks) {
-  if (path.ends_with(".h5")) {
-    const auto reader = orThrow(RecordingReader::open(path));
-    const auto again = orThrow(resimulate(*reader, path));
-    EXPECT_GE(again.compared, static_cast<std::uint64_t>(ticks));
-    EXPECT_EQ(again.difference.field, "") << "tick " << again.different_tick;
-    return;
-  }
-  const auto box = orThrow(BlackBoxReader::open(path));
-  const auto again = orThrow(resimulate(*box, path));
-  EXPECT_GE(again.compared, static_cast<std::uint64_t>(ticks));
-  EXPECT_EQ(again.difference.field, "") << "tick " << again.different_tick;
 }
 
 TEST(GameOrders, AtRandomNearAMovingHand_AllocateNothingStopNothingAndReplay) {

@@ -158,6 +158,29 @@ TEST(WireState, FullRecord_ArrivesAsItWas) {
   EXPECT_NEAR(arm.orientation_xyzw().w(), std::sqrt(0.5F), 1e-7F);
 }
 
+TEST(WireState, SlotsOfAGame_StandUpToTheLastOneInUse) {
+  SceneFacts facts = smallFacts();  // one body
+  facts.scene.game.slots = 8;
+  TickRecord record;
+  record.body_count = 9;
+  record.bodies[4].position_m.x = 0.5;  // slot 3
+  const auto count = [&](const LoopStatus& status, wire::Detail detail) {
+    wire::StateEncoder encoder(std::make_shared<const SceneFacts>(facts));
+    const auto* state = verified(encoder.encode(record, status, detail, 0)).payload_as_WorldState();
+    if (state->bodies()->size() == 5) {
+      EXPECT_EQ(state->bodies()->Get(4)->position_m().x(), 0.5F);
+    }
+    return state->bodies()->size();
+  };
+  LoopStatus status;
+  EXPECT_EQ(count(status, wire::Detail::kFull), 1U);
+  EXPECT_EQ(count(status, wire::Detail::kRecorded), 9U) << "nobody followed the game";
+  GameBody body;
+  body.slot = 3;
+  status.bodies = std::make_shared<const GameBodies>(GameBodies{body});
+  EXPECT_EQ(count(status, wire::Detail::kFull), 5U);
+}
+
 TEST(WireState, RealDevice_SaysWhatItIsLike) {
   wire::StateEncoder encoder(std::make_shared<SceneFacts>(smallFacts()));
   LoopStatus status = fullStatus();

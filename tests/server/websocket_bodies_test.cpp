@@ -1,0 +1,156 @@
+#include "server/server_test.hpp"
+
+// Orders to the bodies of a game over real WebSockets: who may, and what clients are told.
+namespace wholehand::test {
+namespace {
+
+namespace fb = wholehand::protocol;
+using replies::answer;
+using replies::message;
+using replies::next;
+using namespace words;  // NOLINT(google-build-using-namespace): the client's vocabulary
+
+struct BodiesTest : ServerTest {
+  std::unique_ptr<WebSocket> client(const std::string& role) const {
+    return std::make_unique<WebSocket>(port(), "", "/ws" + role);
+  }
+  static replies::Answer ask(WebSocket& socket, const wire::Bytes& order) {
+    socket.say(order);
+    return answer(socket);
+  }
+  static std::vector<wire::Bytes> orders(std::uint32_t first) {
+    return {prepareBall(first, 0, 0.03F),
+            spawn(first + 1, {{}}),
+            words::remove(first + 2, {{0, 1}}),
+            teleport(first + 3, {{0, 1, placed(0.4F, 0, 0)}}),
+            setOwner(first + 4, {{0, 1, fb::BodyOwner::Game}}),
+            bodyTargets(first + 5, {{0, 1, placed(0.4F, 0, 0)}})};
+  }
+  /// Shows clients a ball in slot 3.
+  void show(SlotState state) {
+    if (!shapes) {
+      GameShapes ball;
+      ball.id = 11;
+      ball.com_m = {0.0, 0.0, 0.01};
+      ball.pieces.resize(1);
+      ball.pieces[0].type = ShapeType::kSphere;
+      ball.pieces[0].radius_m = 0.03;
+      ball.pieces[0].in_body.translation_m = {0.0, 0.0, 0.01};
+      shapes = std::make_shared<const GameShapes>(ball);
+    }
+    LoopStatus status;
+    status.session = 4;
+    GameBodies bodies;
+    if (state != SlotState::kParked) bodies.push_back({3, 9, state, shapes});
+    status.bodies = std::make_shared<const GameBodies>(bodies);
+    program.setStatus(status);
+  }
+
+  std::shared_ptr<const GameShapes> shapes;
+};
+
+TEST_F(BodiesTest, OnlyTheHolderOfTheControls_OrdersBodies) {
+  open();
+  const auto holds = client("");
+  ASSERT_TRUE(ask(*holds, takeControls(1)).accepted);
+  for (const auto& order : orders(2)) EXPECT_TRUE(ask(*holds, order).accepted);
+  EXPECT_EQ(program.askedFor(OrderType::kPrepareShapes, 1).size(), 1U);
+  EXPECT_EQ(program.askedFor(OrderType::kOrderBodies, 5).size(), 5U);
+  const auto refuses = [&](const char* role, fb::Refusal refusal) {
+    const auto other = client(role);
+    for (const auto& order : orders(1)) EXPECT_EQ(ask(*other, order).refusal, refusal) << role;
+  };
+  refuses("", fb::Refusal::NotHolder);
+  refuses("?role=player", fb::Refusal::NotHolder);
+  refuses("?role=therapist", fb::Refusal::NotHolder);
+  refuses("?role=watcher", fb::Refusal::OnlyWatches);
+  EXPECT_EQ(program.askedFor(OrderType::kOrderBodies, 5).size(), 5U);
+}
+
+TEST_F(BodiesTest, CountsThatNoSceneAllows_AreRefusedAndNothingIsAsked) {
+  open();
+  const auto holds = client("");
+  ASSERT_TRUE(ask(*holds, takeControls(1)).accepted);
+  const std::vector<fb::BodyName> many(65, fb::BodyName(0, 1));
+  const std::vector<wire::Bytes> bad = {
+      words::remove(2, many), words::remove(3, {}), spawn(4, {}),
+      prepareShapes(5, 0, [](Builder&) { return std::vector<flatbuffers::Offset<fb::Shape>>(); })};
+  for (const auto& order : bad) {
+    const auto reply = ask(*holds, order);
+    EXPECT_EQ(reply.refusal, fb::Refusal::Unreadable);
+    EXPECT_NE(reply.reason.find("must be in [1, "), std::string::npos) << reply.reason;
+  }
+  EXPECT_TRUE(program.askedFor(OrderType::kOrderBodies, 1, 0ms).empty());
+}
+
+TEST_F(BodiesTest, LargestShapes_ArePassedOnAndCountAsManyMessages) {
+  open();
+  const auto holds = client("");
+  ASSERT_TRUE(ask(*holds, takeControls(1)).accepted);
+  const auto largest = [](std::uint32_t id) {
+    return prepareShapes(id, 0, [](Builder& b) {
+      const std::vector<fb::Vec3> points(kMaxPieceVertices);
+      const std::vector<std::uint32_t> triangles(3 * (2 * kMaxPieceVertices - 4));
+      std::vector<flatbuffers::Offset<fb::Shape>> out;
+      for (int i = 0; i < kMaxSlotPieces; ++i) {
+        out.push_back(fb::CreateShapeDirect(b, fb::ShapeType::ConvexMesh, nullptr, 0.0F, 0.0F,
+                                            &points, &triangles));
+      }
+      return out;
+    });
+  };
+  figure("largest shapes", static_cast<double>(largest(2).size()), "bytes");
+  EXPECT_LE(largest(2).size(), wire::kLargestClientMessage);
+  for (std::uint32_t id = 2; id < 62; ++id) holds->say(largest(id));
+  // Each counts as ten: 400 a second allow 40 at once, and 40 more a second.
+  double dropped = 0.0, passed = 0.0;
+  const auto until = std::chrono::steady_clock::now() + 10s;
+  while (dropped + passed < 60.0 && std::chrono::steady_clock::now() < until) {
+    dropped = std::max(0.0, refused("rate"));
+    passed = static_cast<double>(program.askedFor(OrderType::kPrepareShapes, 0).size());
+  }
+  EXPECT_EQ(dropped + passed, 60.0);
+  EXPECT_GT(dropped, 0.0);
+  EXPECT_GE(passed, 39.0);
+}
+
+TEST_F(BodiesTest, BodiesOfAGame_AreToldWhenTheyChangeAndToWhoComesLater) {
+  open();
+  const auto first = client("?role=watcher");
+  ASSERT_TRUE(next(*first, fb::Payload::Controls));
+  show(SlotState::kGhost);
+  const auto ghost = next(*first, fb::Payload::GameBodies);
+  ASSERT_TRUE(ghost);
+  const auto* told = message(*ghost).payload_as_GameBodies();
+  EXPECT_EQ(told->session(), 4U);
+  ASSERT_EQ(told->bodies()->size(), 1U);
+  EXPECT_EQ(told->bodies()->Get(0)->slot(), 3U);
+  EXPECT_EQ(told->bodies()->Get(0)->generation(), 9U);
+  EXPECT_EQ(told->bodies()->Get(0)->shapes(), 11U);
+  EXPECT_EQ(told->bodies()->Get(0)->state(), fb::SlotState::Ghost);
+  ASSERT_EQ(told->new_shapes()->size(), 1U);
+  EXPECT_EQ(told->new_shapes()->Get(0)->id(), 11U);
+  EXPECT_FLOAT_EQ(told->new_shapes()->Get(0)->com_m()->z(), 0.01F);
+  const auto* piece = told->new_shapes()->Get(0)->pieces()->Get(0);
+  EXPECT_FLOAT_EQ(piece->radius_m(), 0.03F);
+  EXPECT_EQ(piece->in_body()->position_m().z(), 0.0F) << "about the centre of mass";
+  show(SlotState::kSolid);
+  const auto solid = next(*first, fb::Payload::GameBodies);
+  ASSERT_TRUE(solid);
+  told = message(*solid).payload_as_GameBodies();
+  EXPECT_EQ(told->bodies()->Get(0)->state(), fb::SlotState::Solid);
+  EXPECT_EQ(told->new_shapes()->size(), 0U) << "known from the message before";
+  const auto later = client("?role=watcher");
+  const auto joined = next(*later, fb::Payload::GameBodies);
+  ASSERT_TRUE(joined);
+  told = message(*joined).payload_as_GameBodies();
+  EXPECT_EQ(told->bodies()->Get(0)->state(), fb::SlotState::Solid);
+  EXPECT_EQ(told->new_shapes()->size(), 1U);
+  show(SlotState::kParked);
+  const auto none = next(*first, fb::Payload::GameBodies);
+  ASSERT_TRUE(none);
+  EXPECT_EQ(message(*none).payload_as_GameBodies()->bodies()->size(), 0U);
+}
+
+}  // namespace
+}  // namespace wholehand::test

@@ -1,0 +1,147 @@
+// Orders of a game to its bodies, in a station that renders. In real time.
+#include "core/body_order.hpp"
+#include "station/station_bench.hpp"
+
+namespace wholehand::test {
+namespace {
+
+Shape ball(double radius_m) {
+  Shape shape;
+  shape.type = ShapeType::kSphere;
+  shape.radius_m = radius_m;
+  return shape;
+}
+
+SpawnOrder ballAside(int slot, int generation = 1) {
+  SpawnOrder spawn;
+  spawn.slot = slot;
+  spawn.generation = generation;
+  spawn.owner = BodyOwner::kFixed;
+  spawn.pose.position_m = {0.5, 0.3, 0.2};
+  return spawn;
+}
+
+class GameInAStation : public Bar {
+ protected:
+  void runGame(bool arm_at_once) {
+    StationConfig config = barConfig();
+    config.files.exercise = kRoot + "/config/exercises/game-scene.toml";
+    config.rehearse = false;
+    load(config);
+    run(arm_at_once);
+    if (arm_at_once) {
+      ASSERT_TRUE(rendersOn());
+    }
+  }
+  static Order bodies(OrderType type, BodyOrders orders, std::uint32_t claim = 0) {
+    Order order;
+    order.type = type;
+    order.claim = claim;
+    order.bodies = std::make_shared<const BodyOrders>(std::move(orders));
+    return order;
+  }
+  static Order prepare(int set, std::vector<Shape> pieces) {
+    BodyOrders orders;
+    orders.shape_set = set;
+    orders.pieces = std::move(pieces);
+    return bodies(OrderType::kPrepareShapes, std::move(orders));
+  }
+  static Order say(std::vector<Command> commands, std::uint32_t claim = 0) {
+    BodyOrders orders;
+    orders.commands = std::move(commands);
+    return bodies(OrderType::kOrderBodies, std::move(orders), claim);
+  }
+  /// State of a slot's body as clients are told; parked where there is none.
+  SlotState stateOf(int slot) {
+    const auto told = station_->status().bodies;
+    if (!told) return SlotState::kParked;
+    for (const GameBody& body : *told) {
+      if (body.slot == slot) return body.state;
+    }
+    return SlotState::kParked;
+  }
+};
+
+TEST_F(GameInAStation, BodyIsPreparedSpawnedShownAndRemoved) {
+  runGame(true);
+  ASSERT_TRUE(ask(prepare(0, {ball(0.03)})).accepted);
+  const OrderReply spawned = ask(say({spawnCommand(ballAside(4))}));
+  ASSERT_TRUE(spawned.accepted) << spawned.reason;
+  ASSERT_TRUE(becomes([&] { return stateOf(4) == SlotState::kSolid; }));
+  TickRecord record;
+  ASSERT_TRUE(station_->latest(record));
+  EXPECT_EQ(record.bodies[4].position_m.x, 0.5);  // a scene without bodies of its own
+  ASSERT_TRUE(ask(say({removeCommand(4, 1)})).accepted);
+  EXPECT_TRUE(becomes([&] { return stateOf(4) == SlotState::kParked; }));
+}
+
+TEST_F(GameInAStation, OrdersBeforeArmingAndAfterAStop_AreRefusedWithTheRemedy) {
+  runGame(false);
+  const auto refusal = [&] { return ask(prepare(0, {ball(0.03)})); };
+  EXPECT_EQ(refusal().refusal, Refusal::kNothingArmed);
+  EXPECT_NE(refusal().reason.find("arm, then prepare"), std::string::npos);
+  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(rendersOn());
+  ASSERT_TRUE(ask(prepare(0, {ball(0.03)})).accepted);
+  ASSERT_TRUE(ask(say({spawnCommand(ballAside(0))})).accepted);
+  ASSERT_TRUE(becomes([&] { return stateOf(0) == SlotState::kSolid; }));
+  ASSERT_TRUE(ask(OrderType::kStop).accepted);
+  EXPECT_EQ(refusal().refusal, Refusal::kStillStopping);
+  ASSERT_TRUE(becomes(RunState::kStopped));
+  EXPECT_TRUE(becomes([&] { return refusal().refusal == Refusal::kNothingArmed; }));
+  EXPECT_EQ(station_->status().bodies, nullptr);
+  // Shapes are those of a session.
+  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  const OrderReply spawn = ask(say({spawnCommand(ballAside(0))}));
+  ASSERT_EQ(spawn.refusal, Refusal::kBodiesRefused);
+  EXPECT_EQ(spawn.items.at(0).refusal, OrderRefusal::kNoSuchShapes);
+}
+
+TEST_F(GameInAStation, SceneWithoutABudget_TakesNoBodies) {
+  run(true);
+  const OrderReply reply = ask(say({removeCommand(0, 1)}));
+  EXPECT_EQ(reply.refusal, Refusal::kNoBodies);
+  EXPECT_NE(reply.reason.find("game-scene"), std::string::npos);
+}
+
+TEST_F(GameInAStation, OrderOfAnEarlierHolder_IsRefused) {
+  runGame(true);
+  ASSERT_TRUE(ask(say({removeCommand(0, 1)}, 2)).accepted);
+  EXPECT_EQ(ask(say({removeCommand(0, 1)}, 1)).refusal, Refusal::kNotHolder);
+}
+
+TEST_F(GameInAStation, MoreThanTheLoopTakes_IsAnsweredBusyAndTakenLater) {
+  runGame(true);
+  std::vector<Command> all;
+  for (int slot = 0; slot < kMaxSlots; ++slot) all.push_back(removeCommand(slot, 1));
+  bool busy = false;
+  for (int i = 0; i < 1000 && !busy; ++i) {
+    const OrderReply reply = ask(say(all));
+    busy = reply.refusal == Refusal::kBusy;
+    EXPECT_TRUE(busy || reply.accepted) << reply.reason;
+  }
+  EXPECT_TRUE(busy);
+  EXPECT_TRUE(becomes([&] { return ask(say(all)).accepted; }));
+  EXPECT_TRUE(rendersOn());
+}
+
+TEST_F(GameInAStation, WhileTheGameIsSilent_NothingIsSpawned) {
+  runGame(true);
+  ASSERT_TRUE(ask(prepare(0, {ball(0.03)})).accepted);
+  Order silent = of(OrderType::kOwnerAlive);
+  silent.value = 0.0;
+  ASSERT_TRUE(ask(silent).accepted);
+  ASSERT_TRUE(rendersOn());
+  ASSERT_TRUE(ask(say({spawnCommand(ballAside(0))})).accepted)
+      << "the loop refuses it, by an event";
+  ASSERT_TRUE(rendersOn());
+  EXPECT_EQ(stateOf(0), SlotState::kParked);
+  silent.value = 1.0;
+  ASSERT_TRUE(ask(silent).accepted);
+  ASSERT_TRUE(rendersOn());
+  ASSERT_TRUE(ask(say({spawnCommand(ballAside(0, 2))})).accepted);
+  EXPECT_TRUE(becomes([&] { return stateOf(0) == SlotState::kSolid; }));
+}
+
+}  // namespace
+}  // namespace wholehand::test
