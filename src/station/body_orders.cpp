@@ -111,8 +111,8 @@ int pieceOf(const std::string& key) {
   return index;
 }
 
-void refuseShapes(Diagnostics faults, std::vector<RefusedItem>& refused) {
-  for (Diagnostic& fault : faults) {
+void refuseShapes(const Diagnostics& faults, std::vector<RefusedItem>& refused) {
+  for (const Diagnostic& fault : faults) {
     const int piece = pieceOf(fault.key);
     refused.push_back({piece, -1, OrderRefusal::kBadShapes, format(fault)});
   }
@@ -153,7 +153,7 @@ std::vector<Shape> verified(const std::vector<Shape>& pieces, std::vector<Refuse
       if (!mesh) {
         Diagnostics faults = mesh.errors();
         for (Diagnostic& fault : faults) fault.key = fmt::format("pieces[{}]", i);
-        refuseShapes(std::move(faults), refused);
+        refuseShapes(faults, refused);
         continue;
       }
       mesh->in_body = shape.in_body;
