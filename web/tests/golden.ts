@@ -16,7 +16,7 @@ interface Job {
 
 const job = JSON.parse(readFileSync(process.argv[2], 'utf8')) as Job;
 const layout = job.layout.objects;
-const PAYLOADS = { state: 'WorldState', scene: 'Scene', events: 'Events', welcome: 'Welcome', controls: 'Controls', commissioning: 'Commissioning', reply: 'Reply' } as const;
+const PAYLOADS = { state: 'WorldState', scene: 'Scene', events: 'Events', welcome: 'Welcome', controls: 'Controls', commissioning: 'Commissioning', reply: 'Reply', bodies: 'GameBodies' } as const;
 
 /** As flatc names a field. */
 const camel = (name: string): string => name.replace(/_(\w)/g, (_, letter: string) => letter.toUpperCase());
