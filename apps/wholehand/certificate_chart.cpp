@@ -20,9 +20,9 @@ struct Group {
 std::vector<Group> groupsOf(const Certificate& certificate) {
   std::vector<Group> groups;
   for (std::size_t i = 0; i < certificate.axes.size(); ++i) {
-    const AxisCase& c = certificate.axes[i].of;
+    const AxisCase& c = certificate.axes[i].axis_case;
     const auto same = std::find_if(groups.begin(), groups.end(), [&](const Group& group) {
-      return sameCase(certificate.axes[group.first].of, c);
+      return sameCase(certificate.axes[group.first].axis_case, c);
     });
     if (same != groups.end()) {
       same->names += ", " + c.axis.name;

@@ -65,9 +65,9 @@ AdvisedCertificate judge(CertificateInput input) {
   out.input = std::move(input);
   out.certificate = certify(out.input);
   for (std::size_t i = 0; i < out.certificate.axes.size(); ++i) {
-    const AxisCase& c = out.certificate.axes[i].of;
+    const AxisCase& c = out.certificate.axes[i].axis_case;
     std::size_t twin = 0;  // x, y and z are often equal
-    while (twin < i && !sameCase(out.certificate.axes[twin].of, c)) ++twin;
+    while (twin < i && !sameCase(out.certificate.axes[twin].axis_case, c)) ++twin;
     out.advice.push_back(twin < i ? out.advice[twin] : advise(c));
   }
   if (!out.certificate.certified) out.nearest = nearestGains(out.input, out.certificate);

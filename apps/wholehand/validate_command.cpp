@@ -126,7 +126,7 @@ class Validation {
     if (!toml.readable()) return;
     toml.root().choice("kind", {"hand", "device", "rendering", "patient", "scene", "exercise",
                                 "passport", "device-check"});
-    if (toml.root().good("kind")) return;
+    if (toml.root().isGood("kind")) return;
     toml.root().ignoreUnknownKeys();
     add(toml.finish());
   }

@@ -42,7 +42,7 @@ Day readDay(TomlTable& table, std::string_view key) {
   const std::chrono::year_month_day date{std::chrono::year(year), std::chrono::month(month),
                                          std::chrono::day(day)};
   if (read == 3 && date.ok()) return Day(date);
-  if (table.good(key)) table.fail(key, "is no date", "write it as 2026-11-21");
+  if (table.isGood(key)) table.fail(key, "is no date", "write it as 2026-11-21");
   return {};
 }
 
