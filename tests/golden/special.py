@@ -58,7 +58,7 @@ def messages(schema):
     yield "order_none", "a command without an order", of({"Command": {"id": 7}})
     yield "order_id_0", "a command without a number", command("Stop", {}, 0)
     yield "order_id_largest", "the largest number of a command", command("Stop", {}, 0xffffffff)
-    yield "order_oversized", "a client's message of more than 4,096 bytes", command("TakeControls", {"token": "x" * 4097})
+    yield "order_oversized", "a client's message of more than 40,960 bytes", command("TakeControls", {"token": "x" * 40961})
     # Damaged.
     yield "flaw_empty", "no byte", b""
     yield "flaw_7_bytes", "shorter than the identifier's end", state[:7]

@@ -336,7 +336,7 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"pill-rolling", "axes        = [\"x\",", "axes        = [\"w\",", "tremor.axes",
                 "w", "w is no axis of the device"},
         Mistake{"spastic-fist", "together = true", "together = \"yes\"",
-                "reflex.largest_triggers_all", "yes", "true or false"}));
+                "reflex.together", "yes", "true or false"}));
 
 /// The remedy is true: what is off the diagonal times the share that is named passes.
 TEST(WrongLinks, ShareThatIsNamed_Passes) {
