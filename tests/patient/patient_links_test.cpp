@@ -335,8 +335,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "40", "[-10, 10] N at the tip"},
         Mistake{"pill-rolling", "axes        = [\"x\",", "axes        = [\"w\",", "tremor.axes",
                 "w", "w is no axis of the device"},
-        Mistake{"spastic-fist", "together = true", "together = \"yes\"",
-                "reflex.together", "yes", "true or false"}));
+        Mistake{"spastic-fist", "together = true", "together = \"yes\"", "reflex.together", "yes",
+                "true or false"}));
 
 /// The remedy is true: what is off the diagonal times the share that is named passes.
 TEST(WrongLinks, ShareThatIsNamed_Passes) {
