@@ -13,7 +13,7 @@ const LOST_S = 0.5;
 const LOST_N = 0.3;
 /** A move that takes longer is given up: a limit of the person's reach is in the way [s]. */
 const GIVES_UP_S = 8;
-/** Held without pouring: between these parts of the force from which on it is squeezed well. */
+/** Held, and nothing squeezed out of it: between these parts of the force from which on it is squeezed well. */
 const HOLD = [0.76, 0.86] as const;
 /** Squeezed in this part of the zone, from its lower end. */
 const GENTLE = 0.3;
@@ -111,7 +111,7 @@ export class Carry {
   }
 
   private velocity({ aim, away }: Carried): Triple {
-    // Over the glass the target itself is looked at: it may lean in the hand.
+    // At its place the target itself is looked at: it may lean in the hand.
     const goal = this.phase === 'bring' || this.phase === 'squeeze' ? { x: aim.x + away.x, y: aim.y + away.y, z: aim.z } : this.goal;
     if (goal === undefined) return { x: 0, y: 0, z: 0 };
     const way = { x: goal.x - aim.x, y: goal.y - aim.y, z: goal.z - aim.z };
