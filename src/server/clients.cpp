@@ -122,7 +122,8 @@ bool Clients::withinRate(Entry entry, std::size_t bytes, std::int64_t now_ns) {
   const double elapsed_s = 1e-9 * static_cast<double>(now_ns - c.allowance_ns);
   c.allowance_ns = now_ns;
   c.allowance = std::min(kMessagesPerSecond, c.allowance + kMessagesPerSecond * elapsed_s);
-  const double price = 1.0 + static_cast<double>(bytes / (kMessageSize + 1));
+  const std::size_t messages = 1 + bytes / (kMessageSize + 1);
+  const auto price = static_cast<double>(messages);
   if (c.allowance < price) return false;
   c.allowance -= price;
   return true;

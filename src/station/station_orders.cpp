@@ -202,7 +202,7 @@ OrderReply Station::Core::carryOut(const Order& order, std::uint64_t asked) {
       break;
     case OrderType::kUnattended:
       if (!live_ || !armed_for_client_ || status_.run_state != RunState::kRendering) break;
-      say("nobody has held the controls for long: the session ends");
+      say("nobody has held the controls or ordered anything for long: the session ends");
       takeStop(asked, false);
       break;
     case OrderType::kAnswer:
@@ -211,11 +211,10 @@ OrderReply Station::Core::carryOut(const Order& order, std::uint64_t asked) {
     case OrderType::kArm:
     case OrderType::kLoadExercise:
     case OrderType::kSaveProfile:
-    case OrderType::kLoadProfile:
-      break;  // a queued task
-    case OrderType::kPrepareShapes:
+    case OrderType::kLoadProfile:    // a queued task, as those above
+    case OrderType::kPrepareShapes:  // orderBodies()
     case OrderType::kOrderBodies:
-      break;  // orderBodies()
+      break;
   }
   return {true, ""};
 }

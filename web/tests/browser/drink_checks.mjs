@@ -6,6 +6,7 @@ import { PerspectiveCamera, Vector3 } from 'three';
 import { openPage, pageUrl } from './browser.mjs';
 import { expect, GOES_ON } from './checks.mjs';
 
+const HANDS = join(dirname(fileURLToPath(import.meta.url)), '..', '..', '..', 'config', 'hands');
 const PATIENT_MS = 60_000;
 /** A drink with full help. */
 const DRINK_S = 60;
@@ -81,7 +82,7 @@ const PLACES = [
 export async function drinksByEveryWay(browser, start, watch) {
   const took = [];
   for (const place of PLACES) {
-    const program = await start('--hand', `adult-median-${place.side}`, '--level', String(place.level));
+    const program = await start('--hand', join(HANDS, `adult-median-${place.side}.toml`), '--level', String(place.level));
     try {
       const watcher = await watch(program.url);
       const words = await drinksAt(browser, program.url, watcher, place);
@@ -107,7 +108,7 @@ async function drinksAt(browser, programUrl, watcher, { level, width, height }) 
     const bottle = await bottleIn({ width, height }, await watcher.now());
     const ways = {
       'one button': async () => { await page.keyboard.down('Space'); await wait(150); await page.keyboard.up('Space'); },
-      keys: async () => { await page.keyboard.up('Space'); await page.keyboard.down('Space'); },   // and holds it
+      keys: async () => { await page.keyboard.up('Space'); await wait(400); await page.keyboard.down('Space'); },   // and holds it
       mouse: async (now) => { const { x, y } = bottle(now); await page.mouse.move(x - 60, y + 40); await page.mouse.move(x, y, { steps: 4 }); await page.mouse.down(); await wait(150); await page.mouse.up(); },
       touch: async (now) => { const { x, y } = bottle(now); await page.touchscreen.tap(x, y); },
       pad: async () => { await page.evaluate(() => { window.padDown = true; }); await wait(150); await page.evaluate(() => { window.padDown = false; }); },
