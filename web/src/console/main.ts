@@ -33,7 +33,7 @@ function frame(now_ms: number): void {
   requestAnimationFrame(frame);
   const began_ms = performance.now();
   const state = connection.latestState;
-  page.frame(began_ms);
+  if (!page.frame(began_ms)) return;
   // uPlot draws in a microtask of its own: what it costs counts too.
   queueMicrotask(() => {
     const ended_ms = performance.now();

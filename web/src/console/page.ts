@@ -1,5 +1,6 @@
 import type { Connection } from '../net/connection';
-import { PacedView, type HandLook } from '../scene/paced_view';
+import { PacedView, PICTURES_HZ, type HandLook } from '../scene/paced_view';
+import type { Quality } from '../scene/quality';
 import type { SceneT } from '../protocol';
 import { answerPresses } from '../shared/pressed';
 import { h, setAttribute } from './dom';
@@ -18,6 +19,9 @@ import { ScenePanel } from './scene_panel';
 
 /** Words and numbers are refreshed this often [ms]; faster cannot be read. */
 const REFRESH_MS = 200;
+
+/** A frame this much early is on time [ms]. */
+const EARLY_MS = 2;
 
 /** Whether the element with the focus uses the space bar itself. */
 function spaceIsTaken(target: EventTarget | null): boolean {
@@ -46,6 +50,7 @@ export class ConsolePage {
   private look: HandLook = 'skin';
   private readonly watch = new SavedWatch();
   private refreshed_ms = -Infinity;
+  private drawn_ms = -Infinity;
   private builtFrom = '';
 
   constructor(private readonly root: HTMLElement, private readonly connection: Connection) {
@@ -66,7 +71,7 @@ export class ConsolePage {
   }
 
   /** Quality of the 3D view: "high", "low", or "none" without one. */
-  get quality(): string {
+  get quality(): Quality | 'none' {
     return this.view?.drawnIn ?? 'none';
   }
 
@@ -112,16 +117,26 @@ export class ConsolePage {
     this.viewPanel?.setView(this.view);
   }
 
-  /** Draws a frame of the page. */
-  frame(now_ms: number): void {
+  /**
+   * Time between two drawings of plots and picture [ms]. A machine that does not draw in high quality draws
+   * both on its processor, and most often the patient's game beside them.
+   */
+  private get pace_ms(): number {
+    return this.quality === 'high' ? 0 : 1000 / PICTURES_HZ.low;
+  }
+
+  /** Draws what is due of the page. @returns whether plots and picture were drawn */
+  frame(now_ms: number): boolean {
     if (now_ms - this.refreshed_ms >= REFRESH_MS) {
       this.refreshed_ms = now_ms;
       setAttribute(document.body, 'data-state', this.model.status.name);
       for (const panel of this.panels) panel.refresh?.();
     }
-    if (!this.model.fresh) return;
+    if (!this.model.fresh || now_ms - this.drawn_ms < this.pace_ms - EARLY_MS) return false;
     this.model.fresh = false;
+    this.drawn_ms = now_ms;
     for (const panel of this.panels) panel.draw?.();
+    return true;
   }
 
   private onKey(event: KeyboardEvent): void {

@@ -5,8 +5,8 @@ import { QualityChooser, initialQuality, type Quality } from './quality';
 
 export type HandLook = 'skin' | 'colliders';
 
-/** Pictures a second [Hz]. Low quality has fewer of them, so that the plots stay fluent. */
-const RATE_HZ: Readonly<Record<Quality, number>> = { high: 30, low: 12 };
+/** Pictures a second [Hz]. */
+export const PICTURES_HZ: Readonly<Record<Quality, number>> = { high: 30, low: 12 };
 
 /** The picture beside plots: it is drawn less often than they are, in the quality that the machine can draw. */
 export class PacedView {
@@ -60,13 +60,13 @@ export class PacedView {
 
   /** Draws a state when the next picture is due. @param atOnce draws it now, because somebody waits for this state */
   draw(state: WorldStateT, now_ms: number, atOnce = false): void {
-    if (!atOnce && now_ms - this.drawn_ms < 1000 / RATE_HZ[this.quality] - 2) return;
+    if (!atOnce && now_ms - this.drawn_ms < 1000 / PICTURES_HZ[this.quality] - 2) return;
     this.drawn_ms = now_ms;
     this.scene.setState(state);
     this.scene.render(now_ms);
     if (atOnce) return;
     // Only pictures that are slower than this view's own pace are a sign of a slow machine.
-    const late_ms = this.scene.stats().frame_ms - 1000 / RATE_HZ[this.quality];
+    const late_ms = this.scene.stats().frame_ms - 1000 / PICTURES_HZ[this.quality];
     const quality = this.chooser?.choose({ frame_ms: late_ms }, now_ms) ?? this.quality;
     if (quality === this.quality) return;
     this.quality = quality;

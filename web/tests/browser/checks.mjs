@@ -254,6 +254,22 @@ export async function cost(browser, programUrl, path, { seconds = 12, cutOff = f
   return { fps: drawn / seconds, drawing_cpu_ms_mean: drawing, script_cpu_ms_mean: cpu_ms, script_ms_p95: stats.script_ms_p95, state_age_ms_p99: stats.state_age_ms_p99, faults };
 }
 
+/** Frames a second of a game beside a console that draws its picture, too, each in a browser of its own. */
+export async function gameBesideAConsole(browser, openBrowser, programUrl, options) {
+  const another = await openBrowser();
+  try {
+    const console3d = await openPage(another, pageUrl(programUrl, '/console', { lang: 'en', quality: 'low', role: 'watcher' }));
+    await console3d.waitForFunction(() => window.wholehandStats?.quality === 'low', null, { timeout: PATIENT_MS });
+    const framesOf = () => console3d.evaluate(() => window.wholehandStats.frames);
+    const [before, began_ms] = [await framesOf(), Date.now()];
+    const game = await cost(browser, programUrl, '/', options);
+    const console_fps = (1000 * ((await framesOf()) - before)) / (Date.now() - began_ms);
+    return { ...game, console_fps, faults: [...game.faults, ...console3d.faults] };
+  } finally {
+    await another.close();
+  }
+}
+
 /** A camera that is refused, or not there, is said in words, and the game can still be begun. */
 export async function missingCameraIsSaid(openBrowserWith, programUrl) {
   const said = [];

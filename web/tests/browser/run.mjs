@@ -39,6 +39,8 @@ const SCRIPT_MS = 8;
 const DRAWING_MS = 140;
 // Share of the processor that is in use before a page opens, above which others use this machine too.
 const BUSY = 0.5;
+// A game that draws 28 frames a second alone draws 12 of them beside a console with its picture.
+const BESIDE_RATIO = 0.5;
 const LOOK_MS = 3000;
 const IDLE_WITHIN_S = 15;
 
@@ -93,10 +95,10 @@ async function waiting(check, start = startWaiting, ...more) {
 }
 
 /** Figures of a page, printed and kept. */
-async function measured(browser, programUrl, name, path) {
+async function measured(browser, programUrl, name, path, measure = checks.cost) {
   const { busy, waited_s } = await idleMachine();
   // A page whose machine is taken away for seconds loses its line, and is right to.
-  const figures = await checks.cost(browser, programUrl, path, { cutOff: busy >= BUSY });
+  const figures = await measure(browser, programUrl, path, { cutOff: busy >= BUSY });
   const words = `${figures.fps.toFixed(1)} frames/s in low quality, drawing ${figures.drawing_cpu_ms_mean.toFixed(0)} ms and script ${figures.script_cpu_ms_mean.toFixed(2)} ms of processor a frame, p95 ${figures.script_ms_p95.toFixed(2)} ms by the clock, state age p99 ${figures.state_age_ms_p99?.toFixed?.(0) ?? '-'} ms; ${(100 * busy).toFixed(0)} % of the processor in use before, after waiting ${waited_s.toFixed(0)} s`;
   writeFileSync(join(OUTPUT, `cost-${name}.json`), `${JSON.stringify({ ...figures, busy_share: busy, waited_s }, null, 2)}\n`);
   console.log(`figure ${name}: ${words}`);
@@ -111,6 +113,23 @@ async function costOf(browser, programUrl, name, path) {
   return `gated: ${DRAWING_MS} ms of processor a frame for drawing, ${SCRIPT_MS} for script`;
 }
 
+/** The game's frames beside a console that draws, against its frames alone, just before: by the clock, so a ratio. */
+async function besideAConsole(browser, programUrl) {
+  const beside = (_, url, path, options) => checks.gameBesideAConsole(browser, openBrowser, url, options);
+  const ratios = [];
+  // What else runs may begin between the two: once more, then.
+  while (ratios.length < 2 && !(Math.max(...ratios) >= BESIDE_RATIO)) {
+    const alone = await measured(browser, programUrl, 'game-alone', '/');
+    const both = await measured(browser, programUrl, 'game-beside-a-console', '/', beside);
+    checks.expect(both.figures.faults.length === 0, both.figures.faults.join('\n'));
+    ratios.push(both.figures.fps / alone.figures.fps);
+    console.log(`figure game-beside-a-console: the console ${both.figures.console_fps.toFixed(1)} frames/s`);
+  }
+  const words = `${ratios.map((ratio) => ratio.toFixed(2)).join(', then ')} of the frames alone; gated: ${BESIDE_RATIO}`;
+  checks.expect(Math.max(...ratios) >= BESIDE_RATIO, words);
+  return words;
+}
+
 mkdirSync(OUTPUT, { recursive: true });
 // The program keeps recordings in its folder: a fresh one leaves nothing behind.
 const folder = mkdtempSync(join(tmpdir(), 'wholehand-browser-'));
@@ -123,6 +142,8 @@ const { port } = program;
 const plain = await openBrowser({ with3d: false });
 const drawing = await openBrowser();
 try {
+  // First, while no other page is open and no other loop runs.
+  await test('a game beside a console', () => waiting((url) => besideAConsole(drawing, url), () => startProgram({ file: FILE, folder, args: ['--no-rehearsal'] })));
   const watcher = await openWatcher(plain, program.url);
   // A therapist who is there starts it.
   await stops.armFrom(watcher);
