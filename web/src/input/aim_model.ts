@@ -6,7 +6,7 @@ import { Pilot } from './pilot';
 import { partOfAxis, placeOnAxis } from './axis_range';
 import { approach, clamp, closedEnd, FIRMEST, isHandAxis, postureOf, squeezeOfFingers } from './posture';
 import { nextSqueeze } from './squeeze';
-import type { Help, Triple, Wish } from './wish';
+import { asksToSqueeze, type Help, type Triple, type Wish } from './wish';
 import { Yielding } from './yielding';
 
 /** An axis of the device as far as aiming needs it. */
@@ -178,7 +178,7 @@ export class AimModel {
     const { wish, goal, leaving, outOfReach = false, carries = false, holds } = this.pilot.steer(asked, sight, this.config.help, dt_s);
     this.tooFar = outOfReach;
     const help: Near = carries ? { pace: 1, stretch: 0, mayClose: true, at: goal, wanted: true } : this.guideFor(wish, seen, { hand, aim, back_m, goal, leaving });
-    const wanted = typeof wish.squeeze === 'number' ? wish.squeeze > 0.05 : wish.squeeze;
+    const wanted = asksToSqueeze(wish.squeeze);
     this.waits = wanted && this.config.help !== 'none' && !help.mayClose && this.squeezePart === 0;
     const away = help.at === undefined ? undefined : seen.awayFromUse?.[help.at];
     const carried = away !== undefined && (holds ?? !isInPlace(away));
@@ -207,7 +207,7 @@ export class AimModel {
   private handAxis(name: string, wish: Wish, stretch: number, i: number, seen: Perception, dt_s: number): number {
     const part = name === 'thumb_flexion' && wish.thumb !== undefined ? wish.thumb : this.squeezePart * (name === 'thumb_flexion' ? this.thumbShare : 1);
     const now = this.q[i] ?? 0;
-    const posture = this.yielding.closes ? postureOf(name, 1) : postureOf(name, part, stretch);
+    const posture = postureOf(name, part, stretch);
     const next = approach(now, posture, FASTEST_RAD_S * dt_s);
     if (this.squeezePart > 0) return next;
     // A finger whose back is held by a target would be loaded like a spring, and snap when it comes free.

@@ -1,7 +1,7 @@
 import { Carry } from './carry';
 import { depthOf, INSIDE, laneOf, ownGrip } from './guide';
 import { Trigger } from './trigger';
-import type { Help, Triple, Wish } from './wish';
+import { asksToSqueeze, type Help, type Triple, type Wish } from './wish';
 
 /** What the pilot looks at in a moment. Grips are device coordinates. */
 export interface Sight {
@@ -41,8 +41,6 @@ export interface Course {
   carries?: boolean;
   holds?: boolean;
 }
-
-const isPressed = (squeeze: boolean | number): boolean => typeof squeeze === 'number' ? squeeze > 0.05 : squeeze;
 
 /** Speed at which the hand is taken along [m/s]. */
 const SPEED_M_S = 0.16;
@@ -118,7 +116,7 @@ export class Pilot {
     if (this.leaving) return this.leave(wish, sight);
     if (help === 'full' && sight.letGo) wish.squeeze = false;
     if (help === 'none') return { wish, leaving: false };
-    if (help === 'full' && this.meant !== undefined && sight.closed && isPressed(wish.squeeze) && sight.awayFromUse?.[this.meant]) {
+    if (help === 'full' && this.meant !== undefined && sight.closed && asksToSqueeze(wish.squeeze) && sight.awayFromUse?.[this.meant]) {
       this.carry = { target: this.meant, carry: new Carry() };
     }
     if (this.tooFar) return { wish: { ...wish, squeeze: false }, leaving: false, outOfReach: true };
@@ -131,7 +129,7 @@ export class Pilot {
     const wants = this.trigger.step(asked.squeeze, true, sight.closed, dt_s);
     const { x, y, z } = asked.velocity, isLed = x !== 0 || y !== 0 || z !== 0;
     const away = sight.awayFromUse?.[target];
-    const move = away && carry.step({ ...sight, away, goesOn: isPressed(wants) && !sight.letGo }, dt_s);
+    const move = away && carry.step({ ...sight, away, goesOn: asksToSqueeze(wants) && !sight.letGo }, dt_s);
     if (move) return { wish: { ...asked, place: {}, velocity: isLed ? asked.velocity : move.velocity, squeeze: true }, goal: target, leaving: false, carries: true, holds: move.hold };
     this.carry = undefined;
     return undefined;
@@ -154,7 +152,7 @@ export class Pilot {
   /** Which target is meant now. Whoever moves the hand with keys decides it by hand. */
   private choose(wish: Wish, sight: Sight, own: number, help: Help): void {
     const { x, y, z } = wish.velocity;
-    const squeezes = isPressed(wish.squeeze);
+    const squeezes = asksToSqueeze(wish.squeeze);
     const before = this.squeezed;
     this.squeezed = squeezes && !sight.letGo;
     if (x !== 0 || y !== 0 || z !== 0) {

@@ -29,6 +29,9 @@ export interface Wish {
   thumb?: number;
 }
 
+/** Whether a squeeze is asked for. A camera's noise is not. */
+export const asksToSqueeze = (squeeze: Wish['squeeze']): boolean => typeof squeeze === 'number' ? squeeze > 0.05 : squeeze;
+
 export function restingWish(): Wish {
   return { velocity: { x: 0, y: 0, z: 0 }, place: {}, squeeze: false };
 }

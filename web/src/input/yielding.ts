@@ -13,9 +13,8 @@ const BEARS_S = 0.8;
 const YIELDS_S = 0.7;
 /** An arm that has yielded leads by this at most [m]: with 300 N/m that is 0.6 N. */
 const LEAST_LEASH_M = 0.002;
-/** A wedged hand draws back, opens and closes in turns of so long [s]. */
+/** A wedged hand draws back and opens in turns of so long [s]. */
 const TURN_S = 1;
-const TURNS = ['back', 'open', 'back', 'close'] as const;
 /** Fingers that are hooked behind something lead by this at most [rad]. */
 const LEAST_LEASH_RAD = 0.05;
 
@@ -54,18 +53,12 @@ export class Yielding {
   /** Whether yielding was not enough: the hand is wedged, for example between a target and the end of the device's range. */
   get wedged(): boolean { return this.wedged_s > 0; }
 
-  /** What a wedged hand tries now. Its arm rests while it opens or closes: a fist that is pulled at only jams. */
-  private get turn(): 'back' | 'open' | 'close' { return TURNS[Math.floor(this.wedged_s / TURN_S) % TURNS.length]!; }
-
-  /** Whether a wedged hand draws back now. */
-  get drawsBack(): boolean { return this.wedged && this.turn === 'back'; }
-
-  /** Whether a wedged hand closes now: between two targets a fist is narrower the more it is closed. */
-  get closes(): boolean { return this.wedged && this.turn === 'close'; }
+  /** Whether a wedged hand draws back now. In turns with this its arm rests and its fingers open: a fist that is pulled at only jams. */
+  get drawsBack(): boolean { return this.wedged && Math.floor(this.wedged_s / TURN_S) % 2 === 0; }
 
   /** How far the aim of an open hand's axis may be from where the device is [rad]. */
   handLeash(usual_rad: number): number {
-    return this.wedged && this.turn !== 'back' ? usual_rad : Math.max(LEAST_LEASH_RAD, usual_rad * this.part);
+    return this.wedged && !this.drawsBack ? usual_rad : Math.max(LEAST_LEASH_RAD, usual_rad * this.part);
   }
 
   /** How far the aim may be below and above where the device is along an axis [m]. */
@@ -73,7 +66,7 @@ export class Yielding {
     const yielded_m = Math.max(LEAST_LEASH_M, usual_m * this.part);
     const force_n = this.sum_n[key];
     // On its way out friction holds a wedged hand, too.
-    if (key === 'x' && this.wedged) return [this.turn === 'back' ? usual_m : yielded_m, yielded_m];
+    if (key === 'x' && this.wedged) return [this.drawsBack ? usual_m : yielded_m, yielded_m];
     // A force upwards on the hand means that it presses down.
     return [force_n > 0.2 ? yielded_m : usual_m, force_n < -0.2 ? yielded_m : usual_m];
   }
