@@ -19,14 +19,23 @@ struct ShapeText {
   double half_height_m = 0.0;  // as it stands in the world
 };
 
+std::string ball(double radius_m) {
+  return fmt::format("shape = \"sphere\"\nradius_m = {}\n", radius_m);
+}
+
+std::string upright(const char* shape, double radius_m, double height_m) {
+  return fmt::format("shape = \"{}\"\nradius_m = {}\nheight_m = {}\n", shape, radius_m, height_m);
+}
+
 // The cylinder and the disk stand: with the hand in handshake their axis lies along the palm's
 // radial direction, which is the world's z.
-ShapeText shapeText(const std::string& shape) {
-  if (shape == "cube") return {"shape = \"box\"\nsize_m = [0.05, 0.05, 0.05]\n", 0.025};
-  if (shape == "sphere") return {"shape = \"sphere\"\nradius_m = 0.03\n", 0.03};
-  if (shape == "cylinder")
-    return {"shape = \"cylinder\"\nradius_m = 0.025\nheight_m = 0.12\n", 0.06};
-  return {"shape = \"disk\"\nradius_m = 0.04\nheight_m = 0.02\n", 0.01};
+ShapeText shapeText(const std::string& shape, double size) {
+  if (shape == "cube") {
+    return {fmt::format("shape = \"box\"\nsize_m = [{0}, {0}, {0}]\n", 0.05 * size), 0.025 * size};
+  }
+  if (shape == "sphere") return {ball(0.03 * size), 0.03 * size};
+  if (shape == "cylinder") return {upright("cylinder", 0.025 * size, 0.12 * size), 0.06 * size};
+  return {upright("disk", 0.04 * size, 0.02 * size), 0.01 * size};
 }
 
 Eigen::Matrix3d palmRotation(const Models& models) {
@@ -82,15 +91,16 @@ Intention graspIntention(const GraspTrial& trial, const Models& models) {
 
 std::string graspScene(const GraspTrial& trial, const Models& models) {
   const Eigen::Vector3d center = graspBase() + palmRotation(models) * trial.center_m;
-  const ShapeText shape = shapeText(trial.shape);
+  const ShapeText shape = shapeText(trial.shape, trial.size);
   std::string text = fmt::format(
       "# Written by `wholehand experiment grasping`: {}.\n"
       "kind = \"scene\"\nversion = 1\nname = \"{}\"\n"
-      "gravity_m_s2 = [0.0, 0.0, {}]\nhand_friction = 0.8\n\n"
+      "gravity_m_s2 = [0.0, 0.0, {}]\nhand_friction = {}\n\n"
       "[[bodies]]\nname = \"{}\"\n{}mass_kg = 0.1\nposition_m = [{:.17g}, {:.17g}, {:.17g}]\n"
-      "friction = 0.8\nlinear_damping_per_s = {}\ncolor = \"#3B6FD1\"\n",
-      trial.name(), trial.name(), trial.gravity ? "-9.81" : "0.0", trial.shape, shape.keys,
-      center.x(), center.y(), center.z(), trial.gravity ? "0.0" : "0.7");
+      "friction = {}\nlinear_damping_per_s = {}\ncolor = \"#3B6FD1\"\n",
+      trial.name(), trial.name(), trial.gravity ? "-9.81" : "0.0", trial.friction, trial.shape,
+      shape.keys, center.x(), center.y(), center.z(), trial.friction,
+      trial.gravity ? "0.0" : "0.7");
   if (trial.gravity) {
     text += fmt::format(
         "\n[[bodies]]\nname = \"pedestal\"\nshape = \"box\"\nsize_m = [{0}, {0}, {1}]\nfixed = "

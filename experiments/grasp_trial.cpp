@@ -78,6 +78,7 @@ Expected<GraspResult> runGrasp(const GraspTrial& trial, const ModelFiles& files,
   }
   models = loadModels(with_scene);
   if (!models) return models.errors();
+  if (plan.adjust) plan.adjust(*models);
   Intention intention = graspIntention(trial, *models);
   auto rig = buildRig(std::move(*models), std::move(intention), plan.rig);
   if (!rig) return rig.errors();

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,8 @@ struct GraspTrial {
   double circumduction_rad = 0.0;     ///< circumduction of the thumb before closing
   double fingers_open_rad = 0.35, fingers_closed_rad = 0.0;  ///< commanded
   double thumb_closed_rad = 0.0;                             ///< commanded
+  double friction = 0.8;                                     ///< of hand and object
+  double size = 1.0;                                         ///< factor on the object's lengths
 
   [[nodiscard]] std::string name() const;
 };
@@ -62,6 +65,7 @@ struct GraspPlan {
   bool record = false;
   double hold_s = 10.0;
   RigOptions rig;
+  std::function<void(Models& models)> adjust = {};  ///< changes the models before the rig is built
 };
 
 /// Runs a trial through device, patient and renderer on the simulated clock: approach, close, carry

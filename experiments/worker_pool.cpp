@@ -2,16 +2,23 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
+#include <new>
 #include <poll.h>
 #include <string_view>
+#include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <vector>
 
 namespace wholehand {
 namespace {
+
+constexpr int kLookForStop_ms = 100;
 
 struct Worker {
   pid_t process = -1;
@@ -29,19 +36,41 @@ bool writeAll(int file, std::string_view text) {
   return true;
 }
 
-Worker start(int first, int jobs, int step, const std::function<std::string(int)>& work) {
+/// What the processes share.
+struct Shared {
+  std::atomic<int> next{0};  ///< job that nobody has taken
+  std::atomic<bool> stop{false};
+};
+
+/// Memory that forked processes have in common; null: none left.
+Shared* share() {
+  void* const memory =
+      ::mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  return memory == MAP_FAILED ? nullptr : new (memory) Shared();
+}
+
+[[noreturn]] void workUntilDone(int results, int jobs, Shared& shared, pid_t parent,
+                                const std::function<std::string(int)>& work) {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  bool heard = ::getppid() == parent;
+  while (heard && !shared.stop) {
+    const int job = shared.next++;
+    if (job >= jobs) break;
+    heard = writeAll(results, std::to_string(job) + " " + work(job) + "\n");
+  }
+  std::fflush(nullptr);
+  ::_exit(0);  // what the parent would tidy up is the parent's
+}
+
+Worker start(int jobs, Shared& shared, const std::function<std::string(int)>& work) {
   std::array<int, 2> pipe{};
   if (::pipe(pipe.data()) != 0) return {};
   std::fflush(nullptr);  // or the worker would print it again
+  const pid_t parent = ::getpid();
   const pid_t process = ::fork();
   if (process == 0) {
     ::close(pipe[0]);
-    bool heard = true;
-    for (int job = first; job < jobs && heard; job += step) {
-      heard = writeAll(pipe[1], std::to_string(job) + " " + work(job) + "\n");
-    }
-    std::fflush(nullptr);
-    ::_exit(0);  // what the parent would tidy up is the parent's
+    workUntilDone(pipe[1], jobs, shared, parent, work);
   }
   ::close(pipe[1]);
   if (process < 0) ::close(pipe[0]);
@@ -68,16 +97,20 @@ bool read(Worker& worker, const std::function<void(int, const std::string&)>& do
 }  // namespace
 
 bool workInProcesses(int jobs, int workers, const std::function<std::string(int)>& work,
-                     const std::function<void(int, const std::string&)>& done) {
+                     const std::function<void(int, const std::string&)>& done,
+                     const std::function<bool()>& stop) {
+  Shared* const shared = share();
+  if (shared == nullptr) return false;
   const int count = std::clamp(workers, 1, std::max(jobs, 1));
   std::vector<Worker> all;
-  for (int i = 0; i < count; ++i) all.push_back(start(i, jobs, count, work));
+  for (int i = 0; i < count; ++i) all.push_back(start(jobs, *shared, work));
   int told = 0;
   for (;;) {
     std::vector<pollfd> waiting;
     for (const Worker& w : all) waiting.push_back({w.results, POLLIN, 0});  // -1 is left out
     if (std::all_of(all.begin(), all.end(), [](const Worker& w) { return w.results < 0; })) break;
-    if (::poll(waiting.data(), waiting.size(), -1) < 0) continue;
+    if (stop && stop()) shared->stop = true;
+    if (::poll(waiting.data(), waiting.size(), kLookForStop_ms) < 0) continue;
     for (std::size_t i = 0; i < all.size(); ++i) {
       if (waiting[i].revents == 0 || read(all[i], done, told)) continue;
       ::close(all[i].results);
@@ -88,6 +121,7 @@ bool workInProcesses(int jobs, int workers, const std::function<std::string(int)
     while (w.process > 0 && ::waitpid(w.process, nullptr, 0) < 0 && errno == EINTR) {
     }
   }
+  ::munmap(shared, sizeof *shared);
   return told == jobs;
 }
 

@@ -183,7 +183,8 @@ Played play(const CocktailOptions& options, const ModelFiles& files, int level) 
   };
   const int cores = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   played.complete =
-      workInProcesses(options.seeds, options.processes > 0 ? options.processes : cores, work, done);
+      workInProcesses(options.seeds, options.processes > 0 ? options.processes : cores, work, done,
+                      InterruptScope::interrupted);
   played.complete =
       played.complete && std::all_of(known.begin(), known.end(), [](bool k) { return k; });
   return played;

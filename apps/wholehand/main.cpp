@@ -13,6 +13,7 @@
 #include "report_command.hpp"
 #include "run_line.hpp"
 #include "shipped_files.hpp"
+#include "sweep_command.hpp"
 #include "validate_command.hpp"
 
 #include <CLI/CLI.hpp>
@@ -158,6 +159,26 @@ void addExperiments(CLI::App& app, ExperimentOptions& experiment, BarExperimentO
   addBarExperiments(*e, bar, code);
 }
 
+void addSweep(CLI::App& app, SweepOptions& o, int& code) {
+  CLI::App* s =
+      app.add_subcommand("sweep", "Run every combination of a grid: gains, hands, patients");
+  s->add_option("grid", o.grid, "TOML file of the grid, such as config/sweeps/grasp-map.toml")
+      ->required();
+  s->add_option("--out", o.out, "HDF5 file of the results; finished cells are kept beside it")
+      ->required();
+  s->add_option("--chart", o.chart, "Draw the grid's maps into this HTML file");
+  s->add_option("--processes", o.processes, "Processes (default: one for each core)")
+      ->check(finiteBetween(1, 1024, ""));
+  CLI::Option* share =
+      s->add_option("--share", o.share, "Only these cells: 2/8 is the second of eight shares");
+  s->add_flag("--array", o.array, "Only the share of this task of a Slurm job array")
+      ->excludes(share);
+  s->footer(
+      "Under mpirun each rank takes its share. Killed or interrupted, the same command goes on.\n"
+      "Exit code 0: done; 2: bad input; 3: a process died; 130: interrupted.");
+  s->callback([&o, &code] { code = sweepCommand(o); });
+}
+
 void addValidate(CLI::App& app, std::vector<std::string>& files, AdmitOptions& o, int& code) {
   CLI::App* v =
       app.add_subcommand("validate", "Every fault of every file, with its place and remedy");
@@ -236,6 +257,8 @@ int runProgram(int argc, char** argv) {
   addCertify(app, certify, code);
   addReplay(app, replay, code);
   addExperiments(app, experiment, bar, code);
+  SweepOptions sweep;
+  addSweep(app, sweep, code);
   AdmitOptions admit;
   admit.hand = certify.hand;
   admit.device = certify.device;

@@ -43,6 +43,23 @@ std::vector<double> TomlTable::numbers(std::string_view key, std::size_t count,
   return has(key) ? numbers(key, count, rule) : fallback;
 }
 
+std::vector<double> TomlTable::numbersUpTo(std::string_view key, std::size_t most,
+                                           const NumberRule& rule) {
+  const toml::node* node = state_->find(key);
+  const toml::array* array = node == nullptr ? nullptr : node->as_array();
+  if (array != nullptr && !array->empty() && array->size() <= most) {
+    return numbers(key, array->size(), rule);
+  }
+  const std::string shape = "must be an array of 1 to " + std::to_string(most) + " numbers";
+  node = state_->require(key, shape + "; each " + rule.remedy());
+  if (node == nullptr) return {};
+  state_->report(
+      key, nodeText(*node),
+      array == nullptr ? typeProblem(*node) : "has " + std::to_string(array->size()) + " elements",
+      shape);
+  return {};
+}
+
 std::vector<double> TomlTable::matrix(std::string_view key, std::size_t size,
                                       const NumberRule& rule) {
   std::vector<double> out(size * size, harmless(rule));

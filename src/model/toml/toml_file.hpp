@@ -64,6 +64,8 @@ class TomlTable {
   std::vector<double> numbers(std::string_view key, std::size_t count, const NumberRule& rule);
   std::vector<double> numbers(std::string_view key, std::size_t count, const NumberRule& rule,
                               const std::vector<double>& fallback);
+  /// An array of 1 to `most` numbers, each within the rule.
+  std::vector<double> numbersUpTo(std::string_view key, std::size_t most, const NumberRule& rule);
   /// A square matrix: an array of `size` rows of `size` numbers, each within the rule. Row-major.
   std::vector<double> matrix(std::string_view key, std::size_t size, const NumberRule& rule);
   /// [lower, upper] with lower < upper, both within the rule.

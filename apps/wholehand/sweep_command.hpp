@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+
+namespace wholehand {
+
+struct SweepOptions {
+  std::string grid;
+  std::string out;     ///< HDF5 file of the results
+  std::string chart;   ///< HTML page of the maps; empty: none
+  std::string share;   ///< "K/N": only the K-th of N shares; empty: all, or as the environment says
+  bool array = false;  ///< the share that Slurm's job array gives this task
+  int processes = 0;   ///< 0: one for each core; with a share one
+};
+
+/// Runs every cell of a grid (docs/sweeps.md). Returns the exit code.
+int sweepCommand(const SweepOptions& options);
+
+}  // namespace wholehand

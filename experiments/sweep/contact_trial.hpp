@@ -1,0 +1,36 @@
+#pragma once
+
+#include "assembly/rig.hpp"
+#include "core/expected.hpp"
+#include "experiments/grasp_trial.hpp"
+
+#include <functional>
+#include <string>
+
+namespace wholehand {
+
+/// A hand that closes on a fixed object and presses until 3.3 s.
+struct ContactPlan {
+  std::string folder;  ///< for the scene file
+  RigOptions rig;
+  std::function<void(Models& models)> adjust;  ///< changes the models before the rig is built
+};
+
+struct ContactResult {
+  /// No fault, and what is felt came to rest: noise of at most kRests_n over the last 0.3 s.
+  bool stable = false;
+  bool certified = false;      ///< by the certificate of these gains and this device
+  double margin = 0.0;         ///< of the certificate; >= 1 passes
+  double noise_n = 0.0;        ///< of the felt effort over the last 0.3 s: worst axis, rms
+  double penetration_m = 0.0;  ///< deepest overlap
+  bool faulted = false;
+
+  /// A rest is quieter than the smallest force that fingers feel [N].
+  static constexpr double kRests_n = 0.05;
+};
+
+/// Runs a contact on the simulated clock.
+[[nodiscard]] Expected<ContactResult> runContact(const GraspTrial& trial, const ModelFiles& files,
+                                                 const ContactPlan& plan);
+
+}  // namespace wholehand
