@@ -47,4 +47,15 @@ std::string format(const Diagnostics& ds) {
   return out;
 }
 
+Diagnostics firstFaults(Diagnostics faults, const std::string& path) {
+  constexpr std::size_t kMost = 20;
+  if (faults.size() <= kMost) return faults;
+  const std::size_t more = faults.size() - kMost;
+  faults.resize(kMost);
+  faults.push_back({path, 0, "", "",
+                    "has " + std::to_string(more) + (more == 1 ? " more fault" : " more faults"),
+                    "mend these first"});
+  return faults;
+}
+
 }  // namespace wholehand

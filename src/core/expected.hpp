@@ -23,6 +23,9 @@ using Diagnostics = std::vector<Diagnostic>;
 /// One line per diagnostic.
 [[nodiscard]] std::string format(const Diagnostics& ds);
 
+/// The first faults of a file (at most 20) and, if there are more, one that says how many.
+[[nodiscard]] Diagnostics firstFaults(Diagnostics faults, const std::string& path);
+
 /// A value, or every reason why there is none. Not real-time safe.
 template <class T>
 class [[nodiscard]] Expected {

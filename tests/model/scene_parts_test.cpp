@@ -317,6 +317,19 @@ TEST(Urdf, BadFiles_NameLineElementAndFault) {
   EXPECT_FALSE(loadUrdf(folder.path("none.urdf")).ok());
 }
 
+// Found by libFuzzer: a link each with a fault of its own listed them all.
+TEST(Urdf, ManyFaults_AreTwentyAndTheirNumber) {
+  std::string links;
+  for (int i = 0; i < 30; ++i) links += "<link/>";
+  const TempFolder folder;
+  const Expected<UrdfBody> body =
+      loadUrdf(folder.write("many.urdf", "<robot name=\"r\">" + links + "</robot>"));
+  ASSERT_FALSE(body.ok());
+  ASSERT_EQ(body.errors().size(), 21U) << format(body.errors());
+  EXPECT_NE(format(body.errors().back()).find("has 10 more faults"), std::string::npos)
+      << format(body.errors().back());
+}
+
 TEST(Urdf, LinksInACircle_AreRefused) {
   std::string text = "<robot name=\"r\">";
   for (const char* name : {"root", "p", "q"}) {

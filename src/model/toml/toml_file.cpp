@@ -19,8 +19,6 @@ namespace {
 
 /// A configuration is written by a person; a larger file was given by mistake.
 constexpr std::uintmax_t kLargestFile_bytes = 4U << 20U;
-/// Limit of reported faults per file.
-constexpr std::size_t kMostFaults = 20;
 
 /// Unit endings of keys, longest first, so that range_m and range_rad are recognised as one
 /// quantity.
@@ -228,14 +226,7 @@ Diagnostics TomlFile::finish() {
   shared_->faults.clear();
   std::stable_sort(faults.begin(), faults.end(),
                    [](const Diagnostic& a, const Diagnostic& b) { return a.line < b.line; });
-  if (faults.size() > kMostFaults) {
-    const std::size_t more = faults.size() - kMostFaults;
-    faults.resize(kMostFaults);
-    faults.push_back({shared_->path, 0, "", "",
-                      "has " + std::to_string(more) + (more == 1 ? " more fault" : " more faults"),
-                      "mend these first"});
-  }
-  return faults;
+  return firstFaults(std::move(faults), shared_->path);
 }
 
 Expected<std::string> fileKind(const std::string& path) {

@@ -66,7 +66,7 @@ class Reader {
       readJoint(*e);
     }
     if (faults_.all().empty()) checkTree();
-    if (!faults_.all().empty()) return faults_.all();
+    if (!faults_.all().empty()) return firstFaults(faults_.all(), faults_.file());
     return merged();
   }
 
