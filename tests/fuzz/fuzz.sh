@@ -15,8 +15,8 @@ mkdir -p "$folder/found" "$folder/good" "$folder/kept"
 if [[ -f $corpus ]]; then tar -xJf "$corpus" -C "$folder/kept"; fi
 # Files that are written anew for every input stay in memory: on a disk they take ten times as long.
 if [[ -w /dev/shm ]]; then export TMPDIR=/dev/shm; fi
-# A second and 256 MB an input; a machine that stands still is given ten.
+# A second and 256 MB an input; a machine that stands still is given sixty.
 export ASAN_OPTIONS=${ASAN_OPTIONS:-}:quarantine_size_mb=16:detect_leaks=0
 exec "$program" "--door=$door" "--good=$folder/good" -seed="$((${WHOLEHAND_SEED:-1} % 2147483647 + 1))" \
-  "$until" -timeout=10 -report_slow_units=1 -malloc_limit_mb=256 -rss_limit_mb=1024 \
+  "$until" -timeout=60 -report_slow_units=1 -malloc_limit_mb=256 -rss_limit_mb=1024 \
   -print_final_stats=1 -verbosity=0 -artifact_prefix="$folder/" "$folder/found" "$folder/good" "$folder/kept"
