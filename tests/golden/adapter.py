@@ -4,9 +4,10 @@ import json
 import pathlib
 import struct
 import sys
+import time
 
 import numpy
-from wholehand import messages
+from wholehand import connection, messages
 
 FORMATS = {"i64": ">q", "u64": ">Q", "f32": ">f", "f64": ">d"}
 job = json.loads(pathlib.Path(sys.argv[1]).read_text(encoding="utf-8"))
@@ -62,11 +63,26 @@ def reason_of(error):
 
 
 def read(data):
+    """As the connection's listener reads it, then field by field."""
     try:
         message = messages.decode(data)
+        connection.Connection(None)._hear(message)
         return {"payload": {message.kind: table(message)}}
     except messages.MessageError as error:
         return {"refused": reason_of(error)}
+    except Exception as error:  # noqa: BLE001: the runner counts what escapes
+        return {"escaped": repr(error)}
+
+
+longest_s = 0.0
+
+
+def timed_read(data):
+    global longest_s
+    began = time.monotonic()
+    got = read(data)
+    longest_s = max(longest_s, time.monotonic() - began)
+    return got
 
 
 def given(field, value):
@@ -83,6 +99,7 @@ def write(told):
                            **{name: given(fields[name], value) for name, value in told["fields"].items()})
 
 
-answer = {"read": {told["name"]: read(base64.b64decode(told["bytes"])) for told in job["read"]},
-          "write": {told["name"]: base64.b64encode(write(told)).decode() for told in job["write"]}}
+answer = {"read": {told["name"]: timed_read(base64.b64decode(told["bytes"])) for told in job["read"]},
+          "write": {told["name"]: base64.b64encode(write(told)).decode() for told in job["write"]},
+          "longest_s": longest_s}
 pathlib.Path(sys.argv[2]).write_text(json.dumps(answer), encoding="utf-8")

@@ -5,6 +5,7 @@ import base64
 import json
 import os
 import pathlib
+import resource
 import subprocess
 import sys
 import time
@@ -18,8 +19,10 @@ import forms  # noqa: E402
 ROOT = HERE.parents[1]
 GOLDEN = ROOT / "protocol/golden"
 FEWEST_MESSAGES, FEWEST_DATAGRAMS = 60, 30
-MUTATED = 1000
-MUTATED_ROUNDS = 100 if os.environ.get("WHOLEHAND_FULL") == "1" else 1
+MUTATED = 4000
+MUTATED_ROUNDS = 25 if os.environ.get("WHOLEHAND_FULL") == "1" else 1
+LONGEST_S = 3.0    # of one message; a tenth of a millisecond is usual
+LARGEST_MB = 1024  # of a client with MUTATED messages of up to 26 kB
 MAKE = "/usr/bin/python3 tests/golden/make.py"
 
 
@@ -225,33 +228,93 @@ def check_datagrams_of(client, heard, answer, failures):
             failures.equal(reason if reason in ("", "stale") else "ignored", got["taken"], f"{client.name} ignores {datagram.name}")
 
 
+NUMBERS = [0, 1, 0xff, 0xffff, 0x10000, 0xffffff, 0x7fffffff, 0x80000000, 0xffffffff]
+
+
+def flip_bits(data, random, _other):
+    for _ in range(random.randint(1, 8)):
+        data[random.randrange(len(data))] ^= 1 << random.randrange(8)
+
+
+def change_bytes(data, random, _other):
+    for _ in range(random.randint(1, 3)):
+        data[random.randrange(len(data))] = random.randrange(256)
+
+
+def overwrite_number(data, random, _other):
+    at = 4 * random.randrange(len(data) // 4)
+    data[at:at + 4] = random.choice(NUMBERS).to_bytes(4, "little")
+
+
+def cut(data, random, _other):
+    del data[random.randrange(len(data)):]
+
+
+def change_length(data, random, _other):
+    """Of the numbers that can be a length or an offset within the message, one is a little or much more or less."""
+    places = [at for at in range(0, len(data) - 3, 4) if 0 < int.from_bytes(data[at:at + 4], "little") < len(data)]
+    at = random.choice(places)
+    number = int.from_bytes(data[at:at + 4], "little")
+    number = random.choice([number - 1, number + 1, number - 4, number + 4, 2 * number, len(data), len(data) - at,
+                            number << 8, number << 24, random.randrange(1 << 32)])
+    data[at:at + 4] = (number & 0xffffffff).to_bytes(4, "little")
+
+
+def splice(data, random, other):
+    """The head of one message and the tail of another."""
+    data[random.randrange(len(data)):] = other[random.randrange(len(other)):]
+
+
+def move(data, random, _other):
+    """A stretch is taken out, or put in once more elsewhere."""
+    a, b = sorted(random.randrange(len(data)) for _ in range(2))
+    stretch = data[a:b]
+    if random.random() < 0.5:
+        del data[a:b]
+    at = random.randrange(len(data) + 1)
+    data[at:at] = stretch
+
+
+MUTATIONS = [flip_bits, change_bytes, overwrite_number, cut, change_length, splice, move]
+
+
 def mutated(all_goldens, count, seed):
-    """Goldens with bytes changed, a number overwritten or the end cut off."""
+    """Damaged messages of the program, as (name, bytes)."""
     random = Random(seed)
-    sound = [g for g in all_goldens if g.form is not None and not g.is_command]
+    sound = [g.bytes for g in all_goldens if g.form is not None and not g.is_command]
     for i in range(count):
-        data = bytearray(random.choice(sound).bytes)
-        how = random.randrange(3)
-        if how == 0:
-            for _ in range(random.randint(1, 3)):
-                data[random.randrange(len(data))] = random.randrange(256)
-        elif how == 1:
-            at = 4 * random.randrange(len(data) // 4)
-            data[at:at + 4] = random.choice([0, 1, 0xff, 0xffff, 0x10000, 0xffffff, 0x7fffffff, 0x80000000, 0xffffffff]).to_bytes(4, "little")
-        else:
-            del data[random.randrange(len(data)):]
-        yield f"mutated_{seed}_{i}", bytes(data)
+        data = bytearray(random.choice(sound))
+        mutation = random.choice(MUTATIONS)
+        mutation(data, random, random.choice(sound))
+        yield f"{mutation.__name__}_{seed}_{i}", bytes(data)
 
 
 def survive(client, schema, all_goldens, work, failures):
-    """Damaged messages end: whatever is read of them, nothing escapes and nothing hangs."""
+    """Damaged messages end: whatever is read of them, nothing escapes, nothing hangs and memory is bounded."""
     first = int(os.environ.get("WHOLEHAND_SEED", "1"))
+    refused, longest_s = 0, 0.0
     for seed in range(first, first + MUTATED_ROUNDS):
-        rubbish = dict(mutated(all_goldens, MUTATED, seed))
+        damaged = dict(mutated(all_goldens, MUTATED, seed))
         answer = ask(client, {"layout": schema.layout, "write": [], "datagrams": [], "read": [
-            {"name": name, "bytes": base64.b64encode(data).decode()} for name, data in rubbish.items()]}, work)
-        failures.equal(set(rubbish), set(answer["read"]), f"{client.name}: mutated messages of seed {seed}")
+            {"name": name, "bytes": base64.b64encode(data).decode()} for name, data in damaged.items()]}, work)
+        failures.equal(set(damaged), set(answer["read"]), f"{client.name}: mutated messages of seed {seed}")
+        for name, read in answer["read"].items():
+            check_survived(client, name, read, damaged.get(name, b""), work, failures)
+            refused += "refused" in (read or {})
+        longest_s = max(longest_s, answer["longest_s"])
+    largest_mb = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
+    failures.check(longest_s <= LONGEST_S, f"{client.name} reads {longest_s:.1f} s at one message, at most {LONGEST_S} s are allowed")
+    failures.check(largest_mb <= LARGEST_MB, f"{client.name} takes {largest_mb:.0f} MB, at most {LARGEST_MB} MB are allowed")
+    print(f"figure: {client.name}: {MUTATED * MUTATED_ROUNDS} mutated messages, {refused} refused; "
+          f"at most {1e3 * longest_s:.1f} ms, {largest_mb:.0f} MB")
     return MUTATED * MUTATED_ROUNDS
+
+
+def check_survived(client, name, read, data, work, failures):
+    """It ended in a value or in the client's own error; otherwise its bytes are kept."""
+    if not failures.check(isinstance(read, dict) and ("payload" in read or "unread" in read or "refused" in read),
+                          f"{client.name} reads {name}: {read}; its bytes: {work}/{name}.bin"):
+        (work / f"{name}.bin").write_bytes(data)
 
 
 def ask(client, job, work):

@@ -125,6 +125,24 @@ class Clients(unittest.TestCase):
         run.check_written(adapters.Python(run.ROOT, BUILD), self.goldens["arm_full"], None, {}, self.failures)
         self.assertEqual(self.failures.all, ["python has to write Arm"])
 
+    def test_what_escapes_of_a_damaged_message_is_found(self):
+        with tempfile.TemporaryDirectory(prefix="wholehand-test-") as folder:
+            work = pathlib.Path(folder)
+            for name, read in (("cut_1_0", {"escaped": "KeyError()"}), ("cut_1_1", None), ("cut_1_2", {"refused": ""}),
+                               ("cut_1_3", {"payload": {}}), ("cut_1_4", {"unread": True})):
+                run.check_survived(adapters.Python, name, read, b"bytes", work, self.failures)
+            self.assertEqual({path.name for path in work.iterdir()}, {"cut_1_0.bin", "cut_1_1.bin"})
+        self.assertEqual(len(self.failures.all), 2)
+        self.assertIn("python reads cut_1_0: {'escaped': 'KeyError()'}", self.failures.all[0])
+
+    def test_every_mutation_changes_messages_and_a_seed_repeats_them(self):
+        made = dict(run.mutated(self.goldens.values(), 700, 7))
+        self.assertEqual(made, dict(run.mutated(self.goldens.values(), 700, 7)))
+        whole = {golden.bytes for golden in self.goldens.values()}
+        for mutation in run.MUTATIONS:
+            changed = [data not in whole for name, data in made.items() if name.startswith(mutation.__name__)]
+            self.assertGreater(sum(changed), 0.5 * len(changed), mutation.__name__)
+
 
 class Files(unittest.TestCase):
     def test_a_file_that_exists_is_not_written_again(self):

@@ -80,7 +80,21 @@ function write(told: Job['write'][number]): string | null {
   return command.orderType() === protocol.Order.NONE ? null : Buffer.from(bytes).toString('base64');
 }
 
+let longest_ms = 0;
+
+function timedRead(bytes: Uint8Array): Form {
+  const began_ms = performance.now();
+  try {
+    return read(bytes);
+  } catch (error) {
+    return { escaped: String(error) };  // the runner counts it
+  } finally {
+    longest_ms = Math.max(longest_ms, performance.now() - began_ms);
+  }
+}
+
 writeFileSync(process.argv[3], JSON.stringify({
-  read: Object.fromEntries(job.read.map((told) => [told.name, read(Buffer.from(told.bytes, 'base64'))])),
+  read: Object.fromEntries(job.read.map((told) => [told.name, timedRead(Buffer.from(told.bytes, 'base64'))])),
   write: Object.fromEntries(job.write.map((told) => [told.name, write(told)])),
+  longest_s: 1e-3 * longest_ms,
 }));

@@ -122,7 +122,8 @@ class Connection:
         return self.state
 
     async def events(self):
-        """(name, event) of everything that happens from now on; `event` has tick, type, index and value."""
+        """(name, event) of everything that happens from now on; `event` has tick, type, index and value. The name is
+        empty for a type that the scene does not have."""
         queue = asyncio.Queue()
         self._event_queues.add(queue)
         try:
@@ -130,7 +131,8 @@ class Connection:
                 event = await queue.get()
                 if event is None:
                     raise self._lost
-                yield self.scene.event_names[event["type"]], event
+                names = self.scene.event_names if self.scene else []
+                yield names[event["type"]] if event["type"] < len(names) else "", event
         finally:
             self._event_queues.discard(queue)
 
