@@ -1,4 +1,5 @@
 """The Python client reads and writes golden messages: adapter.py JOB.json ANSWER.json."""
+import asyncio
 import base64
 import json
 import pathlib
@@ -7,7 +8,7 @@ import sys
 import time
 
 import numpy
-from wholehand import connection, messages
+from wholehand import bodies, connection, messages
 
 FORMATS = {"i64": ">q", "u64": ">Q", "f32": ">f", "f64": ">d"}
 job = json.loads(pathlib.Path(sys.argv[1]).read_text(encoding="utf-8"))
@@ -93,7 +94,67 @@ def given(field, value):
     return numpy.array([of(item) for item in value], "<f4") if field["kind"] == "vector" else of(value)
 
 
+def number(bits):
+    return struct.unpack(">f", bytes.fromhex(bits))[0]
+
+
+def numbers(struct_form):
+    return [number(bits) for bits in (struct_form or {}).values()]
+
+
+def place(pose):
+    return {"position_m": numbers(pose["position_m"]), "orientation_xyzw": numbers(pose["orientation_xyzw"])}
+
+
+def piece(form):
+    return bodies.Shape(form.get("type", 0), numbers(form["half_extents_m"]), number(form["radius_m"]), number(form["length_m"]),
+                        [numbers(point) for point in form.get("points_m", [])], form.get("triangles", []), **place(form["in_body"]))
+
+
+def spawned(form):
+    ready = {name: form[name] for name in ("slot", "generation", "shape_set", "owner", "refuse_overlap") if name in form}
+    return bodies.Body(**ready, **place(form["pose"]), mass_kg=number(form["mass_kg"]), friction=number(form["friction"]),
+                       velocity_m_s=numbers(form["velocity_m_s"]))
+
+
+def named(form):
+    return form["slot"], form["generation"]
+
+
+def at(form):
+    return (*named(form), *place(form["pose"]).values())
+
+
+class Socket:
+    """Keeps what a connection sends."""
+
+    async def send(self, data):
+        self.kept = data
+
+
+# Orders of bodies: by the methods that a game calls, whose arguments are not those of the schema.
+BODIES = {"Spawn": ("spawn", spawned), "Remove": ("remove", named), "Teleport": ("teleport", at),
+          "SetOwner": ("set_owner", lambda form: (*named(form), form["owner"])), "BodyTargets": ("body_targets", at)}
+
+
+async def order_of_bodies(told):
+    program = connection.Connection(Socket())
+    program._number = told["id"] - 1
+    fields = told["fields"]
+    if told["order"] == "PrepareShapes":
+        asked = program.prepare_shapes(fields.get("set", 0), *map(piece, fields.get("pieces", [])))
+    else:
+        method, item = BODIES[told["order"]]
+        asked = getattr(program, method)(*map(item, fields.get("bodies", [])))
+    asking = asyncio.ensure_future(asked)
+    await asyncio.sleep(0)  # it waits for the answer now
+    asking.cancel()
+    return program._socket.kept
+
+
 def write(told):
+    if told["order"] in (*BODIES, "PrepareShapes"):
+        return asyncio.run(order_of_bodies(told))
     fields = {field["name"]: field for field in objects[told["order"]]["fields"]}
     return messages.encode(told["id"], told["order"],
                            **{name: given(fields[name], value) for name, value in told["fields"].items()})

@@ -65,19 +65,22 @@ function given(kind: string, value: unknown): unknown {
   return kind === 'f32' ? view.getFloat32(4) : view.getFloat64(0);
 }
 
+function orderOf(bytes: Uint8Array): protocol.Order {
+  return (protocol.Message.getRootAsMessage(new flatbuffers.ByteBuffer(bytes)).payload(new protocol.Command()) as protocol.Command).orderType();
+}
+
 /** Null where the pages do not give such an order. */
 function write(told: Job['write'][number]): string | null {
   const make = (protocol as unknown as Record<string, new () => AnyOrder>)[`${told.order}T`];
   const order = new make();
+  if (orderOf(encodeCommand(told.id, order)) === protocol.Order.NONE) return null;
   for (const field of layout[told.order].fields) {
     const value = told.fields[field.name];
     if (value === undefined) continue;
     (order as unknown as Form)[camel(field.name)] = Array.isArray(value)
       ? value.map((item: unknown) => given(field.element as string, item)) : given(field.kind, value);
   }
-  const bytes = encodeCommand(told.id, order);
-  const command = protocol.Message.getRootAsMessage(new flatbuffers.ByteBuffer(bytes)).payload(new protocol.Command()) as protocol.Command;
-  return command.orderType() === protocol.Order.NONE ? null : Buffer.from(bytes).toString('base64');
+  return Buffer.from(encodeCommand(told.id, order)).toString('base64');
 }
 
 let longest_ms = 0;

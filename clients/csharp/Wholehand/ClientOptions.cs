@@ -1,3 +1,5 @@
+using wholehand.protocol;
+
 namespace Wholehand
 {
     /// <summary>How a client connects.</summary>
@@ -23,13 +25,29 @@ namespace Wholehand
     /// <summary>The program's answer to a command.</summary>
     public sealed class CommandReply
     {
+        internal static readonly RefusedBody[] NoItems = new RefusedBody[0];
+
         public readonly bool Accepted;
         public readonly string Reason; // for a person; empty when accepted
 
-        public CommandReply(bool accepted, string reason)
+        /// <summary>Why, for the game to say in its person's language; None of what the program did not
+        /// answer.</summary>
+        public readonly Refusal Refusal;
+
+        /// <summary>Of Refusal.BodiesRefused, the bodies that were refused; all others were handed to the
+        /// loop.</summary>
+        public readonly RefusedBody[] Items;
+
+        public CommandReply(bool accepted, string reason) : this(accepted, reason, Refusal.None, NoItems)
+        {
+        }
+
+        internal CommandReply(bool accepted, string reason, Refusal refusal, RefusedBody[] items)
         {
             Accepted = accepted;
             Reason = reason ?? "";
+            Refusal = refusal;
+            Items = items;
         }
     }
 }

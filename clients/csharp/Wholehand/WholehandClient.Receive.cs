@@ -138,9 +138,17 @@ namespace Wholehand
                 || e is OverflowException;
         }
 
-        private void Hear(byte[] bytes, int length, long nowNs)
+        private ByteBuffer inPlace = new ByteBuffer(new byte[8]);
+        private byte[] inPlaceBytes; // of inPlace
+
+        // Any bytes of the WebSocket. Tests call it, too.
+        internal void Hear(byte[] bytes, int length, long nowNs)
         {
-            var inPlace = new ByteBuffer(bytes);
+            if (bytes != inPlaceBytes)
+            {
+                inPlace = new ByteBuffer(bytes);
+                inPlaceBytes = bytes;
+            }
             if (!Words.IsMessage(inPlace, length))
             {
                 Statistics.CountIgnored();
@@ -172,11 +180,18 @@ namespace Wholehand
                     break;
                 case Payload.Scene:
                     Scene newScene = message.PayloadAsScene();
+                    TakeBodyEventsOf(newScene);
                     lock (gate) scene = newScene;
                     Raise(SceneReceived, newScene);
                     break;
                 case Payload.Events:
                     Raise(EventsReceived, message.PayloadAsEvents());
+                    RaiseBodyEvents(message.PayloadAsEvents());
+                    break;
+                case Payload.GameBodies:
+                    GameBodies bodies = message.PayloadAsGameBodies();
+                    Take(bodies);
+                    Raise(BodiesChanged, bodies);
                     break;
                 case Payload.Controls:
                     Controls controls = message.PayloadAsControls();
@@ -185,7 +200,8 @@ namespace Wholehand
                     break;
                 case Payload.Reply:
                     Reply reply = message.PayloadAsReply();
-                    lock (gate) Answer(reply.Command, new CommandReply(reply.Accepted, reply.Reason));
+                    var answer = new CommandReply(reply.Accepted, reply.Reason, reply.Refusal, ItemsOf(reply));
+                    lock (gate) Answer(reply.Command, answer);
                     Raise(ReplyReceived, reply);
                     break;
                 case Payload.Commissioning:

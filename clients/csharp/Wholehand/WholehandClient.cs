@@ -268,6 +268,7 @@ namespace Wholehand
         private void EndConversation(string why)
         {
             connected = haveState = haveWorld = holdsControls = false;
+            DropBodies();
             toSend.Clear();
             DropCommands(why);
             if (datagrams != null) datagrams.Close();

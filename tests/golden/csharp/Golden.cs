@@ -92,6 +92,7 @@ public static class Golden
             client.EventsReceived += events => { kind = "Events"; table = events; };
             client.ReplyReceived += reply => { kind = "Reply"; table = reply; };
             client.ControlsChanged += controls => { kind = "Controls"; table = controls; };
+            client.BodiesChanged += bodies => { kind = "GameBodies"; table = bodies; };
             try
             {
                 Payload unheard = Unheard(bytes);
@@ -101,6 +102,7 @@ public static class Golden
                 if (kind == null) return Of("refused", "");
                 Dictionary<string, object> read = form.Table(kind, table);
                 if (kind == "WorldState") Copied(client, read);
+                if (kind == "GameBodies") Bodies.Copied(client, read);
                 return Payloads(kind, read);
             }
             catch (Exception e) when (IsOfRubbish(e) || (e is TargetInvocationException && IsOfRubbish(e.InnerException)))
@@ -163,11 +165,11 @@ public static class Golden
             if (Form.IsDefault(field, (string)field["kind"], value)) read.Remove(name);
             else read[name] = value;
         }
-        if (world.BodyCount > 0 || read.ContainsKey("bodies")) read["bodies"] = Bodies(world);
+        if (world.BodyCount > 0 || read.ContainsKey("bodies")) read["bodies"] = BodiesOf(world);
         if (world.ContactCount > 0 || read.ContainsKey("contacts")) read["contacts"] = Contacts(world);
     }
 
-    private static List<object> Bodies(WorldSnapshot world)
+    private static List<object> BodiesOf(WorldSnapshot world)
     {
         return Enumerable.Range(0, world.BodyCount).Select(i => (object)new Dictionary<string, object>
         {
@@ -234,11 +236,12 @@ public static class Golden
         if (type == typeof(string)) return value ?? "";
         if (type == typeof(float[])) return ((List<object>)value ?? new List<object>()).Select(Single).ToArray();
         if (type == typeof(double)) return BitConverter.Int64BitsToDouble(Convert.ToInt64((string)value, 16));
+        if (type.IsArray) return Bodies.Given(type.GetElementType(), (List<object>)value ?? new List<object>());
         if (type.IsEnum) return Enum.ToObject(type, (long)(double)value);
         return Convert.ChangeType(value, type);
     }
 
-    private static float Single(object bits)
+    public static float Single(object bits)
     {
         return BitConverter.ToSingle(BitConverter.GetBytes(Convert.ToUInt32((string)bits, 16)), 0);
     }

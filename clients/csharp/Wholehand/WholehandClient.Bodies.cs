@@ -1,0 +1,197 @@
+using System;
+using System.Collections.Generic;
+using System.Threading.Tasks;
+using wholehand.protocol;
+
+namespace Wholehand
+{
+    // Bodies of a game, in a scene with Scene.Budget: docs/protocol.md. All numbers are checked by the program; what it
+    // refuses stands in CommandReply.Items, and what only its loop knows comes as a BodyEvent.
+    public sealed partial class WholehandClient
+    {
+        private const int MostItems = 4096;
+        private static readonly string[] BodyEventNames =
+            { "appeared", "solid", "letting_go", "left", "quarantined", "refused" }; // as BodyEventKind
+
+        private readonly BodySlots slots = new BodySlots();
+        private readonly Dictionary<uint, GameShapes> shapes = new Dictionary<uint, GameShapes>();
+        private int[] bodyEventKinds = new int[0]; // of the scene's types; -1: another event
+
+        /// <summary>Which bodies of a game are in the world; its memory is the receiver's. TryGetBodies copies.</summary>
+        public event Action<GameBodies> BodiesChanged;
+
+        /// <summary>What became of a body of a game.</summary>
+        public event Action<BodyEvent> BodyEventReceived;
+
+        /// <summary>Gives the convex pieces of bodies to come, as shape set <paramref name="set"/>, below
+        /// Scene.Budget.ShapeSets. They last for the session.</summary>
+        public Task<CommandReply> PrepareShapes(uint set, params BodyShape[] pieces)
+        {
+            if (set > ushort.MaxValue) return Refused("there is no shape set " + set);
+            return Ask(Order.PrepareShapes, b => BodyWords.PrepareShapes(b, (ushort)set, pieces));
+        }
+
+        /// <summary>Puts bodies into empty slots. Each is a ghost until it overlaps nothing.</summary>
+        public Task<CommandReply> Spawn(params BodyToSpawn[] bodies)
+        {
+            foreach (BodyToSpawn body in bodies)
+            {
+                if (body.Slot > ushort.MaxValue) return Refused("there is no slot " + body.Slot);
+                if (body.ShapeSet > ushort.MaxValue) return Refused("there is no shape set " + body.ShapeSet);
+            }
+            return Ask(Order.Spawn, b => BodyWords.Spawn(b, bodies));
+        }
+
+        /// <summary>Takes bodies away. One that the hand presses is let go first.</summary>
+        public Task<CommandReply> Remove(params BodyId[] bodies)
+        {
+            return Ask(Order.Remove, b => BodyWords.Remove(b, bodies));
+        }
+
+        /// <summary>Puts bodies elsewhere, as ghosts.</summary>
+        public Task<CommandReply> Teleport(params BodyAt[] bodies)
+        {
+            return Ask(Order.Teleport, b => BodyWords.Teleport(b, bodies));
+        }
+
+        public Task<CommandReply> SetOwner(params BodyOwnerChange[] bodies)
+        {
+            return Ask(Order.SetOwner, b => BodyWords.SetOwner(b, bodies));
+        }
+
+        /// <summary>Where bodies of owner Game are pulled to. Say it again within 0.1 s, or a body halts: the next one
+        /// corrects it. What is refused comes through ReplyReceived.</summary>
+        public void BodyTargets(params BodyAt[] bodies)
+        {
+            lock (gate)
+            {
+                if (!connected) return;
+                builder.Clear();
+                int targets = BodyWords.BodyTargets(builder, bodies);
+                SendMessage(Words.Command(builder, ++command, Order.BodyTargets, targets));
+            }
+        }
+
+        /// <summary>Copies which slots hold bodies; false where nothing has come that is newer than
+        /// <paramref name="into"/>. Any thread.</summary>
+        public bool TryGetBodies(BodySlots into)
+        {
+            lock (gate)
+            {
+                if (slots.Number == 0 || slots.Number == into.Number) return false;
+                into.CopyFrom(slots);
+                return true;
+            }
+        }
+
+        /// <summary>The shapes of a body that is in the world, by BodySlots.Shapes. Any thread.</summary>
+        public bool TryGetShapes(uint id, out GameShapes found)
+        {
+            lock (gate) return shapes.TryGetValue(id, out found);
+        }
+
+        // A length of a damaged message is any number, also below 0.
+        private static int Believable(int length)
+        {
+            if (length < 0 || length > MostItems) throw new InvalidOperationException("a length that no message has");
+            return length;
+        }
+
+        private static Task<CommandReply> Refused(string why)
+        {
+            return Task.FromResult(new CommandReply(false, why));
+        }
+
+        // Throws where the message is damaged; then nothing has changed.
+        private void Take(GameBodies told)
+        {
+            var read = new BodySlots { Session = told.Session };
+            read.Resize(Believable(told.BodiesLength));
+            for (int i = 0; i < read.Count; ++i)
+            {
+                GameBody body = told.Bodies(i).Value;
+                read.Bodies[i] = new BodyId(body.Slot, body.Generation);
+                read.States[i] = body.State;
+                read.Shapes[i] = body.Shapes;
+            }
+            var kept = new Dictionary<uint, GameShapes>();
+            var news = new Dictionary<uint, GameShapes>();
+            for (int i = 0; i < Believable(told.NewShapesLength); ++i)
+            {
+                GameShapes made = told.NewShapes(i).Value;
+                news[made.Id] = made;
+            }
+            lock (gate)
+            {
+                for (int i = 0; i < read.Count; ++i)
+                {
+                    GameShapes of;
+                    uint id = read.Shapes[i];
+                    if (news.TryGetValue(id, out of) || shapes.TryGetValue(id, out of)) kept[id] = of;
+                }
+                shapes.Clear();
+                foreach (KeyValuePair<uint, GameShapes> of in kept) shapes[of.Key] = of.Value;
+                read.SceneBodies = scene.HasValue ? scene.Value.BodiesLength : 0;
+                read.Number = slots.Number + 1;
+                slots.CopyFrom(read);
+            }
+        }
+
+        // Before the scene is known to the game.
+        private void TakeBodyEventsOf(Scene newScene)
+        {
+            var kinds = new int[newScene.Budget.HasValue ? Believable(newScene.EventNamesLength) : 0];
+            for (int i = 0; i < kinds.Length; ++i) kinds[i] = Array.IndexOf(BodyEventNames, newScene.EventNames(i));
+            bodyEventKinds = kinds;
+            lock (gate)
+            {
+                if (slots.Session != newScene.Session || kinds.Length == 0) DropBodies();
+                slots.SceneBodies = newScene.BodiesLength;
+                if (slots.Number > 0) ++slots.Number;
+            }
+        }
+
+        // gate is held.
+        private void DropBodies()
+        {
+            shapes.Clear();
+            slots.Resize(0);
+            if (slots.Number > 0) ++slots.Number;
+        }
+
+        private void RaiseBodyEvents(Events events)
+        {
+            if (BodyEventReceived == null) return;
+            int count = bodyEventKinds.Length == 0 ? 0 : events.Events_Length;
+            for (int i = 0; i < count; ++i)
+            {
+                Event happened = events.Events_(i).Value;
+                int kind = happened.Type < bodyEventKinds.Length ? bodyEventKinds[happened.Type] : -1;
+                if (kind < 0) continue;
+                bool refused = kind == (int)BodyEventKind.Refused;
+                Raise(BodyEventReceived, new BodyEvent
+                {
+                    Kind = (BodyEventKind)kind, Tick = happened.Tick, Slot = happened.Index,
+                    Generation = refused ? 0 : (uint)happened.Value,
+                    Refusal = refused ? (BodyRefusal)happened.Value : BodyRefusal.None
+                });
+            }
+        }
+
+        private static RefusedBody[] ItemsOf(Reply reply)
+        {
+            int count = Believable(reply.ItemsLength);
+            if (count == 0) return CommandReply.NoItems;
+            var items = new RefusedBody[count];
+            for (int i = 0; i < count; ++i)
+            {
+                RefusedItem item = reply.Items(i).Value;
+                items[i] = new RefusedBody
+                {
+                    Index = item.Item, Slot = item.Slot, Refusal = item.Refusal, Reason = item.Reason ?? ""
+                };
+            }
+            return items;
+        }
+    }
+}

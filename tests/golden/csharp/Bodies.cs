@@ -1,0 +1,98 @@
+using System;
+using System.Collections.Generic;
+using System.Linq;
+using Wholehand;
+using wholehand.protocol;
+
+/// <summary>What a game gives and gets for its bodies, from and to the canonical form.</summary>
+internal static class Bodies
+{
+    /// <summary>The argument of an order, as an array of the client's own type.</summary>
+    public static Array Given(Type element, List<object> told)
+    {
+        Array given = Array.CreateInstance(element, told.Count);
+        for (int i = 0; i < told.Count; ++i) given.SetValue(Of(element, (Dictionary<string, object>)told[i]), i);
+        return given;
+    }
+
+    private static object Of(Type type, Dictionary<string, object> f)
+    {
+        if (type == typeof(BodyId)) return Id(f);
+        if (type == typeof(BodyAt)) return new BodyAt(Id(f), Position(f, "pose"), Orientation(f, "pose"));
+        if (type == typeof(BodyOwnerChange)) return new BodyOwnerChange(Id(f), (BodyOwner)Whole(f, "owner"));
+        if (type == typeof(BodyToSpawn))
+        {
+            return new BodyToSpawn
+            {
+                Slot = Whole(f, "slot"), Generation = Whole(f, "generation"), ShapeSet = Whole(f, "shape_set"),
+                Owner = (BodyOwner)Whole(f, "owner"), MassKg = Number(f, "mass_kg"),
+                Friction = f.ContainsKey("friction") ? Number(f, "friction") : new BodyToSpawn().Friction,
+                PositionM = Position(f, "pose"), Orientation = Orientation(f, "pose"), VelocityMS = Triple(Inner(f, "velocity_m_s")),
+                RefuseOverlap = f.ContainsKey("refuse_overlap") && (bool)f["refuse_overlap"]
+            };
+        }
+        if (type != typeof(BodyShape)) throw new NotSupportedException("no form of " + type);
+        return new BodyShape
+        {
+            Type = (ShapeType)Whole(f, "type"), HalfExtentsM = Triple(Inner(f, "half_extents_m")), RadiusM = Number(f, "radius_m"),
+            LengthM = Number(f, "length_m"),
+            PointsM = All(f, "points_m").Select(p => Triple((Dictionary<string, object>)p)).ToArray(),
+            Triangles = All(f, "triangles").Select(Convert.ToUInt32).ToArray(),
+            PositionM = Position(f, "in_body"), Orientation = Orientation(f, "in_body")
+        };
+    }
+
+    private static BodyId Id(Dictionary<string, object> f)
+    {
+        return new BodyId(Whole(f, "slot"), Whole(f, "generation"));
+    }
+
+    private static List<object> All(Dictionary<string, object> f, string name)
+    {
+        return f.ContainsKey(name) ? (List<object>)f[name] : new List<object>();
+    }
+
+    private static Dictionary<string, object> Inner(Dictionary<string, object> f, string name)
+    {
+        return (Dictionary<string, object>)f[name];
+    }
+
+    private static uint Whole(Dictionary<string, object> f, string name)
+    {
+        return f.ContainsKey(name) ? Convert.ToUInt32(f[name]) : 0;
+    }
+
+    private static float Number(Dictionary<string, object> f, string name)
+    {
+        return f.ContainsKey(name) ? Golden.Single(f[name]) : 0;
+    }
+
+    private static Vector Triple(Dictionary<string, object> f)
+    {
+        return new Vector(Number(f, "x"), Number(f, "y"), Number(f, "z"));
+    }
+
+    private static Vector Position(Dictionary<string, object> f, string pose)
+    {
+        return Triple(Inner(Inner(f, pose), "position_m"));
+    }
+
+    private static Rotation Orientation(Dictionary<string, object> f, string pose)
+    {
+        Dictionary<string, object> q = Inner(Inner(f, pose), "orientation_xyzw");
+        return new Rotation(Number(q, "x"), Number(q, "y"), Number(q, "z"), Number(q, "w"));
+    }
+
+    /// <summary>What the game's copy says takes the place of what the message says.</summary>
+    public static void Copied(WholehandClient client, Dictionary<string, object> read)
+    {
+        var slots = new BodySlots();
+        if (!client.TryGetBodies(slots)) throw new Exception("no copy of the bodies"); // not one of rubbish: it escapes
+        if (slots.Count == 0 && !read.ContainsKey("bodies")) return;
+        read["bodies"] = Enumerable.Range(0, slots.Count).Select(i => (object)new Dictionary<string, object>
+        {
+            { "slot", (long)slots.Bodies[i].Slot }, { "generation", (long)slots.Bodies[i].Generation },
+            { "shapes", (long)slots.Shapes[i] }, { "state", (long)slots.States[i] }
+        }).ToList();
+    }
+}
