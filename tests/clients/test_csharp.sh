@@ -14,4 +14,5 @@ done
 cd "$out"
 mcs -langversion:7 -debug -nologo -warn:4 -warnaserror -r:Wholehand.Protocol.dll \
   -r:Wholehand.Client.dll -out:WholehandTests.exe "$source"/tests/clients/csharp/*.cs
-WHOLEHAND_AXES_PAGE=$source/docs/axes.md mono --debug WholehandTests.exe "$@"
+export WHOLEHAND_AXES_PAGE=$source/docs/axes.md WHOLEHAND_GAME_TABLE=$source/tests/clients/game_table.toml
+mono --debug WholehandTests.exe "$@"

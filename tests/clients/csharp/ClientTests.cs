@@ -156,6 +156,64 @@ public static class ClientTests
         }
     }
 
+    private static byte[] WorldMessage(ulong tick, int bodies, int contacts)
+    {
+        var b = new FlatBufferBuilder(8192);
+        WorldState.StartBodiesVector(b, bodies);
+        for (int i = bodies - 1; i >= 0; --i) Pose.CreatePose(b, 0.01f * i, 0.02f * i, 0.5f, 0, 0, 0, 1);
+        VectorOffset poses = b.EndVector();
+        WorldState.StartContactsVector(b, contacts);
+        for (int i = 0; i < contacts; ++i) ContactPoint.CreateContactPoint(b, 1, (short)i, 0, 0, 0, 0, 0, 1);
+        VectorOffset points = b.EndVector();
+        WorldState.StartWorldState(b);
+        WorldState.AddSession(b, 1);
+        WorldState.AddTick(b, tick);
+        WorldState.AddBodies(b, poses);
+        WorldState.AddContacts(b, points);
+        return MadeUpProgram.Finished(b, Payload.WorldState, WorldState.EndWorldState(b).Value);
+    }
+
+    private static byte[] BodiesMessage(uint bodies)
+    {
+        var b = new FlatBufferBuilder(2048);
+        GameBodies.StartBodiesVector(b, (int)bodies);
+        for (uint i = bodies; i > 0; --i) GameBody.CreateGameBody(b, i - 1, 7, 3, SlotState.Solid);
+        return MadeUpProgram.Finished(b, Payload.GameBodies, GameBodies.CreateGameBodies(b, 1, b.EndVector()).Value);
+    }
+
+    public static void StatesOf64Bodies_CostNoMemory()
+    {
+        using (var client = new WholehandClient(new ClientOptions { RateHz = 0 }))
+        {
+            var messages = new[] { WorldMessage(1, 64, 40), WorldMessage(2, 64, 30) };
+            byte[] of64 = BodiesMessage(64);
+            client.Hear(of64, of64.Length, 1);
+            var incoming = new byte[64 * 1024]; // as the thread that listens has it
+            var hand = new HandState();
+            var world = new WorldSnapshot();
+            var slots = new BodySlots();
+            const int States = 100000;
+            int collections = 0, copies = 0;
+            float sum = 0;
+            for (int i = 0; i < States + 1000; ++i)
+            {
+                byte[] message = messages[i % 2];
+                Buffer.BlockCopy(message, 0, incoming, 0, message.Length);
+                client.Hear(incoming, message.Length, MonotonicClock.NowNs());
+                if (client.TryGetState(hand) && client.TryGetWorld(world)) ++copies;
+                slots.Number = 0; // as if the list had changed
+                client.TryGetBodies(slots);
+                for (int s = 0; s < slots.Count; ++s) sum += world.BodyPositions[slots.PoseOf(slots.Bodies[s].Slot)].X;
+                if (i == 1000) collections = GC.CollectionCount(0);
+            }
+            Check.Equal(States + 1000, copies, "copies");
+            Check.Equal(64, slots.Count, "bodies");
+            Check.Near(0.01 * 64 * 63 / 2 * (States + 1000), sum, 1e-2 * sum, "what was read");
+            // The youngest generation holds 4 MB: 42 bytes a frame would fill it once.
+            Check.Equal(collections, GC.CollectionCount(0), "garbage collections");
+        }
+    }
+
     public static void PolledClient_RaisesEventsInPollAndLivesOnlyByIt()
     {
         using (var program = new MadeUpProgram())

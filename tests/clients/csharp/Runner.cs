@@ -90,7 +90,7 @@ public static class Runner
         {
             if (type.GetCustomAttributes(typeof(TestsAttribute), false).Length == 0) continue;
             if (type.Name == "LiveTests" && StandIn == null) continue;
-            if (type.Name == "RealTests" && Program == null) continue;
+            if (type.Name.StartsWith("Real") && Program == null) continue;
             foreach (MethodInfo method in type.GetMethods(
                 BindingFlags.Public | BindingFlags.Static | BindingFlags.DeclaredOnly))
             {

@@ -1,0 +1,198 @@
+using System;
+using System.Collections.Concurrent;
+using System.Collections.Generic;
+using System.Threading.Tasks;
+using Wholehand;
+using wholehand.protocol;
+
+/// <summary>Bodies of a game against the program itself, in a scene that has bodies of its own (game_table.toml): the
+/// table's top is at z = 0.02 m.</summary>
+[Tests]
+public static class RealBodyTests
+{
+    private const float RadiusM = 0.03f, TopM = 0.02f;
+    private static readonly Vector Above = new Vector(0.5f, 0.3f, 0.17f);
+
+    /// <summary>A client that holds the controls of a program that renders.</summary>
+    private sealed class Play : IDisposable
+    {
+        public readonly WholehandClient Client;
+        public readonly WorldSnapshot World = new WorldSnapshot();
+        public readonly BodySlots Slots = new BodySlots();
+        private readonly RealProgram program;
+        private readonly ConcurrentQueue<BodyEvent> events = new ConcurrentQueue<BodyEvent>();
+
+        public Play(bool armed = true)
+        {
+            program = new RealProgram("--udp 0 --port 0 --no-rehearsal --wait --exercise \""
+                + Environment.GetEnvironmentVariable("WHOLEHAND_GAME_TABLE") + "\"");
+            Client = new WholehandClient(new ClientOptions { Port = program.Port });
+            Client.BodyEventReceived += events.Enqueue;
+            Client.Connect();
+            var state = new HandState();
+            Check.Until(() => Client.LatestScene.HasValue && Client.TryGetState(state), "a state");
+            Accepted(Client.TakeControls());
+            if (!armed) return;
+            Accepted(Client.Arm(state.Endings));
+            Check.Until(() => Client.TryGetState(state) && state.RunState == RunState.Rendering
+                && Client.LatestScene.Value.Session == state.Session, "it renders");
+        }
+
+        public BodyEvent Becomes(BodyEventKind kind, uint slot)
+        {
+            BodyEvent found = new BodyEvent();
+            Check.Until(() => events.TryDequeue(out found) && found.Kind == kind && found.Slot == slot, slot + ": " + kind);
+            return found;
+        }
+
+        /// <summary>Where a body is in the newest state, once that has it.</summary>
+        public bool TryGetPosition(BodyId body, out Vector position)
+        {
+            position = new Vector();
+            Client.TryGetBodies(Slots);
+            if (!Client.TryGetWorld(World) || World.Session != Slots.Session || Slots.Find(body) < 0) return false;
+            int pose = Slots.PoseOf(body.Slot);
+            if (pose >= World.BodyCount) return false;
+            position = World.BodyPositions[pose];
+            return true;
+        }
+
+        public void Dispose()
+        {
+            Client.Dispose();
+            program.Dispose();
+        }
+    }
+
+    private static CommandReply Ended(Task<CommandReply> command)
+    {
+        Check.True(command.Wait(20000), "the command is answered");
+        return command.Result;
+    }
+
+    private static void Accepted(Task<CommandReply> command)
+    {
+        CommandReply reply = Ended(command);
+        Check.True(reply.Accepted, reply.Reason);
+    }
+
+    private static double Distance(Vector a, Vector b)
+    {
+        return Math.Sqrt(Math.Pow(a.X - b.X, 2) + Math.Pow(a.Y - b.Y, 2) + Math.Pow(a.Z - b.Z, 2));
+    }
+
+    public static void Ball_FallsRestsOnTheTableAndIsRemoved()
+    {
+        using (var play = new Play())
+        {
+            Accepted(play.Client.PrepareShapes(3, BodyShape.Ball(RadiusM)));
+            var ball = new BodyToSpawn { Slot = 2, Generation = 7, ShapeSet = 3, PositionM = Above };
+            Accepted(play.Client.Spawn(ball));
+            BodyEvent solid = play.Becomes(BodyEventKind.Solid, 2);
+            Check.Equal(7u, solid.Generation, "generation");
+            double period = play.Client.LatestScene.Value.PeriodS, lower = 0, higher = 0, lowest = 1;
+            int falling = 0, resting = 0;
+            Check.Until(() =>
+            {
+                Vector at;
+                if (!play.TryGetPosition(ball.Id, out at)) return false;
+                // Free fall, z = z0 - g t² / 2, until the ball touches the table; a tick is 1.5 mm of way at most. A program
+                // that is held up skips ticks: the ball is then higher.
+                double fallen = (play.World.Tick - (double)solid.Tick) * period, free = Above.Z - 0.5 * 9.81 * fallen * fallen;
+                if (play.World.Tick >= solid.Tick && free > TopM + RadiusM + 0.005)
+                {
+                    lower = Math.Max(lower, free - at.Z);
+                    higher = Math.Max(higher, at.Z - free);
+                    ++falling;
+                }
+                lowest = Math.Min(lowest, at.Z);
+                resting = Math.Abs(at.Z - (TopM + RadiusM)) < 0.002 ? resting + 1 : 0;
+                return resting >= 30;
+            }, "the ball rests for half a second");
+            Console.WriteLine("figure: a ball of a C# game falls: {0} states, at worst {1:0.00} mm below free fall and {2:0.00} mm above; "
+                + "{3:0.00} mm in the table", falling, 1e3 * lower, 1e3 * higher, 1e3 * (TopM + RadiusM - lowest));
+            Check.True(falling >= 3, "states of the fall");
+            Check.True(lower < 0.003 && higher < 0.03, "free fall");
+            Check.True(lowest > TopM + RadiusM - 0.005, "the table holds it");
+            Check.Equal(1, play.Slots.Count, "bodies of the game");
+            Check.Equal(SlotState.Solid, play.Slots.States[play.Slots.Find(ball.Id)], "state");
+            GameShapes shapes;
+            Check.True(play.Client.TryGetShapes(play.Slots.Shapes[0], out shapes), "its shapes");
+            Check.Equal(ShapeType.Sphere, shapes.Pieces(0).Value.Type, "type");
+            Check.Near(RadiusM, shapes.Pieces(0).Value.RadiusM, 1e-9, "radius");
+            uint id = play.Slots.Shapes[0];
+            Accepted(play.Client.Remove(ball.Id));
+            Check.Equal(7u, play.Becomes(BodyEventKind.Left, 2).Generation, "what left");
+            Check.Until(() => play.Client.TryGetBodies(play.Slots) && play.Slots.Count == 0, "no body is left");
+            Check.True(!play.Client.TryGetShapes(id, out shapes), "its shapes are forgotten");
+        }
+    }
+
+    public static void DrivenBody_FollowsItsTargetAndStandsWhereItIsPut()
+    {
+        using (var play = new Play())
+        {
+            Accepted(play.Client.PrepareShapes(0, BodyShape.Box(new Vector(0.04f, 0.03f, 0.02f))));
+            var body = new BodyToSpawn { Slot = 5, ShapeSet = 0, Owner = BodyOwner.Game, PositionM = Above };
+            Accepted(play.Client.Spawn(body));
+            play.Becomes(BodyEventKind.Solid, 5);
+            var goal = new Vector(Above.X, Above.Y - 0.1f, Above.Z + 0.05f);
+            // A quarter turn about z.
+            var turned = new Rotation(0, 0, (float)Math.Sqrt(0.5), (float)Math.Sqrt(0.5));
+            Check.Until(() =>
+            {
+                play.Client.BodyTargets(new BodyAt(body.Id, goal, turned));
+                System.Threading.Thread.Sleep(15);
+                Vector at;
+                return play.TryGetPosition(body.Id, out at) && Distance(at, goal) < 0.002
+                    && Math.Abs(play.World.BodyOrientations[play.Slots.PoseOf(5)].Z - turned.Z) < 0.01;
+            }, "the target is reached");
+            Accepted(play.Client.SetOwner(new BodyOwnerChange(body.Id, BodyOwner.Fixed)));
+            Accepted(play.Client.Teleport(new BodyAt(body.Id, Above)));
+            Check.Until(() =>
+            {
+                Vector at;
+                return play.TryGetPosition(body.Id, out at) && Distance(at, Above) < 1e-6;
+            }, "it stands where it is put");
+        }
+    }
+
+    public static void WhatIsRefused_IsNamed()
+    {
+        using (var play = new Play(false))
+        {
+            CommandReply early = Ended(play.Client.PrepareShapes(0, BodyShape.Ball(RadiusM)));
+            Check.True(!early.Accepted && early.Reason != "", "before anything is armed");
+            Check.Equal(Refusal.NothingArmed, early.Refusal, early.Reason);
+        }
+        using (var play = new Play())
+        {
+            Vector[] corners = { new Vector(), new Vector(0.05f, 0, 0), new Vector(0, 0.05f, 0), new Vector(0, 0, 0.05f) };
+            uint[] faces = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3 };
+            Accepted(play.Client.PrepareShapes(1, BodyShape.Mesh(corners, faces)));
+            var open = new uint[9];
+            Array.Copy(faces, 3, open, 0, 9);
+            CommandReply bad = Ended(play.Client.PrepareShapes(0, BodyShape.Mesh(corners, open), BodyShape.Ball(RadiusM)));
+            Check.Equal(Refusal.BodiesRefused, bad.Refusal, bad.Reason);
+            Check.Equal(1, bad.Items.Length, "items");
+            Check.Equal(BodyRefusal.BadShapes, bad.Items[0].Refusal, bad.Items[0].Reason);
+            Check.True(bad.Items[0].Slot == -1 && bad.Items[0].Reason.Contains("watertight"), bad.Items[0].Reason);
+            CommandReply spawn = Ended(play.Client.Spawn(
+                new BodyToSpawn { Slot = 0, ShapeSet = 1, PositionM = Above },
+                new BodyToSpawn { Slot = 1, ShapeSet = 1, PositionM = new Vector(9, 0, 0) },
+                new BodyToSpawn { Slot = 64, ShapeSet = 1, PositionM = Above }));
+            Check.Equal(2, spawn.Items.Length, "items of the spawn");
+            Check.Equal(BodyRefusal.BadPose, spawn.Items[0].Refusal, spawn.Items[0].Reason);
+            Check.True(spawn.Items[0].Index == 1 && spawn.Items[0].Slot == 1, "which");
+            Check.Equal(BodyRefusal.NoSuchSlot, spawn.Items[1].Refusal, spawn.Items[1].Reason);
+            Check.True(spawn.Items[1].Index == 2 && spawn.Items[1].Slot == 64, "which");
+            play.Becomes(BodyEventKind.Solid, 0); // the good one
+            Accepted(play.Client.Remove(new BodyId(0, 3)));
+            Check.Equal(BodyRefusal.WrongGeneration, play.Becomes(BodyEventKind.Refused, 0).Refusal, "of the loop");
+            Check.True(Ended(play.Client.Spawn(new BodyToSpawn { Slot = 70000 })).Reason.Contains("70000"), "no such slot");
+            Accepted(play.Client.ReleaseControls());
+            CommandReply foreign = Ended(play.Client.Remove(new BodyId(0, 1)));
+            Check.Equal(Refusal.NotHolder, foreign.Refusal, foreign.Reason);
+        }
+    }
+}
