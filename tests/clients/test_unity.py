@@ -142,7 +142,8 @@ class Assemblies(unittest.TestCase):
         compile_library(tests, [*sorted((TESTS / "unity").glob("*.cs")), *shared], [engine, editor, nunit, *built.values()],
                         "-warn:4", "-warnaserror")
         done = subprocess.run(["mono", "--debug", tests, STAND_IN, PROGRAM], cwd=out,
-                              env={**os.environ, "WHOLEHAND_CONFIG": str(SOURCE / "config")})
+                              env={**os.environ, "WHOLEHAND_CONFIG": str(SOURCE / "config"),
+                                   "WHOLEHAND_GAME_TABLE": str(TESTS / "game_table.toml")})
         self.assertEqual(done.returncode, 0)
 
     def compile_assemblies(self, out, stubs):

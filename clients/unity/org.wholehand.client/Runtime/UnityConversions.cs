@@ -39,5 +39,17 @@ namespace Wholehand.Unity
         {
             return UnityAxes.FromUnity(new Rotation(q.x, q.y, q.z, q.w));
         }
+
+        /// <summary>A point of the game's world in the program's axes.</summary>
+        /// <param name="world">Of the Wholehand World.</param>
+        internal static Vector ToProgram(this Transform world, Vector3 point)
+        {
+            return world.InverseTransformPoint(point).ToWholehand();
+        }
+
+        internal static Rotation ToProgram(this Transform world, Quaternion rotation)
+        {
+            return (Quaternion.Inverse(world.rotation) * rotation).ToWholehand();
+        }
     }
 }

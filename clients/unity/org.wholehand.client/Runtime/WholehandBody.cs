@@ -4,8 +4,9 @@ using wholehand.protocol;
 
 namespace Wholehand.Unity
 {
-    /// <summary>One body of the scene. Wholehand World makes them; where one with this name is a child of the world
-    /// already, that one is moved instead and keeps the look that the game gave it.</summary>
+    /// <summary>One body of the scene, or one that the game has spawned. Wholehand World makes them; where one with this
+    /// name, or this GameId, is a child of the world already, that one is moved instead and keeps the look that the game
+    /// gave it.</summary>
     [AddComponentMenu("Wholehand/Wholehand Body")]
     [DisallowMultipleComponent]
     public sealed class WholehandBody : MonoBehaviour
@@ -16,43 +17,75 @@ namespace Wholehand.Unity
         private readonly List<Mesh> meshes = new List<Mesh>(); // that this component made
         private Rigidbody forPhysics;
 
+        private Vector3 target;
+        private Quaternion targetRotation;
+
         public string BodyName { get { return bodyName; } set { bodyName = value; } }
 
-        /// <summary>Index into Scene.Bodies; -1: the present scene has no body of this name.</summary>
+        /// <summary>Index into WorldSnapshot.BodyPositions, and of a body of the scene into Scene.Bodies; -1: there is no
+        /// such body at present.</summary>
         public int Index { get; internal set; } = -1;
 
-        /// <summary>Never moves.</summary>
+        /// <summary>Of a body that the game spawns; null: of the scene.</summary>
+        public BodyId? GameId { get; set; }
+
+        /// <summary>Of a body of the game: a ghost is drawn, but touches nothing.</summary>
+        public SlotState State { get; internal set; }
+
+        /// <summary>A target is set.</summary>
+        public bool HasTarget { get; private set; }
+
+        /// <summary>Never moves. Not known of a body of the game.</summary>
         public bool Fixed { get; private set; }
 
         /// <summary>True: the world made it, and removes it with its scene.</summary>
         internal bool Made { get; set; }
 
-        internal void Attach(int index, Body body, bool kinematicColliders)
+        /// <summary>Where a body of the game with BodyOwner.Game is pulled to: its centre of mass, in the game's world. It
+        /// holds until another is set, as long as the game's frames run.</summary>
+        public void SetTarget(Vector3 position, Quaternion rotation)
+        {
+            target = position;
+            targetRotation = rotation;
+            HasTarget = true;
+        }
+
+        /// <summary>The body halts within 0.1 s.</summary>
+        public void ClearTarget()
+        {
+            HasTarget = false;
+        }
+
+        /// <summary>In the axes of the program and of the world that this body belongs to.</summary>
+        internal BodyAt TargetIn(Transform world)
+        {
+            return new BodyAt(GameId.Value, world.ToProgram(target), world.ToProgram(targetRotation));
+        }
+
+        internal void Attach(int index, bool isFixed, Shape[] shapes, bool kinematicColliders)
         {
             Index = index;
-            Fixed = body.Fixed;
+            Fixed = isFixed;
             if (!kinematicColliders || forPhysics) return;
             // Beside the drawn object: a kinematic body whose transform is set has no speed for Unity's physics.
             GameObject holder = Appearance.AddChild(transform.parent, name + " physics");
             forPhysics = Appearance.AddKinematicRigidbody(holder);
-            for (int i = 0; i < body.ShapesLength; ++i) AddCollider(body.Shapes(i).Value);
+            foreach (Shape shape in shapes) AddCollider(shape);
         }
 
-        internal void AddShapes(Body body, Material material)
+        internal void AddShapes(Shape[] shapes, Material material, Color color)
         {
-            Color color = Appearance.ColorOf(body.Color);
-            for (int i = 0; i < body.ShapesLength; ++i)
+            for (int i = 0; i < shapes.Length; ++i)
             {
-                Shape shape = body.Shapes(i).Value;
-                Mesh mesh = ShapeMeshes.Of(shape);
+                Mesh mesh = ShapeMeshes.Of(shapes[i]);
                 if (mesh == null)
                 {
-                    Debug.LogWarning("Wholehand: shape " + i + " of body " + bodyName + " is not drawn: its type "
-                        + shape.Type + " is unknown to this package, or its corners are damaged", this);
+                    Debug.LogWarning("Wholehand: shape " + i + " of body " + name + " is not drawn: its type "
+                        + shapes[i].Type + " is unknown to this package, or its corners are damaged", this);
                     continue;
                 }
                 meshes.Add(mesh);
-                Place(Appearance.AddMesh(transform, mesh.name, mesh, material, color).transform, shape.InBody);
+                Place(Appearance.AddMesh(transform, mesh.name, mesh, material, color).transform, shapes[i].InBody);
             }
         }
 
@@ -74,6 +107,7 @@ namespace Wholehand.Unity
         internal void Detach()
         {
             Index = -1;
+            HasTarget = false;
             if (forPhysics) Destroy(forPhysics.gameObject);
             forPhysics = null;
             Appearance.DestroyAll(meshes);

@@ -29,6 +29,7 @@ namespace Wholehand.Unity
 
         private readonly HandState state = new HandState();
         private readonly WorldSnapshot world = new WorldSnapshot();
+        private readonly BodySlots bodies = new BodySlots();
         private WholehandClient client;
         private long receivedNs;
 
@@ -40,7 +41,7 @@ namespace Wholehand.Unity
 
         public int RateHz { get { return rateHz; } set { rateHz = value; } }
 
-        /// <summary>Connected or not, and in words why. This event and the next three are raised on the main thread, in
+        /// <summary>Connected or not, and in words why. This event and the next four are raised on the main thread, in
         /// Update.</summary>
         public event Action<bool, string> ConnectionChanged;
 
@@ -51,6 +52,9 @@ namespace Wholehand.Unity
 
         /// <summary>Who holds the controls.</summary>
         public event Action<Controls> ControlsChanged;
+
+        /// <summary>What became of a body of the game: docs/protocol.md of Wholehand, "Bodies of a game".</summary>
+        public event Action<BodyEvent> BodyEventReceived;
 
         /// <summary>Null: the environment variable WHOLEHAND_TOKEN, where there is one.</summary>
         public string Token { get; set; }
@@ -69,6 +73,12 @@ namespace Wholehand.Unity
 
         /// <summary>Bodies and contacts of the newest state by WebSocket; 60 a second.</summary>
         public WorldSnapshot World { get { return world; } }
+
+        /// <summary>Which slots hold bodies of a game.</summary>
+        public BodySlots Bodies { get { return bodies; } }
+
+        /// <summary>Rises whenever Bodies has changed.</summary>
+        public int BodiesNumber { get; private set; }
 
         public bool HasState { get; private set; }
 
@@ -108,6 +118,7 @@ namespace Wholehand.Unity
             client.SceneReceived += OnScene;
             client.EventsReceived += events => { if (EventsReceived != null) EventsReceived(events); };
             client.ControlsChanged += controls => { if (ControlsChanged != null) ControlsChanged(controls); };
+            client.BodyEventReceived += e => { if (BodyEventReceived != null) BodyEventReceived(e); };
             client.HandlerThrew += Debug.LogException;
             client.Connect();
             return true;
@@ -144,6 +155,7 @@ namespace Wholehand.Unity
                 receivedNs = MonotonicClock.NowNs();
                 HasState = true;
             }
+            if (client.TryGetBodies(bodies)) ++BodiesNumber;
             client.TryGetWorld(world);
         }
 

@@ -4,13 +4,13 @@ using wholehand.protocol;
 
 namespace Wholehand.Unity
 {
-    /// <summary>Draws the bodies of the program's scene, which are what the hand feels: one Wholehand Body each, below
-    /// this object. This object's transform places the program's world in the game's; leave its scale at 1, and put it
+    /// <summary>Draws the bodies of the program's scene and those that a game has spawned, which are what the hand feels:
+    /// one Wholehand Body each, below this object. It also orders bodies of a game. This object's transform places the program's world in the game's; leave its scale at 1, and put it
     /// where the hand's is.</summary>
     [AddComponentMenu("Wholehand/Wholehand World")]
     [DisallowMultipleComponent]
     [DefaultExecutionOrder(-50)]
-    public sealed class WholehandWorld : MonoBehaviour
+    public sealed partial class WholehandWorld : MonoBehaviour
     {
         [Tooltip("Empty: the one above this object.")]
         [SerializeField] private WholehandConnection connection;
@@ -59,11 +59,8 @@ namespace Wholehand.Unity
         {
             if (!kinematicColliders || !IsOfThisScene(connection.World)) return;
             WorldSnapshot world = connection.World;
-            for (int i = 0; i < bodies.Count && i < world.BodyCount; ++i)
-            {
-                bodies[i].MoveForPhysics(transform.TransformPoint(world.BodyPositions[i].ToVector3()),
-                    transform.rotation * world.BodyOrientations[i].ToQuaternion());
-            }
+            for (int i = 0; i < bodies.Count; ++i) MoveForPhysics(bodies[i], world);
+            for (int i = 0; i < gameBodies.Count; ++i) MoveForPhysics(gameBodies[i], world);
         }
 
         private void Update()
@@ -73,13 +70,26 @@ namespace Wholehand.Unity
                 builtScene = connection.SceneNumber;
                 Build(connection.Scene.Value);
             }
+            bool others = connection.HasState && connection.Scene.HasValue && connection.BodiesNumber != builtBodies;
+            if (others) BuildGameBodies(connection.Bodies);
             WorldSnapshot world = connection.World;
-            if (!IsOfThisScene(world) || world.Tick == DrawnTick) return;
-            for (int i = 0; i < bodies.Count && i < world.BodyCount; ++i)
-            {
-                bodies[i].Draw(world.BodyPositions[i].ToVector3(), world.BodyOrientations[i].ToQuaternion());
-            }
+            if (!IsOfThisScene(world) || (world.Tick == DrawnTick && !others)) return;
+            for (int i = 0; i < bodies.Count; ++i) Draw(bodies[i], world);
+            for (int i = 0; i < gameBodies.Count; ++i) Draw(gameBodies[i], world);
             DrawnTick = world.Tick;
+        }
+
+        private void MoveForPhysics(WholehandBody body, WorldSnapshot world)
+        {
+            if (body.Index >= world.BodyCount) return;
+            body.MoveForPhysics(transform.TransformPoint(world.BodyPositions[body.Index].ToVector3()),
+                transform.rotation * world.BodyOrientations[body.Index].ToQuaternion());
+        }
+
+        private static void Draw(WholehandBody body, WorldSnapshot world)
+        {
+            if (body.Index >= world.BodyCount) return;
+            body.Draw(world.BodyPositions[body.Index].ToVector3(), world.BodyOrientations[body.Index].ToQuaternion());
         }
 
         // A program tells where the first 128 bodies of a scene are.
@@ -95,26 +105,33 @@ namespace Wholehand.Unity
             {
                 body.Detach();
                 if (body.Made) Destroy(body.gameObject);
-                else placed[body.BodyName] = body;
+                else if (!body.GameId.HasValue) placed[body.BodyName] = body;
             }
             bodies.Clear();
+            gameBodies.Clear();
+            builtBodies = -1;
             DrawnTick = ulong.MaxValue;
             for (int i = 0; i < scene.BodiesLength; ++i)
             {
                 Body body = scene.Bodies(i).Value;
                 WholehandBody drawn;
-                if (!placed.TryGetValue(body.Name, out drawn)) drawn = Make(body);
-                drawn.Attach(i, body, kinematicColliders);
+                var shapes = new Shape[body.ShapesLength];
+                for (int s = 0; s < shapes.Length; ++s) shapes[s] = body.Shapes(s).Value;
+                if (!placed.TryGetValue(body.Name, out drawn))
+                {
+                    drawn = Make(body.Name, shapes, Appearance.ColorOf(body.Color));
+                    drawn.BodyName = body.Name;
+                }
+                drawn.Attach(i, body.Fixed, shapes, kinematicColliders);
                 bodies.Add(drawn);
             }
         }
 
-        private WholehandBody Make(Body body)
+        private WholehandBody Make(string called, Shape[] shapes, Color color)
         {
-            var made = Appearance.AddChild(transform, body.Name).AddComponent<WholehandBody>();
-            made.BodyName = body.Name;
+            var made = Appearance.AddChild(transform, called).AddComponent<WholehandBody>();
             made.Made = true;
-            made.AddShapes(body, material);
+            made.AddShapes(shapes, material, color);
             return made;
         }
     }

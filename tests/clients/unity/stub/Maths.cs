@@ -157,6 +157,7 @@ namespace UnityEngine
         public static float Sqrt(float x) { return (float)Math.Sqrt(x); }
         public static float Abs(float x) { return Math.Abs(x); }
         public static float Clamp(float x, float lower, float upper) { return Math.Max(lower, Math.Min(upper, x)); }
+        public static float Max(float a, float b) { return Math.Max(a, b); }
         public static float Clamp01(float x) { return Clamp(x, 0.0f, 1.0f); }
     }
 }

@@ -128,6 +128,11 @@ namespace UnityEngine
         {
             return position + rotation * v;
         }
+
+        public Vector3 InverseTransformPoint(Vector3 v)
+        {
+            return Quaternion.Inverse(rotation) * (v - position);
+        }
     }
 
     public class Behaviour : Component
