@@ -101,6 +101,22 @@ class Commands(InGodot):
         self.run_against("a_game_that_hangs_loses_the_controls", "--wait")
 
 
+class BodiesOfAGame(InGodot):
+    """In a scene that has bodies of its own."""
+
+    def play(self, test):
+        self.run_against(test, "--wait", "--exercise", str(SOURCE / "tests/clients/game_table.toml"))
+
+    def test_a_ball_falls_rests_and_is_removed(self):
+        self.play("a_ball_falls_rests_and_is_removed")
+
+    def test_a_driven_body_follows_its_target(self):
+        self.play("a_driven_body_follows_its_target")
+
+    def test_refused_orders_say_why(self):
+        self.play("refused_orders_say_why")
+
+
 class Line(InGodot):
     def test_a_program_that_is_restarted_is_found_again(self):
         program = Program(self, "--wait")

@@ -110,7 +110,7 @@ class Godot(Client):
     """The addon keeps only some fields, and those are compared: every variable of its own objects."""
     name = "godot"
     checks_bounds = True
-    reads = SAID_BY_THE_PROGRAM
+    writes = ORDERS_OF_A_GAME | ORDERS_OF_BODIES
 
     def missing(self):
         return "" if shutil.which("godot3-server") else "godot3-server"

@@ -243,6 +243,158 @@ func _has_lost():
 	return not connection.holds_controls
 
 
+# ---- bodies of a game: game_table.toml, whose table's top is at 0.02 m beside the hand ----
+
+const RADIUS = 0.03
+const ABOVE = Vector3(0.5, 0.3, 0.17) # in the program's axes
+const RESTS = Vector3(0.5, 0.3, 0.05)
+
+var body_events = []
+var refused_items = []
+var goal = Vector3()
+var resting = 0
+
+
+func start_with_controls():
+	# Where the program's world stands in the game's must not matter.
+	world.transform = Transform(Basis(Vector3(1, 2, 3).normalized(), 0.7), Vector3(1, 2, -3))
+	connection.connect("body_event", self, "_on_body_event")
+	connection.connect("bodies_refused", self, "_on_bodies_refused")
+	yield(start(), "completed")
+	yield(accepted(connection.take_controls(), "take the controls"), "completed")
+	yield(accepted(connection.arm(connection.state.endings), "arm"), "completed")
+	yield(until("_renders", "rendering"), "completed")
+	yield(until("_is_drawn", "the new scene"), "completed")
+	check(connection.scene.budget.slots == 64 and world.bodies.size() == 2, "the scene: %s" % [connection.scene.budget])
+
+
+func _on_body_event(what, slot, generation, refusal):
+	body_events.append([what, slot, generation, refusal])
+
+
+func _on_bodies_refused(_command, items):
+	refused_items = items
+
+
+# The first of them that has not been asked for.
+func becomes(what, slot):
+	yield(self, "idle_frame")
+	var end = OS.get_ticks_msec() + PATIENCE_MS
+	while OS.get_ticks_msec() < end:
+		for event in body_events:
+			if event[0] == what and event[1] == slot:
+				body_events.erase(event)
+				return event
+		yield(self, "idle_frame")
+	check(false, "not within 20 s: slot %d: %s; there were %s" % [slot, what, body_events])
+	return [what, slot, 0, 0]
+
+
+# Of the program's axes, in the game's world.
+func placed(position, turn = Basis()):
+	return world.global_transform * Transform(FROM_PROGRAM * turn * FROM_PROGRAM.transposed(), FROM_PROGRAM.xform(position))
+
+
+func _off(slot, position):
+	return (world.game_bodies[slot].global_transform.origin - placed(position).origin).length()
+
+
+func a_ball_falls_rests_and_is_removed():
+	yield(start_with_controls(), "completed")
+	yield(accepted(world.prepare_shapes(3, [Shapes.ball_piece(RADIUS)]), "shapes"), "completed")
+	yield(accepted(world.spawn({"slot": 2, "generation": 7, "shape_set": 3}, placed(ABOVE)), "spawn"), "completed")
+	var solid = yield(becomes("solid", 2), "completed")
+	check(solid[2] == 7, "generation: %s" % [solid])
+	yield(until("_is_ball_drawn", "the ball is drawn"), "completed")
+	var ball = world.game_bodies[2]
+	check(ball.get_child_count() == 1 and abs(ball.get_child(0).mesh.radius - RADIUS) < 1e-6, "as a ball")
+	yield(until("_rests", "it rests on the table for 30 states"), "completed")
+	var listed = connection.bodies.bodies[0]
+	check(connection.bodies.bodies.size() == 1 and listed.slot == 2 and listed.generation == 7
+			and listed.state == Protocol.SlotState.Solid, "listed: %s" % [connection.bodies.bodies])
+	yield(accepted(world.remove_body(2, 7), "remove"), "completed")
+	var left = yield(becomes("left", 2), "completed")
+	check(left[2] == 7, "what left: %s" % [left])
+	yield(until("_has_no_bodies", "no body is left"), "completed")
+	yield(self, "idle_frame")
+	check(not is_instance_valid(ball) and connection.shapes.empty(), "nothing is left of it")
+	check(connection.ignored == 0, "messages were ignored")
+
+
+func _is_ball_drawn():
+	return world.game_bodies.has(2) and connection.state.body_positions.size() == 5
+
+
+func _rests():
+	if compared_tick != connection.state.tick:
+		compared_tick = connection.state.tick
+		resting = resting + 1 if _off(2, RESTS) < 0.002 else 0
+	return resting >= 30
+
+
+func _has_no_bodies():
+	return connection.bodies.bodies.empty() and world.game_bodies.empty()
+
+
+func a_driven_body_follows_its_target():
+	var own = Spatial.new()
+	own.set_meta("wholehand_body", [5, 1])
+	world.add_child(own)
+	yield(start_with_controls(), "completed")
+	# Wider to the right than high: the axes of the shape matter.
+	var pieces = [Shapes.box_piece(Vector3(0.04, 0.02, 0.03)), Shapes.piece_at(Shapes.convex_piece(
+			[Vector3(0, 0, 0), Vector3(0.03, 0, 0), Vector3(0, 0.03, 0), Vector3(0, 0, 0.03)],
+			[0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3]), Transform(Basis(), Vector3(0, 0.02, 0)))]
+	yield(accepted(world.prepare_shapes(0, pieces), "shapes"), "completed")
+	yield(accepted(world.spawn({"slot": 5, "shape_set": 0, "owner": Protocol.BodyOwner.Game}, placed(ABOVE)), "spawn"), "completed")
+	yield(becomes("solid", 5), "completed")
+	yield(until("_is_own_moved", "the game's own node"), "completed")
+	check(world.game_bodies[5] == own and own.get_child_count() == 0, "is moved, and not drawn over")
+	var made = connection.shapes.values()[0].pieces
+	check((made[0].half_extents_m - Vector3(0.015, 0.02, 0.01)).length() < 1e-6, "half extents: %s" % made[0].half_extents_m)
+	check(made[1].points_m.size() == 4 and made[1].triangles.size() == 12, "the mesh: %s" % [made[1]])
+	goal = ABOVE + Vector3(0, 0.08, 0.03)
+	world.set_target(5, placed(goal, Basis(Vector3(0, 0, 1), 1.0)))
+	yield(until("_is_at_goal", "the target is reached"), "completed")
+	world.clear_target(5)
+	yield(accepted(world.set_body_owner(5, 1, Protocol.BodyOwner.Fixed), "hand over"), "completed")
+	goal = ABOVE
+	yield(accepted(world.teleport_body(5, 1, placed(goal, Basis(Vector3(0, 0, 1), 1.0))), "teleport"), "completed")
+	yield(until("_is_at_goal", "it is put elsewhere"), "completed")
+	yield(accepted(connection.stop(), "stop"), "completed")
+	yield(until("_has_no_bodies", "bodies end with their session"), "completed")
+	check(is_instance_valid(own), "the game's own node stays")
+	check(connection.ignored == 0, "messages were ignored")
+
+
+func _is_own_moved():
+	return world.game_bodies.has(5)
+
+
+func _is_at_goal():
+	var turned = placed(goal, Basis(Vector3(0, 0, 1), 1.0)).basis
+	return _off(5, goal) < 0.002 and (world.game_bodies[5].global_transform.basis.x - turned.x).length() < 0.01
+
+
+func refused_orders_say_why():
+	yield(start_with_controls(), "completed")
+	yield(refused(world.spawn({"slot": 0, "shape_set": 9}, placed(ABOVE)), "spawn without shapes", "not prepared"), "completed")
+	check(refused_items.size() == 1 and refused_items[0].refusal == Protocol.BodyRefusal.NoSuchShapes
+			and refused_items[0].reason != "", "shapes: %s" % [refused_items])
+	yield(accepted(world.prepare_shapes(0, [Shapes.capsule_piece(0.01, 0.05)]), "shapes"), "completed")
+	var far = {"slot": 1, "shape_set": 0, "position_m": Vector3(9, 0, 0)}
+	yield(refused(connection.spawn_bodies([{"slot": 0, "shape_set": 0, "position_m": ABOVE}, far,
+			{"slot": 64, "shape_set": 0, "position_m": ABOVE}]), "two of three", "within 5 m"), "completed")
+	check(refused_items.size() == 2 and refused_items[0].item == 1 and refused_items[0].refusal == Protocol.BodyRefusal.BadPose
+			and refused_items[1].slot == 64 and refused_items[1].refusal == Protocol.BodyRefusal.NoSuchSlot, "items: %s" % [refused_items])
+	yield(becomes("solid", 0), "completed") # the good one
+	yield(accepted(world.remove_body(0, 3), "remove another"), "completed")
+	var event = yield(becomes("refused", 0), "completed")
+	check(event[3] == Protocol.BodyRefusal.WrongGeneration, "by the loop: %s" % [event])
+	yield(accepted(connection.release_controls(), "release"), "completed")
+	yield(refused(world.remove_body(0, 1), "remove without the controls", "controls"), "completed")
+
+
 # ---- a program that goes and comes ----
 
 var news = []

@@ -5,7 +5,8 @@ extends SceneTree
 const Recorder = preload("res://recorder.gd")
 
 const SCRIPT_VARIABLE = 8192 # PROPERTY_USAGE_SCRIPT_VARIABLE
-const METHODS = {"Action": "act"}
+const METHODS = {"Action": "act", "Spawn": "spawn_bodies", "Remove": "remove_bodies", "Teleport": "teleport_bodies",
+		"SetOwner": "set_body_owners", "BodyTargets": "set_body_targets"}
 
 var objects
 var heard # payload -> form, of the message that is read now
@@ -42,6 +43,8 @@ func read(bytes):
 	connection.connect("scene_changed", self, "_on_scene")
 	connection.connect("replied", self, "_on_reply")
 	connection.connect("event_happened", self, "_on_event")
+	connection.connect("bodies_changed", self, "_on_bodies")
+	connection.connect("bodies_refused", self, "_on_bodies_refused")
 	connection.connect("connection_changed", self, "_on_connection")
 	connection._reader.open(bytes)
 	var kind = connection._payload_type()
@@ -72,7 +75,16 @@ func _on_scene(scene):
 
 
 func _on_reply(command, accepted, reason):
-	heard["Reply"] = {"command": command, "accepted": accepted, "reason": reason}
+	var items = heard["Reply"].items if heard.has("Reply") else []
+	heard["Reply"] = {"command": command, "accepted": accepted, "reason": reason, "items": items}
+
+
+func _on_bodies_refused(_command, items):
+	heard["Reply"] = {"items": value_of(fields_of("Reply").items, items)}
+
+
+func _on_bodies(bodies):
+	heard["GameBodies"] = variables_of(bodies, "GameBodies")
 
 
 func _on_event(type, tick, index, value):
@@ -185,7 +197,7 @@ func given(field, fields):
 	if field.kind == "vector":
 		var all = []
 		for item in fields.get(field.name, []):
-			all.append(number("f32", item))
+			all.append(number("f32", item) if field.element == "f32" else body_or_piece(field.of, item))
 		return all
 	if field.kind == "string":
 		return fields.get(field.name, "")
@@ -199,3 +211,43 @@ func number(kind, digits):
 		buffer.put_u8(("0x" + digits.substr(i, 2)).hex_to_int())
 	buffer.seek(0)
 	return buffer.get_float() if kind == "f32" else buffer.get_double()
+
+
+# An item of an order to bodies, as a game gives it.
+func body_or_piece(table, form):
+	match table:
+		"BodyName":
+			return [int(form.slot), int(form.generation)]
+		"BodyPlace":
+			return [int(form.slot), int(form.generation), triple(form.pose.position_m), turn(form.pose.orientation_xyzw)]
+		"BodyHandover":
+			return [int(form.slot), int(form.generation), int(form.owner)]
+	var item = {}
+	for field in objects[table].fields:
+		if not form.has(field.name):
+			continue
+		var value = form[field.name]
+		match field.kind:
+			"struct":
+				if field.of == "Pose":
+					item["position_m"] = triple(value.position_m)
+					item["orientation"] = turn(value.orientation_xyzw)
+				else:
+					item[field.name] = triple(value)
+			"vector":
+				item[field.name] = []
+				for element in value:
+					item[field.name].append(triple(element) if field.element == "struct" else int(element))
+			"f32":
+				item[field.name] = number("f32", value)
+			_:
+				item[field.name] = value if value is bool else int(value)
+	return item
+
+
+func triple(form):
+	return Vector3(number("f32", form.x), number("f32", form.y), number("f32", form.z))
+
+
+func turn(form):
+	return Quat(number("f32", form.x), number("f32", form.y), number("f32", form.z), number("f32", form.w))

@@ -12,10 +12,19 @@ signal controls_changed(held_by_this_game)
 signal replied(command, accepted, reason)
 # `type` is an index into scene.event_names; `index` which dispenser, liquid ..., -1 where it has none.
 signal event_happened(type, tick, index, value)
+# Which bodies of a game are in the world: bodies.gd.
+signal bodies_changed(bodies)
+# `what` became of a body of a game, one of bodies.gd's EVENTS; `refusal` (Protocol.BodyRefusal) of "refused", whose
+# generation is 0.
+signal body_event(what, slot, generation, refusal)
+# Of an order to bodies, {item, slot, refusal, reason} of each that was refused; all others were obeyed. Before `replied`.
+signal bodies_refused(command, items)
 
 const Protocol = preload("protocol.gd")
 const Reader = preload("reader.gd")
 const Writer = preload("writer.gd")
+const BodyOrders = preload("body_orders.gd")
+const WholehandBodies = preload("bodies.gd")
 const WholehandScene = preload("scene.gd")
 const WholehandState = preload("state.gd")
 
@@ -38,6 +47,8 @@ var holds_controls = false
 var message = "not connected yet"
 var scene = null # the newest; null before the first
 var state = null # the newest; null before the first and without a connection
+var bodies = null # of a game: the newest list; null before the first
+var shapes = {}   # id -> {id, com_m, pieces}, of the bodies of a game that are in the world
 var ignored = 0  # messages that were damaged or not the program's
 
 var _socket: WebSocketClient = null
@@ -129,6 +140,36 @@ func aim(q: Array) -> int:
 	return _order("Aim", [[Protocol.Aim.q, "floats", q]])
 
 
+# ---- orders to bodies of a game, in the program's axes: arrays of body_orders.gd ----
+
+# Gives the convex pieces of bodies to come; they last for the session.
+func prepare_shapes(shape_set: int, pieces: Array) -> int:
+	var f = Protocol.PrepareShapes
+	return _order("PrepareShapes", [[f.set, "u16", shape_set], [f.pieces, "tables", BodyOrders.pieces(pieces)]])
+
+
+# Puts bodies into empty slots, each a ghost until it overlaps nothing.
+func spawn_bodies(all: Array) -> int:
+	return _order("Spawn", [[Protocol.Spawn.bodies, "tables", BodyOrders.spawned(all)]])
+
+
+func remove_bodies(all: Array) -> int:
+	return _order("Remove", [[Protocol.Remove.bodies, "structs", BodyOrders.named(all)]])
+
+
+func teleport_bodies(all: Array) -> int:
+	return _order("Teleport", [[Protocol.Teleport.bodies, "structs", BodyOrders.placed(all)]])
+
+
+func set_body_owners(all: Array) -> int:
+	return _order("SetOwner", [[Protocol.SetOwner.bodies, "structs", BodyOrders.handed_over(all)]])
+
+
+# Where bodies of owner Game are pulled to. Say it again within 0.1 s, or they halt.
+func set_body_targets(all: Array) -> int:
+	return _order("BodyTargets", [[Protocol.BodyTargets.bodies, "structs", BodyOrders.placed(all)]])
+
+
 # ---- the connection ----
 
 func _open(now_ms: int) -> void:
@@ -162,6 +203,8 @@ func _end(why: String) -> void:
 	_retry_ms = OS.get_ticks_msec() + RETRY_MS
 	connected = false
 	state = null
+	bodies = null
+	shapes = {}
 	_stop = 0
 	message = why
 	_set_controls(false)
@@ -247,6 +290,8 @@ func _hear() -> void:
 			_hear_reply(table)
 		Protocol.Payload.Events:
 			_hear_events(table)
+		Protocol.Payload.GameBodies:
+			_hear_bodies(table)
 		Protocol.Payload.Commissioning:
 			pass # a program that leads through one moves no hand
 		_:
@@ -277,6 +322,22 @@ func _hear_scene(table: int) -> void:
 	emit_signal("scene_changed", scene)
 
 
+func _hear_bodies(table: int) -> void:
+	var read = WholehandBodies.new()
+	if not read.read(_reader, table):
+		ignored += 1
+		return
+	var known = shapes
+	for told in read.new_shapes:
+		known[told.id] = told
+	shapes = {}
+	for body in read.bodies:
+		if known.has(body.shapes):
+			shapes[body.shapes] = known[body.shapes]
+	bodies = read
+	emit_signal("bodies_changed", bodies)
+
+
 func _hear_welcome(table: int) -> void:
 	var version = _reader.text_of(table, Protocol.Welcome.program_version)
 	if _is_broken():
@@ -291,11 +352,27 @@ func _hear_reply(table: int) -> void:
 	var command = _reader.u32_of(table, Protocol.Reply.command)
 	var accepted = _reader.bool_of(table, Protocol.Reply.accepted)
 	var reason = _reader.text_of(table, Protocol.Reply.reason)
+	var items = _refused_items(table)
 	if _is_broken():
 		return
 	if _stop != 0 and command >= _stop:
 		_stop = 0
+	if not items.empty():
+		emit_signal("bodies_refused", command, items)
 	emit_signal("replied", command, accepted, reason)
+
+
+func _refused_items(reply: int) -> Array:
+	var f = Protocol.RefusedItem
+	var items = []
+	var first = _reader.vector(reply, Protocol.Reply.items, 4)
+	for i in range(_reader.count_of(first)):
+		var item = _reader.follow(first + 4 * i)
+		items.append({"item": _reader.u16_of(item, f.item), "slot": _reader.i32_of(item, f.slot),
+				"refusal": _reader.u8_of(item, f.refusal), "reason": _reader.text_of(item, f.reason)})
+		if _reader.broken:
+			break
+	return items
 
 
 func _hear_events(table: int) -> void:
@@ -310,6 +387,17 @@ func _hear_events(table: int) -> void:
 		return
 	for event in events:
 		emit_signal("event_happened", event[0], event[1], event[2], event[3])
+		_tell_body_event(event)
+
+
+func _tell_body_event(event: Array) -> void:
+	if scene == null or scene.budget.empty() or event[0] >= scene.event_names.size():
+		return
+	var what = scene.event_names[event[0]]
+	if what == "refused":
+		emit_signal("body_event", what, event[2], 0, int(event[3]))
+	elif what in WholehandBodies.EVENTS:
+		emit_signal("body_event", what, event[2], int(event[3]), Protocol.BodyRefusal.None)
 
 
 func _set_controls(held: bool) -> void:

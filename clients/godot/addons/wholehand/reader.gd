@@ -75,6 +75,11 @@ func u32_of(table: int, slot: int) -> int:
 	return 0 if place == 0 else u32(place)
 
 
+func i32_of(table: int, slot: int) -> int:
+	var place = field(table, slot)
+	return 0 if place == 0 else i32(place)
+
+
 func i64_of(table: int, slot: int) -> int:
 	var place = field(table, slot)
 	return 0 if place == 0 else i64(place)

@@ -1,7 +1,5 @@
 # A Scene: what states are about until the next one. The program's axes and units.
-extends Reference
-
-const Protocol = preload("protocol.gd")
+extends "shape_reader.gd"
 
 var session = 0
 var program_version = ""
@@ -18,6 +16,7 @@ var links = []           # {name, parent, joint, type, axis, position_m, orienta
 var capsules = []        # {name, link, a_m, b_m, radius_m}
 var bodies = []          # {name, fixed, color, shapes}
 var parameters = []      # {name, unit, lower, upper, initial}
+var budget = {}          # {slots, awake, shape_sets, pieces, vertices, least_kg, ...}; empty: takes no bodies of a game
 
 
 # How each field is read: a function of reader.gd.
@@ -28,7 +27,8 @@ const AXIS = {"name": "text_of", "unit": "text_of", "lower": "float_of", "upper"
 const LINK = {"name": "text_of", "parent": "i16_of", "joint": "i16_of", "type": "u8_of", "axis": "vector3_of"}
 const CAPSULE = {"name": "text_of", "link": "i16_of", "a_m": "vector3_of", "b_m": "vector3_of", "radius_m": "float_of"}
 const BODY = {"name": "text_of", "fixed": "bool_of", "color": "text_of"}
-const SHAPE = {"type": "u8_of", "half_extents_m": "vector3_of", "radius_m": "float_of", "length_m": "float_of"}
+const BUDGET = {"slots": "u16_of", "awake": "u16_of", "shape_sets": "u16_of", "pieces": "u16_of", "vertices": "u16_of",
+		"least_kg": "float_of", "most_kg": "float_of", "least_m": "float_of", "most_m": "float_of"}
 const PARAMETER = {"name": "text_of", "unit": "text_of", "lower": "float_of", "upper": "float_of", "initial": "float_of"}
 
 
@@ -43,24 +43,10 @@ func read(reader, table: int) -> bool:
 	capsules = _read_all(reader, table, f.capsules, "_read_capsule")
 	bodies = _read_all(reader, table, f.bodies, "_read_body")
 	parameters = _read_all(reader, table, f.parameters, "_read_parameter")
+	var room = reader.table(table, f.budget)
+	if room != 0:
+		budget = _fields(reader, room, Protocol.BodyBudget, BUDGET)
 	return not reader.broken
-
-
-func _fields(reader, table: int, slots: Dictionary, how: Dictionary) -> Dictionary:
-	var values = {}
-	for name in how:
-		values[name] = reader.call(how[name], table, slots[name])
-	return values
-
-
-func _read_all(reader, table: int, slot: int, how: String) -> Array:
-	var all = []
-	var first = reader.vector(table, slot, 4)
-	for i in range(reader.count_of(first)):
-		all.append(call(how, reader, reader.follow(first + 4 * i)))
-		if reader.broken:
-			break
-	return all
 
 
 func _read_axis(reader, table: int) -> Dictionary:
@@ -83,26 +69,5 @@ func _read_body(reader, table: int) -> Dictionary:
 	return body
 
 
-func _read_shape(reader, table: int) -> Dictionary:
-	var f = Protocol.Shape
-	var shape = _fields(reader, table, f, SHAPE)
-	shape["points_m"] = []
-	var first = reader.vector(table, f.points_m, Protocol.Vec3.SIZE)
-	for i in range(reader.count_of(first)):
-		shape["points_m"].append(reader.vector3(first + i * Protocol.Vec3.SIZE))
-	shape["triangles"] = []
-	first = reader.vector(table, f.triangles, 4)
-	for i in range(reader.count_of(first)):
-		shape["triangles"].append(reader.u32(first + 4 * i))
-	_add_pose(reader, reader.field(table, f.in_body), shape)
-	return shape
-
-
 func _read_parameter(reader, table: int) -> Dictionary:
 	return _fields(reader, table, Protocol.Parameter, PARAMETER)
-
-
-# `position_m` and `orientation` of a Pose, which may be absent: at the origin, not turned.
-func _add_pose(reader, pose: int, to: Dictionary) -> void:
-	to["position_m"] = Vector3() if pose == 0 else reader.vector3(pose + Protocol.Pose.position_m)
-	to["orientation"] = Quat() if pose == 0 else reader.quat(pose + Protocol.Pose.orientation_xyzw)

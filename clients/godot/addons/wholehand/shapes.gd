@@ -1,4 +1,4 @@
-# Meshes of the shapes of a scene, in Godot's axes [m].
+# Meshes of the shapes of a scene, and shapes of bodies to spawn, in Godot's axes [m].
 extends Reference
 
 const Axes = preload("axes.gd")
@@ -95,3 +95,38 @@ static func _convex(shape: Dictionary) -> Mesh:
 		tool_of_mesh.add_vertex(corner)
 	tool_of_mesh.generate_normals()
 	return tool_of_mesh.commit()
+
+
+# ---- pieces of bodies to spawn, for prepare_shapes(). Cylinders and capsules lie along Godot's y ----
+
+static func box_piece(size: Vector3) -> Dictionary:
+	return {"type": Protocol.ShapeType.Box, "half_extents_m": 0.5 * Axes.from_godot(size).abs()}
+
+
+static func ball_piece(radius: float) -> Dictionary:
+	return {"type": Protocol.ShapeType.Sphere, "radius_m": radius}
+
+
+static func cylinder_piece(radius: float, height: float) -> Dictionary:
+	return {"type": Protocol.ShapeType.Cylinder, "radius_m": radius, "length_m": height}
+
+
+# `length` is between the centres of the caps.
+static func capsule_piece(radius: float, length: float) -> Dictionary:
+	return {"type": Protocol.ShapeType.Capsule, "radius_m": radius, "length_m": length}
+
+
+# Convex and closed. `triangles` are three indices of points each, of either winding.
+static func convex_piece(points: Array, triangles: Array) -> Dictionary:
+	var points_m = []
+	for point in points:
+		points_m.append(Axes.from_godot(point))
+	return {"type": Protocol.ShapeType.ConvexMesh, "points_m": points_m, "triangles": triangles}
+
+
+# The piece elsewhere in the body's frame.
+static func piece_at(piece: Dictionary, at: Transform) -> Dictionary:
+	var placed = piece.duplicate()
+	placed["position_m"] = Axes.from_godot(at.origin)
+	placed["orientation"] = Axes.quat_from_godot(at.basis.get_rotation_quat())
+	return placed

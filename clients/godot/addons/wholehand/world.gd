@@ -1,5 +1,6 @@
-# Draws the bodies of the program's scene, which are what the hand feels. A child whose metadata "wholehand_body" is the
-# name of a body is moved instead, and keeps the look that the game gave it. This node's transform places the program's
+# Draws the bodies of the program's scene and those that a game has spawned, which are what the hand feels. A child whose
+# metadata "wholehand_body" is the name of a body, or [slot, generation] of one of the game, is moved instead, and keeps the
+# look that the game gave it. It also orders bodies of a game, in the game's world. This node's transform places the program's
 # world in the game's; leave its scale at 1, and put it where the hand's is.
 extends Spatial
 
@@ -7,21 +8,29 @@ extends Spatial
 signal built
 
 const Axes = preload("axes.gd")
+const Protocol = preload("protocol.gd")
 const Shapes = preload("shapes.gd")
 
 const NAME = "wholehand_body"
+const TARGETS_MS = 15 # a body halts after 100 ms without one
 
 # Of the node with connection.gd; empty: the parent.
 export(NodePath) var connection_path = NodePath("..")
 export(Material) var material
+export var game_body_color = Color(0.23, 0.44, 0.82)
 
 var connection = null
 var drawn_tick = -1 # of the state that is drawn; -1: nothing is
 var bodies = []     # Spatial, in the order of scene.bodies
+var game_bodies = {} # slot -> Spatial
 
 var _made = []
 var _names = []
 var _session = 0
+var _generations = {} # of game_bodies: slot -> generation
+var _made_of_game = [] # of game_bodies, those that this node made
+var _targets = {}     # slot -> Transform in the program's world, in Godot's axes
+var _targets_ms = 0
 
 
 func _ready() -> void:
@@ -31,8 +40,69 @@ func _ready() -> void:
 		return
 	connection.connect("scene_changed", self, "_build")
 	connection.connect("state_changed", self, "_draw_state")
+	connection.connect("bodies_changed", self, "_build_game_bodies")
 	if connection.scene != null:
 		_build(connection.scene)
+
+
+func _process(_delta: float) -> void:
+	var now_ms = OS.get_ticks_msec()
+	if _targets.empty() or connection == null or not connection.holds_controls or now_ms - _targets_ms < TARGETS_MS:
+		return
+	_targets_ms = now_ms
+	var all = []
+	for slot in _targets:
+		all.append([slot, _generations[slot]] + _pose_in_program(_targets[slot]))
+	connection.set_body_targets(all)
+
+
+# ---- bodies of a game; `at` is where the centre of mass is in the game's world. Each order gives its number for the
+# connection's `replied`, or 0 where it is not connected ----
+
+# Gives the pieces of bodies to come: shapes.gd makes them in Godot's axes.
+func prepare_shapes(shape_set: int, pieces: Array) -> int:
+	return connection.prepare_shapes(shape_set, pieces)
+
+
+# @param body as for connection.gd, without its pose: slot, shape_set, generation, owner, mass_kg, ...
+func spawn(body: Dictionary, at: Transform) -> int:
+	var placed = body.duplicate()
+	var pose = _pose_in_program(_from_game(at))
+	placed["position_m"] = pose[0]
+	placed["orientation"] = pose[1]
+	return connection.spawn_bodies([placed])
+
+
+func remove_body(slot: int, generation: int = 1) -> int:
+	return connection.remove_bodies([[slot, generation]])
+
+
+func teleport_body(slot: int, generation: int, at: Transform) -> int:
+	return connection.teleport_bodies([[slot, generation] + _pose_in_program(_from_game(at))])
+
+
+# Who moves it from now on: Protocol.BodyOwner.
+func set_body_owner(slot: int, generation: int, owner: int) -> int:
+	return connection.set_body_owners([[slot, generation, owner]])
+
+
+# Where a body of owner Game that is in the world is pulled to. It holds until another is set, as long as frames run.
+func set_target(slot: int, at: Transform) -> void:
+	if game_bodies.has(slot):
+		_targets[slot] = _from_game(at)
+
+
+# The body halts within 0.1 s.
+func clear_target(slot: int) -> void:
+	_targets.erase(slot)
+
+
+func _from_game(at: Transform) -> Transform:
+	return global_transform.affine_inverse() * at
+
+
+func _pose_in_program(at: Transform) -> Array:
+	return [Axes.from_godot(at.origin), Axes.quat_from_godot(at.basis.get_rotation_quat())]
 
 
 # Null where the scene has no such body.
@@ -47,6 +117,10 @@ func _draw_state(state) -> void:
 		return
 	for i in range(min(bodies.size(), state.body_positions.size())):
 		bodies[i].transform = Axes.pose_to_godot(state.body_positions[i], state.body_orientations[i])
+	for slot in game_bodies:
+		var i = bodies.size() + slot
+		if i < state.body_positions.size():
+			game_bodies[slot].transform = Axes.pose_to_godot(state.body_positions[i], state.body_orientations[i])
 	drawn_tick = state.tick
 
 
@@ -59,6 +133,7 @@ func _build(scene) -> void:
 	bodies = []
 	drawn_tick = -1
 	_session = scene.session
+	_clear_game_bodies()
 	var placed = {}
 	for child in get_children():
 		if child.has_meta(NAME):
@@ -66,22 +141,68 @@ func _build(scene) -> void:
 	for described in scene.bodies:
 		_names.append(described.name)
 		bodies.append(placed[described.name] if placed.has(described.name) else _make(described))
+	if connection.bodies != null:
+		_build_game_bodies(connection.bodies)
 	emit_signal("built")
 
 
 func _make(described: Dictionary) -> Spatial:
-	var node = Spatial.new()
 	var color = Color(described.color) if described.color.is_valid_html_color() else Color(0.5, 0.5, 0.5)
+	var node = _make_of(described.name, described.shapes, color)
+	_made.append(node)
+	return node
+
+
+func _make_of(called: String, shapes: Array, color: Color) -> Spatial:
+	var node = Spatial.new()
 	var surface = Shapes.material_of(material, color)
-	for shape in described.shapes:
+	for shape in shapes:
 		var mesh = Shapes.mesh_of(shape)
 		if mesh == null:
 			push_warning("Wholehand: a shape of body %s is not drawn: type %d is unknown, or its corners are damaged"
-					% [described.name, shape.type])
+					% [called, shape.type])
 			continue
 		var part = Shapes.instance(mesh, surface)
 		part.transform = Axes.pose_to_godot(shape.position_m, shape.orientation) * Transform(Shapes.turn_of(shape), Vector3())
 		node.add_child(part)
 	add_child(node)
-	_made.append(node)
 	return node
+
+
+func _build_game_bodies(told) -> void:
+	var listed = {}
+	if told.session == _session:
+		for body in told.bodies:
+			listed[body.slot] = body
+	for slot in game_bodies.keys():
+		if not listed.has(slot) or listed[slot].generation != _generations[slot]:
+			_drop_game_body(slot)
+	for slot in listed:
+		if not game_bodies.has(slot) and connection.shapes.has(listed[slot].shapes):
+			_generations[slot] = listed[slot].generation
+			game_bodies[slot] = _placed_or_made(listed[slot])
+
+
+func _placed_or_made(body: Dictionary) -> Spatial:
+	for child in get_children():
+		if child.has_meta(NAME) and child.get_meta(NAME) is Array and child.get_meta(NAME) == [body.slot, body.generation]:
+			return child
+	var node = _make_of("slot %d" % body.slot, connection.shapes[body.shapes].pieces, game_body_color)
+	_made_of_game.append(node)
+	return node
+
+
+func _drop_game_body(slot: int) -> void:
+	var node = game_bodies[slot]
+	game_bodies.erase(slot)
+	_generations.erase(slot)
+	_targets.erase(slot)
+	if node in _made_of_game:
+		_made_of_game.erase(node)
+		node.queue_free()
+		remove_child(node)
+
+
+func _clear_game_bodies() -> void:
+	for slot in game_bodies.keys():
+		_drop_game_body(slot)

@@ -1,8 +1,12 @@
-# Writes one FlatBuffers message. A table is an array of fields [slot, kind, value]; kinds: "u8", "u16", "u32", "f64",
-# "text", "floats", "table". Forwards: each table, then what it refers to.
+# Writes one FlatBuffers message. A table is an array of fields [slot, kind, value]; kinds: "u8", "u16", "u32", "f32",
+# "f64", "text", "table", "tables"; "struct" and "structs", whose value is an array of [kind, number] for each struct, and
+# whose numbers have 4 bytes or fewer; "floats" and "u32s". Forwards: each table, then what it refers to.
 extends Reference
 
-const SIZES = {"u8": 1, "u16": 2, "u32": 4, "f64": 8, "text": 4, "floats": 4, "table": 4}
+const SIZES = {"u8": 1, "u16": 2, "u32": 4, "f32": 4, "f64": 8, "text": 4, "floats": 4, "u32s": 4, "table": 4, "tables": 4,
+		"structs": 4}
+const OUTSIDE = ["text", "floats", "u32s", "table", "tables", "structs"]
+const STRUCT_ALIGNMENT = 4
 
 var _bytes
 
@@ -28,7 +32,7 @@ func _write_table(fields: Array) -> int:
 	var offsets = {}
 	for field in fields:
 		offsets[field[0]] = offset
-		offset += SIZES[field[1]]
+		offset += _struct_size(field[2]) if field[1] == "struct" else SIZES[field[1]]
 	_bytes.put_u16(slots)
 	_bytes.put_u16(offset)
 	for slot in range(4, slots, 2):
@@ -40,7 +44,7 @@ func _write_table(fields: Array) -> int:
 		places.append(_bytes.get_size())
 		_put_scalar(field[1], field[2])
 	for i in range(fields.size()):
-		if fields[i][1] in ["text", "floats", "table"]:
+		if fields[i][1] in OUTSIDE:
 			_put_at(places[i], _write_child(fields[i][1], fields[i][2]) - places[i])
 	return table
 
@@ -55,11 +59,44 @@ func _write_child(kind: String, value) -> int:
 		_bytes.put_u32(text.size())
 		_bytes.put_data(text)
 		_bytes.put_u8(0)
-	else:
-		_bytes.put_u32(value.size())
-		for number in value:
-			_bytes.put_float(number)
+		return place
+	_bytes.put_u32(value.size())
+	match kind:
+		"floats":
+			for number in value:
+				_bytes.put_float(number)
+		"u32s":
+			for number in value:
+				_bytes.put_u32(number)
+		"structs":
+			for numbers in value:
+				_put_struct(numbers)
+		"tables":
+			_write_tables(value)
 	return place
+
+
+# After their count: where each is, then they.
+func _write_tables(tables: Array) -> void:
+	var first = _bytes.get_size()
+	for _table in tables:
+		_bytes.put_u32(0)
+	for i in range(tables.size()):
+		var place = first + 4 * i
+		_put_at(place, _write_table(tables[i]) - place)
+
+
+func _put_struct(numbers: Array) -> void:
+	for number in numbers:
+		_put_scalar(number[0], number[1])
+	_align(STRUCT_ALIGNMENT, 0)
+
+
+func _struct_size(numbers: Array) -> int:
+	var size = 0
+	for number in numbers:
+		size += SIZES[number[0]]
+	return size + (-size & (STRUCT_ALIGNMENT - 1))
 
 
 func _put_scalar(kind: String, value) -> void:
@@ -70,14 +107,18 @@ func _put_scalar(kind: String, value) -> void:
 			_bytes.put_u16(value)
 		"u32":
 			_bytes.put_u32(value)
+		"f32":
+			_bytes.put_float(value)
 		"f64":
 			_bytes.put_double(value)
+		"struct":
+			_put_struct(value)
 		_:
 			_bytes.put_u32(0) # an offset: written when it is known
 
 
 func _is_wider(a, b) -> bool:
-	return SIZES[a[1]] > SIZES[b[1]]
+	return SIZES.get(a[1], STRUCT_ALIGNMENT) > SIZES.get(b[1], STRUCT_ALIGNMENT)
 
 
 # So that what begins `ahead` bytes from here stands at a multiple of `size`.

@@ -1,0 +1,29 @@
+# Which bodies of a game are in the world (docs/protocol.md of Wholehand, "Bodies of a game"). The program's axes and units.
+extends "shape_reader.gd"
+
+# What becomes of a body; the names of scene.event_names.
+const EVENTS = ["appeared", "solid", "letting_go", "left", "quarantined", "refused"]
+
+var session = 0
+var bodies = []      # {slot, generation, shapes, state}; shapes: id; state: Protocol.SlotState
+var new_shapes = []  # {id, com_m, pieces}; of bodies here, those that no body of the list before had
+
+
+# False where the message is damaged; then nothing of it is to be used.
+func read(reader, table: int) -> bool:
+	var f = Protocol.GameBodies
+	var body = Protocol.GameBody
+	session = reader.u32_of(table, f.session)
+	var first = reader.vector(table, f.bodies, body.SIZE)
+	for i in range(reader.count_of(first)):
+		var place = first + i * body.SIZE
+		bodies.append({"slot": reader.u32(place + body.slot), "generation": reader.u32(place + body.generation),
+				"shapes": reader.u32(place + body.shapes), "state": reader.u8(place + body.state)})
+	new_shapes = _read_all(reader, table, f.new_shapes, "_read_shapes")
+	return not reader.broken
+
+
+func _read_shapes(reader, table: int) -> Dictionary:
+	var f = Protocol.GameShapes
+	return {"id": reader.u32_of(table, f.id), "com_m": reader.vector3_of(table, f.com_m),
+			"pieces": _read_all(reader, table, f.pieces, "_read_shape")}
