@@ -65,6 +65,15 @@ class ClientTest(Connected):
         with self.assertRaisesRegex(AttributeError, "WorldState has no field 'q_ss'.*theta"):
             state.q_ss  # noqa: B018
 
+    def test_joints_are_predicted_from_the_last_states(self):
+        self.play()
+        for _ in range(20):
+            state = self.program.next_state(timeout_s=60.0)
+        joints = self.program.joints_now()
+        self.assertEqual(joints.shape, state.theta.shape)
+        # Ahead by the motion of 50 ms at most: 10 rad/s are the device's most.
+        self.assertLess(abs(joints - state.theta).max(), 0.5)
+
     def test_links_and_joints_lead_to_the_poses_that_the_program_draws(self):
         self.play()
         hand = Hand(self.program.scene)

@@ -8,7 +8,8 @@ namespace Wholehand
         public uint Session;           // counts from 1 with every arming
         public ulong Tick;
         public double TimeS;
-        public long SentMonotonicNs;
+        public long SentMonotonicNs;   // clock of the program's machine
+        public long ReceivedNs;        // MonotonicClock of this machine when it came
 
         internal Snapshot()
         {

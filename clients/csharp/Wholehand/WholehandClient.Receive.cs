@@ -158,11 +158,11 @@ namespace Wholehand
             {
                 lock (gate)
                 {
-                    world.CopyFrom(bytes, 0, length);
+                    world.CopyFrom(bytes, 0, length, nowNs);
                     haveWorld = true;
                 }
                 // At 0 Hz datagrams bring no states.
-                if (options.RateHz == 0 || !DatagramsCome(nowNs)) Show(bytes, 0, length);
+                if (options.RateHz == 0 || !DatagramsCome(nowNs)) Show(bytes, 0, length, nowNs);
                 return;
             }
             // Handlers may keep what they are given.
@@ -291,7 +291,7 @@ namespace Wholehand
             if (header.Kind != DatagramKind.State) return;
             try
             {
-                if (Show(bytes, Datagram.HeaderSize, size - Datagram.HeaderSize))
+                if (Show(bytes, Datagram.HeaderSize, size - Datagram.HeaderSize, nowNs))
                 {
                     Statistics.CountState(nowNs - header.SentNs);
                 }
@@ -311,11 +311,11 @@ namespace Wholehand
 
         private readonly object showing = new object(); // of two threads, one at a time
 
-        private bool Show(byte[] bytes, int offset, int length)
+        private bool Show(byte[] bytes, int offset, int length, long nowNs)
         {
             lock (showing)
             {
-                filling.CopyFrom(bytes, offset, length);
+                filling.CopyFrom(bytes, offset, length, nowNs);
                 if (!Words.IsMessage(filling.Bytes, length)
                     || Message.GetRootAsMessage(filling.Bytes).PayloadType != Payload.WorldState)
                 {

@@ -134,6 +134,7 @@ namespace Wholehand
                     WorldState state = Words.StateOf(from.Bytes);
                     if (into.IsOf(state)) return false;
                     into.CopyFrom(state);
+                    into.ReceivedNs = from.ReceivedNs;
                     return true;
                 }
                 catch (Exception e) when (IsOfRubbish(e))

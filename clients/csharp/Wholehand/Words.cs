@@ -60,13 +60,16 @@ namespace Wholehand
 
         public int Length { get; private set; }
 
-        public void CopyFrom(byte[] from, int offset, int length)
+        public long ReceivedNs { get; private set; }
+
+        public void CopyFrom(byte[] from, int offset, int length, long receivedNs)
         {
             byte[] memory = Bytes.Length < length ? new byte[2 * length] : null;
             if (memory != null) Bytes = new ByteBuffer(memory);
             System.ArraySegment<byte> target = Bytes.ToArraySegment(0, Bytes.Length);
             System.Buffer.BlockCopy(from, offset, target.Array, target.Offset, length);
             Length = length;
+            ReceivedNs = receivedNs;
         }
     }
 }

@@ -79,6 +79,12 @@ class Client:
         """The next WorldState that comes."""
         return self._call(self._program.next_state(), timeout_s)
 
+    def joints_now(self):
+        """Joint positions by the motion of the last states; None before the first: wholehand.prediction."""
+        async def ask():
+            return self._program.joints_now()
+        return self._call(ask())
+
     @property
     def bodies(self):
         """The schema's GameBodies; None where none has come."""

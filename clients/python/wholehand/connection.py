@@ -11,11 +11,13 @@
 import asyncio
 import collections
 import contextlib
+import time
 
 import websockets
 
 from wholehand import bodies as make
 from wholehand.messages import BODY_REFUSALS, REFUSALS, MessageError, decode, encode
+from wholehand.prediction import MotionPredictor
 
 VIRTUAL_PATIENT, PERSON = 0, 1          # Steer.by
 NEXT, RESTART, PAUSE, RESUME = range(4)  # Action.act
@@ -74,6 +76,7 @@ class Connection:
         self._lost = None
         self._beat = None
         self._event_names, self._body_events = [], collections.deque(maxlen=BODY_EVENTS)
+        self._motion = MotionPredictor()
         self.silence = lambda: False
         self.welcome = self.scene = self.controls = self.state = self.commissioning = self.bodies = None
 
@@ -120,6 +123,10 @@ class Connection:
         before = self.state
         await self._wait(lambda: self.state is not before)
         return self.state
+
+    def joints_now(self):
+        """Joint positions by the motion of the last states; None before the first: wholehand.prediction."""
+        return self._motion.joints(time.monotonic_ns())
 
     async def events(self):
         """(name, event) of everything that happens from now on; `event` has tick, type, index and value. The name is
@@ -219,6 +226,8 @@ class Connection:
                  "Commissioning": "commissioning", "GameBodies": "bodies"}
         if message.kind in names:
             setattr(self, names[message.kind], message)
+            if message.kind == "WorldState":
+                self._motion.add(message, time.monotonic_ns())
             if message.kind == "Scene":
                 self._event_names = message.event_names if message.budget else []
         elif message.kind == "Reply":

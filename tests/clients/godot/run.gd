@@ -549,6 +549,51 @@ func _check_capsule(capsule):
 	check(false, "capsule %s is not drawn" % capsule.name)
 
 
+# ---- prediction (tests/clients/prediction has its figures) ----
+
+var between = 0   # frames without a new state in which the hand moved on
+var last_at = Vector3()
+var last_tick = -1
+var furthest_ahead = 0.0
+
+
+func a_predicted_hand_moves_between_states():
+	hand.predict_motion = true
+	yield(start(), "completed")
+	yield(until("_moves_between_states", "frames in which the hand moves on"), "completed")
+	check(furthest_ahead < 0.1, "%f m ahead of the newest state" % furthest_ahead)
+	hand.predict_motion = false
+	yield(until("_is_another_tick", "another state"), "completed")
+	yield(self, "idle_frame")
+	yield(until("_is_another_tick", "and one that is drawn as it comes"), "completed")
+	check(hand.drawn_tick == connection.state.tick and _ahead() < 1e-6, "it is drawn where the state says")
+
+
+# From where the state itself would be drawn.
+func _ahead():
+	var at = hand.links[3].transform.origin
+	hand._draw(connection.state.theta)
+	var ahead = (hand.links[3].transform.origin - at).length()
+	return ahead
+
+
+func _is_another_tick():
+	var other = connection.state.tick != last_tick
+	last_tick = connection.state.tick
+	return other
+
+
+func _moves_between_states():
+	var at = hand.links[3].transform.origin
+	if connection.state.tick == last_tick and hand.drawn_tick == last_tick and (at - last_at).length() > 1e-5:
+		between += 1
+	if hand.drawn_tick == connection.state.tick:
+		furthest_ahead = max(furthest_ahead, _ahead())
+	last_at = at
+	last_tick = connection.state.tick
+	return between >= 100
+
+
 # ---- axes ----
 
 func axes_are_godots():

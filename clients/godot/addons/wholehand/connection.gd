@@ -25,6 +25,7 @@ const Reader = preload("reader.gd")
 const Writer = preload("writer.gd")
 const BodyOrders = preload("body_orders.gd")
 const WholehandBodies = preload("bodies.gd")
+const MotionPredictor = preload("motion_predictor.gd")
 const WholehandScene = preload("scene.gd")
 const WholehandState = preload("state.gd")
 
@@ -33,6 +34,7 @@ const HEARTBEAT_MS = 50
 const STOP_AGAIN_MS = 300
 const RETRY_MS = 250
 const GONE_MS = 2000
+const LONGEST_FRAME_S = 1.0 / 30.0
 const BUFFER_KB = 4096 # the largest scene
 
 export var host = "127.0.0.1"
@@ -49,6 +51,7 @@ var scene = null # the newest; null before the first
 var state = null # the newest; null before the first and without a connection
 var bodies = null # of a game: the newest list; null before the first
 var shapes = {}   # id -> {id, com_m, pieces}, of the bodies of a game that are in the world
+var motion = MotionPredictor.new() # where the joints are now
 var ignored = 0  # messages that were damaged or not the program's
 
 var _socket: WebSocketClient = null
@@ -59,12 +62,14 @@ var _command = 0
 var _heard_ms = 0
 var _heartbeat_ms = 0
 var _retry_ms = 0
+var _late_us = 0    # half a frame: so long after it came a message is noticed, on average
 var _stop = 0       # emergency stop that is not answered yet; 0: none
 var _stop_ms = 0
 
 
-func _process(_delta: float) -> void:
+func _process(delta: float) -> void:
 	var now_ms = OS.get_ticks_msec()
+	_late_us = int(5e5 * min(delta, LONGEST_FRAME_S))
 	if _socket == null:
 		if now_ms >= _retry_ms:
 			_open(now_ms)
@@ -205,6 +210,7 @@ func _end(why: String) -> void:
 	state = null
 	bodies = null
 	shapes = {}
+	motion.clear()
 	_stop = 0
 	message = why
 	_set_controls(false)
@@ -310,6 +316,7 @@ func _hear_state(table: int) -> void:
 		ignored += 1
 		return
 	state = read
+	motion.add(state, 1000 * (OS.get_ticks_usec() - _late_us))
 	emit_signal("state_changed", state)
 
 

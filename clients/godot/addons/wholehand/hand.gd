@@ -13,6 +13,8 @@ const Shapes = preload("shapes.gd")
 # Of the node with connection.gd; empty: the parent.
 export(NodePath) var connection_path = NodePath("..")
 export var draw_capsules = true
+# For a program on another machine: draws the hand where it is now, by the motion of the last states, in every frame.
+export var predict_motion = false
 export(Material) var material
 export var color = Color(0.85, 0.68, 0.56)
 
@@ -47,14 +49,27 @@ func link(link_name: String) -> Spatial:
 	return null if i < 0 else links[i]
 
 
+func _process(_delta: float) -> void:
+	if not predict_motion or connection == null or connection.state == null or connection.state.tick != drawn_tick:
+		return
+	var theta = connection.motion.joints(1000 * OS.get_ticks_usec())
+	if not links.empty() and theta.size() == _joint_count:
+		_draw(theta)
+
+
 func _draw_state(state) -> void:
 	if links.empty() or state.theta.size() != _joint_count:
 		return
+	_draw(state.theta)
+	drawn_tick = state.tick
+
+
+func _draw(theta: PoolRealArray) -> void:
 	var poses = []
 	for i in range(links.size()):
 		var pose = _at_zero[i]
 		if _joints[i] >= 0:
-			var moved = state.theta[_joints[i]]
+			var moved = theta[_joints[i]]
 			if _types[i] == Protocol.JointType.Revolute:
 				pose = pose * Transform(Basis(_axes[i], moved), Vector3())
 			elif _types[i] == Protocol.JointType.Prismatic:
@@ -63,7 +78,6 @@ func _draw_state(state) -> void:
 			pose = poses[_parents[i]] * pose
 		poses.append(pose)
 		links[i].transform = pose
-	drawn_tick = state.tick
 
 
 func _build(scene) -> void:

@@ -30,8 +30,8 @@ namespace Wholehand.Unity
         private readonly HandState state = new HandState();
         private readonly WorldSnapshot world = new WorldSnapshot();
         private readonly BodySlots bodies = new BodySlots();
+        private readonly MotionPredictor motion = new MotionPredictor();
         private WholehandClient client;
-        private long receivedNs;
 
         /// <summary>Of the program. A change of this and the next three takes effect when the component is enabled
         /// next.</summary>
@@ -74,6 +74,9 @@ namespace Wholehand.Unity
         /// <summary>Bodies and contacts of the newest state by WebSocket; 60 a second.</summary>
         public WorldSnapshot World { get { return world; } }
 
+        /// <summary>Where the joints are between states and beyond the newest.</summary>
+        public MotionPredictor Motion { get { return motion; } }
+
         /// <summary>Which slots hold bodies of a game.</summary>
         public BodySlots Bodies { get { return bodies; } }
 
@@ -91,7 +94,7 @@ namespace Wholehand.Unity
         /// <summary>Since the newest state came [s]; infinite before the first. Above 1 something is wrong.</summary>
         public double SecondsSinceState
         {
-            get { return HasState ? (MonotonicClock.NowNs() - receivedNs) * 1e-9 : double.PositiveInfinity; }
+            get { return HasState ? (MonotonicClock.NowNs() - state.ReceivedNs) * 1e-9 : double.PositiveInfinity; }
         }
 
         // Not in OnEnable: who adds this component by script sets its port right after.
@@ -152,7 +155,7 @@ namespace Wholehand.Unity
         {
             if (client.TryGetState(state))
             {
-                receivedNs = MonotonicClock.NowNs();
+                motion.Add(state);
                 HasState = true;
             }
             if (client.TryGetBodies(bodies)) ++BodiesNumber;
@@ -162,6 +165,7 @@ namespace Wholehand.Unity
         private void OnConnectionChanged(bool connected, string why)
         {
             Message = why;
+            motion.Clear();
             if (connected) Debug.Log("Wholehand: " + why, this);
             else Debug.LogWarning("Wholehand: " + why + ". Is the program running (wholehand run --udp 8091)?", this);
             if (ConnectionChanged != null) ConnectionChanged(connected, why);

@@ -27,6 +27,9 @@ namespace Wholehand.Unity
         [Tooltip("Empty: the render pipeline's default.")]
         [SerializeField] private Material material;
 
+        [Tooltip("For a program on another machine: draws the hand where it is now, by the motion of the last states.")]
+        [SerializeField] private bool predictMotion;
+
         [SerializeField] private Color color = new Color(0.85f, 0.68f, 0.56f);
 
         private HandKinematics kinematics;
@@ -35,6 +38,7 @@ namespace Wholehand.Unity
         private Transform[] links = new Transform[0];
         private Rigidbody[] bodies = new Rigidbody[0]; // of the links, for Unity's physics
         private Transform linkRoot, bodyRoot;
+        private float[] predicted = new float[0];
         private int builtScene, joints;
 
         public WholehandConnection Connection { get { return connection; } set { connection = value; } }
@@ -47,6 +51,10 @@ namespace Wholehand.Unity
         public Material Material { get { return material; } set { material = value; } }
 
         public Color Color { get { return color; } set { color = value; } }
+
+        /// <summary>The hand is drawn where it is now, by the motion of the last states; bodies stay where the newest state
+        /// has them. Takes effect at once.</summary>
+        public bool PredictMotion { get { return predictMotion; } set { predictMotion = value; } }
 
         /// <summary>Raised when the links of a new scene stand: with every arming, too.</summary>
         public event Action<WholehandHand> Built;
@@ -73,7 +81,7 @@ namespace Wholehand.Unity
             return i < 0 ? null : links[i];
         }
 
-        /// <summary>Where link i of the newest state is, in this object's axes.</summary>
+        /// <summary>Where link i is that is drawn, in this object's axes.</summary>
         public Vector3 LinkPosition(int i)
         {
             return kinematics.Position(i).ToVector3();
@@ -127,7 +135,9 @@ namespace Wholehand.Unity
         private bool Compute()
         {
             if (kinematics == null || !connection.HasState || connection.State.JointAngles.Length != joints) return false;
-            kinematics.Update(connection.State.JointAngles);
+            if (predicted.Length != joints) predicted = new float[joints];
+            bool ahead = predictMotion && connection.Motion.TryPredict(MonotonicClock.NowNs(), predicted);
+            kinematics.Update(ahead ? predicted : connection.State.JointAngles);
             return true;
         }
 

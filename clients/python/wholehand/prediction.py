@@ -1,0 +1,78 @@
+"""Where the joints of the hand are now, from states that come late, irregularly and in part not at all."""
+import numpy
+
+SPACING_S = 0.0045         # between the states of a parabola, at least
+CURVATURE_SHARE = 0.75
+LONGEST_S = 0.05           # ahead of the newest state
+FADES_FROM_S, FADED_AT_S = 0.1, 0.25  # without a new state the hand returns to the newest
+DELAY_WINDOW_NS = 2_000_000_000       # the clock's window is between one and two of them
+KEPT = 4
+
+
+class MotionPredictor:
+    """A parabola through the newest state and two before it. The curvature counts three quarters, which halves its
+    overshoot where a motion ends. How old a state is follows from the fastest delivery of the last seconds: the clocks of
+    program and client may differ, and what the fastest delivery itself needs is not seen."""
+
+    def __init__(self):
+        self._kept = []  # (time_s, joints), newest first; of the others each is SPACING_S older, at least
+        self._session = self._newest_sent_ns = 0
+        self._delay_ns = self._delay_before_ns = self._window_ends_ns = 0
+
+    def add(self, state, received_ns):
+        """@param state WorldState @param received_ns time.monotonic_ns() when it came"""
+        joints = numpy.array(state.theta, float)
+        if len(joints):
+            self.add_joints(state.session, state.time_s, state.sent_monotonic_ns, received_ns, joints)
+
+    def add_joints(self, session, time_s, sent_ns, received_ns, joints):
+        """As add(). Old states are ignored."""
+        kept = self._kept
+        same = bool(kept) and session == self._session and len(joints) == len(kept[0][1])
+        if same and (sent_ns <= self._newest_sent_ns or time_s == kept[0][0]):
+            return
+        continues = same and time_s > kept[0][0]
+        self._count_delay(received_ns - sent_ns, received_ns)
+        if not continues:
+            kept.clear()
+        self._session, self._newest_sent_ns = session, sent_ns
+        # The newest one stays where it is far enough from the next; otherwise it is replaced.
+        if len(kept) > 1 and kept[0][0] - kept[1][0] < SPACING_S:
+            kept.pop(0)
+        kept.insert(0, (time_s, joints))
+        del kept[KEPT:]
+
+    def joints(self, now_ns):
+        """The joints at `now_ns` of time.monotonic_ns(); None before the first state."""
+        kept = self._kept
+        if not kept:
+            return None
+        age_s = self.age_s(now_ns)
+        fading = min(1.0, max(0.0, (FADED_AT_S - age_s) / (FADED_AT_S - FADES_FROM_S)))
+        ahead_s = fading * min(age_s, LONGEST_S)
+        near = len(kept) > 1 and kept[0][0] - kept[1][0] < SPACING_S
+        (newest_s, newest), *before = kept[:1] + kept[2 if near else 1:]
+        if not before:
+            return newest.copy()
+        h = newest_s - before[0][0]
+        slope = (newest - before[0][1]) / h
+        ahead = slope * ahead_s
+        if len(before) > 1:
+            h_before = before[0][0] - before[1][0]
+            curvature = (slope - (before[0][1] - before[1][1]) / h_before) / (h + h_before)
+            ahead += CURVATURE_SHARE * curvature * ahead_s * (ahead_s + h)
+        return newest + ahead
+
+    def age_s(self, now_ns):
+        """Of the newest state; what the fastest delivery needs does not count."""
+        return max(0.0, 1e-9 * (now_ns - self._newest_sent_ns - min(self._delay_ns, self._delay_before_ns)))
+
+    def _count_delay(self, delay_ns, now_ns):
+        """The smallest one of this window and of the one before it."""
+        if not self._kept:
+            self._delay_ns = self._delay_before_ns = delay_ns
+            self._window_ends_ns = now_ns + DELAY_WINDOW_NS
+        if now_ns >= self._window_ends_ns:
+            self._delay_before_ns, self._delay_ns = self._delay_ns, delay_ns
+            self._window_ends_ns = now_ns + DELAY_WINDOW_NS
+        self._delay_ns = min(self._delay_ns, delay_ns)
