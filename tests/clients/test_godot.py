@@ -77,8 +77,8 @@ class Drawn(InGodot):
     def test_hand_and_bodies_are_drawn_where_the_program_says(self):
         self.run_against("drawn_where_the_program_says")
 
-    def test_a_predicted_hand_moves_between_states(self):
-        self.run_against("a_predicted_hand_moves_between_states")
+    def test_a_predicted_hand_is_ahead_of_the_state(self):
+        self.run_against("a_predicted_hand_is_ahead_of_the_state")
 
     def test_every_shape_has_its_mesh(self):
         self.run_against("every_shape_has_its_mesh", "--scene", str(SOURCE / "config/scenes/table.toml"))

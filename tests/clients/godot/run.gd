@@ -551,16 +551,15 @@ func _check_capsule(capsule):
 
 # ---- prediction (tests/clients/prediction has its figures) ----
 
-var between = 0   # frames without a new state in which the hand moved on
-var last_at = Vector3()
+var ahead_frames = 0   # frames in which the hand is drawn ahead of the newest state
 var last_tick = -1
 var furthest_ahead = 0.0
 
 
-func a_predicted_hand_moves_between_states():
+func a_predicted_hand_is_ahead_of_the_state():
 	hand.predict_motion = true
 	yield(start(), "completed")
-	yield(until("_moves_between_states", "frames in which the hand moves on"), "completed")
+	yield(until("_is_often_ahead", "frames in which the hand is ahead"), "completed")
 	check(furthest_ahead < 0.1, "%f m ahead of the newest state" % furthest_ahead)
 	hand.predict_motion = false
 	yield(until("_is_another_tick", "another state"), "completed")
@@ -573,8 +572,7 @@ func a_predicted_hand_moves_between_states():
 func _ahead():
 	var at = hand.links[3].transform.origin
 	hand._draw(connection.state.theta)
-	var ahead = (hand.links[3].transform.origin - at).length()
-	return ahead
+	return (hand.links[3].transform.origin - at).length()
 
 
 func _is_another_tick():
@@ -583,15 +581,13 @@ func _is_another_tick():
 	return other
 
 
-func _moves_between_states():
-	var at = hand.links[3].transform.origin
-	if connection.state.tick == last_tick and hand.drawn_tick == last_tick and (at - last_at).length() > 1e-5:
-		between += 1
+func _is_often_ahead():
 	if hand.drawn_tick == connection.state.tick:
-		furthest_ahead = max(furthest_ahead, _ahead())
-	last_at = at
-	last_tick = connection.state.tick
-	return between >= 100
+		var ahead = _ahead()
+		furthest_ahead = max(furthest_ahead, ahead)
+		if ahead > 1e-5:
+			ahead_frames += 1
+	return ahead_frames >= 50
 
 
 # ---- axes ----

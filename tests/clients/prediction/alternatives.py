@@ -1,4 +1,6 @@
 """Other ways to predict a motion, for figures beside those of the clients' own (test_prediction.py)."""
+import collections
+
 import numpy
 
 from wholehand.prediction import MotionPredictor
@@ -10,12 +12,13 @@ class Alternative:
     """A way `ahead(times_s, joints, age_s)`, with the clock of the clients' predictor; the newest state is the last."""
 
     def __init__(self, ahead):
-        self._ahead, self._clock, self._times, self._joints = ahead, MotionPredictor(), [], []
+        self._ahead, self._clock, self._times = ahead, MotionPredictor(), collections.deque(maxlen=MOST)
+        self._joints = collections.deque(maxlen=MOST)
 
     def add_joints(self, session, time_s, sent_ns, received_ns, joints):
         self._clock.add_joints(session, time_s, sent_ns, received_ns, joints)
-        self._times = [*self._times[-MOST:], time_s]
-        self._joints = [*self._joints[-MOST:], joints]
+        self._times.append(time_s)
+        self._joints.append(joints)
 
     def joints(self, now_ns):
         return self._ahead(numpy.array(self._times), numpy.array(self._joints), self._clock.age_s(now_ns))

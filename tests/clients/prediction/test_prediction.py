@@ -11,7 +11,8 @@ import subprocess
 import sys
 import unittest
 
-import numpy
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # threads cost more than these matrices
+import numpy  # noqa: E402
 
 HERE = pathlib.Path(__file__).resolve().parent
 SOURCE = HERE.parents[2]
@@ -153,7 +154,7 @@ class Predicted(unittest.TestCase):
         self.judge("Python", by_python)
 
     def test_no_other_way_is_clearly_better(self):
-        for name in ("1000 states a second", "60 states a second"):
+        for name in ("1000 states a second", "60 states a second") if FULL else ("60 states a second",):
             runs = RUNS[name]
             ours = numpy.percentile(furthest_m(runs, by_python(runs)), 99)
             for way, ahead in alternatives.ALL.items():
