@@ -34,6 +34,9 @@ void printOpening(const Models& models, bool real_device) {
               models.scene.bodies.size() == 1 ? "body" : "bodies");
   const std::string untold = untoldBodies(models.scene);
   if (!untold.empty()) std::printf("           %s\n", untold.c_str());
+  for (const Diagnostic& notice : models.scene.notices) {
+    std::printf("           %s\n", format(notice).c_str());
+  }
 }
 
 std::string untoldBodies(const SceneModel& scene) {

@@ -166,8 +166,11 @@ class Validation {
   std::string checkScene(const std::string& file) {
     const auto scene = loadSceneFile(file);
     if (!add(scene)) return {};
+    std::string remark;
     const std::string untold = untoldBodies(*scene);
-    return untold.empty() ? untold : "    " + untold + "\n";
+    if (!untold.empty()) remark += "    " + untold + "\n";
+    for (const Diagnostic& notice : scene->notices) remark += "    " + format(notice) + "\n";
+    return remark;
   }
 
   // Gains are valid only if the loop is stable, at 1 kHz.

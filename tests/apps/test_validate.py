@@ -198,21 +198,29 @@ class Mistakes(AppTest):
         mesh = 'shape = "mesh"\nfile = "m.obj"\nmass_kg = 0.1\n'
         corner = "v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 .1\n"
         solid = PRISM.read_text()
+        for what, assets, texts in (
+                ("missing", {}, ["m.obj"]),
+                ("empty", {"m.obj": ""}, ["m.obj"]),
+                ("no faces", {"m.obj": corner}, ["m.obj"]),
+                ("flat", {"m.obj": corner.replace(" .", " 0.") + "f 1 2 3\nf 3 2 1\n"}, ["m.obj", "flat"]),
+                ("far too large: millimetres", {"m.obj": solid}, ["m.obj"]),
+        ):
+            with self.subTest(what):
+                self.expect_one_message(self.scene_with(mesh, assets), texts)
+
+    def test_mesh_that_is_not_convex(self):
         # A bar with a notch: an L of two boxes has an edge that goes inward.
         profile = [(0, 0), (4, 0), (4, 1), (1, 1), (1, 4), (0, 4)]
         bent = "".join(f"v {x * .02} {y * .02} {z}\n" for z in (0, .02) for x, y in profile)
         bent += "f 1 4 3 2\nf 1 6 5 4\nf 7 8 9 10\nf 7 10 11 12\n"
         bent += "".join(f"f {i} {i % 6 + 1} {i % 6 + 7} {i + 6}\n" for i in range(1, 7))
-        for what, assets, texts in (
-                ("missing", {}, ["m.obj"]),
-                ("empty", {"m.obj": ""}, ["m.obj"]),
-                ("no faces", {"m.obj": corner}, ["m.obj"]),
-                ("open", {"m.obj": corner + "f 1 2 3\nf 1 2 4\n"}, ["m.obj"]),
-                ("not convex", {"m.obj": bent}, ["m.obj", "convex"]),
-                ("far too large: millimetres", {"m.obj": solid}, ["m.obj"]),
-        ):
-            with self.subTest(what):
-                self.expect_one_message(self.scene_with(mesh, assets), texts)
+        path = self.scene_with('shape = "mesh"\nfile = "m.obj"\nmass_kg = 0.1\n', {"m.obj": bent})
+        result = self.run_app("validate", path)
+        self.assertEqual((result.code, result.err), (0, ""), result)
+        # The hull covers 11.5 of 7 squares that the bar has.
+        for text in (f"{path}:9: bodies[b].file: the mesh ", "m.obj is not convex", "64.3 % larger in volume",
+                     "; the hand cannot reach into a hollow"):
+            self.assertIn(text, result.out)
 
     def test_urdf(self):
         urdf = 'shape = "urdf"\nfile = "r.urdf"\n'

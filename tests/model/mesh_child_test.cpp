@@ -92,7 +92,7 @@ TEST(MeshFile, RandomDamage_IsReadOrRefusedAndEndsNothing) {
   for (int i = 0; i < (full ? 10000 : 60); ++i) {
     const auto& [ending, bytes] = samples[static_cast<std::size_t>(i) % samples.size()];
     const std::string path = folder.write("mesh." + ending, test::mutated(bytes, random));
-    const Expected<Shape> mesh = loadConvexMesh(path, Eigen::Vector3d::Ones());
+    const Expected<MeshCollider> mesh = loadMeshCollider(path, Eigen::Vector3d::Ones());
     if (mesh) {
       ++read;
       continue;

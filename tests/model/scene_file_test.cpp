@@ -151,9 +151,7 @@ TEST(SceneFile, BadFiles_NameLineKeyAndFault) {
   const std::string good = sphere + "radius_m = 0.02\n";
   const TempFolder folder;
   folder.write("empty.stl", "");
-  folder.write("dent.obj",
-               "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0.1 0.1 0.1\nf 1 2 3\nf 1 2 4\n"
-               "f 1 3 4\nf 2 3 5\nf 3 4 5\nf 4 2 5\n");
+  folder.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 3 4\n");
   folder.write("lid.urdf", R"(<robot name="r">
 <link name="a"><collision><geometry><sphere radius="0.02"/></geometry></collision></link>
 <link name="b"/>
@@ -176,7 +174,7 @@ TEST(SceneFile, BadFiles_NameLineKeyAndFault) {
       {body + "shape = \"cone\"\nradius_m = 0.1\n", ":9: ", "is unknown"},
       {body + "shape = \"mesh\"\nfile = \"none.stl\"\n", ":10: ", "none.stl"},
       {body + "shape = \"mesh\"\nfile = \"empty.stl\"\n", ":10: ", "is empty"},
-      {body + "shape = \"mesh\"\nfile = \"dent.obj\"\n", ":10: ", "is not convex"},
+      {body + "shape = \"mesh\"\nfile = \"flat.obj\"\n", ":10: ", "is flat"},
       {body + "shape = \"urdf\"\nfile = \"none.urdf\"\n", ":10: ", "none.urdf"},
       {body + "shape = \"urdf\"\nfile = \"lid.urdf\"\n", "lid.urdf:3: link[b]", "no collider"},
       {body + "shape = \"urdf\"\nfile = \"lid.urdf\"\n", "lid.urdf:4: joint[lid].type", "movable"},

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,12 +22,32 @@ inline constexpr int kMaxMeshPoints = 1024;
 [[nodiscard]] Expected<Shape> convexMesh(const std::vector<Eigen::Vector3d>& points_m,
                                          const std::vector<Eigen::Vector3i>& triangles);
 
+/// Limit of a mesh file's triangles.
+inline constexpr int kMaxMeshTriangles = 200'000;
+
+/// The collider of a mesh.
+struct MeshCollider {
+  Shape shape;
+  std::optional<Diagnostic>
+      notice;  ///< why and how `shape` differs from the mesh; empty: it does not
+};
+
+/// As convexMesh(). A mesh that is not closed or not convex gets its convex hull (convexHull()),
+/// and a notice says how much larger in volume it is.
+///
+/// @return the collider, or one Diagnostic with problem and remedy: no faces, no volume, not 0.001
+/// to 10 m across, more than kMaxMeshTriangles, a hull of more than 2 kMaxMeshPoints triangles.
+[[nodiscard]] Expected<MeshCollider> meshCollider(const std::vector<Eigen::Vector3d>& points_m,
+                                                  const std::vector<Eigen::Vector3i>& triangles);
+
 /// Reads a mesh file (STL, OBJ, DAE, GLB) and makes a collider of it. Coordinates times `scale` are
 /// metres; axes are taken as in the file (a DAE's up-axis tag is ignored). A child process
 /// (meshReaderProgram()) reads the file; without that program, this process does
 /// (docs/adr/0027-children-read-strangers-files.md).
 ///
-/// @return as convexMesh(); also when the file is missing, unreadable or has no faces.
-[[nodiscard]] Expected<Shape> loadConvexMesh(const std::string& path, const Eigen::Vector3d& scale);
+/// @return as meshCollider(), the path in problem and notice; also a Diagnostic when the file is
+/// missing or unreadable.
+[[nodiscard]] Expected<MeshCollider> loadMeshCollider(const std::string& path,
+                                                      const Eigen::Vector3d& scale);
 
 }  // namespace wholehand

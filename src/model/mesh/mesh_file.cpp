@@ -126,18 +126,22 @@ Expected<MeshSurface> readMeshHere(const std::string& path) {
   return surface;
 }
 
-Expected<Shape> loadConvexMesh(const std::string& path, const Eigen::Vector3d& scale) {
+Expected<MeshCollider> loadMeshCollider(const std::string& path, const Eigen::Vector3d& scale) {
   if (auto fault = nameFault(path)) return *fault;
   const std::string reader = meshReaderProgram();
   Expected<MeshSurface> surface =
       reader.empty() ? readMeshHere(path) : readMeshInChild(reader, path);
   if (!surface) return surface.errors();
   for (Eigen::Vector3d& p : surface->points) p = scale.cwiseProduct(p);
-  Expected<Shape> shape = convexMesh(surface->points, surface->triangles);
-  if (shape) return shape;
-  Diagnostic d = shape.errors().front();
-  d.problem = "the mesh " + path + " " + d.problem;
-  return d;
+  const std::string mesh = "the mesh " + path + " ";
+  Expected<MeshCollider> collider = meshCollider(surface->points, surface->triangles);
+  if (!collider) {
+    Diagnostic d = collider.errors().front();
+    d.problem = mesh + d.problem;
+    return d;
+  }
+  if (collider->notice) collider->notice->problem = mesh + collider->notice->problem;
+  return collider;
 }
 
 }  // namespace wholehand

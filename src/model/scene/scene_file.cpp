@@ -76,6 +76,8 @@ class BodyReader {
   [[nodiscard]] TomlTable& table() { return t_; }
   /// Paths of the mesh or URDF, and of the URDF's meshes.
   [[nodiscard]] const std::vector<std::string>& assets() const { return assets_; }
+  /// What is no fault, but differs from the file; `file` is empty for the scene file.
+  [[nodiscard]] const Diagnostics& notices() const { return notices_; }
   /// Faults inside the URDF, with lines of that file.
   [[nodiscard]] const Diagnostics& urdfFaults() const { return urdf_faults_; }
 
@@ -138,12 +140,20 @@ class BodyReader {
     const std::string file = t_.text("file");
     if (!t_.isGood("file")) return;
     assets_.push_back((folder_ / file).string());
-    Expected<Shape> mesh = loadConvexMesh(assets_.back(), Vector3d::Constant(scale));
+    Expected<MeshCollider> mesh = loadMeshCollider(assets_.back(), Vector3d::Constant(scale));
     if (mesh) {
-      body.shapes.push_back(std::move(*mesh));
+      body.shapes.push_back(std::move(mesh->shape));
+      if (mesh->notice) note(*mesh->notice);
     } else {
       t_.fail("file", mesh.errors().front().problem, mesh.errors().front().remedy);
     }
+  }
+
+  /// Notes what the user should know about the key `file`.
+  void note(Diagnostic notice) {
+    notice.line = t_.lineOf("file");
+    notice.key = t_.path() + ".file";
+    notices_.push_back(std::move(notice));
   }
 
   void readUrdf(SceneBody& body) {
@@ -165,6 +175,7 @@ class BodyReader {
     urdf_wrong_ = false;
     assets_.push_back(path.string());
     assets_.insert(assets_.end(), urdf->mesh_files.begin(), urdf->mesh_files.end());
+    notices_ = std::move(urdf->notices);
     body.shapes = std::move(urdf->shapes);
     inertial_ = urdf->inertial;
   }
@@ -209,6 +220,7 @@ class BodyReader {
   Diagnostics urdf_faults_;
   bool urdf_wrong_ = false;  ///< its mass is then unknown
   std::vector<std::string> assets_;
+  Diagnostics notices_;
 };
 
 void reportSameNames(const SceneModel& scene, std::vector<BodyReader>& readers) {
@@ -264,6 +276,10 @@ Expected<SceneModel> loadSceneFile(const std::string& path) {
   for (const BodyReader& reader : readers) {
     faults.insert(faults.end(), reader.urdfFaults().begin(), reader.urdfFaults().end());
     scene.assets.insert(scene.assets.end(), reader.assets().begin(), reader.assets().end());
+    for (Diagnostic notice : reader.notices()) {
+      if (notice.file.empty()) notice.file = path;
+      scene.notices.push_back(std::move(notice));
+    }
   }
   if (!faults.empty()) return faults;
   return scene;

@@ -61,6 +61,7 @@ struct SceneModel {
   std::vector<SceneBody> bodies;    ///< 0 .. kMaxSceneBodies; a record holds kMaxBodies
   double hand_friction = 0.8;       ///< of the hand's capsules
   std::vector<std::string> assets;  ///< paths of its meshes and URDFs
+  Diagnostics notices;              ///< meshes that their convex hull stands for
   GameBudget game;                  ///< its slots follow `bodies` in the record
 
   /// Names of the bodies of a record: the scene's, then a game's slots ("slot 0" ..); at most
@@ -74,8 +75,8 @@ struct SceneModel {
 [[nodiscard]] Shape coreOf(const SceneBody& body, const Shape& shape);
 
 /// Reads a scene file with its meshes (through assimp) and URDFs, relative to it. Reports every
-/// fault at once: unknown shapes, missing, empty or non-convex meshes, links without collider,
-/// bodies that overlap at the start.
+/// fault at once: unknown shapes, meshes that make no collider (mesh/convex_mesh.hpp), links
+/// without collider, bodies that overlap at the start.
 [[nodiscard]] Expected<SceneModel> loadSceneFile(const std::string& path);
 
 /// Moments of a shape at unit density: volume [m³], centre [m] and inertia about the centre [m⁵],

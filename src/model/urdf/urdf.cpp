@@ -237,6 +237,7 @@ class Reader {
   UrdfBody merged() const {
     UrdfBody body;
     body.mesh_files = mesh_files_;
+    body.notices = faults_.notices();
     for (const Link& link : links_) {
       Pose in_root = link.in_parent;
       for (int i = link.parent; i >= 0; i = links_[i].parent)

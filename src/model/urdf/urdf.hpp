@@ -14,16 +14,17 @@ namespace wholehand {
 struct UrdfBody {
   std::vector<Shape> shapes;               ///< every collision element of every link
   std::vector<std::string> mesh_files;     ///< paths of the meshes it names
+  Diagnostics notices;                     ///< meshes that their convex hull stands for
   std::optional<MassProperties> inertial;  ///< sum of the inertials; empty when no link has one
 };
 
-/// Reads every `<collision>` of every link of a URDF (box, sphere, cylinder, capsule, convex mesh).
+/// Reads every `<collision>` of every link of a URDF (box, sphere, cylinder, capsule, mesh).
 /// Links connected by fixed joints become one rigid body. A capsule's length is between the centres
 /// of its caps. Mesh names are relative to the URDF, absolute, "file://", or "package://name/...",
 /// which is searched for in the folders above the URDF.
 ///
 /// @return every fault at once, with line and element: movable joints, links without a collider,
-/// impossible inertials, meshes that are not convex colliders.
+/// impossible inertials, meshes that make no collider (meshCollider()).
 [[nodiscard]] Expected<UrdfBody> loadUrdf(const std::string& path);
 
 }  // namespace wholehand

@@ -62,8 +62,11 @@ std::optional<Shape> readMesh(const XMLElement& e, const std::string& key, UrdfF
   }
   if (name.empty()) return std::nullopt;
   mesh_files.push_back(meshPath(name, faults.file()).string());
-  Expected<Shape> mesh = loadConvexMesh(mesh_files.back(), scale);
-  if (mesh) return std::move(*mesh);
+  Expected<MeshCollider> mesh = loadMeshCollider(mesh_files.back(), scale);
+  if (mesh) {
+    if (mesh->notice) faults.note(&e, key + ".filename", name, std::move(*mesh->notice));
+    return std::move(mesh->shape);
+  }
   const Diagnostic& d = mesh.errors().front();
   faults.add(&e, key + ".filename", name, d.problem, d.remedy);
   return std::nullopt;

@@ -48,6 +48,14 @@ void UrdfFaults::add(const XMLElement* at, std::string key, std::string value, s
   all_.push_back(std::move(d));
 }
 
+void UrdfFaults::note(const XMLElement* at, std::string key, std::string value, Diagnostic notice) {
+  notice.file = file_;
+  notice.line = at->GetLineNum();
+  notice.key = std::move(key);
+  notice.value = std::move(value);
+  notices_.push_back(std::move(notice));
+}
+
 void UrdfFaults::addAtLine(int line, std::string problem, std::string remedy) {
   add(nullptr, "", "", std::move(problem), std::move(remedy));
   all_.back().line = line;

@@ -22,7 +22,10 @@ class UrdfFaults {
            std::string remedy);
   /// Adds a fault of the whole file, or of a line (0: unknown) outside any element.
   void addAtLine(int line, std::string problem, std::string remedy);
+  /// Adds what is no fault, but what the user should know.
+  void note(const tinyxml2::XMLElement* at, std::string key, std::string value, Diagnostic notice);
   [[nodiscard]] const Diagnostics& all() const { return all_; }
+  [[nodiscard]] const Diagnostics& notices() const { return notices_; }
   [[nodiscard]] const std::string& file() const { return file_; }
 
   /// Text of an attribute; empty, with a fault, when it is missing or empty.
@@ -40,6 +43,7 @@ class UrdfFaults {
  private:
   std::string file_;
   Diagnostics all_;
+  Diagnostics notices_;
 };
 
 }  // namespace wholehand
