@@ -17,18 +17,18 @@ H5Z_filter_t filterAt(hid_t properties, unsigned index) {
   return H5Pget_filter2(properties, index, &flags, &values, nullptr, 0, nullptr, &config);
 }
 
-/// Undoes the "shuffle" filter, which stores the first bytes of all numbers, then their second
+/// Undoes the "shuffle" filter, which stores the first bytes of all elements, then their second
 /// bytes, and so on. Most planes are all zeros, since well-predicted numbers differ in their low
 /// bytes only.
-void unshuffle(const std::vector<std::byte>& planes, std::size_t number_bytes, std::byte* out) {
-  const std::size_t numbers = planes.size() / number_bytes;
+void unshuffle(const std::vector<std::byte>& planes, std::size_t element_bytes, std::byte* out) {
+  const std::size_t elements = planes.size() / element_bytes;
   std::fill_n(out, planes.size(), std::byte{0});
-  for (std::size_t b = 0; b < number_bytes; ++b) {
-    const std::byte* plane = planes.data() + b * numbers;
+  for (std::size_t b = 0; b < element_bytes; ++b) {
+    const std::byte* plane = planes.data() + b * elements;
     const bool is_zero =
-        plane[0] == std::byte{0} && std::equal(plane, plane + numbers - 1, plane + 1);
+        plane[0] == std::byte{0} && std::equal(plane, plane + elements - 1, plane + 1);
     if (is_zero) continue;
-    for (std::size_t i = 0; i < numbers; ++i) out[i * number_bytes + b] = plane[i];
+    for (std::size_t i = 0; i < elements; ++i) out[i * element_bytes + b] = plane[i];
   }
 }
 
@@ -36,11 +36,12 @@ void unshuffle(const std::vector<std::byte>& planes, std::size_t number_bytes, s
 
 std::uint64_t ChunkReader::chunkRows(hid_t dataset, const ColumnShape& column) {
   const Handle properties(H5Dget_create_plist(dataset), H5Pclose);
-  const int rank = static_cast<int>(column.shape.size()) + 1;
-  std::vector<hsize_t> chunk(column.shape.size() + 1);
+  const std::vector<std::uint64_t> shape = column.fileShape();
+  const int rank = static_cast<int>(shape.size()) + 1;
+  std::vector<hsize_t> chunk(shape.size() + 1);
   if (!properties.ok() || H5Pget_layout(properties.get()) != H5D_CHUNKED ||
       H5Pget_chunk(properties.get(), rank, chunk.data()) != rank ||
-      !std::equal(column.shape.begin(), column.shape.end(), chunk.begin() + 1) ||
+      !std::equal(shape.begin(), shape.end(), chunk.begin() + 1) ||
       H5Pget_nfilters(properties.get()) != 2 ||
       filterAt(properties.get(), 0) != H5Z_FILTER_SHUFFLE ||
       filterAt(properties.get(), 1) != H5Z_FILTER_DEFLATE) {
@@ -52,7 +53,7 @@ std::uint64_t ChunkReader::chunkRows(hid_t dataset, const ColumnShape& column) {
 bool ChunkReader::read(hid_t dataset, const ColumnShape& column, std::uint64_t first,
                        std::uint64_t chunk_rows, std::byte* rows) {
   const std::size_t bytes = chunk_rows * column.rowBytes();
-  std::vector<hsize_t> offset(column.shape.size() + 1, 0);
+  std::vector<hsize_t> offset(column.fileShape().size() + 1, 0);
   offset.front() = first;
   hsize_t stored = 0;
   // An unwritten chunk has no bytes; a damaged file may claim terabytes.
@@ -73,7 +74,7 @@ bool ChunkReader::read(hid_t dataset, const ColumnShape& column, std::uint64_t f
       length != bytes) {
     return false;
   }
-  unshuffle(planes_, hdf5::byteSize(column.fileType()), rows);
+  unshuffle(planes_, column.elementBytes(), rows);
   return true;
 }
 

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cfenv>
 #include <cmath>
+#include <string_view>
 #include <utility>
 
 namespace wholehand::recording {
@@ -16,10 +17,15 @@ std::uint64_t bitsOf(double expected, const RowWindow& window, std::size_t colum
   return window.past() > 0 ? window.number<std::uint64_t>(column, i, 1) : 0;
 }
 
+/// Columns in which the numbers of a row differ in size: deflate gains from rows as elements.
+constexpr std::array<std::string_view, 7> kRowElements = {
+    "qd_s", "f_s", "phi", "tank", "intention", "patient_effort", "exercise_values"};
+
 /// Finds columns by name and collects their rules.
 class Rules {
  public:
-  explicit Rules(const std::vector<ColumnShape>& columns) : columns_(columns) {}
+  Rules(const std::vector<ColumnShape>& columns, bool row_elements)
+      : columns_(columns), row_elements_(row_elements) {}
 
   [[nodiscard]] bool has(const std::string& name) const { return column(name) < columns_.size(); }
   [[nodiscard]] std::size_t column(const std::string& name) const {
@@ -32,16 +38,20 @@ class Rules {
   void add(const std::string& name, Rule rule) {
     if (!has(name)) return;  // e.g. a recording without bodies, joints or parameters
     const std::size_t c = column(name), width = columns_[c].rowBytes() / sizeof(double);
-    all_.push_back({c, width, [=](const RowWindow& w, std::uint64_t* expected) {
-                      for (std::size_t i = 0; i < width; ++i) {
-                        expected[i] = bitsOf(rule(w, i), w, c, i);
-                      }
-                    }});
+    const bool row_elements = row_elements_ && std::find(kRowElements.begin(), kRowElements.end(),
+                                                         name) != kRowElements.end();
+    all_.push_back(
+        {c, width, row_elements, [=](const RowWindow& w, std::uint64_t* expected) mutable {
+           for (std::size_t i = 0; i < width; ++i) {
+             expected[i] = bitsOf(rule(w, i), w, c, i);
+           }
+         }});
   }
   [[nodiscard]] std::vector<Prediction> take() { return std::move(all_); }
 
  private:
   const std::vector<ColumnShape>& columns_;
+  bool row_elements_;
   std::vector<Prediction> all_;
 };
 
@@ -72,6 +82,118 @@ void addExtrapolated(Rules& rules, const char* name) {
     return extrapolate<Order>(w, column, i);
   });
 }
+
+/// Expects a sine on a straight line, as a person's tremor is: its second differences Δ obey
+/// Δ = r Δ⁻ - Δ⁻⁻, and r is found by least squares over the rows of the chunk.
+class Oscillation {
+ public:
+  Oscillation(std::size_t column, std::size_t width) : column_(column), sums_(width) {}
+
+  double operator()(const RowWindow& w, std::size_t i) {
+    Sums& s = sums_[i];
+    if (w.past() == 0) s = {};
+    if (w.past() < 5) return extrapolate<5>(w, column_, i);
+    const double last = bend(w, i, 1), before = bend(w, i, 2);
+    const double product = before * (last + bend(w, i, 3)), square = before * before;
+    if (std::isfinite(product) && std::isfinite(square)) {
+      s.products += product;
+      s.squares += square;
+    }
+    const double rate = s.squares > 0.0 ? s.products / s.squares : 2.0;
+    const double value = w.number(column_, i, 1);
+    const double next = value + ((value - w.number(column_, i, 2)) + (rate * last - before));
+    return std::isfinite(next) ? next : value;
+  }
+
+ private:
+  struct Sums {
+    double products = 0.0, squares = 0.0;
+  };
+  /// Second difference of the row `back` rows earlier.
+  [[nodiscard]] double bend(const RowWindow& w, std::size_t i, std::uint64_t back) const {
+    const double middle = w.number(column_, i, back + 1);
+    return (w.number(column_, i, back) - middle) - (middle - w.number(column_, i, back + 2));
+  }
+
+  std::size_t column_;
+  std::vector<Sums> sums_;
+};
+
+/// Eq. (2) with a damping that is a function of one axis's position, the reduced inertia's: a
+/// parabola through the last three rows. Which axis that is, or none, is found every 25 rows.
+class CriticallyDampedEffort {
+ public:
+  CriticallyDampedEffort(const Rules& rules, const RecordingMeta& meta)
+      : q_m_(rules.column("q_m")),
+        q_s_(rules.column("q_s")),
+        qd_mf_(rules.column("qd_mf")),
+        qd_s_(rules.column("qd_s")),
+        f_s_(rules.column("f_s")),
+        k_(meta.law.k_pm),
+        source_(meta.law.k_pm.size()) {}
+
+  double operator()(const RowWindow& w, std::size_t i) {
+    if (w.past() == 0) source_[i] = i;
+    if (w.past() % kChoiceRows == kFirstChoice) source_[i] = bestSource(w, i);
+    double damping_now = 0.0;
+    if (w.past() > 0) {
+      damping_now = w.past() < 3 ? damping(w, i, 1) : expectedDamping(w, i, source_[i], 0);
+    }
+    return k_[i] * stretch(w, i, 0) + damping_now * rate(w, i, 0);
+  }
+
+ private:
+  static constexpr std::uint64_t kChoiceRows = 25, kFirstChoice = 8, kJudgedRows = 4;
+
+  [[nodiscard]] double stretch(const RowWindow& w, std::size_t i, std::uint64_t back) const {
+    return w.number(q_m_, i, back) - w.number(q_s_, i, back);
+  }
+  [[nodiscard]] double rate(const RowWindow& w, std::size_t i, std::uint64_t back) const {
+    return w.number(qd_mf_, i, back) - w.number(qd_s_, i, back);
+  }
+  [[nodiscard]] double damping(const RowWindow& w, std::size_t i, std::uint64_t back) const {
+    const double speed = rate(w, i, back);
+    return speed != 0.0 ? (w.number(f_s_, i, back) - k_[i] * stretch(w, i, back)) / speed : 0.0;
+  }
+  static double quotient(double a, double b) { return b != 0.0 ? a / b : 0.0; }
+
+  /// Damping of the row `back` rows earlier, by the three rows before it. @param source axis; the
+  /// number of axes: none, as in the row before
+  [[nodiscard]] double expectedDamping(const RowWindow& w, std::size_t i, std::size_t source,
+                                       std::uint64_t back) const {
+    const double d1 = damping(w, i, back + 1);
+    if (source == source_.size()) return d1;
+    const double d2 = damping(w, i, back + 2), d3 = damping(w, i, back + 3);
+    const double x = w.number(q_s_, source, back), x1 = w.number(q_s_, source, back + 1);
+    const double x2 = w.number(q_s_, source, back + 2), x3 = w.number(q_s_, source, back + 3);
+    const double slope = quotient(d1 - d2, x1 - x2);
+    const double curve = quotient(slope - quotient(d2 - d3, x2 - x3), x1 - x3);
+    return (d1 + slope * (x - x1)) + (curve * (x - x1)) * (x - x2);
+  }
+
+  [[nodiscard]] std::size_t bestSource(const RowWindow& w, std::size_t i) const {
+    std::size_t best = source_.size();
+    double least = judged(w, i, best);
+    for (std::size_t source = 0; source < source_.size(); ++source) {
+      const double error = judged(w, i, source);
+      if (!(error < least)) continue;
+      least = error;
+      best = source;
+    }
+    return best;
+  }
+  [[nodiscard]] double judged(const RowWindow& w, std::size_t i, std::size_t source) const {
+    double error = 0.0;
+    for (std::uint64_t back = 1; back <= kJudgedRows; ++back) {
+      error += std::abs(damping(w, i, back) - expectedDamping(w, i, source, back));
+    }
+    return error;
+  }
+
+  std::size_t q_m_, q_s_, qd_mf_, qd_s_, f_s_;
+  std::vector<double> k_;
+  std::vector<std::size_t> source_;  ///< per axis
+};
 
 void addMotion(Rules& rules, const RecordingMeta& meta) {
   const double period_s = meta.period_s;
@@ -110,7 +232,8 @@ void addKinematics(Rules& rules, const RecordingMeta& meta) {
   });
 }
 
-// Eq. (2) with the previous row's damping D, then Eq. (3) with this row's D.
+// Eq. (2), before kRowElementSchema with the previous row's damping D; then Eq. (3) with this row's
+// D.
 void addCoupling(Rules& rules, const RecordingMeta& meta) {
   const std::size_t q_m = rules.column("q_m"), q_s = rules.column("q_s");
   const std::size_t qd_mf = rules.column("qd_mf"), qd_s = rules.column("qd_s");
@@ -121,13 +244,17 @@ void addCoupling(Rules& rules, const RecordingMeta& meta) {
   const auto rate = [=](const RowWindow& w, std::size_t i, std::uint64_t back) {
     return w.number(qd_mf, i, back) - w.number(qd_s, i, back);
   };
-  rules.add("f_s", [=, k = meta.law.k_pm](const RowWindow& w, std::size_t i) {
-    double damping = 0.0;
-    if (w.past() > 0 && rate(w, i, 1) != 0.0) {
-      damping = (w.number(f_s, i, 1) - k[i] * stretch(w, i, 1)) / rate(w, i, 1);
-    }
-    return k[i] * stretch(w, i, 0) + damping * rate(w, i, 0);
-  });
+  if (meta.schema >= kRowElementSchema) {
+    rules.add("f_s", CriticallyDampedEffort(rules, meta));
+  } else {
+    rules.add("f_s", [=, k = meta.law.k_pm](const RowWindow& w, std::size_t i) {
+      double damping = 0.0;
+      if (w.past() > 0 && rate(w, i, 1) != 0.0) {
+        damping = (w.number(f_s, i, 1) - k[i] * stretch(w, i, 1)) / rate(w, i, 1);
+      }
+      return k[i] * stretch(w, i, 0) + damping * rate(w, i, 0);
+    });
+  }
   rules.add("coupling",
             [=, k = meta.law.k_pm, gamma = meta.law.gamma](const RowWindow& w, std::size_t i) {
               const double spring = k[i] * stretch(w, i, 0);
@@ -215,7 +342,8 @@ std::uint64_t unfolded(std::uint64_t number) {
 std::vector<Prediction> predictions(const std::vector<ColumnShape>& columns,
                                     const RecordingMeta& meta) {
   if (meta.schema < kPackedSchema) return {};
-  Rules rules(columns);
+  const bool row_elements = meta.schema >= kRowElementSchema;
+  Rules rules(columns, row_elements);
   addMotion(rules, meta);
   if (!meta.law.k_pm.empty()) {
     addKinematics(rules, meta);
@@ -227,8 +355,14 @@ std::vector<Prediction> predictions(const std::vector<ColumnShape>& columns,
   } else {
     addTank(rules, meta);
   }
-  addExtrapolated<6>(rules, "intention");
-  for (const char* name : {"patient_effort", "palm_distance_m"}) addExtrapolated<5>(rules, name);
+  if (row_elements) {
+    rules.add("intention", Oscillation(rules.column("intention"), meta.axis_names.size()));
+    addExtrapolated<9>(rules, "patient_effort");
+    addExtrapolated<7>(rules, "palm_distance_m");
+  } else {
+    addExtrapolated<6>(rules, "intention");
+    for (const char* name : {"patient_effort", "palm_distance_m"}) addExtrapolated<5>(rules, name);
+  }
   for (const char* name : {"bodies", "exercise_values", "parameters"}) {
     addExtrapolated<1>(rules, name);
   }
@@ -249,9 +383,10 @@ void packRows(const std::vector<Prediction>& predictions, const RowBytes& column
     std::vector<std::byte>& out = packed[p.column];
     out.resize((end - begin) * row_bytes[p.column]);
     std::byte* to = out.data();
-    for (std::uint64_t row = begin; row < end; ++row) {
+    for (std::uint64_t row = begin - begin % chunk_rows; row < end; ++row) {
       window.moveTo(row, row % chunk_rows);
       p.expect(window, expected.data());
+      if (row < begin) continue;  // the rule learns from it
       for (std::size_t i = 0; i < p.width; ++i, to += sizeof(std::uint64_t)) {
         const auto bits = window.number<std::uint64_t>(p.column, i);
         const std::uint64_t number = folded(bits - expected[i]);

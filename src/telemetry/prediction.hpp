@@ -45,9 +45,11 @@ class RowWindow {
 /// Prediction rule of one column of doubles.
 struct Prediction {
   std::size_t column = 0;
-  std::size_t width = 1;  ///< numbers per row
+  std::size_t width = 1;      ///< numbers per row
+  bool row_elements = false;  ///< of the column, see ColumnShape
   /// Writes the predicted bits of each number of the window's row. A whole row per call: calls for
-  /// single numbers would cost more than the rules.
+  /// single numbers would cost more than the rules. Called for the rows of a chunk in order: some
+  /// rules keep what they learnt from earlier rows of the chunk.
   std::function<void(const RowWindow&, std::uint64_t* expected)> expect;
 };
 

@@ -14,9 +14,10 @@ namespace wholehand {
 /// tick has no safety_state (disarmed) and no fault_axis (-1). Below kSchemaOfLaw, it was rendered
 /// by another law (docs/adr/0018-one-spring.md): it reads and replays, but does not re-simulate bit
 /// by bit. Below kPackedSchema, every number is stored as it is; schema 4 can still be written, for
-/// readers that do not support packing.
-inline constexpr std::uint64_t kRecordingSchema = 5, kOldestRecordingSchema = 2, kSchemaOfLaw = 4,
-                               kPackedSchema = 5;
+/// readers that do not support packing. Below kRowElementSchema, each number is an element of its
+/// dataset and is packed by fewer rules (docs/adr/0047-smaller-recordings.md).
+inline constexpr std::uint64_t kRecordingSchema = 6, kOldestRecordingSchema = 2, kSchemaOfLaw = 4,
+                               kPackedSchema = 5, kRowElementSchema = 6;
 
 /// Parameters of the rendering law by which a recording is packed. All empty when unknown.
 struct RecordedLaw {

@@ -294,6 +294,14 @@ std::vector<Column<ContactRow>> contactColumns() {
   return out;
 }
 
+hdf5::Handle elementType(const ColumnShape& column, bool in_memory) {
+  const NumberType type = column.fileType();
+  const hid_t number = in_memory ? hdf5::memoryType(type) : hdf5::fileType(type);
+  if (!column.row_elements) return {H5Tcopy(number), H5Tclose};
+  const std::vector<hsize_t> dims(column.shape.begin(), column.shape.end());
+  return {H5Tarray_create2(number, static_cast<unsigned>(dims.size()), dims.data()), H5Tclose};
+}
+
 std::uint64_t chunkRows(double period_s) noexcept {
   return static_cast<std::uint64_t>(std::clamp(std::round(0.25 / period_s), 25.0, 1000.0));
 }

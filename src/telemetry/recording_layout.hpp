@@ -23,10 +23,20 @@ struct ColumnShape {
   std::vector<std::string> labels;   ///< one per element of a row's first dimension
   std::vector<std::string> columns;  ///< names along the last dimension when there are two
   bool packed = false;               ///< the file stores differences from a prediction
+  /// A row is one element of the dataset, an HDF5 array: shuffle then gathers the same byte of the
+  /// same number of all rows.
+  bool row_elements = false;
 
   /// Number type in the file.
   [[nodiscard]] hdf5::NumberType fileType() const noexcept {
     return packed ? hdf5::NumberType::kUint64 : type;
+  }
+  /// Shape of a row in the file, as dimensions of the dataset.
+  [[nodiscard]] std::vector<std::uint64_t> fileShape() const {
+    return row_elements ? std::vector<std::uint64_t>{} : shape;
+  }
+  [[nodiscard]] std::size_t elementBytes() const noexcept {
+    return row_elements ? rowBytes() : hdf5::byteSize(fileType());
   }
   [[nodiscard]] std::size_t rowBytes() const noexcept {
     std::size_t n = hdf5::byteSize(type);
@@ -75,6 +85,9 @@ template <class Row>
 [[nodiscard]] std::vector<ColumnShape> shapesOf(const std::vector<Column<Row>>& columns) {
   return {columns.begin(), columns.end()};
 }
+
+/// HDF5 type of an element of the dataset, in the file or in memory.
+[[nodiscard]] hdf5::Handle elementType(const ColumnShape& column, bool in_memory);
 
 /// Rows per chunk: about a quarter of a second, so that a write fills one chunk.
 [[nodiscard]] std::uint64_t chunkRows(double period_s) noexcept;

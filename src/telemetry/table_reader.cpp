@@ -7,8 +7,9 @@ using hdf5::Handle;
 
 bool readByHdf5(hid_t dataset, const ColumnShape& column, std::uint64_t first, std::uint64_t count,
                 std::byte* rows) {
+  const std::vector<std::uint64_t> shape = column.fileShape();
   std::vector<hsize_t> block = {count};
-  block.insert(block.end(), column.shape.begin(), column.shape.end());
+  block.insert(block.end(), shape.begin(), shape.end());
   std::vector<hsize_t> start(block.size(), 0);
   start.front() = first;
   const Handle in_file(H5Dget_space(dataset), H5Sclose);
@@ -16,7 +17,7 @@ bool readByHdf5(hid_t dataset, const ColumnShape& column, std::uint64_t first, s
                          H5Sclose);
   return H5Sselect_hyperslab(in_file.get(), H5S_SELECT_SET, start.data(), nullptr, block.data(),
                              nullptr) >= 0 &&
-         H5Dread(dataset, hdf5::memoryType(column.fileType()), in_memory.get(), in_file.get(),
+         H5Dread(dataset, elementType(column, true).get(), in_memory.get(), in_file.get(),
                  H5P_DEFAULT, rows) >= 0;
 }
 
@@ -29,14 +30,15 @@ std::string openDataset(hid_t group, const ColumnShape& column, Dataset& dataset
   if (!dataset.handle.ok()) return missing;
   const Handle space(H5Dget_space(dataset.handle.get()), H5Sclose);
   const Handle type(H5Dget_type(dataset.handle.get()), H5Tclose);
+  const std::vector<std::uint64_t> shape = column.fileShape();
   const int rank = H5Sget_simple_extent_ndims(space.get());
-  if (rank != static_cast<int>(column.shape.size()) + 1 ||
-      H5Tequal(type.get(), hdf5::fileType(column.fileType())) <= 0) {
+  if (rank != static_cast<int>(shape.size()) + 1 ||
+      H5Tequal(type.get(), elementType(column, false).get()) <= 0) {
     return "has a dataset '" + column.name + "' of another form";
   }
   std::vector<hsize_t> dims(static_cast<std::size_t>(rank));
   H5Sget_simple_extent_dims(space.get(), dims.data(), nullptr);
-  if (!std::equal(column.shape.begin(), column.shape.end(), dims.begin() + 1)) {
+  if (!std::equal(shape.begin(), shape.end(), dims.begin() + 1)) {
     return "has a dataset '" + column.name + "' with another number of columns than /meta names";
   }
   dataset.rows = dims.front();

@@ -38,7 +38,10 @@ class TableReader {
   void unpack(std::vector<Prediction> predictions, std::uint64_t chunk_rows) {
     predictions_ = std::move(predictions);
     chunk_rows_ = chunk_rows;
-    for (const Prediction& p : predictions_) columns_[p.column].packed = true;
+    for (const Prediction& p : predictions_) {
+      columns_[p.column].packed = true;
+      columns_[p.column].row_elements = p.row_elements;
+    }
   }
 
   /// Skips these columns: their numbers are zero. Before load(). A column that the prediction of a

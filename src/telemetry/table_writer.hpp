@@ -26,7 +26,10 @@ class TableWriter {
   /// Packs these columns from now on.
   void pack(std::vector<Prediction> predictions) {
     predictions_ = std::move(predictions);
-    for (const Prediction& p : predictions_) columns_[p.column].packed = true;
+    for (const Prediction& p : predictions_) {
+      columns_[p.column].packed = true;
+      columns_[p.column].row_elements = p.row_elements;
+    }
   }
 
   /// Creates the datasets with their attributes in `group`.

@@ -296,6 +296,8 @@ class Foreign(AppTest):
             version = f["meta"].attrs["schema_version"]
             f["meta"].attrs.modify("schema_version", type(version)(99))
         self.expect_all_refuse(path, "99")
+        with self.assertRaisesRegex(ValueError, "run.h5: schema_version = 99: .* update it"):
+            read_recording(path)
 
     def test_recording_of_the_former_law_replays_and_is_not_run_again(self):
         path = self.folder / "plain.h5"

@@ -422,7 +422,7 @@ TEST(RecordingReader, Schema1_IsRefusedWithWhatIsRead) {
                    "h5py.File('" +
                    path + "', 'r+')['meta'].attrs['schema_version'] = 1"),
             "");
-  EXPECT_NE(refusal(path).find("this program reads schema versions 2 to 5; record anew"),
+  EXPECT_NE(refusal(path).find("this program reads schema versions 2 to 6; record anew"),
             std::string::npos)
       << refusal(path);
 }

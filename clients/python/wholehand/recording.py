@@ -13,9 +13,10 @@ import numpy
 
 from wholehand import tables
 
-FIRST_PACKED_SCHEMA = 5
+FIRST_PACKED_SCHEMA, ROW_ELEMENT_SCHEMA, LAST_SCHEMA = 5, 6, 6
 POLYNOMIALS = {"intention": 6, "patient_effort": 5, "palm_distance_m": 5, "bodies": 1,
             "exercise_values": 1, "parameters": 1, "qd_s": 5}  # orders of the polynomials
+LATER_POLYNOMIALS = {"patient_effort": 9, "palm_distance_m": 7}  # from ROW_ELEMENT_SCHEMA on
 # Each needs of its own row only datasets that are not packed, or stand before it.
 ORDER = ("time_s", "qd_s", "q_s", "qd_mf", "theta", "f_s", "coupling", "phi", "damping", "rendered", "sent",
          "intention", "patient_effort", "palm_distance_m", "tank", "bodies", "exercise_values", "parameters",
@@ -46,6 +47,11 @@ class Recording:
         self.file = h5py.File(path, "r", libver="latest", swmr=True)
         self.ticks = self.file["ticks"]
         self.meta = self.file["meta"].attrs
+        version = self.meta["schema_version"]
+        if version > LAST_SCHEMA:  # its packed numbers would come out wrong
+            self.file.close()
+            raise ValueError(f"{path}: schema_version = {version}: was written by a newer Wholehand; this package reads "
+                             f"versions up to {LAST_SCHEMA}: update it")
         self._blocks = {}  # name -> chunks x rows of a chunk x numbers of a row
         self._rows = min(len(self.ticks[name]) for name in self.ticks)
 
@@ -63,7 +69,7 @@ class Recording:
         group, _, column = name.strip("/").rpartition("/")
         if group != "ticks" or not self._is_packed(column):
             return dataset
-        values = self._block(column).reshape(-1, *dataset.shape[1:])
+        values = self._block(column).reshape(-1, *row_shape(dataset))
         return Column(values[:self._rows], dataset.attrs)
 
     def to_pandas(self, *names):
@@ -79,7 +85,7 @@ class Recording:
 
     def _is_packed(self, column):
         packed = self.meta["schema_version"] >= FIRST_PACKED_SCHEMA
-        return packed and column in ORDER and self.ticks[column].dtype == numpy.uint64
+        return packed and column in ORDER and self.ticks[column].dtype.base == numpy.uint64
 
     def _block(self, column):
         if column not in self._blocks:
@@ -90,7 +96,7 @@ class Recording:
         dataset = self.ticks[column]
         rows = dataset.chunks[0]
         chunks = -(-self._rows // rows)
-        values = numpy.zeros((chunks * rows, *dataset.shape[1:]), dataset.dtype)
+        values = numpy.zeros((chunks * rows, *row_shape(dataset)), dataset.dtype.base)
         values[:self._rows] = dataset[:self._rows]
         return values.reshape(chunks, rows, -1)
 
@@ -112,8 +118,12 @@ class Recording:
         """What row `row` of every chunk is expected to hold, the operations in the order of the file format."""
         period_s, meta = self.meta["period_s"], self.meta
         at = self._block
+        later = meta["schema_version"] >= ROW_ELEMENT_SCHEMA
+        if later and column == "intention":
+            return Oscillation(values)
         if column in POLYNOMIALS:
-            return lambda row: extrapolated(values, row, POLYNOMIALS[column])
+            order = LATER_POLYNOMIALS.get(column, POLYNOMIALS[column]) if later else POLYNOMIALS[column]
+            return lambda row: extrapolated(values, row, order)
         if column == "time_s":
             return lambda row: at("tick")[:, row] * period_s
         if column == "q_s":
@@ -122,6 +132,8 @@ class Recording:
             return lambda row: self._filtered(values, row) if row else 0.0
         if column == "theta":
             return self._joints
+        if column == "f_s" and later:
+            return CriticallyDampedEffort(self, values)
         if column == "f_s":
             return lambda row: self._avatar_effort(values, row)
         if column == "coupling":
@@ -190,6 +202,86 @@ class Recording:
         to_person = (acted * moved + (self._stored(row) - self._stored(row - 1))) + hidden
         given = to_person + avatar * (at("q_s")[:, row] - at("q_s")[:, row - 1])
         return values[:, row - 1] - given
+
+
+class Oscillation:
+    """A sine on a straight line: second differences obey d = r d1 - d2, r by least squares over the chunk."""
+
+    def __init__(self, values):
+        self.values = values
+        self.products = self.squares = numpy.zeros(values[:, 0].shape)
+
+    def __call__(self, row):
+        values = self.values
+        if row < 5:
+            return extrapolated(values, row, 5)
+        last, before, first = (self._bend(row - back) for back in (1, 2, 3))
+        product, square = before * (last + first), before * before
+        learnt = numpy.isfinite(product) & numpy.isfinite(square)
+        self.products = numpy.where(learnt, self.products + product, self.products)
+        self.squares = numpy.where(learnt, self.squares + square, self.squares)
+        rate = numpy.where(self.squares > 0.0, self.products / self.squares, 2.0)
+        value = values[:, row - 1]
+        following = value + ((value - values[:, row - 2]) + (rate * last - before))
+        return numpy.where(numpy.isfinite(following), following, value)
+
+    def _bend(self, row):
+        middle = self.values[:, row - 1]
+        return (self.values[:, row] - middle) - (middle - self.values[:, row - 2])
+
+
+class CriticallyDampedEffort:
+    """Eq. (2) with a damping that is a parabola, by the last three rows, over the position of one axis or of none."""
+
+    CHOICE_ROWS, FIRST_CHOICE, JUDGED_ROWS = 25, 8, 4
+
+    def __init__(self, recording, values):
+        self.values, self.recording, self.k_pm = values, recording, recording.meta["k_pm"]
+        self.q_s = recording._block("q_s")
+        self.axes = values.shape[2]
+        self.source = numpy.tile(numpy.arange(self.axes), (len(values), 1))  # self.axes: none
+
+    def __call__(self, row):
+        if row % self.CHOICE_ROWS == self.FIRST_CHOICE:
+            self.source = self._best_sources(row)
+        damping = 0.0
+        if row > 0:
+            damping = self._damping(row - 1) if row < 3 else self._expected(row, self.source)
+        return self.k_pm * self.recording._stretch(row) + damping * self.recording._rate(row)
+
+    def _damping(self, row):
+        return quotient(self.values[:, row] - self.k_pm * self.recording._stretch(row), self.recording._rate(row))
+
+    def _expected(self, row, source):
+        d1, d2, d3 = (self._damping(row - back) for back in (1, 2, 3))
+        taken = numpy.minimum(source, self.axes - 1)
+        x, x1, x2, x3 = (numpy.take_along_axis(self.q_s[:, row - back], taken, 1) for back in range(4))
+        slope = quotient(d1 - d2, x1 - x2)
+        curve = quotient(slope - quotient(d2 - d3, x2 - x3), x1 - x3)
+        return numpy.where(source == self.axes, d1, (d1 + slope * (x - x1)) + (curve * (x - x1)) * (x - x2))
+
+    def _best_sources(self, row):
+        best = numpy.full(self.source.shape, self.axes)
+        least = self._judged(row, best)
+        for axis in range(self.axes):
+            error = self._judged(row, numpy.full(self.source.shape, axis))
+            best, least = numpy.where(error < least, axis, best), numpy.where(error < least, error, least)
+        return best
+
+    def _judged(self, row, source):
+        error = 0.0
+        for back in range(1, self.JUDGED_ROWS + 1):
+            error = error + abs(self._damping(row - back) - self._expected(row - back, source))
+        return error
+
+
+def quotient(a, b):
+    return numpy.where(b != 0.0, a / b, 0.0)
+
+
+def row_shape(dataset):
+    """Shape of one row, whether it is one element of the dataset (an array) or many."""
+    return (*dataset.shape[1:], *dataset.dtype.shape)
 
 
 def extrapolated(values, row, order):
