@@ -1,8 +1,11 @@
 #include "telemetry/recorded_tables.hpp"
 
 #include <algorithm>
-#include <memory>
+#include <cstddef>
+#include <cstring>
 #include <numeric>
+#include <type_traits>
+#include <utility>
 
 namespace wholehand::recording {
 namespace {
@@ -11,6 +14,28 @@ using hdf5::Handle;
 
 /// Far more rows than a byte of a file can hold; a damaged file must not cause huge allocations.
 constexpr std::uint64_t kMostRowsPerByte = 10;
+
+/// Makes a record empty, faster than construction: of bodies and contacts, most of its bytes, only
+/// those that it has are cleared. @pre it is empty beyond its counts
+void clear(TickRecord& record) noexcept {
+  static_assert(std::is_trivially_copyable_v<TickRecord>);
+  static const TickRecord kEmpty;
+  constexpr std::size_t kBodies = offsetof(TickRecord, bodies);
+  constexpr std::size_t kBodiesEnd = kBodies + sizeof(TickRecord::bodies);
+  constexpr std::size_t kContacts = offsetof(TickRecord, contacts);
+  constexpr std::size_t kContactsEnd = kContacts + sizeof(TickRecord::contacts);
+  static_assert(kBodiesEnd <= kContacts);
+  std::fill_n(record.bodies.begin(), std::clamp(record.body_count, 0, kMaxBodies), BodyState{});
+  std::fill_n(record.contacts.begin(), std::clamp(record.contact_count, 0, kMaxContacts),
+              Contact{});
+  auto* to = reinterpret_cast<std::byte*>(&record);
+  const auto* from = reinterpret_cast<const std::byte*>(&kEmpty);
+  for (const auto& [begin, end] : {std::pair{std::size_t{0}, kBodies},
+                                   {kBodiesEnd, kContacts},
+                                   {kContactsEnd, sizeof(TickRecord)}}) {
+    std::memcpy(to + begin, from + begin, end - begin);
+  }
+}
 
 }  // namespace
 
@@ -208,7 +233,7 @@ bool RecordedTables::read(std::uint64_t index, TickRecord& record) {
   if (index >= rows_.size()) return false;
   const std::uint64_t i = rows_[index];
   if (!holds(i) && !loadAround(i)) return false;
-  std::construct_at(&record);  // assignment would copy a whole empty record
+  clear(record);
   ticks_.get(i, record);
   // The index contradicts the rows.
   if (record.tick != outline_.numbers[index] || !isWhole(i, record)) return false;
