@@ -1,5 +1,7 @@
 #include "golden/program_messages.hpp"
 
+#include "support/crank_hand.hpp"
+
 #include <memory>
 #include <span>
 
@@ -7,34 +9,11 @@ namespace wholehand::golden {
 
 namespace {
 
-/// A hand of two links: carried along x, then turned about z at 0.1 m.
-HandModel crank() {
-  HandModel hand;
-  hand.name = "crank";
-  hand.joint_count = hand.axis_count = 2;
-  hand.joint_names = hand.axis_names = {"x", "turn"};
-  HandLink carriage;
-  carriage.name = "x";
-  carriage.type = JointType::kPrismatic;
-  carriage.joint = 0;
-  HandLink arm;
-  arm.name = "turn";
-  arm.parent = 0;
-  arm.type = JointType::kRevolute;
-  arm.axis = Eigen::Vector3d::UnitZ();
-  arm.parent_to_link.translation_m = {0.0, 0.1, 0.0};
-  arm.joint = 1;
-  hand.links = {carriage, arm};
-  hand.theta0 = JointPosition(2);
-  hand.synergy = JointAxisMatrix::Identity(2, 2);
-  return hand;
-}
-
 SceneFacts smallScene() {
   SceneFacts facts;
   facts.session = 3;
   facts.program_version = "9.8.7";
-  facts.hand = crank();
+  facts.hand = test::crankHand();
   facts.patient_name = "Jüri";
   facts.exercise_name = "cocktail-bar";
   facts.exercise_json = R"({"levels": [{"name": "a \"quoted\" one"}]})";

@@ -2,6 +2,7 @@
 
 #include "realtime/allocation_counter.hpp"
 #include "server/client_words.hpp"
+#include "support/crank_hand.hpp"
 #include "support/rig_tools.hpp"
 
 #include <gtest/gtest.h>
@@ -23,33 +24,10 @@ const fb::Message& verified(std::span<const std::uint8_t> bytes) {
   return *fb::GetMessage(bytes.data());
 }
 
-/// A hand of two links: carried along x, then turned about z at 0.1 m.
-HandModel crank() {
-  HandModel hand;
-  hand.name = "crank";
-  hand.joint_count = hand.axis_count = 2;
-  hand.joint_names = hand.axis_names = {"x", "turn"};
-  HandLink carriage;
-  carriage.name = "x";
-  carriage.type = JointType::kPrismatic;
-  carriage.joint = 0;
-  HandLink arm;
-  arm.name = "turn";
-  arm.parent = 0;
-  arm.type = JointType::kRevolute;
-  arm.axis = Eigen::Vector3d::UnitZ();
-  arm.parent_to_link.translation_m = {0.0, 0.1, 0.0};
-  arm.joint = 1;
-  hand.links = {carriage, arm};
-  hand.theta0 = JointPosition(2);
-  hand.synergy = JointAxisMatrix::Identity(2, 2);
-  return hand;
-}
-
 SceneFacts smallFacts() {
   SceneFacts facts;
   facts.session = 3;
-  facts.hand = crank();
+  facts.hand = test::crankHand();
   facts.exercise_name = "cocktail-bar";
   facts.value_names = {"stage", "flow_l_s"};
   facts.parameters = {{"lead_in_m", LiveParameterGroup::kExercise, "m", 0.0, 0.02, 0.005, 0.01}};
