@@ -30,6 +30,7 @@ using Json = nlohmann::json;
 /// Version of the data; counts incompatible changes.
 constexpr int kVersion = 1;
 constexpr std::uint64_t kChunksAtOnce = 4, kTicksBetweenProgress = 10'000;
+constexpr std::uint64_t kLong_ticks = 1'500'000;  ///< a state in 1000 ticks
 /// Limits that keep a page below 2 MB: states before packing, and afterwards.
 constexpr std::uint64_t kMostStates = 1'500;
 constexpr std::size_t kMostStates_bytes = 1'500'000, kMostPacked_bytes = 500'000;
@@ -38,6 +39,11 @@ constexpr int kMostColumns = 800, kFewestColumns = 100;
 
 /// Datasets that a report does not need.
 const LeftOut kLeftOut = {{"patient_effort", "tank", "closure", "wall", "wall_active"}, {}};
+/// Datasets that it needs only for the states that it shows, one tick in hundreds.
+const LeftOut kLeftOutBetweenStates = {
+    {"patient_effort", "tank", "closure", "wall", "wall_active", "theta", "parameters", "palm_body",
+     "palm_target_distance_m"},
+    {"link", "point_m", "normal", "torque_nm", "distance_m"}};
 
 /// All data of a page, or only the figures for comparison with another session.
 enum class Detail { kAll, kFigures };
@@ -60,8 +66,9 @@ class StateSample {
         last_(size - 1),
         step_(detail == Detail::kAll ? 1 + (size - 1) / kMostStates : size) {}
 
+  [[nodiscard]] bool wants(std::uint64_t row) const { return row % step_ == 0 || row == last_; }
+  /// @pre wants(row)
   void add(std::uint64_t row, const TickRecord& record) {
-    if (row % step_ != 0 && row != last_) return;
     const auto message =
         encoder_.encode(record, recordedStatus(record), wire::Detail::kRecorded, 0);
     const auto bytes = static_cast<std::uint32_t>(message.size());
@@ -139,13 +146,15 @@ class ReportCollector {
         engineering_(meta_) {}
 
   /// @param before the previous tick; null when unknown
-  void add(std::uint64_t row, const TickRecord& record, const TickRecord* before, bool has_scene) {
+  void add(const TickRecord& record, const TickRecord* before) {
     series_.add(record, before);
     therapy_.add(record, before != nullptr && missingBetween(before->tick, record.tick,
                                                              record.elapsed_periods) == 0);
     engineering_.add(record);
-    if (has_scene) states_.add(row, record);
   }
+  [[nodiscard]] bool wantsState(std::uint64_t row) const { return states_.wants(row); }
+  /// @pre wantsState(row)
+  void addState(std::uint64_t row, const TickRecord& record) { states_.add(row, record); }
   void skipUnreadable(std::uint64_t tick) {
     series_.skipUnreadable(static_cast<double>(tick) * meta_.period_s);
   }
@@ -167,21 +176,29 @@ class ReportCollector {
   EngineeringFacts engineering_;
 };
 
-void collect(RecordingReader& reader, ReportCollector& collector, bool has_scene,
-             const std::function<void(double)>& progress) {
+/// @param states the same recording with all that a state shows; null: no states
+/// @param size ticks to collect: while it is written, a recording opened later has more
+void collect(RecordingReader& reader, RecordingReader* states, std::uint64_t size,
+             ReportCollector& collector, const std::function<void(double)>& progress) {
+  TickRecord state;
   std::array<TickRecord, 2> records;
   TickRecord *record = &records[0], *before = &records[1];
   bool known = false;
-  for (std::uint64_t i = 0; i < reader.size(); ++i) {
+  for (std::uint64_t i = 0; i < std::min(size, reader.size()); ++i) {
     if (progress && i % kTicksBetweenProgress == 0) {
-      progress(static_cast<double>(i) / static_cast<double>(reader.size()));
+      progress(static_cast<double>(i) / static_cast<double>(size));
     }
     if (!reader.read(i, *record)) {
       collector.skipUnreadable(reader.outline().numbers[i]);
       known = false;
       continue;
     }
-    collector.add(i, *record, known ? before : nullptr, has_scene);
+    collector.add(*record, known ? before : nullptr);
+    if (states == &reader && collector.wantsState(i)) collector.addState(i, *record);
+    if (states != nullptr && states != &reader && collector.wantsState(i) &&
+        states->read(i, state)) {
+      collector.addState(i, state);
+    }
     std::swap(record, before);
     known = true;
   }
@@ -192,6 +209,16 @@ Expected<Json> dataOf(const std::string& recording_path, Detail detail,
   const auto viewed = openAny(recording_path);
   if (!viewed) return viewed.errors();
   RecordingReader& reader = *viewed->reader;
+  // Of a long recording, whole ticks are read only for states. Of a short one, each chunk has some.
+  Expected<ViewedRecording> between = ViewedRecording{}, whole = ViewedRecording{};
+  const bool is_long = detail == Detail::kAll && reader.size() >= kLong_ticks &&
+                       !BlackBoxReader::isBox(recording_path);
+  if (is_long) {
+    between = viewRecording(recording_path, kChunksAtOnce, kLeftOutBetweenStates);
+    whole = viewRecording(recording_path, 1, kLeftOut);
+    if (!between) return between.errors();
+    if (!whole) return whole.errors();
+  }
   if (reader.size() == 0) {
     return Diagnostic{
         recording_path, 0, "", "", "holds no ticks", "record a run that lasts a while"};
@@ -199,7 +226,9 @@ Expected<Json> dataOf(const std::string& recording_path, Detail detail,
   const auto scene = recordedScene(reader.meta(), recording_path);
   const auto facts = std::make_shared<const SceneFacts>(scene ? *scene : SceneFacts{});
   ReportCollector collector(*viewed, facts, detail);
-  collect(reader, collector, scene.ok(), progress);
+  RecordingReader* states = is_long ? whole->reader.get() : &reader;
+  collect(is_long ? *between->reader : reader, scene ? states : nullptr, reader.size(), collector,
+          progress);
   Json data = collector.json(scene.ok());
   const std::string name = std::filesystem::path(recording_path).filename().string();
   data["about"] =
