@@ -237,15 +237,19 @@ ChartPage pageOf(const SweepGrid& grid, const std::vector<FilledMap>& maps) {
   return page;
 }
 
-void describe(const SweepGrid& grid, const std::optional<SweepShare>& share, int processes) {
+/// "80 cells (2 patient × 40 stiffness)"
+std::string summary(const SweepGrid& grid) {
   std::string axes;
   for (const SweepAxis& axis : grid.axes) {
     axes += fmt::format("{}{} {}", axes.empty() ? "" : " × ", axis.size(), axis.name);
   }
+  return fmt::format("{} cells ({})", grid.cells(), axes);
+}
+
+void describe(const SweepGrid& grid, const std::optional<SweepShare>& share, int processes) {
   std::string who = fmt::format("{} process{}", processes, processes == 1 ? "" : "es");
   if (share) who += fmt::format(", share {} of {}", share->first + 1, share->step);
-  std::printf("%s: %d cells (%s); %s\n", grid.name.c_str(), grid.cells(), axes.c_str(),
-              who.c_str());
+  std::printf("%s: %s; %s\n", grid.name.c_str(), summary(grid).c_str(), who.c_str());
   std::fflush(stdout);
 }
 
@@ -287,6 +291,20 @@ int tell(const SweepGrid& grid, const SweepOptions& options, const SweepOutcome&
 }
 
 }  // namespace
+
+Expected<std::string> summarizeSweep(const std::string& path) {
+  auto grid = loadSweepGrid(path);
+  if (!grid) return grid.errors();
+  Diagnostics missing;
+  std::error_code ignored;
+  for (const std::string& file : filesOf(*grid, filesBeside(path))) {
+    if (fs::exists(file, ignored)) continue;
+    missing.push_back({path, 0, "axes", file, "is not there",
+                       "name a shipped file, or a path ending in .toml beside the grid"});
+  }
+  if (!missing.empty()) return missing;
+  return summary(*grid);
+}
 
 int sweepCommand(const SweepOptions& options) {
   const InterruptScope interrupts;

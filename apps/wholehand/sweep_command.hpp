@@ -1,5 +1,7 @@
 #pragma once
 
+#include "core/expected.hpp"
+
 #include <string>
 
 namespace wholehand {
@@ -15,5 +17,9 @@ struct SweepOptions {
 
 /// Runs every cell of a grid (docs/sweeps.md). Returns the exit code.
 int sweepCommand(const SweepOptions& options);
+
+/// "80 cells (2 patient × 40 stiffness)". Refused: a faulty grid, and one whose cells read a file
+/// that is missing.
+[[nodiscard]] Expected<std::string> summarizeSweep(const std::string& grid);
 
 }  // namespace wholehand

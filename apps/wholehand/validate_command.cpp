@@ -8,6 +8,7 @@
 #include "model/toml/toml_file.hpp"
 #include "run_text.hpp"
 #include "shipped_files.hpp"
+#include "sweep_command.hpp"
 
 #include <fmt/format.h>
 
@@ -48,6 +49,7 @@ class Validation {
       if (kind == "exercise") remark = checkExercise(file);
       if (kind == "passport") remark = checkPassportFile(file);
       if (kind == "device-check") add(readDailyCheck(file));
+      if (kind == "sweep") remark = checkSweep(file);
       if (kind == "motion") add(loadMotionFile(file));
       if (kind != "motion" && !kind.empty()) checkKind(file, kind);
       if (!faulty_device_.empty()) {
@@ -125,7 +127,7 @@ class Validation {
     TomlFile toml(file, kind);
     if (!toml.readable()) return;
     toml.root().choice("kind", {"hand", "device", "rendering", "patient", "scene", "exercise",
-                                "passport", "device-check"});
+                                "passport", "device-check", "sweep"});
     if (toml.root().isGood("kind")) return;
     toml.root().ignoreUnknownKeys();
     add(toml.finish());
@@ -215,6 +217,12 @@ class Validation {
     }
     return fmt::format("    {} level{}, with the device {}\n", levels, levels == 1 ? "" : "s",
                        device_file);
+  }
+
+  // The grid, and that every file that its cells read is there.
+  std::string checkSweep(const std::string& file) {
+    auto summary = summarizeSweep(file);
+    return add(summary) ? "    " + *summary + "\n" : std::string{};
   }
 
   // Checks the passport itself, and against the only device file among the arguments. The connected

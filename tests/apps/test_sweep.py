@@ -224,6 +224,12 @@ class Sweep(AppTest):
                 self.expect_refused(self.run_app("sweep", "grid.toml", "--out", "bad.h5"), *texts)
                 self.assertFalse((self.folder / "bad.h5").exists())
 
+    def test_a_grid_is_validated_like_any_file(self):
+        said = self.expect(self.run_app("validate", "grid.toml"), DONE, "ok  sweep", "8 cells (1 patient × 2 delay_ticks × 4 stiffness)")
+        self.assertEqual(said.err, "")
+        self.write("grid.toml", GRID.replace("stiff-adult", "nobody"))
+        self.expect_refused(self.run_app("validate", "grid.toml"), "nobody.toml", "is not there", lines=1)
+
     def test_a_cell_that_cannot_be_run_is_named(self):
         self.write("grid.toml", 'kind = "sweep"\nversion = 1\nname = "g"\ntrial = "grasp"\nhold_s = 0.5\n'
                                 '[axes]\nposture = ["power", "pinch"]\nobject = ["sphere", "disk"]\n')

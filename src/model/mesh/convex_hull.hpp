@@ -13,8 +13,8 @@ namespace wholehand {
 /// order of both depends only on the points.
 ///
 /// @pre every coordinate is finite
-/// @return the hull, or one Diagnostic with problem and remedy: fewer than four points, or all within
-/// 1e-6 of their extent of one plane.
+/// @return the hull, or one Diagnostic with problem and remedy: fewer than four points, or all
+/// within 1e-6 of their extent of one plane.
 [[nodiscard]] Expected<MeshSurface> convexHull(const std::vector<Eigen::Vector3d>& points);
 
 }  // namespace wholehand
