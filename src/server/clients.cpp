@@ -59,8 +59,10 @@ std::uint32_t Clients::join(std::shared_ptr<ClientLine> line, Role role, std::in
   client.role = role;
   client.allowance_ns = now_ns;
   const std::string version = scene_ ? scene_->program_version : std::string();
-  const UdpBridge::Door door = udp_ != nullptr ? udp_->admit(number) : UdpBridge::Door{};
-  client.line->deliver(share(wire::welcomeMessage(number, false, version, {door.port, door.key})));
+  const UdpBridge::DatagramAccess access =
+      udp_ != nullptr ? udp_->admit(number) : UdpBridge::DatagramAccess{};
+  client.line->deliver(
+      share(wire::welcomeMessage(number, false, version, {access.port, access.key})));
   if (scene_message_) client.line->deliver(scene_message_);
   if (commissioning_message_) client.line->deliver(commissioning_message_);
   if (bodies_shown_ && !bodies_shown_->empty()) client.line->deliver(bodiesMessage());

@@ -49,21 +49,21 @@ HttpLine::Then HttpConnection::next(Then then) {
 }
 
 FileWorkers& HttpConnection::workers() {
-  if (needs_ == Site::Needs::kPage) return context_.pages;
-  return needs_ == Site::Needs::kReplay ? context_.replays : context_.recordings;
+  if (route_ == Site::Route::kPage) return context_.pages;
+  return route_ == Site::Route::kReplay ? context_.replays : context_.recordings;
 }
 
 void HttpConnection::haveRead(ReceivedRequest heard) {
   stopWaiting();
   request_ = std::move(heard.request);
   ++context_.traffic.http_requests;
-  needs_ = Site::needsOf(request_);
+  route_ = Site::routeOf(request_);
   if (heard.what != ReceivedRequest::What::kRequest) {
     const int status = heard.what == ReceivedRequest::What::kHasBody ? 413 : 400;
     answer(plainRefusal(status, "malformed_http", "This is not a request that can be answered."));
   } else if (heard.upgrade && request_.path() == "/ws") {
     upgrade();
-  } else if (needs_ != Site::Needs::kNoFile) {
+  } else if (route_ != Site::Route::kNoFile) {
     answerByWorker();
   } else {
     answer(context_.site.answer(request_));
@@ -115,7 +115,7 @@ bool HttpConnection::letWork(const std::shared_ptr<Work>& work, std::function<vo
     return false;
   }
   // A child process with time limits draws reports and opens recordings.
-  const bool works = needs_ == Site::Needs::kReport || needs_ == Site::Needs::kReplay;
+  const bool works = route_ == Site::Route::kReport || route_ == Site::Route::kReplay;
   line_->setAlarm(works ? context_.report_patience : context_.disk_patience,
                   [self = shared_from_this(), work] { self->giveUp(work); });
   return true;

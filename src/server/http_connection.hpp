@@ -66,7 +66,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   std::unique_ptr<HttpLine> line_;
   ConnectionContext& context_;
   HttpRequest request_;
-  Site::Needs needs_ = Site::Needs::kNoFile;
+  Site::Route route_ = Site::Route::kNoFile;
   std::optional<std::list<HttpConnection*>::iterator> place_;  ///< set while it waits for a request
   std::shared_ptr<Work> work_;                                 ///< set while a worker owns it
   std::unique_ptr<FileReader> file_;                           ///< being sent

@@ -49,16 +49,16 @@ class Server::Machinery : public std::enable_shared_from_this<Server::Machinery>
         },
         options_.commissioning, options_.udp);
     if (options_.udp != nullptr) hearDatagrams(*options_.udp);
-    Site::Figures figures;
-    figures.health = [this] {
+    Site::LoopReports loop;
+    loop.health = [this] {
       const LoopHealth p = pulse();
       return std::make_pair(healthy(p), healthJson(p));
     };
-    figures.metrics = [this] {
+    loop.metrics = [this] {
       const auto& more = options_.more_metrics;
       return metricsText(pulse(), traffic_) + (more ? more() : std::string());
     };
-    site_ = std::make_unique<Site>(backend_, options_.web_folder, access, std::move(figures),
+    site_ = std::make_unique<Site>(backend_, options_.web_folder, access, std::move(loop),
                                    options_.replay);
     context_.emplace(
         ConnectionContext{*site_, *clients_, traffic_, log_, pages_, recordings_, replays_,

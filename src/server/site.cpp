@@ -103,22 +103,22 @@ Credentials HttpRequest::credentials() const {
   return {host, origin, query(), authorization, cookie};
 }
 
-Site::Site(ServerBackend& backend, std::string web_folder, Access access, Figures figures,
+Site::Site(ServerBackend& backend, std::string web_folder, Access access, LoopReports loop,
            ReplayService replay)
     : backend_(backend),
       web_folder_(std::move(web_folder)),
       access_(std::move(access)),
-      figures_(std::move(figures)),
+      loop_(std::move(loop)),
       replay_(std::move(replay)) {}
 
-Site::Needs Site::needsOf(const HttpRequest& request) {
+Site::Route Site::routeOf(const HttpRequest& request) {
   // Decodes as answer() does: a differently encoded path needs the same.
   const std::optional<std::string> path = decodedPath(request.path());
-  if (!path || *path == "/healthz" || *path == "/metrics" || *path == "/ws") return Needs::kNoFile;
-  if (!path->starts_with(kRecordings)) return Needs::kPage;
+  if (!path || *path == "/healthz" || *path == "/metrics" || *path == "/ws") return Route::kNoFile;
+  if (!path->starts_with(kRecordings)) return Route::kPage;
   const std::size_t after_name = path->find('/', std::min(path->size(), kRecordings.size() + 1));
-  if (path->find(kReplay) == after_name && after_name != std::string::npos) return Needs::kReplay;
-  return path->find("/report") == std::string::npos ? Needs::kRecording : Needs::kReport;
+  if (path->find(kReplay) == after_name && after_name != std::string::npos) return Route::kReplay;
+  return path->find("/report") == std::string::npos ? Route::kRecording : Route::kReport;
 }
 
 std::string Site::cookieFor(const HttpRequest& request) const {
@@ -173,12 +173,12 @@ Role Site::roleOf(const HttpRequest& request) const {
 
 HttpAnswer Site::route(const HttpRequest& request, const std::string& path) const {
   if (path == "/healthz") {
-    const auto [healthy, json] = figures_.health();
+    const auto [healthy, json] = loop_.health();
     HttpAnswer a = text(json, "application/json");
     a.status = healthy ? 200 : 503;
     return a;
   }
-  if (path == "/metrics") return text(figures_.metrics(), "text/plain; version=0.0.4");
+  if (path == "/metrics") return text(loop_.metrics(), "text/plain; version=0.0.4");
   if (path == "/ws") return refusal(426, "no_upgrade", "For programs", "This is a WebSocket.");
   if (path == kRecordings) return recordingList();
   if (path.starts_with(std::string(kRecordings) + "/")) {

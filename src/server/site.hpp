@@ -36,20 +36,20 @@ struct HttpAnswer {
 /// Routes of plain HTTP: pages, recordings, reports, health and metrics.
 class Site {
  public:
-  /// Data that only the server's thread can read.
-  struct Figures {
+  /// What the loop reports; only the server's thread can ask.
+  struct LoopReports {
     std::function<std::pair<bool, std::string>()> health;  ///< healthy, its JSON
     std::function<std::string()> metrics;
   };
 
   /// @param replay empty: no replay
-  Site(ServerBackend& backend, std::string web_folder, Access access, Figures figures,
+  Site(ServerBackend& backend, std::string web_folder, Access access, LoopReports loop,
        ReplayService replay = {});
 
-  /// What making the answer requires, and so on which thread it is made: the server's thread
-  /// touches no file.
-  enum class Needs { kNoFile, kPage, kRecording, kReport, kReplay };
-  [[nodiscard]] static Needs needsOf(const HttpRequest& request);
+  /// Kind of an answer: which files it needs, and so on which thread it is made: the server's
+  /// thread touches no file.
+  enum class Route { kNoFile, kPage, kRecording, kReport, kReplay };
+  [[nodiscard]] static Route routeOf(const HttpRequest& request);
   /// Makes the answer with all its headers. On the server's thread when it needs no file; on any
   /// other thread when it does, since it waits for the disk.
   [[nodiscard]] HttpAnswer answer(const HttpRequest& request) const;
@@ -73,7 +73,7 @@ class Site {
   ServerBackend& backend_;
   std::string web_folder_;
   Access access_;
-  Figures figures_;
+  LoopReports loop_;
   ReplayService replay_;
 };
 

@@ -104,12 +104,12 @@ UdpEndpoint UdpBridge::local() const noexcept {
   return core_ == nullptr ? UdpEndpoint{} : core_->socket.local();
 }
 
-UdpBridge::Door UdpBridge::admit(Client client) {
+UdpBridge::DatagramAccess UdpBridge::admit(Client client) {
   if (core_ == nullptr) return {};
-  const Door door{core_->socket.local().port, newKey()};
+  const DatagramAccess access{core_->socket.local().port, newKey()};
   const std::lock_guard lock(core_->mutex);
-  core_->host.admit(door.key, client, false);
-  return door;
+  core_->host.admit(access.key, client, false);
+  return access;
 }
 
 bool UdpBridge::awaitsStandalone() const noexcept {

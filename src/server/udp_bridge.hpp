@@ -56,12 +56,12 @@ class UdpBridge {
   void publish(const TickRecord& record);
 
   /// Port and key for a client's datagrams; port 0: none.
-  struct Door {
+  struct DatagramAccess {
     std::uint16_t port = 0;
     std::uint64_t key = 0;
   };
   /// Makes a new key for a client. Any thread, as the functions below.
-  [[nodiscard]] Door admit(Client client);
+  [[nodiscard]] DatagramAccess admit(Client client);
   /// True when a game without a WebSocket is expected.
   [[nodiscard]] bool awaitsStandalone() const noexcept;
   /// Registers that game as a client.

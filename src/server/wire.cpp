@@ -213,10 +213,11 @@ Bytes eventsMessage(std::span<const NumberedEvent> events) {
 }
 
 Bytes welcomeMessage(std::uint32_t client, bool controls, const std::string& program_version,
-                     const UdpAccess& door) {
+                     const UdpAccess& access) {
   Builder b;
   const auto version = b.CreateString(program_version);
-  finish(b, fb::CreateWelcome(b, kSchemaVersion, client, controls, version, door.port, door.key),
+  finish(b,
+         fb::CreateWelcome(b, kSchemaVersion, client, controls, version, access.port, access.key),
          kSchemaVersion);
   return take(b);
 }

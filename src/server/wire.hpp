@@ -62,7 +62,8 @@ struct UdpAccess {
   std::uint64_t key = 0;
 };
 [[nodiscard]] Bytes welcomeMessage(std::uint32_t client, bool controls,
-                                   const std::string& program_version, const UdpAccess& door = {});
+                                   const std::string& program_version,
+                                   const UdpAccess& access = {});
 /// Holder of the controls, as told to one client.
 struct ControlsFacts {
   bool held_by_you = false, held = false;

@@ -87,7 +87,7 @@ std::vector<std::string> goodDatagrams() {
 std::string enterHttp(const std::string& target) {
   HttpRequest request;
   request.target = target;
-  (void)Site::needsOf(request);
+  (void)Site::routeOf(request);
   (void)request.credentials();
   (void)queryValue(request.query(), "token");
   const auto path = decodedPath(request.path());
