@@ -30,7 +30,6 @@ using Json = nlohmann::json;
 /// Version of the data; counts incompatible changes.
 constexpr int kVersion = 1;
 constexpr std::uint64_t kChunksAtOnce = 4, kTicksBetweenProgress = 10'000;
-constexpr std::uint64_t kLong_ticks = 1'500'000;  ///< a state in 1000 ticks
 /// Limits that keep a page below 2 MB: states before packing, and afterwards.
 constexpr std::uint64_t kMostStates = 1'500;
 constexpr std::size_t kMostStates_bytes = 1'500'000, kMostPacked_bytes = 500'000;
@@ -205,13 +204,13 @@ void collect(RecordingReader& reader, RecordingReader* states, std::uint64_t siz
 }
 
 Expected<Json> dataOf(const std::string& recording_path, Detail detail,
-                      const std::function<void(double)>& progress) {
+                      const std::function<void(double)>& progress, std::uint64_t long_from) {
   const auto viewed = openAny(recording_path);
   if (!viewed) return viewed.errors();
   RecordingReader& reader = *viewed->reader;
   // Of a long recording, whole ticks are read only for states. Of a short one, each chunk has some.
   Expected<ViewedRecording> between = ViewedRecording{}, whole = ViewedRecording{};
-  const bool is_long = detail == Detail::kAll && reader.size() >= kLong_ticks &&
+  const bool is_long = detail == Detail::kAll && reader.size() >= long_from &&
                        !BlackBoxReader::isBox(recording_path);
   if (is_long) {
     between = viewRecording(recording_path, kChunksAtOnce, kLeftOutBetweenStates);
@@ -243,7 +242,7 @@ Expected<Json> dataOf(const std::string& recording_path, Detail detail,
 }  // namespace
 
 Expected<Json> reportData(const std::string& recording_path, const std::string& before_path,
-                          const std::function<void(double)>& progress) {
+                          const std::function<void(double)>& progress, std::uint64_t long_from) {
   std::error_code missing;
   if (!before_path.empty() && std::filesystem::equivalent(recording_path, before_path, missing)) {
     return Diagnostic{before_path,
@@ -256,11 +255,11 @@ Expected<Json> reportData(const std::string& recording_path, const std::string& 
   // The previous session first: if it is refused, the long one is not read in vain.
   Json before;
   if (!before_path.empty()) {
-    auto figures = dataOf(before_path, Detail::kFigures, progress);
+    auto figures = dataOf(before_path, Detail::kFigures, progress, long_from);
     if (!figures) return figures.errors();
     before = std::move(*figures);
   }
-  auto data = dataOf(recording_path, Detail::kAll, progress);
+  auto data = dataOf(recording_path, Detail::kAll, progress, long_from);
   if (data && !before_path.empty()) (*data)["before"] = std::move(before);
   return data;
 }

@@ -4,10 +4,14 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include <cstdint>
 #include <functional>
 #include <string>
 
 namespace wholehand {
+
+/// Recordings of at least so many ticks have what only states show read for those states alone.
+inline constexpr std::uint64_t kLongRecording_ticks = 1'500'000;  // a state in 1000 ticks
 
 /// Collects the data of a report page from a recording of any length, or from a black box, in one
 /// pass: description, scene, a few hundred states, the extremes of all series, and statistics.
@@ -15,8 +19,10 @@ namespace wholehand {
 /// web/src/report/report_data.ts reads the result.
 /// @param before_path the previous session, whose figures are shown for comparison; empty: none
 /// @param progress called now and then with the fraction read, 0 to 1
+/// @param long_from ticks of a long recording; the result does not depend on it
 [[nodiscard]] Expected<nlohmann::json> reportData(const std::string& recording_path,
                                                   const std::string& before_path,
-                                                  const std::function<void(double)>& progress = {});
+                                                  const std::function<void(double)>& progress = {},
+                                                  std::uint64_t long_from = kLongRecording_ticks);
 
 }  // namespace wholehand

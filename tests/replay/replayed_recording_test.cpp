@@ -222,6 +222,13 @@ TEST(RecordingReport, EveryStateInIt_IsThatOfTheFile) {
   }
 }
 
+TEST(RecordingReport, LongRecordingReadInTwoWays_GivesTheSamePage) {
+  const Json read_once = orThrow(reportData(bar().path(), ""));
+  const Json read_as_long = orThrow(reportData(bar().path(), "", {}, 0));
+  EXPECT_GE(read_once["states"]["rows"].size(), 500U);
+  EXPECT_TRUE(read_as_long == read_once);
+}
+
 TEST(ReplayedRecording, Scene_IsTheLiveOneButForWhatOnlyAProgramHas) {
   const auto recording = opened(bar().path());
   const ReplayAnswer answer = ask(*recording, "scene");

@@ -61,14 +61,14 @@ void HandRows::addEnds(const HandModel& hand) {
       JointEnd end;
       double scale = 0.0;
       for (int a = 0; a < axes_; ++a) {
-        end.way[a] = side * hand.synergy(link.joint, a);
-        scale = std::max(scale, std::abs(end.way[a]));
+        end.direction[a] = side * hand.synergy(link.joint, a);
+        scale = std::max(scale, std::abs(end.direction[a]));
       }
       if (scale == 0.0) continue;
       const double at_zero = hand.theta0[link.joint];
       end.room = side > 0.0 ? at_zero - link.lower : link.upper - at_zero;
       // Per unit of the axis that moves it most, so that joints of one axis are alike.
-      for (double& way : end.way) way /= scale;
+      for (double& share : end.direction) share /= scale;
       end.room /= scale;
       addEnd(end);
     }
@@ -82,10 +82,10 @@ void HandRows::addBaseEnds(const HandModel& hand) {
     for (int a = 0; a < axes_; ++a) {
       if (hand.synergy(link.joint, a) == 0.0) continue;
       JointEnd end;
-      end.way[a] = 1.0;
+      end.direction[a] = 1.0;
       end.room = kBeyondRange_rad - hand.axis_lower[a];
       addEnd(end);
-      end.way[a] = -1.0;
+      end.direction[a] = -1.0;
       end.room = kBeyondRange_rad + hand.axis_upper[a];
       addEnd(end);
     }
@@ -94,7 +94,7 @@ void HandRows::addBaseEnds(const HandModel& hand) {
 
 void HandRows::addEnd(const JointEnd& end) {
   for (JointEnd& other : ends_) {
-    if (other.way != end.way) continue;
+    if (other.direction != end.direction) continue;
     other.room = std::min(other.room, end.room);
     return;
   }
@@ -119,7 +119,7 @@ void HandRows::beginStep(const ArticulatedBody& at, const AxisPosition& q_s) noe
   for (std::size_t i = 0; i < ends_.size(); ++i) {
     JointEnd& end = ends_[i];
     end.left = end.room;
-    for (int a = 0; a < axes_; ++a) end.left += end.way[a] * q_s[a];
+    for (int a = 0; a < axes_; ++a) end.left += end.direction[a] * q_s[a];
     if (end.left < kNearEnd_rad) {
       near_end_[near_end_count_++] = static_cast<int>(i);
     } else {
@@ -148,7 +148,7 @@ void HandRows::setUp(const ArticulatedBody& at, const AxisMatrix& inverse, const
   leaning_impulse_.fill(0.0);
   for (int i = 0; i < near_end_count_; ++i) {
     JointEnd& end = ends_[near_end_[i]];
-    end.row.jacobian = end.way;
+    end.row.jacobian = end.direction;
     finishRow(end.row, inverse, velocity, goal(end.left, 0.0, step_s));
     end.leaning = -1;
     if (end.kept_impulse <= 0.0 || leaning_count_ == kMaxLeaning) continue;
@@ -166,22 +166,24 @@ void HandRows::lean(const std::array<double, kMaxAxes>& jacobian,
   using Few = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxLeaning, 1>;
   using FewByFew =
       Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxLeaning, kMaxLeaning>;
-  const auto way = [&](int k) { return Eigen::Map<const Axes>(ends_[leaning_[k]].way.data()); };
+  const auto direction = [&](int k) {
+    return Eigen::Map<const Axes>(ends_[leaning_[k]].direction.data());
+  };
   Eigen::Map<Axes> moved(response.data());
   std::array<int, kMaxLeaning> bearing{};
   int count = 0;
   for (int k = 0; k < leaning_count_; ++k) {
-    const double approach = way(k).dot(moved);  // negative: towards the end
+    const double approach = direction(k).dot(moved);  // negative: towards the end
     if (approach < 0.0 || (!one_sided && approach > 0.0)) bearing[count++] = k;
   }
   if (count == 0) return;
   FewByFew mobility(count, count);
   Few approach(count);
   for (int m = 0; m < count; ++m) {
-    approach[m] = way(bearing[m]).dot(moved);
+    approach[m] = direction(bearing[m]).dot(moved);
     for (int n = 0; n < count; ++n) {
       const AxisRow& row = ends_[leaning_[bearing[n]]].row;
-      mobility(m, n) = way(bearing[m]).dot(Eigen::Map<const Axes>(row.response.data()));
+      mobility(m, n) = direction(bearing[m]).dot(Eigen::Map<const Axes>(row.response.data()));
     }
   }
   const Few borne = -mobility.llt().solve(approach);
@@ -304,7 +306,7 @@ AxisEffort HandRows::endImpulse() const noexcept {
   AxisEffort sum(axes_);
   for (int i = 0; i < near_end_count_; ++i) {
     const JointEnd& end = ends_[near_end_[i]];
-    for (int a = 0; a < axes_; ++a) sum[a] += end.way[a] * end.row.impulse;
+    for (int a = 0; a < axes_; ++a) sum[a] += end.direction[a] * end.row.impulse;
   }
   return sum;
 }

@@ -77,9 +77,9 @@ class HandRows {
  private:
   /// A joint's end. Joints driven by one axis alone share its nearest end.
   struct JointEnd {
-    std::array<double, kMaxAxes> way{};  ///< change of the room per unit of each axis
-    double room = 0.0;                   ///< at q_s = 0 [rad]
-    double left = 0.0;                   ///< room at the current q_s; negative beyond the end
+    std::array<double, kMaxAxes> direction{};  ///< room per unit of each axis
+    double room = 0.0;                         ///< at q_s = 0 [rad]
+    double left = 0.0;                         ///< room at the current q_s; negative beyond the end
     double kept_impulse = 0.0;
     int leaning = -1;  ///< index among the leaned-on ends, or −1
     AxisRow row;
