@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 namespace wholehand {
 namespace {
@@ -14,7 +15,8 @@ namespace {
 /// The values of one cell by axis; what the grid does not name has a default.
 class Values {
  public:
-  Values(const SweepGrid& grid, int cell) : grid_(grid), places_(grid.places(cell)) {}
+  Values(const SweepGrid& grid, std::vector<int> places)
+      : grid_(grid), places_(std::move(places)) {}
 
   [[nodiscard]] std::string text(const std::string& axis, const std::string& fallback) const {
     for (std::size_t i = 0; i < places_.size(); ++i) {
@@ -150,7 +152,7 @@ Expected<std::vector<double>> runPlayCell(const SweepGrid& grid, const Values& v
 
 Expected<std::vector<double>> runCell(const SweepGrid& grid, int cell, const FindFile& find,
                                       const std::string& scratch) {
-  const Values values(grid, cell);
+  const Values values(grid, grid.places(cell));
   if (grid.trial == SweepTrial::kContact) return runContactCell(grid, values, find, scratch);
   if (grid.trial == SweepTrial::kPlay) return runPlayCell(grid, values, find);
   return runGraspCell(grid, values, find, scratch);
@@ -158,9 +160,13 @@ Expected<std::vector<double>> runCell(const SweepGrid& grid, int cell, const Fin
 
 std::vector<std::string> filesOf(const SweepGrid& grid, const FindFile& find) {
   std::vector<std::string> files;
-  for (int cell = 0; cell < grid.cells(); ++cell) {
-    for (const std::string& file : filesFor(grid, Values(grid, cell), find).all()) {
-      if (!file.empty()) files.push_back(file);
+  // A file depends on one axis (the gains on the device's), so each axis is varied alone.
+  for (std::size_t axis = 0; axis < grid.axes.size(); ++axis) {
+    std::vector<int> places(grid.axes.size(), 0);
+    for (places[axis] = 0; places[axis] < grid.axes[axis].size(); ++places[axis]) {
+      for (const std::string& file : filesFor(grid, Values(grid, places), find).all()) {
+        if (!file.empty()) files.push_back(file);
+      }
     }
   }
   std::sort(files.begin(), files.end());
