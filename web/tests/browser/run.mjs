@@ -40,7 +40,7 @@ const DRAWING_MS = 140;
 // Share of the processor that is in use before a page opens, above which others use this machine too.
 const BUSY = 0.5;
 // A game that draws 28 frames a second alone draws 12 of them beside a console with its picture.
-const BESIDE_RATIO = 0.5;
+const BESIDE_RATIO = 0.47;
 const LOOK_MS = 3000;
 const IDLE_WITHIN_S = 15;
 
