@@ -20,6 +20,6 @@ int sweepCommand(const SweepOptions& options);
 
 /// "80 cells (2 patient × 40 stiffness)". Refused: a faulty grid, and one whose cells read a file
 /// that is missing.
-[[nodiscard]] Expected<std::string> summarizeSweep(const std::string& grid);
+[[nodiscard]] Expected<std::string> summarizeSweep(const std::string& path);
 
 }  // namespace wholehand

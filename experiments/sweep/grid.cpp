@@ -23,7 +23,7 @@ struct TrialRule {
 };
 
 const std::vector<TrialRule>& trialRules() {
-  static const std::vector<TrialRule> rules = {
+  static const std::vector<TrialRule> kRules = {
       {"grasp",
        {"held", "faulted", "slip_m", "carry_shift_m", "rotation_rad", "noise_n", "grip_n",
         "tip_force_max_n", "felt_error", "coupling_error_rad"}},
@@ -31,7 +31,7 @@ const std::vector<TrialRule>& trialRules() {
        {"stable", "certified", "refuted", "margin", "noise_n", "penetration_m", "faulted"}},
       {"play",
        {"completed", "ended", "faulted", "score", "spilt_l", "amount_error_max_l", "time_s"}}};
-  return rules;
+  return kRules;
 }
 
 /// What the values of an axis may be.
@@ -47,7 +47,7 @@ struct AxisRule {
 const std::vector<AxisRule>& axisRules() {
   using enum SweepTrial;
   const std::vector<SweepTrial> all = {kGrasp, kContact, kPlay}, touching = {kGrasp, kContact};
-  static const std::vector<AxisRule> rules = {
+  static const std::vector<AxisRule> kRules = {
       {"hand", all, true},
       {"device", all, true},
       {"rendering", all, true},
@@ -67,7 +67,7 @@ const std::vector<AxisRule>& axisRules() {
       {"device_damping", touching, false, {}, between(0.0, 1000.0)},
       {"delay_ticks", touching, false, {}, between(0, 8), true},
       {"rate_hz", touching, false, {}, between(500.0, 16000.0, "Hz")}};
-  return rules;
+  return kRules;
 }
 
 bool fits(const AxisRule& rule, SweepTrial trial) {

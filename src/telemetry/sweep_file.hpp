@@ -25,7 +25,7 @@ struct SweepFile {
 };
 
 /// Writes the file under a temporary name and renames it. Not for the tick.
-[[nodiscard]] Expected<Done> writeSweepFile(const SweepFile& file, const std::string& path);
+[[nodiscard]] Expected<Done> writeSweepFile(const SweepFile& sweep, const std::string& path);
 
 /// Digest of an existing sweep file. Refused: a file that is none.
 [[nodiscard]] Expected<std::string> readSweepDigest(const std::string& path);
