@@ -12,7 +12,7 @@ async function open(browser, path, hash = '?lang=en&theme=dark') {
   const asked = [];
   page.on('request', (request) => { if (!/^(data|blob):/.test(request.url())) asked.push(request.url()); });
   await page.goto(`${pathToFileURL(path).href}${hash}`, { waitUntil: 'commit', timeout: PATIENT_MS });
-  await until('the page is shown', () => page.evaluate(() => document.body.dataset.state === 'shown'), { within_ms: PATIENT_MS });
+  await until('the page is shown', () => page.evaluate(() => document.body?.dataset.state === 'shown'), { within_ms: PATIENT_MS });
   return { page, asked };
 }
 

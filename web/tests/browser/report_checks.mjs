@@ -23,7 +23,7 @@ async function open(browser, path, state = 'shown', hash = '') {
   const asked = [];
   page.on('request', (request) => { if (!/^(data|blob):/.test(request.url())) asked.push(request.url()); });
   await page.goto(address(path, hash), { waitUntil: 'commit', timeout: PATIENT_MS });
-  await until(`the page is ${state}`, () => page.evaluate((wanted) => document.body.dataset.state === wanted, state), { within_ms: PATIENT_MS });
+  await until(`the page is ${state}`, () => page.evaluate((wanted) => document.body?.dataset.state === wanted, state), { within_ms: PATIENT_MS });
   return { page, asked };
 }
 
