@@ -27,6 +27,12 @@ std::string GraspTrial::name() const {
   return grasp + " " + shape + (gravity ? " under gravity" : " floating");
 }
 
+std::string GraspTrial::stem() const {
+  std::string stem = name();
+  std::replace(stem.begin(), stem.end(), ' ', '-');
+  return stem;
+}
+
 std::vector<GraspTrial> tunedTrials() {
   const std::vector<GraspTrial> floating = {
       posture("cube", "power", {49, 7, -40}, 75, 20, 152, 75),
@@ -64,23 +70,25 @@ std::vector<GraspTrial> jitteredTrials(int count, std::uint64_t seed) {
   return trials;
 }
 
-Expected<GraspResult> runGrasp(const GraspTrial& trial, const ModelFiles& files,
-                               const GraspPlan& plan) {
-  // The scene becomes a file first: what is recorded is then all that is needed to run it again.
-  auto models = loadModels(files);
+Expected<Models> loadTrial(const GraspTrial& trial, ModelFiles files, const TrialSetup& setup) {
+  auto models = loadModels(files);  // the scene depends on the hand
   if (!models) return models.errors();
-  ModelFiles with_scene = files;
-  std::string stem = trial.name();
-  std::replace(stem.begin(), stem.end(), ' ', '-');
-  with_scene.scene = plan.folder + "/" + stem + ".toml";
-  if (auto written = writeText(with_scene.scene, graspScene(trial, *models)); !written) {
+  files.scene = setup.folder + "/" + trial.stem() + ".toml";
+  if (auto written = writeText(files.scene, graspScene(trial, *models)); !written) {
     return written.errors();
   }
-  models = loadModels(with_scene);
+  models = loadModels(files);
+  if (models && setup.adjust) setup.adjust(*models);
+  return models;
+}
+
+Expected<GraspResult> runGrasp(const GraspTrial& trial, const ModelFiles& files,
+                               const GraspPlan& plan) {
+  const TrialSetup& setup = plan.setup;
+  auto models = loadTrial(trial, files, setup);
   if (!models) return models.errors();
-  if (plan.adjust) plan.adjust(*models);
   Intention intention = graspIntention(trial, *models);
-  auto rig = buildRig(std::move(*models), std::move(intention), plan.rig);
+  auto rig = buildRig(std::move(*models), std::move(intention), setup.rig);
   if (!rig) return rig.errors();
   if (auto armed = (*rig)->renderer->arm(); !armed) return armed.errors();
 
@@ -89,10 +97,10 @@ Expected<GraspResult> runGrasp(const GraspTrial& trial, const ModelFiles& files,
   const double end_s = grasp_times::kHoldBegins + plan.hold_s;
   RunPlan run;
   run.title = "Grasping: " + trial.name();
-  run.duration_ticks = static_cast<std::uint64_t>(std::llround(end_s / plan.rig.period_s));
+  run.duration_ticks = static_cast<std::uint64_t>(std::llround(end_s / setup.rig.period_s));
   run.simulated_clock = true;
   run.interrupts = &InterruptScope::shared();
-  if (plan.record) run.record = plan.folder + "/" + stem + ".h5";
+  if (plan.record) run.record = setup.folder + "/" + trial.stem() + ".h5";
   run.sinks.emplace_back([&](const TickRecord& record) {
     observer(record);
     if (record.time_s < end_s) last = record;

@@ -26,6 +26,8 @@ struct GraspTrial {
   double size = 1.0;                                         ///< factor on the object's lengths
 
   [[nodiscard]] std::string name() const;
+  /// The name without spaces: of the trial's files.
+  [[nodiscard]] std::string stem() const;
 };
 
 /// Result of one grasp.
@@ -60,12 +62,22 @@ struct GraspResult {
 /// deterministic for a seed.
 [[nodiscard]] std::vector<GraspTrial> jitteredTrials(int count, std::uint64_t seed);
 
-struct GraspPlan {
+/// With what a trial is run.
+struct TrialSetup {
   std::string folder;  ///< for the scene file, and the recording if requested
-  bool record = false;
-  double hold_s = 10.0;
   RigOptions rig;
   std::function<void(Models& models)> adjust = {};  ///< changes the models before the rig is built
+};
+
+/// Writes the trial's scene into the folder and loads the models with it, adjusted: what is
+/// recorded is then all that is needed to run the trial again.
+[[nodiscard]] Expected<Models> loadTrial(const GraspTrial& trial, ModelFiles files,
+                                         const TrialSetup& setup);
+
+struct GraspPlan {
+  TrialSetup setup;
+  bool record = false;
+  double hold_s = 10.0;
 };
 
 /// Runs a trial through device, patient and renderer on the simulated clock: approach, close, carry

@@ -138,8 +138,8 @@ Sweep runAll(const std::vector<GraspTrial>& trials, const ExperimentOptions& opt
   Sweep sweep;
   for (const GraspTrial& trial : trials) {
     GraspPlan plan;
-    plan.folder = options.folder;
-    plan.rig.engine = options.engine;
+    plan.setup.folder = options.folder;
+    plan.setup.rig.engine = options.engine;
     plan.record = keep_recordings;
     auto result = runGrasp(trial, shippedModels(), plan);
     if (!result) {

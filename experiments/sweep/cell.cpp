@@ -70,6 +70,11 @@ void adjust(Models& models, const Values& values) {
       static_cast<int>(values.number("delay_ticks", models.device.output_delay_ticks));
 }
 
+/// @pre `values` outlives it
+TrialSetup setupFor(const Values& values, const std::string& scratch) {
+  return {scratch, rigFor(values), [&values](Models& models) { adjust(models, values); }};
+}
+
 Expected<GraspTrial> graspFor(const Values& values) {
   const std::string object = values.text("object", "cylinder");
   const std::string posture = values.text("posture", "power");
@@ -107,10 +112,8 @@ Expected<std::vector<double>> runGraspCell(const SweepGrid& grid, const Values& 
   auto trial = graspFor(values);
   if (!trial) return trial.errors();
   GraspPlan plan;
-  plan.folder = scratch;
+  plan.setup = setupFor(values, scratch);
   plan.hold_s = grid.hold_s;
-  plan.rig = rigFor(values);
-  plan.adjust = [&values](Models& models) { adjust(models, values); };
   auto r = runGrasp(*trial, filesFor(grid, values, find), plan);
   if (!r) return r.errors();
   return std::vector<double>{oneIf(!r->dropped),   oneIf(r->faulted),  r->slip_m,
@@ -123,11 +126,7 @@ Expected<std::vector<double>> runContactCell(const SweepGrid& grid, const Values
                                              const FindFile& find, const std::string& scratch) {
   auto trial = graspFor(values);
   if (!trial) return trial.errors();
-  ContactPlan plan;
-  plan.folder = scratch;
-  plan.rig = rigFor(values);
-  plan.adjust = [&values](Models& models) { adjust(models, values); };
-  auto r = runContact(*trial, filesFor(grid, values, find), plan);
+  auto r = runContact(*trial, filesFor(grid, values, find), setupFor(values, scratch));
   if (!r) return r.errors();
   return std::vector<double>{
       oneIf(r->stable), oneIf(r->certified), oneIf(r->certified && !r->stable),

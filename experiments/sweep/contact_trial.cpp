@@ -1,7 +1,6 @@
 #include "experiments/sweep/contact_trial.hpp"
 
 #include "assembly/sampled_inertia.hpp"
-#include "assembly/text_file.hpp"
 #include "control/certificate/certificate.hpp"
 #include "experiments/felt_noise.hpp"
 #include "experiments/grasp_script.hpp"
@@ -16,21 +15,10 @@ namespace {
 
 constexpr double kRests_s = 3.0;  // from here on the closed hand, which closed at 2.8 s, is at rest
 
-Expected<Models> fixedObject(const GraspTrial& trial, ModelFiles files, const ContactPlan& plan) {
-  auto models = loadModels(files);
-  if (!models) return models.errors();
-  files.scene = plan.folder + "/contact.toml";
-  if (auto written = writeText(files.scene, graspScene(trial, *models)); !written) {
-    return written.errors();
-  }
-  models = loadModels(files);
-  if (!models) return models.errors();
-  SceneBody& object = models->scene.bodies.front();
+void fixInPlace(SceneBody& object) {
   object.fixed = true;
   object.mass_kg = 0.0;
   object.inertia_kg_m2.setZero();
-  if (plan.adjust) plan.adjust(*models);
-  return models;
 }
 
 double deepest(const TickRecord& r) {
@@ -44,12 +32,13 @@ double deepest(const TickRecord& r) {
 }  // namespace
 
 Expected<ContactResult> runContact(const GraspTrial& trial, const ModelFiles& files,
-                                   const ContactPlan& plan) {
-  auto models = fixedObject(trial, files, plan);
+                                   const TrialSetup& setup) {
+  auto models = loadTrial(trial, files, setup);
   if (!models) return models.errors();
-  const Certificate certificate = certify(certificateInput(*models, plan.rig.period_s));
+  fixInPlace(models->scene.bodies.front());
+  const Certificate certificate = certify(certificateInput(*models, setup.rig.period_s));
   Intention intention = graspIntention(trial, *models);
-  auto rig = buildRig(std::move(*models), std::move(intention), plan.rig);
+  auto rig = buildRig(std::move(*models), std::move(intention), setup.rig);
   if (!rig) return rig.errors();
   HapticRenderer& renderer = *(*rig)->renderer;
   if (auto armed = renderer.arm(); !armed) return armed.errors();
@@ -60,10 +49,10 @@ Expected<ContactResult> runContact(const GraspTrial& trial, const ModelFiles& fi
   FeltNoise noise((*rig)->models.device);
   const auto record = std::make_unique<TickRecord>();
   const auto ticks =
-      static_cast<std::uint64_t>(std::llround(grasp_times::kLiftBegins / plan.rig.period_s));
+      static_cast<std::uint64_t>(std::llround(grasp_times::kLiftBegins / setup.rig.period_s));
   for (std::uint64_t k = 0; k < ticks; ++k) {
     record->tick = k;
-    record->time_s = static_cast<double>(k) * plan.rig.period_s;
+    record->time_s = static_cast<double>(k) * setup.rig.period_s;
     renderer.tick(1, *record);
     result.penetration_m = std::max(result.penetration_m, deepest(*record));
     if (record->time_s >= kRests_s) noise.add(*record);

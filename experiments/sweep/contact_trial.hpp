@@ -1,21 +1,11 @@
 #pragma once
 
-#include "assembly/rig.hpp"
 #include "core/expected.hpp"
 #include "experiments/grasp_trial.hpp"
 
-#include <functional>
-#include <string>
-
 namespace wholehand {
 
-/// A hand that closes on a fixed object and presses until 3.3 s.
-struct ContactPlan {
-  std::string folder;  ///< for the scene file
-  RigOptions rig;
-  std::function<void(Models& models)> adjust;  ///< changes the models before the rig is built
-};
-
+/// What a hand did that closes on a fixed object and presses until 3.3 s.
 struct ContactResult {
   /// No fault, and what is felt came to rest: noise of at most kRests_n over the last 0.3 s.
   bool stable = false;
@@ -31,6 +21,6 @@ struct ContactResult {
 
 /// Runs a contact on the simulated clock.
 [[nodiscard]] Expected<ContactResult> runContact(const GraspTrial& trial, const ModelFiles& files,
-                                                 const ContactPlan& plan);
+                                                 const TrialSetup& setup);
 
 }  // namespace wholehand

@@ -52,8 +52,8 @@ TEST(Grasping, FaultThatStopsATrial_IsTold) {
   files.hand = singularHand(folder.string());
   files.rendering = gainsWithoutArmature(folder.string());
   GraspPlan plan;
-  plan.folder = folder.string();
-  plan.rig.uncertified = true;
+  plan.setup.folder = folder.string();
+  plan.setup.rig.uncertified = true;
   plan.hold_s = 0.1;
   const auto result = runGrasp(tunedTrials().front(), files, plan);
   fs::remove_all(folder);

@@ -28,7 +28,7 @@ std::string folder() {
 
 GraspResult grasp(const GraspTrial& trial) {
   GraspPlan plan;
-  plan.folder = folder();
+  plan.setup.folder = folder();
   return orThrow(runGrasp(trial, shippedFiles(), plan));
 }
 

@@ -26,9 +26,9 @@ TEST_P(Rates, CylinderGraspedInGravity_IsHeldAndFeltAsItActs) {
       fs::temp_directory_path() / ("wholehand-rates-" + std::to_string(::getpid()));
   fs::create_directories(folder);
   GraspPlan plan;
-  plan.folder = folder.string();
+  plan.setup.folder = folder.string();
   plan.hold_s = 10.0;
-  plan.rig.period_s = 1.0 / GetParam();
+  plan.setup.rig.period_s = 1.0 / GetParam();
   const GraspResult r = orThrow(runGrasp(cylinderInGravity(), shippedFiles(), plan));
   fs::remove_all(folder);
   figure("slip over a hold of 10 s", r.slip_m * 1e3, "mm");

@@ -167,9 +167,9 @@ TEST_P(Grasp, OfEveryTunedTrial_HoldsItsObject) {
   int held = 0;
   for (const GraspTrial& trial : tunedTrials()) {
     GraspPlan plan;
-    plan.folder = testing::TempDir();
+    plan.setup.folder = testing::TempDir();
     plan.hold_s = 2.0;
-    plan.rig = with(GetParam());
+    plan.setup.rig = with(GetParam());
     const GraspResult r = orThrow(runGrasp(trial, shippedFiles(), plan));
     coupling_rad = std::max(coupling_rad, r.coupling_error_rad);
     if (r.dropped) std::printf("dropped: %s\n", trial.name().c_str());

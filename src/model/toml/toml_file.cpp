@@ -78,9 +78,11 @@ std::optional<std::string> readText(const std::string& path, Diagnostic& fault) 
     return std::nullopt;
   }
   std::string text;
-  for (std::istreambuf_iterator<char> c(stream), end; c != end && text.size() <= kLargestFile_bytes;
-       ++c) {
-    text += *c;  // the size of a pipe is unknown
+  std::array<char, 16384> block;
+  while (text.size() <= kLargestFile_bytes) {  // the size of a pipe is unknown
+    stream.read(block.data(), block.size());
+    if (stream.gcount() == 0) break;
+    text.append(block.data(), static_cast<std::size_t>(stream.gcount()));
   }
   if (text.size() > kLargestFile_bytes) {
     fault.problem = "is larger than 4 MB";
