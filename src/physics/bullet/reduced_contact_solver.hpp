@@ -104,22 +104,25 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
                  bool one_sided = false) const;
   void warmStart(HandContact& contact);
   template <int Width>
-  void press(HandContact& contact, btSolverBody& body, double wanted);
+  [[gnu::always_inline]] inline void press(HandContact& contact, btSolverBody& body, double wanted);
   void listNear();
   double iterateNear();
   static constexpr int kNarrow = 8;  // axes that most devices do not exceed
   // The inner loop. Width is a compile-time multiple of the SIMD width and at least the number of
   // axes; elements beyond the axes are zero.
   template <int Width>
-  void iterate();
+  [[gnu::always_inline]] inline void iterate();
+  void iterateNarrow();
+  void iterateWide();
   template <int Width>
   void respond(ReducedRow& row) const;
   template <int Width>
-  [[nodiscard]] double wanted(const ReducedRow& row, const btSolverBody& body) const;
+  [[gnu::always_inline, nodiscard]] inline double wanted(const ReducedRow& row,
+                                                         const btSolverBody& body) const;
   template <int Width>
-  void apply(ReducedRow& row, btSolverBody& body, double impulse);
+  [[gnu::always_inline]] inline void apply(ReducedRow& row, btSolverBody& body, double impulse);
   template <int Width>
-  void solveFriction(HandContact& contact);
+  [[gnu::always_inline]] inline void solveFriction(HandContact& contact);
 
   const int axes_;
   const SolverSettings settings_;

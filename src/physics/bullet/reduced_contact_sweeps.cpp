@@ -1,5 +1,6 @@
-#include "physics/bullet/bullet_types.hpp"
+#include "core/vector_clones.hpp"
 #include "physics/bullet/reduced_contact_solver.hpp"
+#include "physics/bullet/row_arithmetic.hpp"
 
 #include <BulletDynamics/Dynamics/btRigidBody.h>
 
@@ -14,31 +15,17 @@ namespace {
 
 constexpr double kNoLimit = 1e30;
 
-// Four numbers at once. A vector of Bullet has a fourth, which is zero.
+// A vector of Bullet has a fourth number, which is zero.
 static_assert(kMaxLeaning == 4 && kMaxAxes % 4 == 0 && sizeof(btVector3) == 4 * sizeof(double));
-Eigen::Map<Eigen::Vector4d> four(double* first) {
-  return Eigen::Map<Eigen::Vector4d>(first);
-}
-Eigen::Map<const Eigen::Vector4d> four(const double* first) {
-  return Eigen::Map<const Eigen::Vector4d>(first);
-}
-Eigen::Map<Eigen::Vector4d> four(btVector3& v) {
-  return four(v.m_floats);
-}
-Eigen::Map<const Eigen::Vector4d> four(const btVector3& v) {
-  return four(v.m_floats);
-}
 
 }  // namespace
 
 template <int Width>
 double ReducedContactSolver::wanted(const ReducedRow& row, const btSolverBody& body) const {
-  Eigen::Vector4d velocity = four(row.linear).cwiseProduct(four(body.m_deltaLinearVelocity)) +
-                             four(row.angular).cwiseProduct(four(body.m_deltaAngularVelocity));
-  for (int a = 0; a < Width; a += 4) {
-    velocity += four(&row.jacobian[a]).cwiseProduct(four(&change_[a]));
-  }
-  return row.impulse + row.target - velocity.sum() * row.effective_mass;
+  const double velocity = alongRow<Width>(row.jacobian.data(), change_.data(), row.linear.m_floats,
+                                          body.m_deltaLinearVelocity.m_floats, row.angular.m_floats,
+                                          body.m_deltaAngularVelocity.m_floats);
+  return row.impulse + row.target - velocity * row.effective_mass;
 }
 
 template <int Width>
@@ -47,10 +34,10 @@ void ReducedContactSolver::apply(ReducedRow& row, btSolverBody& body, double imp
   if (row.effective_mass == 0.0 || change == 0.0) return;
   row.impulse = impulse;
   residual_ = std::max(residual_, change * change);
-  four(body.m_deltaLinearVelocity) += change * four(row.linear_response);
-  four(body.m_deltaAngularVelocity) += change * four(row.angular_response);
-  for (int a = 0; a < Width; a += 4) four(&change_[a]) += change * four(&row.response[a]);
-  if (leans_) four(rows_.leaningImpulse().data()) += change * four(row.lean.data());
+  addScaled<4>(body.m_deltaLinearVelocity.m_floats, change, row.linear_response.m_floats);
+  addScaled<4>(body.m_deltaAngularVelocity.m_floats, change, row.angular_response.m_floats);
+  addScaled<Width>(change_.data(), change, row.response.data());
+  if (leans_) addScaled<4>(rows_.leaningImpulse().data(), change, row.lean.data());
 }
 
 // Sets the normal impulse, within the bound of its body.
@@ -117,6 +104,13 @@ void ReducedContactSolver::iterate() {
   residual_ = std::max(residual_, rows_.iterate<Width>(change_.data()));
 }
 
+WHOLEHAND_VECTOR_CLONES void ReducedContactSolver::iterateNarrow() {
+  iterate<kNarrow>();
+}
+WHOLEHAND_VECTOR_CLONES void ReducedContactSolver::iterateWide() {
+  iterate<kMaxAxes>();
+}
+
 void ReducedContactSolver::listNear() {
   touched_.assign(static_cast<std::size_t>(m_tmpSolverBodyPool.size()), false);
   for (int i = 0; i < contact_count_; ++i) {
@@ -175,9 +169,9 @@ btScalar ReducedContactSolver::solveSingleIteration(
   }
   residual_ = 0.0;
   if (axes_ <= kNarrow) {
-    iterate<kNarrow>();
+    iterateNarrow();
   } else {
-    iterate<kMaxAxes>();
+    iterateWide();
   }
   // With 0 the base class would stop after its first iteration.
   return std::max(others, residual_);
