@@ -55,7 +55,7 @@ export class ExercisePanel {
       const high = this.figures.get(state, String(told.goalUpper ?? ''), NaN);
       const banded = !done && Number.isFinite(low) && Number.isFinite(high);
       const number = (value * told.factor).toFixed(told.decimals);
-      const unit = String(told.unit ?? '');
+      const unit = told.unit === '1' ? '' : String(told.unit ?? ''); // "1": a count or a ratio
       return {
         name: String(told.name), label: inLanguage(told.label), number, unit, shown: unit ? `${number} ${unit}` : number,
         share: share(value), goal: banded ? { low: share(low), high: share(high) } : null,

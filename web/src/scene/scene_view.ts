@@ -19,6 +19,7 @@ import { disposeTree } from './materials';
 import { GameBodiesView } from './game_bodies_view';
 import { makeBody } from './plain_bodies';
 import type { FrameStats, Quality } from './quality';
+import { outlineOfScene } from './outline';
 import { makeStage, ROOM, type Stage } from './stage';
 
 export interface SceneViewOptions {
@@ -102,7 +103,8 @@ export class SceneView {
 
   setState(state: WorldStateT): void {
     const start = performance.now();
-    const first = this.state === undefined;
+    // A program that is not armed yet tells no links.
+    const first = this.state === undefined || (this.poses.length === 0 && state.links.length > 0);
     this.state = state;
     this.fresh = true;
     this.poses = linkPoses(state.links, this.poses) as Float64Array<ArrayBuffer>;
@@ -213,7 +215,10 @@ export class SceneView {
     this.clear();
     this.renderer.toneMapping = this.quality === 'high' ? NeutralToneMapping : NoToneMapping;
     this.exercise = this.told && viewOf(this.told, this.quality);
-    this.stage = makeStage(this.renderer, this.scene, this.quality, this.told ? this.exercise?.rail_m : EMPTY_RAIL_M);
+    // Where no exercise draws the scene, nothing stands there but what can be touched.
+    const counter = !this.told || this.exercise !== undefined;
+    this.canvas.classList.toggle('whole', !counter);   // its edges are not cut off (console.css)
+    this.stage = makeStage(this.renderer, this.scene, this.quality, { counter, rail_m: this.told ? this.exercise?.rail_m : EMPTY_RAIL_M });
     if (this.quality === 'low') this.scene.add((this.backdrop = new Backdrop()).mesh);
     if (this.exercise) this.scene.add(this.exercise.root);
     this.bodies = this.told?.bodies.map((body) => {
@@ -237,7 +242,7 @@ export class SceneView {
   private placeRow(): void {
     const placed = this.exercise?.placement(this.state);
     this.place = placed?.place ?? { ...DEFAULT_PLACE, right: this.told?.rightHand ?? true };
-    this.outline = placed?.outline ?? [];
+    this.outline = placed?.outline ?? (this.told ? outlineOfScene(this.told, this.state) : []);
     this.stage?.place(this.place.counter_y, this.place.row_z, turnOf(this.place.right));
     this.resize();
   }

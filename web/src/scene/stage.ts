@@ -153,8 +153,8 @@ function rail(quality: Quality, height: number): Mesh {
   return mesh;
 }
 
-/** @param railHeight of its underside over the counter [m]; undefined: no rail */
-export function makeStage(renderer: WebGLRenderer, scene: Scene, quality: Quality, railHeight: number | undefined): Stage {
+/** @param furniture a counter or not; the height of the rail's underside over its top [m], undefined: no rail */
+export function makeStage(renderer: WebGLRenderer, scene: Scene, quality: Quality, furniture: { counter: boolean; rail_m: number | undefined }): Stage {
   const room = new Group(), railing = new Group(), light = new Group(), all = [room, railing, light];
   scene.background = new Color(ROOM);
   renderer.shadowMap.enabled = quality === 'high';
@@ -167,8 +167,11 @@ export function makeStage(renderer: WebGLRenderer, scene: Scene, quality: Qualit
     scene.environmentIntensity = 0.62;
     target = highLights(light);
   } else lowLights(light);
-  room.add(quality === 'high' ? flutedWall() : paintedWall(), counter(quality));
-  if (railHeight !== undefined) railing.add(rail(quality, railHeight));
+  const wall = quality === 'high' ? flutedWall() : paintedWall();
+  room.add(wall);
+  if (furniture.counter) room.add(counter(quality));
+  else wall.position.y -= HEIGHT / 2;   // it goes on below
+  if (furniture.rail_m !== undefined) railing.add(rail(quality, furniture.rail_m));
   scene.add(...all);
   return {
     room, rail: railing, light, target,
