@@ -46,6 +46,9 @@ if(PROJECT_IS_TOP_LEVEL)  # a project that has us inside it chooses its own warn
     -Woverloaded-virtual -Wdouble-promotion)
 endif()
 target_compile_options(wholehand_options INTERFACE
+  # The Python module is a shared library made of the same objects as the program. Nothing replaces
+  # their functions at run time, so calls between them stay direct and inline.
+  -fPIC -fno-semantic-interposition
   # No fused multiply-add: the same inputs give the same bits whatever the compiler chooses to fuse.
   -ffp-contract=off)
 target_link_libraries(wholehand_options INTERFACE Threads::Threads)
