@@ -1,5 +1,6 @@
 """wholehand.rig: the renderer inside Python. Same bits as the program, honest errors, arrays without copies."""
-import pathlib
+import os
+import re
 import subprocess
 import sys
 import threading
@@ -10,6 +11,7 @@ import numpy
 from app import BINARY, CONFIG, MOTION, SOURCE, AppTest
 
 import wholehand
+from wholehand.environment import ReachEnvironment, Reaching
 from wholehand.rig import BadInput, Rig, RunEnded, VectorRig
 
 sys.path.insert(0, str(SOURCE / "bench"))
@@ -248,6 +250,123 @@ class Vectors(unittest.TestCase):
         for bad in ({"n": 0}, {"n": 2, "threads": 0}):
             with self.assertRaisesRegex(ValueError, "= 0: must be at least 1"):
                 VectorRig(**bad)
+
+
+def played(environment, seed, draws_seed=5):
+    """All that an episode of random actions says, as numbers."""
+    draws = numpy.random.default_rng(draws_seed)
+    observation, info = environment.reset(seed=seed)
+    said = [*observation, *info["target_m"]]
+    over = False
+    while not over:
+        observation, reward, terminated, truncated, info = environment.step(draws.uniform(-1, 1, 3))
+        said += [*observation, reward, terminated, truncated, info["distance_m"]]
+        over = terminated or truncated
+    return numpy.array(said)
+
+
+class Environment(unittest.TestCase):
+    """The rules of gymnasium's API (gymnasium.utils.env_checker), held without gymnasium."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.environment = ReachEnvironment()
+
+    def test_observations_and_actions_are_in_their_spaces(self):
+        environment = self.environment
+        for space, shape in ((environment.action_space, (3,)), (environment.observation_space, (9,))):
+            self.assertEqual((space.shape, space.low.shape, space.high.shape), (shape,) * 3)
+            space.seed(3)
+            first = space.sample()
+            space.seed(3)
+            self.assertEqual(first.tobytes(), space.sample().tobytes())
+            self.assertTrue(space.contains(first))
+            self.assertEqual(first.dtype, space.dtype)
+        self.assertFalse(environment.action_space.contains(numpy.array([0.0, 0.0, 1.1])))
+        self.assertFalse(environment.action_space.contains(numpy.zeros(2)))
+        observation, info = environment.reset(seed=1)
+        self.assertTrue(environment.observation_space.contains(observation))
+        self.assertIsInstance(info, dict)
+        for _ in range(5):
+            result = environment.step(environment.action_space.sample())
+            self.assertEqual(len(result), 5)
+            observation, reward, terminated, truncated, info = result
+            self.assertTrue(environment.observation_space.contains(observation))
+            self.assertEqual([type(x) for x in (reward, terminated, truncated, info)], [float, bool, bool, dict])
+        self.assertIs(environment.unwrapped, environment)
+
+    def test_a_seed_gives_the_same_bits_and_another_one_does_not(self):
+        one = played(self.environment, seed=11)
+        self.assertEqual(one.tobytes(), played(self.environment, seed=11).tobytes())
+        self.assertEqual(one.tobytes(), played(ReachEnvironment(), seed=11).tobytes())
+        self.assertNotEqual(one[9:12].tolist(), played(self.environment, seed=12)[9:12].tolist())
+        targets = []
+        for seed in (7, None, None, 7, None):  # without a seed the draws go on
+            targets.append(self.environment.reset(seed=seed)[1]["target_m"].tolist())
+        self.assertEqual(targets[0], targets[3])
+        self.assertEqual(targets[1], targets[4])
+        self.assertEqual(len({tuple(target) for target in targets[:3]}), 3)
+
+    def test_who_stands_still_is_truncated_after_two_seconds(self):
+        environment = self.environment
+        environment.reset(seed=1)
+        self.assertGreater(environment._info()["distance_m"], 0.02)
+        for step in range(1, 101):
+            _, reward, terminated, truncated, info = environment.step(numpy.zeros(3))
+            self.assertEqual((terminated, truncated), (False, step == 100))
+        self.assertAlmostEqual(environment.rig.time_s + 1e-3, 2.0)
+        self.assertAlmostEqual(reward, -10.0 * info["distance_m"])
+        with self.assertRaisesRegex(RuntimeError, r"call reset\(\) first"):
+            environment.step(numpy.zeros(3))
+
+    def test_who_goes_to_the_target_arrives_and_it_is_over(self):
+        for seed in range(5):
+            environment = self.environment
+            observation, info = environment.reset(seed=seed)
+            terminated = truncated = False
+            while not (terminated or truncated):  # aims at the target: observation 3 to 5 is the way of the aim, in 0.1 m
+                action = numpy.clip(0.1 * observation[3:6] / Reaching.MOST_M, -1.0, 1.0)
+                observation, reward, terminated, truncated, info = environment.step(action)
+            self.assertEqual((terminated, truncated, info["reached"], reward), (True, False, True, 0.0))
+            self.assertLess(info["distance_m"], Reaching.NEAR_M)
+
+    def test_bad_actions_and_devices_are_named(self):
+        environment = ReachEnvironment()
+        with self.assertRaisesRegex(RuntimeError, r"call reset\(\) first"):
+            environment.step(numpy.zeros(3))
+        environment.reset(seed=0)
+        for bad in ([0.0, 0.0], [0.0, 0.0, numpy.nan]):
+            with self.assertRaisesRegex(ValueError, "action = .*must be 3 finite numbers"):
+                environment.step(bad)
+        self.assertEqual(ReachEnvironment(Rig("desktop-3axis", scene="empty")).reset(seed=2)[0].shape, (9,))
+
+    def test_a_short_training_raises_the_reward(self):
+        done = subprocess.run([sys.executable, "-B", SOURCE / "clients/python/examples/train_a_reach.py", "--generations", "6",
+                               "--seconds", "300"], capture_output=True, text=True, timeout=600,
+                              env={**os.environ, "PYTHONPATH": str(BUILD / "python")})
+        self.assertEqual(done.returncode, 0, done.stderr)
+        curve = [float(reward) for reward in re.findall(r" s   reward +(-[\d.]+)", done.stdout)]
+        self.assertEqual(len(curve), 6, done.stdout)
+        self.assertGreater(numpy.mean(curve[-2:]), 0.5 * numpy.mean(curve[:2]), done.stdout)  # rewards are negative
+        learned, still = map(float, re.search(r"ends at ([\d.]+) mm; without a policy at ([\d.]+)", done.stdout).groups())
+        self.assertLess(learned, 0.5 * still, done.stdout)
+
+
+class Types(unittest.TestCase):
+    def check(self, *command):
+        package = BUILD / "python"
+        done = subprocess.run(command, capture_output=True, text=True, cwd=package,
+                              env={**os.environ, "PYTHONPATH": str(package), "MYPYPATH": str(package),
+                                   "MYPY_CACHE_DIR": os.devnull})
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+    def test_types_hold_in_mypys_eyes(self):
+        self.check("/usr/bin/mypy", "--config-file", SOURCE / "clients/python/mypy.ini", "--python-executable", sys.executable,
+                   "wholehand/rig.py", "wholehand/environment.py")
+
+    def test_the_stubs_are_those_of_the_module(self):
+        self.check("/usr/bin/stubtest", "--mypy-config-file", SOURCE / "clients/python/mypy.ini", "--allowlist",
+                   SOURCE / "clients/python/stubtest_allowlist.txt", "wholehand._rig")
 
 
 class Cost(unittest.TestCase):

@@ -1,0 +1,123 @@
+# The module _rig in C++ (clients/python/module); wholehand.rig has its classes with default files.
+from typing import Any, Dict, List, Optional, Sequence, Union
+
+import numpy
+import numpy.typing
+
+_Reals = numpy.typing.NDArray[numpy.float64]
+_Aim = Optional[numpy.typing.ArrayLike]
+
+class BadInput(ValueError):
+    """A file or an option that the program refuses, in its words: file, key, value, remedy."""
+    diagnostics: List[Dict[str, Any]]  # file, line, key, value, problem, remedy
+
+class RunEnded(RuntimeError):
+    """A step after a fault has ended the run."""
+
+class _State:
+    """Facts of the rig, and the record of its last tick: read-only views, overwritten by the next step() or reset().
+
+    Of a VectorRig they have a leading dimension n. docs/recording.md says what every field means.
+    """
+    @property
+    def axis_names(self) -> List[str]: ...
+    @property
+    def axis_units(self) -> List[str]: ...  # "m" or "rad"
+    @property
+    def lower(self) -> _Reals: ...  # range of the axes [m or rad]
+    @property
+    def upper(self) -> _Reals: ...
+    @property
+    def speed_limit(self) -> _Reals: ...  # [m/s or rad/s]
+    @property
+    def effort_limit(self) -> _Reals: ...  # [N or N·m]
+    @property
+    def joint_names(self) -> List[str]: ...
+    @property
+    def body_names(self) -> List[str]: ...  # of the scene; the first 128 are in `bodies`
+    @property
+    def value_names(self) -> List[str]: ...  # of exercise_values, with their units
+    @property
+    def period_s(self) -> float: ...
+    @property
+    def engine(self) -> str: ...
+    @property
+    def tick(self) -> numpy.typing.NDArray[numpy.uint64]: ...  # 0 before and after the first tick
+    @property
+    def time_s(self) -> _Reals: ...
+    @property
+    def faults(self) -> numpy.typing.NDArray[numpy.uint32]: ...  # bits of the last tick
+    @property
+    def safety_state(self) -> numpy.typing.NDArray[numpy.int32]: ...  # 0 disarmed, 1 armed, 2 rendering, 3 faulted
+    @property
+    def authority(self) -> _Reals: ...
+    @property
+    def palm_distance_m(self) -> _Reals: ...
+    @property
+    def contact_count(self) -> numpy.typing.NDArray[numpy.int32]: ...
+    @property
+    def q_m(self) -> _Reals: ...  # the device [m or rad]
+    @property
+    def qd_mf(self) -> _Reals: ...
+    @property
+    def intention(self) -> _Reals: ...
+    @property
+    def patient_effort(self) -> _Reals: ...
+    @property
+    def q_s(self) -> _Reals: ...  # the simulated hand, before the tick's step
+    @property
+    def qd_s(self) -> _Reals: ...
+    @property
+    def theta(self) -> _Reals: ...  # its joints
+    @property
+    def f_s(self) -> _Reals: ...
+    @property
+    def coupling(self) -> _Reals: ...
+    @property
+    def phi(self) -> _Reals: ...
+    @property
+    def damping(self) -> _Reals: ...
+    @property
+    def rendered(self) -> _Reals: ...
+    @property
+    def sent(self) -> _Reals: ...  # what the device received [N or N·m]
+    @property
+    def exercise_effort(self) -> _Reals: ...
+    @property
+    def exercise_values(self) -> _Reals: ...
+    @property
+    def bodies(self) -> numpy.typing.NDArray[numpy.void]: ...  # structured: position_m, orientation_xyzw, velocities
+    @property
+    def contacts(self) -> numpy.typing.NDArray[numpy.void]: ...  # of the last step; VectorRig: valid up to contact_count
+
+class Rig(_State):
+    def __init__(self, *, device: str, hand: str, scene: str, exercise: str, level: int, patient: str, rendering: str,
+                 motion: str, engine: str, rate_hz: float, uncertified: bool, seed: int) -> None: ...
+    def reset(self, seed: int = 0) -> None:
+        """Begins anew: bodies, hand, exercise. seed: of the virtual patient who does the exercise."""
+    def step(self, aim: _Aim = None, n: int = 1) -> int:
+        """Runs n ticks; other Python threads run meanwhile.
+
+        aim: the pose that the hand is steered to, one value for each axis [m or rad], as by the order Aim of a client;
+        without one the virtual patient moves the hand. Returns the ticks that ran: fewer than n if a fault ended the run,
+        after which a step raises RunEnded."""
+    @property
+    def running(self) -> bool: ...
+    @property
+    def ended_by(self) -> str: ...  # names of the faults that ended the run
+
+class VectorRig(_State):
+    def __init__(self, n: int, *, threads: int, device: str, hand: str, scene: str, exercise: str, level: int, patient: str,
+                 rendering: str, motion: str, engine: str, rate_hz: float, uncertified: bool, seed: int) -> None: ...
+    def __len__(self) -> int: ...
+    def reset(self, seeds: Union[Sequence[int], numpy.typing.NDArray[numpy.integer[Any]]]) -> None:
+        """Begins all anew, with a seed for each."""
+    def reset_one(self, rig: int, seed: int = 0) -> None: ...
+    def step(self, aim: _Aim = None, n: int = 1) -> None:
+        """Runs n ticks of every rig that runs. aim: (rigs, axes)."""
+    @property
+    def threads(self) -> int: ...
+    @property
+    def running(self) -> numpy.typing.NDArray[numpy.bool_]: ...
+    @property
+    def ended_by(self) -> List[str]: ...
