@@ -16,7 +16,11 @@ esac
 one_at_a_time
 install_packages run package
 pages_are_current || { install_node && build_web; }
-[[ -f build/release/build.ninja ]] || configure release -DWHOLEHAND_BUILD_TESTS=OFF
+if [[ ! -f build/release/build.ninja ]]; then
+  configure release -DWHOLEHAND_BUILD_TESTS=OFF
+else
+  configure release # finds what was installed since
+fi
 build release wholehand wholehand_python
 make_packages
 for package in build/packages/*.deb; do

@@ -29,7 +29,7 @@ from pathlib import Path
 
 RULES = Path(__file__).resolve().parents[1] / ".clang-tidy"
 BATCH = 32
-FILTER = r"/(src|apps|drivers|include|experiments)/.*\.[ch]pp$"
+FILTER = r"/(src|apps|drivers|include|experiments|clients/python/module)/.*\.[ch]pp$"
 ANONYMOUS = re.compile(r"^namespace \{$(.*?)^\}  // namespace$", re.MULTILINE | re.DOTALL)
 STATIC = re.compile(r"^(?:static|using) .*", re.MULTILINE)
 NO_CODE = re.compile(r'//.*|"(?:[^"\\\n]|\\.)*"')

@@ -48,6 +48,16 @@ class Packages(AppTest):
         self.assertGreater(len(recorded["ticks/q_s"]), 900)  # a second at 1 kHz
         self.assertGreater((self.folder / "page/index.html").stat().st_size, 1_000_000)
 
+    def test_python_steps_a_rig_with_the_files_of_the_package(self):
+        package = self.root / "usr/lib/python3/dist-packages"
+        for name in ("rig.py", "environment.py", "_rig.pyi", "py.typed"):
+            self.assertTrue((package / "wholehand" / name).is_file(), name)
+        said_by_it = said("/usr/bin/python3", "-B", "-c", "from wholehand.rig import Rig, shipped; print(Rig().step(n=50), "
+                          "shipped('config/scenes/empty.toml'))", cwd=self.folder, env={"PYTHONPATH": str(package)})
+        self.assertEqual(said_by_it.split(), ["50", str(self.root / "usr/share/wholehand/config/scenes/empty.toml")])
+        needs = said("dpkg-deb", "-f", *(p for p in self.packages if p.name.startswith("python3")), "Depends")
+        self.assertRegex(needs, r"python3 \(<< 3\.\d+\).*libbullet")
+
     def test_the_drivers_and_the_reader_of_meshes_are_found(self):
         self.expect(self.run_app("device", "list", binary=self.program), DONE, "moteus", "force_dimension", "frame")
 
