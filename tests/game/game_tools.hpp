@@ -13,8 +13,9 @@
 /// A rig with the shipped game scene, and orders to the bodies of its game.
 namespace wholehand::test {
 
-inline Models gameModels(const std::string& device = "lambda-pride") {
-  ModelFiles files = shippedFiles(device);
+inline Models gameModels(const std::string& device = "lambda-pride",
+                         const std::string& hand = "adult-median-right") {
+  ModelFiles files = shippedFiles(device, "empty", hand);
   files.scene.clear();
   files.exercise = std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/game-scene.toml";
   return load(files);
@@ -53,8 +54,8 @@ inline BodyPose poseAt(const Eigen::Vector3d& at_m,
 
 /// A rig that is ticked by hand; orders wait until a tick takes them, at most eight each.
 struct Game {
-  Game(Models models, Intention intention)
-      : rig(orThrow(buildRig(std::move(models), std::move(intention), {}))) {
+  Game(Models models, Intention intention, const RigOptions& options = {})
+      : rig(orThrow(buildRig(std::move(models), std::move(intention), options))) {
     if (!rig->renderer->arm()) throw std::runtime_error("not armed");
   }
 
