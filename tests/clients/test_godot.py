@@ -113,6 +113,9 @@ class BodiesOfAGame(InGodot):
     def test_a_ball_falls_rests_and_is_removed(self):
         self.play("a_ball_falls_rests_and_is_removed")
 
+    def test_a_ball_that_falls_on_the_hand_tells_its_touch(self):
+        self.play("a_ball_that_falls_on_the_hand_tells_its_touch")
+
     def test_a_driven_body_follows_its_target(self):
         self.play("a_driven_body_follows_its_target")
 

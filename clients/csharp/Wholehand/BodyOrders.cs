@@ -126,7 +126,8 @@ namespace Wholehand
         LettingGo,     // presses the hand less and less
         Left,          // the slot is empty
         Quarantined,   // too fast, or more than 5 m away: taken out
-        Refused        // an order was refused by the loop
+        Refused,       // an order was refused by the loop
+        Touched        // touches the hand, after 0.1 s or more without contact
     }
 
     public struct BodyEvent
@@ -136,5 +137,6 @@ namespace Wholehand
         public int Slot;                       // -1: of shapes
         public uint Generation;                // 0 of Refused
         public BodyRefusal Refusal;            // of Refused
+        public float ImpulseNs;                // of Touched: on the hand, within the first 10 ms
     }
 }

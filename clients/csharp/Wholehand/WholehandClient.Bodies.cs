@@ -11,10 +11,11 @@ namespace Wholehand
     {
         private const int MostItems = 4096;
         private static readonly string[] BodyEventNames =
-            { "appeared", "solid", "letting_go", "left", "quarantined", "refused" }; // as BodyEventKind
+            { "appeared", "solid", "letting_go", "left", "quarantined", "refused", "touched" }; // as BodyEventKind
 
         private readonly BodySlots slots = new BodySlots();
         private readonly Dictionary<uint, GameShapes> shapes = new Dictionary<uint, GameShapes>();
+        private readonly Dictionary<int, uint> generations = new Dictionary<int, uint>(); // by slot; the receiver's
         private int[] bodyEventKinds = new int[0]; // of the scene's types; -1: another event
 
         /// <summary>Which bodies of a game are in the world; its memory is the receiver's. TryGetBodies copies.</summary>
@@ -131,6 +132,7 @@ namespace Wholehand
                 }
                 shapes.Clear();
                 foreach (KeyValuePair<uint, GameShapes> of in kept) shapes[of.Key] = of.Value;
+                for (int i = 0; i < read.Count; ++i) generations[(int)read.Bodies[i].Slot] = read.Bodies[i].Generation;
                 read.SceneBodies = scene.HasValue ? scene.Value.BodiesLength : 0;
                 read.Number = slots.Number + 1;
                 slots.CopyFrom(read);
@@ -161,21 +163,35 @@ namespace Wholehand
 
         private void RaiseBodyEvents(Events events)
         {
-            if (BodyEventReceived == null) return;
             int count = bodyEventKinds.Length == 0 ? 0 : events.Events_Length;
             for (int i = 0; i < count; ++i)
             {
                 Event happened = events.Events_(i).Value;
                 int kind = happened.Type < bodyEventKinds.Length ? bodyEventKinds[happened.Type] : -1;
                 if (kind < 0) continue;
-                bool refused = kind == (int)BodyEventKind.Refused;
-                Raise(BodyEventReceived, new BodyEvent
-                {
-                    Kind = (BodyEventKind)kind, Tick = happened.Tick, Slot = happened.Index,
-                    Generation = refused ? 0 : (uint)happened.Value,
-                    Refusal = refused ? (BodyRefusal)happened.Value : BodyRefusal.None
-                });
+                if (kind == (int)BodyEventKind.Appeared) generations[happened.Index] = (uint)happened.Value;
+                if (BodyEventReceived != null) Raise(BodyEventReceived, BodyEventOf((BodyEventKind)kind, happened));
             }
+        }
+
+        // The value is what the kind says: a refusal, an impulse, or else the generation.
+        private BodyEvent BodyEventOf(BodyEventKind kind, Event happened)
+        {
+            var body = new BodyEvent { Kind = kind, Tick = happened.Tick, Slot = happened.Index };
+            if (kind == BodyEventKind.Refused)
+            {
+                body.Refusal = (BodyRefusal)happened.Value;
+            }
+            else if (kind == BodyEventKind.Touched)
+            {
+                generations.TryGetValue(body.Slot, out body.Generation);
+                body.ImpulseNs = happened.Value;
+            }
+            else
+            {
+                body.Generation = (uint)happened.Value;
+            }
+            return body;
         }
 
         private static RefusedBody[] ItemsOf(Reply reply)

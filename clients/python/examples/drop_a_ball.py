@@ -52,6 +52,8 @@ def drop(program, seconds):
     program.remove((0, 1))
     while event.name != "left":
         event = program.next_body_event(timeout_s=10.0)
+        if event.name == "touched":
+            print(f"touched with {event.impulse_ns:.4f} N·s")
     print(f"left; it pressed with {most_n:.2f} N at most")
 
 

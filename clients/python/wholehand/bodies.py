@@ -13,7 +13,7 @@ from wholehand.protocol import Shape as ShapeTable
 LOOP, GAME, FIXED = range(3)  # SpawnBody.owner
 BOX, SPHERE, CYLINDER, CAPSULE, CONVEX_MESH = range(5)
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)
-EVENTS = ("appeared", "solid", "letting_go", "left", "quarantined", "refused")
+EVENTS = ("appeared", "solid", "letting_go", "left", "quarantined", "refused", "touched")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -68,16 +68,21 @@ class Body:
 
 @dataclasses.dataclass(frozen=True)
 class BodyEvent:
-    """What became of a body. `generation` is 0 where the name is "refused", which has a `refusal`."""
+    """What became of a body. `generation` is 0 where the name is "refused", which has a `refusal`. "touched" has the
+    impulse on the hand [N·s] of the first 10 ms of the touch."""
     name: str
     tick: int
     slot: int
     generation: int
     refusal: str = ""
+    impulse_ns: float = 0.0
 
 
-def event_of(name, event, refusals):
-    """@param refusals names of the schema's BodyRefusal"""
+def event_of(name, event, refusals, generations):
+    """@param refusals names of the schema's BodyRefusal @param generations of slots, which "touched" does not bring"""
+    if name == "touched":
+        slot = int(event["index"])
+        return BodyEvent(name, int(event["tick"]), slot, generations.get(slot, 0), impulse_ns=float(event["value"]))
     refused = name == "refused"
     value = int(event["value"])
     return BodyEvent(name, int(event["tick"]), int(event["index"]), 0 if refused else value,

@@ -76,6 +76,7 @@ class Connection:
         self._lost = None
         self._beat = None
         self._event_names, self._body_events = [], collections.deque(maxlen=BODY_EVENTS)
+        self._generations = {}  # of the bodies of a game, by slot
         self._motion = MotionPredictor()
         self.silence = lambda: False
         self.welcome = self.scene = self.controls = self.state = self.commissioning = self.bodies = None
@@ -177,7 +178,9 @@ class Connection:
         for event in events:
             name = self._event_names[event["type"]] if event["type"] < len(self._event_names) else ""
             if name in make.EVENTS:
-                self._body_events.append(make.event_of(name, event, BODY_REFUSALS))
+                self._body_events.append(make.event_of(name, event, BODY_REFUSALS, self._generations))
+            if name == "appeared":
+                self._generations[int(event["index"])] = int(event["value"])
 
     async def _send(self, order, fields):
         if self._lost:
@@ -230,6 +233,8 @@ class Connection:
                 self._motion.add(message, time.monotonic_ns())
             if message.kind == "Scene":
                 self._event_names = message.event_names if message.budget else []
+            if message.kind == "GameBodies":
+                self._generations.update((int(b["slot"]), int(b["generation"])) for b in message.bodies)
         elif message.kind == "Reply":
             answer = self._replies.get(message.command)
             if answer and not answer.done():

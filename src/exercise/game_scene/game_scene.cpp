@@ -12,23 +12,38 @@ namespace wholehand::game_scene {
 namespace {
 
 enum Value : std::int32_t { kBodies, kGhosts, kMoving, kValues };
-// index: the slot, −1 for shapes. value: the body's generation; of kRefused the OrderRefusal.
-enum Event : std::int32_t { kAppeared, kSolid, kLettingGo, kLeft, kQuarantined, kRefused };
+// index: the slot, −1 for shapes. value: the body's generation; of kRefused the OrderRefusal, of
+// kTouched an impulse.
+enum Event : std::int32_t {
+  kAppeared,
+  kSolid,
+  kLettingGo,
+  kLeft,
+  kQuarantined,
+  kRefused,
+  kTouched
+};
+
+constexpr double kFree_s = 0.1;     ///< without contact; the next one is a new touch
+constexpr double kStrike_s = 0.01;  ///< in which the impulse of a touch is summed
 
 class GameScene final : public Exercise {
  public:
   GameScene(const std::string& name, const DeviceModel& device) : axes_(device.axisCount()) {
     description_.name = name;
     description_.value_names = {"bodies", "ghosts", "moving"};
-    description_.event_names = {"appeared", "solid",       "letting_go",
-                                "left",     "quarantined", "refused"};
+    description_.event_names = {"appeared",    "solid",   "letting_go", "left",
+                                "quarantined", "refused", "touched"};
     description_.json = R"({"kind":"game_scene"})";
   }
 
   [[nodiscard]] const ExerciseDescription& description() const noexcept override {
     return description_;
   }
-  void reset() override { told_ = {}; }
+  void reset() override {
+    told_ = {};
+    touches_ = {};
+  }
   [[nodiscard]] WorldQuery query() const noexcept override { return {}; }
 
   void tick(const ExerciseInput& input, ExerciseRecord& out,
@@ -46,6 +61,7 @@ class GameScene final : public Exercise {
     }
     const int quarantined = input.pool->quarantined;
     if (quarantined >= 0) tell(out, kQuarantined, quarantined, told_[quarantined].generation);
+    watchTouches(input, out);
     for (int slot = 0; slot < input.pool->count; ++slot) follow(slot, *input.pool, out);
     out.values[kMoving] = input.pool->moving;
   }
@@ -59,6 +75,54 @@ class GameScene final : public Exercise {
   static bool tell(ExerciseRecord& out, Event event, int slot, double value) noexcept {
     if (out.event_count == kMaxExerciseEvents) return false;
     out.events[out.event_count++] = {event, slot, value};
+    return true;
+  }
+
+  /// A body against the hand.
+  struct Touch {
+    std::int32_t generation = 0;
+    double free_s = kFree_s;  ///< since the last contact
+    double strikes_s = -1.0;  ///< since the touch began; −1: told, or none
+    Vec3 impulse_ns;          ///< on the hand, since then
+  };
+
+  /// Tells the impulse of a touch when kStrike_s is over, or when the body leaves before.
+  void watchTouches(const ExerciseInput& input, ExerciseRecord& out) noexcept {
+    const PoolReport& pool = *input.pool;
+    std::array<Vec3, kMaxSlots> force_n{};
+    std::array<bool, kMaxSlots> touching{};
+    for (int i = 0; i < input.observed->contact_count; ++i) {
+      const Contact& contact = input.observed->contacts[i];
+      const int slot = contact.body - pool.first_body;
+      const Eigen::Vector3d force = contact.force_n.eigen();
+      if (slot < 0 || slot >= pool.count || !(force.squaredNorm() > 0.0)) continue;
+      touching[slot] = true;
+      force_n[slot] = Vec3::from(force_n[slot].eigen() + force);
+    }
+    for (int slot = 0; slot < pool.count; ++slot) {
+      Touch& touch = touches_[slot];
+      const bool same = touch.generation == pool.slots[slot].generation;
+      if (!same && touch.strikes_s >= 0.0 && !tellTouch(slot, out)) continue;
+      if (!same) touch = {pool.slots[slot].generation};
+      if (touching[slot] && touch.strikes_s < 0.0 && touch.free_s >= kFree_s) {
+        touch.strikes_s = 0.0;
+        touch.impulse_ns = Vec3{};
+      }
+      touch.free_s = touching[slot] ? 0.0 : touch.free_s + input.period_s;
+      if (touch.strikes_s < 0.0) continue;
+      if (touch.strikes_s < kStrike_s) {
+        touch.impulse_ns =
+            Vec3::from(touch.impulse_ns.eigen() + input.period_s * force_n[slot].eigen());
+        touch.strikes_s += input.period_s;
+      }
+      if (touch.strikes_s >= kStrike_s - 0.5 * input.period_s) tellTouch(slot, out);
+    }
+  }
+
+  bool tellTouch(int slot, ExerciseRecord& out) noexcept {
+    Touch& touch = touches_[slot];
+    if (!tell(out, kTouched, slot, touch.impulse_ns.eigen().norm())) return false;
+    touch.strikes_s = -1.0;
     return true;
   }
 
@@ -86,6 +150,7 @@ class GameScene final : public Exercise {
   int axes_;
   ExerciseDescription description_;
   std::array<SlotReport, kMaxSlots> told_{};  ///< what events have told of every slot
+  std::array<Touch, kMaxSlots> touches_{};
 };
 
 GameBudget readBudget(TomlTable table, std::size_t scene_bodies) {

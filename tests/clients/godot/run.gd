@@ -248,8 +248,10 @@ func _has_lost():
 const RADIUS = 0.03
 const ABOVE = Vector3(0.5, 0.3, 0.17) # in the program's axes
 const RESTS = Vector3(0.5, 0.3, 0.05)
+const OVER_THE_HAND = Vector3(0.034, 0.0, 0.15) # at the zero of the device
 
 var body_events = []
+var touches = []
 var refused_items = []
 var goal = Vector3()
 var resting = 0
@@ -321,6 +323,24 @@ func a_ball_falls_rests_and_is_removed():
 	yield(self, "idle_frame")
 	check(not is_instance_valid(ball) and connection.shapes.empty(), "nothing is left of it")
 	check(connection.ignored == 0, "messages were ignored")
+
+
+func a_ball_that_falls_on_the_hand_tells_its_touch():
+	connection.connect("body_touched", self, "_on_body_touched")
+	yield(start_with_controls(), "completed")
+	yield(accepted(world.prepare_shapes(0, [Shapes.ball_piece(RADIUS)]), "shapes"), "completed")
+	yield(accepted(world.spawn({"slot": 1, "generation": 9, "shape_set": 0, "mass_kg": 0.2}, placed(OVER_THE_HAND)), "spawn"), "completed")
+	yield(until("_is_touched", "the ball touches the hand"), "completed")
+	# It falls 0.15 m at most: 1.7 m/s.
+	check(touches[0][0] == 1 and touches[0][1] == 9 and touches[0][2] > 0.005 and touches[0][2] < 0.2 * 1.7, "touch: %s" % [touches])
+
+
+func _on_body_touched(slot, generation, impulse_ns):
+	touches.append([slot, generation, impulse_ns])
+
+
+func _is_touched():
+	return not touches.empty()
 
 
 func _is_ball_drawn():

@@ -17,6 +17,8 @@ signal bodies_changed(bodies)
 # `what` became of a body of a game, one of bodies.gd's EVENTS; `refusal` (Protocol.BodyRefusal) of "refused", whose
 # generation is 0.
 signal body_event(what, slot, generation, refusal)
+# A body of a game touches the hand, after 0.1 s or more without contact: the impulse on the hand within 10 ms [N·s].
+signal body_touched(slot, generation, impulse_ns)
 # Of an order to bodies, {item, slot, refusal, reason} of each that was refused; all others were obeyed. Before `replied`.
 signal bodies_refused(command, items)
 
@@ -58,6 +60,7 @@ var _socket: WebSocketClient = null
 var _reader = Reader.new()
 var _writer = Writer.new()
 var _why_closed = "" # empty: it is not
+var _generations = {} # of the bodies of a game, by slot
 var _command = 0
 var _heard_ms = 0
 var _heartbeat_ms = 0
@@ -342,6 +345,8 @@ func _hear_bodies(table: int) -> void:
 		if known.has(body.shapes):
 			shapes[body.shapes] = known[body.shapes]
 	bodies = read
+	for body in bodies.bodies:
+		_generations[body.slot] = body.generation
 	emit_signal("bodies_changed", bodies)
 
 
@@ -401,8 +406,12 @@ func _tell_body_event(event: Array) -> void:
 	if scene == null or scene.budget.empty() or event[0] >= scene.event_names.size():
 		return
 	var what = scene.event_names[event[0]]
+	if what == "appeared":
+		_generations[event[2]] = int(event[3])
 	if what == "refused":
 		emit_signal("body_event", what, event[2], 0, int(event[3]))
+	elif what == "touched":
+		emit_signal("body_touched", event[2], _generations.get(event[2], 0), event[3])
 	elif what in WholehandBodies.EVENTS:
 		emit_signal("body_event", what, event[2], int(event[3]), Protocol.BodyRefusal.None)
 

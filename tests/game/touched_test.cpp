@@ -1,0 +1,141 @@
+// The event "touched": one for each touch of the hand by a body, with its impulse.
+#include "game/game_tools.hpp"
+
+namespace wholehand::test {
+namespace {
+
+constexpr double kGravity_m_s2 = 9.81;
+constexpr int kStrike = 10;  // ticks over which the impulse is summed
+
+/// Touches told for a slot, with tick and impulse.
+struct Told {
+  std::uint64_t tick = 0;
+  double impulse_ns = 0.0;
+};
+
+/// Runs, and collects what was told of a slot.
+std::vector<Told> touchesOf(Game& game, int slot, int ticks, const std::function<void(int)>& each) {
+  const auto& names = game.rig->models.exercise->description().event_names;
+  std::vector<Told> told;
+  for (int k = 0; k < ticks; ++k) {
+    each(k);
+    game.tick();
+    for (int i = 0; i < game.record.exercise.event_count; ++i) {
+      const ExerciseEvent& e = game.record.exercise.events[i];
+      if (e.index == slot && names[e.type] == "touched") {
+        told.push_back({game.record.tick, e.value});
+      }
+    }
+  }
+  return told;
+}
+
+/// Above the palm, out of reach of the hand.
+Eigen::Vector3d above(Game& game) {
+  const double highest_m = reach(game.rig->models.hand, game.record.q_s, Eigen::Vector3d::UnitZ());
+  Eigen::Vector3d at = game.palm();
+  at.z() = highest_m + 0.06;
+  return at;
+}
+
+TEST(Touched, ABallThatFallsOnTheHand_TellsTheMomentumThatItLost) {
+  Game game(gameModels(), atRest());
+  game.prepare(0, {ballShape(0.03)});
+  game.run(100);
+  SpawnOrder order = spawnOf(0, 0, BodyOwner::kLoop, poseAt(above(game)));
+  order.mass_kg = 0.2;
+  order.friction = 0.0;
+  game.order(spawnCommand(order));
+  std::vector<Eigen::Vector3d> velocity;  // before the step of each tick
+  std::vector<bool> touching;             // in the step of each tick
+  const auto told = touchesOf(game, 0, 600, [&](int k) {
+    if (k == 0) return;
+    velocity.push_back(game.body(0).velocity_m_s.eigen());
+    touching.push_back(game.forceOf(0).norm() > 0.0);
+  });
+  ASSERT_FALSE(told.empty());
+  const auto first = static_cast<std::size_t>(std::find(touching.begin(), touching.end(), true) -
+                                              touching.begin());
+  ASSERT_LT(first + kStrike, velocity.size());
+  // Newton: what the hand got is what the ball lost, and its weight.
+  const Eigen::Vector3d weight_ns(0.0, 0.0, -0.2 * kGravity_m_s2 * kStrike * 1e-3);
+  const Eigen::Vector3d lost_ns = 0.2 * (velocity[first] - velocity[first + kStrike]) + weight_ns;
+  EXPECT_NEAR(told[0].impulse_ns, lost_ns.norm(), tolerance(1e-9));
+  EXPECT_GT(told[0].impulse_ns, 0.02);
+  figure("impulse of a ball of 0.2 kg that falls on the hand", told[0].impulse_ns, "N·s");
+}
+
+TEST(Touched, OnceATouch_AndAgainAfterATenthOfASecondWithoutContact) {
+  Game game(gameModels(), atRest());
+  game.prepare(0, {ballShape(0.03)});
+  game.run(100);
+  const Eigen::Vector3d high = above(game), palm = game.palm();
+  game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kGame, poseAt(high))));
+  const auto targetUntil = [&](const Eigen::Vector3d& at) {
+    return [&game, at](int k) {
+      if (k % 16 == 0) game.order(bodyTargetCommand(0, 1, poseAt(at)));
+    };
+  };
+  EXPECT_EQ(touchesOf(game, 0, 1500, targetUntil(palm)).size(), 1U) << "pressed for a second";
+  EXPECT_EQ(touchesOf(game, 0, 1000, targetUntil(high)).size(), 0U) << "goes away";
+  EXPECT_EQ(touchesOf(game, 0, 1500, targetUntil(palm)).size(), 1U) << "comes again";
+}
+
+TEST(Touched, BouncesWithinATenthOfASecond_AreOneTouch) {
+  Game game(gameModels(), atRest());
+  game.prepare(0, {ballShape(0.03)});
+  game.run(100);
+  const Eigen::Vector3d high = above(game), palm = game.palm();
+  game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kGame, poseAt(high))));
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  Eigen::Vector3d rests_at = palm;
+  int touches = 0, gaps = 0;
+  std::uint64_t last = 0;
+  const auto told = touchesOf(game, 0, 4000, [&](int k) {
+    if (game.forceOf(0).norm() > 0.0) {
+      if (last != 0 && game.record.tick > last + 1) {
+        ++gaps;
+        touches += game.record.tick - last - 1 >= 100 ? 1 : 0;
+      }
+      if (last == 0) ++touches;
+      last = game.record.tick;
+    }
+    if (k % 16 != 0) return;
+    if (k == 1504) rests_at = game.body(0).position_m.eigen();
+    Eigen::Vector3d at = palm;
+    if (k >= 1504) at = rests_at + 0.1 * std::sin(2.0 * M_PI * 7.0 * 1e-3 * k) * up;
+    game.order(bodyTargetCommand(0, 1, poseAt(at)));
+  });
+  EXPECT_GT(gaps, 3) << "it bounces";
+  EXPECT_EQ(static_cast<int>(told.size()), touches);
+}
+
+TEST(Touched, ABodyThatIsRemovedWhileItStrikes_IsToldBeforeItLeft) {
+  Game game(gameModels(), atRest());
+  game.prepare(0, {ballShape(0.03)});
+  game.run(100);
+  SpawnOrder order = spawnOf(0, 0, BodyOwner::kLoop, poseAt(above(game)));
+  game.order(spawnCommand(order));
+  const auto& names = game.rig->models.exercise->description().event_names;
+  std::vector<std::string> told;
+  bool removed = false;
+  for (int k = 0; k < 1000; ++k) {
+    game.tick();
+    if (!removed && game.forceOf(0).norm() > 0.0) {
+      removed = true;
+      game.order(removeCommand(0, 1));
+    }
+    for (int i = 0; i < game.record.exercise.event_count; ++i) {
+      told.push_back(names[game.record.exercise.events[i].type]);
+    }
+  }
+  ASSERT_TRUE(removed);
+  const auto touched = std::find(told.begin(), told.end(), "touched");
+  const auto left = std::find(told.begin(), told.end(), "left");
+  ASSERT_NE(left, told.end());
+  EXPECT_LT(touched - told.begin(), left - told.begin());
+  EXPECT_EQ(std::count(told.begin(), told.end(), "touched"), 1);
+}
+
+}  // namespace
+}  // namespace wholehand::test
