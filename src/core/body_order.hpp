@@ -57,6 +57,7 @@ struct SlotReport {
   std::int32_t generation = 0;  ///< of the body; 0: parked
   SlotState state = SlotState::kParked;
   BodyOwner owner = BodyOwner::kLoop;
+  std::int32_t solid_count = 0;  ///< how often the body became solid, since it was spawned
 };
 
 /// An order that was refused in this tick.

@@ -89,6 +89,11 @@ void GameBodyTracker::note(const CheckedOrders& orders) {
   }
 }
 
+void GameBodyTracker::withdraw(int slot) {
+  const std::lock_guard lock(mutex_);
+  pending_[slot] = Pending{};
+}
+
 void GameBodyTracker::see(const TickRecord& record) {
   const std::lock_guard lock(mutex_);
   tick_ = record.tick;

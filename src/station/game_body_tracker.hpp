@@ -27,6 +27,8 @@ class GameBodyTracker {
   void refuseBusy(CheckedOrders& orders);
   /// Notes commands that are about to be handed to the loop.
   void note(const CheckedOrders& orders);
+  /// Forgets the spawn under way in a slot: it was taken back.
+  void withdraw(int slot);
   /// Takes a record, in order.
   void see(const TickRecord& record);
   /// Null when there are none. A change makes a new object.

@@ -164,6 +164,8 @@ void Station::Core::restoreStatus(LoopStatus before, std::uint64_t asked, bool h
       before.run_state = RunState::kStopped;
     }
     status_ = before;
+    tracker_.reset();
+    for (const CheckedOrders& kept : kept_) tracker_.note(kept);  // they wait for the next one
   }
   unused.reset();  // closes its recording outside the lock, so that no client waits for it
   publishScene("");
@@ -178,6 +180,10 @@ OrderReply Station::Core::sessionRuns(OrderReply reply, const std::string& recor
   record_path_ = record;
   began_utc_ = utcNow();
   told_of_loss_ = false;
+  {
+    const std::lock_guard lock(mutex_);
+    kept_.clear();
+  }
   ++outcome_.sessions;
   return reply;
 }
@@ -200,6 +206,7 @@ OrderReply Station::Core::adopt(std::unique_ptr<Run>& run, std::uint64_t asked,
   status_.run_state = RunState::kRendering;
   rest_ending_ = 0;
   catchUp(parameters, place);
+  if (takes_bodies) handOverKept();
   return {true, ""};
 }
 

@@ -125,6 +125,10 @@ class Station::Core {
   OrderReply setParameter(const Order& order);
   OrderReply push(const Command& command);
   OrderReply handOver(CheckedOrders& checked);
+  OrderReply keep(CheckedOrders& checked, std::uint32_t claim);
+  bool takeBack(const Command& removal);
+  void dropKept();
+  void handOverKept();
   void beginStop(bool at_once);
   void showRehearsal();
 
@@ -168,6 +172,8 @@ class Station::Core {
   std::shared_ptr<const SceneFacts> scene_;
   LoopStatus status_;
   GameBodyTracker tracker_;
+  std::vector<CheckedOrders> kept_;                 ///< shapes and spawns for the next arming
+  std::uint32_t kept_claim_ = 0;                    ///< of the client that ordered them
   Help help_ = Help::kUnsaid;                       ///< help that pages give the player
   std::map<std::string, double> asked_parameters_;  ///< a therapist's settings persist
 

@@ -199,6 +199,7 @@ OrderReply Station::Core::loadExercise(const Order& order) {
     // Rendering continues only if it was on until now and nobody stopped it; a stop or a fault
     // remains.
     const std::lock_guard lock(mutex_);
+    dropKept();  // checked against the scene of before
     armed_by = armed_by_;
     again = rendered && stop_asked_ <= armed_by_ && !any(status_.latched);
     if (had_session && !again) ++status_.endings;

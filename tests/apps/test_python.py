@@ -213,10 +213,13 @@ class BodiesTest(Connected):
     def test_what_is_refused_is_named(self):
         self.program.take_controls()
         with self.assertRaises(Refused) as refused:
-            self.program.prepare_shapes(0, ball(0.03))
+            self.program.teleport((0, 1, self.ASIDE_M))
         self.assertEqual(refused.exception.code, "NothingArmed")
+        self.program.prepare_shapes(2, ball(0.03))  # kept for the next arming
+        self.program.spawn(Body(slot=5, generation=3, shape_set=2, position_m=self.ASIDE_M + (0.0, 0.2, 0.0)))
         self.program.arm()
         self.states_until(lambda state: state.run_state == RENDERING)
+        self.assertEqual(self.becomes("solid", 5).generation, 3)
         corners = [(0, 0, 0), (0.05, 0, 0), (0, 0.05, 0), (0, 0, 0.05)]
         faces = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
         self.program.prepare_shapes(1, mesh(corners, faces), box((0.02, 0.03, 0.04), position_m=(0.1, 0, 0)))
@@ -243,8 +246,10 @@ class BodiesTest(Connected):
                               cwd=SOURCE, capture_output=True, text=True, timeout=100,
                               env={**os.environ, "PYTHONPATH": str(BINARY.parent / "python")})
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertRegex(done.stdout, r"solid\nleft; it pressed with [\d.]+ N at most")
-        self.assertGreater(float(re.search(r"with ([\d.]+) N", done.stdout).group(1)), 0.1)
+        self.assertRegex(done.stdout, r"solid\n(touched with [\d.]+ N·s\n)+left; it pressed with [\d.]+ N at most")
+        # It falls from 0.15 m above the middle of the palm, at 1.5 m/s at most: 0.2 kg have 0.31 N·s.
+        self.assertTrue(0.005 < float(re.search(r"with ([\d.]+) N·s", done.stdout).group(1)) < 0.35, done.stdout)
+        self.assertGreater(float(re.search(r"pressed with ([\d.]+) N", done.stdout).group(1)), 0.1)
 
 
 def readable(data):

@@ -45,7 +45,7 @@ TEST(GamePool, TargetsThatStop_HaltTheBody) {
   game.prepare(0, {ballShape(0.03)});
   game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kGame, poseAt(kAside_m))));
   game.run(5);
-  game.order(bodyTargetCommand(0, 1, poseAt(kAside_m + Eigen::Vector3d(1.0, 0.0, 0.0))));
+  game.order(bodyTargetCommand(0, 1, poseAt(kAside_m + Eigen::Vector3d(0.2, 0.0, 0.0))));
   game.run(90);
   EXPECT_GT(game.body(0).velocity_m_s.x, 0.4);
   game.run(15);

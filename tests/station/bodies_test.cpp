@@ -75,23 +75,92 @@ TEST_F(GameInAStation, BodyIsPreparedSpawnedShownAndRemoved) {
   EXPECT_TRUE(becomes([&] { return stateOf(4) == SlotState::kParked; }));
 }
 
-TEST_F(GameInAStation, OrdersBeforeArmingAndAfterAStop_AreRefusedWithTheRemedy) {
+TEST_F(GameInAStation, SpawnedWhileDisarmed_IsInTheNextSession) {
   runGame(false);
-  const auto refusal = [&] { return ask(prepare(0, {ball(0.03)})); };
-  EXPECT_EQ(refusal().refusal, Refusal::kNothingArmed);
-  EXPECT_NE(refusal().reason.find("arm, then prepare"), std::string::npos);
+  ASSERT_TRUE(ask(prepare(0, {ball(0.03)})).accepted);
+  ASSERT_TRUE(ask(say({spawnCommand(ballAside(4, 7)), spawnCommand(ballAside(5))})).accepted);
+  // As in a session: a slot once, and only shapes that were prepared and are free.
+  EXPECT_EQ(ask(say({spawnCommand(ballAside(4, 8))})).items.at(0).refusal,
+            OrderRefusal::kSlotTaken);
+  EXPECT_EQ(ask(prepare(0, {ball(0.02)})).items.at(0).refusal, OrderRefusal::kShapesBusy);
+  SpawnOrder without = ballAside(6);
+  without.shape_set = 1;
+  EXPECT_EQ(ask(say({spawnCommand(without)})).items.at(0).refusal, OrderRefusal::kNoSuchShapes);
+  // A spawn can be taken back, by its generation.
+  EXPECT_EQ(ask(say({removeCommand(5, 2)})).items.at(0).refusal, OrderRefusal::kWrongGeneration);
+  ASSERT_TRUE(ask(say({removeCommand(5, 1)})).accepted);
+  EXPECT_EQ(station_->status().bodies, nullptr);
   ASSERT_TRUE(ask(OrderType::kArm).accepted);
-  ASSERT_TRUE(rendersOn());
+  ASSERT_TRUE(becomes([&] { return stateOf(4) == SlotState::kSolid; }));
+  const auto told = station_->status().bodies;
+  ASSERT_EQ(told->size(), 1U);
+  EXPECT_EQ(told->front().generation, 7);
+}
+
+TEST_F(GameInAStation, WhatIsKept_IsHandedOverOnce) {
+  runGame(false);
   ASSERT_TRUE(ask(prepare(0, {ball(0.03)})).accepted);
   ASSERT_TRUE(ask(say({spawnCommand(ballAside(0))})).accepted);
+  ASSERT_TRUE(ask(OrderType::kArm).accepted);
   ASSERT_TRUE(becomes([&] { return stateOf(0) == SlotState::kSolid; }));
   ASSERT_TRUE(ask(OrderType::kStop).accepted);
-  EXPECT_EQ(refusal().refusal, Refusal::kStillStopping);
+  EXPECT_EQ(ask(prepare(0, {ball(0.03)})).refusal, Refusal::kStillStopping);
   ASSERT_TRUE(becomes(RunState::kStopped));
-  EXPECT_TRUE(becomes([&] { return refusal().refusal == Refusal::kNothingArmed; }));
+  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(rendersOn());
   EXPECT_EQ(station_->status().bodies, nullptr);
   // Shapes are those of a session.
+  const OrderReply spawn = ask(say({spawnCommand(ballAside(0))}));
+  ASSERT_EQ(spawn.refusal, Refusal::kBodiesRefused);
+  EXPECT_EQ(spawn.items.at(0).refusal, OrderRefusal::kNoSuchShapes);
+}
+
+TEST_F(GameInAStation, OrdersToBodiesThatAreNotThere_AreRefusedWhileDisarmed) {
+  runGame(false);
+  for (const Command& command : {bodyTargetCommand(0, 1, {}), teleportCommand(0, 1, {}),
+                                 setOwnerCommand(0, 1, BodyOwner::kLoop)}) {
+    const OrderReply reply = ask(say({command}));
+    EXPECT_EQ(reply.refusal, Refusal::kNothingArmed);
+    EXPECT_NE(reply.reason.find("kept for the next arming"), std::string::npos) << reply.reason;
+  }
+}
+
+TEST_F(GameInAStation, MoreThanALoopTakesAtOnce_IsNotKept) {
+  runGame(false);
+  bool busy = false;
+  int kept = 0;
+  for (int i = 0; i < 300 && !busy; ++i) {
+    const OrderReply reply = ask(prepare(i % 32, {ball(0.03)}));
+    busy = reply.refusal == Refusal::kBusy;
+    kept += reply.accepted ? 1 : 0;
+    EXPECT_TRUE(busy || reply.accepted) << reply.reason;
+  }
+  EXPECT_TRUE(busy);
+  EXPECT_EQ(kept, 144);  // two commands each, 288 in all
   ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  EXPECT_TRUE(rendersOn());
+}
+
+TEST_F(GameInAStation, WhatAnEarlierHolderKept_IsForgotten) {
+  runGame(false);
+  BodyOrders shapes;
+  shapes.shape_set = 0;
+  shapes.pieces = {ball(0.03)};
+  ASSERT_TRUE(ask(bodies(OrderType::kPrepareShapes, shapes, 1)).accepted);
+  ASSERT_TRUE(ask(say({spawnCommand(ballAside(0))}, 1)).accepted);
+  const OrderReply spawn = ask(say({spawnCommand(ballAside(0))}, 2));
+  ASSERT_EQ(spawn.refusal, Refusal::kBodiesRefused);
+  EXPECT_EQ(spawn.items.at(0).refusal, OrderRefusal::kNoSuchShapes);
+  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(rendersOn());
+  EXPECT_EQ(station_->status().bodies, nullptr);
+}
+
+TEST_F(GameInAStation, WhatIsKept_IsForgottenWhenAnExerciseIsLoaded) {
+  runGame(false);
+  ASSERT_TRUE(ask(prepare(0, {ball(0.03)})).accepted);
+  ASSERT_TRUE(ask(say({spawnCommand(ballAside(0))})).accepted);
+  ASSERT_TRUE(ask(OrderType::kLoadExercise).accepted);
   const OrderReply spawn = ask(say({spawnCommand(ballAside(0))}));
   ASSERT_EQ(spawn.refusal, Refusal::kBodiesRefused);
   EXPECT_EQ(spawn.items.at(0).refusal, OrderRefusal::kNoSuchShapes);

@@ -103,19 +103,21 @@ class GameScene final : public Exercise {
       Touch& touch = touches_[slot];
       const bool same = touch.generation == pool.slots[slot].generation;
       if (!same && touch.strikes_s >= 0.0 && !tellTouch(slot, out)) continue;
-      if (!same) touch = {pool.slots[slot].generation};
+      if (!same) touch = Touch{};
+      touch.generation = pool.slots[slot].generation;
       if (touching[slot] && touch.strikes_s < 0.0 && touch.free_s >= kFree_s) {
         touch.strikes_s = 0.0;
         touch.impulse_ns = Vec3{};
       }
       touch.free_s = touching[slot] ? 0.0 : touch.free_s + input.period_s;
       if (touch.strikes_s < 0.0) continue;
-      if (touch.strikes_s < kStrike_s) {
+      const auto over = [&] { return touch.strikes_s >= kStrike_s - 0.5 * input.period_s; };
+      if (!over()) {
         touch.impulse_ns =
             Vec3::from(touch.impulse_ns.eigen() + input.period_s * force_n[slot].eigen());
         touch.strikes_s += input.period_s;
       }
-      if (touch.strikes_s >= kStrike_s - 0.5 * input.period_s) tellTouch(slot, out);
+      if (over()) tellTouch(slot, out);
     }
   }
 
@@ -141,10 +143,13 @@ class GameScene final : public Exercise {
       told = now;
       told.state = SlotState::kGhost;
     }
-    if (told.state == now.state) return;
+    const bool solid_again = now.state == SlotState::kSolid && told.solid_count != now.solid_count;
+    if (told.state == now.state && !solid_again) return;
     const bool ghost = now.state == SlotState::kGhost;
     const Event event = ghost ? kAppeared : now.state == SlotState::kSolid ? kSolid : kLettingGo;
-    if (tell(out, event, slot, now.generation)) told.state = now.state;
+    if (!tell(out, event, slot, now.generation)) return;
+    told.state = now.state;
+    told.solid_count = now.solid_count;
   }
 
   int axes_;

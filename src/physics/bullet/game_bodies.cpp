@@ -10,6 +10,10 @@ namespace {
 
 const Vec3 kParkedAt{0.0, 0.0, -10.0};
 
+// A target further than this from the one before is a teleport: a body that is drawn there did not
+// move there (15 m/s at 60 frames a second), and must not sweep through the hand.
+constexpr double kFarTarget_m = 0.25;
+
 }  // namespace
 
 GameBodies::GameBodies(const SceneModel& scene, std::vector<BulletBody>& bodies,
@@ -107,7 +111,13 @@ void GameBodies::orderBody(const Command& command) noexcept {
     return refuse(index, OrderRefusal::kWrongGeneration);
   }
   if (command.type == CommandType::kRemove) return letGo(index, Then::kPark);
-  if (slot.state == SlotState::kLettingGo) return refuse(index, OrderRefusal::kBusy);
+  if (slot.state == SlotState::kLettingGo) {
+    const bool follows = command.type == CommandType::kBodyTarget && slot.by_target &&
+                         slot.then == Then::kTeleport && isBodyPose(poseOf(command));
+    if (!follows) return refuse(index, OrderRefusal::kBusy);
+    slot.there = poseOf(command);
+    return;
+  }
   if (command.type == CommandType::kSetOwner) {
     const BodyOwner owner = spawnOrderOf(command).owner;
     if (!isBodyOwner(owner)) return refuse(index, OrderRefusal::kBadPose);
@@ -119,9 +129,15 @@ void GameBodies::orderBody(const Command& command) noexcept {
   if (!isBodyPose(pose)) return refuse(index, OrderRefusal::kBadPose);
   if (command.type == CommandType::kTeleport) {
     slot.there = pose;
+    slot.by_target = false;
     return letGo(index, Then::kTeleport);
   }
   if (slot.owner != BodyOwner::kGame) return refuse(index, OrderRefusal::kNotTheGames);
+  if ((pose.position_m.eigen() - slot.target.position_m.eigen()).norm() > kFarTarget_m) {
+    slot.there = pose;
+    slot.by_target = true;
+    return letGo(index, Then::kTeleport);
+  }
   slot.target = pose;
   slot.target_age_s = 0.0;
   resting_.disturb(first_ + index);
@@ -158,7 +174,8 @@ void GameBodies::report(PoolReport& report) noexcept {
   report.quarantined = quarantined_;
   report.moving = used_ > 0 ? movingCount() : 0;
   for (int i = 0; i < count(); ++i) {
-    report.slots[i] = {slots_[i].generation, slots_[i].state, slots_[i].owner};
+    report.slots[i] = {slots_[i].generation, slots_[i].state, slots_[i].owner,
+                       slots_[i].solid_count};
   }
   refused_count_ = 0;
   quarantined_ = -1;

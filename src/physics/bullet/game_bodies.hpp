@@ -64,8 +64,10 @@ class GameBodies final : public BodyPool {
     bool refuse_overlap = false;  ///< until the first step
     BodyPose target;              ///< of a driven body
     double target_age_s = 0.0;
+    int solid_count = 0;
     // While it lets go.
     Then then = Then::kPark;
+    bool by_target = false;  ///< a target too far for a frame asked for the teleport
     BodyPose there;
     BodyOwner next_owner = BodyOwner::kLoop;
     double left_s = 0.0, lasts_s = 0.0, impulse_ns = 0.0;

@@ -40,6 +40,7 @@ void GameBodies::becomeSolid(int index) noexcept {
   Slot& slot = slots_[index];
   const int body = first_ + index;
   slot.state = SlotState::kSolid;
+  ++slot.solid_count;
   slot.refuse_overlap = false;
   slot.solid_s = slot.overlapped ? 0.0 : kFull_s;
   slot.overlapped = false;

@@ -12,6 +12,7 @@ public static class RealBodyTests
 {
     private const float RadiusM = 0.03f, TopM = 0.02f;
     private static readonly Vector Above = new Vector(0.5f, 0.3f, 0.17f);
+    private static readonly Vector OverTheHand = new Vector(0.034f, 0.0f, 0.15f); // of the hand at the device's zero
 
     /// <summary>A client that holds the controls of a program that renders.</summary>
     private sealed class Play : IDisposable
@@ -74,6 +75,21 @@ public static class RealBodyTests
     {
         CommandReply reply = Ended(command);
         Check.True(reply.Accepted, reply.Reason);
+    }
+
+    public static void Ball_ThatFallsOnTheHandTellsItsTouch()
+    {
+        using (var play = new Play())
+        {
+            Accepted(play.Client.PrepareShapes(0, BodyShape.Ball(RadiusM)));
+            var ball = new BodyToSpawn { Slot = 1, Generation = 9, ShapeSet = 0, MassKg = 0.2f, PositionM = OverTheHand };
+            Accepted(play.Client.Spawn(ball));
+            BodyEvent touched = play.Becomes(BodyEventKind.Touched, 1);
+            Check.Equal(9u, touched.Generation, "generation");
+            // It falls 0.15 m at most: 1.7 m/s.
+            Check.True(touched.ImpulseNs > 0.005 && touched.ImpulseNs < 0.2 * 1.7, "impulse: " + touched.ImpulseNs);
+            Check.Equal(BodyRefusal.None, touched.Refusal, "refusal");
+        }
     }
 
     private static double Distance(Vector a, Vector b)
@@ -161,7 +177,7 @@ public static class RealBodyTests
     {
         using (var play = new Play(false))
         {
-            CommandReply early = Ended(play.Client.PrepareShapes(0, BodyShape.Ball(RadiusM)));
+            CommandReply early = Ended(play.Client.SetOwner(new BodyOwnerChange(new BodyId(0, 1), BodyOwner.Loop)));
             Check.True(!early.Accepted && early.Reason != "", "before anything is armed");
             Check.Equal(Refusal.NothingArmed, early.Refusal, early.Reason);
         }
