@@ -41,9 +41,6 @@ OrderReply Station::Core::orderBodies(const Order& order) {
 OrderReply Station::Core::keep(CheckedOrders& checked, std::uint32_t claim) {
   if (claim != kept_claim_) dropKept();
   kept_claim_ = claim;
-  std::size_t waiting = 0;
-  for (const CheckedOrders& kept : kept_) waiting += kept.commands.size();
-  if (checked.commands.size() + waiting > kMostWaiting) return busy(waiting, "the next arming");
   for (const Command& command : checked.commands) {
     if (checked.shapes || command.type == CommandType::kSpawn ||
         command.type == CommandType::kRemove) {
@@ -63,6 +60,9 @@ OrderReply Station::Core::keep(CheckedOrders& checked, std::uint32_t claim) {
     }
     return true;
   });
+  std::size_t waiting = 0;
+  for (const CheckedOrders& kept : kept_) waiting += kept.commands.size();
+  if (checked.commands.size() + waiting > kMostWaiting) return busy(waiting, "the next arming");
   tracker_.refuseBusy(checked);
   tracker_.note(checked);
   OrderReply reply = replyFor(std::move(checked.refused));
@@ -90,7 +90,7 @@ void Station::Core::dropKept() {
 
 // Into the empty queue of a session that begins. They are forgotten once it runs.
 void Station::Core::handOverKept() {
-  if (kept_claim_ != claim_) kept_.clear();  // of a client that has lost the controls
+  if (kept_claim_ != claim_) kept_.clear();  // of an earlier holder of the controls
   for (const CheckedOrders& kept : kept_) {
     tracker_.note(kept);
     for (const Command& command : kept.commands) (void)push(command);  // there is room

@@ -137,6 +137,8 @@ TEST_F(GameInAStation, MoreThanALoopTakesAtOnce_IsNotKept) {
   }
   EXPECT_TRUE(busy);
   EXPECT_EQ(kept, 144);  // two commands each, 288 in all
+  EXPECT_EQ(ask(say({removeCommand(0, 1)})).items.at(0).refusal, OrderRefusal::kWrongGeneration)
+      << "a spawn could be taken back";
   ASSERT_TRUE(ask(OrderType::kArm).accepted);
   EXPECT_TRUE(rendersOn());
 }
