@@ -6,14 +6,15 @@
 /// processor.
 namespace wholehand::bullet {
 
-/// Four doubles in memory, at any address of a double.
-using FourNumbers = double __attribute__((vector_size(32), aligned(8), may_alias));
+using FourNumbers = double __attribute__((vector_size(32)));
 
-[[gnu::always_inline]] inline FourNumbers& four(double* first) {
-  return *reinterpret_cast<FourNumbers*>(first);
+// From and to memory at any address of a double. By reference: a vector that is returned would
+// need AVX in the caller.
+[[gnu::always_inline]] inline void load(FourNumbers& numbers, const double* from) {
+  __builtin_memcpy(&numbers, from, sizeof numbers);
 }
-[[gnu::always_inline]] inline const FourNumbers& four(const double* first) {
-  return *reinterpret_cast<const FourNumbers*>(first);
+[[gnu::always_inline]] inline void store(const FourNumbers& numbers, double* to) {
+  __builtin_memcpy(to, &numbers, sizeof numbers);
 }
 
 /// Σ j_a v_a over the axes, and over two vectors of four. @tparam Width number of axes
@@ -22,15 +23,26 @@ template <int Width>
                                               const double* linear, const double* linear_velocity,
                                               const double* angular,
                                               const double* angular_velocity) {
-  FourNumbers sum = four(linear) * four(linear_velocity) + four(angular) * four(angular_velocity);
-  for (int a = 0; a < Width; a += 4) sum += four(jacobian + a) * four(change + a);
+  FourNumbers a, b, c, d;
+  load(a, linear), load(b, linear_velocity);
+  load(c, angular), load(d, angular_velocity);
+  FourNumbers sum = a * b + c * d;
+  for (int i = 0; i < Width; i += 4) {
+    load(a, jacobian + i), load(b, change + i);
+    sum += a * b;
+  }
   return (sum[0] + sum[2]) + (sum[1] + sum[3]);
 }
 
 /// to += factor · response
 template <int Width>
 [[gnu::always_inline]] inline void addScaled(double* to, double factor, const double* response) {
-  for (int a = 0; a < Width; a += 4) four(to + a) += factor * four(response + a);
+  for (int i = 0; i < Width; i += 4) {
+    FourNumbers sum, more;
+    load(sum, to + i), load(more, response + i);
+    sum += factor * more;
+    store(sum, to + i);
+  }
 }
 
 }  // namespace wholehand::bullet
