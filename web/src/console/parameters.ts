@@ -76,10 +76,18 @@ class ParameterRow {
     const touched = half || this.slider.matches(':active');
     if (touched && !always) return;
     const shown = this.text(this.target.shown);
-    if (!half && this.number.value !== shown) this.number.value = shown;
+    if (!half && this.number.value !== shown) this.write(shown);
     const value = String(this.target.shown * this.view.factor);
     if (Math.abs(Number(this.slider.value) - Number(value)) > this.view.step / 2) this.slider.value = value;
     setAttribute(this.slider, 'aria-valuetext', `${shown} ${this.view.unit}`);
+  }
+
+  /** What was selected to be typed over stays selected: a value that moves must not mix with what is typed. */
+  private write(shown: string): void {
+    const { number } = this;
+    const selected = document.activeElement === number && number.selectionStart !== number.selectionEnd;
+    number.value = shown;
+    if (selected) number.select();
   }
 
   private text(value: number): string {

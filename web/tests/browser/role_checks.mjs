@@ -15,12 +15,35 @@ const parameter = ({ page }, name) => page.evaluate((wanted) => {
   return state.parameters[scene.parameters.findIndex((p) => p.name === wanted)];
 }, name);
 
-const limitIs = (watcher, wanted_n) => until(`a limit of ${wanted_n} N`, async () =>
-  Math.abs((await parameter(watcher, 'effort_limit_hand_tip_n')) - wanted_n) < 1e-4, { within_ms: PATIENT_MS });
+/** What stands at a console's limit: the program's value, the field, the ramp, a refusal, the run state. */
+const limitOf = async (watcher) => watcher.page.evaluate((field) => {
+  const row = document.querySelector(field).closest('.par');
+  const { state, scene } = window.wholehandNow;
+  const i = scene.parameters.findIndex((p) => p.name === 'effort_limit_hand_tip_n');
+  return JSON.stringify({ holds: state.parameters[i], field: document.querySelector(field).value, says: row.innerText, runState: state.runState, session: state.session });
+}, FINGERS);
+
+const limitIs = async (watcher, wanted_n) => {
+  try {
+    await until(`a limit of ${wanted_n} N`, async () =>
+      Math.abs((await parameter(watcher, 'effort_limit_hand_tip_n')) - wanted_n) < 1e-4, { within_ms: PATIENT_MS });
+  } catch (late) {
+    throw new Error(`${late.message}: ${await limitOf(watcher)}`);
+  }
+};
 
 const ask = async ({ page }, value_n) => {
   await page.locator(FINGERS).fill(String(value_n));
   await page.locator(FINGERS).press('Enter');
+};
+
+/** Selects the number, lets the ramp write it anew under the selection, and types over it. */
+const typeOverMoving = async ({ page }, value_n) => {
+  await page.locator(FINGERS).selectText();
+  const before = await page.inputValue(FINGERS);
+  await until('the number moving', async () => (await page.inputValue(FINGERS)) !== before, { within_ms: PATIENT_MS });
+  await page.keyboard.type(String(value_n));
+  await page.keyboard.press('Enter');
 };
 
 const rendering = (watcher) => watcher.until('rendering', (now) => now.runState === RENDERING, { within_ms: PATIENT_MS });
@@ -105,7 +128,7 @@ export async function consolesShowTheLimitThatHolds(browser, programUrl) {
   if ((await one.now()).runState !== RENDERING) await armFrom(one);
   await rendering(one);
   await ask(one, 2);  // the focus stays in its field
-  await ask(two, 9);
+  await typeOverMoving(two, 9);
   await limitIs(one, 9);
   await until('the first console showing 9 N', async () => (await one.page.inputValue(FINGERS)) === '9.0', { within_ms: PATIENT_MS });
   await ask(one, 6);
