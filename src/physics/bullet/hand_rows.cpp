@@ -25,7 +25,7 @@ double wanted(const AxisRow& row, const double* change) {
          Axes(row.jacobian.data()).dot(Axes(change)) * row.effective_mass;
 }
 
-/// A row may lean on joint ends if that leaves more than this share of its mobility.
+/// A row is coupled to joint ends only where that leaves more than this share of its mobility.
 constexpr double kLeastLeft = 1e-3;
 
 /// @return the squared change of the impulse
@@ -144,35 +144,35 @@ void HandRows::setUp(const ArticulatedBody& at, const AxisMatrix& inverse, const
     finishRow(touch.tangent1_row, inverse, velocity, 0.0);
     finishRow(touch.tangent2_row, inverse, velocity, 0.0);
   }
-  leaning_count_ = 0;
-  leaning_impulse_.fill(0.0);
+  coupled_count_ = 0;
+  coupled_impulse_.fill(0.0);
   for (int i = 0; i < near_end_count_; ++i) {
     JointEnd& end = ends_[near_end_[i]];
     end.row.jacobian = end.direction;
     finishRow(end.row, inverse, velocity, goal(end.left, 0.0, step_s));
-    end.leaning = -1;
-    if (end.kept_impulse <= 0.0 || leaning_count_ == kMaxLeaning) continue;
-    end.leaning = leaning_count_;
-    leaning_[leaning_count_++] = near_end_[i];
+    end.coupled_index = -1;
+    if (end.kept_impulse <= 0.0 || coupled_count_ == kMaxCoupledEnds) continue;
+    end.coupled_index = coupled_count_;
+    coupled_[coupled_count_++] = near_end_[i];
   }
 }
 
-void HandRows::lean(const std::array<double, kMaxAxes>& jacobian,
-                    std::array<double, kMaxAxes>& response, Lean& lean,
-                    bool one_sided) const noexcept {
-  lean.fill(0.0);
-  if (leaning_count_ == 0) return;
+void HandRows::coupleToEnds(const std::array<double, kMaxAxes>& jacobian,
+                            std::array<double, kMaxAxes>& response, EndShares& shares,
+                            bool one_sided) const noexcept {
+  shares.fill(0.0);
+  if (coupled_count_ == 0) return;
   using Axes = Eigen::Matrix<double, kMaxAxes, 1>;
-  using Few = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxLeaning, 1>;
+  using Few = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxCoupledEnds, 1>;
   using FewByFew =
-      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxLeaning, kMaxLeaning>;
+      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxCoupledEnds, kMaxCoupledEnds>;
   const auto direction = [&](int k) {
-    return Eigen::Map<const Axes>(ends_[leaning_[k]].direction.data());
+    return Eigen::Map<const Axes>(ends_[coupled_[k]].direction.data());
   };
   Eigen::Map<Axes> moved(response.data());
-  std::array<int, kMaxLeaning> bearing{};
+  std::array<int, kMaxCoupledEnds> bearing{};
   int count = 0;
-  for (int k = 0; k < leaning_count_; ++k) {
+  for (int k = 0; k < coupled_count_; ++k) {
     const double approach = direction(k).dot(moved);  // negative: towards the end
     if (approach < 0.0 || (!one_sided && approach > 0.0)) bearing[count++] = k;
   }
@@ -182,21 +182,21 @@ void HandRows::lean(const std::array<double, kMaxAxes>& jacobian,
   for (int m = 0; m < count; ++m) {
     approach[m] = direction(bearing[m]).dot(moved);
     for (int n = 0; n < count; ++n) {
-      const AxisRow& row = ends_[leaning_[bearing[n]]].row;
+      const AxisRow& row = ends_[coupled_[bearing[n]]].row;
       mobility(m, n) = direction(bearing[m]).dot(Eigen::Map<const Axes>(row.response.data()));
     }
   }
   const Few borne = -mobility.llt().solve(approach);
   Axes rest = moved;
   for (int m = 0; m < count; ++m) {
-    const AxisRow& row = ends_[leaning_[bearing[m]]].row;
+    const AxisRow& row = ends_[coupled_[bearing[m]]].row;
     rest += borne[m] * Eigen::Map<const Axes>(row.response.data());
   }
   // Where hardly anything is left to move the two are solved in turns, as two rows.
   const Eigen::Map<const Axes> j(jacobian.data());
   if (!(j.dot(rest) > kLeastLeft * j.dot(moved))) return;
   moved = rest;
-  for (int m = 0; m < count; ++m) lean[bearing[m]] = borne[m];
+  for (int m = 0; m < count; ++m) shares[bearing[m]] = borne[m];
 }
 
 void HandRows::start(double* change) noexcept {
@@ -210,10 +210,11 @@ void HandRows::start(double* change) noexcept {
   }
   for (int i = 0; i < near_end_count_; ++i) {
     JointEnd& end = ends_[near_end_[i]];
-    // What contacts lean on it with they have started with already.
-    if (end.leaning >= 0) end.row.impulse = leaning_impulse_[end.leaning];
+    // The contacts that are coupled to this end have started already, with their shares of its
+    // impulse.
+    if (end.coupled_index >= 0) end.row.impulse = coupled_impulse_[end.coupled_index];
     apply<kMaxAxes>(end.row, share * end.kept_impulse, change);
-    if (end.leaning >= 0) leaning_impulse_[end.leaning] = end.row.impulse;
+    if (end.coupled_index >= 0) coupled_impulse_[end.coupled_index] = end.row.impulse;
   }
 }
 
@@ -278,9 +279,9 @@ double HandRows::iterate(double* change) noexcept {
   }
   for (int i = 0; i < near_end_count_; ++i) {
     JointEnd& end = ends_[near_end_[i]];
-    if (end.leaning >= 0) end.row.impulse = leaning_impulse_[end.leaning];
+    if (end.coupled_index >= 0) end.row.impulse = coupled_impulse_[end.coupled_index];
     set(end.row, std::max(0.0, wanted<Width>(end.row, change)));
-    if (end.leaning >= 0) leaning_impulse_[end.leaning] = end.row.impulse;
+    if (end.coupled_index >= 0) coupled_impulse_[end.coupled_index] = end.row.impulse;
   }
   return largest;
 }

@@ -20,11 +20,11 @@ struct AxisRow {
   double impulse = 0.0;                     ///< accumulated [N·s or N·m·s]
 };
 
-/// Limit of joint ends solved together with contacts; further ones are solved separately.
-inline constexpr int kMaxLeaning = 4;
+/// Most joint ends that contacts are coupled to; further ones are solved separately.
+inline constexpr int kMaxCoupledEnds = 4;
 
 /// Change of the joint ends' impulses per unit of a row's impulse.
-using Lean = std::array<double, kMaxLeaning>;
+using EndShares = std::array<double, kMaxCoupledEnds>;
 
 /// Two capsules in contact. The force on the first and its reaction on the second act at the same
 /// point: j = Gᵀ (J_a − J_b)ᵀ d, so a link that carries both feels exactly nothing.
@@ -54,15 +54,16 @@ class HandRows {
   /// and returns the share of the row's impulse that the end bears. Alternating between contact and
   /// end would need hundreds of sweeps, since the tip of a digit is much lighter than the arm.
   /// @param one_sided the impulse is never negative; only ends that it presses upon then bear it
-  void lean(const std::array<double, kMaxAxes>& jacobian, std::array<double, kMaxAxes>& response,
-            Lean& lean, bool one_sided) const noexcept;
+  void coupleToEnds(const std::array<double, kMaxAxes>& jacobian,
+                    std::array<double, kMaxAxes>& response, EndShares& shares,
+                    bool one_sided) const noexcept;
   /// Applies the impulses of the last step; call after the contacts have started. `change` is
   /// Δq̇_s.
   void start(double* change) noexcept;
-  /// True when contacts may lean on a joint end.
-  [[nodiscard]] bool leaning() const noexcept { return leaning_count_ > 0; }
-  /// Impulses of the ends that contacts lean on; a leaning row adds its share.
-  [[nodiscard]] Lean& leaningImpulse() noexcept { return leaning_impulse_; }
+  /// True when contacts are coupled to a joint end.
+  [[nodiscard]] bool couplesEnds() const noexcept { return coupled_count_ > 0; }
+  /// Impulses of the coupled ends; a contact row adds its share.
+  [[nodiscard]] EndShares& coupledEndImpulse() noexcept { return coupled_impulse_; }
   /// One sweep. Width as in ReducedContactSolver. @return the largest squared change of an impulse
   template <int Width>
   double iterate(double* change) noexcept;
@@ -81,7 +82,7 @@ class HandRows {
     double room = 0.0;                         ///< at q_s = 0 [rad]
     double left = 0.0;                         ///< room at the current q_s; negative beyond the end
     double kept_impulse = 0.0;
-    int leaning = -1;  ///< index among the leaned-on ends, or −1
+    int coupled_index = -1;  ///< index among the coupled ends, or −1
     AxisRow row;
   };
   /// Warm-start data of a touch.
@@ -110,9 +111,9 @@ class HandRows {
   std::vector<JointEnd> ends_;
   std::array<int, 2 * kMaxJoints> near_end_{};
   int near_end_count_ = 0;
-  std::array<int, kMaxLeaning> leaning_{};  ///< ends that were pressed on in the last step
-  int leaning_count_ = 0;
-  Lean leaning_impulse_{};
+  std::array<int, kMaxCoupledEnds> coupled_{};  ///< ends that were pressed on in the last step
+  int coupled_count_ = 0;
+  EndShares coupled_impulse_{};
 };
 
 }  // namespace wholehand::bullet

@@ -93,7 +93,7 @@ void ReducedContactSolver::convertContacts(btPersistentManifold** manifolds, int
                                            const btContactSolverInfo& info) {
   for (ImpulseBound& bound : bounds_) bound.pressed = 0.0;
   rows_.setUp(kinematics_, inverse_, velocity_.data(), info.m_timeStep);
-  leans_ = rows_.leaning();
+  couples_ends_ = rows_.couplesEnds();
   for (int i = 0; i < count; ++i) {
     const ColliderTag& a = *tagOf(manifolds[i]->getBody0());
     const ColliderTag& b = *tagOf(manifolds[i]->getBody1());
@@ -191,7 +191,7 @@ void ReducedContactSolver::finishRow(ReducedRow& row, const btSolverBody& body, 
   } else {
     respond<kMaxAxes>(row);
   }
-  if (leans_) rows_.lean(row.jacobian, row.response, row.lean, one_sided);
+  if (couples_ends_) rows_.coupleToEnds(row.jacobian, row.response, row.end_shares, one_sided);
   double inverse_mass = 0.0;
   double velocity = 0.0;
   for (int a = 0; a < axes_; ++a) {

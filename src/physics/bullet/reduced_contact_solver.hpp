@@ -20,7 +20,7 @@ struct ReducedRow {
   btVector3 linear, angular;                ///< on the body
   btVector3 linear_response;                ///< linear / m; 0 on a fixed body
   btVector3 angular_response;               ///< I⁻¹ angular; 0 on a fixed body
-  Lean lean{};                              ///< on joint ends
+  EndShares end_shares{};                   ///< on joint ends
   double effective_mass = 0.0;              ///< 1 / (j·M_r⁻¹ j + body); 0 disables the row
   double target = 0.0;                      ///< impulse that alone would reach the target velocity
   double impulse = 0.0;                     ///< accumulated [N·s or N·m·s]
@@ -128,7 +128,7 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   const SolverSettings settings_;
   const ArticulatedBody& kinematics_;
   HandRows& rows_;                     ///< self-contacts and joint limits of the hand
-  bool leans_ = false;                 ///< a row leans on a joint end in this step
+  bool couples_ends_ = false;          ///< a row is coupled to a joint end in this step
   AxisMatrix inverse_;                 ///< M_r⁻¹, padded with zeros to the loop's width
   std::vector<HandContact> contacts_;  ///< fixed size; the first contact_count_ are in use
   std::vector<bool> bounded_;          ///< per body of the scene

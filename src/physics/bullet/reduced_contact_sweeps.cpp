@@ -16,7 +16,7 @@ namespace {
 constexpr double kNoLimit = 1e30;
 
 // A vector of Bullet has a fourth number, which is zero.
-static_assert(kMaxLeaning == 4 && kMaxAxes % 4 == 0 && sizeof(btVector3) == 4 * sizeof(double));
+static_assert(kMaxCoupledEnds == 4 && kMaxAxes % 4 == 0 && sizeof(btVector3) == 4 * sizeof(double));
 
 }  // namespace
 
@@ -37,7 +37,7 @@ void ReducedContactSolver::apply(ReducedRow& row, btSolverBody& body, double imp
   addScaled<4>(body.m_deltaLinearVelocity.m_floats, change, row.linear_response.m_floats);
   addScaled<4>(body.m_deltaAngularVelocity.m_floats, change, row.angular_response.m_floats);
   addScaled<Width>(change_.data(), change, row.response.data());
-  if (leans_) addScaled<4>(rows_.leaningImpulse().data(), change, row.lean.data());
+  if (couples_ends_) addScaled<4>(rows_.coupledEndImpulse().data(), change, row.end_shares.data());
 }
 
 // Sets the normal impulse, within the bound of its body.
