@@ -14,6 +14,8 @@
 
 namespace wholehand {
 
+class ArticulatedBody;
+
 /// Description of an exercise, read once. Names end with their unit.
 struct ExerciseDescription {
   std::string name;  ///< "cocktail-bar"
@@ -35,9 +37,10 @@ struct ExerciseInput {
   /// The present tick so far: device, velocities, avatar, bodies, palm, closure, commands. Contacts
   /// are those of the last step.
   const TickRecord* observed = nullptr;
-  const double* parameters = nullptr;  ///< current values, in the description's order
-  const PoolReport* pool = nullptr;    ///< bodies of a game; null without slots for them
-  bool may_push = true;                ///< false: owner silent or stop requested; f_e must fade out
+  const ArticulatedBody* hand = nullptr;  ///< link poses at observed->theta; null: not known
+  const double* parameters = nullptr;     ///< current values, in the description's order
+  const PoolReport* pool = nullptr;       ///< bodies of a game; null without slots for them
+  bool may_push = true;  ///< false: owner silent or stop requested; f_e must fade out
 };
 
 /// A task for the person, which may add an effort to the rendering. It uses no sockets and no

@@ -44,28 +44,23 @@ Way wayFromUpright(const Vector3d& a, const Vector3d& b, double half_m) noexcept
 
 }  // namespace
 
-HandPosture::HandPosture(const HandModel& hand) : hand_(hand), body_(hand_) {
+HandPosture::HandPosture(const HandModel& hand) : hand_(hand) {
   for (const Capsule& c : hand_.capsules) palmar_.push_back(palmarOf(c, hand_.side));
-}
-
-void HandPosture::update(const JointPosition& theta) noexcept {
-  known_ = theta.size() == hand_.joint_count && allFinite(theta);
-  if (known_) body_.updateKinematics(theta);
 }
 
 bool HandPosture::isPalmar(int capsule, const Vector3d& normal) const noexcept {
   const auto at = static_cast<std::size_t>(capsule);
-  if (!known_ || at >= palmar_.size()) return false;
-  const Vector3d palmar = body_.linkPose(hand_.capsules[at].link).rotation * palmar_[at];
+  if (posed_ == nullptr || at >= palmar_.size()) return false;
+  const Vector3d palmar = posed_->linkPose(hand_.capsules[at].link).rotation * palmar_[at];
   return -normal.dot(palmar) > kPalmar;
 }
 
 double HandPosture::opposes(int axis, int capsule, const Vector3d& point_m,
                             const Vector3d& force_n) const noexcept {
   const auto at = static_cast<std::size_t>(capsule);
-  if (!known_ || at >= palmar_.size() || axis >= hand_.axis_count) return 0.0;
+  if (posed_ == nullptr || at >= palmar_.size() || axis >= hand_.axis_count) return 0.0;
   std::array<double, kMaxAxes> row{};
-  body_.reducedPointRow(hand_.capsules[at].link, point_m, force_n, row.data());
+  posed_->reducedPointRow(hand_.capsules[at].link, point_m, force_n, row.data());
   return -row[axis];
 }
 
@@ -73,7 +68,7 @@ SoftTouches HandPosture::softTouches(
     const BodyState& body, double radius_m, double height_m,
     const std::vector<std::uint32_t>& axes_of_capsule) const noexcept {
   SoftTouches out;
-  if (!known_) return out;
+  if (posed_ == nullptr) return out;
   const Eigen::Matrix3d turn = body.orientation_xyzw.eigen().toRotationMatrix();
   const auto in_body = [&](const Vector3d& p) -> Vector3d {
     return turn.transpose() * (p - body.position_m.eigen());
@@ -81,7 +76,7 @@ SoftTouches HandPosture::softTouches(
   for (std::size_t i = 0; i < hand_.capsules.size() && i < axes_of_capsule.size(); ++i) {
     if (axes_of_capsule[i] == 0) continue;
     const Capsule& c = hand_.capsules[i];
-    const Pose& link = body_.linkPose(c.link);
+    const Pose& link = posed_->linkPose(c.link);
     const Way is = wayFromUpright(in_body(link * c.a_m), in_body(link * c.b_m), 0.5 * height_m);
     const double apart_m = is.way.norm(), depth_m = radius_m + c.radius_m - apart_m;
     if (!(depth_m > 0.0 && apart_m > 1e-6) || std::abs(is.end.z()) > 0.5 * height_m) continue;
@@ -103,10 +98,10 @@ SoftTouches HandPosture::softTouches(
 
 double HandPosture::clearance_m(const Vector3d& center_m, double radius_m,
                                 double height_m) const noexcept {
-  if (!known_) return 0.0;
+  if (posed_ == nullptr) return 0.0;
   double least_m = std::numeric_limits<double>::infinity();
   for (const Capsule& c : hand_.capsules) {
-    const Pose& link = body_.linkPose(c.link);
+    const Pose& link = posed_->linkPose(c.link);
     const double apart_m =
         wayFromUpright(link * c.a_m - center_m, link * c.b_m - center_m, 0.5 * height_m).way.norm();
     least_m = std::min(least_m, apart_m - c.radius_m - radius_m);

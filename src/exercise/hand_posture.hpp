@@ -21,15 +21,14 @@ struct SoftTouch {
 };
 using SoftTouches = std::array<SoftTouch, kMaxAxes>;
 
-/// The hand in a tick's posture: places of its capsules, and the side of a contact.
+/// The hand in a tick's posture: clearance of its capsules, and the side of a contact.
 class HandPosture {
  public:
   explicit HandPosture(const HandModel& hand);
-  HandPosture(const HandPosture&) = delete;
-  HandPosture& operator=(const HandPosture&) = delete;
 
-  /// Sets the posture; one of another size counts as unknown. Real-time safe.
-  WHOLEHAND_RT void update(const JointPosition& theta) noexcept;
+  /// Takes the hand in the tick's posture, which outlives the tick; null: unknown. Real-time safe.
+  /// @pre it is of the hand that was given to the constructor
+  WHOLEHAND_RT void update(const ArticulatedBody* hand) noexcept { posed_ = hand; }
 
   /// Whether a contact is on the palmar side: the palm itself, the flexor side of the fingers, the
   /// pad of the thumb. False for an unknown posture.
@@ -57,8 +56,7 @@ class HandPosture {
  private:
   HandModel hand_;
   std::vector<Eigen::Vector3d> palmar_;  ///< of each capsule: unit vector in its link's frame
-  ArticulatedBody body_;
-  bool known_ = false;
+  const ArticulatedBody* posed_ = nullptr;
 };
 
 }  // namespace wholehand

@@ -176,6 +176,7 @@ void HapticRenderer::exercise(TickRecord& record) noexcept {
   ExerciseInput input;
   input.period_s = config_.period_s;
   input.observed = &record;
+  input.hand = &dynamics_;
   input.parameters = parameters_.values() + config_.live.parameters().size();
   input.pool = pool_ != nullptr ? &pool_report_ : nullptr;
   input.may_push = owner_alive_ && safety_.rendering();

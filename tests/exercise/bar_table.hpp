@@ -142,10 +142,12 @@ class BarTable {
     AxisPosition posture = record.q_s;
     if (fingers_face_palm) posture[3] = 3.14;
     record.theta = postureOf(shippedHand(), posture);
+    hand.updateKinematics(record.theta);
     const WorldQuery query = exercise->query();
     asked_closure = query.closure_body;
     ExerciseInput input;
     input.observed = &record;
+    input.hand = &hand;
     input.parameters = parameters.data();
     input.may_push = may_push;
     exercise->tick(input, out, placements);
@@ -214,6 +216,7 @@ class BarTable {
   std::unique_ptr<Exercise> exercise;
   SceneModel scene;
   TickRecord record;
+  ArticulatedBody hand{shippedHand()};
   ExerciseRecord out;
   BodyPlacements placements;
   std::vector<double> parameters;

@@ -20,6 +20,17 @@ const HandModel& hand(Side side) {
   return side == Side::kLeft ? left : shippedHand();
 }
 
+/// A hand in a posture.
+struct PosedHand {
+  explicit PosedHand(const HandModel& model) : body(model), posture(model) {}
+  void pose(const AxisPosition& q_s) {
+    body.updateKinematics(postureOf(body.hand(), q_s));
+    posture.update(&body);
+  }
+  ArticulatedBody body;
+  HandPosture posture;
+};
+
 struct Touch {
   std::string capsule;
   Vec3 normal;  ///< from the dispenser to the hand
@@ -28,10 +39,10 @@ struct Touch {
 
 double grip_n(Side side, double fingers_rad, double turn_rad, double thumb_rad,
               const std::vector<Touch>& touches) {
-  HandPosture posture(hand(side));
+  PosedHand posed(hand(side));
   AxisPosition q_s(6);
   q_s[3] = fingers_rad, q_s[4] = turn_rad, q_s[5] = thumb_rad;
-  posture.update(postureOf(hand(side), q_s));
+  posed.pose(q_s);
   TickRecord record;
   for (const Touch& t : touches) {
     Contact& c = record.contacts[record.contact_count++];
@@ -44,8 +55,8 @@ double grip_n(Side side, double fingers_rad, double turn_rad, double thumb_rad,
     c.force_n =
         Vec3::from(t.force_n * n + 0.3 * Eigen::Vector3d::UnitZ().cross(n));  // friction, too
   }
-  EXPECT_EQ(gripForce_n(record, 2, posture), 0.0);  // another body
-  return gripForce_n(record, 3, posture);
+  EXPECT_EQ(gripForce_n(record, 2, posed.posture), 0.0);  // another body
+  return gripForce_n(record, 3, posed.posture);
 }
 
 class Grip : public testing::TestWithParam<Side> {};
@@ -146,12 +157,12 @@ struct Held {
   AxisPosition q_s{6};
   TickRecord record;
   FeltBody felt;
-  HandPosture posture{shippedHand()};
+  PosedHand posed{shippedHand()};
   AxisEffort limit{6, 0.8};
 
   Held() {
     q_s[3] = 2.28, q_s[4] = 20.0 * kDeg;
-    posture.update(postureOf(shippedHand(), q_s));
+    posed.pose(q_s);
     add("middle_distal", {0.78, 0.61, -0.12}, 3.0);
     add("hypothenar_edge", {-0.11, -0.99, 0.01}, 2.5);
     felt.body = 3;
@@ -173,7 +184,7 @@ struct Held {
     felt.touches[3] = {true, 0.004, normal.normalized()};
   }
   [[nodiscard]] double squeeze_n() const {
-    return feltSqueeze_n(record, felt, posture, wallsOf(shippedDevice()), limit);
+    return feltSqueeze_n(record, felt, posed.posture, wallsOf(shippedDevice()), limit);
   }
 };
 
@@ -225,14 +236,14 @@ TEST(FeltSqueeze, DigitThatTouchesWithItsBack_IsNone) {
 
 TEST(SoftTouches, OfAHandAboutACylinder_AreThoseWhoseClosingPresses) {
   const HandModel& model = shippedHand();
-  HandPosture posture(model);
+  PosedHand posed(model);
   AxisPosition q(6);
   BodyState body;
   body.position_m = {0.049, 0.041, 0.004};
   const auto touches = [&](double fingers_rad) {
     q[3] = fingers_rad;
-    posture.update(postureOf(model, q));
-    return posture.softTouches(body, 0.025, 0.2, axesOfCapsules(model));
+    posed.pose(q);
+    return posed.posture.softTouches(body, 0.025, 0.2, axesOfCapsules(model));
   };
   EXPECT_FALSE(touches(0.2)[3].presses);
   bool pressed = false;
@@ -254,10 +265,9 @@ TEST(SoftTouches, OfAHandAboutACylinder_AreThoseWhoseClosingPresses) {
 /// Against points of the capsules' and the cylinder's surfaces, drawn at random.
 TEST(Clearance, OfADispenser_IsNeverMoreThanTheDistanceOfAnyTwoPoints) {
   const HandModel& model = hand(Side::kRight);
-  HandPosture posture(model);
-  posture.update(postureOf(model, AxisPosition(6)));
-  ArticulatedBody body(model);
-  body.updateKinematics(postureOf(model, AxisPosition(6)));
+  PosedHand posed(model);
+  posed.pose(AxisPosition(6));
+  const ArticulatedBody& body = posed.body;
   for (int i = 0; i < 200; ++i) {
     const double angle = 0.7 * i;
     const Eigen::Vector3d center(0.15 * std::cos(angle), 0.15 * std::sin(angle), 1e-3 * (i - 100));
@@ -270,7 +280,7 @@ TEST(Clearance, OfADispenser_IsNeverMoreThanTheDistanceOfAnyTwoPoints) {
         least_m = std::min(least_m, (at - Eigen::Vector3d(0, 0, z)).norm() - c.radius_m - 0.025);
       }
     }
-    const double clear_m = posture.clearance_m(center, 0.025, 0.12);
+    const double clear_m = posed.posture.clearance_m(center, 0.025, 0.12);
     EXPECT_LE(clear_m, least_m + 1e-12);
     EXPECT_GE(clear_m, least_m - 1.5e-3);  // 20 steps along a capsule of 60 mm
   }

@@ -79,7 +79,7 @@ class CocktailBar final : public Exercise {
     const TickRecord& seen = *input.observed;
     const int closed_on_to = near_;
     out = ExerciseRecord{};
-    posture_.update(seen.theta);
+    posture_.update(input.hand);
     BarObservation senses = observeBar(bar_, seen, posture_, input.period_s);
     recipe_.setTolerance(parameters_.tolerance_l(input.parameters));
     takeActions(seen, out);

@@ -65,7 +65,7 @@ class SqueezeToLevel final : public Exercise {
     const double elapsed_s = std::max(seen.elapsed_periods, 1U) * input.period_s;
     out = ExerciseRecord{};
     placements.count = 0;
-    posture_.update(seen.theta);
+    posture_.update(input.hand);
     takeActions(seen, out);
     push(input, elapsed_s, out);
     feel(seen, out, elapsed_s);
