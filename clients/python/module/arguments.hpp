@@ -1,0 +1,50 @@
+#pragma once
+
+#include "simulated_rig.hpp"
+
+#include <cstdint>
+#include <pybind11/numpy.h>
+#include <string>
+#include <vector>
+
+namespace wholehand::python {
+
+// Arguments from Python. Each function raises ValueError, TypeError or IndexError with the name of
+// the argument, its value and what is allowed.
+
+/// The arguments that the constructors of Rig and VectorRig share; wholehand/_rig.pyi explains
+/// them.
+struct RigArguments {
+  std::string device;
+  std::string hand;
+  std::string scene;
+  std::string exercise;
+  int level = 1;
+  std::string patient;
+  std::string rendering;
+  std::string motion;
+  std::string engine;  ///< empty: the default
+  double rate_hz = 1000.0;
+  bool uncertified = false;
+  std::uint64_t seed = 0;
+};
+
+RigFiles filesOf(RigArguments arguments);
+
+/// Refuses an integer argument below `least`.
+void checkAtLeast(const char* name, int value, int least, const char* unit = "");
+
+/// Refuses an index of a rig outside 0 .. rigs - 1.
+void checkRig(int rig, int rigs);
+
+using Numbers = pybind11::array_t<double, pybind11::array::c_style | pybind11::array::forcecast>;
+
+/// The aims of rigs, a row each [m or rad]; rigs = 0: of a single rig, without leading dimension.
+Numbers aimsOf(pybind11::handle aim, const Models& models, pybind11::ssize_t rigs);
+
+/// The aim of one rig. @pre `aims` comes from aimsOf()
+AxisPosition aimOf(const Numbers& aims, int rig, int axes);
+
+std::vector<std::string> axisNames(const Models& models);
+
+}  // namespace wholehand::python

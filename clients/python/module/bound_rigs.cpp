@@ -1,0 +1,151 @@
+#include "bound_rigs.hpp"
+
+#include "exceptions.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace py = pybind11;
+
+namespace wholehand::python {
+namespace {
+
+constexpr int kBetweenSignals = 1024;  // ticks between two looks at Ctrl-C
+
+// Runs reset() without Python's lock; raises BadInput where it fails.
+template <class Reset>
+void resetAlone(std::atomic<bool>& busy, const Reset& reset) {
+  const StepGuard guard(busy);
+  const auto done = [&] {
+    const py::gil_scoped_release released;
+    return reset();
+  }();
+  if (!done) refuse(done.errors());
+}
+
+// Runs `ticks` ticks by run(part) without Python's lock, and looks for Ctrl-C in between.
+template <class Run>
+void runTicks(int ticks, const Run& run) {
+  for (int left = ticks; left > 0;) {
+    const int part = std::min(left, kBetweenSignals);
+    bool more = true;
+    {
+      const py::gil_scoped_release released;
+      more = run(part);
+    }
+    left -= part;
+    if (!more) return;
+    if (left > 0 && PyErr_CheckSignals() != 0) throw py::error_already_set();
+  }
+}
+
+void checkTicks(int n) {
+  checkAtLeast("n", n, 1, " tick");
+}
+
+std::unique_ptr<RigVector> loadVector(const RigArguments& arguments, int count, int threads) {
+  checkAtLeast("n", count, 1);
+  checkAtLeast("threads", threads, 1);
+  return valueOr(RigVector::load(filesOf(arguments), count, threads));
+}
+
+}  // namespace
+
+StepGuard::StepGuard(std::atomic<bool>& busy) : busy_(busy) {
+  if (busy_.exchange(true)) {
+    throw std::runtime_error("another thread is stepping or resetting this rig; wait for it");
+  }
+}
+
+OneRig::OneRig(const RigArguments& arguments)
+    : rig_(valueOr(SimulatedRig::load(filesOf(arguments)))) {
+  reset(arguments.seed);
+}
+
+void OneRig::reset(std::uint64_t seed) {
+  resetAlone(busy_, [&] { return rig_->reset(seed, record_); });
+}
+
+int OneRig::step(const py::object& aim, int n) {
+  checkTicks(n);
+  const StepGuard guard(busy_);
+  if (!rig_->running()) refuseEnded(*rig_, record_);
+  if (aim.is_none()) {
+    rig_->steer(nullptr);
+  } else {
+    const AxisPosition wanted = aimOf(aimsOf(aim, models(), 0), 0, models().device.axisCount());
+    rig_->steer(&wanted);
+  }
+  int ran = 0;
+  runTicks(n, [&](int part) {
+    const int now = rig_->run(part);
+    ran += now;
+    return now == part;
+  });
+  return ran;
+}
+
+std::string OneRig::endedBy() const {
+  return faultNames(rig_->endedBy());
+}
+
+py::array OneRig::contacts(const py::object& self) {
+  return viewOf(records(), contactType(), record_.contacts.data(), record_.contact_count, self);
+}
+
+ManyRigs::ManyRigs(const RigArguments& arguments, int count, int threads)
+    : rigs_(loadVector(arguments, count, threads)) {
+  std::vector<std::uint64_t> seeds(count);
+  for (int i = 0; i < count; ++i) seeds[i] = arguments.seed + static_cast<std::uint64_t>(i);
+  reset(seeds);
+}
+
+void ManyRigs::reset(const std::vector<std::uint64_t>& seeds) {
+  if (static_cast<int>(seeds.size()) != rigs_->size()) {
+    throw py::value_error("seeds has " + std::to_string(seeds.size()) +
+                          " numbers; must have one for each of " + std::to_string(rigs_->size()) +
+                          " rigs");
+  }
+  resetAlone(busy_, [&] { return rigs_->reset(seeds); });
+}
+
+void ManyRigs::resetOne(int rig, std::uint64_t seed) {
+  checkRig(rig, rigs_->size());
+  resetAlone(busy_, [&] { return rigs_->resetOne(rig, seed); });
+}
+
+void ManyRigs::step(const py::object& aim, int n) {
+  checkTicks(n);
+  const StepGuard guard(busy_);
+  if (aim.is_none()) {
+    for (int i = 0; i < rigs_->size(); ++i) (*rigs_)[i].steer(nullptr);
+  } else {
+    const Numbers aims = aimsOf(aim, models(), rigs_->size());
+    for (int i = 0; i < rigs_->size(); ++i) {
+      const AxisPosition wanted = aimOf(aims, i, models().device.axisCount());
+      (*rigs_)[i].steer(&wanted);
+    }
+  }
+  runTicks(n, [&](int part) {
+    rigs_->run(part);
+    return true;
+  });
+}
+
+py::array_t<bool> ManyRigs::running() const {
+  py::array_t<bool> running(rigs_->size());
+  for (int i = 0; i < rigs_->size(); ++i) running.mutable_at(i) = (*rigs_)[i].running();
+  return running;
+}
+
+std::vector<std::string> ManyRigs::endedBy() const {
+  std::vector<std::string> names;
+  for (int i = 0; i < rigs_->size(); ++i) names.push_back(faultNames((*rigs_)[i].endedBy()));
+  return names;
+}
+
+py::array ManyRigs::contacts(const py::object& self) {
+  return viewOf(records(), contactType(), rigs_->records()->contacts.data(), kMaxContacts, self);
+}
+
+}  // namespace wholehand::python
