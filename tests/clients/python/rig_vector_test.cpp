@@ -15,18 +15,13 @@ namespace {
 
 constexpr int kRigs = 5;  // more than threads: a thread takes a second one
 
-RigFiles shippedFiles() {
+RigFiles exerciseFiles() {
   RigFiles from;
+  from.files.exercise = "config/exercises/cocktail-bar.toml";
   for (std::string* file : {&from.files.scene, &from.files.hand, &from.files.device,
-                            &from.files.rendering, &from.files.patient}) {
+                            &from.files.rendering, &from.files.patient, &from.files.exercise}) {
     file->insert(0, WHOLEHAND_SOURCE_DIR "/");
   }
-  return from;
-}
-
-RigFiles exerciseFiles() {
-  RigFiles from = shippedFiles();
-  from.files.exercise = WHOLEHAND_SOURCE_DIR "/config/exercises/cocktail-bar.toml";
   return from;
 }
 
@@ -78,7 +73,7 @@ TEST(RigVector, StepsOnThreads_HaveTheBitsOfOneThread) {
 }
 
 TEST(RigVector, ARigWithoutReset_DoesNotRunAndOthersDo) {
-  const auto rigs = test::orThrow(RigVector::load(shippedFiles(), 3, 2));
+  const auto rigs = test::orThrow(RigVector::load(exerciseFiles(), 3, 2));
   test::orThrow(rigs->resetOne(0, 1));  // the others were never reset
   test::orThrow(rigs->resetOne(2, 1));
   rigs->run(10);
