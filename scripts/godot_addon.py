@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """The Godot addon of clients/godot: checks it, and makes what is copied into a game.
 
-godot_addon.py make FOLDER   FOLDER/addons/wholehand, and FOLDER/wholehand-godot-<version>.zip
+godot_addon.py make FOLDER   FOLDER/addons/wholehand, and FOLDER/wholehand-godot-<version>.zip;
+                             the same for Godot 4: FOLDER/godot4/addons/wholehand, FOLDER/wholehand-godot4-<version>.zip
 godot_addon.py check         the version of plugin.cfg is the project's
 
 `make` adds protocol.gd, which it writes from protocol/wholehand.fbs, and the licence: each has one source in this
-repository."""
+repository. Scripts for Godot 4 are translated (gdscript4.py), but for those of clients/godot/godot4."""
 import argparse
 import pathlib
 import re
@@ -13,8 +14,12 @@ import shutil
 import sys
 import zipfile
 
+import gdscript4
+
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 SOURCES = ROOT / "clients/godot/addons/wholehand"
+GODOT4 = ROOT / "clients/godot/godot4"  # what is not a translation: other scripts, and README.md
+DESCRIPTION_OF_GODOT4 = " Translated for Godot 4; never opened in its editor."
 SCHEMA = ROOT / "protocol/wholehand.fbs"
 SIZES = {"bool": 1, "byte": 1, "ubyte": 1, "short": 2, "ushort": 2, "int": 4, "uint": 4, "float": 4, "long": 8,
          "ulong": 8, "double": 8}
@@ -108,18 +113,46 @@ def check(version):
                       "(CMakeLists.txt); write the same")
 
 
+def archive_of(folder, file):
+    """Writes FOLDER/addons into a zip: the same bytes for the same content, without times of files."""
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
+        for path in sorted(p for p in (folder / "addons/wholehand").rglob("*") if p.is_file()):
+            archive.writestr(zipfile.ZipInfo(path.relative_to(folder).as_posix()), path.read_bytes())
+    return file
+
+
 def make(folder, version):
     addon = folder / "addons/wholehand"
     shutil.rmtree(addon, ignore_errors=True)
     shutil.copytree(SOURCES, addon)
     (addon / "protocol.gd").write_text(protocol_of(Schema(SCHEMA.read_text(encoding="utf-8"))), encoding="utf-8")
     shutil.copyfile(ROOT / "LICENSE", addon / "LICENSE")
-    file = folder / f"wholehand-godot-{version}.zip"
-    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
-        for path in sorted(p for p in addon.rglob("*") if p.is_file()):
-            # The same bytes for the same content: no time of a file.
-            archive.writestr(zipfile.ZipInfo(path.relative_to(folder).as_posix()), path.read_bytes())
-    return file
+    return archive_of(folder, folder / f"wholehand-godot-{version}.zip")
+
+
+def make_godot4(folder, version):
+    """Translates the addon that make() has written to the same folder."""
+    addon = folder / "godot4/addons/wholehand"
+    shutil.rmtree(addon, ignore_errors=True)
+    shutil.copytree(folder / "addons/wholehand", addon)
+    found = set()
+    for script in sorted(addon.glob("*.gd")):
+        text, here = gdscript4.godot4_of(script.read_text(encoding="utf-8"))
+        found |= here
+        script.write_text(text, encoding="utf-8")
+    for pattern, _ in gdscript4.rules():
+        if pattern not in found:
+            raise Refused(f"scripts/gdscript4.py: no script of {SOURCES} has {pattern!r}; remove the rule")
+    for own in GODOT4.iterdir():
+        if own.suffix == ".gd" and not (addon / own.name).exists():
+            raise Refused(f"{own}: there is no {SOURCES / own.name} that it stands for; remove it, or write that one")
+        shutil.copyfile(own, addon / own.name)
+    plugin = addon / "plugin.cfg"
+    text, times = re.subn(r'^(description=".*)"$', rf'\1{DESCRIPTION_OF_GODOT4}"', plugin.read_text(encoding="utf-8"), flags=re.M)
+    if times != 1:
+        raise Refused(f"{SOURCES / 'plugin.cfg'}: has no description in one line; write one")
+    plugin.write_text(text, encoding="utf-8")
+    return archive_of(folder / "godot4", folder / f"wholehand-godot4-{version}.zip")
 
 
 def main():
@@ -133,6 +166,7 @@ def main():
         if not arguments.folder:
             parser.error("make: name the folder to write to")
         print(make(arguments.folder, version))
+        print(make_godot4(arguments.folder, version))
 
 
 if __name__ == "__main__":

@@ -28,6 +28,7 @@ const Writer = preload("writer.gd")
 const BodyOrders = preload("body_orders.gd")
 const WholehandBodies = preload("bodies.gd")
 const MotionPredictor = preload("motion_predictor.gd")
+const Socket = preload("socket.gd")
 const WholehandScene = preload("scene.gd")
 const WholehandState = preload("state.gd")
 
@@ -37,7 +38,6 @@ const STOP_AGAIN_MS = 300
 const RETRY_MS = 250
 const GONE_MS = 2000
 const LONGEST_FRAME_S = 1.0 / 30.0
-const BUFFER_KB = 4096 # the largest scene
 
 export var host = "127.0.0.1"
 export var port = 8080
@@ -56,7 +56,7 @@ var shapes = {}   # id -> {id, com_m, pieces}, of the bodies of a game that are 
 var motion = MotionPredictor.new() # where the joints are now
 var ignored = 0  # messages that were damaged or not the program's
 
-var _socket: WebSocketClient = null
+var _socket = null # of socket.gd
 var _reader = Reader.new()
 var _writer = Writer.new()
 var _why_closed = "" # empty: it is not
@@ -78,8 +78,11 @@ func _process(delta: float) -> void:
 			_open(now_ms)
 		return
 	_socket.poll()
-	if _socket.get_connection_status() == NetworkedMultiplayerPeer.CONNECTION_CONNECTED:
-		_receive(now_ms)
+	_receive(now_ms)
+	if _socket.state == Socket.REFUSED:
+		_why_closed = "no connection to %s:%d: no program is there, or it asks for another token" % [host, port]
+	elif _socket.state == Socket.LOST:
+		_why_closed = "the connection is lost"
 	if _why_closed == "" and now_ms - _heard_ms > GONE_MS:
 		_why_closed = "the program at %s:%d is not heard" % [host, port]
 	if _why_closed != "":
@@ -181,32 +184,18 @@ func set_body_targets(all: Array) -> int:
 # ---- the connection ----
 
 func _open(now_ms: int) -> void:
-	_socket = WebSocketClient.new()
-	_socket.set_buffers(BUFFER_KB, 1024, 64, 1024)
-	_socket.connect("connection_error", self, "_on_closed", [false,
-			"no connection to %s:%d: no program is there, or it asks for another token" % [host, port]])
-	_socket.connect("connection_closed", self, "_on_closed", ["the connection is lost"])
-	var headers = PoolStringArray()
-	if token != "":
-		headers.append("Authorization: Bearer " + token)
+	_socket = Socket.new()
 	var address = "ws://%s:%d/ws%s" % [host, port, "" if role == "" else "?role=" + role]
 	_heard_ms = now_ms
 	_why_closed = ""
-	if _socket.connect_to_url(address, PoolStringArray(), false, headers) != OK:
+	if not _socket.open(address, token):
 		_end("%s is no address of a program; correct host and port" % address)
-
-
-# While the socket raises a signal it must not be freed.
-func _on_closed(_clean: bool, why: String) -> void:
-	_why_closed = why
 
 
 func _end(why: String) -> void:
 	var was = connected
 	var news = was or message != why
-	_socket.disconnect("connection_error", self, "_on_closed")
-	_socket.disconnect("connection_closed", self, "_on_closed")
-	_socket.disconnect_from_host()
+	_socket.close()
 	_socket = null
 	_retry_ms = OS.get_ticks_msec() + RETRY_MS
 	connected = false
@@ -251,19 +240,16 @@ func _send(id: int, type: String, fields: Array) -> void:
 
 
 func _put(message_bytes: PoolByteArray) -> void:
-	var peer = _socket.get_peer(1)
-	peer.set_write_mode(WebSocketPeer.WRITE_MODE_BINARY)
-	peer.put_packet(message_bytes)
+	_socket.send(message_bytes)
 
 
 # ---- what the program says ----
 
 func _receive(now_ms: int) -> void:
-	var peer = _socket.get_peer(1)
 	var newest = null # of several states only the last is decoded
-	while peer.get_available_packet_count() > 0:
+	while _socket.packet_count() > 0:
 		_heard_ms = now_ms
-		var packet = peer.get_packet()
+		var packet = _socket.take_packet()
 		_reader.open(packet)
 		if _payload_type() == Protocol.Payload.WorldState:
 			newest = packet

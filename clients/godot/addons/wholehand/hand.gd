@@ -138,7 +138,7 @@ func _add_capsule(capsule: Dictionary, skin: Material) -> void:
 	var a = Axes.to_godot(capsule.a_m)
 	var b = Axes.to_godot(capsule.b_m)
 	var node = Shapes.instance(Shapes.capsule(capsule.radius_m, a.distance_to(b)), skin)
-	node.transform = Transform(Shapes.along_z(b - a), 0.5 * (a + b))
+	node.transform = Transform(Shapes.capsule_turn(b - a), 0.5 * (a + b))
 	links[capsule.link].add_child(node)
 	_capsules.append(node)
 

@@ -2,6 +2,8 @@
 # is not inside the message sets `broken`; all that is read from then on is 0 or empty.
 extends Reference
 
+const Parts = preload("engine_parts.gd")
+
 const IDENTIFIER = "WHND"
 
 var broken = false
@@ -13,7 +15,7 @@ var _size = 0
 func open(message: PoolByteArray) -> void:
 	_bytes.data_array = message
 	_size = message.size()
-	broken = _size < 8 or message.subarray(4, 7).get_string_from_ascii() != IDENTIFIER
+	broken = _size < 8 or Parts.part_of(message, 4, 7).get_string_from_ascii() != IDENTIFIER
 
 
 # Where the outermost table is.

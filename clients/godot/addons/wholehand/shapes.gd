@@ -2,6 +2,7 @@
 extends Reference
 
 const Axes = preload("axes.gd")
+const Parts = preload("engine_parts.gd")
 const Protocol = preload("protocol.gd")
 
 const SEGMENTS = 16
@@ -36,30 +37,29 @@ static func mesh_of(shape: Dictionary) -> Mesh:
 	return null
 
 
-# Along Godot's z; `length` is between the centres of the caps.
+# Along the axis that capsule_turn() turns; `length` is between the centres of the caps.
 static func capsule(radius: float, length: float) -> Mesh:
 	var mesh = CapsuleMesh.new()
 	# With Godot's 64 segments a hand takes a quarter of a second, and the program takes the controls from a game that
 	# is silent so long.
 	mesh.radial_segments = SEGMENTS
 	mesh.rings = RINGS
-	mesh.radius = radius
-	mesh.mid_height = length
+	Parts.set_capsule_size(mesh, radius, length)
 	return mesh
 
 
 # From a mesh's own axes to those of the shape: Wholehand's capsules lie along its z, which is Godot's y.
 static func turn_of(shape: Dictionary) -> Basis:
-	return along_z(Vector3.UP) if shape.type == Protocol.ShapeType.Capsule else Basis()
+	return capsule_turn(Vector3.UP) if shape.type == Protocol.ShapeType.Capsule else Basis()
 
 
-# A rotation that leads z there.
-static func along_z(direction: Vector3) -> Basis:
+# A rotation that leads the axis of a capsule's mesh there.
+static func capsule_turn(direction: Vector3) -> Basis:
 	if direction.length() < 1e-9:
 		return Basis()
-	var z = direction.normalized()
-	var x = z.cross(Vector3.UP if abs(z.y) < 0.9 else Vector3.RIGHT).normalized()
-	return Basis(x, z.cross(x), z)
+	var along = direction.normalized()
+	var side = along.cross(Vector3.UP if abs(along.y) < 0.9 else Vector3.RIGHT).normalized()
+	return Parts.capsule_basis(along, side)
 
 
 static func instance(mesh: Mesh, material: Material) -> MeshInstance:
@@ -90,7 +90,7 @@ static func _convex(shape: Dictionary) -> Mesh:
 	if corners.empty():
 		return null
 	var tool_of_mesh = SurfaceTool.new()
-	tool_of_mesh.begin(Mesh.PRIMITIVE_TRIANGLES)
+	Parts.begin_sharp(tool_of_mesh)
 	for corner in corners:
 		tool_of_mesh.add_vertex(corner)
 	tool_of_mesh.generate_normals()
