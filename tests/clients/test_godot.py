@@ -160,7 +160,7 @@ class Addon(unittest.TestCase):
     def test_another_version_than_the_projects_is_refused(self):
         with tempfile.TemporaryDirectory(prefix="wholehand-test-") as folder:
             tree = pathlib.Path(folder)
-            for name in ("scripts/godot_addon.py", "CMakeLists.txt"):
+            for name in ("scripts/godot_addon.py", "scripts/gdscript4.py", "CMakeLists.txt"):
                 (tree / name).parent.mkdir(exist_ok=True)
                 shutil.copyfile(SOURCE / name, tree / name)
             shutil.copytree(SOURCE / "clients/godot/addons", tree / "clients/godot/addons")
