@@ -1,8 +1,8 @@
 """Writes GDScript of Godot 3 as GDScript of Godot 4: the notation and the names that the addon of clients/godot uses.
 
-Sources: Godot's manual, "Upgrading from Godot 3 to Godot 4" (docs.godotengine.org/en/stable/tutorials/migrating), and
-the table of Godot's own converter, editor/renames_map_3_to_4.cpp of its repository. What has another meaning and not
-just another name stands in clients/godot/godot4."""
+Godot's own converter has a table of the same kind (editor/renames_map_3_to_4.cpp of its repository); the tables here
+were compared with a part of it only. What has another meaning and not just another name stands in
+clients/godot/godot4."""
 import re
 
 # Classes and types: whole words, in code, in texts and in comments.

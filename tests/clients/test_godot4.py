@@ -16,8 +16,8 @@ SCRIPTS = SOURCE / "scripts"
 sys.path.insert(0, str(SCRIPTS))
 import gdscript4  # noqa: E402
 
-# Names of Godot 3 that Godot 4 does not have, and its own. From Godot's manual, "Upgrading from Godot 3 to Godot 4", and
-# from Godot's converter (editor/renames_map_3_to_4.cpp).
+# Names of Godot 3 that Godot 4 does not have, and its own. Godot's converter has such a table
+# (editor/renames_map_3_to_4.cpp); this one was compared with a part of it only.
 GONE = {
     "Area": "Area3D", "Camera": "Camera3D", "CubeMesh": "BoxMesh", "Directory": "DirAccess", "File": "FileAccess",
     "GDScriptFunctionState": "await", "ImmediateGeometry": "ImmediateMesh", "KinematicBody": "CharacterBody3D",
