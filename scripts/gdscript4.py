@@ -39,6 +39,7 @@ NOTATION = [
     (r"\.sort_custom\(self, \"(\w+)\"\)", r".sort_custom(\1)"),
 ]
 
+
 def rules():
     """Patterns of Godot 3, and what each becomes."""
     yield from NOTATION
