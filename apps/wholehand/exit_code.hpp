@@ -10,6 +10,7 @@ enum ExitCode : int {
   kExitDifferent = 1,     ///< replay --resimulate found a difference
   kExitNotCertified = 1,  ///< certify: not certified
   kExitNotFit = 1,        ///< doctor, device conform, validate --admit: not fit
+  kExitNotAlike = 1,      ///< decompose: the pieces' volume differs from the mesh's
   kExitBadInput = 2,      ///< bad usage or a bad file
   kExitFault = 3,         ///< a fault stopped the run
   kExitFailed = 4,        ///< internal failure: no memory, a folder that was removed

@@ -1,6 +1,7 @@
 #include "admit_command.hpp"
 #include "bar_experiments.hpp"
 #include "certify_command.hpp"
+#include "decompose_command.hpp"
 #include "device_command.hpp"
 #include "device_host_command.hpp"
 #include "doctor.hpp"
@@ -263,6 +264,8 @@ int runProgram(int argc, char** argv) {
   admit.hand = certify.hand;
   admit.device = certify.device;
   addValidate(app, files, admit, code);
+  DecomposeOptions decompose;
+  addDecompose(app, decompose, code);
   addOthers(app, report, code);
   try {
     app.parse(argc, argv);

@@ -126,11 +126,14 @@ Expected<MeshSurface> readMeshHere(const std::string& path) {
   return surface;
 }
 
-Expected<MeshCollider> loadMeshCollider(const std::string& path, const Eigen::Vector3d& scale) {
+Expected<MeshSurface> readMesh(const std::string& path) {
   if (auto fault = nameFault(path)) return *fault;
   const std::string reader = meshReaderProgram();
-  Expected<MeshSurface> surface =
-      reader.empty() ? readMeshHere(path) : readMeshInChild(reader, path);
+  return reader.empty() ? readMeshHere(path) : readMeshInChild(reader, path);
+}
+
+Expected<MeshCollider> loadMeshCollider(const std::string& path, const Eigen::Vector3d& scale) {
+  Expected<MeshSurface> surface = readMesh(path);
   if (!surface) return surface.errors();
   for (Eigen::Vector3d& p : surface->points) p = scale.cwiseProduct(p);
   const std::string mesh = "the mesh " + path + " ";

@@ -16,6 +16,11 @@ struct MeshSurface {
   std::vector<Eigen::Vector3i> triangles;  ///< indices into points
 };
 
+/// Reads a mesh file (STL, OBJ, DAE, GLB) in a child process (meshReaderProgram()); without that
+/// program, in this process.
+/// @return as readMeshHere()
+[[nodiscard]] Expected<MeshSurface> readMesh(const std::string& path);
+
 /// Reads a mesh file in this process with assimp, which a damaged file may crash.
 /// @return the surface, or one Diagnostic with problem and remedy (file and key are the caller's)
 [[nodiscard]] Expected<MeshSurface> readMeshHere(const std::string& path);

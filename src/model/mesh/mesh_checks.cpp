@@ -1,0 +1,134 @@
+#include "model/mesh/mesh_checks.hpp"
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <numeric>
+#include <utility>
+
+namespace wholehand {
+
+using Eigen::Vector3d;
+using Eigen::Vector3i;
+
+namespace {
+
+constexpr double kMinSize_m = 1e-3, kMaxSize_m = 10.0;
+
+}  // namespace
+
+Diagnostic meshFault(std::string problem, std::string remedy) {
+  Diagnostic d;
+  d.problem = std::move(problem);
+  d.remedy = std::move(remedy);
+  return d;
+}
+
+std::string place(const Vector3d& p) {
+  return fmt::format("({:.4g}, {:.4g}, {:.4g}) m", p.x(), p.y(), p.z());
+}
+
+double diagonal(const std::vector<Vector3d>& points_m) {
+  Vector3d lower = points_m.front(), upper = lower;
+  for (const Vector3d& p : points_m) {
+    lower = lower.cwiseMin(p);
+    upper = upper.cwiseMax(p);
+  }
+  return (upper - lower).norm();
+}
+
+/// Index of the first point within `near_m` of each point. It connects files that store the
+/// vertices of each triangle separately (STL).
+std::vector<int> weld(const std::vector<Vector3d>& points, double near_m) {
+  std::vector<int> by_x(points.size());
+  std::iota(by_x.begin(), by_x.end(), 0);
+  std::sort(by_x.begin(), by_x.end(), [&](int i, int j) { return points[i].x() < points[j].x(); });
+  std::vector<int> same(points.size(), -1);
+  for (std::size_t i = 0; i < by_x.size(); ++i) {
+    int& target = same[by_x[i]];
+    if (target >= 0) continue;
+    target = by_x[i];
+    const Vector3d& p = points[target];
+    for (std::size_t j = i + 1; j < by_x.size() && points[by_x[j]].x() - p.x() <= near_m; ++j) {
+      int& other = same[by_x[j]];
+      if (other < 0 && (points[by_x[j]] - p).norm() <= near_m) other = by_x[i];
+    }
+  }
+  return same;
+}
+
+/// The merged vertices in use, and triangles with three different vertices.
+WeldedMesh cleaned(const std::vector<Vector3d>& points, const std::vector<Vector3i>& triangles) {
+  WeldedMesh mesh;
+  mesh.size_m = diagonal(points);
+  const std::vector<int> same = weld(points, kWeldShare * mesh.size_m);
+  std::vector<int> index(points.size(), -1);
+  for (const Vector3i& t : triangles) {
+    const Vector3i w(same[t[0]], same[t[1]], same[t[2]]);
+    if (w[0] == w[1] || w[1] == w[2] || w[2] == w[0]) continue;
+    Vector3i corners;
+    for (int k = 0; k < 3; ++k) {
+      int& corner = index[w[k]];
+      if (corner < 0) {
+        corner = static_cast<int>(mesh.points_m.size());
+        mesh.points_m.push_back(points[w[k]]);
+      }
+      corners[k] = corner;
+    }
+    mesh.triangles.push_back(corners);
+  }
+  return mesh;
+}
+
+Vector3d mean(const std::vector<Vector3d>& points) {
+  Vector3d sum = Vector3d::Zero();
+  for (const Vector3d& p : points) sum += p;
+  return sum / static_cast<double>(points.size());
+}
+
+/// Twice the triangle's area as a vector along its normal.
+Vector3d areaVector(const WeldedMesh& mesh, const Vector3i& t) {
+  const Vector3d& p = mesh.points_m[t[0]];
+  return (mesh.points_m[t[1]] - p).cross(mesh.points_m[t[2]] - p);
+}
+
+std::optional<Diagnostic> sizeFault(const WeldedMesh& mesh) {
+  if (mesh.size_m >= kMinSize_m && mesh.size_m <= kMaxSize_m) return std::nullopt;
+  return meshFault(fmt::format("is {:.4g} m across", mesh.size_m),
+                   "must be 0.001 to 10 m across; a mesh in millimetres needs scale = 0.001");
+}
+
+std::optional<Diagnostic> countFault(std::size_t triangles, int most, const char* remedy) {
+  if (triangles <= static_cast<std::size_t>(most)) return std::nullopt;
+  return meshFault(fmt::format("has {} triangles", triangles),
+                   fmt::format("may have {} at most: {}", most, remedy));
+}
+
+/// Faults that leave no surface to compute with.
+std::optional<Diagnostic> inputFault(const std::vector<Vector3d>& points,
+                                     const std::vector<Vector3i>& triangles, int most_triangles) {
+  if (points.empty() || triangles.empty()) {
+    return meshFault("is empty: it has no faces", "give a closed convex surface");
+  }
+  if (auto d = countFault(triangles.size(), most_triangles, "give its convex hull, simplified")) {
+    return d;
+  }
+  if (points.size() > 3 * static_cast<std::size_t>(most_triangles)) {  // its triangles have no more
+    return meshFault(fmt::format("has {} corners", points.size()),
+                     "remove those that belong to no face");
+  }
+  if (!std::all_of(points.begin(), points.end(), [](const Vector3d& p) { return p.allFinite(); })) {
+    return meshFault("has a corner that is not finite", "give finite coordinates");
+  }
+  const int count = static_cast<int>(points.size());
+  for (const Vector3i& t : triangles) {
+    if (t.minCoeff() < 0 || t.maxCoeff() >= count) {
+      return meshFault("has a face with a corner that does not exist", "export it again");
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace wholehand
