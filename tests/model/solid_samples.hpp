@@ -68,8 +68,9 @@ inline MeshSurface torus(double ring_m, double tube_m, int around, int across) {
 
 /// Cup: 90 mm high, outer radius 35 mm, wall and floor 4 mm thick, on the plane z = 0.
 inline MeshSurface cup(int around) {
-  return revolved({{0.0, 0.0}, {0.035, 0.0}, {0.035, 0.09}, {0.031, 0.09}, {0.031, 0.004}, {0.0, 0.004}},
-                  around);
+  return revolved(
+      {{0.0, 0.0}, {0.035, 0.0}, {0.035, 0.09}, {0.031, 0.09}, {0.031, 0.004}, {0.0, 0.004}},
+      around);
 }
 
 }  // namespace wholehand::test

@@ -31,6 +31,9 @@ constexpr double kOnSurfaceShare = 1e-7;  ///< of the size: nearer points lie on
 constexpr double kVolumeShare = 1e-6;     ///< of the solid's volume: no difference
 constexpr double kBalanceWeight = 0.01;   ///< of equal halves against a smaller volume
 constexpr double kReflexWeight = 0.05;    ///< of reflex edges on the cut against the same
+constexpr double kSmallGain = 0.02;       ///< of a cut: the next ones are looked at, too
+constexpr std::size_t kCutsAhead = 12;    ///< that are looked at
+constexpr double kTie = 1e-6;             ///< of costs: the first one counts
 constexpr int kSamplesAcross = 40;        ///< of the solid's size, on a surface
 
 /// A convex cell's share of the solid.
@@ -41,6 +44,11 @@ struct Part {
   MeshSurface hull;
   double excess_m3 = 0.0;  ///< volume of the hull less that of the part
   bool done = false;
+};
+
+struct Cut {
+  CutPlane plane;
+  double cost = 0.0;  ///< costOf(), less the reward for reflex edges
 };
 
 struct Piece {
@@ -226,28 +234,77 @@ class Decomposition {
     return part;
   }
 
-  /// Cuts the part in two. @return false when no plane does
-  bool divide(std::size_t index) {
-    const Part& part = parts_[index];
+  /// Box of a part's hull, a little larger.
+  [[nodiscard]] Eigen::AlignedBox3d boxOf(const Part& part) const {
     Eigen::AlignedBox3d box;
     for (const Vector3d& p : part.hull.points) box.extend(p);
     box.min().array() -= kOnSurfaceShare * solid_.size_m;
     box.max().array() += kOnSurfaceShare * solid_.size_m;
-    double lowest = std::numeric_limits<double>::infinity();
-    CutPlane best;
+    return box;
+  }
+
+  /// All cuts that leave two hulls, the cheapest first.
+  [[nodiscard]] std::vector<Cut> cutsOf(const Part& part) const {
+    const Eigen::AlignedBox3d box = boxOf(part);
+    std::vector<Cut> cuts;
     for (const Candidate& candidate : candidates(part)) {
       const double cost =
           costOf(part, candidate.plane, box) - kReflexWeight * candidate.reflex_share;
-      if (cost >= lowest) continue;
-      lowest = cost;
-      best = candidate.plane;
+      if (std::isfinite(cost)) cuts.push_back({candidate.plane, cost});
     }
-    if (!std::isfinite(lowest)) return false;
-    const std::vector<Vector3d> inner = innerCorners(part.cell, best, box);
-    auto behind = partBehind(part, best, inner), ahead = partBehind(part, best.turned(), inner);
-    if (!behind || !ahead) return false;
-    parts_[index] = std::move(*behind);
-    parts_.push_back(std::move(*ahead));
+    std::stable_sort(cuts.begin(), cuts.end(),
+                     [](const Cut& a, const Cut& b) { return a.cost < b.cost; });
+    return cuts;
+  }
+
+  /// Both parts of a cut. Empty: one has no volume
+  [[nodiscard]] std::optional<std::pair<Part, Part>> halvesOf(const Part& part,
+                                                              const CutPlane& plane) const {
+    const std::vector<Vector3d> inner = innerCorners(part.cell, plane, boxOf(part));
+    auto behind = partBehind(part, plane, inner), ahead = partBehind(part, plane.turned(), inner);
+    if (!behind || !ahead) return std::nullopt;
+    return std::pair(std::move(*behind), std::move(*ahead));
+  }
+
+  /// Volume of the hulls after this cut and the best cut of each half [m³].
+  [[nodiscard]] double volumeAfterNextCuts(const Part& part, const CutPlane& plane) const {
+    const auto halves = halvesOf(part, plane);
+    if (!halves) return std::numeric_limits<double>::infinity();
+    double volume_m3 = 0.0;
+    for (const Part* half : {&halves->first, &halves->second}) {
+      const std::vector<Cut> cuts = cutsOf(*half);
+      const double share = cuts.empty() ? 1.0 : std::min(cuts.front().cost, 1.0);
+      volume_m3 += share * signedVolume(half->hull);
+    }
+    return volume_m3;
+  }
+
+  /// The best cut. Where the first ones hardly differ and gain little, as those of a tube, the cuts
+  /// that may follow decide.
+  [[nodiscard]] std::optional<CutPlane> bestCut(const Part& part) const {
+    const std::vector<Cut> cuts = cutsOf(part);
+    if (cuts.empty()) return std::nullopt;
+    if (cuts.front().cost < 1.0 - kSmallGain) return cuts.front().plane;
+    CutPlane best;
+    double lowest_m3 = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < std::min<std::size_t>(cuts.size(), kCutsAhead); ++i) {
+      if (cuts[i].cost > cuts.front().cost + kSmallGain) break;
+      const double volume_m3 = volumeAfterNextCuts(part, cuts[i].plane);
+      if (volume_m3 >= (1.0 - kTie) * lowest_m3) continue;
+      lowest_m3 = volume_m3;
+      best = cuts[i].plane;
+    }
+    return std::isfinite(lowest_m3) ? std::optional(best) : std::nullopt;
+  }
+
+  /// Cuts the part in two. @return false when no plane does
+  bool divide(std::size_t index) {
+    const auto plane = bestCut(parts_[index]);
+    if (!plane) return false;
+    auto halves = halvesOf(parts_[index], *plane);
+    if (!halves) return false;
+    parts_[index] = std::move(halves->first);
+    parts_.push_back(std::move(halves->second));
     return true;
   }
 
