@@ -1,0 +1,211 @@
+"""`wholehand decompose`: a mesh becomes convex pieces that a scene takes, and its hollow can be entered."""
+import json
+import math
+import os
+import re
+import unittest
+
+import numpy
+
+from app import BAD_INPUT, DONE, AppTest, read_recording
+
+NOT_ALIKE = 1
+
+
+def obj(points, faces):
+    return ("".join(f"v {x:.9g} {y:.9g} {z:.9g}\n" for x, y, z in points)
+            + "".join("f " + " ".join(str(i + 1) for i in face) + "\n" for face in faces))
+
+
+def prism(outline, height):
+    """Walls of a polygon that runs counterclockwise; its corner 0 sees every other one."""
+    n = len(outline)
+    faces = [(i, (i + 1) % n, n + (i + 1) % n, n + i) for i in range(n)]
+    faces += [(0, i + 1, i) for i in range(1, n - 1)] + [(n, n + i, n + i + 1) for i in range(1, n - 1)]
+    return [(x, y, z) for z in (0.0, height) for x, y in outline], faces
+
+
+def revolved(profile, around):
+    points = [(r * math.cos(2 * math.pi * i / around), r * math.sin(2 * math.pi * i / around), z)
+              for i in range(around) for r, z in profile]
+    n = len(profile)
+    faces = [(i * n + k, (i + 1) % around * n + k, (i + 1) % around * n + (k + 1) % n, i * n + (k + 1) % n)
+             for i in range(around) for k in range(n)]
+    return points, faces
+
+
+L = prism([(.02, .02), (.02, .06), (0, .06), (0, 0), (.06, 0), (.06, .02)], .02)  # 40 cm3
+CUBE = prism([(0, 0), (.05, 0), (.05, .05), (0, .05)], .05)
+CUP = revolved([(0, 0), (.035, 0), (.035, .09), (.031, .09), (.031, .004), (0, .004)], 24)
+
+SCENE = """kind = "scene"
+version = 1
+name = "A ball above a cup"
+gravity_m_s2 = [0.0, 0.0, -9.81]
+
+[[bodies]]
+name = "cup"
+{shape}
+fixed = true
+position_m = [0.6, 0.0, -0.1]
+
+[[bodies]]
+name = "ball"
+shape = "sphere"
+radius_m = 0.01
+mass_kg = 0.05
+position_m = [0.6, 0.0, 0.02]
+"""
+
+
+class Decompose(AppTest):
+    def mesh(self, solid, name="part.obj"):
+        return self.write(name, obj(*solid))
+
+    def decompose(self, mesh, *arguments, out="out"):
+        return self.run_app("decompose", mesh, "--out", out, *arguments)
+
+    def bytes_of(self, folder):
+        return {name: (self.folder / folder / name).read_bytes() for name in self.names_in(self.folder / folder)}
+
+    def test_an_l_is_two_boxes_as_table_as_json_and_as_files(self):
+        done = self.expect(self.decompose(self.mesh(L), "--json", "l.json"), DONE, "mesh 40 cm3, pieces 40 cm3",
+                           "written  2 pieces")
+        self.assertNotIn("note", done.out)
+        told = json.loads((self.folder / "l.json").read_text())
+        self.assertEqual([p["file"] for p in told["pieces"]], ["part_01.obj", "part_02.obj"])
+        self.assertAlmostEqual(told["volume_m3"], 40e-6, delta=40e-12)
+        self.assertAlmostEqual(sum(p["volume_m3"] for p in told["pieces"]), told["volume_m3"], delta=1e-15)
+        self.assertLess(abs(told["volume_difference"]), 1e-6)
+        # Two boxes, 24 and 16 cm3, with their centres at (30, 10, 10) and (10, 40, 10) mm.
+        for mass in (told["mass"], told["mesh"]["mass"]):
+            self.assertAlmostEqual(mass["mass_kg"], 0.04, delta=1e-8)
+            for found, expected in zip(mass["com_m"], (0.022, 0.022, 0.01)):
+                self.assertAlmostEqual(found, expected, delta=1e-8)
+        self.assertEqual(self.names_in(self.folder / "out"), ["part.toml", "part.urdf", "part_01.obj", "part_02.obj"])
+        for piece in told["pieces"]:
+            text = (self.folder / "out" / piece["file"]).read_text()
+            written = [[float(x) for x in line.split()[1:]] for line in text.splitlines() if line[0] == "v"]
+            self.assertEqual(numpy.float32(written).tolist(), piece["points_m"])
+            self.assertLessEqual(len(piece["points_m"]), 64)
+        valid = self.expect(self.run_app("validate", "out/part.toml"), DONE, "ok")
+        self.assertNotIn("convex", valid.out)
+
+    def test_the_same_mesh_gives_the_same_bytes(self):
+        mesh = self.mesh(CUP)
+        self.expect(self.decompose(mesh, out="a"), DONE)
+        self.expect(self.decompose(mesh, out="b"), DONE)
+        self.assertEqual(self.bytes_of("a"), self.bytes_of("b"))
+
+    def test_scale_mass_and_a_convex_mesh(self):
+        in_mm = [(1e3 * x, 1e3 * y, 1e3 * z) for x, y, z in CUBE[0]], CUBE[1]
+        self.expect(self.decompose(self.mesh(in_mm), "--scale", "0.001", "--mass-kg", "0.3", "--json", "c.json"), DONE,
+                    "written  1 piece,")
+        told = json.loads((self.folder / "c.json").read_text())
+        self.assertAlmostEqual(told["volume_m3"], 125e-6, delta=1e-11)
+        moment = 0.3 * 0.05 ** 2 / 6  # of a cube
+        for k in range(3):
+            self.assertAlmostEqual(told["mass"]["inertia_kg_m2"][k][k], moment, delta=1e-6 * moment)
+        self.assertIn("mass_kg = 0.3\n", (self.folder / "out/part.toml").read_text())
+
+    def test_a_ball_falls_into_the_cup_and_rests_on_its_floor(self):
+        self.expect(self.decompose(self.mesh(CUP, "cup.obj"), "--json", "cup.json", out="."), DONE)
+        filled = json.loads((self.folder / "cup.json").read_text())["pieces_outside_mesh_m"]
+        self.assertLess(filled, 0.0025)
+        self.write("pieces.toml", SCENE.format(shape='shape = "urdf"\nfile = "cup.urdf"'))
+        self.write("hull.toml", SCENE.format(shape='shape = "mesh"\nfile = "cup.obj"'))
+        heights = {}
+        for scene in ("pieces", "hull"):
+            recording = self.record(f"{scene}.h5", "--scene", f"{scene}.toml", "--no-web", duration=2)
+            with read_recording(recording) as file:
+                bodies = file["ticks/bodies"][:]
+            names = [text.decode() for text in file_names(recording)]
+            self.assertEqual(names, ["cup", "ball"])
+            ball = bodies[:, 1] if bodies.ndim == 3 else bodies[:, 13:]
+            heights[scene] = ball[-1, 2]
+            self.assertLess(math.hypot(ball[-1, 0] - 0.6, ball[-1, 1]), 0.022)
+            self.assertLess(max(abs(ball[-1, 7:10])), 1e-2)
+        inside = -0.1 + 0.004 + 0.01  # on the floor, which a piece may raise by what the command told
+        self.assertGreater(heights["pieces"], inside - 1e-4)
+        self.assertLess(heights["pieces"], inside + filled + 1e-4)
+        self.assertAlmostEqual(heights["hull"], -0.1 + 0.09 + 0.01, delta=1e-4)  # on the opening, which a hull closes
+
+    def test_thin_walls_and_one_piece_are_refused_unless_allowed(self):
+        mesh = self.mesh(CUP)
+        refused = self.expect(self.decompose(mesh, "--pieces", "1"), NOT_ALIKE, "--volume-bound = 0.25",
+                              "nothing is written", "--pieces")
+        self.assertIn("--concavity", refused.out)
+        self.assertFalse((self.folder / "out").exists())
+        # The hull of the cup: 24 sectors of a cylinder against its wall and floor.
+        self.expect(self.decompose(mesh, "--pieces", "1", "--volume-bound", "4"), DONE, "written  1 piece,")
+
+    def test_bad_meshes_are_named_with_the_remedy(self):
+        points, faces = CUBE
+        spoiled = {
+            "open.obj": (obj(points, faces[1:]), "not closed", "close its holes"),
+            "both.obj": (obj(points, [faces[0][::-1], *faces[1:]]), "wound both ways", "outward"),
+            "flat.obj": (obj([(x, y, 0) for x, y, _ in points], faces), "flat", "thickness"),
+            "nan.obj": (obj(points, faces).replace("v 0.05 0 0\n", "v nan 0 0\n"), "", ""),
+            "text.obj": ("nothing at all\n", "", ""),
+            "empty.stl": ("", "empty", ""),
+            "part.xyz": (obj(points, faces), "no known kind", "OBJ"),
+            "far.obj": (obj([(1e3 * x, 1e3 * y, 1e3 * z) for x, y, z in points], faces), "across", "scale = 0.001"),
+            "many.obj": (obj(points, faces * 1700), "triangles", "simplify"),
+        }
+        for name, (text, problem, remedy) in spoiled.items():
+            with self.subTest(name):
+                self.expect_refused(self.decompose(self.write(name, text)), name, problem, remedy, lines=1)
+        self.expect_refused(self.decompose("none.obj"), "none.obj", "no such file", lines=1)
+        self.assertFalse((self.folder / "out").exists())
+
+    def test_an_inward_mesh_is_turned_and_said_so(self):
+        points, faces = L
+        self.expect(self.decompose(self.mesh((points, [face[::-1] for face in faces]))), DONE, "inside out",
+                    "pieces 40 cm3")
+
+    def test_options_out_of_range_are_refused(self):
+        mesh = self.mesh(CUBE)
+        for arguments in (["--pieces", "0"], ["--pieces", "65"], ["--concavity", "nan"], ["--concavity", "-1"],
+                          ["--scale", "0"], ["--mass-kg", "-1"], ["--volume-bound", "nan"]):
+            self.expect(self.decompose(mesh, *arguments), BAD_INPUT, arguments[0])
+        self.expect(self.run_app("decompose", mesh), BAD_INPUT, "--out")
+        self.expect(self.run_app("decompose"), BAD_INPUT, "mesh")
+
+    def test_files_of_others_stay_and_old_pieces_go(self):
+        self.expect(self.decompose(self.mesh(L)), DONE)
+        self.write("out/notes.txt", "mine")
+        before = self.bytes_of("out")
+        self.expect(self.decompose(self.mesh(L)), DONE)
+        self.assertEqual(self.bytes_of("out"), before)
+        self.expect(self.decompose(self.mesh(CUBE)), DONE)  # the same name, one piece less
+        self.assertEqual(self.names_in(self.folder / "out"), ["notes.txt", "part.toml", "part.urdf", "part_01.obj"])
+        self.write("out/part.urdf", "<robot/>")
+        before = self.bytes_of("out")
+        self.expect_refused(self.decompose(self.mesh(L)), "out/part.urdf", "not written by this command", lines=1)
+        self.assertEqual(self.bytes_of("out"), before)
+
+    def test_a_folder_that_cannot_be_written_is_refused(self):
+        mesh = self.mesh(CUBE)
+        self.write("file", "")
+        self.expect_refused(self.decompose(mesh, out="file"), "file", "--out", lines=1)
+        self.expect_refused(self.decompose(mesh, out="file/inside"), "--out", lines=1)
+        self.expect_refused(self.decompose(mesh, out="/proc/none"), "--out", lines=1)
+        if os.getuid() != 0:
+            (self.folder / "locked").mkdir(mode=0o500)
+            self.expect_refused(self.decompose(mesh, out="locked"), "locked", lines=1)
+        self.expect_refused(self.decompose(mesh, "--json", mesh), "part.obj", lines=1)
+
+    def test_names_with_odd_characters_become_plain(self):
+        self.expect(self.decompose(self.mesh(CUBE, 'a "b" & <ü>.obj')), DONE)
+        names = self.names_in(self.folder / "out")
+        self.assertTrue(all(re.fullmatch(r"[A-Za-z0-9_-]+\.(obj|toml|urdf)", name) for name in names), names)
+        self.expect(self.run_app("validate", *(f"out/{name}" for name in names if name.endswith(".toml"))), DONE)
+
+
+def file_names(recording):
+    with read_recording(recording) as file:
+        return list(file["meta"].attrs["body_names"])
+
+
+if __name__ == "__main__":
+    unittest.main()
