@@ -53,7 +53,7 @@ std::optional<Diagnostic> dentFault(const WeldedMesh& mesh) {
           fmt::format("is not convex: its corner {} stands {:.3g} mm outside the plane of "
                       "the face at {}",
                       place(p), 1e3 * outside_m, place(mesh.points_m[t[0]])),
-          "give its convex hull, or split it into convex parts (a URDF may hold several)");
+          "give its convex hull, or convex pieces (wholehand decompose makes them)");
     }
   }
   return found;
@@ -148,7 +148,7 @@ Diagnostic hullNotice(std::string why, double hull_m3, std::optional<double> mes
   }
   return meshFault(std::move(why),
                    "the hand cannot reach into a hollow of it; where it shall, give convex pieces "
-                   "(a URDF may hold several)");
+                   "(wholehand decompose makes them)");
 }
 
 }  // namespace
