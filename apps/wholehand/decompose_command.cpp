@@ -5,19 +5,25 @@
 #include "core/printable.hpp"
 #include "decompose_files.hpp"
 #include "exit_code.hpp"
+#include "model/mass_properties.hpp"
 #include "model/mesh/closed_surface.hpp"
 #include "model/mesh/convex_pieces.hpp"
+#include "model/mesh/mesh_surface.hpp"
+#include "model/scene/scene_model.hpp"
 #include "number_option.hpp"
 
 #include <CLI/CLI.hpp>
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <optional>
+#include <string>
+#include <system_error>
 #include <utility>
+#include <vector>
 
 namespace wholehand {
 namespace {

@@ -12,10 +12,12 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
+#include <vector>
 
 namespace wholehand {
 namespace {
@@ -171,8 +173,8 @@ class Decomposition {
   [[nodiscard]] double costOf(const Part& part, const CutPlane& plane,
                               const Eigen::AlignedBox3d& box) const {
     const std::vector<Vector3d> inner = innerCorners(part.cell, plane, box);
-    double volume_m3[2];
-    for (int side = 0; side < 2; ++side) {
+    std::array<double, 2> volume_m3{};
+    for (std::size_t side = 0; side < 2; ++side) {
       std::vector<Vector3d> points = pointsBehind(part, side == 0 ? plane : plane.turned());
       points.insert(points.end(), inner.begin(), inner.end());
       const auto hull = convexHull(points);

@@ -29,7 +29,7 @@ class SurfaceDistance {
     int left = -1, right = -1;
   };
   int build(int first, int count);
-  void search(int node, const Eigen::Vector3d& p, double& nearest_m2) const;
+  void search(int index, const Eigen::Vector3d& p, double& nearest_m2) const;
   [[nodiscard]] double squaredDistance(int triangle, const Eigen::Vector3d& p) const;
 
   const MeshSurface& surface_;
