@@ -2,6 +2,7 @@
 
 #include "dynamics/cholesky.hpp"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 
@@ -11,8 +12,8 @@ namespace {
 
 /// Rotation by `angle_rad` about the unit vector `axis` (Rodrigues).
 Eigen::Matrix3d rotationAbout(const Eigen::Vector3d& axis, double angle_rad) noexcept {
-  const double c = std::cos(angle_rad);
-  const double s = std::sin(angle_rad);
+  double s = 0.0, c = 0.0;
+  ::sincos(angle_rad, &s, &c);
   const Eigen::Vector3d a = (1.0 - c) * axis;
   const double x = axis.x(), y = axis.y(), z = axis.z();
   Eigen::Matrix3d r;
@@ -25,8 +26,9 @@ Eigen::Matrix3d rotationAbout(const Eigen::Vector3d& axis, double angle_rad) noe
 /// turn * rotationAbout(axis, angle_rad) for a coordinate axis, as most joints of a hand have.
 /// Bit-identical to the general product, whose other terms are zero.
 void turnAbout(int along, double way, double angle_rad, Eigen::Matrix3d& turn) noexcept {
-  const double c = std::cos(angle_rad);
-  const double s = std::sin(angle_rad) * way;
+  double s = 0.0, c = 0.0;
+  ::sincos(angle_rad, &s, &c);
+  s *= way;
   const int i = (along + 1) % 3, j = (along + 2) % 3;
   const double rest = c + (1.0 - c) * way * way;
   for (int r = 0; r < 3; ++r) {
@@ -152,6 +154,19 @@ void ArticulatedBody::updateKinematics(const JointPosition& theta) noexcept {
 bool ArticulatedBody::update(const JointPosition& theta, const JointVelocity& theta_dot,
                              const Eigen::Vector3d& gravity_m_s2) noexcept {
   updateKinematics(theta);
+  return updateDynamics(theta_dot, gravity_m_s2);
+}
+
+bool ArticulatedBody::updateFrom(const ArticulatedBody& placed, const JointVelocity& theta_dot,
+                                 const Eigen::Vector3d& gravity_m_s2) noexcept {
+  assert(placed.body_count_ == body_count_ && placed.hand_->links.size() == hand_->links.size());
+  std::copy_n(placed.pose_.begin(), hand_->links.size(), pose_.begin());
+  std::copy_n(placed.screw_.begin(), body_count_, screw_.begin());
+  return updateDynamics(theta_dot, gravity_m_s2);
+}
+
+bool ArticulatedBody::updateDynamics(const JointVelocity& theta_dot,
+                                     const Eigen::Vector3d& gravity_m_s2) noexcept {
   sweepForward(theta_dot, gravity_m_s2);
   sweepBackward();
   reduce();

@@ -38,6 +38,11 @@ class ArticulatedBody {
   /// positive definite; the inverse is then zero. Real-time safe.
   [[nodiscard]] WHOLEHAND_RT bool update(const JointPosition& theta, const JointVelocity& theta_dot,
                                          const Eigen::Vector3d& gravity_m_s2) noexcept;
+  /// The same, with the kinematics of another body of the same hand, which were updated at θ
+  /// already. The bits are those of update() at that θ. Real-time safe.
+  [[nodiscard]] WHOLEHAND_RT bool updateFrom(const ArticulatedBody& placed,
+                                             const JointVelocity& theta_dot,
+                                             const Eigen::Vector3d& gravity_m_s2) noexcept;
 
   /// Computes the joint torques τ = M G a + h with a = M_r⁻¹ f_s. Their reduced force is f_s + h_r
   /// − A a, and they preserve the synergy θ = θ₀ + G q_s. Real-time safe.
@@ -95,6 +100,7 @@ class ArticulatedBody {
   void placeBody(int i, double position) noexcept;
   void addBody(int link, int parent, const Pose& parent_to_body);
   static void addMass(Body& body, const HandLink& link, const Pose& body_to_link);
+  bool updateDynamics(const JointVelocity& theta_dot, const Eigen::Vector3d& gravity_m_s2) noexcept;
   void sweepForward(const JointVelocity& theta_dot, const Eigen::Vector3d& gravity_m_s2) noexcept;
   void sweepBackward() noexcept;
   void reduce() noexcept;

@@ -36,7 +36,8 @@ ClosingChain::ClosingChain(const HandModel& hand, int axis, int capsule) : capsu
     const HandLink& link = hand.links[i];
     since = since * link.parent_to_link;
     if (link.joint < 0) continue;
-    joints_.push_back({since, link.axis, link.type == JointType::kRevolute, link.joint,
+    const bool turned = since.rotation != Eigen::Matrix3d::Identity();
+    joints_.push_back({since, turned, link.axis, link.type == JointType::kRevolute, link.joint,
                        hand.synergy(link.joint, axis)});
     since = Pose{};
   }
@@ -74,7 +75,8 @@ void ClosingChain::place(const Pose& root, const JointPosition& theta, double q_
   for (std::size_t k = 0; k < joints_.size(); ++k) {
     const Joint& joint = joints_[k];
     const double position = theta[joint.joint] + joint.ratio * (q_axis - q_present);
-    at = at * joint.from_previous;
+    at.translation_m = at * joint.from_previous.translation_m;
+    if (joint.turned) at.rotation = at.rotation * joint.from_previous.rotation;
     placed.origin_m[k] = at.translation_m;
     placed.screw[k] = at.rotation * joint.axis;
     if (joint.revolute) {

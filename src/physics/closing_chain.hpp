@@ -45,7 +45,8 @@ class ClosingChain {
 
  private:
   struct Joint {
-    Pose from_previous;  ///< at joint position zero
+    Pose from_previous;   ///< at joint position zero
+    bool turned = false;  ///< from_previous has a rotation
     Eigen::Vector3d axis;
     bool revolute = true;
     int joint = -1;

@@ -11,12 +11,16 @@
 
 namespace wholehand {
 
+class ArticulatedBody;
+
 /// State of the world before a step.
 struct WorldState {
   AxisPosition q_s;  ///< reduced coordinates of the hand
   AxisVelocity qd_s;
   JointPosition theta;  ///< joint coordinates, θ = θ₀ + G q_s
   JointVelocity theta_dot;
+  /// Kinematics at theta, until the next step, of an engine that has them; nullptr: none.
+  const ArticulatedBody* kinematics = nullptr;
   double coupling_error_rad = 0.0;  ///< |θ - (θ₀ + G q_s)| after the last step, before correction
   int body_count = 0;               ///< bodies of the scene and slots of a game, at most kMaxBodies
   std::array<BodyState, kMaxBodies> bodies{};

@@ -130,9 +130,12 @@ void HapticRenderer::observeWorld(TickRecord& record) noexcept {
 }
 
 void HapticRenderer::updateDynamics(TickRecord& record) noexcept {
-  if (!dynamics_.update(state_.theta, state_.theta_dot, config_.gravity_m_s2)) {
-    record.faults |= Fault::kSingularInertia;
-  }
+  const Eigen::Vector3d& gravity_m_s2 = config_.gravity_m_s2;
+  const bool definite =
+      state_.kinematics != nullptr
+          ? dynamics_.updateFrom(*state_.kinematics, state_.theta_dot, gravity_m_s2)
+          : dynamics_.update(state_.theta, state_.theta_dot, gravity_m_s2);
+  if (!definite) record.faults |= Fault::kSingularInertia;
 }
 
 void HapticRenderer::probeHand(TickRecord& record) noexcept {

@@ -102,6 +102,26 @@ TEST(ArticulatedBody, RandomTrees_LinksStandWhereBulletPutsThem) {
   });
 }
 
+TEST(ArticulatedBody, KinematicsOfAnother_GiveTheBitsOfItsOwn) {
+  forRandomTrees(10, 100, [](const HandModel& hand, Rng& rng) {
+    ArticulatedBody own(hand), placed(hand), taken(hand);
+    const Eigen::Vector3d gravity = randomVector(rng, 10.0);
+    // Elsewhere first: whatever is left of it would show.
+    const JointState before = randomState(rng, hand), s = randomState(rng, hand);
+    ASSERT_TRUE(taken.update(before.theta, before.theta_dot, gravity));
+    ASSERT_TRUE(own.update(s.theta, s.theta_dot, gravity));
+    placed.updateKinematics(s.theta);
+    ASSERT_TRUE(taken.updateFrom(placed, s.theta_dot, gravity));
+    EXPECT_EQ(taken.inertia(), own.inertia());
+    EXPECT_EQ(taken.bias().vec(), own.bias().vec());
+    EXPECT_EQ(taken.reducedInertiaInverse(), own.reducedInertiaInverse());
+    for (int l = 0; l < static_cast<int>(hand.links.size()); ++l) {
+      EXPECT_EQ(taken.linkPose(l).rotation, own.linkPose(l).rotation);
+      EXPECT_EQ(taken.linkPose(l).translation_m, own.linkPose(l).translation_m);
+    }
+  });
+}
+
 TEST(ArticulatedBody, DistributedTorque_GivesExactReducedForceAndKeepsSynergy) {
   forRandomTrees(12, 100, [](const HandModel& hand, Rng& rng) {
     ArticulatedBody body(hand);

@@ -34,6 +34,10 @@ TEST_P(FreeHand, UnderRandomEffort_FollowsItsReducedInertia) {
   for (int k = 0; k < 500; ++k) {
     const WorldState s = look(world);
     ASSERT_TRUE(body.update(s.theta, s.theta_dot, m.scene.gravity_m_s2));
+    for (int l = 0; s.kinematics != nullptr && l < static_cast<int>(m.hand.links.size()); ++l) {
+      ASSERT_EQ(s.kinematics->linkPose(l).rotation, body.linkPose(l).rotation) << "step " << k;
+      ASSERT_EQ(s.kinematics->linkPose(l).translation_m, body.linkPose(l).translation_m);
+    }
     AxisEffort f_s(m.hand.axis_count);
     for (int a = 0; a < f_s.size(); ++a) f_s[a] = draw() * 20.0 * body.reducedInertia()(a, a);
     HandDrive drive;

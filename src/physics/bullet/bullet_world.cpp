@@ -37,6 +37,7 @@ Fault BulletWorld::observe(WorldState& state) noexcept {
   state.qd_s = e.qd_s;
   state.theta = e.theta;
   state.theta_dot = e.theta_dot;
+  state.kinematics = &e.kinematics;
   state.coupling_error_rad = 0.0;  // the joints are nothing but G q_s here
   state.body_count = std::min(static_cast<int>(e.bodies.size()), kMaxBodies);
   bool finite = allFinite(state.q_s) && allFinite(state.qd_s);
