@@ -136,7 +136,7 @@ TEST(ConvexPieces, ACup_CanBeEntered) {
 }
 
 TEST(ConvexPieces, LargerConcavityAndFewerPieces_AreObeyed) {
-  const MeshSurface mesh = test::torus(0.04, 0.012, 24, 12);
+  const MeshSurface mesh = test::torus(0.04, 0.012, 16, 8);
   EXPECT_EQ(piecesOf(mesh, 1.0).pieces.size(), 1U);
   EXPECT_EQ(piecesOf(mesh, 1e-3, 1).pieces.size(), 1U);
   const ConvexPieces four = piecesOf(mesh, 1e-4, 4, 12);
@@ -146,7 +146,7 @@ TEST(ConvexPieces, LargerConcavityAndFewerPieces_AreObeyed) {
 }
 
 TEST(ConvexPieces, SameInput_SameBits) {
-  const MeshSurface mesh = test::cup(24);
+  const MeshSurface mesh = test::cup(12);
   const ConvexPieces a = piecesOf(mesh, 2e-3), b = piecesOf(mesh, 2e-3);
   ASSERT_EQ(a.pieces.size(), b.pieces.size());
   for (std::size_t i = 0; i < a.pieces.size(); ++i) {
