@@ -131,6 +131,7 @@ npm_install() {
   if ! (cd "$root/web" && npm ci) >"$log" 2>&1; then
     tail -n 15 "$log" >&2
     say "The npm packages could not be fetched; is there a network? Full log: $log" >&2
+    say "Without one: copy the folder web/dist from a machine where these sources' pages were built." >&2
     return 1
   fi
   touch "$stamp"
@@ -302,9 +303,11 @@ make_packages() {
   local log="$root/build/logs/cpack.log"
   rm -rf "$root/build/packages"
   make_log "$log"
-  if ! { python3 "$root/packaging/write_papers.py" "$root/build/release" &&
+  if ! { python3 "$root/scripts/check_versions.py" &&
+    python3 "$root/packaging/write_papers.py" "$root/build/release" &&
     cpack --config "$root/build/release/CPackConfig.cmake" -B "$root/build/packages"; } >"$log" 2>&1; then
     tail -n 20 "$log"
+    rm -rf "$root/build/packages" # half of them
     fail "No packages were made; full log: $log"
   fi
   rm -rf "$root/build/packages/_CPack_Packages"

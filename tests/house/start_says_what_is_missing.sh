@@ -145,6 +145,15 @@ expect_line 'Going on with the pages built before.'
 expect_line 'wholehand run'
 refuse 'Going on without pages'
 [[ $(cat "$dist") == built ]] || wrong "the old pages are gone"
+# Packages with old pages would be wrong: without a network none are made, and it is said how they can be.
+cp "$root/scripts/package.sh" "$repo/scripts/"
+packages_of package >>"$tree/installed"
+mkdir -p "$repo/build/packages"
+if said=$(PATH=$bin "$bin/bash" "$repo/scripts/package.sh" </dev/null 2>&1); then wrong "packages were made"; fi
+expect 'npm error network'
+expect_line "Without one: copy the folder web/dist from a machine where these sources' pages were built."
+[[ -z $(ls "$repo/build/packages") ]] || wrong "something was packed"
+packages_of run >"$tree/installed"
 
 afresh # what opens no port needs no pages; --port opens one even with a scene
 for arguments in --simulated-clock '--scene a.toml' --scene=a.toml '--motion a.csv' --no-web --help -h; do
