@@ -22,6 +22,7 @@
 #include <filesystem>
 #include <string>
 #include <system_error>
+#include <unistd.h>
 #include <utility>
 #include <vector>
 
@@ -36,6 +37,16 @@ constexpr double kDensity_kg_m3 = 1000.0;
 constexpr double kLeastMass_kg = 1e-4, kMostMass_kg = 1e3;         ///< of a scene's body
 constexpr double kLeastGameSize_m = 0.005, kMostGameSize_m = 0.5;  ///< of a game's piece
 constexpr int kMostGamePieces = 16, kMostGameVertices = 64;
+
+/// Progress line, rewritten in place on a terminal; silent elsewhere.
+void showProgress(const char* doing, int count) {
+  if (isatty(STDERR_FILENO) == 0) return;
+  std::fprintf(stderr, "\r\033[K%s: %d", doing, count);
+  std::fflush(stderr);
+}
+void endProgress() {
+  if (isatty(STDERR_FILENO) != 0) std::fputs("\r\033[K", stderr);
+}
 
 Diagnostic meshFault(const std::string& path, Diagnostic fault) {
   fault.file = path;
@@ -206,7 +217,9 @@ Expected<Decomposed> decompose(const DecomposeOptions& options) {
   }
   double& concavity_m = d.options.concavity_m;
   if (concavity_m == 0.0) concavity_m = kConcavityShare * d.solid.size_m;
-  auto pieces = convexPieces(d.solid, {options.pieces, concavity_m, kMostGameVertices});
+  auto pieces =
+      convexPieces(d.solid, {options.pieces, concavity_m, kMostGameVertices, showProgress});
+  endProgress();
   if (!pieces) return meshFault(options.mesh, pieces.errors().front());
   d.pieces = std::move(*pieces);
   d.mesh_mass = uniformDensity({shapeOf(d.solid.surface)}, mass_kg);

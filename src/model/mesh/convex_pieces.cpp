@@ -324,6 +324,7 @@ class Decomposition {
     const auto most = static_cast<std::size_t>(
         options_.most_pieces == 1 ? 1 : kPartsForPiece * options_.most_pieces);
     while (parts_.size() < most) {
+      tell("cutting, parts", parts_.size());
       std::size_t worst = parts_.size();
       for (std::size_t i = 0; i < parts_.size(); ++i) {
         if (parts_[i].done || parts_[i].excess_m3 <= kVolumeShare * solid_.volume_m3) continue;
@@ -381,6 +382,7 @@ class Decomposition {
     std::vector<bool> gone(pieces_.size(), false);
     auto left = pieces_.size();
     while (left > 1) {
+      tell("merging, pieces", left);
       const bool must = left > static_cast<std::size_t>(options_.most_pieces);
       const auto next = nextMerge(merges, must);
       if (!next) break;
@@ -405,7 +407,12 @@ class Decomposition {
     pieces_ = std::move(kept);
   }
 
+  void tell(const char* doing, std::size_t count) const {
+    if (options_.progress) options_.progress(doing, static_cast<int>(count));
+  }
+
   void measure(ConvexPieces& result) const {
+    tell("measuring, pieces", result.pieces.size());
     MeshSurface all;
     for (const MeshSurface& piece : result.pieces) {
       result.beyond_m = std::max(result.beyond_m, farthestOutside(piece, result.beyond_m));

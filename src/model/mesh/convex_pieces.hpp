@@ -3,6 +3,7 @@
 #include "core/expected.hpp"
 #include "model/mesh/closed_surface.hpp"
 
+#include <functional>
 #include <vector>
 
 namespace wholehand {
@@ -11,6 +12,8 @@ struct PieceOptions {
   int most_pieces = 16;      ///< 1 .. 64
   double concavity_m = 0.0;  ///< depth of hollows that a piece may fill; > 0
   int most_vertices = 64;    ///< of a piece, 4 ..
+  /// Told what is done now and how many parts or pieces there are; empty: nobody.
+  std::function<void(const char* doing, int count)> progress = nullptr;
 };
 
 /// Convex pieces that stand for a solid.
