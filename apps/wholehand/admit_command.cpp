@@ -4,6 +4,7 @@
 #include "assembly/rehearsal_text.hpp"
 #include "core/printable.hpp"
 #include "exit_code.hpp"
+#include "model/toml/toml_file.hpp"
 #include "shipped_files.hpp"
 
 #include <fmt/format.h>
@@ -25,11 +26,17 @@ std::string listOf(const std::vector<std::string>& names) {
   return text;
 }
 
-void print(const Admission& a, const AdmitOptions& options) {
+/// @param too_slow of the bodies of a game, if they are
+void print(const Admission& a, const AdmitOptions& options, const Diagnostic& too_slow) {
   std::printf("%s: %s at %.0f Hz with %s\n  %s\n", printable(options.scene).c_str(),
               a.admitted ? "admitted" : "not admitted", options.rate_hz, options.engine.c_str(),
               describe(a.measured).c_str());
+  if (a.pool) std::printf("  %s\n", describe(a.pool->measured).c_str());
   if (a.admitted) return;
+  if (a.pool) {
+    std::printf("  %s\n", format(Diagnostics{too_slow}).c_str());
+    return;
+  }
   if (a.remove.empty()) {
     std::printf(
         "  No body that could be removed is enough: use a slower rate, or a faster machine.\n");
@@ -44,7 +51,14 @@ void print(const Admission& a, const AdmitOptions& options) {
 
 int admitCommand(const AdmitOptions& options) {
   ModelFiles files;
-  files.scene = options.scene;
+  const auto kind = fileKind(options.scene);
+  if (!kind) return refuse(kind.errors());
+  if (*kind == "exercise") {
+    files.scene.clear();
+    files.exercise = options.scene;
+  } else {
+    files.scene = options.scene;
+  }
   files.hand = options.hand;
   files.device = options.device;
   files.rendering = options.rendering;
@@ -59,7 +73,9 @@ int admitCommand(const AdmitOptions& options) {
     std::fflush(stdout);
   });
   if (!admission) return refuse(admission.errors());
-  print(*admission, options);
+  const Diagnostic too_slow =
+      admission->pool ? poolTooSlow(*admission->pool, *models) : Diagnostic{};
+  print(*admission, options, too_slow);
   return admission->admitted ? kExitDone : kExitNotFit;
 }
 

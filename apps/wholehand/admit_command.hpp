@@ -7,7 +7,7 @@
 namespace wholehand {
 
 struct AdmitOptions {
-  std::string scene;
+  std::string scene;  ///< a scene file, or an exercise file: its scene, and the bodies of its game
   std::string hand, device;
   std::string rendering;  ///< empty: what goes with the device
   std::string engine = defaultEngine();

@@ -185,8 +185,10 @@ void addValidate(CLI::App& app, std::vector<std::string>& files, AdmitOptions& o
       app.add_subcommand("validate", "Every fault of every file, with its place and remedy");
   CLI::Option* all = v->add_option("files", files, "TOML files, or a motion's CSV");
   CLI::Option* admit =
-      v->add_option("--admit", o.scene,
-                    "Instead: measure this scene's tick here, and say whether the rate admits it")
+      v->add_option(
+           "--admit", o.scene,
+           "Instead: measure the tick of this scene or exercise here, and say whether the rate "
+           "admits it")
           ->excludes(all);
   v->add_option("--rate-hz", o.rate_hz, "Ticks a second")
       ->check(finiteBetween(100.0, 16000.0, "Hz"))

@@ -173,7 +173,9 @@ int runCommand(RunOptions options) {
   sayRoom(options.record, rig_options.period_s, duration_s);
   RunSafety safety;
   if (!options.simulated_clock && !options.no_rehearsal) {
-    auto rehearsal = rehearse(*models, mover.player->start(), rig_options);
+    RehearsalOptions informs;
+    informs.fill_pool = false;  // nobody is moved, and no game is connected
+    auto rehearsal = rehearse(*models, mover.player->start(), rig_options, informs);
     if (!rehearsal) return refuse(rehearsal.errors());
     std::printf("  rehearsed %s\n", describe(*rehearsal).c_str());
     safety.rehearsal = std::move(*rehearsal);

@@ -18,6 +18,7 @@ Expected<Rehearsal> measure(const Models& models, const RigOptions& rig,
   RehearsalOptions finding_out = options;
   finding_out.most_of_period = kAnything;
   finding_out.attempts = 1;
+  finding_out.fill_pool = false;
   finding_out.most_bodies = std::min(options.most_bodies, kAdmissionBodies);
   const double limit_us = 1e6 * options.most_of_period * rig.period_s;
   std::optional<Rehearsal> best;
@@ -72,7 +73,15 @@ Expected<Admission> admit(const Models& models, const RigOptions& rig,
   if (!measured) return measured.errors();
   out.measured = *measured;
   out.admitted = passes(out.measured);
-  if (out.admitted) return out;
+  if (out.admitted && models.scene.game.slots > 0) {
+    RehearsalOptions with_status = options;
+    with_status.status = status;
+    auto pool = rehearsePool(models, restPose(models), rig, with_status);
+    if (!pool) return pool.errors();
+    out.admitted = pool->measured.passes();
+    out.pool = std::move(*pool);
+  }
+  if (out.admitted || out.pool) return out;
 
   const auto leave_out = [&](std::vector<std::string> names) -> Expected<bool> {
     tell(fmt::format("without {} of {} bodies", names.size(), models.scene.bodies.size()));

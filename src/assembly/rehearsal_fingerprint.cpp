@@ -64,6 +64,12 @@ void addScene(std::string& text, const SceneModel& scene) {
     for (const Shape& shape : body.shapes) addShape(text, shape);
     text += "|";
   }
+  const GameBudget& game = scene.game;
+  if (game.slots == 0) return;
+  for (const int count : {game.slots, game.awake, game.shape_sets, game.pieces, game.vertices}) {
+    add(text, {static_cast<double>(count)});
+  }
+  add(text, {game.least_kg, game.most_kg, game.least_m, game.most_m});
 }
 
 }  // namespace

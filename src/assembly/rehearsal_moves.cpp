@@ -189,6 +189,20 @@ std::vector<RehearsalMove> RehearsalPlan::movesFor(int index, const TickRecord* 
   return moves;
 }
 
+PatientConfig strongPerson(const DeviceModel& device) {
+  PatientConfig person;
+  person.name = "rehearsal";
+  for (const DeviceAxis& axis : device.axes) {
+    PatientAxis out;
+    out.name = axis.name;
+    out.mass = axis.mass;
+    out.stiffness = axis.effort_limit / (0.1 * (axis.upper - axis.lower));
+    out.damping = 2.0 * std::sqrt(out.stiffness * (axis.mass + out.mass));
+    person.axes.push_back(out);
+  }
+  return person;
+}
+
 void Rehearser::begin(const AxisPosition& from, const AxisPosition& goal) {
   from_ = from;
   goal_ = goal;
@@ -209,6 +223,11 @@ void Rehearser::reset() {
 void Rehearser::press() noexcept {
   pressing_ = true;
   reachFor(goal_);
+}
+
+void Rehearser::moveTo(const AxisPosition& goal) noexcept {
+  pressing_ = true;
+  reachFor(goal);
 }
 
 void Rehearser::reachFor(const AxisPosition& goal) noexcept {

@@ -3,6 +3,7 @@
 #include "core/tick_record.hpp"
 #include "model/device_model.hpp"
 #include "model/hand/hand_model.hpp"
+#include "model/patient/patient_config.hpp"
 #include "model/scene/scene_model.hpp"
 #include "patient/player.hpp"
 #include "patient/reach.hpp"
@@ -49,6 +50,9 @@ class RehearsalPlan {
   Eigen::Vector3d back_m_;    ///< back of the straight fingers
 };
 
+/// A strong, compliant person instead of the patient, who makes the worst contacts.
+[[nodiscard]] PatientConfig strongPerson(const DeviceModel& device);
+
 /// Player of one move at a time, at a share of the device's speed: the hand takes its posture at
 /// the start, then the arm presses.
 class Rehearser final : public Player {
@@ -57,6 +61,8 @@ class Rehearser final : public Player {
   /// Sets the move that begins with the device's open(). Not real-time safe.
   void begin(const AxisPosition& from, const AxisPosition& goal);
   void press() noexcept;
+  /// Moves on to another goal, from where the hand is.
+  void moveTo(const AxisPosition& goal) noexcept;
   [[nodiscard]] bool pressing() const noexcept { return pressing_; }
   [[nodiscard]] bool arrived() const noexcept { return reach_.done(); }
 

@@ -52,11 +52,12 @@ Diagnostic tooSlow(const Rehearsal& r, const Models& models) {
 }
 
 std::string describe(const Rehearsal& r) {
+  const std::string pool = r.pool ? "; with " + describe(*r.pool) : "";
   return fmt::format(
       "{:.0f} µs CPU at the median, {:.0f} p99.9, {:.0f} at most ({:.0f} allowed), mostly {}; "
-      "up to {} contacts, {} of {} bodies touched",
+      "up to {} contacts, {} of {} bodies touched{}",
       1e-3 * r.summary.cpu.p50_ns, 1e-3 * r.summary.cpu.p999_ns, 1e-3 * r.summary.cpu.max_ns,
-      r.limit_us, stageName(r.slowest), r.summary.contacts_max, r.bodies_touched, r.bodies);
+      r.limit_us, stageName(r.slowest), r.summary.contacts_max, r.bodies_touched, r.bodies, pool);
 }
 
 }  // namespace wholehand

@@ -85,7 +85,6 @@ Expected<std::unique_ptr<Rig>> buildAround(Models models, std::unique_ptr<Haptic
   if (!checked) return checked.errors();
   if (Diagnostics refused = refuseToRender(*checked, options); !refused.empty()) return refused;
   if (moves == Moves::kMaybeAPerson && !device->simulated()) {
-    if (Diagnostics refused = refuseUnrehearsed(models); !refused.empty()) return refused;
     if (Diagnostics refused = refuseForPersons(options.engine); !refused.empty()) return refused;
   }
 

@@ -50,13 +50,6 @@ Diagnostics refuseTooLarge(const Models& m) {
   return refused;
 }
 
-Diagnostics refuseUnrehearsed(const Models& m) {
-  if (m.scene.game.slots == 0) return {};
-  return {{m.files.exercise, 0, "budget.slots", std::to_string(m.scene.game.slots),
-           "is for bodies of a game, which no rehearsal covers yet",
-           "use a simulated device for this exercise"}};
-}
-
 Diagnostics refuseImpossibleLimits(const DeviceModel& device) {
   Diagnostics refused;
   const auto refuse = [&](const std::string& axis, const char* key, double value, const char* why,

@@ -10,10 +10,6 @@ namespace wholehand {
 /// Refuses models larger than a tick has room for.
 [[nodiscard]] Diagnostics refuseTooLarge(const Models& models);
 
-/// Refuses a scene with slots for the bodies of a game, for a device that moves a person: a
-/// rehearsal knows the scene's bodies only.
-[[nodiscard]] Diagnostics refuseUnrehearsed(const Models& models);
-
 /// Refuses a device whose limits are ineffective or cannot be kept: not a number, zero, a reversed
 /// range, a neutral effort beyond the limit, or a slew limit too low to reach neutral in time.
 [[nodiscard]] Diagnostics refuseImpossibleLimits(const DeviceModel& device);

@@ -41,6 +41,8 @@ Expected<Rehearsal> Station::Core::rehearsalOf(const Models& models, const AxisP
                                                std::uint64_t asked) const {
   RehearsalOptions options = config_.rehearsal;
   options.cancelled = [this, asked] { return stoppedSince(asked); };
+  options.fill_pool = config_.make_device != nullptr;  // a simulated one may be late
+  options.status = [this](const std::string& what) { say("rehearsal: measuring " + what); };
   auto rehearsal = rehearse(models, start, config_.rig, options);
   if (rehearsal) say("rehearsal " + describe(*rehearsal));
   return rehearsal;

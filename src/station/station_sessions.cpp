@@ -215,7 +215,8 @@ OrderReply Station::Core::loadExercise(const Order& order) {
 
 void Station::Core::showRehearsal() {
   if (!rehearsed_) return;
-  const Percentiles& cpu = rehearsed_->summary.cpu;
+  const Percentiles& cpu =
+      rehearsed_->pool ? rehearsed_->pool->summary.cpu : rehearsed_->summary.cpu;
   status_.rehearsal_p50_us = cpu.p50_ns * 1e-3;
   status_.rehearsal_p999_us = cpu.p999_ns * 1e-3;
   status_.rehearsal_max_us = cpu.max_ns * 1e-3;

@@ -63,7 +63,7 @@ TEST(GameBudget, OtherEngines_RefuseWithTheRemedy) {
   }
 }
 
-TEST(GameBudget, DeviceThatMovesAPerson_IsRefused) {
+TEST(GameBudget, DeviceThatMovesAPerson_IsNotArmedWithoutARehearsal) {
   class Real final : public HapticDevice {
    public:
     [[nodiscard]] Expected<Done> open() override { return Done{}; }
@@ -74,8 +74,10 @@ TEST(GameBudget, DeviceThatMovesAPerson_IsRefused) {
     void close() noexcept override {}
   };
   const auto rig = buildRig(gameModels(), std::make_unique<Real>(), RigOptions{});
-  ASSERT_FALSE(rig);
-  EXPECT_NE(format(rig.errors()).find("no rehearsal covers"), std::string::npos);
+  ASSERT_TRUE(rig) << format(rig.errors());
+  const auto armed = (*rig)->renderer->arm();
+  ASSERT_FALSE(armed);
+  EXPECT_NE(format(armed.errors()).find("nothing was rehearsed"), std::string::npos);
 }
 
 TEST(GameShapes, BeyondTheBudget_AreNamed) {

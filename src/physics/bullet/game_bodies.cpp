@@ -122,6 +122,9 @@ void GameBodies::orderBody(const Command& command) noexcept {
     const BodyOwner owner = spawnOrderOf(command).owner;
     if (!isBodyOwner(owner)) return refuse(index, OrderRefusal::kBadPose);
     if (owner == slot.owner) return;
+    if (slot.owner == BodyOwner::kFixed && movingCount() >= budget_.awake) {
+      return refuse(index, OrderRefusal::kBudget);
+    }
     slot.next_owner = owner;
     return letGo(index, Then::kSetOwner);
   }

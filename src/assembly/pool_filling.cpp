@@ -1,0 +1,230 @@
+#include "assembly/pool_filling.hpp"
+
+#include "dynamics/articulated_body.hpp"
+#include "dynamics/synergy.hpp"
+#include "model/mesh/convex_hull.hpp"
+#include "model/mesh/convex_mesh.hpp"
+#include "model/scene/game_shapes.hpp"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace wholehand {
+namespace {
+
+constexpr double kPiece_m = 0.03;      // small bodies: many fit round a hand
+constexpr double kSpacing = 0.7;       // of a piece's extent: pieces of a body overlap
+constexpr double kMass_kg = 0.1;       // a driven body of 0.1 kg moves at 0.5 m/s, the most
+constexpr double kClear = 1.02;        // bodies appear that share of their size apart
+constexpr double kReach_m = 0.3;       // from the pocket; a body further off comes back
+constexpr double kTargetStep_m = 0.2;  // targets of 0.25 m or more are teleports
+constexpr double kLeft_m = -9.0;       // empty slots lie 10 m below the origin
+
+/// Lattice points, the nearest to the origin first.
+std::vector<Eigen::Vector3d> lattice(int half) {
+  std::vector<Eigen::Vector3d> points;
+  for (int x = -half; x <= half; ++x) {
+    for (int y = -half; y <= half; ++y) {
+      for (int z = -half; z <= half; ++z) points.emplace_back(x, y, z);
+    }
+  }
+  std::stable_sort(points.begin(), points.end(),
+                   [](const auto& a, const auto& b) { return a.squaredNorm() < b.squaredNorm(); });
+  return points;
+}
+
+/// A convex mesh with that many vertices, on a spiral round a sphere.
+Expected<Shape> roundMesh(int vertices, double size_m) {
+  std::vector<Eigen::Vector3d> points;
+  const double turn = std::numbers::pi * (3.0 - std::sqrt(5.0));
+  for (int i = 0; i < vertices; ++i) {
+    const double z = 1.0 - 2.0 * (i + 0.5) / vertices;
+    const double r = std::sqrt(1.0 - z * z);
+    points.emplace_back(0.5 * size_m *
+                        Eigen::Vector3d(r * std::cos(turn * i), r * std::sin(turn * i), z));
+  }
+  auto hull = convexHull(points);
+  if (!hull) return hull.errors();
+  return convexMesh(hull->points, hull->triangles);
+}
+
+Shape box(double size_m) {
+  Shape shape;
+  shape.half_extents_m = Eigen::Vector3d::Constant(0.5 * size_m);
+  return shape;
+}
+
+/// The costliest piece of the budget: a mesh, or a box where every extent has to be the same.
+Shape worstPiece(const GameBudget& budget, double size_m) {
+  auto mesh = roundMesh(budget.vertices, size_m);
+  if (!mesh) return box(size_m);
+  const double least_m = extents(*mesh).minCoeff(), most_m = extents(*mesh).maxCoeff();
+  const double scale = std::max(1.0, budget.least_m / least_m) * (1.0 + 1e-9);
+  if (scale * most_m > budget.most_m) return box(size_m);
+  for (Eigen::Vector3d& point : mesh->points_m) point *= scale;
+  return *mesh;
+}
+
+double distance(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  const Eigen::Vector3d along = b - a;
+  const double length_sq = along.squaredNorm();
+  const double t = length_sq > 0.0 ? std::clamp((p - a).dot(along) / length_sq, 0.0, 1.0) : 0.0;
+  return (p - a - t * along).norm();
+}
+
+ArticulatedBody handAt(const HandModel& hand, const AxisPosition& q_s) {
+  ArticulatedBody body(hand);
+  JointPosition theta;
+  Synergy(hand).expand(q_s, theta);
+  body.updateKinematics(theta);
+  return body;
+}
+
+}  // namespace
+
+PoolFilling::PoolFilling(const Models& models, const GameBudget& budget, const AxisPosition& at)
+    : models_(models), mass_kg_(std::clamp(kMass_kg, budget.least_kg, budget.most_kg)) {
+  makePieces(budget);
+  findPlaces(budget, at);
+  auto prepared = prepareShapes(pieces_, budget);
+  if (!prepared) return;  // no body fits: the slots stay empty
+  for (const Command& command : shapeCommands(0, *prepared)) waiting_.push_back(command);
+  for (std::size_t slot = 0; slot < owners_.size(); ++slot) {
+    waiting_.push_back(spawnCommand(spawnOf(static_cast<int>(slot))));
+  }
+}
+
+void PoolFilling::makePieces(const GameBudget& budget) {
+  const double size_m = std::clamp(kPiece_m, budget.least_m, budget.most_m);
+  const Shape piece = worstPiece(budget, size_m);
+  const std::vector<Eigen::Vector3d> sites = lattice(2);
+  Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();
+  for (int i = 0; i < budget.pieces; ++i) {
+    Shape& placed = pieces_.emplace_back(piece);
+    placed.in_body.translation_m = kSpacing * size_m * sites[static_cast<std::size_t>(i)];
+    middle_m += placed.in_body.translation_m / budget.pieces;
+  }
+  const double of_piece_m = 0.5 * extents(piece).norm();
+  for (Shape& placed : pieces_) {
+    placed.in_body.translation_m -= middle_m;
+    const double rounded_m =
+        piece.type == ShapeType::kBox ? of_piece_m : 0.5 * extents(piece).maxCoeff();
+    radius_m_ = std::max(radius_m_, placed.in_body.translation_m.norm() + rounded_m);
+  }
+}
+
+// The nearest free places; the lowest of them are for fixed bodies, a bed for the others.
+void PoolFilling::findPlaces(const GameBudget& budget, const AxisPosition& at) {
+  const Eigen::Vector3d pocket_m = pocketAt(at);
+  for (const Eigen::Vector3d& site : lattice(6)) {
+    if (places_m_.size() == static_cast<std::size_t>(budget.slots)) break;
+    const Eigen::Vector3d place_m = pocket_m + 2.0 * kClear * radius_m_ * site;
+    if (isClear(place_m, at)) places_m_.push_back(place_m);
+  }
+  owners_.assign(places_m_.size(), BodyOwner::kFixed);
+  generations_.assign(places_m_.size(), 1);
+  targets_m_ = places_m_;
+  std::vector<std::size_t> order(places_m_.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return places_m_[a].z() > places_m_[b].z();
+  });
+  const auto awake = std::min(order.size(), static_cast<std::size_t>(budget.awake));
+  for (std::size_t i = 0; i < awake; ++i) {
+    owners_[order[i]] = i % 2 == 0 ? BodyOwner::kGame : BodyOwner::kLoop;
+  }
+}
+
+bool PoolFilling::isClear(const Eigen::Vector3d& place_m, const AxisPosition& at) const {
+  const double clear_m = kClear * radius_m_;
+  const ArticulatedBody hand = handAt(models_.hand, at);
+  for (const Capsule& capsule : models_.hand.capsules) {
+    const Pose& link = hand.linkPose(capsule.link);
+    if (distance(place_m, link * capsule.a_m, link * capsule.b_m) < capsule.radius_m + clear_m) {
+      return false;
+    }
+  }
+  for (const SceneBody& body : models_.scene.bodies) {
+    const Eigen::Vector3d in_body_m = body.pose.inverse() * place_m;
+    for (const Shape& shape : body.shapes) {
+      if (signedDistance(shape, in_body_m) < clear_m) return false;
+    }
+  }
+  return true;
+}
+
+Eigen::Vector3d PoolFilling::pocketAt(const AxisPosition& q_s) const {
+  AxisPosition half_closed = q_s;
+  for (int i = 0; i < half_closed.size(); ++i) {
+    const DeviceAxis& axis = models_.device.axes[i];
+    if (axis.group == AxisGroup::kHand) half_closed[i] = 0.5 * (axis.lower + axis.upper);
+  }
+  const ArticulatedBody hand = handAt(models_.hand, half_closed);
+  Eigen::Vector3d palm_m = Eigen::Vector3d::Zero(), fingers_m = palm_m;
+  double palm = 0.0, fingers = 0.0;
+  for (const Capsule& capsule : models_.hand.capsules) {
+    const bool of_palm = capsule.part == HandPart::kPalm;
+    (of_palm ? palm_m : fingers_m) +=
+        hand.linkPose(capsule.link) * Eigen::Vector3d(0.5 * (capsule.a_m + capsule.b_m));
+    (of_palm ? palm : fingers) += 1.0;
+  }
+  if (palm == 0.0 || fingers == 0.0) return (palm_m + fingers_m) / std::max(1.0, palm + fingers);
+  return 0.5 * (palm_m / palm + fingers_m / fingers);
+}
+
+SpawnOrder PoolFilling::spawnOf(int slot) const {
+  const auto index = static_cast<std::size_t>(slot);
+  SpawnOrder order;
+  order.slot = slot;
+  order.generation = generations_[index];
+  order.owner = owners_[index];
+  order.mass_kg = mass_kg_;
+  order.pose = {Vec3::from(places_m_[index]), {}};
+  return order;
+}
+
+void PoolFilling::tend(int slot, const TickRecord& seen, const Eigen::Vector3d& pocket_m) {
+  const auto index = static_cast<std::size_t>(slot);
+  if (owners_[index] == BodyOwner::kFixed) return;
+  const auto body = models_.scene.bodies.size() + index;
+  if (body >= static_cast<std::size_t>(seen.body_count)) return;
+  const Eigen::Vector3d at_m = seen.bodies[body].position_m.eigen();
+  if (at_m.z() < kLeft_m) {  // it was taken out
+    ++generations_[index];
+    targets_m_[index] = places_m_[index];
+    waiting_.push_back(spawnCommand(spawnOf(slot)));
+    return;
+  }
+  const int generation = generations_[index];
+  if (owners_[index] == BodyOwner::kLoop) {
+    if ((at_m - pocket_m).norm() < kReach_m) return;
+    waiting_.push_back(teleportCommand(slot, generation, {Vec3::from(places_m_[index]), {}}));
+    return;
+  }
+  Eigen::Vector3d step_m = pocket_m - targets_m_[index];
+  if (step_m.norm() > kTargetStep_m) step_m *= kTargetStep_m / step_m.norm();
+  targets_m_[index] += step_m;
+  waiting_.push_back(bodyTargetCommand(slot, generation, {Vec3::from(targets_m_[index]), {}}));
+}
+
+void PoolFilling::order(TickRecord& record) {
+  record.command_count = 0;
+  if (spawned_) {
+    const Eigen::Vector3d pocket_m = pocketAt(record.q_s);
+    for (int i = 0; i < kMaxCommands && !owners_.empty(); ++i) {
+      tend(static_cast<int>(next_), record, pocket_m);
+      next_ = (next_ + 1) % owners_.size();
+    }
+  }
+  while (record.command_count < kMaxCommands && !waiting_.empty()) {
+    record.commands[record.command_count++] = waiting_.front();
+    waiting_.pop_front();
+  }
+  spawned_ = spawned_ || waiting_.empty();
+}
+
+}  // namespace wholehand

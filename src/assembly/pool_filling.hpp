@@ -1,0 +1,54 @@
+#pragma once
+
+#include "assembly/models.hpp"
+#include "core/body_order.hpp"
+#include "core/tick_record.hpp"
+
+#include <Eigen/Core>
+
+#include <deque>
+#include <vector>
+
+namespace wholehand {
+
+/// Orders that fill the slots of a game's scene with the worst bodies that its budget admits, and
+/// keep them at the hand: as many awake bodies as the budget says, half of them free under gravity
+/// and half pulled into the hand, and fixed bodies in all other slots. Each has the most pieces,
+/// and each piece the most vertices. Not real-time safe.
+class PoolFilling {
+ public:
+  /// @param at pose of the hand when the bodies appear; they appear clear of it
+  /// @pre budget.slots > 0 @pre models outlive this
+  PoolFilling(const Models& models, const GameBudget& budget, const AxisPosition& at);
+
+  /// Writes the next orders into the record, before its tick. A body that fell out of reach, or
+  /// left the world, comes back.
+  void order(TickRecord& record);
+  /// True once every body was ordered to appear.
+  [[nodiscard]] bool spawned() const noexcept { return spawned_; }
+  /// Who moves the body of a slot. Slots without a free place near the hand stay empty.
+  [[nodiscard]] const std::vector<BodyOwner>& owners() const noexcept { return owners_; }
+  /// Pieces of each body, as ordered.
+  [[nodiscard]] const std::vector<Shape>& pieces() const noexcept { return pieces_; }
+
+ private:
+  void makePieces(const GameBudget& budget);
+  void findPlaces(const GameBudget& budget, const AxisPosition& at);
+  [[nodiscard]] bool isClear(const Eigen::Vector3d& place_m, const AxisPosition& at) const;
+  [[nodiscard]] SpawnOrder spawnOf(int slot) const;
+  void tend(int slot, const TickRecord& seen, const Eigen::Vector3d& pocket_m);
+  /// Middle of the space that the half-closed hand encloses.
+  [[nodiscard]] Eigen::Vector3d pocketAt(const AxisPosition& q_s) const;
+
+  const Models& models_;
+  double mass_kg_ = 0.0, radius_m_ = 0.0;
+  std::vector<Shape> pieces_;
+  std::vector<Eigen::Vector3d> places_m_, targets_m_;  ///< per slot
+  std::vector<BodyOwner> owners_;                      ///< per slot
+  std::vector<int> generations_;                       ///< per slot
+  std::deque<Command> waiting_;
+  std::size_t next_ = 0;  ///< slot that is tended next
+  bool spawned_ = false;
+};
+
+}  // namespace wholehand

@@ -1,0 +1,246 @@
+// The slots of a game are filled with the worst bodies of the budget before anybody feels a force.
+#include "assembly/pool_rehearsal.hpp"
+
+#include "assembly/admission.hpp"
+#include "assembly/pool_filling.hpp"
+#include "assembly/rehearsal.hpp"
+#include "game/game_tools.hpp"
+
+#include <cstring>
+#include <set>
+
+namespace wholehand::test {
+namespace {
+
+constexpr int kAxes = 6;
+
+/// The CPU time of this machine is never too long; a test adds what is.
+RehearsalOptions anyTime() {
+  RehearsalOptions options;
+  options.most_of_period = 1e4;  // 10 s a tick
+  options.attempts = 1;
+  return options;
+}
+
+/// Ticks with more than `most` moving bodies are too slow.
+RehearsalOptions slowAbove(int most) {
+  RehearsalOptions options = anyTime();
+  options.extra_ns = [most](const TickRecord& record) -> std::int64_t {
+    return record.exercise.values[2] > most ? 20'000'000'000 : 0;  // "moving" of the game scene
+  };
+  return options;
+}
+
+Models smallGame(int slots, int awake) {
+  Models models = gameModels();
+  models.scene.game.slots = slots;
+  models.scene.game.awake = awake;
+  return models;
+}
+
+/// A real device that rests at the origin.
+class Handle final : public HapticDevice {
+ public:
+  [[nodiscard]] Expected<Done> open() override { return Done{}; }
+  [[nodiscard]] Expected<Done> ready() override { return Done{}; }
+  [[nodiscard]] Fault read(DeviceReading& reading, int) noexcept override {
+    reading.q_m = AxisPosition(kAxes);
+    return Fault::kNone;
+  }
+  [[nodiscard]] Fault write(const AxisEffort&) noexcept override { return Fault::kNone; }
+  void close() noexcept override {}
+};
+
+/// What fills the shipped budget, counted in a world of its own.
+TEST(PoolFilling, HasAsManyBodiesPiecesAndVerticesAsTheBudgetSays) {
+  const Models models = gameModels();
+  const GameBudget& budget = models.scene.game;
+  Game game(models, atRest());
+  PoolFilling filling(game.rig->models, budget, AxisPosition(kAxes));
+  const auto& owners = filling.owners();
+  ASSERT_EQ(static_cast<int>(owners.size()), budget.slots);
+  EXPECT_EQ(std::count(owners.begin(), owners.end(), BodyOwner::kFixed),
+            budget.slots - budget.awake);
+  EXPECT_EQ(std::count(owners.begin(), owners.end(), BodyOwner::kLoop), budget.awake / 2);
+  ASSERT_EQ(static_cast<int>(filling.pieces().size()), budget.pieces);
+  for (const Shape& piece : filling.pieces()) {
+    EXPECT_EQ(piece.type, ShapeType::kConvexMesh);
+    EXPECT_EQ(static_cast<int>(piece.points_m.size()), budget.vertices);
+  }
+  EXPECT_TRUE(prepareShapes(filling.pieces(), budget)) << "a game could order it";
+
+  int solid = 0, moving = 0, refused = 0, contacts = 0;
+  for (int k = 0; k < 500; ++k) {
+    filling.order(game.record);
+    game.rig->renderer->tick(1, game.record);
+    const ExerciseRecord& said = game.record.exercise;
+    for (int i = 0; i < said.event_count; ++i) refused += said.events[i].type == 5 ? 1 : 0;
+    solid = std::max(solid, static_cast<int>(said.values[0] - said.values[1]));
+    moving = std::max(moving, static_cast<int>(said.values[2]));
+    contacts = std::max(contacts, game.record.contact_count);
+  }
+  EXPECT_EQ(refused, 0);
+  EXPECT_EQ(solid, budget.slots);
+  EXPECT_EQ(moving, budget.awake);
+  EXPECT_GE(contacts, 3) << "of the open hand";
+
+  // Bodies that move touch others: pieces nearer than 2 mm, most of them touching.
+  const auto poseOfPiece = [&](int slot, const Shape& piece) {
+    const BodyState& state = game.body(slot);
+    Pose body;
+    body.rotation = state.orientation_xyzw.eigen().toRotationMatrix();
+    body.translation_m = state.position_m.eigen();
+    return body * piece.in_body;
+  };
+  double size_m = extents(filling.pieces().front()).maxCoeff();
+  std::set<std::pair<int, int>> near;
+  for (int a = 0; a < budget.slots; ++a) {
+    for (int b = a + 1; b < budget.slots; ++b) {
+      if (owners[a] == BodyOwner::kFixed && owners[b] == BodyOwner::kFixed) continue;
+      for (const Shape& of_a : filling.pieces()) {
+        for (const Shape& of_b : filling.pieces()) {
+          const double apart_m =
+              (poseOfPiece(a, of_a).translation_m - poseOfPiece(b, of_b).translation_m).norm();
+          if (apart_m < size_m + 0.002) near.insert({a, b});
+        }
+      }
+    }
+  }
+  figure("pool_filling_near_pairs", static_cast<double>(near.size()), "pairs of bodies");
+  EXPECT_GE(2 * static_cast<int>(near.size()), 3 * budget.awake);
+}
+
+TEST(PoolFilling, OddBudgets_AreFilledToo) {
+  for (const auto& [pieces, vertices, size_m] :
+       {std::tuple{1, 4, std::pair{0.01, 0.3}}, std::tuple{16, 64, std::pair{0.01, 0.3}},
+        std::tuple{2, 5, std::pair{0.05, 0.05}}}) {
+    Models models = smallGame(8, 4);
+    GameBudget& budget = models.scene.game;
+    budget.pieces = pieces;
+    budget.vertices = vertices;
+    std::tie(budget.least_m, budget.most_m) = size_m;
+    const auto pool = rehearsePool(models, AxisPosition(kAxes), {}, anyTime());
+    ASSERT_TRUE(pool) << format(pool.errors());
+    EXPECT_EQ(pool->measured.bodies_max, 8) << pieces;
+    EXPECT_EQ(pool->measured.moving_max, 4) << pieces;
+  }
+}
+
+TEST(PoolRehearsal, BudgetBeyondTheLimit_IsRefusedAndTheNamedOnePasses) {
+  const Models models = smallGame(16, 12);
+  std::vector<std::string> said;
+  RehearsalOptions options = slowAbove(7);
+  options.status = [&](const std::string& what) { said.push_back(what); };
+  const auto refused = rehearse(models, AxisPosition(kAxes), {}, options);
+  ASSERT_FALSE(refused);
+  const Diagnostic& why = refused.errors().front();
+  EXPECT_EQ(why.file, models.files.exercise);
+  EXPECT_EQ(why.key, "budget.awake");
+  EXPECT_EQ(why.value, "12");
+  EXPECT_NE(why.remedy.find("state awake = 7,"), std::string::npos) << why.remedy;
+  EXPECT_GE(said.size(), 3U);
+
+  const auto named = rehearse(smallGame(16, 7), AxisPosition(kAxes), {}, slowAbove(7));
+  ASSERT_TRUE(named) << format(named.errors());
+  ASSERT_TRUE(named->pool);
+  EXPECT_EQ(named->pool->moving_max, 7);
+  EXPECT_FALSE(rehearse(smallGame(16, 8), AxisPosition(kAxes), {}, slowAbove(7)));
+}
+
+TEST(PoolRehearsal, NothingPasses_SaysWhatElseToDo) {
+  const auto refused = rehearse(smallGame(6, 3), AxisPosition(kAxes), {}, slowAbove(0));
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.errors().front().remedy.find("slower rate"), std::string::npos);
+}
+
+TEST(PoolRehearsal, Cancelled_SaysSo) {
+  RehearsalOptions options = anyTime();
+  int asked = 0;
+  options.cancelled = [&asked] { return ++asked > 100; };
+  const auto refused = rehearsePool(smallGame(8, 4), AxisPosition(kAxes), {}, options);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(format(refused.errors()).find("stopped"), std::string::npos);
+  EXPECT_EQ(asked, 101);
+}
+
+TEST(PoolRehearsal, TimeIsNeverTakenAway) {
+  RehearsalOptions options = anyTime();
+  options.extra_ns = [](const TickRecord&) -> std::int64_t { return -1'000'000'000; };
+  const auto pool = rehearsePool(smallGame(4, 2), AxisPosition(kAxes), {}, options);
+  ASSERT_TRUE(pool);
+  EXPECT_GT(pool->measured.summary.cpu.p50_ns, 1000.0);
+}
+
+TEST(PoolRehearsal, DeviceThatMovesAPerson_IsArmedByItAndByNothingLess) {
+  const Models models = smallGame(4, 1);
+  const auto rig = orThrow(buildRig(models, std::make_unique<Handle>(), RigOptions{}));
+  EXPECT_FALSE(rig->renderer->arm());
+  RehearsalOptions without;
+  without.fill_pool = false;
+  const auto informs = rehearse(models, AxisPosition(kAxes), {}, without);
+  ASSERT_TRUE(informs);
+  EXPECT_FALSE(informs->passed);
+  const auto whole = rehearse(models, AxisPosition(kAxes), {});
+  ASSERT_TRUE(whole) << format(whole.errors());
+  EXPECT_EQ(whole->pool->moving_max, 1);
+  Models larger = smallGame(5, 1);
+  const auto other = orThrow(buildRig(larger, std::make_unique<Handle>(), RigOptions{}));
+  EXPECT_FALSE(other->renderer->arm(whole->passed)) << "another budget was rehearsed";
+  EXPECT_TRUE(rig->renderer->arm(whole->passed));
+}
+
+/// The machine decides: the shipped budget arms a device, or is refused with one that passes.
+TEST(PoolRehearsal, ShippedScene_ArmsOrNamesWhatPasses) {
+  const Models models = gameModels();
+  const auto began = std::chrono::steady_clock::now();
+  const auto rehearsed = rehearse(models, AxisPosition(kAxes), {});
+  figure("pool_rehearsal_wall",
+         std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(), "s");
+  if (rehearsed) {
+    std::printf("%s\n", describe(*rehearsed).c_str());
+    const auto rig = orThrow(buildRig(models, std::make_unique<Handle>(), RigOptions{}));
+    EXPECT_TRUE(rig->renderer->arm(rehearsed->passed));
+    return;
+  }
+  std::printf("%s\n", format(rehearsed.errors()).c_str());
+  EXPECT_EQ(rehearsed.errors().front().key, "budget.awake");
+}
+
+TEST(Admission, OfAGameScene_FillsItsSlots) {
+  const auto refused = orThrow(admit(smallGame(8, 4), {}, slowAbove(2)));
+  EXPECT_FALSE(refused.admitted);
+  ASSERT_TRUE(refused.pool);
+  EXPECT_EQ(refused.pool->awake, 2);
+  const auto admitted = orThrow(admit(smallGame(8, 4), {}, anyTime()));
+  EXPECT_TRUE(admitted.admitted);
+  ASSERT_TRUE(admitted.pool);
+  EXPECT_EQ(admitted.pool->measured.moving_max, 4);
+}
+
+/// A session with bodies gives the same bits after a rehearsal as without one.
+TEST(PoolRehearsal, LeavesNoTrace) {
+  const auto play = [](bool rehearsed) {
+    const Models models = smallGame(8, 4);
+    if (rehearsed) orThrow(rehearsePool(models, AxisPosition(kAxes), {}, anyTime()));
+    Game game(models, Intention::throughWaypoints({{0.0, AxisPosition(kAxes)}}));
+    PoolFilling filling(game.rig->models, models.scene.game, AxisPosition(kAxes));
+    std::vector<BodyState> states;
+    std::vector<AxisEffort> sent;
+    for (int k = 0; k < 400; ++k) {
+      filling.order(game.record);
+      game.rig->renderer->tick(1, game.record);
+      sent.push_back(game.record.sent);
+      for (int slot = 0; slot < 8; ++slot) states.push_back(game.body(slot));
+    }
+    return std::pair(states, sent);
+  };
+  const auto without = play(false), with = play(true);
+  ASSERT_EQ(without.first.size(), with.first.size());
+  EXPECT_EQ(0, std::memcmp(without.first.data(), with.first.data(),
+                           with.first.size() * sizeof(BodyState)));
+  EXPECT_EQ(0, std::memcmp(without.second.data(), with.second.data(),
+                           with.second.size() * sizeof(AxisEffort)));
+}
+
+}  // namespace
+}  // namespace wholehand::test
