@@ -22,7 +22,8 @@ constexpr double kMass_kg = 0.1;       // a driven body of 0.1 kg moves at 0.5 m
 constexpr double kClear = 1.02;        // bodies appear that share of their size apart
 constexpr double kReach_m = 0.3;       // from the pocket; a body further off comes back
 constexpr double kTargetStep_m = 0.2;  // targets of 0.25 m or more are teleports
-constexpr double kLeft_m = -9.0;       // empty slots lie 10 m below the origin
+constexpr int kPause = 20;
+constexpr double kLeft_m = -9.0;  // empty slots lie 10 m below the origin
 
 /// Lattice points, the nearest to the origin first.
 std::vector<Eigen::Vector3d> lattice(int half) {
@@ -127,6 +128,7 @@ void PoolFilling::findPlaces(const GameBudget& budget, const AxisPosition& at) {
   }
   owners_.assign(places_m_.size(), BodyOwner::kFixed);
   generations_.assign(places_m_.size(), 1);
+  pause_.assign(places_m_.size(), kPause);
   targets_m_ = places_m_;
   std::vector<std::size_t> order(places_m_.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -189,13 +191,15 @@ SpawnOrder PoolFilling::spawnOf(int slot) const {
 
 void PoolFilling::tend(int slot, const TickRecord& seen, const Eigen::Vector3d& pocket_m) {
   const auto index = static_cast<std::size_t>(slot);
-  if (owners_[index] == BodyOwner::kFixed) return;
+  if (owners_[index] == BodyOwner::kFixed || pause_[index]-- > 0) return;
+  pause_[index] = 0;
   const auto body = models_.scene.bodies.size() + index;
   if (body >= static_cast<std::size_t>(seen.body_count)) return;
   const Eigen::Vector3d at_m = seen.bodies[body].position_m.eigen();
   if (at_m.z() < kLeft_m) {  // it was taken out
     ++generations_[index];
     targets_m_[index] = places_m_[index];
+    pause_[index] = kPause;
     waiting_.push_back(spawnCommand(spawnOf(slot)));
     return;
   }

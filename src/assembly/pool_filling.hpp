@@ -46,6 +46,7 @@ class PoolFilling {
   std::vector<Eigen::Vector3d> places_m_, targets_m_;  ///< per slot
   std::vector<BodyOwner> owners_;                      ///< per slot
   std::vector<int> generations_;                       ///< per slot
+  std::vector<int> pause_;  ///< per slot: times to leave it alone, until the record shows its spawn
   std::deque<Command> waiting_;
   std::size_t next_ = 0;  ///< slot that is tended next
   bool spawned_ = false;
