@@ -2,6 +2,10 @@
 #include "core/body_order.hpp"
 #include "station/station_bench.hpp"
 
+#include <fstream>
+#include <functional>
+#include <iterator>
+
 namespace wholehand::test {
 namespace {
 
@@ -21,6 +25,19 @@ SpawnOrder ballAside(int slot, int generation = 1) {
   return spawn;
 }
 
+/// A real device that rests at the origin.
+class Handle final : public HapticDevice {
+ public:
+  [[nodiscard]] Expected<Done> open() override { return Done{}; }
+  [[nodiscard]] Expected<Done> ready() override { return Done{}; }
+  [[nodiscard]] Fault read(DeviceReading& reading, int) noexcept override {
+    reading.q_m = AxisPosition(6);
+    return Fault::kNone;
+  }
+  [[nodiscard]] Fault write(const AxisEffort&) noexcept override { return Fault::kNone; }
+  void close() noexcept override {}
+};
+
 class GameInAStation : public Bar {
  protected:
   void runGame(bool arm_at_once) {
@@ -32,6 +49,28 @@ class GameInAStation : public Bar {
     if (arm_at_once) {
       ASSERT_TRUE(rendersOn());
     }
+  }
+  /// With four slots and a device that moves a person.
+  void runForAPerson(int awake, const std::function<std::int64_t(const TickRecord&)>& extra_ns) {
+    std::ifstream in(kRoot + "/config/exercises/game-scene.toml");
+    std::string text{std::istreambuf_iterator<char>(in), {}};
+    const auto change = [&](const std::string& from, const std::string& to) {
+      text.replace(text.find(from), from.size(), to);
+    };
+    change("slots = 64", "slots = 4");
+    change("awake = 24", "awake = " + std::to_string(awake));
+    change("../scenes", kRoot + "/config/scenes");
+    fs::create_directories(folder_);
+    std::ofstream(folder_ + "/game.toml") << text;
+    StationConfig config = barConfig();
+    config.files.exercise = folder_ + "/game.toml";
+    config.rehearsal = {};
+    config.rehearsal.extra_ns = extra_ns;
+    config.make_device = [](const DeviceModel&) -> Expected<std::unique_ptr<HapticDevice>> {
+      return std::unique_ptr<HapticDevice>(std::make_unique<Handle>());
+    };
+    load(config);
+    run(false);
   }
   static Order bodies(OrderType type, BodyOrders orders, std::uint32_t claim = 0) {
     Order order;
@@ -73,6 +112,25 @@ TEST_F(GameInAStation, BodyIsPreparedSpawnedShownAndRemoved) {
   EXPECT_EQ(record.bodies[4].position_m.x, 0.5);  // a scene without bodies of its own
   ASSERT_TRUE(ask(say({removeCommand(4, 1)})).accepted);
   EXPECT_TRUE(becomes([&] { return stateOf(4) == SlotState::kParked; }));
+}
+
+TEST_F(GameInAStation, DeviceThatMovesAPerson_IsArmedAfterARehearsalWithTheSlotsFull) {
+  runForAPerson(1, nullptr);
+  const OrderReply armed = ask(OrderType::kArm);
+  EXPECT_TRUE(armed.accepted) << armed.reason;
+  EXPECT_TRUE(says("1 awake and 3 fixed bodies of a game")) << log();
+}
+
+TEST_F(GameInAStation, DeviceThatMovesAPerson_IsRefusedWithWhatPassesWhereTheTickIsTooSlow) {
+  runForAPerson(3, [](const TickRecord& record) -> std::int64_t {
+    return record.exercise.values[2] > 1 ? 1'000'000'000'000 : 0;  // more than one moves
+  });
+  const OrderReply armed = ask(OrderType::kArm);
+  ASSERT_FALSE(armed.accepted);
+  EXPECT_EQ(armed.refusal, Refusal::kRehearsalFailed);
+  EXPECT_NE(armed.reason.find("budget.awake = 3"), std::string::npos) << armed.reason;
+  EXPECT_NE(armed.reason.find("state awake = 1,"), std::string::npos) << armed.reason;
+  EXPECT_TRUE(says("rehearsal: measuring 3 awake bodies")) << log();
 }
 
 TEST_F(GameInAStation, SpawnedWhileDisarmed_IsInTheNextSession) {
