@@ -110,6 +110,23 @@ TEST(PoolFilling, HasAsManyBodiesPiecesAndVerticesAsTheBudgetSays) {
   EXPECT_GE(2 * static_cast<int>(near.size()), 3 * budget.awake);
 }
 
+/// What a rehearsal covers: a game may not make more bodies move than the budget says.
+TEST(GameBudget, FixedBodyThatIsSetFreeBeyondIt_IsRefused) {
+  Game game(smallGame(4, 1), atRest());
+  game.prepare(0, {ballShape(0.02)});
+  game.order(spawnCommand(spawnOf(0, 0, BodyOwner::kGame, poseAt({0.5, 0.3, 0.2}))));
+  game.order(spawnCommand(spawnOf(1, 0, BodyOwner::kFixed, poseAt({0.5, -0.3, 0.2}))));
+  game.run(3);
+  game.order(setOwnerCommand(1, 1, BodyOwner::kLoop));
+  EXPECT_TRUE(game.until(1, "refused", 5));
+  EXPECT_EQ(game.record.exercise.values[2], 1.0);
+  game.order(removeCommand(0, 1));
+  game.run(2);
+  game.order(setOwnerCommand(1, 1, BodyOwner::kLoop));
+  EXPECT_FALSE(game.until(1, "refused", 5));
+  EXPECT_LT(game.body(1).position_m.z, 0.2) << "it falls";
+}
+
 TEST(PoolFilling, OddBudgets_AreFilledToo) {
   for (const auto& [pieces, vertices, size_m] :
        {std::tuple{1, 4, std::pair{0.01, 0.3}}, std::tuple{16, 64, std::pair{0.01, 0.3}},
