@@ -147,7 +147,15 @@ class Admission(AppTest):
 
     def test_bad_input_is_refused(self):
         self.expect_refused(self.run_app("validate", "--admit", "no-such.toml"), "no-such.toml")
-        self.expect_refused(self.run_app("validate"), "files")
+
+    def test_admits_an_exercise_by_the_bodies_of_its_game_or_names_the_budget(self):
+        game = CONFIG / "exercises/game-scene.toml"
+        text = game.read_text().replace("../scenes", str(CONFIG / "scenes"))
+        (self.folder / "small.toml").write_text(text.replace("slots = 64", "slots = 2").replace("awake = 24", "awake = 1"))
+        self.expect(self.run_app("validate", "--admit", "small.toml", timeout=300),
+                    DONE, ": admitted at 1000 Hz", "1 awake and 1 fixed bodies of a game")
+        self.expect(self.run_app("validate", "--admit", game, "--rate-hz", "8000", timeout=300),
+                    1, "not admitted at 8000 Hz", "budget.awake = 24")
 
 
 class Engines(AppTest):
