@@ -194,6 +194,16 @@ Expected<PoolMeasurement> measure(const Models& models, const GameBudget& budget
     best->attempts = attempt;
     if (best->passes() || world->hopeless()) break;
   }
+  if (best->passes() && best->bodies_max < budget.slots) {
+    return Diagnostic{models.files.exercise,
+                      0,
+                      "budget.slots",
+                      std::to_string(budget.slots),
+                      fmt::format("cannot be rehearsed: only {} bodies of this size find a place "
+                                  "near the hand",
+                                  best->bodies_max),
+                      "allow smaller bodies (budget.size_m), or state fewer slots"};
+  }
   return *best;
 }
 

@@ -36,8 +36,9 @@ struct PoolRehearsal {
 /// Fills the slots of a game's scene with the worst bodies that its budget admits, in a world of
 /// its own, and moves a strong hand through them, in the calling thread and as fast as possible.
 /// Where a tick's CPU time exceeds the limit, halves the awake bodies until the largest number that
-/// passes is found. Refused where the world became invalid, where the hand could not be moved, or
-/// where it was cancelled. No state remains. Not real-time safe.
+/// passes is found. Refused where the world became invalid, where the slots cannot be filled, where
+/// the hand cannot be closed, or where it was cancelled. A fault of the strong hand's own motion
+/// later on ends the moves early: what was measured counts. No state remains. Not real-time safe.
 /// @param start initial pose of the session's hand
 /// @pre models.scene.game.slots > 0 @pre no rig that uses these models' exercise is ticking
 [[nodiscard]] Expected<PoolRehearsal> rehearsePool(const Models& models, const AxisPosition& start,

@@ -170,6 +170,18 @@ TEST(PoolRehearsal, NothingPasses_SaysWhatElseToDo) {
   EXPECT_NE(refused.errors().front().remedy.find("slower rate"), std::string::npos);
 }
 
+/// Bodies wider than the gap between floor and ceiling find no place.
+TEST(PoolRehearsal, BudgetThatCannotBeFilled_IsRefused) {
+  Models models = gameModels();
+  models.scene.game.least_m = models.scene.game.most_m = 0.5;
+  models.scene.game.pieces = 16;
+  models.scene.bodies = {fixedBox({0.0, 0.0, -5.5}, {30.0, 30.0, 10.0}),
+                         fixedBox({0.0, 0.0, 5.5}, {30.0, 30.0, 10.0})};
+  const auto refused = rehearsePool(models, AxisPosition(kAxes), {}, anyTime());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.errors().front().key, "budget.slots") << format(refused.errors());
+}
+
 TEST(PoolRehearsal, Cancelled_SaysSo) {
   RehearsalOptions options = anyTime();
   int asked = 0;
