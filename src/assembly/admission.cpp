@@ -79,7 +79,7 @@ Expected<Admission> admit(const Models& models, const RigOptions& rig,
     auto pool = rehearsePool(models, restPose(models), rig, with_status);
     if (!pool) return pool.errors();
     out.admitted = pool->measured.passes();
-    out.pool = std::move(*pool);
+    out.pool = *pool;
   }
   if (out.admitted || out.pool) return out;
 

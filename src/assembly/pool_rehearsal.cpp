@@ -190,7 +190,7 @@ Expected<PoolMeasurement> measure(const Models& models, const GameBudget& budget
     auto world = std::make_unique<FilledWorld>(**rig, hand, filling, options);
     if (Expected<Done> done = world->run(start, limit_ns); !done) return done.errors();
     PoolMeasurement now = world->result();
-    if (!best || now.summary.cpu.p999_ns < best->summary.cpu.p999_ns) best = std::move(now);
+    if (!best || now.summary.cpu.p999_ns < best->summary.cpu.p999_ns) best = now;
     best->attempts = attempt;
     if (best->passes() || world->hopeless()) break;
   }
@@ -221,7 +221,7 @@ Expected<PoolRehearsal> rehearsePool(const Models& models, const AxisPosition& s
   tell(whole);
   auto measured = measure(models, whole, start, rig, options, 1.0, options.attempts);
   if (!measured) return measured.errors();
-  out.measured = std::move(*measured);
+  out.measured = *measured;
   if (out.measured.passes()) {
     out.awake = whole.awake;
     return out;

@@ -266,7 +266,7 @@ Expected<Rehearsal> rehearse(const Models& models, const AxisPosition& start,
     auto pool = rehearsePool(models, start, rig_options, options);
     if (!pool) return pool.errors();
     if (!pool->measured.passes()) return poolTooSlow(*pool, models);
-    best->pool = std::move(pool->measured);
+    best->pool = pool->measured;
   }
   const auto bodies = static_cast<int>(models.scene.bodies.size());
   const bool whole = options.most_bodies >= bodies && (!has_pool || best->pool);
