@@ -397,6 +397,39 @@ TEST(BadInput, SelfContactsThatOverlapWithADevice_AreNamed) {
   EXPECT_NE(fault.remedy.find("open the hand in [reference]"), std::string::npos);
 }
 
+TEST(BadInput, ManyPairsThatCannotBe_AreListedUpToTwentyAndCounted) {
+  // The palm's nine capsules are of one rigid link: 21 pairs of them, and one more.
+  const test::TempFolder folder;
+  const std::string pairs =
+      "[self_contacts]\n"
+      "pad_radial = [\"pad_ulnar\", \"hollow\", \"thenar\", \"hypothenar\", \"metacarpal_2\", "
+      "\"metacarpal_3\", \"metacarpal_4\", \"metacarpal_5\"]\n"
+      "pad_ulnar = [\"hollow\", \"thenar\", \"hypothenar\", \"metacarpal_2\", \"metacarpal_3\", "
+      "\"metacarpal_4\", \"metacarpal_5\"]\n"
+      "hollow = [\"thenar\", \"hypothenar\", \"metacarpal_2\", \"metacarpal_3\", \"metacarpal_4\", "
+      "\"metacarpal_5\"]\n"
+      "thenar = [\"hypothenar\"]\n";
+  std::string text = readAll(shipped("hand"));
+  text.replace(text.find("[self_contacts]\n"), std::string("[self_contacts]\n").size(), pairs);
+  const std::string path = folder.write("h.toml", text);
+  const Diagnostics faults = faultsOf("hand", path);
+  ASSERT_EQ(faults.size(), 21U) << format(faults);
+  EXPECT_EQ(faults.back().file, path);
+  EXPECT_EQ(faults.back().problem, "has 2 more faults");
+}
+
+TEST(BadInput, SelfContactsThatOverlapWithADevice_AreListedUpToTwentyAndCounted) {
+  // A pair that overlaps where the device keeps the hand as shut as its ranges allow.
+  HandFile hand = loadHandFile(shipped("hand")).value();
+  hand.self_contacts.assign(23, {"thumb_distal", "middle_middle", 1});
+  DeviceModel device = loadDeviceFile(shipped("device")).value();
+  for (int axis = 3; axis < 6; ++axis) device.axes[axis].lower = device.axes[axis].upper;
+  const auto assembled = assembleHand(hand, device);
+  ASSERT_FALSE(assembled.ok());
+  ASSERT_EQ(assembled.errors().size(), 21U) << format(assembled.errors());
+  EXPECT_EQ(assembled.errors().back().problem, "has 3 more faults");
+}
+
 TEST(BadInput, HandAndDeviceThatDoNotGoTogether_SayWhy) {
   const HandFile hand = loadHandFile(shipped("hand")).value();
   DeviceModel device = loadDeviceFile(shipped("device")).value();

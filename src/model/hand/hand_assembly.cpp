@@ -23,7 +23,7 @@ class Assembly {
 
   Expected<HandModel> build() {
     checkAxes();
-    if (!faults_.empty()) return faults_;
+    if (!faults_.empty()) return firstFaults(std::move(faults_), hand_.path);
     model_ = buildLinks(hand_, device_);
     model_.axis_count = device_.axisCount();
     for (const DeviceAxis& axis : device_.axes) model_.axis_names.push_back(axis.name);
@@ -32,7 +32,7 @@ class Assembly {
     setReference();
     checkRanges();
     addSelfContacts(hand_, model_, faults_);
-    if (!faults_.empty()) return faults_;
+    if (!faults_.empty()) return firstFaults(std::move(faults_), hand_.path);
     return std::move(model_);
   }
 

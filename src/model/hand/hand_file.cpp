@@ -138,7 +138,9 @@ Expected<HandFile> loadHandFile(const std::string& path) {
   readReference(root, hand);
   readSelfContacts(root, hand);
   if (Diagnostics faults = file.finish(); !faults.empty()) return faults;
-  if (Diagnostics faults = checkSelfContacts(hand); !faults.empty()) return faults;
+  if (Diagnostics faults = checkSelfContacts(hand); !faults.empty()) {
+    return firstFaults(std::move(faults), path);
+  }
   return hand;
 }
 
