@@ -23,7 +23,7 @@ constexpr double kClear = 1.02;        // bodies appear that share of their size
 constexpr double kReach_m = 0.3;       // from the pocket; a body further off comes back
 constexpr double kTargetStep_m = 0.2;  // targets of 0.25 m or more are teleports
 constexpr int kPause = 20;
-constexpr double kLeft_m = -9.0;  // empty slots lie 10 m below the origin
+constexpr double kEmpty_m = -9.0;  // empty slots lie 10 m below the origin
 
 /// Lattice points, the nearest to the origin first.
 std::vector<Eigen::Vector3d> lattice(int half) {
@@ -121,10 +121,11 @@ void PoolFilling::makePieces(const GameBudget& budget) {
 // The nearest free places; the lowest of them are for fixed bodies, a bed for the others.
 void PoolFilling::findPlaces(const GameBudget& budget, const AxisPosition& at) {
   const Eigen::Vector3d pocket_m = pocketAt(at);
+  const ArticulatedBody hand = handAt(models_.hand, at);
   for (const Eigen::Vector3d& site : lattice(6)) {
     if (places_m_.size() == static_cast<std::size_t>(budget.slots)) break;
     const Eigen::Vector3d place_m = pocket_m + 2.0 * kClear * radius_m_ * site;
-    if (isClear(place_m, at)) places_m_.push_back(place_m);
+    if (isClear(place_m, hand)) places_m_.push_back(place_m);
   }
   owners_.assign(places_m_.size(), BodyOwner::kFixed);
   generations_.assign(places_m_.size(), 1);
@@ -141,9 +142,12 @@ void PoolFilling::findPlaces(const GameBudget& budget, const AxisPosition& at) {
   }
 }
 
-bool PoolFilling::isClear(const Eigen::Vector3d& place_m, const AxisPosition& at) const {
+bool PoolFilling::isEmpty(const BodyState& slot) noexcept {
+  return slot.position_m.z < kEmpty_m;
+}
+
+bool PoolFilling::isClear(const Eigen::Vector3d& place_m, const ArticulatedBody& hand) const {
   const double clear_m = kClear * radius_m_;
-  const ArticulatedBody hand = handAt(models_.hand, at);
   for (const Capsule& capsule : models_.hand.capsules) {
     const Pose& link = hand.linkPose(capsule.link);
     if (distance(place_m, link * capsule.a_m, link * capsule.b_m) < capsule.radius_m + clear_m) {
@@ -196,7 +200,7 @@ void PoolFilling::tend(int slot, const TickRecord& seen, const Eigen::Vector3d& 
   const auto body = models_.scene.bodies.size() + index;
   if (body >= static_cast<std::size_t>(seen.body_count)) return;
   const Eigen::Vector3d at_m = seen.bodies[body].position_m.eigen();
-  if (at_m.z() < kLeft_m) {  // it was taken out
+  if (isEmpty(seen.bodies[body])) {  // it was taken out
     ++generations_[index];
     targets_m_[index] = places_m_[index];
     pause_[index] = kPause;

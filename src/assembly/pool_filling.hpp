@@ -11,6 +11,8 @@
 
 namespace wholehand {
 
+class ArticulatedBody;
+
 /// Orders that fill the slots of a game's scene with the worst bodies that its budget admits, and
 /// keep them at the hand: as many awake bodies as the budget says, half of them free under gravity
 /// and half pulled into the hand, and fixed bodies in all other slots. Each has the most pieces,
@@ -28,13 +30,15 @@ class PoolFilling {
   [[nodiscard]] bool spawned() const noexcept { return spawned_; }
   /// Who moves the body of a slot. Slots without a free place near the hand stay empty.
   [[nodiscard]] const std::vector<BodyOwner>& owners() const noexcept { return owners_; }
+  /// True where a slot's state in the record is that of an empty one.
+  [[nodiscard]] static bool isEmpty(const BodyState& slot) noexcept;
   /// Pieces of each body, as ordered.
   [[nodiscard]] const std::vector<Shape>& pieces() const noexcept { return pieces_; }
 
  private:
   void makePieces(const GameBudget& budget);
   void findPlaces(const GameBudget& budget, const AxisPosition& at);
-  [[nodiscard]] bool isClear(const Eigen::Vector3d& place_m, const AxisPosition& at) const;
+  [[nodiscard]] bool isClear(const Eigen::Vector3d& place_m, const ArticulatedBody& hand) const;
   [[nodiscard]] SpawnOrder spawnOf(int slot) const;
   void tend(int slot, const TickRecord& seen, const Eigen::Vector3d& pocket_m);
   /// Middle of the space that the half-closed hand encloses.

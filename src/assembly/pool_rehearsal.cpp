@@ -149,7 +149,7 @@ class FilledWorld {
     const std::size_t first = rig_.models.scene.bodies.size();
     for (std::size_t slot = 0; slot < filling_.owners().size(); ++slot) {
       const BodyState& state = record_.bodies[first + slot];
-      if (state.position_m.z < -9.0) continue;  // an empty slot
+      if (PoolFilling::isEmpty(state)) continue;
       ++bodies;
       if (state.velocity_m_s.eigen().norm() > 0.0) ++moving;
     }

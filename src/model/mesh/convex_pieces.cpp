@@ -4,6 +4,7 @@
 #include "model/mesh/feature_planes.hpp"
 #include "model/mesh/hull_vertices.hpp"
 #include "model/mesh/mesh_checks.hpp"
+#include "model/mesh/piece_measures.hpp"
 #include "model/mesh/solid_cut.hpp"
 #include "model/mesh/surface_distance.hpp"
 #include "model/scene/scene_model.hpp"
@@ -36,7 +37,6 @@ constexpr double kReflexWeight = 0.05;    ///< of reflex edges on the cut agains
 constexpr double kSmallGain = 0.02;       ///< of a cut: the next ones are looked at, too
 constexpr std::size_t kCutsAhead = 12;    ///< that are looked at
 constexpr double kTie = 1e-6;             ///< of costs: the first one counts
-constexpr int kSamplesAcross = 40;        ///< of the solid's size, on a surface
 
 /// A convex cell's share of the solid.
 struct Part {
@@ -67,17 +67,6 @@ void sortUnique(std::vector<Vector3d>& points) {
   points.erase(std::unique(points.begin(), points.end()), points.end());
 }
 
-/// Points on a triangle, about `apart_m` from each other.
-template <class Take>
-void forSamples(const Vector3d& a, const Vector3d& b, const Vector3d& c, double apart_m,
-                Take take) {
-  const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
-  const int n = std::max(2, static_cast<int>(std::ceil(longest / apart_m)));
-  for (int i = 0; i <= n; ++i) {
-    for (int j = 0; i + j <= n; ++j) take(a + (i * (b - a) + j * (c - a)) / n);
-  }
-}
-
 class Decomposition {
  public:
   Decomposition(const ClosedSurface& solid, const PieceOptions& options)
@@ -105,22 +94,8 @@ class Decomposition {
   }
 
  private:
-  /// Largest distance of the hull's surface outside the solid; not exact below `small_m`.
-  [[nodiscard]] double farthestOutside(const MeshSurface& hull, double small_m) const {
-    std::vector<std::pair<double, Vector3d>> far;
-    for (const Vector3i& t : hull.triangles) {
-      forSamples(hull.points[t[0]], hull.points[t[1]], hull.points[t[2]],
-                 solid_.size_m / kSamplesAcross, [&](const Vector3d& p) {
-                   if (const double d = distance_.to(p); d > small_m) far.emplace_back(d, p);
-                 });
-    }
-    std::sort(far.begin(), far.end(), [](const auto& a, const auto& b) {
-      return a.first != b.first ? a.first > b.first : isBefore(a.second, b.second);
-    });
-    for (const auto& [d, p] : far) {
-      if (distance_.windings(p) < 0.5) return d;
-    }
-    return 0.0;
+  [[nodiscard]] double outside(const MeshSurface& hull, double small_m) const {
+    return farthestOutside(hull, solid_, distance_, small_m);
   }
 
   /// True inside the solid, and on its surface: a cut along a face may end there.
@@ -331,8 +306,7 @@ class Decomposition {
         if (worst == parts_.size() || parts_[i].excess_m3 > parts_[worst].excess_m3) worst = i;
       }
       if (worst == parts_.size()) break;
-      const bool near =
-          farthestOutside(parts_[worst].hull, options_.concavity_m) <= options_.concavity_m;
+      const bool near = outside(parts_[worst].hull, options_.concavity_m) <= options_.concavity_m;
       if (near || !divide(worst)) parts_[worst].done = true;
     }
     for (Part& p : parts_) pieces_.push_back({std::move(p.hull), 0.0});
@@ -365,7 +339,7 @@ class Decomposition {
     });
     for (std::size_t k = 0; k < merges.size(); ++k) {
       if (merges[k].outside_m < 0.0) {
-        merges[k].outside_m = farthestOutside(merges[k].piece.hull, options_.concavity_m);
+        merges[k].outside_m = outside(merges[k].piece.hull, options_.concavity_m);
       }
       if (merges[k].outside_m <= options_.concavity_m) return k;
     }
@@ -415,64 +389,18 @@ class Decomposition {
     tell("measuring, pieces", result.pieces.size());
     MeshSurface all;
     for (const MeshSurface& piece : result.pieces) {
-      result.beyond_m = std::max(result.beyond_m, farthestOutside(piece, result.beyond_m));
+      result.beyond_m = std::max(result.beyond_m, outside(piece, result.beyond_m));
       const int first = static_cast<int>(all.points.size());
       all.points.insert(all.points.end(), piece.points.begin(), piece.points.end());
       for (const Vector3i& t : piece.triangles) all.triangles.push_back(t.array() + first);
     }
-    result.missing_m = farthestMissing(all);
+    result.missing_m = farthestMissing(solid_, all);
     for (std::size_t i = 0; i < result.pieces.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {
-        result.overlap_m3 += overlapOf(result.pieces[i], result.pieces[j]);
+        result.overlap_m3 += overlapOf(result.pieces[i], result.pieces[j], snap_m_);
       }
     }
-    result.twice_share = shareInside();
-  }
-
-  /// Largest distance of the solid's surface outside the pieces.
-  [[nodiscard]] double farthestMissing(const MeshSurface& all) const {
-    const SurfaceDistance pieces(all);
-    double farthest = 0.0;
-    for (const Vector3i& t : solid_.surface.triangles) {
-      const auto& points = solid_.surface.points;
-      forSamples(points[t[0]], points[t[1]], points[t[2]], solid_.size_m / kSamplesAcross,
-                 [&](const Vector3d& p) {
-                   const double d = pieces.to(p);
-                   if (d > farthest && pieces.windings(p) < 0.5) farthest = d;
-                 });
-    }
-    return farthest;
-  }
-
-  [[nodiscard]] double overlapOf(const MeshSurface& a, const MeshSurface& b) const {
-    std::vector<Facet> facets;
-    for (const Vector3i& t : a.triangles) {
-      facets.push_back({{a.points[t[0]], a.points[t[1]], a.points[t[2]]}, false});
-    }
-    for (const Vector3i& t : b.triangles) {
-      const Vector3d area =
-          (b.points[t[1]] - b.points[t[0]]).cross(b.points[t[2]] - b.points[t[0]]);
-      if (!(area.norm() > 0.0) || facets.empty()) continue;
-      const Vector3d normal = area.normalized();
-      facets = cutBehind(facets, {normal, normal.dot(b.points[t[0]])}, snap_m_);
-    }
-    return std::max(volumeOf(facets), 0.0);
-  }
-
-  /// Share of some triangles whose two sides are both inside the solid.
-  [[nodiscard]] double shareInside() const {
-    const auto& s = solid_.surface;
-    const std::size_t step = s.triangles.size() / 200 + 1;
-    int inside = 0, count = 0;
-    for (std::size_t i = 0; i < s.triangles.size(); i += step) {
-      const Vector3i& t = s.triangles[i];
-      const Vector3d &a = s.points[t[0]], &b = s.points[t[1]], &c = s.points[t[2]];
-      const Vector3d normal = (b - a).cross(c - a).normalized();
-      const Vector3d above = (a + b + c) / 3.0 + 1e-6 * solid_.size_m * normal;
-      inside += distance_.windings(above) > 0.5 ? 1 : 0;
-      ++count;
-    }
-    return static_cast<double>(inside) / count;
+    result.twice_share = shareInside(solid_, distance_);
   }
 
   const ClosedSurface& solid_;
