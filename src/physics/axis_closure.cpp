@@ -105,18 +105,19 @@ void AxisClosure::measure(const Scene& scene, const Axis& axis, Pair pair, doubl
 }
 
 /// For how much of the axis the pair stays apart. The distance from a convex shape is never less
-/// than from its plane at the nearest point, d(x) ≥ d + n·(x − x*), and each end of the capsule
-/// goes n·p(q + δ) ≥ n·p + δ n·p' − δ²/2 |p''|: clear up to where that is −1 µm. A face that is
-/// grazed along would be searched in steps of nothing otherwise.
+/// than a linear bound, d(x) ≥ d + n·(x − x*), and each end of the capsule goes n·p(q + δ) ≥
+/// n·p + δ n·p' − δ²/2 |p''|: clear up to where that is −1 µm. A face that is grazed along would be
+/// searched in steps of nothing otherwise.
 double AxisClosure::clearFor(const ClosingChain& chain, const Gap& gap) noexcept {
   const double slow = gap.is.least_m / chain.fastest();
   const Eigen::Vector3d way_m = gap.at.b_m - gap.at.a_m;
-  const double rise_m = gap.is.normal.dot(way_m);
+  const double rise_m = gap.is.bound_normal.dot(way_m);
   const double bend = chain.maxAcceleration();
   double least = std::numeric_limits<double>::infinity();
   for (const double end : {0.0, 1.0}) {
-    const double d = gap.is.distance_m + (end - gap.is.along) * rise_m + kTouching_m;
-    const double slope = gap.is.normal.dot(gap.at.rate(chain, end > 0.0 ? gap.at.b_m : gap.at.a_m));
+    const double d = gap.is.least_m + (end - gap.is.along) * rise_m + kTouching_m;
+    const double slope =
+        gap.is.bound_normal.dot(gap.at.rate(chain, end > 0.0 ? gap.at.b_m : gap.at.a_m));
     const double root = std::sqrt(slope * slope + 2.0 * bend * std::max(d, 0.0));
     // The same root twice, each where it does not cancel; infinite where nothing bends or nears.
     const double clear = slope > 0.0 ? (slope + root) / bend : 2.0 * d / (root - slope);

@@ -122,12 +122,13 @@ SegmentDistance hullDistance(const std::vector<Vector3d>& points_m, const Vector
     }
     away_m = simplex.size == 4 ? 0.0 : simplex.nearest_m.norm();
   }
-  if (away_m <= kTiny_m) return {-radius_m, -radius_m, 0.5, Vector3d::Zero()};
+  if (away_m <= kTiny_m) return {-radius_m, -radius_m, 0.5, Vector3d::Zero(), Vector3d::Zero()};
   double along = 0.0;
   for (int i = 0; i < simplex.size; ++i) {
     along += simplex.weights[i] * simplex.corners[i].along;
   }
-  return {away_m - radius_m, least_m - radius_m, along, simplex.nearest_m / away_m};
+  const Vector3d normal = simplex.nearest_m / away_m;
+  return {away_m - radius_m, least_m - radius_m, along, normal, normal};
 }
 
 }  // namespace wholehand

@@ -11,7 +11,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kExact_m = 1e-7;
-constexpr int kMostSteps = 12;
+constexpr int kMostSteps = 24;
 constexpr double kContactExact_m = 1e-13;
 constexpr int kMostContactSteps = 40;
 
@@ -76,8 +76,17 @@ struct Probe {
   Vector3d normal;
 };
 
-SegmentDistance found(const Probe& p, double least_m, double radius_m) {
-  return {p.distance_m - radius_m, least_m - radius_m, p.along, p.normal};
+SegmentDistance found(const Probe& p, double radius_m) {
+  return {p.distance_m - radius_m, p.distance_m - radius_m, p.along, p.normal, p.normal};
+}
+
+/// Between two probes. The mean of their tangents that is level along the segment bounds the
+/// distance as well as both together do.
+SegmentDistance found(const Probe& left, const Probe& right, double least_m, double radius_m) {
+  const Probe& nearer = left.distance_m < right.distance_m ? left : right;
+  const double share = right.slope_m / (right.slope_m - left.slope_m);
+  return {nearer.distance_m - radius_m, least_m - radius_m, nearer.along, nearer.normal,
+          share * left.normal + (1.0 - share) * right.normal};
 }
 
 /// The search, in the shape's own frame. @param enough whether a gap between the bound and the
@@ -91,9 +100,9 @@ SegmentDistance nearest(const Shape& shape, const Vector3d& a_m, const Vector3d&
     return {along, at.distance_m, at.normal.dot(way_m), at.normal};
   };
   Probe left = probe(0.0);
-  if (left.slope_m >= 0.0) return found(left, left.distance_m, radius_m);
+  if (left.slope_m >= 0.0) return found(left, radius_m);
   Probe right = probe(1.0);
-  if (right.slope_m <= 0.0) return found(right, right.distance_m, radius_m);
+  if (right.slope_m <= 0.0) return found(right, radius_m);
   double least_m = 0.0;
   for (int i = 0; i < most_steps; ++i) {
     const double across = right.along - left.along;
@@ -109,7 +118,7 @@ SegmentDistance nearest(const Shape& shape, const Vector3d& a_m, const Vector3d&
     const Probe middle = probe(left.along + step);
     (middle.slope_m < 0.0 ? left : right) = middle;
   }
-  return found(left.distance_m < right.distance_m ? left : right, least_m, radius_m);
+  return found(left, right, least_m, radius_m);
 }
 
 }  // namespace
@@ -126,6 +135,7 @@ SegmentDistance segmentDistance(const Shape& shape, const Vector3d& a_m, const V
                                ? hullDistance(shape.points_m, a, b, radius_m)
                                : nearest(shape, a, b, radius_m, kMostSteps, enough);
   result.normal = turn * result.normal;
+  result.bound_normal = turn * result.bound_normal;
   return result;
 }
 

@@ -13,6 +13,9 @@ struct SegmentDistance {
   double least_m = 0.0;     ///< lower bound of the distance
   double along = 0.0;       ///< parameter on the capsule's segment, 0 at a, 1 at b
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< gradient of the distance, in a's frame
+  /// Gradient of a lower bound for points x anywhere: the distance of x from the shape, less the
+  /// radius, is at least least_m + bound_normal·(x − x(along)). Not longer than 1.
+  Eigen::Vector3d bound_normal = Eigen::Vector3d::Zero();
 };
 
 /// Distance of a capsule (segment and radius) from a shape, found by minimising the distance to the

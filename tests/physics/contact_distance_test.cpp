@@ -85,6 +85,54 @@ TEST(ContactDistance, WithALimit_GivesUpOnlyWhatIsBeyond) {
   EXPECT_GT(beyond, 500);
 }
 
+// To 0.1 µm, where the nearest point lies at an edge, too: 12 steps of the search left 2 µm there.
+TEST(SegmentDistance, OfRandomCapsules_IsExactToATenthOfAMicrometre) {
+  auto random = test::seededRandom(374);
+  std::uniform_real_distribution<double> where(-0.09, 0.09);
+  for (const Shape& shape : shapes()) {
+    for (int i = 0; i < (WHOLEHAND_SANITIZED ? 500 : 8000); ++i) {
+      const Vector3d a(where(random), where(random), where(random));
+      const Vector3d b = a + 0.5 * Vector3d(where(random), where(random), where(random));
+      const double exact_m = leastDistance_m(shape, a, b);
+      if (exact_m < 0.0) continue;  // no nearest point
+      ASSERT_NEAR(segmentDistance(shape, a, b, 0.0, 0.0).distance_m, exact_m, 1.01e-7)
+          << "shape " << static_cast<int>(shape.type) << ", a " << a.transpose() << ", b "
+          << b.transpose();
+    }
+  }
+}
+
+// The search for a first touch goes by this bound: it may nowhere exceed the distance, and along
+// the capsule it never falls below its least. The distance itself is signedDistance()'s.
+TEST(SegmentDistance, OfAnyPoint_IsNotBelowItsBound) {
+  auto random = test::seededRandom(373);
+  std::uniform_real_distribution<double> where(-0.09, 0.09);
+  for (Shape shape : shapes()) {
+    shape.in_body.rotation =
+        Eigen::AngleAxisd(0.7, Vector3d(1.0, 2.0, -1.0).normalized()).toRotationMatrix();
+    shape.in_body.translation_m = {0.01, -0.02, 0.03};
+    for (int i = 0; i < 500; ++i) {
+      const Vector3d a(where(random), where(random), where(random));
+      const Vector3d b = a + 0.5 * Vector3d(where(random), where(random), where(random));
+      for (const double share : {0.0, 0.2}) {
+        const SegmentDistance is = segmentDistance(shape, a, b, 0.008, share);
+        const Vector3d nearest = a + is.along * (b - a);
+        const auto bound = [&](const Vector3d& x) {
+          return is.least_m + is.bound_normal.dot(x - nearest);
+        };
+        EXPECT_LE(is.bound_normal.norm(), 1.0 + 1e-12);
+        EXPECT_GE(std::min(bound(a), bound(b)), is.least_m - 1e-12);
+        for (int k = 0; k < 10; ++k) {
+          const Vector3d x(where(random), where(random), where(random));
+          ASSERT_GE(signedDistance(shape, x) - 0.008, bound(x) - 1e-12)
+              << "shape " << static_cast<int>(shape.type) << ", a " << a.transpose() << ", b "
+              << b.transpose() << ", at " << x.transpose();
+        }
+      }
+    }
+  }
+}
+
 // A finger that lies on a face along it: the end that is nearer touches.
 TEST(ContactDistance, AlongAFace_IsAtTheNearerEnd) {
   const Shape box = shapes().front();
