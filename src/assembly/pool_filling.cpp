@@ -16,8 +16,10 @@
 namespace wholehand {
 namespace {
 
-constexpr double kPiece_m = 0.03;      // small bodies: many fit round a hand
-constexpr double kSpacing = 0.7;       // of a piece's extent: pieces of a body overlap
+constexpr double kPiece_m = 0.012;     // thin rods: many fit round a hand ...
+constexpr double kLength = 5.0;        // ... and touch each other along their length
+constexpr double kClosest = 0.5;       // pieces of a body overlap: spacing, of their extents ...
+constexpr double kCloser = 0.05;       // ... and the step to the least that is allowed
 constexpr double kMass_kg = 0.1;       // a driven body of 0.1 kg moves at 0.5 m/s, the most
 constexpr double kClear = 1.02;        // bodies appear that share of their size apart
 constexpr double kReach_m = 0.3;       // from the pocket; a body further off comes back
@@ -38,16 +40,19 @@ std::vector<Eigen::Vector3d> lattice(int half) {
   return points;
 }
 
-/// A convex mesh with that many vertices, on a spiral round a sphere.
-Expected<Shape> roundMesh(int vertices, double size_m) {
+/// A prism with at most that many vertices. Flat faces that lie on each other cost more than round
+/// ones.
+Expected<Shape> prismMesh(int vertices, double size_m, double length_m) {
   std::vector<Eigen::Vector3d> points;
-  const double turn = std::numbers::pi * (3.0 - std::sqrt(5.0));
-  for (int i = 0; i < vertices; ++i) {
-    const double z = 1.0 - 2.0 * (i + 0.5) / vertices;
-    const double r = std::sqrt(1.0 - z * z);
-    points.emplace_back(0.5 * size_m *
-                        Eigen::Vector3d(r * std::cos(turn * i), r * std::sin(turn * i), z));
+  const int corners = vertices / 2;
+  for (int i = 0; i < corners; ++i) {
+    const double turn = 2.0 * std::numbers::pi * i / corners;
+    for (const double z : {-1.0, 1.0}) {
+      points.emplace_back(0.5 * size_m * std::cos(turn), 0.5 * size_m * std::sin(turn),
+                          0.5 * length_m * z);
+    }
   }
+  if (vertices % 2 != 0) points.emplace_back(0.0, 0.0, 0.55 * length_m);
   auto hull = convexHull(points);
   if (!hull) return hull.errors();
   return convexMesh(hull->points, hull->triangles);
@@ -61,7 +66,9 @@ Shape box(double size_m) {
 
 /// The costliest piece of the budget: a mesh, or a box where every extent has to be the same.
 Shape worstPiece(const GameBudget& budget, double size_m) {
-  auto mesh = roundMesh(budget.vertices, size_m);
+  const double length_m =
+      std::clamp(kLength * size_m, size_m, std::max(size_m, 0.7 * budget.most_m));
+  auto mesh = prismMesh(budget.vertices, size_m, length_m);
   if (!mesh) return box(size_m);
   const double least_m = extents(*mesh).minCoeff(), most_m = extents(*mesh).maxCoeff();
   const double scale = std::max(1.0, budget.least_m / least_m) * (1.0 + 1e-9);
@@ -87,9 +94,13 @@ ArticulatedBody handAt(const HandModel& hand, const AxisPosition& q_s) {
 
 }  // namespace
 
-PoolFilling::PoolFilling(const Models& models, const GameBudget& budget, const AxisPosition& at)
-    : models_(models), mass_kg_(std::clamp(kMass_kg, budget.least_kg, budget.most_kg)) {
-  makePieces(budget);
+PoolFilling::PoolFilling(const Models& models, const GameBudget& budget, const AxisPosition& at,
+                         std::vector<Shape> pieces)
+    : models_(models),
+      mass_kg_(std::clamp(kMass_kg, budget.least_kg, budget.most_kg)),
+      pieces_(std::move(pieces)) {
+  if (pieces_.empty()) makePieces(budget);
+  centerPieces();
   findPlaces(budget, at);
   auto prepared = prepareShapes(pieces_, budget);
   if (!prepared) return;  // no body fits: the slots stay empty
@@ -99,22 +110,31 @@ PoolFilling::PoolFilling(const Models& models, const GameBudget& budget, const A
   }
 }
 
+// Two columns of pieces, as close together as prepareShapes() admits.
 void PoolFilling::makePieces(const GameBudget& budget) {
   const double size_m = std::clamp(kPiece_m, budget.least_m, budget.most_m);
   const Shape piece = worstPiece(budget, size_m);
-  const std::vector<Eigen::Vector3d> sites = lattice(2);
-  Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();
-  for (int i = 0; i < budget.pieces; ++i) {
-    Shape& placed = pieces_.emplace_back(piece);
-    placed.in_body.translation_m = kSpacing * size_m * sites[static_cast<std::size_t>(i)];
-    middle_m += placed.in_body.translation_m / budget.pieces;
+  const Eigen::Vector3d extent_m = extents(piece);
+  for (double spacing = kClosest; spacing < 1.0 + kCloser; spacing += kCloser) {
+    pieces_.assign(static_cast<std::size_t>(budget.pieces), piece);
+    for (int i = 0; i < budget.pieces; ++i) {
+      pieces_[static_cast<std::size_t>(i)].in_body.translation_m =
+          spacing * extent_m.cwiseProduct(Eigen::Vector3d(i % 2, i / 2, 0.0));
+    }
+    if (prepareShapes(pieces_, budget)) break;
   }
-  const double of_piece_m = 0.5 * extents(piece).norm();
-  for (Shape& placed : pieces_) {
-    placed.in_body.translation_m -= middle_m;
-    const double rounded_m =
-        piece.type == ShapeType::kBox ? of_piece_m : 0.5 * extents(piece).maxCoeff();
-    radius_m_ = std::max(radius_m_, placed.in_body.translation_m.norm() + rounded_m);
+}
+
+// Bodies have their origin in the centre of mass of these equal pieces.
+void PoolFilling::centerPieces() {
+  Eigen::Vector3d middle_m = Eigen::Vector3d::Zero();
+  for (const Shape& piece : pieces_) {
+    middle_m += moments(piece).center_m / static_cast<double>(pieces_.size());
+  }
+  for (Shape& piece : pieces_) {
+    piece.in_body.translation_m -= middle_m;
+    const double piece_radius_m = 0.5 * extents(piece).norm();
+    radius_m_ = std::max(radius_m_, piece.in_body.translation_m.norm() + piece_radius_m);
   }
 }
 

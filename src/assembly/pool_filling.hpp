@@ -13,15 +13,18 @@ namespace wholehand {
 
 class ArticulatedBody;
 
-/// Orders that fill the slots of a game's scene with the worst bodies that its budget admits, and
-/// keep them at the hand: as many awake bodies as the budget says, half of them free under gravity
-/// and half pulled into the hand, and fixed bodies in all other slots. Each has the most pieces,
-/// and each piece the most vertices. Not real-time safe.
+/// Orders that fill the slots of a game's scene with the costliest bodies that its budget admits,
+/// and keep them at the hand: as many awake bodies as the budget says, half of them free under
+/// gravity and half pulled into the hand, and fixed bodies in all other slots. Each has the most
+/// pieces, rods of the most vertices, which overlap as far as prepareShapes() admits
+/// (docs/adr/0053-costliest-bodies.md). Not real-time safe.
 class PoolFilling {
  public:
   /// @param at pose of the hand when the bodies appear; they appear clear of it
+  /// @param pieces of every body, in place of the costliest
   /// @pre budget.slots > 0 @pre models outlive this
-  PoolFilling(const Models& models, const GameBudget& budget, const AxisPosition& at);
+  PoolFilling(const Models& models, const GameBudget& budget, const AxisPosition& at,
+              std::vector<Shape> pieces = {});
 
   /// Writes the next orders into the record, before its tick. A body that fell out of reach, or
   /// left the world, comes back.
@@ -37,6 +40,7 @@ class PoolFilling {
 
  private:
   void makePieces(const GameBudget& budget);
+  void centerPieces();
   void findPlaces(const GameBudget& budget, const AxisPosition& at);
   [[nodiscard]] bool isClear(const Eigen::Vector3d& place_m, const ArticulatedBody& hand) const;
   [[nodiscard]] SpawnOrder spawnOf(int slot) const;

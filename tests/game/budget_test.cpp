@@ -101,6 +101,35 @@ TEST(GameShapes, BeyondTheBudget_AreNamed) {
   EXPECT_NE(format(mesh.errors()).find("8 vertices"), std::string::npos);
 }
 
+/// The same piece many times multiplies the contacts. Shares by closed form.
+TEST(GameShapes, PiecesThatLieInOthers_AreNamed) {
+  const GameBudget budget = gameModels().scene.game;
+  const auto refused = [&](std::vector<Shape> pieces) {
+    const auto shapes = prepareShapes(pieces, budget);
+    return shapes ? std::string() : format(shapes.errors());
+  };
+  const auto at = [](Shape shape, const Eigen::Vector3d& place_m) {
+    shape.in_body.translation_m = place_m;
+    return shape;
+  };
+  const Shape cube = boxShape({0.04, 0.04, 0.04});
+  const std::string twice = refused({cube, boxMesh({0.04, 0.04, 0.04})});
+  EXPECT_NE(twice.find("pieces[0]: lies with 100 % of its volume"), std::string::npos) << twice;
+  EXPECT_NE(twice.find("pieces[1]: lies with 100 %"), std::string::npos) << twice;
+  EXPECT_NE(twice.find("at most 65 %"), std::string::npos) << twice;
+  // Two cubes share 71 % of each, and 29 %.
+  EXPECT_NE(refused({cube, at(cube, {0.0116, 0.0, 0.0})}).find("71 %"), std::string::npos);
+  EXPECT_EQ(refused({cube, at(cube, {0.0284, 0.0, 0.0})}), "");
+  // A small one in a large one is named alone.
+  const std::string inside = refused({boxShape({0.1, 0.1, 0.1}), ballShape(0.02)});
+  EXPECT_EQ(inside.find("pieces[0]"), std::string::npos) << inside;
+  EXPECT_NE(inside.find("pieces[1]"), std::string::npos) << inside;
+  // A bar through two balls is a dumbbell: nothing is wrong with it.
+  EXPECT_EQ(refused({boxShape({0.015, 0.015, 0.2}), at(ballShape(0.03), {0.0, 0.0, 0.08}),
+                     at(ballShape(0.03), {0.0, 0.0, -0.08})}),
+            "");
+}
+
 TEST(GameShapes, TwoBalls_HaveTheMomentsOfADumbbell) {
   Shape left = ballShape(0.02), right = ballShape(0.02);
   left.in_body.translation_m = {0.0, -0.05, 0.0};

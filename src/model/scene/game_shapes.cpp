@@ -11,8 +11,39 @@
 namespace wholehand {
 namespace {
 
+constexpr double kMostShared = 0.65;  ///< of a piece's volume, in other pieces of the body
+
 Diagnostic fault(std::size_t piece, std::string problem, std::string remedy) {
   return {"", 0, fmt::format("pieces[{}]", piece), "", std::move(problem), std::move(remedy)};
+}
+
+/// Corners of a piece's box in its own frame.
+void boundsInShapeFrame(const Shape& shape, Eigen::Vector3d& low_m, Eigen::Vector3d& high_m) {
+  const double r = shape.radius_m;
+  high_m.setZero();
+  switch (shape.type) {
+    case ShapeType::kBox:
+      high_m = shape.half_extents_m;
+      break;
+    case ShapeType::kSphere:
+      high_m.setConstant(r);
+      break;
+    case ShapeType::kCylinder:
+      high_m = {r, r, 0.5 * shape.length_m};
+      break;
+    case ShapeType::kCapsule:
+      high_m = {r, r, r + 0.5 * shape.length_m};
+      break;
+    case ShapeType::kConvexMesh:
+      if (shape.points_m.empty()) break;
+      low_m = high_m = shape.points_m.front();
+      for (const Eigen::Vector3d& p : shape.points_m) {
+        low_m = low_m.cwiseMin(p);
+        high_m = high_m.cwiseMax(p);
+      }
+      return;
+  }
+  low_m = -high_m;
 }
 
 void checkPiece(const Shape& shape, std::size_t index, const GameBudget& budget,
@@ -33,6 +64,41 @@ void checkPiece(const Shape& shape, std::size_t index, const GameBudget& budget,
       shape.points_m.size() > static_cast<std::size_t>(budget.vertices)) {
     faults.push_back(fault(index, fmt::format("has {} vertices", shape.points_m.size()),
                            fmt::format("at most {} (budget.vertices)", budget.vertices)));
+  }
+}
+
+/// Share of a piece's volume that lies in other pieces, on a grid over its box.
+double shareInOthers(const std::vector<Shape>& pieces, std::size_t piece) {
+  constexpr int kSteps = 7;
+  const Shape& own = pieces[piece];
+  Eigen::Vector3d low_m, high_m;
+  boundsInShapeFrame(own, low_m, high_m);
+  int inside = 0, shared = 0;
+  for (int k = 0; k < kSteps * kSteps * kSteps; ++k) {
+    const Eigen::Vector3d step(k % kSteps, k / kSteps % kSteps, k / kSteps / kSteps);
+    const Eigen::Vector3d in_shape_m =
+        low_m + (step.array() + 0.5).matrix().cwiseProduct(high_m - low_m) / kSteps;
+    const Eigen::Vector3d point_m = own.in_body * in_shape_m;
+    if (signedDistance(own, point_m) > 0.0) continue;
+    ++inside;
+    for (std::size_t j = 0; j < pieces.size(); ++j) {
+      if (j == piece || signedDistance(pieces[j], point_m) > 0.0) continue;
+      ++shared;
+      break;
+    }
+  }
+  return inside > 0 ? static_cast<double>(shared) / inside : 0.0;
+}
+
+/// The contacts of two bodies grow with the pieces that overlap: a body that is the same piece many
+/// times costs a tick far more than any other.
+void checkOverlaps(const std::vector<Shape>& pieces, Diagnostics& faults) {
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const double share = shareInOthers(pieces, i);
+    if (share <= kMostShared) continue;
+    faults.push_back(fault(
+        i, fmt::format("lies with {:.0f} % of its volume in other pieces", 100.0 * share),
+        fmt::format("at most {:.0f} %: leave it out, or make it smaller", 100.0 * kMostShared)));
   }
 }
 
@@ -104,26 +170,9 @@ void addVertices(int set, int index, const Shape& shape, std::vector<Command>& c
 }  // namespace
 
 Eigen::Vector3d extents(const Shape& shape) {
-  const double across = 2.0 * shape.radius_m;
-  switch (shape.type) {
-    case ShapeType::kBox:
-      return 2.0 * shape.half_extents_m;
-    case ShapeType::kSphere:
-      return Eigen::Vector3d::Constant(across);
-    case ShapeType::kCylinder:
-      return {across, across, shape.length_m};
-    case ShapeType::kCapsule:
-      return {across, across, across + shape.length_m};
-    case ShapeType::kConvexMesh:
-      break;
-  }
-  if (shape.points_m.empty()) return Eigen::Vector3d::Zero();
-  Eigen::Vector3d low = shape.points_m.front(), high = low;
-  for (const Eigen::Vector3d& p : shape.points_m) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  return high - low;
+  Eigen::Vector3d low_m, high_m;
+  boundsInShapeFrame(shape, low_m, high_m);
+  return high_m - low_m;
 }
 
 Expected<PreparedShapes> prepareShapes(const std::vector<Shape>& pieces, const GameBudget& budget) {
@@ -134,6 +183,7 @@ Expected<PreparedShapes> prepareShapes(const std::vector<Shape>& pieces, const G
                       fmt::format("must be in [1, {}] (budget.pieces)", budget.pieces)});
   }
   for (std::size_t i = 0; i < pieces.size(); ++i) checkPiece(pieces[i], i, budget, faults);
+  if (faults.empty()) checkOverlaps(pieces, faults);
   if (!faults.empty()) return faults;
 
   const MassProperties mass = uniformDensity(pieces, 1.0);

@@ -22,7 +22,7 @@ struct PreparedShapes {
 
 /// Checks the pieces against the budget and prepares them; reports every fault at once, with the
 /// piece as the key ("pieces[1]"). Convex meshes come from convexMesh(), which checks that they are
-/// closed and convex. Not real-time safe.
+/// closed and convex. At most 65 % of a piece's volume may lie in other pieces. Not real-time safe.
 [[nodiscard]] Expected<PreparedShapes> prepareShapes(const std::vector<Shape>& pieces,
                                                      const GameBudget& budget);
 
