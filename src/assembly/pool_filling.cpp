@@ -118,8 +118,9 @@ void PoolFilling::makePieces(const GameBudget& budget) {
   for (double spacing = kClosest; spacing < 1.0 + kCloser; spacing += kCloser) {
     pieces_.assign(static_cast<std::size_t>(budget.pieces), piece);
     for (int i = 0; i < budget.pieces; ++i) {
+      const int column = i % 2, row = i / 2;
       pieces_[static_cast<std::size_t>(i)].in_body.translation_m =
-          spacing * extent_m.cwiseProduct(Eigen::Vector3d(i % 2, i / 2, 0.0));
+          spacing * extent_m.cwiseProduct(Eigen::Vector3d(column, row, 0.0));
     }
     if (prepareShapes(pieces_, budget)) break;
   }

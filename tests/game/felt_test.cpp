@@ -35,7 +35,9 @@ TEST(GameBodies, AppearingOverTheHand_AreNotFeltUntilSolid) {
     SCOPED_TRACE(n);
     Game game(gameModels(), sweep());
     game.prepare(0, {boxShape({0.04, 0.04, 0.04})});
-    game.prepare(1, {ballShape(0.03), boxMesh({0.03, 0.05, 0.03})});
+    Shape beside = boxMesh({0.03, 0.05, 0.03});
+    beside.in_body.translation_m.y() = 0.04;
+    game.prepare(1, {ballShape(0.03), beside});
     game.run(kAppears);
     const HandModel& hand = game.rig->models.hand;
     const Capsule& over = hand.capsules[random() % hand.capsules.size()];

@@ -292,8 +292,9 @@ wire::Bytes largestShapes(std::uint32_t id) {
   return prepareShapes(id, 0, [&](Builder& b) {
     std::vector<flatbuffers::Offset<fb::Shape>> out;
     for (int i = 0; i < kMaxSlotPieces; ++i) {
+      const fb::Pose above({0.0F, 0.0F, 0.04F * static_cast<float>(i)}, {0.0F, 0.0F, 0.0F, 1.0F});
       out.push_back(fb::CreateShapeDirect(b, fb::ShapeType::ConvexMesh, nullptr, 0.0F, 0.0F,
-                                          &points, &triangles));
+                                          &points, &triangles, &above));
     }
     return out;
   });

@@ -75,7 +75,8 @@ double shareInOthers(const std::vector<Shape>& pieces, std::size_t piece) {
   boundsInShapeFrame(own, low_m, high_m);
   int inside = 0, shared = 0;
   for (int k = 0; k < kSteps * kSteps * kSteps; ++k) {
-    const Eigen::Vector3d step(k % kSteps, k / kSteps % kSteps, k / kSteps / kSteps);
+    const int across = k % kSteps, along = k / kSteps % kSteps, up = k / kSteps / kSteps;
+    const Eigen::Vector3d step(across, along, up);
     const Eigen::Vector3d in_shape_m =
         low_m + (step.array() + 0.5).matrix().cwiseProduct(high_m - low_m) / kSteps;
     const Eigen::Vector3d point_m = own.in_body * in_shape_m;
