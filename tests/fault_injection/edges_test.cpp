@@ -117,11 +117,12 @@ TEST(Disarm, WhileItPushes_IsFollowedByNoStep) {
   const RendererConfig& config = workbench().config();
   std::mt19937_64 random = seededRandom(34);
   double largest = 0.0;
-  for (int i = 0; i < 6; ++i) {
+  // Six motions, and more where none of them was pushed hard enough to show a step.
+  for (int i = 0; i < 6 || (largest <= 1.0 && i < 60); ++i) {
     Bench bench(workbench(), {}, random, config);
     ASSERT_TRUE(bench.renderer.arm());
     Witness witness(config);
-    for (int k = 0; k < 300 + 20 * i; ++k) witness.see(bench.tick());
+    for (int k = 0; k < 300 + 20 * (i % 6); ++k) witness.see(bench.tick());
     for (int a = 0; a < workbench().axes(); ++a) {
       largest = std::max(largest, std::abs(bench.record.sent[a] - config.safety.neutral[a]) /
                                       config.safety.supervisor.most_change[a]);

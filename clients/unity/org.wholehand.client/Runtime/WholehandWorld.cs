@@ -92,10 +92,11 @@ namespace Wholehand.Unity
             body.Draw(world.BodyPositions[body.Index].ToVector3(), world.BodyOrientations[body.Index].ToQuaternion());
         }
 
-        // A program tells where the first 128 bodies of a scene are.
+        // A program tells where the first 128 bodies of a scene are. A state may come before its scene.
         private bool IsOfThisScene(WorldSnapshot world)
         {
-            return connection.HasState && world.BodyCount > 0 && world.Session == connection.Scene.Value.Session;
+            return connection.HasState && connection.Scene.HasValue && world.BodyCount > 0 &&
+                world.Session == connection.Scene.Value.Session;
         }
 
         private void Build(Scene scene)
