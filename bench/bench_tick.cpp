@@ -55,9 +55,13 @@ const Folder& folder() {
 
 ModelFiles shippedFiles() {
   const std::string config = WHOLEHAND_SOURCE_DIR "/config/";
-  return {config + "scenes/empty.toml",           config + "hands/adult-median-right.toml",
-          config + "devices/lambda-pride.toml",   config + "rendering/lambda-pride.toml",
-          config + "patients/relaxed-adult.toml", ""};
+  return {config + "scenes/empty.toml",
+          config + "hands/adult-median-right.toml",
+          config + "devices/lambda-pride.toml",
+          config + "rendering/lambda-pride.toml",
+          config + "patients/relaxed-adult.toml",
+          "",
+          ""};
 }
 
 /// A cylinder grasped, lifted and held; from there on the patient holds still.

@@ -64,30 +64,30 @@ ModelFiles barFiles() {
 
 /// The bar with its walls: the first dispenser is squeezed again and again, as in
 /// `wholehand experiment timing`.
-Prepared squeezeInBar(int ticks_before) {
+Prepared squeezeInBar(int ticks_before, const RigOptions& options) {
   Models models = orThrow(loadModels(barFiles()));
   const GripTarget target = firstDispenser(models);
   Intention aim = squeezeAgainAndAgain(models.device, target.grip_m, 3600.0);
-  return {orThrow(buildRig(std::move(models), std::move(aim), {})), ticks_before};
+  return {orThrow(buildRig(std::move(models), std::move(aim), options)), ticks_before};
 }
 
 /// The bar played by its virtual patient.
-Prepared playBar(std::uint64_t seed) {
+Prepared playBar(std::uint64_t seed, const RigOptions& options) {
   Models models = orThrow(loadModels(barFiles()));
   auto player = models.exercise->makePlayer(seed);
-  return {orThrow(buildRig(std::move(models), std::move(player), {})), 0};
+  return {orThrow(buildRig(std::move(models), std::move(player), options)), 0};
 }
 
 /// The hand at rest among the paper's four objects, which it does not touch.
-Prepared restAmongFour() {
+Prepared restAmongFour(const RigOptions& options) {
   Models models = orThrow(loadModels(filesOf("four-shapes.toml")));
   AxisPosition rest(static_cast<int>(models.device.axes.size()));
   Intention aim = Intention::throughWaypoints({{0.0, rest}});
-  return {orThrow(buildRig(std::move(models), std::move(aim), {})), 100};
+  return {orThrow(buildRig(std::move(models), std::move(aim), options)), 100};
 }
 
 /// A tuned grasp of `experiment grasping`: lifted, then held.
-Prepared holdObject(const std::string& shape) {
+Prepared holdObject(const std::string& shape, const RigOptions& options) {
   GraspTrial trial;
   for (const GraspTrial& tuned : tunedTrials()) {
     if (tuned.shape == shape && tuned.gravity) trial = tuned;
@@ -103,17 +103,17 @@ Prepared holdObject(const std::string& shape) {
   std::filesystem::remove(scene);
   Models loaded = orThrow(std::move(models));
   Intention aim = graspIntention(trial, loaded);
-  return {orThrow(buildRig(std::move(loaded), std::move(aim), {})),
+  return {orThrow(buildRig(std::move(loaded), std::move(aim), options)),
           static_cast<int>(std::lround(grasp_times::kHoldBegins / 1e-3))};
 }
 
-Prepared prepare(const std::string& scene) {
+Prepared prepare(const std::string& scene, const RigOptions& options) {
   constexpr int kSqueezed = 4000;  // of squeezeAgainAndAgain: the walls are felt, the grip is firm
-  if (scene == "approach") return squeezeInBar(0);
-  if (scene == "squeeze") return squeezeInBar(kSqueezed);
-  if (scene == "near") return restAmongFour();
-  if (scene.rfind("hold-", 0) == 0) return holdObject(scene.substr(5));
-  if (scene.rfind("play-", 0) == 0) return playBar(std::stoull(scene.substr(5)));
+  if (scene == "approach") return squeezeInBar(0, options);
+  if (scene == "squeeze") return squeezeInBar(kSqueezed, options);
+  if (scene == "near") return restAmongFour(options);
+  if (scene.rfind("hold-", 0) == 0) return holdObject(scene.substr(5), options);
+  if (scene.rfind("play-", 0) == 0) return playBar(std::stoull(scene.substr(5)), options);
   throw std::runtime_error("scene \"" + scene +
                            "\" is none of approach, squeeze, near, hold-cube, hold-cylinder, "
                            "hold-sphere, hold-disk, play-SEED");
@@ -166,9 +166,9 @@ double percentile_us(std::vector<std::int64_t>& ns, double share) {
   return static_cast<double>(*at) * 1e-3;
 }
 
-void measure(const std::string& scene, int ticks) {
+void measure(const std::string& scene, int ticks, const RigOptions& options) {
   flushDenormals();
-  const Prepared prepared = prepare(scene);
+  const Prepared prepared = prepare(scene, options);
   HapticRenderer& renderer = *prepared.rig->renderer;
   orThrow(renderer.arm());
   TickRecord record;
@@ -198,11 +198,13 @@ void measure(const std::string& scene, int ticks) {
 
 int main(int argc, char** argv) {
   try {
-    if (argc < 2) throw std::runtime_error("usage: measure_tick SCENE [TICKS]");
+    if (argc < 2) throw std::runtime_error("usage: measure_tick SCENE [TICKS [ENGINE]]");
     const int ticks = argc > 2 ? std::atoi(argv[2]) : 1000;
     if (ticks < 1)
       throw std::runtime_error(std::string("TICKS is \"") + argv[2] + "\": give 1 or more");
-    wholehand::measure(argv[1], ticks);
+    wholehand::RigOptions options;
+    if (argc > 3) options.engine = argv[3];
+    wholehand::measure(argv[1], ticks, options);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "measure_tick: %s\n", error.what());
     return 1;

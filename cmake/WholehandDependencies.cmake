@@ -55,11 +55,16 @@ target_link_libraries(wholehand_options INTERFACE Threads::Threads)
 
 # Release builds: a write past a buffer ends the program (and is in its black box) before it is used,
 # tables of the linker are read-only. Addresses are random by Debian's own default (PIE). The test
-# `hardening` reads it from the program.
-target_compile_options(wholehand_options INTERFACE
-  $<$<CONFIG:Release>:-U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2 -fstack-protector-strong>)
-target_link_options(wholehand_options INTERFACE
-  $<$<CONFIG:Release>:-Wl,-z,relro,-z,now>)
+# `hardening` reads it from the program, scripts/hardening_cost.py measures what it costs.
+option(WHOLEHAND_HARDENED "Harden release builds; off only to measure what that costs" ON)
+if(WHOLEHAND_HARDENED)
+  target_compile_options(wholehand_options INTERFACE
+    $<$<CONFIG:Release>:-U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2 -fstack-protector-strong>)
+  target_link_options(wholehand_options INTERFACE
+    $<$<CONFIG:Release>:-Wl,-z,relro,-z,now>)
+else()
+  target_compile_options(wholehand_options INTERFACE -U_FORTIFY_SOURCE -fno-stack-protector)
+endif()
 
 # The standard library checks indices and iterators, but in what the tick runs: there a slip must not
 # end the program while a device holds its last effort.
@@ -88,7 +93,9 @@ function(wholehand_checked target)
   if(WHOLEHAND_SANITIZED_ADDRESSES)
     target_compile_options(${target} PRIVATE -fsanitize-coverage=inline-8bit-counters,indirect-calls,trace-cmp,pc-table)
   endif()
-  target_compile_definitions(${target} PRIVATE $<$<CONFIG:Release>:_GLIBCXX_ASSERTIONS>)
+  if(WHOLEHAND_HARDENED)
+    target_compile_definitions(${target} PRIVATE $<$<CONFIG:Release>:_GLIBCXX_ASSERTIONS>)
+  endif()
 endfunction()
 
 # Headers that most sources read (WHOLEHAND_PRECOMPILED).

@@ -44,6 +44,27 @@ function(wholehand_compile_alone)
   set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 
+# wholehand_compile_together(<target> <source ...>): sources that read the same costly headers are one
+# compilation. The target's other sources form groups as usual (WHOLEHAND_UNITY). Call it after the
+# target's wholehand_compile_alone().
+function(wholehand_compile_together target)
+  list(GET ARGN 0 group)
+  set_source_files_properties(${ARGN} PROPERTIES UNITY_GROUP ${group})
+  get_target_property(sources ${target} SOURCES)
+  set(others "")
+  foreach(source IN LISTS sources)
+    get_source_file_property(grouped ${source} UNITY_GROUP)
+    get_source_file_property(alone ${source} SKIP_UNITY_BUILD_INCLUSION)
+    if(NOT source IN_LIST ARGN AND NOT alone AND (NOT grouped OR grouped MATCHES "^batch_"))
+      list(LENGTH others before)
+      math(EXPR batch "${before} / ${CMAKE_UNITY_BUILD_BATCH_SIZE}")
+      set_source_files_properties(${source} PROPERTIES UNITY_GROUP batch_${batch})
+      list(APPEND others ${source})
+    endif()
+  endforeach()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
+endfunction()
+
 # wholehand_test(<name> SOURCES a.cpp ... USES core ... [LABEL unit] [TIMEOUT seconds] [SHARDS count]
 #                [THREADED] [COMPUTES])
 #

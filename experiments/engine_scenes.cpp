@@ -69,6 +69,7 @@ Expected<std::unique_ptr<Rig>> buildScene(EngineScene scene, const EnginePlan& p
       rests ? clearOfTheTable(models->device) : graspIntention(comparedGrasp(), *models);
   RigOptions options;
   options.engine = engine;
+  options.period_s = 1.0 / plan.rate_hz;
   auto rig = buildRig(std::move(*models), std::move(intention), options);
   if (!rig) return rig.errors();
   if (auto armed = (*rig)->renderer->arm(); !armed) return armed.errors();

@@ -128,6 +128,16 @@ Expected<Done> runScene(EngineScene scene, const EnginePlan& plan, EngineCompari
   return Done{};
 }
 
+Expected<Done> seekStiffness(const EnginePlan& plan, EngineComparison& all) {
+  for (EngineFigures& figures : all.engines) {
+    if (!refuseForPersons(figures.engine).empty() || InterruptScope::interrupted()) continue;
+    auto found = largestStableStiffness(plan.files, figures.engine, plan.rate_hz);
+    if (!found) return found.errors();
+    figures.stiffness = *found;
+  }
+  return Done{};
+}
+
 }  // namespace
 
 double EngineComparison::ratioToPaper(EngineScene scene) const {
@@ -141,6 +151,7 @@ double EngineComparison::ratioToPaper(EngineScene scene) const {
 
 Expected<EngineComparison> compareEngines(const EnginePlan& plan) {
   EngineComparison all;
+  all.rate_hz = plan.rate_hz;
   for (const Engine& engine : engines()) {
     if (engine.build) all.engines.emplace_back().engine = engine.name;
   }
@@ -149,6 +160,8 @@ Expected<EngineComparison> compareEngines(const EnginePlan& plan) {
     if (plan.status) plan.status(engineSceneName(scene));
     if (auto ran = runScene(scene, plan, all); !ran) return ran.errors();
   }
+  if (plan.status) plan.status("stiffness");
+  if (auto sought = seekStiffness(plan, all); !sought) return sought.errors();
   all.interrupted = InterruptScope::interrupted();
   return all;
 }

@@ -2,6 +2,7 @@
 
 #include "assembly/models.hpp"
 #include "core/expected.hpp"
+#include "experiments/stiffness_trial.hpp"
 
 #include <array>
 #include <functional>
@@ -40,11 +41,13 @@ struct EngineFigures {
   double coupling_error_rad = 0.0;  ///< largest of all steps and scenes, before correction
   double energy_drift_j = 0.0;      ///< largest energy change of the bodies on the table
   bool faulted = false;             ///< a fault stopped one of the scenes
+  StableStiffness stiffness;        ///< of engines for persons only
 };
 
 struct EngineComparison {
   std::vector<EngineFigures> engines;  ///< the default first
   bool interrupted = false;            ///< by Ctrl-C: the results are partial
+  double rate_hz = 1000.0;
   /// CPU time of a tick (p50), default engine over bullet-paper; 0 without bullet-paper.
   [[nodiscard]] double ratioToPaper(EngineScene scene) const;
 };
@@ -54,11 +57,13 @@ struct EnginePlan {
   std::string resting_file;  ///< scene of resting bodies
   std::string folder;        ///< for the scene files
   double hold_s = 2.0;       ///< duration of holding and of resting
+  double rate_hz = 1000.0;   ///< of the ticks
   std::function<void(const char* scene)> status;
 };
 
 /// Runs every built-in engine through every scene on the simulated clock. The engines take turns
-/// tick by tick, so that other load affects all alike.
+/// tick by tick, so that other load affects all alike. Then seeks the largest stable stiffness of
+/// each engine for persons.
 [[nodiscard]] Expected<EngineComparison> compareEngines(const EnginePlan& plan);
 
 }  // namespace wholehand

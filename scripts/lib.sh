@@ -228,13 +228,15 @@ build_jobs() {
   echo $((jobs < cores ? jobs : cores))
 }
 
-# configure <preset> [cmake arguments]: a moved or half-made build folder is configured afresh.
+# configure <preset> [cmake arguments]: a moved or half-made build folder, or one of another compiler,
+# is configured afresh.
 configure() {
   local preset=$1 folder="$root/build/$1" log="$root/build/logs/configure-$1.log" fresh=()
   shift
   make_log "$log"
   if [[ -f $folder/CMakeCache.txt ]] &&
-    ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$folder/CMakeCache.txt"; then
+    ! { grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$folder/CMakeCache.txt" &&
+      grep -q '^CMAKE_CXX_COMPILER:[A-Z]*=.*clang++' "$folder/CMakeCache.txt"; }; then
     fresh=(--fresh)
   fi
   # Objects from precompiled headers are nothing that ccache could keep: the one or the other.
@@ -258,8 +260,8 @@ show_progress() {
     # Looking up the version of the sources, as every build does, is nothing to speak of.
     if ((!compiling)) && [[ $line == *'] Building '* ]]; then
       compiling=1
-      # A step takes a core about two seconds.
-      left=$((2 * (BASH_REMATCH[2] - BASH_REMATCH[1] + 1) / $2 + 1))
+      # A step takes a core about 1.7 seconds.
+      left=$((17 * (BASH_REMATCH[2] - BASH_REMATCH[1] + 1) / (10 * $2) + 1))
       say "$1: ${BASH_REMATCH[2]} steps, about $(duration "$left") ..."
     fi
     done_=${BASH_REMATCH[1]} of=${BASH_REMATCH[2]} tenth=$((10 * BASH_REMATCH[1] / BASH_REMATCH[2]))

@@ -31,7 +31,7 @@ SCENES = {
 STAGES = [
     ("device", r"readDevice|writeDevice|Device::(read|write)|judgeReading|judgeWrite"),
     ("observe", r"observeWorld|::observe\(|judgeWorld"),
-    ("dynamics", r"ArticulatedBody::update\("),
+    ("dynamics", r"updateDynamics|ArticulatedBody::update"),
     ("palm, closure", r"probeHand|HandProbe::|PalmDistance|AxisClosure"),
     ("control", r"couple\(|estimateVelocity|avatar(Damping|Effort)|couplingEffort|damp\(|adaptDamping"),
     ("exercise", r"HapticRenderer::exercise|Exercise|::tick\("),
@@ -71,11 +71,11 @@ def read_profile(path):
     return cost
 
 
-def count(scene):
+def count(scene, program=PROGRAM):
     with tempfile.TemporaryDirectory(prefix="wholehand-tick-cost-") as folder:
         profile = Path(folder) / "profile"
         command = ["valgrind", "--tool=callgrind", "--toggle-collect=wholehand::measuredTick*",
-                   f"--callgrind-out-file={profile}", str(PROGRAM), scene, str(TICKS)]
+                   f"--callgrind-out-file={profile}", str(program), scene, str(TICKS)]
         try:
             done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True, check=False)
         except FileNotFoundError:
@@ -109,6 +109,19 @@ def show(scenes):
             print(f"  {stage:16} {instructions:9,}{was}", flush=True)
 
 
+def hardening_lines(hardening):
+    """The section of the page, from what scripts/hardening_cost.py counted."""
+    if not hardening:
+        return []
+    lines = ["## What hardening costs", "",
+             "Counted by `scripts/hardening_cost.py write`: the same build with and without the guarded stack, the "
+             "fortified library calls and the read-only tables of a release build.", "",
+             "| scene | without | hardened | more |", "|---|---:|---:|---:|"]
+    for scene, (without, hardened) in hardening.items():
+        lines.append(f"| `{scene}` | {without:,} | {hardened:,} | {100 * (hardened / without - 1):.2f} % |")
+    return lines
+
+
 def page(data):
     lines = ["# What a tick costs", "",
              "Written by `scripts/tick_cost.py write`; do not edit. Instructions of one tick, mean over "
@@ -122,7 +135,8 @@ def page(data):
               "| stage | " + " | ".join(f"`{s}`" for s in SCENES) + " |", "|---|" + "---:|" * len(SCENES)]
     for stage in [*(s for s, _ in STAGES), REST]:
         lines.append(f"| {stage} | " + " | ".join(f"{data['counts'][s][stage]:,}" for s in SCENES) + " |")
-    PAGE.write_text("\n".join([*lines, "", data.get("note", ""), ""]).rstrip() + "\n", encoding="utf-8")
+    lines += ["", *hardening_lines(data.get("hardening", {}))]
+    PAGE.write_text("\n".join(lines).rstrip() + "\n", encoding="utf-8")
 
 
 def write(as_baseline):

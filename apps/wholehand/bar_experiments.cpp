@@ -53,7 +53,7 @@ void addBarExperiments(CLI::App& experiment, BarExperimentOptions& options, int&
       ->capture_default_str();
   bar->add_option("--level", c.level, "Only this level (default: all)")
       ->check(finiteBetween(1, 1000, ""));
-  bar->add_option("--processes", c.processes, "That play at a time (default: one a core)")
+  bar->add_option("--processes", c.processes, "Processes at a time (default: one for each core)")
       ->check(finiteBetween(1, 256, ""));
   bar->add_option("--json", c.json, "Write the results to this file");
   addEngine(*bar, c.engine);
@@ -64,7 +64,7 @@ void addBarExperiments(CLI::App& experiment, BarExperimentOptions& options, int&
   CLI::App* exercise = experiment.add_subcommand(
       "exercise", "Fig. 7: bump into the dispenser, approach, squeeze, let go");
   ExerciseOptions& e = options.exercise;
-  exercise->add_option("--seed", e.seed, "Of the patient's start and aim")
+  exercise->add_option("--seed", e.seed, "Seed of the patient's start and aim")
       ->check(wholeNumber())
       ->capture_default_str();
   exercise->add_option("--json", e.json, "Write the results to this file");

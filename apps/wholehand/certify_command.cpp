@@ -6,10 +6,12 @@
 #include "certification/certificate_text.hpp"
 #include "chart_file.hpp"
 #include "commissioning/passport.hpp"
+#include "control/coupling_gains.hpp"
 #include "core/printable.hpp"
 #include "exercise/load_exercise.hpp"
 #include "exit_code.hpp"
 #include "impedance_command.hpp"
+#include "json_text.hpp"
 #include "model/hand/hand_file.hpp"
 
 #include <fmt/format.h>
@@ -117,6 +119,10 @@ int certifyCommand(const CertifyOptions& options) {
                             {1.0 / options.rate_hz, options.contact_stiffness_n_m, options.engine},
                             options.json, options.charts);
   }
+  if (Diagnostics divides = refuseDivisor(models->rendering, 1.0 / options.rate_hz);
+      !divides.empty()) {
+    return refuse(divides);
+  }
   if (auto ready = prepareCharts(options.charts, {options.json}); !ready) {
     return refuse(ready.errors());
   }
@@ -125,7 +131,7 @@ int certifyCommand(const CertifyOptions& options) {
   const AdvisedCertificate judged = judgeWorst(*models, *devices, options);
   std::fputs(certificateText(judged).c_str(), stdout);
   if (!options.json.empty()) {
-    const auto done = writeText(options.json, certificateJson(judged).dump(2) + "\n");
+    const auto done = writeText(options.json, jsonText(certificateJson(judged)));
     if (!done) return refuse(done.errors());
   }
   if (!options.charts.empty()) {

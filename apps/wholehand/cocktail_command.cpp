@@ -2,9 +2,11 @@
 #include "assembly/text_file.hpp"
 #include "bar_experiments.hpp"
 #include "core/plural.hpp"
+#include "core/printable.hpp"
 #include "exit_code.hpp"
 #include "experiments/cocktail_trial.hpp"
 #include "experiments/worker_pool.hpp"
+#include "json_text.hpp"
 #include "runtime/interrupt_scope.hpp"
 
 #include <nlohmann/json.hpp>
@@ -227,9 +229,8 @@ int cocktailCommand(const CocktailOptions& options) {
     printLevel(json["levels"].back());
   }
   if (!options.json.empty()) {
-    if (auto done = writeText(options.json, json.dump(2) + "\n"); !done)
-      return refuse(done.errors());
-    std::printf("%s\n", options.json.c_str());
+    if (auto done = writeText(options.json, jsonText(json)); !done) return refuse(done.errors());
+    std::printf("%s\n", printable(options.json).c_str());
   }
   if (faulted) std::printf("FAULT    patients stopped by a fault\n");
   return exitCodeOf(faulted, false);

@@ -7,6 +7,7 @@
 #include "commissioning/console/console_operator.hpp"
 #include "commissioning/lead.hpp"
 #include "commissioning/sealed_file.hpp"
+#include "core/printable.hpp"
 #include "device/host/hosted_driver.hpp"
 #include "device/plugin/plugin_device.hpp"
 #include "exit_code.hpp"
@@ -44,8 +45,9 @@ Expected<std::shared_ptr<DeviceDriver>> openDriver(const CommissionOptions& opti
     if (Diagnostics other = (*hosted)->differences(model); !other.empty()) return other;
     driver = *hosted;
   } else {
-    auto loaded = PluginDriver::load(
-        options.driver, [](const std::string& line) { std::printf("%s\n", line.c_str()); });
+    auto loaded = PluginDriver::load(options.driver, [](const std::string& line) {
+      std::printf("%s\n", printable(line, 1000).c_str());
+    });
     if (!loaded) return loaded.errors();
     driver = *loaded;
   }
@@ -184,8 +186,9 @@ int leadAtPage(const CommissionOptions& options, DeviceDriver& driver, const Dev
   if (Diagnostics faults = roleTokens(options.pages.tokens).faults; !faults.empty()) {
     return refuse(faults);
   }
-  ServerOptions server_options = serverOptions(
-      options.pages, [](const std::string& line) { std::fprintf(stderr, "%s\n", line.c_str()); });
+  ServerOptions server_options = serverOptions(options.pages, [](const std::string& line) {
+    std::fprintf(stderr, "%s\n", printable(line, 1000).c_str());
+  });
   server_options.commissioning = [&person] { return person.facts(); };
   auto server = Server::open(person, server_options, controls);
   if (!server) return refuse(server.errors());
@@ -199,7 +202,7 @@ int leadAtPage(const CommissionOptions& options, DeviceDriver& driver, const Dev
   if (!written) return sayNotFinished(options);
   const std::string file = fileOf(options, commissioning, model, driver.identity());
   person.finish(file);
-  std::printf("Written: %s\n", file.c_str());
+  std::printf("Written: %s\n", printable(file).c_str());
   std::this_thread::sleep_for(kPagesAreTold);
   return kExitDone;
 }
@@ -216,7 +219,9 @@ int commissionCommand(const CommissionOptions& options) {
   if (!record) return refuse(record.errors());
   const int code = options.web ? leadAtPage(options, **driver, *model, **record)
                                : leadAtTerminal(options, **driver, *model, **record);
-  if ((*record)->kept() > 0) std::printf("Every move is in %s\n", (*record)->path().c_str());
+  if ((*record)->kept() > 0) {
+    std::printf("Every move is in %s\n", printable((*record)->path()).c_str());
+  }
   return code;
 }
 
@@ -228,7 +233,8 @@ void addCommission(CLI::App& app, CommissionOptions& o, int& code) {
   commission->add_option("--host", o.host, "Name of the `wholehand device-host` that holds it")
       ->excludes(driver);
   commission
-      ->add_option("--device-at", o.driver.locator, "Which device: what the driver wants to know")
+      ->add_option("--device-at", o.driver.locator,
+                   "Which device, as the driver names it: a serial number, a port ...")
       ->needs(driver);
   commission->add_option("--driver-settings", o.driver.settings, "The driver's own settings")
       ->needs(driver);
@@ -243,13 +249,13 @@ void addCommission(CLI::App& app, CommissionOptions& o, int& code) {
   commission->add_flag("--daily", o.daily, "The two-minute check of a day, with a passport");
   CLI::Option* web = commission->add_flag(
       "--web", o.web, "Lead through it at a page of the console instead of the terminal");
-  commission->add_option("--port", o.pages.port, "Of the page; 0: any that is free")
+  commission->add_option("--port", o.pages.port, "Port of the page; 0: any free one")
       ->check(CLI::Range(0, 65535))
       ->capture_default_str()
       ->needs(web);
   commission
       ->add_option("--address", o.pages.address,
-                   "To listen at; another than this machine needs --token")
+                   "Address to listen at; any that other machines can reach needs --token")
       ->capture_default_str()
       ->needs(web);
   commission->add_option("--token", o.pages.tokens, "As for `wholehand run`")->needs(web);

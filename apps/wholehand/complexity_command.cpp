@@ -1,8 +1,10 @@
 #include "assembly/text_file.hpp"
 #include "chart_file.hpp"
+#include "core/printable.hpp"
 #include "exit_code.hpp"
 #include "experiment_command.hpp"
 #include "experiments/complexity_trial.hpp"
+#include "json_text.hpp"
 #include "runtime/interrupt_scope.hpp"
 #include "shipped_files.hpp"
 
@@ -209,7 +211,7 @@ int complexityCommand(const ExperimentOptions& options) {
     std::printf("\nInterrupted: no results were written\n");
     return kExitInterrupted;
   }
-  if (auto done = writeText(json_path, complexityJson(*result, plan).dump(2) + "\n"); !done) {
+  if (auto done = writeText(json_path, jsonText(complexityJson(*result, plan))); !done) {
     return refuse(done.errors());
   }
   if (auto done = writeCharts(complexityPage(*result, plan), chart_path); !done) {
@@ -220,7 +222,7 @@ int complexityCommand(const ExperimentOptions& options) {
       "Admitted: p99.9 takes at most half of the period.\n",
       plan.passes);
   for (const ComplexityCurve& curve : result->curves) print(curve);
-  std::printf("\n%s\n%s\n", json_path.c_str(), chart_path.c_str());
+  std::printf("\n%s\n%s\n", printable(json_path).c_str(), printable(chart_path).c_str());
   return exitCodeOf(false, false);
 }
 

@@ -5,6 +5,7 @@
 #include "core/printable.hpp"
 #include "decompose_files.hpp"
 #include "exit_code.hpp"
+#include "json_text.hpp"
 #include "model/mass_properties.hpp"
 #include "model/mesh/closed_surface.hpp"
 #include "model/mesh/convex_pieces.hpp"
@@ -247,7 +248,7 @@ int decomposeCommand(const DecomposeOptions& options) {
   if (!written) return refuse(written.errors());
   if (!options.json.empty()) {
     if (auto ready = prepareFiles({options.json}); !ready) return refuse(ready.errors());
-    const auto done = writeText(options.json, jsonOf(*d).dump(1) + "\n");
+    const auto done = writeText(options.json, jsonText(jsonOf(*d), 1));
     if (!done) return refuse(done.errors());
   }
   const fs::path folder(options.out);

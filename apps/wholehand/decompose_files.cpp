@@ -1,6 +1,7 @@
 #include "decompose_files.hpp"
 
 #include "assembly/text_file.hpp"
+#include "core/printable.hpp"
 #include "model/scene/scene_model.hpp"
 
 #include <Eigen/Geometry>
@@ -80,8 +81,13 @@ bool isPieceFile(const std::string& file, const std::string& name) {
                      [](unsigned char c) { return std::isdigit(c) != 0; });
 }
 
+// Of a comment in TOML, OBJ and XML, which no name of a file ends.
 std::string firstLine(const DecomposedMesh& mesh) {
-  return fmt::format("{}: convex pieces of {}", kMark, fs::path(mesh.source).filename().string());
+  std::string name = printable(fs::path(mesh.source).filename().string());
+  for (std::size_t at = name.find("--"); at != std::string::npos; at = name.find("--", at)) {
+    name.replace(at, 2, "- -");
+  }
+  return fmt::format("{}: convex pieces of {}", kMark, name);
 }
 
 std::string objText(const DecomposedMesh& mesh, std::size_t index) {

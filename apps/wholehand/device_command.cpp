@@ -1,10 +1,12 @@
 #include "device_command.hpp"
 
 #include "assembly/text_file.hpp"
+#include "core/printable.hpp"
 #include "device/host/device_host.hpp"
 #include "device/host/host_list.hpp"
 #include "device/plugin/driver_lookup.hpp"
 #include "exit_code.hpp"
+#include "json_text.hpp"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -21,6 +23,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr double kStandsStill_s = 1.0;
+constexpr std::size_t kLongestLine = 1000;  // characters
 
 std::vector<fs::path> shippedDrivers() {
   std::error_code error;
@@ -39,15 +42,17 @@ Json listDrivers() {
   std::printf("drivers beside this program\n");
   for (const fs::path& path : shippedDrivers()) {
     const auto facts = pluginFacts(path.string());
+    const std::string name = printable(path.stem().string());
     Json json{{"file", path.string()}};
     if (facts) {
       json["name"] = facts->name;
       json["never_waits"] = facts->never_waits;
-      std::printf("  %-20s %-28s %s\n", path.stem().c_str(), facts->name.c_str(),
+      std::printf("  %-20s %-28s %s\n", name.c_str(), printable(facts->name).c_str(),
                   facts->never_waits ? "run --driver, device-host" : "device-host (it may wait)");
     } else {
       json["problem"] = facts.errors().front().problem;
-      std::printf("  %-20s %s\n", path.stem().c_str(), facts.errors().front().problem.c_str());
+      std::printf("  %-20s %s\n", name.c_str(),
+                  printable(facts.errors().front().problem, kLongestLine).c_str());
     }
     out.push_back(json);
   }
@@ -63,13 +68,14 @@ std::string stateOf(const HostFacts& host) {
 }
 
 Json listOneHost(const HostFacts& host) {
+  const std::string name = printable(host.name);
   if (!host.problem.empty()) {
-    std::printf("  %-20s %s\n", host.name.c_str(), host.problem.c_str());
+    std::printf("  %-20s %s\n", name.c_str(), printable(host.problem, kLongestLine).c_str());
     return {{"name", host.name}, {"problem", host.problem}};
   }
   const bool let_go = host.reason != HostReason::kNone;
-  std::printf("  %-20s %-28s %zu axes, process %lld, %s%s\n", host.name.c_str(),
-              host.driver.c_str(), host.axes.size(), static_cast<long long>(host.pid),
+  std::printf("  %-20s %-28s %zu axes, process %lld, %s%s\n", name.c_str(),
+              printable(host.driver).c_str(), host.axes.size(), static_cast<long long>(host.pid),
               stateOf(host).c_str(), host.in_use ? ", in use" : "");
   if (let_go) std::printf("  %-20s it let go last: %s\n", "", describe(host.reason));
   Json json{{"name", host.name},     {"driver", host.driver}, {"axes", host.axes.size()},
@@ -83,13 +89,14 @@ Json listOneHost(const HostFacts& host) {
 void addDriverOptions(CLI::App& command, DriverLocation& driver) {
   command.add_option("--driver", driver.path, "Driver of the device (docs/drivers.md), .so")
       ->required();
-  command.add_option("--device-at", driver.locator, "Which device: what the driver wants to know");
+  command.add_option("--device-at", driver.locator,
+                     "Which device, as the driver names it: a serial number, a port ...");
   command.add_option("--driver-settings", driver.settings, "The driver's own settings");
 }
 
 void addConform(CLI::App& device, DeviceOptions& o, int& code) {
-  CLI::App* conform = device.add_subcommand(
-      "conform", "Hold a driver against the rules of device.h, check by check");
+  CLI::App* conform =
+      device.add_subcommand("conform", "Check a driver against the rules of device.h, one by one");
   addDriverOptions(*conform, o.driver);
   conform->add_option("--only", o.conformance.only, "Checks whose names begin with this");
   CLI::Option* effort = conform->add_flag(
@@ -115,12 +122,12 @@ int deviceListCommand(const DeviceOptions& options) {
   std::printf("hosts of this machine\n");
   for (const HostFacts& host : listHosts()) json["hosts"].push_back(listOneHost(host));
   if (json["hosts"].empty()) std::printf("  none\n");
-  return writeJson(options.json, json.dump(2));
+  return writeJson(options.json, json);
 }
 
-int writeJson(const std::string& path, const std::string& text) {
+int writeJson(const std::string& path, const Json& json) {
   if (path.empty()) return kExitDone;
-  const auto written = writeText(path, text + "\n");
+  const auto written = writeText(path, jsonText(json));
   return written ? kExitDone : refuse(written.errors());
 }
 
@@ -135,7 +142,7 @@ void addDevice(CLI::App& app, DeviceOptions& o, int& code) {
       "inspect", "Open a device, without enabling it, and show its axes and one sample");
   addDriverOptions(*inspect, o.driver);
   inspect->add_option("--device", o.device,
-                      "Device file to hold the driver against, as `run` does");
+                      "Device file to compare the driver with, as `run` does");
   inspect->add_option("--json", o.json, "Write what was found to this file");
   inspect->footer("Exit code 0: opened, and the device file fits; 2: not.");
   inspect->callback([&o, &code] { code = deviceInspectCommand(o); });

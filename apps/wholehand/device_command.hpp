@@ -5,6 +5,7 @@
 #include "device/plugin/plugin_driver.hpp"
 
 #include <CLI/CLI.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include <string>
 
@@ -28,7 +29,7 @@ int deviceInspectCommand(const DeviceOptions& options);
 int deviceConformCommand(const DeviceOptions& options);
 
 /// Writes JSON if `path` is not empty. Returns the exit code.
-int writeJson(const std::string& path, const std::string& text);
+int writeJson(const std::string& path, const nlohmann::ordered_json& json);
 
 /// Adds `wholehand device list | inspect | conform | commission`. @pre options outlive the parsing
 void addDevice(CLI::App& app, DeviceOptions& options, int& code);

@@ -1,4 +1,5 @@
 // wholehand device conform: the conformance suite as text and JSON.
+#include "core/printable.hpp"
 #include "device_command.hpp"
 #include "exit_code.hpp"
 
@@ -49,7 +50,7 @@ void print(const CheckResult& r) {
                                                                    : "-   ";
   std::printf("%s %-31s %s\n", mark, r.check->id, r.check->asks);
   if (r.finding.outcome == Outcome::kPassed) return;
-  std::printf("     %s\n", r.finding.text.c_str());
+  std::printf("     %s\n", printable(r.finding.text, 1000).c_str());
   if (r.finding.outcome == Outcome::kFailed) std::printf("     → %s\n", r.check->remedy);
 }
 
@@ -108,8 +109,7 @@ int deviceConformCommand(const DeviceOptions& options) {
   const Counts counts = count(results);
   std::printf("%zu checks: %d passed, %d failed, %d not run\n", results.size(), counts.passed,
               counts.failed, counts.not_run);
-  if (const int code = writeJson(options.json, jsonOf(options, results).dump(2));
-      code != kExitDone) {
+  if (const int code = writeJson(options.json, jsonOf(options, results)); code != kExitDone) {
     return code;
   }
   return counts.failed == 0 ? kExitDone : kExitNotFit;

@@ -1,5 +1,6 @@
 #include "device_host_command.hpp"
 
+#include "core/printable.hpp"
 #include "device/host/device_host.hpp"
 #include "device/host/host_segment.hpp"
 #include "device/plugin/plugin_device.hpp"
@@ -81,7 +82,8 @@ Expected<Done> hold(DeviceHost& host, const DeviceHostOptions& options) {
     HostEvent event;
     while (host.nextEvent(event)) {
       const std::string line = sentence(event);
-      if (!line.empty()) std::printf("%s: %s\n", options.name.c_str(), line.c_str());
+      if (!line.empty())
+        std::printf("%s: %s\n", printable(options.name).c_str(), printable(line, 1000).c_str());
     }
   };
   while (thread.running()) {
@@ -104,7 +106,7 @@ int deviceHostCommand(const DeviceHostOptions& options) {
   if (!model) return refuse(model.errors());
   const InterruptScope interrupts;
   const auto say = [&options](const std::string& line) {
-    std::printf("%s: %s\n", options.name.c_str(), line.c_str());
+    std::printf("%s: %s\n", printable(options.name).c_str(), printable(line, 1000).c_str());
   };
   auto driver = PluginDriver::load(options.driver, say, CalledBy::kHost);
   if (!driver) return refuse(driver.errors());
@@ -125,12 +127,13 @@ int deviceHostCommand(const DeviceHostOptions& options) {
 
 void addDeviceHost(CLI::App& app, DeviceHostOptions& o, int& code) {
   CLI::App* host = app.add_subcommand(
-      "device-host", "Hold a device for the loop of another process, which may die");
-  host->add_option("--name", o.name, "By which `run --host` finds it")->required();
+      "device-host", "Hold a device for `run` in another process; ramp to neutral if that dies");
+  host->add_option("--name", o.name, "Name by which `run --host` finds it")->required();
   host->add_option("--driver", o.driver.path,
                    "Driver of the device (docs/drivers.md): a name or a path")
       ->required();
-  host->add_option("--device-at", o.driver.locator, "Which device: what the driver wants to know");
+  host->add_option("--device-at", o.driver.locator,
+                   "Which device, as the driver names it: a serial number, a port ...");
   host->add_option("--driver-settings", o.driver.settings, "The driver's own settings");
   host->add_option("--device", o.device, "Device file, the same as the loop's")->required();
   host->add_option("--rate-hz", o.rate_hz, "Cycles a second; the host adds two cycles to the delay")

@@ -1,4 +1,5 @@
 // wholehand device inspect: what a driver reports of its device.
+#include "core/printable.hpp"
 #include "device/plugin/plugin_device.hpp"
 #include "device_command.hpp"
 #include "exit_code.hpp"
@@ -98,7 +99,9 @@ Diagnostics misfits(const std::shared_ptr<PluginDriver>& driver, const std::stri
 }  // namespace
 
 int deviceInspectCommand(const DeviceOptions& options) {
-  const auto say = [](const std::string& line) { std::printf("%s\n", line.c_str()); };
+  const auto say = [](const std::string& line) {
+    std::printf("%s\n", printable(line, 1000).c_str());
+  };
   const auto facts = pluginFacts(options.driver.path);
   if (!facts) return refuse(facts.errors());
   const auto loaded = PluginDriver::load(options.driver, say, CalledBy::kHost);
@@ -107,7 +110,7 @@ int deviceInspectCommand(const DeviceOptions& options) {
   wh_sample sample{};
   const int result = driver.read(sample);
   const std::string status = result < 0 ? "gives no sample" : statusText(sample);
-  std::printf("%s: %zu axes, boundary %d.%d, for %s; %s\n", facts->name.c_str(),
+  std::printf("%s: %zu axes, boundary %d.%d, for %s; %s\n", printable(facts->name).c_str(),
               driver.axes().size(), facts->major, facts->minor,
               facts->never_waits ? "run --driver and device-host" : "device-host (it may wait)",
               status.c_str());
@@ -124,9 +127,9 @@ int deviceInspectCommand(const DeviceOptions& options) {
     json["axes"].push_back(axisJson(driver.axes()[i], sample, i));
   }
   for (const Diagnostic& error : errors) json["refused"].push_back(format(error));
-  if (const int code = writeJson(options.json, json.dump(2)); code != kExitDone) return code;
+  if (const int code = writeJson(options.json, json); code != kExitDone) return code;
   if (!errors.empty()) return refuse(errors);
-  if (!options.device.empty()) std::printf("fits %s\n", options.device.c_str());
+  if (!options.device.empty()) std::printf("fits %s\n", printable(options.device).c_str());
   return kExitDone;
 }
 

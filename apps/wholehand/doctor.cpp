@@ -1,5 +1,6 @@
 #include "doctor.hpp"
 
+#include "core/printable.hpp"
 #include "doctor_findings.hpp"
 #include "exit_code.hpp"
 
@@ -33,7 +34,7 @@ class Printer {
 
   void finding(const DoctorFinding& f) const {
     std::printf("  %s%s%s %s%s", code(f.good ? "\033[32m" : "\033[33m"), f.good ? "✓" : "!",
-                code("\033[0m"), f.what.c_str(), padding(f.what).c_str());
+                code("\033[0m"), printable(f.what).c_str(), padding(f.what).c_str());
     wrapped(f.fact, "");
     if (!f.good && !f.remedy.empty()) {
       std::printf("%s%s", std::string(kIndent, ' ').c_str(), code("\033[2m"));
@@ -60,8 +61,8 @@ class Printer {
   }
 
   void verdict(bool good, const std::string& text) const {
-    std::printf("\n%s%s%s\n", code(good ? "\033[1;32m" : "\033[1;33m"), text.c_str(),
-                code("\033[0m"));
+    std::printf("\n%s%s%s\n", code(good ? "\033[1;32m" : "\033[1;33m"),
+                printable(text, 1000).c_str(), code("\033[0m"));
   }
 
  private:
@@ -88,8 +89,9 @@ class Printer {
         column = kIndent + hang;
         first = true;
       }
-      std::printf("%s%s", first ? "" : " ", word.c_str());
-      column += word.size() + (first ? 0 : 1);
+      const std::string shown = printable(word);
+      std::printf("%s%s", first ? "" : " ", shown.c_str());
+      column += shown.size() + (first ? 0 : 1);
       first = false;
     }
     std::printf("\n");

@@ -1,6 +1,7 @@
 #include "doctor_findings.hpp"
 
 #include "assembly/engines.hpp"
+#include "core/printable.hpp"
 
 #include <algorithm>
 #include <array>
@@ -137,7 +138,7 @@ void lookAtPackages(const std::filesystem::path& file, Findings& findings) {
   const std::vector<std::string> installed = installedPackages();
   if (wanted.empty() || installed.empty()) {
     findings.push_back({"packages", false, Blocks::kNothing,
-                        wanted.empty() ? "the list " + file.string() + " cannot be read"
+                        wanted.empty() ? "the list " + printable(file.string()) + " cannot be read"
                                        : "dpkg-query tells nothing: no Debian?",
                         "Nothing to do as long as ./start builds."});
     return;
@@ -161,7 +162,7 @@ void lookAtDisk(Findings& findings) {
   const std::filesystem::space_info space = std::filesystem::space(here, error);
   const double free_gb = error ? 0.0 : static_cast<double>(space.available) * 1e-9;
   findings.push_back({"free disk", free_gb >= kDiskWanted_gb, Blocks::kNothing,
-                      decimal(free_gb, 1) + " GB in " + here.string(),
+                      decimal(free_gb, 1) + " GB in " + printable(here.string()),
                       "Free " + decimal(kDiskWanted_gb, 0) + " GB here, or record elsewhere."});
 }
 

@@ -1,8 +1,10 @@
 #include "assembly/text_file.hpp"
 #include "chart_file.hpp"
+#include "core/printable.hpp"
 #include "exit_code.hpp"
 #include "experiment_command.hpp"
 #include "experiments/engine_trial.hpp"
+#include "json_text.hpp"
 #include "runtime/interrupt_scope.hpp"
 #include "shipped_files.hpp"
 
@@ -14,6 +16,7 @@
 #include <cstdio>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace wholehand {
 namespace {
@@ -59,17 +62,38 @@ nlohmann::ordered_json engineJson(const EngineFigures& e) {
   for (const Row& row : kRows) json[row.key] = e.*row.value;
   json["held"] = e.held;
   json["faulted"] = e.faulted;
+  if (e.stiffness.bound_n_m > 0.0) {
+    json["stiffness"] = {{"largest_stable_n_m", e.stiffness.found_n_m},
+                         {"certificate_bound_n_m", e.stiffness.bound_n_m}};
+  } else {
+    json["stiffness"] = nullptr;
+  }
   return json;
 }
 
 nlohmann::ordered_json comparisonJson(const EngineComparison& all) {
   nlohmann::ordered_json json;
+  json["rate_hz"] = all.rate_hz;
   json["engines"] = nlohmann::ordered_json::array();
   for (const EngineFigures& e : all.engines) json["engines"].push_back(engineJson(e));
   for (int i = 0; i < kEngineScenes; ++i) {
     json["default_over_paper"][engineSceneName(sceneAt(i))] = all.ratioToPaper(sceneAt(i));
   }
   return json;
+}
+
+/// The comparison at the first rate, and all of them.
+nlohmann::ordered_json allJson(const std::vector<EngineComparison>& rates) {
+  nlohmann::ordered_json json = comparisonJson(rates.front());
+  json["rates"] = nlohmann::ordered_json::array();
+  for (const EngineComparison& at : rates) json["rates"].push_back(comparisonJson(at));
+  return json;
+}
+
+/// "654 N/m, 0.98 of the certificate's bound"; "-" where it was not sought.
+std::string stiffnessWords(const EngineFigures& e) {
+  if (!(e.stiffness.bound_n_m > 0.0)) return "-";
+  return fmt::format("{:.0f} ({:.2f})", e.stiffness.found_n_m, e.stiffness.share());
 }
 
 /// Cumulative distribution of tick times.
@@ -100,7 +124,7 @@ Chart costChart(const EngineComparison& all, int scene) {
 
 ChartTable figuresTable(const EngineComparison& all) {
   ChartTable table;
-  table.title = sentence("engines.table");
+  table.title = sentence("engines.table", {{"rate", fmt::format("{:.0f}", all.rate_hz)}});
   table.heads = {sentence("timing.what")};
   for (const EngineFigures& e : all.engines) table.heads.emplace_back(e.engine);
   for (int i = 0; i < kEngineScenes; ++i) {
@@ -123,37 +147,42 @@ ChartTable figuresTable(const EngineComparison& all) {
     held.push_back(sentence(e.held ? "engines.yes" : "engines.no"));
   }
   table.rows.push_back(std::move(held));
+  std::vector<PageText> stiffness{sentence("engines.stiffness")};
+  for (const EngineFigures& e : all.engines) stiffness.emplace_back(stiffnessWords(e));
+  table.rows.push_back(std::move(stiffness));
   return table;
 }
 
-ChartPage comparisonPage(const EngineComparison& all) {
+ChartPage comparisonPage(const std::vector<EngineComparison>& rates) {
   ChartPage page;
   page.title = sentence("engines.title");
   page.notes = {sentence("engines.note")};
-  for (int i = 0; i < kEngineScenes; ++i) page.charts.push_back(costChart(all, i));
-  page.tables = {figuresTable(all)};
+  for (int i = 0; i < kEngineScenes; ++i) page.charts.push_back(costChart(rates.front(), i));
+  for (const EngineComparison& at : rates) page.tables.push_back(figuresTable(at));
   return page;
 }
 
 void print(const EngineComparison& all) {
-  std::printf("%-28s", "");
-  for (const EngineFigures& e : all.engines) std::printf(" %17s", e.engine.c_str());
+  std::printf("\n%-28s", fmt::format("at {:.0f} Hz", all.rate_hz).c_str());
+  for (const EngineFigures& e : all.engines) std::printf(" %18s", e.engine.c_str());
   std::printf("\n");
   for (int i = 0; i < kEngineScenes; ++i) {
     const std::string name = fmt::format("{}, µs p50 / p99.9", engineSceneName(sceneAt(i)));
     std::printf("%s%*s", name.c_str(), 29 - static_cast<int>(name.size()), "");  // µ is two bytes
     for (const EngineFigures& e : all.engines) {
-      std::printf(" %8.1f / %6.1f", costOf(e, i).p50_us, costOf(e, i).p999_us);
+      std::printf(" %9.1f / %6.1f", costOf(e, i).p50_us, costOf(e, i).p999_us);
     }
     std::printf("\n");
   }
   for (const Row& row : kRows) {
     std::printf("%-28s", row.text);
-    for (const EngineFigures& e : all.engines) std::printf(" %17.3g", e.*row.value * row.scale);
+    for (const EngineFigures& e : all.engines) std::printf(" %18.3g", e.*row.value * row.scale);
     std::printf("\n");
   }
   std::printf("%-28s", "free cylinder held");
-  for (const EngineFigures& e : all.engines) std::printf(" %17s", e.held ? "yes" : "no");
+  for (const EngineFigures& e : all.engines) std::printf(" %18s", e.held ? "yes" : "no");
+  std::printf("\n%-28s", "stable N/m (of the bound)");
+  for (const EngineFigures& e : all.engines) std::printf(" %18s", stiffnessWords(e).c_str());
   std::printf("\n%s's tick over bullet-paper's:", all.engines.front().engine.c_str());
   for (int i = 0; i < kEngineScenes; ++i) {
     std::printf(" %s %.3f%s", engineSceneName(sceneAt(i)), all.ratioToPaper(sceneAt(i)),
@@ -185,20 +214,27 @@ int enginesCommand(const ExperimentOptions& options) {
       options.json.empty() ? options.folder + "/engines.json" : options.json;
   const std::string chart_path = options.folder + "/engines.html";
   if (auto ready = prepareCharts(chart_path, {json_path}); !ready) return refuse(ready.errors());
-  auto all = compareEngines(planOf(options));
-  if (!all) return refuse(all.errors());
-  if (all->interrupted) {
-    std::printf("\nInterrupted: no results were written\n");
-    return kExitInterrupted;
+  std::vector<EngineComparison> rates;
+  for (const double rate_hz : options.rates_hz) {
+    EnginePlan plan = planOf(options);
+    plan.rate_hz = rate_hz;
+    std::printf("%.0f Hz\n", rate_hz);
+    auto all = compareEngines(plan);
+    if (!all) return refuse(all.errors());
+    if (all->interrupted) {
+      std::printf("\nInterrupted: no results were written\n");
+      return kExitInterrupted;
+    }
+    rates.push_back(std::move(*all));
   }
-  if (auto done = writeText(json_path, comparisonJson(*all).dump(2) + "\n"); !done) {
+  if (auto done = writeText(json_path, jsonText(allJson(rates))); !done) {
     return refuse(done.errors());
   }
-  if (auto done = writeCharts(comparisonPage(*all), chart_path); !done) {
+  if (auto done = writeCharts(comparisonPage(rates), chart_path); !done) {
     return refuse(done.errors());
   }
-  print(*all);
-  std::printf("%s\n%s\n", json_path.c_str(), chart_path.c_str());
+  for (const EngineComparison& at : rates) print(at);
+  std::printf("%s\n%s\n", printable(json_path).c_str(), printable(chart_path).c_str());
   return exitCodeOf(false, false);
 }
 

@@ -1,10 +1,12 @@
 #include "assembly/text_file.hpp"
 #include "bar_experiments.hpp"
 #include "chart_file.hpp"
+#include "core/printable.hpp"
 #include "exercise_figure.hpp"
 #include "exit_code.hpp"
 #include "experiments/exercise_script.hpp"
 #include "experiments/exercise_trial.hpp"
+#include "json_text.hpp"
 #include "runtime/interrupt_scope.hpp"
 
 #include <nlohmann/json.hpp>
@@ -91,14 +93,15 @@ int exerciseCommand(const ExerciseOptions& options) {
     std::printf("\nInterrupted: no results were written\n");
     return kExitInterrupted;
   }
-  if (auto done = writeText(json_path, resultJson(*result, options).dump(2) + "\n"); !done) {
+  if (auto done = writeText(json_path, jsonText(resultJson(*result, options))); !done) {
     return refuse(done.errors());
   }
   if (auto done = writeCharts(exerciseFigure(*result), chart_path); !done) {
     return refuse(done.errors());
   }
   print(*result);
-  std::printf("%s\n%s\n%s\n", json_path.c_str(), chart_path.c_str(), record_path.c_str());
+  std::printf("%s\n%s\n%s\n", printable(json_path).c_str(), printable(chart_path).c_str(),
+              printable(record_path).c_str());
   return exitCodeOf(result->faulted, false);
 }
 

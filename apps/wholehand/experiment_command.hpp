@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace wholehand {
 
@@ -18,8 +19,9 @@ struct ExperimentOptions {
   std::string scene;             ///< timing: replaces the bar; its first body is gripped
   bool simulated_clock = false;  ///< timing: run as fast as possible
   double hold_s = 2.0;           ///< engines: duration of holding and of resting
-  int scene_ticks = 3000;        ///< complexity: ticks of each scene
-  int passes = 3;                ///< complexity: runs of each scene
+  std::vector<double> rates_hz = {1000.0, 2000.0, 4000.0, 8000.0};  ///< engines
+  int scene_ticks = 3000;  ///< complexity: ticks of each scene
+  int passes = 3;          ///< complexity: runs of each scene
 };
 
 /// Reproduces the paper's Fig. 5. Returns the exit code.

@@ -2,9 +2,11 @@
 #include "assembly/text_file.hpp"
 #include "chart_file.hpp"
 #include "core/plural.hpp"
+#include "core/printable.hpp"
 #include "exit_code.hpp"
 #include "experiment_command.hpp"
 #include "experiments/grasp_trial.hpp"
+#include "json_text.hpp"
 #include "runtime/interrupt_scope.hpp"
 #include "shipped_files.hpp"
 
@@ -203,7 +205,7 @@ int graspingCommand(const ExperimentOptions& options) {
   json["jittered"] = {
       {"trials", jittered.results.size()}, {"dropped", dropped},   {"slip_over_half_mm", slipped},
       {"force_noise_max_n", noise},        {"seed", options.seed}, {"each", each}};
-  if (auto done = writeText(json_path, json.dump(2) + "\n"); !done) return refuse(done.errors());
+  if (auto done = writeText(json_path, jsonText(json)); !done) return refuse(done.errors());
   const ChartPage charts = slipPage(tuned.results, jittered.results);
   if (auto done = writeCharts(charts, chart_path); !done) return refuse(done.errors());
   std::printf("\n");
@@ -211,8 +213,8 @@ int graspingCommand(const ExperimentOptions& options) {
     std::printf("jittered: %zu trial%s, %d dropped, %d slipped over 0.5 mm, noise at most %.4f N\n",
                 jittered.results.size(), plural(jittered.results.size()), dropped, slipped, noise);
   }
-  std::printf("%s\n%s\nrecordings and scenes in %s\n", json_path.c_str(), chart_path.c_str(),
-              options.folder.c_str());
+  std::printf("%s\n%s\nrecordings and scenes in %s\n", printable(json_path).c_str(),
+              printable(chart_path).c_str(), printable(options.folder).c_str());
   const auto faulted = tuned.faulted() + jittered.faulted();
   if (faulted > 0) std::printf("FAULT    trials stopped by a fault: %td\n", faulted);
   return exitCodeOf(faulted > 0, false);

@@ -5,6 +5,7 @@
 #include "exit_code.hpp"
 #include "impedance_chart.hpp"
 #include "impedance_text.hpp"
+#include "json_text.hpp"
 
 #include <cstdio>
 #include <unistd.h>
@@ -38,7 +39,7 @@ int impedanceCommand(const Models& models, const ImpedanceOptions& options, cons
     all["rendering"] = report->rendering;
     all["hand"] = report->hand;
     all["impedance"] = impedanceJson(*report);
-    if (auto done = writeText(json, all.dump(1) + "\n"); !done) return refuse(done.errors());
+    if (auto done = writeText(json, jsonText(all, 1)); !done) return refuse(done.errors());
   }
   if (!charts.empty()) {
     const auto done = writeCharts(impedanceChart(*report), charts);

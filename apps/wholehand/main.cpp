@@ -1,6 +1,7 @@
 #include "admit_command.hpp"
 #include "bar_experiments.hpp"
 #include "certify_command.hpp"
+#include "core/printable.hpp"
 #include "decompose_command.hpp"
 #include "device_command.hpp"
 #include "device_host_command.hpp"
@@ -15,6 +16,7 @@
 #include "run_line.hpp"
 #include "shipped_files.hpp"
 #include "sweep_command.hpp"
+#include "usage.hpp"
 #include "validate_command.hpp"
 
 #include <CLI/CLI.hpp>
@@ -25,6 +27,7 @@
 #include <cstring>
 #include <exception>
 #include <new>
+#include <string>
 #include <system_error>
 
 namespace {
@@ -33,14 +36,15 @@ using namespace wholehand;  // NOLINT(google-build-using-namespace): the program
 
 void addCertify(CLI::App& app, CertifyOptions& o, int& code) {
   CLI::App* certify = app.add_subcommand(
-      "certify", "Are these gains stable with any passive person and object, and by what margin?");
+      "certify",
+      "Check that gains are stable with any passive person and object, and by what margin");
   certify->add_option("--device", o.device, "Device file")->capture_default_str();
   certify->add_option("--rendering", o.rendering,
                       "Gains that go with the device (default: the file of the device's name)");
   certify->add_option("--hand", o.hand, "Hand file")->capture_default_str();
   CLI::Option* exercise = certify->add_option(
       "--exercise", o.exercise,
-      "Exercise, a name or a file: its walls are borne, too (default: no walls)");
+      "Exercise, a name or a file, whose walls are covered, too (default: no walls)");
   certify->add_option("--level", o.level, "Level of the exercise")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str()
@@ -95,7 +99,7 @@ void addReplay(CLI::App& app, ReplayOptions& o, int& code) {
           ->excludes(speed)
           ->excludes(web);
   r->add_option("--before", o.before,
-                "Recording of the session before: the report tells what is better")
+                "Recording of the session before; the report marks improvements")
       ->needs(report);
   r->add_option("--beside", o.beside, "HDF5 file to show beside it in the browser")->needs(web);
   r->add_option("--port", o.port, "Port of the pages; 0: any that is free")
@@ -113,8 +117,7 @@ void addComplexity(CLI::App& larger, ExperimentOptions& o) {
       ->check(finiteBetween(100, 1e6, "ticks"))
       ->capture_default_str();
   larger
-      .add_option("--passes", o.passes,
-                  "Runs of each scene: the same bits, so that each tick counts with its shortest")
+      .add_option("--passes", o.passes, "Runs of each scene; the shortest time of each tick counts")
       ->check(finiteBetween(1, 100, "runs"))
       ->capture_default_str();
 }
@@ -129,7 +132,7 @@ void addExperiments(CLI::App& app, ExperimentOptions& experiment, BarExperimentO
   CLI::App* compared =
       e->add_subcommand("engines", "Compare every engine built in: time, slip, forces, noise");
   CLI::App* larger =
-      e->add_subcommand("complexity", "What a tick takes in larger and larger scenes");
+      e->add_subcommand("complexity", "Measure the time of a tick in larger and larger scenes");
   for (CLI::App* sub : {grasping, timing, larger}) addEngine(*sub, experiment.engine);
   for (CLI::App* sub : {grasping, timing, compared, larger}) {
     sub->add_option("--json", experiment.json, "Write the results to this file");
@@ -148,9 +151,14 @@ void addExperiments(CLI::App& app, ExperimentOptions& experiment, BarExperimentO
       ->capture_default_str();
   timing->add_option("--scene", experiment.scene,
                      "Grasp the first movable body of this scene, without an exercise");
-  timing->add_flag("--simulated-clock", experiment.simulated_clock, "As fast as it goes");
+  timing->add_flag("--simulated-clock", experiment.simulated_clock,
+                   "Run as fast as possible, not in real time");
   compared->add_option("--hold", experiment.hold_s, "How long the cylinder is held")
       ->check(finiteBetween(0.1, 60, "seconds"))
+      ->capture_default_str();
+  compared->add_option("--rates-hz", experiment.rates_hz, "Ticks a second, one comparison each")
+      ->check(finiteBetween(250, 8000, "Hz"))
+      ->delimiter(',')
       ->capture_default_str();
   addComplexity(*larger, experiment);
   larger->callback([&] { code = complexityCommand(experiment); });
@@ -182,7 +190,7 @@ void addSweep(CLI::App& app, SweepOptions& o, int& code) {
 
 void addValidate(CLI::App& app, std::vector<std::string>& files, AdmitOptions& o, int& code) {
   CLI::App* v =
-      app.add_subcommand("validate", "Every fault of every file, with its place and remedy");
+      app.add_subcommand("validate", "Check files; list every fault with its place and remedy");
   CLI::Option* all = v->add_option("files", files, "TOML files, or a motion's CSV");
   CLI::Option* admit =
       v->add_option(
@@ -216,24 +224,17 @@ void addValidate(CLI::App& app, std::vector<std::string>& files, AdmitOptions& o
 
 void addOthers(CLI::App& app, ReportOptions& report, int& code) {
   CLI::App* p =
-      app.add_subcommand("report", "Make a page of a recording: one HTML file, index.html");
+      app.add_subcommand("report", "Make the report of a recording: one HTML file, index.html");
   p->add_option("recording", report.recording, "HDF5 file, or black box (.wbb)")->required();
   p->add_option("--out", report.page, "Folder to write into")->required();
   p->add_option("--before", report.before,
-                "Recording of the session before: the page tells what is better");
+                "Recording of the session before; the report marks improvements");
   p->callback([&] {
     code = reportCommand({report.recording, pageIn(report.page), report.before});
   });
 
-  CLI::App* d = app.add_subcommand("doctor", "Is this machine fit to drive a device?");
+  CLI::App* d = app.add_subcommand("doctor", "Check whether this machine may drive a device");
   d->callback([&] { code = runDoctor(shippedFile("scripts/packages.txt")); });
-}
-
-// The first unknown word of the command line; CLI11 alone would report a missing option.
-std::string unknownWord(const CLI::App& app, const CLI::ParseError& error) {
-  if (dynamic_cast<const CLI::RequiredError*>(&error) == nullptr) return {};
-  const std::vector<std::string> rest = app.remaining(true);
-  return rest.empty() ? std::string{} : rest.front();
 }
 
 int runProgram(int argc, char** argv) {
@@ -272,15 +273,7 @@ int runProgram(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (const std::string word = unknownWord(app, error); !word.empty()) {
-      std::fprintf(
-          stderr,
-          "'%s' is not a subcommand or option here\nRun with --help for more information.\n",
-          word.c_str());
-      return kExitBadInput;
-    }
-    // CLI11 has an exit code for every mistake; the shell gets one.
-    return app.exit(error) == 0 ? kExitDone : kExitBadInput;
+    return tellUsage(app, error, std::vector<std::string>(argv + 1, argv + argc));
   }
   return code;
 }
@@ -311,9 +304,9 @@ int main(int argc, char** argv) {
         thread ? "wholehand: a thread could not be started: %s; end other programs, or raise what "
                  "`ulimit -a` shows of memory, stack and processes\n"
                : "wholehand: failed: %s\n",
-        error.what());
+        printable(error.what()).c_str());
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "wholehand: failed: %s\n", error.what());
+    std::fprintf(stderr, "wholehand: failed: %s\n", printable(error.what()).c_str());
   }
   return kExitFailed;
 }

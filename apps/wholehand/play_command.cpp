@@ -5,6 +5,7 @@
 #include "assembly/text_file.hpp"
 #include "exit_code.hpp"
 #include "git_version.hpp"
+#include "json_text.hpp"
 #include "pages.hpp"
 #include "real_device.hpp"
 #include "replay/replay_children.hpp"
@@ -183,7 +184,7 @@ class SessionResults {
     if (!json.empty()) {
       const RunSafety safety{session.transitions, session.rehearsal};
       const auto summary = summaryJson(device, session.outcome, safety);
-      if (auto done = writeText(json, summary.dump(2) + "\n"); !done) {
+      if (auto done = writeText(json, jsonText(summary)); !done) {
         terminal_.say(format(done.errors()));
         failed_ = true;
       }

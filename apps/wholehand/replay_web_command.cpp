@@ -1,5 +1,6 @@
 #include "replay_web_command.hpp"
 
+#include "core/printable.hpp"
 #include "exit_code.hpp"
 #include "pages.hpp"
 #include "replay/replay_children.hpp"
@@ -50,9 +51,10 @@ int replayWebCommand(const ReplayOptions& options) {
   const InterruptScope interrupts;
   ReplayBackend backend(paths);
   ReplayChildren children({.idle = false});
-  ServerOptions server_options = serverOptions(
-      PageOptions{"127.0.0.1", options.port, {}},
-      [](const std::string& line) { std::fprintf(stderr, "wholehand: %s\n", line.c_str()); });
+  ServerOptions server_options =
+      serverOptions(PageOptions{"127.0.0.1", options.port, {}}, [](const std::string& line) {
+        std::fprintf(stderr, "wholehand: %s\n", printable(line, 1000).c_str());
+      });
   server_options.replay = [&children](const std::string& path, const std::string& question) {
     return children.answer(path, question);
   };

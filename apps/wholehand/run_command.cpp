@@ -6,6 +6,7 @@
 #include "certification/certificate_file.hpp"
 #include "core/printable.hpp"
 #include "exit_code.hpp"
+#include "json_text.hpp"
 #include "patient/scripted_player.hpp"
 #include "report_command.hpp"
 #include "run_options.hpp"
@@ -218,8 +219,7 @@ int runCommand(RunOptions options) {
 
   if (!options.json.empty()) {
     const auto json = summaryJson(models->device, *outcome, safety);
-    if (auto done = writeText(options.json, json.dump(2) + "\n"); !done)
-      return refuse(done.errors());
+    if (auto done = writeText(options.json, jsonText(json)); !done) return refuse(done.errors());
   }
   if (!options.report.empty()) {
     if (auto done = makeReport({options.record, pageIn(options.report)}); !done)

@@ -66,14 +66,15 @@ Diagnostics mismatched(const CLI::App& run, const RunOptions& o, bool scene, boo
 }
 
 void addPages(CLI::App& run, RunOptions& o) {
-  run.add_option("--port", o.port, "Of the pages; 0: any that is free")
+  run.add_option("--port", o.port, "Port of the pages; 0: any free one")
       ->check(CLI::Range(0, 65535))
       ->capture_default_str();
-  run.add_option("--address", o.address, "To listen at; another than this machine needs --token")
+  run.add_option("--address", o.address,
+                 "Address to listen at; any that other machines can reach needs --token")
       ->capture_default_str();
   run.add_option("--token", o.tokens,
-                 "What clients must show, at least 16 characters; of a role: therapist=..., "
-                 "player=..., watcher=...");
+                 "Secret that clients must show, at least 16 characters; for one role only: "
+                 "therapist=..., player=..., watcher=...");
   run.add_option("--origin", o.origins, "Pages of other origins that may connect");
   run.add_option("--udp", o.udp,
                  "Port for game engines, or address:port; 0: any port (default: closed)");
@@ -98,14 +99,14 @@ RunOptions shippedRun() {
 
 void addRun(CLI::App& app, RunOptions& options, int& code) {
   RunOptions& o = options;
-  CLI::App* run =
-      app.add_subcommand("run", "Open the cocktail bar, or play a motion: a hand that feels");
+  CLI::App* run = app.add_subcommand(
+      "run", "Run an exercise with its pages (the cocktail bar), or play a recorded motion");
   run->add_option("--exercise", o.files.exercise,
                   "Exercise: a name (cocktail-bar, the default; free-grasping ...) or a file");
   run->add_option("--level", o.files.level, "Level of the exercise")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  run->add_option("--seed", o.seed, "Of the virtual patient who plays")
+  run->add_option("--seed", o.seed, "Seed of the virtual patient")
       ->check(wholeNumber())
       ->capture_default_str();
   run->add_option("--scene", o.files.scene, "Scene file, without exercise: free grasping")
@@ -114,7 +115,8 @@ void addRun(CLI::App& app, RunOptions& options, int& code) {
   run->add_option("--device", o.files.device, "Device file")->capture_default_str();
   CLI::Option* driver = run->add_option(
       "--driver", o.driver.path, "Driver of a real device (docs/drivers.md): a name or a path");
-  run->add_option("--device-at", o.driver.locator, "Which device: what the driver wants to know")
+  run->add_option("--device-at", o.driver.locator,
+                  "Which device, as the driver names it: a serial number, a port ...")
       ->needs(driver);
   run->add_option("--driver-settings", o.driver.settings, "The driver's own settings")
       ->needs(driver);
@@ -124,7 +126,7 @@ void addRun(CLI::App& app, RunOptions& options, int& code) {
                 "Take a real device that was not commissioned; NOBODY MAY BE ATTACHED (recorded)");
   run->add_option("--rendering", o.files.rendering,
                   "Gains that go with the device (default: the file of the device's name)");
-  run->add_option("--patient", o.files.patient, "Virtual patient")->capture_default_str();
+  run->add_option("--patient", o.files.patient, "Virtual patient file")->capture_default_str();
   run->add_option("--motion", o.files.motion, "Recorded motion to play in the scene, CSV")
       ->capture_default_str();
   addEngine(*run, o.engine);
@@ -135,9 +137,10 @@ void addRun(CLI::App& app, RunOptions& options, int& code) {
                   "Length of the run (default: the motion's and 1 s of rest; with pages endless)")
       ->check(finiteBetween(0.001, 86400.0, "s"));
   run->add_option("--record", o.record, "Write every tick to this HDF5 file");
-  run->add_option("--report", o.report, "Write a page with plots into this folder");
+  run->add_option("--report", o.report, "Write the report into this folder");
   run->add_option("--json", o.json, "Write the summary to this file");
-  run->add_flag("--simulated-clock", o.simulated_clock, "As fast as it goes, no real time");
+  run->add_flag("--simulated-clock", o.simulated_clock,
+                "Run as fast as possible, not in real time");
   run->add_flag("--no-rehearsal", o.no_rehearsal,
                 "Arm without having run the worst contacts first (simulated device only)");
   run->add_flag("--uncertified", o.uncertified,

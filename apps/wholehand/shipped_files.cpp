@@ -1,5 +1,6 @@
 #include "shipped_files.hpp"
 
+#include "core/printable.hpp"
 #include "exit_code.hpp"
 #include "model/device_model.hpp"
 
@@ -34,12 +35,13 @@ Expected<std::string> renderingFor(const std::string& device_file) {
   if (fs::exists(shipped, error) || !fs::exists(device, error)) return shipped;
   // No gains exist for a file that is not a valid device.
   if (auto described = loadDeviceFile(device_file); !described) return described.errors();
-  return Diagnostic{device_file,
-                    0,
-                    "",
-                    "",
-                    "no gains are known for this device",
-                    "give --rendering FILE, or put them at " + beside.lexically_normal().string()};
+  return Diagnostic{
+      device_file,
+      0,
+      "",
+      "",
+      "no gains are known for this device",
+      "give --rendering FILE, or put them at " + printable(beside.lexically_normal().string())};
 }
 
 bool findGains(const std::string& device, std::string& rendering, int& code) {

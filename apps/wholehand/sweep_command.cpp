@@ -3,6 +3,7 @@
 #include "assembly/text_file.hpp"
 #include "chart_file.hpp"
 #include "core/plural.hpp"
+#include "core/printable.hpp"
 #include "exit_code.hpp"
 #include "experiments/sweep/sweep.hpp"
 #include "git_version.hpp"
@@ -155,14 +156,15 @@ Expected<std::vector<FilledMap>> fillMaps(const SweepGrid& grid, const std::stri
 void print(const SweepGrid& grid, const FilledMap& filled) {
   const SweepAxis& rows = grid.axes.at(filled.map->rows);
   const SweepAxis& columns = grid.axes.at(filled.map->columns);
+  const auto label = [](const SweepAxis& axis, int i) { return printable(axis.label(i)); };
   std::size_t width = rows.name.size();
-  for (int r = 0; r < rows.size(); ++r) width = std::max(width, rows.label(r).size());
+  for (int r = 0; r < rows.size(); ++r) width = std::max(width, label(rows, r).size());
   std::printf("\n%s, mean over all else; columns: %s\n%-*s", filled.map->figure.c_str(),
               columns.name.c_str(), static_cast<int>(width), rows.name.c_str());
-  for (int c = 0; c < columns.size(); ++c) std::printf(" %9.9s", columns.label(c).c_str());
+  for (int c = 0; c < columns.size(); ++c) std::printf(" %9.9s", label(columns, c).c_str());
   std::printf("\n");
   for (int r = 0; r < rows.size(); ++r) {
-    std::printf("%-*s", static_cast<int>(width), rows.label(r).c_str());
+    std::printf("%-*s", static_cast<int>(width), label(rows, r).c_str());
     for (int c = 0; c < columns.size(); ++c) std::printf(" %9.3g", filled.values[r][c]);
     std::printf("\n");
   }
@@ -272,7 +274,7 @@ int tell(const SweepGrid& grid, const SweepOptions& options, const SweepOutcome&
       }
     }
     std::printf("\n%d cells, %d of them run now: %s\n", outcome.cells, outcome.run,
-                options.out.c_str());
+                printable(options.out).c_str());
     return kExitDone;
   }
   if (outcome.interrupted) {
@@ -287,7 +289,8 @@ int tell(const SweepGrid& grid, const SweepOptions& options, const SweepOutcome&
                  outcome.finished, left);
     return kExitFault;
   }
-  std::printf("\nThis share is done; the last share to end writes %s\n", options.out.c_str());
+  std::printf("\nThis share is done; the last share to end writes %s\n",
+              printable(options.out).c_str());
   return kExitDone;
 }
 

@@ -1,6 +1,7 @@
 #include "terminal_operator.hpp"
 
 #include "commissioning/commissioning.hpp"
+#include "core/printable.hpp"
 #include "realtime/monotonic_clock.hpp"
 #include "runtime/interrupt_scope.hpp"
 
@@ -54,7 +55,7 @@ void TerminalOperator::setRaw(bool raw) {
 }
 
 void TerminalOperator::tell(const std::string& line, const std::vector<FoundFigure>&) {
-  std::printf("%s\n", line.c_str());
+  std::printf("%s\n", printable(line, 1000).c_str());
 }
 
 void TerminalOperator::tellStep(const StepNews& news) {

@@ -1,9 +1,11 @@
 #include "assembly/text_file.hpp"
 #include "chart_file.hpp"
 #include "core/plural.hpp"
+#include "core/printable.hpp"
 #include "exit_code.hpp"
 #include "experiment_command.hpp"
 #include "experiments/timing_trial.hpp"
+#include "json_text.hpp"
 #include "realtime/allocation_counter.hpp"
 #include "runtime/interrupt_scope.hpp"
 #include "shipped_files.hpp"
@@ -155,13 +157,13 @@ int timingCommand(const ExperimentOptions& options) {
   auto result = runTiming(plan);
   status.finish();
   if (!result) return refuse(result.errors());
-  if (auto done = writeText(json_path, timingJson(*result).dump(2) + "\n"); !done) {
+  if (auto done = writeText(json_path, jsonText(timingJson(*result))); !done) {
     return refuse(done.errors());
   }
   if (auto done = writeCharts(timePage(*result), chart_path); !done) return refuse(done.errors());
   print(*result);
-  std::printf("%s\n%s\n%s/timing.h5\n", json_path.c_str(), chart_path.c_str(),
-              options.folder.c_str());
+  std::printf("%s\n%s\n%s/timing.h5\n", printable(json_path).c_str(), printable(chart_path).c_str(),
+              printable(options.folder).c_str());
   return exitCodeOf(result->outcome.faulted, result->outcome.interrupted);
 }
 

@@ -25,6 +25,7 @@
 #include "model/scene/game_shapes.hpp"   // prepareShapes(), shapeCommands()
 #include "patient/motion.hpp"            // Intention: what the virtual patient wants
 #include "physics/physics_world.hpp"     // PhysicsWorld: the interface of an engine
+#include "registry/body_registry.hpp"    // BodyRegistry: more bodies than the loop has slots for
 #include "renderer/haptic_renderer.hpp"  // HapticRenderer: arm(), tick()
 #include "runtime/session.hpp"           // Session: thread, queue, end at neutral
 // IWYU pragma: end_exports

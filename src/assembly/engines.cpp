@@ -24,10 +24,30 @@ Engine bulletEngine() {
           true};
 }
 
+Engine bulletNewtonEngine() {
+  return {"bullet-newton",
+          "as bullet, but what the hand holds is solved by Newton's method; for comparisons",
+          [](const HandModel& hand, const SceneModel& scene) -> World {
+            return std::unique_ptr<PhysicsWorld>(
+                std::make_unique<BulletWorld>(hand, scene, bullet::solvedAtOnce()));
+          },
+          "",
+          "a wall that slides into the hand overlaps it more than it may",
+          true};
+}
+
 Engine bulletPaperEngine() {
   return {"bullet-paper", "stock Bullet with pose resets, the paper's own way; for comparisons",
           [](const HandModel& hand, const SceneModel& scene) {
             return BulletPaperWorld::build(hand, scene);
+          },
+          "", "its contact forces do not do the virtual work of what is felt"};
+}
+
+Engine gearedPaperEngine() {
+  return {"bullet-paper-gears", "as bullet-paper, with gear constraints instead of pose resets",
+          [](const HandModel& hand, const SceneModel& scene) {
+            return BulletPaperWorld::buildGeared(hand, scene);
           },
           "", "its contact forces do not do the virtual work of what is felt"};
 }
@@ -49,7 +69,8 @@ Engine mujocoEngine() {
 }  // namespace
 
 const std::vector<Engine>& engines() {
-  static const std::vector<Engine> kAll{bulletEngine(), mujocoEngine(), bulletPaperEngine()};
+  static const std::vector<Engine> kAll{bulletEngine(), mujocoEngine(), bulletNewtonEngine(),
+                                        bulletPaperEngine(), gearedPaperEngine()};
   return kAll;
 }
 

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
 namespace wholehand {
 namespace {
@@ -116,10 +117,10 @@ void PoolFilling::makePieces(const GameBudget& budget) {
   const Shape piece = worstPiece(budget, size_m);
   const Eigen::Vector3d extent_m = extents(piece);
   for (double spacing = kClosest; spacing < 1.0 + kCloser; spacing += kCloser) {
-    pieces_.assign(static_cast<std::size_t>(budget.pieces), piece);
+    pieces_.assign(budget.pieces, piece);
     for (int i = 0; i < budget.pieces; ++i) {
       const int column = i % 2, row = i / 2;
-      pieces_[static_cast<std::size_t>(i)].in_body.translation_m =
+      pieces_[i].in_body.translation_m =
           spacing * extent_m.cwiseProduct(Eigen::Vector3d(column, row, 0.0));
     }
     if (prepareShapes(pieces_, budget)) break;
@@ -144,7 +145,7 @@ void PoolFilling::findPlaces(const GameBudget& budget, const AxisPosition& at) {
   const Eigen::Vector3d pocket_m = pocketAt(at);
   const ArticulatedBody hand = handAt(models_.hand, at);
   for (const Eigen::Vector3d& site : lattice(6)) {
-    if (places_m_.size() == static_cast<std::size_t>(budget.slots)) break;
+    if (std::cmp_equal(places_m_.size(), budget.slots)) break;
     const Eigen::Vector3d place_m = pocket_m + 2.0 * kClear * radius_m_ * site;
     if (isClear(place_m, hand)) places_m_.push_back(place_m);
   }
@@ -157,7 +158,7 @@ void PoolFilling::findPlaces(const GameBudget& budget, const AxisPosition& at) {
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return places_m_[a].z() > places_m_[b].z();
   });
-  const auto awake = std::min(order.size(), static_cast<std::size_t>(budget.awake));
+  const auto awake = std::min<std::size_t>(order.size(), budget.awake);
   for (std::size_t i = 0; i < awake; ++i) {
     owners_[order[i]] = i % 2 == 0 ? BodyOwner::kGame : BodyOwner::kLoop;
   }
@@ -204,13 +205,12 @@ Eigen::Vector3d PoolFilling::pocketAt(const AxisPosition& q_s) const {
 }
 
 SpawnOrder PoolFilling::spawnOf(int slot) const {
-  const auto index = static_cast<std::size_t>(slot);
   SpawnOrder order;
   order.slot = slot;
-  order.generation = generations_[index];
-  order.owner = owners_[index];
+  order.generation = generations_[slot];
+  order.owner = owners_[slot];
   order.mass_kg = mass_kg_;
-  order.pose = {Vec3::from(places_m_[index]), {}};
+  order.pose = {Vec3::from(places_m_[slot]), {}};
   return order;
 }
 
@@ -231,7 +231,7 @@ void PoolFilling::tend(int slot, const TickRecord& seen, const Eigen::Vector3d& 
   const int generation = generations_[index];
   if (owners_[index] == BodyOwner::kLoop) {
     if ((at_m - pocket_m).norm() < kReach_m) return;
-    waiting_.push_back(teleportCommand(slot, generation, {Vec3::from(places_m_[index]), {}}));
+    waiting_.push_back(teleportCommand(slot, generation, {Vec3::from(places_m_[slot]), {}}));
     return;
   }
   Eigen::Vector3d step_m = pocket_m - targets_m_[index];

@@ -255,15 +255,16 @@ Diagnostic poolTooSlow(const PoolRehearsal& pool, const Models& models) {
   std::string remedy;
   if (pool.awake > 0) {
     remedy = fmt::format(
-        "at most {} passes here, with {} pieces of {} vertices: state awake = {}, "
+        "at most {} fit here, with {} pieces of {} vertices: state awake = {}, "
         "or fewer pieces",
         pool.awake, m.budget.pieces, m.budget.vertices, pool.awake);
   } else if (pool.awake_alone > 0) {
     remedy =
-        fmt::format("with these pieces not even 1 passes here: state pieces = 1 and awake = {}",
+        fmt::format("with these pieces even 1 is too many here: state pieces = 1 and awake = {}",
                     pool.awake_alone);
   } else {
-    remedy = "not even 1 passes here: fewer slots or vertices, a slower rate or a faster machine";
+    remedy =
+        "even 1 is too many here: use fewer slots or vertices, a slower rate or a faster machine";
   }
   return {
       models.files.exercise,
@@ -271,7 +272,7 @@ Diagnostic poolTooSlow(const PoolRehearsal& pool, const Models& models) {
       "budget.awake",
       std::to_string(m.budget.awake),
       fmt::format("is too many for this machine: with its slots full, a tick takes {:.0f} µs of "
-                  "CPU time (p99.9) where {:.0f} µs leave room",
+                  "CPU time (p99.9); {:.0f} µs are allowed",
                   1e-3 * m.summary.cpu.p999_ns, m.limit_us),
       remedy};
 }

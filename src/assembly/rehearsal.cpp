@@ -2,8 +2,8 @@
 
 #include "assembly/rehearsal_moves.hpp"
 #include "assembly/rehearsal_text.hpp"
+#include "core/sanitized.hpp"
 #include "device/simulated/simulated_device.hpp"
-#include "realtime/sanitized.hpp"
 #include "realtime/thread_setup.hpp"
 #include "runtime/tick_timer.hpp"
 
@@ -13,6 +13,7 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace wholehand {
@@ -51,7 +52,7 @@ class Attempt {
 
   [[nodiscard]] Expected<Done> run() {
     const auto bodies = static_cast<int>(rig_.models.scene.bodies.size());
-    touched_.assign(static_cast<std::size_t>(bodies), false);
+    touched_.assign(bodies, false);
     // A subset is spread evenly over the bodies.
     const int step = std::max(1, (bodies + options_.most_bodies - 1) / options_.most_bodies);
     for (int body = 0; body < bodies && !hopeless(); body += step) {
@@ -138,7 +139,7 @@ class Attempt {
       const int body = record_.contacts[i].body;
       if (body < 0 || body >= kMaxSceneBodies) continue;
       const int of_it = ++contacts[body];
-      if (static_cast<std::size_t>(body) < touched_.size()) {
+      if (std::cmp_less(body, touched_.size())) {
         touched_[body] = true;
       }
       if (of_it <= cost.contacts) continue;
@@ -201,8 +202,7 @@ class Attempt {
     }
     out.slowest =
         static_cast<Stage>(std::max_element(stages.begin(), stages.end()) - stages.begin());
-    const auto heaviest = std::max_element(contacts.begin(), contacts.end()) - contacts.begin();
-    const auto index = static_cast<std::size_t>(heaviest);
+    const std::size_t index = std::max_element(contacts.begin(), contacts.end()) - contacts.begin();
     if (contacts[index] == 0 || index >= rig_.models.scene.bodies.size()) return;
     out.heaviest = rig_.models.scene.bodies[index].name;
     out.heaviest_contacts = most[index];

@@ -13,7 +13,7 @@ std::size_t faces(const SceneBody& body) {
 
 std::string remedyFor(const Rehearsal& r, const Models& models) {
   if (r.slowest == Stage::kExercise)
-    return "a simpler exercise, a slower rate, or a faster machine";
+    return "use a simpler exercise, a slower rate or a faster machine";
   const int index = models.scene.bodyIndex(r.heaviest);
   if (index >= 0) {
     const SceneBody& body = models.scene.bodies[index];
@@ -28,7 +28,7 @@ std::string remedyFor(const Rehearsal& r, const Models& models) {
     return fmt::format("remove \"{}\" or others of the {} bodies, or run at a slower rate",
                        body.name, models.scene.bodies.size());
   }
-  return "a slower rate, a faster machine, or one with less else to do";
+  return "use a slower rate or a faster machine, or close other programs";
 }
 
 }  // namespace
@@ -40,15 +40,15 @@ Diagnostic tooSlow(const Rehearsal& r, const Models& models) {
   } else if (!r.heaviest.empty()) {
     where = fmt::format(", with the hand at \"{}\"", r.heaviest);
   }
-  return {
-      models.files.exercise.empty() ? models.scene.path : models.files.exercise,
-      0,
-      "rehearsal",
-      fmt::format("{:.0f} µs", 1e-3 * r.summary.cpu.p999_ns),
-      fmt::format("a tick with the worst contacts takes so much CPU time (p99.9) where {:.0f} µs "
-                  "leave room, most of it {}{}",
-                  r.limit_us, stageName(r.slowest), where),
-      remedyFor(r, models)};
+  return {models.files.exercise.empty() ? models.scene.path : models.files.exercise,
+          0,
+          "rehearsal",
+          fmt::format("{:.0f} µs", 1e-3 * r.summary.cpu.p999_ns),
+          fmt::format(
+              "is the CPU time of a tick with the worst contacts (p99.9); {:.0f} µs are allowed, "
+              "most of it is {}{}",
+              r.limit_us, stageName(r.slowest), where),
+          remedyFor(r, models)};
 }
 
 std::string describe(const Rehearsal& r) {

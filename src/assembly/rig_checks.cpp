@@ -9,14 +9,15 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 namespace wholehand {
 namespace {
 
 void refuseAbove(int most, std::size_t count, const char* key, const char* what,
                  Diagnostics& refused) {
-  if (count <= static_cast<std::size_t>(most)) return;
-  refused.push_back({"", 0, key, std::to_string(count), "are more than a tick has room for",
+  if (std::cmp_less_equal(count, most)) return;
+  refused.push_back({"", 0, key, std::to_string(count), "is more than a tick has room for",
                      std::string("at most ") + std::to_string(most) + " " + what});
 }
 
@@ -37,9 +38,8 @@ Diagnostics refuseTooLarge(const Models& m) {
   Diagnostics refused;
   refuseAbove(kMaxSceneBodies, m.scene.bodies.size(), "bodies", "bodies in a scene", refused);
   refuseAbove(kMaxLinks, m.hand.links.size(), "links", "links in a hand", refused);
-  refuseAbove(kMaxJoints, static_cast<std::size_t>(std::max(m.hand.joint_count, 0)), "joints",
-              "joints in a hand", refused);
-  const auto axes = static_cast<std::size_t>(std::max(m.hand.axis_count, 0));
+  refuseAbove(kMaxJoints, std::max(m.hand.joint_count, 0), "joints", "joints in a hand", refused);
+  const std::size_t axes = std::max(m.hand.axis_count, 0);
   refuseAbove(kMaxAxes, std::max(axes, m.device.axes.size()), "axes", "axes of a device", refused);
   if (m.exercise == nullptr) return refused;
   const ExerciseDescription& exercise = m.exercise->description();
@@ -59,22 +59,24 @@ Diagnostics refuseImpossibleLimits(const DeviceModel& device) {
   for (const DeviceAxis& axis : device.axes) {
     const std::string of = axis.name + ".";
     if (!isLimit(axis.effort_limit)) {
-      refuse(of, "effort_limit", axis.effort_limit, "limits nothing", "must be a number > 0");
+      refuse(of, "effort_limit", axis.effort_limit, "is not a valid limit", "must be a number > 0");
     }
     if (!isLimit(axis.speed_limit)) {
-      refuse(of, "speed_limit", axis.speed_limit, "limits nothing", "must be a number > 0");
+      refuse(of, "speed_limit", axis.speed_limit, "is not a valid limit", "must be a number > 0");
     }
     const double least_slew = leastSlew(axis);
     if (!isLimit(axis.effort_slew_limit) || axis.effort_slew_limit < least_slew) {
       refuse(of, "effort_slew_limit", axis.effort_slew_limit,
-             "is too low to reach neutral within 100 ms, or no number",
+             "is not a number, or too low to reach neutral within 100 ms",
              fmt::format("must be at least {:.6g}", least_slew));
     }
     if (!(std::isfinite(axis.lower) && std::isfinite(axis.upper) && axis.lower < axis.upper)) {
-      refuse(of, "range", axis.lower, "is no range", "the lower end must be below the upper one");
+      refuse(of, "range", axis.lower, "is not a valid range",
+             "the lower end must be below the upper one");
     }
     if (!(std::isfinite(axis.workspace_margin) && axis.workspace_margin >= 0.0)) {
-      refuse(of, "workspace_margin", axis.workspace_margin, "is no margin", "must be >= 0");
+      refuse(of, "workspace_margin", axis.workspace_margin, "is not a valid margin",
+             "must be >= 0");
     }
     if (!(std::abs(axis.neutral_effort) <= axis.effort_limit)) {
       refuse(of, "neutral_effort", axis.neutral_effort, "exceeds the effort limit",
@@ -82,7 +84,7 @@ Diagnostics refuseImpossibleLimits(const DeviceModel& device) {
     }
   }
   if (!(device.power_limit_w > 0.0)) {  // infinity: no limit
-    refuse("", "power_limit_w", device.power_limit_w, "limits nothing", "must be > 0");
+    refuse("", "power_limit_w", device.power_limit_w, "is not a valid limit", "must be > 0");
   }
   return refused;
 }

@@ -155,8 +155,8 @@ RunOutcome Run::outcome() const {
 }
 
 std::string lossNotice(double time_s, const std::string& record) {
-  return fmt::format("the disk takes no more: from {:.1f} s on ticks are missing in {}", time_s,
-                     record);
+  return fmt::format("the disk accepts no more data: from {:.1f} s on ticks are missing in {}",
+                     time_s, record);
 }
 
 Expected<RunOutcome> runAndRecord(Rig& rig, RunPlan plan) {

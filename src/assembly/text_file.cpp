@@ -1,5 +1,7 @@
 #include "assembly/text_file.hpp"
 
+#include "core/printable.hpp"
+
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -26,12 +28,12 @@ Expected<Done> checkWritable(const std::string& path) {
   if (fs::is_directory(there)) return unwritable(path, "it is a folder");
   // The file is replaced by a new one, which must not happen to /dev/null or /dev/stdout.
   if (fs::exists(there) && !fs::is_regular_file(there)) {
-    return unwritable(path, "what is there is no ordinary file");
+    return unwritable(path, "it is not a regular file");
   }
   fs::path folder = fs::absolute(path).parent_path();
   while (!fs::exists(folder, error) && folder != folder.root_path()) folder = folder.parent_path();
   if (!fs::is_directory(folder, error)) {
-    return unwritable(path, folder.string() + " is no folder");
+    return unwritable(path, printable(folder.string()) + " is not a folder");
   }
   if (access(folder.c_str(), W_OK | X_OK) != 0) return unwritable(path, std::strerror(errno));
   return Done{};
@@ -77,7 +79,7 @@ Expected<Done> checkFiles(const std::vector<std::string>& paths,
     };
     const auto begin = paths.begin(), own = begin + static_cast<std::ptrdiff_t>(i);
     if (std::any_of(begin, own, is_this)) {
-      return Diagnostic{path, 0, "", "", "is to hold two things", "give each a file of its own"};
+      return Diagnostic{path, 0, "", "", "is named for two outputs", "give each a file of its own"};
     }
     if (std::any_of(inputs.begin(), inputs.end(), is_this)) {
       return Diagnostic{

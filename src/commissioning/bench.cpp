@@ -50,7 +50,7 @@ Expected<Bench> Bench::make(DeviceDriver& driver, const DeviceModel& model, Oper
       out.push_back(bench.no(axis.name, driver.where() + " has no such axis",
                              "name the axes as the driver does"));
     }
-    bench.place_.push_back(static_cast<std::size_t>(found - driver.axes().begin()));
+    bench.place_.push_back(found - driver.axes().begin());
     if (std::abs(axis.neutral_effort) > kCommissioningShare * axis.effort_limit) {
       out.push_back(bench.no(axis.name,
                              "its neutral effort is more than a fifth of its effort limit",

@@ -2,6 +2,7 @@
 
 #include "commissioning/sealed_file.hpp"
 #include "commissioning/sha256.hpp"
+#include "core/printable.hpp"
 #include "model/toml/toml_file.hpp"
 
 #include <fmt/format.h>
@@ -134,10 +135,10 @@ Expected<Done> checkPassport(const Passport& p, const DriverIdentity& identity,
   const Expected<std::string> file = readWhole(model.path);
   if (!file) return file.errors();
   if (sha256(*file) != p.device_sha256) {
-    out.push_back(
-        {p.path, 0, "device_sha256", "",
-         fmt::format("the device file {} was changed since the passport was written", model.path),
-         kRemedy});
+    out.push_back({p.path, 0, "device_sha256", "",
+                   fmt::format("the device file {} was changed since the passport was written",
+                               printable(model.path)),
+                   kRemedy});
   } else if (!sameAxes(p, model)) {
     out.push_back({p.path, 0, "axes", "", "are not those of the device file", kRemedy});
   }

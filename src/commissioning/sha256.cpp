@@ -13,11 +13,11 @@ std::string sha256(std::string_view bytes) {
   if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), &length, EVP_sha256(), nullptr) != 1) {
     throw std::runtime_error("OpenSSL offers no SHA-256");
   }
-  constexpr std::string_view kDigits = "0123456789abcdef";
+  constexpr std::string_view kHexadecimal = "0123456789abcdef";
   std::string out;
   for (std::size_t i = 0; i < length; ++i) {
-    out += kDigits[digest.at(i) >> 4U];
-    out += kDigits[digest.at(i) & 15U];
+    out += kHexadecimal[digest.at(i) >> 4U];
+    out += kHexadecimal[digest.at(i) & 15U];
   }
   return out;
 }

@@ -57,10 +57,10 @@ Expected<Done> Commissioning::pushAway(std::size_t i) {
   for (std::size_t j = 0; j < axes(); ++j) {
     moved.push_back((last[j] - first[j]) / (axis(j).upper - axis(j).lower));
   }
-  const auto most = static_cast<std::size_t>(
+  const std::size_t most =
       std::max_element(moved.begin(), moved.end(),
                        [](double a, double b) { return std::abs(a) < std::abs(b); }) -
-      moved.begin());
+      moved.begin();
   if (std::abs(moved[most]) < kByHand) {
     return no(i, "its position did not change while it was pushed",
               "push it further, or look at its encoder");
@@ -129,7 +129,7 @@ Expected<Done> Commissioning::signs() {
 
 Expected<Done> Commissioning::moveBetweenStops(std::size_t i) {
   const DeviceAxis& a = axis(i);
-  double least = HUGE_VAL, most = -HUGE_VAL, last = NAN, jump = 0.0;
+  double least = HUGE_VAL, most = -HUGE_VAL, last = std::nan(""), jump = 0.0;
   const auto stated = askNumber(
       {Question::About::kTravel,
        fmt::format("Move axis {} slowly to its one stop, then to the other; measure how far that "

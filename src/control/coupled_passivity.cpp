@@ -1,6 +1,7 @@
 #include "control/coupled_passivity.hpp"
 
 #include "control/coupling_gains.hpp"
+#include "control/divided_passivity.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -22,6 +23,7 @@ constexpr double kLowest_rad = 2e-5;
 constexpr double kEven_rad = 0.06;  // spacing: logarithmic below, even above
 /// Frequencies of the coarse sweep in every posture, and of the fine one in the worst posture.
 constexpr int kCoarse = 32, kFine = 400;
+constexpr int kPeakSteps = 20;  // leave 3e-4 of two spacings
 constexpr double kGolden = 0.6180339887498949;
 
 /// One axis at one frequency.
@@ -164,6 +166,9 @@ double angleAt(int i, int count) {
 /// @param worst share so far; points that need less are not refined
 RequiredShare needAt(const CoupledCase& c, std::size_t posture, double angle_rad, double worst) {
   const double frequency_hz = angle_rad / (2.0 * std::numbers::pi * c.period_s);
+  if (c.physics_divisor > 1) {
+    return {dividedShare(c, c.inertias[posture], angle_rad, worst), frequency_hz, 1.0, posture};
+  }
   const Point at = look(c, c.inertias[posture], angle_rad);
   if (!at.drives) return {kInfinite, frequency_hz, 1.0, posture};
   double lambda = bestLambda(at, shareOfAxes, 20);
@@ -181,6 +186,7 @@ CoupledCase coupledCase(const CertificateInput& input) {
   CoupledCase c;
   c.delay_ticks = input.device.output_delay_ticks;
   c.period_s = input.period_s;
+  c.physics_divisor = input.rendering.physics_divisor;
   AxisInertia armature(input.device.axisCount());
   for (int i = 0; i < input.device.axisCount(); ++i) {
     c.axes.push_back(axisCase(input, i));
@@ -193,14 +199,37 @@ CoupledCase coupledCase(const CertificateInput& input) {
 
 RequiredShare requiredShare(const CoupledCase& c) {
   RequiredShare worst{-kInfinite, 0.0, 1.0, 0};
+  double low_rad = 0.0, high_rad = 0.0;  // around the worst point
+  const auto look_at = [&](std::size_t posture, double angle_rad) {
+    const RequiredShare found = needAt(c, posture, angle_rad, worst.share);
+    const bool worse = found.share > worst.share;
+    if (worse) worst = found;
+    return worse;
+  };
   const auto sweep = [&](std::size_t posture, int count) {
+    const auto angle = [&](int i) {
+      return angleAt(std::clamp(i, 0, count), count) / c.physics_divisor;
+    };
     for (int i = 0; i <= count && worst.share < kInfinite; ++i) {
-      const RequiredShare found = needAt(c, posture, angleAt(i, count), worst.share);
-      if (found.share > worst.share) worst = found;
+      if (!look_at(posture, angle(i))) continue;
+      low_rad = angle(i - 1);
+      high_rad = angle(i + 1);
     }
   };
   for (std::size_t p = 0; p < c.inertias.size(); ++p) sweep(p, kCoarse);
   sweep(worst.posture, kFine);
+  if (!(worst.share < kInfinite)) return worst;
+  // The maximum may lie between the sweep points.
+  const std::size_t posture = worst.posture;
+  const auto share = [&](double angle_rad) {
+    return needAt(c, posture, angle_rad, -kInfinite).share;
+  };
+  for (int i = 0; i < kPeakSteps; ++i) {
+    const double third_rad = (high_rad - low_rad) / 3.0;
+    const bool rises = share(low_rad + third_rad) < share(high_rad - third_rad);
+    (rises ? low_rad : high_rad) += rises ? third_rad : -third_rad;
+  }
+  look_at(posture, 0.5 * (low_rad + high_rad));
   return worst;
 }
 

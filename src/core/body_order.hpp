@@ -94,6 +94,7 @@ struct SpawnOrder {
   double friction = 0.8;  ///< Coulomb coefficient against the hand
   BodyPose pose;
   Vec3 velocity_m_s;            ///< when it becomes solid; owner kLoop only
+  Vec3 spin_rad_s;              ///< the same; to 1/256 rad/s, below 256 rad/s about each axis
   bool refuse_overlap = false;  ///< refused instead of a ghost where it overlaps something
 };
 

@@ -2,25 +2,14 @@
 
 #include "core/printable.hpp"
 
-#include <algorithm>
-#include <string_view>
+#include <cstddef>
 
 namespace wholehand {
 
 namespace {
 
-// Our own sentences may have several lines. Text quoted from input may not.
-std::string lines(const std::string& text) {
-  constexpr std::size_t kLongest = 4000;
-  std::string out;
-  for (std::size_t from = 0; from <= text.size();) {
-    const std::size_t end = std::min(text.find('\n', from), text.size());
-    if (from > 0) out += '\n';
-    out += printable(std::string_view(text).substr(from, end - from), kLongest);
-    from = end + 1;
-  }
-  return out;
-}
+// Problems and remedies quote names from files: each stays on one line.
+constexpr std::size_t kLongestSentence = 4000;
 
 }  // namespace
 
@@ -33,8 +22,8 @@ std::string format(const Diagnostic& d) {
     if (!d.value.empty()) out += " = " + printable(d.value);
   }
   if (!out.empty()) out += ": ";
-  out += lines(d.problem);
-  if (!d.remedy.empty()) out += "; " + lines(d.remedy);
+  out += printable(d.problem, kLongestSentence);
+  if (!d.remedy.empty()) out += "; " + printable(d.remedy, kLongestSentence);
   return out;
 }
 

@@ -38,7 +38,7 @@ void copyUsed(const TickRecord& from, TickRecord& to) noexcept {
                 reinterpret_cast<const std::byte*>(&from) + begin, end - begin);
   };
   const auto items = [](std::int32_t count, int most, std::size_t item_bytes) noexcept {
-    return static_cast<std::size_t>(std::clamp(count, 0, most)) * item_bytes;
+    return std::clamp(count, 0, most) * item_bytes;
   };
   constexpr std::size_t kBodies = offsetof(TickRecord, bodies);
   constexpr std::size_t kContacts = offsetof(TickRecord, contacts);

@@ -1,5 +1,6 @@
 #include "exercise/finger_wall_file.hpp"
 
+#include "core/printable.hpp"
 #include "model/axis_keys.hpp"
 
 #include <cstddef>
@@ -20,21 +21,23 @@ void readWallAxis(NamedAxis& named, const DeviceModel& device, FingerWallConfig&
   if (i < 0) {
     const std::optional<AxisKind> kind = knownAxisKind(named.name);
     if (kind) {  // known, but not an axis of this device; its keys are checked too
-      named.table.fail("name", "the device " + device.path + " has no such axis",
-                       "take a device that has it; without an exercise any plays a motion: "
+      named.table.fail("name", "the device " + printable(device.path) + " has no such axis",
+                       "take a device that has it; every device plays a motion: "
                        "--scene F --motion F");
       (void)readAxisQuantity(named.table, kStiffness, *kind, 1.0);
       (void)readAxisQuantity(named.table, kDamping, *kind, 1.0);
     } else {
-      named.table.fail("name", "is no axis of the device " + device.path + " nor any known one",
-                       "remove it, or write the name of a hand axis");
+      named.table.fail(
+          "name",
+          "is neither an axis of the device " + printable(device.path) + " nor a standard axis",
+          "remove it, or write the name of a hand axis");
       named.table.ignoreUnknownKeys();
     }
     return;
   }
   const DeviceAxis& axis = device.axes[i];
   if (axis.group != AxisGroup::kHand) {
-    named.table.fail("name", "carries the hand and closes on to nothing",
+    named.table.fail("name", "carries the hand and does not close it",
                      "write the name of an axis that moves the hand's joints");
     named.table.ignoreUnknownKeys();
     return;
@@ -52,7 +55,7 @@ FingerWallFile readFingerWalls(TomlTable& wall, const DeviceModel& device) {
   t.engage_m = wall.number("engage_m", above(0.0, 1.0, "m"));
   t.release_m = wall.number("release_m", above(0.0, 1.0, "m"));
   if (wall.isGood("engage_m") && wall.isGood("release_m") && t.release_m < t.engage_m) {
-    wall.fail("release_m", "is nearer than engage_m", "must be at least engage_m");
+    wall.fail("release_m", "is less than engage_m", "must be at least engage_m");
   }
   // Over 0.3 s the largest effort of a wall, 10 N at the tip, changes by 0.05 N a tick.
   t.engage_s = wall.number("engage_s", between(0.3, 10.0, "s"), t.engage_s);

@@ -1,5 +1,6 @@
 #include "exercise/load_exercise.hpp"
 
+#include "core/printable.hpp"
 #include "exercise_kinds.hpp"
 
 #include <algorithm>
@@ -21,7 +22,7 @@ std::string readScene(TomlTable& root, const std::string& exercise_path) {
   const fs::path path = (fs::path(exercise_path).parent_path() / named).lexically_normal();
   std::error_code error;
   if (fs::exists(path, error) && !fs::is_directory(path, error)) return path.string();
-  root.fail("scene", "there is no file " + path.string(),
+  root.fail("scene", "there is no file " + printable(path.string()),
             "write the path of a scene file, relative to the folder of this file");
   return {};
 }

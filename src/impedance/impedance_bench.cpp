@@ -107,7 +107,7 @@ std::unique_ptr<PhysicsWorld> contactWorld(const ImpedanceBench& bench, int axis
                                            ContactCase contact, double stiffness) {
   AnalyticScene scene;
   scene.gravity_m_s2 = bench.rig->renderer->config().gravity_m_s2;
-  scene.axes.resize(static_cast<std::size_t>(bench.rest.size()));
+  scene.axes.resize(bench.rest.size());
   AnalyticAxis& met = scene.axes[axis];
   const double period_s = bench.grid.period_s;
   if (contact == ContactCase::kRigid) {

@@ -41,7 +41,7 @@ LineTransform::LineTransform(const LineGrid& grid) : grid_(&grid), sum_(grid.lin
 void LineTransform::add(double sample) {
   const std::int64_t at = added_++ % grid_->window;
   for (std::size_t i = 0; i < sum_.size(); ++i) {
-    const auto angle = static_cast<std::size_t>(at * grid_->lines[i] % grid_->window);
+    const std::int64_t angle = at * grid_->lines[i] % grid_->window;
     sum_[i] += sample * turn_[angle];
   }
 }
@@ -52,7 +52,7 @@ std::complex<double> LineTransform::phasor(std::size_t line) const {
 
 MultisinePlayer::MultisinePlayer(AxisPosition rest, int axis, const LineGrid& grid,
                                  const std::vector<double>& amplitude, double stiffness)
-    : rest_(rest), axis_(axis), aim_(static_cast<std::size_t>(grid.window)) {
+    : rest_(rest), axis_(axis), aim_(grid.window) {
   const auto count = static_cast<double>(grid.lines.size());
   for (std::size_t i = 0; i < grid.lines.size(); ++i) {
     // Schroeder phases keep the peaks of the sum low.

@@ -107,7 +107,7 @@ std::vector<NamedAxis> readAxisNames(TomlTable& root) {
 bool checkNewName(TomlTable& table, const std::string& name,
                   const std::vector<std::string>& earlier) {
   if (std::find(earlier.begin(), earlier.end(), name) == earlier.end()) return true;
-  table.fail("name", "stands twice", "name every entry once");
+  table.fail("name", "is given twice", "give every entry a name of its own");
   return false;
 }
 

@@ -4,9 +4,11 @@
 #include "model/toml/toml_file.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace wholehand {
 namespace {
@@ -34,6 +36,31 @@ constexpr WatchLimits kWatch{5, 0.02, 1.0};
 // device could not follow the ramp to neutral.
 constexpr double kLeastSlewOfLimit_per_s = 40.0;
 
+/// Every quantity of an axis that has keys of its own for each kind.
+constexpr std::array<AxisQuantity, 11> kOfOneKind{{{"range_m", "range_rad"},
+                                                   {"", "lever_arm_m"},
+                                                   kEffortLimit,
+                                                   kEffortSlew,
+                                                   kWorkspaceMargin,
+                                                   kSpeedLimit,
+                                                   kMass,
+                                                   kDamping,
+                                                   kEncoderStep,
+                                                   kCoulomb,
+                                                   kNeutral}};
+
+/// Kind of an axis whose `type` is unusable, by the keys that it has; empty where they are as many
+/// of the one as of the other.
+std::optional<AxisKind> kindOfKeys(const TomlTable& table) {
+  int translations = 0, rotations = 0;
+  for (const AxisQuantity& quantity : kOfOneKind) {
+    if (table.has(quantity.translation_key)) ++translations;
+    if (table.has(quantity.rotation_key) || table.has(quantity.tip_key)) ++rotations;
+  }
+  if (translations == rotations) return std::nullopt;
+  return rotations > translations ? AxisKind::kRotation : AxisKind::kTranslation;
+}
+
 bool isAxisName(const std::string& name) {
   return !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
     return std::islower(c) != 0 || std::isdigit(c) != 0 || c == '_';
@@ -49,9 +76,9 @@ void checkBaseAxis(TomlTable& table, const DeviceAxis& axis) {
   };
   const bool turns = axis.kind == AxisKind::kRotation;
   if (in(translations) && turns) {
-    table.fail("type", "does not go with this name", "write type = \"translation\"");
+    table.fail("type", "does not match this name", "write type = \"translation\"");
   } else if (in(rotations) && !turns) {
-    table.fail("type", "does not go with this name", "write type = \"rotation\"");
+    table.fail("type", "does not match this name", "write type = \"rotation\"");
   } else if (!in(translations) && !in(rotations)) {
     table.fail("name", "is not an axis that carries the hand",
                "must be x, y, z, roll, pitch or yaw, or write group = \"hand\"");
@@ -62,10 +89,11 @@ void readName(TomlTable& table, DeviceAxis& axis, const std::vector<std::string>
   axis.name = table.text("name");
   if (!table.isGood("name")) return;
   if (!isAxisName(axis.name)) {
-    table.fail("name", "is not a name", "use small letters, digits and underscores");
+    table.fail("name", "is not a name", "use lower-case letters, digits and underscores");
     return;
   }
-  if (checkNewName(table, axis.name, earlier) && axis.group == AxisGroup::kBase) {
+  const bool judged = table.isGood("type") && axis.group == AxisGroup::kBase;
+  if (checkNewName(table, axis.name, earlier) && judged) {
     checkBaseAxis(table, axis);
   }
 }
@@ -85,19 +113,8 @@ void checkSlew(TomlTable& table, const DeviceAxis& axis) {
                  " times the effort limit, per second");
 }
 
-DeviceAxis readAxis(TomlTable& table, const std::vector<std::string>& earlier) {
-  DeviceAxis axis;
-  axis.kind = table.choice("type", {"translation", "rotation"}) == "rotation"
-                  ? AxisKind::kRotation
-                  : AxisKind::kTranslation;
-  axis.group =
-      table.choice("group", {"base", "hand"}) == "hand" ? AxisGroup::kHand : AxisGroup::kBase;
-  const bool typed = table.isGood("type");
-  readName(table, axis, earlier);
-  if (!typed) {  // no key has a known unit: further messages would mislead
-    table.ignoreUnknownKeys();
-    return axis;
-  }
+/// Reads all but type, group and name.
+void readQuantities(TomlTable& table, DeviceAxis& axis) {
   const bool turns = axis.kind == AxisKind::kRotation;
   const std::array<double, 2> range =
       turns ? table.interval("range_rad",
@@ -123,6 +140,25 @@ DeviceAxis readAxis(TomlTable& table, const std::vector<std::string>& earlier) {
     table.fail("", "the neutral effort exceeds the effort limit",
                "the device could not carry its own weight: raise the limit or lower the neutral");
   }
+}
+
+DeviceAxis readAxis(TomlTable& table, const std::vector<std::string>& earlier) {
+  DeviceAxis axis;
+  axis.kind = table.choice("type", {"translation", "rotation"}) == "rotation"
+                  ? AxisKind::kRotation
+                  : AxisKind::kTranslation;
+  axis.group =
+      table.choice("group", {"base", "hand"}) == "hand" ? AxisGroup::kHand : AxisGroup::kBase;
+  readName(table, axis, earlier);
+  if (!table.isGood("type")) {
+    const std::optional<AxisKind> kind = kindOfKeys(table);
+    if (!kind) {  // no key has a known unit: further messages would mislead
+      table.ignoreUnknownKeys();
+      return axis;
+    }
+    axis.kind = *kind;
+  }
+  readQuantities(table, axis);
   return axis;
 }
 

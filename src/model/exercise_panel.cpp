@@ -35,7 +35,7 @@ PanelValue readValue(TomlTable& table) {
       out.goal_lower = goal[0];
       out.goal_upper = goal[1];
     } else if (table.isGood("goal")) {
-      table.fail("goal", "is no band",
+      table.fail("goal", "is not a pair of values",
                  "write the names of two values: [\"goal_low_n\", \"goal_high_n\"]");
     }
   }
@@ -46,7 +46,7 @@ PanelValue readValue(TomlTable& table) {
 std::string listed(const std::vector<std::string>& names) {
   std::string out;
   for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
-  return out.empty() ? "the exercise has none" : "must be one of: " + out;
+  return out.empty() ? "remove it: the exercise has none" : "must be one of: " + out;
 }
 
 }  // namespace
@@ -74,23 +74,23 @@ void checkExercisePanel(TomlTable& panel, const ExercisePanel& told,
   for (std::size_t i = 0; i < tables.size(); ++i) {
     const PanelValue& value = told.values[i];
     if (!has(value_names, value.name)) {
-      tables[i].fail("name", "is no value of this exercise", listed(value_names));
+      tables[i].fail("name", "is not a value of this exercise", listed(value_names));
     }
     for (const std::string& goal : {value.goal_lower, value.goal_upper}) {
       if (!goal.empty() && !has(value_names, goal)) {
-        tables[i].fail("goal", "names " + goal + ", which is no value of this exercise",
+        tables[i].fail("goal", "names " + goal + ", which is not a value of this exercise",
                        listed(value_names));
       }
     }
   }
   if (!told.instructions.empty() && !has(value_names, kInstructionValue)) {
     panel.fail("instructions", "are never shown: the exercise has no value \"instruction\"",
-               "remove them, or let the exercise say which one holds");
+               "remove them, or choose an exercise with that value");
   }
   if (std::optional<TomlTable> events = panel.optionalTable("events")) {
     for (const PanelEvent& event : told.events) {
       if (!has(event_names, event.name)) {
-        events->fail(event.name, "is no event of this exercise", listed(event_names));
+        events->fail(event.name, "is not an event of this exercise", listed(event_names));
       }
     }
   }

@@ -1,5 +1,6 @@
 #include "model/rendering_config.hpp"
 
+#include "core/printable.hpp"
 #include "model/axis_keys.hpp"
 #include "model/toml/toml_file.hpp"
 
@@ -80,7 +81,7 @@ void refuseAxis(NamedAxis& axis, const DeviceModel& device, bool only_one,
   std::string meant = nearestWord(axis.name, without_gains);
   if (meant.empty() && only_one && without_gains.size() == 1) meant = without_gains.front();
   std::erase(without_gains, meant);
-  axis.table.fail("name", "is not an axis of the device " + device.path,
+  axis.table.fail("name", "is not an axis of the device " + printable(device.path),
                   meant.empty() ? "remove it" : "did you mean " + meant + "?");
   axis.table.ignoreUnknownKeys();
 }
@@ -105,10 +106,11 @@ void readAxes(TomlTable& root, const DeviceModel& device, const Common& common,
   }
   // An unreadable [[axes]] was reported already.
   if (root.isGood("axes") && !without_gains.empty()) {
-    root.fail("axes",
-              "have no gains for " + listed(without_gains) + " of the device " + device.path,
-              "add an [[axes]] with name = \"" + without_gains.front() + "\"" +
-                  (without_gains.size() > 1 ? ", and one for each other" : ""));
+    root.fail(
+        "axes",
+        "have no gains for " + listed(without_gains) + " of the device " + printable(device.path),
+        "add an [[axes]] with name = \"" + without_gains.front() + "\"" +
+            (without_gains.size() > 1 ? ", and one for each other" : ""));
   }
 }
 
@@ -122,6 +124,8 @@ Expected<RenderingConfig> loadRenderingFile(const std::string& path, const Devic
   config.path = path;
   config.name = root.text("name");
   config.paper = root.flag("paper", false);
+  config.physics_divisor =
+      static_cast<int>(root.integer("physics_divisor", 1, kMostPhysicsDivisor, 1));
   Common common;
   common.gamma = root.number("gamma", kGamma, common.gamma);
   common.velocity_filter_hz = root.number("velocity_filter_hz", kFilter, common.velocity_filter_hz);

@@ -15,7 +15,7 @@ class DelayLine {
  public:
   /// Rounds the delay to whole periods. Not real-time safe.
   DelayLine(double delay_s, double period_s)
-      : values_(static_cast<std::size_t>(std::max(std::lround(delay_s / period_s), 0L)) + 1) {}
+      : values_(std::max(std::lround(delay_s / period_s), 0L) + 1) {}
 
   /// Fills the history with a value. Real-time safe.
   WHOLEHAND_RT void fill(const Value& value) noexcept {

@@ -51,7 +51,7 @@ void Intention::evaluate(double time_s, AxisPosition& q, AxisVelocity& qd) const
   }
   const auto next = std::upper_bound(knots_.begin(), knots_.end(), time_s,
                                      [](double t, const Waypoint& w) { return t < w.time_s; });
-  const auto i = static_cast<std::size_t>(next - knots_.begin());
+  const auto i = next - knots_.begin();
   const Waypoint& a = knots_[i - 1];
   const Waypoint& b = knots_[i];
   const double span_s = b.time_s - a.time_s;

@@ -135,7 +135,7 @@ bool Reader::header(std::string_view line) {
   if (time == header_.end()) {
     fault("time_s", "", "is missing", "add a column time_s with the time of each row in seconds");
   }
-  time_place_ = static_cast<std::size_t>(time - header_.begin());
+  time_place_ = time - header_.begin();
   if (faults_.empty() && motion_.columns.empty()) {
     fault("", "", "has no axis column", "add a column such as x_m or finger_flexion_rad");
   }

@@ -56,7 +56,7 @@ std::vector<double> playedInstants(double first_s, double last_s) {
   };
   const int steps = std::max(2, static_cast<int>(std::ceil(played_s / kGrid_s)));
   std::vector<double> instants;
-  instants.reserve(static_cast<std::size_t>(steps) + 1);
+  instants.reserve(steps + 1);
   for (int i = 0; i <= steps; ++i) {
     const double t_s = played_s * i / steps;
     // Easing out mirrors easing in.
@@ -143,7 +143,7 @@ void Mapper::sample(const AxisPosition& rest) {
     const auto found = std::find(motion_.columns.begin(), motion_.columns.end(), axis.name);
     moves_.push_back(found != motion_.columns.end());
     if (moves_.back()) {
-      const auto column = static_cast<std::size_t>(found - motion_.columns.begin());
+      const auto column = found - motion_.columns.begin();
       tracks_.push_back(smoothed(resampled(motion_, column, at_s)));
     } else {
       const int k = static_cast<int>(i);

@@ -101,7 +101,7 @@ Eigen::Vector3d ClosingChain::Placed::rate(const ClosingChain& chain,
 }
 
 std::vector<std::vector<ClosingChain>> ClosingChain::ofAxes(const HandModel& hand) {
-  std::vector<std::vector<ClosingChain>> chains(static_cast<std::size_t>(hand.axis_count));
+  std::vector<std::vector<ClosingChain>> chains(hand.axis_count);
   for (int axis = 0; axis < hand.axis_count; ++axis) {
     const bool has_travel = axis < hand.axis_lower.size();
     if (!has_travel || !movedLinks(hand, hand.palm_link, axis).empty()) continue;

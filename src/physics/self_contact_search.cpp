@@ -20,9 +20,7 @@ PlacedSegment placed(const Pose* links, const Capsule& capsule) {
 }  // namespace
 
 SelfContactSearch::SelfContactSearch(const HandModel& hand)
-    : fastest_(static_cast<std::size_t>(hand.axis_count)),
-      near_(hand.self_contacts.size()),
-      q_s_(hand.axis_count) {
+    : fastest_(hand.axis_count), near_(hand.self_contacts.size()), q_s_(hand.axis_count) {
   for (const SelfPair& pair : hand.self_contacts) {
     pairs_.push_back({&hand.capsules[pair.capsule_a], &hand.capsules[pair.capsule_b]});
   }

@@ -46,7 +46,7 @@ bool takeOutput(int from, std::string& output) {
   if (::poll(&ready, 1, static_cast<int>(kLook.count())) <= 0) return true;
   std::array<char, 65536> bytes;  // NOLINT: read() fills it
   const ssize_t n = ::read(from, bytes.data(), bytes.size());
-  if (n > 0) output.append(bytes.data(), static_cast<std::size_t>(n));
+  if (n > 0) output.append(bytes.data(), n);
   return n > 0 || (n < 0 && errno == EINTR);
 }
 

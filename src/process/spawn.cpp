@@ -1,6 +1,6 @@
 #include "process/spawn.hpp"
 
-#include "realtime/sanitized.hpp"
+#include "core/sanitized.hpp"
 
 #include <cerrno>
 #include <chrono>

@@ -51,7 +51,7 @@ bool TalkingChild::send(std::string_view text) {
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) hung_up_ = true;
     if (n <= 0) return false;
-    text.remove_prefix(static_cast<std::size_t>(n));
+    text.remove_prefix(n);
   }
   return true;
 }
@@ -65,7 +65,7 @@ std::string TalkingChild::receive(std::size_t bytes, Clock::time_point until,
     const std::size_t at = said.size();
     said.resize(at + std::min(bytes - at, kPiece_bytes));
     const ssize_t n = ::recv(socket_, said.data() + at, said.size() - at, 0);
-    said.resize(at + static_cast<std::size_t>(std::max<ssize_t>(n, 0)));
+    said.resize(at + std::max<ssize_t>(n, 0));
     hung_up_ = n == 0 || (n < 0 && errno != EINTR);
     if (hung_up_) break;
   }

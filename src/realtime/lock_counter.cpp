@@ -2,7 +2,7 @@
 // programs that measure and for tests; the library itself does not link it.
 #include "realtime/lock_counter.hpp"
 
-#include "realtime/sanitized.hpp"
+#include "core/sanitized.hpp"
 
 #include <atomic>
 #include <cstdlib>

@@ -72,7 +72,7 @@ class SpscQueue {
     // head first: the other order could see a head beyond the tail.
     const std::uint64_t head = head_.load(std::memory_order_acquire);
     const std::uint64_t tail = tail_.load(std::memory_order_acquire);
-    return static_cast<std::size_t>(tail - head);
+    return tail - head;
   }
   [[nodiscard]] std::size_t capacity() const noexcept { return slots_.size(); }
 

@@ -2,7 +2,7 @@
 // calls becomes a signal, whose handler counts the call, makes it and returns the result.
 #include "realtime/system_call_counter.hpp"
 
-#include "realtime/sanitized.hpp"
+#include "core/sanitized.hpp"
 
 #include <array>
 #include <atomic>
@@ -40,7 +40,7 @@ void onSystemCall(int /*signal*/, siginfo_t* info, void* context) noexcept {
   selector = SYSCALL_DISPATCH_FILTER_ALLOW;
   const int number = info->si_syscall;
   ++total;
-  ++counts[static_cast<std::size_t>(number) % kNumbers];
+  ++counts[number % kNumbers];
   const int errno_before = errno;
   auto& registers = static_cast<ucontext_t*>(context)->uc_mcontext.gregs;
   const long result = syscall(number, registers[REG_RDI], registers[REG_RSI], registers[REG_RDX],
@@ -101,7 +101,7 @@ std::uint64_t threadSystemCalls() noexcept {
   return total;
 }
 std::uint64_t threadSystemCalls(int number) noexcept {
-  return number < 0 ? 0 : counts[static_cast<std::size_t>(number) % kNumbers];
+  return number < 0 ? 0 : counts[number % kNumbers];
 }
 
 }  // namespace wholehand

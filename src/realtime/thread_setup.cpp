@@ -100,7 +100,7 @@ int lastCore(int cores_before_last) {
   }
   if (cores.empty()) return -1;
   std::sort(cores.begin(), cores.end());
-  const auto before = static_cast<std::size_t>(std::max(cores_before_last, 0));
+  const std::size_t before = std::max(cores_before_last, 0);
   return before < cores.size() ? cores[cores.size() - 1 - before] : cores.front();
 }
 

@@ -79,6 +79,8 @@ Expected<Done> HapticRenderer::arm(const std::optional<RehearsalPassed>& rehears
     return refused({armingProblem("a stop was asked for while the device was being armed", "")});
   }
   armed_position_ = reading_.q_m;
+  ticks_to_step_ = 0;
+  hand_moved_ = true;
   const int axes = config_.gains.axes;
   velocity_ = VelocityState{};
   damping_ = AdaptiveDampingState{AxisRatio(axes), AxisRatio(axes)};

@@ -130,12 +130,18 @@ void HapticRenderer::observeWorld(TickRecord& record) noexcept {
 }
 
 void HapticRenderer::updateDynamics(TickRecord& record) noexcept {
+  if (hand_moved_) {  // else it is held between two steps
+    hand_moved_ = false;
+    definite_ = refreshDynamics();
+  }
+  if (!definite_) record.faults |= Fault::kSingularInertia;
+}
+
+bool HapticRenderer::refreshDynamics() noexcept {
   const Eigen::Vector3d& gravity_m_s2 = config_.gravity_m_s2;
-  const bool definite =
-      state_.kinematics != nullptr
-          ? dynamics_.updateFrom(*state_.kinematics, state_.theta_dot, gravity_m_s2)
-          : dynamics_.update(state_.theta, state_.theta_dot, gravity_m_s2);
-  if (!definite) record.faults |= Fault::kSingularInertia;
+  return state_.kinematics != nullptr
+             ? dynamics_.updateFrom(*state_.kinematics, state_.theta_dot, gravity_m_s2)
+             : dynamics_.update(state_.theta, state_.theta_dot, gravity_m_s2);
 }
 
 void HapticRenderer::probeHand(TickRecord& record) noexcept {
@@ -157,7 +163,8 @@ void HapticRenderer::couple(TickRecord& record) noexcept {
   const int elapsed = static_cast<int>(record.elapsed_periods);
   velocity_ = estimateVelocity(velocity_, record.q_m, gains, elapsed, config_.period_s);
   record.qd_mf = velocity_.filtered;
-  avatar_damping_ = avatarDamping(dynamics_.reducedInertia(), gains.k_pm, config_.period_s);
+  avatar_damping_ = avatarDamping(dynamics_.reducedInertia(), gains.k_pm,
+                                  gains.physics_divisor * config_.period_s);
   record.f_s =
       avatarEffort(record.q_m, record.qd_mf, record.q_s, record.qd_s, avatar_damping_, gains);
   record.coupling =
@@ -218,17 +225,24 @@ void HapticRenderer::stepWorld(TickRecord& record) noexcept {
     world_.placeBodies(record.placements);
     safety_.notePlaced(record.placements);
   }
+  if (ticks_to_step_ > 0) {
+    --ticks_to_step_;
+    return;
+  }
+  ticks_to_step_ = config_.gains.physics_divisor - 1;
+  hand_moved_ = true;
   HandDrive drive;
   drive.effort = record.f_s;
   dynamics_.distribute(record.f_s, drive.torque);
   drive.armature = config_.gains.armature;
   drive.armature_effort = dynamics_.armatureEffort(record.f_s);
   drive.reduced_inertia_inverse = &dynamics_.reducedInertiaInverse();
-  safety_.judgeStep(world_.step(drive, config_.period_s), record);
+  const double step_s = config_.gains.physics_divisor * config_.period_s;
+  safety_.judgeStep(world_.step(drive, step_s), record);
+  world_.contacts(contacts_);
 }
 
 void HapticRenderer::readContacts(TickRecord& record) noexcept {
-  world_.contacts(contacts_);
   showContacts(record);
   if (contacts_.dropped > 0) record.faults |= Fault::kContactsDropped;
 }

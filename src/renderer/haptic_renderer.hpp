@@ -114,6 +114,7 @@ class HapticRenderer {
   void readDevice(TickRecord& record) noexcept;
   void observeWorld(TickRecord& record) noexcept;
   void updateDynamics(TickRecord& record) noexcept;
+  [[nodiscard]] bool refreshDynamics() noexcept;
   void probeHand(TickRecord& record) noexcept;
   void couple(TickRecord& record) noexcept;
   void exercise(TickRecord& record) noexcept;
@@ -147,6 +148,9 @@ class HapticRenderer {
   ContactList contacts_;
   VelocityState velocity_;
   AxisDamping avatar_damping_;  ///< D in the current posture
+  int ticks_to_step_ = 0;       ///< until the next physics step; 0: in this tick
+  bool hand_moved_ = true;      ///< by a step or an arming, since the dynamics were updated
+  bool definite_ = true;        ///< the inertia at that update
   AdaptiveDampingState damping_;
   bool device_open_ = false;
 };

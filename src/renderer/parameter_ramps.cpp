@@ -6,7 +6,7 @@ namespace wholehand {
 
 ParameterRamps::ParameterRamps(const std::vector<LiveParameter>& parameters)
     : count_(std::min(static_cast<int>(parameters.size()), kMaxLiveParameters)) {
-  for (std::size_t i = 0; i < static_cast<std::size_t>(count_); ++i) {
+  for (int i = 0; i < count_; ++i) {
     lower_[i] = parameters[i].lower;
     upper_[i] = parameters[i].upper;
     rate_per_s_[i] = parameters[i].rate_per_s;
@@ -30,7 +30,7 @@ void ParameterRamps::ask(int index, double value) noexcept {
 }
 
 void ParameterRamps::advance(int elapsed_periods, double period_s) noexcept {
-  for (std::size_t i = 0; i < static_cast<std::size_t>(count_); ++i) {
+  for (int i = 0; i < count_; ++i) {
     const double most = rate_per_s_[i] * elapsed_periods * period_s;
     value_[i] += std::clamp(wanted_[i] - value_[i], -most, most);
   }

@@ -28,7 +28,7 @@ Json faultsJson(const TickSummary& summary, const RecordingMeta& meta) {
     if (summary.faults[bit] == 0) continue;
     const auto& counts = summary.fault_axes[bit];
     const auto most = std::max_element(counts.begin(), counts.end());
-    const auto axis = static_cast<std::size_t>(most - counts.begin());
+    const std::size_t axis = most - counts.begin();
     const bool has_axis = *most > 0 && axis < meta.axis_names.size();
     faults.push_back({{"name", kFaultTable[bit].name},
                       {"ticks", summary.faults[bit]},

@@ -4,6 +4,7 @@
 #include "replay/engineering_facts.hpp"
 #include "replay/recorded_scene.hpp"
 #include "replay/replay_about.hpp"
+#include "replay/replayed_bodies.hpp"
 #include "replay/series_collector.hpp"
 #include "replay/therapy_facts.hpp"
 #include "server/wire.hpp"
@@ -33,7 +34,7 @@ constexpr std::uint64_t kChunksAtOnce = 4, kTicksBetweenProgress = 10'000;
 /// Limits that keep a page below 2 MB: states before packing, and afterwards.
 constexpr std::uint64_t kMostStates = 1'500;
 constexpr std::size_t kMostStates_bytes = 1'500'000, kMostPacked_bytes = 500'000;
-constexpr std::size_t kMostSeries_bytes = 360'000;
+constexpr std::size_t kMostSeries_bytes = 360'000, kMostBodies_bytes = 300'000;
 constexpr int kMostColumns = 800, kFewestColumns = 100;
 
 /// Datasets that a report does not need.
@@ -65,6 +66,7 @@ class StateSample {
         last_(size - 1),
         step_(detail == Detail::kAll ? 1 + (size - 1) / kMostStates : size) {}
 
+  [[nodiscard]] const std::vector<std::uint64_t>& rows() const { return rows_; }
   [[nodiscard]] bool wants(std::uint64_t row) const { return row % step_ == 0 || row == last_; }
   /// @pre wants(row)
   void add(std::uint64_t row, const TickRecord& record) {
@@ -141,6 +143,7 @@ class ReportCollector {
       : meta_(viewed.reader->meta()),
         series_(meta_, wholeOf(viewed, detail)),
         states_(std::move(facts), viewed.reader->size(), detail),
+        bodies_(meta_),
         therapy_(meta_),
         engineering_(meta_) {}
 
@@ -150,10 +153,14 @@ class ReportCollector {
     therapy_.add(record, before != nullptr && missingBetween(before->tick, record.tick,
                                                              record.elapsed_periods) == 0);
     engineering_.add(record);
+    bodies_.see(record);
   }
   [[nodiscard]] bool wantsState(std::uint64_t row) const { return states_.wants(row); }
   /// @pre wantsState(row)
-  void addState(std::uint64_t row, const TickRecord& record) { states_.add(row, record); }
+  void addState(std::uint64_t row, const TickRecord& record) {
+    states_.add(row, record);
+    bodies_.keep(row);
+  }
   void skipUnreadable(std::uint64_t tick) {
     series_.skipUnreadable(static_cast<double>(tick) * meta_.period_s);
   }
@@ -163,14 +170,27 @@ class ReportCollector {
                  {"series", packBytes(series_.message(0))},
                  {"therapy", therapy_.json()},
                  {"engineering", engineering_.json()}};
-    if (has_scene) data["states"] = states_.json();
+    if (!has_scene) return data;
+    data["states"] = states_.json();
+    if (meta_.game_slots > 0) data["bodies"] = packedBodies();
     return data;
   }
 
  private:
+  /// At the states that are shown; where that is too much, at fewer.
+  [[nodiscard]] std::string packedBodies() const {
+    std::string packed;
+    for (std::size_t step = 1; step <= states_.rows().size(); step *= 2) {
+      packed = packBytes(bodies_.at(states_.rows(), step));
+      if (packed.size() <= kMostBodies_bytes) return packed;
+    }
+    return packBytes("");
+  }
+
   const RecordingMeta& meta_;
   SeriesCollector series_;
   StateSample states_;
+  SampledBodies bodies_;
   TherapyFacts therapy_;
   EngineeringFacts engineering_;
 };

@@ -78,6 +78,8 @@ Expected<ReplayQuestion> parseReplayQuestion(std::string_view question) {
     q.what = ReplayQuestion::What::kAbout;
   } else if (what == "scene") {
     q.what = ReplayQuestion::What::kScene;
+  } else if (what == "bodies") {
+    q.what = ReplayQuestion::What::kBodies;
   } else if (what == "states") {
     q.what = ReplayQuestion::What::kStates;
     q.states = readStates(numbers);
@@ -90,7 +92,7 @@ Expected<ReplayQuestion> parseReplayQuestion(std::string_view question) {
                       "",
                       printable(what, 40),
                       "is nothing that a recording is asked",
-                      "ask for about, scene, states or series"};
+                      "ask for about, scene, bodies, states or series"};
   }
   if (!numbers.faults().empty()) return numbers.faults();
   return q;
@@ -104,6 +106,8 @@ std::string textOf(const ReplayQuestion& question) {
       return "about";
     case ReplayQuestion::What::kScene:
       return "scene";
+    case ReplayQuestion::What::kBodies:
+      return "bodies";
     case ReplayQuestion::What::kStates:
       return fmt::format("states?tick={}&count={}&step={}", states.first, states.count,
                          states.step);

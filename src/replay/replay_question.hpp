@@ -25,13 +25,13 @@ struct SeriesQuestion {
 
 /// A page's question about a recording: docs/protocol.md.
 struct ReplayQuestion {
-  enum class What { kAbout, kScene, kStates, kSeries };
+  enum class What { kAbout, kScene, kStates, kSeries, kBodies };
   What what = What::kAbout;
   StatesQuestion states;
   SeriesQuestion series;
 };
 
-/// Parses "about", "scene", "states?tick=..&count=..&step=.." or
+/// Parses "about", "scene", "bodies", "states?tick=..&count=..&step=.." or
 /// "series?from_s=..&to_s=..&columns=..". Ignores other keys of the query. An unknown question is
 /// refused with key "", a missing or out-of-range number with its key.
 [[nodiscard]] Expected<ReplayQuestion> parseReplayQuestion(std::string_view question);

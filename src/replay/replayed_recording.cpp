@@ -3,6 +3,7 @@
 #include "replay/recorded_scene.hpp"
 #include "replay/recording_series.hpp"
 #include "replay/replay_about.hpp"
+#include "replay/replayed_bodies.hpp"
 #include "replay/series_channels.hpp"
 #include "telemetry/black_box_reader.hpp"
 #include "telemetry/disk_reserve.hpp"
@@ -49,10 +50,12 @@ const Expected<ViewedRecording>& ReplayedRecording::open(Opened& as, std::uint64
 }
 
 ReplayAnswer ReplayedRecording::answer(const ReplayQuestion& question) {
-  const bool plots = question.what == ReplayQuestion::What::kSeries;
+  const bool bodies = question.what == ReplayQuestion::What::kBodies;
+  const bool plots = bodies || question.what == ReplayQuestion::What::kSeries;
   const auto& viewed =
       plots ? open(plotted_, kChunksOfPlots, leftOutOfSeries()) : open(shown_, 1, {});
   if (!viewed) return replayRefusal(kCannotBeRead, format(viewed.errors()));
+  if (bodies) return {200, kBytes, gameBodiesOf(*viewed->reader)};
   if (plots) return {200, kBytes, seriesMessage(*viewed->reader, question.series)};
   prepareScene(viewed->reader->meta());
   return answerShown(*viewed, question);

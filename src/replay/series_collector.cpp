@@ -48,8 +48,11 @@ SeriesCollector::SeriesCollector(const RecordingMeta& meta, const SeriesQuestion
 
 std::size_t SeriesCollector::columnOf(double time_s) const {
   const double share = (time_s - question_.from_s) / (question_.to_s - question_.from_s);
-  return static_cast<std::size_t>(
-      std::clamp(std::floor(share * question_.columns), 0.0, question_.columns - 1.0));
+  const double column = std::floor(share * question_.columns);
+  // Also of an interval without length, whose share is no number: ticks numbered beyond 2^53 have
+  // the same time.
+  if (!(column > 0.0)) return 0;
+  return static_cast<std::size_t>(std::min(column, question_.columns - 1.0));
 }
 
 bool SeriesCollector::put(Json& list, std::size_t most, Json item) {

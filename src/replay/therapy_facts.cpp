@@ -11,6 +11,7 @@ namespace {
 
 using Json = nlohmann::json;
 
+constexpr double kEmptyBelow_m = -8.0;  ///< where empty slots of a game are; a body is within 5 m
 /// Exercise value that is the grip force [N].
 constexpr const char* kSqueeze = "squeeze_n";
 /// Interval of recorded changes: a limit ramps over many ticks.
@@ -49,6 +50,10 @@ TherapyFacts::TherapyFacts(const RecordingMeta& meta)
   }
 }
 
+bool TherapyFacts::ofGame(std::size_t body) const {
+  return body + static_cast<std::size_t>(meta_.game_slots) >= bodies_.size();
+}
+
 void TherapyFacts::add(const TickRecord& record, bool follows) {
   const bool has_grip = squeeze_value_ >= 0 && squeeze_value_ < record.exercise.value_count;
   const double grip_n = has_grip ? record.exercise.values[squeeze_value_] : 0.0;
@@ -70,7 +75,7 @@ void TherapyFacts::addContacts(const TickRecord& record, bool grips) {
     Grasp& grasp = grasps[contact.body];
     grasp.touching = true;
     grasp.force_n += force_n;
-    const auto capsule = static_cast<std::size_t>(std::max(contact.capsule, 0));
+    const std::size_t capsule = std::max(contact.capsule, 0);
     const int side = capsule < grip_sides_.size() ? grip_sides_[capsule] : kPalm;
     grasp.sides[side] = true;
   }
@@ -82,7 +87,10 @@ void TherapyFacts::addContacts(const TickRecord& record, bool grips) {
   for (std::size_t b = 0; b < bodies_.size() && b < grasps.size(); ++b) {
     const Grasp& g = grasps[b];
     bodies_[b].contact(record.time_s, duration_s, g.touching, g.force_n, g.held() || grips);
-    if (static_cast<int>(b) < record.body_count) {
+    const bool in_record = static_cast<int>(b) < record.body_count;
+    if (ofGame(b) && (!in_record || record.bodies[b].position_m.z < kEmptyBelow_m)) {
+      bodies_[b].leave();
+    } else if (in_record) {
       bodies_[b].position(record.bodies[b].position_m.eigen());
     }
   }
@@ -156,8 +164,12 @@ Json TherapyFacts::json() {
                      {"deviation_n", grip.deviation_n},
                      {"largest_n", grip.largest_n}});
   }
+  std::size_t there = 0;  // a slot of a game counts if it ever held a body
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (!ofGame(b) || bodies_[b].wasThere()) ++there;
+  }
   return {{"bodies", bodiesJson()},
-          {"bodies_in_scene", bodies_.size()},
+          {"bodies_in_scene", there},
           {"touches", touchesJson()},
           {"grips", grips},
           {"has_grip_force", squeeze_value_ >= 0},

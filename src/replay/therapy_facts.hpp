@@ -30,6 +30,7 @@ class TherapyFacts {
   };
   void addContacts(const TickRecord& record, bool grips);
   void addLimits(const TickRecord& record);
+  [[nodiscard]] bool ofGame(std::size_t body) const;
   [[nodiscard]] nlohmann::json bodiesJson() const;
   [[nodiscard]] nlohmann::json touchesJson() const;
   [[nodiscard]] nlohmann::json limitsJson() const;

@@ -39,8 +39,8 @@ void TouchLog::contact(double time_s, double period_s, bool touching, double for
 
 void TouchLog::position(const Eigen::Vector3d& position_m) {
   if (!position_m.allFinite()) return;
-  if (!seen_) anchor_m_ = position_m;
-  seen_ = true;
+  if (!here_) anchor_m_ = position_m;
+  seen_ = here_ = true;
   const double step_m = (position_m - anchor_m_).norm();
   if (step_m < kJitter_m) return;
   story_.travelled_m += step_m;

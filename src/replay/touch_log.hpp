@@ -35,12 +35,15 @@ class TouchLog {
   void contact(double time_s, double period_s, bool touching, double force_n, bool held);
   /// Adds the body's position of a tick.
   void position(const Eigen::Vector3d& position_m);
+  /// A slot of a game is empty: where the next body appears is no way.
+  void leave() { here_ = false; }
+  [[nodiscard]] bool wasThere() const { return seen_; }
   [[nodiscard]] const BodyStory& story() const { return story_; }
 
  private:
   int body_;
   BodyStory story_;
-  bool seen_ = false;
+  bool seen_ = false, here_ = false;
   Eigen::Vector3d anchor_m_ = Eigen::Vector3d::Zero();
 };
 

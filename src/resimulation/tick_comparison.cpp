@@ -94,14 +94,14 @@ TickDifference firstDifference(const TickRecord& first, const TickRecord& again)
   c.check("contact_count", first.contact_count, again.contact_count);
   c.check("contacts_dropped", first.contacts_dropped, again.contacts_dropped);
   if (!c.found.field.empty()) return c.found;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(first.parameter_count); ++i) {
+  for (int i = 0; i < first.parameter_count; ++i) {
     c.check(fmt::format("parameters[{}]", i).c_str(), first.parameters[i], again.parameters[i]);
   }
-  for (std::size_t i = 0; i < static_cast<std::size_t>(first.exercise.value_count); ++i) {
+  for (int i = 0; i < first.exercise.value_count; ++i) {
     c.check(fmt::format("exercise_values[{}]", i).c_str(), first.exercise.values[i],
             again.exercise.values[i]);
   }
-  for (std::size_t i = 0; i < static_cast<std::size_t>(first.exercise.event_count); ++i) {
+  for (int i = 0; i < first.exercise.event_count; ++i) {
     const ExerciseEvent &a = first.exercise.events[i], &b = again.exercise.events[i];
     c.check(fmt::format("events[{}].type", i).c_str(), a.type, b.type);
     c.check(fmt::format("events[{}].index", i).c_str(), a.index, b.index);

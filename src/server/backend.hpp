@@ -106,6 +106,7 @@ struct LoopStatus {
   Help help = Help::kUnsaid;           ///< as set by the therapist
   std::vector<double> parameters;      ///< current values, in the order of SceneFacts::parameters
   std::shared_ptr<const GameBodies> bodies;  ///< of a game; null: none. A change is a new object
+  std::shared_ptr<const RegisteredBodies> registered;  ///< likewise
 };
 
 enum class OrderType {

@@ -65,7 +65,7 @@ std::uint32_t Clients::join(std::shared_ptr<ClientLine> line, Role role, std::in
       share(wire::welcomeMessage(number, false, version, {access.port, access.key})));
   if (scene_message_) client.line->deliver(scene_message_);
   if (commissioning_message_) client.line->deliver(commissioning_message_);
-  if (bodies_shown_ && !bodies_shown_->empty()) client.line->deliver(bodiesMessage());
+  if (showsBodies()) client.line->deliver(bodiesMessage());
   const auto entry = clients_.emplace(number, std::move(client)).first;
   if (role == Role::kTherapist) {
     tellControls();  // the new client may be a therapist
@@ -272,8 +272,15 @@ void Clients::tick(std::int64_t now_ns) {
   dropSlow(now_ns);
   followScene();
   followCommissioning(now_ns);
+  const bool shows = !clients_.empty() && encoder_;
+  LoopStatus status;
+  if (shows) {
+    // Before the events: a client knows which body has the slot that an event names.
+    status = backend_.status();
+    followBodies(status);
+  }
   sendEvents();
-  sendState(now_ns);
+  if (shows) sendState(std::move(status), now_ns);
 }
 
 void Clients::followScene() {
@@ -301,10 +308,7 @@ void Clients::sendEvents() {
   if (!events_.empty() && !clients_.empty()) deliverToAll(share(wire::eventsMessage(events_)));
 }
 
-void Clients::sendState(std::int64_t now_ns) {
-  if (clients_.empty() || !encoder_) return;
-  LoopStatus status = backend_.status();
-  followBodies(status);
+void Clients::sendState(LoopStatus status, std::int64_t now_ns) {
   if (!backend_.latest(*record_)) *record_ = TickRecord{};
   if (shown_ns_ == 0 || record_->tick != shown_tick_ || !sameState(status, shown_) ||
       now_ns - shown_ns_ > kRepeat_ns) {

@@ -124,10 +124,13 @@ class Clients : public std::enable_shared_from_this<Clients> {
   void followScene();
   void followCommissioning(std::int64_t now_ns);
   void followBodies(const LoopStatus& status);
-  /// @pre bodies_shown_
   [[nodiscard]] SharedBytes bodiesMessage() const;
+  [[nodiscard]] bool showsBodies() const {
+    return (bodies_shown_ && !bodies_shown_->empty()) ||
+           (registered_shown_ && !registered_shown_->empty());
+  }
   void sendEvents();
-  void sendState(std::int64_t now_ns);
+  void sendState(LoopStatus status, std::int64_t now_ns);
   void dropSlow(std::int64_t now_ns);
 
   ServerBackend& backend_;
@@ -152,8 +155,9 @@ class Clients : public std::enable_shared_from_this<Clients> {
   SharedBytes commissioning_message_;
   std::int64_t commissioning_ns_ = 0;  ///< time of the last commissioning message
 
-  std::shared_ptr<const GameBodies> bodies_shown_;  ///< as clients were told; null: none
-  std::uint32_t bodies_session_ = 0;                ///< session that they belong to
+  std::shared_ptr<const GameBodies> bodies_shown_;            ///< as clients were told; null: none
+  std::shared_ptr<const RegisteredBodies> registered_shown_;  ///< likewise
+  std::uint32_t bodies_session_ = 0;                          ///< session that they belong to
 
   std::shared_ptr<const SceneFacts> scene_;
   SharedBytes scene_message_;

@@ -31,7 +31,7 @@ std::string FileReader::next() {
     const ssize_t n = ::read(fd_, piece.data() + have, piece.size() - have);
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0) break;
-    have += static_cast<std::size_t>(n);
+    have += n;
   }
   piece.resize(have);
   left_ -= have;

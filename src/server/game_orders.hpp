@@ -2,6 +2,7 @@
 
 #include "core/body_order.hpp"
 #include "core/command.hpp"
+#include "core/registered_body.hpp"
 #include "model/scene/scene_model.hpp"
 #include "server/refusal.hpp"
 
@@ -31,6 +32,7 @@ struct GameShapes {
   std::uint32_t id = 0;                             ///< unique while the program runs; > 0
   Eigen::Vector3d com_m = Eigen::Vector3d::Zero();  ///< in the frame of `pieces`
   std::vector<Shape> pieces;                        ///< as the game gave them
+  double radius_m = 0.0;                            ///< of a ball about com_m that holds them
 };
 
 /// A body of a game that is in the world.
@@ -43,5 +45,13 @@ struct GameBody {
 
 /// All bodies of a game that are in the world, in the order of their slots.
 using GameBodies = std::vector<GameBody>;
+
+/// A body beyond the slots of the loop, or one of those that has a slot.
+struct ShownBody {
+  RegisteredBody body;
+  std::shared_ptr<const GameShapes> shapes;
+};
+/// All registered bodies, by number.
+using RegisteredBodies = std::vector<ShownBody>;
 
 }  // namespace wholehand

@@ -190,7 +190,7 @@ void UdpBridge::Core::receiveAll() {
   for (int i = 0; i < 64; ++i) {
     const long n = socket.receive(from, buffer);
     if (n < 0) return;
-    const auto size = std::min(static_cast<std::size_t>(n), buffer.size());
+    const auto size = std::min<std::size_t>(n, buffer.size());
     host.receive(from, {buffer.data(), size}, monotonicNow_ns());
   }
 }

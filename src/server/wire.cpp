@@ -48,17 +48,16 @@ int bodyCount(const SceneModel& scene, const TickRecord& r, const LoopStatus& st
 
 VectorOffset<const fb::Pose*> bodies(Builder& b, const TickRecord& r, int count) {
   std::array<fb::Pose, kMaxBodies> poses;
-  const auto n = static_cast<std::size_t>(count);
-  for (std::size_t i = 0; i < n; ++i) {
+  for (int i = 0; i < count; ++i) {
     poses[i] = {toWire(r.bodies[i].position_m), toWire(r.bodies[i].orientation_xyzw)};
   }
-  return b.CreateVectorOfStructs(poses.data(), n);
+  return b.CreateVectorOfStructs(poses.data(), count);
 }
 
 VectorOffset<const fb::ContactPoint*> contacts(Builder& b, const TickRecord& r) {
   std::array<fb::ContactPoint, kMaxContacts> points;
-  const auto n = static_cast<std::size_t>(std::clamp(r.contact_count, 0, kMaxContacts));
-  for (std::size_t i = 0; i < n; ++i) {
+  const int n = std::clamp(r.contact_count, 0, kMaxContacts);
+  for (int i = 0; i < n; ++i) {
     const Contact& c = r.contacts[i];
     points[i] = {static_cast<std::int16_t>(c.capsule), static_cast<std::int16_t>(c.body),
                  toWire(c.point_m), toWire(c.force_n)};

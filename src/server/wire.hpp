@@ -73,9 +73,11 @@ struct ControlsFacts {
 [[nodiscard]] Bytes controlsMessage(const ControlsFacts& facts);
 [[nodiscard]] Bytes commissioningMessage(const CommissioningFacts& facts);
 /// Bodies of a game, and those of their shapes that no body of the message before had.
+/// @param registered those that changed; one without shapes is registered no more
 [[nodiscard]] Bytes gameBodiesMessage(
     std::uint32_t session, const GameBodies& bodies,
-    const std::vector<std::shared_ptr<const GameShapes>>& new_shapes);
+    const std::vector<std::shared_ptr<const GameShapes>>& new_shapes,
+    const RegisteredBodies& registered = {});
 [[nodiscard]] Bytes replyMessage(std::uint32_t command, const OrderReply& reply);
 
 /// Messages that a client may send.

@@ -104,7 +104,7 @@ Expected<Done> readShape(const fb::Shape& in, const std::string& key, Shape& out
 Expected<Done> readPieces(const fb::PrepareShapes& in, BodyOrders& out) {
   const auto pieces = in.pieces() == nullptr ? 0U : in.pieces()->size();
   if (pieces < 1 || pieces > kMaxSlotPieces) {
-    return fault("pieces", std::to_string(pieces), "is not a number of pieces that fits",
+    return fault("pieces", std::to_string(pieces), "is out of range",
                  fmt::format("must be in [1, {}]", kMaxSlotPieces));
   }
   out.shape_set = in.set();
@@ -192,6 +192,18 @@ Expected<Done> read(const fb::Command& c, BodyOrders& out) {
   }
 }
 
+fb::RegisteredBody registeredToWire(const ShownBody& shown) {
+  const RegisteredBody& body = shown.body;
+  const auto where =
+      shown.shapes ? static_cast<fb::Whereabouts>(body.whereabouts) : fb::Whereabouts::Gone;
+  return {static_cast<std::uint32_t>(body.number),
+          static_cast<std::uint32_t>(body.generation),
+          shown.shapes ? shown.shapes->id : 0,
+          body.slot,
+          where,
+          {toWire(body.pose.position_m), toWire(body.pose.orientation_xyzw)}};
+}
+
 }  // namespace
 
 bool ordersBodies(fb::Order type) noexcept {
@@ -208,7 +220,8 @@ Expected<ClientMessage> decodeBodies(const fb::Command& command, ClientMessage m
 }
 
 Bytes gameBodiesMessage(std::uint32_t session, const GameBodies& bodies,
-                        const std::vector<std::shared_ptr<const GameShapes>>& new_shapes) {
+                        const std::vector<std::shared_ptr<const GameShapes>>& new_shapes,
+                        const RegisteredBodies& registered) {
   Builder b;
   std::vector<fb::GameBody> places;
   for (const GameBody& body : bodies) {
@@ -226,7 +239,10 @@ Bytes gameBodiesMessage(std::uint32_t session, const GameBodies& bodies,
   }
   const auto body_list = b.CreateVectorOfStructs(places);
   const auto shape_list = b.CreateVector(shapes);
-  finish(b, fb::CreateGameBodies(b, session, body_list, shape_list), kSchemaVersion);
+  std::vector<fb::RegisteredBody> numbers;
+  for (const ShownBody& shown : registered) numbers.push_back(registeredToWire(shown));
+  const auto number_list = numbers.empty() ? 0 : b.CreateVectorOfStructs(numbers);
+  finish(b, fb::CreateGameBodies(b, session, body_list, shape_list, number_list), kSchemaVersion);
   return {b.GetBufferPointer(), b.GetBufferPointer() + b.GetSize()};
 }
 

@@ -43,7 +43,7 @@ inline fb::Pose toWire(const Pose& pose) {
 template <class Range>
 VectorOffset<float> floats(Builder& b, const Range& values) {
   float* out = nullptr;
-  const auto n = static_cast<std::size_t>(values.size());
+  const std::size_t n = values.size();
   const auto offset = b.CreateUninitializedVector<float>(n, &out);
   const double* in = values.data();
   for (std::size_t i = 0; i < n; ++i) {

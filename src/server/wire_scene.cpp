@@ -134,10 +134,10 @@ std::vector<std::string> faultNames() {
 Offset<fb::BodyBudget> budgetToWire(Builder& b, const GameBudget& game) {
   if (game.slots == 0) return {};
   const auto count = [](int n) { return static_cast<std::uint16_t>(n); };
-  return fb::CreateBodyBudget(b, count(game.slots), count(game.awake), count(game.shape_sets),
-                              count(game.pieces), count(game.vertices),
-                              static_cast<float>(game.least_kg), static_cast<float>(game.most_kg),
-                              static_cast<float>(game.least_m), static_cast<float>(game.most_m));
+  return fb::CreateBodyBudget(
+      b, count(game.slots), count(game.awake), count(game.shape_sets), count(game.pieces),
+      count(game.vertices), static_cast<float>(game.least_kg), static_cast<float>(game.most_kg),
+      static_cast<float>(game.least_m), static_cast<float>(game.most_m), count(kMostRegistered));
 }
 
 /// Offsets of a Scene's parts; FlatBuffers needs them before its table is begun.

@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <charconv>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -78,10 +78,12 @@ std::optional<Problem> spawnProblem(const SpawnOrder& spawn, const GameBudget& b
 }
 
 std::optional<Problem> problemOf(const Command& command, const GameBudget& budget) {
-  if (command.index < 0 || command.index >= budget.slots) {
-    return Problem{
-        OrderRefusal::kNoSuchSlot,
-        fmt::format("slot {}: must be in [0, {}] (budget.slots)", command.index, budget.slots - 1)};
+  const bool in_pool = command.index >= 0 && command.index < budget.slots;
+  if (!in_pool && !isRegistered(command.index)) {
+    return Problem{OrderRefusal::kNoSuchSlot,
+                   fmt::format("slot {}: must be in [0, {}] (budget.slots), or in [{}, {}] for a "
+                               "body of the registry",
+                               command.index, budget.slots - 1, kFirstNumber, kLastNumber)};
   }
   if (!(command.value >= 1.0 && command.value <= kMostGeneration)) {
     return Problem{OrderRefusal::kWrongGeneration,
@@ -183,7 +185,8 @@ CheckedOrders checkShapes(const BodyOrders& orders, const GameBudget& budget) {
   if (!out.refused.empty()) return out;
   out.commands = shapeCommands(orders.shape_set, *prepared);
   out.shape_set = orders.shape_set;
-  out.shapes = std::make_shared<const GameShapes>(GameShapes{++last_id, prepared->com_m, pieces});
+  out.shapes = std::make_shared<const GameShapes>(
+      GameShapes{++last_id, prepared->com_m, pieces, outerRadius(*prepared)});
   return out;
 }
 
@@ -192,12 +195,12 @@ CheckedOrders checkShapes(const BodyOrders& orders, const GameBudget& budget) {
 CheckedOrders checkOrders(const BodyOrders& orders, const GameBudget& budget) {
   if (orders.shape_set >= 0) return checkShapes(orders, budget);
   CheckedOrders out;
-  std::array<bool, kMaxSlots> named{};
+  std::set<int> named;
   for (std::size_t i = 0; i < orders.commands.size(); ++i) {
     const Command& command = orders.commands[i];
     auto problem = problemOf(command, budget);
     const bool slot_exists = !problem || problem->refusal != OrderRefusal::kNoSuchSlot;
-    if (slot_exists && std::exchange(named[command.index], true)) {
+    if (slot_exists && !named.insert(command.index).second) {
       problem = Problem{
           OrderRefusal::kSlotTaken,
           fmt::format("slot {} stands in this message before: name it once", command.index)};

@@ -2,7 +2,7 @@
 
 #include "server/game_orders.hpp"
 
-#include <array>
+#include <map>
 #include <memory>
 #include <vector>
 
@@ -12,13 +12,14 @@ namespace wholehand {
 struct CheckedOrders {
   std::vector<Command> commands;
   std::vector<RefusedItem> refused;
-  std::array<int, kMaxSlots> item_of_slot{};  ///< index in the message, of slots with a command
-  int shape_set = -1;                         ///< of `shapes`
-  std::shared_ptr<const GameShapes> shapes;   ///< that the commands hand over; null: none
+  std::map<int, int> item_of_slot;  ///< index in the message, of slots and registered bodies
+  int shape_set = -1;               ///< of `shapes`
+  std::shared_ptr<const GameShapes> shapes;  ///< that the commands hand over; null: none
 };
 
 /// Checks every number of a message against the scene's budget, and prepares shapes. An item that
-/// is refused has no command; shapes are refused as a whole. Not real-time safe. Any thread.
+/// is refused has no command; shapes are refused as a whole. Orders to registered bodies are among
+/// the commands. Not real-time safe. Any thread.
 [[nodiscard]] CheckedOrders checkOrders(const BodyOrders& orders, const GameBudget& budget);
 
 /// Reply to a message some of whose items are refused; accepted when there are none.

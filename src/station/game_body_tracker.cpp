@@ -82,11 +82,23 @@ void GameBodyTracker::note(const CheckedOrders& orders) {
   const std::lock_guard lock(mutex_);
   if (orders.shapes) sets_[orders.shape_set] = orders.shapes;
   for (const Command& command : orders.commands) {
-    if (command.type != CommandType::kSpawn) continue;
-    const SpawnOrder spawn = spawnOrderOf(command);
-    pending_[spawn.slot] = {spawn.generation, spawn.shape_set, sets_[spawn.shape_set],
-                            tick_ + kAnsweredWithin};
+    if (command.type == CommandType::kSpawn) expect(spawnOrderOf(command));
   }
+}
+
+void GameBodyTracker::noteSpawn(const Command& spawn) {
+  const std::lock_guard lock(mutex_);
+  expect(spawnOrderOf(spawn));
+}
+
+void GameBodyTracker::expect(const SpawnOrder& spawn) {
+  pending_[spawn.slot] = {spawn.generation, spawn.shape_set, sets_[spawn.shape_set],
+                          tick_ + kAnsweredWithin};
+}
+
+std::shared_ptr<const GameShapes> GameBodyTracker::shapesOf(int shape_set) const {
+  const std::lock_guard lock(mutex_);
+  return sets_[shape_set];
 }
 
 void GameBodyTracker::withdraw(int slot) {

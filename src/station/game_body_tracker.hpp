@@ -27,6 +27,9 @@ class GameBodyTracker {
   void refuseBusy(CheckedOrders& orders);
   /// Notes commands that are about to be handed to the loop.
   void note(const CheckedOrders& orders);
+  void noteSpawn(const Command& spawn);
+  /// Shapes that were prepared in this session; null: none.
+  [[nodiscard]] std::shared_ptr<const GameShapes> shapesOf(int shape_set) const;
   /// Forgets the spawn under way in a slot: it was taken back.
   void withdraw(int slot);
   /// Takes a record, in order.
@@ -49,6 +52,7 @@ class GameBodyTracker {
   };
 
   [[nodiscard]] bool inUse(int shape_set) const;
+  void expect(const SpawnOrder& spawn);
   void take(const ExerciseEvent& event);
   void takeState(Event what, int slot, int generation);
   void publish();

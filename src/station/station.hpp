@@ -8,6 +8,7 @@
 #include "server/backend.hpp"
 #include "telemetry/statistics.hpp"
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -42,6 +43,8 @@ struct StationConfig {
   /// File of the first session, whoever arms it; later ones are numbered (pathOfSession). Empty:
   /// recordings_folder.
   std::string record;
+  /// How long a finished level is shown before the virtual patient plays it again.
+  std::chrono::milliseconds repeat_after{8000};
   std::string program_version;
   /// Makes each session's real device, which a person holds: no player, no steering from a screen,
   /// no arming at start. Null: a simulated device that a virtual patient moves.

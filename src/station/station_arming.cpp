@@ -168,6 +168,7 @@ void Station::Core::restoreStatus(LoopStatus before, std::uint64_t asked, bool h
     status_ = before;
     tracker_.reset();
     for (const CheckedOrders& kept : kept_) tracker_.note(kept);  // they wait for the next one
+    registry_.end();
   }
   unused.reset();  // closes its recording outside the lock, so that no client waits for it
   publishScene("");
@@ -208,7 +209,10 @@ OrderReply Station::Core::adopt(std::unique_ptr<Run>& run, std::uint64_t asked,
   status_.run_state = RunState::kRendering;
   rest_ending_ = 0;
   catchUp(parameters, place);
-  if (takes_bodies) handOverKept();
+  if (takes_bodies) {
+    beginRegistry();
+    handOverKept();
+  }
   return {true, ""};
 }
 

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace wholehand {
 namespace {
 
@@ -15,6 +17,14 @@ OrderReply busy(std::size_t waiting, const char* where) {
                  fmt::format("{} commands wait for {} already, at most {} may: nothing of this "
                              "message was handed over; say it again",
                              waiting, where, kMostWaiting));
+}
+
+/// Commands that are not for the registry.
+std::size_t forLoop(const CheckedOrders& orders) {
+  const auto for_loop = [&](const Command& command) {
+    return orders.shapes || !isRegistered(command.index);
+  };
+  return std::count_if(orders.commands.begin(), orders.commands.end(), for_loop);
 }
 
 }  // namespace
@@ -51,7 +61,7 @@ OrderReply Station::Core::keep(CheckedOrders& checked, std::uint32_t claim) {
                    "takes a kept spawn back; arm before anything else");
   }
   std::erase_if(checked.commands, [&](const Command& command) {
-    if (command.type != CommandType::kRemove) return false;
+    if (command.type != CommandType::kRemove || isRegistered(command.index)) return false;
     if (!takeBack(command)) {
       checked.refused.push_back(
           {checked.item_of_slot[command.index], command.index, OrderRefusal::kWrongGeneration,
@@ -62,7 +72,9 @@ OrderReply Station::Core::keep(CheckedOrders& checked, std::uint32_t claim) {
   });
   std::size_t waiting = 0;
   for (const CheckedOrders& kept : kept_) waiting += kept.commands.size();
-  if (checked.commands.size() + waiting > kMostWaiting) return busy(waiting, "the next arming");
+  if (forLoop(checked) + waiting > kMostWaiting) return busy(waiting, "the next arming");
+  orderRegistered(checked);
+  keepSlotsApart(checked);
   tracker_.refuseBusy(checked);
   tracker_.note(checked);
   OrderReply reply = replyFor(std::move(checked.refused));
@@ -86,14 +98,22 @@ bool Station::Core::takeBack(const Command& removal) {
 void Station::Core::dropKept() {
   if (!kept_.empty()) tracker_.reset();
   kept_.clear();
+  registry_.clear();
+  publishRegistered();
 }
 
 // Into the empty queue of a session that begins. They are forgotten once it runs.
 void Station::Core::handOverKept() {
-  if (kept_claim_ != claim_) kept_.clear();  // of an earlier holder of the controls
+  if (kept_claim_ != claim_) {  // of an earlier holder of the controls
+    kept_.clear();
+    registry_.clear();
+  }
   for (const CheckedOrders& kept : kept_) {
     tracker_.note(kept);
-    for (const Command& command : kept.commands) (void)push(command);  // there is room
+    for (const Command& command : kept.commands) {
+      if (command.type == CommandType::kSpawn) registry_.leaveToOthers(command.index);
+      (void)push(command);  // there is room
+    }
   }
 }
 
@@ -103,10 +123,12 @@ OrderReply Station::Core::handOver(CheckedOrders& checked) {
     return refused(Refusal::kStillStopping,
                    "the loop stops: arm again, then prepare shapes and spawn again");
   }
-  tracker_.refuseBusy(checked);
-  if (checked.commands.size() + live_->waitingCommands() > kMostWaiting) {
+  if (forLoop(checked) + live_->waitingCommands() > kMostWaiting) {
     return busy(live_->waitingCommands(), "the loop");
   }
+  orderRegistered(checked);
+  keepSlotsApart(checked);
+  tracker_.refuseBusy(checked);
   tracker_.note(checked);
   for (const Command& command : checked.commands) {
     if (OrderReply pushed = push(command); !pushed.accepted) return pushed;  // there was room

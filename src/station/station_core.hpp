@@ -1,6 +1,7 @@
 #pragma once
 
 #include "assembly/run.hpp"
+#include "registry/body_registry.hpp"
 #include "server/async_log.hpp"
 #include "station/game_body_tracker.hpp"
 #include "station/profiles.hpp"
@@ -124,11 +125,17 @@ class Station::Core {
   void sendUnsent();
   OrderReply setParameter(const Order& order);
   OrderReply push(const Command& command);
+  OrderReply act(const Command& command);
   OrderReply handOver(CheckedOrders& checked);
   OrderReply keep(CheckedOrders& checked, std::uint32_t claim);
   bool takeBack(const Command& removal);
   void dropKept();
   void handOverKept();
+  void beginRegistry();
+  void orderRegistered(CheckedOrders& orders);
+  void keepSlotsApart(CheckedOrders& orders);
+  void followRegistry(const TickRecord& record);
+  void publishRegistered();
   void beginStop(bool at_once);
   void showRehearsal();
 
@@ -172,6 +179,10 @@ class Station::Core {
   std::shared_ptr<const SceneFacts> scene_;
   LoopStatus status_;
   GameBodyTracker tracker_;
+  BodyRegistry registry_;
+  std::shared_ptr<const RegisteredBodies> registered_;  ///< as published; null: none
+  std::uint64_t registered_version_ = 0, registered_moves_ = 0;
+  StationClock::time_point registered_at_;
   std::vector<CheckedOrders> kept_;                 ///< shapes and spawns for the next arming
   std::uint32_t kept_claim_ = 0;                    ///< of the client that ordered them
   Help help_ = Help::kUnsaid;                       ///< help that pages give the player

@@ -46,6 +46,17 @@ OrderReply Station::Core::push(const Command& command) {
   return {true, ""};
 }
 
+// A level that is begun again is not done any more.
+OrderReply Station::Core::act(const Command& command) {
+  OrderReply pushed = push(command);
+  const auto action = static_cast<ExerciseAction>(command.index);
+  if (pushed.accepted && (action == ExerciseAction::kRestart || action == ExerciseAction::kNext)) {
+    const std::lock_guard lock(latest_mutex_);
+    level_done_at_.reset();
+  }
+  return pushed;
+}
+
 // Steering must reach the loop even when its queue is full of aims: the latest request is retried
 // with every record.
 OrderReply Station::Core::steer(Steering by) {
@@ -194,7 +205,7 @@ OrderReply Station::Core::carryOut(const Order& order, std::uint64_t asked) {
     case OrderType::kAction:
       command.type = CommandType::kAction;
       command.index = static_cast<std::int32_t>(order.action);
-      return push(command);
+      return act(command);
     case OrderType::kOwnerAlive:
       owner_alive_ = order.value != 0.0;
       if (!live_) return refused(Refusal::kNothingArmed, "nothing is armed");
@@ -228,6 +239,7 @@ LoopStatus Station::Core::status() const {
     status = status_;
     status.rested = rested();
     status.help = help_;
+    status.registered = registered_;
     for (const auto& parameter : scene_->parameters) {
       const auto asked = asked_parameters_.find(parameter.name);
       const bool set = asked != asked_parameters_.end();
@@ -240,8 +252,7 @@ LoopStatus Station::Core::status() const {
   const std::lock_guard lock(latest_mutex_);
   // While nothing runs, the published values are those of the next session.
   if (has_latest_ && live) {
-    const auto count =
-        std::min(static_cast<std::size_t>(latest_.parameter_count), status.parameters.size());
+    const auto count = std::min<std::size_t>(latest_.parameter_count, status.parameters.size());
     std::copy_n(latest_.parameters.begin(), count, status.parameters.begin());
   }
   return status;
@@ -276,6 +287,7 @@ void Station::Core::keepLatest(const TickRecord& record) {
   {
     const std::lock_guard lock(mutex_);
     sendUnsent();
+    followRegistry(record);
   }
   const std::lock_guard lock(latest_mutex_);
   latest_ = record;

@@ -18,8 +18,6 @@ namespace {
 
 constexpr auto kPoll = std::chrono::milliseconds(20);
 constexpr auto kStatusEvery = std::chrono::milliseconds(200);
-/// How long a finished level is shown before the virtual patient plays it again.
-constexpr auto kEncoreAfter = std::chrono::seconds(8);
 constexpr const char* kLevelDone = "level_done";  // event that ends a level (docs/exercises.md)
 constexpr auto kStopWithin = std::chrono::seconds(10);
 constexpr double kLongestRun_s = 1e9;  // limit of the clock's range
@@ -123,6 +121,9 @@ void Station::Core::finishSession(bool goes_on) {
     if (!goes_on) ++status_.endings;
     rest_ending_ = rest ? status_.endings : 0;  // ending of a session that rests
     over = std::move(live_);
+    registry_.end();
+    registry_.clear();
+    publishRegistered();
     tracker_.reset();
   }
   over.reset();
@@ -277,20 +278,20 @@ void Station::Core::endTasks() {
   for (const Task& task : tasks) task.done(refused(Refusal::kEnding, "the program is ending"));
 }
 
-// If nobody steers, the virtual patient plays a finished level again.
+// Where nobody steers, the virtual patient plays a finished level again, also one that a person
+// finished and left.
 void Station::Core::restartLevel() {
   if (config_.make_device) return;
   {
     const std::lock_guard lock(latest_mutex_);
-    if (!level_done_at_ || Clock::now() - *level_done_at_ < kEncoreAfter) return;
-    level_done_at_.reset();
+    if (!level_done_at_ || Clock::now() - *level_done_at_ < config_.repeat_after) return;
   }
   const std::lock_guard lock(mutex_);
   if (status_.steering != Steering::kVirtualPatient) return;
   Command again;
   again.type = CommandType::kAction;
   again.index = static_cast<std::int32_t>(ExerciseAction::kRestart);
-  (void)push(again);
+  (void)act(again);
 }
 
 void Station::Core::watchSession() {

@@ -10,8 +10,10 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <span>
+#include <system_error>
 #include <vector>
 
 namespace wholehand {
@@ -24,6 +26,8 @@ using Bytes = std::span<const std::byte>;
 
 constexpr const char* kCopyAgain =
     "copy it again from where it was written; what is missing cannot be restored";
+/// Three times what a plan allows (BlackBoxPlan) and the embedded files.
+constexpr std::uintmax_t kLargestBox_bytes = std::uintmax_t{1} << 30U;
 
 Diagnostic refusal(const std::string& path, std::string problem, std::string remedy) {
   return {path, 0, "", "", std::move(problem), std::move(remedy)};
@@ -32,7 +36,7 @@ Diagnostic refusal(const std::string& path, std::string problem, std::string rem
 std::vector<std::byte> wholeFile(const std::string& path) {
   std::ifstream in(path, std::ios::binary | std::ios::ate);
   const std::streamoff size = in ? static_cast<std::streamoff>(in.tellg()) : 0;
-  std::vector<std::byte> bytes(static_cast<std::size_t>(std::max<std::streamoff>(size, 0)));
+  std::vector<std::byte> bytes(std::max<std::streamoff>(size, 0));
   in.seekg(0);
   in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   if (!in) bytes.clear();
@@ -144,7 +148,9 @@ std::string MemoryReader::readMeta() {
 std::string MemoryReader::readEntries() {
   const Bytes bytes = part(Part::kEntries), data = part(Part::kData);
   const std::uint64_t count = header_.end_entry - header_.first_entry;
-  if (part(Part::kEnd).size() != sizeof(black_box::End) || bytes.size() != count * sizeof(Entry) ||
+  // Divided: a forged count times the size could wrap round to the size of the part.
+  if (part(Part::kEnd).size() != sizeof(black_box::End) || bytes.size() % sizeof(Entry) != 0 ||
+      bytes.size() / sizeof(Entry) != count ||
       data.size() != header_.data_end - header_.data_begin) {
     return "is damaged";
   }
@@ -198,6 +204,11 @@ bool MemoryReader::nextInput(TickInput& input) {
 }
 
 Expected<Done> MemoryReader::open(const std::string& path) {
+  std::error_code error;
+  if (const auto size = std::filesystem::file_size(path, error);
+      !error && size > kLargestBox_bytes) {
+    return refusal(path, "is larger than any black box", kCopyAgain);
+  }
   errno = 0;
   file_ = wholeFile(path);
   if (file_.empty() && errno != 0) {
@@ -229,6 +240,8 @@ bool MemoryReader::read(std::uint64_t i, TickRecord& record) {
 }  // namespace
 
 bool BlackBoxReader::isBox(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return false;  // a pipe would block
   std::ifstream in(path, std::ios::binary);
   std::array<char, black_box::kMagic.size()> magic{};
   return in.read(magic.data(), magic.size()) && magic == black_box::kMagic;

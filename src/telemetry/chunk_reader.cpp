@@ -50,6 +50,18 @@ std::uint64_t ChunkReader::chunkRows(hid_t dataset, const ColumnShape& column) {
   return chunk.front();
 }
 
+bool unpackChunk(const std::vector<std::byte>& packed, std::size_t element_bytes,
+                 std::vector<std::byte>& planes, std::byte* rows) {
+  uLongf length = planes.size();
+  if (uncompress(reinterpret_cast<Bytef*>(planes.data()), &length,
+                 reinterpret_cast<const Bytef*>(packed.data()), packed.size()) != Z_OK ||
+      length != planes.size()) {
+    return false;
+  }
+  unshuffle(planes, element_bytes, rows);
+  return true;
+}
+
 bool ChunkReader::read(hid_t dataset, const ColumnShape& column, std::uint64_t first,
                        std::uint64_t chunk_rows, std::byte* rows) {
   const std::size_t bytes = chunk_rows * column.rowBytes();
@@ -68,14 +80,7 @@ bool ChunkReader::read(hid_t dataset, const ColumnShape& column, std::uint64_t f
       left_out_filters != 0) {
     return false;
   }
-  uLongf length = bytes;
-  if (uncompress(reinterpret_cast<Bytef*>(planes_.data()), &length,
-                 reinterpret_cast<const Bytef*>(packed_.data()), stored) != Z_OK ||
-      length != bytes) {
-    return false;
-  }
-  unshuffle(planes_, column.elementBytes(), rows);
-  return true;
+  return unpackChunk(packed_, column.elementBytes(), planes_, rows);
 }
 
 }  // namespace wholehand::recording

@@ -12,6 +12,12 @@
 /// telemetry.
 namespace wholehand::recording {
 
+/// Undoes deflate and shuffle, in this order. False when the block is damaged or holds another
+/// number of bytes than `planes`, its buffer. @pre planes is not empty, a multiple of
+/// `element_bytes`; `rows` has room for it
+[[nodiscard]] bool unpackChunk(const std::vector<std::byte>& packed, std::size_t element_bytes,
+                               std::vector<std::byte>& planes, std::byte* rows);
+
 class ChunkReader {
  public:
   /// Rows per chunk of the dataset; 0 when its chunks are not in our writer's format: then only

@@ -147,7 +147,7 @@ bool readAttribute(hid_t object, const char* name, std::vector<std::string>& tex
   if (!attribute.ok()) return false;
   const Handle type(H5Aget_type(attribute.get()), H5Tclose);
   const std::size_t width = H5Tget_size(type.get());
-  const auto size = static_cast<std::size_t>(count);
+  const std::size_t size = count;
   if (width == 0 || width > kLargestList / std::max<std::size_t>(size, 1)) return false;
   std::string data(width * std::max<std::size_t>(size, 1), '\0');
   if (size > 0 && H5Aread(attribute.get(), type.get(), data.data()) < 0) return false;
@@ -172,9 +172,9 @@ bool readAttribute(hid_t object, const char* name, std::vector<double>& values) 
   hssize_t count = 0;
   const Handle attribute = openAttribute(object, name, H5T_FLOAT, count);
   if (!attribute.ok()) return false;
-  values.assign(static_cast<std::size_t>(count) + 1, 0.0);
+  values.assign(count + 1, 0.0);
   const bool done = H5Aread(attribute.get(), H5T_NATIVE_DOUBLE, values.data()) >= 0;
-  values.resize(static_cast<std::size_t>(count));
+  values.resize(count);
   return done;
 }
 

@@ -188,7 +188,7 @@ std::size_t logInput(InputLogState& state, const TickRecord& record, std::byte* 
       }
     }
   }
-  return static_cast<std::size_t>(to.at() - out);
+  return to.at() - out;
 }
 
 std::size_t readInput(InputLogState& state, const std::byte* in, std::size_t bytes,
@@ -216,7 +216,7 @@ std::size_t readInput(InputLogState& state, const std::byte* in, std::size_t byt
     }
     input.q_m[i] = atCounts(counts, state.encoder_step[i]);
   }
-  return from.ok() ? static_cast<std::size_t>(from.at() - in) : 0;
+  return from.ok() ? from.at() - in : 0;
 }
 
 }  // namespace wholehand

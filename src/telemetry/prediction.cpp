@@ -145,7 +145,11 @@ std::vector<Prediction> predictions(const std::vector<ColumnShape>& columns,
   } else {
     addTank(rules, meta);
   }
-  if (row_elements) {
+  if (meta.schema >= kGridSchema) {
+    addOnGrid<3>(rules, "intention", kIntentionSteps);
+    addOnGrid<3>(rules, "patient_effort", kEffortSteps);
+    addExtrapolated<7>(rules, "palm_distance_m");
+  } else if (row_elements) {
     rules.add("intention", Oscillation(rules.column("intention"), meta.axis_names.size()));
     addExtrapolated<9>(rules, "patient_effort");
     addExtrapolated<7>(rules, "palm_distance_m");

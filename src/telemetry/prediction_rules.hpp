@@ -37,8 +37,7 @@ class Rules {
   [[nodiscard]] bool has(const std::string& name) const { return column(name) < columns_.size(); }
   [[nodiscard]] std::size_t column(const std::string& name) const {
     const auto is_it = [&name](const ColumnShape& c) { return c.name == name; };
-    return static_cast<std::size_t>(std::find_if(columns_.begin(), columns_.end(), is_it) -
-                                    columns_.begin());
+    return std::find_if(columns_.begin(), columns_.end(), is_it) - columns_.begin();
   }
   /// @param rule (const RowWindow&, i) -> double
   template <class Rule>
@@ -87,6 +86,19 @@ void addExtrapolated(Rules& rules, const char* name) {
   const std::size_t column = rules.column(name);
   rules.add(name, [column](const RowWindow& w, std::size_t i) {
     return extrapolate<Order>(w, column, i);
+  });
+}
+
+/// Steps of the grid on which the virtual patient's position and effort lie, since schema 7
+/// (kGridSchema): of a metre or radian, and of a newton or newton metre.
+inline constexpr double kIntentionSteps = 0x1p20, kEffortSteps = 0x1p24;
+
+/// The point of the grid nearest to the polynomial. A zero is positive.
+template <std::size_t Order>
+void addOnGrid(Rules& rules, const char* name, double steps) {
+  const std::size_t column = rules.column(name);
+  rules.add(name, [column, steps](const RowWindow& w, std::size_t i) {
+    return std::nearbyint(extrapolate<Order>(w, column, i) * steps) / steps + 0.0;
   });
 }
 

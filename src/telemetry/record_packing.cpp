@@ -122,14 +122,13 @@ std::size_t packRecord(const TickRecord& record, std::byte* out) noexcept {
   const auto* from = reinterpret_cast<const std::byte*>(&record);
   std::byte* at = out;
   for (const Piece& p : kPieces) {
-    const auto n =
-        static_cast<std::size_t>(std::clamp<std::int64_t>(sizeOf(p, from), 0, p.capacity));
+    const std::size_t n = std::clamp<std::int64_t>(sizeOf(p, from), 0, p.capacity);
     if (p.kind == Piece::Kind::kArray) *at++ = static_cast<std::byte>(n);
     const std::size_t bytes = n * p.item_bytes;
     std::memcpy(at, from + p.offset, bytes);
     at += bytes;
   }
-  return static_cast<std::size_t>(at - out);
+  return at - out;
 }
 
 bool unpackRecord(const std::byte* packed, std::size_t bytes, TickRecord& record) {
@@ -144,7 +143,7 @@ bool unpackRecord(const std::byte* packed, std::size_t bytes, TickRecord& record
       std::memcpy(to + p.offset + p.capacity * p.item_bytes, &n, sizeof n);
     }
     if (n < 0 || n > p.capacity) return false;
-    const std::size_t length = static_cast<std::size_t>(n) * p.item_bytes;
+    const std::size_t length = n * p.item_bytes;
     if (length > bytes - at) return false;
     std::memcpy(to + p.offset, packed + at, length);
     at += length;
@@ -164,7 +163,7 @@ std::uint32_t recordLayout() noexcept {
 
 std::size_t packedBytes(int axes, int joints, int bodies, int values, int contacts) noexcept {
   std::size_t bytes = 0;
-  const auto of = [](int n) { return static_cast<std::size_t>(std::max(n, 0)); };
+  const auto of = [](int n) -> std::size_t { return std::max(n, 0); };
   for (const Piece& p : kPieces) {
     if (p.kind == Piece::Kind::kBytes) bytes += p.item_bytes;
     if (p.kind != Piece::Kind::kArray) continue;

@@ -1,5 +1,7 @@
 #include "telemetry/recorded_tables.hpp"
 
+#include "telemetry/recording_bounds.hpp"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
@@ -9,8 +11,6 @@
 
 namespace wholehand::recording {
 namespace {
-
-using hdf5::Handle;
 
 /// Far more rows than a byte of a file can hold; a damaged file must not cause huge allocations.
 constexpr std::uint64_t kMostRowsPerByte = 10;
@@ -54,22 +54,23 @@ RecordedTables::RecordedTables(const RecordingMeta& meta, std::uint64_t chunks_a
 }
 
 template <class Row>
-std::string RecordedTables::openTable(hid_t file, const char* name, TableReader<Row>& table) {
-  const Handle group(H5Gopen2(file, name, H5P_DEFAULT), H5Gclose);
-  if (!group.ok()) return std::string("is truncated: it has no ").append(name);
-  const std::string problem = table.open(group.get());
+std::string RecordedTables::openTable(TablesSource& file, const char* name,
+                                      TableReader<Row>& table) {
+  std::unique_ptr<TableSource> source = file.table(name);
+  if (source == nullptr) return std::string("is truncated: it has no ").append(name);
+  const std::string problem = table.open(std::move(source));
   return problem.empty() ? problem : "is damaged: it " + problem;
 }
 
-std::string RecordedTables::open(hid_t file, bool being_written) {
+std::string RecordedTables::open(TablesSource& file, bool being_written) {
   outline_.being_written = being_written;
   for (const std::string& problem :
        {openTable(file, "ticks", ticks_), openTable(file, "contacts", contacts_.table),
         openTable(file, "events", events_.table), openTable(file, "commands", commands_.table)}) {
     if (!problem.empty()) return problem;
   }
-  hsize_t bytes = 0;
-  if (H5Fget_filesize(file, &bytes) < 0) return "is truncated or damaged";
+  const std::uint64_t bytes = file.bytes();
+  if (bytes == 0) return "is truncated or damaged";
   for (const std::uint64_t rows :
        {ticks_.rows(), contacts_.table.rows(), events_.table.rows(), commands_.table.rows()}) {
     if (rows / kMostRowsPerByte > bytes) {
@@ -79,17 +80,16 @@ std::string RecordedTables::open(hid_t file, bool being_written) {
   return findTicks(file) ? "" : "is truncated or damaged: its ticks cannot be read";
 }
 
-bool RecordedTables::findTicks(hid_t file) {
+bool RecordedTables::findTicks(TablesSource& file) {
   const std::uint64_t described = takeBlocks(readIndex(file));
   return findRowsFrom(described) && countMissingFrom(described);
 }
 
 // No blocks when the index is missing or damaged.
-std::vector<BlockRow> RecordedTables::readIndex(hid_t file) const {
-  if (H5Lexists(file, "index", H5P_DEFAULT) <= 0) return {};
-  const Handle group(H5Gopen2(file, "index", H5P_DEFAULT), H5Gclose);
+std::vector<BlockRow> RecordedTables::readIndex(TablesSource& file) const {
+  std::unique_ptr<TableSource> source = file.table("index");
   TableReader<BlockRow> index(indexColumns());
-  if (!group.ok() || !index.open(group.get()).empty()) return {};
+  if (source == nullptr || !index.open(std::move(source)).empty()) return {};
   const std::uint64_t rows = std::min(index.rows(), ticks_.rows() / block_);
   if (!index.load(0, rows)) return {};
   std::vector<BlockRow> blocks(rows);
@@ -169,8 +169,7 @@ bool RecordedTables::findRowsFrom(std::uint64_t first_row) {
 
 // Reads no whole column when the ticks are consecutive.
 bool RecordedTables::countMissingFrom(std::uint64_t first_row) {
-  const auto begin = static_cast<std::size_t>(
-      std::lower_bound(rows_.begin(), rows_.end(), first_row) - rows_.begin());
+  const std::size_t begin = std::lower_bound(rows_.begin(), rows_.end(), first_row) - rows_.begin();
   const std::size_t from = std::max<std::size_t>(begin, 1);
   if (from >= rows_.size() ||
       outline_.numbers.back() - outline_.numbers[from - 1] == rows_.size() - from) {
@@ -235,8 +234,10 @@ bool RecordedTables::read(std::uint64_t index, TickRecord& record) {
   if (!holds(i) && !loadAround(i)) return false;
   clear(record);
   ticks_.get(i, record);
-  // The index contradicts the rows.
-  if (record.tick != outline_.numbers[index] || !isWhole(i, record)) return false;
+  // The index contradicts the rows, or no tick wrote these numbers.
+  if (record.tick != outline_.numbers[index] || !isWhole(i, record) || !isPlausible(record)) {
+    return false;
+  }
   record.body_count =
       std::clamp(record.body_count, 0, static_cast<std::int32_t>(meta_.body_names.size()));
   record.contact_count = contacts_.count(i);

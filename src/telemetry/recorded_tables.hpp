@@ -2,7 +2,6 @@
 
 #include "core/tick_record.hpp"
 #include "telemetry/block_index.hpp"
-#include "telemetry/hdf5_handle.hpp"
 #include "telemetry/recording.hpp"
 #include "telemetry/recording_view.hpp"
 #include "telemetry/side_table.hpp"
@@ -22,7 +21,7 @@ class RecordedTables {
   RecordedTables(const RecordingMeta& meta, std::uint64_t chunks_at_once, const LeftOut& left_out);
 
   /// Opens the tables and finds the complete ticks. Returns the error, or an empty text.
-  std::string open(hid_t file, bool being_written);
+  std::string open(TablesSource& file, bool being_written);
   [[nodiscard]] std::uint64_t size() const noexcept { return rows_.size(); }
   /// Outline of the complete ticks.
   [[nodiscard]] const RecordingOutline& outline() const noexcept { return outline_; }
@@ -35,9 +34,9 @@ class RecordedTables {
 
  private:
   template <class Row>
-  std::string openTable(hid_t file, const char* name, TableReader<Row>& table);
-  bool findTicks(hid_t file);
-  std::vector<BlockRow> readIndex(hid_t file) const;
+  std::string openTable(TablesSource& file, const char* name, TableReader<Row>& table);
+  bool findTicks(TablesSource& file);
+  std::vector<BlockRow> readIndex(TablesSource& file) const;
   std::uint64_t takeBlocks(const std::vector<BlockRow>& blocks);
   bool takeNumbers(const std::vector<BlockRow>& blocks, std::size_t begin, std::size_t end);
   bool findRowsFrom(std::uint64_t first_row);

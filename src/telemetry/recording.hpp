@@ -15,9 +15,11 @@ namespace wholehand {
 /// by another law (docs/adr/0018-one-spring.md): it reads and replays, but does not re-simulate bit
 /// by bit. Below kPackedSchema, every number is stored as it is; schema 4 can still be written, for
 /// readers that do not support packing. Below kRowElementSchema, each number is an element of its
-/// dataset and is packed by fewer rules (docs/adr/0047-smaller-recordings.md).
-inline constexpr std::uint64_t kRecordingSchema = 6, kOldestRecordingSchema = 2, kSchemaOfLaw = 4,
-                               kPackedSchema = 5, kRowElementSchema = 6;
+/// dataset and is packed by fewer rules (docs/adr/0047-smaller-recordings.md). Below kGridSchema,
+/// numbers of the virtual patient are doubles to the last bit
+/// (docs/adr/0065-patients-on-a-grid.md).
+inline constexpr std::uint64_t kRecordingSchema = 7, kOldestRecordingSchema = 2, kSchemaOfLaw = 4,
+                               kPackedSchema = 5, kRowElementSchema = 6, kGridSchema = 7;
 
 /// Parameters of the rendering law by which a recording is packed. All empty when unknown.
 struct RecordedLaw {

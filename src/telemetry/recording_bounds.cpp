@@ -5,8 +5,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace wholehand::recording {
@@ -14,6 +16,7 @@ namespace {
 
 // Far beyond any loop's rate: a file with such a period is damaged.
 constexpr double kLeastPeriod_s = 1e-6, kMostPeriod_s = 1.0;
+constexpr std::int32_t kMostContactsDropped = 1'000'000;
 
 // Packed numbers can be restored only with all of these.
 bool isWhole(const RecordedLaw& law, std::size_t axes, std::size_t joints) {
@@ -31,7 +34,7 @@ bool isWhole(const RecordedLaw& law, std::size_t axes, std::size_t joints) {
 }  // namespace
 
 std::string unusable(const RecordingMeta& meta) {
-  const auto within = [](std::size_t n, int most) { return n <= static_cast<std::size_t>(most); };
+  const auto within = [](std::size_t n, int most) { return std::cmp_less_equal(n, most); };
   const std::size_t axes = meta.axis_names.size();
   if (axes == 0 || !within(axes, kMaxAxes)) {
     return "names " + std::to_string(axes) + " axes; 1 to " + std::to_string(kMaxAxes) +
@@ -70,6 +73,11 @@ std::string unusable(const RecordingMeta& meta) {
   return {};
 }
 
+bool isPlausible(const TickRecord& record) {
+  return std::isfinite(record.time_s) && record.contacts_dropped >= 0 &&
+         record.contacts_dropped <= kMostContactsDropped;
+}
+
 bool fits(const TickRecord& record, const RecordingMeta& meta) {
   const auto axes = static_cast<std::int64_t>(meta.axis_names.size());
   const auto or_none = [axes](const auto& array) {
@@ -82,13 +90,14 @@ bool fits(const TickRecord& record, const RecordingMeta& meta) {
   for (std::int32_t i = 0; commands && i < record.command_count; ++i) {
     if (!or_none(record.commands[i].aim)) return false;
   }
-  return commands && record.q_m.size() == axes && record.sent.size() == axes &&
-         or_none(record.intention) && or_none(record.patient_effort) && or_none(record.qd_mf) &&
-         or_none(record.q_s) && or_none(record.qd_s) && or_none(record.closure) &&
-         or_none(record.f_s) && or_none(record.coupling) && or_none(record.phi) &&
-         or_none(record.damping) && or_none(record.tank) && or_none(record.tank_effort) &&
-         or_none(record.rendered) && or_none(record.effort_limit) &&
-         or_none(record.exercise.effort) && within(record.theta.size(), meta.joint_names.size()) &&
+  return commands && isPlausible(record) && record.q_m.size() == axes &&
+         record.sent.size() == axes && or_none(record.intention) &&
+         or_none(record.patient_effort) && or_none(record.qd_mf) && or_none(record.q_s) &&
+         or_none(record.qd_s) && or_none(record.closure) && or_none(record.f_s) &&
+         or_none(record.coupling) && or_none(record.phi) && or_none(record.damping) &&
+         or_none(record.tank) && or_none(record.tank_effort) && or_none(record.rendered) &&
+         or_none(record.effort_limit) && or_none(record.exercise.effort) &&
+         within(record.theta.size(), meta.joint_names.size()) &&
          within(record.body_count, meta.body_names.size()) &&
          within(record.parameter_count, meta.parameter_names.size()) &&
          within(record.exercise.value_count, meta.value_names.size()) &&

@@ -12,7 +12,10 @@ namespace wholehand::recording {
 /// Reason why this meta cannot describe a TickRecord (too many axes, joints, bodies ...), or an
 /// empty text.
 [[nodiscard]] std::string unusable(const RecordingMeta& meta);
-/// True when every array and count of the tick matches the description.
+/// False when a number that every reader computes with cannot have been written by a tick: a time
+/// that is not finite, an impossible count.
+[[nodiscard]] bool isPlausible(const TickRecord& record);
+/// True when isPlausible(), and every array and count of the tick matches the description.
 [[nodiscard]] bool fits(const TickRecord& record, const RecordingMeta& meta);
 
 }  // namespace wholehand::recording

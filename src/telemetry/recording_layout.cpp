@@ -77,7 +77,7 @@ Column<Row> perAxis(const char* name, At at, const Texts& units, const Texts& la
     for (int i = 0; i < width; ++i) {
       const double v =
           i < values.size() ? static_cast<double>(values[i]) : std::bit_cast<double>(kAbsent);
-      std::memcpy(out + static_cast<std::size_t>(i) * sizeof v, &v, sizeof v);
+      std::memcpy(out + i * sizeof v, &v, sizeof v);
     }
   };
   c.load = [at, width](const std::byte* in, Row& row) {
@@ -85,7 +85,7 @@ Column<Row> perAxis(const char* name, At at, const Texts& units, const Texts& la
     int size = 0;
     for (; size < width; ++size) {
       double v = 0.0;
-      std::memcpy(&v, in + static_cast<std::size_t>(size) * sizeof v, sizeof v);
+      std::memcpy(&v, in + size * sizeof v, sizeof v);
       if (std::bit_cast<std::uint64_t>(v) == kAbsent) break;
       values[size] = static_cast<typename Array::Value>(v);
     }

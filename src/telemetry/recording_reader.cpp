@@ -1,5 +1,6 @@
 #include "telemetry/black_box_reader.hpp"
 #include "telemetry/disk_reserve.hpp"
+#include "telemetry/hdf5_tables.hpp"
 #include "telemetry/recorded_tables.hpp"
 #include "telemetry/recording.hpp"
 #include "telemetry/recording_bounds.hpp"
@@ -98,7 +99,8 @@ Expected<Done> Hdf5Reader::open(const std::string& path, bool left_open) {
   if (!file_.ok()) return refusal(path, "is truncated or damaged", kBrokenCopy);
   if (auto described = readDescription(path); !described) return described;
   tables_.emplace(meta_, chunks_at_once_, left_out_);
-  if (const std::string problem = tables_->open(file_.get(), being_written); !problem.empty()) {
+  recording::Hdf5Tables tables(file_.get());
+  if (const std::string problem = tables_->open(tables, being_written); !problem.empty()) {
     return refusal(path, problem, kBrokenCopy);
   }
   return Done{};

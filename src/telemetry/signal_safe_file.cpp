@@ -40,7 +40,7 @@ void SignalSafeFile::writeOut() noexcept {
   while (done < used_ && error_ == 0) {
     const ssize_t n = ::write(fd_, buffer_.data() + done, used_ - done);
     if (n >= 0) {
-      done += static_cast<std::size_t>(n);
+      done += n;
     } else if (errno != EINTR) {
       error_ = errno;
     }

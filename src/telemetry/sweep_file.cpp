@@ -157,7 +157,7 @@ Expected<std::vector<std::vector<double>>> readSweepValues(
                      ::H5Dclose);
     const Handle space(set.ok() ? ::H5Dget_space(set.get()) : H5I_INVALID_HID, ::H5Sclose);
     const hssize_t count = space.ok() ? ::H5Sget_simple_extent_npoints(space.get()) : 0;
-    std::vector<double>& values = all.emplace_back(static_cast<std::size_t>(count));
+    std::vector<double>& values = all.emplace_back(count);
     if (count <= 0 || ::H5Dread(set.get(), hdf5::memoryType(hdf5::NumberType::kFloat64), H5S_ALL,
                                 H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
       return Diagnostic{path, 0, figure, "", "cannot be read", "remove the file and sweep again"};

@@ -1,30 +1,18 @@
 #pragma once
 
-#include "telemetry/chunk_reader.hpp"
-#include "telemetry/hdf5_handle.hpp"
 #include "telemetry/prediction.hpp"
 #include "telemetry/recording_layout.hpp"
+#include "telemetry/table_source.hpp"
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace wholehand::recording {
-
-/// An open dataset.
-struct Dataset {
-  hdf5::Handle handle;
-  std::uint64_t rows = 0;
-  std::uint64_t chunk_rows = 0;  ///< ChunkReader::chunkRows()
-};
-
-/// Opens a dataset and checks the type and shape of its rows. Returns the error, or an empty text.
-std::string openDataset(hid_t group, const ColumnShape& column, Dataset& dataset);
-/// Reads `count` rows from row `first` into `rows`.
-bool readRows(const Dataset& dataset, const ColumnShape& column, std::uint64_t first,
-              std::uint64_t count, ChunkReader& chunks, std::vector<std::byte>& rows);
 
 /// Reads the datasets of a TableWriter, block by block. Not for the tick.
 template <class Row>
@@ -49,7 +37,7 @@ class TableReader {
   void leaveOut(const std::vector<std::string>& names);
 
   /// Opens every dataset of the table. Returns the error, or an empty text.
-  std::string open(hid_t group);
+  std::string open(std::unique_ptr<TableSource> source);
   /// Number of rows that every dataset has: after a killed writer some are a little longer.
   [[nodiscard]] std::uint64_t rows() const noexcept { return rows_; }
   /// Loads the rows first .. first+count-1 for get(). @pre when columns are packed, first is the
@@ -69,25 +57,31 @@ class TableReader {
   bool loaded(const std::string& name, std::vector<T>& out) const;
 
  private:
+  bool readColumn(std::size_t c, std::uint64_t first, std::uint64_t count,
+                  std::vector<std::byte>& rows) {
+    rows.resize(count * row_bytes_[c]);
+    return source_->read(c, columns_[c], first, count, rows.data());
+  }
+
   std::vector<Column<Row>> columns_;
   std::vector<std::size_t> row_bytes_;
   std::vector<bool> left_out_;
   std::vector<Prediction> predictions_;
   std::uint64_t chunk_rows_ = 1;
   RowBytes buffers_;
-  std::vector<Dataset> datasets_;
-  ChunkReader chunks_;
+  std::unique_ptr<TableSource> source_;  ///< its i-th dataset is the i-th column's
   std::uint64_t rows_ = 0, first_ = 0, count_ = 0;
 };
 
 template <class Row>
-std::string TableReader<Row>::open(hid_t group) {
+std::string TableReader<Row>::open(std::unique_ptr<TableSource> source) {
+  source_ = std::move(source);
   rows_ = UINT64_MAX;
   for (const Column<Row>& column : columns_) {
-    Dataset& dataset = datasets_.emplace_back();
-    std::string problem = openDataset(group, column, dataset);
+    std::uint64_t rows = 0;
+    std::string problem = source_->open(column, rows);
     if (!problem.empty()) return problem;
-    rows_ = std::min(rows_, dataset.rows);
+    rows_ = std::min(rows_, rows);
   }
   return {};
 }
@@ -106,7 +100,7 @@ bool TableReader<Row>::load(std::uint64_t first, std::uint64_t count) {
   for (std::size_t i = 0; i < columns_.size(); ++i) {
     if (left_out_[i]) {
       buffers_[i].resize(count * row_bytes_[i]);
-    } else if (!readRows(datasets_[i], columns_[i], first, count, chunks_, buffers_[i])) {
+    } else if (!readColumn(i, first, count, buffers_[i])) {
       return false;
     }
   }
@@ -137,7 +131,7 @@ bool TableReader<Row>::read(const std::string& name, std::uint64_t first, std::u
   for (std::size_t c = 0; c < columns_.size(); ++c) {
     if (columns_[c].name != name) continue;
     std::vector<std::byte> bytes;
-    if (!readRows(datasets_[c], columns_[c], first, count, chunks_, bytes)) return false;
+    if (!readColumn(c, first, count, bytes)) return false;
     copyNumbers(bytes, out);
     return true;
   }

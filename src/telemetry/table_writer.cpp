@@ -10,14 +10,6 @@ using hdf5::Handle;
 /// Level 1 makes files a tenth larger, level 9 one in fifty smaller for half as much time again.
 constexpr unsigned kDeflateLevel = 6;
 
-/// Rows x the row's own dimensions.
-std::vector<hsize_t> dimensions(const ColumnShape& column, std::uint64_t rows) {
-  std::vector<hsize_t> dims = {rows};
-  const std::vector<std::uint64_t> shape = column.fileShape();
-  dims.insert(dims.end(), shape.begin(), shape.end());
-  return dims;
-}
-
 Handle creationProperties(const ColumnShape& column, std::uint64_t chunk_rows) {
   Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   const std::vector<hsize_t> chunk = dimensions(column, chunk_rows);
@@ -56,22 +48,6 @@ Handle createDataset(hid_t group, const ColumnShape& column, std::uint64_t chunk
                     (column.labels.empty() || hdf5::writeAttribute(id, "labels", column.labels)) &&
                     (column.columns.empty() || hdf5::writeAttribute(id, "columns", column.columns));
   return done ? std::move(dataset) : Handle();
-}
-
-bool writeRows(hid_t dataset, const ColumnShape& column, std::uint64_t first, std::uint64_t count,
-               const std::byte* rows) {
-  const std::vector<hsize_t> size = dimensions(column, first + count);
-  if (H5Dset_extent(dataset, size.data()) < 0) return false;
-  const std::vector<hsize_t> block = dimensions(column, count);
-  std::vector<hsize_t> start(block.size(), 0);
-  start.front() = first;
-  const Handle in_file(H5Dget_space(dataset), H5Sclose);
-  const Handle in_memory(H5Screate_simple(static_cast<int>(block.size()), block.data(), nullptr),
-                         H5Sclose);
-  return H5Sselect_hyperslab(in_file.get(), H5S_SELECT_SET, start.data(), nullptr, block.data(),
-                             nullptr) >= 0 &&
-         H5Dwrite(dataset, elementType(column, true).get(), in_memory.get(), in_file.get(),
-                  H5P_DEFAULT, rows) >= 0;
 }
 
 }  // namespace wholehand::recording

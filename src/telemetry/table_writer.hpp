@@ -1,8 +1,7 @@
 #pragma once
 
-#include "telemetry/hdf5_handle.hpp"
+#include "telemetry/dataset_rows.hpp"
 #include "telemetry/prediction.hpp"
-#include "telemetry/recording_layout.hpp"
 
 #include <cstddef>
 #include <cstdint>
@@ -71,9 +70,6 @@ class TableWriter {
 
 /// Creates an empty dataset, chunked and compressed.
 hdf5::Handle createDataset(hid_t group, const ColumnShape& column, std::uint64_t chunk_rows);
-/// Writes `count` rows at row `first` of a dataset, which grows if needed.
-bool writeRows(hid_t dataset, const ColumnShape& column, std::uint64_t first, std::uint64_t count,
-               const std::byte* rows);
 
 template <class Row>
 bool TableWriter<Row>::create(hid_t group) {

@@ -1,7 +1,7 @@
 // Every shipped device, hand, exercise and patient together: whoever the person is, the device is
 // pushed within its limits and comes to rest when it is told to.
 #include "adversarial/arena.hpp"
-#include "realtime/sanitized.hpp"
+#include "core/sanitized.hpp"
 #include "support/tolerance.hpp"
 
 #include <algorithm>

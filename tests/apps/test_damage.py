@@ -75,8 +75,8 @@ class Stranger(AppTest):
         deep = "a" + ".a" * 100000 + " = 1\n"
         for name, text, said in (("dotted", deep, "a key of more than 32 parts"),
                                  ("header", "[" + deep[:-5] + "]\n", "a key of more than 32 parts"),
-                                 ("arrays", "a = " + "[" * 100000, "more than 32 levels"),
-                                 ("inline", "a = " + "{a=" * 100000, "more than 32 levels"),
+                                 ("arrays", "a = " + "[" * 100000, "more than 32 nested levels"),
+                                 ("inline", "a = " + "{a=" * 100000, "more than 32 nested levels"),
                                  ("keys", "".join(f"k{i} = 1\n" for i in range(100000)), "more than 12000 keys"),
                                  ("tables", "[[axes]]\n" * 100000, "more than 1200 tables"),
                                  ("large", "#" * (5 << 20), "larger than 4 MB")):
@@ -110,7 +110,9 @@ class Stranger(AppTest):
         for arguments in (["validate", "name.toml"], ["validate", "key.toml"], ["validate", evil + ".toml"],
                           ["replay", "title.h5"], ["replay", evil + ".h5"], ["replay", evil + "2.h5", "--resimulate"],
                           ["run", "--scene", "name.toml", "--simulated-clock"],
-                          [*FREE_RUN, "--simulated-clock", "--duration", "0.1", "--record", evil + "3.h5"]):
+                          [*FREE_RUN, "--simulated-clock", "--duration", "0.1", "--record", evil + "3.h5"],
+                          [evil], ["run", "--engine", evil], ["run", "--rate-hz", evil], ["run", "--" + evil],
+                          ["device", "inspect", evil], ["sweep", evil], ["validate", "a.toml", "--" + evil]):
             with self.subTest(" ".join(map(str, arguments))):
                 result = self.run_app(*arguments)
                 said = result.out + result.err
@@ -140,8 +142,8 @@ class OwnFiles(AppTest):
         run = ("run", "--motion", motion, "--simulated-clock", "--duration", "0.1")
         (self.folder / "other.csv").symlink_to(motion)
         for output, said in ((["--record", motion], "is read by this run"), (["--json", "./motion.csv"], "is read by"),
-                             (["--record", "other.csv"], "no ordinary file"),
-                             (["--record", "a.h5", "--json", "./a.h5"], "is to hold two things"),
+                             (["--record", "other.csv"], "not a regular file"),
+                             (["--record", "a.h5", "--json", "./a.h5"], "is named for two outputs"),
                              (["--record", text], "holds something else than a recording")):
             with self.subTest(str(output)):
                 before = self.names_in(self.folder)
@@ -203,14 +205,17 @@ class TakenAway(AppTest):
 
         def limit(mib):
             return lambda: resource.setrlimit(resource.RLIMIT_AS, (mib << 20, mib << 20))
-        for mib in (100, 150, 200, 250, 300):
+        for mib in (*range(50, 66, 2), 100, 150, 200, 250, 300):  # below 60, Bullet's own allocator wrote to 0
+            begins = subprocess.run([BINARY, "--version"], capture_output=True, timeout=60, preexec_fn=limit(mib))
+            if begins.returncode != DONE:
+                continue  # the loader, or what C++ prepares before main(), had no memory
             with self.subTest(mib=mib):
                 done = subprocess.run([BINARY, *run, "--json", "a.json"], cwd=self.folder, text=True,
                                       capture_output=True, timeout=60, preexec_fn=limit(mib))
-                self.assertIn(done.returncode, (DONE, BAD_INPUT, FAILED, 127), done.stderr)  # 127: the loader
+                self.assertIn(done.returncode, (DONE, BAD_INPUT, FAILED), done.stderr)
                 self.assertNotIn("terminate", done.stderr)
                 if done.returncode == FAILED:
-                    self.assertIn("there is not enough memory", done.stderr)
+                    self.assertRegex(done.stderr, "there is not enough memory|a thread could not be started")
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@ import math
 import os
 import re
 import unittest
+import xml.dom.minidom
 
 import numpy
 
@@ -148,7 +149,7 @@ class Decompose(AppTest):
             "nan.obj": (obj(points, faces).replace("v 0.05 0 0\n", "v nan 0 0\n"), "", ""),
             "text.obj": ("nothing at all\n", "", ""),
             "empty.stl": ("", "empty", ""),
-            "part.xyz": (obj(points, faces), "no known kind", "OBJ"),
+            "part.xyz": (obj(points, faces), "not of a supported format", "OBJ"),
             "far.obj": (obj([(1e3 * x, 1e3 * y, 1e3 * z) for x, y, z in points], faces), "across", "scale = 0.001"),
             "many.obj": (obj(points, faces * 1700), "triangles", "simplify"),
         }
@@ -200,6 +201,16 @@ class Decompose(AppTest):
         names = self.names_in(self.folder / "out")
         self.assertTrue(all(re.fullmatch(r"[A-Za-z0-9_-]+\.(obj|toml|urdf)", name) for name in names), names)
         self.expect(self.run_app("validate", *(f"out/{name}" for name in names if name.endswith(".toml"))), DONE)
+
+    def test_name_of_a_file_ends_no_comment(self):
+        for i, name in enumerate(("a\nkind = 1 --> <evil.obj", "c---->.obj", os.fsdecode(b"b\xff\xfe.obj"))):
+            with self.subTest(name):
+                self.expect(self.decompose(self.mesh(CUBE, name), out=f"out{i}"), DONE)
+                for made in (self.folder / f"out{i}").glob("*"):
+                    text = made.read_text()
+                    self.assertFalse([line for line in text.splitlines() if line.startswith("kind = 1")], made)
+                    if made.suffix == ".urdf":
+                        xml.dom.minidom.parseString(text)
 
 
 def file_names(recording):

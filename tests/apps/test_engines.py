@@ -4,10 +4,11 @@ import unittest
 
 from app import CONFIG, DONE, FREE_RUN, AppTest, read_recording
 
-ENGINES = ("bullet", "mujoco", "bullet-paper")
+ENGINES = ("bullet", "mujoco", "bullet-newton", "bullet-paper", "bullet-paper-gears")
 # θ = θ₀ + G q_s: what a step may leave of it before correction. Rounding; the paper's own way lets
 # contacts bend single joints, and puts them back.
-COUPLING_RAD = {"bullet": 1e-9, "mujoco": 1e-9, "bullet-paper": 0.1}
+COUPLING_RAD = {"bullet": 1e-9, "mujoco": 1e-9, "bullet-newton": 1e-9, "bullet-paper": 0.1,
+                "bullet-paper-gears": 0.1}
 
 
 class EveryEngine(AppTest):

@@ -144,7 +144,7 @@ class Refused(AppTest):
     def test_what_is_refused_is_named(self):
         scene = CONFIG / "scenes/table.toml"
         for arguments, texts in (
-                (["--level", 99], ["level", "99", "1 .. 4"]),
+                (["--level", 99], ["level", "99", "levels 1 to 4"]),
                 (["--level", 0], ["--level", "0"]),
                 (["--level", "two"], ["--level", "two"]),
                 (["--exercise", "nosuch"], ["nosuch"]),

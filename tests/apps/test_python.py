@@ -210,6 +210,37 @@ class BodiesTest(Connected):
         self.assertEqual(self.becomes("left", 2).generation, 7)
         self.states_until(lambda _: len(self.program.bodies.bodies) == 0)
 
+    def test_bodies_beyond_the_slots_are_registered_shown_and_simulated_near_the_hand(self):
+        self.play()
+        self.program.prepare_shapes(0, ball(0.03))
+        near = [Body(slot=1000 + i, shape_set=0, owner=FIXED, position_m=(0.1, 0.25, 0.1 * i)) for i in range(3)]
+        far = [Body(slot=2000 + i, generation=4, shape_set=0, position_m=(3.0, 0.05 * i, 0.0)) for i in range(61)]
+        self.program.spawn(*near, *far)
+
+        def where(number):
+            body = self.program.registered.get(number)
+            return body is not None and messages.WHEREABOUTS[int(body["whereabouts"])]
+        self.states_until(lambda _: all(where(1000 + i) == "InSlot" for i in range(3)))
+        self.assertEqual(len(self.program.registered), 64)
+        self.assertEqual({where(2000 + i) for i in range(61)}, {"OutOfReach"})
+        self.assertEqual(self.program.registered[2060]["generation"], 4)
+        solid = self.becomes("solid")
+        self.assertIn(solid.body, [(1000, 1), (1001, 1), (1002, 1)])
+        numpy.testing.assert_allclose(self.program.registered[2060]["pose"]["position_m"], (3.0, 3.0, 0.0), atol=1e-6)
+        slot = int(self.program.registered[1000]["slot"])
+        index = len(self.program.scene.bodies) + slot
+        self.states_until(lambda state: len(state.bodies) > index
+                          and abs(state.bodies["position_m"][index] - (0.1, 0.25, 0.0)).max() < 1e-6)
+        poses = self.program.body_poses()
+        self.assertEqual(set(poses), {body.slot for body in near + far})
+        for body in near + far:
+            numpy.testing.assert_allclose(poses[body.slot]["position_m"], body.position_m, atol=1e-6)
+        with self.assertRaises(Refused) as refused:
+            self.program.spawn(Body(slot=1000, shape_set=0, position_m=self.ASIDE_M))
+        self.assertEqual(refused.exception.items[0][1], "SlotTaken")
+        self.program.remove((1000, 1), (2060, 4))
+        self.states_until(lambda _: len(self.program.registered) == 62)
+
     def test_what_is_refused_is_named(self):
         self.program.take_controls()
         with self.assertRaises(Refused) as refused:

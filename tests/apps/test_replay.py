@@ -34,12 +34,15 @@ class Same(AppTest):
         "nine axes": ["--device", CONFIG / "devices/wrist-9axis.toml"],
         "left hand": ["--hand", CONFIG / "hands/adult-median-left.toml"],
         "at 2 kHz": ["--rate-hz", "2000"],
+        "at 4 kHz, physics at 1 kHz": ["--rate-hz", "4000", "--rendering", "divided.toml"],
         "mesh and URDF": ["--scene", CONFIG / "scenes/table.toml"],
         "no body, no arm": ["--scene", CONFIG / "scenes/empty.toml", "--patient",
                             CONFIG / "patients/no-arm.toml"],
     }
 
     def test_simulated_clock(self):
+        gains = (CONFIG / "rendering/lambda-pride.toml").read_text()
+        self.write("divided.toml", gains.replace("physics_divisor = 1", "physics_divisor = 4"))
         for name, arguments in self.CASES.items():
             with self.subTest(name):
                 path = self.record("run.h5", *arguments, duration=9.0 if FULL or not arguments else 4.0)

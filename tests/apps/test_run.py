@@ -100,7 +100,7 @@ class WhatItWrites(AppTest):
         # The physics of 7 bodies needs more than half of 62.5 microseconds.
         result = self.run_app("run", "--scene", CONFIG / "scenes/table.toml", "--duration", "0.3",
                               "--rate-hz", "16000")
-        self.expect_refused(result, "rehearsal", "31 µs", "most of it physics_step")
+        self.expect_refused(result, "rehearsal", "31 µs", "most of it is physics_step")
         self.assertEqual(os.listdir(self.folder), [])
 
     def test_only_what_was_asked_for(self):

@@ -314,7 +314,7 @@ class RunRefuses(AppTest):
         # What can be checked is checked before the device is armed, and nothing is made until then.
         self.write("file", "")
         self.expect_run_refused("--scene", "inside.toml", "--record", "file/run.h5",
-                                texts=["file/run.h5", "no folder"], lines=1)
+                                texts=["file/run.h5", "not a folder"], lines=1)
         self.expect_run_refused("--scene", "inside.toml", "--record", "new/run.h5",
                                 texts=["inside.toml", "cylinder", "hand"], lines=1)
 

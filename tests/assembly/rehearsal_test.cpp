@@ -96,7 +96,7 @@ TEST(Rehearsal, PileOfManyShapes_IsRefusedByStageAndName) {
   ASSERT_FALSE(refused);
   const std::string why = format(refused.errors());
   std::printf("%s\n", why.c_str());
-  EXPECT_NE(why.find("most of it physics_step"), std::string::npos) << why;
+  EXPECT_NE(why.find("most of it is physics_step"), std::string::npos) << why;
   EXPECT_NE(why.find("\"pile\""), std::string::npos) << why;
   EXPECT_NE(why.find("fewer than 500 shapes"), std::string::npos) << why;
 }
@@ -109,7 +109,7 @@ TEST(Rehearsal, SlowExercise_IsRefusedByItsStage) {
   const auto refused = rehearse(models, origin(models), {}, strict());
   ASSERT_FALSE(refused);
   const std::string why = format(refused.errors());
-  EXPECT_NE(why.find("most of it exercise"), std::string::npos) << why;
+  EXPECT_NE(why.find("most of it is exercise"), std::string::npos) << why;
   EXPECT_NE(why.find("500 µs"), std::string::npos) << why;
 }
 

@@ -10,6 +10,8 @@
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
+#include <limits>
+#include <sys/stat.h>
 #include <thread>
 
 namespace wholehand::test {
@@ -82,8 +84,10 @@ TEST(BlackBox, TicksOfAnotherShapeThanDescribed_AreRefused) {
     if (which == 2) r.theta = JointPosition(kMaxJoints, 0.0);
     if (which == 3) r.body_count = 9;
     if (which == 4) r.parameter_count = kMaxLiveParameters;
+    if (which == 5) r.time_s = std::numeric_limits<double>::quiet_NaN();
+    if (which == 6) r.contacts_dropped = std::numeric_limits<std::int32_t>::max();
   };
-  for (int which = 0; which < 5; ++which) {
+  for (int which = 0; which < 7; ++which) {
     const std::string path = folder.file(std::to_string(which) + ".wbb");
     auto box = armed(planFor(path));
     for (std::uint64_t i = 0; i < 5; ++i) {
@@ -284,7 +288,8 @@ TEST(BlackBoxReader, ForeignFiles_AreRefused) {
   const Folder folder;
   overwrite(folder.file("text.wbb"), "time,x\n0,1\n");
   overwrite(folder.file("empty.wbb"), "");
-  for (const char* name : {"text.wbb", "empty.wbb", "missing.wbb"}) {
+  ASSERT_EQ(::mkfifo(folder.file("pipe.wbb").c_str(), 0600), 0);  // nobody writes into it
+  for (const char* name : {"text.wbb", "empty.wbb", "missing.wbb", "pipe.wbb"}) {
     EXPECT_NE(refusalOf(folder.file(name)).find("is no black box"), std::string::npos);
   }
   EXPECT_NE(refusalOf(folder.path()).find("is no black box"), std::string::npos);

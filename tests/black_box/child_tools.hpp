@@ -1,6 +1,6 @@
 #pragma once
 
-#include "realtime/sanitized.hpp"
+#include "core/sanitized.hpp"
 
 #include <gtest/gtest.h>
 

@@ -119,6 +119,12 @@ class BodiesOfAGame(InGodot):
     def test_a_driven_body_follows_its_target(self):
         self.play("a_driven_body_follows_its_target")
 
+    def test_bodies_beyond_the_slots_are_one_node_in_and_out_of_reach(self):
+        self.play("bodies_beyond_the_slots_are_one_node_in_and_out_of_reach")
+
+    def test_a_thousand_bodies_are_cheap(self):
+        self.play("a_thousand_bodies_are_cheap")
+
     def test_refused_orders_say_why(self):
         self.play("refused_orders_say_why")
 

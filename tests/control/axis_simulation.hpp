@@ -46,7 +46,8 @@ class HeldMotion {
 
 /// One axis through time: the tick's filter, coupling and delay, device and person by HeldMotion,
 /// the avatar by symplectic Euler, what it holds implicitly. Neither matrix nor eigenvalue: a
-/// second opinion on closedLoopMatrix(). A wall pushes only on the far side of wall_at.
+/// second opinion on closedLoopMatrix(). A wall pushes only on the far side of wall_at. The avatar
+/// steps at every physics_divisor-th tick, the first one included, and is held in between.
 class AxisSimulation {
  public:
   AxisSimulation(const AxisLoop& loop, ContactCase contact)
@@ -84,7 +85,7 @@ class AxisSimulation {
     const double wanted = l.k_pm * (xs - x) + relative_damping_ * (vs - filtered_) -
                           l.phi_k_dm * filtered_ + wallEffort() + tank_effort;
     const double sent = std::clamp(wanted, sent_ - most_change, sent_ + most_change);
-    acceleration_ = l.k_ps_per_s2 * (x - xs) + l.k_ds_per_s * (filtered_ - vs);
+    const double wanted_acceleration = l.k_ps_per_s2 * (x - xs) + l.k_ds_per_s * (filtered_ - vs);
     sent_ = felt_ = sent;
     if (l.delay_ticks > 0) {
       felt_ = queue_[at_];
@@ -92,21 +93,24 @@ class AxisSimulation {
       at_ = (at_ + 1) % static_cast<std::size_t>(l.delay_ticks);
     }
     held_.advance(x, v, felt_ + push);
+    if (ticks_++ % l.physics_divisor != 0) return;
+    acceleration_ = wanted_acceleration;
+    const double step_s = l.stepPeriod();
     if (contact_ == ContactCase::kRigid) return;
     if (contact_ == ContactCase::kObject) {
       const double mass = 1.0 + l.held_mass;
-      vs = (mass * vs + t * (acceleration_ - l.spring_per_s2 * xs)) /
-           (mass + t * t * l.spring_per_s2);
+      vs = (mass * vs + step_s * (acceleration_ - l.spring_per_s2 * xs)) /
+           (mass + step_s * step_s * l.spring_per_s2);
     } else {
-      vs += t * acceleration_;
+      vs += step_s * acceleration_;
     }
-    xs += t * vs;
+    xs += step_s * vs;
   }
 
   [[nodiscard]] double filtered() const noexcept { return filtered_; }
   [[nodiscard]] double sent() const noexcept { return sent_; }
   [[nodiscard]] double felt() const noexcept { return felt_; }  ///< acted during the last period
-  /// K_pm e + B ė: what drove the avatar during the last period, as it is felt.
+  /// K_pm e + B ė: what drove the avatar in its last step, as it is felt.
   [[nodiscard]] double avatarDrive() const noexcept {
     return l.k_pm / l.k_ps_per_s2 * acceleration_;
   }
@@ -137,6 +141,7 @@ class AxisSimulation {
   double before_ = 0.0, filtered_ = 0.0, sent_ = 0.0, felt_ = 0.0, acceleration_ = 0.0;
   std::array<double, 8> queue_{};
   std::size_t at_ = 0;
+  long ticks_ = 0;
 };
 
 /// Whether the stretch between device and avatar swings wider in the last eighth than in the

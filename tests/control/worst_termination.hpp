@@ -3,6 +3,8 @@
 #include "control/stability.hpp"
 #include "device/simulated/matrix_exponential.hpp"
 
+#include <Eigen/LU>
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -81,6 +83,7 @@ struct Termination {
   std::vector<HungMass> hung;
   World world = World::kLossless;
   bool rigid = false;
+  bool trapezoidal = false;  ///< device and person, too, by the trapezoidal rule: without images
   double held_mass = 0.0, spring_per_s2 = 0.0;
 };
 
@@ -89,27 +92,20 @@ constexpr double kWaiting = 0.006;
 /// How many images of the swing about multiples of the tick rate the person answers, too.
 constexpr int kImages = 20;
 
-/// Mass, spring and hung masses that have the reactance at the swing's frequency and at its images
-/// (a sampled position cannot tell them apart): one linear equation each.
-inline void buildPerson(Termination& t, double device_mass, double reactance, double period_s,
-                        int images) {
-  const double rate = 2.0 * std::numbers::pi / period_s, first = t.angle_rad / period_s;
-  const bool nyquist = t.angle_rad > std::numbers::pi - 1e-6;
-  std::vector<double> at = {first}, wanted = {nyquist ? 0.0 : reactance};
-  for (int i = 1; i <= images; ++i) {
-    const int k = (i + 1) / 2;
-    const bool mirrored = !nyquist && i % 2 == 1;
-    at.push_back(nyquist ? (i + 0.5) * rate : mirrored ? k * rate - first : k * rate + first);
-    wanted.push_back(nyquist ? 0.0 : mirrored ? -reactance : reactance);
-  }
-  t.mass = std::max(device_mass, 1.0001 * reactance / first);
+/// Mass, spring and hung masses with these reactances at these rates, in rising order [rad/s]: one
+/// linear equation each.
+/// @param closer how near each hung mass swings below its rate: 1 or less
+inline void buildPerson(Termination& t, double device_mass, const std::vector<double>& at,
+                        const std::vector<double>& wanted, double closer = 1.0) {
+  t.hung.clear();
+  t.mass = std::max(device_mass, 1.0001 * wanted[0] / at[0]);
   const auto n = static_cast<Eigen::Index>(at.size());
   Eigen::MatrixXd m(n, n);
   Eigen::VectorXd rest(n);
   for (Eigen::Index i = 1; i < n; ++i) {  // each below its image, well above the one before
     const double w = at[i];
     const double gap = w - at[i - 1];
-    t.hung.push_back({0.0, w - std::min(0.03 * w, 0.3 * gap)});
+    t.hung.push_back({0.0, w - closer * std::min(0.03 * w, 0.3 * gap)});
   }
   for (Eigen::Index i = 0; i < n; ++i) {
     const double w = at[i];
@@ -125,6 +121,22 @@ inline void buildPerson(Termination& t, double device_mass, double reactance, do
   for (Eigen::Index i = 1; i < n; ++i) {
     t.hung[i - 1].stiffness = solved[i];
   }
+}
+
+/// The same from the reactance at the swing's frequency, at its images, too (a sampled position
+/// cannot tell them apart).
+inline void buildPerson(Termination& t, double device_mass, double reactance, double period_s,
+                        int images) {
+  const double rate = 2.0 * std::numbers::pi / period_s, first = t.angle_rad / period_s;
+  const bool nyquist = t.angle_rad > std::numbers::pi - 1e-6;
+  std::vector<double> at = {first}, wanted = {nyquist ? 0.0 : reactance};
+  for (int i = 1; i <= images; ++i) {
+    const int k = (i + 1) / 2;
+    const bool mirrored = !nyquist && i % 2 == 1;
+    at.push_back(nyquist ? (i + 0.5) * rate : mirrored ? k * rate - first : k * rate + first);
+    wanted.push_back(nyquist ? 0.0 : mirrored ? -reactance : reactance);
+  }
+  buildPerson(t, device_mass, at, wanted);
 }
 
 /// Whether every mass and spring of it is one.
@@ -191,16 +203,18 @@ class TerminatedAxis {
       rate(at + 1, 0) = squared;
       rate(at + 1, at) = -squared;
     }
-    held_ = matrixExponential(loop.period_s * rate).topRows(moving_);
+    held_ = t.trapezoidal ? trapezoidalStep(loop.period_s * rate)
+                          : matrixExponential(loop.period_s * rate).topRows(moving_);
   }
 
   [[nodiscard]] Eigen::Index size() const { return moving_ + 5 + l_.delay_ticks; }
 
-  [[nodiscard]] Eigen::VectorXd tick(const Eigen::VectorXd& s) const {
-    const double t = l_.period_s;
+  /// @param steps whether the avatar steps in this tick, or is held
+  [[nodiscard]] Eigen::VectorXd tick(const Eigen::VectorXd& s, bool steps = true) const {
+    const double tick_s = l_.period_s, t = l_.stepPeriod();
     const Eigen::Index tail = moving_, efforts = moving_ + 5;
     const double x = s[0], xs = s[tail + 2], vs = s[tail + 3], force = s[tail + 4];
-    const double vf = (l_.filter_tau_s * s[tail + 1] + x - s[tail]) / (l_.filter_tau_s + t);
+    const double vf = (l_.filter_tau_s * s[tail + 1] + x - s[tail]) / (l_.filter_tau_s + tick_s);
     const double b = l_.gamma * l_.k_pm * l_.k_ds_per_s / l_.k_ps_per_s2;
     const double effort = l_.k_pm * (xs - x) + b * (vs - vf) - l_.phi_k_dm * vf -
                           l_.wall_stiffness * x - l_.wall_damping * vf;
@@ -215,6 +229,10 @@ class TerminatedAxis {
     next[tail] = x;
     next[tail + 1] = vf;
     if (t_.rigid) return next;
+    if (!steps) {
+      next.segment(tail + 2, 3) = s.segment(tail + 2, 3);
+      return next;
+    }
     const double driven = vs + t * (l_.k_ps_per_s2 * (x - xs) + l_.k_ds_per_s * (vf - vs));
     const double spring = t * t * t_.spring_per_s2;
     double after = 0.0;
@@ -232,13 +250,28 @@ class TerminatedAxis {
     return next;
   }
 
+  /// Over physics_divisor ticks.
   [[nodiscard]] Eigen::MatrixXd matrix() const {
     Eigen::MatrixXd m(size(), size());
-    for (Eigen::Index i = 0; i < size(); ++i) m.col(i) = tick(Eigen::VectorXd::Unit(size(), i));
+    for (Eigen::Index i = 0; i < size(); ++i) {
+      Eigen::VectorXd state = tick(Eigen::VectorXd::Unit(size(), i));
+      for (int k = 1; k < l_.physics_divisor; ++k) state = tick(state, false);
+      m.col(i) = state;
+    }
     return m;
   }
 
  private:
+  /// x⁺ − x = A (x⁺ + x) / 2 + B f for the rate [A B].
+  [[nodiscard]] static Eigen::MatrixXd trapezoidalStep(const Eigen::MatrixXd& rate) {
+    const Eigen::Index n = rate.rows() - 1;
+    const Eigen::MatrixXd half = 0.5 * rate.topLeftCorner(n, n);
+    const Eigen::MatrixXd unit = Eigen::MatrixXd::Identity(n, n);
+    Eigen::MatrixXd from(n, n + 1);
+    from << unit + half, rate.topRightCorner(n, 1);
+    return (unit - half).partialPivLu().solve(from);
+  }
+
   AxisLoop l_;
   Termination t_;
   Eigen::Index moving_;

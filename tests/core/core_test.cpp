@@ -235,7 +235,7 @@ TEST(Printable, LongText_IsCutAtACharacter) {
 
 TEST(Diagnostics, QuotedTextOfAStranger_StaysOnItsLine) {
   const Diagnostic d{"a\n.toml", 3, "k\x1b", "v\n", "is wrong\nand more", "mend it"};
-  EXPECT_EQ(format(d), "a\\x0a.toml:3: k\\x1b = v\\x0a: is wrong\nand more; mend it");
+  EXPECT_EQ(format(d), "a\\x0a.toml:3: k\\x1b = v\\x0a: is wrong\\x0aand more; mend it");
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 // A device host and its loop over shared memory.
+#include "core/sanitized.hpp"
 #include "hosted_tools.hpp"
 #include "realtime/allocation_counter.hpp"
-#include "realtime/sanitized.hpp"
 #include "realtime/system_call_counter.hpp"
 
 #include <gtest/gtest.h>

@@ -142,7 +142,7 @@ TEST(BarFile, WrongValues_AreToldWithTheirKeyAndRemedy) {
       {"exercise = \"cocktail_bar\"", "exercise = \"coctail_bar\"", "exercise", "unknown",
        "cocktail_bar"},
       {"lead_in_m = 0.0 ", "lead_in_m = 0.05 ", "wall.lead_in_m", "out of range", "0.02"},
-      {"release_m = 0.03", "release_m = 0.01", "wall.release_m", "nearer than engage_m",
+      {"release_m = 0.03", "release_m = 0.01", "wall.release_m", "less than engage_m",
        "at least engage_m"},
       // The device's 10 N at the tip, eased by a smoothstep (steepest slope 1.5 / T) of 0.3 s:
       // 10 N 1.5 / 0.3 s 1 ms = 0.05 N a tick at most.
@@ -150,11 +150,11 @@ TEST(BarFile, WrongValues_AreToldWithTheirKeyAndRemedy) {
       {"release_s = 0.3", "release_s = 0.29", "wall.release_s", "out of range", "0.3"},
       {"release_s = 0.3", "release_s = 5.1", "wall.release_s", "out of range", "5"},
       {"name = \"finger_flexion\"", "name = \"finger_flexoin\"", "wall.axes[finger_flexoin].name",
-       "is no axis of the device", "hand axis"},
+       "is neither an axis of the device", "hand axis"},
       {"[[dispensers]]",
        "[[liquids]]\nname = \"lemon\"\ncolor = \"#F6C636\"\npattern = \"stripes\"\n"
        "symbol = \"triangle\"\nviscosity = 1.0\nstiffness = 1.0\n[[dispensers]]",
-       "liquids[lemon].name", "stands twice", "every entry once"},
+       "liquids[lemon].name", "is given twice", "name of its own"},
       {"name = \"finger_flexion\"", "name = \"x\"", "wall.axes[x].name", "carries the hand",
        "hand's joints"},
       {"stiffness_tip_n_m = 100.0", "stiffness_tip_n_m = -1.0",
@@ -165,7 +165,7 @@ TEST(BarFile, WrongValues_AreToldWithTheirKeyAndRemedy) {
       {"inner_radius_m = 0.03", "inner_radius_m = 0.3", "glass.inner_radius_m",
        "more than the body's radius", "less"},
       {"m_per_l = 0.74", "m_per_l = 7.4", "glass.capacity_l", "higher than the glass", "at most"},
-      {"spacing_m = 0.128", "spacing_m = 0.03", "row.spacing_m", "wide", "more"},
+      {"spacing_m = 0.128", "spacing_m = 0.03", "row.spacing_m", "width of", "more"},
       {"reach_y_m = [-0.023, 0.105]", "reach_y_m = [0.105, -0.023]", "row.reach_y_m", "", ""},
       {"three_stars = 90.0", "three_stars = 60.0", "score.three_stars", "less than two_stars",
        "at least"},
@@ -174,11 +174,11 @@ TEST(BarFile, WrongValues_AreToldWithTheirKeyAndRemedy) {
       {"pattern = \"dots\"", "pattern = \"dotz\"", "liquids[cherry].pattern", "unknown", "dots"},
       {"viscosity = 1.6", "viscosity = 0", "liquids[cherry].viscosity", "out of range", "must be"},
       {"liquid = \"coconut\"\nstart_l", "liquid = \"coconat\"\nstart_l", "dispensers[3].liquid",
-       "no liquid", "coconut"},
+       "not a liquid", "coconut"},
       {"amount_l = 0.04", "amount_l = -0.04", "drinks[lemonade].steps[0].amount_l", "out of range",
        "must be"},
       {"drinks = [\"sunset\", \"dawn\"]", "drinks = [\"sunsets\", \"dawn\"]",
-       "levels[Two liquids].drinks", "no drink", "sunset"},
+       "levels[Two liquids].drinks", "not a drink", "sunset"},
       {"drinks = [\"sunset\", \"dawn\"]", "drinks = []", "levels[Two liquids].drinks", "empty",
        "one"},
       {"drinks = [\"sunset\", \"dawn\"]", "drinks = [\"lagoon\"]", "levels[Two liquids].drinks",
@@ -190,12 +190,24 @@ TEST(BarFile, WrongValues_AreToldWithTheirKeyAndRemedy) {
       {"high_n = 3.0", "high_n = 1.2", "levels[One dispenser, wide tolerance].high_n",
        "not above low_n", "low_n"},
       {"capacity_l = 0.14", "capacity_l = 0.08", "levels[Four liquids, narrow tolerance].drinks",
-       "does not fit the glass", "0.08"},
+       "does not fit into the glass", "0.08"},
       {"liquid = \"coconut\"\nstart_l = 0.35", "liquid = \"coconut\"\nstart_l = 0.01",
        "levels[Four liquids, narrow tolerance].drinks", "start_l", "0.018"},
   };
   for (const Case& c : cases) {
     SpoiltBar spoilt;
+    spoilt.inBar(c.find, c.replace);
+    expectOneFault(spoilt, c);
+  }
+}
+
+// A page arms an exercise by its name, and a recording's file bears it.
+TEST(BarFile, NameThatCanBePartOfNoFilesName_IsRefused) {
+  for (const std::string& name :
+       {std::string("a/b"), std::string(101, 'x'), std::string(300, 'x')}) {
+    SpoiltBar spoilt;
+    const Case c{"name = \"cocktail-bar\"", "name = \"" + name + "\"", "name",
+                 name.size() <= 200 ? "cannot be part of a file's name" : "name", ""};
     spoilt.inBar(c.find, c.replace);
     expectOneFault(spoilt, c);
   }
@@ -260,7 +272,7 @@ TEST(BarFile, NoSuchLevelOrFile_IsTold) {
   for (const int level : {0, 5, -1}) {
     const Diagnostics faults = bar.faults(level);
     ASSERT_EQ(faults.size(), 1U);
-    EXPECT_EQ(faults[0].remedy, "must be 1 .. 4");
+    EXPECT_EQ(faults[0].problem, "the exercise has levels 1 to 4");
   }
   const auto none = loadExercise("/no/such.toml", 1, shippedDevice(), shippedHand());
   ASSERT_FALSE(none.ok());
@@ -275,7 +287,7 @@ TEST(BarFile, NoSuchLevelOrFile_IsTold) {
       loadExercise(config("scenes/cocktail-bar.toml"), 1, shippedDevice(), shippedHand());
   ASSERT_FALSE(scene.ok());
   EXPECT_NE(format(scene.errors()).find("another kind of file"), std::string::npos);
-  EXPECT_EQ(scene.errors()[0].remedy, "an exercise file is wanted here");
+  EXPECT_EQ(scene.errors()[0].remedy, "an exercise file is expected here");
   const auto free =
       loadExercise(config("exercises/free-grasping.toml"), 2, shippedDevice(), shippedHand());
   ASSERT_FALSE(free.ok());

@@ -1,7 +1,7 @@
 // Every shipped hand plays every level of both bars to its end: a sample of 50 seeds each.
+#include "core/sanitized.hpp"
 #include "experiments/cocktail_trial.hpp"
 #include "experiments/worker_pool.hpp"
-#include "realtime/sanitized.hpp"
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
 #include "support/shipped.hpp"

@@ -1,9 +1,9 @@
 // CPU time of a tick, judged by what this machine needs for a fixed piece of work at the same time:
 // a slower machine does not fail it, a slower tick does.
+#include "core/sanitized.hpp"
 #include "experiments/exercise_script.hpp"
 #include "experiments/grip_target.hpp"
 #include "realtime/monotonic_clock.hpp"
-#include "realtime/sanitized.hpp"
 #include "realtime/thread_setup.hpp"
 #include "support/rig_tools.hpp"
 

@@ -1,6 +1,6 @@
 // What all that watches and limits costs in a tick, in CPU time.
+#include "core/sanitized.hpp"
 #include "fault_injection/fault_bench.hpp"
-#include "realtime/sanitized.hpp"
 #include "safety/safety_chain.hpp"
 #include "support/figure.hpp"
 #include "support/seed.hpp"

@@ -1,6 +1,6 @@
 // Every fault that stops, on every axis, at random ticks: WHOLEHAND_FULL tries 1,000 of each.
+#include "core/sanitized.hpp"
 #include "fault_injection/fault_bench.hpp"
-#include "realtime/sanitized.hpp"
 #include "support/figure.hpp"
 #include "support/seed.hpp"
 

@@ -137,7 +137,7 @@ TEST(DiskErrors, AtEachWriteOfAFlush_EveryTickFlushedBeforeIsRead) {
 TEST(DiskErrors, AtAnyWriteForAnyNumberOfThem_EveryWrittenTickIsReadAndTheOthersAreCounted) {
   auto random = test::seededRandom(15);
   std::uint64_t lost = 0, parts = 0;
-  const int runs = test::cases(5);
+  const int runs = test::cases(7);  // 210 where every large count is asked for
   for (int run = 0; run < runs; ++run) {
     const Folder folder;
     const std::string path = folder.file("run.h5");

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "telemetry/recording.hpp"
+
 #include <functional>
 #include <string>
 #include <vector>
@@ -19,7 +21,12 @@ struct Door {
 
 [[nodiscard]] std::vector<Door> fileDoors();       ///< TOML of every kind, CSV, URDF
 [[nodiscard]] std::vector<Door> messageDoors();    ///< WebSocket, UDP, HTTP, the reader of meshes
-[[nodiscard]] std::vector<Door> recordingDoors();  ///< black box, values of a recording
+[[nodiscard]] std::vector<Door> recordingDoors();  ///< black box, recordings
+
+/// What HDF5 has read of a recording; one of recordingDoors().
+[[nodiscard]] Door recordedTablesDoor();
+/// Reads every tick: empty when what can be read is within the shapes of a record.
+[[nodiscard]] std::string readTicks(RecordingReader& recording);
 
 [[nodiscard]] inline std::vector<Door> allDoors() {
   std::vector<Door> all = fileDoors();

@@ -30,20 +30,6 @@ std::string wrongWith(const Diagnostics& refusal) {
   return why.problem.empty() || why.remedy.empty() ? "refused without problem or remedy" : "";
 }
 
-/// Every tick that can be read is within the shapes of a record.
-std::string readTicks(RecordingReader& recording) {
-  TickRecord record;
-  for (std::uint64_t i = 0; i < recording.size(); ++i) {
-    if (!recording.read(i, record)) continue;  // its chunk is damaged
-    if (record.contact_count < 0 || record.contact_count > kMaxContacts) return "too many contacts";
-    if (record.body_count < 0 || record.body_count > static_cast<int>(record.bodies.size())) {
-      return "too many bodies";
-    }
-    if (record.q_m.size() > kMaxAxes || record.sent.size() > kMaxAxes) return "too many axes";
-  }
-  return "";
-}
-
 std::string withRightChecksums(std::string box) {
   const auto put = [&box](std::size_t begin, std::size_t end) {
     const auto crc = static_cast<std::uint32_t>(::crc32(
@@ -227,8 +213,21 @@ Door recordingValuesDoor() {
 
 }  // namespace
 
+std::string readTicks(RecordingReader& recording) {
+  TickRecord record;
+  for (std::uint64_t i = 0; i < recording.size(); ++i) {
+    if (!recording.read(i, record)) continue;  // its chunk is damaged
+    if (record.contact_count < 0 || record.contact_count > kMaxContacts) return "too many contacts";
+    if (record.body_count < 0 || record.body_count > static_cast<int>(record.bodies.size())) {
+      return "too many bodies";
+    }
+    if (record.q_m.size() > kMaxAxes || record.sent.size() > kMaxAxes) return "too many axes";
+  }
+  return "";
+}
+
 std::vector<Door> recordingDoors() {
-  return {blackBoxDoor(), recordingValuesDoor()};
+  return {blackBoxDoor(), recordingValuesDoor(), recordedTablesDoor()};
 }
 
 }  // namespace wholehand::test

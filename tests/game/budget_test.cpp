@@ -1,6 +1,7 @@
 // The budget of a game scene: what a file may say, which engines and devices take it, and shapes.
 #include "assembly/engines.hpp"
 #include "game/game_tools.hpp"
+#include "model/mesh/convex_hull.hpp"
 #include "model/temp_folder.hpp"
 #include "physics/body_pool.hpp"
 
@@ -38,24 +39,23 @@ std::string refusalOf(const std::string& from, const std::string& to) {
 TEST(GameBudget, BadValues_AreNamed) {
   EXPECT_EQ(refusalOf("slots = 64", "slots = 32"), "");
   EXPECT_NE(refusalOf("slots = 64", "slots = 65").find("budget.slots = 65"), std::string::npos);
-  EXPECT_NE(refusalOf("slots = 64", "slots = 8").find("more than there are slots"),
-            std::string::npos);
+  EXPECT_NE(refusalOf("slots = 64", "slots = 8").find("more than budget.slots"), std::string::npos);
   EXPECT_NE(refusalOf("pieces = 4", "pieces = 17").find("budget.pieces"), std::string::npos);
   EXPECT_NE(refusalOf("vertices = 32", "vertices = 3").find("budget.vertices"), std::string::npos);
   EXPECT_NE(refusalOf("[0.02, 2.0]", "[2.0, 0.02]").find("budget.mass_kg"), std::string::npos);
 }
 
 TEST(GameBudget, OtherEngines_RefuseWithTheRemedy) {
-  for (const std::string& engine : engineNames()) {
+  for (const Engine& engine : engines()) {
     RigOptions options;
-    options.engine = engine;
+    options.engine = engine.name;
     options.uncertified = true;
     const auto rig = buildRig(gameModels(), atRest(), options);
-    if (engine == defaultEngine()) {
-      EXPECT_TRUE(rig);
+    if (engine.takes_game_bodies) {
+      EXPECT_TRUE(rig) << engine.name;
       continue;
     }
-    ASSERT_FALSE(rig) << engine;
+    ASSERT_FALSE(rig) << engine.name;
     const std::string text = format(rig.errors());
     EXPECT_TRUE(text.find("use --engine bullet") != std::string::npos ||
                 text.find("is not built into") != std::string::npos)
@@ -168,16 +168,29 @@ TEST(GameBudget, ParkedSlots_CostAlmostNothing) {
   }
 }
 
-// CPU time of an order among twenty bodies over the hand.
-TEST(GameBudget, AnOrder_TakesMicroseconds) {
+/// A prism with as many vertices as the shipped budget allows.
+Shape prismMesh() {
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 32; ++i) {
+    const double angle = 2.0 * M_PI * (i / 2) / 16.0;
+    points.emplace_back(0.025 * std::cos(angle), 0.025 * std::sin(angle),
+                        i % 2 == 0 ? 0.02 : -0.02);
+  }
+  const MeshSurface hull = orThrow(convexHull(points));
+  return orThrow(convexMesh(hull.points, hull.triangles));
+}
+
+/// CPU time of every order among twenty bodies over the hand [us]. The same orders every time.
+std::vector<double> orderTimes_us() {
   const Models models = gameModels();
   const auto world = orThrow(buildWorld(defaultEngine(), models.hand, models.scene));
   auto* pool = dynamic_cast<BodyPool*>(world.get());
-  ASSERT_NE(pool, nullptr);
-  ASSERT_TRUE(world->placeHand(AxisPosition(6)));
-  for (const Command& c : shapeCommands(
-           0, orThrow(prepareShapes({boxShape({0.04, 0.04, 0.04})}, models.scene.game)))) {
-    pool->obey(c);
+  if (pool == nullptr || !world->placeHand(AxisPosition(6))) throw std::runtime_error("no pool");
+  int set = 0;
+  for (const Shape& shape : {boxShape({0.04, 0.04, 0.04}), prismMesh()}) {
+    const auto shapes = orThrow(prepareShapes({shape}, models.scene.game));
+    for (const Command& c : shapeCommands(set, shapes)) pool->obey(c);
+    ++set;
   }
   const AxisMatrix inverse = AxisMatrix::Identity(6, 6);
   HandDrive drive;
@@ -193,17 +206,40 @@ TEST(GameBudget, AnOrder_TakesMicroseconds) {
     const int slot = k % 20, generation = 1 + k / 20;
     const BodyPose at = poseAt({0.02 * (slot % 5), 0.03 * (slot / 5) - 0.05, 0.0});
     obey(removeCommand(slot, generation - 1));
-    SpawnOrder spawn = spawnOf(slot, 0, BodyOwner::kFixed, at);
+    SpawnOrder spawn = spawnOf(slot, k % 2, BodyOwner::kFixed, at);
     spawn.generation = generation;
     obey(spawnCommand(spawn));
     obey(teleportCommand(slot, generation, at));
-    ASSERT_EQ(world->step(drive, 1e-3), Fault::kNone);
+    if (world->step(drive, 1e-3) != Fault::kNone) throw std::runtime_error("a step failed");
   }
-  std::sort(times_us.begin(), times_us.end());
-  figure("an order, p50", times_us[times_us.size() / 2], "us");
-  figure("an order, p99.9", times_us[times_us.size() * 999 / 1000], "us");
+  return times_us;
+}
+
+double quantile(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(share * static_cast<double>(values.size()))];
+}
+
+// What the machine does to a run (interrupts, emptied caches) hits another order in every run: the
+// least time of an order over the runs is its own.
+TEST(GameBudget, AnOrder_TakesMicroseconds) {
+  std::vector<double> least_us = orderTimes_us();
+  figure("an order, p50", quantile(least_us, 0.5), "us");
+  figure("an order, p99.9 of one run", quantile(least_us, 0.999), "us");
+  for (int run = 1; run < 5; ++run) {
+    const std::vector<double> times_us = orderTimes_us();
+    for (std::size_t i = 0; i < times_us.size(); ++i) {
+      least_us[i] = std::min(least_us[i], times_us[i]);
+    }
+  }
+  figure("an order, p99.9 of the least of 5 runs", quantile(least_us, 0.999), "us");
+  figure("an order, most of the least of 5 runs", quantile(least_us, 1.0 - 1e-9), "us");
+  // On a busy machine every order is slower: the rare one is judged by the usual one.
+  const double usual_us = quantile(least_us, 0.5);
+  figure("an order, p99.9 of the least over its p50", quantile(least_us, 0.999) / usual_us, "1");
   if (WHOLEHAND_SANITIZED == 0) {
-    EXPECT_LE(times_us[times_us.size() / 2], tolerance(5.0));
+    EXPECT_LE(usual_us, tolerance(5.0));
+    EXPECT_LE(quantile(least_us, 0.999), tolerance(4.0) * usual_us);
   }
 }
 

@@ -3,6 +3,7 @@
 #include "game/game_tools.hpp"
 #include "game/same_again.hpp"
 #include "model/temp_folder.hpp"
+#include "replay/replayed_recording.hpp"
 #include "server/client_words.hpp"
 #include "station/body_orders.hpp"
 #include "station/game_body_tracker.hpp"
@@ -10,7 +11,9 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <limits>
+#include <map>
 
 namespace wholehand::test {
 namespace {
@@ -316,10 +319,14 @@ TEST(GameOnTheWire, LargestShapes_AreCheckedInTimeAndFitTheQueue) {
   EXPECT_LE(checked.commands.size(), 288U) << "what may wait for the loop";
 }
 
+/// A tetrahedron.
+const std::vector<fb::Vec3> kCorners = {{0, 0, 0}, {0.05F, 0, 0}, {0, 0.05F, 0}, {0, 0, 0.05F}};
+const std::vector<std::uint32_t> kFaces = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+
 TEST(GameOnTheWire, MeshInsideOut_IsTurnedOutward) {
   const GameBudget budget = gameModels().scene.game;
-  const std::vector<fb::Vec3> corners = {{0, 0, 0}, {0.05F, 0, 0}, {0, 0.05F, 0}, {0, 0, 0.05F}};
-  const std::vector<std::uint32_t> outward = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+  const std::vector<fb::Vec3>& corners = kCorners;
+  const std::vector<std::uint32_t>& outward = kFaces;
   const std::vector<std::uint32_t> inward = {0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2};
   const CheckedOrders good = checkedOf(prepareMesh(1, 0, corners, outward), budget);
   const CheckedOrders turned = checkedOf(prepareMesh(1, 0, corners, inward), budget);
@@ -353,7 +360,7 @@ TEST(GameOnTheWire, MutatedMessages_NeverLeadToACommandThatIsNotChecked) {
     refused += checked.refused.empty() ? 0 : 1;
     for (const Command& c : checked.commands) {
       ++passed;
-      EXPECT_TRUE(c.index >= 0 && c.index < kMaxSlots);
+      EXPECT_TRUE((c.index >= 0 && c.index < kMaxSlots) || isRegistered(c.index));
       for (const double number : c.numbers) EXPECT_TRUE(std::isfinite(number));
     }
   }
@@ -363,12 +370,17 @@ TEST(GameOnTheWire, MutatedMessages_NeverLeadToACommandThatIsNotChecked) {
   EXPECT_GT(refused, 0U);
 }
 
+/// What live clients were told: from which tick on.
+using Told = std::vector<std::pair<std::uint64_t, std::shared_ptr<const GameBodies>>>;
+
 /// Records a session whose orders come as messages.
 /// @return how often a body became solid; -1: the session faulted
-int recordSession(const std::string& path, int ticks) {
+int recordSession(const std::string& path, int ticks, Told& told) {
   auto rig = orThrow(buildRig(gameModels(), atRest(), {}));
   if (!rig->renderer->arm()) throw std::runtime_error("not armed");
   const GameBudget budget = rig->models.scene.game;
+  GameBodyTracker tracker;
+  tracker.reset(rig->models.exercise->description().event_names);
   std::uint32_t id = 0;
   std::unique_ptr<Run> run;
   int solid = 0;
@@ -377,7 +389,9 @@ int recordSession(const std::string& path, int ticks) {
   plan.record = path;
   plan.simulated_clock = true;
   const auto say = [&](const wire::Bytes& message) {
-    for (const Command& c : checkedOf(message, budget).commands) {
+    const CheckedOrders checked = checkedOf(message, budget);
+    tracker.note(checked);
+    for (const Command& c : checked.commands) {
       if (!run->tryCommand(c)) throw std::runtime_error("no room for a command");
     }
   };
@@ -386,14 +400,25 @@ int recordSession(const std::string& path, int ticks) {
   ball.pose = words::placed(0.05F, 0.25F, 0.0F);
   SpawnWords box;
   box.slot = 1, box.shape_set = 1, box.pose = words::placed(0.05F, 0.0F, 0.25F);
+  SpawnWords stone;
+  stone.slot = 5, stone.shape_set = 2, stone.owner = fb::BodyOwner::Fixed;
+  SpawnWords block = stone;
+  block.slot = 6, block.shape_set = 3, block.pose = words::placed(-0.5F, 0.3F, 0.2F);
+  const fb::Pose aside({0.01F, 0.0F, 0.02F}, {0.0F, 0.0F, 0.70710678F, 0.70710678F});
   plan.sinks.push_back([&](const TickRecord& record) {
     for (int i = 0; i < record.exercise.event_count; ++i) {
       solid += record.exercise.events[i].type == 1 ? 1 : 0;
     }
+    tracker.see(record);
+    const auto now = tracker.bodies();
+    if (now && (told.empty() || told.back().second != now)) told.emplace_back(record.tick, now);
     const auto tick = static_cast<int>(record.tick);
     if (tick == 10) say(prepareBall(++id, 0, 0.03F));
     if (tick == 10) say(prepareBox(++id, 1, {0.02F, 0.03F, 0.04F}));
-    if (tick == 20) say(spawn(++id, {ball, box}));  // the box falls on the hand
+    if (tick == 10) say(prepareMesh(++id, 2, kCorners, kFaces));
+    if (tick == 12) say(prepareBox(++id, 3, {0.02F, 0.03F, 0.04F}, &aside));
+    if (tick == 20) say(spawn(++id, {ball, box, stone}));  // the box falls on the hand
+    if (tick == 30) say(spawn(++id, {block}));
     if (tick > 30 && tick < 2000 && tick % 16 == 0) {
       say(bodyTargets(++id, {{0, 1, words::placed(0.05F, 0.0F, 0.0F)}}));
     }
@@ -407,8 +432,64 @@ int recordSession(const std::string& path, int ticks) {
 
 TEST(GameOnTheWire, ARecordedSession_ReplaysToTheBit) {
   const TempFolder folder;
-  EXPECT_EQ(recordSession(folder.path("run.h5"), 3000), 2);
+  Told told;
+  EXPECT_EQ(recordSession(folder.path("run.h5"), 3000, told), 4);
   expectSameAgain(folder.path("run.h5"), 3000);
+}
+
+/// A change in the answer of a replay.
+struct Replayed {
+  std::uint32_t row = 0;
+  const fb::GameBodies* bodies = nullptr;
+};
+
+std::vector<Replayed> changesIn(const std::string& answer) {
+  std::vector<Replayed> out;
+  for (std::size_t at = 0; at + 8 <= answer.size();) {
+    std::uint32_t head[2];
+    std::memcpy(head, answer.data() + at, sizeof head);
+    const auto* message = reinterpret_cast<const std::uint8_t*>(answer.data() + at + 8);
+    flatbuffers::Verifier verifier(message, head[1]);
+    if (!fb::VerifyMessageBuffer(verifier)) throw std::runtime_error("not a message");
+    out.push_back({head[0], fb::GetMessage(message)->payload_as_GameBodies()});
+    at += 8 + head[1];
+  }
+  return out;
+}
+
+TEST(GameOnTheWire, ARecordedSession_ShowsTheBodiesThatLiveClientsWereTold) {
+  const TempFolder folder;
+  Told told;
+  EXPECT_EQ(recordSession(folder.path("run.h5"), 2300, told), 4);
+  ReplayedRecording recording(folder.path("run.h5"));
+  const auto answer = recording.answer(orThrow(parseReplayQuestion("bodies")));
+  ASSERT_EQ(answer.status, 200);
+  const std::vector<Replayed> changes = changesIn(answer.body);
+  ASSERT_GE(changes.size(), 4U);
+  ASSERT_EQ(changes.size(), told.size());
+  std::map<std::uint32_t, const fb::GameShapes*> shapes;
+  for (std::size_t i = 0; i < changes.size(); ++i) {
+    SCOPED_TRACE(i);
+    EXPECT_EQ(changes[i].row, told[i].first);
+    for (const auto* set : *changes[i].bodies->new_shapes()) shapes[set->id()] = set;
+    const GameBodies& live = *told[i].second;
+    ASSERT_EQ(changes[i].bodies->bodies()->size(), live.size());
+    for (std::size_t k = 0; k < live.size(); ++k) {
+      const auto* body = changes[i].bodies->bodies()->Get(static_cast<unsigned>(k));
+      EXPECT_EQ(body->slot(), static_cast<std::uint32_t>(live[k].slot));
+      EXPECT_EQ(body->generation(), static_cast<std::uint32_t>(live[k].generation));
+      EXPECT_EQ(static_cast<int>(body->state()), static_cast<int>(live[k].state));
+      ASSERT_TRUE(shapes.count(body->shapes()));
+      const auto* piece = shapes[body->shapes()]->pieces()->Get(0);
+      const Shape& given = live[k].shapes->pieces[0];
+      EXPECT_EQ(static_cast<int>(piece->type()), static_cast<int>(given.type));
+      const Eigen::Vector3d from_com_m = given.in_body.translation_m - live[k].shapes->com_m;
+      EXPECT_NEAR(piece->in_body()->position_m().z(), from_com_m.z(), tolerance(1e-6));
+      if (given.type != ShapeType::kConvexMesh) continue;
+      EXPECT_EQ(piece->points_m()->size(), 4U);
+      EXPECT_EQ(piece->triangles()->size(), 12U) << "faces of its hull";
+    }
+  }
 }
 
 }  // namespace

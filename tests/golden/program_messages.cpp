@@ -82,6 +82,24 @@ LoopStatus someStatus() {
   return s;
 }
 
+/// A ball in slot 3, which is the one of number 1002; three more beyond the slots.
+wire::Bytes bodiesBeyondSlots() {
+  GameShapes ball;
+  ball.id = 11;
+  ball.com_m = {0.0, 0.0, 0.01};
+  ball.pieces.resize(1);
+  ball.pieces[0].type = ShapeType::kSphere;
+  ball.pieces[0].radius_m = 0.03;
+  const auto shapes = std::make_shared<const GameShapes>(ball);
+  const auto at = [](double x_m) { return BodyPose{{x_m, 0.5, -0.25}, {0.6, 0.0, 0.0, 0.8}}; };
+  return wire::gameBodiesMessage(
+      4, {{3, 1 << 23, SlotState::kGhost, shapes}}, {shapes},
+      {{{1000, 5, 0, -1, Whereabouts::kOutOfReach, at(3.0)}, shapes},
+       {{1001, 1, 0, -1, Whereabouts::kLeftOut, at(0.1)}, shapes},
+       {{1002, 7, 0, 3, Whereabouts::kInSlot, at(0.2)}, shapes},
+       {{32767, 2, 0, -1, Whereabouts::kOutOfReach, at(0.3)}, nullptr}});  // registered no more
+}
+
 CommissioningFacts failedStep() {
   CommissioningFacts facts;
   facts.device = "rail";
@@ -117,6 +135,7 @@ std::vector<std::pair<std::string, wire::Bytes>> programMessages() {
       {"program_state_compact", state(someStatus(), wire::Detail::kCompact)},
       {"program_state_recorded", state(someStatus(), wire::Detail::kRecorded)},
       {"program_events", wire::eventsMessage(events)},
+      {"program_game_bodies_beyond_slots", bodiesBeyondSlots()},
       {"program_controls",
        wire::controlsMessage({true, true, Role::kTherapist, Role::kTherapist, true})},
       {"program_reply", wire::replyMessage(7, {true, "", Refusal::kNone})},

@@ -26,11 +26,11 @@ fi
 root=$PWD
 # shellcheck source=scripts/lib.sh
 source scripts/lib.sh
-[[ $(packages_of run) == g++* && $(packages_of run) != *clang* ]]
+[[ $(packages_of run) == clang* && $(packages_of run) != *g++* ]]
 [[ $(packages_of check) == *libgtest-dev* ]]
 [[ $(packages_of web) == $'nodejs\nnpm' ]]
 # A misspelt name of a package would be found missing on every machine.
-if command -v apt-cache >/dev/null && apt-cache show g++ >/dev/null 2>&1; then
+if command -v apt-cache >/dev/null && apt-cache show clang >/dev/null 2>&1; then
   mapfile -t packages < <(packages_of run web check develop)
   known=" $(apt-cache show --no-all-versions "${packages[@]}" 2>/dev/null |
     sed -n 's/^Package: //p' | tr '\n' ' ') "

@@ -25,45 +25,60 @@ for name in GoodType goodFunction good_variable good_member_ kGoodConstant kGood
     exit 1
   fi
 done
-# In batches, as ./check has it, it bites as well; sources with the same private names are parted.
+# As ./check has it, with its plugin, it finds the same.
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 mkdir "$folder/src"
 cp tests/house/bad_names.cpp "$folder/src/bad.cpp"
+# In a header of others nothing is looked at, in one of ours everything.
+mkdir "$folder/others"
+printf 'struct names_of_others {};\n' >"$folder/others/others.hpp"
+printf '#pragma once\n#include <others.hpp>\nstruct bad_type_of_a_header {};\n' >"$folder/src/ours.hpp"
 for name in one two; do
   printf 'namespace {\nconstexpr int kSame = 1;\n}  // namespace\nint %s() { return kSame; }\n' "$name" \
     >"$folder/src/$name.cpp"
 done
 for name in bad one two; do
-  printf '{"directory": "%s", "file": "%s", "command": "clang++ -std=c++20 -o x.o -c %s"}\n' \
-    "$folder" "$folder/src/$name.cpp" "$folder/src/$name.cpp"
+  printf '{"directory": "%s", "file": "%s", "command": "clang++ -std=c++20 -isystem %s -o x.o -c %s"}\n' \
+    "$folder" "$folder/src/$name.cpp" "$folder/others" "$folder/src/$name.cpp"
 done | sed -e '1s/^/[/' -e '$!s/$/,/' -e '$s/$/]/' >"$folder/compile_commands.json"
-batched=$(python3 -B scripts/tidy.py "$folder" 2 "$folder/src") && {
-  echo "batches: nothing is found in tests/house/bad_names.cpp"
+found=$(python3 -B scripts/tidy.py "$folder" 2 "$folder/src") && {
+  echo "tidy.py: nothing is found in tests/house/bad_names.cpp"
   exit 1
 }
-[[ $(grep -o "error: .*" <<<"$batched") == "$(grep -o "error: .*" <<<"$said")" ]] || {
-  echo "batches: something else is said of tests/house/bad_names.cpp:"
-  echo "$batched"
+[[ $(grep -o "error: .*" <<<"$found") == "$(grep -o "error: .*" <<<"$said")" ]] || {
+  echo "tidy.py: something else is said of tests/house/bad_names.cpp:"
+  echo "$found"
   exit 1
 }
-grep -qx '3 files in 1 batches, 3 looked at alone, 0 clean before, 1 with faults' <<<"$batched" || {
-  echo "batches: $batched"
+grep -qx '3 files looked at, 0 clean before, 1 with faults' <<<"$found" || {
+  echo "tidy.py: $found"
   exit 1
 }
+cp "$folder/src/two.cpp" "$folder/two.cpp"
+sed -i '1i #include "ours.hpp"' "$folder/src/two.cpp"
+if said=$(python3 -B scripts/tidy.py "$folder" 2 "$folder/src"); then
+  echo "tidy.py: nothing is found in a header: $said"
+  exit 1
+fi
+if ! grep -q "'bad_type_of_a_header'" <<<"$said" || grep -q names_of_others <<<"$said"; then
+  echo "tidy.py: something else is said of two headers: $said"
+  exit 1
+fi
+mv "$folder/two.cpp" "$folder/src/two.cpp"
 : >"$folder/src/bad.cpp"
 python3 -B scripts/tidy.py "$folder" 2 "$folder/src" || {
-  echo "batches: clean files are refused"
+  echo "tidy.py: clean files are refused"
   exit 1
 }
 printf 'namespace empty {}\nnamespace idle = empty;\n' >"$folder/src/one.cpp"
 if said=$(python3 -B scripts/tidy.py "$folder" 2 "$folder/src"); then
-  echo "batches: an alias that nobody uses was passed over: $said"
+  echo "tidy.py: an alias that nobody uses was passed over: $said"
   exit 1
 fi
 : >"$folder/src/unknown.cpp"
 if python3 -B scripts/tidy.py "$folder" 2 "$folder/src" 2>/dev/null; then
-  echo "batches: a source that the build does not know was passed over"
+  echo "tidy.py: a source that the build does not know was passed over"
   exit 1
 fi
 rm "$folder/src/unknown.cpp"

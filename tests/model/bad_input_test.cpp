@@ -149,10 +149,10 @@ TEST(BadInput, Device_OneMistakeOneMessageWithPlaceAndRemedy) {
        "out of range", "[0, 8]"},
       {"device", "output_delay_ticks = 1", "output_delay_ticks = 1.5", "1.5", "output_delay_ticks",
        "not a whole number", "[0, 8]"},
-      {"device", "name = \"y\"", "name = \"x\"", "", "axes[x].name", "twice", "once"},
+      {"device", "name = \"y\"", "name = \"x\"", "", "axes[x].name", "twice", "name of its own"},
       {"device", "name = \"y\"", "name = \"up\"", "\"up\"", "axes[up].name",
        "not an axis that carries", "yaw"},
-      {"device", "name = \"y\"", "name = \"roll\"", "", "axes[roll].type", "does not go",
+      {"device", "name = \"y\"", "name = \"roll\"", "", "axes[roll].type", "does not match",
        "\"rotation\""},
       {"device", "name = \"y\"", "name = \"\"", "name = \"\"", "axes[].name", "is empty", ""},
       {"device", "group = \"base\"", "group = \"arm\"", "\"arm\"", "axes[x].group", "unknown",
@@ -166,9 +166,41 @@ TEST(BadInput, Device_OneMistakeOneMessageWithPlaceAndRemedy) {
       {"device", "kind = \"device\"", "kind = \"hand\"", "kind = \"hand\"", "kind", "another kind",
        "device"},
       {"device", "name = \"lambda-pride\"", "name = \"a\"\nname = \"b\"", "name = \"b\"", "",
-       "is not TOML", "mend"},
+       "is not TOML", "correct"},
   };
   for (const Case& c : cases) expectFault(c);
+}
+
+std::vector<std::string> keysOf(const Diagnostics& faults) {
+  std::vector<std::string> keys;
+  for (const Diagnostic& fault : faults) keys.push_back(fault.key);
+  return keys;
+}
+
+TEST(BadInput, AxisOfUnknownType_AllItsOtherFaultsAreListed) {
+  const test::TempFolder folder;
+  const auto spoilt = [&](const std::string& kind) {
+    std::string text = readAll(shipped("device"));
+    const std::size_t axis =
+        text.find(kind == "translation" ? "name = \"x\"" : "name = \"thumb_flexion\"");
+    const auto replace = [&](const std::string& find, const std::string& with) {
+      const std::size_t at = text.find(find, axis);
+      ASSERT_NE(at, std::string::npos) << find;
+      text.replace(at, find.size(), with);
+    };
+    replace("type = \"" + kind + "\"", "type = \"linear\"");
+    replace("speed_limit_", "sped_limit_");
+    replace("damping_", "damping_unit_");
+    return faultsOf("device", folder.write(kind + ".toml", text));
+  };
+  // An unknown key and the one that is missing for it are one fault.
+  EXPECT_EQ(keysOf(spoilt("translation")),
+            (std::vector<std::string>{"axes[x].type", "axes[x].sped_limit_m_s",
+                                      "axes[x].damping_unit_n_s_m"}));
+  EXPECT_EQ(
+      keysOf(spoilt("rotation")),
+      (std::vector<std::string>{"axes[thumb_flexion].type", "axes[thumb_flexion].sped_limit_rad_s",
+                                "axes[thumb_flexion].damping_unit_nm_s_rad"}));
 }
 
 TEST(BadInput, GainsPatientAndHand_OneMistakeOneMessageWithPlaceAndRemedy) {
@@ -225,9 +257,10 @@ TEST(BadInput, WrongAxisName_IsOneMessageWithTheNameItStandsFor) {
       {"rendering", "[[axes]]", "[[axes]]\nname = \"roll\"\n[[axes]]", "\"roll\"",
        "axes[roll].name", "is not an axis of the device", "remove it"},
       {"patient", "name = \"finger_flexion\"", "name = \"finger_flexoin\"", "\"finger_flexoin\"",
-       "axes[finger_flexoin].name", "is no axis of the device", "did you mean finger_flexion?"},
+       "axes[finger_flexoin].name", "is neither an axis of the device",
+       "did you mean finger_flexion?"},
       {"patient", "name = \"x\"", "name = \"elbow\"", "\"elbow\"", "axes[elbow].name",
-       "is no axis of the device", ""},
+       "is neither an axis of the device", ""},
   };
   for (const Case& c : cases) expectFault(c);
 }
@@ -362,7 +395,7 @@ TEST(BadInput, SelfContacts_OneMistakeOneMessageWithPlaceAndRemedy) {
        "not a capsule of a hand", "did you mean index_distal?"},
       {"hand", "\"pad_radial\"", "\"pad_radical\"", at, "self_contacts.index_distal",
        "names pad_radical, which is not a capsule", "did you mean pad_radial?"},
-      {"hand", at, at + "\"index_distal\", ", at, "self_contacts.index_distal", "stop itself",
+      {"hand", at, at + "\"index_distal\", ", at, "self_contacts.index_distal", "lists itself",
        "remove index_distal"},
       {"hand", at, at + "\"hollow\", ", at, "self_contacts.index_distal",
        "the pair with hollow a second time", "remove hollow"},
@@ -371,7 +404,7 @@ TEST(BadInput, SelfContacts_OneMistakeOneMessageWithPlaceAndRemedy) {
        "the pair with thumb_distal a second time", "a pair counts for both"},
       {"hand", at, at + "3, ", at, "self_contacts.index_distal", "not a text", "texts in quotes"},
       {"hand", at, "web_23 = [\"index_proximal\"]\n" + at, "web_23 = [", "self_contacts.web_23",
-       "index_proximal: is of the same rigid link as web_23", "never move against each other"},
+       "index_proximal: is part of the same rigid link as web_23", "never move against each other"},
       // Neighbouring segments of a finger share a joint, about which their round ends meet.
       {"hand", at, "index_middle = [\"index_proximal\"]\n" + at, "index_middle = [",
        "self_contacts.index_middle", "index_proximal: overlaps index_middle by",

@@ -290,10 +290,10 @@ TEST(MirroredHand, WrongFile_IsRefusedByKeyAndValue) {
   folder.write("mirror.toml", "kind = \"hand\"\nversion = 1\nmirror_of = \"somebody\"\n");
   const std::vector<std::array<std::string, 3>> cases = {
       {"nobody", "", "cannot be read"},
-      {"../hand", "", "is no file of this folder"},
-      {"mirror", "", "is a mirror image of another"},
-      {"hand", "", "is a mirror image of another"},  // itself
-      {"mirror", "length_m = 0.1\n", "length_m"},    // which one would hold?
+      {"../hand", "", "names no file of this folder"},
+      {"mirror", "", "is itself a mirror image of another hand"},
+      {"hand", "", "is itself a mirror image of another hand"},  // itself
+      {"mirror", "length_m = 0.1\n", "length_m"},                // which one would hold?
   };
   for (const auto& [name, more, why] : cases) {
     const std::string said = told(folder, "mirror_of = \"" + name + "\"\n" + more);

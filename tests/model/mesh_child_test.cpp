@@ -56,11 +56,11 @@ TEST(MeshReader, FileThatHoldsNone_IsRefusedInTheWordsOfThisProcess) {
 TEST(MeshReader, ThatDies_IsAnErrorWithTheFilesName) {
   const TempFolder folder;
   EXPECT_EQ(problemOf(script(folder, "kill -SEGV $$"), "a/mug.dae"),
-            "the mesh file a/mug.dae ended its reader: Segmentation fault");
+            "the mesh file a/mug.dae crashed its reader: Segmentation fault");
   EXPECT_EQ(problemOf(script(folder, "kill -ABRT $$"), "a/mug.dae"),
-            "the mesh file a/mug.dae ended its reader: Aborted");
+            "the mesh file a/mug.dae crashed its reader: Aborted");
   EXPECT_EQ(problemOf(script(folder, "exit 1"), "a/mug.dae"),
-            "the mesh file a/mug.dae ended its reader, which may use 1 GB of memory");
+            "the mesh file a/mug.dae made its reader fail, which may use 1 GB of memory");
   EXPECT_EQ(problemOf("/nowhere/reader", "a/mug.dae"),
             "the mesh file a/mug.dae was not read: its reader could not be started: "
             "No such file or directory");
@@ -69,7 +69,7 @@ TEST(MeshReader, ThatDies_IsAnErrorWithTheFilesName) {
 TEST(MeshReader, ThatHandsOverNonsense_IsRefused) {
   const TempFolder folder;
   EXPECT_EQ(problemOf(script(folder, "echo nonsense"), "a.stl"),
-            "what the reader of meshes handed over is damaged");
+            "the result of the mesh reader is damaged");
 }
 
 TEST(MeshHandOver, IndexOfNoPoint_IsRefused) {
@@ -100,7 +100,7 @@ TEST(MeshFile, RandomDamage_IsReadOrRefusedAndEndsNothing) {
     const Diagnostic& why = mesh.errors().front();
     EXPECT_NE(why.problem.find(path), std::string::npos) << why.problem;
     EXPECT_FALSE(why.remedy.empty());
-    if (why.problem.find("ended its reader") != std::string::npos) {
+    if (why.problem.find(" its reader") != std::string::npos) {
       ++died;
       std::printf("%s: %s\n", ending.c_str(), why.problem.c_str());
     }

@@ -120,14 +120,15 @@ TEST(ConvexMesh, BadMeshes_SayWhatIsWrong) {
   }
   EXPECT_NE(problemOf(folder.path("none.stl")).find("there is no such"), std::string::npos);
   EXPECT_NE(problemOf(folder.write("empty.stl", "")).find("is empty"), std::string::npos);
-  EXPECT_NE(
-      problemOf(folder.write("cup.xyz", "0 0 0\n")).find("no known kind: its name ends in .xyz"),
-      std::string::npos);
+  EXPECT_NE(problemOf(folder.write("cup.xyz", "0 0 0\n"))
+                .find("not of a supported format: its name ends in .xyz"),
+            std::string::npos);
   // A sound cube in a kind that assimp reads and nobody documented, under its own name and
   // another's.
   const std::string off =
       "OFF\n4 4 0\n0 0 0\n0.02 0 0\n0 0.02 0\n0 0 0.02\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
-  EXPECT_NE(problemOf(folder.write("cup.off", off)).find("no known kind"), std::string::npos);
+  EXPECT_NE(problemOf(folder.write("cup.off", off)).find("not of a supported format"),
+            std::string::npos);
   EXPECT_FALSE(problemOf(folder.write("cup.obj", off)).empty());
   EXPECT_NE(
       problemOf(folder.write("noise.stl", "not a mesh")).find("holds no surface that can be read"),
@@ -261,7 +262,7 @@ TEST(Urdf, BadFiles_NameLineElementAndFault) {
       {ok + b, "robot", "2 root links"},
       {ok + b + joint("fixed") + joint("fixed"), "joint[lid].child", "two joints"},
       {ok + joint("fixed"), "joint[lid].child", "no link of that name"},
-      {ok + ok, "link[a]", "twice"},
+      {ok + ok, "link[a]", "two links"},
       {shaped("<sphere radius=\"nan\"/>"), "link[a].collision[0].sphere.radius", "cannot be read"},
       {shaped("<sphere radius=\"-1\"/>"), "sphere.radius", "out of range"},
       {shaped("<sphere/>"), "sphere.radius", "missing"},
@@ -291,9 +292,9 @@ TEST(Urdf, BadFiles_NameLineElementAndFault) {
   }
   const Expected<UrdfBody> broken = loadUrdf(folder.write("broken.urdf", "<robot><link></robot>"));
   ASSERT_FALSE(broken.ok());
-  EXPECT_NE(
-      format(broken.errors()).find("broken.urdf:1: is not whole XML: an element is not closed"),
-      std::string::npos)
+  EXPECT_NE(format(broken.errors())
+                .find("broken.urdf:1: is not well-formed XML: an element is not closed"),
+            std::string::npos)
       << format(broken.errors());
   const auto said = [&](const std::string& text) {
     return format(loadUrdf(folder.write("said.urdf", text)).errors());
@@ -301,9 +302,9 @@ TEST(Urdf, BadFiles_NameLineElementAndFault) {
   EXPECT_NE(said("").find("said.urdf: is empty; give"), std::string::npos) << said("");
   EXPECT_NE(said("kind = \"scene\"\n").find("it holds no XML"), std::string::npos)
       << said("kind\n");
-  EXPECT_NE(
-      said("<robot>\n<link name=a/></robot>").find("said.urdf:2: is not whole XML: an attribute"),
-      std::string::npos)
+  EXPECT_NE(said("<robot>\n<link name=a/></robot>")
+                .find("said.urdf:2: is not well-formed XML: an attribute"),
+            std::string::npos)
       << said("<robot>\n<link name=a/></robot>");
   EXPECT_FALSE(loadUrdf(folder.write("other.urdf", "<model/>")).ok());
   EXPECT_FALSE(loadUrdf(folder.path("none.urdf")).ok());
@@ -320,6 +321,24 @@ TEST(Urdf, ManyFaults_AreTwentyAndTheirNumber) {
   ASSERT_EQ(body.errors().size(), 21U) << format(body.errors());
   EXPECT_NE(format(body.errors().back()).find("has 10 more faults"), std::string::npos)
       << format(body.errors().back());
+}
+
+// Found by an audit: each took half a minute and longer.
+TEST(Urdf, BeyondBounds_IsRefusedBeforeItIsParsed) {
+  std::string attributes = "<robot", links = "<robot name=\"r\">", bare = links;
+  for (int i = 0; i < 100'000; ++i) attributes += " a" + std::to_string(i) + "=\"1\"";
+  for (int i = 0; i < 100'000; ++i) links += "<link name=\"" + std::to_string(i) + "\"/>";
+  for (int i = 0; i < 100'000; ++i) bare += "<link/>";
+  const TempFolder folder;
+  const auto said = [&](const std::string& text) {
+    const Expected<UrdfBody> body = loadUrdf(folder.write("large.urdf", text));
+    return body.ok() ? "read" : format(body.errors());
+  };
+  EXPECT_NE(said(attributes + "/>").find("has more than 8000 attributes"), std::string::npos);
+  EXPECT_NE(said(links + "</robot>").find("has more than 8000 attributes"), std::string::npos);
+  EXPECT_NE(said(bare + "</robot>").find("has more than 16000 elements"), std::string::npos);
+  EXPECT_NE(said("<robot>" + std::string(5 << 20, ' ') + "</robot>").find("larger than 4 MB"),
+            std::string::npos);
 }
 
 TEST(Urdf, LinksInACircle_AreRefused) {

@@ -115,17 +115,17 @@ INSTANTIATE_TEST_SUITE_P(
              "[0, 3600] s"},
         Case{"releases", "effort_share = 0.6", "effort_share = 0", "letting_go.effort_share",
              "(0, 10]"},
-        Case{"slams", "axis = \"x\"", "axis = \"w\"", "slam.axis", "no axis of the device"},
+        Case{"slams", "axis = \"x\"", "axis = \"w\"", "slam.axis", "neither an axis of the device"},
         Case{"slams", "towards = \"upper\"", "towards = \"up\"", "slam.towards", "upper"},
         Case{"slams", "speed_share = 0.98", "speed_share = 2.5", "slam.speed_share", "(0, 2]"},
         Case{"slams", "effort_share = 2.0", "effort_share = 6", "slam.effort_share", "(0, 5]"},
         Case{"fights", "reaction_s = 0.0", "reaction_s = 1.5", "fight.reaction_s", "[0, 1] s"},
         Case{"relaxed-adult", "[motion]", "[fight]\nreaction_s = 0.1\n[motion]", "fight",
-             "moves nothing"},
+             "has no effect"},
         Case{"relaxed-adult", "stiffness_n_m = 300.0", "stiffness_n_m = 300.0\nfight_n = 3.0",
              "fight", "is missing"},
         Case{"relaxed-adult", "[motion]", "[letting_go]\n[motion]", "letting_go",
-             "neither when nor at which effort"}));
+             "neither after_s nor effort_share"}));
 
 }  // namespace
 }  // namespace wholehand

@@ -72,13 +72,12 @@ inline SceneModel weightless(std::vector<SceneBody> bodies) {
   return scene;
 }
 
-/// The engines that this program is built with; `for_persons`: those that a person may be attached
-/// to.
-inline std::vector<std::string> builtEngines(bool for_persons = false) {
+/// The engines that this program is built with and that are held to a group of laws.
+inline std::vector<std::string> builtEngines(bool contact_laws) {
   std::vector<std::string> names;
   for (const Engine& engine : engines()) {
-    const bool asked = !for_persons || engine.persons_refused_because.empty();
-    if (engine.build && asked) names.push_back(engine.name);
+    const bool held = !contact_laws || boundsOf(engine.name).contact_laws;
+    if (engine.build && held) names.push_back(engine.name);
   }
   return names;
 }
@@ -95,16 +94,17 @@ inline std::string testName(std::string engine) {
   return engine;
 }
 
-/// A law that every engine keeps: its parameter is the engine's name.
+/// A law of engines: its parameter is the engine's name.
 class EngineTest : public testing::TestWithParam<std::string> {};
 
 }  // namespace wholehand::test
 
-#define WHOLEHAND_ENGINES(suite)                                              \
-  INSTANTIATE_TEST_SUITE_P(Engines, suite, testing::ValuesIn(builtEngines()), \
+/// A law that every engine keeps.
+#define WHOLEHAND_ENGINES(suite)                                                   \
+  INSTANTIATE_TEST_SUITE_P(Engines, suite, testing::ValuesIn(builtEngines(false)), \
                            [](const auto& one) { return testName(one.param); })
 
-/// Of laws that a baseline of comparisons does not keep (docs/engines.md says which).
-#define WHOLEHAND_ENGINES_FOR_PERSONS(suite)                                      \
+/// A law of pressed, grasped and sliding contacts (Bounds::contact_laws, docs/engines.md).
+#define WHOLEHAND_ENGINES_OF_CONTACT_LAWS(suite)                                  \
   INSTANTIATE_TEST_SUITE_P(Engines, suite, testing::ValuesIn(builtEngines(true)), \
                            [](const auto& one) { return testName(one.param); })

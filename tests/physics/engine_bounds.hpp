@@ -4,9 +4,10 @@
 
 namespace wholehand::test {
 
-/// How near an engine comes to each law of the conformance suite. The defaults are asked of every
-/// engine that a person may be attached to.
+/// Which laws of the conformance suite an engine is held to, and how near it comes to each. The
+/// defaults are asked of every engine that a person may be attached to.
 struct Bounds {
+  bool contact_laws = true;          ///< those of pressed, grasped and sliding contacts, too
   double free_motion = 1e-9;         ///< of q̈_s = M_r⁻¹ f_s, a step [m/s or rad/s]
   double momentum_ns = 1e-12;        ///< action against reaction
   double beyond_cone = 1e-9;         ///< tangential over allowed friction force, less 1

@@ -14,9 +14,9 @@ namespace {
 class FixedContact : public EngineTest {};
 WHOLEHAND_ENGINES(FixedContact);
 class PressedContact : public EngineTest {};
-WHOLEHAND_ENGINES_FOR_PERSONS(PressedContact);
+WHOLEHAND_ENGINES_OF_CONTACT_LAWS(PressedContact);
 class Grasp : public EngineTest {};
-WHOLEHAND_ENGINES_FOR_PERSONS(Grasp);
+WHOLEHAND_ENGINES_OF_CONTACT_LAWS(Grasp);
 class FrictionCone : public EngineTest {};
 WHOLEHAND_ENGINES(FrictionCone);
 

@@ -26,11 +26,11 @@ BodyPlacements place(int body, const Eigen::Vector3d& at_m,
 class PlacedBody : public EngineTest {};
 WHOLEHAND_ENGINES(PlacedBody);
 class PressedBody : public EngineTest {};
-WHOLEHAND_ENGINES_FOR_PERSONS(PressedBody);
+WHOLEHAND_ENGINES_OF_CONTACT_LAWS(PressedBody);
 class SlidingFixedBody : public EngineTest {};
 WHOLEHAND_ENGINES(SlidingFixedBody);
 class SlidingWall : public EngineTest {};
-WHOLEHAND_ENGINES_FOR_PERSONS(SlidingWall);
+WHOLEHAND_ENGINES_OF_CONTACT_LAWS(SlidingWall);
 
 /// A body whose principal axes are not its own: a bar along (1, 1, 0).
 SceneBody slantedBar(bool fixed) {

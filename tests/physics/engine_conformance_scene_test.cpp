@@ -15,7 +15,7 @@ WHOLEHAND_ENGINES(Determinism);
 class BadScene : public EngineTest {};
 WHOLEHAND_ENGINES(BadScene);
 class ManyWalls : public EngineTest {};
-WHOLEHAND_ENGINES_FOR_PERSONS(ManyWalls);
+WHOLEHAND_ENGINES_OF_CONTACT_LAWS(ManyWalls);
 class PlaceHand : public EngineTest {};
 WHOLEHAND_ENGINES(PlaceHand);
 
@@ -116,12 +116,20 @@ TEST_P(ManyWalls, ThirtyAtOnePlace_CarryWhatOneWould) {
   EXPECT_NEAR(push_n, asked_n, tolerance(boundsOf(GetParam()).carried_share) * asked_n);
 }
 
+TEST(Engines, ForPersons_AreHeldToEveryLaw) {
+  for (const Engine& engine : engines()) {
+    if (!engine.persons_refused_because.empty()) continue;
+    EXPECT_TRUE(boundsOf(engine.name).contact_laws) << engine.name;
+  }
+}
+
 TEST(Engines, OfAnUnknownName_AreRefusedWithTheNamesThereAre) {
   const Models m = load(shippedFiles());
   const auto world = buildWorld("havok", m.hand, m.scene);
   ASSERT_FALSE(world);
   EXPECT_EQ(format(world.errors()),
-            "--engine = havok: is not a known engine; use bullet or mujoco or bullet-paper");
+            "--engine = havok: is not a known engine; use bullet or mujoco or bullet-newton "
+            "or bullet-paper or bullet-paper-gears");
 }
 
 TEST(Engines, ThatAreNotBuiltIn_AreRefusedWithTheWayToBuildThem) {

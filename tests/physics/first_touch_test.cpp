@@ -1,6 +1,6 @@
 // First touch of a hand axis, against the exact separation of shapes all along its travel.
+#include "core/sanitized.hpp"
 #include "physics/still_hand.hpp"
-#include "realtime/sanitized.hpp"
 #include "support/seed.hpp"
 #include "support/tolerance.hpp"
 
@@ -77,20 +77,20 @@ Found expectFirstTouches(const Named& named, std::mt19937_64 random, int first, 
     still.closure.reset();
     AxisPosition at50 = still.tick();
     for (int k = 1; k < 50; ++k) at50 = still.tick();
-    AxisPosition last = at50;
-    for (int k = 0; k < 300; ++k) last = still.tick();
+    AxisPosition settled = at50;
+    for (int k = 0; k < 300; ++k) settled = still.tick();
     still.closure.reset();
     for (int k = 1; k <= 50; ++k) {
       const AxisPosition now = still.tick();
       for (int a = kFingers; a <= kThumb; ++a) {
-        if (!sameTouch(now[a], last[a], 1e-4)) slowest = std::max(slowest, k);
+        if (!sameTouch(now[a], settled[a], 1e-4)) slowest = std::max(slowest, k);
       }
     }
     for (int a = kFingers; a <= kThumb; ++a) {
       SCOPED_TRACE(still.model.axis_names[a] + ", case " + std::to_string(n));
       const double touch = at50[a];
       // 0.1 mm of path, at the lever arm of 8 cm.
-      EXPECT_TRUE(sameTouch(touch, last[a], 1.25e-3)) << touch << " and " << last[a];
+      EXPECT_TRUE(sameTouch(touch, settled[a], 1.25e-3)) << touch << " and " << settled[a];
       const double lower = still.model.axis_lower[a], upper = still.model.axis_upper[a];
       // Nothing overlaps before ...
       const double end = std::isnan(touch) ? upper : touch;

@@ -188,7 +188,7 @@ TEST(SelfContact, MadeByAPersonOnTheDevice_ComesToRest) {
       const auto rig = orThrow(buildRig(
           std::move(m), Intention::throughWaypoints({{0.0, open}, {0.5, open}, {1.5, shut}}), {}));
       ASSERT_TRUE(rig->renderer->arm());
-      AxisPosition first, last;
+      AxisPosition first;
       double wandered = 0.0;
       int touching = 0;
       runTicks(*rig->renderer, 10000, [&](const TickRecord& r) {

@@ -1,6 +1,6 @@
 #include "process/child_process.hpp"
 
-#include "realtime/sanitized.hpp"
+#include "core/sanitized.hpp"
 
 #include <gtest/gtest.h>
 

@@ -62,9 +62,10 @@ TEST_P(AtEveryRate, PressedToSaturationAndDrawnBack_RippleIsAsWithoutTheTank) {
   EXPECT_EQ(with.damped_ticks, 0);
 }
 
-TEST_P(AtEveryRate, ShippedBar_NeitherTankNorSlewLimitActs) {
+/// Plays the bar with the shipped gains. @param divisor ticks per physics step
+void playTheBar(int rate_hz, int divisor) {
   // One level by the seed; all four where every large count is asked for.
-  auto random = seededRandom(static_cast<unsigned>(GetParam()));
+  auto random = seededRandom(static_cast<unsigned>(rate_hz + divisor - 1));
   const bool full = std::getenv("WHOLEHAND_FULL") != nullptr;
   const int drawn = 1 + static_cast<int>(random() % 4U);
   for (int level = full ? 1 : drawn; level <= (full ? 4 : drawn); ++level) {
@@ -72,8 +73,9 @@ TEST_P(AtEveryRate, ShippedBar_NeitherTankNorSlewLimitActs) {
     files.exercise = std::string(WHOLEHAND_SOURCE_DIR) + "/config/exercises/cocktail-bar.toml";
     files.level = level;
     Models m = load(files);
+    m.rendering.physics_divisor = divisor;
     RigOptions options;
-    options.period_s = 1.0 / GetParam();
+    options.period_s = 1.0 / rate_hz;
     std::unique_ptr<Player> player = m.exercise->makePlayer(random());
     Player& seeing = *player;
     auto device =
@@ -81,7 +83,7 @@ TEST_P(AtEveryRate, ShippedBar_NeitherTankNorSlewLimitActs) {
     const auto rig = build(std::move(m), std::move(device), options);
     ASSERT_TRUE(rig->renderer->arm());
     int damped = 0, slewed = 0, ticks = 0, poured = 0;
-    runTicks(*rig->renderer, (full ? 40 : 8) * GetParam(), [&](const TickRecord& r) {
+    runTicks(*rig->renderer, (full ? 40 : 8) * rate_hz, [&](const TickRecord& r) {
       seeing.see(r);
       damped += any(r.faults & Fault::kTankEmpty) ? 1 : 0;
       slewed += any(r.faults & Fault::kEffortSlew) ? 1 : 0;
@@ -89,7 +91,8 @@ TEST_P(AtEveryRate, ShippedBar_NeitherTankNorSlewLimitActs) {
       poured += r.contact_count > 0 ? 1 : 0;
     });
     const std::string at =
-        ", level " + std::to_string(level) + " at " + std::to_string(GetParam()) + " Hz";
+        ", level " + std::to_string(level) + " at " + std::to_string(rate_hz) + " Hz" +
+        (divisor > 1 ? ", physics at " + std::to_string(rate_hz / divisor) + " Hz" : "");
     figure("ticks of the bar in which the tank damps" + at, damped, "");
     figure("ticks in which the slew limit holds back" + at, slewed,
            ("of " + std::to_string(ticks)).c_str());
@@ -97,6 +100,15 @@ TEST_P(AtEveryRate, ShippedBar_NeitherTankNorSlewLimitActs) {
     EXPECT_EQ(slewed, 0) << at;
     EXPECT_GT(poured, 0) << "nothing was touched";
   }
+}
+
+TEST_P(AtEveryRate, ShippedBar_NeitherTankNorSlewLimitActs) {
+  playTheBar(GetParam(), 1);
+}
+
+TEST(PhysicsAtADivisor, ShippedBar_NeitherTankNorSlewLimitActs) {
+  playTheBar(4000, 4);
+  playTheBar(8000, 4);
 }
 
 INSTANTIATE_TEST_SUITE_P(EnergyTank, AtEveryRate, testing::Values(1000, 2000, 4000, 8000));

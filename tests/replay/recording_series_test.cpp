@@ -1,6 +1,7 @@
 // Stretches of a recording against a plain loop over its rows.
 #include "replay/recording_series.hpp"
 
+#include "replay/recording_report.hpp"
 #include "replay/series_channels.hpp"
 #include "replay/series_reader.hpp"
 #include "support/rig_tools.hpp"
@@ -9,6 +10,7 @@
 #include "telemetry/synthetic_recording.hpp"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -233,6 +235,44 @@ TEST(RecordingSeries, StretchWithoutTicks_IsEmptyAndNoFault) {
     for (const float value : series.values) EXPECT_TRUE(std::isnan(value));
     EXPECT_FALSE(series.header["truncated"]);
   }
+}
+
+// Found by an audit: a time that is no number led the plots beyond their memory.
+TEST(RecordingSeries, TickWhoseTimeIsNoNumber_IsUnreadableAndNothingElse) {
+  const Folder folder;
+  for (const double time_s :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    std::vector<TickRecord> ticks = quietTicks(20);
+    ticks[7].time_s = time_s;
+    ticks[9].contacts_dropped = std::numeric_limits<std::int32_t>::max();
+    const auto reader = recorded(folder, ticks);
+    TickRecord record;
+    for (std::uint64_t i = 0; i < reader->size(); ++i) {
+      EXPECT_EQ(reader->read(i, record), i != 7 && i != 9) << i;
+    }
+    const Series series = seriesOf(*reader, -kPeriod_s / 2, 19.5 * kPeriod_s, 20);
+    const std::size_t q_m = series.channel("q_m");
+    for (std::size_t c = 0; c < 20; ++c) {
+      EXPECT_EQ(std::isnan(series.low(q_m, c)), c == 7 || c == 9) << c;
+    }
+    EXPECT_EQ(series.header["unreadable"].size(), 2U);
+    EXPECT_TRUE(series.header["truncated"]);
+  }
+}
+
+// Of neighbouring ticks beyond 2^53 the times are the same: a stretch from one to the next has no
+// length.
+TEST(RecordingReport, TicksNumberedBeyondDoubles_AreReported) {
+  const Folder folder;
+  std::vector<TickRecord> ticks = quietTicks(2);
+  for (TickRecord& tick : ticks) {
+    tick.tick += std::uint64_t{1} << 60U;
+    tick.time_s = static_cast<double>(tick.tick) * kPeriod_s;
+  }
+  recorded(folder, ticks);
+  const auto data = reportData(folder.file("run.h5"), "");
+  ASSERT_TRUE(data) << format(data.errors());
+  EXPECT_EQ((*data)["about"]["ticks"], 2);
 }
 
 TEST(RecordingSeries, FloodOfEvents_IsCutAndSaysSo) {

@@ -19,6 +19,8 @@ TEST(ReplayQuestion, EachKind_IsReadAndToldAgain) {
   EXPECT_EQ(parsed("about").what, What::kAbout);
   EXPECT_EQ(parsed("about?token=abc").what, What::kAbout);
   EXPECT_EQ(parsed("scene?").what, What::kScene);
+  EXPECT_EQ(parsed("bodies?token=abc").what, What::kBodies);
+  EXPECT_EQ(textOf(parsed("bodies?token=abc")), "bodies");
   const ReplayQuestion states = parsed("states?step=25&tick=7&token=abc&count=256");
   EXPECT_EQ(states.what, What::kStates);
   EXPECT_EQ(states.states.first, 7U);

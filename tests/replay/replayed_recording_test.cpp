@@ -11,6 +11,7 @@
 #include "support/rig_tools.hpp"
 #include "support/seed.hpp"
 #include "telemetry/synthetic_recording.hpp"
+#include "unpacked.hpp"
 #include "wholehand_generated.h"
 
 #include <gtest/gtest.h>
@@ -59,19 +60,6 @@ std::vector<std::string> messagesIn(const ReplayAnswer& answer) {
   EXPECT_EQ(answer.status, 200) << answer.body;
   EXPECT_EQ(answer.content_type, "application/octet-stream");
   return splitMessages(answer.body);
-}
-
-/// What packBytes() packed, by Python's own base64 and zlib.
-std::string unpacked(const std::string& text) {
-  const Folder folder;
-  const std::string packed = folder.file("packed"), bytes = folder.file("bytes");
-  std::ofstream(packed) << text;
-  EXPECT_EQ(
-      python("import base64, zlib\nopen('" + bytes +
-             "', 'wb').write(zlib.decompress(base64.b64decode(open('" + packed + "').read())))"),
-      "");
-  std::ifstream in(bytes, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 ReplayAnswer ask(ReplayedRecording& recording, const std::string& question) {

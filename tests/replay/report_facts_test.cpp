@@ -93,6 +93,33 @@ TEST(TherapyFacts, LimitThatRamps_EndsAtItsValueAndStaysShort) {
   EXPECT_EQ(limit.back()[1], 10.0);
 }
 
+TEST(TherapyFacts, SlotsOfAGame_CountOnceTheyHeldABodyAndTheirEmptyPlaceIsNoWay) {
+  RecordingMeta meta = synthetic::meta();
+  const auto scene_bodies = meta.body_names.size() - 2;  // the last two are taken for slots
+  meta.game_slots = 2;
+  meta.capsule_names = {"palm"};
+  TherapyFacts facts(meta);
+  const auto slot = static_cast<int>(scene_bodies);
+  for (int i = 0; i < 300; ++i) {
+    TickRecord record = restingTick(i);
+    record.body_count = slot + 2;
+    for (int b = slot; b < record.body_count; ++b) record.bodies[b].position_m = {0, 0, -10};
+    // In the first slot one body moves 0.1 m in steps of 2 mm, another stands 1 m beside it.
+    const bool there = (i >= 50 && i <= 100) || i >= 200;
+    const double x_m = i >= 200 ? 1.1 : 0.002 * (i - 50);
+    if (there) record.bodies[slot].position_m = {x_m, 0, 0.5};
+    record.contact_count = there ? 1 : 0;
+    record.contacts[0].body = slot;
+    record.contacts[0].capsule = 0;
+    record.contacts[0].force_n = Vec3{0.0, 0.0, 1.0};
+    facts.add(record, true);
+  }
+  const auto json = facts.json();
+  EXPECT_EQ(json["bodies_in_scene"], scene_bodies + 1);
+  ASSERT_EQ(json["bodies"].size(), 1U);
+  EXPECT_NEAR(json["bodies"][0]["travelled_m"].get<double>(), 0.1, 1e-9);
+}
+
 TEST(TherapyFacts, ForceOnABody_IsToldByItsName) {
   RecordingMeta meta = synthetic::meta();
   meta.capsule_names = {"palm", "index_distal", "thumb_distal"};

@@ -40,6 +40,7 @@ class FakeProgram final : public ServerBackend {
     }
   }
   std::shared_ptr<const SceneFacts> scene() const override {
+    if (in_tick) in_tick();
     const std::lock_guard lock(mutex_);
     return scene_;
   }
@@ -101,6 +102,8 @@ class FakeProgram final : public ServerBackend {
   }
 
   std::filesystem::path folder;
+  /// Set before the server is opened; runs first in each of its ticks, and may in other threads.
+  std::function<void()> in_tick;
   std::shared_future<void> report_waits_for;  ///< where set, a report takes until then
   std::atomic<bool> report_begun{false};
   bool report_fails = false;

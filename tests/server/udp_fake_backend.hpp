@@ -160,6 +160,8 @@ class FakeBackend : public ServerBackend {
       case OrderType::kAnswer:
       case OrderType::kHoldToMove:
       case OrderType::kSetHelp:
+      case OrderType::kPrepareShapes:
+      case OrderType::kOrderBodies:
         return {true, ""};
     }
     return {false, "is not known"};

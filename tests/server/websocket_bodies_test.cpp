@@ -43,10 +43,16 @@ struct BodiesTest : ServerTest {
     GameBodies bodies;
     if (state != SlotState::kParked) bodies.push_back({3, 9, state, shapes});
     status.bodies = std::make_shared<const GameBodies>(bodies);
+    status.registered = registered;
     program.setStatus(status);
+  }
+  void showRegistered(const RegisteredBodies& bodies) {
+    registered = std::make_shared<const RegisteredBodies>(bodies);
+    show(SlotState::kSolid);
   }
 
   std::shared_ptr<const GameShapes> shapes;
+  std::shared_ptr<const RegisteredBodies> registered;
 };
 
 TEST_F(BodiesTest, OnlyTheHolderOfTheControls_OrdersBodies) {
@@ -154,6 +160,76 @@ TEST_F(BodiesTest, BodiesOfAGame_AreToldWhenTheyChangeAndToWhoComesLater) {
   const auto none = next(*first, fb::Payload::GameBodies);
   ASSERT_TRUE(none);
   EXPECT_EQ(message(*none).payload_as_GameBodies()->bodies()->size(), 0U);
+}
+
+TEST_F(BodiesTest, BodiesBeyondTheSlots_AreToldByWhatChangesAndAllToWhoComesLater) {
+  open();
+  const auto first = client("?role=watcher");
+  ASSERT_TRUE(next(*first, fb::Payload::Controls));
+  show(SlotState::kSolid);
+  ASSERT_TRUE(next(*first, fb::Payload::GameBodies));
+  ShownBody away{{1000, 5, 0, -1, Whereabouts::kOutOfReach, {{1, 2, 3}, {}}}, shapes};
+  ShownBody near{{1001, 6, 0, 3, Whereabouts::kInSlot, {{0, 0, 0}, {}}}, shapes};
+  showRegistered({away, near});
+  const auto both = next(*first, fb::Payload::GameBodies);
+  ASSERT_TRUE(both);
+  const auto* told = message(*both).payload_as_GameBodies();
+  ASSERT_EQ(told->registered()->size(), 2U);
+  EXPECT_EQ(told->registered()->Get(0)->number(), 1000U);
+  EXPECT_EQ(told->registered()->Get(0)->generation(), 5U);
+  EXPECT_EQ(told->registered()->Get(0)->shapes(), 11U);
+  EXPECT_EQ(told->registered()->Get(0)->slot(), -1);
+  EXPECT_EQ(told->registered()->Get(0)->whereabouts(), fb::Whereabouts::OutOfReach);
+  EXPECT_EQ(told->registered()->Get(0)->pose().position_m().z(), 3.0F);
+  EXPECT_EQ(told->registered()->Get(1)->slot(), 3);
+  EXPECT_EQ(told->bodies()->size(), 1U) << "slots, as before";
+  // The pose of a body in a slot is in states: no news.
+  near.body.pose.position_m.x = 0.5;
+  away.body.pose.position_m.z = 4.0;
+  showRegistered({away, near});
+  const auto moved = next(*first, fb::Payload::GameBodies);
+  ASSERT_TRUE(moved);
+  told = message(*moved).payload_as_GameBodies();
+  ASSERT_EQ(told->registered()->size(), 1U);
+  EXPECT_EQ(told->registered()->Get(0)->number(), 1000U);
+  EXPECT_EQ(told->registered()->Get(0)->pose().position_m().z(), 4.0F);
+  const auto later = client("?role=watcher");
+  const auto joined = next(*later, fb::Payload::GameBodies);
+  ASSERT_TRUE(joined);
+  EXPECT_EQ(message(*joined).payload_as_GameBodies()->registered()->size(), 2U);
+  showRegistered({near});
+  const auto gone = next(*first, fb::Payload::GameBodies);
+  ASSERT_TRUE(gone);
+  told = message(*gone).payload_as_GameBodies();
+  ASSERT_EQ(told->registered()->size(), 1U);
+  EXPECT_EQ(told->registered()->Get(0)->number(), 1000U);
+  EXPECT_EQ(told->registered()->Get(0)->whereabouts(), fb::Whereabouts::Gone);
+}
+
+TEST_F(BodiesTest, BodyAndItsEventInOneTick_AreToldInThisOrder) {
+  std::atomic<bool> happens{false};
+  program.in_tick = [&] {
+    if (!happens.exchange(false)) return;
+    show(SlotState::kSolid);
+    TickRecord record;
+    record.tick = 1;
+    record.exercise.event_count = 1;
+    server->publish(record);
+  };
+  open();
+  const auto socket = client("?role=watcher");
+  ASSERT_TRUE(next(*socket, fb::Payload::Controls));
+  happens = true;
+  std::vector<fb::Payload> told;
+  while (told.size() < 2) {
+    const auto frame = socket->hear(10s);
+    ASSERT_TRUE(frame);
+    const fb::Payload payload = message(*frame).payload_type();
+    if (payload == fb::Payload::GameBodies || payload == fb::Payload::Events) {
+      told.push_back(payload);
+    }
+  }
+  EXPECT_EQ(told, (std::vector{fb::Payload::GameBodies, fb::Payload::Events}));
 }
 
 }  // namespace

@@ -252,7 +252,9 @@ TEST(WireScene, ShippedHand_EveryNameAndCapsule) {
 Eigen::Isometry3d placed(const fb::Pose& pose) {
   const auto& p = pose.position_m();
   const auto& q = pose.orientation_xyzw();
-  return Eigen::Translation3d(p.x(), p.y(), p.z()) * Eigen::Quaterniond(q.w(), q.x(), q.y(), q.z());
+  const Eigen::Quaternionf turned(q.w(), q.x(), q.y(), q.z());
+  return Eigen::Translation3d(Eigen::Vector3f(p.x(), p.y(), p.z()).cast<double>()) *
+         turned.cast<double>();
 }
 
 /// Where a client that knows Scene.links and WorldState.theta draws each link, by the rule in the
@@ -261,8 +263,10 @@ std::vector<Eigen::Isometry3d> drawn(const fb::Scene& scene, const fb::WorldStat
   std::vector<Eigen::Isometry3d> poses;
   for (const fb::Link* link : *scene.links()) {
     double theta = 0.0;
-    if (link->joint() >= 0) theta = state.theta()->Get(static_cast<unsigned>(link->joint()));
-    const Eigen::Vector3d axis(link->axis()->x(), link->axis()->y(), link->axis()->z());
+    if (link->joint() >= 0)
+      theta = static_cast<double>(state.theta()->Get(static_cast<unsigned>(link->joint())));
+    const auto& along = *link->axis();
+    const Eigen::Vector3d axis = Eigen::Vector3f(along.x(), along.y(), along.z()).cast<double>();
     Eigen::Isometry3d pose =
         link->parent() < 0 ? Eigen::Isometry3d::Identity() : poses[link->parent()];
     pose = pose * placed(*link->at_zero());

@@ -114,6 +114,97 @@ TEST_F(GameInAStation, BodyIsPreparedSpawnedShownAndRemoved) {
   EXPECT_TRUE(becomes([&] { return stateOf(4) == SlotState::kParked; }));
 }
 
+TEST_F(GameInAStation, BodiesBeyondTheSlots_AreShownAndThoseNearTheHandAreSimulated) {
+  runGame(true);
+  ASSERT_TRUE(ask(prepare(0, {ball(0.03)})).accepted);
+  SpawnOrder near = ballAside(kFirstNumber), far = ballAside(kFirstNumber + 1);
+  near.pose.position_m = {0.1, 0.25, 0.1};
+  far.pose.position_m = {3.0, 0.0, 0.0};
+  ASSERT_TRUE(ask(say({spawnCommand(near), spawnCommand(far)})).accepted);
+  const auto shown = [&](int number) {
+    const auto told = station_->status().registered;
+    for (const ShownBody& body : told ? *told : RegisteredBodies{}) {
+      if (body.body.number == number && body.shapes) return body.body;
+    }
+    return RegisteredBody{};
+  };
+  ASSERT_TRUE(becomes([&] { return shown(kFirstNumber).whereabouts == Whereabouts::kInSlot; }));
+  EXPECT_EQ(shown(kFirstNumber + 1).whereabouts, Whereabouts::kOutOfReach);
+  EXPECT_EQ(shown(kFirstNumber + 1).pose.position_m.x, 3.0);
+  const int slot = shown(kFirstNumber).slot;
+  EXPECT_TRUE(becomes([&] { return stateOf(slot) == SlotState::kSolid; }));
+  // A body elsewhere is out of its slot; one without is put there at once.
+  BodyPose there;
+  there.position_m = {0.0, -3.0, 0.0};
+  ASSERT_TRUE(ask(say({teleportCommand(kFirstNumber, 1, there),
+                       teleportCommand(kFirstNumber + 1, 1, there)}))
+                  .accepted);
+  EXPECT_TRUE(becomes([&] { return shown(kFirstNumber + 1).pose.position_m.y == -3.0; }));
+  EXPECT_TRUE(becomes([&] { return shown(kFirstNumber).whereabouts == Whereabouts::kOutOfReach; }));
+  EXPECT_EQ(stateOf(slot), SlotState::kParked);
+  EXPECT_TRUE(becomes([&] { return shown(kFirstNumber).pose.position_m.y == -3.0; }));
+  EXPECT_EQ(ask(prepare(0, {ball(0.02)})).items.at(0).refusal, OrderRefusal::kShapesBusy);
+  ASSERT_TRUE(
+      ask(say({removeCommand(kFirstNumber, 1), removeCommand(kFirstNumber + 1, 1)})).accepted);
+  EXPECT_TRUE(station_->status().registered->empty());
+}
+
+TEST_F(GameInAStation, BadOrdersToBodiesBeyondTheSlots_AreNamed) {
+  runGame(false);
+  ASSERT_TRUE(ask(prepare(0, {ball(0.03)})).accepted);
+  const auto refusalOf = [&](const Command& command, const char* says) {
+    const OrderReply reply = ask(say({command}));
+    if (reply.items.empty()) return OrderRefusal::kNone;
+    EXPECT_NE(reply.reason.find(says), std::string::npos) << reply.reason;
+    EXPECT_EQ(reply.items[0].slot, command.index);
+    return reply.items[0].refusal;
+  };
+  std::vector<Command> all;
+  for (int i = 0; i < kMostRegistered; ++i)
+    all.push_back(spawnCommand(ballAside(kFirstNumber + i)));
+  ASSERT_TRUE(ask(say(all)).accepted);
+  EXPECT_EQ(refusalOf(spawnCommand(ballAside(kFirstNumber + 1000)), "1000 are registered"),
+            OrderRefusal::kBudget);
+  EXPECT_EQ(refusalOf(spawnCommand(ballAside(kFirstNumber)), "registered already"),
+            OrderRefusal::kSlotTaken);
+  EXPECT_EQ(refusalOf(spawnCommand(ballAside(kLastNumber + 1)), "[1000, 32767]"),
+            OrderRefusal::kNoSuchSlot);
+  EXPECT_EQ(refusalOf(removeCommand(9999, 1), "is registered"), OrderRefusal::kWrongGeneration);
+  EXPECT_EQ(refusalOf(removeCommand(kFirstNumber, 2), "generation 2"),
+            OrderRefusal::kWrongGeneration);
+  ASSERT_TRUE(ask(say({removeCommand(kFirstNumber, 1)})).accepted);
+  SpawnOrder without = ballAside(kFirstNumber);
+  without.shape_set = 1;
+  EXPECT_EQ(refusalOf(spawnCommand(without), "prepare it first"), OrderRefusal::kNoSuchShapes);
+  SpawnOrder lost = ballAside(kFirstNumber);
+  lost.pose.position_m.x = std::nan("");
+  EXPECT_EQ(refusalOf(spawnCommand(lost), "must be finite"), OrderRefusal::kBadPose);
+  EXPECT_EQ(station_->status().registered->size(), 999U);
+  // They are there when it is armed, and end with their session.
+  ASSERT_TRUE(ask(OrderType::kArm).accepted);
+  ASSERT_TRUE(rendersOn());
+  EXPECT_EQ(station_->status().registered->size(), 999U);
+  EXPECT_EQ(refusalOf(bodyTargetCommand(kFirstNumber + 1, 1, {}), "owner Game"),
+            OrderRefusal::kNotTheGames);
+  ASSERT_TRUE(ask(OrderType::kStop).accepted);
+  ASSERT_TRUE(becomes(RunState::kStopped));
+  EXPECT_TRUE(station_->status().registered->empty());
+}
+
+TEST_F(GameInAStation, SlotOfARegisteredBody_IsNotSpawnedInto) {
+  runGame(true);
+  ASSERT_TRUE(ask(prepare(0, {ball(0.03)})).accepted);
+  SpawnOrder near = ballAside(kFirstNumber);
+  near.pose.position_m = {0.1, 0.25, 0.1};
+  ASSERT_TRUE(ask(say({spawnCommand(near)})).accepted);
+  ASSERT_TRUE(becomes([&] { return stateOf(0) == SlotState::kSolid; }));
+  const OrderReply taken = ask(say({spawnCommand(ballAside(0))}));
+  ASSERT_EQ(taken.refusal, Refusal::kBodiesRefused);
+  EXPECT_EQ(taken.items.at(0).refusal, OrderRefusal::kSlotTaken);
+  EXPECT_NE(taken.reason.find("holds a registered body"), std::string::npos) << taken.reason;
+  EXPECT_TRUE(ask(say({spawnCommand(ballAside(1))})).accepted);
+}
+
 TEST_F(GameInAStation, DeviceThatMovesAPerson_IsArmedAfterARehearsalWithTheSlotsFull) {
   runForAPerson(1, nullptr);
   const OrderReply armed = ask(OrderType::kArm);

@@ -106,7 +106,7 @@ class StationProfiles : public Bar {
     for (std::size_t i = 0; i < scene->parameters.size(); ++i) {
       if (scene->parameters[i].name == name) return station_->status().parameters[i];
     }
-    return NAN;
+    return std::nan("");
   }
 };
 

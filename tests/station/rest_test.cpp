@@ -1,6 +1,9 @@
 // A rest: a gentle stop that says of itself that nothing else has ended.
 #include "station/station_bench.hpp"
 
+#include <fstream>
+#include <iterator>
+
 namespace wholehand::test {
 namespace {
 
@@ -66,7 +69,7 @@ TEST_F(RestOfAPlayer, LimitSetMeanwhile_IsShownAndHoldsInTheNextSession) {
   EXPECT_EQ(station_->status().parameters.front(), limit.value);
 }
 
-class RestInALevel : public RestOfAPlayer {
+class InALevel : public RestOfAPlayer {
  protected:
   double value(const std::string& name) {
     const auto scene = station_->scene();
@@ -76,6 +79,80 @@ class RestInALevel : public RestOfAPlayer {
     if (found == names.end() || !station_->latest(record)) return std::nan("");
     return record.exercise.values[found - names.begin()];
   }
+};
+
+/// Squeezing once is the whole of it.
+class FinishedLevel : public InALevel {
+ protected:
+  void playToItsEnd() {
+    std::ifstream in(kRoot + "/config/exercises/squeeze-to-level.toml");
+    std::string text(std::istreambuf_iterator<char>(in), {});
+    const auto bands = text.find("[[bands]]"), wall = text.find("# What the fingers feel");
+    ASSERT_TRUE(bands != std::string::npos && wall != std::string::npos);
+    text.replace(bands, wall - bands, "[[bands]]\nlow_n = 0.5\nhigh_n = 6.0\n\n");
+    const auto replace = [&](const std::string& what, const std::string& by) {
+      ASSERT_NE(text.find(what), std::string::npos) << what;
+      text.replace(text.find(what), what.size(), by);
+    };
+    replace("hold_s = 2.0", "hold_s = 0.1");
+    replace("../scenes/", kRoot + "/config/scenes/");
+    replace("range = [0.0, 2.0]", "range = [0.0, 0.1]");
+    replace("range = [0.0, 3.0]", "range = [0.0, 1.0]");
+    const std::string file = folder_ + "/squeeze-once.toml";
+    std::ofstream(file) << text;
+    StationConfig config = barConfig();
+    config.files.exercise = file;
+    config.repeat_after = kRepeatAfter;
+    load(config);
+    const auto names = station_->scene()->event_names;
+    const auto restarted = std::find(names.begin(), names.end(), "restarted") - names.begin();
+    station_->addSink([this, restarted](const TickRecord& record) {
+      for (int i = 0; i < record.exercise.event_count; ++i) {
+        restarts_ += record.exercise.events[i].type == restarted ? 1 : 0;
+      }
+    });
+    run(true);
+    ASSERT_TRUE(becomes([&] { return value("done") == 1.0; }, 60s));
+  }
+  bool steer(Steering by) {
+    Order order = of(OrderType::kSteer);
+    order.steering = by;
+    return ask(order).accepted;
+  }
+  static constexpr auto kRepeatAfter = 1000ms;
+  std::atomic<int> restarts_{0};
+};
+
+TEST_F(FinishedLevel, WhereNobodySteers_IsPlayedAgain) {
+  playToItsEnd();
+  EXPECT_TRUE(becomes([&] { return value("done") == 0.0; }));
+}
+
+// Somebody finishes a level, looks at the stars, and walks away.
+TEST_F(FinishedLevel, OfAPersonWhoLeaves_IsPlayedAgainByTheVirtualPatient) {
+  playToItsEnd();
+  ASSERT_TRUE(steer(Steering::kPerson));
+  std::this_thread::sleep_for(2 * kRepeatAfter);
+  EXPECT_EQ(value("done"), 1.0) << "a person's level was taken away";
+  ASSERT_TRUE(steer(Steering::kVirtualPatient));
+  EXPECT_TRUE(becomes([&] { return value("done") == 0.0; }));
+}
+
+// What a person began anew is not begun again under their hand, nor under the next one.
+TEST_F(FinishedLevel, BegunAgainByAPerson_IsNotBegunTwice) {
+  playToItsEnd();
+  ASSERT_TRUE(steer(Steering::kPerson));
+  Order restart = of(OrderType::kAction);
+  restart.action = ExerciseAction::kRestart;
+  ASSERT_TRUE(ask(restart).accepted);
+  ASSERT_TRUE(becomes([&] { return value("done") == 0.0; }));
+  ASSERT_TRUE(steer(Steering::kVirtualPatient));
+  std::this_thread::sleep_for(2 * kRepeatAfter);
+  EXPECT_EQ(restarts_, 1);
+}
+
+class RestInALevel : public InALevel {
+ protected:
   /// Level 2 has two drinks; the virtual patient is in its second one.
   void playToTheSecondDrink() {
     StationConfig config = barConfig();

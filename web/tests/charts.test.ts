@@ -1,7 +1,8 @@
 // A page of charts: what it reads of the program's data, and the words and numbers that it shows.
 import { describe, expect, it } from 'vitest';
 import { readChartPage } from '../src/charts/chart_page_data';
-import { logarithmicNumbers } from '../src/charts/chart_range';
+import { shortNumber } from '../src/charts/chart';
+import { logarithmicNumbers, timeNumbers } from '../src/charts/chart_range';
 import { de } from '../src/charts/i18n/de';
 import { en } from '../src/charts/i18n/en';
 import { fr } from '../src/charts/i18n/fr';
@@ -49,6 +50,22 @@ describe('the words of a page of charts', () => {
     expect(say('axis', { axes: 'x, y, z' })).toBe('x, y, z');
     expect(say('certificate.walls', { exercise: '<b>{rate}</b>' })).toBe('With the walls of <b>{rate}</b>.');
     expect(wordsOf('{axes}')).toBe('{axes}');
+  });
+});
+
+describe('numbers of an axis of time', () => {
+  it('are those of a clock: no 0:50, no 1:40', () => {
+    expect(timeNumbers(0, 326.2, 8)).toEqual([0, 60, 120, 180, 240, 300]);
+    expect(timeNumbers(0, 40, 8)).toEqual([0, 10, 20, 30, 40]);
+    expect(timeNumbers(3.1, 5.2, 8)).toEqual([3.5, 4, 4.5, 5]);
+    expect(timeNumbers(0, 0.3, 8)).toEqual([0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3]);
+    for (const to_s of [0.07, 1, 9, 61, 333, 4000, 86_400, 1e6]) expect(timeNumbers(0, to_s, 8).length).toBeLessThanOrEqual(8);
+  });
+});
+
+describe('a large number of a logarithmic axis', () => {
+  it('has room beside it', () => {
+    expect([1, 1000, 10_000, 100_000].map(shortNumber)).toEqual(['1', '1000', '10k', '100k']);
   });
 });
 

@@ -9,6 +9,7 @@ import { fr } from '../src/console/i18n/fr';
 import { Marks } from '../src/console/marks';
 import { meantBySlider, parsed, ParameterTarget, viewOf } from '../src/console/parameter_model';
 import { figuresOf, offered, SavedWatch, shownOf } from '../src/console/recordings';
+import { levelsOf } from '../src/console/setup';
 import { SampleWindow } from '../src/console/sample_window';
 import { faultWords, statusOf } from '../src/console/run_status';
 import { CalmRange, niceStep, ticksIn } from '../src/console/scale';
@@ -33,6 +34,14 @@ describe('numbers for people', () => {
 
   it('names of files become words', () => {
     expect(asWords('adult-median_right')).toBe('Adult median right');
+  });
+});
+
+describe('the levels to choose from', () => {
+  it('are those of the loaded exercise, and the first one alone of another, which may have no more', () => {
+    expect(levelsOf('a', { exercise: 'a', levels: 4 })).toEqual([1, 2, 3, 4]);
+    expect(levelsOf('b', { exercise: 'a', levels: 4 })).toEqual([1]);
+    expect(levelsOf('', { exercise: '', levels: 0 })).toEqual([1]);
   });
 });
 
@@ -439,6 +448,8 @@ describe('what was saved', () => {
     expect(figuresOf(entry)).toContain(duration(63));
     expect(figuresOf(entry)).toContain(bytes(11_000_000));
     expect(figuresOf({ name: 'a.h5' })).toBe('');
+    // The length of one that is being written is not known: the file says 0 s until it is closed.
+    expect(figuresOf({ name: 'a.h5', duration_s: 0, being_written: true, bytes: 1000 })).not.toContain(duration(0));
   });
 
   it('of many the newest are shown at first, and whatever is being written or was chosen', () => {

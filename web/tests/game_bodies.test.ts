@@ -1,7 +1,7 @@
 import { Mesh, type Group, type Material } from 'three';
 import { describe, expect, it } from 'vitest';
 import { GameBodyList, type GameBodyShown } from '../src/net/game_bodies';
-import { GameBodiesT, GameBodyT, GameShapesT, PoseT, QuatXyzwT, ShapeT, ShapeType, SlotState, Vec3T } from '../src/protocol';
+import { GameBodiesT, GameBodyT, GameShapesT, PoseT, QuatXyzwT, RegisteredBodyT, ShapeT, ShapeType, SlotState, Vec3T, Whereabouts } from '../src/protocol';
 import { GameBodiesView } from '../src/scene/game_bodies_view';
 
 const ball = (radius_m: number) => new ShapeT(ShapeType.Sphere, null, radius_m);
@@ -20,6 +20,38 @@ describe('bodies of a game', () => {
     expect(list.bodies).toEqual([]);
     list.take(message([new GameBodyT(3, 3, 7, SlotState.Solid)]));   // not told again: nothing to draw
     expect(list.bodies[0]!.shapes).toEqual([]);
+  });
+});
+
+describe('bodies beyond the slots', () => {
+  const pose = new PoseT(new Vec3T(1, 2, 3), new QuatXyzwT(0, 0, 0, 1));
+  const registered = (number: number, where: Whereabouts, slot = -1) => new RegisteredBodyT(number, 1, 7, slot, where, pose);
+  const tell = (list: GameBodyList, bodies: GameBodyT[], changed: RegisteredBodyT[], shapes: GameShapesT[] = []) =>
+    list.take(new GameBodiesT(1, bodies, shapes, changed));
+
+  it('stand where they are said to, and are drawn once while they have a slot', () => {
+    const list = new GameBodyList();
+    tell(list, [], [registered(1000, Whereabouts.OutOfReach), registered(1001, Whereabouts.LeftOut)], [set(7, ball(0.03))]);
+    expect(list.bodies.map(({ slot, pose: at, shapes }) => [slot, at?.positionM?.x, shapes.length])).toEqual([[1000, 1, 1], [1001, 1, 1]]);
+    tell(list, [], [registered(1000, Whereabouts.InSlot, 4)]);   // the loop has not got it yet
+    expect(list.bodies.map(({ slot }) => slot)).toEqual([1000, 1001]);
+    tell(list, [new GameBodyT(4, 9, 7, SlotState.Solid)], []);
+    expect(list.bodies.map(({ slot, pose: at }) => [slot, at === undefined])).toEqual([[4, true], [1001, false]]);
+    tell(list, [], [registered(1000, Whereabouts.Gone), registered(1001, Whereabouts.Gone)]);
+    expect(list.bodies).toEqual([]);
+  });
+
+  it('are where they are said to be without a state, and follow', () => {
+    const view = new GameBodiesView('low');
+    const shapes = [ball(0.03)];
+    view.take([{ slot: 1000, generation: 1, ghost: false, shapes, pose }]);
+    const group = view.root.children[0] as Group;
+    expect([group.visible, group.position.toArray()]).toEqual([true, [1, 2, 3]]);
+    view.place([new PoseT(new Vec3T(9, 9, 9), new QuatXyzwT(0, 0, 0, 1))], 0);
+    expect(group.position.toArray()).toEqual([1, 2, 3]);
+    view.take([{ slot: 1000, generation: 1, ghost: false, shapes, pose: new PoseT(new Vec3T(4, 5, 6), new QuatXyzwT(0, 0, 0, 1)) }]);
+    expect(view.root.children[0]).toBe(group);
+    expect(group.position.toArray()).toEqual([4, 5, 6]);
   });
 });
 

@@ -24,6 +24,11 @@ test.each([['de', de, en], ['fr', fr, en], ['de, of the bar', barDe, barEn], ['f
 
 test('Texts_InGerman_AreSpeltTheSwissWay', () => {
   for (const [key, value] of Object.entries({ ...de, ...barDe })) expect(value, key).not.toContain('ß');
+  // Of every page.
+  const src = new URL('../src/', import.meta.url);
+  const files = readdirSync(src, { recursive: true, encoding: 'utf8' }).filter((name) => name.endsWith('i18n/de.ts'));
+  expect(files.length).toBeGreaterThan(6);
+  for (const file of files) expect(readFileSync(new URL(file, src), 'utf8'), file).not.toContain('ß');
 });
 
 /** The names of an enum of the schema, in its order. */

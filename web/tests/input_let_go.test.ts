@@ -238,6 +238,24 @@ describe('a finger', () => {
     touch.enable();
     return { picture, touch };
   }
+  it('gets buttons only while they are needed: they cover a part of the picture', () => {
+    const picture = new Picture();
+    let needed = false, made = 0, removed = 0;
+    const touch = new Touch(picture as unknown as HTMLElement, () => ({ x: 0, y: 0 }), () => ({ squeeze: '', higher: '', lower: '' }), () => 2, () => true, () => needed);
+    const buttons = { remove: () => { removed += 1; } };
+    Object.assign(touch, { showButtons: () => { made += 1; Object.assign(touch, { buttons }); } });  // they need a document
+    touch.enable();
+    const seen: (readonly number[])[] = [];
+    for (const now of [false, true, false]) {
+      needed = now;
+      picture.dispatchEvent(event('pointerdown', { pointerType: 'touch' }));
+      WINDOW.dispatchEvent(event('pointerup', { pointerType: 'touch' }));
+      seen.push([made, removed]);
+    }
+    expect(seen).toEqual([[0, 0], [1, 0], [1, 1]]);
+    touch.disable();
+  });
+
   const pen = { pointerType: 'pen', pointerId: 9 };
   const finger = (pointerId: number, isPrimary: boolean): object => ({ pointerType: 'touch', pointerId, isPrimary });
 

@@ -83,6 +83,19 @@ describe('the loss of the controls', () => {
   });
 });
 
+describe('controls that are taken and given back in one go', () => {
+  it('are not lost, and end the beats', async () => {
+    const both = [connection.takeControls(), connection.releaseControls()];
+    for (const id of [1, 2]) accept(id);
+    last().say(Payload.Controls, new ControlsT(false, false));
+    await Promise.all(both);
+    expect([connection.controls.heldByYou, connection.loss]).toEqual([false, '']);
+    const before = sentOf(Order.Heartbeat).length;
+    await vi.advanceTimersByTimeAsync(500);
+    expect(sentOf(Order.Heartbeat)).toHaveLength(before);
+  });
+});
+
 describe('an emergency stop', () => {
   it('that is answered is sent once, and nobody is alarmed', async () => {
     const answer = connection.emergencyStop();

@@ -1,4 +1,6 @@
 // Start, after watching and after a stop: who goes on with what was begun.
+import { readFileSync } from 'node:fs';
+import { tellHowUsed } from '../src/shared/a11y';
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 import { Presses } from '../src/game/presses';
 import type { Memory } from '../src/game/memory';
@@ -23,7 +25,7 @@ function playing() {
     steer: async (to: Steering) => { state.steering = to; return YES; },
     act: async (what: Act) => { acts.push(what); return YES; },
   };
-  const memory = { wish: 'undecided', isTheirs: true, way: 'mouse', level: 1, endingsShown: 4, press: null, notice: '', known: () => ({ play: { phase: () => 'reach' }, hardware: false }) };
+  const memory = { wish: 'undecided', isTheirs: true, way: 'mouse', level: 1, endingsShown: 4, press: null, notice: '', known: () => ({ play: { phase: () => 'reach', isPaused: () => false }, hardware: false }) };
   const controls = { stopWebcam: () => {} }, sound = { unlock: () => {} };
   const presses = new Presses(connection as unknown as Connection, controls as unknown as Controls, memory as unknown as Memory, sound as Sound);
   const start = async (): Promise<Act | undefined> => {
@@ -31,7 +33,7 @@ function playing() {
     await vi.advanceTimersByTimeAsync(3000);
     return acts.at(-1);
   };
-  return { presses, memory, start };
+  return { presses, memory, connection, start };
 }
 
 test('Start_OfANewPerson_BeginsAnew', async () => {
@@ -46,9 +48,30 @@ test('Start_AfterWatching_BeginsAnew', async () => {
   expect(await start()).toBe(Act.Restart);
 });
 
+test('Watch_BeforeTheProgramHasSaidAnything_SaysSoAndIsPressedAgain', async () => {
+  const { presses, memory, connection } = playing();
+  const { latestState } = connection;
+  Object.assign(connection, { status: 'connecting', latestState: null });
+  await presses.watch();
+  expect(memory.wish).toBe('undecided');
+  expect(memory.notice).not.toBe('');
+  Object.assign(connection, { status: 'open', latestState });
+  await presses.watch();
+  expect([memory.wish, memory.notice]).toEqual(['watch', '']);
+});
+
 test('Start_OfWhoeverPlayedBefore_GoesOn', async () => {
   const { memory, start } = playing();
   await start();
   memory.wish = 'watch';   // as a lost line leaves it
   expect(await start()).toBe(Act.Resume);
+});
+
+test('the frame around the picture is for keys: a page that was clicked last says so, and one that was typed into takes it back', () => {
+  const page = Object.assign(new EventTarget(), { documentElement: { dataset: {} as Record<string, string> } });
+  tellHowUsed(page as unknown as Document);
+  const after = (type: string): string | undefined => { page.dispatchEvent(new Event(type)); return page.documentElement.dataset.used; };
+  expect([page.documentElement.dataset.used, after('pointerdown'), after('keydown')]).toEqual([undefined, 'pointer', 'keys']);
+  const css = readFileSync(new URL('../src/game/game.css', import.meta.url), 'utf8');
+  expect(css).toContain('[data-used=pointer] #play:focus-visible { box-shadow: none; }');
 });

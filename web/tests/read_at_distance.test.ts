@@ -70,6 +70,17 @@ describe('Stop', () => {
     expect(Number(input.match(/\.touch-buttons \{[^}]*bottom: calc\(var\(--strip, 104px\) \+ (\d+)px\)/)?.[1])).toBeGreaterThan(68);
   });
 
+  it.each([390, 820])('is more than its own height away from Squeeze on an upright screen %i px wide, too', (width_px) => {
+    const input = readFileSync(new URL('../src/input/input.css', import.meta.url), 'utf8');
+    const gap_px = Number(input.match(/11 \/ 10\) \{\s*\.touch-buttons \{[^}]*bottom: calc\(var\(--strip, 140px\) \+ (\d+)px\)/)?.[1]);
+    const [, perU, plus_px] = css.match(/--u: calc\(100vw \/ 740\); --strip: max\(190 \* var\(--u\), (\d+) \* var\(--u\) \+ (\d+)px\)/) ?? [];
+    const u = width_px / 740, strip_px = Math.max(190 * u, Number(perU) * u + Number(plus_px));
+    // Two lines of words (46u and 38u, 1.1 high), a gap of 10u, then Stop: in the middle of the strip's height.
+    const words_px = 1.1 * (46 + 38) * u, stop_px = Math.max(68 * u, 68);
+    const above_px = (strip_px - words_px - 10 * u - stop_px) / 2 + words_px + 10 * u;
+    expect(above_px + gap_px).toBeGreaterThan(stop_px);
+  });
+
   it('is at least 68 px high and wide on every screen', () => {
     const own = css.match(/:is\(\.button\.stop,[^{]*\{([^}]*)\}/)?.[1] ?? '';
     expect(own).toMatch(/min-height: max\([^;]*, 68px\)/);

@@ -1,6 +1,6 @@
 // The data of a report: what the page reads of it, and what it says of the therapy.
 import { deflateSync } from 'node:zlib';
-import { describe, expect, it } from 'vitest';
+import { describe, expect, it, vi } from 'vitest';
 import { pageData, unpackBytes, type Json } from '../src/embedded/page_data';
 import { FakeRecordings } from '../src/net/fake_recordings';
 import { ReplaySide } from '../src/replay/side';
@@ -16,14 +16,17 @@ import { fr } from '../src/report/i18n/fr';
 import { stepTimes, valueAt } from '../src/report/limits';
 import { barOf } from '../src/exercises/cocktail_bar/bar';
 import { drinksOf } from '../src/exercises/cocktail_bar/report';
+import { labelOf } from '../src/exercises/panel';
+import { BodyBudgetT, GameBodiesT, GameBodyT, GameShapesT, PanelT, PanelValueT, SceneT, ShapeT, ShapeType, SlotState, WordsT } from '../src/protocol';
+import { setLanguage } from '../src/shared/i18n';
+import { signWords } from '../src/report/sheet';
 import { readReport } from '../src/report/report_data';
 import { gripFigures, lastValue, reachTimes, whatHappened } from '../src/report/therapy';
 
 const packed = (bytes: Uint8Array): string => Buffer.from(deflateSync(bytes)).toString('base64');
 
 /** As src/replay/recording_report.cpp writes it, of the stand-in's recording. */
-async function carried(options = '', changes: Record<string, unknown> = {}): Promise<Json> {
-  const fake = new FakeRecordings(new URLSearchParams(`length=6&${options}`));
+async function carried(options = '', changes: Record<string, unknown> = {}, fake = new FakeRecordings(new URLSearchParams(`length=6&${options}`))): Promise<Json> {
   const ask = async (what: string): Promise<Response> => fake.answer(`/api/recordings/a.h5/replay/${what}`);
   const rows = [0, 100, 200, 300, fake.rows - 1];
   const states: Uint8Array[] = [];
@@ -32,6 +35,7 @@ async function carried(options = '', changes: Record<string, unknown> = {}): Pro
   return {
     page: 'report', version: 1, about: await (await ask('about')).json(),
     series: packed(new Uint8Array(await (await ask('series?from_s=-0.0005&to_s=5.9995&columns=300')).arrayBuffer())),
+    ...(fake.scene.budget ? { bodies: packed(new Uint8Array(await (await ask('bodies')).arrayBuffer())) } : {}),
     ...(scene.ok ? { scene: packed(new Uint8Array(await scene.arrayBuffer())), states: { rows, messages: packed(Buffer.concat(states)) } } : {}),
     therapy: { bodies: [], bodies_in_scene: 0, touches: [], grips: [], has_grip_force: true, limits: [[[0, 20]]], largest_force_n: 0, largest_force_s: 0 },
     engineering: { times: { counts: [1, 2] }, settings: { engine: 'bullet' } },
@@ -77,6 +81,17 @@ describe('a report', () => {
     expect(side.series.overview()).toHaveLength(1);
   });
 
+  it('has bodies of a game at the states that it shows', async () => {
+    const fake = new FakeRecordings(new URLSearchParams('length=6'));
+    const ball = new GameShapesT(7, null, [new ShapeT(ShapeType.Sphere, null, 0.03)]);
+    fake.scene.budget = new BodyBudgetT(64, 24);
+    fake.bodies = [{ row: 100, told: new GameBodiesT(1, [new GameBodyT(2, 1, 7, SlotState.Ghost)], [ball]) }, { row: 300, told: new GameBodiesT(1, []) }];
+    const side = await ReplaySide.open(new EmbeddedRecording(await readReport(await carried('', {}, fake))));
+    await vi.waitFor(() => expect(side.fresh).toBe(true));
+    const at = (time_s: number) => { side.seek(time_s, { from_s: 0, to_s: 6 }, false, 1); return side.bodies.map(({ slot, ghost, shapes }) => [slot, ghost, shapes.length]); };
+    expect([at(0), at(0.1), at(0.2), at(0.3)]).toEqual([[], [[2, true, 1]], [[2, true, 1]], []]);
+  });
+
   it('without a scene has no picture, and is shown', async () => {
     const data = await readReport(await carried('nopicture'));
     expect([data.scene, data.states]).toEqual([undefined, []]);
@@ -87,7 +102,7 @@ describe('a report', () => {
   it.each<[string, Record<string, unknown>]>([
     ['of another page', { page: 'certificate' }], ['of a newer program', { version: 2 }], ['without what it is', { about: null }], ['without series', { series: undefined }],
     ['with bytes that are none', { series: '###' }], ['with bytes that are cut', { series: packed(new Uint8Array([1, 2])) }],
-    ['with states of other rows', { states: { rows: [1], messages: packed(new Uint8Array(0)) } }], ['with a scene that is none', { scene: packed(new Uint8Array(40)) }],
+    ['with states of other rows', { states: { rows: [1], messages: packed(new Uint8Array(0)) } }], ['with bodies of a game that are cut', { bodies: packed(new Uint8Array([1, 0, 0, 0, 9])) }], ['with a scene that is none', { scene: packed(new Uint8Array(40)) }],
   ])('%s is refused', async (_what, changes) => { expect(await kindOf(await carried('', changes))).toBe('nonsense'); });
 
   it('whose figures are missing has none, and is shown', async () => {
@@ -160,6 +175,27 @@ describe('charts', () => {
     const times = stepTimes([limit, [[0, 5]]], 10);
     expect(times).toEqual([0, 2, 2, 10]);
     expect(times.map((time_s, i) => valueAt(limit, time_s, times[i + 1] === time_s))).toEqual([20, 20, 8, 8]);
+  });
+});
+
+describe('a result', () => {
+  it('is called as the exercise calls it in the page’s language, in report and replay', () => {
+    const scene = Object.assign(new SceneT(), { panel: Object.assign(new PanelT(), { values: [Object.assign(new PanelValueT(), { name: 'held_s', label: Object.assign(new WordsT(), { en: 'Held', de: 'Gehalten', fr: 'Tenu' }) })] }) });
+    vi.stubGlobal('document', { documentElement: {} });
+    setLanguage('fr');
+    expect([labelOf(scene, 'held_s'), labelOf(scene, 'other'), labelOf(null, 'held_s')]).toEqual(['Tenu', '', '']);
+    setLanguage('en');
+    expect(labelOf(scene, 'held_s')).toBe('Held');
+    vi.unstubAllGlobals();
+  });
+});
+
+describe('signs in the charts', () => {
+  it('are explained on the sheet, those that are there and no others', () => {
+    const words = signWords(['②', '①', '②', 'stop', ''].map((label) => ({ label })));
+    expect(words).toBe('① the hand touches an object; ② grasped, the wall fades in.');
+    expect(signWords([{ label: '③' }])).toMatch(/^③ \S/);   // the exercise's own
+    expect(signWords([{ label: 'stop' }, { label: '' }])).toBe('');
   });
 });
 

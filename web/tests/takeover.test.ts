@@ -60,8 +60,26 @@ test('Press_OnAPictureFromBeforeAStop_HoldsNoMore', async () => {
   const { asked, connection, asConnection } = waitingProgram();
   const press = new Press(asConnection, connection.endings - 1);
   expect(press.holds).toBe(false);
-  await letProgramPlay(asConnection, press);
+  await letProgramPlay(asConnection, known, press);
   expect(asked).toEqual(['take', 'release']);
+});
+
+test('LetProgramPlay_OnAPageThatHangsAfterIt_HasSentAllItsOrders', () => {
+  const { asked, asConnection } = waitingProgram();
+  void letProgramPlay(asConnection, known, new Press(asConnection, 4));
+  // No answer has been read yet: the page draws.
+  expect(asked).toEqual(['take', 'arm 4', 'release']);
+});
+
+test('LetProgramPlay_WhereAPlayerPausedAndLeft_GoesOn', async () => {
+  const { asked, connection, asConnection } = waitingProgram();
+  Object.assign(connection.latestState, { runState: RunState.Rendering, faults: 0, qM: [0], intention: [0] });
+  const paused = (): Known => ({ play: { isPaused: () => true } as unknown as Known['play'], hardware: false });
+  await letProgramPlay(asConnection, paused, new Press(asConnection, 4));
+  expect(asked).toEqual(['take', 'act', 'release']);
+  Object.assign(connection.controls, { held: true });
+  await letProgramPlay(asConnection, paused, new Press(asConnection, 4));
+  expect(asked, 'somebody rests here').toHaveLength(3);
 });
 
 test('ChangeLevel_WhenStopIsPressedWhileItLoads_DoesNotSteer', async () => {

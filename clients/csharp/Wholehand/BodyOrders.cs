@@ -47,10 +47,15 @@ namespace Wholehand
     }
 
     /// <summary>A body by its slot, and by the generation that names it among those that the slot holds one after
-    /// another.</summary>
+    /// another. In place of a slot a game may choose a number from 1000 to 32767: such bodies, up to
+    /// Scene.Budget.Registered, get slots while the hand is near.</summary>
     public struct BodyId
     {
+        public const uint FirstNumber = 1000, LastNumber = 32767;
+
         public uint Slot, Generation;
+
+        public bool IsNumber { get { return Slot >= FirstNumber && Slot <= LastNumber; } }
 
         public BodyId(uint slot, uint generation)
         {
@@ -62,7 +67,7 @@ namespace Wholehand
     /// <summary>A body to spawn. The pose is that of the centre of mass, in the world.</summary>
     public sealed class BodyToSpawn
     {
-        public uint Slot;                      // below Scene.Budget.Slots, and empty
+        public uint Slot;                      // below Scene.Budget.Slots, and empty; or a number (BodyId)
         public uint Generation = 1;            // 1 to 16777215
         public uint ShapeSet;
         public BodyOwner Owner = BodyOwner.Loop;
@@ -134,8 +139,13 @@ namespace Wholehand
     {
         public BodyEventKind Kind;
         public ulong Tick;
-        public int Slot;                       // -1: of shapes
-        public uint Generation;                // 0 of Refused
+        public int Slot;                       // of the loop; -1: of shapes
+        public uint Generation;                // in that slot; 0 of Refused
+
+        /// <summary>As the game named it: of a body with a number, that number and the game's own generation. Such a body
+        /// also appears and leaves when it gets a slot and gives it back: BodySlots.All says whether it is in the
+        /// world.</summary>
+        public BodyId Body;
         public BodyRefusal Refusal;            // of Refused
         public float ImpulseNs;                // of Touched: on the hand, within the first 10 ms
     }

@@ -2,15 +2,21 @@ using wholehand.protocol;
 
 namespace Wholehand
 {
-    /// <summary>A copy of which slots hold bodies of a game, that the game owns. The pose of the body of a slot is that of
-    /// index BodySlots.PoseOf(slot) of a WorldSnapshot of the same session. Taking the next one into it allocates nothing
-    /// unless there are more bodies than ever before.</summary>
+    /// <summary>A copy of which bodies of a game are in the world, that the game owns: All has each of them once, by the
+    /// name that the game gave it, and TryGetPlace where it is. Taking the next one into it allocates nothing unless there
+    /// are more bodies than ever before.</summary>
     public sealed class BodySlots
     {
         public uint Session;                   // whose bodies they are
         public int SceneBodies;                // bodies of the scene itself: they come first in states
 
-        /// <summary>Of the arrays below, how many bodies are valid; in the order of the slots.</summary>
+        /// <summary>Of All, how many are valid: those that the game put into slots of its own choice, then those that it
+        /// named by numbers, in the order of slots and of numbers.</summary>
+        public int AllCount;
+        public BodyInWorld[] All = new BodyInWorld[0];
+
+        /// <summary>What the slots of the loop hold. Of the arrays below, how many are valid; in the order of the slots.
+        /// A body with a number has the slot's generation here, not the game's.</summary>
         public int Count;
         public BodyId[] Bodies = new BodyId[0];
         public SlotState[] States = new SlotState[0];
@@ -18,13 +24,43 @@ namespace Wholehand
 
         internal long Number;                  // of the message; 0: none
 
+        /// <summary>Where body <paramref name="i"/> of All is: its centre of mass, in the world. False where neither the state
+        /// nor the list says it at present: it stays where it was drawn.</summary>
+        public bool TryGetPlace(int i, WorldSnapshot world, out Vector positionM, out Rotation orientation)
+        {
+            positionM = All[i].PositionM;
+            orientation = All[i].Orientation;
+            if (All[i].State == SlotState.Parked) return All[i].Stands;
+            int pose = PoseOf((uint)All[i].LoopSlot);
+            if (world.Session != Session || !world.Has(pose)) return false;
+            positionM = world.BodyPositions[pose];
+            orientation = world.BodyOrientations[pose];
+            return true;
+        }
+
         /// <summary>Index into WorldSnapshot.BodyPositions; it may be beyond BodyCount: then no state has it yet.</summary>
         public int PoseOf(uint slot)
         {
             return SceneBodies + (int)slot;
         }
 
-        /// <summary>Index into the arrays above; -1: no such body is in the world.</summary>
+        /// <summary>Index into All; -1: no such body is in the world.</summary>
+        public int FindInAll(BodyId body)
+        {
+            int low = 0, high = AllCount - 1;
+            while (low <= high)
+            {
+                int middle = (low + high) / 2;
+                BodyId there = All[middle].Id;
+                if (there.Slot == body.Slot) return there.Generation == body.Generation ? middle : -1;
+                if (there.Slot < body.Slot) low = middle + 1;
+                else high = middle - 1;
+            }
+            return -1;
+        }
+
+        /// <summary>Index into Bodies, States and Shapes, of a body without a number; -1: no such body is in the
+        /// world.</summary>
         public int Find(BodyId body)
         {
             for (int i = 0; i < Count; ++i)
@@ -45,12 +81,20 @@ namespace Wholehand
             Count = count;
         }
 
+        internal void ResizeAll(int count)
+        {
+            if (All.Length < count) All = new BodyInWorld[count];
+            AllCount = count;
+        }
+
         internal void CopyFrom(BodySlots other)
         {
             Resize(other.Count);
             System.Array.Copy(other.Bodies, Bodies, Count);
             System.Array.Copy(other.States, States, Count);
             System.Array.Copy(other.Shapes, Shapes, Count);
+            ResizeAll(other.AllCount);
+            System.Array.Copy(other.All, All, AllCount);
             Session = other.Session;
             SceneBodies = other.SceneBodies;
             Number = other.Number;

@@ -31,13 +31,13 @@ namespace Wholehand
         public static int Teleport(FlatBufferBuilder b, BodyAt[] bodies)
         {
             wholehand.protocol.Teleport.StartBodiesVector(b, bodies.Length);
-            return wholehand.protocol.Teleport.CreateTeleport(b, Places(b, bodies)).Value;
+            return wholehand.protocol.Teleport.CreateTeleport(b, Places(b, bodies, 0, bodies.Length)).Value;
         }
 
-        public static int BodyTargets(FlatBufferBuilder b, BodyAt[] bodies)
+        public static int BodyTargets(FlatBufferBuilder b, BodyAt[] bodies, int first, int count)
         {
-            wholehand.protocol.BodyTargets.StartBodiesVector(b, bodies.Length);
-            return wholehand.protocol.BodyTargets.CreateBodyTargets(b, Places(b, bodies)).Value;
+            wholehand.protocol.BodyTargets.StartBodiesVector(b, count);
+            return wholehand.protocol.BodyTargets.CreateBodyTargets(b, Places(b, bodies, first, count)).Value;
         }
 
         public static int SetOwner(FlatBufferBuilder b, BodyOwnerChange[] bodies)
@@ -51,9 +51,9 @@ namespace Wholehand
         }
 
         // Of a vector that was begun.
-        private static VectorOffset Places(FlatBufferBuilder b, BodyAt[] bodies)
+        private static VectorOffset Places(FlatBufferBuilder b, BodyAt[] bodies, int first, int count)
         {
-            for (int i = bodies.Length - 1; i >= 0; --i)
+            for (int i = first + count - 1; i >= first; --i)
             {
                 BodyAt at = bodies[i];
                 BodyPlace.CreateBodyPlace(b, at.Body.Slot, at.Body.Generation, at.PositionM.X, at.PositionM.Y, at.PositionM.Z,

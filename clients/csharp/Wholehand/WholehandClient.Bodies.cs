@@ -1,5 +1,4 @@
 using System;
-using System.Collections.Generic;
 using System.Threading.Tasks;
 using wholehand.protocol;
 
@@ -9,13 +8,10 @@ namespace Wholehand
     // refuses stands in CommandReply.Items, and what only its loop knows comes as a BodyEvent.
     public sealed partial class WholehandClient
     {
-        private const int MostItems = 4096;
+        private const int MostItems = 4096, MostInMessage = 64;
         private static readonly string[] BodyEventNames =
             { "appeared", "solid", "letting_go", "left", "quarantined", "refused", "touched" }; // as BodyEventKind
 
-        private readonly BodySlots slots = new BodySlots();
-        private readonly Dictionary<uint, GameShapes> shapes = new Dictionary<uint, GameShapes>();
-        private readonly Dictionary<int, uint> generations = new Dictionary<int, uint>(); // by slot; the receiver's
         private int[] bodyEventKinds = new int[0]; // of the scene's types; -1: another event
 
         /// <summary>Which bodies of a game are in the world; its memory is the receiver's. TryGetBodies copies.</summary>
@@ -32,7 +28,8 @@ namespace Wholehand
             return Ask(Order.PrepareShapes, b => BodyWords.PrepareShapes(b, (ushort)set, pieces));
         }
 
-        /// <summary>Puts bodies into empty slots. Each is a ghost until it overlaps nothing.</summary>
+        /// <summary>Puts bodies into empty slots, or registers them by numbers, 64 at most. Each is a ghost until it overlaps
+        /// nothing.</summary>
         public Task<CommandReply> Spawn(params BodyToSpawn[] bodies)
         {
             foreach (BodyToSpawn body in bodies)
@@ -61,19 +58,22 @@ namespace Wholehand
         }
 
         /// <summary>Where bodies of owner Game are pulled to. Say it again within 0.1 s, or a body halts: the next one
-        /// corrects it. What is refused comes through ReplyReceived.</summary>
+        /// corrects it. Any number of them. What is refused comes through ReplyReceived.</summary>
         public void BodyTargets(params BodyAt[] bodies)
         {
             lock (gate)
             {
                 if (!connected) return;
-                builder.Clear();
-                int targets = BodyWords.BodyTargets(builder, bodies);
-                SendMessage(Words.Command(builder, ++command, Order.BodyTargets, targets));
+                for (int first = 0; first == 0 || first < bodies.Length; first += MostInMessage)
+                {
+                    builder.Clear();
+                    int targets = BodyWords.BodyTargets(builder, bodies, first, Math.Min(MostInMessage, bodies.Length - first));
+                    SendMessage(Words.Command(builder, ++command, Order.BodyTargets, targets));
+                }
             }
         }
 
-        /// <summary>Copies which slots hold bodies; false where nothing has come that is newer than
+        /// <summary>Copies which bodies of a game are in the world; false where nothing has come that is newer than
         /// <paramref name="into"/>. Any thread.</summary>
         public bool TryGetBodies(BodySlots into)
         {
@@ -101,64 +101,6 @@ namespace Wholehand
         private static Task<CommandReply> Refused(string why)
         {
             return Task.FromResult(new CommandReply(false, why));
-        }
-
-        // Throws where the message is damaged; then nothing has changed.
-        private void Take(GameBodies told)
-        {
-            var read = new BodySlots { Session = told.Session };
-            read.Resize(Believable(told.BodiesLength));
-            for (int i = 0; i < read.Count; ++i)
-            {
-                GameBody body = told.Bodies(i).Value;
-                read.Bodies[i] = new BodyId(body.Slot, body.Generation);
-                read.States[i] = body.State;
-                read.Shapes[i] = body.Shapes;
-            }
-            var kept = new Dictionary<uint, GameShapes>();
-            var news = new Dictionary<uint, GameShapes>();
-            for (int i = 0; i < Believable(told.NewShapesLength); ++i)
-            {
-                GameShapes made = told.NewShapes(i).Value;
-                news[made.Id] = made;
-            }
-            lock (gate)
-            {
-                for (int i = 0; i < read.Count; ++i)
-                {
-                    GameShapes of;
-                    uint id = read.Shapes[i];
-                    if (news.TryGetValue(id, out of) || shapes.TryGetValue(id, out of)) kept[id] = of;
-                }
-                shapes.Clear();
-                foreach (KeyValuePair<uint, GameShapes> of in kept) shapes[of.Key] = of.Value;
-                for (int i = 0; i < read.Count; ++i) generations[(int)read.Bodies[i].Slot] = read.Bodies[i].Generation;
-                read.SceneBodies = scene.HasValue ? scene.Value.BodiesLength : 0;
-                read.Number = slots.Number + 1;
-                slots.CopyFrom(read);
-            }
-        }
-
-        // Before the scene is known to the game.
-        private void TakeBodyEventsOf(Scene newScene)
-        {
-            var kinds = new int[newScene.Budget.HasValue ? Believable(newScene.EventNamesLength) : 0];
-            for (int i = 0; i < kinds.Length; ++i) kinds[i] = Array.IndexOf(BodyEventNames, newScene.EventNames(i));
-            bodyEventKinds = kinds;
-            lock (gate)
-            {
-                if (slots.Session != newScene.Session || kinds.Length == 0) DropBodies();
-                slots.SceneBodies = newScene.BodiesLength;
-                if (slots.Number > 0) ++slots.Number;
-            }
-        }
-
-        // gate is held.
-        private void DropBodies()
-        {
-            shapes.Clear();
-            slots.Resize(0);
-            if (slots.Number > 0) ++slots.Number;
         }
 
         private void RaiseBodyEvents(Events events)
@@ -191,6 +133,7 @@ namespace Wholehand
             {
                 body.Generation = (uint)happened.Value;
             }
+            body.Body = NameOf(body.Slot, body.Generation);
             return body;
         }
 

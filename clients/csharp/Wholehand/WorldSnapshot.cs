@@ -8,7 +8,8 @@ namespace Wholehand
     /// bodies or contacts than ever before. SI, the program's frame (UnityAxes converts).</summary>
     public sealed class WorldSnapshot : Snapshot
     {
-        /// <summary>Of the arrays below, how many bodies are valid; in the order of Scene.Bodies.</summary>
+        /// <summary>Of the arrays below, how many bodies are valid: those of Scene.Bodies in their order, then the slots of a
+        /// game's.</summary>
         public int BodyCount;
         public Vector[] BodyPositions = new Vector[0];    // centre of mass [m]
         public Rotation[] BodyOrientations = new Rotation[0];
@@ -21,6 +22,13 @@ namespace Wholehand
         public Vector[] ContactForces = new Vector[0];    // on the hand [N]
 
         private const int MostBodies = 4096, MostContacts = 4096;
+        private const float EmptyBelowM = -8; // where empty slots are; a body of a game is within 5 m
+
+        /// <summary>False where the state has no such body, or its slot is empty.</summary>
+        public bool Has(int body)
+        {
+            return body >= 0 && body < BodyCount && BodyPositions[body].Z > EmptyBelowM;
+        }
 
         internal override void CopyRest(WorldState s)
         {

@@ -69,24 +69,25 @@ class Body:
 @dataclasses.dataclass(frozen=True)
 class BodyEvent:
     """What became of a body. `generation` is 0 where the name is "refused", which has a `refusal`. "touched" has the
-    impulse on the hand [N·s] of the first 10 ms of the touch."""
+    impulse on the hand [N·s] of the first 10 ms of the touch. `body` is (slot, generation), or (number, generation) where
+    the game named it by a number: such a body also appears and leaves when it gets a slot and gives it back."""
     name: str
     tick: int
     slot: int
     generation: int
     refusal: str = ""
     impulse_ns: float = 0.0
+    body: tuple = ()
 
 
-def event_of(name, event, refusals, generations):
-    """@param refusals names of the schema's BodyRefusal @param generations of slots, which "touched" does not bring"""
-    if name == "touched":
-        slot = int(event["index"])
-        return BodyEvent(name, int(event["tick"]), slot, generations.get(slot, 0), impulse_ns=float(event["value"]))
-    refused = name == "refused"
-    value = int(event["value"])
-    return BodyEvent(name, int(event["tick"]), int(event["index"]), 0 if refused else value,
-                     refusals.get(value, str(value)) if refused else "")
+def event_of(name, event, refusals, generations, names):
+    """@param refusals names of the schema's BodyRefusal @param generations of slots, which "touched" does not bring
+    @param names of bodies beyond the slots, by the slot that they have or had last"""
+    slot, value = int(event["index"]), float(event["value"])
+    generation = {"touched": generations.get(slot, 0), "refused": 0}.get(name, int(value))
+    return BodyEvent(name, int(event["tick"]), slot, generation,
+                     refusal=refusals.get(int(value), str(int(value))) if name == "refused" else "",
+                     impulse_ns=value if name == "touched" else 0.0, body=names.get(slot, (slot, generation)))
 
 
 # Orders whose `bodies` are structs.

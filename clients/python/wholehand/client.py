@@ -90,6 +90,17 @@ class Client:
         """The schema's GameBodies; None where none has come."""
         return self._program.bodies
 
+    @property
+    def registered(self):
+        """Bodies beyond the slots: the schema's RegisteredBody by number."""
+        return self._program.registered
+
+    def body_poses(self):
+        """Where bodies of a game are: the schema's Pose by slot, or by number."""
+        async def ask():
+            return self._program.body_poses()
+        return self._call(ask())
+
     def prepare_shapes(self, shape_set, *shapes):
         self._call(self._program.prepare_shapes(shape_set, *shapes))
 

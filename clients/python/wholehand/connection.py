@@ -16,7 +16,7 @@ import time
 import websockets
 
 from wholehand import bodies as make
-from wholehand.messages import BODY_REFUSALS, REFUSALS, MessageError, decode, encode
+from wholehand.messages import BODY_REFUSALS, REFUSALS, WHEREABOUTS, MessageError, decode, encode
 from wholehand.prediction import MotionPredictor
 
 VIRTUAL_PATIENT, PERSON = 0, 1          # Steer.by
@@ -24,6 +24,7 @@ NEXT, RESTART, PAUSE, RESUME = range(4)  # Action.act
 
 HEARTBEAT_S = 0.05          # the program takes the controls away after 0.2 s of silence
 REPEAT_STOP_S = 0.3
+EMPTY_BELOW_M = -8.0        # where a state has empty slots; a body of a game is within 5 m
 BODY_EVENTS = 4096          # most that wait for next_body_event(); older ones are dropped
 
 
@@ -64,7 +65,7 @@ async def connect(address="127.0.0.1:8080", role=None, token=None):
 
 class Connection:
     """What the program says, newest of each: `welcome`, `scene`, `controls`, `state`, `commissioning`, `bodies`
-    (Tables; `bodies` is the schema's GameBodies), and
+    (Tables; `bodies` is the schema's GameBodies), `registered` (the schema's RegisteredBody by number), and
     orders to it. `silence` is asked before every heartbeat; while it says True none is sent."""
 
     def __init__(self, socket):
@@ -76,7 +77,9 @@ class Connection:
         self._lost = None
         self._beat = None
         self._event_names, self._body_events = [], collections.deque(maxlen=BODY_EVENTS)
-        self._generations = {}  # of the bodies of a game, by slot
+        # Of the bodies of a game, by slot; also of those that have left it. Names: (number, generation).
+        self._generations, self._names = {}, {}
+        self.registered = {}
         self._motion = MotionPredictor()
         self.silence = lambda: False
         self.welcome = self.scene = self.controls = self.state = self.commissioning = self.bodies = None
@@ -149,7 +152,8 @@ class Connection:
         await self.order("PrepareShapes", set=shape_set, pieces=make.pieces(shapes))
 
     async def spawn(self, *bodies):
-        """@param bodies wholehand.bodies.Body, ..."""
+        """@param bodies wholehand.bodies.Body, ...; their `slot` is a slot, or a number from 1000 on for a body beyond
+        the slots, which all other orders name by it, too"""
         await self.order("Spawn", bodies=make.spawned(bodies))
 
     async def remove(self, *bodies):
@@ -178,7 +182,7 @@ class Connection:
         for event in events:
             name = self._event_names[event["type"]] if event["type"] < len(self._event_names) else ""
             if name in make.EVENTS:
-                self._body_events.append(make.event_of(name, event, BODY_REFUSALS, self._generations))
+                self._body_events.append(make.event_of(name, event, BODY_REFUSALS, self._generations, self._names))
             if name == "appeared":
                 self._generations[int(event["index"])] = int(event["value"])
 
@@ -234,7 +238,17 @@ class Connection:
             if message.kind == "Scene":
                 self._event_names = message.event_names if message.budget else []
             if message.kind == "GameBodies":
-                self._generations.update((int(b["slot"]), int(b["generation"])) for b in message.bodies)
+                for body in message.registered.copy():
+                    self.registered[int(body["number"])] = body
+                    if WHEREABOUTS.get(int(body["whereabouts"])) == "Gone":
+                        del self.registered[int(body["number"])]
+                numbers = self._numbers_in_slots()
+                for body in message.bodies:
+                    self._generations[int(body["slot"])] = int(body["generation"])
+                    if int(body["slot"]) not in numbers:
+                        self._names.pop(int(body["slot"]), None)
+                self._names.update((slot, (number, int(self.registered[number]["generation"])))
+                                   for slot, number in numbers.items())
         elif message.kind == "Reply":
             answer = self._replies.get(message.command)
             if answer and not answer.done():
@@ -244,6 +258,21 @@ class Connection:
             for queue in self._event_queues:
                 for event in message.events:
                     queue.put_nowait(event)
+
+    def _numbers_in_slots(self):
+        return {int(body["slot"]): number for number, body in self.registered.items() if body["slot"] >= 0}
+
+    def body_poses(self):
+        """Where bodies of a game are: the schema's Pose by slot, or by number. By the newest state where they have a slot."""
+        poses = {number: body["pose"] for number, body in self.registered.items()}
+        state, told = self.state, self.bodies
+        if told is None or state is None or state.session != told.session:
+            return poses
+        numbers, in_state = self._numbers_in_slots(), state.bodies[len(self.scene.bodies):]
+        for slot in map(int, told.bodies["slot"]):
+            if slot < len(in_state) and in_state["position_m"][slot, 2] > EMPTY_BELOW_M:
+                poses[numbers.get(slot, slot)] = in_state[slot]
+        return poses
 
     def _ended(self, why):
         """All that waits learns that the connection is lost."""

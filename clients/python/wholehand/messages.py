@@ -18,11 +18,14 @@ STATISTICS = numpy.dtype([("ticks", "<u8"), ("missed_deadlines", "<u8"), ("dropp
                           ("cpu_max_us", "<f4")])
 GAME_BODY = numpy.dtype({"names": ["slot", "generation", "shapes", "state"], "formats": ["<u4", "<u4", "<u4", "u1"],
                          "itemsize": 16})
+REGISTERED_BODY = numpy.dtype({"names": ["number", "generation", "shapes", "slot", "whereabouts", "pose"],
+                               "formats": ["<u4", "<u4", "<u4", "<i4", "u1", POSE],
+                               "offsets": [0, 4, 8, 12, 16, 20], "itemsize": 48})
 STRUCTS = {"Vec3": VEC3, "Pose": POSE, "ContactPoint": CONTACT, "Event": EVENT, "Statistics": STATISTICS,
-           "GameBody": GAME_BODY}
+           "GameBody": GAME_BODY, "RegisteredBody": REGISTERED_BODY}
 VECTORS_OF_STRUCTS = {("WorldState", "links"): POSE, ("WorldState", "bodies"): POSE,
                       ("WorldState", "contacts"): CONTACT, ("Events", "events"): EVENT, ("Shape", "points_m"): VEC3,
-                      ("GameBodies", "bodies"): GAME_BODY}
+                      ("GameBodies", "bodies"): GAME_BODY, ("GameBodies", "registered"): REGISTERED_BODY}
 
 # What flatbuffers raises where bytes are no message.
 UNREADABLE = (struct.error, IndexError, ValueError, TypeError, OverflowError)
@@ -48,6 +51,7 @@ ORDERS = {name: number for number, name in _names("Order").items() if number > 0
 REFUSALS = _names("Refusal")
 BODY_REFUSALS = _names("BodyRefusal")
 SLOT_STATES = _names("SlotState")
+WHEREABOUTS = _names("Whereabouts")
 RUN_STATES = _names("RunState")
 
 

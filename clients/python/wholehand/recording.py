@@ -13,10 +13,11 @@ import numpy
 
 from wholehand import tables
 
-FIRST_PACKED_SCHEMA, ROW_ELEMENT_SCHEMA, LAST_SCHEMA = 5, 6, 6
+FIRST_PACKED_SCHEMA, ROW_ELEMENT_SCHEMA, GRID_SCHEMA, LAST_SCHEMA = 5, 6, 7, 7
 POLYNOMIALS = {"intention": 6, "patient_effort": 5, "palm_distance_m": 5, "bodies": 1,
             "exercise_values": 1, "parameters": 1, "qd_s": 5}  # orders of the polynomials
 LATER_POLYNOMIALS = {"patient_effort": 9, "palm_distance_m": 7}  # from ROW_ELEMENT_SCHEMA on
+GRID_STEPS = {"intention": 2.0**20, "patient_effort": 2.0**24}  # of a unit, from GRID_SCHEMA on
 # Each needs of its own row only datasets that are not packed, or stand before it.
 ORDER = ("time_s", "qd_s", "q_s", "qd_mf", "theta", "f_s", "coupling", "phi", "damping", "rendered", "sent",
          "intention", "patient_effort", "palm_distance_m", "tank", "bodies", "exercise_values", "parameters",
@@ -119,6 +120,9 @@ class Recording:
         period_s, meta = self.meta["period_s"], self.meta
         at = self._block
         later = meta["schema_version"] >= ROW_ELEMENT_SCHEMA
+        if meta["schema_version"] >= GRID_SCHEMA and column in GRID_STEPS:
+            steps = GRID_STEPS[column]
+            return lambda row: numpy.rint(extrapolated(values, row, 3) * steps) / steps + 0.0
         if later and column == "intention":
             return Oscillation(values)
         if column in POLYNOMIALS:

@@ -29,7 +29,7 @@ double phase(std::size_t i, std::size_t count) {
 }  // namespace
 
 Excitation::Excitation(const ExcitationPlan& plan) : plan_(plan) {
-  ticks_ = static_cast<std::size_t>(std::llround(plan.duration_s / plan.period_s));
+  ticks_ = std::llround(plan.duration_s / plan.period_s);
   const double w = kTwoPi * kSpring_hz;
   stiffness_ = plan.mass * w * w;
   damping_ = 2.0 * kSpringRatio * plan.mass * w;

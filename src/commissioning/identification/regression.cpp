@@ -96,7 +96,7 @@ double effortsApart(const Regression::Sums& sums, double one, double other) {
   const auto add = [&weight](double delay, double sign) {
     const auto whole = static_cast<int>(std::floor(delay));
     const std::array<double, 3> w = weights(delay - whole);
-    for (int i = 0; i < 3; ++i) weight[whole + i] += sign * w.at(static_cast<std::size_t>(i));
+    for (int i = 0; i < 3; ++i) weight[whole + i] += sign * w.at(i);
   };
   add(one, 1.0);
   add(other, -1.0);
@@ -158,10 +158,10 @@ Regression::Regression(const AxisTrace& trace, const RegressionConfig& config)
   for (const double q : trace.position) middle += q / static_cast<double>(n);
 
   const double pole = std::exp(-2.0 * std::numbers::pi * config.low_pass_hz * t);
-  const auto per_block = static_cast<std::size_t>(std::llround(kBlock_s / t));
-  const auto settled = static_cast<std::size_t>(std::llround(kSettle_s / t));
+  const std::size_t per_block = std::llround(kBlock_s / t);
+  const std::size_t settled = std::llround(kSettle_s / t);
   blocks_.assign(n / per_block + 1, Sums::Zero());
-  postures_.assign(static_cast<std::size_t>(trace.posture.back()) + 1, Sums::Zero());
+  postures_.assign(trace.posture.back() + 1, Sums::Zero());
   Row once = Row::Zero(), twice = Row::Zero();
   for (std::size_t k = kEfforts; k + 1 < n; ++k) {
     const double before = trace.position[k - 1], now = trace.position[k],
@@ -174,8 +174,7 @@ Regression::Regression(const AxisTrace& trace, const RegressionConfig& config)
       const double x = pace / kStribeckSpeeds.at(i);
       row[5 + static_cast<int>(i)] = direction * std::exp(-x * x);
     }
-    for (int d = 0; d < kEfforts; ++d)
-      row[kTerms + d] = trace.effort[k - static_cast<std::size_t>(d)];
+    for (int d = 0; d < kEfforts; ++d) row[kTerms + d] = trace.effort[k - d];
     once = pole * once + (1.0 - pole) * share[k] * row;
     twice = pole * twice + (1.0 - pole) * once;
     if (k < settled) continue;

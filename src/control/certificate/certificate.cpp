@@ -89,7 +89,8 @@ double marginOf(const AxisCertificate& a, Criterion criterion) {
     case Criterion::kCoupled:
       return kInfinite;
     case Criterion::kAvatar: {  // 1/T²: above it the avatar rings
-      const double wt = a.axis_case.avatarStiffness() * a.axis_case.period_s * a.axis_case.period_s;
+      const double step_s = a.axis_case.stepPeriod();
+      const double wt = a.axis_case.avatarStiffness() * step_s * step_s;
       return wt <= 1.0 ? kInfinite : 1.0 / wt;
     }
     default:
@@ -133,9 +134,10 @@ AxisLoop AxisCase::loop(double phi) const {
   l.phi_k_dm = phi * gains.k_dm;
   l.gamma = gains.gamma;
   l.k_ps_per_s2 = avatarStiffness();
-  l.k_ds_per_s = criticalDamping(l.k_ps_per_s2, period_s);
+  l.k_ds_per_s = criticalDamping(l.k_ps_per_s2, stepPeriod());
   l.filter_tau_s = 1.0 / (2.0 * std::numbers::pi * gains.velocity_filter_hz);
   l.period_s = period_s;
+  l.physics_divisor = physics_divisor;
   return l;
 }
 
@@ -169,6 +171,7 @@ AxisCase axisCase(const CertificateInput& input, int axis) {
   for (const CertificateInput::Wall& wall : input.walls) {
     if (wall.axis == axis) c.walls.push_back(wall.wall);
   }
+  c.physics_divisor = input.rendering.physics_divisor;
   return c;
 }
 
@@ -246,9 +249,10 @@ Certificate certify(const CertificateInput& input) {
   }
   const CoupledCase together = coupledCase(input);
   const std::vector<AxisMatrix> sampled(together.inertias.begin() + 1, together.inertias.end());
-  const WorstPosture worst = worstPosture(sampled, k_pm, input.period_s);
-  out.avatar = {worst.radius, -input.period_s / std::log(worst.radius), worst.posture,
-                sampled.size(), largestStableFactor(sampled, k_pm, input.period_s, kLargestFactor)};
+  const double step_s = input.stepPeriod();
+  const WorstPosture worst = worstPosture(sampled, k_pm, step_s);
+  out.avatar = {worst.radius, -step_s / std::log(worst.radius), worst.posture, sampled.size(),
+                largestStableFactor(sampled, k_pm, step_s, kLargestFactor)};
   const RequiredShare need = requiredShare(together);
   out.coupled = {need.share > 0.0 ? 1.0 / need.share : kInfinite, need.frequency_hz, need.posture};
   out.certified = out.avatar.passes() && out.coupled.margin >= 1.0;

@@ -1,5 +1,6 @@
 #include "device/conformance/bench.hpp"
 
+#include "device/plugin/loader_problem.hpp"
 #include "realtime/monotonic_clock.hpp"
 
 #include <algorithm>
@@ -76,8 +77,7 @@ std::string DriverBench::load() {
   const std::string path = bare ? "./" + location_.path : location_.path;
   library_ = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (library_ == nullptr) {
-    const char* const why = ::dlerror();
-    return why_not_loaded_ = why != nullptr ? why : "cannot be loaded";
+    return why_not_loaded_ = loaderProblem(path);
   }
   symbol_ = reinterpret_cast<decltype(symbol_)>(::dlsym(library_, "wh_plugin_v1"));
   return {};

@@ -1,7 +1,7 @@
 #include "device/conformance/group_process.hpp"
 
+#include "core/sanitized.hpp"
 #include "realtime/monotonic_clock.hpp"
-#include "realtime/sanitized.hpp"
 
 #include <array>
 #include <cerrno>

@@ -1,6 +1,7 @@
 #include "device/plugin/plugin_driver.hpp"
 
 #include "device/plugin/driver_lookup.hpp"
+#include "device/plugin/loader_problem.hpp"
 
 #include <algorithm>
 #include <array>
@@ -48,12 +49,10 @@ Expected<const wh_plugin*> findPlugin(const std::string& path, CalledBy called_b
   };
   // Without a slash dlopen would search the system's library folders.
   const bool bare = path.find('/') == std::string::npos;
-  void* const library =
-      ::dlopen((bare ? "./" + path : path).c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+  const std::string full = bare ? "./" + path : path;
+  void* const library = ::dlopen(full.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (library == nullptr) {
-    const char* const why = ::dlerror();
-    return no(why != nullptr ? why : "cannot be loaded",
-              "give the path of a driver's shared object");
+    return no(loaderProblem(full), "give the path of a driver's shared object");
   }
   void* const symbol = ::dlsym(library, kSymbol);
   if (symbol == nullptr) return no(std::string("has no ") + kSymbol + "()", kRemedy);

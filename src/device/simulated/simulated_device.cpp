@@ -9,6 +9,20 @@
 
 namespace wholehand {
 
+namespace {
+
+// The patient is reported in steps of about 1 µm or µrad and 0.06 µN or µN·m, finer than any
+// encoder or sensor. The digits below were a quarter of a recording
+// (docs/adr/0065-patients-on-a-grid.md).
+constexpr double kPositionSteps = 0x1p20, kEffortSteps = 0x1p24;
+
+/// The nearest point of a grid. A zero is positive.
+double onGrid(double value, double steps) {
+  return std::nearbyint(value * steps) / steps + 0.0;
+}
+
+}  // namespace
+
 SimulatedDevice::SimulatedDevice(const DeviceModel& device, const PatientConfig& patient,
                                  Intention intention, double period_s)
     : SimulatedDevice(device, patient, std::make_unique<ScriptedPlayer>(std::move(intention)),
@@ -150,7 +164,10 @@ Fault SimulatedDevice::read(DeviceReading& reading, int elapsed_periods) noexcep
   }
   reading.intention = q_intended_;
   reading.patient_effort = impedance();
-  for (int i = 0; i < q_.size(); ++i) reading.patient_effort[i] += person_.end()[i];
+  for (int i = 0; i < q_.size(); ++i) {
+    reading.intention[i] = onGrid(reading.intention[i], kPositionSteps);
+    reading.patient_effort[i] = onGrid(reading.patient_effort[i] + person_.end()[i], kEffortSteps);
+  }
   return Fault::kNone;
 }
 

@@ -3,6 +3,8 @@
 #include "exercise/cocktail_bar/bar_parts.hpp"
 #include "exercise/cocktail_bar/bar_scene.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstddef>
 #include <optional>
@@ -65,8 +67,10 @@ Expected<LoadedBar> loadBar(TomlFile& file, const ExerciseSource& source) {
   Diagnostics faults = file.finish();
   faults.insert(faults.end(), scene_faults.begin(), scene_faults.end());
   if (faults.empty() && (source.level < 1 || source.level > levels)) {
-    faults.push_back({source.path, 0, "level", std::to_string(source.level), "is no level of it",
-                      "must be 1 .. " + std::to_string(levels)});
+    faults.push_back({source.path, 0, "level", std::to_string(source.level),
+                      levels == 1 ? "the exercise has one level"
+                                  : fmt::format("the exercise has levels 1 to {}", levels),
+                      "choose a level that it has"});
   }
   if (!faults.empty()) return faults;
   takeLevel(parts, bar);

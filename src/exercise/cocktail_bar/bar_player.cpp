@@ -21,6 +21,7 @@ constexpr double kHeld = 0.08;            // relative tolerance of a hold
 constexpr double kReleaseLag_s = 0.1;     // time that a flow continues after letting go
 constexpr double kEaseLag_s = 0.5;        // and after easing the grip
 constexpr double kSettled_s = 0.3;        // a hold is stable after this time
+constexpr double kSlowerAtFirst = 2.0;    // the first motion of a hand that somebody else led
 constexpr double kNear_m = 0.06;          // the hand is at a dispenser within this distance
 
 }  // namespace
@@ -63,6 +64,7 @@ void BarPlayer::reset() {
   put(layout_.turn, draw(2.0, 8.0) * kDeg);
   q_ = start_;
   qd_ = AxisVelocity(layout_.axes);
+  measured_ = start_;
   lost_ = advanced_ = false;
   dispenser_ = drink_ = step_ = -1;
   tries_ = failures_ = 0;
@@ -81,7 +83,7 @@ void BarPlayer::advance(double period_s, AxisPosition& q, AxisVelocity& qd) noex
   since_s_ += period_s;
   if (lost_) {
     lost_ = false;
-    go(near_ ? Phase::kOpen : Phase::kDrawBack);
+    go(near_ ? Phase::kOpen : Phase::kDrawBack, kSlowerAtFirst);
   }
   reach_.advance(period_s, q_, qd_);
   if (phase_ == Phase::kSqueeze || phase_ == Phase::kEase) press(period_s);
@@ -98,6 +100,7 @@ void BarPlayer::see(const TickRecord& record) noexcept {
     near_ = comeNear(record);
   }
   advanced_ = false;
+  if (record.q_m.size() == layout_.axes) measured_ = record.q_m;
   look_due_s_ -= period_s_ * record.elapsed_periods;
   if (look_due_s_ < 0.5 * period_s_) {
     look_due_s_ += kLook_s;
@@ -177,6 +180,7 @@ void BarPlayer::decide(const BarStatus& seen, const TickRecord& record) noexcept
     case Phase::kWait:
       if (since_s_ < character_.reaction_s) return;
       if (seen.stage == BarStage::kDrawBack && !drawnBack()) go(Phase::kDrawBack);
+      if (seen.stage == BarStage::kDrawBack && isHeldBack()) go(Phase::kFree);
       if (!wants) return;
       countFailedGrasp(seen);
       aimAt(record, seen.target);
@@ -230,6 +234,7 @@ void BarPlayer::next(const BarStatus& seen, const TickRecord& record) noexcept {
       if (more && !free && tries_ < kMostTries) return go(Phase::kSqueeze);
       return go(dispenser_ >= 0 ? Phase::kLeave : Phase::kDrawBack);
     case Phase::kLeave:
+    case Phase::kFree:
       return go(Phase::kDrawBack);
     case Phase::kDrawBack:
       return go(Phase::kWait);

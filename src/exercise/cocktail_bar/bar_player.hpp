@@ -31,6 +31,7 @@ class BarPlayer final : public Player {
   /// Phases of the person's behaviour.
   enum class Phase {
     kDrawBack,  ///< straight back, away from the row
+    kFree,      ///< back with stretched fingers from where something holds the hand
     kWait,      ///< withdrawn, until there is a dispenser to reach for
     kAlign,     ///< sideways, withdrawn, to a free way in
     kEnter,     ///< beside the dispenser, fingers stretched
@@ -68,9 +69,10 @@ class BarPlayer final : public Player {
   void next(const BarStatus& seen, const TickRecord& record) noexcept;
   void pressBy(const BarStatus& seen) noexcept;
   void press(double period_s) noexcept;
-  void go(Phase phase) noexcept;
+  void go(Phase phase, double slower = 1.0) noexcept;
   [[nodiscard]] double back_m() const noexcept;
   [[nodiscard]] bool drawnBack() const noexcept;
+  [[nodiscard]] bool isHeldBack() const noexcept;
   [[nodiscard]] AxisPosition goalOf(Phase phase) const noexcept;
   void shape(Phase phase) noexcept;
   [[nodiscard]] double durationTo(const AxisPosition& goal) const noexcept;
@@ -96,6 +98,7 @@ class BarPlayer final : public Player {
   Reach reach_;
   AxisPosition q_;
   AxisVelocity qd_;
+  AxisPosition measured_;  // device position of the newest record
 
   int dispenser_ = -1;  // dispenser to grasp; -1: none yet
   int drink_ = -1, step_ = -1;

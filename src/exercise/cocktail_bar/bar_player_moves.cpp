@@ -17,6 +17,8 @@ constexpr double kThumbClosed = 27.0 * kDeg;
 constexpr double kThumbAlong = kThumbClosed / (kClosed - kHalfBent);  // thumb per finger angle
 constexpr double kBack_m = 0.006;                                     // distance from the end of x
 constexpr double kDrawnBack_m = 0.001;  // tolerance of a withdrawn hand
+constexpr double kHeldBack_m = 0.01;    // a hand farther from where it was drawn back to ...
+constexpr double kHeldBack_s = 1.0;     // ... after this time is held by something
 constexpr double kBeside_m = 0.024;     // sideways from the contact of the palm
 
 // Peak speeds of a person at pace 1.
@@ -49,6 +51,11 @@ bool BarPlayer::drawnBack() const noexcept {
   return layout_.x < 0 || q_[layout_.x] < back_m() + kDrawnBack_m;
 }
 
+/// A hand between two dispensers is clamped by the force that pulls it sideways.
+bool BarPlayer::isHeldBack() const noexcept {
+  return layout_.x >= 0 && since_s_ > kHeldBack_s && measured_[layout_.x] > back_m() + kHeldBack_m;
+}
+
 AxisPosition BarPlayer::goalOf(Phase phase) const noexcept {
   AxisPosition goal = q_;
   const auto put = [&](int axis, double value) {
@@ -69,6 +76,13 @@ AxisPosition BarPlayer::goalOf(Phase phase) const noexcept {
     case Phase::kDrawBack:
       put(layout_.x, back_m());
       hand(kHalfBent, kTurnedAside, 0.0);
+      break;
+    case Phase::kFree:
+      for (const int axis : {layout_.y, layout_.z}) {
+        if (axis >= 0) put(axis, measured_[axis]);
+      }
+      put(layout_.x, back_m());
+      hand(kStretched, kTurnedAside, 0.0);
       break;
     case Phase::kAlign:
       base({back_m(), beside.y(), beside.z()});
@@ -130,7 +144,7 @@ void BarPlayer::shape(Phase phase) noexcept {
   }
 }
 
-void BarPlayer::go(Phase phase) noexcept {
+void BarPlayer::go(Phase phase, double slower) noexcept {
   phase_ = phase;
   since_s_ = 0.0;
   rate_ = wanted_rate_ = 0.0;
@@ -138,7 +152,7 @@ void BarPlayer::go(Phase phase) noexcept {
   settled_s_ = stalled_s_ = 0.0;
   if (phase == Phase::kTouch) share_ = character_.share;
   const AxisPosition goal = goalOf(phase);
-  reach_.begin(q_, qd_, goal, durationTo(goal));
+  reach_.begin(q_, qd_, goal, slower * durationTo(goal));
   shape(phase);
   if (layout_.fingers >= 0) fingers_ = q_[layout_.fingers];
   if (layout_.thumb >= 0) {

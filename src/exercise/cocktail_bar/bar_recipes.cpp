@@ -15,7 +15,7 @@ int indexOf(TomlTable& table, std::string_view key, const std::string& name,
   const auto found = std::find(names.begin(), names.end(), name);
   if (found != names.end()) return static_cast<int>(found - names.begin());
   const std::string near = nearestWord(name, names);
-  table.fail(key, "'" + name + "' is no " + what,
+  table.fail(key, "'" + name + "' is not a " + what,
              near.empty() ? "write one of: " + fmt::format("{}", fmt::join(names, ", "))
                           : "did you mean " + near + "?");
   return -1;
@@ -103,7 +103,7 @@ std::vector<LevelPart> readLevels(TomlTable& root, const BarParts& parts) {
     level.low_n = t.number("low_n", force);
     level.high_n = t.number("high_n", force);
     if (t.isGood("threshold_n") && t.isGood("low_n") && level.low_n < level.threshold_n) {
-      t.fail("low_n", "is below threshold_n: what is just right would not flow",
+      t.fail("low_n", "is below threshold_n: within the target nothing would flow",
              "must be at least threshold_n");
     }
     if (t.isGood("low_n") && t.isGood("high_n") && !(level.high_n > level.low_n)) {
@@ -134,7 +134,8 @@ void checkDispensers(TomlTable& t, const LevelPart& level, const BarParts& parts
     const int at = level.dispensers[i];
     const int first = dispenserWith(parts.dispensers[at].liquid, level, parts);
     if (parts.dispensers[at].liquid >= 0 && first != static_cast<int>(i)) {
-      t.fail("dispensers", "two of them hold the same liquid", "a recipe could mean either");
+      t.fail("dispensers", "two of them hold the same liquid",
+             "give each liquid one dispenser of the level");
     }
   }
 }
@@ -157,13 +158,14 @@ void checkDrinks(TomlTable& t, const LevelPart& level, const BarParts& parts, co
                "add its dispenser, or take the drink out");
       }
       if (level.tolerance_l >= step.amount_l) {
-        t.fail("tolerance_l", "is not less than a step of '" + drink.name + "' asks for",
-               "must be less, or nothing need be poured");
+        t.fail("tolerance_l", "is not less than a step of '" + drink.name + "' ",
+               "must be less, else pouring nothing would count");
       }
     }
     if (full_l > bar.glass.capacity_l && bar.glass.capacity_l > 0.0) {
-      t.fail("drinks", "'" + drink.name + "' does not fit the glass, its tolerances included",
-             fmt::format("its steps may add up to {} l", formatNumber(bar.glass.capacity_l)));
+      t.fail(
+          "drinks", "'" + drink.name + "' does not fit into the glass with its tolerances",
+          fmt::format("its steps may add up to {} l at most", formatNumber(bar.glass.capacity_l)));
     }
   }
   for (const auto& [liquid, volume_l] : asked_l) {
@@ -171,7 +173,8 @@ void checkDrinks(TomlTable& t, const LevelPart& level, const BarParts& parts, co
     if (at < 0) continue;
     const int d = level.dispensers[at];
     if (parts.dispensers[d].start_l < volume_l) {
-      t.fail("drinks", "need more than start_l of " + parts.dispensers[d].body + " holds",
+      t.fail("drinks",
+             "need more of a liquid than start_l of the dispenser " + parts.dispensers[d].body,
              fmt::format("it must hold {} l at least", formatNumber(volume_l)));
     }
   }

@@ -1,5 +1,7 @@
 #include "exercise/cocktail_bar/bar_scene.hpp"
 
+#include "core/printable.hpp"
+
 #include <algorithm>
 #include <utility>
 
@@ -10,14 +12,15 @@ namespace {
 const SceneBody* cylinderOf(TomlTable& table, const std::string& name, const SceneModel& scene) {
   const int i = scene.bodyIndex(name);
   if (i < 0) {
-    table.fail("body", "the scene " + scene.path + " has no such body", "write the name of one");
+    table.fail("body", "the scene " + printable(scene.path) + " has no such body",
+               "write the name of one");
     return nullptr;
   }
   const SceneBody& body = scene.bodies[i];
   const bool cylinder = body.shapes.size() == 1 && body.shapes[0].type == ShapeType::kCylinder;
   if (!cylinder || !body.pose.rotation.isIdentity(1e-9)) {
-    table.fail("body", "is no upright cylinder in the scene " + scene.path,
-               "dispensers and glass are: shape = \"cylinder\", not turned");
+    table.fail("body", "is not an upright cylinder in the scene " + printable(scene.path),
+               "write shape = \"cylinder\" there, without a rotation");
     return nullptr;
   }
   return &body;
@@ -32,7 +35,7 @@ double sideOf(TomlTable& root, const std::string& name, double side, const Scene
       return body.pose.translation_m.z() + side * body.shapes[0].half_extents_m.z();
     }
   }
-  root.fail("scene", "has no box named " + name, "add it: the page draws the bar by it");
+  root.fail("scene", "has no box named " + name, "add it: the page draws the bar from it");
   return 0.0;
 }
 
@@ -47,7 +50,8 @@ void readBodies(TomlTable& root, const SceneModel& scene, BarParts& parts, Bar& 
     if (const SceneBody* body = cylinderOf(glass, bar.glass.body, scene)) {
       bar.glass.radius_m = body->shapes[0].radius_m;
       bar.glass.height_m = body->shapes[0].length_m;
-      if (!body->fixed) glass.fail("body", "is not fixed", "the exercise moves it: fixed = true");
+      if (!body->fixed)
+        glass.fail("body", "is not fixed", "write fixed = true: the exercise moves it");
       if (bar.glass.inner_radius_m > bar.glass.radius_m) {
         glass.fail("inner_radius_m", "is more than the body's radius", "must be less");
       }
@@ -71,10 +75,10 @@ void readBodies(TomlTable& root, const SceneModel& scene, BarParts& parts, Bar& 
     d.free = !body->fixed;
     const bool narrow = bar.row.slides && bar.row.spacing_m < 2.0 * d.radius_m;
     if (narrow && root.table("row").isGood("spacing_m")) {  // reported once
-      root.table("row").fail("spacing_m", "is less than " + d.body + " is wide", "must be more");
+      root.table("row").fail("spacing_m", "is less than the width of " + d.body, "must be more");
     }
     if (d.free && bar.row.slides) {
-      tables[i].fail("body", "is free: it cannot slide in a row",
+      tables[i].fail("body", "is not fixed: it cannot slide in a row",
                      "set fixed = true in the scene, or take the table [row] out");
     }
   }

@@ -45,8 +45,7 @@ class CocktailBar final : public Exercise {
     description_.event_names.assign(kBarEventNames.begin(), kBarEventNames.end());
     description_.resume_value = static_cast<int>(BarValue::kResumeDrink);
     description_.json = barJson(bar_);
-    for (const BarDispenser& d : bar_.dispensers)
-      targets_.set(static_cast<std::size_t>(d.body_index));
+    for (const BarDispenser& d : bar_.dispensers) targets_.set(d.body_index);
     reset();
   }
   CocktailBar(const CocktailBar&) = delete;

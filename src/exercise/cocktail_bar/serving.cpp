@@ -51,8 +51,7 @@ void Serving::tick(const BarObservation& senses, const HandPosture& hand, int ta
   const bool sliding = row_.active() || glass_.active();
   const bool may_move = running && senses.drawn_back && !(sliding && isNear(hand, senses));
   standUp(senses, hand, running && senses.behind && !senses.grips_any, placements);
-  const auto at = static_cast<std::size_t>(std::max(target, 0));
-  pending_ = target >= 0 && (lying_[at] || called_[at]);
+  pending_ = target >= 0 && (lying_[target] || called_[target]);
   slideRow(senses, target, may_move, placements);
   slideGlass(senses, target, may_move, placements);
 }

@@ -170,12 +170,13 @@ GameBudget readBudget(TomlTable table, std::size_t scene_bodies) {
   budget.least_kg = mass[0], budget.most_kg = mass[1];
   budget.least_m = size[0], budget.most_m = size[1];
   if (table.isGood("awake") && table.isGood("slots") && budget.awake > budget.slots) {
-    table.fail("awake", "is more than there are slots", "must be at most budget.slots");
+    table.fail("awake", "is more than budget.slots", "must be at most budget.slots");
   }
-  if (scene_bodies + static_cast<std::size_t>(budget.slots) > std::size_t{kMaxBodies}) {
-    table.fail("slots",
-               fmt::format("and the {} bodies of the scene do not fit a record", scene_bodies),
-               fmt::format("together at most {}", kMaxBodies));
+  if (std::cmp_greater(scene_bodies + budget.slots, kMaxBodies)) {
+    table.fail(
+        "slots",
+        fmt::format("and the {} bodies of the scene are more than a record holds", scene_bodies),
+        fmt::format("together at most {}", kMaxBodies));
   }
   return budget;
 }

@@ -1,5 +1,6 @@
 #include "exercise/squeeze_to_level/squeeze_to_level.hpp"
 
+#include "core/printable.hpp"
 #include "exercise/grip.hpp"
 #include "exercise/squeeze_to_level/squeeze_player.hpp"
 #include "exercise/squeeze_to_level/squeeze_task.hpp"
@@ -205,14 +206,15 @@ void findObject(TomlTable& root, const std::string& name, Side side, SceneModel&
                 SqueezeTask& task) {
   task.body = scene.bodyIndex(name);
   if (task.body < 0) {
-    root.fail("object", "the scene " + scene.path + " has no such body", "write the name of one");
+    root.fail("object", "the scene " + printable(scene.path) + " has no such body",
+              "write the name of one");
     return;
   }
   SceneBody& body = scene.bodies[task.body];
   const bool cylinder = body.shapes.size() == 1 && body.shapes[0].type == ShapeType::kCylinder;
   if (!cylinder || !body.pose.rotation.isIdentity(1e-9) || !body.fixed) {
-    root.fail("object", "is no fixed upright cylinder in the scene " + scene.path,
-              "write shape = \"cylinder\" and fixed = true there, not turned");
+    root.fail("object", "is not a fixed upright cylinder in the scene " + printable(scene.path),
+              "write shape = \"cylinder\" and fixed = true there, without a rotation");
     return;
   }
   task.radius_m = body.shapes[0].radius_m;

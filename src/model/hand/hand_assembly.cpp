@@ -1,3 +1,4 @@
+#include "core/printable.hpp"
 #include "model/hand/anthropometry.hpp"
 #include "model/hand/hand_file.hpp"
 #include "model/hand/hand_links.hpp"
@@ -50,7 +51,8 @@ class Assembly {
   void checkAxes() {
     for (const DeviceAxis& axis : device_.axes) {
       if (drives(axis)) continue;
-      fail(device_.path, "axes[" + axis.name + "]", "drives nothing of the hand " + hand_.path,
+      fail(device_.path, "axes[" + axis.name + "]",
+           "drives nothing of the hand " + printable(hand_.path),
            "add [synergy." + axis.name + "] to the hand file, or remove the axis");
     }
     const std::vector<std::string>& names = handJointNames();
@@ -120,7 +122,7 @@ class Assembly {
         continue;
       }
       fail(hand_.path, "joints." + joint->joint + ".range_rad",
-           "is left when the device " + device_.path + " moves through its range",
+           "is exceeded when the device " + printable(device_.path) + " moves through its range",
            fmt::format("the joint goes through [{:.5g}, {:.5g}] rad: widen its range or lower its "
                        "ratio in [synergy]",
                        low, high));

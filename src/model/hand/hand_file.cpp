@@ -94,15 +94,20 @@ Expected<HandFile> loadMirrored(TomlFile& file, const std::string& path) {
   const std::string name = root.text("name");
   const std::string other = root.text("mirror_of");
   if (root.isGood("mirror_of") && other.find_first_of("/\\") != std::string::npos) {
-    root.fail("mirror_of", "is no file of this folder", "write its name without folder and .toml");
+    root.fail("mirror_of", "names no file of this folder",
+              "write its name without folder and .toml");
   }
   if (Diagnostics faults = file.finish(); !faults.empty()) return faults;
   const std::string other_path =
       (std::filesystem::path(path).parent_path() / (other + ".toml")).string();
   TomlFile chain(other_path, "hand");
   if (chain.readable() && chain.root().has("mirror_of")) {
-    return Diagnostic{path,  root.lineOf("mirror_of"),       "mirror_of",
-                      other, "is a mirror image of another", "name the file that has the sizes"};
+    return Diagnostic{path,
+                      root.lineOf("mirror_of"),
+                      "mirror_of",
+                      other,
+                      "is itself a mirror image of another hand",
+                      "name the file that has the sizes"};
   }
   Expected<HandFile> hand = loadHandFile(other_path);
   if (!hand) {

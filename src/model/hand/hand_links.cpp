@@ -229,7 +229,7 @@ class LinkBuilder {
 
   /// Scales every link of the hand alike to the file's mass; carriers stay as they are.
   void scaleMass() {
-    const auto palm = static_cast<std::size_t>(model_.palm_link);
+    const std::size_t palm = model_.palm_link;
     double carriers_kg = 0.0;
     double hand_kg = 0.0;
     for (std::size_t i = 0; i < model_.links.size(); ++i) {

@@ -129,7 +129,7 @@ void readSelfContacts(TomlTable& root, HandFile& hand) {
                (e.capsule == other && e.other == capsule);
       };
       if (other == capsule) {
-        table->fail(capsule, "is to stop itself", "remove " + other + " from its own list");
+        table->fail(capsule, "lists itself", "remove " + other + " from its own list");
       } else if (std::any_of(hand.self_contacts.begin(), hand.self_contacts.end(), same)) {
         table->fail(capsule, "lists the pair with " + other + " a second time",
                     "remove " + other + " here: a pair counts for both");
@@ -148,7 +148,7 @@ Diagnostics checkSelfContacts(const HandFile& hand) {
   for (const SelfContactEntry& entry : hand.self_contacts) {
     const SelfPair pair = pairOf(model, entry);
     if (ofOneLink(model, pair)) {
-      faults.push_back(faultOf(hand, entry, "is of the same rigid link as " + entry.capsule,
+      faults.push_back(faultOf(hand, entry, "is part of the same rigid link as " + entry.capsule,
                                "remove it: the two never move against each other"));
       continue;
     }

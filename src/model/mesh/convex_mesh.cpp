@@ -49,11 +49,11 @@ std::optional<Diagnostic> dentFault(const WeldedMesh& mesh) {
       const double outside_m = normal.dot(p - mesh.points_m[t[0]]);
       if (outside_m <= worst_m) continue;
       worst_m = outside_m;
-      found = meshFault(
-          fmt::format("is not convex: its corner {} stands {:.3g} mm outside the plane of "
-                      "the face at {}",
-                      place(p), 1e3 * outside_m, place(mesh.points_m[t[0]])),
-          "give its convex hull, or convex pieces (wholehand decompose makes them)");
+      found =
+          meshFault(fmt::format("is not convex: its corner {} lies {:.3g} mm outside the plane of "
+                                "the face at {}",
+                                place(p), 1e3 * outside_m, place(mesh.points_m[t[0]])),
+                    "give its convex hull, or convex pieces (wholehand decompose makes them)");
     }
   }
   return found;

@@ -25,6 +25,8 @@ inline constexpr int kMaxMeshPoints = 1024;
 /// Limit of a mesh file's triangles.
 inline constexpr int kMaxMeshTriangles = 200'000;
 
+class MeshLoadTime;  // model/mesh/mesh_load_time.hpp
+
 /// The collider of a mesh.
 struct MeshCollider {
   Shape shape;
@@ -49,5 +51,10 @@ struct MeshCollider {
 /// missing or unreadable.
 [[nodiscard]] Expected<MeshCollider> loadMeshCollider(const std::string& path,
                                                       const Eigen::Vector3d& scale);
+/// As above, for one of several meshes: its time is added to `time`.
+/// @return also a Diagnostic when that time is over
+[[nodiscard]] Expected<MeshCollider> loadMeshCollider(const std::string& path,
+                                                      const Eigen::Vector3d& scale,
+                                                      MeshLoadTime& time);
 
 }  // namespace wholehand

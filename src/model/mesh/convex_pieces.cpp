@@ -296,9 +296,8 @@ class Decomposition {
     if (!part)
       return meshFault("is flat or degenerate: it encloses no volume", "give it a thickness");
     parts_.push_back(std::move(*part));
-    const auto most = static_cast<std::size_t>(
-        options_.most_pieces == 1 ? 1 : kPartsForPiece * options_.most_pieces);
-    while (parts_.size() < most) {
+    const int most = options_.most_pieces == 1 ? 1 : kPartsForPiece * options_.most_pieces;
+    while (std::cmp_less(parts_.size(), most)) {
       tell("cutting, parts", parts_.size());
       std::size_t worst = parts_.size();
       for (std::size_t i = 0; i < parts_.size(); ++i) {
@@ -357,7 +356,7 @@ class Decomposition {
     auto left = pieces_.size();
     while (left > 1) {
       tell("merging, pieces", left);
-      const bool must = left > static_cast<std::size_t>(options_.most_pieces);
+      const bool must = std::cmp_greater(left, options_.most_pieces);
       const auto next = nextMerge(merges, must);
       if (!next) break;
       const auto [first, second] = std::pair(merges[*next].first, merges[*next].second);

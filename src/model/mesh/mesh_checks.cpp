@@ -101,7 +101,7 @@ std::optional<Diagnostic> sizeFault(const WeldedMesh& mesh) {
 }
 
 std::optional<Diagnostic> countFault(std::size_t triangles, int most, const char* remedy) {
-  if (triangles <= static_cast<std::size_t>(most)) return std::nullopt;
+  if (std::cmp_less_equal(triangles, most)) return std::nullopt;
   return meshFault(fmt::format("has {} triangles", triangles),
                    fmt::format("may have {} at most: {}", most, remedy));
 }
@@ -115,7 +115,7 @@ std::optional<Diagnostic> inputFault(const std::vector<Vector3d>& points,
   if (auto d = countFault(triangles.size(), most_triangles, "give its convex hull, simplified")) {
     return d;
   }
-  if (points.size() > 3 * static_cast<std::size_t>(most_triangles)) {  // its triangles have no more
+  if (std::cmp_greater(points.size(), 3 * most_triangles)) {  // its triangles have no more
     return meshFault(fmt::format("has {} corners", points.size()),
                      "remove those that belong to no face");
   }

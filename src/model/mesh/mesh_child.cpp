@@ -1,5 +1,8 @@
+#include "core/printable.hpp"
 #include "model/mesh/mesh_surface.hpp"
 #include "process/child_process.hpp"
+
+#include <fmt/format.h>
 
 #include <array>
 #include <cstdint>
@@ -14,8 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr ChildLimits kLimits = {
-    .time = std::chrono::seconds(10), .memory_bytes = 1ULL << 30, .output_bytes = 256ULL << 20};
 constexpr const char* kProgram = "wholehand-read-mesh";
 constexpr std::uint32_t kSurface = 0x31534857, kRefusal = 0x31524857;  // "WHS1", "WHR1"
 
@@ -29,7 +30,7 @@ Diagnostic fault(std::string problem, std::string remedy) {
 }
 
 Diagnostic damaged() {
-  return fault("what the reader of meshes handed over is damaged",
+  return fault("the result of the mesh reader is damaged",
                "install the program and wholehand-read-mesh from one build");
 }
 
@@ -63,22 +64,23 @@ Expected<MeshSurface> decodeSurface(const Head& head, std::string_view body) {
 }
 
 /// Why a reader without a result ended.
-std::string ending(const ChildResult& child) {
+std::string ending(const ChildResult& child, std::chrono::milliseconds longest) {
   switch (child.ending) {
     case ChildEnding::kLate:
-      return "takes longer than 10 s to read";
+      return fmt::format("takes longer than {:g} s to read",
+                         std::chrono::duration<double>(longest).count());
     case ChildEnding::kTooMuchOutput:
       return "holds more than 256 MB of surface";
     case ChildEnding::kNotStarted:
       return std::string("was not read: its reader could not be started: ") +
              std::strerror(child.code);
     case ChildEnding::kSignal:
-      return std::string("ended its reader: ") + ::strsignal(child.code);
+      return std::string("crashed its reader: ") + ::strsignal(child.code);
     case ChildEnding::kExited:
     case ChildEnding::kStopped:
       break;
   }
-  return "ended its reader, which may use 1 GB of memory";
+  return "made its reader fail, which may use 1 GB of memory";
 }
 
 }  // namespace
@@ -94,10 +96,13 @@ std::string meshReaderProgram() {
   return {};
 }
 
-Expected<MeshSurface> readMeshInChild(const std::string& program, const std::string& path) {
-  const ChildResult child = runChild(program, {path}, kLimits);
+Expected<MeshSurface> readMeshInChild(const std::string& program, const std::string& path,
+                                      std::chrono::milliseconds longest) {
+  const ChildLimits limits = {
+      .time = longest, .memory_bytes = 1ULL << 30, .output_bytes = 256ULL << 20};
+  const ChildResult child = runChild(program, {path}, limits);
   if (child.ending == ChildEnding::kExited && child.code == 0) return decodeMesh(child.output);
-  return fault("the mesh file " + path + " " + ending(child),
+  return fault("the mesh file " + printable(path) + " " + ending(child, longest),
                "export it again as STL, OBJ, DAE or GLB, with fewer triangles");
 }
 

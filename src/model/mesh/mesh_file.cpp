@@ -1,4 +1,6 @@
+#include "core/printable.hpp"
 #include "model/mesh/convex_mesh.hpp"
+#include "model/mesh/mesh_load_time.hpp"
 #include "model/mesh/mesh_surface.hpp"
 
 #include <assimp/BaseImporter.h>
@@ -11,6 +13,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <chrono>
 #include <filesystem>
 #include <iterator>
 #include <optional>
@@ -80,26 +83,27 @@ std::string endingOf(const std::string& path) {
 /// assimp's error as text, with its own message in brackets.
 std::string unreadable(const Assimp::Importer& importer, const std::string& path) {
   const std::string own = importer.GetErrorString();
-  return "the mesh file " + path + " holds no surface that can be read" +
+  return "the mesh file " + printable(path) + " holds no surface that can be read" +
          (own.empty() ? "" : " (" + own + ")");
 }
 
 /// Errors that are evident without reading the file.
 std::optional<Diagnostic> nameFault(const std::string& path) {
+  const std::string name = printable(path);
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
-    return fileFault("there is no such mesh file: " + path,
+    return fileFault("there is no such mesh file: " + name,
                      "check the name; it is relative to the file that names it");
   }
   if (std::filesystem::file_size(path, error) == 0) {
-    return fileFault("the mesh file " + path + " is empty", "give a closed convex surface");
+    return fileFault("the mesh file " + name + " is empty", "give a closed convex surface");
   }
   if (std::filesystem::file_size(path, error) > kLargestFile_bytes) {
-    return fileFault("the mesh file " + path + " is larger than 64 MB", "simplify the surface");
+    return fileFault("the mesh file " + name + " is larger than 64 MB", "simplify the surface");
   }
   if (const std::string ending = endingOf(path); !isKind(ending)) {
-    return fileFault("the mesh file " + path + " is of no known kind: its name " +
-                         (ending.empty() ? "has no ending" : "ends in ." + ending),
+    return fileFault("the mesh file " + name + " is not of a supported format: its name " +
+                         (ending.empty() ? "has no ending" : "ends in ." + printable(ending)),
                      "export it as STL, OBJ, DAE or GLB");
   }
   return std::nullopt;
@@ -126,17 +130,21 @@ Expected<MeshSurface> readMeshHere(const std::string& path) {
   return surface;
 }
 
-Expected<MeshSurface> readMesh(const std::string& path) {
+Expected<MeshSurface> readMesh(const std::string& path, std::chrono::milliseconds longest) {
   if (auto fault = nameFault(path)) return *fault;
   const std::string reader = meshReaderProgram();
-  return reader.empty() ? readMeshHere(path) : readMeshInChild(reader, path);
+  return reader.empty() ? readMeshHere(path) : readMeshInChild(reader, path, longest);
 }
 
-Expected<MeshCollider> loadMeshCollider(const std::string& path, const Eigen::Vector3d& scale) {
-  Expected<MeshSurface> surface = readMesh(path);
+namespace {
+
+/// @param longest limit of the time to read the file
+Expected<MeshCollider> loadCollider(const std::string& path, const Eigen::Vector3d& scale,
+                                    std::chrono::milliseconds longest) {
+  Expected<MeshSurface> surface = readMesh(path, longest);
   if (!surface) return surface.errors();
   for (Eigen::Vector3d& p : surface->points) p = scale.cwiseProduct(p);
-  const std::string mesh = "the mesh " + path + " ";
+  const std::string mesh = "the mesh " + printable(path) + " ";
   Expected<MeshCollider> collider = meshCollider(surface->points, surface->triangles);
   if (!collider) {
     Diagnostic d = collider.errors().front();
@@ -145,6 +153,22 @@ Expected<MeshCollider> loadMeshCollider(const std::string& path, const Eigen::Ve
   }
   if (collider->notice) collider->notice->problem = mesh + collider->notice->problem;
   return collider;
+}
+
+}  // namespace
+
+Expected<MeshCollider> loadMeshCollider(const std::string& path, const Eigen::Vector3d& scale,
+                                        MeshLoadTime& time) {
+  const auto longest = std::min(kLongestMeshRead, time.left());
+  Expected<MeshCollider> collider =
+      time.measure(path, [&] { return loadCollider(path, scale, longest); });
+  if (time.isOver()) return time.fault();
+  return collider;
+}
+
+Expected<MeshCollider> loadMeshCollider(const std::string& path, const Eigen::Vector3d& scale) {
+  MeshLoadTime time;
+  return loadMeshCollider(path, scale, time);
 }
 
 }  // namespace wholehand

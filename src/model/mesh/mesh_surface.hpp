@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include <chrono>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,10 +17,14 @@ struct MeshSurface {
   std::vector<Eigen::Vector3i> triangles;  ///< indices into points
 };
 
+/// Limit of the time to read one mesh file.
+inline constexpr std::chrono::milliseconds kLongestMeshRead = std::chrono::seconds(10);
+
 /// Reads a mesh file (STL, OBJ, DAE, GLB) in a child process (meshReaderProgram()); without that
-/// program, in this process.
+/// program, in this process, without a limit of time.
 /// @return as readMeshHere()
-[[nodiscard]] Expected<MeshSurface> readMesh(const std::string& path);
+[[nodiscard]] Expected<MeshSurface> readMesh(const std::string& path,
+                                             std::chrono::milliseconds longest = kLongestMeshRead);
 
 /// Reads a mesh file in this process with assimp, which a damaged file may crash.
 /// @return the surface, or one Diagnostic with problem and remedy (file and key are the caller's)
@@ -29,11 +34,12 @@ struct MeshSurface {
 /// program, or in lib/wholehand of the parent folder. Empty: not found.
 [[nodiscard]] std::string meshReaderProgram();
 
-/// Runs `program FILE` with limits of 10 s and 1 GB, and reads its result. Survives a crash of that
-/// process.
+/// Runs `program FILE` with limits of `longest` and 1 GB, and reads its result. Survives a crash of
+/// that process.
 /// @return as readMeshHere()
-[[nodiscard]] Expected<MeshSurface> readMeshInChild(const std::string& program,
-                                                    const std::string& path);
+[[nodiscard]] Expected<MeshSurface> readMeshInChild(
+    const std::string& program, const std::string& path,
+    std::chrono::milliseconds longest = kLongestMeshRead);
 
 /// Encodes the result for that program's standard output: a surface or an error. For processes of
 /// the same build on the same machine.

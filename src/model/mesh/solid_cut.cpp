@@ -19,8 +19,8 @@ struct Polygon {
   std::array<bool, 4> on_plane{};
   int count = 0;
   void add(const Vector3d& p, bool on) {
-    corners_m[static_cast<std::size_t>(count)] = p;
-    on_plane[static_cast<std::size_t>(count++)] = on;
+    corners_m[count] = p;
+    on_plane[count++] = on;
   }
 };
 
@@ -44,10 +44,9 @@ void addFacets(const Polygon& polygon, bool on_cut, std::vector<Facet>& out) {
 
 void addSegments(const Polygon& polygon, std::vector<Segment>& out) {
   for (int k = 0; k < polygon.count; ++k) {
-    const auto a = static_cast<std::size_t>(k);
-    const auto b = static_cast<std::size_t>((k + 1) % polygon.count);
-    if (!polygon.on_plane[a] || !polygon.on_plane[b]) continue;
-    out.emplace_back(polygon.corners_m[a], polygon.corners_m[b]);
+    const int next = (k + 1) % polygon.count;
+    if (!polygon.on_plane[k] || !polygon.on_plane[next]) continue;
+    out.emplace_back(polygon.corners_m[k], polygon.corners_m[next]);
   }
 }
 

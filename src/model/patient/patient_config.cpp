@@ -1,5 +1,6 @@
 #include "model/patient/patient_config.hpp"
 
+#include "core/printable.hpp"
 #include "model/axis_keys.hpp"
 #include "model/patient/patient_keys.hpp"
 #include "model/patient/patient_links.hpp"
@@ -35,8 +36,9 @@ void refuseAxis(NamedAxis& axis, const std::vector<NamedAxis>& all, const Device
   }
   for (const NamedAxis& other : all) used.push_back(other.name);
   const std::string near = nearestUnused(axis.name, names, used);
-  axis.table.fail("name", "is no axis of the device " + device.path + " nor any known one",
-                  near.empty() ? "remove it" : "did you mean " + near + "?");
+  axis.table.fail(
+      "name", "is neither an axis of the device " + printable(device.path) + " nor a standard axis",
+      near.empty() ? "remove it" : "did you mean " + near + "?");
   axis.table.ignoreUnknownKeys();
 }
 
@@ -72,9 +74,9 @@ std::optional<TomlTable> habitTable(TomlTable& root, const std::string& name, bo
                                     const std::string& axis_key) {
   std::optional<TomlTable> table = root.optionalTable(name);
   if (any_axis && !table) {
-    root.fail(name, "is missing, and an axis has " + axis_key, "add a table [" + name + "]");
+    root.fail(name, "is missing, although an axis has " + axis_key, "add a table [" + name + "]");
   } else if (table && !any_axis) {
-    table->fail("", "moves nothing: no axis has " + axis_key,
+    table->fail("", "has no effect: no axis has " + axis_key,
                 "give " + axis_key + " to an axis, or remove the table");
     table->ignoreUnknownKeys();
     return std::nullopt;
@@ -90,7 +92,7 @@ AxisEffort readTremorAlong(TomlTable& table, const DeviceModel& device) {
   const std::string_view key = linkedKey(table, *axes, kTremorAlong);
   if (key.empty()) {
     if (table.isGood("axes")) {
-      table.fail("axes", "tremble by nothing", "add along_n, along_nm or along_tip_n");
+      table.fail("axes", "have no amplitude of tremor", "add along_n, along_nm or along_tip_n");
     }
     return along;
   }
@@ -137,7 +139,7 @@ LettingGo readLettingGo(TomlTable& root) {
   std::optional<TomlTable> table = root.optionalTable("letting_go");
   if (!table) return go;
   if (!table->has("after_s") && !table->has("effort_share")) {
-    table->fail("", "says neither when nor at which effort", "give after_s, effort_share or both");
+    table->fail("", "has neither after_s nor effort_share", "give one or both");
   }
   go.after_s = table->number("after_s", between(0.0, 3600.0, "s"), go.after_s);
   go.effort_share = table->number("effort_share", above(0.0, 10.0), go.effort_share);
@@ -150,8 +152,10 @@ Slam readSlam(TomlTable& root, const DeviceModel& device) {
   if (!table) return slam;
   slam.axis = table->text("axis");
   if (table->isGood("axis") && device.axisIndex(slam.axis) < 0 && !knownAxisKind(slam.axis)) {
-    table->fail("axis", "is no axis of the device " + device.path + " nor any known one",
-                "name an axis, for instance x");
+    table->fail(
+        "axis",
+        "is neither an axis of the device " + printable(device.path) + " nor a standard axis",
+        "name an axis, for instance x");
   }
   slam.towards_upper = table->choice("towards", {"upper", "lower"}) == "upper";
   slam.after_s = table->number("after_s", between(0.0, 3600.0, "s"), slam.after_s);

@@ -1,5 +1,6 @@
 #include "model/patient/patient_links.hpp"
 
+#include "core/printable.hpp"
 #include "model/patient/patient_keys.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -33,12 +34,13 @@ bool checkNames(TomlTable& table, const std::vector<std::string>& names,
     if (std::find(known.begin(), known.end(), names[i]) == known.end()) {
       const std::string near = nearestUnused(names[i], known, names);
       table.fail("axes",
-                 names[i] + " is no axis of the device " + device.path + " nor any known one",
+                 names[i] + " is neither an axis of the device " + printable(device.path) +
+                     " nor a standard axis",
                  near.empty() ? "remove it" : "did you mean " + near + "?");
       return false;
     }
     if (std::count(names.begin(), names.end(), names[i]) > 1) {
-      table.fail("axes", names[i] + " stands twice", "name every axis once");
+      table.fail("axes", names[i] + " is listed twice", "list every axis once");
       return false;
     }
   }
@@ -50,9 +52,9 @@ void readLevers(TomlTable& table, LinkedAxes& axes) {
   if (!levers) return;
   for (const std::string& name : levers->keys()) {
     const auto at = std::find(axes.names.begin(), axes.names.end(), name);
-    const auto i = static_cast<std::size_t>(at - axes.names.begin());
+    const auto i = at - axes.names.begin();
     if (at == axes.names.end() || axes.kinds[i] == AxisKind::kTranslation) {
-      levers->fail(name, "is no rotation of these axes", "remove it");
+      levers->fail(name, "is not a rotation among these axes", "remove it");
     } else {
       const double lever_m = levers->number(name, between(-1.0, 1.0, "m"));
       axes.lever_m[i] = levers->isGood(name) ? lever_m : kAnyLever_m;
@@ -139,8 +141,8 @@ std::optional<Refusal> indefinite(const AxisMatrix& m, const DeviceModel& device
   const double share = std::floor(1000.0 / most) / 1000.0;
   return Refusal{
       "is not positive semidefinite with what the axes have of their own: moved together, " +
-          listOf(names) + " would give out energy without end",
-      "multiply what is off the diagonal by " + formatNumber(share) +
+          listOf(names) + " would generate energy",
+      "multiply the values off the diagonal by " + formatNumber(share) +
           " or less, or raise the diagonal",
       along};
 }
@@ -247,7 +249,7 @@ void readLinks(TomlTable& root, const DeviceModel& device, PatientConfig& config
       table.fail("", "links nothing: it gives no mass, damping or stiffness",
                  "give one of them as a matrix, for instance stiffness_tip_n_m");
     } else if (any && !tip && table.has("lever_m")) {
-      table.fail("lever_m", "plays no part: no key of this table is of the tip", "remove it");
+      table.fail("lever_m", "has no effect: no key of this table is given at the tip", "remove it");
     }
   }
   std::array<AxisMatrix, 3> links;

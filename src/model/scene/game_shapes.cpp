@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace wholehand {
 namespace {
@@ -61,7 +62,7 @@ void checkPiece(const Shape& shape, std::size_t index, const GameBudget& budget,
                     budget.most_m)));
   }
   if (shape.type == ShapeType::kConvexMesh &&
-      shape.points_m.size() > static_cast<std::size_t>(budget.vertices)) {
+      std::cmp_greater(shape.points_m.size(), budget.vertices)) {
     faults.push_back(fault(index, fmt::format("has {} vertices", shape.points_m.size()),
                            fmt::format("at most {} (budget.vertices)", budget.vertices)));
   }
@@ -98,7 +99,7 @@ void checkOverlaps(const std::vector<Shape>& pieces, Diagnostics& faults) {
     const double share = shareInOthers(pieces, i);
     if (share <= kMostShared) continue;
     faults.push_back(fault(
-        i, fmt::format("lies with {:.0f} % of its volume in other pieces", 100.0 * share),
+        i, fmt::format("lies with {:.0f} % of its volume inside other pieces", 100.0 * share),
         fmt::format("at most {:.0f} %: leave it out, or make it smaller", 100.0 * kMostShared)));
   }
 }
@@ -162,7 +163,7 @@ void addVertices(int set, int index, const Shape& shape, std::vector<Command>& c
     out.numbers[1] = static_cast<double>(count);
     for (std::size_t i = 0; i < count; ++i) {
       for (int k = 0; k < 3; ++k) {
-        out.numbers[2 + 3 * i + static_cast<std::size_t>(k)] = shape.points_m[first + i][k];
+        out.numbers[2 + 3 * i + k] = shape.points_m[first + i][k];
       }
     }
   }
@@ -178,9 +179,8 @@ Eigen::Vector3d extents(const Shape& shape) {
 
 Expected<PreparedShapes> prepareShapes(const std::vector<Shape>& pieces, const GameBudget& budget) {
   Diagnostics faults;
-  if (pieces.empty() || pieces.size() > static_cast<std::size_t>(budget.pieces)) {
-    faults.push_back({"", 0, "pieces", std::to_string(pieces.size()),
-                      "is not a number of pieces that fits",
+  if (pieces.empty() || std::cmp_greater(pieces.size(), budget.pieces)) {
+    faults.push_back({"", 0, "pieces", std::to_string(pieces.size()), "is out of range",
                       fmt::format("must be in [1, {}] (budget.pieces)", budget.pieces)});
   }
   for (std::size_t i = 0; i < pieces.size(); ++i) checkPiece(pieces[i], i, budget, faults);
@@ -206,6 +206,24 @@ Expected<PreparedShapes> prepareShapes(const std::vector<Shape>& pieces, const G
     moved.in_body = principal.inverse() * piece.in_body;
   }
   return out;
+}
+
+double outerRadius(const PreparedShapes& shapes) {
+  double radius_m = 0.0;
+  for (const Shape& piece : shapes.pieces) {
+    double own_m = 0.0;  // about the origin of its frame
+    if (piece.type == ShapeType::kConvexMesh) {
+      for (const Eigen::Vector3d& p : piece.points_m) own_m = std::max(own_m, p.norm());
+    } else if (piece.type == ShapeType::kCapsule) {
+      own_m = piece.radius_m + 0.5 * piece.length_m;
+    } else if (piece.type == ShapeType::kSphere) {
+      own_m = piece.radius_m;
+    } else {
+      own_m = 0.5 * extents(piece).norm();
+    }
+    radius_m = std::max(radius_m, piece.in_body.translation_m.norm() + own_m);
+  }
+  return radius_m;
 }
 
 std::vector<Command> shapeCommands(int set, const PreparedShapes& shapes) {

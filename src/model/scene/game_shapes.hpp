@@ -26,6 +26,9 @@ struct PreparedShapes {
 [[nodiscard]] Expected<PreparedShapes> prepareShapes(const std::vector<Shape>& pieces,
                                                      const GameBudget& budget);
 
+/// Radius of a ball about the centre of mass that holds the shapes [m].
+[[nodiscard]] double outerRadius(const PreparedShapes& shapes);
+
 /// Commands that hand the shapes over to the loop as shape set `set`, in this order.
 [[nodiscard]] std::vector<Command> shapeCommands(int set, const PreparedShapes& shapes);
 

@@ -1,6 +1,8 @@
+#include "core/printable.hpp"
 #include "core/tick_record.hpp"
 #include "model/mass_properties.hpp"
 #include "model/mesh/convex_mesh.hpp"
+#include "model/mesh/mesh_load_time.hpp"
 #include "model/rotation.hpp"
 #include "model/scene/scene_model.hpp"
 #include "model/scene/separation.hpp"
@@ -47,7 +49,8 @@ bool isColor(const std::string& text) {
 /// Reads one `[[bodies]]` table.
 class BodyReader {
  public:
-  BodyReader(TomlTable table, fs::path folder) : t_(std::move(table)), folder_(std::move(folder)) {}
+  BodyReader(TomlTable table, fs::path folder, MeshLoadTime& time)
+      : t_(std::move(table)), folder_(std::move(folder)), time_(&time) {}
 
   /// The body; without shapes after a fault in them.
   SceneBody read() {
@@ -140,7 +143,9 @@ class BodyReader {
     const std::string file = t_.text("file");
     if (!t_.isGood("file")) return;
     assets_.push_back((folder_ / file).string());
-    Expected<MeshCollider> mesh = loadMeshCollider(assets_.back(), Vector3d::Constant(scale));
+    if (time_->isOver()) return;  // with a fault at the mesh before
+    Expected<MeshCollider> mesh =
+        loadMeshCollider(assets_.back(), Vector3d::Constant(scale), *time_);
     if (mesh) {
       body.shapes.push_back(std::move(mesh->shape));
       if (mesh->notice) note(*mesh->notice);
@@ -163,11 +168,11 @@ class BodyReader {
     const fs::path path = folder_ / file;
     std::error_code error;
     if (!fs::is_regular_file(path, error)) {
-      t_.fail("file", "there is no such URDF file: " + path.string(),
+      t_.fail("file", "there is no such URDF file: " + printable(path.string()),
               "check the name; it is relative to the scene file");
       return;
     }
-    Expected<UrdfBody> urdf = loadUrdf(path.string());
+    Expected<UrdfBody> urdf = loadUrdf(path.string(), *time_);
     if (!urdf) {
       urdf_faults_ = urdf.errors();
       return;
@@ -186,7 +191,7 @@ class BodyReader {
     const double most_m = cylinder ? body.shapes[0].radius_m - kThinnestCore_m : 10.0;
     body.soft_m = t_.number("soft_m", between(0.0, std::max(most_m, 0.0), "m"));
     if (!cylinder && t_.isGood("shape") && !shape_wrong_) {
-      t_.fail("soft_m", "only a cylinder or a disk is soft", "take it out");
+      t_.fail("soft_m", "is for cylinders and disks only", "take it out");
     }
   }
 
@@ -195,7 +200,7 @@ class BodyReader {
   void readMass(SceneBody& body) {
     if (body.fixed) {
       if (t_.has("mass_kg")) {
-        t_.fail("mass_kg", "says nothing about a fixed body", "take it out, or set fixed = false");
+        t_.fail("mass_kg", "has no effect on a fixed body", "take it out, or set fixed = false");
       }
       return;
     }
@@ -215,6 +220,7 @@ class BodyReader {
 
   TomlTable t_;
   fs::path folder_;
+  MeshLoadTime* time_;
   bool shape_wrong_ = false;
   std::optional<MassProperties> inertial_;
   Diagnostics urdf_faults_;
@@ -250,6 +256,11 @@ void reportOverlaps(const SceneModel& scene, std::vector<BodyReader>& readers) {
 }  // namespace
 
 Expected<SceneModel> loadSceneFile(const std::string& path) {
+  MeshLoadTime time;
+  return loadSceneFile(path, time);
+}
+
+Expected<SceneModel> loadSceneFile(const std::string& path, MeshLoadTime& time) {
   TomlFile file(path, "scene");
   if (!file.readable()) return file.finish();
   TomlTable& root = file.root();
@@ -261,7 +272,7 @@ Expected<SceneModel> loadSceneFile(const std::string& path) {
 
   std::vector<BodyReader> readers;
   for (const TomlTable& table : root.tables("bodies", 0)) {
-    readers.emplace_back(table, fs::path(path).parent_path());
+    readers.emplace_back(table, fs::path(path).parent_path(), time);
     scene.bodies.push_back(readers.back().read());
   }
   if (scene.bodies.size() > std::size_t{kMaxSceneBodies}) {

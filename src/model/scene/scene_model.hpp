@@ -10,6 +10,8 @@
 
 namespace wholehand {
 
+class MeshLoadTime;  // model/mesh/mesh_load_time.hpp
+
 enum class ShapeType { kBox, kSphere, kCylinder, kCapsule, kConvexMesh };
 
 /// A collider in its body's frame. Cylinder and capsule lie along the shape frame's z. A disk of a
@@ -76,8 +78,11 @@ struct SceneModel {
 
 /// Reads a scene file with its meshes (through assimp) and URDFs, relative to it. Reports every
 /// fault at once: unknown shapes, meshes that make no collider (mesh/convex_mesh.hpp), links
-/// without collider, bodies that overlap at the start.
+/// without collider, bodies that overlap at the start, meshes that take longer than
+/// MeshLoadTime::kTotal together.
 [[nodiscard]] Expected<SceneModel> loadSceneFile(const std::string& path);
+/// As above, with another limit of that time.
+[[nodiscard]] Expected<SceneModel> loadSceneFile(const std::string& path, MeshLoadTime& time);
 
 /// Moments of a shape at unit density: volume [m³], centre [m] and inertia about the centre [m⁵],
 /// in the body frame.

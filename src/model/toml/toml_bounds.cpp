@@ -6,7 +6,7 @@ namespace wholehand {
 namespace {
 
 // The largest file of the project has 140 keys; a scene of 1,024 bodies has some 7,000.
-constexpr int kMostKeys = 12000, kMostTables = 1200, kMostLevels = 32;
+constexpr int kMostKeys = 12000, kMostTables = 1200, kMostInlineTables = 12000, kMostLevels = 32;
 
 /// Scans TOML for brackets, dots and keys only; skips quoted text and comments (toml.io, v1.0.0).
 class Counter {
@@ -40,8 +40,10 @@ class Counter {
         dots_ = 0;
         line_is_empty_ = true;
         return;
-      case '[':
       case '{':
+        if (++inline_tables_ > kMostInlineTables) problem_ = "has more than 12000 inline tables";
+        [[fallthrough]];
+      case '[':
         open();
         break;
       case ']':
@@ -67,7 +69,7 @@ class Counter {
     if (line_is_empty_ && depth_ == 0 && ++tables_ > kMostTables) {
       problem_ = "has more than 1200 tables";
     }
-    if (++depth_ > kMostLevels) problem_ = "has more than 32 levels within each other";
+    if (++depth_ > kMostLevels) problem_ = "has more than 32 nested levels";
   }
   // Ends at the closing quote.
   void skipQuoted(char quote) {
@@ -83,7 +85,11 @@ class Counter {
       if (c == '\\' && quote == '"') {
         ++at_;
       } else if (c == quote && (!many_lines || text_.substr(at_, 3) == three)) {
-        if (many_lines) at_ += 2;
+        if (!many_lines) return;
+        at_ += 2;
+        // One or two more quotes belong to the text before the closing ones.
+        for (int more = 0; more < 2 && text_.substr(at_ + 1, 1) == three.substr(0, 1); ++more)
+          ++at_;
         return;
       }
     }
@@ -91,7 +97,7 @@ class Counter {
 
   std::string_view text_;
   std::size_t at_ = 0;
-  int line_ = 1, depth_ = 0, dots_ = 0, keys_ = 0, tables_ = 0;
+  int line_ = 1, depth_ = 0, dots_ = 0, keys_ = 0, tables_ = 0, inline_tables_ = 0;
   bool line_is_empty_ = true;
   const char* problem_ = nullptr;
 };

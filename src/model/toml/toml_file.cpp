@@ -82,7 +82,7 @@ std::optional<std::string> readText(const std::string& path, Diagnostic& fault) 
   while (text.size() <= kLargestFile_bytes) {  // the size of a pipe is unknown
     stream.read(block.data(), block.size());
     if (stream.gcount() == 0) break;
-    text.append(block.data(), static_cast<std::size_t>(stream.gcount()));
+    text.append(block.data(), stream.gcount());
   }
   if (text.size() > kLargestFile_bytes) {
     fault.problem = "is larger than 4 MB";
@@ -113,7 +113,7 @@ std::optional<toml::table> parseFile(const std::string& path, Diagnostics& fault
   } catch (const toml::parse_error& error) {
     fault.line = static_cast<int>(error.source().begin.line);
     fault.problem = "is not TOML: " + std::string(error.description());
-    fault.remedy = "mend this line (https://toml.io says how TOML is written)";
+    fault.remedy = "correct this line (syntax of TOML: https://toml.io)";
     faults.push_back(std::move(fault));
     return std::nullopt;
   }
@@ -142,6 +142,9 @@ std::string nearestWord(std::string_view word, const std::vector<std::string>& w
   for (const std::string& candidate : words) {
     const bool begins = std::min(word.size(), candidate.size()) >= 3 &&
                         (word.starts_with(candidate) || candidate.starts_with(word));
+    const std::size_t lengths =
+        std::max(word.size(), candidate.size()) - std::min(word.size(), candidate.size());
+    if (!begins && lengths >= best_distance) continue;  // no distance is smaller than that
     const std::size_t distance = begins ? 1 : editDistance(word, candidate);
     if (distance < best_distance) {
       best_distance = distance;
@@ -188,7 +191,7 @@ TomlFile::TomlFile(const std::string& path, std::string_view kind)
   } else if (root_->isGood("kind") && found != kind) {
     root_->fail("kind", "is another kind of file",
                 std::string(kind == "exercise" ? "an " : "a ") + std::string(kind) +
-                    " file is wanted here");
+                    " file is expected here");
     readable_ = false;
   }
   const std::int64_t version = root_->integer("version", std::numeric_limits<std::int64_t>::min(),

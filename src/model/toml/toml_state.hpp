@@ -11,6 +11,7 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 namespace wholehand {
@@ -20,7 +21,8 @@ struct TomlFile::Shared {
   std::string path;
   toml::table document;
   Diagnostics faults;
-  std::vector<std::shared_ptr<TomlTable::State>> tables;  ///< every table requested
+  std::vector<std::shared_ptr<TomlTable::State>> tables;  ///< every table requested, in order
+  std::unordered_map<const toml::table*, std::shared_ptr<TomlTable::State>> states;  ///< of them
 };
 
 /// Reading state of one table.

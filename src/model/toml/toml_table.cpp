@@ -45,9 +45,8 @@ std::string TomlTable::State::keyPath(std::string_view key) const {
 
 int TomlTable::State::lineOf(std::string_view key) const {
   if (table != nullptr && !key.empty()) {
-    for (const auto& [name, node] : *table) {
-      if (name.str() == key) return static_cast<int>(name.source().begin.line);
-    }
+    const auto at = table->find(key);
+    if (at != table->end()) return static_cast<int>(at->first.source().begin.line);
   }
   return line;
 }
@@ -73,8 +72,8 @@ const toml::node* TomlTable::State::require(std::string_view key, const std::str
 
 std::shared_ptr<TomlTable::State> TomlTable::State::child(const toml::table* node,
                                                           std::string child_path, int child_line) {
-  for (const auto& open : file->tables) {
-    if (node != nullptr && open->table == node) return open;
+  if (const auto open = file->states.find(node); node != nullptr && open != file->states.end()) {
+    return open->second;
   }
   auto state = std::make_shared<State>();
   state->file = file;
@@ -82,6 +81,7 @@ std::shared_ptr<TomlTable::State> TomlTable::State::child(const toml::table* nod
   state->path = std::move(child_path);
   state->line = child_line;
   file->tables.push_back(state);
+  if (node != nullptr) file->states.emplace(node, state);
   return state;
 }
 

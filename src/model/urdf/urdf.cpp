@@ -1,5 +1,6 @@
 #include "model/urdf/urdf.hpp"
 
+#include "model/urdf/urdf_bounds.hpp"
 #include "model/urdf/urdf_collision.hpp"
 #include "model/urdf/urdf_xml.hpp"
 
@@ -41,15 +42,15 @@ const char* xmlProblem(tinyxml2::XMLError code) {
     case tinyxml2::XML_ERROR_PARSING_COMMENT:
       return "a comment is not closed";
     case tinyxml2::XML_ELEMENT_DEPTH_EXCEEDED:
-      return "its elements stand too deep in each other";
+      return "its elements are nested too deeply";
     default:
-      return "something is not written as XML wants it";
+      return "its text does not follow the syntax of XML";
   }
 }
 
 class Reader {
  public:
-  explicit Reader(const std::string& path) : faults_(path) {}
+  Reader(const std::string& path, MeshLoadTime& time) : faults_(path) { meshes_.time = &time; }
 
   Expected<UrdfBody> read() {
     if (!open()) return faults_.all();
@@ -78,6 +79,10 @@ class Reader {
                   "check the name; it is relative to the scene file");
       return false;
     }
+    if (const std::string problem = beyondUrdfBounds(faults_.file()); !problem.empty()) {
+      faults_.addAtLine(0, problem, "give the URDF of one object");
+      return false;
+    }
     if (document_.LoadFile(faults_.file().c_str()) != tinyxml2::XML_SUCCESS) {
       addXmlFault();
       return false;
@@ -85,7 +90,7 @@ class Reader {
     robot_ = document_.FirstChildElement("robot");
     if (robot_ != nullptr) return true;
     faults_.add(document_.RootElement(), "", "", "is no URDF: its root element is not <robot>",
-                "give a URDF (run xacro first where the file is a .xacro)");
+                "give a URDF (of a .xacro file: run xacro first)");
     return false;
   }
 
@@ -106,8 +111,8 @@ class Reader {
     } else {
       faults_.addAtLine(
           document_.ErrorLineNum(),
-          fmt::format("is not whole XML: {} ({})", xmlProblem(code), document_.ErrorName()),
-          "mend it at or above this line");
+          fmt::format("is not well-formed XML: {} ({})", xmlProblem(code), document_.ErrorName()),
+          "correct it at or above this line");
     }
   }
 
@@ -123,13 +128,13 @@ class Reader {
     link.name = faults_.text(e, "name", "link");
     const std::string key = fmt::format("link[{}]", link.name);
     if (!link.name.empty() && linkIndex(link.name) >= 0) {
-      faults_.add(&e, key, "", "is there twice", "give every link a name of its own");
+      faults_.add(&e, key, "", "is the name of two links", "give every link a name of its own");
     }
     int number = 0;
     for (const XMLElement* c = e.FirstChildElement("collision"); c != nullptr;
          c = c->NextSiblingElement("collision")) {
       const std::string collision = fmt::format("{}.collision[{}]", key, number++);
-      if (auto shape = readUrdfCollision(*c, collision, faults_, mesh_files_)) {
+      if (auto shape = readUrdfCollision(*c, collision, faults_, meshes_)) {
         link.shapes.push_back(std::move(*shape));
       }
     }
@@ -189,7 +194,7 @@ class Reader {
     if (parent < 0 || child < 0) return;
     if (links_[child].parent >= 0 || parent == child) {
       faults_.add(&e, key + ".child", links_[child].name,
-                  parent == child ? "is its own parent" : "hangs on two joints",
+                  parent == child ? "is its own parent" : "is the child of two joints",
                   "the links must form a tree");
       return;
     }
@@ -230,13 +235,13 @@ class Reader {
       }
       if (steps <= links_.size()) continue;
       faults_.add(link.element, fmt::format("link[{}]", link.name), "",
-                  "hangs on joints that form a circle", "the links must form a tree");
+                  "is connected by joints that form a cycle", "the links must form a tree");
     }
   }
 
   UrdfBody merged() const {
     UrdfBody body;
-    body.mesh_files = mesh_files_;
+    body.mesh_files = meshes_.files;
     body.notices = faults_.notices();
     for (const Link& link : links_) {
       Pose in_root = link.in_parent;
@@ -257,13 +262,18 @@ class Reader {
   tinyxml2::XMLDocument document_;
   const XMLElement* robot_ = nullptr;
   std::vector<Link> links_;
-  std::vector<std::string> mesh_files_;
+  UrdfMeshes meshes_{};
 };
 
 }  // namespace
 
+Expected<UrdfBody> loadUrdf(const std::string& path, MeshLoadTime& time) {
+  return Reader(path, time).read();
+}
+
 Expected<UrdfBody> loadUrdf(const std::string& path) {
-  return Reader(path).read();
+  MeshLoadTime time;
+  return loadUrdf(path, time);
 }
 
 }  // namespace wholehand

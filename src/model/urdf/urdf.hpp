@@ -10,6 +10,8 @@
 
 namespace wholehand {
 
+class MeshLoadTime;  // model/mesh/mesh_load_time.hpp
+
 /// A URDF as one rigid body, in the frame of its root link.
 struct UrdfBody {
   std::vector<Shape> shapes;               ///< every collision element of every link
@@ -24,7 +26,10 @@ struct UrdfBody {
 /// which is searched for in the folders above the URDF.
 ///
 /// @return every fault at once, with line and element: movable joints, links without a collider,
-/// impossible inertials, meshes that make no collider (meshCollider()).
+/// impossible inertials, meshes that make no collider (meshCollider()), meshes that take longer
+/// than MeshLoadTime::kTotal together.
 [[nodiscard]] Expected<UrdfBody> loadUrdf(const std::string& path);
+/// As above; the time of its meshes is added to `time`.
+[[nodiscard]] Expected<UrdfBody> loadUrdf(const std::string& path, MeshLoadTime& time);
 
 }  // namespace wholehand

@@ -53,7 +53,7 @@ std::optional<Shape> readBox(const XMLElement& e, const std::string& key, UrdfFa
 }
 
 std::optional<Shape> readMesh(const XMLElement& e, const std::string& key, UrdfFaults& faults,
-                              std::vector<std::string>& mesh_files) {
+                              UrdfMeshes& meshes) {
   const std::string name = faults.text(e, "filename", key);
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
   if (e.Attribute("scale") != nullptr) {
@@ -61,8 +61,9 @@ std::optional<Shape> readMesh(const XMLElement& e, const std::string& key, UrdfF
     scale = {s[0], s[1], s[2]};
   }
   if (name.empty()) return std::nullopt;
-  mesh_files.push_back(meshPath(name, faults.file()).string());
-  Expected<MeshCollider> mesh = loadMeshCollider(mesh_files.back(), scale);
+  meshes.files.push_back(meshPath(name, faults.file()).string());
+  if (meshes.time->isOver()) return std::nullopt;  // with a fault at the mesh before
+  Expected<MeshCollider> mesh = loadMeshCollider(meshes.files.back(), scale, *meshes.time);
   if (mesh) {
     if (mesh->notice) faults.note(&e, key + ".filename", name, std::move(*mesh->notice));
     return std::move(mesh->shape);
@@ -84,13 +85,13 @@ std::optional<Shape> readRound(const XMLElement& e, ShapeType type, const std::s
 }
 
 std::optional<Shape> readGeometry(const XMLElement& e, const std::string& key, UrdfFaults& faults,
-                                  std::vector<std::string>& mesh_files) {
+                                  UrdfMeshes& meshes) {
   const std::string_view kind = e.Name();
   if (kind == "box") return readBox(e, key, faults);
   if (kind == "sphere") return readRound(e, ShapeType::kSphere, key, faults);
   if (kind == "cylinder") return readRound(e, ShapeType::kCylinder, key, faults);
   if (kind == "capsule") return readRound(e, ShapeType::kCapsule, key, faults);
-  if (kind == "mesh") return readMesh(e, key, faults, mesh_files);
+  if (kind == "mesh") return readMesh(e, key, faults, meshes);
   faults.add(&e, key, "", fmt::format("is an unknown shape <{}>", kind),
              "must be one of box, sphere, cylinder, capsule, mesh");
   return std::nullopt;
@@ -99,7 +100,7 @@ std::optional<Shape> readGeometry(const XMLElement& e, const std::string& key, U
 }  // namespace
 
 std::optional<Shape> readUrdfCollision(const XMLElement& collision, const std::string& key,
-                                       UrdfFaults& faults, std::vector<std::string>& mesh_files) {
+                                       UrdfFaults& faults, UrdfMeshes& meshes) {
   const XMLElement* geometry = collision.FirstChildElement("geometry");
   const XMLElement* kind = geometry != nullptr ? geometry->FirstChildElement() : nullptr;
   if (kind == nullptr || kind->NextSiblingElement() != nullptr) {
@@ -107,7 +108,7 @@ std::optional<Shape> readUrdfCollision(const XMLElement& collision, const std::s
                "give one of box, sphere, cylinder, capsule, mesh");
     return std::nullopt;
   }
-  std::optional<Shape> shape = readGeometry(*kind, key + "." + kind->Name(), faults, mesh_files);
+  std::optional<Shape> shape = readGeometry(*kind, key + "." + kind->Name(), faults, meshes);
   const Pose in_link = faults.origin(collision, key);
   if (shape) shape->in_body = in_link;
   return shape;

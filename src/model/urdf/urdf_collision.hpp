@@ -1,5 +1,6 @@
 #pragma once
 
+#include "model/mesh/mesh_load_time.hpp"
 #include "model/scene/scene_model.hpp"
 #include "model/urdf/urdf_xml.hpp"
 
@@ -9,11 +10,17 @@
 
 namespace wholehand {
 
+/// The meshes of a URDF.
+struct UrdfMeshes {
+  std::vector<std::string> files;  ///< paths
+  MeshLoadTime* time;              ///< what they may take together
+};
+
 /// Reads the shape of one `<collision>`, in its link's frame; empty, with a fault, when it is not a
 /// valid collider. `key` names the element in messages. Appends the path of its mesh to
-/// `mesh_files`. Internal to the URDF reader.
+/// `meshes`. After the end of their time, meshes are not read. Internal to the URDF reader.
 [[nodiscard]] std::optional<Shape> readUrdfCollision(const tinyxml2::XMLElement& collision,
                                                      const std::string& key, UrdfFaults& faults,
-                                                     std::vector<std::string>& mesh_files);
+                                                     UrdfMeshes& meshes);
 
 }  // namespace wholehand

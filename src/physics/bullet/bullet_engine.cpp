@@ -15,7 +15,7 @@ constexpr std::size_t kRehearsedManifolds = 4096;
 
 std::vector<BulletBody> makeBodies(const SceneModel& scene) {
   std::vector<BulletBody> bodies;
-  bodies.reserve(scene.bodies.size() + static_cast<std::size_t>(scene.game.slots));
+  bodies.reserve(scene.bodies.size() + scene.game.slots);
   for (const SceneBody& body : scene.bodies) {
     BulletBody& added =
         bodies.emplace_back(body, static_cast<int>(bodies.size()), contactThreshold());

@@ -3,6 +3,7 @@
 #include "physics/body_checks.hpp"
 #include "physics/bullet/bullet_engine.hpp"
 #include "physics/bullet/bullet_types.hpp"
+#include "physics/bullet/checked_memory.hpp"
 
 #include <algorithm>
 
@@ -11,8 +12,10 @@ namespace wholehand {
 using bullet::toVec3;
 
 BulletWorld::BulletWorld(const HandModel& hand, const SceneModel& scene,
-                         const BulletSettings& settings)
-    : engine_(std::make_unique<bullet::BulletEngine>(hand, scene, settings)) {}
+                         const BulletSettings& settings) {
+  bullet::useCheckedMemory();
+  engine_ = std::make_unique<bullet::BulletEngine>(hand, scene, settings);
+}
 
 BulletWorld::~BulletWorld() = default;
 

@@ -28,7 +28,7 @@ GameBodies::GameBodies(const SceneModel& scene, std::vector<BulletBody>& bodies,
       dispatcher_(dispatcher),
       first_(static_cast<int>(bodies.size()) - scene.game.slots),
       sets_(scene.game),
-      slots_(static_cast<std::size_t>(scene.game.slots)) {
+      slots_(scene.game.slots) {
   for (int slot = 0; slot < count(); ++slot) bodyOf(slot).putAt({kParkedAt, {}}, {});
 }
 
@@ -94,6 +94,7 @@ void GameBodies::spawn(const SpawnOrder& order) noexcept {
   slot.friction = order.friction;
   slot.radius_m = set->radius_m;
   slot.velocity_m_s = order.velocity_m_s;
+  slot.spin_rad_s = order.spin_rad_s;
   slot.refuse_overlap = order.refuse_overlap;
   slot.target = order.pose;
   sets_.acquire(order.shape_set);

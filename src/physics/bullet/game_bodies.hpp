@@ -61,6 +61,7 @@ class GameBodies final : public BodyPool {
     int shape_set = -1;
     double mass_kg = 0.0, friction = 0.0, radius_m = 0.0;
     Vec3 velocity_m_s;            ///< when a ghost of the loop becomes solid
+    Vec3 spin_rad_s;              ///< likewise
     bool refuse_overlap = false;  ///< until the first step
     BodyPose target;              ///< of a driven body
     double target_age_s = 0.0;

@@ -49,6 +49,7 @@ void GameBodies::becomeSolid(int index) noexcept {
   ++version_;
   if (slot.owner == BodyOwner::kLoop) {
     bodies_[body].rigid().setLinearVelocity(toBt(slot.velocity_m_s.eigen()));
+    bodies_[body].rigid().setAngularVelocity(toBt(slot.spin_rad_s.eigen()));
   }
   pairs_.forget(body);  // its points were never solved
   if (slot.owner == BodyOwner::kFixed) resting_.setMoves(body, false);

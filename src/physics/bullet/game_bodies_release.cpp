@@ -46,7 +46,7 @@ void GameBodies::carryOut(int index) noexcept {
     slot.owner = slot.next_owner;
     slot.there = poseNow(index);
   }
-  slot.velocity_m_s = Vec3{};
+  slot.velocity_m_s = slot.spin_rad_s = Vec3{};
   slot.target = slot.there;
   slot.target_age_s = 0.0;
   becomeGhost(index);

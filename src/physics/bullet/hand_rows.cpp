@@ -200,7 +200,7 @@ void HandRows::coupleToEnds(const std::array<double, kMaxAxes>& jacobian,
 }
 
 void HandRows::start(double* change) noexcept {
-  const double share = settings_.warm_start;
+  const double share = settings_.self_warm_start;
   for (int i = 0; i < touch_count_; ++i) {
     SelfTouch& touch = touches_[i];
     const Kept& kept = kept_[touch.pair];
@@ -249,7 +249,8 @@ void HandRows::finishRow(AxisRow& row, const AxisMatrix& inverse, const double* 
     speed += row.jacobian[a] * velocity[a];
   }
   row.effective_mass = inverse_mass > kLeastInverseMass ? 1.0 / inverse_mass : 0.0;
-  row.target = (goal_velocity - speed) * row.effective_mass;
+  row.lacking = goal_velocity - speed;
+  row.target = row.lacking * row.effective_mass;
   row.impulse = 0.0;
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
 #include "dynamics/articulated_body.hpp"
+#include "physics/bullet/cone_newton.hpp"
+#include "physics/bullet/inertia_root.hpp"
 #include "physics/bullet/solver_settings.hpp"
 #include "physics/self_contact_search.hpp"
 
@@ -16,9 +18,13 @@ struct AxisRow {
   std::array<double, kMaxAxes> jacobian{};  ///< j
   std::array<double, kMaxAxes> response{};  ///< M_r⁻¹ j
   double effective_mass = 0.0;              ///< 1 / (j·M_r⁻¹ j); 0 disables the row
-  double target = 0.0;                      ///< impulse that alone would reach the target velocity
+  double lacking = 0.0;                     ///< change of velocity that reaches the target
+  double target = 0.0;                      ///< impulse that alone would reach it
   double impulse = 0.0;                     ///< accumulated [N·s or N·m·s]
 };
+
+/// Root of M_r⁻¹.
+using AxisRoot = InertiaRoot<kMaxAxes>;
 
 /// Most joint ends that contacts are coupled to; further ones are solved separately.
 inline constexpr int kMaxCoupledEnds = 4;
@@ -67,6 +73,11 @@ class HandRows {
   /// One sweep. Width as in ReducedContactSolver. @return the largest squared change of an impulse
   template <int Width>
   double iterate(double* change) noexcept;
+  /// Adds a cone for each near end. @pre nothing touches and no end is coupled: no end bore an
+  /// impulse in the last step @return false: there is no room
+  [[nodiscard]] bool addEndsTo(ConeNewton& newton, const AxisRoot& root) const noexcept;
+  /// Takes the impulses of the cones that addEndsTo() added. @param row the first of their rows
+  void takeEndsFrom(const ConeNewton& newton, int row) noexcept;
   /// Stores the impulses for the next step.
   void finish() noexcept;
 

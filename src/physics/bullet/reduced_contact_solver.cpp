@@ -47,8 +47,9 @@ ReducedContactSolver::ReducedContactSolver(const HandModel& hand, const Articula
       inverse_(AxisMatrix::Zero(axes_ <= kNarrow ? kNarrow : kMaxAxes,
                                 axes_ <= kNarrow ? kNarrow : kMaxAxes)),
       contacts_(kMostContacts),
-      bounded_(static_cast<std::size_t>(bodies)),
-      bounds_(static_cast<std::size_t>(bodies)) {
+      bounded_(bodies),
+      bounds_(bodies),
+      newton_(settings.newton) {
   reserve(bodies);
 }
 
@@ -78,8 +79,10 @@ AxisVelocity ReducedContactSolver::velocity() const {
 void ReducedContactSolver::reserve(int bodies) {
   const int rows = std::max(512, 16 * bodies);
   m_tmpSolverBodyPool.reserve(std::max(128, 2 * bodies));
-  touched_.reserve(static_cast<std::size_t>(std::max(128, 2 * bodies)));
-  near_.reserve(static_cast<std::size_t>(rows));
+  slot_.reserve(std::max(128, 2 * bodies));
+  island_.reserve(ConeNewton::kMostUnknowns / 6);
+  touched_.reserve(std::max(128, 2 * bodies));
+  near_.reserve(rows);
   m_tmpSolverContactConstraintPool.reserve(rows);
   m_tmpSolverContactFrictionConstraintPool.reserve(2 * rows);
   m_tmpSolverContactRollingFrictionConstraintPool.reserve(3 * rows);
@@ -91,7 +94,6 @@ void ReducedContactSolver::reserve(int bodies) {
 
 void ReducedContactSolver::convertContacts(btPersistentManifold** manifolds, int count,
                                            const btContactSolverInfo& info) {
-  for (ImpulseBound& bound : bounds_) bound.pressed = 0.0;
   rows_.setUp(kinematics_, inverse_, velocity_.data(), info.m_timeStep);
   couples_ends_ = rows_.couplesEnds();
   for (int i = 0; i < count; ++i) {
@@ -105,7 +107,6 @@ void ReducedContactSolver::convertContacts(btPersistentManifold** manifolds, int
       convertHandManifold(*manifolds[i], b, a, false, info);
     }
   }
-  rows_.start(change_.data());
 }
 
 // The base class moves what a manifold names: for this call that is the bodies, not their
@@ -142,7 +143,7 @@ void ReducedContactSolver::convertHandManifold(btPersistentManifold& manifold,
     contact.bound = bounded_[body.body] ? &bounds_[body.body] : nullptr;
     setUpContact(contact, hand, *body.rigid,
                  hand_is_a ? point.getPositionWorldOnB() : point.getPositionWorldOnA(), info);
-    warmStart(contact);
+    startFromLast(contact);
   }
 }
 
@@ -165,7 +166,7 @@ void ReducedContactSolver::setUpContact(HandContact& contact, const ColliderTag&
     row.angular = arm.cross(-direction);
     // Bullet has one body for all that is fixed, and that one stands; this one may slide.
     if (rigid == nullptr) goal -= row.linear.dot(owner.getLinearVelocity());
-    finishRow(row, body, false, goal, &row == &contact.normal_row);
+    aim(row, body, goal);
   };
   // Apart: let them close the gap in this step and no further. Overlapping: push apart gently.
   const double gap = contact.distance_m + settings_.penetration_slop_m;
@@ -181,11 +182,48 @@ void ReducedContactSolver::setUpContact(HandContact& contact, const ColliderTag&
   kinematics_.reducedAngularRow(tag.link, toEigen(contact.normal), spin.jacobian.data());
   spin.linear.setZero();
   spin.angular = -contact.normal;
-  finishRow(spin, body, true, 0.0);
+  aim(spin, body, 0.0);
+}
+
+void ReducedContactSolver::aim(ReducedRow& row, const btSolverBody& body,
+                               double goal_velocity) const {
+  double velocity = 0.0;
+  for (int a = 0; a < axes_; ++a) velocity += row.jacobian[a] * velocity_[a];
+  if (body.m_originalBody != nullptr) {
+    velocity += row.linear.dot(body.m_linearVelocity + body.m_externalForceImpulse) +
+                row.angular.dot(body.m_angularVelocity + body.m_externalTorqueImpulse);
+  }
+  row.lacking = goal_velocity - velocity;
+}
+
+// The point keeps its impulses and tangents from the step before; tangents may have turned.
+void ReducedContactSolver::startFromLast(HandContact& contact) const {
+  const btManifoldPoint& point = *contact.point;
+  const btVector3 old = point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
+                        point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2;
+  const double share = settings_.warm_start;
+  contact.normal_row.impulse = share * point.m_appliedImpulse;
+  contact.tangent1_row.impulse = share * old.dot(contact.tangent1);
+  contact.tangent2_row.impulse = share * old.dot(contact.tangent2);
+  contact.spin_row.impulse = share * point.m_prevRHS;
+}
+
+void ReducedContactSolver::prepareSweeps() {
+  for (ImpulseBound& bound : bounds_) bound.pressed = 0.0;
+  for (int i = 0; i < contact_count_; ++i) {
+    HandContact& contact = contacts_[i];
+    const btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
+    finishRow(contact.normal_row, body, false, true);
+    finishRow(contact.tangent1_row, body, false);
+    finishRow(contact.tangent2_row, body, false);
+    finishRow(contact.spin_row, body, true);
+    start(contact);
+  }
+  rows_.start(change_.data());
 }
 
 void ReducedContactSolver::finishRow(ReducedRow& row, const btSolverBody& body, bool angular,
-                                     double goal_velocity, bool one_sided) const {
+                                     bool one_sided) const {
   if (axes_ <= kNarrow) {
     respond<kNarrow>(row);
   } else {
@@ -193,9 +231,7 @@ void ReducedContactSolver::finishRow(ReducedRow& row, const btSolverBody& body, 
   }
   if (couples_ends_) rows_.coupleToEnds(row.jacobian, row.response, row.end_shares, one_sided);
   double inverse_mass = 0.0;
-  double velocity = 0.0;
   for (int a = 0; a < axes_; ++a) {
-    velocity += row.jacobian[a] * velocity_[a];
     inverse_mass += row.response[a] * row.jacobian[a];
   }
   const btRigidBody* rigid = body.m_originalBody;
@@ -205,12 +241,9 @@ void ReducedContactSolver::finishRow(ReducedRow& row, const btSolverBody& body, 
     if (!angular) row.linear_response = row.linear * rigid->getInvMass();
     row.angular_response = rigid->getInvInertiaTensorWorld() * row.angular;
     inverse_mass += row.linear_response.dot(row.linear) + row.angular_response.dot(row.angular);
-    velocity += row.linear.dot(body.m_linearVelocity + body.m_externalForceImpulse) +
-                row.angular.dot(body.m_angularVelocity + body.m_externalTorqueImpulse);
   }
   row.effective_mass = inverse_mass > kLeastInverseMass ? 1.0 / inverse_mass : 0.0;
-  row.target = (goal_velocity - velocity) * row.effective_mass;
-  row.impulse = 0.0;
+  row.target = row.lacking * row.effective_mass;
 }
 
 /// M_r⁻¹ j

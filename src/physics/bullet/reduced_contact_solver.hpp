@@ -3,7 +3,9 @@
 #include "core/axis_array.hpp"
 #include "dynamics/articulated_body.hpp"
 #include "physics/bullet/collider_tag.hpp"
+#include "physics/bullet/cone_newton.hpp"
 #include "physics/bullet/hand_rows.hpp"
+#include "physics/bullet/inertia_root.hpp"
 #include "physics/bullet/solver_settings.hpp"
 
 #include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
@@ -16,14 +18,16 @@ namespace wholehand::bullet {
 /// A solver row between the hand's reduced velocities and a rigid body's velocities.
 struct ReducedRow {
   std::array<double, kMaxAxes> jacobian{};  ///< j = Gᵀ Jᵀ d
-  std::array<double, kMaxAxes> response{};  ///< M_r⁻¹ j
   btVector3 linear, angular;                ///< on the body
+  double lacking = 0.0;                     ///< change of velocity that reaches the target
+  double impulse = 0.0;  ///< accumulated; before, where to start [N·s or N·m·s]
+  // What sweeps need.
+  std::array<double, kMaxAxes> response{};  ///< M_r⁻¹ j
   btVector3 linear_response;                ///< linear / m; 0 on a fixed body
   btVector3 angular_response;               ///< I⁻¹ angular; 0 on a fixed body
   EndShares end_shares{};                   ///< on joint ends
   double effective_mass = 0.0;              ///< 1 / (j·M_r⁻¹ j + body); 0 disables the row
   double target = 0.0;                      ///< impulse that alone would reach the target velocity
-  double impulse = 0.0;                     ///< accumulated [N·s or N·m·s]
 };
 
 /// Bound of the normal impulses of all contacts of the hand with one body.
@@ -50,9 +54,10 @@ struct HandContact {
 /// velocities q̇_s, so that every impulse keeps θ = θ₀ + G q_s exactly: no gear constraints that
 /// compete with the contact rows, and six unknowns instead of nineteen joints.
 ///
-/// Self-contacts and joint limits of the hand (HandRows) are solved together with them. The base
-/// class handles contacts between other bodies; those of bodies that the hand does not touch get
-/// fewer sweeps.
+/// Self-contacts and joint limits of the hand (HandRows) are solved together with them: at once by
+/// ConeNewton, or by sweeps of projected Gauss-Seidel where the bodies that the hand touches are
+/// many or touch others. The base class handles contacts between other bodies; those of bodies that
+/// the hand does not touch get fewer sweeps.
 class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
  public:
   /// @pre kinematics and rows outlive this @param bodies number of bodies in the scene
@@ -100,11 +105,19 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
                            const btContactSolverInfo& info);
   void setUpContact(HandContact& contact, const ColliderTag& tag, const btRigidBody& owner,
                     const btVector3& on_body, const btContactSolverInfo& info);
-  void finishRow(ReducedRow& row, const btSolverBody& body, bool angular, double goal_velocity,
+  void aim(ReducedRow& row, const btSolverBody& body, double goal_velocity) const;
+  void startFromLast(HandContact& contact) const;
+  void prepareSweeps();
+  void finishRow(ReducedRow& row, const btSolverBody& body, bool angular,
                  bool one_sided = false) const;
-  void warmStart(HandContact& contact);
+  void start(HandContact& contact);
   template <int Width>
   [[gnu::always_inline]] inline void press(HandContact& contact, btSolverBody& body, double wanted);
+  [[nodiscard]] bool solveAtOnce();
+  [[nodiscard]] bool listIsland();
+  void writeRow(const ReducedRow& row, int body, ConeNewton::Row& out) const;
+  [[nodiscard]] bool withinBounds();
+  void takeImpulses();
   void listNear();
   double iterateNear();
   static constexpr int kNarrow = 8;  // axes that most devices do not exceed
@@ -138,8 +151,19 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   std::array<double, kMaxAxes> velocity_{};  ///< q̇_s before the contacts
   std::array<double, kMaxAxes> change_{};    ///< Δq̇_s by the contacts
   double residual_ = 0.0;
-  std::vector<bool> touched_;  ///< per solver body: the hand touches it
-  std::vector<int> near_;      ///< contact rows of bodies that it touches
+  /// A body that the hand touches; its unknowns are velocities in which its inertia is 1.
+  struct IslandBody {
+    int solver_body = -1;
+    double linear = 0.0;     ///< 1 / √m
+    InertiaRoot<3> angular;  ///< of I⁻¹
+  };
+  ConeNewton newton_;
+  bool at_once_ = false;            ///< newton_ solved this step
+  AxisRoot root_;                   ///< of M_r⁻¹
+  std::vector<IslandBody> island_;  ///< bodies that the hand touches
+  std::vector<int> slot_;           ///< per solver body: its index in the island, or −1
+  std::vector<bool> touched_;       ///< per solver body: the hand touches it
+  std::vector<int> near_;           ///< contact rows of bodies that it touches
 };
 
 }  // namespace wholehand::bullet

@@ -54,17 +54,14 @@ void ReducedContactSolver::press(HandContact& contact, btSolverBody& body, doubl
   bound.pressed += contact.normal_row.impulse - before;
 }
 
-// The point keeps its impulses and tangents from the step before; tangents may have turned.
-void ReducedContactSolver::warmStart(HandContact& contact) {
-  btManifoldPoint& point = *contact.point;
-  const btVector3 old = point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1 +
-                        point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2;
-  const double share = settings_.warm_start;
+// Applies the impulses that the rows start from.
+void ReducedContactSolver::start(HandContact& contact) {
   btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
-  press<kMaxAxes>(contact, body, share * point.m_appliedImpulse);
-  apply<kMaxAxes>(contact.tangent1_row, body, share * old.dot(contact.tangent1));
-  apply<kMaxAxes>(contact.tangent2_row, body, share * old.dot(contact.tangent2));
-  apply<kMaxAxes>(contact.spin_row, body, share * point.m_prevRHS);
+  const auto first = [](ReducedRow& row) { return std::exchange(row.impulse, 0.0); };
+  press<kMaxAxes>(contact, body, first(contact.normal_row));
+  apply<kMaxAxes>(contact.tangent1_row, body, first(contact.tangent1_row));
+  apply<kMaxAxes>(contact.tangent2_row, body, first(contact.tangent2_row));
+  apply<kMaxAxes>(contact.spin_row, body, first(contact.spin_row));
 }
 
 template <int Width>
@@ -112,7 +109,7 @@ WHOLEHAND_VECTOR_CLONES void ReducedContactSolver::iterateWide() {
 }
 
 void ReducedContactSolver::listNear() {
-  touched_.assign(static_cast<std::size_t>(m_tmpSolverBodyPool.size()), false);
+  touched_.assign(m_tmpSolverBodyPool.size(), false);
   for (int i = 0; i < contact_count_; ++i) {
     const int body = contacts_[i].solver_body;
     touched_[body] = m_tmpSolverBodyPool[body].m_originalBody != nullptr;
@@ -158,13 +155,26 @@ btScalar ReducedContactSolver::solveSingleIteration(
     int iteration, btCollisionObject** bodies, int body_count, btPersistentManifold** manifolds,
     int manifold_count, btTypedConstraint** constraints, int constraint_count,
     const btContactSolverInfo& info, btIDebugDraw* drawer) {
+  if (iteration == 0) {
+    listNear();
+    at_once_ = solveAtOnce();
+    if (!at_once_) prepareSweeps();
+  }
+  if (at_once_) {
+    const bool far =
+        iteration < settings_.far_iterations && m_tmpSolverContactConstraintPool.size() > 0;
+    if (!far) return 0.0;  // the base class stops
+    btSequentialImpulseConstraintSolver::solveSingleIteration(
+        iteration, bodies, body_count, manifolds, manifold_count, constraints, constraint_count,
+        info, drawer);
+    return 1.0;
+  }
   double others = 0.0;
   if (iteration < settings_.far_iterations) {
     others = btSequentialImpulseConstraintSolver::solveSingleIteration(
         iteration, bodies, body_count, manifolds, manifold_count, constraints, constraint_count,
         info, drawer);
   } else {
-    if (iteration == settings_.far_iterations) listNear();
     others = iterateNear();
   }
   residual_ = 0.0;

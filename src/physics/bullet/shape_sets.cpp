@@ -55,11 +55,11 @@ ShapeSets::ShapeSets(const GameBudget& budget)
     : most_pieces_(budget.pieces),
       most_vertices_(budget.vertices),
       most_m_(budget.most_m),
-      sets_(static_cast<std::size_t>(budget.shape_sets)),
-      pieces_(sets_.size() * static_cast<std::size_t>(budget.pieces)),
-      vertices_(pieces_.size() * static_cast<std::size_t>(budget.vertices)) {
+      sets_(budget.shape_sets),
+      pieces_(sets_.size() * budget.pieces),
+      vertices_(pieces_.size() * budget.vertices) {
   for (std::size_t i = 0; i < pieces_.size(); ++i) {
-    pieces_[i].vertices = vertices_.data() + i * static_cast<std::size_t>(budget.vertices);
+    pieces_[i].vertices = vertices_.data() + i * budget.vertices;
   }
 }
 

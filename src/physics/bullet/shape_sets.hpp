@@ -32,7 +32,7 @@ class ShapeSets {
   /// The complete set; null when there is none.
   [[nodiscard]] Set* find(int set) noexcept;
   [[nodiscard]] const SlotPiece* piecesOf(int set) const noexcept {
-    return pieces_.data() + static_cast<std::size_t>(set * most_pieces_);
+    return pieces_.data() + set * most_pieces_;
   }
   void acquire(int set) noexcept { ++sets_[set].users; }
   void release(int set) noexcept { --sets_[set].users; }
@@ -43,7 +43,7 @@ class ShapeSets {
   [[nodiscard]] OrderRefusal addVertices(int set, const ShapeVertices& in) noexcept;
   [[nodiscard]] bool lastPieceIsWhole(int set) const noexcept;
   [[nodiscard]] SlotPiece& piece(int set, int index) noexcept {
-    return pieces_[static_cast<std::size_t>(set * most_pieces_ + index)];
+    return pieces_[set * most_pieces_ + index];
   }
 
   const int most_pieces_, most_vertices_;

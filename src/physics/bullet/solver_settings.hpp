@@ -1,17 +1,30 @@
 #pragma once
 
+#include "physics/bullet/cone_newton.hpp"
+
 namespace wholehand::bullet {
 
 /// Settings of Bullet's contact solver; ADR 3 explains the differences from stock.
 struct SolverSettings {
-  int iterations = 50;        ///< per step; 20 let one grasp slide, 100 bring slip to 0.05 mm
-  int far_iterations = 10;    ///< for contacts of bodies that the hand does not touch
-  double contact_erp = 0.05;  ///< fraction of a penetration removed per step
+  int iterations = 50;   ///< per step; 20 let one grasp slide, 100 bring slip to 0.05 mm
+  bool at_once = false;  ///< the hand's contacts by Newton's method where that applies (ADR 55)
+  NewtonSettings newton;
+  int far_iterations = 10;           ///< for contacts of bodies that the hand does not touch
+  double contact_erp = 0.05;         ///< fraction of a penetration removed per step
   double friction_anchor_erp = 0.2;  ///< fraction of a tangential drift removed per step
   double penetration_slop_m = 1e-5;
   double warm_start = 0.996;           ///< fraction of the last step's impulses to start from
+  double self_warm_start = 0.996;      ///< the same of touches within the hand and of joint ends
   double spinning_friction_m = 0.002;  ///< torque about the normal per normal force, for soft
                                        ///< finger pads
 };
+
+/// Newton's method instead of the hand's sweeps; its impulses decay more slowly (ADR 55).
+[[nodiscard]] inline SolverSettings solvedAtOnce() {
+  SolverSettings settings;
+  settings.at_once = true;
+  settings.warm_start = 0.998;
+  return settings;
+}
 
 }  // namespace wholehand::bullet

@@ -2,6 +2,7 @@
 
 #include "physics/body_checks.hpp"
 #include "physics/bullet/bullet_types.hpp"
+#include "physics/bullet/checked_memory.hpp"
 #include "physics/bullet_paper/paper_engine.hpp"
 
 #include <algorithm>
@@ -47,11 +48,22 @@ Contact contactOf(const btManifoldPoint& point, const ColliderTag& of_hand, int 
 
 Expected<std::unique_ptr<PhysicsWorld>> BulletPaperWorld::build(const HandModel& hand,
                                                                 const SceneModel& scene) {
-  Diagnostics refused = bullet_paper::PaperHand::refuse(hand);
+  return buildWith(hand, scene, bullet_paper::PaperCoupling::kResets);
+}
+
+Expected<std::unique_ptr<PhysicsWorld>> BulletPaperWorld::buildGeared(const HandModel& hand,
+                                                                      const SceneModel& scene) {
+  return buildWith(hand, scene, bullet_paper::PaperCoupling::kGears);
+}
+
+Expected<std::unique_ptr<PhysicsWorld>> BulletPaperWorld::buildWith(
+    const HandModel& hand, const SceneModel& scene, bullet_paper::PaperCoupling coupling) {
+  Diagnostics refused = bullet_paper::PaperHand::refuse(hand, coupling);
   for (Diagnostic& soft : refuseSoftThatMoves(scene)) refused.push_back(std::move(soft));
   if (!refused.empty()) return refused;
+  bullet::useCheckedMemory();
   return std::unique_ptr<PhysicsWorld>(
-      new BulletPaperWorld(std::make_unique<bullet_paper::PaperEngine>(hand, scene)));
+      new BulletPaperWorld(std::make_unique<bullet_paper::PaperEngine>(hand, scene, coupling)));
 }
 
 BulletPaperWorld::BulletPaperWorld(std::unique_ptr<bullet_paper::PaperEngine> engine)
@@ -76,9 +88,7 @@ Fault BulletPaperWorld::observe(WorldState& state) noexcept {
   bullet_paper::PaperEngine& e = *engine_;
   state.q_s = e.q_s;
   state.qd_s = e.qd_s;
-  e.synergy.expand(state.q_s, state.theta);
-  state.theta_dot = JointVelocity(e.hand_model.joint_count);
-  e.synergy.expandRate(state.qd_s.data(), state.theta_dot.data());
+  e.hand.readJoints(state.theta, state.theta_dot);
   state.coupling_error_rad = e.coupling_error_rad;
   state.body_count = std::min(static_cast<int>(e.bodies.size()), kMaxBodies);
   bool finite = allFinite(state.q_s) && allFinite(state.qd_s);
@@ -121,7 +131,9 @@ Fault BulletPaperWorld::step(const HandDrive& drive, double period_s) noexcept {
   AxisVelocity qd_s;
   e.coupling_error_rad = e.hand.take(q_s, qd_s);
   if (!allFinite(q_s) || !allFinite(qd_s)) return Fault::kNonFiniteState;
-  e.setHand(q_s, qd_s);
+  e.q_s = q_s;
+  e.qd_s = qd_s;
+  e.hand.settle(q_s, qd_s);
   return Fault::kNone;
 }
 

@@ -10,10 +10,12 @@ namespace wholehand {
 
 namespace bullet_paper {
 struct PaperEngine;
-}
+enum class PaperCoupling;
+}  // namespace bullet_paper
 
 /// The paper's method, as a baseline: a stock btMultiBody driven by joint torques, Bullet's own
-/// collision detection and solver, and coupled joints reset to the synergy after each step.
+/// collision detection and solver, and coupled joints reset to the synergy after each step, or
+/// geared to the joint that leads their axis.
 /// Contacts do not do the virtual work of f_s, so it must not be used with a person
 /// (docs/engines.md).
 class BulletPaperWorld final : public PhysicsWorld {
@@ -22,6 +24,9 @@ class BulletPaperWorld final : public PhysicsWorld {
   /// world. Not real-time safe.
   [[nodiscard]] static Expected<std::unique_ptr<PhysicsWorld>> build(const HandModel& hand,
                                                                      const SceneModel& scene);
+  /// The same with gear constraints in place of the resets.
+  [[nodiscard]] static Expected<std::unique_ptr<PhysicsWorld>> buildGeared(const HandModel& hand,
+                                                                           const SceneModel& scene);
   ~BulletPaperWorld() override;
 
   [[nodiscard]] Expected<Done> placeHand(const AxisPosition& q_s) override;
@@ -33,6 +38,8 @@ class BulletPaperWorld final : public PhysicsWorld {
 
  private:
   explicit BulletPaperWorld(std::unique_ptr<bullet_paper::PaperEngine> engine);
+  [[nodiscard]] static Expected<std::unique_ptr<PhysicsWorld>> buildWith(
+      const HandModel& hand, const SceneModel& scene, bullet_paper::PaperCoupling coupling);
 
   std::unique_ptr<bullet_paper::PaperEngine> engine_;
 };

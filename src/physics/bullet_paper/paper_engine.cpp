@@ -34,11 +34,11 @@ PaperSolver::PaperSolver(int dofs) {
   m_data.m_deltaVelocitiesUnitImpulse.reserve(2 * kReservedContacts * (6 + dofs));
 }
 
-PaperEngine::PaperEngine(const HandModel& hand_in, const SceneModel& scene)
+PaperEngine::PaperEngine(const HandModel& hand_in, const SceneModel& scene, PaperCoupling coupling)
     : hand_model(hand_in),
       synergy(hand_in),
       scene_path(scene.path),
-      hand(hand_in, scene.hand_friction),
+      hand(hand_in, scene.hand_friction, coupling),
       dispatcher(&configuration),
       solver(hand_in.joint_count),
       world(&dispatcher, &broadphase, &solver, &configuration),
@@ -51,7 +51,7 @@ PaperEngine::PaperEngine(const HandModel& hand_in, const SceneModel& scene)
   }
   configure(scene);
   world.addMultiBody(&hand.body());
-  for (const auto& motor : hand.motors()) world.addMultiBodyConstraint(motor.get());
+  for (btMultiBodyConstraint* one : hand.constraints()) world.addMultiBodyConstraint(one);
   for (int i = 0; i < static_cast<int>(hand.capsules().size()); ++i) {
     const int group = hand.isPalm(i) ? kPalm : kDigit;
     world.addCollisionObject(hand.capsules()[i].get(), group, meets(group));
@@ -70,7 +70,7 @@ PaperEngine::~PaperEngine() {
     for (const PaperBody::Part& part : body.parts()) world.removeRigidBody(part.rigid.get());
   }
   for (const auto& capsule : hand.capsules()) world.removeCollisionObject(capsule.get());
-  for (const auto& motor : hand.motors()) world.removeMultiBodyConstraint(motor.get());
+  for (btMultiBodyConstraint* one : hand.constraints()) world.removeMultiBodyConstraint(one);
   world.removeMultiBody(&hand.body());
 }
 

@@ -33,7 +33,7 @@ class PaperSolver final : public btMultiBodyConstraintSolver {
 /// One complete stock Bullet world: built, warmed up and destroyed here.
 struct PaperEngine {
   /// @pre hand outlives this
-  PaperEngine(const HandModel& hand, const SceneModel& scene);
+  PaperEngine(const HandModel& hand, const SceneModel& scene, PaperCoupling coupling);
   ~PaperEngine();
   PaperEngine(const PaperEngine&) = delete;
   PaperEngine& operator=(const PaperEngine&) = delete;

@@ -71,8 +71,8 @@ std::unique_ptr<btMultiBody> makeBody(const HandModel& hand) {
 
 }  // namespace
 
-PaperHand::PaperHand(const HandModel& hand, double friction)
-    : hand_(&hand), synergy_(hand), kinematics_(hand), body_(makeBody(hand)) {
+PaperHand::PaperHand(const HandModel& hand, double friction, PaperCoupling coupling)
+    : hand_(&hand), coupling_(coupling), synergy_(hand), kinematics_(hand), body_(makeBody(hand)) {
   for (int i = 0; i < static_cast<int>(hand.links.size()); ++i) {
     const int joint = hand.links[i].joint;
     if (joint >= 0) link_of_joint_[joint] = i;
@@ -80,15 +80,47 @@ PaperHand::PaperHand(const HandModel& hand, double friction)
   for (int a = 0; a < hand.axis_count; ++a) {
     leading_[a] = leadingJoint(hand, a);
   }
-  addMotors();
+  coupling == PaperCoupling::kGears ? addGears() : addMotors();
   addCapsules(friction);
+}
+
+bool PaperHand::leads(int joint) const {
+  const auto end = leading_.begin() + hand_->axis_count;
+  return std::find(leading_.begin(), end, joint) != end;
+}
+
+void PaperHand::addGears() {
+  constexpr double kErp = 1.0;  // of the world's m_erp2
+  const btVector3 origin(0.0, 0.0, 0.0);
+  const btMatrix3x3 unit = btMatrix3x3::getIdentity();
+  for (int j = 0; j < hand_->joint_count; ++j) {
+    if (leads(j)) continue;
+    for (int a = 0; a < hand_->axis_count; ++a) {
+      const int lead = leading_[a];
+      const double ratio = hand_->synergy(j, a) / hand_->synergy(lead, a);
+      if (ratio == 0.0) continue;
+      auto& gear = *gears_.emplace_back(std::make_unique<btMultiBodyGearConstraint>(
+          body_.get(), link_of_joint_[j], body_.get(), link_of_joint_[lead], origin, origin, unit,
+          unit));
+      gear.setGearRatio(-ratio);
+      gear.setErp(kErp);
+      gear.setRelativePositionTarget(hand_->theta0[j] - ratio * hand_->theta0[lead]);
+      gear.finalizeMultiDof();
+    }
+  }
+}
+
+std::vector<btMultiBodyConstraint*> PaperHand::constraints() const {
+  std::vector<btMultiBodyConstraint*> out;
+  for (const auto& motor : motors_) out.push_back(motor.get());
+  for (const auto& gear : gears_) out.push_back(gear.get());
+  return out;
 }
 
 void PaperHand::addMotors() {
   constexpr double kServersImpulse_nms = 1.0;  // PhysicsServerCommandProcessor::createJointMotors
   for (int j = 0; j < hand_->joint_count; ++j) {
-    const auto end = leading_.begin() + hand_->axis_count;
-    if (std::find(leading_.begin(), end, j) != end) continue;
+    if (leads(j)) continue;
     following_.push_back(j);
     motors_.push_back(std::make_unique<btMultiBodyJointMotor>(body_.get(), link_of_joint_[j], 0.0,
                                                               kServersImpulse_nms));
@@ -96,8 +128,17 @@ void PaperHand::addMotors() {
   }
 }
 
-Diagnostics PaperHand::refuse(const HandModel& hand) {
+Diagnostics PaperHand::refuse(const HandModel& hand, PaperCoupling coupling) {
   Diagnostics errors;
+  for (int j = 0; coupling == PaperCoupling::kGears && j < hand.joint_count; ++j) {
+    int followed = 0;
+    for (int a = 0; a < hand.axis_count; ++a) followed += hand.synergy(j, a) != 0.0 ? 1 : 0;
+    if (followed <= 1) continue;
+    errors.push_back(
+        {"", 0, "synergy", "",
+         "moves a joint by two axes, and a gear of bullet-paper-gears joins two joints",
+         "use --engine bullet-paper"});
+  }
   for (int a = 0; a < hand.axis_count; ++a) {
     if (leadingJoint(hand, a) >= 0) continue;
     errors.push_back({"", 0, "synergy." + hand.axis_names[a], "",
@@ -148,6 +189,30 @@ void PaperHand::put(const AxisPosition& q_s, const AxisVelocity& qd_s) noexcept 
     body_->setJointPos(link, theta[j]);
     body_->setJointVel(link, theta_dot[j]);
   }
+  placeCapsules(theta);
+}
+
+void PaperHand::settle(const AxisPosition& q_s, const AxisVelocity& qd_s) noexcept {
+  if (coupling_ == PaperCoupling::kResets) {
+    put(q_s, qd_s);
+    return;
+  }
+  JointPosition theta;
+  JointVelocity theta_dot;
+  readJoints(theta, theta_dot);
+  placeCapsules(theta);
+}
+
+void PaperHand::readJoints(JointPosition& theta, JointVelocity& theta_dot) const noexcept {
+  theta = JointPosition(hand_->joint_count);
+  theta_dot = JointVelocity(hand_->joint_count);
+  for (int j = 0; j < hand_->joint_count; ++j) {
+    theta[j] = body_->getJointPos(link_of_joint_[j]);
+    theta_dot[j] = body_->getJointVel(link_of_joint_[j]);
+  }
+}
+
+void PaperHand::placeCapsules(const JointPosition& theta) noexcept {
   kinematics_.updateKinematics(theta);
   for (std::size_t i = 0; i < capsules_.size(); ++i) {
     const btTransform at = toBt(kinematics_.linkPose(tags_[i].link) * capsule_in_link_[i]);

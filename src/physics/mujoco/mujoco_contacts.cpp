@@ -64,8 +64,7 @@ void MujocoEngine::selfForces(SelfForces& forces) const noexcept {
     const mjContact& found = data_->contact[i];
     const Owner &a = owner(found.geom1), &b = owner(found.geom2);
     if (a.capsule < 0 || b.capsule < 0 || !acts(*data_, i)) continue;
-    const int index = self_pair_[static_cast<std::size_t>(a.capsule) * count +
-                                 static_cast<std::size_t>(b.capsule)];
+    const int index = self_pair_[a.capsule * count + b.capsule];
     const SelfPair& pair = map_.hand().self_contacts[index];
     const Wrench wrench = wrenchOf(*model_, *data_, i);
     const double sign = b.capsule == pair.capsule_a ? 1.0 : -1.0;

@@ -86,7 +86,7 @@ MujocoEngine::MujocoEngine(const HandModel& hand, const SceneModel& scene,
       scene_path_(scene.path),
       let_go_(hand.self_contacts.size(), 0),
       still_deep_(hand.self_contacts.size(), 0),
-      surface_velocity_(3 * static_cast<std::size_t>(model->nconmax), 0.0) {
+      surface_velocity_(3 * model->nconmax, 0.0) {
   mjData* data = nullptr;
   if (!endsWell([&] { data = mj_makeData(model); }) || data == nullptr) return;
   data_.reset(data);
@@ -115,7 +115,7 @@ void MujocoEngine::listBodies(const SceneModel& scene) {
 }
 
 void MujocoEngine::listGeoms(const SceneModel& scene) {
-  owners_.resize(static_cast<std::size_t>(model_->ngeom));
+  owners_.resize(model_->ngeom);
   for (int c = 0; c < static_cast<int>(map_.hand().capsules.size()); ++c) {
     const int geom = mj_name2id(model_.get(), mjOBJ_GEOM, capsuleName(c).c_str());
     owners_[geom] = {c, -1, scene.hand_friction};
@@ -160,8 +160,7 @@ Diagnostics MujocoEngine::placeHand(const AxisPosition& position) {
     const mjContact& contact = data_->contact[i];
     const Owner &a = owner(contact.geom1), &b = owner(contact.geom2);
     if (a.capsule >= 0 && b.capsule >= 0) {
-      const int pair = self_pair_[static_cast<std::size_t>(a.capsule) * count +
-                                  static_cast<std::size_t>(b.capsule)];
+      const int pair = self_pair_[a.capsule * count + b.capsule];
       if (contact.dist < 0.0) let_go_[pair] = 1;
     } else if (a.capsule >= 0 || b.capsule >= 0) {
       overlaps.add(std::max(a.body, b.body), std::max(a.capsule, b.capsule), -contact.dist);
@@ -230,11 +229,10 @@ void MujocoEngine::judge(int index) noexcept {
   Vector3d speed = Vector3d::Zero();
   if (b.body >= 0) speed += bodies_[b.body].velocity_m_s;
   if (a.body >= 0) speed -= bodies_[a.body].velocity_m_s;
-  Vector3dMap{&surface_velocity_[3 * static_cast<std::size_t>(index)]} = speed;
+  Vector3dMap{&surface_velocity_[3 * index]} = speed;
   if (a.capsule < 0 || b.capsule < 0) return;
   const std::size_t count = map_.hand().capsules.size();
-  const int pair =
-      self_pair_[static_cast<std::size_t>(a.capsule) * count + static_cast<std::size_t>(b.capsule)];
+  const int pair = self_pair_[a.capsule * count + b.capsule];
   if (let_go_[pair] == 0) return;
   contact.exclude = 1;
   if (contact.dist < 0.0) still_deep_[pair] = 1;

@@ -22,9 +22,9 @@ ReducedConstraints::ReducedConstraints(const HandMap& map, const mjModel& model,
     : map_(&map),
       settings_(settings),
       dofs_(model.nv),
-      column_(static_cast<std::size_t>(model.nv)),
-      momentum_(static_cast<std::size_t>(model.nv)),
-      half_(static_cast<std::size_t>(model.nv)) {}
+      column_(model.nv),
+      momentum_(model.nv),
+      half_(model.nv) {}
 
 /// M G M_r⁻¹ from MuJoCo's own M, armature included.
 bool ReducedConstraints::reduceInertia(const mjModel& model, mjData& data) noexcept {

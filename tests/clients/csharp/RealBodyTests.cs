@@ -1,6 +1,7 @@
 using System;
 using System.Collections.Concurrent;
 using System.Collections.Generic;
+using System.Linq;
 using System.Threading.Tasks;
 using Wholehand;
 using wholehand.protocol;
@@ -56,6 +57,29 @@ public static class RealBodyTests
             if (pose >= World.BodyCount) return false;
             position = World.BodyPositions[pose];
             return true;
+        }
+
+        /// <summary>The same by the list of all bodies.</summary>
+        public bool TryGetPlace(BodyId body, out Vector position)
+        {
+            Rotation turn;
+            position = new Vector();
+            Client.TryGetBodies(Slots);
+            Client.TryGetWorld(World);
+            int found = Slots.FindInAll(body);
+            return found >= 0 && Slots.TryGetPlace(found, World, out position, out turn);
+        }
+
+        public Whereabouts WhereIs(BodyId body)
+        {
+            Client.TryGetBodies(Slots);
+            int found = Slots.FindInAll(body);
+            return found < 0 ? Whereabouts.Gone : Slots.All[found].Whereabouts;
+        }
+
+        public bool TryTakeEvent(out BodyEvent happened)
+        {
+            return events.TryDequeue(out happened);
         }
 
         public void Dispose()
@@ -170,6 +194,44 @@ public static class RealBodyTests
                 Vector at;
                 return play.TryGetPosition(body.Id, out at) && Distance(at, Above) < 1e-6;
             }, "it stands where it is put");
+        }
+    }
+
+    public static void BodiesBeyondTheSlots_AreInTheWorldAndSimulatedNearTheHand()
+    {
+        using (var play = new Play())
+        {
+            Accepted(play.Client.PrepareShapes(0, BodyShape.Ball(RadiusM)));
+            var bodies = new BodyToSpawn[64];
+            for (uint i = 0; i < 3; ++i)
+            {
+                bodies[i] = new BodyToSpawn { Slot = 1000 + i, Owner = BodyOwner.Fixed, PositionM = new Vector(0.1f, 0.25f, 0.1f * i) };
+            }
+            for (uint i = 3; i < 64; ++i)
+            {
+                bodies[i] = new BodyToSpawn { Slot = 2000 + i, Generation = 4, PositionM = new Vector(3.0f, 0.05f * i, 0.0f) };
+            }
+            Accepted(play.Client.Spawn(bodies));
+            Check.Until(() => Enumerable.Range(0, 3).All(i => play.WhereIs(bodies[i].Id) == Whereabouts.InSlot), "the near ones have slots");
+            Check.Equal(64, play.Slots.AllCount, "bodies");
+            Check.True(bodies.Skip(3).All(b => play.WhereIs(b.Id) == Whereabouts.OutOfReach), "the others are out of reach");
+            foreach (BodyToSpawn body in new[] { bodies[1], bodies[63] })
+            {
+                Vector at = new Vector();
+                Check.Until(() => play.TryGetPlace(body.Id, out at) && Distance(at, body.PositionM) < 1e-6, body.Slot + ": its place");
+            }
+            BodyEvent solid = new BodyEvent();
+            Check.Until(() => play.TryTakeEvent(out solid) && solid.Kind == BodyEventKind.Solid && solid.Body.Slot == 1001, "an event");
+            Check.Equal(1u, solid.Body.Generation, "the game's own generation");
+            Check.True(solid.Slot < 64, "in a slot");
+            CommandReply again = Ended(play.Client.Spawn(new BodyToSpawn { Slot = 1000, PositionM = Above }));
+            Check.Equal(BodyRefusal.SlotTaken, again.Items[0].Refusal, again.Reason);
+            var there = new Vector(0.1f, 0.25f, 0.3f);
+            Accepted(play.Client.Teleport(new BodyAt(bodies[63].Id, there)));
+            Check.Until(() => play.WhereIs(bodies[63].Id) == Whereabouts.InSlot, "it is in reach");
+            Accepted(play.Client.Remove(bodies[0].Id, bodies[62].Id));
+            Check.Until(() => play.Client.TryGetBodies(play.Slots) && play.Slots.AllCount == 62, "two are gone");
+            Check.True(play.Slots.FindInAll(bodies[0].Id) < 0 && play.Slots.FindInAll(bodies[62].Id) < 0, "these");
         }
     }
 

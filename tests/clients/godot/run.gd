@@ -398,6 +398,123 @@ func _is_at_goal():
 	return _off(5, goal) < 0.002 and (world.game_bodies[5].global_transform.basis.x - turned.x).length() < 0.01
 
 
+const NEAR = Vector3(0.1, 0.25, 0.2) # beside the hand, in reach
+const BESIDE = Vector3(0.1, 0.25, 0.4)
+const FAR = Vector3(3.0, 0.5, 0.0)
+const ELSEWHERE = Vector3(2.0, -0.5, 1.0)
+
+var named_events = [] # [what, [slot or number, generation]]
+
+
+func bodies_beyond_the_slots_are_one_node_in_and_out_of_reach():
+	connection.connect("body_event", self, "_on_named_body_event")
+	yield(start_with_controls(), "completed")
+	yield(accepted(world.prepare_shapes(0, [Shapes.ball_piece(RADIUS)]), "shapes"), "completed")
+	var orders = [{"slot": 1000, "generation": 6, "shape_set": 0, "owner": Protocol.BodyOwner.Fixed, "position_m": NEAR},
+			{"slot": 2000, "generation": 7, "shape_set": 0, "owner": Protocol.BodyOwner.Game, "position_m": FAR}]
+	yield(accepted(connection.spawn_bodies(orders), "spawn"), "completed")
+	yield(until("_are_both_drawn", "both are drawn"), "completed")
+	var node = world.game_bodies[2000]
+	check(connection.body_list.registered[2000].whereabouts == Protocol.Whereabouts.OutOfReach, "out of reach")
+	yield(until("_is_solid", "the event of the near one, by the game's name"), "completed")
+	goal = ELSEWHERE
+	world.set_target(2000, placed(goal))
+	yield(until("_is_2000_at_goal", "out of reach it is at its target at once"), "completed")
+	world.clear_target(2000)
+	goal = BESIDE
+	yield(accepted(world.teleport_body(2000, 7, placed(goal)), "teleport"), "completed")
+	yield(until("_is_2000_at_goal_in_a_slot", "it has come near, and has a slot"), "completed")
+	check(world.game_bodies[2000] == node and world.game_bodies.size() == 2, "the same node")
+	goal = FAR
+	yield(accepted(world.teleport_body(2000, 7, placed(goal)), "teleport"), "completed")
+	yield(until("_is_2000_at_goal_without_slot", "and is far again"), "completed")
+	check(world.game_bodies[2000] == node, "still the same node")
+	yield(accepted(connection.remove_bodies([[1000, 6], [2000, 7]]), "remove"), "completed")
+	yield(until("_has_no_bodies", "they are gone"), "completed")
+	yield(self, "idle_frame")
+	check(not is_instance_valid(node) and connection.shapes.empty(), "nothing is left of them")
+	check(connection.ignored == 0, "messages were ignored")
+
+
+func _on_named_body_event(what, slot, _generation, _refusal):
+	named_events.append([what] + connection.body_list.name_in(slot))
+
+
+func _are_both_drawn():
+	return world.game_bodies.size() == 2 and _off(1000, NEAR) < 1e-4 and _off(2000, FAR) < 1e-4 and world._slots.has(1000)
+
+
+func _is_solid():
+	return ["solid", 1000, 6] in named_events
+
+
+func _is_2000_at_goal():
+	return _off(2000, goal) < 1e-4
+
+
+func _is_2000_at_goal_in_a_slot():
+	return world._slots.has(2000) and _is_2000_at_goal()
+
+
+func _is_2000_at_goal_without_slot():
+	return not world._slots.has(2000) and _is_2000_at_goal()
+
+
+# All of them move, in every frame: each list tells of 1,000 bodies, 20 times a second.
+func a_thousand_bodies_are_cheap():
+	yield(start_with_controls(), "completed")
+	yield(accepted(world.prepare_shapes(0, [Shapes.ball_piece(RADIUS)]), "shapes"), "completed")
+	for first in range(1000, 2000, 50):
+		var orders = []
+		for number in range(first, first + 50):
+			orders.append({"slot": number, "shape_set": 0, "owner": Protocol.BodyOwner.Game,
+					"position_m": Vector3(3, 0.003 * (number - 1500), 0)})
+		var answer = yield(answered(connection.spawn_bodies(orders), "spawn"), "completed")
+		while not answer[0] and "controls" in answer[1]: # a slow machine loses them: they are taken again
+			yield(answered(connection.take_controls(), "take the controls again"), "completed")
+			answer = yield(answered(connection.spawn_bodies(orders), "spawn"), "completed")
+		check(answer[0], "spawn: %s" % answer[1])
+	yield(until("_are_a_thousand_drawn", "1,000 are drawn"), "completed")
+	yield(until("_have_followed", "100 frames, and all have followed"), "completed")
+	print("figure: Godot 3.2.3 headless, 1,000 bodies of a game follow their targets beyond the slots: %d frames, the longest %d ms"
+			% [frames, longest_ms])
+
+
+var frames = 0
+var longest_ms = 0
+var frame_ms = 0
+var taken_ms = 0
+
+
+func _are_a_thousand_drawn():
+	return world.game_bodies.size() == 1000
+
+
+func _have_followed():
+	var now_ms = OS.get_ticks_msec()
+	if frames > 0:
+		longest_ms = max(longest_ms, now_ms - frame_ms)
+	frame_ms = now_ms
+	if world.game_bodies.size() < 1000:
+		return false
+	if not connection.holds_controls and now_ms - taken_ms > 500:
+		taken_ms = now_ms
+		connection.take_controls()
+	if frames < 100:
+		frames += 1
+		for number in range(1000, 2000):
+			world.set_target(number, placed(_place_of(number, frames)))
+		return false
+	for number in [1000, 1500, 1999]:
+		if _off(number, _place_of(number, frames)) > 1e-4:
+			return false
+	return true
+
+
+func _place_of(number, frame):
+	return Vector3(3, 0.003 * (number - 1500), 0.001 * frame)
+
+
 func refused_orders_say_why():
 	yield(start_with_controls(), "completed")
 	yield(refused(world.spawn({"slot": 0, "shape_set": 9}, placed(ABOVE)), "spawn without shapes", "not prepared"), "completed")

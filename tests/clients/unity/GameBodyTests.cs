@@ -159,6 +159,50 @@ public static class GameBodyTests
         }
     }
 
+    public static void BodiesBeyondTheSlots_AreOneObjectInAndOutOfReach()
+    {
+        using (var play = new Play(true))
+        {
+            WholehandWorld world = play.Game.World;
+            play.Accepted(world.PrepareShapes(0, BodyShapes.Ball(RadiusM)));
+            Vector nearM = new Vector(0.1f, 0.25f, 0.2f), farM = new Vector(3.0f, 0.5f, 0.0f);
+            var still = new BodyToSpawn { Slot = 1000, Generation = 6, Owner = BodyOwner.Fixed };
+            var driven = new BodyToSpawn { Slot = 2000, Generation = 7, Owner = BodyOwner.Game };
+            play.Accepted(world.Spawn(still, play.InGame(nearM), world.transform.rotation));
+            play.Accepted(world.Spawn(driven, play.InGame(farM), world.transform.rotation));
+            play.Game.FramesUntil(() => world.GameBodyCount == 2 && IsAt(world.GameBody(driven.Id), play.InGame(farM))
+                && IsAt(world.GameBody(still.Id), play.InGame(nearM)) && world.GameBody(still.Id).Index >= 0, "both are drawn");
+            WholehandBody there = world.GameBody(driven.Id), here = world.GameBody(still.Id);
+            Check.Equal(Whereabouts.OutOfReach, there.Whereabouts, "far away");
+            Check.Equal(-1, there.Index, "without a slot");
+            Check.Equal(Whereabouts.InSlot, here.Whereabouts, "near");
+            Check.Equal(6u, play.Becomes(BodyEventKind.Solid, (uint)(here.Index - world.BodyCount)).Body.Generation, "whose event");
+            var goalM = new Vector(2.0f, -0.5f, 1.0f);
+            there.SetTarget(play.InGame(goalM), world.transform.rotation);
+            play.Game.FramesUntil(() => IsAt(there, play.InGame(goalM)), "out of reach it is at its target at once");
+            there.ClearTarget();
+            var besideM = new Vector(0.1f, 0.25f, 0.4f);
+            play.Accepted(world.Teleport(driven.Id, play.InGame(besideM), world.transform.rotation));
+            play.Game.FramesUntil(() => there.Index >= 0 && IsAt(there, play.InGame(besideM)), "it has come near, and has a slot");
+            Check.Equal(2, world.GameBodyCount, "no other object stands for it");
+            Check.Near(0, (world.GetComponentsInChildren<SphereCollider>(true)[1].transform.position - play.InGame(besideM)).magnitude,
+                1e-4, "where physics has it");
+            play.Accepted(world.Teleport(driven.Id, play.InGame(farM), world.transform.rotation));
+            play.Game.FramesUntil(() => there.Index < 0 && IsAt(there, play.InGame(farM)), "and is far again");
+            play.Accepted(world.Remove(driven.Id));
+            play.Accepted(world.Remove(still.Id));
+            play.Game.FramesUntil(() => world.GameBodyCount == 0, "they are gone");
+            play.Game.Frame();
+            Check.True(!there && !here, "their objects are destroyed");
+            Game.NoErrors();
+        }
+    }
+
+    private static bool IsAt(WholehandBody drawn, Vector3 place)
+    {
+        return drawn && (drawn.transform.position - place).magnitude < 1e-4;
+    }
+
     // What the program made of the shapes, by volume: a box in closed form, and one of 12 triangles with 8 corners.
     private static void ExpectPieces(Play play)
     {

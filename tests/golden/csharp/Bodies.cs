@@ -88,11 +88,42 @@ internal static class Bodies
     {
         var slots = new BodySlots();
         if (!client.TryGetBodies(slots)) throw new Exception("no copy of the bodies"); // not one of rubbish: it escapes
+        CopyRegistered(slots, read);
         if (slots.Count == 0 && !read.ContainsKey("bodies")) return;
         read["bodies"] = Enumerable.Range(0, slots.Count).Select(i => (object)new Dictionary<string, object>
         {
             { "slot", (long)slots.Bodies[i].Slot }, { "generation", (long)slots.Bodies[i].Generation },
             { "shapes", (long)slots.Shapes[i] }, { "state", (long)slots.States[i] }
         }).ToList();
+    }
+
+    // Those that the copy has: it knows nothing of a number that is no body's any more, or never was.
+    private static void CopyRegistered(BodySlots slots, Dictionary<string, object> read)
+    {
+        if (!read.ContainsKey("registered")) return;
+        var all = (List<object>)read["registered"];
+        for (int i = 0; i < all.Count; ++i)
+        {
+            var told = (Dictionary<string, object>)all[i];
+            var name = new BodyId(Whole(told, "number"), Whole(told, "generation"));
+            int found = slots.FindInAll(name);
+            if (found >= 0 && name.IsNumber) all[i] = Registered(slots.All[found]);
+            else if (name.IsNumber && Whole(told, "whereabouts") != (uint)Whereabouts.Gone) throw new Exception("no body " + name.Slot);
+        }
+    }
+
+    private static object Registered(BodyInWorld body)
+    {
+        return new Dictionary<string, object>
+        {
+            { "number", (long)body.Id.Slot }, { "generation", (long)body.Id.Generation }, { "shapes", (long)body.Shapes },
+            { "slot", (long)body.LoopSlot }, { "whereabouts", (long)body.Whereabouts },
+            {
+                "pose", new Dictionary<string, object>
+                {
+                    { "position_m", Golden.Vector(body.PositionM) }, { "orientation_xyzw", Golden.Rotation(body.Orientation) }
+                }
+            }
+        };
     }
 }

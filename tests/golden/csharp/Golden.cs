@@ -174,13 +174,7 @@ public static class Golden
         return Enumerable.Range(0, world.BodyCount).Select(i => (object)new Dictionary<string, object>
         {
             { "position_m", Vector(world.BodyPositions[i]) },
-            {
-                "orientation_xyzw", new Dictionary<string, object>
-                {
-                    { "x", Form.Scalar((float)world.BodyOrientations[i].X) }, { "y", Form.Scalar((float)world.BodyOrientations[i].Y) },
-                    { "z", Form.Scalar((float)world.BodyOrientations[i].Z) }, { "w", Form.Scalar((float)world.BodyOrientations[i].W) }
-                }
-            }
+            { "orientation_xyzw", Rotation(world.BodyOrientations[i]) }
         }).ToList();
     }
 
@@ -193,7 +187,16 @@ public static class Golden
         }).ToList();
     }
 
-    private static object Vector(Vector v)
+    public static object Rotation(Rotation q)
+    {
+        return new Dictionary<string, object>
+        {
+            { "x", Form.Scalar((float)q.X) }, { "y", Form.Scalar((float)q.Y) }, { "z", Form.Scalar((float)q.Z) },
+            { "w", Form.Scalar((float)q.W) }
+        };
+    }
+
+    public static object Vector(Vector v)
     {
         return new Dictionary<string, object>
         {

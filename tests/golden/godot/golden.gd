@@ -5,6 +5,7 @@ extends SceneTree
 const Recorder = preload("res://recorder.gd")
 
 const SCRIPT_VARIABLE = 8192 # PROPERTY_USAGE_SCRIPT_VARIABLE
+const POSES = {"Shape": "in_body", "RegisteredBody": "pose"} # names of position_m and orientation; else at_zero
 const METHODS = {"Action": "act", "Spawn": "spawn_bodies", "Remove": "remove_bodies", "Teleport": "teleport_bodies",
 		"SetOwner": "set_body_owners", "BodyTargets": "set_body_targets"}
 
@@ -140,7 +141,7 @@ func members(dictionary, table):
 	var fields = fields_of(table)
 	for name in dictionary:
 		if name == "position_m":
-			form["in_body" if table == "Shape" else "at_zero"] = pose(dictionary.position_m, dictionary.orientation)
+			form[POSES.get(table, "at_zero")] = pose(dictionary.position_m, dictionary.orientation)
 		elif fields.has(name):
 			form[name] = value_of(fields[name], dictionary[name])
 		elif name != "orientation":

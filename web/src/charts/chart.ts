@@ -30,6 +30,8 @@ export interface ChartSpec {
   readonly range_y?: readonly [number, number];
   /** Where its numbers stand; else at round ones. */
   readonly numbers_y?: readonly number[];
+  /** The same along x. */
+  readonly numbers_x?: readonly number[];
   /** Between these two lines, by their numbers, lies what was asked for. */
   readonly goal?: readonly [low: number, high: number];
   readonly bands?: readonly ChartBand[];
@@ -122,8 +124,8 @@ function options(spec: ChartSpec, colors: Colors, width: number, height: number)
       y: { distr: spec.logarithmic_y ? 3 : 1, range: () => [...range_y] },
     },
     axes: [
-      { ...axis, size: (spec.nameOfX ? NAMES_PX : 5) * FINER, gap: 5 * FINER, space: (spec.logarithmic_x ? 30 : 70) * FINER, ...splitsOf(spec.logarithmic_x, spec.range_x), values: (_plot, splits) => namesOfX(spec, splits) },
-      { ...axis, size: 38 * FINER, gap: 4 * FINER, space: 17 * FINER, ...splitsOf(spec.logarithmic_y, range_y, spec.numbers_y), values: (_plot, splits) => splits.map((value) => (value === null ? '' : numberOf(value))) },
+      { ...axis, size: (spec.nameOfX ? NAMES_PX : 5) * FINER, gap: 5 * FINER, space: (spec.logarithmic_x ? 30 : 70) * FINER, ...splitsOf(spec.logarithmic_x, spec.range_x, spec.numbers_x), values: (_plot, splits) => namesOfX(spec, splits) },
+      { ...axis, size: 38 * FINER, gap: 4 * FINER, space: 17 * FINER, ...splitsOf(spec.logarithmic_y, range_y, spec.numbers_y), values: (_plot, splits) => splits.map((value) => (value === null ? '' : spec.logarithmic_y ? shortNumber(value) : numberOf(value))) },
     ],
     series: [{}, ...spec.lines.map(seriesOf)],
     bands: spec.goal ? [{ series: [spec.goal[1] + 1, spec.goal[0] + 1], fill: '#0B6B5822' }] : undefined,
@@ -154,6 +156,9 @@ function namesOfX({ nameOfX, unit_x = '', range_x: [low, high], logarithmic_x }:
 
 /** As few decimals as the value has. */
 export const numberOf = (value: number): string => String(Number(value.toPrecision(6))).replace('-', '−');
+
+/** Of an axis over many decades: 30000 as "30k", which has room beside it. */
+export const shortNumber = (value: number): string => (value >= 1e4 ? `${numberOf(value / 1e3)}k` : numberOf(value));
 
 function drawBands(plot: uPlot, { bands = [] }: ChartSpec): void {
   const { ctx, bbox } = plot;

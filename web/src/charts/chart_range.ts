@@ -28,6 +28,17 @@ export function rangeOf(lines: readonly ChartLine[], holds: readonly [number, nu
   return [low < 0 || low > 0 ? low - room : 0, high + room];
 }
 
+/** Steps that a clock has [s]. */
+const TIME_STEPS_S = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 10_800, 21_600];
+
+/** Round times within two ends [s], at most so many of them. */
+export function timeNumbers(from_s: number, to_s: number, most: number): number[] {
+  const step_s = TIME_STEPS_S.find((step) => (to_s - from_s) / step <= most - 1) ?? (to_s - from_s) / (most - 1);
+  const first = Math.ceil(from_s / step_s - 1e-9);
+  // Each from its number, so that no rounding adds up.
+  return Array.from({ length: Math.max(0, Math.floor(to_s / step_s + 1e-9) - first + 1) }, (_, k) => Number(((first + k) * step_s).toFixed(6)));
+}
+
 /** 1, 2 and 5 times powers of ten within two positive ends; over many decades the powers alone. */
 export function logarithmicNumbers(low: number, high: number): number[] {
   const digits = high / low < 2e3 ? [1, 2, 5] : [1];

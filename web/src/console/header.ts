@@ -43,14 +43,14 @@ export class Header implements Panel {
     this.arm.addEventListener('click', () => this.start());
     // Space pauses, wherever the focus is, and never starts.
     this.arm.addEventListener('keyup', (event) => { if (event.code === 'Space') event.preventDefault(); });
-    this.pause = h('button', { type: 'button', class: 'b', 'data-testid': 'pause' }, icon('pause'), t.pause, h('kbd', {}, t.space));
+    this.pause = h('button', { type: 'button', class: 'b', 'data-testid': 'pause' }, icon('pause'), t.pause, h('kbd', { class: 'pause-key' }, t.space));
     this.pause.addEventListener('click', () => this.pauseNow());
     this.resume = h('button', { type: 'button', class: 'b', 'data-testid': 'resume', hidden: true }, icon('play'), t.resume);
     this.resume.addEventListener('click', () => void model.command(t.resume, () => model.connection.act(Act.Resume)));
     this.stop = h('button', { type: 'button', class: 'b stop', 'data-testid': 'emergency-stop' },
       icon('stop'), t.emergency, h('kbd', {}, t.esc));
     this.stop.addEventListener('click', () => void model.emergencyStop());
-    this.element = h('header', { class: 'top' },
+    this.element = h('header', { class: 'top live' },
       h('h1', { class: 'brand' }, icon('logo'), 'Wholehand'), this.who.element, this.what.element, this.pill,
       h('span', { class: 'sp' }), this.languageChoice(), this.tablesButton(), this.themeButton(), this.arm, this.pause, this.resume, this.stop);
     this.refresh();

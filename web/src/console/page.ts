@@ -49,6 +49,8 @@ export class ConsolePage {
   private viewTried = false;
   private look: HandLook = 'skin';
   private readonly watch = new SavedWatch();
+  /** As in console.css. */
+  private readonly narrow = matchMedia('(max-width: 1199px), (max-height: 639px)');
   private refreshed_ms = -Infinity;
   private drawn_ms = -Infinity;
   private builtFrom = '';
@@ -67,6 +69,7 @@ export class ConsolePage {
     this.model.onRefused = (what, reason) => this.notices?.refuse(what, reason);
     addEventListener('keydown', (event) => this.onKey(event), true);
     answerPresses(document);
+    this.narrow.addEventListener('change', () => this.build());
     this.build();
   }
 
@@ -95,9 +98,12 @@ export class ConsolePage {
     this.parameters = new ParametersPanel(model, group, parameters);
     const recordings = new RecordingsPanel(model, this.watch);
     this.panels = [this.header, this.notices, this.plots, this.viewPanel, this.exercise, safety, timing, setup, this.parameters, recordings];
-    this.root.replaceChildren(this.header.element, this.notices.element, h('main', {}, this.plots.element,
-      h('div', { class: 'col' }, this.viewPanel.element, this.exercise.element, safety.element, timing.element),
-      h('div', { class: 'col' }, setup.element, this.parameters.element, recordings.element)));
+    const seen = h('div', { class: 'col' }, this.viewPanel.element, this.exercise.element, safety.element);
+    const done = h('div', { class: 'col' }, setup.element, this.parameters.element, recordings.element);
+    // On a tablet or telephone plots come last: there they are below what must be at hand.
+    (this.narrow.matches ? this.plots.element : seen).append(timing.element);
+    this.root.replaceChildren(this.header.element, this.notices.element,
+      h('main', {}, ...(this.narrow.matches ? [seen, done, this.plots.element] : [this.plots.element, seen, done])));
     if (this.viewTried) this.viewPanel.setView(this.view);
     if (focused) this.root.querySelector<HTMLElement>(`[data-testid="${focused}"]`)?.focus();
     this.model.fresh = true;

@@ -59,7 +59,8 @@ export function figuresOf(recording: Recording): string {
   const { duration_s, bytes: size, ticks_missing, being_written } = recording;
   return [
     ...(being_written === true ? [texts().recordings.beingWritten] : []),
-    ...(duration_s === undefined ? [] : [duration(duration_s)]),
+    // How long it is becomes known when it is closed.
+    ...(duration_s === undefined || being_written === true ? [] : [duration(duration_s)]),
     ...(size === undefined ? [] : [bytes(size)]),
     ...(ticks_missing ? [fill(texts().recordings.missing, { ticks: ticks_missing.toLocaleString(language()) })] : []),
   ].join(', ');

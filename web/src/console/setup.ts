@@ -7,6 +7,15 @@ import type { ConsoleModel, Panel } from './model';
 import { ProfileRow } from './profile_row';
 import { exerciseWords } from './title_words';
 
+/**
+ * The levels that may be asked of a chosen exercise. How many another one has is known once it is loaded, and every
+ * exercise has a first one.
+ */
+export function levelsOf(chosen: string, loaded: Readonly<{ exercise: string; levels: number }>): number[] {
+  const count = chosen === loaded.exercise ? Math.max(1, loaded.levels) : 1;
+  return Array.from({ length: count }, (_, k) => k + 1);
+}
+
 /** Chooses exercise, level and hand, and who plays; shows who holds the controls. */
 export class SetupPanel implements Panel {
   readonly element: HTMLElement;
@@ -42,6 +51,7 @@ export class SetupPanel implements Panel {
       h('div', { class: 'row given-help' }, h('span', { class: 'name', 'aria-hidden': 'true' }, t.setup.help), this.help.element),
       h('div', { class: 'row who-plays' }, this.who.element), h('div', { class: 'row' }, restart, next, this.stop));
     this.fillChoices();
+    this.exercise.addEventListener('change', () => this.fillLevels());
     this.refresh();
   }
 
@@ -68,15 +78,25 @@ export class SetupPanel implements Panel {
     this.exercise.append(...exercises.map((name) => h('option', { value: name, selected: name === now }, exerciseWords(name))));
     const hands = scene.hands.length > 0 ? scene.hands : [String(scene.handName)];
     this.hand.append(...hands.map((name) => h('option', { value: name, selected: name === scene.handName }, t.hands[name] ?? asWords(name))));
-    const info = infoOf(scene);
-    const levels = Array.from({ length: Math.max(1, scene.levels) }, (_, i) => i + 1);
-    this.level.append(...levels.map((n) => h('option', { value: n, selected: n === scene.level }, `${n} ${info.levelName(n)}`.trim())));
-    this.level.disabled = scene.levels < 2;
+    this.fillLevels();
+  }
+
+  private fillLevels(): void {
+    const { scene } = this.model;
+    if (!scene) return;
+    const loaded = String(scene.exerciseName ?? '');
+    const isLoaded = this.exercise.value === loaded;
+    const levels = levelsOf(this.exercise.value, { exercise: loaded, levels: scene.levels });
+    const info = infoOf(isLoaded ? scene : null);
+    this.level.replaceChildren(...levels.map((n) => h('option', { value: n, selected: isLoaded && n === scene.level }, `${n} ${info.levelName(n)}`.trim())));
+    this.level.disabled = levels.length < 2;
   }
 
   private async load(): Promise<void> {
     const { model, t } = this;
-    const level = this.level.disabled ? 0 : Number(this.level.value);
+    // 0: as it is. Another exercise begins at its first level: the present one may not be there.
+    const isLoaded = this.exercise.value === String(model.scene?.exerciseName ?? '');
+    const level = isLoaded && this.level.disabled ? 0 : Number(this.level.value);
     await model.command(t.setup.load, () => model.connection.loadExercise(this.exercise.value, level, this.hand.value));
   }
 

@@ -9,6 +9,8 @@ import { niceStep, ticksIn } from './scale';
 const LEFT_PX = 30;
 const BOTTOM_PX = 18;
 const TOP_PX = 6;
+/** A picture lower than this has no room for a second line of words, nor for every power of ten [px]. */
+const LOW_PX = 96;
 
 /** How long ticks take: the tail as a picture, the quantiles as numbers. */
 export class TimingPanel implements Panel {
@@ -60,8 +62,11 @@ export class TimingPanel implements Panel {
     const [p50, p99, p999, max] = values;
     // The label stands on the side of the deadline that has room.
     const side = x(deadline_us) > width / 2 ? { x: x(deadline_us) - 6, 'text-anchor': 'end' } : { x: x(deadline_us) + 6, 'text-anchor': 'start' };
+    const isLow = height < LOW_PX;
+    const powers = logTicks(times.ticks);
+    const named = isLow ? [powers[0], powers.at(-1)].filter((power) => power !== undefined) : powers;
     const picture = svg('svg', { width, height, role: 'img', 'aria-label': fill(this.t.timing.image, { p50, p99, p999, max }) },
-      ...logTicks(times.ticks).flatMap(({ count, name }) => [
+      ...named.flatMap(({ count, name }) => [
         svg('path', { d: `M${LEFT_PX} ${y(count)}H${width - 4}`, class: 'line' }),
         svg('text', { x: LEFT_PX - 6, y: y(count) + 4, 'text-anchor': 'end' }, name),
       ]),
@@ -69,7 +74,7 @@ export class TimingPanel implements Panel {
       ...points.slice(1).map((point) => svg('circle', { cx: x(point.time_us).toFixed(1), cy: y(point.count).toFixed(1), r: 3.5, class: point.time_us > deadline_us ? 'late' : 'dot' })),
       svg('path', { d: `M${x(deadline_us)} 0V${floor}`, class: 'deadline' }),
       svg('text', { ...side, y: 12, class: 'deadline' }, fill(this.t.timing.deadline, { t: deadline_us >= 1000 ? `${deadline_us / 1000} ms` : `${deadline_us} µs` })),
-      svg('text', { ...side, y: 30 }, this.t.timing.slower),
+      ...(isLow ? [] : [svg('text', { ...side, y: 30 }, this.t.timing.slower)]),
       ...ticksIn(0, 0.97 * end_us, niceStep(end_us, 6)).map((us) => svg('text', { x: x(us), y: height - 3, 'text-anchor': us === 0 ? 'start' : 'middle' }, String(us))));
     setAttribute(picture, 'viewBox', `0 0 ${width} ${height}`);
     return picture;

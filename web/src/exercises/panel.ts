@@ -22,6 +22,11 @@ export function inLanguage(words: WordsT | null | undefined): string {
   return String(words?.[language()] ?? words?.en ?? '');
 }
 
+/** What a value of the panel is called in the page's language; empty where the panel does not show it. */
+export function labelOf(scene: SceneT | null | undefined, value: string): string {
+  return inLanguage(scene?.panel?.values.find(({ name }) => String(name) === value)?.label);
+}
+
 /** The panel of a scene's exercise. */
 export class ExercisePanel {
   private readonly figures: ExerciseValues;

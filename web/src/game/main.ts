@@ -5,6 +5,7 @@ import { Controls } from '../input/controls';
 import { openConnection } from '../net/open_connection';
 import type { WorldStateT } from '../protocol';
 import { h } from '../shared/dom';
+import { tellHowUsed } from '../shared/a11y';
 import { onLanguage, startLanguage } from '../shared/i18n';
 import { noPictureCard } from './dialogs';
 import { ClockOffset, FrameStats, type WholehandStats } from './frame_stats';
@@ -22,6 +23,7 @@ const stats = new FrameStats();
 const clock = new ClockOffset();
 
 startLanguage();
+tellHowUsed(document);
 document.title = FIRST.pageTitle();
 
 const canvas = document.querySelector<HTMLCanvasElement>('#picture')!;

@@ -21,7 +21,8 @@ export class Presses {
 
   async watch(): Promise<void> {
     this.controls.stopWebcam();
-    await this.busy(this.press(), (press) => letProgramPlay(this.connection, press));
+    if (!this.isConnected()) return;
+    await this.busy(this.press(), (press) => letProgramPlay(this.connection, this.memory.known, press));
     this.memory.wish = 'watch';
     this.memory.isTheirs = true;
   }
@@ -70,7 +71,7 @@ export class Presses {
   private async endRest(): Promise<void> {
     const { connection, memory } = this;
     if (!memory.playedBeforeRest) {
-      await this.busy(this.press(), (press) => letProgramPlay(connection, press));
+      await this.busy(this.press(), (press) => letProgramPlay(connection, memory.known, press));
       return;
     }
     const wishes = { way: memory.way, level: memory.level, fresh: false };
@@ -108,7 +109,7 @@ export class Presses {
   private async begin(): Promise<void> {
     const { connection, memory } = this;
     const press = this.press();
-    if (connection.status !== 'open' || !connection.latestState) { memory.notice = text('welcome.connecting'); return; }
+    if (!this.isConnected()) return;
     const camera = await openCamera(this.controls, memory.way);
     // After a stop meanwhile, here or elsewhere, the person has to press again.
     if (!press.holds) return;
@@ -122,6 +123,13 @@ export class Presses {
     }
     // Another page plays: this one watches, and says so.
     if (outcome.is === 'another plays') memory.wish = 'watch';
+  }
+
+  /** Whether the program hears and says its state yet; where not, the card says so, and the person presses again. */
+  private isConnected(): boolean {
+    const connected = this.connection.status === 'open' && this.connection.latestState !== null;
+    this.memory.notice = connected ? '' : text('welcome.connecting');
+    return connected;
   }
 
   /** A press on what is on the screen now. */

@@ -136,13 +136,21 @@ async function begin(connection: Connection, known: () => Known, wishes: Wishes)
   if (over) await until(() => !isOver());
 }
 
-/** Where nothing runs or pushes and nobody commands, the wish to see it is enough to let the program play. */
-export async function letProgramPlay(connection: Connection, press: Press): Promise<void> {
+/**
+ * Where nothing runs or pushes and nobody commands, the wish to see it is enough to let the program play. The orders
+ * are sent in one go: a page that draws for a second between two of them would lose the controls, and with them the play.
+ */
+export async function letProgramPlay(connection: Connection, known: () => Known, press: Press): Promise<void> {
   const { latestState: state, controls } = connection;
   const disarmed = (state?.runState === RunState.Disarmed && !controls.led) || restsNow(connection);
-  const faded = state?.runState === RunState.Rendering && isFaded(state) && !hasHardware(state);
-  if ((!disarmed && !faded) || controls.held) return;
-  if (!(await connection.takeControls()).accepted) return;
-  if (disarmed && press.holds) await connection.arm(press.seen);
-  await connection.releaseControls();
+  const renders = state?.runState === RunState.Rendering && !hasHardware(state);
+  const faded = renders && isFaded(state);
+  // By a player who has left. The program refuses to end a therapist's pause.
+  const paused = renders && (known().play?.isPaused(state) ?? false);
+  if ((!disarmed && !faded && !paused) || controls.held) return;
+  const answers = [connection.takeControls()];
+  if (disarmed && press.holds) answers.push(connection.arm(press.seen));
+  if (paused && press.holds) answers.push(connection.act(Act.Resume));
+  answers.push(connection.releaseControls());
+  await Promise.all(answers);
 }

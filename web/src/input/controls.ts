@@ -88,7 +88,7 @@ export class Controls {
       new Keys(),
       new Mouse(element, () => this.part('x'), (x_px, y_px) => this.pointed(x_px, y_px)),
       new Touch(element, () => ({ x: this.part('x'), y: this.part('y') }), () => this.texts().touch,
-        (x_px, y_px) => this.pointed(x_px, y_px)?.target, () => this.helped === 'full'),
+        (x_px, y_px) => this.pointed(x_px, y_px)?.target, () => this.helped === 'full', () => !this.pressIsEnough),
       this.pad,
       this.webcam,
     ];
@@ -137,6 +137,11 @@ export class Controls {
     this.helped = help;
     if (this.model) this.model.config.help = help;
     this.model?.release();
+  }
+
+  /** With full help a press reaches, squeezes and lets go, where the exercise says what may be grasped. */
+  private get pressIsEnough(): boolean {
+    return this.helped === 'full' && (this.perceiver?.hasTargets ?? false);
   }
 
   /** Tells which way is in use whenever it changes; undefined: none any more. */

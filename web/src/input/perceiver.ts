@@ -54,6 +54,11 @@ export class Perceiver {
     this.palmLink = scene.capsules.find((capsule) => capsule.part === HandPart.Palm)?.link ?? 0;
   }
 
+  /** Whether the exercise says what may be grasped. */
+  get hasTargets(): boolean {
+    return this.targets.grips.length > 0;
+  }
+
   see(state: WorldStateT): Perception {
     const { targets, values } = this;
     return {

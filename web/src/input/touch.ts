@@ -53,7 +53,7 @@ export class Drag {
 
 /**
  * One finger drags the hand: sideways, and up for away. A second finger or the large button
- * squeezes; two small buttons lift and lower. The buttons appear with the first touch.
+ * squeezes; two small buttons lift and lower. The buttons appear with the first touch, where they are needed.
  */
 export class Touch implements InputWay {
   readonly way = 'touch';
@@ -81,6 +81,8 @@ export class Touch implements InputWay {
     private readonly targetAt: (x_px: number, y_px: number) => number | undefined = () => undefined,
     /** Whether a finger that stays where it came down presses; else it only drags. */
     private readonly presses: () => boolean = () => false,
+    /** Whether there is anything to do for the buttons: they cover a part of the picture. */
+    private readonly needsButtons: () => boolean = () => true,
   ) {}
 
   enable(): void {
@@ -101,8 +103,7 @@ export class Touch implements InputWay {
     removeEventListener('blur', this.letGo);
     this.element.style.touchAction = '';
     this.yield();
-    this.buttons?.remove();
-    this.buttons = undefined;
+    this.removeButtons();
     this.claimed_s = -Infinity;
   }
 
@@ -132,7 +133,8 @@ export class Touch implements InputWay {
   private readonly down = (event: PointerEvent): void => {
     if (event.pointerType === 'mouse') return;
     this.claimed_s = now_s();
-    this.showButtons();
+    if (this.needsButtons()) this.showButtons();
+    else this.removeButtons();
     // The first of its kind: what was not told to have ended before it has.
     if (event.isPrimary && event.pointerType === this.kind) this.letGo();
     if (this.dragging) {
@@ -180,6 +182,11 @@ export class Touch implements InputWay {
     this.others.clear();
     this.held.clear();
   };
+
+  private removeButtons(): void {
+    this.buttons?.remove();
+    this.buttons = undefined;
+  }
 
   private showButtons(): void {
     if (this.buttons) return;

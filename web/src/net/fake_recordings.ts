@@ -6,7 +6,7 @@
 //   gone=5        the program is away for 5 s, from 5 s after the start
 //   title=...     what it is called; a recording "unknown" there is none of
 import * as flatbuffers from 'flatbuffers';
-import { Message, MessageT, Payload, SCHEMA_VERSION, type SceneT, type WorldStateT } from '../protocol';
+import { Message, MessageT, Payload, SCHEMA_VERSION, type GameBodiesT, type SceneT, type WorldStateT } from '../protocol';
 import { FakeProgram } from './fake_program';
 
 const PERIOD_S = 1e-3;
@@ -25,6 +25,8 @@ export class FakeRecordings {
   readonly scene: SceneT;
   /** Answers that were given, by their address. */
   readonly asked: string[] = [];
+  /** Bodies of a game: from which row on they are there. */
+  bodies: readonly { readonly row: number; readonly told: GameBodiesT }[] = [];
   private readonly made: WorldStateT[] = [];
   private ticks: number;
   private readonly began_ms = performance.now();
@@ -57,10 +59,18 @@ export class FakeRecordings {
     switch (what) {
       case 'about': return Response.json(this.about(name));
       case 'scene': return this.options.has('nopicture') ? this.refused('the hand file is not in the recording') : new Response(this.message(Payload.Scene, this.scene).slice());
+      case 'bodies': return new Response(this.gameBodies());
       case 'states': return new Response(this.states(number('tick'), number('count'), number('step')));
       case 'series': return number('to_s') - number('from_s') > 60.0001 ? new Response('', { status: 400 }) : new Response(this.series(number('from_s'), number('to_s'), number('columns')));
       default: return new Response('', { status: 404 });
     }
+  }
+
+  private gameBodies(): Uint8Array<ArrayBuffer> {
+    return joined(this.bodies.map(({ row, told }) => {
+      const message = this.message(Payload.GameBodies, told);
+      return { head: [row, message.length], message };
+    }));
   }
 
   /** The state of a row, as the program would have sent it. */
@@ -110,14 +120,7 @@ export class FakeRecordings {
   private states(first: number, count: number, step: number): Uint8Array<ArrayBuffer> {
     const messages: Uint8Array[] = [];
     for (let row = first; messages.length < Math.min(256, count) && row < this.rows; row += step) messages.push(this.message(Payload.WorldState, this.state(row)));
-    const bytes = new Uint8Array(messages.reduce((sum, { length }) => sum + 4 + length, 0));
-    let at = 0;
-    for (const message of messages) {
-      new DataView(bytes.buffer).setUint32(at, message.length, true);
-      bytes.set(message, at + 4);
-      at += 4 + message.length;
-    }
-    return bytes;
+    return joined(messages.map((message) => ({ head: [message.length], message })));
   }
 
   /** A few rows of every column stand for all. */
@@ -164,6 +167,21 @@ export class FakeRecordings {
     Message.finishMessageBuffer(builder, new MessageT(SCHEMA_VERSION, kind, payload).pack(builder));
     return builder.asUint8Array() as Uint8Array<ArrayBuffer>;
   }
+}
+
+/** Messages, each after its head of four bytes a number. */
+function joined(parts: readonly { readonly head: readonly number[]; readonly message: Uint8Array }[]): Uint8Array<ArrayBuffer> {
+  const bytes = new Uint8Array(parts.reduce((sum, { head, message }) => sum + 4 * head.length + message.length, 0));
+  let at = 0;
+  for (const { head, message } of parts) {
+    for (const number of head) {
+      new DataView(bytes.buffer).setUint32(at, number, true);
+      at += 4;
+    }
+    bytes.set(message, at);
+    at += message.length;
+  }
+  return bytes;
 }
 
 /** Length, header padded to four bytes, values. */

@@ -1,34 +1,50 @@
 // Bodies that a game has put into the world, gathered from what the program says of them.
-import { SlotState, type GameBodiesT, type ShapeT } from '../protocol';
+import { SlotState, Whereabouts, type GameBodiesT, type PoseT, type RegisteredBodyT, type ShapeT } from '../protocol';
 
-/** A body of a game. Its pose is WorldState.bodies[slot + number of Scene.bodies]. */
+/** A body of a game. Its pose is WorldState.bodies[slot + number of Scene.bodies], or `pose`. */
 export interface GameBodyShown {
+  /** Of a body without a slot: its number, from 1000 on. */
   readonly slot: number;
   readonly generation: number;
   /** Overlaps something and touches nothing yet. */
   readonly ghost: boolean;
   readonly shapes: readonly ShapeT[];
+  /** Where a body without a slot stands. */
+  readonly pose?: PoseT;
 }
 
 /** Keeps the shapes of the bodies that are in the world: a message brings those that are new. */
 export class GameBodyList {
   bodies: readonly GameBodyShown[] = [];
   private shapes = new Map<number, readonly ShapeT[]>();
+  private readonly registered = new Map<number, RegisteredBodyT>();   // by number
 
   take(message: GameBodiesT): void {
     const known = new Map(this.shapes);
     for (const set of message.newShapes) known.set(set.id, set.pieces);
     this.shapes = new Map();
-    this.bodies = message.bodies.map(({ slot, generation, shapes: id, state }) => {
+    const shapesOf = (id: number): readonly ShapeT[] => {
       const shapes = known.get(id) ?? [];
       this.shapes.set(id, shapes);
-      return { slot, generation, ghost: state === SlotState.Ghost, shapes };
-    });
+      return shapes;
+    };
+    for (const body of message.registered) {
+      if (body.whereabouts === Whereabouts.Gone) this.registered.delete(body.number);
+      else this.registered.set(body.number, body);
+    }
+    const inSlots = message.bodies.map(({ slot, generation, shapes: id, state }) =>
+      ({ slot, generation, ghost: state === SlotState.Ghost, shapes: shapesOf(id) }));
+    const taken = new Set(inSlots.map(({ slot }) => slot));
+    // On its way into a slot, a body stands where it was.
+    const outside = [...this.registered.values()].map(({ number, slot, generation, shapes: id, pose }) =>
+      ({ inSlot: taken.has(slot), body: { slot: number, generation, ghost: false, shapes: shapesOf(id), pose: pose ?? undefined } }));
+    this.bodies = [...inSlots, ...outside.filter(({ inSlot }) => !inSlot).map(({ body }) => body)];
   }
 
   /** Another connection: the program tells of all of them anew. */
   clear(): void {
     this.bodies = [];
     this.shapes.clear();
+    this.registered.clear();
   }
 }

@@ -25,6 +25,7 @@ export class Holding {
   away = false;
   private taking = 0;        // orders without an answer yet
   private giving = false;    // the controls are being given back, at the person's wish
+  private wanted = false;    // the last order asked for the controls, and did not give them back
   private beating = false;   // what the line was told
 
   /** @param keep begins the beats that say that the page is there, or ends them */
@@ -35,6 +36,7 @@ export class Holding {
   /** The page asks for the controls. Beats begin before the answer can be read: a busy page would lose them at once. */
   asks(): void {
     this.taking += 1;
+    this.wanted = true;
     this.tellLine();
   }
 
@@ -42,13 +44,18 @@ export class Holding {
     this.taking -= 1;
     if (accepted) {
       this.loss = '';
-      this.giving = false;
-      this.set({ ...this.hands, heldByYou: true, held: true });
+      if (this.wanted) {
+        this.giving = false;
+        this.set({ ...this.hands, heldByYou: true, held: true });
+      }
     }
     this.tellLine();
   }
 
-  gives(): void { this.giving = true; }
+  gives(): void {
+    this.giving = true;
+    this.wanted = false;
+  }
 
   leave(rendering: boolean): void {
     this.away = true;

@@ -1,4 +1,5 @@
 import { titleWords } from '../console/title_words';
+import type { GameBodyShown } from '../net/game_bodies';
 import { PacedView, type HandLook } from '../scene/paced_view';
 import { h } from '../console/dom';
 import { ExercisePanelView } from '../console/panel_view';
@@ -26,17 +27,21 @@ export class Column {
   readonly facts: HTMLElement;
   readonly moments: MomentsPanel;
   private readonly settling = new Settling();
+  private picture: PacedView | undefined;
+  private drawnBodies: readonly GameBodyShown[] | undefined;
 
   constructor(readonly side: ReplaySide, maker: PlotMaker, look: HandLook, hands: ColumnHands) {
     this.view = new ScenePanel(side, look, (chosen) => { hands.look(chosen); this.settling.begin(performance.now()); });
     this.plots = new ReplayPlots(side, maker, hands, () => hands.choice());
     this.exercise = new ExercisePanelView({ get scene() { return side.hasScene ? side.scene : null; }, get state() { return side.state; } });
-    this.facts = factsPanel(side.about, side.about.ticks_missing);
+    this.facts = factsPanel(side.about, side.about.ticks_missing, side.scene);
     this.moments = new MomentsPanel(side, (time_s) => hands.seek(time_s));
   }
 
-  setView(bar: PacedView | undefined): void {
-    if (this.side.hasScene) this.view.setView(bar);
+  setView(view: PacedView | undefined): void {
+    this.picture = view;
+    this.drawnBodies = undefined;
+    if (this.side.hasScene) this.view.setView(view);
     else this.view.element.hidden = true;
   }
 
@@ -51,6 +56,9 @@ export class Column {
   /** Another state is shown. */
   drawState(now_ms: number, playing: boolean): void {
     this.settling.begin(now_ms);
+    const { bodies } = this.side;
+    if (bodies !== this.drawnBodies) this.picture?.setBodies(bodies);
+    this.drawnBodies = bodies;
     this.view.draw(!playing);
   }
 

@@ -4,19 +4,21 @@ import { duration, grouped } from '../shared/format';
 import { texts as consoleTexts } from '../console/i18n';
 import { fill, language } from '../shared/i18n';
 import type { About } from './about';
+import { labelOf } from '../exercises/panel';
+import type { SceneT } from '../protocol';
 import { texts } from './i18n';
 
-/** When a recording was made, as people of the language write it; as it stands where it is no date. */
+/** When a recording was made, as people of the language write it, of 24 hours; as it stands where it is no date. */
 export function dateWords(created_utc: string, locale: string): string {
   const made = new Date(created_utc);
-  return Number.isNaN(made.getTime()) ? created_utc : made.toLocaleString(locale, { dateStyle: 'medium', timeStyle: 'short' });
+  return Number.isNaN(made.getTime()) ? created_utc : made.toLocaleString(locale === 'en' ? 'en-GB' : locale, { dateStyle: 'medium', timeStyle: 'short' });
 }
 
 /** What a file says of itself is of any language and direction. */
 const told = (text: string): HTMLElement => h('bdi', { title: text }, text);
 
 /** What was recorded, and what came of it. */
-export function factsPanel(about: About, missing: number): HTMLElement {
+export function factsPanel(about: About, missing: number, scene: SceneT | null): HTMLElement {
   const { facts: t } = texts();
   const c = consoleTexts();
   const exercise = about.exercise === '' ? t.noExercise : exerciseWords(about.exercise, about.level);
@@ -27,7 +29,7 @@ export function factsPanel(about: About, missing: number): HTMLElement {
     [t.missing, missing > 0 ? fill(t.ticks, { n: grouped(missing) }) : ''], [t.program, about.program_version],
   ];
   const line = (name: string, value: string): HTMLElement => h('div', {}, h('dt', {}, told(name)), h('dd', {}, told(value)));
-  const result = about.result.map(({ label, value, unit }) => line(label, `${value} ${unit}`.trim()));
+  const result = about.result.map(({ name, label, value, unit }) => line(labelOf(scene, name) || label, `${value} ${unit}`.trim()));
   return h('section', { class: 'panel replay-facts', 'aria-label': t.title },
     h('div', { class: 'hd' }, h('h2', {}, t.title)),
     h('dl', { class: 'facts' }, ...rows.filter(([, value]) => value !== '').map(([name, value]) => line(name, value))),

@@ -1,5 +1,5 @@
 import * as flatbuffers from 'flatbuffers';
-import { Message, Payload, Scene, SCHEMA_VERSION, WorldState, type SceneT, type WorldStateT } from '../protocol';
+import { GameBodies, Message, Payload, Scene, SCHEMA_VERSION, WorldState, type GameBodiesT, type SceneT, type WorldStateT } from '../protocol';
 import { Problem } from './problem';
 
 function open(bytes: Uint8Array, wanted: Payload): Message {
@@ -29,20 +29,30 @@ export function readState(bytes: Uint8Array): WorldStateT {
   return reading(() => (open(bytes, Payload.WorldState).payload(new WorldState()) as WorldState).unpack());
 }
 
+export function readGameBodies(bytes: Uint8Array): GameBodiesT {
+  return reading(() => (open(bytes, Payload.GameBodies).payload(new GameBodies()) as GameBodies).unpack());
+}
+
 /** Only its time, without reading all of it. */
 export function timeOfState(bytes: Uint8Array): number {
   return reading(() => (open(bytes, Payload.WorldState).payload(new WorldState()) as WorldState).timeS());
 }
 
-/** Cuts the answer of .../replay/states into its messages; they are read when they are shown. */
-export function splitStates(buffer: ArrayBuffer): Uint8Array[] {
+/** Cuts an answer into its messages. Each follows a head, whose last four bytes are the message's length. */
+export function cutMessages(buffer: ArrayBuffer, headBytes: number): { at: number; message: Uint8Array }[] {
   const view = new DataView(buffer);
-  const messages: Uint8Array[] = [];
+  const messages: { at: number; message: Uint8Array }[] = [];
   for (let at = 0; at < buffer.byteLength;) {
-    const length = at + 4 <= buffer.byteLength ? view.getUint32(at, true) : NaN;
-    if (!(at + 4 + length <= buffer.byteLength)) throw new Problem('nonsense', `states: a message is cut at byte ${at} of ${buffer.byteLength}`);
-    messages.push(new Uint8Array(buffer, at + 4, length));
-    at += 4 + length;
+    const begin = at + headBytes;
+    const length = begin <= buffer.byteLength ? view.getUint32(begin - 4, true) : NaN;
+    if (!(begin + length <= buffer.byteLength)) throw new Problem('nonsense', `a message is cut at byte ${at} of ${buffer.byteLength}`);
+    messages.push({ at, message: new Uint8Array(buffer, begin, length) });
+    at = begin + length;
   }
   return messages;
+}
+
+/** Messages in the answer of .../replay/states; they are read when they are shown. */
+export function splitStates(buffer: ArrayBuffer): Uint8Array[] {
+  return cutMessages(buffer, 4).map(({ message }) => message);
 }

@@ -30,6 +30,8 @@ export interface ReplayNow {
   /** Of the latest looks with their exact states at hand: from the order to the picture [ms]. */
   scrub_ms: number[];
   loaded: number; quality: string;
+  /** Of a game, in each recording at this time. */
+  bodies: number[];
 }
 
 /** One recording, or two beside each other, at one time. */
@@ -107,6 +109,7 @@ export class ReplayPage implements TransportHands {
       time_s: player.time_s, playing: player.playing, window: zoom.window, rows: sides.map(({ shown }) => shown), wanted: sides.map(({ wanted }) => wanted),
       // An order that no picture has followed yet is not answered.
       exact: this.exact && this.ordered_ms === undefined, scrub_ms, loaded: Math.min(...sides.map(({ series }) => series.progress)), quality: this.views[0]?.drawnIn ?? 'none',
+      bodies: sides.map(({ bodies }) => bodies.length),
     };
   }
 

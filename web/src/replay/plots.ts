@@ -8,7 +8,7 @@ import { shownUnits } from '../console/history';
 import { readTheme } from '../console/theme';
 import type { PlotHands } from '../console/time_plot';
 import type { AxisT } from '../protocol';
-import { inLanguage } from '../exercises/panel';
+import { labelOf } from '../exercises/panel';
 import { fill } from '../shared/i18n';
 import { ColumnList, type Column, type PerAxis } from './channels';
 import { texts } from './i18n';
@@ -165,6 +165,5 @@ export class ReplayPlots {
 
 /** A value as the exercise's panel calls it, else by its name. */
 function valueWords(side: ReplaySide, name: string): string {
-  const told = side.scene.panel?.values.find((value) => String(value.name) === name);
-  return inLanguage(told?.label) || asWords(name);
+  return labelOf(side.scene, name) || asWords(name);
 }

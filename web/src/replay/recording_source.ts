@@ -1,5 +1,6 @@
 import type { SceneT } from '../protocol';
 import { readAbout, type About } from './about';
+import { BodiesHistory } from './bodies_history';
 import { readScene, splitStates } from './messages';
 import { Problem } from './problem';
 import { recordingUrl } from '../console/recordings';
@@ -28,6 +29,10 @@ export class RecordingSource implements Source {
 
   async scene(): Promise<SceneT> {
     return readScene(new Uint8Array(await this.bytes('scene')));
+  }
+
+  async bodies(): Promise<BodiesHistory> {
+    return BodiesHistory.read(await this.bytes('bodies'));
   }
 
   states(about: About, changed: () => void, tell: (problem: Problem | undefined) => void): States {

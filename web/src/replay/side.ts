@@ -2,9 +2,11 @@ import type { Mark } from '../console/marks';
 import type { PlotsModel } from '../console/plot_panel';
 import type { Span } from '../console/plot_source';
 import { texts as consoleTexts } from '../console/i18n';
+import type { GameBodyShown } from '../net/game_bodies';
 import { AxisT, SceneT, type WorldStateT } from '../protocol';
 import { ExercisePanel } from '../exercises/panel';
 import type { About } from './about';
+import { BodiesHistory } from './bodies_history';
 import { ColumnList } from './channels';
 import { texts } from './i18n';
 import { Moments, plotMark, type Names } from './moments';
@@ -32,6 +34,8 @@ export class ReplaySide implements PlotsModel {
   scene: SceneT;
   readonly hasScene: boolean;
   state: WorldStateT | null = null;
+  /** Of a game, at the row that is shown. */
+  bodies: readonly GameBodyShown[] = [];
   history: SeriesView;
   readonly marks: { list: readonly Mark[] } = { list: [] };
   readonly moments = new Moments();
@@ -48,6 +52,7 @@ export class ReplaySide implements PlotsModel {
   /** Something came: what is drawn is no longer all that is known. */
   fresh = true;
   private panel: ExercisePanel | null;
+  private bodiesAt = new BodiesHistory();
 
   private constructor(readonly source: Source, about: About, scene: SceneT | undefined) {
     this.about = about;
@@ -59,6 +64,7 @@ export class ReplaySide implements PlotsModel {
     const tell = (problem: Problem | undefined): void => this.tell(problem);
     this.states = source.states(about, () => { this.fresh = true; }, tell);
     this.series = source.series(about, (piece) => this.take(piece), tell);
+    void this.loadBodies();
   }
 
   /** Opens a recording; throws a Problem where nothing of it can be shown. */
@@ -158,6 +164,7 @@ export class ReplaySide implements PlotsModel {
     this.map.grow(about.ticks);
     this.states.grow(about.ticks);
     this.series.grow(about.to_s);
+    void this.loadBodies();
     this.fresh = true;
   }
 
@@ -179,8 +186,22 @@ export class ReplaySide implements PlotsModel {
       return false;
     }
     this.shown = row;
+    this.bodies = this.bodiesAt.at(row);
     this.history.state = this.state;
     return true;
+  }
+
+  /** The picture can do without them. */
+  private async loadBodies(): Promise<void> {
+    if (!this.hasScene || this.scene.budget === null) return;
+    try {
+      this.bodiesAt = await this.source.bodies();
+    } catch (thrown) {
+      this.tell(asProblem(thrown));
+      return;
+    }
+    this.shown = undefined;   // shown again, with them
+    this.fresh = true;
   }
 
   private take(piece: SeriesPiece): void {

@@ -1,6 +1,7 @@
 import type { SceneT, WorldStateT } from '../protocol';
 import type { Span } from '../console/plot_source';
 import type { About } from './about';
+import type { BodiesHistory } from './bodies_history';
 import type { Problem } from './problem';
 import type { SeriesPiece } from './series_piece';
 import type { Run } from './series_store';
@@ -51,6 +52,8 @@ export interface Source {
   readonly reportUrl: string;
   about(): Promise<About>;
   scene(): Promise<SceneT>;
+  /** Bodies that a game put into the scene. */
+  bodies(): Promise<BodiesHistory>;
   /** @param changed is called when states came */
   states(about: About, changed: () => void, tell: Tell): States;
   /** @param came is called with every piece */

@@ -2,6 +2,7 @@
 import type { Span } from '../console/plot_source';
 import type { SceneT } from '../protocol';
 import type { About } from '../replay/about';
+import type { BodiesHistory } from '../replay/bodies_history';
 import { Problem } from '../replay/problem';
 import type { SeriesPiece } from '../replay/series_piece';
 import type { Run } from '../replay/series_store';
@@ -87,6 +88,10 @@ export class EmbeddedRecording implements Source {
   async scene(): Promise<SceneT> {
     if (!this.data.scene) throw new Problem('unreadable', this.data.about.no_picture_because);
     return this.data.scene;
+  }
+
+  async bodies(): Promise<BodiesHistory> {
+    return this.data.bodies;
   }
 
   states(): States {

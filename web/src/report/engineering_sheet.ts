@@ -9,7 +9,7 @@ import { h } from '../shared/dom';
 import { chart, type ChartLine } from '../charts/chart';
 import { texts } from './i18n';
 import type { Percentiles } from './report_data';
-import { footer, header, table, timeName, told, type SheetContext } from './sheet';
+import { footer, header, table, timeName, timesOfSheet, told, type SheetContext } from './sheet';
 
 const MOST_FAULTS = 4;
 
@@ -28,7 +28,7 @@ type Axis = { readonly axis: AxisT; readonly i: number };
 function seriesCharts({ data, scene, samples, marks, touches, look }: SheetContext): HTMLElement[] {
   const t = texts().charts;
   const all = scene.axes.map((axis, i): Axis => ({ axis, i }));
-  const shared = { x: samples.times, range_x: [data.series.from_s, data.series.to_s] as const, bands: touches, marks, pick: look };
+  const shared = { x: samples.times, range_x: [data.series.from_s, data.series.to_s] as const, numbers_x: timesOfSheet(data), bands: touches, marks, pick: look };
   const charts: HTMLElement[] = [];
   const add = (title: string, unit: string, height_px: number, axes: readonly Axis[], lineOf: (axis: Axis) => ChartLine, holds?: readonly [number, number]): void => {
     if (axes.length > 0) charts.push(chart({ ...shared, title, unit, height_px, lines: axes.map(lineOf), holds }));

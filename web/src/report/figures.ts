@@ -3,7 +3,7 @@ import { fixed } from '../shared/format';
 import { REPORTS } from '../exercises/info';
 import { differencesBetween, type Difference } from '../replay/differences';
 import { fill } from '../shared/i18n';
-import { inLanguage } from '../exercises/panel';
+import { labelOf } from '../exercises/panel';
 import { texts } from './i18n';
 import type { ReportData } from './report_data';
 import { gripFigures, meanOf, reachTimes, recordedOf } from './therapy';
@@ -36,7 +36,7 @@ export function figuresOf(data: Pick<ReportData, 'about' | 'series' | 'therapy' 
     if (told) out.push({ key: told.key, value: told.done, shown: String(told.done), unit: fill(t.of, { n: told.all }), words: told.words, better: 'more', of: 'exercise' });
   }
   for (const { name, label, value: shown, unit } of about.result) {
-    const words = inLanguage(data.scene?.panel?.values.find((told) => String(told.name) === name)?.label) || label;
+    const words = labelOf(data.scene, name) || label;
     out.push({ key: `result/${name || label}`, value: Number(shown.replace('−', '-')), shown, unit, words, better: BETTER[name], of: 'exercise' });
   }
   const reaches = reachTimes(series.events, about.event_names, about.from_s);

@@ -12,11 +12,11 @@ const SETTLES_MS = 700;
 /** Without a whole hand by then, what there is is kept [ms]. */
 const PATIENCE_MS = 60_000;
 
-/** The state that is shown: that of the strongest contact, or the last one. */
-function shownState({ states, therapy }: Pick<ReportData, 'states' | 'therapy'>): Uint8Array | undefined {
-  if (!(therapy.largest_force_n > 0)) return states.at(-1);
-  const off = (message: Uint8Array): number => Math.abs(timeOfState(message) - therapy.largest_force_s);
-  return states.reduce<Uint8Array | undefined>((best, message) => (best && off(best) <= off(message) ? best : message), undefined);
+/** Which state is shown: that of the strongest contact, or the last one. */
+function shownState({ states, therapy }: Pick<ReportData, 'states' | 'therapy'>): number {
+  if (!(therapy.largest_force_n > 0)) return states.length - 1;
+  const off = (i: number): number => Math.abs(timeOfState(states[i]!) - therapy.largest_force_s);
+  return states.reduce((best, _, i) => (off(best) <= off(i) ? best : i), 0);
 }
 
 /** The hand at its strongest moment, as a picture that can be printed. */
@@ -25,7 +25,8 @@ export function pictureFrame(data: ReportData): HTMLElement {
   const words = h('figcaption', { role: 'status' }, t.drawing);
   const place = h('div', { class: 'place' });
   const figure = h('figure', { class: 'picture', 'data-testid': 'picture' }, place, words);
-  const shown = shownState(data);
+  const at = shownState(data);
+  const shown = data.states[at];
   if (!data.scene || !shown) {
     setText(words, fill(t.noScene, { why: data.about.no_picture_because || texts().facts.unknown }));
     figure.classList.add('without');
@@ -33,7 +34,7 @@ export function pictureFrame(data: ReportData): HTMLElement {
   }
   const time = shortTime(timeOfState(shown));
   const caption = data.therapy.largest_force_n > 0 ? fill(t.caption, { n: fixed(data.therapy.largest_force_n, 1), time }) : fill(t.last, { time });
-  pictureOf(data, shown, place).then((image) => {
+  pictureOf(data, at, place).then((image) => {
     image.alt = caption;
     place.replaceChildren(image);
     setText(words, caption);
@@ -48,34 +49,35 @@ export function pictureFrame(data: ReportData): HTMLElement {
 let made: Promise<HTMLImageElement> | undefined;
 
 /** Once for a page: another language has the same picture. */
-async function pictureOf(data: ReportData, shown: Uint8Array, place: HTMLElement): Promise<HTMLImageElement> {
-  made ??= draw(data, shown, place);
+async function pictureOf(data: ReportData, at: number, place: HTMLElement): Promise<HTMLImageElement> {
+  made ??= draw(data, at, place);
   return (await made).cloneNode() as HTMLImageElement;
 }
 
-async function draw(data: ReportData, shown: Uint8Array, place: HTMLElement): Promise<HTMLImageElement> {
-  const bar = await PacedView.load({ forces: true });
-  const holder = h('div', { class: 'drawing' }, bar.canvas);
+async function draw(data: ReportData, at: number, place: HTMLElement): Promise<HTMLImageElement> {
+  const view = await PacedView.load({ forces: true });
+  const holder = h('div', { class: 'drawing' }, view.canvas);
   place.ownerDocument.body.append(holder);
   try {
-    bar.setScene(data.scene!);
-    bar.show('skin');
-    bar.resize();
-    const state = readState(shown);
+    view.setScene(data.scene!);
+    view.setBodies(data.bodies.at(data.rows[at]!));
+    view.show('skin');
+    view.resize();
+    const state = readState(data.states[at]!);
     const begun_ms = performance.now();
     let whole_ms = Infinity;
     for (;;) {
       const now_ms = performance.now();
-      bar.draw(state, now_ms, true);
-      if (bar.drawnIn !== 'none') whole_ms = Math.min(whole_ms, now_ms);
+      view.draw(state, now_ms, true);
+      if (view.drawnIn !== 'none') whole_ms = Math.min(whole_ms, now_ms);
       if (now_ms - whole_ms > SETTLES_MS || now_ms - begun_ms > PATIENCE_MS) break;
       await new Promise((next) => setTimeout(next, 50));
     }
     // In the same turn as it was drawn: later the browser may have cleared it.
-    const image = h('img', { src: bar.canvas.toDataURL('image/png') });
+    const image = h('img', { src: view.canvas.toDataURL('image/png') });
     return image;
   } finally {
     holder.remove();
-    bar.close();
+    view.close();
   }
 }

@@ -2,6 +2,7 @@
 import { unpackBytes, type Json } from '../embedded/page_data';
 import type { SceneT } from '../protocol';
 import { readAbout, type About } from '../replay/about';
+import { BodiesHistory } from '../replay/bodies_history';
 import { readScene, splitStates } from '../replay/messages';
 import { Problem } from '../replay/problem';
 import { readPiece, type SeriesPiece } from '../replay/series_piece';
@@ -38,6 +39,8 @@ export interface ReportData {
   readonly scene: SceneT | undefined;
   readonly rows: readonly number[];
   readonly states: readonly Uint8Array[];
+  /** Of a game, at the rows that have states. */
+  readonly bodies: BodiesHistory;
   readonly series: SeriesPiece;
   readonly therapy: Therapy;
   readonly engineering: Engineering;
@@ -62,8 +65,9 @@ export async function readReport(data: Json): Promise<ReportData> {
     const messages = rows.length > 0 ? splitStates(await unpackBytes(text0(states.messages))) : [];
     if (messages.length !== rows.length) throw new Problem('nonsense', `${rows.length} rows with ${messages.length} states`);
     const scene = typeof data.scene === 'string' ? readScene(new Uint8Array(await unpackBytes(data.scene))) : undefined;
+    const bodies = typeof data.bodies === 'string' ? BodiesHistory.read(await unpackBytes(data.bodies)) : new BodiesHistory();
     return {
-      about, scene, rows, states: messages, series: readPiece(await unpackBytes(text0(data.series))),
+      about, scene, rows, states: messages, bodies, series: readPiece(await unpackBytes(text0(data.series))),
       therapy: readTherapy(asJson(data.therapy)), engineering: readEngineering(asJson(data.engineering)),
       before: asJson(data.before).page === undefined ? undefined : await readReport({ ...asJson(data.before), before: undefined }),
     };

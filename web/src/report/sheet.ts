@@ -3,7 +3,7 @@ import { h } from '../shared/dom';
 import { asWords, duration } from '../shared/format';
 import { texts as consoleTexts } from '../console/i18n';
 import { exerciseWords, titleWords } from '../console/title_words';
-import { infoOf } from '../exercises/info';
+import { infoOf, OWN_SIGNS } from '../exercises/info';
 import type { SceneT } from '../protocol';
 import { clockTime } from '../replay/clock';
 import { dateWords } from '../replay/facts_panel';
@@ -13,8 +13,11 @@ import { ExercisePanel } from '../exercises/panel';
 import { fill, language } from '../shared/i18n';
 import { WindowSamples } from '../replay/window_samples';
 import type { ChartBand, ChartMark } from '../charts/chart';
+import { timeNumbers } from '../charts/chart_range';
 import { texts } from './i18n';
 import type { ReportData } from './report_data';
+
+const MOST_TIMES_NAMED = 8;
 
 /** A text of the file, which may be of any language and direction. */
 export const told = (text: string): HTMLElement => h('bdi', { title: text }, text);
@@ -56,6 +59,16 @@ export const shortTime = (time_s: number): string => clockTime(time_s, 1);
 
 /** An axis of time, named as far as its steps need. */
 export const timeName = (x: number): string => clockTime(x, Number.isInteger(x) ? 0 : Number.isInteger(Number((10 * x).toFixed(6))) ? 1 : 2);
+
+/** Of every chart of a sheet. */
+export const timesOfSheet = ({ series }: Pick<ReportData, 'series'>): number[] => timeNumbers(series.from_s, series.to_s, MOST_TIMES_NAMED);
+
+/** What the signs among these marks mean; empty where there is none. */
+export function signWords(marks: readonly Pick<ChartMark, 'label'>[]): string {
+  const { m1, m2 } = consoleTexts().legend;
+  const told = [m1, m2, ...Object.values(OWN_SIGNS).map((sign) => sign.legend())].filter((words) => marks.some(({ label }) => label !== '' && words.startsWith(label)));
+  return told.length === 0 ? '' : `${told.join('; ')}.`;
+}
 
 export function header(data: ReportData, page: string): HTMLElement {
   const t = texts();

@@ -13,7 +13,7 @@ import { compareWithBefore, type Compared, type Comparison } from './figures';
 import { texts } from './i18n';
 import { stepTimes, valueAt } from './limits';
 import { pictureFrame } from './picture';
-import { bodyWords, footer, header, shortTime, table, timeName, told, type SheetContext } from './sheet';
+import { bodyWords, footer, header, shortTime, signWords, table, timeName, timesOfSheet, told, type SheetContext } from './sheet';
 import { recordedOf, whatHappened } from './therapy';
 
 const MOST_ROWS = 4, MOST_TIMES = 3, MOST_TILES = 7;
@@ -27,7 +27,7 @@ export function therapySheet(context: SheetContext): HTMLElement {
     h('div', { class: 'two' }, pictureFrame(data), h('div', {}, happened(context), ...partTables(context))),
     h('div', { class: 'charts' }, ...gripChart(context), limitsChart(context)),
     bodies(context),
-    h('p', { class: 'note' }, [data.therapy.touches.length > 0 ? t.charts.touches : '', data.therapy.has_grip_force ? t.steadinessNote : ''].filter(Boolean).join(' ')),
+    h('p', { class: 'note' }, [data.therapy.touches.length > 0 ? t.charts.touches : '', signWords(context.marks), data.therapy.has_grip_force ? t.steadinessNote : ''].filter(Boolean).join(' ')),
     footer(data, 1));
 }
 
@@ -117,11 +117,13 @@ function gripChart({ data, samples, marks, touches, look }: SheetContext): HTMLE
     const index = data.about.value_names.indexOf(name);
     return index < 0 ? undefined : samples.values(channelKey('value', index), 1);
   };
-  const shared = { unit: 'N', x: samples.times, range_x: [data.series.from_s, data.series.to_s] as const, bands: touches, marks, pick: look };
+  const shared = { unit: 'N', x: samples.times, range_x: [data.series.from_s, data.series.to_s] as const, numbers_x: timesOfSheet(data), bands: touches, marks, pick: look };
   const contact = chart({ ...shared, title: t.contact, height_px: 60, lines: [{ name: '', color: '#1E1A17', values: samples.values('contact_force_n/0', 1) }], holds: [0, 1] });
   const grip = of('squeeze_n');
   if (!grip) return [contact];
-  const [low, high] = [of('squeeze_low_n') ?? of('goal_low_n'), of('squeeze_high_n') ?? of('goal_high_n')];
+  // The exercise's panel names the values that bound what was asked for.
+  const asks = data.scene?.panel?.values.find(({ name }) => name === 'squeeze_n');
+  const [low, high] = [of(String(asks?.goalLower ?? '')), of(String(asks?.goalUpper ?? ''))];
   // Where nothing is asked for both are zero.
   const asked = (values: ArrayLike<number>): number[] => Array.from(values, (value, i) => (high && high[i] > 0 ? value : NaN));
   const goal = low && high ? [asked(low), asked(high)] : [];
@@ -147,7 +149,7 @@ function limitsChart({ data, scene, marks, look }: SheetContext): HTMLElement | 
     else lines.set(key, { names: [word], line: { name: '', color: `var(${lookOf(axis)[0]})`, values } });
   }
   return chart({
-    title: texts().charts.limits, unit: 'N', height_px: 40, x, range_x: [from_s, to_s], marks: marks.filter(({ bad }) => bad), nameOfX: timeName, pick: look, holds: [0, 1],
+    title: texts().charts.limits, unit: 'N', height_px: 40, x, range_x: [from_s, to_s], numbers_x: timesOfSheet(data), marks: marks.filter(({ bad }) => bad), nameOfX: timeName, pick: look, holds: [0, 1],
     lines: [...lines.values()].map(({ names, line }) => ({ ...line, name: names.join(', ') })),
   });
 }

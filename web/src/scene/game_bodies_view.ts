@@ -14,7 +14,7 @@ interface Drawn { readonly body: GameBodyShown; readonly group: Group }
 export class GameBodiesView {
   /** Stands in the program's frame. */
   readonly root = new Group();
-  private readonly drawn = new Map<number, Drawn>();   // by slot
+  private readonly drawn = new Map<number, Drawn>();   // by slot or number
 
   constructor(private readonly quality: Quality) {}
 
@@ -36,22 +36,30 @@ export class GameBodiesView {
       this.drawn.set(slot, { body, group });
       this.root.add(group);
     }
+    // One without a slot is where it is said to stand.
+    for (const body of bodies) {
+      if (body.pose) put(this.drawn.get(body.slot)!.group, body.pose);
+    }
   }
 
   /** @param poses of a state @param first index of slot 0 among them */
   place(poses: readonly PoseT[], first: number): void {
-    for (const [slot, { group }] of this.drawn) {
-      const p = poses[first + slot]?.positionM, q = poses[first + slot]?.orientationXyzw;
-      group.visible = Boolean(p && q);
-      if (!p || !q) continue;
-      group.position.set(p.x, p.y, p.z);
-      group.quaternion.set(q.x, q.y, q.z, q.w);
+    for (const [slot, { body, group }] of this.drawn) {
+      if (!body.pose) put(group, poses[first + slot]);
     }
   }
 
   dispose(): void {
     this.take([]);
   }
+}
+
+function put(group: Group, pose: PoseT | undefined): void {
+  const p = pose?.positionM, q = pose?.orientationXyzw;
+  group.visible = Boolean(p && q);
+  if (!p || !q) return;
+  group.position.set(p.x, p.y, p.z);
+  group.quaternion.set(q.x, q.y, q.z, q.w);
 }
 
 function fade(group: Group): void {

@@ -28,3 +28,10 @@ export function trapFocus(parts: readonly HTMLElement[], first?: HTMLElement | n
     if (before?.isConnected) before.focus();
   };
 }
+
+/** Notes at the root element how the page was used last, "pointer" or "keys": a frame around the focus is drawn for keys. */
+export function tellHowUsed(page: Document): void {
+  const tell = (used: 'pointer' | 'keys') => () => { page.documentElement.dataset.used = used; };
+  page.addEventListener('pointerdown', tell('pointer'), true);
+  page.addEventListener('keydown', tell('keys'), true);
+}

@@ -70,8 +70,9 @@ export async function mouseMovesTheHand(game, watcher) {
       if (reached(now)) return true;
       if (Date.now() >= due_ms) {
         due_ms = Date.now() + 5000;
+        await to(part + 0.01);  // a cursor that stands still is nobody's
         await to(part);
-        for (let k = 0; k < 2; k += 1) await game.mouse.wheel(0, by_px);
+        for (let k = 0; by_px !== 0 && k < 2; k += 1) await game.mouse.wheel(0, by_px);
       }
       return false;
     }, { within_ms: PATIENT_MS });
@@ -82,8 +83,7 @@ export async function mouseMovesTheHand(game, watcher) {
   await new Promise((resolve) => setTimeout(resolve, 2000));   // it sets out
   await turnUntil('the hand drawn back from the row', 0.5, 100, (now) => axis(now, 'x') < DRAWN_BACK_M);
   const right = await handAtRest(watcher, 'the hand at rest before the cursor');
-  await to(0.3);
-  await watcher.until('the hand farther left, as the cursor', (now) => axis(now, 'y') > axis(right, 'y') + 0.02, { within_ms: PATIENT_MS });
+  await turnUntil('the hand farther left, as the cursor', 0.3, 0, (now) => axis(now, 'y') > axis(right, 'y') + 0.02);
   const before = await handAtRest(watcher, 'the hand at rest farther left');
   const away = await turnUntil('the device farther from the person after the wheel', 0.3, -100, (now) => axis(now, 'x') > axis(before, 'x') + 0.01);
   await turnUntil('the device nearer to the person after the wheel', 0.3, 100, (now) => axis(now, 'x') < axis(away, 'x') - 0.005);
@@ -297,7 +297,8 @@ export async function missingCameraIsSaid(openBrowserWith, programUrl) {
 export async function touchMovesAndSqueezes(browser, programUrl, watcher) {
   // The page before has just closed: its controls come free when the program notices.
   await watcher.page.waitForSelector('[data-testid=holder]:has-text("free")', { timeout: PATIENT_MS });
-  const page = await openPage(browser, pageUrl(programUrl, '/', { lang: 'en', quality: 'low' }), { hasTouch: true });
+  // With full help there are no buttons: a tap does it all.
+  const page = await openPage(browser, pageUrl(programUrl, '/', { lang: 'en', quality: 'low', help: 'some' }), { hasTouch: true });
   let at = {};
   try {
     await page.waitForSelector('[data-testid=start]', { timeout: PATIENT_MS });

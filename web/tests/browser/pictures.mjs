@@ -20,12 +20,12 @@ export async function takePictures(browser, programUrl, folder, watcher) {
     // On a busy machine a page that draws this slowly loses its line for a moment, and asks why.
     const page = await openPage(browser, pageUrl(programUrl, path, { lang: 'en', quality: 'high', ...query }), { cutOff: true });
     if (click) {
-      // Not page.click: it waits for several pictures of a button that does not move. Looked for and pressed at
-      // once: a page that loses its line for a moment takes the button away, and brings it back.
+      // Not page.click: it waits for several pictures of a button that does not move. Pressed until it has acted: a page
+      // that is not connected yet says so, and one that loses its line for a moment takes the button away and brings it back.
       await page.waitForFunction((selector) => {
         const button = document.querySelector(selector);
         button?.click();
-        return button !== null;
+        return button === null && document.body.dataset.state === 'watching';
       }, click, { timeout: 240_000 });
     }
     await page.waitForFunction(() => window.wholehandStats?.quality === 'high', null, { timeout: 300_000 });

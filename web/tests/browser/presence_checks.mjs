@@ -150,13 +150,17 @@ export async function watchingBringsThePlayBack(browser, programUrl, watcher) {
     await page.waitForSelector('[data-testid=watch]', { timeout: PATIENT_MS });
     await wait(1000);
     expect(await faded(), 'a page that is only opened brings the effort back');
-    await page.click('[data-testid=watch]');
-    await until('the effort back', async () => !(await faded()), { within_ms: PATIENT_MS });
+    // A slow page draws its first picture for seconds after the press, and reads no answer before.
+    await page.evaluate(() => {
+      document.querySelector('[data-testid=watch]').click();
+      for (const end_ms = Date.now() + 4500; Date.now() < end_ms;);
+    });
+    await until('the effort back', async () => !(await faded()), { within_ms: 10_000 });
     await watcher.until('the virtual patient playing', (now) => now.steering === 0 && now.runState === RENDERING, { within_ms: PATIENT_MS });
   } finally {
     await page.context().close();
   }
-  return 'the virtual patient plays again after a press of "Watch first"';
+  return 'the virtual patient plays again after a press of "Watch first" on a page that then drew for 4.5 s';
 }
 
 /** Whether a press in the middle of this button reaches it. */

@@ -10,9 +10,9 @@ import { openWatcher } from './watcher.mjs';
 const PATIENT_MS = 120_000;
 const SECONDS = 12;
 
-const replayed = (page) => page.evaluate(() => window.wholehandReplay);
+export const replayed = (page) => page.evaluate(() => window.wholehandReplay);
 /** Waits until the page shows what it was asked for, and all of the time line. */
-const still = (page, what, look = () => true) => until(what, async () => {
+export const still = (page, what, look = () => true) => until(what, async () => {
   const now = await replayed(page);
   return now && now.exact && now.loaded === 1 && look(now) ? now : undefined;
 }, { within_ms: PATIENT_MS });
@@ -24,7 +24,7 @@ export async function recording({ file, folder }, name = 'replayed.h5', exercise
   return path;
 }
 
-async function replay(recorded, paths, check) {
+export async function replay(recorded, paths, check) {
   const [path, beside] = paths;
   const program = await startProgram({ ...recorded, command: ['replay', path, '--web'], args: beside ? ['--beside', beside] : [] });
   try {
@@ -34,7 +34,7 @@ async function replay(recorded, paths, check) {
   }
 }
 
-const withQuery = (address, query) => {
+export const withQuery = (address, query) => {
   const url = new URL(address);
   for (const [key, value] of Object.entries(query)) url.searchParams.set(key, value);
   return url.href;

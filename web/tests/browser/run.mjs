@@ -7,6 +7,7 @@ import { cpus, tmpdir } from 'node:os';
 import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
+import { bodiesAreReplayed } from './body_checks.mjs';
 import { openBrowser } from './browser.mjs';
 import * as cameras from './camera_checks.mjs';
 import { chartsAreOneFile } from './chart_checks.mjs';
@@ -205,6 +206,7 @@ try {
   await test('replay of a recording', () => replays.recordingIsReplayed(plain, drawing, recorded, picture));
   await test('replay of two beside each other', () => replays.twoAreReplayed(plain, recorded, picture));
   await test('replay says what it cannot show', () => replays.badRecordingsAreSaid(plain, recorded, picture));
+  await test('replay of a game with bodies', () => bodiesAreReplayed(drawing, recorded, picture));
   await test('a recording is listed while it runs', () => waiting((url) => replays.recordingIsListedWhileItRuns(plain, url)));
   await test('report is one file', () => reports.reportIsOneFile(plain, recorded, picture));
   await test('report has its picture', () => reports.reportHasItsPicture(drawing, recorded, picture));

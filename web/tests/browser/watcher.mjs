@@ -1,6 +1,13 @@
 // What the program says, read through the console's page: the same messages that a therapist sees.
 import { openPage, pageUrl, until } from './browser.mjs';
 
+/** A state in one line, for an error. */
+function inWords(now) {
+  if (!now) return 'none';
+  const { runState, steering, faults, level, tick, values, q } = now;
+  return JSON.stringify({ runState, steering, faults, level, tick, values, q: q.map((v) => +v.toFixed(3)) });
+}
+
 /** A console without 3D: a therapist's, or with `query.role` "watcher" one that only watches. */
 export async function openWatcher(browser, programUrl, query = {}) {
   const page = await openPage(browser, pageUrl(programUrl, '/console', { lang: 'en', theme: 'light', ...query }));
@@ -20,16 +27,22 @@ export async function openWatcher(browser, programUrl, query = {}) {
         return {
           values, bodies, dispensers: (bar.dispensers ?? []).map((d) => d.body), exerciseJson: scene.exerciseJson, rightHand: scene.rightHand,
           axes: scene.axes.map((axis) => axis.name),
-          q: state.qM, sent: state.sent, runState: state.runState, steering: state.steering, session: state.session, level: scene.level,
+          q: state.qM, sent: state.sent, runState: state.runState, steering: state.steering, faults: state.faults, session: state.session, level: scene.level,
           tick: Number(state.tick), shown: document.body.dataset.state,
         };
       });
     },
-    until(what, look, options) {
-      return until(what, async () => {
-        const now = await watcher.now();
-        return now && await look(now) ? now : null;
-      }, options);
+    /** Waits until a state looks so; where none does, the error tells the last one. */
+    async until(what, look, options) {
+      let last = null;
+      try {
+        return await until(what, async () => {
+          last = await watcher.now();
+          return last && await look(last) ? last : null;
+        }, options);
+      } catch (error) {
+        throw new Error(`${error.message}; the last state: ${inWords(last)}`, { cause: error });
+      }
     },
   };
   await watcher.until('the first state', () => true);

@@ -7,6 +7,9 @@ const EVENTS = ["appeared", "solid", "letting_go", "left", "quarantined", "refus
 var session = 0
 var bodies = []      # {slot, generation, shapes, state}; shapes: id; state: Protocol.SlotState
 var new_shapes = []  # {id, com_m, pieces}; of bodies here, those that no body of the list before had
+# Of bodies beyond the slots, those of which anything changed since the list before: {number, generation, shapes, slot,
+# whereabouts, position_m, orientation}; slot: -1 without one; whereabouts: Protocol.Whereabouts. body_list.gd has all.
+var registered = []
 
 
 # False where the message is damaged; then nothing of it is to be used.
@@ -20,7 +23,19 @@ func read(reader, table: int) -> bool:
 		bodies.append({"slot": reader.u32(place + body.slot), "generation": reader.u32(place + body.generation),
 				"shapes": reader.u32(place + body.shapes), "state": reader.u8(place + body.state)})
 	new_shapes = _read_all(reader, table, f.new_shapes, "_read_shapes")
+	_read_registered(reader, reader.vector(table, f.registered, Protocol.RegisteredBody.SIZE))
 	return not reader.broken
+
+
+func _read_registered(reader, first: int) -> void:
+	var body = Protocol.RegisteredBody
+	for i in range(reader.count_of(first)):
+		var place = first + i * body.SIZE
+		var read = {"number": reader.u32(place + body.number), "generation": reader.u32(place + body.generation),
+				"shapes": reader.u32(place + body.shapes), "slot": reader.i32(place + body.slot),
+				"whereabouts": reader.u8(place + body.whereabouts)}
+		_add_pose(reader, place + body.pose, read)
+		registered.append(read)
 
 
 func _read_shapes(reader, table: int) -> Dictionary:

@@ -15,7 +15,7 @@ signal event_happened(type, tick, index, value)
 # Which bodies of a game are in the world: bodies.gd.
 signal bodies_changed(bodies)
 # `what` became of a body of a game, one of bodies.gd's EVENTS; `refusal` (Protocol.BodyRefusal) of "refused", whose
-# generation is 0.
+# generation is 0. Slot and generation are the loop's: body_list.name_in(slot) is what the game named the body by.
 signal body_event(what, slot, generation, refusal)
 # A body of a game touches the hand, after 0.1 s or more without contact: the impulse on the hand within 10 ms [N·s].
 signal body_touched(slot, generation, impulse_ns)
@@ -25,6 +25,7 @@ signal bodies_refused(command, items)
 const Protocol = preload("protocol.gd")
 const Reader = preload("reader.gd")
 const Writer = preload("writer.gd")
+const BodyList = preload("body_list.gd")
 const BodyOrders = preload("body_orders.gd")
 const WholehandBodies = preload("bodies.gd")
 const MotionPredictor = preload("motion_predictor.gd")
@@ -52,7 +53,8 @@ var message = "not connected yet"
 var scene = null # the newest; null before the first
 var state = null # the newest; null before the first and without a connection
 var bodies = null # of a game: the newest list; null before the first
-var shapes = {}   # id -> {id, com_m, pieces}, of the bodies of a game that are in the world
+var body_list = BodyList.new() # the bodies of a game that are in the world
+var shapes = {}   # id -> {id, com_m, pieces}, of these
 var motion = MotionPredictor.new() # where the joints are now
 var ignored = 0  # messages that were damaged or not the program's
 
@@ -60,7 +62,6 @@ var _socket = null # of socket.gd
 var _reader = Reader.new()
 var _writer = Writer.new()
 var _why_closed = "" # empty: it is not
-var _generations = {} # of the bodies of a game, by slot
 var _command = 0
 var _heard_ms = 0
 var _heartbeat_ms = 0
@@ -201,7 +202,8 @@ func _end(why: String) -> void:
 	connected = false
 	state = null
 	bodies = null
-	shapes = {}
+	body_list.clear()
+	shapes = body_list.shapes
 	motion.clear()
 	_stop = 0
 	message = why
@@ -323,16 +325,9 @@ func _hear_bodies(table: int) -> void:
 	if not read.read(_reader, table):
 		ignored += 1
 		return
-	var known = shapes
-	for told in read.new_shapes:
-		known[told.id] = told
-	shapes = {}
-	for body in read.bodies:
-		if known.has(body.shapes):
-			shapes[body.shapes] = known[body.shapes]
 	bodies = read
-	for body in bodies.bodies:
-		_generations[body.slot] = body.generation
+	body_list.take(read)
+	shapes = body_list.shapes
 	emit_signal("bodies_changed", bodies)
 
 
@@ -393,11 +388,11 @@ func _tell_body_event(event: Array) -> void:
 		return
 	var what = scene.event_names[event[0]]
 	if what == "appeared":
-		_generations[event[2]] = int(event[3])
+		body_list.note_appeared(event[2], int(event[3]))
 	if what == "refused":
 		emit_signal("body_event", what, event[2], 0, int(event[3]))
 	elif what == "touched":
-		emit_signal("body_touched", event[2], _generations.get(event[2], 0), event[3])
+		emit_signal("body_touched", event[2], body_list.generation_in(event[2]), event[3])
 	elif what in WholehandBodies.EVENTS:
 		emit_signal("body_event", what, event[2], int(event[3]), Protocol.BodyRefusal.None)
 

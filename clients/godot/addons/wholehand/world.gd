@@ -1,7 +1,8 @@
 # Draws the bodies of the program's scene and those that a game has spawned, which are what the hand feels. A child whose
 # metadata "wholehand_body" is the name of a body, or [slot, generation] of one of the game, is moved instead, and keeps the
-# look that the game gave it. It also orders bodies of a game, in the game's world. This node's transform places the program's
-# world in the game's; leave its scale at 1, and put it where the hand's is.
+# look that the game gave it. It also orders bodies of a game, in the game's world; in place of a slot a body may have a number
+# from 1000 on. This node's transform places the program's world in the game's; leave its scale at 1, and put it where the
+# hand's is.
 extends Spatial
 
 # The bodies of a new scene stand.
@@ -12,7 +13,11 @@ const Protocol = preload("protocol.gd")
 const Shapes = preload("shapes.gd")
 
 const NAME = "wholehand_body"
-const TARGETS_MS = 15 # a body halts after 100 ms without one
+# A body halts after 100 ms without a target. The program takes 400 messages a second, of 64 targets each.
+const TARGETS_MS = 15
+const TARGETS_MS_OF_64 = 5
+const MOST_TARGETS = 64
+const EMPTY_BELOW_M = -8.0 # where empty slots are; a body of the game is within 5 m
 
 # Of the node with connection.gd; empty: the parent.
 export(NodePath) var connection_path = NodePath("..")
@@ -22,14 +27,15 @@ export var game_body_color = Color(0.23, 0.44, 0.82)
 var connection = null
 var drawn_tick = -1 # of the state that is drawn; -1: nothing is
 var bodies = []     # Spatial, in the order of scene.bodies
-var game_bodies = {} # slot -> Spatial
+var game_bodies = {} # slot or number -> Spatial
 
 var _made = []
 var _names = []
 var _session = 0
-var _generations = {} # of game_bodies: slot -> generation
-var _made_of_game = [] # of game_bodies, those that this node made
-var _targets = {}     # slot -> Transform in the program's world, in Godot's axes
+var _generations = {} # of game_bodies
+var _slots = {}       # of those of game_bodies that the loop has: slot or number -> slot
+var _made_of_game = {} # of game_bodies, those that this node made
+var _targets = {}     # slot or number -> Transform in the program's world, in Godot's axes
 var _targets_ms = 0
 
 
@@ -47,13 +53,18 @@ func _ready() -> void:
 
 func _process(_delta: float) -> void:
 	var now_ms = OS.get_ticks_msec()
-	if _targets.empty() or connection == null or not connection.holds_controls or now_ms - _targets_ms < TARGETS_MS:
+	var pause_ms = max(TARGETS_MS, TARGETS_MS_OF_64 * (1 + _targets.size() / MOST_TARGETS))
+	if _targets.empty() or connection == null or not connection.holds_controls or now_ms - _targets_ms < pause_ms:
 		return
 	_targets_ms = now_ms
-	var all = []
+	var some = []
 	for slot in _targets:
-		all.append([slot, _generations[slot]] + _pose_in_program(_targets[slot]))
-	connection.set_body_targets(all)
+		some.append([slot, _generations[slot]] + _pose_in_program(_targets[slot]))
+		if some.size() == MOST_TARGETS:
+			connection.set_body_targets(some)
+			some = []
+	if not some.empty():
+		connection.set_body_targets(some)
 
 
 # ---- bodies of a game; `at` is where the centre of mass is in the game's world. Each order gives its number for the
@@ -86,7 +97,7 @@ func set_body_owner(slot: int, generation: int, owner: int) -> int:
 	return connection.set_body_owners([[slot, generation, owner]])
 
 
-# Where a body of owner Game that is in the world is pulled to. It holds until another is set, as long as frames run.
+# Where a body of owner Game that is in the world is pulled to; beyond the slots it is there at once. It holds until another is set, as long as frames run.
 func set_target(slot: int, at: Transform) -> void:
 	if game_bodies.has(slot):
 		_targets[slot] = _from_game(at)
@@ -117,9 +128,9 @@ func _draw_state(state) -> void:
 		return
 	for i in range(min(bodies.size(), state.body_positions.size())):
 		bodies[i].transform = Axes.pose_to_godot(state.body_positions[i], state.body_orientations[i])
-	for slot in game_bodies:
-		var i = bodies.size() + slot
-		if i < state.body_positions.size():
+	for slot in _slots:
+		var i = bodies.size() + _slots[slot]
+		if i < state.body_positions.size() and state.body_positions[i].z > EMPTY_BELOW_M and game_bodies.has(slot):
 			game_bodies[slot].transform = Axes.pose_to_godot(state.body_positions[i], state.body_orientations[i])
 	drawn_tick = state.tick
 
@@ -170,25 +181,41 @@ func _make_of(called: String, shapes: Array, color: Color) -> Spatial:
 
 
 func _build_game_bodies(told) -> void:
-	var listed = {}
+	var registered = connection.body_list.registered
+	var listed = registered.duplicate() # by slot, or number
+	_slots = {}
 	if told.session == _session:
 		for body in told.bodies:
-			listed[body.slot] = body
+			var slot = connection.body_list.numbers.get(body.slot, body.slot)
+			_slots[slot] = body.slot
+			if slot == body.slot:
+				listed[slot] = body
 	for slot in game_bodies.keys():
 		if not listed.has(slot) or listed[slot].generation != _generations[slot]:
 			_drop_game_body(slot)
 	for slot in listed:
 		if not game_bodies.has(slot) and connection.shapes.has(listed[slot].shapes):
 			_generations[slot] = listed[slot].generation
-			game_bodies[slot] = _placed_or_made(listed[slot])
+			game_bodies[slot] = _placed_or_made(slot, listed[slot])
+			if registered.has(slot):
+				_stand(registered[slot])
+	for body in told.registered:
+		if registered.has(body.number):
+			_stand(body)
 
 
-func _placed_or_made(body: Dictionary) -> Spatial:
+# Beyond the slots a body is where the list says; in a slot, where states say.
+func _stand(body: Dictionary) -> void:
+	if game_bodies.has(body.number) and not _slots.has(body.number):
+		game_bodies[body.number].transform = Axes.pose_to_godot(body.position_m, body.orientation)
+
+
+func _placed_or_made(slot: int, body: Dictionary) -> Spatial:
 	for child in get_children():
-		if child.has_meta(NAME) and child.get_meta(NAME) is Array and child.get_meta(NAME) == [body.slot, body.generation]:
+		if child.has_meta(NAME) and child.get_meta(NAME) is Array and child.get_meta(NAME) == [slot, body.generation]:
 			return child
-	var node = _make_of("slot %d" % body.slot, connection.shapes[body.shapes].pieces, game_body_color)
-	_made_of_game.append(node)
+	var node = _make_of("body %d" % slot, connection.shapes[body.shapes].pieces, game_body_color)
+	_made_of_game[slot] = node
 	return node
 
 
@@ -197,8 +224,7 @@ func _drop_game_body(slot: int) -> void:
 	game_bodies.erase(slot)
 	_generations.erase(slot)
 	_targets.erase(slot)
-	if node in _made_of_game:
-		_made_of_game.erase(node)
+	if _made_of_game.erase(slot):
 		node.queue_free()
 		remove_child(node)
 

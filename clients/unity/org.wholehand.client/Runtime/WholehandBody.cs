@@ -23,20 +23,26 @@ namespace Wholehand.Unity
         public string BodyName { get { return bodyName; } set { bodyName = value; } }
 
         /// <summary>Index into WorldSnapshot.BodyPositions, and of a body of the scene into Scene.Bodies; -1: there is no
-        /// such body at present.</summary>
+        /// such body at present, or it stands still beyond the slots.</summary>
         public int Index { get; internal set; } = -1;
 
         /// <summary>Of a body that the game spawns; null: of the scene.</summary>
         public BodyId? GameId { get; set; }
 
-        /// <summary>Of a body of the game: a ghost is drawn, but touches nothing.</summary>
+        /// <summary>Of a body of the game: a ghost is drawn, but touches nothing; Parked, it has no slot.</summary>
         public SlotState State { get; internal set; }
+
+        /// <summary>Of a body of the game with a number in place of a slot.</summary>
+        public Whereabouts Whereabouts { get; internal set; }
 
         /// <summary>A target is set.</summary>
         public bool HasTarget { get; private set; }
 
         /// <summary>Never moves. Not known of a body of the game.</summary>
         public bool Fixed { get; private set; }
+
+        /// <summary>It stands for a body that is in the world.</summary>
+        internal bool Attached { get; private set; }
 
         /// <summary>True: the world made it, and removes it with its scene.</summary>
         internal bool Made { get; set; }
@@ -64,6 +70,7 @@ namespace Wholehand.Unity
 
         internal void Attach(int index, bool isFixed, Shape[] shapes, bool kinematicColliders)
         {
+            Attached = true;
             Index = index;
             Fixed = isFixed;
             if (!kinematicColliders || forPhysics) return;
@@ -106,6 +113,7 @@ namespace Wholehand.Unity
 
         internal void Detach()
         {
+            Attached = false;
             Index = -1;
             HasTarget = false;
             if (forPhysics) Destroy(forPhysics.gameObject);

@@ -1,3 +1,4 @@
+using System;
 using System.Collections.Generic;
 using System.Threading.Tasks;
 using UnityEngine;
@@ -9,12 +10,14 @@ namespace Wholehand.Unity
     // game's world. The tasks of orders end on another thread than the main one, unless they are awaited there.
     public sealed partial class WholehandWorld
     {
-        private const long TargetPauseNs = 15000000; // a body halts after 0.1 s without one
+        // A body halts after 0.1 s without a target. The program takes 400 messages a second, of 64 targets each.
+        private const long TargetPauseNs = 15000000, PauseOf64Ns = 5000000;
 
         [Tooltip("Of bodies that the game spawns.")]
         [SerializeField] private Color gameBodyColor = new Color(0.23f, 0.44f, 0.82f);
 
-        private readonly List<WholehandBody> gameBodies = new List<WholehandBody>(); // in the order of the slots
+        private readonly List<WholehandBody> gameBodies = new List<WholehandBody>();
+        private readonly Dictionary<uint, WholehandBody> byName = new Dictionary<uint, WholehandBody>(); // slot or number
         private BodyAt[] targets = new BodyAt[0];
         private long targetsNs;
         private int builtBodies = -1;
@@ -33,8 +36,8 @@ namespace Wholehand.Unity
         /// <summary>Null where no such body is in the world, or is not drawn yet.</summary>
         public WholehandBody GameBody(BodyId body)
         {
-            for (int i = 0; i < gameBodies.Count; ++i) if (Is(gameBodies[i], body)) return gameBodies[i];
-            return null;
+            WholehandBody found;
+            return byName.TryGetValue(body.Slot, out found) && Is(found, body) ? found : null;
         }
 
         /// <summary>Gives the pieces of bodies to come: BodyShapes makes them in Unity's axes.</summary>
@@ -43,8 +46,8 @@ namespace Wholehand.Unity
             return connection && connection.Client != null ? connection.Client.PrepareShapes(set, pieces) : NotConnected();
         }
 
-        /// <summary>Puts a body into its slot, which must be empty. Its pose is set from position and rotation; its velocity
-        /// stays as it is, in the program's axes.</summary>
+        /// <summary>Puts a body into its slot, which must be empty, or registers it by its number (BodyId). Its pose is set
+        /// from position and rotation; its velocity stays as it is, in the program's axes.</summary>
         public Task<CommandReply> Spawn(BodyToSpawn body, Vector3 position, Quaternion rotation)
         {
             body.PositionM = transform.ToProgram(position);
@@ -87,7 +90,7 @@ namespace Wholehand.Unity
             int count = 0;
             for (int i = 0; i < gameBodies.Count; ++i) if (gameBodies[i].HasTarget) ++count;
             long nowNs = MonotonicClock.NowNs();
-            if (count == 0 || connection.Client == null || nowNs - targetsNs < TargetPauseNs) return;
+            if (count == 0 || connection.Client == null || nowNs - targetsNs < PauseFor(count)) return;
             targetsNs = nowNs;
             if (targets.Length != count) targets = new BodyAt[count];
             count = 0;
@@ -98,50 +101,69 @@ namespace Wholehand.Unity
             connection.Client.BodyTargets(targets);
         }
 
+        private static long PauseFor(int bodies)
+        {
+            return Math.Max(TargetPauseNs, PauseOf64Ns * ((bodies + 63) / 64));
+        }
+
         private void BuildGameBodies(BodySlots slots)
         {
             builtBodies = connection.BodiesNumber;
-            bool inWorld = slots.Session == connection.Scene.Value.Session;
+            bool ofScene = slots.Session == connection.Scene.Value.Session;
             for (int i = gameBodies.Count - 1; i >= 0; --i)
             {
-                if (inWorld && slots.Find(gameBodies[i].GameId.Value) >= 0) continue;
+                BodyId name = gameBodies[i].GameId.Value;
+                if ((ofScene || name.IsNumber) && slots.FindInAll(name) >= 0) continue;
                 gameBodies[i].Detach();
                 if (gameBodies[i].Made) Destroy(gameBodies[i].gameObject);
                 gameBodies.RemoveAt(i);
+                byName.Remove(name.Slot);
             }
-            for (int i = 0; inWorld && i < slots.Count; ++i)
+            WholehandBody[] placed = null;
+            for (int i = 0; i < slots.AllCount; ++i)
             {
-                WholehandBody drawn = GameBody(slots.Bodies[i]) ?? Appear(slots, i);
-                if (drawn) drawn.State = slots.States[i];
+                if (!ofScene && !slots.All[i].Id.IsNumber) continue;
+                WholehandBody drawn = GameBody(slots.All[i].Id) ?? Appear(slots.All[i], ref placed);
+                if (drawn) Follow(drawn, slots, i);
             }
         }
 
-        // Null where its shapes are not known: then a newer list of bodies is on its way.
-        private WholehandBody Appear(BodySlots slots, int i)
+        private void Follow(WholehandBody drawn, BodySlots slots, int i)
+        {
+            Vector position;
+            Rotation orientation;
+            drawn.State = slots.All[i].State;
+            drawn.Whereabouts = slots.All[i].Whereabouts;
+            drawn.Index = drawn.State == SlotState.Parked ? -1 : slots.PoseOf((uint)slots.All[i].LoopSlot);
+            // In a slot, states say where it is.
+            if (drawn.Index >= 0 || !slots.TryGetPlace(i, connection.World, out position, out orientation)) return;
+            drawn.Draw(position.ToVector3(), orientation.ToQuaternion());
+            MoveForPhysics(drawn, position, orientation);
+        }
+
+        // Null where its shapes are not known: then a newer list of bodies is on its way. `placed`: those below this
+        // object before, some of which may be the game's own; null: not yet looked for.
+        private WholehandBody Appear(BodyInWorld body, ref WholehandBody[] placed)
         {
             GameShapes told;
-            if (!connection.Client.TryGetShapes(slots.Shapes[i], out told)) return null;
+            if (!connection.Client.TryGetShapes(body.Shapes, out told)) return null;
             var shapes = new Shape[told.PiecesLength];
             for (int s = 0; s < shapes.Length; ++s) shapes[s] = told.Pieces(s).Value;
-            WholehandBody drawn = Placed(slots.Bodies[i]);
+            WholehandBody drawn = null;
+            if (placed == null) placed = GetComponentsInChildren<WholehandBody>(true);
+            foreach (WholehandBody own in placed)
+            {
+                if (own.GameId.HasValue && !own.Attached && !own.Made && Is(own, body.Id)) drawn = own;
+            }
             if (!drawn)
             {
-                drawn = Make("body " + slots.Bodies[i].Slot, shapes, gameBodyColor);
-                drawn.GameId = slots.Bodies[i];
+                drawn = Make("body " + body.Id.Slot, shapes, gameBodyColor);
+                drawn.GameId = body.Id;
             }
-            drawn.Attach(slots.PoseOf(slots.Bodies[i].Slot), false, shapes, kinematicColliders);
+            drawn.Attach(-1, false, shapes, kinematicColliders);
             gameBodies.Add(drawn);
+            byName[body.Id.Slot] = drawn;
             return drawn;
-        }
-
-        // One of the game's own.
-        private WholehandBody Placed(BodyId body)
-        {
-            foreach (WholehandBody own in GetComponentsInChildren<WholehandBody>(true))
-            {
-                if (own.GameId.HasValue && own.Index < 0 && !own.Made && Is(own, body)) return own;
-            }
-            return null;
         }
     }
 }

@@ -5,8 +5,8 @@ using wholehand.protocol;
 namespace Wholehand.Unity
 {
     /// <summary>Draws the bodies of the program's scene and those that a game has spawned, which are what the hand feels:
-    /// one Wholehand Body each, below this object. It also orders bodies of a game. This object's transform places the program's world in the game's; leave its scale at 1, and put it
-    /// where the hand's is.</summary>
+    /// one Wholehand Body each, below this object. It also orders bodies of a game. This object's transform places the
+    /// program's world in the game's; leave its scale at 1, and put it where the hand's is.</summary>
     [AddComponentMenu("Wholehand/Wholehand World")]
     [DisallowMultipleComponent]
     [DefaultExecutionOrder(-50)]
@@ -81,14 +81,18 @@ namespace Wholehand.Unity
 
         private void MoveForPhysics(WholehandBody body, WorldSnapshot world)
         {
-            if (body.Index >= world.BodyCount) return;
-            body.MoveForPhysics(transform.TransformPoint(world.BodyPositions[body.Index].ToVector3()),
-                transform.rotation * world.BodyOrientations[body.Index].ToQuaternion());
+            if (!world.Has(body.Index)) return;
+            MoveForPhysics(body, world.BodyPositions[body.Index], world.BodyOrientations[body.Index]);
+        }
+
+        private void MoveForPhysics(WholehandBody body, Vector position, Rotation orientation)
+        {
+            body.MoveForPhysics(transform.TransformPoint(position.ToVector3()), transform.rotation * orientation.ToQuaternion());
         }
 
         private static void Draw(WholehandBody body, WorldSnapshot world)
         {
-            if (body.Index >= world.BodyCount) return;
+            if (!world.Has(body.Index)) return;
             body.Draw(world.BodyPositions[body.Index].ToVector3(), world.BodyOrientations[body.Index].ToQuaternion());
         }
 
@@ -110,6 +114,7 @@ namespace Wholehand.Unity
             }
             bodies.Clear();
             gameBodies.Clear();
+            byName.Clear();
             builtBodies = -1;
             DrawnTick = ulong.MaxValue;
             for (int i = 0; i < scene.BodiesLength; ++i)

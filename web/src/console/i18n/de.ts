@@ -44,7 +44,7 @@ export const de: ConsoleTexts = {
     device: 'Gerät', avatar: 'Avatar', limit: 'Grenze', now: 'jetzt', axisChoice: 'Achse',
     image: '{name}: die letzten 10 Sekunden. Zahlen mit «Tabellen».',
     series: 'Kurve', latest: 'Jetzt', least: 'Minimum', most: 'Maximum',
-    tableCaption: '{name}, letzte 10 Sekunden', fault: 'Störung', stop: 'Halt',
+    tableCaption: '{name}, letzte 10 Sekunden', fault: 'Störung', stop: 'Stopp',
   },
   axes: {
     x: 'x', y: 'y', z: 'z', roll: 'Rollen', pitch: 'Nicken', yaw: 'Gieren',

@@ -139,7 +139,7 @@ export const en = {
       effort_limit_hand_tip_n: 'Effort limit, hand',
       effort_limit_arm_n: 'Effort limit, arm',
       damping_full_n: 'Adaptive damping, full at',
-      damping_decay_s: 'Damping fades in',
+      damping_decay_s: 'Damping fades out in',
       wall_stiffness_ratio: 'Wall stiffness',
       wall_damping_ratio: 'Wall damping',
       lead_in_m: 'Wall before contact',

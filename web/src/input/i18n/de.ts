@@ -45,7 +45,7 @@ export const de: InputTexts = {
     load: 'Einen Moment …',
     loadMore: 'Die Kamera wird vorbereitet.',
     frame: 'Halten Sie die Hand ins Bild',
-    frameMore: 'Offen und ruhig. Danach bewegt sie die Hand in der Bar.',
+    frameMore: 'Offen und ruhig. Danach führt sie die Hand in der Übung.',
     noHand: 'Keine Hand zu sehen',
     noHandMore: 'Halten Sie Ihre offene Hand vor die Kamera.',
     otherWay: 'Anders spielen',

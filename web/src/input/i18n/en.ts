@@ -59,7 +59,7 @@ export const en: InputTexts = {
     load: 'One moment …',
     loadMore: 'The camera is getting ready.',
     frame: 'Keep your hand in the frame',
-    frameMore: 'Hold it open and still. Then it moves the hand in the bar.',
+    frameMore: 'Hold it open and still. Then it steers the hand in the exercise.',
     noHand: 'No hand is seen',
     noHandMore: 'Hold your open hand before the camera.',
     otherWay: 'Play another way',

@@ -45,7 +45,7 @@ export const fr: InputTexts = {
     load: 'Un instant …',
     loadMore: 'La caméra se prépare.',
     frame: 'Gardez la main dans l’image',
-    frameMore: 'Ouverte et immobile. Ensuite, elle dirige la main du bar.',
+    frameMore: 'Ouverte et immobile. Ensuite, elle dirige la main dans l’exercice.',
     noHand: 'Aucune main visible',
     noHandMore: 'Tenez votre main ouverte devant la caméra.',
     otherWay: 'Jouer autrement',

@@ -29,9 +29,9 @@ export const de: ReplayTexts = {
   moments: {
     title: 'Marken', none: 'In diesem Fenster ist nichts geschehen.', more: '{n} von {m}, um die Abspielstelle. Ein kürzeres Fenster zeigt weniger.', gap: '{n} Takte fehlen',
     kinds: {
-      stop: 'Halt', emergency_stop: 'Not-Halt', fault: 'Störung', controls_lost: 'Steuerung verloren', armed: 'Scharf gestellt', neutral: 'In Neutralstellung',
+      stop: 'Stopp', emergency_stop: 'Not-Halt', fault: 'Störung', controls_lost: 'Steuerung verloren', armed: 'Scharf gestellt', neutral: 'In Neutralstellung',
     },
-    short: { stop: 'Halt', emergency_stop: 'Not-Halt', fault: 'Störung', controls_lost: 'Steuerung verloren', armed: 'scharf', neutral: 'neutral', gap: 'Lücke' },
+    short: { stop: 'Stopp', emergency_stop: 'Not-Halt', fault: 'Störung', controls_lost: 'Steuerung verloren', armed: 'scharf', neutral: 'neutral', gap: 'Lücke' },
     events: {
       approached: 'Nahe an einem Objekt', touched: 'Berührt', engaged: 'Gegriffen', disengaged: 'Losgelassen',
       level_done: 'Stufe fertig', paused: 'Pause', resumed: 'Weiter', restarted: 'Neu begonnen',

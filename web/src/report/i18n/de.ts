@@ -7,12 +7,12 @@ export const de: ReportTexts = {
   facts: { patient: 'Patient', hand: 'Hand', device: 'Gerät', exercise: 'Übung', date: 'Datum', length: 'Dauer', file: 'Datei', simulated: 'simuliert', noExercise: 'Keine Übung', unknown: 'nicht angegeben' },
   tiles: {
     of: 'von {n}', reach: 'bis zum Greifen, im Mittel', reaches: '{n} Griffe', grip: 'Griffkraft, im Mittel', steadiness: 'Griff schwankt um',
-    touched: 'Gegenstände berührt', held: 'insgesamt gehalten', force: 'größte Kontaktkraft', effort: 'größte Kraft, {axis}',
+    touched: 'Gegenstände berührt', held: 'insgesamt gehalten', force: 'grösste Kontaktkraft', effort: 'grösste Kraft, {axis}',
   },
   before: { was: 'vorher: {x}', better: 'besser', compared: 'Vorher: {name}, {date}.', other: 'Anders war: {what}.', not: 'Nicht verglichen: {what}.', nothing: 'Keine der Zahlen ist vergleichbar.' },
   steadinessNote: 'Griff: mindestens 1 N für mindestens 1 s. Er schwankt um seine Standardabweichung, als Anteil des Mittels; die ersten und letzten 0,25 s jedes Griffs zählen nicht.',
   happened: {
-    title: 'Stopps und Fehler', emergency_stop: 'Notstopp', stop: 'Stopp', fault: 'Fehler', controls_lost: 'Steuerung verloren', missing: 'Fehlende Takte', missed: 'Übersprungene Perioden', limited: 'Kraft an der Grenze',
+    title: 'Stopps und Störungen', emergency_stop: 'Not-Halt', stop: 'Stopp', fault: 'Störung', controls_lost: 'Steuerung verloren', missing: 'Fehlende Takte', missed: 'Übersprungene Perioden', limited: 'Kraft an der Grenze',
     at: 'bei {times}', more: '{times} und {n} weitere', ticks: '{n} Takte', lost: '{n} Takte, {s} s', unreadable: 'Ab {time} ist die Datei nicht lesbar.', unreadableEnd: 'Das Ende der Datei ist nicht lesbar.',
     written: 'Die Aufzeichnung wurde noch geschrieben.', truncated: 'Es geschah mehr, als diese Seite fasst.',
   },
@@ -26,10 +26,10 @@ export const de: ReportTexts = {
     title: 'Rechenzeit eines Takts, µs', stage: 'Stufe', max: 'max.', whole: 'ganzer Takt',
     names: { device_read: 'Gerät lesen', observe: 'beobachten', dynamics: 'Dynamik', control: 'Regelung', exercise: 'Übung', safety: 'Sicherheit', device_write: 'Gerät schreiben', physics_step: 'Physikschritt', contacts: 'Kontakte' },
   },
-  faults: { title: 'Fehler nach Takten', fault: 'Fehler', ticks: 'Takte', axis: 'Meist an' },
+  faults: { title: 'Störungen nach Takten', fault: 'Störung', ticks: 'Takte', axis: 'Meist an' },
   settings: {
     title: 'Einstellungen', scene: 'Szene', rendering: 'Rendering', engine: 'Physik', rate: 'Rate', simulatedClock: 'simulierte Uhr', realTime: 'Echtzeit', gains: 'Verstärkungen', accepted: 'zugelassen', uncertified: 'NICHT zertifiziert', paper: 'Gesetz der Veröffentlichung',
-    passport: 'Gerätepass', seed: 'Startwert', deadlines: 'Fristen versäumt', damped: 'Dämpfung φ über 0,5', share: '{n} % der Zeit', coupling: 'Größter Kopplungsfehler', limits: 'Grenzen des Geräts',
+    passport: 'Gerätepass', seed: 'Startwert', deadlines: 'Fristen versäumt', damped: 'Dämpfung φ über 0,5', share: '{n} % der Zeit', coupling: 'Grösster Kopplungsfehler', limits: 'Grenzen des Geräts',
   },
   problems: {
     template: 'Diese Seite enthält keine Aufzeichnung. Einen Bericht macht: wholehand replay --report bericht.html AUFZEICHNUNG.h5', old: 'Dieser Browser ist zu alt für diese Seite. Bitte mit einem Browser ab 2023 öffnen.',

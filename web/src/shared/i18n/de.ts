@@ -23,7 +23,7 @@ export const de: Texts = {
   'game.zone.soft': 'leicht',
   'game.zone.right': 'genau richtig',
   'game.zone.strong': 'stark',
-  'game.zone.stop': 'halt',
+  'game.zone.stop': 'genug',
   'game.zone.wrong': 'nicht diese',
   'game.zone.low': 'noch nicht',
   'game.zone.high': 'zu viel',
@@ -118,7 +118,7 @@ export const de: Texts = {
   'faulted.why': 'Ursache: {x}.',
   'webgl.title': 'Kein Bild auf diesem Gerät',
   'webgl.lostTitle': 'Das Bild ist weg',
-  'webgl.lostWhat': 'Ihre Hand ist offen, und die Bar steht still.',
+  'webgl.lostWhat': 'Ihre Hand ist offen, und die Übung steht still.',
   'webgl.lostSoft': 'Meist kommt es von selbst zurück. Wenn nicht, laden Sie diese Seite neu.',
   'webgl.backTitle': 'Das Bild ist wieder da',
 

@@ -23,7 +23,7 @@ export const en = {
   'game.zone.soft': 'soft',
   'game.zone.right': 'just right',
   'game.zone.strong': 'strong',
-  'game.zone.stop': 'stop',
+  'game.zone.stop': 'enough',
   'game.zone.wrong': 'not this one',
   'game.zone.low': 'not yet',
   'game.zone.high': 'too much',
@@ -122,7 +122,7 @@ export const en = {
   'faulted.why': 'Cause: {x}.',
   'webgl.title': 'No picture on this device',
   'webgl.lostTitle': 'The picture is gone',
-  'webgl.lostWhat': 'Your hand is open, and the bar stands still.',
+  'webgl.lostWhat': 'Your hand is open, and the exercise stands still.',
   'webgl.lostSoft': 'It mostly comes back by itself. If not, load this page again.',
   'webgl.backTitle': 'The picture is back',
 

@@ -23,7 +23,7 @@ export const fr: Texts = {
   'game.zone.soft': 'faible',
   'game.zone.right': 'parfaite',
   'game.zone.strong': 'forte',
-  'game.zone.stop': 'stop',
+  'game.zone.stop': 'assez',
   'game.zone.wrong': 'pas celle-ci',
   'game.zone.low': 'pas encore',
   'game.zone.high': 'trop',
@@ -118,7 +118,7 @@ export const fr: Texts = {
   'faulted.why': 'Cause : {x}.',
   'webgl.title': 'Pas d’image sur cet appareil',
   'webgl.lostTitle': 'L’image a disparu',
-  'webgl.lostWhat': 'Votre main est ouverte, et le bar ne bouge plus.',
+  'webgl.lostWhat': 'Votre main est ouverte, et l’exercice ne bouge plus.',
   'webgl.lostSoft': 'Elle revient le plus souvent d’elle-même. Sinon, rechargez cette page.',
   'webgl.backTitle': 'L’image est revenue',
 

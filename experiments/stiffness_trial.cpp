@@ -1,0 +1,175 @@
+#include "experiments/stiffness_trial.hpp"
+
+#include "assembly/rig.hpp"
+#include "assembly/sampled_inertia.hpp"
+#include "dynamics/articulated_body.hpp"
+#include "dynamics/synergy.hpp"
+#include "runtime/interrupt_scope.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <utility>
+
+namespace wholehand {
+namespace {
+
+constexpr double kMass_kg = 0.5, kDamping_n_s_m = 1.0, kPush_n = 3.0, kKnock_n = 0.5;
+constexpr double kSettled_s = 1.5, kKnock_s = 2.0, kKnockEnds_s = 2.02, kEnd_s = 4.0;
+/// The knock's motion in the first window is compared with that in the last.
+constexpr double kEarly_s = 2.1, kEarlyEnds_s = 2.6, kLate_s = 3.5;
+/// The search, in shares of the bound.
+constexpr double kLow = 0.8, kHigh = 1.4;
+constexpr int kHalvings = 6;
+constexpr double kGap_m = 0.004;
+
+/// One axis by its exact solution, pushed and knocked; 20 N·s/m more until it rests.
+class PushedAxis final : public HapticDevice {
+ public:
+  PushedAxis(AxisPosition start, int axis, double period_s)
+      : q_(start), axis_(axis), period_s_(period_s) {}
+  [[nodiscard]] Expected<Done> open() override { return Done{}; }
+  [[nodiscard]] Expected<Done> ready() override { return Done{}; }
+  [[nodiscard]] bool simulated() const noexcept override { return true; }
+  [[nodiscard]] Fault read(DeviceReading& reading, int) noexcept override {
+    if (reads_++ > 0) advance();
+    reading.q_m = q_;
+    return Fault::kNone;
+  }
+  [[nodiscard]] Fault write(const AxisEffort& effort) noexcept override {
+    written_n_ = effort[axis_];
+    return Fault::kNone;
+  }
+  void close() noexcept override {}
+  [[nodiscard]] double velocity() const noexcept { return v_; }
+
+ private:
+  void advance() noexcept {
+    const double t = (reads_ - 2) * period_s_;
+    const double b = kDamping_n_s_m + (t < kSettled_s ? 20.0 : 0.0);
+    const double knock = t >= kKnock_s && t < kKnockEnds_s ? kKnock_n : 0.0;
+    const double force = acting_n_ - kPush_n - knock;
+    acting_n_ = written_n_;  // a tick of delay
+    const double decay = std::exp(-b / kMass_kg * period_s_), drift = force / b;
+    q_[axis_] += drift * period_s_ + (v_ - drift) * kMass_kg / b * (1.0 - decay);
+    v_ = drift + (v_ - drift) * decay;
+  }
+
+  AxisPosition q_;
+  int axis_;
+  double period_s_, v_ = 0.0, acting_n_ = 0.0, written_n_ = 0.0;
+  int reads_ = 0;
+};
+
+/// How far the hand reaches along −y [m].
+double reachBackwards(const HandModel& hand, const AxisPosition& q_s) {
+  ArticulatedBody body(hand);
+  JointPosition theta;
+  Synergy(hand).expand(q_s, theta);
+  body.updateKinematics(theta);
+  double furthest_m = -std::numeric_limits<double>::infinity();
+  for (const Capsule& c : hand.capsules) {
+    const Pose& at = body.linkPose(c.link);
+    const Eigen::Vector3d a = at * c.a_m, b = at * c.b_m;
+    furthest_m = std::max({furthest_m, c.radius_m - a.y(), c.radius_m - b.y()});
+  }
+  return furthest_m;
+}
+
+SceneBody boxBehind(double face_m) {
+  SceneBody body;
+  body.name = "box";
+  body.fixed = true;
+  body.pose.translation_m = {0.0, -face_m - 0.05, 0.0};
+  Shape shape;
+  shape.half_extents_m = {0.5, 0.05, 0.5};
+  body.shapes.push_back(shape);
+  return body;
+}
+
+/// The models of the trial without a stiffness, and its axis and posture.
+struct Bench {
+  Models models;
+  int axis = 0;
+  AxisPosition start;
+};
+
+Expected<Bench> makeBench(const ModelFiles& files) {
+  auto models = loadModels(files);
+  if (!models) return models.errors();
+  Bench bench{std::move(*models), 0, {}};
+  DeviceModel& device = bench.models.device;
+  bench.axis = device.axisIndex("y");
+  if (bench.axis < 0) {
+    return Diagnostic{device.path, 0, "axes", "", "has no axis y to press with", "use another one"};
+  }
+  bench.start = AxisPosition(device.axisCount());
+  if (const int fingers = device.axisIndex("finger_flexion"); fingers >= 0) {
+    bench.start[fingers] = 1.0;  // the back of the hand alone meets the box
+  }
+  device.output_delay_ticks = 1;
+  DeviceAxis& axis = device.axes[static_cast<std::size_t>(bench.axis)];
+  axis.mass = kMass_kg;
+  axis.damping = kDamping_n_s_m;
+  axis.effort_limit = 1e6;  // limits off
+  axis.effort_slew_limit = 1e9;
+  AxisRendering& gains = bench.models.rendering.axes[static_cast<std::size_t>(bench.axis)];
+  gains.armature = 0.0;
+  gains.gamma = gains.k_dm = 0.0;
+  bench.models.scene.bodies = {boxBehind(reachBackwards(bench.models.hand, bench.start) + kGap_m)};
+  return bench;
+}
+
+/// Whether the knock dies away.
+Expected<bool> fades(const ModelFiles& files, double stiffness_n_m, const RigOptions& options) {
+  auto bench = makeBench(files);
+  if (!bench) return bench.errors();
+  bench->models.rendering.axes[static_cast<std::size_t>(bench->axis)].k_pm = stiffness_n_m;
+  auto device = std::make_unique<PushedAxis>(bench->start, bench->axis, options.period_s);
+  const PushedAxis& pushed = *device;
+  auto rig = buildRigWithoutPerson(std::move(bench->models), std::move(device), options);
+  if (!rig) return rig.errors();
+  if (auto armed = (*rig)->renderer->arm(); !armed) return armed.errors();
+  auto record = std::make_unique<TickRecord>();
+  double early = 0.0, late = 0.0;
+  for (std::uint64_t k = 0; static_cast<double>(k) * options.period_s < kEnd_s; ++k) {
+    if (InterruptScope::interrupted()) break;
+    record->tick = k;
+    record->time_s = static_cast<double>(k) * options.period_s;
+    (*rig)->renderer->tick(1, *record);
+    const double squared = pushed.velocity() * pushed.velocity();
+    if (record->time_s > kEarly_s && record->time_s <= kEarlyEnds_s) early += squared;
+    if (record->time_s > kLate_s) late += squared;
+  }
+  return late < early;
+}
+
+}  // namespace
+
+Expected<StableStiffness> largestStableStiffness(const ModelFiles& files, const std::string& engine,
+                                                 double rate_hz) {
+  RigOptions options;
+  options.engine = engine;
+  options.period_s = 1.0 / rate_hz;
+  options.uncertified = true;  // what is sought lies beyond what is certified
+  auto bench = makeBench(files);
+  if (!bench) return bench.errors();
+  const CertificateInput input = certificateInput(bench->models, options.period_s);
+  StableStiffness out;
+  out.bound_n_m = certifyAxis(axisCase(input, bench->axis)).rigid_limit;
+  double low = kLow, high = kHigh;
+  auto begun = fades(files, low * out.bound_n_m, options);
+  if (!begun) return begun.errors();
+  if (!*begun) return out;
+  for (int i = 0; i < kHalvings && !InterruptScope::interrupted(); ++i) {
+    const double middle = 0.5 * (low + high);
+    auto stable = fades(files, middle * out.bound_n_m, options);
+    if (!stable) return stable.errors();
+    (*stable ? low : high) = middle;
+  }
+  out.found_n_m = low * out.bound_n_m;
+  return out;
+}
+
+}  // namespace wholehand

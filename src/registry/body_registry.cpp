@@ -1,0 +1,240 @@
+#include "registry/body_registry.hpp"
+
+#include <algorithm>
+
+namespace wholehand {
+namespace {
+
+constexpr double kParked_z_m = -8.0;    ///< an empty slot is lower, a body is within 5 m
+constexpr double kRefusedFor_s = 0.25;  ///< until a body that the loop refused is tried again
+constexpr double kChoose_s = 0.02;
+constexpr double kLeaves_s = 5.0;  ///< of silence, after which the loop lets all bodies go
+
+bool fixed(BodyOwner owner) {
+  return owner == BodyOwner::kFixed;
+}
+
+/// Refusals that only a spawn meets.
+bool refusesSpawn(OrderRefusal refusal) {
+  return refusal == OrderRefusal::kSlotTaken || refusal == OrderRefusal::kNoSuchShapes ||
+         refusal == OrderRefusal::kBadMass || refusal == OrderRefusal::kBudget ||
+         refusal == OrderRefusal::kSilent;
+}
+
+}  // namespace
+
+void BodyRegistry::begin(const HandModel& hand, const DeviceModel& device, const GameBudget& budget,
+                         int first_body, int refused_event) {
+  end();
+  budget_ = budget;
+  first_body_ = first_body;
+  refused_event_ = refused_event;
+  last_generation_ = kFirstGeneration;
+  reach_ = std::make_unique<HandReach>(hand, device, kReachWithin_s);
+}
+
+void BodyRegistry::end() {
+  for (auto& [number, body] : bodies_) {
+    body.slot = -1;
+    body.moved_away = false;
+    body.not_before_s = 0.0;
+    setWhereabouts(body, Whereabouts::kOutOfReach);
+  }
+  held_ = {};
+  fixed_ = {};
+  others_until_s_ = {};
+  for_loop_.clear();
+  reach_.reset();
+  time_s_ = chosen_s_ = 0.0;
+  silent_since_s_ = -1.0;
+}
+
+void BodyRegistry::clear() {
+  if (!bodies_.empty()) ++version_;
+  bodies_.clear();
+  for (Held& held : held_) {
+    if (held.number != 0) held.number = -1;
+  }
+}
+
+BodyRegistry::Body* BodyRegistry::find(int number) {
+  const auto found = bodies_.find(number);
+  return found == bodies_.end() ? nullptr : &found->second;
+}
+
+void BodyRegistry::setWhereabouts(Body& body, Whereabouts whereabouts) {
+  if (body.whereabouts == whereabouts) return;
+  body.whereabouts = whereabouts;
+  ++version_;
+}
+
+bool BodyRegistry::usesShapes(int shape_set) const {
+  return std::any_of(bodies_.begin(), bodies_.end(),
+                     [&](const auto& at) { return at.second.spawn.shape_set == shape_set; });
+}
+
+std::vector<RegisteredBody> BodyRegistry::bodies() const {
+  std::vector<RegisteredBody> out;
+  out.reserve(bodies_.size());
+  for (const auto& [number, body] : bodies_) {
+    const int slot = body.whereabouts == Whereabouts::kInSlot ? body.slot : -1;
+    out.push_back({number, body.spawn.generation, body.spawn.shape_set, slot, body.whereabouts,
+                   body.spawn.pose});
+  }
+  return out;
+}
+
+OrderRefusal BodyRegistry::add(const SpawnOrder& order, double radius_m) {
+  if (!isRegistered(order.slot)) return OrderRefusal::kNoSuchSlot;
+  if (find(order.slot) != nullptr) return OrderRefusal::kSlotTaken;
+  if (bodies_.size() >= std::size_t{kMostRegistered}) return OrderRefusal::kBudget;
+  if (silent_since_s_ >= 0.0) return OrderRefusal::kSilent;
+  Body body;
+  body.spawn = order;
+  body.spawn.refuse_overlap = false;
+  body.radius_m = radius_m;
+  bodies_.emplace(order.slot, body);
+  ++version_;
+  return OrderRefusal::kNone;
+}
+
+OrderRefusal BodyRegistry::obey(const Command& command) {
+  Body* body = find(command.index);
+  if (body == nullptr || command.value != body->spawn.generation) {
+    return OrderRefusal::kWrongGeneration;
+  }
+  if (command.type == CommandType::kBodyTarget && body->spawn.owner != BodyOwner::kGame) {
+    return OrderRefusal::kNotTheGames;
+  }
+  if (body->slot >= 0) {
+    if (const OrderRefusal no = orderInSlot(*body, command); no != OrderRefusal::kNone) return no;
+  }
+  switch (command.type) {
+    case CommandType::kRemove:
+      bodies_.erase(command.index);
+      ++version_;
+      break;
+    case CommandType::kSetOwner:
+      body->spawn.owner = spawnOrderOf(command).owner;
+      break;
+    default:  // nothing is in the way out there
+      body->spawn.pose = poseOf(command);
+      body->spawn.velocity_m_s = body->spawn.spin_rad_s = Vec3{};
+      if (body->slot < 0 || body->moved_away) ++moves_;
+  }
+  return OrderRefusal::kNone;
+}
+
+OrderRefusal BodyRegistry::orderInSlot(Body& body, const Command& command) {
+  Held& held = held_[body.slot];
+  if (held.leaving) {  // it is on its way out: what is ordered holds there
+    if (command.type == CommandType::kRemove) held.number = -1;
+    const bool moves =
+        command.type == CommandType::kTeleport || command.type == CommandType::kBodyTarget;
+    body.moved_away = body.moved_away || moves;
+    return OrderRefusal::kNone;
+  }
+  Command order = command;
+  order.index = body.slot;
+  order.value = held.generation;
+  if (command.type == CommandType::kSetOwner) {
+    const bool moves = !fixed(spawnOrderOf(command).owner);
+    const auto moving = std::count_if(held_.begin(), held_.end(),
+                                      [](const Held& h) { return h.number != 0 && h.moves; });
+    if (moves && !held.moves && moving >= budget_.awake) return OrderRefusal::kBudget;
+    held.moves = held.moves || moves;
+  }
+  if (command.type == CommandType::kRemove) {
+    held.number = -1;
+    held.leaving = true;
+    held.since_s = time_s_;
+  }
+  for_loop_.push_back(order);
+  return OrderRefusal::kNone;
+}
+
+bool BodyRegistry::parked(int slot, const TickRecord& record) const {
+  const int index = first_body_ + slot;
+  return index >= record.body_count || record.bodies[index].position_m.z < kParked_z_m;
+}
+
+void BodyRegistry::see(const TickRecord& record) {
+  if (reach_ == nullptr) return;
+  time_s_ = record.time_s;
+  const bool silent = any(record.faults & Fault::kOwnerSilent);
+  if (!silent) silent_since_s_ = -1.0;
+  if (silent && silent_since_s_ < 0.0) silent_since_s_ = time_s_;
+  if (silent && time_s_ - silent_since_s_ > kLeaves_s) clear();
+  watchOthers(record);
+  noteRefused(record);
+  for (int slot = 0; slot < budget_.slots; ++slot) {
+    if (held_[slot].number != 0) followSlot(slot, record);
+  }
+  if (silent || !for_loop_.empty() || time_s_ - chosen_s_ < kChoose_s) return;
+  chosen_s_ = time_s_;
+  if (!bodies_.empty()) choose(record);
+}
+
+// Which of the bodies that have no number are fixed; and which of ours the hand touches.
+void BodyRegistry::watchOthers(const TickRecord& record) {
+  for (int i = 0; i < record.command_count; ++i) {
+    const Command& command = record.commands[i];
+    const bool says = command.type == CommandType::kSpawn || command.type == CommandType::kSetOwner;
+    if (!says || command.index < 0 || command.index >= budget_.slots) continue;
+    fixed_[command.index] = fixed(spawnOrderOf(command).owner);
+  }
+  for (int i = 0; i < record.contact_count; ++i) {
+    const int slot = record.contacts[i].body - first_body_;
+    if (slot >= 0 && slot < budget_.slots) held_[slot].touched_s = time_s_;
+  }
+}
+
+void BodyRegistry::noteRefused(const TickRecord& record) {
+  for (int i = 0; i < record.exercise.event_count; ++i) {
+    const ExerciseEvent& event = record.exercise.events[i];
+    if (event.type != refused_event_ || event.index < 0 || event.index >= budget_.slots) continue;
+    const Held& held = held_[event.index];
+    const auto refusal = static_cast<OrderRefusal>(static_cast<int>(event.value));
+    if (held.number != 0 && !held.seen && refusesSpawn(refusal)) freeSlot(event.index);
+  }
+}
+
+void BodyRegistry::freeSlot(int slot) {
+  if (Body* body = find(held_[slot].number)) {
+    body->slot = -1;
+    body->moved_away = false;
+    if (!held_[slot].seen) body->not_before_s = time_s_ + kRefusedFor_s;
+    setWhereabouts(*body, Whereabouts::kOutOfReach);
+  }
+  held_[slot] = Held{};
+}
+
+void BodyRegistry::followSlot(int slot, const TickRecord& record) {
+  Held& held = held_[slot];
+  if (!parked(slot, record)) {
+    if (!held.seen) held.since_s = time_s_;
+    held.seen = true;
+    return keepState(slot, record.bodies[first_body_ + slot]);
+  }
+  if (!held.seen) {
+    if (time_s_ - held.since_s < kAnswered_s) return;
+    for_loop_.push_back(removeCommand(slot, held.generation));  // in case that it comes later
+  } else if (!held.leaving && find(held.number) != nullptr) {
+    bodies_.erase(held.number);  // the loop took it out: too fast, or out of the world
+    ++version_;
+  }
+  freeSlot(slot);
+}
+
+void BodyRegistry::keepState(int slot, const BodyState& state) {
+  Body* body = find(held_[slot].number);
+  if (body == nullptr || body->moved_away) return;
+  const Eigen::Vector3d moved = state.position_m.eigen() - body->spawn.pose.position_m.eigen();
+  const bool stands = moved.isZero(0.0) && state.velocity_m_s.eigen().isZero(0.0);
+  body->spawn.pose = {state.position_m, state.orientation_xyzw};
+  if (stands && body->spawn.owner == BodyOwner::kLoop) return;  // a ghost: has its velocity later
+  body->spawn.velocity_m_s = state.velocity_m_s;
+  body->spawn.spin_rad_s = state.angular_velocity_rad_s;
+}
+
+}  // namespace wholehand
