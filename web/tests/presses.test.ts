@@ -48,18 +48,6 @@ test('Start_AfterWatching_BeginsAnew', async () => {
   expect(await start()).toBe(Act.Restart);
 });
 
-test('Watch_BeforeTheProgramHasSaidAnything_SaysSoAndIsPressedAgain', async () => {
-  const { presses, memory, connection } = playing();
-  const { latestState } = connection;
-  Object.assign(connection, { status: 'connecting', latestState: null });
-  await presses.watch();
-  expect(memory.wish).toBe('undecided');
-  expect(memory.notice).not.toBe('');
-  Object.assign(connection, { status: 'open', latestState });
-  await presses.watch();
-  expect([memory.wish, memory.notice]).toEqual(['watch', '']);
-});
-
 test('Start_OfWhoeverPlayedBefore_GoesOn', async () => {
   const { memory, start } = playing();
   await start();

@@ -72,6 +72,7 @@ export interface WelcomeContent {
   readonly level: number;
   readonly tone: Tone;
   readonly help: Help | null;  // null: the therapist has set it
+  readonly connected: boolean;        // the program hears the page: the buttons act
   readonly notice: string;
   readonly words: ExerciseWords;
 }
@@ -94,7 +95,7 @@ function stepList({ words, tone }: WelcomeContent): HTMLElement | null {
 }
 
 export function welcomeCard(content: WelcomeContent, actions: WelcomeActions): { card: HTMLElement; start: HTMLButtonElement } {
-  const start = h('button', { type: 'button', class: 'button go t-m', 'data-testid': 'start', onclick: actions.start }, text('welcome.start'));
+  const start = h('button', { type: 'button', class: 'button go t-m', 'data-testid': 'start', disabled: !content.connected, onclick: actions.start }, text('welcome.start'));
   const { words } = content;
   const chosen = content.ways.find((section) => section.way === content.way);
   const ways = content.ways.map((section) => pressable(section.name, section.way === content.way, () => actions.way(section.way), { 'data-way': section.way }));
@@ -120,8 +121,10 @@ export function welcomeCard(content: WelcomeContent, actions: WelcomeActions): {
       content.levels < 2 ? null : h('div', { class: 'line', role: 'group', 'aria-labelledby': 'welcome-level' }, h('h2', { id: 'welcome-level', class: 't-m' }, text('welcome.level')), ...levels, h('span', { class: 'soft' }, words.levelName(content.level))),
       h('div', { class: 'line', role: 'group', 'aria-labelledby': 'welcome-tone' }, h('h2', { id: 'welcome-tone', class: 't-m' }, text('welcome.tone')), ...tones)),
     h('div', { class: 'actions' }, start,
-      h('button', { type: 'button', class: 'button plain t-m', 'data-testid': 'watch', onclick: actions.watch }, text('welcome.watch')),
-      h('p', { class: 't-s notice', role: 'alert' }, content.notice)));
+      h('button', { type: 'button', class: 'button plain t-m', 'data-testid': 'watch', disabled: !content.connected, onclick: actions.watch }, text('welcome.watch')),
+      content.connected
+        ? h('p', { class: 't-s notice', role: 'alert' }, content.notice)
+        : h('p', { class: 't-s soft', role: 'status' }, text('welcome.connecting'))));
   return { card, start };
 }
 

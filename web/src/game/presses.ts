@@ -2,7 +2,6 @@
 import type { Controls } from '../input/controls';
 import type { Connection } from '../net/connection';
 import { Act, RunState } from '../protocol';
-import { text } from '../shared/i18n';
 import type { Memory } from './memory';
 import type { Sound } from './sound';
 import { changeLevel, letProgramPlay, openCamera, Press, takeOver } from './takeover';
@@ -21,7 +20,6 @@ export class Presses {
 
   async watch(): Promise<void> {
     this.controls.stopWebcam();
-    if (!this.isConnected()) return;
     await this.busy(this.press(), (press) => letProgramPlay(this.connection, this.memory.known, press));
     this.memory.wish = 'watch';
     this.memory.isTheirs = true;
@@ -109,7 +107,6 @@ export class Presses {
   private async begin(): Promise<void> {
     const { connection, memory } = this;
     const press = this.press();
-    if (!this.isConnected()) return;
     const camera = await openCamera(this.controls, memory.way);
     // After a stop meanwhile, here or elsewhere, the person has to press again.
     if (!press.holds) return;
@@ -123,13 +120,6 @@ export class Presses {
     }
     // Another page plays: this one watches, and says so.
     if (outcome.is === 'another plays') memory.wish = 'watch';
-  }
-
-  /** Whether the program hears and says its state yet; where not, the card says so, and the person presses again. */
-  private isConnected(): boolean {
-    const connected = this.connection.status === 'open' && this.connection.latestState !== null;
-    this.memory.notice = connected ? '' : text('welcome.connecting');
-    return connected;
   }
 
   /** A press on what is on the screen now. */

@@ -85,7 +85,7 @@ export class Screen {
     const { attempts, problem } = connection;
     const playing = !CARDS.has(now) && isPlaying(memory.situation(connection), connection.latestState);
     const key = [
-      now, language(), problem?.theirs, connection.refusedWith, connection.loss, connection.controls.led, memory.hardware, memory.notice, memory.helpOpen, memory.unseen, memory.setHelp,
+      now, language(), connection.connected, problem?.theirs, connection.refusedWith, connection.loss, connection.controls.led, memory.hardware, memory.notice, memory.helpOpen, memory.unseen, memory.setHelp,
       now === 'rest' && this.cards.restState,
     ].join();
     this.cards.showAttempts(attempts);

@@ -106,6 +106,9 @@ export class Connection extends Orders {
   /** Why this page lost them, until they are taken anew. */
   get loss(): Loss { return this.holding.loss; }
 
+  /** The program hears this page and has told its state. */
+  get connected(): boolean { return this.status === 'open' && this.latestState !== null; }
+
   /** Of a game, in the world. */
   get bodies(): readonly GameBodyShown[] { return this.gameBodies.bodies; }
 

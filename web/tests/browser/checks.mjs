@@ -17,7 +17,7 @@ const axis = (now, name) => now.q[now.axes.indexOf(name)];
 /** The game, past its first card, with a person about to play. */
 export async function openGame(browser, programUrl, query = {}, options = {}) {
   const page = await openPage(browser, pageUrl(programUrl, '/', { lang: 'en', quality: 'low', ...query }), options);
-  await page.waitForSelector('[data-testid=start]', { timeout: PATIENT_MS });
+  await page.waitForSelector('[data-testid=start]:enabled', { timeout: PATIENT_MS });
   await page.click('[data-testid=start]');
   await playing(page);
   return page;
@@ -301,7 +301,7 @@ export async function touchMovesAndSqueezes(browser, programUrl, watcher) {
   const page = await openPage(browser, pageUrl(programUrl, '/', { lang: 'en', quality: 'low', help: 'some' }), { hasTouch: true });
   let at = {};
   try {
-    await page.waitForSelector('[data-testid=start]', { timeout: PATIENT_MS });
+    await page.waitForSelector('[data-testid=start]:enabled', { timeout: PATIENT_MS });
     await page.tap('[data-testid=start]');
     await playing(page);
     await watcher.until('rendering', (now) => now.runState === RENDERING, { within_ms: PATIENT_MS });

@@ -20,8 +20,8 @@ export async function takePictures(browser, programUrl, folder, watcher) {
     // On a busy machine a page that draws this slowly loses its line for a moment, and asks why.
     const page = await openPage(browser, pageUrl(programUrl, path, { lang: 'en', quality: 'high', ...query }), { cutOff: true });
     if (click) {
-      // Not page.click: it waits for several pictures of a button that does not move. Pressed until it has acted: a page
-      // that is not connected yet says so, and one that loses its line for a moment takes the button away and brings it back.
+      // Not page.click: it waits for several pictures of a button that does not move. Pressed until it has acted: before
+      // the page is connected it cannot be pressed, and one that loses its line for a moment takes it away and brings it back.
       await page.waitForFunction((selector) => {
         const button = document.querySelector(selector);
         button?.click();

@@ -147,7 +147,7 @@ export async function watchingBringsThePlayBack(browser, programUrl, watcher) {
   await until('the effort out', faded, { within_ms: PATIENT_MS });
   const page = await openPage(browser, pageUrl(programUrl, '/', { lang: 'en', quality: 'low' }));
   try {
-    await page.waitForSelector('[data-testid=watch]', { timeout: PATIENT_MS });
+    await page.waitForSelector('[data-testid=watch]:enabled', { timeout: PATIENT_MS });
     await wait(1000);
     expect(await faded(), 'a page that is only opened brings the effort back');
     // A slow page draws its first picture for seconds after the press, and reads no answer before.
@@ -161,6 +161,33 @@ export async function watchingBringsThePlayBack(browser, programUrl, watcher) {
     await page.context().close();
   }
   return 'the virtual patient plays again after a press of "Watch first" on a page that then drew for 4.5 s';
+}
+
+/** As on a slow machine: the line opens this late [ms]. */
+const LATE_LINE_MS = 1500;
+const LATE_LINE = (ms) => {
+  const { postMessage } = Worker.prototype;
+  Worker.prototype.postMessage = function later(...args) { setTimeout(() => postMessage.apply(this, args), ms); };
+};
+
+/** Start can be pressed from when it acts: no press on it is lost. */
+export async function startWaitsForTheLine(browser, programUrl, watcher) {
+  await watcher.page.waitForSelector('[data-testid=holder]:has-text("free")', { timeout: PATIENT_MS });
+  const late = await browser.newContext();
+  try {
+    await late.addInitScript(LATE_LINE, LATE_LINE_MS);
+    const game = await late.newPage();
+    await game.goto(pageUrl(programUrl, '/', { lang: 'en', quality: 'low' }), { waitUntil: 'commit' });
+    const start = game.locator('[data-testid=start]');
+    await game.waitForSelector('[data-testid=start]:disabled', { timeout: PATIENT_MS });
+    const words = await game.locator('.welcome .actions p').innerText();
+    expect(words === 'Connecting …', `beside the button that cannot be pressed it says "${words}"`);
+    await start.click({ timeout: PATIENT_MS });  // waits until it can be pressed, presses once
+    await watcher.until('the person steering', (now) => now.steering === 1 && now.runState === RENDERING, { within_ms: PATIENT_MS });
+    return `"${words}" beside Start, then one press began the play`;
+  } finally {
+    await late.close();
+  }
 }
 
 /** Whether a press in the middle of this button reaches it. */

@@ -28,7 +28,7 @@ const click = (page, testid) => page.evaluate((id) => document.querySelector(`[d
 async function openGame({ browser, url, opened }) {
   const page = await openPage(browser, pageUrl(url, '/', { lang: 'en', quality: 'low' }), { cutOff: true });
   opened.push(page);
-  await page.waitForSelector('[data-level="2"]', { timeout: PATIENT_MS });
+  await page.waitForSelector('[data-testid=start]:enabled', { timeout: PATIENT_MS });
   return page;
 }
 

@@ -168,6 +168,7 @@ try {
   await test('slow timers are no silence', () => presence.slowTimersAreNoSilence(plain, program.url, watcher));
   await test('a page that hangs loses the controls once', () => presence.hungPageLosesTheControlsOnce(plain, program.url, watcher));
   await test('help opens the hand', () => presence.helpOpensTheHand(plain, program.url, watcher));
+  await test('Start waits for the line', () => presence.startWaitsForTheLine(plain, program.url, watcher));
   await test('watching brings the play back', () => presence.watchingBringsThePlayBack(plain, program.url, watcher));
   await test('a stop that is not confirmed is said', () => presence.unconfirmedStopIsSaid(plain, program.url, watcher, program, OUTPUT));
   await test('pages are accessible', () => checks.pagesAreAccessible(plain, program.url));
