@@ -95,6 +95,8 @@ void ReducedContactSolver::reserve(int bodies) {
 void ReducedContactSolver::convertContacts(btPersistentManifold** manifolds, int count,
                                            const btContactSolverInfo& info) {
   rows_.setUp(kinematics_, inverse_, velocity_.data(), info.m_timeStep);
+  softness_ = settings_.contact_erp /
+              (settings_.contact_stiffness_N_m * info.m_timeStep * info.m_timeStep);
   couples_ends_ = rows_.couplesEnds();
   for (int i = 0; i < count; ++i) {
     const ColliderTag& a = *tagOf(manifolds[i]->getBody0());
@@ -213,7 +215,8 @@ void ReducedContactSolver::prepareSweeps() {
   for (int i = 0; i < contact_count_; ++i) {
     HandContact& contact = contacts_[i];
     const btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
-    finishRow(contact.normal_row, body, false, true);
+    finishRow(contact.normal_row, body, false, true, softness_);
+    contact.yielding = softness_ * contact.normal_row.effective_mass;
     finishRow(contact.tangent1_row, body, false);
     finishRow(contact.tangent2_row, body, false);
     finishRow(contact.spin_row, body, true);
@@ -223,7 +226,7 @@ void ReducedContactSolver::prepareSweeps() {
 }
 
 void ReducedContactSolver::finishRow(ReducedRow& row, const btSolverBody& body, bool angular,
-                                     bool one_sided) const {
+                                     bool one_sided, double softness) const {
   if (axes_ <= kNarrow) {
     respond<kNarrow>(row);
   } else {
@@ -242,7 +245,7 @@ void ReducedContactSolver::finishRow(ReducedRow& row, const btSolverBody& body, 
     row.angular_response = rigid->getInvInertiaTensorWorld() * row.angular;
     inverse_mass += row.linear_response.dot(row.linear) + row.angular_response.dot(row.angular);
   }
-  row.effective_mass = inverse_mass > kLeastInverseMass ? 1.0 / inverse_mass : 0.0;
+  row.effective_mass = inverse_mass > kLeastInverseMass ? 1.0 / (inverse_mass + softness) : 0.0;
   row.target = row.lacking * row.effective_mass;
 }
 

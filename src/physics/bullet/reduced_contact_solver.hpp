@@ -48,6 +48,7 @@ struct HandContact {
   double distance_m = 0.0;
   ImpulseBound* bound = nullptr;  ///< null: unbounded
   ReducedRow normal_row, tangent1_row, tangent2_row, spin_row;
+  double yielding = 0.0;  ///< R / (R + inverse mass) of the normal row, R as SolverSettings says
 };
 
 /// Bullet's rigid-body solver with the contacts of the hand. They are solved in the hand's reduced
@@ -109,7 +110,7 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   void startFromLast(HandContact& contact) const;
   void prepareSweeps();
   void finishRow(ReducedRow& row, const btSolverBody& body, bool angular,
-                 bool one_sided = false) const;
+                 bool one_sided = false, double softness = 0.0) const;
   void start(HandContact& contact);
   template <int Width>
   [[gnu::always_inline]] inline void press(HandContact& contact, btSolverBody& body, double wanted);
@@ -139,6 +140,7 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
 
   const int axes_;
   const SolverSettings settings_;
+  double softness_ = 0.0;  ///< R of the normal rows in this step [1/kg]
   const ArticulatedBody& kinematics_;
   HandRows& rows_;                     ///< self-contacts and joint limits of the hand
   bool couples_ends_ = false;          ///< a row is coupled to a joint end in this step

@@ -95,7 +95,8 @@ void ReducedContactSolver::iterate() {
   for (int i = 0; i < contact_count_; ++i) {
     HandContact& contact = contacts_[i];
     btSolverBody& body = m_tmpSolverBodyPool[contact.solver_body];
-    press<Width>(contact, body, wanted<Width>(contact.normal_row, body));
+    const double yielded = contact.yielding * contact.normal_row.impulse;
+    press<Width>(contact, body, wanted<Width>(contact.normal_row, body) - yielded);
   }
   for (int i = 0; i < contact_count_; ++i) solveFriction<Width>(contacts_[i]);
   residual_ = std::max(residual_, rows_.iterate<Width>(change_.data()));
