@@ -80,7 +80,7 @@ void Clients::changeHands(Entry entry, const wire::ClientMessage& m, std::int64_
   }
   // A connected client has shown its token already; a wrong one here is an error to report.
   if (take && !m.token.empty() && !access_.tokenMatches(m.token)) {
-    refuse(entry, m.id, "token", refused(Refusal::kWrongToken, "this is not the token"), now_ns);
+    refuse(entry, m.id, "token", refused(Refusal::kWrongToken, "the token is wrong"), now_ns);
     return;
   }
   const std::string why = take ? takeControls(entry, now_ns) : desk_.release(client);

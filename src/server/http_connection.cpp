@@ -76,7 +76,9 @@ void HttpConnection::upgrade() {
     answer(std::move(verdict));
   } else if (context_.clients.count() + context_.upgrading >= context_.max_clients &&
              !context_.clients.makeRoom(line_->peer(), monotonicNow_ns())) {
-    answer(plainRefusal(503, "too_many_clients", "As many clients as may be are connected."));
+    answer(plainRefusal(503, "too_many_clients",
+                        "The largest number of clients is connected already. Close a page or a "
+                        "client and try again."));
   } else {
     std::string cookie = context_.site.cookieFor(request_);
     ++context_.upgrading;

@@ -16,7 +16,7 @@ OrderReply needsControls(const Standing& now) {
 }
 
 OrderReply therapistOnly(const char* what) {
-  return refused(Refusal::kTherapistOnly, std::string(what) + " is the therapist's");
+  return refused(Refusal::kTherapistOnly, std::string(what) + " is for the therapist only");
 }
 
 // A player who is alone with a simulated device may begin: the demo, and practice at home.

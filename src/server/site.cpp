@@ -131,13 +131,13 @@ HttpAnswer Site::answer(const HttpRequest& request) const {
   if (!access_.hostAllowed(request.host)) {
     a = refusal(421, "host", "Not this address", "This program answers to localhost only.");
   } else if (!request.get) {
-    a = refusal(405, "method", "Not like this", "Only GET and HEAD are answered here.");
+    a = refusal(405, "method", "Method not allowed", "This program answers GET and HEAD only.");
     a.headers.emplace_back("Allow", "GET, HEAD");
   } else if (!path) {
     const int status = hasEncodedSlash(request.path()) ? 404 : 400;
-    a = refusal(status, "path", "Not an address", "This path is not one that the program serves.");
+    a = refusal(status, "path", "Not found", "The program does not serve this path.");
   } else if (needsToken(*path) && !access_.originAllowed(request.origin, request.host)) {
-    a = refusal(403, "origin", "Not from there", "Another site may not ask for this.");
+    a = refusal(403, "origin", "Origin not allowed", "A page of another site may not read this.");
   } else if (needsToken(*path) && !access_.authorized(request.credentials())) {
     a = refusal(401, "token", "A token is needed",
                 "Open the page with ?token=..., as the program was started with.");
@@ -157,11 +157,13 @@ HttpAnswer Site::mayConnect(const HttpRequest& request) const {
   if (!access_.hostAllowed(request.host)) {
     a = refusal(421, "host", "Not this address", "This program answers to localhost only.");
   } else if (!access_.originAllowed(request.origin, request.host)) {
-    a = refusal(403, "origin", "Not from there", "Another site may not connect to this program.");
+    a = refusal(403, "origin", "Origin not allowed",
+                "A page of another site may not connect to this program.");
   } else if (!access_.authorized(request.credentials())) {
     a = refusal(401, "token", "A token is needed", "Connect with ?token=...");
   } else if (!access_.roleOf(request.credentials())) {
-    a = refusal(400, "role", "No such role", "There are role=therapist, player and watcher.");
+    a = refusal(400, "role", "No such role",
+                "The roles are therapist, player and watcher: ?role=watcher.");
   }
   addSecurity(a);
   return a;
@@ -179,7 +181,9 @@ HttpAnswer Site::route(const HttpRequest& request, const std::string& path) cons
     return a;
   }
   if (path == "/metrics") return text(loop_.metrics(), "text/plain; version=0.0.4");
-  if (path == "/ws") return refusal(426, "no_upgrade", "For programs", "This is a WebSocket.");
+  if (path == "/ws")
+    return refusal(426, "no_upgrade", "WebSocket only",
+                   "This address is for WebSocket connections.");
   if (path == kRecordings) return recordingList();
   if (path.starts_with(std::string(kRecordings) + "/")) {
     return recording(request, path.substr(kRecordings.size() + 1));

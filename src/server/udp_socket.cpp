@@ -59,7 +59,8 @@ Expected<UdpEndpoint> parseUdpEndpoint(const std::string& text) {
     host = text.substr(0, colon);
     const char* end = text.data() + text.size();
     const auto [rest, error] = std::from_chars(text.data() + colon + 1, end, endpoint.port);
-    if (error != std::errc() || rest != end) return bad("has a port that is no number to 65535");
+    if (error != std::errc() || rest != end)
+      return bad("has a port that is not a number from 0 to 65535");
   }
   if (host.empty()) return bad("has no host");
   addrinfo wanted{};

@@ -163,7 +163,8 @@ Expected<ClientMessage> decodeCommand(const fb::Command& c) {
 
 Expected<ClientMessage> decodePayload(const fb::Message& message) {
   if (message.schema_version() != kSchemaVersion) {
-    return refusal(kVersionKey, std::to_string(message.schema_version()), "is not spoken here",
+    return refusal(kVersionKey, std::to_string(message.schema_version()),
+                   "is not the version of this program",
                    "must be " + std::to_string(kSchemaVersion) +
                        ": reload the page, or bring "
                        "client and program to the same version");
@@ -176,7 +177,7 @@ Expected<ClientMessage> decodePayload(const fb::Message& message) {
     return decodeCommand(*command);
   }
   return refusal("payload", std::to_string(static_cast<int>(message.payload_type())),
-                 "is nothing that a client says", "");
+                 "is not a message that a client may send", "");
 }
 
 }  // namespace

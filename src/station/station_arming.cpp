@@ -15,7 +15,7 @@ namespace wholehand {
 namespace {
 
 OrderReply stopCame() {
-  return refused(Refusal::kStopCame, "a stop came meanwhile: nothing pushes");
+  return refused(Refusal::kStopCame, "a stop was ordered meanwhile; nothing was armed");
 }
 
 }  // namespace
@@ -68,7 +68,7 @@ OrderReply Station::Core::arm(std::uint64_t asked, const std::string& record,
   if (live_) {
     const bool ends = status().run_state != RunState::kRendering;
     return ends ? refused(Refusal::kStillStopping,
-                          "it is still on its way to neutral: arm again then")
+                          "it is still going to neutral; arm again when it is there")
                 : refused(Refusal::kArmedAlready, "it is armed already");
   }
   if (stoppedSince(asked)) return stopCame();

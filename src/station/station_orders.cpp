@@ -61,7 +61,8 @@ OrderReply Station::Core::act(const Command& command) {
 // with every record.
 OrderReply Station::Core::steer(Steering by) {
   if (!live_) return refused(Refusal::kNothingArmed, "nothing is armed");
-  if (config_.make_device) return refused(Refusal::kOther, "who holds the device moves the hand");
+  if (config_.make_device)
+    return refused(Refusal::kOther, "the person at the device moves the hand");
   Command command;
   command.type = CommandType::kSteer;
   command.index = static_cast<std::int32_t>(by);

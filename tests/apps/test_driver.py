@@ -41,7 +41,7 @@ class Driver(DeviceTest):
         self.assertEqual([device.number(i, "B") for i in range(4)], [1, 1, 0, 0])  # enabled, homed; rails.c has no heat
         self.assertTrue(0.0 <= device.number(5, "f") < 2.0, "the age of the sample")
         self.assertEqual(self.page.answer(self.page.say(client.STEER, ("i", client.PERSON))),
-                         (False, "who holds the device moves the hand"))
+                         (False, "the person at the device moves the hand"))
         self.assertTrue(self.page.answer(self.page.say(client.EMERGENCY_STOP))[0])
         time.sleep(0.5)
         self.arm(endings_seen=3)  # the stop, and the end of the session

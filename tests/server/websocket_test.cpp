@@ -307,7 +307,7 @@ TEST_F(WebSocketTest, Token_IsAskedForAtTheDoorAndWithTheControls) {
   EXPECT_NE(client.reply().headers.at("set-cookie").find("wholehand_token="), std::string::npos);
   client.say(takeControls(1, "a-token-of-twenty-cx"));
   const auto wrong = answer(client);
-  EXPECT_EQ(wrong.reason, "this is not the token");
+  EXPECT_EQ(wrong.reason, "the token is wrong");
   EXPECT_EQ(wrong.refusal, fb::Refusal::WrongToken);
   client.say(takeControls(2, "a-token-of-twenty-ch"));
   EXPECT_TRUE(answer(client).accepted);
