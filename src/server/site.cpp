@@ -181,9 +181,10 @@ HttpAnswer Site::route(const HttpRequest& request, const std::string& path) cons
     return a;
   }
   if (path == "/metrics") return text(loop_.metrics(), "text/plain; version=0.0.4");
-  if (path == "/ws")
+  if (path == "/ws") {
     return refusal(426, "no_upgrade", "WebSocket only",
                    "This address is for WebSocket connections.");
+  }
   if (path == kRecordings) return recordingList();
   if (path.starts_with(std::string(kRecordings) + "/")) {
     return recording(request, path.substr(kRecordings.size() + 1));

@@ -96,7 +96,7 @@ void ReducedContactSolver::convertContacts(btPersistentManifold** manifolds, int
                                            const btContactSolverInfo& info) {
   rows_.setUp(kinematics_, inverse_, velocity_.data(), info.m_timeStep);
   softness_ = settings_.contact_erp /
-              (settings_.contact_stiffness_N_m * info.m_timeStep * info.m_timeStep);
+              (settings_.contact_stiffness_n_m * info.m_timeStep * info.m_timeStep);
   couples_ends_ = rows_.couplesEnds();
   for (int i = 0; i < count; ++i) {
     const ColliderTag& a = *tagOf(manifolds[i]->getBody0());

@@ -13,7 +13,7 @@ struct SolverSettings {
   double contact_erp = 0.05;         ///< fraction of a penetration removed per step
   /// Of a contact between hand and body in its normal direction. Row's softness:
   /// R = contact_erp / (contact_stiffness h²), so that λ = h · stiffness · depth at rest.
-  double contact_stiffness_N_m = 2.5e6;
+  double contact_stiffness_n_m = 2.5e6;
   double friction_anchor_erp = 0.2;  ///< fraction of a tangential drift removed per step
   double penetration_slop_m = 1e-5;
   double warm_start = 0.996;           ///< fraction of the last step's impulses to start from
