@@ -7,6 +7,7 @@
 // print one digest computed the same to the last bit. scripts/tick_cost.py runs it under Callgrind.
 #include "assembly/rig.hpp"
 #include "assembly/text_file.hpp"
+#include "experiments/complexity_scenes.hpp"
 #include "experiments/exercise_script.hpp"
 #include "experiments/grasp_script.hpp"
 #include "experiments/grip_target.hpp"
@@ -107,16 +108,26 @@ Prepared holdObject(const std::string& shape, const RigOptions& options) {
           static_cast<int>(std::lround(grasp_times::kHoldBegins / 1e-3))};
 }
 
+/// A pile of balls with the hand in it, as in `wholehand experiment complexity`.
+Prepared pressOnPile(int balls, const RigOptions& options) {
+  constexpr int kDown = 500;  // ticks until the hand presses
+  Models models = orThrow(loadModels(filesOf("empty.toml")));
+  models.scene = orThrow(complexityScene(ComplexityKind::kPile, balls, models));
+  Intention aim = swayingHand(models.device, 3600.0);
+  return {orThrow(buildRig(std::move(models), std::move(aim), options)), kDown};
+}
+
 Prepared prepare(const std::string& scene, const RigOptions& options) {
   constexpr int kSqueezed = 4000;  // of squeezeAgainAndAgain: the walls are felt, the grip is firm
   if (scene == "approach") return squeezeInBar(0, options);
   if (scene == "squeeze") return squeezeInBar(kSqueezed, options);
   if (scene == "near") return restAmongFour(options);
   if (scene.rfind("hold-", 0) == 0) return holdObject(scene.substr(5), options);
+  if (scene.rfind("pile-", 0) == 0) return pressOnPile(std::stoi(scene.substr(5)), options);
   if (scene.rfind("play-", 0) == 0) return playBar(std::stoull(scene.substr(5)), options);
   throw std::runtime_error("scene \"" + scene +
                            "\" is none of approach, squeeze, near, hold-cube, hold-cylinder, "
-                           "hold-sphere, hold-disk, play-SEED");
+                           "hold-sphere, hold-disk, pile-BALLS, play-SEED");
 }
 
 /// FNV-1a over all that a tick computes.

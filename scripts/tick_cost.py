@@ -26,6 +26,7 @@ SCENES = {
     "squeeze": "the bar, a dispenser squeezed through its walls",
     "hold-cube": "a cube grasped, lifted and held",
     "hold-cylinder": "a cylinder grasped, lifted and held",
+    "pile-100": "100 balls in a pile, the hand presses on them and sways",
 }
 # What the tick calls, and the stage that it belongs to. The first that matches counts.
 STAGES = [

@@ -40,7 +40,7 @@ void ReducedContactSolver::writeRow(const ReducedRow& row, int body, ConeNewton:
 }
 
 bool ReducedContactSolver::solveAtOnce() {
-  if (!settings_.at_once || !near_.empty()) return false;
+  if (!settings_.at_once || body_rows_.anyNear()) return false;
   if (rows_.touchCount() > 0 || rows_.couplesEnds() || !listIsland()) return false;
   root_.factorize(inverse_, axes_);
   newton_.begin(axes_ + 6 * static_cast<int>(island_.size()));

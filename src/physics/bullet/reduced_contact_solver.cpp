@@ -49,7 +49,8 @@ ReducedContactSolver::ReducedContactSolver(const HandModel& hand, const Articula
       contacts_(kMostContacts),
       bounded_(bodies),
       bounds_(bodies),
-      newton_(settings.newton) {
+      newton_(settings.newton),
+      body_rows_(mostBodyContacts(bodies), mostSolverBodies(bodies)) {
   reserve(bodies);
 }
 
@@ -74,15 +75,22 @@ AxisVelocity ReducedContactSolver::velocity() const {
   return out;
 }
 
+// Boxes in stacks side by side were seen to need 10 contacts each.
+int ReducedContactSolver::mostBodyContacts(int bodies) {
+  return std::max(512, 16 * bodies);
+}
+int ReducedContactSolver::mostSolverBodies(int bodies) {
+  return std::max(128, 2 * bodies);
+}
+
 // The base class grows these arrays at first contacts; growing them here keeps the tick free of
-// allocation. Boxes in stacks side by side were seen to need 10 rows each.
+// allocation.
 void ReducedContactSolver::reserve(int bodies) {
-  const int rows = std::max(512, 16 * bodies);
-  m_tmpSolverBodyPool.reserve(std::max(128, 2 * bodies));
-  slot_.reserve(std::max(128, 2 * bodies));
+  const int rows = mostBodyContacts(bodies);
+  m_tmpSolverBodyPool.reserve(mostSolverBodies(bodies));
+  slot_.reserve(mostSolverBodies(bodies));
   island_.reserve(ConeNewton::kMostUnknowns / 6);
-  touched_.reserve(std::max(128, 2 * bodies));
-  near_.reserve(rows);
+  touched_.reserve(mostSolverBodies(bodies));
   m_tmpSolverContactConstraintPool.reserve(rows);
   m_tmpSolverContactFrictionConstraintPool.reserve(2 * rows);
   m_tmpSolverContactRollingFrictionConstraintPool.reserve(3 * rows);
@@ -115,6 +123,12 @@ void ReducedContactSolver::convertContacts(btPersistentManifold** manifolds, int
 // colliders.
 void ReducedContactSolver::convertBodyManifold(btPersistentManifold& manifold,
                                                const btContactSolverInfo& info) {
+  const int room =
+      m_tmpSolverContactConstraintPool.capacity() - m_tmpSolverContactConstraintPool.size();
+  if (manifold.getNumContacts() > room) {
+    dropped_ += manifold.getNumContacts();
+    return;
+  }
   const btCollisionObject* a = manifold.getBody0();
   const btCollisionObject* b = manifold.getBody1();
   manifold.setBodies(tagOf(a)->rigid, tagOf(b)->rigid);
@@ -264,6 +278,8 @@ btScalar ReducedContactSolver::solveGroupCacheFriendlyFinish(btCollisionObject**
                                                              int body_count,
                                                              const btContactSolverInfo& info) {
   rows_.finish();
+  body_rows_.write(m_tmpSolverContactConstraintPool, m_tmpSolverContactFrictionConstraintPool,
+                   m_tmpSolverBodyPool);
   for (int i = 0; i < contact_count_; ++i) {
     const HandContact& contact = contacts_[i];
     btManifoldPoint& point = *contact.point;

@@ -2,6 +2,7 @@
 
 #include "core/axis_array.hpp"
 #include "dynamics/articulated_body.hpp"
+#include "physics/bullet/body_rows.hpp"
 #include "physics/bullet/collider_tag.hpp"
 #include "physics/bullet/cone_newton.hpp"
 #include "physics/bullet/hand_rows.hpp"
@@ -57,8 +58,8 @@ struct HandContact {
 ///
 /// Self-contacts and joint limits of the hand (HandRows) are solved together with them: at once by
 /// ConeNewton, or by sweeps of projected Gauss-Seidel where the bodies that the hand touches are
-/// many or touch others. The base class handles contacts between other bodies; those of bodies that
-/// the hand does not touch get fewer sweeps.
+/// many or touch others. The base class sets up the rows of contacts between bodies, which BodyRows
+/// sweeps; those of bodies that the hand does not touch get fewer sweeps.
 class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
  public:
   /// @pre kinematics and rows outlive this @param bodies number of bodies in the scene
@@ -99,6 +100,8 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
                                          const btContactSolverInfo& info) override;
 
  private:
+  [[nodiscard]] static int mostBodyContacts(int bodies);
+  [[nodiscard]] static int mostSolverBodies(int bodies);
   void reserve(int bodies);
   void convertBodyManifold(btPersistentManifold& manifold, const btContactSolverInfo& info);
   void convertHandManifold(btPersistentManifold& manifold, const ColliderTag& hand,
@@ -119,8 +122,7 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   void writeRow(const ReducedRow& row, int body, ConeNewton::Row& out) const;
   [[nodiscard]] bool withinBounds();
   void takeImpulses();
-  void listNear();
-  double iterateNear();
+  void readBodyRows();
   static constexpr int kNarrow = 8;  // axes that most devices do not exceed
   // The inner loop. Width is a compile-time multiple of the SIMD width and at least the number of
   // axes; elements beyond the axes are zero.
@@ -165,7 +167,7 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   std::vector<IslandBody> island_;  ///< bodies that the hand touches
   std::vector<int> slot_;           ///< per solver body: its index in the island, or −1
   std::vector<bool> touched_;       ///< per solver body: the hand touches it
-  std::vector<int> near_;           ///< contact rows of bodies that it touches
+  BodyRows body_rows_;              ///< contacts between bodies
 };
 
 }  // namespace wholehand::bullet

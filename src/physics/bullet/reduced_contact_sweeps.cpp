@@ -109,75 +109,35 @@ WHOLEHAND_VECTOR_CLONES void ReducedContactSolver::iterateWide() {
   iterate<kMaxAxes>();
 }
 
-void ReducedContactSolver::listNear() {
+void ReducedContactSolver::readBodyRows() {
   touched_.assign(m_tmpSolverBodyPool.size(), false);
   for (int i = 0; i < contact_count_; ++i) {
     const int body = contacts_[i].solver_body;
     touched_[body] = m_tmpSolverBodyPool[body].m_originalBody != nullptr;
   }
-  near_.clear();
-  for (int i = 0; i < m_tmpSolverContactConstraintPool.size(); ++i) {
-    const btSolverConstraint& row = m_tmpSolverContactConstraintPool[i];
-    const bool near = touched_[row.m_solverBodyIdA] || touched_[row.m_solverBodyIdB];
-    if (near && near_.size() < near_.capacity()) near_.push_back(i);
-  }
+  body_rows_.read(m_tmpSolverContactConstraintPool, m_tmpSolverContactFrictionConstraintPool,
+                  m_tmpSolverBodyPool, touched_);
 }
 
-// As the base class does with all of them: the normals, then two directions of friction each.
-double ReducedContactSolver::iterateNear() {
-  double residual = 0.0;
-  const auto bodies = [this](const btSolverConstraint& row) {
-    return std::pair<btSolverBody&, btSolverBody&>(m_tmpSolverBodyPool[row.m_solverBodyIdA],
-                                                   m_tmpSolverBodyPool[row.m_solverBodyIdB]);
-  };
-  for (const int i : near_) {
-    btSolverConstraint& row = m_tmpSolverContactConstraintPool[i];
-    const auto [a, b] = bodies(row);
-    const double change = resolveSingleConstraintRowLowerLimit(a, b, row);
-    residual = std::max(residual, change * change);
-  }
-  for (const int i : near_) {
-    const btSolverConstraint& normal = m_tmpSolverContactConstraintPool[i];
-    const double pressed = normal.m_appliedImpulse;
-    if (!(pressed > 0.0)) continue;
-    for (int k = normal.m_frictionIndex; k < normal.m_frictionIndex + 2; ++k) {
-      btSolverConstraint& row = m_tmpSolverContactFrictionConstraintPool[k];
-      row.m_upperLimit = row.m_friction * pressed;
-      row.m_lowerLimit = -row.m_upperLimit;
-      const auto [a, b] = bodies(row);
-      const double change = resolveSingleConstraintRowGeneric(a, b, row);
-      residual = std::max(residual, change * change);
-    }
-  }
-  return residual;
-}
-
+// In place of the base class's iteration, which would sweep its own rows.
 btScalar ReducedContactSolver::solveSingleIteration(
-    int iteration, btCollisionObject** bodies, int body_count, btPersistentManifold** manifolds,
-    int manifold_count, btTypedConstraint** constraints, int constraint_count,
-    const btContactSolverInfo& info, btIDebugDraw* drawer) {
+    int iteration, btCollisionObject** /*bodies*/, int /*body_count*/,
+    btPersistentManifold** /*manifolds*/, int /*manifold_count*/,
+    btTypedConstraint** /*constraints*/, int /*constraint_count*/,
+    const btContactSolverInfo& /*info*/, btIDebugDraw* /*drawer*/) {
   if (iteration == 0) {
-    listNear();
+    readBodyRows();
     at_once_ = solveAtOnce();
     if (!at_once_) prepareSweeps();
   }
+  const bool far = iteration < settings_.far_iterations;
   if (at_once_) {
-    const bool far =
-        iteration < settings_.far_iterations && m_tmpSolverContactConstraintPool.size() > 0;
-    if (!far) return 0.0;  // the base class stops
-    btSequentialImpulseConstraintSolver::solveSingleIteration(
-        iteration, bodies, body_count, manifolds, manifold_count, constraints, constraint_count,
-        info, drawer);
+    if (!far || !body_rows_.any()) return 0.0;  // the base class stops
+    static_cast<void>(body_rows_.sweepAll(m_tmpSolverBodyPool));
     return 1.0;
   }
-  double others = 0.0;
-  if (iteration < settings_.far_iterations) {
-    others = btSequentialImpulseConstraintSolver::solveSingleIteration(
-        iteration, bodies, body_count, manifolds, manifold_count, constraints, constraint_count,
-        info, drawer);
-  } else {
-    others = iterateNear();
-  }
+  const double others =
+      far ? body_rows_.sweepAll(m_tmpSolverBodyPool) : body_rows_.sweepNear(m_tmpSolverBodyPool);
   residual_ = 0.0;
   if (axes_ <= kNarrow) {
     iterateNarrow();

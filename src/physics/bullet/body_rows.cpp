@@ -1,0 +1,349 @@
+#include "physics/bullet/body_rows.hpp"
+
+#include "core/vector_clones.hpp"
+
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+
+#include <algorithm>
+
+namespace wholehand::bullet {
+namespace {
+
+bool moves(const btSolverBody& body) {
+  return body.m_originalBody != nullptr;
+}
+
+void copyVector(const btVector3& from, std::array<double, 4>& to) {
+  to = {from.x(), from.y(), from.z(), 0.0};
+}
+
+void copyVector(const std::array<double, 4>& from, btVector3& to) {
+  to.setValue(from[0], from[1], from[2]);
+}
+
+/// A vector of each of four contacts.
+struct FourVectors {
+  FourNumbers x, y, z;
+};
+
+[[gnu::always_inline]] inline void loadVectors(FourVectors& to,
+                                               const std::array<std::array<double, 4>, 3>& from) {
+  load(to.x, from[0].data());
+  load(to.y, from[1].data());
+  load(to.z, from[2].data());
+}
+
+/// From four vectors with a fourth number each.
+[[gnu::always_inline]] inline void gather(FourVectors& to, const double* of_0, const double* of_1,
+                                          const double* of_2, const double* of_3) {
+  FourNumbers v0, v1, v2, v3;
+  load(v0, of_0), load(v1, of_1), load(v2, of_2), load(v3, of_3);
+  const FourNumbers xz01 = __builtin_shufflevector(v0, v1, 0, 4, 2, 6);
+  const FourNumbers yw01 = __builtin_shufflevector(v0, v1, 1, 5, 3, 7);
+  const FourNumbers xz23 = __builtin_shufflevector(v2, v3, 0, 4, 2, 6);
+  const FourNumbers yw23 = __builtin_shufflevector(v2, v3, 1, 5, 3, 7);
+  to.x = __builtin_shufflevector(xz01, xz23, 0, 1, 4, 5);
+  to.y = __builtin_shufflevector(yw01, yw23, 0, 1, 4, 5);
+  to.z = __builtin_shufflevector(xz01, xz23, 2, 3, 6, 7);
+}
+
+/// The opposite; the fourth numbers become zero.
+[[gnu::always_inline]] inline void scatter(const FourVectors& from, double* to_0, double* to_1,
+                                           double* to_2, double* to_3) {
+  const FourNumbers none{};
+  const FourNumbers xy02 = __builtin_shufflevector(from.x, from.y, 0, 4, 2, 6);
+  const FourNumbers xy13 = __builtin_shufflevector(from.x, from.y, 1, 5, 3, 7);
+  const FourNumbers z02 = __builtin_shufflevector(from.z, none, 0, 4, 2, 6);
+  const FourNumbers z13 = __builtin_shufflevector(from.z, none, 1, 5, 3, 7);
+  store(__builtin_shufflevector(xy02, z02, 0, 1, 4, 5), to_0);
+  store(__builtin_shufflevector(xy13, z13, 0, 1, 4, 5), to_1);
+  store(__builtin_shufflevector(xy02, z02, 2, 3, 6, 7), to_2);
+  store(__builtin_shufflevector(xy13, z13, 2, 3, 6, 7), to_3);
+}
+
+/// to = a·b, in Bullet's order
+[[gnu::always_inline]] inline void dot(FourNumbers& to, const FourVectors& a,
+                                       const FourVectors& b) {
+  to = a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/// to += factor · vector
+[[gnu::always_inline]] inline void addScaled(FourVectors& to, const FourNumbers& factor,
+                                             const FourVectors& vector) {
+  to.x += vector.x * factor;
+  to.y += vector.y * factor;
+  to.z += vector.z * factor;
+}
+
+/// @param which of a comparison
+template <class Mask>
+[[gnu::always_inline]] inline bool anyOf(const Mask& which) {
+  return ((which[0] | which[1]) | (which[2] | which[3])) != 0;
+}
+
+[[gnu::always_inline]] inline void keepLargest(FourNumbers& most, const FourNumbers& change) {
+  most = change > most ? change : most;
+  most = -change > most ? -change : most;
+}
+
+}  // namespace
+
+/// Of the bodies of a group's contacts.
+struct BodyRows::Velocities {
+  FourVectors linear_a, angular_a, linear_b, angular_b;
+
+  [[gnu::always_inline]] inline void take(const Group& group) {
+    gather(linear_a, group.a[0]->linear.data(), group.a[1]->linear.data(),
+           group.a[2]->linear.data(), group.a[3]->linear.data());
+    gather(angular_a, group.a[0]->angular.data(), group.a[1]->angular.data(),
+           group.a[2]->angular.data(), group.a[3]->angular.data());
+    gather(linear_b, group.b[0]->linear.data(), group.b[1]->linear.data(),
+           group.b[2]->linear.data(), group.b[3]->linear.data());
+    gather(angular_b, group.b[0]->angular.data(), group.b[1]->angular.data(),
+           group.b[2]->angular.data(), group.b[3]->angular.data());
+  }
+
+  [[gnu::always_inline]] inline void put(Group& group) const {
+    scatter(linear_a, group.a[0]->linear.data(), group.a[1]->linear.data(),
+            group.a[2]->linear.data(), group.a[3]->linear.data());
+    scatter(angular_a, group.a[0]->angular.data(), group.a[1]->angular.data(),
+            group.a[2]->angular.data(), group.a[3]->angular.data());
+    scatter(linear_b, group.b[0]->linear.data(), group.b[1]->linear.data(),
+            group.b[2]->linear.data(), group.b[3]->linear.data());
+    scatter(angular_b, group.b[0]->angular.data(), group.b[1]->angular.data(),
+            group.b[2]->angular.data(), group.b[3]->angular.data());
+  }
+
+  /// As Bullet's resolveSingleConstraintRowGeneric(): what is lacking of the row's impulse.
+  [[gnu::always_inline]] inline void compare(const Row& row, FourNumbers& lacking) const {
+    FourVectors along, about_a, about_b;
+    FourNumbers effective_mass, a, b, turns;
+    loadVectors(along, row.along), loadVectors(about_a, row.about_a),
+        loadVectors(about_b, row.about_b);
+    load(lacking, row.target.data());
+    load(effective_mass, row.effective_mass.data());
+    dot(a, along, linear_a);
+    dot(turns, about_a, angular_a);
+    a += turns;
+    dot(b, along, linear_b);
+    dot(turns, about_b, angular_b);
+    b = turns - b;
+    lacking -= a * effective_mass;
+    lacking -= b * effective_mass;
+  }
+
+  /// Applies a change of the row's impulse.
+  [[gnu::always_inline]] inline void apply(const Row& row, const Group& group,
+                                           const FourNumbers& change) {
+    FourVectors along, response;
+    FourNumbers inverse_mass_a, inverse_mass_b;
+    loadVectors(along, row.along);
+    load(inverse_mass_a, group.inverse_mass_a.data());
+    load(inverse_mass_b, group.inverse_mass_b.data());
+    addScaled(linear_a, change,
+              {along.x * inverse_mass_a, along.y * inverse_mass_a, along.z * inverse_mass_a});
+    loadVectors(response, row.response_a);
+    addScaled(angular_a, change, response);
+    addScaled(linear_b, -change,
+              {along.x * inverse_mass_b, along.y * inverse_mass_b, along.z * inverse_mass_b});
+    loadVectors(response, row.response_b);
+    addScaled(angular_b, change, response);
+  }
+};
+
+BodyRows::BodyRows(int contacts, int bodies)
+    : groups_(contacts),
+      motions_(bodies + 1),
+      depth_(bodies),
+      run_(contacts),
+      place_(2 * contacts) {
+  all_.reserve(contacts);
+  near_.reserve(contacts);
+  touched_.reserve(bodies);
+  free_.reserve(bodies);
+}
+
+// Sorts contacts into runs, in which no two share a movable body. The depth of a contact is one
+// more than that of the last contact before it with either of its bodies; each depth has a run of
+// near contacts and one of the others. Returns the number of groups.
+int BodyRows::sortIntoRuns(const btConstraintArray& normals, const Bodies& bodies,
+                           const std::vector<bool>& touched) noexcept {
+  const int count = normals.size();
+  std::fill_n(depth_.begin(), bodies.size(), 0);
+  runs_ = 0;
+  for (int i = 0; i < count; ++i) {
+    const int a = normals[i].m_solverBodyIdA, b = normals[i].m_solverBodyIdB;
+    const int depth = std::max(moves(bodies[a]) ? depth_[a] : 0, moves(bodies[b]) ? depth_[b] : 0);
+    depth_[a] = depth_[b] = depth + 1;
+    run_[i] = 2 * depth + (touched[a] || touched[b] ? 0 : 1);
+    runs_ = std::max(runs_, 2 * depth + 2);
+  }
+  std::fill_n(place_.begin(), runs_, 0);
+  for (int i = 0; i < count; ++i) ++place_[run_[i]];
+  int groups = 0;
+  near_.clear();
+  for (int run = 0; run < runs_; ++run) {
+    const int first = groups;
+    groups += (place_[run] + kWide - 1) / kWide;
+    place_[run] = kWide * first;
+    if (run % 2 != 0) continue;
+    for (int i = first; i < groups; ++i) near_.push_back(&groups_[i]);
+  }
+  return groups;
+}
+
+void BodyRows::copy(const btSolverConstraint& from, bool a_moves, Row& to, int place) noexcept {
+  const btVector3& along = a_moves ? from.m_contactNormal1 : from.m_contactNormal2;
+  for (int k = 0; k < 3; ++k) {
+    to.along[k][place] = a_moves ? along[k] : -along[k];
+    to.about_a[k][place] = from.m_relpos1CrossNormal[k];
+    to.about_b[k][place] = from.m_relpos2CrossNormal[k];
+    to.response_a[k][place] = from.m_angularComponentA[k];
+    to.response_b[k][place] = from.m_angularComponentB[k];
+  }
+  to.target[place] = from.m_rhs;
+  to.effective_mass[place] = from.m_jacDiagABInv;
+  to.impulse[place] = from.m_appliedImpulse;
+}
+
+// A place without contact: its bodies are none, its rows zero.
+void BodyRows::leaveEmpty(Group& group, int place) noexcept {
+  static const btSolverConstraint kNone = [] {
+    btSolverConstraint none;
+    for (btVector3* vector :
+         {&none.m_contactNormal1, &none.m_contactNormal2, &none.m_relpos1CrossNormal,
+          &none.m_relpos2CrossNormal, &none.m_angularComponentA, &none.m_angularComponentB}) {
+      vector->setZero();
+    }
+    none.m_rhs = none.m_jacDiagABInv = none.m_appliedImpulse = 0.0;
+    return none;
+  }();
+  for (Row* row : {&group.normal, &group.tangent1, &group.tangent2}) copy(kNone, true, *row, place);
+  group.a[place] = group.b[place] = &motions_.back();
+  group.inverse_mass_a[place] = group.inverse_mass_b[place] = group.friction[place] = 0.0;
+  group.contact[place] = -1;
+}
+
+void BodyRows::read(const btConstraintArray& normals, const btConstraintArray& frictions,
+                    const Bodies& bodies, const std::vector<bool>& touched) noexcept {
+  touched_.clear();
+  free_.clear();
+  for (int i = 0; i < bodies.size(); ++i) {
+    copyVector(bodies[i].m_deltaLinearVelocity, motions_[i].linear);
+    copyVector(bodies[i].m_deltaAngularVelocity, motions_[i].angular);
+    if (moves(bodies[i])) (touched[i] ? touched_ : free_).push_back(i);
+  }
+  const int groups = sortIntoRuns(normals, bodies, touched);
+  all_.clear();
+  for (int i = 0; i < groups; ++i) all_.push_back(&groups_[i]);
+  for (int i = 0; i < normals.size(); ++i) {
+    const btSolverConstraint& normal = normals[i];
+    const btSolverConstraint& tangent = frictions[normal.m_frictionIndex];
+    const int a = normal.m_solverBodyIdA, b = normal.m_solverBodyIdB;
+    const int at = place_[run_[i]]++, place = at % kWide;
+    Group& group = groups_[at / kWide];
+    group.contact[place] = i;
+    group.a[place] = &motions_[a];
+    group.b[place] = &motions_[b];
+    group.inverse_mass_a[place] = bodies[a].m_invMass.x();
+    group.inverse_mass_b[place] = bodies[b].m_invMass.x();
+    group.friction[place] = tangent.m_friction;
+    const bool a_moves = moves(bodies[a]);
+    copy(normal, a_moves, group.normal, place);
+    copy(tangent, a_moves, group.tangent1, place);
+    copy(frictions[normal.m_frictionIndex + 1], a_moves, group.tangent2, place);
+  }
+  for (int run = 0; run < runs_; ++run) {
+    for (int at = place_[run]; at % kWide != 0; ++at) leaveEmpty(groups_[at / kWide], at % kWide);
+  }
+}
+
+void BodyRows::write(btConstraintArray& normals, btConstraintArray& frictions,
+                     Bodies& bodies) const noexcept {
+  for (const int i : free_) {
+    copyVector(motions_[i].linear, bodies[i].m_deltaLinearVelocity);
+    copyVector(motions_[i].angular, bodies[i].m_deltaAngularVelocity);
+  }
+  for (const Group* group : all_) {
+    for (int place = 0; place < kWide && group->contact[place] >= 0; ++place) {
+      btSolverConstraint& normal = normals[group->contact[place]];
+      normal.m_appliedImpulse = group->normal.impulse[place];
+      frictions[normal.m_frictionIndex].m_appliedImpulse = group->tangent1.impulse[place];
+      frictions[normal.m_frictionIndex + 1].m_appliedImpulse = group->tangent2.impulse[place];
+    }
+  }
+}
+
+// Sets the normal impulses. A contact only pushes.
+void BodyRows::press(Group& group, FourNumbers& most) {
+  const FourNumbers none{};
+  Row& row = group.normal;
+  Velocities velocities;
+  velocities.take(group);
+  FourNumbers lacking, impulse;
+  velocities.compare(row, lacking);
+  load(impulse, row.impulse.data());
+  const FourNumbers sum = impulse + lacking;
+  const FourNumbers change = sum < none ? none - impulse : lacking;
+  store(sum < none ? none : sum, row.impulse.data());
+  velocities.apply(row, group, change);
+  velocities.put(group);
+  keepLargest(most, change);
+}
+
+// Sets the impulses of one direction of friction, where the normal presses.
+void BodyRows::rub(Row& row, const Group& group, const FourNumbers& normal, Velocities& velocities,
+                   FourNumbers& most) {
+  const FourNumbers none{};
+  FourNumbers lacking, impulse, limit;
+  velocities.compare(row, lacking);
+  load(impulse, row.impulse.data());
+  load(limit, group.friction.data());
+  limit *= normal;
+  const FourNumbers sum = impulse + lacking;
+  const FourNumbers within = sum < -limit ? -limit : (sum > limit ? limit : sum);
+  FourNumbers change = within == sum ? lacking : within - impulse;
+  change = normal > none ? change : none;
+  store(normal > none ? within : impulse, row.impulse.data());
+  velocities.apply(row, group, change);
+  keepLargest(most, change);
+}
+
+WHOLEHAND_VECTOR_CLONES double BodyRows::sweep(const std::vector<Group*>& groups) noexcept {
+  FourNumbers most{};
+  for (Group* group : groups) press(*group, most);
+  for (Group* group : groups) {
+    FourNumbers normal;
+    load(normal, group->normal.impulse.data());
+    if (!anyOf(normal > FourNumbers{})) continue;
+    Velocities velocities;
+    velocities.take(*group);
+    rub(group->tangent1, *group, normal, velocities, most);
+    rub(group->tangent2, *group, normal, velocities, most);
+    velocities.put(*group);
+  }
+  return std::max(std::max(most[0], most[1]), std::max(most[2], most[3]));
+}
+
+double BodyRows::sweep(Bodies& bodies, const std::vector<Group*>& groups) noexcept {
+  for (const int i : touched_) {
+    copyVector(bodies[i].m_deltaLinearVelocity, motions_[i].linear);
+    copyVector(bodies[i].m_deltaAngularVelocity, motions_[i].angular);
+  }
+  const double most = sweep(groups);
+  for (const int i : touched_) {
+    copyVector(motions_[i].linear, bodies[i].m_deltaLinearVelocity);
+    copyVector(motions_[i].angular, bodies[i].m_deltaAngularVelocity);
+  }
+  return most;
+}
+
+double BodyRows::sweepAll(Bodies& bodies) noexcept {
+  return sweep(bodies, all_);
+}
+
+double BodyRows::sweepNear(Bodies& bodies) noexcept {
+  return sweep(bodies, near_);
+}
+
+}  // namespace wholehand::bullet
