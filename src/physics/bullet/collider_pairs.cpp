@@ -27,6 +27,14 @@ std::size_t mostPairs(std::size_t colliders) {
   return std::min(colliders * colliders / 2, 32 * colliders + 1024);
 }
 
+std::vector<int> ownersOf(const std::vector<BulletBody>& bodies) {
+  std::vector<int> owners;
+  for (const BulletBody& body : bodies) {
+    for (const auto& collider : body.colliders()) owners.push_back(collider->tag.body);
+  }
+  return owners;
+}
+
 bool keeps(const btPersistentManifold* manifold) {
   return manifold != nullptr && manifold->getNumContacts() > 0;
 }
@@ -44,7 +52,13 @@ btCollisionObjectWrapper wrap(btCollisionObject& object) {
 ColliderPairs::ColliderPairs(btCollisionDispatcher& dispatcher, BulletHand& hand,
                              std::vector<BulletBody>& bodies, RestingBodies& resting,
                              double threshold_m)
-    : dispatcher_(dispatcher), hand_(hand), threshold_m_(threshold_m), resting_(resting) {
+    : dispatcher_(dispatcher),
+      hand_(hand),
+      threshold_m_(threshold_m),
+      resting_(resting),
+      owner_(ownersOf(bodies)),
+      sweep_(owner_, mostPairs(owner_.size())),
+      parts_(owner_.size()) {
   for (const BulletBody& body : bodies) {
     const auto first = static_cast<int>(targets_.size());
     for (const auto& collider : body.colliders()) {
@@ -55,16 +69,13 @@ ColliderPairs::ColliderPairs(btCollisionDispatcher& dispatcher, BulletHand& hand
       }
       target.pairs.resize(target.capsules.size());
       boxes_.push_back(collider->box);
-      owner_.push_back(collider->tag.body);
       meets_bodies_.push_back(meetsBodies(collider->meets));
     }
     of_body_.emplace_back(first, static_cast<int>(targets_.size()));
   }
   const std::size_t most = mostPairs(targets_.size());
   for (std::vector<BodyPair>* list : {&body_pairs_, &before_}) list->reserve(most);
-  overlaps_.reserve(most);
   near_.reserve(most);
-  awake_.reserve(targets_.size());
 }
 
 ColliderPairs::~ColliderPairs() {
@@ -158,49 +169,36 @@ void ColliderPairs::disturbNear() noexcept {
   }
 }
 
-void ColliderPairs::addOverlap(int a, int b) noexcept {
-  if (!overlap(boxes_[a], boxes_[b]) || owner_[a] == owner_[b]) return;
-  if (overlaps_.size() == overlaps_.capacity()) {
-    ++dropped_;
-    return;
-  }
-  overlaps_.emplace_back(a, b);
-}
-
 /// Lists overlapping pairs of which at least one collider is awake.
 void ColliderPairs::listOverlaps() noexcept {
-  dropped_ = 0;
-  overlaps_.clear();
-  awake_.clear();
-  for (const int body : resting_.awakeBodies()) {
-    for (int c = of_body_[body].first; c < of_body_[body].second; ++c) {
-      if (meets_bodies_[c]) awake_.push_back(c);
-    }
+  if (parts_version_ != resting_.version()) {
+    parts_version_ = resting_.version();
+    for (std::size_t c = 0; c < parts_.size(); ++c) parts_[c] = partOf(static_cast<int>(c));
   }
-  if (awake_.empty()) return;
-  std::size_t next = 0;  // the first awake collider after this one
-  for (int c = 0; c < static_cast<int>(boxes_.size()); ++c) {
-    while (next < awake_.size() && awake_[next] <= c) ++next;
-    if (!meets_bodies_[c] || resting_.rests(owner_[c])) continue;
-    if (!awake(c)) {
-      for (std::size_t k = next; k < awake_.size(); ++k) addOverlap(c, awake_[k]);
-      continue;
-    }
-    for (int k = c + 1; k < static_cast<int>(boxes_.size()); ++k) {
-      if (meets_bodies_[k]) addOverlap(c, k);
-    }
+  if (resting_.awakeBodies().empty()) {
+    sweep_.clear();
+  } else {
+    sweep_.find(boxes_, parts_);
   }
+  dropped_ = sweep_.dropped();
+}
+
+BoxSweep::Part ColliderPairs::partOf(int collider) const noexcept {
+  if (!meets_bodies_[collider]) return BoxSweep::Part::kNone;
+  if (awake(collider)) return BoxSweep::Part::kAwake;
+  return resting_.rests(owner_[collider]) ? BoxSweep::Part::kRests : BoxSweep::Part::kStands;
 }
 
 /// Updates the contact points of overlapping pairs and removes pairs that no longer overlap. Pairs
 /// of two resting bodies stay unchanged.
 void ColliderPairs::follow() noexcept {
-  if (overlaps_.empty() && resting_.awakeBodies().empty()) return;
+  const std::vector<BoxSweep::Pair>& overlaps = sweep_.pairs();
+  if (overlaps.empty() && resting_.awakeBodies().empty()) return;
   std::swap(before_, body_pairs_);
   body_pairs_.clear();
   std::size_t now = 0;
   const auto take = [&](Pair pair) noexcept {
-    const auto [a, b] = overlaps_[now++];
+    const auto [a, b] = overlaps[now++];
     if (body_pairs_.size() == body_pairs_.capacity()) {
       ++dropped_;
       drop(pair);
@@ -211,8 +209,8 @@ void ColliderPairs::follow() noexcept {
   };
   for (BodyPair& old : before_) {
     const std::pair<int, int> both{old.a, old.b};
-    while (now < overlaps_.size() && overlaps_[now] < both) take({});
-    const bool still = now < overlaps_.size() && overlaps_[now] == both;
+    while (now < overlaps.size() && overlaps[now] < both) take({});
+    const bool still = now < overlaps.size() && overlaps[now] == both;
     if (still) {
       take(old.pair);
     } else if (awake(old.a) || awake(old.b) || body_pairs_.size() == body_pairs_.capacity()) {
@@ -221,7 +219,7 @@ void ColliderPairs::follow() noexcept {
       body_pairs_.push_back(old);
     }
   }
-  while (now < overlaps_.size()) take({});
+  while (now < overlaps.size()) take({});
 }
 
 const std::vector<RestingBodies::Near>& ColliderPairs::near() noexcept {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "physics/bullet/box_sweep.hpp"
 #include "physics/bullet/bullet_bodies.hpp"
 #include "physics/bullet/bullet_hand.hpp"
 #include "physics/bullet/resting_bodies.hpp"
@@ -10,11 +11,11 @@
 
 namespace wholehand::bullet {
 
-/// Finds the contact points of all colliders. Each step tests bounding boxes, and compares pairs
-/// whose boxes overlap; of two bodies at least one must be awake. A resting body wakes when the
-/// hand or an awake body comes near. contactDistance() handles a capsule of the hand against a box,
-/// sphere, cylinder or capsule, and a sphere against a box, cylinder or capsule; Bullet's narrow
-/// phase handles convex meshes and all other pairs of bodies. In both cases Bullet keeps the
+/// Finds the contact points of all colliders. Each step sweeps bounding boxes along x, and compares
+/// pairs whose boxes overlap; of two bodies at least one must be awake. A resting body wakes when
+/// the hand or an awake body comes near. contactDistance() handles a capsule of the hand against a
+/// box, sphere, cylinder or capsule, and a sphere against a box, cylinder or capsule; Bullet's
+/// narrow phase handles convex meshes and all other pairs of bodies. In both cases Bullet keeps the
 /// contact points between steps. Real-time safe except for construction.
 class ColliderPairs {
  public:
@@ -72,7 +73,7 @@ class ColliderPairs {
   void findOfHand(Target& target) noexcept;
   void disturbNear() noexcept;
   void listOverlaps() noexcept;
-  void addOverlap(int a, int b) noexcept;
+  [[nodiscard]] BoxSweep::Part partOf(int collider) const noexcept;
   void follow() noexcept;
   [[nodiscard]] bool awake(int collider) const noexcept;
   template <class Object>
@@ -86,13 +87,14 @@ class ColliderPairs {
   const double threshold_m_;
   btDispatcherInfo info_;
   RestingBodies& resting_;
-  std::vector<Target> targets_;                ///< one per collider
-  std::vector<std::pair<int, int>> of_body_;   ///< its first collider and the one after its last
-  std::vector<WorldBox> boxes_;                ///< of every collider
-  std::vector<int> owner_;                     ///< body of every collider
-  std::vector<bool> meets_bodies_;             ///< of every collider
-  std::vector<int> awake_;                     ///< colliders of awake bodies that can touch bodies
-  std::vector<std::pair<int, int>> overlaps_;  ///< of this step, ascending
+  std::vector<Target> targets_;               ///< one per collider
+  std::vector<std::pair<int, int>> of_body_;  ///< its first collider and the one after its last
+  std::vector<WorldBox> boxes_;               ///< of every collider
+  const std::vector<int> owner_;              ///< body of every collider
+  std::vector<bool> meets_bodies_;            ///< of every collider
+  BoxSweep sweep_;                            ///< overlaps of this step
+  std::vector<BoxSweep::Part> parts_;         ///< of every collider, at a version of resting_
+  unsigned parts_version_ = ~0U;
   std::vector<BodyPair> body_pairs_, before_;  ///< kept pairs, ascending
   std::vector<RestingBodies::Near> near_;
   int dropped_ = 0;

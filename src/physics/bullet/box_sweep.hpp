@@ -1,0 +1,59 @@
+#pragma once
+
+#include "physics/bullet/world_box.hpp"
+
+#include <utility>
+#include <vector>
+
+namespace wholehand::bullet {
+
+/// Finds the pairs of boxes that overlap. The boxes' intervals along x are sorted by insertion from
+/// the order of the last search, which has changed little; only boxes whose intervals overlap are
+/// compared. Real-time safe except for construction.
+class BoxSweep {
+ public:
+  enum class Part : char {
+    kNone,    ///< meets no other box
+    kStands,  ///< meets awake ones
+    kRests,   ///< meets awake ones of lower index
+    kAwake,   ///< meets all
+  };
+  using Pair = std::pair<int, int>;  ///< the lower index first
+
+  /// @param owner per box: boxes of one owner do not meet @param most_pairs of a search
+  BoxSweep(const std::vector<int>& owner, std::size_t most_pairs);
+
+  /// Lists the overlapping pairs of which at least one box is awake. @param boxes, parts per box
+  void find(const std::vector<WorldBox>& boxes, const std::vector<Part>& parts) noexcept;
+  void clear() noexcept;
+  /// Pairs of the last search, ascending.
+  [[nodiscard]] const std::vector<Pair>& pairs() const noexcept { return pairs_; }
+  /// Number of pairs that the last search left out.
+  [[nodiscard]] int dropped() const noexcept { return dropped_; }
+
+ private:
+  /// A box, with all that a comparison needs side by side.
+  struct Entry {
+    double low_x_m = 0.0, high_x_m = 0.0, low_y_m = 0.0, high_y_m = 0.0, low_z_m = 0.0,
+           high_z_m = 0.0;
+    int box = -1;
+    int owner = -1;
+    Part part = Part::kNone;
+  };
+
+  void sortEntries(const std::vector<WorldBox>& boxes, const std::vector<Part>& parts) noexcept;
+  void compare(const Entry& one, const std::vector<Entry>& others, std::size_t first) noexcept;
+  template <class Key>
+  void sort(const std::vector<Pair>& from, std::vector<Pair>& to, Key key) noexcept;
+
+  std::vector<Entry> entries_;  ///< ascending by their low ends along x
+  std::vector<Entry> awake_;    ///< those of awake boxes, ascending
+  const std::size_t most_pairs_;
+  std::size_t count_ = 0;
+  std::vector<Pair> found_;  ///< the first count_ in the order found; room for one more
+  std::vector<Pair> sorted_, pairs_;
+  std::vector<int> first_;  ///< per box: place of its first pair
+  int dropped_ = 0;
+};
+
+}  // namespace wholehand::bullet
