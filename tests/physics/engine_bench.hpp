@@ -1,6 +1,7 @@
 #pragma once
 
 #include "assembly/engines.hpp"
+#include "dynamics/synergy.hpp"
 #include "physics/engine_bounds.hpp"
 #include "physics/hand_probe.hpp"
 #include "support/rig_tools.hpp"
@@ -23,6 +24,15 @@ struct Bench {
       : models(load(shippedFiles("lambda-pride", "empty", hand))), scene(std::move(scene_in)) {
     world = orThrow(buildWorld(engine, models.hand, scene));
   }
+  /// Makes the axes heavier from now on: A = share · diag(M_r) in the posture q_s.
+  void addArmature(double share, const AxisPosition& q_s) {
+    JointPosition theta;
+    Synergy(models.hand).expand(q_s, theta);
+    ASSERT_TRUE(body.update(theta, JointVelocity(models.hand.joint_count), scene.gravity_m_s2));
+    armature = AxisInertia(q_s.size());
+    for (int a = 0; a < armature.size(); ++a) armature[a] = share * body.reducedInertia()(a, a);
+    body = ArticulatedBody(models.hand, armature);
+  }
   /// One step towards q_m with the velocity qd_m.
   void step(const AxisPosition& q_m, const AxisVelocity& qd_m) {
     state = look(*world);
@@ -36,6 +46,8 @@ struct Bench {
     HandDrive drive;
     drive.effort = f_s;
     body.distribute(f_s, drive.torque);
+    drive.armature = armature;
+    drive.armature_effort = body.armatureEffort(f_s);
     drive.reduced_inertia_inverse = &body.reducedInertiaInverse();
     ASSERT_EQ(world->step(drive, kPeriod_s), Fault::kNone);
     world->contacts(touching);
@@ -57,6 +69,7 @@ struct Bench {
   SceneModel scene;
   WorldQuery query;
   std::unique_ptr<PhysicsWorld> world;
+  AxisInertia armature;
   ArticulatedBody body{models.hand}, kinematics{models.hand};
   HandProbe probe{models.hand, scene};
   TickRecord probed;

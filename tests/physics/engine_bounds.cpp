@@ -10,6 +10,7 @@ Bounds ofThePapersWay() {
   bounds.contact_laws = false;
   bounds.virtual_work_n = 4.0;
   bounds.virtual_work_nm = 0.25;
+  bounds.armature = false;
   bounds.synergy_rad = 5e-3;
   bounds.bodies = 128;  // a list of every pair
   return bounds;
@@ -22,6 +23,7 @@ Bounds ofGears() {
   bounds.contact_laws = false;
   bounds.virtual_work_n = 1e-8;
   bounds.virtual_work_nm = 1e-8;
+  bounds.armature = false;
   bounds.synergy_rad = 5e-3;
   bounds.bodies = 128;
   return bounds;

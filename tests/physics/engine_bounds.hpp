@@ -17,6 +17,7 @@ struct Bounds {
   double mirror = 1e-7;              ///< left hand against right [m or rad]
   double virtual_work_n = 1e-9;      ///< of contacts against the drive, in each step
   double virtual_work_nm = 1e-9;     ///< the same, rotations
+  bool armature = true;              ///< contacts bear what the drive asks of the armature, too
   double synergy_rad = 1e-9;         ///< left of θ − (θ₀ + G q_s), before correction
   double carried_share = 1e-3;       ///< force of a contact at rest against what is asked
   double surface_m = 2e-5;           ///< overlap or gap of a contact at rest
