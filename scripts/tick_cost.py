@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """Counts the instructions of a tick, stage by stage, and compares them with a baseline.
 
-usage: tick_cost.py show [SCENE ...]   counts, and prints each scene's ratio to the baseline
+usage: tick_cost.py show [SCENE ...]   counts, and prints each scene's ratio to the baseline and its spread
        tick_cost.py write              counts every scene, keeps the counts and writes docs/performance.md
        tick_cost.py baseline           the same, and makes these counts the baseline
+       tick_cost.py spread             the spread of single ticks only; does not keep it
 
 Needs Debian's valgrind and build/release/measure_tick (bench/CMakeLists.txt says how to build it).
 Instructions are counted, not time: they are the same on a busy machine.
@@ -14,6 +15,7 @@ import subprocess
 import sys
 import tempfile
 from collections import Counter
+from math import ceil
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -28,6 +30,9 @@ SCENES = {
     "hold-cylinder": "a cylinder grasped, lifted and held",
     "pile-100": "100 balls in a pile, the hand presses on them and sways",
 }
+# Ticks whose spread is shown: the bar from its start, through the approach and the first squeeze, as well.
+FROM_START = "approach to squeeze"
+SPREADS = {**{scene: (scene, TICKS) for scene in SCENES if scene != "approach"}, FROM_START: ("approach", 5000)}
 # What the tick calls, and the stage that it belongs to. The first that matches counts.
 STAGES = [
     ("device", r"readDevice|writeDevice|Device::(read|write)|judgeReading|judgeWrite"),
@@ -47,11 +52,12 @@ def stage_of(function):
     return next((stage for stage, pattern in STAGES if re.search(pattern, function)), REST)
 
 
-def read_profile(path):
-    """Instructions within HapticRenderer::tick: by stage, from what it calls and its own."""
-    names, cost = {}, Counter()
+def read_profile(path, cost):
+    """Adds instructions within HapticRenderer::tick, by stage, from what it calls and its own; returns their sum."""
+    names = {}
     function = callee = None
     called = False
+    before = total(cost)
 
     def name(text):
         number, _, full = text.partition(" ")
@@ -69,14 +75,14 @@ def read_profile(path):
             if function and function.startswith("wholehand::HapticRenderer::tick("):
                 cost[stage_of(callee) if called else REST] += int(words[1]) if len(words) > 1 else 0
             called = False
-    return cost
+    return total(cost) - before
 
 
-def count(scene, program=PROGRAM):
+def profile(scene, ticks, program, *options):
+    """The files that Callgrind writes, in a folder that is removed afterwards."""
     with tempfile.TemporaryDirectory(prefix="wholehand-tick-cost-") as folder:
-        profile = Path(folder) / "profile"
-        command = ["valgrind", "--tool=callgrind", "--toggle-collect=wholehand::measuredTick*",
-                   f"--callgrind-out-file={profile}", str(program), scene, str(TICKS)]
+        command = ["valgrind", "--tool=callgrind", "--toggle-collect=wholehand::measuredTick*", "--dump-line=no",
+                   *options, f"--callgrind-out-file={folder}/profile", str(program), scene, str(ticks)]
         try:
             done = subprocess.run(command, cwd=ROOT, text=True, capture_output=True, check=False)
         except FileNotFoundError:
@@ -85,10 +91,32 @@ def count(scene, program=PROGRAM):
             sys.exit(f"{' '.join(command)}: exit code {done.returncode}\n{done.stderr[-2000:]}\n"
                      "if the program is missing: cmake --preset release -DWHOLEHAND_BUILD_BENCH=ON && "
                      "ninja -C build/release measure_tick")
-        cost = read_profile(profile)
+        yield from Path(folder).iterdir()
+
+
+def count(scene, program=PROGRAM):
+    """Stage -> instructions of a tick, mean."""
+    cost = Counter()
+    for path in profile(scene, TICKS, program):
+        read_profile(path, cost)
     if not cost:
         sys.exit(f"{scene}: the profile names no HapticRenderer::tick; build with symbols")
     return {stage: round(cost[stage] / TICKS) for stage in [*(s for s, _ in STAGES), REST]}
+
+
+def spread(name):
+    """Instructions of single ticks: median and 99.9th percentile."""
+    scene, ticks = SPREADS[name]
+    each = sorted(read_profile(path, Counter())
+                  for path in profile(scene, ticks, PROGRAM, "--dump-before=wholehand::countedTick*"))
+    each = each[-ticks:]  # without the empty profile of the program's end
+    if len(each) < ticks or each[0] == 0:
+        sys.exit(f"{scene}: {len(each)} profiles of {ticks} ticks")
+    return {"ticks": ticks, "p50": each[ceil(0.5 * ticks) - 1], "p99.9": each[ceil(0.999 * ticks) - 1]}
+
+
+def spread_text(found):
+    return f"p50 {found['p50']:,}, p99.9 {found['p99.9']:,}, {found['p99.9'] / found['p50']:.2f} x"
 
 
 def total(counts):
@@ -108,6 +136,8 @@ def show(scenes):
         for stage, instructions in now.items():
             was = f" (baseline {before[stage]:,})" if before else ""
             print(f"  {stage:16} {instructions:9,}{was}", flush=True)
+        if scene in SPREADS:
+            print(f"  single ticks: {spread_text(spread(scene))}", flush=True)
 
 
 def hardening_lines(hardening):
@@ -123,11 +153,28 @@ def hardening_lines(hardening):
     return lines
 
 
+def spread_lines(spreads):
+    """The section of the page about single ticks."""
+    if not spreads:
+        return []
+    lines = ["## Spread of single ticks", "",
+             "Instructions of each tick for itself: no other program, no cold cache and no clock of the processor is in "
+             f"them. The last line is the bar from its start: the hand comes, grips and squeezes.", "",
+             "| scene | ticks | p50 | p99.9 | p99.9 over p50 |", "|---|---:|---:|---:|---:|"]
+    for name, found in spreads.items():
+        shown = name if name == FROM_START else f"`{name}`"
+        lines.append(f"| {shown} | {found['ticks']:,} | {found['p50']:,} | {found['p99.9']:,} | "
+                     f"{found['p99.9'] / found['p50']:.2f} |")
+    return lines
+
+
 def page(data):
     lines = ["# What a tick costs", "",
              "Written by `scripts/tick_cost.py write`; do not edit. Instructions of one tick, mean over "
              f"{TICKS:,} ticks, counted by Callgrind on the build `release`. Times depend on the machine: "
-             "`build/release/measure_tick SCENE` and `wholehand experiment timing` print them.", "",
+             "`build/release/measure_tick SCENE` and `wholehand experiment timing` print them. The baseline is the code "
+             "before [ADR 37](adr/0037-pairs-of-our-own.md); of `pile-100`, that before "
+             "[ADR 67](adr/0067-pairs-along-one-axis.md).", "",
              "| scene | baseline | now | ratio |", "|---|---:|---:|---:|"]
     for scene, text in SCENES.items():
         before, now = total(data["baseline"][scene]), total(data["counts"][scene])
@@ -136,6 +183,7 @@ def page(data):
               "| stage | " + " | ".join(f"`{s}`" for s in SCENES) + " |", "|---|" + "---:|" * len(SCENES)]
     for stage in [*(s for s, _ in STAGES), REST]:
         lines.append(f"| {stage} | " + " | ".join(f"{data['counts'][s][stage]:,}" for s in SCENES) + " |")
+    lines += ["", *spread_lines(data.get("spread", {}))]
     lines += ["", *hardening_lines(data.get("hardening", {}))]
     PAGE.write_text("\n".join(lines).rstrip() + "\n", encoding="utf-8")
 
@@ -143,6 +191,7 @@ def page(data):
 def write(as_baseline):
     data = load()
     data["counts"] = {scene: count(scene) for scene in SCENES}
+    data["spread"] = {name: spread(name) for name in SPREADS}
     if as_baseline:
         data["baseline"] = data["counts"]
     DATA.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")
@@ -152,10 +201,13 @@ def write(as_baseline):
 def main():
     command, scenes = (sys.argv[1] if len(sys.argv) > 1 else ""), sys.argv[2:]
     unknown = [scene for scene in scenes if scene not in SCENES]
-    if command not in ("show", "write", "baseline") or unknown:
+    if command not in ("show", "write", "baseline", "spread") or unknown:
         sys.exit(__doc__ + "\nScenes: " + ", ".join(SCENES))
     if command == "show":
         show(scenes or SCENES)
+    elif command == "spread":
+        for name in SPREADS:
+            print(f"{name}: {spread_text(spread(name))}", flush=True)
     else:
         write(command == "baseline")
 
