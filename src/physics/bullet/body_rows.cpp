@@ -181,7 +181,6 @@ int BodyRows::sortIntoRuns(const btConstraintArray& normals, const Bodies& bodie
   std::fill_n(place_.begin(), runs_, 0);
   for (int i = 0; i < count; ++i) ++place_[run_[i]];
   int groups = 0;
-  near_.clear();
   for (int run = 0; run < runs_; ++run) {
     const int first = groups;
     groups += (place_[run] + kWide - 1) / kWide;
@@ -226,15 +225,17 @@ void BodyRows::leaveEmpty(Group& group, int place) noexcept {
 
 void BodyRows::read(const btConstraintArray& normals, const btConstraintArray& frictions,
                     const Bodies& bodies, const std::vector<bool>& touched) noexcept {
+  all_.clear();
+  near_.clear();
   touched_.clear();
   free_.clear();
+  if (normals.size() == 0) return;
   for (int i = 0; i < bodies.size(); ++i) {
     copyVector(bodies[i].m_deltaLinearVelocity, motions_[i].linear);
     copyVector(bodies[i].m_deltaAngularVelocity, motions_[i].angular);
     if (moves(bodies[i])) (touched[i] ? touched_ : free_).push_back(i);
   }
   const int groups = sortIntoRuns(normals, bodies, touched);
-  all_.clear();
   for (int i = 0; i < groups; ++i) all_.push_back(&groups_[i]);
   for (int i = 0; i < normals.size(); ++i) {
     const btSolverConstraint& normal = normals[i];
@@ -326,6 +327,7 @@ WHOLEHAND_VECTOR_CLONES double BodyRows::sweep(const std::vector<Group*>& groups
 }
 
 double BodyRows::sweep(Bodies& bodies, const std::vector<Group*>& groups) noexcept {
+  if (groups.empty()) return 0.0;
   for (const int i : touched_) {
     copyVector(bodies[i].m_deltaLinearVelocity, motions_[i].linear);
     copyVector(bodies[i].m_deltaAngularVelocity, motions_[i].angular);

@@ -1,0 +1,157 @@
+// Rows between bodies, four at once: the bits of Bullet's own sweep, row by row.
+#include "physics/bullet/body_rows.hpp"
+
+#include "support/seed.hpp"
+
+#include <BulletCollision/CollisionShapes/btEmptyShape.h>
+#include <BulletDynamics/ConstraintSolver/btSequentialImpulseConstraintSolver.h>
+#include <BulletDynamics/Dynamics/btRigidBody.h>
+#include <gtest/gtest.h>
+
+#include <random>
+#include <utility>
+#include <vector>
+
+namespace wholehand::bullet {
+namespace {
+
+constexpr int kBodies = 30, kContacts = 120;
+
+/// Random contacts among bodies, the first of which is fixed, as Bullet's solver sets them up.
+struct Contacts {
+  BodyRows::Bodies bodies;
+  btConstraintArray normals, frictions;
+  std::vector<bool> touched;
+
+  Contacts(std::mt19937_64& random, btRigidBody& any) : touched(kBodies) {
+    std::uniform_real_distribution<double> positive(0.1, 2.0);
+    std::uniform_int_distribution<int> body(0, kBodies - 1);
+    for (int i = 0; i < kBodies; ++i) {
+      btSolverBody& added = bodies.expand(btSolverBody{});
+      const bool moves = i > 0;
+      added.m_originalBody = moves ? &any : nullptr;
+      added.m_invMass = moves ? btVector3(1, 1, 1) * positive(random) : btVector3(0, 0, 0);
+      added.m_linearFactor = added.m_angularFactor = btVector3(1, 1, 1);
+      added.m_deltaLinearVelocity = moves ? vector(random) : btVector3(0, 0, 0);
+      added.m_deltaAngularVelocity = moves ? vector(random) : btVector3(0, 0, 0);
+      touched[i] = moves && i % 9 == 0;
+    }
+    for (int i = 0; i < kContacts; ++i) {
+      const int a = body(random), b = (a + 1 + body(random) % (kBodies - 1)) % kBodies;
+      btSolverConstraint& normal = add(normals, a, b, random);
+      normal.m_appliedImpulse = i % 3 == 0 ? positive(random) : 0.0;
+      normal.m_frictionIndex = frictions.size();
+      const double friction = 0.5 * positive(random);
+      for (int k = 0; k < 2; ++k) add(frictions, a, b, random).m_friction = friction;
+    }
+  }
+
+  static btVector3 vector(std::mt19937_64& random) {
+    std::normal_distribution<double> number;
+    const double x = number(random), y = number(random), z = number(random);
+    return {x, y, z};
+  }
+
+  btSolverConstraint& add(btConstraintArray& rows, int a, int b, std::mt19937_64& random) const {
+    std::uniform_real_distribution<double> positive(0.1, 2.0);
+    btSolverConstraint& row = rows.expand(btSolverConstraint{});
+    const btVector3 along = vector(random).normalized(), none(0, 0, 0);
+    const bool a_moves = a > 0, b_moves = b > 0;
+    row.m_solverBodyIdA = a;
+    row.m_solverBodyIdB = b;
+    row.m_contactNormal1 = a_moves ? along : none;
+    row.m_contactNormal2 = b_moves ? -along : none;
+    row.m_relpos1CrossNormal = a_moves ? vector(random) : none;
+    row.m_relpos2CrossNormal = b_moves ? vector(random) : none;
+    row.m_angularComponentA = a_moves ? row.m_relpos1CrossNormal * positive(random) : none;
+    row.m_angularComponentB = b_moves ? row.m_relpos2CrossNormal * positive(random) : none;
+    row.m_jacDiagABInv = 0.1 * positive(random);
+    row.m_rhs = 0.3 * vector(random).x();
+    row.m_cfm = 0.0;
+    row.m_appliedImpulse = 0.0;
+    row.m_lowerLimit = 0.0;
+    row.m_upperLimit = 1e10;
+    return row;
+  }
+
+  // As the hand's rows do between two sweeps.
+  void push(std::mt19937_64& random) {
+    for (int i = 0; i < kBodies; ++i) {
+      if (touched[i]) bodies[i].m_deltaLinearVelocity += 0.1 * vector(random);
+    }
+  }
+
+  // As Bullet's solveSingleIteration().
+  void sweep(btSequentialImpulseConstraintSolver& solver, bool near_only) {
+    const auto press = solver.getActiveConstraintRowSolverLowerLimit();
+    const auto rub = solver.getActiveConstraintRowSolverGeneric();
+    const auto left_out = [&](const btSolverConstraint& row) {
+      return near_only && !touched[row.m_solverBodyIdA] && !touched[row.m_solverBodyIdB];
+    };
+    for (int i = 0; i < normals.size(); ++i) {
+      btSolverConstraint& row = normals[i];
+      if (!left_out(row)) press(bodies[row.m_solverBodyIdA], bodies[row.m_solverBodyIdB], row);
+    }
+    for (int i = 0; i < frictions.size(); ++i) {
+      btSolverConstraint& row = frictions[i];
+      const double pressed = normals[i / 2].m_appliedImpulse;
+      if (left_out(row) || !(pressed > 0.0)) continue;
+      row.m_lowerLimit = -(row.m_friction * pressed);
+      row.m_upperLimit = row.m_friction * pressed;
+      rub(bodies[row.m_solverBodyIdA], bodies[row.m_solverBodyIdB], row);
+    }
+  }
+};
+
+void expectSame(const btVector3& a, const btVector3& b) {
+  for (int k = 0; k < 3; ++k) EXPECT_EQ(a[k], b[k]);
+}
+
+TEST(BodyRows, SweptBetweenPushesOfTheHand_HaveTheBitsOfBulletsOwnSweep) {
+  auto random = test::seededRandom(6702);
+  btSequentialImpulseConstraintSolver solver;
+  btEmptyShape shape;
+  btRigidBody any(btRigidBody::btRigidBodyConstructionInfo(1.0, nullptr, &shape));
+  BodyRows rows(kContacts, kBodies);
+  for (int round = 0; round < 20; ++round) {
+    auto same = random;
+    Contacts ours(random, any), bullets(same, any);
+    rows.read(ours.normals, ours.frictions, ours.bodies, ours.touched);
+    ASSERT_TRUE(rows.any() && rows.anyNear());
+    for (int sweep = 0; sweep < 12; ++sweep) {
+      const bool near_only = sweep >= 6;
+      const double most = near_only ? rows.sweepNear(ours.bodies) : rows.sweepAll(ours.bodies);
+      EXPECT_GT(most, 0.0);
+      bullets.sweep(solver, near_only);
+      ours.push(random);
+      bullets.push(same);
+    }
+    rows.write(ours.normals, ours.frictions, ours.bodies);
+    int pressing = 0;
+    for (int i = 0; i < kContacts; ++i) {
+      EXPECT_EQ(ours.normals[i].m_appliedImpulse, bullets.normals[i].m_appliedImpulse);
+      pressing += ours.normals[i].m_appliedImpulse > 0.0 ? 1 : 0;
+    }
+    for (int i = 0; i < 2 * kContacts; ++i) {
+      EXPECT_EQ(ours.frictions[i].m_appliedImpulse, bullets.frictions[i].m_appliedImpulse);
+    }
+    for (int i = 0; i < kBodies; ++i) {
+      expectSame(ours.bodies[i].m_deltaLinearVelocity, bullets.bodies[i].m_deltaLinearVelocity);
+      expectSame(ours.bodies[i].m_deltaAngularVelocity, bullets.bodies[i].m_deltaAngularVelocity);
+    }
+    EXPECT_GT(pressing, kContacts / 10);
+    EXPECT_LT(pressing, kContacts);
+    if (testing::Test::HasFailure()) return;
+  }
+}
+
+TEST(BodyRows, WithoutContacts_HaveNothingToSweep) {
+  BodyRows rows(kContacts, kBodies);
+  BodyRows::Bodies bodies;
+  rows.read({}, {}, bodies, {});
+  EXPECT_FALSE(rows.any() || rows.anyNear());
+  EXPECT_EQ(rows.sweepAll(bodies), 0.0);
+}
+
+}  // namespace
+}  // namespace wholehand::bullet
