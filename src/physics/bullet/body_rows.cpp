@@ -155,40 +155,34 @@ BodyRows::BodyRows(int contacts, int bodies)
     : groups_(contacts),
       motions_(bodies + 1),
       depth_(bodies),
-      run_(contacts),
-      place_(2 * contacts) {
+      open_(2 * contacts),
+      first_(2 * contacts + 1) {
   all_.reserve(contacts);
   near_.reserve(contacts);
   touched_.reserve(bodies);
   free_.reserve(bodies);
 }
 
-// Sorts contacts into runs, in which no two share a movable body. The depth of a contact is one
-// more than that of the last contact before it with either of its bodies; each depth has a run of
-// near contacts and one of the others. Returns the number of groups.
-int BodyRows::sortIntoRuns(const btConstraintArray& normals, const Bodies& bodies,
-                           const std::vector<bool>& touched) noexcept {
-  const int count = normals.size();
-  std::fill_n(depth_.begin(), bodies.size(), 0);
-  runs_ = 0;
-  for (int i = 0; i < count; ++i) {
-    const int a = normals[i].m_solverBodyIdA, b = normals[i].m_solverBodyIdB;
-    const int depth = std::max(moves(bodies[a]) ? depth_[a] : 0, moves(bodies[b]) ? depth_[b] : 0);
-    depth_[a] = depth_[b] = depth + 1;
-    run_[i] = 2 * depth + (touched[a] || touched[b] ? 0 : 1);
-    runs_ = std::max(runs_, 2 * depth + 2);
+void BodyRows::clear() noexcept {
+  all_.clear();
+  near_.clear();
+  touched_.clear();
+  free_.clear();
+  std::fill(depth_.begin(), depth_.end(), 0);
+  contacts_ = group_count_ = runs_ = 0;
+}
+
+BodyRows::Group& BodyRows::groupFor(int run) noexcept {
+  for (; runs_ <= run; ++runs_) open_[runs_] = nullptr;
+  Group*& open = open_[run];
+  if (open == nullptr) {
+    open = &groups_[group_count_++];
+    open->run = run;
+    open->used = 0;
   }
-  std::fill_n(place_.begin(), runs_, 0);
-  for (int i = 0; i < count; ++i) ++place_[run_[i]];
-  int groups = 0;
-  for (int run = 0; run < runs_; ++run) {
-    const int first = groups;
-    groups += (place_[run] + kWide - 1) / kWide;
-    place_[run] = kWide * first;
-    if (run % 2 != 0) continue;
-    for (int i = first; i < groups; ++i) near_.push_back(&groups_[i]);
-  }
-  return groups;
+  Group& group = *open;
+  if (group.used == kWide - 1) open = nullptr;
+  return group;
 }
 
 void BodyRows::copy(const btSolverConstraint& from, bool a_moves, Row& to, int place) noexcept {
@@ -220,57 +214,63 @@ void BodyRows::leaveEmpty(Group& group, int place) noexcept {
   for (Row* row : {&group.normal, &group.tangent1, &group.tangent2}) copy(kNone, true, *row, place);
   group.a[place] = group.b[place] = &motions_.back();
   group.inverse_mass_a[place] = group.inverse_mass_b[place] = group.friction[place] = 0.0;
-  group.contact[place] = -1;
+  group.point[place] = nullptr;
 }
 
-void BodyRows::read(const btConstraintArray& normals, const btConstraintArray& frictions,
-                    const Bodies& bodies, const std::vector<bool>& touched) noexcept {
-  all_.clear();
-  near_.clear();
-  touched_.clear();
-  free_.clear();
-  if (normals.size() == 0) return;
-  for (int i = 0; i < bodies.size(); ++i) {
-    copyVector(bodies[i].m_deltaLinearVelocity, motions_[i].linear);
-    copyVector(bodies[i].m_deltaAngularVelocity, motions_[i].angular);
-    if (moves(bodies[i])) (touched[i] ? touched_ : free_).push_back(i);
-  }
-  const int groups = sortIntoRuns(normals, bodies, touched);
-  for (int i = 0; i < groups; ++i) all_.push_back(&groups_[i]);
+void BodyRows::add(const btConstraintArray& normals, const btConstraintArray& frictions,
+                   const Bodies& bodies, const std::vector<bool>& touched) noexcept {
   for (int i = 0; i < normals.size(); ++i) {
     const btSolverConstraint& normal = normals[i];
     const btSolverConstraint& tangent = frictions[normal.m_frictionIndex];
     const int a = normal.m_solverBodyIdA, b = normal.m_solverBodyIdB;
-    const int at = place_[run_[i]]++, place = at % kWide;
-    Group& group = groups_[at / kWide];
-    group.contact[place] = i;
+    const bool a_moves = moves(bodies[a]), b_moves = moves(bodies[b]);
+    const int depth = std::max(a_moves ? depth_[a] : 0, b_moves ? depth_[b] : 0);
+    depth_[a] = depth_[b] = depth + 1;
+    Group& group = groupFor(2 * depth + (touched[a] || touched[b] ? 0 : 1));
+    const int place = group.used++;
+    group.point[place] = static_cast<btManifoldPoint*>(normal.m_originalContactPoint);
     group.a[place] = &motions_[a];
     group.b[place] = &motions_[b];
     group.inverse_mass_a[place] = bodies[a].m_invMass.x();
     group.inverse_mass_b[place] = bodies[b].m_invMass.x();
     group.friction[place] = tangent.m_friction;
-    const bool a_moves = moves(bodies[a]);
     copy(normal, a_moves, group.normal, place);
     copy(tangent, a_moves, group.tangent1, place);
     copy(frictions[normal.m_frictionIndex + 1], a_moves, group.tangent2, place);
-  }
-  for (int run = 0; run < runs_; ++run) {
-    for (int at = place_[run]; at % kWide != 0; ++at) leaveEmpty(groups_[at / kWide], at % kWide);
+    ++contacts_;
   }
 }
 
-void BodyRows::write(btConstraintArray& normals, btConstraintArray& frictions,
-                     Bodies& bodies) const noexcept {
+void BodyRows::begin(const Bodies& bodies, const std::vector<bool>& touched) noexcept {
+  if (!any()) return;
+  for (int i = 0; i < bodies.size(); ++i) {
+    copyVector(bodies[i].m_deltaLinearVelocity, motions_[i].linear);
+    copyVector(bodies[i].m_deltaAngularVelocity, motions_[i].angular);
+    if (moves(bodies[i])) (touched[i] ? touched_ : free_).push_back(i);
+  }
+  // The groups by their runs, which is by depth.
+  std::fill_n(first_.begin(), runs_ + 1, 0);
+  for (int i = 0; i < group_count_; ++i) ++first_[groups_[i].run + 1];
+  for (int run = 0; run < runs_; ++run) first_[run + 1] += first_[run];
+  all_.resize(group_count_);
+  for (int i = 0; i < group_count_; ++i) all_[first_[groups_[i].run]++] = &groups_[i];
+  for (Group* group : all_) {
+    if (group->run % 2 == 0) near_.push_back(group);
+    for (int place = group->used; place < kWide; ++place) leaveEmpty(*group, place);
+  }
+}
+
+void BodyRows::write(Bodies& bodies) const noexcept {
   for (const int i : free_) {
     copyVector(motions_[i].linear, bodies[i].m_deltaLinearVelocity);
     copyVector(motions_[i].angular, bodies[i].m_deltaAngularVelocity);
   }
   for (const Group* group : all_) {
-    for (int place = 0; place < kWide && group->contact[place] >= 0; ++place) {
-      btSolverConstraint& normal = normals[group->contact[place]];
-      normal.m_appliedImpulse = group->normal.impulse[place];
-      frictions[normal.m_frictionIndex].m_appliedImpulse = group->tangent1.impulse[place];
-      frictions[normal.m_frictionIndex + 1].m_appliedImpulse = group->tangent2.impulse[place];
+    for (int place = 0; place < group->used; ++place) {
+      btManifoldPoint& point = *group->point[place];
+      point.m_appliedImpulse = group->normal.impulse[place];
+      point.m_appliedImpulseLateral1 = group->tangent1.impulse[place];
+      point.m_appliedImpulseLateral2 = group->tangent2.impulse[place];
     }
   }
 }

@@ -2,6 +2,7 @@
 
 #include "physics/bullet/row_arithmetic.hpp"
 
+#include <BulletCollision/NarrowPhaseCollision/btManifoldPoint.h>
 #include <BulletDynamics/ConstraintSolver/btSolverBody.h>
 #include <BulletDynamics/ConstraintSolver/btSolverConstraint.h>
 
@@ -10,10 +11,10 @@
 
 namespace wholehand::bullet {
 
-/// Rows of the contacts between two bodies, as Bullet's solver has set them up. Projected
-/// Gauss-Seidel sweeps four contacts at once, to the same bits as Bullet's own sweep: contacts that
-/// share a movable body keep their order, and four that share none form a group. Real-time safe
-/// except for construction.
+/// Rows of the contacts between two bodies, as Bullet's solver sets them up. Projected Gauss-Seidel
+/// sweeps four contacts at once, to the same bits as Bullet's own sweep: contacts that share a
+/// movable body keep their order, and four that share none form a group. Real-time safe except for
+/// construction.
 class BodyRows {
  public:
   using Bodies = btAlignedObjectArray<btSolverBody>;
@@ -21,21 +22,26 @@ class BodyRows {
   /// @param contacts, bodies most of them
   BodyRows(int contacts, int bodies);
 
-  /// Copies a step's rows. @pre no more contacts and bodies than room, two rows of friction per
-  /// contact, no compliance @param touched per body: the hand changes its velocity between sweeps,
-  /// and its contacts are near
-  void read(const btConstraintArray& normals, const btConstraintArray& frictions,
-            const Bodies& bodies, const std::vector<bool>& touched) noexcept;
-  [[nodiscard]] bool any() const noexcept { return !all_.empty(); }
+  /// Begins a step.
+  void clear() noexcept;
+  /// Number of contacts that may still be added.
+  [[nodiscard]] int room() const noexcept { return static_cast<int>(groups_.size()) - contacts_; }
+  /// Adds contacts after those that are there. @pre two rows of friction per contact, no compliance
+  /// @param touched per body: the hand changes its velocity between sweeps, and its contacts are
+  /// near
+  void add(const btConstraintArray& normals, const btConstraintArray& frictions,
+           const Bodies& bodies, const std::vector<bool>& touched) noexcept;
+  /// Takes the velocities of the bodies. Call after the last contact and before the first sweep.
+  void begin(const Bodies& bodies, const std::vector<bool>& touched) noexcept;
+  [[nodiscard]] bool any() const noexcept { return contacts_ > 0; }
   [[nodiscard]] bool anyNear() const noexcept { return !near_.empty(); }
   /// One sweep: all normals, then all friction. Takes the velocities of touched bodies from
   /// `bodies`, and puts them there. @return largest change of an impulse [N·s]
   [[nodiscard]] double sweepAll(Bodies& bodies) noexcept;
   /// The same over near contacts only.
   [[nodiscard]] double sweepNear(Bodies& bodies) noexcept;
-  /// Writes back impulses, and velocities of bodies that are not touched. @pre the arrays of read()
-  void write(btConstraintArray& normals, btConstraintArray& frictions,
-             Bodies& bodies) const noexcept;
+  /// Writes impulses to their contact points, and velocities of bodies that are not touched.
+  void write(Bodies& bodies) const noexcept;
 
  private:
   static constexpr int kWide = 4;
@@ -58,12 +64,13 @@ class BodyRows {
     Row normal, tangent1, tangent2;
     Each inverse_mass_a, inverse_mass_b, friction;
     std::array<Motion*, kWide> a, b;
-    std::array<int, kWide> contact;  ///< in Bullet's array; -1: the place is empty
+    std::array<btManifoldPoint*, kWide> point;
+    int run = 0;
+    int used = 0;  ///< the first places have a contact; the others are of no body, and zero
   };
   struct Velocities;
 
-  int sortIntoRuns(const btConstraintArray& normals, const Bodies& bodies,
-                   const std::vector<bool>& touched) noexcept;
+  [[nodiscard]] Group& groupFor(int run) noexcept;
   void leaveEmpty(Group& group, int place) noexcept;
   static void copy(const btSolverConstraint& from, bool a_moves, Row& to, int place) noexcept;
   [[gnu::always_inline]] static inline void press(Group& group, FourNumbers& most);
@@ -73,14 +80,17 @@ class BodyRows {
   [[nodiscard]] double sweep(Bodies& bodies, const std::vector<Group*>& groups) noexcept;
   [[nodiscard]] static double sweep(const std::vector<Group*>& groups) noexcept;
 
-  std::vector<Group> groups_;        ///< fixed size
+  std::vector<Group> groups_;        ///< fixed size; the first group_count_ are in use
   std::vector<Group*> all_, near_;   ///< in the order of sweeps
   std::vector<Motion> motions_;      ///< per body; the last one of no body
   std::vector<int> touched_, free_;  ///< movable bodies
   std::vector<int> depth_;           ///< per body: of its next contact
-  std::vector<int> run_;             ///< per contact, in Bullet's order
-  std::vector<int> place_;           ///< per run: of its next contact; four places a group
-  int runs_ = 0;
+  /// Per run: its group with a free place, or null. A run's contacts share no movable body: they
+  /// are equally deep, which is one deeper than the last contact before with either body. Each
+  /// depth has a run of near contacts and one of the others.
+  std::vector<Group*> open_;
+  std::vector<int> first_;  ///< per run: its first place in all_
+  int contacts_ = 0, group_count_ = 0, runs_ = 0;
 };
 
 }  // namespace wholehand::bullet

@@ -86,18 +86,13 @@ int ReducedContactSolver::mostSolverBodies(int bodies) {
 // The base class grows these arrays at first contacts; growing them here keeps the tick free of
 // allocation.
 void ReducedContactSolver::reserve(int bodies) {
-  const int rows = mostBodyContacts(bodies);
+  const int rows = MANIFOLD_CACHE_SIZE;  // of one manifold
   m_tmpSolverBodyPool.reserve(mostSolverBodies(bodies));
   slot_.reserve(mostSolverBodies(bodies));
   island_.reserve(ConeNewton::kMostUnknowns / 6);
-  touched_.reserve(mostSolverBodies(bodies));
+  touched_.resize(mostSolverBodies(bodies));
   m_tmpSolverContactConstraintPool.reserve(rows);
   m_tmpSolverContactFrictionConstraintPool.reserve(2 * rows);
-  m_tmpSolverContactRollingFrictionConstraintPool.reserve(3 * rows);
-  m_orderTmpConstraintPool.reserve(rows);
-  m_orderNonContactConstraintPool.reserve(rows);
-  m_orderFrictionConstraintPool.reserve(2 * rows);
-  m_tmpConstraintSizesPool.reserve(rows);
 }
 
 void ReducedContactSolver::convertContacts(btPersistentManifold** manifolds, int count,
@@ -106,26 +101,40 @@ void ReducedContactSolver::convertContacts(btPersistentManifold** manifolds, int
   softness_ = settings_.contact_erp /
               (settings_.contact_stiffness_n_m * info.m_timeStep * info.m_timeStep);
   couples_ends_ = rows_.couplesEnds();
+  bool others = false;
   for (int i = 0; i < count; ++i) {
     const ColliderTag& a = *tagOf(manifolds[i]->getBody0());
     const ColliderTag& b = *tagOf(manifolds[i]->getBody1());
     if (!a.ofHand() && !b.ofHand()) {
-      convertBodyManifold(*manifolds[i], info);
+      others = true;
     } else if (a.ofHand()) {
       convertHandManifold(*manifolds[i], a, b, true, info);
     } else {
       convertHandManifold(*manifolds[i], b, a, false, info);
     }
   }
+  body_rows_.clear();
+  findTouched();
+  for (int i = 0; others && i < count; ++i) {
+    const bool of_hand =
+        tagOf(manifolds[i]->getBody0())->ofHand() || tagOf(manifolds[i]->getBody1())->ofHand();
+    if (!of_hand) convertBodyManifold(*manifolds[i], info);
+  }
+}
+
+void ReducedContactSolver::findTouched() {
+  std::fill(touched_.begin(), touched_.end(), false);
+  for (int i = 0; i < contact_count_; ++i) {
+    const int body = contacts_[i].solver_body;
+    touched_[body] = m_tmpSolverBodyPool[body].m_originalBody != nullptr;
+  }
 }
 
 // The base class moves what a manifold names: for this call that is the bodies, not their
-// colliders.
+// colliders. Its rows go on to ours at once: all of a scene would not stay in a processor's cache.
 void ReducedContactSolver::convertBodyManifold(btPersistentManifold& manifold,
                                                const btContactSolverInfo& info) {
-  const int room =
-      m_tmpSolverContactConstraintPool.capacity() - m_tmpSolverContactConstraintPool.size();
-  if (manifold.getNumContacts() > room) {
+  if (manifold.getNumContacts() > body_rows_.room()) {
     dropped_ += manifold.getNumContacts();
     return;
   }
@@ -134,6 +143,10 @@ void ReducedContactSolver::convertBodyManifold(btPersistentManifold& manifold,
   manifold.setBodies(tagOf(a)->rigid, tagOf(b)->rigid);
   convertContact(&manifold, info);
   manifold.setBodies(a, b);
+  body_rows_.add(m_tmpSolverContactConstraintPool, m_tmpSolverContactFrictionConstraintPool,
+                 m_tmpSolverBodyPool, touched_);
+  m_tmpSolverContactConstraintPool.resizeNoInitialize(0);
+  m_tmpSolverContactFrictionConstraintPool.resizeNoInitialize(0);
 }
 
 void ReducedContactSolver::convertHandManifold(btPersistentManifold& manifold,
@@ -278,8 +291,7 @@ btScalar ReducedContactSolver::solveGroupCacheFriendlyFinish(btCollisionObject**
                                                              int body_count,
                                                              const btContactSolverInfo& info) {
   rows_.finish();
-  body_rows_.write(m_tmpSolverContactConstraintPool, m_tmpSolverContactFrictionConstraintPool,
-                   m_tmpSolverBodyPool);
+  body_rows_.write(m_tmpSolverBodyPool);
   for (int i = 0; i < contact_count_; ++i) {
     const HandContact& contact = contacts_[i];
     btManifoldPoint& point = *contact.point;

@@ -59,7 +59,7 @@ struct HandContact {
 /// Self-contacts and joint limits of the hand (HandRows) are solved together with them: at once by
 /// ConeNewton, or by sweeps of projected Gauss-Seidel where the bodies that the hand touches are
 /// many or touch others. The base class sets up the rows of contacts between bodies, which BodyRows
-/// sweeps; those of bodies that the hand does not touch get fewer sweeps.
+/// takes over and sweeps; those of bodies that the hand does not touch get fewer sweeps.
 class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
  public:
   /// @pre kinematics and rows outlive this @param bodies number of bodies in the scene
@@ -122,7 +122,7 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   void writeRow(const ReducedRow& row, int body, ConeNewton::Row& out) const;
   [[nodiscard]] bool withinBounds();
   void takeImpulses();
-  void readBodyRows();
+  void findTouched();
   static constexpr int kNarrow = 8;  // axes that most devices do not exceed
   // The inner loop. Width is a compile-time multiple of the SIMD width and at least the number of
   // axes; elements beyond the axes are zero.

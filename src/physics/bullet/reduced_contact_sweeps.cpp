@@ -109,16 +109,6 @@ WHOLEHAND_VECTOR_CLONES void ReducedContactSolver::iterateWide() {
   iterate<kMaxAxes>();
 }
 
-void ReducedContactSolver::readBodyRows() {
-  touched_.assign(m_tmpSolverBodyPool.size(), false);
-  for (int i = 0; i < contact_count_; ++i) {
-    const int body = contacts_[i].solver_body;
-    touched_[body] = m_tmpSolverBodyPool[body].m_originalBody != nullptr;
-  }
-  body_rows_.read(m_tmpSolverContactConstraintPool, m_tmpSolverContactFrictionConstraintPool,
-                  m_tmpSolverBodyPool, touched_);
-}
-
 // In place of the base class's iteration, which would sweep its own rows.
 btScalar ReducedContactSolver::solveSingleIteration(
     int iteration, btCollisionObject** /*bodies*/, int /*body_count*/,
@@ -126,7 +116,7 @@ btScalar ReducedContactSolver::solveSingleIteration(
     btTypedConstraint** /*constraints*/, int /*constraint_count*/,
     const btContactSolverInfo& /*info*/, btIDebugDraw* /*drawer*/) {
   if (iteration == 0) {
-    readBodyRows();
+    body_rows_.begin(m_tmpSolverBodyPool, touched_);
     at_once_ = solveAtOnce();
     if (!at_once_) prepareSweeps();
   }
