@@ -65,6 +65,8 @@ async function startCommission(program, folder) {
   return { child, ended, url };
 }
 
+/** Of what is tried again. */
+const SOON = { timeout: 2000 };
 const task = (page, wanted) => page.waitForSelector(`body[data-task=${wanted}]`, { timeout: WITHIN_MS });
 const press = (page, id) => page.click(`[data-testid="${id}"]:enabled`, { timeout: WITHIN_MS });
 
@@ -79,7 +81,8 @@ async function hold(page, down, up, wanted) {
     if (now.task === 'next') await press(page, 'answer-done');
     if (now.task === 'hold' && !now.held) {
       await up();
-      await down();
+      // The button may go away meanwhile, with the step that ended: what is there now is looked at again.
+      await down().catch((error) => { if (error.name !== 'TimeoutError') throw error; });
     }
     return false;
   }, { within_ms: 2 * WITHIN_MS });
@@ -100,13 +103,13 @@ async function leadToGravity(page, other, rail, picture) {
   await page.click('[data-testid=hold]');
   await new Promise((resolve) => setTimeout(resolve, 500));
   expect(await page.getAttribute('[data-step=home]', 'data-state') === 'UnderWay', 'a click homed it');
-  const mouse = [async () => { await page.hover('[data-testid=hold]'); await page.mouse.down(); }, () => page.mouse.up()];
+  const mouse = [async () => { await page.hover('[data-testid=hold]', SOON); await page.mouse.down(); }, () => page.mouse.up()];
   await hold(page, ...mouse, 'done');
   await rail.carry(0.012);
   await press(page, 'answer-done');
   await task(page, 'hold');
   expect(rail.get(LARGEST) === 0, 'effort before the button is held');
-  await hold(page, async () => { await page.focus('[data-testid=hold]'); await page.keyboard.down('Space'); }, () => page.keyboard.up('Space'), 'number');
+  await hold(page, async () => { await page.focus('[data-testid=hold]', SOON); await page.keyboard.down('Space'); }, () => page.keyboard.up('Space'), 'number');
   expect(rail.get(LARGEST) > 0, 'no effort while it was held');
   await rail.carry(-0.061);
   await rail.carry(0.061);
