@@ -22,8 +22,9 @@ struct Contacts {
   BodyRows::Bodies bodies;
   btConstraintArray normals, frictions;
   std::vector<bool> touched;
+  std::vector<btManifoldPoint> points;  ///< per contact: where BodyRows writes its impulses
 
-  Contacts(std::mt19937_64& random, btRigidBody& any) : touched(kBodies) {
+  Contacts(std::mt19937_64& random, btRigidBody& any) : touched(kBodies), points(kContacts) {
     std::uniform_real_distribution<double> positive(0.1, 2.0);
     std::uniform_int_distribution<int> body(0, kBodies - 1);
     for (int i = 0; i < kBodies; ++i) {
@@ -41,6 +42,7 @@ struct Contacts {
       btSolverConstraint& normal = add(normals, a, b, random);
       normal.m_appliedImpulse = i % 3 == 0 ? positive(random) : 0.0;
       normal.m_frictionIndex = frictions.size();
+      normal.m_originalContactPoint = &points[i];
       const double friction = 0.5 * positive(random);
       for (int k = 0; k < 2; ++k) add(frictions, a, b, random).m_friction = friction;
     }
@@ -116,7 +118,9 @@ TEST(BodyRows, SweptBetweenPushesOfTheHand_HaveTheBitsOfBulletsOwnSweep) {
   for (int round = 0; round < 20; ++round) {
     auto same = random;
     Contacts ours(random, any), bullets(same, any);
-    rows.read(ours.normals, ours.frictions, ours.bodies, ours.touched);
+    rows.clear();
+    rows.add(ours.normals, ours.frictions, ours.bodies, ours.touched);
+    rows.begin(ours.bodies, ours.touched);
     ASSERT_TRUE(rows.any() && rows.anyNear());
     for (int sweep = 0; sweep < 12; ++sweep) {
       const bool near_only = sweep >= 6;
@@ -126,14 +130,15 @@ TEST(BodyRows, SweptBetweenPushesOfTheHand_HaveTheBitsOfBulletsOwnSweep) {
       ours.push(random);
       bullets.push(same);
     }
-    rows.write(ours.normals, ours.frictions, ours.bodies);
+    rows.write(ours.bodies);
     int pressing = 0;
     for (int i = 0; i < kContacts; ++i) {
-      EXPECT_EQ(ours.normals[i].m_appliedImpulse, bullets.normals[i].m_appliedImpulse);
-      pressing += ours.normals[i].m_appliedImpulse > 0.0 ? 1 : 0;
-    }
-    for (int i = 0; i < 2 * kContacts; ++i) {
-      EXPECT_EQ(ours.frictions[i].m_appliedImpulse, bullets.frictions[i].m_appliedImpulse);
+      const btManifoldPoint& point = ours.points[i];
+      const int friction = bullets.normals[i].m_frictionIndex;
+      EXPECT_EQ(point.m_appliedImpulse, bullets.normals[i].m_appliedImpulse);
+      EXPECT_EQ(point.m_appliedImpulseLateral1, bullets.frictions[friction].m_appliedImpulse);
+      EXPECT_EQ(point.m_appliedImpulseLateral2, bullets.frictions[friction + 1].m_appliedImpulse);
+      pressing += point.m_appliedImpulse > 0.0 ? 1 : 0;
     }
     for (int i = 0; i < kBodies; ++i) {
       expectSame(ours.bodies[i].m_deltaLinearVelocity, bullets.bodies[i].m_deltaLinearVelocity);
@@ -148,7 +153,8 @@ TEST(BodyRows, SweptBetweenPushesOfTheHand_HaveTheBitsOfBulletsOwnSweep) {
 TEST(BodyRows, WithoutContacts_HaveNothingToSweep) {
   BodyRows rows(kContacts, kBodies);
   BodyRows::Bodies bodies;
-  rows.read({}, {}, bodies, {});
+  rows.add({}, {}, bodies, {});
+  rows.begin(bodies, {});
   EXPECT_FALSE(rows.any() || rows.anyNear());
   EXPECT_EQ(rows.sweepAll(bodies), 0.0);
 }
