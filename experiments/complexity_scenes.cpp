@@ -194,8 +194,9 @@ class SceneOf {
     const int columns = (count + kStackHeight - 1) / kStackHeight;
     const int wide = std::max(1, static_cast<int>(std::ceil(std::sqrt(columns))));
     const double pitch_m = kBox_m + kGap_m;
-    const double floor_m = top() - std::min(count, kStackHeight) * kBox_m;
-    tray(hand_.middle_m, floor_m, wide * pitch_m + kGap_m, kBox_m);
+    const double height_m = std::min(count, kStackHeight) * kBox_m;
+    const double floor_m = top() - height_m;
+    tray(hand_.middle_m, floor_m, wide * pitch_m + kGap_m, std::min(height_m, kBox_m));
     const auto columns_at = fromTheMiddle(wide);
     for (int i = 0; i < count; ++i) {
       const auto& [x, y] = columns_at[i / kStackHeight];

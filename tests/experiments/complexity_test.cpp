@@ -39,6 +39,19 @@ TEST(ComplexityScenes, NothingOverlapsAtTheStart_AndInAPileEveryBallTouches) {
   }
 }
 
+TEST(ComplexityScenes, WithTheFewest_LetTheHandBegin) {
+  for (int i = 0; i < kComplexityKinds; ++i) {
+    const auto kind = static_cast<ComplexityKind>(i);
+    const int fewest = kind == ComplexityKind::kVertices ? 10 : 0;
+    Models models = load(shippedFiles());
+    models.scene = orThrow(complexityScene(kind, fewest, models));
+    Intention aim = swayingHand(models.device, 1.0);
+    const auto rig = orThrow(buildRig(std::move(models), std::move(aim), {}));
+    const auto armed = rig->renderer->arm();
+    EXPECT_TRUE(armed.ok()) << complexityName(kind) << ": " << format(armed.errors());
+  }
+}
+
 TEST(ComplexityTrial, OfAPile_TouchesItAndNothingBreaks) {
   const ComplexityResult result = orThrow(measureComplexity(shortPlan("pile")));
   ASSERT_EQ(result.curves.size(), 1U);
