@@ -168,7 +168,7 @@ void BodyRows::clear() noexcept {
   near_.clear();
   touched_.clear();
   free_.clear();
-  std::fill(depth_.begin(), depth_.end(), 0);
+  if (any()) std::fill(depth_.begin(), depth_.end(), 0);
   contacts_ = group_count_ = runs_ = 0;
 }
 
