@@ -143,8 +143,8 @@ class StallWatch:
 
 class PacedTest(AppTest):
     """A test of what counts real time: drives' watchdogs, hosts, held keys. This machine may stand still: a test that
-    fails is tried again where a process that only sleeps beside it was kept waiting, too. Nothing runs beside it
-    (RUN_SERIAL)."""
+    fails is tried again where a process that only sleeps beside it was kept waiting, too. Nothing that
+    computes runs beside it (label `paced`)."""
 
     def _callTestMethod(self, method):
         for tries_left in reversed(range(TRIES)):
