@@ -5,6 +5,7 @@
 #include "fake_device.hpp"
 #include "passport_file.hpp"
 #include "support/figure.hpp"
+#include "support/seed.hpp"
 
 #include <gtest/gtest.h>
 
@@ -239,7 +240,9 @@ TEST(SpoiledDevice, OfEveryKind_IsFoundByNameAtAFifthOfTheLimitAtMost) {
   s = {};
   s.no_stop_button = true;
   faults.push_back({"stop button", s, "the emergency stop does not cut it off"});
+  std::size_t index = 0;
   for (const Fault& fault : faults) {
+    if (leftOutUnderASanitizer(index++)) continue;
     Session session("desktop-3axis", fault.spoiled);
     session.begin();
     const std::string why = said(session.upTo(Step::kPassport));

@@ -1,5 +1,8 @@
 #include "control/certificate/certificate_advice.hpp"
 
+#include "support/seed.hpp"
+#include "support/tolerance.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -58,10 +61,12 @@ TEST(NearestGains, TooStiff_LowersTheStiffnessToJustInside) {
 
 TEST(NearestGains, ReportedNearest_PassesForManyFailures) {
   int failures = 0;
+  std::size_t index = 0;
   for (const double damping : {0.5, 12.0}) {
     for (const double k_pm : {800.0, 1e5}) {
       for (const double k_dm : {0.0, 30.0, 500.0}) {
         for (const double gamma : {0.0, 0.3}) {
+          if (leftOutUnderASanitizer(index++)) continue;
           const CertificateInput in = inputOf(1, damping, k_pm, k_dm, gamma);
           const Certificate judged = certify(in);
           if (judged.certified) continue;
@@ -77,7 +82,7 @@ TEST(NearestGains, ReportedNearest_PassesForManyFailures) {
       }
     }
   }
-  EXPECT_GT(failures, 15);
+  EXPECT_GT(failures, kCountsTell ? 15 : 0);
 }
 
 TEST(NearestGains, AxesThatShakeEachOther_AreCalmedTogether) {

@@ -324,6 +324,7 @@ TEST(CoupledPassivity, FistRoundARigidObject_GrewUnderTheFormerLawAndDoesNotNow)
   former[0] = 1.612, former[1] = 5.743;
   double former_growth = 0.0, growth = 0.0;
   for (int i = 0; i < 180; ++i) {
+    if (leftOutUnderASanitizer(static_cast<std::size_t>(i))) continue;
     for (int k = 0; k < 180; k += 3) {
       const auto along = [](int degrees) {
         const double angle = degrees * std::numbers::pi / 180.0;

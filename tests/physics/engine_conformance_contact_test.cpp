@@ -1,6 +1,7 @@
 // Laws of contact that every engine keeps: fixed contact, virtual work, the friction cone, a grasp.
 #include "experiments/grasp_trial.hpp"
 #include "physics/engine_bench.hpp"
+#include "support/seed.hpp"
 #include "support/tolerance.hpp"
 
 #include <array>
@@ -212,29 +213,36 @@ TEST_P(PressedContact, OfAFixedWall_CarriesWhatIsAskedAtItsSurface) {
 TEST_P(Grasp, OfEveryTunedTrial_HoldsItsObject) {
   const Bounds& bounds = boundsOf(GetParam());
   double slip_m = 0.0, coupling_rad = 0.0, residual = 0.0, noise_n = 0.0;
-  int held = 0;
+  int held = 0, dropped = 0;
+  std::size_t index = 0;
   for (const GraspTrial& trial : tunedTrials()) {
+    if (leftOutUnderASanitizer(index++)) continue;
     GraspPlan plan;
     plan.setup.folder = testing::TempDir();
     plan.hold_s = 2.0;
     plan.setup.rig = with(GetParam());
     const GraspResult r = orThrow(runGrasp(trial, shippedFiles(), plan));
     coupling_rad = std::max(coupling_rad, r.coupling_error_rad);
-    if (r.dropped) std::printf("dropped: %s\n", trial.name().c_str());
-    if (r.dropped) continue;
+    if (r.dropped) {
+      std::printf("dropped: %s\n", trial.name().c_str());
+      ++dropped;
+      continue;
+    }
     ++held;
     EXPECT_GT(r.object_travel_m, 0.15) << trial.name();
     slip_m = std::max(slip_m, r.slip_m);
     residual = std::max(residual, r.contact_residual);
     noise_n = std::max(noise_n, r.force_noise_n);
   }
-  figure("tuned grasps held, " + GetParam(), held, "of 12");
+  figure("tuned grasps held, " + GetParam(), held,
+         ("of " + std::to_string(held + dropped)).c_str());
   figure("slip over a hold of 2 s, worst tuned grasp, " + GetParam(), slip_m * 1e3, "mm");
   figure("felt-force noise, worst tuned grasp, " + GetParam(), noise_n, "N");
   figure("contact forces against reduced effort, worst tuned grasp, " + GetParam(),
          residual * 100.0, "%");
   figure("coupling error, worst tuned grasp, " + GetParam(), coupling_rad, "rad");
-  EXPECT_GE(held, bounds.grasps_held);
+  EXPECT_GT(held, 0);
+  EXPECT_LE(dropped, 12 - bounds.grasps_held);
   EXPECT_LE(slip_m, tolerance(bounds.slip_m));
   EXPECT_LE(coupling_rad, tolerance(bounds.synergy_rad));
   EXPECT_LE(residual, tolerance(bounds.grasp_residual));
