@@ -83,7 +83,8 @@ endif()
 # runs as fast. Only what computes at length is optimised (docs/adr/0066): these modules, and the targets
 # of which wholehand_computes() says so.
 set(computing_modules core model dynamics control patient exercise safety physics ${engine_modules}
-    physics/analytic device/simulated commissioning commissioning/identification registry renderer telemetry)
+    physics/analytic device/simulated commissioning commissioning/identification registry renderer
+    server telemetry)
 if(CMAKE_BUILD_TYPE STREQUAL Debug AND CMAKE_CXX_FLAGS_DEBUG MATCHES "-fsanitize=(address|thread)")
   set(WHOLEHAND_SANITIZED ON)
   target_compile_options(wholehand_options INTERFACE
