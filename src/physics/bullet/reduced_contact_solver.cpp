@@ -98,8 +98,8 @@ void ReducedContactSolver::reserve(int bodies) {
 void ReducedContactSolver::convertContacts(btPersistentManifold** manifolds, int count,
                                            const btContactSolverInfo& info) {
   rows_.setUp(kinematics_, inverse_, velocity_.data(), info.m_timeStep);
-  softness_ = settings_.contact_erp /
-              (settings_.contact_stiffness_n_m * info.m_timeStep * info.m_timeStep);
+  softness_ =
+      settings_.contact_erp / (settings_.contact_stiffness_n_m * info.m_timeStep * info.m_timeStep);
   couples_ends_ = rows_.couplesEnds();
   bool others = false;
   for (int i = 0; i < count; ++i) {

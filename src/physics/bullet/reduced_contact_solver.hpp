@@ -112,8 +112,8 @@ class ReducedContactSolver final : public btSequentialImpulseConstraintSolver {
   void aim(ReducedRow& row, const btSolverBody& body, double goal_velocity) const;
   void startFromLast(HandContact& contact) const;
   void prepareSweeps();
-  void finishRow(ReducedRow& row, const btSolverBody& body, bool angular,
-                 bool one_sided = false, double softness = 0.0) const;
+  void finishRow(ReducedRow& row, const btSolverBody& body, bool angular, bool one_sided = false,
+                 double softness = 0.0) const;
   void start(HandContact& contact);
   template <int Width>
   [[gnu::always_inline]] inline void press(HandContact& contact, btSolverBody& body, double wanted);

@@ -9,8 +9,8 @@ struct SolverSettings {
   int iterations = 50;   ///< per step; 20 let one grasp slide, 100 bring slip to 0.05 mm
   bool at_once = false;  ///< the hand's contacts by Newton's method where that applies (ADR 55)
   NewtonSettings newton;
-  int far_iterations = 10;           ///< for contacts of bodies that the hand does not touch
-  double contact_erp = 0.05;         ///< fraction of a penetration removed per step
+  int far_iterations = 10;    ///< for contacts of bodies that the hand does not touch
+  double contact_erp = 0.05;  ///< fraction of a penetration removed per step
   /// Of a contact between hand and body in its normal direction. Row's softness:
   /// R = contact_erp / (contact_stiffness h²), so that λ = h · stiffness · depth at rest.
   double contact_stiffness_n_m = 2.5e6;
