@@ -382,7 +382,8 @@ TEST(WireDecode, BadMessages_AreRefusedWithTheReason) {
   EXPECT_NE(refusalOf(setHelp(1, static_cast<fb::Help>(4))).find("help = 4"), std::string::npos);
   EXPECT_NE(refusalOf(action(1, static_cast<fb::Act>(-1))).find("action = -1"), std::string::npos);
   // The program's own messages are not messages of a client.
-  EXPECT_NE(refusalOf(wire::controlsMessage({true, true})).find("client may send"), std::string::npos);
+  EXPECT_NE(refusalOf(wire::controlsMessage({true, true})).find("client may send"),
+            std::string::npos);
 }
 
 TEST(WireDecode, OrderLeftOut_IsRefused) {
