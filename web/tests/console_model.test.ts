@@ -93,6 +93,18 @@ describe('after a stop', () => {
     expect(model.state?.runState, 'and the state that is shown is the last').toBe(RunState.Stopped);
   });
 
+  it('time that states tell stands still while none comes', () => {
+    const now = vi.spyOn(performance, 'now').mockReturnValue(1000);
+    const { model, see } = stopped();
+    const began_ms = model.told_ms;
+    for (const at_ms of [1016, 1032, 9032, 9048]) {  // 8 s without a state
+      now.mockReturnValue(at_ms);
+      see(30_000);
+    }
+    expect(model.told_ms - began_ms).toBe(16 + 16 + 50 + 16);
+    now.mockRestore();
+  });
+
   it('they stay where the program makes the scene anew, and beside the next session', () => {
     const { model, see, hear } = stopped();
     hear.scene!(Object.assign(new SceneT(), { session: 2, axes: [AXIS] }));

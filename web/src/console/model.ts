@@ -23,10 +23,16 @@ const DEAD_MS = 1000;
 /** The header tells a limit that held within this time [s]. */
 const LIMITED_FOR_S = 1;
 
+/** States come 60 times a second; after a longer pause than this the page, or the line, stood still [ms]. */
+const LONGEST_PAUSE_MS = 50;
+
 /** The state of the console. Panels read it and send orders through it. */
 export class ConsoleModel {
   scene: SceneT | null = null;
   state: WorldStateT | null = null;
+  /** Time for which states have come [ms]. It stands still while none comes, or the page is too busy to read one. */
+  told_ms = 0;
+  private state_ms = 0;
   history = new History([]);
   readonly marks = new Marks();
   paused = false;
@@ -107,6 +113,9 @@ export class ConsoleModel {
     const ended = before?.runState === RunState.Rendering && state.runState !== RunState.Rendering;
     if (before && (ended || before.endings !== state.endings)) this.ended_ms = performance.now();
     this.state = state;
+    const now_ms = performance.now();
+    this.told_ms += Math.min(now_ms - this.state_ms, LONGEST_PAUSE_MS);
+    this.state_ms = now_ms;
     if (state.runState === RunState.Rendering) this.saved = undefined;
     this.paused = (this.value('paused') ?? Number(this.paused)) > 0.5;
     this.takeFaults(state);
