@@ -72,12 +72,13 @@ const press = (page, id) => page.click(`[data-testid="${id}"]:enabled`, { timeou
 
 /**
  * Holds until there is another task than to hold. A machine that others use may be so late that a press ends, and with
- * it the step: then it is pressed anew, as a person would.
+ * it the step, or that the page loses the lead: then it is pressed anew, as a person would.
  */
 async function hold(page, down, up, wanted) {
   await until(`the task ${wanted}`, async () => {
     const now = await page.evaluate(() => ({ task: document.body.dataset.task, held: document.querySelector('.hold')?.classList.contains('held') }));
     if (now.task === wanted) return true;
+    if (now.task === 'lead') await press(page, 'lead');
     if (now.task === 'next') await press(page, 'answer-done');
     if (now.task === 'hold' && !now.held) {
       await up();
