@@ -297,8 +297,10 @@ TEST(CertifiedDriven, GainsPersonsAndDrivenBodies_NoneIsUnstable) {
   figure("work of the pull beyond that", worst.pull_excess_j, "J");
   figure("energy given beyond that", worst.excess_j, "J");
   EXPECT_EQ(unstable, 0);
-  EXPECT_GT(pressed, 0);
-  EXPECT_GT(touched, number / 2);
+  if (kCountsTell) {
+    EXPECT_GT(pressed, 0);
+    EXPECT_GT(touched, number / 2);
+  }
   EXPECT_LE(worst.most_pull_n, (1.0 - kTurnShare) * kMostForce_n + tolerance(1e-9));
   EXPECT_LE(worst.pull_excess_j, tolerance(1e-9));
   EXPECT_LE(worst.excess_j, tolerance(1e-9));

@@ -141,7 +141,8 @@ TEST(SelfContact, InFreeMotion_CostsLittleOfATick) {
   for (HandLink& link : without.models.hand.links) link.lower = -10.0, link.upper = 10.0;
   without.world = orThrow(buildWorld(defaultEngine(), without.models.hand, without.scene));
   for (const double closes_to : {1.2, 2.4}) {  // 2.4: into a pinch and out of it
-    const double most = closes_to < 2.0 ? 1.05 : 1.25;
+    // 1.02 on an idle machine; 1.09 where a neighbour has most of the caches.
+    const double most = closes_to < 2.0 ? 1.15 : 1.25;
     double with_s = 1e9, without_s = 1e9;
     // Other work only adds to a cost: where the least of 30 rounds does not tell, that of more may.
     for (int round = 0; round < 30 || (round < 150 && with_s > most * without_s); ++round) {
